@@ -1,0 +1,27 @@
+/* nonsmooth.h - ideal diodes and switches as complementarity systems: the whole public interface.
+ *
+ * Layers, each using only those above it:
+ *   status.h   what a call answers, in one table, and what it has to say about a failure
+ *   mlcp.h     mixed linear complementarity problems (P1): no time, no circuit
+ *   signal.h   sources as functions of time, with their corners
+ *   system.h   complementarity systems (S1)-(S4)
+ *   theta.h    one theta-gamma step (T1)(T6)(T7)(P1), tried and accepted
+ *   march.h    many steps: events located, jumps resolved, outputs on both sides of a jump
+ *   circuit.h  R, L, C, K, sources, ideal diodes and switches -> (S1)-(S3)
+ *
+ * The library never prints, never exits, keeps no global state.  Matrices are dense, column by
+ * column (entry (i,j) of a p-by-q matrix is at [i + j*p]), in SI units.  Functions that can fail
+ * return an ns_status: 0 is success, positive means "try again smaller", negative is an error.
+ */
+#ifndef NONSMOOTH_H
+#define NONSMOOTH_H
+
+#include "nonsmooth/circuit.h"
+#include "nonsmooth/march.h"
+#include "nonsmooth/mlcp.h"
+#include "nonsmooth/signal.h"
+#include "nonsmooth/status.h"
+#include "nonsmooth/system.h"
+#include "nonsmooth/theta.h"
+
+#endif

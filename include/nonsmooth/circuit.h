@@ -1,0 +1,109 @@
+/* nonsmooth/circuit.h - netlist elements -> (S1)-(S3) by modified nodal analysis.
+ *
+ * Nodes are integers >= 0, 0 is ground; any node named by an element exists.  Elements are numbered from 0 in
+ * the order they are added; adding returns the number through *id (may be NULL).  Names are copied, must
+ * be unique, and serve messages and references.  SI units; currents flow from the first node through the
+ * element to the second.
+ *
+ * Unknowns x: voltages of the nodes that are used, ascending, then currents of the elements that need
+ * one (L, V, E, H, R = 0, behavioural V) in the order they were added.
+ */
+#ifndef NONSMOOTH_CIRCUIT_H
+#define NONSMOOTH_CIRCUIT_H
+
+#include <stddef.h>
+
+#include "nonsmooth/signal.h"
+#include "nonsmooth/system.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct ns_circuit ns_circuit;
+
+/* The ideal diode: i = v/roff below vf, then v = vf + ron i; with vz: v = -vz + rz i in breakdown. */
+typedef struct ns_diode {
+    double vf;   /* V, finite, may be 0 */
+    double ron;  /* ohm, >= 0 */
+    double roff; /* ohm, > ron, INFINITY allowed */
+    double vz;   /* V, > 0 (and -vz < vf), INFINITY: none */
+    double rz;   /* ohm, >= 0, < roff */
+} ns_diode;
+
+/* The ideal switch: v = ron i closed, i = v/roff open; closes above vt+vh, opens below vt-vh. */
+typedef struct ns_switch {
+    double vt;   /* V */
+    double vh;   /* V, >= 0 */
+    double ron;  /* ohm, >= 0 */
+    double roff; /* ohm, > ron, INFINITY allowed */
+} ns_switch;
+
+/* One term of a linear behavioural source. */
+typedef struct ns_term {
+    int is_current; /* 0: voltage of node `of`; 1: current of element `of` (one that has a current unknown) */
+    int of;
+    double gain;
+} ns_term;
+
+typedef enum ns_output { NS_VOLTAGE, NS_CURRENT } ns_output; /* what a source puts out */
+
+int ns_circuit_create(ns_circuit **out);
+void ns_circuit_free(ns_circuit *c); /* NULL is allowed */
+
+/* Names a node for messages.  Errors: NULL, SIZE, MEMORY. */
+int ns_circuit_name_node(ns_circuit *c, int node, const char *name);
+
+/* Elements.  ic: initial v or i, NAN if not given.  Errors of all: NULL, SIZE (node < 0, or reference to no such
+ * element), NUMBER, RANGE, NAME (given twice), MEMORY; on error the circuit is as before. */
+int ns_circuit_resistor(ns_circuit *c, const char *name, int p, int n, double ohms, int *id); /* 0 and < 0 allowed */
+int ns_circuit_capacitor(ns_circuit *c, const char *name, int p, int n, double farads, double ic, int *id);
+int ns_circuit_inductor(ns_circuit *c, const char *name, int p, int n, double henries, double ic, int *id);
+int ns_circuit_coupling(ns_circuit *c, const char *name, int l1, int l2, double k, int *id); /* |k| <= 1 */
+int ns_circuit_source(ns_circuit *c, const char *name, ns_output kind, int p, int n, const ns_signal *s, int *id);
+/* E (control voltage), G: controlled by v(cp)-v(cn).  H, F: by the current of element `by`. */
+int ns_circuit_vcontrolled(ns_circuit *c, const char *name, ns_output kind, int p, int n, int cp, int cn, double gain, int *id);
+int ns_circuit_icontrolled(ns_circuit *c, const char *name, ns_output kind, int p, int n, int by, double gain, int *id);
+/* constant + sum of terms (B sources that are linear). */
+int ns_circuit_linear(ns_circuit *c, const char *name, ns_output kind, int p, int n, double constant, int nterms, const ns_term *terms, int *id);
+int ns_circuit_diode(ns_circuit *c, const char *name, int anode, int cathode, const ns_diode *d, int *id);
+int ns_circuit_switch(ns_circuit *c, const char *name, int p, int n, int cp, int cn, const ns_switch *s, int *id);
+
+/* SPICE's .ic v(node)=volts.  Errors: NULL, SIZE, NUMBER, MEMORY. */
+int ns_circuit_node_ic(ns_circuit *c, int node, double volts);
+
+/* What went wrong in the last call on c that failed, in one line naming element, cause and value;
+ * empty if none.  Library-owned. */
+const char *ns_circuit_message(const ns_circuit *c);
+
+/* Makes (S1)-(S4) of the circuit as it is now; the caller frees it.  A switch whose control is set by
+ * sources through a path of independent voltage sources gets a command with gx NULL (time only).
+ * Errors: NULL, MEMORY, those of ns_system_check(). */
+int ns_circuit_system(ns_circuit *c, ns_system **out);
+
+/* Index in x of a node's voltage, of an element's current; -1 if it has none. */
+int ns_circuit_node_unknown(const ns_circuit *c, int node);
+int ns_circuit_current_unknown(const ns_circuit *c, int id);
+
+/* w0 = M x(0-) (n of the system) from initial conditions: of each capacitor its ic, else the difference of
+ * its nodes' .ic, else 0; of each inductor its ic, else 0 (SPICE's uic).  Errors: NULL. */
+int ns_circuit_rest(const ns_circuit *c, double *w0);
+
+/* The .ic of nodes as ns_march_start_dc() wants them: fills hold and hold_x (room for the number of node
+ * ic's: ns_circuit_node_ic_count()) and returns how many. */
+int ns_circuit_node_ic_count(const ns_circuit *c);
+int ns_circuit_hold(const ns_circuit *c, int *hold, double *hold_x);
+
+/* A diode's or switch's current (A), voltage (V) and state (1 conducts, 0 not; -1 breakdown) at a point;
+ * i, v, on may be NULL.  Errors: NULL, SIZE (id is neither). */
+int ns_circuit_device(const ns_circuit *c, int id, const double *x, const double *lambda,
+                      const ns_mode *mode, double *i, double *v, int *on);
+
+/* One line for a person: devices, time, cause ("d1, vin: at t = 1.25e-03 s: no solution exists").
+ * Written into line (size bytes, always terminated).  Returns the length it wanted, like snprintf. */
+int ns_circuit_explain(const ns_circuit *c, const ns_fault *f, char *line, size_t size);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

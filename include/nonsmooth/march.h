@@ -1,0 +1,75 @@
+/* nonsmooth/march.h - many theta steps: the way from one output time to the next.
+ *
+ * Steps have the lengths h, h/2, h/4, ... (a ladder), so that their maps recur.  A natural commutation
+ * (a guard that breaks, a control that crosses) is located by walking down the ladder; the instants of
+ * commands that depend on time only and the corners of the inputs are hit exactly.  At an event (P1) is
+ * solved once over a step of negligible length with theta = gamma = 1, which also resolves jumps.
+ * Where events crowd, plain event-capturing steps take over for a while.
+ */
+#ifndef NONSMOOTH_MARCH_H
+#define NONSMOOTH_MARCH_H
+
+#include "nonsmooth/theta.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct ns_march ns_march;
+
+typedef struct ns_march_options {
+    double theta, gamma; /* in (0,1] */
+    double h;            /* longest step, s, > 0 */
+    double split;        /* s, >= 0: output times of the two sides of an event lie this far apart; 0: h/2^20 */
+    size_t map_bytes;    /* as in ns_theta_options */
+} ns_march_options;
+
+/* Makes a marcher for s, which must outlive it and not change.  On failure *out is NULL and fault (may
+ * be NULL) says where.  Errors: those of ns_theta_create(), RANGE (h, split). */
+int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **out, ns_fault *fault);
+void ns_march_free(ns_march *m);
+
+/* Puts the accepted point at t0: from w0 = M x(t0-) (n) the consistent state at t0 is found, jumps
+ * resolved (charge and flux conserved), commands set by their controls (between off and on: open).
+ * Errors: NULL, NUMBER, those of ns_theta_try(), LIMIT (controls that contradict their switches). */
+int ns_march_start(ns_march *m, double t0, const double *w0);
+
+/* The DC operating point at t0: M x' = 0, inputs at t0; then as ns_march_start() with its charges.
+ * hold (nhold indices of x, values hold_x): unknowns forced, by whatever current it takes, while the
+ * operating point is found (SPICE's .ic without uic: node voltages only).  x (n) may be NULL.
+ * Errors: as ns_march_start(), SIZE, SINGULAR / INFEASIBLE (there is no operating point). */
+int ns_march_start_dc(ns_march *m, double t0, int nhold, const int *hold, const double *hold_x,
+                      double *x);
+
+/* Where a trial may end. */
+typedef enum ns_until {
+    NS_TO_TIME, /* at the time asked for, through all events before it */
+    NS_TO_EVENT /* at the left side of the first event if one comes before; if the accepted point is the left
+                   side of an event, at its right side, `split` later at most */
+} ns_until;
+
+/* Tries the way from the accepted point to time t (> the accepted time).  *reached gets where the trial
+ * ended.  The accepted point is left alone: try again with any t.  A second call that asks for the end of
+ * the last trial costs nothing.  Errors: NULL, RANGE (t), those of ns_theta_try(), LIMIT. */
+int ns_march_try(ns_march *m, double t, ns_until until, double *reached);
+
+/* Makes the last successful trial the accepted point.  Errors: STATE. */
+int ns_march_accept(ns_march *m);
+
+/* The point of the last successful trial, or the accepted one if none was made since: time, x (n),
+ * lambda (m), y (m); any may be NULL.  Errors: STATE (not started). */
+int ns_march_read(const ns_march *m, double *t, double *x, double *lambda, double *y);
+
+/* Of the same point: 1 where pair i (of m) is inside (conducts), else 0; library-owned. */
+const ns_mode *ns_march_mode(const ns_march *m);
+
+/* 1 if the point of the last trial is the left side of an event. */
+int ns_march_at_event(const ns_march *m);
+
+const ns_counts *ns_march_counts(const ns_march *m);
+const ns_fault *ns_march_fault(const ns_march *m); /* of the last call that failed; its t is set */
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,96 @@
+/* nonsmooth/theta.h - one theta-gamma step of a linear complementarity system, tried and accepted.
+ *
+ *   (T1)  W      = M - h theta A
+ *   (T6)  x_free = W^-1 ( M x_k + h(1-theta) A x_k + h [theta b_k+1 + (1-theta) b_k] + h(1-gamma) B lambda_k )
+ *   (T7)  q      = C x_free + F z + e
+ *   (P1)  -y in N_[l,u](lambda),  y = W_mlcp lambda + q,  W_mlcp = D + h gamma C W^-1 B
+ *
+ * Algebraic rows (ns_system_split) hold at t_k+1 whatever theta and gamma are.  The past enters only
+ * through w = M x (charges and fluxes) and, for theta or gamma below 1, the slope of w.
+ *
+ * Inside one mode and for one h the step is one small dense matrix; it is built when first needed and
+ * kept, so a step whose guards hold costs one matrix-vector product: nothing is factored, nothing
+ * pivoted.  (P1) is solved only where a guard breaks.
+ */
+#ifndef NONSMOOTH_THETA_H
+#define NONSMOOTH_THETA_H
+
+#include <stddef.h>
+
+#include "nonsmooth/system.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct ns_theta ns_theta;
+
+typedef struct ns_theta_options {
+    double theta, gamma; /* in (0,1] */
+    size_t map_bytes;    /* bound on the memory of kept maps; 0: 64 MiB */
+} ns_theta_options;
+
+/* What the steps of an object cost so far. */
+typedef struct ns_counts {
+    long steps;    /* accepted */
+    long trials;   /* tried */
+    long events;   /* accepted steps that changed the mode */
+    long problems; /* (P1) solved by the MLCP solver */
+    long pivots;   /* inside them */
+    long factors;  /* factorisations, those of the solver included */
+    long maps;     /* maps built */
+    long evicted;  /* maps dropped for the memory bound */
+} ns_counts;
+
+/* What a trial may do when a guard breaks. */
+typedef enum ns_policy {
+    NS_HOLD,   /* answer NS_GUARD: the caller wants to locate the event */
+    NS_RESOLVE /* solve (P1) at the end of the step: event-capturing */
+} ns_policy;
+
+/* Makes a stepper for s, which must outlive it and not change.  On failure *out is NULL and fault (may
+ * be NULL) says where.  Errors: those of ns_system_check(), RANGE (theta, gamma), MEMORY. */
+int ns_theta_create(const ns_system *s, const ns_theta_options *o, ns_theta **out, ns_fault *fault);
+
+/* Frees a stepper; NULL is allowed. */
+void ns_theta_free(ns_theta *s);
+
+/* Forgets the past: now w = M x is w0 (n values, one for each row of M: charges and fluxes just before
+ * the start) and all slopes are zero.  closed (nc) gives the state of each command (0 open, 1 closed).
+ * x, lambda, y are unknown until the first step is accepted.  Errors: NULL, NUMBER. */
+int ns_theta_start(ns_theta *s, const double *w0, const unsigned char *closed);
+
+/* Opens or closes commanded pairs from the next trial on.  closed: nc.  Errors: NULL. */
+int ns_theta_command(ns_theta *s, const unsigned char *closed);
+
+/* Tries a step of length h > 0 from the accepted point to inputs z (nz, at t_k+1).  implicit != 0: with
+ * theta = gamma = 1 for this step (for jumps and starts).  The past is left alone: try again with any h.
+ * NS_GUARD: policy NS_HOLD and a guard broke; or the commands changed and the old mode does not fit.
+ * Errors: NULL, RANGE (h), those of ns_mlcp_solve(), OVERFLOW; *fault of ns_theta_fault(). */
+int ns_theta_try(ns_theta *s, double h, const double *z, int implicit, ns_policy policy);
+
+/* Makes the last successful trial the accepted point; cannot fail for numerical reasons.
+ * Errors: STATE (no trial to accept). */
+int ns_theta_accept(ns_theta *s);
+
+/* The past as one block of ns_theta_past_size() doubles, to return to it later.  Includes the mode. */
+size_t ns_theta_past_size(const ns_theta *s);
+void ns_theta_save(const ns_theta *s, double *past);
+void ns_theta_restore(ns_theta *s, const double *past);
+
+/* The accepted point: x (n), lambda (m), y (m), any of which may be NULL.  Errors: STATE. */
+int ns_theta_read(const ns_theta *s, double *x, double *lambda, double *y);
+
+/* gx x of every command at the last successful trial (nc; 0 where gx is NULL); library-owned. */
+const double *ns_theta_controls(const ns_theta *s);
+
+/* The mode of the accepted point (m); library-owned. */
+const ns_mode *ns_theta_mode(const ns_theta *s);
+
+const ns_counts *ns_theta_counts(const ns_theta *s);
+const ns_fault *ns_theta_fault(const ns_theta *s); /* of the last call that failed */
+
+#ifdef __cplusplus
+}
+#endif
+#endif
