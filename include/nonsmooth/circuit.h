@@ -54,20 +54,26 @@ void ns_circuit_free(ns_circuit *c); /* NULL is allowed */
 /* Names a node for messages.  Errors: NULL, SIZE, MEMORY. */
 int ns_circuit_name_node(ns_circuit *c, int node, const char *name);
 
-/* Elements.  ic: initial v or i, NAN if not given.  Errors of all: NULL, SIZE (node < 0, or reference to no such
- * element), NUMBER, RANGE, NAME (given twice), MEMORY; on error the circuit is as before. */
-int ns_circuit_resistor(ns_circuit *c, const char *name, int p, int n, double ohms, int *id); /* 0 and < 0 allowed */
+/* Elements.  ic: initial v or i, NAN if not given.  Errors of all: NULL, SIZE (node < 0, or reference to no
+ * such element), NUMBER, RANGE, NAME (given twice), MEMORY; on error the circuit is as before. */
+int ns_circuit_resistor(ns_circuit *c, const char *name, int p, int n, double ohms,
+                        int *id); /* 0 and < 0 allowed */
 int ns_circuit_capacitor(ns_circuit *c, const char *name, int p, int n, double farads, double ic, int *id);
 int ns_circuit_inductor(ns_circuit *c, const char *name, int p, int n, double henries, double ic, int *id);
 int ns_circuit_coupling(ns_circuit *c, const char *name, int l1, int l2, double k, int *id); /* |k| <= 1 */
-int ns_circuit_source(ns_circuit *c, const char *name, ns_output kind, int p, int n, const ns_signal *s, int *id);
+int ns_circuit_source(ns_circuit *c, const char *name, ns_output kind, int p, int n, const ns_signal *s,
+                      int *id);
 /* E (control voltage), G: controlled by v(cp)-v(cn).  H, F: by the current of element `by`. */
-int ns_circuit_vcontrolled(ns_circuit *c, const char *name, ns_output kind, int p, int n, int cp, int cn, double gain, int *id);
-int ns_circuit_icontrolled(ns_circuit *c, const char *name, ns_output kind, int p, int n, int by, double gain, int *id);
+int ns_circuit_vcontrolled(ns_circuit *c, const char *name, ns_output kind, int p, int n, int cp, int cn,
+                           double gain, int *id);
+int ns_circuit_icontrolled(ns_circuit *c, const char *name, ns_output kind, int p, int n, int by, double gain,
+                           int *id);
 /* constant + sum of terms (B sources that are linear). */
-int ns_circuit_linear(ns_circuit *c, const char *name, ns_output kind, int p, int n, double constant, int nterms, const ns_term *terms, int *id);
+int ns_circuit_linear(ns_circuit *c, const char *name, ns_output kind, int p, int n, double constant,
+                      int nterms, const ns_term *terms, int *id);
 int ns_circuit_diode(ns_circuit *c, const char *name, int anode, int cathode, const ns_diode *d, int *id);
-int ns_circuit_switch(ns_circuit *c, const char *name, int p, int n, int cp, int cn, const ns_switch *s, int *id);
+int ns_circuit_switch(ns_circuit *c, const char *name, int p, int n, int cp, int cn, const ns_switch *s,
+                      int *id);
 
 /* SPICE's .ic v(node)=volts.  Errors: NULL, SIZE, NUMBER, MEMORY. */
 int ns_circuit_node_ic(ns_circuit *c, int node, double volts);
@@ -96,8 +102,8 @@ int ns_circuit_hold(const ns_circuit *c, int *hold, double *hold_x);
 
 /* A diode's or switch's current (A), voltage (V) and state (1 conducts, 0 not; -1 breakdown) at a point;
  * i, v, on may be NULL.  Errors: NULL, SIZE (id is neither). */
-int ns_circuit_device(const ns_circuit *c, int id, const double *x, const double *lambda,
-                      const ns_mode *mode, double *i, double *v, int *on);
+int ns_circuit_device(const ns_circuit *c, int id, const double *x, const double *lambda, const ns_mode *mode,
+                      double *i, double *v, int *on);
 
 /* One line for a person: devices, time, cause ("d1, vin: at t = 1.25e-03 s: no solution exists").
  * Written into line (size bytes, always terminated).  Returns the length it wanted, like snprintf. */

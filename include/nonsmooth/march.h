@@ -20,8 +20,8 @@ typedef struct ns_march ns_march;
 typedef struct ns_march_options {
     double theta, gamma; /* in (0,1] */
     double h;            /* longest step, s, > 0 */
-    double split;        /* s, >= 0: output times of the two sides of an event lie this far apart; 0: h/2^20 */
-    size_t map_bytes;    /* as in ns_theta_options */
+    double split;     /* s, >= 0: output times of the two sides of an event lie this far apart; 0: h/2^20 */
+    size_t map_bytes; /* as in ns_theta_options */
 } ns_march_options;
 
 /* Makes a marcher for s, which must outlive it and not change.  On failure *out is NULL and fault (may
@@ -38,8 +38,7 @@ int ns_march_start(ns_march *m, double t0, const double *w0);
  * hold (nhold indices of x, values hold_x): unknowns forced, by whatever current it takes, while the
  * operating point is found (SPICE's .ic without uic: node voltages only).  x (n) may be NULL.
  * Errors: as ns_march_start(), SIZE, SINGULAR / INFEASIBLE (there is no operating point). */
-int ns_march_start_dc(ns_march *m, double t0, int nhold, const int *hold, const double *hold_x,
-                      double *x);
+int ns_march_start_dc(ns_march *m, double t0, int nhold, const int *hold, const double *hold_x, double *x);
 
 /* Where a trial may end. */
 typedef enum ns_until {

@@ -16,10 +16,22 @@ typedef struct ns_signal {
     ns_signal_kind kind;
     union {
         double dc;
-        struct { double v1, v2, td, tr, tf, pw, per; int cycles; } pulse; /* tr, tf >= 0 (0: a jump); per = inf: once; cycles 0: no limit */
-        struct { double vo, va, freq, td, theta, phase; } sin;            /* phase in degrees; value before td: vo + va sin(phase) */
-        struct { double v1, v2, td1, tau1, td2, tau2; } exp;
-        struct { int n; const double *t, *v; double repeat, td; } pwl;    /* t non-decreasing (twice the same: a jump); repeat: time of the point to go back to, NAN none */
+        struct {
+            double v1, v2, td, tr, tf, pw, per;
+            int cycles;
+        } pulse; /* tr, tf >= 0 (0: a jump); per = inf: once; cycles 0: no limit */
+        struct {
+            double vo, va, freq, td, theta, phase;
+        } sin; /* phase in degrees; value before td: vo + va sin(phase) */
+        struct {
+            double v1, v2, td1, tau1, td2, tau2;
+        } exp;
+        struct {
+            int n;
+            const double *t, *v;
+            double repeat, td;
+        } pwl; /* t non-decreasing (twice the same: a jump); repeat: time of the point to go back to, NAN none
+                */
     } u;
 } ns_signal;
 

@@ -24,17 +24,18 @@ typedef struct ns_command {
     double on;  /* closes above, */
     double off; /* opens below; off <= on */
     double g0;
-    double *gx; /* n, or NULL where the control is a function of time only: its instants are then hit exactly */
+    double
+        *gx; /* n, or NULL where the control is a function of time only: its instants are then hit exactly */
     double *gz; /* nz, or NULL where no input acts on it directly */
 } ns_command;
 
 /* Every array belongs to the system and is NULL where its size is zero.  z entries are functions of
  * time; constant sources belong in b and e. */
 typedef struct ns_system {
-    int n;  /* unknowns x */
-    int m;  /* pairs */
-    int nz; /* inputs z(t) */
-    int nc; /* commands */
+    int n;               /* unknowns x */
+    int m;               /* pairs */
+    int nz;              /* inputs z(t) */
+    int nc;              /* commands */
     double *M, *A;       /* n*n */
     double *B;           /* n*m */
     double *C;           /* m*n */

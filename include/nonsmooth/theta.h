@@ -1,9 +1,9 @@
 /* nonsmooth/theta.h - one theta-gamma step of a linear complementarity system, tried and accepted.
  *
  *   (T1)  W      = M - h theta A
- *   (T6)  x_free = W^-1 ( M x_k + h(1-theta) A x_k + h [theta b_k+1 + (1-theta) b_k] + h(1-gamma) B lambda_k )
- *   (T7)  q      = C x_free + F z + e
- *   (P1)  -y in N_[l,u](lambda),  y = W_mlcp lambda + q,  W_mlcp = D + h gamma C W^-1 B
+ *   (T6)  x_free = W^-1 ( M x_k + h(1-theta) A x_k + h [theta b_k+1 + (1-theta) b_k] + h(1-gamma) B lambda_k
+ * ) (T7)  q      = C x_free + F z + e (P1)  -y in N_[l,u](lambda),  y = W_mlcp lambda + q,  W_mlcp = D + h
+ * gamma C W^-1 B
  *
  * Algebraic rows (ns_system_split) hold at t_k+1 whatever theta and gamma are.  The past enters only
  * through w = M x (charges and fluxes) and, for theta or gamma below 1, the slope of w.

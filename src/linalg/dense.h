@@ -1,0 +1,25 @@
+/* src/linalg/dense.h - the few dense kernels we need, LAPACK behind them (column by column). */
+#ifndef NS_DENSE_H
+#define NS_DENSE_H
+
+/* LU factors of an equilibrated n*n matrix: rows and columns scaled by powers of two first, so that the
+ * pivot choice and rcond do not depend on the units of the unknowns. */
+typedef struct ns_lu ns_lu;
+
+/* Room for factors of matrices up to n*n.  Errors: SIZE, MEMORY (*out is NULL then). */
+int ns_lu_create(int n, ns_lu **out);
+void ns_lu_free(ns_lu *f); /* NULL is allowed */
+
+/* Factors a (n*n, n at most that of create; left alone).  *rcond (may be NULL) gets the reciprocal
+ * condition estimate of the equilibrated matrix.  Errors: NUMBER (NaN or inf inside), SINGULAR: an exactly
+ * zero pivot or rcond below 1e-300; *column (may be NULL) then gets the column that is not determined. */
+int ns_lu_factor(ns_lu *f, int n, const double *a, double *rcond, int *column);
+
+/* Solves for nrhs right-hand sides in place: b is n*nrhs. */
+void ns_lu_solve(const ns_lu *f, int nrhs, double *b);
+
+/* y = A x, y += A x;  A is p*q with leading dimension p. */
+void ns_matvec(int p, int q, const double *a, const double *x, double *y);
+void ns_matvec_add(int p, int q, const double *a, const double *x, double *y);
+
+#endif
