@@ -1,0 +1,144 @@
+#!/bin/sh
+# codemodels/ngspice-source.sh - the source tree of the ngspice that is installed: headers, cmpp, dlmain.c.
+#
+#     codemodels/ngspice-source.sh DIR
+#
+# Leaves in DIR/tree a configured tree with cmpp built, and DIR/stamp when all of it is there.  The source
+# package is fetched by an apt of its own (its state in DIR/apt, its sources made from the system's), so the
+# system's package lists stay as they are and nobody needs to be root.
+# NGSPICE_SRC=tree takes a copy of that tree instead; one that is configured is used as it is.
+# NGSPICE names the binary (default: ngspice).
+set -eu
+
+dir=$1
+ngspice=${NGSPICE:-ngspice}
+src=${NGSPICE_SRC:-}
+
+say() {
+    printf 'ngspice source: %s\n' "$*"
+}
+
+die() {
+    printf 'ngspice source: %s\n' "$*" >&2
+    exit 1
+}
+
+# Runs a command quietly; shows the end of what it said if it fails.
+quietly() {
+    log=$dir/$1.log
+    shift
+    "$@" >"$log" 2>&1 </dev/null || {
+        tail -n 20 "$log" >&2
+        die "failed: $* (all of it in $log)"
+    }
+}
+
+# The Debian version of the source that the installed binary was made from.
+installed_version() {
+    command -v "$ngspice" >/dev/null 2>&1 || die "no $ngspice on the PATH: run 'make deps'"
+    package=$(dpkg-query -S "$(command -v "$ngspice")" 2>/dev/null | cut -d: -f1) || true
+    [ -n "$package" ] ||
+        die "$(command -v "$ngspice") is of no Debian package: give the tree it was made from as NGSPICE_SRC=dir"
+    dpkg-query -W -f '${source:Package} ${source:Version}' "$package"
+}
+
+# /etc/apt's sources with deb-src in place of deb, in both formats.
+write_sources() {
+    parts=$1
+    for file in /etc/apt/sources.list /etc/apt/sources.list.d/*.list; do
+        [ -f "$file" ] || continue
+        sed -n 's/^[[:space:]]*deb\(-src\)\{0,1\}[[:space:]]\{1,\}/deb-src /p' "$file" |
+            grep -v 'cdrom:' | sort -u >"$parts/$(basename "$file")" || true
+    done
+    for file in /etc/apt/sources.list.d/*.sources; do
+        [ -f "$file" ] || continue
+        sed 's/^[Tt]ypes:.*/Types: deb-src/' "$file" >"$parts/$(basename "$file")"
+    done
+}
+
+# Fetches source $1, version $2, and unpacks it into $dir/tree.
+fetch() {
+    apt=$(cd "$dir" && pwd)/apt
+    rm -rf "$apt"
+    mkdir -p "$apt/parts" "$apt/lists/partial" "$apt/cache/archives/partial" "$apt/get"
+    write_sources "$apt/parts"
+    set -- "$1" "$2" -q -o Dir::Etc::sourcelist=/dev/null -o "Dir::Etc::sourceparts=$apt/parts" \
+        -o "Dir::State::lists=$apt/lists" -o "Dir::Cache=$apt/cache" -o "APT::Sandbox::User=$(id -un)" \
+        -o APT::Update::Post-Invoke-Success::= -o APT::Update::Post-Invoke::=
+    name=$1 version=$2
+    shift 2
+    say "fetching the source package $name $version"
+    # One source without a deb-src half must not stop the others: what counts is whether the version is found.
+    apt-get "$@" update >"$dir/update.log" 2>&1 </dev/null || true
+    (cd "$apt/get" && apt-get "$@" source --download-only "$name=$version" >"$apt/get.log" 2>&1 </dev/null) || {
+        tail -n 5 "$dir/update.log" "$apt/get.log" >&2
+        die "apt has no source of $name $version: give its tree as NGSPICE_SRC=dir"
+    }
+    quietly unpack dpkg-source --no-check -x "$apt"/get/*.dsc "$dir/tree"
+    [ "$(dpkg-parsechangelog -l "$dir/tree/debian/changelog" -S Version)" = "$version" ] ||
+        die "what was fetched is not version $version"
+    rm -rf "$apt" "$dir"/*.orig*.tar.*
+}
+
+# Copies the user's tree to $dir/tree.
+copy() {
+    [ -f "$src/src/xspice/icm/dlmain.c" ] || die "NGSPICE_SRC=$src holds no src/xspice/icm/dlmain.c"
+    say "copying $src"
+    mkdir -p "$dir/tree"
+    (cd "$src" && tar -cf - --exclude=.git --exclude='*.o' --exclude='*.a' .) | (cd "$dir/tree" && tar -xf -)
+}
+
+# The package's own configure flags, less those of its user interface, which no header of ours depends on.
+flags() {
+    if [ -f debian/rules ]; then
+        # shellcheck disable=SC2016 # make expands it
+        make -s -f debian/rules --eval 'ns-flags: ; @echo $(DEB_NGSPICE_CONFIGURE_OPTS)' ns-flags |
+            tr ' ' '\n' | grep -v -e '^--with-x$' -e '^--with-editline' | grep '^--' || true
+    fi
+}
+
+configure() {
+    cd "$dir/tree"
+    dir=.. # quietly's logs
+    if [ ! -f src/include/ngspice/config.h ]; then
+        options=$(flags)
+        case $options in *--enable-xspice*) ;; *)
+            say "no flags in debian/rules; taking those that Debian's ngspice 39 was made with"
+            options='--enable-cider --enable-openmp --enable-pss --enable-xspice --disable-debug'
+            ;;
+        esac
+        say "configuring (half a minute)"
+        [ -x configure ] || quietly autogen ./autogen.sh
+        # shellcheck disable=SC2086 # words
+        quietly configure ./configure --quiet $options --without-x --with-readline=no
+    fi
+    [ -x src/xspice/cmpp/cmpp ] || quietly cmpp make -C src/xspice/cmpp
+}
+
+# "39" of both the headers and the binary, or a refusal.
+check_version() {
+    headers=$(sed -n 's/^#define PACKAGE_VERSION "\(.*\)"/\1/p' "$1/tree/src/include/ngspice/config.h")
+    binary=$("$ngspice" --version 2>/dev/null </dev/null | sed -n 's/^\*\* ngspice-\([^ ]*\).*/\1/p')
+    [ "$headers" = "$binary" ] ||
+        die "the source is ngspice $headers but $(command -v "$ngspice") is ngspice $binary: they must be the same"
+}
+
+if [ -n "$src" ]; then
+    wanted=$src
+else
+    wanted=$(installed_version)
+fi
+[ "$(cat "$dir/stamp" 2>/dev/null)" = "$wanted" ] && exit 0
+
+rm -rf "$dir"
+mkdir -p "$dir"
+if [ -n "$src" ]; then
+    copy
+else
+    # shellcheck disable=SC2086 # name and version
+    fetch $wanted
+fi
+(configure)
+check_version "$dir"
+echo "$wanted" >"$dir/stamp"
+say "ready in $dir/tree"
