@@ -20,12 +20,11 @@ typedef struct ns_march ns_march;
 typedef struct ns_march_options {
     double theta, gamma; /* in (0,1] */
     double h;            /* longest step, s, > 0 */
-    double split;     /* s, >= 0: output times of the two sides of an event lie this far apart; 0: h/2^20 */
-    size_t map_bytes; /* as in ns_theta_options */
+    size_t map_bytes;    /* as in ns_theta_options */
 } ns_march_options;
 
 /* Makes a marcher for s, which must outlive it and not change.  On failure *out is NULL and fault (may
- * be NULL) says where.  Errors: those of ns_theta_create(), RANGE (h, split). */
+ * be NULL) says where.  Errors: those of ns_theta_create(), RANGE (h). */
 int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **out, ns_fault *fault);
 void ns_march_free(ns_march *m);
 
@@ -44,7 +43,7 @@ int ns_march_start_dc(ns_march *m, double t0, int nhold, const int *hold, const 
 typedef enum ns_until {
     NS_TO_TIME, /* at the time asked for, through all events before it */
     NS_TO_EVENT /* at the left side of the first event if one comes before; if the accepted point is the left
-                   side of an event, at its right side, `split` later at most */
+                   side of an event, at its right side */
 } ns_until;
 
 /* Tries the way from the accepted point to time t (> the accepted time).  *reached gets where the trial
@@ -57,7 +56,7 @@ int ns_march_accept(ns_march *m);
 
 /* The point of the last successful trial, or the accepted one if none was made since: time, x (n),
  * lambda (m), y (m); any may be NULL.  Errors: STATE (not started). */
-int ns_march_read(const ns_march *m, double *t, double *x, double *lambda, double *y);
+int ns_march_read(ns_march *m, double *t, double *x, double *lambda, double *y);
 
 /* Of the same point: 1 where pair i (of m) is inside (conducts), else 0; library-owned. */
 const ns_mode *ns_march_mode(const ns_march *m);

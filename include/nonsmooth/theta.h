@@ -78,8 +78,9 @@ size_t ns_theta_past_size(const ns_theta *s);
 void ns_theta_save(const ns_theta *s, double *past);
 void ns_theta_restore(ns_theta *s, const double *past);
 
-/* The accepted point: x (n), lambda (m), y (m), any of which may be NULL.  Errors: STATE. */
-int ns_theta_read(const ns_theta *s, double *x, double *lambda, double *y);
+/* The accepted point: x (n), lambda (m), y (m), any of which may be NULL.  Errors:
+ * STATE (no step was accepted since the start), MEMORY. */
+int ns_theta_read(ns_theta *s, double *x, double *lambda, double *y);
 
 /* gx x of every command at the last successful trial (nc; 0 where gx is NULL); library-owned. */
 const double *ns_theta_controls(const ns_theta *s);

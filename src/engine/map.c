@@ -1,0 +1,224 @@
+/* src/engine/map.c - the step of one mode and one length as a small dense matrix.
+ *
+ * In a mode the pairs J are inside (y_J = 0) and the others sit at a bound (lambda_N = l or u).  With
+ * W = M - h theta A (T1) on the differential rows and -A on the algebraic ones, the step is
+ *
+ *     [ W    -h gamma B_J ] [ x        ]   [ eta + h theta (b + E z) + h gamma B_N lambda_N ]
+ *     [ C_J   D_JJ        ] [ lambda_J ] = [ -(F z + e)_J - D_JN lambda_N                   ]      (P2)
+ *
+ * (h gamma and h theta read 1 on algebraic rows).  Eliminating x gives (P1) in that mode; (P2) is kept
+ * whole because W alone is singular in circuits whose devices all block.
+ */
+#include "stepper.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Below this the equations of a mode count as singular: at rcond = eps nothing of the answer is left. */
+static const double rcond_min = 1e-16;
+
+static int list_inside(const ns_theta *s, const ns_mode *mode, int *inside) {
+    int count = 0;
+    for (int j = 0; j < s->s->m; j++)
+        if (mode[j] == NS_INSIDE)
+            inside[count++] = j;
+    return count;
+}
+
+static double bound_of(const ns_theta *s, const ns_mode *mode, int j) {
+    return mode[j] == NS_LOWER ? s->l[j] : s->u[j];
+}
+
+/* K of (P2), (n+nj)^2. */
+static void form_matrix(ns_theta *s, double h, int implicit, int nj) {
+    const int n = s->s->n, m = s->s->m, size = n + nj;
+    const double ht = implicit ? h : h * s->theta, hg = implicit ? h : h * s->gamma;
+    for (int j = 0; j < n; j++) {
+        double *col = s->K + (size_t)j * (size_t)size;
+        for (int i = 0; i < n; i++) {
+            const double a = s->A[i + j * n];
+            col[i] = i < s->r ? s->M[i + j * n] - ht * a : -a; /* (T1) */
+        }
+        for (int i = 0; i < nj; i++)
+            col[n + i] = s->s->C[s->inside[i] + j * m];
+    }
+    for (int k = 0; k < nj; k++) {
+        const int j = s->inside[k];
+        double *col = s->K + (size_t)(n + k) * (size_t)size;
+        for (int i = 0; i < n; i++)
+            col[i] = -(i < s->r ? hg : 1.0) * s->B[i + j * n];
+        for (int i = 0; i < nj; i++)
+            col[n + i] = s->s->D[s->inside[i] + j * m];
+    }
+}
+
+/* Right-hand sides of (P2), one column for each input of the map. */
+static void form_columns(ns_theta *s, double h, int implicit, const ns_mode *mode, int nj) {
+    const int n = s->s->n, m = s->s->m, nz = s->s->nz, size = n + nj;
+    const double ht = implicit ? h : h * s->theta, hg = implicit ? h : h * s->gamma;
+    memset(s->X, 0, sizeof(double) * (size_t)size * (size_t)s->q);
+    for (int i = 0; i < s->r; i++)
+        s->X[i + i * size] = 1;
+    for (int k = 0; k < nz; k++) {
+        double *col = s->X + (size_t)(s->r + k) * (size_t)size;
+        for (int i = 0; i < n; i++)
+            col[i] = (i < s->r ? ht : 1) * s->E[i + k * n];
+        for (int i = 0; i < nj; i++)
+            col[n + i] = -s->s->F[s->inside[i] + k * m];
+    }
+    double *one = s->X + (size_t)(s->q - 1) * (size_t)size;
+    for (int i = 0; i < n; i++)
+        one[i] = (i < s->r ? ht : 1) * s->b[i];
+    for (int i = 0; i < nj; i++)
+        one[n + i] = -s->s->e[s->inside[i]];
+    for (int j = 0; j < m; j++) {
+        const double bound = mode[j] == NS_INSIDE ? 0 : bound_of(s, mode, j);
+        if (bound == 0)
+            continue;
+        for (int i = 0; i < n; i++)
+            one[i] += (i < s->r ? hg : 1) * s->B[i + j * n] * bound;
+        for (int i = 0; i < nj; i++)
+            one[n + i] -= s->s->D[s->inside[i] + j * m] * bound;
+    }
+}
+
+/* full = (x, lambda) from the solution in X. */
+static void fill_full(const ns_theta *s, ns_map *map, int nj) {
+    const int n = s->s->n, m = s->s->m, size = n + nj;
+    for (int k = 0; k < s->q; k++) {
+        const double *from = s->X + (size_t)k * (size_t)size;
+        double *to = map->full + (size_t)k * (size_t)(n + m);
+        memcpy(to, from, sizeof(double) * (size_t)n);
+        for (int j = 0; j < m; j++)
+            to[n + j] = map->mode[j] != NS_INSIDE && k == s->q - 1 ? bound_of(s, map->mode, j) : 0;
+        for (int i = 0; i < nj; i++)
+            to[n + s->inside[i]] = from[n + i];
+    }
+}
+
+/* y_j as a function of the inputs: C x + D lambda + F z + e, column k of the map. */
+static double y_entry(const ns_theta *s, const ns_map *map, int j, int k) {
+    const int n = s->s->n, m = s->s->m;
+    const double *v = map->full + (size_t)k * (size_t)(n + m);
+    double y = 0;
+    for (int i = 0; i < n; i++)
+        y += s->s->C[j + i * m] * v[i];
+    for (int i = 0; i < m; i++)
+        y += s->s->D[j + i * m] * v[n + i];
+    if (k == s->q - 1)
+        y += s->s->e[j];
+    else if (k >= s->r)
+        y += s->s->F[j + (k - s->r) * m];
+    return y;
+}
+
+static int guard_count(const ns_theta *s, const ns_mode *mode) {
+    int count = 0;
+    for (int j = 0; j < s->s->m; j++) {
+        if (mode[j] == NS_INSIDE)
+            count += isfinite(s->l[j]) + isfinite(s->u[j]);
+        else if (s->l[j] < s->u[j])
+            count++;
+    }
+    return count;
+}
+
+static void fill_guards(const ns_theta *s, ns_map *map, int k) {
+    const int n = s->s->n, m = s->s->m;
+    const double *lambda = map->full + (size_t)k * (size_t)(n + m) + n;
+    double *row = map->step + (size_t)k * (size_t)map->p + (map->p - map->guards);
+    const int one = k == s->q - 1;
+    for (int j = 0; j < m; j++) {
+        if (map->mode[j] == NS_INSIDE) {
+            if (isfinite(s->l[j]))
+                *row++ = lambda[j] - (one ? s->l[j] : 0);
+            if (isfinite(s->u[j]))
+                *row++ = (one ? s->u[j] : 0) - lambda[j];
+        } else if (s->l[j] < s->u[j]) {
+            *row++ = map->mode[j] == NS_LOWER ? y_entry(s, map, j, k) : -y_entry(s, map, j, k);
+        }
+    }
+}
+
+/* d = (1-theta) (A x + b + E z) + (1-gamma) B lambda on row i, column k. */
+static double slope_entry(const ns_theta *s, const double *v, int i, int k) {
+    const int n = s->s->n, m = s->s->m;
+    double f = k == s->q - 1 ? s->b[i] : k >= s->r ? s->E[i + (k - s->r) * n] : 0, g = 0;
+    for (int j = 0; j < n; j++)
+        f += s->A[i + j * n] * v[j];
+    for (int j = 0; j < m; j++)
+        g += s->B[i + j * n] * v[n + j];
+    return (1 - s->theta) * f + (1 - s->gamma) * g;
+}
+
+static void fill_step(const ns_theta *s, ns_map *map) {
+    const int n = s->s->n, m = s->s->m, r = s->r;
+    for (int k = 0; k < s->q; k++) {
+        const double *v = map->full + (size_t)k * (size_t)(n + m);
+        double *out = map->step + (size_t)k * (size_t)map->p;
+        for (int i = 0; i < r; i++) {
+            double w = 0;
+            for (int j = 0; j < n; j++)
+                w += s->M[i + j * n] * v[j];
+            *out++ = w;
+        }
+        for (int i = 0; s->carry && i < r; i++)
+            *out++ = slope_entry(s, v, i, k);
+        for (int c = 0; c < s->s->nc; c++) {
+            const double *gx = s->s->command[c].gx;
+            double g = 0;
+            for (int j = 0; gx && j < n; j++)
+                g += gx[j] * v[j];
+            *out++ = g;
+        }
+        fill_guards(s, map, k);
+    }
+}
+
+static ns_map *map_create(const ns_theta *s, const ns_mode *mode) {
+    const size_t m = (size_t)s->s->m, n = (size_t)s->s->n, q = (size_t)s->q;
+    const int guards = guard_count(s, mode);
+    const int p = s->r * (s->carry ? 2 : 1) + s->s->nc + guards;
+    const size_t numbers = (size_t)p * q + (n + m) * q;
+    const size_t bytes = sizeof(ns_map) + numbers * sizeof(double) + m;
+    ns_map *map = calloc(1, bytes);
+    if (!map)
+        return NULL;
+    map->p = p;
+    map->guards = guards;
+    map->bytes = bytes;
+    map->step = (double *)(void *)(map + 1);
+    map->full = map->step + (size_t)p * q;
+    map->mode = (ns_mode *)(map->full + (n + m) * q);
+    memcpy(map->mode, mode, m);
+    return map;
+}
+
+int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out) {
+    *out = NULL;
+    const int nj = list_inside(s, mode, s->inside), n = s->s->n, size = n + nj;
+    form_matrix(s, h, implicit, nj);
+    double rcond = 1;
+    int column = -1;
+    s->counts.factors++;
+    const int status = ns_lu_factor(s->lu, size, s->K, &rcond, &column);
+    if (status != NS_OK || rcond < rcond_min)
+        return status == NS_OK ? NS_E_SINGULAR : status;
+    form_columns(s, h, implicit, mode, nj);
+    ns_lu_solve(s->lu, s->q, s->X);
+    ns_map *map = map_create(s, mode);
+    if (!map)
+        return NS_E_MEMORY;
+    map->h = h;
+    map->implicit = implicit;
+    fill_full(s, map, nj);
+    fill_step(s, map);
+    s->counts.maps++;
+    *out = map;
+    return NS_OK;
+}
+
+void ns_map_free(ns_map *map) {
+    free(map);
+}

@@ -1,0 +1,101 @@
+/* src/engine/problem.c - the complementarity problem of a step, x and lambda together.
+ *
+ * Unreduced (P1): unknowns (x, lambda), x with equality rows (bounds -inf, inf):
+ *
+ *     [ 0 ]   [ W  -h gamma B ] [ x      ]   [ eta + h theta (b + E z) ]
+ *     [ y ] = [ C   D         ] [ lambda ] - [ -(F z + e)              ]
+ *
+ * Reduced to lambda this is y = W_mlcp lambda + q.  Whole, it can be solved where W is singular.
+ */
+#include "stepper.h"
+
+#include <math.h>
+#include <string.h>
+
+static void form(ns_theta *s, const double *M, double ht, double hg, const double *z, int size) {
+    const int n = s->s->n, m = s->s->m, nz = s->s->nz;
+    for (int j = 0; j < size; j++) {
+        double *col = s->K + (size_t)j * (size_t)size;
+        for (int i = 0; i < size; i++)
+            col[i] = 0;
+        for (int i = 0; i < n && j < n; i++)
+            col[i] = i < s->r && M ? M[i + j * n] - ht * s->A[i + j * n] : -s->A[i + j * n]; /* (T1) */
+        for (int i = 0; i < n && j >= n && j < n + m; i++)
+            col[i] = -(i < s->r && M ? hg : 1) * s->B[i + (j - n) * n];
+        for (int i = 0; i < m && j < n + m; i++)
+            col[n + i] = j < n ? s->s->C[i + j * m] : s->s->D[i + (j - n) * m];
+    }
+    for (int i = 0; i < n; i++) {
+        double f = s->b[i];
+        for (int k = 0; k < nz; k++)
+            f += s->E[i + k * n] * z[k];
+        s->rhs[i] = -(i < s->r && M ? ht : 1) * f;
+    }
+    for (int i = 0; i < m; i++) {
+        s->rhs[n + i] = s->s->e[i];
+        for (int k = 0; k < nz; k++)
+            s->rhs[n + i] += s->s->F[i + k * m] * z[k];
+    }
+    for (int i = 0; i < size; i++) {
+        const int pair = i >= n && i < n + m;
+        s->bl[i] = pair ? s->l[i - n] : -INFINITY;
+        s->bu[i] = pair ? s->u[i - n] : INFINITY;
+        s->work_mode[i] = NS_INSIDE;
+    }
+}
+
+/* The solver's indices are (x, lambda); the caller's fault names unknowns and pairs apart. */
+static void translate(ns_theta *s, const ns_fault *from) {
+    const int n = s->s->n, m = s->s->m;
+    s->fault.npairs = s->fault.nunknowns = 0;
+    for (int k = 0; k < from->npairs; k++) {
+        const int i = from->pair[k];
+        if (i < n)
+            s->fault.unknown[s->fault.nunknowns++] = i;
+        else if (i < n + m)
+            s->fault.pair[s->fault.npairs++] = i - n;
+    }
+}
+
+static int solve(ns_theta *s, int size, ns_mode *mode) {
+    const int n = s->s->n, m = s->s->m;
+    const ns_mlcp p = {size, s->K, s->rhs, s->bl, s->bu};
+    ns_mlcp_info info;
+    memset(&info, 0, sizeof info);
+    memcpy(s->work_mode + n, mode, (size_t)m);
+    const int status = ns_mlcp_solve(s->mlcp, &p, s->work_mode, s->sol, s->resid, &info);
+    s->counts.problems++;
+    s->counts.pivots += info.pivots;
+    s->counts.factors += info.factors;
+    if (status == NS_OK)
+        memcpy(mode, s->work_mode + n, (size_t)m);
+    else
+        translate(s, &info.fault);
+    return status;
+}
+
+int ns_problem_solve(ns_theta *s, double h, int implicit) {
+    const int n = s->s->n, m = s->s->m;
+    form(s, s->M, implicit ? h : h * s->theta, implicit ? h : h * s->gamma, s->trial_in + s->r, n + m);
+    for (int i = 0; i < s->r; i++)
+        s->rhs[i] -= s->trial_in[i]; /* eta of (T6) */
+    return solve(s, n + m, s->trial_mode);
+}
+
+/* Holding node voltage x_i takes one more unknown, the current that does it, in x_i's own KCL row. */
+int ns_problem_dc(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
+                  ns_mode *mode, double *x) {
+    const int n = s->s->n, m = s->s->m, size = n + m + nhold;
+    form(s, NULL, 0, 0, z, size);
+    for (int k = 0; k < nhold; k++) {
+        double *col = s->K + (size_t)(n + m + k) * (size_t)size;
+        for (int i = 0; i < n; i++)
+            col[i] = -s->T[i + hold[k] * n];
+        s->K[(n + m + k) + hold[k] * size] = 1;
+        s->rhs[n + m + k] = -hold_x[k];
+    }
+    const int status = solve(s, size, mode);
+    if (status == NS_OK)
+        memcpy(x, s->sol, sizeof(double) * (size_t)n);
+    return status;
+}

@@ -1,0 +1,105 @@
+/* src/engine/stepper.h - the theta stepper from inside: shared by theta.c, map.c, cache.c, problem.c. */
+#ifndef NS_STEPPER_H
+#define NS_STEPPER_H
+
+#include "../linalg/dense.h"
+#include "nonsmooth/theta.h"
+
+/* The step of one mode and one length as a matrix.  It acts on the q inputs
+ *   in = (eta (r), z (nz), 1),   eta = w + h d
+ * where w (r) are the rows of M x that differ from zero (charges, fluxes) and
+ *   d = (1-theta) (A x + b + E z) + (1-gamma) B lambda
+ * on the same rows at t_k.  See (T6): eta and z hold all that x_free needs. */
+typedef struct ns_map ns_map;
+struct ns_map {
+    double h;
+    int implicit;  /* 1: theta = gamma = 1 in this map */
+    int p;         /* rows of step: w (r), d (r if carried), controls (nc), guards */
+    int guards;    /* how many guards: the last rows of step; each must be >= 0 */
+    double *step;  /* p*q */
+    double *full;  /* (n+m)*q: x, lambda */
+    ns_mode *mode; /* m */
+    size_t bytes;
+    ns_map *chain;         /* next in its bucket */
+    ns_map *older, *newer; /* by last use */
+};
+
+enum { NS_BUCKETS = 1024, NS_RECENT = 64 };
+
+/* Maps by (h, implicit, mode), the least recently used dropped when they need more than limit bytes. */
+typedef struct ns_cache {
+    ns_map *bucket[NS_BUCKETS];
+    ns_map *newest, *oldest;
+    size_t bytes, limit;
+} ns_cache;
+
+struct ns_theta {
+    const ns_system *s;
+    double theta, gamma;
+    int carry; /* theta or gamma below 1: d is part of the past */
+    int r;     /* differential rows */
+    int q;     /* inputs of a map: r + nz + 1 */
+    /* the system after ns_system_split(): rows 0..r-1 differential, r..n-1 algebraic */
+    double *M, *A, *B, *b, *E;
+    double *T;     /* n*n */
+    double *l, *u; /* m, with the bounds of commanded pairs as commanded */
+    /* the past: accepted point */
+    double *w, *d; /* r */
+    ns_mode *mode; /* m */
+    double *in;    /* q: what the accepted step acted on, */
+    double h;      /* its length, 0 if none was accepted since the start, */
+    int implicit;  /* and kind */
+    /* the trial */
+    int has_trial;
+    double trial_h;
+    int trial_implicit;
+    ns_mode *trial_mode; /* m */
+    double *trial_in;    /* q */
+    double *out;         /* p at most: r + r + nc + 2m */
+    ns_map *trial_map;
+    /* maps */
+    ns_cache cache;
+    ns_map *recent[NS_RECENT]; /* maps of `mode`, found by the exponent of h */
+    /* work */
+    ns_lu *lu;
+    ns_mlcp_solver *mlcp;
+    double *K;                     /* (n+m)^2 */
+    double *X;                     /* (n+m)*(q+1) */
+    double *rhs;                   /* n+m */
+    double *sol, *resid, *bl, *bu; /* n+m */
+    ns_mode *work_mode;            /* n+m */
+    int *inside;                   /* m */
+    double *control;               /* nc */
+    ns_counts counts;
+    ns_fault fault;
+};
+
+/* map.c: builds the map of a mode; *out is not in the cache yet.  Errors: SINGULAR, MEMORY, NUMBER. */
+int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out);
+void ns_map_free(ns_map *map);
+
+/* cache.c */
+ns_map *ns_cache_find(ns_cache *c, double h, int implicit, const ns_mode *mode, int m);
+void ns_cache_insert(ns_cache *c, ns_map *map, int m);
+/* Drops old maps until the limit holds; never `keep`.  Returns how many were dropped. */
+long ns_cache_trim(ns_cache *c, int m, const ns_map *keep);
+void ns_cache_clear(ns_cache *c);
+
+/* theta.c: keeps the status in the fault and returns it; forgets maps of the mode that was; gives commanded
+ * pairs the bounds of their state, which their mode tells. */
+int ns_theta_fail(ns_theta *s, int status);
+void ns_theta_forget_recent(ns_theta *s);
+void ns_theta_set_bounds(ns_theta *s);
+
+/* trial.c: the map of (h, implicit, mode) from the cache, or built and kept.  Errors: ns_map_build(). */
+int ns_theta_map(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out);
+
+/* problem.c: (P1) of a step, unreduced (x as equality rows), solved from the mode of s->trial_mode, which
+ * gets the answer's mode.  Uses s->trial_in.  Errors: those of ns_mlcp_solve(). */
+int ns_problem_solve(ns_theta *s, double h, int implicit);
+
+/* problem.c: the same for M x' = 0, with nhold unknowns held at hold_x; fills x (n).  mode: m. */
+int ns_problem_dc(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
+                  ns_mode *mode, double *x);
+
+#endif

@@ -1,0 +1,200 @@
+/* src/engine/theta.c - the theta-gamma stepper: made, started, commanded, freed. */
+#include "stepper.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static double *vector(size_t count, int *failed) {
+    double *v = calloc(count ? count : 1, sizeof(double));
+    *failed |= !v;
+    return v;
+}
+
+static ns_mode *modes(size_t count, int *failed) {
+    ns_mode *v = calloc(count ? count : 1, sizeof(ns_mode));
+    *failed |= !v;
+    return v;
+}
+
+/* to = T from, both with n rows. */
+static void transform(int n, int columns, const double *T, const double *from, double *to) {
+    for (int j = 0; j < columns; j++)
+        ns_matvec(n, n, T, from + (size_t)j * (size_t)n, to + (size_t)j * (size_t)n);
+}
+
+static int allocate(ns_theta *s) {
+    const size_t n = (size_t)s->s->n, m = (size_t)s->s->m, nz = (size_t)s->s->nz, nc = (size_t)s->s->nc;
+    const size_t all = 2 * n + m, q = n + nz + 1; /* as many holds as unknowns, r <= n */
+    int failed = 0;
+    s->M = vector(n * n, &failed);
+    s->A = vector(n * n, &failed);
+    s->T = vector(n * n, &failed);
+    s->B = vector(n * m, &failed);
+    s->b = vector(n, &failed);
+    s->E = vector(n * nz, &failed);
+    s->l = vector(m, &failed);
+    s->u = vector(m, &failed);
+    s->w = vector(n, &failed);
+    s->d = vector(n, &failed);
+    s->in = vector(q, &failed);
+    s->trial_in = vector(q, &failed);
+    s->out = vector(2 * n + nc + 2 * m, &failed);
+    s->K = vector(all * all, &failed);
+    s->X = vector(all * (q + 1), &failed);
+    s->rhs = vector(all, &failed);
+    s->sol = vector(all, &failed);
+    s->resid = vector(all, &failed);
+    s->bl = vector(all, &failed);
+    s->bu = vector(all, &failed);
+    s->control = vector(nc, &failed);
+    s->mode = modes(m, &failed);
+    s->trial_mode = modes(m, &failed);
+    s->work_mode = modes(all, &failed);
+    s->inside = calloc(m ? m : 1, sizeof(int));
+    failed |= !s->inside;
+    if (failed || ns_lu_create((int)(n + m), &s->lu) != NS_OK || ns_mlcp_create((int)all, &s->mlcp) != NS_OK)
+        return NS_E_MEMORY;
+    return NS_OK;
+}
+
+static int split(ns_theta *s) {
+    const int n = s->s->n;
+    const int status = ns_system_split(s->s, s->T, &s->r);
+    if (status != NS_OK)
+        return status;
+    transform(n, n, s->T, s->s->M, s->M);
+    transform(n, n, s->T, s->s->A, s->A);
+    transform(n, s->s->m, s->T, s->s->B, s->B);
+    transform(n, s->s->nz, s->T, s->s->E, s->E);
+    transform(n, 1, s->T, s->s->b, s->b);
+    for (int j = 0; j < n; j++)
+        for (int i = s->r; i < n; i++)
+            s->M[i + j * n] = 0; /* exactly: rounding of T M is all that could be left */
+    s->q = s->r + s->s->nz + 1;
+    return NS_OK;
+}
+
+static int in_unit(double v) {
+    return v > 0 && v <= 1;
+}
+
+int ns_theta_create(const ns_system *system, const ns_theta_options *o, ns_theta **out, ns_fault *fault) {
+    if (!out)
+        return NS_E_NULL;
+    *out = NULL;
+    if (!system || !o)
+        return NS_E_NULL;
+    int status = ns_system_check(system, fault);
+    if (status != NS_OK)
+        return status;
+    if (!in_unit(o->theta) || !in_unit(o->gamma))
+        return NS_E_RANGE;
+    ns_theta *s = calloc(1, sizeof *s);
+    if (!s)
+        return NS_E_MEMORY;
+    s->s = system;
+    s->theta = o->theta;
+    s->gamma = o->gamma;
+    s->carry = o->theta < 1 || o->gamma < 1;
+    s->cache.limit = o->map_bytes ? o->map_bytes : (size_t)64 << 20;
+    s->fault.t = NAN;
+    status = allocate(s);
+    if (status == NS_OK)
+        status = split(s);
+    if (status != NS_OK) {
+        ns_theta_free(s);
+        return status;
+    }
+    *out = s;
+    return NS_OK;
+}
+
+void ns_theta_free(ns_theta *s) {
+    if (!s)
+        return;
+    double *const arrays[] = {s->M, s->A,   s->T,   s->B,     s->b,        s->E,   s->l,
+                              s->u, s->w,   s->d,   s->in,    s->trial_in, s->out, s->K,
+                              s->X, s->rhs, s->sol, s->resid, s->bl,       s->bu,  s->control};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        free(arrays[i]);
+    free(s->mode);
+    free(s->trial_mode);
+    free(s->work_mode);
+    free(s->inside);
+    ns_cache_clear(&s->cache);
+    ns_lu_free(s->lu);
+    ns_mlcp_free(s->mlcp);
+    free(s);
+}
+
+int ns_theta_fail(ns_theta *s, int status) {
+    s->fault.status = (ns_status)status;
+    return status;
+}
+
+void ns_theta_forget_recent(ns_theta *s) {
+    memset(s->recent, 0, sizeof s->recent);
+}
+
+/* The mode that stands for "nothing known": at the finite bound nearest to zero, inside if there is none. */
+static ns_mode resting_mode(double l, double u) {
+    if (isfinite(l))
+        return NS_LOWER;
+    return isfinite(u) ? NS_UPPER : NS_INSIDE;
+}
+
+int ns_theta_start(ns_theta *s, const double *w0, const unsigned char *closed) {
+    if (!s || (!w0 && s->s->n > 0) || (!closed && s->s->nc > 0))
+        return NS_E_NULL;
+    for (int i = 0; i < s->s->n; i++)
+        if (!isfinite(w0[i]))
+            return ns_theta_fail(s, NS_E_NUMBER);
+    transform(s->s->n, 1, s->T, w0, s->w);
+    memset(s->d, 0, sizeof(double) * (size_t)s->s->n);
+    for (int j = 0; j < s->s->m; j++) {
+        s->l[j] = s->s->l[j];
+        s->u[j] = s->s->u[j];
+        s->mode[j] = resting_mode(s->l[j], s->u[j]);
+    }
+    s->h = 0;
+    s->has_trial = 0;
+    return ns_theta_command(s, closed);
+}
+
+void ns_theta_set_bounds(ns_theta *s) {
+    for (int c = 0; c < s->s->nc; c++) {
+        const int j = s->s->command[c].pair;
+        s->l[j] = s->mode[j] == NS_INSIDE ? -INFINITY : 0;
+        s->u[j] = s->mode[j] == NS_INSIDE ? INFINITY : 0;
+    }
+}
+
+int ns_theta_command(ns_theta *s, const unsigned char *closed) {
+    if (!s || (!closed && s->s->nc > 0))
+        return NS_E_NULL;
+    for (int c = 0; c < s->s->nc; c++) {
+        const int j = s->s->command[c].pair;
+        s->mode[j] = closed[c] ? NS_INSIDE : NS_LOWER;
+    }
+    ns_theta_set_bounds(s);
+    s->has_trial = 0;
+    ns_theta_forget_recent(s);
+    return NS_OK;
+}
+
+const double *ns_theta_controls(const ns_theta *s) {
+    return s->out + s->r * (s->carry ? 2 : 1);
+}
+
+const ns_mode *ns_theta_mode(const ns_theta *s) {
+    return s->mode;
+}
+
+const ns_counts *ns_theta_counts(const ns_theta *s) {
+    return &s->counts;
+}
+
+const ns_fault *ns_theta_fault(const ns_theta *s) {
+    return &s->fault;
+}
