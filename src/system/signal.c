@@ -1,0 +1,248 @@
+/* src/system/signal.c - values and corners of sources as functions of time.
+ *
+ * PULSE and PWL are both broken lines: points (t[i], v[i]), the value held before the first and after the
+ * last, the points from `from` on repeated with a period.  Point i of repetition k lies at
+ *     at(k,i) = origin + (k period + t[i]),
+ * computed from k, so that nothing drifts.  Times within `slack` of a corner, a few roundings, count as the
+ * corner itself: what a caller computes to be a corner is found to be one.
+ */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "signal_internal.h"
+
+typedef struct line {
+    int n;
+    const double *t, *v; /* n; t non-decreasing, INFINITY allowed */
+    double origin;
+    double period; /* INFINITY: once */
+    int from;      /* first point that repeats */
+    double cycles; /* how often, INFINITY: no limit */
+} line;
+
+typedef struct pulse_points {
+    double t[5], v[5];
+} pulse_points;
+
+static double slack(double t, double origin) {
+    return 8 * DBL_EPSILON * fmax(fabs(t), fabs(origin));
+}
+
+/* From (t0,v0) to (t1,v1), held outside. */
+static double between(double t, double t0, double v0, double t1, double v1) {
+    if (t <= t0) {
+        return v0;
+    }
+    return t >= t1 ? v1 : v0 + (v1 - v0) * ((t - t0) / (t1 - t0));
+}
+
+/* SPICE's PULSE as a broken line; a pulse longer than its period is cut off there and jumps back. */
+static line pulse_line(const ns_signal *s, pulse_points *p) {
+    double v1 = s->u.pulse.v1, v2 = s->u.pulse.v2, per = s->u.pulse.per;
+    double top = s->u.pulse.tr, fall = top + s->u.pulse.pw, end = fall + s->u.pulse.tf;
+    line g = {4, p->t, p->v, s->u.pulse.td, per, 0, s->u.pulse.cycles > 0 ? s->u.pulse.cycles : INFINITY};
+    *p = (pulse_points){{0, top, fall, end, per}, {v1, v2, v2, v1, v1}};
+    if (end > per * (1 + 8 * DBL_EPSILON)) {
+        double cut = per <= top ? between(per, 0, v1, top, v2) : between(per, fall, v2, end, v1);
+        g.n = 5;
+        for (int i = 1; i < 4; i++) {
+            if (p->t[i] > per) {
+                p->t[i] = per;
+                p->v[i] = cut;
+            }
+        }
+    } else {
+        p->t[3] = fmin(end, per);
+    }
+    return g;
+}
+
+static line pwl_line(const ns_signal *s) {
+    int n = s->u.pwl.n;
+    const double *t = s->u.pwl.t;
+    line g = {n, t, s->u.pwl.v, s->u.pwl.td, INFINITY, 0, INFINITY};
+    if (!isnan(s->u.pwl.repeat)) {
+        g.period = t[n - 1] - s->u.pwl.repeat;
+        while (g.from + 1 < n && t[g.from + 1] <= s->u.pwl.repeat) {
+            g.from++; /* the last of equal times: what holds to the right of the jump */
+        }
+    }
+    return g;
+}
+
+static double at(const line *g, double k, int i) {
+    return g->origin + (k > 0 ? k * g->period + g->t[i] : g->t[i]);
+}
+
+/* The repetition that t lies in. */
+static double repetition(const line *g, double t) {
+    double k;
+    if (isinf(g->period)) {
+        return 0;
+    }
+    k = floor((t - g->origin - g->t[g->from]) / g->period);
+    if (at(g, k, g->from) > t) {
+        k -= 1;
+    } else if (at(g, k + 1, g->from) <= t) {
+        k += 1;
+    }
+    return fmax(0, fmin(k, g->cycles - 1));
+}
+
+/* The last point of repetition k at or before t, -1 if there is none. */
+static int point_before(const line *g, double k, double t) {
+    int low = k > 0 ? g->from : 0, high = g->n;
+    while (low < high) {
+        int middle = low + (high - low) / 2;
+        if (at(g, k, middle) <= t) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low - 1;
+}
+
+static double line_value(const line *g, double t, ns_side side) {
+    double d = slack(t, g->origin), beside = side == NS_LEFT ? t - d : t + d;
+    double k = repetition(g, beside);
+    int i = point_before(g, k, beside);
+    if (i < 0 || (k > 0 && i < g->from)) {
+        return g->v[0];
+    }
+    if (i + 1 == g->n) {
+        return g->v[i];
+    }
+    return between(t, at(g, k, i), g->v[i], at(g, k, i + 1), g->v[i + 1]);
+}
+
+static double line_next(const line *g, double t) {
+    double after = t + slack(t, g->origin), k = repetition(g, after);
+    int i = point_before(g, k, after);
+    for (int tries = 0; tries < 4; tries++) { /* more than two only where a period is within rounding of 0 */
+        double corner;
+        if (++i >= g->n) {
+            i = g->from;
+            k += 1;
+        }
+        if (k > 0 && (isinf(g->period) || k >= g->cycles)) {
+            return INFINITY;
+        }
+        corner = at(g, k, i);
+        if (corner > after) {
+            return corner;
+        }
+    }
+    return t + 2 * slack(t, g->origin); /* periods too short to tell apart */
+}
+
+static double sin_value(const ns_signal *s, double t) {
+    static const double pi = 3.14159265358979323846;
+    double since = fmax(0, t - s->u.sin.td), turns = s->u.sin.freq * since + s->u.sin.phase / 360;
+    double wave = s->u.sin.va * sin(2 * pi * (turns - floor(turns)));
+    if (s->u.sin.theta != 0) { /* not inf * 0 */
+        wave *= exp(-since * s->u.sin.theta);
+    }
+    return s->u.sin.vo + wave;
+}
+
+/* As SPICE: nothing before td1, even where td2 < td1 (then a jump at td1). */
+static double exp_value(const ns_signal *s, double t, ns_side side) {
+    double v1 = s->u.exp.v1, v2 = s->u.exp.v2, d = slack(t, s->u.exp.td1), value = v1;
+    if ((side == NS_LEFT ? t - d : t + d) < s->u.exp.td1) {
+        return v1;
+    }
+    value -= (v2 - v1) * expm1(-fmax(0, t - s->u.exp.td1) / s->u.exp.tau1);
+    if (t > s->u.exp.td2) {
+        value -= (v1 - v2) * expm1(-(t - s->u.exp.td2) / s->u.exp.tau2);
+    }
+    return value;
+}
+
+/* The first of two corners that lies after t. */
+static double first_after(double t, double a, double b) {
+    double c = fmin(a, b);
+    if (c > t + slack(t, c)) {
+        return c;
+    }
+    c = fmax(a, b);
+    return c > t + slack(t, c) ? c : INFINITY;
+}
+
+double ns_signal_value(const ns_signal *s, double t, ns_side side) {
+    pulse_points p;
+    line g;
+    switch (s ? (int)s->kind : -1) {
+    case NS_DC:
+        return s->u.dc;
+    case NS_PULSE:
+        g = pulse_line(s, &p);
+        return line_value(&g, t, side);
+    case NS_PWL:
+        g = pwl_line(s);
+        return line_value(&g, t, side);
+    case NS_SIN:
+        return sin_value(s, t);
+    case NS_EXP:
+        return exp_value(s, t, side);
+    default:
+        return NAN;
+    }
+}
+
+double ns_signal_next_corner(const ns_signal *s, double t) {
+    pulse_points p;
+    line g;
+    switch (s && !isnan(t) ? (int)s->kind : -1) {
+    case NS_PULSE:
+        g = pulse_line(s, &p);
+        return line_next(&g, t);
+    case NS_PWL:
+        g = pwl_line(s);
+        return line_next(&g, t);
+    case NS_SIN:
+        return first_after(t, s->u.sin.td, s->u.sin.td);
+    case NS_EXP:
+        return first_after(t, s->u.exp.td1, s->u.exp.td2);
+    default:
+        return INFINITY;
+    }
+}
+
+int ns_signal_is_linear(const ns_signal *s) {
+    return s && (s->kind == NS_DC || s->kind == NS_PULSE || s->kind == NS_PWL);
+}
+
+int ns_signal_copy(const ns_signal *from, ns_signal *to) {
+    size_t bytes;
+    double *t, *v;
+    if (from->kind != NS_PWL) {
+        *to = *from;
+        return NS_OK;
+    }
+    bytes = (size_t)from->u.pwl.n * sizeof(double);
+    t = malloc(bytes);
+    v = malloc(bytes);
+    if (!t || !v) {
+        free(t);
+        free(v);
+        return NS_E_MEMORY;
+    }
+    memcpy(t, from->u.pwl.t, bytes);
+    memcpy(v, from->u.pwl.v, bytes);
+    *to = *from;
+    to->u.pwl.t = t;
+    to->u.pwl.v = v;
+    return NS_OK;
+}
+
+void ns_signal_release(ns_signal *s) {
+    if (s->kind == NS_PWL) {
+        free((void *)s->u.pwl.t);
+        free((void *)s->u.pwl.v);
+    }
+    memset(s, 0, sizeof *s);
+    s->kind = NS_DC;
+}

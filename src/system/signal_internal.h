@@ -1,0 +1,28 @@
+/* src/system/signal_internal.h - what the rooms share about signals: deep copies and reasons of refusal. */
+#ifndef NS_SIGNAL_INTERNAL_H
+#define NS_SIGNAL_INTERNAL_H
+
+#include "nonsmooth/signal.h"
+
+/* Why a parameter was refused: "<parameter> = <value> <must>[ = <than>]". */
+typedef struct ns_refusal {
+    const char *parameter; /* constant string, NULL if nothing was refused */
+    double value;
+    const char *must; /* constant string */
+    double than;      /* NAN: none */
+} ns_refusal;
+
+/* Fills why and returns status. */
+int ns_refuse(ns_refusal *why, int status, const char *parameter, double value, const char *must,
+              double than);
+
+/* ns_signal_check() that also says why; why is left alone on NS_OK. */
+int ns_signal_check_why(const ns_signal *s, ns_refusal *why);
+
+/* to becomes a copy of from with PWL arrays of its own.  Errors: MEMORY (to is left alone). */
+int ns_signal_copy(const ns_signal *from, ns_signal *to);
+
+/* Frees the arrays of a copy and makes it a DC signal of 0. */
+void ns_signal_release(ns_signal *s);
+
+#endif

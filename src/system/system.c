@@ -1,0 +1,110 @@
+/* src/system/system.c - complementarity systems (S1)-(S4): made, freed, filled, checked. */
+#include "nonsmooth/system.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "signal_internal.h"
+
+/* A zeroed p*q array, NULL for none; *ok becomes 0 where memory ran out. */
+static void *make(int p, int q, size_t size, int *ok) {
+    size_t count = (size_t)p * (size_t)q;
+    void *made = NULL;
+    if (count > 0 && *ok) {
+        *ok = count / (size_t)q == (size_t)p && (made = calloc(count, size));
+    }
+    return made;
+}
+
+static int make_arrays(ns_system *s, int n, int m, int nz, int nc) {
+    int ok = 1;
+    s->M = make(n, n, sizeof(double), &ok);
+    s->A = make(n, n, sizeof(double), &ok);
+    s->B = make(n, m, sizeof(double), &ok);
+    s->C = make(m, n, sizeof(double), &ok);
+    s->D = make(m, m, sizeof(double), &ok);
+    s->b = make(n, 1, sizeof(double), &ok);
+    s->E = make(n, nz, sizeof(double), &ok);
+    s->e = make(m, 1, sizeof(double), &ok);
+    s->F = make(m, nz, sizeof(double), &ok);
+    s->l = make(m, 1, sizeof(double), &ok);
+    s->u = make(m, 1, sizeof(double), &ok);
+    s->z = make(nz, 1, sizeof(ns_signal), &ok);
+    s->command = make(nc, 1, sizeof(ns_command), &ok);
+    return ok;
+}
+
+int ns_system_create(int n, int m, int nz, int nc, ns_system **out) {
+    ns_system *s;
+    if (!out) {
+        return NS_E_NULL;
+    }
+    *out = NULL;
+    if (n < 0 || m < 0 || nz < 0 || nc < 0) {
+        return NS_E_SIZE;
+    }
+    s = calloc(1, sizeof *s);
+    if (!s || !make_arrays(s, n, m, nz, nc)) {
+        ns_system_free(s);
+        return NS_E_MEMORY;
+    }
+    s->n = n;
+    s->m = m;
+    s->nz = nz;
+    s->nc = nc;
+    for (int i = 0; i < m; i++) {
+        s->u[i] = INFINITY;
+    }
+    *out = s;
+    return NS_OK;
+}
+
+void ns_system_free(ns_system *s) {
+    if (!s) {
+        return;
+    }
+    for (int i = 0; s->z && i < s->nz; i++) {
+        ns_signal_release(&s->z[i]);
+    }
+    for (int i = 0; s->command && i < s->nc; i++) {
+        free(s->command[i].gx);
+        free(s->command[i].gz);
+    }
+    free(s->M);
+    free(s->A);
+    free(s->B);
+    free(s->C);
+    free(s->D);
+    free(s->b);
+    free(s->E);
+    free(s->e);
+    free(s->F);
+    free(s->l);
+    free(s->u);
+    free(s->z);
+    free(s->command);
+    free(s);
+}
+
+int ns_system_set_input(ns_system *s, int i, const ns_signal *signal) {
+    ns_signal copy;
+    int status;
+    if (!s || !signal) {
+        return NS_E_NULL;
+    }
+    if (i < 0 || i >= s->nz) {
+        return NS_E_SIZE;
+    }
+    if ((status = ns_signal_check(signal)) || (status = ns_signal_copy(signal, &copy))) {
+        return status;
+    }
+    ns_signal_release(&s->z[i]);
+    s->z[i] = copy;
+    return NS_OK;
+}
+
+void ns_system_inputs(const ns_system *s, double t, ns_side side, double *z) {
+    for (int i = 0; s && z && i < s->nz; i++) {
+        z[i] = ns_signal_value(&s->z[i], t, side);
+    }
+}
