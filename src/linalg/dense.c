@@ -1,0 +1,197 @@
+/* src/linalg/dense.c - LU factors through LAPACK; small matrix-vector products. */
+#include "linalg/dense.h"
+
+#include <float.h>
+#include <lapacke.h>
+#include <limits.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include "linalg/equilibrate.h"
+#include "nonsmooth/status.h"
+
+struct ns_lu {
+    int cap, n;
+    double *a;    /* n*n, the factors of the scaled matrix */
+    double *work; /* 4*cap */
+    double *rs;   /* n, row factors (powers of two) */
+    double *cs;   /* n, column factors */
+    int *r, *c;   /* n, their exponents */
+    lapack_int *piv, *iwork;
+    short *e;
+};
+
+int ns_lu_create(int n, ns_lu **out)
+{
+    if (!out)
+        return NS_E_NULL;
+    *out = NULL;
+    if (n < 0 || n > 30000) /* n*n ints must not overflow */
+        return NS_E_SIZE;
+    ns_lu *f = calloc(1, sizeof *f);
+    if (!f)
+        return NS_E_MEMORY;
+    size_t k = (size_t)n;
+    f->cap = n;
+    f->a = malloc((k * k + 6 * k + 1) * sizeof *f->a);
+    f->r = malloc((2 * k + 1) * sizeof *f->r);
+    f->piv = malloc((2 * k + 1) * sizeof *f->piv);
+    f->e = malloc((k * k + 1) * sizeof *f->e);
+    if (!f->a || !f->r || !f->piv || !f->e) {
+        ns_lu_free(f);
+        return NS_E_MEMORY;
+    }
+    f->work = f->a + k * k;
+    f->rs = f->work + 4 * k;
+    f->cs = f->rs + k;
+    f->c = f->r + k;
+    f->iwork = f->piv + k;
+    *out = f;
+    return NS_OK;
+}
+
+void ns_lu_free(ns_lu *f)
+{
+    if (!f)
+        return;
+    free(f->a);
+    free(f->r);
+    free(f->piv);
+    free(f->e);
+    free(f);
+}
+
+/* 2^k, exact; k is kept where 2^k is a normal number. */
+static double power_of_two(int k)
+{
+    k = k < -1000 ? -1000 : k > 1000 ? 1000 : k;
+    return ldexp(1.0, k);
+}
+
+/* 0 times a finite number is 0, times NaN or infinity NaN. */
+static int all_finite(size_t n, const double *a)
+{
+    double s = 0.0;
+    for (size_t i = 0; i < n; i++)
+        s += 0.0 * a[i];
+    return s == 0.0;
+}
+
+/* Copies a, scaled, into the factors' place; returns its 1-norm. */
+static double load(ns_lu *f, int n, const double *a)
+{
+    double norm = 0.0;
+    ns_equilibrate(n, a, n, f->r, f->c, f->e);
+    for (int i = 0; i < n; i++) {
+        f->rs[i] = power_of_two(f->r[i]);
+        f->cs[i] = power_of_two(f->c[i]);
+    }
+    for (int j = 0; j < n; j++) {
+        const double *src = a + (size_t)j * (size_t)n;
+        double *dst = f->a + (size_t)j * (size_t)n, sum = 0.0;
+        for (int i = 0; i < n; i++) {
+            dst[i] = src[i] * f->rs[i] * f->cs[j];
+            sum += fabs(dst[i]);
+        }
+        norm = fmax(norm, sum);
+    }
+    return norm;
+}
+
+/* The column with the smallest pivot; *ratio gets that pivot over the largest. */
+static int smallest_pivot(const ns_lu *f, double *ratio)
+{
+    double lo = INFINITY, hi = 0.0;
+    int at = 0;
+    for (int k = 0; k < f->n; k++) {
+        double u = fabs(f->a[(size_t)k * (size_t)(f->n + 1)]);
+        hi = fmax(hi, u);
+        if (u < lo) {
+            lo = u;
+            at = k;
+        }
+    }
+    *ratio = hi > 0.0 ? lo / hi : 0.0;
+    return at;
+}
+
+int ns_lu_factor(ns_lu *f, int n, const double *a, double *rcond, int *column)
+{
+    if (!f || (n > 0 && !a))
+        return NS_E_NULL;
+    if (n < 0 || n > f->cap)
+        return NS_E_SIZE;
+    if (rcond)
+        *rcond = n == 0 ? 1.0 : 0.0;
+    f->n = 0;
+    if (!all_finite((size_t)n * (size_t)n, a))
+        return NS_E_NUMBER;
+    f->n = n;
+    if (n == 0)
+        return NS_OK;
+    double norm = load(f, n, a), ratio;
+    lapack_int info = LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, f->a, n, f->piv);
+    int at = smallest_pivot(f, &ratio);
+    int bad = info != 0 || !(ratio > 1e-300);
+    if (!bad && rcond) {
+        LAPACKE_dgecon_work(LAPACK_COL_MAJOR, '1', n, f->a, n, norm, rcond, f->work, f->iwork);
+        bad = !(*rcond > 1e-300);
+    }
+    if (!bad)
+        return NS_OK;
+    if (column)
+        *column = info > 0 ? info - 1 : at;
+    return NS_E_SINGULAR;
+}
+
+void ns_lu_solve(const ns_lu *f, int nrhs, double *b)
+{
+    int n = f->n;
+    if (n == 0 || nrhs <= 0)
+        return;
+    for (int k = 0; k < nrhs; k++)
+        for (int i = 0; i < n; i++)
+            b[(size_t)i + (size_t)k * (size_t)n] *= f->rs[i];
+    LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, 'N', n, nrhs, f->a, n, f->piv, b, n);
+    for (int k = 0; k < nrhs; k++)
+        for (int i = 0; i < n; i++)
+            b[(size_t)i + (size_t)k * (size_t)n] *= f->cs[i];
+}
+
+/* Four rows at a time: the sums stay in registers while the columns go by. */
+static void rows_of_four(int p, int q, const double *restrict a, const double *restrict x, double *restrict y)
+{
+    double s0 = y[0], s1 = y[1], s2 = y[2], s3 = y[3];
+    for (int j = 0; j < q; j++, a += p) {
+        double xj = x[j];
+        s0 += a[0] * xj;
+        s1 += a[1] * xj;
+        s2 += a[2] * xj;
+        s3 += a[3] * xj;
+    }
+    y[0] = s0;
+    y[1] = s1;
+    y[2] = s2;
+    y[3] = s3;
+}
+
+void ns_matvec_add(int p, int q, const double *a, const double *x, double *y)
+{
+    int i = 0;
+    for (; i + 4 <= p; i += 4)
+        rows_of_four(p, q, a + i, x, y + i);
+    for (; i < p; i++) {
+        double s = y[i];
+        for (int j = 0; j < q; j++)
+            s += a[(size_t)i + (size_t)j * (size_t)p] * x[j];
+        y[i] = s;
+    }
+}
+
+void ns_matvec(int p, int q, const double *a, const double *x, double *y)
+{
+    for (int i = 0; i < p; i++)
+        y[i] = 0.0;
+    ns_matvec_add(p, q, a, x, y);
+}
