@@ -42,7 +42,10 @@ static double between(double t, double t0, double v0, double t1, double v1) {
 static line pulse_line(const ns_signal *s, pulse_points *p) {
     double v1 = s->u.pulse.v1, v2 = s->u.pulse.v2, per = s->u.pulse.per;
     double top = s->u.pulse.tr, fall = top + s->u.pulse.pw, end = fall + s->u.pulse.tf;
-    line g = {4, p->t, p->v, s->u.pulse.td, per, 0, s->u.pulse.cycles > 0 ? s->u.pulse.cycles : INFINITY};
+    line g = {4, p->t, p->v, s->u.pulse.td, per, 0, INFINITY};
+    if (s->u.pulse.cycles > 0) {
+        g.cycles = s->u.pulse.cycles;
+    }
     *p = (pulse_points){{0, top, fall, end, per}, {v1, v2, v2, v1, v1}};
     if (end > per * (1 + 8 * DBL_EPSILON)) {
         double cut = per <= top ? between(per, 0, v1, top, v2) : between(per, fall, v2, end, v1);
