@@ -19,7 +19,7 @@ export NGSPICE NGSPICE_SRC
 
 WARN := -Wall -Wextra -Wpedantic -Wconversion -Werror
 LIBS := -llapacke -llapack -lblas -lm
-ALL_CFLAGS = -std=c11 $(CFLAGS) $(WARN) -fPIC -MMD -MP -Iinclude
+ALL_CFLAGS = -std=c11 $(CFLAGS) $(WARN) -fPIC -MMD -MP -Iinclude -Isrc
 
 # For the sub-makes below: both cores, unless the caller said -j.
 JOBS = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc))
@@ -128,7 +128,7 @@ WRAP := -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
 .PHONY: units
 units: $(TEST_BIN)
 
-$(B)/obj/tests/%.o: ALL_CFLAGS += -Isrc -Itests/unit
+$(B)/obj/tests/%.o: ALL_CFLAGS += -Itests/unit
 
 $(TEST_BIN): $(B)/%: $(B)/obj/%.o $(TEST_HELP:%.c=$(B)/obj/%.o) $(B)/libnonsmooth.a
 	@mkdir -p $(@D)
