@@ -58,13 +58,13 @@ int ns_march_accept(ns_march *m);
  * lambda (m), y (m); any may be NULL.  Errors: STATE (not started). */
 int ns_march_read(ns_march *m, double *t, double *x, double *lambda, double *y);
 
-/* Of the same point: 1 where pair i (of m) is inside (conducts), else 0; library-owned. */
+/* The mode of the same point (m); library-owned. */
 const ns_mode *ns_march_mode(const ns_march *m);
 
 /* 1 if the point of the last trial is the left side of an event. */
 int ns_march_at_event(const ns_march *m);
 
-const ns_counts *ns_march_counts(const ns_march *m);
+const ns_counts *ns_march_counts(ns_march *m);
 const ns_fault *ns_march_fault(const ns_march *m); /* of the last call that failed; its t is set */
 
 #ifdef __cplusplus

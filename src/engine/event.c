@@ -1,0 +1,65 @@
+/* src/engine/event.c - one event: the new mode, and any jump.
+ *
+ * A step of negligible length with theta = gamma = 1 solves M (x+ - x-) = h B lambda with the constraints at
+ * x+, which is the impulse problem as h -> 0: charge and flux are conserved.  After a jump its lambda is an
+ * impulse over h; a second such step leaves the algebraic unknowns clean.
+ */
+#include "marcher.h"
+
+#include <string.h>
+
+int ns_short_try(ns_march *m, double h) {
+    ns_system_inputs(m->s, m->live.t + h, NS_RIGHT, m->z);
+    int status = ns_theta_try(m->step, h, m->z, 1, NS_RESOLVE);
+    if (status != NS_OK)
+        return ns_march_fail(m, status);
+    status = ns_theta_accept(m->step);
+    m->live.t += h;
+    return status;
+}
+
+static void count_event(ns_march *m) {
+    m->events++;
+    if (m->live.crowd == 0 || m->live.t - m->live.crowd_t > m->h) {
+        m->live.crowd_t = m->live.t;
+        m->live.crowd = 0;
+    }
+    m->live.crowd++;
+}
+
+/* The guard that broke was found by a step of the scheme; an implicit one of the same length may just not
+ * see it.  Longer ones will. */
+static int step_until_changed(ns_march *m, double *h) {
+    const long before = ns_theta_counts(m->step)->events;
+    int status = ns_short_try(m, *h);
+    while (status == NS_OK && ns_theta_counts(m->step)->events == before && *h < m->h) {
+        *h *= 2;
+        status = ns_short_try(m, *h);
+    }
+    return status;
+}
+
+static int any(const unsigned char *flip, int count) {
+    for (int c = 0; c < count; c++)
+        if (flip[c])
+            return 1;
+    return 0;
+}
+
+int ns_event_resolve(ns_march *m) {
+    double h = ns_short_step(m, NS_EVENT_RUNG);
+    int status = NS_OK, changed = m->live.jump || any(m->flip, m->s->nc);
+    count_event(m);
+    m->live.at_event = m->live.jump = 0;
+    /* a switch may make another one switch; after as many rounds as there are switches time goes on */
+    for (int round = 0; round <= m->s->nc; round++) {
+        ns_control_apply(m, m->flip);
+        status = changed ? ns_short_try(m, h) : step_until_changed(m, &h);
+        if (status == NS_OK)
+            status = ns_short_try(m, h);
+        if (status != NS_OK || !(changed = ns_control_by_state(m, m->z, m->flip)))
+            break;
+    }
+    memset(m->flip, 0, (size_t)m->s->nc);
+    return status;
+}

@@ -1,0 +1,182 @@
+/* src/engine/march.c - the marcher: made, asked, accepted, read. */
+#include "marcher.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+int ns_march_fail(ns_march *m, int status) {
+    const ns_fault *from = ns_theta_fault(m->step);
+    m->fault = *from;
+    if (status != (int)from->status)
+        m->fault.npairs = m->fault.nunknowns = 0;
+    m->fault.status = (ns_status)status;
+    m->fault.t = m->live.t;
+    return status;
+}
+
+static int allocate(ns_march *m) {
+    const size_t nz = (size_t)m->s->nz, nc = (size_t)m->s->nc;
+    m->past = calloc(ns_theta_past_size(m->step) + 1, sizeof(double));
+    m->z = calloc(nz + 1, sizeof(double));
+    m->z_left = calloc(nz + 1, sizeof(double));
+    m->flip = calloc(nc + 1, 1);
+    m->spare = calloc(nc + 1, 1);
+    m->kept_flip = calloc(nc + 1, 1);
+    m->closed = calloc(nc + 1, 1);
+    const int made = m->past && m->z && m->z_left && m->flip && m->spare && m->kept_flip && m->closed;
+    return made ? NS_OK : NS_E_MEMORY;
+}
+
+int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **out, ns_fault *fault) {
+    if (!out)
+        return NS_E_NULL;
+    *out = NULL;
+    if (!s || !o)
+        return NS_E_NULL;
+    if (!(o->h > 0) || !isfinite(o->h))
+        return NS_E_RANGE;
+    ns_march *m = calloc(1, sizeof *m);
+    if (!m)
+        return NS_E_MEMORY;
+    const ns_theta_options options = {o->theta, o->gamma, o->map_bytes};
+    m->s = s;
+    m->h = o->h;
+    int status = ns_theta_create(s, &options, &m->step, fault);
+    if (status == NS_OK)
+        status = allocate(m);
+    if (status != NS_OK) {
+        ns_march_free(m);
+        return status;
+    }
+    *out = m;
+    return NS_OK;
+}
+
+void ns_march_free(ns_march *m) {
+    if (!m)
+        return;
+    ns_theta_free(m->step);
+    free(m->past);
+    free(m->z);
+    free(m->z_left);
+    free(m->flip);
+    free(m->spare);
+    free(m->kept_flip);
+    free(m->closed);
+    free(m);
+}
+
+static void go_back(ns_march *m) {
+    ns_theta_restore(m->step, m->past);
+    m->live = m->kept;
+    memcpy(m->flip, m->kept_flip, (size_t)m->s->nc);
+    m->corner = -INFINITY;
+    m->has_trial = 0;
+}
+
+static double next_corner(ns_march *m) {
+    if (m->corner <= m->live.t) {
+        m->corner = INFINITY;
+        for (int i = 0; i < m->s->nz; i++)
+            m->corner = fmin(m->corner, ns_signal_next_corner(&m->s->z[i], m->live.t));
+    }
+    return m->corner;
+}
+
+/* Arrived at a corner: a jump of an input is an event, and commands may jump with it. */
+static void look_at_corner(ns_march *m) {
+    int jump = 0;
+    ns_system_inputs(m->s, m->live.t, NS_LEFT, m->z_left);
+    ns_system_inputs(m->s, m->live.t, NS_RIGHT, m->z);
+    for (int i = 0; i < m->s->nz; i++)
+        jump |= m->z[i] != m->z_left[i];
+    if (!jump)
+        return;
+    ns_control_by_time(m, m->z, m->flip);
+    m->live.at_event = m->live.jump = 1;
+}
+
+static int go_to(ns_march *m, double t, ns_until until) {
+    int status = NS_OK;
+    if (m->live.at_event && until == NS_TO_EVENT)
+        return ns_event_resolve(m);
+    /* bounds the tries: each event takes some 2 x 24 to be located, NS_CROWD of them fit into one h */
+    m->budget = 4000 + (long)fmin(1e12, 4000 * (t - m->live.t) / m->h);
+    while (status == NS_OK && m->live.t < t) {
+        if (m->live.at_event) {
+            status = ns_event_resolve(m);
+            continue;
+        }
+        const double corner = next_corner(m);
+        status = ns_walk(m, fmin(t, corner));
+        if (status == NS_OK && !m->live.at_event && m->live.t == corner)
+            look_at_corner(m);
+        if (m->live.at_event && until == NS_TO_EVENT)
+            break;
+    }
+    return status;
+}
+
+int ns_march_try(ns_march *m, double t, ns_until until, double *reached) {
+    if (!m || !reached)
+        return NS_E_NULL;
+    if (!m->started)
+        return ns_march_fail(m, NS_E_STATE);
+    if (!(t > m->kept.t) || !isfinite(t))
+        return ns_march_fail(m, NS_E_RANGE);
+    const int again = m->has_trial && (t == m->live.t || (t == m->asked && until == m->until));
+    if (!again) {
+        go_back(m);
+        const int status = go_to(m, t, until);
+        if (status != NS_OK) {
+            go_back(m);
+            return status;
+        }
+        m->has_trial = 1;
+        m->asked = t;
+        m->until = until;
+    }
+    *reached = m->live.t;
+    return NS_OK;
+}
+
+int ns_march_accept(ns_march *m) {
+    if (!m)
+        return NS_E_NULL;
+    if (!m->has_trial)
+        return NS_E_STATE;
+    ns_theta_save(m->step, m->past);
+    m->kept = m->live;
+    memcpy(m->kept_flip, m->flip, (size_t)m->s->nc);
+    m->has_trial = 0;
+    return NS_OK;
+}
+
+int ns_march_read(ns_march *m, double *t, double *x, double *lambda, double *y) {
+    if (!m)
+        return NS_E_NULL;
+    if (!m->started)
+        return NS_E_STATE;
+    if (t)
+        *t = m->live.t;
+    return ns_theta_read(m->step, x, lambda, y);
+}
+
+const ns_mode *ns_march_mode(const ns_march *m) {
+    return ns_theta_mode(m->step);
+}
+
+int ns_march_at_event(const ns_march *m) {
+    return m->live.at_event;
+}
+
+const ns_counts *ns_march_counts(ns_march *m) {
+    m->counts = *ns_theta_counts(m->step);
+    m->counts.events = m->events;
+    return &m->counts;
+}
+
+const ns_fault *ns_march_fault(const ns_march *m) {
+    return &m->fault;
+}

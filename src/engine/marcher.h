@@ -1,0 +1,68 @@
+/* src/engine/marcher.h - the marcher from inside: shared by march.c, walk.c, event.c, control.c, start.c. */
+#ifndef NS_MARCHER_H
+#define NS_MARCHER_H
+
+#include "stepper.h"
+
+#include "nonsmooth/march.h"
+
+/* The ladder: steps of h 2^-k.  Events are located to h 2^-24, far below the error of the scheme, and the
+ * step that resolves them has that length; what is left before a given instant is followed to h 2^-32. */
+enum { NS_EVENT_RUNG = 24, NS_LAST_RUNG = 32 };
+/* More events than this within one h: event-capturing steps of h 2^-NS_CAPTURE_RUNG until h has passed. */
+enum { NS_CROWD = 16, NS_CAPTURE_RUNG = 2 };
+
+/* Where the way has come to, besides the stepper's past. */
+typedef struct ns_point {
+    double t;
+    int at_event;   /* the left side of an event that is still to be resolved */
+    int jump;       /* that event is a jump of an input */
+    double crowd_t; /* since when events are counted, */
+    int crowd;      /* and how many there were */
+} ns_point;
+
+struct ns_march {
+    const ns_system *s;
+    ns_theta *step;
+    double h;
+    ns_point live, kept;             /* of the trial; of the accepted point */
+    double *past;                    /* the stepper's, at the accepted point */
+    unsigned char *flip, *kept_flip; /* nc: commands that change at the event */
+    double corner;                   /* first corner of the inputs after live.t */
+    double *z, *z_left;              /* nz */
+    unsigned char *closed, *spare;   /* nc */
+    int started, has_trial;
+    double asked; /* what the last trial was asked for */
+    ns_until until;
+    long budget; /* tries left in this call */
+    long events;
+    ns_counts counts;
+    ns_fault fault;
+};
+
+/* march.c: keeps the status, its time and the stepper's fault; returns the status. */
+int ns_march_fail(ns_march *m, int status);
+
+/* control.c */
+int ns_control_closed(const ns_march *m, int c);
+/* Which time-only commands, at inputs z, contradict their switch: fills flip (nc), returns how many. */
+int ns_control_by_time(ns_march *m, const double *z, unsigned char *flip);
+/* The same for commands that depend on the state, as the stepper's last trial has it. */
+int ns_control_by_state(ns_march *m, const double *z, unsigned char *flip);
+/* The first instant in [m->live.t, t] at which one of the time-only commands in flip crosses; leaves in flip
+ * those that cross at that instant. */
+double ns_control_instant(ns_march *m, double t, unsigned char *flip);
+void ns_control_apply(ns_march *m, const unsigned char *flip);
+
+/* walk.c: from live.t towards stop (no corner of an input in between), to stop or to the left side of an
+ * event; live.at_event is set then. */
+int ns_walk(ns_march *m, double stop);
+/* The shortest step at live.t that is on the ladder, no finer than rung, and visible in t. */
+double ns_short_step(const ns_march *m, int rung);
+
+/* event.c: one implicit step of length h that resolves whatever breaks; the event at live.t resolved,
+ * to its right side. */
+int ns_short_try(ns_march *m, double h);
+int ns_event_resolve(ns_march *m);
+
+#endif

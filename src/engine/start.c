@@ -1,0 +1,128 @@
+/* src/engine/start.c - a consistent start: from charges and fluxes, or from the DC operating point. */
+#include "marcher.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* All switches open but those that a function of time closes at t0. */
+static int begin(ns_march *m, double t0, const double *w0) {
+    memset(&m->live, 0, sizeof m->live);
+    memset(m->closed, 0, (size_t)m->s->nc);
+    m->live.t = t0;
+    m->corner = -INFINITY;
+    m->started = m->has_trial = 0;
+    const int status = ns_theta_start(m->step, w0, m->closed);
+    if (status != NS_OK)
+        return ns_march_fail(m, status);
+    ns_system_inputs(m->s, t0, NS_RIGHT, m->z);
+    ns_control_by_time(m, m->z, m->flip);
+    memcpy(m->closed, m->flip, (size_t)m->s->nc);
+    memset(m->flip, 0, (size_t)m->s->nc);
+    return NS_OK;
+}
+
+/* Commands that the state contradicts change in m->closed; how many. */
+static int toggle(ns_march *m) {
+    const int flips = ns_control_by_state(m, m->z, m->flip);
+    for (int c = 0; c < m->s->nc; c++)
+        m->closed[c] = (unsigned char)(m->closed[c] != m->flip[c]);
+    memset(m->flip, 0, (size_t)m->s->nc);
+    return flips;
+}
+
+static int settle(ns_march *m, double t0, const double *w0) {
+    m->live.t = t0;
+    int status = ns_theta_start(m->step, w0, m->closed);
+    if (status != NS_OK)
+        return ns_march_fail(m, status);
+    const double h = ns_short_step(m, NS_EVENT_RUNG);
+    status = ns_short_try(m, h); /* the jump, */
+    if (status == NS_OK)
+        status = ns_short_try(m, h); /* then clean algebraic unknowns */
+    return status;
+}
+
+/* Switches that depend on the state start open; those that must not be open change, from the same w0.  A
+ * set of switches that finds no rest chatters: time decides then. */
+int ns_march_start(ns_march *m, double t0, const double *w0) {
+    if (!m || (!w0 && m->s->n > 0))
+        return NS_E_NULL;
+    m->live.t = t0;
+    if (!isfinite(t0) || !(t0 + m->h > t0))
+        return ns_march_fail(m, NS_E_NUMBER);
+    int status = begin(m, t0, w0);
+    for (int round = 0; status == NS_OK && round <= 2 * m->s->nc; round++) {
+        status = settle(m, t0, w0);
+        if (status == NS_OK && !toggle(m))
+            break;
+    }
+    if (status != NS_OK)
+        return status;
+    m->started = m->has_trial = 1;
+    return ns_march_accept(m);
+}
+
+/* The controls of an operating point: gx x, put where ns_theta_controls() finds them. */
+static void set_controls(ns_march *m, const double *x) {
+    double *control = m->step->out + m->step->r * (m->step->carry ? 2 : 1);
+    for (int c = 0; c < m->s->nc; c++) {
+        const double *gx = m->s->command[c].gx;
+        control[c] = 0;
+        for (int j = 0; gx && j < m->s->n; j++)
+            control[c] += gx[j] * x[j];
+    }
+}
+
+static int operating_point(ns_march *m, double t0, int nhold, const int *hold, const double *hold_x,
+                           double *x, ns_mode *mode) {
+    int status = NS_OK;
+    for (int round = 0; round <= 2 * m->s->nc; round++) {
+        status = ns_theta_command(m->step, m->closed);
+        memcpy(mode, ns_theta_mode(m->step), (size_t)m->s->m);
+        ns_system_inputs(m->s, t0, NS_RIGHT, m->z);
+        if (status == NS_OK)
+            status = ns_problem_dc(m->step, m->z, nhold, hold, hold_x, mode, x);
+        if (status != NS_OK)
+            return ns_march_fail(m, status);
+        set_controls(m, x);
+        if (!toggle(m))
+            break;
+    }
+    return status;
+}
+
+static int start_dc(ns_march *m, double t0, int nhold, const int *hold, const double *hold_x, double *x,
+                    double *w0, ns_mode *mode) {
+    int status = begin(m, t0, w0);
+    if (status == NS_OK)
+        status = operating_point(m, t0, nhold, hold, hold_x, x, mode);
+    if (status != NS_OK)
+        return status;
+    ns_matvec(m->s->n, m->s->n, m->s->M, x, w0);
+    return ns_march_start(m, t0, w0);
+}
+
+int ns_march_start_dc(ns_march *m, double t0, int nhold, const int *hold, const double *hold_x,
+                      double *x_out) {
+    if (!m || (nhold > 0 && (!hold || !hold_x)))
+        return NS_E_NULL;
+    m->live.t = t0;
+    if (!isfinite(t0))
+        return ns_march_fail(m, NS_E_NUMBER);
+    if (nhold < 0 || nhold > m->s->n)
+        return ns_march_fail(m, NS_E_SIZE);
+    for (int k = 0; k < nhold; k++)
+        if (hold[k] < 0 || hold[k] >= m->s->n)
+            return ns_march_fail(m, NS_E_SIZE);
+    const size_t n = (size_t)m->s->n;
+    double *x = calloc(2 * n + 1, sizeof *x);
+    ns_mode *mode = calloc((size_t)m->s->m + 1, sizeof *mode);
+    const int status =
+        x && mode ? start_dc(m, t0, nhold, hold, hold_x, x, x + n, mode) : ns_march_fail(m, NS_E_MEMORY);
+    if (status == NS_OK && x_out)
+        memcpy(x_out, x, sizeof(double) * n);
+    free(x);
+    free(mode);
+    return status;
+}

@@ -1,0 +1,117 @@
+/* src/engine/walk.c - from one corner to the next, by steps from the ladder.
+ *
+ * The longest rung that fits is tried.  Where a guard breaks inside it, the next shorter one is, and so
+ * on down: each success halves what is left before the break, each failure halves the step.
+ */
+#include "marcher.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+double ns_short_step(const ns_march *m, int rung) {
+    const double finest = 16 * DBL_EPSILON * fabs(m->live.t); /* t must be seen to move */
+    double h = ldexp(m->h, -rung);
+    while (h < finest && h < m->h)
+        h *= 2;
+    return h;
+}
+
+typedef struct walker {
+    double stop;   /* where to, */
+    int commanded; /* because time-only commands in m->flip change there */
+    int rung;      /* the one to try next */
+    int locating;  /* a break is known to lie within the last rung tried */
+} walker;
+
+/* Events crowd (accumulation, chatter): no location, (P1) at the end of the step. */
+static int capture(ns_march *m, double h, double t) {
+    int status = ns_theta_try(m->step, h, m->z, 0, NS_RESOLVE);
+    if (status != NS_OK)
+        return ns_march_fail(m, status);
+    const int flips = ns_control_by_state(m, m->z, m->flip);
+    status = ns_theta_accept(m->step);
+    m->live.t = t;
+    if (flips)
+        ns_control_apply(m, m->flip);
+    memset(m->flip, 0, (size_t)m->s->nc);
+    if (t - m->live.crowd_t > m->h)
+        m->live.crowd = 0;
+    return status;
+}
+
+/* Tries the step; accepts it unless a guard breaks or a control crosses: then *broke, and m->flip tells
+ * which controls. */
+static int step_on(ns_march *m, double h, double t, int *broke) {
+    int status = ns_theta_try(m->step, h, m->z, 0, NS_HOLD);
+    if (status < 0)
+        return ns_march_fail(m, status);
+    *broke = status == NS_GUARD;
+    if (*broke)
+        memset(m->flip, 0, (size_t)m->s->nc);
+    else if (m->s->nc > 0)
+        *broke = ns_control_by_state(m, m->z, m->flip) > 0;
+    if (*broke)
+        return NS_OK;
+    status = ns_theta_accept(m->step);
+    m->live.t = t;
+    return status;
+}
+
+/* One try.  Sets *done at an event. */
+static int advance(ns_march *m, walker *w, int *done) {
+    const double rest = w->stop - m->live.t;
+    const int crowded = m->live.crowd > NS_CROWD;
+    if (crowded && w->rung < NS_CAPTURE_RUNG)
+        w->rung = NS_CAPTURE_RUNG;
+    while (ldexp(m->h, -w->rung) > rest * (1 + 1e-9)) /* a rest that lost some ulps is still a whole rung */
+        w->rung++;
+    const double h = ldexp(m->h, -w->rung);
+    const double t = h >= rest * (1 - 1e-9) ? w->stop : m->live.t + h;
+    ns_system_inputs(m->s, t, NS_LEFT, m->z);
+    if (!w->commanded && m->s->nc > 0 && ns_control_by_time(m, m->z, m->flip)) {
+        w->stop = ns_control_instant(m, t, m->flip);
+        w->commanded = 1;
+        w->rung = w->locating = 0;
+        return NS_OK;
+    }
+    if (crowded)
+        return capture(m, h, t);
+    unsigned char *commanded = m->flip;
+    int broke, status;
+    if (w->commanded)
+        m->flip = m->spare; /* m->flip stays what the stop at w->stop needs */
+    status = step_on(m, h, t, &broke);
+    if (w->commanded && !(status == NS_OK && broke)) {
+        m->flip = commanded;
+    } else if (w->commanded) { /* something else happens before that instant */
+        m->spare = commanded;
+        w->commanded = 0;
+    }
+    if (status != NS_OK)
+        return status;
+    w->locating |= broke;
+    w->rung += w->locating;
+    *done = w->locating && (w->rung > NS_EVENT_RUNG || h <= ns_short_step(m, NS_LAST_RUNG));
+    return NS_OK;
+}
+
+int ns_walk(ns_march *m, double stop) {
+    walker w = {stop, 0, 0, 0};
+    int done = 0;
+    memset(m->flip, 0, (size_t)m->s->nc);
+    while (!done && w.stop - m->live.t > ns_short_step(m, NS_LAST_RUNG)) {
+        if (m->budget-- <= 0)
+            return ns_march_fail(m, NS_E_LIMIT);
+        const int status = advance(m, &w, &done);
+        if (status != NS_OK)
+            return status;
+    }
+    if (!done)
+        m->live.t = w.stop;
+    if (done || w.commanded) {
+        m->live.at_event = 1;
+        m->live.jump = 0;
+    }
+    return NS_OK;
+}
