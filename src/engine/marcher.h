@@ -30,7 +30,8 @@ struct ns_march {
     unsigned char *flip, *kept_flip; /* nc: commands that change at the event */
     double corner;                   /* first corner of the inputs after live.t */
     double *z, *z_left;              /* nz */
-    unsigned char *closed, *spare;   /* nc */
+    unsigned char *due;              /* nc: commands that change where the walk stops */
+    unsigned char *closed;           /* nc */
     int started, has_trial;
     double asked; /* what the last trial was asked for */
     ns_until until;

@@ -19,7 +19,7 @@ double ns_short_step(const ns_march *m, int rung) {
 
 typedef struct walker {
     double stop;   /* where to, */
-    int commanded; /* because time-only commands in m->flip change there */
+    int commanded; /* because the time-only commands in m->due change there */
     int rung;      /* the one to try next */
     int locating;  /* a break is known to lie within the last rung tried */
 } walker;
@@ -69,25 +69,16 @@ static int advance(ns_march *m, walker *w, int *done) {
     const double h = ldexp(m->h, -w->rung);
     const double t = h >= rest * (1 - 1e-9) ? w->stop : m->live.t + h;
     ns_system_inputs(m->s, t, NS_LEFT, m->z);
-    if (!w->commanded && m->s->nc > 0 && ns_control_by_time(m, m->z, m->flip)) {
-        w->stop = ns_control_instant(m, t, m->flip);
+    if (!w->commanded && m->s->nc > 0 && ns_control_by_time(m, m->z, m->due)) {
+        w->stop = ns_control_instant(m, t, m->due);
         w->commanded = 1;
         w->rung = w->locating = 0;
         return NS_OK;
     }
     if (crowded)
         return capture(m, h, t);
-    unsigned char *commanded = m->flip;
-    int broke, status;
-    if (w->commanded)
-        m->flip = m->spare; /* m->flip stays what the stop at w->stop needs */
-    status = step_on(m, h, t, &broke);
-    if (w->commanded && !(status == NS_OK && broke)) {
-        m->flip = commanded;
-    } else if (w->commanded) { /* something else happens before that instant */
-        m->spare = commanded;
-        w->commanded = 0;
-    }
+    int broke = 0;
+    const int status = step_on(m, h, t, &broke);
     if (status != NS_OK)
         return status;
     w->locating |= broke;
@@ -109,9 +100,9 @@ int ns_walk(ns_march *m, double stop) {
     }
     if (!done)
         m->live.t = w.stop;
-    if (done || w.commanded) {
-        m->live.at_event = 1;
-        m->live.jump = 0;
-    }
+    if (!done && w.commanded)
+        memcpy(m->flip, m->due, (size_t)m->s->nc);
+    m->live.at_event = done || w.commanded;
+    m->live.jump = 0;
     return NS_OK;
 }
