@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "signal_internal.h"
+#include "system/signal_internal.h"
 
 typedef struct line {
     int n;

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "signal_internal.h"
+#include "system/signal_internal.h"
 
 static const char must_finite[] = "must be a finite number";
 

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "signal_internal.h"
+#include "system/signal_internal.h"
 
 /* A zeroed p*q array, NULL for none; *ok becomes 0 where memory ran out. */
 static void *make(int p, int q, size_t size, int *ok) {

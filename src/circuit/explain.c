@@ -1,0 +1,159 @@
+/* src/circuit/explain.c - a fault of a system told in the names of the circuit, in one line. */
+#include <limits.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "circuit/circuit_internal.h"
+
+/* A line being written; len counts what there would be with enough room. */
+typedef struct writer {
+    char *line;
+    size_t size, len;
+} writer;
+
+static void put(writer *w, const char *format, ...) {
+    va_list arguments;
+    int wanted;
+    size_t used = w->len < w->size ? w->len : w->size;
+    va_start(arguments, format);
+    wanted = vsnprintf(w->size > used ? w->line + used : NULL, w->size - used, format, arguments);
+    va_end(arguments);
+    w->len += wanted > 0 ? (size_t)wanted : 0;
+}
+
+/* Ends the line: "..." where it was cut, nothing that breaks a line. */
+static int finish(writer *w) {
+    if (w->len >= w->size && w->size >= 4) {
+        memcpy(w->line + w->size - 4, "...", 4);
+    }
+    for (size_t i = 0; i + 1 < w->size && w->line[i]; i++) {
+        if ((unsigned char)w->line[i] < ' ') {
+            w->line[i] = '?';
+        }
+    }
+    return w->len > INT_MAX ? INT_MAX : (int)w->len;
+}
+
+static const element *element_of_pair(const ns_circuit *c, int pair) {
+    for (int i = 0; c && pair >= 0 && i < c->nelements; i++) {
+        const element *e = &c->element[i];
+        int count = e->kind == DIODE && !isinf(e->diode.vz) ? 2 : 1;
+        if (e->pair >= 0 && pair >= e->pair && pair < e->pair + count) {
+            return e;
+        }
+    }
+    return NULL;
+}
+
+static const element *element_of_current(const ns_circuit *c, int unknown) {
+    for (int i = 0; c && unknown >= c->nused && i < c->nelements; i++) {
+        if (c->element[i].current == unknown - c->nused) {
+            return &c->element[i];
+        }
+    }
+    return NULL;
+}
+
+static const node *node_of_unknown(const ns_circuit *c, int unknown) {
+    int index = 0;
+    for (int i = 0; c && unknown >= 0 && i < c->nnodes; i++) {
+        if (c->node[i].used && index++ == unknown) {
+            return &c->node[i];
+        }
+    }
+    return NULL;
+}
+
+static void put_node(writer *w, const node *which) {
+    if (which->name) {
+        put(w, "node %s", which->name);
+    } else {
+        put(w, "node %d", which->number);
+    }
+}
+
+static int count_of(int claimed) {
+    return claimed < 0 ? 0 : claimed > NS_FAULT_MAX ? NS_FAULT_MAX : claimed;
+}
+
+/* 1 if an earlier pair of the fault belongs to the same element. */
+static int named_before(const ns_circuit *c, const ns_fault *f, int i) {
+    for (int k = 0; k < i; k++) {
+        if (element_of_pair(c, f->pair[k]) == element_of_pair(c, f->pair[i])) {
+            return element_of_pair(c, f->pair[i]) != NULL;
+        }
+    }
+    return 0;
+}
+
+/* The pairs' elements, comma by comma; with their kind if told. */
+static int put_pairs(writer *w, const ns_circuit *c, const ns_fault *f, int with_kind) {
+    int written = 0;
+    for (int i = 0; i < count_of(f->npairs); i++) {
+        const element *e = element_of_pair(c, f->pair[i]);
+        if (named_before(c, f, i)) {
+            continue;
+        }
+        put(w, "%s", written++ ? ", " : "");
+        if (e) {
+            put(w, "%s%s", !with_kind ? "" : e->kind == DIODE ? "ideal diode " : "ideal switch ", e->name);
+        } else {
+            put(w, "pair %d", f->pair[i]);
+        }
+    }
+    return written;
+}
+
+static int put_unknowns(writer *w, const ns_circuit *c, const ns_fault *f, int written, int with_kind) {
+    for (int i = 0; i < count_of(f->nunknowns); i++) {
+        const element *e = element_of_current(c, f->unknown[i]);
+        const node *which = node_of_unknown(c, f->unknown[i]);
+        put(w, "%s", written++ ? ", " : "");
+        if (e) {
+            put(w, "%s%s", with_kind ? "current of " : "", e->name);
+        } else if (which) {
+            put(w, "%s", with_kind ? "voltage of " : "");
+            put_node(w, which);
+        } else {
+            put(w, "unknown %d", f->unknown[i]);
+        }
+    }
+    return written;
+}
+
+/* What usually is behind it. */
+static void put_cause(writer *w, const ns_circuit *c, const ns_fault *f) {
+    int written;
+    if (f->status != NS_E_INFEASIBLE && f->status != NS_E_SINGULAR) {
+        return;
+    }
+    put(w, " (");
+    written = put_pairs(w, c, f, 1);
+    written = put_unknowns(w, c, f, written, 1);
+    put(w, "%s%s)", written ? ": " : "",
+        f->status == NS_E_INFEASIBLE
+            ? "contradicts the sources; a loop without resistance?"
+            : "not determined; a node without a path to ground, or a loop without resistance?");
+}
+
+int ns_circuit_explain(const ns_circuit *c, const ns_fault *f, char *line, size_t size) {
+    writer w = {line, line ? size : 0, 0};
+    int written;
+    if (w.size > 0) {
+        *line = '\0';
+    }
+    if (!f) {
+        return 0;
+    }
+    written = put_pairs(&w, c, f, 0);
+    written = put_unknowns(&w, c, f, written, 0);
+    put(&w, "%s", written ? ": " : "");
+    if (!isnan(f->t)) {
+        put(&w, "at t = %g s: ", f->t);
+    }
+    put(&w, "%s", ns_status_text(f->status));
+    put_cause(&w, c, f);
+    return finish(&w);
+}
