@@ -21,16 +21,18 @@ WARN := -Wall -Wextra -Wpedantic -Wconversion -Werror
 LIBS := -llapacke -llapack -lblas -lm
 ALL_CFLAGS = -std=c11 $(CFLAGS) $(WARN) -fPIC -MMD -MP -Iinclude -Isrc
 
-# For the sub-makes below: both cores, unless the caller said -j.
-JOBS = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc))
-SUBMAKE = +$(MAKE) --no-print-directory $(JOBS)
+# For the makes called below: all cores, unless the caller said -j.
+JOBS = --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc))
 
 .DELETE_ON_ERROR:
 .SECONDARY:
 .DEFAULT_GOAL := all
 
-.PHONY: all lib cm
-all: lib cm
+.PHONY: all lib cm help
+all: lib cm ## the library and the code models (the default)
+
+help: ## this list
+	@sed -n 's/^\([a-z-]*\):[^#]*## /    make \1|/p' Makefile | awk -F'|' '{printf "%-20s %s\n", $$1, $$2}'
 
 # --- what it needs ---------------------------------------------------------------------------------------
 
@@ -39,7 +41,7 @@ PACKAGES := build-essential ngspice liblapacke-dev libopenblas-dev libsuitespars
 LINT_PACKAGES := clang clang-format clang-tidy cppcheck shellcheck
 
 .PHONY: deps deps-lint
-deps:
+deps: ## what it needs from Debian, and the source of the installed ngspice
 	@codemodels/install-packages.sh $(if $(NGSPICE_SRC),$(filter-out ngspice,$(PACKAGES)),$(PACKAGES))
 	@codemodels/ngspice-source.sh $(NG)
 
@@ -134,13 +136,103 @@ $(TEST_BIN): $(B)/%: $(B)/obj/%.o $(TEST_HELP:%.c=$(B)/obj/%.o) $(B)/libnonsmoot
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) $^ -o $@ -lcmocka $(LIBS)
 
+# --- test ------------------------------------------------------------------------------------------------
+
+# Warnings were looked at by the plain build; sanitizers and coverage make gcc see ones that are not there.
+ASAN := B=build/asan WARN=-w \
+    CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all'
+
+.PHONY: test sanitize valgrind tags coverage
+test: deps ## everything: unit tests, netlists, both again under sanitizers, one run under valgrind
+	@$(MAKE) $(JOBS) all units
+	@$(MAKE) $(JOBS) $(ASAN) cm units
+	@tests/run.sh
+
+sanitize: deps ## only the tests under the address and undefined-behaviour sanitizers
+	@$(MAKE) $(JOBS) $(ASAN) cm units
+	@tests/run.sh sanitize
+
+valgrind: deps ## only the run under valgrind
+	@$(MAKE) $(JOBS) all
+	@tests/run.sh valgrind
+
+tags: ## equation tags: every one cited is defined in README's Method, and the reverse
+	@tests/run.sh tags
+
+coverage: deps ## lines of src/ that the unit tests run
+	@$(MAKE) $(JOBS) B=build/coverage WARN=-w CFLAGS='-O0 -g --coverage' units
+	@tests/coverage.sh build/coverage
+
+# --- benchmarks: one program a file ----------------------------------------------------------------------
+
+BENCH_BIN := $(patsubst %.c,$(B)/%,$(wildcard tests/bench/*.c))
+
+.PHONY: bench bench-programs
+bench-programs: $(BENCH_BIN)
+
+$(BENCH_BIN): $(B)/%: $(B)/obj/%.o $(B)/libnonsmooth.a
+	@mkdir -p $(@D)
+	$(CC) $(CFLAGS) $(LDFLAGS) $^ -o $@ $(LIBS)
+
+bench: deps ## times, with the counts of the work done
+	@$(MAKE) $(JOBS) B=build/bench CFLAGS='-O3 -DNDEBUG' bench-programs
+	@for program in build/bench/tests/bench/*; do \
+	    echo "== $$(basename $$program)"; OPENBLAS_NUM_THREADS=1 $$program || exit 1; done
+
+# --- demo ------------------------------------------------------------------------------------------------
+
+.PHONY: demo picture
+demo: deps ## a buck converter in the stock ngspice, and its waveforms in build/demo.png
+	@$(MAKE) $(JOBS) cm
+	@netlists/demo.sh build/demo.png
+
+picture: deps # the drawing that README shows
+	@$(MAKE) $(JOBS) cm
+	@netlists/demo.sh netlists/demo.svg
+
+# --- style -----------------------------------------------------------------------------------------------
+
+C_FILES := $(wildcard include/*.h include/*/*.h src/*/*.[ch] codemodels/bridge/*.[ch] tests/*/*.[ch])
+TIDY_FILES := $(SRC) $(TEST_SRC) $(TEST_HELP) $(wildcard tests/bench/*.c)
+
+.PHONY: lint
+lint: deps-lint ## clang-format, clang-tidy, cppcheck, shellcheck, and all of it built by clang and by gcc
+	clang-format --dry-run -Werror $(C_FILES)
+	@$(MAKE) $(JOBS) all units bench-programs
+	@$(MAKE) $(JOBS) CC=clang B=build/clang all units bench-programs
+	$(CC) -x c++ -Wall -Wextra -Wpedantic -Werror -Iinclude -fsyntax-only include/nonsmooth.h
+	clang-tidy --quiet --warnings-as-errors='*' $(TIDY_FILES) -- -std=c11 -Iinclude -Isrc -Itests/unit
+	clang-tidy --quiet --warnings-as-errors='*' $(BRIDGE) -- -std=c11 -Iinclude -Isrc $(NG_INCLUDE)
+	cppcheck --quiet --std=c11 --enable=warning,performance,portability --inline-suppr --error-exitcode=1 \
+	    -Iinclude -Isrc -Itests/unit $(wildcard src) $(wildcard tests) codemodels/bridge
+	shellcheck .ci/run codemodels/*.sh tests/*.sh $(wildcard tests/*/*.sh netlists/*.sh)
+
+# --- install ---------------------------------------------------------------------------------------------
+
+TO := $(DESTDIR)$(PREFIX)
+
+.PHONY: install
+install: all ## into PREFIX (/usr/local), below DESTDIR if given
+	install -d $(TO)/lib/pkgconfig $(TO)/lib/ngspice $(TO)/include/nonsmooth $(TO)/share/nonsmooth
+	install -m 644 $(B)/libnonsmooth.a $(TO)/lib
+	install -m 755 $(B)/libnonsmooth.so $(TO)/lib/libnonsmooth.so.$(VERSION)
+	ln -sf libnonsmooth.so.$(VERSION) $(TO)/lib/libnonsmooth.so.$(SOVERSION)
+	ln -sf libnonsmooth.so.$(SOVERSION) $(TO)/lib/libnonsmooth.so
+	install -m 644 include/nonsmooth.h $(TO)/include
+	install -m 644 include/nonsmooth/*.h $(TO)/include/nonsmooth
+	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' src/nonsmooth.pc.in > $(TO)/lib/pkgconfig/nonsmooth.pc
+	install -m 755 $(B)/nonsmooth.cm $(TO)/lib/ngspice
+	install -m 644 netlists/lib/nonsmooth.lib $(TO)/share/nonsmooth
+	echo 'codemodel $(PREFIX)/lib/ngspice/nonsmooth.cm' > $(TO)/share/nonsmooth/spiceinit
+	@echo "To load the code models in every ngspice session: cat $(PREFIX)/share/nonsmooth/spiceinit >> ~/.spiceinit"
+
 # --- clean -----------------------------------------------------------------------------------------------
 
 .PHONY: clean distclean
-clean: # the source of ngspice stays: it is slow to get
+clean: ## removes what was built; the source of ngspice stays, it is slow to get
 	@[ ! -d build ] || find build -mindepth 1 -maxdepth 1 ! -name ngspice-src -exec rm -rf {} +
 
-distclean:
+distclean: ## removes build/
 	rm -rf build
 
 -include $(shell find $(B)/obj $(CM) -name '*.d' 2>/dev/null)

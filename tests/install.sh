@@ -1,0 +1,56 @@
+#!/bin/sh
+# tests/install.sh - `make install` puts everything where it belongs, and what it put there works.
+cd "$(dirname "$0")/.." || exit 1
+dest=$PWD/build/installed
+rm -rf "$dest"
+status=0
+
+# check NAME COMMAND...
+check() {
+    name=$1
+    shift
+    if "$@" >"$dest.log" 2>&1 </dev/null; then
+        echo "ok $name"
+    else
+        echo "FAIL $name: $*"
+        cat "$dest.log"
+        status=1
+    fi
+}
+
+check 'make install' make install PREFIX="$dest"
+for file in lib/libnonsmooth.a lib/libnonsmooth.so include/nonsmooth.h include/nonsmooth/status.h \
+    lib/pkgconfig/nonsmooth.pc lib/ngspice/nonsmooth.cm share/nonsmooth/nonsmooth.lib share/nonsmooth/spiceinit; do
+    check "$file is there" test -s "$dest/$file"
+done
+
+cat >"$dest/user.c" <<'C'
+#include <nonsmooth.h>
+#include <stdio.h>
+int main(void) {
+    return puts(ns_status_text(NS_OK)) < 0;
+}
+C
+check 'a program compiles and links against it' gcc "$dest/user.c" -o "$dest/user" -I"$dest/include" -L"$dest/lib" \
+    -lnonsmooth -Wl,-rpath,"$dest/lib"
+check 'the program runs' "$dest/user"
+
+cat >"$dest/user.cir" <<'C'
+* a diode in series with 1 kohm across 10 V; fails if the model is unknown
+V1 in 0 10
+AD1 in out dmod
+R1 out 0 1k
+.model dmod ideal_diode(vf=1)
+.control
+op
+let e = abs(v(out) - 9)
+if e le 1e-6
+  quit 0
+end
+quit 1
+.endc
+.end
+C
+cp "$dest/share/nonsmooth/spiceinit" "$dest/.spiceinit"
+check 'ngspice loads the installed code models' sh -c "cd '$dest' && ngspice -b user.cir"
+exit $status

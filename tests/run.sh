@@ -1,0 +1,100 @@
+#!/bin/sh
+# tests/run.sh - runs all that `make test` built, prints what failed and why, and the closing count.
+#
+#     tests/run.sh [all | sanitize | valgrind | tags]
+#
+# Two sorts of tests: cmocka programs (counted by their TAP output) and scripts that print `ok NAME`,
+# `FAIL NAME reason` or `skip NAME reason` for each of their tests.  A program that crashes, hangs, or runs no
+# test is a failure.  Output of everything: build/log/.
+set -u
+cd "$(dirname "$0")/.." || exit 1
+log=$PWD/build/log
+rm -rf "$log"
+mkdir -p "$log"
+export OPENBLAS_NUM_THREADS=1 # one thread a process: the matrices are small
+export UBSAN_OPTIONS=print_stacktrace=1
+
+# Writes "passed failed skipped" to FILE.count and says one line, with the reasons indented below it.
+# verdict NAME FILE exit-status passed failed skipped
+verdict() {
+    name=$1 file=$2 status=$3 passed=$4 failed=$5 skipped=$6 why=
+    if [ "$failed" = 0 ] && [ "$status" != 0 ]; then
+        failed=1
+        why="exit status $status"
+        [ "$status" != 124 ] || why="still running after its time"
+    elif [ $((passed + failed + skipped)) = 0 ]; then
+        failed=1
+        why="ran no test"
+    fi
+    echo "$passed $failed $skipped" >"$file.count"
+    if [ "$failed" = 0 ]; then
+        echo "ok    $name ($passed)"
+    else
+        echo "FAIL  $name ($passed passed, $failed failed) $why"
+        [ -z "$why" ] || tail -n 25 "$file" | sed 's/^/      | /'
+        # shellcheck disable=SC2016 # awk's
+        awk '/^(not ok|FAIL) / && !/# SKIP/ {on = 40} /^(ok|skip) / {on = 0} on-- > 0 {print "      | " $0}' "$file"
+    fi
+}
+
+count() {
+    grep -c -E "$1" "$2" || true
+}
+
+# cmocka LABEL PROGRAM...: each program by itself.
+cmocka() {
+    label=$1
+    shift
+    for program; do
+        [ -x "$program" ] || continue
+        file=$log/$label.$(basename "$program").log
+        CMOCKA_MESSAGE_OUTPUT=TAP timeout 300 "$program" >"$file" 2>&1 </dev/null
+        status=$?
+        skipped=$(count '^not ok .*# SKIP' "$file")
+        failed=$(count '^not ok ' "$file")
+        verdict "$label: $(basename "$program")" "$file" $status "$(count '^ok ' "$file")" \
+            $((failed - skipped)) "$skipped"
+    done
+}
+
+# script LABEL COMMAND...
+script() {
+    label=$1
+    shift
+    file=$log/$label.log
+    timeout 400 "$@" >"$file" 2>&1 </dev/null
+    status=$?
+    verdict "$label" "$file" $status "$(count '^ok ' "$file")" "$(count '^FAIL ' "$file")" "$(count '^skip ' "$file")"
+}
+
+plain() {
+    cmocka unit build/tests/*/*
+    script netlists tests/netlist/run.sh
+    script install tests/install.sh
+    script tags tests/tags.sh
+}
+
+sanitize() {
+    cmocka unit-asan build/asan/tests/*/*
+    script netlists-asan env NONSMOOTH_CM="$PWD/build/asan/nonsmooth.cm" NGSPICE="$PWD/tests/ngspice-asan.sh" \
+        tests/netlist/run.sh
+}
+
+case ${1:-all} in
+all) # two lanes side by side, for two cores
+    plain &
+    sanitize
+    script valgrind tests/valgrind.sh
+    wait
+    ;;
+sanitize) sanitize ;;
+valgrind | tags) script "$1" "tests/$1.sh" ;;
+*) echo "tests/run.sh: no such part: $1" >&2 && exit 2 ;;
+esac
+
+# shellcheck disable=SC2046 # three numbers
+set -- $(cat "$log"/*.count | awk '{p += $1; f += $2; s += $3} END {print p + 0, f + 0, s + 0}')
+skipped=
+[ "$3" = 0 ] || skipped=", $3 skipped"
+echo "$1 passed, $2 failed$skipped"
+[ "$2" = 0 ] && [ "$1" != 0 ]
