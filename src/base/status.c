@@ -1,8 +1,7 @@
 /* src/base/status.c - texts and names of the status codes, from the one table in status.h. */
 #include "nonsmooth/status.h"
 
-const char *ns_status_text(int status)
-{
+const char *ns_status_text(int status) {
     switch (status) {
 #define CASE(name, value, text)                                                                              \
     case value:                                                                                              \
@@ -14,8 +13,7 @@ const char *ns_status_text(int status)
     }
 }
 
-const char *ns_status_name(int status)
-{
+const char *ns_status_name(int status) {
     switch (status) {
 #define CASE(name, value, text)                                                                              \
     case value:                                                                                              \

@@ -1,5 +1,5 @@
 /* src/linalg/dense.c - LU factors through LAPACK; small matrix-vector products. */
-#include "linalg/dense.h"
+#include "dense.h"
 
 #include <float.h>
 #include <lapacke.h>
@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-#include "linalg/equilibrate.h"
+#include "equilibrate.h"
 #include "nonsmooth/status.h"
 
 struct ns_lu {
@@ -22,8 +22,7 @@ struct ns_lu {
     short *e;
 };
 
-int ns_lu_create(int n, ns_lu **out)
-{
+int ns_lu_create(int n, ns_lu **out) {
     if (!out)
         return NS_E_NULL;
     *out = NULL;
@@ -51,8 +50,7 @@ int ns_lu_create(int n, ns_lu **out)
     return NS_OK;
 }
 
-void ns_lu_free(ns_lu *f)
-{
+void ns_lu_free(ns_lu *f) {
     if (!f)
         return;
     free(f->a);
@@ -63,15 +61,13 @@ void ns_lu_free(ns_lu *f)
 }
 
 /* 2^k, exact; k is kept where 2^k is a normal number. */
-static double power_of_two(int k)
-{
+static double power_of_two(int k) {
     k = k < -1000 ? -1000 : k > 1000 ? 1000 : k;
     return ldexp(1.0, k);
 }
 
 /* 0 times a finite number is 0, times NaN or infinity NaN. */
-static int all_finite(size_t n, const double *a)
-{
+static int all_finite(size_t n, const double *a) {
     double s = 0.0;
     for (size_t i = 0; i < n; i++)
         s += 0.0 * a[i];
@@ -79,8 +75,7 @@ static int all_finite(size_t n, const double *a)
 }
 
 /* Copies a, scaled, into the factors' place; returns its 1-norm. */
-static double load(ns_lu *f, int n, const double *a)
-{
+static double load(ns_lu *f, int n, const double *a) {
     double norm = 0.0;
     ns_equilibrate(n, a, n, f->r, f->c, f->e);
     for (int i = 0; i < n; i++) {
@@ -100,8 +95,7 @@ static double load(ns_lu *f, int n, const double *a)
 }
 
 /* The column with the smallest pivot; *ratio gets that pivot over the largest. */
-static int smallest_pivot(const ns_lu *f, double *ratio)
-{
+static int smallest_pivot(const ns_lu *f, double *ratio) {
     double lo = INFINITY, hi = 0.0;
     int at = 0;
     for (int k = 0; k < f->n; k++) {
@@ -116,8 +110,7 @@ static int smallest_pivot(const ns_lu *f, double *ratio)
     return at;
 }
 
-int ns_lu_factor(ns_lu *f, int n, const double *a, double *rcond, int *column)
-{
+int ns_lu_factor(ns_lu *f, int n, const double *a, double *rcond, int *column) {
     if (!f || (n > 0 && !a))
         return NS_E_NULL;
     if (n < 0 || n > f->cap)
@@ -145,8 +138,7 @@ int ns_lu_factor(ns_lu *f, int n, const double *a, double *rcond, int *column)
     return NS_E_SINGULAR;
 }
 
-void ns_lu_solve(const ns_lu *f, int nrhs, double *b)
-{
+void ns_lu_solve(const ns_lu *f, int nrhs, double *b) {
     int n = f->n;
     if (n == 0 || nrhs <= 0)
         return;
@@ -160,8 +152,8 @@ void ns_lu_solve(const ns_lu *f, int nrhs, double *b)
 }
 
 /* Four rows at a time: the sums stay in registers while the columns go by. */
-static void rows_of_four(int p, int q, const double *restrict a, const double *restrict x, double *restrict y)
-{
+static void rows_of_four(int p, int q, const double *restrict a, const double *restrict x,
+                         double *restrict y) {
     double s0 = y[0], s1 = y[1], s2 = y[2], s3 = y[3];
     for (int j = 0; j < q; j++, a += p) {
         double xj = x[j];
@@ -176,8 +168,7 @@ static void rows_of_four(int p, int q, const double *restrict a, const double *r
     y[3] = s3;
 }
 
-void ns_matvec_add(int p, int q, const double *a, const double *x, double *y)
-{
+void ns_matvec_add(int p, int q, const double *a, const double *x, double *y) {
     int i = 0;
     for (; i + 4 <= p; i += 4)
         rows_of_four(p, q, a + i, x, y + i);
@@ -189,8 +180,7 @@ void ns_matvec_add(int p, int q, const double *a, const double *x, double *y)
     }
 }
 
-void ns_matvec(int p, int q, const double *a, const double *x, double *y)
-{
+void ns_matvec(int p, int q, const double *a, const double *x, double *y) {
     for (int i = 0; i < p; i++)
         y[i] = 0.0;
     ns_matvec_add(p, q, a, x, y);

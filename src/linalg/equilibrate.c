@@ -5,7 +5,7 @@
  * Entries that span 24 decades would otherwise leave rows whose largest entry comes from a column that is
  * merely measured in small units.
  */
-#include "linalg/equilibrate.h"
+#include "equilibrate.h"
 
 #include <limits.h>
 #include <stdint.h>
@@ -14,8 +14,7 @@
 enum { SWEEPS = 3, NONE = SHRT_MIN, SPREAD = 12 };
 
 /* The binary exponent of a finite number, NONE for 0. */
-static short exponent(double a)
-{
+static short exponent(double a) {
     uint64_t bits;
     memcpy(&bits, &a, sizeof bits);
     if ((bits << 1) == 0)
@@ -24,15 +23,13 @@ static short exponent(double a)
 }
 
 /* What scales exponents lo..hi: to the middle, or (last sweep) the largest to 0. */
-static int centre(int lo, int hi, int last)
-{
+static int centre(int lo, int hi, int last) {
     if (hi == INT_MIN)
         return 0;
     return last ? -hi : -(lo + hi) / 2;
 }
 
-static void sweep_columns(int n, const short *e, const int *r, int *c, int last)
-{
+static void sweep_columns(int n, const short *e, const int *r, int *c, int last) {
     for (int j = 0; j < n; j++) {
         const short *col = e + (size_t)j * (size_t)n;
         int lo = INT_MAX, hi = INT_MIN;
@@ -47,8 +44,7 @@ static void sweep_columns(int n, const short *e, const int *r, int *c, int last)
     }
 }
 
-static void sweep_rows(int n, const short *e, int *r, const int *c, int last)
-{
+static void sweep_rows(int n, const short *e, int *r, const int *c, int last) {
     for (int i = 0; i < n; i++) {
         int lo = INT_MAX, hi = INT_MIN;
         for (int j = 0; j < n; j++) {
@@ -63,8 +59,7 @@ static void sweep_rows(int n, const short *e, int *r, const int *c, int last)
     }
 }
 
-void ns_equilibrate(int n, const double *a, int ld, int *r, int *c, short *e)
-{
+void ns_equilibrate(int n, const double *a, int ld, int *r, int *c, short *e) {
     int lo = INT_MAX, hi = INT_MIN;
     for (int j = 0; j < n; j++)
         for (int i = 0; i < n; i++) {

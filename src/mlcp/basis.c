@@ -1,0 +1,131 @@
+/* src/mlcp/basis.c - one basis: its equations, their solution, its guards.
+ *
+ *   y_rows = W[rows,cols] lambda_cols + W[rows,rest] lambda_rest + q = 0,      lambda_rest at bounds
+ *
+ * Sizes: ysize_i is the sum of the sizes of the terms of y_i; lsize_i the change of lambda_i that changes
+ * some y_j by ysize_j.  They follow the units of rows and columns, so guards are read in them and
+ * the tableau is written in them.
+ */
+#include "mlcp_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Rows whose terms are all rounding noise must not be compared with themselves: a size is at least this
+ * part of the largest term the solution makes anywhere (see residual.c, which decides in the end). */
+static const double FLOOR = 1e-6;
+
+static void pick(ns_mlcp_solver *s) {
+    int k = 0;
+    for (int f = 0; f < s->nf; f++)
+        s->rows[k++] = s->free[f];
+    for (int a = 0; a < s->np; a++)
+        if (s->mode[s->pair[a]] == NS_INSIDE)
+            s->rows[k++] = s->pair[a];
+    memcpy(s->cols, s->rows, (size_t)k * sizeof *s->cols);
+    s->k = k;
+}
+
+/* out (k): entries `rows` of col (m). */
+static void gather(const ns_mlcp_solver *s, const double *col, double *out) {
+    for (int i = 0; i < s->k; i++)
+        out[i] = col[s->rows[i]];
+}
+
+int ns_basis_factor(ns_mlcp_solver *s, double *rcond) {
+    pick(s);
+    for (int j = 0; j < s->k; j++)
+        gather(s, s->W + (size_t)s->cols[j] * (size_t)s->m, s->G + (size_t)j * (size_t)s->k);
+    s->factors++;
+    return ns_lu_factor(s->lu, s->k, s->G, rcond, NULL);
+}
+
+/* y = W lambda + q for the present lambda; fixed ones are in q already. */
+static void multiply(ns_mlcp_solver *s) {
+    size_t m = (size_t)s->m;
+    memcpy(s->y, s->q, m * sizeof *s->y);
+    for (int j = 0; j < s->m; j++)
+        s->g[j] = s->lambda[j];
+    for (int k = 0; k < s->nx; k++)
+        s->g[s->fixed[k]] = 0.0;
+    ns_matvec_add(s->m, s->m, s->W, s->g, s->y);
+}
+
+void ns_basis_values(ns_mlcp_solver *s, int refinements) {
+    for (int i = 0; i < s->m; i++)
+        s->lambda[i] = s->mode[i] == NS_INSIDE ? 0.0 : ns_mlcp_bound(s, i, s->mode[i]);
+    multiply(s);
+    for (int pass = 0; pass <= refinements && s->k > 0; pass++) {
+        gather(s, s->y, s->rhs);
+        ns_lu_solve(s->lu, 1, s->rhs);
+        for (int j = 0; j < s->k; j++)
+            s->lambda[s->cols[j]] -= s->rhs[j];
+        multiply(s);
+    }
+}
+
+static double column_max(const ns_mlcp_solver *s, int j, const double *weight) {
+    const double *col = s->W + (size_t)j * (size_t)s->m;
+    double top = 0.0;
+    for (int i = 0; i < s->m; i++) {
+        double a = fabs(col[i]) * weight[i];
+        top = a > top ? a : top;
+    }
+    return top;
+}
+
+void ns_basis_sizes(ns_mlcp_solver *s) {
+    double norm = 0.0;
+    for (int i = 0; i < s->m; i++)
+        s->ysize[i] = fabs(s->q[i]);
+    for (int j = 0; j < s->m; j++) {
+        const double *col = s->W + (size_t)j * (size_t)s->m, v = fabs(s->lambda[j]);
+        if (v == 0.0)
+            continue;
+        norm = fmax(norm, v / s->colunit[j]);
+        for (int i = 0; i < s->m; i++)
+            s->ysize[i] += fabs(col[i]) * v;
+    }
+    for (int i = 0; i < s->m; i++) {
+        s->ysize[i] = fmax(s->ysize[i], FLOOR * norm * s->rowmax[i]);
+        if (!(s->ysize[i] > 0.0))
+            s->ysize[i] = s->rowmax[i] > 0.0 ? s->rowmax[i] : 1.0;
+        s->g[i] = 1.0 / s->ysize[i];
+    }
+    for (int a = 0; a < s->np; a++) {
+        double top = column_max(s, s->pair[a], s->g);
+        s->lsize[s->pair[a]] = top > 0.0 ? 1.0 / top : 1.0;
+    }
+}
+
+double ns_basis_violation(const ns_mlcp_solver *s) {
+    double worst = 0.0;
+    for (int a = 0; a < s->np; a++) {
+        int i = s->pair[a];
+        double v;
+        if (s->mode[i] == NS_INSIDE)
+            v = fmax(s->p->l[i] - s->lambda[i], s->lambda[i] - s->p->u[i]) / s->lsize[i];
+        else
+            v = (s->mode[i] == NS_LOWER ? -s->y[i] : s->y[i]) / s->ysize[i];
+        if (!(v <= worst))
+            worst = v;
+        if (isnan(v))
+            return INFINITY;
+    }
+    for (int f = 0; f < s->nf; f++)
+        if (!isfinite(s->lambda[s->free[f]]))
+            return INFINITY;
+    return worst;
+}
+
+void ns_basis_clamp(ns_mlcp_solver *s) {
+    for (int i = 0; i < s->m; i++) {
+        s->lambda[i] = fmin(fmax(s->lambda[i], s->p->l[i]), s->p->u[i]);
+        if (s->p->l[i] == s->p->u[i])
+            continue;
+        if (s->mode[i] == NS_INSIDE)
+            s->y[i] = 0.0;
+        else
+            s->y[i] = s->mode[i] == NS_LOWER ? fmax(s->y[i], 0.0) : fmin(s->y[i], 0.0);
+    }
+}

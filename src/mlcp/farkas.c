@@ -1,0 +1,114 @@
+/* src/mlcp/farkas.c - is a ray of Lemke's method a proof that there is no solution?
+ *
+ * Complementarity left aside, a solution satisfies the linear constraints
+ *     y = W lambda + q,  l <= lambda <= u,  y_i = 0 (free),  y_i >= 0 (u = inf),  y_i <= 0 (l = -inf)
+ * The tableau in which Lemke's method stopped satisfies them but for t > 0.  From it t is made as small as
+ * they allow by the primal simplex method.  If the smallest t is positive, the row of t says
+ *     t = beta + sum T[t,c] nonbasic_c,   beta > 0 and no term can be negative,
+ * which is Farkas' certificate: no lambda satisfies the constraints, so no solution exists (proved, up to
+ * rounding, for any W).  If t reaches 0 nothing is proved - unless W is monotone: then a feasible problem is
+ * solvable and Lemke's method would not have ended in a ray.
+ */
+#include "mlcp_internal.h"
+
+#include <math.h>
+
+static const double SMALL = 1e-9; /* sizes: what is called zero in a proof */
+
+static double lower(const ns_mlcp_solver *s, int var) {
+    if (var == 2 * s->np)
+        return 0.0;
+    if (var % 2 == 0)
+        return s->blo[var / 2];
+    return isinf(s->bhi[var / 2]) ? 0.0 : -INFINITY;
+}
+
+static double upper(const ns_mlcp_solver *s, int var) {
+    if (var == 2 * s->np)
+        return INFINITY;
+    if (var % 2 == 0)
+        return s->bhi[var / 2];
+    return isinf(s->blo[var / 2]) ? 0.0 : INFINITY;
+}
+
+/* The column by which t falls fastest, RAY -1 if there is none; *dir gets the direction. */
+static int price(const ns_mlcp_solver *s, int row, double *dir) {
+    int best = -1;
+    double most = SMALL;
+    for (int c = 0; c < s->ncol; c++) {
+        int var = s->colvar[c];
+        double g = s->T[row + c * s->np];
+        if (var == 2 * s->np || fabs(g) <= most)
+            continue;
+        int y = var % 2 == 1, fixed_up = !y && s->at_upper[var / 2];
+        int may_rise = y ? upper(s, var) > 0.0 : !fixed_up;
+        int may_fall = y ? lower(s, var) < 0.0 : fixed_up;
+        if ((g < 0.0 && may_rise) || (g > 0.0 && may_fall)) {
+            best = c;
+            most = fabs(g);
+            *dir = g < 0.0 ? 1.0 : -1.0;
+        }
+    }
+    return best;
+}
+
+/* The row that stops column col; -1 if its own other bound does. */
+static int stop(const ns_mlcp_solver *s, int col, double dir, double *step) {
+    int var = s->colvar[col], best = -1;
+    const double *e = s->T + (size_t)col * (size_t)s->np;
+    *step = var % 2 == 0 ? upper(s, var) - lower(s, var) : INFINITY;
+    for (int r = 0; r < s->np; r++) {
+        double rate = dir * e[r], bound = rate < 0.0 ? lower(s, s->rowvar[r]) : upper(s, s->rowvar[r]);
+        if (fabs(rate) < 1e-11 || isinf(bound))
+            continue;
+        double at = fmax((bound - s->beta[r]) / rate, 0.0);
+        int tie = best >= 0 && at == *step && s->rowvar[r] < s->rowvar[best];
+        if (at < *step || tie) {
+            *step = at;
+            best = r;
+        }
+    }
+    return best;
+}
+
+static void step_along(ns_mlcp_solver *s, int col, double dir) {
+    double step;
+    int var = s->colvar[col], row = stop(s, col, dir, &step);
+    const double *e = s->T + (size_t)col * (size_t)s->np;
+    double rest = var % 2 == 1 ? 0.0 : s->at_upper[var / 2] ? s->bhi[var / 2] : s->blo[var / 2];
+    double rate = row >= 0 ? dir * e[row] : 0.0;
+    for (int r = 0; r < s->np; r++)
+        s->beta[r] += dir * step * e[r];
+    if (row < 0) {
+        s->at_upper[var / 2] = (signed char)!s->at_upper[var / 2];
+        return;
+    }
+    int out = s->rowvar[row];
+    ns_tableau_exchange(s, row, col);
+    s->beta[row] = rest + dir * step;
+    if (out % 2 == 0 && out != 2 * s->np)
+        s->at_upper[out / 2] = rate > 0.0;
+}
+
+int ns_farkas(ns_mlcp_solver *s) {
+    int n = s->np;
+    for (int it = 0; it < PIVOTS_FLAT + PIVOTS_PER_PAIR * n; it++) {
+        int row = s->where[2 * n];
+        if (row < 0 || s->beta[row] <= SMALL)
+            return 0;
+        double dir = 1.0;
+        int col = price(s, row, &dir);
+        if (col >= 0) {
+            step_along(s, col, dir);
+            continue;
+        }
+        for (int a = 0; a < n; a++)
+            s->ray[a] = 0.0;
+        for (int c = 0; c < s->ncol; c++)
+            if (s->colvar[c] != 2 * n)
+                s->ray[s->colvar[c] / 2] = fmax(s->ray[s->colvar[c] / 2], fabs(s->T[row + c * n]));
+        ns_mlcp_name(s, s->ray, n, s->pair);
+        return 1;
+    }
+    return 0;
+}

@@ -1,0 +1,112 @@
+/* src/mlcp/mlcp_internal.h - the workspace and the parts of ns_mlcp_solve().
+ *
+ * The m indices of a problem are sorted into
+ *   free   l = -inf, u = inf: y = 0, lambda always basic
+ *   fixed  l = u: lambda given, y never asked; folded into q
+ *   pairs  everything else, numbered a = 0..np-1; each has at least one finite bound
+ * A basis says which lambda are solved for: all free ones, and of the pairs those that are inside.  The
+ * other pairs have lambda at a bound and y solved for.
+ */
+#ifndef NS_MLCP_INTERNAL_H
+#define NS_MLCP_INTERNAL_H
+
+#include <stddef.h>
+
+#include "../linalg/dense.h"
+#include "nonsmooth/mlcp.h"
+
+/* Variables of the pairs: lambda_a is 2a, y_a is 2a+1, the covering variable t is 2 np. */
+enum { REFRESH = 25, PIVOTS_FLAT = 50, PIVOTS_PER_PAIR = 20 };
+
+struct ns_mlcp_solver {
+    int cap;
+
+    /* the problem at hand (a regularised copy where the given one is singular) */
+    const ns_mlcp *p; /* as given */
+    const double *W;  /* m*m: p->W or Wreg */
+    double *q;        /* m, with the fixed lambda folded in */
+    double *q0;       /* m, the same before regularisation */
+    double *Wreg;     /* m*m */
+    int m, nf, np, nx;
+    int *free, *pair, *fixed; /* nf, np, nx: indices of the problem */
+    double *rowmax,
+        *colunit; /* m: largest |W_ij| of a row; unit of lambda_j in which it makes terms of that size */
+
+    /* the basis: mode of all m, and the equations picked from it */
+    ns_mode *mode;  /* m, working copy */
+    int k;          /* size of G */
+    int *rows;      /* k: indices i whose y_i is nonbasic */
+    int *cols;      /* k: indices j whose lambda_j is basic; -1 stands for t */
+    double *G;      /* (m+1)^2 */
+    double *rhs;    /* (m+1)*(m+2) */
+    ns_lu *lu;      /* of G */
+    double *lambda; /* m */
+    double *y;      /* m */
+    double *ysize;  /* m: sizes of the terms summed in y_i */
+    double *lsize;  /* m: the change of lambda_i that some y_j notices in full; pairs only */
+    double *g;      /* m */
+
+    /* the canonical tableau: basic = beta + T nonbasic, in units of ysize and lsize */
+    int ncol;               /* np, or np+1 with t */
+    double *T;              /* np*(np+1), leading dimension np */
+    double *beta;           /* np: values */
+    int *rowvar, *colvar;   /* np, np+1 */
+    int *where;             /* 2np+1: row, or -1-column, of a variable */
+    double *unit;           /* 2np+1 */
+    double *blo, *bhi;      /* np: bounds of lambda_a in its unit */
+    signed char *at_upper;  /* np: nonbasic lambda_a is at u */
+    double *cover;          /* m: column of t in y = W lambda + q + cover t */
+    unsigned char *first_y; /* np: at the start y_a was basic (lexicographic order) */
+    double *ray;            /* m */
+
+    /* rank-revealing elimination */
+    double *A, *mag;                  /* m*m */
+    int *r, *c;                       /* m: exponents of the scaling */
+    short *e;                         /* m*m */
+    unsigned char *rowdone, *coldone; /* m */
+    int *parent, *queue;              /* m */
+    int nstuck;
+    int *stuck_row, *stuck_col; /* m */
+
+    long pivots, factors;
+    ns_fault fault;
+
+    double *doubles; /* the blocks all of the above lie in */
+    int *ints;
+    unsigned char *bytes;
+};
+
+/* problem.c: NULL, SIZE, NUMBER, BOUNDS; sorts the indices, mends mode into s->mode, folds fixed lambda. */
+int ns_mlcp_check(const ns_mlcp_solver *s, const ns_mlcp *p);
+void ns_mlcp_sort(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mode);
+ns_mode ns_mlcp_mend(const ns_mlcp_solver *s, int i, ns_mode mode);
+double ns_mlcp_bound(const ns_mlcp_solver *s, int i, ns_mode mode); /* the lambda of a pair not inside */
+
+/* basis.c */
+int ns_basis_factor(ns_mlcp_solver *s, double *rcond);    /* G of s->mode and its factors */
+void ns_basis_values(ns_mlcp_solver *s, int refinements); /* lambda, y, from the factors */
+void ns_basis_sizes(ns_mlcp_solver *s);                   /* ysize, lsize, at lambda */
+double ns_basis_violation(const ns_mlcp_solver *s);       /* worst guard, in units of the sizes */
+void ns_basis_clamp(ns_mlcp_solver *s);                   /* lambda into its bounds, signs of y */
+
+/* tableau.c */
+void ns_tableau_start(ns_mlcp_solver *s);  /* of s->mode, whose G is factored and whose sizes are known */
+int ns_tableau_refresh(ns_mlcp_solver *s); /* from W and q anew, t included.  SINGULAR */
+void ns_tableau_exchange(ns_mlcp_solver *s, int row, int col);
+double ns_tableau_lower(const ns_mlcp_solver *s, int var); /* of a basic variable, in its unit */
+double ns_tableau_upper(const ns_mlcp_solver *s, int var);
+
+/* lemke.c: from s->mode to the mode of a solution.  all: the covering vector acts on every guard, not on
+ * the broken ones only.  OK; INFEASIBLE: a ray, in s->fault; LIMIT; SINGULAR: the tableau got lost. */
+int ns_lemke(ns_mlcp_solver *s, int all);
+
+/* farkas.c: after a ray: 1 if the bounds of lambda and y alone, without complementarity, contradict. */
+int ns_farkas(ns_mlcp_solver *s);
+
+/* fault.c: fault.pair gets index[k] of the largest weights, largest first. */
+void ns_mlcp_name(ns_mlcp_solver *s, const double *weight, int n, const int *index);
+
+/* reveal.c: makes s->mode a nonsingular basis close to it.  SINGULAR: s->stuck_row, s->stuck_col. */
+int ns_reveal(ns_mlcp_solver *s);
+
+#endif

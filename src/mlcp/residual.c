@@ -1,0 +1,129 @@
+/* src/mlcp/residual.c - how well a lambda solves a problem, judged from the problem alone.
+ *
+ * Natural residual, row by row, with y and lambda each in units of its own size:
+ *
+ *     res_i = | lambda_i - proj_[l,u]( lambda_i - y_i ) |,   y_i in units of Y_i, lambda_i of L_i
+ *
+ *     Y_i = |q_i| + sum_j |W_ij lambda_j|     the terms that were summed: rounding leaves 1e-16 of them
+ *     L_i = min_j Y_j / |W_ji|                the change of lambda_i that changes some y_j by its whole size
+ *
+ * Both follow the units of rows and columns, so that a problem in mA and kV gets the same residual.
+ * A row of which every term is itself rounding noise (the current of a branch in which nothing flows) would
+ * be compared with noise; so Y_i is at least FLOOR times the largest term that any lambda, each in
+ * units in which it makes W's largest entries 1, could make in row i.  (Arioli, Demmel and Duff,
+ * "Solving sparse linear systems with sparse backward error", treat vanishing denominators alike.)
+ */
+#include "residual.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "nonsmooth/mlcp.h"
+
+/* 1e-6: noise of 1e-16 of the largest term counts as 1e-10; smaller true currents are still told apart
+ * down to 1e-16 of the largest. */
+static const double FLOOR = 1e-6;
+
+static int bad_input(const ns_mlcp *p, const double *lambda) {
+    if (!p || p->m < 0)
+        return 1;
+    if (p->m > 0 && (!p->W || !p->q || !p->l || !p->u || !lambda))
+        return 1;
+    for (int i = 0; i < p->m; i++)
+        if (!isfinite(lambda[i]) || !isfinite(p->q[i]) || !(p->l[i] <= p->u[i]))
+            return 1;
+    return 0;
+}
+
+/* y = W lambda + q, the sums of sizes, the largest entry of each row. */
+static void sum_rows(const ns_mlcp *p, const double *lambda, double *y, double *size, double *top) {
+    size_t m = (size_t)p->m;
+    for (size_t i = 0; i < m; i++) {
+        y[i] = p->q[i];
+        size[i] = fabs(p->q[i]);
+        top[i] = 0.0;
+    }
+    for (size_t j = 0; j < m; j++) {
+        const double *col = p->W + j * m, v = lambda[j];
+        for (size_t i = 0; i < m; i++) {
+            double a = fabs(col[i]), term = col[i] * v;
+            y[i] += term;
+            size[i] += fabs(term);
+            top[i] = a > top[i] ? a : top[i];
+        }
+    }
+}
+
+/* max_i |W_ij| weight_i */
+static double weighted_max(const ns_mlcp *p, int j, const double *weight) {
+    const double *col = p->W + (size_t)j * (size_t)p->m;
+    double top = 0.0;
+    for (int i = 0; i < p->m; i++) {
+        double a = fabs(col[i]) * weight[i];
+        top = a > top ? a : top;
+    }
+    return top;
+}
+
+/* Raises sizes to their floor and turns them into reciprocals. */
+static void finish_sizes(const ns_mlcp *p, const double *lambda, double *size, const double *top,
+                         double *work) {
+    double norm = 0.0;
+    for (int i = 0; i < p->m; i++)
+        work[i] = top[i] > 0.0 ? 1.0 / top[i] : 0.0;
+    for (int j = 0; j < p->m; j++)
+        if (lambda[j] != 0.0)
+            norm = fmax(norm, fabs(lambda[j]) * weighted_max(p, j, work));
+    for (int i = 0; i < p->m; i++) {
+        double v = fmax(size[i], FLOOR * norm * top[i]);
+        size[i] = v > 0.0 ? 1.0 / v : 0.0;
+    }
+}
+
+/* Row i; inverse: 1/Y of all rows. */
+static double row_residual(const ns_mlcp *p, int i, double lambda, double y, const double *inverse) {
+    double l = p->l[i], u = p->u[i], ys = y * inverse[i];
+    if (isinf(l) && isinf(u))
+        return fabs(ys);
+    double unit = weighted_max(p, i, inverse); /* 1/L */
+    if (!(unit > 0.0))                         /* no row notices lambda_i: its own size must do */
+        unit = lambda != 0.0 ? 1.0 / fabs(lambda) : 1.0;
+    double x = lambda * unit, to = x - ys;
+    to = l == u ? l * unit : fmin(fmax(to, l * unit), u * unit);
+    return fabs(x - to);
+}
+
+double ns_mlcp_measure(const ns_mlcp *p, const double *lambda, double *work, int *worst) {
+    size_t m = (size_t)p->m;
+    double *y = work, *size = work + m, *top = work + 2 * m, most = 0.0;
+    sum_rows(p, lambda, y, size, top);
+    finish_sizes(p, lambda, size, top, work + 3 * m);
+    for (int i = 0; i < p->m; i++) {
+        double r = row_residual(p, i, lambda[i], y[i], size);
+        if (!(r <= most)) {
+            most = r;
+            if (worst)
+                *worst = i;
+        }
+        if (isnan(r))
+            break;
+    }
+    return most;
+}
+
+double ns_mlcp_residual(const ns_mlcp *p, const double *lambda, int *worst) {
+    enum { SMALL = 128 };
+    double few[4 * SMALL];
+    if (worst)
+        *worst = 0;
+    if (bad_input(p, lambda))
+        return NAN;
+    double *work = p->m <= SMALL ? few : malloc(4 * (size_t)p->m * sizeof *work);
+    if (!work)
+        return NAN;
+    double r = ns_mlcp_measure(p, lambda, work, worst);
+    if (work != few)
+        free(work);
+    return r;
+}

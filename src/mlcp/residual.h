@@ -1,0 +1,10 @@
+/* src/mlcp/residual.h - ns_mlcp_residual() without its checks, with room from the caller. */
+#ifndef NS_RESIDUAL_H
+#define NS_RESIDUAL_H
+
+#include "nonsmooth/mlcp.h"
+
+/* work: 4*m.  p and lambda are finite. */
+double ns_mlcp_measure(const ns_mlcp *p, const double *lambda, double *work, int *worst);
+
+#endif

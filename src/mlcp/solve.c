@@ -1,0 +1,117 @@
+/* src/mlcp/solve.c - ns_mlcp_solve(): which start, which method, and whether to believe the answer. */
+#include "mlcp_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "residual.h"
+
+/* Guards hold if no y or lambda is outside by more than this part of its size: the terms of a sum leave
+ * 1e-16 of it each, a solve with some dozen unknowns 1e-14; two decades are for the condition. */
+static const double GUARD = 1e-12;
+static const double ACCEPT = 1e-10; /* natural residual of an answer */
+static const double GOOD = 1e-13;   /* nothing to gain by refining below this */
+static const double RCOND = 1e-13;  /* a starting basis must keep three digits */
+
+/* The answer in s->mode, whose G is factored: refined, clamped, judged. */
+static int judge(ns_mlcp_solver *s, int refinements, double *residual) {
+    ns_basis_values(s, refinements);
+    for (int i = 0; i < s->m; i++)
+        if (!isfinite(s->lambda[i]) || !isfinite(s->y[i]))
+            return NS_E_RESIDUAL;
+    ns_basis_clamp(s);
+    *residual = ns_mlcp_measure(s->p, s->lambda, s->rhs, NULL);
+    return *residual <= ACCEPT ? NS_OK : NS_E_RESIDUAL;
+}
+
+/* From s->mode to an answer by at most `rounds` runs of Lemke's method. */
+static int attempt(ns_mlcp_solver *s, int all, int rounds, double *residual) {
+    double rcond;
+    int status = ns_basis_factor(s, &rcond);
+    if (status != NS_OK || rcond < RCOND) {
+        status = ns_reveal(s);
+        if (status == NS_OK)
+            status = ns_basis_factor(s, NULL);
+        if (status != NS_OK)
+            return NS_E_SINGULAR;
+    }
+    for (int round = 0; round < rounds; round++) {
+        ns_basis_values(s, round > 0);
+        ns_basis_sizes(s);
+        double v = ns_basis_violation(s);
+        if (v > GUARD) {
+            if (isinf(v))
+                return NS_E_SINGULAR;
+            ns_tableau_start(s);
+            status = ns_lemke(s, all);
+            if (status != NS_OK)
+                return status;
+            if (ns_basis_factor(s, NULL) != NS_OK)
+                return NS_E_SINGULAR;
+        }
+        status = judge(s, 0, residual);
+        if (status != NS_OK || *residual > GOOD)
+            status = judge(s, 2, residual);
+        if (status == NS_OK)
+            return NS_OK;
+    }
+    return status;
+}
+
+static void restart(ns_mlcp_solver *s, const ns_mode *mode) {
+    for (int i = 0; i < s->m; i++)
+        s->mode[i] = ns_mlcp_mend(s, i, mode ? mode[i] : NS_LOWER);
+}
+
+/* Different starts and covers, until one answers or proves that nothing can. */
+static int search(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
+    static const struct {
+        int lower, all;
+    } way[] = {{0, 0}, {0, 1}, {1, 1}, {1, 0}, {1, 2}, {0, 2}, {1, 3}, {0, 3}};
+    int first = NS_E_LIMIT;
+    for (size_t k = 0; k < sizeof way / sizeof *way; k++) {
+        restart(s, way[k].lower ? NULL : mode);
+        int status = attempt(s, way[k].all, 3, residual);
+        if (status == NS_OK)
+            return NS_OK;
+        if (status == NS_E_INFEASIBLE && ns_farkas(s))
+            return status;
+        if (k == 0 || (first == NS_E_LIMIT && status != NS_E_SINGULAR))
+            first = status;
+    }
+    return first;
+}
+
+int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *lambda, double *y,
+                  ns_mlcp_info *info) {
+    double residual = NAN;
+    if (info) {
+        memset(info, 0, sizeof *info);
+        info->fault.t = info->residual = NAN;
+    }
+    if (!s || !p || (p->m > 0 && (!mode || !lambda || !y)))
+        return NS_E_NULL;
+    int status = ns_mlcp_check(s, p);
+    if (status == NS_OK) {
+        s->pivots = s->factors = 0;
+        memset(&s->fault, 0, sizeof s->fault);
+        s->fault.t = NAN;
+        ns_mlcp_sort(s, p, mode);
+        status = search(s, mode, &residual);
+        if (info) {
+            info->pivots = s->pivots;
+            info->factors = s->factors;
+            info->fault = s->fault;
+            info->residual = residual;
+        }
+    }
+    if (info)
+        info->fault.status = (ns_status)status;
+    if (status != NS_OK)
+        return status;
+    size_t m = (size_t)p->m;
+    memcpy(mode, s->mode, m * sizeof *mode);
+    memcpy(lambda, s->lambda, m * sizeof *lambda);
+    memcpy(y, s->y, m * sizeof *y);
+    return NS_OK;
+}

@@ -1,0 +1,73 @@
+/* src/mlcp/workspace.c - all memory of a solver, taken once: three blocks and the room for the factors. */
+#include "mlcp_internal.h"
+
+#include <stdlib.h>
+
+static void carve_doubles(ns_mlcp_solver *s, size_t m) {
+    double *d = s->doubles;
+    double **square[] = {&s->Wreg, &s->A, &s->mag};
+    double **vector[] = {&s->q,     &s->q0, &s->rowmax, &s->colunit, &s->lambda, &s->y,     &s->ysize,
+                         &s->lsize, &s->g,  &s->beta,   &s->blo,     &s->bhi,    &s->cover, &s->ray};
+    for (size_t i = 0; i < sizeof square / sizeof *square; i++, d += m * m)
+        *square[i] = d;
+    for (size_t i = 0; i < sizeof vector / sizeof *vector; i++, d += m)
+        *vector[i] = d;
+    s->G = d;
+    s->rhs = s->G + (m + 1) * (m + 1);
+    s->T = s->rhs + (m + 1) * (m + 2);
+    s->unit = s->T + m * (m + 1);
+}
+
+static size_t count_doubles(size_t m) {
+    return 3 * m * m + 14 * m + (m + 1) * (m + 1) + (m + 1) * (m + 2) + m * (m + 1) + 2 * m + 1;
+}
+
+static void carve_ints(ns_mlcp_solver *s, size_t m) {
+    int *d = s->ints;
+    int **vector[] = {&s->free, &s->pair, &s->fixed, &s->rows,      &s->cols,      &s->rowvar, &s->colvar,
+                      &s->r,    &s->c,    &s->queue, &s->stuck_row, &s->stuck_col, &s->parent};
+    for (size_t i = 0; i < sizeof vector / sizeof *vector; i++, d += m + 1)
+        *vector[i] = d;
+    s->where = d; /* 2m+1 */
+}
+
+int ns_mlcp_create(int m, ns_mlcp_solver **out) {
+    if (!out)
+        return NS_E_NULL;
+    *out = NULL;
+    if (m < 0 || m > 20000) /* keeps m*m within int */
+        return NS_E_SIZE;
+    ns_mlcp_solver *s = calloc(1, sizeof *s);
+    if (!s)
+        return NS_E_MEMORY;
+    size_t k = (size_t)m;
+    s->cap = m;
+    s->doubles = calloc(count_doubles(k), sizeof *s->doubles);
+    s->ints = calloc(13 * (k + 1) + 2 * k + 1, sizeof *s->ints);
+    s->bytes = calloc(k * k * sizeof(short) + 5 * (k + 1), 1);
+    if (!s->doubles || !s->ints || !s->bytes || ns_lu_create(m + 1, &s->lu) != NS_OK) {
+        ns_mlcp_free(s);
+        return NS_E_MEMORY;
+    }
+    carve_doubles(s, k);
+    carve_ints(s, k);
+    s->e = (short *)(void *)s->bytes; /* first: calloc aligns it */
+    unsigned char *b = s->bytes + k * k * sizeof(short);
+    s->first_y = b;
+    s->rowdone = b + (k + 1);
+    s->coldone = b + 2 * (k + 1);
+    s->mode = (ns_mode *)(b + 3 * (k + 1));
+    s->at_upper = (signed char *)(b + 4 * (k + 1));
+    *out = s;
+    return NS_OK;
+}
+
+void ns_mlcp_free(ns_mlcp_solver *s) {
+    if (!s)
+        return;
+    ns_lu_free(s->lu);
+    free(s->doubles);
+    free(s->ints);
+    free(s->bytes);
+    free(s);
+}
