@@ -23,3 +23,9 @@ void ns_mlcp_name(ns_mlcp_solver *s, const double *weight, int n, const int *ind
         s->fault.pair[s->fault.npairs++] = index[best];
     }
 }
+
+void ns_mlcp_list(ns_mlcp_solver *s, int n, const int *index) {
+    s->fault.npairs = n < NS_FAULT_MAX ? n : NS_FAULT_MAX;
+    for (int k = 0; k < s->fault.npairs; k++)
+        s->fault.pair[k] = index[k];
+}

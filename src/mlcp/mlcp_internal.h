@@ -13,6 +13,7 @@
 #include <stddef.h>
 
 #include "../linalg/dense.h"
+#include "../linalg/equilibrate.h"
 #include "nonsmooth/mlcp.h"
 
 /* Variables of the pairs: lambda_a is 2a, y_a is 2a+1, the covering variable t is 2 np. */
@@ -23,10 +24,13 @@ struct ns_mlcp_solver {
 
     /* the problem at hand (a regularised copy where the given one is singular) */
     const ns_mlcp *p; /* as given */
-    const double *W;  /* m*m: p->W or Wreg */
-    double *q;        /* m, with the fixed lambda folded in */
-    double *q0;       /* m, the same before regularisation */
-    double *Wreg;     /* m*m */
+    ns_mlcp now;      /* what is being solved: *p, or a regularised copy */
+    const double *W;  /* now.W */
+    double *q;        /* m: now.q with the fixed lambda folded in */
+    double *Wreg;     /* m*m, qraw: m: the regularised copy */
+    double *qraw;
+    int *erow, *ecol; /* m: entries of its eps E */
+    double *eval;     /* m */
     int m, nf, np, nx;
     int *free, *pair, *fixed; /* nf, np, nx: indices of the problem */
     double *rowmax,
@@ -76,9 +80,12 @@ struct ns_mlcp_solver {
     unsigned char *bytes;
 };
 
-/* problem.c: NULL, SIZE, NUMBER, BOUNDS; sorts the indices, mends mode into s->mode, folds fixed lambda. */
+/* problem.c: NULL, SIZE, NUMBER, BOUNDS; sorts the indices. */
 int ns_mlcp_check(const ns_mlcp_solver *s, const ns_mlcp *p);
-void ns_mlcp_sort(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mode);
+void ns_mlcp_sort(ns_mlcp_solver *s, const ns_mlcp *p);
+void ns_mlcp_given(ns_mlcp_solver *s);                        /* now = *p */
+void ns_mlcp_fold(ns_mlcp_solver *s);                         /* W, q of now */
+void ns_mlcp_restart(ns_mlcp_solver *s, const ns_mode *mode); /* s->mode = mode mended; NULL: all lower */
 ns_mode ns_mlcp_mend(const ns_mlcp_solver *s, int i, ns_mode mode);
 double ns_mlcp_bound(const ns_mlcp_solver *s, int i, ns_mode mode); /* the lambda of a pair not inside */
 
@@ -106,7 +113,16 @@ int ns_farkas(ns_mlcp_solver *s);
 /* fault.c: fault.pair gets index[k] of the largest weights, largest first. */
 void ns_mlcp_name(ns_mlcp_solver *s, const double *weight, int n, const int *index);
 
+/* ... gets index[0..n-1]. */
+void ns_mlcp_list(ns_mlcp_solver *s, int n, const int *index);
+
 /* reveal.c: makes s->mode a nonsingular basis close to it.  SINGULAR: s->stuck_row, s->stuck_col. */
 int ns_reveal(ns_mlcp_solver *s);
+
+/* proximal.c: after ns_reveal() was stuck.  INFEASIBLE: the equations contradict; SINGULAR. */
+int ns_proximal(ns_mlcp_solver *s, const ns_mode *mode, double accept, double *residual);
+
+/* solve.c: different starts, until s->now is solved or one of them proves that it cannot be. */
+int ns_mlcp_search(ns_mlcp_solver *s, const ns_mode *mode, double *residual);
 
 #endif

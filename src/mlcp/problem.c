@@ -72,26 +72,39 @@ static void units(ns_mlcp_solver *s) {
     }
 }
 
-void ns_mlcp_sort(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mode) {
+void ns_mlcp_fold(ns_mlcp_solver *s) {
+    size_t m = (size_t)s->m;
+    s->W = s->now.W;
+    if (m > 0)
+        memcpy(s->q, s->now.q, m * sizeof *s->q);
+    for (int k = 0; k < s->nx; k++) {
+        double v = s->p->l[s->fixed[k]];
+        if (v != 0.0)
+            ns_matvec_add(s->m, 1, s->W + (size_t)s->fixed[k] * m, &v, s->q);
+    }
+}
+
+void ns_mlcp_given(ns_mlcp_solver *s) {
+    s->now = *s->p;
+    ns_mlcp_fold(s);
+}
+
+void ns_mlcp_restart(ns_mlcp_solver *s, const ns_mode *mode) {
+    for (int i = 0; i < s->m; i++)
+        s->mode[i] = ns_mlcp_mend(s, i, mode ? mode[i] : NS_LOWER);
+}
+
+void ns_mlcp_sort(ns_mlcp_solver *s, const ns_mlcp *p) {
     s->p = p;
-    s->W = p->W;
     s->m = p->m;
-    s->nf = s->np = s->nx = 0;
-    for (int i = 0; i < p->m; i++) {
+    s->nf = s->np = s->nx = s->nstuck = 0;
+    for (int i = 0; i < p->m; i++)
         if (p->l[i] == p->u[i])
             s->fixed[s->nx++] = i;
         else if (isinf(p->l[i]) && isinf(p->u[i]))
             s->free[s->nf++] = i;
         else
             s->pair[s->np++] = i;
-        s->mode[i] = ns_mlcp_mend(s, i, mode[i]);
-    }
-    if (p->m > 0)
-        memcpy(s->q, p->q, (size_t)p->m * sizeof *s->q);
-    for (int k = 0; k < s->nx; k++) {
-        double v = p->l[s->fixed[k]];
-        if (v != 0.0)
-            ns_matvec_add(p->m, 1, p->W + (size_t)s->fixed[k] * (size_t)p->m, &v, s->q);
-    }
+    ns_mlcp_given(s);
     units(s);
 }

@@ -20,7 +20,7 @@ static int judge(ns_mlcp_solver *s, int refinements, double *residual) {
         if (!isfinite(s->lambda[i]) || !isfinite(s->y[i]))
             return NS_E_RESIDUAL;
     ns_basis_clamp(s);
-    *residual = ns_mlcp_measure(s->p, s->lambda, s->rhs, NULL);
+    *residual = ns_mlcp_measure(&s->now, s->lambda, s->rhs, NULL);
     return *residual <= ACCEPT ? NS_OK : NS_E_RESIDUAL;
 }
 
@@ -58,24 +58,21 @@ static int attempt(ns_mlcp_solver *s, int all, int rounds, double *residual) {
     return status;
 }
 
-static void restart(ns_mlcp_solver *s, const ns_mode *mode) {
-    for (int i = 0; i < s->m; i++)
-        s->mode[i] = ns_mlcp_mend(s, i, mode ? mode[i] : NS_LOWER);
-}
-
 /* Different starts and covers, until one answers or proves that nothing can. */
-static int search(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
+int ns_mlcp_search(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     static const struct {
         int lower, all;
     } way[] = {{0, 0}, {0, 1}, {1, 1}, {1, 0}, {1, 2}, {0, 2}, {1, 3}, {0, 3}};
     int first = NS_E_LIMIT;
     for (size_t k = 0; k < sizeof way / sizeof *way; k++) {
-        restart(s, way[k].lower ? NULL : mode);
+        ns_mlcp_restart(s, way[k].lower ? NULL : mode);
         int status = attempt(s, way[k].all, 3, residual);
         if (status == NS_OK)
             return NS_OK;
         if (status == NS_E_INFEASIBLE && ns_farkas(s))
-            return status;
+            return status; /* proved */
+        if (s->nstuck > 0)
+            return NS_E_SINGULAR; /* no start will do */
         if (k == 0 || (first == NS_E_LIMIT && status != NS_E_SINGULAR))
             first = status;
     }
@@ -96,8 +93,10 @@ int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *la
         s->pivots = s->factors = 0;
         memset(&s->fault, 0, sizeof s->fault);
         s->fault.t = NAN;
-        ns_mlcp_sort(s, p, mode);
-        status = search(s, mode, &residual);
+        ns_mlcp_sort(s, p);
+        status = ns_mlcp_search(s, mode, &residual);
+        if (status == NS_E_SINGULAR && s->nstuck > 0)
+            status = ns_proximal(s, mode, ACCEPT, &residual);
         if (info) {
             info->pivots = s->pivots;
             info->factors = s->factors;
