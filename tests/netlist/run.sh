@@ -1,0 +1,114 @@
+#!/bin/sh
+# tests/netlist/run.sh - netlists through the installed ngspice with nonsmooth.cm, one verdict line each.
+#
+#   tests/netlist/run.sh build/nonsmooth.cm [name...]      name: part of a verdict's name; none: all
+#
+# Verdicts `ok netlist/NAME` and `FAIL netlist/NAME reason`; exit status 1 if one failed.  NAME is
+#   X default    netlists/X.cir as it is (it judges itself to 1 % at the default h)
+#   X fine       h ten times smaller: `.model nsopt nonsmooth` gets h = (.tran's step)/160, `set tol = 1` becomes 0.1
+#   X reversed   its elements in reverse order
+#   cases/X      tests/netlist/cases/X.cir, which judges itself
+#   errors/X     tests/netlist/errors/X.cir: exactly one line of output matches the regular expression of its
+#                first line `* expect: ...`, and it judges what was kept
+# All but errors/ also fail on a rejected time point and on "timestep too small" or "singular" in the output;
+# everything fails on a sanitizer's or valgrind's finding, a crash, and after TIME_LIMIT seconds.
+# Environment: NGSPICE (ngspice; may be "valgrind -q ngspice"), TIME_LIMIT (60), JOBS (number of processors),
+# KEEP (a folder for the runs, kept; default: a temporary one).
+set -u
+here=$(cd "$(dirname "$0")" && pwd)
+top=$(cd "$here/../.." && pwd)
+NGSPICE=${NGSPICE:-ngspice}
+TIME_LIMIT=${TIME_LIMIT:-60}
+
+# fine FILE: the netlist with h ten times smaller and the tolerance of 0.1 %.
+fine() {
+    h=$(awk 'function num(s) {
+                 s = tolower(s); f = 1; k = substr(s, match(s, /[a-z]*$/), 1)
+                 if (k == "m") f = 1e-3; if (k == "u") f = 1e-6; if (k == "n") f = 1e-9; if (k == "p") f = 1e-12
+                 return s * f }
+             tolower($1) == ".tran" { h = num($2); if (h > num($3) / 50) h = num($3) / 50; print h / 160; exit }' "$1")
+    grep -q '^set tol = 1$' "$1" && grep -q '^\.model nsopt nonsmooth$' "$1" || echo "run.sh: no tolerance or options" >&2
+    sed -e "s/^\.model nsopt nonsmooth\$/.model nsopt nonsmooth(h=$h)/" -e 's/^set tol = 1$/set tol = 0.1/' "$1"
+}
+
+# reversed FILE: its element lines outside subcircuits from last to first, everything else in place.
+reversed() {
+    awk 'FNR == 1 { pass++; print_title = pass == 2 }
+         { element = FNR > 1 && !inside && /^[A-Za-z]/ }
+         tolower($1) == ".subckt" || tolower($1) == ".control" { inside = 1; element = 0 }
+         tolower($1) == ".ends" || tolower($1) == ".endc" { inside = 0; element = 0 }
+         pass == 1 && element { line[++n] = $0 }
+         pass == 2 { if (element) print line[n--]; else print }' "$1" "$1"
+}
+
+# one FILE VARIANT: runs it in a folder of its own and prints the verdict.
+one() {
+    file=$1 variant=$2 base=$(basename "$1" .cir)
+    case $file in
+    */cases/*) name=cases/$base kind=case ;;
+    */errors/*) name=errors/$base kind=error ;;
+    *) name="$base $variant" kind=netlist ;;
+    esac
+    dir=$SCRATCH/$(echo "$name" | tr ' /' '__')
+    mkdir -p "$dir" || exit 2
+    ln -sfn "$top/netlists/lib" "$dir/lib"
+    echo "codemodel $CM" >"$dir/.spiceinit"
+    case $variant in
+    fine) fine "$file" ;;
+    reversed) reversed "$file" ;;
+    *) cat "$file" ;;
+    esac | sed 's/^run$/run\nrusage rejected/' >"$dir/$base.cir"
+    (cd "$dir" && HOME=$dir exec timeout -k 5 "$TIME_LIMIT" $NGSPICE -b "$base.cir" >out 2>&1 </dev/null)
+    rc=$?
+    reason=$(judge "$dir/out" $rc $kind "$file")
+    if [ -z "$reason" ]; then echo "ok netlist/$name"; else echo "FAIL netlist/$name $reason"; fi
+    [ -z "$reason" ]
+}
+
+# judge OUTPUT STATUS KIND FILE: prints why it failed, or nothing.
+judge() {
+    if [ "$2" = 124 ]; then echo "took more than $TIME_LIMIT s"; return; fi
+    if [ "$2" -gt 128 ]; then echo "crashed: signal $(($2 - 128))"; return; fi
+    found=$(grep -m1 -E 'Sanitizer|runtime error:|^==[0-9]+== ' "$1") && { echo "$found"; return; }
+    if [ "$3" = error ]; then
+        expect=$(sed -n '1s/^\* expect: //p' "$4")
+        if [ -z "$expect" ]; then echo "no * expect: line"; return; fi
+        lines=$(grep -c -i -E -e "$expect" "$1")
+        if [ "$lines" != 1 ]; then
+            echo "$lines lines match /$expect/; says: $(grep -m1 -i 'nonsmooth' "$1")"; return
+        fi
+    else
+        found=$(grep -m1 -i -E 'timestep too small|singular' "$1") && { echo "$found"; return; }
+        found=$(grep -m1 -E 'ejected timepoints = [1-9]' "$1") && { echo "$found"; return; }
+    fi
+    if [ "$2" != 0 ]; then
+        echo "$(grep -E 'expected' "$1" | awk '{ e = t = 0
+            for (i = 1; i < NF; i++) { if ($i == "error") e = $(i + 1); if ($i == "tolerance") t = $(i + 1) }
+            if (!(e + 0 <= t + 0) || e == "%") { print; exit } }' | grep . ||
+            grep -m1 -i -E 'nonsmooth:|error' "$1" || echo "status $2")"
+    fi
+}
+
+if [ "${1:-}" = --one ]; then
+    one "$2" "$3"
+    exit
+fi
+[ $# -ge 1 ] && [ -f "$1" ] || { echo "usage: $0 nonsmooth.cm [name...]" >&2; exit 2; }
+CM=$(cd "$(dirname "$1")" && pwd)/$(basename "$1")
+shift
+SCRATCH=${KEEP:-$(mktemp -d)} || exit 2
+[ -n "${KEEP:-}" ] || trap 'rm -rf "$SCRATCH"' EXIT
+export NGSPICE TIME_LIMIT CM SCRATCH
+
+for f in "$top"/netlists/*.cir; do
+    for v in default fine reversed; do echo "$f $v $(basename "$f" .cir) $v"; done
+done >"$SCRATCH/list"
+for k in cases errors; do
+    for f in "$here/$k"/*.cir; do echo "$f - $k/$(basename "$f" .cir)"; done
+done >>"$SCRATCH/list"
+for n in "$@"; do echo "$n"; done >"$SCRATCH/names"
+[ $# -eq 0 ] && echo >"$SCRATCH/names"
+grep -F -f "$SCRATCH/names" "$SCRATCH/list" | cut -d' ' -f1,2 |
+    xargs -P "${JOBS:-$(nproc)}" -L1 "$0" --one >"$SCRATCH/verdicts"
+sort "$SCRATCH/verdicts"
+! grep -q '^FAIL' "$SCRATCH/verdicts" && grep -q '^ok' "$SCRATCH/verdicts"
