@@ -10,21 +10,22 @@ int ns_control_closed(const ns_march *m, int c) {
     return ns_theta_mode(m->step)[m->s->command[c].pair] == NS_INSIDE;
 }
 
-/* By how much g is beyond the threshold that changes command c (> 0: it has to change). */
-static double excess(const ns_march *m, int c, double from_state, const double *z) {
+/* By how much g is beyond the threshold that changes command c (> 0: it has to change), less tol times the
+ * size of its terms. */
+static double excess(const ns_march *m, int c, double from_state, const double *z, double tol) {
     const ns_command *k = &m->s->command[c];
     double g = k->g0 + from_state, size = fabs(k->g0) + fabs(from_state);
     for (int i = 0; k->gz && i < m->s->nz; i++) {
         g += k->gz[i] * z[i];
         size += fabs(k->gz[i] * z[i]);
     }
-    return (ns_control_closed(m, c) ? k->off - g : g - k->on) - control_tol * size;
+    return (ns_control_closed(m, c) ? k->off - g : g - k->on) - tol * size;
 }
 
 int ns_control_by_time(ns_march *m, const double *z, unsigned char *flip) {
     int count = 0;
     for (int c = 0; c < m->s->nc; c++) {
-        flip[c] = !m->s->command[c].gx && excess(m, c, 0, z) > 0;
+        flip[c] = !m->s->command[c].gx && excess(m, c, 0, z, control_tol) > 0;
         count += flip[c];
     }
     return count;
@@ -34,26 +35,26 @@ int ns_control_by_state(ns_march *m, const double *z, unsigned char *flip) {
     const double *from_state = ns_theta_controls(m->step);
     int count = 0;
     for (int c = 0; c < m->s->nc; c++) {
-        flip[c] = m->s->command[c].gx && excess(m, c, from_state[c], z) > 0;
+        flip[c] = m->s->command[c].gx && excess(m, c, from_state[c], z, control_tol) > 0;
         count += flip[c];
     }
     return count;
 }
 
-static double excess_at(ns_march *m, int c, double t) {
+static double excess_at(ns_march *m, int c, double t, double tol) {
     ns_system_inputs(m->s, t, NS_LEFT, m->z_left);
-    return excess(m, c, 0, m->z_left);
+    return excess(m, c, 0, m->z_left, tol);
 }
 
 /* Where command c crosses in [a, b], excess > 0 at b: by bisection to rounding. */
 static double instant_of(ns_march *m, int c, double a, double b) {
-    if (excess_at(m, c, a) > 0)
+    if (excess_at(m, c, a, 0) > 0)
         return a;
     for (int i = 0; i < 200; i++) {
         const double mid = a + (b - a) / 2;
         if (!(mid > a && mid < b))
             break;
-        *(excess_at(m, c, mid) > 0 ? &b : &a) = mid;
+        *(excess_at(m, c, mid, 0) > 0 ? &b : &a) = mid;
     }
     return b;
 }
@@ -64,9 +65,8 @@ double ns_control_instant(ns_march *m, double t, unsigned char *flip) {
         if (flip[c])
             first = fmin(first, instant_of(m, c, m->live.t, t));
     /* switches driven by one source cross together: the same instant up to rounding */
-    const double same = fmin(first + ns_short_step(m, NS_LAST_RUNG), t);
     for (int c = 0; c < m->s->nc; c++)
-        flip[c] = flip[c] && (same == t || excess_at(m, c, same) > 0);
+        flip[c] = flip[c] && excess_at(m, c, first, -control_tol) > 0;
     return first;
 }
 

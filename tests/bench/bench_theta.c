@@ -1,0 +1,162 @@
+/* tests/bench/bench_theta.c - what a step of the theta scheme costs, with its counts and its error.
+ *
+ * The LC bridge of the literature (2 states, 4 pairs), fixed h = 1 us, 5 ms, theta = 1 and theta = gamma =
+ * 1/2: floor      the bare matrix-vector product of the map, nothing else step       ns_theta_try +
+ * ns_theta_accept while the mode stands capture    the whole 5 ms, events captured at step ends march the
+ * whole 5 ms, events located Median of interleaved repetitions, CPU time of this thread, one thread.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "linalg/dense.h"
+#include "systems.h"
+
+enum { REPEATS = 31, STEPS = 5000 };
+static const double h = 1e-6, end = 5e-3;
+static const double w0[2] = {1e-6 * 10, 0};
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void must(int status) {
+    if (status == NS_OK)
+        return;
+    fprintf(stderr, "bench_theta: %s\n", ns_status_text(status));
+    exit(1);
+}
+
+typedef struct result {
+    double time; /* s */
+    double steps;
+    double v;
+    ns_counts counts;
+} result;
+
+static volatile double sink;
+
+/* out = step * in, in changing, p = 2 + 4 (w, guards), q = 3. */
+static result run_floor(const ns_system *s, double theta) {
+    (void)s;
+    double a[6 * 3], in[3] = {1e-5, 1e-9, 1}, out[8] = {0};
+    for (int i = 0; i < 18; i++)
+        a[i] = 1.0 / (i + 1);
+    const int p = theta < 1 ? 8 : 6;
+    double big[8 * 3];
+    for (int i = 0; i < 24; i++)
+        big[i] = a[i % 18];
+    const double start = now();
+    for (int k = 0; k < STEPS; k++) {
+        ns_matvec(p, 3, big, in, out);
+        in[0] = 1e-5 + 1e-9 * out[0];
+    }
+    sink = out[1];
+    return (result){.time = now() - start, .steps = STEPS};
+}
+
+static ns_theta *start_theta(const ns_system *s, double theta) {
+    const ns_theta_options o = {theta, theta, 0};
+    ns_theta *t;
+    must(ns_theta_create(s, &o, &t, NULL));
+    must(ns_theta_start(t, w0, NULL));
+    must(ns_theta_try(t, 1e-14, NULL, 1, NS_RESOLVE));
+    must(ns_theta_accept(t));
+    must(ns_theta_try(t, h, NULL, 0, NS_HOLD)); /* the map is made here, not in the timed part */
+    return t;
+}
+
+/* Steps of 10 ns, so that the mode stands for all of them (50 us). */
+static result run_step(const ns_system *s, double theta) {
+    ns_theta *t = start_theta(s, theta);
+    must(ns_theta_try(t, h / 100, NULL, 0, NS_HOLD));
+    const ns_counts before = *ns_theta_counts(t);
+    const double start = now();
+    for (int k = 0; k < STEPS; k++) {
+        must(ns_theta_try(t, h / 100, NULL, 0, NS_HOLD));
+        must(ns_theta_accept(t));
+    }
+    result r = {.time = now() - start, .steps = STEPS, .counts = *ns_theta_counts(t)};
+    r.counts.factors -= before.factors;
+    r.counts.pivots -= before.pivots;
+    r.counts.maps -= before.maps;
+    r.counts.problems -= before.problems;
+    ns_theta_free(t);
+    return r;
+}
+
+static result run_capture(const ns_system *s, double theta) {
+    ns_theta *t = start_theta(s, theta);
+    const double start = now();
+    for (int k = 0; k < STEPS; k++) {
+        must(ns_theta_try(t, h, NULL, 0, NS_RESOLVE));
+        must(ns_theta_accept(t));
+    }
+    result r = {.time = now() - start, .steps = STEPS, .counts = *ns_theta_counts(t)};
+    double x[2];
+    must(ns_theta_read(t, x, NULL, NULL));
+    r.v = x[0];
+    ns_theta_free(t);
+    return r;
+}
+
+static result run_march(const ns_system *s, double theta) {
+    const ns_march_options o = {theta, theta, h, 0};
+    ns_march *m;
+    double reached, x[2];
+    const double start = now();
+    must(ns_march_create(s, &o, &m, NULL));
+    must(ns_march_start(m, 0, w0));
+    must(ns_march_try(m, end, NS_TO_TIME, &reached));
+    result r = {.time = now() - start, .counts = *ns_march_counts(m)};
+    r.steps = (double)r.counts.steps;
+    must(ns_march_read(m, NULL, x, NULL, NULL));
+    r.v = x[0];
+    ns_march_free(m);
+    return r;
+}
+
+static int by_value(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+int main(void) {
+    static const struct {
+        const char *name;
+        result (*run)(const ns_system *, double);
+        int whole; /* has an answer at 5 ms */
+    } runs[] = {
+        {"floor", run_floor, 0}, {"step", run_step, 0}, {"capture", run_capture, 1}, {"march", run_march, 1}};
+    ns_system *s = system_lc_bridge();
+    const double exact = lc_bridge_v(10, end);
+    printf("LC bridge, 2 states, 4 pairs, h = 1 us; v(5 ms) = %.9f V in closed form\n", exact);
+    printf("%-8s %6s %9s %9s %10s %8s %8s %8s %8s %8s\n", "run", "theta", "us/step", "us total", "error V",
+           "events", "problems", "pivots", "factors", "maps");
+    for (int half = 0; half < 2; half++) {
+        const double theta = half ? 0.5 : 1;
+        double times[4][REPEATS];
+        result r[4];
+        for (int k = 0; k < REPEATS; k++)
+            for (int i = 0; i < 4; i++) {
+                r[i] = runs[i].run(s, theta);
+                times[i][k] = r[i].time;
+            }
+        for (int i = 0; i < 4; i++) {
+            qsort(times[i], REPEATS, sizeof(double), by_value);
+            const double t = times[i][REPEATS / 2] * 1e6;
+            const ns_counts *c = &r[i].counts;
+            char error[16] = "-";
+            if (runs[i].whole)
+                snprintf(error, sizeof error, "%.2e", fabs(r[i].v - exact));
+            printf("%-8s %6.2f %9.4f %9.1f %10s %8ld %8ld %8ld %8ld %8ld\n", runs[i].name, theta,
+                   t / r[i].steps, t, error, c->events, c->problems, c->pivots, c->factors, c->maps);
+        }
+    }
+    ns_system_free(s);
+    return 0;
+}
