@@ -86,7 +86,7 @@ CM_OBJ := $(MODELS:%=$(CM)/%/ifspec.o) $(MODELS:%=$(CM)/%/cfunc.o) $(BRIDGE:%.c=
     $(CM)/dlmain.o $(CM)/dstring.o
 CM_LISTS := $(addprefix $(CM)/,cmextrn.h cminfo.h udnextrn.h udninfo.h)
 # ngspice's headers and what cmpp makes of ours are not written for our warnings.
-NG_INCLUDE := -isystem $(NG)/tree/src/include
+NG_INCLUDE := -isystem $(NG)/tree/src/include -isystem $(NG)/tree/src
 CM_CFLAGS = -std=gnu11 $(CFLAGS) -w -fPIC -MMD -MP -Iinclude -Icodemodels/bridge -I$(CM) $(NG_INCLUDE)
 
 cm: $(B)/nonsmooth.cm
@@ -170,7 +170,7 @@ BENCH_BIN := $(patsubst %.c,$(B)/%,$(wildcard tests/bench/*.c))
 .PHONY: bench bench-programs
 bench-programs: $(BENCH_BIN)
 
-$(BENCH_BIN): $(B)/%: $(B)/obj/%.o $(B)/libnonsmooth.a
+$(BENCH_BIN): $(B)/%: $(B)/obj/%.o $(patsubst %.c,$(B)/obj/%.o,$(filter-out %/wrap_alloc.c,$(TEST_HELP))) $(B)/libnonsmooth.a
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS) $(LDFLAGS) $^ -o $@ $(LIBS)
 

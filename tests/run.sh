@@ -69,19 +69,20 @@ script() {
 
 plain() {
     cmocka unit build/tests/*/*
-    script netlists tests/netlist/run.sh
+    script netlists tests/netlist/run.sh build/nonsmooth.cm
     script install tests/install.sh
     script tags tests/tags.sh
 }
 
 sanitize() {
     cmocka unit-asan build/asan/tests/*/*
-    script netlists-asan env NONSMOOTH_CM="$PWD/build/asan/nonsmooth.cm" NGSPICE="$PWD/tests/ngspice-asan.sh" \
-        tests/netlist/run.sh
+    script netlists-asan env NGSPICE="$PWD/tests/ngspice-asan.sh" \
+        tests/netlist/run.sh build/asan/nonsmooth.cm default cases/ errors/
 }
 
 case ${1:-all} in
 all) # two lanes side by side, for two cores
+    export JOBS=1
     plain &
     sanitize
     script valgrind tests/valgrind.sh
