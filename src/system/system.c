@@ -2,6 +2,7 @@
 #include "nonsmooth/system.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 
 #include "system/signal_internal.h"
@@ -11,7 +12,7 @@ static void *make(int p, int q, size_t size, int *ok) {
     size_t count = (size_t)p * (size_t)q;
     void *made = NULL;
     if (count > 0 && *ok) {
-        *ok = count / (size_t)q == (size_t)p && (made = calloc(count, size));
+        *ok = count / (size_t)q == (size_t)p && count <= SIZE_MAX / size && (made = calloc(count, size));
     }
     return made;
 }
