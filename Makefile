@@ -1,7 +1,7 @@
 # Makefile - builds, tests, shows and installs nonsmooth.  `make help` lists the targets.
 #
 # Everything is made in build/.  Sources are found by wildcard: a new file needs no change here.
-# For the command line: CC, CFLAGS, LDFLAGS, PREFIX, DESTDIR, NGSPICE_SRC (a tree to take in place of the
+# For the command line: V=1 (show commands), CC, CFLAGS, LDFLAGS, PREFIX, DESTDIR, NGSPICE_SRC (a tree to take in place of the
 # source package of the installed ngspice), NGSPICE (the binary).
 
 VERSION := 0.1.0
@@ -20,6 +20,8 @@ export NGSPICE NGSPICE_SRC
 WARN := -Wall -Wextra -Wpedantic -Wconversion -Werror
 LIBS := -llapacke -llapack -lblas -lm
 ALL_CFLAGS = -std=c11 $(CFLAGS) $(WARN) -fPIC -MMD -MP -Iinclude -Isrc
+
+Q := $(if $(V),,@)# make V=1 shows the commands
 
 # For the makes called below: all cores, unless the caller said -j.
 JOBS = --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc))
@@ -60,14 +62,17 @@ lib: $(B)/libnonsmooth.a $(B)/libnonsmooth.so
 
 $(B)/obj/%.o: %.c $(B)/flags
 	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) -c $< -o $@
+	@echo "  CC      $@"
+	$(Q)$(CC) $(ALL_CFLAGS) -c $< -o $@
 
 $(B)/libnonsmooth.a: $(OBJ)
+	@echo "  AR      $@"
 	@rm -f $@
-	$(AR) rcs $@ $^
+	$(Q)$(AR) rcs $@ $^
 
 $(B)/libnonsmooth.so: $(OBJ) src/nonsmooth.map
-	$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-soname,libnonsmooth.so.$(SOVERSION) \
+	@echo "  LINK    $@"
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-soname,libnonsmooth.so.$(SOVERSION) \
 	    -Wl,--version-script=src/nonsmooth.map -Wl,--no-undefined $(OBJ) -o $@ $(LIBS)
 
 # Changes when the compiler or its flags do, so that objects made otherwise are made anew.
@@ -92,7 +97,8 @@ CM_CFLAGS = -std=gnu11 $(CFLAGS) -w -fPIC -MMD -MP -Iinclude -Icodemodels/bridge
 cm: $(B)/nonsmooth.cm
 
 $(B)/nonsmooth.cm: $(CM_OBJ) $(B)/libnonsmooth.a codemodels/nonsmooth.map
-	$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,--version-script=codemodels/nonsmooth.map -Wl,--no-undefined \
+	@echo "  LINK    $@"
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,--version-script=codemodels/nonsmooth.map -Wl,--no-undefined \
 	    $(filter %.o %.a,$^) -o $@ $(LIBS)
 
 $(B)/obj/codemodels/%.o: ALL_CFLAGS += $(NG_INCLUDE)
@@ -100,25 +106,31 @@ $(BRIDGE:%.c=$(B)/obj/%.o): $(NG)/stamp
 
 $(CM_LISTS) &: codemodels/modpath.lst codemodels/udnpath.lst $(wildcard codemodels/*/ifspec.ifs) $(NG)/stamp
 	@mkdir -p $(CM)
-	CMPP_IDIR=codemodels CMPP_ODIR=$(CM) $(CMPP) -lst
+	@echo "  CMPP    $@"
+	$(Q)CMPP_IDIR=codemodels CMPP_ODIR=$(CM) $(CMPP) -lst
 
 $(CM)/%/ifspec.c: codemodels/%/ifspec.ifs $(NG)/stamp
 	@mkdir -p $(@D)
-	CMPP_IDIR=$(<D) CMPP_ODIR=$(@D) $(CMPP) -ifs
+	@echo "  CMPP    $@"
+	$(Q)CMPP_IDIR=$(<D) CMPP_ODIR=$(@D) $(CMPP) -ifs
 
 $(CM)/%/cfunc.c: codemodels/%/cfunc.mod $(NG)/stamp
 	@mkdir -p $(@D)
-	CMPP_IDIR=$(<D) CMPP_ODIR=$(@D) $(CMPP) -mod
+	@echo "  CMPP    $@"
+	$(Q)CMPP_IDIR=$(<D) CMPP_ODIR=$(@D) $(CMPP) -mod
 
 $(CM)/%.o: $(CM)/%.c $(B)/flags
-	$(CC) $(CM_CFLAGS) -c $< -o $@
+	@echo "  CC      $@"
+	$(Q)$(CC) $(CM_CFLAGS) -c $< -o $@
 
 $(CM)/dlmain.o: $(CM_LISTS) $(B)/flags
-	$(CC) $(CM_CFLAGS) -c $(NG)/tree/src/xspice/icm/dlmain.c -o $@
+	@echo "  CC      $@"
+	$(Q)$(CC) $(CM_CFLAGS) -c $(NG)/tree/src/xspice/icm/dlmain.c -o $@
 
 $(CM)/dstring.o: $(NG)/stamp $(B)/flags
 	@mkdir -p $(@D)
-	$(CC) $(CM_CFLAGS) -c $(NG)/tree/src/misc/dstring.c -o $@
+	@echo "  CC      $@"
+	$(Q)$(CC) $(CM_CFLAGS) -c $(NG)/tree/src/misc/dstring.c -o $@
 
 # --- tests of the library: one cmocka program a file -----------------------------------------------------
 
@@ -134,7 +146,8 @@ $(B)/obj/tests/%.o: ALL_CFLAGS += -Itests/unit
 
 $(TEST_BIN): $(B)/%: $(B)/obj/%.o $(TEST_HELP:%.c=$(B)/obj/%.o) $(B)/libnonsmooth.a
 	@mkdir -p $(@D)
-	$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) $^ -o $@ -lcmocka $(LIBS)
+	@echo "  LINK    $@"
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) $^ -o $@ -lcmocka $(LIBS)
 
 # --- test ------------------------------------------------------------------------------------------------
 
@@ -172,7 +185,8 @@ bench-programs: $(BENCH_BIN)
 
 $(BENCH_BIN): $(B)/%: $(B)/obj/%.o $(patsubst %.c,$(B)/obj/%.o,$(filter-out %/wrap_alloc.c,$(TEST_HELP))) $(B)/libnonsmooth.a
 	@mkdir -p $(@D)
-	$(CC) $(CFLAGS) $(LDFLAGS) $^ -o $@ $(LIBS)
+	@echo "  LINK    $@"
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $^ -o $@ $(LIBS)
 
 bench: deps ## times, with the counts of the work done
 	@$(MAKE) $(JOBS) B=build/bench CFLAGS='-O3 -DNDEBUG' bench-programs

@@ -41,11 +41,10 @@ count() {
     grep -c -E "$1" "$2" || true
 }
 
-# cmocka LABEL PROGRAM...: each program by itself.
+# cmocka LABEL BUILD: each program by itself.
 cmocka() {
     label=$1
-    shift
-    for program; do
+    for program in "$2"/tests/unit/* "$2"/tests/property/* "$2"/tests/reference/* "$2"/tests/fault/*; do
         [ -x "$program" ] || continue
         file=$log/$label.$(basename "$program").log
         CMOCKA_MESSAGE_OUTPUT=TAP timeout 300 "$program" >"$file" 2>&1 </dev/null
@@ -68,14 +67,14 @@ script() {
 }
 
 plain() {
-    cmocka unit build/tests/*/*
+    cmocka unit build
     script netlists tests/netlist/run.sh build/nonsmooth.cm
     script install tests/install.sh
     script tags tests/tags.sh
 }
 
 sanitize() {
-    cmocka unit-asan build/asan/tests/*/*
+    cmocka unit-asan build/asan
     script netlists-asan env NGSPICE="$PWD/tests/ngspice-asan.sh" \
         tests/netlist/run.sh build/asan/nonsmooth.cm default cases/ errors/
 }
