@@ -22,9 +22,11 @@ static int allocate(ns_march *m) {
     m->z_left = calloc(nz + 1, sizeof(double));
     m->flip = calloc(nc + 1, 1);
     m->due = calloc(nc + 1, 1);
+    m->crossed = calloc(nc + 1, 1);
     m->kept_flip = calloc(nc + 1, 1);
     m->closed = calloc(nc + 1, 1);
-    const int made = m->past && m->z && m->z_left && m->flip && m->due && m->kept_flip && m->closed;
+    const int made =
+        m->past && m->z && m->z_left && m->flip && m->due && m->crossed && m->kept_flip && m->closed;
     return made ? NS_OK : NS_E_MEMORY;
 }
 
@@ -62,6 +64,7 @@ void ns_march_free(ns_march *m) {
     free(m->z_left);
     free(m->flip);
     free(m->due);
+    free(m->crossed);
     free(m->kept_flip);
     free(m->closed);
     free(m);

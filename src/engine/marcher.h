@@ -31,6 +31,7 @@ struct ns_march {
     double corner;                   /* first corner of the inputs after live.t */
     double *z, *z_left;              /* nz */
     unsigned char *due;              /* nc: commands that change where the walk stops */
+    unsigned char *crossed;          /* nc: commands that the last try crossed */
     unsigned char *closed;           /* nc */
     int started, has_trial;
     double asked; /* what the last trial was asked for */

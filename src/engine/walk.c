@@ -46,13 +46,13 @@ static int step_on(ns_march *m, double h, double t, int *broke) {
     int status = ns_theta_try(m->step, h, m->z, 0, NS_HOLD);
     if (status < 0)
         return ns_march_fail(m, status);
-    *broke = status == NS_GUARD;
-    if (*broke)
-        memset(m->flip, 0, (size_t)m->s->nc);
-    else if (m->s->nc > 0)
-        *broke = ns_control_by_state(m, m->z, m->flip) > 0;
-    if (*broke)
+    if (status == NS_GUARD)
+        memset(m->crossed, 0, (size_t)m->s->nc);
+    *broke = status == NS_GUARD || ns_control_by_state(m, m->z, m->crossed) > 0;
+    if (*broke) {
+        memcpy(m->flip, m->crossed, (size_t)m->s->nc);
         return NS_OK;
+    }
     status = ns_theta_accept(m->step);
     m->live.t = t;
     return status;

@@ -286,7 +286,7 @@ static void state_driven_switches_switch_where_they_should(void **state) {
         assert_int_equal(ns_march_try(b.m, 1, NS_TO_EVENT, &left), NS_OK);
         assert_int_equal(ns_march_accept(b.m), NS_OK);
         assert_true(fabs(left - expected) <
-                    1e-11); /* h^2/(12 tau^2) of a ms: 1e-12 s; while closed 1e-10 of it */
+                    2e-11); /* three closed legs, h^2/(12 tau^2) 45 us = 4.6e-12 s each */
         assert_int_equal(ns_march_try(b.m, 1, NS_TO_EVENT, &right), NS_OK);
         assert_int_equal(ns_march_accept(b.m), NS_OK);
         expected += k % 2 ? up : down;
