@@ -1,0 +1,78 @@
+/* bridge/abi.c - is the running ngspice the one whose headers this was compiled with?
+ *
+ * Nothing tells the version of the running ngspice to a code model, and its loader checks nothing.  So the
+ * places that are read are looked at once: marks, list ends, ranges, and a number that is known twice. */
+#include "abi.h"
+
+#include <math.h>
+
+#include "ngspice/spmatrix.h"
+
+#include "maths/sparse/spdefs.h"
+#include "spicelib/devices/res/resdefs.h"
+
+enum { EQUATIONS_MAX = 10000000 };
+
+static int nodes_fit(const CKTcircuit *ckt) {
+    const CKTnode *last = NULL;
+    int n = 0;
+    for (const CKTnode *node = ckt->CKTnodes; node && n <= ckt->CKTmaxEqNum; node = node->next, n++) {
+        if (node->number < 0 || node->number >= ckt->CKTmaxEqNum ||
+            (node->type != SP_VOLTAGE && node->type != SP_CURRENT)) {
+            return 0;
+        }
+        last = node;
+    }
+    return n == ckt->CKTmaxEqNum && last == ckt->CKTlastNode;
+}
+
+static int matrix_fits(const CKTcircuit *ckt) {
+    const struct MatrixFrame *m = ckt->CKTmatrix;
+    return m && m->ID == SPARSE_ID && m->Size > 0 && m->Size <= m->ExtSize && m->ExtSize < ckt->CKTmaxEqNum;
+}
+
+static int instances_fit(const CKTcircuit *ckt) {
+    const struct nghashbox *names = ckt->DEVnameHash;
+    int n = 0;
+    for (const struct ngtable_rec *box = names->thread; box && n <= names->num_entries;
+         box = box->thread_next, n++) {
+        const GENinstance *inst = box->data;
+        if (!inst || !inst->GENname || !inst->GENmodPtr || inst->GENmodPtr->GENmodType < 0 ||
+            ckt->CKThead[inst->GENmodPtr->GENmodType] == NULL) {
+            return 0;
+        }
+    }
+    return n == names->num_entries;
+}
+
+/* R*G = 1 where no temperature coefficient stands between. */
+static int resistors_fit(const CKTcircuit *ckt) {
+    for (const struct ngtable_rec *box = ckt->DEVnameHash->thread; box; box = box->thread_next) {
+        const GENinstance *inst = box->data;
+        const RESinstance *r = (const RESinstance *)inst;
+        const RESmodel *model = (const RESmodel *)inst->GENmodPtr;
+        if (inst->GENname[0] == 'r' && !r->REStc1Given && !r->REStc2Given && !r->REStceGiven &&
+            model->REStempCoeff1 == 0.0 && model->REStempCoeff2 == 0.0 && !model->REStceGiven &&
+            r->RESresist != 0.0 &&
+            !(fabs(r->RESconduct * r->RESresist * r->RESscale / r->RESm - 1.0) < 1e-9 /* rounding */)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+const char *abi_check(CKTcircuit *ckt) {
+    if (!(ckt->CKTmaxEqNum > 0 && ckt->CKTmaxEqNum < EQUATIONS_MAX) || !nodes_fit(ckt)) {
+        return "its list of nodes";
+    }
+    if (!(ckt->CKTtemp > 0.0 && ckt->CKTtemp < 1e4) || !ckt->enh || !ckt->CKThead || !ckt->DEVnameHash) {
+        return "its circuit";
+    }
+    if (!matrix_fits(ckt)) {
+        return "its matrix";
+    }
+    if (!instances_fit(ckt)) {
+        return "its table of instances";
+    }
+    return resistors_fit(ckt) ? NULL : "its resistors";
+}

@@ -1,0 +1,10 @@
+/* bridge/abi.h - is the running ngspice the one whose headers this was compiled with? */
+#ifndef BRIDGE_ABI_H
+#define BRIDGE_ABI_H
+
+#include "ngspice.h"
+
+/* NULL if what is read of ckt is what it should be, else what is not. */
+const char *abi_check(CKTcircuit *ckt);
+
+#endif

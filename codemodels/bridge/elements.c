@@ -1,0 +1,107 @@
+/* bridge/elements.c - R, C, L, K, E, F, G, H of ngspice: effective values after temperature, m and scale. */
+#include "elements.h"
+
+#include <math.h>
+
+#include "spicelib/devices/cap/capdefs.h"
+#include "spicelib/devices/cccs/cccsdefs.h"
+#include "spicelib/devices/ccvs/ccvsdefs.h"
+#include "spicelib/devices/ind/inddefs.h"
+#include "spicelib/devices/res/resdefs.h"
+#include "spicelib/devices/vccs/vccsdefs.h"
+#include "spicelib/devices/vcvs/vcvsdefs.h"
+
+/* The element whose current equation eq stands for, -1 if it was not read (yet). */
+static int element_of(const extract_walk *w, int eq) {
+    return eq > 0 && eq < w->ex->neq ? w->ex->element[eq] : -1;
+}
+
+int extract_resistor(extract_walk *w, GENinstance *inst) {
+    const RESinstance *r = (const RESinstance *)inst;
+    const double ohms = 1.0 / r->RESconduct; /* m, scale and temperature are in it */
+    extract_mix(w, &ohms, sizeof ohms);
+    return ns_circuit_resistor(w->ex->circuit, inst->GENname, r->RESposNode, r->RESnegNode, ohms, NULL);
+}
+
+int extract_capacitor(extract_walk *w, GENinstance *inst) {
+    const CAPinstance *c = (const CAPinstance *)inst;
+    const double farads = c->CAPcapac * c->CAPm;
+    const double ic = c->CAPicGiven ? c->CAPinitCond : NAN;
+    extract_mix(w, &farads, sizeof farads);
+    return ns_circuit_capacitor(w->ex->circuit, inst->GENname, c->CAPposNode, c->CAPnegNode, farads, ic,
+                                NULL);
+}
+
+int extract_inductor(extract_walk *w, GENinstance *inst) {
+    const INDinstance *l = (const INDinstance *)inst;
+    const double henries = l->INDinduct / l->INDm;
+    const double ic = l->INDicGiven ? l->INDinitCond : NAN;
+    int id = -1;
+    int status =
+        ns_circuit_inductor(w->ex->circuit, inst->GENname, l->INDposNode, l->INDnegNode, henries, ic, &id);
+    extract_mix(w, &henries, sizeof henries);
+    extract_current(w, l->INDbrEq, id);
+    return status;
+}
+
+int extract_coupling(extract_walk *w, GENinstance *inst) {
+    const MUTinstance *k = (const MUTinstance *)inst;
+    const INDinstance *l1 = k->MUTind1;
+    const INDinstance *l2 = k->MUTind2;
+    const int id1 = element_of(w, l1->INDbrEq);
+    const int id2 = element_of(w, l2->INDbrEq);
+    double coupling;
+    if (id1 < 0 || id2 < 0) {
+        return EXTRACT_LATER;
+    }
+    /* ngspice's mutual inductance does not know m */
+    coupling = l1->INDm == 1.0 && l2->INDm == 1.0
+                   ? k->MUTcoupling
+                   : k->MUTfactor / sqrt(fabs(l1->INDinduct / l1->INDm * l2->INDinduct / l2->INDm));
+    extract_mix(w, &coupling, sizeof coupling);
+    return ns_circuit_coupling(w->ex->circuit, inst->GENname, id1, id2, coupling, NULL);
+}
+
+int extract_vcvs(extract_walk *w, GENinstance *inst) {
+    const VCVSinstance *e = (const VCVSinstance *)inst;
+    int id = -1;
+    int status =
+        ns_circuit_vcontrolled(w->ex->circuit, inst->GENname, NS_VOLTAGE, e->VCVSposNode, e->VCVSnegNode,
+                               e->VCVScontPosNode, e->VCVScontNegNode, e->VCVScoeff, &id);
+    extract_mix(w, &e->VCVScoeff, sizeof e->VCVScoeff);
+    extract_current(w, e->VCVSbranch, id);
+    return status;
+}
+
+int extract_vccs(extract_walk *w, GENinstance *inst) {
+    const VCCSinstance *g = (const VCCSinstance *)inst;
+    extract_mix(w, &g->VCCScoeff, sizeof g->VCCScoeff);
+    return ns_circuit_vcontrolled(w->ex->circuit, inst->GENname, NS_CURRENT, g->VCCSposNode, g->VCCSnegNode,
+                                  g->VCCScontPosNode, g->VCCScontNegNode, g->VCCScoeff, NULL);
+}
+
+int extract_cccs(extract_walk *w, GENinstance *inst) {
+    const CCCSinstance *f = (const CCCSinstance *)inst;
+    const int by = element_of(w, f->CCCScontBranch);
+    if (by < 0) {
+        return EXTRACT_LATER;
+    }
+    extract_mix(w, &f->CCCScoeff, sizeof f->CCCScoeff);
+    return ns_circuit_icontrolled(w->ex->circuit, inst->GENname, NS_CURRENT, f->CCCSposNode, f->CCCSnegNode,
+                                  by, f->CCCScoeff, NULL);
+}
+
+int extract_ccvs(extract_walk *w, GENinstance *inst) {
+    const CCVSinstance *h = (const CCVSinstance *)inst;
+    const int by = element_of(w, h->CCVScontBranch);
+    int id = -1;
+    int status;
+    if (by < 0) {
+        return EXTRACT_LATER;
+    }
+    status = ns_circuit_icontrolled(w->ex->circuit, inst->GENname, NS_VOLTAGE, h->CCVSposNode, h->CCVSnegNode,
+                                    by, h->CCVScoeff, &id);
+    extract_mix(w, &h->CCVScoeff, sizeof h->CCVScoeff);
+    extract_current(w, h->CCVSbranch, id);
+    return status;
+}

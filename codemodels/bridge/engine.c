@@ -1,0 +1,83 @@
+/* bridge/engine.c - from ngspice's circuit to a marcher. */
+#include "native.h"
+
+#include <string.h>
+
+#include "report.h"
+
+enum { STEPS_A_POINT = 16 }; /* of ours in ngspice's longest step, unless option h says otherwise */
+
+double engine_step(const engine *e, const CKTcircuit *ckt) {
+    if (e->ex.options.h > 0.0) {
+        return e->ex.options.h;
+    }
+    return ckt->CKTmaxStep > 0.0 ? ckt->CKTmaxStep / STEPS_A_POINT : 1e-6; /* .op: any will do */
+}
+
+static int map_unknowns(engine *e) {
+    e->unknown = malloc((size_t)e->ex.neq * sizeof *e->unknown);
+    e->x = calloc((size_t)e->system->n + 1, sizeof(double));
+    e->lambda = calloc((size_t)e->system->m + 1, sizeof(double));
+    if (!e->unknown || !e->x || !e->lambda) {
+        return NS_E_MEMORY;
+    }
+    for (int eq = 0; eq < e->ex.neq; eq++) {
+        e->unknown[eq] = eq == 0 ? -1
+                         : e->ex.element[eq] >= 0
+                             ? ns_circuit_current_unknown(e->ex.circuit, e->ex.element[eq])
+                             : ns_circuit_node_unknown(e->ex.circuit, eq);
+    }
+    return NS_OK;
+}
+
+/* Says why, returns the code. */
+static int fail(engine *e, int status, const ns_fault *fault) {
+    const char *message = ns_circuit_message(e->ex.circuit);
+    char line[320];
+    if (fault && fault->status) {
+        ns_circuit_explain(e->ex.circuit, fault, line, sizeof line);
+        report_error("%s", line);
+    } else {
+        report_error("%s", message && *message ? message : ns_status_text(status));
+    }
+    return report_code(status);
+}
+
+static int build(CKTcircuit *ckt, engine *e) {
+    ns_march_options o;
+    ns_fault fault;
+    int status = ns_circuit_system(e->ex.circuit, &e->system);
+    memset(&fault, 0, sizeof fault);
+    memset(&o, 0, sizeof o);
+    o.theta = e->ex.options.theta;
+    o.gamma = e->ex.options.gamma;
+    o.h = engine_step(e, ckt);
+    status = status ? status : map_unknowns(e);
+    status = status ? status : ns_march_create(e->system, &o, &e->march, &fault);
+    return status ? fail(e, status, &fault) : OK;
+}
+
+int engine_make(CKTcircuit *ckt, extract_sources sources, engine *e) {
+    int error;
+    memset(e, 0, sizeof *e);
+    error = extract_read(ckt, sources, &e->ex);
+    if (error) {
+        report_error("%s", e->ex.line);
+    } else {
+        error = build(ckt, e);
+    }
+    if (error) {
+        engine_clear(e);
+    }
+    return error;
+}
+
+void engine_clear(engine *e) {
+    ns_march_free(e->march);
+    ns_system_free(e->system);
+    extract_clear(&e->ex);
+    free(e->unknown);
+    free(e->x);
+    free(e->lambda);
+    memset(e, 0, sizeof *e);
+}

@@ -1,0 +1,234 @@
+/* bridge/extract.c - ngspice's circuit read into a circuit of the library: the walk over its instances. */
+#include "extract.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "elements.h"
+#include "report.h"
+
+static void write_line(extract *ex, int error, const char *name, const char *what) {
+    ex->error = error;
+    snprintf(ex->line, sizeof ex->line, "%s%s%s", name, *name ? ": " : "", what);
+}
+
+int extract_refuse(extract_walk *w, const GENinstance *inst, const char *what) {
+    write_line(w->ex, E_UNSUPP, inst->GENname, what);
+    return EXTRACT_REFUSED;
+}
+
+void extract_current(extract_walk *w, int eq, int id) {
+    if (eq > 0 && eq < w->ex->neq) {
+        w->ex->element[eq] = id;
+    }
+}
+
+void extract_mix(extract_walk *w, const void *bytes, size_t size) {
+    const unsigned char *b = bytes;
+    for (size_t i = 0; i < size; i++) { /* FNV-1a */
+        w->ex->hash = (w->ex->hash ^ b[i]) * 1099511628211ULL;
+    }
+}
+
+/* --- our own --- */
+
+static int add_device(extract_walk *w, MIFinstance *inst, int id) {
+    extract_device *more = realloc(w->ex->device, (size_t)(w->ex->ndevices + 1) * sizeof *more);
+    if (!more) {
+        return NS_E_MEMORY;
+    }
+    w->ex->device = more;
+    w->ex->device[w->ex->ndevices++] = (extract_device){inst, id};
+    return NS_OK;
+}
+
+static int read_diode(extract_walk *w, MIFinstance *inst) {
+    const ns_diode d = {.vf = models_real(inst, DIODE_VF),
+                        .ron = models_real(inst, DIODE_RON),
+                        .roff = models_ohms(inst, DIODE_ROFF),
+                        .vz = models_ohms(inst, DIODE_VZ),
+                        .rz = models_real(inst, DIODE_RZ)};
+    int id = -1;
+    int status = ns_circuit_diode(w->ex->circuit, inst->MIFname, models_node(inst, DIODE_ANODE),
+                                  models_node(inst, DIODE_CATHODE), &d, &id);
+    extract_mix(w, &d, sizeof d);
+    return status ? status : add_device(w, inst, id);
+}
+
+static int read_switch(extract_walk *w, MIFinstance *inst) {
+    const ns_switch s = {.vt = models_real(inst, SWITCH_VT),
+                         .vh = models_real(inst, SWITCH_VH),
+                         .ron = models_real(inst, SWITCH_RON),
+                         .roff = models_ohms(inst, SWITCH_ROFF)};
+    int id = -1;
+    int status = ns_circuit_switch(w->ex->circuit, inst->MIFname, models_node(inst, SWITCH_P),
+                                   models_node(inst, SWITCH_N), models_node(inst, SWITCH_CP),
+                                   models_node(inst, SWITCH_CN), &s, &id);
+    extract_mix(w, &s, sizeof s);
+    return status ? status : add_device(w, inst, id);
+}
+
+static int read_options(extract_walk *w, MIFinstance *inst) {
+    w->ex->error = options_read(inst, &w->ex->options, w->ex->line, sizeof w->ex->line);
+    extract_mix(w, &w->ex->options.h, 3 * sizeof(double)); /* h, theta, gamma */
+    return w->ex->error ? EXTRACT_REFUSED : NS_OK;
+}
+
+static int read_ours(extract_walk *w, GENinstance *inst) {
+    MIFinstance *mif = (MIFinstance *)inst;
+    switch (models_kind(inst)) {
+    case KIND_DIODE:
+        return read_diode(w, mif);
+    case KIND_SWITCH:
+        return read_switch(w, mif);
+    case KIND_OPTIONS:
+        return read_options(w, mif);
+    default:
+        return extract_refuse(w, inst, "a code model that is not of this library cannot be taken yet");
+    }
+}
+
+/* --- the walk --- */
+
+#define CAN "; R, C, L, K, V, I, E, F, G, H, linear B and the ideal devices can"
+
+/* By first letter of the name, which survives the flattening of subcircuits. */
+static const struct letter {
+    char letter;
+    extract_reader *read; /* NULL: refused */
+    const char *why;
+} letters[] = {{'r', extract_resistor, NULL},
+               {'c', extract_capacitor, NULL},
+               {'l', extract_inductor, NULL},
+               {'k', extract_coupling, NULL},
+               {'v', extract_vsource, NULL},
+               {'i', extract_isource, NULL},
+               {'e', extract_vcvs, NULL},
+               {'g', extract_vccs, NULL},
+               {'f', extract_cccs, NULL},
+               {'h', extract_ccvs, NULL},
+               {'b', extract_behavioural, NULL},
+               {'a', read_ours, NULL},
+               {'d', NULL, "a diode of ngspice cannot be taken yet" CAN},
+               {'m', NULL, "a MOSFET of ngspice cannot be taken yet" CAN},
+               {'q', NULL, "a bipolar transistor of ngspice cannot be taken yet" CAN},
+               {'j', NULL, "a JFET of ngspice cannot be taken yet" CAN},
+               {'z', NULL, "a MESFET of ngspice cannot be taken yet" CAN},
+               {'s', NULL, "a voltage-controlled switch of ngspice cannot be taken yet" CAN},
+               {'w', NULL, "a current-controlled switch of ngspice cannot be taken yet" CAN},
+               {'t', NULL, "a transmission line cannot be taken yet" CAN},
+               {'o', NULL, "a transmission line cannot be taken yet" CAN},
+               {'u', NULL, "an RC line cannot be taken yet" CAN},
+               {'y', NULL, "a transmission line cannot be taken yet" CAN},
+               {'p', NULL, "a coupled transmission line cannot be taken yet" CAN}};
+
+static int read_instance(extract_walk *w, GENinstance *inst) {
+    for (size_t i = 0; i < sizeof letters / sizeof letters[0]; i++) {
+        if (letters[i].letter == inst->GENname[0]) {
+            return letters[i].read ? letters[i].read(w, inst) : extract_refuse(w, inst, letters[i].why);
+        }
+    }
+    return extract_refuse(w, inst, "an element of this kind cannot be taken yet" CAN);
+}
+
+/* Why a call of the library failed, in words. */
+static int fail(extract_walk *w, const char *name, int status) {
+    const char *message = w->ex->circuit ? ns_circuit_message(w->ex->circuit) : "";
+    if (*message) {
+        write_line(w->ex, report_code(status), "", message);
+    } else {
+        write_line(w->ex, report_code(status), name, ns_status_text(status));
+    }
+    return w->ex->error;
+}
+
+/* One pass over all instances; *later counts those that wait, *waits names one of them. */
+static int pass(extract_walk *w, unsigned char *done, int *read, int *later, const GENinstance **waits) {
+    int k = 0;
+    *read = *later = 0;
+    for (NGTABLEPTR box = w->ckt->DEVnameHash->thread; box; box = box->thread_next, k++) {
+        GENinstance *inst = box->data;
+        int status = done[k] ? NS_OK : read_instance(w, inst);
+        if (status == EXTRACT_LATER) {
+            ++*later;
+            *waits = inst;
+        } else if (status == EXTRACT_REFUSED) {
+            return w->ex->error;
+        } else if (status) {
+            return fail(w, inst->GENname, status);
+        } else {
+            *read += !done[k];
+            done[k] = 1;
+        }
+    }
+    return OK;
+}
+
+/* Passes until nothing waits for another element any more. */
+static int read_all(extract_walk *w) {
+    unsigned char *done = calloc((size_t)w->ckt->DEVnameHash->num_entries + 1, 1);
+    const GENinstance *waits = NULL;
+    int read = 0;
+    int later = 1;
+    int error = done ? OK : fail(w, "", NS_E_MEMORY);
+    while (!error && later > 0) { /* ends: each round reads one at least */
+        error = pass(w, done, &read, &later, &waits);
+        if (!error && later > 0 && read == 0) {
+            extract_refuse(w, waits, "controlled by, or coupled to, an element that is not there");
+            error = w->ex->error;
+        }
+    }
+    free(done);
+    return error;
+}
+
+/* Names of nodes and their .ic. */
+static int read_nodes(extract_walk *w) {
+    for (const CKTnode *node = w->ckt->CKTnodes; node; node = node->next) {
+        int status = NS_OK;
+        if (node->type != SP_VOLTAGE || node->number <= 0) {
+            continue;
+        }
+        status = ns_circuit_name_node(w->ex->circuit, node->number, node->name);
+        if (!status && node->icGiven) {
+            extract_mix(w, &node->ic, sizeof node->ic);
+            status = ns_circuit_node_ic(w->ex->circuit, node->number, node->ic);
+        }
+        if (status && status != NS_E_SIZE) { /* SIZE: no element is there */
+            return fail(w, node->name, status);
+        }
+    }
+    return OK;
+}
+
+int extract_read(CKTcircuit *ckt, extract_sources sources, extract *ex) {
+    extract_walk w = {.ckt = ckt,
+                      .ex = ex,
+                      .dc = sources == SOURCES_DC,
+                      .tstep = ckt->CKTstep > 0.0 ? ckt->CKTstep : 1.0, /* before the first .tran: any */
+                      .tstop = ckt->CKTfinalTime > 0.0 ? ckt->CKTfinalTime : 1.0};
+    int status;
+    memset(ex, 0, sizeof *ex);
+    options_default(&ex->options);
+    ex->hash = 14695981039346656037ULL;
+    ex->neq = ckt->CKTmaxEqNum;
+    ex->element = malloc((size_t)ex->neq * sizeof *ex->element);
+    status = ex->element ? ns_circuit_create(&ex->circuit) : NS_E_MEMORY;
+    if (status) {
+        return fail(&w, "", status);
+    }
+    for (int eq = 0; eq < ex->neq; eq++) {
+        ex->element[eq] = -1;
+    }
+    if (!read_all(&w)) {
+        read_nodes(&w);
+    }
+    return ex->error;
+}
+
+void extract_clear(extract *ex) {
+    ns_circuit_free(ex->circuit);
+    free(ex->element);
+    free(ex->device);
+    memset(ex, 0, sizeof *ex);
+}

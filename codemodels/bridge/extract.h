@@ -1,0 +1,36 @@
+/* bridge/extract.h - ngspice's circuit read into a circuit of the library.
+ *
+ * Nodes keep ngspice's equation numbers, elements their flattened names.  What cannot be taken ends the
+ * reading with one line that names it. */
+#ifndef BRIDGE_EXTRACT_H
+#define BRIDGE_EXTRACT_H
+
+#include "models.h"
+#include "nonsmooth/circuit.h"
+#include "options.h"
+
+typedef struct extract_device {
+    MIFinstance *inst;
+    int id; /* the element in the circuit */
+} extract_device;
+
+typedef struct extract {
+    ns_circuit *circuit;
+    int neq;      /* equations of ngspice, with ground */
+    int *element; /* neq: the element whose current the equation stands for, -1: none, a node */
+    int ndevices;
+    extract_device *device; /* ndevices: our diodes and switches */
+    options options;
+    unsigned long long hash; /* of all that was read: tells whether something was altered since */
+    int error;               /* a code of ngspice; OK if all was taken */
+    char line[320];          /* why not, for a person */
+} extract;
+
+/* What sources stand for. */
+typedef enum extract_sources { SOURCES_TRAN, SOURCES_DC } extract_sources;
+
+/* Reads ckt.  Returns ex->error; extract_clear() frees what was read, after an error too. */
+int extract_read(CKTcircuit *ckt, extract_sources sources, extract *ex);
+void extract_clear(extract *ex);
+
+#endif

@@ -1,0 +1,26 @@
+/* bridge/force.h - makes ngspice's next solve return a given solution exactly. */
+#ifndef BRIDGE_FORCE_H
+#define BRIDGE_FORCE_H
+
+#include "ngspice.h"
+
+typedef struct force_entry {
+    double *element; /* of the matrix */
+    int row, column; /* ngspice's equation numbers */
+} force_entry;
+
+/* One element in each row and each column of a matrix. */
+typedef struct force {
+    SMPmatrix *matrix;
+    int n;
+    force_entry *entry; /* n */
+} force;
+
+/* Chooses the elements.  Returns OK, E_NOMEM, or E_SINGULAR (there is no such choice). */
+int force_prepare(force *f, SMPmatrix *matrix);
+void force_clear(force *f);
+
+/* Makes the matrix a permutation and rhs such that the solution is value; all by equation number. */
+void force_apply(const force *f, double *rhs, const double *value);
+
+#endif

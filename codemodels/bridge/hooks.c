@@ -1,0 +1,138 @@
+/* bridge/hooks.c - puts the bridge between ngspice and our code models.
+ *
+ * The SPICEdev structs that cmpp makes are plain data: when the library is loaded, some of their functions
+ * are replaced.  One bridge is kept a circuit.  ngspice runs device types by number, so the functions of the
+ * last of our types see everything that came before: they do the work. */
+#include "models.h"
+#include "native.h"
+#include "report.h"
+
+extern SPICEdev cm_ideal_diode_info, cm_ideal_switch_info, cm_nonsmooth_info; /* made by cmpp */
+
+static SPICEdev *const ours[KINDS] = {&cm_ideal_diode_info, &cm_ideal_switch_info, &cm_nonsmooth_info};
+static int type_of[KINDS] = {-1, -1, -1}; /* their numbers in ngspice */
+
+typedef struct bridge {
+    struct bridge *next;
+    native native;
+    int last_type;           /* the last of our types in this circuit */
+    const GENinstance *mark; /* one of our instances: when it goes, the circuit goes */
+} bridge;
+
+static bridge *bridges;
+
+static bridge *find(const CKTcircuit *ckt) {
+    bridge *b = bridges;
+    while (b && b->native.ckt != ckt) {
+        b = b->next;
+    }
+    return b;
+}
+
+static bridge *find_or_make(CKTcircuit *ckt) {
+    bridge *b = find(ckt);
+    if (!b && (b = calloc(1, sizeof *b))) {
+        b->native.ckt = ckt;
+        b->next = bridges;
+        bridges = b;
+    }
+    return b;
+}
+
+model_kind models_kind(const GENinstance *inst) {
+    for (int k = 0; k < KINDS; k++) {
+        if (inst->GENmodPtr->GENmodType == type_of[k]) {
+            return (model_kind)k;
+        }
+    }
+    return KIND_FOREIGN;
+}
+
+/* The bridge of ckt if model is of the last of our types, else NULL. */
+static native *at_last(const CKTcircuit *ckt, const GENmodel *model) {
+    bridge *b = find(ckt);
+    return b && b->last_type == model->GENmodType ? &b->native : NULL;
+}
+
+static int setup(model_kind kind, SMPmatrix *matrix, GENmodel *model, CKTcircuit *ckt, int *states) {
+    bridge *b = find_or_make(ckt);
+    if (!b) {
+        return E_NOMEM;
+    }
+    type_of[kind] = model->GENmodType;
+    b->last_type = model->GENmodType;
+    b->mark = model->GENinstances ? model->GENinstances : b->mark;
+    return MIFsetup(matrix, model, ckt, states);
+}
+
+static int setup_diode(SMPmatrix *matrix, GENmodel *model, CKTcircuit *ckt, int *states) {
+    return setup(KIND_DIODE, matrix, model, ckt, states);
+}
+
+static int setup_switch(SMPmatrix *matrix, GENmodel *model, CKTcircuit *ckt, int *states) {
+    return setup(KIND_SWITCH, matrix, model, ckt, states);
+}
+
+static int setup_options(SMPmatrix *matrix, GENmodel *model, CKTcircuit *ckt, int *states) {
+    return setup(KIND_OPTIONS, matrix, model, ckt, states);
+}
+
+static int unsetup(GENmodel *model, CKTcircuit *ckt) {
+    bridge *b = find(ckt);
+    if (b) {
+        native_reset(&b->native);
+    }
+    return MIFunsetup(model, ckt);
+}
+
+/* Values are known from here on.  Only at the begin of an analysis: ngspice exits if this fails for an
+ * `altermod` between. */
+static int temperature(GENmodel *model, CKTcircuit *ckt) {
+    native *b = at_last(ckt, model);
+    return b && ckt->CKTtime == 0.0 ? native_check(b) : OK;
+}
+
+static int load(GENmodel *model, CKTcircuit *ckt) {
+    native *b = at_last(ckt, model);
+    return b ? native_load(b) : OK;
+}
+
+static int accept_point(CKTcircuit *ckt, GENmodel *model) {
+    native *b = at_last(ckt, model);
+    return b ? native_accept(b) : OK;
+}
+
+static int ac_load(GENmodel *model, CKTcircuit *ckt) {
+    if (at_last(ckt, model)) {
+        report_error("an .ac analysis cannot be done yet; .op, .dc and .tran can");
+    }
+    return E_UNSUPP;
+}
+
+static int delete (GENinstance *inst) {
+    for (bridge **link = &bridges; *link; link = &(*link)->next) {
+        bridge *b = *link;
+        if (b->mark == inst) {
+            *link = b->next;
+            native_clear(&b->native);
+            free(b);
+            break;
+        }
+    }
+    return MIFdelete(inst);
+}
+
+__attribute__((__constructor__)) static void install(void) {
+    static int (*const setups[KINDS])(SMPmatrix *, GENmodel *, CKTcircuit *,
+                                      int *) = {setup_diode, setup_switch, setup_options};
+    for (int k = 0; k < KINDS; k++) {
+        ours[k]->DEVsetup = setups[k];
+        ours[k]->DEVunsetup = unsetup;
+        ours[k]->DEVtemperature = temperature;
+        ours[k]->DEVload = load;
+        ours[k]->DEVaccept = accept_point;
+        ours[k]->DEVacLoad = ac_load;
+        ours[k]->DEVdelete = delete;
+        ours[k]->DEVtrunc = NULL;
+    }
+}

@@ -1,0 +1,17 @@
+/* bridge/models.c - our code models as ngspice's structs show them. */
+#include "models.h"
+
+#include <math.h>
+
+int models_node(const MIFinstance *inst, int terminal) {
+    return inst->conn[terminal]->port[0]->smp_data.pos_node;
+}
+
+double models_real(const MIFinstance *inst, int parameter) {
+    return inst->param[parameter]->element[0].rvalue;
+}
+
+double models_ohms(const MIFinstance *inst, int parameter) {
+    const double ohms = models_real(inst, parameter);
+    return ohms >= 1e30 ? INFINITY : ohms;
+}

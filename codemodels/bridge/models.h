@@ -1,0 +1,27 @@
+/* bridge/models.h - our code models as ngspice's structs show them: order of terminals, parameters and
+ * static variables as in the ifspec.ifs files. */
+#ifndef BRIDGE_MODELS_H
+#define BRIDGE_MODELS_H
+
+#include "ngspice.h"
+
+typedef enum model_kind { KIND_FOREIGN = -1, KIND_DIODE, KIND_SWITCH, KIND_OPTIONS, KINDS } model_kind;
+
+enum { DIODE_ANODE, DIODE_CATHODE };
+enum { SWITCH_P, SWITCH_N, SWITCH_CP, SWITCH_CN };
+
+enum { DIODE_VF, DIODE_RON, DIODE_ROFF, DIODE_VZ, DIODE_RZ };
+enum { SWITCH_VT, SWITCH_VH, SWITCH_RON, SWITCH_ROFF };
+enum { OPTION_METHOD, OPTION_H, OPTION_THETA, OPTION_GAMMA, OPTION_RELTOL, OPTION_VERBOSE };
+
+enum { SHOW_I, SHOW_V, SHOW_ON }; /* of the diode and the switch */
+
+/* Which of our models an instance is of; KIND_FOREIGN: none. */
+model_kind models_kind(const GENinstance *inst);
+
+/* The equation of a terminal's node, a parameter's value; from a resistance on, 1e30 counts as infinite. */
+int models_node(const MIFinstance *inst, int terminal);
+double models_real(const MIFinstance *inst, int parameter);
+double models_ohms(const MIFinstance *inst, int parameter);
+
+#endif

@@ -1,0 +1,55 @@
+/* bridge/native.h - the native way: the library integrates, ngspice shows. */
+#ifndef BRIDGE_NATIVE_H
+#define BRIDGE_NATIVE_H
+
+#include <time.h>
+
+#include "extract.h"
+#include "force.h"
+#include "nonsmooth/march.h"
+
+/* What is read of a circuit and made of it, replaced as a whole. */
+typedef struct engine {
+    extract ex;
+    ns_system *system;
+    ns_march *march;
+    int *unknown;       /* ex.neq: the unknown an equation stands for, -1: none */
+    double *x, *lambda; /* of the system */
+} engine;
+
+int engine_make(CKTcircuit *ckt, extract_sources sources, engine *e); /* OK, or a code after one line */
+void engine_clear(engine *e);
+double engine_step(const engine *e, const CKTcircuit *ckt); /* the longest step, s */
+
+/* One circuit of ngspice. */
+typedef struct native {
+    CKTcircuit *ckt;
+    engine engine; /* empty between analyses */
+    force force;   /* of the present matrix */
+    double *value; /* by equation number: the solution to be forced */
+    int *held;     /* nodes whose .ic or .nodeset flags are hidden from ngspice, as they were */
+    int hidden;    /* flags are hidden */
+    int announced; /* the native way was said */
+    int checked;   /* the running ngspice was looked at */
+    int fresh;     /* started, and the start not yet accepted */
+    int tried;     /* the march holds a trial that ends at t_trial */
+    int failed;    /* code to end the analysis with; the line was said */
+    double t;      /* accepted, the march's */
+    double t_trial;
+    clock_t cpu; /* at the start */
+} native;
+
+/* Is everything something we can take?  OK, or a code after one line. */
+int native_check(native *b);
+
+/* After all other devices have loaded: forces the solution.  OK or a code of ngspice. */
+int native_load(native *b);
+
+/* When ngspice accepted a timepoint: accepts it, shows it, looks ahead and sets the next one. */
+int native_accept(native *b);
+
+/* The matrix goes: forgets the analysis.  native_clear() forgets all. */
+void native_reset(native *b);
+void native_clear(native *b);
+
+#endif

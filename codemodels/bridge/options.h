@@ -1,0 +1,19 @@
+/* bridge/options.h - the options of a run, from the instance of model `nonsmooth`. */
+#ifndef BRIDGE_OPTIONS_H
+#define BRIDGE_OPTIONS_H
+
+#include "models.h"
+
+typedef struct options {
+    double h; /* s, 0: a sixteenth of ngspice's longest step */
+    double theta, gamma;
+    int verbose;
+} options;
+
+void options_default(options *o);
+
+/* Reads inst into o.  Returns OK, or says what is wrong in line (size bytes) and returns E_PARMVAL or
+ * E_UNSUPP. */
+int options_read(const MIFinstance *inst, options *o, char *line, size_t size);
+
+#endif

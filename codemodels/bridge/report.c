@@ -1,0 +1,54 @@
+/* bridge/report.c - what the bridge says on ngspice's console: one line a message. */
+#include "report.h"
+
+#include <stdarg.h>
+
+#include "ngspice.h"
+#include "ngspice/cmproto.h"
+#include "nonsmooth/status.h"
+
+static void say(FILE *stream, const char *format, va_list values) {
+    fputs("nonsmooth: ", stream);
+    vfprintf(stream, format, values);
+    fputc('\n', stream);
+    fflush(stream);
+}
+
+void report_error(const char *format, ...) {
+    va_list values;
+    va_start(values, format);
+    say(cm_stream_err(), format, values);
+    va_end(values);
+}
+
+void report_note(const char *format, ...) {
+    va_list values;
+    va_start(values, format);
+    say(cm_stream_out(), format, values);
+    va_end(values);
+}
+
+int report_code(int status) {
+    switch (status) {
+    case NS_OK:
+        return OK;
+    case NS_E_MEMORY:
+        return E_NOMEM;
+    case NS_E_NUMBER:
+    case NS_E_RANGE:
+    case NS_E_BOUNDS:
+    case NS_E_SIZE:
+    case NS_E_NAME:
+        return E_PARMVAL;
+    case NS_E_LIMIT:
+        return E_ITERLIM;
+    case NS_E_OVERFLOW:
+        return E_MAGEXCEEDED;
+    case NS_E_SINGULAR:
+    case NS_E_INFEASIBLE:
+    case NS_E_RESIDUAL:
+        return E_SINGULAR;
+    default:
+        return E_UNSUPP;
+    }
+}

@@ -1,0 +1,18 @@
+/* bridge/report.h - what the bridge says on ngspice's console: one line a message. */
+#ifndef BRIDGE_REPORT_H
+#define BRIDGE_REPORT_H
+
+#if defined(__GNUC__)
+#define REPORT_PRINTF(format, first) __attribute__((__format__(__printf__, format, first)))
+#else
+#define REPORT_PRINTF(format, first)
+#endif
+
+/* "nonsmooth: ...", on the error stream and on the output stream. */
+void report_error(const char *format, ...) REPORT_PRINTF(1, 2);
+void report_note(const char *format, ...) REPORT_PRINTF(1, 2);
+
+/* The code of ngspice that comes nearest to a status of the library. */
+int report_code(int status);
+
+#endif

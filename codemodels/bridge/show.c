@@ -1,0 +1,30 @@
+/* bridge/show.c - what a user sees of a point: node voltages, branch currents, @ad1[i], the summary. */
+#include "show.h"
+
+#include "report.h"
+
+void show_values(const engine *e, const double *x, double *value) {
+    for (int eq = 0; eq < e->ex.neq; eq++) {
+        value[eq] = e->unknown[eq] >= 0 ? x[e->unknown[eq]] : 0.0;
+    }
+}
+
+void show_devices(const engine *e) {
+    const ns_mode *mode = ns_march_mode(e->march);
+    for (int k = 0; k < e->ex.ndevices; k++) {
+        Mif_Inst_Var_Data_t **show = e->ex.device[k].inst->inst_var;
+        double i = 0.0;
+        double v = 0.0;
+        int on = 0;
+        ns_circuit_device(e->ex.circuit, e->ex.device[k].id, e->x, e->lambda, mode, &i, &v, &on);
+        show[SHOW_I]->element[0].rvalue = i;
+        show[SHOW_V]->element[0].rvalue = v;
+        show[SHOW_ON]->element[0].ivalue = on;
+    }
+}
+
+void show_summary(const engine *e, double cpu) {
+    const ns_counts *c = ns_march_counts(e->march);
+    report_note("theta: %ld steps, %ld events, %ld problems, %ld pivots, %ld factors, %ld maps, %.3g ms",
+                c->steps, c->events, c->problems, c->pivots, c->factors, c->maps, 1e3 * cpu);
+}

@@ -1,0 +1,6 @@
+/* codemodels/ideal_diode/cfunc.mod - nothing to compute: codemodels/bridge puts its own load in place of
+ * the one that would call this, and fills the static variables. */
+void cm_ideal_diode(ARGS)
+{
+    (void) mif_private;
+}
