@@ -91,7 +91,7 @@ static void step_along(ns_mlcp_solver *s, int col, double dir) {
 }
 
 int ns_farkas(ns_mlcp_solver *s) {
-    int n = s->np;
+    int n = s->np, checked = 0;
     for (int it = 0; it < PIVOTS_FLAT + PIVOTS_PER_PAIR * n; it++) {
         int row = s->where[2 * n];
         if (row < 0 || s->beta[row] <= SMALL)
@@ -100,6 +100,12 @@ int ns_farkas(ns_mlcp_solver *s) {
         int col = price(s, row, &dir);
         if (col >= 0) {
             step_along(s, col, dir);
+            continue;
+        }
+        if (!checked) { /* on a tableau made anew, refined */
+            checked = s->careful = 1;
+            if (ns_tableau_refresh(s) != NS_OK)
+                return 0;
             continue;
         }
         for (int a = 0; a < n; a++)

@@ -43,6 +43,8 @@ struct ns_mlcp_solver {
     int *cols;      /* k: indices j whose lambda_j is basic; -1 stands for t */
     double *G;      /* (m+1)^2 */
     double *rhs;    /* (m+1)*(m+2) */
+    double *xs;     /* (m+1)*(m+2) */
+    int careful;    /* refine the tableau as well */
     ns_lu *lu;      /* of G */
     double *lambda; /* m */
     double *y;      /* m */

@@ -36,9 +36,13 @@ static int attempt(ns_mlcp_solver *s, int all, int rounds, double *residual) {
             return NS_E_SINGULAR;
     }
     for (int round = 0; round < rounds; round++) {
-        ns_basis_values(s, round > 0);
+        ns_basis_values(s, s->careful);
         ns_basis_sizes(s);
         double v = ns_basis_violation(s);
+        if (v > GUARD) {
+            ns_basis_values(s, 1 + s->careful);
+            v = ns_basis_violation(s);
+        }
         if (v > GUARD) {
             if (isinf(v))
                 return NS_E_SINGULAR;
@@ -66,6 +70,7 @@ int ns_mlcp_search(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     int first = NS_E_LIMIT;
     for (size_t k = 0; k < sizeof way / sizeof *way; k++) {
         ns_mlcp_restart(s, way[k].lower ? NULL : mode);
+        s->careful = k > 0;
         int status = attempt(s, way[k].all, 3, residual);
         if (status == NS_OK)
             return NS_OK;

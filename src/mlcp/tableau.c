@@ -136,11 +136,33 @@ static void to_units(ns_mlcp_solver *s) {
         s->beta[r] /= s->unit[s->rowvar[r]];
 }
 
+/* One step of iterative refinement of all solutions: rhs (the right sides again) -= G x.  Entries that should
+ * cancel to 0 then do so to the rounding of W's own entries. */
+static void refine(ns_mlcp_solver *s) {
+    size_t k = (size_t)s->k, n = k * (size_t)(1 + s->ncol);
+    memcpy(s->xs, s->rhs, n * sizeof *s->xs);
+    right_sides(s);
+    for (size_t j = 0; j < n; j++)
+        s->xs[j] = -s->xs[j];
+    for (int c = 0; c <= s->ncol; c++)
+        for (int j = 0; j < s->k; j++) {
+            const double *col = column(s, s->cols[j]), v = s->xs[(size_t)j + (size_t)c * k];
+            double *b = s->rhs + (size_t)c * k;
+            for (int i = 0; i < s->k && v != 0.0; i++)
+                b[i] += col[s->rows[i]] * v;
+        }
+    ns_lu_solve(s->lu, 1 + s->ncol, s->rhs);
+    for (size_t j = 0; j < n; j++)
+        s->rhs[j] -= s->xs[j];
+}
+
 /* Fills beta and T for the labels at hand; G is factored. */
 static void fill(ns_mlcp_solver *s) {
     constant_part(s);
     right_sides(s);
     ns_lu_solve(s->lu, 1 + s->ncol, s->rhs);
+    if (s->careful)
+        refine(s);
     int at = s->nf;
     for (int a = 0; a < s->np; a++)
         if (s->where[2 * a] >= 0)
@@ -171,6 +193,10 @@ void ns_tableau_start(ns_mlcp_solver *s) {
     s->where[2 * s->np] = -1 - s->np;
     s->ncol = s->np;
     fill(s);
+    for (int a = 0; a < s->np; a++) { /* lambda and y are refined already */
+        int i = s->pair[a];
+        s->beta[a] = s->first_y[a] ? s->y[i] / s->ysize[i] : s->lambda[i] / s->lsize[i];
+    }
 }
 
 int ns_tableau_refresh(ns_mlcp_solver *s) {

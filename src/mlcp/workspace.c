@@ -15,12 +15,13 @@ static void carve_doubles(ns_mlcp_solver *s, size_t m) {
         *vector[i] = d;
     s->G = d;
     s->rhs = s->G + (m + 1) * (m + 1);
-    s->T = s->rhs + (m + 1) * (m + 2);
+    s->xs = s->rhs + (m + 1) * (m + 2);
+    s->T = s->xs + (m + 1) * (m + 2);
     s->unit = s->T + m * (m + 1);
 }
 
 static size_t count_doubles(size_t m) {
-    return 3 * m * m + 15 * m + (m + 1) * (m + 1) + (m + 1) * (m + 2) + m * (m + 1) + 2 * m + 1;
+    return 3 * m * m + 15 * m + (m + 1) * (m + 1) + 2 * (m + 1) * (m + 2) + m * (m + 1) + 2 * m + 1;
 }
 
 static void carve_ints(ns_mlcp_solver *s, size_t m) {
