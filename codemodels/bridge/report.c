@@ -7,7 +7,9 @@
 #include "ngspice/cmproto.h"
 #include "nonsmooth/status.h"
 
-static void say(FILE *stream, const char *format, va_list values) {
+/* stream is NULL while ngspice has no console of its own yet. */
+static void say(FILE *stream, FILE *instead, const char *format, va_list values) {
+    stream = stream ? stream : instead;
     fputs("nonsmooth: ", stream);
     vfprintf(stream, format, values);
     fputc('\n', stream);
@@ -17,14 +19,14 @@ static void say(FILE *stream, const char *format, va_list values) {
 void report_error(const char *format, ...) {
     va_list values;
     va_start(values, format);
-    say(cm_stream_err(), format, values);
+    say(cm_stream_err(), stderr, format, values);
     va_end(values);
 }
 
 void report_note(const char *format, ...) {
     va_list values;
     va_start(values, format);
-    say(cm_stream_out(), format, values);
+    say(cm_stream_out(), stdout, format, values);
     va_end(values);
 }
 

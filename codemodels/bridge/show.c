@@ -19,7 +19,7 @@ void show_devices(const engine *e) {
         ns_circuit_device(e->ex.circuit, e->ex.device[k].id, e->x, e->lambda, mode, &i, &v, &on);
         show[SHOW_I]->element[0].rvalue = i;
         show[SHOW_V]->element[0].rvalue = v;
-        show[SHOW_ON]->element[0].ivalue = on;
+        show[SHOW_ON]->element[0].rvalue = on; /* ngspice saves reals only */
     }
 }
 
