@@ -11,16 +11,32 @@
 static const double GUARD = 1e-12;
 static const double ACCEPT = 1e-10; /* natural residual of an answer */
 static const double GOOD = 1e-13;   /* nothing to gain by refining below this */
-static const double RCOND = 1e-13;  /* a starting basis must keep three digits */
+enum { REFINEMENTS = 3 };
+static const double RCOND = 1e-13; /* a starting basis must keep three digits */
 
-/* The answer in s->mode, whose G is factored: refined, clamped, judged. */
-static int judge(ns_mlcp_solver *s, int refinements, double *residual) {
+static double try_answer(ns_mlcp_solver *s, int refinements) {
     ns_basis_values(s, refinements);
     for (int i = 0; i < s->m; i++)
         if (!isfinite(s->lambda[i]) || !isfinite(s->y[i]))
-            return NS_E_RESIDUAL;
+            return INFINITY;
     ns_basis_clamp(s);
-    *residual = ns_mlcp_measure(&s->now, s->lambda, s->rhs, NULL);
+    return ns_mlcp_measure(&s->now, s->lambda, s->rhs, NULL);
+}
+
+/* The answer in s->mode, whose G is factored: clamped, judged, refined as often as that helps (a step too
+ * many may spoil a row in which next to nothing flows). */
+static int judge(ns_mlcp_solver *s, double *residual) {
+    int best = 0, last = 0;
+    *residual = try_answer(s, 0);
+    while (*residual > GOOD && last < REFINEMENTS) {
+        double r = try_answer(s, ++last);
+        if (r < *residual) {
+            *residual = r;
+            best = last;
+        }
+    }
+    if (last != best)
+        *residual = try_answer(s, best);
     return *residual <= ACCEPT ? NS_OK : NS_E_RESIDUAL;
 }
 
@@ -53,9 +69,7 @@ static int attempt(ns_mlcp_solver *s, int all, int rounds, double *residual) {
             if (ns_basis_factor(s, NULL) != NS_OK)
                 return NS_E_SINGULAR;
         }
-        status = judge(s, 0, residual);
-        if (status != NS_OK || *residual > GOOD)
-            status = judge(s, 2, residual);
+        status = judge(s, residual);
         if (status == NS_OK)
             return NS_OK;
     }
