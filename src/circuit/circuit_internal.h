@@ -74,6 +74,9 @@ double ns_kink_factor(double r, double roff);
 void ns_each_inductance(const ns_circuit *c, void (*visit)(void *to, int row, int column, double henries),
                         void *to);
 
+/* Refuses couplings that no windings can have.  Errors: RANGE, MEMORY, with a message. */
+int ns_check_inductances(ns_circuit *c);
+
 /* The commands of all switches (control.c).  Errors: MEMORY. */
 int ns_stamp_commands(const ns_circuit *c, ns_system *s);
 

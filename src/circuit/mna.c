@@ -110,21 +110,6 @@ static void stamp_inductance(void *data, int row, int column, double henries) {
         henries);
 }
 
-void ns_each_inductance(const ns_circuit *c, void (*visit)(void *to, int row, int column, double henries),
-                        void *to) {
-    for (int i = 0; i < c->nelements; i++) {
-        const element *e = &c->element[i];
-        if (e->kind == INDUCTOR) {
-            visit(to, i, i, e->value);
-        } else if (e->kind == COUPLING) {
-            int l1 = e->by[0], l2 = e->by[1];
-            double m = e->value * sqrt(c->element[l1].value) * sqrt(c->element[l2].value);
-            visit(to, l1, l2, m);
-            visit(to, l2, l1, m);
-        }
-    }
-}
-
 /* A pair whose lambda flows from p to n if sign is 1, from n to p if -1; y = kink + D lambda - sign v. */
 static void stamp_pair(const stamp *to, const element *e, int pair, double sign, double kink, double D) {
     ns_system *s = to->s;
@@ -208,6 +193,9 @@ int ns_circuit_system(ns_circuit *c, ns_system **out) {
     *out = NULL;
     if (!c) {
         return NS_E_NULL;
+    }
+    if ((status = ns_check_inductances(c))) {
+        return status;
     }
     if ((status = ns_system_create(c->nused + c->ncurrents, c->npairs, c->ninputs, c->ncommands, &s)) ||
         (status = fill(c, s)) || (status = ns_system_check(s, &fault))) {
