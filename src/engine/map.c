@@ -11,6 +11,8 @@
  */
 #include "stepper.h"
 
+#include "../linalg/minnorm.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -195,6 +197,19 @@ static ns_map *map_create(const ns_theta *s, const ns_mode *mode) {
     return map;
 }
 
+/* The equations of the mode leave something open but contradict nowhere: any answer is one, take the least.
+ * s->X holds the right-hand sides and gets the solution. */
+static int solve_singular(ns_theta *s, int size) {
+    const size_t count = (size_t)size * (size_t)s->q;
+    double *rhs = malloc(sizeof(double) * (count + 1));
+    if (!rhs)
+        return NS_E_MEMORY;
+    memcpy(rhs, s->X, sizeof(double) * count);
+    const int status = ns_min_norm(size, s->K, s->q, rhs, s->X);
+    free(rhs);
+    return status;
+}
+
 int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out) {
     *out = NULL;
     const int nj = list_inside(s, mode, s->inside), n = s->s->n, size = n + nj;
@@ -202,11 +217,14 @@ int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_ma
     double rcond = 1;
     int column = -1;
     s->counts.factors++;
-    const int status = ns_lu_factor(s->lu, size, s->K, &rcond, &column);
-    if (status != NS_OK || rcond < rcond_min)
-        return status == NS_OK ? NS_E_SINGULAR : status;
+    int status = ns_lu_factor(s->lu, size, s->K, &rcond, &column);
+    if (status != NS_OK && status != NS_E_SINGULAR)
+        return status;
     form_columns(s, h, implicit, mode, nj);
-    ns_lu_solve(s->lu, s->q, s->X);
+    if (status == NS_OK && rcond >= rcond_min)
+        ns_lu_solve(s->lu, s->q, s->X);
+    else if ((status = solve_singular(s, size)) != NS_OK)
+        return status;
     ns_map *map = map_create(s, mode);
     if (!map)
         return NS_E_MEMORY;
