@@ -319,17 +319,20 @@ static int add(ns_circuit *c, int what) {
     }
 }
 
-/* Lets allocation 1, 2, ... fail while `what` is added behind so many resistors; returns how many there are.
+/* Lets allocation 1, 2, ... fail while `what` is added behind so many resistors or named nodes; returns how
+ * many allocations there are.
  */
-static long fail_each(int what, int resistors) {
+static long fail_each(int what, int fillers) {
     for (long k = 1;; k++) {
         ns_circuit *c = make();
         ns_system *before;
         int status;
         long made;
-        for (int i = 0; i < resistors; i++) {
+        for (int i = 0; i < fillers; i++) {
             char name[] = {(char)('A' + i / 8), (char)('a' + i % 8), '\0'};
-            assert_int_equal(ns_circuit_resistor(c, name, 100 + i, 0, 1, NULL), NS_OK);
+            assert_int_equal(what < 2 ? ns_circuit_resistor(c, name, 100 + i, 0, 1, NULL)
+                                      : ns_circuit_name_node(c, 100 + i, name),
+                             NS_OK);
         }
         before = system_of(c);
         fail_alloc_at(k);
@@ -349,14 +352,14 @@ static long fail_each(int what, int resistors) {
     }
 }
 
-/* Some number of resistors fills the room exactly, so that it has to grow once more. */
+/* Some number of them fills the room exactly, so that it has to grow once more. */
 static void every_allocation_failing(void **state) {
     const long least[] = {4, 3, 2, 1, 15};
     (void)state;
     for (int what = 0; what < 5; what++) {
         long most = 0;
-        for (int resistors = 0; resistors < 24; resistors++) {
-            long failures = fail_each(what, resistors);
+        for (int fillers = 0; fillers < 24; fillers++) {
+            long failures = fail_each(what, fillers);
             most = failures > most ? failures : most;
         }
         assert_true(most >= least[what]);
