@@ -80,7 +80,7 @@ static void *reserve(void *items, int count, int more, size_t size, size_t *room
 }
 
 static int reserve_nodes(ns_circuit *c, int more) {
-    node *grown = reserve(c->node, c->nnodes, more, sizeof *grown, &c->node_room);
+    node_info *grown = reserve(c->node, c->nnodes, more, sizeof *grown, &c->node_room);
     c->node = grown ? grown : c->node;
     return grown != NULL;
 }
@@ -112,56 +112,56 @@ int ns_find_node(const ns_circuit *c, int number, int *found) {
 }
 
 /* The node, made if there is none yet; room must have been reserved. */
-static node *have_node(ns_circuit *c, int number) {
+static node_info *have_node(ns_circuit *c, int number) {
     int found, i = ns_find_node(c, number, &found);
     if (!found) {
         memmove(&c->node[i + 1], &c->node[i], (size_t)(c->nnodes - i) * sizeof *c->node);
-        c->node[i] = (node){number, 0, NULL, NAN};
+        c->node[i] = (node_info){number, 0, NULL, NAN};
         c->nnodes++;
     }
     return &c->node[i];
 }
 
-int ns_circuit_name_node(ns_circuit *c, int number, const char *name) {
+int ns_circuit_name_node(ns_circuit *c, int node, const char *name) {
     char *copy;
-    node *which;
+    node_info *which;
     if (!c) {
         return NS_E_NULL;
     }
     if (!name) {
-        return ns_complain(c, NS_E_NULL, "node %d: its name is missing", number);
+        return ns_complain(c, NS_E_NULL, "node %d: its name is missing", node);
     }
-    if (number < 0) {
-        return ns_complain(c, NS_E_SIZE, "%.80s: number of node = %d must be at least 0", name, number);
+    if (node < 0) {
+        return ns_complain(c, NS_E_SIZE, "%.80s: number of node = %d must be at least 0", name, node);
     }
-    if (number == 0) {
+    if (node == 0) {
         return NS_OK; /* ground appears in no message */
     }
     copy = copy_text(name);
     if (!copy || !reserve_nodes(c, 1)) {
         free(copy);
-        return ns_complain(c, NS_E_MEMORY, "node %d: out of memory", number);
+        return ns_complain(c, NS_E_MEMORY, "node %d: out of memory", node);
     }
-    which = have_node(c, number);
+    which = have_node(c, node);
     free(which->name);
     which->name = copy;
     return NS_OK;
 }
 
-int ns_circuit_node_ic(ns_circuit *c, int number, double volts) {
+int ns_circuit_node_ic(ns_circuit *c, int node, double volts) {
     if (!c) {
         return NS_E_NULL;
     }
-    if (number <= 0) {
-        return ns_complain(c, NS_E_SIZE, "node %d: only nodes above 0 take an initial voltage", number);
+    if (node <= 0) {
+        return ns_complain(c, NS_E_SIZE, "node %d: only nodes above 0 take an initial voltage", node);
     }
     if (!isfinite(volts)) {
-        return ns_complain(c, NS_E_NUMBER, "node %d: ic = %g must be a finite number", number, volts);
+        return ns_complain(c, NS_E_NUMBER, "node %d: ic = %g must be a finite number", node, volts);
     }
     if (!reserve_nodes(c, 1)) {
-        return ns_complain(c, NS_E_MEMORY, "node %d: out of memory", number);
+        return ns_complain(c, NS_E_MEMORY, "node %d: out of memory", node);
     }
-    have_node(c, number)->ic = volts;
+    have_node(c, node)->ic = volts;
     return NS_OK;
 }
 
@@ -184,7 +184,7 @@ static int copy_element(const element *e, element *copy) {
 
 static void use_node(ns_circuit *c, int number) {
     if (number > 0) {
-        node *which = have_node(c, number);
+        node_info *which = have_node(c, number);
         c->nused += !which->used;
         which->used = 1;
     }
@@ -226,12 +226,12 @@ int ns_add_element(ns_circuit *c, const element *e, needs wants, int *id) {
     return NS_OK;
 }
 
-int ns_circuit_node_unknown(const ns_circuit *c, int number) {
+int ns_circuit_node_unknown(const ns_circuit *c, int node) {
     int found, place, index = 0;
     if (!c) {
         return -1;
     }
-    place = ns_find_node(c, number, &found);
+    place = ns_find_node(c, node, &found);
     if (!found || !c->node[place].used) {
         return -1;
     }

@@ -42,16 +42,16 @@ typedef struct needs {
     int currents, pairs, inputs, commands;
 } needs;
 
-typedef struct node {
+typedef struct node_info {
     int number;
     int used;   /* an element names it, so its voltage is an unknown */
     char *name; /* owned, or NULL */
     double ic;  /* V, NAN: none */
-} node;
+} node_info;
 
 struct ns_circuit {
     element *element;
-    node *node; /* by ascending number, without ground */
+    node_info *node; /* by ascending number, without ground */
     int nelements, nnodes;
     size_t element_room, node_room;
     int nused, ncurrents, npairs, ninputs, ncommands;

@@ -6,7 +6,7 @@
 
 static double volts(const ns_circuit *c, int number, const double *x) {
     int index = ns_circuit_node_unknown(c, number);
-    return index < 0 ? 0 : x[index];
+    return index < 0 || !x ? 0 : x[index];
 }
 
 int ns_circuit_device(const ns_circuit *c, int id, const double *x, const double *lambda, const ns_mode *mode,

@@ -56,7 +56,7 @@ static const element *element_of_current(const ns_circuit *c, int unknown) {
     return NULL;
 }
 
-static const node *node_of_unknown(const ns_circuit *c, int unknown) {
+static const node_info *node_of_unknown(const ns_circuit *c, int unknown) {
     int index = 0;
     for (int i = 0; c && unknown >= 0 && i < c->nnodes; i++) {
         if (c->node[i].used && index++ == unknown) {
@@ -66,7 +66,7 @@ static const node *node_of_unknown(const ns_circuit *c, int unknown) {
     return NULL;
 }
 
-static void put_node(writer *w, const node *which) {
+static void put_node(writer *w, const node_info *which) {
     if (which->name) {
         put(w, "node %s", which->name);
     } else {
@@ -109,7 +109,7 @@ static int put_pairs(writer *w, const ns_circuit *c, const ns_fault *f, int with
 static int put_unknowns(writer *w, const ns_circuit *c, const ns_fault *f, int written, int with_kind) {
     for (int i = 0; i < count_of(f->nunknowns); i++) {
         const element *e = element_of_current(c, f->unknown[i]);
-        const node *which = node_of_unknown(c, f->unknown[i]);
+        const node_info *which = node_of_unknown(c, f->unknown[i]);
         put(w, "%s", written++ ? ", " : "");
         if (e) {
             put(w, "%s%s", with_kind ? "current of " : "", e->name);

@@ -16,7 +16,7 @@ static double node_volts(const ns_circuit *c, int number) {
 }
 
 static void add(double *w0, int row, double value) {
-    if (row >= 0) {
+    if (row >= 0 && w0) {
         w0[row] += value;
     }
 }
