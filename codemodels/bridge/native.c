@@ -80,6 +80,15 @@ static int look_at_ngspice(native *b) {
     return E_UNSUPP;
 }
 
+/* ngspice would add these conductances to the matrix that we fill. */
+static int look_at_options(const native *b) {
+    if (b->ckt->enh->rshunt_data.enabled || b->ckt->CKTgshunt != 0.0) {
+        report_error("options rshunt and gshunt cannot be taken yet");
+        return E_UNSUPP;
+    }
+    return OK;
+}
+
 int native_check(native *b) {
     extract ex;
     int error;
@@ -87,6 +96,9 @@ int native_check(native *b) {
     error = look_at_ngspice(b);
     if (error) {
         b->checked = 0;
+    }
+    error = error ? error : look_at_options(b);
+    if (error) {
         return error;
     }
     error = extract_read(b->ckt, SOURCES_TRAN, &ex);
@@ -97,24 +109,21 @@ int native_check(native *b) {
     return error;
 }
 
-static int check_options(const native *b) {
-    if (b->ckt->enh->rshunt_data.enabled || b->ckt->CKTgshunt != 0.0) {
-        report_error("options rshunt and gshunt cannot be taken yet");
-        return E_UNSUPP;
-    }
-    return OK;
-}
-
 static int make_room(native *b) {
     const size_t neq = (size_t)b->ckt->CKTmaxEqNum;
     if (!b->value) {
         b->value = calloc(neq, sizeof *b->value);
         b->held = calloc(neq, sizeof *b->held);
     }
-    if (!b->value || !b->held) {
-        return E_NOMEM;
+    return b->value && b->held ? OK : E_NOMEM;
+}
+
+static int prepare_force(native *b) {
+    const int error = b->force.entry ? OK : force_prepare(&b->force, b->ckt->CKTmatrix);
+    if (error) {
+        report_error("ngspice's matrix lacks equations: is every node connected?");
     }
-    return b->force.entry ? OK : force_prepare(&b->force, b->ckt->CKTmatrix);
+    return error;
 }
 
 static void announce(native *b) {
@@ -164,8 +173,7 @@ static int begin(native *b) {
     int error;
     engine_clear(&b->engine);
     b->fresh = b->tried = b->failed = 0;
-    error = check_options(b);
-    error = error ? error : make_room(b);
+    error = make_room(b);
     error = error ? error : engine_make(b->ckt, tran ? SOURCES_TRAN : SOURCES_DC, &b->engine);
     if (error) {
         return error;
@@ -173,8 +181,9 @@ static int begin(native *b) {
     announce(b);
     b->cpu = clock();
     status = uic ? start_from_rest(&b->engine) : start_from_dc(&b->engine, tran);
-    if (status) {
-        return fail(b, status);
+    error = status ? fail(b, status) : prepare_force(b);
+    if (error) {
+        return error;
     }
     b->t = 0.0;
     b->fresh = 1;
@@ -260,13 +269,9 @@ static int load_dc(native *b) {
     const int first = (b->ckt->CKTmode & (MODEINITJCT | MODEINITPRED)) != 0;
     int error = OK;
     if (first || !b->engine.march) {
-        error = begin(b);
+        error = b->failed = begin(b);
     }
-    if (error && (b->ckt->CKTmode & MODEUIC) && b->force.entry) {
-        b->failed = error; /* there is no solve: the first accept ends it */
-        error = OK;
-    }
-    return error;
+    return b->ckt->CKTmode & MODEUIC ? OK : error; /* with uic there is no solve: the first accept ends it */
 }
 
 int native_load(native *b) {
@@ -274,13 +279,11 @@ int native_load(native *b) {
     unhide_rows(b);
     if (is_dc(b->ckt)) {
         error = load_dc(b);
-    } else if (!b->engine.march) {
-        error = b->failed ? OK : E_UNSUPP;
-    } else {
+    } else if (b->engine.march) {
         load_tran(b);
     }
-    if (error) {
-        return end_dc(b->ckt, error);
+    if (error || !b->force.entry) {
+        return end_dc(b->ckt, error ? error : E_UNSUPP);
     }
     if (is_dc(b->ckt)) {
         hide_rows(b);
