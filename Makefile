@@ -153,7 +153,8 @@ $(TEST_BIN): $(B)/%: $(B)/obj/%.o $(TEST_HELP:%.c=$(B)/obj/%.o) $(B)/libnonsmoot
 
 # Warnings were looked at by the plain build; sanitizers and coverage make gcc see ones that are not there.
 ASAN := B=build/asan WARN=-w \
-    CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all'
+    CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined \
+        -fsanitize-recover=address -fno-sanitize-recover=undefined'
 
 .PHONY: test sanitize valgrind tags coverage
 test: deps ## everything: unit tests, netlists, both again under sanitizers, one run under valgrind
