@@ -39,6 +39,17 @@ static double outside(const ns_mlcp_solver *s, int r, double *side) {
     return below >= above ? below : above;
 }
 
+/* Values within rounding of a bound are put on it: a degenerate start is treated as one. */
+static void snap(ns_mlcp_solver *s) {
+    for (int r = 0; r < s->np; r++) {
+        double lo = ns_tableau_lower(s, s->rowvar[r]), hi = ns_tableau_upper(s, s->rowvar[r]);
+        if (fabs(s->beta[r] - lo) <= TIE)
+            s->beta[r] = lo;
+        else if (fabs(s->beta[r] - hi) <= TIE)
+            s->beta[r] = hi;
+    }
+}
+
 /* Column of t: d in the units of the rows, and as s->cover in terms of W and q. */
 static void set_cover(ns_mlcp_solver *s, int all) {
     int n = s->np;
@@ -188,6 +199,7 @@ static int leave(ns_mlcp_solver *s, int r, int col, double rate, double value) {
 int ns_lemke(ns_mlcp_solver *s, int all) {
     double t, dir, step;
     int n = s->np, limit = PIVOTS_FLAT + PIVOTS_PER_PAIR * n;
+    snap(s);
     set_cover(s, all);
     int r = first_row(s, &t);
     if (r < 0)

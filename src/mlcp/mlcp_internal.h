@@ -74,6 +74,10 @@ struct ns_mlcp_solver {
     int nstuck;
     int *stuck_row, *stuck_col; /* m */
 
+    double *kept_lambda, *kept_y; /* m: the best answer so far (proximal.c) */
+    ns_mode *kept_mode;           /* m */
+
+    int proved; /* farkas.c said so */
     long pivots, factors;
     ns_fault fault;
 

@@ -19,6 +19,7 @@
 #include "residual.h"
 
 enum { STEPS = 8 };
+static const double GOOD = 1e-13; /* residual below which nothing is to be gained */
 
 /* eps E as a list of entries; kind 0: diagonal, 1: left-over rows and columns. */
 static int choose(ns_mlcp_solver *s, int kind, int eps) {
@@ -41,6 +42,7 @@ static void regularise(ns_mlcp_solver *s, int n, int from) {
         if (from)
             s->qraw[s->erow[k]] -= s->eval[k] * s->lambda[s->ecol[k]];
     }
+    s->nstuck = 0; /* nothing is known of the new matrix */
     s->now.W = s->Wreg;
     s->now.q = s->qraw;
     ns_mlcp_fold(s);
@@ -54,23 +56,44 @@ static void name_rows(ns_mlcp_solver *s) {
     ns_mlcp_name(s, s->ray, s->m, s->rows);
 }
 
-/* The iteration with one E; INFEASIBLE: it ran away. */
+static void keep(ns_mlcp_solver *s) {
+    size_t m = (size_t)s->m;
+    memcpy(s->kept_lambda, s->lambda, m * sizeof *s->lambda);
+    memcpy(s->kept_y, s->y, m * sizeof *s->y);
+    memcpy(s->kept_mode, s->mode, m * sizeof *s->mode);
+}
+
+static void give_back(ns_mlcp_solver *s) {
+    size_t m = (size_t)s->m;
+    memcpy(s->lambda, s->kept_lambda, m * sizeof *s->lambda);
+    memcpy(s->y, s->kept_y, m * sizeof *s->y);
+    memcpy(s->mode, s->kept_mode, m * sizeof *s->mode);
+}
+
+/* The iteration with one E, as long as the residual falls; INFEASIBLE: it ran away. */
 static int iterate(ns_mlcp_solver *s, const ns_mode *mode, int n, double accept, double *residual) {
-    double before = INFINITY;
+    double best = INFINITY, now;
     for (int k = 0; k < STEPS; k++) {
         regularise(s, n, k > 0);
-        int status = ns_mlcp_search(s, k == 0 ? mode : s->mode, residual);
-        if (status != NS_OK)
+        int status = ns_mlcp_search(s, k == 0 ? mode : s->mode, &now);
+        if (status != NS_OK && best > accept)
             return status;
-        *residual = ns_mlcp_measure(s->p, s->lambda, s->rhs, NULL);
-        if (*residual <= accept)
-            return NS_OK;
-        if (k >= 2 && !(*residual < 0.5 * before))
+        now = status == NS_OK ? ns_mlcp_measure(s->p, s->lambda, s->rhs, NULL) : INFINITY;
+        int last = !(now <= 0.5 * best) && k >= 2;
+        if (now < best) {
+            best = now;
+            keep(s);
+        }
+        if (last || best <= GOOD)
             break;
-        before = *residual;
     }
-    name_rows(s);
-    return NS_E_INFEASIBLE;
+    if (best > accept) {
+        name_rows(s);
+        return NS_E_INFEASIBLE;
+    }
+    give_back(s);
+    *residual = best;
+    return NS_OK;
 }
 
 int ns_proximal(ns_mlcp_solver *s, const ns_mode *mode, double accept, double *residual) {

@@ -11,7 +11,7 @@
 static const double GUARD = 1e-12;
 static const double ACCEPT = 1e-10; /* natural residual of an answer */
 static const double GOOD = 1e-13;   /* nothing to gain by refining below this */
-enum { REFINEMENTS = 3 };
+enum { REFINEMENTS = 3, MODES = 2048 };
 static const double RCOND = 1e-13; /* a starting basis must keep three digits */
 
 static double try_answer(ns_mlcp_solver *s, int refinements) {
@@ -88,14 +88,39 @@ int ns_mlcp_search(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
         int status = attempt(s, way[k].all, 3, residual);
         if (status == NS_OK)
             return NS_OK;
-        if (status == NS_E_INFEASIBLE && ns_farkas(s))
-            return status; /* proved */
+        if (status == NS_E_INFEASIBLE && ns_farkas(s)) {
+            s->proved = 1;
+            return status;
+        }
         if (s->nstuck > 0)
             return NS_E_SINGULAR; /* no start will do */
         if (k == 0 || (first == NS_E_LIMIT && status != NS_E_SINGULAR))
             first = status;
     }
     return first;
+}
+
+/* Last resort for few pairs and any W: every mode in turn.  Afterwards "no solution" is no longer a guess
+ * (up to solutions that exist in singular modes only). */
+static int every_mode(ns_mlcp_solver *s, double *residual) {
+    long modes = 1;
+    for (int a = 0; a < s->np && modes <= MODES; a++)
+        modes *= isfinite(s->p->l[s->pair[a]]) && isfinite(s->p->u[s->pair[a]]) ? 3 : 2;
+    for (long k = 0; k < modes && modes <= MODES; k++) {
+        long code = k;
+        for (int a = 0; a < s->np; a++) {
+            int i = s->pair[a], base = isfinite(s->p->l[i]) && isfinite(s->p->u[i]) ? 3 : 2;
+            s->mode[i] = ns_mlcp_mend(s, i, (ns_mode)(code % base == 0 ? NS_INSIDE : 2 * (code % base) - 3));
+            code /= base;
+        }
+        if (ns_basis_factor(s, NULL) != NS_OK)
+            continue;
+        ns_basis_values(s, 1);
+        ns_basis_sizes(s);
+        if (ns_basis_violation(s) <= GUARD && judge(s, residual) == NS_OK)
+            return NS_OK;
+    }
+    return NS_E_INFEASIBLE;
 }
 
 int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *lambda, double *y,
@@ -112,8 +137,11 @@ int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *la
         s->pivots = s->factors = 0;
         memset(&s->fault, 0, sizeof s->fault);
         s->fault.t = NAN;
+        s->proved = 0;
         ns_mlcp_sort(s, p);
         status = ns_mlcp_search(s, mode, &residual);
+        if (status != NS_OK && s->nstuck == 0 && !s->proved && every_mode(s, &residual) == NS_OK)
+            status = NS_OK;
         if (status == NS_E_SINGULAR && s->nstuck > 0)
             status = ns_proximal(s, mode, ACCEPT, &residual);
         if (info) {
@@ -127,6 +155,8 @@ int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *la
         info->fault.status = (ns_status)status;
     if (status != NS_OK)
         return status;
+    if (info)
+        info->fault.npairs = 0;
     size_t m = (size_t)p->m;
     memcpy(mode, s->mode, m * sizeof *mode);
     memcpy(lambda, s->lambda, m * sizeof *lambda);
