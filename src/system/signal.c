@@ -56,8 +56,6 @@ static line pulse_line(const ns_signal *s, pulse_points *p) {
                 p->v[i] = cut;
             }
         }
-    } else {
-        p->t[3] = fmin(end, per);
     }
     return g;
 }
@@ -75,8 +73,16 @@ static line pwl_line(const ns_signal *s) {
     return g;
 }
 
+/* A point at the end of a period is the first of the next one, to the last bit. */
 static double at(const line *g, double k, int i) {
-    return g->origin + (k > 0 ? k * g->period + g->t[i] : g->t[i]);
+    double t = g->t[i], first = g->t[g->from];
+    if (isinf(g->period)) {
+        return g->origin + t;
+    }
+    if (t - first >= g->period * (1 - 8 * DBL_EPSILON)) {
+        return g->origin + ((k + 1) * g->period + first);
+    }
+    return g->origin + (k * g->period + t);
 }
 
 /* The repetition that t lies in. */
@@ -112,7 +118,7 @@ static double line_value(const line *g, double t, ns_side side) {
     double d = slack(t, g->origin), beside = side == NS_LEFT ? t - d : t + d;
     double k = repetition(g, beside);
     int i = point_before(g, k, beside);
-    if (i < 0 || (k > 0 && i < g->from)) {
+    if (i < 0) {
         return g->v[0];
     }
     if (i + 1 == g->n) {

@@ -70,6 +70,7 @@ static void resistor_capacitor_current(void **state) {
     ns_system *s;
     int id = -1;
     (void)state;
+    assert_int_equal(ns_circuit_name_node(c, 1, "nobody's"), NS_OK); /* no element has it: no unknown */
     assert_int_equal(ns_circuit_resistor(c, "r1", 5, 2, 4, NULL), NS_OK);
     assert_int_equal(ns_circuit_capacitor(c, "c1", 2, 0, 3, NAN, &id), NS_OK);
     assert_int_equal(id, 1);
@@ -82,6 +83,7 @@ static void resistor_capacitor_current(void **state) {
     assert_int_equal(ns_circuit_node_unknown(c, 5), 1);
     assert_int_equal(ns_circuit_node_unknown(c, 0), -1);
     assert_int_equal(ns_circuit_node_unknown(c, 3), -1);
+    assert_int_equal(ns_circuit_node_unknown(c, 1), -1);
     assert_int_equal(ns_circuit_current_unknown(c, 0), -1);
     ns_system_free(s);
     ns_circuit_free(c);

@@ -167,6 +167,34 @@ static void pulse_longer_than_its_period(void **state) {
     assert_both(&s, 4, 5, 3);
 }
 
+/* A period of 3 s cuts a rise of 4 s from 3 to 5 off at 3 + 2 * 3/4. */
+static void pulse_cut_while_it_rises(void **state) {
+    ns_signal s = pulse(3, 5, 0, 4, 1, 1, 3);
+    (void)state;
+    assert_both(&s, 1, 3.5, 3.5);
+    assert_both(&s, 3, 4.5, 3);
+    assert_both(&s, 31, 3.5, 3.5);
+}
+
+/* Wherever t lies among the doubles around a jump at the end of a period: the value to its right is that of
+ * the line which the next corner ends. */
+static void value_and_corner_agree(void **state) {
+    double per = 1e-5 / 3, cut = per / 2;
+    ns_signal s = pulse(0, 1, 1e-6, cut, 0, per, per); /* 0 -> 1, held, back at once with the period */
+    (void)state;
+    for (int k = 1; k < 5000; k += 7) {
+        double jump = 1e-6 + k * per, ulp = nextafter(jump, 1) - jump;
+        for (int steps = -40; steps <= 40; steps++) {
+            double t = jump + steps * ulp, c = ns_signal_next_corner(&s, t);
+            double v = ns_signal_value(&s, t, NS_RIGHT);
+            assert_true(c > t && (fabs(c - jump) < 4 * ulp || fabs(c - jump - cut) < 4 * ulp));
+            assert_near(v, fabs(c - jump) < 4 * ulp, 100 * ulp / cut);
+            v = ns_signal_value(&s, t, NS_LEFT);
+            assert_true(v > 1 - 100 * ulp / cut || (v < 100 * ulp / cut && steps > 0));
+        }
+    }
+}
+
 /* vo + va exp(-theta (t-td)) sin(2 pi f (t-td) + phase): quarter periods have closed values. */
 static void sine(void **state) {
     ns_signal s = {.kind = NS_SIN};
@@ -311,6 +339,8 @@ int main(void) {
         cmocka_unit_test(value_at_a_corner_is_that_of_the_point),
         cmocka_unit_test(pulse_once_and_counted),
         cmocka_unit_test(pulse_longer_than_its_period),
+        cmocka_unit_test(pulse_cut_while_it_rises),
+        cmocka_unit_test(value_and_corner_agree),
         cmocka_unit_test(sine),
         cmocka_unit_test(exponential),
         cmocka_unit_test(pwl_holds_jumps_and_shifts),

@@ -122,6 +122,8 @@ static void commands_are_checked(void **state) {
     s->l[1] = 5; /* bounds of a commanded pair mean nothing */
     s->u[1] = 2;
     assert_int_equal(ns_system_check(s, NULL), NS_OK);
+    s->l[0] = NAN;
+    assert_int_equal(ns_system_check(s, NULL), NS_OK);
     expect(s, &s->command[1].off, 1, NS_E_RANGE, 1, -1);
     expect(s, &s->command[0].on, NAN, NS_E_NUMBER, 0, -1);
     expect(s, &s->command[0].g0, INFINITY, NS_E_NUMBER, 0, -1);
