@@ -282,9 +282,10 @@ static void switch_by_nodes(void **state) {
 }
 
 /* v1 = z0, v2 = v1 - 5, v4 - v3 = z1 with neither tied to ground, v5 = 3 (v2 - v1) = -15, v6 = 2 v5 - v1 + 1
- * = -29 - z0, node 7 behind a resistor.  Sources stand in an order that takes more than one pass. */
+ * = -29 - z0, node 7 behind a resistor,
+ * v9 = 1 + i(v1).  Sources stand in an order that takes more than one pass. */
 static void controls_set_by_sources(void **state) {
-    const ns_term terms[] = {{0, 5, 2}, {0, 1, -1}};
+    const ns_term terms[] = {{0, 5, 2}, {0, 1, -1}}, of_current = {1, 2, 1};
     ns_circuit *c = make();
     ns_switch sw = {0, 0, 0, INFINITY};
     ns_signal wave = sine(), five = dc(5);
@@ -304,7 +305,9 @@ static void controls_set_by_sources(void **state) {
     assert_int_equal(ns_circuit_switch(c, "s5", 8, 0, 6, 0, &sw, NULL), NS_OK); /* v6 */
     assert_int_equal(ns_circuit_switch(c, "s6", 8, 0, 7, 0, &sw, NULL), NS_OK); /* of the circuit */
     assert_int_equal(ns_circuit_switch(c, "s7", 8, 0, 7, 7, &sw, NULL), NS_OK); /* 0 */
-    s = system_of(c, 8 + 5, 7, 2, 7);
+    assert_int_equal(ns_circuit_linear(c, "b2", NS_VOLTAGE, 9, 0, 1, 1, &of_current, NULL), NS_OK);
+    assert_int_equal(ns_circuit_switch(c, "s8", 8, 0, 9, 0, &sw, NULL), NS_OK); /* of the circuit */
+    s = system_of(c, 9 + 6, 8, 2, 8);
     k = s->command;
     assert_true(k[0].gx == NULL && k[0].g0 == -5 && k[0].gz[0] == 1 && k[0].gz[1] == 0);
     assert_true(k[1].gx == NULL && k[1].g0 == 0 && k[1].gz[0] == 0 && k[1].gz[1] == -1);
@@ -313,6 +316,7 @@ static void controls_set_by_sources(void **state) {
     assert_true(k[4].gx == NULL && k[4].g0 == -29 && k[4].gz[0] == -1 && k[4].gz[1] == 0);
     assert_true(k[5].gx != NULL && k[5].gx[6] == 1);
     assert_true(k[6].gx == NULL && k[6].gz == NULL && k[6].g0 == 0);
+    assert_true(k[7].gx != NULL && k[7].gx[8] == 1);
     ns_system_free(s);
     ns_circuit_free(c);
 }

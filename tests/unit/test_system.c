@@ -305,6 +305,31 @@ static void random_capacitors(void **state) {
     }
 }
 
+/* Five windings that share two fluxes, L_ij = sqrt(L_i L_j) g_i g_j with unit vectors g in the plane: rank 2,
+ * also where the second pivot is what little two nearly parallel windings leave over. */
+static void windings_of_two_fluxes(void **state) {
+    enum { N = 5 };
+    double T[N * N];
+    unsigned long seed = 11;
+    (void)state;
+    for (int trial = 0; trial < 20000; trial++) {
+        ns_system *s = make(N, 0, 0, 0);
+        double angle[N], root_l[N];
+        int rank;
+        for (int i = 0; i < N; i++) {
+            angle[i] = (trial % 2 ? 0.03 : 6.3) * uniform(&seed);
+            root_l[i] = pow(10, -4 * uniform(&seed));
+        }
+        for (int i = 0; i < N * N; i++) {
+            double k = cos(angle[i / N] - angle[i % N]);
+            s->M[i] = k * (root_l[i / N] * root_l[i % N]);
+        }
+        assert_int_equal(ns_system_split(s, T, &rank), NS_OK);
+        assert_int_equal(rank, 2);
+        ns_system_free(s);
+    }
+}
+
 /* Rows scaled by 1e-200..1e200 in either direction change nothing about the rank. */
 static void units_do_not_matter(void **state) {
     ns_system *s = make(3, 0, 0, 0);
@@ -368,6 +393,7 @@ int main(void) {
         cmocka_unit_test(small_beside_large_stays),
         cmocka_unit_test(perfect_coupling_loses_a_state),
         cmocka_unit_test(random_capacitors),
+        cmocka_unit_test(windings_of_two_fluxes),
         cmocka_unit_test(units_do_not_matter),
         cmocka_unit_test(every_allocation_failing),
     };
