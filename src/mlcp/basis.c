@@ -51,17 +51,26 @@ static void multiply(ns_mlcp_solver *s) {
     ns_matvec_add(s->m, s->m, s->W, s->g, s->y);
 }
 
+/* lambda of the basis less G^-1 y; y is that of lambda, before and after. */
+static void correct(ns_mlcp_solver *s) {
+    gather(s, s->y, s->rhs);
+    ns_lu_solve(s->lu, 1, s->rhs);
+    for (int j = 0; j < s->k; j++)
+        s->lambda[s->cols[j]] -= s->rhs[j];
+    multiply(s);
+}
+
 void ns_basis_values(ns_mlcp_solver *s, int refinements) {
     for (int i = 0; i < s->m; i++)
         s->lambda[i] = s->mode[i] == NS_INSIDE ? 0.0 : ns_mlcp_bound(s, i, s->mode[i]);
     multiply(s);
-    for (int pass = 0; pass <= refinements && s->k > 0; pass++) {
-        gather(s, s->y, s->rhs);
-        ns_lu_solve(s->lu, 1, s->rhs);
-        for (int j = 0; j < s->k; j++)
-            s->lambda[s->cols[j]] -= s->rhs[j];
-        multiply(s);
-    }
+    for (int pass = 0; pass <= refinements && s->k > 0; pass++)
+        correct(s);
+}
+
+void ns_basis_correct(ns_mlcp_solver *s) {
+    multiply(s);
+    correct(s);
 }
 
 static double column_max(const ns_mlcp_solver *s, int j, const double *weight) {

@@ -98,9 +98,10 @@ double ns_mlcp_bound(const ns_mlcp_solver *s, int i, ns_mode mode); /* the lambd
 /* basis.c */
 int ns_basis_factor(ns_mlcp_solver *s, double *rcond);    /* G of s->mode and its factors */
 void ns_basis_values(ns_mlcp_solver *s, int refinements); /* lambda, y, from the factors */
-void ns_basis_sizes(ns_mlcp_solver *s);                   /* ysize, lsize, at lambda */
-double ns_basis_violation(const ns_mlcp_solver *s);       /* worst guard, in units of the sizes */
-void ns_basis_clamp(ns_mlcp_solver *s);                   /* lambda into its bounds, signs of y */
+void ns_basis_correct(ns_mlcp_solver *s); /* one refinement by the residual of W, q as they are now */
+void ns_basis_sizes(ns_mlcp_solver *s);   /* ysize, lsize, at lambda */
+double ns_basis_violation(const ns_mlcp_solver *s); /* worst guard, in units of the sizes */
+void ns_basis_clamp(ns_mlcp_solver *s);             /* lambda into its bounds, signs of y */
 
 /* tableau.c */
 void ns_tableau_start(ns_mlcp_solver *s);  /* of s->mode, whose G is factored and whose sizes are known */

@@ -70,30 +70,44 @@ static void give_back(ns_mlcp_solver *s) {
     memcpy(s->mode, s->kept_mode, m * sizeof *s->mode);
 }
 
-/* The iteration with one E, as long as the residual falls; INFEASIBLE: it ran away. */
-static int iterate(ns_mlcp_solver *s, const ns_mode *mode, int n, double accept, double *residual) {
-    double best = INFINITY, now;
+/* Further proximal steps in the mode found, each as a correction of x_k by the residual of the given problem,
+ * which rounds much less than solving for x_k+1 anew.  Keeps the best; returns its residual. */
+static double polish(ns_mlcp_solver *s) {
+    double best = INFINITY;
+    ns_mlcp_given(s);
     for (int k = 0; k < STEPS; k++) {
-        regularise(s, n, k > 0);
-        int status = ns_mlcp_search(s, k == 0 ? mode : s->mode, &now);
-        if (status != NS_OK && best > accept)
-            return status;
-        now = status == NS_OK ? ns_mlcp_measure(s->p, s->lambda, s->rhs, NULL) : INFINITY;
-        int last = !(now <= 0.5 * best) && k >= 2;
+        double now = ns_mlcp_measure(s->p, s->lambda, s->rhs, NULL), before = best;
         if (now < best) {
             best = now;
             keep(s);
         }
-        if (last || best <= GOOD)
+        if (best <= GOOD || !(now <= 0.5 * before))
             break;
-    }
-    if (best > accept) {
-        name_rows(s);
-        return NS_E_INFEASIBLE;
+        ns_basis_correct(s);
+        ns_basis_clamp(s);
     }
     give_back(s);
-    *residual = best;
-    return NS_OK;
+    return best;
+}
+
+/* The iteration with one E; INFEASIBLE: it ran away. */
+static int iterate(ns_mlcp_solver *s, const ns_mode *mode, int n, double accept, double *residual) {
+    double before = INFINITY;
+    for (int k = 0; k < STEPS; k++) {
+        regularise(s, n, k > 0);
+        int status = ns_mlcp_search(s, k == 0 ? mode : s->mode, residual);
+        if (status != NS_OK)
+            return status;
+        *residual = polish(s);
+        if (*residual <= accept)
+            return NS_OK;
+        if (k >= 2 && !(*residual <= 0.5 * before))
+            break;
+        before = *residual;
+    }
+    (void)ns_mlcp_measure(s->p, s->lambda, s->rhs, NULL);
+    name_rows(s);
+    return NS_E_INFEASIBLE;
 }
 
 int ns_proximal(ns_mlcp_solver *s, const ns_mode *mode, double accept, double *residual) {

@@ -123,40 +123,48 @@ static int every_mode(ns_mlcp_solver *s, double *residual) {
     return NS_E_INFEASIBLE;
 }
 
+/* Solves *p, whose arrays are sound. */
+static int solve(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mode, double *residual) {
+    s->pivots = s->factors = 0;
+    s->proved = 0;
+    memset(&s->fault, 0, sizeof s->fault);
+    ns_mlcp_sort(s, p);
+    int status = ns_mlcp_search(s, mode, residual);
+    if (status != NS_OK && s->nstuck == 0 && !s->proved && every_mode(s, residual) == NS_OK)
+        status = NS_OK;
+    if (status == NS_E_SINGULAR && s->nstuck > 0)
+        status = ns_proximal(s, mode, ACCEPT, residual);
+    if (status == NS_OK)
+        s->fault.npairs = 0;
+    return status;
+}
+
+static int refuse(const ns_mlcp_solver *s, const ns_mlcp *p, const void *mode, const void *lambda,
+                  const void *y) {
+    if (!s || !p || (p->m > 0 && (!mode || !lambda || !y)))
+        return NS_E_NULL;
+    return ns_mlcp_check(s, p);
+}
+
 int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *lambda, double *y,
                   ns_mlcp_info *info) {
     double residual = NAN;
+    int status = refuse(s, p, mode, lambda, y), tried = status == NS_OK;
+    if (tried)
+        status = solve(s, p, mode, &residual);
     if (info) {
         memset(info, 0, sizeof *info);
-        info->fault.t = info->residual = NAN;
-    }
-    if (!s || !p || (p->m > 0 && (!mode || !lambda || !y)))
-        return NS_E_NULL;
-    int status = ns_mlcp_check(s, p);
-    if (status == NS_OK) {
-        s->pivots = s->factors = 0;
-        memset(&s->fault, 0, sizeof s->fault);
-        s->fault.t = NAN;
-        s->proved = 0;
-        ns_mlcp_sort(s, p);
-        status = ns_mlcp_search(s, mode, &residual);
-        if (status != NS_OK && s->nstuck == 0 && !s->proved && every_mode(s, &residual) == NS_OK)
-            status = NS_OK;
-        if (status == NS_E_SINGULAR && s->nstuck > 0)
-            status = ns_proximal(s, mode, ACCEPT, &residual);
-        if (info) {
+        if (tried) {
             info->pivots = s->pivots;
             info->factors = s->factors;
             info->fault = s->fault;
-            info->residual = residual;
         }
-    }
-    if (info)
+        info->residual = residual;
+        info->fault.t = NAN;
         info->fault.status = (ns_status)status;
-    if (status != NS_OK)
+    }
+    if (status != NS_OK || p->m == 0)
         return status;
-    if (info)
-        info->fault.npairs = 0;
     size_t m = (size_t)p->m;
     memcpy(mode, s->mode, m * sizeof *mode);
     memcpy(lambda, s->lambda, m * sizeof *lambda);

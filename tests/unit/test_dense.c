@@ -1,0 +1,177 @@
+/* tests/unit/test_dense.c - LU factors and small products against sums written out. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "linalg/dense.h"
+#include "nonsmooth/status.h"
+#include "wrap_alloc.h"
+
+static unsigned long long seed = 1;
+
+/* In (-1,1); xorshift. */
+static double random_unit(void) {
+    seed ^= seed << 13;
+    seed ^= seed >> 7;
+    seed ^= seed << 17;
+    return 2.0 * ((double)(seed >> 11) / 9007199254740992.0) - 1.0;
+}
+
+static ns_lu *room(int n) {
+    ns_lu *f;
+    assert_int_equal(ns_lu_create(n, &f), NS_OK);
+    return f;
+}
+
+/* Whole numbers: every product and sum is exact, so results must be equal to the last bit. */
+static void products_are_the_sums_of_their_terms(void **state) {
+    (void)state;
+    for (int p = 0; p <= 19; p++)
+        for (int q = 0; q <= 7; q++) {
+            double a[19 * 7], x[7], y[20], z[20];
+            for (int k = 0; k < p * q; k++)
+                a[k] = floor(50.0 * random_unit());
+            for (int j = 0; j < q; j++)
+                x[j] = floor(50.0 * random_unit());
+            for (int i = 0; i <= p; i++)
+                y[i] = z[i] = 7.0 + i;
+            ns_matvec(p, q, a, x, y);
+            ns_matvec_add(p, q, a, x, z);
+            for (int i = 0; i < p; i++) {
+                double sum = 0.0;
+                for (int j = 0; j < q; j++)
+                    sum += a[i + j * p] * x[j];
+                assert_true(y[i] == sum);
+                assert_true(z[i] == 7.0 + i + sum);
+            }
+            assert_true(y[p] == 7.0 + p && z[p] == 7.0 + p); /* nothing behind the end is touched */
+        }
+}
+
+/* b made from a known x; n*eps*condition: random 30*30 matrices have condition 1e4 at the most. */
+static void known_solutions_come_back(void **state) {
+    (void)state;
+    ns_lu *f = room(30);
+    for (int n = 0; n <= 30; n++) {
+        double a[900], keep[900], x[60], b[60], rcond;
+        for (int k = 0; k < n * n; k++)
+            keep[k] = a[k] = random_unit() + (k % (n + 1) == 0 ? 3.0 : 0.0);
+        for (int i = 0; i < 2 * n; i++)
+            x[i] = random_unit();
+        ns_matvec(n, n, a, x, b);
+        ns_matvec(n, n, a, x + n, b + n);
+        assert_int_equal(ns_lu_factor(f, n, a, &rcond, NULL), NS_OK);
+        assert_memory_equal(a, keep, sizeof(double) * (size_t)(n * n));
+        assert_true(rcond > 0.0 && rcond <= 1.0);
+        ns_lu_solve(f, 2, b);
+        for (int i = 0; i < 2 * n; i++)
+            assert_true(fabs(b[i] - x[i]) < 1e-11);
+    }
+    ns_lu_free(f);
+}
+
+/* The same matrix in other units of rows and columns: same rcond, and the solution to full precision. */
+static void units_do_not_matter(void **state) {
+    (void)state;
+    enum { N = 3 };
+    const double base[N * N] = {2, 1, 0, 1, 3, 1, 0, 1, 4}, r[N] = {1e-12, 1, 1e12}, c[N] = {1e9, 1e-12, 1};
+    const double x[N] = {1, -2, 3};
+    double a[N * N], b[N], plain, scaled;
+    ns_lu *f = room(N);
+    assert_int_equal(ns_lu_factor(f, N, base, &plain, NULL), NS_OK);
+    ns_matvec(N, N, base, x, b);
+    for (int j = 0; j < N; j++)
+        for (int i = 0; i < N; i++)
+            a[i + j * N] = base[i + j * N] * r[i] * c[j];
+    for (int i = 0; i < N; i++)
+        b[i] *= r[i];
+    assert_int_equal(ns_lu_factor(f, N, a, &scaled, NULL), NS_OK);
+    assert_true(scaled > plain / 20.0 &&
+                scaled < plain * 20.0); /* powers of two leave factors up to 2 each */
+    ns_lu_solve(f, 1, b);
+    for (int i = 0; i < N; i++)
+        assert_true(fabs(b[i] * c[i] / x[i] - 1.0) < 1e-14);
+    ns_lu_free(f);
+}
+
+/* [1 e; 1 -e] has condition 1/e, but the columns are merely in different units. */
+static void rcond_is_that_of_the_equilibrated_matrix(void **state) {
+    (void)state;
+    const double a[4] = {1, 1, 1e-20, -1e-20}, hilbertish[4] = {1, 1, 1, 1 + 1e-10};
+    double rcond;
+    ns_lu *f = room(2);
+    assert_int_equal(ns_lu_factor(f, 2, a, &rcond, NULL), NS_OK);
+    assert_true(rcond > 0.1);
+    assert_int_equal(ns_lu_factor(f, 2, hilbertish, &rcond, NULL), NS_OK);
+    assert_true(rcond > 1e-11 && rcond < 1e-10); /* 1/(norm 2 times norm of the inverse 2e10) */
+    ns_lu_free(f);
+}
+
+static void singular_matrices_name_a_column(void **state) {
+    (void)state;
+    const double twice[9] = {1, 2, 3, 2, 4, 6, 1, 0, 1}, empty[4] = {0, 0, 1, 1}, zero[1] = {0};
+    int column = -1;
+    ns_lu *f = room(3);
+    assert_int_equal(ns_lu_factor(f, 3, twice, NULL, &column), NS_E_SINGULAR);
+    assert_int_equal(column, 1); /* the first that depends on those before */
+    assert_int_equal(ns_lu_factor(f, 2, empty, NULL, &column), NS_E_SINGULAR);
+    assert_int_equal(column, 0);
+    assert_int_equal(ns_lu_factor(f, 1, zero, NULL, NULL), NS_E_SINGULAR);
+    ns_lu_free(f);
+}
+
+static void bad_input_is_refused(void **state) {
+    (void)state;
+    const double bad[4] = {1, NAN, 0, 1}, inf[4] = {1, 0, 0, -INFINITY}, good[1] = {1};
+    ns_lu *f = room(2);
+    assert_int_equal(ns_lu_factor(f, 2, bad, NULL, NULL), NS_E_NUMBER);
+    assert_int_equal(ns_lu_factor(f, 2, inf, NULL, NULL), NS_E_NUMBER);
+    assert_int_equal(ns_lu_factor(f, 3, bad, NULL, NULL), NS_E_SIZE);
+    assert_int_equal(ns_lu_factor(f, -1, good, NULL, NULL), NS_E_SIZE);
+    assert_int_equal(ns_lu_factor(f, 1, NULL, NULL, NULL), NS_E_NULL);
+    assert_int_equal(ns_lu_factor(NULL, 1, good, NULL, NULL), NS_E_NULL);
+    ns_lu_free(f);
+    f = (ns_lu *)&seed;
+    assert_int_equal(ns_lu_create(-1, &f), NS_E_SIZE);
+    assert_null(f);
+    assert_int_equal(ns_lu_create(2, NULL), NS_E_NULL);
+    ns_lu_free(NULL);
+}
+
+static void every_allocation_may_fail(void **state) {
+    (void)state;
+    long k = 1;
+    for (;; k++) {
+        ns_lu *f = (ns_lu *)&seed;
+        fail_alloc_at(k);
+        int status = ns_lu_create(5, &f);
+        long made = allocs_made();
+        fail_alloc_off();
+        if (made < k) {
+            assert_int_equal(status, NS_OK);
+            ns_lu_free(f);
+            break;
+        }
+        assert_int_equal(status, NS_E_MEMORY);
+        assert_null(f);
+    }
+    assert_true(k > 1);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(products_are_the_sums_of_their_terms),
+        cmocka_unit_test(known_solutions_come_back),
+        cmocka_unit_test(units_do_not_matter),
+        cmocka_unit_test(rcond_is_that_of_the_equilibrated_matrix),
+        cmocka_unit_test(singular_matrices_name_a_column),
+        cmocka_unit_test(bad_input_is_refused),
+        cmocka_unit_test(every_allocation_may_fail),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,484 @@
+/* tests/unit/test_mlcp.c - the MLCP solver on problems whose answers are known in closed form. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "nonsmooth/mlcp.h"
+#include "wrap_alloc.h"
+
+enum { MAX = 16 };
+#define INF INFINITY
+
+/* A small problem, W written row by row, and what a solve of it gave. */
+typedef struct trial {
+    int m;
+    double rows[MAX * MAX], q[MAX], l[MAX], u[MAX];
+    ns_mode mode[MAX];
+    double lambda[MAX], y[MAX];
+    ns_mlcp_info info;
+} trial;
+
+static int run(trial *t) {
+    double W[MAX * MAX];
+    ns_mlcp p = {t->m, W, t->q, t->l, t->u};
+    ns_mlcp_solver *s;
+    for (int i = 0; i < t->m; i++)
+        for (int j = 0; j < t->m; j++)
+            W[i + j * t->m] = t->rows[i * t->m + j];
+    assert_int_equal(ns_mlcp_create(t->m, &s), NS_OK);
+    int status = ns_mlcp_solve(s, &p, t->mode, t->lambda, t->y, &t->info);
+    assert_int_equal(t->info.fault.status, status);
+    if (status == NS_OK) {
+        assert_true(ns_mlcp_residual(&p, t->lambda, NULL) < 1e-12);
+        assert_int_equal(t->info.fault.npairs, 0);
+    }
+    ns_mlcp_free(s);
+    return status;
+}
+
+static void all_complementary(trial *t) {
+    for (int i = 0; i < t->m; i++) {
+        t->l[i] = 0;
+        t->u[i] = INF;
+        t->mode[i] = NS_LOWER;
+    }
+}
+
+/* A few roundings of numbers of size 1 to 10. */
+static void close_to(double got, double expected) {
+    if (!(fabs(got - expected) <= 1e-13 * fmax(1.0, fabs(expected))))
+        fail_msg("%.17g is not %.17g", got, expected);
+}
+
+/* y = w lambda + q with one pair, solved by hand for every law and every start. */
+static void one_pair_of_each_law(void **state) {
+    (void)state;
+    static const struct {
+        double w, q, l, u, lambda, y;
+        ns_mode mode;
+    } c[] = {
+        {2, 3, 0, INF, 0, 3, NS_LOWER},          /* blocks */
+        {2, -3, 0, INF, 1.5, 0, NS_INSIDE},      /* conducts */
+        {0, 3, 0, INF, 0, 3, NS_LOWER},          /* W = 0: an ideal device */
+        {2, -3, -INF, INF, 1.5, 0, NS_INSIDE},   /* equality */
+        {-2, -3, -INF, INF, -1.5, 0, NS_INSIDE}, /* of either sign */
+        {2, 3, 4, 4, 4, 11, NS_LOWER},           /* given */
+        {2, 3, -1, 1, -1, 1, NS_LOWER},          /* relay */
+        {2, 1, -1, 1, -0.5, 0, NS_INSIDE},
+        {2, -3, -1, 1, 1, -1, NS_UPPER},
+        {0, -3, -1, 1, 1, -3, NS_UPPER},
+        {2, 3, -INF, 0, -1.5, 0, NS_INSIDE}, /* the other way round */
+        {2, -3, -INF, 0, 0, -3, NS_UPPER},
+        {1, -1e-30, 0, INF, 1e-30, 0, NS_INSIDE}, /* no absolute tolerance */
+        {1e-12, -1, 0, INF, 1e12, 0, NS_INSIDE},
+    };
+    for (size_t k = 0; k < sizeof c / sizeof *c; k++)
+        for (int start = -1; start <= 1; start++) {
+            trial t = {.m = 1, .rows = {c[k].w}, .q = {c[k].q}, .l = {c[k].l}, .u = {c[k].u}};
+            t.mode[0] = (ns_mode)start;
+            assert_int_equal(run(&t), NS_OK);
+            assert_true(fabs(t.lambda[0] - c[k].lambda) <= 1e-15 * fabs(c[k].lambda));
+            assert_true(fabs(t.y[0] - c[k].y) <= 1e-15 * fabs(c[k].y));
+            assert_int_equal(t.mode[0], c[k].mode);
+        }
+}
+
+/* 2 l1 + l2 = 5, l1 + 2 l2 = 6: l = (4/3, 7/3), both inside. */
+static void two_coupled_pairs(void **state) {
+    (void)state;
+    trial t = {.m = 2, .rows = {2, 1, 1, 2}, .q = {-5, -6}};
+    all_complementary(&t);
+    assert_int_equal(run(&t), NS_OK);
+    close_to(t.lambda[0], 4.0 / 3.0);
+    close_to(t.lambda[1], 7.0 / 3.0);
+    assert_true(t.y[0] == 0.0 && t.y[1] == 0.0);
+    assert_true(t.info.pivots >= 2); /* two pairs must change */
+}
+
+/* All laws at once, triangular so that it is solved from the top: equality 2 a + 4 = 0 -> a = -2; given
+ * b = 3; box c in [-1,1]: y = c + a + b - 4 = c - 3 -> c = 1, y = -2; pair d: y = d - c - 1 -> d = 2;
+ * pair e: y = e + d = e + 2 -> e = 0, y = 2. */
+static void all_laws_together(void **state) {
+    (void)state;
+    for (int start = -1; start <= 1; start++) {
+        trial t = {.m = 5,
+                   .rows = {2, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 0, 0, 0, 0, -1, 1, 0, 0, 0, 0, 1, 1},
+                   .q = {4, 0, -4, -1, 0},
+                   .l = {-INF, 3, -1, 0, 0},
+                   .u = {INF, 3, 1, INF, INF}};
+        const double lambda[5] = {-2, 3, 1, 2, 0}, y[5] = {0, 3, -2, 0, 2};
+        memset(t.mode, start, sizeof t.mode);
+        assert_int_equal(run(&t), NS_OK);
+        for (int i = 0; i < 5; i++) {
+            close_to(t.lambda[i], lambda[i]);
+            close_to(t.y[i], y[i]);
+        }
+    }
+}
+
+/* Source E through R into a node, ideal diode to ground: x = (v), KCL (v - E)/R + i = 0, y = -v.  E > 0
+ * conducts: v = 0, i = E/R.  E < 0 blocks: v = E, y = -E. */
+static void diode_clamp(void **state) {
+    (void)state;
+    const double R = 1e3;
+    for (int sign = -1; sign <= 1; sign += 2) {
+        double E = 5.0 * sign;
+        trial t = {.m = 2, .rows = {1 / R, 1, -1, 0}, .q = {-E / R, 0}, .l = {-INF, 0}, .u = {INF, INF}};
+        t.mode[1] = NS_LOWER;
+        assert_int_equal(run(&t), NS_OK);
+        close_to(t.lambda[0], sign > 0 ? 0 : E);
+        close_to(t.lambda[1], sign > 0 ? E / R : 0);
+        close_to(t.y[1], sign > 0 ? 0 : -E);
+    }
+}
+
+/* A node between two diodes in series, nothing else on it: with both blocking its voltage is open, the free
+ * block is [0].  From 5 V forward through 1 ohm: x = (a, b), diodes a->b, b->ground: i = 5, a = b = 0.
+ * Backward: nothing flows and 0 >= b >= a = -5. */
+static void a_node_that_only_diodes_hold(void **state) {
+    (void)state;
+    for (int sign = -1; sign <= 1; sign += 2)
+        for (int start = -1; start <= 0; start++) {
+            trial t = {.m = 4,
+                       .rows = {1, 0, 1, 0, 0, 0, -1, 1, -1, 1, 0, 0, 0, -1, 0, 0},
+                       .q = {-5.0 * sign, 0, 0, 0},
+                       .l = {-INF, -INF, 0, 0},
+                       .u = {INF, INF, INF, INF}};
+            t.mode[2] = t.mode[3] = (ns_mode)start;
+            assert_int_equal(run(&t), NS_OK);
+            for (int d = 2; d < 4; d++)
+                close_to(t.lambda[d], sign > 0 ? 5 : 0);
+            close_to(t.lambda[0], sign > 0 ? 0 : -5);
+            if (sign < 0)
+                assert_true(t.lambda[1] <= 1e-14 && t.lambda[1] >= -5 - 1e-14);
+        }
+}
+
+/* Two closed ideal switches in parallel carry 1 A: v = 0 twice; only i1 + i2 = 1 is given, equal shares. */
+static void redundant_equalities(void **state) {
+    (void)state;
+    trial t = {.m = 3,
+               .rows = {0, 1, 1, -1, 0, 0, -1, 0, 0},
+               .q = {-1, 0, 0},
+               .l = {-INF, -INF, -INF},
+               .u = {INF, INF, INF}};
+    assert_int_equal(run(&t), NS_OK);
+    close_to(t.lambda[0], 0);
+    close_to(t.lambda[1], 0.5);
+    close_to(t.lambda[2], 0.5);
+}
+
+/* A resistor with both ends floating: v1 - v2 = R * 0 is all that is known; the answer nearest to 0 is 0. */
+static void floating_part(void **state) {
+    (void)state;
+    trial t = {.m = 2, .rows = {1e-3, -1e-3, -1e-3, 1e-3}, .l = {-INF, -INF}, .u = {INF, INF}};
+    assert_int_equal(run(&t), NS_OK);
+    close_to(t.lambda[0], t.lambda[1]);
+    t.q[0] = 1e-3; /* 1 mA driven through it from one end to the other: v2 - v1 = 1 */
+    t.q[1] = -1e-3;
+    assert_int_equal(run(&t), NS_OK);
+    assert_true(fabs(t.lambda[1] - t.lambda[0] - 1.0) < 1e-10); /* residual bound of the solver */
+}
+
+static int named(const ns_fault *f, int pair) {
+    for (int k = 0; k < f->npairs; k++)
+        if (f->pair[k] == pair)
+            return 1;
+    return 0;
+}
+
+/* Sources of 5 V and 6 V in parallel: v = 5 and v = 6. */
+static void contradicting_equalities(void **state) {
+    (void)state;
+    trial t = {.m = 3,
+               .rows = {1e-3, 1, 1, -1, 0, 0, -1, 0, 0},
+               .q = {0, 5, 6},
+               .l = {-INF, -INF, -INF},
+               .u = {INF, INF, INF}};
+    assert_int_equal(run(&t), NS_E_INFEASIBLE);
+    assert_true(named(&t.info.fault, 1) && named(&t.info.fault, 2) && !named(&t.info.fault, 0));
+}
+
+/* An ideal diode (pair 2) straight across a source of 5 V: y = -v = -5.  A healthy clamp (nodes 3, 4)
+ * stands beside it and must not be blamed. */
+static void diode_across_a_source(void **state) {
+    (void)state;
+    trial t = {.m = 5,
+               .rows = {0, 1, 1, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0, 0, -1, 0},
+               .q = {0, 5, 0, -1, 0},
+               .l = {-INF, -INF, 0, -INF, 0},
+               .u = {INF, INF, INF, INF, INF}};
+    for (int start = -1; start <= 0; start++) {
+        memset(t.mode, start, sizeof t.mode);
+        assert_int_equal(run(&t), NS_E_INFEASIBLE);
+        assert_true(named(&t.info.fault, 2));
+        assert_false(named(&t.info.fault, 4));
+    }
+}
+
+/* y2 = -l1 - l2 - 1 is negative for all l >= 0. */
+static void no_complementary_solution(void **state) {
+    (void)state;
+    trial t = {.m = 2, .rows = {0, 1, -1, -1}, .q = {-1, -1}};
+    all_complementary(&t);
+    assert_int_equal(run(&t), NS_E_INFEASIBLE);
+    assert_true(named(&t.info.fault, 1));
+}
+
+/* Not monotone: y = -lambda + 1 has the two solutions 0 and 1. */
+static void more_than_one_solution(void **state) {
+    (void)state;
+    for (int start = -1; start <= 0; start++) {
+        trial t = {.m = 1, .rows = {-1}, .q = {1}, .l = {0}, .u = {INF}};
+        t.mode[0] = (ns_mode)start;
+        assert_int_equal(run(&t), NS_OK);
+        assert_true(t.lambda[0] == (start == NS_INSIDE ? 1.0 : 0.0)); /* keeps to the start */
+        assert_int_equal(t.info.pivots, 0);
+    }
+}
+
+/* Murty's problem: upper triangular with 2s, q = -1: l = (0,...,0,1); 2^n steps for some pivot rules. */
+static void murty_exponential(void **state) {
+    (void)state;
+    trial t = {.m = 12};
+    for (int i = 0; i < t.m; i++) {
+        t.q[i] = -1;
+        for (int j = i; j < t.m; j++)
+            t.rows[i * t.m + j] = i == j ? 1 : 2;
+    }
+    all_complementary(&t);
+    assert_int_equal(run(&t), NS_OK);
+    for (int i = 0; i < t.m; i++)
+        close_to(t.lambda[i], i == t.m - 1);
+    assert_true(t.info.pivots < 50);
+}
+
+/* Kostreva (1979): a P-matrix on which Lemke's method cycles without a rule for ties: q = -(1,1,1). By
+ * symmetry l = 1/3 each: 1 l + 2 l = 1. */
+static void kostreva_cycle(void **state) {
+    (void)state;
+    trial t = {.m = 3, .rows = {1, 2, 0, 0, 1, 2, 2, 0, 1}, .q = {-1, -1, -1}};
+    all_complementary(&t);
+    assert_int_equal(run(&t), NS_OK);
+    for (int i = 0; i < 3; i++)
+        close_to(t.lambda[i], 1.0 / 3.0);
+}
+
+/* Beale's linear program, on which the simplex method cycles, as a complementarity problem [0 -A'; A 0]:
+ * min -3/4 x4 + 20 x5 - 1/2 x6 + 6 x7, optimum x4 = x6 = 1, value -5/4 (Beale 1955). */
+static void beale_cycle(void **state) {
+    (void)state;
+    const double A[3][4] = {{0.25, -8, -1, 9}, {0.5, -12, -0.5, 3}, {0, 0, 1, 0}};
+    const double cost[4] = {-0.75, 20, -0.5, 6}, b[3] = {0, 0, 1};
+    trial t = {.m = 7};
+    for (int j = 0; j < 4; j++) {
+        t.q[j] = cost[j];
+        for (int i = 0; i < 3; i++) {
+            t.rows[j * 7 + 4 + i] = A[i][j];
+            t.rows[(4 + i) * 7 + j] = -A[i][j];
+        }
+    }
+    for (int i = 0; i < 3; i++)
+        t.q[4 + i] = b[i];
+    all_complementary(&t);
+    assert_int_equal(run(&t), NS_OK);
+    double value = 0;
+    for (int j = 0; j < 4; j++)
+        value += cost[j] * t.lambda[j];
+    close_to(value, -1.25);
+    close_to(t.lambda[0], 1);
+    close_to(t.lambda[2], 1);
+}
+
+/* y = lambda - a with twelve equal pairs: every ratio ties.  And all zero: degenerate at the start. */
+static void all_tie(void **state) {
+    (void)state;
+    for (int zero = 0; zero <= 1; zero++) {
+        trial t = {.m = 12};
+        for (int i = 0; i < t.m; i++) {
+            t.q[i] = zero ? 0 : -12;
+            for (int j = 0; j < t.m; j++)
+                t.rows[i * t.m + j] = 1;
+        }
+        all_complementary(&t);
+        assert_int_equal(run(&t), NS_OK);
+        double sum = 0;
+        for (int i = 0; i < t.m; i++)
+            sum += t.lambda[i];
+        close_to(sum, zero ? 0 : 12);
+    }
+}
+
+static void nothing_to_solve(void **state) {
+    (void)state;
+    trial t = {.m = 0};
+    assert_int_equal(run(&t), NS_OK);
+    ns_mlcp p = {0, NULL, NULL, NULL, NULL};
+    assert_true(ns_mlcp_residual(&p, NULL, NULL) == 0.0);
+}
+
+/* Residuals by hand.  y = 2 lambda - 3: at 1.5 it is 0; at 1, y = -1 of terms of size 2 + 3 = 5; lambda's
+ * size is 5/2, so nothing hides the 1/5. */
+static void residual_is_what_it_says(void **state) {
+    (void)state;
+    double W[1] = {2}, q[1] = {-3}, l[1] = {0}, u[1] = {INF}, x;
+    ns_mlcp p = {1, W, q, l, u};
+    int worst = -1;
+    x = 1.5;
+    assert_true(ns_mlcp_residual(&p, &x, &worst) == 0.0);
+    x = 1.0;
+    close_to(ns_mlcp_residual(&p, &x, &worst), 0.2);
+    assert_int_equal(worst, 0);
+    x = 2.0; /* y = 1 of 7, lambda = 2 of 7/2: the smaller counts */
+    close_to(ns_mlcp_residual(&p, &x, NULL), 1.0 / 7.0);
+    x = -1.0; /* outside, y = -5 of 5: |l - proj(l - y)| with l = -1/(5/2), l - y = 0.6 */
+    close_to(ns_mlcp_residual(&p, &x, NULL), 1.0);
+    x = NAN;
+    assert_true(isnan(ns_mlcp_residual(&p, &x, NULL)));
+    assert_true(isnan(ns_mlcp_residual(NULL, &x, NULL)));
+    assert_true(isnan(ns_mlcp_residual(&p, NULL, NULL)));
+}
+
+/* Millivolts or kiloamperes: the residual of a wrong answer stays what it is (powers of two: exactly). */
+static void residual_follows_the_units(void **state) {
+    (void)state;
+    const double base[4] = {2, 1, -1, 3}, b[2] = {-1, 0.5};
+    double l[2] = {0, 0}, u[2] = {INF, INF}, ref = 0;
+    for (int k = 0; k < 5; k++) {
+        double r[2] = {ldexp(1, 10 * k), ldexp(1, -7 * k)}, c[2] = {ldexp(1, -9 * k), ldexp(1, 11 * k)}, W[4],
+               q[2], x[2];
+        for (int i = 0; i < 2; i++) {
+            q[i] = b[i] * r[i];
+            x[i] = (0.3 + i) / c[i];
+            for (int j = 0; j < 2; j++)
+                W[i + 2 * j] = base[i + 2 * j] * r[i] * c[j];
+        }
+        ns_mlcp p = {2, W, q, l, u};
+        double v = ns_mlcp_residual(&p, x, NULL);
+        assert_true(v > 0.01);
+        if (k == 0)
+            ref = v;
+        assert_true(v == ref);
+    }
+}
+
+static void bad_input_is_refused(void **state) {
+    (void)state;
+    double W[4] = {1, 0, 0, 1}, q[2] = {0, 0}, l[2] = {0, 0}, u[2] = {INF, INF}, x[2], y[2];
+    ns_mode mode[2] = {0, 0};
+    ns_mlcp_info info;
+    ns_mlcp_solver *s;
+    assert_int_equal(ns_mlcp_create(2, &s), NS_OK);
+    ns_mlcp p = {2, W, q, l, u}, bad;
+    assert_int_equal(ns_mlcp_solve(NULL, &p, mode, x, y, &info), NS_E_NULL);
+    assert_int_equal(ns_mlcp_solve(s, NULL, mode, x, y, &info), NS_E_NULL);
+    assert_int_equal(ns_mlcp_solve(s, &p, NULL, x, y, &info), NS_E_NULL);
+    assert_int_equal(ns_mlcp_solve(s, &p, mode, NULL, y, &info), NS_E_NULL);
+    assert_int_equal(ns_mlcp_solve(s, &p, mode, x, NULL, &info), NS_E_NULL);
+    assert_int_equal(info.fault.status, NS_E_NULL);
+    const double **arrays[] = {&bad.W, &bad.q, &bad.l, &bad.u};
+    for (int k = 0; k < 4; k++) {
+        bad = p;
+        *arrays[k] = NULL;
+        assert_int_equal(ns_mlcp_solve(s, &bad, mode, x, y, NULL), NS_E_NULL);
+    }
+    bad = p;
+    bad.m = 3;
+    assert_int_equal(ns_mlcp_solve(s, &bad, mode, x, y, NULL), NS_E_SIZE);
+    bad.m = -1;
+    assert_int_equal(ns_mlcp_solve(s, &bad, mode, x, y, NULL), NS_E_SIZE);
+    const double odd[] = {NAN, INF, -INF};
+    for (int k = 0; k < 3; k++) {
+        W[3] = odd[k];
+        assert_int_equal(ns_mlcp_solve(s, &p, mode, x, y, NULL), NS_E_NUMBER);
+        W[3] = 1;
+        q[1] = odd[k];
+        assert_int_equal(ns_mlcp_solve(s, &p, mode, x, y, NULL), NS_E_NUMBER);
+        q[1] = 0;
+    }
+    l[1] = NAN;
+    assert_int_equal(ns_mlcp_solve(s, &p, mode, x, y, NULL), NS_E_NUMBER);
+    l[1] = 1;
+    u[1] = 0.5;
+    assert_int_equal(ns_mlcp_solve(s, &p, mode, x, y, &info), NS_E_BOUNDS);
+    assert_int_equal(info.fault.status, NS_E_BOUNDS);
+    l[1] = u[1] = INF;
+    assert_int_equal(ns_mlcp_solve(s, &p, mode, x, y, NULL), NS_E_BOUNDS);
+    l[1] = 0;
+    mode[0] = 100; /* any content is allowed */
+    mode[1] = -100;
+    assert_int_equal(ns_mlcp_solve(s, &p, mode, x, y, NULL), NS_OK);
+    ns_mlcp_free(s);
+    ns_mlcp_free(NULL);
+    assert_int_equal(ns_mlcp_create(-1, &s), NS_E_SIZE);
+    assert_null(s);
+    assert_int_equal(ns_mlcp_create(1, NULL), NS_E_NULL);
+}
+
+static void every_allocation_may_fail(void **state) {
+    (void)state;
+    long k = 1;
+    for (;; k++) {
+        ns_mlcp_solver *s = (ns_mlcp_solver *)&k;
+        fail_alloc_at(k);
+        int status = ns_mlcp_create(5, &s);
+        long made = allocs_made();
+        fail_alloc_off();
+        if (made < k) {
+            assert_int_equal(status, NS_OK);
+            ns_mlcp_free(s);
+            break;
+        }
+        assert_int_equal(status, NS_E_MEMORY);
+        assert_null(s);
+    }
+    assert_true(k > 4); /* struct, three blocks, the factors */
+}
+
+static void solving_takes_no_memory(void **state) {
+    (void)state;
+    double W[4] = {2, 1, 1, 2}, q[2] = {-5, -6}, l[2] = {0, 0}, u[2] = {INF, INF}, x[2], y[2];
+    ns_mode mode[2] = {NS_LOWER, NS_LOWER};
+    ns_mlcp p = {2, W, q, l, u};
+    ns_mlcp_solver *s;
+    assert_int_equal(ns_mlcp_create(2, &s), NS_OK);
+    fail_alloc_at(1);
+    int status = ns_mlcp_solve(s, &p, mode, x, y, NULL);
+    long made = allocs_made();
+    fail_alloc_off();
+    assert_int_equal(status, NS_OK);
+    assert_int_equal(made, 0);
+    ns_mlcp_free(s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(one_pair_of_each_law),
+        cmocka_unit_test(two_coupled_pairs),
+        cmocka_unit_test(all_laws_together),
+        cmocka_unit_test(diode_clamp),
+        cmocka_unit_test(a_node_that_only_diodes_hold),
+        cmocka_unit_test(redundant_equalities),
+        cmocka_unit_test(floating_part),
+        cmocka_unit_test(contradicting_equalities),
+        cmocka_unit_test(diode_across_a_source),
+        cmocka_unit_test(no_complementary_solution),
+        cmocka_unit_test(more_than_one_solution),
+        cmocka_unit_test(murty_exponential),
+        cmocka_unit_test(kostreva_cycle),
+        cmocka_unit_test(beale_cycle),
+        cmocka_unit_test(all_tie),
+        cmocka_unit_test(nothing_to_solve),
+        cmocka_unit_test(residual_is_what_it_says),
+        cmocka_unit_test(residual_follows_the_units),
+        cmocka_unit_test(bad_input_is_refused),
+        cmocka_unit_test(every_allocation_may_fail),
+        cmocka_unit_test(solving_takes_no_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
