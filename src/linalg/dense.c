@@ -1,12 +1,11 @@
 /* src/linalg/dense.c - LU factors through LAPACK; small matrix-vector products. */
 #include "dense.h"
 
-#include <float.h>
 #include <lapacke.h>
-#include <limits.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "equilibrate.h"
 #include "nonsmooth/status.h"
@@ -63,7 +62,10 @@ void ns_lu_free(ns_lu *f) {
 /* 2^k, exact; k is kept where 2^k is a normal number. */
 static double power_of_two(int k) {
     k = k < -1000 ? -1000 : k > 1000 ? 1000 : k;
-    return ldexp(1.0, k);
+    uint64_t bits = (uint64_t)(k + 1023) << 52; /* IEEE 754 */
+    double v;
+    memcpy(&v, &bits, sizeof v);
+    return v;
 }
 
 /* 0 times a finite number is 0, times NaN or infinity NaN. */
@@ -138,17 +140,27 @@ int ns_lu_factor(ns_lu *f, int n, const double *a, double *rcond, int *column) {
     return NS_E_SINGULAR;
 }
 
-void ns_lu_solve(const ns_lu *f, int nrhs, double *b) {
+/* b = S_to A_scaled^-1 S_from b, or with A_scaled transposed. */
+static void solve(const ns_lu *f, char transposed, const double *from, const double *to, int nrhs,
+                  double *b) {
     int n = f->n;
     if (n == 0 || nrhs <= 0)
         return;
     for (int k = 0; k < nrhs; k++)
         for (int i = 0; i < n; i++)
-            b[(size_t)i + (size_t)k * (size_t)n] *= f->rs[i];
-    LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, 'N', n, nrhs, f->a, n, f->piv, b, n);
+            b[(size_t)i + (size_t)k * (size_t)n] *= from[i];
+    LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, transposed, n, nrhs, f->a, n, f->piv, b, n);
     for (int k = 0; k < nrhs; k++)
         for (int i = 0; i < n; i++)
-            b[(size_t)i + (size_t)k * (size_t)n] *= f->cs[i];
+            b[(size_t)i + (size_t)k * (size_t)n] *= to[i];
+}
+
+void ns_lu_solve(const ns_lu *f, int nrhs, double *b) {
+    solve(f, 'N', f->rs, f->cs, nrhs, b);
+}
+
+void ns_lu_solve_transposed(const ns_lu *f, int nrhs, double *b) {
+    solve(f, 'T', f->cs, f->rs, nrhs, b);
 }
 
 /* Four rows at a time: the sums stay in registers while the columns go by. */

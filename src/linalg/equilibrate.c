@@ -11,7 +11,7 @@
 #include <stdint.h>
 #include <string.h>
 
-enum { SWEEPS = 3, NONE = SHRT_MIN, SPREAD = 12 };
+enum { SWEEPS = 2, NONE = SHRT_MIN, SPREAD = 12 };
 
 /* The binary exponent of a finite number, NONE for 0. */
 static short exponent(double a) {
