@@ -13,9 +13,8 @@
 #include "report.h"
 #include "show.h"
 
-/* Switches off ngspice's rejection of points by truncation error, and tells, since every analysis and every
- * `resume` sets trtol anew, that one of them happened. */
-static const double NO_TRUNCATION = 1e30;
+/* Every analysis and every `resume` sets ckt->CKTtrtol anew: this value tells that neither happened since. */
+static const double MARK = 1e30;
 
 static int is_dc(const CKTcircuit *ckt) {
     return (ckt->CKTmode & MODEDC) != 0;
@@ -249,8 +248,8 @@ static int try_to(native *b, double t, ns_until until) {
 /* Leaves x(t) in b->value; a failure waits for the accept, which ends the analysis without a false point. */
 static void load_tran(native *b) {
     CKTcircuit *ckt = b->ckt;
-    if (ckt->CKTtrtol != NO_TRUNCATION) {
-        ckt->CKTtrtol = NO_TRUNCATION;
+    if (ckt->CKTtrtol != MARK) {
+        ckt->CKTtrtol = MARK;
         if (!b->failed && b->t > 0.0) {
             b->failed = look_for_alterations(b);
         }
@@ -294,10 +293,15 @@ int native_load(native *b) {
 
 /* --- accepts --- */
 
+/* Times closer than this are one to ngspice: it compares breakpoints to 100 ulps. */
+static double closeness(const CKTcircuit *ckt) {
+    return fmax(ckt->CKTminBreak, 200.0 * 2.3e-16 * ckt->CKTfinalTime);
+}
+
 /* Forgets breakpoints that are reached: ngspice would cut its step after each to a tenth. */
 static void drop_breaks(CKTcircuit *ckt) {
     int passed = 0;
-    while (passed < ckt->CKTbreakSize - 1 && ckt->CKTbreaks[passed] <= ckt->CKTtime + ckt->CKTminBreak) {
+    while (passed < ckt->CKTbreakSize - 1 && ckt->CKTbreaks[passed] <= ckt->CKTtime + closeness(ckt)) {
         passed++;
     }
     if (ckt->CKTbreakSize - passed < 2) { /* ngspice looks at two */
@@ -310,26 +314,34 @@ static void drop_breaks(CKTcircuit *ckt) {
     ckt->CKTbreakSize -= passed;
 }
 
-/* Where the next point should be if no event comes before. */
+/* Where the next point should be if no event comes before: on the grid of ngspice's longest step, beyond
+ * which ngspice does not go, or on a breakpoint. */
 static double next_time(const native *b, int first) {
     const CKTcircuit *ckt = b->ckt;
-    const double step = first && (ckt->CKTmode & MODEUIC) ? ckt->CKTmaxStep / 1048576.0 /* shows t = 0+ */
-                                                          : ckt->CKTmaxStep;
-    const double t = ckt->CKTtime + step;
-    return ckt->CKTbreaks[0] < t + 1e-9 * ckt->CKTmaxStep ? ckt->CKTbreaks[0] : t;
+    const double now = ckt->CKTtime;
+    const double step = ckt->CKTmaxStep;
+    const double stop = ckt->CKTbreaks[0];
+    double t = fmin(now + step, (floor(now / step + 1e-3) + 1.0) * step);
+    if (first && (ckt->CKTmode & MODEUIC)) {
+        t = now + step / 1048576.0; /* ngspice does not show t = 0 then: shows 0+ */
+    } else if (stop < t + 1e-3 * step) {
+        t = stop <= now + step ? stop : now + 0.5 * step; /* in two, rather than leave a sliver */
+    }
+    return fmax(t, b->t + 2.0 * ckt->CKTdelmin); /* whatever rounding did, ahead */
 }
 
-static int look_ahead(native *b, int first) {
+static void look_ahead(native *b, int first) {
     CKTcircuit *ckt = b->ckt;
     int error;
     drop_breaks(ckt);
     error = try_to(b, next_time(b, first), NS_TO_EVENT);
-    if (error) {
-        return OK; /* this point is good: the next one ends the analysis */
+    if (!error && b->t_trial != ckt->CKTfinalTime && ckt->CKTfinalTime - b->t_trial < closeness(ckt)) {
+        error = try_to(b, ckt->CKTfinalTime, NS_TO_TIME);
     }
-    ckt->CKTdelta = fmax(b->t_trial - ckt->CKTtime, 2.0 * ckt->CKTdelmin);
+    if (!error) { /* otherwise the next accept ends the analysis: the present point is good */
+        ckt->CKTdelta = fmax(b->t_trial - ckt->CKTtime, 2.0 * ckt->CKTdelmin);
+    }
     ckt->CKTorder = 1; /* so that ngspice's own currents of capacitors do not ring after a jump */
-    return OK;
 }
 
 int native_accept(native *b) {
@@ -357,7 +369,8 @@ int native_accept(native *b) {
         }
         return OK;
     }
-    return look_ahead(b, first);
+    look_ahead(b, first);
+    return OK;
 }
 
 void native_reset(native *b) {
