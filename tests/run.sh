@@ -68,15 +68,15 @@ script() {
 
 plain() {
     cmocka unit build
-    script netlists tests/netlist/run.sh build/nonsmooth.cm
+    script netlists tests/netlist/run.sh
     script install tests/install.sh
     script tags tests/tags.sh
 }
 
 sanitize() {
     cmocka unit-asan build/asan
-    script netlists-asan env NGSPICE="$PWD/tests/ngspice-asan.sh" \
-        tests/netlist/run.sh build/asan/nonsmooth.cm default cases/ errors/
+    script netlists-asan env NONSMOOTH_CM="$PWD/build/asan/nonsmooth.cm" NGSPICE="$PWD/tests/ngspice-asan.sh" \
+        tests/netlist/run.sh default cases/ errors/
 }
 
 case ${1:-all} in
