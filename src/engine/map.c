@@ -9,9 +9,7 @@
  * (h gamma and h theta read 1 on algebraic rows).  Eliminating x gives (P1) in that mode; (P2) is kept
  * whole because W alone is singular in circuits whose devices all block.
  */
-#include "stepper.h"
-
-#include "../linalg/minnorm.h"
+#include "leak.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -99,50 +97,6 @@ static void fill_full(const ns_theta *s, ns_map *map, int nj) {
     }
 }
 
-/* y_j as a function of the inputs: C x + D lambda + F z + e, column k of the map. */
-static double y_entry(const ns_theta *s, const ns_map *map, int j, int k) {
-    const int n = s->s->n, m = s->s->m;
-    const double *v = map->full + (size_t)k * (size_t)(n + m);
-    double y = 0;
-    for (int i = 0; i < n; i++)
-        y += s->s->C[j + i * m] * v[i];
-    for (int i = 0; i < m; i++)
-        y += s->s->D[j + i * m] * v[n + i];
-    if (k == s->q - 1)
-        y += s->s->e[j];
-    else if (k >= s->r)
-        y += s->s->F[j + (k - s->r) * m];
-    return y;
-}
-
-static int guard_count(const ns_theta *s, const ns_mode *mode) {
-    int count = 0;
-    for (int j = 0; j < s->s->m; j++) {
-        if (mode[j] == NS_INSIDE)
-            count += isfinite(s->l[j]) + isfinite(s->u[j]);
-        else if (s->l[j] < s->u[j])
-            count++;
-    }
-    return count;
-}
-
-static void fill_guards(const ns_theta *s, ns_map *map, int k) {
-    const int n = s->s->n, m = s->s->m;
-    const double *lambda = map->full + (size_t)k * (size_t)(n + m) + n;
-    double *row = map->step + (size_t)k * (size_t)map->p + (map->p - map->guards);
-    const int one = k == s->q - 1;
-    for (int j = 0; j < m; j++) {
-        if (map->mode[j] == NS_INSIDE) {
-            if (isfinite(s->l[j]))
-                *row++ = lambda[j] - (one ? s->l[j] : 0);
-            if (isfinite(s->u[j]))
-                *row++ = (one ? s->u[j] : 0) - lambda[j];
-        } else if (s->l[j] < s->u[j]) {
-            *row++ = map->mode[j] == NS_LOWER ? y_entry(s, map, j, k) : -y_entry(s, map, j, k);
-        }
-    }
-}
-
 /* d = (1-theta) (A x + b + E z) + (1-gamma) B lambda on row i, column k. */
 static double slope_entry(const ns_theta *s, const double *v, int i, int k) {
     const int n = s->s->n, m = s->s->m;
@@ -174,15 +128,15 @@ static void fill_step(const ns_theta *s, ns_map *map) {
                 g += gx[j] * v[j];
             *out++ = g;
         }
-        fill_guards(s, map, k);
+        ns_guard_fill(s, map, k);
     }
 }
 
 static ns_map *map_create(const ns_theta *s, const ns_mode *mode) {
     const size_t m = (size_t)s->s->m, n = (size_t)s->s->n, q = (size_t)s->q;
-    const int guards = guard_count(s, mode);
+    const int guards = ns_guard_count(s, mode);
     const int p = s->r * (s->carry ? 2 : 1) + s->s->nc + guards;
-    const size_t numbers = (size_t)p * q + (n + m) * q;
+    const size_t numbers = ((size_t)p + n + m + (size_t)guards) * q;
     const size_t bytes = sizeof(ns_map) + numbers * sizeof(double) + m;
     ns_map *map = calloc(1, bytes);
     if (!map)
@@ -192,22 +146,24 @@ static ns_map *map_create(const ns_theta *s, const ns_mode *mode) {
     map->bytes = bytes;
     map->step = (double *)(void *)(map + 1);
     map->full = map->step + (size_t)p * q;
-    map->mode = (ns_mode *)(map->full + (n + m) * q);
+    map->noise = map->full + (n + m) * q;
+    map->mode = (ns_mode *)(map->noise + (size_t)guards * q);
     memcpy(map->mode, mode, m);
     return map;
 }
 
-/* The equations of the mode leave something open but contradict nowhere: any answer is one, take the least.
- * s->X holds the right-hand sides and gets the solution. */
-static int solve_singular(ns_theta *s, int size) {
-    const size_t count = (size_t)size * (size_t)s->q;
-    double *rhs = malloc(sizeof(double) * (count + 1));
-    if (!rhs)
-        return NS_E_MEMORY;
-    memcpy(rhs, s->X, sizeof(double) * count);
-    const int status = ns_min_norm(size, s->K, s->q, rhs, s->X);
-    free(rhs);
-    return status;
+/* One step of refinement: errors of X become small against the terms of each row rather than against the
+ * largest number about, so that a voltage of zero beside one of 1 V comes out as zero. */
+static void refine(ns_theta *s, int size) {
+    for (int k = 0; k < s->q; k++) {
+        double *r = s->R + (size_t)k * (size_t)size, *x = s->X + (size_t)k * (size_t)size;
+        for (int i = 0; i < size; i++)
+            r[i] = -r[i];
+        ns_matvec_add(size, size, s->K, x, r);
+    }
+    ns_lu_solve(s->lu, s->q, s->R);
+    for (int i = 0; i < size * s->q; i++)
+        s->X[i] -= s->R[i];
 }
 
 int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out) {
@@ -221,9 +177,11 @@ int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_ma
     if (status != NS_OK && status != NS_E_SINGULAR)
         return status;
     form_columns(s, h, implicit, mode, nj);
-    if (status == NS_OK && rcond >= rcond_min)
+    if (status == NS_OK && rcond >= rcond_min) {
+        memcpy(s->R, s->X, sizeof(double) * (size_t)size * (size_t)s->q);
         ns_lu_solve(s->lu, s->q, s->X);
-    else if ((status = solve_singular(s, size)) != NS_OK)
+        refine(s, size);
+    } else if ((status = ns_leak_solve(s, h, implicit, mode, nj, s->q)) != NS_OK)
         return status;
     ns_map *map = map_create(s, mode);
     if (!map)
@@ -232,6 +190,7 @@ int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_ma
     map->implicit = implicit;
     fill_full(s, map, nj);
     fill_step(s, map);
+    ns_guard_noise(s, map, nj);
     s->counts.maps++;
     *out = map;
     return NS_OK;

@@ -7,7 +7,7 @@
  *
  * Reduced to lambda this is y = W_mlcp lambda + q.  Whole, it can be solved where W is singular.
  */
-#include "stepper.h"
+#include "leak.h"
 
 #include <math.h>
 #include <string.h>
@@ -74,11 +74,35 @@ static int solve(ns_theta *s, int size, ns_mode *mode) {
     return status;
 }
 
-int ns_problem_solve(ns_theta *s, double h, int implicit) {
+/* The same problem with a leak across each pair and a resistance in series with it: lambda is replaced by
+ * lambda - g y, y by y + rho lambda. */
+static void add_leaks(ns_theta *s, double h, int implicit, double share) {
+    const int n = s->s->n, m = s->s->m, size = n + m;
+    const double ht = implicit ? h : h * s->theta;
+    double *g = s->sol, *rho = s->resid; /* free until the solver fills them */
+    ns_leak_sizes(s, h, implicit, share, g, rho);
+    for (int j = 0; j < m; j++)
+        for (int i = 0; i < n; i++) {
+            const double leak = (i < s->r ? ht : 1) * g[j] * s->B[i + j * n];
+            if (leak == 0)
+                continue;
+            for (int k = 0; k < n; k++)
+                s->K[i + k * size] += leak * s->s->C[j + k * m];
+            for (int k = 0; k < m; k++)
+                s->K[i + (n + k) * size] += leak * s->s->D[j + k * m];
+            s->rhs[i] += leak * s->rhs[n + j];
+        }
+    for (int j = 0; j < m; j++)
+        s->K[(n + j) * (size + 1)] += rho[j];
+}
+
+int ns_problem_solve(ns_theta *s, double h, int implicit, double share) {
     const int n = s->s->n, m = s->s->m;
     form(s, s->M, implicit ? h : h * s->theta, implicit ? h : h * s->gamma, s->trial_in + s->r, n + m);
     for (int i = 0; i < s->r; i++)
         s->rhs[i] -= s->trial_in[i]; /* eta of (T6) */
+    if (share > 0)
+        add_leaks(s, h, implicit, share);
     return solve(s, n + m, s->trial_mode);
 }
 

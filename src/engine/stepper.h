@@ -18,6 +18,7 @@ struct ns_map {
     int guards;    /* how many guards: the last rows of step; each must be >= 0 */
     double *step;  /* p*q */
     double *full;  /* (n+m)*q: x, lambda */
+    double *noise; /* guards*q: bounds on the rounding of each guard, by input, in units of eps */
     ns_mode *mode; /* m */
     size_t bytes;
     ns_map *chain;         /* next in its bucket */
@@ -64,7 +65,8 @@ struct ns_theta {
     ns_lu *lu;
     ns_mlcp_solver *mlcp;
     double *K;                     /* (n+m)^2 */
-    double *X;                     /* (n+m)*(q+1) */
+    double *X, *R;                 /* (n+m)*q */
+    double *Z;                     /* (n+m)*2m */
     double *rhs;                   /* n+m */
     double *sol, *resid, *bl, *bu; /* n+m */
     ns_mode *work_mode;            /* n+m */
@@ -77,6 +79,13 @@ struct ns_theta {
 /* map.c: builds the map of a mode; *out is not in the cache yet.  Errors: SINGULAR, MEMORY, NUMBER. */
 int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out);
 void ns_map_free(ns_map *map);
+
+/* guard.c: how many guards a mode has; their entries in column k of a map whose `full` is known; the map's
+ * noise, from s->K, s->X and the factors; whether all of s->out hold, up to tol relative to that. */
+int ns_guard_count(const ns_theta *s, const ns_mode *mode);
+void ns_guard_fill(const ns_theta *s, ns_map *map, int k);
+void ns_guard_noise(ns_theta *s, ns_map *map, int nj);
+int ns_guards_hold(const ns_theta *s, const ns_map *map, double tol);
 
 /* cache.c */
 ns_map *ns_cache_find(ns_cache *c, double h, int implicit, const ns_mode *mode, int m);
@@ -95,8 +104,9 @@ void ns_theta_set_bounds(ns_theta *s);
 int ns_theta_map(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out);
 
 /* problem.c: (P1) of a step, unreduced (x as equality rows), solved from the mode of s->trial_mode, which
- * gets the answer's mode.  Uses s->trial_in.  Errors: those of ns_mlcp_solve(). */
-int ns_problem_solve(ns_theta *s, double h, int implicit);
+ * gets the answer's mode.  Uses s->trial_in.  share > 0: with leaks of that share (leak.h).  Errors: those of
+ * ns_mlcp_solve(). */
+int ns_problem_solve(ns_theta *s, double h, int implicit, double share);
 
 /* problem.c: the same for M x' = 0, with nhold unknowns held at hold_x; fills x (n).  mode: m. */
 int ns_problem_dc(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,

@@ -41,7 +41,9 @@ static int allocate(ns_theta *s) {
     s->trial_in = vector(q, &failed);
     s->out = vector(2 * n + nc + 2 * m, &failed);
     s->K = vector(all * all, &failed);
-    s->X = vector(all * (q + 1), &failed);
+    s->X = vector(all * q, &failed);
+    s->R = vector(all * q, &failed);
+    s->Z = vector(all * 2 * m, &failed);
     s->rhs = vector(all, &failed);
     s->sol = vector(all, &failed);
     s->resid = vector(all, &failed);
@@ -113,9 +115,9 @@ int ns_theta_create(const ns_system *system, const ns_theta_options *o, ns_theta
 void ns_theta_free(ns_theta *s) {
     if (!s)
         return;
-    double *const arrays[] = {s->M, s->A,   s->T,   s->B,     s->b,        s->E,   s->l,
-                              s->u, s->w,   s->d,   s->in,    s->trial_in, s->out, s->K,
-                              s->X, s->rhs, s->sol, s->resid, s->bl,       s->bu,  s->control};
+    double *const arrays[] = {s->M,   s->A,   s->T,     s->B,        s->b,   s->E,      s->l, s->u,
+                              s->w,   s->d,   s->in,    s->trial_in, s->out, s->K,      s->X, s->R,
+                              s->rhs, s->sol, s->resid, s->bl,       s->bu,  s->control};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         free(arrays[i]);
     free(s->mode);

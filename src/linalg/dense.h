@@ -18,6 +18,9 @@ int ns_lu_factor(ns_lu *f, int n, const double *a, double *rcond, int *column);
 /* Solves for nrhs right-hand sides in place: b is n*nrhs. */
 void ns_lu_solve(const ns_lu *f, int nrhs, double *b);
 
+/* The same with the transposed matrix. */
+void ns_lu_solve_transposed(const ns_lu *f, int nrhs, double *b);
+
 /* y = A x, y += A x;  A is p*q with leading dimension p. */
 void ns_matvec(int p, int q, const double *a, const double *x, double *y);
 void ns_matvec_add(int p, int q, const double *a, const double *x, double *y);
