@@ -8,7 +8,7 @@ reports=$(mktemp -d) || exit 2
 trap 'rm -rf "$reports"' EXIT
 
 LD_PRELOAD="$(gcc -print-file-name=libasan.so) $(gcc -print-file-name=libubsan.so)" \
-    ASAN_OPTIONS="detect_leaks=0:halt_on_error=0:log_path=$reports/asan" \
+    ASAN_OPTIONS="detect_leaks=0:halt_on_error=0:log_path=$reports/asan:stack_trace_format='    #%n %f %L (%m)'" \
     UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 ngspice "$@"
 status=$?
 
