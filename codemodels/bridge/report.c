@@ -7,6 +7,8 @@
 #include "ngspice/cmproto.h"
 #include "nonsmooth/status.h"
 
+static void say(FILE *stream, FILE *instead, const char *format, va_list values) REPORT_PRINTF(3, 0);
+
 /* stream is NULL while ngspice has no console of its own yet. */
 static void say(FILE *stream, FILE *instead, const char *format, va_list values) {
     stream = stream ? stream : instead;

@@ -3,7 +3,8 @@
 #define BRIDGE_REPORT_H
 
 #if defined(__GNUC__)
-#define REPORT_PRINTF(format, first) __attribute__((__format__(__printf__, format, first)))
+#define REPORT_PRINTF(format, first)                                                                         \
+    __attribute__((__format__(__printf__, format, first), __nonnull__(format)))
 #else
 #define REPORT_PRINTF(format, first)
 #endif
