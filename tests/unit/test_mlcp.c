@@ -155,6 +155,9 @@ static void a_node_that_only_diodes_hold(void **state) {
             close_to(t.lambda[0], sign > 0 ? 0 : -5);
             if (sign < 0)
                 assert_true(t.lambda[1] <= 1e-14 && t.lambda[1] >= -5 - 1e-14);
+            assert_int_equal(run(&t), NS_OK);
+            assert_int_equal(t.info.pivots, 0); /* its mode is a basis: no detour the second time */
+            assert_int_equal(t.info.factors, 1);
         }
 }
 
@@ -217,6 +220,7 @@ static void diode_across_a_source(void **state) {
         assert_int_equal(run(&t), NS_E_INFEASIBLE);
         assert_true(named(&t.info.fault, 2));
         assert_false(named(&t.info.fault, 4));
+        assert_true(t.info.factors <= 3); /* proved by the first ray: no other start was tried */
     }
 }
 
@@ -266,6 +270,7 @@ static void kostreva_cycle(void **state) {
     assert_int_equal(run(&t), NS_OK);
     for (int i = 0; i < 3; i++)
         close_to(t.lambda[i], 1.0 / 3.0);
+    assert_int_equal(t.info.pivots, 3); /* three pairs must come in; reversing the rule for ties takes 5 */
 }
 
 /* Beale's linear program, on which the simplex method cycles, as a complementarity problem [0 -A'; A 0]:
