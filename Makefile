@@ -1,8 +1,8 @@
 # Makefile - builds, tests, shows and installs nonsmooth.  `make help` lists the targets.
 #
 # Everything is made in build/.  Sources are found by wildcard: a new file needs no change here.
-# For the command line: V=1 (show commands), CC, CFLAGS, LDFLAGS, PREFIX, DESTDIR, NGSPICE_SRC (a tree to take in place of the
-# source package of the installed ngspice), NGSPICE (the binary).
+# For the command line: V=1 (show commands), CC, CFLAGS, LDFLAGS, PREFIX, DESTDIR, NGSPICE (the binary),
+# NGSPICE_SRC (a tree to take in place of the source package of the installed ngspice).
 
 VERSION := 0.1.0
 SOVERSION := 0
@@ -24,7 +24,7 @@ ALL_CFLAGS = -std=c11 $(CFLAGS) $(WARN) -fPIC -MMD -MP -Iinclude -Isrc
 Q := $(if $(V),,@)# make V=1 shows the commands
 
 # For the makes called below: all cores, unless the caller said -j.
-JOBS = --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc))
+JOBS = --no-print-directory $(if $(V),,-s) $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc))
 
 .DELETE_ON_ERROR:
 .SECONDARY:

@@ -31,7 +31,7 @@ verdict() {
         echo "ok    $name ($passed)"
     else
         echo "FAIL  $name ($passed passed, $failed failed) $why"
-        [ -z "$why" ] || tail -n 25 "$file" | sed 's/^/      | /'
+        [ -z "$why" ] || { grep -m1 -A12 'Sanitizer' "$file" || tail -n 15 "$file"; } | sed 's/^/      | /'
         # shellcheck disable=SC2016 # awk's
         awk '/^(not ok|FAIL) / && !/# SKIP/ {on = 40} /^(ok|skip) / {on = 0} on-- > 0 {print "      | " $0}' "$file"
     fi
