@@ -39,6 +39,9 @@ typedef struct native {
     clock_t cpu; /* at the start */
 } native;
 
+/* Every analysis and every `resume` sets ckt->CKTtrtol anew: this value tells that neither happened since. */
+#define NATIVE_MARK 1e30
+
 /* Is everything something we can take?  OK, or a code after one line. */
 int native_check(native *b);
 
@@ -51,5 +54,19 @@ int native_accept(native *b);
 /* The matrix goes: forgets the analysis.  native_clear() forgets all. */
 void native_reset(native *b);
 void native_clear(native *b);
+
+/* --- for the files of the native way --- */
+
+/* Says what the marcher's last call failed with; returns the code, kept in b->failed. */
+int native_fail(native *b, int status);
+
+/* Begins an analysis: leaves the operating point, or the start from rest (uic), in b->value. */
+int native_begin(native *b);
+
+/* After `resume`: if something was altered, goes on from the present charges and fluxes. */
+int native_go_on(native *b);
+
+void rows_hide(native *b);
+void rows_show(native *b);
 
 #endif

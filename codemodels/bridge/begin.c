@@ -1,0 +1,176 @@
+/* bridge/begin.c - the begin of an analysis, and of one that is resumed. */
+#include <string.h>
+
+#include "abi.h"
+#include "native.h"
+#include "ngspice/enh.h"
+#include "report.h"
+#include "show.h"
+
+static int look_at_ngspice(native *b) {
+    const char *wrong = b->checked ? NULL : abi_check(b->ckt);
+    b->checked = 1;
+    if (!wrong) {
+        return OK;
+    }
+    report_error("this nonsmooth.cm was made for another version of ngspice: %s not as expected", wrong);
+    return E_UNSUPP;
+}
+
+/* ngspice would add these conductances to the matrix that we fill. */
+static int look_at_options(const native *b) {
+    if (b->ckt->enh->rshunt_data.enabled || b->ckt->CKTgshunt != 0.0) {
+        report_error("options rshunt and gshunt cannot be taken yet");
+        return E_UNSUPP;
+    }
+    return OK;
+}
+
+int native_check(native *b) {
+    extract ex;
+    int error;
+    rows_show(b);
+    error = look_at_ngspice(b);
+    if (error) {
+        b->checked = 0;
+    }
+    error = error ? error : look_at_options(b);
+    if (error) {
+        return error;
+    }
+    error = extract_read(b->ckt, SOURCES_TRAN, &ex);
+    if (error) {
+        report_error("%s", ex.line);
+    }
+    extract_clear(&ex);
+    return error;
+}
+
+static int make_room(native *b) {
+    const size_t neq = (size_t)b->ckt->CKTmaxEqNum;
+    if (!b->value) {
+        b->value = calloc(neq, sizeof *b->value);
+        b->held = calloc(neq, sizeof *b->held);
+    }
+    if (!b->value || !b->held) {
+        report_error("out of memory");
+        return E_NOMEM;
+    }
+    return OK;
+}
+
+static int prepare_force(native *b) {
+    const int error = b->force.entry ? OK : force_prepare(&b->force, b->ckt->CKTmatrix);
+    if (error == E_NOMEM) {
+        report_error("out of memory");
+    } else if (error) {
+        report_error("ngspice's matrix lacks equations: is every node connected?");
+    }
+    return error;
+}
+
+static void announce(native *b) {
+    const engine *e = &b->engine;
+    if (!b->announced) {
+        report_note("native way: %d unknowns, %d ideal devices", e->system->n, e->ex.ndevices);
+    }
+    b->announced = 1;
+}
+
+/* From charges and fluxes as SPICE's uic gives them. */
+static int start_from_rest(engine *e) {
+    double *w0 = calloc((size_t)e->system->n + 1, sizeof *w0);
+    int status = w0 ? ns_circuit_rest(e->ex.circuit, w0) : NS_E_MEMORY;
+    status = status ? status : ns_march_start(e->march, 0.0, w0);
+    free(w0);
+    return status;
+}
+
+/* From the operating point, which is left in e->x; held: the .ic of nodes count. */
+static int start_from_dc(engine *e, int held) {
+    const int room = held ? ns_circuit_node_ic_count(e->ex.circuit) : 0;
+    int *hold = calloc((size_t)room + 1, sizeof *hold);
+    double *hold_x = calloc((size_t)room + 1, sizeof *hold_x);
+    int n = 0;
+    int status = hold && hold_x ? NS_OK : NS_E_MEMORY;
+    if (!status && held) {
+        n = ns_circuit_hold(e->ex.circuit, hold, hold_x);
+    }
+    status = status ? status : ns_march_start_dc(e->march, 0.0, n, hold, hold_x, e->x);
+    free(hold);
+    free(hold_x);
+    return status;
+}
+
+int native_begin(native *b) {
+    const long mode = b->ckt->CKTmode;
+    const int tran = (mode & MODETRANOP) != 0;
+    const int uic = tran && (mode & MODEUIC) != 0;
+    int status;
+    int error;
+    engine_clear(&b->engine);
+    b->fresh = b->tried = b->failed = 0;
+    error = make_room(b);
+    error = error ? error : engine_make(b->ckt, tran ? SOURCES_TRAN : SOURCES_DC, &b->engine);
+    if (error) {
+        return error;
+    }
+    announce(b);
+    b->cpu = clock();
+    status = uic ? start_from_rest(&b->engine) : start_from_dc(&b->engine, tran);
+    error = status ? native_fail(b, status) : prepare_force(b);
+    if (error) {
+        return error;
+    }
+    b->ckt->CKTtrtol = NATIVE_MARK;
+    b->t = 0.0;
+    b->fresh = 1;
+    if (!uic) {
+        show_values(&b->engine, b->engine.x, b->value);
+    }
+    ns_march_read(b->engine.march, NULL, b->engine.x, b->engine.lambda, NULL);
+    if (uic) {
+        show_values(&b->engine, b->engine.x, b->value);
+    }
+    show_devices(&b->engine);
+    return OK;
+}
+
+/* M x of the accepted point, for a system that was altered since. */
+static int restart(native *b, engine *e) {
+    const ns_system *s = b->engine.system;
+    const size_t n = (size_t)s->n;
+    double *w0 = calloc(n + 1, sizeof *w0);
+    int status = w0 ? NS_OK : NS_E_MEMORY;
+    for (size_t j = 0; j < n && !status; j++) {
+        for (size_t i = 0; i < n; i++) {
+            w0[i] += s->M[i + j * n] * b->engine.x[j];
+        }
+    }
+    status = status ? status : ns_march_start(e->march, b->t, w0);
+    free(w0);
+    return status;
+}
+
+int native_go_on(native *b) {
+    engine altered;
+    int status;
+    int error = engine_make(b->ckt, SOURCES_TRAN, &altered);
+    if (error) {
+        return error;
+    }
+    if (altered.ex.hash == b->engine.ex.hash) {
+        engine_clear(&altered);
+        return OK;
+    }
+    if (altered.system->n != b->engine.system->n) {
+        engine_clear(&altered);
+        report_error("the circuit was altered too much to go on: run it anew");
+        return E_UNSUPP;
+    }
+    status = restart(b, &altered);
+    engine_clear(&b->engine);
+    b->engine = altered;
+    b->tried = 0;
+    return status ? native_fail(b, status) : OK;
+}
