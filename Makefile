@@ -180,11 +180,12 @@ coverage: deps ## lines of src/ that the unit tests run
 # --- benchmarks: one program a file ----------------------------------------------------------------------
 
 BENCH_BIN := $(patsubst %.c,$(B)/%,$(wildcard tests/bench/*.c))
+BENCH_HELP := $(filter-out %/wrap_alloc.c,$(TEST_HELP))
 
 .PHONY: bench bench-programs
 bench-programs: $(BENCH_BIN)
 
-$(BENCH_BIN): $(B)/%: $(B)/obj/%.o $(patsubst %.c,$(B)/obj/%.o,$(filter-out %/wrap_alloc.c,$(TEST_HELP))) $(B)/libnonsmooth.a
+$(BENCH_BIN): $(B)/%: $(B)/obj/%.o $(BENCH_HELP:%.c=$(B)/obj/%.o) $(B)/libnonsmooth.a
 	@mkdir -p $(@D)
 	@echo "  LINK    $@"
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $^ -o $@ $(LIBS)
@@ -224,7 +225,7 @@ lint: deps-lint ## clang-format, clang-tidy, cppcheck, shellcheck, and all of it
 
 # --- install ---------------------------------------------------------------------------------------------
 
-TO := $(DESTDIR)$(PREFIX)
+TO := '$(DESTDIR)$(PREFIX)'
 
 .PHONY: install
 install: all ## into PREFIX (/usr/local), below DESTDIR if given
@@ -238,8 +239,8 @@ install: all ## into PREFIX (/usr/local), below DESTDIR if given
 	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' src/nonsmooth.pc.in > $(TO)/lib/pkgconfig/nonsmooth.pc
 	install -m 755 $(B)/nonsmooth.cm $(TO)/lib/ngspice
 	install -m 644 netlists/lib/nonsmooth.lib $(TO)/share/nonsmooth
-	echo 'codemodel $(PREFIX)/lib/ngspice/nonsmooth.cm' > $(TO)/share/nonsmooth/spiceinit
-	@echo "To load the code models in every ngspice session: cat $(PREFIX)/share/nonsmooth/spiceinit >> ~/.spiceinit"
+	echo "codemodel '$(PREFIX)/lib/ngspice/nonsmooth.cm'" > $(TO)/share/nonsmooth/spiceinit
+	@echo "To load the code models in every session: cat $(PREFIX)/share/nonsmooth/spiceinit >> ~/.spiceinit"
 
 # --- clean -----------------------------------------------------------------------------------------------
 

@@ -14,7 +14,7 @@ ngspice=${NGSPICE:-ngspice}
 # folder it runs in; that line is all that a user of nonsmooth needs too.
 run=build/demo
 mkdir -p $run
-echo "codemodel $PWD/build/nonsmooth.cm" >$run/.spiceinit
+echo "codemodel '$PWD/build/nonsmooth.cm'" >$run/.spiceinit
 sed 's/^run$/run\nset wr_singlescale\nwrdata waveforms.data v(x) i(l1) v(out)/' $circuit >$run/buck.cir
 rm -f $run/waveforms.data
 

@@ -10,7 +10,7 @@ out=$PWD/build/valgrind
 rm -rf "$out"
 mkdir -p "$out"
 name=$(basename "$netlist" .cir)
-echo "codemodel $PWD/build/nonsmooth.cm" >"$out/.spiceinit"
+echo "codemodel '$PWD/build/nonsmooth.cm'" >"$out/.spiceinit"
 
 cd "$out" || exit 1
 timeout 300 valgrind --quiet --leak-check=full --show-leak-kinds=definite --num-callers=40 --xml=yes \
