@@ -13,7 +13,7 @@
 
 #include <math.h>
 
-static const double SMALL = 1e-9; /* sizes: what is called zero in a proof */
+static const double SMALL = 1e-9; /* t, in sizes: what is called zero in a proof */
 
 static double lower(const ns_mlcp_solver *s, int var) {
     if (var == 2 * s->np)
@@ -31,14 +31,14 @@ static double upper(const ns_mlcp_solver *s, int var) {
     return isinf(s->blo[var / 2]) ? 0.0 : INFINITY;
 }
 
-/* The column by which t falls fastest, RAY -1 if there is none; *dir gets the direction. */
+/* The column by which t falls fastest, -1 if there is none; *dir gets the direction. */
 static int price(const ns_mlcp_solver *s, int row, double *dir) {
     int best = -1;
-    double most = SMALL;
+    double most = 0.0;
     for (int c = 0; c < s->ncol; c++) {
         int var = s->colvar[c];
         double g = s->T[row + c * s->np];
-        if (var == 2 * s->np || fabs(g) <= most)
+        if (var == 2 * s->np || !(fabs(g) > most))
             continue;
         int y = var % 2 == 1, fixed_up = !y && s->at_upper[var / 2];
         int may_rise = y ? upper(s, var) > 0.0 : !fixed_up;
@@ -59,7 +59,7 @@ static int stop(const ns_mlcp_solver *s, int col, double dir, double *step) {
     *step = var % 2 == 0 ? upper(s, var) - lower(s, var) : INFINITY;
     for (int r = 0; r < s->np; r++) {
         double rate = dir * e[r], bound = rate < 0.0 ? lower(s, s->rowvar[r]) : upper(s, s->rowvar[r]);
-        if (fabs(rate) < 1e-11 || isinf(bound))
+        if (rate == 0.0 || isinf(bound))
             continue;
         double at = fmax((bound - s->beta[r]) / rate, 0.0);
         int tie = best >= 0 && at == *step && s->rowvar[r] < s->rowvar[best];

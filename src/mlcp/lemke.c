@@ -20,7 +20,6 @@
 
 static const double TIE =
     1e-12; /* of a size: rounding of a sum is 1e-16 of it times some hundred operations */
-static const double PIVOT = 1e-11; /* entries below this part of their column are rounding */
 static const double UNSAFE =
     1e-7; /* of rows that tie, pivots this much smaller than the largest are passed over */
 enum { RAY = -1, FLIP = -2 };
@@ -123,21 +122,19 @@ static double room(const ns_mlcp_solver *s, int r, double rate) {
  * Returns the row that stops it, FLIP, or RAY; *step gets the distance. */
 static int ratio_test(const ns_mlcp_solver *s, int col, double dir, double range, double *step) {
     const double *e = s->T + (size_t)col * (size_t)s->np;
-    double top = 0.0, limit = range, big = 0.0;
+    double limit = range, big = 0.0;
     for (int r = 0; r < s->np; r++)
-        top = fmax(top, fabs(e[r]));
-    for (int r = 0; r < s->np; r++)
-        if (fabs(e[r]) > PIVOT * top)
+        if (e[r] != 0.0)
             limit = fmin(limit, (room(s, r, dir * e[r]) + TIE) / fabs(e[r]));
     if (isinf(limit))
         return RAY;
     for (int r = 0; r < s->np; r++) /* largest pivot among those that tie */
-        if (fabs(e[r]) > PIVOT * top && room(s, r, dir * e[r]) <= limit * fabs(e[r]))
+        if (e[r] != 0.0 && room(s, r, dir * e[r]) <= limit * fabs(e[r]))
             big = fmax(big, fabs(e[r]));
     int best = range <= limit ? FLIP : RAY;
     double rate = 1.0;
     for (int r = 0; r < s->np; r++) {
-        if (!(fabs(e[r]) > PIVOT * top) || !(room(s, r, dir * e[r]) <= limit * fabs(e[r])))
+        if (e[r] == 0.0 || !(room(s, r, dir * e[r]) <= limit * fabs(e[r])))
             continue;
         if (s->rowvar[r] == 2 * s->np && fabs(e[r]) > UNSAFE * big) {
             best = r; /* t = 0 ends the search: it goes first */

@@ -2,12 +2,16 @@
  *
  * Free lambda are basic for ever and free y never are, so neither has a row or a column here: the tableau is
  * np by np whatever the size of the circuit.  It is made from W and q through one LU, not by accumulating
- * exchanges.  Entries are in units: variable v is `unit[v]` times its entry.
+ * exchanges; sums that cancel to rounding are made 0, so that an entry counts as a pivot however small it is
+ * (a current that enters a capacitor for 1e-13 s moves its voltage by 1e-7 V an ampere, and must).  Entries
+ * are in units: variable v is `unit[v]` times its entry.
  */
 #include "mlcp_internal.h"
 
 #include <math.h>
 #include <string.h>
+
+static const double CANCELLED = 1e-14; /* a sum this small against its terms is 0 */
 
 static int is_t(const ns_mlcp_solver *s, int var) {
     return var == 2 * s->np;
@@ -107,15 +111,18 @@ static void y_row(ns_mlcp_solver *s, int r, int i) {
         w[j] = column(s, s->cols[j])[i];
     for (int c = -1; c < s->ncol; c++) {
         const double *x = s->rhs + (size_t)(c + 1) * (size_t)s->k;
-        double sum = 0.0;
-        for (int j = 0; j < s->k; j++)
+        double sum = 0.0, size = 0.0;
+        for (int j = 0; j < s->k; j++) {
             sum += w[j] * x[j];
+            size += fabs(w[j] * x[j]);
+        }
         if (c < 0)
             s->beta[r] = s->g[i] + sum;
-        else if (is_y(s, s->colvar[c]))
-            s->T[r + c * s->np] = sum;
-        else
-            s->T[r + c * s->np] = sum + column(s, index_of(s, s->colvar[c]))[i];
+        else {
+            double own = is_y(s, s->colvar[c]) ? 0.0 : column(s, index_of(s, s->colvar[c]))[i];
+            int rounding = fabs(sum + own) <= CANCELLED * (size + fabs(own));
+            s->T[r + c * s->np] = rounding ? 0.0 : sum + own;
+        }
     }
 }
 
@@ -156,6 +163,19 @@ static void refine(ns_mlcp_solver *s) {
         s->rhs[j] -= s->xs[j];
 }
 
+/* Entries of solutions that are rounding against the rest of their column, in the units of the factors. */
+static void drop_rounding(ns_mlcp_solver *s) {
+    const double *unit = ns_lu_units(s->lu);
+    for (int c = 1; c <= s->ncol; c++) {
+        double *x = s->rhs + (size_t)c * (size_t)s->k, top = 0.0;
+        for (int j = 0; j < s->k; j++)
+            top = fmax(top, fabs(x[j]) / unit[j]);
+        for (int j = 0; j < s->k; j++)
+            if (fabs(x[j]) / unit[j] <= CANCELLED * top)
+                x[j] = 0.0;
+    }
+}
+
 /* Fills beta and T for the labels at hand; G is factored. */
 static void fill(ns_mlcp_solver *s) {
     constant_part(s);
@@ -163,6 +183,7 @@ static void fill(ns_mlcp_solver *s) {
     ns_lu_solve(s->lu, 1 + s->ncol, s->rhs);
     if (s->careful)
         refine(s);
+    drop_rounding(s);
     int at = s->nf;
     for (int a = 0; a < s->np; a++)
         if (s->where[2 * a] >= 0)
@@ -213,8 +234,10 @@ void ns_tableau_exchange(ns_mlcp_solver *s, int row, int col) {
         double *t = s->T + (size_t)c * (size_t)n, f = -t[row] / pivot;
         if (c == col || f == 0.0)
             continue;
-        for (int r = 0; r < n; r++)
-            t[r] += f * e[r];
+        for (int r = 0; r < n; r++) {
+            double sum = t[r] + f * e[r];
+            t[r] = fabs(sum) <= CANCELLED * fabs(t[r]) ? 0.0 : sum;
+        }
         t[row] = f;
     }
     for (int r = 0; r < n; r++)
