@@ -80,4 +80,7 @@ int ns_check_inductances(ns_circuit *c);
 /* The commands of all switches (control.c).  Errors: MEMORY. */
 int ns_stamp_commands(const ns_circuit *c, ns_system *s);
 
+/* Parts without any connection to ground get one (gauge.c).  Errors: MEMORY. */
+int ns_stamp_gauge(const ns_circuit *c, ns_system *s);
+
 #endif

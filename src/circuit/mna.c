@@ -180,7 +180,8 @@ static int fill(const ns_circuit *c, ns_system *s) {
         }
     }
     ns_each_inductance(c, stamp_inductance, &to);
-    return ns_stamp_commands(c, s);
+    int status = ns_stamp_gauge(c, s);
+    return status != NS_OK ? status : ns_stamp_commands(c, s);
 }
 
 int ns_circuit_system(ns_circuit *c, ns_system **out) {

@@ -28,11 +28,11 @@ static void count_event(ns_march *m) {
 }
 
 /* The guard that broke was found by a step of the scheme; an implicit one of the same length may just not
- * see it.  Longer ones will. */
+ * see it, or (P1) finds that it held after all.  Longer ones tell. */
 static int step_until_changed(ns_march *m, double *h) {
     const long before = ns_theta_counts(m->step)->events;
     int status = ns_short_try(m, *h);
-    while (status == NS_OK && ns_theta_counts(m->step)->events == before && *h < m->h) {
+    while (status == NS_OK && ns_theta_counts(m->step)->events == before && m->live.t + 2 * *h < m->limit) {
         *h *= 2;
         status = ns_short_try(m, *h);
     }

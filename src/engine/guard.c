@@ -1,6 +1,7 @@
 /* src/engine/guard.c - the inequalities that keep a mode: their rows in a map, and whether they hold. */
 #include "stepper.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -84,27 +85,36 @@ static void row_terms(const ns_theta *s, int size, int k, double *terms) {
 /* A solution of (P2) is good to some eps of the terms of each of its rows.  What that does to guard g is a
  * bound on its rounding:  noise_gk = |c_g| |X_k| + |c_g K^-1| |K| |X_k|,  c_g the guard as a function of (x,
  * lambda_J). */
+/* |c_g| |X_k|, and the same with every X_ik as large as the largest of its column in the units of the
+ * factors: what is zero comes out as eps^2 of that. */
+static double own_terms(const ns_theta *s, int size, const double *c, int k) {
+    const double *x = s->X + (size_t)k * (size_t)size, *unit = ns_lu_units(s->lu);
+    double sum = 0, units = 0, largest = 0;
+    for (int i = 0; i < size; i++) {
+        sum += fabs(c[i] * x[i]);
+        units += fabs(c[i]) * unit[i];
+        largest = fmax(largest, fabs(x[i]) / unit[i]);
+    }
+    return sum + DBL_EPSILON * units * largest;
+}
+
+/* A solution of (P2) is good to some eps of the terms of each of its rows.  What that does to guard g is a
+ * bound on its rounding:  noise_gk = |c_g| |X_k| + |c_g K^-1| |K| |X_k|,  c_g the guard as a function of (x,
+ * lambda_J). */
 void ns_guard_noise(ns_theta *s, ns_map *map, int nj) {
     const int size = s->s->n + nj, ng = map->guards;
     fill_functionals(s, map, nj);
     for (int k = 0; k < s->q; k++)
-        for (int g = 0; g < ng; g++) {
-            const double *c = s->Z + (size_t)g * (size_t)size, *x = s->X + (size_t)k * (size_t)size;
-            double sum = 0;
-            for (int i = 0; i < size; i++)
-                sum += fabs(c[i] * x[i]);
-            map->noise[g + k * ng] = sum;
-        }
+        for (int g = 0; g < ng; g++)
+            map->noise[g + k * ng] = own_terms(s, size, s->Z + (size_t)g * (size_t)size, k);
     ns_lu_solve_transposed(s->lu, ng, s->Z);
     for (int k = 0; k < s->q; k++) {
         double *terms = s->rhs; /* free between problems */
         row_terms(s, size, k, terms);
         for (int g = 0; g < ng; g++) {
             const double *z = s->Z + (size_t)g * (size_t)size;
-            double sum = 0;
             for (int i = 0; i < size; i++)
-                sum += fabs(z[i]) * terms[i];
-            map->noise[g + k * ng] += sum;
+                map->noise[g + k * ng] += fabs(z[i]) * terms[i];
         }
     }
 }

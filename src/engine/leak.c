@@ -16,78 +16,59 @@
 #include <string.h>
 
 enum { ROUNDS = 12 };
+/* Leaks of 1e-7 leave K_g this much worse than the circuit is without what they settle. */
+static const double rcond_min = 1e-15;
 /* Leaks take this share of what is there: small enough that each round gains some digits, large enough that
  * K_g keeps half of them. */
 static const double share = 1e-7;
-/* An equation is met when its residual is below this, relative to the sizes of its terms: some hundred eps.
- */
-static const double met_tol = 1e-13;
-static const double contradiction_tol = 1e-9;
+/* Residuals are measured against the largest unknown in the units of the factors, in every term of the row.
+ * Below the first the rounds end: some eps.  Above the second, equations contradict each other. */
+static const double met_tol = 1e-15, contradiction_tol = 1e-9;
 
-static double row_factor(const ns_theta *s, double h, int implicit, int i) {
-    return i < s->r ? (implicit ? h : h * s->theta) : 1;
-}
-
-/* The conductance that row i shows the devices: its largest entry in W, per unit of device current. */
-static double row_size(const ns_theta *s, double h, int implicit, int i) {
-    const int n = s->s->n;
-    const double factor = row_factor(s, h, implicit, i);
-    double size = 0;
-    for (int j = 0; j < n; j++)
-        size = fmax(size, fabs((i < s->r ? s->M[i + j * n] : 0) - factor * s->A[i + j * n]));
-    return size / factor;
-}
-
-void ns_leak_sizes(const ns_theta *s, double h, int implicit, double part, double *g, double *rho) {
+double ns_leak_across(const ns_theta *s, double ht, int j, double part) {
     const int n = s->s->n, m = s->s->m;
-    double smallest = INFINITY;
+    const double *rows = ns_lu_rows(s->lu), *units = ns_lu_units(s->lu);
+    double high_row = 0, high_column = 0;
     for (int i = 0; i < n; i++) {
-        const double size = row_size(s, h, implicit, i);
-        if (size > 0)
-            smallest = fmin(smallest, size);
+        high_row = fmax(high_row, (i < s->r ? ht : 1) * fabs(s->B[i + j * n]) * rows[i]);
+        high_column = fmax(high_column, fabs(s->s->C[j + i * m]) * units[i]);
     }
-    if (!isfinite(smallest))
-        smallest = 1;
-    for (int j = 0; j < m; j++) {
-        double low = INFINITY, high = 0;
-        for (int i = 0; i < n; i++) {
-            const double size = s->B[i + j * n] != 0 ? row_size(s, h, implicit, i) : 0;
-            if (size > 0) {
-                low = fmin(low, size);
-                high = fmax(high, size);
-            }
-        }
-        g[j] = part * (isfinite(low) ? low : smallest);
-        rho[j] = part / (high > 0 ? high : smallest);
-    }
+    const double entry = high_row * high_column;
+    return entry > 0 && isfinite(part / entry) ? part / entry : 0;
+}
+
+double ns_leak_series(const ns_theta *s, int row, double part) {
+    return part / (ns_lu_rows(s->lu)[row] * ns_lu_units(s->lu)[row]);
 }
 
 /* s->K becomes K_g. */
-static void add_leaks(ns_theta *s, double h, int implicit, const ns_mode *mode, int size, const double *g,
-                      const double *rho) {
+static void add_leaks(ns_theta *s, double h, int implicit, const ns_mode *mode, int size) {
     const int n = s->s->n, m = s->s->m;
+    const double ht = implicit ? h : h * s->theta;
     for (int j = 0, inside = 0; j < m; j++) {
         if (mode[j] == NS_INSIDE) {
-            s->K[(n + inside) * (size + 1)] += rho[j];
+            s->K[(n + inside) * (size + 1)] += ns_leak_series(s, n + inside, share);
             inside++;
             continue;
         }
+        const double g = ns_leak_across(s, ht, j, share);
         for (int k = 0; k < n; k++)
             for (int i = 0; i < n; i++)
-                s->K[i + k * size] +=
-                    row_factor(s, h, implicit, i) * g[j] * s->B[i + j * n] * s->s->C[j + k * m];
+                s->K[i + k * size] += (i < s->r ? ht : 1) * g * s->B[i + j * n] * s->s->C[j + k * m];
     }
 }
 
-/* residual = rhs - K X, one column; its size against its terms. */
-static double residual_of(int size, const double *K, const double *rhs, const double *X, double *residual) {
-    double worst = 0;
+/* residual = rhs - K X, one column; its largest size. */
+static double residual_of(int size, const double *unit, const double *K, const double *rhs, const double *X,
+                          double *residual) {
+    double worst = 0, largest = 0;
+    for (int j = 0; j < size; j++)
+        largest = fmax(largest, fabs(X[j]) / unit[j]);
     for (int i = 0; i < size; i++) {
         double sum = rhs[i], terms = fabs(rhs[i]);
         for (int j = 0; j < size; j++) {
-            const double term = K[i + j * size] * X[j];
-            sum -= term;
-            terms += fabs(term);
+            sum -= K[i + j * size] * X[j];
+            terms += fabs(K[i + j * size]) * unit[j] * largest;
         }
         residual[i] = sum;
         if (terms > 0)
@@ -96,16 +77,18 @@ static double residual_of(int size, const double *K, const double *rhs, const do
     return worst;
 }
 
-/* Rounds on column rhs: X and the work vector step have size entries. */
+/* Rounds on column rhs, and one more when they have converged: X and the work vector step have size entries.
+ */
 static int settle(ns_theta *s, int size, const double *K, const double *rhs, double *X, double *step) {
     double worst = INFINITY;
     memset(X, 0, sizeof(double) * (size_t)size);
     memcpy(step, rhs, sizeof(double) * (size_t)size);
-    for (int round = 0; round < ROUNDS && worst > met_tol; round++) {
+    for (int round = 0, last = 0; round < ROUNDS && !last; round++) {
+        last = worst <= met_tol;
         ns_lu_solve(s->lu, 1, step);
         for (int i = 0; i < size; i++)
             X[i] += step[i];
-        worst = residual_of(size, K, rhs, X, step);
+        worst = residual_of(size, ns_lu_units(s->lu), K, rhs, X, step);
     }
     return worst <= contradiction_tol ? NS_OK : NS_E_SINGULAR;
 }
@@ -122,19 +105,20 @@ static int solve_columns(ns_theta *s, int size, int nrhs, const double *K, doubl
 }
 
 int ns_leak_solve(ns_theta *s, double h, int implicit, const ns_mode *mode, int nj, int nrhs) {
-    const int size = s->s->n + nj, m = s->s->m;
+    const int size = s->s->n + nj;
     const size_t square = (size_t)size * (size_t)size;
-    double *K = malloc(sizeof(double) * (square + 2 * (size_t)size + 2 * (size_t)m + 1));
+    double *K = malloc(sizeof(double) * (square + 2 * (size_t)size + 1));
     if (!K)
         return NS_E_MEMORY;
-    double *rhs = K + square, *g = rhs + 2 * size, *rho = g + m;
     memcpy(K, s->K, sizeof(double) * square);
-    ns_leak_sizes(s, h, implicit, share, g, rho);
-    add_leaks(s, h, implicit, mode, size, g, rho);
+    add_leaks(s, h, implicit, mode, size);
     s->counts.factors++;
-    int status = ns_lu_factor(s->lu, size, s->K, NULL, NULL);
+    double rcond = 0;
+    int status = ns_lu_factor(s->lu, size, s->K, &rcond, NULL);
+    if (status == NS_OK && rcond < rcond_min)
+        status = NS_E_SINGULAR;
     if (status == NS_OK)
-        status = solve_columns(s, size, nrhs, K, rhs);
+        status = solve_columns(s, size, nrhs, K, K + square);
     free(K);
     return status;
 }

@@ -4,9 +4,11 @@
 
 #include "stepper.h"
 
-/* Fills g (m, siemens) and rho (m, ohm): for each pair a conductance across it and a resistance in series
- * with it that are share times what the step of length h sees at its terminals. */
-void ns_leak_sizes(const ns_theta *s, double h, int implicit, double share, double *g, double *rho);
+/* A conductance across pair j (siemens), a resistance in series with it (ohm): such that in a matrix K of
+ * (P2) or of (P1) unreduced they are entries of that share, in the scaling of K (s->lu, to which K was given
+ * last).  row: the row and column of pair j in K. */
+double ns_leak_across(const ns_theta *s, double ht, int j, double share);
+double ns_leak_series(const ns_theta *s, int row, double share);
 
 /* Solves K X = X in place, K = s->K of (P2) for this mode, size n+nj, nrhs columns, where K is singular: X is
  * the limit for vanishing leaks.  Errors: SINGULAR (the equations contradict each other, or leaks do not

@@ -102,6 +102,7 @@ static void look_at_corner(ns_march *m) {
 
 static int go_to(ns_march *m, double t, ns_until until) {
     int status = NS_OK;
+    m->limit = t;
     if (m->live.at_event && until == NS_TO_EVENT)
         return ns_event_resolve(m);
     /* bounds the tries: each event takes some 2 x 24 to be located, NS_CROWD of them fit into one h */

@@ -29,6 +29,7 @@ struct ns_march {
     double *past;                    /* the stepper's, at the accepted point */
     unsigned char *flip, *kept_flip; /* nc: commands that change at the event */
     double corner;                   /* first corner of the inputs after live.t */
+    double limit;                    /* no step of an event goes beyond */
     double *z, *z_left;              /* nz */
     unsigned char *due;              /* nc: commands that change where the walk stops */
     unsigned char *crossed;          /* nc: commands that the last try crossed */

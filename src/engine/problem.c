@@ -79,21 +79,20 @@ static int solve(ns_theta *s, int size, ns_mode *mode) {
 static void add_leaks(ns_theta *s, double h, int implicit, double share) {
     const int n = s->s->n, m = s->s->m, size = n + m;
     const double ht = implicit ? h : h * s->theta;
-    double *g = s->sol, *rho = s->resid; /* free until the solver fills them */
-    ns_leak_sizes(s, h, implicit, share, g, rho);
-    for (int j = 0; j < m; j++)
+    (void)ns_lu_factor(s->lu, size, s->K, NULL, NULL); /* for its scaling: singular or not does not matter */
+    for (int j = 0; j < m; j++) {
+        const double g = ns_leak_across(s, ht, j, share);
         for (int i = 0; i < n; i++) {
-            const double leak = (i < s->r ? ht : 1) * g[j] * s->B[i + j * n];
-            if (leak == 0)
-                continue;
+            const double leak = (i < s->r ? ht : 1) * g * s->B[i + j * n];
             for (int k = 0; k < n; k++)
                 s->K[i + k * size] += leak * s->s->C[j + k * m];
             for (int k = 0; k < m; k++)
                 s->K[i + (n + k) * size] += leak * s->s->D[j + k * m];
             s->rhs[i] += leak * s->rhs[n + j];
         }
+    }
     for (int j = 0; j < m; j++)
-        s->K[(n + j) * (size + 1)] += rho[j];
+        s->K[(n + j) * (size + 1)] += ns_leak_series(s, n + j, share);
 }
 
 int ns_problem_solve(ns_theta *s, double h, int implicit, double share) {

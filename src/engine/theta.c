@@ -1,6 +1,7 @@
 /* src/engine/theta.c - the theta-gamma stepper: made, started, commanded, freed. */
 #include "stepper.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,10 +18,23 @@ static ns_mode *modes(size_t count, int *failed) {
     return v;
 }
 
+/* One entry of T from.  What cancels is zero: a resistor inside a part that T sums up must leave no trace of
+ * its rounding, or a floating part hangs on that. */
+static double clean_sum(int n, const double *row, const double *column) {
+    double sum = 0, size = 0;
+    for (int k = 0; k < n; k++) {
+        const double term = row[k * n] * column[k];
+        sum += term;
+        size += fabs(term);
+    }
+    return fabs(sum) <= 8 * DBL_EPSILON * size ? 0 : sum;
+}
+
 /* to = T from, both with n rows. */
 static void transform(int n, int columns, const double *T, const double *from, double *to) {
     for (int j = 0; j < columns; j++)
-        ns_matvec(n, n, T, from + (size_t)j * (size_t)n, to + (size_t)j * (size_t)n);
+        for (int i = 0; i < n; i++)
+            to[i + j * n] = clean_sum(n, T + i, from + (size_t)j * (size_t)n);
 }
 
 static int allocate(ns_theta *s) {

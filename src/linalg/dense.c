@@ -163,6 +163,14 @@ void ns_lu_solve_transposed(const ns_lu *f, int nrhs, double *b) {
     solve(f, 'T', f->cs, f->rs, nrhs, b);
 }
 
+const double *ns_lu_rows(const ns_lu *f) {
+    return f->rs;
+}
+
+const double *ns_lu_units(const ns_lu *f) {
+    return f->cs;
+}
+
 /* Four rows at a time: the sums stay in registers while the columns go by. */
 static void rows_of_four(int p, int q, const double *restrict a, const double *restrict x,
                          double *restrict y) {

@@ -21,6 +21,12 @@ void ns_lu_solve(const ns_lu *f, int nrhs, double *b);
 /* The same with the transposed matrix. */
 void ns_lu_solve_transposed(const ns_lu *f, int nrhs, double *b);
 
+/* The scaling of the last matrix given to ns_lu_factor(), known even if it was singular (n powers of two
+ * each): its entry (i,j) times rows[i] units[j] is about 1 or less.  The units are those in which the
+ * unknowns are alike. */
+const double *ns_lu_rows(const ns_lu *f);
+const double *ns_lu_units(const ns_lu *f);
+
 /* y = A x, y += A x;  A is p*q with leading dimension p. */
 void ns_matvec(int p, int q, const double *a, const double *x, double *y);
 void ns_matvec_add(int p, int q, const double *a, const double *x, double *y);
