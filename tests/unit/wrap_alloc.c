@@ -4,14 +4,12 @@
 #include <stdlib.h>
 
 /* The linker makes these names: __real_f is libc's f, and every call of f becomes one of __wrap_f. */
-/* NOLINTBEGIN(bugprone-reserved-identifier) */
 void *__real_malloc(size_t size);
 void *__real_calloc(size_t n, size_t size);
 void *__real_realloc(void *p, size_t size);
 void *__wrap_malloc(size_t size);
 void *__wrap_calloc(size_t n, size_t size);
 void *__wrap_realloc(void *p, size_t size);
-/* NOLINTEND(bugprone-reserved-identifier) */
 
 static int counting;
 static long fail_at;
