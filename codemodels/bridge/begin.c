@@ -4,6 +4,7 @@
 #include "abi.h"
 #include "native.h"
 #include "ngspice/enh.h"
+#include "ngspice/jobdefs.h"
 #include "report.h"
 #include "show.h"
 
@@ -46,6 +47,20 @@ int native_check(native *b) {
     return error;
 }
 
+/* Analyses that solve with the matrix that we fill, and would show nonsense.  Those that load it anew for
+ * small signals (.ac, .disto) are refused there. */
+static int is_refused(const native *b) {
+    static const char *const refused[] = {"Transfer Function", "Sensitivity Analysis", "Pole-Zero Analysis",
+                                          "Noise Analysis", "Periodic Steady State Analysis"};
+    const JOB *job = b->ckt->CKTcurJob;
+    for (size_t i = 0; job && job->JOBname && i < sizeof refused / sizeof refused[0]; i++) {
+        if (strcmp(job->JOBname, refused[i]) == 0) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
 static int make_room(native *b) {
     const size_t neq = (size_t)b->ckt->CKTmaxEqNum;
     if (!b->value) {
@@ -67,6 +82,17 @@ static int prepare_force(native *b) {
         report_error("ngspice's matrix lacks equations: is every node connected?");
     }
     return error;
+}
+
+/* .tf goes on, and aborts ngspice, if it finds no operating point: it gets zeros. */
+static int refuse(native *b) {
+    const int error = make_room(b);
+    report_error("%s cannot be done yet; .op, .dc and .tran can", b->ckt->CKTcurJob->JOBname);
+    if (error || strcmp(b->ckt->CKTcurJob->JOBname, "Transfer Function") != 0) {
+        return E_UNSUPP;
+    }
+    memset(b->value, 0, (size_t)b->ckt->CKTmaxEqNum * sizeof *b->value);
+    return prepare_force(b);
 }
 
 static void announce(native *b) {
@@ -110,6 +136,10 @@ int native_begin(native *b) {
     int error;
     engine_clear(&b->engine);
     b->fresh = b->tried = b->failed = 0;
+    b->refused = is_refused(b);
+    if (b->refused) {
+        return refuse(b);
+    }
     error = make_room(b);
     error = error ? error : engine_make(b->ckt, tran ? SOURCES_TRAN : SOURCES_DC, &b->engine);
     if (error) {

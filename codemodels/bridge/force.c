@@ -101,7 +101,7 @@ void force_clear(force *f) {
     memset(f, 0, sizeof *f);
 }
 
-void force_apply(const force *f, double *rhs, const double *value) {
+void force_apply(const force *f, double pivot, double *rhs, const double *value) {
     for (int c = 1; c <= f->matrix->Size; c++) {
         for (ElementPtr e = f->matrix->FirstInCol[c]; e; e = e->NextInCol) {
             e->Real = 0.0;
@@ -111,7 +111,7 @@ void force_apply(const force *f, double *rhs, const double *value) {
         rhs[eq] = 0.0;
     }
     for (int i = 0; i < f->n; i++) {
-        *f->entry[i].element = 1.0;
-        rhs[f->entry[i].row] = value[f->entry[i].column];
+        *f->entry[i].element = pivot;
+        rhs[f->entry[i].row] = pivot * value[f->entry[i].column];
     }
 }

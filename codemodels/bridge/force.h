@@ -20,7 +20,8 @@ typedef struct force {
 int force_prepare(force *f, SMPmatrix *matrix);
 void force_clear(force *f);
 
-/* Makes the matrix a permutation and rhs such that the solution is value; all by equation number. */
-void force_apply(const force *f, double *rhs, const double *value);
+/* Makes the matrix a permutation, times pivot, and rhs such that the solution is value; all by equation
+ * number.  pivot: 1, or huge, so that solutions for other right-hand sides vanish. */
+void force_apply(const force *f, double pivot, double *rhs, const double *value);
 
 #endif

@@ -5,6 +5,7 @@
  * last of our types see everything that came before: they do the work. */
 #include "models.h"
 #include "native.h"
+#include "ngspice/jobdefs.h"
 #include "report.h"
 
 extern SPICEdev cm_ideal_diode_info, cm_ideal_switch_info, cm_nonsmooth_info; /* made by cmpp */
@@ -104,7 +105,7 @@ static int accept_point(CKTcircuit *ckt, GENmodel *model) {
 
 static int ac_load(GENmodel *model, CKTcircuit *ckt) {
     if (at_last(ckt, model)) {
-        report_error("an .ac analysis cannot be done yet; .op, .dc and .tran can");
+        report_error("%s cannot be done yet; .op, .dc and .tran can", ckt->CKTcurJob->JOBname);
     }
     return E_UNSUPP;
 }

@@ -74,7 +74,7 @@ static void load_tran(native *b) {
 static int load_dc(native *b) {
     const int first = (b->ckt->CKTmode & (MODEINITJCT | MODEINITPRED)) != 0;
     int error = OK;
-    if (first || !b->engine.march) {
+    if (first || !(b->engine.march || b->refused)) {
         error = b->failed = native_begin(b);
     }
     return b->ckt->CKTmode & MODEUIC ? OK : error; /* with uic there is no solve: the first accept ends it */
@@ -94,7 +94,7 @@ int native_load(native *b) {
     if (is_dc(b->ckt)) {
         rows_hide(b);
     }
-    force_apply(&b->force, b->ckt->CKTrhs, b->value);
+    force_apply(&b->force, b->refused ? 1e200 : 1.0, b->ckt->CKTrhs, b->value);
     return OK;
 }
 
