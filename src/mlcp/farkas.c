@@ -5,15 +5,18 @@
  * The tableau in which Lemke's method stopped satisfies them but for t > 0.  From it t is made as small as
  * they allow by the primal simplex method.  If the smallest t is positive, the row of t says
  *     t = beta + sum T[t,c] nonbasic_c,   beta > 0 and no term can be negative,
- * which is Farkas' certificate: no lambda satisfies the constraints, so no solution exists (proved, up to
- * rounding, for any W).  If t reaches 0 nothing is proved - unless W is monotone: then a feasible problem is
+ * which is Farkas' certificate: no lambda satisfies the constraints, so no solution exists.  Its multipliers
+ * are then taken to W and q themselves, so that what is proved (up to rounding, for any W) does not rest on
+ * the tableau.  If t reaches 0 nothing is proved - unless W is monotone: then a feasible problem is
  * solvable and Lemke's method would not have ended in a ray.
  */
 #include "mlcp_internal.h"
 
 #include <math.h>
+#include <string.h>
 
-static const double SMALL = 1e-9; /* t, in sizes: what is called zero in a proof */
+static const double SMALL = 1e-9;   /* t, in sizes, and sums against their terms: 0 in a proof */
+static const double CANCEL = 1e-12; /* coefficients that cancel this far are 0 */
 
 static double lower(const ns_mlcp_solver *s, int var) {
     if (var == 2 * s->np)
@@ -90,8 +93,58 @@ static void step_along(ns_mlcp_solver *s, int col, double dir) {
         s->at_upper[out / 2] = rate > 0.0;
 }
 
+/* Lower end of v y over y's sign (lo or hi may be infinite). */
+static double least(double v, double lo, double hi) {
+    if (v == 0.0)
+        return 0.0;
+    return v > 0.0 ? v * lo : v * hi;
+}
+
+/* s_j = sum_i v_i W_ij; 0 where it is rounding of its terms. */
+static double combine(const ns_mlcp_solver *s, const double *v, int j) {
+    const double *col = s->W + (size_t)j * (size_t)s->m;
+    double sum = 0.0, size = 0.0;
+    for (int i = 0; i < s->m; i++) {
+        sum += v[i] * col[i];
+        size += fabs(v[i] * col[i]);
+    }
+    return fabs(sum) <= CANCEL * size ? 0.0 : sum;
+}
+
+/* The row of t as multipliers v of the equations, and these on their own, from W and q:
+ *     0 = sum_i v_i (y_i - q_i) - sum_j s_j lambda_j,   s = W' v
+ * cannot hold if the least value of the right-hand side over all allowed y and lambda is positive. */
+static int certified(ns_mlcp_solver *s) {
+    double *v = s->g, sum = 0.0, size = 0.0;
+    for (int i = 0; i < s->k; i++)
+        s->rhs[i] = i == s->k - 1 ? 1.0 : 0.0; /* t is the last unknown of G */
+    ns_lu_solve_transposed(s->lu, 1, s->rhs);
+    memset(v, 0, (size_t)s->m * sizeof *v);
+    for (int i = 0; i < s->k; i++)
+        v[s->rows[i]] = s->rhs[i];
+    for (int a = 0; a < s->np; a++) { /* any v will do: what has the wrong sign is left out */
+        int i = s->pair[a];
+        if (isinf(least(v[i], lower(s, 2 * a + 1), upper(s, 2 * a + 1))))
+            v[i] = 0.0;
+    }
+    for (int i = 0; i < s->m; i++) {
+        sum -= v[i] * s->q[i];
+        size += fabs(v[i] * s->q[i]);
+    }
+    for (int f = 0; f < s->nf; f++)
+        if (combine(s, v, s->free[f]) != 0.0)
+            return 0;
+    for (int a = 0; a < s->np; a++) {
+        int j = s->pair[a];
+        double part = least(-combine(s, v, j), s->p->l[j], s->p->u[j]);
+        sum += part;
+        size += fabs(part);
+    }
+    return sum > SMALL * size;
+}
+
 int ns_farkas(ns_mlcp_solver *s) {
-    int n = s->np, checked = 0;
+    int n = s->np, fresh = 0;
     for (int it = 0; it < PIVOTS_FLAT + PIVOTS_PER_PAIR * n; it++) {
         int row = s->where[2 * n];
         if (row < 0 || s->beta[row] <= SMALL)
@@ -100,14 +153,17 @@ int ns_farkas(ns_mlcp_solver *s) {
         int col = price(s, row, &dir);
         if (col >= 0) {
             step_along(s, col, dir);
+            fresh = 0;
             continue;
         }
-        if (!checked) { /* on a tableau made anew, refined */
-            checked = s->careful = 1;
+        if (!fresh) { /* on a tableau made anew, refined */
+            fresh = s->careful = 1;
             if (ns_tableau_refresh(s) != NS_OK)
                 return 0;
             continue;
         }
+        if (!certified(s))
+            return 0;
         for (int a = 0; a < n; a++)
             s->ray[a] = 0.0;
         for (int c = 0; c < s->ncol; c++)

@@ -71,6 +71,14 @@ static void known_solutions_come_back(void **state) {
         ns_lu_solve(f, 2, b);
         for (int i = 0; i < 2 * n; i++)
             assert_true(fabs(b[i] - x[i]) < 1e-11);
+        for (int j = 0; j < n; j++) { /* b' = x' A */
+            b[j] = 0;
+            for (int i = 0; i < n; i++)
+                b[j] += a[i + j * n] * x[i];
+        }
+        ns_lu_solve_transposed(f, 1, b);
+        for (int i = 0; i < n; i++)
+            assert_true(fabs(b[i] - x[i]) < 1e-11);
     }
     ns_lu_free(f);
 }

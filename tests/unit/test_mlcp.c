@@ -187,6 +187,34 @@ static void floating_part(void **state) {
     assert_true(fabs(t.lambda[1] - t.lambda[0] - 1.0) < 1e-10); /* residual bound of the solver */
 }
 
+/* A capacitor of 10 V is switched onto an empty one by a diode bridge within a step of 1e-14 s: unknowns
+ * (vp, vn, vt, iL, i of p->t, n->t, g->p, g->n), C1 and L between p and n, C2 and R at t.  p->t and g->n
+ * carry 2e8 A, twenty decades above what any start suggests: vn = 0, vp = vt = C1 10 V / (C1 + C2 + h/R) but
+ * for h^2/L against C1, which is 1e-20. */
+static void a_jump_by_a_huge_current(void **state) {
+    (void)state;
+    const double C1 = 1e-6, C2 = 3e-7, L = 1e-2, R = 1e3, h = 1e-14;
+    trial t = {.m = 8,
+               .rows = {C1, -C1, 0,          h, h,  0,  -h, 0,  /* p */
+                        0,  0,   C2 + h / R, 0, -h, -h, 0,  0,  /* t */
+                        -h, h,   0,          L, 0,  0,  0,  0,  /* L */
+                        0,  0,   0,          0, 1,  1,  -1, -1, /* p, n, t together */
+                        -1, 0,   1,          0, 0,  0,  0,  0,  0, -1, 1, 0, 0, 0, 0, 0,
+                        1,  0,   0,          0, 0,  0,  0,  0,  0, 1,  0, 0, 0, 0, 0, 0},
+               .q = {-C1 * 10}};
+    all_complementary(&t);
+    for (int i = 0; i < 4; i++)
+        t.l[i] = -INF;
+    assert_int_equal(run(&t), NS_OK);
+    double v = C1 * 10 / (C1 + C2 + h / R);
+    close_to(t.lambda[0], v);
+    close_to(t.lambda[1], 0);
+    close_to(t.lambda[2], v);
+    close_to(t.lambda[4], (C2 + h / R) * v / h);
+    assert_int_equal(t.mode[5], NS_LOWER);
+    assert_int_equal(t.mode[6], NS_LOWER);
+}
+
 static int named(const ns_fault *f, int pair) {
     for (int k = 0; k < f->npairs; k++)
         if (f->pair[k] == pair)
@@ -335,6 +363,7 @@ int main(void) {
         cmocka_unit_test(a_node_that_only_diodes_hold),
         cmocka_unit_test(redundant_equalities),
         cmocka_unit_test(floating_part),
+        cmocka_unit_test(a_jump_by_a_huge_current),
         cmocka_unit_test(contradicting_equalities),
         cmocka_unit_test(diode_across_a_source),
         cmocka_unit_test(no_complementary_solution),

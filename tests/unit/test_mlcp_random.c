@@ -175,6 +175,31 @@ static void network(double lo, double hi, double leak) {
     set_q();
 }
 
+/* A step so short that charge jumps: capacitors at every node, rows of nodes times h, currents up to 1e8 A.
+ */
+static void impulse(void) {
+    int n = 2 + below(8);
+    double h = decades(-15, -9);
+    g.m = n + 1 + below(10);
+    memset(g.W, 0, sizeof g.W);
+    for (int k = 0; k < 2 * n; k++) {
+        int a = k % n, b = k < n ? -1 : below(n);
+        if (a != b)
+            stamp_conductance(a, b, decades(-8, -4));
+    }
+    for (int k = n; k < g.m; k++) {
+        int a = below(n), b = below(n + 1) - 1;
+        stamp_branch(k, a, b == a ? -1 : b, below(2) ? 0 : 1e-3);
+        for (int i = 0; i < n; i++)
+            *W(i, k) *= h;
+    }
+    for (int i = 0; i < g.m; i++) {
+        draw(i, i < n || below(10) == 0 ? EQUALITY : PAIR);
+        g.lambda[i] *= i < n ? 10 : below(2) ? decades(-3, 0) : 1e-7 / h;
+    }
+    set_q();
+}
+
 /* The same problem with rows and columns in units that differ by up to 24 decades. */
 static void spoil_units(void) {
     double r[MAX], c[MAX];
@@ -271,6 +296,15 @@ static void passive_networks_over_fifteen_decades(void **state) {
     }
 }
 
+static void jumps(void **state) {
+    (void)state;
+    for (int k = 0; k < TIMES; k++) {
+        impulse();
+        any_mode();
+        solve();
+    }
+}
+
 static void badly_scaled(void **state) {
     (void)state;
     for (int k = 0; k < TIMES; k++) {
@@ -348,6 +382,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(monotone_problems, setup, teardown),
         cmocka_unit_test_setup_teardown(passive_networks, setup, teardown),
         cmocka_unit_test_setup_teardown(passive_networks_over_fifteen_decades, setup, teardown),
+        cmocka_unit_test_setup_teardown(jumps, setup, teardown),
         cmocka_unit_test_setup_teardown(badly_scaled, setup, teardown),
         cmocka_unit_test_setup_teardown(a_hundred_unknowns_are_no_different, setup, teardown),
         cmocka_unit_test_setup_teardown(warm_starts, setup, teardown),
