@@ -8,14 +8,29 @@
 
 #include <string.h>
 
-int ns_short_try(ns_march *m, double h) {
+static int step_to(ns_march *m, double h) {
     ns_system_inputs(m->s, m->live.t + h, NS_RIGHT, m->z);
     int status = ns_theta_try(m->step, h, m->z, 1, NS_RESOLVE);
-    if (status != NS_OK)
-        return ns_march_fail(m, status);
-    status = ns_theta_accept(m->step);
-    m->live.t += h;
+    if (status == NS_OK)
+        status = ns_theta_accept(m->step);
+    if (status == NS_OK)
+        m->live.t += h;
     return status;
+}
+
+/* The shorter the step, the worse the condition of the equations; where it spoils the answer, a longer one is
+ * negligible still. */
+int ns_short_try(ns_march *m, double h) {
+    const int first = step_to(m, h);
+    if (first == NS_OK || first == NS_E_MEMORY)
+        return first == NS_OK ? first : ns_march_fail(m, first);
+    (void)ns_march_fail(m, first);
+    for (int k = 0; k < 4; k++) {
+        h *= 16;
+        if (m->live.t + h < m->limit && h <= m->h && step_to(m, h) == NS_OK)
+            return NS_OK;
+    }
+    return first;
 }
 
 static void count_event(ns_march *m) {

@@ -95,7 +95,7 @@ static double own_terms(const ns_theta *s, int size, const double *c, int k) {
         units += fabs(c[i]) * unit[i];
         largest = fmax(largest, fabs(x[i]) / unit[i]);
     }
-    return sum + DBL_EPSILON * units * largest;
+    return sum + sqrt(DBL_EPSILON) * units * largest;
 }
 
 /* A solution of (P2) is good to some eps of the terms of each of its rows.  What that does to guard g is a

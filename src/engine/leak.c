@@ -15,12 +15,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROUNDS = 12 };
-/* Leaks of 1e-7 leave K_g this much worse than the circuit is without what they settle. */
+enum { ROUNDS = 30 };
+/* Leaks of this share leave K_g this much worse than the circuit is without what they settle. */
 static const double rcond_min = 1e-15;
 /* Leaks take this share of what is there: small enough that each round gains some digits, large enough that
  * K_g keeps half of them. */
-static const double share = 1e-7;
+static const double share = 1e-10;
 /* Residuals are measured against the largest unknown in the units of the factors, in every term of the row.
  * Below the first the rounds end: some eps.  Above the second, equations contradict each other. */
 static const double met_tol = 1e-15, contradiction_tol = 1e-9;

@@ -152,18 +152,21 @@ static ns_map *map_create(const ns_theta *s, const ns_mode *mode) {
     return map;
 }
 
-/* One step of refinement: errors of X become small against the terms of each row rather than against the
+/* Two steps of refinement: errors of X become small against the terms of each row rather than against the
  * largest number about, so that a voltage of zero beside one of 1 V comes out as zero. */
 static void refine(ns_theta *s, int size) {
-    for (int k = 0; k < s->q; k++) {
-        double *r = s->R + (size_t)k * (size_t)size, *x = s->X + (size_t)k * (size_t)size;
-        for (int i = 0; i < size; i++)
-            r[i] = -r[i];
-        ns_matvec_add(size, size, s->K, x, r);
+    const size_t count = (size_t)size * (size_t)s->q;
+    double *residual = s->R + count;
+    for (int round = 0; round < 2; round++) {
+        for (size_t i = 0; i < count; i++)
+            residual[i] = -s->R[i];
+        for (int k = 0; k < s->q; k++)
+            ns_matvec_add(size, size, s->K, s->X + (size_t)k * (size_t)size,
+                          residual + (size_t)k * (size_t)size);
+        ns_lu_solve(s->lu, s->q, residual);
+        for (size_t i = 0; i < count; i++)
+            s->X[i] -= residual[i];
     }
-    ns_lu_solve(s->lu, s->q, s->R);
-    for (int i = 0; i < size * s->q; i++)
-        s->X[i] -= s->R[i];
 }
 
 int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out) {

@@ -11,6 +11,7 @@ static int begin(ns_march *m, double t0, const double *w0) {
     memset(m->closed, 0, (size_t)m->s->nc);
     m->live.t = t0;
     m->corner = -INFINITY;
+    m->limit = INFINITY;
     m->started = m->has_trial = 0;
     const int status = ns_theta_start(m->step, w0, m->closed);
     if (status != NS_OK)

@@ -65,7 +65,7 @@ struct ns_theta {
     ns_lu *lu;
     ns_mlcp_solver *mlcp;
     double *K;                     /* (n+m)^2 */
-    double *X, *R;                 /* (n+m)*q */
+    double *X, *R;                 /* (n+m)*q, and twice that */
     double *Z;                     /* (n+m)*2m */
     double *rhs;                   /* n+m */
     double *sol, *resid, *bl, *bu; /* n+m */

@@ -56,7 +56,7 @@ static int allocate(ns_theta *s) {
     s->out = vector(2 * n + nc + 2 * m, &failed);
     s->K = vector(all * all, &failed);
     s->X = vector(all * q, &failed);
-    s->R = vector(all * q, &failed);
+    s->R = vector(2 * all * q, &failed);
     s->Z = vector(all * 2 * m, &failed);
     s->rhs = vector(all, &failed);
     s->sol = vector(all, &failed);
