@@ -27,7 +27,6 @@ Q := $(if $(V),,@)# make V=1 shows the commands
 JOBS = --no-print-directory $(if $(V),,-s) $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc))
 
 .DELETE_ON_ERROR:
-.SECONDARY:
 .DEFAULT_GOAL := all
 
 .PHONY: all lib cm help
@@ -79,6 +78,7 @@ $(B)/libnonsmooth.so: $(OBJ) src/nonsmooth.map
 $(B)/flags: FORCE
 	@mkdir -p $(@D)
 	@echo '$(CC) $(ALL_CFLAGS) $(LDFLAGS)' | cmp -s - $@ || echo '$(CC) $(ALL_CFLAGS) $(LDFLAGS)' > $@
+.PHONY: FORCE
 FORCE:
 
 # --- code models: ifspec.ifs, cfunc.mod -> (cmpp) -> C; with the bridge, dlmain.c and the library -> .cm ---
@@ -95,13 +95,14 @@ NG_INCLUDE := -isystem $(NG)/tree/src/include -isystem $(NG)/tree/src
 CM_CFLAGS = -std=gnu11 $(CFLAGS) -w -fPIC -MMD -MP -Iinclude -Icodemodels/bridge -I$(CM) $(NG_INCLUDE)
 
 cm: $(B)/nonsmooth.cm
+.SECONDARY: $(MODELS:%=$(CM)/%/ifspec.c) $(MODELS:%=$(CM)/%/cfunc.c)
 
 $(B)/nonsmooth.cm: $(CM_OBJ) $(B)/libnonsmooth.a codemodels/nonsmooth.map
 	@echo "  LINK    $@"
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,--version-script=codemodels/nonsmooth.map -Wl,--no-undefined \
 	    $(filter %.o %.a,$^) -o $@ $(LIBS)
 
-$(B)/obj/codemodels/%.o: ALL_CFLAGS += $(NG_INCLUDE)
+$(B)/obj/codemodels/%.o: private ALL_CFLAGS += $(NG_INCLUDE)
 $(BRIDGE:%.c=$(B)/obj/%.o): $(NG)/stamp
 
 $(CM_LISTS) &: codemodels/modpath.lst codemodels/udnpath.lst $(wildcard codemodels/*/ifspec.ifs) $(NG)/stamp
@@ -142,7 +143,7 @@ WRAP := -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
 .PHONY: units
 units: $(TEST_BIN)
 
-$(B)/obj/tests/%.o: ALL_CFLAGS += -Itests/unit
+$(B)/obj/tests/%.o: private ALL_CFLAGS += -Itests/unit
 
 $(TEST_BIN): $(B)/%: $(B)/obj/%.o $(TEST_HELP:%.c=$(B)/obj/%.o) $(B)/libnonsmooth.a
 	@mkdir -p $(@D)
