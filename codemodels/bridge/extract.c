@@ -170,7 +170,10 @@ static int read_all(extract_walk *w) {
     const GENinstance *waits = NULL;
     int read = 0;
     int later = 1;
-    int error = done ? OK : fail(w, "", NS_E_MEMORY);
+    int error = OK;
+    if (!done) {
+        return fail(w, "", NS_E_MEMORY);
+    }
     while (!error && later > 0) { /* ends: each round reads one at least */
         error = pass(w, done, &read, &later, &waits);
         if (!error && later > 0 && read == 0) {
