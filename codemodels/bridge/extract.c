@@ -70,7 +70,8 @@ static int read_switch(extract_walk *w, MIFinstance *inst) {
 
 static int read_options(extract_walk *w, MIFinstance *inst) {
     w->ex->error = options_read(inst, &w->ex->options, w->ex->line, sizeof w->ex->line);
-    extract_mix(w, &w->ex->options.h, 3 * sizeof(double)); /* h, theta, gamma */
+    const double numbers[] = {w->ex->options.h, w->ex->options.theta, w->ex->options.gamma};
+    extract_mix(w, numbers, sizeof numbers);
     return w->ex->error ? EXTRACT_REFUSED : NS_OK;
 }
 

@@ -16,7 +16,7 @@ static int type_of[KINDS] = {-1, -1, -1}; /* their numbers in ngspice */
 typedef struct bridge {
     struct bridge *next;
     native native;
-    int last_type;           /* the last of our types in this circuit */
+    int last_type;           /* the last of our device types in this circuit; 0: none is there */
     const GENinstance *mark; /* one of our instances: when it goes, the circuit goes */
 } bridge;
 
@@ -61,7 +61,9 @@ static int setup(model_kind kind, SMPmatrix *matrix, GENmodel *model, CKTcircuit
         return E_NOMEM;
     }
     type_of[kind] = model->GENmodType;
-    b->last_type = model->GENmodType;
+    if (kind != KIND_OPTIONS) { /* options alone leave the circuit to ngspice */
+        b->last_type = model->GENmodType;
+    }
     b->mark = model->GENinstances ? model->GENinstances : b->mark;
     return MIFsetup(matrix, model, ckt, states);
 }
