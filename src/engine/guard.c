@@ -1,7 +1,6 @@
 /* src/engine/guard.c - the inequalities that keep a mode: their rows in a map, and whether they hold. */
 #include "stepper.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -85,8 +84,11 @@ static void row_terms(const ns_theta *s, int size, int k, double *terms) {
 /* A solution of (P2) is good to some eps of the terms of each of its rows.  What that does to guard g is a
  * bound on its rounding:  noise_gk = |c_g| |X_k| + |c_g K^-1| |K| |X_k|,  c_g the guard as a function of (x,
  * lambda_J). */
-/* |c_g| |X_k|, and the same with every X_ik as large as the largest of its column in the units of the
- * factors: what is zero comes out as eps^2 of that. */
+/* Beside the terms that are there: what is zero comes out, refined, far below eps of the largest unknown in
+ * the units of the factors, and what (P1) leaves behind of a charge that has gone is some eps of it. */
+static const double of_largest = 2e-4;
+
+/* |c_g| |X_k|, and a share of the same with every X_ik as large as the largest of its column. */
 static double own_terms(const ns_theta *s, int size, const double *c, int k) {
     const double *x = s->X + (size_t)k * (size_t)size, *unit = ns_lu_units(s->lu);
     double sum = 0, units = 0, largest = 0;
@@ -95,7 +97,7 @@ static double own_terms(const ns_theta *s, int size, const double *c, int k) {
         units += fabs(c[i]) * unit[i];
         largest = fmax(largest, fabs(x[i]) / unit[i]);
     }
-    return sum + sqrt(DBL_EPSILON) * units * largest;
+    return sum + of_largest * units * largest;
 }
 
 /* A solution of (P2) is good to some eps of the terms of each of its rows.  What that does to guard g is a

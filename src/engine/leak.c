@@ -21,9 +21,11 @@ static const double rcond_min = 1e-15;
 /* Leaks take this share of what is there: small enough that each round gains some digits, large enough that
  * K_g keeps half of them. */
 static const double share = 1e-10;
-/* Residuals are measured against the largest unknown in the units of the factors, in every term of the row.
- * Below the first the rounds end: some eps.  Above the second, equations contradict each other. */
-static const double met_tol = 1e-15, contradiction_tol = 1e-9;
+/* The rounds end when a residual is some eps of the largest unknown, in the units of the factors, in every
+ * term of its row: rounding.  Equations that contradict each other never come to that, for what K_g makes of
+ * a contradiction leaves a share of the unknowns behind; nor do unknowns that matter less than the leaks. The
+ * latter leave little of the right-hand side, the former all of it. */
+static const double rounding = 1e-15, left_over = 1e-6;
 
 double ns_leak_across(const ns_theta *s, double ht, int j, double part) {
     const int n = s->s->n, m = s->s->m;
@@ -58,12 +60,16 @@ static void add_leaks(ns_theta *s, double h, int implicit, const ns_mode *mode, 
     }
 }
 
-/* residual = rhs - K X, one column; its largest size. */
-static double residual_of(int size, const double *unit, const double *K, const double *rhs, const double *X,
-                          double *residual) {
-    double worst = 0, largest = 0;
-    for (int j = 0; j < size; j++)
+/* residual = rhs - K X, one column.  Returns its largest entry against the terms of its row, in *left against
+ * the largest of the right-hand side. */
+static double residual_of(const ns_theta *s, int size, const double *K, const double *rhs, const double *X,
+                          double *residual, double *left) {
+    const double *rows = ns_lu_rows(s->lu), *unit = ns_lu_units(s->lu);
+    double worst = 0, largest = 0, given = 0, over = 0;
+    for (int j = 0; j < size; j++) {
         largest = fmax(largest, fabs(X[j]) / unit[j]);
+        given = fmax(given, fabs(rhs[j]) * rows[j]);
+    }
     for (int i = 0; i < size; i++) {
         double sum = rhs[i], terms = fabs(rhs[i]);
         for (int j = 0; j < size; j++) {
@@ -71,26 +77,28 @@ static double residual_of(int size, const double *unit, const double *K, const d
             terms += fabs(K[i + j * size]) * unit[j] * largest;
         }
         residual[i] = sum;
+        over = fmax(over, fabs(sum) * rows[i]);
         if (terms > 0)
             worst = fmax(worst, fabs(sum) / terms);
     }
+    *left = given > 0 ? over / given : 0;
     return worst;
 }
 
 /* Rounds on column rhs, and one more when they have converged: X and the work vector step have size entries.
  */
 static int settle(ns_theta *s, int size, const double *K, const double *rhs, double *X, double *step) {
-    double worst = INFINITY;
+    double worst = INFINITY, left = 1;
     memset(X, 0, sizeof(double) * (size_t)size);
     memcpy(step, rhs, sizeof(double) * (size_t)size);
     for (int round = 0, last = 0; round < ROUNDS && !last; round++) {
-        last = worst <= met_tol;
+        last = worst <= rounding;
         ns_lu_solve(s->lu, 1, step);
         for (int i = 0; i < size; i++)
             X[i] += step[i];
-        worst = residual_of(size, ns_lu_units(s->lu), K, rhs, X, step);
+        worst = residual_of(s, size, K, rhs, X, step, &left);
     }
-    return worst <= contradiction_tol ? NS_OK : NS_E_SINGULAR;
+    return worst <= 10 * rounding || left <= left_over ? NS_OK : NS_E_SINGULAR;
 }
 
 static int solve_columns(ns_theta *s, int size, int nrhs, const double *K, double *rhs) {

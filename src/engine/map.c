@@ -15,8 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Below this the equations of a mode count as singular: at rcond = eps nothing of the answer is left. */
-static const double rcond_min = 1e-16;
+/* What the second refinement may still move: far above rounding, far below what a pivot of rounding does. */
+static const double moved_max = 1e-10;
 
 static int list_inside(const ns_theta *s, const ns_mode *mode, int *inside) {
     int count = 0;
@@ -152,11 +152,22 @@ static ns_map *map_create(const ns_theta *s, const ns_mode *mode) {
     return map;
 }
 
+/* The largest entry of column x, in the units of the factors. */
+static double largest(const ns_theta *s, int size, const double *x) {
+    const double *unit = ns_lu_units(s->lu);
+    double most = 0;
+    for (int i = 0; i < size; i++)
+        most = fmax(most, fabs(x[i]) / unit[i]);
+    return most;
+}
+
 /* Two steps of refinement: errors of X become small against the terms of each row rather than against the
- * largest number about, so that a voltage of zero beside one of 1 V comes out as zero. */
-static void refine(ns_theta *s, int size) {
+ * largest number about, so that a voltage of zero beside one of 1 V comes out as zero.  Returns what the
+ * second one still moved, relative to X: rounding if K is regular, everything if a pivot was only rounding.
+ */
+static double refine(ns_theta *s, int size) {
     const size_t count = (size_t)size * (size_t)s->q;
-    double *residual = s->R + count;
+    double *residual = s->R + count, moved = 0;
     for (int round = 0; round < 2; round++) {
         for (size_t i = 0; i < count; i++)
             residual[i] = -s->R[i];
@@ -167,24 +178,41 @@ static void refine(ns_theta *s, int size) {
         for (size_t i = 0; i < count; i++)
             s->X[i] -= residual[i];
     }
+    for (int k = 0; k < s->q; k++) {
+        const double of = largest(s, size, s->X + (size_t)k * (size_t)size);
+        const double by = largest(s, size, residual + (size_t)k * (size_t)size);
+        if (!(by <= moved * of))
+            moved = by / of;
+    }
+    return moved;
+}
+
+/* X from the right-hand sides in X.  K's condition is that of its scaling; whether its factors are good for
+ * anything shows in the refinement. */
+static int solve(ns_theta *s, double h, int implicit, const ns_mode *mode, int nj) {
+    const int size = s->s->n + nj;
+    const size_t count = (size_t)size * (size_t)s->q;
+    s->counts.factors++;
+    const int status = ns_lu_factor(s->lu, size, s->K, NULL, NULL);
+    if (status != NS_OK && status != NS_E_SINGULAR)
+        return status;
+    form_columns(s, h, implicit, mode, nj);
+    if (status == NS_OK) {
+        memcpy(s->R, s->X, sizeof(double) * count);
+        ns_lu_solve(s->lu, s->q, s->X);
+        if (refine(s, size) <= moved_max)
+            return NS_OK;
+        memcpy(s->X, s->R, sizeof(double) * count);
+    }
+    return ns_leak_solve(s, h, implicit, mode, nj, s->q);
 }
 
 int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out) {
     *out = NULL;
-    const int nj = list_inside(s, mode, s->inside), n = s->s->n, size = n + nj;
+    const int nj = list_inside(s, mode, s->inside);
     form_matrix(s, h, implicit, nj);
-    double rcond = 1;
-    int column = -1;
-    s->counts.factors++;
-    int status = ns_lu_factor(s->lu, size, s->K, &rcond, &column);
-    if (status != NS_OK && status != NS_E_SINGULAR)
-        return status;
-    form_columns(s, h, implicit, mode, nj);
-    if (status == NS_OK && rcond >= rcond_min) {
-        memcpy(s->R, s->X, sizeof(double) * (size_t)size * (size_t)s->q);
-        ns_lu_solve(s->lu, s->q, s->X);
-        refine(s, size);
-    } else if ((status = ns_leak_solve(s, h, implicit, mode, nj, s->q)) != NS_OK)
+    const int status = solve(s, h, implicit, mode, nj);
+    if (status != NS_OK)
         return status;
     ns_map *map = map_create(s, mode);
     if (!map)

@@ -129,9 +129,9 @@ int ns_theta_create(const ns_system *system, const ns_theta_options *o, ns_theta
 void ns_theta_free(ns_theta *s) {
     if (!s)
         return;
-    double *const arrays[] = {s->M,   s->A,   s->T,     s->B,        s->b,   s->E,      s->l, s->u,
-                              s->w,   s->d,   s->in,    s->trial_in, s->out, s->K,      s->X, s->R,
-                              s->rhs, s->sol, s->resid, s->bl,       s->bu,  s->control};
+    double *const arrays[] = {s->M, s->A,   s->T,   s->B,        s->b,   s->E,  s->l,      s->u,
+                              s->w, s->d,   s->in,  s->trial_in, s->out, s->K,  s->X,      s->R,
+                              s->Z, s->rhs, s->sol, s->resid,    s->bl,  s->bu, s->control};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         free(arrays[i]);
     free(s->mode);
