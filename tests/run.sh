@@ -18,10 +18,12 @@ export UBSAN_OPTIONS=print_stacktrace=1
 # verdict NAME FILE exit-status passed failed skipped
 verdict() {
     name=$1 file=$2 status=$3 passed=$4 failed=$5 skipped=$6 why=
-    if [ "$failed" = 0 ] && [ "$status" != 0 ]; then
+    if [ "$status" = 124 ]; then
+        failed=$((failed + 1))
+        why="still running after its time"
+    elif [ "$failed" = 0 ] && [ "$status" != 0 ]; then
         failed=1
         why="exit status $status"
-        [ "$status" != 124 ] || why="still running after its time"
     elif [ $((passed + failed + skipped)) = 0 ]; then
         failed=1
         why="ran no test"
@@ -61,8 +63,10 @@ script() {
     label=$1
     shift
     file=$log/$label.log
-    timeout 400 "$@" >"$file" 2>&1 </dev/null
+    KEEP=$log/$label.runs timeout 240 "$@" >"$file" 2>&1 </dev/null
     status=$?
+    # The netlist runner prints its verdicts at its end; killed before, it leaves them there.
+    [ $status != 124 ] || cat "$log/$label.runs/verdicts" >>"$file" 2>/dev/null
     verdict "$label" "$file" $status "$(count '^ok ' "$file")" "$(count '^FAIL ' "$file")" "$(count '^skip ' "$file")"
 }
 

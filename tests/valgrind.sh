@@ -13,7 +13,7 @@ name=$(basename "$netlist" .cir)
 echo "codemodel '$PWD/build/nonsmooth.cm'" >"$out/.spiceinit"
 
 cd "$out" || exit 1
-timeout 300 valgrind --quiet --leak-check=full --show-leak-kinds=definite --num-callers=40 --xml=yes \
+timeout 200 valgrind --quiet --leak-check=full --show-leak-kinds=definite --num-callers=40 --xml=yes \
     --xml-file=report.xml ngspice -b "$netlist" >ngspice.log 2>&1 </dev/null
 status=$?
 if [ $status != 0 ]; then
