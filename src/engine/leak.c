@@ -18,9 +18,10 @@
 enum { ROUNDS = 30 };
 /* Leaks of this share leave K_g this much worse than the circuit is without what they settle. */
 static const double rcond_min = 1e-15;
-/* Leaks take this share of what is there: small enough that each round gains some digits, large enough that
- * K_g keeps half of them. */
-static const double share = 1e-10;
+/* Leaks take this share of what is there, or the next: small enough that each round gains digits of
+ * everything that matters more, large enough to leave K_g some digits. */
+static const double shares[] = {1e-10, 1e-13};
+
 /* The rounds end when a residual is some eps of the largest unknown, in the units of the factors, in every
  * term of its row: rounding.  Equations that contradict each other never come to that, for what K_g makes of
  * a contradiction leaves a share of the unknowns behind; nor do unknowns that matter less than the leaks. The
@@ -44,7 +45,7 @@ double ns_leak_series(const ns_theta *s, int row, double part) {
 }
 
 /* s->K becomes K_g. */
-static void add_leaks(ns_theta *s, double h, int implicit, const ns_mode *mode, int size) {
+static void add_leaks(ns_theta *s, double h, int implicit, const ns_mode *mode, int size, double share) {
     const int n = s->s->n, m = s->s->m;
     const double ht = implicit ? h : h * s->theta;
     for (int j = 0, inside = 0; j < m; j++) {
@@ -112,21 +113,34 @@ static int solve_columns(ns_theta *s, int size, int nrhs, const double *K, doubl
     return status;
 }
 
+/* With leaks of one share; K: (P2) without, rhs: its right-hand sides, followed by room for two columns. */
+static int solve_with(ns_theta *s, double h, int implicit, const ns_mode *mode, int size, int nrhs,
+                      double share, const double *K, double *rhs) {
+    const size_t count = (size_t)size * (size_t)nrhs;
+    double rcond = 0;
+    memcpy(s->X, rhs, sizeof(double) * count);
+    add_leaks(s, h, implicit, mode, size, share);
+    s->counts.factors++;
+    const int status = ns_lu_factor(s->lu, size, s->K, &rcond, NULL);
+    if (status != NS_OK || rcond < rcond_min)
+        return status == NS_OK ? NS_E_SINGULAR : status;
+    return solve_columns(s, size, nrhs, K, rhs + count);
+}
+
 int ns_leak_solve(ns_theta *s, double h, int implicit, const ns_mode *mode, int nj, int nrhs) {
     const int size = s->s->n + nj;
-    const size_t square = (size_t)size * (size_t)size;
-    double *K = malloc(sizeof(double) * (square + 2 * (size_t)size + 1));
+    const size_t square = (size_t)size * (size_t)size, count = (size_t)size * (size_t)nrhs;
+    double *K = malloc(sizeof(double) * (square + count + 2 * (size_t)size + 1));
     if (!K)
         return NS_E_MEMORY;
     memcpy(K, s->K, sizeof(double) * square);
-    add_leaks(s, h, implicit, mode, size);
-    s->counts.factors++;
-    double rcond = 0;
-    int status = ns_lu_factor(s->lu, size, s->K, &rcond, NULL);
-    if (status == NS_OK && rcond < rcond_min)
-        status = NS_E_SINGULAR;
-    if (status == NS_OK)
-        status = solve_columns(s, size, nrhs, K, K + square);
+    memcpy(K + square, s->X, sizeof(double) * count);
+    int status = NS_E_SINGULAR;
+    for (int k = 0; k < 2 && status == NS_E_SINGULAR; k++) {
+        memcpy(s->K, K, sizeof(double) * square);
+        (void)ns_lu_factor(s->lu, size, K, NULL, NULL); /* for the scaling of K itself */
+        status = solve_with(s, h, implicit, mode, size, nrhs, shares[k], K, K + square);
+    }
     free(K);
     return status;
 }
