@@ -47,8 +47,9 @@ typedef enum ns_until {
 } ns_until;
 
 /* Tries the way from the accepted point to time t (> the accepted time).  *reached gets where the trial
- * ended.  The accepted point is left alone: try again with any t.  A second call that asks for the end of
- * the last trial costs nothing.  Errors: NULL, RANGE (t), those of ns_theta_try(), LIMIT. */
+ * ended: later than the accepted time, and at most a millionth of h beyond t.  The accepted point is left
+ * alone: try again with any t.  A second call that asks for the end of the last trial costs nothing.  Errors:
+ * NULL, RANGE (t), those of ns_theta_try(), LIMIT. */
 int ns_march_try(ns_march *m, double t, ns_until until, double *reached);
 
 /* Makes the last successful trial the accepted point.  Errors: STATE. */

@@ -116,8 +116,8 @@ static int go_to(ns_march *m, double t, ns_until until) {
         status = ns_walk(m, fmin(t, corner));
         if (status == NS_OK && !m->live.at_event && m->live.t == corner)
             look_at_corner(m);
-        if (m->live.at_event && until == NS_TO_EVENT)
-            break;
+        if (m->live.at_event && until == NS_TO_EVENT) /* right here: on to its right side */
+            return m->live.t > m->kept.t ? status : ns_event_resolve(m);
     }
     return status;
 }

@@ -6,8 +6,9 @@
 
 #include "nonsmooth/march.h"
 
-/* The ladder: steps of h 2^-k.  Events are located to h 2^-24, far below the error of the scheme, and the
- * step that resolves them has that length; what is left before a given instant is followed to h 2^-32. */
+/* The ladder: steps of h 2^-k.  Events are located to h 2^-20, far below the error of the scheme, and the
+ * step that resolves them has that length; what is left before a given instant is followed to h 2^-22.
+ * Shorter steps would add noise: a voltage L (i - i_k)/h loses what i has lost. */
 enum { NS_EVENT_RUNG = 20, NS_LAST_RUNG = 22 };
 /* More events than this within one h: event-capturing steps of h 2^-NS_CAPTURE_RUNG until h has passed. */
 enum { NS_CROWD = 16, NS_CAPTURE_RUNG = 2 };
