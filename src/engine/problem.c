@@ -71,6 +71,7 @@ static int solve(ns_theta *s, int size, ns_mode *mode) {
         memcpy(mode, s->work_mode + n, (size_t)m);
     else
         translate(s, &info.fault);
+    s->fault.status = (ns_status)status;
     return status;
 }
 

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "equilibrate.h"
+#include "matching.h"
 #include "nonsmooth/status.h"
 
 struct ns_lu {
@@ -17,6 +18,7 @@ struct ns_lu {
     double *rs;   /* n, row factors (powers of two) */
     double *cs;   /* n, column factors */
     int *r, *c;   /* n, their exponents */
+    int *match;   /* 6 (n+1), for the matching */
     lapack_int *piv, *iwork;
     short *e;
 };
@@ -33,7 +35,7 @@ int ns_lu_create(int n, ns_lu **out) {
     size_t k = (size_t)n;
     f->cap = n;
     f->a = malloc((k * k + 6 * k + 1) * sizeof *f->a);
-    f->r = malloc((2 * k + 1) * sizeof *f->r);
+    f->r = malloc((8 * k + 7) * sizeof *f->r);
     f->piv = malloc((2 * k + 1) * sizeof *f->piv);
     f->e = malloc((k * k + 1) * sizeof *f->e);
     if (!f->a || !f->r || !f->piv || !f->e) {
@@ -44,6 +46,7 @@ int ns_lu_create(int n, ns_lu **out) {
     f->rs = f->work + 4 * k;
     f->cs = f->rs + k;
     f->c = f->r + k;
+    f->match = f->c + k;
     f->iwork = f->piv + k;
     *out = f;
     return NS_OK;
@@ -79,7 +82,8 @@ static int all_finite(size_t n, const double *a) {
 /* Copies a, scaled, into the factors' place; returns its 1-norm. */
 static double load(ns_lu *f, int n, const double *a) {
     double norm = 0.0;
-    ns_equilibrate(n, a, n, f->r, f->c, f->e);
+    if (!ns_match_scale(n, a, f->r, f->c, f->match)) /* singular whatever its numbers are */
+        ns_equilibrate(n, a, n, f->r, f->c, f->e);
     for (int i = 0; i < n; i++) {
         f->rs[i] = power_of_two(f->r[i]);
         f->cs[i] = power_of_two(f->c[i]);
