@@ -1,14 +1,17 @@
 /* src/circuit/gauge.c - parts of a circuit without any connection to ground (the far side of a transformer).
  *
  * Nothing determines the voltage of such a part as a whole, and no current can leave it; a conductance from
- * one of its nodes to ground therefore carries none, changes nothing, and puts that node at 0 V.  A node that
- * only controls something belongs to no part: leaving it open is a mistake that must show.
+ * one of its nodes to ground therefore carries none, changes nothing, and puts that node at 0 V.  A node with
+ * an .ic is taken first: while it is held, what the conductance draws comes from what holds it.  A node that
+ * only controls something belongs to no part: leaving it open is a mistake that must show; so is a current
+ * source that alone leads to ground.
  */
+#include <math.h>
 #include <stdlib.h>
 
 #include "circuit/circuit_internal.h"
 
-/* The part a row belongs to, by its lowest row; ground is row -1, kept at parent[nused]. */
+/* The part a row belongs to, by one of its rows; ground has the row after those of the nodes. */
 static int part_of(int *parent, int row) {
     while (parent[row] != row) {
         parent[row] = parent[parent[row]];
@@ -22,15 +25,11 @@ static int row_or_ground(const ns_circuit *c, int node) {
     return row < 0 ? c->nused : row;
 }
 
-int ns_stamp_gauge(const ns_circuit *c, ns_system *s) {
-    const int count = c->nused + 1;
-    int *parent = malloc(2 * sizeof *parent * (size_t)count), *settled = parent + count;
-    if (!parent) {
-        return NS_E_MEMORY;
-    }
-    for (int i = 0; i < count; i++) {
+/* settled[part]: has ground, or no element; of other rows it means nothing. */
+static void find_parts(const ns_circuit *c, int *parent, int *settled) {
+    for (int i = 0; i <= c->nused; i++) {
         parent[i] = i;
-        settled[i] = 1; /* until something is connected there */
+        settled[i] = 1;
     }
     for (int k = 0; k < c->nelements; k++) {
         const element *e = &c->element[k];
@@ -41,13 +40,33 @@ int ns_stamp_gauge(const ns_circuit *c, ns_system *s) {
         }
     }
     settled[part_of(parent, c->nused)] = 1;
-    for (int i = 0; i < c->nused; i++) {
-        const int part = part_of(parent, i);
-        if (!settled[i] && !settled[part]) {
-            s->A[(size_t)i * (size_t)(s->n + 1)] -= 1;
+}
+
+/* Settles each part that is not at the first of its nodes; held: only at nodes with an .ic. */
+static void settle(const ns_circuit *c, ns_system *s, int *parent, int *settled, int held) {
+    for (int k = 0, row = 0; k < c->nnodes; k++) {
+        if (!c->node[k].used) {
+            continue;
+        }
+        const int part = part_of(parent, row);
+        if (!settled[part] && !(held && isnan(c->node[k].ic))) {
+            s->A[(size_t)row * (size_t)(s->n + 1)] -= 1;
             settled[part] = 1;
         }
+        row++;
     }
+}
+
+int ns_stamp_gauge(const ns_circuit *c, ns_system *s) {
+    const size_t count = (size_t)c->nused + 1;
+    int *parent = malloc(2 * count * sizeof *parent);
+    if (!parent) {
+        return NS_E_MEMORY;
+    }
+    int *settled = parent + count;
+    find_parts(c, parent, settled);
+    settle(c, s, parent, settled, 1);
+    settle(c, s, parent, settled, 0);
     free(parent);
     return NS_OK;
 }

@@ -208,15 +208,17 @@ static void behavioural_sources(void **state) {
     ns_circuit_free(c);
 }
 
-/* vf 0.6, ron 1, roff 5: the line v = 0.6 + i meets i = v/5 at v0 = 0.6/(1-1/5) = 0.75; D = 1/(1-1/5). */
+/* vf 0.6, ron 1, roff 5: the line v = 0.6 + i meets i = v/5 at v0 = 0.6/(1-1/5) = 0.75; D = 1/(1-1/5).
+ * 4 ohm from its cathode to ground. */
 static void diode(void **state) {
     ns_diode d = {0.6, 1, 5, INFINITY, 0};
     ns_circuit *c = make();
     ns_system *s;
     (void)state;
     assert_int_equal(ns_circuit_diode(c, "d1", 1, 2, &d, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(c, "r1", 2, 0, 4, NULL), NS_OK);
     s = system_of(c, 2, 1, 0, 0);
-    ASSERT_ARRAY(s->A, 2, 2, -0.2, 0.2, 0.2, -0.2);
+    ASSERT_ARRAY(s->A, 2, 2, -0.2, 0.2, 0.2, -0.45);
     ASSERT_ARRAY(s->B, 2, 1, -1, 1);
     ASSERT_ARRAY(s->C, 1, 2, -1, 1);
     ASSERT_ARRAY(s->D, 1, 1, 1.25);
@@ -261,14 +263,16 @@ static void ideal_limits(void **state) {
     ns_circuit_free(c);
 }
 
+/* Closes by v3 - v1; 4 ohm from 2 to ground, node 3 controls and nothing else. */
 static void switch_by_nodes(void **state) {
     ns_switch sw = {1, 0.25, 1, 5};
     ns_circuit *c = make();
     ns_system *s;
     (void)state;
     assert_int_equal(ns_circuit_switch(c, "s1", 1, 2, 3, 1, &sw, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(c, "r1", 2, 0, 4, NULL), NS_OK);
     s = system_of(c, 3, 1, 0, 1);
-    ASSERT_ARRAY(s->A, 3, 3, -0.2, 0.2, 0, 0.2, -0.2, 0, 0, 0, 0);
+    ASSERT_ARRAY(s->A, 3, 3, -0.2, 0.2, 0, 0.2, -0.45, 0, 0, 0, 0);
     ASSERT_ARRAY(s->B, 3, 1, -1, 1, 0);
     ASSERT_ARRAY(s->C, 1, 3, -1, 1, 0);
     ASSERT_ARRAY(s->D, 1, 1, 1.25);
@@ -321,7 +325,7 @@ static void controls_set_by_sources(void **state) {
     ns_circuit_free(c);
 }
 
-/* Both ends on one node: the element takes part in nothing but its own row. */
+/* Both ends on one node: the element takes part in nothing but its own row; 4 ohm lead to ground. */
 static void both_ends_on_one_node(void **state) {
     ns_circuit *c = make();
     ns_diode d = {0.7, 0, INFINITY, INFINITY, 0};
@@ -330,8 +334,9 @@ static void both_ends_on_one_node(void **state) {
     assert_int_equal(ns_circuit_resistor(c, "r1", 1, 1, 2, NULL), NS_OK);
     assert_int_equal(ns_circuit_capacitor(c, "c1", 1, 1, 2, 5, NULL), NS_OK);
     assert_int_equal(ns_circuit_diode(c, "d1", 1, 1, &d, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(c, "r2", 1, 0, 4, NULL), NS_OK);
     s = system_of(c, 1, 1, 0, 0);
-    assert_true(s->M[0] == 0 && s->A[0] == 0 && s->B[0] == 0 && s->C[0] == 0 && s->e[0] == 0.7);
+    assert_true(s->M[0] == 0 && s->A[0] == -0.25 && s->B[0] == 0 && s->C[0] == 0 && s->e[0] == 0.7);
     ns_system_free(s);
     ns_circuit_free(c);
 }
