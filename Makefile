@@ -219,7 +219,8 @@ lint: deps-lint ## clang-format, clang-tidy, cppcheck, shellcheck, and all of it
 	@$(MAKE) $(JOBS) all units bench-programs
 	@$(MAKE) $(JOBS) CC=clang B=build/clang all units bench-programs
 	$(CC) -x c++ -Wall -Wextra -Wpedantic -Werror -Iinclude -fsyntax-only include/nonsmooth.h
-	printf '%s\n' $(TIDY_FILES) | xargs -P$(shell nproc) -n4 sh -c 'clang-tidy --quiet "$$@" -- $(TIDY_FLAGS)' tidy
+	printf '%s\n' $(TIDY_FILES) | xargs -P$(shell nproc) -n4 \
+	    sh -c 'said=$$(clang-tidy --quiet "$$@" -- $(TIDY_FLAGS) 2>&1) || { echo "$$said"; exit 1; }' tidy
 	cppcheck --quiet --std=c11 --enable=warning,performance,portability --inline-suppr --error-exitcode=1 \
 	    --suppress=uninitvar --suppress=objectIndex -Iinclude -Isrc -Itests/unit src tests codemodels/bridge
 	shellcheck .ci/run codemodels/*.sh tests/*.sh $(wildcard tests/*/*.sh netlists/*.sh)

@@ -59,7 +59,7 @@ static void settle(const ns_circuit *c, ns_system *s, int *parent, int *settled,
 
 int ns_stamp_gauge(const ns_circuit *c, ns_system *s) {
     const size_t count = (size_t)c->nused + 1;
-    int *parent = malloc(2 * count * sizeof *parent);
+    int *parent = calloc(2 * count, sizeof *parent);
     if (!parent) {
         return NS_E_MEMORY;
     }

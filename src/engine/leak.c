@@ -26,9 +26,9 @@ static const double shares[] = {1e-10, 1e-13};
  * term of its row: rounding.  Equations that contradict each other never come to that, for what K_g makes of
  * a contradiction leaves a share of the unknowns behind; nor do unknowns that matter less than the leaks. The
  * latter leave little of the right-hand side, the former all of it. */
-static const double rounding = 1e-15, left_over = 1e-6;
+static const double rounding = 1e-15, left_over = 1e-12;
 
-double ns_leak_across(const ns_theta *s, double ht, int j, double part) {
+double ns_leak_across(const ns_theta *s, double ht, int j, double share) {
     const int n = s->s->n, m = s->s->m;
     const double *rows = ns_lu_rows(s->lu), *units = ns_lu_units(s->lu);
     double high_row = 0, high_column = 0;
@@ -37,11 +37,11 @@ double ns_leak_across(const ns_theta *s, double ht, int j, double part) {
         high_column = fmax(high_column, fabs(s->s->C[j + i * m]) * units[i]);
     }
     const double entry = high_row * high_column;
-    return entry > 0 && isfinite(part / entry) ? part / entry : 0;
+    return entry > 0 && isfinite(share / entry) ? share / entry : 0;
 }
 
-double ns_leak_series(const ns_theta *s, int row, double part) {
-    return part / (ns_lu_rows(s->lu)[row] * ns_lu_units(s->lu)[row]);
+double ns_leak_series(const ns_theta *s, int row, double share) {
+    return share / (ns_lu_rows(s->lu)[row] * ns_lu_units(s->lu)[row]);
 }
 
 /* s->K becomes K_g. */

@@ -121,7 +121,7 @@ int ns_march_start_dc(ns_march *m, double t0, int nhold, const int *hold, const 
     ns_mode *mode = calloc((size_t)m->s->m + 1, sizeof *mode);
     const int status =
         x && mode ? start_dc(m, t0, nhold, hold, hold_x, x, x + n, mode) : ns_march_fail(m, NS_E_MEMORY);
-    if (status == NS_OK && x_out)
+    if (status == NS_OK && x && x_out)
         memcpy(x_out, x, sizeof(double) * n);
     free(x);
     free(mode);

@@ -85,6 +85,7 @@ static int match_row(state *s, int i) {
     return 1;
 }
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): work is written to through s */
 int ns_match_scale(int n, const double *a, int *r, int *c, int *work) {
     state s = {n,
                a,

@@ -39,7 +39,7 @@ double ns_tableau_upper(const ns_mlcp_solver *s, int var) {
 
 /* rows and cols of G as the labels of the tableau have it. */
 static void pick(ns_mlcp_solver *s) {
-    int nr = s->nf, nc = s->nf;
+    int nr = s->nf, nc = nr;
     memcpy(s->rows, s->free, (size_t)s->nf * sizeof *s->rows);
     memcpy(s->cols, s->free, (size_t)s->nf * sizeof *s->cols);
     for (int a = 0; a < s->np; a++) {
