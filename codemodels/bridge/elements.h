@@ -10,8 +10,9 @@ enum { EXTRACT_LATER = 1000, EXTRACT_REFUSED = 1001 }; /* besides the statuses o
 typedef struct extract_walk {
     CKTcircuit *ckt;
     extract *ex;
-    int dc;              /* sources stand for their DC values */
-    double tstep, tstop; /* .tran's, for the defaults of sources */
+    int dc;                     /* sources stand for their DC values */
+    double tstep, tstop;        /* .tran's, for the defaults of sources */
+    const MIFinstance *options; /* of model nonsmooth, once one was read */
 } extract_walk;
 
 /* Reads one instance: NS_OK, EXTRACT_LATER (an element it refers to was not read yet), EXTRACT_REFUSED

@@ -69,6 +69,14 @@ static int read_switch(extract_walk *w, MIFinstance *inst) {
 }
 
 static int read_options(extract_walk *w, MIFinstance *inst) {
+    if (w->options) {
+        char what[160];
+        snprintf(what, sizeof what,
+                 "a circuit takes one instance of model nonsmooth, and %.80s is one already",
+                 w->options->MIFname);
+        return extract_refuse(w, &inst->gen, what);
+    }
+    w->options = inst;
     w->ex->error = options_read(inst, &w->ex->options, w->ex->line, sizeof w->ex->line);
     const double numbers[] = {w->ex->options.h, w->ex->options.theta, w->ex->options.gamma};
     extract_mix(w, numbers, sizeof numbers);
