@@ -101,6 +101,10 @@ static void announce(native *b) {
         report_note("native way: %d unknowns, %d ideal devices", e->system->n, e->ex.ndevices);
     }
     b->announced = 1;
+    if (e->ex.options.reltol > 0.0 && !b->no_reltol) {
+        report_note("reltol = %g has no effect yet: theta has a fixed step, h", e->ex.options.reltol);
+        b->no_reltol = 1;
+    }
 }
 
 /* From charges and fluxes as SPICE's uic gives them. */

@@ -30,6 +30,7 @@ typedef struct native {
     int *held;     /* nodes whose .ic or .nodeset flags are hidden from ngspice, as they were */
     int hidden;    /* flags are hidden */
     int announced; /* the native way was said */
+    int no_reltol; /* that reltol has no effect was said */
     int checked;   /* the running ngspice was looked at */
     int fresh;     /* started, and the start not yet accepted */
     int tried;     /* the march holds a trial that ends at t_trial */

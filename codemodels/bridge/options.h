@@ -7,6 +7,7 @@
 typedef struct options {
     double h; /* s, 0: a sixteenth of ngspice's longest step */
     double theta, gamma;
+    double reltol; /* 0: not given */
     int verbose;
 } options;
 
