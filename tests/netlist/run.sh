@@ -53,7 +53,7 @@ one() {
     dir=$SCRATCH/$(echo "$name" | tr ' /' '__')
     mkdir -p "$dir" || exit 2
     ln -sfn "$top/netlists/lib" "$dir/lib"
-    echo "codemodel $CM" >"$dir/.spiceinit"
+    echo "codemodel '$CM'" >"$dir/.spiceinit"
     case $variant in
     fine) fine "$file" ;;
     reversed) reversed "$file" ;;
@@ -104,19 +104,20 @@ if [ ! -f "$CM" ]; then
     exit 2
 fi
 SCRATCH=${KEEP:-$(mktemp -d)} || exit 2
-mkdir -p "$SCRATCH" || exit 2
+mkdir -p "$SCRATCH" && SCRATCH=$(cd "$SCRATCH" && pwd) || exit 2
 [ -n "${KEEP:-}" ] || trap 'rm -rf "$SCRATCH"' EXIT
 export NONSMOOTH_CM="$CM" NGSPICE TIME_LIMIT SCRATCH
 
-for f in "$top"/netlists/*.cir; do
+cd "$top" || exit 2 # names in the list are without spaces, whatever stands before them
+for f in netlists/*.cir; do
     for v in default fine reversed; do echo "$f $v $(basename "$f" .cir) $v"; done
 done >"$SCRATCH/list"
 for k in cases errors; do
-    for f in "$here/$k"/*.cir; do echo "$f - $k/$(basename "$f" .cir)"; done
+    for f in "tests/netlist/$k"/*.cir; do echo "$f - $k/$(basename "$f" .cir)"; done
 done >>"$SCRATCH/list"
 for n in "$@"; do echo "$n"; done >"$SCRATCH/names"
 [ $# -eq 0 ] && echo >"$SCRATCH/names"
 grep -F -f "$SCRATCH/names" "$SCRATCH/list" | cut -d' ' -f1,2 |
-    xargs -P "${JOBS:-$(nproc)}" -L1 "$0" --one >"$SCRATCH/verdicts"
+    xargs -P "${JOBS:-$(nproc)}" -L1 "$here/run.sh" --one >"$SCRATCH/verdicts"
 sort "$SCRATCH/verdicts"
 ! grep -q '^FAIL' "$SCRATCH/verdicts" && grep -q '^ok' "$SCRATCH/verdicts"
