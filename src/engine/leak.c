@@ -23,10 +23,10 @@ static const double rcond_min = 1e-15;
 static const double shares[] = {1e-10, 1e-13};
 
 /* The rounds end when a residual is some eps of the largest unknown, in the units of the factors, in every
- * term of its row: rounding.  Equations that contradict each other never come to that, for what K_g makes of
- * a contradiction leaves a share of the unknowns behind; nor do unknowns that matter less than the leaks. The
- * latter leave little of the right-hand side, the former all of it. */
-static const double rounding = 1e-15, left_over = 1e-12;
+ * term of its row.  They have converged if that came about, or if next to nothing of the right-hand side is
+ * left over; and if the last round moved nothing any more: what contradicts itself grows by the same amount
+ * in every round, to whatever size, and so do unknowns that matter less than the leaks. */
+static const double rounding = 1e-15, left_over = 1e-12, last_move = 1e-2;
 
 double ns_leak_across(const ns_theta *s, double ht, int j, double share) {
     const int n = s->s->n, m = s->s->m;
@@ -61,21 +61,28 @@ static void add_leaks(ns_theta *s, double h, int implicit, const ns_mode *mode, 
     }
 }
 
+static double largest(const ns_theta *s, int size, const double *x) {
+    const double *unit = ns_lu_units(s->lu);
+    double most = 0;
+    for (int i = 0; i < size; i++)
+        most = fmax(most, fabs(x[i]) / unit[i]);
+    return most;
+}
+
 /* residual = rhs - K X, one column.  Returns its largest entry against the terms of its row, in *left against
  * the largest of the right-hand side. */
 static double residual_of(const ns_theta *s, int size, const double *K, const double *rhs, const double *X,
                           double *residual, double *left) {
     const double *rows = ns_lu_rows(s->lu), *unit = ns_lu_units(s->lu);
-    double worst = 0, largest = 0, given = 0, over = 0;
-    for (int j = 0; j < size; j++) {
-        largest = fmax(largest, fabs(X[j]) / unit[j]);
+    const double most = largest(s, size, X);
+    double worst = 0, given = 0, over = 0;
+    for (int j = 0; j < size; j++)
         given = fmax(given, fabs(rhs[j]) * rows[j]);
-    }
     for (int i = 0; i < size; i++) {
         double sum = rhs[i], terms = fabs(rhs[i]);
         for (int j = 0; j < size; j++) {
             sum -= K[i + j * size] * X[j];
-            terms += fabs(K[i + j * size]) * unit[j] * largest;
+            terms += fabs(K[i + j * size]) * unit[j] * most;
         }
         residual[i] = sum;
         over = fmax(over, fabs(sum) * rows[i]);
@@ -89,7 +96,7 @@ static double residual_of(const ns_theta *s, int size, const double *K, const do
 /* Rounds on column rhs, and one more when they have converged: X and the work vector step have size entries.
  */
 static int settle(ns_theta *s, int size, const double *K, const double *rhs, double *X, double *step) {
-    double worst = INFINITY, left = 1;
+    double worst = INFINITY, left = 1, moved = 0;
     memset(X, 0, sizeof(double) * (size_t)size);
     memcpy(step, rhs, sizeof(double) * (size_t)size);
     for (int round = 0, last = 0; round < ROUNDS && !last; round++) {
@@ -97,9 +104,11 @@ static int settle(ns_theta *s, int size, const double *K, const double *rhs, dou
         ns_lu_solve(s->lu, 1, step);
         for (int i = 0; i < size; i++)
             X[i] += step[i];
+        moved = largest(s, size, step);
         worst = residual_of(s, size, K, rhs, X, step, &left);
     }
-    return worst <= 10 * rounding || left <= left_over ? NS_OK : NS_E_SINGULAR;
+    const int converged = worst <= 10 * rounding || left <= left_over;
+    return converged && moved <= last_move * largest(s, size, X) ? NS_OK : NS_E_SINGULAR;
 }
 
 static int solve_columns(ns_theta *s, int size, int nrhs, const double *K, double *rhs) {

@@ -393,6 +393,51 @@ static void a_short_through_a_diode_is_told(void **state) {
     close_bench(&b);
 }
 
+/* A closed switch between two sources: no current does it, however small the difference; where there is none,
+ * any does, and the least of them is none. */
+static void sources_in_a_loop_must_agree(void **state) {
+    (void)state;
+    const double differences[] = {0, 1e-7, 1e-5, 1};
+    for (int k = 0; k < 4; k++) {
+        bench b = open_bench();
+        int v1;
+        double reached;
+        add_dc(&b, "v1", 1, 0, 5, &v1);
+        add_dc(&b, "v2", 2, 0, 5 + differences[k], NULL);
+        assert_int_equal(ns_circuit_switch(b.c, "s1", 1, 2, 3, 0, &ideal_switch, NULL), NS_OK);
+        add_step(&b, "vg", 3, 0, 0, 1, 1e-6);
+        build(&b, 1e-7);
+        start_at_rest(&b);
+        const int status = ns_march_try(b.m, 2e-6, NS_TO_TIME, &reached);
+        assert_int_equal(status, k == 0 ? NS_OK : NS_E_INFEASIBLE);
+        assert_true(fabs(i_of(&b, v1)) < 1e-9);
+        if (k > 0)
+            assert_true(fabs(ns_march_fault(b.m)->t - 1e-6) < 1e-12);
+        close_bench(&b);
+    }
+}
+
+/* Two closed switches in parallel share 1 A alike. */
+static void parallel_switches_share(void **state) {
+    (void)state;
+    bench b = open_bench();
+    int s1, s2;
+    double x[16], lambda[2], i1, i2;
+    add_dc(&b, "v1", 1, 0, 5, NULL);
+    add_dc(&b, "vg", 3, 0, 1, NULL);
+    assert_int_equal(ns_circuit_switch(b.c, "s1", 1, 2, 3, 0, &ideal_switch, &s1), NS_OK);
+    assert_int_equal(ns_circuit_switch(b.c, "s2", 1, 2, 3, 0, &ideal_switch, &s2), NS_OK);
+    assert_int_equal(ns_circuit_resistor(b.c, "r1", 2, 0, 5, NULL), NS_OK);
+    build(&b, 1e-7);
+    start_at_rest(&b);
+    go(b.m, 1e-6);
+    assert_int_equal(ns_march_read(b.m, NULL, x, lambda, NULL), NS_OK);
+    assert_int_equal(ns_circuit_device(b.c, s1, x, lambda, ns_march_mode(b.m), &i1, NULL, NULL), NS_OK);
+    assert_int_equal(ns_circuit_device(b.c, s2, x, lambda, ns_march_mode(b.m), &i2, NULL, NULL), NS_OK);
+    assert_true(fabs(i1 - 0.5) < 1e-9 && fabs(i2 - 0.5) < 1e-9 && fabs(i1 + i2 - 1) < 1e-12);
+    close_bench(&b);
+}
+
 static void every_allocation_may_fail(void **state) {
     (void)state;
     ns_system *s = system_lc_bridge();
@@ -431,6 +476,8 @@ int main(void) {
         cmocka_unit_test(trials_leave_the_accepted_point_alone),
         cmocka_unit_test(operating_point_is_found_and_kept),
         cmocka_unit_test(a_short_through_a_diode_is_told),
+        cmocka_unit_test(sources_in_a_loop_must_agree),
+        cmocka_unit_test(parallel_switches_share),
         cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
