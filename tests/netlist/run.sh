@@ -10,6 +10,7 @@
 #   cases/X      tests/netlist/cases/X.cir, which judges itself
 #   errors/X     tests/netlist/errors/X.cir: exactly one line of output matches the regular expression of its
 #                first line `* expect: ...`, and it judges what was kept
+#   README       the netlist that README.md shows: its measurements are what the text below it says
 # All but errors/ also fail on a rejected time point and on "timestep too small" or "singular" in the output;
 # everything fails on a sanitizer's or valgrind's finding, a crash, and after TIME_LIMIT seconds.
 # Environment: NONSMOOTH_CM (build/nonsmooth.cm), NGSPICE (ngspice), TIME_LIMIT (60), JOBS (number of
@@ -42,12 +43,19 @@ reversed() {
          pass == 2 { if (element) print line[n--]; else print }' "$1" "$1"
 }
 
+# shown FILE: the netlist that a text shows.
+# shellcheck disable=SC2016 # Markdown's
+shown() {
+    sed -n '/^```spice$/,/^```$/{/^```/!p}' "$1"
+}
+
 # one FILE VARIANT: runs it in a folder of its own and prints the verdict.
 one() {
     file=$1 variant=$2 base=$(basename "$1" .cir)
     case $file in
     */cases/*) name=cases/$base kind=case ;;
     */errors/*) name=errors/$base kind=error ;;
+    README.md) name=README kind=readme ;;
     *) name="$base $variant" kind=netlist ;;
     esac
     dir=$SCRATCH/$(echo "$name" | tr ' /' '__')
@@ -57,6 +65,7 @@ one() {
     case $variant in
     fine) fine "$file" ;;
     reversed) reversed "$file" ;;
+    README) shown "$file" ;;
     *) cat "$file" ;;
     esac | sed 's/^run$/run\nrusage rejected/' >"$dir/$base.cir"
     (cd "$dir" && HOME=$dir exec timeout -k 5 "$TIME_LIMIT" "$NGSPICE" -b "$base.cir" >out 2>&1 </dev/null)
@@ -72,6 +81,15 @@ outside() {
              for (i = 1; i < NF; i++) { if ($i == "error") e = $(i + 1); if ($i == "tolerance") t = $(i + 1) }
              if (e == "%" || e + 0 > t + 0) { print; found = 1; exit } }
          END { exit !found }' "$1"
+}
+
+# measured OUTPUT NAME VALUE PERCENT: prints what .meas NAME gave if that is not within PERCENT of VALUE.
+measured() {
+    awk -v name="$2" -v value="$3" -v percent="$4" '
+        $1 == name && $2 == "=" { got = $3 }
+        END { e = 100 * (got / value - 1)
+              if (!(e <= percent && e >= -percent))
+                  print name " = " value " expected within " percent " %, got " (got == "" ? "nothing" : got) }' "$1"
 }
 
 # judge OUTPUT STATUS KIND FILE: prints why it failed, or nothing.
@@ -92,6 +110,8 @@ judge() {
     fi
     if [ "$2" != 0 ]; then
         outside "$1" || grep '^nonsmooth: ' "$1" | grep -v 'native way: ' | grep -m1 . || grep expected "$1" | tr '\n' ' ' | grep . || echo "status $2"
+    elif [ "$3" = readme ]; then # D Vin exactly; the ripple's closed form is in netlists/buck_ccm.cir
+        { measured "$1" vout 4.8 0.1 && measured "$1" ripple 0.2886 1; } | paste -sd' ' -
     fi
 }
 
@@ -115,6 +135,7 @@ done >"$SCRATCH/list"
 for k in cases errors; do
     for f in "tests/netlist/$k"/*.cir; do echo "$f - $k/$(basename "$f" .cir)"; done
 done >>"$SCRATCH/list"
+echo "README.md README README" >>"$SCRATCH/list"
 for n in "$@"; do echo "$n"; done >"$SCRATCH/names"
 [ $# -eq 0 ] && echo >"$SCRATCH/names"
 grep -F -f "$SCRATCH/names" "$SCRATCH/list" | cut -d' ' -f1,2 |
