@@ -55,7 +55,9 @@ void ns_circuit_free(ns_circuit *c); /* NULL is allowed */
 int ns_circuit_name_node(ns_circuit *c, int node, const char *name);
 
 /* Elements.  ic: initial v or i, NAN if not given.  Errors of all: NULL, SIZE (node < 0, or reference to no
- * such element), NUMBER, RANGE, NAME (given twice), MEMORY; on error the circuit is as before. */
+ * such element), NUMBER, RANGE, NAME (given twice), MEMORY; on error the circuit is as before.
+ * Coupling factors of which each is in range but which no windings can have together (0.99, 0.99 and 0 among
+ * three) are refused by ns_circuit_system(). */
 int ns_circuit_resistor(ns_circuit *c, const char *name, int p, int n, double ohms,
                         int *id); /* 0 and < 0 allowed */
 int ns_circuit_capacitor(ns_circuit *c, const char *name, int p, int n, double farads, double ic, int *id);
@@ -83,8 +85,11 @@ int ns_circuit_node_ic(ns_circuit *c, int node, double volts);
 const char *ns_circuit_message(const ns_circuit *c);
 
 /* Makes (S1)-(S4) of the circuit as it is now; the caller frees it.  A switch whose control is set by
- * sources through a path of independent voltage sources gets a command with gx NULL (time only).
- * Errors: NULL, MEMORY, those of ns_system_check(). */
+ * sources through a path of independent voltage sources gets a command with gx NULL (time only).  A part of
+ * the circuit that no element connects with ground gets 1 S from one of its nodes to ground, which carries no
+ * current and puts that node at 0 V; an .ic marks the node to take.
+ * Errors: NULL, RANGE (coupling factors that let the stored energy be negative), MEMORY, those of
+ * ns_system_check(). */
 int ns_circuit_system(ns_circuit *c, ns_system **out);
 
 /* Index in x of a node's voltage, of an element's current; -1 if it has none. */

@@ -2,7 +2,7 @@
  *
  * Pair i is at its lower bound (lambda = l, y >= 0), inside (l <= lambda <= u, y = 0) or at its
  * upper bound (lambda = u, y <= 0).  l = 0, u = inf: complementarity.  l = -inf, u = inf: an equality
- * y = 0.  l = u: lambda is given, y free.  Any l <= u is allowed.
+ * y = 0.  l = u: lambda is given, y free.  Any l <= u is allowed but l = u = -inf and l = u = inf.
  */
 #ifndef NONSMOOTH_MLCP_H
 #define NONSMOOTH_MLCP_H
@@ -30,7 +30,7 @@ typedef struct ns_mlcp_info {
     long pivots;     /* exchanges of one pair */
     long factors;    /* m*m factorisations */
     double residual; /* ns_mlcp_residual() of the answer */
-    ns_fault fault;  /* pair[]: where the certificate or the failure lies */
+    ns_fault fault;  /* pair[]: see ns_mlcp_solve(); t is NAN, unknown[] empty */
 } ns_mlcp_info;
 
 typedef struct ns_mlcp_solver ns_mlcp_solver; /* workspace for problems of up to m pairs */
@@ -48,8 +48,14 @@ void ns_mlcp_free(ns_mlcp_solver *s);
  * exchanged until they are not), its guards are read, and if they hold, no pivot is made; otherwise
  * Lemke's method from that basis with lexicographic ties.  The answer is computed anew from W and q in
  * its mode, refined, and its natural residual is checked before NS_OK.
- * Errors: NULL, SIZE (p->m larger than the workspace), NUMBER, BOUNDS; SINGULAR (no basis holds all
- * equalities), INFEASIBLE (a ray; fault.pair names its support), LIMIT, RESIDUAL. */
+ * Where equalities are redundant (two closed switches in parallel) the answer is, in what they leave open,
+ * the one of least norm, in units of the scaling of W: equal shares for equal switches.
+ * info->fault.pair, at most NS_FAULT_MAX: INFEASIBLE: the pairs that the certificate rests on, or whose
+ * equations are left unsatisfied, the heaviest first; SINGULAR: the equalities that no basis takes beside the
+ * others.  Of other errors it says nothing, of NS_OK it is empty.
+ * Errors: NULL, SIZE (p->m larger than the workspace), NUMBER, BOUNDS (l > u, or both the same infinity);
+ * SINGULAR (no basis holds all equalities, and no answer of least norm was found), INFEASIBLE (a proof was
+ * found, or equations that contradict each other), LIMIT, RESIDUAL. */
 int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *lambda, double *y,
                   ns_mlcp_info *info);
 
