@@ -133,6 +133,9 @@ static int truncation(GENmodel *model, CKTcircuit *ckt, double *step) {
     return OK;
 }
 
+/* Of OpenBLAS; another BLAS has none. */
+extern void openblas_set_num_threads(int n) __attribute__((weak));
+
 __attribute__((__constructor__)) static void install(void) {
     static int (*const setups[KINDS])(SMPmatrix *, GENmodel *, CKTcircuit *,
                                       int *) = {setup_diode, setup_switch, setup_options};
@@ -145,5 +148,8 @@ __attribute__((__constructor__)) static void install(void) {
         ours[k]->DEVacLoad = ac_load;
         ours[k]->DEVdelete = delete;
         ours[k]->DEVtrunc = truncation;
+    }
+    if (openblas_set_num_threads) { /* our matrices are small: threads only wait for each other, spinning */
+        openblas_set_num_threads(1);
     }
 }
