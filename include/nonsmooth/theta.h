@@ -27,7 +27,7 @@ typedef struct ns_theta ns_theta;
 
 typedef struct ns_theta_options {
     double theta, gamma; /* in (0,1] */
-    size_t map_bytes;    /* bound on the memory of kept maps; 0: 64 MiB */
+    size_t map_bytes;    /* bound on the memory of kept maps; 0: 32 MiB */
 } ns_theta_options;
 
 /* What the steps of an object cost so far. */

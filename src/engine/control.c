@@ -70,6 +70,32 @@ double ns_control_instant(ns_march *m, double t, unsigned char *flip) {
     return first;
 }
 
+/* Crests and troughs of vo + va sin(2 pi f (t - td) + phase); damping moves them by less than matters here.
+ */
+static double next_crest(const ns_signal *s, double t) {
+    const double half = 0.5 / fabs(s->u.sin.freq);
+    const double sign = s->u.sin.freq < 0 ? -1 : 1;
+    double first = s->u.sin.td + (0.25 - sign * s->u.sin.phase / 360) * 2 * half;
+    first += half * ceil((s->u.sin.td - first) / half);
+    double crest = first + half * fmax(0, floor((t - first) / half) + 1);
+    if (crest <= t + 1e-6 * half)
+        crest += half;
+    return crest;
+}
+
+double ns_control_next_crest(const ns_march *m, double t) {
+    double next = INFINITY;
+    for (int c = 0; c < m->s->nc; c++) {
+        const ns_command *k = &m->s->command[c];
+        for (int i = 0; !k->gx && k->gz && i < m->s->nz; i++) {
+            const ns_signal *s = &m->s->z[i];
+            if (k->gz[i] != 0 && s->kind == NS_SIN && s->u.sin.freq != 0 && s->u.sin.va != 0)
+                next = fmin(next, next_crest(s, t));
+        }
+    }
+    return next;
+}
+
 void ns_control_apply(ns_march *m, const unsigned char *flip) {
     int any = 0;
     for (int c = 0; c < m->s->nc; c++) {

@@ -6,6 +6,8 @@
  */
 #include "marcher.h"
 
+#include <float.h>
+#include <math.h>
 #include <string.h>
 
 static int step_to(ns_march *m, double h) {
@@ -42,16 +44,25 @@ static void count_event(ns_march *m) {
     m->live.crowd++;
 }
 
-/* The guard that broke was found by a step of the scheme; an implicit one of the same length may just not
- * see it, or (P1) finds that it held after all.  Longer ones tell. */
+/* The guard that broke was found by a step of the scheme; an implicit one of the same length may just not see
+ * it, or (P1) may find that it held after all.  Longer ones may tell, up to a length at which nothing is
+ * skipped: if they do not, the walk goes on, and where such events crowd, it captures. */
 static int step_until_changed(ns_march *m, double *h) {
     const long before = ns_theta_counts(m->step)->events;
+    const double longest = ldexp(m->h, -NS_SPURIOUS_RUNG);
     int status = ns_short_try(m, *h);
-    while (status == NS_OK && ns_theta_counts(m->step)->events == before && m->live.t + 2 * *h < m->limit) {
+    while (status == NS_OK && ns_theta_counts(m->step)->events == before && 2 * *h <= longest &&
+           m->live.t + 4 * *h < m->limit) {
         *h *= 2;
         status = ns_short_try(m, *h);
     }
     return status;
+}
+
+/* The length of the steps that resolve an event: two and more of them before anything else happens. */
+static double event_step(const ns_march *m) {
+    const double h = ns_short_step(m, NS_EVENT_RUNG), room = (m->limit - m->live.t) / 8;
+    return room > 64 * DBL_EPSILON * fabs(m->live.t) ? fmin(h, room) : h;
 }
 
 static int any(const unsigned char *flip, int count) {
@@ -62,7 +73,7 @@ static int any(const unsigned char *flip, int count) {
 }
 
 int ns_event_resolve(ns_march *m) {
-    double h = ns_short_step(m, NS_EVENT_RUNG);
+    double h = event_step(m);
     int status = NS_OK, changed = m->live.jump || any(m->flip, m->s->nc);
     count_event(m);
     m->live.at_event = m->live.jump = 0;

@@ -80,7 +80,7 @@ static void go_back(ns_march *m) {
 
 static double next_corner(ns_march *m) {
     if (m->corner <= m->live.t) {
-        m->corner = INFINITY;
+        m->corner = ns_control_next_crest(m, m->live.t);
         for (int i = 0; i < m->s->nz; i++)
             m->corner = fmin(m->corner, ns_signal_next_corner(&m->s->z[i], m->live.t));
     }
@@ -102,18 +102,20 @@ static void look_at_corner(ns_march *m) {
 
 static int go_to(ns_march *m, double t, ns_until until) {
     int status = NS_OK;
-    m->limit = t;
+    m->limit = fmin(t, next_corner(m));
     if (m->live.at_event && until == NS_TO_EVENT)
         return ns_event_resolve(m);
     /* bounds the tries: each event takes some 2 x 24 to be located, NS_CROWD of them fit into one h */
     m->budget = 4000 + (long)fmin(1e12, 4000 * (t - m->live.t) / m->h);
     while (status == NS_OK && m->live.t < t) {
         if (m->live.at_event) {
+            m->limit = fmin(t, next_corner(m));
             status = ns_event_resolve(m);
             continue;
         }
         const double corner = next_corner(m);
-        status = ns_walk(m, fmin(t, corner));
+        m->limit = fmin(t, corner);
+        status = ns_walk(m, m->limit);
         if (status == NS_OK && !m->live.at_event && m->live.t == corner)
             look_at_corner(m);
         if (m->live.at_event && until == NS_TO_EVENT) /* right here: on to its right side */

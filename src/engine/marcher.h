@@ -7,9 +7,12 @@
 #include "nonsmooth/march.h"
 
 /* The ladder: steps of h 2^-k.  Events are located to h 2^-20, far below the error of the scheme, and the
- * step that resolves them has that length; what is left before a given instant is followed to h 2^-22.
- * Shorter steps would add noise: a voltage L (i - i_k)/h loses what i has lost. */
-enum { NS_EVENT_RUNG = 20, NS_LAST_RUNG = 22 };
+ * step that resolves them has that length.  Shorter steps would add noise: a voltage L (i - i_k)/h loses what
+ * i has lost.  On the way to a given instant the ladder is used down to h 2^-4, and the tail is one step of
+ * its own length; less than h 2^-40 is left undone. */
+enum { NS_EVENT_RUNG = 20, NS_TAIL_RUNG = 4, NS_LAST_RUNG = 40 };
+/* A guard that broke for the scheme and holds for (P1) is followed no longer than by a step of h 2^-this. */
+enum { NS_SPURIOUS_RUNG = 10 };
 /* More events than this within one h: event-capturing steps of h 2^-NS_CAPTURE_RUNG until h has passed. */
 enum { NS_CROWD = 16, NS_CAPTURE_RUNG = 2 };
 
@@ -30,7 +33,7 @@ struct ns_march {
     double *past;                    /* the stepper's, at the accepted point */
     unsigned char *flip, *kept_flip; /* nc: commands that change at the event */
     double corner;                   /* first corner of the inputs after live.t */
-    double limit;                    /* no step of an event goes beyond */
+    double limit;                    /* the next thing known to happen: no step of an event goes beyond */
     double *z, *z_left;              /* nz */
     unsigned char *due;              /* nc: commands that change where the walk stops */
     unsigned char *crossed;          /* nc: commands that the last try crossed */
@@ -56,6 +59,10 @@ int ns_control_by_state(ns_march *m, const double *z, unsigned char *flip);
 /* The first instant in [m->live.t, t] at which one of the time-only commands in flip crosses; leaves in flip
  * those that cross at that instant. */
 double ns_control_instant(ns_march *m, double t, unsigned char *flip);
+/* The first instant after t at which a sine that commands a switch turns round: between two of them it
+ * crosses a threshold at most once, so that looking at step ends misses nothing.  INFINITY if there is none.
+ */
+double ns_control_next_crest(const ns_march *m, double t);
 void ns_control_apply(ns_march *m, const unsigned char *flip);
 
 /* walk.c: from live.t towards stop (no corner of an input in between), to stop or to the left side of an

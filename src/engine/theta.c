@@ -113,7 +113,7 @@ int ns_theta_create(const ns_system *system, const ns_theta_options *o, ns_theta
     s->theta = o->theta;
     s->gamma = o->gamma;
     s->carry = o->theta < 1 || o->gamma < 1;
-    s->cache.limit = o->map_bytes ? o->map_bytes : (size_t)64 << 20;
+    s->cache.limit = o->map_bytes ? o->map_bytes : (size_t)32 << 20;
     s->fault.t = NAN;
     status = allocate(s);
     if (status == NS_OK)

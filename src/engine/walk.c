@@ -24,6 +24,26 @@ typedef struct walker {
     int locating;  /* a break is known to lie within the last rung tried */
 } walker;
 
+/* What may be left undone before a stop: what t cannot show, and what no ladder has. */
+static double next_to_nothing(const ns_march *m) {
+    return fmax(16 * DBL_EPSILON * fabs(m->live.t), ldexp(m->h, -NS_LAST_RUNG));
+}
+
+/* The length to try: the longest rung that fits, but such that what is left before the stop is nothing or no
+ * sliver; the tail in one step of its own length. */
+static double choose(const ns_march *m, walker *w, double rest) {
+    const double tail = ldexp(m->h, -NS_TAIL_RUNG);
+    if (!w->locating && rest < 1.5 * tail)
+        return rest;
+    for (;; w->rung++) {
+        const double h = ldexp(m->h, -w->rung), left = rest - h;
+        if (fabs(left) <= 1e-9 * h) /* a rest that lost some ulps is still a whole rung */
+            return h;
+        if (left > 0 && (w->locating || left > tail / 2))
+            return h;
+    }
+}
+
 /* Events crowd (accumulation, chatter): no location, (P1) at the end of the step. */
 static int capture(ns_march *m, double h, double t) {
     int status = ns_theta_try(m->step, h, m->z, 0, NS_RESOLVE);
@@ -64,9 +84,7 @@ static int advance(ns_march *m, walker *w, int *done) {
     const int crowded = m->live.crowd > NS_CROWD;
     if (crowded && w->rung < NS_CAPTURE_RUNG)
         w->rung = NS_CAPTURE_RUNG;
-    while (ldexp(m->h, -w->rung) > rest * (1 + 1e-9)) /* a rest that lost some ulps is still a whole rung */
-        w->rung++;
-    const double h = ldexp(m->h, -w->rung);
+    const double h = choose(m, w, rest);
     const double t = h >= rest * (1 - 1e-9) ? w->stop : m->live.t + h;
     ns_system_inputs(m->s, t, NS_LEFT, m->z);
     if (!w->commanded && m->s->nc > 0 && ns_control_by_time(m, m->z, m->due)) {
@@ -83,7 +101,7 @@ static int advance(ns_march *m, walker *w, int *done) {
         return status;
     w->locating |= broke;
     w->rung += w->locating;
-    *done = w->locating && (w->rung > NS_EVENT_RUNG || h <= ns_short_step(m, NS_LAST_RUNG));
+    *done = w->locating && (w->rung > NS_EVENT_RUNG || h <= ns_short_step(m, NS_EVENT_RUNG));
     return NS_OK;
 }
 
@@ -91,7 +109,7 @@ int ns_walk(ns_march *m, double stop) {
     walker w = {stop, 0, 0, 0};
     int done = 0;
     memset(m->flip, 0, (size_t)m->s->nc);
-    while (!done && w.stop - m->live.t > ns_short_step(m, NS_LAST_RUNG)) {
+    while (!done && w.stop - m->live.t > next_to_nothing(m)) {
         if (m->budget-- <= 0)
             return ns_march_fail(m, NS_E_LIMIT);
         const int status = advance(m, &w, &done);
@@ -99,7 +117,7 @@ int ns_walk(ns_march *m, double stop) {
             return status;
     }
     if (!done)
-        m->live.t = w.stop;
+        m->live.t = fmax(m->live.t, w.stop);
     if (!done && w.commanded)
         memcpy(m->flip, m->due, (size_t)m->s->nc);
     m->live.at_event = done || w.commanded;
