@@ -46,7 +46,7 @@ static double excess_at(ns_march *m, int c, double t, double tol) {
     return excess(m, c, 0, m->z_left, tol);
 }
 
-/* Where command c crosses in [a, b], excess > 0 at b: by bisection to rounding. */
+/* Where command c crosses in [a, b], excess > 0 at b: by bisection to the last number before. */
 static double instant_of(ns_march *m, int c, double a, double b) {
     if (excess_at(m, c, a, 0) > 0)
         return a;
@@ -56,7 +56,7 @@ static double instant_of(ns_march *m, int c, double a, double b) {
             break;
         *(excess_at(m, c, mid, 0) > 0 ? &b : &a) = mid;
     }
-    return b;
+    return a;
 }
 
 double ns_control_instant(ns_march *m, double t, unsigned char *flip) {
