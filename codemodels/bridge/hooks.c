@@ -105,10 +105,13 @@ static int accept_point(CKTcircuit *ckt, GENmodel *model) {
     return b ? native_accept(b) : OK;
 }
 
+/* The first of our types that is asked ends the analysis. */
 static int ac_load(GENmodel *model, CKTcircuit *ckt) {
-    if (at_last(ckt, model)) {
-        report_error("%s cannot be done yet; .op, .dc and .tran can", ckt->CKTcurJob->JOBname);
+    const bridge *b = find(ckt);
+    if (!b || !b->last_type) {
+        return MIFload(model, ckt);
     }
+    report_error("%s cannot be done yet; .op, .dc and .tran can", ckt->CKTcurJob->JOBname);
     return E_UNSUPP;
 }
 
