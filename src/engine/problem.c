@@ -76,24 +76,27 @@ static int solve(ns_theta *s, int size, ns_mode *mode) {
 }
 
 /* The same problem with a leak across each pair and a resistance in series with it: lambda is replaced by
- * lambda - g y, y by y + rho lambda. */
-static void add_leaks(ns_theta *s, double h, int implicit, double share) {
-    const int n = s->s->n, m = s->s->m, size = n + m;
-    const double ht = implicit ? h : h * s->theta;
+ * lambda - g (y - y0), y by y + rho (lambda - lambda0), where y0 and lambda0 are those of the solution in
+ * s->resid and s->sol, or zero. */
+static void add_leaks(ns_theta *s, double ht, int size, double share, int around_last) {
+    const int n = s->s->n, m = s->s->m;
     (void)ns_lu_factor(s->lu, size, s->K, NULL, NULL); /* for its scaling: singular or not does not matter */
     for (int j = 0; j < m; j++) {
-        const double g = ns_leak_across(s, ht, j, share);
+        const double g = ns_leak_across(s, ht, j, share), y0 = around_last ? s->resid[n + j] : 0;
         for (int i = 0; i < n; i++) {
             const double leak = (i < s->r ? ht : 1) * g * s->B[i + j * n];
             for (int k = 0; k < n; k++)
                 s->K[i + k * size] += leak * s->s->C[j + k * m];
             for (int k = 0; k < m; k++)
                 s->K[i + (n + k) * size] += leak * s->s->D[j + k * m];
-            s->rhs[i] += leak * s->rhs[n + j];
+            s->rhs[i] += leak * (s->rhs[n + j] - y0);
         }
     }
-    for (int j = 0; j < m; j++)
-        s->K[(n + j) * (size + 1)] += ns_leak_series(s, n + j, share);
+    for (int j = 0; j < m; j++) {
+        const double rho = ns_leak_series(s, n + j, share);
+        s->K[(n + j) * (size + 1)] += rho;
+        s->rhs[n + j] -= around_last ? rho * s->sol[n + j] : 0;
+    }
 }
 
 int ns_problem_solve(ns_theta *s, double h, int implicit, double share) {
@@ -102,13 +105,12 @@ int ns_problem_solve(ns_theta *s, double h, int implicit, double share) {
     for (int i = 0; i < s->r; i++)
         s->rhs[i] -= s->trial_in[i]; /* eta of (T6) */
     if (share > 0)
-        add_leaks(s, h, implicit, share);
+        add_leaks(s, implicit ? h : h * s->theta, n + m, share, 0);
     return solve(s, n + m, s->trial_mode);
 }
 
 /* Holding node voltage x_i takes one more unknown, the current that does it, in x_i's own KCL row. */
-int ns_problem_dc(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
-                  ns_mode *mode, double *x) {
+static void form_dc(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x) {
     const int n = s->s->n, m = s->s->m, size = n + m + nhold;
     form(s, NULL, 0, 0, z, size);
     for (int k = 0; k < nhold; k++) {
@@ -118,8 +120,41 @@ int ns_problem_dc(ns_theta *s, const double *z, int nhold, const int *hold, cons
         s->K[(n + m + k) + hold[k] * size] = 1;
         s->rhs[n + m + k] = -hold_x[k];
     }
+}
+
+/* At rest an inductor is a short: how it shares a current with a closed switch is open, and all of it flows
+ * in the inductor when the switch has any resistance.  So what the exact problem answers is asked again with
+ * leaks, twice: around zero, which settles what is open, and around that answer, which leaves their share of
+ * their share on the rest.  The exact answer stays where that finds none. */
+static int settle_dc(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
+                     ns_mode *mode) {
+    static const double share = 1e-8;
+    const int size = s->s->n + s->s->m + nhold;
+    int status = NS_OK;
+    for (int round = 0; round < 3 && status == NS_OK; round++) {
+        form_dc(s, z, nhold, hold, hold_x);
+        add_leaks(s, 1, size, share, round > 0);
+        status = solve(s, size, mode);
+    }
+    if (status != NS_OK)
+        return status;
+    form_dc(s, z, nhold, hold, hold_x);
+    const ns_mlcp p = {size, s->K, s->rhs, s->bl, s->bu};
+    return ns_mlcp_residual(&p, s->sol, NULL) < 1e-12 ? NS_OK : NS_E_RESIDUAL;
+}
+
+int ns_problem_dc(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
+                  ns_mode *mode, double *x) {
+    const int n = s->s->n, size = n + s->s->m + nhold;
+    form_dc(s, z, nhold, hold, hold_x);
     const int status = solve(s, size, mode);
-    if (status == NS_OK)
+    if (status != NS_OK)
+        return status;
+    memcpy(x, s->sol, sizeof(double) * (size_t)n);
+    memcpy(s->trial_mode, mode, (size_t)s->s->m);
+    if (settle_dc(s, z, nhold, hold, hold_x, s->trial_mode) == NS_OK) {
         memcpy(x, s->sol, sizeof(double) * (size_t)n);
-    return status;
+        memcpy(mode, s->trial_mode, (size_t)s->s->m);
+    }
+    return NS_OK;
 }
