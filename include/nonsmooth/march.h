@@ -47,7 +47,8 @@ typedef enum ns_until {
 } ns_until;
 
 /* Tries the way from the accepted point to time t (> the accepted time).  *reached gets where the trial
- * ended: later than the accepted time, and at most a millionth of h beyond t.  The accepted point is left
+ * ended: later than the accepted time, and at most some steps of h/2^20 beyond t
+ * (two for each switch that an event at t makes switch).  The accepted point is left
  * alone: try again with any t.  A second call that asks for the end of the last trial costs nothing.  Errors:
  * NULL, RANGE (t), those of ns_theta_try(), LIMIT. */
 int ns_march_try(ns_march *m, double t, ns_until until, double *reached);
