@@ -140,7 +140,7 @@ int native_begin(native *b) {
     int status;
     int error;
     engine_clear(&b->engine);
-    b->fresh = b->tried = b->failed = 0;
+    b->fresh = b->tried = b->loaded = b->failed = 0;
     b->refused = is_refused(b);
     if (b->refused) {
         return refuse(b);
@@ -207,5 +207,10 @@ int native_go_on(native *b) {
     engine_clear(&b->engine);
     b->engine = altered;
     b->tried = 0;
-    return status ? native_fail(b, status) : OK;
+    if (status) {
+        return native_fail(b, status);
+    }
+    ns_march_read(b->engine.march, &b->t, b->engine.x, b->engine.lambda, NULL); /* t: jumps took a while */
+    show_values(&b->engine, b->engine.x, b->value);
+    return OK;
 }

@@ -12,6 +12,8 @@
 #include "report.h"
 #include "show.h"
 
+enum { EVENTS_NEAR = 8 }; /* before ngspice can step */
+
 static int is_dc(const CKTcircuit *ckt) {
     return (ckt->CKTmode & MODEDC) != 0;
 }
@@ -57,17 +59,20 @@ static int try_to(native *b, double t, ns_until until) {
 /* Leaves x(t) in b->value; a failure waits for the accept, which ends the analysis without a false point. */
 static void load_tran(native *b) {
     CKTcircuit *ckt = b->ckt;
+    b->loaded = 0;
     if (ckt->CKTtrtol != NATIVE_MARK && !b->failed) {
         ckt->CKTtrtol = NATIVE_MARK;
         b->failed = native_go_on(b);
     }
-    if (b->failed || same_time(ckt->CKTtime, b->t)) {
+    /* what was accepted may lie a little beyond: a jump takes a while, and ngspice's times are rounded */
+    if (b->failed || ckt->CKTtime <= b->t || same_time(ckt->CKTtime, b->t)) {
         return;
     }
     if ((!b->tried || !same_time(ckt->CKTtime, b->t_trial)) && try_to(b, ckt->CKTtime, NS_TO_TIME)) {
         return;
     }
     read_point(b);
+    b->loaded = 1;
 }
 
 /* Leaves the operating point in b->value. */
@@ -100,9 +105,29 @@ int native_load(native *b) {
 
 /* --- accepts --- */
 
+static void accept_trial(native *b) {
+    ns_march_accept(b->engine.march);
+    b->t = b->t_trial;
+}
+
+/* An event that is as good as here (ngspice cannot step there) is accepted, and the way after it tried. */
+static int try_next(native *b, int first) {
+    CKTcircuit *ckt = b->ckt;
+    int error = OK;
+    for (int near = 0; near < EVENTS_NEAR && !error; near++) {
+        error = try_to(b, points_next(ckt, b->t, first), NS_TO_EVENT);
+        if (error || b->t_trial - ckt->CKTtime >= points_closeness(ckt)) {
+            break;
+        }
+        accept_trial(b);
+        b->tried = 0;
+    }
+    return error || b->tried ? error : try_to(b, points_next(ckt, b->t, first), NS_TO_TIME);
+}
+
 static void look_ahead(native *b, int first) {
     CKTcircuit *ckt = b->ckt;
-    int error = try_to(b, points_next(ckt, b->t, first), NS_TO_EVENT);
+    int error = try_next(b, first);
     if (!error && b->t_trial != ckt->CKTfinalTime && ckt->CKTfinalTime - b->t_trial < points_closeness(ckt)) {
         error = try_to(b, ckt->CKTfinalTime, NS_TO_TIME);
     }
@@ -121,11 +146,10 @@ int native_accept(native *b) {
     if (!b->engine.march || is_dc(ckt)) {
         return OK;
     }
-    if (b->tried && same_time(ckt->CKTtime, b->t_trial)) {
-        ns_march_accept(b->engine.march);
-        b->t = b->t_trial;
+    if (b->loaded) {
+        accept_trial(b);
     }
-    b->tried = b->fresh = 0;
+    b->tried = b->loaded = b->fresh = 0;
     if (first) { /* the consistent start, not the operating point under .ic */
         read_point(b);
         memcpy(ckt->CKTrhsOld, b->value, (size_t)b->engine.ex.neq * sizeof *b->value);
@@ -149,7 +173,7 @@ void native_reset(native *b) {
     free(b->held);
     b->value = NULL;
     b->held = NULL;
-    b->fresh = b->tried = b->failed = 0;
+    b->fresh = b->tried = b->loaded = b->failed = 0;
 }
 
 void native_clear(native *b) {

@@ -21,7 +21,7 @@
 
 #include "nonsmooth.h"
 
-enum { NODES = 6, ELEMENTS = 11, RUNS = 600, STEPS = 60, REFUSED = RUNS / 50 };
+enum { NODES = 6, ELEMENTS = 11, RUNS = 600, STEPS = 60, REFUSED = RUNS / 100 };
 
 typedef enum kind { RES, CAP, IND, DIODE, SWITCH } kind;
 
@@ -170,7 +170,7 @@ static run plain(double roff) {
 
 /* How far answers may be off, relative to all energy: what the limit of leaks leaves over where a network
  * leaves something open (leak.c); everywhere else growth is below 1e-13 (printed). */
-static const double energy_tol = 1e-7;
+static const double energy_tol = 1e-8;
 
 /* The largest growth, relative to the first; -1 if refused. */
 static double growth(const element *e, double roff) {
