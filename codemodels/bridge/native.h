@@ -34,6 +34,7 @@ typedef struct native {
     int checked;   /* the running ngspice was looked at */
     int fresh;     /* started, and the start not yet accepted */
     int tried;     /* the march holds a trial that ends at t_trial */
+    int loaded;    /* ngspice's present point shows that trial */
     int refused;   /* this analysis is not for us */
     int failed;    /* code to end the analysis with; the line was said */
     double t;      /* accepted, the march's */
