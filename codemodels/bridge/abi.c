@@ -6,6 +6,7 @@
 
 #include <math.h>
 
+#include "models.h"
 #include "ngspice/spmatrix.h"
 
 #include "maths/sparse/spdefs.h"
@@ -51,7 +52,7 @@ static int resistors_fit(const CKTcircuit *ckt) {
         const GENinstance *inst = box->data;
         const RESinstance *r = (const RESinstance *)inst;
         const RESmodel *model = (const RESmodel *)inst->GENmodPtr;
-        if (inst->GENname[0] == 'r' && !r->REStc1Given && !r->REStc2Given && !r->REStceGiven &&
+        if (models_letter(inst) == 'r' && !r->REStc1Given && !r->REStc2Given && !r->REStceGiven &&
             model->REStempCoeff1 == 0.0 && model->REStempCoeff2 == 0.0 && !model->REStceGiven &&
             r->RESresist != 0.0 &&
             !(fabs(r->RESconduct * r->RESresist * r->RESscale / r->RESm - 1.0) < 1e-9 /* rounding */)) {

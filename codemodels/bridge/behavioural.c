@@ -6,6 +6,7 @@
 #include "elements.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "ngspice/inpptree.h"
 #include "spicelib/devices/asrc/asrcdefs.h"
@@ -128,6 +129,19 @@ static int make_terms(const extract_walk *w, const ASRCinstance *b, const double
     return NS_OK;
 }
 
+/* ngspice makes B sources of its own, where a user wrote none. */
+static const char *why_not(const char *name) {
+    if (strncmp(name, "bpa_", 4) == 0) {
+        return "made by par() of .meas, .print or .plot, not linear in voltages and currents, and cannot be "
+               "taken yet: use let and meas after the run instead";
+    }
+    if (strncmp(name, "bprobe_int_", 11) == 0) {
+        return "made by .probe p(), not linear in voltages and currents, and cannot be taken yet: use let "
+               "after the run instead";
+    }
+    return "a B source that is not linear in voltages and currents cannot be taken yet";
+}
+
 static int add(extract_walk *w, GENinstance *inst, double *slopes, double *scratch, ns_term *terms) {
     const ASRCinstance *b = (const ASRCinstance *)inst;
     const double factor = factor_of(b);
@@ -136,8 +150,7 @@ static int add(extract_walk *w, GENinstance *inst, double *slopes, double *scrat
     int id = -1;
     int status;
     if (!linear(w, b->ASRCtree, &constant, slopes, scratch)) {
-        return extract_refuse(w, inst,
-                              "a B source that is not linear in voltages and currents cannot be taken yet");
+        return extract_refuse(w, inst, why_not(inst->GENname));
     }
     status = make_terms(w, b, slopes, factor, terms);
     if (status) {

@@ -101,7 +101,6 @@ static int read_ours(extract_walk *w, GENinstance *inst) {
 
 #define CAN "; R, C, L, K, V, I, E, F, G, H, linear B and the ideal devices can"
 
-/* By first letter of the name, which survives the flattening of subcircuits. */
 static const struct letter {
     char letter;
     extract_reader *read; /* NULL: refused */
@@ -132,8 +131,9 @@ static const struct letter {
                {'p', NULL, "a coupled transmission line cannot be taken yet" CAN}};
 
 static int read_instance(extract_walk *w, GENinstance *inst) {
+    const char letter = models_letter(inst);
     for (size_t i = 0; i < sizeof letters / sizeof letters[0]; i++) {
-        if (letters[i].letter == inst->GENname[0]) {
+        if (letters[i].letter == letter) {
             return letters[i].read ? letters[i].read(w, inst) : extract_refuse(w, inst, letters[i].why);
         }
     }

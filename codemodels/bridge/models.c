@@ -2,6 +2,12 @@
 #include "models.h"
 
 #include <math.h>
+#include <string.h>
+
+char models_letter(const GENinstance *inst) {
+    const char *model = inst->GENmodPtr->GENmodName; /* all V sources have this one; users' are lower case */
+    return model && strcmp(model, "V") == 0 ? 'v' : inst->GENname[0];
+}
 
 int models_node(const MIFinstance *inst, int terminal) {
     return inst->conn[terminal]->port[0]->smp_data.pos_node;

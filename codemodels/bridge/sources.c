@@ -151,6 +151,26 @@ static void side_by_side(ns_signal *z, double *points, double m) {
     }
 }
 
+/* .probe's sources bear the name of what they measure: they get back the prefix that ngspice took away. */
+static int add_named(extract_walk *w, const GENinstance *inst, ns_output kind, int p, int n,
+                     const ns_signal *z, int *id) {
+    static const char prefix[] = "vcurr_";
+    const size_t size = strlen(inst->GENname) + sizeof prefix;
+    char *name;
+    int status;
+    if (models_letter(inst) == inst->GENname[0]) {
+        return ns_circuit_source(w->ex->circuit, inst->GENname, kind, p, n, z, id);
+    }
+    name = malloc(size);
+    if (!name) {
+        return NS_E_MEMORY;
+    }
+    snprintf(name, size, "%s%s", prefix, inst->GENname);
+    status = ns_circuit_source(w->ex->circuit, name, kind, p, n, z, id);
+    free(name);
+    return status;
+}
+
 /* Adds the source; branch is the equation of its current, 0 if it has none. */
 static int add(extract_walk *w, GENinstance *inst, ns_output kind, int p, int n, const source *s, double m,
                int branch) {
@@ -172,7 +192,7 @@ static int add(extract_walk *w, GENinstance *inst, ns_output kind, int p, int n,
         z.u.dc = value;
     }
     mix_signal(w, &z);
-    status = ns_circuit_source(w->ex->circuit, inst->GENname, kind, p, n, &z, &id);
+    status = add_named(w, inst, kind, p, n, &z, &id);
     extract_current(w, branch, id);
     free(points);
     return status;
