@@ -157,11 +157,15 @@ ASAN := B=build/asan WARN=-w \
     CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined \
         -fsanitize-recover=address -fno-sanitize-recover=undefined'
 
-.PHONY: test sanitize valgrind tags coverage
+.PHONY: test netlists sanitize valgrind tags coverage
 test: deps ## everything: unit tests, netlists, both again under sanitizers, one run under valgrind
 	@$(MAKE) $(JOBS) all units
 	@$(MAKE) $(JOBS) $(ASAN) cm units
 	@tests/run.sh
+
+netlists: deps ## every netlist at the default h and at a tenth of it, with its largest error
+	@$(MAKE) $(JOBS) cm
+	@tests/netlist/run.sh default fine
 
 sanitize: deps ## only the tests under the address and undefined-behaviour sanitizers
 	@$(MAKE) $(JOBS) $(ASAN) cm units

@@ -49,6 +49,13 @@ shown() {
     sed -n '/^```spice$/,/^```$/{/^```/!p}' "$1"
 }
 
+# worst OUTPUT: the largest of the errors that a netlist printed, and its rejected points.
+worst() {
+    awk '/ expected .* got .* error / { for (i = 1; i < NF; i++) if ($i == "error" && $(i + 1) + 0 >= m) { m = $(i + 1) + 0; n++ } }
+         /[Rr]ejected timepoints = / { r = "  rejected points " $NF }
+         END { if (n) printf "  largest error %.4f %%%s", m, r }' "$1"
+}
+
 # one FILE VARIANT: runs it in a folder of its own and prints the verdict.
 one() {
     file=$1 variant=$2 base=$(basename "$1" .cir)
@@ -71,7 +78,7 @@ one() {
     (cd "$dir" && HOME=$dir exec timeout -k 5 "$TIME_LIMIT" "$NGSPICE" -b "$base.cir" >out 2>&1 </dev/null)
     rc=$?
     reason=$(judge "$dir/out" $rc $kind "$file")
-    if [ -z "$reason" ]; then echo "ok netlist/$name"; else echo "FAIL netlist/$name $reason"; fi
+    if [ -z "$reason" ]; then echo "ok netlist/$name$(worst "$dir/out")"; else echo "FAIL netlist/$name $reason"; fi
     [ -z "$reason" ]
 }
 
