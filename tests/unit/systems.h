@@ -15,8 +15,8 @@ ns_system *system_decay(void);
 ns_system *system_lc_bridge(void);
 double lc_bridge_v(double v0, double t); /* v(t) with i(0) = 0 */
 
-/* A diode from node 1 (source sin(w t), series resistance r, i = unknown) ... half-wave rectifier:
- * x = (v1, v2, i_V), pair: diode 1 -> 2, load R from 2 to ground; purely algebraic. */
+/* A sine source on node 1, a diode 1 -> 2, a load from 2 to ground; x = (v1, v2, current of the source).
+ * Purely algebraic. */
 ns_system *system_half_wave(double amplitude, double freq, double load);
 
 #endif
