@@ -61,7 +61,7 @@ static int step_until_changed(ns_march *m, double *h) {
 
 /* The length of the steps that resolve an event: two and more of them before anything else happens. */
 static double event_step(const ns_march *m) {
-    const double h = ns_short_step(m, NS_EVENT_RUNG), room = (m->limit - m->live.t) / 8;
+    const double h = ns_short_step(m), room = (m->limit - m->live.t) / 8;
     return room > 64 * DBL_EPSILON * fabs(m->live.t) ? fmin(h, room) : h;
 }
 

@@ -61,20 +61,12 @@ static void add_leaks(ns_theta *s, double h, int implicit, const ns_mode *mode, 
     }
 }
 
-static double largest(const ns_theta *s, int size, const double *x) {
-    const double *unit = ns_lu_units(s->lu);
-    double most = 0;
-    for (int i = 0; i < size; i++)
-        most = fmax(most, fabs(x[i]) / unit[i]);
-    return most;
-}
-
 /* residual = rhs - K X, one column.  Returns its largest entry against the terms of its row, in *left against
  * the largest of the right-hand side. */
 static double residual_of(const ns_theta *s, int size, const double *K, const double *rhs, const double *X,
                           double *residual, double *left) {
     const double *rows = ns_lu_rows(s->lu), *unit = ns_lu_units(s->lu);
-    const double most = largest(s, size, X);
+    const double most = ns_lu_largest(s->lu, X);
     double worst = 0, given = 0, over = 0;
     for (int j = 0; j < size; j++)
         given = fmax(given, fabs(rhs[j]) * rows[j]);
@@ -104,11 +96,11 @@ static int settle(ns_theta *s, int size, const double *K, const double *rhs, dou
         ns_lu_solve(s->lu, 1, step);
         for (int i = 0; i < size; i++)
             X[i] += step[i];
-        moved = largest(s, size, step);
+        moved = ns_lu_largest(s->lu, step);
         worst = residual_of(s, size, K, rhs, X, step, &left);
     }
     const int converged = worst <= 10 * rounding || left <= left_over;
-    return converged && moved <= last_move * largest(s, size, X) ? NS_OK : NS_E_SINGULAR;
+    return converged && moved <= last_move * ns_lu_largest(s->lu, X) ? NS_OK : NS_E_SINGULAR;
 }
 
 static int solve_columns(ns_theta *s, int size, int nrhs, const double *K, double *rhs) {

@@ -10,9 +10,9 @@
 double ns_leak_across(const ns_theta *s, double ht, int j, double share);
 double ns_leak_series(const ns_theta *s, int row, double share);
 
-/* Solves K X = X in place, K = s->K of (P2) for this mode, size n+nj, nrhs columns, where K is singular: X is
- * the limit for vanishing leaks.  Errors: SINGULAR (the equations contradict each other, or leaks do not
- * settle them), MEMORY. */
+/* Solves (P2) of this mode where its matrix, s->K (size n+nj), is singular: s->X holds nrhs right-hand sides
+ * and gets the solutions, the limit for vanishing leaks.  Errors: SINGULAR (the equations contradict each
+ * other, or leaks do not settle them), MEMORY. */
 int ns_leak_solve(ns_theta *s, double h, int implicit, const ns_mode *mode, int nj, int nrhs);
 
 #endif

@@ -152,15 +152,6 @@ static ns_map *map_create(const ns_theta *s, const ns_mode *mode) {
     return map;
 }
 
-/* The largest entry of column x, in the units of the factors. */
-static double largest(const ns_theta *s, int size, const double *x) {
-    const double *unit = ns_lu_units(s->lu);
-    double most = 0;
-    for (int i = 0; i < size; i++)
-        most = fmax(most, fabs(x[i]) / unit[i]);
-    return most;
-}
-
 /* Two steps of refinement: errors of X become small against the terms of each row rather than against the
  * largest number about, so that a voltage of zero beside one of 1 V comes out as zero.  Returns what the
  * second one still moved, relative to X: rounding if K is regular, everything if a pivot was only rounding.
@@ -179,8 +170,8 @@ static double refine(ns_theta *s, int size) {
             s->X[i] -= residual[i];
     }
     for (int k = 0; k < s->q; k++) {
-        const double of = largest(s, size, s->X + (size_t)k * (size_t)size);
-        const double by = largest(s, size, residual + (size_t)k * (size_t)size);
+        const double of = ns_lu_largest(s->lu, s->X + (size_t)k * (size_t)size);
+        const double by = ns_lu_largest(s->lu, residual + (size_t)k * (size_t)size);
         if (!(by <= moved * of))
             moved = by / of;
     }

@@ -68,8 +68,8 @@ void ns_control_apply(ns_march *m, const unsigned char *flip);
 /* walk.c: from live.t towards stop (no corner of an input in between), to stop or to the left side of an
  * event; live.at_event is set then. */
 int ns_walk(ns_march *m, double stop);
-/* The shortest step at live.t that is on the ladder, no finer than rung, and visible in t. */
-double ns_short_step(const ns_march *m, int rung);
+/* The length of the steps at an event: h 2^-NS_EVENT_RUNG, or the next on the ladder that is visible in t. */
+double ns_short_step(const ns_march *m);
 
 /* event.c: one implicit step of length h that resolves whatever breaks; the event at live.t resolved,
  * to its right side. */

@@ -37,7 +37,7 @@ static int settle(ns_march *m, double t0, const double *w0) {
     int status = ns_theta_start(m->step, w0, m->closed);
     if (status != NS_OK)
         return ns_march_fail(m, status);
-    const double h = ns_short_step(m, NS_EVENT_RUNG);
+    const double h = ns_short_step(m);
     status = ns_short_try(m, h); /* the jump, */
     if (status == NS_OK)
         status = ns_short_try(m, h); /* then clean algebraic unknowns */

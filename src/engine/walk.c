@@ -9,9 +9,9 @@
 #include <math.h>
 #include <string.h>
 
-double ns_short_step(const ns_march *m, int rung) {
+double ns_short_step(const ns_march *m) {
     const double finest = 16 * DBL_EPSILON * fabs(m->live.t); /* t must be seen to move */
-    double h = ldexp(m->h, -rung);
+    double h = ldexp(m->h, -NS_EVENT_RUNG);
     while (h < finest && h < m->h)
         h *= 2;
     return h;
@@ -101,7 +101,7 @@ static int advance(ns_march *m, walker *w, int *done) {
         return status;
     w->locating |= broke;
     w->rung += w->locating;
-    *done = w->locating && (w->rung > NS_EVENT_RUNG || h <= ns_short_step(m, NS_EVENT_RUNG));
+    *done = w->locating && (w->rung > NS_EVENT_RUNG || h <= ns_short_step(m));
     return NS_OK;
 }
 

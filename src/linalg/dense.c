@@ -175,6 +175,13 @@ const double *ns_lu_units(const ns_lu *f) {
     return f->cs;
 }
 
+double ns_lu_largest(const ns_lu *f, const double *x) {
+    double most = 0.0;
+    for (int i = 0; i < f->n; i++)
+        most = fmax(most, fabs(x[i]) / f->cs[i]);
+    return most;
+}
+
 /* Four rows at a time: the sums stay in registers while the columns go by. */
 static void rows_of_four(int p, int q, const double *restrict a, const double *restrict x,
                          double *restrict y) {

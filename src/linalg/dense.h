@@ -27,6 +27,9 @@ void ns_lu_solve_transposed(const ns_lu *f, int nrhs, double *b);
 const double *ns_lu_rows(const ns_lu *f);
 const double *ns_lu_units(const ns_lu *f);
 
+/* The largest entry of x (n), in those units. */
+double ns_lu_largest(const ns_lu *f, const double *x);
+
 /* y = A x, y += A x;  A is p*q with leading dimension p. */
 void ns_matvec(int p, int q, const double *a, const double *x, double *y);
 void ns_matvec_add(int p, int q, const double *a, const double *x, double *y);
