@@ -7,6 +7,8 @@
  *   system.h   complementarity systems (S1)-(S4)
  *   theta.h    one theta-gamma step (T1)(T6)(T7)(P1), tried and accepted
  *   march.h    many steps: events located, jumps resolved, outputs on both sides of a jump
+ *   model.h    (S1)-(S4) with nonlinear f, g, h and their Jacobians
+ *   newton.h   one theta-gamma step of a model, (T1)-(T5) around (P1)
  *   circuit.h  R, L, C, K, sources, ideal diodes and switches -> (S1)-(S3)
  *
  * The library never prints, never exits, keeps no global state.  Matrices are dense, column by
@@ -19,6 +21,8 @@
 #include "nonsmooth/circuit.h"
 #include "nonsmooth/march.h"
 #include "nonsmooth/mlcp.h"
+#include "nonsmooth/model.h"
+#include "nonsmooth/newton.h"
 #include "nonsmooth/signal.h"
 #include "nonsmooth/status.h"
 #include "nonsmooth/system.h"

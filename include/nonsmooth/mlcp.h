@@ -19,16 +19,41 @@ enum { NS_LOWER = -1, NS_INSIDE = 0, NS_UPPER = 1 };
 /* A problem; the arrays belong to the caller. */
 typedef struct ns_mlcp {
     int m;           /* pairs, >= 0 */
-    const double *W; /* m*m, column by column, finite */
+    const double *W; /* m*m, column by column, finite; NULL: columns on demand */
     const double *q; /* m, finite */
     const double *l; /* m, -inf allowed */
     const double *u; /* m, +inf allowed, l <= u */
+    /* Where W is NULL: writes column j of it (m numbers), from a factor, say.  Asked at most once a solve for
+     * each j, and only for the columns that are needed.  0: done; anything else ends the solve with NUMBER.
+     */
+    int (*column)(void *data, int j, double *w);
+    void *data;
 } ns_mlcp;
+
+/* How to solve.  AUTO tries the others in the order that `make bench` shows to be the best. */
+typedef enum ns_mlcp_method {
+    NS_MLCP_AUTO,     /* "auto" */
+    NS_MLCP_PIVOT,    /* "pivot"      principal pivoting: block flips, least-index flips as the finite rule */
+    NS_MLCP_LEMKE,    /* "lemke"      Lemke's method, lexicographic ties */
+    NS_MLCP_NEWTON,   /* "newton"     semismooth Newton on the Fischer-Burmeister function, line search */
+    NS_MLCP_INTERIOR, /* "interior"   primal-dual interior point */
+    NS_MLCP_PROJECTED, /* "projected"  projected Gauss-Seidel, successive overrelaxation */
+    NS_MLCP_ENUMERATE, /* "enumerate"  every mode in turn, at most 16 pairs: the oracle */
+    NS_MLCP_METHODS
+} ns_mlcp_method;
+
+/* The name of a method, a constant string ("?" for a value outside the list); the method of a name, -1 if
+ * there is none. */
+const char *ns_mlcp_method_name(int method);
+int ns_mlcp_method_of(const char *name);
 
 /* What a solve did. */
 typedef struct ns_mlcp_info {
     long pivots;     /* exchanges of one pair */
     long factors;    /* m*m factorisations */
+    long iterations; /* of the iterative methods, summed */
+    int method;      /* ns_mlcp_method that gave the answer or the proof */
+    int certified;   /* INFEASIBLE: ns_mlcp_certificate() holds a proof */
     double residual; /* ns_mlcp_residual() of the answer */
     ns_fault fault;  /* pair[]: see ns_mlcp_solve(); t is NAN, unknown[] empty */
 } ns_mlcp_info;
@@ -40,6 +65,15 @@ int ns_mlcp_create(int m, ns_mlcp_solver **out);
 
 /* Frees a workspace; NULL is allowed. */
 void ns_mlcp_free(ns_mlcp_solver *s);
+
+/* Chooses the method of the solves to come; AUTO until then.  One method alone may fail where AUTO does not.
+ * Errors: NULL, RANGE. */
+int ns_mlcp_use(ns_mlcp_solver *s, ns_mlcp_method method);
+
+/* Promises that W, l and u of the next problems have the very content of the last one solved, until the
+ * promise is taken back: only q is looked at, and what was made of W (units, factors of the last mode) is
+ * used again.  Without it the solver compares W with its copy.  Errors: NULL. */
+int ns_mlcp_same(ns_mlcp_solver *s, int same);
 
 /* Solves p.  mode (m) is read as the mode to start from (any content is allowed: entries that do not
  * fit their bounds are mended) and holds the mode of the answer on success.  lambda (m) and y (m) are
@@ -53,11 +87,22 @@ void ns_mlcp_free(ns_mlcp_solver *s);
  * info->fault.pair, at most NS_FAULT_MAX: INFEASIBLE: the pairs that the certificate rests on, or whose
  * equations are left unsatisfied, the heaviest first; SINGULAR: the equalities that no basis takes beside the
  * others.  Of other errors it says nothing, of NS_OK it is empty.
- * Errors: NULL, SIZE (p->m larger than the workspace), NUMBER, BOUNDS (l > u, or both the same infinity);
- * SINGULAR (no basis holds all equalities, and no answer of least norm was found), INFEASIBLE (a proof was
- * found, or equations that contradict each other), LIMIT, RESIDUAL. */
+ * Verdicts: OK, solved; INFEASIBLE, no solution exists: proved by a certificate (info->certified), or, for
+ * few pairs, by having tried every mode; LIMIT, gave up. Errors: NULL, SIZE (p->m larger than the workspace),
+ * NUMBER, BOUNDS (l > u, or both the same infinity); SINGULAR (no basis holds all equalities, and no answer
+ * of least norm was found), INFEASIBLE, LIMIT, RESIDUAL. */
 int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *lambda, double *y,
                   ns_mlcp_info *info);
+
+/* After a solve that answered INFEASIBLE with info->certified: v (m), owned by the solver until its next
+ * solve, such that (Farkas)  0 = sum_i v_i (y_i - q_i) - sum_j (W' v)_j lambda_j  holds for no y and lambda
+ * of the signs and bounds of the problem.  NULL otherwise. */
+const double *ns_mlcp_certificate(const ns_mlcp_solver *s);
+
+/* Checks such a v from the problem alone.  By how much the least value that the right side of the line above
+ * can take lies above 0, relative to the terms it is summed from; > 0 proves that no solution exists, up to
+ * rounding.  -1 where v proves nothing; NAN for bad input. */
+double ns_mlcp_certify(const ns_mlcp *p, const double *v);
 
 /* The natural residual  max_i |lambda_i - proj_[l,u](lambda_i - y_i)|  with row i scaled so that it is
  * relative to the sizes of the terms that make it up (1e-16: as good as rounding allows), for

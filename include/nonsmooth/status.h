@@ -10,6 +10,7 @@ extern "C" {
 #define NS_STATUS_TABLE(X)                                                                                   \
     X(NS_OK, 0, "ok")                                                                                        \
     X(NS_GUARD, 1, "a guard of the present mode broke inside the step")                                      \
+    X(NS_DIVERGED, 2, "the Newton loop of a step did not converge")                                          \
     X(NS_E_NULL, -1, "a required pointer is NULL")                                                           \
     X(NS_E_SIZE, -2, "a size or an index is out of range")                                                   \
     X(NS_E_NUMBER, -3, "a number is NaN, or infinite where it must be finite")                               \

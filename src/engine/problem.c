@@ -59,7 +59,7 @@ static void translate(ns_theta *s, const ns_fault *from) {
 
 static int solve(ns_theta *s, int size, ns_mode *mode) {
     const int n = s->s->n, m = s->s->m;
-    const ns_mlcp p = {size, s->K, s->rhs, s->bl, s->bu};
+    const ns_mlcp p = {.m = size, .W = s->K, .q = s->rhs, .l = s->bl, .u = s->bu};
     ns_mlcp_info info;
     memset(&info, 0, sizeof info);
     memcpy(s->work_mode + n, mode, (size_t)m);
@@ -139,7 +139,7 @@ static int settle_dc(ns_theta *s, const double *z, int nhold, const int *hold, c
     if (status != NS_OK)
         return status;
     form_dc(s, z, nhold, hold, hold_x);
-    const ns_mlcp p = {size, s->K, s->rhs, s->bl, s->bu};
+    const ns_mlcp p = {.m = size, .W = s->K, .q = s->rhs, .l = s->bl, .u = s->bu};
     return ns_mlcp_residual(&p, s->sol, NULL) < 1e-12 ? NS_OK : NS_E_RESIDUAL;
 }
 

@@ -129,6 +129,17 @@ int ns_reveal(ns_mlcp_solver *s);
 /* proximal.c: after ns_reveal() was stuck.  INFEASIBLE: the equations contradict; SINGULAR. */
 int ns_proximal(ns_mlcp_solver *s, const ns_mode *mode, double accept, double *residual);
 
+/* The other methods, one a file.  Each starts from s->mode (mended) and works on s->now, whose fixed lambda
+ * are folded into s->q; each may use A, mag, G, rhs, xs, T, Wreg and the vectors named as work in its file.
+ * OK: s->lambda is an answer of natural residual <= accept, and s->mode the mode it suggests: the driver
+ * computes the answer of that mode and takes the better of the two.  LIMIT, SINGULAR: gave up. */
+int ns_mlcp_newton(ns_mlcp_solver *s, double accept);    /* newton.c */
+int ns_mlcp_interior(ns_mlcp_solver *s, double accept);  /* interior.c */
+int ns_mlcp_projected(ns_mlcp_solver *s, double accept); /* projected.c */
+int ns_mlcp_pivot(ns_mlcp_solver *s, double accept);     /* pivot.c */
+/* enumerate.c.  INFEASIBLE: no mode that has an answer has a right one. SIZE: too many pairs. */
+int ns_mlcp_enumerate(ns_mlcp_solver *s, double accept);
+
 /* solve.c: different starts, until s->now is solved or one of them proves that it cannot be. */
 int ns_mlcp_search(ns_mlcp_solver *s, const ns_mode *mode, double *residual);
 

@@ -24,7 +24,7 @@ typedef struct trial {
 
 static int run(trial *t) {
     double W[MAX * MAX];
-    ns_mlcp p = {t->m, W, t->q, t->l, t->u};
+    ns_mlcp p = {.m = t->m, .W = W, .q = t->q, .l = t->l, .u = t->u};
     ns_mlcp_solver *s;
     for (int i = 0; i < t->m; i++)
         for (int j = 0; j < t->m; j++)
@@ -350,7 +350,7 @@ static void nothing_to_solve(void **state) {
     (void)state;
     trial t = {.m = 0};
     assert_int_equal(run(&t), NS_OK);
-    ns_mlcp p = {0, NULL, NULL, NULL, NULL};
+    ns_mlcp p = {.m = 0, .W = NULL, .q = NULL, .l = NULL, .u = NULL};
     assert_true(ns_mlcp_residual(&p, NULL, NULL) == 0.0);
 }
 

@@ -24,7 +24,7 @@ static void close_to(double got, double expected) {
 static void residual_is_what_it_says(void **state) {
     (void)state;
     double W[1] = {2}, q[1] = {-3}, l[1] = {0}, u[1] = {INF}, x;
-    ns_mlcp p = {1, W, q, l, u};
+    ns_mlcp p = {.m = 1, .W = W, .q = q, .l = l, .u = u};
     int worst = -1;
     x = 1.5;
     assert_true(ns_mlcp_residual(&p, &x, &worst) == 0.0);
@@ -55,7 +55,7 @@ static void residual_follows_the_units(void **state) {
             for (int j = 0; j < 2; j++)
                 W[i + 2 * j] = base[i + 2 * j] * r[i] * c[j];
         }
-        ns_mlcp p = {2, W, q, l, u};
+        ns_mlcp p = {.m = 2, .W = W, .q = q, .l = l, .u = u};
         double v = ns_mlcp_residual(&p, x, NULL);
         assert_true(v > 0.01);
         if (k == 0)
@@ -71,7 +71,7 @@ static void bad_input_is_refused(void **state) {
     ns_mlcp_info info;
     ns_mlcp_solver *s;
     assert_int_equal(ns_mlcp_create(2, &s), NS_OK);
-    ns_mlcp p = {2, W, q, l, u}, bad;
+    ns_mlcp p = {.m = 2, .W = W, .q = q, .l = l, .u = u}, bad;
     assert_int_equal(ns_mlcp_solve(NULL, &p, mode, x, y, &info), NS_E_NULL);
     assert_int_equal(ns_mlcp_solve(s, NULL, mode, x, y, &info), NS_E_NULL);
     assert_int_equal(ns_mlcp_solve(s, &p, NULL, x, y, &info), NS_E_NULL);
@@ -141,7 +141,7 @@ static void solving_takes_no_memory(void **state) {
     (void)state;
     double W[4] = {2, 1, 1, 2}, q[2] = {-5, -6}, l[2] = {0, 0}, u[2] = {INF, INF}, x[2], y[2];
     ns_mode mode[2] = {NS_LOWER, NS_LOWER};
-    ns_mlcp p = {2, W, q, l, u};
+    ns_mlcp p = {.m = 2, .W = W, .q = q, .l = l, .u = u};
     ns_mlcp_solver *s;
     assert_int_equal(ns_mlcp_create(2, &s), NS_OK);
     fail_alloc_at(1);

@@ -226,7 +226,7 @@ static long pivots, factors;
 
 /* Solves g from mode[]; the answer must satisfy the problem and the signs of its mode. */
 static void solve(void) {
-    ns_mlcp p = {g.m, g.W, g.q, g.l, g.u};
+    ns_mlcp p = {.m = g.m, .W = g.W, .q = g.q, .l = g.l, .u = g.u};
     ns_mlcp_info info;
     int status = ns_mlcp_solve(solver, &p, mode, lambda, y, &info);
     if (status != NS_OK)

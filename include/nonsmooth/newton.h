@@ -1,0 +1,89 @@
+/* nonsmooth/newton.h - one theta-gamma step of a general complementarity system: Newton around (P1).
+ *
+ *   (T1)  W      = M - h theta A - h gamma K
+ *   (T2)  R_free = M(x - x_k) - h theta f(x,t_k+1) - h(1-theta) f(x_k,t_k)
+ *   (T3)  x_p    = x - W^-1 [ R_free - h(1-gamma) r_k - h gamma ( g(x,lambda) - B lambda ) ]
+ *   (T4)  x+     = x_p + h gamma W^-1 B lambda+
+ *   (T5)  y+     = h(x,lambda) + C (x_p - x) - D lambda + (D + h gamma C W^-1 B) lambda+
+ *   (P1)  -y+ in N_[l,u](lambda+)
+ *
+ * Algebraic rows (ns_split) hold at t_k+1 whatever theta and gamma are.  The loop stops when both residuals,
+ * that of (S1) over the step and that of (S3) and (S4), are down to rounding; steps that do not bring them
+ * down are shortened (damping); the loop is bounded.
+ */
+#ifndef NONSMOOTH_NEWTON_H
+#define NONSMOOTH_NEWTON_H
+
+#include "nonsmooth/model.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct ns_newton ns_newton;
+
+/* Where in the step (S2) and (S3) are taken. */
+typedef enum ns_relation {
+    NS_RELATION_END,  /* at t_k+1;  r of the step is gamma r_k+1 + (1-gamma) r_k */
+    NS_RELATION_GAMMA /* at t_k+gamma, x_gamma = gamma x_k+1 + (1-gamma) x_k;  r of the step is r_k+gamma */
+} ns_relation;
+
+typedef struct ns_newton_options {
+    double theta; /* in [0,1] */
+    double gamma; /* in (0,1] */
+    ns_relation relation;
+    double tolerance; /* on both residuals, relative to the terms they are summed from; 0: 1e-12 */
+    int iterations;   /* bound on Newton iterations of a step; 0: 50 */
+    int halvings;     /* bound on halvings of one Newton correction; 0: 10 */
+} ns_newton_options;
+
+/* What the steps of an object cost so far. */
+typedef struct ns_newton_counts {
+    long steps;      /* accepted */
+    long trials;     /* tried */
+    long iterations; /* of Newton */
+    long halvings;   /* corrections shortened */
+    long problems;   /* (P1) solved */
+    long pivots;     /* inside them */
+    long factors;    /* factorisations, those of the MLCP solver included */
+    long calls;      /* of f */
+} ns_newton_counts;
+
+/* Makes a stepper for a model, which must outlive it and not change.  On failure *out is NULL and fault (may
+ * be NULL) says where.  Errors: those of ns_model_check(), RANGE (an option), MEMORY. */
+int ns_newton_create(const ns_model *model, const ns_newton_options *o, ns_newton **out, ns_fault *fault);
+
+/* Frees a stepper; NULL is allowed. */
+void ns_newton_free(ns_newton *s);
+
+/* Makes (x, lambda) (n, m; lambda NULL: 0 put into its bounds) the accepted point at t0.  It need not be
+ * consistent: see ns_newton_jump().  Errors: NULL, NUMBER, or a callback that refuses the point (RANGE). */
+int ns_newton_start(ns_newton *s, double t0, const double *x, const double *lambda);
+
+/* Tries a step of length h > 0 from the accepted point, which is left alone: try again with any h.
+ * NS_DIVERGED: Newton's loop met its bound or left the domain of a function; a shorter step may do.
+ * Errors: NULL, RANGE (h), those of ns_mlcp_solve(); *fault of ns_newton_fault(). */
+int ns_newton_try(ns_newton *s, double h);
+
+/* Tries the jump at the accepted time: the impulse problem  M (x+ - x-) = h gamma B lambda, h -> 0, with the
+ * constraints of (S3), (S4) and the algebraic rows of (S1) at x+.  What is consistent already does not
+ * change. Errors: as ns_newton_try(). */
+int ns_newton_jump(ns_newton *s);
+
+/* Makes the last successful trial the accepted point; cannot fail for numerical reasons.  Errors: STATE. */
+int ns_newton_accept(ns_newton *s);
+
+/* From the accepted point to time t by steps of at most h, each accepted; a step that does not converge is
+ * tried again at half its length, at most 20 times.  Errors: NULL, RANGE, those of ns_newton_try(). */
+int ns_newton_advance(ns_newton *s, double t, double h);
+
+/* The accepted point: *t, x (n), lambda (m), y (m), r (n); any may be NULL.  Errors: STATE (not started). */
+int ns_newton_read(const ns_newton *s, double *t, double *x, double *lambda, double *y, double *r);
+
+const ns_newton_counts *ns_newton_counts_of(const ns_newton *s);
+const ns_fault *ns_newton_fault(const ns_newton *s); /* of the last call that failed */
+
+#ifdef __cplusplus
+}
+#endif
+#endif
