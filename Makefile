@@ -157,7 +157,7 @@ ASAN := B=build/asan WARN=-w \
     CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined \
         -fsanitize-recover=address -fno-sanitize-recover=undefined'
 
-.PHONY: test netlists sanitize valgrind tags coverage
+.PHONY: test netlists reference sanitize valgrind tags coverage
 test: deps ## everything: unit tests, netlists, both again under sanitizers, one run under valgrind
 	@$(MAKE) $(JOBS) all units
 	@$(MAKE) $(JOBS) $(ASAN) cm units
@@ -166,6 +166,11 @@ test: deps ## everything: unit tests, netlists, both again under sanitizers, one
 netlists: deps ## every netlist at the default h and at a tenth of it, with its largest error
 	@$(MAKE) $(JOBS) cm
 	@tests/netlist/run.sh default fine
+
+reference: deps ## circuits and problems of the literature, orders, invariants: what these tests print
+	@$(MAKE) $(JOBS) units
+	@for program in $(B)/tests/reference/* $(B)/tests/property/*; do [ ! -x $$program ] || { \
+	    echo "== $$(basename $$program)"; OPENBLAS_NUM_THREADS=1 $$program || exit 1; }; done
 
 sanitize: deps ## only the tests under the address and undefined-behaviour sanitizers
 	@$(MAKE) $(JOBS) $(ASAN) cm units
