@@ -140,7 +140,10 @@ static int certified(ns_mlcp_solver *s) {
         sum += part;
         size += fabs(part);
     }
-    return sum > SMALL * size;
+    if (!(sum > SMALL * size))
+        return 0;
+    memcpy(s->proof, v, (size_t)s->m * sizeof *v);
+    return 1;
 }
 
 int ns_farkas(ns_mlcp_solver *s) {

@@ -21,9 +21,13 @@ enum { REFRESH = 25, PIVOTS_FLAT = 50, PIVOTS_PER_PAIR = 20 };
 
 struct ns_mlcp_solver {
     int cap;
+    ns_mlcp_method use;
+    int same; /* the caller's promise */
 
     /* the problem at hand (a regularised copy where the given one is singular) */
-    const ns_mlcp *p; /* as given */
+    const ns_mlcp *p; /* as given, but for W: never NULL */
+    ns_mlcp given;    /* ... */
+    double *columns;  /* m*m: W where it was asked for by columns */
     ns_mlcp now;      /* what is being solved: *p, or a regularised copy */
     const double *W;  /* now.W */
     double *q;        /* m: now.q with the fixed lambda folded in */
@@ -77,8 +81,10 @@ struct ns_mlcp_solver {
     double *kept_lambda, *kept_y; /* m: the best answer so far (proximal.c) */
     ns_mode *kept_mode;           /* m */
 
-    int proved; /* farkas.c said so */
-    long pivots, factors;
+    double *proof; /* m: the certificate */
+    int proved;    /* it holds one */
+    int method;    /* what gave the answer */
+    long pivots, factors, iterations;
     ns_fault fault;
 
     double *doubles; /* the blocks all of the above lie in */
@@ -86,8 +92,8 @@ struct ns_mlcp_solver {
     unsigned char *bytes;
 };
 
-/* problem.c: NULL, SIZE, NUMBER, BOUNDS; sorts the indices. */
-int ns_mlcp_check(const ns_mlcp_solver *s, const ns_mlcp *p);
+/* problem.c: NULL, SIZE, NUMBER, BOUNDS; makes s->given.  Sorts the indices. */
+int ns_mlcp_check(ns_mlcp_solver *s, const ns_mlcp *p);
 void ns_mlcp_sort(ns_mlcp_solver *s, const ns_mlcp *p);
 void ns_mlcp_given(ns_mlcp_solver *s);                        /* now = *p */
 void ns_mlcp_fold(ns_mlcp_solver *s);                         /* W, q of now */
@@ -140,7 +146,11 @@ int ns_mlcp_pivot(ns_mlcp_solver *s, double accept);     /* pivot.c */
 /* enumerate.c.  INFEASIBLE: no mode that has an answer has a right one. SIZE: too many pairs. */
 int ns_mlcp_enumerate(ns_mlcp_solver *s, double accept);
 
-/* solve.c: different starts, until s->now is solved or one of them proves that it cannot be. */
+/* driver.c: the answer in s->mode, whose G is factored: clamped, refined, measured.  RESIDUAL: not accepted.
+ */
+int ns_mlcp_judge(ns_mlcp_solver *s, double *residual);
+
+/* driver.c: different starts, until s->now is solved or one of them proves that it cannot be. */
 int ns_mlcp_search(ns_mlcp_solver *s, const ns_mode *mode, double *residual);
 
 #endif

@@ -12,14 +12,25 @@ static int finite_all(size_t n, const double *a) {
     return s == 0.0;
 }
 
-int ns_mlcp_check(const ns_mlcp_solver *s, const ns_mlcp *p) {
+/* s->given: *p, its columns written down where they are on demand. */
+static int take(ns_mlcp_solver *s, const ns_mlcp *p) {
+    size_t m = (size_t)p->m;
+    s->given = *p;
+    if (p->W || m == 0)
+        return NS_OK;
+    for (int j = 0; j < p->m; j++)
+        if (p->column(p->data, j, s->columns + (size_t)j * m) != 0)
+            return NS_E_NUMBER;
+    s->given.W = s->columns;
+    return NS_OK;
+}
+
+int ns_mlcp_check(ns_mlcp_solver *s, const ns_mlcp *p) {
     if (p->m < 0 || p->m > s->cap)
         return NS_E_SIZE;
     size_t m = (size_t)p->m;
-    if (m > 0 && (!p->W || !p->q || !p->l || !p->u))
+    if (m > 0 && ((!p->W && !p->column) || !p->q || !p->l || !p->u))
         return NS_E_NULL;
-    if (!finite_all(m * m, p->W) || !finite_all(m, p->q))
-        return NS_E_NUMBER;
     for (size_t i = 0; i < m; i++) {
         if (isnan(p->l[i]) || isnan(p->u[i]))
             return NS_E_NUMBER;
@@ -28,6 +39,8 @@ int ns_mlcp_check(const ns_mlcp_solver *s, const ns_mlcp *p) {
         if (p->l[i] == p->u[i] && isinf(p->l[i]))
             return NS_E_BOUNDS;
     }
+    if (!finite_all(m, p->q) || take(s, p) != NS_OK || !finite_all(m * m, s->given.W))
+        return NS_E_NUMBER;
     return NS_OK;
 }
 

@@ -5,10 +5,10 @@
 
 static void carve_doubles(ns_mlcp_solver *s, size_t m) {
     double *d = s->doubles;
-    double **square[] = {&s->Wreg, &s->A, &s->mag};
+    double **square[] = {&s->Wreg, &s->A, &s->mag, &s->columns};
     double **vector[] = {&s->q,       &s->qraw,   &s->eval, &s->kept_lambda, &s->kept_y, &s->rowmax,
                          &s->colunit, &s->lambda, &s->y,    &s->ysize,       &s->lsize,  &s->g,
-                         &s->beta,    &s->blo,    &s->bhi,  &s->cover,       &s->ray};
+                         &s->beta,    &s->blo,    &s->bhi,  &s->cover,       &s->ray,    &s->proof};
     for (size_t i = 0; i < sizeof square / sizeof *square; i++, d += m * m)
         *square[i] = d;
     for (size_t i = 0; i < sizeof vector / sizeof *vector; i++, d += m)
@@ -21,7 +21,7 @@ static void carve_doubles(ns_mlcp_solver *s, size_t m) {
 }
 
 static size_t count_doubles(size_t m) {
-    return 3 * m * m + 17 * m + (m + 1) * (m + 1) + 2 * (m + 1) * (m + 2) + m * (m + 1) + 2 * m + 1;
+    return 4 * m * m + 18 * m + (m + 1) * (m + 1) + 2 * (m + 1) * (m + 2) + m * (m + 1) + 2 * m + 1;
 }
 
 static void carve_ints(ns_mlcp_solver *s, size_t m) {

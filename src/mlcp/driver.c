@@ -1,4 +1,4 @@
-/* src/mlcp/solve.c - ns_mlcp_solve(): which start, which method, and whether to believe the answer. */
+/* src/mlcp/driver.c - ns_mlcp_solve(): which start, which method, and whether to believe the answer. */
 #include "mlcp_internal.h"
 
 #include <math.h>
@@ -11,7 +11,7 @@
 static const double GUARD = 1e-12;
 static const double ACCEPT = 1e-10; /* natural residual of an answer */
 static const double GOOD = 1e-13;   /* nothing to gain by refining below this */
-enum { REFINEMENTS = 3, MODES = 2048 };
+enum { REFINEMENTS = 3 };
 static const double RCOND = 1e-13; /* a starting basis must keep three digits */
 
 static double try_answer(ns_mlcp_solver *s, int refinements) {
@@ -25,7 +25,7 @@ static double try_answer(ns_mlcp_solver *s, int refinements) {
 
 /* The answer in s->mode, whose G is factored: clamped, judged, refined as often as that helps (a step too
  * many may spoil a row in which next to nothing flows). */
-static int judge(ns_mlcp_solver *s, double *residual) {
+int ns_mlcp_judge(ns_mlcp_solver *s, double *residual) {
     int best = 0, last = 0;
     *residual = try_answer(s, 0);
     while (*residual > GOOD && last < REFINEMENTS) {
@@ -69,7 +69,7 @@ static int attempt(ns_mlcp_solver *s, int all, int rounds, double *residual) {
             if (ns_basis_factor(s, NULL) != NS_OK)
                 return NS_E_SINGULAR;
         }
-        status = judge(s, residual);
+        status = ns_mlcp_judge(s, residual);
         if (status == NS_OK)
             return NS_OK;
     }
@@ -100,47 +100,85 @@ int ns_mlcp_search(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     return first;
 }
 
-/* Last resort for few pairs and any W: every mode in turn.  Afterwards "no solution" is no longer a guess
- * (up to solutions that exist in singular modes only). */
-static int every_mode(ns_mlcp_solver *s, double *residual) {
-    long modes = 1;
-    for (int a = 0; a < s->np && modes <= MODES; a++)
-        modes *= isfinite(s->p->l[s->pair[a]]) && isfinite(s->p->u[s->pair[a]]) ? 3 : 2;
-    for (long k = 0; k < modes && modes <= MODES; k++) {
-        long code = k;
-        for (int a = 0; a < s->np; a++) {
-            int i = s->pair[a], base = isfinite(s->p->l[i]) && isfinite(s->p->u[i]) ? 3 : 2;
-            s->mode[i] = ns_mlcp_mend(s, i, (ns_mode)(code % base == 0 ? NS_INSIDE : 2 * (code % base) - 3));
-            code /= base;
-        }
-        if (ns_basis_factor(s, NULL) != NS_OK)
-            continue;
-        ns_basis_values(s, 1);
-        ns_basis_sizes(s);
-        if (ns_basis_violation(s) <= GUARD && judge(s, residual) == NS_OK)
-            return NS_OK;
+static void keep(ns_mlcp_solver *s) {
+    size_t m = (size_t)s->m;
+    memcpy(s->kept_lambda, s->lambda, m * sizeof *s->lambda);
+    memcpy(s->kept_y, s->y, m * sizeof *s->y);
+    memcpy(s->kept_mode, s->mode, m * sizeof *s->mode);
+}
+
+static void give_back(ns_mlcp_solver *s) {
+    size_t m = (size_t)s->m;
+    memcpy(s->lambda, s->kept_lambda, m * sizeof *s->lambda);
+    memcpy(s->y, s->kept_y, m * sizeof *s->y);
+    memcpy(s->mode, s->kept_mode, m * sizeof *s->mode);
+}
+
+/* y of s->lambda as it is, its sign mended where it is next to nothing. */
+static double measure(ns_mlcp_solver *s) {
+    memcpy(s->y, s->now.q, (size_t)s->m * sizeof *s->y);
+    ns_matvec_add(s->m, s->m, s->W, s->lambda, s->y);
+    ns_basis_clamp(s);
+    return ns_mlcp_measure(&s->now, s->lambda, s->rhs, NULL);
+}
+
+/* After an iterative method: its lambda, or what its mode gives exactly, whichever is better. */
+static int settle(ns_mlcp_solver *s, double *residual) {
+    double exact = INFINITY;
+    *residual = measure(s);
+    keep(s);
+    if (ns_basis_factor(s, NULL) == NS_OK && ns_mlcp_judge(s, &exact) == NS_OK && exact <= *residual) {
+        *residual = exact;
+        return NS_OK;
     }
-    return NS_E_INFEASIBLE;
+    give_back(s);
+    return *residual <= ACCEPT ? NS_OK : NS_E_RESIDUAL;
+}
+
+/* One method, from a mode, on the problem as given. */
+static int apply(ns_mlcp_solver *s, ns_mlcp_method method, const ns_mode *mode, double *residual) {
+    static int (*const solver[NS_MLCP_METHODS])(ns_mlcp_solver *, double) = {
+        [NS_MLCP_PIVOT] = ns_mlcp_pivot,         [NS_MLCP_NEWTON] = ns_mlcp_newton,
+        [NS_MLCP_INTERIOR] = ns_mlcp_interior,   [NS_MLCP_PROJECTED] = ns_mlcp_projected,
+        [NS_MLCP_ENUMERATE] = ns_mlcp_enumerate,
+    };
+    s->method = (int)method;
+    s->nstuck = 0;
+    ns_mlcp_given(s);
+    if (method == NS_MLCP_LEMKE) {
+        int status = ns_mlcp_search(s, mode, residual);
+        return status == NS_E_SINGULAR && s->nstuck > 0 ? ns_proximal(s, mode, ACCEPT, residual) : status;
+    }
+    ns_mlcp_restart(s, mode);
+    int status = solver[method](s, ACCEPT);
+    return status == NS_OK ? settle(s, residual) : status;
+}
+
+/* The methods in turn: an answer or a proof ends it. */
+static int automatic(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
+    static const ns_mlcp_method order[] = {NS_MLCP_LEMKE, NS_MLCP_ENUMERATE};
+    int first = NS_OK;
+    for (size_t k = 0; k < sizeof order / sizeof *order; k++) {
+        int status = apply(s, order[k], mode, residual);
+        if (status == NS_OK || (status == NS_E_INFEASIBLE && (s->proved || order[k] == NS_MLCP_ENUMERATE)))
+            return status;
+        first = first == NS_OK ? status : first;
+    }
+    return first;
 }
 
 /* Solves *p, whose arrays are sound. */
 static int solve(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mode, double *residual) {
-    s->pivots = s->factors = 0;
-    s->proved = 0;
+    s->pivots = s->factors = s->iterations = 0;
     memset(&s->fault, 0, sizeof s->fault);
     ns_mlcp_sort(s, p);
-    int status = ns_mlcp_search(s, mode, residual);
-    if (status != NS_OK && s->nstuck == 0 && !s->proved && every_mode(s, residual) == NS_OK)
-        status = NS_OK;
-    if (status == NS_E_SINGULAR && s->nstuck > 0)
-        status = ns_proximal(s, mode, ACCEPT, residual);
+    int status = s->use == NS_MLCP_AUTO ? automatic(s, mode, residual) : apply(s, s->use, mode, residual);
     if (status == NS_OK)
         s->fault.npairs = 0;
     return status;
 }
 
-static int refuse(const ns_mlcp_solver *s, const ns_mlcp *p, const void *mode, const void *lambda,
-                  const void *y) {
+static int refuse(ns_mlcp_solver *s, const ns_mlcp *p, const void *mode, const void *lambda, const void *y) {
     if (!s || !p || (p->m > 0 && (!mode || !lambda || !y)))
         return NS_E_NULL;
     return ns_mlcp_check(s, p);
@@ -149,14 +187,19 @@ static int refuse(const ns_mlcp_solver *s, const ns_mlcp *p, const void *mode, c
 int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *lambda, double *y,
                   ns_mlcp_info *info) {
     double residual = NAN;
+    if (s)
+        s->proved = 0;
     int status = refuse(s, p, mode, lambda, y), tried = status == NS_OK;
     if (tried)
-        status = solve(s, p, mode, &residual);
+        status = solve(s, &s->given, mode, &residual);
     if (info) {
         memset(info, 0, sizeof *info);
         if (tried) {
             info->pivots = s->pivots;
             info->factors = s->factors;
+            info->iterations = s->iterations;
+            info->method = s->method;
+            info->certified = status == NS_E_INFEASIBLE && s->proved;
             info->fault = s->fault;
         }
         info->residual = residual;
@@ -170,4 +213,8 @@ int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *la
     memcpy(lambda, s->lambda, m * sizeof *lambda);
     memcpy(y, s->y, m * sizeof *y);
     return NS_OK;
+}
+
+const double *ns_mlcp_certificate(const ns_mlcp_solver *s) {
+    return s && s->proved ? s->proof : NULL;
 }

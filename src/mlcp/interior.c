@@ -1,0 +1,8 @@
+/* src/mlcp/interior.c - placeholder. */
+#include "mlcp_internal.h"
+
+int ns_mlcp_interior(ns_mlcp_solver *s, double accept) {
+    (void)s;
+    (void)accept;
+    return NS_E_LIMIT;
+}

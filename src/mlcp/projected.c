@@ -1,0 +1,8 @@
+/* src/mlcp/projected.c - placeholder. */
+#include "mlcp_internal.h"
+
+int ns_mlcp_projected(ns_mlcp_solver *s, double accept) {
+    (void)s;
+    (void)accept;
+    return NS_E_LIMIT;
+}
