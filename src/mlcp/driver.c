@@ -88,7 +88,7 @@ int ns_mlcp_search(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
         int status = attempt(s, way[k].all, 3, residual);
         if (status == NS_OK)
             return NS_OK;
-        if (status == NS_E_INFEASIBLE && ns_farkas(s)) {
+        if (status == NS_E_INFEASIBLE && ns_farkas(s) && ns_mlcp_certify(s->p, s->proof) > 0.0) {
             s->proved = 1;
             return status;
         }
@@ -144,6 +144,7 @@ static int apply(ns_mlcp_solver *s, ns_mlcp_method method, const ns_mode *mode, 
     };
     s->method = (int)method;
     s->nstuck = 0;
+    ns_mlcp_units(s);
     ns_mlcp_given(s);
     if (method == NS_MLCP_LEMKE) {
         int status = ns_mlcp_search(s, mode, residual);
@@ -171,7 +172,10 @@ static int automatic(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
 static int solve(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mode, double *residual) {
     s->pivots = s->factors = s->iterations = 0;
     memset(&s->fault, 0, sizeof s->fault);
-    ns_mlcp_sort(s, p);
+    s->p = p;
+    s->nstuck = 0;
+    if (ns_mlcp_fetch_all(s) != NS_OK)
+        return NS_E_NUMBER;
     int status = s->use == NS_MLCP_AUTO ? automatic(s, mode, residual) : apply(s, s->use, mode, residual);
     if (status == NS_OK)
         s->fault.npairs = 0;
@@ -181,7 +185,7 @@ static int solve(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mode, doubl
 static int refuse(ns_mlcp_solver *s, const ns_mlcp *p, const void *mode, const void *lambda, const void *y) {
     if (!s || !p || (p->m > 0 && (!mode || !lambda || !y)))
         return NS_E_NULL;
-    return ns_mlcp_check(s, p);
+    return ns_mlcp_take(s, p);
 }
 
 int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *lambda, double *y,

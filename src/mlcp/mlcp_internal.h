@@ -25,13 +25,31 @@ struct ns_mlcp_solver {
     int same; /* the caller's promise */
 
     /* the problem at hand (a regularised copy where the given one is singular) */
-    const ns_mlcp *p; /* as given, but for W: never NULL */
-    ns_mlcp given;    /* ... */
-    double *columns;  /* m*m: W where it was asked for by columns */
-    ns_mlcp now;      /* what is being solved: *p, or a regularised copy */
-    const double *W;  /* now.W */
-    double *q;        /* m: now.q with the fixed lambda folded in */
-    double *Wreg;     /* m*m, qraw: m: the regularised copy */
+    const ns_mlcp *p; /* &given */
+    ns_mlcp given;    /* as given, but for the arrays below in place of the caller's W, l and u */
+    double *Wown;     /* m*m: columns not asked for yet are zero (on demand) */
+    double *lown, *uown;
+    int known;           /* they hold the last problem's */
+    int on_demand;       /* its W was NULL */
+    int missing;         /* columns not asked for yet */
+    unsigned char *have; /* m: columns that are there */
+    int have_units;      /* rowmax, colunit are those of Wown */
+    int have_factors;    /* basis.c: lu holds those of Wown with the lambda in factored[] basic */
+    unsigned char *factored;
+    double kept_rcond;
+
+    /* the principal pivot transform of Wown (transform.c) */
+    int have_transform;
+    double *P;             /* m*m */
+    unsigned char *in;     /* m: lambda_i is basic */
+    double *diag;          /* m: the largest term that diagonal entry i of P was summed from */
+    double *size, *way;    /* m: sizes of the terms of a value; right side */
+    int changes;           /* pivots since P was made */
+    double kept_condition; /* of the basis, negative: not known */
+    ns_mlcp now;           /* what is being solved: *p, or a regularised copy */
+    const double *W;       /* now.W */
+    double *q;             /* m: now.q with the fixed lambda folded in */
+    double *Wreg;          /* m*m, qraw: m: the regularised copy */
     double *qraw;
     int *erow, *ecol; /* m: entries of its eps E */
     double *eval;     /* m */
@@ -92,9 +110,12 @@ struct ns_mlcp_solver {
     unsigned char *bytes;
 };
 
-/* problem.c: NULL, SIZE, NUMBER, BOUNDS; makes s->given.  Sorts the indices. */
-int ns_mlcp_check(ns_mlcp_solver *s, const ns_mlcp *p);
-void ns_mlcp_sort(ns_mlcp_solver *s, const ns_mlcp *p);
+/* problem.c: makes s->given, and sorts the indices where it is not known already.  NULL, SIZE, NUMBER,
+ * BOUNDS. */
+int ns_mlcp_take(ns_mlcp_solver *s, const ns_mlcp *p);
+int ns_mlcp_fetch(ns_mlcp_solver *s, int j); /* column j of Wown, if on demand.  NUMBER */
+int ns_mlcp_fetch_all(ns_mlcp_solver *s);
+void ns_mlcp_units(ns_mlcp_solver *s);                        /* rowmax, colunit */
 void ns_mlcp_given(ns_mlcp_solver *s);                        /* now = *p */
 void ns_mlcp_fold(ns_mlcp_solver *s);                         /* W, q of now */
 void ns_mlcp_restart(ns_mlcp_solver *s, const ns_mode *mode); /* s->mode = mode mended; NULL: all lower */

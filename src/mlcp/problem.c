@@ -12,35 +12,101 @@ static int finite_all(size_t n, const double *a) {
     return s == 0.0;
 }
 
-/* s->given: *p, its columns written down where they are on demand. */
-static int take(ns_mlcp_solver *s, const ns_mlcp *p) {
-    size_t m = (size_t)p->m;
-    s->given = *p;
-    if (p->W || m == 0)
-        return NS_OK;
-    for (int j = 0; j < p->m; j++)
-        if (p->column(p->data, j, s->columns + (size_t)j * m) != 0)
+static int bad_bounds(const ns_mlcp *p) {
+    int status = NS_OK;
+    for (int i = 0; i < p->m; i++) {
+        if (isnan(p->l[i]) || isnan(p->u[i]))
             return NS_E_NUMBER;
-    s->given.W = s->columns;
+        if (p->l[i] > p->u[i] || (p->l[i] == p->u[i] && isinf(p->l[i])))
+            status = NS_E_BOUNDS;
+    }
+    return status;
+}
+
+/* Which index is what, from s->given. */
+static void sort(ns_mlcp_solver *s) {
+    const ns_mlcp *p = &s->given;
+    s->m = p->m;
+    s->nf = s->np = s->nx = 0;
+    for (int i = 0; i < p->m; i++)
+        if (p->l[i] == p->u[i])
+            s->fixed[s->nx++] = i;
+        else if (isinf(p->l[i]) && isinf(p->u[i]))
+            s->free[s->nf++] = i;
+        else
+            s->pair[s->np++] = i;
+}
+
+/* Whether W, l and u are those of the last problem: promised, or seen. */
+static int known(const ns_mlcp_solver *s, const ns_mlcp *p) {
+    const size_t m = (size_t)p->m;
+    if (!s->known || p->m != s->m || (!p->W) != s->on_demand)
+        return 0;
+    if (s->same)
+        return 1;
+    return p->W && memcmp(p->l, s->lown, m * sizeof *p->l) == 0 &&
+           memcmp(p->u, s->uown, m * sizeof *p->u) == 0 && memcmp(p->W, s->Wown, m * m * sizeof *p->W) == 0;
+}
+
+/* Keeps W, l and u. */
+static int learn(ns_mlcp_solver *s, const ns_mlcp *p) {
+    const size_t m = (size_t)p->m;
+    s->known = s->have_units = s->have_transform = s->have_factors = 0;
+    int status = bad_bounds(p);
+    if (status != NS_OK)
+        return status;
+    s->on_demand = !p->W;
+    memcpy(s->lown, p->l, m * sizeof *p->l);
+    memcpy(s->uown, p->u, m * sizeof *p->u);
+    if (p->W) {
+        if (!finite_all(m * m, p->W))
+            return NS_E_NUMBER;
+        memcpy(s->Wown, p->W, m * m * sizeof *p->W);
+    }
+    memset(s->have, p->W != NULL, m);
+    s->missing = p->W ? 0 : p->m;
+    s->given.m = p->m;
+    sort(s);
+    s->known = 1;
     return NS_OK;
 }
 
-int ns_mlcp_check(ns_mlcp_solver *s, const ns_mlcp *p) {
+int ns_mlcp_take(ns_mlcp_solver *s, const ns_mlcp *p) {
+    s->proved = 0;
     if (p->m < 0 || p->m > s->cap)
         return NS_E_SIZE;
     size_t m = (size_t)p->m;
     if (m > 0 && ((!p->W && !p->column) || !p->q || !p->l || !p->u))
         return NS_E_NULL;
-    for (size_t i = 0; i < m; i++) {
-        if (isnan(p->l[i]) || isnan(p->u[i]))
-            return NS_E_NUMBER;
-        if (p->l[i] > p->u[i])
-            return NS_E_BOUNDS;
-        if (p->l[i] == p->u[i] && isinf(p->l[i]))
-            return NS_E_BOUNDS;
-    }
-    if (!finite_all(m, p->q) || take(s, p) != NS_OK || !finite_all(m * m, s->given.W))
+    if (!finite_all(m, p->q))
         return NS_E_NUMBER;
+    s->given = (ns_mlcp){p->m, s->Wown, p->q, s->lown, s->uown, p->column, p->data};
+    int status = m == 0 || known(s, p) ? NS_OK : learn(s, p);
+    s->m = p->m;
+    if (m == 0)
+        s->known = s->nf = s->np = s->nx = 0;
+    return status;
+}
+
+int ns_mlcp_fetch(ns_mlcp_solver *s, int j) {
+    const size_t m = (size_t)s->m;
+    double *w = s->Wown + (size_t)j * m;
+    if (s->have[j])
+        return NS_OK;
+    if (s->given.column(s->given.data, j, w) != 0 || !finite_all(m, w)) {
+        s->known = 0;
+        return NS_E_NUMBER;
+    }
+    s->have[j] = 1;
+    s->missing--;
+    s->have_units = 0;
+    return NS_OK;
+}
+
+int ns_mlcp_fetch_all(ns_mlcp_solver *s) {
+    for (int j = 0; j < s->m && s->missing > 0; j++)
+        if (ns_mlcp_fetch(s, j) != NS_OK)
+            return NS_E_NUMBER;
     return NS_OK;
 }
 
@@ -62,8 +128,11 @@ double ns_mlcp_bound(const ns_mlcp_solver *s, int i, ns_mode mode) {
 }
 
 /* rowmax and colunit: the units in which floors of sizes are taken (basis.c). */
-static void units(ns_mlcp_solver *s) {
+void ns_mlcp_units(ns_mlcp_solver *s) {
     int m = s->m;
+    if (s->have_units)
+        return;
+    s->have_units = 1;
     memset(s->rowmax, 0, (size_t)m * sizeof *s->rowmax);
     for (int j = 0; j < m; j++) {
         const double *col = s->p->W + (size_t)j * (size_t)m;
@@ -86,6 +155,8 @@ static void units(ns_mlcp_solver *s) {
 }
 
 void ns_mlcp_fold(ns_mlcp_solver *s) {
+    if (s->now.W != s->Wown)
+        s->have_factors = 0;
     size_t m = (size_t)s->m;
     s->W = s->now.W;
     if (m > 0)
@@ -105,19 +176,4 @@ void ns_mlcp_given(ns_mlcp_solver *s) {
 void ns_mlcp_restart(ns_mlcp_solver *s, const ns_mode *mode) {
     for (int i = 0; i < s->m; i++)
         s->mode[i] = ns_mlcp_mend(s, i, mode ? mode[i] : NS_LOWER);
-}
-
-void ns_mlcp_sort(ns_mlcp_solver *s, const ns_mlcp *p) {
-    s->p = p;
-    s->m = p->m;
-    s->nf = s->np = s->nx = s->nstuck = 0;
-    for (int i = 0; i < p->m; i++)
-        if (p->l[i] == p->u[i])
-            s->fixed[s->nx++] = i;
-        else if (isinf(p->l[i]) && isinf(p->u[i]))
-            s->free[s->nf++] = i;
-        else
-            s->pair[s->np++] = i;
-    ns_mlcp_given(s);
-    units(s);
 }
