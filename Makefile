@@ -30,7 +30,7 @@ JOBS = --no-print-directory $(if $(V),,-s) $(if $(findstring jobserver,$(MAKEFLA
 .DEFAULT_GOAL := all
 
 .PHONY: all lib cm help
-all: lib cm ## the library and the code models (the default)
+all: lib cm tool ## the library, the code models and nsc-mlcp (the default)
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## /    make \1|/p' Makefile | awk -F'|' '{printf "%-20s %s\n", $$1, $$2}'
@@ -54,7 +54,7 @@ $(NG)/stamp:
 
 # --- library ---------------------------------------------------------------------------------------------
 
-SRC := $(wildcard src/*/*.c)
+SRC := $(filter-out src/tool/%,$(wildcard src/*/*.c))
 OBJ := $(SRC:%.c=$(B)/obj/%.o)
 
 lib: $(B)/libnonsmooth.a $(B)/libnonsmooth.so
@@ -73,6 +73,13 @@ $(B)/libnonsmooth.so: $(OBJ) src/nonsmooth.map
 	@echo "  LINK    $@"
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-soname,libnonsmooth.so.$(SOVERSION) \
 	    -Wl,--version-script=src/nonsmooth.map -Wl,--no-undefined $(OBJ) -o $@ $(LIBS)
+
+.PHONY: tool
+tool: $(B)/nsc-mlcp
+
+$(B)/nsc-mlcp: $(B)/obj/src/tool/nsc_mlcp.o $(B)/libnonsmooth.a
+	@echo "  LINK    $@"
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $^ -o $@ $(LIBS)
 
 # Changes when the compiler or its flags do, so that objects made otherwise are made anew.
 $(B)/flags: FORCE
@@ -160,7 +167,7 @@ ASAN := B=build/asan WARN=-w \
 .PHONY: test netlists reference sanitize valgrind tags coverage
 test: deps ## everything: unit tests, netlists, both again under sanitizers, one run under valgrind
 	@$(MAKE) $(JOBS) all units
-	@$(MAKE) $(JOBS) $(ASAN) cm units
+	@$(MAKE) $(JOBS) $(ASAN) cm tool units
 	@tests/run.sh
 
 netlists: deps ## every netlist at the default h and at a tenth of it, with its largest error
@@ -173,7 +180,7 @@ reference: deps ## circuits and problems of the literature, orders, invariants: 
 	    echo "== $$(basename $$program)"; OPENBLAS_NUM_THREADS=1 $$program || exit 1; }; done
 
 sanitize: deps ## only the tests under the address and undefined-behaviour sanitizers
-	@$(MAKE) $(JOBS) $(ASAN) cm units
+	@$(MAKE) $(JOBS) $(ASAN) cm tool units
 	@tests/run.sh sanitize
 
 valgrind: deps ## only the run under valgrind
@@ -240,7 +247,7 @@ TO := '$(DESTDIR)$(PREFIX)'
 
 .PHONY: install
 install: all ## into PREFIX (/usr/local), below DESTDIR if given
-	install -d $(TO)/lib/pkgconfig $(TO)/lib/ngspice $(TO)/include/nonsmooth $(TO)/share/nonsmooth
+	install -d $(TO)/bin $(TO)/lib/pkgconfig $(TO)/lib/ngspice $(TO)/include/nonsmooth $(TO)/share/nonsmooth
 	install -m 644 $(B)/libnonsmooth.a $(TO)/lib
 	install -m 755 $(B)/libnonsmooth.so $(TO)/lib/libnonsmooth.so.$(VERSION)
 	ln -sf libnonsmooth.so.$(VERSION) $(TO)/lib/libnonsmooth.so.$(SOVERSION)
@@ -248,6 +255,7 @@ install: all ## into PREFIX (/usr/local), below DESTDIR if given
 	install -m 644 include/nonsmooth.h $(TO)/include
 	install -m 644 include/nonsmooth/*.h $(TO)/include/nonsmooth
 	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' src/nonsmooth.pc.in > $(TO)/lib/pkgconfig/nonsmooth.pc
+	install -m 755 $(B)/nsc-mlcp $(TO)/bin
 	install -m 755 $(B)/nonsmooth.cm $(TO)/lib/ngspice
 	install -m 644 netlists/lib/nonsmooth.lib $(TO)/share/nonsmooth
 	echo "codemodel '$(PREFIX)/lib/ngspice/nonsmooth.cm'" > $(TO)/share/nonsmooth/spiceinit

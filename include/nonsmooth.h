@@ -3,6 +3,7 @@
  * Layers, each using only those above it:
  *   status.h   what a call answers, in one table, and what it has to say about a failure
  *   mlcp.h     mixed linear complementarity problems (P1): no time, no circuit
+ *   text.h     (P1) as plain text
  *   signal.h   sources as functions of time, with their corners
  *   system.h   complementarity systems (S1)-(S4)
  *   theta.h    one theta-gamma step (T1)(T6)(T7)(P1), tried and accepted
@@ -26,6 +27,7 @@
 #include "nonsmooth/signal.h"
 #include "nonsmooth/status.h"
 #include "nonsmooth/system.h"
+#include "nonsmooth/text.h"
 #include "nonsmooth/theta.h"
 
 #endif
