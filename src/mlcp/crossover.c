@@ -1,0 +1,85 @@
+/* src/mlcp/crossover.c - from a mode that is nearly right to the answer, to rounding.
+ *
+ * The equations of the mode are solved; guards that are broken say which pairs to flip, all of them at once,
+ * and in the later rounds only the one of highest index (Murty's rule: no cycle on P-matrices).
+ */
+#include <math.h>
+
+#include "residual.h"
+#include "scaled.h"
+
+enum { BLOCKS = 6, SINGLES = 12 };
+static const double RCOND = 1e-13; /* a basis must keep three digits */
+static const double GUARD = 1e-12; /* as solve.c has it */
+static const double GOOD = 1e-13;  /* nothing to gain by refining below this */
+
+/* Factors a basis of s->mode, or of one close to it. */
+static int factor(ns_mlcp_solver *s) {
+    double rcond;
+    int status = ns_basis_factor(s, &rcond);
+    if (status == NS_OK && rcond >= RCOND)
+        return NS_OK;
+    if (ns_reveal(s) != NS_OK)
+        return NS_E_SINGULAR;
+    return ns_basis_factor(s, NULL);
+}
+
+/* The mode that the guard of pair i asks for; its own if that holds. */
+static ns_mode wanted(const ns_mlcp_solver *s, int i) {
+    if (s->mode[i] != NS_INSIDE) {
+        double out = s->mode[i] == NS_LOWER ? -s->y[i] : s->y[i];
+        return out > GUARD * s->ysize[i] ? NS_INSIDE : s->mode[i];
+    }
+    if (s->p->l[i] - s->lambda[i] > GUARD * s->lsize[i])
+        return NS_LOWER;
+    return s->lambda[i] - s->p->u[i] > GUARD * s->lsize[i] ? NS_UPPER : NS_INSIDE;
+}
+
+static void flip(ns_mlcp_solver *s, int all) {
+    for (int a = s->np - 1; a >= 0; a--) {
+        int i = s->pair[a];
+        ns_mode mode = wanted(s, i);
+        if (mode == s->mode[i])
+            continue;
+        s->mode[i] = mode;
+        if (!all)
+            return;
+    }
+}
+
+/* The answer of the mode, refined as long as that helps. */
+static double answer(ns_mlcp_solver *s, double accept) {
+    double best = INFINITY;
+    for (int pass = 0; pass <= 3; pass++) {
+        ns_basis_values(s, pass);
+        ns_basis_clamp(s);
+        double r = ns_mlcp_measure(&s->now, s->lambda, s->rhs, NULL);
+        if (r <= GOOD)
+            return r;
+        if (r <= accept && r > 0.5 * best)
+            return r;
+        best = fmin(best, r);
+    }
+    return best;
+}
+
+int ns_mlcp_settle(ns_mlcp_solver *s, double accept) {
+    for (int round = 0; round < BLOCKS + SINGLES; round++) {
+        if (factor(s) != NS_OK)
+            return NS_E_SINGULAR;
+        ns_basis_values(s, 1);
+        ns_basis_sizes(s);
+        double v = ns_basis_violation(s);
+        if (isinf(v))
+            return NS_E_SINGULAR;
+        if (v <= accept) {
+            if (answer(s, accept) <= accept)
+                return NS_OK;
+            ns_basis_values(s, 1);
+        }
+        if (v <= GUARD)
+            return NS_E_LIMIT; /* right, but not to be had to the accuracy asked for */
+        flip(s, round < BLOCKS);
+    }
+    return NS_E_LIMIT;
+}

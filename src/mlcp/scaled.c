@@ -1,0 +1,128 @@
+/* src/mlcp/scaled.c - a problem in units in which the iterative methods work, and the way back from there.
+ *
+ * Rows and columns of W are scaled by powers of two (equilibrate.h), and q by one more, so that the size of
+ * y at the start is 1.  A pair's law does not care: lambda and y may each have a unit of its own.
+ */
+#include "scaled.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "residual.h"
+
+int ns_scaled_law(const ns_scaled *z, int i) {
+    if (z->l[i] == z->u[i])
+        return NS_LAW_FIXED;
+    if (isinf(z->l[i]))
+        return isinf(z->u[i]) ? NS_LAW_FREE : NS_LAW_UPPER;
+    return isinf(z->u[i]) ? NS_LAW_LOWER : NS_LAW_BOX;
+}
+
+void ns_scaled_product(ns_scaled *z) {
+    if (z->m > 0)
+        memcpy(z->y, z->q, (size_t)z->m * sizeof *z->y);
+    ns_matvec_add(z->m, z->m, z->W, z->x, z->y);
+}
+
+static void share_out(ns_mlcp_solver *s, ns_scaled *z) {
+    size_t m = (size_t)s->m;
+    double **in_xs[] = {&z->q, &z->l, &z->u, &z->x, &z->y, &z->work[0]};
+    for (size_t k = 0; k < sizeof in_xs / sizeof *in_xs; k++)
+        *in_xs[k] = s->xs + k * m;
+    z->m = s->m;
+    z->W = s->T;
+    z->rs = s->blo;
+    z->cs = s->bhi;
+    z->work[1] = s->beta;
+    z->work[2] = s->cover;
+    z->work[3] = s->ray;
+    z->work[4] = s->unit;
+    z->work[5] = s->unit + m;
+}
+
+/* l, u, x in units of cs. */
+static void scale_bounds(const ns_mlcp_solver *s, ns_scaled *z) {
+    for (int i = 0; i < z->m; i++) {
+        double l = s->p->l[i], u = s->p->u[i];
+        int fixed = l == u;
+        z->l[i] = fixed ? 0.0 : l / z->cs[i];
+        z->u[i] = fixed ? 0.0 : u / z->cs[i];
+        z->x[i] = fmin(fmax(0.0, z->l[i]), z->u[i]);
+    }
+}
+
+void ns_scaled_load(ns_mlcp_solver *s, ns_scaled *z) {
+    int m = s->m;
+    double *rs = s->blo, *cs = s->bhi, size = 0.0;
+    share_out(s, z);
+    ns_equilibrate(m, s->W, m, s->r, s->c, s->e);
+    for (int i = 0; i < m; i++) {
+        rs[i] = ldexp(1.0, s->r[i]);
+        cs[i] = ldexp(1.0, s->c[i]);
+        z->q[i] = rs[i] * s->q[i];
+    }
+    for (int j = 0; j < m; j++)
+        for (int i = 0; i < m; i++) {
+            size_t k = (size_t)i + (size_t)j * (size_t)m;
+            z->W[k] = s->W[k] * rs[i] * cs[j];
+        }
+    scale_bounds(s, z);
+    ns_scaled_product(z);
+    for (int i = 0; i < m; i++)
+        size = fmax(size, fabs(z->y[i]));
+    if (!(size > 0.0))
+        return;
+    int e;
+    (void)frexp(size, &e);
+    for (int i = 0; i < m; i++) { /* W as it is; q, x and y in units of size */
+        rs[i] = ldexp(rs[i], -e);
+        cs[i] = ldexp(cs[i], e);
+        z->q[i] = ldexp(z->q[i], -e);
+    }
+    scale_bounds(s, z);
+    ns_scaled_product(z);
+}
+
+int ns_scaled_start(ns_mlcp_solver *s, ns_scaled *z) {
+    const double sound = 1e-10; /* a start that has lost more digits is no better than none */
+    double rcond;
+    if (ns_basis_factor(s, &rcond) != NS_OK || rcond < sound)
+        return 0;
+    ns_basis_values(s, 0);
+    for (int i = 0; i < z->m; i++) {
+        if (!isfinite(s->lambda[i]))
+            return 0;
+        z->x[i] = fmin(fmax(s->lambda[i] / z->cs[i], z->l[i]), z->u[i]);
+    }
+    ns_scaled_product(z);
+    return 1;
+}
+
+void ns_scaled_mode(ns_mlcp_solver *s, const ns_scaled *z, const double *x, const double *y) {
+    for (int i = 0; i < z->m; i++) {
+        ns_mode mode = NS_INSIDE;
+        if (x[i] - z->l[i] < y[i])
+            mode = NS_LOWER;
+        else if (z->u[i] - x[i] < -y[i])
+            mode = NS_UPPER;
+        s->mode[i] = ns_mlcp_mend(s, i, mode);
+    }
+}
+
+void ns_scaled_lambda(ns_mlcp_solver *s, const ns_scaled *z, const double *x) {
+    for (int i = 0; i < z->m; i++)
+        s->lambda[i] = fmin(fmax(x[i] * z->cs[i], s->p->l[i]), s->p->u[i]);
+}
+
+int ns_scaled_finish(ns_mlcp_solver *s, const ns_scaled *z, const double *x, const double *y, double accept) {
+    ns_scaled_mode(s, z, x, y);
+    int status = ns_mlcp_settle(s, accept);
+    if (status == NS_OK)
+        return NS_OK;
+    ns_scaled_mode(s, z, x, y);
+    ns_scaled_lambda(s, z, x);
+    for (int i = 0; i < z->m; i++)
+        if (!isfinite(s->lambda[i]))
+            return status;
+    return ns_mlcp_measure(&s->now, s->lambda, s->rhs, NULL) <= accept ? NS_OK : status;
+}
