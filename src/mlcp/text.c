@@ -93,10 +93,11 @@ static const char *shown(const reader *r, char out[SHOWN_MAX + 6]) {
 /* Which number the k-th after m is: "W(2,3)", "q(1)". */
 static const char *name_of(const reader *r, uint64_t k, char out[48]) {
     const uint64_t m = (uint64_t)r->m;
+    const unsigned long long row = m ? k / m + 1 : 0, column = m ? k % m + 1 : 0;
     if (k < m * m)
-        snprintf(out, 48, "W(%llu,%llu)", (unsigned long long)(k / m + 1), (unsigned long long)(k % m + 1));
+        snprintf(out, 48, "W(%llu,%llu)", row, column);
     else
-        snprintf(out, 48, "%c(%llu)", "qlu"[(k - m * m) / m], (unsigned long long)((k - m * m) % m + 1));
+        snprintf(out, 48, "%c(%llu)", row - 1 == m ? 'q' : row - 2 == m ? 'l' : 'u', column);
     return out;
 }
 
@@ -349,6 +350,7 @@ static int check(const ns_mlcp *p) {
     return NS_OK;
 }
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): written through w */
 int ns_mlcp_write(const ns_mlcp *p, char *text, size_t size, size_t *length) {
     writer w = {text, size, 0};
     c_locale locale;

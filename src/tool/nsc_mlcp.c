@@ -86,6 +86,7 @@ static int load(const char *file, ns_mlcp **p) {
     char *text = NULL;
     size_t length = 0;
     FILE *stream = standard ? stdin : fopen(file, "rb");
+    *p = NULL;
     if (!stream)
         return bad("%s: %s", name, strerror(errno));
     const char *wrong = read_stream(stream, &text, &length);
@@ -192,7 +193,7 @@ static int read_arguments(int argc, char **argv, arguments *a) {
             return bad("unknown option '%s'; --help tells", word);
         }
     }
-    return a->file || a->help ? SOLVED : bad("no FILE; --help tells");
+    return SOLVED;
 }
 
 int main(int argc, char **argv) {
@@ -203,11 +204,13 @@ int main(int argc, char **argv) {
     int answer = SOLVED;
     if (a.help) {
         help(stdout);
+    } else if (!a.file) {
+        return bad("no FILE; --help tells");
     } else {
         const int method = ns_mlcp_method_of(a.solver);
         if (method < 0)
             return bad("no solver is named '%s'; --help tells", a.solver);
-        if (load(a.file, &p) != SOLVED)
+        if (load(a.file, &p) != SOLVED || !p)
             return BAD_INPUT;
         answer = solve(p, (ns_mlcp_method)method);
         ns_mlcp_discard(p);
