@@ -212,6 +212,24 @@ bench: deps ## times, with the counts of the work done
 	@for program in build/bench/tests/bench/*; do \
 	    echo "== $$(basename $$program)"; OPENBLAS_NUM_THREADS=1 $$program || exit 1; done
 
+# --- stress: what is too long for `make test` -------------------------------------------------------------
+
+STRESS_BIN := $(patsubst %.c,$(B)/%,$(wildcard tests/stress/*.c))
+STRESS_COUNT ?= 2000# random problems of each class
+
+.PHONY: stress stress-programs
+stress-programs: $(STRESS_BIN)
+
+$(STRESS_BIN): $(B)/%: $(B)/obj/%.o $(BENCH_HELP:%.c=$(B)/obj/%.o) $(B)/libnonsmooth.a
+	@mkdir -p $(@D)
+	@echo "  LINK    $@"
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $^ -o $@ $(LIBS)
+
+stress: deps ## random problems of every class, STRESS_COUNT of each, every answer judged
+	@$(MAKE) $(JOBS) B=build/bench CFLAGS='-O3 -DNDEBUG' stress-programs
+	@for program in build/bench/tests/stress/*; do \
+	    echo "== $$(basename $$program)"; OPENBLAS_NUM_THREADS=1 $$program $(STRESS_COUNT) || exit 1; done
+
 # --- demo ------------------------------------------------------------------------------------------------
 
 .PHONY: demo picture
