@@ -20,6 +20,7 @@ enum { STEPS = 100 };
 static const double KEEP = 0.995;  /* least part of the way to the nearest bound */
 static const double FAR = 1e20;    /* products or slacks beyond this, in units of the problem: it diverges */
 static const double CLOSE = 1e-5;  /* of the first mu: from here on a mode is worth trying */
+static const double DONE = 1e-40;  /* of the first mu: pairs with lambda = y = 0 are then below 1e-20 */
 static const double RIDGE = 1e-12; /* added to the diagonal of free rows where the system is singular */
 static const double STUCK = 1e-9;  /* a step this short, SHORTS times running: no way on */
 enum { SHORTS = 6 };
@@ -119,9 +120,9 @@ static double room(double value, double change, double most) {
     return change < 0.0 ? fmin(most, -value / change) : most;
 }
 
-/* The longest step <= 1 that keeps all positive. */
+/* The longest step that keeps all positive; nothing asks for more than 2. */
 static double longest(const iterate *p, double target, int second) {
-    double most = 1.0;
+    double most = 2.0;
     for (int i = 0; i < p->z->m; i++) {
         if (has_lower(p, i)) {
             most = room(p->s[i], p->dx[i], most);
@@ -179,15 +180,13 @@ static double advance(ns_mlcp_solver *ws, iterate *p) {
     if (factor(ws, p, 0.0) != NS_OK && factor(ws, p, RIDGE) != NS_OK)
         return 0.0;
     direction(ws, p, 0.0, 0);
-    double step = longest(p, 0.0, 0), ahead = foresee(p, step);
+    double step = fmin(1.0, longest(p, 0.0, 0)), ahead = foresee(p, step);
     double sigma = p->mu > 0.0 ? pow(fmin(ahead / p->mu, 1.0), 3.0) : 0.0;
     double target = sigma * p->mu;
     direction(ws, p, target, 1);
-    step = longest(p, target, 1);
+    step = fmin(1.0, KEEP * longest(p, target, 1));
     if (!(step > 0.0))
         return 0.0;
-    if (step < 1.0)
-        step *= fmax(KEEP, 1.0 - p->mu);
     move(p, step, target);
     return step;
 }
@@ -211,7 +210,7 @@ int ns_mlcp_interior(ns_mlcp_solver *s, double accept) {
         double step = advance(s, &p);
         s->iterations++;
         shorts = step < STUCK ? shorts + 1 : 0;
-        if (shorts >= SHORTS || !(step > 0.0) || !isfinite(p.mu) || p.mu > FAR * first)
+        if (shorts >= SHORTS || p.mu < DONE * first || !(step > 0.0) || !isfinite(p.mu) || p.mu > FAR * first)
             break;
         if (p.mu > next)
             continue;

@@ -10,6 +10,9 @@
 
 #include "residual.h"
 
+enum { CORRECTIONS = 5 };
+static const double RIDGE = 1e-8; /* of entries of about 1: half of the digits */
+
 int ns_scaled_law(const ns_scaled *z, int i) {
     if (z->l[i] == z->u[i])
         return NS_LAW_FIXED;
@@ -111,7 +114,46 @@ void ns_scaled_mode(ns_mlcp_solver *s, const ns_scaled *z, const double *x, cons
 
 void ns_scaled_lambda(ns_mlcp_solver *s, const ns_scaled *z, const double *x) {
     for (int i = 0; i < z->m; i++)
-        s->lambda[i] = fmin(fmax(x[i] * z->cs[i], s->p->l[i]), s->p->u[i]);
+        if (s->mode[i] == NS_INSIDE)
+            s->lambda[i] = fmin(fmax(x[i] * z->cs[i], s->p->l[i]), s->p->u[i]);
+        else
+            s->lambda[i] = ns_mlcp_bound(s, i, s->mode[i]);
+}
+
+static double measure(ns_mlcp_solver *s) {
+    for (int i = 0; i < s->m; i++)
+        if (!isfinite(s->lambda[i]))
+            return INFINITY;
+    return ns_mlcp_measure(&s->now, s->lambda, s->rhs, NULL);
+}
+
+/* W of the lambda inside + ridge I into G, the other rows those of I; its factors. */
+static int factor_ridged(ns_mlcp_solver *s, const ns_scaled *z) {
+    size_t m = (size_t)z->m;
+    for (size_t j = 0; j < m; j++)
+        for (size_t i = 0; i < m; i++) {
+            int inside = s->mode[i] == NS_INSIDE && s->mode[j] == NS_INSIDE;
+            s->G[i + j * m] = (inside ? z->W[i + j * m] : 0.0) + (i == j ? (inside ? RIDGE : 1.0) : 0.0);
+        }
+    s->factors++;
+    s->have_factors = 0;
+    return ns_lu_factor(s->lu, z->m, s->G, NULL, NULL);
+}
+
+/* lambda less (W + ridge)^-1 y: a step of the proximal point method, which redundant equations do not
+ * disturb. */
+static void correct(ns_mlcp_solver *s, const ns_scaled *z) {
+    size_t m = (size_t)z->m;
+    memcpy(s->rhs, s->q, m * sizeof *s->rhs);
+    for (int i = 0; i < z->m; i++)
+        s->g[i] = z->l[i] == z->u[i] ? 0.0 : s->lambda[i];
+    ns_matvec_add(z->m, z->m, s->W, s->g, s->rhs);
+    for (int i = 0; i < z->m; i++)
+        s->rhs[i] *= s->mode[i] == NS_INSIDE ? z->rs[i] : 0.0;
+    ns_lu_solve(s->lu, 1, s->rhs);
+    for (int i = 0; i < z->m; i++)
+        if (s->mode[i] == NS_INSIDE)
+            s->lambda[i] = fmin(fmax(s->lambda[i] - s->rhs[i] * z->cs[i], s->p->l[i]), s->p->u[i]);
 }
 
 int ns_scaled_finish(ns_mlcp_solver *s, const ns_scaled *z, const double *x, const double *y, double accept) {
@@ -121,8 +163,13 @@ int ns_scaled_finish(ns_mlcp_solver *s, const ns_scaled *z, const double *x, con
         return NS_OK;
     ns_scaled_mode(s, z, x, y);
     ns_scaled_lambda(s, z, x);
-    for (int i = 0; i < z->m; i++)
-        if (!isfinite(s->lambda[i]))
-            return status;
-    return ns_mlcp_measure(&s->now, s->lambda, s->rhs, NULL) <= accept ? NS_OK : status;
+    double now = measure(s);
+    if (now <= accept || status != NS_E_SINGULAR || factor_ridged(s, z) != NS_OK)
+        return now <= accept ? NS_OK : status;
+    for (int k = 0; k < CORRECTIONS; k++) {
+        correct(s, z);
+        if (measure(s) <= accept)
+            return NS_OK;
+    }
+    return status;
 }

@@ -33,7 +33,7 @@ void ns_scaled_product(ns_scaled *z);
 /* s->mode as x and y (m, scaled) suggest it: the smaller of two that should not both be large is 0. */
 void ns_scaled_mode(ns_mlcp_solver *s, const ns_scaled *z, const double *x, const double *y);
 
-/* s->lambda from x, within its bounds. */
+/* s->lambda in s->mode: at its bound, or from x. */
 void ns_scaled_lambda(ns_mlcp_solver *s, const ns_scaled *z, const double *x);
 
 /* Crossover: from s->mode to an answer of a mode near it, by a few flips of all guards that are broken.
@@ -41,8 +41,9 @@ void ns_scaled_lambda(ns_mlcp_solver *s, const ns_scaled *z, const double *x);
  * anything.  Uses A, mag, G, rhs, g, ysize, lsize, y. */
 int ns_mlcp_settle(ns_mlcp_solver *s, double accept);
 
-/* The end of an iteration: crossover from the mode that x and y suggest, and if that fails, x itself if it
- * is good enough. */
+/* The end of an iteration: crossover from the mode that x and y suggest; if that fails, x itself in
+ * that mode; if its equations are redundant, that corrected by proximal steps.  Overwrites what
+ * ns_mlcp_settle() does. */
 int ns_scaled_finish(ns_mlcp_solver *s, const ns_scaled *z, const double *x, const double *y, double accept);
 
 #endif
