@@ -37,9 +37,9 @@ help: ## this list
 
 # --- what it needs ---------------------------------------------------------------------------------------
 
-PACKAGES := build-essential ngspice liblapacke-dev libopenblas-dev libsuitesparse-dev libcmocka-dev \
+PACKAGES := build-essential clang libclang-rt-14-dev ngspice liblapacke-dev libopenblas-dev libsuitesparse-dev libcmocka-dev \
     gnuplot-nox valgrind bison flex autoconf automake libtool
-LINT_PACKAGES := clang clang-format clang-tidy cppcheck shellcheck
+LINT_PACKAGES := clang-format clang-tidy cppcheck shellcheck
 
 .PHONY: deps deps-lint
 deps: ## what it needs from Debian, and the source of the installed ngspice
@@ -168,6 +168,7 @@ ASAN := B=build/asan WARN=-w \
 test: deps ## everything: unit tests, netlists, both again under sanitizers, one run under valgrind
 	@$(MAKE) $(JOBS) all units
 	@$(MAKE) $(JOBS) $(ASAN) cm tool units
+	@$(MAKE) $(JOBS) $(FUZZ) fuzz-programs
 	@tests/run.sh
 
 netlists: deps ## every netlist at the default h and at a tenth of it, with its largest error
@@ -229,6 +230,27 @@ stress: deps ## random problems of every class, STRESS_COUNT of each, every answ
 	@$(MAKE) $(JOBS) B=build/bench CFLAGS='-O3 -DNDEBUG' stress-programs
 	@for program in build/bench/tests/stress/*; do \
 	    echo "== $$(basename $$program)"; OPENBLAS_NUM_THREADS=1 $$program $(STRESS_COUNT) || exit 1; done
+
+# --- fuzz: any bytes, under the sanitizers -----------------------------------------------------------------
+
+FUZZ_BIN := $(patsubst %.c,$(B)/%,$(wildcard tests/fuzz/*.c))
+FUZZ_SECONDS ?= 3600
+# Not looked at: copies of 0 bytes from NULL and NULL + 0, for sizes that are 0 (defined from C2y on).
+FUZZ := B=build/fuzz CC=clang WARN=-w \
+    CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=fuzzer-no-link,address,undefined \
+        -fno-sanitize-recover=undefined -fno-sanitize=nonnull-attribute,pointer-overflow'
+
+.PHONY: fuzz fuzz-programs
+fuzz-programs: $(FUZZ_BIN)
+
+$(FUZZ_BIN): $(B)/%: $(B)/obj/%.o $(B)/libnonsmooth.a
+	@mkdir -p $(@D)
+	@echo "  LINK    $@"
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -fsanitize=fuzzer $^ -o $@ $(LIBS)
+
+fuzz: deps ## libFuzzer on the text reader and on random small systems, side by side, FUZZ_SECONDS long (3600)
+	@$(MAKE) $(JOBS) $(FUZZ) fuzz-programs
+	@tests/fuzz.sh $(FUZZ_SECONDS)
 
 # --- demo ------------------------------------------------------------------------------------------------
 

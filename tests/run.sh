@@ -75,6 +75,7 @@ plain() {
     script netlists tests/netlist/run.sh
     script install tests/install.sh
     script tags tests/tags.sh
+    script fuzz tests/fuzz.sh 8
 }
 
 sanitize() {
