@@ -76,7 +76,15 @@ static int attempt(ns_mlcp_solver *s, int all, int rounds, double *residual) {
     return status;
 }
 
-/* Different starts and covers, until one answers or proves that nothing can. */
+/* Whether the linear constraints contradict each other; looked for once a solve. */
+static int prove(ns_mlcp_solver *s) {
+    if (!s->asked)
+        s->proved = ns_farkas(s);
+    s->asked = 1;
+    return s->proved;
+}
+
+/* Different starts and covers, until one answers or ends in a ray of a problem without solution. */
 int ns_mlcp_search(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     static const struct {
         int lower, all;
@@ -88,10 +96,8 @@ int ns_mlcp_search(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
         int status = attempt(s, way[k].all, 3, residual);
         if (status == NS_OK)
             return NS_OK;
-        if (status == NS_E_INFEASIBLE && ns_farkas(s) && ns_mlcp_certify(s->p, s->proof) > 0.0) {
-            s->proved = 1;
+        if (status == NS_E_INFEASIBLE && prove(s))
             return status;
-        }
         if (s->nstuck > 0)
             return NS_E_SINGULAR; /* no start will do */
         if (k == 0 || (first == NS_E_LIMIT && status != NS_E_SINGULAR))
@@ -155,13 +161,24 @@ static int apply(ns_mlcp_solver *s, ns_mlcp_method method, const ns_mode *mode, 
     return status == NS_OK ? settle(s, residual) : status;
 }
 
+/* A ray or a runaway alone proves nothing; a method may give up where there is a proof. */
+static int verdict(ns_mlcp_solver *s, int status) {
+    if (status == NS_OK || status == NS_E_SIZE)
+        return status;
+    if (status == NS_E_INFEASIBLE && (s->proved || s->method == NS_MLCP_ENUMERATE))
+        return status;
+    if (prove(s))
+        return NS_E_INFEASIBLE;
+    return status == NS_E_INFEASIBLE ? NS_E_LIMIT : status;
+}
+
 /* The methods in turn: an answer or a proof ends it. */
 static int automatic(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     static const ns_mlcp_method order[] = {NS_MLCP_LEMKE, NS_MLCP_ENUMERATE};
     int first = NS_OK;
     for (size_t k = 0; k < sizeof order / sizeof *order; k++) {
-        int status = apply(s, order[k], mode, residual);
-        if (status == NS_OK || (status == NS_E_INFEASIBLE && (s->proved || order[k] == NS_MLCP_ENUMERATE)))
+        int status = verdict(s, apply(s, order[k], mode, residual));
+        if (status == NS_OK || status == NS_E_INFEASIBLE)
             return status;
         first = first == NS_OK ? status : first;
     }
@@ -171,12 +188,14 @@ static int automatic(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
 /* Solves *p, whose arrays are sound. */
 static int solve(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mode, double *residual) {
     s->pivots = s->factors = s->iterations = 0;
+    s->asked = 0;
     memset(&s->fault, 0, sizeof s->fault);
     s->p = p;
     s->nstuck = 0;
     if (ns_mlcp_fetch_all(s) != NS_OK)
         return NS_E_NUMBER;
-    int status = s->use == NS_MLCP_AUTO ? automatic(s, mode, residual) : apply(s, s->use, mode, residual);
+    int status = s->use == NS_MLCP_AUTO ? automatic(s, mode, residual)
+                                        : verdict(s, apply(s, s->use, mode, residual));
     if (status == NS_OK)
         s->fault.npairs = 0;
     return status;

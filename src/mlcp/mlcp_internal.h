@@ -101,6 +101,7 @@ struct ns_mlcp_solver {
 
     double *proof; /* m: the certificate */
     int proved;    /* it holds one */
+    int asked;     /* this solve has looked for one */
     int method;    /* what gave the answer */
     long pivots, factors, iterations;
     ns_fault fault;
@@ -141,7 +142,8 @@ double ns_tableau_upper(const ns_mlcp_solver *s, int var);
  * the broken ones only.  OK; INFEASIBLE: a ray, in s->fault; LIMIT; SINGULAR: the tableau got lost. */
 int ns_lemke(ns_mlcp_solver *s, int all);
 
-/* farkas.c: after a ray: 1 if the bounds of lambda and y alone, without complementarity, contradict. */
+/* farkas.c: 1 if the bounds of lambda and y alone, without complementarity, contradict: s->proof, s->fault.
+ * 0: s->now, s->p and s->q are as before, the rest of the workspace is not. */
 int ns_farkas(ns_mlcp_solver *s);
 
 /* fault.c: fault.pair gets index[k] of the largest weights, largest first. */
