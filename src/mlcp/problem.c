@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "../linalg/units.h"
+
 /* 0 times a finite number is 0, times NaN or infinity NaN. */
 static int finite_all(size_t n, const double *a) {
     double s = 0.0;
@@ -134,10 +136,11 @@ void ns_mlcp_units(ns_mlcp_solver *s) {
         return;
     s->have_units = 1;
     memset(s->rowmax, 0, (size_t)m * sizeof *s->rowmax);
+    ns_column_units(m, s->p->W, s->colunit, s->rhs);
     for (int j = 0; j < m; j++) {
         const double *col = s->p->W + (size_t)j * (size_t)m;
         for (int i = 0; i < m; i++) {
-            double a = fabs(col[i]);
+            double a = fabs(col[i]) * s->colunit[j];
             s->rowmax[i] = a > s->rowmax[i] ? a : s->rowmax[i];
         }
     }

@@ -9,9 +9,10 @@
  *
  * Both follow the units of rows and columns, so that a problem in mA and kV gets the same residual.
  * A row of which every term is itself rounding noise (the current of a branch in which nothing flows) would
- * be compared with noise; so Y_i is at least FLOOR times the largest term that any lambda, each in
- * units in which it makes W's largest entries 1, could make in row i.  (Arioli, Demmel and Duff,
- * "Solving sparse linear systems with sparse backward error", treat vanishing denominators alike.)
+ * be compared with noise; so where that leaves doubt, Y_i is at least FLOOR times the largest term that any
+ * lambda could make in row i, each lambda in the unit of its column (Curtis and Reid's, which follows the
+ * units in which the problem is written).  (Arioli, Demmel and Duff, "Solving sparse linear systems with
+ * sparse backward error", treat vanishing denominators alike.)
  */
 #include "residual.h"
 
@@ -19,11 +20,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../linalg/units.h"
 #include "nonsmooth/mlcp.h"
 
 /* 1e-6: noise of 1e-16 of the largest term counts as 1e-10; smaller true currents are still told apart
  * down to 1e-16 of the largest. */
 static const double FLOOR = 1e-6;
+static const double NO_DOUBT = 1e-13; /* no floor is looked for */
 
 static int bad_input(const ns_mlcp *p, const double *lambda) {
     if (!p || p->m < 0)
@@ -36,21 +39,21 @@ static int bad_input(const ns_mlcp *p, const double *lambda) {
     return 0;
 }
 
-/* y = W lambda + q, the sums of sizes, the largest entry of each row. */
-static void sum_rows(const ns_mlcp *p, const double *lambda, double *y, double *size, double *top) {
+/* y = W lambda + q, the sums of sizes. */
+static void sum_rows(const ns_mlcp *p, const double *lambda, double *y, double *size) {
     size_t m = (size_t)p->m;
     for (size_t i = 0; i < m; i++) {
         y[i] = p->q[i];
         size[i] = fabs(p->q[i]);
-        top[i] = 0.0;
     }
     for (size_t j = 0; j < m; j++) {
         const double *col = p->W + j * m, v = lambda[j];
+        if (v == 0.0)
+            continue;
         for (size_t i = 0; i < m; i++) {
-            double a = fabs(col[i]), term = col[i] * v;
+            double term = col[i] * v;
             y[i] += term;
             size[i] += fabs(term);
-            top[i] = a > top[i] ? a : top[i];
         }
     }
 }
@@ -66,19 +69,24 @@ static double weighted_max(const ns_mlcp *p, int j, const double *weight) {
     return top;
 }
 
-/* Raises sizes to their floor and turns them into reciprocals. */
-static void finish_sizes(const ns_mlcp *p, const double *lambda, double *size, const double *top,
-                         double *work) {
+/* Raises sizes to their floor.  unit, top: m each; work: NS_UNITS_WORK*m. */
+static void raise(const ns_mlcp *p, const double *lambda, double *size, double *unit, double *top,
+                  double *work) {
     double norm = 0.0;
+    ns_column_units(p->m, p->W, unit, work);
+    memset(top, 0, (size_t)p->m * sizeof *top);
+    for (int j = 0; j < p->m; j++) {
+        const double *col = p->W + (size_t)j * (size_t)p->m;
+        for (int i = 0; i < p->m; i++)
+            top[i] = fmax(top[i], fabs(col[i]) * unit[j]);
+    }
     for (int i = 0; i < p->m; i++)
         work[i] = top[i] > 0.0 ? 1.0 / top[i] : 0.0;
     for (int j = 0; j < p->m; j++)
         if (lambda[j] != 0.0)
             norm = fmax(norm, fabs(lambda[j]) * weighted_max(p, j, work));
-    for (int i = 0; i < p->m; i++) {
-        double v = fmax(size[i], FLOOR * norm * top[i]);
-        size[i] = v > 0.0 ? 1.0 / v : 0.0;
-    }
+    for (int i = 0; i < p->m; i++)
+        size[i] = fmax(size[i], FLOOR * norm * top[i]);
 }
 
 /* Row i; inverse: 1/Y of all rows. */
@@ -94,13 +102,14 @@ static double row_residual(const ns_mlcp *p, int i, double lambda, double y, con
     return fabs(x - to);
 }
 
-double ns_mlcp_measure(const ns_mlcp *p, const double *lambda, double *work, int *worst) {
-    size_t m = (size_t)p->m;
-    double *y = work, *size = work + m, *top = work + 2 * m, most = 0.0;
-    sum_rows(p, lambda, y, size, top);
-    finish_sizes(p, lambda, size, top, work + 3 * m);
+/* The largest, with the sizes as they are; inverse (m) gets 1/Y. */
+static double largest(const ns_mlcp *p, const double *lambda, const double *y, const double *size,
+                      double *inverse, int *worst) {
+    double most = 0.0;
+    for (int i = 0; i < p->m; i++)
+        inverse[i] = size[i] > 0.0 ? 1.0 / size[i] : 0.0;
     for (int i = 0; i < p->m; i++) {
-        double r = row_residual(p, i, lambda[i], y[i], size);
+        double r = row_residual(p, i, lambda[i], y[i], inverse);
         if (!(r <= most)) {
             most = r;
             if (worst)
@@ -112,14 +121,25 @@ double ns_mlcp_measure(const ns_mlcp *p, const double *lambda, double *work, int
     return most;
 }
 
+double ns_mlcp_measure(const ns_mlcp *p, const double *lambda, double *work, int *worst) {
+    size_t m = (size_t)p->m;
+    double *y = work, *inverse = work + m, *size = work + 2 * m, *more = work + 3 * m;
+    sum_rows(p, lambda, y, size);
+    double r = largest(p, lambda, y, size, inverse, worst);
+    if (r <= NO_DOUBT || isnan(r))
+        return r;
+    raise(p, lambda, size, more, more + m, more + 2 * m);
+    return largest(p, lambda, y, size, inverse, worst);
+}
+
 double ns_mlcp_residual(const ns_mlcp *p, const double *lambda, int *worst) {
     enum { SMALL = 128 };
-    double few[4 * SMALL];
+    double few[NS_MEASURE_WORK * SMALL];
     if (worst)
         *worst = 0;
     if (bad_input(p, lambda))
         return NAN;
-    double *work = p->m <= SMALL ? few : malloc(4 * (size_t)p->m * sizeof *work);
+    double *work = p->m <= SMALL ? few : malloc(NS_MEASURE_WORK * (size_t)p->m * sizeof *work);
     if (!work)
         return NAN;
     double r = ns_mlcp_measure(p, lambda, work, worst);

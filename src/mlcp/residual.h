@@ -4,7 +4,9 @@
 
 #include "nonsmooth/mlcp.h"
 
-/* work: 4*m.  p and lambda are finite. */
+enum { NS_MEASURE_WORK = 12 };
+
+/* work: NS_MEASURE_WORK*m; gets y and, after it, 1/Y.  p and lambda are finite. */
 double ns_mlcp_measure(const ns_mlcp *p, const double *lambda, double *work, int *worst);
 
 #endif

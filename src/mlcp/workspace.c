@@ -3,6 +3,8 @@
 
 #include <stdlib.h>
 
+#include "residual.h"
+
 static void carve_doubles(ns_mlcp_solver *s, size_t m) {
     double *d = s->doubles;
     double **square[] = {&s->Wreg, &s->A, &s->mag, &s->Wown, &s->P};
@@ -16,13 +18,14 @@ static void carve_doubles(ns_mlcp_solver *s, size_t m) {
         *vector[i] = d;
     s->G = d;
     s->rhs = s->G + (m + 1) * (m + 1);
-    s->xs = s->rhs + (m + 1) * (m + 2);
+    s->xs = s->rhs + (m + 1) * (m + 2) + NS_MEASURE_WORK * m; /* small m: residual.c needs more */
     s->T = s->xs + (m + 1) * (m + 2);
     s->unit = s->T + m * (m + 1);
 }
 
 static size_t count_doubles(size_t m) {
-    return 5 * m * m + 23 * m + (m + 1) * (m + 1) + 2 * (m + 1) * (m + 2) + m * (m + 1) + 2 * m + 1;
+    return 5 * m * m + 23 * m + (m + 1) * (m + 1) + 2 * (m + 1) * (m + 2) + NS_MEASURE_WORK * m +
+           m * (m + 1) + 2 * m + 1;
 }
 
 static void carve_ints(ns_mlcp_solver *s, size_t m) {

@@ -1,0 +1,106 @@
+/* src/linalg/units.c - the units of the columns of a matrix, found from its entries.
+ *
+ * Curtis and Reid ("On the automatic scaling of matrices for Gaussian elimination", 1972): rho, gamma
+ * minimise sum over W_ij != 0 of (e_ij + rho_i + gamma_j)^2,    e_ij the binary exponent of W_ij Without
+ * rho_i = - mean over row i of (e_ij + gamma_j) this is S gamma = b, S positive semidefinite, which conjugate
+ * gradients with the diagonal of counts solve in a few passes over W; what the powers of two in rows and
+ * columns are is the same for any units the problem was written in.
+ */
+#include "units.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+enum { ITERATIONS = 40 };
+
+static double exponent(double a) {
+    uint64_t bits;
+    memcpy(&bits, &a, sizeof bits);
+    return (double)((int)(bits >> 52 & 0x7ff) - 1022);
+}
+
+typedef struct graph {
+    int m;
+    const double *W;
+    double *rows, *columns; /* m: how many entries */
+    double *mean;           /* m: of a row */
+} graph;
+
+/* mean_i over row i of gamma_j (NULL: of e_ij). */
+static void row_means(graph *g, const double *gamma) {
+    memset(g->mean, 0, (size_t)g->m * sizeof *g->mean);
+    for (int j = 0; j < g->m; j++) {
+        const double *w = g->W + (size_t)j * (size_t)g->m;
+        for (int i = 0; i < g->m; i++)
+            if (w[i] != 0.0)
+                g->mean[i] += gamma ? gamma[j] : exponent(w[i]);
+    }
+    for (int i = 0; i < g->m; i++)
+        g->mean[i] /= g->rows[i] > 0.0 ? g->rows[i] : 1.0;
+}
+
+static void count(graph *g) {
+    memset(g->rows, 0, (size_t)g->m * sizeof *g->rows);
+    for (int j = 0; j < g->m; j++) {
+        const double *w = g->W + (size_t)j * (size_t)g->m;
+        g->columns[j] = 0.0;
+        for (int i = 0; i < g->m; i++) {
+            g->columns[j] += w[i] != 0.0;
+            g->rows[i] += w[i] != 0.0;
+        }
+    }
+}
+
+/* out_j = sum over column j of (gamma_j - mean_i), or with gamma NULL b_j = sum of (mean_i - e_ij). */
+static void apply(graph *g, const double *gamma, double *out) {
+    row_means(g, gamma);
+    for (int j = 0; j < g->m; j++) {
+        const double *w = g->W + (size_t)j * (size_t)g->m;
+        out[j] = 0.0;
+        for (int i = 0; i < g->m; i++)
+            if (w[i] != 0.0)
+                out[j] += gamma ? gamma[j] - g->mean[i] : g->mean[i] - exponent(w[i]);
+    }
+}
+
+static double dot(const graph *g, const double *r) {
+    double sum = 0.0;
+    for (int j = 0; j < g->m; j++)
+        sum += g->columns[j] > 0.0 ? r[j] * r[j] / g->columns[j] : 0.0;
+    return sum;
+}
+
+/* S gamma = b, gamma from 0; mean square error in bits below a hundredth. */
+static void solve(graph *g, double *gamma, double *r, double *p, double *Sp) {
+    size_t bytes = (size_t)g->m * sizeof *gamma;
+    memset(gamma, 0, bytes);
+    apply(g, NULL, r);
+    for (int j = 0; j < g->m; j++)
+        p[j] = g->columns[j] > 0.0 ? r[j] / g->columns[j] : 0.0;
+    double rr = dot(g, r);
+    for (int it = 0; it < ITERATIONS && rr > 1e-4; it++) {
+        double pSp = 0.0, before = rr;
+        apply(g, p, Sp);
+        for (int j = 0; j < g->m; j++)
+            pSp += p[j] * Sp[j];
+        if (!(pSp > 0.0))
+            return;
+        for (int j = 0; j < g->m; j++) {
+            gamma[j] += before / pSp * p[j];
+            r[j] -= before / pSp * Sp[j];
+        }
+        rr = dot(g, r);
+        for (int j = 0; j < g->m; j++)
+            p[j] = (g->columns[j] > 0.0 ? r[j] / g->columns[j] : 0.0) + rr / before * p[j];
+    }
+}
+
+void ns_column_units(int m, const double *W, double *unit, double *work) {
+    size_t n = (size_t)m;
+    graph g = {m, W, work, work + n, work + 2 * n};
+    count(&g);
+    solve(&g, work + 3 * n, work + 4 * n, work + 5 * n, work + 6 * n);
+    for (int j = 0; j < m; j++)
+        unit[j] = ldexp(1.0, (int)fmin(fmax(rint(work[3 * n + (size_t)j]), -1000.0), 1000.0));
+}

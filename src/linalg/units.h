@@ -1,0 +1,13 @@
+/* src/linalg/units.h - the units of the columns of a matrix, found from its entries. */
+#ifndef NS_UNITS_H
+#define NS_UNITS_H
+
+enum { NS_UNITS_WORK = 7 };
+
+/* unit (m): powers of two such that |W_ij| unit_j are alike over each row, for W m*m column by column.  They
+ * follow the units of W: with column j multiplied by s, unit_j is divided by s, but for a common factor (one
+ * for each set of rows and columns that no entry joins with the rest) and rounding to a power of two; what
+ * the rows are multiplied by does not matter.  work: NS_UNITS_WORK*m. */
+void ns_column_units(int m, const double *W, double *unit, double *work);
+
+#endif
