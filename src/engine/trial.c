@@ -44,8 +44,11 @@ static void fill_inputs(ns_theta *s, double h, const double *z, int implicit) {
     s->trial_in[s->q - 1] = 1;
 }
 
+/* Of the inputs too: a sine that grows is infinite some day. */
 static int finite_state(const ns_theta *s) {
     double sum = 0;
+    for (int k = s->r; k < s->q; k++)
+        sum += s->trial_in[k];
     for (int i = 0; i < s->r; i++)
         sum += s->out[i];
     return isfinite(sum);
