@@ -92,7 +92,7 @@ static void raise(const ns_mlcp *p, const double *lambda, double *size, double *
 /* Row i; inverse: 1/Y of all rows. */
 static double row_residual(const ns_mlcp *p, int i, double lambda, double y, const double *inverse) {
     double l = p->l[i], u = p->u[i], ys = y * inverse[i];
-    if (isinf(l) && isinf(u))
+    if ((isinf(l) && isinf(u)) || isnan(ys)) /* fmin, fmax drop a NAN */
         return fabs(ys);
     double unit = weighted_max(p, i, inverse); /* 1/L */
     if (!(unit > 0.0))                         /* no row notices lambda_i: its own size must do */
@@ -102,12 +102,12 @@ static double row_residual(const ns_mlcp *p, int i, double lambda, double y, con
     return fabs(x - to);
 }
 
-/* The largest, with the sizes as they are; inverse (m) gets 1/Y. */
+/* The largest, with the sizes as they are; inverse (m) gets 1/Y.  NAN where terms are beyond a double. */
 static double largest(const ns_mlcp *p, const double *lambda, const double *y, const double *size,
                       double *inverse, int *worst) {
     double most = 0.0;
     for (int i = 0; i < p->m; i++)
-        inverse[i] = size[i] > 0.0 ? 1.0 / size[i] : 0.0;
+        inverse[i] = isinf(size[i]) ? NAN : size[i] > 0.0 ? 1.0 / size[i] : 0.0;
     for (int i = 0; i < p->m; i++) {
         double r = row_residual(p, i, lambda[i], y[i], inverse);
         if (!(r <= most)) {
