@@ -12,9 +12,11 @@
 #include "branch.h"
 
 static const double RCOND = 1e-12; /* equations worse than this are looked at, but count as singular */
+static const double WORST =
+    1e-15; /* and worse than this they are not looked at: anything would seem an answer */
 static const double LOOSE = 1e-8; /* guards broken by more, against the largest terms there are, are broken */
 static const double GOOD = 1e-12; /* an answer as good as this ends the search */
-static const double COSTLY = 2e10; /* multiplications: some ten seconds */
+static const double COSTLY = 1e9; /* multiplications: some two seconds */
 
 typedef struct tally {
     double accept, best; /* residuals: required, of the best answer so far */
@@ -115,7 +117,7 @@ static int subset(ns_mlcp_solver *s, unsigned set, tally *t) {
         s->mode[s->pair[a]] = ns_mlcp_mend(s, s->pair[a], set >> a & 1 ? NS_INSIDE : NS_LOWER);
     int status = ns_basis_factor(s, &rcond), sound = status == NS_OK && rcond >= RCOND;
     t->doubtful += !sound;
-    return status == NS_OK ? combinations(s, t, rcond) : NS_E_INFEASIBLE;
+    return status == NS_OK && rcond > WORST ? combinations(s, t, rcond) : NS_E_INFEASIBLE;
 }
 
 /* All sets, the one of the start first.  OK, or INFEASIBLE: nothing seen. */

@@ -21,7 +21,8 @@ static const double KEEP = 0.995;  /* least part of the way to the nearest bound
 static const double FAR = 1e20;    /* products or slacks beyond this, in units of the problem: it diverges */
 static const double CLOSE = 1e-5;  /* of the first mu: from here on a mode is worth trying */
 static const double DONE = 1e-40;  /* of the first mu: pairs with lambda = y = 0 are then below 1e-20 */
-static const double RIDGE = 1e-12; /* added to the diagonal of free rows where the system is singular */
+static const double RCOND = 1e-14; /* a system worse than this is singular */
+static const double RIDGE = 1e-10; /* added to the diagonal of free rows where the system is singular */
 static const double STUCK = 1e-9;  /* a step this short, SHORTS times running: no way on */
 enum { SHORTS = 6 };
 
@@ -90,7 +91,9 @@ static int factor(ns_mlcp_solver *ws, const iterate *p, double ridge) {
     }
     ws->factors++;
     ws->have_factors = 0;
-    return ns_lu_factor(ws->lu, z->m, ws->G, NULL, NULL);
+    double rcond;
+    int status = ns_lu_factor(ws->lu, z->m, ws->G, &rcond, NULL);
+    return status == NS_OK && ridge == 0.0 && !(rcond > RCOND) ? NS_E_SINGULAR : status;
 }
 
 /* dx for s v = t w = target, the products of the predictor taken off where second. */

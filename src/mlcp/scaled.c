@@ -5,12 +5,15 @@
  */
 #include "scaled.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
 #include "residual.h"
 
 enum { CORRECTIONS = 5 };
+static const double FAR = 1e12;   /* of a lambda, in units in which q and W are about 1 */
+static const double NEAR = 1e-10; /* of an y that should be 0 */
 static const double RIDGE = 1e-8; /* of entries of about 1: half of the digits */
 
 int ns_scaled_law(const ns_scaled *z, int i) {
@@ -120,10 +123,35 @@ void ns_scaled_lambda(ns_mlcp_solver *s, const ns_scaled *z, const double *x) {
             s->lambda[i] = ns_mlcp_bound(s, i, s->mode[i]);
 }
 
-static double measure(ns_mlcp_solver *s) {
-    for (int i = 0; i < s->m; i++)
-        if (!isfinite(s->lambda[i]))
-            return INFINITY;
+/* rhs = y of s->lambda, scaled. */
+static void residual(ns_mlcp_solver *s, const ns_scaled *z) {
+    if (z->m > 0)
+        memcpy(s->rhs, s->q, (size_t)z->m * sizeof *s->rhs);
+    for (int i = 0; i < z->m; i++)
+        s->g[i] = z->l[i] == z->u[i] ? 0.0 : s->lambda[i];
+    ns_matvec_add(z->m, z->m, s->W, s->g, s->rhs);
+    for (int i = 0; i < z->m; i++)
+        s->rhs[i] *= z->rs[i];
+}
+
+/* 1 if y of the equations is small only beside a lambda that ran away: equations that contradict do that to
+ * an iteration that regularises them.  q is about 1. */
+static int ran_away(ns_mlcp_solver *s, const ns_scaled *z) {
+    double top = 0.0, most = 0.0;
+    residual(s, z);
+    for (int i = 0; i < z->m; i++) {
+        if (z->l[i] == z->u[i])
+            continue;
+        top = fmax(top, fabs(s->lambda[i] / z->cs[i]));
+        most = fmax(most, s->mode[i] == NS_INSIDE ? fabs(s->rhs[i]) : 0.0);
+    }
+    return !(top < FAR) || most > fmax(NEAR, 1e2 * DBL_EPSILON * top);
+}
+
+/* Natural residual of s->lambda; infinite where it is not to be believed. */
+static double measure(ns_mlcp_solver *s, const ns_scaled *z) {
+    if (ran_away(s, z))
+        return INFINITY;
     return ns_mlcp_measure(&s->now, s->lambda, s->rhs, NULL);
 }
 
@@ -143,13 +171,9 @@ static int factor_ridged(ns_mlcp_solver *s, const ns_scaled *z) {
 /* lambda less (W + ridge)^-1 y: a step of the proximal point method, which redundant equations do not
  * disturb. */
 static void correct(ns_mlcp_solver *s, const ns_scaled *z) {
-    size_t m = (size_t)z->m;
-    memcpy(s->rhs, s->q, m * sizeof *s->rhs);
+    residual(s, z);
     for (int i = 0; i < z->m; i++)
-        s->g[i] = z->l[i] == z->u[i] ? 0.0 : s->lambda[i];
-    ns_matvec_add(z->m, z->m, s->W, s->g, s->rhs);
-    for (int i = 0; i < z->m; i++)
-        s->rhs[i] *= s->mode[i] == NS_INSIDE ? z->rs[i] : 0.0;
+        s->rhs[i] *= s->mode[i] == NS_INSIDE ? 1.0 : 0.0;
     ns_lu_solve(s->lu, 1, s->rhs);
     for (int i = 0; i < z->m; i++)
         if (s->mode[i] == NS_INSIDE)
@@ -163,12 +187,12 @@ int ns_scaled_finish(ns_mlcp_solver *s, const ns_scaled *z, const double *x, con
         return NS_OK;
     ns_scaled_mode(s, z, x, y);
     ns_scaled_lambda(s, z, x);
-    double now = measure(s);
+    double now = measure(s, z);
     if (now <= accept || status != NS_E_SINGULAR || factor_ridged(s, z) != NS_OK)
         return now <= accept ? NS_OK : status;
     for (int k = 0; k < CORRECTIONS; k++) {
         correct(s, z);
-        if (measure(s) <= accept)
+        if (measure(s, z) <= accept)
             return NS_OK;
     }
     return status;

@@ -1,0 +1,134 @@
+/* tests/unit/test_mlcp_enumerate.c - the oracle: every mode, singular ones included, and proofs that there is
+ * no solution. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "trials.h"
+
+#define INF INFINITY
+
+static void closed_forms(void **state) {
+    (void)state;
+    trial_closed_forms(NS_MLCP_ENUMERATE);
+}
+
+static void no_solution(void **state) {
+    (void)state;
+    trial_infeasible(NS_MLCP_ENUMERATE, 1);
+}
+
+/* Of at most 10 pairs every problem must be solved; passive #189 has a solution of 3e10 beside entries of
+ * 1e-14, where neither answer nor proof is certain: LIMIT. */
+static void every_class(void **state) {
+    (void)state;
+    for (int class = 0; class < CLASSES; class ++) {
+        int n = 200, solved = trial_class(NS_MLCP_ENUMERATE, class, n, 10);
+        assert_true(solved == n || (class == CLASS_PASSIVE && solved == n - 1));
+    }
+}
+
+/* Sources of 5 V and 6 V in parallel: rows 1 and 2 contradict, and the proof must name them, not row 0. */
+static void a_proof_names_its_rows(void **state) {
+    (void)state;
+    trial t = {.m = 3,
+               .rows = {1e-3, 1, 1, -1, 0, 0, -1, 0, 0},
+               .q = {0, 5, 6},
+               .l = {-INF, -INF, -INF},
+               .u = {INF, INF, INF}};
+    assert_int_equal(trial_run(&t, NS_MLCP_ENUMERATE), NS_E_INFEASIBLE);
+    assert_true(t.info.certified);
+    assert_int_equal(t.info.fault.npairs, 2);
+    assert_int_equal(t.info.fault.pair[0] + t.info.fault.pair[1], 3);
+}
+
+/* Without complementarity feasible: no ray proves it, only that every branch has a proof of its own. */
+static void proved_branch_by_branch(void **state) {
+    (void)state;
+    trial t = {.m = 2, .rows = {0, 1, 1, 0}, .q = {-1, 1}, .l = {0, 0}, .u = {INF, INF}};
+    assert_int_equal(trial_run(&t, NS_MLCP_ENUMERATE), NS_E_INFEASIBLE);
+    assert_false(t.info.certified);
+    assert_true(t.info.fault.npairs > 0);
+}
+
+/* Solutions in singular modes only: a + b = 1 twice over (equalities), and a - b >= 0.5 blocked by a pair
+ * whose lambda nobody feels: y = a - b - 0.5 = 0 or more, any a, b of that sum. */
+static void solutions_in_singular_modes(void **state) {
+    (void)state;
+    trial t = {.m = 3,
+               .rows = {1, 1, 0, 1, 1, 0, 1, -1, 0},
+               .q = {-1, -1, -0.5},
+               .l = {-INF, -INF, 0},
+               .u = {INF, INF, INF}};
+    assert_int_equal(trial_run(&t, NS_MLCP_ENUMERATE), NS_OK);
+    assert_true(fabs(t.lambda[0] + t.lambda[1] - 1) < 1e-14);
+    assert_true(t.lambda[0] - t.lambda[1] >= 0.5 - 1e-14);
+}
+
+/* y = lambda - c in [0,1] each, coupled by 1e-3: all combinations of bounds are visited before c_i = 2 and -1
+ * are found at their bounds.  lambda = (1,0,1,0,...): y_i = 1 + 1e-3 (n/2 - 1) - 2 < 0 and 1e-3 n/2 + 1 > 0.
+ */
+static void bounds_by_columns(void **state) {
+    (void)state;
+    trial t = {.m = 8};
+    for (int i = 0; i < t.m; i++) {
+        t.q[i] = i % 2 ? 1 : -2;
+        t.u[i] = 1;
+        for (int j = 0; j < t.m; j++)
+            t.rows[i * t.m + j] = i == j ? 1 : 1e-3;
+    }
+    assert_int_equal(trial_run(&t, NS_MLCP_ENUMERATE), NS_OK);
+    for (int i = 0; i < t.m; i++) {
+        assert_true(t.lambda[i] == (i % 2 ? 0 : 1));
+        double y = i % 2 ? 1 + 1e-3 * 4 : 1 + 1e-3 * 3 - 2;
+        assert_true(fabs(t.y[i] - y) < 1e-14);
+    }
+}
+
+static void seventeen_pairs_are_too_many(void **state) {
+    (void)state;
+    trial t = {.m = 17};
+    for (int i = 0; i < t.m; i++)
+        t.rows[i * t.m + i] = 1;
+    trial_complementary(&t);
+    assert_int_equal(trial_run(&t, NS_MLCP_ENUMERATE), NS_E_SIZE);
+    t.l[3] = -INF; /* an equality does not count */
+    assert_int_equal(trial_run(&t, NS_MLCP_ENUMERATE), NS_OK);
+}
+
+/* Sixteen boxes have 43 million modes, too many to try: branches are cut instead.  W = I: lambda = proj(-q).
+ */
+static void sixteen_boxes(void **state) {
+    (void)state;
+    trial t = {.m = 16};
+    for (int i = 0; i < t.m; i++) {
+        t.l[i] = -1;
+        t.u[i] = 1;
+        t.q[i] = i % 3 - 1.5 * (i % 2);
+        for (int j = 0; j < t.m; j++)
+            t.rows[i * t.m + j] = i == j;
+    }
+    assert_int_equal(trial_run(&t, NS_MLCP_ENUMERATE), NS_OK);
+    for (int i = 0; i < t.m; i++)
+        assert_true(t.lambda[i] == fmin(fmax(-t.q[i], -1), 1));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(closed_forms),
+        cmocka_unit_test(no_solution),
+        cmocka_unit_test(every_class),
+        cmocka_unit_test(a_proof_names_its_rows),
+        cmocka_unit_test(proved_branch_by_branch),
+        cmocka_unit_test(solutions_in_singular_modes),
+        cmocka_unit_test(bounds_by_columns),
+        cmocka_unit_test(seventeen_pairs_are_too_many),
+        cmocka_unit_test(sixteen_boxes),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
