@@ -110,6 +110,12 @@ int ns_circuit_hold(const ns_circuit *c, int *hold, double *hold_x);
 int ns_circuit_device(const ns_circuit *c, int id, const double *x, const double *lambda, const ns_mode *mode,
                       double *i, double *v, int *on);
 
+/* What an unknown or a pair stands for: "voltage of node out", "current of l1", "ideal diode ad1" (its second
+ * pair: "breakdown of ideal diode ad1"), "ideal switch as1"; "unknown 9", "pair 9" if c has none such.
+ * Written into line (size bytes, always terminated).  Returns the length it wanted, like snprintf. */
+int ns_circuit_name_unknown(const ns_circuit *c, int unknown, char *line, size_t size);
+int ns_circuit_name_pair(const ns_circuit *c, int pair, char *line, size_t size);
+
 /* One line for a person: devices, time, cause ("d1, vin: at t = 1.25e-03 s: no solution exists").
  * Written into line (size bytes, always terminated).  Returns the length it wanted, like snprintf. */
 int ns_circuit_explain(const ns_circuit *c, const ns_fault *f, char *line, size_t size);

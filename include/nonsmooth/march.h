@@ -69,6 +69,11 @@ int ns_march_at_event(const ns_march *m);
 const ns_counts *ns_march_counts(ns_march *m);
 const ns_fault *ns_march_fault(const ns_march *m); /* of the last call that failed; its t is set */
 
+/* The problem at which the last call failed, as ns_theta_problem(); *h gets 0 where that was the operating
+ * point, whose problem has one more row for each unknown that is held, for the current that does it.  To be
+ * asked for right after the failure.  Errors: NULL, STATE (it did not fail, or not at a problem). */
+int ns_march_problem(const ns_march *m, ns_mlcp *p, double *h);
+
 #ifdef __cplusplus
 }
 #endif

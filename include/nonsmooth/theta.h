@@ -91,6 +91,11 @@ const ns_mode *ns_theta_mode(const ns_theta *s);
 const ns_counts *ns_theta_counts(const ns_theta *s);
 const ns_fault *ns_theta_fault(const ns_theta *s); /* of the last call that failed */
 
+/* The problem at which the last ns_theta_try() failed, unreduced: n rows of equalities with the unknowns x
+ * (bounds -inf, inf), then the m pairs.  *p gets arrays that are s's and hold until its next call; *h (may
+ * be NULL) the length of the step.  Errors: NULL, STATE (it did not fail, or not at its problem). */
+int ns_theta_problem(const ns_theta *s, ns_mlcp *p, double *h);
+
 #ifdef __cplusplus
 }
 #endif

@@ -88,19 +88,35 @@ static int named_before(const ns_circuit *c, const ns_fault *f, int i) {
     return 0;
 }
 
+static void put_pair(writer *w, const ns_circuit *c, int pair, int with_kind) {
+    const element *e = element_of_pair(c, pair);
+    if (e) {
+        put(w, "%s%s", !with_kind ? "" : e->kind == DIODE ? "ideal diode " : "ideal switch ", e->name);
+    } else {
+        put(w, "pair %d", pair);
+    }
+}
+
+static void put_unknown(writer *w, const ns_circuit *c, int unknown, int with_kind) {
+    const element *e = element_of_current(c, unknown);
+    const node_info *which = node_of_unknown(c, unknown);
+    if (e) {
+        put(w, "%s%s", with_kind ? "current of " : "", e->name);
+    } else if (which) {
+        put(w, "%s", with_kind ? "voltage of " : "");
+        put_node(w, which);
+    } else {
+        put(w, "unknown %d", unknown);
+    }
+}
+
 /* The pairs' elements, comma by comma; with their kind if told. */
 static int put_pairs(writer *w, const ns_circuit *c, const ns_fault *f, int with_kind) {
     int written = 0;
     for (int i = 0; i < count_of(f->npairs); i++) {
-        const element *e = element_of_pair(c, f->pair[i]);
-        if (named_before(c, f, i)) {
-            continue;
-        }
-        put(w, "%s", written++ ? ", " : "");
-        if (e) {
-            put(w, "%s%s", !with_kind ? "" : e->kind == DIODE ? "ideal diode " : "ideal switch ", e->name);
-        } else {
-            put(w, "pair %d", f->pair[i]);
+        if (!named_before(c, f, i)) {
+            put(w, "%s", written++ ? ", " : "");
+            put_pair(w, c, f->pair[i], with_kind);
         }
     }
     return written;
@@ -108,17 +124,8 @@ static int put_pairs(writer *w, const ns_circuit *c, const ns_fault *f, int with
 
 static int put_unknowns(writer *w, const ns_circuit *c, const ns_fault *f, int written, int with_kind) {
     for (int i = 0; i < count_of(f->nunknowns); i++) {
-        const element *e = element_of_current(c, f->unknown[i]);
-        const node_info *which = node_of_unknown(c, f->unknown[i]);
         put(w, "%s", written++ ? ", " : "");
-        if (e) {
-            put(w, "%s%s", with_kind ? "current of " : "", e->name);
-        } else if (which) {
-            put(w, "%s", with_kind ? "voltage of " : "");
-            put_node(w, which);
-        } else {
-            put(w, "unknown %d", f->unknown[i]);
-        }
+        put_unknown(w, c, f->unknown[i], with_kind);
     }
     return written;
 }
@@ -138,12 +145,31 @@ static void put_cause(writer *w, const ns_circuit *c, const ns_fault *f) {
             : "not determined; a node without a path to ground, or a loop without resistance?");
 }
 
-int ns_circuit_explain(const ns_circuit *c, const ns_fault *f, char *line, size_t size) {
+static writer begin(char *line, size_t size) {
     writer w = {line, line ? size : 0, 0};
-    int written;
     if (w.size > 0) {
         *line = '\0';
     }
+    return w;
+}
+
+int ns_circuit_name_unknown(const ns_circuit *c, int unknown, char *line, size_t size) {
+    writer w = begin(line, size);
+    put_unknown(&w, c, unknown, 1);
+    return finish(&w);
+}
+
+int ns_circuit_name_pair(const ns_circuit *c, int pair, char *line, size_t size) {
+    const element *e = element_of_pair(c, pair);
+    writer w = begin(line, size);
+    put(&w, "%s", e && pair > e->pair ? "breakdown of " : "");
+    put_pair(&w, c, pair, 1);
+    return finish(&w);
+}
+
+int ns_circuit_explain(const ns_circuit *c, const ns_fault *f, char *line, size_t size) {
+    writer w = begin(line, size);
+    int written;
     if (!f) {
         return 0;
     }

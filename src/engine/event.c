@@ -26,13 +26,14 @@ int ns_short_try(ns_march *m, double h) {
     const int first = step_to(m, h);
     if (first == NS_OK || first == NS_E_MEMORY)
         return first == NS_OK ? first : ns_march_fail(m, first);
-    (void)ns_march_fail(m, first);
+    double longer = h;
     for (int k = 0; k < 4; k++) {
-        h *= 16;
-        if (m->live.t + h < m->limit && h <= m->h && step_to(m, h) == NS_OK)
+        longer *= 16;
+        if (m->live.t + longer < m->limit && longer <= m->h && step_to(m, longer) == NS_OK)
             return NS_OK;
     }
-    return first;
+    const int again = step_to(m, h); /* the first has the say, and leaves its problem */
+    return again == NS_OK ? again : ns_march_fail(m, again);
 }
 
 static void count_event(ns_march *m) {

@@ -200,6 +200,7 @@ static int solve(ns_theta *s, double h, int implicit, const ns_mode *mode, int n
 
 int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out) {
     *out = NULL;
+    s->failed = 0; /* K is used */
     const int nj = list_inside(s, mode, s->inside);
     form_matrix(s, h, implicit, nj);
     const int status = solve(s, h, implicit, mode, nj);

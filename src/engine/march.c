@@ -183,6 +183,12 @@ const ns_counts *ns_march_counts(ns_march *m) {
     return &m->counts;
 }
 
+int ns_march_problem(const ns_march *m, ns_mlcp *p, double *h) {
+    if (!m || !p)
+        return NS_E_NULL;
+    return m->fault.status == ns_theta_fault(m->step)->status ? ns_theta_problem(m->step, p, h) : NS_E_STATE;
+}
+
 const ns_fault *ns_march_fault(const ns_march *m) {
     return &m->fault;
 }

@@ -99,14 +99,37 @@ static void add_leaks(ns_theta *s, double ht, int size, double share, int around
     }
 }
 
-int ns_problem_solve(ns_theta *s, double h, int implicit, double share) {
-    const int n = s->s->n, m = s->s->m;
-    form(s, s->M, implicit ? h : h * s->theta, implicit ? h : h * s->gamma, s->trial_in + s->r, n + m);
+static void form_step(ns_theta *s, double h, int implicit) {
+    form(s, s->M, implicit ? h : h * s->theta, implicit ? h : h * s->gamma, s->trial_in + s->r,
+         s->s->n + s->s->m);
     for (int i = 0; i < s->r; i++)
         s->rhs[i] -= s->trial_in[i]; /* eta of (T6) */
+}
+
+int ns_problem_solve(ns_theta *s, double h, int implicit, double share) {
+    const int n = s->s->n, m = s->s->m;
+    form_step(s, h, implicit);
     if (share > 0)
         add_leaks(s, implicit ? h : h * s->theta, n + m, share, 0);
     return solve(s, n + m, s->trial_mode);
+}
+
+void ns_problem_keep(ns_theta *s, double h, int implicit) {
+    const int size = s->s->n + s->s->m;
+    form_step(s, h, implicit);
+    s->failed = size;
+    s->failed_h = h;
+}
+
+int ns_theta_problem(const ns_theta *s, ns_mlcp *p, double *h) {
+    if (!s || !p)
+        return NS_E_NULL;
+    if (!s->failed)
+        return NS_E_STATE;
+    *p = (ns_mlcp){.m = s->failed, .W = s->K, .q = s->rhs, .l = s->bl, .u = s->bu};
+    if (h)
+        *h = s->failed_h;
+    return NS_OK;
 }
 
 /* Holding node voltage x_i takes one more unknown, the current that does it, in x_i's own KCL row. */
@@ -146,10 +169,14 @@ static int settle_dc(ns_theta *s, const double *z, int nhold, const int *hold, c
 int ns_problem_dc(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
                   ns_mode *mode, double *x) {
     const int n = s->s->n, size = n + s->s->m + nhold;
+    s->failed = 0;
     form_dc(s, z, nhold, hold, hold_x);
     const int status = solve(s, size, mode);
-    if (status != NS_OK)
+    if (status != NS_OK) {
+        s->failed = size;
+        s->failed_h = 0;
         return status;
+    }
     memcpy(x, s->sol, sizeof(double) * (size_t)n);
     memcpy(s->trial_mode, mode, (size_t)s->s->m);
     if (settle_dc(s, z, nhold, hold, hold_x, s->trial_mode) == NS_OK) {

@@ -72,6 +72,8 @@ struct ns_theta {
     ns_mode *work_mode;            /* n+m */
     int *inside;                   /* m */
     double *control;               /* nc */
+    int failed; /* K, rhs, bl, bu hold the problem, of this size, of the call that failed last; 0: none */
+    double failed_h; /* length of its step, 0: an operating point */
     ns_counts counts;
     ns_fault fault;
 };
@@ -107,6 +109,9 @@ int ns_theta_map(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_ma
  * gets the answer's mode.  Uses s->trial_in.  share > 0: with leaks of that share (leak.h).  Errors: those of
  * ns_mlcp_solve(). */
 int ns_problem_solve(ns_theta *s, double h, int implicit, double share);
+
+/* problem.c: leaves that problem, without leaks, for ns_theta_problem(): the step failed. */
+void ns_problem_keep(ns_theta *s, double h, int implicit);
 
 /* problem.c: the same for M x' = 0, with nhold unknowns held at hold_x; fills x (n).  mode: m. */
 int ns_problem_dc(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,

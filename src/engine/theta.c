@@ -163,6 +163,7 @@ static ns_mode resting_mode(double l, double u) {
 int ns_theta_start(ns_theta *s, const double *w0, const unsigned char *closed) {
     if (!s || (!w0 && s->s->n > 0) || (!closed && s->s->nc > 0))
         return NS_E_NULL;
+    s->failed = 0;
     for (int i = 0; i < s->s->n; i++)
         if (!isfinite(w0[i]))
             return ns_theta_fail(s, NS_E_NUMBER);

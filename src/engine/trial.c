@@ -93,12 +93,14 @@ static int resolve(ns_theta *s, double h, int implicit) {
         }
     }
     s->fault = fault;
+    ns_problem_keep(s, h, implicit);
     return first;
 }
 
 int ns_theta_try(ns_theta *s, double h, const double *z, int implicit, ns_policy policy) {
     if (!s || (!z && s->s->nz > 0))
         return NS_E_NULL;
+    s->failed = 0;
     if (!(h > 0) || !isfinite(h))
         return ns_theta_fail(s, NS_E_RANGE);
     s->has_trial = 0;
