@@ -48,7 +48,8 @@ static double number(bytes *b) {
     const int c = next(b);
     if (c < 128)
         return (c < 64 ? c : c - 128) / 8.0;
-    return (c & 64 ? -1 : 1) * (c & 1 ? 2 : 1) * pow(10, (c & 63) / 2 - 15);
+    const int power = (c & 63) / 2 - 15;
+    return (c & 64 ? -1 : 1) * (c & 1 ? 2 : 1) * pow(10, power);
 }
 
 static double positive(bytes *b) {
