@@ -7,6 +7,7 @@
  *   signal.h   sources as functions of time, with their corners
  *   system.h   complementarity systems (S1)-(S4)
  *   theta.h    one theta-gamma step (T1)(T6)(T7)(P1), tried and accepted
+ *   impulse.h  what jumps at an instant (J1)-(J4)
  *   march.h    many steps: events located, jumps resolved, outputs on both sides of a jump
  *   model.h    (S1)-(S4) with nonlinear f, g, h and their Jacobians
  *   newton.h   one theta-gamma step of a model, (T1)-(T5) around (P1)
@@ -20,6 +21,7 @@
 #define NONSMOOTH_H
 
 #include "nonsmooth/circuit.h"
+#include "nonsmooth/impulse.h"
 #include "nonsmooth/march.h"
 #include "nonsmooth/mlcp.h"
 #include "nonsmooth/model.h"

@@ -1,4 +1,4 @@
-/* src/system/split.c - ns_system_split(): which rows of M x' = ... are differential, which algebraic.
+/* src/system/split.c - ns_split(): which rows of M x' = ... are differential, which algebraic.
  *
  * Gaussian elimination with complete pivoting on the equilibrated M.  Every entry carries a bound of the
  * rounding it may contain, in units of eps; an entry within 64 of these counts as zero, so cancelled entries
@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "nonsmooth/system.h"
+#include "split.h"
 
 typedef struct elimination {
     int n, rank;
@@ -65,8 +66,8 @@ static double half_scale(double x) {
     return ldexp(1, -(int)lround(0.5 * (e - 1)));
 }
 
-/* Makes the largest entry of each row and column about 1 (Ruiz). */
-static void equilibrate(elimination *g, const double *M) {
+/* Makes the largest entry of each row and column about 1 (Ruiz).  size: what entries were summed from. */
+static void equilibrate(elimination *g, const double *M, const double *size) {
     int n = g->n;
     for (int i = 0; i < n; i++) {
         g->r[i] = g->c[i] = 1;
@@ -86,7 +87,7 @@ static void equilibrate(elimination *g, const double *M) {
     for (int j = 0; j < n; j++) {
         for (int i = 0; i < n; i++) {
             g->a[ij(n, i, j)] = M[ij(n, i, j)] * g->r[i] * g->c[j];
-            g->err[ij(n, i, j)] = fabs(g->a[ij(n, i, j)]);
+            g->err[ij(n, i, j)] = fabs(size[ij(n, i, j)]) * g->r[i] * g->c[j];
             g->t[ij(n, i, j)] = i == j;
         }
     }
@@ -130,14 +131,14 @@ static void eliminate(elimination *g, int p, int q) {
 }
 
 /* 1 if v M = 0 within the rounding of its terms. */
-static int annuls(int n, const double *M, const double *v) {
+static int annuls(int n, const double *M, const double *size, const double *v) {
     for (int j = 0; j < n; j++) {
-        double sum = 0, size = 0;
+        double sum = 0, terms = 0;
         for (int i = 0; i < n; i++) {
             sum += v[i] * M[ij(n, i, j)];
-            size += fabs(v[i] * M[ij(n, i, j)]);
+            terms += fabs(v[i] * size[ij(n, i, j)]);
         }
-        if (fabs(sum) > eps_factor * size) {
+        if (fabs(sum) > eps_factor * terms) {
             return 0;
         }
     }
@@ -145,34 +146,35 @@ static int annuls(int n, const double *M, const double *v) {
 }
 
 /* Integers in v's place if they do as well: a floating set of capacitors sums its rows exactly. */
-static void round_vector(int n, const double *M, double *v, double *work) {
+static void round_vector(int n, const double *M, const double *size, double *v, double *work) {
     for (int i = 0; i < n; i++) {
         work[i] = nearbyint(v[i]) + 0.0;
         if (fabs(v[i] - work[i]) > 1e-2) {
             return;
         }
     }
-    if (annuls(n, M, work)) {
+    if (annuls(n, M, size, work)) {
         memcpy(v, work, (size_t)n * sizeof(double));
     }
 }
 
 /* Null vector of row i in the units of M; v and work: n. */
-static void null_vector(const elimination *g, const double *M, int i, double *v, double *work) {
+static void null_vector(const elimination *g, const double *M, const double *size, int i, double *v,
+                        double *work) {
     for (int j = 0; j < g->n; j++) {
         v[j] = g->t[ij(g->n, i, j)] * (g->r[j] / g->r[i]);
     }
-    round_vector(g->n, M, v, work);
+    round_vector(g->n, M, size, v, work);
 }
 
-static void fill(const elimination *g, const double *M, double *T, double *work) {
+static void fill(const elimination *g, const double *M, const double *size, double *T, double *work) {
     int n = g->n, differential = 0, algebraic = g->rank;
     memset(T, 0, (size_t)n * (size_t)n * sizeof(double));
     for (int i = 0; i < n; i++) {
         if (g->row[i]) {
             T[ij(n, differential++, i)] = 1;
         } else {
-            null_vector(g, M, i, work, work + n);
+            null_vector(g, M, size, i, work, work + n);
             for (int j = 0; j < n; j++) {
                 T[ij(n, algebraic, j)] = work[j];
             }
@@ -181,33 +183,61 @@ static void fill(const elimination *g, const double *M, double *T, double *work)
     }
 }
 
-int ns_system_split(const ns_system *s, double *T, int *rank) {
+int ns_split_rows(int n, const double *M, const double *size, double *T, int *rank) {
     elimination g;
     double *work;
     int p = 0, q = 0;
-    if (!s || !rank || (s->n > 0 && (!T || !s->M))) {
-        return NS_E_NULL;
-    }
     *rank = 0;
-    if (s->n == 0) {
+    if (n == 0) {
         return NS_OK;
     }
-    work = calloc(2 * (size_t)s->n, sizeof(double));
-    if (!work || !begin(&g, s->n)) {
+    work = calloc(2 * (size_t)n, sizeof(double));
+    if (!work || !begin(&g, n)) {
         if (work) {
             end(&g);
         }
         free(work);
         return NS_E_MEMORY;
     }
-    equilibrate(&g, s->M);
-    while (g.rank < s->n && find_pivot(&g, &p, &q)) {
+    equilibrate(&g, M, size);
+    while (g.rank < n && find_pivot(&g, &p, &q)) {
         eliminate(&g, p, q);
         g.rank++;
     }
-    fill(&g, s->M, T, work);
+    fill(&g, M, size, T, work);
     *rank = g.rank;
     end(&g);
     free(work);
     return NS_OK;
+}
+
+int ns_split(int n, const double *M, double *T, int *rank) {
+    if (!rank || (n > 0 && (!T || !M))) {
+        return NS_E_NULL;
+    }
+    return ns_split_rows(n, M, M, T, rank);
+}
+
+int ns_system_split(const ns_system *s, double *T, int *rank) {
+    return s ? ns_split(s->n, s->M, T, rank) : NS_E_NULL;
+}
+
+/* One entry of T from.  What cancels is zero: a resistor inside a part that T sums up must leave no trace of
+ * its rounding, or a floating part hangs on that. */
+static double clean_sum(int n, const double *row, const double *column) {
+    double sum = 0, size = 0;
+    for (int k = 0; k < n; k++) {
+        const double term = row[k * n] * column[k];
+        sum += term;
+        size += fabs(term);
+    }
+    return fabs(sum) <= 8 * DBL_EPSILON * size ? 0 : sum;
+}
+
+void ns_split_apply(int n, int columns, const double *T, const double *from, double *to) {
+    for (int j = 0; j < columns; j++) {
+        for (int i = 0; i < n; i++) {
+            to[i + j * n] = clean_sum(n, T + i, from + (size_t)j * (size_t)n);
+        }
+    }
 }

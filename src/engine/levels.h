@@ -1,0 +1,38 @@
+/* src/engine/levels.h - a mode's step as h -> 0: impulses Z1 = (X, Lambda_J), finite values Z0 = (x,
+ * lambda_J).
+ */
+#ifndef NS_LEVELS_H
+#define NS_LEVELS_H
+
+#include "ranked.h"
+#include "stepper.h"
+
+typedef struct ns_levels {
+    ns_theta *s;
+    int size, nj;          /* of (P2); pairs inside */
+    double *K0, *K1, *S0;  /* size^2; sizes of the terms of K0 */
+    double *R0, *R1;       /* size */
+    double *terms;         /* size: those of R0 */
+    double *Z1, *Z0;       /* size */
+    double *unit;          /* n+m: those of (x, lambda) in which they are alike */
+    double *X, *x;         /* n+m: impulses and finite values of (x, lambda) */
+    double *G, *SG;        /* gap^2, gap: what K0's rank lacks; sizes of its terms */
+    double *V;             /* size^2, work */
+    double *v, *rest;      /* n+m each, work */
+    double *few;           /* 3 (n+m), work */
+    ns_ranked *zero, *gap; /* K0, G */
+} ns_levels;
+
+int ns_levels_create(ns_theta *s, ns_levels *k);
+void ns_levels_free(ns_levels *k);
+
+/* Units for K0 + h K1 with all pairs inside into k->unit; returns the fastest rate (1/s) at which K1 moves
+ * what K0 holds, 0 if nothing. */
+double ns_levels_scale(ns_levels *k, double h);
+
+/* Both levels in s->trial_mode for the past s->w; z: inputs, slope: theirs (NULL: none moves).  Uses k->unit.
+ * Errors: SINGULAR (the equations of the mode do not determine or contradict the answer), RESIDUAL, MEMORY.
+ */
+int ns_levels_expand(ns_levels *k, const double *z, const double *slope);
+
+#endif
