@@ -37,8 +37,8 @@ help: ## this list
 
 # --- what it needs ---------------------------------------------------------------------------------------
 
-PACKAGES := build-essential clang libclang-rt-14-dev ngspice liblapacke-dev libopenblas-dev libsuitesparse-dev libcmocka-dev \
-    gnuplot-nox valgrind bison flex autoconf automake libtool
+PACKAGES := build-essential clang libclang-rt-14-dev ngspice liblapacke-dev libopenblas-dev libsuitesparse-dev \
+    libcmocka-dev locales gnuplot-nox valgrind bison flex autoconf automake libtool
 LINT_PACKAGES := clang-format clang-tidy cppcheck shellcheck
 
 .PHONY: deps deps-lint

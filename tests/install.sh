@@ -19,7 +19,7 @@ check() {
 }
 
 check 'make install' make install PREFIX="$dest"
-for file in lib/libnonsmooth.a lib/libnonsmooth.so include/nonsmooth.h include/nonsmooth/status.h \
+for file in bin/nsc-mlcp lib/libnonsmooth.a lib/libnonsmooth.so include/nonsmooth.h include/nonsmooth/status.h \
     lib/pkgconfig/nonsmooth.pc lib/ngspice/nonsmooth.cm share/nonsmooth/nonsmooth.lib share/nonsmooth/spiceinit; do
     check "$file is there" test -s "$dest/$file"
 done
@@ -34,6 +34,8 @@ C
 check 'a program compiles and links against it' gcc "$dest/user.c" -o "$dest/user" -I"$dest/include" -L"$dest/lib" \
     -lnonsmooth -Wl,-rpath,"$dest/lib"
 check 'the program runs' "$dest/user"
+printf '1 1 -1 0 inf' >"$dest/one.txt"
+check 'nsc-mlcp solves' sh -c "'$dest/bin/nsc-mlcp' '$dest/one.txt' | grep -qx 'lambda 1'"
 
 cat >"$dest/user.cir" <<'C'
 * a diode in series with 1 kohm across 10 V; fails if the model is unknown

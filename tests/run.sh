@@ -73,6 +73,7 @@ script() {
 plain() {
     cmocka unit build
     script netlists tests/netlist/run.sh
+    script tool tests/tool/run.sh
     script install tests/install.sh
     script tags tests/tags.sh
     script fuzz tests/fuzz.sh 8
@@ -80,6 +81,7 @@ plain() {
 
 sanitize() {
     cmocka unit-asan build/asan
+    script tool-asan tests/tool/run.sh build/asan/nsc-mlcp
     script netlists-asan env NONSMOOTH_CM="$PWD/build/asan/nonsmooth.cm" NGSPICE="$PWD/tests/ngspice-asan.sh" \
         tests/netlist/run.sh default cases/ errors/
 }

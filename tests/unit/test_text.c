@@ -1,4 +1,5 @@
 /* tests/unit/test_text.c - a problem as text: what is read, what is refused and where, what is written. */
+#define _POSIX_C_SOURCE 200809L /* mkdtemp(), setenv() */
 #include <float.h>
 #include <locale.h>
 #include <math.h>
@@ -106,7 +107,8 @@ static void a_number_may_have_all_its_digits(void **state) {
 /* --- refusals --- */
 
 static void assert_refused(const char *text, size_t length, int expected, long line, const char *cause) {
-    ns_mlcp *p = (ns_mlcp *)(uintptr_t)1;
+    static ns_mlcp other;
+    ns_mlcp *p = &other;
     ns_text_fault fault;
     const int status = ns_mlcp_read(text, length, &p, &fault);
     if (status != expected || fault.line != line || strcmp(fault.cause, cause) != 0)
@@ -277,21 +279,29 @@ static void what_is_written_is_read_bit_for_bit(void **state) {
 
 /* --- locale, memory --- */
 
-/* Some locale whose decimal point is a comma; 0: none is installed. */
-static int set_comma(void) {
-    static const char *const names[] = {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "fr_FR.utf8", "de_DE"};
-    for (size_t k = 0; k < sizeof names / sizeof *names; k++)
-        if (setlocale(LC_ALL, names[k]) && strcmp(localeconv()->decimal_point, ",") == 0)
-            return 1;
-    return 0;
+/* A locale whose decimal point is a comma, made in a folder of its own: whoever has none, has localedef. */
+static int set_comma(char folder[32]) {
+    char command[120];
+    snprintf(folder, 32, "/tmp/test_text.XXXXXX");
+    if (!mkdtemp(folder))
+        return 0;
+    snprintf(command, sizeof command, "localedef -i de_DE -f UTF-8 %s/comma >/dev/null 2>&1", folder);
+    const int made = system(command);
+    return made == 0 && setenv("LOCPATH", folder, 1) == 0 && setlocale(LC_ALL, "comma") != NULL &&
+           strcmp(localeconv()->decimal_point, ",") == 0;
+}
+
+static void remove_comma(const char *folder) {
+    char command[60];
+    setlocale(LC_ALL, "C");
+    snprintf(command, sizeof command, "rm -rf %s", folder);
+    assert_int_equal(system(command), 0);
 }
 
 static void the_point_is_a_point_in_any_locale(void **state) {
     (void)state;
-    if (!set_comma()) {
-        print_message("no locale with a decimal comma is installed\n");
-        skip();
-    }
+    char folder[32];
+    assert_true(set_comma(folder));
     char text[40], shown[8];
     size_t length = 0;
     ns_mlcp *p = read_ok("1 1.5 -.25 0 inf");
@@ -301,19 +311,18 @@ static void the_point_is_a_point_in_any_locale(void **state) {
     snprintf(shown, sizeof shown, "%.1f", 1.5); /* the program's own locale is as it was */
     assert_string_equal(shown, "1,5");
     ns_mlcp_discard(p);
-    setlocale(LC_ALL, "C");
+    remove_comma(folder);
 }
 
 /* 12 pairs are 180 numbers: their room grows three times. */
 static void every_allocation_may_fail(void **state) {
     (void)state;
-    char text[2000] = "12\n";
-    for (int k = 0; k < 144 + 24; k++)
-        strcat(text, "0 ");
-    for (int k = 0; k < 12; k++)
-        strcat(text, "inf ");
+    char text[2000];
+    size_t end = (size_t)snprintf(text, sizeof text, "12\n");
+    for (int k = 0; k < 180; k++)
+        end += (size_t)snprintf(text + end, sizeof text - end, k < 168 ? "0 " : "inf ");
     for (long k = 1;; k++) {
-        ns_mlcp *p = (ns_mlcp *)(uintptr_t)1;
+        ns_mlcp other, *p = &other;
         ns_text_fault fault;
         fail_alloc_at(k);
         const int status = ns_mlcp_read(text, strlen(text), &p, &fault);
