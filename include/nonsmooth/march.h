@@ -18,7 +18,7 @@ extern "C" {
 typedef struct ns_march ns_march;
 
 typedef struct ns_march_options {
-    double theta, gamma; /* in (0,1] */
+    double theta, gamma; /* theta in [0,1], gamma in (0,1] */
     double h;            /* longest step, s, > 0 */
     size_t map_bytes;    /* as in ns_theta_options */
 } ns_march_options;

@@ -58,7 +58,8 @@ typedef enum ns_jacobian {
 } ns_jacobian;
 
 typedef struct ns_jacobian_error {
-    double error; /* largest disagreement, relative to the size of its row and column; about 1e-8 if right */
+    double error; /* largest disagreement beyond what the differences themselves are uncertain by, relative to
+                     the entry: 0 to 1e-8 if right, 1 where an entry is missing, 2 where its sign is wrong */
     ns_jacobian which; /* where it is */
     int row, column;
     double given, expected; /* the entry as the callback has it, and as differences of the function have it */

@@ -26,7 +26,7 @@ extern "C" {
 typedef struct ns_theta ns_theta;
 
 typedef struct ns_theta_options {
-    double theta, gamma; /* in (0,1] */
+    double theta, gamma; /* theta in [0,1], gamma in (0,1] */
     size_t map_bytes;    /* bound on the memory of kept maps; 0: 32 MiB */
 } ns_theta_options;
 

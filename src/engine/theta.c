@@ -1,7 +1,8 @@
 /* src/engine/theta.c - the theta-gamma stepper: made, started, commanded, freed. */
 #include "stepper.h"
 
-#include <float.h>
+#include "../system/split.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,25 +17,6 @@ static ns_mode *modes(size_t count, int *failed) {
     ns_mode *v = calloc(count ? count : 1, sizeof(ns_mode));
     *failed |= !v;
     return v;
-}
-
-/* One entry of T from.  What cancels is zero: a resistor inside a part that T sums up must leave no trace of
- * its rounding, or a floating part hangs on that. */
-static double clean_sum(int n, const double *row, const double *column) {
-    double sum = 0, size = 0;
-    for (int k = 0; k < n; k++) {
-        const double term = row[k * n] * column[k];
-        sum += term;
-        size += fabs(term);
-    }
-    return fabs(sum) <= 8 * DBL_EPSILON * size ? 0 : sum;
-}
-
-/* to = T from, both with n rows. */
-static void transform(int n, int columns, const double *T, const double *from, double *to) {
-    for (int j = 0; j < columns; j++)
-        for (int i = 0; i < n; i++)
-            to[i + j * n] = clean_sum(n, T + i, from + (size_t)j * (size_t)n);
 }
 
 static int allocate(ns_theta *s) {
@@ -79,11 +61,11 @@ static int split(ns_theta *s) {
     const int status = ns_system_split(s->s, s->T, &s->r);
     if (status != NS_OK)
         return status;
-    transform(n, n, s->T, s->s->M, s->M);
-    transform(n, n, s->T, s->s->A, s->A);
-    transform(n, s->s->m, s->T, s->s->B, s->B);
-    transform(n, s->s->nz, s->T, s->s->E, s->E);
-    transform(n, 1, s->T, s->s->b, s->b);
+    ns_split_apply(n, n, s->T, s->s->M, s->M);
+    ns_split_apply(n, n, s->T, s->s->A, s->A);
+    ns_split_apply(n, s->s->m, s->T, s->s->B, s->B);
+    ns_split_apply(n, s->s->nz, s->T, s->s->E, s->E);
+    ns_split_apply(n, 1, s->T, s->s->b, s->b);
     for (int j = 0; j < n; j++)
         for (int i = s->r; i < n; i++)
             s->M[i + j * n] = 0; /* exactly: rounding of T M is all that could be left */
@@ -91,8 +73,8 @@ static int split(ns_theta *s) {
     return NS_OK;
 }
 
-static int in_unit(double v) {
-    return v > 0 && v <= 1;
+static int in_range(const ns_theta_options *o) {
+    return o->theta >= 0 && o->theta <= 1 && o->gamma > 0 && o->gamma <= 1;
 }
 
 int ns_theta_create(const ns_system *system, const ns_theta_options *o, ns_theta **out, ns_fault *fault) {
@@ -104,7 +86,7 @@ int ns_theta_create(const ns_system *system, const ns_theta_options *o, ns_theta
     int status = ns_system_check(system, fault);
     if (status != NS_OK)
         return status;
-    if (!in_unit(o->theta) || !in_unit(o->gamma))
+    if (!in_range(o))
         return NS_E_RANGE;
     ns_theta *s = calloc(1, sizeof *s);
     if (!s)
@@ -167,7 +149,7 @@ int ns_theta_start(ns_theta *s, const double *w0, const unsigned char *closed) {
     for (int i = 0; i < s->s->n; i++)
         if (!isfinite(w0[i]))
             return ns_theta_fail(s, NS_E_NUMBER);
-    transform(s->s->n, 1, s->T, w0, s->w);
+    ns_split_apply(s->s->n, 1, s->T, w0, s->w);
     memset(s->d, 0, sizeof(double) * (size_t)s->s->n);
     for (int j = 0; j < s->s->m; j++) {
         s->l[j] = s->s->l[j];

@@ -2,19 +2,17 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "check.h"
 #include "nonsmooth/system.h"
 
-/* What a row or a column of an array belongs to. */
-typedef enum owner { NOBODY, UNKNOWN, PAIR } owner;
-
-static int blame(ns_fault *fault, int status, owner who, int index) {
+int ns_blame(ns_fault *fault, int status, ns_owner who, int index) {
     ns_fault where = {0};
     where.status = (ns_status)status;
     where.t = NAN;
-    if (who == PAIR) {
+    if (who == NS_PAIR) {
         where.npairs = 1;
         where.pair[0] = index;
-    } else if (who == UNKNOWN) {
+    } else if (who == NS_UNKNOWN) {
         where.nunknowns = 1;
         where.unknown[0] = index;
     }
@@ -24,15 +22,15 @@ static int blame(ns_fault *fault, int status, owner who, int index) {
     return status;
 }
 
-/* A p*q array, all finite; a bad entry is blamed on its row or its column. */
-static int finite_array(const double *a, int p, int q, owner row, owner column, ns_fault *fault) {
+int ns_check_array(const double *a, int p, int q, ns_owner row, ns_owner column, ns_fault *fault) {
     if (p > 0 && q > 0 && !a) {
-        return blame(fault, NS_E_NULL, NOBODY, 0);
+        return ns_blame(fault, NS_E_NULL, NS_NOBODY, 0);
     }
     for (int j = 0; j < q; j++) {
         for (int i = 0; i < p; i++) {
             if (!isfinite(a[(size_t)i + (size_t)j * (size_t)p])) {
-                return blame(fault, NS_E_NUMBER, column != NOBODY ? column : row, column != NOBODY ? j : i);
+                return ns_blame(fault, NS_E_NUMBER, column != NS_NOBODY ? column : row,
+                                column != NS_NOBODY ? j : i);
             }
         }
     }
@@ -41,33 +39,33 @@ static int finite_array(const double *a, int p, int q, owner row, owner column, 
 
 static int check_arrays(const ns_system *s, ns_fault *fault) {
     int n = s->n, m = s->m, nz = s->nz, status;
-    (void)((status = finite_array(s->M, n, n, UNKNOWN, UNKNOWN, fault)) ||
-           (status = finite_array(s->A, n, n, UNKNOWN, UNKNOWN, fault)) ||
-           (status = finite_array(s->B, n, m, UNKNOWN, PAIR, fault)) ||
-           (status = finite_array(s->C, m, n, PAIR, UNKNOWN, fault)) ||
-           (status = finite_array(s->D, m, m, PAIR, PAIR, fault)) ||
-           (status = finite_array(s->b, n, 1, UNKNOWN, NOBODY, fault)) ||
-           (status = finite_array(s->E, n, nz, UNKNOWN, NOBODY, fault)) ||
-           (status = finite_array(s->e, m, 1, PAIR, NOBODY, fault)) ||
-           (status = finite_array(s->F, m, nz, PAIR, NOBODY, fault)));
+    (void)((status = ns_check_array(s->M, n, n, NS_UNKNOWN, NS_UNKNOWN, fault)) ||
+           (status = ns_check_array(s->A, n, n, NS_UNKNOWN, NS_UNKNOWN, fault)) ||
+           (status = ns_check_array(s->B, n, m, NS_UNKNOWN, NS_PAIR, fault)) ||
+           (status = ns_check_array(s->C, m, n, NS_PAIR, NS_UNKNOWN, fault)) ||
+           (status = ns_check_array(s->D, m, m, NS_PAIR, NS_PAIR, fault)) ||
+           (status = ns_check_array(s->b, n, 1, NS_UNKNOWN, NS_NOBODY, fault)) ||
+           (status = ns_check_array(s->E, n, nz, NS_UNKNOWN, NS_NOBODY, fault)) ||
+           (status = ns_check_array(s->e, m, 1, NS_PAIR, NS_NOBODY, fault)) ||
+           (status = ns_check_array(s->F, m, nz, NS_PAIR, NS_NOBODY, fault)));
     return status;
 }
 
 static int check_command(const ns_system *s, const ns_command *c, ns_fault *fault) {
     if (c->pair < 0 || c->pair >= s->m) {
-        return blame(fault, NS_E_SIZE, NOBODY, 0);
+        return ns_blame(fault, NS_E_SIZE, NS_NOBODY, 0);
     }
     if (isnan(c->on) || isnan(c->off) || !isfinite(c->g0) ||
-        (c->gx && finite_array(c->gx, s->n, 1, NOBODY, NOBODY, NULL)) ||
-        (c->gz && finite_array(c->gz, s->nz, 1, NOBODY, NOBODY, NULL))) {
-        return blame(fault, NS_E_NUMBER, PAIR, c->pair);
+        (c->gx && ns_check_array(c->gx, s->n, 1, NS_NOBODY, NS_NOBODY, NULL)) ||
+        (c->gz && ns_check_array(c->gz, s->nz, 1, NS_NOBODY, NS_NOBODY, NULL))) {
+        return ns_blame(fault, NS_E_NUMBER, NS_PAIR, c->pair);
     }
     for (const ns_command *other = s->command; other < c; other++) {
         if (other->pair == c->pair) {
-            return blame(fault, NS_E_RANGE, PAIR, c->pair);
+            return ns_blame(fault, NS_E_RANGE, NS_PAIR, c->pair);
         }
     }
-    return c->off > c->on ? blame(fault, NS_E_RANGE, PAIR, c->pair) : NS_OK;
+    return c->off > c->on ? ns_blame(fault, NS_E_RANGE, NS_PAIR, c->pair) : NS_OK;
 }
 
 static int is_commanded(const ns_system *s, int pair) {
@@ -82,26 +80,26 @@ static int is_commanded(const ns_system *s, int pair) {
 static int check_bounds(const ns_system *s, int i, ns_fault *fault) {
     double l = s->l[i], u = s->u[i];
     if (isnan(l) || isnan(u) || l == INFINITY || u == -INFINITY) {
-        return is_commanded(s, i) ? NS_OK : blame(fault, NS_E_NUMBER, PAIR, i);
+        return is_commanded(s, i) ? NS_OK : ns_blame(fault, NS_E_NUMBER, NS_PAIR, i);
     }
-    return l <= u || is_commanded(s, i) ? NS_OK : blame(fault, NS_E_BOUNDS, PAIR, i);
+    return l <= u || is_commanded(s, i) ? NS_OK : ns_blame(fault, NS_E_BOUNDS, NS_PAIR, i);
 }
 
 int ns_system_check(const ns_system *s, ns_fault *fault) {
     int status;
     if (!s) {
-        return blame(fault, NS_E_NULL, NOBODY, 0);
+        return ns_blame(fault, NS_E_NULL, NS_NOBODY, 0);
     }
     if (s->n < 0 || s->m < 0 || s->nz < 0 || s->nc < 0) {
-        return blame(fault, NS_E_SIZE, NOBODY, 0);
+        return ns_blame(fault, NS_E_SIZE, NS_NOBODY, 0);
     }
     if ((s->m > 0 && (!s->l || !s->u)) || (s->nz > 0 && !s->z) || (s->nc > 0 && !s->command)) {
-        return blame(fault, NS_E_NULL, NOBODY, 0);
+        return ns_blame(fault, NS_E_NULL, NS_NOBODY, 0);
     }
     status = check_arrays(s, fault);
     for (int i = 0; i < s->nz && !status; i++) {
         if ((status = ns_signal_check(&s->z[i]))) {
-            blame(fault, status, NOBODY, 0);
+            ns_blame(fault, status, NS_NOBODY, 0);
         }
     }
     for (int i = 0; i < s->nc && !status; i++) {

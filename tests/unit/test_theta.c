@@ -29,8 +29,8 @@ static void advance(ns_theta *t, double h, const double *z, ns_policy policy) {
  * slope yet (ns_theta_start), so one implicit step of negligible length finds it. */
 static void growth_factor_is_that_of_the_scheme(void **state) {
     (void)state;
-    const double thetas[] = {1, 0.75, 0.5, 0.3}, h = 0.1, w0 = 1;
-    for (int k = 0; k < 4; k++) {
+    const double thetas[] = {1, 0.75, 0.5, 0.3, 0}, h = 0.1, w0 = 1;
+    for (int k = 0; k < 5; k++) {
         ns_system *s = system_decay();
         ns_theta *t = stepper(s, thetas[k], 1);
         assert_int_equal(ns_theta_start(t, &w0, NULL), NS_OK);
@@ -162,11 +162,11 @@ static point by_formula(const ns_system *s, const point *k, const double *z1, do
 
 static void steps_follow_the_formula(void **state) {
     (void)state;
-    const double values[] = {0.2, 0.5, 0.8, 1};
+    const double values[] = {0.2, 0.5, 0.8, 1}, explicit_too[] = {0, 0.5, 0.8, 1};
     for (int run = 0; run < 64; run++) {
         seed = 1234u + (unsigned)run;
         ns_system *s = random_system();
-        const double th = values[run % 4], ga = values[run / 4 % 4], h = 0.1;
+        const double th = (run < 32 ? values : explicit_too)[run % 4], ga = values[run / 4 % 4], h = 0.1;
         ns_theta *t = stepper(s, th, ga);
         double w0[N], x[N], lambda[P];
         for (int i = 0; i < N; i++)
@@ -322,9 +322,9 @@ static void bad_input_is_refused(void **state) {
     (void)state;
     ns_system *s = system_decay();
     ns_theta *t = (ns_theta *)s;
-    const double bad[] = {0, -1, 1.5, NAN, INFINITY}, inf = INFINITY;
-    for (int k = 0; k < 5; k++) {
-        const ns_theta_options th = {bad[k], 1, 0}, ga = {1, bad[k], 0};
+    const double bad[] = {-1, 1.5, NAN, INFINITY, 0}, inf = INFINITY;
+    for (int k = 0; k < 5; k++) { /* theta may be 0, gamma not */
+        const ns_theta_options th = {k < 4 ? bad[k] : 1.1, 1, 0}, ga = {1, bad[k], 0};
         assert_int_equal(ns_theta_create(s, &th, &t, NULL), NS_E_RANGE);
         assert_null(t);
         assert_int_equal(ns_theta_create(s, &ga, &t, NULL), NS_E_RANGE);

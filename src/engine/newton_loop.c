@@ -1,0 +1,127 @@
+/* src/engine/newton_loop.c - Newton's loop around (P1). */
+#include <math.h>
+#include <string.h>
+
+#include "newton.h"
+
+/* A correction must take away at least this part of what its share promises. */
+static const double progress = 0.1;
+/* Linearised problems without an answer, one after the other, before that counts for the step's own. */
+enum { NO_ANSWERS = 2 };
+
+/* The larger of both residuals, against the sizes of their terms. */
+static double measure(const ns_newton *s, const ns_iterate *at) {
+    double most = 0;
+    for (int i = 0; i < s->n + s->m; i++) {
+        const double r = fabs(i < s->n ? at->R[i] : at->Ry[i - s->n]);
+        if (!(r <= most * s->size[i]))
+            most = r / s->size[i];
+    }
+    return most;
+}
+
+static int evaluate(ns_newton *s, ns_iterate *at) {
+    const int status = ns_newton_values(s, at);
+    if (status == NS_OK)
+        ns_newton_residuals(s, at);
+    return status;
+}
+
+static int finite(const ns_newton *s, const ns_iterate *at) {
+    double sum = 0;
+    for (int i = 0; i < s->n; i++)
+        sum += 0 * at->x[i];
+    for (int i = 0; i < s->m; i++)
+        sum += 0 * at->lambda[i] + 0 * at->y[i];
+    return sum == 0;
+}
+
+/* (x_k, lambda_k), y as near to h as (S4) lets it be. */
+static int begin(ns_newton *s) {
+    ns_iterate *at = &s->at;
+    memcpy(at->x, s->guess, sizeof(double) * (size_t)s->n);
+    memcpy(at->lambda, s->lk, sizeof(double) * (size_t)s->m);
+    const int status = ns_newton_values(s, at);
+    if (status != NS_OK)
+        return status;
+    for (int i = 0; i < s->m; i++) {
+        const double l = s->model->l[i], u = s->model->u[i], h = at->h[i];
+        at->y[i] = l == u               ? h
+                   : at->lambda[i] == l ? fmax(h, 0)
+                   : at->lambda[i] == u ? fmin(h, 0)
+                                        : 0; /* (S4) */
+    }
+    ns_newton_residuals(s, at);
+    return NS_OK;
+}
+
+/* s->next by one share of the correction, its residuals and what they measure in the sizes of s->at. */
+static int look(ns_newton *s, double share, double *now) {
+    memcpy(s->next_mode, s->trial_mode, (size_t)s->m);
+    int status = ns_newton_solve(s, share, s->next_mode);
+    if (status != NS_OK)
+        return status;
+    if (!finite(s, &s->next) || evaluate(s, &s->next) != NS_OK)
+        return NS_DIVERGED;
+    *now = measure(s, &s->next);
+    return NS_OK;
+}
+
+/* 1 if both residuals of s->next are down to the tolerance, in sizes of their own. */
+static int is_small(ns_newton *s) {
+    ns_newton_sizes(s, &s->next);
+    return measure(s, &s->next) <= s->o.tolerance;
+}
+
+/* From s->at to s->next: the full step if it solves the problem or brings the residuals down, or else the
+ * first of its halves, quarters, ... that does.  *full: what became of the full one. */
+static int correct(ns_newton *s, int *small, int *full) {
+    ns_newton_sizes(s, &s->at);
+    const double before = measure(s, &s->at);
+    double share = 1, now = 0;
+    *full = NS_OK;
+    for (int k = 0; k <= s->o.halvings; k++, share /= 2) {
+        const int status = look(s, share, &now);
+        s->counts.halvings += k > 0;
+        if (k == 0)
+            *full = status;
+        if (status != NS_OK)
+            continue;
+        *small = is_small(s);
+        if (*small || now <= (1 - progress * share) * before)
+            return NS_OK;
+        ns_newton_sizes(s, &s->at);
+    }
+    return *full < 0 ? *full : NS_DIVERGED;
+}
+
+static void swap(ns_newton *s) {
+    const ns_iterate at = s->at;
+    s->at = s->next;
+    s->next = at;
+    memcpy(s->trial_mode, s->next_mode, (size_t)s->m);
+}
+
+static int linearise(ns_newton *s) {
+    if (ns_newton_jacobians(s, &s->at) != NS_OK)
+        return NS_DIVERGED;
+    ns_newton_form(s);
+    return ns_newton_reduce(s);
+}
+
+int ns_newton_loop(ns_newton *s) {
+    int small = 0, full = NS_OK, refused = 0;
+    int status = begin(s) == NS_OK ? NS_OK : NS_DIVERGED;
+    for (int k = 0; k < s->o.iterations && status == NS_OK && !small; k++) {
+        s->counts.iterations++;
+        status = linearise(s);
+        if (status == NS_OK)
+            status = correct(s, &small, &full);
+        if (status == NS_OK)
+            swap(s);
+        refused = full < 0 ? refused + 1 : 0;
+        if (status == NS_OK && !small && refused >= NO_ANSWERS)
+            status = full;
+    }
+    return status == NS_OK && !small ? NS_DIVERGED : status;
+}
