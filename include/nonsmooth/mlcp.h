@@ -54,7 +54,7 @@ typedef struct ns_mlcp_info {
     long iterations; /* of the iterative methods, summed */
     int method;      /* ns_mlcp_method that gave the answer or the proof */
     int certified;   /* INFEASIBLE: ns_mlcp_certificate() holds a proof */
-    double residual; /* ns_mlcp_residual() of the answer */
+    double residual; /* of the answer: ns_mlcp_residual(), or an upper bound of it that is below 1e-13 */
     ns_fault fault;  /* pair[]: see ns_mlcp_solve(); t is NAN, unknown[] empty */
 } ns_mlcp_info;
 
@@ -78,12 +78,13 @@ int ns_mlcp_same(ns_mlcp_solver *s, int same);
 /* Solves p.  mode (m) is read as the mode to start from (any content is allowed: entries that do not
  * fit their bounds are mended) and holds the mode of the answer on success.  lambda (m) and y (m) are
  * written on success.  info may be NULL.  No memory is taken.
- * Method: the starting mode is made a nonsingular basis (where its equations are singular, pairs are
- * exchanged until they are not), its guards are read, and if they hold, no pivot is made; otherwise
- * Lemke's method from that basis with lexicographic ties.  The answer is computed anew from W and q in
- * its mode, refined, and its natural residual is checked before NS_OK.
- * Where equalities are redundant (two closed switches in parallel) the answer is, in what they leave open,
- * the one of least norm, in units of the scaling of W: equal shares for equal switches.
+ * Method (auto): up to 64 pairs, principal pivoting from the mode on a transform of W that is kept for the
+ * next solve with the same W.  Where that fails, and of more pairs, the starting mode is made a nonsingular
+ * basis (where its equations are singular, pairs are exchanged until they are not), its guards are read, and
+ * if they hold, no pivot is made; otherwise Lemke's method from that basis with lexicographic ties.  The
+ * answer is computed anew from W and q in its mode, refined, and its natural residual is checked before
+ * NS_OK. Where equalities are redundant (two closed switches in parallel) the answer is, in what they leave
+ * open, the one of least norm, in units of the scaling of W: equal shares for equal switches.
  * info->fault.pair, at most NS_FAULT_MAX: INFEASIBLE: the pairs that the certificate rests on, or whose
  * equations are left unsatisfied, the heaviest first; SINGULAR: the equalities that no basis takes beside the
  * others.  Of other errors it says nothing, of NS_OK it is empty.

@@ -185,6 +185,14 @@ static int automatic(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     return first;
 }
 
+/* Where it answers, nothing else is looked at. */
+static int quickly(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
+    if (s->use != NS_MLCP_AUTO || s->m > NS_QUICK || ns_mlcp_quick(s, mode, ACCEPT, residual) != NS_OK)
+        return 0;
+    s->method = NS_MLCP_PIVOT;
+    return 1;
+}
+
 /* Solves *p, whose arrays are sound. */
 static int solve(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mode, double *residual) {
     s->pivots = s->factors = s->iterations = 0;
@@ -194,8 +202,10 @@ static int solve(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mode, doubl
     s->nstuck = 0;
     if (ns_mlcp_fetch_all(s) != NS_OK)
         return NS_E_NUMBER;
-    int status = s->use == NS_MLCP_AUTO ? automatic(s, mode, residual)
-                                        : verdict(s, apply(s, s->use, mode, residual));
+    if (quickly(s, mode, residual))
+        return NS_OK;
+    int status =
+        s->use == NS_MLCP_AUTO ? automatic(s, mode, residual) : verdict(s, apply(s, s->use, mode, residual));
     if (status == NS_OK)
         s->fault.npairs = 0;
     return status;

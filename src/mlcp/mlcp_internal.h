@@ -166,6 +166,10 @@ int ns_mlcp_newton(ns_mlcp_solver *s, double accept);    /* newton.c */
 int ns_mlcp_interior(ns_mlcp_solver *s, double accept);  /* interior.c */
 int ns_mlcp_projected(ns_mlcp_solver *s, double accept); /* projected.c */
 int ns_mlcp_pivot(ns_mlcp_solver *s, double accept);     /* pivot.c */
+/* The same in one, from mode, without units, sorting and scaling: what most problems need.  OK: s->lambda,
+ * s->y, s->mode are an answer; else LIMIT, SINGULAR, RESIDUAL. */
+enum { NS_QUICK = 64 }; /* the most pairs for which the transform beats factors */
+int ns_mlcp_quick(ns_mlcp_solver *s, const ns_mode *mode, double accept, double *residual);
 /* enumerate.c.  INFEASIBLE: no mode that has an answer has a right one. SIZE: too many pairs. */
 int ns_mlcp_enumerate(ns_mlcp_solver *s, double accept);
 

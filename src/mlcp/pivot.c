@@ -1,8 +1,218 @@
-/* src/mlcp/pivot.c - placeholder. */
-#include "mlcp_internal.h"
+/* src/mlcp/pivot.c - principal pivoting on the transform of W, from the last mode.
+ *
+ * The pair whose guard is broken worst, in units of the terms of its value, is flipped, as long as that lets
+ * the number of broken guards fall now and then; after that the one of least index, until the number is
+ * smaller than it ever was (Murty's rule is finite on P-matrices; Judice and Pires combine rules so).  Blocks
+ * of pairs flipped at once, block.c's way, cost more pivots here: half of them are flipped back.
+ * A pair whose diagonal entry is 0 is exchanged together with the first pair that its change would break
+ * (Keller's rule).  Whatever does not come out so within its bounds is left to other methods.
+ *
+ * The transform is kept: a solve from the mode of the last one costs two products with a matrix, one for the
+ * answer and one, by W, to check it.
+ */
+#include <math.h>
+
+#include "glance.h"
+#include "residual.h"
+#include "transform.h"
+
+enum { PATIENCE = 8, ROUNDS = 20, ROUNDS_PER_PAIR = 10, CHANGES = 64 };
+static const double GUARD = 1e-12; /* of the sizes of the terms of a value: as driver.c has it */
+static const double GOOD = 1e-13;  /* nothing to gain by refining below this */
+static const double TRUST = 1e-8;  /* as transform.c */
+
+/* The mode that the guard of pair i asks for; its own if that holds. */
+static ns_mode wanted(const ns_mlcp_solver *s, int i) {
+    const double slack = GUARD * s->size[i], y = s->y[i], v = s->lambda[i];
+    if (s->in[i])
+        return v < s->p->l[i] - slack ? NS_LOWER : v > s->p->u[i] + slack ? NS_UPPER : NS_INSIDE;
+    if (s->mode[i] == NS_LOWER)
+        return y < -slack ? NS_INSIDE : NS_LOWER;
+    return y > slack ? NS_INSIDE : NS_UPPER;
+}
+
+/* By how much the guard of pair i is broken, in units of the terms of its value. */
+static double breach(const ns_mlcp_solver *s, int i) {
+    const double v = s->lambda[i];
+    if (s->in[i])
+        return fmax(s->p->l[i] - v, v - s->p->u[i]) / s->size[i];
+    return fabs(s->y[i]) / s->size[i];
+}
+
+/* list gets the pairs whose guard is broken. */
+static int broken(const ns_mlcp_solver *s, int *list) {
+    int n = 0;
+    for (int a = 0; a < s->np; a++)
+        if (wanted(s, s->pair[a]) != s->mode[s->pair[a]])
+            list[n++] = s->pair[a];
+    return n;
+}
+
+/* The worst of the n in list. */
+static int worst(const ns_mlcp_solver *s, int n, const int *list) {
+    double most = breach(s, list[0]);
+    int at = list[0];
+    for (int k = 1; k < n; k++) {
+        const double v = breach(s, list[k]);
+        if (v > most) {
+            most = v;
+            at = list[k];
+        }
+    }
+    return at;
+}
+
+/* Makes the transform that of s->mode, or of one near it where that is singular: from the one there is, or
+ * *anew from W.  0: an equality is left. */
+static int align(ns_mlcp_solver *s, int *anew) {
+    int *list = s->queue, n = 0, inside = 0;
+    for (int i = 0; i < s->m && s->have_transform; i++) {
+        inside += s->mode[i] == NS_INSIDE;
+        if (s->in[i] != (s->mode[i] == NS_INSIDE))
+            list[n++] = i;
+    }
+    if (!s->have_transform || *anew || n > inside || s->changes + n > CHANGES) {
+        ns_transform_start(s);
+        *anew = 1;
+        s->factors++;
+        n = 0;
+        for (int i = 0; i < s->m; i++)
+            if (s->mode[i] == NS_INSIDE)
+                list[n++] = i;
+    }
+    const long before = s->pivots;
+    n = ns_transform_exchange(s, n, list);
+    if (*anew) /* they made the basis, as a factorisation would */
+        s->pivots = before;
+    for (int k = 0; k < n; k++) {
+        int i = list[k];
+        if (isinf(s->p->l[i]) && isinf(s->p->u[i]))
+            return 0;
+        s->mode[i] = s->in[i] ? NS_INSIDE : ns_mlcp_mend(s, i, NS_LOWER);
+    }
+    return 1;
+}
+
+/* How far pair i lets its value change at rate `slope` until its guard breaks. */
+static double room(const ns_mlcp_solver *s, int i, double slope) {
+    if (s->in[i])
+        return slope > 0.0 ? (s->p->u[i] - s->lambda[i]) / slope : (s->p->l[i] - s->lambda[i]) / slope;
+    if (s->mode[i] == NS_LOWER)
+        return slope < 0.0 ? -s->y[i] / slope : INFINITY;
+    return slope > 0.0 ? -s->y[i] / slope : INFINITY;
+}
+
+/* The pair that breaks first when the nonbasic of k changes at rate `way`; -1: none. */
+static int first_to_break(const ns_mlcp_solver *s, int k, double way, double *far) {
+    const double *col = s->P + (size_t)k * (size_t)s->m;
+    int first = -1;
+    for (int a = 0; a < s->np; a++) {
+        const int i = s->pair[a];
+        const double slope = way * col[i];
+        if (i == k || slope == 0.0 || wanted(s, i) != s->mode[i])
+            continue;
+        const double t = fmax(room(s, i, slope), 0.0);
+        if (t < *far && ns_transform_trust2(s, k, i) >= TRUST) {
+            *far = t;
+            first = i;
+        }
+    }
+    return first;
+}
+
+/* Pair k, broken, whose diagonal entry is 0: with a partner, or from one bound to the other.  0: neither. */
+static int exchange_with_partner(ns_mlcp_solver *s, int k) {
+    const ns_mode to = wanted(s, k);
+    const int up = s->in[k] ? to == NS_LOWER : s->mode[k] == NS_LOWER;
+    double far = s->in[k] ? INFINITY : s->p->u[k] - s->p->l[k];
+    const int i = first_to_break(s, k, up ? 1.0 : -1.0, &far);
+    if (i < 0 && isinf(far))
+        return 0;
+    if (i < 0) {
+        s->mode[k] = up ? NS_UPPER : NS_LOWER;
+        return 1;
+    }
+    const double slope = s->P[(size_t)i + (size_t)k * (size_t)s->m] * (up ? 1.0 : -1.0);
+    s->mode[i] = !s->in[i] ? NS_INSIDE : slope < 0.0 ? NS_LOWER : NS_UPPER;
+    s->mode[k] = to;
+    ns_transform_pivot2(s, k, i);
+    return 1;
+}
+
+/* Flips pair i.  0: neither its pivot nor one together with another pair can be trusted. */
+static int flip(ns_mlcp_solver *s, int i) {
+    if (ns_transform_trust(s, i) < TRUST)
+        return exchange_with_partner(s, i);
+    s->mode[i] = wanted(s, i);
+    ns_transform_pivot(s, i);
+    return 1;
+}
+
+/* From s->mode to one whose guards hold. */
+static int search(ns_mlcp_solver *s) {
+    int *list = s->queue, best = s->np + 1, patience = PATIENCE;
+    for (int round = 0; round < ROUNDS + ROUNDS_PER_PAIR * s->np; round++) {
+        ns_transform_values(s);
+        const int n = broken(s, list);
+        if (n == 0)
+            return NS_OK;
+        if (n < best) {
+            best = n;
+            patience = PATIENCE + s->np / 4;
+        } else
+            patience--;
+        if (!flip(s, patience > 0 ? worst(s, n, list) : list[0]))
+            return NS_E_LIMIT;
+    }
+    return NS_E_LIMIT;
+}
+
+static void clamp_lambda(ns_mlcp_solver *s) {
+    for (int i = 0; i < s->m; i++) {
+        const double v = s->lambda[i], l = s->p->l[i], u = s->p->u[i];
+        s->lambda[i] = v < l ? l : v > u ? u : v;
+    }
+}
+
+/* The residual of the answer of the transform, refined once where that helps; y from W. */
+static double check(ns_mlcp_solver *s) {
+    clamp_lambda(s);
+    double r = ns_mlcp_glance(s->p, s->lambda, s->y, s->size);
+    if (r <= GOOD)
+        return r;
+    ns_transform_correct(s);
+    clamp_lambda(s);
+    r = ns_mlcp_glance(s->p, s->lambda, s->y, s->size);
+    return r <= GOOD ? r : fmin(r, ns_mlcp_measure(s->p, s->lambda, s->rhs, NULL));
+}
+
+int ns_mlcp_quick(ns_mlcp_solver *s, const ns_mode *mode, double accept, double *residual) {
+    s->now = *s->p;
+    for (int attempt = 0, anew = 0; attempt < 2; attempt++) {
+        ns_mlcp_restart(s, mode);
+        if (!align(s, &anew))
+            return NS_E_SINGULAR;
+        int status = search(s);
+        *residual = INFINITY;
+        if (status == NS_OK)
+            *residual = check(s);
+        if (*residual <= accept) {
+            ns_basis_clamp(s);
+            return NS_OK;
+        }
+        s->have_transform = 0;
+        if (anew)
+            return status == NS_OK ? NS_E_RESIDUAL : status;
+    }
+    return NS_E_LIMIT;
+}
 
 int ns_mlcp_pivot(ns_mlcp_solver *s, double accept) {
-    (void)s;
-    (void)accept;
-    return NS_E_LIMIT;
+    double residual;
+    if (s->m > NS_QUICK)
+        return NS_E_LIMIT;
+    ns_mode *start = s->at_upper; /* room of its own */
+    for (int i = 0; i < s->m; i++)
+        start[i] = s->mode[i];
+    return ns_mlcp_quick(s, start, accept, &residual);
 }
