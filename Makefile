@@ -109,7 +109,7 @@ $(B)/nonsmooth.cm: $(CM_OBJ) $(B)/libnonsmooth.a codemodels/nonsmooth.map
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,--version-script=codemodels/nonsmooth.map -Wl,--no-undefined \
 	    $(filter %.o %.a,$^) -o $@ $(LIBS)
 
-$(B)/obj/codemodels/%.o: private ALL_CFLAGS += $(NG_INCLUDE)
+$(B)/obj/codemodels/%.o: private ALL_CFLAGS += $(NG_INCLUDE) -DNONSMOOTH_VERSION=$(VERSION)
 $(BRIDGE:%.c=$(B)/obj/%.o): $(NG)/stamp
 
 $(CM_LISTS) &: codemodels/modpath.lst codemodels/udnpath.lst $(wildcard codemodels/*/ifspec.ifs) $(NG)/stamp

@@ -8,6 +8,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "dump.h"
 #include "points.h"
 #include "report.h"
 #include "show.h"
@@ -26,12 +27,14 @@ static int same_time(double t1, double t2) {
 int native_fail(native *b, int status) {
     const ns_fault *fault = ns_march_fault(b->engine.march);
     char line[320];
+    char more[320];
     if (fault && fault->status) {
         ns_circuit_explain(b->engine.ex.circuit, fault, line, sizeof line);
     } else {
         snprintf(line, sizeof line, "%s", ns_status_text(status));
     }
-    report_error("%s", line);
+    dump_failed_step(&b->engine, more, sizeof more);
+    report_error("%s%s", line, more);
     b->failed = report_code(status);
     return b->failed;
 }

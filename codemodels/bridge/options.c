@@ -5,7 +5,7 @@
 #include <string.h>
 
 void options_default(options *o) {
-    *o = (options){.h = 0.0, .theta = 1.0, .gamma = 1.0, .reltol = 0.0, .verbose = 0};
+    *o = (options){.h = 0.0, .theta = 1.0, .gamma = 1.0, .reltol = 0.0, .verbose = 0, .given = NULL};
 }
 
 static int one_of(const char *word, const char *const *words, int n) {
@@ -55,6 +55,7 @@ static int check_reltol(const MIFinstance *inst, double value, char *line, size_
 
 int options_read(const MIFinstance *inst, options *o, char *line, size_t size) {
     int error = check_method(inst, line, size);
+    o->given = inst;
     o->h = models_real(inst, OPTION_H);
     o->theta = models_real(inst, OPTION_THETA);
     o->gamma = models_real(inst, OPTION_GAMMA);
@@ -67,4 +68,12 @@ int options_read(const MIFinstance *inst, options *o, char *line, size_t size) {
     error = error ? error : check_weight(inst, "theta", o->theta, line, size);
     error = error ? error : check_weight(inst, "gamma", o->gamma, line, size);
     return error ? error : check_reltol(inst, o->reltol, line, size);
+}
+
+const char *options_dump(const options *o) {
+    const char *file = NULL;
+    if (o->given && !o->given->param[OPTION_DUMP]->is_null) {
+        file = o->given->param[OPTION_DUMP]->element[0].svalue;
+    }
+    return file && *file ? file : NULL;
 }

@@ -9,6 +9,7 @@ typedef struct options {
     double theta, gamma;
     double reltol; /* 0: not given */
     int verbose;
+    const MIFinstance *given; /* whose options these are; NULL: none given */
 } options;
 
 void options_default(options *o);
@@ -16,5 +17,8 @@ void options_default(options *o);
 /* Reads inst into o.  Returns OK, or says what is wrong in line (size bytes) and returns E_PARMVAL or
  * E_UNSUPP. */
 int options_read(const MIFinstance *inst, options *o, char *line, size_t size);
+
+/* The file for a step that fails, as the model has it now; NULL: none. */
+const char *options_dump(const options *o);
 
 #endif

@@ -9,11 +9,12 @@
 #   X reversed   its elements in reverse order
 #   cases/X      tests/netlist/cases/X.cir, which judges itself
 #   errors/X     tests/netlist/errors/X.cir: exactly one line of output matches the regular expression of its
-#                first line `* expect: ...`, and it judges what was kept
+#                first line `* expect: ...`, and it judges what was kept; after a line `* dump: FILE STATUS REGEX`
+#                it has left FILE, which nsc-mlcp answers with STATUS and of which one line matches
 #   README       the netlist that README.md shows: its measurements are what the text below it says
 # All but errors/ also fail on a rejected time point and on "timestep too small" or "singular" in the output;
 # everything fails on a sanitizer's or valgrind's finding, a crash, and after TIME_LIMIT seconds.
-# Environment: NONSMOOTH_CM (build/nonsmooth.cm), NGSPICE (ngspice), TIME_LIMIT (60), JOBS (number of
+# Environment: NONSMOOTH_CM (build/nonsmooth.cm; nsc-mlcp is beside it), NGSPICE (ngspice), TIME_LIMIT (60), JOBS (number of
 # processors), KEEP (a folder for the runs, to look at afterwards; else a temporary one).
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
@@ -99,6 +100,16 @@ measured() {
                   print name " = " value " expected within " percent " %, got " (got == "" ? "nothing" : got) }' "$1"
 }
 
+# dumped FOLDER FILE STATUS REGEX: prints why the dump of a step is not what it should be, or nothing.
+dumped() {
+    if [ ! -f "$1/$2" ]; then echo "no $2 was written"; return; fi
+    said=$("$(dirname "$CM")/nsc-mlcp" "$1/$2" 2>&1)
+    got=$?
+    if [ $got != "$3" ]; then echo "nsc-mlcp answers $2 with $got: $(echo "$said" | head -n 1)"; return; fi
+    lines=$(grep -c -E -e "$4" "$1/$2")
+    [ "$lines" = 1 ] || echo "$lines lines of $2 match /$4/"
+}
+
 # judge OUTPUT STATUS KIND FILE: prints why it failed, or nothing.
 judge() {
     if [ "$2" = 124 ]; then echo "took more than $TIME_LIMIT s"; return; fi
@@ -110,6 +121,12 @@ judge() {
         lines=$(grep -c -i -E -e "$expect" "$1")
         if [ "$lines" != 1 ]; then
             echo "$lines lines match /$expect/; says: $(grep -m1 -i 'nonsmooth' "$1")"; return
+        fi
+        dump=$(sed -n 's/^\* dump: //p' "$4")
+        if [ -n "$dump" ]; then
+            rest=${dump#* }
+            found=$(dumped "${1%/*}" "${dump%% *}" "${rest%% *}" "${rest#* }")
+            [ -z "$found" ] || { echo "$found"; return; }
         fi
     else
         found=$(grep -m1 -i -E 'timestep too small|singular' "$1") && { echo "$found"; return; }

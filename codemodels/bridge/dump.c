@@ -1,0 +1,119 @@
+/* bridge/dump.c - a step that failed, in a file that nsc-mlcp reads: a user's report.
+ *
+ * The problem is unreduced: the unknowns' equations, then the pairs, then, for an operating point under .ic,
+ * the nodes held.  Comments say what each index stands for. */
+#include "dump.h"
+
+#include <errno.h>
+#include <string.h>
+
+#include "nonsmooth/text.h"
+
+#ifndef NONSMOOTH_VERSION
+#define NONSMOOTH_VERSION of unknown version
+#endif
+#define QUOTE(text) #text
+#define QUOTE_VALUE(macro) QUOTE(macro)
+
+static void write_head(FILE *file, const engine *e, const ns_mlcp *p, double h) {
+    char line[320];
+    ns_circuit_explain(e->ex.circuit, ns_march_fault(e->march), line, sizeof line);
+    fprintf(file,
+            "# nonsmooth " QUOTE_VALUE(NONSMOOTH_VERSION) ": a problem that failed, for nsc-mlcp\n# %s\n",
+            line);
+    if (h > 0.0) {
+        fprintf(file, "# a step of %.17g s\n", h);
+    } else {
+        fputs("# an operating point\n", file);
+    }
+    fprintf(file, "# its lambda: %d unknowns, %d pairs, %d nodes held\n", e->system->n, e->system->m,
+            p->m - e->system->n - e->system->m);
+}
+
+/* One line for each index, from 1 as in the messages of nsc-mlcp. */
+static void write_names(FILE *file, const engine *e, const ns_mlcp *p, const int *hold) {
+    const int n = e->system->n;
+    const int m = e->system->m;
+    char name[160];
+    for (int i = 0; i < p->m; i++) {
+        const char *what = i < n + m ? "" : "current that holds the ";
+        if (i >= n && i < n + m) {
+            ns_circuit_name_pair(e->ex.circuit, i - n, name, sizeof name);
+        } else {
+            ns_circuit_name_unknown(e->ex.circuit, i < n ? i : hold[i - n - m], name, sizeof name);
+        }
+        fprintf(file, "# %d: %s%s\n", i + 1, what, name);
+    }
+}
+
+/* The problem as text, or NULL; the caller frees it. */
+static char *text_of(const ns_mlcp *p, size_t *length) {
+    char *text = NULL;
+    if (!ns_mlcp_write(p, NULL, 0, length)) {
+        text = malloc(*length + 1);
+    }
+    if (text && ns_mlcp_write(p, text, *length + 1, length)) {
+        free(text);
+        text = NULL;
+    }
+    return text;
+}
+
+/* Indices of the nodes held, or NULL; the caller frees it. */
+static int *nodes_held(const engine *e) {
+    const size_t room = (size_t)ns_circuit_node_ic_count(e->ex.circuit) + 1;
+    int *hold = calloc(room, sizeof *hold);
+    double *hold_x = calloc(room, sizeof *hold_x);
+    if (hold && hold_x) {
+        ns_circuit_hold(e->ex.circuit, hold, hold_x);
+    } else {
+        free(hold);
+        hold = NULL;
+    }
+    free(hold_x);
+    return hold;
+}
+
+/* 0, or the errno of what went wrong. */
+static int write_file(const char *name, const engine *e, const ns_mlcp *p, double h) {
+    size_t length = 0;
+    char *text = text_of(p, &length);
+    int *hold = nodes_held(e);
+    FILE *file = NULL;
+    int error = text && hold ? 0 : ENOMEM;
+    if (!error) {
+        errno = 0;
+        file = fopen(name, "w");
+        error = file ? 0 : errno;
+    }
+    if (file) {
+        write_head(file, e, p, h);
+        write_names(file, e, p, hold);
+        fwrite(text, 1, length, file);
+        const int bad = ferror(file) != 0; /* no space left, say */
+        error = fclose(file) != 0 || bad ? (errno ? errno : EIO) : 0;
+    }
+    free(text);
+    free(hold);
+    return error;
+}
+
+void dump_failed_step(const engine *e, char *more, size_t size) {
+    const char *name = options_dump(&e->ex.options);
+    double h = 0.0;
+    ns_mlcp p;
+    *more = '\0';
+    if (!name) {
+        return;
+    }
+    if (!e->march || ns_march_problem(e->march, &p, &h)) {
+        snprintf(more, size, "; there is no problem to dump");
+        return;
+    }
+    const int error = write_file(name, e, &p, h);
+    if (error) {
+        snprintf(more, size, "; cannot write %.200s: %s", name, strerror(error));
+    } else {
+        snprintf(more, size, "; its problem is in %.200s", name);
+    }
+}

@@ -1,0 +1,12 @@
+/* bridge/dump.h - a step that failed, in a file that nsc-mlcp reads: a user's report. */
+#ifndef BRIDGE_DUMP_H
+#define BRIDGE_DUMP_H
+
+#include "native.h"
+
+/* If option dump names a file, writes the problem at which the marcher's last call failed into it, and into
+ * more (size bytes, always terminated) what is to be said of that after the error: "; its problem is in
+ * FILE", or why it is not. */
+void dump_failed_step(const engine *e, char *more, size_t size);
+
+#endif
