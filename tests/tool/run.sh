@@ -43,13 +43,13 @@ refuses() {
     verdict "$1" $?
 }
 
-# y = W lambda + q = 0 at lambda = (1/3, 1/3); powers of two beside it, so that another answer is exact: (4, 8).
+# y = 0 at lambda = (4, 8): 2*4 + 8 = 16, 4 + 2*8 = 20.
 printf '# two pairs\n2\n 2 1\n 1 2\n -16 -20\n 0 0\n inf inf\n' >two.txt
 # -lambda - 1 >= 0 has no lambda >= 0.
 printf '1  -1  -1  0  inf\n' >none.txt
 # lambda free and y = 1 + 0 lambda = 0.
 printf '1  0  1  -inf  inf\n' >contradiction.txt
-# W = -1, q = 1: 0 and 1 both solve; projected Gauss-Seidel alone runs into neither from a W without a positive diagonal.
+# y = (lambda2 - 1, 1 - lambda1): solved by (1, 1); a sweep has no diagonal to divide by.
 printf '2  0 1 -1 0  -1 1  0 0  inf inf\n' >rotation.txt
 
 run two.txt
