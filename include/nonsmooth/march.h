@@ -57,7 +57,7 @@ int ns_march_try(ns_march *m, double t, ns_until until, double *reached);
 int ns_march_accept(ns_march *m);
 
 /* The point of the last successful trial, or the accepted one if none was made since: time, x (n),
- * lambda (m), y (m); any may be NULL.  Errors: STATE (not started). */
+ * lambda (m), y (m); any may be NULL.  Errors: STATE (not started), those of ns_theta_read(). */
 int ns_march_read(ns_march *m, double *t, double *x, double *lambda, double *y);
 
 /* The mode of the same point (m); library-owned. */

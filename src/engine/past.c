@@ -1,6 +1,7 @@
 /* src/engine/past.c - the accepted point: saved, restored, read. */
 #include "stepper.h"
 
+#include <math.h>
 #include <string.h>
 
 /* past = w, d, in, h, implicit, mode */
@@ -39,6 +40,13 @@ void ns_theta_restore(ns_theta *s, const double *past) {
     ns_theta_forget_recent(s);
 }
 
+static int all_finite(size_t n, const double *v) {
+    int good = 1;
+    for (size_t i = 0; v && i < n; i++)
+        good = good && isfinite(v[i]);
+    return good;
+}
+
 int ns_theta_read(ns_theta *s, double *x, double *lambda, double *y) {
     if (!s)
         return NS_E_NULL;
@@ -60,5 +68,6 @@ int ns_theta_read(ns_theta *s, double *x, double *lambda, double *y) {
         ns_matvec_add(m, m, s->s->D, s->sol + n, y);
         ns_matvec_add(m, s->s->nz, s->s->F, s->in + s->r, y);
     }
-    return NS_OK;
+    /* What only follows from the state may overflow before it does. */
+    return all_finite((size_t)(n + m), s->sol) && all_finite((size_t)m, y) ? NS_OK : NS_E_OVERFLOW;
 }
