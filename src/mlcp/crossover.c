@@ -8,18 +8,20 @@
 #include "residual.h"
 #include "scaled.h"
 
-enum { BLOCKS = 6, SINGLES = 12 };
+enum { BLOCKS = 6, SINGLES = 12, REVEALS = 2, IDLE = 3, LARGE = 250 };
 static const double RCOND = 1e-13; /* a basis must keep three digits */
 static const double GUARD = 1e-12; /* as solve.c has it */
 static const double GOOD = 1e-13;  /* nothing to gain by refining below this */
 
-/* Factors a basis of s->mode, or of one close to it. */
-static int factor(ns_mlcp_solver *s) {
+/* Factors a basis of s->mode, or of one close to it; that costs more than all else, so it is
+ * rarely done, and never for large problems: the iteration has an answer of its own for redundant equations.
+ */
+static int factor(ns_mlcp_solver *s, int *reveals) {
     double rcond;
     int status = ns_basis_factor(s, &rcond);
     if (status == NS_OK && rcond >= RCOND)
         return NS_OK;
-    if (ns_reveal(s) != NS_OK)
+    if (++*reveals > REVEALS || s->m > LARGE || ns_reveal(s) != NS_OK)
         return NS_E_SINGULAR;
     return ns_basis_factor(s, NULL);
 }
@@ -35,16 +37,19 @@ static ns_mode wanted(const ns_mlcp_solver *s, int i) {
     return s->lambda[i] - s->p->u[i] > GUARD * s->lsize[i] ? NS_UPPER : NS_INSIDE;
 }
 
-static void flip(ns_mlcp_solver *s, int all) {
+/* Returns how many guards were broken. */
+static int flip(ns_mlcp_solver *s, int all) {
+    int broken = 0;
     for (int a = s->np - 1; a >= 0; a--) {
         int i = s->pair[a];
         ns_mode mode = wanted(s, i);
         if (mode == s->mode[i])
             continue;
-        s->mode[i] = mode;
-        if (!all)
-            return;
+        if (all || broken == 0)
+            s->mode[i] = mode;
+        broken++;
     }
+    return broken;
 }
 
 /* The answer of the mode, refined as long as that helps. */
@@ -64,8 +69,9 @@ static double answer(ns_mlcp_solver *s, double accept) {
 }
 
 int ns_mlcp_settle(ns_mlcp_solver *s, double accept) {
+    int reveals = 0, least = s->np + 1, idle = 0;
     for (int round = 0; round < BLOCKS + SINGLES; round++) {
-        if (factor(s) != NS_OK)
+        if (factor(s, &reveals) != NS_OK)
             return NS_E_SINGULAR;
         ns_basis_values(s, 1);
         ns_basis_sizes(s);
@@ -79,7 +85,11 @@ int ns_mlcp_settle(ns_mlcp_solver *s, double accept) {
         }
         if (v <= GUARD)
             return NS_E_LIMIT; /* right, but not to be had to the accuracy asked for */
-        flip(s, round < BLOCKS);
+        int broken = flip(s, round < BLOCKS && idle == 0);
+        idle = broken < least ? 0 : idle + 1;
+        least = broken < least ? broken : least;
+        if (idle > IDLE)
+            return NS_E_LIMIT; /* as far from right as ever */
     }
     return NS_E_LIMIT;
 }
