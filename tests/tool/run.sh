@@ -43,8 +43,8 @@ refuses() {
     verdict "$1" $?
 }
 
-# y = 0 at lambda = (4, 8): 2*4 + 8 = 16, 4 + 2*8 = 20.
-printf '# two pairs\n2\n 2 1\n 1 2\n -16 -20\n 0 0\n inf inf\n' >two.txt
+# y = 0 at lambda = (4, 8): 2*4 = 8, 4 + 4*8 = 36; a triangle of short numbers, so that every method is exact.
+printf '# two pairs\n2\n 2 0\n 1 4\n -8 -36\n 0 0\n inf inf\n' >two.txt
 # -lambda - 1 >= 0 has no lambda >= 0.
 printf '1  -1  -1  0  inf\n' >none.txt
 # lambda free and y = 1 + 0 lambda = 0.
