@@ -74,8 +74,9 @@ static int is_small(ns_newton *s) {
 }
 
 /* From s->at to s->next: the full step if it solves the problem or brings the residuals down, or else the
- * first of its halves, quarters, ... that does.  *full: what became of the full one. */
-static int correct(ns_newton *s, int *small, int *full) {
+ * first of its halves, quarters, ... that does.  Not damped: the first that can be taken.  *full: what became
+ * of the full one. */
+static int correct(ns_newton *s, int damped, int *small, int *full) {
     ns_newton_sizes(s, &s->at);
     const double before = measure(s, &s->at);
     double share = 1, now = 0;
@@ -88,7 +89,7 @@ static int correct(ns_newton *s, int *small, int *full) {
         if (status != NS_OK)
             continue;
         *small = is_small(s);
-        if (*small || now <= (1 - progress * share) * before)
+        if (*small || !damped || now <= (1 - progress * share) * before)
             return NS_OK;
         ns_newton_sizes(s, &s->at);
     }
@@ -109,14 +110,14 @@ static int linearise(ns_newton *s) {
     return ns_newton_reduce(s);
 }
 
-int ns_newton_loop(ns_newton *s) {
+static int loop(ns_newton *s, int damped) {
     int small = 0, full = NS_OK, refused = 0;
     int status = begin(s) == NS_OK ? NS_OK : NS_DIVERGED;
     for (int k = 0; k < s->o.iterations && status == NS_OK && !small; k++) {
         s->counts.iterations++;
         status = linearise(s);
         if (status == NS_OK)
-            status = correct(s, &small, &full);
+            status = correct(s, damped, &small, &full);
         if (status == NS_OK)
             swap(s);
         refused = full < 0 ? refused + 1 : 0;
@@ -124,4 +125,14 @@ int ns_newton_loop(ns_newton *s) {
             status = full;
     }
     return status == NS_OK && !small ? NS_DIVERGED : status;
+}
+
+/* Where no shortened correction makes residuals smaller, full ones may still lead to an answer, over a hill:
+ * a resistance that becomes a million times as large is multiplied, once, by the current that was. */
+int ns_newton_loop(ns_newton *s) {
+    const int status = loop(s, 1);
+    if (status != NS_DIVERGED)
+        return status;
+    memcpy(s->trial_mode, s->mode, (size_t)s->m);
+    return loop(s, 0);
 }
