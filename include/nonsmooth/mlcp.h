@@ -79,7 +79,8 @@ int ns_mlcp_same(ns_mlcp_solver *s, int same);
  * fit their bounds are mended) and holds the mode of the answer on success.  lambda (m) and y (m) are
  * written on success.  info may be NULL.  No memory is taken.
  * Method (auto): up to 64 pairs, principal pivoting from the mode on a transform of W that is kept for the
- * next solve with the same W.  Where that fails, and of more pairs, the starting mode is made a nonsingular
+ * next solve with the same W; of more pairs, by blocks, with the factors of the last mode kept.  Where that fails,
+ * the starting mode is made a nonsingular
  * basis (where its equations are singular, pairs are exchanged until they are not), its guards are read, and
  * if they hold, no pivot is made; otherwise Lemke's method from that basis with lexicographic ties.  The
  * answer is computed anew from W and q in its mode, refined, and its natural residual is checked before

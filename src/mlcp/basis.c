@@ -33,11 +33,29 @@ static void gather(const ns_mlcp_solver *s, const double *col, double *out) {
 }
 
 int ns_basis_factor(ns_mlcp_solver *s, double *rcond) {
+    s->have_factors = 0;
     pick(s);
     for (int j = 0; j < s->k; j++)
         gather(s, s->W + (size_t)s->cols[j] * (size_t)s->m, s->G + (size_t)j * (size_t)s->k);
     s->factors++;
     return ns_lu_factor(s->lu, s->k, s->G, rcond, NULL);
+}
+
+int ns_basis_keep_factors(ns_mlcp_solver *s, double *rcond) {
+    int same = s->have_factors && s->W == s->Wown;
+    for (int i = 0; i < s->m && same; i++)
+        same = s->factored[i] == (s->mode[i] == NS_INSIDE);
+    if (same) {
+        pick(s);
+        *rcond = s->kept_rcond;
+        return NS_OK;
+    }
+    const int status = ns_basis_factor(s, rcond);
+    for (int i = 0; i < s->m; i++)
+        s->factored[i] = s->mode[i] == NS_INSIDE;
+    s->kept_rcond = *rcond;
+    s->have_factors = status == NS_OK && s->W == s->Wown;
+    return status;
 }
 
 /* y = W lambda + q for the present lambda; fixed ones are in q already. */

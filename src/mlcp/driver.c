@@ -158,6 +158,10 @@ static int apply(ns_mlcp_solver *s, ns_mlcp_method method, const ns_mode *mode, 
     }
     ns_mlcp_restart(s, mode);
     int status = solver[method](s, ACCEPT);
+    if (status == NS_OK && method == NS_MLCP_PIVOT) { /* exact already */
+        *residual = measure(s);
+        return *residual <= ACCEPT ? NS_OK : NS_E_RESIDUAL;
+    }
     return status == NS_OK ? settle(s, residual) : status;
 }
 
@@ -174,13 +178,14 @@ static int verdict(ns_mlcp_solver *s, int status) {
 
 /* The methods in turn: an answer or a proof ends it. */
 static int automatic(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
-    static const ns_mlcp_method order[] = {NS_MLCP_LEMKE, NS_MLCP_ENUMERATE};
+    static const ns_mlcp_method order[] = {NS_MLCP_PIVOT, NS_MLCP_LEMKE, NS_MLCP_ENUMERATE};
     int first = NS_OK;
-    for (size_t k = 0; k < sizeof order / sizeof *order; k++) {
+    for (size_t k = s->m <= NS_QUICK; k < sizeof order / sizeof *order; k++) {
         int status = verdict(s, apply(s, order[k], mode, residual));
         if (status == NS_OK || status == NS_E_INFEASIBLE)
             return status;
-        first = first == NS_OK ? status : first;
+        if (order[k] != NS_MLCP_PIVOT && first == NS_OK)
+            first = status;
     }
     return first;
 }

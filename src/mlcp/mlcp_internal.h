@@ -124,8 +124,9 @@ ns_mode ns_mlcp_mend(const ns_mlcp_solver *s, int i, ns_mode mode);
 double ns_mlcp_bound(const ns_mlcp_solver *s, int i, ns_mode mode); /* the lambda of a pair not inside */
 
 /* basis.c */
-int ns_basis_factor(ns_mlcp_solver *s, double *rcond);    /* G of s->mode and its factors */
-void ns_basis_values(ns_mlcp_solver *s, int refinements); /* lambda, y, from the factors */
+int ns_basis_factor(ns_mlcp_solver *s, double *rcond);       /* G of s->mode and its factors */
+int ns_basis_keep_factors(ns_mlcp_solver *s, double *rcond); /* the same, but G, or those of the last time */
+void ns_basis_values(ns_mlcp_solver *s, int refinements);    /* lambda, y, from the factors */
 void ns_basis_correct(ns_mlcp_solver *s); /* one refinement by the residual of W, q as they are now */
 void ns_basis_sizes(ns_mlcp_solver *s);   /* ysize, lsize, at lambda */
 double ns_basis_violation(const ns_mlcp_solver *s); /* worst guard, in units of the sizes */
@@ -168,7 +169,8 @@ int ns_mlcp_projected(ns_mlcp_solver *s, double accept); /* projected.c */
 int ns_mlcp_pivot(ns_mlcp_solver *s, double accept);     /* pivot.c */
 /* The same in one, from mode, without units, sorting and scaling: what most problems need.  OK: s->lambda,
  * s->y, s->mode are an answer; else LIMIT, SINGULAR, RESIDUAL. */
-enum { NS_QUICK = 64 }; /* the most pairs for which the transform beats factors */
+enum { NS_QUICK = 64 };               /* the most pairs for which the transform beats factors */
+int ns_mlcp_block(ns_mlcp_solver *s); /* block.c: for more */
 int ns_mlcp_quick(ns_mlcp_solver *s, const ns_mode *mode, double accept, double *residual);
 /* enumerate.c.  INFEASIBLE: no mode that has an answer has a right one. SIZE: too many pairs. */
 int ns_mlcp_enumerate(ns_mlcp_solver *s, double accept);

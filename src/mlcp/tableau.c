@@ -65,6 +65,7 @@ static int factor(ns_mlcp_solver *s) {
             s->G[(size_t)i + (size_t)j * (size_t)s->k] = col[s->rows[i]];
     }
     s->factors++;
+    s->have_factors = 0;
     return ns_lu_factor(s->lu, s->k, s->G, NULL, NULL);
 }
 
