@@ -15,7 +15,7 @@ void ns_newton_set(ns_newton *s, double h, double t1, const ns_newton_options *o
     s->tr = inside ? s->t + o->gamma * (t1 - s->t) : t1;
     s->ht = h * o->theta;
     s->hk = h * o->gamma;
-    s->hg = inside ? h : h * o->gamma;
+    s->hg = inside ? h : h * o->gamma; /* (T8), or (T3) */
     s->cx = inside ? o->gamma : 1;
     for (int i = 0; i < s->model->nz; i++) {
         s->z1[i] = ns_signal_value(&s->model->z[i], t1, side);
