@@ -71,7 +71,7 @@ static int align(ns_mlcp_solver *s, int *anew) {
         if (s->in[i] != (s->mode[i] == NS_INSIDE))
             list[n++] = i;
     }
-    if (!s->have_transform || *anew || n > inside || s->changes + n > CHANGES) {
+    if (!s->have_transform || *anew || n > inside || (n > 0 && s->changes + n > CHANGES)) {
         ns_transform_start(s);
         *anew = 1;
         s->factors++;
