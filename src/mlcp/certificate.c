@@ -11,8 +11,9 @@
 
 #include "nonsmooth/mlcp.h"
 
-/* An s_j this small against its terms is rounding: of the terms, and of a v that came out of a solve. */
-static const double CANCEL = 1e-12;
+/* An s_j this small against its terms is rounding, of the terms and of a v that was rounded too.  No more
+ * than that: equations that depend on each other but for 1e-12 may well have a solution. */
+static const double CANCEL = 1e-14;
 
 static int bad_input(const ns_mlcp *p, const double *v) {
     if (!p || p->m < 0)
@@ -71,12 +72,14 @@ static double weigh(const ns_mlcp *p, const double *v, double *room) {
 }
 
 double ns_mlcp_certify(const ns_mlcp *p, const double *v) {
-    double *room = NULL;
+    enum { SMALL = 128 };
+    double few[SMALL], *room = few;
     if (bad_input(p, v))
         return NAN;
-    if (!p->W && p->m > 0 && !(room = malloc((size_t)p->m * sizeof *room)))
+    if (!p->W && p->m > SMALL && !(room = malloc((size_t)p->m * sizeof *room)))
         return NAN;
     double margin = weigh(p, v, room);
-    free(room);
+    if (room != few)
+        free(room);
     return margin;
 }

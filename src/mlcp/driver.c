@@ -11,6 +11,7 @@
 static const double GUARD = 1e-12;
 static const double ACCEPT = 1e-10; /* natural residual of an answer */
 static const double GOOD = 1e-13;   /* nothing to gain by refining below this */
+static const double DOUBT = 1e7;    /* lambda this large against q and the bounds, in units of W */
 enum { REFINEMENTS = 3 };
 static const double RCOND = 1e-13; /* a starting basis must keep three digits */
 
@@ -76,11 +77,12 @@ static int attempt(ns_mlcp_solver *s, int all, int rounds, double *residual) {
     return status;
 }
 
-/* Whether the linear constraints contradict each other; looked for once a solve. */
-static int prove(ns_mlcp_solver *s) {
-    if (!s->asked)
-        s->proved = ns_farkas(s);
-    s->asked = 1;
+/* Whether the linear constraints contradict each other; each effort is made once a solve. */
+static int prove(ns_mlcp_solver *s, int effort) {
+    if (s->asked < effort) {
+        s->asked = effort;
+        s->proved = ns_farkas(s, effort);
+    }
     return s->proved;
 }
 
@@ -96,7 +98,7 @@ int ns_mlcp_search(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
         int status = attempt(s, way[k].all, 3, residual);
         if (status == NS_OK)
             return NS_OK;
-        if (status == NS_E_INFEASIBLE && prove(s))
+        if (status == NS_E_INFEASIBLE && prove(s, NS_CAREFUL))
             return status;
         if (s->nstuck > 0)
             return NS_E_SINGULAR; /* no start will do */
@@ -154,7 +156,10 @@ static int apply(ns_mlcp_solver *s, ns_mlcp_method method, const ns_mode *mode, 
     ns_mlcp_given(s);
     if (method == NS_MLCP_LEMKE) {
         int status = ns_mlcp_search(s, mode, residual);
-        return status == NS_E_SINGULAR && s->nstuck > 0 ? ns_proximal(s, mode, ACCEPT, residual) : status;
+        if (status != NS_E_SINGULAR || s->nstuck == 0)
+            return status;
+        /* first: where equalities contradict each other, lambda grows until its size hides that */
+        return prove(s, NS_CAREFUL) ? NS_E_INFEASIBLE : ns_proximal(s, mode, ACCEPT, residual);
     }
     ns_mlcp_restart(s, mode);
     int status = solver[method](s, ACCEPT);
@@ -171,7 +176,7 @@ static int verdict(ns_mlcp_solver *s, int status) {
         return status;
     if (status == NS_E_INFEASIBLE && (s->proved || s->method == NS_MLCP_ENUMERATE))
         return status;
-    if (prove(s))
+    if (prove(s, NS_CAREFUL) || prove(s, NS_BOLD))
         return NS_E_INFEASIBLE;
     return status == NS_E_INFEASIBLE ? NS_E_LIMIT : status;
 }
@@ -190,9 +195,26 @@ static int automatic(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     return first;
 }
 
-/* Where it answers, nothing else is looked at. */
+/* Whether lambda is so large that it may hide in its rounding what q says: equations that contradict each
+ * other but for the last digits of W have an answer as good as any by its residual. */
+static int doubtful(ns_mlcp_solver *s) {
+    double data = 0.0, answer = 0.0;
+    ns_mlcp_units(s);
+    for (int i = 0; i < s->m; i++) {
+        double size = fabs(s->lambda[i]) / s->colunit[i];
+        data = fmax(data, s->rowmax[i] > 0.0 ? fabs(s->given.q[i]) / s->rowmax[i] : 0.0);
+        if (s->mode[i] == NS_INSIDE)
+            answer = fmax(answer, size);
+        else
+            data = fmax(data, size);
+    }
+    return answer > DOUBT * data;
+}
+
+/* Where it answers, nothing else is looked at, unless a mode found on the way gives a doubtful answer. */
 static int quickly(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
-    if (s->use != NS_MLCP_AUTO || s->m > NS_QUICK || ns_mlcp_quick(s, mode, ACCEPT, residual) != NS_OK)
+    if (s->use != NS_MLCP_AUTO || s->m > NS_QUICK || ns_mlcp_quick(s, mode, ACCEPT, residual) != NS_OK ||
+        (s->pivots + s->factors > 0 && doubtful(s)))
         return 0;
     s->method = NS_MLCP_PIVOT;
     return 1;
@@ -211,6 +233,8 @@ static int solve(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mode, doubl
         return NS_OK;
     int status =
         s->use == NS_MLCP_AUTO ? automatic(s, mode, residual) : verdict(s, apply(s, s->use, mode, residual));
+    if (status == NS_OK && doubtful(s) && prove(s, NS_CAREFUL))
+        return NS_E_INFEASIBLE;
     if (status == NS_OK)
         s->fault.npairs = 0;
     return status;

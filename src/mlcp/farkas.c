@@ -15,7 +15,9 @@
 #include <string.h>
 
 static const double MARGIN = 1e-9;  /* of the terms, by which a proof must prove */
-static const double CANCEL = 1e-12; /* sums that cancel this far are 0 (certificate.c) */
+static const double CANCEL = 1e-14; /* sums that cancel this far are 0 (certificate.c) */
+static const double FLOOR =
+    1e-6; /* a value's terms count as at least this part of the largest (residual.c) */
 enum { REFINEMENTS = 2 };
 
 /* s_j = sum_i v_i W_ij less `to`; *size: its terms. */
@@ -83,9 +85,9 @@ static void name(ns_mlcp_solver *s, const double *v) {
     ns_mlcp_name(s, s->ray, s->nf, s->free);
 }
 
-static int proves(ns_mlcp_solver *s, double *v) {
+static int proves(ns_mlcp_solver *s, double floor, double *v) {
     ns_phase1 z;
-    if (!ns_phase1_run(&z, s))
+    if (!ns_phase1_run(&z, s, floor))
         return 0;
     multipliers(&z, v);
     for (int k = 0; k < REFINEMENTS; k++)
@@ -94,10 +96,10 @@ static int proves(ns_mlcp_solver *s, double *v) {
     return ns_mlcp_certify(s->p, v) > MARGIN;
 }
 
-int ns_farkas(ns_mlcp_solver *s) {
+int ns_farkas(ns_mlcp_solver *s, int effort) {
     ns_mlcp now = s->now;
     ns_mlcp_given(s);
-    int proved = proves(s, s->proof);
+    int proved = proves(s, effort == NS_CAREFUL ? FLOOR : 0.0, s->proof);
     if (proved)
         name(s, s->proof);
     s->now = now;

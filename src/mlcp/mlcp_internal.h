@@ -101,7 +101,7 @@ struct ns_mlcp_solver {
 
     double *proof; /* m: the certificate */
     int proved;    /* it holds one */
-    int asked;     /* this solve has looked for one */
+    int asked;     /* effort: how this solve has looked for one */
     int method;    /* what gave the answer */
     long pivots, factors, iterations;
     ns_fault fault;
@@ -144,8 +144,11 @@ double ns_tableau_upper(const ns_mlcp_solver *s, int var);
 int ns_lemke(ns_mlcp_solver *s, int all);
 
 /* farkas.c: 1 if the bounds of lambda and y alone, without complementarity, contradict: s->proof, s->fault.
- * 0: s->now, s->p and s->q are as before, the rest of the workspace is not. */
-int ns_farkas(ns_mlcp_solver *s);
+ * s->now, s->p, s->q, s->lambda, s->y and s->mode stay, the rest of the workspace does not.
+ * CAREFUL: not by an amount that rounding of the largest numbers of the problem may have left.  BOLD: where
+ * nothing solved it. */
+enum { NS_CAREFUL = 1, NS_BOLD }; /* effort */
+int ns_farkas(ns_mlcp_solver *s, int effort);
 
 /* fault.c: fault.pair gets index[k] of the largest weights, largest first. */
 void ns_mlcp_name(ns_mlcp_solver *s, const double *weight, int n, const int *index);

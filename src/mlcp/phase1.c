@@ -18,7 +18,6 @@
 static const double SOUND = 1e-10; /* a pivot, of the terms it came from */
 static const double DULL = 1e-12;  /* a reduced cost below this part of its terms is 0 */
 static const double NEAR = 1e-9;   /* of a value's terms: inside its bounds */
-static const double FLOOR = 1e-6;  /* ... which are at least this part of the largest (residual.c) */
 static const double STURDY = 0.1;  /* of the largest pivot that a step passes */
 enum { NONE = -1, FLIP = -2 };
 
@@ -79,9 +78,6 @@ static void load(ns_phase1 *z) {
             z->size[r] = fmax(z->size[r], s->mag[k] * fabs(rest));
         }
     }
-    z->norm = 0.0;
-    for (int r = 0; r < z->rows; r++)
-        z->norm = fmax(z->norm, z->size[r]);
 }
 
 /* Moves nonbasic variable c: all basic values follow. */
@@ -186,7 +182,8 @@ static int look(ns_phase1 *z) {
     for (int r = 0; r < z->rows; r++) {
         double below = lower(z, z->s->rowvar[r]) - z->value[r];
         double above = z->value[r] - upper(z, z->s->rowvar[r]);
-        double near = NEAR * fmax(z->size[r], FLOOR * z->norm);
+        int var = z->s->rowvar[r], empty = var % 2 == 1 && z->s->rowmax[var / 2] == 0.0; /* y = q: exact */
+        double near = NEAR * (empty ? z->size[r] : fmax(z->size[r], z->least));
         z->side[r] = below > near ? -1.0 : above > near ? 1.0 : 0.0;
         count += z->side[r] != 0.0;
     }
@@ -279,19 +276,21 @@ static int step(ns_phase1 *z, int c) {
     return 1;
 }
 
-static void start(ns_phase1 *z, ns_mlcp_solver *s) {
+static void start(ns_phase1 *z, ns_mlcp_solver *s, double floor) {
     *z = (ns_phase1){.s = s, .value = s->beta, .size = s->ysize, .side = s->lsize, .cost = s->cover};
     ns_equilibrate(s->m, s->p->W, s->m, s->r, s->c, s->e);
     load_bounds(z);
     load(z);
+    for (int r = 0; r < z->rows; r++)
+        z->least = fmax(z->least, s->rowmax[s->rowvar[r] / 2] > 0.0 ? floor * z->size[r] : 0.0);
     memset(s->rowdone, 0, (size_t)s->m);
     for (int f = 0; f < s->nf; f++)
         s->rowdone[s->free[f]] = 1;
     eliminate(z, s->rowdone, s->rowdone);
 }
 
-int ns_phase1_run(ns_phase1 *z, ns_mlcp_solver *s) {
-    start(z, s);
+int ns_phase1_run(ns_phase1 *z, ns_mlcp_solver *s, double floor) {
+    start(z, s, floor);
     const int patience = z->rows + z->cols;
     int stalled = 0, before = s->m + 1;
     for (int it = 0; it < PIVOTS_FLAT + PIVOTS_PER_PAIR * s->m; it++) {

@@ -12,12 +12,13 @@ typedef struct ns_phase1 {
     double *value, *size; /* rows: of the basic variables, and of the terms they were summed from */
     double *side;         /* rows: -1 below the lower bound, 1 above the upper, 0 */
     double *cost;         /* cols: sum of side[r] A[r,c] */
-    double norm;          /* the largest size at the start */
+    double least;         /* sizes count as at least this */
     int pivots;           /* since the tableau was made from W and q */
 } ns_phase1;
 
 /* 1: the constraints cannot be met, z holds the point where the violation is least; 0: they can, or it was
- * not found out.  Works on s->q and *s->p, whatever the mode. */
-int ns_phase1_run(ns_phase1 *z, ns_mlcp_solver *s);
+ * not found out.  Works on s->q and *s->p, whatever the mode.  Amounts are judged against the terms they come
+ * from, which count as at least `floor` times the largest of the start. */
+int ns_phase1_run(ns_phase1 *z, ns_mlcp_solver *s, double floor);
 
 #endif

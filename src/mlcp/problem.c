@@ -105,9 +105,12 @@ int ns_mlcp_fetch(ns_mlcp_solver *s, int j) {
     return NS_OK;
 }
 
+/* All but those of lambda given as 0, which are needed nowhere. */
 int ns_mlcp_fetch_all(ns_mlcp_solver *s) {
     for (int j = 0; j < s->m && s->missing > 0; j++)
-        if (ns_mlcp_fetch(s, j) != NS_OK)
+        if (s->lown[j] == 0.0 && s->uown[j] == 0.0)
+            memset(s->Wown + (size_t)j * (size_t)s->m, 0, (size_t)s->m * sizeof *s->Wown);
+        else if (ns_mlcp_fetch(s, j) != NS_OK)
             return NS_E_NUMBER;
     return NS_OK;
 }

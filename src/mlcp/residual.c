@@ -31,7 +31,7 @@ static const double NO_DOUBT = 1e-13; /* no floor is looked for */
 static int bad_input(const ns_mlcp *p, const double *lambda) {
     if (!p || p->m < 0)
         return 1;
-    if (p->m > 0 && (!p->W || !p->q || !p->l || !p->u || !lambda))
+    if (p->m > 0 && ((!p->W && !p->column) || !p->q || !p->l || !p->u || !lambda))
         return 1;
     for (int i = 0; i < p->m; i++)
         if (!isfinite(lambda[i]) || !isfinite(p->q[i]) || !(p->l[i] <= p->u[i]))
@@ -132,18 +132,33 @@ double ns_mlcp_measure(const ns_mlcp *p, const double *lambda, double *work, int
     return largest(p, lambda, y, size, inverse, worst);
 }
 
+/* The columns of a W on demand; NULL: no memory, or one could not be had. */
+static double *gather(const ns_mlcp *p) {
+    const size_t m = (size_t)p->m;
+    double *W = malloc(m * m * sizeof *W);
+    for (int j = 0; W && j < p->m; j++)
+        if (p->column(p->data, j, W + (size_t)j * m) != 0) {
+            free(W);
+            W = NULL;
+        }
+    return W;
+}
+
 double ns_mlcp_residual(const ns_mlcp *p, const double *lambda, int *worst) {
     enum { SMALL = 128 };
-    double few[NS_MEASURE_WORK * SMALL];
+    double few[NS_MEASURE_WORK * SMALL], r = NAN;
     if (worst)
         *worst = 0;
     if (bad_input(p, lambda))
         return NAN;
+    ns_mlcp whole = *p;
+    double *own = p->W || p->m == 0 ? NULL : gather(p);
     double *work = p->m <= SMALL ? few : malloc(NS_MEASURE_WORK * (size_t)p->m * sizeof *work);
-    if (!work)
-        return NAN;
-    double r = ns_mlcp_measure(p, lambda, work, worst);
+    whole.W = own ? own : p->W;
+    if (work && (whole.W || p->m == 0))
+        r = ns_mlcp_measure(&whole, lambda, work, worst);
     if (work != few)
         free(work);
+    free(own);
     return r;
 }
