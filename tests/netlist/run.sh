@@ -162,7 +162,8 @@ done >>"$SCRATCH/list"
 echo "README.md README README" >>"$SCRATCH/list"
 for n in "$@"; do echo "$n"; done >"$SCRATCH/names"
 [ $# -eq 0 ] && echo >"$SCRATCH/names"
+: >"$SCRATCH/verdicts"
 grep -F -f "$SCRATCH/names" "$SCRATCH/list" | cut -d' ' -f1,2 |
-    xargs -P "${JOBS:-$(nproc)}" -L1 "$here/run.sh" --one >"$SCRATCH/verdicts"
+    xargs -P "${JOBS:-$(nproc)}" -L1 "$here/run.sh" --one >>"$SCRATCH/verdicts" # at its end: none overwrites another
 sort "$SCRATCH/verdicts"
 ! grep -q '^FAIL' "$SCRATCH/verdicts" && grep -q '^ok' "$SCRATCH/verdicts"
