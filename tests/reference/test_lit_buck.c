@@ -17,7 +17,7 @@
 #include "lit_buck_exact.h"
 #include "lit_run.h"
 
-enum { SAMPLES = 16, N = LIT_BUCK_N };
+enum { SAMPLES = 12, N = LIT_BUCK_N };
 static const double every = 1e-6;
 static const double size[N] = {0.5, 1.8, 0.01, 0.2, 2};
 static const double w0[N] = {0};
