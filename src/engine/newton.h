@@ -39,6 +39,7 @@ struct ns_newton {
     double *A, *K, *B, *C, *D;     /* at `at`, rows combined */
     double *G;                     /* (n+m)^2: [ W, -h gamma B; C, D ] */
     double *size;                  /* n+m: terms that the residuals are summed from, with a floor */
+    double *first;                 /* n+m: the sizes where the loop began */
     double *ext;                   /* n+m: those of them that do not belong to unknowns */
     double *V, *W;                 /* n*m: W^-1 h gamma B;  n*n: W */
     double *Wm, *q;                /* m*m, m: (P1) reduced */

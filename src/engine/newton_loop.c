@@ -6,6 +6,8 @@
 
 /* A correction must take away at least this part of what its share promises. */
 static const double progress = 0.1;
+/* Rounding of a start's terms, over the tolerance that is the rule. */
+static const double of_start = 1e-3;
 /* Linearised problems without an answer, one after the other, before that counts for the step's own. */
 enum { NO_ANSWERS = 2 };
 
@@ -67,19 +69,24 @@ static int look(ns_newton *s, double share, double *now) {
     return NS_OK;
 }
 
-/* 1 if both residuals of s->next are down to the tolerance, in sizes of their own. */
+/* 1 if both residuals of s->next are down to the tolerance, in sizes of their own.  Where everything is zero
+ * but what the step's start left in rounding, that is what counts. */
 static int is_small(ns_newton *s) {
     ns_newton_sizes(s, &s->next);
+    for (int i = 0; i < s->n + s->m; i++)
+        s->size[i] = fmax(s->size[i], of_start * s->first[i]);
     return measure(s, &s->next) <= s->o.tolerance;
 }
 
 /* From s->at to s->next: the full step if it solves the problem or brings the residuals down, or else the
  * first of its halves, quarters, ... that does.  Not damped: the first that can be taken.  *full: what became
  * of the full one. */
-static int correct(ns_newton *s, int damped, int *small, int *full) {
+static int correct(ns_newton *s, int begun, int damped, int *small, int *full) {
     ns_newton_sizes(s, &s->at);
     const double before = measure(s, &s->at);
     double share = 1, now = 0;
+    if (!begun)
+        memcpy(s->first, s->size, sizeof(double) * (size_t)(s->n + s->m));
     *full = NS_OK;
     for (int k = 0; k <= s->o.halvings; k++, share /= 2) {
         const int status = look(s, share, &now);
@@ -117,7 +124,7 @@ static int loop(ns_newton *s, int damped) {
         s->counts.iterations++;
         status = linearise(s);
         if (status == NS_OK)
-            status = correct(s, damped, &small, &full);
+            status = correct(s, k > 0, damped, &small, &full);
         if (status == NS_OK)
             swap(s);
         refused = full < 0 ? refused + 1 : 0;
