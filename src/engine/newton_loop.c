@@ -117,6 +117,15 @@ static int linearise(ns_newton *s) {
     return ns_newton_reduce(s);
 }
 
+/* What a linearised problem without an answer says of the step: where it was made at the step's start, or
+ * again and again, and pairs contradict each other in it, that there is none; otherwise that Newton's loop
+ * met a place that is no good, and a shorter step may not. */
+static int verdict(const ns_newton *s, int status, int k, int refused) {
+    if (status >= 0 || (s->fault.npairs > 0 && (k == 0 || refused >= NO_ANSWERS)))
+        return status;
+    return NS_DIVERGED;
+}
+
 static int loop(ns_newton *s, int damped) {
     int small = 0, full = NS_OK, refused = 0;
     int status = begin(s) == NS_OK ? NS_OK : NS_DIVERGED;
@@ -125,11 +134,12 @@ static int loop(ns_newton *s, int damped) {
         status = linearise(s);
         if (status == NS_OK)
             status = correct(s, k > 0, damped, &small, &full);
+        refused = full < 0 ? refused + 1 : 0;
         if (status == NS_OK)
             swap(s);
-        refused = full < 0 ? refused + 1 : 0;
         if (status == NS_OK && !small && refused >= NO_ANSWERS)
             status = full;
+        status = verdict(s, status, k, refused);
     }
     return status == NS_OK && !small ? NS_DIVERGED : status;
 }
