@@ -54,7 +54,7 @@ static int allocate(ns_newton *s) {
     s->Wm = vector(m * m, &failed);
     s->G = vector(all * all, &failed);
     s->work = vector(n * (n > m ? n : m) + all, &failed);
-    s->spare = vector(2 * n + 3 * m, &failed);
+    s->spare = vector(3 * n + 5 * m, &failed);
     s->mode = calloc(3 * m + all + 1, sizeof(ns_mode));
     if (failed || !s->mode || ns_lu_create((int)all, &s->lu) != NS_OK ||
         ns_mlcp_create((int)all, &s->mlcp) != NS_OK)

@@ -46,7 +46,7 @@ struct ns_newton {
     double *xr, *work;             /* n: x_relation; n*max(n,m)+n+m */
     double *bl, *bu, *sol, *other; /* n+m */
     ns_mode *all_mode;             /* n+m */
-    double *spare;                 /* 2n+3m: of the impulse problem */
+    double *spare;                 /* 3n+5m: of the impulse problem */
     int reduced;                   /* W is regular: V, Wm are there */
     ns_lu *lu;
     ns_mlcp_solver *mlcp;

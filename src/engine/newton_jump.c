@@ -3,7 +3,7 @@
  *
  * First a step of next to no length takes charges and fluxes across, w+ = M x+; what is impulsive in it grows
  * like 1/h and is dropped.  From w+, which is consistent, a second one finds x, lambda and y at t+.  Either
- * step is taken at h and at h/2 and extrapolated to 0, which leaves what is of second order in h.
+ * step is taken at h, h/2 and h/4 and extrapolated to 0, which leaves what is of third order in h.
  */
 #include <math.h>
 #include <string.h>
@@ -12,27 +12,30 @@
 
 /* Lengths against the fastest time constant: the first for conservation alone; the second also so long that
  * M (x - x_k)/h keeps digits. */
-enum { ACROSS = -40, AFTER = -24 };
+enum { ACROSS = -40, AFTER = -16 };
 
-/* The fastest rate of the model linearised at s->at, with all relations closed, in the units of its scaling.
- */
+/* The fastest rate of the model linearised at s->at, with all relations closed: of A against M row by row, in
+ * the units of the unknowns.  What only the differential rows know (impulses of it are what we look for) has
+ * no say. */
 static double fastest(ns_newton *s) {
     const int n = s->n, all = s->n + s->m;
-    const double ht = s->ht;
     double rate = 0;
     s->ht = s->hk = s->hg = 0;
     ns_newton_form(s);
-    s->ht = s->hk = s->hg = ht;
     (void)ns_lu_factor(s->lu, all, s->G, NULL, NULL); /* for its scaling */
-    const double *rows = ns_lu_rows(s->lu), *units = ns_lu_units(s->lu);
-    for (int j = 0; j < all; j++) {
-        int given = 0;
-        for (int i = 0; i < all; i++)
-            given |= s->G[i + j * all] != 0;
-        for (int i = 0; i < s->rank && given; i++) {
+    const double *units = ns_lu_units(s->lu);
+    for (int i = 0; i < s->rank; i++) {
+        double most = 0, weight = 0;
+        for (int j = 0; j < n; j++)
+            weight = fmax(weight, fabs(s->M[i + j * n]) * units[j]);
+        for (int j = 0; j < all; j++) {
+            int given = 0;
+            for (int k = 0; k < all; k++)
+                given |= s->G[k + j * all] != 0;
             const double a = j < n ? s->A[i + j * n] + s->K[i + j * n] : s->B[i + (j - n) * n];
-            rate = fmax(rate, rows[i] * fabs(a) * units[j]);
+            most = fmax(most, given ? fabs(a) * units[j] : 0);
         }
+        rate = fmax(rate, most / weight);
     }
     return rate;
 }
@@ -46,45 +49,62 @@ static int short_step(ns_newton *s, double h) {
     return ns_newton_loop(s);
 }
 
-/* v(0) from v(h) in last and v(h/2) in v; h as it came out. */
-static void extrapolate(int count, double *v, const double *last) {
+/* v(0) from v(h), v(h/2) and, in v, v(h/4). */
+static void extrapolate(int count, double *v, const double *whole, const double *half) {
     for (int i = 0; i < count; i++)
-        v[i] += v[i] - last[i];
+        v[i] += (5 * (v[i] - half[i]) + (whole[i] - half[i])) / 3;
 }
 
-/* s->at: (x, lambda, y) at t+0. */
-static int limit(ns_newton *s, double h, double *last) {
+static void store(const ns_newton *s, double *point) {
+    const size_t n = (size_t)s->n, m = (size_t)s->m;
+    memcpy(point, s->at.x, sizeof(double) * n);
+    memcpy(point + n, s->at.lambda, sizeof(double) * m);
+    memcpy(point + n + m, s->at.y, sizeof(double) * m);
+}
+
+/* What extrapolation has taken beyond (S4), by rounding. */
+static void put_back(ns_newton *s) {
+    for (int i = 0; i < s->m; i++) {
+        const double l = s->model->l[i], u = s->model->u[i];
+        s->at.lambda[i] = fmin(fmax(s->at.lambda[i], l), u);
+        if (l < u && s->at.y[i] * s->trial_mode[i] > 0)
+            s->at.y[i] = 0;
+    }
+}
+
+/* s->at: (x, lambda, y) at t+0.  room: 2 (n+2m) + m. */
+static int limit(ns_newton *s, double h, double *room) {
     const int n = s->n, m = s->m;
-    int status = short_step(s, h);
+    double *const whole = room, *const half = room + n + 2 * m;
+    ns_mode *mode = (ns_mode *)(half + n + 2 * m);
+    int status = short_step(s, h), same = 1;
     if (status != NS_OK)
         return status;
-    memcpy(last, s->at.x, sizeof(double) * (size_t)n);
-    memcpy(last + n, s->at.lambda, sizeof(double) * (size_t)m);
-    memcpy(last + n + m, s->at.y, sizeof(double) * (size_t)m);
-    ns_mode *mode = (ns_mode *)(last + n + 2 * m);
+    store(s, whole);
     memcpy(mode, s->trial_mode, (size_t)m);
-    status = short_step(s, h / 2);
-    if (status != NS_OK || memcmp(mode, s->trial_mode, (size_t)m) != 0)
+    if ((status = short_step(s, h / 2)) != NS_OK)
         return status;
-    extrapolate(n, s->at.x, last);
-    extrapolate(m, s->at.lambda, last + n);
-    extrapolate(m, s->at.y, last + n + m);
-    for (int i = 0; i < m; i++) {
-        s->at.lambda[i] = fmin(fmax(s->at.lambda[i], s->model->l[i]), s->model->u[i]);
-        if (s->model->l[i] < s->model->u[i] && s->at.y[i] * s->trial_mode[i] > 0)
-            s->at.y[i] = 0; /* (S4) */
-    }
-    return status;
+    store(s, half);
+    same = memcmp(mode, s->trial_mode, (size_t)m) == 0;
+    if ((status = short_step(s, h / 4)) != NS_OK)
+        return status;
+    if (!same || memcmp(mode, s->trial_mode, (size_t)m) != 0)
+        return NS_OK; /* h/4 must do */
+    extrapolate(n, s->at.x, whole, half);
+    extrapolate(m, s->at.lambda, whole + n, half + n);
+    extrapolate(m, s->at.y, whole + n + m, half + n + m);
+    put_back(s);
+    return NS_OK;
 }
 
 /* Both steps; s->xk is on loan. */
-static int both(ns_newton *s, const double *before, double time, double *last) {
-    int status = limit(s, ldexp(time, ACROSS), last);
+static int both(ns_newton *s, const double *before, double time, double *room) {
+    int status = limit(s, ldexp(time, ACROSS), room);
     if (status != NS_OK)
         return status;
     memcpy(s->xk, s->at.x, sizeof(double) * (size_t)s->n);
     s->guess = before; /* what is left of the impulses is no place to start from */
-    status = limit(s, ldexp(time, AFTER), last);
+    status = limit(s, ldexp(time, AFTER), room);
     s->guess = s->xk;
     return status;
 }
