@@ -75,6 +75,10 @@ int ns_mlcp_use(ns_mlcp_solver *s, ns_mlcp_method method);
  * used again.  Without it the solver compares W with its copy.  Errors: NULL. */
 int ns_mlcp_same(ns_mlcp_solver *s, int same);
 
+/* Says that numbers of one size in lambda mean things of one size (V and A of a circuit): what is rounding
+ * beside what is then told in these units.  Without it, in units found from W.  Errors: NULL. */
+int ns_mlcp_alike(ns_mlcp_solver *s, int alike);
+
 /* Solves p.  mode (m) is read as the mode to start from (any content is allowed: entries that do not
  * fit their bounds are mended) and holds the mode of the answer on success.  lambda (m) and y (m) are
  * written on success.  info may be NULL.  No memory is taken.
@@ -102,15 +106,15 @@ const double *ns_mlcp_certificate(const ns_mlcp_solver *s);
 
 /* Checks such a v from the problem alone.  By how much the least value that the right side of the line above
  * can take lies above 0, relative to the terms it is summed from; > 0 proves that no solution exists, up to
- * rounding.  -1 where v proves nothing; NAN for bad input.  Each column on demand is asked for once; NAN where
- * one cannot be had, or where memory for one is short (m > 128). */
+ * rounding.  -1 where v proves nothing; NAN for bad input.  Each column on demand is asked for once; NAN
+ * where one cannot be had, or where memory for one is short (m > 128). */
 double ns_mlcp_certify(const ns_mlcp *p, const double *v);
 
 /* The natural residual  max_i |lambda_i - proj_[l,u](lambda_i - y_i)|  with row i scaled so that it is
  * relative to the sizes of the terms that make it up (1e-16: as good as rounding allows), for
  * y = W lambda + q computed here from the problem.  *worst (may be NULL) gets the row.
- * Shares nothing with the solver.  Returns NAN for bad input.  Each column on demand is asked for once and all
- * are kept meanwhile; NAN where one cannot be had, or where memory is short (m > 128, or W on demand). */
+ * Shares nothing with the solver.  Returns NAN for bad input.  Each column on demand is asked for once and
+ * all are kept meanwhile; NAN where one cannot be had, or where memory is short (m > 128, or W on demand). */
 double ns_mlcp_residual(const ns_mlcp *p, const double *lambda, int *worst);
 
 #ifdef __cplusplus

@@ -51,7 +51,8 @@ static int allocate(ns_theta *s) {
     s->work_mode = modes(all, &failed);
     s->inside = calloc(m ? m : 1, sizeof(int));
     failed |= !s->inside;
-    if (failed || ns_lu_create((int)all, &s->lu) != NS_OK || ns_mlcp_create((int)all, &s->mlcp) != NS_OK)
+    if (failed || ns_lu_create((int)all, &s->lu) != NS_OK || ns_mlcp_create((int)all, &s->mlcp) != NS_OK ||
+        ns_mlcp_alike(s->mlcp, 1) != NS_OK)
         return NS_E_MEMORY;
     return NS_OK;
 }

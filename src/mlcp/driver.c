@@ -183,13 +183,20 @@ static int verdict(ns_mlcp_solver *s, int status) {
 
 /* The methods in turn: an answer or a proof ends it. */
 static int automatic(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
-    static const ns_mlcp_method order[] = {NS_MLCP_PIVOT, NS_MLCP_LEMKE, NS_MLCP_ENUMERATE};
+    static const struct {
+        ns_mlcp_method method;
+        int as_given; /* units: those of volts and amperes tell noise better in a network that spans decades
+                       */
+    } order[] = {{NS_MLCP_PIVOT, 0},    {NS_MLCP_LEMKE, 0},  {NS_MLCP_LEMKE, 1},
+                 {NS_MLCP_INTERIOR, 0}, {NS_MLCP_NEWTON, 0}, {NS_MLCP_ENUMERATE, 0}};
     int first = NS_OK;
     for (size_t k = s->m <= NS_QUICK; k < sizeof order / sizeof *order; k++) {
-        int status = verdict(s, apply(s, order[k], mode, residual));
+        s->as_given = order[k].as_given ^ s->alike;
+        int status = verdict(s, apply(s, order[k].method, mode, residual));
+        s->as_given = s->alike;
         if (status == NS_OK || status == NS_E_INFEASIBLE)
             return status;
-        if (order[k] != NS_MLCP_PIVOT && first == NS_OK)
+        if (order[k].method != NS_MLCP_PIVOT && first == NS_OK)
             first = status;
     }
     return first;

@@ -35,3 +35,10 @@ int ns_mlcp_same(ns_mlcp_solver *s, int same) {
     s->same = same != 0;
     return NS_OK;
 }
+
+int ns_mlcp_alike(ns_mlcp_solver *s, int alike) {
+    if (!s)
+        return NS_E_NULL;
+    s->alike = s->as_given = alike != 0;
+    return NS_OK;
+}

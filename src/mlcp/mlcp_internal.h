@@ -59,20 +59,23 @@ struct ns_mlcp_solver {
         *colunit; /* m: largest |W_ij| of a row; unit of lambda_j in which it makes terms of that size */
 
     /* the basis: mode of all m, and the equations picked from it */
-    ns_mode *mode;  /* m, working copy */
-    int k;          /* size of G */
-    int *rows;      /* k: indices i whose y_i is nonbasic */
-    int *cols;      /* k: indices j whose lambda_j is basic; -1 stands for t */
-    double *G;      /* (m+1)^2 */
-    double *rhs;    /* (m+1)*(m+2) */
-    double *xs;     /* (m+1)*(m+2) */
-    int careful;    /* refine the tableau as well */
-    ns_lu *lu;      /* of G */
-    double *lambda; /* m */
-    double *y;      /* m */
-    double *ysize;  /* m: sizes of the terms summed in y_i */
-    double *lsize;  /* m: the change of lambda_i that some y_j notices in full; pairs only */
-    double *g;      /* m */
+    ns_mode *mode; /* m, working copy */
+    int k;         /* size of G */
+    int *rows;     /* k: indices i whose y_i is nonbasic */
+    int *cols;     /* k: indices j whose lambda_j is basic; -1 stands for t */
+    double *G;     /* (m+1)^2 */
+    double *rhs;   /* (m+1)*(m+2) */
+    double *xs;    /* (m+1)*(m+2) */
+    int alike;     /* ns_mlcp_alike() */
+    int as_given,
+        units_as_given; /* floors are taken in the columns' units of the problem (wanted, at hand) */
+    int careful;        /* refine the tableau as well */
+    ns_lu *lu;          /* of G */
+    double *lambda;     /* m */
+    double *y;          /* m */
+    double *ysize;      /* m: sizes of the terms summed in y_i */
+    double *lsize;      /* m: the change of lambda_i that some y_j notices in full; pairs only */
+    double *g;          /* m */
 
     /* the canonical tableau: basic = beta + T nonbasic, in units of ysize and lsize */
     int ncol;               /* np, or np+1 with t */

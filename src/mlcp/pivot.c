@@ -183,7 +183,10 @@ static double check(ns_mlcp_solver *s) {
     ns_transform_correct(s);
     clamp_lambda(s);
     r = ns_mlcp_glance(s->p, s->lambda, s->y, s->size);
-    return r <= GOOD ? r : fmin(r, ns_mlcp_measure(s->p, s->lambda, s->rhs, NULL));
+    if (r <= GOOD)
+        return r;
+    const double full = ns_mlcp_measure(s->p, s->lambda, s->rhs, NULL);
+    return isnan(full) ? full : fmin(r, full); /* fmin would drop the NaN of terms that overflow */
 }
 
 int ns_mlcp_quick(ns_mlcp_solver *s, const ns_mode *mode, double accept, double *residual) {

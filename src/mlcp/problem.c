@@ -135,11 +135,16 @@ double ns_mlcp_bound(const ns_mlcp_solver *s, int i, ns_mode mode) {
 /* rowmax and colunit: the units in which floors of sizes are taken (basis.c). */
 void ns_mlcp_units(ns_mlcp_solver *s) {
     int m = s->m;
-    if (s->have_units)
+    if (s->have_units && s->units_as_given == s->as_given)
         return;
     s->have_units = 1;
+    s->units_as_given = s->as_given;
     memset(s->rowmax, 0, (size_t)m * sizeof *s->rowmax);
-    ns_column_units(m, s->p->W, s->colunit, s->rhs);
+    if (s->as_given)
+        for (int j = 0; j < m; j++)
+            s->colunit[j] = 1.0;
+    else
+        ns_column_units(m, s->p->W, s->colunit, s->rhs);
     for (int j = 0; j < m; j++) {
         const double *col = s->p->W + (size_t)j * (size_t)m;
         for (int i = 0; i < m; i++) {
