@@ -7,9 +7,12 @@
  *   (T5)  y+     = h(x,lambda) + C (x_p - x) - D lambda + (D + h gamma C W^-1 B) lambda+
  *   (P1)  -y+ in N_[l,u](lambda+)
  *
- * Algebraic rows (ns_split) hold at t_k+1 whatever theta and gamma are.  The loop stops when both residuals,
- * that of (S1) over the step and that of (S3) and (S4), are down to rounding; steps that do not bring them
- * down are shortened (damping); the loop is bounded.
+ * Algebraic rows (those of ns_system_split()) hold at t_k+1 whatever theta and gamma are.  (y, lambda) of
+ * every iterate obey (S4); the loop stops when both residuals, that of (S1) over the step and that of (S3),
+ * are down to rounding.  Corrections that do not bring them down, or leave the domain of a function, are
+ * shortened along the path on which (S4) holds; the loop is bounded.  For linear f, g, h one iteration is
+ * exact. Inputs are seen from the right at t_k and from the left at t_k+1: end a step where an input jumps,
+ * and call ns_newton_jump() there if the jump makes the state inconsistent.
  */
 #ifndef NONSMOOTH_NEWTON_H
 #define NONSMOOTH_NEWTON_H
@@ -25,7 +28,9 @@ typedef struct ns_newton ns_newton;
 /* Where in the step (S2) and (S3) are taken. */
 typedef enum ns_relation {
     NS_RELATION_END,  /* at t_k+1;  r of the step is gamma r_k+1 + (1-gamma) r_k */
-    NS_RELATION_GAMMA /* at t_k+gamma, x_gamma = gamma x_k+1 + (1-gamma) x_k;  r of the step is r_k+gamma */
+    NS_RELATION_GAMMA /* (T8): at t_k+gamma, x_gamma = gamma x_k+1 + (1-gamma) x_k;  r of the step is
+                         r_k+gamma. lambda, y and r that are read are those of t_k+gamma, and algebraic rows
+                         hold there: unknowns without a derivative ring where they jump */
 } ns_relation;
 
 typedef struct ns_newton_options {
@@ -49,8 +54,8 @@ typedef struct ns_newton_counts {
     long calls;      /* of f */
 } ns_newton_counts;
 
-/* Makes a stepper for a model, which must outlive it and not change.  On failure *out is NULL and fault (may
- * be NULL) says where.  Errors: those of ns_model_check(), RANGE (an option), MEMORY. */
+/* Makes a stepper for a model, which with its arrays must outlive it and not change.  On failure *out is NULL
+ * and fault (may be NULL) says where.  Errors: those of ns_model_check(), RANGE (an option), MEMORY. */
 int ns_newton_create(const ns_model *model, const ns_newton_options *o, ns_newton **out, ns_fault *fault);
 
 /* Frees a stepper; NULL is allowed. */
@@ -62,19 +67,21 @@ int ns_newton_start(ns_newton *s, double t0, const double *x, const double *lamb
 
 /* Tries a step of length h > 0 from the accepted point, which is left alone: try again with any h.
  * NS_DIVERGED: Newton's loop met its bound or left the domain of a function; a shorter step may do.
- * Errors: NULL, RANGE (h), those of ns_mlcp_solve(); *fault of ns_newton_fault(). */
+ * Errors: NULL, STATE (not started), RANGE (h), those of ns_mlcp_solve(); *fault of ns_newton_fault(). */
 int ns_newton_try(ns_newton *s, double h);
 
 /* Tries the jump at the accepted time: the impulse problem  M (x+ - x-) = h gamma B lambda, h -> 0, with the
- * constraints of (S3), (S4) and the algebraic rows of (S1) at x+.  What is consistent already does not
- * change. Errors: as ns_newton_try(). */
+ * constraints of (S3), (S4) and the algebraic rows of (S1) at x+ and with the inputs just after.  What is
+ * consistent already does not change.  Charges and fluxes come out to some eps; lambda, which takes M x' to
+ * know, to some 1e-8 where the time constants are alike.  Errors: as ns_newton_try(). */
 int ns_newton_jump(ns_newton *s);
 
 /* Makes the last successful trial the accepted point; cannot fail for numerical reasons.  Errors: STATE. */
 int ns_newton_accept(ns_newton *s);
 
 /* From the accepted point to time t by steps of at most h, each accepted; a step that does not converge is
- * tried again at half its length, at most 20 times.  Errors: NULL, RANGE, those of ns_newton_try(). */
+ * tried again at half its length, at most 20 times; steps grow again afterwards.  On failure the
+ * accepted point is the last that was reached.  Errors: NULL, STATE, RANGE, those of ns_newton_try(). */
 int ns_newton_advance(ns_newton *s, double t, double h);
 
 /* The accepted point: *t, x (n), lambda (m), y (m), r (n); any may be NULL.  Errors: STATE (not started). */

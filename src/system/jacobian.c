@@ -53,8 +53,8 @@ static int begin(bench *b, const ns_model *model) {
 
 /* The function and the Jacobian of one kind; NULL: zero. */
 typedef struct kind {
-    ns_jacobian which;
     ns_function value, derivative;
+    ns_jacobian which;
     int rows, columns, by_lambda;
 } kind;
 
@@ -149,11 +149,11 @@ static int check_one(bench *b, const kind *k, ns_jacobian_error *worst) {
 
 static int check_all(bench *b, ns_jacobian_error *worst) {
     const ns_model *p = b->model;
-    const kind kinds[] = {{NS_JACOBIAN_A, p->f, p->A, p->n, p->n, 0},
-                          {NS_JACOBIAN_K, p->m > 0 ? p->g : NULL, p->K, p->n, p->n, 0},
-                          {NS_JACOBIAN_B, p->g, p->B, p->n, p->m, 1},
-                          {NS_JACOBIAN_C, p->h, p->C, p->m, p->n, 0},
-                          {NS_JACOBIAN_D, p->h, p->D, p->m, p->m, 1}};
+    const kind kinds[] = {{p->f, p->A, NS_JACOBIAN_A, p->n, p->n, 0},
+                          {p->m > 0 ? p->g : NULL, p->K, NS_JACOBIAN_K, p->n, p->n, 0},
+                          {p->g, p->B, NS_JACOBIAN_B, p->n, p->m, 1},
+                          {p->h, p->C, NS_JACOBIAN_C, p->m, p->n, 0},
+                          {p->h, p->D, NS_JACOBIAN_D, p->m, p->m, 1}};
     int status = NS_OK;
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds && status == NS_OK; i++)
         status = check_one(b, &kinds[i], worst);

@@ -345,11 +345,35 @@ static void across_an_event(void **state) {
     }
 }
 
+/* The linear engine with theta = 0 is explicit: x' = -x to t = 1. */
+static double explicit_error(double h) {
+    ns_system *s = system_decay();
+    const ns_march_options o = {.theta = 0, .gamma = 1, .h = h};
+    const double w0 = 1;
+    double reached, x;
+    ns_march *m;
+    assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_OK);
+    assert_int_equal(ns_march_start(m, 0, &w0), NS_OK);
+    assert_int_equal(ns_march_try(m, 1, NS_TO_TIME, &reached), NS_OK);
+    assert_int_equal(ns_march_read(m, NULL, &x, NULL, NULL), NS_OK);
+    ns_march_free(m);
+    ns_system_free(s);
+    return exp(-1) - x; /* Euler's is too small */
+}
+
+static void the_marcher_takes_theta_0(void **state) {
+    (void)state;
+    const double order = log2(explicit_error(1. / 64) / explicit_error(1. / 128));
+    print_message("march, theta 0: order %.3f\n", order);
+    assert_true(fabs(order - 1) < 0.02); /* the next term is h = 1/64 of it */
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(smooth_arcs),
         cmocka_unit_test(bridge),
         cmocka_unit_test(across_an_event),
+        cmocka_unit_test(the_marcher_takes_theta_0),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

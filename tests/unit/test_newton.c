@@ -377,6 +377,33 @@ static void a_singular_W_is_solved_whole(void **state) {
     ns_system_free(s);
 }
 
+/* v' = i, 0 = -v - i, with (T8) at theta = gamma = 1/2: the algebraic row holds half way, so v_g = (v+ + v) /
+ * 2 = -i_g and v+ = v (1 - h/2) / (1 + h/2), of second order.  A pair that stays open rides along. */
+static void algebraic_rows_hold_where_the_relation_is(void **state) {
+    (void)state;
+    ns_system *s;
+    ns_model model;
+    const double h = 0.1;
+    double x[2] = {1, -1}, before[2], factor = 1;
+    assert_int_equal(ns_system_create(2, 1, 0, 0, &s), NS_OK);
+    s->M[0] = s->A[0 + 2] = s->D[0] = s->e[0] = s->B[0] = 1;
+    s->A[1] = s->A[1 + 2] = -1;
+    assert_int_equal(ns_model_of_system(s, &model), NS_OK);
+    ns_newton *t = stepper(&model, 0.5, 0.5, NS_RELATION_GAMMA);
+    assert_int_equal(ns_newton_start(t, 0, x, NULL), NS_OK);
+    for (int k = 0; k < 20; k++) {
+        memcpy(before, x, sizeof x);
+        assert_int_equal(ns_newton_try(t, h), NS_OK);
+        assert_int_equal(ns_newton_accept(t), NS_OK);
+        assert_int_equal(ns_newton_read(t, NULL, x, NULL, NULL, NULL), NS_OK);
+        factor *= (1 - h / 2) / (1 + h / 2);
+        assert_true(fabs(x[0] - factor) < 1e-14);
+        assert_true(fabs(x[0] + before[0] + x[1] + before[1]) < 1e-14);
+    }
+    ns_newton_free(t);
+    ns_system_free(s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(linear_step_is_one_iteration),
@@ -384,6 +411,7 @@ int main(void) {
         cmocka_unit_test(theta_0_and_gamma_below_1_by_hand),
         cmocka_unit_test(the_linear_engine_agrees),
         cmocka_unit_test(reduced_and_whole_agree),
+        cmocka_unit_test(algebraic_rows_hold_where_the_relation_is),
         cmocka_unit_test(a_singular_W_is_solved_whole),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
