@@ -23,8 +23,8 @@
 
 /* W is as good as its condition; the rest is up to the unreduced problem. */
 static const double rcond_min = 1e-6;
-/* Terms below this part of what the largest unknown could make of a row count as that: 1e-12 of it, the tolerance,
- * is then some eps of the largest unknown, which is what rounding leaves of one that is zero. */
+/* Terms below this part of what the largest unknown could make of a row count as that: 1e-12 of it, the
+ * tolerance, is then some eps of the largest unknown, which is what rounding leaves of one that is zero. */
 static const double floor_share = 1e-3;
 
 void ns_newton_form(ns_newton *s) {
