@@ -108,20 +108,6 @@ int ns_mlcp_search(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     return first;
 }
 
-static void keep(ns_mlcp_solver *s) {
-    size_t m = (size_t)s->m;
-    memcpy(s->kept_lambda, s->lambda, m * sizeof *s->lambda);
-    memcpy(s->kept_y, s->y, m * sizeof *s->y);
-    memcpy(s->kept_mode, s->mode, m * sizeof *s->mode);
-}
-
-static void give_back(ns_mlcp_solver *s) {
-    size_t m = (size_t)s->m;
-    memcpy(s->lambda, s->kept_lambda, m * sizeof *s->lambda);
-    memcpy(s->y, s->kept_y, m * sizeof *s->y);
-    memcpy(s->mode, s->kept_mode, m * sizeof *s->mode);
-}
-
 /* y of s->lambda as it is, its sign mended where it is next to nothing. */
 static double measure(ns_mlcp_solver *s) {
     memcpy(s->y, s->now.q, (size_t)s->m * sizeof *s->y);
@@ -134,12 +120,12 @@ static double measure(ns_mlcp_solver *s) {
 static int settle(ns_mlcp_solver *s, double *residual) {
     double exact = INFINITY;
     *residual = measure(s);
-    keep(s);
+    ns_mlcp_keep(s);
     if (ns_basis_factor(s, NULL) == NS_OK && ns_mlcp_judge(s, &exact) == NS_OK && exact <= *residual) {
         *residual = exact;
         return NS_OK;
     }
-    give_back(s);
+    ns_mlcp_give_back(s);
     return *residual <= ACCEPT ? NS_OK : NS_E_RESIDUAL;
 }
 

@@ -126,6 +126,10 @@ void ns_mlcp_restart(ns_mlcp_solver *s, const ns_mode *mode); /* s->mode = mode 
 ns_mode ns_mlcp_mend(const ns_mlcp_solver *s, int i, ns_mode mode);
 double ns_mlcp_bound(const ns_mlcp_solver *s, int i, ns_mode mode); /* the lambda of a pair not inside */
 
+/* workspace.c: lambda, y and mode put aside, and taken back. */
+void ns_mlcp_keep(ns_mlcp_solver *s);
+void ns_mlcp_give_back(ns_mlcp_solver *s);
+
 /* basis.c */
 int ns_basis_factor(ns_mlcp_solver *s, double *rcond);       /* G of s->mode and its factors */
 int ns_basis_keep_factors(ns_mlcp_solver *s, double *rcond); /* the same, but G, or those of the last time */

@@ -56,20 +56,6 @@ static void name_rows(ns_mlcp_solver *s) {
     ns_mlcp_name(s, s->ray, s->m, s->rows);
 }
 
-static void keep(ns_mlcp_solver *s) {
-    size_t m = (size_t)s->m;
-    memcpy(s->kept_lambda, s->lambda, m * sizeof *s->lambda);
-    memcpy(s->kept_y, s->y, m * sizeof *s->y);
-    memcpy(s->kept_mode, s->mode, m * sizeof *s->mode);
-}
-
-static void give_back(ns_mlcp_solver *s) {
-    size_t m = (size_t)s->m;
-    memcpy(s->lambda, s->kept_lambda, m * sizeof *s->lambda);
-    memcpy(s->y, s->kept_y, m * sizeof *s->y);
-    memcpy(s->mode, s->kept_mode, m * sizeof *s->mode);
-}
-
 /* Further proximal steps in the mode found, each as a correction of x_k by the residual of the given problem,
  * which rounds much less than solving for x_k+1 anew.  Keeps the best; returns its residual. */
 static double polish(ns_mlcp_solver *s) {
@@ -79,14 +65,14 @@ static double polish(ns_mlcp_solver *s) {
         double now = ns_mlcp_measure(s->p, s->lambda, s->rhs, NULL), before = best;
         if (now < best) {
             best = now;
-            keep(s);
+            ns_mlcp_keep(s);
         }
         if (best <= GOOD || !(now <= 0.5 * before))
             break;
         ns_basis_correct(s);
         ns_basis_clamp(s);
     }
-    give_back(s);
+    ns_mlcp_give_back(s);
     return best;
 }
 

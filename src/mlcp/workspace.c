@@ -2,6 +2,7 @@
 #include "mlcp_internal.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "residual.h"
 
@@ -81,4 +82,18 @@ void ns_mlcp_free(ns_mlcp_solver *s) {
     free(s->ints);
     free(s->bytes);
     free(s);
+}
+
+void ns_mlcp_keep(ns_mlcp_solver *s) {
+    size_t m = (size_t)s->m;
+    memcpy(s->kept_lambda, s->lambda, m * sizeof *s->lambda);
+    memcpy(s->kept_y, s->y, m * sizeof *s->y);
+    memcpy(s->kept_mode, s->mode, m * sizeof *s->mode);
+}
+
+void ns_mlcp_give_back(ns_mlcp_solver *s) {
+    size_t m = (size_t)s->m;
+    memcpy(s->lambda, s->kept_lambda, m * sizeof *s->lambda);
+    memcpy(s->y, s->kept_y, m * sizeof *s->y);
+    memcpy(s->mode, s->kept_mode, m * sizeof *s->mode);
 }
