@@ -63,7 +63,7 @@ int ns_theta_read(ns_theta *s, double *x, double *lambda, double *y) {
     if (lambda)
         memcpy(lambda, s->sol + n, sizeof(double) * (size_t)m);
     if (y) {
-        memcpy(y, s->s->e, sizeof(double) * (size_t)m);
+        ns_copy((size_t)m, s->s->e, y);
         ns_matvec_add(m, n, s->s->C, s->sol, y); /* (S3) */
         ns_matvec_add(m, m, s->s->D, s->sol + n, y);
         ns_matvec_add(m, s->s->nz, s->s->F, s->in + s->r, y);

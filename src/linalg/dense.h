@@ -2,6 +2,8 @@
 #ifndef NS_DENSE_H
 #define NS_DENSE_H
 
+#include <stddef.h>
+
 /* LU factors of an equilibrated n*n matrix: rows and columns scaled by powers of two first, so that the
  * pivot choice and rcond do not depend on the units of the unknowns. */
 typedef struct ns_lu ns_lu;
@@ -30,7 +32,10 @@ const double *ns_lu_units(const ns_lu *f);
 /* The largest entry of x (n), in those units. */
 double ns_lu_largest(const ns_lu *f, const double *x);
 
-/* y = A x, y += A x;  A is p*q with leading dimension p. */
+/* y = x; both may be NULL where n is 0. */
+void ns_copy(size_t n, const double *x, double *y);
+
+/* y = A x, y += A x;  A is p*q with leading dimension p, NULL (as x) where it is empty. */
 void ns_matvec(int p, int q, const double *a, const double *x, double *y);
 void ns_matvec_add(int p, int q, const double *a, const double *x, double *y);
 

@@ -82,7 +82,7 @@ int ns_mlcp_take(ns_mlcp_solver *s, const ns_mlcp *p) {
         return NS_E_NULL;
     if (!finite_all(m, p->q))
         return NS_E_NUMBER;
-    s->given = (ns_mlcp){p->m, s->Wown, p->q, s->lown, s->uown, p->column, p->data};
+    s->given = (ns_mlcp){p->m, s->Wown, m > 0 ? p->q : s->q, s->lown, s->uown, p->column, p->data};
     int status = m == 0 || known(s, p) ? NS_OK : learn(s, p);
     s->m = p->m;
     if (m == 0)

@@ -2,14 +2,11 @@
  * + F z + e. */
 #include "nonsmooth/model.h"
 
-#include <string.h>
-
 #include "../linalg/dense.h"
 
 /* What a callback hands out of the system. */
 static int copy(double *out, const double *from, int p, int q) {
-    if (p > 0 && q > 0)
-        memcpy(out, from, sizeof(double) * (size_t)p * (size_t)q);
+    ns_copy((size_t)p * (size_t)q, from, out);
     return 0;
 }
 
