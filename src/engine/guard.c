@@ -81,9 +81,6 @@ static void row_terms(const ns_theta *s, int size, int k, double *terms) {
             terms[i] += fabs(s->K[i + j * size] * x[j]);
 }
 
-/* A solution of (P2) is good to some eps of the terms of each of its rows.  What that does to guard g is a
- * bound on its rounding:  noise_gk = |c_g| |X_k| + |c_g K^-1| |K| |X_k|,  c_g the guard as a function of (x,
- * lambda_J). */
 /* Beside the terms that are there: what is zero comes out, refined, far below eps of the largest unknown in
  * the units of the factors, and what (P1) leaves behind of a charge that has gone is some eps of it. */
 static const double of_largest = 2e-4;
@@ -103,34 +100,73 @@ static double own_terms(const ns_theta *s, int size, const double *c, int k) {
 /* A solution of (P2) is good to some eps of the terms of each of its rows.  What that does to guard g is a
  * bound on its rounding:  noise_gk = |c_g| |X_k| + |c_g K^-1| |K| |X_k|,  c_g the guard as a function of (x,
  * lambda_J). */
-void ns_guard_noise(ns_theta *s, ns_map *map, int nj) {
+static void own_noise(ns_theta *s, const ns_map *map, int nj, double *own) {
     const int size = s->s->n + nj, ng = map->guards;
     fill_functionals(s, map, nj);
     for (int k = 0; k < s->q; k++)
         for (int g = 0; g < ng; g++)
-            map->noise[g + k * ng] = own_terms(s, size, s->Z + (size_t)g * (size_t)size, k);
+            own[g + k * ng] = own_terms(s, size, s->Z + (size_t)g * (size_t)size, k);
+}
+
+/* Adds the second part.  Returns the most that it is, relative to the first. */
+static double add_noise_of_rows(ns_theta *s, ns_map *map, int size) {
+    const int ng = map->guards;
+    double *terms = s->rhs, most = 0; /* free between problems */
     ns_lu_solve_transposed(s->lu, ng, s->Z);
     for (int k = 0; k < s->q; k++) {
-        double *terms = s->rhs; /* free between problems */
         row_terms(s, size, k, terms);
         for (int g = 0; g < ng; g++) {
             const double *z = s->Z + (size_t)g * (size_t)size;
+            double *noise = &map->noise[g + k * ng], sum = 0;
             for (int i = 0; i < size; i++)
-                map->noise[g + k * ng] += fabs(z[i]) * terms[i];
+                sum += fabs(z[i]) * terms[i];
+            most = fmax(most, sum / *noise);
+            *noise += sum;
         }
     }
+    return most;
+}
+
+/* What the guards have to be looked at together with: s->Z as add_noise_of_rows() left it. */
+static int keep_doubt(ns_theta *s, ns_map *map, int nj) {
+    const int size = s->s->n + nj;
+    ns_doubt *d = map->doubt = ns_doubt_create(size, map->guards, s->q);
+    if (!d)
+        return NS_E_MEMORY;
+    memcpy(d->Z, s->Z, sizeof(double) * (size_t)size * (size_t)map->guards);
+    for (int k = 0; k < s->q; k++)
+        row_terms(s, size, k, d->terms + (size_t)k * (size_t)size);
+    own_noise(s, map, nj, d->own);
+    map->bytes +=
+        sizeof(double) * ((size_t)size * (size_t)(map->guards + s->q) + (size_t)(map->guards * s->q));
+    return NS_OK;
+}
+
+/* A bound as large as this beside the guard's own terms excuses what somebody could see. */
+static const double of_own = 1e4;
+
+int ns_guard_noise(ns_theta *s, ns_map *map, int nj) {
+    own_noise(s, map, nj, map->noise);
+    const double most = add_noise_of_rows(s, map, s->s->n + nj);
+    return most > of_own && map->guards > 1 ? keep_doubt(s, map, nj) : NS_OK;
+}
+
+static double bound(const ns_theta *s, const double *noise, int guards, int g) {
+    double size = 0;
+    for (int k = 0; k < s->q; k++)
+        size += noise[g + k * guards] * fabs(s->trial_in[k]);
+    return size;
 }
 
 int ns_guards_hold(const ns_theta *s, const ns_map *map, double tol) {
     const double *guard = s->out + (map->p - map->guards);
+    int doubt = 0;
     for (int g = 0; g < map->guards; g++) {
         if (guard[g] >= 0)
             continue;
-        double size = 0;
-        for (int k = 0; k < s->q; k++)
-            size += map->noise[g + k * map->guards] * fabs(s->trial_in[k]);
-        if (!(guard[g] >= -tol * size))
-            return 0;
+        if (!(guard[g] >= -tol * bound(s, map->noise, map->guards, g)))
+            return NS_GUARD;
+        doubt |= map->doubt && guard[g] < -tol * bound(s, map->doubt->own, map->guards, g);
     }
-    return 1;
+    return doubt ? ns_doubt_settle(map->doubt, guard, s->trial_in, tol) : NS_OK;
 }

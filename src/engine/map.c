@@ -213,12 +213,17 @@ int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_ma
     map->implicit = implicit;
     fill_full(s, map, nj);
     fill_step(s, map);
-    ns_guard_noise(s, map, nj);
+    if (ns_guard_noise(s, map, nj) != NS_OK) {
+        ns_map_free(map);
+        return NS_E_MEMORY;
+    }
     s->counts.maps++;
     *out = map;
     return NS_OK;
 }
 
 void ns_map_free(ns_map *map) {
+    if (map)
+        free(map->doubt);
     free(map);
 }

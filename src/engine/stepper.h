@@ -3,6 +3,7 @@
 #define NS_STEPPER_H
 
 #include "../linalg/dense.h"
+#include "doubt.h"
 #include "nonsmooth/theta.h"
 
 /* The step of one mode and one length as a matrix.  It acts on the q inputs
@@ -13,13 +14,14 @@
 typedef struct ns_map ns_map;
 struct ns_map {
     double h;
-    int implicit;  /* 1: theta = gamma = 1 in this map */
-    int p;         /* rows of step: w (r), d (r if carried), controls (nc), guards */
-    int guards;    /* how many guards: the last rows of step; each must be >= 0 */
-    double *step;  /* p*q */
-    double *full;  /* (n+m)*q: x, lambda */
-    double *noise; /* guards*q: bounds on the rounding of each guard, by input, in units of eps */
-    ns_mode *mode; /* m */
+    int implicit;    /* 1: theta = gamma = 1 in this map */
+    int p;           /* rows of step: w (r), d (r if carried), controls (nc), guards */
+    int guards;      /* how many guards: the last rows of step; each must be >= 0 */
+    double *step;    /* p*q */
+    double *full;    /* (n+m)*q: x, lambda */
+    double *noise;   /* guards*q: bounds on the rounding of each guard, by input, in units of eps */
+    ns_mode *mode;   /* m */
+    ns_doubt *doubt; /* NULL: the noise is not much larger than the guards' own terms */
     size_t bytes;
     ns_map *chain;         /* next in its bucket */
     ns_map *older, *newer; /* by last use */
@@ -83,10 +85,11 @@ int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_ma
 void ns_map_free(ns_map *map);
 
 /* guard.c: how many guards a mode has; their entries in column k of a map whose `full` is known; the map's
- * noise, from s->K, s->X and the factors; whether all of s->out hold, up to tol relative to that. */
+ * noise (and doubt: MEMORY), from s->K, s->X and the factors; whether all of s->out hold, up to tol relative
+ * to that: OK, GUARD or MEMORY. */
 int ns_guard_count(const ns_theta *s, const ns_mode *mode);
 void ns_guard_fill(const ns_theta *s, ns_map *map, int k);
-void ns_guard_noise(ns_theta *s, ns_map *map, int nj);
+int ns_guard_noise(ns_theta *s, ns_map *map, int nj);
 int ns_guards_hold(const ns_theta *s, const ns_map *map, double tol);
 
 /* cache.c */

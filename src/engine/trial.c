@@ -54,16 +54,17 @@ static int finite_state(const ns_theta *s) {
     return isfinite(sum);
 }
 
-/* The map is taken: its outputs become the trial if the guards hold. */
+/* The map is taken: its outputs become the trial if the guards hold.  OK, GUARD, MEMORY. */
 static int apply(ns_theta *s, ns_map *map, double tol) {
     ns_matvec(map->p, s->q, map->step, s->trial_in, s->out);
-    if (!ns_guards_hold(s, map, tol))
-        return 0;
+    const int status = ns_guards_hold(s, map, tol);
+    if (status != NS_OK)
+        return status;
     s->trial_map = map;
     s->trial_h = map->h;
     s->trial_implicit = map->implicit;
     s->has_trial = 1;
-    return 1;
+    return NS_OK;
 }
 
 /* (P1) at the end of the step, then the map of its answer, checked. */
@@ -72,9 +73,9 @@ static int resolve_once(ns_theta *s, double h, int implicit, double share) {
     int status = ns_problem_solve(s, h, implicit, share);
     if (status == NS_OK)
         status = ns_theta_map(s, h, implicit, s->trial_mode, &map);
-    if (status == NS_OK && !apply(s, map, of_an_answer))
-        status = NS_E_RESIDUAL;
-    return status;
+    if (status == NS_OK)
+        status = apply(s, map, of_an_answer);
+    return status == NS_GUARD ? NS_E_RESIDUAL : status;
 }
 
 /* Where the ideal laws leave something open, the answer with leaks picks the mode that goes with them. */
@@ -109,9 +110,11 @@ int ns_theta_try(ns_theta *s, double h, const double *z, int implicit, ns_policy
     fill_inputs(s, h, z, implicit);
     ns_map *map;
     int status = recent_map(s, h, implicit, &map);
-    if (status == NS_OK && apply(s, map, while_it_stands))
+    if (status == NS_OK)
+        status = apply(s, map, while_it_stands);
+    if (status == NS_OK)
         memcpy(s->trial_mode, s->mode, (size_t)s->s->m);
-    else if (status != NS_OK && status != NS_E_SINGULAR)
+    else if (status != NS_GUARD && status != NS_E_SINGULAR)
         return ns_theta_fail(s, status);
     else if (policy == NS_HOLD)
         return NS_GUARD;
