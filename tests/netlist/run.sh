@@ -5,7 +5,8 @@
 #
 # Verdicts `ok netlist/NAME` and `FAIL netlist/NAME reason`; exit status 1 if one failed.  NAME is
 #   X default    netlists/X.cir as it is (it judges itself to 1 % at the default h)
-#   X fine       h ten times smaller: `.model nsopt nonsmooth` gets h = (.tran's step)/160, `set tol = 1` becomes 0.1
+#   X fine       h ten times smaller: `.model nsopt nonsmooth`, with parameters or none, gets h = (.tran's step)/160,
+#                `set tol = 1` becomes 0.1
 #   X reversed   its elements in reverse order
 #   cases/X      tests/netlist/cases/X.cir, which judges itself
 #   errors/X     tests/netlist/errors/X.cir: exactly one line of output matches the regular expression of its
@@ -30,8 +31,8 @@ fine() {
                  if (k == "m") f = 1e-3; if (k == "u") f = 1e-6; if (k == "n") f = 1e-9; if (k == "p") f = 1e-12
                  return s * f }
              tolower($1) == ".tran" { h = num($2); if (h > num($3) / 50) h = num($3) / 50; print h / 160; exit }' "$1")
-    grep -q '^set tol = 1$' "$1" && grep -q '^\.model nsopt nonsmooth$' "$1" || echo "run.sh: no tolerance or options" >&2
-    sed -e "s/^\.model nsopt nonsmooth\$/.model nsopt nonsmooth(h=$h)/" -e 's/^set tol = 1$/set tol = 0.1/' "$1"
+    grep -q '^set tol = 1$' "$1" && grep -q '^\.model nsopt nonsmooth\((.*)\)*$' "$1" || echo "run.sh: no tolerance or options" >&2
+    sed -e "s/^\.model nsopt nonsmooth\$/&()/" -e "s/^\.model nsopt nonsmooth(/&h=$h /" -e 's/^set tol = 1$/set tol = 0.1/' "$1"
 }
 
 # reversed FILE: its element lines outside subcircuits from last to first, everything else in place.
