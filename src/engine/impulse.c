@@ -5,59 +5,46 @@
  */
 #include "nonsmooth/impulse.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "levels.h"
 
-/* What a guard may be negative by: of its terms, and of terms that much smaller than the largest of their
- * kind. */
-static const double guard_tol = 1e-11, of_largest = 1e-3;
 /* Steps that propose a mode, against the fastest time constant; the shares of leaks (leak.h) with which each
  * is asked. */
 static const int rungs[] = {-20, -8, -36, -52};
 static const double shares[] = {0, 1e-7, 1e-9};
-
-/* The largest of unknowns of one kind: those of x that y depends on (voltages, say), or lambda. */
-static double largest(const ns_levels *k, const double *v, int first, int last) {
-    const ns_system *s = k->s->s;
-    double most = 0;
-    for (int i = first; i < last; i++) {
-        int seen = i >= s->n;
-        for (int j = 0; j < s->m && !seen; j++)
-            seen = s->C[j + i * s->m] != 0;
-        if (seen)
-            most = fmax(most, fabs(v[i]));
-    }
-    return most;
-}
+/* Rounding of a sum, of the sizes of its terms. */
+static const double sum_eps = 16 * DBL_EPSILON;
 
 /* y of pair j (S3) from (x, lambda) in v, or from their impulses (z and e play no part then).  *tol: what of
  * it may be rounding. */
 static double y_of(const ns_levels *k, int j, const double *v, const double *z, double *tol) {
     const ns_system *s = k->s->s;
     const int n = s->n, m = s->m, finite = v == k->x;
-    const double most[2] = {of_largest * largest(k, v, 0, n), of_largest * largest(k, v, n, n + m)};
-    double sum = finite ? s->e[j] : 0, terms = fabs(sum);
+    const double *off = finite ? k->Ex : k->EX;
+    double sum = finite ? s->e[j] : 0, terms = fabs(sum), offs = 0;
     for (int i = 0; i < n + m; i++) {
         const double c = i < n ? s->C[j + i * m] : s->D[j + (i - n) * m];
         sum += c * v[i];
-        terms += fabs(c) * (fabs(v[i]) + most[i >= n]);
+        terms += fabs(c * v[i]);
+        offs += fabs(c) * off[i];
     }
     for (int c = 0; finite && c < s->nz; c++) {
         sum += s->F[j + c * m] * z[c];
         terms += fabs(s->F[j + c * m] * z[c]);
     }
-    *tol = guard_tol * terms;
+    *tol = offs + sum_eps * terms;
     return sum;
 }
 
-/* lambda of pair j, or its impulse, less a bound, likewise. */
-static double lambda_of(const ns_levels *k, int j, const double *v, double bound, double *tol) {
-    const int n = k->s->s->n, all = n + k->s->s->m;
-    *tol = guard_tol * (fabs(v[n + j]) + fabs(bound) + of_largest * largest(k, v, n, all));
-    return v[n + j] - bound;
+/* lambda of pair j less a bound, likewise. */
+static double lambda_of(const ns_levels *k, int j, double bound, double *tol) {
+    const int n = k->s->s->n;
+    *tol = k->Ex[n + j] + sum_eps * fabs(bound);
+    return k->x[n + j] - bound;
 }
 
 /* An impulse and a finite value, read as one number. */
@@ -69,13 +56,12 @@ static int not_negative(double impulse, double tol, double value, double value_t
 static int lambda_fits(const ns_levels *k, int j) {
     const double bound[2] = {k->s->l[j], k->s->u[j]};
     for (int side = 0; side < 2; side++) {
-        double tol1 = 0, tol0 = 0;
+        double tol = 0;
         if (!isfinite(bound[side]))
             continue;
-        const double sign = side ? -1 : 1;
-        const double impulse = sign * lambda_of(k, j, k->X, 0, &tol1);
-        const double value = sign * lambda_of(k, j, k->x, bound[side], &tol0);
-        if (!not_negative(impulse, tol1, value, tol0))
+        const double sign = side ? -1 : 1, value = sign * lambda_of(k, j, bound[side], &tol);
+        const int at = k->s->s->n + j;
+        if (!not_negative(sign * k->X[at], k->EX[at], value, tol))
             return 0;
     }
     return 1;
@@ -123,18 +109,16 @@ static int propose(ns_levels *k, double h, double share, const double *z, const 
  * nothing fits; that a problem without an answer has none at other lengths either is taken from two. */
 static int search(ns_levels *k, const double *z, const double *slope, double *h) {
     ns_theta *s = k->s;
-    const double rate = ns_levels_scale(k, 0), time = rate > 0 && isfinite(1 / rate) ? 1 / rate : 1;
+    const double rate = ns_levels_rate(k), time = rate > 0 && isfinite(1 / rate) ? 1 / rate : 1;
     int first = NS_OK, refused = 0;
     ns_fault fault = s->fault;
     *h = ldexp(time, rungs[0]);
-    (void)ns_levels_scale(k, *h);
     memcpy(s->trial_mode, s->mode, (size_t)s->s->m);
     int status = judge(k, z, slope);
     if (status == NS_OK || status == NS_E_MEMORY)
         return status;
     for (size_t t = 0; t < sizeof rungs / sizeof *rungs && refused < 2; t++) {
         *h = ldexp(time, rungs[t]);
-        (void)ns_levels_scale(k, *h);
         for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) {
             s->fault.npairs = s->fault.nunknowns = 0;
             status = propose(k, *h, shares[i], z, slope);
@@ -196,9 +180,12 @@ static void move_on(ns_levels *k) {
     ns_theta *s = k->s;
     const int n = s->s->n;
     for (int i = 0; i < s->r; i++) {
-        s->w[i] = 0;
-        for (int j = 0; j < n; j++)
-            s->w[i] += s->M[i + j * n] * k->x[j];
+        k->w[i] = k->terms_w[i] = 0;
+        for (int j = 0; j < n; j++) {
+            k->w[i] += (long double)s->M[i + j * n] * k->x[j];
+            k->terms_w[i] += fabs(s->M[i + j * n] * k->x[j]);
+        }
+        s->w[i] = (double)k->w[i];
     }
     memcpy(s->mode, s->trial_mode, (size_t)s->s->m);
 }

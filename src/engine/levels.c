@@ -8,40 +8,38 @@
  * whose orders 1/h, 1, h are two levels, impulsive and finite, and the condition that there is a third:
  *
  *     K0 Z1 = 0,   K0 Z0 + K1 Z1 = R0,   K0 . + K1 Z0 = R1
- *
- * With the right null vectors N and the left ones L of K0:  Z1 = N a,  Z0 = Zp + N c,  G = L'K1 N,
- *
- *     G a = L'R0,   K0 Zp = R0 - K1 Z1,   G c = L'(R1 - K1 Zp)
  */
 #include "levels.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* The residual of an answer, relative to the terms of each row; of what is left of an equation without
- * unknowns. */
-static const double residual_max = 1e-10;
-static const double of_largest = 1e-3;
-
 int ns_levels_create(ns_theta *s, ns_levels *k) {
     const size_t all = (size_t)s->s->n + (size_t)s->s->m, square = all * all;
-    double **const vectors[] = {&k->R0, &k->R1, &k->terms, &k->Z1,   &k->Z0, &k->unit,
-                                &k->X,  &k->x,  &k->v,     &k->rest, &k->few};
+    double **const vectors[] = {&k->R0, &k->R1, &k->terms, &k->Z1,      &k->Z0, &k->E1,   &k->E0, &k->X,
+                                &k->x,  &k->EX, &k->Ex,    &k->terms_w, &k->v,  &k->rest, &k->few};
     const size_t count = sizeof vectors / sizeof *vectors;
     memset(k, 0, sizeof *k);
     k->s = s;
-    k->K0 = calloc(6 * square + (count + 2) * all + 1, sizeof(double));
-    if (!k->K0)
+    k->K0 = calloc(7 * square + (count + 2 + 5) * all + 1, sizeof(double));
+    k->fine = calloc(3 * all + 1, sizeof *k->fine);
+    if (!k->K0 || !k->fine)
         return NS_E_MEMORY;
+    k->w = k->fine + 2 * all;
     k->K1 = k->K0 + square;
     k->S0 = k->K1 + square;
     k->G = k->S0 + square;
     k->SG = k->G + square;
     k->V = k->SG + square;
-    for (size_t i = 0; i < count; i++)
-        *vectors[i] = k->V + square + i * all;
+    k->H = k->V + square;
+    for (size_t i = 0, at = 0; i < count; i++, at += all)
+        *vectors[i] = k->H + square + at;
+    k->work = k->few + 3 * all;
+    for (int i = 0; i < s->r; i++) {
+        k->w[i] = s->w[i];
+        k->terms_w[i] = fabs(s->w[i]);
+    }
     return NS_OK;
 }
 
@@ -49,6 +47,7 @@ void ns_levels_free(ns_levels *k) {
     ns_ranked_free(k->zero);
     ns_ranked_free(k->gap);
     free(k->K0);
+    free(k->fine);
 }
 
 /* One row of (P2) without its matrix: what is given of order 1, with the sizes of its terms. */
@@ -122,150 +121,11 @@ static void form(ns_levels *k, const double *z, const double *slope) {
                 j < n ? s->s->C[s->inside[i] + j * m] : s->s->D[s->inside[i] + pair * m];
     }
     for (int i = 0; i < size; i++) {
-        k->R0[i] = i < r ? s->w[i] : given(k, i, z, &k->terms[i]);
+        k->R0[i] = i < r ? (double)k->w[i] : given(k, i, z, &k->terms[i]);
         if (i < r)
-            k->terms[i] = fabs(s->w[i]);
+            k->terms[i] = k->terms_w[i];
         k->R1[i] = given_next(k, i, z, slope);
     }
-}
-
-/* G = L'K1 N. */
-static int form_gap(ns_levels *k) {
-    const ns_ranked *f = k->zero;
-    const int size = k->size, gap = size - f->rank;
-    for (int j = 0; j < gap; j++) {
-        memset(k->v, 0, sizeof(double) * (size_t)size);
-        ns_ranked_add_right(f, j, 1, k->v);
-        ns_matvec(size, size, k->K1, k->v, k->V);
-        for (int i = 0; i < size; i++) {
-            k->rest[i] = 0;
-            for (int l = 0; l < size; l++)
-                k->rest[i] += fabs(k->K1[i + l * size] * k->v[l]);
-        }
-        for (int i = 0; i < gap; i++)
-            k->G[i + j * gap] = ns_ranked_left(f, i, k->V, k->rest, &k->SG[i + j * gap]);
-    }
-    return ns_ranked_create(gap, k->G, k->SG, &k->gap);
-}
-
-/* Z += N a where G a = L' b; terms: sizes of those that b was summed from.  0 if no a does that. */
-static int add_null(ns_levels *k, const double *b, const double *terms, double *Z) {
-    const int gap = k->gap->n;
-    double *rhs = k->few, *size = rhs + gap, *a = size + gap;
-    for (int i = 0; i < gap; i++)
-        rhs[i] = ns_ranked_left(k->zero, i, b, terms, &size[i]);
-    for (int i = 0; i < gap - k->gap->rank; i++) {
-        double over = 0;
-        if (fabs(ns_ranked_left(k->gap, i, rhs, size, &over)) > residual_max * over)
-            return 0;
-    }
-    ns_ranked_solve(k->gap, rhs, a);
-    for (int i = 0; i < gap; i++)
-        ns_ranked_add_right(k->zero, i, a[i], Z);
-    return 1;
-}
-
-/* Of unknown i of (P2). */
-static double unit_of(const ns_levels *k, int i) {
-    const int n = k->s->s->n;
-    return k->unit[i < n ? i : n + k->s->inside[i - n]];
-}
-
-static double dot(const ns_levels *k, const double *a, const double *b) {
-    double sum = 0;
-    for (int i = 0; i < k->size; i++)
-        sum += a[i] / unit_of(k, i) * (b[i] / unit_of(k, i));
-    return sum;
-}
-
-/* Takes out of Z what lies along v, in the units of the factors. */
-static void project(const ns_levels *k, const double *v, double *Z) {
-    const double share = dot(k, v, Z) / dot(k, v, v);
-    for (int i = 0; i < k->size; i++)
-        Z[i] -= share * v[i];
-}
-
-/* What G leaves open, and K1 as well, is of least norm.  0: K1 does not, which takes impulses of the next
- * order to settle. */
-static int close_open(ns_levels *k) {
-    const int size = k->size, gap = k->gap->n, open = gap - k->gap->rank;
-    for (int o = 0; o < open; o++) {
-        double *v = k->V + (size_t)o * (size_t)size, *through = k->v;
-        memset(v, 0, sizeof(double) * (size_t)size);
-        for (int i = 0; i < gap; i++)
-            ns_ranked_add_right(k->zero, i, k->gap->right[(k->gap->rank + o) + i * gap], v);
-        for (int i = 0; i < size; i++) {
-            double sum = 0, terms = 0;
-            for (int j = 0; j < size; j++) {
-                sum += k->K1[i + j * size] * v[j];
-                terms += fabs(k->K1[i + j * size] * v[j]);
-            }
-            through[i] = fabs(sum) <= residual_max * terms ? 0 : sum;
-            if (through[i] != 0)
-                return 0;
-        }
-        for (int p = 0; p < o; p++)
-            project(k, k->V + (size_t)p * (size_t)size, v);
-    }
-    for (int o = 0; o < open; o++) {
-        project(k, k->V + (size_t)o * (size_t)size, k->Z1);
-        project(k, k->V + (size_t)o * (size_t)size, k->Z0);
-    }
-    return 1;
-}
-
-static double largest(const ns_levels *k, const double *Z) {
-    double most = 0;
-    for (int i = 0; i < k->size; i++)
-        most = fmax(most, fabs(Z[i]) / unit_of(k, i));
-    return most;
-}
-
-/* |K0 Z0 + K1 Z1 - R0| and |K0 Z1| against the terms of each row, and against a share of what the largest
- * unknown would be there: what is zero comes out as rounding of others. */
-static double residual(const ns_levels *k) {
-    const int size = k->size;
-    const double most0 = of_largest * largest(k, k->Z0), most1 = of_largest * largest(k, k->Z1);
-    double worst = 0;
-    for (int i = 0; i < size; i++) {
-        double sum = -k->R0[i], terms = k->terms[i], impulse = 0, impulses = 0;
-        for (int j = 0; j < size; j++) {
-            const double *zero = &k->K0[i + j * size], *one = &k->K1[i + j * size];
-            sum += *zero * k->Z0[j] + *one * k->Z1[j];
-            terms += fabs(*zero) * (fabs(k->Z0[j]) + most0 * unit_of(k, j));
-            terms += fabs(*one) * (fabs(k->Z1[j]) + most1 * unit_of(k, j));
-            impulse += *zero * k->Z1[j];
-            impulses += fabs(*zero) * (fabs(k->Z1[j]) + most1 * unit_of(k, j));
-        }
-        if (fabs(sum) > worst * terms)
-            worst = fabs(sum) / terms;
-        if (fabs(impulse) > worst * impulses)
-            worst = fabs(impulse) / impulses;
-    }
-    return worst;
-}
-
-/* rest = R - K1 Z, v: the sizes of its terms (from: of R's).  What cancels in K1 Z is zero: resistors carry
- * no impulse, but the fluxes at their two ends leave rounding. */
-static void subtract(ns_levels *k, const double *R, const double *from, const double *Z) {
-    for (int i = 0; i < k->size; i++) {
-        double flow = 0, terms = 0;
-        for (int j = 0; j < k->size; j++) {
-            const double term = k->K1[i + j * k->size] * Z[j];
-            flow += term;
-            terms += fabs(term);
-        }
-        k->rest[i] = R[i] - (fabs(flow) <= 64 * DBL_EPSILON * terms ? 0 : flow);
-        k->v[i] = (from ? from[i] : fabs(R[i])) + terms;
-    }
-}
-
-static int take_apart(ns_levels *k) {
-    ns_ranked_free(k->zero);
-    ns_ranked_free(k->gap);
-    k->zero = k->gap = NULL;
-    const int status = ns_ranked_create(k->size, k->K0, k->S0, &k->zero);
-    return status == NS_OK ? form_gap(k) : status;
 }
 
 /* Z1 and Z0 with all pairs. */
@@ -274,46 +134,36 @@ static void spread(ns_levels *k) {
     const int n = s->s->n, m = s->s->m;
     memcpy(k->X, k->Z1, sizeof(double) * (size_t)n);
     memcpy(k->x, k->Z0, sizeof(double) * (size_t)n);
+    memcpy(k->EX, k->E1, sizeof(double) * (size_t)n);
+    memcpy(k->Ex, k->E0, sizeof(double) * (size_t)n);
     for (int j = 0; j < m; j++) {
-        k->X[n + j] = 0;
+        k->X[n + j] = k->EX[n + j] = k->Ex[n + j] = 0;
         k->x[n + j] = s->trial_mode[j] == NS_LOWER ? s->l[j] : s->u[j];
     }
     for (int i = 0; i < k->nj; i++) {
         k->X[n + s->inside[i]] = k->Z1[n + i];
         k->x[n + s->inside[i]] = k->Z0[n + i];
+        k->EX[n + s->inside[i]] = k->E1[n + i];
+        k->Ex[n + s->inside[i]] = k->E0[n + i];
     }
 }
 
 int ns_levels_expand(ns_levels *k, const double *z, const double *slope) {
     form(k, z, slope);
-    const int status = take_apart(k);
-    if (status != NS_OK)
-        return status;
-    memset(k->Z1, 0, sizeof(double) * (size_t)k->size);
-    if (!add_null(k, k->R0, k->terms, k->Z1))
-        return NS_E_SINGULAR;
-    subtract(k, k->R0, k->terms, k->Z1);
-    ns_ranked_solve(k->zero, k->rest, k->Z0);
-    subtract(k, k->R1, NULL, k->Z0);
-    if (!add_null(k, k->rest, k->v, k->Z0) || !close_open(k))
-        return NS_E_SINGULAR;
-    if (!(residual(k) <= residual_max))
-        return NS_E_RESIDUAL;
-    spread(k);
-    return NS_OK;
+    const int status = ns_levels_solve(k);
+    if (status == NS_OK)
+        spread(k);
+    return status;
 }
 
-double ns_levels_scale(ns_levels *k, double h) {
+double ns_levels_rate(ns_levels *k) {
     ns_theta *s = k->s;
     const int all = s->s->n + s->s->m;
     double rate = 0;
     memset(s->trial_mode, NS_INSIDE, (size_t)s->s->m);
     form(k, NULL, NULL);
-    for (int i = 0; i < all * all; i++)
-        k->G[i] = k->K0[i] + h * k->K1[i];
-    (void)ns_lu_factor(s->lu, all, k->G, NULL, NULL); /* for its scaling */
+    (void)ns_lu_factor(s->lu, all, k->K0, NULL, NULL); /* for its scaling */
     const double *rows = ns_lu_rows(s->lu), *units = ns_lu_units(s->lu);
-    memcpy(k->unit, units, sizeof(double) * (size_t)all);
     for (int j = 0; j < all; j++) {
         int given = 0;
         for (int i = 0; i < all; i++)

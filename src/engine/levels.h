@@ -13,26 +13,31 @@ typedef struct ns_levels {
     double *K0, *K1, *S0;  /* size^2; sizes of the terms of K0 */
     double *R0, *R1;       /* size */
     double *terms;         /* size: those of R0 */
+    double *terms_w;       /* r: those of w */
     double *Z1, *Z0;       /* size */
-    double *unit;          /* n+m: those of (x, lambda) in which they are alike */
+    double *E1, *E0;       /* size: bounds on their rounding */
     double *X, *x;         /* n+m: impulses and finite values of (x, lambda) */
+    double *EX, *Ex;       /* n+m: bounds on their rounding */
     double *G, *SG;        /* gap^2, gap: what K0's rank lacks; sizes of its terms */
-    double *V;             /* size^2, work */
+    double *V, *H;         /* size^2, work */
     double *v, *rest;      /* n+m each, work */
-    double *few;           /* 3 (n+m), work */
+    double *few, *work;    /* 3 (n+m), 5 (n+m), work */
+    long double *w;        /* r: M x before the jump; ns_levels_create() takes it from s->w */
+    long double *fine;     /* 2 (n+m), work */
     ns_ranked *zero, *gap; /* K0, G */
 } ns_levels;
 
 int ns_levels_create(ns_theta *s, ns_levels *k);
 void ns_levels_free(ns_levels *k);
 
-/* Units for K0 + h K1 with all pairs inside into k->unit; returns the fastest rate (1/s) at which K1 moves
- * what K0 holds, 0 if nothing. */
-double ns_levels_scale(ns_levels *k, double h);
+/* The fastest rate (1/s) at which K1 moves what K0 holds with all pairs inside, 0 if nothing. */
+double ns_levels_rate(ns_levels *k);
 
-/* Both levels in s->trial_mode for the past s->w; z: inputs, slope: theirs (NULL: none moves).  Uses k->unit.
- * Errors: SINGULAR (the equations of the mode do not determine or contradict the answer), RESIDUAL, MEMORY.
- */
+/* Both levels in s->trial_mode for the past s->w; z: inputs, slope: theirs (NULL: none moves).  Errors:
+ * SINGULAR (the equations of the mode do not determine or contradict the answer), MEMORY. */
 int ns_levels_expand(ns_levels *k, const double *z, const double *slope);
+
+/* levels_solve.c: Z1, Z0, E1, E0 from the rest.  Errors: those of ns_levels_expand(). */
+int ns_levels_solve(ns_levels *k);
 
 #endif

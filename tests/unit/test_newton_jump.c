@@ -182,7 +182,7 @@ enum { N = 5, P = 4 };
 static void the_linear_impulse_agrees(void **state) {
     (void)state;
     double worst_x = 0, worst_l = 0;
-    int jumps = 0, unlawful = 0;
+    int jumps = 0;
     for (int run = 0; run < 100; run++) {
         ns_system *s;
         ns_model model;
@@ -219,22 +219,18 @@ static void the_linear_impulse_agrees(void **state) {
             had += w0[i] * x0[i];
             jumps += fabs(xa[i] - x0[i]) > 1e-6;
         }
-        int lawful = 1;
         for (int i = 0; i < P; i++) {
             assert_true(lb[i] >= 0 && yb[i] >= 0 && lb[i] * yb[i] == 0);
-            lawful = lawful && la[i] >= -1e-9;
-        }
-        unlawful += !lawful;
-        for (int i = 0; i < P && lawful; i++)
+            assert_true(la[i] >= -1e-12); /* rounding of rates of some units */
             worst_l = fmax(worst_l, fabs(la[i] - lb[i]));
+        }
         assert_true(fabs(charge - before) < 1e-12 * 100); /* sum of |C v| is some tens */
         assert_true(stored <= had * (1 + 1e-13));
         ns_newton_free(b);
         ns_theta_free(a);
         ns_system_free(s);
     }
-    print_message("%d jumps: x %.1e, lambda %.1e; %d answers of the linear engine are not lawful\n", jumps,
-                  worst_x, worst_l, unlawful);
+    print_message("%d jumps: x %.1e, lambda %.1e\n", jumps, worst_x, worst_l);
     assert_true(jumps > 100);
     assert_true(worst_x < 1e-12); /* of some units */
     assert_true(worst_l <
