@@ -163,7 +163,10 @@ int native_begin(native *b) {
     if (!uic) {
         show_values(&b->engine, b->engine.x, b->value);
     }
-    ns_march_read(b->engine.march, NULL, b->engine.x, b->engine.lambda, NULL);
+    error = native_read(b, NULL);
+    if (error) {
+        return error;
+    }
     if (uic) {
         show_values(&b->engine, b->engine.x, b->value);
     }
@@ -210,7 +213,9 @@ int native_go_on(native *b) {
     if (status) {
         return native_fail(b, status);
     }
-    ns_march_read(b->engine.march, &b->t, b->engine.x, b->engine.lambda, NULL); /* t: jumps took a while */
-    show_values(&b->engine, b->engine.x, b->value);
-    return OK;
+    error = native_read(b, &b->t); /* t: jumps took a while */
+    if (!error) {
+        show_values(&b->engine, b->engine.x, b->value);
+    }
+    return error;
 }

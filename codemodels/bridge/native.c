@@ -48,9 +48,17 @@ static int end_dc(CKTcircuit *ckt, int error) {
 
 /* --- loads --- */
 
-static void read_point(native *b) {
-    ns_march_read(b->engine.march, NULL, b->engine.x, b->engine.lambda, NULL);
+int native_read(native *b, double *t) {
+    const int status = ns_march_read(b->engine.march, t, b->engine.x, b->engine.lambda, NULL);
+    return status ? native_fail(b, status) : OK; /* an amplifier beyond 1e308 V, say: no number for ngspice */
+}
+
+static int read_point(native *b) {
+    if (native_read(b, NULL)) {
+        return b->failed;
+    }
     show_values(&b->engine, b->engine.x, b->value);
+    return OK;
 }
 
 static int try_to(native *b, double t, ns_until until) {
@@ -74,8 +82,7 @@ static void load_tran(native *b) {
     if ((!b->tried || !same_time(ckt->CKTtime, b->t_trial)) && try_to(b, ckt->CKTtime, NS_TO_TIME)) {
         return;
     }
-    read_point(b);
-    b->loaded = 1;
+    b->loaded = !read_point(b);
 }
 
 /* Leaves the operating point in b->value. */
@@ -154,7 +161,9 @@ int native_accept(native *b) {
     }
     b->tried = b->loaded = b->fresh = 0;
     if (first) { /* the consistent start, not the operating point under .ic */
-        read_point(b);
+        if (read_point(b)) {
+            return b->failed;
+        }
         memcpy(ckt->CKTrhsOld, b->value, (size_t)b->engine.ex.neq * sizeof *b->value);
     }
     show_devices(&b->engine);

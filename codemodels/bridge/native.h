@@ -63,6 +63,10 @@ void native_clear(native *b);
 /* Says what the marcher's last call failed with; returns the code, kept in b->failed. */
 int native_fail(native *b, int status);
 
+/* The point of the last trial, or the accepted one, into engine.x, engine.lambda; *t (may be NULL) gets its
+ * time.  OK, or a code after one line. */
+int native_read(native *b, double *t);
+
 /* Begins an analysis: leaves the operating point, or the start from rest (uic), in b->value. */
 int native_begin(native *b);
 

@@ -79,7 +79,8 @@ void ns_theta_save(const ns_theta *s, double *past);
 void ns_theta_restore(ns_theta *s, const double *past);
 
 /* The accepted point: x (n), lambda (m), y (m), any of which may be NULL.  Errors:
- * STATE (no step was accepted since the start), MEMORY, OVERFLOW (written, but not all of it is finite). */
+ * STATE (no step was accepted since the start), MEMORY, OVERFLOW (written, but not all of it is finite: the
+ * fault names what is not). */
 int ns_theta_read(ns_theta *s, double *x, double *lambda, double *y);
 
 /* gx x of every command at the last successful trial (nc; 0 where gx is NULL); library-owned. */

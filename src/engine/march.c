@@ -166,7 +166,8 @@ int ns_march_read(ns_march *m, double *t, double *x, double *lambda, double *y) 
         return NS_E_STATE;
     if (t)
         *t = m->live.t;
-    return ns_theta_read(m->step, x, lambda, y);
+    const int status = ns_theta_read(m->step, x, lambda, y);
+    return status == NS_OK ? NS_OK : ns_march_fail(m, status);
 }
 
 const ns_mode *ns_march_mode(const ns_march *m) {

@@ -17,19 +17,19 @@ enum { NS_SPURIOUS_RUNG = 10 };
 enum { NS_CROWD = 16, NS_CAPTURE_RUNG = 2 };
 
 /* Where the way has come to, besides the stepper's past. */
-typedef struct ns_point {
+typedef struct ns_whereabouts {
     double t;
     int at_event;   /* the left side of an event that is still to be resolved */
     int jump;       /* that event is a jump of an input */
     double crowd_t; /* since when events are counted, */
     int crowd;      /* and how many there were */
-} ns_point;
+} ns_whereabouts;
 
 struct ns_march {
     const ns_system *s;
     ns_theta *step;
     double h;
-    ns_point live, kept;             /* of the trial; of the accepted point */
+    ns_whereabouts live, kept;       /* of the trial; of the accepted point */
     double *past;                    /* the stepper's, at the accepted point */
     unsigned char *flip, *kept_flip; /* nc: commands that change at the event */
     double corner;                   /* first corner of the inputs after live.t */

@@ -47,6 +47,27 @@ static int all_finite(size_t n, const double *v) {
     return good;
 }
 
+/* The first few of v that are not finite; returns how many. */
+static int list_infinite(int n, const double *v, int *index) {
+    int count = 0;
+    for (int i = 0; i < n && count < NS_FAULT_MAX; i++)
+        if (!isfinite(v[i]))
+            index[count++] = i;
+    return count;
+}
+
+/* What only follows from the state may overflow before it does.  y may be NULL. */
+static int check_read(ns_theta *s, const double *y) {
+    const int n = s->s->n, m = s->s->m;
+    if (all_finite((size_t)(n + m), s->sol) && all_finite((size_t)m, y))
+        return NS_OK;
+    s->fault.nunknowns = list_infinite(n, s->sol, s->fault.unknown);
+    s->fault.npairs = list_infinite(m, s->sol + n, s->fault.pair);
+    if (s->fault.nunknowns + s->fault.npairs == 0)
+        s->fault.npairs = list_infinite(m, y, s->fault.pair);
+    return ns_theta_fail(s, NS_E_OVERFLOW);
+}
+
 int ns_theta_read(ns_theta *s, double *x, double *lambda, double *y) {
     if (!s)
         return NS_E_NULL;
@@ -55,7 +76,7 @@ int ns_theta_read(ns_theta *s, double *x, double *lambda, double *y) {
     ns_map *map;
     const int status = ns_theta_map(s, s->h, s->implicit, s->mode, &map);
     if (status != NS_OK)
-        return status;
+        return ns_theta_fail(s, status);
     const int n = s->s->n, m = s->s->m;
     ns_matvec(n + m, s->q, map->full, s->in, s->sol);
     if (x)
@@ -68,6 +89,5 @@ int ns_theta_read(ns_theta *s, double *x, double *lambda, double *y) {
         ns_matvec_add(m, m, s->s->D, s->sol + n, y);
         ns_matvec_add(m, s->s->nz, s->s->F, s->in + s->r, y);
     }
-    /* What only follows from the state may overflow before it does. */
-    return all_finite((size_t)(n + m), s->sol) && all_finite((size_t)m, y) ? NS_OK : NS_E_OVERFLOW;
+    return check_read(s, y);
 }
