@@ -9,6 +9,7 @@
 #include "units.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -103,4 +104,30 @@ void ns_column_units(int m, const double *W, double *unit, double *work) {
     solve(&g, work + 3 * n, work + 4 * n, work + 5 * n, work + 6 * n);
     for (int j = 0; j < m; j++)
         unit[j] = ldexp(1.0, (int)fmin(fmax(rint(work[3 * n + (size_t)j]), -1000.0), 1000.0));
+}
+
+/* Column j joins the rows in which it stands.  1: a value has changed. */
+static int join(int m, const double *w, double *value) {
+    double top = -INFINITY;
+    int changed = 0;
+    for (int i = 0; i < m; i++)
+        top = w[i] != 0.0 && value[i] > top ? value[i] : top;
+    for (int i = 0; i < m; i++)
+        if (w[i] != 0.0 && value[i] < top) {
+            value[i] = top;
+            changed = 1;
+        }
+    return changed;
+}
+
+/* To and fro, so that long chains take few passes; a path is never longer than m. */
+void ns_spread(int m, const double *W, double *value) {
+    int changed = 1;
+    for (int pass = 0; pass <= m && changed; pass++) {
+        changed = 0;
+        for (int k = 0; k < m; k++) {
+            const size_t j = (size_t)(pass % 2 ? m - 1 - k : k);
+            changed |= join(m, W + j * (size_t)m, value);
+        }
+    }
 }

@@ -12,7 +12,8 @@
 #include <string.h>
 
 /* Rows whose terms are all rounding noise must not be compared with themselves: a size is at least this
- * part of the largest term the solution makes anywhere (see residual.c, which decides in the end). */
+ * part of the largest term the solution makes anywhere in its part of W (see residual.c, which decides in the
+ * end). */
 static const double FLOOR = 1e-6;
 
 static void pick(ns_mlcp_solver *s) {
@@ -101,20 +102,32 @@ static double column_max(const ns_mlcp_solver *s, int j, const double *weight) {
     return top;
 }
 
+/* The part of W that column j is in; its first row, where it is empty. */
+static int part_of(const ns_mlcp_solver *s, int j) {
+    const double *col = s->p->W + (size_t)j * (size_t)s->m;
+    int i = 0;
+    while (i < s->m - 1 && col[i] == 0.0)
+        i++;
+    return s->part[col[i] != 0.0 ? i : 0];
+}
+
 void ns_basis_sizes(ns_mlcp_solver *s) {
-    double norm = 0.0;
-    for (int i = 0; i < s->m; i++)
+    double *norm = s->rhs; /* of a part */
+    for (int i = 0; i < s->m; i++) {
         s->ysize[i] = fabs(s->q[i]);
+        norm[i] = 0.0;
+    }
     for (int j = 0; j < s->m; j++) {
         const double *col = s->W + (size_t)j * (size_t)s->m, v = fabs(s->lambda[j]);
         if (v == 0.0)
             continue;
-        norm = fmax(norm, v / s->colunit[j]);
+        const int part = s->as_given ? 0 : part_of(s, j);
+        norm[part] = fmax(norm[part], v / s->colunit[j]);
         for (int i = 0; i < s->m; i++)
             s->ysize[i] += fabs(col[i]) * v;
     }
     for (int i = 0; i < s->m; i++) {
-        s->ysize[i] = fmax(s->ysize[i], FLOOR * norm * s->rowmax[i]);
+        s->ysize[i] = fmax(s->ysize[i], FLOOR * norm[s->as_given ? 0 : s->part[i]] * s->rowmax[i]);
         if (!(s->ysize[i] > 0.0))
             s->ysize[i] = s->rowmax[i] > 0.0 ? s->rowmax[i] : 1.0;
         s->g[i] = 1.0 / s->ysize[i];
@@ -154,5 +167,35 @@ void ns_basis_clamp(ns_mlcp_solver *s) {
             s->y[i] = 0.0;
         else
             s->y[i] = s->mode[i] == NS_LOWER ? fmax(s->y[i], 0.0) : fmin(s->y[i], 0.0);
+    }
+}
+
+/* lambda_j of a part that nothing drives may be 0 whatever the mode is. */
+static int drives(const ns_mlcp_solver *s, int j) {
+    const double l = s->p->l[j], u = s->p->u[j];
+    if (l == u) /* it is in q */
+        return 0;
+    if (s->mode[j] != NS_INSIDE)
+        return ns_mlcp_bound(s, j, s->mode[j]) != 0.0;
+    return l > 0.0 || u < 0.0;
+}
+
+void ns_basis_rest(ns_mlcp_solver *s) {
+    double *driven = s->rhs;
+    if (s->W != s->p->W) /* a copy whose parts are joined */
+        return;
+    for (int i = 0; i < s->m; i++)
+        driven[i] = 0.0;
+    for (int i = 0; i < s->m; i++) {
+        if (s->q[i] != 0.0)
+            driven[s->part[i]] = 1.0;
+        if (drives(s, i))
+            driven[part_of(s, i)] = 1.0;
+    }
+    for (int i = 0; i < s->m; i++) {
+        if (driven[s->part[i]] == 0.0)
+            s->y[i] = 0.0;
+        if (s->lambda[i] != 0.0 && s->p->l[i] != s->p->u[i] && driven[part_of(s, i)] == 0.0)
+            s->lambda[i] = 0.0;
     }
 }

@@ -99,7 +99,7 @@ static int answers(search *b) {
                 return NS_E_LIMIT;
         for (int i = 0; i < s->m; i++)
             s->lambda[i] = fmin(fmax(s->lambda[i], s->p->l[i]), s->p->u[i]);
-        if (ns_mlcp_measure(&s->now, s->lambda, s->rhs, NULL) <= b->accept)
+        if (ns_mlcp_measure(&s->now, s->lambda, s->alike, s->rhs, NULL) <= b->accept)
             return NS_OK;
         if (!refined)
             return NS_E_LIMIT;

@@ -58,7 +58,7 @@ static double answer(ns_mlcp_solver *s, double accept) {
     for (int pass = 0; pass <= 3; pass++) {
         ns_basis_values(s, pass);
         ns_basis_clamp(s);
-        double r = ns_mlcp_measure(&s->now, s->lambda, s->rhs, NULL);
+        double r = ns_mlcp_measure(&s->now, s->lambda, s->alike, s->rhs, NULL);
         if (r <= GOOD)
             return r;
         if (r <= accept && r > 0.5 * best)

@@ -21,7 +21,8 @@ static double try_answer(ns_mlcp_solver *s, int refinements) {
         if (!isfinite(s->lambda[i]) || !isfinite(s->y[i]))
             return INFINITY;
     ns_basis_clamp(s);
-    return ns_mlcp_measure(&s->now, s->lambda, s->rhs, NULL);
+    ns_basis_rest(s);
+    return ns_mlcp_measure(&s->now, s->lambda, s->alike, s->rhs, NULL);
 }
 
 /* The answer in s->mode, whose G is factored: clamped, judged, refined as often as that helps (a step too
@@ -113,7 +114,7 @@ static double measure(ns_mlcp_solver *s) {
     memcpy(s->y, s->now.q, (size_t)s->m * sizeof *s->y);
     ns_matvec_add(s->m, s->m, s->W, s->lambda, s->y);
     ns_basis_clamp(s);
-    return ns_mlcp_measure(&s->now, s->lambda, s->rhs, NULL);
+    return ns_mlcp_measure(&s->now, s->lambda, s->alike, s->rhs, NULL);
 }
 
 /* After an iterative method: its lambda, or what its mode gives exactly, whichever is better. */

@@ -55,6 +55,7 @@ struct ns_mlcp_solver {
     double *eval;     /* m */
     int m, nf, np, nx;
     int *free, *pair, *fixed; /* nf, np, nx: indices of the problem */
+    int *part;                /* m: of row i, some number that the rows it is joined with share */
     double *rowmax,
         *colunit; /* m: largest |W_ij| of a row; unit of lambda_j in which it makes terms of that size */
 
@@ -138,6 +139,8 @@ void ns_basis_correct(ns_mlcp_solver *s); /* one refinement by the residual of W
 void ns_basis_sizes(ns_mlcp_solver *s);   /* ysize, lsize, at lambda */
 double ns_basis_violation(const ns_mlcp_solver *s); /* worst guard, in units of the sizes */
 void ns_basis_clamp(ns_mlcp_solver *s);             /* lambda into its bounds, signs of y */
+void ns_basis_rest(
+    ns_mlcp_solver *s); /* lambda and y are 0, not rounding, in parts of W that nothing drives */
 
 /* tableau.c */
 void ns_tableau_start(ns_mlcp_solver *s);  /* of s->mode, whose G is factored and whose sizes are known */

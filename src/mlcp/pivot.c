@@ -185,7 +185,7 @@ static double check(ns_mlcp_solver *s) {
     r = ns_mlcp_glance(s->p, s->lambda, s->y, s->size);
     if (r <= GOOD)
         return r;
-    const double full = ns_mlcp_measure(s->p, s->lambda, s->rhs, NULL);
+    const double full = ns_mlcp_measure(s->p, s->lambda, s->alike, s->rhs, NULL);
     return isnan(full) ? full : fmin(r, full); /* fmin would drop the NaN of terms that overflow */
 }
 

@@ -132,13 +132,23 @@ double ns_mlcp_bound(const ns_mlcp_solver *s, int i, ns_mode mode) {
     return mode == NS_UPPER ? s->p->u[i] : s->p->l[i];
 }
 
-/* rowmax and colunit: the units in which floors of sizes are taken (basis.c). */
+/* Which rows are joined. */
+static void parts(ns_mlcp_solver *s) {
+    for (int i = 0; i < s->m; i++)
+        s->g[i] = i;
+    ns_spread(s->m, s->p->W, s->g);
+    for (int i = 0; i < s->m; i++)
+        s->part[i] = (int)s->g[i];
+}
+
+/* part, rowmax and colunit: the units in which floors of sizes are taken (basis.c). */
 void ns_mlcp_units(ns_mlcp_solver *s) {
     int m = s->m;
     if (s->have_units && s->units_as_given == s->as_given)
         return;
     s->have_units = 1;
     s->units_as_given = s->as_given;
+    parts(s);
     memset(s->rowmax, 0, (size_t)m * sizeof *s->rowmax);
     if (s->as_given)
         for (int j = 0; j < m; j++)

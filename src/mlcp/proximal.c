@@ -62,7 +62,7 @@ static double polish(ns_mlcp_solver *s) {
     double best = INFINITY;
     ns_mlcp_given(s);
     for (int k = 0; k < STEPS; k++) {
-        double now = ns_mlcp_measure(s->p, s->lambda, s->rhs, NULL), before = best;
+        double now = ns_mlcp_measure(s->p, s->lambda, s->alike, s->rhs, NULL), before = best;
         if (now < best) {
             best = now;
             ns_mlcp_keep(s);
@@ -71,6 +71,7 @@ static double polish(ns_mlcp_solver *s) {
             break;
         ns_basis_correct(s);
         ns_basis_clamp(s);
+        ns_basis_rest(s);
     }
     ns_mlcp_give_back(s);
     return best;
@@ -91,7 +92,7 @@ static int iterate(ns_mlcp_solver *s, const ns_mode *mode, int n, double accept,
             break;
         before = *residual;
     }
-    (void)ns_mlcp_measure(s->p, s->lambda, s->rhs, NULL);
+    (void)ns_mlcp_measure(s->p, s->lambda, s->alike, s->rhs, NULL);
     name_rows(s);
     return NS_E_INFEASIBLE;
 }

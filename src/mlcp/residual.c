@@ -11,7 +11,8 @@
  * A row of which every term is itself rounding noise (the current of a branch in which nothing flows) would
  * be compared with noise; so where that leaves doubt, Y_i is at least FLOOR times the largest term that any
  * lambda could make in row i, each lambda in the unit of its column (Curtis and Reid's, which follows the
- * units in which the problem is written).  (Arioli, Demmel and Duff, "Solving sparse linear systems with
+ * units in which the problem is written).  Any lambda of the same part, that is: rows and columns that no
+ * entry joins have no unit in common.  (Arioli, Demmel and Duff, "Solving sparse linear systems with
  * sparse backward error", treat vanishing denominators alike.)
  */
 #include "residual.h"
@@ -70,9 +71,9 @@ static double weighted_max(const ns_mlcp *p, int j, const double *weight) {
 }
 
 /* Raises sizes to their floor.  unit, top: m each; work: NS_UNITS_WORK*m. */
-static void raise(const ns_mlcp *p, const double *lambda, double *size, double *unit, double *top,
-                  double *work) {
-    double norm = 0.0;
+static void raise(const ns_mlcp *p, const double *lambda, int together, double *size, double *unit,
+                  double *top, double *work) {
+    double *norm = work + p->m;
     ns_column_units(p->m, p->W, unit, work);
     memset(top, 0, (size_t)p->m * sizeof *top);
     for (int j = 0; j < p->m; j++) {
@@ -82,11 +83,17 @@ static void raise(const ns_mlcp *p, const double *lambda, double *size, double *
     }
     for (int i = 0; i < p->m; i++)
         work[i] = top[i] > 0.0 ? 1.0 / top[i] : 0.0;
-    for (int j = 0; j < p->m; j++)
-        if (lambda[j] != 0.0)
-            norm = fmax(norm, fabs(lambda[j]) * weighted_max(p, j, work));
+    memset(norm, 0, (size_t)p->m * sizeof *norm);
+    for (int j = 0; j < p->m; j++) {
+        const double *col = p->W + (size_t)j * (size_t)p->m;
+        const double v = lambda[j] != 0.0 ? fabs(lambda[j]) * weighted_max(p, j, work) : 0.0;
+        for (int i = 0; i < p->m && v > 0.0; i++)
+            norm[i] = together || col[i] != 0.0 ? fmax(norm[i], v) : norm[i];
+    }
+    if (!together)
+        ns_spread(p->m, p->W, norm);
     for (int i = 0; i < p->m; i++)
-        size[i] = fmax(size[i], FLOOR * norm * top[i]);
+        size[i] = fmax(size[i], FLOOR * norm[i] * top[i]);
 }
 
 /* Row i; inverse: 1/Y of all rows. */
@@ -121,14 +128,14 @@ static double largest(const ns_mlcp *p, const double *lambda, const double *y, c
     return most;
 }
 
-double ns_mlcp_measure(const ns_mlcp *p, const double *lambda, double *work, int *worst) {
+double ns_mlcp_measure(const ns_mlcp *p, const double *lambda, int together, double *work, int *worst) {
     size_t m = (size_t)p->m;
     double *y = work, *inverse = work + m, *size = work + 2 * m, *more = work + 3 * m;
     sum_rows(p, lambda, y, size);
     double r = largest(p, lambda, y, size, inverse, worst);
     if (r <= NO_DOUBT || isnan(r))
         return r;
-    raise(p, lambda, size, more, more + m, more + 2 * m);
+    raise(p, lambda, together, size, more, more + m, more + 2 * m);
     return largest(p, lambda, y, size, inverse, worst);
 }
 
@@ -156,7 +163,7 @@ double ns_mlcp_residual(const ns_mlcp *p, const double *lambda, int *worst) {
     double *work = p->m <= SMALL ? few : malloc(NS_MEASURE_WORK * (size_t)p->m * sizeof *work);
     whole.W = own ? own : p->W;
     if (work && (whole.W || p->m == 0))
-        r = ns_mlcp_measure(&whole, lambda, work, worst);
+        r = ns_mlcp_measure(&whole, lambda, 0, work, worst);
     if (work != few)
         free(work);
     free(own);

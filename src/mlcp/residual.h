@@ -6,7 +6,8 @@
 
 enum { NS_MEASURE_WORK = 12 };
 
-/* work: NS_MEASURE_WORK*m; gets y and, after it, 1/Y.  p and lambda are finite. */
-double ns_mlcp_measure(const ns_mlcp *p, const double *lambda, double *work, int *worst);
+/* work: NS_MEASURE_WORK*m; gets y and, after it, 1/Y.  p and lambda are finite.  together: rounding of any
+ * lambda may stand in any row, joined with it or not. */
+double ns_mlcp_measure(const ns_mlcp *p, const double *lambda, int together, double *work, int *worst);
 
 #endif

@@ -152,7 +152,7 @@ static int ran_away(ns_mlcp_solver *s, const ns_scaled *z) {
 static double measure(ns_mlcp_solver *s, const ns_scaled *z) {
     if (ran_away(s, z))
         return INFINITY;
-    return ns_mlcp_measure(&s->now, s->lambda, s->rhs, NULL);
+    return ns_mlcp_measure(&s->now, s->lambda, s->alike, s->rhs, NULL);
 }
 
 /* W of the lambda inside + ridge I into G, the other rows those of I; its factors. */

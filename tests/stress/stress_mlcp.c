@@ -67,7 +67,7 @@ static const char *judge(tally *t, const ns_mlcp *p, int status, double *what) {
     /* rounding of the data and of m sums, or what the residual leaves, times the condition */
     double condition, error = sample_error(&s, lambda, mode, &condition);
     double allowed = condition * fmax(1e-15 * s.m, residual);
-    *what = error / allowed;
+    *what = error > 0 ? error / allowed : 0;
     larger(&t->error, *what);
     return *what <= 10 ? NULL : "not the known lambda: error over allowed";
 }

@@ -10,7 +10,7 @@
 int sample_create(int cap, sample *s) {
     size_t m = (size_t)cap;
     memset(s, 0, sizeof *s);
-    s->W = calloc(3 * m * m + 9 * m + 1, sizeof *s->W);
+    s->W = calloc(3 * m * m + 11 * m + 1, sizeof *s->W);
     if (!s->W)
         return -1;
     s->cap = cap;
@@ -20,6 +20,7 @@ int sample_create(int cap, sample *s) {
     double *at = s->work2 + m * m;
     for (size_t k = 0; k < sizeof vector / sizeof *vector; k++, at += m)
         *vector[k] = at;
+    s->judging = at;
     return 0;
 }
 
@@ -128,19 +129,21 @@ ns_mlcp sample_problem(const sample *s) {
     return (ns_mlcp){.m = s->m, .W = s->W, .q = s->q, .l = s->l, .u = s->u};
 }
 
-/* In natural units: y_i, the sum of the sizes of its terms and the largest entry of its row. */
-static void read_row(const sample *s, const double *lambda, int i, long double *y, double *size,
-                     double *top) {
-    *y = s->q[i] / s->row[i];
+/* W_ij in the units in which the problem was made. */
+static double natural(const sample *s, int i, int j) {
+    return s->W[(size_t)i + (size_t)j * (size_t)s->m] / (s->row[i] * s->col[j]);
+}
+
+/* In natural units: y_i and the sum of the sizes of its terms. */
+static void read_row(const sample *s, const double *lambda, int i, double *y, double *size) {
+    long double sum = s->q[i] / s->row[i];
     *size = fabs(s->q[i] / s->row[i]);
-    *top = 0;
     for (int j = 0; j < s->m; j++) {
-        double w = s->W[(size_t)i + (size_t)j * (size_t)s->m] / (s->row[i] * s->col[j]);
-        double v = lambda[j] * s->col[j];
-        *y += (long double)w * v;
+        double w = natural(s, i, j), v = lambda[j] * s->col[j];
+        sum += (long double)w * v;
         *size += fabs(w * v);
-        *top = fmax(*top, fabs(w));
     }
+    *y = (double)sum;
 }
 
 /* By how much row i breaks its law, y in units of `size`. */
@@ -153,18 +156,37 @@ static double broken(double lambda, double l, double u, double y, double size) {
     return fmin(e, to_bound);
 }
 
-/* A row all of whose terms are rounding (a branch in which nothing flows) is measured against 1e-6 of
- * its largest entry times the largest lambda: noise of 1e-16 there is then 1e-10 here. */
-double sample_residual(const sample *s, const double *lambda) {
-    double most = 0, worst = 0;
-    for (int j = 0; j < s->m; j++)
-        most = fmax(most, fabs(lambda[j] * s->col[j]));
+/* The lambda_j that a row would notice in full, of the rows with a large entry in its column the one that
+ * needs most: what lambda_j is made of has that size, though it may have cancelled.  size: of the rows. */
+static double weight(const sample *s, int j, const double *size) {
+    double top = 0, most = 0;
+    for (int i = 0; i < s->m; i++)
+        top = fmax(top, fabs(natural(s, i, j)));
     for (int i = 0; i < s->m; i++) {
-        long double y;
-        double size, top, c = s->col[i];
-        read_row(s, lambda, i, &y, &size, &top);
-        size = fmax(size, 1e-6 * top * most);
-        double e = broken(lambda[i] * c, s->l[i] * c, s->u[i] * c, (double)y, size > 0 ? size : 1);
+        double w = fabs(natural(s, i, j));
+        if (w >= 0.1 * top && w > 0)
+            most = fmax(most, size[i] / w);
+    }
+    return most;
+}
+
+/* A row all of whose terms are rounding (a branch in which nothing flows) is measured against 1e-5 of the
+ * largest term that its lambda would make in it if they had not cancelled, or were as large as the largest: a
+ * few roundings of 1e-16 there are then 1e-10 here. */
+double sample_residual(const sample *s, const double *lambda) {
+    double worst = 0, any = 0, *size = s->judging, *y = size + s->m, *most = y + s->m;
+    for (int i = 0; i < s->m; i++)
+        read_row(s, lambda, i, &y[i], &size[i]);
+    for (int j = 0; j < s->m; j++)
+        any = fmax(any, fabs(lambda[j] * s->col[j]));
+    for (int j = 0; j < s->m; j++)
+        most[j] = fmax(weight(s, j, size), any);
+    for (int i = 0; i < s->m; i++) {
+        double c = s->col[i], floor = 0;
+        for (int j = 0; j < s->m; j++)
+            floor = fmax(floor, 1e-5 * fabs(natural(s, i, j)) * most[j]);
+        double whole = fmax(size[i], floor);
+        double e = broken(lambda[i] * c, s->l[i] * c, s->u[i] * c, y[i], whole > 0 ? whole : 1);
         if (!(e <= worst))
             worst = e;
         if (isnan(e))
@@ -173,21 +195,31 @@ double sample_residual(const sample *s, const double *lambda) {
     return worst;
 }
 
-/* Columns of W where the mode has lambda inside, -1 on the diagonal elsewhere: lambda and y come of these. */
-static double condition_of(sample *s, const ns_mode *mode) {
+/* What relative errors of all terms come to in lambda and y (Bauer and Skeel): the largest entry of |A^-1| t,
+ * A the columns of W where the mode has lambda inside, -1 on the diagonal elsewhere, t the sums of sizes of
+ * rows. */
+static double condition_of(sample *s, const double *lambda, const ns_mode *mode) {
     int m = s->m, pivot[1024];
     size_t n = (size_t)m;
+    double worst = 0, *size = s->judging, *y = size + s->m, *out = y + s->m;
     if (m > 1024)
         return NAN;
+    for (int i = 0; i < m; i++) {
+        read_row(s, lambda, i, &y[i], &size[i]);
+        size[i] += fabs(y[i]);
+        out[i] = 0;
+        for (int j = 0; j < m; j++)
+            s->work[(size_t)i + (size_t)j * n] = mode[j] != NS_INSIDE ? -(double)(i == j) : natural(s, i, j);
+    }
+    if (LAPACKE_dgetrf(LAPACK_COL_MAJOR, m, m, s->work, m, pivot) != 0 ||
+        LAPACKE_dgetri(LAPACK_COL_MAJOR, m, s->work, m, pivot) != 0)
+        return INFINITY;
     for (int j = 0; j < m; j++)
         for (int i = 0; i < m; i++)
-            s->work[(size_t)i + (size_t)j * n] =
-                mode[j] != NS_INSIDE ? -(double)(i == j) : *sample_entry(s, i, j) / (s->row[i] * s->col[j]);
-    double norm = LAPACKE_dlange(LAPACK_COL_MAJOR, '1', m, m, s->work, m), rcond = 0;
-    if (LAPACKE_dgetrf(LAPACK_COL_MAJOR, m, m, s->work, m, pivot) != 0)
-        return INFINITY;
-    LAPACKE_dgecon(LAPACK_COL_MAJOR, '1', m, s->work, m, norm, &rcond);
-    return 1 / rcond;
+            out[i] += fabs(s->work[(size_t)i + (size_t)j * n]) * size[j];
+    for (int i = 0; i < m; i++)
+        worst = fmax(worst, out[i]);
+    return worst;
 }
 
 double sample_error(sample *s, const double *lambda, const ns_mode *mode, double *condition) {
@@ -196,6 +228,6 @@ double sample_error(sample *s, const double *lambda, const ns_mode *mode, double
         most = fmax(most, fabs(s->lambda[i] * s->col[i]));
         worst = fmax(worst, fabs(lambda[i] - s->lambda[i]) * s->col[i]);
     }
-    *condition = condition_of(s, mode);
+    *condition = condition_of(s, lambda, mode) / most;
     return worst / most;
 }

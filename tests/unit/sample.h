@@ -13,6 +13,7 @@ typedef struct sample {
     double *farkas;        /* v, if made to have no solution: see ns_mlcp_certificate() */
     double *work;          /* cap*cap and work2 the same, for the generators */
     double *work2;
+    double *judging; /* 3*cap: for sample_residual() */
     int unique;       /* W is a P-matrix: there is no other answer */
     int exact;        /* numbers so short that q = y - W lambda was not rounded */
     const char *kind; /* how it was made */
@@ -54,8 +55,7 @@ ns_mlcp sample_problem(const sample *s);
 double sample_residual(const sample *s, const double *lambda);
 
 /* Largest difference to the known lambda, in natural units, relative to the largest of them or 1; *condition
- * gets how much of a relative change of the problem comes back in lambda: 1/rcond of the equations of `mode`.
- */
+ * gets how much of a relative change of any entry of the problem comes back in it, by the equations of `mode`. */
 double sample_error(sample *s, const double *lambda, const ns_mode *mode, double *condition);
 
 #endif
