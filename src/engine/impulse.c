@@ -187,6 +187,7 @@ static void move_on(ns_levels *k) {
         }
         s->w[i] = (double)k->w[i];
     }
+    memcpy(k->guess, k->x, sizeof(double) * (size_t)n);
     memcpy(s->mode, s->trial_mode, (size_t)s->s->m);
 }
 

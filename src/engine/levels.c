@@ -17,8 +17,8 @@
 
 int ns_levels_create(ns_theta *s, ns_levels *k) {
     const size_t all = (size_t)s->s->n + (size_t)s->s->m, square = all * all;
-    double **const vectors[] = {&k->R0, &k->R1, &k->terms, &k->Z1,      &k->Z0, &k->E1,   &k->E0, &k->X,
-                                &k->x,  &k->EX, &k->Ex,    &k->terms_w, &k->v,  &k->rest, &k->few};
+    double **const vectors[] = {&k->R0, &k->R1, &k->terms, &k->Z1,      &k->Z0, &k->E1,   &k->E0,    &k->X,
+                                &k->x,  &k->EX, &k->Ex,    &k->terms_w, &k->v,  &k->rest, &k->guess, &k->few};
     const size_t count = sizeof vectors / sizeof *vectors;
     memset(k, 0, sizeof *k);
     k->s = s;

@@ -14,6 +14,7 @@ typedef struct ns_levels {
     double *R0, *R1;       /* size */
     double *terms;         /* size: those of R0 */
     double *terms_w;       /* r: those of w */
+    double *guess;         /* n: where x at Z0 is looked for; zero at first */
     double *Z1, *Z0;       /* size */
     double *E1, *E0;       /* size: bounds on their rounding */
     double *X, *x;         /* n+m: impulses and finite values of (x, lambda) */

@@ -118,17 +118,18 @@ static double left_over(const ns_levels *k, int i, long double given, const long
     return (double)(held - flow);
 }
 
-/* Z1, Z0 by their residuals, in long double: a resistor between two fluxes takes their difference.  What
- * was left over before the last round stays in work. */
+/* Z1, Z0 by their residuals, in long double: a resistor between two fluxes takes their difference.  From a
+ * guess, which moves by what it does not fulfil and by no rounding beyond that.  What was left over before
+ * the last round stays in work. */
 static void refine(ns_levels *k) {
     const int size = k->size;
     double *f = k->work, *r0 = f + size, *r1 = r0 + size, *d1 = r1 + size, *d0 = d1 + size;
     long double *fine1 = k->fine, *fine0 = fine1 + size;
     for (int i = 0; i < size; i++) {
-        fine1[i] = k->Z1[i];
-        fine0[i] = k->Z0[i];
+        fine1[i] = 0;
+        fine0[i] = i < k->s->s->n ? k->guess[i] : 0;
     }
-    for (int round = 0; round < 3; round++) {
+    for (int round = 0; round < 4; round++) {
         for (int i = 0; i < size; i++) {
             f[i] = left_over(k, i, 0, NULL, fine1);
             r0[i] = left_over(k, i, i < k->s->r ? k->w[i] : k->R0[i], fine1, fine0);
