@@ -109,22 +109,36 @@ static void orders_on_the_arc(void **state) {
 /* Steps of h reach zero within h (and the first order error) of t*, and stay there: no chatter. */
 static void slides(void **state) {
     (void)state;
-    const double arrival = atan(x0) / (1 - a), step = 1e-3;
-    ns_newton *s = begin(1, 1, NS_RELATION_END);
-    double lambda, t = 0, reached = NAN;
-    for (int k = 1; k <= 2500; k++) {
-        t = k * step;
-        const double x = x_at(s, t, step, &lambda);
-        if (isnan(reached) && fabs(x) < 1e-14)
-            reached = t;
-        if (t > reached + 1.5 * step) {
-            assert_true(fabs(x) < 1e-13);
-            assert_true(fabs(lambda - a) < 1e-10); /* 1e-13 / step */
+    const double arrival = atan(x0) / (1 - a), lengths[4] = {1e-2, 2.5e-3, 6.25e-4, 1.5625e-4};
+    double last = 0;
+    print_message("x' = (1 + x^2)(0.4 - sgn x), x(0) = 2; arrives at %.5f (exact)\n"
+                  "    h         arrives at   x off, before   |x|, sliding   lambda off   changes, sliding\n",
+                  arrival);
+    for (int i = 0; i < 4; i++) {
+        const double h = lengths[i];
+        ns_newton *s = begin(1, 1, NS_RELATION_END);
+        double reached = NAN, off = 0, most = 0, law = 0, lambda;
+        int changes = 0;
+        for (int k = 1; k * h <= 2.5; k++) {
+            const double x = x_at(s, k * h, h, &lambda);
+            if (isnan(reached) && fabs(lambda) < 1)
+                reached = k * h; /* in a step that takes what is left to take */
+            else if (isnan(reached))
+                off = fmax(off, fabs(x - tan(fmax(0, atan(x0) - (1 - a) * k * h))));
+            else {
+                most = fmax(most, fabs(x));
+                law = fmax(law, fabs(lambda - a));
+                changes += fabs(lambda) == 1;
+            }
         }
+        print_message("    %-7.2g   %-10.5f   %-13.2e   %-12.1e   %-10.1e   %d\n", h, reached, off, most, law,
+                      changes);
+        assert_true(fabs(reached - arrival) < 3 * h);
+        assert_true(most < 1e-13 && law < 1e-13 / h && changes == 0);
+        assert_true(i == 0 || (last / off > 3.6 && last / off < 4.4)); /* first order: 4 */
+        last = off;
+        ns_newton_free(s);
     }
-    print_message("arrives at %.4f, by steps of %g at %.4f\n", arrival, step, reached);
-    assert_true(fabs(reached - arrival) < 3 * step);
-    ns_newton_free(s);
 }
 
 int main(void) {

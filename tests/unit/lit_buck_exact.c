@@ -85,7 +85,7 @@ static void slopes(const circuit *c, double t, const double *x, double *out) {
     const double vref = 1.8 * fmin(1, t / 100e-6);
     const double vm = (g12 * x[1] + g11 * (x[1] - x[2]) + g21 * (x[3] + x[4])) / (g12 + g11 + g21);
     const double i12 = g12 * (x[1] - vm), i11 = g11 * (x[1] - x[2] - vm), i21 = g21 * (vm - x[3] - x[4]);
-    const double g = fmin(3, fmax(0, c->gain * (ramp(t) - x[4] + 0.1)));
+    const double g = fmin(3, fmax(0, 1.5 + c->gain * (ramp(t) - x[4])));
     out[0] = (drain(c, g, x[0], x[1]) - x[1]) / c->L;
     out[1] = (x[0] - x[1] / 10 - i12 - i11) / c->Cout;
     out[2] = i11 / c->C11;

@@ -119,7 +119,7 @@ static const double vin = 3, vf = 0.8, threshold = 2, half_k = 5, amplifier = 1e
 static buck_values values_of(lit_set set) {
     buck_values v = {10e-6, 22e-6, 10, 227.8e3, 20e-12, 15.58e3, 5.613e6, 1.9e-12, 0};
     v.tau = 1 / (2 * pi * 30e6);
-    if (set == LIT_SLIDING) {
+    if (set != LIT_STANDARD) {
         v.L = 4e-6;
         v.Cout = 10e-6;
         v.R11 = 10e3;
@@ -162,14 +162,14 @@ static void fill_states(ns_system *s, const buck_values *v) {
     set(s->E, s->n, LIT_BUCK_ERR, 1, amplifier);
 }
 
-/* Two hinges: lambda_0 = max(0, 15 s), lambda_1 = max(0, 15 s - 3).  Relay: y = -s. */
+/* Two hinges: lambda_0 = max(0, 15 s + 1.5), lambda_1 = max(0, 15 s - 1.5).  Relay: y = -s. */
 static int fill_comparator(ns_system *s, lit_comparator comparator) {
     const int pairs = comparator == LIT_RELAY ? 1 : 2;
     const double gain = comparator == LIT_RELAY ? 1 : 15;
     for (int i = 0; i < pairs; i++) {
         set(s->C, s->m, i, LIT_BUCK_ERR, gain);
         set(s->F, s->m, i, 0, -gain);
-        s->e[i] = -gain * 0.1 + high * i;
+        s->e[i] = comparator == LIT_RELAY ? 0 : high * (i - 0.5);
         set(s->D, s->m, i, i, comparator == LIT_RELAY ? 0 : 1);
     }
     if (comparator == LIT_RELAY)
@@ -204,19 +204,26 @@ static void fill_diodes(ns_system *s) {
     s->b[LIT_BUCK_IL] = -vf;
 }
 
-static void fill_inputs(ns_system *s) {
-    const double t[] = {0, 100e-6}, v[] = {0, 1.8};
-    ns_signal ramp = {.kind = NS_PULSE}, reference = {.kind = NS_PWL};
+static ns_signal straight(const double *t, const double *v, double repeat) {
+    ns_signal s = {.kind = NS_PWL};
+    s.u.pwl.n = 2;
+    s.u.pwl.t = t;
+    s.u.pwl.v = v;
+    s.u.pwl.repeat = repeat;
+    return s;
+}
+
+static void fill_inputs(ns_system *s, lit_set set) {
+    const double t[] = {0, 100e-6}, v[] = {0, 1.8}, slow_t[] = {0, LIT_BUCK_SLOW}, slow_v[] = {0, 2.25};
+    const ns_signal reference = straight(t, v, NAN), sawtooth = straight(slow_t, slow_v, 0);
+    ns_signal ramp = {.kind = NS_PULSE};
     ramp.u.pulse.v2 = 2.25;
     ramp.u.pulse.tr = 1.655e-6;
     ramp.u.pulse.tf = 10e-9;
     ramp.u.pulse.pw = 1e-9;
     ramp.u.pulse.per = 1.6667e-6;
-    reference.u.pwl.n = 2;
-    reference.u.pwl.t = t;
-    reference.u.pwl.v = v;
-    reference.u.pwl.repeat = NAN;
-    if (ns_system_set_input(s, 0, &ramp) != NS_OK || ns_system_set_input(s, 1, &reference) != NS_OK)
+    if (ns_system_set_input(s, 0, set == LIT_SLIDING_SLOW ? &sawtooth : &ramp) != NS_OK ||
+        ns_system_set_input(s, 1, &reference) != NS_OK)
         abort();
 }
 
@@ -239,6 +246,6 @@ ns_system *lit_buck(int hinges, lit_set set_of_values, lit_comparator comparator
             set(s->D, s->m, s->m - 1, i, branch[k].sign * half_k * f[j].slope);
         }
     fill_diodes(s);
-    fill_inputs(s);
+    fill_inputs(s, set_of_values);
     return s;
 }

@@ -6,9 +6,14 @@
 #include "nonsmooth.h"
 
 /* The synchronous buck converter in closed loop: 3 V in, 1.8 V out, 600 kHz. */
-typedef enum lit_set { LIT_STANDARD, LIT_SLIDING } lit_set;
+typedef enum lit_set {
+    LIT_STANDARD,
+    LIT_SLIDING,
+    LIT_SLIDING_SLOW /* the sliding set, its ramp a sawtooth of LIT_BUCK_SLOW without a fall */
+} lit_set;
+#define LIT_BUCK_SLOW 3.2e-6
 typedef enum lit_comparator {
-    LIT_GAIN_15, /* v(G) = clamp(15 s, 0, 3),  s = Vramp - v(err) + 0.1: two hinges */
+    LIT_GAIN_15, /* v(G) = clamp(1.5 + 15 s, 0, 3),  s = Vramp - v(err): two hinges */
     LIT_RELAY    /* zero width: v(G) = 0 where s < 0, 3 where s > 0: one box [0,3] */
 } lit_comparator;
 
