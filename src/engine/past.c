@@ -40,17 +40,10 @@ void ns_theta_restore(ns_theta *s, const double *past) {
     ns_theta_forget_recent(s);
 }
 
-static int all_finite(size_t n, const double *v) {
-    int good = 1;
-    for (size_t i = 0; v && i < n; i++)
-        good = good && isfinite(v[i]);
-    return good;
-}
-
-/* The first few of v that are not finite; returns how many. */
+/* The first few of v (n, or NULL) that are not finite; returns how many. */
 static int list_infinite(int n, const double *v, int *index) {
     int count = 0;
-    for (int i = 0; i < n && count < NS_FAULT_MAX; i++)
+    for (int i = 0; v && i < n && count < NS_FAULT_MAX; i++)
         if (!isfinite(v[i]))
             index[count++] = i;
     return count;
@@ -59,12 +52,14 @@ static int list_infinite(int n, const double *v, int *index) {
 /* What only follows from the state may overflow before it does.  y may be NULL. */
 static int check_read(ns_theta *s, const double *y) {
     const int n = s->s->n, m = s->s->m;
-    if (all_finite((size_t)(n + m), s->sol) && all_finite((size_t)m, y))
+    ns_fault found = {.t = s->fault.t};
+    found.nunknowns = list_infinite(n, s->sol, found.unknown);
+    found.npairs = list_infinite(m, s->sol + n, found.pair);
+    if (found.nunknowns + found.npairs == 0)
+        found.npairs = list_infinite(m, y, found.pair);
+    if (found.nunknowns + found.npairs == 0)
         return NS_OK;
-    s->fault.nunknowns = list_infinite(n, s->sol, s->fault.unknown);
-    s->fault.npairs = list_infinite(m, s->sol + n, s->fault.pair);
-    if (s->fault.nunknowns + s->fault.npairs == 0)
-        s->fault.npairs = list_infinite(m, y, s->fault.pair);
+    s->fault = found;
     return ns_theta_fail(s, NS_E_OVERFLOW);
 }
 

@@ -22,14 +22,14 @@ enum { REFRESH = 25, PIVOTS_FLAT = 50, PIVOTS_PER_PAIR = 20 };
 struct ns_mlcp_solver {
     int cap;
     ns_mlcp_method use;
-    int same; /* the caller's promise */
+    int same;  /* the caller's promise */
+    int known; /* Wown, lown, uown hold the last problem's */
 
     /* the problem at hand (a regularised copy where the given one is singular) */
     const ns_mlcp *p; /* &given */
     ns_mlcp given;    /* as given, but for the arrays below in place of the caller's W, l and u */
     double *Wown;     /* m*m: columns not asked for yet are zero (on demand) */
     double *lown, *uown;
-    int known;           /* they hold the last problem's */
     int on_demand;       /* its W was NULL */
     int missing;         /* columns not asked for yet */
     unsigned char *have; /* m: columns that are there */
@@ -40,11 +40,11 @@ struct ns_mlcp_solver {
 
     /* the principal pivot transform of Wown (transform.c) */
     int have_transform;
+    int changes;           /* pivots since P was made */
     double *P;             /* m*m */
     unsigned char *in;     /* m: lambda_i is basic */
     double *diag;          /* m: the largest term that diagonal entry i of P was summed from */
     double *size, *way;    /* m: sizes of the terms of a value; right side */
-    int changes;           /* pivots since P was made */
     double kept_condition; /* of the basis, negative: not known */
     ns_mlcp now;           /* what is being solved: *p, or a regularised copy */
     const double *W;       /* now.W */
