@@ -215,17 +215,11 @@ static int solve(ns_levels *k, double *past, const double *z, const double *slop
     return NS_OK;
 }
 
-static int all_finite(const double *v, int count) {
-    for (int i = 0; v && i < count; i++)
-        if (!isfinite(v[i]))
-            return 0;
-    return 1;
-}
-
 int ns_theta_impulse(ns_theta *s, const double *z, const double *slope, const ns_impulse *out) {
     if (!s || !out || (!z && s->s->nz > 0))
         return NS_E_NULL;
-    if (!all_finite(z, s->s->nz) || !all_finite(slope, s->s->nz))
+    const size_t nz = (size_t)s->s->nz;
+    if (!ns_finite(nz, z) || (slope && !ns_finite(nz, slope)))
         return ns_theta_fail(s, NS_E_NUMBER);
     ns_levels k;
     s->has_trial = 0;

@@ -136,13 +136,6 @@ int ns_newton_fail(ns_newton *s, int status) {
     return status;
 }
 
-static int all_finite(int count, const double *v) {
-    for (int i = 0; i < count; i++)
-        if (!isfinite(v[i]))
-            return 0;
-    return 1;
-}
-
 static ns_mode mode_of(double lambda, double l, double u) {
     return lambda == l ? NS_LOWER : lambda == u ? NS_UPPER : NS_INSIDE;
 }
@@ -160,7 +153,7 @@ int ns_newton_start(ns_newton *s, double t0, const double *x, const double *lamb
         return NS_E_NULL;
     s->fault.t = t0;
     s->fault.npairs = s->fault.nunknowns = 0;
-    if (!isfinite(t0) || !all_finite(s->n, x) || (lambda && !all_finite(s->m, lambda)))
+    if (!isfinite(t0) || !ns_finite((size_t)s->n, x) || (lambda && !ns_finite((size_t)s->m, lambda)))
         return ns_newton_fail(s, NS_E_NUMBER);
     s->t1 = s->tr = t0;
     s->cx = 1;

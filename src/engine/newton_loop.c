@@ -30,12 +30,8 @@ static int evaluate(ns_newton *s, ns_iterate *at) {
 }
 
 static int finite(const ns_newton *s, const ns_iterate *at) {
-    double sum = 0;
-    for (int i = 0; i < s->n; i++)
-        sum += 0 * at->x[i];
-    for (int i = 0; i < s->m; i++)
-        sum += 0 * at->lambda[i] + 0 * at->y[i];
-    return sum == 0;
+    const size_t n = (size_t)s->n, m = (size_t)s->m;
+    return ns_finite(n, at->x) && ns_finite(m, at->lambda) && ns_finite(m, at->y);
 }
 
 /* (x_k, lambda_k), y as near to h as (S4) lets it be. */

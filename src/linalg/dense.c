@@ -71,14 +71,6 @@ static double power_of_two(int k) {
     return v;
 }
 
-/* 0 times a finite number is 0, times NaN or infinity NaN. */
-static int all_finite(size_t n, const double *a) {
-    double s = 0.0;
-    for (size_t i = 0; i < n; i++)
-        s += 0.0 * a[i];
-    return s == 0.0;
-}
-
 /* Copies a, scaled, into the factors' place; returns its 1-norm. */
 static double load(ns_lu *f, int n, const double *a) {
     double norm = 0.0;
@@ -124,7 +116,7 @@ int ns_lu_factor(ns_lu *f, int n, const double *a, double *rcond, int *column) {
     if (rcond)
         *rcond = n == 0 ? 1.0 : 0.0;
     f->n = 0;
-    if (!all_finite((size_t)n * (size_t)n, a))
+    if (!ns_finite((size_t)n * (size_t)n, a))
         return NS_E_NUMBER;
     f->n = n;
     if (n == 0)
@@ -202,6 +194,33 @@ static void rows_of_four(int p, int q, const double *restrict a, const double *r
 void ns_copy(size_t n, const double *x, double *y) {
     if (n > 0)
         memcpy(y, x, n * sizeof *y);
+}
+
+/* 0 times a finite number is 0, times NaN or infinity NaN. */
+int ns_finite(size_t n, const double *x) {
+    double s = 0.0;
+    for (size_t i = 0; i < n; i++)
+        s += 0.0 * x[i];
+    return s == 0.0;
+}
+
+void ns_exchange(int p, int q, double *T, int row, int col, double cancelled) {
+    double *e = T + (size_t)col * (size_t)p;
+    const double pivot = e[row];
+    for (int c = 0; c < q; c++) {
+        double *t = T + (size_t)c * (size_t)p;
+        const double f = -t[row] / pivot;
+        if (c == col || f == 0.0)
+            continue;
+        for (int r = 0; r < p; r++) {
+            const double sum = t[r] + f * e[r];
+            t[r] = fabs(sum) <= cancelled * fabs(t[r]) ? 0.0 : sum;
+        }
+        t[row] = f;
+    }
+    for (int r = 0; r < p; r++)
+        e[r] /= pivot;
+    e[row] = 1.0 / pivot;
 }
 
 void ns_matvec_add(int p, int q, const double *a, const double *x, double *y) {

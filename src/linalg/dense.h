@@ -35,6 +35,13 @@ double ns_lu_largest(const ns_lu *f, const double *x);
 /* y = x; both may be NULL where n is 0. */
 void ns_copy(size_t n, const double *x, double *y);
 
+/* 1 if no entry of x (n) is NaN or infinite. */
+int ns_finite(size_t n, const double *x);
+
+/* y = T x, p*q with leading dimension p, solved for x_col in its row: the table after y_row and x_col have
+ * changed places.  A sum within cancelled of its first term becomes 0. */
+void ns_exchange(int p, int q, double *T, int row, int col, double cancelled);
+
 /* y = A x, y += A x;  A is p*q with leading dimension p, NULL (as x) where it is empty. */
 void ns_matvec(int p, int q, const double *a, const double *x, double *y);
 void ns_matvec_add(int p, int q, const double *a, const double *x, double *y);

@@ -9,22 +9,11 @@
 #include <stddef.h>
 #include <stdlib.h>
 
-#include "nonsmooth/mlcp.h"
+#include "residual.h"
 
 /* An s_j this small against its terms is rounding, of the terms and of a v that was rounded too.  No more
  * than that: equations that depend on each other but for 1e-12 may well have a solution. */
 static const double CANCEL = 1e-14;
-
-static int bad_input(const ns_mlcp *p, const double *v) {
-    if (!p || p->m < 0)
-        return 1;
-    if (p->m > 0 && ((!p->W && !p->column) || !p->q || !p->l || !p->u || !v))
-        return 1;
-    for (int i = 0; i < p->m; i++)
-        if (!isfinite(v[i]) || !isfinite(p->q[i]) || !(p->l[i] <= p->u[i]))
-            return 1;
-    return 0;
-}
 
 /* Least value of a x over lo <= x <= hi. */
 static double least(double a, double lo, double hi) {
@@ -74,7 +63,7 @@ static double weigh(const ns_mlcp *p, const double *v, double *room) {
 double ns_mlcp_certify(const ns_mlcp *p, const double *v) {
     enum { SMALL = 128 };
     double few[SMALL], *room = few;
-    if (bad_input(p, v))
+    if (ns_mlcp_unsound(p, v))
         return NAN;
     if (!p->W && p->m > SMALL && !(room = malloc((size_t)p->m * sizeof *room)))
         return NAN;

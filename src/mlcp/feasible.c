@@ -94,21 +94,8 @@ void ns_simplex_start(ns_mlcp_solver *s, ns_simplex *p) {
 }
 
 static void exchange(ns_simplex *p, int row, int col) {
-    int m = p->m, in = p->colvar[col], out = p->rowvar[row];
-    double *e = entry(p, 0, col), pivot = e[row];
-    for (int c = 0; c <= m; c++) {
-        double *t = entry(p, 0, c), f = -t[row] / pivot;
-        if (c == col || f == 0.0)
-            continue;
-        for (int r = 0; r < m; r++) {
-            double sum = t[r] + f * e[r];
-            t[r] = fabs(sum) <= ZERO * fabs(t[r]) ? 0.0 : sum;
-        }
-        t[row] = f;
-    }
-    for (int r = 0; r < m; r++)
-        e[r] /= pivot;
-    e[row] = 1.0 / pivot;
+    const int m = p->m, in = p->colvar[col], out = p->rowvar[row];
+    ns_exchange(m, m + 1, p->T, row, col, ZERO);
     p->rowvar[row] = in;
     p->colvar[col] = out;
     p->where[in] = row;

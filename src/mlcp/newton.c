@@ -17,7 +17,7 @@
 #include "residual.h"
 #include "scaled.h"
 
-enum { STEPS = 60, HALVINGS = 30, STARTS = 3 };
+enum { STEPS = 60, HALVINGS = 30, DAMPINGS = 8, STARTS = 3 };
 static const double DESCENT = 1e-4; /* Armijo: part of the decrease that the slope promises */
 static const double ANGLE = 1e-10;  /* least cosine between direction and gradient, about */
 static const double CLOSE = 1e-3;   /* |Phi| from which on a mode is worth trying */
@@ -163,10 +163,12 @@ static void direction(ns_mlcp_solver *s, const ns_scaled *z, const double *Phi, 
         if (descends(n, d, g))
             return;
     }
-    double size = sqrt(dot(n, Phi, Phi));
-    for (double nu = fmin(1e-6, size); nu < 10.0; nu *= 1e3)
+    double nu = fmin(1e-6, sqrt(dot(n, Phi, Phi)));
+    for (int k = 0; k < DAMPINGS && nu < 10.0; k++) {
         if (levenberg(s, z, g, nu, d))
             return;
+        nu *= 1e3;
+    }
     for (int i = 0; i < n; i++)
         d[i] = -g[i];
 }

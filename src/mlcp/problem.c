@@ -7,13 +7,6 @@
 #include "../linalg/units.h"
 
 /* 0 times a finite number is 0, times NaN or infinity NaN. */
-static int finite_all(size_t n, const double *a) {
-    double s = 0.0;
-    for (size_t i = 0; i < n; i++)
-        s += 0.0 * a[i];
-    return s == 0.0;
-}
-
 static int bad_bounds(const ns_mlcp *p) {
     int status = NS_OK;
     for (int i = 0; i < p->m; i++) {
@@ -61,7 +54,7 @@ static int learn(ns_mlcp_solver *s, const ns_mlcp *p) {
     memcpy(s->lown, p->l, m * sizeof *p->l);
     memcpy(s->uown, p->u, m * sizeof *p->u);
     if (p->W) {
-        if (!finite_all(m * m, p->W))
+        if (!ns_finite(m * m, p->W))
             return NS_E_NUMBER;
         memcpy(s->Wown, p->W, m * m * sizeof *p->W);
     }
@@ -80,7 +73,7 @@ int ns_mlcp_take(ns_mlcp_solver *s, const ns_mlcp *p) {
     size_t m = (size_t)p->m;
     if (m > 0 && ((!p->W && !p->column) || !p->q || !p->l || !p->u))
         return NS_E_NULL;
-    if (!finite_all(m, p->q))
+    if (!ns_finite(m, p->q))
         return NS_E_NUMBER;
     s->given = (ns_mlcp){p->m, s->Wown, m > 0 ? p->q : s->q, s->lown, s->uown, p->column, p->data};
     int status = m == 0 || known(s, p) ? NS_OK : learn(s, p);
@@ -95,7 +88,7 @@ int ns_mlcp_fetch(ns_mlcp_solver *s, int j) {
     double *w = s->Wown + (size_t)j * m;
     if (s->have[j])
         return NS_OK;
-    if (s->given.column(s->given.data, j, w) != 0 || !finite_all(m, w)) {
+    if (s->given.column(s->given.data, j, w) != 0 || !ns_finite(m, w)) {
         s->known = 0;
         return NS_E_NUMBER;
     }

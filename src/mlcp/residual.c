@@ -29,7 +29,7 @@
 static const double FLOOR = 1e-6;
 static const double NO_DOUBT = 1e-13; /* no floor is looked for */
 
-static int bad_input(const ns_mlcp *p, const double *lambda) {
+int ns_mlcp_unsound(const ns_mlcp *p, const double *lambda) {
     if (!p || p->m < 0)
         return 1;
     if (p->m > 0 && ((!p->W && !p->column) || !p->q || !p->l || !p->u || !lambda))
@@ -156,13 +156,15 @@ double ns_mlcp_residual(const ns_mlcp *p, const double *lambda, int *worst) {
     double few[NS_MEASURE_WORK * SMALL], r = NAN;
     if (worst)
         *worst = 0;
-    if (bad_input(p, lambda))
+    if (ns_mlcp_unsound(p, lambda))
         return NAN;
+    if (p->m == 0)
+        return 0.0;
     ns_mlcp whole = *p;
-    double *own = p->W || p->m == 0 ? NULL : gather(p);
+    double *own = p->W ? NULL : gather(p);
     double *work = p->m <= SMALL ? few : malloc(NS_MEASURE_WORK * (size_t)p->m * sizeof *work);
     whole.W = own ? own : p->W;
-    if (work && (whole.W || p->m == 0))
+    if (work && whole.W)
         r = ns_mlcp_measure(&whole, lambda, 0, work, worst);
     if (work != few)
         free(work);

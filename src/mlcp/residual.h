@@ -10,4 +10,7 @@ enum { NS_MEASURE_WORK = 12 };
  * lambda may stand in any row, joined with it or not. */
 double ns_mlcp_measure(const ns_mlcp *p, const double *lambda, int together, double *work, int *worst);
 
+/* 1 if p or an array is NULL, or a number but those of W is none: not to be measured. */
+int ns_mlcp_unsound(const ns_mlcp *p, const double *lambda);
+
 #endif

@@ -229,21 +229,8 @@ int ns_tableau_refresh(ns_mlcp_solver *s) {
 }
 
 void ns_tableau_exchange(ns_mlcp_solver *s, int row, int col) {
-    int n = s->np, in = s->colvar[col], out = s->rowvar[row];
-    double *e = s->T + (size_t)col * (size_t)n, pivot = e[row];
-    for (int c = 0; c < s->ncol; c++) {
-        double *t = s->T + (size_t)c * (size_t)n, f = -t[row] / pivot;
-        if (c == col || f == 0.0)
-            continue;
-        for (int r = 0; r < n; r++) {
-            double sum = t[r] + f * e[r];
-            t[r] = fabs(sum) <= CANCELLED * fabs(t[r]) ? 0.0 : sum;
-        }
-        t[row] = f;
-    }
-    for (int r = 0; r < n; r++)
-        e[r] /= pivot;
-    e[row] = 1.0 / pivot;
+    const int in = s->colvar[col], out = s->rowvar[row];
+    ns_exchange(s->np, s->ncol, s->T, row, col, CANCELLED);
     s->rowvar[row] = in;
     s->colvar[col] = out;
     s->where[in] = row;

@@ -282,8 +282,10 @@ static void a_text(outcome *o) {
     char text[150] = "7", back[256];
     size_t length = 1;
     ns_mlcp *p;
-    for (int k = 0; k < 7 * 7 + 3 * 7; k++, length += 2)
-        memcpy(text + length, " 1", 2);
+    for (int k = 0; k < 7 * 7 + 3 * 7; k++) {
+        text[length++] = ' ';
+        text[length++] = '1';
+    }
     TRY(ns_mlcp_read(text, length, &p, NULL));
     TRY(ns_mlcp_write(p, back, sizeof back, &length));
     const double characters = (double)length;

@@ -53,6 +53,41 @@ static void products_are_the_sums_of_their_terms(void **state) {
         }
 }
 
+static void what_is_no_number_is_seen(void **state) {
+    (void)state;
+    const double bad[] = {NAN, INFINITY, -INFINITY};
+    double x[] = {1, -1.7e308, 5e-324, 0};
+    assert_true(ns_finite(4, x) && ns_finite(0, NULL));
+    for (int k = 0; k < 12; k++) {
+        const double was = x[k % 4];
+        x[k % 4] = bad[k / 4];
+        assert_false(ns_finite(4, x));
+        x[k % 4] = was;
+    }
+}
+
+/* y1 = 2 x1 + 4 x2, y2 = 3 x1 + 6 x2 + x3 with x2 out: x2 = -x1/2 + y1/4, y2 = (3-3) x1 + 3/2 y1 + x3, where
+ * the coefficient of x1 cancels exactly.  Exchanged back, the table is the first one, but for what was
+ * cancelled. */
+static void exchanges_solve_for_the_other_variable(void **state) {
+    (void)state;
+    const double before[] = {2, 3, 4, 6, 0, 1}, after[] = {-0.5, 0, 0.25, 1.5, 0, 1};
+    double T[6];
+    memcpy(T, before, sizeof T);
+    ns_exchange(2, 3, T, 0, 1, 1e-14);
+    for (int k = 0; k < 6; k++)
+        assert_true(T[k] == after[k]);
+    ns_exchange(2, 3, T, 0, 1, 1e-14);
+    for (int k = 0; k < 6; k++)
+        assert_true(T[k] == before[k]);
+    T[1] = 3 + 1e-15; /* rounding of 3: what is left of it is 0, or 1e-15 */
+    ns_exchange(2, 3, T, 0, 1, 1e-14);
+    assert_true(T[1] == 0);
+    T[0] = 2, T[1] = 3 + 1e-15, T[2] = 4, T[3] = 6;
+    ns_exchange(2, 3, T, 0, 1, 0);
+    assert_true(T[1] > 0);
+}
+
 /* b made from a known x; n*eps*condition: random 30*30 matrices have condition 1e4 at the most. */
 static void known_solutions_come_back(void **state) {
     (void)state;
@@ -174,6 +209,8 @@ static void every_allocation_may_fail(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(products_are_the_sums_of_their_terms),
+        cmocka_unit_test(what_is_no_number_is_seen),
+        cmocka_unit_test(exchanges_solve_for_the_other_variable),
         cmocka_unit_test(known_solutions_come_back),
         cmocka_unit_test(units_do_not_matter),
         cmocka_unit_test(rcond_is_that_of_the_equilibrated_matrix),
