@@ -3,11 +3,12 @@
  *
  * Closed forms:
  *   logistic   x' = x (1 - x),  x(0) = 1/10:  x(t) = 1 / (1 + 9 e^-t)
- *   law        x' = -lambda,  y = lambda + lambda^3 - x,  0 <= y _|_ lambda >= 0, x > 0: lambda + lambda^3 =
- * x, so (1 + 3 lambda^2) lambda' = -lambda:  ln lambda + 3/2 lambda^2 = const - t drop       x' = -x^2 + r,
- * r = x lambda,  y = x - 1/2,  0 <= y _|_ lambda >= 0, x(0) = 2:  x = 1 / (1/2 + t) until it meets 1/2 at t =
- * 3/2, where lambda = 1/2 holds it (K = lambda) bridge     the LC bridge
- * (systems.h): the diodes commutate at every zero of v and of the current
+ *   law        x' = -lambda,  y = lambda + lambda^3 - x,  0 <= y _|_ lambda >= 0, x > 0:
+ *              lambda + lambda^3 = x, so (1 + 3 lambda^2) lambda' = -lambda:
+ *              ln lambda + 3/2 lambda^2 = const - t
+ *   drop       x' = -x^2 + r,  r = x lambda,  y = x - 1/2,  0 <= y _|_ lambda >= 0, x(0) = 2:
+ *              x = 1 / (1/2 + t) until it meets 1/2 at t = 3/2, where lambda = 1/2 holds it (K = lambda)
+ *   bridge     the LC bridge (systems.h): the diodes commutate at every zero of v and of the current
  */
 #include <math.h>
 #include <setjmp.h>
@@ -17,6 +18,7 @@
 
 #include <cmocka.h>
 
+#include "callbacks.h"
 #include "systems.h"
 
 typedef struct scene {
@@ -27,8 +29,7 @@ typedef struct scene {
     double (*error)(double end, const double *x, const double *lambda);
 } scene;
 
-static const double one[4] = {1, 0, 0, 1}, zero[4] = {0};
-static const double infinite[4] = {INFINITY, INFINITY, INFINITY, INFINITY};
+static const double one[4] = {1, 0, 0, 1};
 
 static int logistic_f(const ns_point *at, void *data, double *out) {
     (void)data;
@@ -45,33 +46,6 @@ static int logistic_A(const ns_point *at, void *data, double *out) {
 static double logistic_error(double end, const double *x, const double *lambda) {
     (void)lambda;
     return fabs(x[0] - 1 / (1 + 9 * exp(-end)));
-}
-
-static int none(const ns_point *at, void *data, double *out) {
-    (void)at;
-    (void)data;
-    out[0] = 0;
-    return 0;
-}
-
-static int unit(const ns_point *at, void *data, double *out) {
-    (void)at;
-    (void)data;
-    out[0] = 1;
-    return 0;
-}
-
-static int minus_unit(const ns_point *at, void *data, double *out) {
-    (void)at;
-    (void)data;
-    out[0] = -1;
-    return 0;
-}
-
-static int law_g(const ns_point *at, void *data, double *out) {
-    (void)data;
-    out[0] = -at->lambda[0];
-    return 0;
 }
 
 static int law_h(const ns_point *at, void *data, double *out) {
@@ -183,14 +157,14 @@ static scene make_law(void) {
                    .model = {.n = 1,
                              .m = 1,
                              .M = one,
-                             .l = zero,
-                             .u = infinite,
-                             .f = none,
-                             .A = none,
-                             .g = law_g,
-                             .B = minus_unit,
+                             .l = all_0,
+                             .u = all_infinite,
+                             .f = give_0,
+                             .A = give_0,
+                             .g = give_minus_lambda,
+                             .B = give_minus_1,
                              .h = law_h,
-                             .C = minus_unit,
+                             .C = give_minus_1,
                              .D = law_D},
                    .x0 = {2},
                    .lambda0 = {1},
@@ -203,15 +177,15 @@ static scene make_drop(void) {
                    .model = {.n = 1,
                              .m = 1,
                              .M = one,
-                             .l = zero,
-                             .u = infinite,
+                             .l = all_0,
+                             .u = all_infinite,
                              .f = drop_f,
                              .A = drop_A,
                              .g = drop_g,
                              .K = drop_K,
                              .B = drop_B,
                              .h = drop_h,
-                             .C = unit},
+                             .C = give_1},
                    .x0 = {2},
                    .end = 1,
                    .error = drop_error};

@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 
+#include "callbacks.h"
 #include "linalg/dense.h"
 #include "nonsmooth/impulse.h"
 #include "systems.h"
@@ -107,13 +108,6 @@ static void a_capacitor_on_a_source(void **state) {
 
 /* Nonlinear: a box lambda in [-1,1] with r = lambda^3 + 2 lambda pushes v off y = v - 1 no further than it
  * can: an impulse needs lambda without bound, so v stays; with l = -inf it goes. */
-static int none(const ns_point *at, void *data, double *out) {
-    (void)at;
-    (void)data;
-    out[0] = 0;
-    return 0;
-}
-
 static int cubic_g(const ns_point *at, void *data, double *out) {
     (void)data;
     out[0] = 2 * at->lambda[0] + at->x[0] * at->lambda[0];
@@ -155,8 +149,8 @@ static void nonlinear_relations_jump(void **state) {
                                 .M = one,
                                 .l = &low[k],
                                 .u = &high[k],
-                                .f = none,
-                                .A = none,
+                                .f = give_0,
+                                .A = give_0,
                                 .g = cubic_g,
                                 .B = cubic_B,
                                 .K = cubic_K,

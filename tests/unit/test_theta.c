@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 
+#include "formula.h"
 #include "linalg/dense.h"
 #include "systems.h"
 #include "wrap_alloc.h"
@@ -49,143 +50,37 @@ static void growth_factor_is_that_of_the_scheme(void **state) {
 
 /* --- (T1)(T6)(T7)(P1) literally, on a random system with regular M and one guard each way --- */
 
-static unsigned seed;
-static double random_unit(void) { /* in (-1, 1); Numerical Recipes' quick generator */
-    seed = seed * 1664525u + 1013904223u;
-    return (double)seed / 2147483648.0 - 1;
-}
-
-enum { N = 4, P = 3, Z = 2 };
-
-static ns_system *random_system(void) {
-    ns_system *s;
-    assert_int_equal(ns_system_create(N, P, Z, 0, &s), NS_OK);
-    double *const parts[] = {s->A, s->B, s->b, s->E, s->e, s->F};
-    const int sizes[] = {N * N, N * P, N, N * Z, P, P * Z};
-    for (int k = 0; k < 6; k++)
-        for (int i = 0; i < sizes[k]; i++)
-            parts[k][i] = random_unit();
-    for (int i = 0; i < N; i++)
-        for (int j = 0; j < N; j++)
-            s->M[i + j * N] = 0.2 * random_unit() + (i == j ? 1 : 0);
-    for (int i = 0; i < P; i++) { /* C = B', D = I: W_mlcp a P matrix for small h, one solution */
-        s->D[i + i * P] = 1;
-        for (int j = 0; j < N; j++)
-            s->C[i + j * P] = s->B[j + i * N];
-    }
-    for (int k = 0; k < Z; k++) {
-        const ns_signal zero = {.kind = NS_DC};
-        assert_int_equal(ns_system_set_input(s, k, &zero), NS_OK);
-    }
-    return s;
-}
-
-static void solve(const double *W, int columns, double *b) {
-    ns_lu *f;
-    assert_int_equal(ns_lu_create(N, &f), NS_OK);
-    assert_int_equal(ns_lu_factor(f, N, W, NULL, NULL), NS_OK);
-    ns_lu_solve(f, columns, b);
-    ns_lu_free(f);
-}
-
-typedef struct point {
-    double x[N], lambda[P], z[Z];
-} point;
-
-/* The step from k to k+1 by the formula; (P1) by trying all 2^P modes. */
-static point by_formula(const ns_system *s, const point *k, const double *z1, double h, double th,
-                        double ga) {
-    point p;
-    double W[N * N], V[N * P], rhs[N], q[P], Wm[P * P];
-    for (int i = 0; i < N * N; i++)
-        W[i] = s->M[i] - h * th * s->A[i]; /* (T1) */
-    for (int i = 0; i < N; i++) {
-        double m = 0, a = 0, r = 0, b0 = s->b[i], b1 = s->b[i];
-        for (int j = 0; j < N; j++) {
-            m += s->M[i + j * N] * k->x[j];
-            a += s->A[i + j * N] * k->x[j];
-        }
-        for (int j = 0; j < P; j++)
-            r += s->B[i + j * N] * k->lambda[j];
-        for (int j = 0; j < Z; j++) {
-            b0 += s->E[i + j * N] * k->z[j];
-            b1 += s->E[i + j * N] * z1[j];
-        }
-        rhs[i] = m + h * (1 - th) * a + h * (th * b1 + (1 - th) * b0) + h * (1 - ga) * r; /* (T6) */
-    }
-    solve(W, 1, rhs); /* x_free */
-    memcpy(V, s->B, sizeof V);
-    solve(W, P, V);
-    for (int i = 0; i < P; i++) {
-        q[i] = s->e[i];
-        for (int j = 0; j < N; j++)
-            q[i] += s->C[i + j * P] * rhs[j];
-        for (int j = 0; j < Z; j++)
-            q[i] += s->F[i + j * P] * z1[j]; /* (T7) */
-        for (int c = 0; c < P; c++) {
-            Wm[i + c * P] = s->D[i + c * P];
-            for (int j = 0; j < N; j++)
-                Wm[i + c * P] += h * ga * s->C[i + j * P] * V[j + c * N]; /* (P1) */
-        }
-    }
-    int found = 0;
-    for (int mode = 0; mode < 1 << P; mode++) { /* lambda by Gauss-Seidel to convergence in each mode */
-        double lambda[P] = {0};
-        for (int sweep = 0; sweep < 500; sweep++)
-            for (int i = 0; i < P; i++) {
-                double y = q[i];
-                for (int c = 0; c < P; c++)
-                    y += Wm[i + c * P] * lambda[c];
-                lambda[i] = mode >> i & 1 ? lambda[i] - y / Wm[i + i * P] : 0;
-            }
-        int fits = 1;
-        for (int i = 0; i < P; i++) {
-            double y = q[i];
-            for (int c = 0; c < P; c++)
-                y += Wm[i + c * P] * lambda[c];
-            fits = fits && (mode >> i & 1 ? fabs(y) < 1e-12 && lambda[i] >= 0 : y >= 0);
-        }
-        if (fits) {
-            memcpy(p.lambda, lambda, sizeof lambda);
-            found++;
-        }
-    }
-    assert_int_equal(found, 1);
-    for (int i = 0; i < N; i++) {
-        p.x[i] = rhs[i];
-        for (int c = 0; c < P; c++)
-            p.x[i] += h * ga * V[i + c * N] * p.lambda[c];
-    }
-    memcpy(p.z, z1, sizeof p.z);
-    return p;
-}
+enum { N = FORMULA_N, P = FORMULA_P, Z = FORMULA_Z };
 
 static void steps_follow_the_formula(void **state) {
     (void)state;
     const double values[] = {0.2, 0.5, 0.8, 1}, explicit_too[] = {0, 0.5, 0.8, 1};
     for (int run = 0; run < 64; run++) {
-        seed = 1234u + (unsigned)run;
-        ns_system *s = random_system();
+        dice d = dice_make(1234, (unsigned)run);
+        ns_system *s = formula_system(&d);
         const double th = (run < 32 ? values : explicit_too)[run % 4], ga = values[run / 4 % 4], h = 0.1;
         ns_theta *t = stepper(s, th, ga);
         double w0[N], x[N], lambda[P];
         for (int i = 0; i < N; i++)
-            w0[i] = random_unit();
-        point p = {{0}, {0}, {random_unit(), random_unit()}};
+            w0[i] = dice_either(&d);
+        const formula_scheme scheme = {h, th, ga, NS_RELATION_END};
+        formula_inputs z = {.end = {dice_either(&d), dice_either(&d)}};
+        formula_point p;
         assert_int_equal(ns_theta_start(t, w0, NULL), NS_OK);
-        assert_int_equal(ns_theta_try(t, 1e-18, p.z, 1, NS_RESOLVE), NS_OK);
+        assert_int_equal(ns_theta_try(t, 1e-18, z.end, 1, NS_RESOLVE), NS_OK);
         assert_int_equal(ns_theta_accept(t), NS_OK);
         assert_int_equal(ns_theta_read(t, p.x, p.lambda, NULL), NS_OK);
         for (int step = 0; step < 20; step++) {
-            const double z1[Z] = {random_unit(), random_unit()};
-            p = by_formula(s, &p, z1, h, th, ga);
-            advance(t, h, z1, NS_RESOLVE);
+            memcpy(z.before, z.end, sizeof z.end);
+            for (int i = 0; i < Z; i++)
+                z.end[i] = z.relation[i] = dice_either(&d);
+            formula_step(s, &scheme, &p, &z, &p, NULL);
+            advance(t, h, z.end, NS_RESOLVE);
             assert_int_equal(ns_theta_read(t, x, lambda, NULL), NS_OK);
             for (int i = 0; i < N; i++)
-                assert_true(fabs(x[i] - p.x[i]) <
-                            1e-10 * (1 + fabs(p.x[i]))); /* the modes' 1e-12, 20 steps */
+                assert_true(fabs(x[i] - p.x[i]) < 1e-12 * (1 + fabs(p.x[i]))); /* 20 steps of some ten eps */
             for (int i = 0; i < P; i++)
-                assert_true(fabs(lambda[i] - p.lambda[i]) < 1e-10 * (1 + fabs(p.lambda[i])));
+                assert_true(fabs(lambda[i] - p.lambda[i]) < 1e-12 * (1 + fabs(p.lambda[i])));
         }
         ns_theta_free(t);
         ns_system_free(s);
