@@ -11,7 +11,7 @@ typedef struct trial {
     int m;
     double rows[TRIAL_MAX * TRIAL_MAX], q[TRIAL_MAX], l[TRIAL_MAX], u[TRIAL_MAX];
     ns_mode mode[TRIAL_MAX];
-    double lambda[TRIAL_MAX], y[TRIAL_MAX];
+    double lambda[TRIAL_MAX], y[TRIAL_MAX], residual;
     ns_mlcp_info info;
 } trial;
 
@@ -19,6 +19,15 @@ typedef struct trial {
 int trial_run(trial *t, ns_mlcp_method method);
 
 void trial_complementary(trial *t); /* all l = 0, u = inf */
+
+void trial_close(double got, double expected); /* but for a few roundings of numbers of size 1 to 10 */
+
+/* y = w lambda + q and the answer; from every start. */
+typedef struct trial_pair {
+    double w, q, l, u, lambda, y;
+    ns_mode mode;
+} trial_pair;
+void trial_pairs(const trial_pair *c, int count, ns_mlcp_method method);
 
 /* One pair of each law whose W is not 0, solved by hand, from every start; then five laws at once; then m =
  * 0. */
