@@ -35,21 +35,22 @@ static circuit circuit_of(int hinges, lit_set set, double gain) {
 
 static double f(const circuit *c, double v) { /* near max(0, v)^2 */
     double sum = 0;
-    for (int k = 0; k < c->hinges; k++)
-        sum += c->slope[k] * fmax(0, v - c->start[k]);
+    for (int k = 0; k < c->hinges && v > c->start[k]; k++)
+        sum += c->slope[k] * (v - c->start[k]);
     return sum;
 }
 
-/* What the diode from ground must bring (> 0), or that to vin take (< 0), for v(D) to be d. */
-static double surplus(const circuit *c, double g, double i, double d) {
-    const double mp = 5 * (f(c, 3 - g - 2) - f(c, d - g - 2)), mn = 5 * (f(c, g - 2) - f(c, g - d - 2));
-    return i + mn - mp;
+/* What the diode from ground must bring (> 0), or that to vin take (< 0), for v(D) to be d; `rest` is what of
+ * it does not depend on d. */
+static double surplus(const circuit *c, double g, double rest, double d) {
+    return rest + 5 * (f(c, d - g - 2) - f(c, g - d - 2));
 }
 
 /* The root lies between two neighbouring corners of the transistors' curves, between which all is straight.
  * Where nothing conducts, i is 0 and stays so: v(D) = v_out. */
 static double drain(const circuit *c, double g, double i, double out) {
-    double lo = -0.8, hi = 3.8, at_lo = surplus(c, g, i, lo), at_hi = surplus(c, g, i, hi);
+    const double rest = i + 5 * (f(c, g - 2) - f(c, 3 - g - 2));
+    double lo = -0.8, hi = 3.8, at_lo = surplus(c, g, rest, lo), at_hi = surplus(c, g, rest, hi);
     if (at_lo >= 0)
         return lo;
     if (at_hi <= 0)
@@ -58,7 +59,7 @@ static double drain(const circuit *c, double g, double i, double out) {
         const double start = c->start[k / 2], corner = k % 2 ? g + 2 + start : g - 2 - start;
         if (corner <= lo || corner >= hi)
             continue;
-        const double s = surplus(c, g, i, corner);
+        const double s = surplus(c, g, rest, corner);
         if (s <= 0) {
             lo = corner;
             at_lo = s;
@@ -68,7 +69,7 @@ static double drain(const circuit *c, double g, double i, double out) {
             at_hi = s;
         }
     }
-    if (surplus(c, g, i, out) == 0)
+    if (surplus(c, g, rest, out) == 0)
         return out;
     return at_hi > at_lo ? lo - at_lo * (hi - lo) / (at_hi - at_lo) : lo;
 }

@@ -8,8 +8,8 @@ enum { TRIAL_MAX = 20 };
 
 /* A small problem, W written row by row, and what a method made of it. */
 typedef struct trial {
-    int m;
     double rows[TRIAL_MAX * TRIAL_MAX], q[TRIAL_MAX], l[TRIAL_MAX], u[TRIAL_MAX];
+    int m;
     ns_mode mode[TRIAL_MAX];
     double lambda[TRIAL_MAX], y[TRIAL_MAX], residual;
     ns_mlcp_info info;
