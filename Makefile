@@ -191,8 +191,8 @@ valgrind: deps ## only the run under valgrind
 tags: ## equation tags: every one cited is defined in README's Method, and the reverse
 	@tests/run.sh tags
 
-coverage: deps ## lines of src/ that the unit tests run
-	@$(MAKE) $(JOBS) B=build/coverage WARN=-w CFLAGS='-O0 -g --coverage' units
+coverage: deps ## lines of src/ that the tests run, file by file
+	@$(MAKE) $(JOBS) B=build/coverage WARN=-w CFLAGS='-O0 -g --coverage' units tool
 	@tests/coverage.sh build/coverage
 
 # --- benchmarks: one program a file ----------------------------------------------------------------------
@@ -271,8 +271,8 @@ TIDY_FLAGS := -std=c11 -Iinclude -Isrc -Itests/unit $(NG_INCLUDE)
 .PHONY: lint
 lint: deps-lint ## clang-format, clang-tidy, cppcheck, shellcheck, and all of it built by clang and by gcc
 	clang-format --dry-run -Werror $(C_FILES)
-	@$(MAKE) $(JOBS) all units bench-programs
-	@$(MAKE) $(JOBS) CC=clang B=build/clang all units bench-programs
+	@$(MAKE) $(JOBS) all units bench-programs stress-programs
+	@$(MAKE) $(JOBS) CC=clang B=build/clang all units bench-programs stress-programs
 	$(CC) -x c++ -Wall -Wextra -Wpedantic -Werror -Iinclude -fsyntax-only include/nonsmooth.h
 	printf '%s\n' $(TIDY_FILES) | xargs -P$(shell nproc) -n4 \
 	    sh -c 'said=$$(clang-tidy --quiet "$$@" -- $(TIDY_FLAGS) 2>&1) || { echo "$$said"; exit 1; }' tidy

@@ -8,26 +8,14 @@
 #include "mlcp_internal.h"
 
 enum { ROUNDS = 60, PATIENCE = 3 };
-static const double GUARD = 1e-12; /* as driver.c has it */
 static const double RCOND = 1e-13; /* a basis must keep three digits */
-
-/* The mode that the guard of pair i asks for; its own if that holds. */
-static ns_mode wanted(const ns_mlcp_solver *s, int i) {
-    if (s->mode[i] != NS_INSIDE) {
-        const double out = s->mode[i] == NS_LOWER ? -s->y[i] : s->y[i];
-        return out > GUARD * s->ysize[i] ? NS_INSIDE : s->mode[i];
-    }
-    if (s->p->l[i] - s->lambda[i] > GUARD * s->lsize[i])
-        return NS_LOWER;
-    return s->lambda[i] - s->p->u[i] > GUARD * s->lsize[i] ? NS_UPPER : NS_INSIDE;
-}
 
 /* Flips all whose guards are broken; returns how many. */
 static int flip(ns_mlcp_solver *s) {
     int n = 0;
     for (int a = 0; a < s->np; a++) {
         const int i = s->pair[a];
-        const ns_mode to = wanted(s, i);
+        const ns_mode to = ns_basis_wanted(s, i);
         n += to != s->mode[i];
         s->mode[i] = to;
     }

@@ -26,23 +26,12 @@ static int factor(ns_mlcp_solver *s, int *reveals) {
     return ns_basis_factor(s, NULL);
 }
 
-/* The mode that the guard of pair i asks for; its own if that holds. */
-static ns_mode wanted(const ns_mlcp_solver *s, int i) {
-    if (s->mode[i] != NS_INSIDE) {
-        double out = s->mode[i] == NS_LOWER ? -s->y[i] : s->y[i];
-        return out > GUARD * s->ysize[i] ? NS_INSIDE : s->mode[i];
-    }
-    if (s->p->l[i] - s->lambda[i] > GUARD * s->lsize[i])
-        return NS_LOWER;
-    return s->lambda[i] - s->p->u[i] > GUARD * s->lsize[i] ? NS_UPPER : NS_INSIDE;
-}
-
 /* Returns how many guards were broken. */
 static int flip(ns_mlcp_solver *s, int all) {
     int broken = 0;
     for (int a = s->np - 1; a >= 0; a--) {
         int i = s->pair[a];
-        ns_mode mode = wanted(s, i);
+        ns_mode mode = ns_basis_wanted(s, i);
         if (mode == s->mode[i])
             continue;
         if (all || broken == 0)

@@ -137,8 +137,9 @@ int ns_basis_keep_factors(ns_mlcp_solver *s, double *rcond); /* the same, but G,
 void ns_basis_values(ns_mlcp_solver *s, int refinements);    /* lambda, y, from the factors */
 void ns_basis_correct(ns_mlcp_solver *s); /* one refinement by the residual of W, q as they are now */
 void ns_basis_sizes(ns_mlcp_solver *s);   /* ysize, lsize, at lambda */
-double ns_basis_violation(const ns_mlcp_solver *s); /* worst guard, in units of the sizes */
-void ns_basis_clamp(ns_mlcp_solver *s);             /* lambda into its bounds, signs of y */
+double ns_basis_violation(const ns_mlcp_solver *s);      /* worst guard, in units of the sizes */
+ns_mode ns_basis_wanted(const ns_mlcp_solver *s, int i); /* that the guard of pair i asks for */
+void ns_basis_clamp(ns_mlcp_solver *s);                  /* lambda into its bounds, signs of y */
 void ns_basis_rest(
     ns_mlcp_solver *s); /* lambda and y are 0, not rounding, in parts of W that nothing drives */
 

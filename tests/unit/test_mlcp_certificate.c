@@ -279,7 +279,7 @@ static void all_that_have_a_proof_get_one(void **state) {
 static void units_change_neither_verdict_nor_digits(void **state) {
     (void)state;
     static trial t;
-    double cols[MAX], known[MAX];
+    double cols[MAX] = {0}, known[MAX] = {0};
     for (int number = 0; number < 500; number++) {
         dice d = dice_make(72, (unsigned long long)number);
         t.m = dice_size(&d, 1, MAX);

@@ -156,11 +156,78 @@ static void methods_by_name(void **state) {
     ns_mlcp_free(s);
 }
 
+/* y = lambda - 1, then promised to be the same: W is not looked at again, whatever it holds by then. */
+static void a_promise_is_taken(void **state) {
+    (void)state;
+    double W = 1, q = -1, lambda, y;
+    const double l = 0, u = INFINITY;
+    ns_mode mode = NS_LOWER;
+    const ns_mlcp p = {.m = 1, .W = &W, .q = &q, .l = &l, .u = &u};
+    ns_mlcp_solver *s;
+    assert_int_equal(ns_mlcp_create(1, &s), NS_OK);
+    for (int k = 1; k <= 3; k++) {
+        q = -k;
+        assert_int_equal(ns_mlcp_solve(s, &p, &mode, &lambda, &y, NULL), NS_OK);
+        assert_true(lambda == k);
+        assert_int_equal(ns_mlcp_same(s, 1), NS_OK);
+        W = NAN;
+    }
+    assert_int_equal(ns_mlcp_same(s, 0), NS_OK); /* taken back */
+    assert_int_equal(ns_mlcp_solve(s, &p, &mode, &lambda, &y, NULL), NS_E_NUMBER);
+    ns_mlcp_free(s);
+}
+
+static void systems_without_their_arrays(void **state) {
+    (void)state;
+    ns_fault fault;
+    assert_int_equal(ns_system_check(NULL, &fault), NS_E_NULL);
+    ns_system *s;
+    assert_int_equal(ns_system_create(1, 1, 1, 1, &s), NS_OK);
+    void *const arrays[] = {&s->M, &s->A, &s->B, &s->C, &s->D, &s->b,      &s->E,
+                            &s->e, &s->F, &s->l, &s->u, &s->z, &s->command};
+    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) {
+        void *kept;
+        memcpy(&kept, arrays[k], sizeof kept);
+        memset(arrays[k], 0, sizeof kept);
+        assert_int_equal(ns_system_check(s, &fault), NS_E_NULL);
+        assert_int_equal(fault.status, NS_E_NULL);
+        memcpy(arrays[k], &kept, sizeof kept);
+    }
+    int *const sizes[] = {&s->n, &s->m, &s->nz, &s->nc};
+    for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
+        *sizes[k] = -1;
+        assert_int_equal(ns_system_check(s, &fault), NS_E_SIZE);
+        *sizes[k] = 1;
+    }
+    assert_int_equal(ns_system_check(s, &fault), NS_OK);
+    ns_system_free(s);
+}
+
+static void signals_that_are_none(void **state) {
+    (void)state;
+    const double t[] = {0, INFINITY}, v[] = {1, 2};
+    ns_signal s = {.kind = NS_PULSE, .u.pulse = {.per = INFINITY, .pw = NAN}};
+    assert_int_equal(ns_signal_check(&s), NS_E_NUMBER);
+    s.u.pulse.pw = 1;
+    s.u.pulse.cycles = -1;
+    assert_int_equal(ns_signal_check(&s), NS_E_RANGE);
+    s.u.pulse.cycles = 0;
+    assert_int_equal(ns_signal_check(&s), NS_OK);
+    const ns_signal points = {.kind = NS_PWL, .u.pwl = {.n = 2, .t = t, .v = v, .repeat = NAN}};
+    assert_int_equal(ns_signal_check(&points), NS_E_NUMBER);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(marchers_are_not_made),          cmocka_unit_test(marches_are_not_started),
-        cmocka_unit_test(marches_do_not_go_on),           cmocka_unit_test(theta_calls),
-        cmocka_unit_test(a_value_beyond_double_is_named), cmocka_unit_test(methods_by_name),
+        cmocka_unit_test(marchers_are_not_made),
+        cmocka_unit_test(marches_are_not_started),
+        cmocka_unit_test(marches_do_not_go_on),
+        cmocka_unit_test(theta_calls),
+        cmocka_unit_test(a_value_beyond_double_is_named),
+        cmocka_unit_test(methods_by_name),
+        cmocka_unit_test(a_promise_is_taken),
+        cmocka_unit_test(systems_without_their_arrays),
+        cmocka_unit_test(signals_that_are_none),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
