@@ -26,43 +26,89 @@ typedef struct graph {
     const double *W;
     double *rows, *columns; /* m: how many entries */
     double *mean;           /* m: of a row */
+    double *list;           /* rows of the entries, column by column; NULL: too many */
 } graph;
 
-/* mean_i over row i of gamma_j (NULL: of e_ij). */
-static void row_means(graph *g, const double *gamma) {
-    memset(g->mean, 0, (size_t)g->m * sizeof *g->mean);
-    for (int j = 0; j < g->m; j++) {
-        const double *w = g->W + (size_t)j * (size_t)g->m;
-        for (int i = 0; i < g->m; i++)
-            if (w[i] != 0.0)
-                g->mean[i] += gamma ? gamma[j] : exponent(w[i]);
-    }
-    for (int i = 0; i < g->m; i++)
-        g->mean[i] /= g->rows[i] > 0.0 ? g->rows[i] : 1.0;
-}
-
-static void count(graph *g) {
+static void count(graph *g, double *list) {
+    const double *end = list + (size_t)NS_UNITS_LIST * (size_t)g->m;
+    double *at = list;
     memset(g->rows, 0, (size_t)g->m * sizeof *g->rows);
     for (int j = 0; j < g->m; j++) {
         const double *w = g->W + (size_t)j * (size_t)g->m;
         g->columns[j] = 0.0;
         for (int i = 0; i < g->m; i++) {
-            g->columns[j] += w[i] != 0.0;
-            g->rows[i] += w[i] != 0.0;
+            if (w[i] == 0.0)
+                continue;
+            g->columns[j]++;
+            g->rows[i]++;
+            if (at < end)
+                *at++ = i;
+            else
+                list = NULL;
         }
     }
+    g->list = list;
 }
 
-/* out_j = sum over column j of (gamma_j - mean_i), or with gamma NULL b_j = sum of (mean_i - e_ij). */
-static void apply(graph *g, const double *gamma, double *out) {
-    row_means(g, gamma);
-    for (int j = 0; j < g->m; j++) {
-        const double *w = g->W + (size_t)j * (size_t)g->m;
-        out[j] = 0.0;
+/* v_i += x over column j, whose part of the list is next. */
+static void add_column(const graph *g, int j, const double **list, double x, double *v) {
+    const double *w = g->W + (size_t)j * (size_t)g->m;
+    if (*list)
+        for (const double *end = *list + (int)g->columns[j]; *list < end; ++*list)
+            v[(int)**list] += x;
+    else
         for (int i = 0; i < g->m; i++)
             if (w[i] != 0.0)
-                out[j] += gamma ? gamma[j] - g->mean[i] : g->mean[i] - exponent(w[i]);
+                v[i] += x;
+}
+
+/* The sum of v_i over column j. */
+static double sum_column(const graph *g, int j, const double **list, const double *v) {
+    const double *w = g->W + (size_t)j * (size_t)g->m;
+    double sum = 0.0;
+    if (*list)
+        for (const double *end = *list + (int)g->columns[j]; *list < end; ++*list)
+            sum += v[(int)**list];
+    else
+        for (int i = 0; i < g->m; i++)
+            if (w[i] != 0.0)
+                sum += v[i];
+    return sum;
+}
+
+static void divide_by_rows(graph *g) {
+    for (int i = 0; i < g->m; i++)
+        g->mean[i] /= g->rows[i] > 0.0 ? g->rows[i] : 1.0;
+}
+
+/* out_j = sum over column j of (gamma_j - mean over row i of gamma_j). */
+static void apply(graph *g, const double *gamma, double *out) {
+    const double *list = g->list;
+    memset(g->mean, 0, (size_t)g->m * sizeof *g->mean);
+    for (int j = 0; j < g->m; j++)
+        add_column(g, j, &list, gamma[j], g->mean);
+    divide_by_rows(g);
+    list = g->list;
+    for (int j = 0; j < g->m; j++)
+        out[j] = g->columns[j] * gamma[j] - sum_column(g, j, &list, g->mean);
+}
+
+/* b_j = sum over column j of (mean over row i of e_ij, less e_ij). */
+static void right_side(graph *g, double *b) {
+    const double *list = g->list;
+    memset(g->mean, 0, (size_t)g->m * sizeof *g->mean);
+    for (int j = 0; j < g->m; j++) {
+        const double *w = g->W + (size_t)j * (size_t)g->m;
+        b[j] = 0.0;
+        for (int i = 0; i < g->m; i++)
+            if (w[i] != 0.0) {
+                g->mean[i] += exponent(w[i]);
+                b[j] -= exponent(w[i]);
+            }
     }
+    divide_by_rows(g);
+    for (int j = 0; j < g->m; j++)
+        b[j] += sum_column(g, j, &list, g->mean);
 }
 
 static double dot(const graph *g, const double *r) {
@@ -76,7 +122,7 @@ static double dot(const graph *g, const double *r) {
 static void solve(graph *g, double *gamma, double *r, double *p, double *Sp) {
     size_t bytes = (size_t)g->m * sizeof *gamma;
     memset(gamma, 0, bytes);
-    apply(g, NULL, r);
+    right_side(g, r);
     for (int j = 0; j < g->m; j++)
         p[j] = g->columns[j] > 0.0 ? r[j] / g->columns[j] : 0.0;
     double rr = dot(g, r);
@@ -99,8 +145,8 @@ static void solve(graph *g, double *gamma, double *r, double *p, double *Sp) {
 
 void ns_column_units(int m, const double *W, double *unit, double *work) {
     size_t n = (size_t)m;
-    graph g = {m, W, work, work + n, work + 2 * n};
-    count(&g);
+    graph g = {m, W, work, work + n, work + 2 * n, NULL};
+    count(&g, work + 7 * n);
     solve(&g, work + 3 * n, work + 4 * n, work + 5 * n, work + 6 * n);
     for (int j = 0; j < m; j++)
         unit[j] = ldexp(1.0, (int)fmin(fmax(rint(work[3 * n + (size_t)j]), -1000.0), 1000.0));

@@ -2,7 +2,7 @@
 #ifndef NS_UNITS_H
 #define NS_UNITS_H
 
-enum { NS_UNITS_WORK = 7 };
+enum { NS_UNITS_LIST = 16, NS_UNITS_WORK = 7 + NS_UNITS_LIST };
 
 /* unit (m): powers of two such that |W_ij| unit_j are alike over each row, for W m*m column by column.  They
  * follow the units of W: with column j multiplied by s, unit_j is divided by s, but for a common factor (one

@@ -2,9 +2,10 @@
 #ifndef NS_RESIDUAL_H
 #define NS_RESIDUAL_H
 
+#include "../linalg/units.h"
 #include "nonsmooth/mlcp.h"
 
-enum { NS_MEASURE_WORK = 12 };
+enum { NS_MEASURE_WORK = 5 + NS_UNITS_WORK };
 
 /* work: NS_MEASURE_WORK*m; gets y and, after it, 1/Y.  p and lambda are finite.  together: rounding of any
  * lambda may stand in any row, joined with it or not. */
