@@ -138,7 +138,7 @@ static int apply(ns_mlcp_solver *s, ns_mlcp_method method, const ns_mode *mode, 
         [NS_MLCP_ENUMERATE] = ns_mlcp_enumerate,
     };
     s->method = (int)method;
-    s->nstuck = 0;
+    s->nstuck = s->settled = 0;
     ns_mlcp_units(s);
     ns_mlcp_given(s);
     if (method == NS_MLCP_LEMKE) {
@@ -189,6 +189,15 @@ static int automatic(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     return first;
 }
 
+/* No lambda makes terms large against q: one whose terms in some row are below DOUBT |q| is below DOUBT in
+ * the units of doubtful().  yterms are those of the answer. */
+static int plain(const ns_mlcp_solver *s) {
+    int n = 0;
+    for (int i = 0; i < s->m; i++)
+        n += s->yterms[i] > DOUBT * fabs(s->given.q[i]);
+    return n == 0;
+}
+
 /* Whether lambda is so large that it may hide in its rounding what q says: equations that contradict each
  * other but for the last digits of W have an answer as good as any by its residual. */
 static int doubtful(ns_mlcp_solver *s) {
@@ -208,7 +217,7 @@ static int doubtful(ns_mlcp_solver *s) {
 /* Where it answers, nothing else is looked at, unless a mode found on the way gives a doubtful answer. */
 static int quickly(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     if (s->use != NS_MLCP_AUTO || s->m > NS_QUICK || ns_mlcp_quick(s, mode, ACCEPT, residual) != NS_OK ||
-        (s->pivots + s->factors > 0 && doubtful(s)))
+        (s->pivots + s->factors > 0 && !plain(s) && doubtful(s)))
         return 0;
     s->method = NS_MLCP_PIVOT;
     return 1;

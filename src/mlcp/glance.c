@@ -4,27 +4,30 @@
 #include <math.h>
 #include <stddef.h>
 
-double ns_mlcp_glance(const ns_mlcp *p, const double *lambda, double *restrict y, double *restrict size) {
+#include "../linalg/terms.h"
+
+void ns_mlcp_terms(const ns_mlcp *p, const double *lambda, double *restrict y, double *restrict size) {
     const size_t m = (size_t)p->m;
-    double most = 0.0;
     for (size_t i = 0; i < m; i++) {
         y[i] = p->q[i];
         size[i] = fabs(p->q[i]);
     }
-    for (size_t j = 0; j < m; j++) {
-        const double *restrict col = p->W + j * m, v = lambda[j];
-        if (v == 0.0)
-            continue;
-        for (size_t i = 0; i < m; i++) {
-            const double term = col[i] * v;
-            y[i] += term;
-            size[i] += fabs(term);
-        }
-    }
+    ns_terms_add(p->m, p->m, p->m, p->W, lambda, y, size);
+}
+
+double ns_mlcp_bound_residual(const ns_mlcp *p, const double *lambda, const double *y, const double *size) {
+    const size_t m = (size_t)p->m;
+    double most = 0.0, all = 0.0;
     for (size_t i = 0; i < m; i++) {
+        all += size[i];
         const int held = y[i] > 0.0 ? lambda[i] <= p->l[i] : lambda[i] >= p->u[i];
         if (!held && !(fabs(y[i]) <= most * size[i]))
             most = fabs(y[i]) / size[i];
     }
-    return most;
+    return isfinite(all) ? most : NAN;
+}
+
+double ns_mlcp_glance(const ns_mlcp *p, const double *lambda, double *restrict y, double *restrict size) {
+    ns_mlcp_terms(p, lambda, y, size);
+    return ns_mlcp_bound_residual(p, lambda, y, size);
 }

@@ -10,6 +10,7 @@
 #ifndef NS_MLCP_INTERNAL_H
 #define NS_MLCP_INTERNAL_H
 
+#include <math.h>
 #include <stddef.h>
 
 #include "../linalg/dense.h"
@@ -38,18 +39,21 @@ struct ns_mlcp_solver {
     unsigned char *factored;
     double kept_rcond;
 
-    /* the principal pivot transform of Wown (transform.c) */
+    /* the principal pivot transform of Wown, of the pairs whose lambda is basic (transform.c) */
     int have_transform;
-    int changes;           /* pivots since P was made */
-    double *P;             /* m*m */
-    unsigned char *in;     /* m: lambda_i is basic */
-    double *diag;          /* m: the largest term that diagonal entry i of P was summed from */
-    double *size, *way;    /* m: sizes of the terms of a value; right side */
-    double kept_condition; /* of the basis, negative: not known */
-    ns_mlcp now;           /* what is being solved: *p, or a regularised copy */
-    const double *W;       /* now.W */
-    double *q;             /* m: now.q with the fixed lambda folded in */
-    double *Wreg;          /* m*m, qraw: m: the regularised copy */
+    int settled;             /* mode is that of an answer that pivot.c found last; P is of it */
+    int at_zero;             /* every finite bound is 0 */
+    int changes;             /* pivots since P was empty */
+    int nwho, *who, *at;     /* m: which pairs P is of, and the place of each among them */
+    double *P;               /* m*m */
+    unsigned char *in;       /* m: lambda_i is basic */
+    double *diag;            /* m: the largest term that each diagonal entry of P was summed from */
+    double *yterms, *lterms; /* m: sizes of the terms that y, and a basic lambda, was summed from */
+    double slack;            /* guards are read to this part of them */
+    ns_mlcp now;             /* what is being solved: *p, or a regularised copy */
+    const double *W;         /* now.W */
+    double *q;               /* m: now.q with the fixed lambda folded in */
+    double *Wreg;            /* m*m, qraw: m: the regularised copy */
     double *qraw;
     int *erow, *ecol; /* m: entries of its eps E */
     double *eval;     /* m */
@@ -124,8 +128,16 @@ void ns_mlcp_units(ns_mlcp_solver *s);                        /* rowmax, colunit
 void ns_mlcp_given(ns_mlcp_solver *s);                        /* now = *p */
 void ns_mlcp_fold(ns_mlcp_solver *s);                         /* W, q of now */
 void ns_mlcp_restart(ns_mlcp_solver *s, const ns_mode *mode); /* s->mode = mode mended; NULL: all lower */
-ns_mode ns_mlcp_mend(const ns_mlcp_solver *s, int i, ns_mode mode);
 double ns_mlcp_bound(const ns_mlcp_solver *s, int i, ns_mode mode); /* the lambda of a pair not inside */
+
+static inline ns_mode ns_mlcp_mend(const ns_mlcp_solver *s, int i, ns_mode mode) {
+    const double l = s->p->l[i], u = s->p->u[i];
+    if (l == u)
+        return NS_LOWER;
+    if (mode == NS_INSIDE || (isinf(l) && isinf(u)))
+        return NS_INSIDE;
+    return isinf(l) || (mode == NS_UPPER && !isinf(u)) ? NS_UPPER : NS_LOWER;
+}
 
 /* workspace.c: lambda, y and mode put aside, and taken back. */
 void ns_mlcp_keep(ns_mlcp_solver *s);

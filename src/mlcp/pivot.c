@@ -7,10 +7,12 @@
  * A pair whose diagonal entry is 0 is exchanged together with the first pair that its change would break
  * (Keller's rule).  Whatever does not come out so within its bounds is left to other methods.
  *
- * The transform is kept: a solve from the mode of the last one costs two products with a matrix, one for the
- * answer and one, by W, to check it.
+ * The transform is kept: a solve from the mode of the last one costs one product with the inverse of the
+ * block of the pairs that are inside, and one with their columns of W, which reads the guards and checks the
+ * answer at once.
  */
 #include <math.h>
+#include <string.h>
 
 #include "glance.h"
 #include "residual.h"
@@ -18,14 +20,20 @@
 
 enum { PATIENCE = 8, ROUNDS = 20, ROUNDS_PER_PAIR = 10, CHANGES = 64 };
 static const double GUARD = 1e-12; /* of the sizes of the terms of a value: as driver.c has it */
-static const double GOOD = 1e-13;  /* nothing to gain by refining below this */
+static const double FINE = 1e-14;  /* equations hold: a hundredth of what guards are read to */
+static const double GOOD = 1e-13;  /* an answer needs no closer look */
 static const double TRUST = 1e-8;  /* as transform.c */
 
+/* --- guards --- */
+
 /* The mode that the guard of pair i asks for; its own if that holds. */
-static ns_mode wanted(const ns_mlcp_solver *s, int i) {
-    const double slack = GUARD * s->size[i], y = s->y[i], v = s->lambda[i];
-    if (s->in[i])
+static inline ns_mode wanted(const ns_mlcp_solver *s, int i) {
+    const double y = s->y[i], v = s->lambda[i];
+    if (s->in[i]) {
+        const double slack = s->slack * s->lterms[i];
         return v < s->p->l[i] - slack ? NS_LOWER : v > s->p->u[i] + slack ? NS_UPPER : NS_INSIDE;
+    }
+    const double slack = s->slack * s->yterms[i];
     if (s->mode[i] == NS_LOWER)
         return y < -slack ? NS_INSIDE : NS_LOWER;
     return y > slack ? NS_INSIDE : NS_UPPER;
@@ -35,8 +43,8 @@ static ns_mode wanted(const ns_mlcp_solver *s, int i) {
 static double breach(const ns_mlcp_solver *s, int i) {
     const double v = s->lambda[i];
     if (s->in[i])
-        return fmax(s->p->l[i] - v, v - s->p->u[i]) / s->size[i];
-    return fabs(s->y[i]) / s->size[i];
+        return fmax(s->p->l[i] - v, v - s->p->u[i]) / s->lterms[i];
+    return fabs(s->y[i]) / s->yterms[i];
 }
 
 /* list gets the pairs whose guard is broken. */
@@ -62,6 +70,8 @@ static int worst(const ns_mlcp_solver *s, int n, const int *list) {
     return at;
 }
 
+/* --- exchanges --- */
+
 /* Makes the transform that of s->mode, or of one near it where that is singular: from the one there is, or
  * *anew from W.  0: an equality is left. */
 static int align(ns_mlcp_solver *s, int *anew) {
@@ -82,6 +92,7 @@ static int align(ns_mlcp_solver *s, int *anew) {
     }
     const long before = s->pivots;
     n = ns_transform_exchange(s, n, list);
+    ns_transform_tidy(s);
     if (*anew) /* they made the basis, as a factorisation would */
         s->pivots = before;
     for (int k = 0; k < n; k++) {
@@ -102,13 +113,12 @@ static double room(const ns_mlcp_solver *s, int i, double slope) {
     return slope > 0.0 ? -s->y[i] / slope : INFINITY;
 }
 
-/* The pair that breaks first when the nonbasic of k changes at rate `way`; -1: none. */
-static int first_to_break(const ns_mlcp_solver *s, int k, double way, double *far) {
-    const double *col = s->P + (size_t)k * (size_t)s->m;
+/* The pair that breaks first when the nonbasic of k changes by `way` times the rates; -1: none. */
+static int first_to_break(ns_mlcp_solver *s, int k, double way, const double *rate, double *far) {
     int first = -1;
     for (int a = 0; a < s->np; a++) {
         const int i = s->pair[a];
-        const double slope = way * col[i];
+        const double slope = way * rate[i];
         if (i == k || slope == 0.0 || wanted(s, i) != s->mode[i])
             continue;
         const double t = fmax(room(s, i, slope), 0.0);
@@ -124,15 +134,16 @@ static int first_to_break(const ns_mlcp_solver *s, int k, double way, double *fa
 static int exchange_with_partner(ns_mlcp_solver *s, int k) {
     const ns_mode to = wanted(s, k);
     const int up = s->in[k] ? to == NS_LOWER : s->mode[k] == NS_LOWER;
-    double far = s->in[k] ? INFINITY : s->p->u[k] - s->p->l[k];
-    const int i = first_to_break(s, k, up ? 1.0 : -1.0, &far);
+    double far = s->in[k] ? INFINITY : s->p->u[k] - s->p->l[k], *rate = s->rhs;
+    ns_transform_column(s, k, rate);
+    const int i = first_to_break(s, k, up ? 1.0 : -1.0, rate, &far);
     if (i < 0 && isinf(far))
         return 0;
     if (i < 0) {
         s->mode[k] = up ? NS_UPPER : NS_LOWER;
         return 1;
     }
-    const double slope = s->P[(size_t)i + (size_t)k * (size_t)s->m] * (up ? 1.0 : -1.0);
+    const double slope = up ? rate[i] : -rate[i];
     s->mode[i] = !s->in[i] ? NS_INSIDE : slope < 0.0 ? NS_LOWER : NS_UPPER;
     s->mode[k] = to;
     ns_transform_pivot2(s, k, i);
@@ -141,19 +152,70 @@ static int exchange_with_partner(ns_mlcp_solver *s, int k) {
 
 /* Flips pair i.  0: neither its pivot nor one together with another pair can be trusted. */
 static int flip(ns_mlcp_solver *s, int i) {
+    int done = 1;
     if (ns_transform_trust(s, i) < TRUST)
-        return exchange_with_partner(s, i);
-    s->mode[i] = wanted(s, i);
-    ns_transform_pivot(s, i);
+        done = exchange_with_partner(s, i);
+    else {
+        s->mode[i] = wanted(s, i);
+        ns_transform_pivot(s, i);
+    }
+    ns_transform_tidy(s);
+    return done;
+}
+
+/* Flips the worst of the n in list, lets the others follow, and so on while one of them is still broken. */
+static int flip_in_turn(ns_mlcp_solver *s, int n, int *list) {
+    while (n > 0) {
+        const int i = worst(s, n, list);
+        if (ns_transform_trust(s, i) < TRUST)
+            return flip(s, i);
+        s->mode[i] = wanted(s, i);
+        ns_transform_move(s, i, n, list);
+        ns_transform_pivot(s, i);
+        if (!s->in[i])
+            ns_transform_tidy(s);
+        int left = 0;
+        for (int k = 0; k < n; k++)
+            if (list[k] != i && wanted(s, list[k]) != s->mode[list[k]])
+                list[left++] = list[k];
+        n = left;
+    }
     return 1;
+}
+
+/* --- rounds --- */
+
+/* How well the equations of the pairs inside hold. */
+static double defect(const ns_mlcp_solver *s) {
+    double most = 0.0;
+    for (int a = 0; a < s->nwho; a++) {
+        const int i = s->who[a];
+        if (!(fabs(s->y[i]) <= most * s->yterms[i]))
+            most = fabs(s->y[i]) / s->yterms[i];
+    }
+    return most;
+}
+
+/* The pairs whose guard is broken, at lambda of s->mode and y from W and lambda.  A guard is not read more
+ * finely than the equations hold; where that leaves none broken, lambda is refined once. */
+static int look_at_guards(ns_mlcp_solver *s, int *list) {
+    ns_transform_values(s);
+    ns_mlcp_terms(s->p, s->lambda, s->y, s->yterms);
+    s->slack = GUARD * fmax(1.0, defect(s) / FINE);
+    int n = broken(s, list);
+    if (n > 0 || s->slack == GUARD)
+        return n;
+    s->slack = GUARD;
+    ns_transform_correct(s);
+    ns_mlcp_terms(s->p, s->lambda, s->y, s->yterms);
+    return broken(s, list);
 }
 
 /* From s->mode to one whose guards hold. */
 static int search(ns_mlcp_solver *s) {
     int *list = s->queue, best = s->np + 1, patience = PATIENCE;
     for (int round = 0; round < ROUNDS + ROUNDS_PER_PAIR * s->np; round++) {
-        ns_transform_values(s);
-        const int n = broken(s, list);
+        const int n = look_at_guards(s, list);
         if (n == 0)
             return NS_OK;
         if (n < best) {
@@ -161,53 +223,85 @@ static int search(ns_mlcp_solver *s) {
             patience = PATIENCE + s->np / 4;
         } else
             patience--;
-        if (!flip(s, patience > 0 ? worst(s, n, list) : list[0]))
+        if (!(patience > 0 ? flip_in_turn(s, n, list) : flip(s, list[0])))
             return NS_E_LIMIT;
     }
     return NS_E_LIMIT;
 }
 
-static void clamp_lambda(ns_mlcp_solver *s) {
+/* lambda into its bounds; whether it was outside. */
+static int clamp_lambda(ns_mlcp_solver *s) {
+    int moved = 0;
     for (int i = 0; i < s->m; i++) {
         const double v = s->lambda[i], l = s->p->l[i], u = s->p->u[i];
-        s->lambda[i] = v < l ? l : v > u ? u : v;
+        if (v < l || v > u) {
+            s->lambda[i] = v < l ? l : u;
+            moved = 1;
+        }
     }
+    return moved;
 }
 
-/* The residual of the answer of the transform, refined once where that helps; y from W. */
+/* The residual of the answer, whose y is that of lambda before it was put into its bounds. */
 static double check(ns_mlcp_solver *s) {
-    clamp_lambda(s);
-    double r = ns_mlcp_glance(s->p, s->lambda, s->y, s->size);
-    if (r <= GOOD)
-        return r;
-    ns_transform_correct(s);
-    clamp_lambda(s);
-    r = ns_mlcp_glance(s->p, s->lambda, s->y, s->size);
+    if (clamp_lambda(s))
+        ns_mlcp_terms(s->p, s->lambda, s->y, s->yterms);
+    const double r = ns_mlcp_bound_residual(s->p, s->lambda, s->y, s->yterms);
     if (r <= GOOD)
         return r;
     const double full = ns_mlcp_measure(s->p, s->lambda, s->alike, s->rhs, NULL);
     return isnan(full) ? full : fmin(r, full); /* fmin would drop the NaN of terms that overflow */
 }
 
+/* y of the answer: 0 inside, not beyond 0 at a bound. */
+static void clamp_y(ns_mlcp_solver *s) {
+    for (int f = 0; f < s->nf; f++)
+        s->y[s->free[f]] = 0.0;
+    for (int a = 0; a < s->np; a++) {
+        const int i = s->pair[a];
+        const double y = s->y[i];
+        if (s->mode[i] == NS_INSIDE || (s->mode[i] == NS_LOWER ? y < 0.0 : y > 0.0))
+            s->y[i] = 0.0;
+    }
+}
+
+/* From mode (NULL: all at the lower bounds), or near it. */
+static int attempt(ns_mlcp_solver *s, const ns_mode *mode, int *anew, double accept, double *residual) {
+    *residual = INFINITY;
+    if (!s->settled || memcmp(mode, s->mode, (size_t)s->m) != 0) {
+        s->settled = 0;
+        ns_mlcp_restart(s, mode);
+        if (!align(s, anew))
+            return NS_E_SINGULAR;
+    }
+    const int status = search(s);
+    if (status != NS_OK)
+        return status;
+    *residual = check(s);
+    return *residual <= accept ? NS_OK : NS_E_RESIDUAL;
+}
+
+static int all_lower(const ns_mlcp_solver *s, const ns_mode *mode) {
+    int n = 0;
+    for (int i = 0; i < s->m; i++)
+        n += ns_mlcp_mend(s, i, mode[i]) != ns_mlcp_mend(s, i, NS_LOWER);
+    return n == 0;
+}
+
 int ns_mlcp_quick(ns_mlcp_solver *s, const ns_mode *mode, double accept, double *residual) {
     s->now = *s->p;
-    for (int attempt = 0, anew = 0; attempt < 2; attempt++) {
-        ns_mlcp_restart(s, mode);
-        if (!align(s, &anew))
-            return NS_E_SINGULAR;
-        int status = search(s);
-        *residual = INFINITY;
-        if (status == NS_OK)
-            *residual = check(s);
-        if (*residual <= accept) {
-            ns_basis_clamp(s);
-            return NS_OK;
-        }
-        s->have_transform = 0;
-        if (anew)
-            return status == NS_OK ? NS_E_RESIDUAL : status;
+    int anew = 0, status = attempt(s, mode, &anew, accept, residual);
+    for (int k = anew; k < 2 && status != NS_OK; k++) { /* the transform anew; then another start */
+        if (k == 1 && all_lower(s, mode))
+            break;
+        s->have_transform = s->settled = 0;
+        anew = 1;
+        status = attempt(s, k ? NULL : mode, &anew, accept, residual);
     }
-    return NS_E_LIMIT;
+    s->settled = s->have_transform = status == NS_OK;
+    if (status == NS_OK)
+        clamp_y(s);
+    return status;
 }
 
 int ns_mlcp_pivot(ns_mlcp_solver *s, double accept) {

@@ -46,7 +46,7 @@ static int known(const ns_mlcp_solver *s, const ns_mlcp *p) {
 /* Keeps W, l and u. */
 static int learn(ns_mlcp_solver *s, const ns_mlcp *p) {
     const size_t m = (size_t)p->m;
-    s->known = s->have_units = s->have_transform = s->have_factors = 0;
+    s->known = s->have_units = s->have_transform = s->settled = s->have_factors = 0;
     int status = bad_bounds(p);
     if (status != NS_OK)
         return status;
@@ -79,7 +79,7 @@ int ns_mlcp_take(ns_mlcp_solver *s, const ns_mlcp *p) {
     int status = m == 0 || known(s, p) ? NS_OK : learn(s, p);
     s->m = p->m;
     if (m == 0)
-        s->known = s->nf = s->np = s->nx = 0;
+        s->known = s->settled = s->nf = s->np = s->nx = 0;
     return status;
 }
 
@@ -106,19 +106,6 @@ int ns_mlcp_fetch_all(ns_mlcp_solver *s) {
         else if (ns_mlcp_fetch(s, j) != NS_OK)
             return NS_E_NUMBER;
     return NS_OK;
-}
-
-ns_mode ns_mlcp_mend(const ns_mlcp_solver *s, int i, ns_mode mode) {
-    double l = s->p->l[i], u = s->p->u[i];
-    if (l == u)
-        return NS_LOWER;
-    if (isinf(l) && isinf(u))
-        return NS_INSIDE;
-    if (mode == NS_INSIDE)
-        return NS_INSIDE;
-    if (mode == NS_UPPER)
-        return isinf(u) ? NS_LOWER : NS_UPPER;
-    return isinf(l) ? NS_UPPER : NS_LOWER;
 }
 
 double ns_mlcp_bound(const ns_mlcp_solver *s, int i, ns_mode mode) {

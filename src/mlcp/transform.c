@@ -1,81 +1,177 @@
-/* src/mlcp/transform.c - the principal pivot transform of W: exchanges, values. */
+/* src/mlcp/transform.c - the principal pivot transform of W, of the pairs that are looked at: exchanges,
+ * values.
+ *
+ * s->who[0..nwho-1] are those pairs, s->at[i] the place of pair i among them, -1 elsewhere.  P (leading
+ * dimension m), diag, and all that is called a or b here are numbered by place.
+ */
 #include "transform.h"
 
 #include <math.h>
 #include <string.h>
 
+#include "../linalg/terms.h"
+#include "glance.h"
+
 static const double TRUST = 1e-8; /* a pivot must keep eight of sixteen digits; refinement does the rest */
 static const double EASY = 0.1;   /* good enough not to look for a better one */
 
 void ns_transform_start(ns_mlcp_solver *s) {
-    const size_t m = (size_t)s->m;
-    memcpy(s->P, s->p->W, m * m * sizeof *s->P);
-    memset(s->in, 0, m);
-    for (size_t i = 0; i < m; i++)
-        s->diag[i] = fabs(s->p->W[i * (m + 1)]);
+    memset(s->in, 0, (size_t)s->m);
+    s->at_zero = 1;
+    for (int i = 0; i < s->m; i++) {
+        s->at[i] = -1;
+        s->at_zero &= (s->p->l[i] == 0.0 || isinf(s->p->l[i])) && (s->p->u[i] == 0.0 || isinf(s->p->u[i]));
+    }
+    s->nwho = 0;
     s->changes = 0;
     s->have_transform = 1;
 }
 
-double ns_transform_trust(const ns_mlcp_solver *s, int k) {
-    double p = fabs(s->P[(size_t)k * ((size_t)s->m + 1)]);
-    return p > 0.0 ? p / s->diag[k] : 0.0;
+/* --- which pairs --- */
+
+static double *column(const ns_mlcp_solver *s, int a) {
+    return s->P + (size_t)a * (size_t)s->m;
 }
 
-double ns_transform_trust2(const ns_mlcp_solver *s, int k, int l) {
-    const size_t m = (size_t)s->m, a = (size_t)k, b = (size_t)l;
-    double across = s->P[a + b * m] * s->P[b + a * m];
-    double det = s->P[a * (m + 1)] * s->P[b * (m + 1)] - across;
-    double terms = s->diag[k] * s->diag[l] + fabs(across);
+/* Row and column of pair i, which is not basic, behind the others:
+ *     P_ai = [W_ai] - sum_J P_aj W_ji,   P_ia = [W_ia] + sum_J W_ij P_ja,   [] where a is not basic. */
+static int look(ns_mlcp_solver *s, int i) {
+    const size_t m = (size_t)s->m, n = (size_t)s->nwho;
+    const double *Wi = s->p->W + (size_t)i * m, own = Wi[i];
+    if (s->at[i] >= 0)
+        return s->at[i];
+    double *restrict new = column(s, s->nwho), *restrict row = s->g, size = fabs(own), sum = own;
+    for (size_t a = 0; a < n; a++) {
+        const int j = s->who[a];
+        row[a] = s->in[j] ? s->p->W[(size_t)i + (size_t)j * m] : 0.0;
+        new[a] = s->in[j] ? 0.0 : Wi[j];
+        s->P[n + a * m] = s->in[j] ? 0.0 : s->p->W[(size_t)i + (size_t)j * m];
+    }
+    for (size_t b = 0; b < n; b++) {
+        const int j = s->who[b];
+        const double *restrict col = s->P + b * m, w = s->in[j] ? Wi[j] : 0.0, v = row[b];
+        for (size_t a = 0; a < n && w != 0.0; a++)
+            new[a] -= col[a] * w;
+        for (size_t a = 0; a < n && v != 0.0; a++)
+            s->P[n + a * m] += v * s->P[b + a * m];
+    }
+    for (size_t a = 0; a < n; a++) {
+        const double term = row[a] * new[a];
+        sum += term;
+        size = fabs(term) > size ? fabs(term) : size;
+    }
+    new[n] = sum;
+    s->diag[n] = size;
+    s->who[n] = i;
+    s->at[i] = (int)n;
+    return s->nwho++;
+}
+
+/* The last comes into its place. */
+static void forget(ns_mlcp_solver *s, int a) {
+    const int last = --s->nwho;
+    s->at[s->who[a]] = -1;
+    if (a == last)
+        return;
+    const double *from = column(s, last);
+    double *to = column(s, a);
+    for (int b = 0; b < last; b++) {
+        column(s, b)[a] = column(s, b)[last];
+        to[b] = from[b];
+    }
+    to[a] = from[last];
+    s->diag[a] = s->diag[last];
+    s->who[a] = s->who[last];
+    s->at[s->who[a]] = a;
+}
+
+void ns_transform_tidy(ns_mlcp_solver *s) {
+    for (int a = s->nwho - 1; a >= 0; a--)
+        if (!s->in[s->who[a]])
+            forget(s, a);
+}
+
+/* --- exchanges --- */
+
+double ns_transform_trust(ns_mlcp_solver *s, int i) {
+    const int a = look(s, i);
+    const double p = fabs(column(s, a)[a]);
+    return p > 0.0 ? p / s->diag[a] : 0.0;
+}
+
+double ns_transform_trust2(ns_mlcp_solver *s, int i, int j) {
+    const int a = look(s, i), b = look(s, j);
+    const double across = column(s, b)[a] * column(s, a)[b];
+    const double det = column(s, a)[a] * column(s, b)[b] - across;
+    const double terms = s->diag[a] * s->diag[b] + fabs(across);
     return det != 0.0 ? fabs(det) / terms : 0.0;
 }
 
-/* P_IJ -= c r_J / p for all columns but k, row k aside. */
-void ns_transform_pivot(ns_mlcp_solver *s, int k) {
-    const size_t m = (size_t)s->m, kk = (size_t)k;
-    double *restrict c = s->P + kk * m, *restrict diag = s->diag;
-    const double p = c[kk], inverse = 1.0 / p;
-    c[kk] = 0.0; /* row k: set after the update */
-    for (size_t j = 0; j < m; j++) {
-        double *restrict col = s->P + j * m;
-        const double r = col[kk] * inverse, term = fabs(c[j] * r);
-        if (j == kk || r == 0.0)
-            continue;
-        for (size_t i = 0; i < m; i++)
-            col[i] -= c[i] * r;
-        col[kk] = -r;
-        diag[j] = term > diag[j] ? term : diag[j];
-    }
-    for (size_t i = 0; i < m; i++)
-        c[i] *= inverse;
-    c[kk] = inverse;
-    diag[kk] *= inverse * inverse;
-    s->in[k] ^= 1;
+static void flipped(ns_mlcp_solver *s, int i) {
+    s->in[i] ^= 1;
     s->changes++;
     s->pivots++;
 }
 
-void ns_transform_pivot2(ns_mlcp_solver *s, int k, int l) {
-    const size_t m = (size_t)s->m, a = (size_t)k, b = (size_t)l;
-    double *ca = s->P + a * m, *cb = s->P + b * m;
+void ns_transform_move(ns_mlcp_solver *s, int i, int n, const int *list) {
+    const size_t m = (size_t)s->m;
+    const int k = s->at[i];
+    const double *col = column(s, k),
+                 by = s->in[i] ? ns_mlcp_bound(s, i, s->mode[i]) - s->lambda[i] : -s->y[i];
+    const double step = by / col[k];
+    for (int a = 0; a < s->nwho; a++) {
+        const int j = s->who[a];
+        const double change = j == i && !s->in[i] ? step : s->in[j] ? step * col[a] : 0.0;
+        s->lambda[j] += change;
+        for (int b = 0; b < n && change != 0.0; b++)
+            s->y[list[b]] += s->p->W[(size_t)list[b] + (size_t)j * m] * change;
+    }
+}
+
+/* P_IJ -= c r_J / p for all columns but k, row k aside. */
+void ns_transform_pivot(ns_mlcp_solver *s, int i) {
+    const int k = s->at[i], n = s->nwho;
+    double *restrict c = column(s, k), *restrict diag = s->diag;
+    const double p = c[k], inverse = 1.0 / p;
+    c[k] = 0.0; /* row k: set after the update */
+    for (int b = 0; b < n; b++) {
+        double *restrict col = column(s, b);
+        const double r = col[k] * inverse, term = fabs(c[b] * r);
+        if (b == k || r == 0.0)
+            continue;
+        for (int a = 0; a < n; a++)
+            col[a] -= c[a] * r;
+        col[k] = -r;
+        diag[b] = term > diag[b] ? term : diag[b];
+    }
+    for (int a = 0; a < n; a++)
+        c[a] *= inverse;
+    c[k] = inverse;
+    diag[k] *= inverse * inverse;
+    flipped(s, i);
+}
+
+void ns_transform_pivot2(ns_mlcp_solver *s, int i, int j) {
+    const int a = s->at[i], b = s->at[j], n = s->nwho;
+    double *ca = column(s, a), *cb = column(s, b);
     const double aa = ca[a], ba = ca[b], ab = cb[a], bb = cb[b], det = aa * bb - ab * ba;
-    const double lost = 1.0 / ns_transform_trust2(s, k, l);
-    for (size_t j = 0; j < m; j++) {
-        double *col = s->P + j * m;
-        if (j == a || j == b || (col[a] == 0.0 && col[b] == 0.0))
+    const double lost = 1.0 / ns_transform_trust2(s, i, j);
+    for (int k = 0; k < n; k++) {
+        double *col = column(s, k);
+        if (k == a || k == b || (col[a] == 0.0 && col[b] == 0.0))
             continue;
         const double ra = (bb * col[a] - ab * col[b]) / det, rb = (aa * col[b] - ba * col[a]) / det;
-        const double term = fmax(fabs(ca[j] * ra), fabs(cb[j] * rb));
-        for (size_t i = 0; i < m; i++)
-            col[i] -= ca[i] * ra + cb[i] * rb;
+        const double term = fmax(fabs(ca[k] * ra), fabs(cb[k] * rb));
+        for (int r = 0; r < n; r++)
+            col[r] -= ca[r] * ra + cb[r] * rb;
         col[a] = -ra;
         col[b] = -rb;
-        s->diag[j] = fmax(s->diag[j], term);
+        s->diag[k] = fmax(s->diag[k], term);
     }
-    for (size_t i = 0; i < m; i++) {
-        const double x = ca[i], y = cb[i];
-        ca[i] = (x * bb - y * ba) / det;
-        cb[i] = (y * aa - x * ab) / det;
+    for (int r = 0; r < n; r++) {
+        const double x = ca[r], y = cb[r];
+        ca[r] = (x * bb - y * ba) / det;
+        cb[r] = (y * aa - x * ab) / det;
     }
     ca[a] = bb / det;
     ca[b] = -ba / det;
@@ -84,14 +180,12 @@ void ns_transform_pivot2(ns_mlcp_solver *s, int k, int l) {
     const double da = s->diag[a];
     s->diag[a] = lost * s->diag[b] / fabs(det);
     s->diag[b] = lost * da / fabs(det);
-    s->in[k] ^= 1;
-    s->in[l] ^= 1;
-    s->changes += 2;
-    s->pivots += 2;
+    flipped(s, i);
+    flipped(s, j);
 }
 
 /* The entry of list with the best pivot; the first easy one will do. */
-static int choose(const ns_mlcp_solver *s, int n, const int *list, double *trust) {
+static int choose(ns_mlcp_solver *s, int n, const int *list, double *trust) {
     int best = -1;
     *trust = 0.0;
     for (int a = 0; a < n && *trust < EASY; a++) {
@@ -105,7 +199,7 @@ static int choose(const ns_mlcp_solver *s, int n, const int *list, double *trust
 }
 
 /* The best two of list; *first < *second. */
-static double choose2(const ns_mlcp_solver *s, int n, const int *list, int *first, int *second) {
+static double choose2(ns_mlcp_solver *s, int n, const int *list, int *first, int *second) {
     double best = 0.0;
     for (int a = 0; a < n; a++)
         for (int b = a + 1; b < n && best < EASY; b++) {
@@ -135,38 +229,55 @@ int ns_transform_exchange(ns_mlcp_solver *s, int n, int *list) {
     return n;
 }
 
-void ns_transform_values(ns_mlcp_solver *s) {
+/* --- values --- */
+
+void ns_transform_column(ns_mlcp_solver *s, int i, double *rate) {
     const size_t m = (size_t)s->m;
-    double *restrict out = s->g, *restrict size = s->size;
-    memset(out, 0, m * sizeof *out);
-    memset(size, 0, m * sizeof *size);
-    for (size_t j = 0; j < m; j++) {
-        const double v = s->in[j] ? -s->p->q[j] : s->mode[j] == NS_UPPER ? s->p->u[j] : s->p->l[j];
-        const double *restrict col = s->P + j * m;
-        s->way[j] = v;
-        if (v == 0.0)
-            continue;
-        for (size_t i = 0; i < m; i++) {
-            const double term = col[i] * v;
-            out[i] += term;
-            size[i] += fabs(term);
+    const double *col = column(s, look(s, i));
+    if (s->in[i])
+        memset(rate, 0, m * sizeof *rate);
+    else
+        memcpy(rate, s->p->W + (size_t)i * m, m * sizeof *rate);
+    for (int a = 0; a < s->nwho; a++)
+        if (s->in[s->who[a]])
+            ns_matvec_add(s->m, 1, s->p->W + (size_t)s->who[a] * m, col + a, rate);
+    for (int a = 0; a < s->nwho; a++)
+        rate[s->who[a]] = col[a];
+}
+
+void ns_transform_values(ns_mlcp_solver *s) {
+    const int n = s->nwho, ld = s->m;
+    double *x = s->rhs, *sum = x + n, *terms = sum + n, *none = terms + n;
+    int plain = 1; /* lambda at its bounds is 0 */
+    memset(s->lambda, 0, (size_t)ld * sizeof *s->lambda);
+    for (int i = 0; i < s->m && !s->at_zero; i++)
+        if (!s->in[i]) {
+            s->lambda[i] = ns_mlcp_bound(s, i, s->mode[i]);
+            plain &= s->lambda[i] == 0.0;
         }
+    if (!plain)
+        ns_mlcp_terms(s->p, s->lambda, s->y, s->yterms);
+    memset(sum, 0, 3 * (size_t)n * sizeof *sum);
+    for (int a = 0; a < n; a++)
+        x[a] = -(plain ? s->p->q : s->y)[s->who[a]];
+    ns_terms_add(n, n, ld, s->P, x, sum, terms);
+    if (!plain) { /* the terms of y count, of which x may be a small difference */
+        memset(terms, 0, (size_t)n * sizeof *terms);
+        for (int a = 0; a < n; a++)
+            x[a] = s->yterms[s->who[a]];
+        ns_terms_add(n, n, ld, s->P, x, none, terms);
     }
-    for (size_t i = 0; i < m; i++) {
-        const double q = s->p->q[i];
-        s->lambda[i] = s->in[i] ? out[i] : s->way[i];
-        s->y[i] = s->in[i] ? 0.0 : out[i] + q;
-        size[i] += s->in[i] ? 0.0 : fabs(q);
+    for (int a = 0; a < n; a++) {
+        s->lambda[s->who[a]] = sum[a];
+        s->lterms[s->who[a]] = terms[a];
     }
 }
 
 void ns_transform_correct(ns_mlcp_solver *s) {
-    const size_t m = (size_t)s->m;
-    memset(s->g, 0, m * sizeof *s->g);
-    for (size_t j = 0; j < m; j++)
-        if (s->in[j] && s->y[j] != 0.0)
-            ns_matvec_add(s->m, 1, s->P + j * m, s->y + j, s->g);
-    for (size_t i = 0; i < m; i++)
-        if (s->in[i])
-            s->lambda[i] -= s->g[i];
+    const int n = s->nwho;
+    memset(s->g, 0, (size_t)n * sizeof *s->g);
+    for (int b = 0; b < n; b++)
+        ns_matvec_add(n, 1, column(s, b), s->y + s->who[b], s->g);
+    for (int a = 0; a < n; a++)
+        s->lambda[s->who[a]] -= s->g[a];
 }

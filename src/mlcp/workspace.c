@@ -9,10 +9,10 @@
 static void carve_doubles(ns_mlcp_solver *s, size_t m) {
     double *d = s->doubles;
     double **square[] = {&s->Wreg, &s->A, &s->mag, &s->Wown, &s->P};
-    double **vector[] = {&s->q,       &s->qraw,   &s->eval, &s->kept_lambda, &s->kept_y, &s->rowmax,
-                         &s->colunit, &s->lambda, &s->y,    &s->ysize,       &s->lsize,  &s->g,
-                         &s->beta,    &s->blo,    &s->bhi,  &s->cover,       &s->ray,    &s->proof,
-                         &s->lown,    &s->uown,   &s->size, &s->way,         &s->diag};
+    double **vector[] = {&s->q,       &s->qraw,   &s->eval,   &s->kept_lambda, &s->kept_y, &s->rowmax,
+                         &s->colunit, &s->lambda, &s->y,      &s->ysize,       &s->lsize,  &s->g,
+                         &s->beta,    &s->blo,    &s->bhi,    &s->cover,       &s->ray,    &s->proof,
+                         &s->lown,    &s->uown,   &s->yterms, &s->lterms,      &s->diag};
     for (size_t i = 0; i < sizeof square / sizeof *square; i++, d += m * m)
         *square[i] = d;
     for (size_t i = 0; i < sizeof vector / sizeof *vector; i++, d += m)
@@ -33,7 +33,7 @@ static void carve_ints(ns_mlcp_solver *s, size_t m) {
     int *d = s->ints;
     int **vector[] = {&s->free,   &s->pair, &s->fixed, &s->rows,  &s->cols,      &s->rowvar,
                       &s->colvar, &s->r,    &s->c,     &s->queue, &s->stuck_row, &s->stuck_col,
-                      &s->parent, &s->erow, &s->ecol,  &s->part};
+                      &s->parent, &s->erow, &s->ecol,  &s->part,  &s->who,       &s->at};
     for (size_t i = 0; i < sizeof vector / sizeof *vector; i++, d += m + 1)
         *vector[i] = d;
     s->where = d; /* 2m+1 */
@@ -51,7 +51,7 @@ int ns_mlcp_create(int m, ns_mlcp_solver **out) {
     size_t k = (size_t)m;
     s->cap = m;
     s->doubles = calloc(count_doubles(k), sizeof *s->doubles);
-    s->ints = calloc(16 * (k + 1) + 2 * k + 1, sizeof *s->ints);
+    s->ints = calloc(18 * (k + 1) + 2 * k + 1, sizeof *s->ints);
     s->bytes = calloc(k * k * sizeof(short) + 9 * (k + 1), 1);
     if (!s->doubles || !s->ints || !s->bytes || ns_lu_create(m + 1, &s->lu) != NS_OK) {
         ns_mlcp_free(s);

@@ -1,0 +1,42 @@
+/* src/linalg/terms.c - a product with the sizes of what it was summed from. */
+#include "terms.h"
+
+#include <math.h>
+#include <stddef.h>
+
+enum { TILE = 8 }; /* rows whose sums stay in registers while the columns go by */
+
+/* n <= TILE rows. */
+static inline void rows(int n, int q, int ld, const double *restrict A, const double *restrict x,
+                        double *restrict y, double *restrict size) {
+    double sum[TILE], terms[TILE];
+    for (int i = 0; i < n; i++) {
+        sum[i] = y[i];
+        terms[i] = size[i];
+    }
+    for (int j = 0; j < q; j++, A += ld) {
+        const double v = x[j];
+        if (v == 0.0)
+            continue;
+        for (int i = 0; i < n; i++) {
+            const double term = A[i] * v;
+            sum[i] += term;
+            terms[i] += fabs(term);
+        }
+    }
+    for (int i = 0; i < n; i++) {
+        y[i] = sum[i];
+        size[i] = terms[i];
+    }
+}
+
+void ns_terms_add(int p, int q, int ld, const double *A, const double *x, double *restrict y,
+                  double *restrict size) {
+    int i = 0;
+    for (; i + TILE <= p; i += TILE)
+        rows(TILE, q, ld, A + i, x, y + i, size + i);
+    for (; i + 4 <= p; i += 4)
+        rows(4, q, ld, A + i, x, y + i, size + i);
+    for (; i < p; i++)
+        rows(1, q, ld, A + i, x, y + i, size + i);
+}
