@@ -71,11 +71,9 @@ static double power_of_two(int k) {
     return v;
 }
 
-/* Copies a, scaled, into the factors' place; returns its 1-norm. */
+/* Copies a, scaled by 2^r, 2^c, into the factors' place; returns its 1-norm. */
 static double load(ns_lu *f, int n, const double *a) {
     double norm = 0.0;
-    if (!ns_match_scale(n, a, f->r, f->c, f->match)) /* singular whatever its numbers are */
-        ns_equilibrate(n, a, n, f->r, f->c, f->e);
     for (int i = 0; i < n; i++) {
         f->rs[i] = power_of_two(f->r[i]);
         f->cs[i] = power_of_two(f->c[i]);
@@ -90,6 +88,47 @@ static double load(ns_lu *f, int n, const double *a) {
         norm = fmax(norm, sum);
     }
     return norm;
+}
+
+/* The scaling by the best permutation, or one of largest entries: singular whatever its numbers are. */
+static void find_scaling(ns_lu *f, int n, const double *a) {
+    if (!ns_match_scale(n, a, f->r, f->c, f->match))
+        ns_equilibrate(n, a, n, f->r, f->c, f->e);
+}
+
+/* -(binary exponent) of a, 0 for 0. */
+static int down(double a) {
+    int e = 0;
+    if (a > 0.0)
+        (void)frexp(a, &e);
+    return -e;
+}
+
+/* The scaling by largest entries, of rows in units 2^c of the columns, then of columns. */
+static void find_quickly(ns_lu *f, int n, const double *a, const int *c) {
+    double *most = f->rs;
+    for (int i = 0; i < n; i++)
+        most[i] = 0.0;
+    for (int j = 0; j < n; j++) {
+        const double *col = a + (size_t)j * (size_t)n, unit = power_of_two(c[j]);
+        for (int i = 0; i < n; i++) {
+            const double v = fabs(col[i]) * unit;
+            most[i] = v > most[i] ? v : most[i];
+        }
+    }
+    for (int i = 0; i < n; i++) {
+        f->r[i] = down(most[i]);
+        most[i] = power_of_two(f->r[i]);
+    }
+    for (int j = 0; j < n; j++) {
+        const double *col = a + (size_t)j * (size_t)n;
+        double top = 0.0;
+        for (int i = 0; i < n; i++) {
+            const double v = fabs(col[i]) * most[i];
+            top = v > top ? v : top;
+        }
+        f->c[j] = down(top);
+    }
 }
 
 /* The column with the smallest pivot; *ratio gets that pivot over the largest. */
@@ -108,7 +147,8 @@ static int smallest_pivot(const ns_lu *f, double *ratio) {
     return at;
 }
 
-int ns_lu_factor(ns_lu *f, int n, const double *a, double *rcond, int *column) {
+/* c: NULL, or exponents of the units of the columns, then taken instead of the best permutation. */
+static int factor(ns_lu *f, int n, const double *a, const int *c, double *rcond, int *column) {
     if (!f || (n > 0 && !a))
         return NS_E_NULL;
     if (n < 0 || n > f->cap)
@@ -121,6 +161,10 @@ int ns_lu_factor(ns_lu *f, int n, const double *a, double *rcond, int *column) {
     f->n = n;
     if (n == 0)
         return NS_OK;
+    if (c)
+        find_quickly(f, n, a, c);
+    else
+        find_scaling(f, n, a);
     double norm = load(f, n, a), ratio;
     lapack_int info = LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, f->a, n, f->piv);
     int at = smallest_pivot(f, &ratio);
@@ -134,6 +178,14 @@ int ns_lu_factor(ns_lu *f, int n, const double *a, double *rcond, int *column) {
     if (column)
         *column = info > 0 ? info - 1 : at;
     return NS_E_SINGULAR;
+}
+
+int ns_lu_factor(ns_lu *f, int n, const double *a, double *rcond, int *column) {
+    return factor(f, n, a, NULL, rcond, column);
+}
+
+int ns_lu_factor_quickly(ns_lu *f, int n, const double *a, const int *c, double *rcond) {
+    return factor(f, n, a, c, rcond, NULL);
 }
 
 /* b = S_to A_scaled^-1 S_from b, or with A_scaled transposed. */

@@ -17,6 +17,11 @@ void ns_lu_free(ns_lu *f); /* NULL is allowed */
  * zero pivot or rcond below 1e-300; *column (may be NULL) then gets the column that is not determined. */
 int ns_lu_factor(ns_lu *f, int n, const double *a, double *rcond, int *column);
 
+/* The same, scaled by largest entries of rows and columns instead of by the permutation with the largest
+ * product: for large matrices, whose search costs more than the factors.  c (n): exponents of units in which
+ * the unknowns are alike. */
+int ns_lu_factor_quickly(ns_lu *f, int n, const double *a, const int *c, double *rcond);
+
 /* Solves for nrhs right-hand sides in place: b is n*nrhs. */
 void ns_lu_solve(const ns_lu *f, int nrhs, double *b);
 

@@ -17,7 +17,7 @@
 static const double FLOOR = 1e-6;
 static const double GUARD = 1e-12; /* as driver.c has it */
 
-static void pick(ns_mlcp_solver *s) {
+void ns_basis_pick(ns_mlcp_solver *s) {
     int k = 0;
     for (int f = 0; f < s->nf; f++)
         s->rows[k++] = s->free[f];
@@ -34,30 +34,17 @@ static void gather(const ns_mlcp_solver *s, const double *col, double *out) {
         out[i] = col[s->rows[i]];
 }
 
-int ns_basis_factor(ns_mlcp_solver *s, double *rcond) {
-    s->have_factors = 0;
-    pick(s);
+void ns_basis_gather(ns_mlcp_solver *s) {
     for (int j = 0; j < s->k; j++)
         gather(s, s->W + (size_t)s->cols[j] * (size_t)s->m, s->G + (size_t)j * (size_t)s->k);
-    s->factors++;
-    return ns_lu_factor(s->lu, s->k, s->G, rcond, NULL);
 }
 
-int ns_basis_keep_factors(ns_mlcp_solver *s, double *rcond) {
-    int same = s->have_factors && s->W == s->Wown;
-    for (int i = 0; i < s->m && same; i++)
-        same = s->factored[i] == (s->mode[i] == NS_INSIDE);
-    if (same) {
-        pick(s);
-        *rcond = s->kept_rcond;
-        return NS_OK;
-    }
-    const int status = ns_basis_factor(s, rcond);
-    for (int i = 0; i < s->m; i++)
-        s->factored[i] = s->mode[i] == NS_INSIDE;
-    s->kept_rcond = *rcond;
-    s->have_factors = status == NS_OK && s->W == s->Wown;
-    return status;
+int ns_basis_factor(ns_mlcp_solver *s, double *rcond) {
+    s->have_factors = 0;
+    ns_basis_pick(s);
+    ns_basis_gather(s);
+    s->factors++;
+    return ns_lu_factor(s->lu, s->k, s->G, rcond, NULL);
 }
 
 /* y = W lambda + q for the present lambda; fixed ones are in q already. */
@@ -112,20 +99,14 @@ static int part_of(const ns_mlcp_solver *s, int j) {
     return s->part[col[i] != 0.0 ? i : 0];
 }
 
-void ns_basis_sizes(ns_mlcp_solver *s) {
+void ns_basis_raise(ns_mlcp_solver *s) {
     double *norm = s->rhs; /* of a part */
-    for (int i = 0; i < s->m; i++) {
-        s->ysize[i] = fabs(s->q[i]);
-        norm[i] = 0.0;
-    }
+    memset(norm, 0, (size_t)s->m * sizeof *norm);
     for (int j = 0; j < s->m; j++) {
-        const double *col = s->W + (size_t)j * (size_t)s->m, v = fabs(s->lambda[j]);
-        if (v == 0.0)
+        if (s->lambda[j] == 0.0)
             continue;
         const int part = s->as_given ? 0 : part_of(s, j);
-        norm[part] = fmax(norm[part], v / s->colunit[j]);
-        for (int i = 0; i < s->m; i++)
-            s->ysize[i] += fabs(col[i]) * v;
+        norm[part] = fmax(norm[part], fabs(s->lambda[j]) / s->colunit[j]);
     }
     for (int i = 0; i < s->m; i++) {
         s->ysize[i] = fmax(s->ysize[i], FLOOR * norm[s->as_given ? 0 : s->part[i]] * s->rowmax[i]);
@@ -133,10 +114,24 @@ void ns_basis_sizes(ns_mlcp_solver *s) {
             s->ysize[i] = s->rowmax[i] > 0.0 ? s->rowmax[i] : 1.0;
         s->g[i] = 1.0 / s->ysize[i];
     }
-    for (int a = 0; a < s->np; a++) {
-        double top = column_max(s, s->pair[a], s->g);
-        s->lsize[s->pair[a]] = top > 0.0 ? 1.0 / top : 1.0;
+}
+
+double ns_basis_lambda_size(const ns_mlcp_solver *s, int i) {
+    const double top = column_max(s, i, s->g);
+    return top > 0.0 ? 1.0 / top : 1.0;
+}
+
+void ns_basis_sizes(ns_mlcp_solver *s) {
+    for (int i = 0; i < s->m; i++)
+        s->ysize[i] = fabs(s->q[i]);
+    for (int j = 0; j < s->m; j++) {
+        const double *col = s->W + (size_t)j * (size_t)s->m, v = fabs(s->lambda[j]);
+        for (int i = 0; i < s->m && v != 0.0; i++)
+            s->ysize[i] += fabs(col[i]) * v;
     }
+    ns_basis_raise(s);
+    for (int a = 0; a < s->np; a++)
+        s->lsize[s->pair[a]] = ns_basis_lambda_size(s, s->pair[a]);
 }
 
 double ns_basis_violation(const ns_mlcp_solver *s) {

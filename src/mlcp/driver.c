@@ -149,6 +149,8 @@ static int apply(ns_mlcp_solver *s, ns_mlcp_method method, const ns_mode *mode, 
         return prove(s, NS_CAREFUL) ? NS_E_INFEASIBLE : ns_proximal(s, mode, ACCEPT, residual);
     }
     ns_mlcp_restart(s, mode);
+    if (method == NS_MLCP_PIVOT && s->m > NS_QUICK)
+        return ns_mlcp_block(s, ACCEPT, residual);
     int status = solver[method](s, ACCEPT);
     if (status == NS_OK && method == NS_MLCP_PIVOT) { /* exact already */
         *residual = measure(s);

@@ -35,9 +35,12 @@ struct ns_mlcp_solver {
     int missing;         /* columns not asked for yet */
     unsigned char *have; /* m: columns that are there */
     int have_units;      /* rowmax, colunit are those of Wown */
-    int have_factors;    /* basis.c: lu holds those of Wown with the lambda in factored[] basic */
+    int have_factors;    /* block.c: lu holds those of Wown with the lambda in factored[] basic, and of */
+    int factored_ridge;  /* ridge 2^this on its diagonal; 0: none */
+    double *centre;      /* m: what that ridge draws lambda to */
     unsigned char *factored;
-    double kept_rcond;
+    int have_scale; /* block.c: 2^(row_exp_i + col_exp_j) Wown_ij are about 1 */
+    int *row_exp, *col_exp;
 
     /* the principal pivot transform of Wown, of the pairs whose lambda is basic (transform.c) */
     int have_transform;
@@ -144,14 +147,17 @@ void ns_mlcp_keep(ns_mlcp_solver *s);
 void ns_mlcp_give_back(ns_mlcp_solver *s);
 
 /* basis.c */
-int ns_basis_factor(ns_mlcp_solver *s, double *rcond);       /* G of s->mode and its factors */
-int ns_basis_keep_factors(ns_mlcp_solver *s, double *rcond); /* the same, but G, or those of the last time */
-void ns_basis_values(ns_mlcp_solver *s, int refinements);    /* lambda, y, from the factors */
+void ns_basis_pick(ns_mlcp_solver *s);                    /* rows, cols, k of s->mode */
+void ns_basis_gather(ns_mlcp_solver *s);                  /* G of them */
+int ns_basis_factor(ns_mlcp_solver *s, double *rcond);    /* all that, and its factors */
+void ns_basis_values(ns_mlcp_solver *s, int refinements); /* lambda, y, from the factors */
 void ns_basis_correct(ns_mlcp_solver *s); /* one refinement by the residual of W, q as they are now */
 void ns_basis_sizes(ns_mlcp_solver *s);   /* ysize, lsize, at lambda */
-double ns_basis_violation(const ns_mlcp_solver *s);      /* worst guard, in units of the sizes */
-ns_mode ns_basis_wanted(const ns_mlcp_solver *s, int i); /* that the guard of pair i asks for */
-void ns_basis_clamp(ns_mlcp_solver *s);                  /* lambda into its bounds, signs of y */
+void ns_basis_raise(ns_mlcp_solver *s);   /* ysize, from the sums of its terms; its reciprocals to g */
+double ns_basis_lambda_size(const ns_mlcp_solver *s, int i); /* lsize of a pair, from g */
+double ns_basis_violation(const ns_mlcp_solver *s);          /* worst guard, in units of the sizes */
+ns_mode ns_basis_wanted(const ns_mlcp_solver *s, int i);     /* that the guard of pair i asks for */
+void ns_basis_clamp(ns_mlcp_solver *s);                      /* lambda into its bounds, signs of y */
 void ns_basis_rest(
     ns_mlcp_solver *s); /* lambda and y are 0, not rounding, in parts of W that nothing drives */
 
@@ -195,9 +201,10 @@ int ns_mlcp_projected(ns_mlcp_solver *s, double accept); /* projected.c */
 int ns_mlcp_pivot(ns_mlcp_solver *s, double accept);     /* pivot.c */
 /* The same in one, from mode, without units, sorting and scaling: what most problems need.  OK: s->lambda,
  * s->y, s->mode are an answer; else LIMIT, SINGULAR, RESIDUAL. */
-enum { NS_QUICK = 64 };               /* the most pairs for which the transform beats factors */
-int ns_mlcp_block(ns_mlcp_solver *s); /* block.c: for more */
+enum { NS_QUICK = 64 }; /* the most pairs for which the transform beats factors */
 int ns_mlcp_quick(ns_mlcp_solver *s, const ns_mode *mode, double accept, double *residual);
+/* block.c: for more; s->y as well.  OK, LIMIT, SINGULAR, RESIDUAL. */
+int ns_mlcp_block(ns_mlcp_solver *s, double accept, double *residual);
 /* enumerate.c.  INFEASIBLE: no mode that has an answer has a right one. SIZE: too many pairs. */
 int ns_mlcp_enumerate(ns_mlcp_solver *s, double accept);
 

@@ -306,8 +306,6 @@ int ns_mlcp_quick(ns_mlcp_solver *s, const ns_mode *mode, double accept, double 
 
 int ns_mlcp_pivot(ns_mlcp_solver *s, double accept) {
     double residual;
-    if (s->m > NS_QUICK)
-        return ns_mlcp_block(s);
     ns_mode *start = s->at_upper; /* room of its own */
     for (int i = 0; i < s->m; i++)
         start[i] = s->mode[i];

@@ -46,7 +46,7 @@ static int known(const ns_mlcp_solver *s, const ns_mlcp *p) {
 /* Keeps W, l and u. */
 static int learn(ns_mlcp_solver *s, const ns_mlcp *p) {
     const size_t m = (size_t)p->m;
-    s->known = s->have_units = s->have_transform = s->settled = s->have_factors = 0;
+    s->known = s->have_units = s->have_scale = s->have_transform = s->settled = s->have_factors = 0;
     int status = bad_bounds(p);
     if (status != NS_OK)
         return status;
@@ -94,7 +94,7 @@ int ns_mlcp_fetch(ns_mlcp_solver *s, int j) {
     }
     s->have[j] = 1;
     s->missing--;
-    s->have_units = 0;
+    s->have_units = s->have_scale = 0;
     return NS_OK;
 }
 
