@@ -19,20 +19,20 @@ static const double shares[] = {0, 1e-7, 1e-9};
 /* Rounding of a sum, of the sizes of its terms. */
 static const double sum_eps = 16 * DBL_EPSILON;
 
-/* y of pair j (S3) from (x, lambda) in v, or from their impulses (z and e play no part then).  *tol: what of
- * it may be rounding. */
-static double y_of(const ns_levels *k, int j, const double *v, const double *z, double *tol) {
+/* y of pair j (S3) from one of the levels of (x, lambda); z: inputs of that level (NULL: none).  *tol: what
+ * of it may be rounding. */
+static double y_of(const ns_levels *k, int j, int level, const double *z, double *tol) {
     const ns_system *s = k->s->s;
-    const int n = s->n, m = s->m, finite = v == k->x;
-    const double *off = finite ? k->Ex : k->EX;
-    double sum = finite ? s->e[j] : 0, terms = fabs(sum), offs = 0;
+    const int n = s->n, m = s->m;
+    const double *v = k->at[level], *off = k->off[level];
+    double sum = level == NS_VALUE ? s->e[j] : 0, terms = fabs(sum), offs = 0;
     for (int i = 0; i < n + m; i++) {
         const double c = i < n ? s->C[j + i * m] : s->D[j + (i - n) * m];
         sum += c * v[i];
         terms += fabs(c * v[i]);
         offs += fabs(c) * off[i];
     }
-    for (int c = 0; finite && c < s->nz; c++) {
+    for (int c = 0; z && c < s->nz; c++) {
         sum += s->F[j + c * m] * z[c];
         terms += fabs(s->F[j + c * m] * z[c]);
     }
@@ -41,47 +41,50 @@ static double y_of(const ns_levels *k, int j, const double *v, const double *z, 
 }
 
 /* lambda of pair j less a bound, likewise. */
-static double lambda_of(const ns_levels *k, int j, double bound, double *tol) {
-    const int n = k->s->s->n;
-    *tol = k->Ex[n + j] + sum_eps * fabs(bound);
-    return k->x[n + j] - bound;
+static double lambda_of(const ns_levels *k, int j, int level, double bound, double *tol) {
+    const int at = k->s->s->n + j;
+    const double from = level == NS_VALUE ? bound : 0;
+    *tol = k->off[level][at] + sum_eps * fabs(from);
+    return k->at[level][at] - from;
 }
 
-/* An impulse and a finite value, read as one number. */
-static int not_negative(double impulse, double tol, double value, double value_tol) {
-    return impulse > tol || (impulse >= -tol && value >= -value_tol);
+/* An impulse, a value and a rate, read as one number: -1, 0, 1. */
+static int sign_of(const ns_levels *k, const double *number, const double *tol) {
+    for (int level = 0; level < k->orders; level++)
+        if (!(fabs(number[level]) <= tol[level]))
+            return number[level] > 0 ? 1 : -1;
+    return 0;
 }
 
 /* (J4) for pair j, inside. */
 static int lambda_fits(const ns_levels *k, int j) {
     const double bound[2] = {k->s->l[j], k->s->u[j]};
     for (int side = 0; side < 2; side++) {
-        double tol = 0;
-        if (!isfinite(bound[side]))
-            continue;
-        const double sign = side ? -1 : 1, value = sign * lambda_of(k, j, bound[side], &tol);
-        const int at = k->s->s->n + j;
-        if (!not_negative(sign * k->X[at], k->EX[at], value, tol))
+        double number[3] = {0}, tol[3] = {0};
+        for (int level = 0; level < 3; level++)
+            number[level] = lambda_of(k, j, level, bound[side], &tol[level]);
+        if (isfinite(bound[side]) && sign_of(k, number, tol) == (side ? 1 : -1))
             return 0;
     }
     return 1;
 }
 
+/* (J4) for pair j, at a bound. */
+static int y_fits(const ns_levels *k, int j, const double *z, const double *slope) {
+    const double *const inputs[] = {NULL, z, slope};
+    double number[3] = {0}, tol[3] = {0};
+    for (int level = 0; level < 3; level++)
+        number[level] = y_of(k, j, level, inputs[level], &tol[level]);
+    return sign_of(k, number, tol) != k->s->trial_mode[j];
+}
+
 /* (J4) */
-static int fits(const ns_levels *k, const double *z) {
+static int fits(const ns_levels *k, const double *z, const double *slope) {
     const ns_theta *s = k->s;
     for (int j = 0; j < s->s->m; j++) {
-        double tol1 = 0, tol0 = 0;
-        const ns_mode mode = s->trial_mode[j];
-        if (mode == NS_INSIDE) {
-            if (!lambda_fits(k, j))
-                return 0;
-        } else if (s->l[j] < s->u[j]) {
-            const double impulse = -mode * y_of(k, j, k->X, z, &tol1),
-                         value = -mode * y_of(k, j, k->x, z, &tol0);
-            if (!not_negative(impulse, tol1, value, tol0))
-                return 0;
-        }
+        const int inside = s->trial_mode[j] == NS_INSIDE, open = s->l[j] < s->u[j];
+        if (inside ? !lambda_fits(k, j) : open && !y_fits(k, j, z, slope))
+            return 0;
     }
     return 1;
 }
@@ -89,7 +92,7 @@ static int fits(const ns_levels *k, const double *z) {
 /* The mode in s->trial_mode, judged. */
 static int judge(ns_levels *k, const double *z, const double *slope) {
     const int status = ns_levels_expand(k, z, slope);
-    return status != NS_OK ? status : fits(k, z) ? NS_OK : NS_E_RESIDUAL;
+    return status != NS_OK ? status : fits(k, z, slope) ? NS_OK : NS_E_RESIDUAL;
 }
 
 /* (P1) of a step of length h, then its mode. */
@@ -105,9 +108,10 @@ static int propose(ns_levels *k, double h, double share, const double *z, const 
     return status == NS_OK ? judge(k, z, slope) : status;
 }
 
-/* From the mode that was to one that fits.  *h: what proposed it.  What a step was refused for stands when
- * nothing fits; that a problem without an answer has none at other lengths either is taken from two. */
-static int search(ns_levels *k, const double *z, const double *slope, double *h) {
+/* From the mode that was to one that fits.  *h: what proposed it.  When nothing fits, what the first step
+ * was refused for stands, or that one has no answer (lengths beyond the second lose too many digits to tell);
+ * that there is none at other lengths either is taken from two. */
+static int search_with(ns_levels *k, const double *z, const double *slope, double *h) {
     ns_theta *s = k->s;
     const double rate = ns_levels_rate(k), time = rate > 0 && isfinite(1 / rate) ? 1 / rate : 1;
     int first = NS_OK, refused = 0;
@@ -124,8 +128,9 @@ static int search(ns_levels *k, const double *z, const double *slope, double *h)
             status = propose(k, *h, shares[i], z, slope);
             if (status == NS_OK || status == NS_E_MEMORY)
                 return status;
-            refused += i == 0 && status == NS_E_INFEASIBLE;
-            if (first == NS_OK) {
+            const int none = i == 0 && status == NS_E_INFEASIBLE;
+            refused += none;
+            if (first == NS_OK || (none && t < 2)) {
                 first = status;
                 fault = s->fault;
             }
@@ -135,41 +140,50 @@ static int search(ns_levels *k, const double *z, const double *slope, double *h)
     return first;
 }
 
+/* Where no mode's rates fit (they take two more orders, of which rounding may leave nothing), values must do.
+ */
+static int search(ns_levels *k, const double *z, const double *slope, double *h) {
+    k->orders = 3;
+    int status = search_with(k, z, slope, h);
+    if (status == NS_E_RESIDUAL) {
+        k->orders = 2;
+        status = search_with(k, z, slope, h);
+    }
+    return status;
+}
+
 static void copy(double *to, const double *from, int count) {
     if (to)
         memcpy(to, from, sizeof(double) * (size_t)count);
 }
 
 /* What a level's y is. */
-static void copy_y(const ns_levels *k, const double *v, const double *z, double *y) {
+static void copy_y(const ns_levels *k, int level, const double *z, double *y) {
     double tol;
     for (int j = 0; y && j < k->s->s->m; j++)
-        y[j] = y_of(k, j, v, z, &tol);
+        y[j] = y_of(k, j, level, z, &tol);
 }
 
-static void hand_out_impulses(const ns_levels *k, const double *z, double h, const ns_impulse *out) {
+/* A level of x, lambda, y. */
+static void hand_out(const ns_levels *k, int level, const double *z, double *x, double *lambda, double *y) {
     const int n = k->s->s->n, m = k->s->s->m;
-    copy(out->X, k->X, n);
-    copy(out->Lambda, k->X + n, m);
-    copy_y(k, k->X, z, out->Y);
-    if (out->h)
-        *out->h = h;
+    copy(x, k->at[level], n);
+    copy(lambda, k->at[level] + n, m);
+    copy_y(k, level, z, y);
 }
 
 static void hand_out_values(const ns_levels *k, const double *z, const ns_impulse *out) {
     const int n = k->s->s->n, m = k->s->s->m;
-    copy(out->x, k->x, n);
-    copy(out->lambda, k->x + n, m);
-    copy_y(k, k->x, z, out->y);
+    hand_out(k, NS_VALUE, z, out->x, out->lambda, out->y);
     if (out->w)
-        ns_matvec(n, n, k->s->s->M, k->x, out->w);
+        ns_matvec(n, n, k->s->s->M, k->at[NS_VALUE], out->w);
     if (out->mode)
         memcpy(out->mode, k->s->trial_mode, (size_t)m);
 }
 
 static int any_impulse(const ns_levels *k) {
     for (int i = 0; i < k->s->s->n + k->s->s->m; i++)
-        if (k->X[i] != 0)
+        if (k->at[NS_IMPULSE][i] != 0)
             return 1;
     return 0;
 }
@@ -179,15 +193,16 @@ static int any_impulse(const ns_levels *k) {
 static void move_on(ns_levels *k) {
     ns_theta *s = k->s;
     const int n = s->s->n;
+    const double *x = k->at[NS_VALUE];
     for (int i = 0; i < s->r; i++) {
         k->w[i] = k->terms_w[i] = 0;
         for (int j = 0; j < n; j++) {
-            k->w[i] += (long double)s->M[i + j * n] * k->x[j];
-            k->terms_w[i] += fabs(s->M[i + j * n] * k->x[j]);
+            k->w[i] += (long double)s->M[i + j * n] * x[j];
+            k->terms_w[i] += fabs(s->M[i + j * n]) * (fabs(x[j]) + k->off[NS_VALUE][j]);
         }
         s->w[i] = (double)k->w[i];
     }
-    memcpy(k->guess, k->x, sizeof(double) * (size_t)n);
+    memcpy(k->guess, x, sizeof(double) * (size_t)n);
     memcpy(s->mode, s->trial_mode, (size_t)s->s->m);
 }
 
@@ -200,7 +215,7 @@ static int solve(ns_levels *k, double *past, const double *z, const double *slop
     if (status != NS_OK)
         return status;
     double *first = past + ns_theta_past_size(k->s);
-    memcpy(first, k->X, sizeof(double) * ((size_t)k->s->s->n + (size_t)k->s->s->m));
+    memcpy(first, k->at[NS_IMPULSE], sizeof(double) * ((size_t)k->s->s->n + (size_t)k->s->s->m));
     hand_out_values(k, z, out);
     if (any_impulse(k)) {
         ns_theta_save(k->s, past);
@@ -210,8 +225,10 @@ static int solve(ns_levels *k, double *past, const double *z, const double *slop
         if (status == NS_OK)
             hand_out_values(k, z, out);
     }
-    memcpy(k->X, first, sizeof(double) * ((size_t)k->s->s->n + (size_t)k->s->s->m));
-    hand_out_impulses(k, z, h, out);
+    memcpy(k->at[NS_IMPULSE], first, sizeof(double) * ((size_t)k->s->s->n + (size_t)k->s->s->m));
+    hand_out(k, NS_IMPULSE, NULL, out->X, out->Lambda, out->Y);
+    if (out->h)
+        *out->h = h;
     return NS_OK;
 }
 

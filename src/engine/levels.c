@@ -1,13 +1,13 @@
-/* src/engine/levels.c - the orders in 1/h of a mode's step as h -> 0: the impulsive and the finite level.
+/* src/engine/levels.c - the orders in 1/h of a mode's step as h -> 0: impulses, values, rates.
  *
  * A step of length h with theta = gamma = 1 in a mode is (P2), K(h) Z = R(h), Z = (x, lambda_J), and
  *
- *     K(h) = K0 + h K1,   R(h) = R0 + h R1,   Z(h) = Z1/h + Z0 + ...
+ *     K(h) = K0 + h K1,   R(h) = R0 + h R1,   Z(h) = Z1/h + Z0 + h Z2 + ...
  *     K0 = [ M; -A -B_J; C_J D_JJ ],   K1 = [ -A -B_J; 0; 0 ]   (differential rows; algebraic rows; pairs)
  *
- * whose orders 1/h, 1, h are two levels, impulsive and finite, and the condition that there is a third:
+ * whose orders 1/h, 1, h, h^2 are these levels, and the condition that there is one more:
  *
- *     K0 Z1 = 0,   K0 Z0 + K1 Z1 = R0,   K0 . + K1 Z0 = R1
+ *     K0 Z1 = 0,   K0 Z0 + K1 Z1 = R0,   K0 Z2 + K1 Z0 = R1,   K0 . + K1 Z2 = 0
  */
 #include "levels.h"
 
@@ -17,16 +17,18 @@
 
 int ns_levels_create(ns_theta *s, ns_levels *k) {
     const size_t all = (size_t)s->s->n + (size_t)s->s->m, square = all * all;
-    double **const vectors[] = {&k->R0, &k->R1, &k->terms, &k->Z1,      &k->Z0, &k->E1,   &k->E0,    &k->X,
-                                &k->x,  &k->EX, &k->Ex,    &k->terms_w, &k->v,  &k->rest, &k->guess, &k->few};
+    double **const vectors[] = {&k->R0,     &k->R1,     &k->terms, &k->terms_w, &k->guess,
+                                &k->Z1,     &k->Z0,     &k->Z2,    &k->E1,      &k->E0,
+                                &k->E2,     &k->at[0],  &k->at[1], &k->at[2],   &k->off[0],
+                                &k->off[1], &k->off[2], &k->v,     &k->rest,    &k->few};
     const size_t count = sizeof vectors / sizeof *vectors;
     memset(k, 0, sizeof *k);
     k->s = s;
     k->K0 = calloc(7 * square + (count + 2 + 5) * all + 1, sizeof(double));
-    k->fine = calloc(3 * all + 1, sizeof *k->fine);
+    k->fine = calloc(6 * all + 1, sizeof *k->fine);
     if (!k->K0 || !k->fine)
         return NS_E_MEMORY;
-    k->w = k->fine + 2 * all;
+    k->w = k->fine + 5 * all;
     k->K1 = k->K0 + square;
     k->S0 = k->K1 + square;
     k->G = k->S0 + square;
@@ -128,24 +130,21 @@ static void form(ns_levels *k, const double *z, const double *slope) {
     }
 }
 
-/* Z1 and Z0 with all pairs. */
+/* All levels with all pairs. */
 static void spread(ns_levels *k) {
     const ns_theta *s = k->s;
     const int n = s->s->n, m = s->s->m;
-    memcpy(k->X, k->Z1, sizeof(double) * (size_t)n);
-    memcpy(k->x, k->Z0, sizeof(double) * (size_t)n);
-    memcpy(k->EX, k->E1, sizeof(double) * (size_t)n);
-    memcpy(k->Ex, k->E0, sizeof(double) * (size_t)n);
-    for (int j = 0; j < m; j++) {
-        k->X[n + j] = k->EX[n + j] = k->Ex[n + j] = 0;
-        k->x[n + j] = s->trial_mode[j] == NS_LOWER ? s->l[j] : s->u[j];
+    const double *const from[] = {k->Z1, k->Z0, k->Z2, k->E1, k->E0, k->E2};
+    double *const to[] = {k->at[0], k->at[1], k->at[2], k->off[0], k->off[1], k->off[2]};
+    for (int v = 0; v < 6; v++) {
+        memcpy(to[v], from[v], sizeof(double) * (size_t)n);
+        memset(to[v] + n, 0, sizeof(double) * (size_t)m);
+        for (int i = 0; i < k->nj; i++)
+            to[v][n + s->inside[i]] = from[v][n + i];
     }
-    for (int i = 0; i < k->nj; i++) {
-        k->X[n + s->inside[i]] = k->Z1[n + i];
-        k->x[n + s->inside[i]] = k->Z0[n + i];
-        k->EX[n + s->inside[i]] = k->E1[n + i];
-        k->Ex[n + s->inside[i]] = k->E0[n + i];
-    }
+    for (int j = 0; j < m; j++)
+        if (s->trial_mode[j] != NS_INSIDE)
+            k->at[NS_VALUE][n + j] = s->trial_mode[j] == NS_LOWER ? s->l[j] : s->u[j];
 }
 
 int ns_levels_expand(ns_levels *k, const double *z, const double *slope) {

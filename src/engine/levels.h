@@ -7,6 +7,8 @@
 #include "ranked.h"
 #include "stepper.h"
 
+enum { NS_IMPULSE, NS_VALUE, NS_RATE };
+
 typedef struct ns_levels {
     ns_theta *s;
     int size, nj;          /* of (P2); pairs inside */
@@ -15,16 +17,17 @@ typedef struct ns_levels {
     double *terms;         /* size: those of R0 */
     double *terms_w;       /* r: those of w */
     double *guess;         /* n: where x at Z0 is looked for; zero at first */
-    double *Z1, *Z0;       /* size */
-    double *E1, *E0;       /* size: bounds on their rounding */
-    double *X, *x;         /* n+m: impulses and finite values of (x, lambda) */
-    double *EX, *Ex;       /* n+m: bounds on their rounding */
+    double *Z1, *Z0, *Z2;  /* size: impulses, values, rates */
+    double *E1, *E0, *E2;  /* size: bounds on their rounding */
+    int orders;            /* of these that decide: 3, or 2 without rates */
+    double *at[3];         /* n+m each: impulses, values and rates of (x, lambda) */
+    double *off[3];        /* n+m each: bounds on their rounding */
     double *G, *SG;        /* gap^2, gap: what K0's rank lacks; sizes of its terms */
     double *V, *H;         /* size^2, work */
     double *v, *rest;      /* n+m each, work */
     double *few, *work;    /* 3 (n+m), 5 (n+m), work */
     long double *w;        /* r: M x before the jump; ns_levels_create() takes it from s->w */
-    long double *fine;     /* 2 (n+m), work */
+    long double *fine;     /* 5 (n+m), work */
     ns_ranked *zero, *gap; /* K0, G */
 } ns_levels;
 
@@ -34,11 +37,11 @@ void ns_levels_free(ns_levels *k);
 /* The fastest rate (1/s) at which K1 moves what K0 holds with all pairs inside, 0 if nothing. */
 double ns_levels_rate(ns_levels *k);
 
-/* Both levels in s->trial_mode for the past s->w; z: inputs, slope: theirs (NULL: none moves).  Errors:
+/* All levels in s->trial_mode for the past s->w; z: inputs, slope: theirs (NULL: none moves).  Errors:
  * SINGULAR (the equations of the mode do not determine or contradict the answer), MEMORY. */
 int ns_levels_expand(ns_levels *k, const double *z, const double *slope);
 
-/* levels_solve.c: Z1, Z0, E1, E0 from the rest.  Errors: those of ns_levels_expand(). */
+/* levels_solve.c: Z1, Z0, Z2, E1, E0, E2 from the rest.  Errors: those of ns_levels_expand(). */
 int ns_levels_solve(ns_levels *k);
 
 #endif

@@ -1,4 +1,4 @@
-/* src/engine/levels_solve.c - both levels of (P2) as h -> 0, with a bound on the rounding of each unknown.
+/* src/engine/levels_solve.c - the levels of (P2) as h -> 0, with a bound on the rounding of each unknown.
  *
  * With the right null vectors N and the left ones L of K0:  Z1 = N a,  Z0 = Zp + N c,  G = L'K1 N,
  *
@@ -118,32 +118,39 @@ static double left_over(const ns_levels *k, int i, long double given, const long
     return (double)(held - flow);
 }
 
-/* Z1, Z0 by their residuals, in long double: a resistor between two fluxes takes their difference.  From a
- * guess, which moves by what it does not fulfil and by no rounding beyond that.  What was left over before
- * the last round stays in work. */
-static void refine(ns_levels *k) {
+/* (Z1, Z0) of (R0, R1) by residuals, in long double: a resistor between two fluxes takes their difference.
+ * From a guess, which moves by what it does not fulfil and by no rounding beyond that.  What was left over
+ * before the last round stays in work. */
+static void refine(ns_levels *k, const long double *R0, const double *R1, long double *Z1, long double *Z0) {
     const int size = k->size;
     double *f = k->work, *r0 = f + size, *r1 = r0 + size, *d1 = r1 + size, *d0 = d1 + size;
-    long double *fine1 = k->fine, *fine0 = fine1 + size;
-    for (int i = 0; i < size; i++) {
-        fine1[i] = 0;
-        fine0[i] = i < k->s->s->n ? k->guess[i] : 0;
-    }
     for (int round = 0; round < 4; round++) {
         for (int i = 0; i < size; i++) {
-            f[i] = left_over(k, i, 0, NULL, fine1);
-            r0[i] = left_over(k, i, i < k->s->r ? k->w[i] : k->R0[i], fine1, fine0);
-            r1[i] = left_over(k, i, k->R1[i], fine0, NULL);
+            f[i] = left_over(k, i, 0, NULL, Z1);
+            r0[i] = left_over(k, i, R0[i], Z1, Z0);
+            r1[i] = left_over(k, i, R1[i], Z0, NULL);
         }
         (void)solve(k, f, r0, NULL, r1, d1, d0);
         for (int i = 0; i < size; i++) {
-            fine1[i] += d1[i];
-            fine0[i] += d0[i];
+            Z1[i] += d1[i];
+            Z0[i] += d0[i];
         }
     }
+}
+
+/* Z1, Z0. */
+static void impulses_and_values(ns_levels *k) {
+    const int size = k->size, n = k->s->s->n;
+    long double *Z1 = k->fine, *Z0 = Z1 + size, *R0 = Z0 + size;
     for (int i = 0; i < size; i++) {
-        k->Z1[i] = (double)fine1[i];
-        k->Z0[i] = (double)fine0[i];
+        Z1[i] = 0;
+        Z0[i] = i < n ? k->guess[i] : 0;
+        R0[i] = i < k->s->r ? k->w[i] : k->R0[i];
+    }
+    refine(k, R0, k->R1, Z1, Z0);
+    for (int i = 0; i < size; i++) {
+        k->Z1[i] = (double)Z1[i];
+        k->Z0[i] = (double)Z0[i];
     }
 }
 
@@ -192,6 +199,43 @@ static void bound(ns_levels *k) {
     spread_over(size, k->V, t0, k->E1);
     spread_over(size, k->H, t0, k->E0);
     spread_over(size, k->V, t1, k->E0);
+}
+
+/* By how much the rates may be off, from the rounding t of R1 - K1 Z0.  t, none: in work. */
+static void bound_rates(ns_levels *k, double *t, double *none) {
+    const int size = k->size;
+    for (int i = 0; i < size; i++) {
+        double terms = fabs(k->R1[i]);
+        none[i] = 0;
+        for (int j = 0; j < size; j++) {
+            const double one = fabs(k->K1[i + j * size]);
+            terms += one * fabs(k->Z0[j]) + k->S0[i + j * size] * fabs(k->Z2[j]);
+            t[i] += one * k->E0[j];
+            none[i] += data_eps * one * fabs(k->Z2[j]);
+        }
+        t[i] += data_eps * terms;
+    }
+    memset(k->E2, 0, sizeof(double) * (size_t)size);
+    spread_over(size, k->H, t, k->E2);
+    spread_over(size, k->V, none, k->E2);
+}
+
+/* Z2 = H (R1 - K1 Z0), the part of x(h) that grows like h. */
+static void rates(ns_levels *k) {
+    const int size = k->size;
+    long double *Z0 = k->fine + size, *R0 = Z0 + size, *none = R0 + size, *Z2 = none + size;
+    double *zero = k->Z2;
+    memset(zero, 0, sizeof(double) * (size_t)size);
+    for (int i = 0; i < size; i++) {
+        R0[i] = left_over(k, i, k->R1[i], Z0, NULL);
+        none[i] = Z2[i] = 0;
+    }
+    refine(k, R0, zero, none, Z2);
+    for (int i = 0; i < size; i++) {
+        k->Z2[i] = (double)Z2[i];
+        k->work[i] = fabs(k->work[size + i]); /* left over of R0 */
+    }
+    bound_rates(k, k->work, k->work + size);
 }
 
 static double dot(int n, const double *a, const double *b) {
@@ -255,8 +299,9 @@ int ns_levels_solve(ns_levels *k) {
         return status;
     if (!solve(k, NULL, k->R0, k->terms, k->R1, k->Z1, k->Z0))
         return NS_E_SINGULAR;
-    refine(k);
+    impulses_and_values(k);
     bound(k);
+    rates(k);
     if (!close_open(k))
         return NS_E_SINGULAR;
     for (int i = 0; i < k->size; i++) {
