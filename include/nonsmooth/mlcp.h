@@ -83,19 +83,19 @@ int ns_mlcp_alike(ns_mlcp_solver *s, int alike);
  * fit their bounds are mended) and holds the mode of the answer on success.  lambda (m) and y (m) are
  * written on success.  info may be NULL.  No memory is taken.
  * Method (auto): up to 64 pairs, principal pivoting from the mode on a transform of W that is kept for the
- * next solve with the same W; of more pairs, by blocks, with the factors of the last mode kept.  Where that
- * fails, the starting mode is made a nonsingular basis (where its equations are singular, pairs are exchanged
- * until they are not), its guards are read, and if they hold, no pivot is made; otherwise Lemke's method from
- * that basis with lexicographic ties.  The answer is computed anew from W and q in its mode, refined, and its
- * natural residual is checked before NS_OK. Where equalities are redundant (two closed switches in parallel)
- * the answer is, in what they leave open, the one of least norm, in units of the scaling of W: equal shares
- * for equal switches. info->fault.pair, at most NS_FAULT_MAX: INFEASIBLE: the pairs that the certificate
- * rests on, or whose equations are left unsatisfied, the heaviest first; SINGULAR: the equalities that no
- * basis takes beside the others.  Of other errors it says nothing, of NS_OK it is empty. Verdicts: OK,
- * solved; INFEASIBLE, no solution exists: proved by a certificate (info->certified), or, for few pairs, by
- * having tried every mode; LIMIT, gave up. Errors: NULL, SIZE (p->m larger than the workspace), NUMBER,
- * BOUNDS (l > u, or both the same infinity); SINGULAR (no basis holds all equalities, and no answer of least
- * norm was found), INFEASIBLE, LIMIT, RESIDUAL. */
+ * next solve with the same W; of more pairs, by blocks, with the factors of the last mode kept, and by
+ * proximal points where blocks are singular.  Where that fails, the starting mode is made a nonsingular basis
+ * (where its equations are singular, pairs are exchanged until they are not), its guards are read, and if
+ * they hold, no pivot is made; otherwise Lemke's method from that basis with lexicographic ties.  The answer
+ * is computed anew from W and q in its mode, refined, and its natural residual is checked before NS_OK. Where
+ * equalities are redundant (two closed switches in parallel) the answer is, in what they leave open, the one
+ * of least norm, in units of the scaling of W: equal shares for equal switches. info->fault.pair, at most
+ * NS_FAULT_MAX: INFEASIBLE: the pairs that the certificate rests on, or whose equations are left unsatisfied,
+ * the heaviest first; SINGULAR: the equalities that no basis takes beside the others.  Of other errors it
+ * says nothing, of NS_OK it is empty. Verdicts: OK, solved; INFEASIBLE, no solution exists: proved by a
+ * certificate (info->certified), or, for few pairs, by having tried every mode; LIMIT, gave up. Errors: NULL,
+ * SIZE (p->m larger than the workspace), NUMBER, BOUNDS (l > u, or both the same infinity); SINGULAR (no
+ * basis holds all equalities, and no answer of least norm was found), INFEASIBLE, LIMIT, RESIDUAL. */
 int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *lambda, double *y,
                   ns_mlcp_info *info);
 

@@ -4,7 +4,8 @@
 #include <math.h>
 #include <stddef.h>
 
-enum { TILE = 8 }; /* rows whose sums stay in registers while the columns go by */
+enum { TILE = 8 };   /* rows whose sums stay in registers while the columns go by */
+enum { LONG = 256 }; /* rows, from which the strides between columns cost more than that saves */
 
 /* n <= TILE rows. */
 static inline void rows(int n, int q, int ld, const double *restrict A, const double *restrict x,
@@ -30,9 +31,28 @@ static inline void rows(int n, int q, int ld, const double *restrict A, const do
     }
 }
 
+/* One column after the other. */
+static void columns(int p, int q, int ld, const double *restrict A, const double *restrict x,
+                    double *restrict y, double *restrict size) {
+    for (int j = 0; j < q; j++, A += ld) {
+        const double v = x[j];
+        if (v == 0.0)
+            continue;
+        for (int i = 0; i < p; i++) {
+            const double term = A[i] * v;
+            y[i] += term;
+            size[i] += fabs(term);
+        }
+    }
+}
+
 void ns_terms_add(int p, int q, int ld, const double *A, const double *x, double *restrict y,
                   double *restrict size) {
     int i = 0;
+    if (p > LONG) {
+        columns(p, q, ld, A, x, y, size);
+        return;
+    }
     for (; i + TILE <= p; i += TILE)
         rows(TILE, q, ld, A + i, x, y + i, size + i);
     for (; i + 4 <= p; i += 4)

@@ -152,28 +152,41 @@ void ns_column_units(int m, const double *W, double *unit, double *work) {
         unit[j] = ldexp(1.0, (int)fmin(fmax(rint(work[3 * n + (size_t)j]), -1000.0), 1000.0));
 }
 
-/* Column j joins the rows in which it stands.  1: a value has changed. */
-static int join(int m, const double *w, double *value) {
-    double top = -INFINITY;
-    int changed = 0;
-    for (int i = 0; i < m; i++)
-        top = w[i] != 0.0 && value[i] > top ? value[i] : top;
-    for (int i = 0; i < m; i++)
-        if (w[i] != 0.0 && value[i] < top) {
-            value[i] = top;
-            changed = 1;
-        }
-    return changed;
+/* The row that stands for those joined with row i so far. */
+static int root(double *parent, int i) {
+    while ((int)parent[i] != i) {
+        parent[i] = parent[(int)parent[i]];
+        i = (int)parent[i];
+    }
+    return i;
 }
 
-/* To and fro, so that long chains take few passes; a path is never longer than m. */
-void ns_spread(int m, const double *W, double *value) {
-    int changed = 1;
-    for (int pass = 0; pass <= m && changed; pass++) {
-        changed = 0;
-        for (int k = 0; k < m; k++) {
-            const size_t j = (size_t)(pass % 2 ? m - 1 - k : k);
-            changed |= join(m, W + j * (size_t)m, value);
-        }
+/* Joins the rows in which a column stands; returns how many sets that makes fewer. */
+static int join(int m, const double *w, double *parent) {
+    int first = 0, fewer = 0;
+    while (first < m && w[first] == 0.0)
+        first++;
+    int to = first < m ? root(parent, first) : 0;
+    for (int i = first + 1; i < m; i++) {
+        if (w[i] == 0.0)
+            continue;
+        const int from = root(parent, i);
+        fewer += from != to;
+        parent[from] = to;
     }
+    return fewer;
+}
+
+void ns_spread(int m, const double *W, double *value, double *parent) {
+    int sets = m;
+    for (int i = 0; i < m; i++)
+        parent[i] = i;
+    for (int j = 0; j < m && sets > 1; j++)
+        sets -= join(m, W + (size_t)j * (size_t)m, parent);
+    for (int i = 0; i < m; i++) {
+        const int to = root(parent, i);
+        value[to] = value[i] > value[to] ? value[i] : value[to];
+    }
+    for (int i = 0; i < m; i++)
+        value[i] = value[root(parent, i)];
 }

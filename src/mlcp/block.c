@@ -112,8 +112,8 @@ static int all_finite(const ns_mlcp_solver *s) {
     return sum == 0.0;
 }
 
-/* lambda and y of the mode, from its factors. */
-static int values(const state *b) {
+/* lambda of the mode, from its factors. */
+static void start(const state *b) {
     ns_mlcp_solver *s = b->s;
     for (int i = 0; i < s->m; i++)
         s->lambda[i] = s->mode[i] != NS_INSIDE ? ns_mlcp_bound(s, i, s->mode[i])
@@ -121,11 +121,16 @@ static int values(const state *b) {
                                                : 0.0;
     (void)look(b);
     correct(s);
+}
+
+/* The same and y, refined once if that is needed. */
+static int values(const state *b) {
+    start(b);
     if (look(b) > SMALL) {
-        correct(s);
+        correct(b->s);
         (void)look(b);
     }
-    return all_finite(s) ? NS_OK : NS_E_SINGULAR;
+    return all_finite(b->s) ? NS_OK : NS_E_SINGULAR;
 }
 
 /* --- guards --- */
@@ -231,7 +236,8 @@ static double again(state *b) {
     if (!factors_fit(b))
         return INFINITY;
     ns_basis_pick(b->s);
-    return values(b) == NS_OK ? polish(b) : INFINITY;
+    start(b);
+    return polish(b);
 }
 
 /* From s->mode without a ridge. */

@@ -116,7 +116,7 @@ double ns_mlcp_bound(const ns_mlcp_solver *s, int i, ns_mode mode) {
 static void parts(ns_mlcp_solver *s) {
     for (int i = 0; i < s->m; i++)
         s->g[i] = i;
-    ns_spread(s->m, s->p->W, s->g);
+    ns_spread(s->m, s->p->W, s->g, s->rhs);
     for (int i = 0; i < s->m; i++)
         s->part[i] = (int)s->g[i];
 }

@@ -91,7 +91,7 @@ static void raise(const ns_mlcp *p, const double *lambda, int together, double *
             norm[i] = together || col[i] != 0.0 ? fmax(norm[i], v) : norm[i];
     }
     if (!together)
-        ns_spread(p->m, p->W, norm);
+        ns_spread(p->m, p->W, norm, norm + p->m);
     for (int i = 0; i < p->m; i++)
         size[i] = fmax(size[i], FLOOR * norm[i] * top[i]);
 }

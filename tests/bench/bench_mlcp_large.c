@@ -47,7 +47,7 @@ static void make(int kind, int m, int number) {
         grid_make(&s, kind, m, (unsigned long long)number);
         return;
     }
-    s.dice = dice_make(98, (unsigned long long)(number + 1000 * kind));
+    s.dice = dice_make(98, (unsigned long long)number + 1000ULL * (unsigned)kind);
     if (kind == RANDOM_REDUCED)
         generate_reduced(&s, m);
     else

@@ -45,7 +45,7 @@ static void draw_passive(sample *s, const grid *g, double least, double resistor
     memset(g->K, 0, (size_t)g->n * (size_t)g->n * sizeof *g->K);
     for (int a = 0; a < g->n; a++) {
         stamp(g, a, -1, dice_decades(&s->dice, log10(least), 0));
-        for (int down = 0; down <= (g->width < g->n); down++)
+        for (int down = 0; down < (g->width < g->n ? 2 : 1); down++)
             if (dice_chance(&s->dice, resistors))
                 stamp(g, a, neighbour(g, a, down), dice_decades(&s->dice, -3, 0));
         g->b[a] = dice_either(&s->dice);
@@ -109,7 +109,7 @@ void grid_make(sample *s, int kind, int m, unsigned long long number) {
     const int is_whole = kind == GRID_NODES || kind == GRID_SWITCHES, ladder = kind == GRID_LADDER;
     const double ron = kind == GRID_RON ? 1e-3 : 0;
     grid g = {.n = ladder ? m : (m + 1) / 2, .leak = kind == GRID_RON ? 1e-9 : 0};
-    int *ends = malloc(2 * (size_t)m * sizeof *ends);
+    int *ends = calloc(2 * (size_t)m + 1, sizeof *ends);
     if (!ends)
         abort();
     s->dice = dice_make(97, number);

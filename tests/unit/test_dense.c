@@ -206,6 +206,43 @@ static void every_allocation_may_fail(void **state) {
     assert_true(k > 1);
 }
 
+/* Rows and columns in units 2^-60 .. 2^60: known solutions come back, each to 1e-10 of its unit (n eps times
+ * the condition of 1e4), and rcond is that of the matrix without units but for the rounding of its scaling to
+ * powers of two, at most a factor 4 for rows and for columns. */
+static void quick_scaling_finds_units(void **state) {
+    (void)state;
+    enum { N = 30 };
+    ns_lu *f = room(N);
+    double a[N * N], x[N], b[N], r[N], c[N], plain, rcond;
+    int unit[N];
+    for (int k = 0; k < N * N; k++)
+        a[k] = random_unit() + (k % (N + 1) == 0 ? 3.0 : 0.0);
+    assert_int_equal(ns_lu_factor(f, N, a, &plain, NULL), NS_OK);
+    for (int i = 0; i < N; i++) {
+        r[i] = ldexp(1.0, (int)(60 * random_unit()));
+        unit[i] = (int)(60 * random_unit());
+        c[i] = ldexp(1.0, unit[i]);
+        x[i] = random_unit() * c[i];
+    }
+    for (int k = 0; k < N * N; k++)
+        a[k] *= r[k % N] / c[k / N];
+    ns_matvec(N, N, a, x, b);
+    assert_int_equal(ns_lu_factor_quickly(f, N, a, unit, &rcond), NS_OK);
+    assert_true(rcond > plain / 16 && rcond < 16 * plain);
+    ns_lu_solve(f, 1, b);
+    for (int i = 0; i < N; i++)
+        assert_true(fabs(b[i] - x[i]) < 1e-10 * c[i]);
+    for (int i = 0; i < N; i++)
+        a[i + 7 * N] = a[i + 5 * N];
+    const int status = ns_lu_factor_quickly(f, N, a, unit, &rcond);
+    assert_true(status == NS_E_SINGULAR || rcond < 1e-15);
+    memset(a, 0, sizeof a);
+    assert_int_equal(ns_lu_factor_quickly(f, N, a, unit, &rcond), NS_E_SINGULAR);
+    assert_int_equal(ns_lu_factor_quickly(f, N + 1, a, unit, &rcond), NS_E_SIZE);
+    assert_int_equal(ns_lu_factor_quickly(NULL, N, a, unit, &rcond), NS_E_NULL);
+    ns_lu_free(f);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(products_are_the_sums_of_their_terms),
@@ -213,6 +250,7 @@ int main(void) {
         cmocka_unit_test(exchanges_solve_for_the_other_variable),
         cmocka_unit_test(known_solutions_come_back),
         cmocka_unit_test(units_do_not_matter),
+        cmocka_unit_test(quick_scaling_finds_units),
         cmocka_unit_test(rcond_is_that_of_the_equilibrated_matrix),
         cmocka_unit_test(singular_matrices_name_a_column),
         cmocka_unit_test(bad_input_is_refused),
