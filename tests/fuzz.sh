@@ -16,6 +16,7 @@ export OPENBLAS_NUM_THREADS=1 # the matrices are small
 # Seeds: problems for the one; a few bytes of each sort for the other.
 printf '2  2 1 1 2  -1 -1  0 0  inf inf # a pair of pairs\n' >$build/seeds/fuzz_text.a
 printf '3\n1e-3 0 -1\n0 2 0\n1 0 0\n-5 .5 1e2\n-inf -1 0\ninf 1 0\n' >$build/seeds/fuzz_text.b
+cp tests/fuzz/seeds/* $build/seeds # what once went wrong
 for file in tests/problems/*.txt; do
     [ ! -f "$file" ] || cp "$file" "$build/seeds/fuzz_text.$(basename "$file")"
 done
