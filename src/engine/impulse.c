@@ -206,26 +206,37 @@ static void move_on(ns_levels *k) {
     memcpy(s->mode, s->trial_mode, (size_t)s->s->m);
 }
 
-/* Two problems: the jump, and what holds right after it.  Where the second finds no mode, for it stands on
- * charges that are good to rounding of what they were summed from, the finite level of the first is as good:
- * it is where a step ends. */
-static int solve(ns_levels *k, double *past, const double *z, const double *slope, const ns_impulse *out) {
-    double h = 0, again = 0;
+/* What holds right after the jump.  Where that finds no mode, for it stands on charges that are good to
+ * rounding of what they were summed from, the values of the jump are as good: they are where a step ends.
+ * room: a past, 2 (n+m) and m modes. */
+static int after(ns_levels *k, const double *z, const double *slope, double *room) {
+    ns_theta *s = k->s;
+    const size_t all = (size_t)s->s->n + (size_t)s->s->m, bytes = sizeof(double) * all, m = (size_t)s->s->m;
+    double *impulse = room + ns_theta_past_size(s), *value = impulse + all, again = 0;
+    ns_mode *mode = (ns_mode *)(value + all);
+    memcpy(impulse, k->at[NS_IMPULSE], bytes);
+    memcpy(value, k->at[NS_VALUE], bytes);
+    memcpy(mode, s->trial_mode, m);
+    ns_theta_save(s, room);
+    move_on(k);
+    const int status = search(k, z, slope, &again);
+    ns_theta_restore(s, room);
+    memcpy(k->at[NS_IMPULSE], impulse, bytes);
+    if (status != NS_OK) {
+        memcpy(k->at[NS_VALUE], value, bytes);
+        memcpy(s->trial_mode, mode, m);
+    }
+    return status == NS_E_MEMORY ? status : NS_OK;
+}
+
+static int solve(ns_levels *k, const double *z, const double *slope, double *room, const ns_impulse *out) {
+    double h = 0;
     int status = search(k, z, slope, &h);
+    if (status == NS_OK && any_impulse(k))
+        status = after(k, z, slope, room);
     if (status != NS_OK)
         return status;
-    double *first = past + ns_theta_past_size(k->s);
-    memcpy(first, k->at[NS_IMPULSE], sizeof(double) * ((size_t)k->s->s->n + (size_t)k->s->s->m));
     hand_out_values(k, z, out);
-    if (any_impulse(k)) {
-        ns_theta_save(k->s, past);
-        move_on(k);
-        status = search(k, z, slope, &again);
-        ns_theta_restore(k->s, past);
-        if (status == NS_OK)
-            hand_out_values(k, z, out);
-    }
-    memcpy(k->at[NS_IMPULSE], first, sizeof(double) * ((size_t)k->s->s->n + (size_t)k->s->s->m));
     hand_out(k, NS_IMPULSE, NULL, out->X, out->Lambda, out->Y);
     if (out->h)
         *out->h = h;
@@ -242,10 +253,11 @@ int ns_theta_impulse(ns_theta *s, const double *z, const double *slope, const ns
     s->has_trial = 0;
     s->failed = 0; /* its place is used */
     int status = ns_levels_create(s, &k);
-    double *past = calloc(ns_theta_past_size(s) + (size_t)s->s->n + (size_t)s->s->m + 1, sizeof *past);
+    double *room =
+        calloc(ns_theta_past_size(s) + 2 * (size_t)s->s->n + 3 * (size_t)s->s->m + 1, sizeof *room);
     if (status == NS_OK)
-        status = past ? solve(&k, past, z, slope, out) : NS_E_MEMORY;
-    free(past);
+        status = room ? solve(&k, z, slope, room, out) : NS_E_MEMORY;
+    free(room);
     ns_levels_free(&k);
     return status == NS_OK ? NS_OK : ns_theta_fail(s, status);
 }

@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "net.h"
+#include "wrap_alloc.h"
 
 /* Rounding of a handful of operations. */
 void near(double got, double expected, double scale) {
@@ -56,6 +57,70 @@ static void capacitor_onto_source(void **state) {
     assert_int_equal(net_jump(&k, falling), NS_OK);
     near(net_device_of(&k, k.X, k.Lambda, d), 8e-6, 8e-6);
     near(net_device_of(&k, k.x, k.lambda, d), 0, 2);
+    net_end(&k);
+}
+
+/* A source of 1 V cannot charge 1 uF at 5 V through a diode, nor empty it. */
+static void diode_against_the_source(void **state) {
+    (void)state;
+    net k = net_begin();
+    const int v = net_voltage(&k, "v", 1, 0, 1), d = net_diode(&k, "d", 1, 2);
+    net_capacitor(&k, "c", 2, 0, 1e-6, 5);
+    net_jumps(&k);
+    near(net_voltage_of(&k, k.x, 2), 5, 5);
+    assert_true(net_device_of(&k, k.X, k.Lambda, d) == 0 && net_current_of(&k, k.X, v) == 0);
+    net_end(&k);
+}
+
+/* At the source's voltage already: 2 uF follow a rise of 1 V/us with 2 A from the first instant on, although
+ * nothing jumps and the diode carried nothing; a fall leaves them behind. */
+static void capacitor_at_the_source(void **state) {
+    (void)state;
+    for (int sign = -1; sign < 2; sign += 2) {
+        net k = net_begin();
+        net_voltage(&k, "v", 1, 0, 5);
+        const int d = net_diode(&k, "d", 1, 2);
+        const double slope = sign * 1e6;
+        net_capacitor(&k, "c", 2, 0, 2e-6, 5);
+        net_prepare(&k);
+        assert_int_equal(net_jump(&k, &slope), NS_OK);
+        near(net_device_of(&k, k.x, k.lambda, d), sign > 0 ? 2 : 0, 2);
+        near(net_device_of(&k, k.X, k.Lambda, d), 0, 1e-6);
+        net_end(&k);
+    }
+}
+
+/* Sources of 7 V and 4 V at once, each through a diode onto its capacitor of 1 uF (at 1 V and 2 V), a third
+ * diode between these: the first goes to 7 V and takes the second along, whose own source is left behind. */
+static void two_sources_at_once(void **state) {
+    (void)state;
+    net k = net_begin();
+    net_voltage(&k, "v1", 1, 0, 7);
+    net_voltage(&k, "v2", 2, 0, 4);
+    const int a = net_diode(&k, "d1", 1, 3), b = net_diode(&k, "d2", 2, 4), c = net_diode(&k, "d3", 3, 4);
+    net_capacitor(&k, "c1", 3, 0, 1e-6, 1);
+    net_capacitor(&k, "c2", 4, 0, 1e-6, 2);
+    net_jumps(&k);
+    near(net_voltage_of(&k, k.x, 3), 7, 7);
+    near(net_voltage_of(&k, k.x, 4), 7, 7);
+    near(net_device_of(&k, k.X, k.Lambda, a), 11e-6, 11e-6);
+    near(net_device_of(&k, k.X, k.Lambda, b), 0, 11e-6);
+    near(net_device_of(&k, k.X, k.Lambda, c), 5e-6, 11e-6);
+    net_end(&k);
+}
+
+/* 1 mH at 2 A, interrupted, with a diode across: the current goes on in it, nothing jumps. */
+static void freewheel(void **state) {
+    (void)state;
+    net k = net_begin();
+    const int l = net_inductor(&k, "l", 1, 0, 1e-3, 2), d = net_diode(&k, "d", 0, 1);
+    net_voltage(&k, "v", 2, 0, 10);
+    net_contact(&k, "s", 2, 1, 0);
+    net_jumps(&k);
+    near(net_current_of(&k, k.x, l), 2, 2);
+    near(net_device_of(&k, k.x, k.lambda, d), 2, 2);
+    near(net_voltage_of(&k, k.X, 1), 0, 1e-3);
+    near(net_voltage_of(&k, k.x, 1), 0, 10);
     net_end(&k);
 }
 
@@ -222,14 +287,47 @@ static void bad_input_is_refused(void **state) {
     net_end(&k);
 }
 
+/* Whatever allocation fails: told, nothing handed out, and the next call answers as if nothing had been. */
+static void memory_fails(void **state) {
+    (void)state;
+    net k = net_begin();
+    net_capacitor(&k, "c1", 1, 0, 1e-6, 10);
+    net_capacitor(&k, "c2", 2, 0, 3e-6, 2);
+    net_diode(&k, "d", 1, 2);
+    net_resistor(&k, "r", 1, 0, 1);
+    net_prepare(&k);
+    long at = 1;
+    for (;; at++) {
+        k.x[0] = 77;
+        fail_alloc_at(at);
+        const int status = net_jump(&k, NULL);
+        const long made = allocs_made();
+        fail_alloc_off();
+        if (made < at) {
+            assert_int_equal(status, NS_OK);
+            break;
+        }
+        assert_int_equal(status, NS_E_MEMORY);
+        assert_int_equal(ns_theta_fault(k.step)->status, NS_E_MEMORY);
+        assert_true(k.x[0] == 77);
+        assert_int_equal(net_jump(&k, NULL), NS_OK);
+        near(net_voltage_of(&k, k.x, 1), 4, 10);
+    }
+    assert_true(at > 20); /* both problems were met */
+    near(net_voltage_of(&k, k.x, 2), 4, 10);
+    net_end(&k);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(capacitor_onto_capacitor), cmocka_unit_test(capacitor_onto_source),
+        cmocka_unit_test(diode_against_the_source), cmocka_unit_test(capacitor_at_the_source),
+        cmocka_unit_test(two_sources_at_once),      cmocka_unit_test(freewheel),
         cmocka_unit_test(chain_of_capacitors),      cmocka_unit_test(inductor_into_inductor),
         cmocka_unit_test(inductor_into_clamp),      cmocka_unit_test(transformer),
         cmocka_unit_test(bridge_with_filter),       cmocka_unit_test(parallel_switches_share),
         cmocka_unit_test(consistent_stays),         cmocka_unit_test(no_answer_is_told),
-        cmocka_unit_test(bad_input_is_refused),
+        cmocka_unit_test(bad_input_is_refused),     cmocka_unit_test(memory_fails),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
