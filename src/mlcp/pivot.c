@@ -3,9 +3,10 @@
  * The pair whose guard is broken worst, in units of the terms of its value, is flipped, as long as that lets
  * the number of broken guards fall now and then; after that the one of least index, until the number is
  * smaller than it ever was (Murty's rule is finite on P-matrices; Judice and Pires combine rules so).  Blocks
- * of pairs flipped at once, block.c's way, cost more pivots here: half of them are flipped back.
- * A pair whose diagonal entry is 0 is exchanged together with the first pair that its change would break
- * (Keller's rule).  Whatever does not come out so within its bounds is left to other methods.
+ * of pairs flipped at once, block.c's way, cost more pivots here: half of them are flipped back.  Pairs that
+ * are broken together follow each other without a look at all the others in between. A pair whose diagonal
+ * entry is 0 is exchanged together with the first pair that its change would break (Keller's rule).  Whatever
+ * does not come out so within its bounds is left to other methods.
  *
  * The transform is kept: a solve from the mode of the last one costs one product with the inverse of the
  * block of the pairs that are inside, and one with their columns of W, which reads the guards and checks the
@@ -211,8 +212,8 @@ static int look_at_guards(ns_mlcp_solver *s, int *list) {
     return broken(s, list);
 }
 
-/* From s->mode to one whose guards hold. */
-static int search(ns_mlcp_solver *s) {
+/* From s->mode to one whose guards hold.  persist: by least index too. */
+static int search(ns_mlcp_solver *s, int persist) {
     int *list = s->queue, best = s->np + 1, patience = PATIENCE;
     for (int round = 0; round < ROUNDS + ROUNDS_PER_PAIR * s->np; round++) {
         const int n = look_at_guards(s, list);
@@ -221,8 +222,8 @@ static int search(ns_mlcp_solver *s) {
         if (n < best) {
             best = n;
             patience = PATIENCE + s->np / 4;
-        } else
-            patience--;
+        } else if (--patience <= 0 && !persist)
+            return NS_E_LIMIT;
         if (!(patience > 0 ? flip_in_turn(s, n, list) : flip(s, list[0])))
             return NS_E_LIMIT;
     }
@@ -265,6 +266,13 @@ static void clamp_y(ns_mlcp_solver *s) {
     }
 }
 
+static int all_lower(const ns_mlcp_solver *s, const ns_mode *mode) {
+    int n = 0;
+    for (int i = 0; i < s->m; i++)
+        n += ns_mlcp_mend(s, i, mode[i]) != ns_mlcp_mend(s, i, NS_LOWER);
+    return n == 0;
+}
+
 /* From mode (NULL: all at the lower bounds), or near it. */
 static int attempt(ns_mlcp_solver *s, const ns_mode *mode, int *anew, double accept, double *residual) {
     *residual = INFINITY;
@@ -274,26 +282,20 @@ static int attempt(ns_mlcp_solver *s, const ns_mode *mode, int *anew, double acc
         if (!align(s, anew))
             return NS_E_SINGULAR;
     }
-    const int status = search(s);
+    const int status = search(s, !mode);
     if (status != NS_OK)
         return status;
     *residual = check(s);
     return *residual <= accept ? NS_OK : NS_E_RESIDUAL;
 }
 
-static int all_lower(const ns_mlcp_solver *s, const ns_mode *mode) {
-    int n = 0;
-    for (int i = 0; i < s->m; i++)
-        n += ns_mlcp_mend(s, i, mode[i]) != ns_mlcp_mend(s, i, NS_LOWER);
-    return n == 0;
-}
-
+/* From mode; where the transform may be at fault, from a new one; where the mode may, from another. */
 int ns_mlcp_quick(ns_mlcp_solver *s, const ns_mode *mode, double accept, double *residual) {
+    int anew = 0, status = NS_E_LIMIT;
     s->now = *s->p;
-    int anew = 0, status = attempt(s, mode, &anew, accept, residual);
-    for (int k = anew; k < 2 && status != NS_OK; k++) { /* the transform anew; then another start */
-        if (k == 1 && all_lower(s, mode))
-            break;
+    if (s->settled || !all_lower(s, mode))
+        status = attempt(s, mode, &anew, accept, residual);
+    for (int k = anew || status == NS_E_LIMIT; k < 2 && status != NS_OK; k++) {
         s->have_transform = s->settled = 0;
         anew = 1;
         status = attempt(s, k ? NULL : mode, &anew, accept, residual);

@@ -1,147 +1,221 @@
-/* tests/bench/bench_mlcp.c - what a solve of (P1) costs.
+/* tests/bench/bench_mlcp.c - every method alone on every class of random problems, and the order that
+ * follows.
  *
- * buck        the literature's buck converter, its steps of 10 ns reduced to 12 and 24 pairs:
- *               floor   ns_mlcp_residual() of the answer alone
- *               warm    from the mode of the step before, W known (and promised to be the same)
- *               cold    W changed before each solve (first looked at, copied, factored), all at the lower
- * bound Times are CPU time of this thread, one thread, the best of several repetitions; every answer is
- * checked by ns_mlcp_residual().
+ * A cell of the table: how many of the problems of a class and size the method solves alone, its median time
+ * and its median number of iterations (pivots and iterative steps) over those it solves.  Each solve is cold:
+ * no mode is known (all pairs at their lower bounds) and W is new to the solver, whose memory is there
+ * already. Solved: NS_OK and ns_mlcp_residual() <= 1e-10.  "lemke, V A" is Lemke's method with the units as
+ * given.
+ *
+ * Below it, the order: of the methods that are left, the one that costs least time for each problem solved,
+ * of those that the ones before it have left unsolved.  That is the order of NS_MLCP_AUTO
+ * (src/mlcp/driver.c).
  */
-#define _POSIX_C_SOURCE 200809L
+#include "timing.h"
+
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "generators.h"
-#include "literature.h"
 
-enum { REPEATS = 7 };
+enum { SIZES = 4, MOST = 48, METHODS = 7, AUTO = METHODS };
+static const int sizes[SIZES] = {5, 20, 60, 200}, counts[SIZES] = {MOST, 32, 16, 6};
+static const double accept = 1e-10;
 
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
+static const struct {
+    const char *name;
+    ns_mlcp_method method;
+    int alike;
+} methods[METHODS + 1] = {{"pivot", NS_MLCP_PIVOT, 0},         {"lemke", NS_MLCP_LEMKE, 0},
+                          {"lemke, V A", NS_MLCP_LEMKE, 1},    {"newton", NS_MLCP_NEWTON, 0},
+                          {"interior", NS_MLCP_INTERIOR, 0},   {"projected", NS_MLCP_PROJECTED, 0},
+                          {"enumerate", NS_MLCP_ENUMERATE, 0}, {"auto", NS_MLCP_AUTO, 0}};
 
-static void must(int status, const char *what) {
-    if (status == NS_OK)
-        return;
-    fprintf(stderr, "bench_mlcp: %s: %s\n", what, ns_status_text(status));
-    exit(1);
-}
+typedef struct outcome {
+    double time; /* s */
+    long iterations;
+    int solved;
+} outcome;
 
-static double *room(size_t n) {
-    double *a = calloc(n, sizeof *a);
-    if (!a)
-        must(NS_E_MEMORY, "room");
-    return a;
-}
+static outcome results[CLASSES][SIZES][METHODS + 1][MOST];
 
-/* --- steps of the buck --- */
-
-enum { STEPS = 5000 };
-
-typedef struct steps {
-    int m;
-    double *W, *q, *l, *u, *lambda, *y; /* q: STEPS of them, one after the other */
+typedef struct rig {
+    ns_mlcp_solver *s;
     ns_mode *mode;
-    ns_mlcp_solver *solver;
-    long pivots, quick;
-} steps;
+    double *lambda, *y;
+} rig;
 
-static ns_mlcp problem_of(const steps *b, int k) {
-    return (ns_mlcp){.m = b->m, .W = b->W, .q = b->q + (size_t)k * (size_t)b->m, .l = b->l, .u = b->u};
+/* Makes the solver forget the problem before. */
+static void forget(rig *r) {
+    static const double W[] = {1}, q[] = {1}, l[] = {0}, u[] = {1};
+    const ns_mlcp p = {.m = 1, .W = W, .q = q, .l = l, .u = u};
+    must(ns_mlcp_use(r->s, NS_MLCP_PIVOT));
+    must(ns_mlcp_solve(r->s, &p, r->mode, r->lambda, r->y, NULL));
 }
 
-static void make_steps(steps *b, int hinges, lit_comparator comparator, double h) {
-    ns_system *s = lit_buck(hinges, LIT_STANDARD, comparator);
-    const size_t m = (size_t)s->m;
-    *b = (steps){.m = s->m, .W = room(m * m), .q = room(m * STEPS), .l = room(m), .u = room(m)};
-    b->lambda = room(m);
-    b->y = room(m);
-    b->mode = calloc(m, 1);
-    must(b->mode ? ns_mlcp_create(s->m, &b->solver) : NS_E_MEMORY, "create");
-    memcpy(b->l, s->l, m * sizeof *b->l);
-    memcpy(b->u, s->u, m * sizeof *b->u);
-    lit_reduced_matrix(s, h, b->W);
-    double x[LIT_BUCK_N] = {0}, next[LIT_BUCK_N], z[2];
-    memset(b->mode, NS_LOWER, m);
-    for (int k = 0; k < STEPS; k++) {
-        const double t = h * (k + 1);
-        ns_system_inputs(s, t, NS_LEFT, z);
-        lit_reduced_vector(s, h, x, z, b->q + (size_t)k * m);
-        ns_mlcp p = problem_of(b, k);
-        must(ns_mlcp_solve(b->solver, &p, b->mode, b->lambda, b->y, NULL), "buck");
-        lit_reduced_state(s, h, x, z, b->lambda, next);
-        memcpy(x, next, sizeof x);
-    }
-    ns_system_free(s);
-}
-
-static void free_steps(steps *b) {
-    double *all[] = {b->W, b->q, b->l, b->u, b->lambda, b->y};
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
-        free(all[i]);
-    free(b->mode);
-    ns_mlcp_free(b->solver);
-}
-
-enum { FLOOR, SAME, WARM, COLD, KINDS };
-
-static double run_steps(steps *b, int kind, double *worst) {
-    const size_t m = (size_t)b->m;
-    double elapsed = 0;
+static outcome solve(rig *r, const ns_mlcp *p, int k) {
     ns_mlcp_info info;
-    b->pivots = b->quick = 0;
-    memset(b->mode, NS_LOWER, m);
-    must(ns_mlcp_same(b->solver, kind == SAME), "same");
-    double start = now();
-    for (int k = 0; k < STEPS; k++) {
-        ns_mlcp p = problem_of(b, k);
-        if (kind == FLOOR) {
-            if (ns_mlcp_residual(&p, b->lambda, NULL) > 1e300)
-                exit(1);
-            continue;
-        }
-        if (kind == COLD) {
-            b->W[m * m - 1] *= k % 2 ? 1 - 1e-15 : 1 + 1e-15;
-            memset(b->mode, NS_LOWER, m);
-        }
-        must(ns_mlcp_solve(b->solver, &p, b->mode, b->lambda, b->y, &info), "buck");
-        b->pivots += info.pivots;
-        b->quick += info.method == NS_MLCP_PIVOT;
-    }
-    elapsed = now() - start;
-    must(ns_mlcp_same(b->solver, 0), "same");
-    for (int k = 0; kind != FLOOR && k < STEPS; k++) { /* again, judged */
-        ns_mlcp p = problem_of(b, k);
-        must(ns_mlcp_solve(b->solver, &p, b->mode, b->lambda, b->y, NULL), "buck");
-        *worst = fmax(*worst, ns_mlcp_residual(&p, b->lambda, NULL));
-    }
-    return elapsed / STEPS;
+    forget(r);
+    must(ns_mlcp_use(r->s, methods[k].method));
+    must(ns_mlcp_alike(r->s, methods[k].alike));
+    memset(r->mode, NS_LOWER, (size_t)p->m);
+    const double start = now();
+    const int status = ns_mlcp_solve(r->s, p, r->mode, r->lambda, r->y, &info);
+    return (outcome){.time = now() - start,
+                     .iterations = info.pivots + info.iterations,
+                     .solved = status == NS_OK && ns_mlcp_residual(p, r->lambda, NULL) <= accept};
 }
 
-static void bench_buck(void) {
-    static const char *const names[KINDS] = {"residual check alone", "warm, same W promised",
-                                             "warm, W compared", "cold"};
-    printf("buck, %d steps of 10 ns  pairs      us  pivots a step  by pivoting  worst residual\n", STEPS);
-    for (int c = 0; c < 4; c++) {
-        steps b;
-        make_steps(&b, c < 2 ? 2 : 5, c % 2 ? LIT_RELAY : LIT_GAIN_15, 1e-8);
-        for (int kind = 0; kind < KINDS; kind++) {
-            double best = INFINITY, worst = 0;
-            for (int r = 0; r < REPEATS; r++)
-                best = fmin(best, run_steps(&b, kind, &worst));
-            printf("%-24s %5d  %6.2f %14.3f %11.1f%% %15.1e\n", names[kind], b.m, best * 1e6,
-                   (double)b.pivots / STEPS, 100.0 * (double)b.quick / STEPS, worst);
+/* Problems of a class whose size is between half of m and m. */
+static void run_class(rig *r, sample *s, int class, int size) {
+    int n = 0;
+    for (unsigned long long number = 0; n < counts[size]; number++) {
+        generate(s, class, number, sizes[size]);
+        if (2 * s->m < sizes[size])
+            continue;
+        const ns_mlcp p = sample_problem(s);
+        for (int k = 0; k <= METHODS; k++)
+            results[class][size][k][n] = solve(r, &p, k);
+        n++;
+    }
+}
+
+/* --- the table --- */
+
+static void show_cell(int class, int size, int k) {
+    const outcome *all = results[class][size][k];
+    double times[MOST], iterations[MOST];
+    int solved = 0;
+    for (int i = 0; i < counts[size]; i++)
+        if (all[i].solved) {
+            times[solved] = all[i].time;
+            iterations[solved++] = (double)all[i].iterations;
         }
-        free_steps(&b);
+    if (solved == 0) {
+        printf(" |  %5s %9s %6s", "0%", "-", "-");
+        return;
+    }
+    printf(" |  %4.0f%% %9.3g %6.0f", 100.0 * solved / counts[size], 1e6 * median(solved, times),
+           median(solved, iterations));
+}
+
+static void show_table(void) {
+    printf("%-11s %-10s", "class", "method");
+    for (int size = 0; size < SIZES; size++)
+        printf(" |  m %3d..%-3d us  steps", (sizes[size] + 1) / 2, sizes[size]);
+    printf("\n");
+    for (int class = 0; class < CLASSES; class ++)
+        for (int k = 0; k <= METHODS; k++) {
+            printf("%-11s %-10s", k ? "" : generator_name(class), methods[k].name);
+            for (int size = 0; size < SIZES; size++)
+                show_cell(class, size, k);
+            printf("\n");
+        }
+}
+
+/* --- the order --- */
+
+enum { RANKED = METHODS - 1, AUTOS = 5 }; /* all but enumeration */
+
+typedef struct order {
+    int method[RANKED];
+    double cost; /* s a problem */
+} order;
+
+static double charge[CLASSES][SIZES][METHODS]; /* s a try */
+
+static void make_charges(void) {
+    for (int class = 0; class < CLASSES; class ++)
+        for (int size = 0; size < SIZES; size++)
+            for (int k = 0; k < METHODS; k++) {
+                double sum[2] = {0}; /* failed, solved */
+                int n[2] = {0};
+                for (int i = 0; i < counts[size]; i++) {
+                    const outcome *o = &results[class][size][k][i];
+                    sum[o->solved] += o->time;
+                    n[o->solved]++;
+                }
+                const int of = n[1] > 0;
+                charge[class][size][k] = sum[of] / n[of];
+            }
+}
+
+/* Of `of` methods tried in turn, a problem. */
+static double cost(const int *method, int of, int size) {
+    double sum = 0;
+    for (int class = 0; class < CLASSES; class ++)
+        for (int i = 0; i < counts[size]; i++)
+            for (int k = 0, solved = 0; k < of && !solved; k++) {
+                sum += charge[class][size][method[k]];
+                solved = results[class][size][method[k]][i].solved;
+            }
+    return sum / (CLASSES * counts[size]);
+}
+
+static void try_orders(order *o, int from, int size, order *least, order *most) {
+    if (from == RANKED) {
+        o->cost = cost(o->method, RANKED, size);
+        *least = o->cost < least->cost ? *o : *least;
+        *most = o->cost > most->cost ? *o : *most;
+        return;
+    }
+    for (int k = from; k < RANKED; k++) {
+        order next = *o;
+        next.method[from] = o->method[k];
+        next.method[k] = o->method[from];
+        try_orders(&next, from + 1, size, least, most);
+    }
+}
+
+static void show(const char *name, const order *o, int of) {
+    printf("  %-8s %9.3g us a problem:", name, 1e6 * o->cost);
+    for (int k = 0; k < of; k++)
+        printf("%s %s", k ? "," : "", methods[o->method[k]].name);
+    printf("\n");
+}
+
+static void show_order(int size) {
+    order first = {.method = {0, 1, 2, 3, 4, 5}}, least = {.cost = INFINITY}, most = {.cost = 0};
+    order is = {.method = {0, 1, 2, 4, 3}}; /* as driver.c has it */
+    try_orders(&first, 0, size, &least, &most);
+    is.cost = cost(is.method, AUTOS, size);
+    printf("m %d..%d\n", (sizes[size] + 1) / 2, sizes[size]);
+    show("cheapest", &least, RANKED);
+    show("AUTO", &is, AUTOS);
+    show("dearest", &most, RANKED);
+    for (int k = 0, left[AUTOS + 1] = {0}; k <= AUTOS; k++) {
+        for (int class = 0; class < CLASSES; class ++)
+            for (int i = 0; i < counts[size]; i++) {
+                int solved = 0;
+                for (int b = 0; b < k; b++)
+                    solved |= results[class][size][is.method[b]][i].solved;
+                left[k] += !solved;
+            }
+        if (k > 0 && left[k - 1] > 0)
+            printf("  %s solves %d of the %d before it\n", methods[is.method[k - 1]].name,
+                   left[k - 1] - left[k], left[k - 1]);
     }
 }
 
 int main(void) {
-    bench_buck();
+    const int most = sizes[SIZES - 1];
+    sample s;
+    rig r = {.mode = room((size_t)most),
+             .lambda = room(sizeof(double) * (size_t)most),
+             .y = room(sizeof(double) * (size_t)most)};
+    must(sample_create(most, &s) == 0 ? ns_mlcp_create(most, &r.s) : NS_E_MEMORY);
+    for (int class = 0; class < CLASSES; class ++)
+        for (int size = 0; size < SIZES; size++)
+            run_class(&r, &s, class, size);
+    show_table();
+    printf("\nMethods tried in turn until one solves the problem, in all orders:\n");
+    make_charges();
+    for (int size = 0; size < SIZES; size++)
+        show_order(size);
+    sample_free(&s);
+    ns_mlcp_free(r.s);
+    free(r.mode);
+    free(r.lambda);
+    free(r.y);
     return 0;
 }

@@ -1,15 +1,18 @@
 /* tests/bench/bench_theta.c - what a step of the theta scheme costs, with its counts and its error.
  *
  * The LC bridge of the literature (2 states, 4 pairs), fixed h = 1 us, 5 ms, theta = 1 and theta = gamma =
- * 1/2: floor      the bare matrix-vector product of the map, nothing else step       ns_theta_try +
- * ns_theta_accept while the mode stands capture    the whole 5 ms, events captured at step ends march the
- * whole 5 ms, events located Median of interleaved repetitions, CPU time of this thread, one thread.
+ * 1/2:
+ *
+ *     floor     the bare matrix-vector product of the map, nothing else
+ *     step      ns_theta_try + ns_theta_accept while the mode stands
+ *     capture   the whole 5 ms, events captured at step ends
+ *     march     the whole 5 ms, events located
+ *
+ * Median of interleaved repetitions, CPU time of this thread, one thread.
  */
-#define _POSIX_C_SOURCE 200809L
+#include "timing.h"
+
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <time.h>
 
 #include "linalg/dense.h"
 #include "systems.h"
@@ -17,19 +20,6 @@
 enum { REPEATS = 31, STEPS = 5000 };
 static const double h = 1e-6, end = 5e-3;
 static const double w0[2] = {1e-6 * 10, 0};
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static void must(int status) {
-    if (status == NS_OK)
-        return;
-    fprintf(stderr, "bench_theta: %s\n", ns_status_text(status));
-    exit(1);
-}
 
 typedef struct result {
     double time; /* s */
@@ -118,11 +108,6 @@ static result run_march(const ns_system *s, double theta) {
     r.v = x[0];
     ns_march_free(m);
     return r;
-}
-
-static int by_value(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
 }
 
 int main(void) {
