@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "linalg/dense.h"
+#include "linalg/terms.h"
 #include "nonsmooth/status.h"
 #include "wrap_alloc.h"
 
@@ -86,6 +87,29 @@ static void exchanges_solve_for_the_other_variable(void **state) {
     T[0] = 2, T[1] = 3 + 1e-15, T[2] = 4, T[3] = 6;
     ns_exchange(2, 3, T, 0, 1, 0);
     assert_true(T[1] > 0);
+}
+
+/* Whole numbers again; p on both sides of where the loops change. */
+static void sizes_are_the_sums_of_what_was_summed(void **state) {
+    (void)state;
+    enum { P = 300, Q = 5 };
+    static double a[P * Q], y[P], size[P];
+    const double x[Q] = {3, 0, -2, 1, -7};
+    for (int p = 1; p <= P; p += 23) {
+        for (int k = 0; k < p * Q; k++)
+            a[k] = floor(50.0 * random_unit());
+        for (int i = 0; i < p; i++)
+            y[i] = size[i] = i;
+        ns_terms_add(p, Q, p, a, x, y, size);
+        for (int i = 0; i < p; i++) {
+            double sum = i, terms = i;
+            for (int j = 0; j < Q; j++) {
+                sum += a[i + j * p] * x[j];
+                terms += fabs(a[i + j * p] * x[j]);
+            }
+            assert_true(y[i] == sum && size[i] == terms);
+        }
+    }
 }
 
 /* b made from a known x; n*eps*condition: random 30*30 matrices have condition 1e4 at the most. */
@@ -246,6 +270,7 @@ static void quick_scaling_finds_units(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(products_are_the_sums_of_their_terms),
+        cmocka_unit_test(sizes_are_the_sums_of_what_was_summed),
         cmocka_unit_test(what_is_no_number_is_seen),
         cmocka_unit_test(exchanges_solve_for_the_other_variable),
         cmocka_unit_test(known_solutions_come_back),
