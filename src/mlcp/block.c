@@ -22,7 +22,7 @@
 
 enum { ROUNDS = 100, PATIENCE = 3, IDLE = 15, REFINEMENTS = 8 };
 /* Exponents of eps; from CLEAR on it is small beside what is not singular. */
-enum { FIRST = -20, LAST = -44, STEP = -6, CLEAR = -30 };
+enum { FIRST = -20, LAST = -50, STEP = -6, CLEAR = -30 };
 static const double GOOD = 1e-13;   /* nothing to gain by refining below this */
 static const double FINE = 1e-11;   /* the same where rows are compared with their own noise */
 static const double SMALL = 1e-14;  /* of the terms of an equation: it holds */
