@@ -12,7 +12,7 @@ static const double GUARD = 1e-12;
 static const double ACCEPT = 1e-10; /* natural residual of an answer */
 static const double GOOD = 1e-13;   /* nothing to gain by refining below this */
 static const double DOUBT = 1e7;    /* lambda this large against q and the bounds, in units of W */
-enum { REFINEMENTS = 3 };
+enum { REFINEMENTS = 3, ROUNDS = 3 };
 static const double RCOND = 1e-13; /* a starting basis must keep three digits */
 
 static double try_answer(ns_mlcp_solver *s, int refinements) {
@@ -42,8 +42,8 @@ int ns_mlcp_judge(ns_mlcp_solver *s, double *residual) {
     return *residual <= ACCEPT ? NS_OK : NS_E_RESIDUAL;
 }
 
-/* From s->mode to an answer by at most `rounds` runs of Lemke's method. */
-static int attempt(ns_mlcp_solver *s, int all, int rounds, double *residual) {
+/* From s->mode to an answer by at most ROUNDS runs of Lemke's method. */
+static int attempt(ns_mlcp_solver *s, int all, int patience, double *residual) {
     double rcond;
     int status = ns_basis_factor(s, &rcond);
     if (status != NS_OK || rcond < RCOND) {
@@ -53,7 +53,7 @@ static int attempt(ns_mlcp_solver *s, int all, int rounds, double *residual) {
         if (status != NS_OK)
             return NS_E_SINGULAR;
     }
-    for (int round = 0; round < rounds; round++) {
+    for (int round = 0; round < ROUNDS; round++) {
         ns_basis_values(s, s->careful);
         ns_basis_sizes(s);
         double v = ns_basis_violation(s);
@@ -65,7 +65,7 @@ static int attempt(ns_mlcp_solver *s, int all, int rounds, double *residual) {
             if (isinf(v))
                 return NS_E_SINGULAR;
             ns_tableau_start(s);
-            status = ns_lemke(s, all);
+            status = ns_lemke(s, all, patience);
             if (status != NS_OK)
                 return status;
             if (ns_basis_factor(s, NULL) != NS_OK)
@@ -87,16 +87,18 @@ static int prove(ns_mlcp_solver *s, int effort) {
     return s->proved;
 }
 
-/* Different starts and covers, until one answers or ends in a ray of a problem without solution. */
+/* Different starts and covers, until one answers or ends in a ray of a problem without solution.  On problems
+ * that are not monotone paths may be long, and of very different lengths: patience comes last. */
 int ns_mlcp_search(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     static const struct {
-        int lower, all;
-    } way[] = {{0, 0}, {0, 1}, {1, 1}, {1, 0}, {1, 2}, {0, 2}, {1, 3}, {0, 3}};
+        int lower, all, patience;
+    } way[] = {{0, 0, 1}, {0, 1, 1}, {1, 1, 1}, {1, 0, 1},  {1, 2, 4},  {0, 2, 4},
+               {1, 3, 4}, {0, 3, 4}, {1, 4, 4}, {1, 5, 16}, {1, 6, 16}, {1, 7, 16}};
     int first = NS_E_LIMIT;
     for (size_t k = 0; k < sizeof way / sizeof *way; k++) {
         ns_mlcp_restart(s, way[k].lower ? NULL : mode);
         s->careful = k > 0;
-        int status = attempt(s, way[k].all, 3, residual);
+        int status = attempt(s, way[k].all, way[k].patience, residual);
         if (status == NS_OK)
             return NS_OK;
         if (status == NS_E_INFEASIBLE && prove(s, NS_CAREFUL))

@@ -49,6 +49,12 @@ static void snap(ns_mlcp_solver *s) {
     }
 }
 
+/* Of cover number `all`: any positive numbers will do, other ones lead another way. */
+static double weight(int r, int all) {
+    const double golden = 0.6180339887498949, x = golden * (double)(r + 1) * (double)(all - 1);
+    return 1.0 + 9.0 * (x - floor(x));
+}
+
 /* Column of t: d in the units of the rows, and as s->cover in terms of W and q. */
 static void set_cover(ns_mlcp_solver *s, int all) {
     int n = s->np;
@@ -61,7 +67,7 @@ static void set_cover(ns_mlcp_solver *s, int all) {
         int two = s->rowvar[r] % 2 == 0 && isfinite(s->blo[r]) && isfinite(s->bhi[r]);
         d[r] = v > 0.0 || (all && !two) ? side : 0.0;
         if (all)
-            d[r] *= 1.0 + (double)(all - 1) * (double)((r * 7 + all * 3) % 11);
+            d[r] *= weight(r, all);
         double shift = d[r] * s->unit[s->rowvar[r]];
         int i = s->pair[r];
         if (shift == 0.0)
@@ -118,28 +124,20 @@ static double room(const ns_mlcp_solver *s, int r, double rate) {
     return v > 0.0 ? v : 0.0;
 }
 
-/* Ratio test for column col moving in direction dir; range: how far the entering variable may go by itself.
- * Returns the row that stops it, FLIP, or RAY; *step gets the distance. */
-static int ratio_test(const ns_mlcp_solver *s, int col, double dir, double range, double *step) {
-    const double *e = s->T + (size_t)col * (size_t)s->np;
-    double limit = range, big = 0.0;
+/* Of the rows that reach a bound within limit the one that leaves: of those whose pivot is safe, the first in
+ * the shifted problem.  free (np): how far each may go.  FLIP: the entering variable's own other bound, RAY:
+ * none. */
+static int leaving_row(const ns_mlcp_solver *s, const double *e, double dir, const double *free, double limit,
+                       int best) {
+    double big = 0.0, rate = 1.0;
     for (int r = 0; r < s->np; r++)
-        if (e[r] != 0.0)
-            limit = fmin(limit, (room(s, r, dir * e[r]) + TIE) / fabs(e[r]));
-    if (isinf(limit))
-        return RAY;
-    for (int r = 0; r < s->np; r++) /* largest pivot among those that tie */
-        if (e[r] != 0.0 && room(s, r, dir * e[r]) <= limit * fabs(e[r]))
+        if (e[r] != 0.0 && free[r] <= limit * fabs(e[r]))
             big = fmax(big, fabs(e[r]));
-    int best = range <= limit ? FLIP : RAY;
-    double rate = 1.0;
     for (int r = 0; r < s->np; r++) {
-        if (e[r] == 0.0 || !(room(s, r, dir * e[r]) <= limit * fabs(e[r])))
+        if (e[r] == 0.0 || !(free[r] <= limit * fabs(e[r])))
             continue;
-        if (s->rowvar[r] == 2 * s->np && fabs(e[r]) > UNSAFE * big) {
-            best = r; /* t = 0 ends the search: it goes first */
-            break;
-        }
+        if (s->rowvar[r] == 2 * s->np && fabs(e[r]) > UNSAFE * big)
+            return r; /* t = 0 ends the search: it goes first */
         if (fabs(e[r]) < UNSAFE * big)
             continue;
         if (best == RAY || stops_before(s, r, dir * e[r], best, rate)) {
@@ -147,7 +145,24 @@ static int ratio_test(const ns_mlcp_solver *s, int col, double dir, double range
             rate = dir * e[r];
         }
     }
-    *step = best == FLIP ? range : room(s, best, dir * e[best]) / fabs(e[best]);
+    return best;
+}
+
+/* Ratio test for column col moving in direction dir; range: how far the entering variable may go by itself.
+ * Returns the row that stops it, FLIP, or RAY; *step gets the distance. */
+static int ratio_test(ns_mlcp_solver *s, int col, double dir, double range, double *step) {
+    const double *e = s->T + (size_t)col * (size_t)s->np;
+    double limit = range, *free = s->rhs; /* how far a row may go */
+    for (int r = 0; r < s->np; r++)
+        if (e[r] != 0.0) {
+            free[r] = room(s, r, dir * e[r]);
+            if (free[r] + TIE < limit * fabs(e[r]))
+                limit = (free[r] + TIE) / fabs(e[r]);
+        }
+    if (isinf(limit))
+        return RAY;
+    int best = leaving_row(s, e, dir, free, limit, range <= limit ? FLIP : RAY);
+    *step = best == FLIP ? range : free[best] / fabs(e[best]);
     return best;
 }
 
@@ -193,9 +208,10 @@ static int leave(ns_mlcp_solver *s, int r, int col, double rate, double value) {
     return out;
 }
 
-int ns_lemke(ns_mlcp_solver *s, int all) {
+int ns_lemke(ns_mlcp_solver *s, int all, int patience) {
     double t, dir, step;
-    int n = s->np, limit = PIVOTS_FLAT + PIVOTS_PER_PAIR * n;
+    const int n = s->np, limit = patience * (PIVOTS_FLAT + PIVOTS_PER_PAIR * n);
+    const int fresh = n <= NS_QUICK ? REFRESH : n; /* made anew it costs as much as some n exchanges */
     snap(s);
     set_cover(s, all);
     int r = first_row(s, &t);
@@ -226,7 +242,7 @@ int ns_lemke(ns_mlcp_solver *s, int all) {
             return NS_OK;
         }
         enter = complement(s, out, &dir);
-        if (it % REFRESH == 0 && ns_tableau_refresh(s) != NS_OK)
+        if (it % fresh == 0 && ns_tableau_refresh(s) != NS_OK)
             return NS_E_SINGULAR;
     }
     return NS_E_LIMIT;

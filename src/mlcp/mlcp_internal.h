@@ -165,12 +165,36 @@ void ns_basis_rest(
 void ns_tableau_start(ns_mlcp_solver *s);  /* of s->mode, whose G is factored and whose sizes are known */
 int ns_tableau_refresh(ns_mlcp_solver *s); /* from W and q anew, t included.  SINGULAR */
 void ns_tableau_exchange(ns_mlcp_solver *s, int row, int col);
-double ns_tableau_lower(const ns_mlcp_solver *s, int var); /* of a basic variable, in its unit */
-double ns_tableau_upper(const ns_mlcp_solver *s, int var);
+
+static inline int ns_is_t(const ns_mlcp_solver *s, int var) {
+    return var == 2 * s->np;
+}
+
+static inline int ns_is_y(const ns_mlcp_solver *s, int var) {
+    return (var & 1) && !ns_is_t(s, var);
+}
+
+/* Bounds of a basic variable, in its unit. */
+static inline double ns_tableau_lower(const ns_mlcp_solver *s, int var) {
+    if (ns_is_t(s, var))
+        return 0.0;
+    if (ns_is_y(s, var))
+        return s->at_upper[var / 2] ? -INFINITY : 0.0;
+    return s->blo[var / 2];
+}
+
+static inline double ns_tableau_upper(const ns_mlcp_solver *s, int var) {
+    if (ns_is_t(s, var))
+        return INFINITY;
+    if (ns_is_y(s, var))
+        return s->at_upper[var / 2] ? 0.0 : INFINITY;
+    return s->bhi[var / 2];
+}
 
 /* lemke.c: from s->mode to the mode of a solution.  all: the covering vector acts on every guard, not on
- * the broken ones only.  OK; INFEASIBLE: a ray, in s->fault; LIMIT; SINGULAR: the tableau got lost. */
-int ns_lemke(ns_mlcp_solver *s, int all);
+ * the broken ones only; which one.  patience: how many times the pivots that most problems need may be made.
+ * OK; INFEASIBLE: a ray, in s->fault; LIMIT; SINGULAR: the tableau got lost. */
+int ns_lemke(ns_mlcp_solver *s, int all, int patience);
 
 /* farkas.c: 1 if the bounds of lambda and y alone, without complementarity, contradict: s->proof, s->fault.
  * s->now, s->p, s->q, s->lambda, s->y and s->mode stay, the rest of the workspace does not.

@@ -13,30 +13,6 @@
 
 static const double CANCELLED = 1e-14; /* a sum this small against its terms is 0 */
 
-static int is_t(const ns_mlcp_solver *s, int var) {
-    return var == 2 * s->np;
-}
-
-static int is_y(const ns_mlcp_solver *s, int var) {
-    return (var & 1) && !is_t(s, var);
-}
-
-double ns_tableau_lower(const ns_mlcp_solver *s, int var) {
-    if (is_t(s, var))
-        return 0.0;
-    if (is_y(s, var))
-        return s->at_upper[var / 2] ? -INFINITY : 0.0;
-    return s->blo[var / 2];
-}
-
-double ns_tableau_upper(const ns_mlcp_solver *s, int var) {
-    if (is_t(s, var))
-        return INFINITY;
-    if (is_y(s, var))
-        return s->at_upper[var / 2] ? 0.0 : INFINITY;
-    return s->bhi[var / 2];
-}
-
 /* rows and cols of G as the labels of the tableau have it. */
 static void pick(ns_mlcp_solver *s) {
     int nr = s->nf, nc = nr;
@@ -82,7 +58,7 @@ static void constant_part(ns_mlcp_solver *s) {
 
 /* Problem index whose column of W a nonbasic variable has; -1 for t. */
 static int index_of(const ns_mlcp_solver *s, int var) {
-    return is_t(s, var) ? -1 : s->pair[var / 2];
+    return ns_is_t(s, var) ? -1 : s->pair[var / 2];
 }
 
 /* Right-hand sides: the constant part, then one column a nonbasic variable. */
@@ -94,7 +70,7 @@ static void right_sides(ns_mlcp_solver *s) {
     for (int c = 0; c < s->ncol; c++) {
         int var = s->colvar[c], j = index_of(s, var);
         b += k;
-        if (is_y(s, var)) {
+        if (ns_is_y(s, var)) {
             for (int i = 0; i < k; i++)
                 b[i] = s->rows[i] == j ? 1.0 : 0.0;
             continue;
@@ -120,7 +96,7 @@ static void y_row(ns_mlcp_solver *s, int r, int i) {
         if (c < 0)
             s->beta[r] = s->g[i] + sum;
         else {
-            double own = is_y(s, s->colvar[c]) ? 0.0 : column(s, index_of(s, s->colvar[c]))[i];
+            double own = ns_is_y(s, s->colvar[c]) ? 0.0 : column(s, index_of(s, s->colvar[c]))[i];
             int rounding = fabs(sum + own) <= CANCELLED * (size + fabs(own));
             s->T[r + c * s->np] = rounding ? 0.0 : sum + own;
         }
