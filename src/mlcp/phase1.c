@@ -17,9 +17,10 @@
 
 static const double SOUND = 1e-10; /* a pivot, of the terms it came from */
 static const double DULL = 1e-12;  /* a reduced cost below this part of its terms is 0 */
-static const double NEAR = 1e-9;   /* of a value's terms: inside its bounds */
+static const double NEAR = 1e-12;  /* of a value's terms: inside its bounds */
 static const double STURDY = 0.1;  /* of the largest pivot that a step passes */
 enum { NONE = -1, FLIP = -2 };
+enum { RENEW = 40 }; /* exchanges after which the tableau is made anew: entries lose a digit in some ten */
 
 static double lower(const ns_phase1 *z, int var) {
     const ns_mlcp *p = z->s->p;
@@ -176,9 +177,10 @@ static void refresh(ns_phase1 *z) {
     z->pivots = 0;
 }
 
-/* Which rows are outside, which way; how many. */
-static int look(ns_phase1 *z) {
+/* Which rows are outside, which way; how many, and by how much in all. */
+static int look(ns_phase1 *z, double *sum) {
     int count = 0;
+    *sum = 0.0;
     for (int r = 0; r < z->rows; r++) {
         double below = lower(z, z->s->rowvar[r]) - z->value[r];
         double above = z->value[r] - upper(z, z->s->rowvar[r]);
@@ -186,6 +188,7 @@ static int look(ns_phase1 *z) {
         double near = NEAR * (empty ? z->size[r] : fmax(z->size[r], z->least));
         z->side[r] = below > near ? -1.0 : above > near ? 1.0 : 0.0;
         count += z->side[r] != 0.0;
+        *sum += z->side[r] < 0.0 ? below : z->side[r] > 0.0 ? above : 0.0;
     }
     return count;
 }
@@ -292,13 +295,20 @@ static void start(ns_phase1 *z, ns_mlcp_solver *s, double floor) {
 int ns_phase1_run(ns_phase1 *z, ns_mlcp_solver *s, double floor) {
     start(z, s, floor);
     const int patience = z->rows + z->cols;
-    int stalled = 0, before = s->m + 1;
+    int stalled = 0;
+    double before = INFINITY, sum;
     for (int it = 0; it < PIVOTS_FLAT + PIVOTS_PER_PAIR * s->m; it++) {
-        int outside = look(z);
+        if (z->pivots >= RENEW)
+            refresh(z);
+        int outside = look(z, &sum);
+        if (outside == 0 && z->pivots > 0) { /* perhaps only beside values that lost their digits */
+            refresh(z);
+            outside = look(z, &sum);
+        }
         if (outside == 0)
             return 0;
-        stalled = outside < before ? 0 : stalled + 1;
-        before = outside;
+        stalled = sum < before * (1.0 - NEAR) ? 0 : stalled + 1;
+        before = fmin(before, sum);
         int c = price(z, stalled > patience);
         if (c < 0 && z->pivots == 0)
             return 1;

@@ -4,19 +4,20 @@
 #include <math.h>
 #include <string.h>
 
+#include "infeasible.h"
 #include "matrices.h"
 
-static const char *const names[CLASSES] = {"P",          "passive", "copositive", "M",
-                                           "degenerate", "boxes",   "equalities", "mixed"};
+static const char *const names[ALL_CLASSES] = {"P",     "passive",    "copositive", "M",    "degenerate",
+                                               "boxes", "equalities", "mixed",      "near", "infeasible"};
 static const double SPOIL = 0.25; /* part of the problems that are written in wild units */
 enum { BOUNDS = LAW_PAIR | LAW_SHIFTED | LAW_REVERSED | LAW_BOX | LAW_RELAY | LAW_FIXED };
 
 const char *generator_name(int class) {
-    return class >= 0 && class < CLASSES ? names[class] : "?";
+    return class >= 0 && class < ALL_CLASSES ? names[class] : "?";
 }
 
 int generator_of(const char *name) {
-    for (int k = 0; k < CLASSES; k++)
+    for (int k = 0; k < ALL_CLASSES; k++)
         if (strcmp(name, names[k]) == 0)
             return k;
     return -1;
@@ -227,9 +228,9 @@ static void make_mixed(sample *s, int m) {
 }
 
 void generate(sample *s, int class, unsigned long long number, int max) {
-    static void (*const make[CLASSES])(sample *, int) = {make_p,          make_passive,    make_copositive,
-                                                         make_m,          make_degenerate, make_boxes,
-                                                         make_equalities, make_mixed};
+    static void (*const make[ALL_CLASSES])(sample *, int) = {
+        make_p,     make_passive,    make_copositive, make_m,          make_degenerate,
+        make_boxes, make_equalities, make_mixed,      infeasible_near, infeasible_any};
     s->dice = dice_make((unsigned)class + 1, number);
     make[class](s, dice_size(&s->dice, 1, max));
 }

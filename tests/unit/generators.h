@@ -5,15 +5,18 @@
 #include "sample.h"
 
 typedef enum generator_class {
-    CLASS_P,          /* P-matrices, also neither symmetric nor monotone; one answer */
-    CLASS_PASSIVE,    /* networks of R, L, C, ideal diodes, switches, transformers: reduced and not */
-    CLASS_COPOSITIVE, /* copositive-plus */
-    CLASS_M,          /* M-matrices, Stieltjes and weakly dominant ones among them */
-    CLASS_DEGENERATE, /* ties: lambda_i = y_i = 0, short numbers, equal rows, linear programs */
-    CLASS_BOXES,      /* bounds of every sort */
-    CLASS_EQUALITIES, /* mixed with complementarity, redundant ones among them */
-    CLASS_MIXED,      /* any of these matrices under all laws at once */
-    CLASSES
+    CLASS_P,              /* P-matrices, also neither symmetric nor monotone; one answer */
+    CLASS_PASSIVE,        /* networks of R, L, C, ideal diodes, switches, transformers: reduced and not */
+    CLASS_COPOSITIVE,     /* copositive-plus */
+    CLASS_M,              /* M-matrices, Stieltjes and weakly dominant ones among them */
+    CLASS_DEGENERATE,     /* ties: lambda_i = y_i = 0, short numbers, equal rows, linear programs */
+    CLASS_BOXES,          /* bounds of every sort */
+    CLASS_EQUALITIES,     /* mixed with complementarity, redundant ones among them */
+    CLASS_MIXED,          /* any of these matrices under all laws at once */
+    CLASSES,              /* so far: each has an answer that is known */
+    CLASS_NEAR = CLASSES, /* with or without a solution, by a little: s->none */
+    CLASS_INFEASIBLE,     /* without, and proved so */
+    ALL_CLASSES
 } generator_class;
 
 const char *generator_name(int class);

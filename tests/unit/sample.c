@@ -31,7 +31,7 @@ void sample_free(sample *s) {
 
 void sample_start(sample *s, int m) {
     s->m = m;
-    s->unique = s->exact = 0;
+    s->unique = s->exact = s->none = 0;
     s->kind = "?";
     memset(s->W, 0, (size_t)m * (size_t)m * sizeof *s->W);
     memset(s->farkas, 0, (size_t)m * sizeof *s->farkas);
@@ -193,6 +193,31 @@ double sample_residual(const sample *s, const double *lambda) {
             break;
     }
     return worst;
+}
+
+/* The least of a x over lo <= x <= hi, an a that is rounding being 0 where there is no other end to it. */
+static long double least(long double a, double lo, double hi, int rounding) {
+    double end = a > 0 ? lo : hi;
+    return a == 0 || (isinf(end) && rounding) ? 0 : a * end;
+}
+
+/* 1e-14: a sum of up to 200 products of numbers that are rounded to 1e-16. */
+double sample_margin(const sample *s, const double *v) {
+    long double sum = 0, size = 0;
+    for (int j = 0; j < s->m; j++) {
+        long double t = 0, terms = 0, own;
+        for (int i = 0; i < s->m; i++) {
+            long double term = (long double)v[i] * s->W[(size_t)i + (size_t)j * (size_t)s->m];
+            t += term;
+            terms += fabsl(term);
+        }
+        own = least(-t, s->l[j], s->u[j], fabsl(t) <= 1e-14L * terms) - (long double)v[j] * s->q[j];
+        if (isfinite(s->l[j]) || isfinite(s->u[j]))
+            own += least(v[j], isinf(s->u[j]) ? 0 : -INFINITY, isinf(s->l[j]) ? 0 : INFINITY, 0);
+        sum += own;
+        size += fabsl(own);
+    }
+    return isfinite((double)size) && size > 0 ? (double)(sum / size) : -1;
 }
 
 /* What relative errors of all terms come to in lambda and y (Bauer and Skeel): the largest entry of |A^-1| t,

@@ -10,10 +10,11 @@ typedef struct sample {
     double *W, *q, *l, *u; /* the problem, W column by column */
     double *lambda, *y;    /* the answer it was made from */
     double *row, *col;     /* units: W = row_i (natural W_ij) col_j, all of them powers of 2 */
-    double *farkas;        /* v, if made to have no solution: see ns_mlcp_certificate() */
+    double *farkas;        /* v, where none: see ns_mlcp_certificate() */
     double *work;          /* cap*cap and work2 the same, for the generators */
     double *work2;
-    double *judging; /* 3*cap: for sample_residual() */
+    double *judging;  /* 3*cap: for sample_residual() */
+    int none;         /* made to have no solution */
     int unique;       /* W is a P-matrix: there is no other answer */
     int exact;        /* numbers so short that q = y - W lambda was not rounded */
     const char *kind; /* how it was made */
@@ -54,8 +55,14 @@ ns_mlcp sample_problem(const sample *s);
  * the terms of that row, in the units in which the problem was made.  NAN where lambda is outside [l,u]. */
 double sample_residual(const sample *s, const double *lambda);
 
+/* By how much v proves that there is no solution, in long double, relative to the terms: ns_mlcp_certify()'s
+ * claim.
+ */
+double sample_margin(const sample *s, const double *v);
+
 /* Largest difference to the known lambda, in natural units, relative to the largest of them or 1; *condition
- * gets how much of a relative change of any entry of the problem comes back in it, by the equations of `mode`. */
+ * gets how much of a relative change of any entry of the problem comes back in it, by the equations of
+ * `mode`. */
 double sample_error(sample *s, const double *lambda, const ns_mode *mode, double *condition);
 
 #endif
