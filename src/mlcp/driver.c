@@ -9,9 +9,10 @@
 /* Guards hold if no y or lambda is outside by more than this part of its size: the terms of a sum leave
  * 1e-16 of it each, a solve with some dozen unknowns 1e-14; two decades are for the condition. */
 static const double GUARD = 1e-12;
-static const double ACCEPT = 1e-10; /* natural residual of an answer */
-static const double GOOD = 1e-13;   /* nothing to gain by refining below this */
-static const double DOUBT = 1e7;    /* lambda this large against q and the bounds, in units of W */
+static const double ACCEPT = 1e-10;  /* natural residual of an answer */
+static const double GOOD = 1e-13;    /* nothing to gain by refining below this */
+static const double DOUBT = 1e7;     /* lambda this large against q and the bounds, in units of W */
+static const double HOPELESS = 1e12; /* ... so large that no digits of q are left beside it */
 enum { REFINEMENTS = 3, ROUNDS = 3 };
 static const double RCOND = 1e-13; /* a starting basis must keep three digits */
 
@@ -209,7 +210,7 @@ static int plain(const ns_mlcp_solver *s) {
 
 /* Whether lambda is so large that it may hide in its rounding what q says: equations that contradict each
  * other but for the last digits of W have an answer as good as any by its residual. */
-static int doubtful(ns_mlcp_solver *s) {
+static int doubtful(ns_mlcp_solver *s, double doubt) {
     double data = 0.0, answer = 0.0;
     ns_mlcp_units(s);
     for (int i = 0; i < s->m; i++) {
@@ -220,14 +221,14 @@ static int doubtful(ns_mlcp_solver *s) {
         else
             data = fmax(data, size);
     }
-    return answer > DOUBT * data;
+    return answer > doubt * data;
 }
 
 /* Where it answers, nothing else is looked at, unless a mode found on the way gives a doubtful answer. */
 static int quickly(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     if ((s->use != NS_MLCP_AUTO && s->use != NS_MLCP_PIVOT) || s->m > NS_QUICK ||
         ns_mlcp_quick(s, mode, ACCEPT, residual) != NS_OK ||
-        (s->pivots + s->factors > 0 && !plain(s) && doubtful(s)))
+        (s->pivots + s->factors > 0 && !plain(s) && doubtful(s, DOUBT)))
         return 0;
     s->method = NS_MLCP_PIVOT;
     return 1;
@@ -246,7 +247,8 @@ static int solve(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mode, doubl
         return NS_OK;
     int status =
         s->use == NS_MLCP_AUTO ? automatic(s, mode, residual) : verdict(s, apply(s, s->use, mode, residual));
-    if (status == NS_OK && doubtful(s) && prove(s, NS_CAREFUL))
+    if (status == NS_OK && doubtful(s, DOUBT) &&
+        (prove(s, NS_CAREFUL) || (doubtful(s, HOPELESS) && prove(s, NS_BOLD))))
         return NS_E_INFEASIBLE;
     if (status == NS_OK)
         s->fault.npairs = 0;

@@ -18,18 +18,19 @@ static const double MARGIN = 1e-9;  /* of the terms, by which a proof must prove
 static const double CANCEL = 1e-14; /* sums that cancel this far are 0 (certificate.c) */
 static const double FLOOR =
     1e-6; /* a value's terms count as at least this part of the largest (residual.c) */
-enum { REFINEMENTS = 2 };
+static const double ROUNDING = 1e-10; /* of the largest multiplier, in the units of phase 1 */
+enum { REFINEMENTS = 2, ROUNDS = 3 };
 
 /* s_j = sum_i v_i W_ij less `to`; *size: its terms. */
 static double combine(const ns_mlcp_solver *s, const double *v, int j, double to, double *size) {
     const double *col = s->p->W + (size_t)j * (size_t)s->m;
-    double sum = -to;
+    long double sum = -to;
     *size = fabs(to);
     for (int i = 0; i < s->m; i++) {
-        sum += v[i] * col[i];
+        sum += (long double)v[i] * col[i];
         *size += fabs(v[i] * col[i]);
     }
-    return sum;
+    return (double)sum;
 }
 
 static void multipliers(const ns_phase1 *z, double *v) {
@@ -69,6 +70,21 @@ static void mend(const ns_mlcp *p, double *v) {
             v[i] = 0.0;
 }
 
+/* Multipliers that are 0 but for rounding are no help in refining: it would give half of them a sign that y_i
+ * does not allow. */
+static void drop_rounding(const ns_phase1 *z, double *v) {
+    const ns_mlcp_solver *s = z->s;
+    double top = 1.0; /* the sides */
+    for (int c = 0; c < z->cols; c++)
+        top = fmax(top,
+                   s->colvar[c] % 2 == 1 ? ldexp(fabs(v[s->colvar[c] / 2]), -s->r[s->colvar[c] / 2]) : 0.0);
+    for (int c = 0; c < z->cols; c++) {
+        const int i = s->colvar[c] / 2;
+        if (s->colvar[c] % 2 == 1 && ldexp(fabs(v[i]), -s->r[i]) <= ROUNDING * top)
+            v[i] = z->cost[c] = 0.0;
+    }
+}
+
 /* What the proof rests on: the pairs whose sign or bound it uses; where there is none, the equalities. */
 static void name(ns_mlcp_solver *s, const double *v) {
     for (int a = 0; a < s->np; a++) {
@@ -90,10 +106,15 @@ static int proves(ns_mlcp_solver *s, double floor, double *v) {
     if (!ns_phase1_run(&z, s, floor))
         return 0;
     multipliers(&z, v);
-    for (int k = 0; k < REFINEMENTS; k++)
-        refine(&z, v, s->g);
-    mend(s->p, v);
-    return ns_mlcp_certify(s->p, v) > MARGIN;
+    for (int round = 0; round < ROUNDS; round++) {
+        for (int k = 0; k < REFINEMENTS; k++)
+            refine(&z, v, s->g);
+        mend(s->p, v);
+        if (ns_mlcp_certify(s->p, v) > MARGIN)
+            return 1;
+        drop_rounding(&z, v);
+    }
+    return 0;
 }
 
 int ns_farkas(ns_mlcp_solver *s, int effort) {

@@ -1,0 +1,106 @@
+/* tests/property/test_mlcp_classes.c - random problems of every class, all of them answered, all answers
+ * judged.
+ *
+ * The short form of `make stress`: each problem is made backwards from its answer, or from the proof that it
+ * has none (tests/unit/generators.h).  Judged by ns_mlcp_residual() and ns_mlcp_certify(), and by sample.c,
+ * which shares nothing with the library.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "generators.h"
+
+enum { MAX = 60, TIMES = 300 };
+
+static sample s;
+static ns_mlcp_solver *solver;
+static ns_mode mode[MAX];
+static double lambda[MAX], y[MAX];
+
+/* From any start; returns the verdict. */
+static int solve(const ns_mlcp *p) {
+    const int how = dice_below(&s.dice, 3);
+    for (int i = 0; i < s.m; i++)
+        mode[i] = how == 0 ? NS_LOWER : how == 1 ? NS_INSIDE : (ns_mode)(dice_below(&s.dice, 3) - 1);
+    return ns_mlcp_solve(solver, p, mode, lambda, y, NULL);
+}
+
+/* The known lambda came, but for a hundred roundings of any entry of the problem, or of what the residual
+ * leaves. */
+static void is_the_known_one(double residual) {
+    double condition, error = sample_error(&s, lambda, mode, &condition);
+    double rounding = 1e-14 * s.m > 10 * residual ? 1e-14 * s.m : 10 * residual;
+    assert_true(error <= rounding * condition);
+}
+
+static void has_an_answer(const ns_mlcp *p, int status, int class, int number) {
+    if (status != NS_OK)
+        fail_msg("%s %d, %s, m = %d: %s", generator_name(class), number, s.kind, s.m, ns_status_name(status));
+    const double residual = ns_mlcp_residual(p, lambda, NULL);
+    assert_true(residual < 1e-10);
+    assert_true(sample_residual(&s, lambda) < 1e-10);
+    if (s.unique)
+        is_the_known_one(residual);
+}
+
+static void has_none(const ns_mlcp *p, int status, int class, int number) {
+    const double *v = ns_mlcp_certificate(solver);
+    if (status != NS_E_INFEASIBLE || !v)
+        fail_msg("%s %d, %s, m = %d: %s", generator_name(class), number, s.kind, s.m, ns_status_name(status));
+    assert_true(ns_mlcp_certify(p, v) > 0);
+    assert_true(sample_margin(&s, v) > 0);
+}
+
+static void every_problem_of(int class, int times) {
+    for (int k = 0; k < times; k++) {
+        generate(&s, class, (unsigned long long)k, MAX);
+        const ns_mlcp p = sample_problem(&s);
+        if (s.none) /* the generator keeps its word */
+            assert_true(sample_margin(&s, s.farkas) > 0 && ns_mlcp_certify(&p, s.farkas) > 0);
+        else
+            assert_true(sample_residual(&s, s.lambda) < 1e-12);
+        const int status = solve(&p);
+        (s.none ? has_none : has_an_answer)(&p, status, class, k);
+    }
+}
+
+static void every_class_that_has_answers(void **state) {
+    (void)state;
+    for (int class = 0; class < CLASSES; class ++)
+        every_problem_of(class, TIMES);
+}
+
+static void problems_without_a_solution(void **state) {
+    (void)state;
+    every_problem_of(CLASS_INFEASIBLE, 2 * TIMES);
+}
+
+static void problems_that_almost_have_none_or_one(void **state) {
+    (void)state;
+    every_problem_of(CLASS_NEAR, TIMES);
+}
+
+static int setup(void **state) {
+    (void)state;
+    return sample_create(MAX, &s) || ns_mlcp_create(MAX, &solver) != NS_OK;
+}
+
+static int teardown(void **state) {
+    (void)state;
+    ns_mlcp_free(solver);
+    sample_free(&s);
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(every_class_that_has_answers, setup, teardown),
+        cmocka_unit_test_setup_teardown(problems_without_a_solution, setup, teardown),
+        cmocka_unit_test_setup_teardown(problems_that_almost_have_none_or_one, setup, teardown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
