@@ -5,9 +5,9 @@
  * and within the bounds the left side stays below const.  Its multipliers of the y are, with the sign
  * turned, the v of certificate.c: v_i = -side (y_i basic), d (nonbasic), such that
  *     (W' v)_j = side_j                                       for the lambda_j that are basic.
- * They are refined on W itself and judged by ns_mlcp_certify(), so that what is proved rests on no tableau.
- * If W is copositive-plus (monotone, say) a problem whose constraints can be met has a solution: then
- * every problem without one has such a proof.
+ * They are refined on W itself, in twice the digits, and judged by ns_mlcp_certify(), so that what is proved
+ * rests on no tableau. If W is copositive-plus (monotone, say) a problem whose constraints can be met has a
+ * solution: then every problem without one has such a proof.
  */
 #include "phase1.h"
 
@@ -18,19 +18,34 @@ static const double MARGIN = 1e-9;  /* of the terms, by which a proof must prove
 static const double CANCEL = 1e-14; /* sums that cancel this far are 0 (certificate.c) */
 static const double FLOOR =
     1e-6; /* a value's terms count as at least this part of the largest (residual.c) */
-static const double ROUNDING = 1e-10; /* of the largest multiplier, in the units of phase 1 */
-enum { REFINEMENTS = 2, ROUNDS = 3 };
+/* Of the largest multiplier, in the units of phase 1: */
+static const double ROUNDING = 1e-24; /* what twice the digits of a double leave */
+static const double NOISE = 1e-10;    /* may be 0, if its reduced cost is */
+enum { REFINEMENTS = 3, ROUNDS = 3 };
 
-/* s_j = sum_i v_i W_ij less `to`; *size: its terms. */
-static double combine(const ns_mlcp_solver *s, const double *v, int j, double to, double *size) {
+/* s_j = sum_i (v_i + rest_i) W_ij less `to`, as if in twice the digits (Ogita, Rump and Oishi's Dot2). */
+static double combine(const ns_mlcp_solver *s, const double *v, const double *rest, int j, double to) {
     const double *col = s->p->W + (size_t)j * (size_t)s->m;
-    long double sum = -to;
-    *size = fabs(to);
+    double sum = -to, lost = 0.0;
     for (int i = 0; i < s->m; i++) {
-        sum += (long double)v[i] * col[i];
+        if (v[i] == 0.0 || col[i] == 0.0)
+            continue;
+        double term = v[i] * col[i], next = sum + term, part = next - sum;
+        lost += (sum - (next - part)) + (term - part) + fma(v[i], col[i], -term) + rest[i] * col[i];
+        sum = next;
+    }
+    return sum + lost;
+}
+
+/* (W' v)_j; *size: its terms. */
+static double slope(const ns_mlcp_solver *s, const double *v, int j, double *size) {
+    const double *col = s->p->W + (size_t)j * (size_t)s->m;
+    double sum = *size = 0.0;
+    for (int i = 0; i < s->m; i++) {
+        sum += v[i] * col[i];
         *size += fabs(v[i] * col[i]);
     }
-    return (double)sum;
+    return sum;
 }
 
 static void multipliers(const ns_phase1 *z, double *v) {
@@ -44,52 +59,99 @@ static void multipliers(const ns_phase1 *z, double *v) {
             v[s->colvar[c] / 2] = ldexp(z->cost[c], s->r[s->colvar[c] / 2]);
 }
 
-/* One refinement: the block of the tableau of basic lambda and nonbasic y is the inverse of that of W. */
-static void refine(const ns_phase1 *z, double *v, double *error) {
+/* One refinement: the block of the tableau of basic lambda and nonbasic y is the inverse of that of W.  v is
+ * v + rest: the rounding of v in one equation would be handed on to others, in which it is large. */
+static void refine(const ns_phase1 *z, double *v, double *rest, double *error) {
     const ns_mlcp_solver *s = z->s;
     for (int r = 0; r < z->rows; r++) {
         int j = s->rowvar[r] / 2;
-        double size, to = ldexp(z->side[r], -s->c[j]);
-        error[r] = s->rowvar[r] % 2 == 0 ? ldexp(combine(s, v, j, to, &size), s->c[j]) : 0.0;
+        double to = ldexp(z->side[r], -s->c[j]);
+        error[r] = s->rowvar[r] % 2 == 0 ? ldexp(combine(s, v, rest, j, to), s->c[j]) : 0.0;
     }
     for (int c = 0; c < z->cols; c++) {
         const double *a = s->A + (size_t)c * (size_t)s->m;
+        const int i = s->colvar[c] / 2;
         double sum = 0.0;
-        if (s->colvar[c] % 2 == 0 || z->cost[c] == 0.0)
+        if (s->colvar[c] % 2 == 0)
             continue;
         for (int r = 0; r < z->rows; r++)
             sum += a[r] * error[r];
-        v[s->colvar[c] / 2] -= ldexp(sum, s->r[s->colvar[c] / 2]);
+        double by = rest[i] - ldexp(sum, s->r[i]), whole = v[i] + by;
+        rest[i] = fabs(v[i]) > fabs(by) ? by - (whole - v[i]) : v[i] - (whole - by);
+        v[i] = whole;
+    }
+}
+
+/* The largest multiplier, in the units of phase 1. */
+static double largest(const ns_phase1 *z, const double *v) {
+    const ns_mlcp_solver *s = z->s;
+    double top = 1.0; /* the sides */
+    for (int c = 0; c < z->cols; c++)
+        if (s->colvar[c] % 2 == 1)
+            top = fmax(top, ldexp(fabs(v[s->colvar[c] / 2]), -s->r[s->colvar[c] / 2]));
+    return top;
+}
+
+/* Multipliers that are 0 but for the rounding of rest. */
+static void drop_rounding(const ns_phase1 *z, double *v, double *rest) {
+    const ns_mlcp_solver *s = z->s;
+    const double top = largest(z, v);
+    for (int c = 0; c < z->cols; c++) {
+        const int i = s->colvar[c] / 2;
+        if (s->colvar[c] % 2 == 1 && ldexp(fabs(v[i]), -s->r[i]) <= ROUNDING * top)
+            v[i] = rest[i] = 0.0;
+    }
+}
+
+/* Of the equations (W' v)_j = 0, the one that notices least, beside its terms, if the multiplier of column c
+ * is left out: its row, -1 if there is none. */
+static int careless(const ns_phase1 *z, const double *v, int c) {
+    const ns_mlcp_solver *s = z->s;
+    const double *a = s->A + (size_t)c * (size_t)s->m;
+    double most = 0.0;
+    int best = -1;
+    for (int r = 0; r < z->rows; r++) {
+        const int j = s->rowvar[r] / 2;
+        double size;
+        if (s->rowvar[r] % 2 == 1 || z->side[r] != 0.0 || a[r] == 0.0)
+            continue;
+        (void)slope(s, v, j, &size);
+        size = ldexp(fabs(a[r]) * size, s->c[j]);
+        if (size > most) {
+            most = size;
+            best = r;
+        }
+    }
+    return best;
+}
+
+/* Multipliers that are 0 but for what W lost when it was rounded become 0.  Left out alone, others, of terms
+ * far smaller perhaps, would be wrong by what they were to make up for: with each goes one equation. */
+static void leave_out(ns_phase1 *z, const double *v) {
+    const ns_mlcp_solver *s = z->s;
+    const double noise = NOISE * largest(z, v);
+    for (int c = 0; c < z->cols; c++) {
+        const int i = s->colvar[c] / 2;
+        if (s->colvar[c] % 2 == 0 || z->cost[c] != 0.0 || v[i] == 0.0 || ldexp(fabs(v[i]), -s->r[i]) > noise)
+            continue;
+        int r = careless(z, v, c);
+        if (r >= 0)
+            ns_phase1_exchange(z, r, c);
     }
 }
 
 /* Any v will do: what has a sign that y_i does not allow is left out. */
-static void mend(const ns_mlcp *p, double *v) {
+static void mend(const ns_mlcp *p, double *v, double *rest) {
     for (int i = 0; i < p->m; i++)
         if ((v[i] < 0.0 && isfinite(p->l[i])) || (v[i] > 0.0 && isfinite(p->u[i])))
-            v[i] = 0.0;
-}
-
-/* Multipliers that are 0 but for rounding are no help in refining: it would give half of them a sign that y_i
- * does not allow. */
-static void drop_rounding(const ns_phase1 *z, double *v) {
-    const ns_mlcp_solver *s = z->s;
-    double top = 1.0; /* the sides */
-    for (int c = 0; c < z->cols; c++)
-        top = fmax(top,
-                   s->colvar[c] % 2 == 1 ? ldexp(fabs(v[s->colvar[c] / 2]), -s->r[s->colvar[c] / 2]) : 0.0);
-    for (int c = 0; c < z->cols; c++) {
-        const int i = s->colvar[c] / 2;
-        if (s->colvar[c] % 2 == 1 && ldexp(fabs(v[i]), -s->r[i]) <= ROUNDING * top)
-            v[i] = z->cost[c] = 0.0;
-    }
+            v[i] = rest[i] = 0.0;
 }
 
 /* What the proof rests on: the pairs whose sign or bound it uses; where there is none, the equalities. */
 static void name(ns_mlcp_solver *s, const double *v) {
     for (int a = 0; a < s->np; a++) {
         int i = s->pair[a];
-        double size, sum = combine(s, v, i, 0.0, &size);
+        double size, sum = slope(s, v, i, &size);
         s->ray[a] =
             fmax(ldexp(fabs(v[i]), -s->r[i]), fabs(sum) > CANCEL * size ? ldexp(fabs(sum), s->c[i]) : 0.0);
     }
@@ -105,14 +167,17 @@ static int proves(ns_mlcp_solver *s, double floor, double *v) {
     ns_phase1 z;
     if (!ns_phase1_run(&z, s, floor))
         return 0;
-    multipliers(&z, v);
+    double *rest = s->ray;
     for (int round = 0; round < ROUNDS; round++) {
+        multipliers(&z, v);
+        memset(rest, 0, (size_t)s->m * sizeof *rest);
         for (int k = 0; k < REFINEMENTS; k++)
-            refine(&z, v, s->g);
-        mend(s->p, v);
+            refine(&z, v, rest, s->g);
+        drop_rounding(&z, v, rest);
+        mend(s->p, v, rest);
         if (ns_mlcp_certify(s->p, v) > MARGIN)
             return 1;
-        drop_rounding(&z, v);
+        leave_out(&z, v);
     }
     return 0;
 }

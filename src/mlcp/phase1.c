@@ -108,8 +108,7 @@ static void follow(const ns_phase1 *z, int p, const double *e, const double *ema
     mag[p] = fmag;
 }
 
-/* Basic variable of row p and nonbasic variable of column c change places. */
-static void exchange(ns_phase1 *z, int p, int c) {
+void ns_phase1_exchange(ns_phase1 *z, int p, int c) {
     ns_mlcp_solver *s = z->s;
     const size_t m = (size_t)s->m;
     double *e = s->A + (size_t)c * m, *emag = s->mag + (size_t)c * m, pivot = e[p];
@@ -134,7 +133,7 @@ static void swap(ns_phase1 *z, int p, int c, double to) {
     double by = (to - z->value[p]) / z->s->A[k];
     double value = resting(z, z->s->colvar[c]) + by, size = fmax(fabs(value), z->size[p] / fabs(z->s->A[k]));
     move(z, c, by);
-    exchange(z, p, c);
+    ns_phase1_exchange(z, p, c);
     z->value[p] = value;
     z->size[p] = size;
 }

@@ -21,4 +21,7 @@ typedef struct ns_phase1 {
  * from, which count as at least `floor` times the largest of the start. */
 int ns_phase1_run(ns_phase1 *z, ns_mlcp_solver *s, double floor);
 
+/* Basic variable of row p and nonbasic variable of column c change places; values and sides stay. */
+void ns_phase1_exchange(ns_phase1 *z, int p, int c);
+
 #endif
