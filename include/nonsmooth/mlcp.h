@@ -95,7 +95,8 @@ int ns_mlcp_alike(ns_mlcp_solver *s, int alike);
  * says nothing, of NS_OK it is empty. Verdicts: OK, solved; INFEASIBLE, no solution exists: proved by a
  * certificate (info->certified), or, for few pairs, by having tried every mode; LIMIT, gave up. Errors: NULL,
  * SIZE (p->m larger than the workspace), NUMBER, BOUNDS (l > u, or both the same infinity); SINGULAR (no
- * basis holds all equalities, and no answer of least norm was found), INFEASIBLE, LIMIT, RESIDUAL. */
+ * basis holds all equalities, and no answer of least norm was found), INFEASIBLE, LIMIT, RESIDUAL, OVERFLOW
+ * (an answer has numbers that no double holds). */
 int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *lambda, double *y,
                   ns_mlcp_info *info);
 

@@ -64,7 +64,7 @@ static int attempt(ns_mlcp_solver *s, int all, int patience, double *residual) {
         }
         if (v > GUARD) {
             if (isinf(v))
-                return NS_E_SINGULAR;
+                return NS_E_OVERFLOW;
             ns_tableau_start(s);
             status = ns_lemke(s, all, patience);
             if (status != NS_OK)
@@ -106,7 +106,7 @@ int ns_mlcp_search(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
             return status;
         if (s->nstuck > 0)
             return NS_E_SINGULAR; /* no start will do */
-        if (k == 0 || (first == NS_E_LIMIT && status != NS_E_SINGULAR))
+        if (k == 0 || (first == NS_E_LIMIT && status != NS_E_SINGULAR && status != NS_E_OVERFLOW))
             first = status;
     }
     return first;

@@ -21,7 +21,8 @@ static const double COSTLY = 1e9; /* multiplications: some two seconds */
 typedef struct tally {
     double accept, best; /* residuals: required, of the best answer so far */
     double qtop;         /* largest |q_i| / rowmax_i */
-    int doubtful;        /* sets of pairs whose equations are singular, or nearly */
+    int doubtful; /* sets of pairs whose equations are singular, or nearly; modes whose numbers no double
+                     holds */
 } tally;
 
 static int two_bounds(const ns_mlcp_solver *s, int i) {
@@ -45,6 +46,11 @@ static int plausible(const ns_mlcp_solver *s, double qtop) {
             return 0;
     }
     return 1;
+}
+
+/* The mode at hand has numbers: nothing else can be told of it. */
+static int finite(const ns_mlcp_solver *s) {
+    return ns_finite((size_t)s->m, s->lambda) && ns_finite((size_t)s->m, s->y);
 }
 
 /* Judges the mode at hand, whose G is factored; 1 if that ends the search. */
@@ -96,7 +102,9 @@ static int combinations(ns_mlcp_solver *s, tally *t, double rcond) {
     for (int c = 0; c < n; c++)
         step_columns(s, box[c], c);
     for (long k = 0;;) {
-        if (plausible(s, t->qtop)) {
+        if (!finite(s))
+            t->doubtful++;
+        else if (plausible(s, t->qtop)) {
             if (judge(s, t, rcond))
                 return NS_OK;
             ns_basis_values(s, 0);

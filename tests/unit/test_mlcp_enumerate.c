@@ -47,6 +47,22 @@ static void a_proof_names_its_rows(void **state) {
     assert_int_equal(t.info.fault.pair[0] + t.info.fault.pair[1], 3);
 }
 
+/* a = 1e9, b = 1e100 a, c = 1e200 b = 1e309, and a pair y = d - 1 beside them: an answer, d = 1, of which no
+ * double holds c.  That no mode has numbers proves nothing. */
+static void what_overflows_proves_nothing(void **state) {
+    (void)state;
+    for (int method = 0; method < NS_MLCP_METHODS; method++) {
+        trial t = {.m = 4,
+                   .rows = {1, 0, 0, 0, -1e100, 1, 0, 0, 0, -1e200, 1, 0, 0, 0, 0, 1},
+                   .q = {-1e9, 0, 0, -1},
+                   .l = {-INF, -INF, -INF, 0},
+                   .u = {INF, INF, INF, INF}};
+        const int status = trial_run(&t, (ns_mlcp_method)method);
+        assert_true(status != NS_OK && status != NS_E_INFEASIBLE);
+        assert_true((method != NS_MLCP_AUTO && method != NS_MLCP_LEMKE) || status == NS_E_OVERFLOW);
+    }
+}
+
 /* Without complementarity feasible: no ray proves it, only that every branch has a proof of its own. */
 static void proved_branch_by_branch(void **state) {
     (void)state;
@@ -124,6 +140,7 @@ int main(void) {
         cmocka_unit_test(no_solution),
         cmocka_unit_test(every_class),
         cmocka_unit_test(a_proof_names_its_rows),
+        cmocka_unit_test(what_overflows_proves_nothing),
         cmocka_unit_test(proved_branch_by_branch),
         cmocka_unit_test(solutions_in_singular_modes),
         cmocka_unit_test(bounds_by_columns),
