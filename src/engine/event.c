@@ -21,19 +21,27 @@ static int step_to(ns_march *m, double h) {
 }
 
 /* The shorter the step, the worse the condition of the equations; where it spoils the answer, a longer one is
- * negligible still. */
+ * negligible still, and a contradiction that impulses hide from a short one shows.  A step that finds one has
+ * the say, else the first, and leaves its problem. */
 int ns_short_try(ns_march *m, double h) {
-    const int first = step_to(m, h);
-    if (first == NS_OK || first == NS_E_MEMORY)
-        return first == NS_OK ? first : ns_march_fail(m, first);
-    double longer = h;
+    int status = step_to(m, h);
+    double longer = h, says = h;
+    if (status == NS_OK || status == NS_E_MEMORY)
+        return status == NS_OK ? status : ns_march_fail(m, status);
     for (int k = 0; k < 4; k++) {
         longer *= 16;
-        if (m->live.t + longer < m->limit && longer <= m->h && step_to(m, longer) == NS_OK)
+        if (m->live.t + longer >= m->limit || longer > m->h)
+            continue;
+        const int then = step_to(m, longer);
+        if (then == NS_OK)
             return NS_OK;
+        if (then == NS_E_INFEASIBLE && status != then) {
+            status = then;
+            says = longer;
+        }
     }
-    const int again = step_to(m, h); /* the first has the say, and leaves its problem */
-    return again == NS_OK ? again : ns_march_fail(m, again);
+    status = step_to(m, says);
+    return status == NS_OK ? status : ns_march_fail(m, status);
 }
 
 static void count_event(ns_march *m) {

@@ -17,6 +17,8 @@
 
 /* What the second refinement may still move: far above rounding, far below what a pivot of rounding does. */
 static const double moved_max = 1e-10;
+/* Below, K may be singular but for rounding. */
+static const double rcond_min = 1e-14;
 
 static int list_inside(const ns_theta *s, const ns_mode *mode, int *inside) {
     int count = 0;
@@ -178,24 +180,35 @@ static double refine(ns_theta *s, int size) {
     return moved;
 }
 
-/* X from the right-hand sides in X.  K's condition is that of its scaling; whether its factors are good for
+/* X from its factors, refined.  K's condition is that of its scaling; whether its factors are good for
  * anything shows in the refinement. */
+static int solve_factored(ns_theta *s, int size) {
+    memcpy(s->R, s->X, sizeof(double) * (size_t)size * (size_t)s->q);
+    ns_lu_solve(s->lu, s->q, s->X);
+    return refine(s, size) <= moved_max ? NS_OK : NS_E_SINGULAR;
+}
+
+/* X from the right-hand sides in X.  A pivot that is only rounding can pass for one, with an X of any size
+ * along what is open; leaks tell, as they settle what is open and leave alone what is not. */
 static int solve(ns_theta *s, double h, int implicit, const ns_mode *mode, int nj) {
     const int size = s->s->n + nj;
-    const size_t count = (size_t)size * (size_t)s->q;
+    double rcond = 0;
     s->counts.factors++;
-    const int status = ns_lu_factor(s->lu, size, s->K, NULL, NULL);
+    int status = ns_lu_factor(s->lu, size, s->K, &rcond, NULL);
     if (status != NS_OK && status != NS_E_SINGULAR)
         return status;
     form_columns(s, h, implicit, mode, nj);
-    if (status == NS_OK) {
-        memcpy(s->R, s->X, sizeof(double) * count);
-        ns_lu_solve(s->lu, s->q, s->X);
-        if (refine(s, size) <= moved_max)
-            return NS_OK;
-        memcpy(s->X, s->R, sizeof(double) * count);
-    }
-    return ns_leak_solve(s, h, implicit, mode, nj, s->q);
+    if (status == NS_OK && rcond >= rcond_min && solve_factored(s, size) == NS_OK)
+        return NS_OK;
+    form_columns(s, h, implicit, mode, nj);
+    const int leaky = ns_leak_solve(s, h, implicit, mode, nj, s->q);
+    if (leaky != NS_E_SINGULAR || status != NS_OK)
+        return leaky;
+    form_matrix(s, h, implicit, nj);
+    form_columns(s, h, implicit, mode, nj);
+    s->counts.factors++;
+    status = ns_lu_factor(s->lu, size, s->K, NULL, NULL);
+    return status == NS_OK ? solve_factored(s, size) : status;
 }
 
 int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out) {
