@@ -8,7 +8,6 @@
 
 #include <float.h>
 #include <math.h>
-#include <string.h>
 
 static int step_to(ns_march *m, double h) {
     ns_system_inputs(m->s, m->live.t + h, NS_RIGHT, m->z);
@@ -68,6 +67,34 @@ static int step_until_changed(ns_march *m, double *h) {
     return status;
 }
 
+/* Short steps until one leaves the mode as it is: one that changes it may leave an impulse in lambda. */
+int ns_short_settle(ns_march *m, double h) {
+    int status = NS_OK, changed = 1;
+    for (int round = 0; round < 4 && changed && status == NS_OK; round++) {
+        const long before = ns_theta_counts(m->step)->events;
+        status = ns_short_try(m, h);
+        changed = ns_theta_counts(m->step)->events != before;
+    }
+    return status;
+}
+
+/* The lambda of a constraint is known to eps w/h after a short step, and between steps of theta = 1/2 what is
+ * wrong with it swings on for ever.  Two implicit steps from here, long for rounding and short for the
+ * scheme, tell the rates better, unless something happens in them. */
+int ns_short_rates(ns_march *m) {
+    const double h = ldexp(m->h, -NS_RATE_RUNG), t = m->live.t;
+    if (!m->step->carry || !(t + 4 * h < m->limit) || !(h > ns_short_step(m)))
+        return NS_OK;
+    for (int k = 0; k < 2; k++) {
+        ns_system_inputs(m->s, t + (k + 1) * h, NS_LEFT, m->z);
+        if (ns_control_by_time(m, m->z, m->due) || ns_theta_probe(m->step, (k + 1) * h, m->z, k) != NS_OK ||
+            ns_control_by_state(m, m->z, m->crossed))
+            return NS_OK;
+    }
+    ns_theta_take_rates(m->step);
+    return NS_OK;
+}
+
 /* The length of the steps that resolve an event: two and more of them before anything else happens. */
 static double event_step(const ns_march *m) {
     const double h = ns_short_step(m), room = (m->limit - m->live.t) / 8;
@@ -91,10 +118,11 @@ int ns_event_resolve(ns_march *m) {
         ns_control_apply(m, m->flip);
         status = changed ? ns_short_try(m, h) : step_until_changed(m, &h);
         if (status == NS_OK)
-            status = ns_short_try(m, h);
+            status = ns_short_settle(m, h);
         if (status != NS_OK || !(changed = ns_control_by_state(m, m->z, m->flip)))
             break;
     }
-    memset(m->flip, 0, (size_t)m->s->nc);
-    return status;
+    for (int c = 0; c < m->s->nc; c++)
+        m->flip[c] = 0;
+    return status == NS_OK ? ns_short_rates(m) : status;
 }

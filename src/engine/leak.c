@@ -44,21 +44,60 @@ double ns_leak_series(const ns_theta *s, int row, double share) {
     return share / (ns_lu_rows(s->lu)[row] * ns_lu_units(s->lu)[row]);
 }
 
+static void find_leaks(const ns_theta *s, const ns_leaks *leaks, double share) {
+    for (int j = 0, row = s->s->n; j < s->s->m; j++)
+        leaks->of[j] = leaks->mode[j] == NS_INSIDE ? ns_leak_series(s, row++, share)
+                                                   : ns_leak_across(s, leaks->ht, j, share);
+}
+
 /* s->K becomes K_g. */
-static void add_leaks(ns_theta *s, double h, int implicit, const ns_mode *mode, int size, double share) {
+static void add_leaks(ns_theta *s, const ns_leaks *leaks, int size) {
     const int n = s->s->n, m = s->s->m;
-    const double ht = implicit ? h : h * s->theta;
-    for (int j = 0, inside = 0; j < m; j++) {
-        if (mode[j] == NS_INSIDE) {
-            s->K[(n + inside) * (size + 1)] += ns_leak_series(s, n + inside, share);
-            inside++;
+    for (int j = 0, row = n; j < m; j++) {
+        if (leaks->mode[j] == NS_INSIDE) {
+            s->K[row * (size + 1)] += leaks->of[j];
+            row++;
             continue;
         }
-        const double g = ns_leak_across(s, ht, j, share);
         for (int k = 0; k < n; k++)
             for (int i = 0; i < n; i++)
-                s->K[i + k * size] += (i < s->r ? ht : 1) * g * s->B[i + j * n] * s->s->C[j + k * m];
+                s->K[i + k * size] +=
+                    (i < s->r ? leaks->ht : 1) * leaks->of[j] * s->B[i + j * n] * s->s->C[j + k * m];
     }
+}
+
+/* Adds `by` times column j to out; row: that of pair j if it is inside. */
+static void add_column(const ns_theta *s, const ns_leaks *leaks, int j, int row, double by, double *out) {
+    if (leaks->mode[j] == NS_INSIDE)
+        out[row] += leaks->of[j] * by;
+    else
+        for (int i = 0; i < s->s->n; i++)
+            out[i] += (i < s->r ? leaks->ht : 1) * leaks->of[j] * s->B[i + j * s->s->n] * by;
+}
+
+static int count_inside(const ns_leaks *leaks, int m) {
+    int count = 0;
+    for (int j = 0; j < m; j++)
+        count += leaks->mode[j] == NS_INSIDE;
+    return count;
+}
+
+void ns_leak_times(const ns_theta *s, const ns_leaks *leaks, const double *x, double *out) {
+    const int n = s->s->n, m = s->s->m;
+    memset(out, 0, sizeof(double) * (size_t)(n + count_inside(leaks, m)));
+    for (int j = 0, row = n; j < m; j++) {
+        double y = 0;
+        for (int i = 0; leaks->mode[j] != NS_INSIDE && i < n; i++)
+            y += s->s->C[j + i * m] * x[i];
+        add_column(s, leaks, j, row, leaks->mode[j] == NS_INSIDE ? x[row] : y, out);
+        row += leaks->mode[j] == NS_INSIDE;
+    }
+}
+
+void ns_leak_column(const ns_theta *s, const ns_leaks *leaks, int j, double *out) {
+    const int n = s->s->n;
+    memset(out, 0, sizeof(double) * (size_t)(n + count_inside(leaks, s->s->m)));
+    add_column(s, leaks, j, n + count_inside(leaks, j), 1, out);
 }
 
 /* residual = rhs - K X, one column.  Returns its largest entry against the terms of its row, in *left against
@@ -115,12 +154,13 @@ static int solve_columns(ns_theta *s, int size, int nrhs, const double *K, doubl
 }
 
 /* With leaks of one share; K: (P2) without, rhs: its right-hand sides, followed by room for two columns. */
-static int solve_with(ns_theta *s, double h, int implicit, const ns_mode *mode, int size, int nrhs,
-                      double share, const double *K, double *rhs) {
+static int solve_with(ns_theta *s, const ns_leaks *leaks, int size, int nrhs, double share, const double *K,
+                      double *rhs) {
     const size_t count = (size_t)size * (size_t)nrhs;
     double rcond = 0;
     memcpy(s->X, rhs, sizeof(double) * count);
-    add_leaks(s, h, implicit, mode, size, share);
+    find_leaks(s, leaks, share);
+    add_leaks(s, leaks, size);
     s->counts.factors++;
     const int status = ns_lu_factor(s->lu, size, s->K, &rcond, NULL);
     if (status != NS_OK || rcond < rcond_min)
@@ -128,7 +168,7 @@ static int solve_with(ns_theta *s, double h, int implicit, const ns_mode *mode, 
     return solve_columns(s, size, nrhs, K, rhs + count);
 }
 
-int ns_leak_solve(ns_theta *s, double h, int implicit, const ns_mode *mode, int nj, int nrhs) {
+int ns_leak_solve(ns_theta *s, const ns_leaks *leaks, int nj, int nrhs) {
     const int size = s->s->n + nj;
     const size_t square = (size_t)size * (size_t)size, count = (size_t)size * (size_t)nrhs;
     double *K = malloc(sizeof(double) * (square + count + 2 * (size_t)size + 1));
@@ -138,9 +178,9 @@ int ns_leak_solve(ns_theta *s, double h, int implicit, const ns_mode *mode, int 
     memcpy(K + square, s->X, sizeof(double) * count);
     int status = NS_E_SINGULAR;
     for (int k = 0; k < 2 && status == NS_E_SINGULAR; k++) {
-        memcpy(s->K, K, sizeof(double) * square);
         (void)ns_lu_factor(s->lu, size, K, NULL, NULL); /* for the scaling of K itself */
-        status = solve_with(s, h, implicit, mode, size, nrhs, shares[k], K, K + square);
+        status = solve_with(s, leaks, size, nrhs, shares[k], K, K + square);
+        memcpy(s->K, K, sizeof(double) * square);
     }
     free(K);
     return status;

@@ -10,9 +10,26 @@
 double ns_leak_across(const ns_theta *s, double ht, int j, double share);
 double ns_leak_series(const ns_theta *s, int row, double share);
 
+/* The leaks of a matrix of (P2), G: their conductances, where a pair is inside its resistance. */
+typedef struct ns_leaks {
+    const ns_mode *mode;
+    double ht;  /* factor of the differential rows of (P2) */
+    double *of; /* m */
+} ns_leaks;
+
 /* Solves (P2) of this mode where its matrix, s->K (size n+nj), is singular: s->X holds nrhs right-hand sides
- * and gets the solutions, the limit for vanishing leaks.  Errors: SINGULAR (the equations contradict each
- * other, or leaks do not settle them), MEMORY. */
-int ns_leak_solve(ns_theta *s, double h, int implicit, const ns_mode *mode, int nj, int nrhs);
+ * and gets the solutions, the limit for vanishing leaks.  On success leaks->of (m, the caller's) is known and
+ * s->lu holds K_g = K + G, s->K is left as it was.  Errors: SINGULAR (the equations contradict each other, or
+ * leaks do not settle them), MEMORY. */
+int ns_leak_solve(ns_theta *s, const ns_leaks *leaks, int nj, int nrhs);
+
+/* out = G x; out = what 1 V across the leak of pair j, or 1 A in it, puts on the right (size n+nj). */
+void ns_leak_times(const ns_theta *s, const ns_leaks *leaks, const double *x, double *out);
+void ns_leak_column(const ns_theta *s, const ns_leaks *leaks, int j, double *out);
+
+/* noise.c: the noise of a map; what is open, where K is singular: MEMORY.  Both after (P2) was solved: s->K,
+ * s->X and the factors; s->R holds the right-hand sides; leaks: NULL, or those in the factors. */
+void ns_map_noise(ns_theta *s, ns_map *map, const ns_leaks *leaks, int nj);
+int ns_map_open(ns_theta *s, ns_map *map, const ns_leaks *leaks, int nj);
 
 #endif

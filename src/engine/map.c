@@ -55,21 +55,21 @@ static void form_matrix(ns_theta *s, double h, int implicit, int nj) {
     }
 }
 
-/* Right-hand sides of (P2), one column for each input of the map. */
-static void form_columns(ns_theta *s, double h, int implicit, const ns_mode *mode, int nj) {
+/* Right-hand sides of (P2), one column for each input of the map: X. */
+static void form_columns(ns_theta *s, double h, int implicit, const ns_mode *mode, int nj, double *X) {
     const int n = s->s->n, m = s->s->m, nz = s->s->nz, size = n + nj;
     const double ht = implicit ? h : h * s->theta, hg = implicit ? h : h * s->gamma;
-    memset(s->X, 0, sizeof(double) * (size_t)size * (size_t)s->q);
+    memset(X, 0, sizeof(double) * (size_t)size * (size_t)s->q);
     for (int i = 0; i < s->r; i++)
-        s->X[i + i * size] = 1;
+        X[i + i * size] = 1;
     for (int k = 0; k < nz; k++) {
-        double *col = s->X + (size_t)(s->r + k) * (size_t)size;
+        double *col = X + (size_t)(s->r + k) * (size_t)size;
         for (int i = 0; i < n; i++)
             col[i] = (i < s->r ? ht : 1) * s->E[i + k * n];
         for (int i = 0; i < nj; i++)
             col[n + i] = -s->s->F[s->inside[i] + k * m];
     }
-    double *one = s->X + (size_t)(s->q - 1) * (size_t)size;
+    double *one = X + (size_t)(s->q - 1) * (size_t)size;
     for (int i = 0; i < n; i++)
         one[i] = (i < s->r ? ht : 1) * s->b[i];
     for (int i = 0; i < nj; i++)
@@ -138,7 +138,8 @@ static ns_map *map_create(const ns_theta *s, const ns_mode *mode) {
     const size_t m = (size_t)s->s->m, n = (size_t)s->s->n, q = (size_t)s->q;
     const int guards = ns_guard_count(s, mode);
     const int p = s->r * (s->carry ? 2 : 1) + s->s->nc + guards;
-    const size_t numbers = ((size_t)p + n + m + (size_t)guards) * q;
+    const size_t rates = s->carry ? (size_t)s->r : 0;
+    const size_t numbers = ((size_t)p + n + m + (size_t)guards + rates) * q;
     const size_t bytes = sizeof(ns_map) + numbers * sizeof(double) + m;
     ns_map *map = calloc(1, bytes);
     if (!map)
@@ -149,7 +150,8 @@ static ns_map *map_create(const ns_theta *s, const ns_mode *mode) {
     map->step = (double *)(void *)(map + 1);
     map->full = map->step + (size_t)p * q;
     map->noise = map->full + (n + m) * q;
-    map->mode = (ns_mode *)(map->noise + (size_t)guards * q);
+    map->rate_noise = map->noise + (size_t)guards * q;
+    map->mode = (ns_mode *)(map->rate_noise + rates * q);
     memcpy(map->mode, mode, m);
     return map;
 }
@@ -180,43 +182,54 @@ static double refine(ns_theta *s, int size) {
     return moved;
 }
 
-/* X from its factors, refined.  K's condition is that of its scaling; whether its factors are good for
+/* X from the right-hand sides in R.  K's condition is that of its scaling; whether its factors are good for
  * anything shows in the refinement. */
 static int solve_factored(ns_theta *s, int size) {
-    memcpy(s->R, s->X, sizeof(double) * (size_t)size * (size_t)s->q);
+    memcpy(s->X, s->R, sizeof(double) * (size_t)size * (size_t)s->q);
     ns_lu_solve(s->lu, s->q, s->X);
     return refine(s, size) <= moved_max ? NS_OK : NS_E_SINGULAR;
 }
 
-/* X from the right-hand sides in X.  A pivot that is only rounding can pass for one, with an X of any size
- * along what is open; leaks tell, as they settle what is open and leave alone what is not. */
-static int solve(ns_theta *s, double h, int implicit, const ns_mode *mode, int nj) {
+/* X from the right-hand sides in R.  A pivot that is only rounding can pass for one, with an X of any size
+ * along what is open; leaks tell, as they settle what is open and leave alone what is not.  *leaky: there
+ * are leaks in the factors. */
+static int solve(ns_theta *s, const ns_leaks *leaks, int nj, int *leaky) {
     const int size = s->s->n + nj;
     double rcond = 0;
+    *leaky = 0;
     s->counts.factors++;
-    int status = ns_lu_factor(s->lu, size, s->K, &rcond, NULL);
-    if (status != NS_OK && status != NS_E_SINGULAR)
-        return status;
-    form_columns(s, h, implicit, mode, nj);
-    if (status == NS_OK && rcond >= rcond_min && solve_factored(s, size) == NS_OK)
+    const int regular = ns_lu_factor(s->lu, size, s->K, &rcond, NULL);
+    if (regular != NS_OK && regular != NS_E_SINGULAR)
+        return regular;
+    if (regular == NS_OK && rcond >= rcond_min && solve_factored(s, size) == NS_OK)
         return NS_OK;
-    form_columns(s, h, implicit, mode, nj);
-    const int leaky = ns_leak_solve(s, h, implicit, mode, nj, s->q);
-    if (leaky != NS_E_SINGULAR || status != NS_OK)
-        return leaky;
-    form_matrix(s, h, implicit, nj);
-    form_columns(s, h, implicit, mode, nj);
+    memcpy(s->X, s->R, sizeof(double) * (size_t)size * (size_t)s->q);
+    const int status = ns_leak_solve(s, leaks, nj, s->q);
+    *leaky = status == NS_OK;
+    if (status != NS_E_SINGULAR || regular != NS_OK)
+        return status;
     s->counts.factors++;
-    status = ns_lu_factor(s->lu, size, s->K, NULL, NULL);
-    return status == NS_OK ? solve_factored(s, size) : status;
+    (void)ns_lu_factor(s->lu, size, s->K, NULL, NULL);
+    return solve_factored(s, size);
+}
+
+/* The map from X. */
+static int fill(ns_theta *s, ns_map *map, const ns_leaks *leaks, int nj) {
+    fill_full(s, map, nj);
+    fill_step(s, map);
+    ns_map_noise(s, map, leaks, nj);
+    return leaks && map->guards > 0 ? ns_map_open(s, map, leaks, nj) : NS_OK;
 }
 
 int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out) {
+    const int nj = list_inside(s, mode, s->inside);
+    const ns_leaks leaks = {mode, implicit ? h : h * s->theta, s->leak};
+    int leaky;
     *out = NULL;
     s->failed = 0; /* K is used */
-    const int nj = list_inside(s, mode, s->inside);
     form_matrix(s, h, implicit, nj);
-    const int status = solve(s, h, implicit, mode, nj);
+    form_columns(s, h, implicit, mode, nj, s->R);
+    int status = solve(s, &leaks, nj, &leaky);
     if (status != NS_OK)
         return status;
     ns_map *map = map_create(s, mode);
@@ -224,11 +237,10 @@ int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_ma
         return NS_E_MEMORY;
     map->h = h;
     map->implicit = implicit;
-    fill_full(s, map, nj);
-    fill_step(s, map);
-    if (ns_guard_noise(s, map, nj) != NS_OK) {
+    status = fill(s, map, leaky ? &leaks : NULL, nj);
+    if (status != NS_OK) {
         ns_map_free(map);
-        return NS_E_MEMORY;
+        return status;
     }
     s->counts.maps++;
     *out = map;
@@ -237,6 +249,6 @@ int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_ma
 
 void ns_map_free(ns_map *map) {
     if (map)
-        free(map->doubt);
+        free(map->open);
     free(map);
 }

@@ -13,6 +13,8 @@
 enum { NS_EVENT_RUNG = 20, NS_TAIL_RUNG = 4, NS_LAST_RUNG = 40 };
 /* A guard that broke for the scheme and holds for (P1) is followed no longer than by a step of h 2^-this. */
 enum { NS_SPURIOUS_RUNG = 10 };
+/* After an event rates are read off implicit steps of h 2^-this and twice that. */
+enum { NS_RATE_RUNG = 10 };
 /* More events than this within one h: event-capturing steps of h 2^-NS_CAPTURE_RUNG until h has passed. */
 enum { NS_CROWD = 16, NS_CAPTURE_RUNG = 2 };
 
@@ -71,9 +73,11 @@ int ns_walk(ns_march *m, double stop);
 /* The length of the steps at an event: h 2^-NS_EVENT_RUNG, or the next on the ladder that is visible in t. */
 double ns_short_step(const ns_march *m);
 
-/* event.c: one implicit step of length h that resolves whatever breaks; the event at live.t resolved,
- * to its right side. */
+/* event.c: one implicit step of length h that resolves whatever breaks; such steps until the mode has
+ * settled; rates freed of their rounding; the event at live.t resolved, to its right side. */
 int ns_short_try(ns_march *m, double h);
+int ns_short_settle(ns_march *m, double h);
+int ns_short_rates(ns_march *m);
 int ns_event_resolve(ns_march *m);
 
 #endif

@@ -4,9 +4,9 @@
 #include <math.h>
 #include <string.h>
 
-/* past = w, d, in, h, implicit, mode */
+/* past = w, d, d_noise, in, noisy_h, h, implicit, mode */
 size_t ns_theta_past_size(const ns_theta *s) {
-    return s ? (size_t)(2 * s->r + s->q + 2 + s->s->m) : 0;
+    return s ? (size_t)(3 * s->r + s->q + 3 + s->s->m) : 0;
 }
 
 void ns_theta_save(const ns_theta *s, double *past) {
@@ -15,8 +15,10 @@ void ns_theta_save(const ns_theta *s, double *past) {
     const size_t r = (size_t)s->r, q = (size_t)s->q;
     memcpy(past, s->w, sizeof(double) * r);
     memcpy(past + r, s->d, sizeof(double) * r);
-    memcpy(past + 2 * r, s->in, sizeof(double) * q);
-    past += 2 * r + q;
+    memcpy(past + 2 * r, s->d_noise, sizeof(double) * r);
+    memcpy(past + 3 * r, s->in, sizeof(double) * q);
+    past += 3 * r + q;
+    *past++ = s->noisy_h;
     *past++ = s->h;
     *past++ = s->implicit;
     for (int j = 0; j < s->s->m; j++)
@@ -29,8 +31,10 @@ void ns_theta_restore(ns_theta *s, const double *past) {
     const size_t r = (size_t)s->r, q = (size_t)s->q;
     memcpy(s->w, past, sizeof(double) * r);
     memcpy(s->d, past + r, sizeof(double) * r);
-    memcpy(s->in, past + 2 * r, sizeof(double) * q);
-    past += 2 * r + q;
+    memcpy(s->d_noise, past + 2 * r, sizeof(double) * r);
+    memcpy(s->in, past + 3 * r, sizeof(double) * q);
+    past += 3 * r + q;
+    s->noisy_h = *past++;
     s->h = *past++;
     s->implicit = (int)*past++;
     for (int j = 0; j < s->s->m; j++)

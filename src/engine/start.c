@@ -40,7 +40,7 @@ static int settle(ns_march *m, double t0, const double *w0) {
     const double h = ns_short_step(m);
     status = ns_short_try(m, h); /* the jump, */
     if (status == NS_OK)
-        status = ns_short_try(m, h); /* then clean algebraic unknowns */
+        status = ns_short_settle(m, h); /* then clean algebraic unknowns */
     return status;
 }
 
@@ -58,6 +58,8 @@ int ns_march_start(ns_march *m, double t0, const double *w0) {
         if (status == NS_OK && !toggle(m))
             break;
     }
+    if (status == NS_OK)
+        status = ns_short_rates(m);
     if (status != NS_OK)
         return status;
     m->started = m->has_trial = 1;

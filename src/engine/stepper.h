@@ -3,7 +3,6 @@
 #define NS_STEPPER_H
 
 #include "../linalg/dense.h"
-#include "doubt.h"
 #include "nonsmooth/theta.h"
 
 /* The step of one mode and one length as a matrix.  It acts on the q inputs
@@ -14,14 +13,15 @@
 typedef struct ns_map ns_map;
 struct ns_map {
     double h;
-    int implicit;    /* 1: theta = gamma = 1 in this map */
-    int p;           /* rows of step: w (r), d (r if carried), controls (nc), guards */
-    int guards;      /* how many guards: the last rows of step; each must be >= 0 */
-    double *step;    /* p*q */
-    double *full;    /* (n+m)*q: x, lambda */
-    double *noise;   /* guards*q: bounds on the rounding of each guard, by input, in units of eps */
-    ns_mode *mode;   /* m */
-    ns_doubt *doubt; /* NULL: the noise is not much larger than the guards' own terms */
+    int implicit;       /* 1: theta = gamma = 1 in this map */
+    int p;              /* rows of step: w (r), d (r if carried), controls (nc), guards */
+    int guards;         /* how many guards: the last rows of step; each must be >= 0 */
+    double *step;       /* p*q */
+    double *full;       /* (n+m)*q: x, lambda */
+    double *noise;      /* guards*q: the rounding of each guard, by input, in units of eps */
+    double *rate_noise; /* r*q if d is carried: the same of d */
+    double *open;       /* guards*m, or NULL: what changes the guards and satisfies (P2) all the same */
+    ns_mode *mode;      /* m */
     size_t bytes;
     ns_map *chain;         /* next in its bucket */
     ns_map *older, *newer; /* by last use */
@@ -47,11 +47,13 @@ struct ns_theta {
     double *T;     /* n*n */
     double *l, *u; /* m, with the bounds of commanded pairs as commanded */
     /* the past: accepted point */
-    double *w, *d; /* r */
-    ns_mode *mode; /* m */
-    double *in;    /* q: what the accepted step acted on, */
-    double h;      /* its length, 0 if none was accepted since the start, */
-    int implicit;  /* and kind */
+    double *w, *d;   /* r */
+    double *d_noise; /* r: of d, in units of eps, */
+    double noisy_h;  /* which comes from a step of this length */
+    ns_mode *mode;   /* m */
+    double *in;      /* q: what the accepted step acted on, */
+    double h;        /* its length, 0 if none was accepted since the start, */
+    int implicit;    /* and kind */
     /* the trial */
     int has_trial;
     double trial_h;
@@ -69,6 +71,8 @@ struct ns_theta {
     double *K;                     /* (n+m)^2 */
     double *X, *R;                 /* (n+m)*q, and twice that */
     double *Z;                     /* (n+m)*2m */
+    double *leak;                  /* m */
+    double *sum, *rate[2];         /* n */
     double *rhs;                   /* n+m */
     double *sol, *resid, *bl, *bu; /* n+m */
     ns_mode *work_mode;            /* n+m */
@@ -84,13 +88,15 @@ struct ns_theta {
 int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out);
 void ns_map_free(ns_map *map);
 
-/* guard.c: how many guards a mode has; their entries in column k of a map whose `full` is known; the map's
- * noise (and doubt: MEMORY), from s->K, s->X and the factors; whether all of s->out hold, up to tol relative
- * to that: OK, GUARD or MEMORY. */
+/* guard.c: how many guards a mode has; their entries in column k of a map whose `full` is known; whether all
+ * of s->out hold, up to tol noise: OK, GUARD or MEMORY. */
 int ns_guard_count(const ns_theta *s, const ns_mode *mode);
 void ns_guard_fill(const ns_theta *s, ns_map *map, int k);
-int ns_guard_noise(ns_theta *s, ns_map *map, int nj);
+double ns_input_size(const ns_theta *s, const ns_map *map, int k);
 int ns_guards_hold(const ns_theta *s, const ns_map *map, double tol);
+
+/* noise.c: what d may be off by after the step of this map, before it is accepted. */
+void ns_rate_noise(ns_theta *s, const ns_map *map);
 
 /* cache.c */
 ns_map *ns_cache_find(ns_cache *c, double h, int implicit, const ns_mode *mode, int m);
@@ -107,6 +113,11 @@ void ns_theta_set_bounds(ns_theta *s);
 
 /* trial.c: the map of (h, implicit, mode) from the cache, or built and kept.  Errors: ns_map_build(). */
 int ns_theta_map(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out);
+
+/* trial.c: d after an implicit step of length h from here, or (second) of twice that length, which is not
+ * taken: errors of ns_theta_try(), GUARD if the mode breaks; and d here from the two, extrapolated. */
+int ns_theta_probe(ns_theta *s, double h, const double *z, int second);
+void ns_theta_take_rates(ns_theta *s);
 
 /* problem.c: (P1) of a step, unreduced (x as equality rows), solved from the mode of s->trial_mode, which
  * gets the answer's mode.  Uses s->trial_in.  share > 0: with leaks of that share (leak.h).  Errors: those of

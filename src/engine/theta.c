@@ -33,6 +33,10 @@ static int allocate(ns_theta *s) {
     s->u = vector(m, &failed);
     s->w = vector(n, &failed);
     s->d = vector(n, &failed);
+    s->d_noise = vector(n, &failed);
+    s->sum = vector(n, &failed);
+    s->rate[0] = vector(n, &failed);
+    s->rate[1] = vector(n, &failed);
     s->in = vector(q, &failed);
     s->trial_in = vector(q, &failed);
     s->out = vector(2 * n + nc + 2 * m, &failed);
@@ -40,6 +44,7 @@ static int allocate(ns_theta *s) {
     s->X = vector(all * q, &failed);
     s->R = vector(2 * all * q, &failed);
     s->Z = vector(all * 2 * m, &failed);
+    s->leak = vector(m, &failed);
     s->rhs = vector(all, &failed);
     s->sol = vector(all, &failed);
     s->resid = vector(all, &failed);
@@ -112,9 +117,10 @@ int ns_theta_create(const ns_system *system, const ns_theta_options *o, ns_theta
 void ns_theta_free(ns_theta *s) {
     if (!s)
         return;
-    double *const arrays[] = {s->M, s->A,   s->T,   s->B,        s->b,   s->E,  s->l,      s->u,
-                              s->w, s->d,   s->in,  s->trial_in, s->out, s->K,  s->X,      s->R,
-                              s->Z, s->rhs, s->sol, s->resid,    s->bl,  s->bu, s->control};
+    double *const arrays[] = {s->M,       s->A,       s->T,   s->B,     s->b,        s->E,       s->l,
+                              s->u,       s->w,       s->d,   s->in,    s->trial_in, s->out,     s->K,
+                              s->X,       s->R,       s->Z,   s->leak,  s->rhs,      s->d_noise, s->sum,
+                              s->rate[0], s->rate[1], s->sol, s->resid, s->bl,       s->bu,      s->control};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         free(arrays[i]);
     free(s->mode);
@@ -152,6 +158,8 @@ int ns_theta_start(ns_theta *s, const double *w0, const unsigned char *closed) {
             return ns_theta_fail(s, NS_E_NUMBER);
     ns_split_apply(s->s->n, 1, s->T, w0, s->w);
     memset(s->d, 0, sizeof(double) * (size_t)s->s->n);
+    memset(s->d_noise, 0, sizeof(double) * (size_t)s->s->n);
+    s->noisy_h = 0;
     for (int j = 0; j < s->s->m; j++) {
         s->l[j] = s->s->l[j];
         s->u[j] = s->s->u[j];

@@ -132,6 +132,7 @@ int ns_theta_accept(ns_theta *s) {
         return NS_E_NULL;
     if (!s->has_trial)
         return NS_E_STATE;
+    ns_rate_noise(s, s->trial_map);
     memcpy(s->w, s->out, sizeof(double) * (size_t)s->r);
     if (s->carry)
         memcpy(s->d, s->out + s->r, sizeof(double) * (size_t)s->r);
@@ -148,4 +149,22 @@ int ns_theta_accept(ns_theta *s) {
     s->counts.steps++;
     s->has_trial = 0;
     return NS_OK;
+}
+
+int ns_theta_probe(ns_theta *s, double h, const double *z, int second) {
+    const int status = ns_theta_try(s, h, z, 1, NS_HOLD);
+    if (status != NS_OK)
+        return status;
+    memcpy(s->rate[second], s->out + s->r, sizeof(double) * (size_t)s->r);
+    if (!second)
+        ns_rate_noise(s, s->trial_map);
+    s->has_trial = 0;
+    return NS_OK;
+}
+
+void ns_theta_take_rates(ns_theta *s) {
+    for (int i = 0; i < s->r; i++) {
+        s->d[i] = 2 * s->rate[0][i] - s->rate[1][i];
+        s->d_noise[i] *= 3; /* twice that of h, and that of 2 h */
+    }
 }

@@ -1,0 +1,200 @@
+/* src/engine/noise.c - by how much the guards of a map may be rounding, and what (P2) leaves open of them.
+ *
+ * Column k of the map is X_k, a solution of (P2), and guard g is a row c_g of it.  Summing it up costs some
+ * eps of its terms; and X_k itself, which leaves R_k = rhs - K X_k over, is off by E_k = K^-1 R_k:
+ *
+ *     noise_gk = |c_g| |X_k| + |c_g E_k| / eps
+ *
+ * A bound, |c_g K^-1| |K| |X_k|, would be larger by as much as K is ill-conditioned: it excuses volts where
+ * inductors alone carry the current of some node, as their L/h amplifies a current that is only rounding.
+ * Where K is singular, K_g has leaks G (leak.h), and E = (1 - K_g^-1 G) K_g^-1 R is the error of what is
+ * determined.  What is not is what K_g^-1 G leaves as it is.
+ */
+#include "leak.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Column g of s->Z: guard g as a function of (x, lambda_J), up to its sign. */
+static void fill_functionals(ns_theta *s, const ns_map *map, int nj) {
+    const int n = s->s->n, m = s->s->m, size = n + nj;
+    int g = 0;
+    memset(s->Z, 0, sizeof(double) * (size_t)size * (size_t)map->guards);
+    for (int j = 0, inside = 0; j < m; j++) {
+        if (map->mode[j] == NS_INSIDE) {
+            const int here = isfinite(s->l[j]) + isfinite(s->u[j]);
+            for (int k = 0; k < here; k++)
+                s->Z[n + inside + (g + k) * size] = 1;
+            g += here;
+            inside++;
+        } else if (s->l[j] < s->u[j]) {
+            double *z = s->Z + (size_t)g * (size_t)size;
+            for (int i = 0; i < n; i++)
+                z[i] = s->s->C[j + i * m];
+            for (int i = 0; i < nj; i++)
+                z[n + i] = s->s->D[j + s->inside[i] * m];
+            g++;
+        }
+    }
+}
+
+/* Rounds that tell what is open; it has settled when a round moves no more than this part of it, nothing is
+ * open when no more than that part of the first is left; an entry that is smaller than this part of its terms
+ * is rounding. */
+enum { OPEN_ROUNDS = 30 };
+static const double settled = 1e-9, nothing = 1e-7, rounding = 1e-7;
+
+/* Beside the terms that are there: what is zero comes out, refined, far below eps of the largest unknown in
+ * the units of the factors, and what (P1) leaves behind of a charge that has gone is some eps of it. */
+static const double of_largest = 2e-4;
+
+/* |c_g| |X_k|, and a share of the same with every X_ik as large as the largest of its column. */
+static double own_terms(const ns_theta *s, int size, const double *c, int k) {
+    const double *x = s->X + (size_t)k * (size_t)size, *unit = ns_lu_units(s->lu);
+    double sum = 0, units = 0, largest = 0;
+    for (int i = 0; i < size; i++) {
+        sum += fabs(c[i] * x[i]);
+        units += fabs(c[i]) * unit[i];
+        largest = fmax(largest, fabs(x[i]) / unit[i]);
+    }
+    return sum + of_largest * units * largest;
+}
+
+static double row_of(const double *c, const double *x, int size) {
+    double sum = 0;
+    for (int i = 0; i < size; i++)
+        sum += c[i] * x[i];
+    return sum;
+}
+
+/* R = rhs - K X, summed up in long double. */
+static void residual(ns_theta *s, int size, int k) {
+    const double *x = s->X + (size_t)k * (size_t)size;
+    double *r = s->R + (size_t)k * (size_t)size;
+    for (int i = 0; i < size; i++) {
+        long double sum = r[i];
+        for (int j = 0; j < size; j++)
+            sum -= (long double)s->K[i + j * size] * x[j];
+        r[i] = (double)sum;
+    }
+}
+
+/* R becomes E. */
+static void error(ns_theta *s, const ns_leaks *leaks, int size) {
+    double *more = s->R + (size_t)size * (size_t)s->q;
+    for (int k = 0; k < s->q; k++)
+        residual(s, size, k);
+    ns_lu_solve(s->lu, s->q, s->R);
+    for (int k = 0; leaks && k < s->q; k++) {
+        double *e = s->R + (size_t)k * (size_t)size;
+        ns_leak_times(s, leaks, e, more);
+        ns_lu_solve(s->lu, 1, more);
+        for (int i = 0; i < size; i++)
+            e[i] -= more[i];
+    }
+}
+
+/* |c| |X_k| + |c E_k| / eps for d_i, c = ((1-theta) A, (1-gamma) B) on its row. */
+static double rate_noise(const ns_theta *s, int nj, int i, int k) {
+    const int n = s->s->n, size = n + nj;
+    const double *x = s->X + (size_t)k * (size_t)size, *e = s->R + (size_t)k * (size_t)size;
+    double sum = 0, off = 0;
+    for (int j = 0; j < size; j++) {
+        const double c =
+            j < n ? (1 - s->theta) * s->A[i + j * n] : (1 - s->gamma) * s->B[i + s->inside[j - n] * n];
+        sum += fabs(c * x[j]);
+        off += c * e[j];
+    }
+    return sum + fabs(off) / DBL_EPSILON;
+}
+
+void ns_map_noise(ns_theta *s, ns_map *map, const ns_leaks *leaks, int nj) {
+    const int size = s->s->n + nj, ng = map->guards;
+    fill_functionals(s, map, nj);
+    error(s, leaks, size);
+    for (int k = 0; k < s->q; k++)
+        for (int g = 0; g < ng; g++) {
+            const double *c = s->Z + (size_t)g * (size_t)size;
+            map->noise[g + k * ng] = own_terms(s, size, c, k) +
+                                     fabs(row_of(c, s->R + (size_t)k * (size_t)size, size)) / DBL_EPSILON;
+        }
+    for (int k = 0; s->carry && k < s->q; k++)
+        for (int i = 0; i < s->r; i++)
+            map->rate_noise[i + k * s->r] = rate_noise(s, nj, i, k);
+}
+
+/* The noise of d lives on: where lambda is the rate of what its constraint keeps, it swings between
+ * theta = 1/2 steps, undamped.  It goes with 1/h, so that longer steps add none. */
+void ns_rate_noise(ns_theta *s, const ns_map *map) {
+    if (!s->carry || (!map->implicit && !(map->h < s->noisy_h)))
+        return;
+    for (int i = 0; i < s->r; i++)
+        s->sum[i] = 0;
+    for (int k = 0; k < s->q; k++) {
+        const double input = ns_input_size(s, map, k);
+        for (int i = 0; i < s->r; i++)
+            s->sum[i] += map->rate_noise[i + k * s->r] * input;
+    }
+    for (int i = 0; i < s->r; i++)
+        s->d_noise[i] = map->implicit ? s->sum[i] : fmax(s->d_noise[i], s->sum[i]);
+    s->noisy_h = map->h;
+}
+
+/* v becomes what is open of it: K_g^-1 G leaves that as it is, and shrinks what is determined by the share
+ * that a leak has of it.  Returns 0 if nothing is open; w: size of v. */
+static int keep_open(ns_theta *s, const ns_leaks *leaks, int size, double *v, double *w) {
+    const double first = ns_lu_largest(s->lu, v);
+    for (int round = 0; round < OPEN_ROUNDS; round++) {
+        ns_leak_times(s, leaks, v, w);
+        ns_lu_solve(s->lu, 1, w);
+        for (int i = 0; i < size; i++)
+            v[i] -= w[i];
+        const double moved = ns_lu_largest(s->lu, v), left = ns_lu_largest(s->lu, w);
+        memcpy(v, w, sizeof(double) * (size_t)size);
+        if (left <= nothing * first)
+            return 0;
+        if (moved <= settled * left)
+            return 1;
+    }
+    return 0;
+}
+
+/* Column j of map->open; v and w: size each.  Returns whether anything is in it. */
+static int fill_open(ns_theta *s, ns_map *map, const ns_leaks *leaks, int j, int size, double *v, double *w) {
+    const double *unit = ns_lu_units(s->lu);
+    int any = 0;
+    ns_leak_column(s, leaks, j, v);
+    ns_lu_solve(s->lu, 1, v);
+    const int open = keep_open(s, leaks, size, v, w);
+    const double most = ns_lu_largest(s->lu, v);
+    for (int g = 0; g < map->guards; g++) {
+        const double *c = s->Z + (size_t)g * (size_t)size, entry = row_of(c, v, size);
+        double terms = 0;
+        for (int i = 0; i < size; i++)
+            terms += fabs(c[i]) * unit[i] * most;
+        const int counts = open && fabs(entry) > rounding * terms;
+        map->open[g + j * map->guards] = counts ? entry : 0;
+        any |= counts;
+    }
+    return any;
+}
+
+int ns_map_open(ns_theta *s, ns_map *map, const ns_leaks *leaks, int nj) {
+    const int size = s->s->n + nj, m = s->s->m;
+    int any = 0;
+    map->open = malloc(sizeof(double) * ((size_t)map->guards * (size_t)m + 1));
+    if (!map->open)
+        return NS_E_MEMORY;
+    fill_functionals(s, map, nj);
+    for (int j = 0; j < m; j++)
+        any |= fill_open(s, map, leaks, j, size, s->R, s->R + size);
+    if (!any) {
+        free(map->open);
+        map->open = NULL;
+        return NS_OK;
+    }
+    map->bytes += sizeof(double) * (size_t)map->guards * (size_t)m;
+    return NS_OK;
+}
