@@ -4,7 +4,7 @@
 
 #include "generators.h"
 
-enum { TRIAL_MAX = 20 };
+enum { TRIAL_MAX = 100 };
 
 /* A small problem, W written row by row, and what a method made of it. */
 typedef struct trial {
