@@ -18,6 +18,7 @@ static const double MARGIN = 1e-9;  /* of the terms, by which a proof must prove
 static const double CANCEL = 1e-14; /* sums that cancel this far are 0 (certificate.c) */
 static const double FLOOR =
     1e-6; /* a value's terms count as at least this part of the largest (residual.c) */
+static const double NEAR = 1e-12, COARSE = 1e-9; /* of a value's terms: inside its bounds */
 /* Of the largest multiplier, in the units of phase 1: */
 static const double ROUNDING = 1e-24; /* what twice the digits of a double leave */
 static const double NOISE = 1e-10;    /* may be 0, if its reduced cost is */
@@ -163,9 +164,9 @@ static void name(ns_mlcp_solver *s, const double *v) {
     ns_mlcp_name(s, s->ray, s->nf, s->free);
 }
 
-static int proves(ns_mlcp_solver *s, double floor, double *v) {
+static int proves(ns_mlcp_solver *s, double floor, double near, double *v) {
     ns_phase1 z;
-    if (!ns_phase1_run(&z, s, floor))
+    if (!ns_phase1_run(&z, s, floor, near))
         return 0;
     double *rest = s->ray;
     for (int round = 0; round < ROUNDS; round++) {
@@ -185,7 +186,9 @@ static int proves(ns_mlcp_solver *s, double floor, double *v) {
 int ns_farkas(ns_mlcp_solver *s, int effort) {
     ns_mlcp now = s->now;
     ns_mlcp_given(s);
-    int proved = proves(s, effort == NS_CAREFUL ? FLOOR : 0.0, s->proof);
+    int proved = proves(s, effort == NS_CAREFUL ? FLOOR : 0.0, NEAR, s->proof);
+    if (!proved && effort == NS_BOLD) /* perhaps a row that was outside by rounding had its say */
+        proved = proves(s, 0.0, COARSE, s->proof);
     if (proved)
         name(s, s->proof);
     s->now = now;

@@ -17,7 +17,7 @@
 
 static const double SOUND = 1e-10; /* a pivot, of the terms it came from */
 static const double DULL = 1e-12;  /* a reduced cost below this part of its terms is 0 */
-static const double NEAR = 1e-12;  /* of a value's terms: inside its bounds */
+static const double STALL = 1e-12; /* the sum falls by less than this part: it stalls */
 static const double STURDY = 0.1;  /* of the largest pivot that a step passes */
 enum { NONE = -1, FLIP = -2 };
 enum { RENEW = 40 }; /* exchanges after which the tableau is made anew: entries lose a digit in some ten */
@@ -184,7 +184,7 @@ static int look(ns_phase1 *z, double *sum) {
         double below = lower(z, z->s->rowvar[r]) - z->value[r];
         double above = z->value[r] - upper(z, z->s->rowvar[r]);
         int var = z->s->rowvar[r], empty = var % 2 == 1 && z->s->rowmax[var / 2] == 0.0; /* y = q: exact */
-        double near = NEAR * (empty ? z->size[r] : fmax(z->size[r], z->least));
+        double near = z->near * (empty ? z->size[r] : fmax(z->size[r], z->least));
         z->side[r] = below > near ? -1.0 : above > near ? 1.0 : 0.0;
         count += z->side[r] != 0.0;
         *sum += z->side[r] < 0.0 ? below : z->side[r] > 0.0 ? above : 0.0;
@@ -204,13 +204,18 @@ static double cost(const ns_phase1 *z, int c) {
     return fabs(sum) > DULL * size ? sum : 0.0;
 }
 
+static void price(ns_phase1 *z) {
+    for (int c = 0; c < z->cols; c++)
+        z->cost[c] = cost(z, c);
+}
+
 /* The column by which the sum falls fastest (first: the one of least variable), NONE: it is least. */
-static int price(ns_phase1 *z, int first) {
+static int choose(const ns_phase1 *z, int first) {
     const ns_mlcp_solver *s = z->s;
     int best = NONE;
     for (int c = 0; c < z->cols; c++) {
         int var = s->colvar[c];
-        double d = z->cost[c] = cost(z, c), rest = resting(z, var);
+        double d = z->cost[c], rest = resting(z, var);
         if (d == 0.0 || (d < 0.0 ? upper(z, var) <= rest : lower(z, var) >= rest))
             continue;
         if (best < 0 || (first ? var < s->colvar[best] : fabs(d) > fabs(z->cost[best])))
@@ -278,8 +283,22 @@ static int step(ns_phase1 *z, int c) {
     return 1;
 }
 
-static void start(ns_phase1 *z, ns_mlcp_solver *s, double floor) {
-    *z = (ns_phase1){.s = s, .value = s->beta, .size = s->ysize, .side = s->lsize, .cost = s->cover};
+/* One step; 0: the sum is least.  Where nothing would stop it the reduced cost is rounding, for the sum is
+ * never below 0: of a tableau just made such a column is left, of one worn out nothing is believed. */
+static int advance(ns_phase1 *z, int first) {
+    int c = choose(z, first);
+    while (c >= 0 && !step(z, c)) {
+        if (z->pivots > 0)
+            return 0;
+        z->cost[c] = 0.0;
+        c = choose(z, first);
+    }
+    return c >= 0;
+}
+
+static void start(ns_phase1 *z, ns_mlcp_solver *s, double floor, double near) {
+    *z = (ns_phase1){
+        .s = s, .near = near, .value = s->beta, .size = s->ysize, .side = s->lsize, .cost = s->cover};
     ns_equilibrate(s->m, s->p->W, s->m, s->r, s->c, s->e);
     load_bounds(z);
     load(z);
@@ -291,8 +310,8 @@ static void start(ns_phase1 *z, ns_mlcp_solver *s, double floor) {
     eliminate(z, s->rowdone, s->rowdone);
 }
 
-int ns_phase1_run(ns_phase1 *z, ns_mlcp_solver *s, double floor) {
-    start(z, s, floor);
+int ns_phase1_run(ns_phase1 *z, ns_mlcp_solver *s, double floor, double near) {
+    start(z, s, floor, near);
     const int patience = z->rows + z->cols;
     int stalled = 0;
     double before = INFINITY, sum;
@@ -306,16 +325,14 @@ int ns_phase1_run(ns_phase1 *z, ns_mlcp_solver *s, double floor) {
         }
         if (outside == 0)
             return 0;
-        stalled = sum < before * (1.0 - NEAR) ? 0 : stalled + 1;
+        stalled = sum < before * (1.0 - STALL) ? 0 : stalled + 1;
         before = fmin(before, sum);
-        int c = price(z, stalled > patience);
-        if (c < 0 && z->pivots == 0)
+        price(z);
+        int moved = advance(z, stalled > patience);
+        if (!moved && z->pivots == 0)
             return 1;
-        if (c < 0 || !step(z, c)) {
-            if (z->pivots == 0)
-                return 0;
+        if (!moved)
             refresh(z);
-        }
     }
     return 0;
 }

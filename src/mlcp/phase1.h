@@ -13,13 +13,15 @@ typedef struct ns_phase1 {
     double *side;         /* rows: -1 below the lower bound, 1 above the upper, 0 */
     double *cost;         /* cols: sum of side[r] A[r,c] */
     double least;         /* sizes count as at least this */
+    double near;          /* of a size: inside the bounds */
     int pivots;           /* since the tableau was made from W and q */
 } ns_phase1;
 
 /* 1: the constraints cannot be met, z holds the point where the violation is least; 0: they can, or it was
  * not found out.  Works on s->q and *s->p, whatever the mode.  Amounts are judged against the terms they come
- * from, which count as at least `floor` times the largest of the start. */
-int ns_phase1_run(ns_phase1 *z, ns_mlcp_solver *s, double floor);
+ * from, which count as at least `floor` times the largest of the start; what is outside by less than `near`
+ * of them is inside. */
+int ns_phase1_run(ns_phase1 *z, ns_mlcp_solver *s, double floor, double near);
 
 /* Basic variable of row p and nonbasic variable of column c change places; values and sides stay. */
 void ns_phase1_exchange(ns_phase1 *z, int p, int c);
