@@ -198,7 +198,7 @@ coverage: deps ## lines of src/ that the tests run, file by file
 # --- benchmarks: one program a file ----------------------------------------------------------------------
 
 BENCH_BIN := $(patsubst %.c,$(B)/%,$(wildcard tests/bench/*.c))
-BENCH_HELP := $(filter-out %/wrap_alloc.c %/trials.c %/net.c,$(TEST_HELP))# without cmocka
+BENCH_HELP := $(filter-out %/wrap_alloc.c %/trials.c %/net.c %/passive.c,$(TEST_HELP))# without cmocka
 
 .PHONY: bench bench-programs
 bench-programs: $(BENCH_BIN)

@@ -90,3 +90,20 @@ int ns_guards_hold(const ns_theta *s, const ns_map *map, double tol) {
     }
     return doubt ? settle(s, map, tol) : NS_OK;
 }
+
+int ns_guards_flip(const ns_theta *s, const ns_map *map, double tol, ns_mode *mode) {
+    const double *guard = s->out + (map->p - map->guards);
+    int flipped = 0;
+    for (int j = 0, g = 0; j < s->s->m; j++) {
+        const int inside = map->mode[j] == NS_INSIDE;
+        const int low = inside && isfinite(s->l[j]), high = inside && isfinite(s->u[j]);
+        const int count = inside ? low + high : s->l[j] < s->u[j];
+        for (int k = 0; k < count; k++, g++) {
+            if (guard[g] >= 0 || guard[g] >= -size_of(s, map, g, tol) || is_open(s, map, g))
+                continue;
+            mode[j] = !inside ? NS_INSIDE : low && k == 0 ? NS_LOWER : NS_UPPER;
+            flipped = 1;
+        }
+    }
+    return flipped;
+}

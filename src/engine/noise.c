@@ -44,7 +44,7 @@ static void fill_functionals(ns_theta *s, const ns_map *map, int nj) {
  * open when no more than that part of the first is left; an entry that is smaller than this part of its terms
  * is rounding. */
 enum { OPEN_ROUNDS = 30 };
-static const double settled = 1e-9, nothing = 1e-7, rounding = 1e-7;
+static const double settled = 1e-9, nothing = 1e-7, rounding = 1e-3;
 
 /* Beside the terms that are there: what is zero comes out, refined, far below eps of the largest unknown in
  * the units of the factors, and what (P1) leaves behind of a charge that has gone is some eps of it. */

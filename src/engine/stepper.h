@@ -95,6 +95,9 @@ void ns_guard_fill(const ns_theta *s, ns_map *map, int k);
 double ns_input_size(const ns_theta *s, const ns_map *map, int k);
 int ns_guards_hold(const ns_theta *s, const ns_map *map, double tol);
 
+/* guard.c: the mode (m) with the pairs changed whose guards broke; 0 if there is none. */
+int ns_guards_flip(const ns_theta *s, const ns_map *map, double tol, ns_mode *mode);
+
 /* noise.c: what d may be off by after the step of this map, before it is accepted. */
 void ns_rate_noise(ns_theta *s, const ns_map *map);
 

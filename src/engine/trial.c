@@ -67,15 +67,23 @@ static int apply(ns_theta *s, ns_map *map, double tol) {
     return NS_OK;
 }
 
-/* (P1) at the end of the step, then the map of its answer, checked. */
+/* (P1) at the end of the step, then the map of its answer, checked.  A map is the more exact of the two: what
+ * (P1) took for zero it may see broken, and then that pair changes. */
 static int resolve_once(ns_theta *s, double h, int implicit, double share) {
+    enum { FLIPS = 4 };
     ns_map *map;
     int status = ns_problem_solve(s, h, implicit, share);
-    if (status == NS_OK)
+    for (int round = 0; status == NS_OK; round++) {
         status = ns_theta_map(s, h, implicit, s->trial_mode, &map);
-    if (status == NS_OK)
-        status = apply(s, map, of_an_answer);
-    return status == NS_GUARD ? NS_E_RESIDUAL : status;
+        if (status == NS_OK)
+            status = apply(s, map, of_an_answer);
+        if (status != NS_GUARD)
+            return status;
+        if (round == FLIPS || !ns_guards_flip(s, map, of_an_answer, s->trial_mode))
+            return NS_E_RESIDUAL;
+        status = NS_OK;
+    }
+    return status;
 }
 
 /* Where the ideal laws leave something open, the answer with leaks picks the mode that goes with them. */
