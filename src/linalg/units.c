@@ -5,6 +5,11 @@
  * rho_i = - mean over row i of (e_ij + gamma_j) this is S gamma = b, S positive semidefinite, which conjugate
  * gradients with the diagonal of counts solve in a few passes over W; what the powers of two in rows and
  * columns are is the same for any units the problem was written in.
+ *
+ * The mean is no unit where most entries of a row and column are next to nothing beside one (devices that
+ * hardly notice each other: 1 on the diagonal, 1e-20 elsewhere): it would make lambda_j 1e10 units.  So no
+ * entry may end more than 2^PEAK above the mean (Ruiz, "A scaling algorithm to equilibrate both rows and
+ * columns norms in matrices", 2001).
  */
 #include "units.h"
 
@@ -13,7 +18,7 @@
 #include <stdint.h>
 #include <string.h>
 
-enum { ITERATIONS = 40 };
+enum { ITERATIONS = 40, SWEEPS = 8, PEAK = 10 };
 
 static double exponent(double a) {
     uint64_t bits;
@@ -143,11 +148,55 @@ static void solve(graph *g, double *gamma, double *r, double *p, double *Sp) {
     }
 }
 
+/* rho_i = - mean over row i of (e_ij + gamma_j) */
+static void row_units(const graph *g, const double *gamma, double *rho) {
+    memset(rho, 0, (size_t)g->m * sizeof *rho);
+    for (int j = 0; j < g->m; j++) {
+        const double *w = g->W + (size_t)j * (size_t)g->m;
+        for (int i = 0; i < g->m; i++)
+            if (w[i] != 0.0)
+                rho[i] -= (exponent(w[i]) + gamma[j]) / g->rows[i];
+    }
+}
+
+/* The largest exponents of the rows, in these units, to top, and those of the columns to high. */
+static void highest(const graph *g, const double *gamma, const double *rho, double *top, double *high) {
+    for (int i = 0; i < g->m; i++)
+        top[i] = high[i] = 0.0;
+    for (int j = 0; j < g->m; j++) {
+        const double *w = g->W + (size_t)j * (size_t)g->m;
+        for (int i = 0; i < g->m; i++) {
+            if (w[i] == 0.0)
+                continue;
+            const double e = exponent(w[i]) + rho[i] + gamma[j];
+            top[i] = e > top[i] ? e : top[i];
+            high[j] = e > high[j] ? e : high[j];
+        }
+    }
+}
+
+/* Takes what stands out more than PEAK down to it, half by the row and half by the column (Ruiz). */
+static void level(const graph *g, double *gamma, double *rho, double *top, double *high) {
+    double most = INFINITY;
+    row_units(g, gamma, rho);
+    for (int sweep = 0; sweep < SWEEPS && most > 1.0; sweep++) {
+        highest(g, gamma, rho, top, high);
+        most = 0.0;
+        for (int i = 0; i < g->m; i++) {
+            const double over = fmax(top[i] - PEAK, 0.0);
+            rho[i] -= 0.5 * over;
+            gamma[i] -= 0.5 * fmax(high[i] - PEAK, 0.0);
+            most = fmax(most, over);
+        }
+    }
+}
+
 void ns_column_units(int m, const double *W, double *unit, double *work) {
     size_t n = (size_t)m;
     graph g = {m, W, work, work + n, work + 2 * n, NULL};
     count(&g, work + 7 * n);
     solve(&g, work + 3 * n, work + 4 * n, work + 5 * n, work + 6 * n);
+    level(&g, work + 3 * n, work + 4 * n, work + 5 * n, work + 6 * n);
     for (int j = 0; j < m; j++)
         unit[j] = ldexp(1.0, (int)fmin(fmax(rint(work[3 * n + (size_t)j]), -1000.0), 1000.0));
 }

@@ -99,6 +99,20 @@ static void equations_that_follow_but_for_rounding(void **state) {
     }
 }
 
+static void network_has_an_answer(int number, int m) {
+    generate(&s, CLASS_PASSIVE, (unsigned long long)number, LARGEST);
+    const ns_mlcp p = sample_problem(&s);
+    assert_int_equal(s.m, m);
+    has_an_answer(&p, solve(&p), CLASS_PASSIVE, number);
+}
+
+/* One entry on the diagonal of 0.16, the others of its row and column down to 1e-38: their mean as the unit
+ * of a lambda hid diodes with -0.94 of all terms of their y in a residual of 1e-13. */
+static void devices_that_hardly_notice_each_other(void **state) {
+    (void)state;
+    network_has_an_answer(8564, 199);
+}
+
 static int setup(void **state) {
     (void)state;
     return sample_create(LARGEST, &s) || ns_mlcp_create(LARGEST, &solver) != NS_OK;
@@ -116,6 +130,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(every_class_that_has_answers, setup, teardown),
         cmocka_unit_test_setup_teardown(problems_without_a_solution, setup, teardown),
         cmocka_unit_test_setup_teardown(equations_that_follow_but_for_rounding, setup, teardown),
+        cmocka_unit_test_setup_teardown(devices_that_hardly_notice_each_other, setup, teardown),
         cmocka_unit_test_setup_teardown(problems_that_almost_have_none_or_one, setup, teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
