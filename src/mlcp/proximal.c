@@ -18,8 +18,8 @@
 
 #include "residual.h"
 
-enum { STEPS = 8 };
-static const double GOOD = 1e-13; /* residual below which nothing is to be gained */
+enum { STEPS = 8, HALVINGS = 44 }; /* 2^-43: GOOD */
+static const double GOOD = 1e-13;  /* residual below which nothing is to be gained */
 
 /* eps E as a list of entries; kind 0: diagonal, 1: left-over rows and columns. */
 static int choose(ns_mlcp_solver *s, int kind, int eps) {
@@ -61,7 +61,7 @@ static void name_rows(ns_mlcp_solver *s) {
 static double polish(ns_mlcp_solver *s) {
     double best = INFINITY;
     ns_mlcp_given(s);
-    for (int k = 0; k < STEPS; k++) {
+    for (int k = 0; k < HALVINGS; k++) {
         double now = ns_mlcp_measure(s->p, s->lambda, s->alike, s->rhs, NULL), before = best;
         if (now < best) {
             best = now;

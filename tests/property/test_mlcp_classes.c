@@ -113,6 +113,12 @@ static void devices_that_hardly_notice_each_other(void **state) {
     network_has_an_answer(8564, 199);
 }
 
+/* A node on which nothing hangs but a diode: proximal points take it to 0 by a fifth of the way, each. */
+static void currents_that_vanish_step_by_step(void **state) {
+    (void)state;
+    network_has_an_answer(43502, 22);
+}
+
 static int setup(void **state) {
     (void)state;
     return sample_create(LARGEST, &s) || ns_mlcp_create(LARGEST, &solver) != NS_OK;
@@ -131,6 +137,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(problems_without_a_solution, setup, teardown),
         cmocka_unit_test_setup_teardown(equations_that_follow_but_for_rounding, setup, teardown),
         cmocka_unit_test_setup_teardown(devices_that_hardly_notice_each_other, setup, teardown),
+        cmocka_unit_test_setup_teardown(currents_that_vanish_step_by_step, setup, teardown),
         cmocka_unit_test_setup_teardown(problems_that_almost_have_none_or_one, setup, teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
