@@ -10,7 +10,8 @@ enum { NS_UNITS_LIST = 16, NS_UNITS_WORK = 7 + NS_UNITS_LIST };
  * the rows are multiplied by does not matter.  work: NS_UNITS_WORK*m. */
 void ns_column_units(int m, const double *W, double *unit, double *work);
 
-/* value (m): that of a row becomes the largest of all rows that entries of W join it with.  parent (m): work. */
+/* value (m): that of a row becomes the largest of all rows that entries of W join it with.  parent (m): work.
+ */
 void ns_spread(int m, const double *W, double *value, double *parent);
 
 #endif
