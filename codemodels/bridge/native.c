@@ -125,14 +125,14 @@ static int try_next(native *b, int first) {
     CKTcircuit *ckt = b->ckt;
     int error = OK;
     for (int near = 0; near < EVENTS_NEAR && !error; near++) {
-        error = try_to(b, points_next(ckt, b->t, first), NS_TO_EVENT);
+        error = try_to(b, points_next(ckt, b->engine.system, b->t, first), NS_TO_EVENT);
         if (error || b->t_trial - ckt->CKTtime >= points_closeness(ckt)) {
             break;
         }
         accept_trial(b);
         b->tried = 0;
     }
-    return error || b->tried ? error : try_to(b, points_next(ckt, b->t, first), NS_TO_TIME);
+    return error || b->tried ? error : try_to(b, points_next(ckt, b->engine.system, b->t, first), NS_TO_TIME);
 }
 
 static void look_ahead(native *b, int first) {

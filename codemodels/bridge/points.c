@@ -1,4 +1,5 @@
-/* bridge/points.c - where ngspice's timepoints should be: on its grid and its breakpoints. */
+/* bridge/points.c - where ngspice's timepoints should be: on its grid, its breakpoints and the sources'
+ * corners. */
 #include "points.h"
 
 #include <math.h>
@@ -24,13 +25,23 @@ static void drop_breaks(CKTcircuit *ckt) {
     ckt->CKTbreakSize -= passed;
 }
 
-double points_next(CKTcircuit *ckt, double t_accepted, int first) {
+/* The sources' own: ngspice sets its breakpoint after one only on arriving at that by cutting its step, and
+ * never for SIN and EXP. */
+static double next_corner(const ns_system *s, double t) {
+    double corner = INFINITY;
+    for (int i = 0; i < s->nz; i++) {
+        corner = fmin(corner, ns_signal_next_corner(&s->z[i], t));
+    }
+    return corner;
+}
+
+double points_next(CKTcircuit *ckt, const ns_system *s, double t_accepted, int first) {
     const double now = ckt->CKTtime;
     const double step = ckt->CKTmaxStep;
     double stop;
     double t;
     drop_breaks(ckt);
-    stop = ckt->CKTbreaks[0];
+    stop = fmin(ckt->CKTbreaks[0], next_corner(s, fmax(now, t_accepted)));
     t = fmin(now + step, (floor(now / step + 1e-3) + 1.0) * step);
     if (first && (ckt->CKTmode & MODEUIC)) {
         t = now + step / 1048576.0; /* ngspice does not show t = 0 then: shows 0+ */
