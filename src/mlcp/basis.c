@@ -91,7 +91,7 @@ static double column_max(const ns_mlcp_solver *s, int j, const double *weight) {
 }
 
 /* The part of W that column j is in; its first row, where it is empty. */
-static int part_of(const ns_mlcp_solver *s, int j) {
+int ns_mlcp_part_of(const ns_mlcp_solver *s, int j) {
     const double *col = s->p->W + (size_t)j * (size_t)s->m;
     int i = 0;
     while (i < s->m - 1 && col[i] == 0.0)
@@ -105,7 +105,7 @@ void ns_basis_raise(ns_mlcp_solver *s) {
     for (int j = 0; j < s->m; j++) {
         if (s->lambda[j] == 0.0)
             continue;
-        const int part = s->as_given ? 0 : part_of(s, j);
+        const int part = s->as_given ? 0 : ns_mlcp_part_of(s, j);
         norm[part] = fmax(norm[part], fabs(s->lambda[j]) / s->colunit[j]);
     }
     for (int i = 0; i < s->m; i++) {
@@ -196,12 +196,12 @@ void ns_basis_rest(ns_mlcp_solver *s) {
         if (s->q[i] != 0.0)
             driven[s->part[i]] = 1.0;
         if (drives(s, i))
-            driven[part_of(s, i)] = 1.0;
+            driven[ns_mlcp_part_of(s, i)] = 1.0;
     }
     for (int i = 0; i < s->m; i++) {
         if (driven[s->part[i]] == 0.0)
             s->y[i] = 0.0;
-        if (s->lambda[i] != 0.0 && s->p->l[i] != s->p->u[i] && driven[part_of(s, i)] == 0.0)
+        if (s->lambda[i] != 0.0 && s->p->l[i] != s->p->u[i] && driven[ns_mlcp_part_of(s, i)] == 0.0)
             s->lambda[i] = 0.0;
     }
 }

@@ -224,6 +224,27 @@ static int doubtful(ns_mlcp_solver *s, double doubt) {
     return answer > doubt * data;
 }
 
+/* The last resort: in units of the problem's own.  The answer is measured in those it is written in. */
+static int in_own_units(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
+    const double before = *residual;
+    const ns_fault fault = s->fault;
+    const int method = s->method;
+    if (!ns_mlcp_rescale(s))
+        return NS_E_LIMIT;
+    int status = apply(s, NS_MLCP_PIVOT, mode, residual);
+    if (status != NS_OK)
+        status = apply(s, NS_MLCP_LEMKE, mode, residual);
+    ns_mlcp_scale_back(s);
+    if (status == NS_OK)
+        *residual = measure(s);
+    if (status == NS_OK && *residual <= ACCEPT && !doubtful(s, DOUBT))
+        return NS_OK;
+    *residual = before;
+    s->fault = fault;
+    s->method = method;
+    return NS_E_LIMIT;
+}
+
 /* Where it answers, nothing else is looked at, unless a mode found on the way gives a doubtful answer. */
 static int quickly(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     if ((s->use != NS_MLCP_AUTO && s->use != NS_MLCP_PIVOT) || s->m > NS_QUICK ||
@@ -247,6 +268,9 @@ static int solve(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mode, doubl
         return NS_OK;
     int status =
         s->use == NS_MLCP_AUTO ? automatic(s, mode, residual) : verdict(s, apply(s, s->use, mode, residual));
+    if (s->use == NS_MLCP_AUTO && status != NS_OK && status != NS_E_INFEASIBLE &&
+        in_own_units(s, mode, residual) == NS_OK)
+        status = NS_OK;
     if (status == NS_OK && doubtful(s, DOUBT) &&
         (prove(s, NS_CAREFUL) || (doubtful(s, HOPELESS) && prove(s, NS_BOLD))))
         return NS_E_INFEASIBLE;

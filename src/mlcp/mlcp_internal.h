@@ -41,6 +41,9 @@ struct ns_mlcp_solver {
     unsigned char *factored;
     int have_scale; /* block.c: 2^(row_exp_i + col_exp_j) Wown_ij are about 1 */
     int *row_exp, *col_exp;
+    int *own_row, *own_col; /* m: rescaled.c: exponents, q in these units and as it was given */
+    double *qown;           /* m */
+    const double *written;
 
     /* the principal pivot transform of Wown, of the pairs whose lambda is basic (transform.c) */
     int have_transform;
@@ -157,6 +160,7 @@ void ns_basis_raise(ns_mlcp_solver *s);   /* ysize, from the sums of its terms; 
 double ns_basis_lambda_size(const ns_mlcp_solver *s, int i); /* lsize of a pair, from g */
 double ns_basis_violation(const ns_mlcp_solver *s);          /* worst guard, in units of the sizes */
 ns_mode ns_basis_wanted(const ns_mlcp_solver *s, int i);     /* that the guard of pair i asks for */
+int ns_mlcp_part_of(const ns_mlcp_solver *s, int j);         /* the part that column j is in */
 void ns_basis_clamp(ns_mlcp_solver *s);                      /* lambda into its bounds, signs of y */
 void ns_basis_rest(
     ns_mlcp_solver *s); /* lambda and y are 0, not rounding, in parts of W that nothing drives */
@@ -202,6 +206,11 @@ int ns_lemke(ns_mlcp_solver *s, int all, int patience);
  * nothing solved it. */
 enum { NS_CAREFUL = 1, NS_BOLD }; /* effort */
 int ns_farkas(ns_mlcp_solver *s, int effort);
+
+/* rescaled.c: s->given and its W, l, u in units in which all is about 1; 0: that would round, nothing is
+ * changed.  And back, with lambda. */
+int ns_mlcp_rescale(ns_mlcp_solver *s);
+void ns_mlcp_scale_back(ns_mlcp_solver *s);
 
 /* fault.c: fault.pair gets index[k] of the largest weights, largest first. */
 void ns_mlcp_name(ns_mlcp_solver *s, const double *weight, int n, const int *index);

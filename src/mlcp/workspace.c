@@ -9,10 +9,11 @@
 static void carve_doubles(ns_mlcp_solver *s, size_t m) {
     double *d = s->doubles;
     double **square[] = {&s->Wreg, &s->A, &s->mag, &s->Wown, &s->P};
-    double **vector[] = {&s->q,       &s->qraw,   &s->eval,   &s->kept_lambda, &s->kept_y, &s->rowmax,
-                         &s->colunit, &s->lambda, &s->y,      &s->ysize,       &s->lsize,  &s->g,
-                         &s->beta,    &s->blo,    &s->bhi,    &s->cover,       &s->ray,    &s->proof,
-                         &s->lown,    &s->uown,   &s->yterms, &s->lterms,      &s->diag,   &s->centre};
+    double **vector[] = {&s->q,      &s->qraw,    &s->eval,   &s->kept_lambda, &s->kept_y,
+                         &s->rowmax, &s->colunit, &s->lambda, &s->y,           &s->ysize,
+                         &s->lsize,  &s->g,       &s->beta,   &s->blo,         &s->bhi,
+                         &s->cover,  &s->ray,     &s->proof,  &s->lown,        &s->uown,
+                         &s->yterms, &s->lterms,  &s->diag,   &s->centre,      &s->qown};
     for (size_t i = 0; i < sizeof square / sizeof *square; i++, d += m * m)
         *square[i] = d;
     for (size_t i = 0; i < sizeof vector / sizeof *vector; i++, d += m)
@@ -25,15 +26,16 @@ static void carve_doubles(ns_mlcp_solver *s, size_t m) {
 }
 
 static size_t count_doubles(size_t m) {
-    return 5 * m * m + 24 * m + (m + 1) * (m + 1) + 2 * (m + 1) * (m + 2) + NS_MEASURE_WORK * m +
+    return 5 * m * m + 25 * m + (m + 1) * (m + 1) + 2 * (m + 1) * (m + 2) + NS_MEASURE_WORK * m +
            m * (m + 1) + 2 * m + 1;
 }
 
 static void carve_ints(ns_mlcp_solver *s, size_t m) {
     int *d = s->ints;
-    int **vector[] = {&s->free, &s->pair, &s->fixed, &s->rows,      &s->cols,      &s->rowvar, &s->colvar,
-                      &s->r,    &s->c,    &s->queue, &s->stuck_row, &s->stuck_col, &s->parent, &s->erow,
-                      &s->ecol, &s->part, &s->who,   &s->at,        &s->row_exp,   &s->col_exp};
+    int **vector[] = {&s->free,    &s->pair,    &s->fixed,   &s->rows,   &s->cols,      &s->rowvar,
+                      &s->colvar,  &s->r,       &s->c,       &s->queue,  &s->stuck_row, &s->stuck_col,
+                      &s->parent,  &s->erow,    &s->ecol,    &s->part,   &s->who,       &s->at,
+                      &s->row_exp, &s->col_exp, &s->own_row, &s->own_col};
     for (size_t i = 0; i < sizeof vector / sizeof *vector; i++, d += m + 1)
         *vector[i] = d;
     s->where = d; /* 2m+1 */
@@ -51,7 +53,7 @@ int ns_mlcp_create(int m, ns_mlcp_solver **out) {
     size_t k = (size_t)m;
     s->cap = m;
     s->doubles = calloc(count_doubles(k), sizeof *s->doubles);
-    s->ints = calloc(20 * (k + 1) + 2 * k + 1, sizeof *s->ints);
+    s->ints = calloc(22 * (k + 1) + 2 * k + 1, sizeof *s->ints);
     s->bytes = calloc(k * k * sizeof(short) + 9 * (k + 1), 1);
     if (!s->doubles || !s->ints || !s->bytes || ns_lu_create(m + 1, &s->lu) != NS_OK) {
         ns_mlcp_free(s);

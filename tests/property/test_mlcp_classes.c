@@ -5,6 +5,7 @@
  * has none (tests/unit/generators.h).  Judged by ns_mlcp_residual() and ns_mlcp_certify(), and by sample.c,
  * which shares nothing with the library.
  */
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -119,6 +120,30 @@ static void currents_that_vanish_step_by_step(void **state) {
     network_has_an_answer(43502, 22);
 }
 
+/* Nodes that hang on diodes alone, written in units 2^50 apart: nothing in W says how the currents that enter
+ * them compare with the voltages that the diodes see, and all methods were lost (LIMIT). */
+static void floating_nodes_in_wild_units(void **state) {
+    (void)state;
+    network_has_an_answer(80031, 77);
+}
+
+/* y_1 = lambda_2 - 1, y_2 = 1 takes lambda_2 >= 1 and so lambda_2 y_2 > 0: no answer, though the bounds do
+ * not contradict each other.  Nine of these, which are more than are enumerated, are given up in any units.
+ */
+static void given_up_in_any_units(void **state) {
+    (void)state;
+    sample_start(&s, 18);
+    for (int i = 0; i < 18; i++) {
+        s.q[i] = i % 2 ? 1 : -1;
+        s.l[i] = 0;
+        s.u[i] = INFINITY;
+        if (i % 2)
+            *sample_entry(&s, i - 1, i) = 1;
+    }
+    const ns_mlcp p = sample_problem(&s);
+    assert_int_equal(solve(&p), NS_E_LIMIT);
+}
+
 static int setup(void **state) {
     (void)state;
     return sample_create(LARGEST, &s) || ns_mlcp_create(LARGEST, &solver) != NS_OK;
@@ -138,6 +163,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(equations_that_follow_but_for_rounding, setup, teardown),
         cmocka_unit_test_setup_teardown(devices_that_hardly_notice_each_other, setup, teardown),
         cmocka_unit_test_setup_teardown(currents_that_vanish_step_by_step, setup, teardown),
+        cmocka_unit_test_setup_teardown(floating_nodes_in_wild_units, setup, teardown),
+        cmocka_unit_test_setup_teardown(given_up_in_any_units, setup, teardown),
         cmocka_unit_test_setup_teardown(problems_that_almost_have_none_or_one, setup, teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
