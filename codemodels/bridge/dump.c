@@ -1,7 +1,8 @@
 /* bridge/dump.c - a step that failed, in a file that nsc-mlcp reads: a user's report.
  *
  * The problem is unreduced: the unknowns' equations, then the pairs, then, for an operating point under .ic,
- * the nodes held.  Comments say what each index stands for. */
+ * the nodes held.  Comments say what each index stands for; rows of unknowns come as ns_system_split() sorts
+ * and sums them. */
 #include "dump.h"
 
 #include <errno.h>
@@ -28,10 +29,31 @@ static void write_head(FILE *file, const engine *e, const ns_mlcp *p, double h) 
     }
     fprintf(file, "# its lambda: %d unknowns, %d pairs, %d nodes held\n", e->system->n, e->system->m,
             p->m - e->system->n - e->system->m);
+    fputs("# its rows: of an unknown, KCL of its node or the law of its branch; of other unknowns where that "
+          "is said\n",
+          file);
+}
+
+/* Whose rows of the system row k is made of, if not of unknown k's alone. */
+static void write_rows(FILE *file, const engine *e, const double *T, int k) {
+    const int n = e->system->n;
+    const char *before = "; row of ";
+    char name[160];
+    int others = 0;
+    for (int i = 0; i < n; i++) {
+        others += i != k && T[k + i * n] != 0.0;
+    }
+    for (int i = 0; i < n && others > 0; i++) {
+        if (T[k + i * n] != 0.0) {
+            ns_circuit_name_unknown(e->ex.circuit, i, name, sizeof name);
+            fprintf(file, "%s%s", before, name);
+            before = " + ";
+        }
+    }
 }
 
 /* One line for each index, from 1 as in the messages of nsc-mlcp. */
-static void write_names(FILE *file, const engine *e, const ns_mlcp *p, const int *hold) {
+static void write_names(FILE *file, const engine *e, const ns_mlcp *p, const int *hold, const double *T) {
     const int n = e->system->n;
     const int m = e->system->m;
     char name[160];
@@ -42,7 +64,11 @@ static void write_names(FILE *file, const engine *e, const ns_mlcp *p, const int
         } else {
             ns_circuit_name_unknown(e->ex.circuit, i < n ? i : hold[i - n - m], name, sizeof name);
         }
-        fprintf(file, "# %d: %s%s\n", i + 1, what, name);
+        fprintf(file, "# %d: %s%s", i + 1, what, name);
+        if (i < n) {
+            write_rows(file, e, T, i);
+        }
+        fputc('\n', file);
     }
 }
 
@@ -74,13 +100,26 @@ static int *nodes_held(const engine *e) {
     return hold;
 }
 
+/* T of the rows, or NULL; the caller frees it. */
+static double *rows_split(const engine *e) {
+    const size_t n = (size_t)e->system->n;
+    double *T = calloc(n * n + 1, sizeof *T);
+    int rank = 0;
+    if (T && ns_system_split(e->system, T, &rank)) {
+        free(T);
+        T = NULL;
+    }
+    return T;
+}
+
 /* 0, or the errno of what went wrong. */
 static int write_file(const char *name, const engine *e, const ns_mlcp *p, double h) {
     size_t length = 0;
     char *text = text_of(p, &length);
     int *hold = nodes_held(e);
+    double *T = rows_split(e);
     FILE *file = NULL;
-    int error = text && hold ? 0 : ENOMEM;
+    int error = text && hold && T ? 0 : ENOMEM;
     if (!error) {
         errno = 0;
         file = fopen(name, "w");
@@ -88,13 +127,14 @@ static int write_file(const char *name, const engine *e, const ns_mlcp *p, doubl
     }
     if (file) {
         write_head(file, e, p, h);
-        write_names(file, e, p, hold);
+        write_names(file, e, p, hold, T);
         fwrite(text, 1, length, file);
         const int bad = ferror(file) != 0; /* no space left, say */
         error = fclose(file) != 0 || bad ? (errno ? errno : EIO) : 0;
     }
     free(text);
     free(hold);
+    free(T);
     return error;
 }
 

@@ -47,7 +47,8 @@ typedef struct ns_fault {
     int npairs;                /* how many entries of pair[] hold */
     int pair[NS_FAULT_MAX];    /* complementarity pairs that contradict each other */
     int nunknowns;             /* how many entries of unknown[] hold */
-    int unknown[NS_FAULT_MAX]; /* unknowns (entries of x) that are not determined, or contradict */
+    int unknown[NS_FAULT_MAX]; /* unknowns (entries of x) that are not determined; rows of the system that
+                                  contradict, by the unknown of their index: a node's KCL, a branch's law */
 } ns_fault;
 
 #ifdef __cplusplus

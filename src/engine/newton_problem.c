@@ -19,6 +19,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "blame.h"
 #include "newton.h"
 
 /* W is as good as its condition; the rest is up to the unreduced problem. */
@@ -111,16 +112,10 @@ int ns_newton_reduce(ns_newton *s) {
     return NS_OK;
 }
 
-/* The solver's indices are pairs, or (x, lambda); the fault names unknowns and pairs apart. */
-static void translate(ns_newton *s, const ns_fault *from, int unknowns) {
-    s->fault.npairs = s->fault.nunknowns = 0;
-    for (int k = 0; k < from->npairs; k++) {
-        const int i = from->pair[k];
-        if (i < unknowns)
-            s->fault.unknown[s->fault.nunknowns++] = i;
-        else
-            s->fault.pair[s->fault.npairs++] = i - unknowns;
-    }
+/* The solver's indices are pairs, or (x, lambda), where s->lu is free for work. */
+static void name(ns_newton *s, const ns_mlcp *p, const ns_fault *from) {
+    const ns_blame b = {p->m - s->m, s->m, s->rank, s->T, fmax(s->ht, s->hg)};
+    ns_blame_name(&b, p, s->mlcp, from, s->lu, &s->fault);
 }
 
 static int solve(ns_newton *s, const ns_mlcp *p, ns_mode *mode, double *lambda, double *y) {
@@ -131,7 +126,7 @@ static int solve(ns_newton *s, const ns_mlcp *p, ns_mode *mode, double *lambda, 
     s->counts.pivots += info.pivots;
     s->counts.factors += info.factors;
     if (status != NS_OK)
-        translate(s, &info.fault, p->m - s->m);
+        name(s, p, &info.fault);
     return status;
 }
 

@@ -7,6 +7,7 @@
  *
  * Reduced to lambda this is y = W_mlcp lambda + q.  Whole, it can be solved where W is singular.
  */
+#include "blame.h"
 #include "leak.h"
 
 #include <math.h>
@@ -44,20 +45,8 @@ static void form(ns_theta *s, const double *M, double ht, double hg, const doubl
     }
 }
 
-/* The solver's indices are (x, lambda); the caller's fault names unknowns and pairs apart. */
-static void translate(ns_theta *s, const ns_fault *from) {
-    const int n = s->s->n, m = s->s->m;
-    s->fault.npairs = s->fault.nunknowns = 0;
-    for (int k = 0; k < from->npairs; k++) {
-        const int i = from->pair[k];
-        if (i < n)
-            s->fault.unknown[s->fault.nunknowns++] = i;
-        else if (i < n + m)
-            s->fault.pair[s->fault.npairs++] = i - n;
-    }
-}
-
-static int solve(ns_theta *s, int size, ns_mode *mode) {
+/* h: the length of the step, 1 at rest. */
+static int solve(ns_theta *s, double h, int size, ns_mode *mode) {
     const int n = s->s->n, m = s->s->m;
     const ns_mlcp p = {.m = size, .W = s->K, .q = s->rhs, .l = s->bl, .u = s->bu};
     ns_mlcp_info info;
@@ -70,7 +59,7 @@ static int solve(ns_theta *s, int size, ns_mode *mode) {
     if (status == NS_OK)
         memcpy(mode, s->work_mode + n, (size_t)m);
     else
-        translate(s, &info.fault);
+        ns_blame_name(&(ns_blame){n, m, s->r, s->T, h}, &p, s->mlcp, &info.fault, s->lu, &s->fault);
     s->fault.status = (ns_status)status;
     return status;
 }
@@ -111,7 +100,7 @@ int ns_problem_solve(ns_theta *s, double h, int implicit, double share) {
     form_step(s, h, implicit);
     if (share > 0)
         add_leaks(s, implicit ? h : h * s->theta, n + m, share, 0);
-    return solve(s, n + m, s->trial_mode);
+    return solve(s, h, n + m, s->trial_mode);
 }
 
 void ns_problem_keep(ns_theta *s, double h, int implicit) {
@@ -157,7 +146,7 @@ static int settle_dc(ns_theta *s, const double *z, int nhold, const int *hold, c
     for (int round = 0; round < 3 && status == NS_OK; round++) {
         form_dc(s, z, nhold, hold, hold_x);
         add_leaks(s, 1, size, share, round > 0);
-        status = solve(s, size, mode);
+        status = solve(s, 1, size, mode);
     }
     if (status != NS_OK)
         return status;
@@ -171,7 +160,7 @@ int ns_problem_dc(ns_theta *s, const double *z, int nhold, const int *hold, cons
     const int n = s->s->n, size = n + s->s->m + nhold;
     s->failed = 0;
     form_dc(s, z, nhold, hold, hold_x);
-    const int status = solve(s, size, mode);
+    const int status = solve(s, 1, size, mode);
     if (status != NS_OK) {
         s->failed = size;
         s->failed_h = 0;
