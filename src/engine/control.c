@@ -1,6 +1,7 @@
 /* src/engine/control.c - commands of switches: when they cross their thresholds. */
 #include "marcher.h"
 
+#include <float.h>
 #include <math.h>
 
 /* A control beyond its threshold by less than this, relative to its terms, has not crossed it: rounding. */
@@ -64,9 +65,11 @@ double ns_control_instant(ns_march *m, double t, unsigned char *flip) {
     for (int c = 0; c < m->s->nc; c++)
         if (flip[c])
             first = fmin(first, instant_of(m, c, m->live.t, t));
-    /* switches driven by one source cross together: the same instant up to rounding */
+    /* switches driven by one source cross together: the same instant up to rounding, that of time too, which
+     * a steep source magnifies */
+    const double soon = fmin(t, first + 8 * DBL_EPSILON * fabs(first));
     for (int c = 0; c < m->s->nc; c++)
-        flip[c] = flip[c] && excess_at(m, c, first, -control_tol) > 0;
+        flip[c] = flip[c] && excess_at(m, c, soon, -control_tol) > 0;
     return first;
 }
 

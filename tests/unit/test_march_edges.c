@@ -131,6 +131,41 @@ static void a_short_crest_closes_its_switch(void **state) {
     close_bench(&b);
 }
 
+/* The next event, both its sides: the left one is at instant, right of it node is at v. */
+static void switches_at(bench *b, double instant, int node, double v) {
+    double left, right, x[32];
+    assert_int_equal(ns_march_try(b->m, 1, NS_TO_EVENT, &left), NS_OK);
+    assert_int_equal(ns_march_accept(b->m), NS_OK);
+    assert_true(fabs(left / instant - 1) < 1e-15); /* a few ulps */
+    assert_int_equal(ns_march_try(b->m, 1, NS_TO_EVENT, &right), NS_OK);
+    assert_int_equal(ns_march_accept(b->m), NS_OK);
+    assert_int_equal(ns_march_read(b->m, NULL, x, NULL, NULL), NS_OK);
+    assert_true(fabs(x[ns_circuit_node_unknown(b->c, node)] - v) < 1e-9);
+}
+
+/* A control that ramps from 0 to 1 in tr crosses 0.5 at td + tr/2 + k per and, back, pw + tr later.  At 200
+ * us an ulp of time is 2.7e-20 s: 2.7e-8 of a ramp of 1 ps. */
+static void steep_commands_are_obeyed_at_once(void **state) {
+    (void)state;
+    const double ramps[] = {1e-9, 1e-12}, td = 1e-6, pw = 2e-6, per = 10e-6;
+    for (int k = 0; k < 2; k++) {
+        const double tr = ramps[k];
+        bench b = open_bench();
+        const ns_signal gate = pulse(0, 1, td, tr, tr, pw, per), dc = {.kind = NS_DC, .u.dc = 12};
+        const ns_switch sw = {0.5, 0, 0, INFINITY};
+        add_source(&b, "vg", NS_VOLTAGE, 3, 0, &gate);
+        add_source(&b, "v1", NS_VOLTAGE, 1, 0, &dc);
+        assert_int_equal(ns_circuit_switch(b.c, "s", 1, 2, 3, 0, &sw, NULL), NS_OK);
+        assert_int_equal(ns_circuit_resistor(b.c, "r", 2, 0, 5, NULL), NS_OK);
+        start(&b, 0.5, 19e-9);
+        for (int n = 0; n < 20; n++) {
+            switches_at(&b, td + tr / 2 + n * per, 2, 12);
+            switches_at(&b, td + tr / 2 + n * per + pw + tr, 2, 0);
+        }
+        close_bench(&b);
+    }
+}
+
 /* At rest 20 V through 100 ohm flow in the inductor, not in the closed switch across it. */
 static void an_inductor_at_rest_takes_the_current(void **state) {
     (void)state;
@@ -159,6 +194,7 @@ int main(void) {
         cmocka_unit_test(a_guard_that_fades_hides_no_pulse),
         cmocka_unit_test(short_pulses_keep_their_charge),
         cmocka_unit_test(a_short_crest_closes_its_switch),
+        cmocka_unit_test(steep_commands_are_obeyed_at_once),
         cmocka_unit_test(an_inductor_at_rest_takes_the_current),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
