@@ -1,5 +1,4 @@
 /* src/engine/guard.c - the inequalities that keep a mode: their rows in a map, and whether they hold. */
-#include "open.h"
 #include "stepper.h"
 
 #include <math.h>
@@ -49,11 +48,16 @@ void ns_guard_fill(const ns_theta *s, ns_map *map, int k) {
     }
 }
 
+/* What d is off by may excuse that much of the terms of a guard, in eps, and no more: a start or an event
+ * after which its rates were not read anew leaves a noise that would excuse anything. */
+static const double most_noise = 1e6;
+
 /* Of the terms of input k, eta = w + h d and what d may be off by. */
 double ns_input_size(const ns_theta *s, const ns_map *map, int k) {
     if (k >= s->r)
         return fabs(s->trial_in[k]);
-    return fabs(s->w[k]) + (map->implicit ? 0 : map->h * (fabs(s->d[k]) + s->d_noise[k]));
+    const double own = fabs(s->w[k]) + (map->implicit ? 0 : map->h * fabs(s->d[k]));
+    return map->implicit ? own : own + fmin(map->h * s->d_noise[k], most_noise * own);
 }
 
 /* By how much guard g may be rounding. */
@@ -64,31 +68,12 @@ static double size_of(const ns_theta *s, const ns_map *map, int g, double tol) {
     return tol * size;
 }
 
-/* Guard g broke, but its share of what is open may be another.  s->Z: room for the sizes of all. */
-static int settle(const ns_theta *s, const ns_map *map, double tol) {
-    for (int g = 0; g < map->guards; g++)
-        s->Z[g] = size_of(s, map, g, tol);
-    return ns_open_settle(map->guards, s->s->m, map->open, s->out + (map->p - map->guards), s->Z);
-}
-
-static int is_open(const ns_theta *s, const ns_map *map, int g) {
-    int any = 0;
-    for (int k = 0; map->open && k < s->s->m; k++)
-        any |= map->open[g + k * map->guards] != 0;
-    return any;
-}
-
 int ns_guards_hold(const ns_theta *s, const ns_map *map, double tol) {
     const double *guard = s->out + (map->p - map->guards);
-    int doubt = 0;
-    for (int g = 0; g < map->guards; g++) {
-        if (guard[g] >= 0 || guard[g] >= -size_of(s, map, g, tol))
-            continue;
-        if (!is_open(s, map, g))
-            return NS_GUARD;
-        doubt = 1;
-    }
-    return doubt ? settle(s, map, tol) : NS_OK;
+    for (int g = 0; g < map->guards; g++)
+        if (!(guard[g] >= 0) && !(guard[g] >= -size_of(s, map, g, tol)))
+            return 0;
+    return 1;
 }
 
 int ns_guards_flip(const ns_theta *s, const ns_map *map, double tol, ns_mode *mode) {
@@ -99,7 +84,7 @@ int ns_guards_flip(const ns_theta *s, const ns_map *map, double tol, ns_mode *mo
         const int low = inside && isfinite(s->l[j]), high = inside && isfinite(s->u[j]);
         const int count = inside ? low + high : s->l[j] < s->u[j];
         for (int k = 0; k < count; k++, g++) {
-            if (guard[g] >= 0 || guard[g] >= -size_of(s, map, g, tol) || is_open(s, map, g))
+            if (guard[g] >= 0 || guard[g] >= -size_of(s, map, g, tol))
                 continue;
             mode[j] = !inside ? NS_INSIDE : low && k == 0 ? NS_LOWER : NS_UPPER;
             flipped = 1;

@@ -94,12 +94,6 @@ void ns_leak_times(const ns_theta *s, const ns_leaks *leaks, const double *x, do
     }
 }
 
-void ns_leak_column(const ns_theta *s, const ns_leaks *leaks, int j, double *out) {
-    const int n = s->s->n;
-    memset(out, 0, sizeof(double) * (size_t)(n + count_inside(leaks, s->s->m)));
-    add_column(s, leaks, j, n + count_inside(leaks, j), 1, out);
-}
-
 /* residual = rhs - K X, one column.  Returns its largest entry against the terms of its row, in *left against
  * the largest of the right-hand side. */
 static double residual_of(const ns_theta *s, int size, const double *K, const double *rhs, const double *X,

@@ -23,13 +23,11 @@ typedef struct ns_leaks {
  * leaks do not settle them), MEMORY. */
 int ns_leak_solve(ns_theta *s, const ns_leaks *leaks, int nj, int nrhs);
 
-/* out = G x; out = what 1 V across the leak of pair j, or 1 A in it, puts on the right (size n+nj). */
+/* out = G x (n+nj). */
 void ns_leak_times(const ns_theta *s, const ns_leaks *leaks, const double *x, double *out);
-void ns_leak_column(const ns_theta *s, const ns_leaks *leaks, int j, double *out);
 
-/* noise.c: the noise of a map; what is open, where K is singular: MEMORY.  Both after (P2) was solved: s->K,
- * s->X and the factors; s->R holds the right-hand sides; leaks: NULL, or those in the factors. */
+/* noise.c: the noise of a map, after (P2) was solved: s->K, s->X and the factors; s->R holds the right-hand
+ * sides; leaks: NULL, or those in the factors. */
 void ns_map_noise(ns_theta *s, ns_map *map, const ns_leaks *leaks, int nj);
-int ns_map_open(ns_theta *s, ns_map *map, const ns_leaks *leaks, int nj);
 
 #endif

@@ -213,14 +213,6 @@ static int solve(ns_theta *s, const ns_leaks *leaks, int nj, int *leaky) {
     return solve_factored(s, size);
 }
 
-/* The map from X. */
-static int fill(ns_theta *s, ns_map *map, const ns_leaks *leaks, int nj) {
-    fill_full(s, map, nj);
-    fill_step(s, map);
-    ns_map_noise(s, map, leaks, nj);
-    return leaks && map->guards > 0 ? ns_map_open(s, map, leaks, nj) : NS_OK;
-}
-
 int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out) {
     const int nj = list_inside(s, mode, s->inside);
     const ns_leaks leaks = {mode, implicit ? h : h * s->theta, s->leak};
@@ -229,7 +221,7 @@ int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_ma
     s->failed = 0; /* K is used */
     form_matrix(s, h, implicit, nj);
     form_columns(s, h, implicit, mode, nj, s->R);
-    int status = solve(s, &leaks, nj, &leaky);
+    const int status = solve(s, &leaks, nj, &leaky);
     if (status != NS_OK)
         return status;
     ns_map *map = map_create(s, mode);
@@ -237,18 +229,14 @@ int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_ma
         return NS_E_MEMORY;
     map->h = h;
     map->implicit = implicit;
-    status = fill(s, map, leaky ? &leaks : NULL, nj);
-    if (status != NS_OK) {
-        ns_map_free(map);
-        return status;
-    }
+    fill_full(s, map, nj);
+    fill_step(s, map);
+    ns_map_noise(s, map, leaky ? &leaks : NULL, nj);
     s->counts.maps++;
     *out = map;
     return NS_OK;
 }
 
 void ns_map_free(ns_map *map) {
-    if (map)
-        free(map->open);
     free(map);
 }

@@ -1,4 +1,4 @@
-/* src/engine/noise.c - by how much the guards of a map may be rounding, and what (P2) leaves open of them.
+/* src/engine/noise.c - by how much the guards of a map may be rounding.
  *
  * Column k of the map is X_k, a solution of (P2), and guard g is a row c_g of it.  Summing it up costs some
  * eps of its terms; and X_k itself, which leaves R_k = rhs - K X_k over, is off by E_k = K^-1 R_k:
@@ -8,13 +8,12 @@
  * A bound, |c_g K^-1| |K| |X_k|, would be larger by as much as K is ill-conditioned: it excuses volts where
  * inductors alone carry the current of some node, as their L/h amplifies a current that is only rounding.
  * Where K is singular, K_g has leaks G (leak.h), and E = (1 - K_g^-1 G) K_g^-1 R is the error of what is
- * determined.  What is not is what K_g^-1 G leaves as it is.
+ * determined.
  */
 #include "leak.h"
 
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Column g of s->Z: guard g as a function of (x, lambda_J), up to its sign. */
@@ -39,12 +38,6 @@ static void fill_functionals(ns_theta *s, const ns_map *map, int nj) {
         }
     }
 }
-
-/* Rounds that tell what is open; it has settled when a round moves no more than this part of it, nothing is
- * open when no more than that part of the first is left; an entry that is smaller than this part of its terms
- * is rounding. */
-enum { OPEN_ROUNDS = 30 };
-static const double settled = 1e-9, nothing = 1e-7, rounding = 1e-3;
 
 /* Beside the terms that are there: what is zero comes out, refined, far below eps of the largest unknown in
  * the units of the factors, and what (P1) leaves behind of a charge that has gone is some eps of it. */
@@ -140,61 +133,4 @@ void ns_rate_noise(ns_theta *s, const ns_map *map) {
     for (int i = 0; i < s->r; i++)
         s->d_noise[i] = map->implicit ? s->sum[i] : fmax(s->d_noise[i], s->sum[i]);
     s->noisy_h = map->h;
-}
-
-/* v becomes what is open of it: K_g^-1 G leaves that as it is, and shrinks what is determined by the share
- * that a leak has of it.  Returns 0 if nothing is open; w: size of v. */
-static int keep_open(ns_theta *s, const ns_leaks *leaks, int size, double *v, double *w) {
-    const double first = ns_lu_largest(s->lu, v);
-    for (int round = 0; round < OPEN_ROUNDS; round++) {
-        ns_leak_times(s, leaks, v, w);
-        ns_lu_solve(s->lu, 1, w);
-        for (int i = 0; i < size; i++)
-            v[i] -= w[i];
-        const double moved = ns_lu_largest(s->lu, v), left = ns_lu_largest(s->lu, w);
-        memcpy(v, w, sizeof(double) * (size_t)size);
-        if (left <= nothing * first)
-            return 0;
-        if (moved <= settled * left)
-            return 1;
-    }
-    return 0;
-}
-
-/* Column j of map->open; v and w: size each.  Returns whether anything is in it. */
-static int fill_open(ns_theta *s, ns_map *map, const ns_leaks *leaks, int j, int size, double *v, double *w) {
-    const double *unit = ns_lu_units(s->lu);
-    int any = 0;
-    ns_leak_column(s, leaks, j, v);
-    ns_lu_solve(s->lu, 1, v);
-    const int open = keep_open(s, leaks, size, v, w);
-    const double most = ns_lu_largest(s->lu, v);
-    for (int g = 0; g < map->guards; g++) {
-        const double *c = s->Z + (size_t)g * (size_t)size, entry = row_of(c, v, size);
-        double terms = 0;
-        for (int i = 0; i < size; i++)
-            terms += fabs(c[i]) * unit[i] * most;
-        const int counts = open && fabs(entry) > rounding * terms;
-        map->open[g + j * map->guards] = counts ? entry : 0;
-        any |= counts;
-    }
-    return any;
-}
-
-int ns_map_open(ns_theta *s, ns_map *map, const ns_leaks *leaks, int nj) {
-    const int size = s->s->n + nj, m = s->s->m;
-    int any = 0;
-    map->open = malloc(sizeof(double) * ((size_t)map->guards * (size_t)m + 1));
-    if (!map->open)
-        return NS_E_MEMORY;
-    fill_functionals(s, map, nj);
-    for (int j = 0; j < m; j++)
-        any |= fill_open(s, map, leaks, j, size, s->R, s->R + size);
-    if (!any) {
-        free(map->open);
-        map->open = NULL;
-        return NS_OK;
-    }
-    map->bytes += sizeof(double) * (size_t)map->guards * (size_t)m;
-    return NS_OK;
 }

@@ -20,7 +20,6 @@ struct ns_map {
     double *full;       /* (n+m)*q: x, lambda */
     double *noise;      /* guards*q: the rounding of each guard, by input, in units of eps */
     double *rate_noise; /* r*q if d is carried: the same of d */
-    double *open;       /* guards*m, or NULL: what changes the guards and satisfies (P2) all the same */
     ns_mode *mode;      /* m */
     size_t bytes;
     ns_map *chain;         /* next in its bucket */
@@ -89,7 +88,7 @@ int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_ma
 void ns_map_free(ns_map *map);
 
 /* guard.c: how many guards a mode has; their entries in column k of a map whose `full` is known; whether all
- * of s->out hold, up to tol noise: OK, GUARD or MEMORY. */
+ * of s->out hold, up to tol noise: 1 or 0. */
 int ns_guard_count(const ns_theta *s, const ns_mode *mode);
 void ns_guard_fill(const ns_theta *s, ns_map *map, int k);
 double ns_input_size(const ns_theta *s, const ns_map *map, int k);

@@ -54,12 +54,11 @@ static int finite_state(const ns_theta *s) {
     return isfinite(sum);
 }
 
-/* The map is taken: its outputs become the trial if the guards hold.  OK, GUARD, MEMORY. */
+/* The map is taken: its outputs become the trial if the guards hold.  OK or GUARD. */
 static int apply(ns_theta *s, ns_map *map, double tol) {
     ns_matvec(map->p, s->q, map->step, s->trial_in, s->out);
-    const int status = ns_guards_hold(s, map, tol);
-    if (status != NS_OK)
-        return status;
+    if (!ns_guards_hold(s, map, tol))
+        return NS_GUARD;
     s->trial_map = map;
     s->trial_h = map->h;
     s->trial_implicit = map->implicit;

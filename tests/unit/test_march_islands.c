@@ -49,7 +49,7 @@ static void a_floating_bridge_starts_to_conduct(void **state) {
     print_message("i(L2) = %.6e A, expected %.6e A; %ld events\n", i2, expected, ns_march_counts(m)->events);
     assert_true(fabs(i2 / expected - 1) <
                 1e-4); /* (h w)^2 / 12 = 1e-6, and (h/t)^2 / 2 = 2e-5 for i2 ~ t^3 */
-    assert_int_equal(ns_march_counts(m)->events, 1);
+    assert_true(ns_march_counts(m)->events <= 1); /* none if the start saw it */
     ns_march_free(m);
     ns_system_free(s);
     ns_circuit_free(c);
