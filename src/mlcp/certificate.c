@@ -5,6 +5,7 @@
  * Hence for any v        0 = sum_i v_i (y_i - q_i) - sum_j s_j lambda_j,      s = W' v
  * and v proves that there is none if the right side is positive wherever it is looked at.
  */
+#include <float.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -33,10 +34,14 @@ static double least_of_y(const ns_mlcp *p, int i, double v) {
 /* ... of -s_j lambda_j, column j of W being w. */
 static double least_of_column(const ns_mlcp *p, const double *v, int j, const double *w) {
     double s = 0.0, size = 0.0;
+    int terms = 0;
     for (int i = 0; i < p->m; i++) {
         s += v[i] * w[i];
         size += fabs(v[i] * w[i]);
+        terms += v[i] != 0.0 && w[i] != 0.0;
     }
+    if (terms > 0 && size < DBL_MIN / CANCEL && (isinf(p->l[j]) || isinf(p->u[j])))
+        return -INFINITY; /* what underflowed is not 0 */
     double part = least(-s, p->l[j], p->u[j]);
     return isinf(part) && fabs(s) <= CANCEL * size ? 0.0 : part;
 }

@@ -6,6 +6,7 @@
  * may have solutions all the same, which this does not see: those are left to branch.c, as are problems too
  * large for this.
  */
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -22,7 +23,7 @@ typedef struct tally {
     double accept, best; /* residuals: required, of the best answer so far */
     double qtop;         /* largest |q_i| / rowmax_i */
     int doubtful; /* sets of pairs whose equations are singular, or nearly; modes whose numbers no double
-                     holds */
+                     holds, too large or too small */
 } tally;
 
 static int two_bounds(const ns_mlcp_solver *s, int i) {
@@ -46,6 +47,21 @@ static int plausible(const ns_mlcp_solver *s, double qtop) {
             return 0;
     }
     return 1;
+}
+
+/* What is left of the equations may be there for lambda that underflowed. */
+static int underflows(const ns_mlcp_solver *s) {
+    int found = 0;
+    for (int c = 0; c < s->k; c++) {
+        const double *col = s->W + (size_t)s->cols[c] * (size_t)s->m;
+        if (fabs(s->lambda[s->cols[c]]) >= DBL_MIN)
+            continue;
+        for (int r = 0; r < s->k; r++) {
+            const double left = fabs(s->y[s->rows[r]]);
+            found |= left > 0.0 && left <= fabs(col[s->rows[r]]) * DBL_MIN;
+        }
+    }
+    return found;
 }
 
 /* The mode at hand has numbers: nothing else can be told of it. */
@@ -102,9 +118,8 @@ static int combinations(ns_mlcp_solver *s, tally *t, double rcond) {
     for (int c = 0; c < n; c++)
         step_columns(s, box[c], c);
     for (long k = 0;;) {
-        if (!finite(s))
-            t->doubtful++;
-        else if (plausible(s, t->qtop)) {
+        t->doubtful += !finite(s) || underflows(s);
+        if (finite(s) && plausible(s, t->qtop)) {
             if (judge(s, t, rcond))
                 return NS_OK;
             ns_basis_values(s, 0);

@@ -17,6 +17,7 @@
  */
 #include "residual.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -96,17 +97,18 @@ static void raise(const ns_mlcp *p, const double *lambda, int together, double *
         size[i] = fmax(size[i], FLOOR * norm[i] * top[i]);
 }
 
-/* Row i; inverse: 1/Y of all rows. */
-static double row_residual(const ns_mlcp *p, int i, double lambda, double y, const double *inverse) {
-    double l = p->l[i], u = p->u[i], ys = y * inverse[i];
-    if ((isinf(l) && isinf(u)) || isnan(ys)) /* fmin, fmax drop a NAN */
+/* Row i; size: its Y; inverse: 1/Y of all rows. */
+static double row_residual(const ns_mlcp *p, int i, double lambda, double y, double size,
+                           const double *inverse) {
+    const double l = p->l[i], u = p->u[i];
+    const double ys = isinf(size) ? NAN : size > 0.0 ? y / size : y; /* 1/size may overflow, this does not */
+    if ((isinf(l) && isinf(u)) || isnan(ys))                         /* fmin, fmax drop a NAN */
         return fabs(ys);
-    double unit = weighted_max(p, i, inverse); /* 1/L */
-    if (!(unit > 0.0))                         /* no row notices lambda_i: its own size must do */
-        unit = lambda != 0.0 ? 1.0 / fabs(lambda) : 1.0;
-    double x = lambda * unit, to = x - ys;
-    to = l == u ? l * unit : fmin(fmax(to, l * unit), u * unit);
-    return fabs(x - to);
+    double unit = fmin(weighted_max(p, i, inverse), DBL_MAX); /* 1/L */
+    if (!(unit > 0.0)) /* no row notices lambda_i: its own size must do */
+        unit = lambda != 0.0 ? fmin(1.0 / fabs(lambda), DBL_MAX) : 1.0;
+    const double up = (lambda - l) * unit, down = (lambda - u) * unit;
+    return fabs(l == u ? up : fmin(fmax(ys, down), up)); /* lambda less its projection */
 }
 
 /* The largest, with the sizes as they are; inverse (m) gets 1/Y.  NAN where terms are beyond a double. */
@@ -114,9 +116,9 @@ static double largest(const ns_mlcp *p, const double *lambda, const double *y, c
                       double *inverse, int *worst) {
     double most = 0.0;
     for (int i = 0; i < p->m; i++)
-        inverse[i] = isinf(size[i]) ? NAN : size[i] > 0.0 ? 1.0 / size[i] : 0.0;
+        inverse[i] = size[i] > 0.0 ? 1.0 / size[i] : 0.0;
     for (int i = 0; i < p->m; i++) {
-        double r = row_residual(p, i, lambda[i], y[i], inverse);
+        double r = row_residual(p, i, lambda[i], y[i], size[i], inverse);
         if (!(r <= most)) {
             most = r;
             if (worst)

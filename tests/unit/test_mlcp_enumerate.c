@@ -63,6 +63,30 @@ static void what_overflows_proves_nothing(void **state) {
     }
 }
 
+/* lambda = -q / w is the answer.  1e-320 has three digits and 1e-350 none, which no mode's failure is proof
+ * of; 1e-310 has thirteen, which do: 5e-324 / 1e-310 = 5e-14. */
+static void what_underflows_proves_nothing(void **state) {
+    static const double w[] = {1e300, 1e200, 1e300}, q[] = {-1e-20, -1e-150, -1e-10};
+    (void)state;
+    for (int k = 0; k < 3; k++)
+        for (int method = 0; method < NS_MLCP_METHODS; method++) {
+            trial t = {.m = 1, .rows = {w[k]}, .q = {q[k]}, .u = {INF}};
+            const int status = trial_run(&t, (ns_mlcp_method)method); /* no NAN is a residual */
+            assert_true(status != NS_E_INFEASIBLE && (k == 2 || status != NS_OK));
+            if (k == 2 && (method == NS_MLCP_AUTO || method == NS_MLCP_PIVOT || method == NS_MLCP_ENUMERATE))
+                assert_int_equal(status, NS_OK);
+            assert_true(status != NS_OK || fabs(t.lambda[0] - 1e-310) < 1e-323);
+        }
+}
+
+/* y = 1e-200 lambda - 1 has the answer 1e200: v = 1e-200 would prove the contrary if v w = 1e-400 were 0. */
+static void a_proof_does_not_underflow(void **state) {
+    const double w = 1e-200, q = -1, l = 0, u = INF, v = 1e-200;
+    const ns_mlcp p = {.m = 1, .W = &w, .q = &q, .l = &l, .u = &u};
+    (void)state;
+    assert_true(ns_mlcp_certify(&p, &v) == -1);
+}
+
 /* Without complementarity feasible: no ray proves it, only that every branch has a proof of its own. */
 static void proved_branch_by_branch(void **state) {
     (void)state;
@@ -141,6 +165,8 @@ int main(void) {
         cmocka_unit_test(every_class),
         cmocka_unit_test(a_proof_names_its_rows),
         cmocka_unit_test(what_overflows_proves_nothing),
+        cmocka_unit_test(what_underflows_proves_nothing),
+        cmocka_unit_test(a_proof_does_not_underflow),
         cmocka_unit_test(proved_branch_by_branch),
         cmocka_unit_test(solutions_in_singular_modes),
         cmocka_unit_test(bounds_by_columns),
