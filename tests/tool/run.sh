@@ -81,7 +81,10 @@ run contradiction.txt
 answers 'equations that contradict' 1 'status no-solution' 'certified yes'
 
 run --solver projected rotation.txt
-answers 'gave up' 2 'status gave-up' 'solver projected' 'why [a-z].*'
+answers 'gave up' 2 'status gave-up' 'solver projected' 'why this method needs a diagonal of W .*'
+printf '1\n1e200\n-1e-150\n0\ninf\n' >tiny.txt
+run tiny.txt
+answers 'an answer below every double' 2 'status gave-up' 'why the iteration bound was met'
 run rotation.txt
 answers 'what another method solves' 0 'lambda 1 1'
 
