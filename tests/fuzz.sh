@@ -33,7 +33,7 @@ fuzz() {
     fi
     mkdir -p "$corpus"
     cp $build/seeds/"$name".* "$corpus"
-    UBSAN_OPTIONS=print_stacktrace=1 $build/tests/fuzz/"$name" "$corpus" -max_total_time="$seconds" -timeout=20 \
+    UBSAN_OPTIONS=print_stacktrace=1 $build/tests/fuzz/"$name" "$corpus" -max_total_time="$seconds" -timeout=60 \
         -print_final_stats=1 -artifact_prefix=$build/find/"$name." $repeat >$build/"$name".log 2>&1 </dev/null
     echo $? >$build/"$name".status
 }
