@@ -158,12 +158,11 @@ int native_begin(native *b) {
         return error;
     }
     b->ckt->CKTtrtol = NATIVE_MARK;
-    b->t = 0.0;
     b->fresh = 1;
     if (!uic) {
         show_values(&b->engine, b->engine.x, b->value);
     }
-    error = native_read(b, NULL);
+    error = native_read(b, &b->t); /* t: the start took a while, with a jump or without */
     if (error) {
         return error;
     }
