@@ -81,18 +81,17 @@ int ns_short_settle(ns_march *m, double h) {
 /* The lambda of a constraint is known to eps w/h after a short step, and between steps of theta = 1/2 what is
  * wrong with it swings on for ever.  Two implicit steps from here, long for rounding and short for the
  * scheme, tell the rates better, unless something happens in them. */
-int ns_short_rates(ns_march *m) {
+void ns_short_rates(ns_march *m) {
     const double h = ldexp(m->h, -NS_RATE_RUNG), t = m->live.t;
     if (!m->step->carry || !(t + 4 * h < m->limit) || !(h > ns_short_step(m)))
-        return NS_OK;
+        return;
     for (int k = 0; k < 2; k++) {
         ns_system_inputs(m->s, t + (k + 1) * h, NS_LEFT, m->z);
         if (ns_control_by_time(m, m->z, m->due) || ns_theta_probe(m->step, (k + 1) * h, m->z, k) != NS_OK ||
             ns_control_by_state(m, m->z, m->crossed))
-            return NS_OK;
+            return;
     }
     ns_theta_take_rates(m->step);
-    return NS_OK;
 }
 
 /* The length of the steps that resolve an event: two and more of them before anything else happens. */
@@ -124,5 +123,7 @@ int ns_event_resolve(ns_march *m) {
     }
     for (int c = 0; c < m->s->nc; c++)
         m->flip[c] = 0;
-    return status == NS_OK ? ns_short_rates(m) : status;
+    if (status == NS_OK)
+        ns_short_rates(m);
+    return status;
 }

@@ -20,14 +20,14 @@ static double y_entry(const ns_theta *s, const ns_map *map, int j, int k) {
     return y;
 }
 
+int ns_guards_of(const ns_theta *s, const ns_mode *mode, int j) {
+    return mode[j] == NS_INSIDE ? isfinite(s->l[j]) + isfinite(s->u[j]) : s->l[j] < s->u[j];
+}
+
 int ns_guard_count(const ns_theta *s, const ns_mode *mode) {
     int count = 0;
-    for (int j = 0; j < s->s->m; j++) {
-        if (mode[j] == NS_INSIDE)
-            count += isfinite(s->l[j]) + isfinite(s->u[j]);
-        else if (s->l[j] < s->u[j])
-            count++;
-    }
+    for (int j = 0; j < s->s->m; j++)
+        count += ns_guards_of(s, mode, j);
     return count;
 }
 
@@ -56,37 +56,38 @@ static const double most_noise = 1e6;
 double ns_input_size(const ns_theta *s, const ns_map *map, int k) {
     if (k >= s->r)
         return fabs(s->trial_in[k]);
-    const double own = fabs(s->w[k]) + (map->implicit ? 0 : map->h * fabs(s->d[k]));
-    return map->implicit ? own : own + fmin(map->h * s->d_noise[k], most_noise * own);
+    if (map->implicit)
+        return fabs(s->w[k]);
+    const double own = fabs(s->w[k]) + map->h * fabs(s->d[k]);
+    return own + fmin(map->h * s->d_noise[k], most_noise * own);
 }
 
-/* By how much guard g may be rounding. */
-static double size_of(const ns_theta *s, const ns_map *map, int g, double tol) {
+/* Guard g is negative by more than rounding may be (or no number). */
+static int broke(const ns_theta *s, const ns_map *map, int g, double tol) {
+    const double guard = s->out[map->p - map->guards + g];
+    if (guard >= 0)
+        return 0;
     double size = 0;
     for (int k = 0; k < s->q; k++)
         size += map->noise[g + k * map->guards] * ns_input_size(s, map, k);
-    return tol * size;
+    return !(guard >= -tol * size);
 }
 
 int ns_guards_hold(const ns_theta *s, const ns_map *map, double tol) {
-    const double *guard = s->out + (map->p - map->guards);
     for (int g = 0; g < map->guards; g++)
-        if (!(guard[g] >= 0) && !(guard[g] >= -size_of(s, map, g, tol)))
+        if (broke(s, map, g, tol))
             return 0;
     return 1;
 }
 
 int ns_guards_flip(const ns_theta *s, const ns_map *map, double tol, ns_mode *mode) {
-    const double *guard = s->out + (map->p - map->guards);
     int flipped = 0;
     for (int j = 0, g = 0; j < s->s->m; j++) {
-        const int inside = map->mode[j] == NS_INSIDE;
-        const int low = inside && isfinite(s->l[j]), high = inside && isfinite(s->u[j]);
-        const int count = inside ? low + high : s->l[j] < s->u[j];
+        const int inside = map->mode[j] == NS_INSIDE, count = ns_guards_of(s, map->mode, j);
         for (int k = 0; k < count; k++, g++) {
-            if (guard[g] >= 0 || guard[g] >= -size_of(s, map, g, tol))
+            if (!broke(s, map, g, tol))
                 continue;
-            mode[j] = !inside ? NS_INSIDE : low && k == 0 ? NS_LOWER : NS_UPPER;
+            mode[j] = !inside ? NS_INSIDE : k == 0 && isfinite(s->l[j]) ? NS_LOWER : NS_UPPER;
             flipped = 1;
         }
     }

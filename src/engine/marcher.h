@@ -77,7 +77,7 @@ double ns_short_step(const ns_march *m);
  * settled; rates freed of their rounding; the event at live.t resolved, to its right side. */
 int ns_short_try(ns_march *m, double h);
 int ns_short_settle(ns_march *m, double h);
-int ns_short_rates(ns_march *m);
+void ns_short_rates(ns_march *m);
 int ns_event_resolve(ns_march *m);
 
 #endif

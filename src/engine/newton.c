@@ -7,14 +7,8 @@
 
 #include "../system/split.h"
 
-static double *vector(size_t count, int *failed) {
-    double *v = calloc(count ? count : 1, sizeof(double));
-    *failed |= !v;
-    return v;
-}
-
 static void make_iterate(ns_iterate *p, size_t n, size_t m, int *failed) {
-    p->block = vector(5 * n + 4 * m, failed);
+    p->block = ns_vector(5 * n + 4 * m, failed);
     if (!p->block)
         return;
     p->x = p->block;
@@ -35,26 +29,26 @@ static int allocate(ns_newton *s) {
     make_iterate(&s->next, n, m, &failed);
     double **const square[] = {&s->T, &s->M, &s->A, &s->K, &s->W};
     for (size_t i = 0; i < sizeof square / sizeof *square; i++)
-        *square[i] = vector(n * n, &failed);
+        *square[i] = ns_vector(n * n, &failed);
     double **const long_n[] = {&s->xk, &s->rk, &s->fk, &s->past, &s->xr};
     for (size_t i = 0; i < sizeof long_n / sizeof *long_n; i++)
-        *long_n[i] = vector(n, &failed);
+        *long_n[i] = ns_vector(n, &failed);
     double **const long_all[] = {&s->size, &s->first, &s->ext, &s->bl, &s->bu, &s->sol, &s->other};
     for (size_t i = 0; i < sizeof long_all / sizeof *long_all; i++)
-        *long_all[i] = vector(all, &failed);
-    s->lk = vector(m, &failed);
-    s->yk = vector(m, &failed);
-    s->q = vector(m, &failed);
-    s->z1 = vector(nz, &failed);
-    s->zr = vector(nz, &failed);
-    s->B = vector(n * m, &failed);
-    s->C = vector(m * n, &failed);
-    s->V = vector(n * m, &failed);
-    s->D = vector(m * m, &failed);
-    s->Wm = vector(m * m, &failed);
-    s->G = vector(all * all, &failed);
-    s->work = vector(n * (n > m ? n : m) + all, &failed);
-    s->spare = vector(3 * n + 5 * m, &failed);
+        *long_all[i] = ns_vector(all, &failed);
+    s->lk = ns_vector(m, &failed);
+    s->yk = ns_vector(m, &failed);
+    s->q = ns_vector(m, &failed);
+    s->z1 = ns_vector(nz, &failed);
+    s->zr = ns_vector(nz, &failed);
+    s->B = ns_vector(n * m, &failed);
+    s->C = ns_vector(m * n, &failed);
+    s->V = ns_vector(n * m, &failed);
+    s->D = ns_vector(m * m, &failed);
+    s->Wm = ns_vector(m * m, &failed);
+    s->G = ns_vector(all * all, &failed);
+    s->work = ns_vector(n * (n > m ? n : m) + all, &failed);
+    s->spare = ns_vector(3 * n + 5 * m, &failed);
     s->mode = calloc(3 * m + all + 1, sizeof(ns_mode));
     if (failed || !s->mode || ns_lu_create((int)all, &s->lu) != NS_OK ||
         ns_mlcp_create((int)all, &s->mlcp) != NS_OK)

@@ -22,20 +22,19 @@ static void fill_functionals(ns_theta *s, const ns_map *map, int nj) {
     int g = 0;
     memset(s->Z, 0, sizeof(double) * (size_t)size * (size_t)map->guards);
     for (int j = 0, inside = 0; j < m; j++) {
+        const int count = ns_guards_of(s, map->mode, j);
+        double *z = s->Z + (size_t)g * (size_t)size;
         if (map->mode[j] == NS_INSIDE) {
-            const int here = isfinite(s->l[j]) + isfinite(s->u[j]);
-            for (int k = 0; k < here; k++)
-                s->Z[n + inside + (g + k) * size] = 1;
-            g += here;
+            for (int k = 0; k < count; k++)
+                z[n + inside + k * size] = 1;
             inside++;
-        } else if (s->l[j] < s->u[j]) {
-            double *z = s->Z + (size_t)g * (size_t)size;
+        } else if (count > 0) {
             for (int i = 0; i < n; i++)
                 z[i] = s->s->C[j + i * m];
             for (int i = 0; i < nj; i++)
                 z[n + i] = s->s->D[j + s->inside[i] * m];
-            g++;
         }
+        g += count;
     }
 }
 

@@ -58,10 +58,9 @@ int ns_march_start(ns_march *m, double t0, const double *w0) {
         if (status == NS_OK && !toggle(m))
             break;
     }
-    if (status == NS_OK)
-        status = ns_short_rates(m);
     if (status != NS_OK)
         return status;
+    ns_short_rates(m);
     m->started = m->has_trial = 1;
     return ns_march_accept(m);
 }

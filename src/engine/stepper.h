@@ -87,8 +87,10 @@ struct ns_theta {
 int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out);
 void ns_map_free(ns_map *map);
 
-/* guard.c: how many guards a mode has; their entries in column k of a map whose `full` is known; whether all
- * of s->out hold, up to tol noise: 1 or 0. */
+/* guard.c: how many guards pair j has in a mode, and how many the mode; their entries in column k of a map
+ * whose `full` is known; the size of the terms of input k of the trial; whether all of s->out hold, up to tol
+ * noise: 1 or 0. */
+int ns_guards_of(const ns_theta *s, const ns_mode *mode, int j);
 int ns_guard_count(const ns_theta *s, const ns_mode *mode);
 void ns_guard_fill(const ns_theta *s, ns_map *map, int k);
 double ns_input_size(const ns_theta *s, const ns_map *map, int k);

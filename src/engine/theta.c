@@ -7,12 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static double *vector(size_t count, int *failed) {
-    double *v = calloc(count ? count : 1, sizeof(double));
-    *failed |= !v;
-    return v;
-}
-
 static ns_mode *modes(size_t count, int *failed) {
     ns_mode *v = calloc(count ? count : 1, sizeof(ns_mode));
     *failed |= !v;
@@ -23,34 +17,34 @@ static int allocate(ns_theta *s) {
     const size_t n = (size_t)s->s->n, m = (size_t)s->s->m, nz = (size_t)s->s->nz, nc = (size_t)s->s->nc;
     const size_t all = 2 * n + m, q = n + nz + 1; /* as many holds as unknowns, r <= n */
     int failed = 0;
-    s->M = vector(n * n, &failed);
-    s->A = vector(n * n, &failed);
-    s->T = vector(n * n, &failed);
-    s->B = vector(n * m, &failed);
-    s->b = vector(n, &failed);
-    s->E = vector(n * nz, &failed);
-    s->l = vector(m, &failed);
-    s->u = vector(m, &failed);
-    s->w = vector(n, &failed);
-    s->d = vector(n, &failed);
-    s->d_noise = vector(n, &failed);
-    s->sum = vector(n, &failed);
-    s->rate[0] = vector(n, &failed);
-    s->rate[1] = vector(n, &failed);
-    s->in = vector(q, &failed);
-    s->trial_in = vector(q, &failed);
-    s->out = vector(2 * n + nc + 2 * m, &failed);
-    s->K = vector(all * all, &failed);
-    s->X = vector(all * q, &failed);
-    s->R = vector(2 * all * q, &failed);
-    s->Z = vector(all * 2 * m, &failed);
-    s->leak = vector(m, &failed);
-    s->rhs = vector(all, &failed);
-    s->sol = vector(all, &failed);
-    s->resid = vector(all, &failed);
-    s->bl = vector(all, &failed);
-    s->bu = vector(all, &failed);
-    s->control = vector(nc, &failed);
+    s->M = ns_vector(n * n, &failed);
+    s->A = ns_vector(n * n, &failed);
+    s->T = ns_vector(n * n, &failed);
+    s->B = ns_vector(n * m, &failed);
+    s->b = ns_vector(n, &failed);
+    s->E = ns_vector(n * nz, &failed);
+    s->l = ns_vector(m, &failed);
+    s->u = ns_vector(m, &failed);
+    s->w = ns_vector(n, &failed);
+    s->d = ns_vector(n, &failed);
+    s->d_noise = ns_vector(n, &failed);
+    s->sum = ns_vector(n, &failed);
+    s->rate[0] = ns_vector(n, &failed);
+    s->rate[1] = ns_vector(n, &failed);
+    s->in = ns_vector(q, &failed);
+    s->trial_in = ns_vector(q, &failed);
+    s->out = ns_vector(2 * n + nc + 2 * m, &failed);
+    s->K = ns_vector(all * all, &failed);
+    s->X = ns_vector(all * q, &failed);
+    s->R = ns_vector(2 * all * q, &failed);
+    s->Z = ns_vector(all * 2 * m, &failed);
+    s->leak = ns_vector(m, &failed);
+    s->rhs = ns_vector(all, &failed);
+    s->sol = ns_vector(all, &failed);
+    s->resid = ns_vector(all, &failed);
+    s->bl = ns_vector(all, &failed);
+    s->bu = ns_vector(all, &failed);
+    s->control = ns_vector(nc, &failed);
     s->mode = modes(m, &failed);
     s->trial_mode = modes(m, &failed);
     s->work_mode = modes(all, &failed);

@@ -243,6 +243,12 @@ static void rows_of_four(int p, int q, const double *restrict a, const double *r
     y[3] = s3;
 }
 
+double *ns_vector(size_t count, int *failed) {
+    double *v = calloc(count ? count : 1, sizeof(double));
+    *failed |= !v;
+    return v;
+}
+
 void ns_copy(size_t n, const double *x, double *y) {
     if (n > 0)
         memcpy(y, x, n * sizeof *y);

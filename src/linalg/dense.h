@@ -37,6 +37,10 @@ const double *ns_lu_units(const ns_lu *f);
 /* The largest entry of x (n), in those units. */
 double ns_lu_largest(const ns_lu *f, const double *x);
 
+/* count numbers, all 0, to be freed by free(); never NULL for a count of 0.  Sets *failed where memory is
+ * short (NULL), and leaves it alone where it is not. */
+double *ns_vector(size_t count, int *failed);
+
 /* y = x; both may be NULL where n is 0. */
 void ns_copy(size_t n, const double *x, double *y);
 
