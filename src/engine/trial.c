@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-/* What a guard may be negative by, relative to the bound on its rounding (ns_guard_noise): a few eps while
+/* What a guard may be negative by, relative to the bound on its rounding (noise.c): a few eps while
  * the mode stands; after (P1) was solved, what its solver calls zero. */
 static const double while_it_stands = 4e-15, of_an_answer = 1e-11;
 
@@ -163,15 +163,14 @@ int ns_theta_probe(ns_theta *s, double h, const double *z, int second) {
     if (status != NS_OK)
         return status;
     memcpy(s->rate[second], s->out + s->r, sizeof(double) * (size_t)s->r);
-    if (!second)
-        ns_rate_noise(s, s->trial_map);
     s->has_trial = 0;
     return NS_OK;
 }
 
 void ns_theta_take_rates(ns_theta *s) {
+    ns_rate_noise(s, s->trial_map); /* of the step of 2 h; twice that for h */
     for (int i = 0; i < s->r; i++) {
         s->d[i] = 2 * s->rate[0][i] - s->rate[1][i];
-        s->d_noise[i] *= 3; /* twice that of h, and that of 2 h */
+        s->d_noise[i] *= 5;
     }
 }
