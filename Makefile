@@ -69,10 +69,15 @@ $(B)/libnonsmooth.a: $(OBJ)
 	@rm -f $@
 	$(Q)$(AR) rcs $@ $^
 
-$(B)/libnonsmooth.so: $(OBJ) src/nonsmooth.map
+$(B)/libnonsmooth.so: $(OBJ) $(B)/exports.map
 	@echo "  LINK    $@"
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-soname,libnonsmooth.so.$(SOVERSION) \
-	    -Wl,--version-script=src/nonsmooth.map -Wl,--no-undefined $(OBJ) -o $@ $(LIBS)
+	    -Wl,--version-script=$(B)/exports.map -Wl,--no-undefined $(OBJ) -o $@ $(LIBS)
+
+# The shared library shows what the public headers declare, and nothing else.
+$(B)/exports.map: $(wildcard include/nonsmooth/*.h)
+	@mkdir -p $(@D)
+	@{ echo '{ global:'; grep -ohE '\<ns_[a-z0-9_]+\(' $^ | sort -u | tr '(' ';'; echo 'local: *; };'; } > $@
 
 .PHONY: tool
 tool: $(B)/nsc-mlcp
@@ -299,6 +304,13 @@ install: all ## into PREFIX (/usr/local), below DESTDIR if given
 	install -m 644 netlists/lib/nonsmooth.lib $(TO)/share/nonsmooth
 	echo "codemodel '$(PREFIX)/lib/ngspice/nonsmooth.cm'" > $(TO)/share/nonsmooth/spiceinit
 	@echo "To load the code models in every session: cat $(PREFIX)/share/nonsmooth/spiceinit >> ~/.spiceinit"
+
+.PHONY: uninstall
+uninstall: ## takes out what install put there, at the same PREFIX and DESTDIR
+	rm -f $(addprefix $(TO)/,lib/libnonsmooth.a lib/libnonsmooth.so lib/libnonsmooth.so.$(SOVERSION) \
+	    lib/libnonsmooth.so.$(VERSION) include/nonsmooth.h lib/pkgconfig/nonsmooth.pc bin/nsc-mlcp \
+	    lib/ngspice/nonsmooth.cm)
+	rm -rf $(TO)/include/nonsmooth $(TO)/share/nonsmooth
 
 # --- clean -----------------------------------------------------------------------------------------------
 

@@ -24,16 +24,18 @@ for file in bin/nsc-mlcp lib/libnonsmooth.a lib/libnonsmooth.so include/nonsmoot
     check "$file is there" test -s "$dest/$file"
 done
 
-cat >"$dest/user.c" <<'C'
-#include <nonsmooth.h>
-#include <stdio.h>
-int main(void) {
-    return puts(ns_status_text(NS_OK)) < 0;
+# README LANGUAGE: the text of README's first example in that language.
+readme() {
+    awk -v start="\`\`\`$1" '$0 == "```" {on = 0} on; $0 == start && !seen++ {on = 1}' README.md
 }
-C
-check 'a program compiles and links against it' gcc "$dest/user.c" -o "$dest/user" -I"$dest/include" -L"$dest/lib" \
-    -lnonsmooth -Wl,-rpath,"$dest/lib"
-check 'the program runs' "$dest/user"
+
+readme c >"$dest/user.c"
+check "README's program compiles and links against it" gcc "$dest/user.c" -o "$dest/user" -I"$dest/include" \
+    -L"$dest/lib" -lnonsmooth -Wl,-rpath,"$dest/lib"
+check 'the program prints what README says' sh -c "'$dest/user' | grep -qx 'lambda = 0.5 0, y = 0 1.5'"
+check 'the shared library shows no internals' sh -c \
+    "nm -D --defined-only '$dest/lib/libnonsmooth.so' | grep -q ns_mlcp_solve$ &&
+     ! nm -D --defined-only '$dest/lib/libnonsmooth.so' | grep -q ns_lu_"
 printf '1 1 -1 0 inf' >"$dest/one.txt"
 check 'nsc-mlcp solves' sh -c "'$dest/bin/nsc-mlcp' '$dest/one.txt' | grep -qx 'lambda 1'"
 
@@ -55,4 +57,10 @@ quit 1
 C
 cp "$dest/share/nonsmooth/spiceinit" "$dest/.spiceinit"
 check 'ngspice loads the installed code models' sh -c "cd '$dest' && ngspice -b user.cir"
+readme spice >"$dest/buck.cir"
+check "README's netlist measures what README says" sh -c \
+    "cd '$dest' && ngspice -b buck.cir | awk '/^vout/ {v = \$3} /^ripple/ {r = \$3}
+     END {exit !(v > 4.7995 && v < 4.8005 && r > 0.28855 && r < 0.28865)}'"
+check 'make uninstall' make uninstall PREFIX="$dest"
+check 'nothing of it is left' sh -c "! find '$dest' ! -type d | grep -E 'nonsmooth|nsc-mlcp'"
 exit $status
