@@ -134,6 +134,13 @@ static int settle(ns_mlcp_solver *s, double *residual) {
     return *residual <= ACCEPT ? NS_OK : NS_E_RESIDUAL;
 }
 
+static int large(ns_mlcp_solver *s, double *residual) {
+    int status = ns_mlcp_block(s, ACCEPT, residual);
+    if (status != NS_OK)
+        ns_mlcp_note(s, ACCEPT);
+    return status;
+}
+
 /* One method, from a mode, on the problem as given. */
 static int apply(ns_mlcp_solver *s, ns_mlcp_method method, const ns_mode *mode, double *residual) {
     static int (*const solver[NS_MLCP_METHODS])(ns_mlcp_solver *, double) = {
@@ -154,7 +161,7 @@ static int apply(ns_mlcp_solver *s, ns_mlcp_method method, const ns_mode *mode, 
     }
     ns_mlcp_restart(s, mode);
     if (method == NS_MLCP_PIVOT && s->m > NS_QUICK)
-        return ns_mlcp_block(s, ACCEPT, residual);
+        return large(s, residual);
     int status = solver[method](s, ACCEPT);
     if (status == NS_OK && method == NS_MLCP_PIVOT) { /* exact already */
         *residual = measure(s);
@@ -231,6 +238,7 @@ static int in_own_units(ns_mlcp_solver *s, const ns_mode *mode, double *residual
     const int method = s->method;
     if (!ns_mlcp_rescale(s))
         return NS_E_LIMIT;
+    s->noting = 0; /* its lambda are in other units */
     int status = apply(s, NS_MLCP_PIVOT, mode, residual);
     if (status != NS_OK)
         status = apply(s, NS_MLCP_LEMKE, mode, residual);
@@ -241,6 +249,20 @@ static int in_own_units(ns_mlcp_solver *s, const ns_mode *mode, double *residual
         return NS_OK;
     *residual = before;
     s->fault = fault;
+    s->method = method;
+    return NS_E_LIMIT;
+}
+
+/* A point whose rounding was all that was wrong with it. */
+static int remembered(ns_mlcp_solver *s, double *residual) {
+    const double before = *residual;
+    const int method = s->method;
+    if (!ns_mlcp_recall(s))
+        return NS_E_LIMIT;
+    *residual = measure(s);
+    if (*residual <= ACCEPT && !doubtful(s, DOUBT))
+        return NS_OK;
+    *residual = before;
     s->method = method;
     return NS_E_LIMIT;
 }
@@ -259,6 +281,8 @@ static int quickly(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
 static int solve(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mode, double *residual) {
     s->pivots = s->factors = s->iterations = 0;
     s->asked = 0;
+    s->noting = 1;
+    s->noted = INFINITY;
     memset(&s->fault, 0, sizeof s->fault);
     s->p = p;
     s->nstuck = 0;
@@ -270,6 +294,8 @@ static int solve(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mode, doubl
         s->use == NS_MLCP_AUTO ? automatic(s, mode, residual) : verdict(s, apply(s, s->use, mode, residual));
     if (s->use == NS_MLCP_AUTO && status != NS_OK && status != NS_E_INFEASIBLE &&
         in_own_units(s, mode, residual) == NS_OK)
+        status = NS_OK;
+    if (status != NS_OK && !s->proved && remembered(s, residual) == NS_OK)
         status = NS_OK;
     if (status == NS_OK && doubtful(s, DOUBT) &&
         (prove(s, NS_CAREFUL) || (doubtful(s, HOPELESS) && prove(s, NS_BOLD))))

@@ -113,6 +113,11 @@ struct ns_mlcp_solver {
     double *kept_lambda, *kept_y; /* m: the best answer so far (proximal.c) */
     ns_mode *kept_mode;           /* m */
 
+    double noted;             /* zeros.c: residual of the best point remembered; infinite: there is none */
+    double *noted_lambda;     /* m */
+    ns_mode *noted_mode;      /* m */
+    int noting, noted_method; /* points are remembered */
+
     double *proof; /* m: the certificate */
     int proved;    /* it holds one */
     int asked;     /* effort: how this solve has looked for one */
@@ -211,6 +216,11 @@ int ns_farkas(ns_mlcp_solver *s, int effort);
  * changed.  And back, with lambda. */
 int ns_mlcp_rescale(ns_mlcp_solver *s);
 void ns_mlcp_scale_back(ns_mlcp_solver *s);
+
+/* zeros.c: s->lambda, which was refused, is remembered with zeros for rounding, if that makes it an answer
+ * and the best so far.  Uses g, ysize, rhs.  Back into s->lambda and s->mode; 0 if there is none. */
+void ns_mlcp_note(ns_mlcp_solver *s, double accept);
+int ns_mlcp_recall(ns_mlcp_solver *s);
 
 /* fault.c: fault.pair gets index[k] of the largest weights, largest first. */
 void ns_mlcp_name(ns_mlcp_solver *s, const double *weight, int n, const int *index);

@@ -88,6 +88,7 @@ static int iterate(ns_mlcp_solver *s, const ns_mode *mode, int n, double accept,
         *residual = polish(s);
         if (*residual <= accept)
             return NS_OK;
+        ns_mlcp_note(s, accept);
         if (k >= 2 && !(*residual <= 0.5 * before))
             break;
         before = *residual;

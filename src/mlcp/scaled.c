@@ -180,13 +180,8 @@ static void correct(ns_mlcp_solver *s, const ns_scaled *z) {
             s->lambda[i] = fmin(fmax(s->lambda[i] - s->rhs[i] * z->cs[i], s->p->l[i]), s->p->u[i]);
 }
 
-int ns_scaled_finish(ns_mlcp_solver *s, const ns_scaled *z, const double *x, const double *y, double accept) {
-    ns_scaled_mode(s, z, x, y);
-    int status = ns_mlcp_settle(s, accept);
-    if (status == NS_OK)
-        return NS_OK;
-    ns_scaled_mode(s, z, x, y);
-    ns_scaled_lambda(s, z, x);
+/* s->lambda and s->mode are those of x, or near it. */
+static int finish(ns_mlcp_solver *s, const ns_scaled *z, int status, double accept) {
     double now = measure(s, z);
     if (now <= accept || status != NS_E_SINGULAR || factor_ridged(s, z) != NS_OK)
         return now <= accept ? NS_OK : status;
@@ -195,5 +190,18 @@ int ns_scaled_finish(ns_mlcp_solver *s, const ns_scaled *z, const double *x, con
         if (measure(s, z) <= accept)
             return NS_OK;
     }
+    return status;
+}
+
+int ns_scaled_finish(ns_mlcp_solver *s, const ns_scaled *z, const double *x, const double *y, double accept) {
+    ns_scaled_mode(s, z, x, y);
+    int status = ns_mlcp_settle(s, accept);
+    if (status == NS_OK)
+        return NS_OK;
+    ns_scaled_mode(s, z, x, y);
+    ns_scaled_lambda(s, z, x);
+    status = finish(s, z, status, accept);
+    if (status != NS_OK)
+        ns_mlcp_note(s, accept);
     return status;
 }

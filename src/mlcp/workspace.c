@@ -9,11 +9,11 @@
 static void carve_doubles(ns_mlcp_solver *s, size_t m) {
     double *d = s->doubles;
     double **square[] = {&s->Wreg, &s->A, &s->mag, &s->Wown, &s->P};
-    double **vector[] = {&s->q,      &s->qraw,    &s->eval,   &s->kept_lambda, &s->kept_y,
-                         &s->rowmax, &s->colunit, &s->lambda, &s->y,           &s->ysize,
-                         &s->lsize,  &s->g,       &s->beta,   &s->blo,         &s->bhi,
-                         &s->cover,  &s->ray,     &s->proof,  &s->lown,        &s->uown,
-                         &s->yterms, &s->lterms,  &s->diag,   &s->centre,      &s->qown};
+    double **vector[] = {&s->q,       &s->qraw,        &s->eval,   &s->kept_lambda, &s->kept_y, &s->rowmax,
+                         &s->colunit, &s->lambda,      &s->y,      &s->ysize,       &s->lsize,  &s->g,
+                         &s->beta,    &s->blo,         &s->bhi,    &s->cover,       &s->ray,    &s->proof,
+                         &s->lown,    &s->uown,        &s->yterms, &s->lterms,      &s->diag,   &s->centre,
+                         &s->qown,    &s->noted_lambda};
     for (size_t i = 0; i < sizeof square / sizeof *square; i++, d += m * m)
         *square[i] = d;
     for (size_t i = 0; i < sizeof vector / sizeof *vector; i++, d += m)
@@ -26,7 +26,7 @@ static void carve_doubles(ns_mlcp_solver *s, size_t m) {
 }
 
 static size_t count_doubles(size_t m) {
-    return 5 * m * m + 25 * m + (m + 1) * (m + 1) + 2 * (m + 1) * (m + 2) + NS_MEASURE_WORK * m +
+    return 5 * m * m + 26 * m + (m + 1) * (m + 1) + 2 * (m + 1) * (m + 2) + NS_MEASURE_WORK * m +
            m * (m + 1) + 2 * m + 1;
 }
 
@@ -54,7 +54,7 @@ int ns_mlcp_create(int m, ns_mlcp_solver **out) {
     s->cap = m;
     s->doubles = calloc(count_doubles(k), sizeof *s->doubles);
     s->ints = calloc(22 * (k + 1) + 2 * k + 1, sizeof *s->ints);
-    s->bytes = calloc(k * k * sizeof(short) + 9 * (k + 1), 1);
+    s->bytes = calloc(k * k * sizeof(short) + 10 * (k + 1), 1);
     if (!s->doubles || !s->ints || !s->bytes || ns_lu_create(m + 1, &s->lu) != NS_OK) {
         ns_mlcp_free(s);
         return NS_E_MEMORY;
@@ -72,6 +72,7 @@ int ns_mlcp_create(int m, ns_mlcp_solver **out) {
     s->have = b + 6 * (k + 1);
     s->in = b + 7 * (k + 1);
     s->factored = b + 8 * (k + 1);
+    s->noted_mode = (ns_mode *)(b + 9 * (k + 1));
     *out = s;
     return NS_OK;
 }

@@ -127,6 +127,19 @@ static void floating_nodes_in_wild_units(void **state) {
     network_has_an_answer(80031, 77);
 }
 
+/* [0 -A'; A 0] with more equations A x = 0 than x: any x but 0 breaks them, and 1e-17 does in every digit of
+ * rows in which nothing else enters, though A x >= q elsewhere says how little that is (LIMIT). */
+static void unknowns_that_equations_hold_at_zero(void **state) {
+    (void)state;
+    static const int number[] = {63529, 71992, 78003, 88894}, m[] = {144, 76, 62, 66};
+    for (int k = 0; k < 4; k++) {
+        generate(&s, CLASS_EQUALITIES, (unsigned long long)number[k], LARGEST);
+        const ns_mlcp p = sample_problem(&s);
+        assert_int_equal(s.m, m[k]);
+        has_an_answer(&p, solve(&p), CLASS_EQUALITIES, number[k]);
+    }
+}
+
 /* y_1 = lambda_2 - 1, y_2 = 1 takes lambda_2 >= 1 and so lambda_2 y_2 > 0: no answer, though the bounds do
  * not contradict each other.  Nine of these, which are more than are enumerated, are given up in any units.
  */
@@ -164,6 +177,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(devices_that_hardly_notice_each_other, setup, teardown),
         cmocka_unit_test_setup_teardown(currents_that_vanish_step_by_step, setup, teardown),
         cmocka_unit_test_setup_teardown(floating_nodes_in_wild_units, setup, teardown),
+        cmocka_unit_test_setup_teardown(unknowns_that_equations_hold_at_zero, setup, teardown),
         cmocka_unit_test_setup_teardown(given_up_in_any_units, setup, teardown),
         cmocka_unit_test_setup_teardown(problems_that_almost_have_none_or_one, setup, teardown),
     };
