@@ -18,13 +18,17 @@ for package; do
 done
 [ -n "$missing" ] || exit 0
 
+refuse() {
+    echo "$1  As root: apt-get update && apt-get install --no-install-recommends$missing" >&2
+    exit 1
+}
+
 if [ "$(id -u)" = 0 ]; then
     root=
 elif command -v sudo >/dev/null 2>&1; then
     root=sudo
 else
-    echo "Missing Debian packages, and neither root nor sudo to install them.  As root: apt-get install$missing" >&2
-    exit 1
+    refuse "Missing Debian packages, and neither root nor sudo to install them."
 fi
 
 apt() {
@@ -33,13 +37,18 @@ apt() {
 
 install() {
     # shellcheck disable=SC2086 # words
-    apt install -y --no-install-recommends "$@" $missing
+    apt install -y --no-install-recommends $missing
+}
+
+# Would the system's package lists do?  Asking needs no root.
+known() {
+    # shellcheck disable=SC2086 # words
+    apt-get --simulate --no-install-recommends install $missing >/dev/null 2>&1 </dev/null
 }
 
 echo "Installing from Debian:$missing"
-# The system's package lists are renewed only where the present ones will not do.
-install --simulate >/dev/null 2>&1 || apt update
-install || {
-    apt update
+[ -z "$root" ] || $root true || refuse "No right to install them."
+{ known && install; } || {
+    apt update || true # one broken source must not stop the others
     install
-}
+} || refuse "Could not install them."
