@@ -62,5 +62,5 @@ check "README's netlist measures what README says" sh -c \
     "cd '$dest' && ngspice -b buck.cir | awk '/^vout/ {v = \$3} /^ripple/ {r = \$3}
      END {exit !(v > 4.7995 && v < 4.8005 && r > 0.28855 && r < 0.28865)}'"
 check 'make uninstall' make uninstall PREFIX="$dest"
-check 'nothing of it is left' sh -c "! find '$dest' ! -type d | grep -E 'nonsmooth|nsc-mlcp'"
+check 'nothing of it is left' sh -c "cd '$dest' && ! find . ! -type d | grep -E 'nonsmooth|nsc-mlcp'"
 exit $status
