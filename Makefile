@@ -38,7 +38,7 @@ help: ## this list
 # --- what it needs ---------------------------------------------------------------------------------------
 
 PACKAGES := build-essential clang libclang-rt-14-dev ngspice liblapacke-dev libopenblas-dev libsuitesparse-dev \
-    libcmocka-dev locales gnuplot-nox valgrind bison flex autoconf automake libtool
+    libcmocka-dev locales gnuplot-nox valgrind bison flex autoconf automake libtool pkgconf
 LINT_PACKAGES := clang-format clang-tidy cppcheck shellcheck
 
 .PHONY: deps deps-lint
@@ -303,6 +303,7 @@ install: all ## into PREFIX (/usr/local), below DESTDIR if given
 	install -m 755 $(B)/nonsmooth.cm $(TO)/lib/ngspice
 	install -m 644 netlists/lib/nonsmooth.lib $(TO)/share/nonsmooth
 	echo "codemodel '$(PREFIX)/lib/ngspice/nonsmooth.cm'" > $(TO)/share/nonsmooth/spiceinit
+	@if [ -z '$(DESTDIR)' ] && [ -w /etc/ld.so.cache ]; then /sbin/ldconfig; fi # programs find the library now
 	@echo "To load the code models in every session: cat $(PREFIX)/share/nonsmooth/spiceinit >> ~/.spiceinit"
 
 .PHONY: uninstall

@@ -30,8 +30,9 @@ readme() {
 }
 
 readme c >"$dest/user.c"
-check "README's program compiles and links against it" gcc "$dest/user.c" -o "$dest/user" -I"$dest/include" \
-    -L"$dest/lib" -lnonsmooth -Wl,-rpath,"$dest/lib"
+export PKG_CONFIG_PATH="$dest/lib/pkgconfig" LD_LIBRARY_PATH="$dest/lib"
+check "README's program compiles and links against it" sh -c \
+    "cc '$dest/user.c' -o '$dest/user' \$(pkg-config --cflags --libs nonsmooth)"
 check 'the program prints what README says' sh -c "'$dest/user' | grep -qx 'lambda = 0.5 0, y = 0 1.5'"
 check 'the shared library shows no internals' sh -c \
     "nm -D --defined-only '$dest/lib/libnonsmooth.so' | grep -q ns_mlcp_solve$ &&
