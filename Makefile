@@ -304,7 +304,7 @@ install: all ## into PREFIX (/usr/local), below DESTDIR if given
 	install -m 644 netlists/lib/nonsmooth.lib $(TO)/share/nonsmooth
 	echo "codemodel '$(PREFIX)/lib/ngspice/nonsmooth.cm'" > $(TO)/share/nonsmooth/spiceinit
 	@if [ -z '$(DESTDIR)' ] && [ -w /etc/ld.so.cache ]; then /sbin/ldconfig; fi # programs find the library now
-	@echo "To load the code models in every session: cat $(PREFIX)/share/nonsmooth/spiceinit >> ~/.spiceinit"
+	@echo "To load the code models in every session: cat '$(PREFIX)/share/nonsmooth/spiceinit' >> ~/.spiceinit"
 
 .PHONY: uninstall
 uninstall: ## takes out what install put there, at the same PREFIX and DESTDIR
