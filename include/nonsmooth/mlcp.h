@@ -93,10 +93,11 @@ int ns_mlcp_alike(ns_mlcp_solver *s, int alike);
  * NS_FAULT_MAX: INFEASIBLE: the pairs that the certificate rests on, or whose equations are left unsatisfied,
  * the heaviest first; SINGULAR: the equalities that no basis takes beside the others.  Of other errors it
  * says nothing, of NS_OK it is empty. Verdicts: OK, solved; INFEASIBLE, no solution exists: proved by a
- * certificate (info->certified), or, for few pairs, by having tried every mode; LIMIT, gave up. Errors: NULL,
- * SIZE (p->m larger than the workspace), NUMBER, BOUNDS (l > u, or both the same infinity); SINGULAR (no
- * basis holds all equalities, and no answer of least norm was found), INFEASIBLE, LIMIT, RESIDUAL, OVERFLOW
- * (an answer has numbers that no double holds). */
+ * certificate (info->certified), or, for few pairs, by having tried every mode; LIMIT, gave up, or all that
+ * was found is lambda of which rounding of W leaves no digit (nearly singular equations). Errors: NULL, SIZE
+ * (p->m larger than the workspace), NUMBER, BOUNDS (l > u, or both the same infinity); SINGULAR (no basis
+ * holds all equalities, and no answer of least norm was found), INFEASIBLE, LIMIT, RESIDUAL, OVERFLOW (an
+ * answer has numbers that no double holds). */
 int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *lambda, double *y,
                   ns_mlcp_info *info);
 

@@ -170,8 +170,11 @@ static int apply(ns_mlcp_solver *s, ns_mlcp_method method, const ns_mode *mode, 
     return status == NS_OK ? settle(s, residual) : status;
 }
 
-/* A ray or a runaway alone proves nothing; a method may give up where there is a proof. */
+/* A ray or a runaway alone proves nothing, neither does an answer that has run away; a method may give up
+ * where there is a proof. */
 static int verdict(ns_mlcp_solver *s, int status) {
+    if (status == NS_OK && ns_mlcp_lost(s, DOUBT))
+        status = NS_E_LIMIT;
     if (status == NS_OK || status == NS_E_SIZE)
         return status;
     if (status == NS_E_INFEASIBLE && (s->proved || s->method == NS_MLCP_ENUMERATE))
@@ -196,8 +199,9 @@ static int automatic(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     int first = NS_OK;
     for (size_t k = s->m <= NS_QUICK; k < sizeof order / sizeof *order; k++) {
         s->as_given = order[k].as_given ^ s->alike;
-        int status = verdict(s, apply(s, order[k].method, mode, residual));
+        int status = apply(s, order[k].method, mode, residual);
         s->as_given = s->alike;
+        status = verdict(s, status);
         if (status == NS_OK || status == NS_E_INFEASIBLE)
             return status;
         if (order[k].method != NS_MLCP_PIVOT && first == NS_OK)
@@ -207,28 +211,12 @@ static int automatic(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
 }
 
 /* No lambda makes terms large against q: one whose terms in some row are below DOUBT |q| is below DOUBT in
- * the units of doubtful().  yterms are those of the answer. */
+ * the units of ns_mlcp_doubtful().  yterms are those of the answer. */
 static int plain(const ns_mlcp_solver *s) {
     int n = 0;
     for (int i = 0; i < s->m; i++)
         n += s->yterms[i] > DOUBT * fabs(s->given.q[i]);
     return n == 0;
-}
-
-/* Whether lambda is so large that it may hide in its rounding what q says: equations that contradict each
- * other but for the last digits of W have an answer as good as any by its residual. */
-static int doubtful(ns_mlcp_solver *s, double doubt) {
-    double data = 0.0, answer = 0.0;
-    ns_mlcp_units(s);
-    for (int i = 0; i < s->m; i++) {
-        double size = fabs(s->lambda[i]) / s->colunit[i];
-        data = fmax(data, s->rowmax[i] > 0.0 ? fabs(s->given.q[i]) / s->rowmax[i] : 0.0);
-        if (s->mode[i] == NS_INSIDE)
-            answer = fmax(answer, size);
-        else
-            data = fmax(data, size);
-    }
-    return answer > doubt * data;
 }
 
 /* The last resort: in units of the problem's own.  The answer is measured in those it is written in. */
@@ -245,7 +233,7 @@ static int in_own_units(ns_mlcp_solver *s, const ns_mode *mode, double *residual
     ns_mlcp_scale_back(s);
     if (status == NS_OK)
         *residual = measure(s);
-    if (status == NS_OK && *residual <= ACCEPT && !doubtful(s, DOUBT))
+    if (status == NS_OK && *residual <= ACCEPT && !ns_mlcp_doubtful(s, DOUBT))
         return NS_OK;
     *residual = before;
     s->fault = fault;
@@ -260,7 +248,7 @@ static int remembered(ns_mlcp_solver *s, double *residual) {
     if (!ns_mlcp_recall(s))
         return NS_E_LIMIT;
     *residual = measure(s);
-    if (*residual <= ACCEPT && !doubtful(s, DOUBT))
+    if (*residual <= ACCEPT && !ns_mlcp_doubtful(s, DOUBT))
         return NS_OK;
     *residual = before;
     s->method = method;
@@ -271,7 +259,7 @@ static int remembered(ns_mlcp_solver *s, double *residual) {
 static int quickly(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     if ((s->use != NS_MLCP_AUTO && s->use != NS_MLCP_PIVOT) || s->m > NS_QUICK ||
         ns_mlcp_quick(s, mode, ACCEPT, residual) != NS_OK ||
-        (s->pivots + s->factors > 0 && !plain(s) && doubtful(s, DOUBT)))
+        (s->pivots + s->factors > 0 && !plain(s) && ns_mlcp_doubtful(s, DOUBT)))
         return 0;
     s->method = NS_MLCP_PIVOT;
     return 1;
@@ -297,8 +285,8 @@ static int solve(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mode, doubl
         status = NS_OK;
     if (status != NS_OK && !s->proved && remembered(s, residual) == NS_OK)
         status = NS_OK;
-    if (status == NS_OK && doubtful(s, DOUBT) &&
-        (prove(s, NS_CAREFUL) || (doubtful(s, HOPELESS) && prove(s, NS_BOLD))))
+    if (status == NS_OK && ns_mlcp_doubtful(s, DOUBT) &&
+        (prove(s, NS_CAREFUL) || (ns_mlcp_doubtful(s, HOPELESS) && prove(s, NS_BOLD))))
         return NS_E_INFEASIBLE;
     if (status == NS_OK)
         s->fault.npairs = 0;

@@ -222,6 +222,11 @@ void ns_mlcp_scale_back(ns_mlcp_solver *s);
 void ns_mlcp_note(ns_mlcp_solver *s, double accept);
 int ns_mlcp_recall(ns_mlcp_solver *s);
 
+/* doubt.c: whether lambda is so large against q and the bounds, in units of W, that it may hide in its
+ * rounding what q says; whether it does.  The latter uses g, ysize, rhs, and what ns_basis_factor() does. */
+int ns_mlcp_doubtful(ns_mlcp_solver *s, double doubt);
+int ns_mlcp_lost(ns_mlcp_solver *s, double doubt);
+
 /* fault.c: fault.pair gets index[k] of the largest weights, largest first. */
 void ns_mlcp_name(ns_mlcp_solver *s, const double *weight, int n, const int *index);
 
