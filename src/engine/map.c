@@ -32,9 +32,9 @@ static double bound_of(const ns_theta *s, const ns_mode *mode, int j) {
     return mode[j] == NS_LOWER ? s->l[j] : s->u[j];
 }
 
-/* K of (P2), (n+nj)^2. */
-static void form_matrix(ns_theta *s, double h, int implicit, int nj) {
-    const int n = s->s->n, m = s->s->m, size = n + nj;
+/* K is (n+nj)^2. */
+int ns_map_matrix(ns_theta *s, double h, int implicit, const ns_mode *mode) {
+    const int n = s->s->n, m = s->s->m, nj = list_inside(s, mode, s->inside), size = n + nj;
     const double ht = implicit ? h : h * s->theta, hg = implicit ? h : h * s->gamma;
     for (int j = 0; j < n; j++) {
         double *col = s->K + (size_t)j * (size_t)size;
@@ -53,6 +53,7 @@ static void form_matrix(ns_theta *s, double h, int implicit, int nj) {
         for (int i = 0; i < nj; i++)
             col[n + i] = s->s->D[s->inside[i] + j * m];
     }
+    return nj;
 }
 
 /* Right-hand sides of (P2), one column for each input of the map: X. */
@@ -214,12 +215,11 @@ static int solve(ns_theta *s, const ns_leaks *leaks, int nj, int *leaky) {
 }
 
 int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out) {
-    const int nj = list_inside(s, mode, s->inside);
+    const int nj = ns_map_matrix(s, h, implicit, mode);
     const ns_leaks leaks = {mode, implicit ? h : h * s->theta, s->leak};
     int leaky;
     *out = NULL;
     s->failed = 0; /* K is used */
-    form_matrix(s, h, implicit, nj);
     form_columns(s, h, implicit, mode, nj, s->R);
     const int status = solve(s, &leaks, nj, &leaky);
     if (status != NS_OK)

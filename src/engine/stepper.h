@@ -87,6 +87,12 @@ struct ns_theta {
 int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out);
 void ns_map_free(ns_map *map);
 
+/* map.c: K of (P2) in s->K, the pairs inside in s->inside; their number. */
+int ns_map_matrix(ns_theta *s, double h, int implicit, const ns_mode *mode);
+
+/* open.c: names in the fault what the mode last tried leaves open: unknowns, and lambda of pairs.  Uses K. */
+void ns_open_name(ns_theta *s, double h, int implicit);
+
 /* guard.c: how many guards pair j has in a mode, and how many the mode; their entries in column k of a map
  * whose `full` is known; the size of the terms of input k of the trial; whether all of s->out hold, up to tol
  * noise: 1 or 0. */

@@ -101,6 +101,8 @@ static int resolve(ns_theta *s, double h, int implicit) {
         }
     }
     s->fault = fault;
+    if (first == NS_E_SINGULAR)
+        ns_open_name(s, h, implicit);
     ns_problem_keep(s, h, implicit);
     return first;
 }

@@ -38,7 +38,7 @@ static bench open_bench(void) {
 }
 
 /* What an operating point and a step from nothing are refused for begins with this. */
-static void assert_blames(bench *b, const char *names) {
+static void assert_blames(bench *b, int blamed_for, const char *names) {
     static const double nothing[16];
     const ns_march_options o = {1, 1, 1e-7, 0};
     double reached;
@@ -51,7 +51,7 @@ static void assert_blames(bench *b, const char *names) {
             step ? ns_march_start(b->m, 0, nothing) : ns_march_start_dc(b->m, 0, 0, NULL, NULL, NULL);
         if (step && status == NS_OK)
             status = ns_march_try(b->m, 1e-6, NS_TO_TIME, &reached);
-        assert_int_equal(status, NS_E_INFEASIBLE);
+        assert_int_equal(status, blamed_for);
         ns_circuit_explain(b->c, ns_march_fault(b->m), line, sizeof line);
         print_message("%s\n", line);
         assert_memory_equal(line, names, strlen(names));
@@ -72,7 +72,19 @@ static void a_loop_of_sources_and_switches(void **state) {
     source(&b, "v2", NS_VOLTAGE, 5, 0, 5);
     assert_int_equal(ns_circuit_inductor(b.c, "l1", 4, 6, 1e-4, NAN, NULL), NS_OK);
     assert_int_equal(ns_circuit_capacitor(b.c, "c1", 6, 0, 1e-5, NAN, NULL), NS_OK);
-    assert_blames(&b, "s1, s2, v1, v2: ");
+    assert_blames(&b, NS_E_INFEASIBLE, "s1, s2, v1, v2: ");
+    close_bench(&b);
+}
+
+/* A control node that nothing drives (a misspelt name), and what an amplifier makes of it: 7 and 8. */
+static void a_node_that_is_only_read(void **state) {
+    (void)state;
+    bench b = open_bench();
+    source(&b, "v1", NS_VOLTAGE, 1, 0, 12);
+    assert_int_equal(ns_circuit_switch(b.c, "s1", 1, 4, 7, 0, &ideal, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(b.c, "r1", 4, 0, 5, NULL), NS_OK);
+    assert_int_equal(ns_circuit_vcontrolled(b.c, "e1", NS_VOLTAGE, 8, 0, 7, 0, 1, NULL), NS_OK);
+    assert_blames(&b, NS_E_SINGULAR, "node 7, node 8: ");
     close_bench(&b);
 }
 
@@ -86,7 +98,7 @@ static void a_source_shorted(void **state) {
     assert_int_equal(ns_circuit_inductor(b.c, "l1", 1, 3, 1e-3, NAN, NULL), NS_OK);
     assert_int_equal(ns_circuit_capacitor(b.c, "c1", 3, 0, 1e-6, NAN, NULL), NS_OK);
     assert_int_equal(ns_circuit_resistor(b.c, "r1", 3, 0, 5, NULL), NS_OK);
-    assert_blames(&b, "s1, v1: ");
+    assert_blames(&b, NS_E_INFEASIBLE, "s1, v1: ");
     close_bench(&b);
 }
 
@@ -146,9 +158,8 @@ static void newton_names_rows_too(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_loop_of_sources_and_switches),
-        cmocka_unit_test(a_source_shorted),
-        cmocka_unit_test(an_island_of_two_nodes),
+        cmocka_unit_test(a_loop_of_sources_and_switches), cmocka_unit_test(a_source_shorted),
+        cmocka_unit_test(a_node_that_is_only_read),       cmocka_unit_test(an_island_of_two_nodes),
         cmocka_unit_test(newton_names_rows_too),
     };
     return cmocka_run_group_tests_name("blame", tests, NULL, NULL);
