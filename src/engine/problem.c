@@ -134,6 +134,21 @@ static void form_dc(ns_theta *s, const double *z, int nhold, const int *hold, co
     }
 }
 
+/* The answer with leaks is one of the exact problem; a current that is zero is left over as rounding, which a
+ * row with nothing else in it tells from no other number. */
+static int is_exact(ns_theta *s, int size) {
+    static const double good = 1e-12, rounding = 1e-15;
+    const ns_mlcp p = {.m = size, .W = s->K, .q = s->rhs, .l = s->bl, .u = s->bu};
+    if (ns_mlcp_residual(&p, s->sol, NULL) < good)
+        return 1;
+    (void)ns_lu_factor(s->lu, size, s->K, NULL, NULL); /* for its scaling */
+    const double largest = ns_lu_largest(s->lu, s->sol), *unit = ns_lu_units(s->lu);
+    for (int i = 0; i < size; i++)
+        if (fabs(s->sol[i]) <= rounding * largest * unit[i])
+            s->sol[i] = 0;
+    return ns_mlcp_residual(&p, s->sol, NULL) < good;
+}
+
 /* At rest an inductor is a short: how it shares a current with a closed switch is open, and all of it flows
  * in the inductor when the switch has any resistance.  So what the exact problem answers is asked again with
  * leaks, twice: around zero, which settles what is open, and around that answer, which leaves their share of
@@ -151,8 +166,7 @@ static int settle_dc(ns_theta *s, const double *z, int nhold, const int *hold, c
     if (status != NS_OK)
         return status;
     form_dc(s, z, nhold, hold, hold_x);
-    const ns_mlcp p = {.m = size, .W = s->K, .q = s->rhs, .l = s->bl, .u = s->bu};
-    return ns_mlcp_residual(&p, s->sol, NULL) < 1e-12 ? NS_OK : NS_E_RESIDUAL;
+    return is_exact(s, size) ? NS_OK : NS_E_RESIDUAL;
 }
 
 int ns_problem_dc(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
