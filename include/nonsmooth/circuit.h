@@ -22,7 +22,8 @@ extern "C" {
 
 typedef struct ns_circuit ns_circuit;
 
-/* The ideal diode: i = v/roff below vf, then v = vf + ron i; with vz: v = -vz + rz i in breakdown. */
+/* The ideal diode: i = v/roff until that meets v = vf + ron i, which it obeys from there on; with vz: v = -vz
+ * + rz i in breakdown. */
 typedef struct ns_diode {
     double vf;   /* V, finite, may be 0 */
     double ron;  /* ohm, >= 0 */

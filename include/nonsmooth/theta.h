@@ -26,7 +26,8 @@ extern "C" {
 typedef struct ns_theta ns_theta;
 
 typedef struct ns_theta_options {
-    double theta, gamma; /* theta in [0,1], gamma in (0,1] */
+    double theta, gamma; /* theta in [0,1], gamma in (0,1]: below 1/2 an error of lambda grows by
+                            (1-gamma)/gamma a step */
     size_t map_bytes;    /* bound on the memory of kept maps; 0: 32 MiB */
 } ns_theta_options;
 
