@@ -61,9 +61,17 @@ static int read_point(native *b) {
     return OK;
 }
 
+/* The right side of a jump has the time of the left one: it is shown that much later, well before t. */
+static double shown_after(const native *b, double t) {
+    return fmin(ldexp(engine_step(&b->engine, b->ckt), -19), (t - b->t) / 8.0);
+}
+
 static int try_to(native *b, double t, ns_until until) {
     const int status = ns_march_try(b->engine.march, t, until, &b->t_trial);
     b->tried = !status;
+    if (b->tried && b->t_trial <= b->t) {
+        b->t_trial = b->t + shown_after(b, t);
+    }
     return status ? native_fail(b, status) : OK;
 }
 

@@ -37,7 +37,7 @@ typedef struct native {
     int loaded;    /* ngspice's present point shows that trial */
     int refused;   /* this analysis is not for us */
     int failed;    /* code to end the analysis with; the line was said */
-    double t;      /* accepted, the march's */
+    double t;      /* accepted: the march's, or where the right side of a jump is shown */
     double t_trial;
     clock_t cpu; /* at the start */
 } native;

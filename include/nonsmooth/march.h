@@ -3,7 +3,8 @@
  * Steps have the lengths h, h/2, h/4, ... (a ladder), so that their maps recur.  A natural commutation
  * (a guard that breaks, a control that crosses) is located by walking down the ladder; the instants of
  * commands that depend on time only and the corners of the inputs are hit exactly.  At an event (P1) is
- * solved once over a step of negligible length with theta = gamma = 1, which also resolves jumps.
+ * solved once over a step of negligible length with theta = gamma = 1; where the state jumps, the impulse
+ * problem (impulse.h) in no time at all.
  * Where events crowd, plain event-capturing steps take over for a while.
  */
 #ifndef NONSMOOTH_MARCH_H
@@ -29,8 +30,9 @@ int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **ou
 void ns_march_free(ns_march *m);
 
 /* Puts the accepted point at t0: from w0 = M x(t0-) (n) the consistent state at t0 is found, jumps
- * resolved (charge and flux conserved), commands set by their controls (between off and on: open).
- * Errors: NULL, NUMBER, those of ns_theta_try(), LIMIT (controls that contradict their switches). */
+ * resolved (charge and flux conserved; if nothing jumps, that is some steps of h/2^20 later), commands set by
+ * their controls (between off and on: open).  Errors: NULL, NUMBER, those of ns_theta_try(), LIMIT (controls
+ * that contradict their switches). */
 int ns_march_start(ns_march *m, double t0, const double *w0);
 
 /* The DC operating point at t0: M x' = 0, inputs at t0; then as ns_march_start() with its charges.
@@ -47,10 +49,10 @@ typedef enum ns_until {
 } ns_until;
 
 /* Tries the way from the accepted point to time t (> the accepted time).  *reached gets where the trial
- * ended: later than the accepted time, and at most some steps of h/2^20 beyond t
- * (two for each switch that an event at t makes switch).  The accepted point is left
- * alone: try again with any t.  A second call that asks for the end of the last trial costs nothing.  Errors:
- * NULL, RANGE (t), those of ns_theta_try(), LIMIT. */
+ * ended: later than the accepted time (at that time: the right side of a jump), and at most some steps of
+ * h/2^20 beyond t (two for each switch that an event at t makes switch).  The accepted point is left alone:
+ * try again with any t.  A second call that asks for the end of the last trial costs nothing.  Errors: NULL,
+ * RANGE (t), those of ns_theta_try(), LIMIT. */
 int ns_march_try(ns_march *m, double t, ns_until until, double *reached);
 
 /* Makes the last successful trial the accepted point.  Errors: STATE. */

@@ -41,6 +41,8 @@ typedef struct ns_counts {
     long factors;  /* factorisations, those of the solver included */
     long maps;     /* maps built */
     long evicted;  /* maps dropped for the memory bound */
+    long jumps;    /* a marcher's: taken by the impulse problem, */
+    long refused;  /* and by short steps, because that gave no answer */
 } ns_counts;
 
 /* What a trial may do when a guard breaks. */

@@ -108,3 +108,13 @@ void ns_control_apply(ns_march *m, const unsigned char *flip) {
     if (any)
         (void)ns_theta_command(m->step, m->closed); /* cannot fail: both pointers are ours */
 }
+
+void ns_control_set(ns_march *m, const double *x) {
+    double *control = m->step->out + m->step->r * (m->step->carry ? 2 : 1);
+    for (int c = 0; c < m->s->nc; c++) {
+        const double *gx = m->s->command[c].gx;
+        control[c] = 0;
+        for (int j = 0; gx && j < m->s->n; j++)
+            control[c] += gx[j] * x[j];
+    }
+}

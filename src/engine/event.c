@@ -1,8 +1,8 @@
 /* src/engine/event.c - one event: the new mode, and any jump.
  *
  * A step of negligible length with theta = gamma = 1 solves M (x+ - x-) = h B lambda with the constraints at
- * x+, which is the impulse problem as h -> 0: charge and flux are conserved.  After a jump its lambda is an
- * impulse over h; a second such step leaves the algebraic unknowns clean.
+ * x+, which is the impulse problem as h -> 0.  After a jump its lambda is an impulse over h; a second such
+ * step leaves the algebraic unknowns clean, and tells what jumped (jump.c).
  */
 #include "marcher.h"
 
@@ -72,6 +72,7 @@ int ns_short_settle(ns_march *m, double h) {
     int status = NS_OK, changed = 1;
     for (int round = 0; round < 4 && changed && status == NS_OK; round++) {
         const long before = ns_theta_counts(m->step)->events;
+        ns_jump_watch_last(m);
         status = ns_short_try(m, h);
         changed = ns_theta_counts(m->step)->events != before;
     }
@@ -115,9 +116,12 @@ int ns_event_resolve(ns_march *m) {
     /* a switch may make another one switch; after as many rounds as there are switches time goes on */
     for (int round = 0; round <= m->s->nc; round++) {
         ns_control_apply(m, m->flip);
+        ns_jump_watch(m);
         status = changed ? ns_short_try(m, h) : step_until_changed(m, &h);
         if (status == NS_OK)
             status = ns_short_settle(m, h);
+        if (status == NS_OK)
+            status = ns_jump_take(m);
         if (status != NS_OK || !(changed = ns_control_by_state(m, m->z, m->flip)))
             break;
     }

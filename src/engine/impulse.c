@@ -108,24 +108,35 @@ static int propose(ns_levels *k, double h, double share, const double *z, const 
     return status == NS_OK ? judge(k, z, slope) : status;
 }
 
-/* From the mode that was to one that fits.  *h: what proposed it.  When nothing fits, what the first step
- * was refused for stands, or that one has no answer (lengths beyond the second lose too many digits to tell);
- * that there is none at other lengths either is taken from two. */
+/* The first length to propose a mode with. */
+static double first_step(ns_levels *k) {
+    const double rate = ns_levels_rate(k), time = rate > 0 && isfinite(1 / rate) ? 1 / rate : 1;
+    return ldexp(time, rungs[0]);
+}
+
+/* From the mode that was to one that fits.  *h (NULL: not asked for): what proposed it.  When nothing fits,
+ * what the first step was refused for stands, or that one has no answer (lengths beyond the second lose too
+ * many digits to tell); that there is none at other lengths either is taken from two. */
 static int search_with(ns_levels *k, const double *z, const double *slope, double *h) {
     ns_theta *s = k->s;
-    const double rate = ns_levels_rate(k), time = rate > 0 && isfinite(1 / rate) ? 1 / rate : 1;
     int first = NS_OK, refused = 0;
     ns_fault fault = s->fault;
-    *h = ldexp(time, rungs[0]);
+    double step = h ? first_step(k) : 0;
+    if (h)
+        *h = step;
     memcpy(s->trial_mode, s->mode, (size_t)s->s->m);
     int status = judge(k, z, slope);
     if (status == NS_OK || status == NS_E_MEMORY)
         return status;
+    if (!h)
+        step = first_step(k);
     for (size_t t = 0; t < sizeof rungs / sizeof *rungs && refused < 2; t++) {
-        *h = ldexp(time, rungs[t]);
+        const double length = ldexp(step, rungs[t] - rungs[0]);
+        if (h)
+            *h = length;
         for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) {
             s->fault.npairs = s->fault.nunknowns = 0;
-            status = propose(k, *h, shares[i], z, slope);
+            status = propose(k, length, shares[i], z, slope);
             if (status == NS_OK || status == NS_E_MEMORY)
                 return status;
             const int none = i == 0 && status == NS_E_INFEASIBLE;
@@ -188,6 +199,19 @@ static int any_impulse(const ns_levels *k) {
     return 0;
 }
 
+/* An impulse was what (J4) judged a pair by: from t+ on it may be in another mode. */
+static int any_judged_by_impulse(const ns_levels *k) {
+    const ns_theta *s = k->s;
+    double tol = 0;
+    for (int j = 0; j < s->s->m; j++) {
+        if (!(s->l[j] < s->u[j]) || (isinf(s->l[j]) && isinf(s->u[j])))
+            continue;
+        if (k->at[NS_IMPULSE][s->s->n + j] != 0 || fabs(y_of(k, j, NS_IMPULSE, NULL, &tol)) > tol)
+            return 1;
+    }
+    return 0;
+}
+
 /* The past moves to t+, from which there is nothing to jump any more: a device that an impulse went through
  * need not go on conducting. */
 static void move_on(ns_levels *k) {
@@ -212,14 +236,14 @@ static void move_on(ns_levels *k) {
 static int after(ns_levels *k, const double *z, const double *slope, double *room) {
     ns_theta *s = k->s;
     const size_t all = (size_t)s->s->n + (size_t)s->s->m, bytes = sizeof(double) * all, m = (size_t)s->s->m;
-    double *impulse = room + ns_theta_past_size(s), *value = impulse + all, again = 0;
+    double *impulse = room + ns_theta_past_size(s), *value = impulse + all;
     ns_mode *mode = (ns_mode *)(value + all);
     memcpy(impulse, k->at[NS_IMPULSE], bytes);
     memcpy(value, k->at[NS_VALUE], bytes);
     memcpy(mode, s->trial_mode, m);
     ns_theta_save(s, room);
     move_on(k);
-    const int status = search(k, z, slope, &again);
+    const int status = search(k, z, slope, NULL);
     ns_theta_restore(s, room);
     memcpy(k->at[NS_IMPULSE], impulse, bytes);
     if (status != NS_OK) {
@@ -229,10 +253,12 @@ static int after(ns_levels *k, const double *z, const double *slope, double *roo
     return status == NS_E_MEMORY ? status : NS_OK;
 }
 
-static int solve(ns_levels *k, const double *z, const double *slope, double *room, const ns_impulse *out) {
+static int solve(ns_levels *k, const double *z, const double *slope, double *room, const ns_impulse *out,
+                 int *jumps) {
     double h = 0;
-    int status = search(k, z, slope, &h);
-    if (status == NS_OK && any_impulse(k))
+    int status = search(k, z, slope, out->h ? &h : NULL);
+    *jumps = status == NS_OK && any_impulse(k);
+    if (*jumps && any_judged_by_impulse(k))
         status = after(k, z, slope, room);
     if (status != NS_OK)
         return status;
@@ -243,21 +269,28 @@ static int solve(ns_levels *k, const double *z, const double *slope, double *roo
     return NS_OK;
 }
 
-int ns_theta_impulse(ns_theta *s, const double *z, const double *slope, const ns_impulse *out) {
-    if (!s || !out || (!z && s->s->nz > 0))
-        return NS_E_NULL;
-    const size_t nz = (size_t)s->s->nz;
-    if (!ns_finite(nz, z) || (slope && !ns_finite(nz, slope)))
-        return ns_theta_fail(s, NS_E_NUMBER);
+int ns_impulse_solve(ns_theta *s, const double *z, const double *slope, const double *open,
+                     const ns_impulse *out, int *jumps) {
     ns_levels k;
     s->has_trial = 0;
     s->failed = 0; /* its place is used */
     int status = ns_levels_create(s, &k);
+    k.open = open;
     double *room =
         calloc(ns_theta_past_size(s) + 2 * (size_t)s->s->n + 3 * (size_t)s->s->m + 1, sizeof *room);
     if (status == NS_OK)
-        status = room ? solve(&k, z, slope, room, out) : NS_E_MEMORY;
+        status = room ? solve(&k, z, slope, room, out, jumps) : NS_E_MEMORY;
     free(room);
     ns_levels_free(&k);
     return status == NS_OK ? NS_OK : ns_theta_fail(s, status);
+}
+
+int ns_theta_impulse(ns_theta *s, const double *z, const double *slope, const ns_impulse *out) {
+    if (!s || !out || (!z && s->s->nz > 0))
+        return NS_E_NULL;
+    const size_t nz = (size_t)s->s->nz;
+    int jumps;
+    if (!ns_finite(nz, z) || (slope && !ns_finite(nz, slope)))
+        return ns_theta_fail(s, NS_E_NUMBER);
+    return ns_impulse_solve(s, z, slope, NULL, out, &jumps);
 }

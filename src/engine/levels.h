@@ -17,6 +17,7 @@ typedef struct ns_levels {
     double *terms;         /* size: those of R0 */
     double *terms_w;       /* r: those of w */
     double *guess;         /* n: where x at Z0 is looked for; zero at first */
+    const double *open;    /* n+m: what the equations leave open of x, lambda is near this; NULL: zero */
     double *Z1, *Z0, *Z2;  /* size: impulses, values, rates */
     double *E1, *E0, *E2;  /* size: bounds on their rounding */
     int orders;            /* of these that decide: 3, or 2 without rates */

@@ -245,9 +245,9 @@ static double dot(int n, const double *a, const double *b) {
     return sum;
 }
 
-/* Takes out of Z what lies along v; E: bounds on Z (NULL: none). */
-static void project(int n, const double *v, double *Z, double *E) {
-    const double whole = dot(n, v, v), share = dot(n, v, Z) / whole;
+/* Takes out of Z what lies along v, but for what `keep` (NULL: none) has; E: bounds on Z (NULL: none). */
+static void project(int n, const double *v, const double *keep, double *Z, double *E) {
+    const double whole = dot(n, v, v), share = (dot(n, v, Z) - (keep ? dot(n, v, keep) : 0)) / whole;
     double off = 0;
     for (int i = 0; i < n; i++) {
         Z[i] -= share * v[i];
@@ -276,19 +276,21 @@ static int open_vector(ns_levels *k, int o, double *v) {
     return 1;
 }
 
-/* What the equations leave open is of least norm. */
+/* What the equations leave open is of least norm, of values as near to k->open as they can be. */
 static int close_open(ns_levels *k) {
-    const int size = k->size, open = k->gap->n - k->gap->rank;
+    const int size = k->size, n = k->s->s->n, open = k->gap->n - k->gap->rank;
+    for (int i = 0; i < size && k->open; i++)
+        k->rest[i] = k->open[i < n ? i : n + k->s->inside[i - n]];
     for (int o = 0; o < open; o++) {
         double *v = k->V + (size_t)o * (size_t)size;
         if (!open_vector(k, o, v))
             return 0;
         for (int p = 0; p < o; p++)
-            project(size, k->V + (size_t)p * (size_t)size, v, NULL);
+            project(size, k->V + (size_t)p * (size_t)size, NULL, v, NULL);
     }
     for (int o = 0; o < open; o++) {
-        project(size, k->V + (size_t)o * (size_t)size, k->Z1, k->E1);
-        project(size, k->V + (size_t)o * (size_t)size, k->Z0, k->E0);
+        project(size, k->V + (size_t)o * (size_t)size, NULL, k->Z1, k->E1);
+        project(size, k->V + (size_t)o * (size_t)size, k->open ? k->rest : NULL, k->Z0, k->E0);
     }
     return 1;
 }

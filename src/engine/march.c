@@ -27,7 +27,7 @@ static int allocate(ns_march *m) {
     m->closed = calloc(nc + 1, 1);
     const int made =
         m->past && m->z && m->z_left && m->flip && m->due && m->crossed && m->kept_flip && m->closed;
-    return made ? NS_OK : NS_E_MEMORY;
+    return made ? ns_jump_create(m->step, &m->jump) : NS_E_MEMORY;
 }
 
 int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **out, ns_fault *fault) {
@@ -59,6 +59,7 @@ void ns_march_free(ns_march *m) {
     if (!m)
         return;
     ns_theta_free(m->step);
+    ns_jump_free(&m->jump);
     free(m->past);
     free(m->z);
     free(m->z_left);
@@ -179,8 +180,11 @@ int ns_march_at_event(const ns_march *m) {
 }
 
 const ns_counts *ns_march_counts(ns_march *m) {
+    const long jumps = m->counts.jumps, refused = m->counts.refused;
     m->counts = *ns_theta_counts(m->step);
     m->counts.events = m->events;
+    m->counts.jumps = jumps;
+    m->counts.refused = refused;
     return &m->counts;
 }
 

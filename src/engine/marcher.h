@@ -1,4 +1,5 @@
-/* src/engine/marcher.h - the marcher from inside: shared by march.c, walk.c, event.c, control.c, start.c. */
+/* src/engine/marcher.h - the marcher from inside: shared by march.c, walk.c, event.c, jump.c,
+ * control.c, start.c. */
 #ifndef NS_MARCHER_H
 #define NS_MARCHER_H
 
@@ -27,6 +28,18 @@ typedef struct ns_whereabouts {
     int crowd;      /* and how many there were */
 } ns_whereabouts;
 
+/* What short steps began from and came to, and where it would have been at once. */
+typedef struct ns_jump {
+    double *left, *right; /* the stepper's past: before them, after them */
+    double left_t, last_t;
+    double *w, *rate;  /* r: before them, with its rates (absolute) */
+    double *last;      /* r: w before the last of them, at last_t */
+    double *x;         /* n+m: x, lambda after them */
+    double *z, *slope; /* nz: inputs at left_t */
+    ns_impulse to;     /* x, lambda, X, Lambda, mode */
+    ns_mode *mode;     /* m */
+} ns_jump;
+
 struct ns_march {
     const ns_system *s;
     ns_theta *step;
@@ -40,6 +53,7 @@ struct ns_march {
     unsigned char *due;              /* nc: commands that change where the walk stops */
     unsigned char *crossed;          /* nc: commands that the last try crossed */
     unsigned char *closed;           /* nc */
+    ns_jump jump;
     int started, has_trial;
     double asked; /* what the last trial was asked for */
     ns_until until;
@@ -66,12 +80,22 @@ double ns_control_instant(ns_march *m, double t, unsigned char *flip);
  */
 double ns_control_next_crest(const ns_march *m, double t);
 void ns_control_apply(ns_march *m, const unsigned char *flip);
+/* What the state adds to the controls at x, where ns_theta_controls() finds it. */
+void ns_control_set(ns_march *m, const double *x);
 
 /* walk.c: from live.t towards stop (no corner of an input in between), to stop or to the left side of an
  * event; live.at_event is set then. */
 int ns_walk(ns_march *m, double stop);
 /* The length of the steps at an event: h 2^-NS_EVENT_RUNG, or the next on the ladder that is visible in t. */
 double ns_short_step(const ns_march *m);
+
+/* jump.c: short steps begin here; the last of them does; if they showed a jump it is taken here instead,
+ * where they began, at that time.  Errors: MEMORY. */
+int ns_jump_create(const ns_theta *s, ns_jump *j);
+void ns_jump_free(ns_jump *j);
+void ns_jump_watch(ns_march *m);
+void ns_jump_watch_last(ns_march *m);
+int ns_jump_take(ns_march *m);
 
 /* event.c: one implicit step of length h that resolves whatever breaks; such steps until the mode has
  * settled; rates freed of their rounding; the event at live.t resolved, to its right side. */

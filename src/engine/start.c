@@ -38,10 +38,11 @@ static int settle(ns_march *m, double t0, const double *w0) {
     if (status != NS_OK)
         return ns_march_fail(m, status);
     const double h = ns_short_step(m);
+    ns_jump_watch(m);
     status = ns_short_try(m, h); /* the jump, */
     if (status == NS_OK)
         status = ns_short_settle(m, h); /* then clean algebraic unknowns */
-    return status;
+    return status == NS_OK ? ns_jump_take(m) : status;
 }
 
 /* Switches that depend on the state start open; those that must not be open change, from the same w0.  A
@@ -65,17 +66,6 @@ int ns_march_start(ns_march *m, double t0, const double *w0) {
     return ns_march_accept(m);
 }
 
-/* The controls of an operating point: gx x, put where ns_theta_controls() finds them. */
-static void set_controls(ns_march *m, const double *x) {
-    double *control = m->step->out + m->step->r * (m->step->carry ? 2 : 1);
-    for (int c = 0; c < m->s->nc; c++) {
-        const double *gx = m->s->command[c].gx;
-        control[c] = 0;
-        for (int j = 0; gx && j < m->s->n; j++)
-            control[c] += gx[j] * x[j];
-    }
-}
-
 static int operating_point(ns_march *m, double t0, int nhold, const int *hold, const double *hold_x,
                            double *x, ns_mode *mode) {
     int status = NS_OK;
@@ -87,7 +77,7 @@ static int operating_point(ns_march *m, double t0, int nhold, const int *hold, c
             status = ns_problem_dc(m->step, m->z, nhold, hold, hold_x, mode, x);
         if (status != NS_OK)
             return ns_march_fail(m, status);
-        set_controls(m, x);
+        ns_control_set(m, x);
         if (!toggle(m))
             break;
     }

@@ -3,7 +3,7 @@
 #define NS_STEPPER_H
 
 #include "../linalg/dense.h"
-#include "nonsmooth/theta.h"
+#include "nonsmooth/impulse.h"
 
 /* The step of one mode and one length as a matrix.  It acts on the q inputs
  *   in = (eta (r), z (nz), 1),   eta = w + h d
@@ -53,6 +53,8 @@ struct ns_theta {
     double *in;      /* q: what the accepted step acted on, */
     double h;        /* its length, 0 if none was accepted since the start, */
     int implicit;    /* and kind */
+    int jumped;      /* it is no step but the right side of a jump: */
+    double *at;      /* n+m: x, lambda there */
     /* the trial */
     int has_trial;
     double trial_h;
@@ -128,6 +130,15 @@ int ns_theta_map(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_ma
  * taken: errors of ns_theta_try(), GUARD if the mode breaks; and d here from the two, extrapolated. */
 int ns_theta_probe(ns_theta *s, double h, const double *z, int second);
 void ns_theta_take_rates(ns_theta *s);
+
+/* past.c: the accepted point becomes the right side of a jump from it, at inputs z (nz).  Of jump: x, lambda,
+ * X, Lambda, mode. */
+void ns_theta_jump(ns_theta *s, const ns_impulse *jump, const double *z);
+
+/* impulse.c: ns_theta_impulse(), but what the laws leave open of values is as near to open (n+m: x, lambda)
+ * as it can be (NULL: to zero).  *jumps: there are impulses. */
+int ns_impulse_solve(ns_theta *s, const double *z, const double *slope, const double *open,
+                     const ns_impulse *out, int *jumps);
 
 /* problem.c: (P1) of a step, unreduced (x as equality rows), solved from the mode of s->trial_mode, which
  * gets the answer's mode.  Uses s->trial_in.  share > 0: with leaks of that share (leak.h).  Errors: those of

@@ -32,6 +32,7 @@ static int allocate(ns_theta *s) {
     s->rate[0] = ns_vector(n, &failed);
     s->rate[1] = ns_vector(n, &failed);
     s->in = ns_vector(q, &failed);
+    s->at = ns_vector(n + m, &failed);
     s->trial_in = ns_vector(q, &failed);
     s->out = ns_vector(2 * n + nc + 2 * m, &failed);
     s->K = ns_vector(all * all, &failed);
@@ -111,10 +112,10 @@ int ns_theta_create(const ns_system *system, const ns_theta_options *o, ns_theta
 void ns_theta_free(ns_theta *s) {
     if (!s)
         return;
-    double *const arrays[] = {s->M,       s->A,       s->T,   s->B,     s->b,        s->E,       s->l,
-                              s->u,       s->w,       s->d,   s->in,    s->trial_in, s->out,     s->K,
-                              s->X,       s->R,       s->Z,   s->leak,  s->rhs,      s->d_noise, s->sum,
-                              s->rate[0], s->rate[1], s->sol, s->resid, s->bl,       s->bu,      s->control};
+    double *const arrays[] = {s->M,     s->A,    s->T,   s->B,        s->b,   s->E,       s->l,       s->u,
+                              s->w,     s->d,    s->in,  s->trial_in, s->out, s->K,       s->X,       s->R,
+                              s->Z,     s->leak, s->rhs, s->d_noise,  s->sum, s->rate[0], s->rate[1], s->sol,
+                              s->resid, s->bl,   s->bu,  s->control,  s->at};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         free(arrays[i]);
     free(s->mode);
@@ -160,6 +161,7 @@ int ns_theta_start(ns_theta *s, const double *w0, const unsigned char *closed) {
         s->mode[j] = resting_mode(s->l[j], s->u[j]);
     }
     s->h = 0;
+    s->jumped = 0;
     s->has_trial = 0;
     return ns_theta_command(s, closed);
 }

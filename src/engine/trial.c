@@ -150,6 +150,7 @@ int ns_theta_accept(ns_theta *s) {
     s->trial_in = in;
     s->h = s->trial_h;
     s->implicit = s->trial_implicit;
+    s->jumped = 0;
     if (memcmp(s->mode, s->trial_mode, (size_t)s->s->m) != 0) {
         memcpy(s->mode, s->trial_mode, (size_t)s->s->m);
         s->counts.events++;

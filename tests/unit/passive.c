@@ -72,8 +72,8 @@ static int add(run *r, const element *e, int k) {
     case DRIVE:
         return add_drive(r, p, n, k);
     default: {
-        /* closed first, then open, at its own instant; the gate drives nothing else */
-        const double t[2] = {e->instant, e->instant}, v[2] = {1, 0};
+        /* closed first, then open (or the reverse), at its own instant; the gate drives nothing else */
+        const double at = fabs(e->instant), t[2] = {at, at}, v[2] = {e->instant > 0, e->instant < 0};
         ns_signal s = {.kind = NS_PWL};
         s.u.pwl.n = 2;
         s.u.pwl.t = t;

@@ -12,7 +12,7 @@ typedef enum kind { RES, CAP, IND, DIODE, SWITCH, DRIVE } kind;
 typedef struct element {
     kind kind;
     int p, n;
-    double value, ic, instant; /* ohm, F or H; V or A; s: when the switch opens */
+    double value, ic, instant; /* ohm, F or H; V or A; s: when the switch opens, negative: closes */
 } element;
 
 /* Network number `seed` (ELEMENTS): always one capacitor and one inductor.  Then draw() goes on from there.
