@@ -10,12 +10,13 @@
 #include <math.h>
 
 static int step_to(ns_march *m, double h) {
-    ns_system_inputs(m->s, m->live.t + h, NS_RIGHT, m->z);
+    const double t = m->live.t + (m->live.past_t + h);
+    ns_system_inputs(m->s, t, NS_RIGHT, m->z);
     int status = ns_theta_try(m->step, h, m->z, 1, NS_RESOLVE);
     if (status == NS_OK)
         status = ns_theta_accept(m->step);
     if (status == NS_OK)
-        m->live.t += h;
+        ns_march_arrive(m, t, h);
     return status;
 }
 

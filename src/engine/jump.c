@@ -55,6 +55,7 @@ void ns_jump_watch(ns_march *m) {
     const ns_theta *s = m->step;
     ns_theta_save(s, j->left);
     j->left_t = j->last_t = m->live.t;
+    j->left_past = m->live.past_t;
     memcpy(j->w, s->w, sizeof(double) * (size_t)s->r);
     memcpy(j->last, s->w, sizeof(double) * (size_t)s->r);
     for (int i = 0; i < s->r; i++)
@@ -148,6 +149,7 @@ int ns_jump_take(ns_march *m) {
     }
     ns_theta_jump(m->step, &j->to, j->z);
     m->live.t = j->left_t;
+    m->live.past_t = j->left_past;
     memcpy(m->z, j->z, sizeof(double) * (size_t)m->s->nz);
     ns_control_set(m, j->to.x);
     m->counts.jumps++;

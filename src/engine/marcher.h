@@ -22,6 +22,7 @@ enum { NS_CROWD = 16, NS_CAPTURE_RUNG = 2 };
 /* Where the way has come to, besides the stepper's past. */
 typedef struct ns_whereabouts {
     double t;
+    double past_t;  /* what t lost in rounding: the steps have come to t + past_t */
     int at_event;   /* the left side of an event that is still to be resolved */
     int jump;       /* that event is a jump of an input */
     double crowd_t; /* since when events are counted, */
@@ -31,7 +32,7 @@ typedef struct ns_whereabouts {
 /* What short steps began from and came to, and where it would have been at once. */
 typedef struct ns_jump {
     double *left, *right; /* the stepper's past: before them, after them */
-    double left_t, last_t;
+    double left_t, left_past, last_t; /* left_past: past_t of left_t */
     double *w, *rate;  /* r: before them, with its rates (absolute) */
     double *last;      /* r: w before the last of them, at last_t */
     double *x;         /* n+m: x, lambda after them */
@@ -86,6 +87,8 @@ void ns_control_set(ns_march *m, const double *x);
 /* walk.c: from live.t towards stop (no corner of an input in between), to stop or to the left side of an
  * event; live.at_event is set then. */
 int ns_walk(ns_march *m, double stop);
+/* A step of length h has been taken; its end counts as t. */
+void ns_march_arrive(ns_march *m, double t, double h);
 /* The length of the steps at an event: h 2^-NS_EVENT_RUNG, or the next on the ladder that is visible in t. */
 double ns_short_step(const ns_march *m);
 

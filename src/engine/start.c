@@ -34,6 +34,7 @@ static int toggle(ns_march *m) {
 
 static int settle(ns_march *m, double t0, const double *w0) {
     m->live.t = t0;
+    m->live.past_t = 0;
     int status = ns_theta_start(m->step, w0, m->closed);
     if (status != NS_OK)
         return ns_march_fail(m, status);

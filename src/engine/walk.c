@@ -9,6 +9,12 @@
 #include <math.h>
 #include <string.h>
 
+/* t is off by some eps t at every step of the same h in the same way, which would add up. */
+void ns_march_arrive(ns_march *m, double t, double h) {
+    m->live.past_t += (m->live.t - t) + h;
+    m->live.t = t;
+}
+
 double ns_short_step(const ns_march *m) {
     const double finest = 16 * DBL_EPSILON * fabs(m->live.t); /* t must be seen to move */
     double h = ldexp(m->h, -NS_EVENT_RUNG);
@@ -23,6 +29,11 @@ typedef struct walker {
     int rung;      /* the one to try next */
     int locating;  /* a break is known to lie within the last rung tried */
 } walker;
+
+/* The time from where the steps have come to. */
+static double rest_of(const ns_march *m, const walker *w) {
+    return w->stop - m->live.t - m->live.past_t;
+}
 
 /* What may be left undone before a stop: what t cannot show, and what no ladder has. */
 static double next_to_nothing(const ns_march *m) {
@@ -51,7 +62,7 @@ static int capture(ns_march *m, double h, double t) {
         return ns_march_fail(m, status);
     const int flips = ns_control_by_state(m, m->z, m->flip);
     status = ns_theta_accept(m->step);
-    m->live.t = t;
+    ns_march_arrive(m, t, h);
     if (flips)
         ns_control_apply(m, m->flip);
     memset(m->flip, 0, (size_t)m->s->nc);
@@ -74,18 +85,18 @@ static int step_on(ns_march *m, double h, double t, int *broke) {
         return NS_OK;
     }
     status = ns_theta_accept(m->step);
-    m->live.t = t;
+    ns_march_arrive(m, t, h);
     return status;
 }
 
 /* One try.  Sets *done at an event. */
 static int advance(ns_march *m, walker *w, int *done) {
-    const double rest = w->stop - m->live.t;
+    const double rest = rest_of(m, w);
     const int crowded = m->live.crowd > NS_CROWD;
     if (crowded && w->rung < NS_CAPTURE_RUNG)
         w->rung = NS_CAPTURE_RUNG;
     const double h = choose(m, w, rest);
-    const double t = h >= rest * (1 - 1e-9) ? w->stop : m->live.t + h;
+    const double t = h >= rest * (1 - 1e-9) ? w->stop : m->live.t + (m->live.past_t + h);
     ns_system_inputs(m->s, t, NS_LEFT, m->z);
     if (!w->commanded && m->s->nc > 0 && ns_control_by_time(m, m->z, m->due)) {
         w->stop = ns_control_instant(m, t, m->due);
@@ -109,7 +120,7 @@ int ns_walk(ns_march *m, double stop) {
     walker w = {stop, 0, 0, 0};
     int done = 0;
     memset(m->flip, 0, (size_t)m->s->nc);
-    while (!done && w.stop - m->live.t > next_to_nothing(m)) {
+    while (!done && rest_of(m, &w) > next_to_nothing(m)) {
         if (m->budget-- <= 0)
             return ns_march_fail(m, NS_E_LIMIT);
         const int status = advance(m, &w, &done);
@@ -117,7 +128,7 @@ int ns_walk(ns_march *m, double stop) {
             return status;
     }
     if (!done)
-        m->live.t = fmax(m->live.t, w.stop);
+        ns_march_arrive(m, fmax(m->live.t, w.stop), 0);
     if (!done && w.commanded)
         memcpy(m->flip, m->due, (size_t)m->s->nc);
     m->live.at_event = done || w.commanded;
