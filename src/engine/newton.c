@@ -33,7 +33,7 @@ static int allocate(ns_newton *s) {
     double **const long_n[] = {&s->xk, &s->rk, &s->fk, &s->past, &s->xr};
     for (size_t i = 0; i < sizeof long_n / sizeof *long_n; i++)
         *long_n[i] = ns_vector(n, &failed);
-    double **const long_all[] = {&s->size, &s->first, &s->ext, &s->bl, &s->bu, &s->sol, &s->other};
+    double **const long_all[] = {&s->size, &s->ext, &s->bl, &s->bu, &s->sol, &s->other};
     for (size_t i = 0; i < sizeof long_all / sizeof *long_all; i++)
         *long_all[i] = ns_vector(all, &failed);
     s->lk = ns_vector(m, &failed);
@@ -112,11 +112,10 @@ int ns_newton_create(const ns_model *model, const ns_newton_options *o, ns_newto
 void ns_newton_free(ns_newton *s) {
     if (!s)
         return;
-    double *const arrays[] = {s->T,        s->M,          s->A,     s->K,    s->W,   s->xk, s->rk,
-                              s->fk,       s->past,       s->xr,    s->size, s->ext, s->bl, s->bu,
-                              s->sol,      s->other,      s->lk,    s->yk,   s->q,   s->z1, s->zr,
-                              s->B,        s->C,          s->V,     s->D,    s->Wm,  s->G,  s->work,
-                              s->at.block, s->next.block, s->spare, s->first};
+    double *const arrays[] = {s->T,    s->M,  s->A,    s->K,    s->W,        s->xk,         s->rk,   s->fk,
+                              s->past, s->xr, s->size, s->ext,  s->bl,       s->bu,         s->sol,  s->other,
+                              s->lk,   s->yk, s->q,    s->z1,   s->zr,       s->B,          s->C,    s->V,
+                              s->D,    s->Wm, s->G,    s->work, s->at.block, s->next.block, s->spare};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         free(arrays[i]);
     free(s->mode);

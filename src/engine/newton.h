@@ -39,7 +39,6 @@ struct ns_newton {
     double *A, *K, *B, *C, *D;     /* at `at`, rows combined */
     double *G;                     /* (n+m)^2: [ W, -h gamma B; C, D ] */
     double *size;                  /* n+m: terms that the residuals are summed from, with a floor */
-    double *first;                 /* n+m: the sizes where the loop began */
     double *ext;                   /* n+m: those of them that do not belong to unknowns */
     double *V, *W;                 /* n*m: W^-1 h gamma B;  n*n: W */
     double *Wm, *q;                /* m*m, m: (P1) reduced */
@@ -66,9 +65,10 @@ int ns_newton_jacobians(ns_newton *s, const ns_iterate *at);
 int ns_newton_slope(ns_newton *s);                      /* fk */
 void ns_newton_residuals(ns_newton *s, ns_iterate *at); /* R, Ry, from x, y and the values */
 
-/* newton_problem.c: G of the Jacobians; the sizes of the terms of both residuals at an iterate. */
+/* newton_problem.c: G of the Jacobians; the sizes of the terms of both residuals at an iterate, an unknown
+ * being no smaller than a share of what it was at the step's start. */
 void ns_newton_form(ns_newton *s);
-void ns_newton_sizes(ns_newton *s, const ns_iterate *at);
+void ns_newton_sizes(ns_newton *s, const ns_iterate *at, double of_start);
 /* W factored and (P1) reduced to the pairs, where W is regular enough. */
 int ns_newton_reduce(ns_newton *s);
 /* x, lambda, y of s->next: the linearised problem with all but the part 1-share of the residuals of s->at

@@ -6,8 +6,13 @@
 
 /* A correction must take away at least this part of what its share promises. */
 static const double progress = 0.1;
-/* Rounding of a start's terms, over the tolerance that is the rule. */
+/* No unknown counts as less than this part of what it was at the step's start: rounding of that over the
+ * tolerance that is the rule. */
 static const double of_start = 1e-3;
+/* An iteration that leaves no more than this part of the residuals does not count towards the bound: an
+ * exponential comes down by a factor e each, and from exp(700) in 700.  So many bounds in all. */
+static const double at_work = 0.5;
+enum { BOUNDS = 20 };
 /* Linearised problems without an answer, one after the other, before that counts for the step's own. */
 enum { NO_ANSWERS = 2 };
 
@@ -66,37 +71,41 @@ static int look(ns_newton *s, double share, double *now) {
 }
 
 /* 1 if both residuals of s->next are down to the tolerance, in sizes of their own.  Where everything is zero
- * but what the step's start left in rounding, that is what counts. */
+ * but what rounding of the step's start leaves, that is what counts: of the unknowns alone, for the functions
+ * may be anything there, an exponential of what has not followed its source yet. */
 static int is_small(ns_newton *s) {
-    ns_newton_sizes(s, &s->next);
-    for (int i = 0; i < s->n + s->m; i++)
-        s->size[i] = fmax(s->size[i], of_start * s->first[i]);
+    ns_newton_sizes(s, &s->next, of_start);
     return measure(s, &s->next) <= s->o.tolerance;
 }
 
+/* What a correction came to. */
+typedef struct outcome {
+    int small;   /* the problem is solved */
+    int full;    /* status of the full correction */
+    double left; /* part of the residuals that is left */
+} outcome;
+
 /* From s->at to s->next: the full step if it solves the problem or brings the residuals down, or else the
- * first of its halves, quarters, ... that does.  Not damped: the first that can be taken.  *full: what became
- * of the full one. */
-static int correct(ns_newton *s, int begun, int damped, int *small, int *full) {
-    ns_newton_sizes(s, &s->at);
+ * first of its halves, quarters, ... that does.  Not damped: the first that can be taken. */
+static int correct(ns_newton *s, int damped, outcome *out) {
+    ns_newton_sizes(s, &s->at, 0);
     const double before = measure(s, &s->at);
     double share = 1, now = 0;
-    if (!begun)
-        memcpy(s->first, s->size, sizeof(double) * (size_t)(s->n + s->m));
-    *full = NS_OK;
+    out->full = NS_OK;
     for (int k = 0; k <= s->o.halvings; k++, share /= 2) {
         const int status = look(s, share, &now);
         s->counts.halvings += k > 0;
         if (k == 0)
-            *full = status;
+            out->full = status;
         if (status != NS_OK)
             continue;
-        *small = is_small(s);
-        if (*small || !damped || now <= (1 - progress * share) * before)
+        out->left = now / before;
+        out->small = is_small(s);
+        if (out->small || !damped || now <= (1 - progress * share) * before)
             return NS_OK;
-        ns_newton_sizes(s, &s->at);
+        ns_newton_sizes(s, &s->at, 0);
     }
-    return *full < 0 ? *full : NS_DIVERGED;
+    return out->full < 0 ? out->full : NS_DIVERGED;
 }
 
 static void swap(ns_newton *s) {
@@ -123,21 +132,23 @@ static int verdict(const ns_newton *s, int status, int k, int refused) {
 }
 
 static int loop(ns_newton *s, int damped) {
-    int small = 0, full = NS_OK, refused = 0;
+    outcome out = {0, NS_OK, 1};
+    int refused = 0, counted = 0;
     int status = begin(s) == NS_OK ? NS_OK : NS_DIVERGED;
-    for (int k = 0; k < s->o.iterations && status == NS_OK && !small; k++) {
+    for (int k = 0; status == NS_OK && !out.small && counted < s->o.iterations; k++) {
         s->counts.iterations++;
         status = linearise(s);
         if (status == NS_OK)
-            status = correct(s, k > 0, damped, &small, &full);
-        refused = full < 0 ? refused + 1 : 0;
+            status = correct(s, damped, &out);
+        refused = out.full < 0 ? refused + 1 : 0;
+        counted += out.left > at_work || k / BOUNDS >= s->o.iterations;
         if (status == NS_OK)
             swap(s);
-        if (status == NS_OK && !small && refused >= NO_ANSWERS)
-            status = full;
+        if (status == NS_OK && !out.small && refused >= NO_ANSWERS)
+            status = out.full;
         status = verdict(s, status, k, refused);
     }
-    return status == NS_OK && !small ? NS_DIVERGED : status;
+    return status == NS_OK && !out.small ? NS_DIVERGED : status;
 }
 
 /* Where no shortened correction makes residuals smaller, full ones may still lead to an answer, over a hill:

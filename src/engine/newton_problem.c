@@ -66,16 +66,22 @@ static double unknown(const ns_newton *s, const ns_iterate *at, int j) {
     return j < s->n ? at->x[j] : at->lambda[j - s->n];
 }
 
-void ns_newton_sizes(ns_newton *s, const ns_iterate *at) {
+static double start(const ns_newton *s, int j) {
+    return j < s->n ? s->guess[j] : s->lk[j - s->n];
+}
+
+void ns_newton_sizes(ns_newton *s, const ns_iterate *at, double of_start) {
     const int all = s->n + s->m;
-    double *top = s->other, largest = 0;
+    double *top = s->other, *size_of = s->sol, largest = 0;
     other_terms(s, at);
+    for (int j = 0; j < all; j++)
+        size_of[j] = fmax(fabs(unknown(s, at, j)), of_start * fabs(start(s, j)));
     for (int i = 0; i < all; i++) {
         s->size[i] = s->ext[i];
         top[i] = 0;
         for (int j = 0; j < all; j++) {
             const double entry = fabs(s->G[i + j * all]);
-            s->size[i] += entry * fabs(unknown(s, at, j));
+            s->size[i] += entry * size_of[j];
             top[i] = fmax(top[i], entry);
         }
     }
@@ -83,7 +89,7 @@ void ns_newton_sizes(ns_newton *s, const ns_iterate *at) {
         double share = 0;
         for (int i = 0; i < all; i++)
             share = fmax(share, top[i] > 0 ? fabs(s->G[i + j * all]) / top[i] : 0);
-        largest = fmax(largest, share * fabs(unknown(s, at, j)));
+        largest = fmax(largest, share * size_of[j]);
     }
     for (int i = 0; i < all; i++)
         s->size[i] = fmax(s->size[i], floor_share * largest * top[i]);

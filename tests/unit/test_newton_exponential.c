@@ -1,0 +1,147 @@
+/* tests/unit/test_newton_exponential.c - Newton's loop down an exponential: a source that moves by many Vt in
+ * one step, in one step and in a rectifier with few steps a period. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "callbacks.h"
+#include "nonsmooth.h"
+
+/* C x' = -x/R + lambda, y = lambda - Is (exp((z - x - Rs lambda)/Vt) - 1): a source, Shockley's diode with a
+ * resistor in series, a capacitor and a load. */
+typedef struct diode {
+    double C, R, Rs;
+} diode;
+
+static const double Is = 1e-12, Vt = 0.025;
+
+static double exponent(const ns_point *at, const diode *d) {
+    return (at->z[0] - at->x[0] - d->Rs * at->lambda[0]) / Vt;
+}
+
+static int load(const ns_point *at, void *data, double *out) {
+    out[0] = -at->x[0] / ((const diode *)data)->R;
+    return 0;
+}
+
+static int load_A(const ns_point *at, void *data, double *out) {
+    (void)at;
+    out[0] = -1 / ((const diode *)data)->R;
+    return 0;
+}
+
+static int current(const ns_point *at, void *data, double *out) {
+    (void)data;
+    out[0] = at->lambda[0];
+    return 0;
+}
+
+static int shockley(const ns_point *at, void *data, double *out) {
+    out[0] = at->lambda[0] - Is * expm1(exponent(at, data));
+    return !isfinite(out[0]);
+}
+
+static int shockley_C(const ns_point *at, void *data, double *out) {
+    out[0] = Is / Vt * exp(exponent(at, data));
+    return 0;
+}
+
+static int shockley_D(const ns_point *at, void *data, double *out) {
+    const diode *d = data;
+    out[0] = 1 + d->Rs * Is / Vt * exp(exponent(at, data));
+    return 0;
+}
+
+static ns_newton *start(diode *d, const ns_signal *z, const double *l) {
+    static ns_model model;
+    model = (ns_model){.n = 1, .m = 1, .nz = 1, .M = &d->C, .l = l, .u = all_infinite, .z = z, .data = d};
+    model.f = load;
+    model.A = load_A;
+    model.g = current;
+    model.B = give_1;
+    model.h = shockley;
+    model.C = shockley_C;
+    model.D = shockley_D;
+    const ns_newton_options o = {.theta = 1, .gamma = 1};
+    ns_newton *s;
+    assert_int_equal(ns_newton_create(&model, &o, &s, NULL), NS_OK);
+    assert_int_equal(ns_newton_start(s, 0, all_0, NULL), NS_OK);
+    return s;
+}
+
+/* lambda of the implicit step of h from x to a source of z, by bisection: x+ = (C x + h lambda) / (C + h/R),
+ * and what the diode would carry falls with lambda. */
+static double implicit(const diode *d, double x, double h, double z) {
+    long double low = -Is, high = 1000;
+    for (int k = 0; k < 200; k++) {
+        const long double mid = (low + high) / 2, end = (d->C * (long double)x + h * mid) / (d->C + h / d->R);
+        *(mid < Is * expm1l((z - end - d->Rs * mid) / Vt) ? &low : &high) = mid;
+    }
+    return (double)low;
+}
+
+/* From rest to V in one step: 28 to 680 Vt. */
+static void a_source_jumps_by_many_Vt(void **state) {
+    (void)state;
+    const double to[] = {0.7, 1.4, 1.6, 1.8, 2.4, 10, 17}, below[] = {-INFINITY, 0}, times[2] = {0, 0.1};
+    double worst = 0;
+    for (int k = 0; k < 14; k++) {
+        diode d = {1, 1, 0};
+        const double V = to[k / 2], values[2] = {0, V}, h = times[1];
+        ns_signal z = {.kind = NS_PWL};
+        double x, lambda, y;
+        z.u.pwl.n = 2;
+        z.u.pwl.t = times;
+        z.u.pwl.v = values;
+        z.u.pwl.repeat = NAN;
+        ns_newton *s = start(&d, &z, &below[k % 2]);
+        assert_int_equal(ns_newton_try(s, h), NS_OK);
+        assert_int_equal(ns_newton_accept(s), NS_OK);
+        assert_int_equal(ns_newton_read(s, NULL, &x, &lambda, &y, NULL), NS_OK);
+        const double right = implicit(&d, 0, h, V);
+        worst = fmax(worst, fabs(lambda / right - 1));
+        assert_true(fabs(x - h * lambda / (1 + h)) < 1e-14 * V && y == 0);
+        assert_true(ns_newton_counts_of(s)->iterations < 10 + V / Vt); /* one Vt an iteration */
+        ns_newton_free(s);
+    }
+    print_message("lambda %.1e\n", worst);
+    assert_true(worst < 1e-11); /* 1e-12 of terms like lambda x/Vt, over a slope of lambda/Vt */
+}
+
+/* A half-wave rectifier, 12 V and 50 Hz, 20 and 50 steps a period: every step taken solves its equations. */
+static void a_rectifier_at_few_steps(void **state) {
+    (void)state;
+    double worst = 0;
+    for (int steps = 20; steps <= 50; steps += 30) {
+        diode d = {1e-3, 100, 0.1};
+        ns_signal z = {.kind = NS_SIN};
+        double t = 0, x = 0, lambda;
+        z.u.sin.va = 12;
+        z.u.sin.freq = 50;
+        const double none = -INFINITY;
+        ns_newton *s = start(&d, &z, &none);
+        for (int k = 1; k <= 3 * steps; k++) {
+            const double before = x, h = k * 0.02 / steps - t;
+            assert_int_equal(ns_newton_try(s, h), NS_OK);
+            assert_int_equal(ns_newton_accept(s), NS_OK);
+            assert_int_equal(ns_newton_read(s, &t, &x, &lambda, NULL, NULL), NS_OK);
+            const double right = implicit(&d, before, h, ns_signal_value(&z, t, NS_LEFT));
+            worst = fmax(worst, fabs(lambda - right) / (1 + right));
+        }
+        ns_newton_free(s);
+    }
+    print_message("lambda %.1e\n", worst);
+    assert_true(worst < 1e-10); /* 1e-12 of terms like lambda x/Vt = 100 lambda */
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_source_jumps_by_many_Vt),
+        cmocka_unit_test(a_rectifier_at_few_steps),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
