@@ -66,7 +66,8 @@ void ns_newton_free(ns_newton *s);
  * consistent: see ns_newton_jump().  Errors: NULL, NUMBER, or a callback that refuses the point (RANGE). */
 int ns_newton_start(ns_newton *s, double t0, const double *x, const double *lambda);
 
-/* Tries a step of length h > 0 from the accepted point, which is left alone: try again with any h.
+/* Tries a step of length h > 0 from the accepted point, which is left alone: try again with any h.  What is
+ * integrated is what t moves by, t + h being rounded; an h that does not move it is RANGE.
  * NS_DIVERGED: Newton's loop met its bound or left the domain of a function; a shorter step may do.
  * Errors: NULL, STATE (not started), RANGE (h), those of ns_mlcp_solve(); *fault of ns_newton_fault(). */
 int ns_newton_try(ns_newton *s, double h);
@@ -80,9 +81,10 @@ int ns_newton_jump(ns_newton *s);
 /* Makes the last successful trial the accepted point; cannot fail for numerical reasons.  Errors: STATE. */
 int ns_newton_accept(ns_newton *s);
 
-/* From the accepted point to time t by steps of at most h, each accepted; a step that does not converge is
- * tried again at half its length, at most 20 times; steps grow again afterwards.  On failure the
- * accepted point is the last that was reached.  Errors: NULL, STATE, RANGE, those of ns_newton_try(). */
+/* From the accepted point to time t by steps of at most h (or of t's last bit), each accepted; a step that
+ * does not converge is tried again at half its length, at most 20 times; steps grow again afterwards.  On
+ * failure the accepted point is the last that was reached.  Errors: NULL, STATE, RANGE, those of
+ * ns_newton_try(). */
 int ns_newton_advance(ns_newton *s, double t, double h);
 
 /* The accepted point: *t, x (n), lambda (m), y (m), r (n); any may be NULL.  Errors: STATE (not started). */

@@ -144,6 +144,7 @@ static void keep(ns_newton *s) {
 int ns_newton_start(ns_newton *s, double t0, const double *x, const double *lambda) {
     if (!s || (!x && s->n > 0))
         return NS_E_NULL;
+    s->has_trial = 0; /* s->at is written below */
     s->fault.t = t0;
     s->fault.npairs = s->fault.nunknowns = 0;
     if (!isfinite(t0) || !ns_finite((size_t)s->n, x) || (lambda && !ns_finite((size_t)s->m, lambda)))

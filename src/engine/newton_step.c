@@ -29,14 +29,15 @@ void ns_newton_set(ns_newton *s, double h, double t1, const ns_newton_options *o
     }
 }
 
-static int try_to(ns_newton *s, double h, double t1) {
+/* To t1 > t, by the length that t really moves by: t + h is a rounded one. */
+static int try_to(ns_newton *s, double t1) {
     s->has_trial = 0;
     s->counts.trials++;
     s->fault.t = t1;
     s->fault.npairs = s->fault.nunknowns = 0;
     if (s->o.theta < 1 && ns_newton_slope(s) != NS_OK)
         return ns_newton_fail(s, NS_DIVERGED);
-    ns_newton_set(s, h, t1, &s->o, NS_LEFT);
+    ns_newton_set(s, t1 - s->t, t1, &s->o, NS_LEFT);
     memcpy(s->trial_mode, s->mode, (size_t)s->m);
     const int status = ns_newton_loop(s);
     if (status != NS_OK)
@@ -51,21 +52,28 @@ int ns_newton_try(ns_newton *s, double h) {
     s->has_trial = 0;
     if (!s->started)
         return ns_newton_fail(s, NS_E_STATE);
-    if (!(h > 0) || !isfinite(s->t + h))
+    const double t1 = s->t + h;
+    if (!(h > 0) || !isfinite(t1) || !(t1 > s->t))
         return ns_newton_fail(s, NS_E_RANGE);
-    return try_to(s, h, s->t + h);
+    return try_to(s, t1);
+}
+
+/* The end of the next step on the way to t, by equal ones of at most h: t grows, by its last bit at least. */
+static double next_end(double now, double t, double h) {
+    const double steps = ceil((t - now) / h * (1 - 1e-12));
+    return steps > 1 ? fmin(fmax(now + (t - now) / steps, nextafter(now, t)), t) : t;
 }
 
 /* One accepted step towards t, of at most *h, which is halved until Newton's loop converges. */
 static int one_step(ns_newton *s, double t, double *h, double shortest) {
     for (;;) {
-        const double left = t - s->t, steps = ceil(left / *h * (1 - 1e-12));
-        const int status = steps > 1 ? try_to(s, left / steps, s->t + left / steps) : try_to(s, left, t);
+        const double t1 = next_end(s->t, t, *h);
+        const int status = try_to(s, t1);
         if (status == NS_OK)
             return ns_newton_accept(s);
-        if (status < 0 || *h <= shortest)
+        if (status < 0 || *h <= shortest || t1 == nextafter(s->t, t))
             return status;
-        *h = fmin(*h, left) / 2;
+        *h = fmin(*h, t - s->t) / 2;
     }
 }
 
@@ -75,7 +83,7 @@ int ns_newton_advance(ns_newton *s, double t, double h) {
     s->has_trial = 0;
     if (!s->started)
         return ns_newton_fail(s, NS_E_STATE);
-    if (!(h > 0) || !isfinite(h) || !isfinite(t) || !(t >= s->t))
+    if (!(h > 0) || !isfinite(h) || !isfinite(t) || !(t >= s->t) || !isfinite(t - s->t))
         return ns_newton_fail(s, NS_E_RANGE);
     const double shortest = fmin(h, t - s->t) * ldexp(1.5, -STEP_HALVINGS);
     double now = h;

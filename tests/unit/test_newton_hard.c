@@ -146,6 +146,12 @@ static void a_failed_step_leaves_the_past(void **state) {
         p = (mischief){0};
         assert_int_equal(ns_newton_try(s, h), NS_OK);
         same_past(s, 0, x0);
+        p.refuse = 1; /* a start that fails: the trial is no longer there */
+        assert_int_equal(ns_newton_start(s, 7, &root, NULL), NS_E_RANGE);
+        assert_int_equal(ns_newton_accept(s), NS_E_STATE);
+        same_past(s, 0, x0);
+        p.refuse = 0;
+        assert_int_equal(ns_newton_try(s, h), NS_OK);
         assert_int_equal(ns_newton_accept(s), NS_OK);
         assert_int_equal(ns_newton_read(s, NULL, &x, NULL, NULL, NULL), NS_OK);
         assert_true(fabs(x - root) <
