@@ -12,7 +12,8 @@
  * are down to rounding.  Corrections that do not bring them down, or leave the domain of a function, are
  * shortened along the path on which (S4) holds; the loop is bounded.  For linear f, g, h one iteration is
  * exact. Inputs are seen from the right at t_k and from the left at t_k+1: end a step where an input jumps,
- * and call ns_newton_jump() there if the jump makes the state inconsistent.
+ * and call ns_newton_jump() there, for a state that stays consistent too: r_k and lambda_k are otherwise
+ * those from before the jump, and the order falls to 1.
  */
 #ifndef NONSMOOTH_NEWTON_H
 #define NONSMOOTH_NEWTON_H
@@ -35,7 +36,8 @@ typedef enum ns_relation {
 
 typedef struct ns_newton_options {
     double theta; /* in [0,1] */
-    double gamma; /* in (0,1] */
+    double gamma; /* in (0,1]; from 1/2 on for use: below, an error of lambda (of x with NS_RELATION_GAMMA)
+                     grows by (1-gamma)/gamma a step unless D outweighs h (1-2 gamma) C W^-1 B */
     ns_relation relation;
     double tolerance; /* on both residuals, relative to the terms they are summed from; 0: 1e-12 */
     int iterations;   /* bound on Newton iterations of a step that do not halve the residuals; 0: 50.  Those
@@ -75,7 +77,9 @@ int ns_newton_try(ns_newton *s, double h);
 /* Tries the jump at the accepted time: the impulse problem  M (x+ - x-) = h gamma B lambda, h -> 0, with the
  * constraints of (S3), (S4) and the algebraic rows of (S1) at x+ and with the inputs just after.  What is
  * consistent already does not change.  Charges and fluxes come out to some eps; lambda, which takes M x' to
- * know, to some 1e-8 where the time constants are alike.  Errors: as ns_newton_try(). */
+ * know, to some 1e-8 where the time constants are alike.  Slopes of inputs are seen however late it is; the t
+ * of the callbacks stands still where its last bit is longer than 2^-18 of the fastest time constant. Errors:
+ * as ns_newton_try(). */
 int ns_newton_jump(ns_newton *s);
 
 /* Makes the last successful trial the accepted point; cannot fail for numerical reasons.  Errors: STATE. */

@@ -105,7 +105,7 @@ static void a_source_jumps_by_many_Vt(void **state) {
         const double right = implicit(&d, 0, h, V);
         worst = fmax(worst, fabs(lambda / right - 1));
         assert_true(fabs(x - h * lambda / (1 + h)) < 1e-14 * V && y == 0);
-        assert_true(ns_newton_counts_of(s)->iterations < 10 + V / Vt); /* one Vt an iteration */
+        assert_true((double)ns_newton_counts_of(s)->iterations < 10 + V / Vt); /* one Vt an iteration */
         ns_newton_free(s);
     }
     print_message("lambda %.1e\n", worst);
