@@ -10,10 +10,12 @@
  * Algebraic rows (those of ns_system_split()) hold at t_k+1 whatever theta and gamma are.  (y, lambda) of
  * every iterate obey (S4); the loop stops when both residuals, that of (S1) over the step and that of (S3),
  * are down to rounding.  Corrections that do not bring them down, or leave the domain of a function, are
- * shortened along the path on which (S4) holds; the loop is bounded.  For linear f, g, h one iteration is
- * exact. Inputs are seen from the right at t_k and from the left at t_k+1: end a step where an input jumps,
- * and call ns_newton_jump() there, for a state that stays consistent too: r_k and lambda_k are otherwise
- * those from before the jump, and the order falls to 1.
+ * shortened along the path on which (S4) holds; the loop is bounded.  It begins at (x_k, lambda_k) with the
+ * inputs of t_k+1, where the functions must be defined: an exponential that may overflow there is better
+ * continued by its tangent.  For linear f, g, h one iteration is exact.  Inputs are seen from the right at
+ * t_k and from the left at t_k+1: end a step where an input jumps, and call ns_newton_jump() there, for a
+ * state that stays consistent too: r_k and lambda_k are otherwise those from before the jump, and the order
+ * falls to 1.
  */
 #ifndef NONSMOOTH_NEWTON_H
 #define NONSMOOTH_NEWTON_H

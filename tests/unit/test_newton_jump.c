@@ -71,8 +71,7 @@ static void charge_is_shared(void **state) {
     }
 }
 
-/* Where t has no digits for the time constant, 1 nF ... of 1 ohm ... at 1 s ... 1000 s: as at t = 0.  From
- * (5,1) both go to 3, (1,2) stays. */
+/* Where t has no digits for the time constant RC: as at t = 0.  From (5,1) both go to 3, (1,2) stays. */
 static void late_jumps_are_no_others(void **state) {
     (void)state;
     const double RCs[] = {1, 1e-6, 1e-9, 1e-9, 1e-8, 1e-12}, t0s[] = {1, 1, 1, 0.01, 1e3, 1e9};
@@ -313,6 +312,45 @@ static void the_linear_impulse_agrees(void **state) {
                 1e-5); /* eps C v over h, which is 2^-24 of the fastest time constant, times three */
 }
 
+/* x' = -x + lambda, y = lambda - z, z from 0 to 1 at t = 1: x(2) = e^-2 + 1 - e^-1.  The state has no jump, r
+ * and lambda do: of second order by a call at 1 s, of first without. */
+static double error_at_2(const ns_model *model, double h, int call) {
+    const double x0 = 1;
+    double x;
+    ns_newton *t = start(model, &x0);
+    assert_int_equal(ns_newton_advance(t, 1, h), NS_OK);
+    if (call) {
+        assert_int_equal(ns_newton_jump(t), NS_OK);
+        assert_int_equal(ns_newton_accept(t), NS_OK);
+    }
+    assert_int_equal(ns_newton_advance(t, 2, h), NS_OK);
+    assert_int_equal(ns_newton_read(t, NULL, &x, NULL, NULL, NULL), NS_OK);
+    ns_newton_free(t);
+    return fabs(x - (exp(-2) + 1 - exp(-1)));
+}
+
+static void inputs_that_jump_keep_the_order(void **state) {
+    (void)state;
+    ns_system *s;
+    ns_model model;
+    const double times[4] = {0, 1, 1, 9}, values[4] = {0, 0, 1, 1};
+    ns_signal z = {.kind = NS_PWL};
+    z.u.pwl.n = 4;
+    z.u.pwl.t = times;
+    z.u.pwl.v = values;
+    z.u.pwl.repeat = NAN;
+    assert_int_equal(ns_system_create(1, 1, 1, 0, &s), NS_OK);
+    assert_int_equal(ns_system_set_input(s, 0, &z), NS_OK);
+    s->M[0] = s->B[0] = s->D[0] = 1;
+    s->A[0] = s->F[0] = -1;
+    assert_int_equal(ns_model_of_system(s, &model), NS_OK);
+    for (int call = 0; call < 2; call++) {
+        const double ratio = error_at_2(&model, 0.05, call) / error_at_2(&model, 0.025, call);
+        assert_true(fabs(ratio - (call ? 4 : 2)) < 0.05); /* 2^order (1 + a few h) */
+    }
+    ns_system_free(s);
+}
+
 static void a_jump_that_fails_leaves_the_past(void **state) {
     (void)state;
     ns_system *s;
@@ -340,6 +378,7 @@ int main(void) {
         cmocka_unit_test(late_jumps_are_no_others),
         cmocka_unit_test(a_diode_that_may_or_may_not),
         cmocka_unit_test(a_slope_late),
+        cmocka_unit_test(inputs_that_jump_keep_the_order),
         cmocka_unit_test(nonlinear_relations_jump),
         cmocka_unit_test(the_linear_impulse_agrees),
         cmocka_unit_test(a_jump_that_fails_leaves_the_past),
