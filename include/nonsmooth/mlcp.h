@@ -92,12 +92,13 @@ int ns_mlcp_alike(ns_mlcp_solver *s, int alike);
  * of least norm, in units of the scaling of W: equal shares for equal switches. info->fault.pair, at most
  * NS_FAULT_MAX: INFEASIBLE: the pairs that the certificate rests on, or whose equations are left unsatisfied,
  * the heaviest first; SINGULAR: the equalities that no basis takes beside the others.  Of other errors it
- * says nothing, of NS_OK it is empty. Verdicts: OK, solved; INFEASIBLE, no solution exists: proved by a
- * certificate (info->certified), or, for few pairs, by having tried every mode; LIMIT, gave up, or all that
- * was found is lambda of which rounding of W leaves no digit (nearly singular equations). Errors: NULL, SIZE
- * (p->m larger than the workspace), NUMBER, BOUNDS (l > u, or both the same infinity); SINGULAR (no basis
- * holds all equalities, and no answer of least norm was found), INFEASIBLE, LIMIT, RESIDUAL, OVERFLOW (an
- * answer has numbers that no double holds). */
+ * says nothing, of NS_OK it is empty. Verdicts: OK, solved: every y and lambda is what its laws ask for but
+ * for 1e-10 of the terms that make it up (a problem whose q lacks no more than that may be called solved);
+ * INFEASIBLE, no solution exists: proved by a certificate (info->certified), or, for few pairs, by having
+ * tried every mode; LIMIT, gave up, or all that was found is lambda of which rounding of W leaves no digit
+ * (nearly singular equations). Errors: NULL, SIZE (p->m larger than the workspace), NUMBER, BOUNDS (l > u, or
+ * both the same infinity); SINGULAR (no basis holds all equalities, and no answer of least norm was found),
+ * INFEASIBLE, LIMIT, RESIDUAL, OVERFLOW (an answer has numbers that no double holds). */
 int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *lambda, double *y,
                   ns_mlcp_info *info);
 

@@ -1,6 +1,7 @@
 /* src/mlcp/driver.c - ns_mlcp_solve(): which start, which method, and whether to believe the answer. */
 #include "mlcp_internal.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -11,7 +12,9 @@
 static const double GUARD = 1e-12;
 static const double ACCEPT = 1e-10;  /* natural residual of an answer */
 static const double GOOD = 1e-13;    /* nothing to gain by refining below this */
-static const double DOUBT = 1e7;     /* lambda this large against q and the bounds, in units of W */
+static const double LARGE = 1e2;     /* lambda this large against q and the bounds, in units of W */
+static const double HIDDEN = 1e-11;  /* of q, that the residual beside them may hide: a tenth of ACCEPT */
+static const double DOUBT = 1e7;     /* ... so large that no residual says much */
 static const double HOPELESS = 1e12; /* ... so large that no digits of q are left beside it */
 enum { REFINEMENTS = 3, ROUNDS = 3 };
 static const double RCOND = 1e-13; /* a starting basis must keep three digits */
@@ -172,7 +175,9 @@ static int apply(ns_mlcp_solver *s, ns_mlcp_method method, const ns_mode *mode, 
 
 /* A ray or a runaway alone proves nothing, neither does an answer that has run away; a method may give up
  * where there is a proof. */
-static int verdict(ns_mlcp_solver *s, int status) {
+static int verdict(ns_mlcp_solver *s, int status, double *residual) {
+    if (status == NS_OK && !ns_mlcp_agree(s, ACCEPT, residual))
+        status = NS_E_RESIDUAL;
     if (status == NS_OK && ns_mlcp_lost(s, DOUBT))
         status = NS_E_LIMIT;
     if (status == NS_OK || status == NS_E_SIZE)
@@ -201,7 +206,7 @@ static int automatic(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
         s->as_given = order[k].as_given ^ s->alike;
         int status = apply(s, order[k].method, mode, residual);
         s->as_given = s->alike;
-        status = verdict(s, status);
+        status = verdict(s, status, residual);
         if (status == NS_OK || status == NS_E_INFEASIBLE)
             return status;
         if (order[k].method != NS_MLCP_PIVOT && first == NS_OK)
@@ -233,7 +238,8 @@ static int in_own_units(ns_mlcp_solver *s, const ns_mode *mode, double *residual
     ns_mlcp_scale_back(s);
     if (status == NS_OK)
         *residual = measure(s);
-    if (status == NS_OK && *residual <= ACCEPT && !ns_mlcp_doubtful(s, DOUBT))
+    if (status == NS_OK && *residual <= ACCEPT && !ns_mlcp_doubtful(s, DOUBT) &&
+        ns_mlcp_agree(s, ACCEPT, residual))
         return NS_OK;
     *residual = before;
     s->fault = fault;
@@ -248,7 +254,7 @@ static int remembered(ns_mlcp_solver *s, double *residual) {
     if (!ns_mlcp_recall(s))
         return NS_E_LIMIT;
     *residual = measure(s);
-    if (*residual <= ACCEPT && !ns_mlcp_doubtful(s, DOUBT))
+    if (*residual <= ACCEPT && !ns_mlcp_doubtful(s, DOUBT) && ns_mlcp_agree(s, ACCEPT, residual))
         return NS_OK;
     *residual = before;
     s->method = method;
@@ -265,6 +271,15 @@ static int quickly(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     return 1;
 }
 
+/* Whether there is a proof against an answer of large lambda: its residual is small beside them, which may be
+ * much against q. */
+static int disproved(ns_mlcp_solver *s, double residual) {
+    if (!ns_mlcp_doubtful(s, fmax(LARGE, HIDDEN / fmax(residual, DBL_EPSILON))))
+        return 0;
+    return (ns_mlcp_doubtful(s, DOUBT) && prove(s, NS_CAREFUL)) ||
+           (ns_mlcp_doubtful(s, HOPELESS) && prove(s, NS_BOLD)) || prove(s, NS_AGAINST);
+}
+
 /* Solves *p, whose arrays are sound. */
 static int solve(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mode, double *residual) {
     s->pivots = s->factors = s->iterations = 0;
@@ -278,15 +293,14 @@ static int solve(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mode, doubl
         return NS_E_NUMBER;
     if (quickly(s, mode, residual))
         return NS_OK;
-    int status =
-        s->use == NS_MLCP_AUTO ? automatic(s, mode, residual) : verdict(s, apply(s, s->use, mode, residual));
+    int status = s->use == NS_MLCP_AUTO ? automatic(s, mode, residual)
+                                        : verdict(s, apply(s, s->use, mode, residual), residual);
     if (s->use == NS_MLCP_AUTO && status != NS_OK && status != NS_E_INFEASIBLE &&
         in_own_units(s, mode, residual) == NS_OK)
         status = NS_OK;
     if (status != NS_OK && !s->proved && remembered(s, residual) == NS_OK)
         status = NS_OK;
-    if (status == NS_OK && ns_mlcp_doubtful(s, DOUBT) &&
-        (prove(s, NS_CAREFUL) || (ns_mlcp_doubtful(s, HOPELESS) && prove(s, NS_BOLD))))
+    if (status == NS_OK && disproved(s, *residual))
         return NS_E_INFEASIBLE;
     if (status == NS_OK)
         s->fault.npairs = 0;

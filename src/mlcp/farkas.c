@@ -15,6 +15,7 @@
 #include <string.h>
 
 static const double MARGIN = 1e-9;  /* of the terms, by which a proof must prove */
+static const double ACCEPT = 1e-10; /* ... against an answer, which may be wrong by as much (driver.c) */
 static const double CANCEL = 1e-14; /* sums that cancel this far are 0 (certificate.c) */
 static const double FLOOR =
     1e-6; /* a value's terms count as at least this part of the largest (residual.c) */
@@ -164,7 +165,26 @@ static void name(ns_mlcp_solver *s, const double *v) {
     ns_mlcp_name(s, s->ray, s->nf, s->free);
 }
 
-static int proves(ns_mlcp_solver *s, double floor, double near, double *v) {
+/* Whether v, which leaves sum_i v_i y_i >= 0 to every solution, finds that of the answer negative by more
+ * than an answer may be wrong by.  Where its lambda are large, W' v must cancel further than certify() asks.
+ */
+static int refutes(const ns_mlcp_solver *s, const double *v, double *rest) {
+    double sum = 0.0, size = 0.0;
+    memset(rest, 0, (size_t)s->m * sizeof *rest);
+    for (int i = 0; i < s->m; i++) {
+        const double from_q = v[i] * s->p->q[i], from_lambda = combine(s, v, rest, i, 0.0) * s->lambda[i];
+        sum += from_q + from_lambda;
+        size += fabs(from_q) + fabs(from_lambda);
+    }
+    return sum < -ACCEPT * size;
+}
+
+static int good_enough(const ns_mlcp_solver *s, int effort, const double *v, double *rest) {
+    const double margin = ns_mlcp_certify(s->p, v);
+    return effort == NS_AGAINST ? margin > ACCEPT && refutes(s, v, rest) : margin > MARGIN;
+}
+
+static int proves(ns_mlcp_solver *s, int effort, double floor, double near, double *v) {
     ns_phase1 z;
     if (!ns_phase1_run(&z, s, floor, near))
         return 0;
@@ -176,7 +196,7 @@ static int proves(ns_mlcp_solver *s, double floor, double near, double *v) {
             refine(&z, v, rest, s->g);
         drop_rounding(&z, v, rest);
         mend(s->p, v, rest);
-        if (ns_mlcp_certify(s->p, v) > MARGIN)
+        if (good_enough(s, effort, v, rest))
             return 1;
         leave_out(&z, v);
     }
@@ -186,9 +206,9 @@ static int proves(ns_mlcp_solver *s, double floor, double near, double *v) {
 int ns_farkas(ns_mlcp_solver *s, int effort) {
     ns_mlcp now = s->now;
     ns_mlcp_given(s);
-    int proved = proves(s, effort == NS_CAREFUL ? FLOOR : 0.0, NEAR, s->proof);
+    int proved = proves(s, effort, effort == NS_BOLD ? 0.0 : FLOOR, NEAR, s->proof);
     if (!proved && effort == NS_BOLD) /* perhaps a row that was outside by rounding had its say */
-        proved = proves(s, 0.0, COARSE, s->proof);
+        proved = proves(s, effort, 0.0, COARSE, s->proof);
     if (proved)
         name(s, s->proof);
     s->now = now;

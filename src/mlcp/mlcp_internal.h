@@ -208,8 +208,9 @@ int ns_lemke(ns_mlcp_solver *s, int all, int patience);
 /* farkas.c: 1 if the bounds of lambda and y alone, without complementarity, contradict: s->proof, s->fault.
  * s->now, s->p, s->q, s->lambda, s->y and s->mode stay, the rest of the workspace does not.
  * CAREFUL: not by an amount that rounding of the largest numbers of the problem may have left.  BOLD: where
- * nothing solved it. */
-enum { NS_CAREFUL = 1, NS_BOLD }; /* effort */
+ * nothing solved it.  AGAINST: that the answer in s->lambda is none, by as much as an answer may be wrong by
+ * at least. */
+enum { NS_CAREFUL = 1, NS_BOLD, NS_AGAINST }; /* effort */
 int ns_farkas(ns_mlcp_solver *s, int effort);
 
 /* rescaled.c: s->given and its W, l, u in units in which all is about 1; 0: that would round, nothing is
@@ -226,6 +227,11 @@ int ns_mlcp_recall(ns_mlcp_solver *s);
  * rounding what q says; whether it does.  The latter uses g, ysize, rhs, and what ns_basis_factor() does. */
 int ns_mlcp_doubtful(ns_mlcp_solver *s, double doubt);
 int ns_mlcp_lost(ns_mlcp_solver *s, double doubt);
+
+/* agree.c: makes s->y and s->mode those of s->lambda, which goes from bound to bound of boxes that are next
+ * to nothing; then *residual is that of the new one.  0: they cannot be had, or not with a residual <=
+ * accept. Uses g, ray, rhs, ysize, queue. */
+int ns_mlcp_agree(ns_mlcp_solver *s, double accept, double *residual);
 
 /* fault.c: fault.pair gets index[k] of the largest weights, largest first. */
 void ns_mlcp_name(ns_mlcp_solver *s, const double *weight, int n, const int *index);

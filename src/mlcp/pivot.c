@@ -20,10 +20,11 @@
 #include "transform.h"
 
 enum { PATIENCE = 8, ROUNDS = 20, ROUNDS_PER_PAIR = 10, CHANGES = 64 };
-static const double GUARD = 1e-12; /* of the sizes of the terms of a value: as driver.c has it */
-static const double FINE = 1e-14;  /* equations hold: a hundredth of what guards are read to */
-static const double GOOD = 1e-13;  /* an answer needs no closer look */
-static const double TRUST = 1e-8;  /* as transform.c */
+static const double GUARD = 1e-12;    /* of the sizes of the terms of a value: as driver.c has it */
+static const double FINE = 1e-14;     /* equations hold: a hundredth of what guards are read to */
+static const double GOOD = 1e-13;     /* an answer needs no closer look */
+static const double TRUST = 1e-8;     /* as transform.c */
+static const double ROUNDING = 1e-10; /* of the terms of an y: as driver.c accepts an answer */
 
 /* --- guards --- */
 
@@ -254,16 +255,20 @@ static double check(ns_mlcp_solver *s) {
     return isnan(full) ? full : fmin(r, full); /* fmin would drop the NaN of terms that overflow */
 }
 
-/* y of the answer: 0 inside, not beyond 0 at a bound. */
-static void clamp_y(ns_mlcp_solver *s) {
+/* y of the answer: 0 inside, not beyond 0 at a bound.  1: that was more than rounding. */
+static int clamp_y(ns_mlcp_solver *s) {
+    int cut = 0;
     for (int f = 0; f < s->nf; f++)
         s->y[s->free[f]] = 0.0;
     for (int a = 0; a < s->np; a++) {
         const int i = s->pair[a];
         const double y = s->y[i];
-        if (s->mode[i] == NS_INSIDE || (s->mode[i] == NS_LOWER ? y < 0.0 : y > 0.0))
+        if (s->mode[i] == NS_INSIDE || (s->mode[i] == NS_LOWER ? y < 0.0 : y > 0.0)) {
+            cut |= fabs(y) > ROUNDING * s->yterms[i];
             s->y[i] = 0.0;
+        }
     }
+    return cut;
 }
 
 static int all_lower(const ns_mlcp_solver *s, const ns_mode *mode) {
@@ -301,8 +306,10 @@ int ns_mlcp_quick(ns_mlcp_solver *s, const ns_mode *mode, double accept, double 
         status = attempt(s, k ? NULL : mode, &anew, accept, residual);
     }
     s->settled = s->have_transform = status == NS_OK;
-    if (status == NS_OK)
-        clamp_y(s);
+    if (status == NS_OK && clamp_y(s)) {
+        s->settled = 0; /* the mode may change */
+        status = ns_mlcp_agree(s, accept, residual) ? NS_OK : NS_E_RESIDUAL;
+    }
     return status;
 }
 

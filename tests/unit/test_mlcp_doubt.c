@@ -64,6 +64,51 @@ static void no_digit_is_left(void **state) {
     assert_int_equal(solve(NS_MLCP_LEMKE, 3, W, q, zero, infinite, NULL), NS_E_LIMIT);
 }
 
+/* Whether the solver's proof is v, but for its length. */
+static void proof_is(int m, const double *v) {
+    const double *proof = ns_mlcp_certificate(solver);
+    for (int i = 0; i < m; i++)
+        assert_true(proof[i] * v[0] == v[i] * proof[0]);
+    assert_true(proof[0] * v[0] > 0);
+}
+
+/* y_0 + y_1 = -2^-26 for every lambda, as v = (1, 1) shows; beside lambda of 1e9 that is rounding. */
+static void rounding_of_lambda_hides_what_q_lacks(void **state) {
+    (void)state;
+    static const double W[] = {1, -1, -1, 1}, q[] = {10, -10 - 0x1p-26}, v[] = {1, 1};
+    ns_mlcp_info info;
+    for (int method = 0; method < NS_MLCP_METHODS; method++)
+        assert_int_not_equal(solve((ns_mlcp_method)method, 2, W, q, zero, infinite, NULL), NS_OK);
+    assert_int_equal(solve(NS_MLCP_AUTO, 2, W, q, zero, infinite, &info), NS_E_INFEASIBLE);
+    assert_true(info.certified);
+    proof_is(2, v);
+}
+
+/* y_0 + 2 y_1 - y_2 - y_3 = 24 + 30 + 6 - 60 - 2^-23 < 0 for every lambda; lambda of 1e5 hid that. */
+static void lambda_of_1e5_hides_it_too(void **state) {
+    (void)state;
+    static const double W[4][4] = {{9, -3, 0, 3}, {-3, 27, 3, 48}, {0, 3, 9, -3}, {3, 48, -3, 102}};
+    static const double q[] = {24, 15, -6, 60 + 0x1p-23}, v[] = {1, 2, -1, -1};
+    static const double l[] = {0, 0, -INF, -INF}, u[] = {INF, INF, 2, 2};
+    ns_mlcp_info info;
+    for (int method = 0; method < NS_MLCP_METHODS; method++)
+        assert_int_not_equal(solve((ns_mlcp_method)method, 4, W[0], q, l, u, NULL), NS_OK);
+    assert_int_equal(solve(NS_MLCP_AUTO, 4, W[0], q, l, u, &info), NS_E_INFEASIBLE);
+    assert_true(info.certified);
+    proof_is(4, v);
+}
+
+/* y_0 + y_1 = 2^-46 b - 2^-26 = 0: b = 2^20, a = b - 10.  In a sum of rounded terms v = (1, 1) seems a proof,
+ * as 2^-46 is 1e-14 of its terms; the answer takes it at its word. */
+static void what_remains_of_a_sum_times_lambda_makes_up_for_it(void **state) {
+    (void)state;
+    static const double W[] = {1, -1, -1, 1 + 0x1p-46}, q[] = {10, -10 - 0x1p-26};
+    assert_int_equal(solve(NS_MLCP_LEMKE, 2, W, q, zero, infinite, NULL), NS_OK);
+    assert_true(fabs(lambda[0] - 1048566) <= 1 && fabs(lambda[1] - lambda[0] - 10) <= 1e-7);
+    assert_int_equal(solve(NS_MLCP_AUTO, 2, W, q, zero, infinite, NULL), NS_OK);
+    assert_true(fabs(lambda[1] - lambda[0] - 10) <= 1e-7);
+}
+
 /* lambda = 1 / 1e-15; then with 1e-15 where each row has terms of 1 besides: a = (2 + b) / 1e-15, c = 1. */
 static void all_digits_are_left(void **state) {
     (void)state;
@@ -100,6 +145,9 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(a_row_is_broken_behind_large_lambda, setup, teardown),
         cmocka_unit_test_setup_teardown(no_digit_is_left, setup, teardown),
+        cmocka_unit_test_setup_teardown(rounding_of_lambda_hides_what_q_lacks, setup, teardown),
+        cmocka_unit_test_setup_teardown(lambda_of_1e5_hides_it_too, setup, teardown),
+        cmocka_unit_test_setup_teardown(what_remains_of_a_sum_times_lambda_makes_up_for_it, setup, teardown),
         cmocka_unit_test_setup_teardown(all_digits_are_left, setup, teardown),
         cmocka_unit_test_setup_teardown(redundant_equations_beside_large_lambda, setup, teardown),
     };
