@@ -256,10 +256,14 @@ void ns_copy(size_t n, const double *x, double *y) {
 
 /* 0 times a finite number is 0, times NaN or infinity NaN. */
 int ns_finite(size_t n, const double *x) {
-    double s = 0.0;
-    for (size_t i = 0; i < n; i++)
-        s += 0.0 * x[i];
-    return s == 0.0;
+    double s[4] = {0.0, 0.0, 0.0, 0.0};
+    size_t i = 0;
+    for (; i + 4 <= n; i += 4)
+        for (int k = 0; k < 4; k++)
+            s[k] += 0.0 * x[i + (size_t)k];
+    for (; i < n; i++)
+        s[0] += 0.0 * x[i];
+    return s[0] + s[1] + s[2] + s[3] == 0.0;
 }
 
 void ns_exchange(int p, int q, double *T, int row, int col, double cancelled) {

@@ -28,7 +28,7 @@ static int differing(const ns_mlcp_solver *s, int *list) {
 
 /* The same with s->ray read anew; rows whose terms are all rounding differ in nothing. */
 static int look(ns_mlcp_solver *s, int *list) {
-    ns_mlcp_terms(s->p, s->lambda, s->ray, s->ysize);
+    ns_mlcp_terms(s->p, NULL, s->lambda, s->ray, s->ysize);
     const int n = differing(s, list);
     if (n == 0)
         return 0;
@@ -59,7 +59,7 @@ int ns_mlcp_agree(ns_mlcp_solver *s, double accept, double *residual) {
         for (int k = 0; k < n; k++)
             if (!move(s, list[k]))
                 return 0;
-        ns_mlcp_terms(s->p, s->lambda, s->y, s->ysize);
+        ns_mlcp_terms(s->p, NULL, s->lambda, s->y, s->ysize);
         ns_basis_clamp(s);
         n = look(s, list);
     }

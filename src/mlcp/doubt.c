@@ -86,6 +86,6 @@ int ns_mlcp_lost(ns_mlcp_solver *s, double doubt) {
     int largest;
     if (!(extent(s, &data, &largest) > doubt * data))
         return 0;
-    ns_mlcp_terms(s->p, s->lambda, s->g, s->ysize);
+    ns_mlcp_terms(s->p, NULL, s->lambda, s->g, s->ysize);
     return breaks_a_row(s, data) || has_no_digit(s, largest);
 }

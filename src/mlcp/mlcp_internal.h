@@ -15,6 +15,7 @@
 
 #include "../linalg/dense.h"
 #include "../linalg/equilibrate.h"
+#include "glance.h"
 #include "nonsmooth/mlcp.h"
 
 /* Variables of the pairs: lambda_a is 2a, y_a is 2a+1, the covering variable t is 2 np. */
@@ -46,12 +47,14 @@ struct ns_mlcp_solver {
     const double *written;
 
     /* the principal pivot transform of Wown, of the pairs whose lambda is basic (transform.c) */
+    ns_nonzeros nonzeros; /* of Wown; none on demand */
     int have_transform;
+    int carried;             /* lambda and y are those of mode, but for rounding; yterms and lterms as well */
     int settled;             /* mode is that of an answer that pivot.c found last; P is of it */
     int at_zero;             /* every finite bound is 0 */
     int changes;             /* pivots since P was empty */
     int nwho, *who, *at;     /* m: which pairs P is of, and the place of each among them */
-    double *P;               /* m*m */
+    double *P;               /* m columns, of m rounded up to a multiple of four */
     unsigned char *in;       /* m: lambda_i is basic */
     double *diag;            /* m: the largest term that each diagonal entry of P was summed from */
     double *yterms, *lterms; /* m: sizes of the terms that y, and a basic lambda, was summed from */
@@ -70,14 +73,15 @@ struct ns_mlcp_solver {
         *colunit; /* m: largest |W_ij| of a row; unit of lambda_j in which it makes terms of that size */
 
     /* the basis: mode of all m, and the equations picked from it */
-    ns_mode *mode; /* m, working copy */
-    int k;         /* size of G */
-    int *rows;     /* k: indices i whose y_i is nonbasic */
-    int *cols;     /* k: indices j whose lambda_j is basic; -1 stands for t */
-    double *G;     /* (m+1)^2 */
-    double *rhs;   /* (m+1)*(m+2) */
-    double *xs;    /* (m+1)*(m+2) */
-    int alike;     /* ns_mlcp_alike() */
+    ns_mode *mode;   /* m, working copy */
+    ns_mode *lowest; /* m: all at their lower bounds, mended */
+    int k;           /* size of G */
+    int *rows;       /* k: indices i whose y_i is nonbasic */
+    int *cols;       /* k: indices j whose lambda_j is basic; -1 stands for t */
+    double *G;       /* (m+1)^2 */
+    double *rhs;     /* (m+1)*(m+2) */
+    double *xs;      /* (m+1)*(m+2) */
+    int alike;       /* ns_mlcp_alike() */
     int as_given,
         units_as_given; /* floors are taken in the columns' units of the problem (wanted, at hand) */
     int careful;        /* refine the tableau as well */
@@ -139,7 +143,11 @@ void ns_mlcp_units(ns_mlcp_solver *s);                        /* rowmax, colunit
 void ns_mlcp_given(ns_mlcp_solver *s);                        /* now = *p */
 void ns_mlcp_fold(ns_mlcp_solver *s);                         /* W, q of now */
 void ns_mlcp_restart(ns_mlcp_solver *s, const ns_mode *mode); /* s->mode = mode mended; NULL: all lower */
-double ns_mlcp_bound(const ns_mlcp_solver *s, int i, ns_mode mode); /* the lambda of a pair not inside */
+
+/* The lambda of a pair not inside. */
+static inline double ns_mlcp_bound(const ns_mlcp_solver *s, int i, ns_mode mode) {
+    return mode == NS_UPPER ? s->p->u[i] : s->p->l[i];
+}
 
 static inline ns_mode ns_mlcp_mend(const ns_mlcp_solver *s, int i, ns_mode mode) {
     const double l = s->p->l[i], u = s->p->u[i];
@@ -255,7 +263,6 @@ int ns_mlcp_projected(ns_mlcp_solver *s, double accept); /* projected.c */
 int ns_mlcp_pivot(ns_mlcp_solver *s, double accept);     /* pivot.c */
 /* The same in one, from mode, without units, sorting and scaling: what most problems need.  OK: s->lambda,
  * s->y, s->mode are an answer; else LIMIT, SINGULAR, RESIDUAL. */
-enum { NS_QUICK = 64 }; /* the most pairs for which the transform beats factors */
 int ns_mlcp_quick(ns_mlcp_solver *s, const ns_mode *mode, double accept, double *residual);
 /* block.c: for more; s->y as well.  OK, LIMIT, SINGULAR, RESIDUAL. */
 int ns_mlcp_block(ns_mlcp_solver *s, double accept, double *residual);

@@ -28,48 +28,47 @@ static const double ROUNDING = 1e-10; /* of the terms of an y: as driver.c accep
 
 /* --- guards --- */
 
-/* The mode that the guard of pair i asks for; its own if that holds. */
-static inline ns_mode wanted(const ns_mlcp_solver *s, int i) {
-    const double y = s->y[i], v = s->lambda[i];
+/* By how much the guard of pair i is broken, if that is above 0; *size: of the terms of its value. */
+static inline double breach(const ns_mlcp_solver *s, int i, double *size) {
     if (s->in[i]) {
-        const double slack = s->slack * s->lterms[i];
-        return v < s->p->l[i] - slack ? NS_LOWER : v > s->p->u[i] + slack ? NS_UPPER : NS_INSIDE;
+        const double under = s->p->l[i] - s->lambda[i], over = s->lambda[i] - s->p->u[i];
+        *size = s->lterms[i];
+        return under > over ? under : over;
     }
-    const double slack = s->slack * s->yterms[i];
-    if (s->mode[i] == NS_LOWER)
-        return y < -slack ? NS_INSIDE : NS_LOWER;
-    return y > slack ? NS_INSIDE : NS_UPPER;
+    *size = s->yterms[i];
+    return s->mode[i] == NS_LOWER ? -s->y[i] : s->y[i];
 }
 
-/* By how much the guard of pair i is broken, in units of the terms of its value. */
-static double breach(const ns_mlcp_solver *s, int i) {
-    const double v = s->lambda[i];
-    if (s->in[i])
-        return fmax(s->p->l[i] - v, v - s->p->u[i]) / s->lterms[i];
-    return fabs(s->y[i]) / s->yterms[i];
+static inline int holds(const ns_mlcp_solver *s, int i) {
+    double size;
+    return !(breach(s, i, &size) > s->slack * size);
 }
 
-/* list gets the pairs whose guard is broken. */
-static int broken(const ns_mlcp_solver *s, int *list) {
-    int n = 0;
-    for (int a = 0; a < s->np; a++)
-        if (wanted(s, s->pair[a]) != s->mode[s->pair[a]])
-            list[n++] = s->pair[a];
-    return n;
+/* The mode that the guard of pair i, which is broken, asks for. */
+static ns_mode wanted(const ns_mlcp_solver *s, int i) {
+    if (!s->in[i])
+        return NS_INSIDE;
+    return s->lambda[i] < s->p->l[i] ? NS_LOWER : NS_UPPER;
 }
 
-/* The worst of the n in list. */
-static int worst(const ns_mlcp_solver *s, int n, const int *list) {
-    double most = breach(s, list[0]);
-    int at = list[0];
-    for (int k = 1; k < n; k++) {
-        const double v = breach(s, list[k]);
-        if (v > most) {
-            most = v;
-            at = list[k];
+/* list gets the pairs whose guard is broken, of n in from, which may be list; *worst: the pair most so, in
+ * units of the terms of its value. */
+static int broken(const ns_mlcp_solver *s, int n, const int *from, int *list, int *worst) {
+    double most = 0.0;
+    int left = 0;
+    for (int k = 0; k < n; k++) {
+        const int i = from[k];
+        double size;
+        const double by = breach(s, i, &size);
+        if (by > s->slack * size) {
+            list[left++] = i;
+            if (by > most * size) {
+                most = by / size;
+                *worst = i;
+            }
         }
     }
-    return at;
+    return left;
 }
 
 /* --- exchanges --- */
@@ -121,7 +120,7 @@ static int first_to_break(ns_mlcp_solver *s, int k, double way, const double *ra
     for (int a = 0; a < s->np; a++) {
         const int i = s->pair[a];
         const double slope = way * rate[i];
-        if (i == k || slope == 0.0 || wanted(s, i) != s->mode[i])
+        if (i == k || slope == 0.0 || !holds(s, i))
             continue;
         const double t = fmax(room(s, i, slope), 0.0);
         if (t < *far && ns_transform_trust2(s, k, i) >= TRUST) {
@@ -155,6 +154,7 @@ static int exchange_with_partner(ns_mlcp_solver *s, int k) {
 /* Flips pair i.  0: neither its pivot nor one together with another pair can be trusted. */
 static int flip(ns_mlcp_solver *s, int i) {
     int done = 1;
+    s->carried = 0;
     if (ns_transform_trust(s, i) < TRUST)
         done = exchange_with_partner(s, i);
     else {
@@ -165,10 +165,10 @@ static int flip(ns_mlcp_solver *s, int i) {
     return done;
 }
 
-/* Flips the worst of the n in list, lets the others follow, and so on while one of them is still broken. */
-static int flip_in_turn(ns_mlcp_solver *s, int n, int *list) {
+/* Flips pair i, the worst of the n in list, lets the others follow, and so on while one of them is still
+ * broken. */
+static int flip_in_turn(ns_mlcp_solver *s, int i, int n, int *list) {
     while (n > 0) {
-        const int i = worst(s, n, list);
         if (ns_transform_trust(s, i) < TRUST)
             return flip(s, i);
         s->mode[i] = wanted(s, i);
@@ -178,9 +178,9 @@ static int flip_in_turn(ns_mlcp_solver *s, int n, int *list) {
             ns_transform_tidy(s);
         int left = 0;
         for (int k = 0; k < n; k++)
-            if (list[k] != i && wanted(s, list[k]) != s->mode[list[k]])
+            if (list[k] != i)
                 list[left++] = list[k];
-        n = left;
+        n = broken(s, left, list, list, &i);
     }
     return 1;
 }
@@ -200,24 +200,29 @@ static double defect(const ns_mlcp_solver *s) {
 
 /* The pairs whose guard is broken, at lambda of s->mode and y from W and lambda.  A guard is not read more
  * finely than the equations hold; where that leaves none broken, lambda is refined once. */
-static int look_at_guards(ns_mlcp_solver *s, int *list) {
+static int look_at_guards(ns_mlcp_solver *s, int *list, int *worst) {
     ns_transform_values(s);
-    ns_mlcp_terms(s->p, s->lambda, s->y, s->yterms);
+    ns_mlcp_terms(s->p, &s->nonzeros, s->lambda, s->y, s->yterms);
+    s->carried = 1;
     s->slack = GUARD * fmax(1.0, defect(s) / FINE);
-    int n = broken(s, list);
+    int n = broken(s, s->np, s->pair, list, worst);
     if (n > 0 || s->slack == GUARD)
         return n;
     s->slack = GUARD;
     ns_transform_correct(s);
-    ns_mlcp_terms(s->p, s->lambda, s->y, s->yterms);
-    return broken(s, list);
+    ns_mlcp_terms(s->p, &s->nonzeros, s->lambda, s->y, s->yterms);
+    return broken(s, s->np, s->pair, list, worst);
 }
 
-/* From s->mode to one whose guards hold.  persist: by least index too. */
+/* From s->mode to one whose guards hold.  persist: by least index too.  The values that came along with the
+ * flips will do to find more to flip, as long as that goes well. */
 static int search(ns_mlcp_solver *s, int persist) {
-    int *list = s->queue, best = s->np + 1, patience = PATIENCE;
+    int *list = s->queue, best = s->np + 1, patience = PATIENCE, worst = 0;
+    s->carried = 0;
     for (int round = 0; round < ROUNDS + ROUNDS_PER_PAIR * s->np; round++) {
-        const int n = look_at_guards(s, list);
+        int n = s->carried && patience > PATIENCE / 2 ? broken(s, s->np, s->pair, list, &worst) : 0;
+        if (n == 0)
+            n = look_at_guards(s, list, &worst);
         if (n == 0)
             return NS_OK;
         if (n < best) {
@@ -225,7 +230,7 @@ static int search(ns_mlcp_solver *s, int persist) {
             patience = PATIENCE + s->np / 4;
         } else if (--patience <= 0 && !persist)
             return NS_E_LIMIT;
-        if (!(patience > 0 ? flip_in_turn(s, n, list) : flip(s, list[0])))
+        if (!(patience > 0 ? flip_in_turn(s, worst, n, list) : flip(s, list[0])))
             return NS_E_LIMIT;
     }
     return NS_E_LIMIT;
@@ -247,7 +252,7 @@ static int clamp_lambda(ns_mlcp_solver *s) {
 /* The residual of the answer, whose y is that of lambda before it was put into its bounds. */
 static double check(ns_mlcp_solver *s) {
     if (clamp_lambda(s))
-        ns_mlcp_terms(s->p, s->lambda, s->y, s->yterms);
+        ns_mlcp_terms(s->p, &s->nonzeros, s->lambda, s->y, s->yterms);
     const double r = ns_mlcp_bound_residual(s->p, s->lambda, s->y, s->yterms);
     if (r <= GOOD)
         return r;
@@ -273,6 +278,8 @@ static int clamp_y(ns_mlcp_solver *s) {
 
 static int all_lower(const ns_mlcp_solver *s, const ns_mode *mode) {
     int n = 0;
+    if (memcmp(mode, s->lowest, (size_t)s->m) == 0)
+        return 1;
     for (int i = 0; i < s->m; i++)
         n += ns_mlcp_mend(s, i, mode[i]) != ns_mlcp_mend(s, i, NS_LOWER);
     return n == 0;

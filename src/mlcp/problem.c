@@ -23,13 +23,23 @@ static void sort(ns_mlcp_solver *s) {
     const ns_mlcp *p = &s->given;
     s->m = p->m;
     s->nf = s->np = s->nx = 0;
-    for (int i = 0; i < p->m; i++)
+    s->at_zero = 1;
+    s->p = p;
+    for (int i = 0; i < p->m; i++) {
+        s->at_zero &= (p->l[i] == 0.0 || isinf(p->l[i])) && (p->u[i] == 0.0 || isinf(p->u[i]));
+        s->lowest[i] = ns_mlcp_mend(s, i, NS_LOWER);
         if (p->l[i] == p->u[i])
             s->fixed[s->nx++] = i;
         else if (isinf(p->l[i]) && isinf(p->u[i]))
             s->free[s->nf++] = i;
         else
             s->pair[s->np++] = i;
+    }
+}
+
+static int same_bounds(const ns_mlcp_solver *s, const ns_mlcp *p) {
+    const size_t m = (size_t)p->m;
+    return memcmp(p->l, s->lown, m * sizeof *p->l) == 0 && memcmp(p->u, s->uown, m * sizeof *p->u) == 0;
 }
 
 /* Whether W, l and u are those of the last problem: promised, or seen. */
@@ -39,29 +49,41 @@ static int known(const ns_mlcp_solver *s, const ns_mlcp *p) {
         return 0;
     if (s->same)
         return 1;
-    return p->W && memcmp(p->l, s->lown, m * sizeof *p->l) == 0 &&
-           memcmp(p->u, s->uown, m * sizeof *p->u) == 0 && memcmp(p->W, s->Wown, m * m * sizeof *p->W) == 0;
+    return p->W && same_bounds(s, p) && memcmp(p->W, s->Wown, m * m * sizeof *p->W) == 0;
+}
+
+/* Keeps l and u. */
+static int learn_bounds(ns_mlcp_solver *s, const ns_mlcp *p) {
+    const size_t m = (size_t)p->m;
+    const int status = bad_bounds(p);
+    if (status != NS_OK)
+        return status;
+    memcpy(s->lown, p->l, m * sizeof *p->l);
+    memcpy(s->uown, p->u, m * sizeof *p->u);
+    s->given.m = p->m;
+    sort(s);
+    return NS_OK;
 }
 
 /* Keeps W, l and u. */
 static int learn(ns_mlcp_solver *s, const ns_mlcp *p) {
     const size_t m = (size_t)p->m;
+    const int alike = s->known && p->m == s->m, sorted = alike && same_bounds(s, p);
     s->known = s->have_units = s->have_scale = s->have_transform = s->settled = s->have_factors = 0;
-    int status = bad_bounds(p);
+    const int status = sorted ? NS_OK : learn_bounds(s, p);
     if (status != NS_OK)
         return status;
     s->on_demand = !p->W;
-    memcpy(s->lown, p->l, m * sizeof *p->l);
-    memcpy(s->uown, p->u, m * sizeof *p->u);
+    s->nonzeros.few &= alike && p->W;
     if (p->W) {
         if (!ns_finite(m * m, p->W))
             return NS_E_NUMBER;
+        if (!s->nonzeros.few || !ns_nonzeros_fit(p->m, p->W, &s->nonzeros))
+            ns_nonzeros_find(p->m, p->W, &s->nonzeros);
         memcpy(s->Wown, p->W, m * m * sizeof *p->W);
     }
     memset(s->have, p->W != NULL, m);
     s->missing = p->W ? 0 : p->m;
-    s->given.m = p->m;
-    sort(s);
     s->known = 1;
     return NS_OK;
 }
@@ -106,10 +128,6 @@ int ns_mlcp_fetch_all(ns_mlcp_solver *s) {
         else if (ns_mlcp_fetch(s, j) != NS_OK)
             return NS_E_NUMBER;
     return NS_OK;
-}
-
-double ns_mlcp_bound(const ns_mlcp_solver *s, int i, ns_mode mode) {
-    return mode == NS_UPPER ? s->p->u[i] : s->p->l[i];
 }
 
 /* Which rows are joined. */
@@ -175,6 +193,10 @@ void ns_mlcp_given(ns_mlcp_solver *s) {
 }
 
 void ns_mlcp_restart(ns_mlcp_solver *s, const ns_mode *mode) {
+    if (!mode || memcmp(mode, s->lowest, (size_t)s->m) == 0) {
+        memcpy(s->mode, s->lowest, (size_t)s->m);
+        return;
+    }
     for (int i = 0; i < s->m; i++)
-        s->mode[i] = ns_mlcp_mend(s, i, mode ? mode[i] : NS_LOWER);
+        s->mode[i] = ns_mlcp_mend(s, i, mode[i]);
 }

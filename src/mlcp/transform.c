@@ -2,7 +2,7 @@
  * values.
  *
  * s->who[0..nwho-1] are those pairs, s->at[i] the place of pair i among them, -1 elsewhere.  P (leading
- * dimension m), diag, and all that is called a or b here are numbered by place.
+ * dimension stride()), diag, and all that is called a or b here are numbered by place.
  */
 #include "transform.h"
 
@@ -17,11 +17,8 @@ static const double EASY = 0.1;   /* good enough not to look for a better one */
 
 void ns_transform_start(ns_mlcp_solver *s) {
     memset(s->in, 0, (size_t)s->m);
-    s->at_zero = 1;
-    for (int i = 0; i < s->m; i++) {
+    for (int i = 0; i < s->m; i++)
         s->at[i] = -1;
-        s->at_zero &= (s->p->l[i] == 0.0 || isinf(s->p->l[i])) && (s->p->u[i] == 0.0 || isinf(s->p->u[i]));
-    }
     s->nwho = 0;
     s->changes = 0;
     s->have_transform = 1;
@@ -29,41 +26,61 @@ void ns_transform_start(ns_mlcp_solver *s) {
 
 /* --- which pairs --- */
 
-static double *column(const ns_mlcp_solver *s, int a) {
-    return s->P + (size_t)a * (size_t)s->m;
+static inline size_t stride(const ns_mlcp_solver *s) {
+    return ((size_t)s->m + 3) & ~(size_t)3;
+}
+
+static inline double *column(const ns_mlcp_solver *s, int a) {
+    return s->P + (size_t)a * stride(s);
+}
+
+/* y += v x for n entries of columns of P, and for what lies between the last and the next multiple of four,
+ * where nothing is ever read: short loops without rests. */
+static inline void add(int n, double v, const double *restrict x, double *restrict y) {
+    for (int a = 0; a < n; a += 4)
+        for (int k = a; k < a + 4; k++)
+            y[k] += v * x[k];
 }
 
 /* Row and column of pair i, which is not basic, behind the others:
  *     P_ai = [W_ai] - sum_J P_aj W_ji,   P_ia = [W_ia] + sum_J W_ij P_ja,   [] where a is not basic. */
 static int look(ns_mlcp_solver *s, int i) {
-    const size_t m = (size_t)s->m, n = (size_t)s->nwho;
+    const size_t m = (size_t)s->m, ld = stride(s);
     const double *Wi = s->p->W + (size_t)i * m, own = Wi[i];
+    const int n = s->nwho;
     if (s->at[i] >= 0)
         return s->at[i];
-    double *restrict new = column(s, s->nwho), *restrict row = s->g, size = fabs(own), sum = own;
-    for (size_t a = 0; a < n; a++) {
-        const int j = s->who[a];
-        row[a] = s->in[j] ? s->p->W[(size_t)i + (size_t)j * m] : 0.0;
-        new[a] = s->in[j] ? 0.0 : Wi[j];
-        s->P[n + a * m] = s->in[j] ? 0.0 : s->p->W[(size_t)i + (size_t)j * m];
-    }
-    for (size_t b = 0; b < n; b++) {
+    double *new = column(s, n), *across = s->P + n, *row = s->g, size = fabs(own), sum = own;
+    int *held = s->parent, count = 0; /* where the row of W is not 0, and what it is */
+    memset(new, 0, (size_t)n * sizeof *new);
+    for (int b = 0; b < n; b++) {
         const int j = s->who[b];
-        const double *restrict col = s->P + b * m, w = s->in[j] ? Wi[j] : 0.0, v = row[b];
-        for (size_t a = 0; a < n && w != 0.0; a++)
-            new[a] -= col[a] * w;
-        for (size_t a = 0; a < n && v != 0.0; a++)
-            s->P[n + a * m] += v * s->P[b + a * m];
+        const double w = s->p->W[(size_t)i + (size_t)j * m];
+        across[(size_t)b * ld] = s->in[j] ? 0.0 : w;
+        if (!s->in[j])
+            new[b] += Wi[j];
+        else if (Wi[j] != 0.0)
+            add(n, -Wi[j], column(s, b), new);
+        held[count] = b;
+        row[count] = w;
+        count += s->in[j] && w != 0.0;
     }
-    for (size_t a = 0; a < n; a++) {
-        const double term = row[a] * new[a];
+    for (int b = 0; b < n; b++) {
+        const double *col = column(s, b);
+        double v = across[(size_t)b * ld];
+        for (int h = 0; h < count; h++)
+            v += row[h] * col[held[h]];
+        across[(size_t)b * ld] = v;
+    }
+    for (int h = 0; h < count; h++) {
+        const double term = row[h] * new[held[h]];
         sum += term;
         size = fabs(term) > size ? fabs(term) : size;
     }
     new[n] = sum;
     s->diag[n] = size;
     s->who[n] = i;
-    s->at[i] = (int)n;
+    s->at[i] = n;
     return s->nwho++;
 }
 
@@ -119,13 +136,20 @@ void ns_transform_move(ns_mlcp_solver *s, int i, int n, const int *list) {
     const double *col = column(s, k),
                  by = s->in[i] ? ns_mlcp_bound(s, i, s->mode[i]) - s->lambda[i] : -s->y[i];
     const double step = by / col[k];
+    if (!s->in[i] && s->nonzeros.few)
+        s->lterms[i] = fabs(s->lambda[i]);
     for (int a = 0; a < s->nwho; a++) {
         const int j = s->who[a];
         const double change = j == i && !s->in[i] ? step : s->in[j] ? step * col[a] : 0.0;
         s->lambda[j] += change;
-        for (int b = 0; b < n && change != 0.0; b++)
-            s->y[list[b]] += s->p->W[(size_t)list[b] + (size_t)j * m] * change;
+        s->lterms[j] += s->nonzeros.few ? fabs(change) : 0.0;
+        if (change != 0.0 && s->nonzeros.few)
+            ns_nonzeros_add(&s->nonzeros, j, s->p->W + (size_t)j * m, change, s->y, s->yterms);
+        else
+            for (int b = 0; b < n && change != 0.0; b++)
+                s->y[list[b]] += s->p->W[(size_t)list[b] + (size_t)j * m] * change;
     }
+    s->carried &= s->nonzeros.few;
 }
 
 /* P_IJ -= c r_J / p for all columns but k, row k aside. */
@@ -139,8 +163,7 @@ void ns_transform_pivot(ns_mlcp_solver *s, int i) {
         const double r = col[k] * inverse, term = fabs(c[b] * r);
         if (b == k || r == 0.0)
             continue;
-        for (int a = 0; a < n; a++)
-            col[a] -= c[a] * r;
+        add(n, -r, c, col);
         col[k] = -r;
         diag[b] = term > diag[b] ? term : diag[b];
     }
@@ -246,17 +269,17 @@ void ns_transform_column(ns_mlcp_solver *s, int i, double *rate) {
 }
 
 void ns_transform_values(ns_mlcp_solver *s) {
-    const int n = s->nwho, ld = s->m;
+    const int n = s->nwho, ld = (int)stride(s);
     double *x = s->rhs, *sum = x + n, *terms = sum + n, *none = terms + n;
     int plain = 1; /* lambda at its bounds is 0 */
-    memset(s->lambda, 0, (size_t)ld * sizeof *s->lambda);
+    memset(s->lambda, 0, (size_t)s->m * sizeof *s->lambda);
     for (int i = 0; i < s->m && !s->at_zero; i++)
         if (!s->in[i]) {
             s->lambda[i] = ns_mlcp_bound(s, i, s->mode[i]);
             plain &= s->lambda[i] == 0.0;
         }
     if (!plain)
-        ns_mlcp_terms(s->p, s->lambda, s->y, s->yterms);
+        ns_mlcp_terms(s->p, &s->nonzeros, s->lambda, s->y, s->yterms);
     memset(sum, 0, 3 * (size_t)n * sizeof *sum);
     for (int a = 0; a < n; a++)
         x[a] = -(plain ? s->p->q : s->y)[s->who[a]];

@@ -8,7 +8,7 @@
 
 static void carve_doubles(ns_mlcp_solver *s, size_t m) {
     double *d = s->doubles;
-    double **square[] = {&s->Wreg, &s->A, &s->mag, &s->Wown, &s->P};
+    double **square[] = {&s->Wreg, &s->A, &s->mag, &s->Wown};
     double **vector[] = {&s->q,       &s->qraw,        &s->eval,   &s->kept_lambda, &s->kept_y, &s->rowmax,
                          &s->colunit, &s->lambda,      &s->y,      &s->ysize,       &s->lsize,  &s->g,
                          &s->beta,    &s->blo,         &s->bhi,    &s->cover,       &s->ray,    &s->proof,
@@ -23,11 +23,12 @@ static void carve_doubles(ns_mlcp_solver *s, size_t m) {
     s->xs = s->rhs + (m + 1) * (m + 2) + NS_MEASURE_WORK * m; /* small m: residual.c needs more */
     s->T = s->xs + (m + 1) * (m + 2);
     s->unit = s->T + m * (m + 1);
+    s->P = s->unit + 2 * m + 1;
 }
 
 static size_t count_doubles(size_t m) {
-    return 5 * m * m + 26 * m + (m + 1) * (m + 1) + 2 * (m + 1) * (m + 2) + NS_MEASURE_WORK * m +
-           m * (m + 1) + 2 * m + 1;
+    return 4 * m * m + 26 * m + (m + 1) * (m + 1) + 2 * (m + 1) * (m + 2) + NS_MEASURE_WORK * m +
+           m * (m + 1) + 2 * m + 1 + m * (m + 3);
 }
 
 static void carve_ints(ns_mlcp_solver *s, size_t m) {
@@ -54,7 +55,7 @@ int ns_mlcp_create(int m, ns_mlcp_solver **out) {
     s->cap = m;
     s->doubles = calloc(count_doubles(k), sizeof *s->doubles);
     s->ints = calloc(22 * (k + 1) + 2 * k + 1, sizeof *s->ints);
-    s->bytes = calloc(k * k * sizeof(short) + 10 * (k + 1), 1);
+    s->bytes = calloc(k * k * sizeof(short) + 11 * (k + 1), 1);
     if (!s->doubles || !s->ints || !s->bytes || ns_lu_create(m + 1, &s->lu) != NS_OK) {
         ns_mlcp_free(s);
         return NS_E_MEMORY;
@@ -73,6 +74,7 @@ int ns_mlcp_create(int m, ns_mlcp_solver **out) {
     s->in = b + 7 * (k + 1);
     s->factored = b + 8 * (k + 1);
     s->noted_mode = (ns_mode *)(b + 9 * (k + 1));
+    s->lowest = (ns_mode *)(b + 10 * (k + 1));
     *out = s;
     return NS_OK;
 }
