@@ -184,6 +184,11 @@ static int good_enough(const ns_mlcp_solver *s, int effort, const double *v, dou
     return effort == NS_AGAINST ? margin > ACCEPT && refutes(s, v, rest) : margin > MARGIN;
 }
 
+static int two_rows_prove(ns_mlcp_solver *s, int effort, double *v) {
+    memset(s->ray, 0, (size_t)s->m * sizeof *s->ray);
+    return ns_parallel(s, v) && good_enough(s, effort, v, s->ray);
+}
+
 static int proves(ns_mlcp_solver *s, int effort, double floor, double near, double *v) {
     ns_phase1 z;
     if (!ns_phase1_run(&z, s, floor, near))
@@ -206,7 +211,8 @@ static int proves(ns_mlcp_solver *s, int effort, double floor, double near, doub
 int ns_farkas(ns_mlcp_solver *s, int effort) {
     ns_mlcp now = s->now;
     ns_mlcp_given(s);
-    int proved = proves(s, effort, effort == NS_BOLD ? 0.0 : FLOOR, NEAR, s->proof);
+    int proved = two_rows_prove(s, effort, s->proof) ||
+                 proves(s, effort, effort == NS_BOLD ? 0.0 : FLOOR, NEAR, s->proof);
     if (!proved && effort == NS_BOLD) /* perhaps a row that was outside by rounding had its say */
         proved = proves(s, effort, 0.0, COARSE, s->proof);
     if (proved)

@@ -221,6 +221,10 @@ int ns_lemke(ns_mlcp_solver *s, int all, int patience);
 enum { NS_CAREFUL = 1, NS_BOLD, NS_AGAINST }; /* effort */
 int ns_farkas(ns_mlcp_solver *s, int effort);
 
+/* parallel.c: v (m) of two rows of W that are multiples of each other and ask the opposite; 0: there are
+ * none. v is not judged.  Uses r, c (exponents of units of the rows and columns), queue, rowdone. */
+int ns_parallel(ns_mlcp_solver *s, double *v);
+
 /* rescaled.c: s->given and its W, l, u in units in which all is about 1; 0: that would round, nothing is
  * changed.  And back, with lambda. */
 int ns_mlcp_rescale(ns_mlcp_solver *s);

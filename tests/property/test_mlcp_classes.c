@@ -140,6 +140,19 @@ static void unknowns_that_equations_hold_at_zero(void **state) {
     }
 }
 
+/* Networks with entries from 1e-29 to 1e26, two rows of which are one turned round and ask the opposite. */
+static void two_rows_that_contradict(void **state) {
+    (void)state;
+    static const int number[] = {6274, 6647}, m[] = {102, 174}; /* solved with lambda = 4e16; LIMIT */
+    for (int k = 0; k < 2; k++) {
+        generate(&s, CLASS_INFEASIBLE, (unsigned long long)number[k], LARGEST);
+        const ns_mlcp p = sample_problem(&s);
+        assert_int_equal(s.m, m[k]);
+        assert_int_equal(solve(&p), NS_E_INFEASIBLE);
+        assert_true(ns_mlcp_certify(&p, ns_mlcp_certificate(solver)) > 0);
+    }
+}
+
 /* y_1 = lambda_2 - 1, y_2 = 1 takes lambda_2 >= 1 and so lambda_2 y_2 > 0: no answer, though the bounds do
  * not contradict each other.  Nine of these, which are more than are enumerated, are given up in any units.
  */
@@ -178,6 +191,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(currents_that_vanish_step_by_step, setup, teardown),
         cmocka_unit_test_setup_teardown(floating_nodes_in_wild_units, setup, teardown),
         cmocka_unit_test_setup_teardown(unknowns_that_equations_hold_at_zero, setup, teardown),
+        cmocka_unit_test_setup_teardown(two_rows_that_contradict, setup, teardown),
         cmocka_unit_test_setup_teardown(given_up_in_any_units, setup, teardown),
         cmocka_unit_test_setup_teardown(problems_that_almost_have_none_or_one, setup, teardown),
     };
