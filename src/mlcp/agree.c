@@ -15,15 +15,26 @@
 enum { ROUNDS = 4 };
 static const double ACCEPT = 1e-10; /* of the terms of y: as driver.c has it */
 
-/* The pairs and given lambda whose y is not s->ray: list gets them.  Of equalities the residual says all. */
+/* Of equalities the residual says all. */
+static inline int differ(const ns_mlcp_solver *s, int i, double y, double size) {
+    const int equality = isinf(s->p->l[i]) && isinf(s->p->u[i]);
+    return !equality && fabs(y - s->y[i]) > ACCEPT * size;
+}
+
+/* The pairs and given lambda whose y is not s->ray: list gets them. */
 static int differing(const ns_mlcp_solver *s, int *list) {
     int n = 0;
-    for (int i = 0; i < s->m; i++) {
-        const int equality = isinf(s->p->l[i]) && isinf(s->p->u[i]);
-        if (!equality && fabs(s->ray[i] - s->y[i]) > ACCEPT * s->ysize[i])
+    for (int i = 0; i < s->m; i++)
+        if (differ(s, i, s->ray[i], s->ysize[i]))
             list[n++] = i;
-    }
     return n;
+}
+
+int ns_mlcp_differs(const ns_mlcp_solver *s, const double *y, const double *size) {
+    int n = 0;
+    for (int i = 0; i < s->m; i++)
+        n += differ(s, i, y[i], size[i]);
+    return n > 0;
 }
 
 /* The same with s->ray read anew; rows whose terms are all rounding differ in nothing. */

@@ -305,6 +305,8 @@ int ns_mlcp_block(ns_mlcp_solver *s, double accept, double *residual) {
         *residual = approach(&b);
     if (!(*residual <= accept))
         return status == NS_E_LIMIT ? status : NS_E_RESIDUAL;
+    memcpy(s->ray, s->y, (size_t)s->m * sizeof *s->y);
     ns_basis_clamp(s);
+    s->agrees = !ns_mlcp_differs(s, s->ray, s->ysize);
     return NS_OK;
 }

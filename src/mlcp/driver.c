@@ -144,6 +144,14 @@ static int large(ns_mlcp_solver *s, double *residual) {
     return status;
 }
 
+/* Whether y and mode are those of s->lambda, which was measured last. */
+static int agrees(ns_mlcp_solver *s) {
+    const double *y = s->rhs, *inverse = s->rhs + s->m;
+    for (int i = 0; i < s->m; i++)
+        s->g[i] = 1.0 / inverse[i];
+    return !ns_mlcp_differs(s, y, s->g);
+}
+
 /* One method, from a mode, on the problem as given. */
 static int apply(ns_mlcp_solver *s, ns_mlcp_method method, const ns_mode *mode, double *residual) {
     static int (*const solver[NS_MLCP_METHODS])(ns_mlcp_solver *, double) = {
@@ -152,11 +160,12 @@ static int apply(ns_mlcp_solver *s, ns_mlcp_method method, const ns_mode *mode, 
         [NS_MLCP_ENUMERATE] = ns_mlcp_enumerate,
     };
     s->method = (int)method;
-    s->nstuck = s->settled = 0;
+    s->nstuck = s->settled = s->agrees = 0;
     ns_mlcp_units(s);
     ns_mlcp_given(s);
     if (method == NS_MLCP_LEMKE) {
         int status = ns_mlcp_search(s, mode, residual);
+        s->agrees = status == NS_OK && agrees(s);
         if (status != NS_E_SINGULAR || s->nstuck == 0)
             return status;
         /* first: where equalities contradict each other, lambda grows until its size hides that */
@@ -168,6 +177,7 @@ static int apply(ns_mlcp_solver *s, ns_mlcp_method method, const ns_mode *mode, 
     int status = solver[method](s, ACCEPT);
     if (status == NS_OK && method == NS_MLCP_PIVOT) { /* exact already */
         *residual = measure(s);
+        s->agrees = agrees(s);
         return *residual <= ACCEPT ? NS_OK : NS_E_RESIDUAL;
     }
     return status == NS_OK ? settle(s, residual) : status;
@@ -176,7 +186,7 @@ static int apply(ns_mlcp_solver *s, ns_mlcp_method method, const ns_mode *mode, 
 /* A ray or a runaway alone proves nothing, neither does an answer that has run away; a method may give up
  * where there is a proof. */
 static int verdict(ns_mlcp_solver *s, int status, double *residual) {
-    if (status == NS_OK && !ns_mlcp_agree(s, ACCEPT, residual))
+    if (status == NS_OK && !s->agrees && !ns_mlcp_agree(s, ACCEPT, residual))
         status = NS_E_RESIDUAL;
     if (status == NS_OK && ns_mlcp_lost(s, DOUBT))
         status = NS_E_LIMIT;

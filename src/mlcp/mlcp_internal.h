@@ -126,6 +126,7 @@ struct ns_mlcp_solver {
     int proved;    /* it holds one */
     int asked;     /* effort: how this solve has looked for one */
     int method;    /* what gave the answer */
+    int agrees;    /* its y and mode are known to be those of lambda */
     long pivots, factors, iterations;
     ns_fault fault;
 
@@ -244,6 +245,9 @@ int ns_mlcp_lost(ns_mlcp_solver *s, double doubt);
  * to nothing; then *residual is that of the new one.  0: they cannot be had, or not with a residual <=
  * accept. Uses g, ray, rhs, ysize, queue. */
 int ns_mlcp_agree(ns_mlcp_solver *s, double accept, double *residual);
+
+/* Whether s->y is not the y of lambda, whose terms are of the size given; equalities are left aside. */
+int ns_mlcp_differs(const ns_mlcp_solver *s, const double *y, const double *size);
 
 /* fault.c: fault.pair gets index[k] of the largest weights, largest first. */
 void ns_mlcp_name(ns_mlcp_solver *s, const double *weight, int n, const int *index);
