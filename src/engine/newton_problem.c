@@ -16,6 +16,7 @@
  * to the full step on which (S4) holds and the residuals are the rest, 1-share, to first order (Ralph's path
  * search): kinks on the way do not show.
  */
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -91,8 +92,8 @@ void ns_newton_sizes(ns_newton *s, const ns_iterate *at, double of_start) {
             share = fmax(share, top[i] > 0 ? fabs(s->G[i + j * all]) / top[i] : 0);
         largest = fmax(largest, share * size_of[j]);
     }
-    for (int i = 0; i < all; i++)
-        s->size[i] = fmax(s->size[i], floor_share * largest * top[i]);
+    for (int i = 0; i < all; i++) /* never infinite: all is small beside that */
+        s->size[i] = fmin(fmax(s->size[i], floor_share * largest * top[i]), DBL_MAX);
 }
 
 int ns_newton_reduce(ns_newton *s) {

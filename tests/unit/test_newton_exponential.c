@@ -1,5 +1,6 @@
 /* tests/unit/test_newton_exponential.c - Newton's loop down an exponential: a source that moves by many Vt in
- * one step, in one step and in a rectifier with few steps a period. */
+ * one step, in one step and in a rectifier with few steps a period; terms and residuals beyond all numbers.
+ */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -138,10 +139,109 @@ static void a_rectifier_at_few_steps(void **state) {
     assert_true(worst < 1e-10); /* 1e-12 of terms like lambda x/Vt = 100 lambda */
 }
 
+/* M x' = 1 - e^x and M x' = -73361.9 - sinh(x/10)/10, x_j' = -x_j beside it. */
+typedef struct steep {
+    double (*f)(double x), (*slope)(double x);
+    long double (*precise)(long double x);
+    int n;
+} steep;
+
+static double exp_f(double x) {
+    return 1 - exp(x);
+}
+
+static double exp_slope(double x) {
+    return -exp(x);
+}
+
+static long double exp_precise(long double x) {
+    return -expm1l(x);
+}
+
+static double sinh_f(double x) {
+    return -73361.9 - 0.1 * sinh(x / 10);
+}
+
+static double sinh_slope(double x) {
+    return -0.01 * cosh(x / 10);
+}
+
+static long double sinh_precise(long double x) {
+    return -73361.9 - 0.1L * sinhl(x / 10);
+}
+
+static int steep_f(const ns_point *at, void *data, double *out) {
+    const steep *e = data;
+    out[0] = e->f(at->x[0]);
+    for (int j = 1; j < e->n; j++)
+        out[j] = -at->x[j];
+    return !isfinite(out[0]);
+}
+
+static int steep_A(const ns_point *at, void *data, double *out) {
+    const steep *e = data;
+    for (int k = 0; k < e->n * e->n; k++)
+        out[k] = k % (e->n + 1) == 0 ? -1 : 0;
+    out[0] = e->slope(at->x[0]);
+    return !isfinite(out[0]);
+}
+
+/* M (x - x0) = h f(x), f falling, by bisection. */
+static double steep_end(const steep *e, double M, double x0, double h) {
+    long double low = -1e4, high = 1e4;
+    for (int k = 0; k < 200; k++) {
+        const long double mid = (low + high) / 2;
+        *(M * (mid - x0) < h * e->precise(mid) ? &low : &high) = mid;
+    }
+    return (double)low;
+}
+
+/* One step of h; its error against the larger of |x| and 1. */
+static double steep_error(steep *e, double M, double x0, double h) {
+    const double Ms[9] = {M, 0, 0, 0, 1, 0, 0, 0, 1}, right = steep_end(e, M, x0, h);
+    const ns_model model = {.n = e->n, .M = Ms, .f = steep_f, .A = steep_A, .data = e};
+    const ns_newton_options o = {.theta = 1, .gamma = 1};
+    double x[3] = {x0, 0, 1};
+    ns_newton *s;
+    assert_int_equal(ns_newton_create(&model, &o, &s, NULL), NS_OK);
+    assert_int_equal(ns_newton_start(s, 0, x, NULL), NS_OK);
+    assert_int_equal(ns_newton_try(s, h), NS_OK);
+    assert_int_equal(ns_newton_accept(s), NS_OK);
+    assert_int_equal(ns_newton_read(s, NULL, x, NULL, NULL, NULL), NS_OK);
+    print_message("x0 %g: %.15g, right %.15g\n", x0, x[0], right);
+    if (e->n == 3)
+        assert_true(x[1] == 0 && fabs(x[2] * (1 + h) - 1) < 1e-12);
+    ns_newton_free(s);
+    return fabs(x[0] - right) / fmax(fabs(right), 1);
+}
+
+/* Beyond 703 the terms e^x x of the residual overflow, e^x does not; the sinh is met at x = -7098.8 on the
+ * way, e^709.9. */
+static void terms_overflow(void **state) {
+    (void)state;
+    const double x0s[] = {703, 704, 706, 709}, Ms[] = {0, 1e-3};
+    steep e = {exp_f, exp_slope, exp_precise, 1}, to_sinh = {sinh_f, sinh_slope, sinh_precise, 1};
+    for (int k = 0; k < 8; k++)
+        assert_true(steep_error(&e, Ms[k / 4], x0s[k % 4], 1) < 2e-12); /* 1e-12 of terms up to 2.6 */
+    assert_true(steep_error(&to_sinh, 0, 62.377, 1) < 2e-12);           /* 1e-12 of terms like x */
+}
+
+/* The first full correction lands between -7095 and -7023: h f overflows there and f does not, and rows
+ * without trouble come after. */
+static void residuals_overflow(void **state) {
+    (void)state;
+    const double x0s[] = {76.25, 76.3, 76.35};
+    steep e = {sinh_f, sinh_slope, sinh_precise, 3};
+    for (int k = 0; k < 3; k++)
+        assert_true(steep_error(&e, 1, x0s[k], 1e6) < 2e-12);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_source_jumps_by_many_Vt),
         cmocka_unit_test(a_rectifier_at_few_steps),
+        cmocka_unit_test(terms_overflow),
+        cmocka_unit_test(residuals_overflow),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
