@@ -4,7 +4,8 @@
  * beside lambda, that moves it from one bound to the other, and the natural residual, a distance in lambda,
  * does not see y there: lambda may lie anywhere in the box, its pair inside, and y be of any size.  So y is
  * read once more, from W, q and lambda as they are, and where it is not the one of the mode, its sign says at
- * which bound lambda is.
+ * which bound lambda is.  And a pair whose lambda was moved off its bound, as one that is degenerate may be
+ * (branch.c), is not at it.
  */
 #include <math.h>
 
@@ -62,7 +63,19 @@ static int move(ns_mlcp_solver *s, int i) {
     return 1;
 }
 
-int ns_mlcp_agree(ns_mlcp_solver *s, double accept, double *residual) {
+/* Modes at a bound where lambda is not, and y says nothing. */
+static void fit_modes(ns_mlcp_solver *s) {
+    for (int i = 0; i < s->m; i++) {
+        const double l = s->p->l[i], u = s->p->u[i], v = s->lambda[i];
+        if (s->mode[i] == NS_INSIDE || v == ns_mlcp_bound(s, i, s->mode[i]) ||
+            fabs(s->y[i]) > ACCEPT * s->ysize[i])
+            continue;
+        s->mode[i] = v == l ? NS_LOWER : v == u ? NS_UPPER : NS_INSIDE;
+        s->y[i] = 0.0;
+    }
+}
+
+static int agree(ns_mlcp_solver *s, double accept, double *residual) {
     int *list = s->queue, n = look(s, list);
     if (n == 0)
         return 1;
@@ -76,4 +89,11 @@ int ns_mlcp_agree(ns_mlcp_solver *s, double accept, double *residual) {
     }
     *residual = ns_mlcp_measure(s->p, s->lambda, s->alike, s->rhs, NULL);
     return n == 0 && *residual <= accept;
+}
+
+int ns_mlcp_agree(ns_mlcp_solver *s, double accept, double *residual) {
+    if (!agree(s, accept, residual))
+        return 0;
+    fit_modes(s);
+    return 1;
 }

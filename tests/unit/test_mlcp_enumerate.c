@@ -158,6 +158,23 @@ static void sixteen_boxes(void **state) {
         assert_true(t.lambda[i] == fmin(fmax(-t.q[i], -1), 1));
 }
 
+/* y_2 = lambda_1 + 3 = 1.5 > 0 holds lambda_2 at -1; y_1 = 2 lambda_1 + 2 + 1 = 0 there: lambda_1 = -1.5,
+ * inside
+ * (-2, 1), from a branch in which it is at -2 with y_1 = 0. */
+static void the_mode_is_that_of_lambda(void **state) {
+    (void)state;
+    trial t = {.m = 3,
+               .rows = {0, 2, 0, 0, 2, -2, 0, 1, 0},
+               .q = {3, 1, 3},
+               .l = {-INF, -2, -1},
+               .u = {INF, 1, 2},
+               .mode = {NS_UPPER, NS_LOWER, NS_LOWER}};
+    assert_int_equal(trial_run(&t, NS_MLCP_ENUMERATE), NS_OK);
+    assert_true(t.lambda[1] == -1.5 && t.lambda[2] == -1 && t.y[1] == 0 && t.y[2] == 1.5);
+    assert_int_equal(t.mode[1], NS_INSIDE);
+    assert_int_equal(t.mode[2], NS_LOWER);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(closed_forms),
@@ -172,6 +189,7 @@ int main(void) {
         cmocka_unit_test(bounds_by_columns),
         cmocka_unit_test(seventeen_pairs_are_too_many),
         cmocka_unit_test(sixteen_boxes),
+        cmocka_unit_test(the_mode_is_that_of_lambda),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
