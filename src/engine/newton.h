@@ -66,9 +66,10 @@ int ns_newton_slope(ns_newton *s);                      /* fk */
 void ns_newton_residuals(ns_newton *s, ns_iterate *at); /* R, Ry, from x, y and the values */
 
 /* newton_problem.c: G of the Jacobians; the sizes of the terms of both residuals at an iterate, an unknown
- * being no smaller than a share of what it was at the step's start. */
+ * being no smaller than a share of what it was at the step's start, and no row's size next to nothing beside
+ * what the largest unknown of its part of the system makes of it, or of the whole system. */
 void ns_newton_form(ns_newton *s);
-void ns_newton_sizes(ns_newton *s, const ns_iterate *at, double of_start);
+void ns_newton_sizes(ns_newton *s, const ns_iterate *at, double of_start, int whole);
 /* W factored and (P1) reduced to the pairs, where W is regular enough. */
 int ns_newton_reduce(ns_newton *s);
 /* x, lambda, y of s->next: the linearised problem with all but the part 1-share of the residuals of s->at

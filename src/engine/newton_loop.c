@@ -27,11 +27,15 @@ static double measure(const ns_newton *s, const ns_iterate *at) {
     return most;
 }
 
+/* The residuals at a point with y: where they overflow it is as good as outside a domain. */
+static int residuals(ns_newton *s, ns_iterate *at) {
+    ns_newton_residuals(s, at);
+    return ns_finite((size_t)s->n, at->R) && ns_finite((size_t)s->m, at->Ry) ? NS_OK : NS_DIVERGED;
+}
+
 static int evaluate(ns_newton *s, ns_iterate *at) {
     const int status = ns_newton_values(s, at);
-    if (status == NS_OK)
-        ns_newton_residuals(s, at);
-    return status;
+    return status == NS_OK ? residuals(s, at) : status;
 }
 
 static int finite(const ns_newton *s, const ns_iterate *at) {
@@ -54,8 +58,7 @@ static int begin(ns_newton *s) {
                    : at->lambda[i] == u ? fmin(h, 0)
                                         : 0; /* (S4) */
     }
-    ns_newton_residuals(s, at);
-    return NS_OK;
+    return residuals(s, at);
 }
 
 /* s->next by one share of the correction, its residuals and what they measure in the sizes of s->at. */
@@ -70,12 +73,12 @@ static int look(ns_newton *s, double share, double *now) {
     return NS_OK;
 }
 
-/* 1 if both residuals of s->next are down to the tolerance, in sizes of their own.  Where everything is zero
+/* 1 if both residuals at a point are down to the tolerance, in sizes of their own.  Where everything is zero
  * but what rounding of the step's start leaves, that is what counts: of the unknowns alone, for the functions
  * may be anything there, an exponential of what has not followed its source yet. */
-static int is_small(ns_newton *s) {
-    ns_newton_sizes(s, &s->next, of_start);
-    return measure(s, &s->next) <= s->o.tolerance;
+static int is_small(ns_newton *s, const ns_iterate *at, int whole) {
+    ns_newton_sizes(s, at, of_start, whole);
+    return measure(s, at) <= s->o.tolerance;
 }
 
 /* What a correction came to. */
@@ -88,7 +91,7 @@ typedef struct outcome {
 /* From s->at to s->next: the full step if it solves the problem or brings the residuals down, or else the
  * first of its halves, quarters, ... that does.  Not damped: the first that can be taken. */
 static int correct(ns_newton *s, int damped, outcome *out) {
-    ns_newton_sizes(s, &s->at, 0);
+    ns_newton_sizes(s, &s->at, 0, 0);
     const double before = measure(s, &s->at);
     double share = 1, now = 0;
     out->full = NS_OK;
@@ -100,12 +103,18 @@ static int correct(ns_newton *s, int damped, outcome *out) {
         if (status != NS_OK)
             continue;
         out->left = now / before;
-        out->small = is_small(s);
+        out->small = is_small(s, &s->next, 0);
         if (out->small || !damped || now <= (1 - progress * share) * before)
             return NS_OK;
-        ns_newton_sizes(s, &s->at, 0);
+        ns_newton_sizes(s, &s->at, 0, 0);
     }
     return out->full < 0 ? out->full : NS_DIVERGED;
+}
+
+/* 1 if s->at, which no correction brought down, solves the problem but for what functions round to: much in a
+ * part of the system and nothing beside the whole. */
+static int is_rounding(ns_newton *s, const outcome *out) {
+    return out->full == NS_OK && is_small(s, &s->at, 1);
 }
 
 static void swap(ns_newton *s) {
@@ -138,8 +147,8 @@ static int loop(ns_newton *s, int damped) {
     for (int k = 0; status == NS_OK && !out.small && counted < s->o.iterations; k++) {
         s->counts.iterations++;
         status = linearise(s);
-        if (status == NS_OK)
-            status = correct(s, damped, &out);
+        if (status == NS_OK && (status = correct(s, damped, &out)) == NS_DIVERGED && is_rounding(s, &out))
+            return NS_OK;
         refused = out.full < 0 ? refused + 1 : 0;
         counted += out.left > at_work || k / BOUNDS >= s->o.iterations;
         if (status == NS_OK)

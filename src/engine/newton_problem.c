@@ -20,6 +20,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "../linalg/units.h"
 #include "blame.h"
 #include "newton.h"
 
@@ -71,9 +72,34 @@ static double start(const ns_newton *s, int j) {
     return j < s->n ? s->guess[j] : s->lk[j - s->n];
 }
 
-void ns_newton_sizes(ns_newton *s, const ns_iterate *at, double of_start) {
+/* largest (n+m): of a row, what the largest unknown of its part of the system is there, a part being the rows
+ * and columns that entries of G join: the units of another part say nothing.  Or of the whole system. */
+static void find_largest(const ns_newton *s, int whole, const double *size_of, const double *top,
+                         double *largest) {
     const int all = s->n + s->m;
-    double *top = s->other, *size_of = s->sol, largest = 0;
+    memset(largest, 0, sizeof(double) * (size_t)all);
+    for (int j = 0; j < all; j++) {
+        const double *col = s->G + (size_t)j * (size_t)all;
+        double share = 0;
+        int in = 0;
+        for (int i = 0; i < all; i++)
+            if (fabs(col[i]) > share * top[i]) {
+                share = fabs(col[i]) / top[i];
+                in = i;
+            }
+        largest[in] = fmax(largest[in], share * size_of[j]);
+    }
+    if (!whole)
+        ns_spread(all, s->G, largest, s->bu);
+    for (int i = 1; i < all && whole; i++)
+        largest[0] = fmax(largest[0], largest[i]);
+    for (int i = 1; i < all && whole; i++)
+        largest[i] = largest[0];
+}
+
+void ns_newton_sizes(ns_newton *s, const ns_iterate *at, double of_start, int whole) {
+    const int all = s->n + s->m;
+    double *top = s->other, *size_of = s->sol, *largest = s->bl;
     other_terms(s, at);
     for (int j = 0; j < all; j++)
         size_of[j] = fmax(fabs(unknown(s, at, j)), of_start * fabs(start(s, j)));
@@ -86,14 +112,9 @@ void ns_newton_sizes(ns_newton *s, const ns_iterate *at, double of_start) {
             top[i] = fmax(top[i], entry);
         }
     }
-    for (int j = 0; j < all; j++) {
-        double share = 0;
-        for (int i = 0; i < all; i++)
-            share = fmax(share, top[i] > 0 ? fabs(s->G[i + j * all]) / top[i] : 0);
-        largest = fmax(largest, share * size_of[j]);
-    }
+    find_largest(s, whole, size_of, top, largest);
     for (int i = 0; i < all; i++) /* never infinite: all is small beside that */
-        s->size[i] = fmin(fmax(s->size[i], floor_share * largest * top[i]), DBL_MAX);
+        s->size[i] = fmin(fmax(s->size[i], floor_share * largest[i] * top[i]), DBL_MAX);
 }
 
 int ns_newton_reduce(ns_newton *s) {
