@@ -31,14 +31,14 @@ typedef struct ns_whereabouts {
 
 /* What short steps began from and came to, and where it would have been at once. */
 typedef struct ns_jump {
-    double *left, *right; /* the stepper's past: before them, after them */
+    double *left, *right;             /* the stepper's past: before them, after them */
     double left_t, left_past, last_t; /* left_past: past_t of left_t */
-    double *w, *rate;  /* r: before them, with its rates (absolute) */
-    double *last;      /* r: w before the last of them, at last_t */
-    double *x;         /* n+m: x, lambda after them */
-    double *z, *slope; /* nz: inputs at left_t */
-    ns_impulse to;     /* x, lambda, X, Lambda, mode */
-    ns_mode *mode;     /* m */
+    double *w, *rate;                 /* r: before them, with its rates (absolute) */
+    double *last;                     /* r: w before the last of them, at last_t */
+    double *x;                        /* n+m: x, lambda after them */
+    double *z, *slope;                /* nz: inputs at left_t */
+    ns_impulse to;                    /* x, lambda, X, Lambda, mode */
+    ns_mode *mode;                    /* m */
 } ns_jump;
 
 struct ns_march {
