@@ -80,20 +80,30 @@ int ns_short_settle(ns_march *m, double h) {
     return status;
 }
 
+/* The length of a probe, on the ladder; 0: there is no room before the next corner. */
+static double probe_step(ns_march *m) {
+    const double least = ns_short_step(m), room = ns_march_next_corner(m) - m->live.t;
+    double h = ldexp(m->h, -NS_RATE_RUNG);
+    while (h > least && !(4 * h < room))
+        h /= 2;
+    return h > least ? h : 0;
+}
+
 /* The lambda of a constraint is known to eps w/h after a short step, and between steps of theta = 1/2 what is
  * wrong with it swings on for ever.  Two implicit steps from here, long for rounding and short for the
  * scheme, tell the rates better, unless something happens in them. */
-void ns_short_rates(ns_march *m) {
-    const double h = ldexp(m->h, -NS_RATE_RUNG), t = m->live.t;
-    if (!m->step->carry || !(t + 4 * h < m->limit) || !(h > ns_short_step(m)))
-        return;
+int ns_short_rates(ns_march *m) {
+    const double h = m->step->carry ? probe_step(m) : 0, t = m->live.t;
+    if (!(h > 0))
+        return 1;
     for (int k = 0; k < 2; k++) {
         ns_system_inputs(m->s, t + (k + 1) * h, NS_LEFT, m->z);
         if (ns_control_by_time(m, m->z, m->due) || ns_theta_probe(m->step, (k + 1) * h, m->z, k) != NS_OK ||
             ns_control_by_state(m, m->z, m->crossed))
-            return;
+            return 0;
     }
     ns_theta_take_rates(m->step);
+    return 1;
 }
 
 /* The length of the steps that resolve an event: two and more of them before anything else happens. */
@@ -129,6 +139,6 @@ int ns_event_resolve(ns_march *m) {
     for (int c = 0; c < m->s->nc; c++)
         m->flip[c] = 0;
     if (status == NS_OK)
-        ns_short_rates(m);
+        (void)ns_short_rates(m);
     return status;
 }

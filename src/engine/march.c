@@ -79,7 +79,7 @@ static void go_back(ns_march *m) {
     m->has_trial = 0;
 }
 
-static double next_corner(ns_march *m) {
+double ns_march_next_corner(ns_march *m) {
     if (m->corner <= m->live.t) {
         m->corner = ns_control_next_crest(m, m->live.t);
         for (int i = 0; i < m->s->nz; i++)
@@ -88,33 +88,37 @@ static double next_corner(ns_march *m) {
     return m->corner;
 }
 
-/* Arrived at a corner: a jump of an input is an event, and commands may jump with it. */
+/* Arrived at a corner: a jump of an input is an event, and commands may jump with it.  Where an input only
+ * turns, currents that are its rate jump, and the rates handed on with them; a mode that ends there too is an
+ * event. */
 static void look_at_corner(ns_march *m) {
     int jump = 0;
     ns_system_inputs(m->s, m->live.t, NS_LEFT, m->z_left);
     ns_system_inputs(m->s, m->live.t, NS_RIGHT, m->z);
     for (int i = 0; i < m->s->nz; i++)
         jump |= m->z[i] != m->z_left[i];
-    if (!jump)
+    if (!jump) {
+        m->live.at_event = !ns_short_rates(m);
         return;
+    }
     ns_control_by_time(m, m->z, m->flip);
     m->live.at_event = m->live.jump = 1;
 }
 
 static int go_to(ns_march *m, double t, ns_until until) {
     int status = NS_OK;
-    m->limit = fmin(t, next_corner(m));
+    m->limit = fmin(t, ns_march_next_corner(m));
     if (m->live.at_event && until == NS_TO_EVENT)
         return ns_event_resolve(m);
     /* bounds the tries: each event takes some 2 x 24 to be located, NS_CROWD of them fit into one h */
     m->budget = 4000 + (long)fmin(1e12, 4000 * (t - m->live.t) / m->h);
     while (status == NS_OK && m->live.t < t) {
         if (m->live.at_event) {
-            m->limit = fmin(t, next_corner(m));
+            m->limit = fmin(t, ns_march_next_corner(m));
             status = ns_event_resolve(m);
             continue;
         }
-        const double corner = next_corner(m);
+        const double corner = ns_march_next_corner(m);
         m->limit = fmin(t, corner);
         status = ns_walk(m, m->limit);
         if (status == NS_OK && !m->live.at_event && m->live.t == corner)

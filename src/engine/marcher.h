@@ -64,7 +64,9 @@ struct ns_march {
     ns_fault fault;
 };
 
-/* march.c: keeps the status, its time and the stepper's fault; returns the status. */
+/* march.c: the first corner of the inputs after live.t; and a failure: keeps the status, its time and the
+ * stepper's fault; returns the status. */
+double ns_march_next_corner(ns_march *m);
 int ns_march_fail(ns_march *m, int status);
 
 /* control.c */
@@ -101,10 +103,11 @@ void ns_jump_watch_last(ns_march *m);
 int ns_jump_take(ns_march *m);
 
 /* event.c: one implicit step of length h that resolves whatever breaks; such steps until the mode has
- * settled; rates freed of their rounding; the event at live.t resolved, to its right side. */
+ * settled; rates freed of their rounding (0: something happens right here); the event at live.t resolved, to
+ * its right side. */
 int ns_short_try(ns_march *m, double h);
 int ns_short_settle(ns_march *m, double h);
-void ns_short_rates(ns_march *m);
+int ns_short_rates(ns_march *m);
 int ns_event_resolve(ns_march *m);
 
 #endif

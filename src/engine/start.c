@@ -62,7 +62,7 @@ int ns_march_start(ns_march *m, double t0, const double *w0) {
     }
     if (status != NS_OK)
         return status;
-    ns_short_rates(m);
+    (void)ns_short_rates(m);
     m->started = m->has_trial = 1;
     return ns_march_accept(m);
 }
