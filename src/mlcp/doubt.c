@@ -89,3 +89,14 @@ int ns_mlcp_lost(ns_mlcp_solver *s, double doubt) {
     ns_mlcp_terms(s->p, NULL, s->lambda, s->g, s->ysize);
     return breaks_a_row(s, data) || has_no_digit(s, largest);
 }
+
+double ns_mlcp_broken(ns_mlcp_solver *s) {
+    double data, most = 0.0;
+    int largest;
+    (void)extent(s, &data, &largest);
+    ns_mlcp_terms(s->p, NULL, s->lambda, s->g, s->ysize);
+    for (int i = 0; i < s->m; i++)
+        if (s->ysize[i] > DATA * data * s->rowmax[i])
+            most = fmax(most, wrong(s, i, s->g[i], DATA * data) / s->ysize[i]);
+    return most;
+}

@@ -16,7 +16,8 @@ static const double LARGE = 1e2;     /* lambda this large against q and the boun
 static const double HIDDEN = 1e-11;  /* of q, that the residual beside them may hide: a tenth of ACCEPT */
 static const double DOUBT = 1e7;     /* ... so large that no residual says much */
 static const double HOPELESS = 1e12; /* ... so large that no digits of q are left beside it */
-enum { REFINEMENTS = 3, ROUNDS = 3 };
+static const double LESS = 0.1;      /* of what is wrong: worth another answer */
+enum { REFINEMENTS = 3, ROUNDS = 3, FEW = 8 };
 static const double RCOND = 1e-13; /* a starting basis must keep three digits */
 
 static double try_answer(ns_mlcp_solver *s, int refinements) {
@@ -199,24 +200,62 @@ static int verdict(ns_mlcp_solver *s, int status, double *residual) {
     return status == NS_E_INFEASIBLE ? NS_E_LIMIT : status;
 }
 
-/* The methods in turn: an answer or a proof ends it.  By tests/bench/bench_mlcp.c, whose cheapest of all
- * orders is at most a quarter cheaper: pivoting takes half the time of Lemke's method or less, where it
- * answers; that answers nearly all of the rest; interior point and Newton take two to ten times as long, and
- * answer what is left.  Enumeration is for few pairs, and what the equations leave open does not come out
- * shortest there. */
+/* By tests/bench/bench_mlcp.c, whose cheapest of all orders is at most a quarter cheaper: pivoting takes half
+ * the time of Lemke's method or less, where it answers; that answers nearly all of the rest; interior point
+ * and Newton take two to ten times as long, and answer what is left.  Enumeration is for few pairs, and what
+ * the equations leave open does not come out shortest there. */
+static const struct {
+    ns_mlcp_method method;
+    int as_given; /* units: those of volts and amperes tell noise better in a network that spans decades */
+} order[] = {{NS_MLCP_PIVOT, 0},    {NS_MLCP_LEMKE, 0},  {NS_MLCP_LEMKE, 1},
+             {NS_MLCP_INTERIOR, 0}, {NS_MLCP_NEWTON, 0}, {NS_MLCP_ENUMERATE, 0}};
+enum { ORDER = sizeof order / sizeof *order };
+
+static int apply_next(ns_mlcp_solver *s, int k, const ns_mode *mode, double *residual) {
+    s->as_given = order[k].as_given ^ s->alike;
+    const int status = apply(s, order[k].method, mode, residual);
+    s->as_given = s->alike;
+    return status;
+}
+
+/* Whether method k has an answer that breaks rows less than one that breaks them by *broken. */
+static int better(ns_mlcp_solver *s, int k, const ns_mode *mode, double *broken, double *residual) {
+    double r;
+    if ((order[k].method == NS_MLCP_ENUMERATE && s->np > FEW) || apply_next(s, k, mode, &r) != NS_OK ||
+        (!s->agrees && !ns_mlcp_agree(s, ACCEPT, &r)) || ns_mlcp_lost(s, DOUBT))
+        return 0;
+    const double now = ns_mlcp_broken(s);
+    if (!(now <= LESS * *broken))
+        return 0;
+    *broken = now;
+    *residual = r;
+    return 1;
+}
+
+/* The answer of method k, or of one behind it in the order: where rows are broken by their own terms, which
+ * passed as a lambda that has no part in them is large, another may have kept that small. */
+static void reconsider(ns_mlcp_solver *s, int k, const ns_mode *mode, double *residual) {
+    if (s->m > NS_QUICK || !ns_mlcp_doubtful(s, LARGE))
+        return;
+    double broken = ns_mlcp_broken(s);
+    const int asked = s->asked;
+    ns_mlcp_set_aside(s);
+    s->noting = 0;
+    while (broken > ACCEPT && ++k < ORDER)
+        if (better(s, k, mode, &broken, residual))
+            ns_mlcp_set_aside(s);
+    ns_mlcp_bring_back(s);
+    s->asked = asked; /* proofs against methods that failed are none against the answer */
+    s->proved = 0;
+}
+
+/* The methods in turn: an answer or a proof ends it. */
 static int automatic(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
-    static const struct {
-        ns_mlcp_method method;
-        int as_given; /* units: those of volts and amperes tell noise better in a network that spans decades
-                       */
-    } order[] = {{NS_MLCP_PIVOT, 0},    {NS_MLCP_LEMKE, 0},  {NS_MLCP_LEMKE, 1},
-                 {NS_MLCP_INTERIOR, 0}, {NS_MLCP_NEWTON, 0}, {NS_MLCP_ENUMERATE, 0}};
     int first = NS_OK;
-    for (size_t k = s->m <= NS_QUICK; k < sizeof order / sizeof *order; k++) {
-        s->as_given = order[k].as_given ^ s->alike;
-        int status = apply(s, order[k].method, mode, residual);
-        s->as_given = s->alike;
-        status = verdict(s, status, residual);
+    for (int k = s->m <= NS_QUICK; k < ORDER; k++) {
+        const int status = verdict(s, apply_next(s, k, mode, residual), residual);
+        if (status == NS_OK)
+            reconsider(s, k, mode, residual);
         if (status == NS_OK || status == NS_E_INFEASIBLE)
             return status;
         if (order[k].method != NS_MLCP_PIVOT && first == NS_OK)

@@ -117,6 +117,10 @@ struct ns_mlcp_solver {
     double *kept_lambda, *kept_y; /* m: the best answer so far (proximal.c) */
     ns_mode *kept_mode;           /* m */
 
+    double *aside_lambda, *aside_y; /* m: the answer that driver.c may yet return */
+    ns_mode *aside_mode;            /* m */
+    int aside_method;
+
     double noted;             /* zeros.c: residual of the best point remembered; infinite: there is none */
     double *noted_lambda;     /* m */
     ns_mode *noted_mode;      /* m */
@@ -162,6 +166,8 @@ static inline ns_mode ns_mlcp_mend(const ns_mlcp_solver *s, int i, ns_mode mode)
 /* workspace.c: lambda, y and mode put aside, and taken back. */
 void ns_mlcp_keep(ns_mlcp_solver *s);
 void ns_mlcp_give_back(ns_mlcp_solver *s);
+void ns_mlcp_set_aside(ns_mlcp_solver *s); /* the same and method; no method uses it */
+void ns_mlcp_bring_back(ns_mlcp_solver *s);
 
 /* basis.c */
 void ns_basis_pick(ns_mlcp_solver *s);                    /* rows, cols, k of s->mode */
@@ -240,6 +246,10 @@ int ns_mlcp_recall(ns_mlcp_solver *s);
  * rounding what q says; whether it does.  The latter uses g, ysize, rhs, and what ns_basis_factor() does. */
 int ns_mlcp_doubtful(ns_mlcp_solver *s, double doubt);
 int ns_mlcp_lost(ns_mlcp_solver *s, double doubt);
+
+/* doubt.c: what is wrong with y in the worst row, of its own terms; rows of next to nothing left aside.  Uses
+ * g, ysize. */
+double ns_mlcp_broken(ns_mlcp_solver *s);
 
 /* agree.c: makes s->y and s->mode those of s->lambda, which goes from bound to bound of boxes that are next
  * to nothing; then *residual is that of the new one.  0: they cannot be had, or not with a residual <=

@@ -9,11 +9,13 @@
 static void carve_doubles(ns_mlcp_solver *s, size_t m) {
     double *d = s->doubles;
     double **square[] = {&s->Wreg, &s->A, &s->mag, &s->Wown};
-    double **vector[] = {&s->q,       &s->qraw,        &s->eval,   &s->kept_lambda, &s->kept_y, &s->rowmax,
-                         &s->colunit, &s->lambda,      &s->y,      &s->ysize,       &s->lsize,  &s->g,
-                         &s->beta,    &s->blo,         &s->bhi,    &s->cover,       &s->ray,    &s->proof,
-                         &s->lown,    &s->uown,        &s->yterms, &s->lterms,      &s->diag,   &s->centre,
-                         &s->qown,    &s->noted_lambda};
+    double **vector[] = {&s->q,      &s->qraw,         &s->eval,         &s->kept_lambda,
+                         &s->kept_y, &s->rowmax,       &s->colunit,      &s->lambda,
+                         &s->y,      &s->ysize,        &s->lsize,        &s->g,
+                         &s->beta,   &s->blo,          &s->bhi,          &s->cover,
+                         &s->ray,    &s->proof,        &s->lown,         &s->uown,
+                         &s->yterms, &s->lterms,       &s->diag,         &s->centre,
+                         &s->qown,   &s->noted_lambda, &s->aside_lambda, &s->aside_y};
     for (size_t i = 0; i < sizeof square / sizeof *square; i++, d += m * m)
         *square[i] = d;
     for (size_t i = 0; i < sizeof vector / sizeof *vector; i++, d += m)
@@ -27,7 +29,7 @@ static void carve_doubles(ns_mlcp_solver *s, size_t m) {
 }
 
 static size_t count_doubles(size_t m) {
-    return 4 * m * m + 26 * m + (m + 1) * (m + 1) + 2 * (m + 1) * (m + 2) + NS_MEASURE_WORK * m +
+    return 4 * m * m + 28 * m + (m + 1) * (m + 1) + 2 * (m + 1) * (m + 2) + NS_MEASURE_WORK * m +
            m * (m + 1) + 2 * m + 1 + m * (m + 3);
 }
 
@@ -55,7 +57,7 @@ int ns_mlcp_create(int m, ns_mlcp_solver **out) {
     s->cap = m;
     s->doubles = calloc(count_doubles(k), sizeof *s->doubles);
     s->ints = calloc(22 * (k + 1) + 2 * k + 1, sizeof *s->ints);
-    s->bytes = calloc(k * k * sizeof(short) + 11 * (k + 1), 1);
+    s->bytes = calloc(k * k * sizeof(short) + 12 * (k + 1), 1);
     if (!s->doubles || !s->ints || !s->bytes || ns_lu_create(m + 1, &s->lu) != NS_OK) {
         ns_mlcp_free(s);
         return NS_E_MEMORY;
@@ -75,6 +77,7 @@ int ns_mlcp_create(int m, ns_mlcp_solver **out) {
     s->factored = b + 8 * (k + 1);
     s->noted_mode = (ns_mode *)(b + 9 * (k + 1));
     s->lowest = (ns_mode *)(b + 10 * (k + 1));
+    s->aside_mode = (ns_mode *)(b + 11 * (k + 1));
     *out = s;
     return NS_OK;
 }
@@ -89,16 +92,27 @@ void ns_mlcp_free(ns_mlcp_solver *s) {
     free(s);
 }
 
+static void copy(size_t m, double *lambda, double *y, ns_mode *mode, const double *of_lambda,
+                 const double *of_y, const ns_mode *of_mode) {
+    memcpy(lambda, of_lambda, m * sizeof *lambda);
+    memcpy(y, of_y, m * sizeof *y);
+    memcpy(mode, of_mode, m * sizeof *mode);
+}
+
 void ns_mlcp_keep(ns_mlcp_solver *s) {
-    size_t m = (size_t)s->m;
-    memcpy(s->kept_lambda, s->lambda, m * sizeof *s->lambda);
-    memcpy(s->kept_y, s->y, m * sizeof *s->y);
-    memcpy(s->kept_mode, s->mode, m * sizeof *s->mode);
+    copy((size_t)s->m, s->kept_lambda, s->kept_y, s->kept_mode, s->lambda, s->y, s->mode);
 }
 
 void ns_mlcp_give_back(ns_mlcp_solver *s) {
-    size_t m = (size_t)s->m;
-    memcpy(s->lambda, s->kept_lambda, m * sizeof *s->lambda);
-    memcpy(s->y, s->kept_y, m * sizeof *s->y);
-    memcpy(s->mode, s->kept_mode, m * sizeof *s->mode);
+    copy((size_t)s->m, s->lambda, s->y, s->mode, s->kept_lambda, s->kept_y, s->kept_mode);
+}
+
+void ns_mlcp_set_aside(ns_mlcp_solver *s) {
+    copy((size_t)s->m, s->aside_lambda, s->aside_y, s->aside_mode, s->lambda, s->y, s->mode);
+    s->aside_method = s->method;
+}
+
+void ns_mlcp_bring_back(ns_mlcp_solver *s) {
+    copy((size_t)s->m, s->lambda, s->y, s->mode, s->aside_lambda, s->aside_y, s->aside_mode);
+    s->method = s->aside_method;
 }

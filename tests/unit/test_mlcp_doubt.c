@@ -130,6 +130,34 @@ static void redundant_equations_beside_large_lambda(void **state) {
     assert_true(fabs(lambda[1] + lambda[2] - 1) <= 1e-14);
 }
 
+/* From above: 2 a = 14 (y_3 = 0), 2 b = a + 1, 2 c = 5 b; then y_2 = 0.  With d, which is open and enters y_4
+ * alone, at 1.6e10 the interior point had a, b, c wrong by 1e-8 of the terms of their rows. */
+static void a_large_lambda_of_another_row_hides_nothing(void **state) {
+    (void)state;
+    static const double W[5][5] = {
+        {1, -2, 0, 0, 0}, {0, 5, -2, 0, 0}, {-10, 0, 7, 0, 0}, {-2, 0, 0, 0, 0}, {-3, 0, 3, -10, 0}};
+    static const double q[] = {1, 0, 0, 14, 21}, l[] = {0, 0, 0, -INF, 0}, u[] = {INF, INF, INF, INF, 1};
+    assert_int_equal(solve(NS_MLCP_AUTO, 5, W[0], q, l, u, NULL), NS_OK);
+    assert_true(fabs(lambda[0] - 7) <= 1e-13 && fabs(lambda[1] - 4) <= 1e-13);
+    assert_true(fabs(lambda[2] - 10) <= 1e-13);
+}
+
+/* With a < u_0, y_3 = a / 2^23 - q_3 < 0 asks d = u_3, so y_0 <= 1.14 u_0 - 1.90 u_3 - 37480 < -7000 asks
+ * a = u_0.  That it is, where y_3 = 0; found was a < u_0 with y_0 = -12000, behind lambda_1 = 2.7e18, whose
+ * column has one entry. */
+static void nor_do_large_bounds(void **state) {
+    (void)state;
+    static const double W[4][4] = {
+        {1.143768310546875, 0, -16, -1.901123046875}, {0, 0, 0, 0}, {0, 0.5, -0.0625, 0}, {0x1p-23, 0, 0, 0}};
+    static const double q[] = {-37480.5, 0, -27.5205078125, -60.83984375};
+    static const double u[] = {510361600, INF, INF, 307032064};
+    assert_int_equal(solve(NS_MLCP_AUTO, 4, W[0], q, zero, u, NULL), NS_OK);
+    assert_true(lambda[0] == u[0]);
+    assert_true(y[0] <= 0);
+    const double y0 = W[0][0] * lambda[0] + W[0][2] * lambda[2] + W[0][3] * lambda[3] + q[0];
+    assert_true(fabs(y[0] - y0) <= 1e-5); /* terms of 6e8 */
+}
+
 static int setup(void **state) {
     (void)state;
     return ns_mlcp_create(MAX, &solver);
@@ -150,6 +178,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(what_remains_of_a_sum_times_lambda_makes_up_for_it, setup, teardown),
         cmocka_unit_test_setup_teardown(all_digits_are_left, setup, teardown),
         cmocka_unit_test_setup_teardown(redundant_equations_beside_large_lambda, setup, teardown),
+        cmocka_unit_test_setup_teardown(a_large_lambda_of_another_row_hides_nothing, setup, teardown),
+        cmocka_unit_test_setup_teardown(nor_do_large_bounds, setup, teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
