@@ -86,14 +86,16 @@ int ns_mlcp_alike(ns_mlcp_solver *s, int alike);
  * next solve with the same W; of more pairs, by blocks, with the factors of the last mode kept, and by
  * proximal points where blocks are singular.  Where that fails, the starting mode is made a nonsingular basis
  * (where its equations are singular, pairs are exchanged until they are not), its guards are read, and if
- * they hold, no pivot is made; otherwise Lemke's method from that basis with lexicographic ties.  The answer
+ * they hold, no pivot is made; otherwise Lemke's method from that basis with lexicographic ties; then
+ * interior point, Newton, enumeration of few pairs, and once more in units of the problem's own.  The answer
  * is computed anew from W and q in its mode, refined, and its natural residual is checked before NS_OK. Where
  * equalities are redundant (two closed switches in parallel) the answer is, in what they leave open, the one
  * of least norm, in units of the scaling of W: equal shares for equal switches. info->fault.pair, at most
  * NS_FAULT_MAX: INFEASIBLE: the pairs that the certificate rests on, or whose equations are left unsatisfied,
  * the heaviest first; SINGULAR: the equalities that no basis takes beside the others.  Of other errors it
  * says nothing, of NS_OK it is empty. Verdicts: OK, solved: every y and lambda is what its laws ask for but
- * for 1e-10 of the terms that make it up (a problem whose q lacks no more than that may be called solved);
+ * for 1e-10 of the terms that make it up, rounding of the largest lambda of its part among them (a problem
+ * whose q lacks no more than that may be called solved);
  * INFEASIBLE, no solution exists: proved by a certificate (info->certified), or, for few pairs, by having
  * tried every mode; LIMIT, gave up, or all that was found is lambda of which rounding of W leaves no digit
  * (nearly singular equations). Errors: NULL, SIZE (p->m larger than the workspace), NUMBER, BOUNDS (l > u, or

@@ -278,7 +278,7 @@ static int clamp_y(ns_mlcp_solver *s) {
 
 static int all_lower(const ns_mlcp_solver *s, const ns_mode *mode) {
     int n = 0;
-    if (memcmp(mode, s->lowest, (size_t)s->m) == 0)
+    if (s->m == 0 || memcmp(mode, s->lowest, (size_t)s->m) == 0)
         return 1;
     for (int i = 0; i < s->m; i++)
         n += ns_mlcp_mend(s, i, mode[i]) != ns_mlcp_mend(s, i, NS_LOWER);
