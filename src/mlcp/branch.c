@@ -13,14 +13,16 @@
 #include "feasible.h"
 #include "residual.h"
 
-enum { NODES = 20000, REFINEMENTS = 3, OPEN = 2 };
+/* Nodes looked at.  A problem of a step is asked again at other lengths: all of them together, since the last
+ * answer, look at NODES_ALIKE, and each at NODES_EACH. */
+enum { NODES = 20000, NODES_ALIKE = 1000, NODES_EACH = 50, REFINEMENTS = 3, OPEN = 2 };
 
 typedef struct search {
     ns_mlcp_solver *s;
     ns_simplex lp;
     double accept;
     signed char decided[NS_BRANCH_MAX]; /* mode of pair a, or OPEN */
-    int nodes;
+    int nodes, limit;
 } search;
 
 /* Distance of lambda_i from the bound that y_i tells it to be at, or y_i, whichever is less. */
@@ -132,7 +134,7 @@ static int split(search *b, int a) {
 
 /* What the modes decided on allow: OK, INFEASIBLE, or LIMIT: not known. */
 static int visit(search *b) {
-    if (b->nodes++ >= NODES)
+    if (b->nodes++ >= b->limit)
         return NS_E_LIMIT;
     int status = ns_simplex_run(b->s, &b->lp);
     if (status == NS_E_INFEASIBLE)
@@ -157,12 +159,16 @@ static void name(ns_mlcp_solver *s, const ns_simplex *p) {
 }
 
 int ns_mlcp_branch(ns_mlcp_solver *s, double accept) {
-    search b = {.s = s, .accept = accept};
+    const int left = NODES_ALIKE - s->looked_at;
+    search b = {.s = s, .accept = accept, .limit = NODES};
+    if (s->alike)
+        b.limit = left > NODES_EACH ? left : NODES_EACH;
     if (s->np > NS_BRANCH_MAX)
         return NS_E_SIZE;
     memset(b.decided, OPEN, sizeof b.decided);
     ns_simplex_start(s, &b.lp);
     int status = visit(&b);
+    s->looked_at += b.nodes;
     if (status != NS_E_INFEASIBLE)
         return status;
     name(s, &b.lp);

@@ -387,6 +387,7 @@ int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *la
     if (status != NS_OK || p->m == 0)
         return status;
     size_t m = (size_t)p->m;
+    s->looked_at = 0;
     memcpy(mode, s->mode, m * sizeof *mode);
     memcpy(lambda, s->lambda, m * sizeof *lambda);
     memcpy(y, s->y, m * sizeof *y);

@@ -82,6 +82,7 @@ struct ns_mlcp_solver {
     double *rhs;     /* (m+1)*(m+2) */
     double *xs;      /* (m+1)*(m+2) */
     int alike;       /* ns_mlcp_alike() */
+    int looked_at;   /* nodes of branch.c since the last answer */
     int as_given,
         units_as_given; /* floors are taken in the columns' units of the problem (wanted, at hand) */
     int careful;        /* refine the tableau as well */
