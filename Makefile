@@ -240,6 +240,7 @@ stress: deps ## random problems of every class, STRESS_COUNT of each, every answ
 
 FUZZ_BIN := $(patsubst %.c,$(B)/%,$(wildcard tests/fuzz/*.c))
 FUZZ_SECONDS ?= 3600
+FUZZ_TIMEOUT ?= 60# s, for one input
 FUZZ := B=build/fuzz CC=clang WARN=-w \
     CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=fuzzer-no-link,address,undefined \
         -fno-sanitize-recover=undefined'
@@ -254,7 +255,7 @@ $(FUZZ_BIN): $(B)/%: $(B)/obj/%.o $(B)/libnonsmooth.a
 
 fuzz: deps ## libFuzzer on the text reader and on random small systems, side by side, FUZZ_SECONDS long (3600)
 	@$(MAKE) $(JOBS) $(FUZZ) fuzz-programs
-	@tests/fuzz.sh $(FUZZ_SECONDS)
+	@tests/fuzz.sh $(FUZZ_SECONDS) $(FUZZ_TIMEOUT)
 
 # --- demo ------------------------------------------------------------------------------------------------
 

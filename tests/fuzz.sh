@@ -1,13 +1,14 @@
 #!/bin/sh
 # tests/fuzz.sh - the fuzzers of build/fuzz, side by side.
 #
-#     tests/fuzz.sh SECONDS
+#     tests/fuzz.sh SECONDS [TIMEOUT]
 #
+# TIMEOUT: seconds that one input may take, 60; a loaded machine wants more.
 # Prints for each what it ran.  The bytes of a find stay in build/fuzz/find/, for  build/fuzz/tests/fuzz/NAME FILE.
 # What was learnt stays in build/fuzz/corpus/; runs of less than a minute start from the seeds alone, and always
 # in the same way.
 cd "$(dirname "$0")/.." || exit 1
-seconds=$1
+seconds=$1 timeout=${2:-60}
 build=build/fuzz
 mkdir -p $build/find $build/seeds
 status=0
@@ -33,7 +34,7 @@ fuzz() {
     fi
     mkdir -p "$corpus"
     cp $build/seeds/"$name".* "$corpus"
-    UBSAN_OPTIONS=print_stacktrace=1 $build/tests/fuzz/"$name" "$corpus" -max_total_time="$seconds" -timeout=60 \
+    UBSAN_OPTIONS=print_stacktrace=1 $build/tests/fuzz/"$name" "$corpus" -max_total_time="$seconds" -timeout="$timeout" \
         -print_final_stats=1 -artifact_prefix=$build/find/"$name." $repeat >$build/"$name".log 2>&1 </dev/null
     echo $? >$build/"$name".status
 }
