@@ -168,7 +168,8 @@ int ns_mlcp_branch(ns_mlcp_solver *s, double accept) {
     memset(b.decided, OPEN, sizeof b.decided);
     ns_simplex_start(s, &b.lp);
     int status = visit(&b);
-    s->looked_at += b.nodes;
+    if (left > 0) /* or it counts for ever */
+        s->looked_at += b.nodes;
     if (status != NS_E_INFEASIBLE)
         return status;
     name(s, &b.lp);
