@@ -1,0 +1,39 @@
+/* src/engine/laguerre.c - the coefficients of (E1), (E2), by the three-term recurrence. */
+#include "laguerre.h"
+
+/* L_0 ... L_count at s. */
+static void polynomials(double s, int count, double *L) {
+    L[0] = 1;
+    L[1] = 1 - s;
+    for (int i = 1; i < count; i++)
+        L[i + 1] = ((2 * i + 1 - s) * L[i] - i * L[i - 1]) / (i + 1);
+}
+
+static double sign(int i) {
+    return i % 2 ? -1 : 1;
+}
+
+void ns_laguerre(double s, double *c) {
+    polynomials(s, NS_ORDER - 1, c);
+    for (int i = 1; i < NS_ORDER; i += 2)
+        c[i] = -c[i];
+}
+
+/* L_i' = L_{i-1}' - L_{i-1} */
+void ns_laguerre_slopes(double s, double *slope) {
+    double L[NS_ORDER], d = 0;
+    polynomials(s, NS_ORDER - 1, L);
+    slope[0] = 0;
+    for (int i = 1; i < NS_ORDER; i++) {
+        d -= L[i - 1];
+        slope[i] = sign(i) * d;
+    }
+}
+
+void ns_laguerre_steps(double s, double *b) {
+    double L[NS_ORDER + 1];
+    polynomials(s, NS_ORDER, L);
+    b[0] = 1;
+    for (int i = 1; i <= NS_ORDER; i++)
+        b[i] = sign(i) * (L[i] - L[i - 1]); /* (E2) */
+}
