@@ -13,20 +13,7 @@
 
 #include "system/signal_internal.h"
 
-typedef struct line {
-    int n;
-    const double *t, *v; /* n; t non-decreasing, INFINITY allowed */
-    double origin;
-    double period; /* INFINITY: once */
-    int from;      /* first point that repeats */
-    double cycles; /* how often, INFINITY: no limit */
-} line;
-
-typedef struct pulse_points {
-    double t[5], v[5];
-} pulse_points;
-
-static double slack(double t, double origin) {
+double ns_signal_slack(double t, double origin) {
     return 8 * DBL_EPSILON * fmax(fabs(t), fabs(origin));
 }
 
@@ -39,14 +26,14 @@ static double between(double t, double t0, double v0, double t1, double v1) {
 }
 
 /* SPICE's PULSE as a broken line; a pulse longer than its period is cut off there and jumps back. */
-static line pulse_line(const ns_signal *s, pulse_points *p) {
+static ns_line pulse_line(const ns_signal *s, ns_pulse_points *p) {
     double v1 = s->u.pulse.v1, v2 = s->u.pulse.v2, per = s->u.pulse.per;
     double top = s->u.pulse.tr, fall = top + s->u.pulse.pw, end = fall + s->u.pulse.tf;
-    line g = {4, p->t, p->v, s->u.pulse.td, per, 0, INFINITY};
+    ns_line g = {4, p->t, p->v, s->u.pulse.td, per, 0, INFINITY};
     if (s->u.pulse.cycles > 0) {
         g.cycles = s->u.pulse.cycles;
     }
-    *p = (pulse_points){{0, top, fall, end, per}, {v1, v2, v2, v1, v1}};
+    *p = (ns_pulse_points){{0, top, fall, end, per}, {v1, v2, v2, v1, v1}};
     if (end > per * (1 + 8 * DBL_EPSILON)) {
         double cut = per <= top ? between(per, 0, v1, top, v2) : between(per, fall, v2, end, v1);
         g.n = 5;
@@ -60,10 +47,10 @@ static line pulse_line(const ns_signal *s, pulse_points *p) {
     return g;
 }
 
-static line pwl_line(const ns_signal *s) {
+static ns_line pwl_line(const ns_signal *s) {
     int n = s->u.pwl.n;
     const double *t = s->u.pwl.t;
-    line g = {n, t, s->u.pwl.v, s->u.pwl.td, INFINITY, 0, INFINITY};
+    ns_line g = {n, t, s->u.pwl.v, s->u.pwl.td, INFINITY, 0, INFINITY};
     if (!isnan(s->u.pwl.repeat)) {
         g.period = t[n - 1] - s->u.pwl.repeat;
         while (g.from + 1 < n && t[g.from + 1] <= s->u.pwl.repeat) {
@@ -74,7 +61,7 @@ static line pwl_line(const ns_signal *s) {
 }
 
 /* A point at the end of a period is the first of the next one, to the last bit. */
-static double at(const line *g, double k, int i) {
+static double at(const ns_line *g, double k, int i) {
     double t = g->t[i], first = g->t[g->from];
     if (isinf(g->period)) {
         return g->origin + t;
@@ -86,7 +73,7 @@ static double at(const line *g, double k, int i) {
 }
 
 /* The repetition that t lies in. */
-static double repetition(const line *g, double t) {
+static double repetition(const ns_line *g, double t) {
     double k;
     if (isinf(g->period)) {
         return 0;
@@ -101,7 +88,7 @@ static double repetition(const line *g, double t) {
 }
 
 /* The last point of repetition k at or before t, -1 if there is none. */
-static int point_before(const line *g, double k, double t) {
+static int point_before(const ns_line *g, double k, double t) {
     int low = k > 0 ? g->from : 0, high = g->n;
     while (low < high) {
         int middle = low + (high - low) / 2;
@@ -114,8 +101,8 @@ static int point_before(const line *g, double k, double t) {
     return low - 1;
 }
 
-static double line_value(const line *g, double t, ns_side side) {
-    double d = slack(t, g->origin), beside = side == NS_LEFT ? t - d : t + d;
+static double line_value(const ns_line *g, double t, ns_side side) {
+    double d = ns_signal_slack(t, g->origin), beside = side == NS_LEFT ? t - d : t + d;
     double k = repetition(g, beside);
     int i = point_before(g, k, beside);
     if (i < 0) {
@@ -127,8 +114,8 @@ static double line_value(const line *g, double t, ns_side side) {
     return between(t, at(g, k, i), g->v[i], at(g, k, i + 1), g->v[i + 1]);
 }
 
-static double line_next(const line *g, double t) {
-    double after = t + slack(t, g->origin), k = repetition(g, after);
+static double line_next(const ns_line *g, double t) {
+    double after = t + ns_signal_slack(t, g->origin), k = repetition(g, after);
     int i = point_before(g, k, after);
     for (int tries = 0; tries < 4; tries++) { /* more than two only where a period is within rounding of 0 */
         double corner;
@@ -144,7 +131,7 @@ static double line_next(const line *g, double t) {
             return corner;
         }
     }
-    return t + 2 * slack(t, g->origin); /* periods too short to tell apart */
+    return t + 2 * ns_signal_slack(t, g->origin); /* periods too short to tell apart */
 }
 
 static double sin_value(const ns_signal *s, double t) {
@@ -159,7 +146,7 @@ static double sin_value(const ns_signal *s, double t) {
 
 /* As SPICE: nothing before td1, even where td2 < td1 (then a jump at td1). */
 static double exp_value(const ns_signal *s, double t, ns_side side) {
-    double v1 = s->u.exp.v1, v2 = s->u.exp.v2, d = slack(t, s->u.exp.td1), value = v1;
+    double v1 = s->u.exp.v1, v2 = s->u.exp.v2, d = ns_signal_slack(t, s->u.exp.td1), value = v1;
     if ((side == NS_LEFT ? t - d : t + d) < s->u.exp.td1) {
         return v1;
     }
@@ -173,16 +160,16 @@ static double exp_value(const ns_signal *s, double t, ns_side side) {
 /* The first of two corners that lies after t. */
 static double first_after(double t, double a, double b) {
     double c = fmin(a, b);
-    if (c > t + slack(t, c)) {
+    if (c > t + ns_signal_slack(t, c)) {
         return c;
     }
     c = fmax(a, b);
-    return c > t + slack(t, c) ? c : INFINITY;
+    return c > t + ns_signal_slack(t, c) ? c : INFINITY;
 }
 
 double ns_signal_value(const ns_signal *s, double t, ns_side side) {
-    pulse_points p;
-    line g;
+    ns_pulse_points p;
+    ns_line g;
     switch (s ? (int)s->kind : -1) {
     case NS_DC:
         return s->u.dc;
@@ -202,8 +189,8 @@ double ns_signal_value(const ns_signal *s, double t, ns_side side) {
 }
 
 double ns_signal_next_corner(const ns_signal *s, double t) {
-    pulse_points p;
-    line g;
+    ns_pulse_points p;
+    ns_line g;
     switch (s && !isnan(t) ? (int)s->kind : -1) {
     case NS_PULSE:
         g = pulse_line(s, &p);
@@ -218,6 +205,14 @@ double ns_signal_next_corner(const ns_signal *s, double t) {
     default:
         return INFINITY;
     }
+}
+
+int ns_signal_line(const ns_signal *s, ns_pulse_points *p, ns_line *g) {
+    if (s->kind == NS_PULSE)
+        *g = pulse_line(s, p);
+    else if (s->kind == NS_PWL)
+        *g = pwl_line(s);
+    return s->kind == NS_PULSE || s->kind == NS_PWL;
 }
 
 int ns_signal_is_linear(const ns_signal *s) {

@@ -4,6 +4,27 @@
 
 #include "nonsmooth/signal.h"
 
+/* PULSE and PWL as broken lines: points (t[i], v[i]), those from `from` on repeated, point i of repetition k
+ * at origin + (k period + t[i]). */
+typedef struct ns_line {
+    int n;
+    const double *t, *v; /* n; t non-decreasing, INFINITY allowed */
+    double origin;
+    double period; /* INFINITY: once */
+    int from;      /* first point that repeats */
+    double cycles; /* how often, INFINITY: no limit */
+} ns_line;
+
+typedef struct ns_pulse_points {
+    double t[5], v[5];
+} ns_pulse_points;
+
+/* 1 and the line of a PULSE (whose points go to p) or PWL; 0 if s is neither.  It points into s and p. */
+int ns_signal_line(const ns_signal *s, ns_pulse_points *p, ns_line *g);
+
+/* Times nearer to each other than this, a few roundings, are the same. */
+double ns_signal_slack(double t, double origin);
+
 /* Why a parameter was refused: "<parameter> = <value> <must>[ = <than>]". */
 typedef struct ns_refusal {
     const char *parameter; /* constant string, NULL if nothing was refused */

@@ -1,0 +1,66 @@
+/* src/engine/schedule.h - what is known of a system ahead of time: when its inputs turn and jump, and when
+ * the commands flip that are functions of time only.
+ *
+ * A schedule stands at the right side of some time (or, after a seek, at its left side) and is walked onward,
+ * from instant to instant:
+ *
+ *     ns_schedule_seek(s, 0, NS_RIGHT, NULL);
+ *     while (ns_schedule_next(s, end) <= end) {
+ *         const ns_instant *what = ns_schedule_go(s);
+ *         ... inputs right of what->t: ns_schedule_inputs(s, what->t, z, dz) ...
+ *     }
+ *
+ * An input enters if it acts on the circuit: a column of E or F, or of gz of a command whose gx is not NULL,
+ * is not zero.  One that only drives time-only commands has no instants of its own.
+ */
+#ifndef NS_SCHEDULE_H
+#define NS_SCHEDULE_H
+
+#include "nonsmooth/system.h"
+#include "system/waves.h"
+
+typedef struct ns_schedule ns_schedule;
+
+typedef struct ns_instant {
+    double t;
+    int jump;         /* an input that enters jumps, */
+    int turn;         /* or its slope does, or a wave of it begins */
+    int inputs;       /* which inputs jump or turn, */
+    const int *input; /* in no order */
+    int flips;        /* which commands flip, */
+    const int *flip;  /* in no order */
+} ns_instant;
+
+/* s has to outlive the schedule and not to change.  Errors: NULL, MEMORY. */
+int ns_schedule_create(const ns_system *s, ns_schedule **out);
+void ns_schedule_free(ns_schedule *s); /* NULL is allowed */
+
+/* To one side of t.  closed (nc, or NULL): the states of the commands there; one that contradicts its control
+ * flips at t, which is the first instant then.  NULL: as the controls say there, open between off and on. */
+void ns_schedule_seek(ns_schedule *s, double t, ns_side side, const unsigned char *closed);
+
+/* The first instant after where the schedule stands (at it, only after a seek: to the left side, or to a
+ * contradiction); INFINITY if there is none up to `until`.  What is equal up to rounding is one instant. */
+double ns_schedule_next(ns_schedule *s, double until);
+
+/* Goes to the right side of that instant.  What it tells holds until the next call of this or of seek. */
+const ns_instant *ns_schedule_go(ns_schedule *s);
+
+/* Where the schedule stands, and the states of the commands there (nc; 0 where gx is not NULL). */
+double ns_schedule_time(const ns_schedule *s);
+const unsigned char *ns_schedule_closed(const ns_schedule *s);
+
+/* The inputs that enter and their slopes at t, from where the schedule stands to the next instant; of a SIN
+ * or EXP all but the multiples of its waves.  z, dz: nz; of inputs that do not enter they are left alone. */
+void ns_schedule_inputs(const ns_schedule *s, double t, double *z, double *dz);
+
+/* The waves of the inputs that enter, each once, and the multiples of them, by input: a term counts from
+ * `from` on, and ns_schedule_inputs() adds `before` or `after`, by where the schedule stands. */
+int ns_schedule_waves(const ns_schedule *s, const ns_wave **wave);
+int ns_schedule_terms(const ns_schedule *s, const ns_wave_term **term);
+int ns_schedule_term_counts(const ns_schedule *s, int k); /* whether term k has begun where it stands */
+
+/* The inputs that enter; their number. */
+int ns_schedule_entering(const ns_schedule *s, const int **input);
+
+#endif

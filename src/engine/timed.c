@@ -1,0 +1,203 @@
+/* src/engine/timed.c - commands that are functions of time only: made, and looked up piece by piece. */
+#include "timed.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* --- the inputs that act on a command --- */
+
+static void widen(ns_timed *c, double a, double b) {
+    c->least += fmin(a, b);
+    c->most += fmax(a, b);
+}
+
+static void take_line(ns_timed *c, double factor, const ns_pieces *p) {
+    double low = INFINITY, high = -INFINITY;
+    for (int i = 0; i <= p->n + 1; i++) {
+        low = fmin(low, fmin(p->piece[i].v, p->piece[i].end));
+        high = fmax(high, fmax(p->piece[i].v, p->piece[i].end));
+    }
+    widen(c, factor * low, factor * high);
+    c->line[c->lines++] = (ns_timed_line){factor, {.line = p}};
+}
+
+static void take_curve(ns_timed *c, double factor, const ns_signal *s) {
+    ns_wave_term term[NS_TERMS];
+    ns_wave wave[NS_TERMS];
+    double base;
+    const int count = ns_wave_terms(s, term, wave, &base);
+    c->g0 += factor * base;
+    widen(c, factor * base, factor * base);
+    for (int k = 0; k < count; k++) {
+        ns_wave_term *x = &term[k];
+        x->before *= factor;
+        x->after *= factor;
+        x->cc *= factor;
+        x->cs *= factor;
+        const double size = wave[k].theta < 0 ? INFINITY : hypot(x->cc, x->cs);
+        widen(c, fmin(x->before, x->after - size), fmax(x->before, x->after + size));
+        c->term[c->terms++] = (ns_timed_term){*x, wave[k]};
+    }
+}
+
+static int allocate(ns_timed *c, int lines, int curves) {
+    c->line = calloc((size_t)lines + 1, sizeof *c->line);
+    c->term = calloc((size_t)curves * NS_TERMS + 1, sizeof *c->term);
+    return c->line && c->term ? NS_OK : NS_E_MEMORY;
+}
+
+/* --- the table of a single line --- */
+
+static double value_of(const ns_timed *c, double v, double *size) {
+    const double term = c->line->factor * v;
+    *size = fabs(c->g0) + fabs(term);
+    return c->g0 + term;
+}
+
+/* Piece i of line p and a switch in this state. */
+static ns_timed_flip flip_in(const ns_timed *c, const ns_pieces *p, int i, int closed) {
+    const ns_piece *a = &p->piece[i];
+    double size_left, size_right;
+    const double left = ns_timed_excess(c, value_of(c, a->v, &size_left), closed);
+    const double right = ns_timed_excess(c, value_of(c, a->end, &size_right), closed);
+    if (left > NS_CONTROL_TOL * size_left)
+        return (ns_timed_flip){a->t, 0, 0};
+    if (!(right > NS_CONTROL_TOL * size_right))
+        return (ns_timed_flip){NAN, 0, 0};
+    const double rate = fabs(c->line->factor * a->slope);
+    return (ns_timed_flip){a->t + fmax(0, -left) / rate, NS_CONTROL_TOL * size_right / rate, 0};
+}
+
+static int tabulate(ns_timed *c) {
+    const ns_pieces *p = c->line->run.line;
+    const size_t count = (size_t)p->n + 2;
+    c->flip[0] = calloc(2 * count, sizeof *c->flip[0]);
+    if (!c->flip[0])
+        return NS_E_MEMORY;
+    c->flip[1] = c->flip[0] + count;
+    for (int closed = 0; closed < 2; closed++) {
+        ns_timed_flip *flip = c->flip[closed];
+        int later = 0;
+        for (int i = p->n + 1; i >= 0; i--) {
+            flip[i] = flip_in(c, p, i, closed);
+            flip[i].later = later;
+            if (i <= p->n && !isnan(flip[i].t))
+                later = i;
+        }
+    }
+    return NS_OK;
+}
+
+/* To piece i of repetition k, which flips the switch. */
+static void at_piece(ns_timed *c, double k, int i) {
+    ns_run *r = &c->line->run;
+    const ns_timed_flip *f = &c->flip[c->closed][i];
+    r->k = k;
+    r->i = i;
+    c->next = r->line->origin + (k * r->line->period + f->t);
+    c->window = f->window;
+    c->flips = 1;
+}
+
+/* To the next piece after the present one that flips the switch. */
+static void look_up(ns_timed *c) {
+    const ns_run *r = &c->line->run;
+    const ns_pieces *p = r->line;
+    const ns_timed_flip *flip = c->flip[c->closed];
+    const int again = isnan(flip[p->from].t) ? flip[p->from].later : p->from;
+    c->flips = 0;
+    c->next = INFINITY;
+    if (r->i <= p->n && flip[r->i].later > 0)
+        at_piece(c, r->k, flip[r->i].later);
+    else if (r->i <= p->n && p->period > 0 && r->k + 1 < p->cycles && again > 0)
+        at_piece(c, r->k + 1, again);
+    else if (r->i <= p->n && p->period > 0 && isfinite(p->cycles) && !isnan(flip[p->n + 1].t))
+        at_piece(c, p->cycles, p->n + 1);
+}
+
+/* In the rest of the present piece, or later. */
+static void look_from(ns_timed *c, double t) {
+    const ns_run *r = &c->line->run;
+    const ns_timed_flip *f = &c->flip[c->closed][r->i];
+    const double slack = ns_signal_slack(t, r->line->origin);
+    const int inside = f->window > 0; /* not where the piece begins */
+    if (inside || (!isnan(f->t) && r->t >= t - slack)) {
+        at_piece(c, r->k, r->i);
+        c->next = fmax(c->next, t);
+    } else
+        look_up(c);
+}
+
+/* --- all of them --- */
+
+int ns_timed_create(const ns_system *s, int command, const ns_pieces *pieces, ns_timed *c) {
+    const ns_command *k = &s->command[command];
+    int lines = 0, curves = 0;
+    *c = (ns_timed){.on = k->on, .off = k->off, .g0 = k->g0, .least = k->g0, .most = k->g0};
+    for (int i = 0; k->gz && i < s->nz; i++) {
+        const int acts = k->gz[i] != 0, straight = ns_signal_is_linear(&s->z[i]);
+        lines += acts && straight;
+        curves += acts && !straight;
+    }
+    if (allocate(c, lines, curves) != NS_OK)
+        return NS_E_MEMORY;
+    for (int i = 0; k->gz && i < s->nz; i++)
+        if (k->gz[i] != 0 && ns_signal_is_linear(&s->z[i]))
+            take_line(c, k->gz[i], &pieces[i]);
+        else if (k->gz[i] != 0)
+            take_curve(c, k->gz[i], &s->z[i]);
+    return c->lines == 1 && c->terms == 0 ? tabulate(c) : NS_OK;
+}
+
+void ns_timed_free(ns_timed *c) {
+    free(c->line);
+    free(c->term);
+    free(c->flip[0]);
+    *c = (ns_timed){0};
+}
+
+void ns_timed_seek(ns_timed *c, double t, ns_side side, int closed) {
+    const double a_bit = side == NS_LEFT ? -1 : 1;
+    c->t = t + a_bit * ns_signal_slack(t, t);
+    for (int i = 0; i < c->lines; i++) {
+        ns_run *r = &c->line[i].run;
+        ns_run_seek(r, t + a_bit * ns_signal_slack(t, r->line->origin));
+    }
+    const ns_timed_value v = ns_timed_at(c, t, t);
+    const double rounding = NS_CONTROL_TOL * v.size + fabs(v.slope) * ns_signal_slack(t, t);
+    if (closed < 0)
+        closed = ns_timed_excess(c, v.g, 0) > rounding;
+    c->closed = closed;
+    c->fresh = side == NS_RIGHT; /* what is beyond it by less is rounding */
+    c->window = 0;
+    c->t = t;
+    if (ns_timed_excess(c, v.g, closed) > rounding) {
+        c->next = t;
+        c->flips = 1;
+    } else if (c->flip[0])
+        look_from(c, t);
+    else
+        ns_timed_search(c);
+}
+
+void ns_timed_on(ns_timed *c) {
+    c->t = c->next;
+    c->closed ^= c->flips;
+    c->fresh = c->flips;
+    if (!c->flip[0]) {
+        ns_timed_search(c);
+        return;
+    }
+    if (!c->flips) {
+        ns_timed_seek(c, c->t, NS_RIGHT, c->closed);
+        return;
+    }
+    /* the piece may come down again, after a jump that began it */
+    const ns_timed_flip *f = &c->flip[c->closed][c->line->run.i];
+    const ns_pieces *p = c->line->run.line;
+    if (!isnan(f->t) && p->origin + (c->line->run.k * p->period + f->t) > c->t)
+        at_piece(c, c->line->run.k, c->line->run.i);
+    else
+        look_up(c);
+}
