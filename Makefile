@@ -18,7 +18,7 @@ NG := build/ngspice-src# see codemodels/ngspice-source.sh
 export NGSPICE NGSPICE_SRC
 
 WARN := -Wall -Wextra -Wpedantic -Wconversion -Werror
-LIBS := -llapacke -llapack -lblas -lm
+LIBS := -llapacke -llapack -lblas -lklu -lm
 ALL_CFLAGS = -std=c11 $(CFLAGS) $(WARN) -fPIC -MMD -MP -Iinclude -Isrc
 
 Q := $(if $(V),,@)# make V=1 shows the commands
@@ -160,7 +160,7 @@ $(B)/obj/tests/%.o: private ALL_CFLAGS += -Itests/unit
 $(TEST_BIN): $(B)/%: $(B)/obj/%.o $(TEST_HELP:%.c=$(B)/obj/%.o) $(B)/libnonsmooth.a
 	@mkdir -p $(@D)
 	@echo "  LINK    $@"
-	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) $^ -o $@ -lcmocka $(LIBS)
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) $^ -o $@ -lcmocka $(LIBS) -lsuitesparseconfig
 
 # --- test ------------------------------------------------------------------------------------------------
 

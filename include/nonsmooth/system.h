@@ -29,8 +29,23 @@ typedef struct ns_command {
     double *gz; /* nz, or NULL where no input acts on it directly */
 } ns_command;
 
+/* A sparse matrix, column by column: entries start[j] to start[j+1]-1 are those of column j. */
+typedef struct ns_csc {
+    int rows, columns;
+    int *start; /* columns+1 */
+    int *row;   /* ascending in each column */
+    double *value;
+} ns_csc;
+
+/* The matrices of a large system, and as columns the controls of its commands. */
+typedef struct ns_large {
+    ns_csc M, A, B, C, D, E, F;
+    ns_csc gx, gz; /* n*nc, nz*nc; an empty column of gx: a function of time only */
+} ns_large;
+
 /* Every array belongs to the system and is NULL where its size is zero.  z entries are functions of
- * time; constant sources belong in b and e. */
+ * time; constant sources belong in b and e.  Where n+m is large, ns_circuit_system() makes a system whose
+ * M to F, gx and gz are NULL and that has them in `large`; only the sparse engine takes it. */
 typedef struct ns_system {
     int n;               /* unknowns x */
     int m;               /* pairs */
@@ -45,11 +60,16 @@ typedef struct ns_system {
     double *l, *u;       /* m; those of commanded pairs are ignored */
     ns_signal *z;        /* nz; PWL arrays owned */
     ns_command *command; /* nc */
+    ns_large *large;     /* NULL, or owned */
 } ns_system;
 
 /* A system of these sizes, all zero, l = 0, u = inf, commands with gx and gz NULL.
  * Errors: NULL, SIZE, MEMORY. */
 int ns_system_create(int n, int m, int nz, int nc, ns_system **out);
+
+/* The same with `large`, whose matrices are empty (start NULL) still, in place of the arrays.  Errors: as
+ * ns_system_create(). */
+int ns_system_create_large(int n, int m, int nz, int nc, ns_system **out);
 
 /* Frees a system and all its arrays; half-built and NULL are allowed. */
 void ns_system_free(ns_system *s);

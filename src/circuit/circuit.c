@@ -34,6 +34,7 @@ void ns_circuit_free(ns_circuit *c) {
         free(c->node[i].name);
     }
     free(c->element);
+    free(c->names.slot);
     free(c->node);
     free(c);
 }
@@ -116,7 +117,8 @@ static node_info *have_node(ns_circuit *c, int number) {
     int found, i = ns_find_node(c, number, &found);
     if (!found) {
         memmove(&c->node[i + 1], &c->node[i], (size_t)(c->nnodes - i) * sizeof *c->node);
-        c->node[i] = (node_info){number, 0, NULL, NAN};
+        c->node[i] =
+            (node_info){number, 0, i > 0 ? c->node[i - 1].unknown + c->node[i - 1].used : 0, NULL, NAN};
         c->nnodes++;
     }
     return &c->node[i];
@@ -185,8 +187,13 @@ static int copy_element(const element *e, element *copy) {
 static void use_node(ns_circuit *c, int number) {
     if (number > 0) {
         node_info *which = have_node(c, number);
-        c->nused += !which->used;
-        which->used = 1;
+        if (!which->used) {
+            which->used = 1;
+            c->nused++;
+            while (++which < c->node + c->nnodes) {
+                which->unknown++;
+            }
+        }
     }
 }
 
@@ -212,11 +219,13 @@ static void commit(ns_circuit *c, element *e, needs wants) {
         }
     }
     c->element[c->nelements++] = *e;
+    ns_enter_name(c);
 }
 
 int ns_add_element(ns_circuit *c, const element *e, needs wants, int *id) {
     element copy;
-    if (!reserve_element(c) || !reserve_nodes(c, e->nnodes + e->nterms) || copy_element(e, &copy)) {
+    if (!reserve_element(c) || !reserve_nodes(c, e->nnodes + e->nterms) || ns_reserve_name(c) ||
+        copy_element(e, &copy)) {
         return ns_complain(c, NS_E_MEMORY, "%.80s: out of memory", e->name);
     }
     commit(c, &copy, wants);
@@ -227,18 +236,12 @@ int ns_add_element(ns_circuit *c, const element *e, needs wants, int *id) {
 }
 
 int ns_circuit_node_unknown(const ns_circuit *c, int node) {
-    int found, place, index = 0;
+    int found, place;
     if (!c) {
         return -1;
     }
     place = ns_find_node(c, node, &found);
-    if (!found || !c->node[place].used) {
-        return -1;
-    }
-    for (int i = 0; i < place; i++) {
-        index += c->node[i].used;
-    }
-    return index;
+    return found && c->node[place].used ? c->node[place].unknown : -1;
 }
 
 int ns_circuit_current_unknown(const ns_circuit *c, int id) {

@@ -2,6 +2,7 @@
 #ifndef NS_CIRCUIT_INTERNAL_H
 #define NS_CIRCUIT_INTERNAL_H
 
+#include "linalg/sparse.h"
 #include "nonsmooth/circuit.h"
 #include "system/signal_internal.h"
 
@@ -44,13 +45,21 @@ typedef struct needs {
 
 typedef struct node_info {
     int number;
-    int used;   /* an element names it, so its voltage is an unknown */
-    char *name; /* owned, or NULL */
-    double ic;  /* V, NAN: none */
+    int used;    /* an element names it, so its voltage is an unknown: */
+    int unknown; /* how many nodes before it are used */
+    char *name;  /* owned, or NULL */
+    double ic;   /* V, NAN: none */
 } node_info;
+
+/* Names of elements by hash, open addressing; entries are numbers of elements + 1, 0: none. */
+typedef struct name_table {
+    int *slot;
+    size_t size; /* a power of two, or 0 */
+} name_table;
 
 struct ns_circuit {
     element *element;
+    name_table names;
     node_info *node; /* by ascending number, without ground */
     int nelements, nnodes;
     size_t element_room, node_room;
@@ -77,10 +86,28 @@ void ns_each_inductance(const ns_circuit *c, void (*visit)(void *to, int row, in
 /* Refuses couplings that no windings can have.  Errors: RANGE, MEMORY, with a message. */
 int ns_check_inductances(ns_circuit *c);
 
+/* The element of this name, or -1 (names.c). */
+int ns_find_name(const ns_circuit *c, const char *name);
+/* Makes the last element be found by its name.  Room must have been reserved, for one more than there are. */
+int ns_reserve_name(ns_circuit *c); /* Errors: MEMORY */
+void ns_enter_name(ns_circuit *c);
+
+/* Where elements leave their numbers: entries are added to the arrays of s, or, if it is large, to lists. */
+typedef enum matrix { IN_M, IN_A, IN_B, IN_C, IN_D, IN_E, IN_GX, IN_GZ, MATRICES } matrix;
+typedef struct stamp {
+    const ns_circuit *c;
+    ns_system *s;
+    ns_entries *entries; /* MATRICES lists, NULL: s is not large */
+} stamp;
+
+/* Entry (i,j) += value; ground (-1) has neither row nor column.  IN_GX, IN_GZ: of command j, whose arrays are
+ * there. */
+void ns_stamp_add(const stamp *to, matrix which, int i, int j, double value);
+
 /* The commands of all switches (control.c).  Errors: MEMORY. */
-int ns_stamp_commands(const ns_circuit *c, ns_system *s);
+int ns_stamp_commands(const stamp *to);
 
 /* Parts without any connection to ground get one (gauge.c).  Errors: MEMORY. */
-int ns_stamp_gauge(const ns_circuit *c, ns_system *s);
+int ns_stamp_gauge(const stamp *to);
 
 #endif

@@ -14,12 +14,8 @@ static int check_name(ns_circuit *c, const char *name) {
     if (!*name) {
         return ns_complain(c, NS_E_NAME, "element %d: its name is empty", c->nelements);
     }
-    for (int i = 0; i < c->nelements; i++) {
-        if (strcmp(c->element[i].name, name) == 0) {
-            return ns_complain(c, NS_E_NAME, "%.80s: this name is given twice", name);
-        }
-    }
-    return NS_OK;
+    return ns_find_name(c, name) < 0 ? NS_OK
+                                     : ns_complain(c, NS_E_NAME, "%.80s: this name is given twice", name);
 }
 
 static int check_nodes(ns_circuit *c, const element *e) {

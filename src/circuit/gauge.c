@@ -43,21 +43,23 @@ static void find_parts(const ns_circuit *c, int *parent, int *settled) {
 }
 
 /* Settles each part that is not at the first of its nodes; held: only at nodes with an .ic. */
-static void settle(const ns_circuit *c, ns_system *s, int *parent, int *settled, int held) {
+static void settle(const stamp *to, int *parent, int *settled, int held) {
+    const ns_circuit *c = to->c;
     for (int k = 0, row = 0; k < c->nnodes; k++) {
         if (!c->node[k].used) {
             continue;
         }
         const int part = part_of(parent, row);
         if (!settled[part] && !(held && isnan(c->node[k].ic))) {
-            s->A[(size_t)row * (size_t)(s->n + 1)] -= 1;
+            ns_stamp_add(to, IN_A, row, row, -1);
             settled[part] = 1;
         }
         row++;
     }
 }
 
-int ns_stamp_gauge(const ns_circuit *c, ns_system *s) {
+int ns_stamp_gauge(const stamp *to) {
+    const ns_circuit *c = to->c;
     const size_t count = (size_t)c->nused + 1;
     int *parent = calloc(2 * count, sizeof *parent);
     if (!parent) {
@@ -65,8 +67,8 @@ int ns_stamp_gauge(const ns_circuit *c, ns_system *s) {
     }
     int *settled = parent + count;
     find_parts(c, parent, settled);
-    settle(c, s, parent, settled, 1);
-    settle(c, s, parent, settled, 0);
+    settle(to, parent, settled, 1);
+    settle(to, parent, settled, 0);
     free(parent);
     return NS_OK;
 }

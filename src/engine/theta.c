@@ -89,6 +89,8 @@ int ns_theta_create(const ns_system *system, const ns_theta_options *o, ns_theta
         return status;
     if (!in_range(o))
         return NS_E_RANGE;
+    if (system->large)
+        return NS_E_SIZE;
     ns_theta *s = calloc(1, sizeof *s);
     if (!s)
         return NS_E_MEMORY;

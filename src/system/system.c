@@ -5,6 +5,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
+#include "linalg/sparse.h"
 #include "system/signal_internal.h"
 
 /* A zeroed p*q array, NULL for none; *ok becomes 0 where memory ran out. */
@@ -17,17 +18,25 @@ static void *make(int p, int q, size_t size, int *ok) {
     return made;
 }
 
-static int make_arrays(ns_system *s, int n, int m, int nz, int nc) {
+static void make_matrices(ns_system *s, int n, int m, int nz, int *ok) {
+    s->M = make(n, n, sizeof(double), ok);
+    s->A = make(n, n, sizeof(double), ok);
+    s->B = make(n, m, sizeof(double), ok);
+    s->C = make(m, n, sizeof(double), ok);
+    s->D = make(m, m, sizeof(double), ok);
+    s->E = make(n, nz, sizeof(double), ok);
+    s->F = make(m, nz, sizeof(double), ok);
+}
+
+static int make_arrays(ns_system *s, int n, int m, int nz, int nc, int large) {
     int ok = 1;
-    s->M = make(n, n, sizeof(double), &ok);
-    s->A = make(n, n, sizeof(double), &ok);
-    s->B = make(n, m, sizeof(double), &ok);
-    s->C = make(m, n, sizeof(double), &ok);
-    s->D = make(m, m, sizeof(double), &ok);
+    if (large) {
+        s->large = make(1, 1, sizeof *s->large, &ok);
+    } else {
+        make_matrices(s, n, m, nz, &ok);
+    }
     s->b = make(n, 1, sizeof(double), &ok);
-    s->E = make(n, nz, sizeof(double), &ok);
     s->e = make(m, 1, sizeof(double), &ok);
-    s->F = make(m, nz, sizeof(double), &ok);
     s->l = make(m, 1, sizeof(double), &ok);
     s->u = make(m, 1, sizeof(double), &ok);
     s->z = make(nz, 1, sizeof(ns_signal), &ok);
@@ -35,7 +44,7 @@ static int make_arrays(ns_system *s, int n, int m, int nz, int nc) {
     return ok;
 }
 
-int ns_system_create(int n, int m, int nz, int nc, ns_system **out) {
+static int create(int n, int m, int nz, int nc, int large, ns_system **out) {
     ns_system *s;
     if (!out) {
         return NS_E_NULL;
@@ -45,7 +54,7 @@ int ns_system_create(int n, int m, int nz, int nc, ns_system **out) {
         return NS_E_SIZE;
     }
     s = calloc(1, sizeof *s);
-    if (!s || !make_arrays(s, n, m, nz, nc)) {
+    if (!s || !make_arrays(s, n, m, nz, nc, large)) {
         ns_system_free(s);
         return NS_E_MEMORY;
     }
@@ -60,9 +69,28 @@ int ns_system_create(int n, int m, int nz, int nc, ns_system **out) {
     return NS_OK;
 }
 
+int ns_system_create(int n, int m, int nz, int nc, ns_system **out) {
+    return create(n, m, nz, nc, 0, out);
+}
+
+int ns_system_create_large(int n, int m, int nz, int nc, ns_system **out) {
+    return create(n, m, nz, nc, 1, out);
+}
+
+static void free_large(ns_large *a) {
+    ns_csc *const all[] = {&a->M, &a->A, &a->B, &a->C, &a->D, &a->E, &a->F, &a->gx, &a->gz};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
+        ns_csc_free(all[i]);
+    }
+    free(a);
+}
+
 void ns_system_free(ns_system *s) {
     if (!s) {
         return;
+    }
+    if (s->large) {
+        free_large(s->large);
     }
     for (int i = 0; s->z && i < s->nz; i++) {
         ns_signal_release(&s->z[i]);

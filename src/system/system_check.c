@@ -37,8 +37,45 @@ int ns_check_array(const double *a, int p, int q, ns_owner row, ns_owner column,
     return NS_OK;
 }
 
+/* A matrix of a large system: its sizes, its rows, finite numbers. */
+static int check_csc(const ns_csc *a, int rows, int columns, ns_fault *fault) {
+    if (!a->start || !a->row || !a->value) {
+        return ns_blame(fault, NS_E_NULL, NS_NOBODY, 0);
+    }
+    if (a->rows != rows || a->columns != columns || a->start[0] != 0) {
+        return ns_blame(fault, NS_E_SIZE, NS_NOBODY, 0);
+    }
+    for (int j = 0; j < columns; j++) {
+        for (int k = a->start[j]; k < a->start[j + 1]; k++) {
+            if (a->row[k] < 0 || a->row[k] >= rows || (k > a->start[j] && a->row[k] <= a->row[k - 1])) {
+                return ns_blame(fault, NS_E_SIZE, NS_NOBODY, 0);
+            }
+            if (!isfinite(a->value[k])) {
+                return ns_blame(fault, NS_E_NUMBER, NS_NOBODY, 0);
+            }
+        }
+    }
+    return NS_OK;
+}
+
+static int check_large(const ns_system *s, ns_fault *fault) {
+    const ns_large *a = s->large;
+    int n = s->n, m = s->m, nz = s->nz, nc = s->nc, status;
+    (void)((status = check_csc(&a->M, n, n, fault)) || (status = check_csc(&a->A, n, n, fault)) ||
+           (status = check_csc(&a->B, n, m, fault)) || (status = check_csc(&a->C, m, n, fault)) ||
+           (status = check_csc(&a->D, m, m, fault)) || (status = check_csc(&a->E, n, nz, fault)) ||
+           (status = check_csc(&a->F, m, nz, fault)) || (status = check_csc(&a->gx, n, nc, fault)) ||
+           (status = check_csc(&a->gz, nz, nc, fault)) ||
+           (status = ns_check_array(s->b, n, 1, NS_UNKNOWN, NS_NOBODY, fault)) ||
+           (status = ns_check_array(s->e, m, 1, NS_PAIR, NS_NOBODY, fault)));
+    return status;
+}
+
 static int check_arrays(const ns_system *s, ns_fault *fault) {
     int n = s->n, m = s->m, nz = s->nz, status;
+    if (s->large) {
+        return check_large(s, fault);
+    }
     (void)((status = ns_check_array(s->M, n, n, NS_UNKNOWN, NS_UNKNOWN, fault)) ||
            (status = ns_check_array(s->A, n, n, NS_UNKNOWN, NS_UNKNOWN, fault)) ||
            (status = ns_check_array(s->B, n, m, NS_UNKNOWN, NS_PAIR, fault)) ||

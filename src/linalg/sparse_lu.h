@@ -1,0 +1,29 @@
+/* src/linalg/sparse_lu.h - factors of sparse square matrices that share one pattern; KLU behind it. */
+#ifndef NS_SPARSE_LU_H
+#define NS_SPARSE_LU_H
+
+#include <stddef.h>
+
+typedef struct ns_klu ns_klu;         /* the pattern, taken apart once; not for two threads at a time */
+typedef struct ns_factors ns_factors; /* of one matrix */
+
+/* For n*n matrices with these places (column by column: start n+1, row start[n]), which stay the caller's and
+ * must not change.  Errors: SINGULAR (no choice of values makes it regular), MEMORY. */
+int ns_klu_create(int n, int *start, int *row, ns_klu **out);
+void ns_klu_free(ns_klu *k); /* NULL is allowed; after its factors */
+
+/* Factors the matrix of these values.  *f: NULL, or factors of another, whose memory and pivots are used
+ * again where they are good enough.  On failure they are freed, and *f is NULL.  Errors: NUMBER, SINGULAR,
+ * MEMORY. */
+int ns_klu_factor(ns_klu *k, const double *value, ns_factors **f);
+void ns_factors_free(ns_klu *k, ns_factors *f); /* NULL is allowed */
+size_t ns_factors_bytes(const ns_factors *f);
+
+/* b (n*nrhs) becomes the solution. */
+void ns_klu_solve(ns_klu *k, const ns_factors *f, int nrhs, double *b);
+
+/* How many times it factored from scratch, and with old pivots. */
+long ns_klu_fresh(const ns_klu *k);
+long ns_klu_again(const ns_klu *k);
+
+#endif

@@ -1,0 +1,199 @@
+/* tests/unit/test_sparse.c - sparse matrices and their factors. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <suitesparse/SuiteSparse_config.h>
+
+#include "linalg/sparse.h"
+#include "linalg/sparse_lu.h"
+#include "wrap_alloc.h"
+
+/* Row by row: 4 0 1 / 0 3 0 / 2 0 5, entered out of order and in parts. */
+static void enter(ns_entries *e) {
+    ns_entries_add(e, 2, 2, 5);
+    ns_entries_add(e, 0, 0, 1);
+    ns_entries_add(e, 2, 0, 2);
+    ns_entries_add(e, 0, 2, 1);
+    ns_entries_add(e, 0, 0, 3);
+    ns_entries_add(e, 1, 1, 3);
+}
+
+static void test_entries(void **state) {
+    (void)state;
+    static const int start[] = {0, 2, 3, 5}, row[] = {0, 2, 1, 0, 2};
+    static const double value[] = {4, 2, 3, 1, 5}, x[] = {1, 2, 3};
+    ns_entries e = {0};
+    ns_csc a, t;
+    enter(&e);
+    assert_int_equal(ns_csc_of_entries(3, 3, &e, &a), NS_OK);
+    assert_memory_equal(a.start, start, sizeof start);
+    assert_memory_equal(a.row, row, sizeof row);
+    assert_memory_equal(a.value, value, sizeof value);
+    double y[3] = {0}, z[3] = {0};
+    ns_csc_times_add(&a, x, y); /* 4+3, 6, 2+15 */
+    assert_true(y[0] == 7 && y[1] == 6 && y[2] == 17);
+    ns_csc_times_add_transposed(&a, x, z); /* 4+6, 6, 1+15 */
+    assert_true(z[0] == 10 && z[1] == 6 && z[2] == 16);
+    assert_int_equal(ns_csc_transpose(&a, &t), NS_OK);
+    assert_true(ns_csc_dot(&t, 0, x) == 7);
+    ns_csc_free(&a);
+    ns_csc_free(&t);
+    ns_entries_free(&e);
+}
+
+static void test_dense(void **state) {
+    (void)state;
+    static const double a[] = {0, 1, 2, 0, 0, 3}; /* 2*3 */
+    ns_csc s;
+    assert_int_equal(ns_csc_of_dense(2, 3, a, &s), NS_OK);
+    assert_int_equal(s.start[3], 3);
+    assert_true(s.row[0] == 1 && s.value[0] == 1 && s.row[1] == 0 && s.value[1] == 2 && s.value[2] == 3);
+    ns_csc_free(&s);
+    assert_int_equal(ns_csc_of_dense(0, 3, NULL, &s), NS_OK);
+    assert_int_equal(s.start[3], 0);
+    ns_csc_free(&s);
+}
+
+/* A chain of n unknowns: 2 on the diagonal, -1 beside it; the inverse of that is (i+1)(n-j)/(n+1), i <= j. */
+static void chain(int n, ns_csc *a) {
+    ns_entries e = {0};
+    for (int i = 0; i < n; i++) {
+        ns_entries_add(&e, i, i, 2);
+        if (i > 0) {
+            ns_entries_add(&e, i, i - 1, -1);
+            ns_entries_add(&e, i - 1, i, -1);
+        }
+    }
+    assert_int_equal(ns_csc_of_entries(n, n, &e, a), NS_OK);
+    ns_entries_free(&e);
+}
+
+static void test_factors(void **state) {
+    (void)state;
+    enum { N = 50 };
+    ns_csc a;
+    ns_klu *k;
+    ns_factors *f = NULL;
+    double b[2 * N] = {0};
+    chain(N, &a);
+    assert_int_equal(ns_klu_create(N, a.start, a.row, &k), NS_OK);
+    assert_int_equal(ns_klu_factor(k, a.value, &f), NS_OK);
+    b[20] = 1;
+    b[N + 0] = 1;
+    ns_klu_solve(k, f, 2, b);
+    for (int i = 0; i < N; i++) {
+        const double lo = i < 20 ? i : 20, hi = i < 20 ? 20 : i;
+        assert_true(fabs(b[i] - (lo + 1) * (N - hi) / (N + 1)) < 1e-13 * N);
+        assert_true(fabs(b[N + i] - (double)(N - i) / (N + 1)) < 1e-13 * N);
+    }
+    for (int i = 0; i < a.start[N]; i++)
+        a.value[i] *= -2;
+    assert_int_equal(ns_klu_factor(k, a.value, &f), NS_OK); /* with the pivots of before */
+    assert_int_equal(ns_klu_again(k), 1);
+    memset(b, 0, sizeof b);
+    b[0] = 1;
+    ns_klu_solve(k, f, 1, b);
+    assert_true(fabs(b[0] + 0.5 * N / (N + 1)) < 1e-13 * N);
+    assert_true(ns_factors_bytes(f) > N * sizeof(double));
+    ns_factors_free(k, f);
+    ns_klu_free(k);
+    ns_csc_free(&a);
+}
+
+/* [1 0; 0 1] and then [0 1; 1 0] at the same places: old pivots are zero. */
+static void test_pivots_anew(void **state) {
+    (void)state;
+    int start[] = {0, 2, 4}, row[] = {0, 1, 0, 1};
+    double b[] = {3, 5};
+    ns_klu *k;
+    ns_factors *f = NULL;
+    assert_int_equal(ns_klu_create(2, start, row, &k), NS_OK);
+    assert_int_equal(ns_klu_factor(k, (const double[]){1, 0, 0, 1}, &f), NS_OK);
+    assert_int_equal(ns_klu_factor(k, (const double[]){0, 1, 1, 0}, &f), NS_OK);
+    assert_int_equal(ns_klu_fresh(k), 2);
+    ns_klu_solve(k, f, 1, b);
+    assert_true(b[0] == 5 && b[1] == 3);
+    /* nearly so: pivots of 1e-12 would cost digits */
+    assert_int_equal(ns_klu_factor(k, (const double[]){1, 1e-12, 1e-12, 1}, &f), NS_OK);
+    assert_int_equal(ns_klu_factor(k, (const double[]){1e-12, 1, 1, 1e-12}, &f), NS_OK);
+    assert_int_equal(ns_klu_factor(k, (const double[]){1, 1, 1, 1}, &f), NS_E_SINGULAR);
+    assert_null(f);
+    assert_int_equal(ns_klu_factor(k, (const double[]){1, NAN, 1, 1}, &f), NS_E_NUMBER);
+    assert_null(f);
+    ns_factors_free(k, NULL);
+    ns_klu_free(k);
+    ns_klu_free(NULL);
+}
+
+/* An empty column: no values help. */
+static void test_structure(void **state) {
+    (void)state;
+    int start[] = {0, 2, 2}, row[] = {0, 1};
+    ns_klu *k;
+    ns_factors *f = NULL;
+    assert_int_equal(ns_klu_create(2, start, row, &k), NS_E_SINGULAR);
+    assert_null(k);
+    assert_int_equal(ns_klu_create(0, start, row, &k), NS_OK);
+    assert_int_equal(ns_klu_factor(k, NULL, &f), NS_OK);
+    ns_klu_solve(k, f, 1, NULL);
+    ns_factors_free(k, f);
+    ns_klu_free(k);
+}
+
+/* KLU takes its memory here: the k-th time there is none. */
+static void *refusing(size_t bytes) {
+    return malloc(bytes); /* wrapped */
+}
+
+static int all_of_it(void) {
+    ns_entries e = {0};
+    ns_csc a = {0};
+    ns_klu *k = NULL;
+    ns_factors *f = NULL;
+    enter(&e);
+    int status = ns_csc_of_entries(3, 3, &e, &a);
+    if (status == NS_OK)
+        status = ns_klu_create(3, a.start, a.row, &k);
+    if (status == NS_OK)
+        status = ns_klu_factor(k, a.value, &f);
+    if (k)
+        ns_factors_free(k, f);
+    ns_klu_free(k);
+    ns_csc_free(&a);
+    ns_entries_free(&e);
+    return status;
+}
+
+static void test_memory(void **state) {
+    (void)state;
+    void *(*const own)(size_t) = SuiteSparse_config.malloc_func;
+    SuiteSparse_config.malloc_func = refusing;
+    for (long k = 1;; k++) {
+        fail_alloc_at(k);
+        const int status = all_of_it();
+        const long made = allocs_made();
+        fail_alloc_off();
+        if (made < k) {
+            assert_int_equal(status, NS_OK);
+            assert_true(k > 10);
+            break;
+        }
+        assert_int_equal(status, NS_E_MEMORY);
+    }
+    SuiteSparse_config.malloc_func = own;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_entries),     cmocka_unit_test(test_dense),     cmocka_unit_test(test_factors),
+        cmocka_unit_test(test_pivots_anew), cmocka_unit_test(test_structure), cmocka_unit_test(test_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
