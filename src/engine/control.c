@@ -75,7 +75,7 @@ double ns_control_instant(ns_march *m, double t, unsigned char *flip) {
 
 /* Crests and troughs of vo + va sin(2 pi f (t - td) + phase); damping moves them by less than matters here.
  */
-static double next_crest(const ns_signal *s, double t) {
+double ns_control_crest(const ns_signal *s, double t) {
     const double half = 0.5 / fabs(s->u.sin.freq);
     const double sign = s->u.sin.freq < 0 ? -1 : 1;
     double first = s->u.sin.td + (0.25 - sign * s->u.sin.phase / 360) * 2 * half;
@@ -93,7 +93,7 @@ double ns_control_next_crest(const ns_march *m, double t) {
         for (int i = 0; !k->gx && k->gz && i < m->s->nz; i++) {
             const ns_signal *s = &m->s->z[i];
             if (k->gz[i] != 0 && s->kind == NS_SIN && s->u.sin.freq != 0 && s->u.sin.va != 0)
-                next = fmin(next, next_crest(s, t));
+                next = fmin(next, ns_control_crest(s, t));
         }
     }
     return next;

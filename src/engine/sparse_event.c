@@ -1,0 +1,148 @@
+/* src/engine/sparse_event.c - one event: the new mode, and what jumps.
+ *
+ * A step of negligible length from the charges and fluxes there are tells which mode holds: pairs whose
+ * guards it breaks change.  No time passes in it and its end is thrown away, unless charges or fluxes jump:
+ * then they are those after a step that is shorter still.
+ */
+#include "sparse_march.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* As in jump.c: w jumps where it moves by more than rates and rounding explain. */
+static const double beyond_rates = 64, beyond_rounding = 1e-11;
+/* Rounds in which all broken pairs change at once, without getting fewer, before one by one. */
+enum { BLOCK_ROUNDS = 6, SHORTER = 20, JUMPS = 6 };
+
+int ns_event_settle(ns_sparse *m, double t, double g, const double *w, double *v, double *by) {
+    int best = m->f->m + 1, patience = BLOCK_ROUNDS;
+    const long rounds = 100 + 4L * m->f->m;
+    for (long round = 0; round < rounds; round++) {
+        const int status = ns_euler(m, t, g, w, 1, v, by);
+        if (status != NS_OK && status != NS_E_SINGULAR)
+            return status;
+        const int one = patience <= 0, flipped = ns_guard_flip(m, v, w, g, one);
+        m->counts.pivots += flipped;
+        if (flipped == 0)
+            return status;
+        if (!one && flipped >= best)
+            patience--;
+        else if (!one)
+            best = flipped;
+    }
+    return NS_E_LIMIT;
+}
+
+/* Commands of time change that do so now; at a jump of their inputs, or at a start, those that have to. */
+void ns_event_command(ns_sparse *m, double t) {
+    const ns_form *f = m->f;
+    (void)ns_inputs_stage(m->in, t, 0, 0, m->z);
+    for (int c = 0; c < m->s->nc; c++) {
+        const int j = m->s->command[c].pair, closed = m->mode[j] == NS_INSIDE;
+        if (f->gx.start[c + 1] > f->gx.start[c])
+            continue;
+        const int due = m->in->instant[c] <= t + 8 * DBL_EPSILON * fabs(t) && m->in->review[c] > -INFINITY;
+        if (due || ns_inputs_excess(m->in, c, closed, m->z, 1e-12) > 0) {
+            m->mode[j] = closed ? NS_LOWER : NS_INSIDE;
+            m->in->review[c] = -INFINITY;
+        }
+    }
+}
+
+/* Settled, and commands of the state settled with it: after as many rounds as there are, time goes on. */
+int ns_event_settle_all(ns_sparse *m, double t, double g, double *by) {
+    int status = NS_OK;
+    for (int round = 0; round <= m->s->nc && round < 64; round++) {
+        status = ns_event_settle(m, t, g, m->w, m->v, by);
+        if (status != NS_OK || !ns_guard_commands(m, m->v))
+            break;
+    }
+    return status;
+}
+
+/* by: what w moved by in a step g, whose end is m->v; 1 if that is a jump: a second step does not go on so.
+ */
+static int jumps(ns_sparse *m, double t, double g, const double *by, int *status) {
+    const int n = m->f->n;
+    m->most = 0;
+    double *after = m->next_w, *again = m->scale + n; /* n each */
+    int any = 0;
+    double most = 0;
+    for (int i = 0; i < n; i++)
+        if (!m->f->algebraic[i])
+            m->most = most = fmax(most, fmax(fabs(m->w[i]), m->scale[i]) / m->unit[i]);
+    for (int i = 0; i < n && !any; i++)
+        any = fabs(by[i]) > beyond_rounding * most * m->unit[i];
+    if (!any)
+        return 0;
+    for (int i = 0; i < n; i++)
+        after[i] = m->w[i] + by[i];
+    *status = ns_euler(m, t, g, after, 1, m->v, again);
+    for (int i = 0; i < n && *status == NS_OK; i++)
+        if (!m->f->algebraic[i] && fabs(by[i]) > beyond_rounding * most * m->unit[i] &&
+            fabs(by[i]) > beyond_rates * fabs(again[i]))
+            return 1;
+    return 0;
+}
+
+/* The jump, by a step so short that nothing else moves; 0 if that moves nothing: it was only fast. */
+static int take_jump(ns_sparse *m, double t, double g, double *by, int *status) {
+    const int n = m->f->n;
+    int any = 0;
+    if (*status != NS_OK)
+        return 0;
+    memcpy(m->old_mode, m->mode, (size_t)m->f->m);
+    *status = ns_event_settle(m, t, ldexp(g, -SHORTER), m->w, m->v, by);
+    for (int i = 0; i < n && *status == NS_OK; i++)
+        any |= fabs(by[i]) > beyond_rounding * m->most * m->unit[i];
+    if (!any) {
+        memcpy(m->mode, m->old_mode, (size_t)m->f->m);
+        ns_guard_bounds(m);
+        return 0;
+    }
+    for (int i = 0; i < n; i++)
+        m->w[i] += by[i];
+    m->counts.jumps++;
+    return 1;
+}
+
+/* A pair that changes often in the time of a step chatters, or its events pile up: Euler steps for a while.
+ */
+static int count_flips(ns_sparse *m, const ns_leg *leg, double t) {
+    for (int j = 0; leg && j < m->f->m; j++) {
+        if (m->mode[j] == leg->mode[j])
+            continue;
+        const double h = ldexp(m->o.h, -leg->next_rung);
+        if (!(t - m->crowd_t[j] <= h)) {
+            m->crowd_t[j] = t;
+            m->crowd[j] = 0;
+        }
+        if (++m->crowd[j] > NS_CROWD_OF_PAIR)
+            m->crowded_until = t + h;
+    }
+    return NS_OK;
+}
+
+int ns_sparse_resolve(ns_sparse *m, const ns_leg *leg, double t) {
+    const int n = m->f->n, stuck = leg ? leg->stuck : 0;
+    const double short_h = ldexp(m->o.h, -NS_SHORT_RUNG - (leg ? leg->next_rung : 0) - 4 * stuck);
+    const double g = fmax(short_h, ldexp(m->o.h, -NS_LEAST_RUNG));
+    double *by = m->scale + 2 * n;
+    int status = NS_OK;
+    ns_inputs_at(m->in, t);
+    if (leg && leg->pair >= 0)
+        ns_guard_set(m, leg->pair, leg->upper);
+    if (leg && leg->command >= 0)
+        ns_guard_set(m, m->s->command[leg->command].pair, 0);
+    ns_event_command(m, t);
+    ns_guard_bounds(m);
+    m->counts.problems++;
+    for (int round = 0; round < JUMPS && status == NS_OK; round++) {
+        status = ns_event_settle_all(m, t, g, by);
+        if (status != NS_OK || !jumps(m, t, g, by, &status) || !take_jump(m, t, g, by, &status))
+            break;
+    }
+    m->counts.events++;
+    return status == NS_OK ? count_flips(m, leg, t) : status;
+}

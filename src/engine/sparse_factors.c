@@ -1,0 +1,200 @@
+/* src/engine/sparse_factors.c - factors of (P2), by mode and length, the least recently used dropped. */
+#include "sparse_factors.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Leaks, relative to what is around them: how switches share a current is good to eps over that; each round
+ * of refinement leaves that share of their effect. */
+static const double leak_share = 1e-4;
+enum { LEAK_ROUNDS = 5 };
+/* What the last round may still move where the equations hold. */
+static const double contradiction = 1e-9;
+
+int ns_modal_create(const ns_form *f, size_t limit, ns_modal **out) {
+    *out = NULL;
+    ns_modal *q = calloc(1, sizeof *q);
+    if (!q)
+        return NS_E_MEMORY;
+    q->f = f;
+    q->limit = limit;
+    q->value = calloc((size_t)f->K.start[f->size] + 1, sizeof(double));
+    q->work = calloc(3 * (size_t)f->size + 1, sizeof(double));
+    q->scratch[0].mode = calloc((size_t)f->m + 1, 1);
+    q->scratch[1].mode = calloc((size_t)f->m + 1, 1);
+    int status = q->value && q->work && q->scratch[0].mode && q->scratch[1].mode ? NS_OK : NS_E_MEMORY;
+    if (status == NS_OK)
+        status = ns_klu_create(f->size, f->K.start, f->K.row, &q->klu);
+    if (status != NS_OK) {
+        ns_modal_free(q);
+        return status;
+    }
+    *out = q;
+    return NS_OK;
+}
+
+static void drop(ns_modal *q, ns_kept *k) {
+    q->bytes -= k->bytes;
+    ns_factors_free(q->klu, k->factors);
+    free(k->mode);
+    free(k);
+}
+
+void ns_modal_free(ns_modal *q) {
+    if (!q)
+        return;
+    for (int b = 0; b < NS_KEPT_BUCKETS; b++)
+        while (q->bucket[b]) {
+            ns_kept *k = q->bucket[b];
+            q->bucket[b] = k->next;
+            drop(q, k);
+        }
+    for (int i = 0; i < 2; i++) {
+        if (q->klu)
+            ns_factors_free(q->klu, q->scratch[i].factors);
+        free(q->scratch[i].mode);
+    }
+    ns_klu_free(q->klu);
+    free(q->value);
+    free(q->work);
+    free(q);
+}
+
+static unsigned long long key_of(const ns_form *f, double g, const ns_mode *mode) {
+    unsigned long long h = 14695981039346656037U, bits;
+    memcpy(&bits, &g, sizeof bits);
+    h = (h ^ bits) * 1099511628211U;
+    for (int j = 0; j < f->m; j++)
+        h = (h ^ (unsigned char)mode[j]) * 1099511628211U;
+    h ^= h >> 29;
+    return h ? h : 1;
+}
+
+static int is(const ns_modal *q, const ns_kept *k, unsigned long long key, double g, const ns_mode *mode) {
+    return k->factors && k->key == key && k->g == g && memcmp(k->mode, mode, (size_t)q->f->m) == 0;
+}
+
+/* The link that leads to the one used least recently, but for `but`. */
+static ns_kept **oldest(ns_modal *q, const ns_kept *but) {
+    ns_kept **found = NULL;
+    for (int b = 0; b < NS_KEPT_BUCKETS; b++)
+        for (ns_kept **link = &q->bucket[b]; *link; link = &(*link)->next)
+            if (*link != but && (!found || (*link)->used < (*found)->used))
+                found = link;
+    return found;
+}
+
+static void trim(ns_modal *q, const ns_kept *but) {
+    ns_kept **link;
+    while (q->bytes > q->limit && (link = oldest(q, but))) {
+        ns_kept *k = *link;
+        *link = k->next;
+        drop(q, k);
+        q->evicted++;
+    }
+}
+
+/* Fills in factors of k's mode and length. */
+static int factor(ns_modal *q, ns_kept *k) {
+    q->made++;
+    k->leaky = 0;
+    ns_form_values(q->f, k->g, k->mode, 0, q->value);
+    int status = ns_klu_factor(q->klu, q->value, &k->factors);
+    if (status != NS_E_SINGULAR)
+        return status;
+    k->leaky = 1;
+    ns_form_values(q->f, k->g, k->mode, leak_share, q->value);
+    return ns_klu_factor(q->klu, q->value, &k->factors);
+}
+
+static int keep(ns_modal *q, unsigned long long key, double g, const ns_mode *mode, ns_kept **out) {
+    const size_t m = (size_t)q->f->m;
+    ns_kept *k = calloc(1, sizeof *k);
+    ns_mode *copy = calloc(m + 1, 1);
+    if (!k || !copy) {
+        free(k);
+        free(copy);
+        return NS_E_MEMORY;
+    }
+    memcpy(copy, mode, m);
+    *k = (ns_kept){.g = g, .key = key, .mode = copy};
+    const int status = factor(q, k);
+    if (status != NS_OK) {
+        drop(q, k);
+        return status;
+    }
+    k->bytes = sizeof *k + m + ns_factors_bytes(k->factors);
+    q->bytes += k->bytes;
+    k->next = q->bucket[key % NS_KEPT_BUCKETS];
+    q->bucket[key % NS_KEPT_BUCKETS] = k;
+    trim(q, k);
+    *out = k;
+    return NS_OK;
+}
+
+static int make_over(ns_modal *q, ns_kept *k, unsigned long long key, double g, const ns_mode *mode) {
+    k->g = g;
+    k->key = 0;
+    memcpy(k->mode, mode, (size_t)q->f->m);
+    const int status = factor(q, k);
+    if (status == NS_OK)
+        k->key = key;
+    return status;
+}
+
+int ns_modal_factor(ns_modal *q, double g, const ns_mode *mode, int brief, const ns_kept **out) {
+    const unsigned long long key = key_of(q->f, g, mode);
+    ns_kept *k = q->bucket[key % NS_KEPT_BUCKETS];
+    int status = NS_OK;
+    while (k && !is(q, k, key, g, mode))
+        k = k->next;
+    if (!k && is(q, &q->scratch[brief], key, g, mode))
+        k = &q->scratch[brief];
+    if (!k && q->seen[key % NS_SEEN] == key) {
+        status = keep(q, key, g, mode, &k);
+    } else if (!k) {
+        q->seen[key % NS_SEEN] = key;
+        k = &q->scratch[brief];
+        status = make_over(q, k, key, g, mode);
+    }
+    if (status != NS_OK)
+        return status;
+    k->used = ++q->clock;
+    *out = k;
+    return NS_OK;
+}
+
+/* With leaks: refined, until the equations without leaks hold.  Where they contradict each other, v is the
+ * answer with leaks, which tells what pulls apart. */
+static int solve_leaky(ns_modal *q, const ns_kept *k, const double *r, double *v) {
+    const int size = q->f->size;
+    double *rest = q->work, *by = rest + size, left = 0, most = 0;
+    memcpy(rest, r, sizeof(double) * (size_t)size);
+    memset(v, 0, sizeof(double) * (size_t)size);
+    for (int round = 0; round < LEAK_ROUNDS; round++) {
+        memcpy(by, rest, sizeof(double) * (size_t)size);
+        ns_klu_solve(q->klu, k->factors, 1, by);
+        for (int i = 0; i < size; i++)
+            v[i] += by[i];
+        memcpy(rest, r, sizeof(double) * (size_t)size);
+        ns_form_subtract(q->f, k->g, k->mode, v, rest);
+    }
+    for (int i = 0; i < size; i++) { /* an answer that leaks by the round is none */
+        left = fmax(left, fabs(by[i]));
+        most = fmax(most, fabs(v[i]));
+    }
+    if (left <= contradiction * most)
+        return NS_OK;
+    memcpy(v, r, sizeof(double) * (size_t)size);
+    ns_klu_solve(q->klu, k->factors, 1, v);
+    return NS_E_SINGULAR;
+}
+
+int ns_modal_solve(ns_modal *q, const ns_kept *k, const double *r, double *v) {
+    if (k->leaky)
+        return solve_leaky(q, k, r, v);
+    memcpy(v, r, sizeof(double) * (size_t)q->f->size);
+    ns_klu_solve(q->klu, k->factors, 1, v);
+    return NS_OK;
+}

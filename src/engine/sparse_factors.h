@@ -1,0 +1,48 @@
+/* src/engine/sparse_factors.h - (P2) of modes, factored, kept and solved. */
+#ifndef NS_SPARSE_FACTORS_H
+#define NS_SPARSE_FACTORS_H
+
+#include "../linalg/sparse_lu.h"
+#include "sparse_form.h"
+
+/* Of one mode and one length of implicit Euler step. */
+typedef struct ns_kept ns_kept;
+struct ns_kept {
+    double g;
+    int leaky; /* the matrix is singular, these are its factors with leaks */
+    unsigned long long key;
+    ns_mode *mode; /* m */
+    ns_factors *factors;
+    size_t bytes;
+    long used;     /* when */
+    ns_kept *next; /* of its bucket */
+};
+
+enum { NS_KEPT_BUCKETS = 256, NS_SEEN = 1024 };
+
+/* Factors are kept when a mode and a length are asked for the second time: at the first, two scratch ones,
+ * for short steps and for long ones, are made over, which is quicker. */
+typedef struct ns_modal {
+    const ns_form *f;
+    ns_klu *klu;
+    double *value; /* of K */
+    double *work;  /* 3 size */
+    ns_kept *bucket[NS_KEPT_BUCKETS];
+    ns_kept scratch[2];
+    unsigned long long seen[NS_SEEN];
+    size_t bytes, limit;
+    long clock, made, evicted;
+} ns_modal;
+
+int ns_modal_create(const ns_form *f, size_t limit, ns_modal **out); /* Errors: MEMORY, SINGULAR */
+void ns_modal_free(ns_modal *q);                                     /* NULL is allowed */
+
+/* Factors of this mode and length, good until the next call with the same `brief` (1: for short steps, that
+ * pass by).  Errors: MEMORY, NUMBER, SINGULAR (even with leaks). */
+int ns_modal_factor(ns_modal *q, double g, const ns_mode *mode, int brief, const ns_kept **out);
+
+/* v = K^-1 r.  Where K is singular: the limit of vanishing leaks.  Errors: SINGULAR (the equations contradict
+ * each other; v is then what small leaks make of them). */
+int ns_modal_solve(ns_modal *q, const ns_kept *k, const double *r, double *v);
+
+#endif

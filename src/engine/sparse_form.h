@@ -1,0 +1,52 @@
+/* src/engine/sparse_form.h - (P2) of every mode and every length of step as one sparse matrix.
+ *
+ *     rows 0..n-1:  M x - g (A x + B lambda)   (algebraic rows: -(A x + B lambda)), combined by T
+ *     row n+j:      (C x + D lambda)_j if pair j is inside, else lambda_j
+ *
+ * The places of its entries hold for all modes and lengths: what a mode changes are values.
+ */
+#ifndef NS_SPARSE_FORM_H
+#define NS_SPARSE_FORM_H
+
+#include "../linalg/sparse.h"
+
+typedef struct ns_form {
+    int n, m, nz, nc;
+    int size;                 /* n+m */
+    ns_csc K;                 /* size*size: M at its places, */
+    double *KA;               /* and at the same places A, B; C, D */
+    unsigned char *algebraic; /* n: the row of M is zero */
+    ns_csc Mt, At, Ct;        /* their columns are the rows of M (n), [A B], [C D] (size) */
+    ns_csc E, F;              /* n*nz, m*nz */
+    ns_csc Ft;
+    ns_csc gx, gz; /* n*nc, nz*nc */
+    ns_csc Tt;     /* its columns are the rows of T */
+    double *b, *e; /* n, m */
+    double *held;  /* n, or NULL: what x_i is held at in place of row i (a node's KCL), NAN: it is not */
+} ns_form;
+
+/* at_rest: M counts as zero, rows are not combined, and unknowns may be held.  Errors: MEMORY, those of
+ * ns_split(). */
+int ns_form_create(const ns_system *s, int at_rest, ns_form **out);
+void ns_form_free(ns_form *f); /* NULL is allowed */
+
+/* The values of K (at K's places).  share > 0: with a leak across each pair and one in series with it, of
+ * that share of what is around: they make a matrix regular that the laws of devices leave singular. */
+void ns_form_values(const ns_form *f, double g, const ns_mode *mode, double share, double *value);
+
+/* r -= K v, without leaks. */
+void ns_form_subtract(const ns_form *f, double g, const ns_mode *mode, const double *v, double *r);
+
+/* The factor of the rates in row i < n: g, or 1 where it is algebraic. */
+static inline double ns_form_rate(const ns_form *f, double g, int i) {
+    return f->algebraic[i] ? 1 : g;
+}
+
+/* y_j at v = (x, lambda) and z; constants: 1, or 0 where e is left out. */
+double ns_form_y(const ns_form *f, int j, const double *v, const double *z, int constants);
+
+/* sparse_split.c: the columns of Tt are rows of T (ns_system_split(), but in place: row i of T M is that row
+ * of M, or zero, then algebraic[i]), from M.  Errors: MEMORY. */
+int ns_sparse_split(const ns_csc *M, ns_csc *Tt, unsigned char *algebraic);
+
+#endif

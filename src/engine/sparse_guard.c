@@ -1,0 +1,300 @@
+/* src/engine/sparse_guard.c - guards of a mode: after an Euler step, and over a leg.
+ *
+ * Over a leg a guard is a polynomial (E1).  A bound by its coefficients tells that most hold; the others are
+ * put into Bernstein's form, whose coefficients bound it, and halved until they tell.
+ */
+#include "sparse_march.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* What a guard may be below zero by, relative to the terms it is summed from, and of a control. */
+static const double rounding = 64 * DBL_EPSILON, control_rounding = 1e-12;
+
+void ns_guard_bounds(ns_sparse *m) {
+    for (int c = 0; c < m->s->nc; c++) {
+        const int j = m->s->command[c].pair, closed = m->mode[j] == NS_INSIDE;
+        m->l[j] = closed ? -INFINITY : 0;
+        m->u[j] = closed ? INFINITY : 0;
+    }
+}
+
+void ns_guard_set(ns_sparse *m, int j, int upper) {
+    if (m->mode[j] == NS_INSIDE)
+        m->mode[j] = upper ? NS_UPPER : NS_LOWER;
+    else
+        m->mode[j] = NS_INSIDE;
+}
+
+static double size_of(const ns_csc *rows, int i, const double *v) {
+    double sum = 0;
+    for (int k = rows->start[i]; k < rows->start[i + 1]; k++)
+        sum += fabs(rows->value[k] * v[rows->row[k]]);
+    return sum;
+}
+
+/* The rounding of guards of pair j at v = (x, lambda), which was solved for with w and g: of the sum y, or of
+ * lambda as what is left over in the rows it enters. */
+static double noise(const ns_sparse *m, int j, const double *v, const double *w, double g) {
+    const ns_form *f = m->f;
+    if (m->mode[j] != NS_INSIDE)
+        return rounding * (size_of(&f->Ct, j, v) + fabs(f->e[j]));
+    double most = 0;
+    for (int k = f->K.start[f->n + j]; k < f->K.start[f->n + j + 1]; k++) {
+        const int i = f->K.row[k];
+        if (i >= f->n || f->KA[k] == 0)
+            continue;
+        double terms = size_of(&f->At, i, v) + fabs(f->b[i]);
+        if (!f->algebraic[i])
+            terms += (size_of(&f->Mt, i, v) + fabs(w[i])) / g;
+        most = fmax(most, terms / fabs(f->KA[k]));
+    }
+    return rounding * most;
+}
+
+/* Guards of pair j: how many, and number k of them at (lambda_j, y_j), what is constant in it counted so many
+ * times. */
+static int guards_of(const ns_sparse *m, int j) {
+    return m->mode[j] == NS_INSIDE ? isfinite(m->l[j]) + isfinite(m->u[j]) : m->l[j] < m->u[j];
+}
+
+static int is_upper(const ns_sparse *m, int j, int k) {
+    return k == 1 || !isfinite(m->l[j]);
+}
+
+static double guard(const ns_sparse *m, int j, int k, const double *v, const double *z, int constants) {
+    const double lambda = v[m->f->n + j];
+    if (m->mode[j] != NS_INSIDE) {
+        const double y = ns_form_y(m->f, j, v, z, constants);
+        return m->mode[j] == NS_LOWER ? y : -y;
+    }
+    return is_upper(m, j, k) ? (constants ? m->u[j] : 0) - lambda : lambda - (constants ? m->l[j] : 0);
+}
+
+int ns_guard_flip(ns_sparse *m, const double *v, const double *w, double g, int one) {
+    int count = 0;
+    memset(m->flip, 0, (size_t)m->f->m);
+    for (int j = 0; j < m->f->m; j++) {
+        const int guards = guards_of(m, j);
+        for (int k = 0; k < guards; k++) {
+            const double value = guard(m, j, k, v, m->z, 1);
+            if (!(value < 0) || value >= -noise(m, j, v, w, g))
+                continue;
+            if (!(one && count > 0)) {
+                m->flip[j] = (unsigned char)(1 + is_upper(m, j, k));
+                count++;
+            }
+            break;
+        }
+    }
+    for (int j = 0; j < m->f->m && count > 0; j++)
+        if (m->flip[j])
+            ns_guard_set(m, j, m->flip[j] == 2);
+    return count;
+}
+
+/* --- commands of the state --- */
+
+static int of_state(const ns_sparse *m, int c) {
+    return m->f->gx.start[c + 1] > m->f->gx.start[c];
+}
+
+/* By how much control c stays on its side of the threshold that would change it. */
+static double margin(const ns_sparse *m, int c, const double *v, const double *z, int constants) {
+    const ns_command *k = &m->s->command[c];
+    const int closed = m->mode[k->pair] == NS_INSIDE;
+    const double g = ns_csc_dot(&m->f->gx, c, v) + ns_csc_dot(&m->f->gz, c, z);
+    if (!constants)
+        return closed ? g : -g;
+    return closed ? (g + k->g0) - k->off : k->on - (g + k->g0);
+}
+
+static double control_noise(const ns_sparse *m, int c, const double *v, const double *z) {
+    return control_rounding *
+           (size_of(&m->f->gx, c, v) + size_of(&m->f->gz, c, z) + fabs(m->s->command[c].g0));
+}
+
+int ns_guard_commands(ns_sparse *m, const double *v) {
+    int count = 0;
+    for (int c = 0; c < m->s->nc; c++)
+        if (of_state(m, c) && margin(m, c, v, m->z, 1) < -control_noise(m, c, v, m->z)) {
+            const int j = m->s->command[c].pair;
+            m->mode[j] = m->mode[j] == NS_INSIDE ? NS_LOWER : NS_INSIDE;
+            count++;
+        }
+    if (count > 0)
+        ns_guard_bounds(m);
+    return count;
+}
+
+/* --- over a leg --- */
+
+typedef struct search {
+    double to_bernstein[NS_ORDER][NS_ORDER]; /* [j][i]: of (-1)^i L_i, to Bernstein's j, on [0, end] */
+    double tol;
+    int splits; /* left */
+} search;
+
+static double choose(int n, int k) {
+    double c = 1;
+    for (int i = 0; i < k; i++)
+        c = c * (n - i) / (i + 1);
+    return c;
+}
+
+static void set_search(search *s, double end) {
+    for (int i = 0; i < NS_ORDER; i++)
+        for (int j = 0; j < NS_ORDER; j++) {
+            double sum = 0, power = 1; /* L_i(end u) = sum_k C(i,k) (-end u)^k / k! */
+            for (int k = 0; k <= i && k <= j; k++) {
+                sum += choose(i, k) * power * choose(j, k) / choose(NS_ORDER - 1, k);
+                power *= -end / (k + 1);
+            }
+            s->to_bernstein[j][i] = i % 2 ? -sum : sum;
+        }
+}
+
+/* The first u in [low, high] with value below -tol, NAN if there is none. */
+static double first_below(search *s, const double *b, double low, double high, int depth) {
+    double left[NS_ORDER], right[NS_ORDER], least = INFINITY;
+    enum { terms = NS_ORDER };
+    for (int i = 0; i < terms; i++)
+        least = fmin(least, b[i]);
+    if (least >= -s->tol)
+        return NAN;
+    if (b[0] < -s->tol || depth >= 52 || s->splits-- <= 0)
+        return low;
+    memcpy(right, b, sizeof right);
+    for (int i = 0; i < terms; i++) { /* de Casteljau, at the middle */
+        left[i] = right[0];
+        for (int k = 0; k + 1 < terms - i; k++)
+            right[k] = 0.5 * (right[k] + right[k + 1]);
+    }
+    /* right[terms-1-i] is the last of round i: already in place */
+    const double mid = 0.5 * (low + high), first = first_below(s, left, low, mid, depth + 1);
+    return isnan(first) ? first_below(s, right, mid, high, depth + 1) : first;
+}
+
+/* Where in [0, 1] guard G falls below -tol. */
+static double crossing(search *s, const double *G, double tol) {
+    double b[NS_ORDER] = {0};
+    for (int j = 0; j < NS_ORDER; j++)
+        for (int i = 0; i < NS_ORDER; i++)
+            b[j] += s->to_bernstein[j][i] * G[i];
+    s->tol = tol;
+    s->splits = 4000;
+    return first_below(s, b, 0, 1, 0);
+}
+
+static int surely_holds(const ns_sparse *m, const double *G) {
+    double least = G[0];
+    for (int i = 1; i < NS_ORDER; i++)
+        least -= m->largest[i] * fabs(G[i]);
+    return least > 0;
+}
+
+static void coefficients(const ns_sparse *m, const ns_leg *leg, int terms, int pair, int k, int command,
+                         double *G) {
+    const size_t size = (size_t)m->f->size, nz = (size_t)m->f->nz;
+    for (int i = 0; i < terms; i++) {
+        const double *v = leg->xi + (size_t)i * size, *z = leg->z + (size_t)i * nz;
+        G[i] = pair >= 0 ? guard(m, pair, k, v, z, i == 0) : margin(m, command, v, z, i == 0);
+    }
+}
+
+typedef struct found {
+    double at; /* share of the leg */
+    int pair, k, command;
+} found;
+
+/* The next coefficient, guessed from the last two: what a guard is off by at the start of a leg. */
+static double cut_off(const double *G) {
+    const double last = fabs(G[NS_ORDER - 1]), before = fabs(G[NS_ORDER - 2]);
+    return last < before ? 2 * last * (last / before) : last;
+}
+
+/* Looks for one guard's crossing before the first found so far. */
+static void look(const ns_sparse *m, const ns_leg *leg, search *s, int pair, int k, int command, found *f) {
+    double G[NS_ORDER];
+    coefficients(m, leg, NS_ORDER, pair, k, command, G);
+    if (surely_holds(m, G))
+        return;
+    const double tol =
+        pair >= 0 ? noise(m, pair, leg->xi, leg->dw, leg->g) : control_noise(m, command, leg->xi, leg->z);
+    const double at = crossing(s, G, tol + cut_off(G));
+    if (at < f->at)
+        *f = (found){at, pair, k, command};
+}
+
+/* The value of a guard of NS_STAGES coefficients. */
+static double value_at(const double *G, double s) {
+    double c[NS_STAGES], b[NS_ORDER + 1], sum = 0;
+    ns_laguerre(s, c);
+    ns_laguerre_steps(s, b);
+    c[NS_ORDER] = b[NS_ORDER] - c[NS_ORDER - 1];
+    for (int i = NS_ORDER; i >= 0; i--)
+        sum += c[i] * G[i];
+    return sum;
+}
+
+/* Where it crosses zero near share `at` of the leg, of which s is the end. */
+static double root_near(const double *G, double at, double s) {
+    double low = at, high = at, step = 1e-9;
+    if (value_at(G, at * s) < 0)
+        for (; low > 0 && value_at(G, low * s) < 0; step *= 4)
+            low = fmax(0, low - step);
+    else
+        for (; high < 1 && value_at(G, high * s) >= 0; step *= 4)
+            high = fmin(1, high + step);
+    if (value_at(G, low * s) < 0 || value_at(G, high * s) >= 0)
+        return low <= 0 ? 0 : INFINITY; /* after the leg */
+    for (int i = 0; i < 80; i++) {
+        const double mid = low + (high - low) / 2;
+        if (!(mid > low && mid < high))
+            break;
+        *(value_at(G, mid * s) < 0 ? &high : &low) = mid;
+    }
+    return low;
+}
+
+/* With the last stage the crossing is as exact as the step. */
+static int refine(ns_sparse *m, ns_leg *leg, found *f) {
+    double G[NS_STAGES];
+    if (f->at <= 0)
+        return NS_OK;
+    const int status = ns_leg_last_stage(m, leg);
+    if (status != NS_OK)
+        return status;
+    coefficients(m, leg, NS_STAGES, f->pair, f->k, f->command, G);
+    f->at = root_near(G, f->at, leg->end / leg->g);
+    return NS_OK;
+}
+
+int ns_guard_first(ns_sparse *m, ns_leg *leg) {
+    search s;
+    found f = {INFINITY, -1, 0, -1};
+    set_search(&s, leg->end / leg->g);
+    for (int j = 0; j < m->f->m; j++) {
+        const int guards = guards_of(m, j);
+        for (int k = 0; k < guards; k++)
+            look(m, leg, &s, j, k, -1, &f);
+    }
+    for (int c = 0; c < m->s->nc; c++)
+        if (of_state(m, c))
+            look(m, leg, &s, -1, 0, c, &f);
+    if (!(f.at <= 1))
+        return NS_OK;
+    const int status = refine(m, leg, &f);
+    if (status != NS_OK || !(f.at <= 1))
+        return status;
+    leg->why = NS_LEG_EVENT;
+    leg->pair = f.pair;
+    leg->command = f.command;
+    leg->upper = f.pair >= 0 && is_upper(m, f.pair, f.k);
+    if (f.at < 1) {
+        leg->end *= f.at;
+        leg->end_t = leg->t + leg->end;
+    }
+    return status;
+}

@@ -1,0 +1,47 @@
+/* src/engine/sparse_inputs.h - inputs between their corners, as what implicit Euler makes of them; and when
+ * commands that depend on time only change.  Nothing is looked at again before it has a corner. */
+#ifndef NS_SPARSE_INPUTS_H
+#define NS_SPARSE_INPUTS_H
+
+#include "sparse_form.h"
+
+/* From `from` up to `until`: z(from+tau) = value + slope tau + sum of Re c exp(s tau). */
+typedef struct ns_wave {
+    double from, until, value, slope;
+    int count;
+    double c[2][2], s[2][2]; /* real, imaginary */
+} ns_wave;
+
+typedef struct ns_inputs {
+    const ns_system *s;
+    const ns_form *f;
+    ns_wave *wave;   /* nz */
+    double corner;   /* the first after the last t */
+    double *review;  /* nc: up to when the instant is known; -INFINITY: not */
+    double *instant; /* nc: when it changes, INFINITY: not before review */
+    double first;    /* of instants and reviews */
+    int *curved;     /* those of the nz that have exponentials or slopes */
+    int ncurved;
+    double *work; /* nz */
+} ns_inputs;
+
+int ns_inputs_create(const ns_system *s, const ns_form *f, ns_inputs **out); /* Errors: MEMORY */
+void ns_inputs_free(ns_inputs *in);                                          /* NULL is allowed */
+
+/* Forgets what it knows of times; then everything is looked at again. */
+void ns_inputs_reset(ns_inputs *in);
+
+/* Waves at t, from its right side. */
+void ns_inputs_at(ns_inputs *in, double t);
+
+/* z (nz) of stage i of steps g that begin at t, the time of the last ns_inputs_at(): D^i v put through the
+ * Euler step.  Returns 0 if all are zero. */
+int ns_inputs_stage(const ns_inputs *in, double t, double g, int i, double *z);
+
+/* By how much time-only command c is beyond its threshold at inputs z, less a share tol of its terms. */
+double ns_inputs_excess(const ns_inputs *in, int c, int closed, const double *z, double tol);
+
+/* Looks for the instants of time-only commands after t; horizon: how far where nothing else bounds it. */
+void ns_inputs_look(ns_inputs *in, double t, double horizon, const ns_mode *mode);
+
+#endif

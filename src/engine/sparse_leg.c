@@ -1,0 +1,208 @@
+/* src/engine/sparse_leg.c - one step of high order with dense output, by solves with one factor. */
+#include "sparse_march.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* Below, a charge or flux of small energy counts as this much of the largest one. */
+static const double least_share = 1e-3;
+
+/* The right-hand side of (P2) from w, f = T (b + E z) and inputs z; constants: 1 with them. */
+static void form_rhs(ns_sparse *m, double g, const double *w, const double *z, int any, int constants) {
+    const ns_form *f = m->f;
+    const int n = f->n;
+    for (int i = 0; i < n; i++)
+        m->rate[i] = constants ? f->b[i] : 0;
+    if (any)
+        ns_csc_times_add(&f->E, z, m->rate);
+    for (int i = 0; i < n; i++)
+        m->r[i] = f->algebraic[i] ? m->rate[i] : w[i] + g * m->rate[i];
+    for (int i = 0; f->held && i < n; i++)
+        if (!isnan(f->held[i]))
+            m->r[i] = f->held[i];
+    for (int j = 0; j < f->m; j++) {
+        if (m->mode[j] == NS_INSIDE) {
+            m->r[n + j] = constants ? -f->e[j] : 0;
+            if (any && f->Ft.start[j + 1] > f->Ft.start[j])
+                m->r[n + j] -= ns_csc_dot(&f->Ft, j, z);
+        } else {
+            m->r[n + j] = constants ? (m->mode[j] == NS_LOWER ? m->l[j] : m->u[j]) : 0;
+        }
+    }
+}
+
+/* by = D w = g (A x + B lambda + f) */
+static void rates(const ns_sparse *m, double g, const double *v, double *by) {
+    const ns_form *f = m->f;
+    for (int i = 0; i < f->n; i++)
+        by[i] = f->algebraic[i] ? 0 : g * (ns_csc_dot(&f->At, i, v) + m->rate[i]);
+}
+
+int ns_euler(ns_sparse *m, double t, double g, const double *w, int brief, double *v, double *by) {
+    const ns_kept *k;
+    int status = ns_modal_factor(m->q, g, m->mode, brief, &k);
+    if (status != NS_OK) {
+        for (int i = 0; i < m->f->size; i++)
+            v[i] = NAN; /* breaks no guard */
+        return status;
+    }
+    const int any = ns_inputs_stage(m->in, t, g, 0, m->z);
+    form_rhs(m, g, w, m->z, any, 1);
+    status = ns_modal_solve(m->q, k, m->r, v);
+    rates(m, g, v, by);
+    return status;
+}
+
+static int stage(ns_sparse *m, ns_leg *leg, const ns_kept *k, int i) {
+    const size_t n = (size_t)m->f->n, size = (size_t)m->f->size, nz = (size_t)m->f->nz;
+    double *z = leg->z + (size_t)i * nz, *xi = leg->xi + (size_t)i * size, *w = leg->dw + (size_t)i * n;
+    const int any = ns_inputs_stage(m->in, leg->t, leg->g, i, z);
+    form_rhs(m, leg->g, w, z, any, i == 0);
+    const int status = ns_modal_solve(m->q, k, m->r, xi);
+    if (status == NS_OK)
+        rates(m, leg->g, xi, w + n);
+    return status;
+}
+
+static int all_stages(ns_sparse *m, ns_leg *leg) {
+    const ns_kept *k;
+    int status = ns_modal_factor(m->q, leg->g, m->mode, 0, &k);
+    for (int i = 0; i < NS_ORDER && status == NS_OK; i++)
+        status = stage(m, leg, k, i);
+    leg->stages = NS_ORDER;
+    return status;
+}
+
+int ns_leg_last_stage(ns_sparse *m, ns_leg *leg) {
+    const ns_kept *k;
+    if (leg->stages == NS_STAGES || leg->euler)
+        return NS_OK;
+    memcpy(m->mode, leg->mode, (size_t)m->f->m);
+    ns_guard_bounds(m);
+    ns_inputs_at(m->in, leg->t);
+    int status = ns_modal_factor(m->q, leg->g, m->mode, 0, &k);
+    if (status == NS_OK)
+        status = stage(m, leg, k, NS_ORDER);
+    if (status == NS_OK)
+        leg->stages = NS_STAGES;
+    return status;
+}
+
+/* Takes account of w and of how it moves in the scales; the largest square root of an energy, or some such.
+ */
+static double take_scales(ns_sparse *m, const ns_leg *leg) {
+    const int n = m->f->n;
+    double most = 0;
+    for (int i = 0; i < n; i++)
+        if (!m->f->algebraic[i]) {
+            m->scale[i] = fmax(m->scale[i], fmax(fabs(leg->dw[i]), fabs(leg->dw[n + i])));
+            most = fmax(most, m->scale[i] / m->unit[i]);
+        }
+    return most;
+}
+
+/* The error of the step of the whole length, as a multiple of what is allowed: b_9 D^9 w, guessed from the
+ * two before. */
+static double error_of(ns_sparse *m, const ns_leg *leg) {
+    const size_t n = (size_t)m->f->n;
+    const double *d8 = leg->dw + NS_ORDER * n, *d7 = d8 - n, most = take_scales(m, leg);
+    double last = 0, before = 0;
+    for (size_t i = 0; i < n; i++) {
+        const double scale = fmax(m->scale[i], least_share * most * m->unit[i]);
+        if (m->f->algebraic[i] || !(scale > 0))
+            continue;
+        last = fmax(last, fabs(d8[i]) / scale);
+        before = fmax(before, fabs(d7[i]) / scale);
+        if (!(last < INFINITY))
+            return INFINITY;
+    }
+    return last > 0 ? 1.3 * last * fmin(1, last / before) / m->o.reltol : 0;
+}
+
+static double length(const ns_sparse *m, int rung) {
+    return ldexp(m->o.h, -rung);
+}
+
+/* Stages such that the error until room is small enough; the length wanted next. */
+static int choose_length(ns_sparse *m, ns_leg *leg, double room) {
+    for (int tries = 0;; tries++) {
+        const double h = length(m, leg->rung);
+        leg->g = h / NS_POLE;
+        const int status = all_stages(m, leg);
+        if (status != NS_OK)
+            return status;
+        const double whole = error_of(m, leg), share = fmin(1, room / leg->g / 1.3), error = whole * share;
+        leg->next_rung = leg->rung;
+        if (error <= 1 || leg->rung >= NS_LEAST_RUNG || tries >= NS_LEAST_RUNG) {
+            leg->next_rung -= leg->rung > 0 && whole < ldexp(0.3, -(NS_ORDER + 1));
+            if (whole > 1 && leg->next_rung < NS_LEAST_RUNG)
+                leg->next_rung++;
+            return whole < INFINITY ? NS_OK : NS_E_OVERFLOW;
+        }
+        m->counts.trials++;
+        leg->rung += error < INFINITY ? (int)fmax(1, fmin(8, ceil(log2(error) / (NS_ORDER + 1) - 0.1))) : 8;
+    }
+}
+
+int ns_leg_begin(ns_sparse *m, ns_leg *leg, double t, double limit) {
+    const double room = limit - t;
+    leg->t = t;
+    leg->why = NS_LEG_GOES_ON;
+    leg->pair = leg->command = -1;
+    leg->euler = 0;
+    memcpy(leg->mode, m->mode, (size_t)m->f->m);
+    memcpy(leg->dw, m->w, sizeof(double) * (size_t)m->f->n);
+    int status = choose_length(m, leg, room);
+    if (status != NS_OK)
+        return status;
+    const double h = length(m, leg->rung);
+    leg->end = fmin(h, room);
+    leg->end_t = h < room * (1 - 1e-9) ? t + h : limit;
+    if (leg->end_t == limit)
+        leg->end = room;
+    m->counts.steps++;
+    return ns_guard_first(m, leg);
+}
+
+/* sum of coefficient i times a[i], vectors of count numbers */
+static void combine(size_t count, int terms, const double *coefficient, const double *a, double *out) {
+    for (size_t k = 0; k < count; k++)
+        out[k] = coefficient[0] * a[k];
+    for (int i = 1; i < terms; i++) {
+        const double c = coefficient[i], *of = a + (size_t)i * count;
+        for (size_t k = 0; k < count; k++)
+            out[k] += c * of[k];
+    }
+}
+
+void ns_leg_state(const ns_sparse *m, const ns_leg *leg, double tau, double *w) {
+    const size_t n = (size_t)m->f->n;
+    double b[NS_ORDER + 1];
+    if (leg->euler) {
+        combine(n, 2, (const double[]){1, 1}, leg->dw, w);
+        return;
+    }
+    ns_laguerre_steps(tau / leg->g, b); /* (E2) */
+    /* small ones first: w itself last */
+    memcpy(w, leg->dw, sizeof(double) * n);
+    for (size_t k = 0; k < n; k++) {
+        double sum = 0;
+        for (int i = NS_ORDER; i > 0; i--)
+            sum += b[i] * leg->dw[(size_t)i * n + k];
+        w[k] += sum;
+    }
+}
+
+void ns_leg_point(const ns_sparse *m, const ns_leg *leg, double tau, double *v) {
+    double c[NS_STAGES], b[NS_ORDER + 1];
+    const double s = tau / leg->g;
+    if (leg->euler) {
+        memcpy(v, leg->xi, sizeof(double) * (size_t)m->f->size);
+        return;
+    }
+    ns_laguerre(s, c); /* (E1) */
+    ns_laguerre_steps(s, b);
+    c[NS_ORDER] = b[NS_ORDER] - c[NS_ORDER - 1]; /* L_8 = b_8 + L_7 */
+    combine((size_t)m->f->size, leg->stages, c, leg->xi, v);
+}

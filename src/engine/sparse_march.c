@@ -1,0 +1,349 @@
+/* src/engine/sparse_march.c - the marcher for large circuits: made, asked, accepted, read. */
+#include "sparse_march.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+int ns_sparse_fail(ns_sparse *m, double t, int status) {
+    m->fault.status = (ns_status)status;
+    m->fault.npairs = m->fault.nunknowns = 0;
+    m->fault.t = t;
+    return status;
+}
+
+static int make_leg(const ns_form *f, ns_leg *leg) {
+    const size_t n = (size_t)f->n, size = (size_t)f->size, nz = (size_t)f->nz, s = NS_STAGES;
+    leg->xi = calloc(s * size + (s + 1) * n + s * nz + 1, sizeof(double));
+    leg->mode = calloc((size_t)f->m + 1, 1);
+    if (!leg->xi || !leg->mode)
+        return NS_E_MEMORY;
+    leg->dw = leg->xi + s * size;
+    leg->z = leg->dw + (s + 1) * n;
+    return NS_OK;
+}
+
+static double *take(double **from, int count) {
+    double *first = *from;
+    *from += count;
+    return first;
+}
+
+static int allocate(ns_sparse *m) {
+    const int n = m->f->n, pairs = m->f->m, size = m->f->size;
+    const size_t count = (size_t)(7 * n + 3 * pairs + 2 * size + m->f->nz) + 1;
+    double *all = calloc(count, sizeof(double));
+    m->w = all;
+    m->mode = calloc(3 * (size_t)pairs + 1, 1);
+    m->crowd = calloc((size_t)pairs + 1, sizeof(int));
+    if (!all || !m->mode || !m->crowd)
+        return NS_E_MEMORY;
+    m->old_mode = m->mode + pairs;
+    m->flip = (unsigned char *)(m->old_mode + pairs);
+    m->w = take(&all, n);
+    m->next_w = take(&all, n);
+    m->scale = take(&all, 3 * n);
+    m->unit = take(&all, n);
+    m->rate = take(&all, n);
+    m->l = take(&all, pairs);
+    m->u = take(&all, pairs);
+    m->crowd_t = take(&all, pairs);
+    m->v = take(&all, size);
+    m->r = take(&all, size);
+    m->z = take(&all, m->f->nz);
+    const int status = make_leg(m->f, &m->leg[0]);
+    return status == NS_OK ? make_leg(m->f, &m->leg[1]) : status;
+}
+
+/* The largest |L_i| up to 1/gamma, by looking closely. */
+static void set_largest(ns_sparse *m) {
+    double c[NS_STAGES];
+    for (int k = 0; k <= 2000; k++) {
+        ns_laguerre(NS_POLE * k / 2000, c);
+        for (int i = 0; i < NS_ORDER; i++)
+            m->largest[i] = fmax(m->largest[i], 1.001 * fabs(c[i]));
+    }
+}
+
+static void set_units(ns_sparse *m) {
+    for (int i = 0; i < m->f->n; i++) {
+        double most = 0;
+        for (int k = m->f->Mt.start[i]; k < m->f->Mt.start[i + 1]; k++)
+            most = fmax(most, fabs(m->f->Mt.value[k]));
+        m->unit[i] = sqrt(most);
+    }
+}
+
+static int make(ns_sparse *m) {
+    int status = ns_form_create(m->s, 0, &m->f);
+    if (status == NS_OK)
+        status = ns_modal_create(m->f, m->o.bytes, &m->q);
+    if (status == NS_OK)
+        status = ns_inputs_create(m->s, m->f, &m->in);
+    if (status == NS_OK)
+        status = allocate(m);
+    if (status != NS_OK)
+        return status;
+    set_largest(m);
+    set_units(m);
+    return NS_OK;
+}
+
+int ns_sparse_create(const ns_system *s, const ns_sparse_options *o, ns_sparse **out, ns_fault *fault) {
+    if (!out)
+        return NS_E_NULL;
+    *out = NULL;
+    if (!s || !o)
+        return NS_E_NULL;
+    if (!(o->h > 0) || !isfinite(o->h) || !(o->reltol >= 0) || !isfinite(o->reltol))
+        return NS_E_RANGE;
+    int status = ns_system_check(s, fault);
+    if (status != NS_OK)
+        return status;
+    ns_sparse *m = calloc(1, sizeof *m);
+    if (!m)
+        return NS_E_MEMORY;
+    m->s = s;
+    m->o = *o;
+    m->o.reltol = o->reltol > 0 ? o->reltol : 1e-11;
+    m->o.bytes = o->bytes ? o->bytes : (size_t)64 << 20;
+    m->fault.t = NAN;
+    status = make(m);
+    if (status != NS_OK) {
+        ns_sparse_free(m);
+        return status;
+    }
+    *out = m;
+    return NS_OK;
+}
+
+void ns_sparse_free(ns_sparse *m) {
+    if (!m)
+        return;
+    for (int i = 0; i < 2; i++) {
+        free(m->leg[i].xi);
+        free(m->leg[i].mode);
+    }
+    free(m->w);
+    free(m->mode);
+    free(m->crowd);
+    ns_inputs_free(m->in);
+    ns_modal_free(m->q);
+    ns_form_free(m->f);
+    free(m);
+}
+
+static double time_of(const ns_sparse *m) {
+    return m->live_tau >= m->live->end ? m->live->end_t : m->live->t + m->live_tau;
+}
+
+static double kept_time(const ns_sparse *m) {
+    return m->kept_tau >= m->kept->end ? m->kept->end_t : m->kept->t + m->kept_tau;
+}
+
+int ns_sparse_at_event(const ns_sparse *m) {
+    return m->started && m->live->why == NS_LEG_EVENT && m->live_tau >= m->live->end;
+}
+
+/* An input jumps at t, or a command of time changes. */
+static int event_at(ns_sparse *m, double t) {
+    for (int c = 0; c < m->s->nc; c++)
+        if (m->in->review[c] > -INFINITY && m->in->instant[c] <= t)
+            return 1;
+    for (int k = 0; k < m->s->nz; k++)
+        if (m->in->wave[k].until == t &&
+            ns_signal_value(&m->s->z[k], t, NS_LEFT) != ns_signal_value(&m->s->z[k], t, NS_RIGHT))
+            return 1;
+    return 0;
+}
+
+static int euler_leg(ns_sparse *m, ns_leg *leg, double t, double limit, double h) {
+    const size_t n = (size_t)m->f->n;
+    const double g = fmin(h, limit - t);
+    leg->t = t;
+    leg->g = leg->end = g;
+    leg->end_t = g < limit - t ? t + g : limit;
+    leg->why = NS_LEG_GOES_ON;
+    leg->pair = leg->command = -1;
+    leg->euler = 1;
+    leg->stages = 1;
+    leg->next_rung = leg->rung;
+    memcpy(leg->dw, m->w, sizeof(double) * n);
+    const int status = ns_event_settle(m, t, g, m->w, leg->xi, leg->dw + n);
+    memcpy(leg->mode, m->mode, (size_t)m->f->m);
+    memcpy(leg->z, m->z, sizeof(double) * (size_t)m->f->nz);
+    m->counts.steps++;
+    return status;
+}
+
+/* A leg from m->w, m->mode at t after one that ended there. */
+int ns_sparse_next_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg) {
+    const int stuck = before && before->why == NS_LEG_EVENT && !(before->end > 0) ? before->stuck + 1 : 0;
+    leg->rung = before ? before->next_rung : 0;
+    leg->stuck = stuck;
+    ns_inputs_at(m->in, t);
+    ns_inputs_look(m->in, t, m->o.h, m->mode);
+    const double limit = fmax(fmin(m->in->corner, m->in->first), nextafter(t, INFINITY));
+    const double h = ldexp(m->o.h, -leg->rung);
+    int status;
+    if (stuck > 3)
+        status = euler_leg(m, leg, t, limit, ldexp(h, -10));
+    else if (t < m->crowded_until)
+        status = euler_leg(m, leg, t, fmin(limit, m->asked > t ? m->asked : limit), ldexp(h, -2));
+    else
+        status = ns_leg_begin(m, leg, t, limit);
+    if (status == NS_OK && leg->why == NS_LEG_GOES_ON && leg->end_t == limit && event_at(m, limit))
+        leg->why = NS_LEG_EVENT;
+    return status;
+}
+
+/* From the end of the live leg to the next one. */
+static int go_on(ns_sparse *m) {
+    ns_leg *from = m->live, *to = from == m->kept ? (from == m->leg ? m->leg + 1 : m->leg) : from;
+    const double t = from->end_t;
+    const ns_leg before = *from;
+    int status = NS_OK;
+    if (m->budget-- <= 0)
+        return NS_E_LIMIT;
+    ns_leg_state(m, from, from->end, m->w);
+    memcpy(m->mode, from->mode, (size_t)m->f->m);
+    ns_guard_bounds(m);
+    if (from->euler) {
+        memcpy(m->z, from->z, sizeof(double) * (size_t)m->f->nz);
+        (void)ns_guard_commands(m, from->xi);
+    }
+    if (m->in->first == -INFINITY) { /* it was gone back to: its instants are known no more */
+        ns_inputs_at(m->in, from->t);
+        ns_inputs_look(m->in, from->t, m->o.h, from->mode);
+    }
+    if (from->why == NS_LEG_EVENT)
+        status = ns_sparse_resolve(m, from, t);
+    if (status == NS_OK)
+        status = ns_sparse_next_leg(m, t, &before, to);
+    if (status != NS_OK)
+        return status;
+    m->live = to;
+    m->live_tau = 0;
+    return NS_OK;
+}
+
+static int go_to(ns_sparse *m, double t, ns_until until) {
+    const double from = time_of(m);
+    m->budget = 100000 + (long)fmin(1e12, 20000 * (t - from) / m->o.h);
+    if (until == NS_TO_EVENT && ns_sparse_at_event(m))
+        return go_on(m);
+    while (time_of(m) < t) {
+        if (m->live_tau < m->live->end) {
+            m->live_tau = t >= m->live->end_t ? m->live->end : fmin(t - m->live->t, m->live->end);
+            if (m->live->euler)
+                m->live_tau = m->live->end;
+        } else {
+            const int status = go_on(m);
+            if (status != NS_OK)
+                return status;
+        }
+        if (until == NS_TO_EVENT && ns_sparse_at_event(m))
+            return time_of(m) > from ? NS_OK : go_on(m);
+    }
+    return NS_OK;
+}
+
+static void go_back(ns_sparse *m) {
+    if (m->live != m->kept || m->live_tau != m->kept_tau)
+        ns_inputs_reset(m->in);
+    m->live = m->kept;
+    m->live_tau = m->kept_tau;
+    m->has_trial = 0;
+}
+
+int ns_sparse_try(ns_sparse *m, double t, ns_until until, double *reached) {
+    if (!m || !reached)
+        return NS_E_NULL;
+    if (!m->started)
+        return ns_sparse_fail(m, t, NS_E_STATE);
+    if (!(t > kept_time(m)) || !isfinite(t))
+        return ns_sparse_fail(m, t, NS_E_RANGE);
+    if (!(m->has_trial && (t == time_of(m) || (t == m->asked && until == m->until)))) {
+        go_back(m);
+        m->asked = t;
+        m->until = until;
+        const int status = go_to(m, t, until);
+        if (status != NS_OK) {
+            const double at = time_of(m);
+            go_back(m);
+            return ns_sparse_fail(m, at, status);
+        }
+        m->has_trial = 1;
+    }
+    *reached = time_of(m);
+    return NS_OK;
+}
+
+int ns_sparse_accept(ns_sparse *m) {
+    if (!m)
+        return NS_E_NULL;
+    if (!m->has_trial)
+        return NS_E_STATE;
+    m->kept = m->live;
+    m->kept_tau = m->live_tau;
+    m->has_trial = 0;
+    return NS_OK;
+}
+
+int ns_sparse_read(ns_sparse *m, double *t, double *x, double *lambda, double *y) {
+    if (!m)
+        return NS_E_NULL;
+    if (!m->started)
+        return ns_sparse_fail(m, NAN, NS_E_STATE);
+    const double at = time_of(m);
+    const int status =
+        m->live_tau < m->live->end || m->live->why == NS_LEG_EVENT ? ns_leg_last_stage(m, m->live) : NS_OK;
+    if (status != NS_OK)
+        return ns_sparse_fail(m, at, status);
+    ns_leg_point(m, m->live, m->live_tau, m->v);
+    if (t)
+        *t = at;
+    if (x)
+        memcpy(x, m->v, sizeof(double) * (size_t)m->f->n);
+    if (lambda)
+        memcpy(lambda, m->v + m->f->n, sizeof(double) * (size_t)m->f->m);
+    for (int k = 0; y && k < m->f->nz; k++)
+        m->z[k] = ns_signal_value(&m->s->z[k], at, m->live_tau > 0 ? NS_LEFT : NS_RIGHT);
+    for (int j = 0; y && j < m->f->m; j++)
+        y[j] = m->live->mode[j] == NS_INSIDE ? 0 : ns_form_y(m->f, j, m->v, m->z, 1);
+    return NS_OK;
+}
+
+const ns_mode *ns_sparse_mode(const ns_sparse *m) {
+    return m->live ? m->live->mode : m->mode;
+}
+
+const ns_counts *ns_sparse_counts(ns_sparse *m) {
+    m->counts.factors = ns_klu_fresh(m->q->klu) + ns_klu_again(m->q->klu);
+    m->counts.maps = m->q->made;
+    m->counts.evicted = m->q->evicted;
+    return &m->counts;
+}
+
+const ns_fault *ns_sparse_fault(const ns_sparse *m) {
+    return &m->fault;
+}
+
+int ns_sparse_euler(ns_sparse *m, double h) {
+    if (!m)
+        return NS_E_NULL;
+    if (!m->started)
+        return ns_sparse_fail(m, NAN, NS_E_STATE);
+    ns_leg *leg = m->kept;
+    const double t = kept_time(m), end = t + h;
+    go_back(m);
+    ns_leg_state(m, leg, m->kept_tau, m->w);
+    memcpy(m->mode, leg->mode, (size_t)m->f->m);
+    ns_inputs_at(m->in, t);
+    const int status = euler_leg(m, leg, t, end, h);
+    if (status != NS_OK)
+        return ns_sparse_fail(m, t, status);
+    m->live_tau = m->kept_tau = leg->end;
+    return NS_OK;
+}

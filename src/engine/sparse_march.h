@@ -1,0 +1,126 @@
+/* src/engine/sparse_march.h - the marcher for large circuits: its face, and its inside for its own files.
+ *
+ * Between events it goes by (E1), (E2) (laguerre.h): a leg is NS_ORDER solves with one sparse factor of (P2),
+ * and gives every unknown and guard at any time in it.  Legs have the lengths h 2^-k, so that factors recur,
+ * and end where a guard breaks, an input turns or a command changes.
+ */
+#ifndef NS_SPARSE_MARCH_H
+#define NS_SPARSE_MARCH_H
+
+#include "laguerre.h"
+#include "nonsmooth/march.h"
+#include "sparse_factors.h"
+#include "sparse_inputs.h"
+
+typedef struct ns_sparse ns_sparse;
+
+typedef struct ns_sparse_options {
+    double h;      /* longest step, s, > 0 */
+    double reltol; /* error of a step, relative to the charges and fluxes there were; 0: 1e-11 */
+    size_t bytes;  /* bound on the memory of kept factors; 0: 64 MiB */
+} ns_sparse_options;
+
+/* As the calls of nonsmooth/march.h of the same names; systems may be large. */
+int ns_sparse_create(const ns_system *s, const ns_sparse_options *o, ns_sparse **out, ns_fault *fault);
+void ns_sparse_free(ns_sparse *m);
+int ns_sparse_start(ns_sparse *m, double t0, const double *w0);
+int ns_sparse_start_dc(ns_sparse *m, double t0, int nhold, const int *hold, const double *hold_x, double *x);
+int ns_sparse_try(ns_sparse *m, double t, ns_until until, double *reached);
+int ns_sparse_accept(ns_sparse *m);
+int ns_sparse_read(ns_sparse *m, double *t, double *x, double *lambda, double *y);
+const ns_mode *ns_sparse_mode(const ns_sparse *m);
+int ns_sparse_at_event(const ns_sparse *m);
+const ns_counts *ns_sparse_counts(ns_sparse *m);
+const ns_fault *ns_sparse_fault(const ns_sparse *m);
+
+/* One implicit Euler step of length h from the accepted point, whatever breaks in it resolved at its end:
+ * accepted.  Errors: those of ns_sparse_try(). */
+int ns_sparse_euler(ns_sparse *m, double h);
+
+/* --- inside --- */
+
+enum { NS_STAGES = NS_ORDER + 1 }; /* the last one only where a leg is looked into */
+enum { NS_SHORT_RUNG = 20, NS_LEAST_RUNG = 44, NS_CROWD_OF_PAIR = 16 };
+
+typedef enum ns_leg_end { NS_LEG_GOES_ON, NS_LEG_EVENT } ns_leg_end;
+
+typedef struct ns_leg {
+    double t, end_t; /* it holds from t to end_t, */
+    double end;      /* which is so much later */
+    double g;        /* Euler steps of its stages */
+    int rung, next_rung;
+    int stages; /* of xi that are known */
+    ns_leg_end why;
+    int pair, command; /* what breaks at the end, -1: none */
+    int upper;         /* the upper bound of that pair's lambda did */
+    int stuck;         /* events in a row that took no time */
+    int euler;         /* an implicit Euler step; only its end is known, by stage 0 */
+    double *xi;        /* NS_STAGES (n+m) */
+    double *dw;        /* (NS_STAGES+1) n: D^i w */
+    double *z;         /* NS_STAGES nz */
+    ns_mode *mode;     /* m */
+} ns_leg;
+
+struct ns_sparse {
+    const ns_system *s;
+    ns_sparse_options o;
+    ns_form *f;
+    ns_modal *q;
+    ns_inputs *in;
+    ns_leg leg[2], *live, *kept;
+    double live_tau, kept_tau; /* how far into them */
+    double *l, *u;             /* m, commanded pairs as commanded */
+    ns_mode *mode;             /* m: of what comes next */
+    unsigned char *flip;       /* m */
+    double *w, *next_w;        /* n */
+    double *scale, *unit; /* 3 n: the largest w there were, and work; n: of one M alone, the square root */
+    double most;          /* the largest of scale over unit, at the last event */
+    ns_mode *old_mode;    /* m */
+    double *crowd_t;      /* m: since when flips of a pair are counted, */
+    int *crowd;           /* m: how many there were */
+    double crowded_until;
+    double *v, *r, *rate;      /* size, size, n */
+    double *z;                 /* nz */
+    double largest[NS_STAGES]; /* of |L_i| in a step */
+    int started, has_trial;
+    double asked;
+    ns_until until;
+    long budget;
+    ns_counts counts;
+    ns_fault fault;
+};
+
+/* sparse_march.c: keeps status and time in the fault; returns the status. */
+int ns_sparse_fail(ns_sparse *m, double t, int status);
+/* sparse_march.c: a leg from m->w, m->mode at t, after one (NULL: the first) that ended there. */
+int ns_sparse_next_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg);
+
+/* sparse_leg.c: stage i of a leg whose w, mode, t and g are known (i = 0: dw[0..n-1] is w); the missing last
+ * stage; a leg from w, mode at t, no later than limit, with the first event in it; E2 and E1 at tau. */
+int ns_leg_begin(ns_sparse *m, ns_leg *leg, double t, double limit);
+int ns_leg_last_stage(ns_sparse *m, ns_leg *leg);
+void ns_leg_state(const ns_sparse *m, const ns_leg *leg, double tau, double *w);
+void ns_leg_point(const ns_sparse *m, const ns_leg *leg, double tau, double *v);
+
+/* One implicit Euler step of length g from w (n) in m->mode at t to v (size); by (n) gets what w moves. */
+int ns_euler(ns_sparse *m, double t, double g, const double *w, int brief, double *v, double *by);
+
+/* sparse_guard.c: bounds of commanded pairs as m->mode has them; the first event of a leg; which guards are
+ * broken at v after a step g from w: flips them in m->mode, returns how many (one: only the first);
+ * state-dependent commands that v contradicts: flips them. */
+void ns_guard_bounds(ns_sparse *m);
+int ns_guard_first(ns_sparse *m, ns_leg *leg);
+int ns_guard_flip(ns_sparse *m, const double *v, const double *w, double g, int one);
+int ns_guard_commands(ns_sparse *m, const double *v);
+void ns_guard_set(ns_sparse *m, int pair, int upper); /* flips one pair */
+
+/* sparse_event.c: commands of time change that do so at t, or have to; m->mode such that an Euler step of
+ * length g from w holds; v gets its end. */
+int ns_event_settle(ns_sparse *m, double t, double g, const double *w, double *v, double *by);
+/* The same, and commands of the state settled with it. */
+int ns_event_settle_all(ns_sparse *m, double t, double g, double *by);
+void ns_event_command(ns_sparse *m, double t);
+/* The event at the end of a leg, from m->w: m->mode and m->w to its right.  leg NULL: a start. */
+int ns_sparse_resolve(ns_sparse *m, const ns_leg *leg, double t);
+
+#endif

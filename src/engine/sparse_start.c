@@ -1,0 +1,108 @@
+/* src/engine/sparse_start.c - a consistent start of the sparse marcher: from charges and fluxes, or from the
+ * DC operating point. */
+#include "sparse_march.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Nothing known: every pair at the finite bound nearest to zero, all switches open. */
+static void rest(ns_sparse *m) {
+    for (int j = 0; j < m->f->m; j++) {
+        m->l[j] = m->s->l[j];
+        m->u[j] = m->s->u[j];
+        m->mode[j] = isfinite(m->l[j]) ? NS_LOWER : isfinite(m->u[j]) ? NS_UPPER : NS_INSIDE;
+        m->crowd_t[j] = -INFINITY;
+    }
+    for (int c = 0; c < m->s->nc; c++)
+        m->mode[m->s->command[c].pair] = NS_LOWER;
+    ns_guard_bounds(m);
+    memset(m->scale, 0, sizeof(double) * 3 * (size_t)m->f->n);
+    m->crowded_until = -INFINITY;
+    m->started = m->has_trial = 0;
+    ns_inputs_reset(m->in);
+}
+
+/* From m->w and m->mode. */
+static int begin(ns_sparse *m, double t0) {
+    int status = ns_sparse_resolve(m, NULL, t0);
+    m->kept = m->live = m->leg;
+    if (status == NS_OK)
+        status = ns_sparse_next_leg(m, t0, NULL, m->leg);
+    if (status != NS_OK)
+        return ns_sparse_fail(m, t0, status);
+    m->kept_tau = m->live_tau = 0;
+    m->started = 1;
+    return NS_OK;
+}
+
+static int can_start_at(const ns_sparse *m, double t0) {
+    return isfinite(t0) && t0 + m->o.h > t0;
+}
+
+int ns_sparse_start(ns_sparse *m, double t0, const double *w0) {
+    if (!m || (!w0 && m->s->n > 0))
+        return NS_E_NULL;
+    m->started = m->has_trial = 0;
+    if (!can_start_at(m, t0))
+        return ns_sparse_fail(m, t0, NS_E_NUMBER);
+    for (int i = 0; i < m->f->n; i++)
+        if (!isfinite(w0[i]))
+            return ns_sparse_fail(m, t0, NS_E_NUMBER);
+    rest(m);
+    for (int i = 0; i < m->f->n; i++)
+        m->w[i] = m->f->algebraic[i] ? 0 : ns_csc_dot(&m->f->Tt, i, w0);
+    return begin(m, t0);
+}
+
+/* With the matrices of rest in place of the marcher's own: x and lambda to m->v. */
+static int settle_at_rest(ns_sparse *m, double t0, ns_form *f, ns_modal *q) {
+    ns_form *const own = m->f;
+    ns_modal *const factors = m->q;
+    m->f = f;
+    m->q = q;
+    memset(m->w, 0, sizeof(double) * (size_t)f->n);
+    ns_inputs_at(m->in, t0);
+    ns_event_command(m, t0);
+    ns_guard_bounds(m);
+    const int status = ns_event_settle_all(m, t0, 0, m->next_w);
+    m->f = own;
+    m->q = factors;
+    return status;
+}
+
+static int operating_point(ns_sparse *m, double t0, int nhold, const int *hold, const double *hold_x) {
+    ns_form *f = NULL;
+    ns_modal *q = NULL;
+    int status = ns_form_create(m->s, 1, &f);
+    for (int k = 0; k < nhold && status == NS_OK; k++)
+        f->held[hold[k]] = hold_x[k];
+    if (status == NS_OK)
+        status = ns_modal_create(f, m->o.bytes, &q);
+    if (status == NS_OK)
+        status = settle_at_rest(m, t0, f, q);
+    ns_modal_free(q);
+    ns_form_free(f);
+    return status;
+}
+
+int ns_sparse_start_dc(ns_sparse *m, double t0, int nhold, const int *hold, const double *hold_x, double *x) {
+    if (!m || (nhold > 0 && (!hold || !hold_x)))
+        return NS_E_NULL;
+    m->started = m->has_trial = 0;
+    if (!can_start_at(m, t0))
+        return ns_sparse_fail(m, t0, NS_E_NUMBER);
+    if (nhold < 0 || nhold > m->s->n)
+        return ns_sparse_fail(m, t0, NS_E_SIZE);
+    for (int k = 0; k < nhold; k++)
+        if (hold[k] < 0 || hold[k] >= m->s->n)
+            return ns_sparse_fail(m, t0, NS_E_SIZE);
+    rest(m);
+    const int status = operating_point(m, t0, nhold, hold, hold_x);
+    if (status != NS_OK)
+        return ns_sparse_fail(m, t0, status);
+    for (int i = 0; i < m->f->n; i++)
+        m->w[i] = m->f->algebraic[i] ? 0 : ns_csc_dot(&m->f->Mt, i, m->v);
+    if (x)
+        memcpy(x, m->v, sizeof(double) * (size_t)m->f->n);
+    return begin(m, t0);
+}
