@@ -200,23 +200,26 @@ coverage: deps ## lines of src/ that the tests run, file by file
 	@$(MAKE) $(JOBS) B=build/coverage WARN=-w CFLAGS='-O0 -g --coverage' units tool
 	@tests/coverage.sh build/coverage
 
-# --- benchmarks: one program a file ----------------------------------------------------------------------
+# --- benchmarks: one program a file tests/bench/bench_*.c, with the files beside them ---------------------
 
-BENCH_BIN := $(patsubst %.c,$(B)/%,$(wildcard tests/bench/*.c))
+BENCH_BIN := $(patsubst %.c,$(B)/%,$(wildcard tests/bench/bench_*.c))
+BENCH_OWN := $(filter-out tests/bench/bench_%,$(wildcard tests/bench/*.c))
 BENCH_HELP := $(filter-out %/wrap_alloc.c %/trials.c %/net.c %/passive.c,$(TEST_HELP))# without cmocka
 
 .PHONY: bench bench-programs
 bench-programs: $(BENCH_BIN)
 
-$(BENCH_BIN): $(B)/%: $(B)/obj/%.o $(BENCH_HELP:%.c=$(B)/obj/%.o) $(B)/libnonsmooth.a
+$(BENCH_BIN): $(B)/%: $(B)/obj/%.o $(BENCH_OWN:%.c=$(B)/obj/%.o) $(BENCH_HELP:%.c=$(B)/obj/%.o) $(B)/libnonsmooth.a
 	@mkdir -p $(@D)
 	@echo "  LINK    $@"
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $^ -o $@ $(LIBS)
 
-bench: deps ## times, with the counts of the work done
-	@$(MAKE) $(JOBS) B=build/bench CFLAGS='-O3 -DNDEBUG' bench-programs
-	@for program in build/bench/tests/bench/*; do \
-	    echo "== $$(basename $$program)"; OPENBLAS_NUM_THREADS=1 $$program || exit 1; done
+BENCH ?= full# quick: fewer settings, no large circuits, only the tables of circuits and of single steps
+bench: deps ## circuits by every engine, beside ngspice: build/bench/*.csv, *.png (BENCH=quick: 3 minutes, else an hour)
+	@$(MAKE) $(JOBS) B=build/bench CFLAGS='-O3 -DNDEBUG' bench-programs cm
+	@for program in build/bench/tests/bench/$(if $(filter quick,$(BENCH)),bench_[ct]*,*); do \
+	    echo "== $$(basename $$program)"; OPENBLAS_NUM_THREADS=1 BENCH=$(BENCH) $$program || exit 1; done
+	@for script in build/bench/*.gp; do gnuplot $$script || exit 1; done
 
 # --- stress: what is too long for `make test` -------------------------------------------------------------
 

@@ -1,0 +1,109 @@
+/* tests/bench/adapter.c - cases run by the library. */
+#define _DEFAULT_SOURCE
+#include "timing.h"
+
+#include <malloc.h>
+#include <math.h>
+#include <string.h>
+
+#include "adapter.h"
+
+const char *bench_engine_name(bench_engine e) {
+    static const char *const names[BENCH_ENGINES] = {"theta", "theta 1/2", "flight", "sparse", "auto"};
+    return names[e];
+}
+
+int bench_has(bench_engine e, const bench_case *c) {
+    return (e == BENCH_THETA || e == BENCH_HALF) && !c->large;
+}
+
+static ns_march_options options_of(const bench_case *c, bench_engine e, double setting) {
+    const double theta = e == BENCH_HALF ? 0.5 : 1;
+    return (ns_march_options){theta, theta, c->unit * setting, 0};
+}
+
+typedef struct model {
+    ns_circuit *circuit;
+    ns_system *own; /* the circuit's, NULL: the case's */
+    const ns_system *s;
+    ns_march *march;
+    double *w0, *x;
+} model;
+
+static int build(const bench_case *c, const ns_march_options *o, model *m) {
+    int status = NS_OK;
+    m->s = c->system;
+    if (c->net) {
+        status = deck_circuit(c->net, &m->circuit);
+        if (status == NS_OK)
+            status = ns_circuit_system(m->circuit, &m->own);
+        m->s = m->own;
+    }
+    if (status != NS_OK)
+        return status;
+    m->w0 = room((size_t)m->s->n * sizeof *m->w0);
+    m->x = room((size_t)m->s->n * sizeof *m->x);
+    if (c->net)
+        status = ns_circuit_rest(m->circuit, m->w0);
+    return status == NS_OK ? ns_march_create(m->s, o, &m->march, NULL) : status;
+}
+
+static void drop(model *m) {
+    ns_march_free(m->march);
+    ns_system_free(m->own);
+    ns_circuit_free(m->circuit);
+    free(m->w0);
+    free(m->x);
+}
+
+/* On to t; where events accumulate, from one to the next. */
+static int go(const bench_case *c, model *m, double t, bench_result *r) {
+    const ns_until until = isnan(c->accumulates) ? NS_TO_TIME : NS_TO_EVENT;
+    double reached = -1;
+    int status = NS_OK;
+    while (status == NS_OK && reached < t) {
+        status = ns_march_try(m->march, t, until, &reached);
+        if (status == NS_OK && ns_march_at_event(m->march))
+            r->last_event = reached;
+        if (status == NS_OK)
+            status = ns_march_accept(m->march);
+    }
+    return status;
+}
+
+static int read_values(const bench_case *c, model *m, double *values) {
+    const int status = ns_march_read(m->march, NULL, m->x, NULL, NULL);
+    for (int i = 0; i < c->unknowns && status == NS_OK; i++) {
+        const int of = c->unknown[i].of;
+        const int at = !c->net                    ? of
+                       : c->unknown[i].is_current ? ns_circuit_current_unknown(m->circuit, of)
+                                                  : ns_circuit_node_unknown(m->circuit, of);
+        values[i] = m->x[at];
+    }
+    return status;
+}
+
+void bench_run(const bench_case *c, bench_engine e, double setting, bench_result *r) {
+    const ns_march_options o = options_of(c, e, setting);
+    const size_t before = mallinfo2().uordblks + mallinfo2().hblkhd;
+    model m = {0};
+    memset(r, 0, sizeof *r);
+    r->last_event = NAN;
+    for (int i = 0; i < CASE_VALUES; i++)
+        r->values[i] = NAN;
+    const double start = now();
+    r->status = build(c, &o, &m);
+    r->create = now() - start;
+    if (r->status == NS_OK)
+        r->status = ns_march_start(m.march, 0, m.w0);
+    for (int k = 0; k < c->times && r->status == NS_OK; k++) {
+        r->status = go(c, &m, c->time[k], r);
+        if (r->status == NS_OK)
+            r->status = read_values(c, &m, r->values + k * c->unknowns);
+    }
+    r->run = now() - start - r->create;
+    r->bytes = mallinfo2().uordblks + mallinfo2().hblkhd - before;
+    if (m.march)
+        r->counts = *ns_march_counts(m.march);
+    drop(&m);
+}

@@ -1,0 +1,32 @@
+/* tests/bench/adapter.h - one run of a case by the library: the only place that knows how an engine is asked
+ * for. */
+#ifndef NONSMOOTH_TESTS_ADAPTER_H
+#define NONSMOOTH_TESTS_ADAPTER_H
+
+#include "cases.h"
+
+typedef enum bench_engine {
+    BENCH_THETA,
+    BENCH_HALF,
+    BENCH_FLIGHT,
+    BENCH_SPARSE,
+    BENCH_AUTO,
+    BENCH_ENGINES
+} bench_engine;
+
+typedef struct bench_result {
+    int status;         /* NS_OK, or why it ended */
+    double create, run; /* s of CPU: circuit, system, marcher; start to end */
+    double values[CASE_VALUES];
+    double last_event; /* s; of cases whose events accumulate */
+    size_t bytes;      /* that the circuit, system and marcher hold at the end */
+    ns_counts counts;
+} bench_result;
+
+const char *bench_engine_name(bench_engine e);
+int bench_has(bench_engine e, const bench_case *c); /* it is there, and takes cases of this size */
+
+/* setting: of the theta schemes the step, in units of the case; of the others reltol. */
+void bench_run(const bench_case *c, bench_engine e, double setting, bench_result *out);
+
+#endif

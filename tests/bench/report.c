@@ -1,0 +1,295 @@
+/* tests/bench/report.c - what the runs of a case gave, as text, CSV and pictures. */
+#include "timing.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "report.h"
+
+static double median_of(const row *r, const double *of) {
+    double sorted[ROUNDS];
+    memcpy(sorted, of, sizeof sorted);
+    return median(r->rounds, sorted);
+}
+
+double row_time(const row *r) {
+    return median_of(r, r->time);
+}
+
+double row_other(const row *r) {
+    return median_of(r, r->other);
+}
+
+static const char *end_name(row_end e) {
+    static const char *const names[] = {"", "aborted", "over its time",
+                                        "not tried: a coarser one was over its time"};
+    return names[e];
+}
+
+/* --- the table --- */
+
+static void print_library(const row *r) {
+    if (r->end == ROW_DONE)
+        printf("  %-10s %-14s %9.2e %10.4f %9.4f %8ld %7ld %8ld %7ld %7ld %6ld %8.0f", r->series, r->setting,
+               r->error, row_time(r) * 1e3, row_other(r) * 1e3, r->steps, r->events, r->problems, r->pivots,
+               r->factors, r->maps, (double)r->bytes / 1024);
+    else
+        printf("  %-10s %-14s %s", r->series, r->setting, end_name(r->end));
+    if (r->end == ROW_DONE && !isnan(r->accumulation))
+        printf("  accumulates %.1e s off", r->accumulation);
+    putchar('\n');
+}
+
+static void print_ngspice(const row *r) {
+    if (r->end == ROW_DONE)
+        printf("  %-26s %-24s %9.2e %10.1f %9.1f %8ld %8ld\n", r->series, r->setting, r->error,
+               row_time(r) * 1e3, row_other(r) * 1e3, r->steps, r->rejected);
+    else
+        printf("  %-26s %-24s %s\n", r->series, r->setting, end_name(r->end));
+}
+
+void report_table(const bench_case *c, int count, const row *rows) {
+    int tried = 0, ends[4] = {0};
+    printf("\n== %s: %s, %g ms", c->name, c->title, c->end * 1e3);
+    if (c->net)
+        printf(", %d devices", deck_devices(c->net));
+    printf("; unit of steps %.3g us\n   reference: %s; its own error %.1e\n", c->unit * 1e6, c->origin,
+           c->right_error);
+    printf("  %-10s %-14s %9s %10s %9s %8s %7s %8s %7s %7s %6s %8s\n", "library", "h or reltol", "error",
+           "ms in all", "creation", "steps", "events", "problems", "pivots", "factors", "maps", "kB");
+    for (int i = 0; i < count; i++)
+        if (rows[i].kind == ROW_LIBRARY)
+            print_library(&rows[i]);
+    printf("  %-26s %-24s %9s %10s %9s %8s %8s\n", "ngspice", "setting", "error", "ms run", "process",
+           "points", "rejected");
+    for (int i = 0; i < count; i++)
+        if (rows[i].kind != ROW_LIBRARY) {
+            print_ngspice(&rows[i]);
+            tried += rows[i].kind == ROW_RIVAL;
+            ends[rows[i].end] += rows[i].kind == ROW_RIVAL;
+        }
+    printf("  ngspice's own models: %d settings, %d done, %d aborted, %d over their time, %d not tried\n",
+           tried, ends[ROW_DONE], ends[ROW_ABORTED], ends[ROW_TIMEOUT], ends[ROW_SKIPPED]);
+}
+
+/* --- the duel --- */
+
+/* The fastest of a kind with an error of at most `level`; NULL: none. */
+static const row *fastest(int count, const row *rows, row_kind kind, double level) {
+    const row *best = NULL;
+    for (int i = 0; i < count; i++)
+        if (rows[i].end == ROW_DONE && rows[i].kind == kind && rows[i].error <= level &&
+            (!best || row_time(&rows[i]) < row_time(best)))
+            best = &rows[i];
+    return best;
+}
+
+static const row *most_accurate(int count, const row *rows, row_kind kind) {
+    const row *best = NULL;
+    for (int i = 0; i < count; i++)
+        if (rows[i].end == ROW_DONE && rows[i].kind == kind && (!best || rows[i].error < best->error))
+            best = &rows[i];
+    return best;
+}
+
+static void print_duel(double level, const row *ours, const row *rival) {
+    printf("   error <= %.0e: ", level);
+    if (rival)
+        printf("ngspice %.1f ms at %.1e (%s, %s)", row_time(rival) * 1e3, rival->error, rival->series,
+               rival->setting);
+    else
+        printf("ngspice none");
+    if (ours)
+        printf("; library %.3f ms at %.1e (%s, %s)", row_time(ours) * 1e3, ours->error, ours->series,
+               ours->setting);
+    else
+        printf("; library none");
+    if (ours && rival)
+        printf(": ratio %.3g", row_time(rival) / row_time(ours));
+    putchar('\n');
+}
+
+static void print_levels(int count, const row *rows) {
+    const row *last_ours = NULL, *last_rival = NULL;
+    for (double level = 1e-1; level > 0.5e-12; level /= 10) {
+        const row *ours = fastest(count, rows, ROW_LIBRARY, level),
+                  *rival = fastest(count, rows, ROW_RIVAL, level);
+        if ((ours || rival) && (ours != last_ours || rival != last_rival))
+            print_duel(level, ours, rival);
+        last_ours = ours;
+        last_rival = rival;
+    }
+}
+
+/* The lead of the library at the error of one of ngspice's runs. */
+static double lead_over(const row *rival, int count, const row *rows) {
+    const row *ours = fastest(count, rows, ROW_LIBRARY, rival->error);
+    return ours ? row_time(rival) / row_time(ours) : 0;
+}
+
+static void look_through_ngspice(int count, const row *rows, duel *d) {
+    const row *rival = fastest(count, rows, ROW_RIVAL, 1e-2);
+    if (!rival)
+        rival = most_accurate(count, rows, ROW_RIVAL);
+    const row *ours = rival ? fastest(count, rows, ROW_OURS, rival->error) : NULL;
+    if (ours) {
+        d->cpu_ratio = row_other(rival) / row_other(ours);
+        d->error_ratio = rival->error / fmax(ours->error, 1e-16);
+    }
+}
+
+void report_duel(const bench_case *c, int count, const row *rows, duel *d) {
+    const row *best = most_accurate(count, rows, ROW_RIVAL);
+    memset(d, 0, sizeof *d);
+    snprintf(d->name, sizeof d->name, "%s", c->name);
+    print_levels(count, rows);
+    d->lead = INFINITY;
+    for (int i = 0; i < count; i++) {
+        if (rows[i].kind != ROW_RIVAL)
+            continue;
+        d->tried++;
+        if (rows[i].end != ROW_DONE)
+            continue;
+        const double lead = lead_over(&rows[i], count, rows);
+        d->done++;
+        d->unbeaten += lead < 1;
+        d->lead = fmin(d->lead, lead);
+    }
+    d->best_error = best ? best->error : NAN;
+    d->best_time = best ? row_time(best) : NAN;
+    look_through_ngspice(count, rows, d);
+}
+
+static double mean(int count, const duel *d, size_t offset, int *of) {
+    double sum = 0;
+    *of = 0;
+    for (int i = 0; i < count; i++) {
+        const double value = *(const double *)(const void *)((const char *)&d[i] + offset);
+        if (value > 0 && isfinite(value)) {
+            sum += log(value);
+            ++*of;
+        }
+    }
+    return *of ? exp(sum / *of) : NAN;
+}
+
+void report_summary(int count, const duel *d) {
+    int of;
+    printf("\n== all: ngspice's own models against the library, and against it through ngspice\n"
+           "  %-14s %9s %9s %13s %13s %9s %13s %13s\n",
+           "case", "settings", "finished", "its least err", "least lead", "unbeaten", "cm: CPU ratio",
+           "error ratio");
+    for (int i = 0; i < count; i++)
+        printf("  %-14s %9d %9d %13.1e %13.3g %9d %13.3g %13.3g\n", d[i].name, d[i].tried, d[i].done,
+               d[i].best_error, d[i].lead, d[i].unbeaten, d[i].cpu_ratio, d[i].error_ratio);
+    printf("  least lead: its time over the library's at the same error or less, the least over its runs (0: "
+           "the library "
+           "did not get there,\n  inf: it has none); unbeaten: its runs that the library does not beat in "
+           "both; cm: its "
+           "fastest setting below 1 %% against\n  nonsmooth.cm at that error or less, whole processes\n");
+    double value = mean(count, d, offsetof(duel, lead), &of);
+    printf("  geometric mean of the leads of %d cases: %.3g", of, value);
+    value = mean(count, d, offsetof(duel, cpu_ratio), &of);
+    printf("; through ngspice, of %d: CPU %.3g", of, value);
+    value = mean(count, d, offsetof(duel, error_ratio), &of);
+    printf(", error %.3g\n", value);
+}
+
+/* --- files --- */
+
+static FILE *create(const char *folder, const bench_case *c, const char *end) {
+    char path[512];
+    snprintf(path, sizeof path, "%s/%s.%s", folder, c->name, end);
+    FILE *f = fopen(path, "w");
+    if (!f) {
+        perror(path);
+        exit(1);
+    }
+    return f;
+}
+
+static void write_csv(const bench_case *c, const char *folder, int count, const row *rows) {
+    static const char *const kinds[] = {"library", "ngspice with nonsmooth.cm", "ngspice"};
+    FILE *f = create(folder, c, "csv");
+    fprintf(f, "case,program,series,setting,end,error,seconds,creation_or_process_seconds,steps,events,"
+               "problems,pivots,"
+               "factors,maps,rejected,bytes,accumulation_error,reference_error\n");
+    for (int i = 0; i < count; i++) {
+        const row *r = &rows[i];
+        fprintf(f, "%s,%s,%s,%s,%s,%.6e,%.6e,%.6e,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%zu,%.3e,%.1e\n", c->name,
+                kinds[r->kind], r->series, r->setting, r->end == ROW_DONE ? "done" : end_name(r->end),
+                r->error, row_time(r), row_other(r), r->steps, r->events, r->problems, r->pivots, r->factors,
+                r->maps, r->rejected, r->bytes, r->accumulation, c->right_error);
+    }
+    fclose(f);
+}
+
+static int shown(const row *r) {
+    return r->end == ROW_DONE && r->error < 1e3;
+}
+
+/* The series in the order in which they come, one block each. */
+static int series_of(int count, const row *rows, int *first) {
+    int found = 0;
+    for (int i = 0; i < count; i++) {
+        int known = !shown(&rows[i]);
+        for (int k = 0; k < found && !known; k++)
+            known = strcmp(rows[first[k]].series, rows[i].series) == 0;
+        if (!known)
+            first[found++] = i;
+    }
+    return found;
+}
+
+/* Time in ms against error. */
+static void write_data(const bench_case *c, const char *folder, int count, const row *rows, int series,
+                       const int *first) {
+    FILE *f = create(folder, c, "dat");
+    for (int k = 0; k < series; k++) {
+        fprintf(f, "# %s\n", rows[first[k]].series);
+        for (int i = 0; i < count; i++)
+            if (shown(&rows[i]) && strcmp(rows[i].series, rows[first[k]].series) == 0)
+                fprintf(f, "%.6e %.6e\n", fmax(rows[i].error, 1e-16), fmax(row_time(&rows[i]), 1e-6) * 1e3);
+        fprintf(f, "\n\n");
+    }
+    fclose(f);
+}
+
+static void write_script(const bench_case *c, const char *folder, const row *rows, int series,
+                         const int *first) {
+    FILE *f = create(folder, c, "gp");
+    fprintf(f,
+            "set terminal pngcairo size 1100,720 font 'sans,13' enhanced\nset output '%s/%s.png'\n"
+            "set title \"%s: %s, %g ms\" noenhanced\nset logscale xy\nset format '10^{%%T}'\n"
+            "set xlabel 'largest relative error (of the reference: %.0e)'\n"
+            "set ylabel 'CPU time, ms (left and down is better)'\nset grid lc rgb '#dddddd' lt 1\n"
+            "set key outside right top Left reverse noenhanced spacing 1.2\nset border 3\nset tics nomirror\n"
+            "set offsets graph 0.05, graph 0.05, graph 0.05, graph 0.05\nplot \\\n",
+            folder, c->name, c->name, c->title, c->end * 1e3, c->right_error);
+    static const char *const cold[] = {"#1f4e9c", "#3f8fd8", "#0b7a75", "#7a1fa2", "#00a000", "#000000"};
+    static const char *const warm[] = {"#b30000", "#ff6f59", "#e6a000", "#ffd24d",
+                                       "#8c564b", "#c49c94", "#7f7f7f", "#c7c7c7"};
+    int rivals = 0, ours = 0;
+    for (int k = 0; k < series; k++) {
+        const row *r = &rows[first[k]];
+        const int rival = r->kind == ROW_RIVAL;
+        fprintf(f, "'%s/%s.dat' index %d with %s lc rgb '%s' pt %d ps %s lw 2 title '%s%s%s'%s\n", folder,
+                c->name, k, rival ? "points" : "linespoints", rival ? warm[rivals % 8] : cold[ours % 6],
+                rival ? 1 + rivals % 4 : 5 + 2 * (ours % 5), rival ? "1.5" : "1.6", rival ? "ngspice, " : "",
+                r->series, r->kind == ROW_OURS ? " in ngspice" : "", k + 1 < series ? ", \\" : "");
+        rivals += rival;
+        ours += !rival;
+    }
+    fclose(f);
+}
+
+void report_files(const bench_case *c, const char *folder, int count, const row *rows) {
+    int *first = room(sizeof *first * (size_t)(count + 1));
+    const int series = series_of(count, rows, first);
+    write_csv(c, folder, count, rows);
+    write_data(c, folder, count, rows, series, first);
+    if (series > 0)
+        write_script(c, folder, rows, series, first);
+    free(first);
+}

@@ -1,0 +1,54 @@
+/* tests/bench/report.h - tables, CSV and pictures of the runs of a case. */
+#ifndef NONSMOOTH_TESTS_REPORT_H
+#define NONSMOOTH_TESTS_REPORT_H
+
+#include "cases.h"
+
+enum { ROUNDS = 9 };
+
+typedef enum row_kind { ROW_LIBRARY, ROW_OURS, ROW_RIVAL } row_kind; /* OURS: the library through ngspice */
+typedef enum row_end { ROW_DONE, ROW_ABORTED, ROW_TIMEOUT, ROW_SKIPPED } row_end;
+
+/* One way to run a case: all its rounds. */
+typedef struct row {
+    row_kind kind;
+    char series[40], setting[40]; /* engine or models; what is swept */
+    row_end end;
+    int rounds;
+    double time[ROUNDS];  /* s of CPU: creation and run of the library; ngspice's without start and reading */
+    double other[ROUNDS]; /* of that, creation; ngspice's whole process */
+    double error;
+    long steps, events, problems, pivots, factors, maps, rejected;
+    size_t bytes;
+    double accumulation; /* error of the last event's instant, s; NAN: of no interest */
+} row;
+
+double row_time(const row *r);  /* the median */
+double row_other(const row *r); /* the median */
+
+/* Prints the table of a case. */
+void report_table(const bench_case *c, int count, const row *rows);
+
+/* Writes folder/NAME.csv, and NAME.dat and NAME.gp for gnuplot. */
+void report_files(const bench_case *c, const char *folder, int count, const row *rows);
+
+/* What the runs of a case come to. */
+typedef struct duel {
+    char name[24];
+    int tried, done; /* settings of ngspice's own models */
+    int unbeaten;    /* of those, that no run of the library beats in both time and error */
+    double lead; /* the least, over ngspice's runs, of its time over the library's at that error or less; 0:
+                    it has none */
+    double best_error, best_time; /* ngspice's most accurate run */
+    /* Through ngspice: its fastest with an error below 1 % (else the most accurate), and ours at that error
+     * or less: their whole processes; 0 where one is missing. */
+    double cpu_ratio, error_ratio;
+} duel;
+
+/* Prints, for each level of error, the best of ngspice's own settings and the best of ours, and fills d. */
+void report_duel(const bench_case *c, int count, const row *rows, duel *d);
+
+/* All cases in one table, with geometric means. */
+void report_summary(int count, const duel *d);
+
+#endif

@@ -1,0 +1,169 @@
+/* tests/bench/rival.c - ngspice in batch: netlist written, process run under a limit, raw file read. */
+#define _DEFAULT_SOURCE
+#include "timing.h"
+
+#include <fcntl.h>
+#include <math.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "rival.h"
+
+static FILE *open_in(const char *folder, const char *name, const char *mode) {
+    char path[512];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return fopen(path, mode);
+}
+
+/* A source with a corner at each time that is compared, so that ngspice has a point there. */
+static void write_marks(const bench_case *c, FILE *f) {
+    fprintf(f, "vmark mark 0 pwl(0 0");
+    for (int k = 0; k < c->times; k++)
+        fprintf(f, " %.17g %d", c->time[k], (k + 1) % 2);
+    fprintf(f, ")\n");
+}
+
+static void write_netlist(const bench_case *c, const rival_setting *s, int idle, FILE *f) {
+    const double step = s->step * c->unit;
+    fprintf(f, "* %s\n", c->name);
+    if (c->net)
+        deck_netlist(c->net, &s->models, f);
+    else
+        c->netlist(&s->models, f);
+    if (s->models.diode != DECK_IDEAL)
+        write_marks(c, f);
+    if (s->models.diode == DECK_SIDIODE)
+        fprintf(f, ".options convstep=1e9 convabsstep=1e9 abstol=1e-6 vntol=1e-3 chgtol=1e-9\n");
+    fprintf(f, ".options reltol=%g method=%s\n.save", s->reltol, s->gear ? "gear" : "trap");
+    for (int i = 0; i < c->unknowns; i++)
+        fprintf(f, " %s", c->unknown[i].vector);
+    fprintf(f, "\n.tran %.17g %.17g 0 %.17g uic\n.control\n%squit 0\n.endc\n.end\n", step, c->end, step,
+            idle ? "" : "run\nrusage rejected\nset filetype=binary\nwrite out.raw\n");
+}
+
+static void write_inputs(const bench_case *c, const rival_setting *s, int idle, const char *folder,
+                         const char *cm) {
+    FILE *f = open_in(folder, "case.cir", "w"), *init = open_in(folder, ".spiceinit", "w");
+    if (!f || !init)
+        must(NS_E_NAME);
+    write_netlist(c, s, idle, f);
+    if (s->models.diode == DECK_IDEAL)
+        fprintf(init, "codemodel '%s'\n", cm);
+    else
+        fprintf(init, "set xtrtol=7\n");
+    fclose(f);
+    fclose(init);
+    f = open_in(folder, "out.raw", "w"); /* nothing of a run before */
+    if (f)
+        fclose(f);
+}
+
+static void become_ngspice(const char *folder, double limit) {
+    const struct rlimit cpu = {(rlim_t)ceil(limit), (rlim_t)ceil(limit) + 1};
+    const char *program = getenv("NGSPICE");
+    setrlimit(RLIMIT_CPU, &cpu);
+    if (chdir(folder) != 0)
+        _exit(127);
+    const int null = open("/dev/null", O_RDONLY), out = open("out", O_WRONLY | O_CREAT | O_TRUNC, 0644);
+    dup2(null, 0);
+    dup2(out, 1);
+    dup2(out, 2);
+    setenv("HOME", ".", 1);
+    execlp(program ? program : "ngspice", "ngspice", "-b", "case.cir", (char *)NULL);
+    _exit(127);
+}
+
+static void run(const char *folder, double limit, rival_result *r) {
+    struct rusage used;
+    int status = 0;
+    fflush(NULL);
+    const pid_t child = fork();
+    if (child == 0)
+        become_ngspice(folder, limit);
+    if (child < 0 || wait4(child, &status, 0, &used) < 0)
+        must(NS_E_MEMORY);
+    r->process = (double)(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
+                 1e-6 * (double)(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
+    r->end = WIFSIGNALED(status) && r->process > 0.9 * limit ? RIVAL_TIMEOUT
+             : WIFEXITED(status) && WEXITSTATUS(status) == 0 ? RIVAL_DONE
+                                                             : RIVAL_ABORTED;
+}
+
+static void read_said(const char *folder, rival_result *r) {
+    char line[256];
+    FILE *f = open_in(folder, "out", "r");
+    while (f && fgets(line, sizeof line, f)) {
+        (void)sscanf(line, "Rejected timepoints = %ld", &r->rejected);
+        if (strstr(line, "imestep too small") || strstr(line, "run simulation(s) aborted"))
+            r->end = RIVAL_ABORTED;
+    }
+    if (f)
+        fclose(f);
+}
+
+/* --- the raw file --- */
+
+/* Reads the head; column[i] gets the place of unknown i. */
+static int read_head(const bench_case *c, FILE *f, long *points, int *columns, int *column) {
+    char line[512], name[64];
+    int at;
+    *points = *columns = 0;
+    for (int i = 0; i < c->unknowns; i++)
+        column[i] = -1;
+    while (fgets(line, sizeof line, f) && strncmp(line, "Binary:", 7) != 0) {
+        (void)sscanf(line, "No. Variables: %d", columns);
+        (void)sscanf(line, "No. Points: %ld", points);
+        if (sscanf(line, " %d %63s", &at, name) == 2)
+            for (int i = 0; i < c->unknowns; i++)
+                if (strcmp(name, c->unknown[i].vector) == 0)
+                    column[i] = at;
+    }
+    for (int i = 0; i < c->unknowns; i++)
+        if (column[i] < 0)
+            return 0;
+    return *points > 1;
+}
+
+/* On the straight line between the points around each time. */
+static int read_points(const bench_case *c, FILE *f, long points, int columns, const int *column,
+                       double *values) {
+    double *row = room(2 * (size_t)columns * sizeof *row), *last = row + columns;
+    int k = 0;
+    for (long p = 0; p < points && k < c->times; p++) {
+        memcpy(last, row, (size_t)columns * sizeof *row);
+        if (fread(row, sizeof *row, (size_t)columns, f) != (size_t)columns)
+            break;
+        for (; k < c->times && p > 0 && row[0] >= c->time[k] * (1 - 1e-12); k++) {
+            const double share = fmin(1, (c->time[k] - last[0]) / (row[0] - last[0]));
+            for (int i = 0; i < c->unknowns; i++)
+                values[k * c->unknowns + i] = last[column[i]] + share * (row[column[i]] - last[column[i]]);
+        }
+    }
+    free(row);
+    return k == c->times;
+}
+
+static int read_raw(const bench_case *c, const char *folder, rival_result *r) {
+    int columns, column[CASE_UNKNOWNS], got = 0;
+    FILE *f = open_in(folder, "out.raw", "r");
+    if (!f)
+        return 0;
+    if (read_head(c, f, &r->points, &columns, column))
+        got = read_points(c, f, r->points, columns, column, r->values);
+    fclose(f);
+    return got;
+}
+
+void rival_run(const bench_case *c, const rival_setting *s, int idle, const char *folder, const char *cm,
+               double limit, rival_result *r) {
+    memset(r, 0, sizeof *r);
+    for (int i = 0; i < CASE_VALUES; i++)
+        r->values[i] = NAN;
+    write_inputs(c, s, idle, folder, cm);
+    run(folder, limit, r);
+    read_said(folder, r);
+    if (r->end == RIVAL_DONE && !idle && !read_raw(c, folder, r))
+        r->end = RIVAL_ABORTED;
+}

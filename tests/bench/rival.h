@@ -1,0 +1,29 @@
+/* tests/bench/rival.h - one run of a case by ngspice in batch, with its own models or with ours. */
+#ifndef NONSMOOTH_TESTS_RIVAL_H
+#define NONSMOOTH_TESTS_RIVAL_H
+
+#include "cases.h"
+
+typedef struct rival_setting {
+    const char *name; /* of the models */
+    deck_models models;
+    int gear; /* else trap */
+    double reltol;
+    double step; /* the longest, in units of the case */
+} rival_setting;
+
+typedef enum rival_end { RIVAL_DONE, RIVAL_ABORTED, RIVAL_TIMEOUT } rival_end;
+
+typedef struct rival_result {
+    rival_end end;
+    double process; /* s of CPU of the whole process, start and output included */
+    long points, rejected;
+    double values[CASE_VALUES];
+} rival_result;
+
+/* Runs it in `folder`, which exists, for at most `limit` seconds of CPU.  cm: path of nonsmooth.cm for
+ * DECK_IDEAL.  idle: it only reads the netlist and ends. */
+void rival_run(const bench_case *c, const rival_setting *s, int idle, const char *folder, const char *cm,
+               double limit, rival_result *out);
+
+#endif
