@@ -48,6 +48,9 @@ void case_prepare(bench_case *c) {
         c->right[i] = (double)finer[i];
         c->scale[i % c->unknowns] = fmax(c->scale[i % c->unknowns], fabs(c->right[i]));
     }
+    for (int i = 0; i < c->unknowns; i++)
+        if (!(c->scale[i] > 0))
+            c->scale[i] = 1;
     for (int i = 0; i < c->times * c->unknowns; i++)
         c->right_error = fmax(c->right_error, (double)fabsl(fine[i] - finer[i]) / c->scale[i % c->unknowns]);
     c->right_error = fmax(c->right_error, 1e-16); /* what a double holds */
