@@ -214,12 +214,28 @@ $(BENCH_BIN): $(B)/%: $(B)/obj/%.o $(BENCH_OWN:%.c=$(B)/obj/%.o) $(BENCH_HELP:%.
 	@echo "  LINK    $@"
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $^ -o $@ $(LIBS)
 
+# Siconos is C++; where its packages are (make bench-siconos), the benchmark of circuits runs it too.
+SICONOS ?= /usr# where its include/siconos and lib are
+SICONOS_PACKAGES := libsiconos-kernel-dev libsiconos-numerics-dev
+SICONOS_FLAGS = -std=c++17 -O3 -DNDEBUG -w -Iinclude -Isrc -Itests/unit -Itests/bench \
+    $(patsubst %,-isystem $(SICONOS)/include/siconos%,/ /kernel /numerics /externals) -isystem $(SICONOS)/include
+
+$(B)/siconos: tests/bench/siconos.cpp $(BENCH_OWN:%.c=$(B)/obj/%.o) $(BENCH_HELP:%.c=$(B)/obj/%.o) $(B)/libnonsmooth.a
+	@echo "  CXX     $@"
+	$(Q)$(CXX) $(SICONOS_FLAGS) $(LDFLAGS) $^ -o $@ -L$(SICONOS)/lib/x86_64-linux-gnu -lsiconos_kernel -lsiconos_numerics $(LIBS)
+
 BENCH ?= full# quick: fewer settings, no large circuits, only the tables of circuits and of single steps
 bench: deps ## circuits by every engine, beside ngspice: build/bench/*.csv, *.png (BENCH=quick: 3 minutes, else an hour)
-	@$(MAKE) $(JOBS) B=build/bench CFLAGS='-O3 -DNDEBUG' bench-programs cm
+	@$(MAKE) $(JOBS) B=build/bench CFLAGS='-O3 -DNDEBUG' bench-programs cm \
+	    $(if $(wildcard $(SICONOS)/include/siconos/kernel/SiconosKernel.hpp),build/bench/siconos)
 	@for program in build/bench/tests/bench/$(if $(filter quick,$(BENCH)),bench_[ct]*,*); do \
 	    echo "== $$(basename $$program)"; OPENBLAS_NUM_THREADS=1 BENCH=$(BENCH) $$program || exit 1; done
 	@for script in build/bench/*.gp; do gnuplot $$script || exit 1; done
+
+.PHONY: bench-siconos
+bench-siconos: deps ## the same beside Siconos, whose Debian packages it installs
+	@codemodels/install-packages.sh $(SICONOS_PACKAGES)
+	@$(MAKE) $(JOBS) bench BENCH=$(BENCH)
 
 # --- stress: what is too long for `make test` -------------------------------------------------------------
 

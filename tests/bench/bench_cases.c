@@ -26,9 +26,10 @@
 #include "adapter.h"
 #include "report.h"
 #include "rival.h"
+#include "siconos_run.h"
 
 enum { MOST_ROWS = 240, MOST_CASES = 32, IDLES = 5 };
-static const char *const folder = "build/bench";
+static const char *const folder = "build/bench", *const siconos = "build/bench/siconos";
 
 typedef struct plan {
     int quick, rounds;
@@ -40,6 +41,7 @@ typedef struct todo { /* what a row is to run */
     bench_engine engine;
     double setting;
     rival_setting rival;
+    siconos_setting siconos;
     int coarser; /* the row before in the same sweep, -1: none */
 } todo;
 
@@ -104,7 +106,7 @@ static void put_ngspice(list *l, const plan *p, const bench_case *c) {
                                           {.name = "D n=0.01", .models = {DECK_D, 0.01, 1e-3, 1e6, 0}},
                                           {.name = "D n=1", .models = {DECK_D, 1, 1e-3, 1e6, 0}}};
     const rival_setting ours = {.name = "nonsmooth.cm", .models = {DECK_IDEAL, 0, 0, 0, 0}, .reltol = 1e-3};
-    if (c->net && !c->large)
+    if (c->net)
         put_sweep(l, p, ours, ROW_OURS);
     for (int k = 0; k < (p->quick ? 3 : 4); k++)
         for (int gear = 0; gear < (p->quick ? 1 : 2); gear++)
@@ -117,6 +119,24 @@ static void put_ngspice(list *l, const plan *p, const bench_case *c) {
                 if (c->feeds_back)
                     put_sweep(l, p, s, ROW_RIVAL);
             }
+}
+
+static void put_siconos(list *l, const plan *p, const bench_case *c) {
+    static const siconos_setting kinds[] = {
+        {"Lemke", 200, 0, 0}, {"pivoting", 215, 0, 0}, {"Murty", 217, 0, 0}};
+    for (int k = 0; k < 3 && siconos_has(c, siconos); k++)
+        for (int half = 0; half < 2; half++) {
+            int before = -1;
+            char series[40];
+            snprintf(series, sizeof series, "Siconos %s theta %s", kinds[k].name, half ? "1/2" : "1");
+            for (int n = 500; n <= (p->quick ? 2000 : 32000); n *= 4) {
+                siconos_setting s = kinds[k];
+                s.theta = half ? 0.5 : 1;
+                s.h = c->time[0] / n;
+                before = put(l, ROW_RIVAL, series, (todo){.siconos = s, .coarser = before});
+                snprintf(l->row[before].setting, sizeof l->row->setting, "h %.3g us", s.h * 1e6);
+            }
+        }
 }
 
 /* --- one run --- */
@@ -178,6 +198,17 @@ static void run_ngspice(const bench_case *c, const plan *p, const todo *t, row *
     r->rejected = got.rejected;
 }
 
+static void run_siconos(const bench_case *c, const plan *p, const todo *t, row *r) {
+    siconos_result got;
+    siconos_run(c, &t->siconos, siconos, p->limit, &got);
+    r->direct = 1;
+    r->end = got.done ? ROW_DONE : got.timeout ? ROW_TIMEOUT : ROW_ABORTED;
+    r->time[r->rounds] = got.create + got.run;
+    r->other[r->rounds] = got.create;
+    r->error = case_error(c, got.values);
+    r->steps = got.steps;
+}
+
 /* A row that failed once is not tried again. */
 static void run_row(const bench_case *c, const plan *p, list *l, int i) {
     row *r = &l->row[i];
@@ -190,6 +221,8 @@ static void run_row(const bench_case *c, const plan *p, list *l, int i) {
     }
     if (r->kind == ROW_LIBRARY)
         run_library(c, p, t, r);
+    else if (t->siconos.solver)
+        run_siconos(c, p, t, r);
     else
         run_ngspice(c, p, t, r);
     r->rounds += r->end == ROW_DONE;
@@ -217,7 +250,7 @@ static void subtract_idle(list *l) {
     for (int kind = 0; kind <= ROW_RIVAL; kind++)
         idle[kind] = median(l->idles[kind], l->idle[kind]);
     for (int i = 0; i < l->count; i++)
-        for (int k = 0; k < l->row[i].rounds && l->row[i].kind != ROW_LIBRARY; k++)
+        for (int k = 0; k < l->row[i].rounds && l->row[i].kind != ROW_LIBRARY && !l->row[i].direct; k++)
             l->row[i].time[k] = fmax(0.5e-3, l->row[i].other[k] - idle[l->row[i].kind]);
 }
 
@@ -226,6 +259,7 @@ static void run_case(bench_case *c, const plan *p, duel *d) {
     case_prepare(c);
     put_library(&l, p, c);
     put_ngspice(&l, p, c);
+    put_siconos(&l, p, c);
     for (int round = 0; round < p->rounds; round++) {
         run_idle(c, p, &l);
         for (int i = 0; i < l.count; i++)
@@ -246,7 +280,7 @@ static int asked(const bench_case *c, const plan *p, int count, char **names) {
     for (int i = 0; i < count; i++)
         if (strstr(c->name, names[i]))
             return 1;
-    return count == 0 && !(p->quick && (c->large || c->size > 100));
+    return count == 0 && !(p->quick && c->slow);
 }
 
 int main(int argc, char **argv) {
@@ -256,7 +290,7 @@ int main(int argc, char **argv) {
     duel duels[MOST_CASES];
     int count = 0;
     p.rounds = p.quick ? 1 : 3;
-    p.limit = p.quick ? 2 : 10;
+    p.limit = p.quick ? 1 : 10;
     if (!realpath(cm ? cm : "build/bench/nonsmooth.cm", p.cm)) {
         perror("nonsmooth.cm");
         return 1;

@@ -26,7 +26,8 @@ struct bench_case {
     } unknown[CASE_UNKNOWNS];
     double accumulates; /* the instant at which events accumulate, NAN: they do not */
     int size, extra;    /* as the maker of the case reads them: stages, switches, ... */
-    int large;          /* beyond what dense engines can hold */
+    int large;          /* beyond what dense engines can do */
+    int slow;           /* left out of the quick benchmark */
     int feeds_back;     /* its switches' controls depend on them: ngspice also gets hysteresis */
     /* Writes the right values, time by time, `unknowns` each.  fineness: 1, or smaller for shorter steps. */
     void (*exact)(const bench_case *c, real fineness, real *values);

@@ -92,7 +92,8 @@ void case_ladder(bench_case *c, int switches) {
     c->exact = exact;
     c->unit = period / switches;
     c->size = switches;
-    c->large = switches > 320;
+    c->large = switches > 64;
+    c->slow = switches > 64;
     deck *d = c->net = deck_create();
     const int in = 2 * switches + 1, gate = in + 1;
     deck_v(d, in, 0, deck_dc((double)volts));

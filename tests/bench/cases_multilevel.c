@@ -233,6 +233,7 @@ void case_multilevel(bench_case *c, int cells, double end) {
     c->unit = (double)period / (2 * cells);
     c->size = cells;
     c->large = cells > 10;
+    c->slow = cells > 10;
     deck *d = c->net = deck_create();
     enum { P = 1, N, XU, XL, OUT, Y, RU, RL, FREE };
     wires w = {FREE, {RU, RL}};

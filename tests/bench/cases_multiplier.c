@@ -201,6 +201,8 @@ void case_multiplier(bench_case *c, int stages) {
     c->exact = exact;
     c->unit = 100e-6;
     c->size = stages;
+    c->large = stages > 20;
+    c->slow = stages > 20;
     deck *d = c->net = deck_create();
     const int last = 2 * stages, in = last + 1;
     deck_v(d, in, 0, deck_sine(0, (double)amplitude, (double)freq, 0));

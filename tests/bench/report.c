@@ -61,7 +61,7 @@ void report_table(const bench_case *c, int count, const row *rows) {
     for (int i = 0; i < count; i++)
         if (rows[i].kind == ROW_LIBRARY)
             print_library(&rows[i]);
-    printf("  %-26s %-24s %9s %10s %9s %8s %8s\n", "ngspice", "setting", "error", "ms run", "process",
+    printf("  %-26s %-24s %9s %10s %9s %8s %8s\n", "elsewhere", "setting", "error", "ms run", "process",
            "points", "rejected");
     for (int i = 0; i < count; i++)
         if (rows[i].kind != ROW_LIBRARY) {
@@ -69,8 +69,8 @@ void report_table(const bench_case *c, int count, const row *rows) {
             tried += rows[i].kind == ROW_RIVAL;
             ends[rows[i].end] += rows[i].kind == ROW_RIVAL;
         }
-    printf("  ngspice's own models: %d settings, %d done, %d aborted, %d over their time, %d not tried\n",
-           tried, ends[ROW_DONE], ends[ROW_ABORTED], ends[ROW_TIMEOUT], ends[ROW_SKIPPED]);
+    printf("  other programs: %d settings, %d done, %d aborted, %d over their time, %d not tried\n", tried,
+           ends[ROW_DONE], ends[ROW_ABORTED], ends[ROW_TIMEOUT], ends[ROW_SKIPPED]);
 }
 
 /* --- the duel --- */
@@ -96,10 +96,10 @@ static const row *most_accurate(int count, const row *rows, row_kind kind) {
 static void print_duel(double level, const row *ours, const row *rival) {
     printf("   error <= %.0e: ", level);
     if (rival)
-        printf("ngspice %.1f ms at %.1e (%s, %s)", row_time(rival) * 1e3, rival->error, rival->series,
+        printf("elsewhere %.2f ms at %.1e (%s, %s)", row_time(rival) * 1e3, rival->error, rival->series,
                rival->setting);
     else
-        printf("ngspice none");
+        printf("elsewhere none");
     if (ours)
         printf("; library %.3f ms at %.1e (%s, %s)", row_time(ours) * 1e3, ours->error, ours->series,
                ours->setting);
@@ -176,7 +176,8 @@ static double mean(int count, const duel *d, size_t offset, int *of) {
 
 void report_summary(int count, const duel *d) {
     int of;
-    printf("\n== all: ngspice's own models against the library, and against it through ngspice\n"
+    printf("\n== all: other programs (ngspice with its own models, Siconos) against the library, and against "
+           "it through ngspice\n"
            "  %-14s %9s %9s %13s %13s %9s %13s %13s\n",
            "case", "settings", "finished", "its least err", "least lead", "unbeaten", "cm: CPU ratio",
            "error ratio");
@@ -276,8 +277,9 @@ static void write_script(const bench_case *c, const char *folder, const row *row
         const int rival = r->kind == ROW_RIVAL;
         fprintf(f, "'%s/%s.dat' index %d with %s lc rgb '%s' pt %d ps %s lw 2 title '%s%s%s'%s\n", folder,
                 c->name, k, rival ? "points" : "linespoints", rival ? warm[rivals % 8] : cold[ours % 6],
-                rival ? 1 + rivals % 4 : 5 + 2 * (ours % 5), rival ? "1.5" : "1.6", rival ? "ngspice, " : "",
-                r->series, r->kind == ROW_OURS ? " in ngspice" : "", k + 1 < series ? ", \\" : "");
+                rival ? 1 + rivals % 4 : 5 + 2 * (ours % 5), rival ? "1.5" : "1.6",
+                rival && !r->direct ? "ngspice, " : "", r->series, r->kind == ROW_OURS ? " in ngspice" : "",
+                k + 1 < series ? ", \\" : "");
         rivals += rival;
         ours += !rival;
     }
