@@ -12,26 +12,28 @@
 
 /* As in jump.c: w jumps where it moves by more than rates and rounding explain. */
 static const double beyond_rates = 64, beyond_rounding = 1e-11;
-/* Rounds in which all broken pairs change at once, without getting fewer, before one by one. */
-enum { BLOCK_ROUNDS = 6, SHORTER = 20, JUMPS = 6 };
+/* Rounds in which all broken pairs change at once, without getting fewer; at most. */
+enum { BLOCK_ROUNDS = 6, MOST_ROUNDS = 100, SHORTER = 20, JUMPS = 6 };
 
 int ns_event_settle(ns_sparse *m, double t, double g, const double *w, double *v, double *by) {
     int best = m->f->m + 1, patience = BLOCK_ROUNDS;
-    const long rounds = 100 + 4L * m->f->m;
-    for (long round = 0; round < rounds; round++) {
+    memset(m->touched, 0, (size_t)m->f->m);
+    for (int round = 0; round < MOST_ROUNDS && patience > 0; round++) {
         const int status = ns_euler(m, t, g, w, 1, v, by);
         if (status != NS_OK && status != NS_E_SINGULAR)
             return status;
-        const int one = patience <= 0, flipped = ns_guard_flip(m, v, w, g, one);
+        const int flipped = ns_guard_flip(m, v, w, g);
         m->counts.pivots += flipped;
-        if (flipped == 0)
+        if (flipped == 0 && status == NS_OK)
             return status;
-        if (!one && flipped >= best)
+        if (flipped == 0)
+            break;
+        if (flipped >= best)
             patience--;
-        else if (!one)
+        else
             best = flipped;
     }
-    return NS_E_LIMIT;
+    return ns_event_local(m, t, g, w, v, by);
 }
 
 /* Commands of time change that do so now; at a jump of their inputs, or at a start, those that have to. */
@@ -126,7 +128,7 @@ static int count_flips(ns_sparse *m, const ns_leg *leg, double t) {
 
 int ns_sparse_resolve(ns_sparse *m, const ns_leg *leg, double t) {
     const int n = m->f->n, stuck = leg ? leg->stuck : 0;
-    const double short_h = ldexp(m->o.h, -NS_SHORT_RUNG - (leg ? leg->next_rung : 0) - 4 * stuck);
+    const double short_h = ldexp(m->o.h, -NS_SHORT_RUNG - (leg ? leg->next_rung : 0) - stuck);
     const double g = fmax(short_h, ldexp(m->o.h, -NS_LEAST_RUNG));
     double *by = m->scale + 2 * n;
     int status = NS_OK;

@@ -35,11 +35,12 @@ static double size_of(const ns_csc *rows, int i, const double *v) {
 }
 
 /* The rounding of guards of pair j at v = (x, lambda), which was solved for with w and g: of the sum y, or of
- * lambda as what is left over in the rows it enters. */
+ * lambda as what is left over in the rows it enters; where all of these are zero, beside the largest there
+ * was. */
 static double noise(const ns_sparse *m, int j, const double *v, const double *w, double g) {
     const ns_form *f = m->f;
     if (m->mode[j] != NS_INSIDE)
-        return rounding * (size_of(&f->Ct, j, v) + fabs(f->e[j]));
+        return rounding * (size_of(&f->Ct, j, v) + fabs(f->e[j])) + DBL_EPSILON * m->most_y;
     double most = 0;
     for (int k = f->K.start[f->n + j]; k < f->K.start[f->n + j + 1]; k++) {
         const int i = f->K.row[k];
@@ -50,7 +51,7 @@ static double noise(const ns_sparse *m, int j, const double *v, const double *w,
             terms += (size_of(&f->Mt, i, v) + fabs(w[i])) / g;
         most = fmax(most, terms / fabs(f->KA[k]));
     }
-    return rounding * most;
+    return rounding * most + DBL_EPSILON * m->most_lambda;
 }
 
 /* Guards of pair j: how many, and number k of them at (lambda_j, y_j), what is constant in it counted so many
@@ -72,7 +73,28 @@ static double guard(const ns_sparse *m, int j, int k, const double *v, const dou
     return is_upper(m, j, k) ? (constants ? m->u[j] : 0) - lambda : lambda - (constants ? m->l[j] : 0);
 }
 
-int ns_guard_flip(ns_sparse *m, const double *v, const double *w, double g, int one) {
+/* What v may be off by where w is off by its rounding, at random: to m->next_v. */
+static int shake(ns_sparse *m, const double *v, const double *w, double g) {
+    const ns_form *f = m->f;
+    const ns_kept *k;
+    unsigned long long dice = 88172645463325252U;
+    const int status = ns_modal_factor(m->q, g, m->mode, 1, &k);
+    if (status != NS_OK)
+        return status;
+    memset(m->r, 0, sizeof(double) * (size_t)f->size);
+    for (int i = 0; i < f->n; i++) {
+        dice ^= dice << 13;
+        dice ^= dice >> 7;
+        dice ^= dice << 17;
+        const double of = f->algebraic[i] ? size_of(&f->At, i, v) : fabs(w[i]) + size_of(&f->Mt, i, v);
+        m->r[i] = (dice & 1024 ? 4 : -4) * DBL_EPSILON * of;
+    }
+    (void)ns_modal_solve(m->q, k, m->r, m->next_v);
+    return NS_OK;
+}
+
+/* Guards at v that are negative by more than the sum of their terms explains; marks them in m->flip. */
+static int find_broken(ns_sparse *m, const double *v, const double *w, double g) {
     int count = 0;
     memset(m->flip, 0, (size_t)m->f->m);
     for (int j = 0; j < m->f->m; j++) {
@@ -81,16 +103,33 @@ int ns_guard_flip(ns_sparse *m, const double *v, const double *w, double g, int 
             const double value = guard(m, j, k, v, m->z, 1);
             if (!(value < 0) || value >= -noise(m, j, v, w, g))
                 continue;
-            if (!(one && count > 0)) {
-                m->flip[j] = (unsigned char)(1 + is_upper(m, j, k));
-                count++;
-            }
+            m->flip[j] = (unsigned char)(1 + is_upper(m, j, k));
+            count++;
             break;
         }
     }
-    for (int j = 0; j < m->f->m && count > 0; j++)
-        if (m->flip[j])
+    return count;
+}
+
+int ns_guard_flip(ns_sparse *m, const double *v, const double *w, double g) {
+    int count = 0;
+    if (find_broken(m, v, w, g) == 0 || shake(m, v, w, g) != NS_OK)
+        return 0;
+    memset(m->z_none, 0, sizeof(double) * (size_t)m->f->nz);
+    for (int j = 0; j < m->f->m; j++) {
+        const int k = m->flip[j] == 2 && guards_of(m, j) == 2;
+        if (!m->flip[j])
+            continue;
+        const double by = fabs(guard(m, j, k, m->next_v, m->z_none, 0));
+        if (guard(m, j, k, v, m->z, 1) >= -(noise(m, j, v, w, g) + 16 * by))
+            m->flip[j] = 0;
+    }
+    for (int j = 0; j < m->f->m; j++)
+        if (m->flip[j]) {
             ns_guard_set(m, j, m->flip[j] == 2);
+            m->touched[j] = 1;
+            count++;
+        }
     return count;
 }
 
@@ -271,10 +310,18 @@ static int refine(ns_sparse *m, ns_leg *leg, found *f) {
     return NS_OK;
 }
 
+static void take_sizes(ns_sparse *m, const double *v) {
+    for (int j = 0; j < m->f->m; j++) {
+        m->most_lambda = fmax(m->most_lambda, fabs(v[m->f->n + j]));
+        m->most_y = fmax(m->most_y, fabs(ns_csc_dot(&m->f->Ct, j, v)));
+    }
+}
+
 int ns_guard_first(ns_sparse *m, ns_leg *leg) {
     search s;
     found f = {INFINITY, -1, 0, -1};
     set_search(&s, leg->end / leg->g);
+    take_sizes(m, leg->xi);
     for (int j = 0; j < m->f->m; j++) {
         const int guards = guards_of(m, j);
         for (int k = 0; k < guards; k++)

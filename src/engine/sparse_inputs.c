@@ -49,14 +49,14 @@ void ns_inputs_reset(ns_inputs *in) {
     in->corner = in->first = -INFINITY;
 }
 
-static void exponential(ns_wave *w, double c_re, double c_im, double s_re, double s_im) {
+static void exponential(ns_swing *w, double c_re, double c_im, double s_re, double s_im) {
     w->c[w->count][0] = c_re;
     w->c[w->count][1] = c_im;
     w->s[w->count][0] = s_re;
     w->s[w->count++][1] = s_im;
 }
 
-static void take_sine(const ns_signal *s, double t, ns_wave *w) {
+static void take_sine(const ns_signal *s, double t, ns_swing *w) {
     static const double pi = 3.14159265358979323846;
     const double since = t - s->u.sin.td, turns = s->u.sin.freq * since + s->u.sin.phase / 360;
     if (w->until == s->u.sin.td) /* at rest before it */
@@ -66,7 +66,7 @@ static void take_sine(const ns_signal *s, double t, ns_wave *w) {
     exponential(w, size * sin(angle), -size * cos(angle), -s->u.sin.theta, 2 * pi * s->u.sin.freq);
 }
 
-static void take_exp(const ns_signal *s, double t, ns_wave *w) {
+static void take_exp(const ns_signal *s, double t, ns_swing *w) {
     const double v = s->u.exp.v2 - s->u.exp.v1, d = 8 * DBL_EPSILON;
     const double one = t - s->u.exp.td1 + d * fabs(s->u.exp.td1),
                  two = t - s->u.exp.td2 + d * fabs(s->u.exp.td2);
@@ -77,8 +77,9 @@ static void take_exp(const ns_signal *s, double t, ns_wave *w) {
         exponential(w, v * exp(-fmax(0, t - s->u.exp.td2) / s->u.exp.tau2), 0, -1 / s->u.exp.tau2, 0);
 }
 
-static void take(const ns_signal *s, double t, ns_wave *w) {
-    *w = (ns_wave){.from = t, .until = ns_signal_next_corner(s, t), .value = ns_signal_value(s, t, NS_RIGHT)};
+static void take(const ns_signal *s, double t, ns_swing *w) {
+    *w =
+        (ns_swing){.from = t, .until = ns_signal_next_corner(s, t), .value = ns_signal_value(s, t, NS_RIGHT)};
     if (s->kind == NS_SIN)
         take_sine(s, t, w);
     else if (s->kind == NS_EXP)
@@ -93,7 +94,7 @@ void ns_inputs_at(ns_inputs *in, double t) {
     in->corner = INFINITY;
     in->ncurved = 0;
     for (int k = 0; k < in->s->nz; k++) {
-        ns_wave *w = &in->wave[k];
+        ns_swing *w = &in->wave[k];
         if (!(w->from <= t && t < w->until) || (w->count > 0 && w->from != t))
             take(&in->s->z[k], t, w);
         in->corner = fmin(in->corner, w->until);
@@ -103,7 +104,7 @@ void ns_inputs_at(ns_inputs *in, double t) {
 }
 
 /* The share of exponential e in stage i: Re c u (g s u)^i with u = 1/(1 - g s). */
-static double decayed(const ns_wave *w, int e, double g, int i) {
+static double decayed(const ns_swing *w, int e, double g, int i) {
     const double re = 1 - g * w->s[e][0], im = -g * w->s[e][1], of = re * re + im * im;
     const double u[2] = {re / of, -im / of};
     const double gs[2] = {g * w->s[e][0], g * w->s[e][1]};
@@ -117,7 +118,7 @@ static double decayed(const ns_wave *w, int e, double g, int i) {
     return c[0];
 }
 
-static double in_stage(const ns_wave *w, double t, double g, int i) {
+static double in_stage(const ns_swing *w, double t, double g, int i) {
     double z = i == 0 ? w->value + w->slope * (t - w->from + g) : i == 1 ? w->slope * g : 0;
     for (int e = 0; e < w->count; e++)
         z += decayed(w, e, g, i);

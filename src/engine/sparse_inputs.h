@@ -6,16 +6,16 @@
 #include "sparse_form.h"
 
 /* From `from` up to `until`: z(from+tau) = value + slope tau + sum of Re c exp(s tau). */
-typedef struct ns_wave {
+typedef struct ns_swing {
     double from, until, value, slope;
     int count;
     double c[2][2], s[2][2]; /* real, imaginary */
-} ns_wave;
+} ns_swing;
 
 typedef struct ns_inputs {
     const ns_system *s;
     const ns_form *f;
-    ns_wave *wave;   /* nz */
+    ns_swing *wave;  /* nz */
     double corner;   /* the first after the last t */
     double *review;  /* nc: up to when the instant is known; -INFINITY: not */
     double *instant; /* nc: when it changes, INFINITY: not before review */

@@ -8,7 +8,8 @@
 
 int ns_sparse_fail(ns_sparse *m, double t, int status) {
     m->fault.status = (ns_status)status;
-    m->fault.npairs = m->fault.nunknowns = 0;
+    m->fault.nunknowns = 0;
+    m->fault.npairs = status == NS_E_INFEASIBLE || status == NS_E_SINGULAR ? m->fault.npairs : 0;
     m->fault.t = t;
     return status;
 }
@@ -32,15 +33,16 @@ static double *take(double **from, int count) {
 
 static int allocate(ns_sparse *m) {
     const int n = m->f->n, pairs = m->f->m, size = m->f->size;
-    const size_t count = (size_t)(7 * n + 3 * pairs + 2 * size + m->f->nz) + 1;
+    const size_t count = (size_t)(7 * n + 3 * pairs + 3 * size + 2 * m->f->nz) + 1;
     double *all = calloc(count, sizeof(double));
     m->w = all;
-    m->mode = calloc(3 * (size_t)pairs + 1, 1);
+    m->mode = calloc(4 * (size_t)pairs + 1, 1);
     m->crowd = calloc((size_t)pairs + 1, sizeof(int));
     if (!all || !m->mode || !m->crowd)
         return NS_E_MEMORY;
     m->old_mode = m->mode + pairs;
     m->flip = (unsigned char *)(m->old_mode + pairs);
+    m->touched = m->flip + pairs;
     m->w = take(&all, n);
     m->next_w = take(&all, n);
     m->scale = take(&all, 3 * n);
@@ -51,7 +53,9 @@ static int allocate(ns_sparse *m) {
     m->crowd_t = take(&all, pairs);
     m->v = take(&all, size);
     m->r = take(&all, size);
+    m->next_v = take(&all, size);
     m->z = take(&all, m->f->nz);
+    m->z_none = take(&all, m->f->nz);
     const int status = make_leg(m->f, &m->leg[0]);
     return status == NS_OK ? make_leg(m->f, &m->leg[1]) : status;
 }
@@ -179,7 +183,8 @@ static int euler_leg(ns_sparse *m, ns_leg *leg, double t, double limit, double h
 
 /* A leg from m->w, m->mode at t after one that ended there. */
 int ns_sparse_next_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg) {
-    const int stuck = before && before->why == NS_LEG_EVENT && !(before->end > 0) ? before->stuck + 1 : 0;
+    const double tiny = before ? ldexp(m->o.h, -before->next_rung - NS_SHORT_RUNG) : 0;
+    const int stuck = before && before->why == NS_LEG_EVENT && !(before->end > tiny) ? before->stuck + 1 : 0;
     leg->rung = before ? before->next_rung : 0;
     leg->stuck = stuck;
     ns_inputs_at(m->in, t);
@@ -187,7 +192,7 @@ int ns_sparse_next_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg
     const double limit = fmax(fmin(m->in->corner, m->in->first), nextafter(t, INFINITY));
     const double h = ldexp(m->o.h, -leg->rung);
     int status;
-    if (stuck > 3)
+    if (stuck > NS_STUCK)
         status = euler_leg(m, leg, t, limit, ldexp(h, -10));
     else if (t < m->crowded_until)
         status = euler_leg(m, leg, t, fmin(limit, m->asked > t ? m->asked : limit), ldexp(h, -2));

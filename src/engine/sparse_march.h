@@ -40,7 +40,7 @@ int ns_sparse_euler(ns_sparse *m, double h);
 /* --- inside --- */
 
 enum { NS_STAGES = NS_ORDER + 1 }; /* the last one only where a leg is looked into */
-enum { NS_SHORT_RUNG = 20, NS_LEAST_RUNG = 44, NS_CROWD_OF_PAIR = 16 };
+enum { NS_SHORT_RUNG = 16, NS_LEAST_RUNG = 44, NS_CROWD_OF_PAIR = 16, NS_STUCK = 6 };
 
 typedef enum ns_leg_end { NS_LEG_GOES_ON, NS_LEG_EVENT } ns_leg_end;
 
@@ -53,7 +53,7 @@ typedef struct ns_leg {
     ns_leg_end why;
     int pair, command; /* what breaks at the end, -1: none */
     int upper;         /* the upper bound of that pair's lambda did */
-    int stuck;         /* events in a row that took no time */
+    int stuck;         /* legs in a row that ended at once */
     int euler;         /* an implicit Euler step; only its end is known, by stage 0 */
     double *xi;        /* NS_STAGES (n+m) */
     double *dw;        /* (NS_STAGES+1) n: D^i w */
@@ -72,15 +72,18 @@ struct ns_sparse {
     double *l, *u;             /* m, commanded pairs as commanded */
     ns_mode *mode;             /* m: of what comes next */
     unsigned char *flip;       /* m */
+    unsigned char *touched;    /* m: pairs that changed while a mode is looked for */
     double *w, *next_w;        /* n */
     double *scale, *unit; /* 3 n: the largest w there were, and work; n: of one M alone, the square root */
     double most;          /* the largest of scale over unit, at the last event */
-    ns_mode *old_mode;    /* m */
-    double *crowd_t;      /* m: since when flips of a pair are counted, */
-    int *crowd;           /* m: how many there were */
+    double most_lambda, most_y; /* the largest there were */
+    ns_mode *old_mode;          /* m */
+    double *crowd_t;            /* m: since when flips of a pair are counted, */
+    int *crowd;                 /* m: how many there were */
     double crowded_until;
     double *v, *r, *rate;      /* size, size, n */
-    double *z;                 /* nz */
+    double *next_v;            /* size */
+    double *z, *z_none;        /* nz */
     double largest[NS_STAGES]; /* of |L_i| in a step */
     int started, has_trial;
     double asked;
@@ -106,17 +109,19 @@ void ns_leg_point(const ns_sparse *m, const ns_leg *leg, double tau, double *v);
 int ns_euler(ns_sparse *m, double t, double g, const double *w, int brief, double *v, double *by);
 
 /* sparse_guard.c: bounds of commanded pairs as m->mode has them; the first event of a leg; which guards are
- * broken at v after a step g from w: flips them in m->mode, returns how many (one: only the first);
+ * broken at v after a step g from w: flips them in m->mode and marks them touched, returns how many;
  * state-dependent commands that v contradicts: flips them. */
 void ns_guard_bounds(ns_sparse *m);
 int ns_guard_first(ns_sparse *m, ns_leg *leg);
-int ns_guard_flip(ns_sparse *m, const double *v, const double *w, double g, int one);
+int ns_guard_flip(ns_sparse *m, const double *v, const double *w, double g);
 int ns_guard_commands(ns_sparse *m, const double *v);
 void ns_guard_set(ns_sparse *m, int pair, int upper); /* flips one pair */
 
 /* sparse_event.c: commands of time change that do so at t, or have to; m->mode such that an Euler step of
  * length g from w holds; v gets its end. */
 int ns_event_settle(ns_sparse *m, double t, double g, const double *w, double *v, double *by);
+/* sparse_local.c: the same by (P1) of the pairs touched so far, and of those that it breaks. */
+int ns_event_local(ns_sparse *m, double t, double g, const double *w, double *v, double *by);
 /* The same, and commands of the state settled with it. */
 int ns_event_settle_all(ns_sparse *m, double t, double g, double *by);
 void ns_event_command(ns_sparse *m, double t);

@@ -18,6 +18,7 @@ static void rest(ns_sparse *m) {
     ns_guard_bounds(m);
     memset(m->scale, 0, sizeof(double) * 3 * (size_t)m->f->n);
     m->crowded_until = -INFINITY;
+    m->most_lambda = m->most_y = 0;
     m->started = m->has_trial = 0;
     ns_inputs_reset(m->in);
 }

@@ -125,8 +125,7 @@ size_t ns_factors_bytes(const ns_factors *f) {
     if (n) {
         bytes += sizeof *n + n->worksize + (size_t)n->n * (8 * sizeof(int) + 2 * sizeof(double)) +
                  (size_t)n->nzoff * (sizeof(int) + sizeof(double));
-        for (int b = 0; b < n->nblocks; b++)
-            bytes += n->LUsize[b] * sizeof(double);
+        bytes += ((size_t)n->lnz + (size_t)n->unz) * (sizeof(int) + sizeof(double));
     }
     return bytes;
 }
