@@ -1,16 +1,21 @@
 /* tests/bench/bench_cases.c - work against precision: circuits run by the library's engines, by ngspice with
- * its own models at many settings, and by ngspice with ours.
+ * its own models at many settings, by ngspice with ours, and by Siconos where it was built.
  *
  *     bench_cases [NAME...]       cases by part of their name; none: all
  *
  * Environment: BENCH=quick for fewer settings and no large circuit; NONSMOOTH_CM (build/bench/nonsmooth.cm);
- * NGSPICE.  Tables go to stdout; CSV, netlists and gnuplot scripts to build/bench/.
+ * NGSPICE.  Tables go to stdout; CSV and gnuplot scripts to build/bench/, the last netlist to
+ * build/bench/run.
+ *
  * All runs of a case take turns, round by round; times are medians of CPU time, on one thread: of the library
- * from the list of elements to the last value (creation said apart), of ngspice that of its process less that
- * of one which reads the same netlist and ends (the whole process said apart).  What fails, or takes longer
- * than it may, is counted. ngspice's devices, from its closest to the ideal ones: `sidiode` and S with 1 mohm
- * and 1 Mohm (its tolerances opened as that needs, `set xtrtol=7`), the same with 1 uohm and 1 Gohm, D with n
- * = 0.01 and n = 1 beside S; times trap and gear, reltol, and the longest step. */
+ * and of Siconos from the elements to the last value (creation said apart), of ngspice that of its process
+ * less that of one which reads the same netlist and ends (the whole process said apart).  What fails, or
+ * takes longer than it may, is counted.
+ *
+ * ngspice's devices, from its closest to the ideal ones: `sidiode` and S with 1 mohm and 1 Mohm (its
+ * tolerances opened as that needs, `set xtrtol=7`), the same with 1 uohm and 1 Gohm, D with n = 0.01 and n =
+ * 1 beside S; times trap and gear, reltol, and the longest step.  The times that are compared are corners of
+ * an idle source, so that it has points there. */
 #define _DEFAULT_SOURCE
 #include "timing.h"
 
@@ -108,9 +113,10 @@ static void put_ngspice(list *l, const plan *p, const bench_case *c) {
     const rival_setting ours = {.name = "nonsmooth.cm", .models = {DECK_IDEAL, 0, 0, 0, 0}, .reltol = 1e-3};
     if (c->net)
         put_sweep(l, p, ours, ROW_OURS);
-    for (int k = 0; k < (p->quick ? 3 : 4); k++)
-        for (int gear = 0; gear < (p->quick ? 1 : 2); gear++)
-            for (int r = 3; r < (p->quick ? 6 : 7); r += p->quick ? 2 : 1) {
+    const int few = p->quick || c->slow;
+    for (int k = 0; k < (few ? 3 : 4); k++)
+        for (int gear = 0; gear < (few ? 1 : 2); gear++)
+            for (int r = 3; r < (few ? 6 : 7); r += few ? 2 : 1) {
                 rival_setting s = kinds[k];
                 s.gear = gear;
                 s.reltol = pow(10, -r);
@@ -172,6 +178,8 @@ static void run_library(const bench_case *c, const plan *p, const todo *t, row *
     r->end = run_apart(c, t, p->limit, got);
     r->time[r->rounds] = got->create + got->run;
     r->other[r->rounds] = got->create;
+    if (r->end == ROW_ABORTED)
+        snprintf(r->why, sizeof r->why, "(%s)", ns_status_text(got->status));
     r->error = case_error(c, got->values);
     r->steps = got->counts.steps;
     r->events = got->counts.events;

@@ -1,7 +1,7 @@
-/* tests/bench/cases_bucks.c - open-loop buck converters from rest: 24 V, duty cycle 1/2, 100 kHz, 100 uH, 22
- * uF, 5 ms.
+/* tests/bench/cases_bucks.c - open-loop buck converters from rest: 24 V, duty cycle 1/2, 100 kHz, 100 uH,
+ * 22 uF, 5 ms.
  *
- *     synchronous, 5 ohm;   with a diode, 5 ohm (continuous current but for the end of the first swing);
+ *     synchronous, 5 ohm;   with a diode, 5 ohm (continuous current);
  *     with a diode, 200 ohm (K = 2L/(RT) = 0.1 < 1 - D: the current stops in every period)
  *
  * The gate crosses the threshold in the middle of its 10 ns edges: on from 5 ns to 5.005 us of each 10 us. */

@@ -2,8 +2,8 @@
  * 1 kohm behind a switch to ground.
  *
  * One triangle of 1 ms drives all: switch k closes while it is above (k + 1/2)/N, so that 2N flips spread
- * evenly over a period.  Steps of unit = period/N see two flips.  Period of up to 1000 switches: 1 ms; of
- * 10000: a tenth of it is run.  Reference: KCL of the cells, commands at known instants. */
+ * evenly over a period, two in a step of period/N.  A period is run, of 10,000 switches a tenth of one.
+ * Reference: KCL of the cells, commands at known instants. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -90,7 +90,7 @@ void case_ladder(bench_case *c, int switches) {
     c->title = "ladder of switches, two flips a step";
     c->origin = "power series between known instants";
     c->exact = exact;
-    c->unit = period / switches;
+    c->unit = 20 * period / switches; /* steps of a twentieth see two flips */
     c->size = switches;
     c->large = switches > 64;
     c->slow = switches > 64;

@@ -3,14 +3,15 @@
  *
  * +-400 V, arms p -> x_u and x_l -> n of N cells, arm coils of 3 mH, load 10 ohm + 5 mH, cells of 2 mF at
  * 800/N V, references 0.5 -+ 0.4 sin(2 pi 50 t).  In a cell from terminal a down to terminal b, with its
- * capacitor from c to b: switch A (a-c) closes while reference - carrier > 5 mV, switch B (a-b) while < -5
- * mV, each with a diode across it (a -> c, b -> a).  Between the two the diodes decide: a current into a
- * charges the capacitor, one out of it passes by, and none may flow while what the arm sees lies between
- * both.
+ * capacitor from c to b: switch A (a-c) closes while reference - carrier > 5 mV, switch B (a-b) while it is
+ * < -5 mV, each with a diode across it (a -> c, b -> a).  Between the two the diodes decide: a current into a
+ * charges the capacitor, one out of it passes by, and none flows while what the arm sees lies between both.
  *
  * Reference: i_u, i_l, capacitor voltages.  With S the sum of an arm's inserted cells and v_o the voltage of
- * the coils' common node, L i_u' = 400 - S_u - v_o,   L i_l' = v_o + 400 - S_l,   Lo (i_u - i_l)' = v_o - R
- * (i_u - i_l),   C v' = +-i. */
+ * the coils' common node,
+ *
+ *     L i_u' = 400 - S_u - v_o,   L i_l' = v_o + 400 - S_l,   Lo (i_u - i_l)' = v_o - R (i_u - i_l),   C v' =
+ * i */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -230,7 +231,7 @@ void case_multilevel(bench_case *c, int cells, double end) {
     c->title = "multilevel converter leg";
     c->origin = "power series between commands, signs of the arm currents by halving";
     c->exact = exact;
-    c->unit = (double)period / (2 * cells);
+    c->unit = (double)period / 8;
     c->size = cells;
     c->large = cells > 10;
     c->slow = cells > 10;

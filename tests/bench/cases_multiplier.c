@@ -1,12 +1,14 @@
 /* tests/bench/cases_multiplier.c - Cockcroft-Walton multipliers from rest: 100 V sine of 10 kHz, capacitors
  * of 1 uF, ideal diodes, no resistance but a load of 1 Mohm, 10 ms.
  *
- * Nodes along the chain of diodes: 0 (ground), 1, 2, ... 2N; diode j from node j to node j+1.  Odd nodes are
- * pushed by the source through their column of capacitors, even ones hold the output: C (in, 1), C (1, 3), C
- * (3, 5), ...       C (0, 2), C (2, 4), ...       load (2N, 0) Reference: nodes joined by conducting diodes
- * are intervals of the chain, so that KCL of the intervals has two diagonals either side; a diode's current
- * is what the part of its interval beyond it takes.  Which diodes conduct after an event: those of them that
- * could (on the edge) by Murty's rule, current against slope of voltage. */
+ * Nodes along the chain of diodes: 0 (ground), 1, 2, ... 2N; diode j from node j to node j+1.  Capacitors
+ * from the source to 1, from 1 to 3, 3 to 5, ... push the odd nodes; those from 0 to 2, 2 to 4, ... hold the
+ * output, 2N.
+ *
+ * Reference: nodes joined by conducting diodes are intervals of the chain, so that KCL of the intervals has
+ * two diagonals either side; a diode's current is what the part of its interval beyond it takes.  Which
+ * diodes conduct after an event: of those that could (on the edge) all that are wrong change at once, current
+ * against slope of voltage, until none is. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -197,7 +199,7 @@ static void exact(const bench_case *c, real fineness, real *values) {
 void case_multiplier(bench_case *c, int stages) {
     c->name = stages == 5 ? "multiplier5" : stages == 20 ? "multiplier20" : "multiplier50";
     c->title = "Cockcroft-Walton multiplier";
-    c->origin = "power series of every mode, modes by Murty's rule";
+    c->origin = "power series of every mode, modes by pivoting";
     c->exact = exact;
     c->unit = 100e-6;
     c->size = stages;

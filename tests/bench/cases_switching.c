@@ -1,18 +1,21 @@
 /* tests/bench/cases_switching.c - events without end: sliding, and bouncing.
  *
  * Sliding chopper: a 20 V source, a switch that closes while ref > out, ref = 7.5 + 2 sin(2 pi 1k t), a
- * freewheel diode, 100 uH, 10 ohm, no hysteresis.  Closed at first:  out = 20 (1 - e^(-t R/L)), until it
- * meets ref; from then on it slides, out = ref, for that asks of the coil no more than it can: |L/R ref'| =
- * 0.13 V, well inside [-ref, 20 - ref].
+ * freewheel diode, 100 uH, 10 ohm, no hysteresis.  Closed at first, out = 20 (1 - e^(-t R/L)), until it meets
+ * ref; from then on it slides, out = ref, for that asks of the coil no more than it can: |L/R ref'| = 0.13 V
+ * lies well inside [-ref, 20 - ref].
  *
  * Bouncing (the "twisting" of sliding mode control): with Sgn the set-valued sign, T = 1 ms,
+ *
  *     T v1' = v2,   T v2' = -5 Sgn(v1) - 4 Sgn(v2),   v1 = 0, v2 = 3 at first.
- * From v1 = 0, v2 = p > 0:  v2 falls at a rate of 9 to 0 in p/9, at v1 = p^2/18; then, both rates of sign
- * against the motion, at a rate of 1, until v1 = 0 again: v1 = p^2/18 - s^2/2 = 0 at s = p/3, v2 = -p/3.  So
- * each half turn takes 4p/9 and leaves a third of p; they accumulate at  (4p/9)/(1 - 1/3) = 2p/3 = 2 (ms),
- * and all rests from there on. A relay is a diode bridge across which a current source lies: it takes I
- * Sgn(v) (any current in [-I, I] at v = 0). One bridge with 4 mA lies across C2 (v2), one with 5 mA across a
- * copy of v1, and its current is drawn from C2. */
+ *
+ * From v1 = 0, v2 = p > 0: v2 falls at a rate of 9 to 0 in p/9, at v1 = p^2/18; then, negative, at a rate of
+ * 1, until v1 = p^2/18 - s^2/2 = 0 at s = p/3, v2 = -p/3.  So each half turn takes 4p/9 and leaves a third of
+ * p; they accumulate at  (4p/9)/(1 - 1/3) = 2p/3 = 2 (ms),  and all rests from there on.
+ *
+ * A relay is a diode bridge across which a current source lies: it takes I Sgn(v), any current in [-I, I] at
+ * v = 0.  One with 4 mA lies across C2 (v2), one with 5 mA across a copy of v1, and its current is drawn from
+ * C2. */
 #include <math.h>
 
 #include "cases.h"

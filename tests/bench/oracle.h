@@ -1,11 +1,13 @@
 /* tests/bench/oracle.h - references for piecewise linear circuits: power series in long double, which share
  * nothing with the library.
  *
- * In a mode   x' = linear function of (x, u),   guards g = linear function of (x, x', u), positive while it
- * holds, u: inputs as power series.  The coefficients of x follow one from another, (k+1) c_(k+1) =
- * rates(c_k, u_k),      g_k = guards(c_k, (k+1) c_(k+1), u_k), and a mode ends at the first root of a guard's
- * polynomial, found by halving.  Ideal devices leave nothing stiff, so that steps of about a radian or a time
- * constant are exact to rounding at this order. */
+ * In a mode x' is a linear function of (x, u), and so are of (x, x', u) the guards, positive while it holds;
+ * u are inputs as power series.  The coefficients of x follow one from another,
+ *
+ *     (k+1) c_(k+1) = rates(c_k, u_k),      g_k = guards(c_k, (k+1) c_(k+1), u_k),
+ *
+ * and a mode ends at the first root of a guard's polynomial, found by halving.  Ideal devices leave nothing
+ * stiff, so that steps of about a radian or a time constant are exact to rounding at this order. */
 #ifndef NONSMOOTH_TESTS_ORACLE_H
 #define NONSMOOTH_TESTS_ORACLE_H
 

@@ -31,11 +31,12 @@ static const char *end_name(row_end e) {
 
 static void print_library(const row *r) {
     if (r->end == ROW_DONE)
-        printf("  %-10s %-14s %9.2e %10.4f %9.4f %8ld %7ld %8ld %7ld %7ld %6ld %8.0f", r->series, r->setting,
-               r->error, row_time(r) * 1e3, row_other(r) * 1e3, r->steps, r->events, r->problems, r->pivots,
+        printf("  %-10s %-14s %9.2e %10.4f %9.4f %8ld %8.3f %7ld %8ld %7ld %7ld %6ld %8.0f", r->series,
+               r->setting, r->error, row_time(r) * 1e3, row_other(r) * 1e3, r->steps,
+               (row_time(r) - row_other(r)) * 1e6 / (double)r->steps, r->events, r->problems, r->pivots,
                r->factors, r->maps, (double)r->bytes / 1024);
     else
-        printf("  %-10s %-14s %s", r->series, r->setting, end_name(r->end));
+        printf("  %-10s %-14s %s %s", r->series, r->setting, end_name(r->end), r->why);
     if (r->end == ROW_DONE && !isnan(r->accumulation))
         printf("  accumulates %.1e s off", r->accumulation);
     putchar('\n');
@@ -56,8 +57,9 @@ void report_table(const bench_case *c, int count, const row *rows) {
         printf(", %d devices", deck_devices(c->net));
     printf("; unit of steps %.3g us\n   reference: %s; its own error %.1e\n", c->unit * 1e6, c->origin,
            c->right_error);
-    printf("  %-10s %-14s %9s %10s %9s %8s %7s %8s %7s %7s %6s %8s\n", "library", "h or reltol", "error",
-           "ms in all", "creation", "steps", "events", "problems", "pivots", "factors", "maps", "kB");
+    printf("  %-10s %-14s %9s %10s %9s %8s %8s %7s %8s %7s %7s %6s %8s\n", "library", "h or reltol", "error",
+           "ms in all", "creation", "steps", "us/step", "events", "problems", "pivots", "factors", "maps",
+           "kB");
     for (int i = 0; i < count; i++)
         if (rows[i].kind == ROW_LIBRARY)
             print_library(&rows[i]);
@@ -211,7 +213,7 @@ static FILE *create(const char *folder, const bench_case *c, const char *end) {
 }
 
 static void write_csv(const bench_case *c, const char *folder, int count, const row *rows) {
-    static const char *const kinds[] = {"library", "ngspice with nonsmooth.cm", "ngspice"};
+    static const char *const kinds[] = {"library", "ngspice with nonsmooth.cm", "elsewhere"};
     FILE *f = create(folder, c, "csv");
     fprintf(f, "case,program,series,setting,end,error,seconds,creation_or_process_seconds,steps,events,"
                "problems,pivots,"
@@ -243,6 +245,26 @@ static int series_of(int count, const row *rows, int *first) {
     return found;
 }
 
+/* What elsewhere no run is both faster and more accurate than, from the most accurate on. */
+static void write_front(FILE *f, int count, const row *rows) {
+    double error = 0, time = INFINITY;
+    for (;;) {
+        const row *next = NULL;
+        for (int i = 0; i < count; i++) {
+            const row *r = &rows[i];
+            if (r->kind == ROW_RIVAL && shown(r) && r->error > error && row_time(r) < time &&
+                (!next || r->error < next->error ||
+                 (r->error <= next->error && row_time(r) < row_time(next))))
+                next = r;
+        }
+        if (!next)
+            return;
+        error = next->error;
+        time = row_time(next);
+        fprintf(f, "%.6e %.6e\n", error, time * 1e3);
+    }
+}
+
 /* Time in ms against error. */
 static void write_data(const bench_case *c, const char *folder, int count, const row *rows, int series,
                        const int *first) {
@@ -254,6 +276,8 @@ static void write_data(const bench_case *c, const char *folder, int count, const
                 fprintf(f, "%.6e %.6e\n", fmax(rows[i].error, 1e-16), fmax(row_time(&rows[i]), 1e-6) * 1e3);
         fprintf(f, "\n\n");
     }
+    fprintf(f, "# best elsewhere\n");
+    write_front(f, count, rows);
     fclose(f);
 }
 
@@ -271,18 +295,25 @@ static void write_script(const bench_case *c, const char *folder, const row *row
     static const char *const cold[] = {"#1f4e9c", "#3f8fd8", "#0b7a75", "#7a1fa2", "#00a000", "#000000"};
     static const char *const warm[] = {"#b30000", "#ff6f59", "#e6a000", "#ffd24d",
                                        "#8c564b", "#c49c94", "#7f7f7f", "#c7c7c7"};
-    int rivals = 0, ours = 0;
+    static const char *const grey[] = {"#000000", "#404040", "#606060", "#808080", "#a0a0a0", "#c0c0c0"};
+    int rivals = 0, ours = 0, greys = 0;
     for (int k = 0; k < series; k++) {
         const row *r = &rows[first[k]];
         const int rival = r->kind == ROW_RIVAL;
-        fprintf(f, "'%s/%s.dat' index %d with %s lc rgb '%s' pt %d ps %s lw 2 title '%s%s%s'%s\n", folder,
-                c->name, k, rival ? "points" : "linespoints", rival ? warm[rivals % 8] : cold[ours % 6],
-                rival ? 1 + rivals % 4 : 5 + 2 * (ours % 5), rival ? "1.5" : "1.6",
-                rival && !r->direct ? "ngspice, " : "", r->series, r->kind == ROW_OURS ? " in ngspice" : "",
-                k + 1 < series ? ", \\" : "");
+        const char *colour = r->direct ? grey[greys % 6] : rival ? warm[rivals % 8] : cold[ours % 6];
+        fprintf(f, "'%s/%s.dat' index %d with %s lc rgb '%s' pt %d ps %s lw 2 title '%s%s%s', \\\n", folder,
+                c->name, k, rival ? "points" : "linespoints", colour,
+                r->direct ? 4 + 2 * (greys % 3)
+                : rival   ? 1 + rivals % 3
+                          : 5 + 2 * (ours % 5),
+                rival ? "1.4" : "1.6", rival && !r->direct ? "ngspice, " : "", r->series,
+                r->kind == ROW_OURS ? " in ngspice" : "");
+        greys += r->direct;
         rivals += rival;
         ours += !rival;
     }
+    fprintf(f, "'%s/%s.dat' index %d with lines lc rgb '#b0b0b0' dt 2 lw 2 title 'best elsewhere'\n", folder,
+            c->name, series);
     fclose(f);
 }
 

@@ -14,6 +14,7 @@ typedef struct row {
     row_kind kind;
     char series[40], setting[40]; /* engine or models; what is swept */
     row_end end;
+    char why[80];         /* the library ended */
     int rounds, direct;   /* direct: times[] are measured in the program itself, as the library's */
     double time[ROUNDS];  /* s of CPU: creation and run of the library; ngspice's without start and reading */
     double other[ROUNDS]; /* of that, creation; ngspice's whole process */

@@ -17,6 +17,15 @@ static FILE *open_in(const char *folder, const char *name, const char *mode) {
     return fopen(path, mode);
 }
 
+static FILE *write_in(const char *folder, const char *name) {
+    FILE *f = open_in(folder, name, "w");
+    if (!f) {
+        perror(name);
+        exit(1);
+    }
+    return f;
+}
+
 /* A source with a corner at each time that is compared, so that ngspice has a point there. */
 static void write_marks(const bench_case *c, FILE *f) {
     fprintf(f, "vmark mark 0 pwl(0 0");
@@ -45,9 +54,7 @@ static void write_netlist(const bench_case *c, const rival_setting *s, int idle,
 
 static void write_inputs(const bench_case *c, const rival_setting *s, int idle, const char *folder,
                          const char *cm) {
-    FILE *f = open_in(folder, "case.cir", "w"), *init = open_in(folder, ".spiceinit", "w");
-    if (!f || !init)
-        must(NS_E_NAME);
+    FILE *f = write_in(folder, "case.cir"), *init = write_in(folder, ".spiceinit");
     write_netlist(c, s, idle, f);
     if (s->models.diode == DECK_IDEAL)
         fprintf(init, "codemodel '%s'\n", cm);
@@ -55,9 +62,7 @@ static void write_inputs(const bench_case *c, const rival_setting *s, int idle, 
         fprintf(init, "set xtrtol=7\n");
     fclose(f);
     fclose(init);
-    f = open_in(folder, "out.raw", "w"); /* nothing of a run before */
-    if (f)
-        fclose(f);
+    fclose(write_in(folder, "out.raw")); /* nothing of a run before */
 }
 
 static void become_ngspice(const char *folder, double limit) {

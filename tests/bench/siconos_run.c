@@ -54,8 +54,10 @@ void siconos_run(const bench_case *c, const siconos_setting *s, const char *prog
         become(c, s, program, limit, ends[1]);
     close(ends[1]);
     FILE *f = fdopen(ends[0], "r");
-    if (child < 0 || !f)
-        must(NS_E_MEMORY);
+    if (child < 0 || !f) {
+        perror(program);
+        exit(1);
+    }
     read_line(c, f, r);
     fclose(f);
     (void)waitpid(child, &status, 0);
