@@ -18,10 +18,17 @@ extern "C" {
 
 typedef struct ns_march ns_march;
 
+/* What goes the way between events. */
+typedef enum ns_method {
+    NS_THETA, /* steps of the scheme */
+    NS_FLIGHT /* exact ones; the scheme where events crowd */
+} ns_method;
+
 typedef struct ns_march_options {
     double theta, gamma; /* theta in [0,1], gamma in (0,1] */
-    double h;            /* longest step, s, > 0 */
+    double h;            /* longest step of the scheme, s, > 0 */
     size_t map_bytes;    /* as in ns_theta_options */
+    ns_method method;
 } ns_march_options;
 
 /* Makes a marcher for s, which must outlive it and not change.  On failure *out is NULL and fault (may

@@ -1,5 +1,5 @@
 /* src/engine/march.c - the marcher: made, asked, accepted, read. */
-#include "marcher.h"
+#include "flight.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -47,6 +47,8 @@ int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **ou
     int status = ns_theta_create(s, &options, &m->step, fault);
     if (status == NS_OK)
         status = allocate(m);
+    if (status == NS_OK && o->method == NS_FLIGHT)
+        status = ns_flight_create(m, &m->flight);
     if (status != NS_OK) {
         ns_march_free(m);
         return status;
@@ -58,6 +60,7 @@ int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **ou
 void ns_march_free(ns_march *m) {
     if (!m)
         return;
+    ns_flight_free(m->flight);
     ns_theta_free(m->step);
     ns_jump_free(&m->jump);
     free(m->past);
@@ -105,17 +108,29 @@ static void look_at_corner(ns_march *m) {
     m->live.at_event = m->live.jump = 1;
 }
 
+static int flying(const ns_march *m) {
+    return m->flight && !ns_flight_grounded(m->flight);
+}
+
 static int go_to(ns_march *m, double t, ns_until until) {
     int status = NS_OK;
     m->limit = fmin(t, ns_march_next_corner(m));
-    if (m->live.at_event && until == NS_TO_EVENT)
-        return ns_event_resolve(m);
     /* bounds the tries: each event takes some 2 x 24 to be located, NS_CROWD of them fit into one h */
     m->budget = 4000 + (long)fmin(1e12, 4000 * (t - m->live.t) / m->h);
+    const int from_event = m->live.at_event && until == NS_TO_EVENT;
     while (status == NS_OK && m->live.t < t) {
+        if (flying(m)) {
+            status = ns_flight_go(m->flight, t, until);
+            if (until == NS_TO_EVENT && flying(m) && (from_event || m->live.at_event))
+                return status;
+            continue;
+        }
         if (m->live.at_event) {
             m->limit = fmin(t, ns_march_next_corner(m));
             status = ns_event_resolve(m);
+            m->live.since = m->live.t;
+            if (from_event)
+                return status;
             continue;
         }
         const double corner = ns_march_next_corner(m);

@@ -27,6 +27,7 @@ typedef struct ns_whereabouts {
     int jump;       /* that event is a jump of an input */
     double crowd_t; /* since when events are counted, */
     int crowd;      /* and how many there were */
+    double since;   /* the last discontinuity that flight.c came to */
 } ns_whereabouts;
 
 /* What short steps began from and came to, and where it would have been at once. */
@@ -44,6 +45,7 @@ typedef struct ns_jump {
 struct ns_march {
     const ns_system *s;
     ns_theta *step;
+    struct ns_flight *flight; /* NULL: all steps are the scheme's */
     double h;
     ns_whereabouts live, kept;       /* of the trial; of the accepted point */
     double *past;                    /* the stepper's, at the accepted point */

@@ -266,6 +266,18 @@ int ns_finite(size_t n, const double *x) {
     return s[0] + s[1] + s[2] + s[3] == 0.0;
 }
 
+int ns_eigenvalues(int n, double *a, double *re, double *im) {
+    double none = 0;
+    if (n == 0)
+        return NS_OK;
+    if (!ns_finite((size_t)n * (size_t)n, a))
+        return NS_E_NUMBER;
+    const lapack_int info = LAPACKE_dgeev(LAPACK_COL_MAJOR, 'N', 'N', n, a, n, re, im, &none, 1, &none, 1);
+    if (info == LAPACK_WORK_MEMORY_ERROR)
+        return NS_E_MEMORY;
+    return info == 0 ? NS_OK : NS_E_NUMBER;
+}
+
 void ns_exchange(int p, int q, double *T, int row, int col, double cancelled) {
     double *e = T + (size_t)col * (size_t)p;
     const double pivot = e[row];

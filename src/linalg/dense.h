@@ -47,6 +47,10 @@ void ns_copy(size_t n, const double *x, double *y);
 /* 1 if no entry of x (n) is NaN or infinite. */
 int ns_finite(size_t n, const double *x);
 
+/* The eigenvalues of a (n*n, overwritten): re, im (n each).  Errors: MEMORY, NUMBER (NaN inside, or no
+ * convergence). */
+int ns_eigenvalues(int n, double *a, double *re, double *im);
+
 /* y = T x, p*q with leading dimension p, solved for x_col in its row: the table after y_row and x_col have
  * changed places.  A sum within cancelled of its first term becomes 0. */
 void ns_exchange(int p, int q, double *T, int row, int col, double cancelled);

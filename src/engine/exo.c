@@ -1,0 +1,210 @@
+/* src/engine/exo.c - the inputs as states of their own. */
+#include "exo.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+static const double two_pi = 6.283185307179586476925286766559;
+
+int ns_exo_enters(const ns_system *s, int k) {
+    for (int i = 0; i < s->n; i++)
+        if (s->E[i + k * s->n] != 0)
+            return 1;
+    for (int j = 0; j < s->m; j++)
+        if (s->F[j + k * s->m] != 0)
+            return 1;
+    for (int c = 0; c < s->nc; c++)
+        if (s->command[c].gx && s->command[c].gz && s->command[c].gz[k] != 0)
+            return 1;
+    return 0;
+}
+
+/* Adds a state, or finds the one that is there; z_k gets `by` of it. */
+static int state_of(ns_exo *e, const ns_exo_state *want) {
+    for (int i = 0; i < e->nv; i++) {
+        const ns_exo_state *is = &e->state[i];
+        if (is->kind == want->kind && is->input == want->input && is->decay == want->decay &&
+            is->omega == want->omega && is->from == want->from)
+            return i;
+    }
+    e->state[e->nv] = *want;
+    return e->nv++;
+}
+
+static void add(ns_exo *e, int k, ns_exo_state want, double by) {
+    e->Z[k + e->s->nz * state_of(e, &want)] += by;
+}
+
+static int has_ramps(const ns_signal *z) {
+    if (z->kind == NS_PULSE)
+        return z->u.pulse.v1 != z->u.pulse.v2 && (z->u.pulse.tr > 0 || z->u.pulse.tf > 0);
+    for (int i = 1; i < z->u.pwl.n; i++)
+        if (z->u.pwl.t[i] > z->u.pwl.t[i - 1] && z->u.pwl.v[i] != z->u.pwl.v[i - 1])
+            return 1;
+    return 0;
+}
+
+/* vo + va (sin(phi) c + cos(phi) s); before td the value that stands is a state of its own. */
+static void add_sine(ns_exo *e, int k) {
+    const ns_signal *z = &e->s->z[k];
+    const double phi = z->u.sin.phase * two_pi / 360, td = z->u.sin.td;
+    ns_exo_state pair = {NS_EXO_COS, -1, z->u.sin.theta, two_pi * z->u.sin.freq, td};
+    add(e, k, (ns_exo_state){.kind = NS_EXO_ONE}, z->u.sin.vo);
+    add(e, k, pair, z->u.sin.va * sin(phi));
+    pair.kind = NS_EXO_SIN;
+    add(e, k, pair, z->u.sin.va * cos(phi));
+    if (td > 0)
+        add(e, k, (ns_exo_state){.kind = NS_EXO_VALUE, .input = k}, 1);
+    else
+        e->from = fmax(e->from, td);
+}
+
+static void add_exponential(ns_exo *e, int k) {
+    const ns_signal *z = &e->s->z[k];
+    const double rise = z->u.exp.v2 - z->u.exp.v1;
+    add(e, k, (ns_exo_state){.kind = NS_EXO_ONE}, z->u.exp.v1);
+    add(e, k, (ns_exo_state){.kind = NS_EXO_VALUE, .input = k}, 1);
+    add(e, k, (ns_exo_state){NS_EXO_DECAY, -1, 1 / z->u.exp.tau1, 0, z->u.exp.td1}, -rise);
+    add(e, k, (ns_exo_state){NS_EXO_DECAY, -1, 1 / z->u.exp.tau2, 0, z->u.exp.td2}, rise);
+}
+
+static void add_input(ns_exo *e, int k) {
+    const ns_signal *z = &e->s->z[k];
+    if (z->kind == NS_DC) {
+        add(e, k, (ns_exo_state){.kind = NS_EXO_ONE}, z->u.dc);
+    } else if (z->kind == NS_SIN) {
+        add_sine(e, k);
+    } else if (z->kind == NS_EXP) {
+        add_exponential(e, k);
+    } else {
+        add(e, k, (ns_exo_state){.kind = NS_EXO_VALUE, .input = k}, 1);
+        if (has_ramps(z)) /* right behind its value */
+            add(e, k, (ns_exo_state){.kind = NS_EXO_SLOPE, .input = k}, 0);
+    }
+}
+
+int ns_exo_create(const ns_system *s, ns_exo **out) {
+    ns_exo *e = calloc(1, sizeof *e);
+    const size_t nz = (size_t)s->nz, most = 4 * nz + 1;
+    *out = NULL;
+    if (!e)
+        return NS_E_MEMORY;
+    e->s = s;
+    e->from = -INFINITY;
+    e->state = calloc(most, sizeof *e->state);
+    e->Z = calloc(nz * most + 1, sizeof *e->Z);
+    if (!e->state || !e->Z) {
+        ns_exo_free(e);
+        return NS_E_MEMORY;
+    }
+    e->nv = 1; /* ONE */
+    for (int k = 0; k < s->nz; k++)
+        if (ns_exo_enters(s, k))
+            add_input(e, k);
+    *out = e;
+    return NS_OK;
+}
+
+void ns_exo_free(ns_exo *e) {
+    if (!e)
+        return;
+    free(e->state);
+    free(e->Z);
+    free(e);
+}
+
+double ns_exo_next_corner(const ns_exo *e, double t) {
+    double corner = INFINITY;
+    for (int k = 0; k < e->s->nz; k++)
+        if (ns_exo_enters(e->s, k))
+            corner = fmin(corner, ns_signal_next_corner(&e->s->z[k], t));
+    return corner;
+}
+
+/* t is at or beyond `from`, but for what a corner loses in rounding. */
+static int begun(double t, double from) {
+    return t - from >= -8 * DBL_EPSILON * fmax(fabs(t), fabs(from));
+}
+
+static double value_at(const ns_signal *z, double t) {
+    if (z->kind == NS_SIN)
+        return begun(t, z->u.sin.td) ? 0 : z->u.sin.va * sin(z->u.sin.phase * two_pi / 360);
+    if (z->kind == NS_EXP)
+        return (z->u.exp.v2 - z->u.exp.v1) * (begun(t, z->u.exp.td1) - begun(t, z->u.exp.td2));
+    return ns_signal_value(z, t, NS_RIGHT);
+}
+
+static double slope_at(const ns_signal *z, double t) {
+    const double corner = ns_signal_next_corner(z, t);
+    if (isinf(corner))
+        return 0;
+    return (ns_signal_value(z, corner, NS_LEFT) - ns_signal_value(z, t, NS_RIGHT)) / (corner - t);
+}
+
+static double state_at(const ns_exo *e, const ns_exo_state *is, double t) {
+    if (is->kind == NS_EXO_ONE)
+        return 1;
+    if (is->kind == NS_EXO_VALUE)
+        return value_at(&e->s->z[is->input], t);
+    if (is->kind == NS_EXO_SLOPE)
+        return slope_at(&e->s->z[is->input], t);
+    if (!begun(t, is->from))
+        return 0;
+    const double phase = is->omega * (t - is->from), size = is->decay == 0 ? 1 : exp(-is->decay * (t - is->from));
+    return is->kind == NS_EXO_DECAY ? size : size * (is->kind == NS_EXO_COS ? cos(phase) : sin(phase));
+}
+
+void ns_exo_at(const ns_exo *e, double t, double *v) {
+    for (int i = 0; i < e->nv; i++)
+        v[i] = state_at(e, &e->state[i], t);
+}
+
+/* (c, s) times the number re + i im. */
+static void turn(double re, double im, double *v) {
+    const double c = v[0], s = v[1];
+    v[0] = re * c - im * s;
+    v[1] = re * s + im * c;
+}
+
+void ns_exo_stage(const ns_exo *e, double g, double *v) {
+    for (int i = 0; i < e->nv; i++) {
+        const ns_exo_state *is = &e->state[i];
+        const double re = 1 + g * is->decay, im = g * is->omega;
+        if (is->kind == NS_EXO_SLOPE)
+            v[i - 1] += g * v[i];
+        else if (is->kind == NS_EXO_DECAY)
+            v[i] /= re;
+        else if (is->kind == NS_EXO_COS)
+            turn(re / (re * re + im * im), im / (re * re + im * im), v + i);
+    }
+}
+
+void ns_exo_advance(const ns_exo *e, double h, double *v) {
+    for (int i = 0; i < e->nv; i++) {
+        const ns_exo_state *is = &e->state[i];
+        const double size = is->decay == 0 ? 1 : exp(-is->decay * h);
+        if (is->kind == NS_EXO_SLOPE)
+            v[i - 1] += h * v[i];
+        else if (is->kind == NS_EXO_DECAY)
+            v[i] *= size;
+        else if (is->kind == NS_EXO_COS)
+            turn(size * cos(is->omega * h), size * sin(is->omega * h), v + i);
+    }
+}
+
+double ns_exo_slope(const ns_exo *e, int i, const double *v) {
+    const ns_exo_state *is = &e->state[i];
+    switch (is->kind) {
+    case NS_EXO_VALUE:
+        return i + 1 < e->nv && e->state[i + 1].kind == NS_EXO_SLOPE ? v[i + 1] : 0;
+    case NS_EXO_DECAY:
+        return -is->decay * v[i];
+    case NS_EXO_COS:
+        return -is->decay * v[i] - is->omega * v[i + 1];
+    case NS_EXO_SIN:
+        return -is->decay * v[i] + is->omega * v[i - 1];
+    default:
+        return 0;
+    }
+}

@@ -1,0 +1,120 @@
+/* src/engine/flight.h - the flight engine from inside: exact between events, by kept matrices.
+ *
+ *   flight_mode.c  modes met, their levels, kept       leg.c    steps inside a mode, as matrices
+ *   watch.c        where a guard first breaks          turn.c   from one mode to the next
+ *   flight.c       the way from event to event
+ */
+#ifndef NS_FLIGHT_H
+#define NS_FLIGHT_H
+
+#include "marcher.h"
+#include "stage.h"
+
+/* Samples of the guards in a leg, its longest length with guards and without, in h 2^k; legs of recurring lengths
+ * that a level keeps; levels of a mode; modes that follow one. */
+enum { NS_SAMPLES = 8, NS_GUARDED = 5, NS_UNGUARDED = 40, NS_KEPT = 16, NS_LEVELS = 4, NS_FOLLOWERS = 8 };
+
+/* A step of one length inside a mode: P takes X to w, `advance` takes v to v, `sample` gives the guards at
+ * 0, h/samples, ..., h. */
+typedef struct ns_leg {
+    double h;
+    int samples;
+    double *P;       /* r*q */
+    double *advance; /* nv*nv */
+    double *sample;  /* ((samples+1) rows)*q */
+    size_t bytes;
+} ns_leg;
+
+/* A length that was asked for; its leg is made when it is asked for again. */
+typedef struct ns_kept {
+    double h;
+    ns_leg *leg;
+    long used;
+} ns_kept;
+
+/* What is slow enough for the steps of one stage; good from `from` seconds after a discontinuity on. */
+typedef struct ns_level {
+    ns_stage *stage;
+    double from;
+    ns_leg *rung[NS_UNGUARDED + 1]; /* h 2^k */
+    ns_kept kept[NS_KEPT];
+} ns_level;
+
+typedef struct ns_flight ns_flight;
+typedef struct ns_flight_mode ns_flight_mode;
+struct ns_flight_mode {
+    ns_mode *mode; /* m */
+    int levels;    /* the first resolves what is fastest */
+    ns_level level[NS_LEVELS];
+    ns_flight_mode *follower[NS_FOLLOWERS]; /* most recent first */
+    ns_flight_mode *chain;
+};
+
+enum { NS_FLIGHT_BUCKETS = 256 };
+
+struct ns_flight {
+    ns_march *m;
+    ns_theta *s;
+    ns_exo *exo;
+    ns_flight_mode *bucket[NS_FLIGHT_BUCKETS];
+    size_t bytes, limit;
+    long clock;
+    /* where it is */
+    ns_flight_mode *at;
+    double t, since;   /* since: the last discontinuity */
+    double grounded;   /* not before this time again */
+    double event_t;    /* the last event, */
+    int crowd;         /* and how many in a row came at once after another */
+    double *X;       /* q: w, v */
+    double *most;    /* r: the largest |w| so far */
+    /* work */
+    double *next, *left; /* q */
+    double *series;  /* 8 r */
+    double *coef;    /* 8 (2 m + nc) */
+    double *guards;  /* (NS_SAMPLES+1) (2 m + nc) */
+    double *value, *rate, *noise; /* 2 m + nc */
+    double *slope;   /* nz */
+    ns_mode *want;   /* m */
+    ns_impulse to;   /* its arrays follow in one block */
+    double *block;
+};
+
+/* flight_mode.c: the record of a mode (s->l, s->u must be those of its commands), found or built.  Errors:
+ * SINGULAR, MEMORY, NUMBER. */
+int ns_flight_find(ns_flight *f, const ns_mode *mode, ns_flight_mode **out);
+void ns_flight_forget(ns_flight *f);
+/* The level to fly on, and (in *until) for how long after the discontinuity. */
+ns_level *ns_flight_level(const ns_flight *f, double *until);
+
+/* leg.c: the leg of h 2^k; the leg of a length that recurs, NULL (and OK) if it does not seem to.  Errors:
+ * MEMORY. */
+int ns_leg_rung(ns_flight *f, ns_level *level, int k, ns_leg **out);
+int ns_leg_recurring(ns_flight *f, ns_level *level, double h, ns_leg **out);
+void ns_leg_free(ns_leg *leg);
+/* X moves on by tau, unwatched.  Errors: MEMORY. */
+int ns_leg_advance(ns_flight *f, ns_level *level, double tau);
+/* X moves on by a leg. */
+void ns_leg_take(ns_flight *f, const ns_level *level, const ns_leg *leg);
+
+/* watch.c: the first interval between samples of a leg from X in which a guard may break, -1: none. */
+int ns_watch_leg(ns_flight *f, const ns_level *level, const ns_leg *leg);
+/* Whether a guard breaks within tau <= h from X: 1, and *when; else 0.  Leaves series and coef. */
+int ns_watch_near(ns_flight *f, const ns_level *level, double tau, double *when);
+/* What guard g may be off by at X. */
+double ns_watch_noise(const ns_flight *f, const ns_stage *stage, int g);
+
+/* turn.c: the mode from here on, where a guard broke (natural), or commands in m->flip (nc) changed and inputs
+ * jumped or turned; X moves if the state jumps.  m->flip is cleared.  OK, GUARD: found none, nothing is changed;
+ * MEMORY. */
+int ns_turn(ns_flight *f, int natural);
+
+/* flight.c: made, freed (NULL is allowed).  Errors: MEMORY. */
+int ns_flight_create(ns_march *m, ns_flight **out);
+void ns_flight_free(ns_flight *f);
+/* From the accepted point of m->step at m->live on to t, or to the first event, as far as it can: it stops before
+ * what it cannot resolve, and stays on the ground for a while.  Errors: MEMORY. */
+int ns_flight_go(ns_flight *f, double t, ns_until until);
+/* 1 if it has nothing to say at m->live. */
+int ns_flight_grounded(const ns_flight *f);
+
+#endif

@@ -1,0 +1,162 @@
+/* src/engine/flight_mode.c - modes that were met, each with its levels: stages as short as its rates ask for.
+ *
+ * After a discontinuity what is fast must be resolved until it has died out; from then on what is slower sets
+ * the pace.  What dies out within a millionth of the marcher's h is taken for instantaneous.
+ */
+#include "flight.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A rate a is over after DEAD/a: exp(-DEAD) is rounding.  Levels are apart by this factor at least. */
+static const double DEAD = 40, APART = 16;
+
+static unsigned hash_of(const ns_mode *mode, int m) {
+    unsigned hash = 2166136261u; /* FNV-1a */
+    for (int j = 0; j < m; j++)
+        hash = (hash ^ (unsigned)(mode[j] + 1)) * 16777619u;
+    return (hash ^ (hash >> 16)) % NS_FLIGHT_BUCKETS;
+}
+
+static void free_level(ns_level *level) {
+    ns_stage_free(level->stage);
+    for (int k = 0; k <= NS_UNGUARDED; k++)
+        ns_leg_free(level->rung[k]);
+    for (int k = 0; k < NS_KEPT; k++)
+        ns_leg_free(level->kept[k].leg);
+}
+
+static void free_mode(ns_flight_mode *k) {
+    for (int i = 0; i < k->levels; i++)
+        free_level(&k->level[i]);
+    free(k->mode);
+    free(k);
+}
+
+void ns_flight_forget(ns_flight *f) {
+    for (int b = 0; b < NS_FLIGHT_BUCKETS; b++) {
+        for (ns_flight_mode *k = f->bucket[b], *next; k; k = next) {
+            next = k->chain;
+            free_mode(k);
+        }
+        f->bucket[b] = NULL;
+    }
+    f->bytes = 0;
+    f->at = NULL;
+}
+
+typedef struct ns_rate {
+    double size, dies; /* |rate|; seconds until it is over, INFINITY: never */
+} ns_rate;
+
+static int by_size(const void *a, const void *b) {
+    const double x = ((const ns_rate *)a)->size, y = ((const ns_rate *)b)->size;
+    return (x < y) - (x > y);
+}
+
+/* The rates that matter, the largest first; how many. */
+static int list_rates(const ns_flight *f, const ns_stage *stage, ns_rate *rate, double *room, int *status) {
+    double *re = room, *im = room + stage->r;
+    const double instant = ldexp(f->m->h, -NS_EVENT_RUNG);
+    int count = 0;
+    *status = ns_stage_rates(stage, re, im);
+    for (int i = 0; i < stage->r && *status == NS_OK; i++) {
+        const double dies = re[i] < 0 ? DEAD / -re[i] : INFINITY;
+        if (dies > instant && isfinite(re[i]))
+            rate[count++] = (ns_rate){hypot(re[i], im[i]), dies};
+    }
+    for (int i = 0; i < f->exo->nv; i++) {
+        const ns_exo_state *is = &f->exo->state[i];
+        const double dies = is->decay > 0 ? DEAD / is->decay : INFINITY;
+        if ((is->kind == NS_EXO_DECAY || is->kind == NS_EXO_COS) && dies > instant)
+            rate[count++] = (ns_rate){hypot(is->decay, is->omega), dies};
+    }
+    qsort(rate, (size_t)count, sizeof *rate, by_size);
+    return count;
+}
+
+/* h of a stage for this rate: a power of two of the marcher's h, which other levels and modes then share. */
+static double length_for(const ns_flight *f, double rate) {
+    const double longest = 256 * f->m->h;
+    if (!(rate > 0) || NS_REACH / rate >= longest)
+        return longest;
+    return ldexp(f->m->h, (int)floor(log2(NS_REACH / rate / f->m->h)));
+}
+
+static int add_level(ns_flight *f, ns_flight_mode *k, double h, double from) {
+    ns_level *level = &k->level[k->levels];
+    const int status = ns_stage_build(f->s, f->exo, h / NS_POLE, k->mode, &level->stage);
+    if (status != NS_OK)
+        return status;
+    level->from = from;
+    f->bytes += level->stage->bytes;
+    k->levels++;
+    return NS_OK;
+}
+
+static int add_levels(ns_flight *f, ns_flight_mode *k, const ns_rate *rate, int count) {
+    double from = 0;
+    int i = 0, status = NS_OK;
+    while (status == NS_OK && k->levels < NS_LEVELS) {
+        const double size = i < count ? rate[i].size : 0;
+        status = add_level(f, k, length_for(f, size), from);
+        while (i < count && rate[i].size * APART > size) { /* these die out together */
+            from = fmax(from, rate[i].dies);
+            i++;
+        }
+        if (isinf(from) || size == 0)
+            break;
+    }
+    return status;
+}
+
+static int build(ns_flight *f, ns_flight_mode *k) {
+    const int r = f->s->r, all = r + f->exo->nv;
+    double *room = malloc(sizeof *room * (2 * (size_t)r + 1));
+    ns_rate *rate = malloc(sizeof *rate * ((size_t)all + 1));
+    ns_stage *probe = NULL;
+    int status = room && rate ? ns_stage_build(f->s, f->exo, f->m->h / NS_POLE, k->mode, &probe) : NS_E_MEMORY;
+    const int count = status == NS_OK ? list_rates(f, probe, rate, room, &status) : 0;
+    if (status == NS_OK)
+        status = add_levels(f, k, rate, count);
+    ns_stage_free(probe);
+    free(room);
+    free(rate);
+    return status;
+}
+
+int ns_flight_find(ns_flight *f, const ns_mode *mode, ns_flight_mode **out) {
+    const size_t m = (size_t)f->m->s->m;
+    ns_flight_mode **head = &f->bucket[hash_of(mode, f->m->s->m)], *k = *head;
+    while (k && memcmp(k->mode, mode, m) != 0)
+        k = k->chain;
+    *out = k;
+    if (k)
+        return NS_OK;
+    k = calloc(1, sizeof *k);
+    if (!k || !(k->mode = malloc(m + 1))) {
+        free(k);
+        return NS_E_MEMORY;
+    }
+    memcpy(k->mode, mode, m);
+    const int status = build(f, k);
+    if (status != NS_OK) {
+        free_mode(k);
+        return status;
+    }
+    k->chain = *head;
+    *head = *out = k;
+    f->bytes += sizeof *k + m;
+    return NS_OK;
+}
+
+ns_level *ns_flight_level(const ns_flight *f, double *until) {
+    ns_flight_mode *k = f->at;
+    int i = 0;
+    while (i + 1 < k->levels && f->t - f->since >= k->level[i + 1].from)
+        i++;
+    *until = i + 1 < k->levels ? k->level[i + 1].from : INFINITY;
+    return &k->level[i];
+}

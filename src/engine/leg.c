@@ -1,0 +1,212 @@
+/* src/engine/leg.c - steps inside one mode, as matrices: made of its stage, kept while they recur. */
+#include "flight.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static ns_leg *create(const ns_stage *k, double h, int samples) {
+    const size_t q = (size_t)k->q, nv = (size_t)k->nv, r = (size_t)k->r, rows = (size_t)k->rows;
+    const size_t count = r * q + nv * nv + ((size_t)samples + 1) * rows * q;
+    const size_t bytes = sizeof(ns_leg) + count * sizeof(double);
+    ns_leg *leg = calloc(1, bytes);
+    if (!leg)
+        return NULL;
+    leg->h = h;
+    leg->samples = samples;
+    leg->P = (double *)(void *)(leg + 1);
+    leg->advance = leg->P + r * q;
+    leg->sample = leg->advance + nv * nv;
+    leg->bytes = bytes;
+    return leg;
+}
+
+void ns_leg_free(ns_leg *leg) {
+    free(leg);
+}
+
+/* So many that guards are smooth from one to the next: four stages apart at most, two pieces at least. */
+static int samples_for(const ns_stage *k, double h) {
+    return k->rows == 0 ? 0 : (int)fmin(NS_SAMPLES, fmax(2, ceil(h / (4 * k->h) - 1e-9)));
+}
+
+/* P (r*q) of any length, from rungs and the rest; advance, room: nv*nv, r*q. */
+static int matrix_of(ns_flight *f, ns_level *level, double h, double *P, double *advance, double *room) {
+    const ns_stage *k = level->stage;
+    const size_t bytes = sizeof(double) * (size_t)k->r * (size_t)k->q;
+    double count = floor(h / k->h), done = h - count * k->h;
+    if (done >= k->h || done < 0)
+        done = 0;
+    ns_stage_step(k, done, P);
+    for (int i = 0; count > 0 && i <= NS_UNGUARDED; i++, count = floor(count / 2)) {
+        ns_leg *rung;
+        if (fmod(count, 2) == 0)
+            continue;
+        const int status = ns_leg_rung(f, level, i, &rung);
+        if (status != NS_OK)
+            return status;
+        ns_exo_matrix(f->exo, done, advance);
+        ns_stage_compose(k, rung->P, P, advance, room);
+        memcpy(P, room, bytes);
+        done += rung->h;
+    }
+    ns_exo_matrix(f->exo, h, advance);
+    return NS_OK;
+}
+
+/* The guards every h/samples: S_0 = value, S_(i+1) = S_i after the step of that length. */
+static void fill_samples(const ns_stage *k, const double *P, const double *advance, ns_leg *leg) {
+    const int rows = k->rows, all = (leg->samples + 1) * rows, r = k->r;
+    for (int i = 0; i <= leg->samples; i++)
+        for (int j = 0; j < k->q; j++)
+            for (int g = 0; g < rows; g++) {
+                double sum = 0;
+                const double *from = leg->sample + (i - 1) * rows + g;
+                if (i == 0)
+                    sum = k->value[g + j * rows];
+                for (int a = 0; a < r && i > 0; a++)
+                    sum += from[(size_t)a * (size_t)all] * P[a + j * r];
+                for (int a = 0; a < k->nv && i > 0 && j >= r; a++)
+                    sum += from[(size_t)(r + a) * (size_t)all] * advance[a + (j - r) * k->nv];
+                leg->sample[(size_t)(i * rows + g) + (size_t)j * (size_t)all] = sum;
+            }
+}
+
+static int build(ns_flight *f, ns_level *level, double h, ns_leg **out) {
+    const ns_stage *k = level->stage;
+    const size_t size = (size_t)k->r * (size_t)k->q, nv = (size_t)k->nv;
+    ns_leg *leg = create(k, h, h <= ldexp(k->h, NS_GUARDED) * 1.01 ? samples_for(k, h) : 0);
+    double *room = malloc(sizeof *room * (2 * size + nv * nv + 1));
+    int status = leg && room ? NS_OK : NS_E_MEMORY;
+    if (status == NS_OK && leg->samples > 0) {
+        double *P = room + size, *advance = P + size;
+        status = matrix_of(f, level, h / leg->samples, P, advance, room);
+        if (status == NS_OK)
+            fill_samples(k, P, advance, leg);
+    }
+    if (status == NS_OK)
+        status = matrix_of(f, level, h, leg->P, leg->advance, room);
+    free(room);
+    if (status != NS_OK) {
+        ns_leg_free(leg);
+        return status;
+    }
+    f->bytes += leg->bytes;
+    f->s->counts.maps++;
+    *out = leg;
+    return NS_OK;
+}
+
+/* The rung's P by the one below, twice; the lowest is the stage's own. */
+static int build_rung(ns_flight *f, ns_level *level, int k, ns_leg **out) {
+    const ns_stage *stage = level->stage;
+    const double h = ldexp(stage->h, k);
+    const size_t size = (size_t)stage->r * (size_t)stage->q;
+    ns_leg *below = NULL, *leg = create(stage, h, k <= NS_GUARDED ? samples_for(stage, h) : 0);
+    int status = leg ? NS_OK : NS_E_MEMORY;
+    if (status == NS_OK && k > 0)
+        status = ns_leg_rung(f, level, k - 1, &below);
+    if (status == NS_OK && below)
+        ns_stage_compose(stage, below->P, below->P, below->advance, leg->P);
+    else if (status == NS_OK)
+        memcpy(leg->P, stage->step, sizeof(double) * (size_t)stage->r * (size_t)stage->q);
+    if (status == NS_OK && leg->samples > 0) {
+        const size_t nv = (size_t)stage->nv;
+        double *P = malloc(sizeof *P * (2 * size + nv * nv + 1));
+        status = P ? matrix_of(f, level, h / leg->samples, P, P + 2 * size, P + size) : NS_E_MEMORY;
+        if (status == NS_OK)
+            fill_samples(stage, P, P + 2 * size, leg);
+        free(P);
+    }
+    if (status != NS_OK) {
+        ns_leg_free(leg);
+        return status;
+    }
+    ns_exo_matrix(f->exo, h, leg->advance);
+    f->bytes += leg->bytes;
+    f->s->counts.maps++;
+    *out = leg;
+    return NS_OK;
+}
+
+int ns_leg_rung(ns_flight *f, ns_level *level, int k, ns_leg **out) {
+    const int status = level->rung[k] ? NS_OK : build_rung(f, level, k, &level->rung[k]);
+    *out = level->rung[k];
+    return status;
+}
+
+/* The place of a length; *known: it was asked for before.  If not it takes the place of the one that was not
+ * asked for for longest. */
+static ns_kept *place_of(ns_flight *f, ns_level *level, double h, int *known) {
+    const double slack = 4 * DBL_EPSILON * fabs(f->t) + 1e-15 * h;
+    ns_kept *oldest = level->kept;
+    for (int i = 0; i < NS_KEPT; i++) {
+        ns_kept *at = &level->kept[i];
+        if (fabs(at->h - h) <= slack) {
+            *known = 1;
+            return at;
+        }
+        if (at->used < oldest->used)
+            oldest = at;
+    }
+    *known = 0;
+    if (oldest->leg)
+        f->bytes -= oldest->leg->bytes;
+    ns_leg_free(oldest->leg);
+    oldest->leg = NULL;
+    oldest->h = h;
+    return oldest;
+}
+
+int ns_leg_recurring(ns_flight *f, ns_level *level, double h, ns_leg **out) {
+    int known, status = NS_OK;
+    ns_kept *at = place_of(f, level, h, &known);
+    at->used = ++f->clock;
+    if (known && !at->leg)
+        status = build(f, level, at->h, &at->leg);
+    *out = at->leg;
+    return status;
+}
+
+static void arrive(ns_flight *f, const ns_stage *k, const double *P, const double *advance) {
+    ns_matvec(k->r, k->q, P, f->X, f->next);
+    ns_matvec(k->nv, k->nv, advance, f->X + k->r, f->next + k->r);
+    double *X = f->X;
+    f->X = f->next;
+    f->next = X;
+}
+
+void ns_leg_take(ns_flight *f, const ns_level *level, const ns_leg *leg) {
+    arrive(f, level->stage, leg->P, leg->advance);
+    f->s->counts.steps++;
+}
+
+/* tau <= h, by the series. */
+static void creep(ns_flight *f, const ns_stage *k, double tau) {
+    double b[NS_ORDER + 1];
+    ns_matvec(NS_ORDER * k->r, k->q, k->series, f->X, f->series);
+    ns_laguerre_steps(tau / k->g, b);
+    for (int order = NS_ORDER; order > 0; order--)
+        for (int i = 0; i < k->r; i++)
+            f->X[i] += b[order] * f->series[(order - 1) * k->r + i]; /* (E2) */
+    ns_exo_advance(f->exo, tau, f->X + k->r);
+    f->s->counts.steps++;
+}
+
+int ns_leg_advance(ns_flight *f, ns_level *level, double tau) {
+    const ns_stage *k = level->stage;
+    double count = floor(tau / k->h), rest = tau - count * k->h;
+    for (int i = 0; count > 0; i++, count = floor(count / 2)) {
+        ns_leg *rung;
+        if (fmod(count, 2) == 0)
+            continue;
+        const int status = ns_leg_rung(f, level, i < NS_UNGUARDED ? i : NS_UNGUARDED, &rung);
+        if (status != NS_OK)
+            return status;
+        ns_leg_take(f, level, rung);
+    }
+    if (rest > 0)
+        creep(f, k, rest);
+    return NS_OK;
+}

@@ -1,0 +1,53 @@
+/* src/engine/stage.h - one mode seen through an implicit Euler step of length g: all that steps, readings and
+ * events of up to h = g/gamma inside that mode are made of (laguerre.h).
+ *
+ * X = (w (r), v (nv)) is the state: charges and fluxes, and the inputs as states (exo.h); q = r + nv.  Guards are
+ * rows that must not be negative: those of the pairs, then those of commands by the state (on - g while open,
+ * g - off while closed).
+ */
+#ifndef NS_STAGE_H
+#define NS_STAGE_H
+
+#include "exo.h"
+#include "laguerre.h"
+#include "stepper.h"
+
+/* What it means that a guard breaks. */
+typedef struct ns_guard_row {
+    int pair;    /* this pair goes */
+    ns_mode to;  /* there, */
+    int command; /* or (-1: none) this command changes */
+} ns_guard_row;
+
+typedef struct ns_stage {
+    double g, h;
+    int r, nv, q;
+    int rows, pair_rows;
+    ns_guard_row *row; /* rows */
+    double *xi;        /* (n+m)*q: x, lambda of the implicit step */
+    double *series;    /* (8 r)*q: D^1 ... D^8, the part that acts on w */
+    double *coef;      /* (8 rows)*q: the guards of the images D^0 ... D^7 */
+    double *value;     /* rows*q: the guards now, (E1) at tau = 0, */
+    double *rate;      /* rows*q: and their rates */
+    double *noise;     /* rows*q: their rounding, by input, in units of eps */
+    double *step;      /* r*q: X -> w after h */
+    size_t bytes;
+} ns_stage;
+
+/* Builds it for a mode (m) whose commanded pairs have their bounds in s.  Errors: SINGULAR, MEMORY, NUMBER. */
+int ns_stage_build(ns_theta *s, const ns_exo *e, double g, const ns_mode *mode, ns_stage **out);
+void ns_stage_free(ns_stage *stage); /* NULL is allowed */
+
+/* P (r*q): X -> w after tau <= h. */
+void ns_stage_step(const ns_stage *stage, double tau, double *P);
+
+/* P <- P2 after P1, both r*q; advance (nv*nv): exp(h1 S), h1 the time of P1.  P may be neither. */
+void ns_stage_compose(const ns_stage *stage, const double *P2, const double *P1, const double *advance, double *P);
+
+/* exp(h S), nv*nv. */
+void ns_exo_matrix(const ns_exo *e, double h, double *out);
+
+/* The rates of the mode, 1/s: re, im (r each); infinite ones are -INFINITY, 0.  Errors: MEMORY, NUMBER. */
+int ns_stage_rates(const ns_stage *stage, double *re, double *im);
+
+#endif

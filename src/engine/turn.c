@@ -1,0 +1,259 @@
+/* src/engine/turn.c - from one mode to the next, at an instant.
+ *
+ * A mode is right from here on if (J4) holds: no impulse that its pairs could not carry, and guards that are
+ * positive, or zero and about to rise.  Modes that followed before are asked first, then the one in which what
+ * broke has changed, then what (P1) says over a short step, then the impulse problem.
+ */
+#include "flight.h"
+
+#include <math.h>
+#include <string.h>
+
+/* What a charge or flux may move by without being called a jump, of the largest it ever was. */
+static const double still = 1e-12;
+/* An impulse of the wrong sign beside the largest. */
+static const double impulse_tol = 1e-9;
+
+static void product(const ns_stage *k, const double *rows, const double *X, double *out) {
+    ns_matvec(k->rows, k->q, rows, X, out);
+}
+
+/* f->next = X after the jump that the mode asks for: what its constraints leave, 1 - D^8.  1 if it is one. */
+static int jump(ns_flight *f, const ns_stage *k) {
+    const int r = k->r;
+    int moves = 0;
+    memcpy(f->next, f->X, sizeof(double) * (size_t)k->q);
+    ns_matvec(NS_ORDER * r, k->q, k->series, f->X, f->series);
+    for (int i = 0; i < r; i++) {
+        const double by = f->series[(NS_ORDER - 1) * r + i];
+        f->next[i] -= by;
+        moves |= fabs(by) > still * f->most[i];
+    }
+    return moves;
+}
+
+/* The impulses of the pairs have the signs they may have: what the stage has more than what comes after. */
+static int impulses_fit(ns_flight *f, const ns_stage *k) {
+    double most = 0;
+    ns_matvec(NS_ORDER * k->rows, k->q, k->coef, f->X, f->coef);
+    product(k, k->value, f->X, f->value);
+    for (int g = 0; g < k->pair_rows; g++) {
+        f->value[g] = f->coef[g] - f->value[g];
+        most = fmax(most, fabs(f->value[g]));
+    }
+    for (int g = 0; g < k->pair_rows; g++)
+        if (f->value[g] < -impulse_tol * most)
+            return 0;
+    return 1;
+}
+
+/* Guard g is about to break, as values and rates have it at f->next: 1; to hold: 0; 2: cannot tell. */
+static int breaks(const ns_flight *f, const ns_stage *k, int g) {
+    const double tol = ns_watch_noise(f, k, g);
+    if (fabs(f->value[g]) > tol)
+        return f->value[g] < 0;
+    if (fabs(f->rate[g]) * k->g > 8 * tol)
+        return f->rate[g] < 0;
+    return 2;
+}
+
+/* Whether the mode holds from here on; proven: where nothing can tell, it does. */
+static int holds(ns_flight *f, const ns_flight_mode *k, int proven) {
+    const ns_stage *stage = k->level[0].stage;
+    if (jump(f, stage) && !proven && !impulses_fit(f, stage))
+        return 0;
+    product(stage, stage->value, f->next, f->value);
+    product(stage, stage->rate, f->next, f->rate);
+    for (int g = 0; g < stage->pair_rows; g++) {
+        const int is = breaks(f, stage, g);
+        if (is == 1 || (is == 2 && !proven))
+            return 0;
+    }
+    return 1;
+}
+
+static void remember(ns_flight_mode *from, ns_flight_mode *to) {
+    int i = 0;
+    while (i < NS_FOLLOWERS - 1 && from->follower[i] && from->follower[i] != to)
+        i++;
+    memmove(from->follower + 1, from->follower, (size_t)i * sizeof *from->follower);
+    from->follower[0] = to;
+}
+
+/* The mode is taken. */
+static void take(ns_flight *f, ns_flight_mode *k) {
+    double *X = f->X;
+    if (f->at != k) {
+        remember(f->at, k);
+        f->s->counts.events++;
+    }
+    f->X = f->next;
+    f->next = X;
+    f->at = k;
+    memcpy(f->s->mode, k->mode, (size_t)f->m->s->m);
+    ns_theta_set_bounds(f->s);
+    for (int i = 0; i < f->s->r; i++)
+        f->most[i] = fmax(f->most[i], fabs(f->X[i]));
+}
+
+/* Commanded pairs in mode a are as they are in mode b. */
+static int same_commands(const ns_flight *f, const ns_mode *a, const ns_mode *b) {
+    for (int c = 0; c < f->m->s->nc; c++) {
+        const int j = f->m->s->command[c].pair;
+        if (a[j] != b[j])
+            return 0;
+    }
+    return 1;
+}
+
+/* f->want: the present mode with the commands in m->flip changed. */
+static void command(ns_flight *f) {
+    memcpy(f->want, f->at->mode, (size_t)f->m->s->m);
+    for (int c = 0; c < f->m->s->nc; c++) {
+        ns_mode *at = &f->want[f->m->s->command[c].pair];
+        if (f->m->flip[c])
+            *at = *at == NS_INSIDE ? NS_LOWER : NS_INSIDE;
+    }
+    memcpy(f->s->mode, f->want, (size_t)f->m->s->m);
+    ns_theta_set_bounds(f->s);
+}
+
+/* The mode in f->want, if it holds. */
+static int try_wanted(ns_flight *f, int proven) {
+    ns_flight_mode *k;
+    const int status = ns_flight_find(f, f->want, &k);
+    if (status != NS_OK)
+        return status == NS_E_MEMORY ? status : NS_GUARD;
+    if (!holds(f, k, proven))
+        return NS_GUARD;
+    take(f, k);
+    return NS_OK;
+}
+
+static int try_followers(ns_flight *f) {
+    for (int i = 0; i < NS_FOLLOWERS && f->at->follower[i]; i++) {
+        ns_flight_mode *k = f->at->follower[i];
+        if (k != f->at && same_commands(f, k->mode, f->want) && holds(f, k, 0)) {
+            take(f, k);
+            return NS_OK;
+        }
+    }
+    return NS_GUARD;
+}
+
+/* f->want: with what is about to break changed too. */
+static int flip_broken(ns_flight *f) {
+    const ns_stage *k = f->at->level[0].stage;
+    int any = 0;
+    memcpy(f->next, f->X, sizeof(double) * (size_t)k->q);
+    product(k, k->value, f->X, f->value);
+    product(k, k->rate, f->X, f->rate);
+    for (int g = 0; g < k->pair_rows; g++)
+        if (breaks(f, k, g) == 1) {
+            f->want[k->row[g].pair] = k->row[g].to;
+            any = 1;
+        }
+    return any;
+}
+
+/* Inputs at t+ and their slopes. */
+static void inputs(ns_flight *f, double *z, double *slope) {
+    const int nz = f->m->s->nz;
+    const double *v = f->X + f->s->r;
+    ns_system_inputs(f->m->s, f->t, NS_RIGHT, z);
+    for (int k = 0; k < nz; k++) {
+        slope[k] = 0;
+        for (int i = 0; i < f->exo->nv; i++)
+            slope[k] += f->exo->Z[k + i * nz] * ns_exo_slope(f->exo, i, v);
+    }
+}
+
+/* The modes that (P1) has over short steps. */
+static int propose(ns_flight *f, const double *z) {
+    static const int rungs[] = {-NS_EVENT_RUNG, -10, -30};
+    ns_theta *s = f->s;
+    for (int i = 0; i < 3; i++) {
+        memcpy(s->trial_in, f->X, sizeof(double) * (size_t)s->r);
+        ns_copy((size_t)s->s->nz, z, s->trial_in + s->r);
+        s->trial_in[s->q - 1] = 1;
+        memcpy(s->trial_mode, s->mode, (size_t)s->s->m);
+        int status = ns_problem_solve(s, ldexp(f->m->h, rungs[i]), 1, 0);
+        if (status == NS_OK) {
+            memcpy(f->want, s->trial_mode, (size_t)s->s->m);
+            status = try_wanted(f, 0);
+        }
+        if (status == NS_OK || status == NS_E_MEMORY)
+            return status;
+    }
+    return NS_GUARD;
+}
+
+/* The impulse problem proves its mode: what cannot be told of it by values and rates is so. */
+static int prove(ns_flight *f, const double *z) {
+    int jumps;
+    memcpy(f->s->w, f->X, sizeof(double) * (size_t)f->s->r);
+    const int status = ns_impulse_solve(f->s, z, f->slope, NULL, &f->to, &jumps);
+    if (status != NS_OK)
+        return status == NS_E_MEMORY ? status : NS_GUARD;
+    memcpy(f->want, f->to.mode, (size_t)f->m->s->m);
+    return try_wanted(f, 1);
+}
+
+static int turn_once(ns_flight *f, int natural) {
+    int status = NS_GUARD;
+    command(f);
+    if (!natural) /* nothing but inputs and commands may have changed */
+        status = try_wanted(f, 0);
+    if (status == NS_GUARD)
+        status = try_followers(f);
+    if (status == NS_GUARD && flip_broken(f))
+        status = try_wanted(f, 0);
+    if (status != NS_GUARD)
+        return status;
+    command(f);
+    inputs(f, f->m->z, f->slope);
+    status = propose(f, f->m->z);
+    if (status == NS_GUARD)
+        status = prove(f, f->m->z);
+    return status;
+}
+
+/* Commands by the state that are beyond their thresholds, or about to be, into m->flip; how many. */
+static int contradicted(ns_flight *f) {
+    const ns_stage *k = f->at->level[0].stage;
+    int count = 0;
+    memset(f->m->flip, 0, (size_t)f->m->s->nc);
+    if (k->rows == k->pair_rows)
+        return 0;
+    memcpy(f->next, f->X, sizeof(double) * (size_t)k->q);
+    product(k, k->value, f->X, f->value);
+    product(k, k->rate, f->X, f->rate);
+    for (int g = k->pair_rows; g < k->rows; g++)
+        if (breaks(f, k, g) == 1) {
+            f->m->flip[k->row[g].command] = 1;
+            count++;
+        }
+    return count;
+}
+
+/* A switch may make another one switch; a set of them that finds no rest is for others. */
+int ns_turn(ns_flight *f, int natural) {
+    ns_flight_mode *const was = f->at;
+    const size_t q = (size_t)(f->s->r + f->exo->nv);
+    int status = NS_OK;
+    memcpy(f->left, f->X, sizeof(double) * q);
+    for (int round = 0; round <= 2 * f->m->s->nc + 1; round++) {
+        status = turn_once(f, natural && round == 0);
+        if (status != NS_OK || !contradicted(f))
+            break;
+        status = NS_GUARD;
+    }
+    memset(f->m->flip, 0, (size_t)f->m->s->nc);
+    if (status == NS_OK)
+        return status;
+    memcpy(f->X, f->left, sizeof(double) * q);
+    f->at = was;
+    memcpy(f->s->mode, was->mode, (size_t)f->m->s->m);
+    ns_theta_set_bounds(f->s);
+    return status;
+}

@@ -1,0 +1,141 @@
+/* src/engine/watch.c - where a guard first breaks, and that none is overlooked.
+ *
+ * Guards are smooth at the distance of samples (a fifth of what the mode's fastest rate turns round in): between
+ * two of them a guard lies within an eighth of its second difference of their chord.  Twice that is asked for.
+ * What is nearer is looked at by (E1), a polynomial in time.
+ */
+#include "flight.h"
+
+#include <float.h>
+#include <math.h>
+
+/* Rounding of a guard, in eps of its terms. */
+static const double eps_of_terms = 64 * DBL_EPSILON;
+
+double ns_watch_noise(const ns_flight *f, const ns_stage *k, int g) {
+    double size = 0;
+    for (int j = 0; j < k->q; j++)
+        size += k->noise[g + j * k->rows] * (j < k->r ? f->most[j] : fabs(f->X[j]));
+    return eps_of_terms * size;
+}
+
+/* The first interval in which the guard of these samples may break. */
+static int doubt_in(const ns_flight *f, const ns_stage *k, int g, const double *s, int samples) {
+    const int ld = k->rows;
+    double bend = 0, least = s[0], tol = -1;
+    for (int i = 1; i < samples; i++) {
+        bend = fmax(bend, fabs(s[(i - 1) * ld] - 2 * s[i * ld] + s[(i + 1) * ld]));
+        least = fmin(least, s[i * ld]);
+    }
+    least = fmin(least, s[samples * ld]);
+    if (least > bend / 4)
+        return -1;
+    for (int i = 0; i < samples; i++) {
+        const double a = s[i * ld], b = s[(i + 1) * ld], low = fmin(a, b);
+        if (low > bend / 4)
+            continue;
+        if (tol < 0)
+            tol = ns_watch_noise(f, k, g);
+        const int straight = fabs(b - a) > bend || bend / 4 <= tol;
+        if (!(straight && low >= -tol))
+            return i;
+    }
+    return -1;
+}
+
+int ns_watch_leg(ns_flight *f, const ns_level *level, const ns_leg *leg) {
+    const ns_stage *k = level->stage;
+    int first = -1;
+    if (k->rows == 0)
+        return -1;
+    ns_matvec((leg->samples + 1) * k->rows, k->q, leg->sample, f->X, f->guards);
+    for (int g = 0; g < k->rows; g++) {
+        const int at = doubt_in(f, k, g, f->guards + g, leg->samples);
+        if (at >= 0 && (first < 0 || at < first))
+            first = at;
+    }
+    return first;
+}
+
+/* Guard g at tau, by (E1). */
+static double guard_at(const ns_flight *f, const ns_stage *k, int g, double tau) {
+    double c[NS_ORDER], sum = 0;
+    ns_laguerre(tau / k->g, c);
+    for (int i = NS_ORDER - 1; i >= 0; i--)
+        sum += c[i] * f->coef[i * k->rows + g];
+    return sum;
+}
+
+static double rate_at(const ns_flight *f, const ns_stage *k, int g, double tau) {
+    double c[NS_ORDER], sum = 0;
+    ns_laguerre_slopes(tau / k->g, c);
+    for (int i = NS_ORDER - 1; i > 0; i--)
+        sum += c[i] * f->coef[i * k->rows + g];
+    return sum / k->g;
+}
+
+/* Where the guard (or its rate) passes from >= 0 at a to < 0 at b: Newton, kept inside by halving. */
+static double root(const ns_flight *f, const ns_stage *k, int g, double a, double b) {
+    double tau = a + (b - a) / 2;
+    for (int i = 0; i < 100 && b - a > DBL_EPSILON * b; i++) {
+        const double value = guard_at(f, k, g, tau), rate = rate_at(f, k, g, tau);
+        if (value >= 0)
+            a = tau;
+        else
+            b = tau;
+        const double newton = tau - value / rate;
+        if (fabs(newton - tau) <= DBL_EPSILON * tau)
+            break;
+        tau = newton > a && newton < b ? newton : a + (b - a) / 2;
+    }
+    return tau;
+}
+
+/* The lowest point between a and b, where the rate passes from < 0 to >= 0. */
+static double lowest(const ns_flight *f, const ns_stage *k, int g, double a, double b) {
+    for (int i = 0; i < 50; i++) {
+        const double mid = a + (b - a) / 2;
+        *(rate_at(f, k, g, mid) < 0 ? &a : &b) = mid;
+    }
+    return b;
+}
+
+/* When guard g breaks, INFINITY: it does not. */
+static double break_of(const ns_flight *f, const ns_stage *k, int g, double tau) {
+    enum { PIECES = 4 };
+    double s[PIECES + 1], bend = 0, least = INFINITY;
+    for (int i = 0; i <= PIECES; i++) {
+        s[i] = guard_at(f, k, g, tau * i / PIECES);
+        least = fmin(least, s[i]);
+        if (i > 1)
+            bend = fmax(bend, fabs(s[i - 2] - 2 * s[i - 1] + s[i]));
+    }
+    if (least > bend / 4)
+        return INFINITY;
+    const double tol = ns_watch_noise(f, k, g);
+    if (s[0] < -tol)
+        return 0;
+    for (int i = 0; i < PIECES; i++) {
+        const double a = tau * i / PIECES, b = tau * (i + 1) / PIECES;
+        double end = b, value = s[i + 1];
+        if (value >= -tol && fmin(s[i], value) <= bend / 4 && bend / 4 > tol && rate_at(f, k, g, a) < 0 &&
+            rate_at(f, k, g, b) > 0) {
+            end = lowest(f, k, g, a, b);
+            value = guard_at(f, k, g, end);
+        }
+        if (value < -tol)
+            return s[i] >= 0 ? root(f, k, g, a, end) : a;
+    }
+    return INFINITY;
+}
+
+int ns_watch_near(ns_flight *f, const ns_level *level, double tau, double *when) {
+    const ns_stage *k = level->stage;
+    *when = INFINITY;
+    if (k->rows == 0)
+        return 0;
+    ns_matvec(NS_ORDER * k->rows, k->q, k->coef, f->X, f->coef);
+    for (int g = 0; g < k->rows; g++)
+        *when = fmin(*when, break_of(f, k, g, tau));
+    return *when < INFINITY;
+}
