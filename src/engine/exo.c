@@ -7,19 +7,6 @@
 
 static const double two_pi = 6.283185307179586476925286766559;
 
-int ns_exo_enters(const ns_system *s, int k) {
-    for (int i = 0; i < s->n; i++)
-        if (s->E[i + k * s->n] != 0)
-            return 1;
-    for (int j = 0; j < s->m; j++)
-        if (s->F[j + k * s->m] != 0)
-            return 1;
-    for (int c = 0; c < s->nc; c++)
-        if (s->command[c].gx && s->command[c].gz && s->command[c].gz[k] != 0)
-            return 1;
-    return 0;
-}
-
 /* Adds a state, or finds the one that is there; z_k gets `by` of it. */
 static int state_of(ns_exo *e, const ns_exo_state *want) {
     for (int i = 0; i < e->nv; i++) {
@@ -45,25 +32,25 @@ static int has_ramps(const ns_signal *z) {
     return 0;
 }
 
-/* vo + va (sin(phi) c + cos(phi) s); before td the value that stands is a state of its own. */
+/* The offset is a value until td, as it is another one before. */
 static void add_sine(ns_exo *e, int k) {
     const ns_signal *z = &e->s->z[k];
     const double phi = z->u.sin.phase * two_pi / 360, td = z->u.sin.td;
     ns_exo_state pair = {NS_EXO_COS, -1, z->u.sin.theta, two_pi * z->u.sin.freq, td};
-    add(e, k, (ns_exo_state){.kind = NS_EXO_ONE}, z->u.sin.vo);
     add(e, k, pair, z->u.sin.va * sin(phi));
     pair.kind = NS_EXO_SIN;
     add(e, k, pair, z->u.sin.va * cos(phi));
-    if (td > 0)
+    if (td > 0) {
         add(e, k, (ns_exo_state){.kind = NS_EXO_VALUE, .input = k}, 1);
-    else
+    } else {
+        add(e, k, (ns_exo_state){.kind = NS_EXO_ONE}, z->u.sin.vo);
         e->from = fmax(e->from, td);
+    }
 }
 
 static void add_exponential(ns_exo *e, int k) {
     const ns_signal *z = &e->s->z[k];
     const double rise = z->u.exp.v2 - z->u.exp.v1;
-    add(e, k, (ns_exo_state){.kind = NS_EXO_ONE}, z->u.exp.v1);
     add(e, k, (ns_exo_state){.kind = NS_EXO_VALUE, .input = k}, 1);
     add(e, k, (ns_exo_state){NS_EXO_DECAY, -1, 1 / z->u.exp.tau1, 0, z->u.exp.td1}, -rise);
     add(e, k, (ns_exo_state){NS_EXO_DECAY, -1, 1 / z->u.exp.tau2, 0, z->u.exp.td2}, rise);
@@ -84,7 +71,27 @@ static void add_input(ns_exo *e, int k) {
     }
 }
 
-int ns_exo_create(const ns_system *s, ns_exo **out) {
+static int drives(const ns_system *s, int k) {
+    for (int i = 0; i < s->n; i++)
+        if (s->E[i + k * s->n] != 0)
+            return 1;
+    for (int j = 0; j < s->m; j++)
+        if (s->F[j + k * s->m] != 0)
+            return 1;
+    return 0;
+}
+
+static void list_mutes(ns_exo *e, int entering, const int *input) {
+    for (int k = 0; k < e->s->nz; k++) {
+        int enters = 0;
+        for (int i = 0; i < entering; i++)
+            enters |= input[i] == k;
+        if (!enters && drives(e->s, k))
+            e->mute[e->mutes++] = k;
+    }
+}
+
+int ns_exo_create(const ns_system *s, int entering, const int *input, ns_exo **out) {
     ns_exo *e = calloc(1, sizeof *e);
     const size_t nz = (size_t)s->nz, most = 4 * nz + 1;
     *out = NULL;
@@ -94,14 +101,15 @@ int ns_exo_create(const ns_system *s, ns_exo **out) {
     e->from = -INFINITY;
     e->state = calloc(most, sizeof *e->state);
     e->Z = calloc(nz * most + 1, sizeof *e->Z);
-    if (!e->state || !e->Z) {
+    e->mute = calloc(nz + 1, sizeof *e->mute);
+    if (!e->state || !e->Z || !e->mute) {
         ns_exo_free(e);
         return NS_E_MEMORY;
     }
     e->nv = 1; /* ONE */
-    for (int k = 0; k < s->nz; k++)
-        if (ns_exo_enters(s, k))
-            add_input(e, k);
+    for (int i = 0; i < entering; i++)
+        add_input(e, input[i]);
+    list_mutes(e, entering, input);
     *out = e;
     return NS_OK;
 }
@@ -109,17 +117,10 @@ int ns_exo_create(const ns_system *s, ns_exo **out) {
 void ns_exo_free(ns_exo *e) {
     if (!e)
         return;
+    free(e->mute);
     free(e->state);
     free(e->Z);
     free(e);
-}
-
-double ns_exo_next_corner(const ns_exo *e, double t) {
-    double corner = INFINITY;
-    for (int k = 0; k < e->s->nz; k++)
-        if (ns_exo_enters(e->s, k))
-            corner = fmin(corner, ns_signal_next_corner(&e->s->z[k], t));
-    return corner;
 }
 
 /* t is at or beyond `from`, but for what a corner loses in rounding. */
@@ -127,37 +128,21 @@ static int begun(double t, double from) {
     return t - from >= -8 * DBL_EPSILON * fmax(fabs(t), fabs(from));
 }
 
-static double value_at(const ns_signal *z, double t) {
-    if (z->kind == NS_SIN)
-        return begun(t, z->u.sin.td) ? 0 : z->u.sin.va * sin(z->u.sin.phase * two_pi / 360);
-    if (z->kind == NS_EXP)
-        return (z->u.exp.v2 - z->u.exp.v1) * (begun(t, z->u.exp.td1) - begun(t, z->u.exp.td2));
-    return ns_signal_value(z, t, NS_RIGHT);
-}
-
-static double slope_at(const ns_signal *z, double t) {
-    const double corner = ns_signal_next_corner(z, t);
-    if (isinf(corner))
-        return 0;
-    return (ns_signal_value(z, corner, NS_LEFT) - ns_signal_value(z, t, NS_RIGHT)) / (corner - t);
-}
-
-static double state_at(const ns_exo *e, const ns_exo_state *is, double t) {
-    if (is->kind == NS_EXO_ONE)
-        return 1;
-    if (is->kind == NS_EXO_VALUE)
-        return value_at(&e->s->z[is->input], t);
-    if (is->kind == NS_EXO_SLOPE)
-        return slope_at(&e->s->z[is->input], t);
+static double wave_at(const ns_exo_state *is, double t) {
     if (!begun(t, is->from))
         return 0;
     const double phase = is->omega * (t - is->from), size = is->decay == 0 ? 1 : exp(-is->decay * (t - is->from));
     return is->kind == NS_EXO_DECAY ? size : size * (is->kind == NS_EXO_COS ? cos(phase) : sin(phase));
 }
 
-void ns_exo_at(const ns_exo *e, double t, double *v) {
-    for (int i = 0; i < e->nv; i++)
-        v[i] = state_at(e, &e->state[i], t);
+void ns_exo_at(const ns_exo *e, double t, const double *z, const double *dz, double *v) {
+    for (int i = 0; i < e->nv; i++) {
+        const ns_exo_state *is = &e->state[i];
+        v[i] = is->kind == NS_EXO_ONE     ? 1
+               : is->kind == NS_EXO_VALUE ? z[is->input]
+               : is->kind == NS_EXO_SLOPE ? dz[is->input]
+                                          : wave_at(is, t);
+    }
 }
 
 /* (c, s) times the number re + i im. */

@@ -24,20 +24,16 @@ typedef struct ns_exo {
     ns_exo_state *state; /* nv */
     double *Z;           /* nz*nv */
     double from;         /* holds from this time on */
+    int mutes;           /* inputs that unknowns follow and nothing else, */
+    int *mute;           /* which */
 } ns_exo;
 
-/* Errors: MEMORY. */
-int ns_exo_create(const ns_system *s, ns_exo **out);
+/* input (entering): the inputs that enter.  Errors: MEMORY. */
+int ns_exo_create(const ns_system *s, int entering, const int *input, ns_exo **out);
 void ns_exo_free(ns_exo *e); /* NULL is allowed */
 
-/* 1 if input k acts on the circuit: on (S1), (S3), or on a control that the state acts on too. */
-int ns_exo_enters(const ns_system *s, int k);
-
-/* The first corner after t of an input that enters; INFINITY if there is none. */
-double ns_exo_next_corner(const ns_exo *e, double t);
-
-/* v (nv) to the right of t. */
-void ns_exo_at(const ns_exo *e, double t, double *v);
+/* v (nv) at t, from what ns_schedule_inputs() says there. */
+void ns_exo_at(const ns_exo *e, double t, const double *z, const double *dz, double *v);
 
 /* v becomes (1 - g S)^-1 v; v becomes exp(h S) v. */
 void ns_exo_stage(const ns_exo *e, double g, double *v);

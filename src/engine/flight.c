@@ -1,6 +1,8 @@
 /* src/engine/flight.c - the flight engine: exact from event to event (E1), (E2). */
 #include "flight.h"
 
+#include "../system/acting.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -13,21 +15,24 @@ static int allocate(ns_flight *f) {
     const ns_system *y = f->m->s;
     const size_t n = (size_t)y->n, m = (size_t)y->m, nz = (size_t)y->nz, r = (size_t)f->s->r;
     const size_t rows = 2 * m + (size_t)y->nc, q = r + (size_t)f->exo->nv;
-    const size_t all = 3 * q + r + NS_ORDER * (r + rows) + (NS_SAMPLES + 1) * rows + 3 * rows + nz;
+    const size_t all = 3 * (q + (size_t)f->exo->mutes) + r + NS_ORDER * (r + rows) + (NS_SAMPLES + 1) * rows + 2 * rows + 2 * nz;
     f->block = calloc(all + 2 * (n + m) + 1, sizeof *f->block);
     f->want = calloc(2 * m + 1, sizeof *f->want);
-    if (!f->block || !f->want)
+    f->closed = calloc(2 * (size_t)y->nc + 1, sizeof *f->closed);
+    if (!f->block || !f->want || !f->closed)
         return NS_E_MEMORY;
+    f->flip = f->closed + y->nc;
     f->X = f->block;
-    f->next = f->X + q;
-    f->left = f->next + q;
-    f->most = f->left + q;
+    f->next = f->X + q + f->exo->mutes;
+    f->left = f->next + q + f->exo->mutes;
+    f->most = f->left + q + f->exo->mutes;
     f->series = f->most + r;
     f->coef = f->series + NS_ORDER * r;
     f->guards = f->coef + NS_ORDER * rows;
     f->value = f->guards + (NS_SAMPLES + 1) * rows;
     f->rate = f->value + rows;
-    f->slope = f->rate + 2 * rows;
+    f->z = f->rate + rows;
+    f->slope = f->z + nz;
     f->to.x = f->slope + nz;
     f->to.lambda = f->to.x + n;
     f->to.X = f->to.lambda + m;
@@ -41,11 +46,18 @@ int ns_flight_create(ns_march *m, ns_flight **out) {
     *out = NULL;
     if (!f)
         return NS_E_MEMORY;
+    f->acting = calloc((size_t)m->s->nz + 1, 1);
     f->m = m;
     f->s = m->step;
     f->grounded = -INFINITY;
     f->limit = m->step->cache.limit;
-    int status = ns_exo_create(m->s, &f->exo);
+    int status = f->acting ? ns_system_acting(m->s, f->acting) : NS_E_MEMORY;
+    const int *input = NULL;
+    if (status == NS_OK)
+        status = ns_schedule_create(m->s, f->acting, &f->schedule);
+    const int entering = status == NS_OK ? ns_schedule_entering(f->schedule, &input) : 0;
+    if (status == NS_OK)
+        status = ns_exo_create(m->s, entering, input, &f->exo);
     if (status == NS_OK)
         status = allocate(f);
     if (status != NS_OK) {
@@ -61,6 +73,9 @@ void ns_flight_free(ns_flight *f) {
         return;
     ns_flight_forget(f);
     ns_exo_free(f->exo);
+    ns_schedule_free(f->schedule);
+    free(f->closed);
+    free(f->acting);
     free(f->block);
     free(f->want);
     free(f);
@@ -68,6 +83,26 @@ void ns_flight_free(ns_flight *f) {
 
 int ns_flight_grounded(const ns_flight *f) {
     return f->m->live.t < f->grounded || f->m->live.t < f->exo->from;
+}
+
+/* The inputs at t, on the side where the schedule stands. */
+static void read_inputs(ns_flight *f) {
+    ns_schedule_inputs(f->schedule, f->t, f->z, f->slope);
+    ns_exo_at(f->exo, f->t, f->z, f->slope, f->X + f->s->r);
+}
+
+/* The schedule to where the flight is, unless it is there. */
+static void seek(ns_flight *f) {
+    const ns_system *y = f->m->s;
+    int same = f->t >= f->from && f->t < f->to_t && !f->m->live.at_event;
+    for (int c = 0; c < y->nc; c++) {
+        f->closed[c] = f->s->mode[y->command[c].pair] == NS_INSIDE;
+        same = same && (y->command[c].gx || f->closed[c] == ns_schedule_closed(f->schedule)[c]);
+    }
+    if (same)
+        return;
+    ns_schedule_seek(f->schedule, f->t, f->m->live.at_event ? NS_LEFT : NS_RIGHT, f->closed);
+    f->from = f->to_t = f->t;
 }
 
 /* From the accepted point of the stepper. */
@@ -80,8 +115,9 @@ static int load(ns_flight *f) {
     const int status = ns_flight_find(f, f->s->mode, &f->at);
     if (status != NS_OK)
         return status;
+    seek(f);
     memcpy(f->X, f->s->w, sizeof(double) * (size_t)f->s->r);
-    ns_exo_at(f->exo, f->t, f->X + f->s->r);
+    read_inputs(f);
     for (int i = 0; i < f->s->r; i++)
         f->most[i] = fmax(f->most[i], fabs(f->X[i]));
     return NS_OK;
@@ -106,7 +142,10 @@ static void read_point(ns_flight *f, double *x) {
         for (int i = 0; i < k->nv; i++)
             f->next[k->r + i] += sign * v[i];
     }
-    ns_matvec(all, k->q, k->xi, f->next, x);
+    const ns_side side = f->m->live.at_event ? NS_LEFT : NS_RIGHT;
+    for (int i = 0; i < f->exo->mutes; i++)
+        f->next[k->q + i] = ns_signal_value(&f->m->s->z[f->exo->mute[i]], f->t, side);
+    ns_matvec(all, k->q + f->exo->mutes, k->xi, f->next, x);
 }
 
 /* The stepper's accepted point gets to be here. */
@@ -206,43 +245,12 @@ static int fly(ns_flight *f, double t, int *broke) {
     return status;
 }
 
-/* The next instant that is known ahead, not after t: a corner, or commands that depend on time only, which are
- * left in m->flip. */
-static double next_known(ns_flight *f, double t, int *commanded) {
-    ns_march *m = f->m;
-    m->live.t = f->t;
-    const double corner = fmin(t, ns_march_next_corner(m));
-    *commanded = 0;
-    memset(m->flip, 0, (size_t)m->s->nc);
-    if (m->s->nc == 0)
-        return corner;
-    ns_system_inputs(m->s, corner, NS_LEFT, m->z);
-    if (!ns_control_by_time(m, m->z, m->flip))
-        return corner;
-    *commanded = 1;
-    return ns_control_instant(m, corner, m->flip);
-}
-
-/* Right of t: inputs anew, and commands that jump with them. */
-static void refresh(ns_flight *f, int corner) {
-    ns_march *m = f->m;
-    ns_exo_at(f->exo, f->t, f->X + f->s->r);
-    if (corner) {
-        ns_system_inputs(m->s, f->t, NS_RIGHT, m->z);
-        ns_control_by_time(m, m->z, m->due);
-        for (int c = 0; c < m->s->nc; c++)
-            m->flip[c] |= m->due[c];
-    }
-}
-
-static int inputs_jump(ns_flight *f) {
-    ns_march *m = f->m;
-    int jump = 0;
-    ns_system_inputs(m->s, f->t, NS_LEFT, m->z_left);
-    ns_system_inputs(m->s, f->t, NS_RIGHT, m->z);
-    for (int i = 0; i < m->s->nz; i++)
-        jump |= m->z[i] != m->z_left[i];
-    return jump;
+/* At an instant of the schedule: commands flip, inputs jump or turn. */
+static void pass(ns_flight *f, const ns_instant *what) {
+    f->from = f->to_t = what->t;
+    for (int i = 0; i < what->flips; i++)
+        f->m->flip[what->flip[i]] = 1;
+    read_inputs(f);
 }
 
 static void count(ns_flight *f) {
@@ -252,60 +260,71 @@ static void count(ns_flight *f) {
     f->event_t = f->t;
 }
 
-/* The event here; *stuck: it is for the scheme. */
+/* The event here; *stuck: it is for the scheme, which gets m->flip. */
 static int turn(ns_flight *f, int natural, int *stuck) {
+    const size_t nc = (size_t)f->m->s->nc;
     count(f);
+    memcpy(f->flip, f->m->flip, nc);
     const int status = f->crowd > NS_PILE ? NS_GUARD : ns_turn(f, natural);
     *stuck = status == NS_GUARD;
-    if (!*stuck)
+    if (*stuck)
+        memcpy(f->m->flip, f->flip, nc);
+    else
         f->since = f->t;
+    f->m->live.at_event = *stuck;
     return *stuck ? NS_OK : status;
 }
 
-static void ground(ns_flight *f) {
-    f->grounded = f->t + f->m->h;
-    f->crowd = 0;
+/* The event that the accepted point is the left side of. */
+static int turn_first(ns_flight *f, int *stuck) {
+    const int known = ns_schedule_next(f->schedule, f->t) <= f->t;
+    memset(f->m->flip, 0, (size_t)f->m->s->nc);
+    if (known)
+        pass(f, ns_schedule_go(f->schedule));
+    return turn(f, !known, stuck);
+}
+
+/* To the next event and beyond it, or to t; *stop: this was the last. */
+static int leap(ns_flight *f, double t, ns_until until, int *stuck, int *stop) {
+    ns_march *m = f->m;
+    int broke;
+    f->to_t = ns_schedule_next(f->schedule, t);
+    const int status = fly(f, fmin(t, f->to_t), &broke);
+    const int known = !broke && f->t >= f->to_t;
+    *stop = status != NS_OK || !(broke || known);
+    if (*stop)
+        return status;
+    memset(m->flip, 0, (size_t)m->s->nc);
+    const ns_instant *what = known ? ns_schedule_go(f->schedule) : NULL;
+    if (until == NS_TO_EVENT && (!what || what->jump || what->flips)) {
+        m->live.at_event = *stop = 1;
+        m->live.jump = known;
+        return NS_OK;
+    }
+    if (what)
+        pass(f, what);
+    return turn(f, broke, stuck);
 }
 
 int ns_flight_go(ns_flight *f, double t, ns_until until) {
     ns_march *m = f->m;
-    int status = load(f), stuck = 0, broke = 0, commanded = 0;
+    int status = load(f), stuck = 0, stop = 0;
     if (status != NS_OK) {
         f->grounded = m->live.t + m->h;
         return status == NS_E_MEMORY ? ns_march_fail(m, status) : NS_OK;
     }
     if (m->live.at_event) {
-        refresh(f, m->live.jump);
-        status = turn(f, !m->live.jump, &stuck);
-        if (status == NS_OK && !stuck)
-            m->live.at_event = m->live.jump = 0;
-        if (until == NS_TO_EVENT)
-            t = f->t;
+        status = turn_first(f, &stuck);
+        stop = until == NS_TO_EVENT;
     }
-    while (status == NS_OK && !stuck && f->t < t) {
-        const double known = next_known(f, t, &commanded);
-        status = fly(f, known, &broke);
-        if (status != NS_OK)
-            break;
-        if (broke)
-            memset(m->flip, 0, (size_t)m->s->nc);
-        const int corner = !broke && !commanded && f->t >= m->corner;
-        if (!broke && !commanded && !corner)
-            break; /* there */
-        const int jump = corner && inputs_jump(f);
-        if (until == NS_TO_EVENT && (broke || commanded || jump)) {
-            m->live.at_event = 1;
-            m->live.jump = jump;
-            break;
-        }
-        refresh(f, corner);
-        status = turn(f, broke, &stuck);
-        m->live.at_event = stuck;
-    }
+    while (status == NS_OK && !stuck && !stop && f->t < t)
+        status = leap(f, t, until, &stuck, &stop);
     if (status != NS_OK)
-        return status == NS_E_MEMORY ? ns_march_fail(m, status) : status;
+        return ns_march_fail(m, status);
     deposit(f);
-    if (stuck)
-        ground(f);
+    if (stuck) {
+        f->grounded = f->t + m->h;
+        f->crowd = 0;
+    }
     return NS_OK;
 }

@@ -8,6 +8,7 @@
 #define NS_FLIGHT_H
 
 #include "marcher.h"
+#include "schedule.h"
 #include "stage.h"
 
 /* Samples of the guards in a leg, its longest length with guards and without, in h 2^k; legs of recurring lengths
@@ -56,6 +57,8 @@ struct ns_flight {
     ns_march *m;
     ns_theta *s;
     ns_exo *exo;
+    ns_schedule *schedule;
+    double from, to_t; /* what the schedule is good for */
     ns_flight_mode *bucket[NS_FLIGHT_BUCKETS];
     size_t bytes, limit;
     long clock;
@@ -73,7 +76,9 @@ struct ns_flight {
     double *coef;    /* 8 (2 m + nc) */
     double *guards;  /* (NS_SAMPLES+1) (2 m + nc) */
     double *value, *rate, *noise; /* 2 m + nc */
-    double *slope;   /* nz */
+    double *z, *slope; /* nz */
+    unsigned char *closed, *flip; /* nc */
+    unsigned char *acting;        /* nz: inputs that anything depends on */
     ns_mode *want;   /* m */
     ns_impulse to;   /* its arrays follow in one block */
     double *block;

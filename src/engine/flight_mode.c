@@ -155,7 +155,8 @@ int ns_flight_find(ns_flight *f, const ns_mode *mode, ns_flight_mode **out) {
 ns_level *ns_flight_level(const ns_flight *f, double *until) {
     ns_flight_mode *k = f->at;
     int i = 0;
-    while (i + 1 < k->levels && f->t - f->since >= k->level[i + 1].from)
+    const double flown = f->t - f->since + 8 * DBL_EPSILON * fabs(f->t); /* t must be seen to move */
+    while (i + 1 < k->levels && flown >= k->level[i + 1].from * (1 - 1e-9))
         i++;
     *until = i + 1 < k->levels ? k->level[i + 1].from : INFINITY;
     return &k->level[i];

@@ -78,14 +78,14 @@ static void take_curve(ns_schedule *s, int input) {
     }
 }
 
-static void take_inputs(ns_schedule *s) {
+static void take_inputs(ns_schedule *s, const unsigned char *acting) {
     for (int i = 0; i < s->s->nz; i++)
-        if (ns_signal_is_linear(&s->s->z[i]) && enters(s->s, i)) {
+        if (ns_signal_is_linear(&s->s->z[i]) && (acting ? acting[i] : enters(s->s, i))) {
             s->run[s->lines++].line = &s->pieces[i];
             s->input[s->entering++] = i;
         }
     for (int i = 0; i < s->s->nz; i++)
-        if (!ns_signal_is_linear(&s->s->z[i]) && enters(s->s, i))
+        if (!ns_signal_is_linear(&s->s->z[i]) && (acting ? acting[i] : enters(s->s, i)))
             take_curve(s, i);
 }
 
@@ -132,7 +132,7 @@ static int allocate(ns_schedule *s) {
                : NS_E_MEMORY;
 }
 
-int ns_schedule_create(const ns_system *system, ns_schedule **out) {
+int ns_schedule_create(const ns_system *system, const unsigned char *acting, ns_schedule **out) {
     if (!out)
         return NS_E_NULL;
     *out = NULL;
@@ -151,7 +151,7 @@ int ns_schedule_create(const ns_system *system, ns_schedule **out) {
         ns_schedule_free(s);
         return status;
     }
-    take_inputs(s);
+    take_inputs(s, acting);
     s->count = s->lines + s->terms + s->commands;
     ns_schedule_seek(s, 0, NS_RIGHT, NULL);
     *out = s;

@@ -46,14 +46,14 @@ static ns_stage *create(const ns_theta *s, const ns_exo *e, const ns_mode *mode)
     k->rows = k->pair_rows + control_rows(s->s);
     const size_t q = (size_t)k->q, r = (size_t)k->r, rows = (size_t)k->rows;
     const size_t all = (size_t)s->s->n + (size_t)s->s->m;
-    const size_t count = q * (all + (NS_ORDER + 1) * r + (NS_ORDER + 3) * rows);
+    const size_t count = q * (all + (NS_ORDER + 1) * r + (NS_ORDER + 3) * rows) + all * (size_t)e->mutes;
     k->row = calloc(rows + 1, sizeof *k->row);
     k->xi = calloc(count + 1, sizeof *k->xi);
     if (!k->row || !k->xi) {
         ns_stage_free(k);
         return NULL;
     }
-    k->series = k->xi + all * q;
+    k->series = k->xi + all * (q + (size_t)e->mutes);
     k->coef = k->series + NS_ORDER * r * q;
     k->value = k->coef + NS_ORDER * rows * q;
     k->rate = k->value + rows * q;
@@ -245,6 +245,8 @@ static int fill(ns_theta *s, const ns_exo *e, const ns_map *map, ns_stage *k) {
         to_column(k, &b, b.in, j, k->rows, b.rows, G + (size_t)j * (size_t)k->rows);
         to_column(k, &b, b.size, j, k->rows, b.noise, k->noise + (size_t)j * (size_t)k->rows);
     }
+    for (int i = 0; i < e->mutes; i++)
+        memcpy(k->xi + (q + (size_t)i) * all, map->full + (size_t)(k->r + e->mute[i]) * all, sizeof *k->xi * all);
     for (int j = 0; j < k->q; j++)
         fill_images(k, &b, D, G, j);
     fill_guards_now(k);

@@ -24,7 +24,7 @@ typedef struct ns_stage {
     int r, nv, q;
     int rows, pair_rows;
     ns_guard_row *row; /* rows */
-    double *xi;        /* (n+m)*q: x, lambda of the implicit step */
+    double *xi;        /* (n+m)*(q+mutes): x, lambda of the implicit step; by inputs that act on nothing else too */
     double *series;    /* (8 r)*q: D^1 ... D^8, the part that acts on w */
     double *coef;      /* (8 rows)*q: the guards of the images D^0 ... D^7 */
     double *value;     /* rows*q: the guards now, (E1) at tau = 0, */

@@ -11,8 +11,12 @@
 
 /* What a charge or flux may move by without being called a jump, of the largest it ever was. */
 static const double still = 1e-12;
+/* D^8 beside D, of what is slow: far less. */
+static const double slow = 1e-6;
 /* An impulse of the wrong sign beside the largest. */
 static const double impulse_tol = 1e-9;
+/* One that adds less than this over the stage is none. */
+static const double matters = 1e-6;
 
 static void product(const ns_stage *k, const double *rows, const double *X, double *out) {
     ns_matvec(k->rows, k->q, rows, X, out);
@@ -27,22 +31,29 @@ static int jump(ns_flight *f, const ns_stage *k) {
     for (int i = 0; i < r; i++) {
         const double by = f->series[(NS_ORDER - 1) * r + i];
         f->next[i] -= by;
-        moves |= fabs(by) > still * f->most[i];
+        moves |= fabs(by) > still * f->most[i] && fabs(by) > slow * fabs(f->series[i]);
     }
     return moves;
 }
 
-/* The impulses of the pairs have the signs they may have: what the stage has more than what comes after. */
+/* The impulse of guard g over the stage: what it makes of the part that jumps. */
+static double impulse_of(const ns_flight *f, const ns_stage *k, int g) {
+    double sum = 0;
+    for (int i = 0; i < k->r; i++)
+        sum += k->coef[(size_t)g + (size_t)i * (size_t)(NS_ORDER * k->rows)] * f->series[(NS_ORDER - 1) * k->r + i];
+    return sum;
+}
+
+/* The impulses of the pairs have the signs they may have. */
 static int impulses_fit(ns_flight *f, const ns_stage *k) {
     double most = 0;
-    ns_matvec(NS_ORDER * k->rows, k->q, k->coef, f->X, f->coef);
-    product(k, k->value, f->X, f->value);
+    product(k, k->value, f->next, f->value);
     for (int g = 0; g < k->pair_rows; g++) {
-        f->value[g] = f->coef[g] - f->value[g];
-        most = fmax(most, fabs(f->value[g]));
+        f->rate[g] = impulse_of(f, k, g);
+        most = fmax(most, fabs(f->rate[g]));
     }
     for (int g = 0; g < k->pair_rows; g++)
-        if (f->value[g] < -impulse_tol * most)
+        if (f->rate[g] < -(impulse_tol * most + matters * fabs(f->value[g]) + ns_watch_noise(f, k, g)))
             return 0;
     return 1;
 }
@@ -157,24 +168,24 @@ static int flip_broken(ns_flight *f) {
 }
 
 /* Inputs at t+ and their slopes. */
-static void inputs(ns_flight *f, double *z, double *slope) {
+static void inputs(ns_flight *f) {
     const int nz = f->m->s->nz;
     const double *v = f->X + f->s->r;
-    ns_system_inputs(f->m->s, f->t, NS_RIGHT, z);
+    ns_system_inputs(f->m->s, f->t, NS_RIGHT, f->z);
     for (int k = 0; k < nz; k++) {
-        slope[k] = 0;
+        f->slope[k] = 0;
         for (int i = 0; i < f->exo->nv; i++)
-            slope[k] += f->exo->Z[k + i * nz] * ns_exo_slope(f->exo, i, v);
+            f->slope[k] += f->exo->Z[k + i * nz] * ns_exo_slope(f->exo, i, v);
     }
 }
 
 /* The modes that (P1) has over short steps. */
-static int propose(ns_flight *f, const double *z) {
+static int propose(ns_flight *f) {
     static const int rungs[] = {-NS_EVENT_RUNG, -10, -30};
     ns_theta *s = f->s;
     for (int i = 0; i < 3; i++) {
         memcpy(s->trial_in, f->X, sizeof(double) * (size_t)s->r);
-        ns_copy((size_t)s->s->nz, z, s->trial_in + s->r);
+        ns_copy((size_t)s->s->nz, f->z, s->trial_in + s->r);
         s->trial_in[s->q - 1] = 1;
         memcpy(s->trial_mode, s->mode, (size_t)s->s->m);
         int status = ns_problem_solve(s, ldexp(f->m->h, rungs[i]), 1, 0);
@@ -189,10 +200,10 @@ static int propose(ns_flight *f, const double *z) {
 }
 
 /* The impulse problem proves its mode: what cannot be told of it by values and rates is so. */
-static int prove(ns_flight *f, const double *z) {
+static int prove(ns_flight *f) {
     int jumps;
     memcpy(f->s->w, f->X, sizeof(double) * (size_t)f->s->r);
-    const int status = ns_impulse_solve(f->s, z, f->slope, NULL, &f->to, &jumps);
+    const int status = ns_impulse_solve(f->s, f->z, f->slope, NULL, &f->to, &jumps);
     if (status != NS_OK)
         return status == NS_E_MEMORY ? status : NS_GUARD;
     memcpy(f->want, f->to.mode, (size_t)f->m->s->m);
@@ -211,10 +222,10 @@ static int turn_once(ns_flight *f, int natural) {
     if (status != NS_GUARD)
         return status;
     command(f);
-    inputs(f, f->m->z, f->slope);
-    status = propose(f, f->m->z);
+    inputs(f);
+    status = propose(f);
     if (status == NS_GUARD)
-        status = prove(f, f->m->z);
+        status = prove(f);
     return status;
 }
 

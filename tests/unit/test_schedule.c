@@ -54,7 +54,7 @@ static void thresholds(ns_system *s, int c, double on, double off) {
 
 static ns_schedule *schedule(const ns_system *s) {
     ns_schedule *made;
-    assert_int_equal(ns_schedule_create(s, &made), NS_OK);
+    assert_int_equal(ns_schedule_create(s, NULL, &made), NS_OK);
     return made;
 }
 
@@ -475,7 +475,7 @@ static void no_memory(void **state) {
     for (long k = 1;; ++k) {
         ns_schedule *s;
         fail_alloc_at(k);
-        const int status = ns_schedule_create(system, &s);
+        const int status = ns_schedule_create(system, NULL, &s);
         const long made = allocs_made();
         fail_alloc_off();
         if (made < k) {
@@ -486,9 +486,9 @@ static void no_memory(void **state) {
         assert_int_equal(status, NS_E_MEMORY);
         assert_null(s);
     }
-    assert_int_equal(ns_schedule_create(system, NULL), NS_E_NULL);
+    assert_int_equal(ns_schedule_create(system, NULL, NULL), NS_E_NULL);
     ns_schedule *s;
-    assert_int_equal(ns_schedule_create(NULL, &s), NS_E_NULL);
+    assert_int_equal(ns_schedule_create(NULL, NULL, &s), NS_E_NULL);
     ns_schedule_free(NULL);
     ns_system_free(system);
 }

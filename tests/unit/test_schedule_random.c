@@ -155,7 +155,7 @@ static void corners_and_values(void **state) {
             system->command[c].gx = calloc(1, sizeof(double));
         for (int c = 0; c < COMMANDS; c++)
             memset(system->command[c].gz, 0, sizeof(double) * INPUTS);
-        assert_int_equal(ns_schedule_create(system, &s), NS_OK);
+        assert_int_equal(ns_schedule_create(system, NULL, &s), NS_OK);
         for (double t = 0; t < end;) {
             double next = ns_schedule_next(s, end), corner = next_corner(system, t);
             /* corners of nothing are left out */
@@ -226,7 +226,7 @@ static void by_marching(const ns_system *s, double h, flips *f) {
 
 static void by_schedule(const ns_system *system, flips *f) {
     ns_schedule *s;
-    assert_int_equal(ns_schedule_create(system, &s), NS_OK);
+    assert_int_equal(ns_schedule_create(system, NULL, &s), NS_OK);
     keep(f, 0, ns_schedule_closed(s));
     while (ns_schedule_next(s, end) <= end) {
         const ns_instant *what = ns_schedule_go(s);
