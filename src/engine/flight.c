@@ -120,6 +120,8 @@ static int load(ns_flight *f) {
     read_inputs(f);
     for (int i = 0; i < f->s->r; i++)
         f->most[i] = fmax(f->most[i], fabs(f->X[i]));
+    if (!f->m->live.at_event)
+        ns_turn_settle(f);
     return NS_OK;
 }
 

@@ -112,6 +112,8 @@ double ns_watch_noise(const ns_flight *f, const ns_stage *stage, int g);
  * jumped or turned; X moves if the state jumps.  m->flip is cleared.  OK, GUARD: found none, nothing is changed;
  * MEMORY. */
 int ns_turn(ns_flight *f, int natural);
+/* turn.c: X freed of what the constraints of its mode do not allow: rounding. */
+void ns_turn_settle(ns_flight *f);
 
 /* flight.c: made, freed (NULL is allowed).  Errors: MEMORY. */
 int ns_flight_create(ns_march *m, ns_flight **out);

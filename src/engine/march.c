@@ -1,6 +1,12 @@
 /* src/engine/march.c - the marcher: made, asked, accepted, read. */
 #include "flight.h"
 
+#ifdef NS_TRY_FLIGHT
+#define NS_FLIES(x) 1
+#else
+#define NS_FLIES(x) ((x) == NS_FLIGHT)
+#endif
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -47,7 +53,7 @@ int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **ou
     int status = ns_theta_create(s, &options, &m->step, fault);
     if (status == NS_OK)
         status = allocate(m);
-    if (status == NS_OK && o->method == NS_FLIGHT)
+    if (status == NS_OK && NS_FLIES(o->method))
         status = ns_flight_create(m, &m->flight);
     if (status != NS_OK) {
         ns_march_free(m);
