@@ -36,6 +36,13 @@ static int jump(ns_flight *f, const ns_stage *k) {
     return moves;
 }
 
+void ns_turn_settle(ns_flight *f) {
+    double *X = f->X;
+    (void)jump(f, f->at->level[0].stage);
+    f->X = f->next;
+    f->next = X;
+}
+
 /* The impulse of guard g over the stage: what it makes of the part that jumps. */
 static double impulse_of(const ns_flight *f, const ns_stage *k, int g) {
     double sum = 0;
@@ -58,13 +65,25 @@ static int impulses_fit(ns_flight *f, const ns_stage *k) {
     return 1;
 }
 
-/* Guard g is about to break, as values and rates have it at f->next: 1; to hold: 0; 2: cannot tell. */
-static int breaks(const ns_flight *f, const ns_stage *k, int g) {
-    const double tol = ns_watch_noise(f, k, g);
-    if (fabs(f->value[g]) > tol)
-        return f->value[g] < 0;
-    if (fabs(f->rate[g]) * k->g > 8 * tol)
-        return f->rate[g] < 0;
+static double row_of(const ns_stage *k, const double *rows, int g, const double *X) {
+    double sum = 0;
+    for (int j = 0; j < k->q; j++)
+        sum += rows[g + j * k->rows] * X[j];
+    return sum;
+}
+
+/* Guard g is about to break, as its value and rate at X say: 1; to hold: 0; 2: cannot tell.  What rounding hides
+ * from a short stage a longer one may see: what is fast will have died out by then. */
+static int breaks(const ns_flight *f, const ns_flight_mode *mode, int g, const double *X) {
+    for (int i = 0; i < mode->levels; i++) {
+        const ns_stage *k = mode->level[i].stage;
+        const double tol = ns_watch_noise(f, k, g), value = row_of(k, k->value, g, X);
+        if (fabs(value) > tol)
+            return value < 0;
+        const double rate = row_of(k, k->rate, g, X);
+        if (fabs(rate) * k->g > 8 * tol)
+            return rate < 0;
+    }
     return 2;
 }
 
@@ -73,10 +92,8 @@ static int holds(ns_flight *f, const ns_flight_mode *k, int proven) {
     const ns_stage *stage = k->level[0].stage;
     if (jump(f, stage) && !proven && !impulses_fit(f, stage))
         return 0;
-    product(stage, stage->value, f->next, f->value);
-    product(stage, stage->rate, f->next, f->rate);
     for (int g = 0; g < stage->pair_rows; g++) {
-        const int is = breaks(f, stage, g);
+        const int is = breaks(f, k, g, f->next);
         if (is == 1 || (is == 2 && !proven))
             return 0;
     }
@@ -156,11 +173,8 @@ static int try_followers(ns_flight *f) {
 static int flip_broken(ns_flight *f) {
     const ns_stage *k = f->at->level[0].stage;
     int any = 0;
-    memcpy(f->next, f->X, sizeof(double) * (size_t)k->q);
-    product(k, k->value, f->X, f->value);
-    product(k, k->rate, f->X, f->rate);
     for (int g = 0; g < k->pair_rows; g++)
-        if (breaks(f, k, g) == 1) {
+        if (breaks(f, f->at, g, f->X) == 1) {
             f->want[k->row[g].pair] = k->row[g].to;
             any = 1;
         }
@@ -233,14 +247,10 @@ static int turn_once(ns_flight *f, int natural) {
 static int contradicted(ns_flight *f) {
     const ns_stage *k = f->at->level[0].stage;
     int count = 0;
-    memset(f->m->flip, 0, (size_t)f->m->s->nc);
-    if (k->rows == k->pair_rows)
-        return 0;
-    memcpy(f->next, f->X, sizeof(double) * (size_t)k->q);
-    product(k, k->value, f->X, f->value);
-    product(k, k->rate, f->X, f->rate);
+    for (int c = 0; c < f->m->s->nc; c++)
+        f->m->flip[c] = 0;
     for (int g = k->pair_rows; g < k->rows; g++)
-        if (breaks(f, k, g) == 1) {
+        if (breaks(f, f->at, g, f->X) == 1) {
             f->m->flip[k->row[g].command] = 1;
             count++;
         }
