@@ -67,13 +67,12 @@ int ns_event_settle_all(ns_sparse *m, double t, double g, double *by) {
  */
 static int jumps(ns_sparse *m, double t, double g, const double *by, int *status) {
     const int n = m->f->n;
-    m->most = 0;
     double *after = m->next_w, *again = m->scale + n; /* n each */
     int any = 0;
     double most = 0;
     for (int i = 0; i < n; i++)
         if (!m->f->algebraic[i])
-            m->most = most = fmax(most, fmax(fabs(m->w[i]), m->scale[i]) / m->unit[i]);
+            most = fmax(most, fmax(fabs(m->w[i]), m->scale[i]) / m->unit[i]);
     for (int i = 0; i < n && !any; i++)
         any = fabs(by[i]) > beyond_rounding * most * m->unit[i];
     if (!any)
@@ -88,22 +87,27 @@ static int jumps(ns_sparse *m, double t, double g, const double *by, int *status
     return 0;
 }
 
-/* The jump, by a step so short that nothing else moves; 0 if that moves nothing: it was only fast. */
+static double largest(const ns_sparse *m, const double *by) {
+    double most = 0;
+    for (int i = 0; i < m->f->n; i++)
+        if (!m->f->algebraic[i])
+            most = fmax(most, fabs(by[i]) / m->unit[i]);
+    return most;
+}
+
+/* The jump, by a step so short that nothing else moves; 0 if that moves less: it was only fast. */
 static int take_jump(ns_sparse *m, double t, double g, double *by, int *status) {
-    const int n = m->f->n;
-    int any = 0;
+    const double slow = largest(m, by);
     if (*status != NS_OK)
         return 0;
     memcpy(m->old_mode, m->mode, (size_t)m->f->m);
     *status = ns_event_settle(m, t, ldexp(g, -SHORTER), m->w, m->v, by);
-    for (int i = 0; i < n && *status == NS_OK; i++)
-        any |= fabs(by[i]) > beyond_rounding * m->most * m->unit[i];
-    if (!any) {
+    if (*status != NS_OK || largest(m, by) < 0.5 * slow) {
         memcpy(m->mode, m->old_mode, (size_t)m->f->m);
         ns_guard_bounds(m);
         return 0;
     }
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < m->f->n; i++)
         m->w[i] += by[i];
     m->counts.jumps++;
     return 1;

@@ -27,28 +27,21 @@ void ns_guard_set(ns_sparse *m, int j, int upper) {
         m->mode[j] = NS_INSIDE;
 }
 
-static double size_of(const ns_csc *rows, int i, const double *v) {
-    double sum = 0;
-    for (int k = rows->start[i]; k < rows->start[i + 1]; k++)
-        sum += fabs(rows->value[k] * v[rows->row[k]]);
-    return sum;
-}
-
 /* The rounding of guards of pair j at v = (x, lambda), which was solved for with w and g: of the sum y, or of
  * lambda as what is left over in the rows it enters; where all of these are zero, beside the largest there
  * was. */
 static double noise(const ns_sparse *m, int j, const double *v, const double *w, double g) {
     const ns_form *f = m->f;
     if (m->mode[j] != NS_INSIDE)
-        return rounding * (size_of(&f->Ct, j, v) + fabs(f->e[j])) + DBL_EPSILON * m->most_y;
+        return rounding * (ns_csc_size(&f->Ct, j, v) + fabs(f->e[j])) + DBL_EPSILON * m->most_y;
     double most = 0;
     for (int k = f->K.start[f->n + j]; k < f->K.start[f->n + j + 1]; k++) {
         const int i = f->K.row[k];
         if (i >= f->n || f->KA[k] == 0)
             continue;
-        double terms = size_of(&f->At, i, v) + fabs(f->b[i]);
+        double terms = ns_csc_size(&f->At, i, v) + fabs(f->b[i]);
         if (!f->algebraic[i])
-            terms += (size_of(&f->Mt, i, v) + fabs(w[i])) / g;
+            terms += (ns_csc_size(&f->Mt, i, v) + fabs(w[i])) / g;
         most = fmax(most, terms / fabs(f->KA[k]));
     }
     return rounding * most + DBL_EPSILON * m->most_lambda;
@@ -86,7 +79,8 @@ static int shake(ns_sparse *m, const double *v, const double *w, double g) {
         dice ^= dice << 13;
         dice ^= dice >> 7;
         dice ^= dice << 17;
-        const double of = f->algebraic[i] ? size_of(&f->At, i, v) : fabs(w[i]) + size_of(&f->Mt, i, v);
+        const double of =
+            f->algebraic[i] ? ns_csc_size(&f->At, i, v) : fabs(w[i]) + ns_csc_size(&f->Mt, i, v);
         m->r[i] = (dice & 1024 ? 4 : -4) * DBL_EPSILON * of;
     }
     (void)ns_modal_solve(m->q, k, m->r, m->next_v);
@@ -111,7 +105,7 @@ static int find_broken(ns_sparse *m, const double *v, const double *w, double g)
     return count;
 }
 
-int ns_guard_flip(ns_sparse *m, const double *v, const double *w, double g) {
+int ns_guard_broken(ns_sparse *m, const double *v, const double *w, double g) {
     int count = 0;
     if (find_broken(m, v, w, g) == 0 || shake(m, v, w, g) != NS_OK)
         return 0;
@@ -123,12 +117,17 @@ int ns_guard_flip(ns_sparse *m, const double *v, const double *w, double g) {
         const double by = fabs(guard(m, j, k, m->next_v, m->z_none, 0));
         if (guard(m, j, k, v, m->z, 1) >= -(noise(m, j, v, w, g) + 16 * by))
             m->flip[j] = 0;
+        count += m->flip[j] != 0;
     }
-    for (int j = 0; j < m->f->m; j++)
+    return count;
+}
+
+int ns_guard_flip(ns_sparse *m, const double *v, const double *w, double g) {
+    const int count = ns_guard_broken(m, v, w, g);
+    for (int j = 0; j < m->f->m && count > 0; j++)
         if (m->flip[j]) {
             ns_guard_set(m, j, m->flip[j] == 2);
             m->touched[j] = 1;
-            count++;
         }
     return count;
 }
@@ -151,7 +150,7 @@ static double margin(const ns_sparse *m, int c, const double *v, const double *z
 
 static double control_noise(const ns_sparse *m, int c, const double *v, const double *z) {
     return control_rounding *
-           (size_of(&m->f->gx, c, v) + size_of(&m->f->gz, c, z) + fabs(m->s->command[c].g0));
+           (ns_csc_size(&m->f->gx, c, v) + ns_csc_size(&m->f->gz, c, z) + fabs(m->s->command[c].g0));
 }
 
 int ns_guard_commands(ns_sparse *m, const double *v) {

@@ -7,6 +7,9 @@
 
 /* Below, a charge or flux of small energy counts as this much of the largest one. */
 static const double least_share = 1e-3;
+/* The largest |b_9| in a step; longer steps are taken where they promise this share of the error allowed. */
+#define ERROR 1.3
+#define GROWTH 0.3
 
 /* The right-hand side of (P2) from w, f = T (b + E z) and inputs z; constants: 1 with them. */
 static void form_rhs(ns_sparse *m, double g, const double *w, const double *z, int any, int constants) {
@@ -102,22 +105,35 @@ static double take_scales(ns_sparse *m, const ns_leg *leg) {
     return most;
 }
 
+/* What is rounding in D^8 w of row i: each stage leaves some of w's. */
+static double noise_of(const ns_sparse *m, const ns_leg *leg, size_t i) {
+    return 16 * DBL_EPSILON *
+           (fabs(leg->dw[i]) + ns_csc_size(&m->f->Mt, (int)i, leg->xi) +
+            leg->g * ns_csc_size(&m->f->At, (int)i, leg->xi));
+}
+
 /* The error of the step of the whole length, as a multiple of what is allowed: b_9 D^9 w, guessed from the
  * two before. */
-static double error_of(ns_sparse *m, const ns_leg *leg) {
+static double error_of(ns_sparse *m, const ns_leg *leg, double *twice) {
     const size_t n = (size_t)m->f->n;
     const double *d8 = leg->dw + NS_ORDER * n, *d7 = d8 - n, most = take_scales(m, leg);
+    const double little = m->o.reltol * ldexp(GROWTH / ERROR, -(NS_ORDER + 1));
     double last = 0, before = 0;
     for (size_t i = 0; i < n; i++) {
         const double scale = fmax(m->scale[i], least_share * most * m->unit[i]);
         if (m->f->algebraic[i] || !(scale > 0))
             continue;
-        last = fmax(last, fabs(d8[i]) / scale);
+        double by = fabs(d8[i]);
+        if (by > little * scale) /* it matters, unless it is rounding */
+            by = fmax(0, by - noise_of(m, leg, i));
+        if (!(by < INFINITY))
+            return *twice = INFINITY;
+        last = fmax(last, by / scale);
         before = fmax(before, fabs(d7[i]) / scale);
-        if (!(last < INFINITY))
-            return INFINITY;
     }
-    return last > 0 ? 1.3 * last * fmin(1, last / before) / m->o.reltol : 0;
+    const double ratio = last < before ? last / before : 1, error = ERROR * last * ratio / m->o.reltol;
+    *twice = error * pow(2 / (1 + ratio), NS_ORDER + 1);
+    return error;
 }
 
 static double length(const ns_sparse *m, int rung) {
@@ -132,10 +148,12 @@ static int choose_length(ns_sparse *m, ns_leg *leg, double room) {
         const int status = all_stages(m, leg);
         if (status != NS_OK)
             return status;
-        const double whole = error_of(m, leg), share = fmin(1, room / leg->g / 1.3), error = whole * share;
+        double twice;
+        const double whole = error_of(m, leg, &twice), share = fmin(1, room / leg->g / ERROR),
+                     error = whole * share;
         leg->next_rung = leg->rung;
         if (error <= 1 || leg->rung >= NS_LEAST_RUNG || tries >= NS_LEAST_RUNG) {
-            leg->next_rung -= leg->rung > 0 && whole < ldexp(0.3, -(NS_ORDER + 1));
+            leg->next_rung -= leg->rung > 0 && twice < GROWTH;
             if (whole > 1 && leg->next_rung < NS_LEAST_RUNG)
                 leg->next_rung++;
             return whole < INFINITY ? NS_OK : NS_E_OVERFLOW;

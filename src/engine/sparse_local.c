@@ -123,6 +123,19 @@ static int solve_once(ns_sparse *m, int count, double t, double g, const double 
     return status;
 }
 
+/* Who is broken and took no part does from now on; how many. */
+static int take_in(ns_sparse *m, const double *v, const double *w, double g) {
+    int count = 0;
+    if (ns_guard_broken(m, v, w, g) == 0)
+        return 0;
+    for (int j = 0; j < m->f->m; j++)
+        if (m->flip[j] && !m->touched[j]) {
+            m->touched[j] = 1;
+            count++;
+        }
+    return count;
+}
+
 int ns_event_local(ns_sparse *m, double t, double g, const double *w, double *v, double *by) {
     for (int round = 0; round < ROUNDS; round++) {
         const int count = count_pairs(m);
@@ -134,7 +147,7 @@ int ns_event_local(ns_sparse *m, double t, double g, const double *w, double *v,
         status = ns_euler(m, t, g, w, 1, v, by);
         if (status != NS_OK && status != NS_E_SINGULAR)
             return status;
-        if (ns_guard_flip(m, v, w, g) == 0) /* who breaks takes part in the next round */
+        if (take_in(m, v, w, g) == 0) /* what the solver calls zero stays */
             return status;
     }
     return NS_E_LIMIT;

@@ -75,7 +75,6 @@ struct ns_sparse {
     unsigned char *touched;    /* m: pairs that changed while a mode is looked for */
     double *w, *next_w;        /* n */
     double *scale, *unit; /* 3 n: the largest w there were, and work; n: of one M alone, the square root */
-    double most;          /* the largest of scale over unit, at the last event */
     double most_lambda, most_y; /* the largest there were */
     ns_mode *old_mode;          /* m */
     double *crowd_t;            /* m: since when flips of a pair are counted, */
@@ -113,6 +112,8 @@ int ns_euler(ns_sparse *m, double t, double g, const double *w, int brief, doubl
  * state-dependent commands that v contradicts: flips them. */
 void ns_guard_bounds(ns_sparse *m);
 int ns_guard_first(ns_sparse *m, ns_leg *leg);
+int ns_guard_broken(ns_sparse *m, const double *v, const double *w,
+                    double g); /* only marks them in m->flip */
 int ns_guard_flip(ns_sparse *m, const double *v, const double *w, double g);
 int ns_guard_commands(ns_sparse *m, const double *v);
 void ns_guard_set(ns_sparse *m, int pair, int upper); /* flips one pair */

@@ -2,6 +2,7 @@
 #include "sparse.h"
 
 #include <limits.h>
+#include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -160,6 +161,13 @@ double ns_csc_dot(const ns_csc *a, int j, const double *x) {
     double sum = 0;
     for (int k = a->start[j]; k < a->start[j + 1]; k++)
         sum += a->value[k] * x[a->row[k]];
+    return sum;
+}
+
+double ns_csc_size(const ns_csc *a, int j, const double *x) {
+    double sum = 0;
+    for (int k = a->start[j]; k < a->start[j + 1]; k++)
+        sum += fabs(a->value[k] * x[a->row[k]]);
     return sum;
 }
 

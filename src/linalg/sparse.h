@@ -31,7 +31,8 @@ void ns_csc_free(ns_csc *a);                        /* frees its arrays */
 void ns_csc_times_add(const ns_csc *a, const double *x, double *y);
 void ns_csc_times_add_transposed(const ns_csc *a, const double *x, double *y);
 
-/* Column j of a times x. */
+/* Column j of a times x; the sum of the sizes of its terms. */
 double ns_csc_dot(const ns_csc *a, int j, const double *x);
+double ns_csc_size(const ns_csc *a, int j, const double *x);
 
 #endif
