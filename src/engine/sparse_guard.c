@@ -260,7 +260,8 @@ static void look(const ns_sparse *m, const ns_leg *leg, search *s, int pair, int
         return;
     const double tol =
         pair >= 0 ? noise(m, pair, leg->xi, leg->dw, leg->g) : control_noise(m, command, leg->xi, leg->z);
-    const double at = crossing(s, G, tol + cut_off(G));
+    const double size = pair < 0 ? 0 : m->mode[pair] == NS_INSIDE ? m->most_lambda : m->most_y;
+    const double at = crossing(s, G, tol + cut_off(G) + m->o.reltol * size);
     if (at < f->at)
         *f = (found){at, pair, k, command};
 }

@@ -113,8 +113,8 @@ static double noise_of(const ns_sparse *m, const ns_leg *leg, size_t i) {
 }
 
 /* The error of the step of the whole length, as a multiple of what is allowed: b_9 D^9 w, guessed from the
- * two before. */
-static double error_of(ns_sparse *m, const ns_leg *leg, double *twice) {
+ * two before.  *ratio: how much of D^7 w is left in D^8 w, at most 1. */
+static double error_of(ns_sparse *m, const ns_leg *leg, double *ratio) {
     const size_t n = (size_t)m->f->n;
     const double *d8 = leg->dw + NS_ORDER * n, *d7 = d8 - n, most = take_scales(m, leg);
     const double little = m->o.reltol * ldexp(GROWTH / ERROR, -(NS_ORDER + 1));
@@ -127,13 +127,17 @@ static double error_of(ns_sparse *m, const ns_leg *leg, double *twice) {
         if (by > little * scale) /* it matters, unless it is rounding */
             by = fmax(0, by - noise_of(m, leg, i));
         if (!(by < INFINITY))
-            return *twice = INFINITY;
+            return INFINITY;
         last = fmax(last, by / scale);
         before = fmax(before, fabs(d7[i]) / scale);
     }
-    const double ratio = last < before ? last / before : 1, error = ERROR * last * ratio / m->o.reltol;
-    *twice = error * pow(2 / (1 + ratio), NS_ORDER + 1);
-    return error;
+    *ratio = last < before ? last / before : 1;
+    return ERROR * last * *ratio / m->o.reltol;
+}
+
+/* That of a step twice as long, where D, which is below 1, grows from d to 2 d / (1 + d). */
+static double of_twice(double error, double d) {
+    return error * pow(2 / (1 + d), NS_ORDER + 1);
 }
 
 static double length(const ns_sparse *m, int rung) {
@@ -148,12 +152,12 @@ static int choose_length(ns_sparse *m, ns_leg *leg, double room) {
         const int status = all_stages(m, leg);
         if (status != NS_OK)
             return status;
-        double twice;
-        const double whole = error_of(m, leg, &twice), share = fmin(1, room / leg->g / ERROR),
+        double ratio = 1;
+        const double whole = error_of(m, leg, &ratio), share = fmin(1, room / leg->g / ERROR),
                      error = whole * share;
         leg->next_rung = leg->rung;
         if (error <= 1 || leg->rung >= NS_LEAST_RUNG || tries >= NS_LEAST_RUNG) {
-            leg->next_rung -= leg->rung > 0 && twice < GROWTH;
+            leg->next_rung -= leg->rung > 0 && of_twice(whole, ratio) < GROWTH;
             if (whole > 1 && leg->next_rung < NS_LEAST_RUNG)
                 leg->next_rung++;
             return whole < INFINITY ? NS_OK : NS_E_OVERFLOW;

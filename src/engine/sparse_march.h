@@ -45,11 +45,11 @@ enum { NS_SHORT_RUNG = 16, NS_LEAST_RUNG = 44, NS_CROWD_OF_PAIR = 16, NS_STUCK =
 typedef enum ns_leg_end { NS_LEG_GOES_ON, NS_LEG_EVENT } ns_leg_end;
 
 typedef struct ns_leg {
-    double t, end_t; /* it holds from t to end_t, */
-    double end;      /* which is so much later */
-    double g;        /* Euler steps of its stages */
-    int rung, next_rung;
-    int stages; /* of xi that are known */
+    double t, end_t;     /* it holds from t to end_t, */
+    double end;          /* which is so much later */
+    double g;            /* Euler steps of its stages */
+    int rung, next_rung; /* of its length; to try after it */
+    int stages;          /* of xi that are known */
     ns_leg_end why;
     int pair, command; /* what breaks at the end, -1: none */
     int upper;         /* the upper bound of that pair's lambda did */

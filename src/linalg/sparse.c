@@ -11,12 +11,15 @@ static int grow(ns_entries *e) {
     const size_t room = 2 * e->room + 64;
     if (room > INT_MAX / 2)
         return 0;
-    int *row = realloc(e->row, room * sizeof *row);
-    e->row = row ? row : e->row;
-    int *column = realloc(e->column, room * sizeof *column);
-    e->column = column ? column : e->column;
-    double *value = realloc(e->value, room * sizeof *value);
-    e->value = value ? value : e->value;
+    void *row = realloc(e->row, room * sizeof *e->row);
+    if (row)
+        e->row = row;
+    void *column = realloc(e->column, room * sizeof *e->column);
+    if (column)
+        e->column = column;
+    void *value = realloc(e->value, room * sizeof *e->value);
+    if (value)
+        e->value = value;
     if (!row || !column || !value)
         return 0;
     e->room = room;

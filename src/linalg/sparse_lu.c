@@ -44,6 +44,7 @@ int ns_klu_create(int n, int *start, int *row, ns_klu **out) {
     k->row = row;
     if (n > 0) {
         (void)klu_defaults(&k->common);
+        k->common.scale = 1; /* by the sum of a row: full rows make bad pivots */
         k->symbolic = klu_analyze(n, start, row, &k->common);
         if (!k->symbolic || k->symbolic->structural_rank < n) {
             const int status = k->symbolic ? NS_E_SINGULAR : status_of(&k->common);
