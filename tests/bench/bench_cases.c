@@ -31,6 +31,7 @@
 #include "adapter.h"
 #include "report.h"
 #include "rival.h"
+#include "scaling.h"
 #include "siconos_run.h"
 
 enum { MOST_ROWS = 240, MOST_CASES = 32, IDLES = 5 };
@@ -262,7 +263,7 @@ static void subtract_idle(list *l) {
             l->row[i].time[k] = fmax(0.5e-3, l->row[i].other[k] - idle[l->row[i].kind]);
 }
 
-static void run_case(bench_case *c, const plan *p, duel *d) {
+static void run_case(bench_case *c, const plan *p, duel *d, scaling *s) {
     list l = {.row = room(MOST_ROWS * sizeof(row)), .todo = room(MOST_ROWS * sizeof(todo))};
     case_prepare(c);
     put_library(&l, p, c);
@@ -277,6 +278,8 @@ static void run_case(bench_case *c, const plan *p, duel *d) {
     report_table(c, l.count, l.row);
     report_duel(c, l.count, l.row, d);
     report_files(c, folder, l.count, l.row);
+    if (strncmp(c->name, "ladder", 6) == 0)
+        scaling_add(s, c, l.count, l.row);
     fflush(stdout);
     free(l.row);
     free(l.todo);
@@ -296,6 +299,7 @@ int main(int argc, char **argv) {
     plan p = {.quick = bench && strcmp(bench, "quick") == 0};
     bench_case c;
     duel duels[MOST_CASES];
+    static scaling ladders;
     int count = 0;
     p.rounds = p.quick ? 1 : 3;
     p.limit = p.quick ? 1 : 10;
@@ -307,9 +311,11 @@ int main(int argc, char **argv) {
         "errors: the largest over some instants and unknowns, relative to the largest right value of each\n");
     for (int i = 0; case_make(i, p.quick, &c); i++) {
         if (asked(&c, &p, argc - 1, argv + 1))
-            run_case(&c, &p, &duels[count++]);
+            run_case(&c, &p, &duels[count++], &ladders);
         case_free(&c);
     }
+    if (ladders.count > 0)
+        scaling_report(&ladders, folder);
     report_summary(count, duels);
     return 0;
 }

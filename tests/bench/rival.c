@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <math.h>
+#include <signal.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -91,7 +92,8 @@ static void run(const char *folder, double limit, rival_result *r) {
         must(NS_E_MEMORY);
     r->process = (double)(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
                  1e-6 * (double)(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
-    r->end = WIFSIGNALED(status) && r->process > 0.9 * limit ? RIVAL_TIMEOUT
+    const int killed = WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL);
+    r->end = killed                                          ? RIVAL_TIMEOUT
              : WIFEXITED(status) && WEXITSTATUS(status) == 0 ? RIVAL_DONE
                                                              : RIVAL_ABORTED;
 }
