@@ -56,7 +56,7 @@ const char *bench_engine_name(bench_engine e) {
 }
 
 int bench_has(bench_engine e, const bench_case *c) {
-    return e == BENCH_SPARSE || ((e == BENCH_THETA || e == BENCH_HALF) && !c->large);
+    return e == BENCH_SPARSE || (e != BENCH_AUTO && !c->large);
 }
 
 typedef struct model {
@@ -79,7 +79,7 @@ static int make_engine(const bench_case *c, bench_engine e, double setting, cons
         return status;
     }
     const double theta = e == BENCH_HALF ? 0.5 : 1;
-    const ns_march_options o = {theta, theta, c->unit * setting, 0};
+    const ns_march_options o = {theta, theta, c->unit * setting, 0, e == BENCH_FLIGHT ? NS_FLIGHT : NS_THETA};
     ns_march *march;
     const int status = ns_march_create(s, &o, &march, NULL);
     m->by = &march_driver;

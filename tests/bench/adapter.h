@@ -26,7 +26,8 @@ typedef struct bench_result {
 const char *bench_engine_name(bench_engine e);
 int bench_has(bench_engine e, const bench_case *c); /* it is there, and takes cases of this size */
 
-/* setting: of the theta schemes the step, in units of the case; of the others reltol. */
+/* setting: of the theta schemes (and of flight, where they step in) the step, in units of the case; of the
+ * others reltol. */
 void bench_run(const bench_case *c, bench_engine e, double setting, bench_result *out);
 
 #endif

@@ -77,7 +77,7 @@ static void put_library(list *l, const plan *p, const bench_case *c) {
         int before = -1;
         if (!bench_has((bench_engine)e, c))
             continue;
-        const int steps = e <= BENCH_HALF, count = p->quick ? 3 : 5;
+        const int steps = e <= BENCH_FLIGHT, count = p->quick ? 3 : 5;
         for (int k = 0; k < count; k++) {
             const double setting = steps ? pow(0.25, k + 2) : pow(10, -4 - 2 * k);
             before = put(l, ROW_LIBRARY, bench_engine_name((bench_engine)e),
