@@ -95,7 +95,7 @@ static result run_capture(const ns_system *s, double theta) {
 }
 
 static result run_march(const ns_system *s, double theta) {
-    const ns_march_options o = {theta, theta, h, 0};
+    const ns_march_options o = {.theta = theta, .gamma = theta, .h = h};
     ns_march *m;
     double reached, x[2];
     const double start = now();

@@ -245,7 +245,7 @@ static int start(bytes *b, ns_march *m, const ns_system *s) {
 /* The fault of a march that failed is in *fault. */
 static int march(bytes *b, const ns_system *s, ns_fault *fault) {
     const double h = b->h;
-    const ns_march_options o = {weight(b), weight(b), h, (size_t)1 << 16};
+    const ns_march_options o = {.theta = weight(b), .gamma = weight(b), .h = h, .map_bytes = (size_t)1 << 16};
     ns_march *m = NULL;
     double t = 0;
     int status = ns_march_create(s, &o, &m, fault);

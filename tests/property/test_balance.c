@@ -48,7 +48,7 @@ static buck make(const ns_switch *sw, const ns_diode *d) {
     assert_int_equal(ns_circuit_capacitor(b.c, "c1", 3, 0, C, 4.7, NULL), NS_OK);
     assert_int_equal(ns_circuit_resistor(b.c, "r1", 3, 0, R, NULL), NS_OK);
     assert_int_equal(ns_circuit_system(b.c, &b.s), NS_OK);
-    const ns_march_options o = {0.5, 0.5, dt, 0};
+    const ns_march_options o = {.theta = 0.5, .gamma = 0.5, .h = dt};
     assert_int_equal(ns_march_create(b.s, &o, &b.m, NULL), NS_OK);
     double w0[16];
     assert_int_equal(ns_circuit_rest(b.c, w0), NS_OK);

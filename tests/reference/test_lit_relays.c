@@ -80,7 +80,7 @@ static void its_instant_is_located(void **state) {
     (void)state;
     ns_system *s = one_relay();
     const double w0[1] = {1};
-    const ns_march_options o = {0.5, 0.5, 0.3, 0};
+    const ns_march_options o = {.theta = 0.5, .gamma = 0.5, .h = 0.3};
     ns_march *m;
     double t, x, lambda;
     assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_OK);
@@ -161,7 +161,7 @@ static void an_accumulation_is_passed_by_the_marcher(void **state) {
     (void)state;
     ns_system *s = twisting();
     const double w0[2] = {0, 1};
-    const ns_march_options o = {1, 1, 1e-3, 0};
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-3};
     ns_march *m;
     double t, x[2];
     assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_OK);

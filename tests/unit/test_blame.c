@@ -40,7 +40,7 @@ static bench open_bench(void) {
 /* What an operating point and a step from nothing are refused for begins with this. */
 static void assert_blames(bench *b, int blamed_for, const char *names) {
     static const double nothing[16];
-    const ns_march_options o = {1, 1, 1e-7, 0};
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-7};
     double reached;
     char line[256];
     assert_int_equal(ns_circuit_system(b->c, &b->s), NS_OK);
@@ -106,7 +106,7 @@ static void a_source_shorted(void **state) {
  */
 static void an_island_of_two_nodes(void **state) {
     static const double nothing[4];
-    const ns_march_options o = {1, 1, 1e-7, 0};
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-7};
     bench b = open_bench();
     double reached;
     (void)state;

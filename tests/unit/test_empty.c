@@ -62,7 +62,7 @@ static void by_theta(int n, int m, const ns_system *s) {
 }
 
 static void by_march(int n, int m, const ns_system *s) {
-    const ns_march_options o = {1, 1, 0.125, 0};
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 0.125};
     const double w0 = 1;
     double t, x, lambda, y;
     ns_march *a;

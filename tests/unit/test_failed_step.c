@@ -25,7 +25,7 @@ typedef struct bench {
  * There is a solution while source <= 0. */
 static bench across(double v0, double v1) {
     const double t[2] = {0, 1}, v[2] = {v0, v1};
-    const ns_march_options o = {1, 1, 0.125, 0};
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 0.125};
     ns_signal s = {.kind = NS_PWL};
     bench b = {0};
     s.u.pwl.n = 2;

@@ -15,7 +15,7 @@
 static const double pi = 3.14159265358979323846;
 
 static ns_march *marcher(const ns_system *s, double theta, double gamma, double h) {
-    const ns_march_options o = {theta, gamma, h, 0};
+    const ns_march_options o = {.theta = theta, .gamma = gamma, .h = h};
     ns_march *m;
     assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_OK);
     return m;
@@ -440,7 +440,7 @@ static void parallel_switches_share(void **state) {
 static void every_allocation_may_fail(void **state) {
     (void)state;
     ns_system *s = system_lc_bridge();
-    const ns_march_options o = {1, 1, 1e-6, 0};
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-6};
     for (long k = 1;; k++) {
         ns_march *m;
         double reached;

@@ -26,7 +26,7 @@ static bench open_bench(void) {
 }
 
 static void start_at(bench *b, double t0, double theta, double h) {
-    const ns_march_options o = {theta, theta, h, 0};
+    const ns_march_options o = {.theta = theta, .gamma = theta, .h = h};
     double w0[32];
     assert_int_equal(ns_circuit_system(b->c, &b->s), NS_OK);
     assert_true(b->s->n <= 32);
@@ -176,7 +176,7 @@ static void an_inductor_at_rest_takes_the_current(void **state) {
     bench b = open_bench();
     ns_signal v = {.kind = NS_DC}, on = {.kind = NS_DC};
     const ns_switch sw = {0.5, 0, 0, INFINITY};
-    const ns_march_options o = {1, 1, 1e-6, 0};
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-6};
     double x[8];
     int l;
     v.u.dc = 20;

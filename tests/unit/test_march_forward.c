@@ -25,7 +25,7 @@ static double v(int node) {
 }
 
 static void start(double theta, double h) {
-    const ns_march_options o = {theta, theta, h, 0};
+    const ns_march_options o = {.theta = theta, .gamma = theta, .h = h};
     double w0[16];
     assert_int_equal(ns_circuit_system(c, &s), NS_OK);
     assert_true(s->n <= 16);

@@ -21,7 +21,7 @@ static void a_floating_bridge_starts_to_conduct(void **state) {
     const double L1 = 150e-6, L2 = 400e-6, C = 68e-9, t = 1.5e-6, h = 1e-8;
     const double V = L2 / (L1 + L2), w = sqrt((1 / L1 + 1 / L2) / C),
                  expected = V * (t - sin(w * t) / w) / L2;
-    const ns_march_options o = {0.5, 0.5, h, 0};
+    const ns_march_options o = {.theta = 0.5, .gamma = 0.5, .h = h};
     ns_signal one = {.kind = NS_DC};
     ns_circuit *c;
     ns_system *s;

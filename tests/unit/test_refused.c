@@ -12,7 +12,7 @@
 #include "systems.h"
 
 static ns_march *march_of(const ns_system *s) {
-    const ns_march_options o = {1, 1, 0.1, 0};
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 0.1};
     ns_march *m;
     assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_OK);
     return m;
@@ -22,7 +22,7 @@ static void marchers_are_not_made(void **state) {
     (void)state;
     ns_system *s = system_decay();
     ns_march *m = NULL;
-    ns_march_options o = {1, 1, 0.1, 0};
+    ns_march_options o = {.theta = 1, .gamma = 1, .h = 0.1};
     assert_int_equal(ns_march_create(s, &o, NULL, NULL), NS_E_NULL);
     assert_int_equal(ns_march_create(NULL, &o, &m, NULL), NS_E_NULL);
     assert_int_equal(ns_march_create(s, NULL, &m, NULL), NS_E_NULL);

@@ -202,7 +202,7 @@ static void closed_of(const ns_march *m, unsigned char *closed) {
 }
 
 static void by_marching(const ns_system *s, double h, flips *f) {
-    const ns_march_options o = {1, 1, h, 0};
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = h};
     const double w0 = 0;
     ns_march *m;
     double t = 0;
