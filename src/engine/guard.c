@@ -34,7 +34,7 @@ int ns_guard_count(const ns_theta *s, const ns_mode *mode) {
 void ns_guard_fill(const ns_theta *s, ns_map *map, int k) {
     const int n = s->s->n, m = s->s->m;
     const double *lambda = map->full + (size_t)k * (size_t)(n + m) + n;
-    double *row = map->step + (size_t)k * (size_t)map->p + (map->p - map->guards);
+    double *row = map->step + (size_t)k * (size_t)map->p + map->guard;
     const int one = k == s->q - 1;
     for (int j = 0; j < m; j++) {
         if (map->mode[j] == NS_INSIDE) {
@@ -64,7 +64,7 @@ double ns_input_size(const ns_theta *s, const ns_map *map, int k) {
 
 /* Guard g is negative by more than rounding may be (or no number). */
 static int broke(const ns_theta *s, const ns_map *map, int g, double tol) {
-    const double guard = s->out[map->p - map->guards + g];
+    const double guard = s->out[map->guard + g];
     if (guard >= 0)
         return 0;
     double size = 0;

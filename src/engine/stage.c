@@ -145,7 +145,7 @@ static void fill_rates(const ns_theta *s, const ns_map *map, const ns_bench *b) 
 static void fill_pair_rows(const ns_theta *s, const ns_map *map, int rows, const ns_bench *b) {
     for (int k = 0; k < s->q; k++)
         for (int g = 0; g < map->guards; g++) {
-            b->rows[g + k * rows] = map->step[(map->p - map->guards + g) + k * map->p];
+            b->rows[g + k * rows] = map->step[(map->guard + g) + k * map->p];
             b->noise[g + k * rows] = map->noise[g + k * map->guards];
         }
 }

@@ -13,12 +13,13 @@
 typedef struct ns_map ns_map;
 struct ns_map {
     double h;
-    int implicit;       /* 1: theta = gamma = 1 in this map */
-    int p;              /* rows of step: w (r), d (r if carried), controls (nc), guards */
-    int guards;         /* how many guards: the last rows of step; each must be >= 0 */
-    double *step;       /* p*q */
-    double *full;       /* (n+m)*q: x, lambda */
-    double *noise;      /* guards*q: the rounding of each guard, by input, in units of eps */
+    int implicit;  /* 1: theta = gamma = 1 in this map */
+    int p;         /* rows of step: w (r), d (r if carried), controls (nc), guards; even, the last may be 0 */
+    int guards;    /* how many guards, each must be >= 0, */
+    int guard;     /* and the row of the first */
+    double *step;  /* p*q */
+    double *full;  /* (n+m)*q: x, lambda */
+    double *noise; /* guards*q: the rounding of each guard, by input, in units of eps */
     double *rate_noise; /* r*q if d is carried: the same of d */
     ns_mode *mode;      /* m */
     size_t bytes;
@@ -59,13 +60,15 @@ struct ns_theta {
     int has_trial;
     double trial_h;
     int trial_implicit;
+    int trial_stands;    /* its mode is that of the accepted point; else */
     ns_mode *trial_mode; /* m */
     double *trial_in;    /* q */
     double *out;         /* p at most: r + r + nc + 2m */
     ns_map *trial_map;
     /* maps */
     ns_cache cache;
-    ns_map *recent[NS_RECENT]; /* maps of `mode`, found by the exponent of h */
+    ns_map *recent[NS_RECENT]; /* maps of `mode`, found by the exponent of h, */
+    ns_map *last;              /* the one taken last; NULL: none */
     /* work */
     ns_lu *lu;
     ns_mlcp_solver *mlcp;

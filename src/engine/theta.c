@@ -34,7 +34,7 @@ static int allocate(ns_theta *s) {
     s->in = ns_vector(q, &failed);
     s->at = ns_vector(n + m, &failed);
     s->trial_in = ns_vector(q, &failed);
-    s->out = ns_vector(2 * n + nc + 2 * m, &failed);
+    s->out = ns_vector(2 * n + nc + 2 * m + 2, &failed);
     s->K = ns_vector(all * all, &failed);
     s->X = ns_vector(all * q, &failed);
     s->R = ns_vector(2 * all * q, &failed);
@@ -137,6 +137,7 @@ int ns_theta_fail(ns_theta *s, int status) {
 
 void ns_theta_forget_recent(ns_theta *s) {
     memset(s->recent, 0, sizeof s->recent);
+    s->last = NULL;
 }
 
 /* The mode that stands for "nothing known": at the finite bound nearest to zero, inside if there is none. */

@@ -1,6 +1,8 @@
 /* src/engine/trial.c - one step, tried and accepted. */
 #include "stepper.h"
 
+#include "../linalg/lanes.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -25,39 +27,39 @@ int ns_theta_map(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_ma
 }
 
 static int recent_map(ns_theta *s, double h, int implicit, ns_map **out) {
+    *out = s->last;
+    if (*out && (*out)->h == h && (*out)->implicit == implicit)
+        return NS_OK;
     ns_map **slot = &s->recent[(unsigned)(2 * ilogb(h) + implicit) % NS_RECENT];
     if (*slot && (*slot)->h == h && (*slot)->implicit == implicit) {
-        *out = *slot;
+        s->last = *out = *slot;
         return NS_OK;
     }
     const int status = ns_theta_map(s, h, implicit, s->mode, out);
     if (status == NS_OK)
-        s->recent[(unsigned)(2 * ilogb(h) + implicit) % NS_RECENT] = *out;
+        s->last = *slot = *out;
     return status;
 }
 
 static void fill_inputs(ns_theta *s, double h, const double *z, int implicit) {
-    for (int i = 0; i < s->r; i++)
-        s->trial_in[i] = implicit ? s->w[i] : s->w[i] + h * s->d[i]; /* eta */
-    for (int k = 0; k < s->s->nz; k++)
-        s->trial_in[s->r + k] = z[k];
-    s->trial_in[s->q - 1] = 1;
+    const int r = s->r, nz = s->s->nz;
+    double *in = s->trial_in;
+    ns_copy_few(r, s->w, in);
+    for (int i = 0; !implicit && i < r; i++)
+        in[i] += h * s->d[i]; /* eta */
+    ns_copy_few(nz, z, in + r);
+    in[r + nz] = 1;
 }
 
 /* Of the inputs too: a sine that grows is infinite some day. */
 static int finite_state(const ns_theta *s) {
-    double sum = 0;
-    for (int k = s->r; k < s->q; k++)
-        sum += s->trial_in[k];
-    for (int i = 0; i < s->r; i++)
-        sum += s->out[i];
-    return isfinite(sum);
+    return ns_sums_finite(s->s->nz, s->trial_in + s->r) && ns_sums_finite(s->r, s->out);
 }
 
 /* The map is taken: its outputs become the trial if the guards hold.  OK or GUARD. */
 static int apply(ns_theta *s, ns_map *map, double tol) {
     ns_matvec(map->p, s->q, map->step, s->trial_in, s->out);
-    if (!ns_guards_hold(s, map, tol))
+    if (!ns_none_negative(map->guards, s->out + map->guard) && !ns_guards_hold(s, map, tol))
         return NS_GUARD;
     s->trial_map = map;
     s->trial_h = map->h;
@@ -121,14 +123,15 @@ int ns_theta_try(ns_theta *s, double h, const double *z, int implicit, ns_policy
     int status = recent_map(s, h, implicit, &map);
     if (status == NS_OK)
         status = apply(s, map, while_it_stands);
-    if (status == NS_OK)
-        memcpy(s->trial_mode, s->mode, (size_t)s->s->m);
-    else if (status != NS_GUARD && status != NS_E_SINGULAR)
-        return ns_theta_fail(s, status);
-    else if (policy == NS_HOLD)
-        return NS_GUARD;
-    else if ((status = resolve(s, h, implicit)) != NS_OK)
-        return ns_theta_fail(s, status);
+    s->trial_stands = status == NS_OK;
+    if (!s->trial_stands) {
+        if (status != NS_GUARD && status != NS_E_SINGULAR)
+            return ns_theta_fail(s, status);
+        if (policy == NS_HOLD)
+            return NS_GUARD;
+        if ((status = resolve(s, h, implicit)) != NS_OK)
+            return ns_theta_fail(s, status);
+    }
     if (!finite_state(s)) {
         s->has_trial = 0;
         return ns_theta_fail(s, NS_E_OVERFLOW);
@@ -141,17 +144,18 @@ int ns_theta_accept(ns_theta *s) {
         return NS_E_NULL;
     if (!s->has_trial)
         return NS_E_STATE;
-    ns_rate_noise(s, s->trial_map);
-    memcpy(s->w, s->out, sizeof(double) * (size_t)s->r);
     if (s->carry)
-        memcpy(s->d, s->out + s->r, sizeof(double) * (size_t)s->r);
+        ns_rate_noise(s, s->trial_map);
+    ns_copy_few(s->r, s->out, s->w);
+    if (s->carry)
+        ns_copy_few(s->r, s->out + s->r, s->d);
     double *in = s->in;
     s->in = s->trial_in;
     s->trial_in = in;
     s->h = s->trial_h;
     s->implicit = s->trial_implicit;
     s->jumped = 0;
-    if (memcmp(s->mode, s->trial_mode, (size_t)s->s->m) != 0) {
+    if (!s->trial_stands && memcmp(s->mode, s->trial_mode, (size_t)s->s->m) != 0) {
         memcpy(s->mode, s->trial_mode, (size_t)s->s->m);
         s->counts.events++;
         ns_theta_forget_recent(s);

@@ -1,4 +1,4 @@
-/* src/linalg/dense.c - LU factors through LAPACK; small matrix-vector products. */
+/* src/linalg/dense.c - LU factors through LAPACK; what arrays of numbers need. */
 #include "dense.h"
 
 #include <lapacke.h>
@@ -226,23 +226,6 @@ double ns_lu_largest(const ns_lu *f, const double *x) {
     return most;
 }
 
-/* Four rows at a time: the sums stay in registers while the columns go by. */
-static void rows_of_four(int p, int q, const double *restrict a, const double *restrict x,
-                         double *restrict y) {
-    double s0 = y[0], s1 = y[1], s2 = y[2], s3 = y[3];
-    for (int j = 0; j < q; j++, a += p) {
-        double xj = x[j];
-        s0 += a[0] * xj;
-        s1 += a[1] * xj;
-        s2 += a[2] * xj;
-        s3 += a[3] * xj;
-    }
-    y[0] = s0;
-    y[1] = s1;
-    y[2] = s2;
-    y[3] = s3;
-}
-
 double *ns_vector(size_t count, int *failed) {
     double *v = calloc(count ? count : 1, sizeof(double));
     *failed |= !v;
@@ -295,24 +278,4 @@ void ns_exchange(int p, int q, double *T, int row, int col, double cancelled) {
     for (int r = 0; r < p; r++)
         e[r] /= pivot;
     e[row] = 1.0 / pivot;
-}
-
-void ns_matvec_add(int p, int q, const double *a, const double *x, double *y) {
-    int i = 0;
-    if (q == 0)
-        return;
-    for (; i + 4 <= p; i += 4)
-        rows_of_four(p, q, a + i, x, y + i);
-    for (; i < p; i++) {
-        double s = y[i];
-        for (int j = 0; j < q; j++)
-            s += a[(size_t)i + (size_t)j * (size_t)p] * x[j];
-        y[i] = s;
-    }
-}
-
-void ns_matvec(int p, int q, const double *a, const double *x, double *y) {
-    for (int i = 0; i < p; i++)
-        y[i] = 0.0;
-    ns_matvec_add(p, q, a, x, y);
 }

@@ -1,0 +1,52 @@
+/* src/linalg/lanes.h - two numbers in one register, where the compiler knows vectors; one where it does not.
+ */
+#ifndef NS_LANES_H
+#define NS_LANES_H
+
+#if defined(__GNUC__)
+typedef double ns_lanes __attribute__((vector_size(16), aligned(8), may_alias));
+typedef long long ns_lane_flags __attribute__((vector_size(16)));
+static inline int ns_lanes_all(ns_lane_flags f) {
+    return (f[0] & f[1]) != 0;
+}
+#else
+typedef double ns_lanes;
+typedef int ns_lane_flags;
+static inline int ns_lanes_all(ns_lane_flags f) {
+    return f;
+}
+#endif
+enum { NS_LANES = sizeof(ns_lanes) / sizeof(double) };
+
+/* 1 if all of x (n) are 0 or more, 0 if one is not, or is no number. */
+static inline int ns_none_negative(int n, const double *x) {
+    const ns_lanes none = {0};
+    ns_lane_flags all = none >= none;
+    int i = 0;
+    for (; i + NS_LANES <= n; i += NS_LANES)
+        all &= *(const ns_lanes *)(x + i) >= none;
+    return ns_lanes_all(all) && !(i < n && !(x[i] >= 0));
+}
+
+/* y = x, of a few (n). */
+static inline void ns_copy_few(int n, const double *x, double *y) {
+    int i = 0;
+    for (; i + NS_LANES <= n; i += NS_LANES)
+        *(ns_lanes *)(y + i) = *(const ns_lanes *)(x + i);
+    if (i < n)
+        y[i] = x[i];
+}
+
+/* 1 if sums of x (n) are finite, and so all of x. */
+static inline int ns_sums_finite(int n, const double *x) {
+    const ns_lanes none = {0};
+    ns_lanes sum = none;
+    int i = 0;
+    for (; i + NS_LANES <= n; i += NS_LANES)
+        sum += *(const ns_lanes *)(x + i);
+    if (i < n)
+        sum += x[i];
+    return ns_lanes_all(sum - sum == none); /* NaN where it is not */
+}
+
+#endif
