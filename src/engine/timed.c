@@ -35,9 +35,9 @@ static void take_curve(ns_timed *c, double factor, const ns_signal *s) {
         x->after *= factor;
         x->cc *= factor;
         x->cs *= factor;
-        const double size = wave[k].theta < 0 ? INFINITY : hypot(x->cc, x->cs);
-        widen(c, fmin(x->before, x->after - size), fmax(x->before, x->after + size));
-        c->term[c->terms++] = (ns_timed_term){*x, wave[k]};
+        const double size = hypot(x->cc, x->cs), most = wave[k].theta < 0 ? INFINITY : size;
+        widen(c, fmin(x->before, x->after - most), fmax(x->before, x->after + most));
+        c->term[c->terms++] = (ns_timed_term){*x, wave[k], size};
     }
 }
 
@@ -147,7 +147,7 @@ int ns_timed_create(const ns_system *s, int command, const ns_pieces *pieces, ns
             take_line(c, k->gz[i], &pieces[i]);
         else if (k->gz[i] != 0)
             take_curve(c, k->gz[i], &s->z[i]);
-    return c->lines == 1 && c->terms == 0 ? tabulate(c) : NS_OK;
+    return c->lines == 1 && c->terms == 0 && c->line->run.line ? tabulate(c) : NS_OK;
 }
 
 void ns_timed_free(ns_timed *c) {

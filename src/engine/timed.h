@@ -25,6 +25,7 @@ typedef struct ns_timed_line {
 typedef struct ns_timed_term {
     ns_wave_term term; /* times its factor */
     ns_wave wave;
+    double size; /* |(cc, cs)| */
 } ns_timed_term;
 
 /* What piece i does to a switch in one state. */

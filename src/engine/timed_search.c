@@ -26,9 +26,9 @@ static void add_wave(const ns_timed_term *x, double t, double later, ns_timed_va
     v->g += term;
     v->size += fabs(term);
     v->slope += x->term.cs * (omega * c - theta * s) - x->term.cc * (omega * s + theta * c);
-    double bend = hypot(x->term.cc, x->term.cs) * hypot(c, s) * (omega * omega + theta * theta);
-    if (theta < 0)
-        bend *= exp(-theta * (later - t));
+    double bend = x->size * (omega * omega + theta * theta);
+    if (theta != 0) /* largest here if it decays */
+        bend *= exp(-theta * ((theta < 0 ? later : t) - x->wave.td));
     v->bend += bend;
 }
 

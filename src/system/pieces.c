@@ -1,7 +1,6 @@
 /* src/system/pieces.c - a broken line piece by piece, and walking along it. */
 #include "system/pieces.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -18,16 +17,15 @@ static ns_piece piece_from(const ns_line *g, int i) {
 
 /* Of points at the same time the last counts; one at the end of the period is the first of the next. */
 static void cut(const ns_line *g, ns_pieces *p) {
-    const double first = g->t[g->from], last = g->period * (1 - 8 * DBL_EPSILON);
-    for (int i = 0; i < g->n && g->t[i] - first < last && isfinite(g->t[i]); i++) {
+    for (int i = 0; i < g->n && !(g->t[i] - g->first >= g->last) && isfinite(g->t[i]); i++) {
         if (i + 1 < g->n && g->t[i + 1] == g->t[i])
             continue;
         p->piece[++p->n] = piece_from(g, i);
-        if (p->from == 0 && g->t[i] >= first)
+        if (p->from == 0 && g->t[i] >= g->first)
             p->from = p->n;
     }
     p->piece[0] = (ns_piece){p->piece[1].t, g->v[0], 0, g->v[0]};
-    p->piece[p->n + 1] = (ns_piece){first, g->v[g->n - 1], 0, g->v[g->n - 1]};
+    p->piece[p->n + 1] = (ns_piece){g->first, g->v[g->n - 1], 0, g->v[g->n - 1]};
 }
 
 /* Whether anything happens in a repetition. */
@@ -43,7 +41,7 @@ static int changes(const ns_pieces *p) {
 int ns_pieces_create(const ns_signal *s, ns_pieces *p) {
     const double level = s->kind == NS_DC ? s->u.dc : 0, start = 0;
     ns_pulse_points points;
-    ns_line g = {1, &start, &level, 0, INFINITY, 0, INFINITY};
+    ns_line g = {1, &start, &level, 0, INFINITY, 0, INFINITY, 0, NAN};
     (void)ns_signal_line(s, &points, &g);
     *p = (ns_pieces){.origin = g.origin, .cycles = g.cycles};
     p->piece = calloc((size_t)g.n + 2, sizeof *p->piece);

@@ -13,10 +13,6 @@
 
 #include "system/signal_internal.h"
 
-double ns_signal_slack(double t, double origin) {
-    return 8 * DBL_EPSILON * fmax(fabs(t), fabs(origin));
-}
-
 /* From (t0,v0) to (t1,v1), held outside. */
 static double between(double t, double t0, double v0, double t1, double v1) {
     if (t <= t0) {
@@ -25,11 +21,16 @@ static double between(double t, double t0, double v0, double t1, double v1) {
     return t >= t1 ? v1 : v0 + (v1 - v0) * ((t - t0) / (t1 - t0));
 }
 
+/* From here on a point is at the end of a period. */
+static double end_of(double period) {
+    return isinf(period) ? NAN : period * (1 - 8 * DBL_EPSILON);
+}
+
 /* SPICE's PULSE as a broken line; a pulse longer than its period is cut off there and jumps back. */
 static ns_line pulse_line(const ns_signal *s, ns_pulse_points *p) {
     double v1 = s->u.pulse.v1, v2 = s->u.pulse.v2, per = s->u.pulse.per;
     double top = s->u.pulse.tr, fall = top + s->u.pulse.pw, end = fall + s->u.pulse.tf;
-    ns_line g = {4, p->t, p->v, s->u.pulse.td, per, 0, INFINITY};
+    ns_line g = {4, p->t, p->v, s->u.pulse.td, per, 0, INFINITY, 0, end_of(per)};
     if (s->u.pulse.cycles > 0) {
         g.cycles = s->u.pulse.cycles;
     }
@@ -50,49 +51,67 @@ static ns_line pulse_line(const ns_signal *s, ns_pulse_points *p) {
 static ns_line pwl_line(const ns_signal *s) {
     int n = s->u.pwl.n;
     const double *t = s->u.pwl.t;
-    ns_line g = {n, t, s->u.pwl.v, s->u.pwl.td, INFINITY, 0, INFINITY};
+    ns_line g = {n, t, s->u.pwl.v, s->u.pwl.td, INFINITY, 0, INFINITY, t[0], NAN};
     if (!isnan(s->u.pwl.repeat)) {
         g.period = t[n - 1] - s->u.pwl.repeat;
         while (g.from + 1 < n && t[g.from + 1] <= s->u.pwl.repeat) {
             g.from++; /* the last of equal times: what holds to the right of the jump */
         }
+        g.first = t[g.from];
+        g.last = end_of(g.period);
     }
     return g;
 }
 
-/* A point at the end of a period is the first of the next one, to the last bit. */
-static double at(const ns_line *g, double k, int i) {
-    double t = g->t[i], first = g->t[g->from];
+/* Where repetition k and the next begin, less the origin. */
+typedef struct turn {
+    double here, next;
+} turn;
+
+static turn turn_of(const ns_line *g, double k) {
     if (isinf(g->period)) {
-        return g->origin + t;
+        return (turn){0, 0};
     }
-    if (t - first >= g->period * (1 - 8 * DBL_EPSILON)) {
-        return g->origin + ((k + 1) * g->period + first);
+    return (turn){k * g->period, (k + 1) * g->period + g->first};
+}
+
+/* A point at the end of a period is the first of the next one, to the last bit. */
+static double at(const ns_line *g, turn r, int i) {
+    double t = g->t[i];
+    return g->origin + (t - g->first >= g->last ? r.next : r.here + t);
+}
+
+/* floor(x), which may be a call. */
+static double whole(double x) {
+    if (!(fabs(x) < 1e15)) {
+        return floor(x);
     }
-    return g->origin + (k * g->period + t);
+    double cut = (double)(long long)x;
+    return cut > x ? cut - 1 : cut;
 }
 
 /* The repetition that t lies in. */
 static double repetition(const ns_line *g, double t) {
-    double k;
+    double k, most = g->cycles - 1;
     if (isinf(g->period)) {
         return 0;
     }
-    k = floor((t - g->origin - g->t[g->from]) / g->period);
-    if (at(g, k, g->from) > t) {
+    k = whole((t - g->origin - g->first) / g->period);
+    if (g->origin + (k * g->period + g->first) > t) {
         k -= 1;
-    } else if (at(g, k + 1, g->from) <= t) {
+    } else if (g->origin + ((k + 1) * g->period + g->first) <= t) {
         k += 1;
     }
-    return fmax(0, fmin(k, g->cycles - 1));
+    k = k < most ? k : most;
+    return k > 0 ? k : 0;
 }
 
 /* The last point of repetition k at or before t, -1 if there is none. */
-static int point_before(const ns_line *g, double k, double t) {
+static int point_before(const ns_line *g, double k, turn r, double t) {
     int low = k > 0 ? g->from : 0, high = g->n;
     while (low < high) {
         int middle = low + (high - low) / 2;
-        if (at(g, k, middle) <= t) {
+        if (at(g, r, middle) <= t) {
             low = middle + 1;
         } else {
             high = middle;
@@ -104,19 +123,20 @@ static int point_before(const ns_line *g, double k, double t) {
 static double line_value(const ns_line *g, double t, ns_side side) {
     double d = ns_signal_slack(t, g->origin), beside = side == NS_LEFT ? t - d : t + d;
     double k = repetition(g, beside);
-    int i = point_before(g, k, beside);
+    turn r = turn_of(g, k);
+    int i = point_before(g, k, r, beside);
     if (i < 0) {
         return g->v[0];
     }
     if (i + 1 == g->n) {
         return g->v[i];
     }
-    return between(t, at(g, k, i), g->v[i], at(g, k, i + 1), g->v[i + 1]);
+    return between(t, at(g, r, i), g->v[i], at(g, r, i + 1), g->v[i + 1]);
 }
 
 static double line_next(const ns_line *g, double t) {
     double after = t + ns_signal_slack(t, g->origin), k = repetition(g, after);
-    int i = point_before(g, k, after);
+    int i = point_before(g, k, turn_of(g, k), after);
     for (int tries = 0; tries < 4; tries++) { /* more than two only where a period is within rounding of 0 */
         double corner;
         if (++i >= g->n) {
@@ -126,7 +146,7 @@ static double line_next(const ns_line *g, double t) {
         if (k > 0 && (isinf(g->period) || k >= g->cycles)) {
             return INFINITY;
         }
-        corner = at(g, k, i);
+        corner = at(g, turn_of(g, k), i);
         if (corner > after) {
             return corner;
         }

@@ -2,6 +2,9 @@
 #ifndef NS_SIGNAL_INTERNAL_H
 #define NS_SIGNAL_INTERNAL_H
 
+#include <float.h>
+#include <math.h>
+
 #include "nonsmooth/signal.h"
 
 /* PULSE and PWL as broken lines: points (t[i], v[i]), those from `from` on repeated, point i of repetition k
@@ -13,6 +16,8 @@ typedef struct ns_line {
     double period; /* INFINITY: once */
     int from;      /* first point that repeats */
     double cycles; /* how often, INFINITY: no limit */
+    double first;  /* t[from], */
+    double last;   /* and a point this much later or more is the first of the next repetition; NAN: none */
 } ns_line;
 
 typedef struct ns_pulse_points {
@@ -23,7 +28,10 @@ typedef struct ns_pulse_points {
 int ns_signal_line(const ns_signal *s, ns_pulse_points *p, ns_line *g);
 
 /* Times nearer to each other than this, a few roundings, are the same. */
-double ns_signal_slack(double t, double origin);
+static inline double ns_signal_slack(double t, double origin) {
+    const double a = fabs(t), b = fabs(origin);
+    return 8 * DBL_EPSILON * (a > b ? a : b);
+}
 
 /* Why a parameter was refused: "<parameter> = <value> <must>[ = <than>]". */
 typedef struct ns_refusal {

@@ -41,7 +41,11 @@ int ns_wave_terms(const ns_signal *s, ns_wave_term *term, ns_wave *wave, double 
 
 void ns_wave_at(const ns_wave *w, double t, double *c, double *s) {
     const double since = t - w->td, size = w->theta != 0 ? exp(-w->theta * since) : 1;
-    const double turns = w->freq * since, angle = 2 * pi * (turns - floor(turns));
-    *c = w->freq != 0 ? size * cos(angle) : size;
-    *s = w->freq != 0 ? size * sin(angle) : 0;
+    *c = size;
+    *s = 0;
+    if (w->freq != 0) {
+        const double turns = w->freq * since, angle = 2 * pi * (turns - floor(turns));
+        *c = size * cos(angle);
+        *s = size * sin(angle);
+    }
 }
