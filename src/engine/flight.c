@@ -308,6 +308,15 @@ static int leap(ns_flight *f, double t, ns_until until, int *stuck, int *stop) {
     return turn(f, broke, stuck);
 }
 
+/* The scheme has the next event, and more if that was not enough. */
+static void ground(ns_flight *f) {
+    const double h = f->m->h, least = ldexp(h, 2 - NS_EVENT_RUNG);
+    const int again = f->t - f->grounded < h;
+    f->rest = f->crowd > NS_PILE ? h : again ? fmin(h, 4 * f->rest) : least;
+    f->grounded = f->t + f->rest;
+    f->crowd = 0;
+}
+
 int ns_flight_go(ns_flight *f, double t, ns_until until) {
     ns_march *m = f->m;
     int status = load(f), stuck = 0, stop = 0;
@@ -324,9 +333,7 @@ int ns_flight_go(ns_flight *f, double t, ns_until until) {
     if (status != NS_OK)
         return ns_march_fail(m, status);
     deposit(f);
-    if (stuck) {
-        f->grounded = f->t + m->h;
-        f->crowd = 0;
-    }
+    if (stuck)
+        ground(f);
     return NS_OK;
 }

@@ -65,7 +65,8 @@ struct ns_flight {
     /* where it is */
     ns_flight_mode *at;
     double t, since;   /* since: the last discontinuity */
-    double grounded;   /* not before this time again */
+    double grounded;   /* not before this time again, */
+    double rest;       /* which is this much after it was stuck */
     double event_t;    /* the last event, */
     int crowd;         /* and how many in a row came at once after another */
     double *X;       /* q: w, v */

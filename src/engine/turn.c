@@ -87,14 +87,17 @@ static int breaks(const ns_flight *f, const ns_flight_mode *mode, int g, const d
     return 2;
 }
 
-/* Whether the mode holds from here on; proven: where nothing can tell, it does. */
-static int holds(ns_flight *f, const ns_flight_mode *k, int proven) {
+/* Who says that a mode holds: nobody, (P1) over a short step, the impulse problem. */
+typedef enum ns_word { NS_NOBODY, NS_STEP, NS_IMPULSES } ns_word;
+
+/* Whether the mode holds from here on.  Where nothing can tell, it does if somebody says so. */
+static int holds(ns_flight *f, const ns_flight_mode *k, ns_word word) {
     const ns_stage *stage = k->level[0].stage;
-    if (jump(f, stage) && !proven && !impulses_fit(f, stage))
+    if (jump(f, stage) && word != NS_IMPULSES && !impulses_fit(f, stage))
         return 0;
     for (int g = 0; g < stage->pair_rows; g++) {
         const int is = breaks(f, k, g, f->next);
-        if (is == 1 || (is == 2 && !proven))
+        if (is == 1 || (is == 2 && word == NS_NOBODY))
             return 0;
     }
     return 1;
@@ -147,12 +150,12 @@ static void command(ns_flight *f) {
 }
 
 /* The mode in f->want, if it holds. */
-static int try_wanted(ns_flight *f, int proven) {
+static int try_wanted(ns_flight *f, ns_word word) {
     ns_flight_mode *k;
     const int status = ns_flight_find(f, f->want, &k);
     if (status != NS_OK)
         return status == NS_E_MEMORY ? status : NS_GUARD;
-    if (!holds(f, k, proven))
+    if (!holds(f, k, word))
         return NS_GUARD;
     take(f, k);
     return NS_OK;
@@ -161,7 +164,7 @@ static int try_wanted(ns_flight *f, int proven) {
 static int try_followers(ns_flight *f) {
     for (int i = 0; i < NS_FOLLOWERS && f->at->follower[i]; i++) {
         ns_flight_mode *k = f->at->follower[i];
-        if (k != f->at && same_commands(f, k->mode, f->want) && holds(f, k, 0)) {
+        if (k != f->at && same_commands(f, k->mode, f->want) && holds(f, k, NS_NOBODY)) {
             take(f, k);
             return NS_OK;
         }
@@ -205,7 +208,7 @@ static int propose(ns_flight *f) {
         int status = ns_problem_solve(s, ldexp(f->m->h, rungs[i]), 1, 0);
         if (status == NS_OK) {
             memcpy(f->want, s->trial_mode, (size_t)s->s->m);
-            status = try_wanted(f, 0);
+            status = try_wanted(f, NS_STEP);
         }
         if (status == NS_OK || status == NS_E_MEMORY)
             return status;
@@ -221,18 +224,18 @@ static int prove(ns_flight *f) {
     if (status != NS_OK)
         return status == NS_E_MEMORY ? status : NS_GUARD;
     memcpy(f->want, f->to.mode, (size_t)f->m->s->m);
-    return try_wanted(f, 1);
+    return try_wanted(f, NS_IMPULSES);
 }
 
 static int turn_once(ns_flight *f, int natural) {
     int status = NS_GUARD;
     command(f);
     if (!natural) /* nothing but inputs and commands may have changed */
-        status = try_wanted(f, 0);
+        status = try_wanted(f, NS_NOBODY);
     if (status == NS_GUARD)
         status = try_followers(f);
     if (status == NS_GUARD && flip_broken(f))
-        status = try_wanted(f, 0);
+        status = try_wanted(f, NS_NOBODY);
     if (status != NS_GUARD)
         return status;
     command(f);
