@@ -75,7 +75,7 @@ static void jump_rates(ns_theta *s, const double *x, const double *lambda, const
 
 /* w to the right of a jump, row i: M x (x may be the small differences of large voltages) or what was there
  * and the impulses (J1), from the smaller terms. */
-static double jump_w(const ns_theta *s, int i, const double *x, const double *X, const double *Lambda) {
+double ns_theta_jump_w(const ns_theta *s, int i, const double *x, const double *X, const double *Lambda) {
     const int n = s->s->n;
     double held = 0, moved = s->w[i], held_terms = 0, moved_terms = fabs(s->w[i]);
     add_row(n, n, i, s->M, x, &held, &held_terms);
@@ -89,7 +89,7 @@ void ns_theta_jump(ns_theta *s, const ns_impulse *jump, const double *z) {
     memcpy(s->at, jump->x, sizeof(double) * n);
     memcpy(s->at + n, jump->lambda, sizeof(double) * m);
     for (int i = 0; i < s->r; i++)
-        s->w[i] = jump_w(s, i, jump->x, jump->X, jump->Lambda);
+        s->w[i] = ns_theta_jump_w(s, i, jump->x, jump->X, jump->Lambda);
     memcpy(s->in, s->w, sizeof(double) * r);
     ns_copy((size_t)s->s->nz, z, s->in + r);
     s->in[s->q - 1] = 1;

@@ -46,7 +46,7 @@ static ns_stage *create(const ns_theta *s, const ns_exo *e, const ns_mode *mode)
     k->rows = k->pair_rows + control_rows(s->s);
     const size_t q = (size_t)k->q, r = (size_t)k->r, rows = (size_t)k->rows;
     const size_t all = (size_t)s->s->n + (size_t)s->s->m;
-    const size_t count = q * (all + (NS_ORDER + 1) * r + (NS_ORDER + 3) * rows) + all * (size_t)e->mutes;
+    const size_t count = q * (all + (NS_ORDER + 1) * r + (NS_ORDER + 4) * rows) + all * (size_t)e->mutes;
     k->row = calloc(rows + 1, sizeof *k->row);
     k->xi = calloc(count + 1, sizeof *k->xi);
     if (!k->row || !k->xi) {
@@ -57,7 +57,8 @@ static ns_stage *create(const ns_theta *s, const ns_exo *e, const ns_mode *mode)
     k->coef = k->series + NS_ORDER * r * q;
     k->value = k->coef + NS_ORDER * rows * q;
     k->rate = k->value + rows * q;
-    k->noise = k->rate + rows * q;
+    k->bend = k->rate + rows * q;
+    k->noise = k->bend + rows * q;
     k->step = k->noise + rows * q;
     k->bytes = sizeof *k + count * sizeof(double) + rows * sizeof *k->row;
     name_pair_rows(s, mode, k->row);
@@ -215,14 +216,16 @@ static void fill_guards_now(ns_stage *k) {
     for (int j = 0; j < k->q; j++)
         for (int g = 0; g < k->rows; g++) {
             const double *c = k->coef + g + (size_t)j * (size_t)(NS_ORDER * k->rows);
-            double value = 0, rate = 0;
+            double value = 0, rate = 0, bend = 0;
             for (int i = NS_ORDER - 1; i >= 0; i--) {
                 const double term = i % 2 ? -c[i * k->rows] : c[i * k->rows];
                 value += term;
                 rate -= i * term;
+                bend += i * (i - 1) / 2 * term;
             }
             k->value[g + j * k->rows] = value;
             k->rate[g + j * k->rows] = rate / k->g;
+            k->bend[g + j * k->rows] = bend / (k->g * k->g);
         }
 }
 

@@ -28,7 +28,8 @@ typedef struct ns_stage {
     double *series;    /* (8 r)*q: D^1 ... D^8, the part that acts on w */
     double *coef;      /* (8 rows)*q: the guards of the images D^0 ... D^7 */
     double *value;     /* rows*q: the guards now, (E1) at tau = 0, */
-    double *rate;      /* rows*q: and their rates */
+    double *rate;      /* rows*q: their rates, */
+    double *bend;      /* rows*q: and the rates of those */
     double *noise;     /* rows*q: their rounding, by input, in units of eps */
     double *step;      /* r*q: X -> w after h */
     size_t bytes;

@@ -137,6 +137,8 @@ void ns_theta_take_rates(ns_theta *s);
 /* past.c: the accepted point becomes the right side of a jump from it, at inputs z (nz).  Of jump: x, lambda,
  * X, Lambda, mode. */
 void ns_theta_jump(ns_theta *s, const ns_impulse *jump, const double *z);
+/* past.c: w there, row i; s has it before the jump. */
+double ns_theta_jump_w(const ns_theta *s, int i, const double *x, const double *X, const double *Lambda);
 
 /* impulse.c: ns_theta_impulse(), but what the laws leave open of values is as near to open (n+m: x, lambda)
  * as it can be (NULL: to zero).  *jumps: there are impulses. */

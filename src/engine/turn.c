@@ -13,6 +13,8 @@
 static const double still = 1e-12;
 /* D^8 beside D, of what is slow: far less. */
 static const double slow = 1e-6;
+/* And what may be left of what was fast. */
+static const double faint = 1e-9;
 /* An impulse of the wrong sign beside the largest. */
 static const double impulse_tol = 1e-9;
 /* One that adds less than this over the stage is none. */
@@ -72,17 +74,35 @@ static double row_of(const ns_stage *k, const double *rows, int g, const double 
     return sum;
 }
 
-/* Guard g is about to break, as its value and rate at X say: 1; to hold: 0; 2: cannot tell.  What rounding hides
- * from a short stage a longer one may see: what is fast will have died out by then. */
+/* What is too fast for this stage has died out at X. */
+static int calm(const ns_flight *f, const ns_stage *k, const double *X) {
+    const int ld = NS_ORDER * k->r;
+    for (int i = 0; i < k->r; i++) {
+        double fast = 0;
+        for (int j = 0; j < k->q; j++)
+            fast += k->series[(size_t)(ld - k->r + i) + (size_t)j * (size_t)ld] * X[j];
+        if (fabs(fast) > faint * f->most[i])
+            return 0;
+    }
+    return 1;
+}
+
+/* Guard g is about to break, as its value, rate and the rate of that say at X: 1; to hold: 0; 2: cannot tell.
+ * What rounding hides from a short stage a longer one may see. */
 static int breaks(const ns_flight *f, const ns_flight_mode *mode, int g, const double *X) {
     for (int i = 0; i < mode->levels; i++) {
         const ns_stage *k = mode->level[i].stage;
         const double tol = ns_watch_noise(f, k, g), value = row_of(k, k->value, g, X);
+        if (i > 0 && !calm(f, k, X))
+            break;
         if (fabs(value) > tol)
             return value < 0;
         const double rate = row_of(k, k->rate, g, X);
         if (fabs(rate) * k->g > 8 * tol)
             return rate < 0;
+        const double bend = row_of(k, k->bend, g, X);
+        if (fabs(bend) * k->g * k->g > 64 * tol)
+            return bend < 0;
     }
     return 2;
 }
@@ -90,17 +110,20 @@ static int breaks(const ns_flight *f, const ns_flight_mode *mode, int g, const d
 /* Who says that a mode holds: nobody, (P1) over a short step, the impulse problem. */
 typedef enum ns_word { NS_NOBODY, NS_STEP, NS_IMPULSES } ns_word;
 
+typedef enum ns_holding { NS_NOT, NS_HOLDS, NS_JUMPS } ns_holding; /* JUMPS: at this instant, and no longer */
+
 /* Whether the mode holds from here on.  Where nothing can tell, it does if somebody says so. */
-static int holds(ns_flight *f, const ns_flight_mode *k, ns_word word) {
+static ns_holding holds(ns_flight *f, const ns_flight_mode *k, ns_word word) {
     const ns_stage *stage = k->level[0].stage;
-    if (jump(f, stage) && word != NS_IMPULSES && !impulses_fit(f, stage))
-        return 0;
+    const int jumps = jump(f, stage);
+    if (jumps && word != NS_IMPULSES && !impulses_fit(f, stage))
+        return NS_NOT;
     for (int g = 0; g < stage->pair_rows; g++) {
         const int is = breaks(f, k, g, f->next);
         if (is == 1 || (is == 2 && word == NS_NOBODY))
-            return 0;
+            return jumps && word == NS_STEP ? NS_JUMPS : NS_NOT;
     }
-    return 1;
+    return NS_HOLDS;
 }
 
 static void remember(ns_flight_mode *from, ns_flight_mode *to) {
@@ -149,22 +172,24 @@ static void command(ns_flight *f) {
     ns_theta_set_bounds(f->s);
 }
 
-/* The mode in f->want, if it holds. */
-static int try_wanted(ns_flight *f, ns_word word) {
+/* The mode in f->want, if it holds.  *on: it was there for a jump only, and the search goes on from behind it. */
+static int try_wanted(ns_flight *f, ns_word word, int *on) {
     ns_flight_mode *k;
     const int status = ns_flight_find(f, f->want, &k);
     if (status != NS_OK)
         return status == NS_E_MEMORY ? status : NS_GUARD;
-    if (!holds(f, k, word))
+    const ns_holding is = holds(f, k, word);
+    if (is == NS_NOT)
         return NS_GUARD;
     take(f, k);
+    *on = is == NS_JUMPS;
     return NS_OK;
 }
 
 static int try_followers(ns_flight *f) {
     for (int i = 0; i < NS_FOLLOWERS && f->at->follower[i]; i++) {
         ns_flight_mode *k = f->at->follower[i];
-        if (k != f->at && same_commands(f, k->mode, f->want) && holds(f, k, NS_NOBODY)) {
+        if (k != f->at && same_commands(f, k->mode, f->want) && holds(f, k, NS_NOBODY) == NS_HOLDS) {
             take(f, k);
             return NS_OK;
         }
@@ -197,7 +222,7 @@ static void inputs(ns_flight *f) {
 }
 
 /* The modes that (P1) has over short steps. */
-static int propose(ns_flight *f) {
+static int propose(ns_flight *f, int *on) {
     static const int rungs[] = {-NS_EVENT_RUNG, -10, -30};
     ns_theta *s = f->s;
     for (int i = 0; i < 3; i++) {
@@ -208,7 +233,7 @@ static int propose(ns_flight *f) {
         int status = ns_problem_solve(s, ldexp(f->m->h, rungs[i]), 1, 0);
         if (status == NS_OK) {
             memcpy(f->want, s->trial_mode, (size_t)s->s->m);
-            status = try_wanted(f, NS_STEP);
+            status = try_wanted(f, NS_STEP, on);
         }
         if (status == NS_OK || status == NS_E_MEMORY)
             return status;
@@ -216,34 +241,40 @@ static int propose(ns_flight *f) {
     return NS_GUARD;
 }
 
-/* The impulse problem proves its mode: what cannot be told of it by values and rates is so. */
+/* The impulse problem proves its mode, and has the jump. */
 static int prove(ns_flight *f) {
-    int jumps;
-    memcpy(f->s->w, f->X, sizeof(double) * (size_t)f->s->r);
-    const int status = ns_impulse_solve(f->s, f->z, f->slope, NULL, &f->to, &jumps);
+    ns_theta *s = f->s;
+    const size_t bytes = sizeof(double) * (size_t)s->r;
+    int jumps, on;
+    memcpy(s->w, f->X, bytes);
+    int status = ns_impulse_solve(s, f->z, f->slope, NULL, &f->to, &jumps);
     if (status != NS_OK)
         return status == NS_E_MEMORY ? status : NS_GUARD;
+    for (int i = 0; jumps && i < s->r; i++)
+        f->X[i] = ns_theta_jump_w(s, i, f->to.x, f->to.X, f->to.Lambda);
     memcpy(f->want, f->to.mode, (size_t)f->m->s->m);
-    return try_wanted(f, NS_IMPULSES);
+    status = try_wanted(f, NS_IMPULSES, &on);
+    if (status != NS_OK)
+        memcpy(f->X, s->w, bytes);
+    return status;
 }
 
-static int turn_once(ns_flight *f, int natural) {
+static int turn_once(ns_flight *f, int natural, int *on) {
     int status = NS_GUARD;
+    *on = 0;
     command(f);
     if (!natural) /* nothing but inputs and commands may have changed */
-        status = try_wanted(f, NS_NOBODY);
+        status = try_wanted(f, NS_NOBODY, on);
     if (status == NS_GUARD)
         status = try_followers(f);
     if (status == NS_GUARD && flip_broken(f))
-        status = try_wanted(f, NS_NOBODY);
+        status = try_wanted(f, NS_NOBODY, on);
     if (status != NS_GUARD)
         return status;
     command(f);
     inputs(f);
-    status = propose(f);
-    if (status == NS_GUARD)
-        status = prove(f);
-    return status;
+    status = propose(f, on);
+    return status == NS_GUARD ? prove(f) : status;
 }
 
 /* Commands by the state that are beyond their thresholds, or about to be, into m->flip; how many. */
@@ -260,19 +291,26 @@ static int contradicted(ns_flight *f) {
     return count;
 }
 
-/* A switch may make another one switch; a set of them that finds no rest is for others. */
+/* A switch may make another one switch, and so may a jump; a set of them that finds no rest is for others. */
 int ns_turn(ns_flight *f, int natural) {
+    enum { JUMPS = 4 };
     ns_flight_mode *const was = f->at;
-    const size_t q = (size_t)(f->s->r + f->exo->nv);
-    int status = NS_OK;
+    const size_t q = (size_t)(f->s->r + f->exo->nv), nc = (size_t)f->m->s->nc;
+    int status = NS_GUARD, on = 0;
     memcpy(f->left, f->X, sizeof(double) * q);
-    for (int round = 0; round <= 2 * f->m->s->nc + 1; round++) {
-        status = turn_once(f, natural && round == 0);
-        if (status != NS_OK || !contradicted(f))
+    for (int round = 0; round <= 2 * f->m->s->nc + JUMPS; round++) {
+        status = turn_once(f, natural || on, &on);
+        if (status != NS_OK)
+            break;
+        if (on)
+            memset(f->m->flip, 0, nc);
+        else if (!contradicted(f))
             break;
         status = NS_GUARD;
+        natural = 0;
     }
-    memset(f->m->flip, 0, (size_t)f->m->s->nc);
+    for (size_t c = 0; c < nc; c++)
+        f->m->flip[c] = 0;
     if (status == NS_OK)
         return status;
     memcpy(f->X, f->left, sizeof(double) * q);
