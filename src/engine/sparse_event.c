@@ -119,7 +119,7 @@ static int make_consistent(ns_sparse *m, double t, double g, double *by) {
     const int status = ns_euler(m, t, ldexp(g, -SHORTER), m->w, 1, m->v, by);
     for (int i = 0; i < m->f->n && status == NS_OK; i++)
         m->w[i] += by[i];
-    return status;
+    return status == NS_E_SINGULAR ? NS_OK : status;
 }
 
 /* A pair that changes often in the time of a step chatters, or its events pile up: Euler steps for a while.

@@ -8,9 +8,9 @@
 /* Leaks, relative to what is around them: how switches share a current is good to eps over that; each round
  * of refinement leaves that share of their effect. */
 static const double leak_share = 1e-4;
-enum { LEAK_ROUNDS = 5 };
-/* What the last round may still move where the equations hold. */
-static const double contradiction = 1e-9;
+enum { LEAK_ROUNDS = 30 };
+/* What a round moves that is the last one; what it may still move where it gets no better. */
+static const double rounding = 1e-14, contradiction = 1e-9;
 
 int ns_modal_create(const ns_form *f, size_t limit, ns_modal **out) {
     *out = NULL;
@@ -173,16 +173,21 @@ static int solve_leaky(ns_modal *q, const ns_kept *k, const double *r, double *v
     memcpy(rest, r, sizeof(double) * (size_t)size);
     memset(v, 0, sizeof(double) * (size_t)size);
     for (int round = 0; round < LEAK_ROUNDS; round++) {
+        const double before = left;
         memcpy(by, rest, sizeof(double) * (size_t)size);
         ns_klu_solve(q->klu, k->factors, 1, by);
-        for (int i = 0; i < size; i++)
+        left = most = 0;
+        for (int i = 0; i < size; i++) {
             v[i] += by[i];
+            left = fmax(left, fabs(by[i]));
+            most = fmax(most, fabs(v[i]));
+        }
+        if (left <= rounding * most)
+            return NS_OK;
+        if (round > 1 && left > 0.5 * before) /* leaks by the round: no answer */
+            break;
         memcpy(rest, r, sizeof(double) * (size_t)size);
         ns_form_subtract(q->f, k->g, k->mode, v, rest);
-    }
-    for (int i = 0; i < size; i++) { /* an answer that leaks by the round is none */
-        left = fmax(left, fabs(by[i]));
-        most = fmax(most, fabs(v[i]));
     }
     if (left <= contradiction * most)
         return NS_OK;

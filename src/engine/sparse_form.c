@@ -33,8 +33,9 @@ static int take_dense(const ns_system *s, ns_large *a) {
 }
 
 static void let_go(ns_large *a) {
-    ns_csc *const all[] = {&a->M, &a->A, &a->B, &a->C, &a->D, &a->E, &a->F, &a->gx, &a->gz};
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+    enum { COUNT = 9 };
+    ns_csc *const all[COUNT] = {&a->M, &a->A, &a->B, &a->C, &a->D, &a->E, &a->F, &a->gx, &a->gz};
+    for (int i = 0; i < COUNT; i++)
         ns_csc_free(all[i]);
 }
 
@@ -225,8 +226,9 @@ int ns_form_create(const ns_system *s, int at_rest, ns_form **out) {
 void ns_form_free(ns_form *f) {
     if (!f)
         return;
-    ns_csc *const all[] = {&f->K, &f->Mt, &f->At, &f->Ct, &f->E, &f->F, &f->Ft, &f->gx, &f->gz, &f->Tt};
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+    enum { COUNT = 10 };
+    ns_csc *const all[COUNT] = {&f->K, &f->Mt, &f->At, &f->Ct, &f->E, &f->F, &f->Ft, &f->gx, &f->gz, &f->Tt};
+    for (int i = 0; i < COUNT; i++)
         ns_csc_free(all[i]);
     free(f->KA);
     free(f->held);
@@ -235,22 +237,39 @@ void ns_form_free(ns_form *f) {
     free(f);
 }
 
-/* The largest conductance at the ends of pair j, g times it counting for capacitors; 1 S where there is none.
- */
-static double conductance_at(const ns_form *f, double g, int j) {
+/* The conductance at row i, g times it counting for capacitors. */
+static double conductance_at(const ns_form *f, double g, int i) {
     double most = 0;
+    for (int l = f->Mt.start[i]; l < f->Mt.start[i + 1]; l++)
+        if (f->Mt.row[l] == i)
+            most = fmax(most, fabs(f->Mt.value[l]) / g);
+    for (int l = f->At.start[i]; l < f->At.start[i + 1]; l++)
+        if (f->At.row[l] == i)
+            most = fmax(most, fabs(f->At.value[l]));
+    return most;
+}
+
+/* The larger and the smaller one at the ends of pair j; 1 S where there is none. */
+static void conductances(const ns_form *f, double g, int j, double *most, double *least) {
+    *most = 0;
+    *least = INFINITY;
     for (int k = f->K.start[f->n + j]; k < f->K.start[f->n + j + 1]; k++) {
-        const int i = f->K.row[k];
-        if (i >= f->n)
-            continue;
-        for (int l = f->Mt.start[i]; l < f->Mt.start[i + 1]; l++)
-            if (f->Mt.row[l] == i)
-                most = fmax(most, fabs(f->Mt.value[l]) / g);
-        for (int l = f->At.start[i]; l < f->At.start[i + 1]; l++)
-            if (f->At.row[l] == i)
-                most = fmax(most, fabs(f->At.value[l]));
+        const double at = f->K.row[k] < f->n ? conductance_at(f, g, f->K.row[k]) : 0;
+        *most = fmax(*most, at);
+        *least = at > 0 ? fmin(*least, at) : *least;
     }
-    return most > 0 ? most : 1;
+    if (!(*most > 0))
+        *most = *least = 1;
+}
+
+/* Beside what is there a leak across an open pair is small, and so is a resistance in series with a closed
+ * one: what to add to lambda in its row for each y, or to y for each lambda. */
+static double leak_of(const ns_form *f, double g, int j, int inside, double share) {
+    double most, least;
+    if (!(share > 0))
+        return 0;
+    conductances(f, g, j, &most, &least);
+    return inside ? share / most : share * least;
 }
 
 static int is_held(const ns_form *f, int i) {
@@ -266,9 +285,9 @@ void ns_form_values(const ns_form *f, double g, const ns_mode *mode, double shar
             else if (i < f->n)
                 value[k] = f->K.value[k] - ns_form_rate(f, g, i) * f->KA[k];
             else if (mode[i - f->n] == NS_INSIDE)
-                value[k] = f->KA[k] + (share > 0 && i == j ? share / conductance_at(f, g, j - f->n) : 0);
+                value[k] = f->KA[k] + (i == j ? leak_of(f, g, i - f->n, 1, share) : 0);
             else
-                value[k] = (i == j) + (share > 0 ? share * conductance_at(f, g, i - f->n) * f->KA[k] : 0);
+                value[k] = (i == j) + (share > 0 ? leak_of(f, g, i - f->n, 0, share) * f->KA[k] : 0);
         }
 }
 

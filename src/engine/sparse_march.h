@@ -116,7 +116,7 @@ int ns_guard_broken(ns_sparse *m, const double *v, const double *w,
                     double g); /* only marks them in m->flip */
 int ns_guard_flip(ns_sparse *m, const double *v, const double *w, double g);
 int ns_guard_commands(ns_sparse *m, const double *v);
-void ns_guard_set(ns_sparse *m, int pair, int upper); /* flips one pair */
+void ns_guard_set(ns_sparse *m, int j, int upper); /* flips one pair */
 
 /* sparse_event.c: commands of time change that do so at t, or have to; m->mode such that an Euler step of
  * length g from w holds; v gets its end. */
