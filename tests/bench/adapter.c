@@ -79,7 +79,10 @@ static int make_engine(const bench_case *c, bench_engine e, double setting, cons
         return status;
     }
     const double theta = e == BENCH_HALF ? 0.5 : 1;
-    const ns_march_options o = {theta, theta, c->unit * setting, 0, e == BENCH_FLIGHT ? NS_FLIGHT : NS_THETA};
+    const ns_march_options o = {.theta = theta,
+                                .gamma = theta,
+                                .h = c->unit * setting,
+                                .method = e == BENCH_FLIGHT ? NS_FLIGHT : NS_THETA};
     ns_march *march;
     const int status = ns_march_create(s, &o, &march, NULL);
     m->by = &march_driver;

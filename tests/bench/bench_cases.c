@@ -77,9 +77,9 @@ static void put_library(list *l, const plan *p, const bench_case *c) {
         int before = -1;
         if (!bench_has((bench_engine)e, c))
             continue;
-        const int steps = e <= BENCH_FLIGHT, count = p->quick ? 3 : 5;
+        const int steps = e <= BENCH_FLIGHT, count = e == BENCH_FLIGHT ? 1 : p->quick ? 3 : 5;
         for (int k = 0; k < count; k++) {
-            const double setting = steps ? pow(0.25, k + 2) : pow(10, -4 - 2 * k);
+            const double setting = steps ? pow(0.25, k + (e == BENCH_FLIGHT ? 3 : 2)) : pow(10, -4 - 2 * k);
             before = put(l, ROW_LIBRARY, bench_engine_name((bench_engine)e),
                          (todo){.engine = (bench_engine)e, .setting = setting, .coarser = before});
             snprintf(l->row[before].setting, sizeof l->row->setting, steps ? "unit/%.0f" : "reltol %.0e",
