@@ -15,7 +15,7 @@ static int allocate(ns_flight *f) {
     const ns_system *y = f->m->s;
     const size_t n = (size_t)y->n, m = (size_t)y->m, nz = (size_t)y->nz, r = (size_t)f->s->r;
     const size_t rows = 2 * m + (size_t)y->nc, q = r + (size_t)f->exo->nv;
-    const size_t all = 3 * (q + (size_t)f->exo->mutes) + r + NS_ORDER * (r + rows) + (NS_SAMPLES + 1) * rows + 2 * rows + 2 * nz;
+    const size_t all = 4 * (q + (size_t)f->exo->mutes) + r + NS_ORDER * (r + rows) + (NS_SAMPLES + 1) * rows + 2 * rows + 2 * nz;
     f->block = calloc(all + 2 * (n + m) + 1, sizeof *f->block);
     f->want = calloc(2 * m + 1, sizeof *f->want);
     f->closed = calloc(2 * (size_t)y->nc + 1, sizeof *f->closed);
@@ -23,9 +23,9 @@ static int allocate(ns_flight *f) {
         return NS_E_MEMORY;
     f->flip = f->closed + y->nc;
     f->X = f->block;
-    f->next = f->X + q + f->exo->mutes;
-    f->left = f->next + q + f->exo->mutes;
-    f->most = f->left + q + f->exo->mutes;
+    f->next = f->X + q + (size_t)f->exo->mutes;
+    f->left = f->next + q + (size_t)f->exo->mutes;
+    f->most = f->left + 2 * (q + (size_t)f->exo->mutes);
     f->series = f->most + r;
     f->coef = f->series + NS_ORDER * r;
     f->guards = f->coef + NS_ORDER * rows;
@@ -122,6 +122,26 @@ static int load(ns_flight *f) {
         f->most[i] = fmax(f->most[i], fabs(f->X[i]));
     if (!f->m->live.at_event)
         ns_turn_settle(f);
+    return NS_OK;
+}
+
+int ns_flight_settle(ns_flight *f) {
+    ns_march *m = f->m;
+    int jumps;
+    f->t = m->live.t;
+    f->to_t = -INFINITY; /* seek */
+    f->grounded = -INFINITY;
+    seek(f);
+    read_inputs(f);
+    ns_turn_inputs(f);
+    const int status = ns_impulse_solve(f->s, f->z, f->slope, NULL, &f->to, &jumps);
+    if (status != NS_OK)
+        return status;
+    ns_theta_jump(f->s, &f->to, f->z);
+    ns_copy((size_t)m->s->nz, f->z, m->z);
+    ns_control_set(m, f->to.x);
+    m->live.since = f->t;
+    m->counts.jumps += jumps;
     return NS_OK;
 }
 

@@ -72,7 +72,8 @@ struct ns_flight {
     double *X;       /* q: w, v */
     double *most;    /* r: the largest |w| so far */
     /* work */
-    double *next, *left; /* q */
+    double *next;    /* q */
+    double *left;    /* 2 q */
     double *series;  /* 8 r */
     double *coef;    /* 8 (2 m + nc) */
     double *guards;  /* (NS_SAMPLES+1) (2 m + nc) */
@@ -115,6 +116,8 @@ double ns_watch_noise(const ns_flight *f, const ns_stage *stage, int g);
 int ns_turn(ns_flight *f, int natural);
 /* turn.c: X freed of what the constraints of its mode do not allow: rounding. */
 void ns_turn_settle(ns_flight *f);
+/* turn.c: inputs at t+ into z, their slopes into slope. */
+void ns_turn_inputs(ns_flight *f);
 
 /* flight.c: made, freed (NULL is allowed).  Errors: MEMORY. */
 int ns_flight_create(ns_march *m, ns_flight **out);
@@ -122,6 +125,8 @@ void ns_flight_free(ns_flight *f);
 /* From the accepted point of m->step at m->live on to t, or to the first event, as far as it can: it stops before
  * what it cannot resolve, and stays on the ground for a while.  Errors: MEMORY. */
 int ns_flight_go(ns_flight *f, double t, ns_until until);
+/* The consistent state at m->live.t, with m->step just started: in no time.  Errors: those of the impulse problem. */
+int ns_flight_settle(ns_flight *f);
 /* 1 if it has nothing to say at m->live. */
 int ns_flight_grounded(const ns_flight *f);
 

@@ -1,5 +1,5 @@
 /* src/engine/start.c - a consistent start: from charges and fluxes, or from the DC operating point. */
-#include "marcher.h"
+#include "flight.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -38,6 +38,8 @@ static int settle(ns_march *m, double t0, const double *w0) {
     int status = ns_theta_start(m->step, w0, m->closed);
     if (status != NS_OK)
         return ns_march_fail(m, status);
+    if (m->flight && ns_flight_settle(m->flight) == NS_OK)
+        return NS_OK;
     const double h = ns_short_step(m);
     ns_jump_watch(m);
     status = ns_short_try(m, h); /* the jump, */

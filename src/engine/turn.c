@@ -209,8 +209,7 @@ static int flip_broken(ns_flight *f) {
     return any;
 }
 
-/* Inputs at t+ and their slopes. */
-static void inputs(ns_flight *f) {
+void ns_turn_inputs(ns_flight *f) {
     const int nz = f->m->s->nz;
     const double *v = f->X + f->s->r;
     ns_system_inputs(f->m->s, f->t, NS_RIGHT, f->z);
@@ -272,7 +271,7 @@ static int turn_once(ns_flight *f, int natural, int *on) {
     if (status != NS_GUARD)
         return status;
     command(f);
-    inputs(f);
+    ns_turn_inputs(f);
     status = propose(f, on);
     return status == NS_GUARD ? prove(f) : status;
 }
