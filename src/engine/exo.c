@@ -131,7 +131,8 @@ static int begun(double t, double from) {
 static double wave_at(const ns_exo_state *is, double t) {
     if (!begun(t, is->from))
         return 0;
-    const double phase = is->omega * (t - is->from), size = is->decay == 0 ? 1 : exp(-is->decay * (t - is->from));
+    const double phase = is->omega * (t - is->from),
+                 size = is->decay == 0 ? 1 : exp(-is->decay * (t - is->from));
     return is->kind == NS_EXO_DECAY ? size : size * (is->kind == NS_EXO_COS ? cos(phase) : sin(phase));
 }
 

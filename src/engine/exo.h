@@ -1,15 +1,22 @@
 /* src/engine/exo.h - the inputs as states of their own: z = Z v, v' = S v between corners.
  *
- * v_0 = 1.  A broken line that enters the circuit adds its value and, if it has ramps, its slope; a sine a pair
- * exp((-theta + i omega)(t - td)), which all sines of that frequency, damping and delay share; an exponential
- * one state each way.  Inputs that only drive commands as functions of time add nothing.
+ * v_0 = 1.  A broken line that enters the circuit adds its value and, if it has ramps, its slope; a sine a
+ * pair exp((-theta + i omega)(t - td)), which all sines of that frequency, damping and delay share; an
+ * exponential one state each way.  Inputs that only drive commands as functions of time add nothing.
  */
 #ifndef NS_EXO_H
 #define NS_EXO_H
 
 #include "nonsmooth/system.h"
 
-typedef enum ns_exo_kind { NS_EXO_ONE, NS_EXO_VALUE, NS_EXO_SLOPE, NS_EXO_DECAY, NS_EXO_COS, NS_EXO_SIN } ns_exo_kind;
+typedef enum ns_exo_kind {
+    NS_EXO_ONE,
+    NS_EXO_VALUE,
+    NS_EXO_SLOPE,
+    NS_EXO_DECAY,
+    NS_EXO_COS,
+    NS_EXO_SIN
+} ns_exo_kind;
 
 typedef struct ns_exo_state {
     ns_exo_kind kind;

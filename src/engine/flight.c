@@ -15,7 +15,8 @@ static int allocate(ns_flight *f) {
     const ns_system *y = f->m->s;
     const size_t n = (size_t)y->n, m = (size_t)y->m, nz = (size_t)y->nz, r = (size_t)f->s->r;
     const size_t rows = 2 * m + (size_t)y->nc, q = r + (size_t)f->exo->nv;
-    const size_t all = 4 * (q + (size_t)f->exo->mutes) + r + NS_ORDER * (r + rows) + (NS_SAMPLES + 1) * rows + 2 * rows + 2 * nz;
+    const size_t all = 4 * (q + (size_t)f->exo->mutes) + r + NS_ORDER * (r + rows) + (NS_SAMPLES + 1) * rows +
+                       2 * rows + 2 * nz;
     f->block = calloc(all + 2 * (n + m) + 1, sizeof *f->block);
     f->want = calloc(2 * m + 1, sizeof *f->want);
     f->closed = calloc(2 * (size_t)y->nc + 1, sizeof *f->closed);

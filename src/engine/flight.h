@@ -11,8 +11,8 @@
 #include "schedule.h"
 #include "stage.h"
 
-/* Samples of the guards in a leg, its longest length with guards and without, in h 2^k; legs of recurring lengths
- * that a level keeps; levels of a mode; modes that follow one. */
+/* Samples of the guards in a leg, its longest length with guards and without, in h 2^k; legs of recurring
+ * lengths that a level keeps; levels of a mode; modes that follow one. */
 enum { NS_SAMPLES = 8, NS_GUARDED = 5, NS_UNGUARDED = 40, NS_KEPT = 16, NS_LEVELS = 4, NS_FOLLOWERS = 8 };
 
 /* A step of one length inside a mode: P takes X to w, `advance` takes v to v, `sample` gives the guards at
@@ -64,25 +64,25 @@ struct ns_flight {
     long clock;
     /* where it is */
     ns_flight_mode *at;
-    double t, since;   /* since: the last discontinuity */
-    double grounded;   /* not before this time again, */
-    double rest;       /* which is this much after it was stuck */
-    double event_t;    /* the last event, */
-    int crowd;         /* and how many in a row came at once after another */
+    double t, since; /* since: the last discontinuity */
+    double grounded; /* not before this time again, */
+    double rest;     /* which is this much after it was stuck */
+    double event_t;  /* the last event, */
+    int crowd;       /* and how many in a row came at once after another */
     double *X;       /* q: w, v */
     double *most;    /* r: the largest |w| so far */
     /* work */
-    double *next;    /* q */
-    double *left;    /* 2 q */
-    double *series;  /* 8 r */
-    double *coef;    /* 8 (2 m + nc) */
-    double *guards;  /* (NS_SAMPLES+1) (2 m + nc) */
+    double *next;                 /* q */
+    double *left;                 /* 2 q */
+    double *series;               /* 8 r */
+    double *coef;                 /* 8 (2 m + nc) */
+    double *guards;               /* (NS_SAMPLES+1) (2 m + nc) */
     double *value, *rate, *noise; /* 2 m + nc */
-    double *z, *slope; /* nz */
+    double *z, *slope;            /* nz */
     unsigned char *closed, *flip; /* nc */
     unsigned char *acting;        /* nz: inputs that anything depends on */
-    ns_mode *want;   /* m */
-    ns_impulse to;   /* its arrays follow in one block */
+    ns_mode *want;                /* m */
+    ns_impulse to;                /* its arrays follow in one block */
     double *block;
 };
 
@@ -110,9 +110,9 @@ int ns_watch_near(ns_flight *f, const ns_level *level, double tau, double *when)
 /* What guard g may be off by at X. */
 double ns_watch_noise(const ns_flight *f, const ns_stage *stage, int g);
 
-/* turn.c: the mode from here on, where a guard broke (natural), or commands in m->flip (nc) changed and inputs
- * jumped or turned; X moves if the state jumps.  m->flip is cleared.  OK, GUARD: found none, nothing is changed;
- * MEMORY. */
+/* turn.c: the mode from here on, where a guard broke (natural), or commands in m->flip (nc) changed and
+ * inputs jumped or turned; X moves if the state jumps.  m->flip is cleared.  OK, GUARD: found none, nothing
+ * is changed; MEMORY. */
 int ns_turn(ns_flight *f, int natural);
 /* turn.c: X freed of what the constraints of its mode do not allow: rounding. */
 void ns_turn_settle(ns_flight *f);
@@ -122,10 +122,11 @@ void ns_turn_inputs(ns_flight *f);
 /* flight.c: made, freed (NULL is allowed).  Errors: MEMORY. */
 int ns_flight_create(ns_march *m, ns_flight **out);
 void ns_flight_free(ns_flight *f);
-/* From the accepted point of m->step at m->live on to t, or to the first event, as far as it can: it stops before
- * what it cannot resolve, and stays on the ground for a while.  Errors: MEMORY. */
+/* From the accepted point of m->step at m->live on to t, or to the first event, as far as it can: it stops
+ * before what it cannot resolve, and stays on the ground for a while.  Errors: MEMORY. */
 int ns_flight_go(ns_flight *f, double t, ns_until until);
-/* The consistent state at m->live.t, with m->step just started: in no time.  Errors: those of the impulse problem. */
+/* The consistent state at m->live.t, with m->step just started: in no time.  Errors: those of the impulse
+ * problem. */
 int ns_flight_settle(ns_flight *f);
 /* 1 if it has nothing to say at m->live. */
 int ns_flight_grounded(const ns_flight *f);

@@ -117,7 +117,8 @@ static int build(ns_flight *f, ns_flight_mode *k) {
     double *room = malloc(sizeof *room * (2 * (size_t)r + 1));
     ns_rate *rate = malloc(sizeof *rate * ((size_t)all + 1));
     ns_stage *probe = NULL;
-    int status = room && rate ? ns_stage_build(f->s, f->exo, f->m->h / NS_POLE, k->mode, &probe) : NS_E_MEMORY;
+    int status =
+        room && rate ? ns_stage_build(f->s, f->exo, f->m->h / NS_POLE, k->mode, &probe) : NS_E_MEMORY;
     const int count = status == NS_OK ? list_rates(f, probe, rate, room, &status) : 0;
     if (status == NS_OK)
         status = add_levels(f, k, rate, count);

@@ -6,8 +6,8 @@
  *     (E2)  exp(tau G)   = sum_i b_i(tau/g) D^i,   b_0 = 1,  b_i = (-1)^i (L_i - L_{i-1})
  *
  * Cut off after NS_ORDER terms, with L_8(1/gamma) = 0, a step h = g/gamma is L-stable, of order 8, with
- * the error 2.7e-6 (h |G|)^9 (Norsett's restricted Pade approximation).  What E solves for, x and lambda, comes
- * along by (E1).
+ * the error 2.7e-6 (h |G|)^9 (Norsett's restricted Pade approximation).  What E solves for, x and lambda,
+ * comes along by (E1).
  */
 #ifndef NS_LAGUERRE_H
 #define NS_LAGUERRE_H

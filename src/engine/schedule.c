@@ -258,7 +258,8 @@ double ns_schedule_next(ns_schedule *s, double until) {
     enum { BLANKS = 1000000 }; /* then one of them is told */
     if (s->count == 0)
         return INFINITY;
-    for (int k = 0; k < BLANKS && s->heap[0].t <= until && is_blank(s, s->heap[0].id); k++)
+    for (int k = 0;
+         k < BLANKS && s->heap[0].t <= until && s->heap[0].t < INFINITY && is_blank(s, s->heap[0].id); k++)
         go_on(s, s->heap[0].id, s->heap[0].t);
     return s->heap[0].t <= until ? fmax(s->heap[0].t, s->now) : INFINITY;
 }

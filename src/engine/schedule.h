@@ -31,8 +31,8 @@ typedef struct ns_instant {
     const int *flip;  /* in no order */
 } ns_instant;
 
-/* s has to outlive the schedule and not to change.  acting (nz, or NULL): the inputs to take for those that enter.
- * Errors: NULL, MEMORY. */
+/* s has to outlive the schedule and not to change.  acting (nz, or NULL): the inputs to take for those that
+ * enter. Errors: NULL, MEMORY. */
 int ns_schedule_create(const ns_system *s, const unsigned char *acting, ns_schedule **out);
 void ns_schedule_free(ns_schedule *s); /* NULL is allowed */
 

@@ -98,8 +98,9 @@ typedef struct ns_bench {
 static int bench_create(const ns_stage *k, const ns_exo *e, ns_bench *b) {
     const size_t nv = (size_t)k->nv, inputs = (size_t)e->s->nz + 1, of = (size_t)k->r + inputs;
     b->inputs = (int)inputs;
-    b->in = calloc(2 * inputs * nv + nv * nv + ((size_t)k->r + 2 * (size_t)k->rows) * of + 2 * (size_t)k->q + 1,
-                   sizeof *b->in);
+    b->in =
+        calloc(2 * inputs * nv + nv * nv + ((size_t)k->r + 2 * (size_t)k->rows) * of + 2 * (size_t)k->q + 1,
+               sizeof *b->in);
     if (!b->in)
         return NS_E_MEMORY;
     b->size = b->in + inputs * nv;
@@ -180,8 +181,8 @@ static void fill_control_rows(const ns_theta *s, const ns_map *map, int first, i
 }
 
 /* Column j of p rows given by the inputs of the map; in: b->in or b->size. */
-static void to_column(const ns_stage *k, const ns_bench *b, const double *in, int j, int p, const double *from,
-                      double *to) {
+static void to_column(const ns_stage *k, const ns_bench *b, const double *in, int j, int p,
+                      const double *from, double *to) {
     if (p == 0)
         return;
     if (j < k->r) {
@@ -199,7 +200,8 @@ static void fill_images(ns_stage *k, const ns_bench *b, const double *D, const d
     x[j] = 1;
     for (int i = 0; i <= NS_ORDER; i++) {
         if (i > 0)
-            memcpy(k->series + (i - 1) * r + (size_t)j * (size_t)(NS_ORDER * r), x, sizeof(double) * (size_t)r);
+            memcpy(k->series + (i - 1) * r + (size_t)j * (size_t)(NS_ORDER * r), x,
+                   sizeof(double) * (size_t)r);
         if (i < NS_ORDER) {
             ns_matvec(rows, q, G, x, k->coef + i * rows + (size_t)j * (size_t)(NS_ORDER * rows));
             ns_matvec(r, q, D, x, next);
@@ -249,7 +251,8 @@ static int fill(ns_theta *s, const ns_exo *e, const ns_map *map, ns_stage *k) {
         to_column(k, &b, b.size, j, k->rows, b.noise, k->noise + (size_t)j * (size_t)k->rows);
     }
     for (int i = 0; i < e->mutes; i++)
-        memcpy(k->xi + (q + (size_t)i) * all, map->full + (size_t)(k->r + e->mute[i]) * all, sizeof *k->xi * all);
+        memcpy(k->xi + (q + (size_t)i) * all, map->full + (size_t)(k->r + e->mute[i]) * all,
+               sizeof *k->xi * all);
     for (int j = 0; j < k->q; j++)
         fill_images(k, &b, D, G, j);
     fill_guards_now(k);
@@ -294,7 +297,8 @@ void ns_stage_step(const ns_stage *k, double tau, double *P) {
         }
 }
 
-void ns_stage_compose(const ns_stage *k, const double *P2, const double *P1, const double *advance, double *P) {
+void ns_stage_compose(const ns_stage *k, const double *P2, const double *P1, const double *advance,
+                      double *P) {
     const int r = k->r, nv = k->nv;
     const double *by_v = P2 + (size_t)r * (size_t)r;
     for (int j = 0; j < k->q; j++)
@@ -309,7 +313,8 @@ int ns_stage_rates(const ns_stage *k, double *re, double *im) {
     if (!D)
         return NS_E_MEMORY;
     for (int j = 0; j < r; j++)
-        memcpy(D + (size_t)j * (size_t)r, k->series + (size_t)j * (size_t)(NS_ORDER * r), sizeof *D * (size_t)r);
+        memcpy(D + (size_t)j * (size_t)r, k->series + (size_t)j * (size_t)(NS_ORDER * r),
+               sizeof *D * (size_t)r);
     const int status = ns_eigenvalues(r, D, re, im);
     free(D);
     for (int i = 0; i < r && status == NS_OK; i++) {

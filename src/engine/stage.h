@@ -1,9 +1,9 @@
 /* src/engine/stage.h - one mode seen through an implicit Euler step of length g: all that steps, readings and
  * events of up to h = g/gamma inside that mode are made of (laguerre.h).
  *
- * X = (w (r), v (nv)) is the state: charges and fluxes, and the inputs as states (exo.h); q = r + nv.  Guards are
- * rows that must not be negative: those of the pairs, then those of commands by the state (on - g while open,
- * g - off while closed).
+ * X = (w (r), v (nv)) is the state: charges and fluxes, and the inputs as states (exo.h); q = r + nv.  Guards
+ * are rows that must not be negative: those of the pairs, then those of commands by the state (on - g while
+ * open, g - off while closed).
  */
 #ifndef NS_STAGE_H
 #define NS_STAGE_H
@@ -24,18 +24,19 @@ typedef struct ns_stage {
     int r, nv, q;
     int rows, pair_rows;
     ns_guard_row *row; /* rows */
-    double *xi;        /* (n+m)*(q+mutes): x, lambda of the implicit step; by inputs that act on nothing else too */
-    double *series;    /* (8 r)*q: D^1 ... D^8, the part that acts on w */
-    double *coef;      /* (8 rows)*q: the guards of the images D^0 ... D^7 */
-    double *value;     /* rows*q: the guards now, (E1) at tau = 0, */
-    double *rate;      /* rows*q: their rates, */
-    double *bend;      /* rows*q: and the rates of those */
-    double *noise;     /* rows*q: their rounding, by input, in units of eps */
-    double *step;      /* r*q: X -> w after h */
+    double *xi; /* (n+m)*(q+mutes): x, lambda of the implicit step; by inputs that act on nothing else too */
+    double *series; /* (8 r)*q: D^1 ... D^8, the part that acts on w */
+    double *coef;   /* (8 rows)*q: the guards of the images D^0 ... D^7 */
+    double *value;  /* rows*q: the guards now, (E1) at tau = 0, */
+    double *rate;   /* rows*q: their rates, */
+    double *bend;   /* rows*q: and the rates of those */
+    double *noise;  /* rows*q: their rounding, by input, in units of eps */
+    double *step;   /* r*q: X -> w after h */
     size_t bytes;
 } ns_stage;
 
-/* Builds it for a mode (m) whose commanded pairs have their bounds in s.  Errors: SINGULAR, MEMORY, NUMBER. */
+/* Builds it for a mode (m) whose commanded pairs have their bounds in s.  Errors: SINGULAR, MEMORY, NUMBER.
+ */
 int ns_stage_build(ns_theta *s, const ns_exo *e, double g, const ns_mode *mode, ns_stage **out);
 void ns_stage_free(ns_stage *stage); /* NULL is allowed */
 
@@ -43,7 +44,8 @@ void ns_stage_free(ns_stage *stage); /* NULL is allowed */
 void ns_stage_step(const ns_stage *stage, double tau, double *P);
 
 /* P <- P2 after P1, both r*q; advance (nv*nv): exp(h1 S), h1 the time of P1.  P may be neither. */
-void ns_stage_compose(const ns_stage *stage, const double *P2, const double *P1, const double *advance, double *P);
+void ns_stage_compose(const ns_stage *stage, const double *P2, const double *P1, const double *advance,
+                      double *P);
 
 /* exp(h S), nv*nv. */
 void ns_exo_matrix(const ns_exo *e, double h, double *out);

@@ -1,8 +1,8 @@
 /* src/engine/turn.c - from one mode to the next, at an instant.
  *
  * A mode is right from here on if (J4) holds: no impulse that its pairs could not carry, and guards that are
- * positive, or zero and about to rise.  Modes that followed before are asked first, then the one in which what
- * broke has changed, then what (P1) says over a short step, then the impulse problem.
+ * positive, or zero and about to rise.  Modes that followed before are asked first, then the one in which
+ * what broke has changed, then what (P1) says over a short step, then the impulse problem.
  */
 #include "flight.h"
 
@@ -49,7 +49,8 @@ void ns_turn_settle(ns_flight *f) {
 static double impulse_of(const ns_flight *f, const ns_stage *k, int g) {
     double sum = 0;
     for (int i = 0; i < k->r; i++)
-        sum += k->coef[(size_t)g + (size_t)i * (size_t)(NS_ORDER * k->rows)] * f->series[(NS_ORDER - 1) * k->r + i];
+        sum += k->coef[(size_t)g + (size_t)i * (size_t)(NS_ORDER * k->rows)] *
+               f->series[(NS_ORDER - 1) * k->r + i];
     return sum;
 }
 
@@ -172,7 +173,8 @@ static void command(ns_flight *f) {
     ns_theta_set_bounds(f->s);
 }
 
-/* The mode in f->want, if it holds.  *on: it was there for a jump only, and the search goes on from behind it. */
+/* The mode in f->want, if it holds.  *on: it was there for a jump only, and the search goes on from behind
+ * it. */
 static int try_wanted(ns_flight *f, ns_word word, int *on) {
     ns_flight_mode *k;
     const int status = ns_flight_find(f, f->want, &k);

@@ -1,8 +1,8 @@
 /* src/engine/watch.c - where a guard first breaks, and that none is overlooked.
  *
- * Guards are smooth at the distance of samples (a fifth of what the mode's fastest rate turns round in): between
- * two of them a guard lies within an eighth of its second difference of their chord.  Twice that is asked for.
- * What is nearer is looked at by (E1), a polynomial in time.
+ * Guards are smooth at the distance of samples (a fifth of what the mode's fastest rate turns round in):
+ * between two of them a guard lies within an eighth of its second difference of their chord.  Twice that is
+ * asked for. What is nearer is looked at by (E1), a polynomial in time.
  */
 #include "flight.h"
 

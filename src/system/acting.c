@@ -25,7 +25,8 @@ static void join(const islands *a, int row, int unknown) {
         a->of[i < j ? j : i] = i < j ? i : j;
 }
 
-static void join_entries(const islands *a, const double *e, int rows, int columns, int first_row, int first_column) {
+static void join_entries(const islands *a, const double *e, int rows, int columns, int first_row,
+                         int first_column) {
     for (int j = 0; j < columns; j++)
         for (int i = 0; i < rows; i++)
             if (e[i + j * rows] != 0)

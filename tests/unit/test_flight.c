@@ -74,7 +74,8 @@ static double i_of(const bench *b, int id) {
 
 static void near(double got, double expected, double tol) {
     if (!(fabs(got - expected) <= tol))
-        print_message("got %.17g, expected %.17g: %g apart, %g allowed\n", got, expected, fabs(got - expected), tol);
+        print_message("got %.17g, expected %.17g: %g apart, %g allowed\n", got, expected,
+                      fabs(got - expected), tol);
     assert_true(fabs(got - expected) <= tol);
 }
 
@@ -144,7 +145,8 @@ static void sines_and_exponentials_are_exact(void **state) {
     for (int n = 1; n <= 40; n++) {
         const double t = 0.1e-3 * n;
         go(&b, t, NS_TO_TIME);
-        near(v_of(&b, 2), t <= 0.2e-3 ? u0 * (1 - exp(-t / rc)) : after_wave(0.5, a, p, at_td, t - 0.2e-3), 1e-13);
+        near(v_of(&b, 2), t <= 0.2e-3 ? u0 * (1 - exp(-t / rc)) : after_wave(0.5, a, p, at_td, t - 0.2e-3),
+             1e-13);
         double right = t <= 0.1e-3 ? 1 - exp(-t / rc) : after_wave(5, -4 * I, -1 / 0.3e-3, v1, t - 0.1e-3);
         if (t > 2e-3) /* -4 e1 goes on as it was, by e^(-1.9/0.3) smaller */
             right = after_wave(1, -4 * exp(-1.9 / 0.3) * I, -1 / 0.3e-3, v2, t - 2e-3) +
@@ -154,8 +156,8 @@ static void sines_and_exponentials_are_exact(void **state) {
     close_bench(&b);
 }
 
-/* 10 V through a switch that is closed for 1 us in 4, a diode, 2 uH onto 4 V: the current rises by 3 A/us to 3 A
- * and falls by 2 A/us until it ends 2.5 us after the begin. */
+/* 10 V through a switch that is closed for 1 us in 4, a diode, 2 uH onto 4 V: the current rises by 3 A/us to
+ * 3 A and falls by 2 A/us until it ends 2.5 us after the begin. */
 static bench buck(double h) {
     bench b = open_bench();
     ns_signal gate = {.kind = NS_PULSE};
@@ -260,8 +262,8 @@ static void charges_are_kept(void **state) {
     close_bench(&b);
 }
 
-/* What is over in nanoseconds does not hold up what takes milliseconds, nor is it lost: 1 V through 1 ohm onto 1 nF,
- * and on through 1 kohm onto 1 uF.  By the eigenvalues of the two states, in long double. */
+/* What is over in nanoseconds does not hold up what takes milliseconds, nor is it lost: 1 V through 1 ohm
+ * onto 1 nF, and on through 1 kohm onto 1 uF.  By the eigenvalues of the two states, in long double. */
 static void fast_and_slow_are_both_exact(void **state) {
     (void)state;
     bench b = open_bench();
@@ -271,7 +273,8 @@ static void fast_and_slow_are_both_exact(void **state) {
     assert_int_equal(ns_circuit_resistor(b.c, "r2", 2, 3, 1e3, NULL), NS_OK);
     assert_int_equal(ns_circuit_capacitor(b.c, "c2", 3, 0, 1e-6, NAN, NULL), NS_OK);
     start(&b, 1e-6);
-    /* v1' = (1 - v1)/1n - (v1 - v2)/1u, v2' = (v1 - v2)/1m; e = v - 1 decays: e = sum of two modes, e(0) = -1 */
+    /* v1' = (1 - v1)/1n - (v1 - v2)/1u, v2' = (v1 - v2)/1m; e = v - 1 decays: e = sum of two modes, e(0) = -1
+     */
     const long double a = -1e9L - 1e6L, c = 1e6L, d = 1e3L, e = -1e3L;
     const long double half = (a + e) / 2, root = sqrtl((a - e) * (a - e) / 4 + c * d);
     const long double fast = half - root, slow = (a * e - c * d) / fast;
