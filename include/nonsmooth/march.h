@@ -20,8 +20,10 @@ typedef struct ns_march ns_march;
 
 /* What goes the way between events. */
 typedef enum ns_method {
-    NS_THETA, /* steps of the scheme */
-    NS_FLIGHT /* exact ones; the scheme where events crowd */
+    NS_AUTO,   /* flight or sparse, by size and by what was seen; the scheme where events crowd */
+    NS_THETA,  /* steps of the scheme: first order at events, the documents' own */
+    NS_FLIGHT, /* exact, by matrices of each mode that are kept; the scheme where events crowd */
+    NS_SPARSE  /* exact to reltol, by one sparse factor a mode; for thousands of unknowns */
 } ns_method;
 
 typedef struct ns_march_options {
@@ -29,6 +31,7 @@ typedef struct ns_march_options {
     double h;            /* longest step of the scheme, s, > 0 */
     size_t map_bytes;    /* as in ns_theta_options */
     ns_method method;
+    double reltol; /* of a sparse step against the states' size; 0: 1e-9.  flight needs none, it is exact */
 } ns_march_options;
 
 /* Makes a marcher for s, which must outlive it and not change.  On failure *out is NULL and fault (may
@@ -74,6 +77,9 @@ const ns_mode *ns_march_mode(const ns_march *m);
 
 /* 1 if the point of the last trial is the left side of an event. */
 int ns_march_at_event(const ns_march *m);
+
+/* The engine that the marcher was made with or, of NS_AUTO, that went the last way: never NS_AUTO itself. */
+ns_method ns_march_engine(const ns_march *m);
 
 const ns_counts *ns_march_counts(ns_march *m);
 const ns_fault *ns_march_fault(const ns_march *m); /* of the last call that failed; its t is set */

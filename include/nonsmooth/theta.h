@@ -43,6 +43,10 @@ typedef struct ns_counts {
     long evicted;  /* maps dropped for the memory bound */
     long jumps;    /* a marcher's: taken by the impulse problem, */
     long refused;  /* and by short steps, because that gave no answer */
+    long modes;    /* a marcher's exact engines: modes that matrices or factors were made for, */
+    long searches; /* ways between two points looked into for a guard that may break, */
+    long waves;    /* states carried for the inputs: 1, slopes, exponentials, two a sine, */
+    long settled;  /* events that (P1) was not asked for: a mode followed that was seen before */
 } ns_counts;
 
 /* What a trial may do when a guard breaks. */

@@ -204,6 +204,10 @@ int ns_march_at_event(const ns_march *m) {
     return m->live.at_event;
 }
 
+ns_method ns_march_engine(const ns_march *m) {
+    return flying(m) ? NS_FLIGHT : NS_THETA;
+}
+
 const ns_counts *ns_march_counts(ns_march *m) {
     const long jumps = m->counts.jumps, refused = m->counts.refused;
     m->counts = *ns_theta_counts(m->step);

@@ -85,7 +85,7 @@ static void the_lc_bridge_is_right_to_rounding(void **state) {
     static const double h[] = {1e-7, 1e-6, 1e-4};
     ns_system *s = system_lc_bridge();
     for (int k = 0; k < 3; k++) {
-        const ns_march_options o = {1, 1, h[k], 0, NS_FLIGHT};
+        const ns_march_options o = {.theta = 1, .gamma = 1, .h = h[k], .method = NS_FLIGHT};
         const double w0[2] = {1e-6 * 10, 0};
         ns_march *m;
         double x[2], reached;
@@ -295,7 +295,7 @@ static void fast_and_slow_are_both_exact(void **state) {
 static void points_between_events_cost_no_factor(void **state) {
     (void)state;
     ns_system *s = system_decay();
-    const ns_march_options o = {1, 1, 1e-3, 0, NS_FLIGHT};
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-3, .method = NS_FLIGHT};
     const double w0[1] = {1};
     ns_march *m;
     double x[1], reached;
