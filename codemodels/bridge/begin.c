@@ -176,15 +176,12 @@ int native_begin(native *b) {
 /* M x of the accepted point, for a system that was altered since. */
 static int restart(native *b, engine *e) {
     const ns_system *s = b->engine.system;
-    const size_t n = (size_t)s->n;
-    double *w0 = calloc(n + 1, sizeof *w0);
-    int status = w0 ? NS_OK : NS_E_MEMORY;
-    for (size_t j = 0; j < n && !status; j++) {
-        for (size_t i = 0; i < n; i++) {
-            w0[i] += s->M[i + j * n] * b->engine.x[j];
-        }
+    double *w0 = calloc((size_t)s->n + 1, sizeof *w0);
+    int status = NS_E_MEMORY;
+    if (w0) {
+        ns_system_charges(s, b->engine.x, w0);
+        status = ns_march_start(e->march, b->t, w0);
     }
-    status = status ? status : ns_march_start(e->march, b->t, w0);
     free(w0);
     return status;
 }

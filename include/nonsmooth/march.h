@@ -29,13 +29,14 @@ typedef enum ns_method {
 typedef struct ns_march_options {
     double theta, gamma; /* theta in [0,1], gamma in (0,1] */
     double h;            /* longest step of the scheme, s, > 0 */
-    size_t map_bytes;    /* as in ns_theta_options */
+    size_t map_bytes;    /* bound on what is kept of modes; 0: some default */
     ns_method method;
-    double reltol; /* of a sparse step against the states' size; 0: 1e-9.  flight needs none, it is exact */
+    double reltol; /* of NS_SPARSE: error of a step beside the largest charges and fluxes so far; 0: 1e-9 */
 } ns_march_options;
 
 /* Makes a marcher for s, which must outlive it and not change.  On failure *out is NULL and fault (may
- * be NULL) says where.  Errors: those of ns_theta_create(), RANGE (h). */
+ * be NULL) says where.  NS_AUTO takes NS_SPARSE for a system that is large (system.h).  Errors: those of
+ * ns_theta_create(), RANGE (h, reltol), SIZE (a large system and another method). */
 int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **out, ns_fault *fault);
 void ns_march_free(ns_march *m);
 

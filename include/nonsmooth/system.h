@@ -45,7 +45,7 @@ typedef struct ns_large {
 
 /* Every array belongs to the system and is NULL where its size is zero.  z entries are functions of
  * time; constant sources belong in b and e.  Where n+m is large, ns_circuit_system() makes a system whose
- * M to F, gx and gz are NULL and that has them in `large`; only the sparse engine takes it. */
+ * M to F, gx and gz are NULL and that has them in `large`; only NS_SPARSE takes it. */
 typedef struct ns_system {
     int n;               /* unknowns x */
     int m;               /* pairs */
@@ -83,6 +83,9 @@ int ns_system_check(const ns_system *s, ns_fault *fault);
 
 /* z(t) seen from one side of t.  z: nz. */
 void ns_system_inputs(const ns_system *s, double t, ns_side side, double *z);
+
+/* w = M x: charges and fluxes.  x, w: n. */
+void ns_system_charges(const ns_system *s, const double *x, double *w);
 
 /* The rows of (S1) put in the order differential first, algebraic last: finds T (n*n), nonsingular,
  * such that rows r..n-1 of T M are exactly zero and rows 0..r-1 are linearly independent.  r goes to

@@ -1,5 +1,6 @@
 /* src/engine/march.c - the marcher: made, asked, accepted, read. */
 #include "flight.h"
+#include "sparse_engine.h"
 
 #ifdef NS_TRY_FLIGHT
 #define NS_FLIES(x) 1
@@ -36,6 +37,25 @@ static int allocate(ns_march *m) {
     return made ? ns_jump_create(m->step, &m->jump) : NS_E_MEMORY;
 }
 
+static int make_dense(ns_march *m, const ns_march_options *o, ns_fault *fault) {
+    const ns_theta_options options = {o->theta, o->gamma, o->map_bytes};
+    int status = ns_theta_create(m->s, &options, &m->step, fault);
+    if (status == NS_OK)
+        status = allocate(m);
+    if (status == NS_OK && NS_FLIES(o->method))
+        status = ns_flight_create(m, &m->flight);
+    return status;
+}
+
+static int is_sparse(const ns_system *s, const ns_march_options *o) {
+    return o->method == NS_SPARSE || (o->method == NS_AUTO && s->large);
+}
+
+static int make_sparse(ns_march *m, const ns_march_options *o, ns_fault *fault) {
+    const ns_sparse_options options = {o->h, o->reltol, o->map_bytes};
+    return ns_sparse_create(m->s, &options, &m->sparse, fault);
+}
+
 int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **out, ns_fault *fault) {
     if (!out)
         return NS_E_NULL;
@@ -47,14 +67,9 @@ int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **ou
     ns_march *m = calloc(1, sizeof *m);
     if (!m)
         return NS_E_MEMORY;
-    const ns_theta_options options = {o->theta, o->gamma, o->map_bytes};
     m->s = s;
     m->h = o->h;
-    int status = ns_theta_create(s, &options, &m->step, fault);
-    if (status == NS_OK)
-        status = allocate(m);
-    if (status == NS_OK && NS_FLIES(o->method))
-        status = ns_flight_create(m, &m->flight);
+    const int status = is_sparse(s, o) ? make_sparse(m, o, fault) : make_dense(m, o, fault);
     if (status != NS_OK) {
         ns_march_free(m);
         return status;
@@ -66,6 +81,7 @@ int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **ou
 void ns_march_free(ns_march *m) {
     if (!m)
         return;
+    ns_sparse_free(m->sparse);
     ns_flight_free(m->flight);
     ns_theta_free(m->step);
     ns_jump_free(&m->jump);
@@ -153,6 +169,8 @@ static int go_to(ns_march *m, double t, ns_until until) {
 int ns_march_try(ns_march *m, double t, ns_until until, double *reached) {
     if (!m || !reached)
         return NS_E_NULL;
+    if (m->sparse)
+        return ns_sparse_try(m->sparse, t, until, reached);
     if (!m->started)
         return ns_march_fail(m, NS_E_STATE);
     if (!(t > m->kept.t) || !isfinite(t))
@@ -176,6 +194,8 @@ int ns_march_try(ns_march *m, double t, ns_until until, double *reached) {
 int ns_march_accept(ns_march *m) {
     if (!m)
         return NS_E_NULL;
+    if (m->sparse)
+        return ns_sparse_accept(m->sparse);
     if (!m->has_trial)
         return NS_E_STATE;
     ns_theta_save(m->step, m->past);
@@ -188,6 +208,8 @@ int ns_march_accept(ns_march *m) {
 int ns_march_read(ns_march *m, double *t, double *x, double *lambda, double *y) {
     if (!m)
         return NS_E_NULL;
+    if (m->sparse)
+        return ns_sparse_read(m->sparse, t, x, lambda, y);
     if (!m->started)
         return NS_E_STATE;
     if (t)
@@ -197,18 +219,22 @@ int ns_march_read(ns_march *m, double *t, double *x, double *lambda, double *y) 
 }
 
 const ns_mode *ns_march_mode(const ns_march *m) {
-    return ns_theta_mode(m->step);
+    return m->sparse ? ns_sparse_mode(m->sparse) : ns_theta_mode(m->step);
 }
 
 int ns_march_at_event(const ns_march *m) {
-    return m->live.at_event;
+    return m->sparse ? ns_sparse_at_event(m->sparse) : m->live.at_event;
 }
 
 ns_method ns_march_engine(const ns_march *m) {
+    if (m->sparse)
+        return NS_SPARSE;
     return flying(m) ? NS_FLIGHT : NS_THETA;
 }
 
 const ns_counts *ns_march_counts(ns_march *m) {
+    if (m->sparse)
+        return ns_sparse_counts(m->sparse);
     const long jumps = m->counts.jumps, refused = m->counts.refused;
     m->counts = *ns_theta_counts(m->step);
     m->counts.events = m->events;
@@ -220,9 +246,11 @@ const ns_counts *ns_march_counts(ns_march *m) {
 int ns_march_problem(const ns_march *m, ns_mlcp *p, double *h) {
     if (!m || !p)
         return NS_E_NULL;
+    if (m->sparse)
+        return NS_E_STATE;
     return m->fault.status == ns_theta_fault(m->step)->status ? ns_theta_problem(m->step, p, h) : NS_E_STATE;
 }
 
 const ns_fault *ns_march_fault(const ns_march *m) {
-    return &m->fault;
+    return m->sparse ? ns_sparse_fault(m->sparse) : &m->fault;
 }

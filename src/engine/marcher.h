@@ -44,6 +44,7 @@ typedef struct ns_jump {
 
 struct ns_march {
     const ns_system *s;
+    struct ns_sparse *sparse; /* NULL, or who goes all the way; then all below is unused */
     ns_theta *step;
     struct ns_flight *flight; /* NULL: all steps are the scheme's */
     double h;

@@ -110,7 +110,7 @@ int ns_sparse_create(const ns_system *s, const ns_sparse_options *o, ns_sparse *
         return NS_E_MEMORY;
     m->s = s;
     m->o = *o;
-    m->o.reltol = o->reltol > 0 ? o->reltol : 1e-11;
+    m->o.reltol = o->reltol > 0 ? o->reltol : 1e-9;
     m->o.bytes = o->bytes ? o->bytes : (size_t)64 << 20;
     m->fault.t = NAN;
     status = make(m);

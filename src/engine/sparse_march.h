@@ -1,4 +1,4 @@
-/* src/engine/sparse_march.h - the marcher for large circuits: its face, and its inside for its own files.
+/* src/engine/sparse_march.h - the marcher for large circuits from inside.
  *
  * Between events it goes by (E1), (E2) (laguerre.h): a leg is NS_ORDER solves with one sparse factor of (P2),
  * and gives every unknown and guard at any time in it.  Legs have the lengths h 2^-k, so that factors recur,
@@ -8,36 +8,9 @@
 #define NS_SPARSE_MARCH_H
 
 #include "laguerre.h"
-#include "nonsmooth/march.h"
+#include "sparse_engine.h"
 #include "sparse_factors.h"
 #include "sparse_inputs.h"
-
-typedef struct ns_sparse ns_sparse;
-
-typedef struct ns_sparse_options {
-    double h;      /* longest step, s, > 0 */
-    double reltol; /* error of a step, relative to the charges and fluxes there were; 0: 1e-11 */
-    size_t bytes;  /* bound on the memory of kept factors; 0: 64 MiB */
-} ns_sparse_options;
-
-/* As the calls of nonsmooth/march.h of the same names; systems may be large. */
-int ns_sparse_create(const ns_system *s, const ns_sparse_options *o, ns_sparse **out, ns_fault *fault);
-void ns_sparse_free(ns_sparse *m);
-int ns_sparse_start(ns_sparse *m, double t0, const double *w0);
-int ns_sparse_start_dc(ns_sparse *m, double t0, int nhold, const int *hold, const double *hold_x, double *x);
-int ns_sparse_try(ns_sparse *m, double t, ns_until until, double *reached);
-int ns_sparse_accept(ns_sparse *m);
-int ns_sparse_read(ns_sparse *m, double *t, double *x, double *lambda, double *y);
-const ns_mode *ns_sparse_mode(const ns_sparse *m);
-int ns_sparse_at_event(const ns_sparse *m);
-const ns_counts *ns_sparse_counts(ns_sparse *m);
-const ns_fault *ns_sparse_fault(const ns_sparse *m);
-
-/* One implicit Euler step of length h from the accepted point, whatever breaks in it resolved at its end:
- * accepted.  Errors: those of ns_sparse_try(). */
-int ns_sparse_euler(ns_sparse *m, double h);
-
-/* --- inside --- */
 
 enum { NS_STAGES = NS_ORDER + 1 }; /* the last one only where a leg is looked into */
 enum { NS_SHORT_RUNG = 16, NS_LEAST_RUNG = 44, NS_CROWD_OF_PAIR = 16, NS_STUCK = 6 };

@@ -1,5 +1,6 @@
 /* src/engine/start.c - a consistent start: from charges and fluxes, or from the DC operating point. */
 #include "flight.h"
+#include "sparse_engine.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -53,6 +54,8 @@ static int settle(ns_march *m, double t0, const double *w0) {
 int ns_march_start(ns_march *m, double t0, const double *w0) {
     if (!m || (!w0 && m->s->n > 0))
         return NS_E_NULL;
+    if (m->sparse)
+        return ns_sparse_start(m->sparse, t0, w0);
     m->live.t = t0;
     if (!isfinite(t0) || !(t0 + m->h > t0))
         return ns_march_fail(m, NS_E_NUMBER);
@@ -94,7 +97,7 @@ static int start_dc(ns_march *m, double t0, int nhold, const int *hold, const do
         status = operating_point(m, t0, nhold, hold, hold_x, x, mode);
     if (status != NS_OK)
         return status;
-    ns_matvec(m->s->n, m->s->n, m->s->M, x, w0);
+    ns_system_charges(m->s, x, w0);
     return ns_march_start(m, t0, w0);
 }
 
@@ -102,6 +105,8 @@ int ns_march_start_dc(ns_march *m, double t0, int nhold, const int *hold, const 
                       double *x_out) {
     if (!m || (nhold > 0 && (!hold || !hold_x)))
         return NS_E_NULL;
+    if (m->sparse)
+        return ns_sparse_start_dc(m->sparse, t0, nhold, hold, hold_x, x_out);
     m->live.t = t0;
     if (!isfinite(t0))
         return ns_march_fail(m, NS_E_NUMBER);

@@ -4,7 +4,9 @@
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "linalg/dense.h"
 #include "linalg/sparse.h"
 #include "system/signal_internal.h"
 
@@ -136,4 +138,16 @@ void ns_system_inputs(const ns_system *s, double t, ns_side side, double *z) {
     for (int i = 0; s && z && i < s->nz; i++) {
         z[i] = ns_signal_value(&s->z[i], t, side);
     }
+}
+
+void ns_system_charges(const ns_system *s, const double *x, double *w) {
+    if (!s || !x || !w) {
+        return;
+    }
+    if (!s->large) {
+        ns_matvec(s->n, s->n, s->M, x, w);
+        return;
+    }
+    memset(w, 0, (size_t)s->n * sizeof *w);
+    ns_csc_times_add(&s->large->M, x, w);
 }

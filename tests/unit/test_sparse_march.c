@@ -10,7 +10,8 @@
 
 #include <cmocka.h>
 
-#include "engine/sparse_march.h"
+#include "engine/marcher.h"
+#include "engine/sparse_engine.h"
 #include "nonsmooth.h"
 #include "systems.h"
 
@@ -19,7 +20,7 @@
 typedef struct rig {
     ns_circuit *c;
     ns_system *s;
-    ns_sparse *m;
+    ns_march *m;
     double *x;
 } rig;
 
@@ -33,9 +34,9 @@ static rig begin(void) {
 }
 
 static void make(rig *k, double h) {
-    const ns_sparse_options o = {h, 0, 0};
+    const ns_march_options o = {.h = h, .method = NS_SPARSE, .reltol = 1e-11};
     assert_int_equal(ns_circuit_system(k->c, &k->s), NS_OK);
-    assert_int_equal(ns_sparse_create(k->s, &o, &k->m, NULL), NS_OK);
+    assert_int_equal(ns_march_create(k->s, &o, &k->m, NULL), NS_OK);
     k->x = calloc((size_t)k->s->n + 1, sizeof(double));
     assert_non_null(k->x);
 }
@@ -43,11 +44,11 @@ static void make(rig *k, double h) {
 static void ready(rig *k, double h) {
     make(k, h);
     assert_int_equal(ns_circuit_rest(k->c, k->x), NS_OK);
-    assert_int_equal(ns_sparse_start(k->m, 0, k->x), NS_OK);
+    assert_int_equal(ns_march_start(k->m, 0, k->x), NS_OK);
 }
 
 static void end(rig *k) {
-    ns_sparse_free(k->m);
+    ns_march_free(k->m);
     ns_system_free(k->s);
     ns_circuit_free(k->c);
     free(k->x);
@@ -55,10 +56,10 @@ static void end(rig *k) {
 
 static void go(rig *k, double t) {
     double reached;
-    assert_int_equal(ns_sparse_try(k->m, t, NS_TO_TIME, &reached), NS_OK);
+    assert_int_equal(ns_march_try(k->m, t, NS_TO_TIME, &reached), NS_OK);
     assert_true(reached == t);
-    assert_int_equal(ns_sparse_accept(k->m), NS_OK);
-    assert_int_equal(ns_sparse_read(k->m, NULL, k->x, NULL, NULL), NS_OK);
+    assert_int_equal(ns_march_accept(k->m), NS_OK);
+    assert_int_equal(ns_march_read(k->m, NULL, k->x, NULL, NULL), NS_OK);
 }
 
 static void near(double got, double expected, double size) {
@@ -120,15 +121,15 @@ static double current(const rig *k, int id) {
 static void test_decay(void **state) {
     (void)state;
     rig k = {.s = system_decay()};
-    const ns_sparse_options o = {0.5, 0, 0};
+    const ns_march_options o = {.h = 0.5, .method = NS_SPARSE, .reltol = 1e-11};
     const double w0[] = {1};
     double x, reached;
-    assert_int_equal(ns_sparse_create(k.s, &o, &k.m, NULL), NS_OK);
-    assert_int_equal(ns_sparse_start(k.m, 0, w0), NS_OK);
+    assert_int_equal(ns_march_create(k.s, &o, &k.m, NULL), NS_OK);
+    assert_int_equal(ns_march_start(k.m, 0, w0), NS_OK);
     for (int i = 1; i < 40; i++) {
-        assert_int_equal(ns_sparse_try(k.m, 0.13 * i, NS_TO_TIME, &reached), NS_OK);
-        assert_int_equal(ns_sparse_accept(k.m), NS_OK);
-        assert_int_equal(ns_sparse_read(k.m, NULL, &x, NULL, NULL), NS_OK);
+        assert_int_equal(ns_march_try(k.m, 0.13 * i, NS_TO_TIME, &reached), NS_OK);
+        assert_int_equal(ns_march_accept(k.m), NS_OK);
+        assert_int_equal(ns_march_read(k.m, NULL, &x, NULL, NULL), NS_OK);
         near(x, exp(-0.13 * i), 1);
     }
     end(&k);
@@ -188,7 +189,7 @@ static void test_stiff(void **state) {
     const double fast = b - slow;
     /* v1(0) = v2(0) = 1: v1 = A e^(-slow t) + ..., with A from v1'(0) = -g1/c1 */
     near(voltage(&k, 1), (fast - g1 / c1) / (fast - slow) * exp(-slow * 5e-3), 1);
-    assert_true(ns_sparse_counts(k.m)->steps < 250);
+    assert_true(ns_march_counts(k.m)->steps < 250);
     end(&k);
 }
 
@@ -197,18 +198,18 @@ static void test_stiff(void **state) {
 static void test_bridge(void **state) {
     (void)state;
     rig k = {.s = system_lc_bridge()};
-    const ns_sparse_options o = {50e-6, 0, 0};
+    const ns_march_options o = {.h = 50e-6, .method = NS_SPARSE, .reltol = 1e-11};
     const double w0[] = {10e-6, 0};
     double x[2], reached;
-    assert_int_equal(ns_sparse_create(k.s, &o, &k.m, NULL), NS_OK);
-    assert_int_equal(ns_sparse_start(k.m, 0, w0), NS_OK);
+    assert_int_equal(ns_march_create(k.s, &o, &k.m, NULL), NS_OK);
+    assert_int_equal(ns_march_start(k.m, 0, w0), NS_OK);
     for (int i = 1; i <= 500; i++) {
-        assert_int_equal(ns_sparse_try(k.m, 1e-5 * i, NS_TO_TIME, &reached), NS_OK);
-        assert_int_equal(ns_sparse_accept(k.m), NS_OK);
-        assert_int_equal(ns_sparse_read(k.m, NULL, x, NULL, NULL), NS_OK);
+        assert_int_equal(ns_march_try(k.m, 1e-5 * i, NS_TO_TIME, &reached), NS_OK);
+        assert_int_equal(ns_march_accept(k.m), NS_OK);
+        assert_int_equal(ns_march_read(k.m, NULL, x, NULL, NULL), NS_OK);
         near(x[0], lc_bridge_v(10, 1e-5 * i), 10);
     }
-    assert_int_equal(ns_sparse_counts(k.m)->events, 1 + 16); /* the start, and w/pi zeros in 5 ms */
+    assert_int_equal(ns_march_counts(k.m)->events, 1 + 16); /* the start, and w/pi zeros in 5 ms */
     end(&k);
 }
 
@@ -251,6 +252,19 @@ static void test_chopper(void **state) {
     end(&k);
 }
 
+/* NS_AUTO takes the sparse engine for s; none of the others takes it. */
+static void auto_is_sparse(const ns_system *s) {
+    ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-5, .method = NS_AUTO};
+    ns_march *m;
+    assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_OK);
+    assert_int_equal(ns_march_engine(m), NS_SPARSE);
+    ns_march_free(m);
+    o.method = NS_THETA;
+    assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_E_SIZE);
+    o.method = NS_FLIGHT;
+    assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_E_SIZE);
+}
+
 /* So many of them that the system is a large one. */
 static void test_many_choppers(void **state) {
     (void)state;
@@ -263,6 +277,7 @@ static void test_many_choppers(void **state) {
     ready(&k, 1e-5);
     assert_non_null(k.s->large);
     assert_null(k.s->A);
+    auto_is_sparse(k.s);
     go(&k, 4.2e-5);
     for (int i = 0; i < COUNT; i++)
         near(current(&k, l[i]), chopper_current(4.2e-5, 3e-6, 1e-5), 1);
@@ -293,15 +308,15 @@ static void test_discontinuous(void **state) {
         near(voltage(&k, 3), 6, 10);
     }
     double reached;
-    assert_int_equal(ns_sparse_try(k.m, 1, NS_TO_EVENT, &reached), NS_OK);
-    assert_int_equal(ns_sparse_accept(k.m), NS_OK);
+    assert_int_equal(ns_march_try(k.m, 1, NS_TO_EVENT, &reached), NS_OK);
+    assert_int_equal(ns_march_accept(k.m), NS_OK);
     near(reached, 5e-5, 1e-5); /* the next gate */
-    assert_true(ns_sparse_at_event(k.m));
+    assert_true(ns_march_at_event(k.m));
     for (int i = 0; i < 3; i++) { /* to its right, to where the switch opens, to its right */
-        assert_int_equal(ns_sparse_try(k.m, 1, NS_TO_EVENT, &reached), NS_OK);
-        assert_int_equal(ns_sparse_accept(k.m), NS_OK);
+        assert_int_equal(ns_march_try(k.m, 1, NS_TO_EVENT, &reached), NS_OK);
+        assert_int_equal(ns_march_accept(k.m), NS_OK);
     }
-    assert_int_equal(ns_sparse_try(k.m, 1, NS_TO_EVENT, &reached), NS_OK);
+    assert_int_equal(ns_march_try(k.m, 1, NS_TO_EVENT, &reached), NS_OK);
     near(reached, 5e-5 + 2e-6 + 4e-6 / 3, 1e-5);
     end(&k);
 }
@@ -348,7 +363,7 @@ static void test_jump(void **state) {
     go(&k, 2e-3);
     near(voltage(&k, 1), 4, 10);
     near(voltage(&k, 2), 4, 10);
-    assert_int_equal(ns_sparse_counts(k.m)->jumps, 1);
+    assert_int_equal(ns_march_counts(k.m)->jumps, 1);
     end(&k);
 }
 
@@ -370,7 +385,7 @@ static void test_redundant(void **state) {
     double lambda[4];
     go(&k, 1e-5);
     near(voltage(&k, 4), 10 * (1 - exp(-1)), 10);
-    assert_int_equal(ns_sparse_read(k.m, NULL, NULL, lambda, NULL), NS_OK);
+    assert_int_equal(ns_march_read(k.m, NULL, NULL, lambda, NULL), NS_OK);
     near(lambda[0], exp(-1) / 2, 1);
     near(lambda[1], exp(-1) / 2, 1);
     near(lambda[2], 0, 1);
@@ -390,13 +405,13 @@ static void test_dc(void **state) {
     resistor(&k, "r2", 3, 0, 1e3);
     capacitor(&k, "c", 3, 0, 1e-6, NAN);
     make(&k, 1e-4);
-    assert_int_equal(ns_sparse_start_dc(k.m, 0, 0, NULL, NULL, k.x), NS_OK);
+    assert_int_equal(ns_march_start_dc(k.m, 0, 0, NULL, NULL, k.x), NS_OK);
     near(voltage(&k, 3), 5, 10);
     go(&k, 1e-3);
     near(voltage(&k, 3), 5, 10);
     const int hold = ns_circuit_node_unknown(k.c, 3);
     const double at = 3;
-    assert_int_equal(ns_sparse_start_dc(k.m, 0, 1, &hold, &at, k.x), NS_OK);
+    assert_int_equal(ns_march_start_dc(k.m, 0, 1, &hold, &at, k.x), NS_OK);
     near(voltage(&k, 3), 3, 10);
     go(&k, 1e-3);
     near(voltage(&k, 3), 5 - 2 * exp(-2), 10);
@@ -413,13 +428,13 @@ static void test_trials(void **state) {
     chopper(&k, 2, 0, &l);
     ready(&k, 1e-5);
     go(&k, 2e-6);
-    assert_int_equal(ns_sparse_try(k.m, 3.5e-5, NS_TO_TIME, &reached), NS_OK);
-    assert_int_equal(ns_sparse_try(k.m, 4e-6, NS_TO_TIME, &reached), NS_OK);
-    assert_int_equal(ns_sparse_read(k.m, NULL, x, NULL, NULL), NS_OK);
-    assert_int_equal(ns_sparse_try(k.m, 2.5e-5, NS_TO_EVENT, &reached), NS_OK);
+    assert_int_equal(ns_march_try(k.m, 3.5e-5, NS_TO_TIME, &reached), NS_OK);
+    assert_int_equal(ns_march_try(k.m, 4e-6, NS_TO_TIME, &reached), NS_OK);
+    assert_int_equal(ns_march_read(k.m, NULL, x, NULL, NULL), NS_OK);
+    assert_int_equal(ns_march_try(k.m, 2.5e-5, NS_TO_EVENT, &reached), NS_OK);
     near(reached, 3e-6, 1e-5);
-    assert_int_equal(ns_sparse_try(k.m, 4e-6, NS_TO_TIME, &reached), NS_OK);
-    assert_int_equal(ns_sparse_read(k.m, NULL, again, NULL, NULL), NS_OK);
+    assert_int_equal(ns_march_try(k.m, 4e-6, NS_TO_TIME, &reached), NS_OK);
+    assert_int_equal(ns_march_read(k.m, NULL, again, NULL, NULL), NS_OK);
     for (int i = 0; i < k.s->n; i++)
         near(again[i], x[i], 10);
     end(&k);
@@ -433,9 +448,9 @@ static void test_euler(void **state) {
     resistor(&k, "r", 1, 0, 1e3);
     ready(&k, 1e-3);
     for (int i = 0; i < 50; i++)
-        assert_int_equal(ns_sparse_euler(k.m, 1e-6), NS_OK);
+        assert_int_equal(ns_sparse_euler(k.m->sparse, 1e-6), NS_OK);
     double t;
-    assert_int_equal(ns_sparse_read(k.m, &t, k.x, NULL, NULL), NS_OK);
+    assert_int_equal(ns_march_read(k.m, &t, k.x, NULL, NULL), NS_OK);
     near(t, 50e-6, 1e-6);
     near(voltage(&k, 1), pow(1 + 1e-3, -50), 1);
     end(&k);
@@ -444,30 +459,31 @@ static void test_euler(void **state) {
 static void test_refused(void **state) {
     (void)state;
     rig k = begin();
-    ns_sparse *m;
+    ns_march *m;
     double reached;
-    const ns_sparse_options good = {1e-3, 0, 0}, zero = {0, 0, 0}, negative = {1, -1, 0};
+    const ns_march_options good = {.h = 1e-3, .method = NS_SPARSE}, zero = {.method = NS_SPARSE},
+                           negative = {.h = 1, .reltol = -1, .method = NS_SPARSE};
     capacitor(&k, "c", 1, 0, 1e-6, 1);
     resistor(&k, "r", 1, 0, 1e3);
     make(&k, 1e-3);
-    assert_int_equal(ns_sparse_create(k.s, &zero, &m, NULL), NS_E_RANGE);
-    assert_int_equal(ns_sparse_create(k.s, &negative, &m, NULL), NS_E_RANGE);
-    assert_int_equal(ns_sparse_create(NULL, &good, &m, NULL), NS_E_NULL);
+    assert_int_equal(ns_march_create(k.s, &zero, &m, NULL), NS_E_RANGE);
+    assert_int_equal(ns_march_create(k.s, &negative, &m, NULL), NS_E_RANGE);
+    assert_int_equal(ns_march_create(NULL, &good, &m, NULL), NS_E_NULL);
     assert_null(m);
-    assert_int_equal(ns_sparse_create(k.s, &good, NULL, NULL), NS_E_NULL);
-    assert_int_equal(ns_sparse_try(k.m, 1, NS_TO_TIME, &reached), NS_E_STATE);
-    assert_int_equal(ns_sparse_accept(k.m), NS_E_STATE);
-    assert_int_equal(ns_sparse_read(k.m, NULL, NULL, NULL, NULL), NS_E_STATE);
-    assert_int_equal(ns_sparse_euler(k.m, 1), NS_E_STATE);
-    assert_int_equal(ns_sparse_start(k.m, NAN, k.x), NS_E_NUMBER);
-    assert_int_equal(ns_sparse_start(k.m, 0, (const double[]){NAN}), NS_E_NUMBER);
-    assert_int_equal(ns_sparse_start_dc(k.m, 0, 2, (const int[]){0, 1}, (const double[]){0, 0}, NULL),
+    assert_int_equal(ns_march_create(k.s, &good, NULL, NULL), NS_E_NULL);
+    assert_int_equal(ns_march_try(k.m, 1, NS_TO_TIME, &reached), NS_E_STATE);
+    assert_int_equal(ns_march_accept(k.m), NS_E_STATE);
+    assert_int_equal(ns_march_read(k.m, NULL, NULL, NULL, NULL), NS_E_STATE);
+    assert_int_equal(ns_sparse_euler(k.m->sparse, 1), NS_E_STATE);
+    assert_int_equal(ns_march_start(k.m, NAN, k.x), NS_E_NUMBER);
+    assert_int_equal(ns_march_start(k.m, 0, (const double[]){NAN}), NS_E_NUMBER);
+    assert_int_equal(ns_march_start_dc(k.m, 0, 2, (const int[]){0, 1}, (const double[]){0, 0}, NULL),
                      NS_E_SIZE);
-    assert_int_equal(ns_sparse_start_dc(k.m, 0, 1, (const int[]){1}, (const double[]){0}, NULL), NS_E_SIZE);
-    assert_int_equal(ns_sparse_start(k.m, 0, k.x), NS_OK);
-    assert_int_equal(ns_sparse_try(k.m, 0, NS_TO_TIME, &reached), NS_E_RANGE);
-    assert_int_equal(ns_sparse_fault(k.m)->status, NS_E_RANGE);
-    ns_sparse_free(NULL);
+    assert_int_equal(ns_march_start_dc(k.m, 0, 1, (const int[]){1}, (const double[]){0}, NULL), NS_E_SIZE);
+    assert_int_equal(ns_march_start(k.m, 0, k.x), NS_OK);
+    assert_int_equal(ns_march_try(k.m, 0, NS_TO_TIME, &reached), NS_E_RANGE);
+    assert_int_equal(ns_march_fault(k.m)->status, NS_E_RANGE);
+    ns_march_free(NULL);
     end(&k);
 }
 
