@@ -20,11 +20,14 @@ typedef struct bench_result {
     double values[CASE_VALUES];
     double last_event; /* s; of cases whose events accumulate */
     size_t bytes;      /* that the circuit, system and marcher hold at the end */
+    ns_method engine;  /* that was at work in the end */
     ns_counts counts;
 } bench_result;
 
 const char *bench_engine_name(bench_engine e);
 int bench_has(bench_engine e, const bench_case *c); /* it is there, and takes cases of this size */
+
+int bench_steps(bench_engine e); /* its setting is a step of the scheme, else reltol */
 
 /* setting: of the theta schemes (and of flight, where they step in) the step, in units of the case; of the
  * others reltol. */

@@ -13,6 +13,7 @@
 #include "timing.h"
 
 #include "engine/stepper.h"
+#include "facts.h"
 #include "literature.h"
 
 enum { N = LIT_BUCK_N, STEPS = 20000, TURNS = 100, PARTS = 3, Z = 2 };
@@ -87,6 +88,8 @@ int main(void) {
     printf("%-8s %8.4f us, in all %.3f s, %.4f us a step\n", "run", 1e6 * median(2 * TURNS, whole) / STEPS,
            total, 1e6 * total / (double)c->steps);
     printf("step / product %.2f\n", median(2 * TURNS, ratio));
+    fact_put("buck of the literature step", total / (double)c->steps);
+    fact_put("buck of the literature step over product", median(2 * TURNS, ratio));
     printf("%ld trials, %ld events, %ld problems, %ld pivots, %ld factors, %ld maps, %ld evicted\n",
            c->trials, c->events, c->problems, c->pivots, c->factors, c->maps, c->evicted);
     ns_theta_free(t);

@@ -3,9 +3,9 @@
  *
  *     bench_cases [NAME...]       cases by part of their name; none: all
  *
- * Environment: BENCH=quick for fewer settings and no large circuit; NONSMOOTH_CM (build/bench/nonsmooth.cm);
- * NGSPICE.  Tables go to stdout; CSV and gnuplot scripts to build/bench/, the last netlist to
- * build/bench/run.
+ * Environment: BENCH=quick for fewer settings and no large circuit, BENCH=library for nothing but the
+ * library; NONSMOOTH_CM (build/bench/nonsmooth.cm); NGSPICE.  Tables go to stdout; CSV and gnuplot scripts to
+ * build/bench/, the last netlist to build/bench/run.
  *
  * All runs of a case take turns, round by round; times are medians of CPU time, on one thread: of the library
  * and of Siconos from the elements to the last value (creation said apart), of ngspice that of its process
@@ -38,7 +38,8 @@ enum { MOST_ROWS = 240, MOST_CASES = 32, IDLES = 5 };
 static const char *const folder = "build/bench", *const siconos = "build/bench/siconos";
 
 typedef struct plan {
-    int quick, rounds;
+    int quick, library; /* library: nothing else */
+    int rounds;
     double limit; /* s of CPU a run may take */
     char cm[1024];
 } plan;
@@ -77,7 +78,7 @@ static void put_library(list *l, const plan *p, const bench_case *c) {
         int before = -1;
         if (!bench_has((bench_engine)e, c))
             continue;
-        const int steps = e <= BENCH_FLIGHT, count = e == BENCH_FLIGHT ? 1 : p->quick ? 3 : 5;
+        const int steps = bench_steps((bench_engine)e), count = e == BENCH_FLIGHT ? 1 : p->quick ? 3 : 5;
         for (int k = 0; k < count; k++) {
             const double setting = steps ? pow(0.25, k + (e == BENCH_FLIGHT ? 3 : 2)) : pow(10, -4 - 2 * k);
             before = put(l, ROW_LIBRARY, bench_engine_name((bench_engine)e),
@@ -267,8 +268,10 @@ static void run_case(bench_case *c, const plan *p, duel *d, scaling *s) {
     list l = {.row = room(MOST_ROWS * sizeof(row)), .todo = room(MOST_ROWS * sizeof(todo))};
     case_prepare(c);
     put_library(&l, p, c);
-    put_ngspice(&l, p, c);
-    put_siconos(&l, p, c);
+    if (!p->library) {
+        put_ngspice(&l, p, c);
+        put_siconos(&l, p, c);
+    }
     for (int round = 0; round < p->rounds; round++) {
         run_idle(c, p, &l);
         for (int i = 0; i < l.count; i++)
@@ -296,7 +299,8 @@ static int asked(const bench_case *c, const plan *p, int count, char **names) {
 
 int main(int argc, char **argv) {
     const char *bench = getenv("BENCH"), *cm = getenv("NONSMOOTH_CM");
-    plan p = {.quick = bench && strcmp(bench, "quick") == 0};
+    plan p = {.quick = bench && strcmp(bench, "quick") == 0,
+              .library = bench && strcmp(bench, "library") == 0};
     bench_case c;
     duel duels[MOST_CASES];
     static scaling ladders;

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "engine/sparse_march.h"
+#include "engine/sparse_engine.h"
 #include "nonsmooth.h"
 
 static const double freq = 1000;

@@ -4,6 +4,8 @@
  * 1/2:
  *
  *     floor     the bare matrix-vector product of the map, nothing else
+ *     cached    the whole 5 ms in plain C: a map for either polarity, computed before, its six rows and the
+ *               signs of the four guards; no library
  *     step      ns_theta_try + ns_theta_accept while the mode stands
  *     capture   the whole 5 ms, events captured at step ends
  *     march     the whole 5 ms, events located
@@ -14,10 +16,11 @@
 
 #include <math.h>
 
+#include "facts.h"
 #include "linalg/dense.h"
 #include "systems.h"
 
-enum { REPEATS = 31, STEPS = 5000 };
+enum { REPEATS = 31, STEPS = 5000, RUNS = 5 };
 static const double h = 1e-6, end = 5e-3;
 static const double w0[2] = {1e-6 * 10, 0};
 
@@ -47,6 +50,50 @@ static result run_floor(const ns_system *s, double theta) {
     }
     sink = out[1];
     return (result){.time = now() - start, .steps = STEPS};
+}
+
+/* theta = gamma = 1, or 1/2.  Rows: v, i, then the currents and reverse voltages of the pairs that polarity
+ * `sign` has: all of the sign of v. */
+static void cached_map(double theta, double sign, double *map) {
+    const double C = 1e-6, L = 1e-2, R = 1e3; /* system_lc_bridge() */
+    const double a[2][2] = {{-1 / (R * C), -1 / C}, {1 / L, 0}};
+    const double e[2][2] = {{1 - theta * h * a[0][0], -theta * h * a[0][1]},
+                            {-theta * h * a[1][0], 1 - theta * h * a[1][1]}};
+    const double rest = (1 - theta) * h, det = e[0][0] * e[1][1] - e[0][1] * e[1][0];
+    for (int j = 0; j < 2; j++) {
+        const double b0 = (j == 0) + rest * a[0][j], b1 = (j == 1) + rest * a[1][j];
+        map[j] = (e[1][1] * b0 - e[0][1] * b1) / det;
+        map[2 + j] = (e[0][0] * b1 - e[1][0] * b0) / det;
+        for (int k = 2; k < 6; k++)
+            map[2 * k + j] = sign * map[j] / (k < 4 ? R : 1);
+    }
+}
+
+static void cached_step(const double *map, const double *x, double *out) {
+    for (int i = 0; i < 6; i++)
+        out[i] = map[2 * i] * x[0] + map[2 * i + 1] * x[1];
+}
+
+static result run_cached(const ns_system *s, double theta) {
+    double maps[2][12], x[2] = {10, 0}, out[6];
+    (void)s;
+    for (int k = 0; k < 2; k++)
+        cached_map(theta, k ? -1 : 1, maps[k]);
+    int mode = 0, events = 0;
+    const double start = now();
+    for (int k = 0; k < STEPS; k++) {
+        cached_step(maps[mode], x, out);
+        if (out[2] < 0 || out[3] < 0 || out[4] < 0 || out[5] < 0) {
+            mode = !mode;
+            events++;
+            cached_step(maps[mode], x, out);
+        }
+        x[0] = out[0];
+        x[1] = out[1];
+    }
+    result r = {.time = now() - start, .steps = STEPS, .v = x[0]};
+    r.counts.events = events;
+    return r;
 }
 
 static ns_theta *start_theta(const ns_system *s, double theta) {
@@ -115,8 +162,11 @@ int main(void) {
         const char *name;
         result (*run)(const ns_system *, double);
         int whole; /* has an answer at 5 ms */
-    } runs[] = {
-        {"floor", run_floor, 0}, {"step", run_step, 0}, {"capture", run_capture, 1}, {"march", run_march, 1}};
+    } runs[RUNS] = {{"floor", run_floor, 0},
+                    {"cached", run_cached, 1},
+                    {"step", run_step, 0},
+                    {"capture", run_capture, 1},
+                    {"march", run_march, 1}};
     ns_system *s = system_lc_bridge();
     const double exact = lc_bridge_v(10, end);
     printf("LC bridge, 2 states, 4 pairs, h = 1 us; v(5 ms) = %.9f V in closed form\n", exact);
@@ -124,18 +174,20 @@ int main(void) {
            "events", "problems", "pivots", "factors", "maps");
     for (int half = 0; half < 2; half++) {
         const double theta = half ? 0.5 : 1;
-        double times[4][REPEATS];
-        result r[4];
+        double times[RUNS][REPEATS];
+        result r[RUNS];
         for (int k = 0; k < REPEATS; k++)
-            for (int i = 0; i < 4; i++) {
+            for (int i = 0; i < RUNS; i++) {
                 r[i] = runs[i].run(s, theta);
                 times[i][k] = r[i].time;
             }
-        for (int i = 0; i < 4; i++) {
+        for (int i = 0; i < RUNS; i++) {
             qsort(times[i], REPEATS, sizeof(double), by_value);
             const double t = times[i][REPEATS / 2] * 1e6;
             const ns_counts *c = &r[i].counts;
-            char error[16] = "-";
+            char error[16] = "-", what[32];
+            snprintf(what, sizeof what, "theta %s %s", half ? "1/2" : "1", runs[i].name);
+            fact_put(what, t * 1e-6 / r[i].steps);
             if (runs[i].whole)
                 snprintf(error, sizeof error, "%.2e", fabs(r[i].v - exact));
             printf("%-8s %6.2f %9.4f %9.1f %10s %8ld %8ld %8ld %8ld %8ld\n", runs[i].name, theta,
