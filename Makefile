@@ -37,8 +37,8 @@ help: ## this list
 
 # --- what it needs ---------------------------------------------------------------------------------------
 
-PACKAGES := build-essential clang libclang-rt-14-dev ngspice liblapacke-dev libopenblas-dev libsuitesparse-dev \
-    libcmocka-dev locales gnuplot-nox valgrind bison flex autoconf automake libtool pkgconf
+PACKAGES := build-essential clang libclang-rt-14-dev ngspice liblapacke-dev liblapack-dev libblas-dev libopenblas-dev \
+    libsuitesparse-dev libcmocka-dev locales gnuplot-nox valgrind bison flex autoconf automake libtool pkgconf
 LINT_PACKAGES := clang-format clang-tidy cppcheck shellcheck
 
 .PHONY: deps deps-lint
@@ -106,13 +106,19 @@ CM_LISTS := $(addprefix $(CM)/,cmextrn.h cminfo.h udnextrn.h udninfo.h)
 NG_INCLUDE := -isystem $(NG)/tree/src/include -isystem $(NG)/tree/src
 CM_CFLAGS = -std=gnu11 $(CFLAGS) -w -fPIC -MMD -MP -Iinclude -Icodemodels/bridge -I$(CM) $(NG_INCLUDE)
 
+# LAPACK, BLAS and KLU come from archives where there are some: to load the shared ones takes longer than ngspice's
+# whole start.
+CM_ARCHIVES := liblapacke.a liblapack_pic.a blas/libblas.a libklu.a libbtf.a libamd.a libcolamd.a libsuitesparseconfig.a
+CM_FOUND = $(filter /%,$(foreach archive,$(CM_ARCHIVES),$(shell $(CC) -print-file-name=$(archive))))
+CM_LIBS = $(if $(filter $(words $(CM_ARCHIVES)),$(words $(CM_FOUND))),$(CM_FOUND) -lm,$(LIBS))
+
 cm: $(B)/nonsmooth.cm
 .SECONDARY: $(MODELS:%=$(CM)/%/ifspec.c) $(MODELS:%=$(CM)/%/cfunc.c)
 
 $(B)/nonsmooth.cm: $(CM_OBJ) $(B)/libnonsmooth.a codemodels/nonsmooth.map
 	@echo "  LINK    $@"
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,--version-script=codemodels/nonsmooth.map -Wl,--no-undefined \
-	    $(filter %.o %.a,$^) -o $@ $(LIBS)
+	    $(filter %.o %.a,$^) -o $@ $(CM_LIBS)
 
 $(B)/obj/codemodels/%.o: private ALL_CFLAGS += $(NG_INCLUDE) -DNONSMOOTH_VERSION=$(VERSION)
 $(BRIDGE:%.c=$(B)/obj/%.o): $(NG)/stamp

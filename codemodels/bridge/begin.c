@@ -102,8 +102,8 @@ static void announce(native *b) {
                     e->ex.ndevices, e->ex.ndevices == 1 ? "" : "s");
     }
     b->announced = 1;
-    if (e->ex.options.reltol > 0.0 && !b->no_reltol) {
-        report_note("reltol = %g has no effect yet: theta has a fixed step, h", e->ex.options.reltol);
+    if (e->ex.options.reltol > 0.0 && e->ex.options.method == NS_THETA && !b->no_reltol) {
+        report_note("reltol = %g has no effect: theta has a fixed step, h", e->ex.options.reltol);
         b->no_reltol = 1;
     }
 }
@@ -133,7 +133,7 @@ static int start_from_dc(engine *e, int held) {
     return status;
 }
 
-int native_begin(native *b) {
+static int begin(native *b) {
     const long mode = b->ckt->CKTmode;
     const int tran = (mode & MODETRANOP) != 0;
     const int uic = tran && (mode & MODEUIC) != 0;
@@ -151,7 +151,6 @@ int native_begin(native *b) {
         return error;
     }
     announce(b);
-    b->cpu = clock();
     status = uic ? start_from_rest(&b->engine) : start_from_dc(&b->engine, tran);
     error = status ? native_fail(b, status) : prepare_force(b);
     if (error) {
@@ -171,6 +170,13 @@ int native_begin(native *b) {
     }
     show_devices(&b->engine);
     return OK;
+}
+
+int native_begin(native *b) {
+    const clock_t since = clock();
+    const int error = begin(b);
+    b->cpu = clock() - since;
+    return error;
 }
 
 /* M x of the accepted point, for a system that was altered since. */
@@ -194,6 +200,7 @@ int native_go_on(native *b) {
         return error;
     }
     if (altered.ex.hash == b->engine.ex.hash) {
+        b->engine.ex.options = altered.ex.options; /* those that only show */
         engine_clear(&altered);
         return OK;
     }

@@ -52,6 +52,8 @@ static int build(CKTcircuit *ckt, engine *e) {
     o.theta = e->ex.options.theta;
     o.gamma = e->ex.options.gamma;
     o.h = engine_step(e, ckt);
+    o.method = e->ex.options.method;
+    o.reltol = e->ex.options.reltol;
     status = status ? status : map_unknowns(e);
     status = status ? status : ns_march_create(e->system, &o, &e->march, &fault);
     return status ? fail(e, status, &fault) : OK;

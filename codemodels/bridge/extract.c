@@ -78,7 +78,8 @@ static int read_options(extract_walk *w, MIFinstance *inst) {
     }
     w->options = inst;
     w->ex->error = options_read(inst, &w->ex->options, w->ex->line, sizeof w->ex->line);
-    const double numbers[] = {w->ex->options.h, w->ex->options.theta, w->ex->options.gamma};
+    const double numbers[] = {w->ex->options.h, w->ex->options.theta, w->ex->options.gamma,
+                              (double)w->ex->options.method};
     extract_mix(w, numbers, sizeof numbers);
     return w->ex->error ? EXTRACT_REFUSED : NS_OK;
 }
@@ -213,6 +214,15 @@ static int read_nodes(extract_walk *w) {
     return OK;
 }
 
+/* That of .options counts where the model has none.  Nothing tells ngspice's default, 1e-3, from a choice. */
+static void choose_reltol(extract_walk *w) {
+    const double global = w->ckt->CKTreltol;
+    if (w->ex->options.reltol == 0.0 && global != 1e-3 && global > 0.0 && global < 1.0) {
+        w->ex->options.reltol = global;
+    }
+    extract_mix(w, &w->ex->options.reltol, sizeof w->ex->options.reltol);
+}
+
 int extract_read(CKTcircuit *ckt, extract_sources sources, extract *ex) {
     extract_walk w = {.ckt = ckt,
                       .ex = ex,
@@ -232,8 +242,8 @@ int extract_read(CKTcircuit *ckt, extract_sources sources, extract *ex) {
     for (int eq = 0; eq < ex->neq; eq++) {
         ex->element[eq] = -1;
     }
-    if (!read_all(&w)) {
-        read_nodes(&w);
+    if (!read_all(&w) && !read_nodes(&w)) {
+        choose_reltol(&w);
     }
     return ex->error;
 }

@@ -48,8 +48,21 @@ static int end_dc(CKTcircuit *ckt, int error) {
 
 /* --- loads --- */
 
+/* Calls of the library are timed if the summary will say it. */
+static clock_t start_clock(const native *b) {
+    return b->engine.ex.options.verbose ? clock() : 0;
+}
+
+static void stop_clock(native *b, clock_t since) {
+    if (b->engine.ex.options.verbose) {
+        b->cpu += clock() - since;
+    }
+}
+
 int native_read(native *b, double *t) {
+    const clock_t since = start_clock(b);
     const int status = ns_march_read(b->engine.march, t, b->engine.x, b->engine.lambda, NULL);
+    stop_clock(b, since);
     return status ? native_fail(b, status) : OK; /* an amplifier beyond 1e308 V, say: no number for ngspice */
 }
 
@@ -67,7 +80,9 @@ static double shown_after(const native *b, double t) {
 }
 
 static int try_to(native *b, double t, ns_until until) {
+    const clock_t since = start_clock(b);
     const int status = ns_march_try(b->engine.march, t, until, &b->t_trial);
+    stop_clock(b, since);
     b->tried = !status;
     if (b->tried && b->t_trial <= b->t) {
         b->t_trial = b->t + shown_after(b, t);
@@ -124,7 +139,9 @@ int native_load(native *b) {
 /* --- accepts --- */
 
 static void accept_trial(native *b) {
+    const clock_t since = start_clock(b);
     ns_march_accept(b->engine.march);
+    stop_clock(b, since);
     b->t = b->t_trial;
 }
 
@@ -177,7 +194,7 @@ int native_accept(native *b) {
     show_devices(&b->engine);
     if (ckt->CKTfinalTime - ckt->CKTtime < ckt->CKTminBreak) {
         if (b->engine.ex.options.verbose) {
-            show_summary(&b->engine, (double)(clock() - b->cpu) / CLOCKS_PER_SEC);
+            show_summary(&b->engine, (double)b->cpu / CLOCKS_PER_SEC);
         }
         return OK;
     }

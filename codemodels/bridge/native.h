@@ -39,7 +39,7 @@ typedef struct native {
     int failed;    /* code to end the analysis with; the line was said */
     double t;      /* accepted: the march's, or where the right side of a jump is shown */
     double t_trial;
-    clock_t cpu; /* at the start */
+    clock_t cpu; /* spent in the library, and before in reading the circuit; kept if verbose */
 } native;
 
 /* Every analysis and every `resume` sets ckt->CKTtrtol anew: this value tells that neither happened since. */

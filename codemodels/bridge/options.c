@@ -5,31 +5,37 @@
 #include <string.h>
 
 void options_default(options *o) {
-    *o = (options){.h = 0.0, .theta = 1.0, .gamma = 1.0, .reltol = 0.0, .verbose = 0, .given = NULL};
+    *o = (options){.method = NS_AUTO, .theta = 1.0, .gamma = 1.0, .corners = 1};
 }
 
-static int one_of(const char *word, const char *const *words, int n) {
-    for (int i = 0; i < n; i++) {
-        if (strcmp(word, words[i]) == 0) {
-            return 1;
+static const struct {
+    const char *word;
+    ns_method method;
+} methods[] = {{"auto", NS_AUTO}, {"theta", NS_THETA}, {"flight", NS_FLIGHT}, {"sparse", NS_SPARSE}};
+
+const char *options_method(ns_method method) {
+    for (size_t i = 0; i < sizeof methods / sizeof methods[0]; i++) {
+        if (methods[i].method == method) {
+            return methods[i].word;
         }
     }
-    return 0;
+    return "?";
 }
 
-static int check_method(const MIFinstance *inst, char *line, size_t size) {
-    static const char *const here[] = {"auto", "theta"};
-    static const char *const later[] = {"flight", "sparse", "hosted"};
-    const char *method = inst->param[OPTION_METHOD]->element[0].svalue;
-    if (!method || one_of(method, here, 2)) {
+static int read_method(const MIFinstance *inst, ns_method *method, char *line, size_t size) {
+    const char *word = inst->param[OPTION_METHOD]->element[0].svalue;
+    if (!word) {
         return OK;
     }
-    if (one_of(method, later, 3)) {
-        snprintf(line, size, "%s: method=%s is not there yet; auto and theta are", inst->MIFname, method);
-        return E_UNSUPP;
+    for (size_t i = 0; i < sizeof methods / sizeof methods[0]; i++) {
+        if (strcmp(word, methods[i].word) == 0) {
+            *method = methods[i].method;
+            return OK;
+        }
     }
-    snprintf(line, size, "%s: method=%s is unknown; auto and theta are there", inst->MIFname, method);
-    return E_PARMVAL;
+    snprintf(line, size, "%s: method=%s is %s; auto, theta, flight and sparse are there", inst->MIFname, word,
+             strcmp(word, "hosted") == 0 ? "not there yet" : "unknown");
+    return strcmp(word, "hosted") == 0 ? E_UNSUPP : E_PARMVAL;
 }
 
 static int check_weight(const MIFinstance *inst, const char *name, double value, char *line, size_t size) {
@@ -54,13 +60,14 @@ static int check_reltol(const MIFinstance *inst, double value, char *line, size_
 }
 
 int options_read(const MIFinstance *inst, options *o, char *line, size_t size) {
-    int error = check_method(inst, line, size);
+    int error = read_method(inst, &o->method, line, size);
     o->given = inst;
     o->h = models_real(inst, OPTION_H);
     o->theta = models_real(inst, OPTION_THETA);
     o->gamma = models_real(inst, OPTION_GAMMA);
     o->reltol = given(inst, OPTION_RELTOL);
     o->verbose = inst->param[OPTION_VERBOSE]->element[0].ivalue;
+    o->corners = inst->param[OPTION_CORNERS]->element[0].ivalue;
     if (!error && !inst->param[OPTION_H]->is_null && !(o->h > 0.0 && isfinite(o->h))) {
         snprintf(line, size, "%s: h = %g s is not above 0", inst->MIFname, o->h);
         error = E_PARMVAL;

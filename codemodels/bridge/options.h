@@ -3,12 +3,15 @@
 #define BRIDGE_OPTIONS_H
 
 #include "models.h"
+#include "nonsmooth/march.h"
 
 typedef struct options {
+    ns_method method;
     double h; /* s, 0: a sixteenth of ngspice's longest step */
     double theta, gamma;
     double reltol; /* 0: not given */
     int verbose;
+    int corners; /* ngspice gets time points at events and corners of sources */
     const MIFinstance *given; /* whose options these are; NULL: none given */
 } options;
 
@@ -17,6 +20,9 @@ void options_default(options *o);
 /* Reads inst into o.  Returns OK, or says what is wrong in line (size bytes) and returns E_PARMVAL or
  * E_UNSUPP. */
 int options_read(const MIFinstance *inst, options *o, char *line, size_t size);
+
+/* As a netlist names it. */
+const char *options_method(ns_method method);
 
 /* The file for a step that fails, as the model has it now; NULL: none. */
 const char *options_dump(const options *o);
