@@ -121,7 +121,7 @@ static void look_from(ns_timed *c, double t) {
     const ns_run *r = &c->line->run;
     const ns_timed_flip *f = &c->flip[c->closed][r->i];
     const double slack = ns_signal_slack(t, r->line->origin);
-    const int inside = f->window > 0; /* not where the piece begins */
+    const int inside = f->window > 0 || f->t > r->line->piece[r->i].t; /* not where the piece begins */
     if (inside || (!isnan(f->t) && r->t >= t - slack)) {
         at_piece(c, r->k, r->i);
         c->next = fmax(c->next, t);

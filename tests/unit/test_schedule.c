@@ -388,6 +388,22 @@ static void seek_takes_the_states_it_is_told(void **state) {
     done(s, system);
 }
 
+/* 1 down to 0 from 2 to 4: at 3 it passes 1/2; nothing is left of the control where the ramp ends. */
+static void seek_to_where_a_control_falls_to_nothing(void **state) {
+    ns_system *system = bare(1, 1);
+    unsigned char closed = 1;
+    (void)state;
+    input(system, 0, pulse(0, 1, 0, 1, 2, 1, 8));
+    thresholds(system, 0, 0.5, 0.5);
+    system->command[0].gz[0] = 1;
+    ns_schedule *s = schedule(system);
+    ns_schedule_seek(s, 3, NS_LEFT, &closed);
+    expect(s, 3, 1e-12, 1);
+    ns_schedule_seek(s, 2.5, NS_RIGHT, &closed);
+    expect(s, 3, 1e-12, 1);
+    done(s, system);
+}
+
 /* At 1 the input jumps and the switch with it: from the left both are still to come. */
 static void both_sides_of_a_jump(void **state) {
     ns_system *system = bare(1, 1);
@@ -519,6 +535,7 @@ int main(void) {
         cmocka_unit_test(rounding_of_the_control),
         cmocka_unit_test(an_exponential),
         cmocka_unit_test(seek_takes_the_states_it_is_told),
+        cmocka_unit_test(seek_to_where_a_control_falls_to_nothing),
         cmocka_unit_test(both_sides_of_a_jump),
         cmocka_unit_test(periods_shorter_than_rounding),
         cmocka_unit_test(many_switches),
