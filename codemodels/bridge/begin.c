@@ -133,6 +133,23 @@ static int start_from_dc(engine *e, int held) {
     return status;
 }
 
+void native_take_loop(native *b) {
+    CKTcircuit *ckt = b->ckt;
+    ckt->CKTtrtol = NATIVE_MARK;
+    b->plan = (points_plan){ckt->CKTmaxStep, b->engine.ex.options.corners};
+    if (ckt->CKTmaxOrder == 2) { /* else every point is asked twice for its truncation error */
+        b->max_order = ckt->CKTmaxOrder;
+        ckt->CKTmaxOrder = 1;
+    }
+}
+
+void native_release_loop(native *b) {
+    if (b->max_order) { /* by it ngspice frees what it allocated */
+        b->ckt->CKTmaxOrder = b->max_order;
+    }
+    b->max_order = 0;
+}
+
 static int begin(native *b) {
     const long mode = b->ckt->CKTmode;
     const int tran = (mode & MODETRANOP) != 0;
@@ -156,7 +173,7 @@ static int begin(native *b) {
     if (error) {
         return error;
     }
-    b->ckt->CKTtrtol = NATIVE_MARK;
+    native_take_loop(b);
     b->fresh = 1;
     if (!uic) {
         show_values(&b->engine, b->engine.x, b->value);
@@ -199,8 +216,9 @@ int native_go_on(native *b) {
     if (error) {
         return error;
     }
+    b->engine.ex.options = altered.ex.options;
+    native_take_loop(b);
     if (altered.ex.hash == b->engine.ex.hash) {
-        b->engine.ex.options = altered.ex.options; /* those that only show */
         engine_clear(&altered);
         return OK;
     }

@@ -7,7 +7,7 @@
 
 enum { STEPS_A_POINT = 16 }; /* of ours in ngspice's longest step, unless option h says otherwise */
 
-double engine_step(const engine *e, const CKTcircuit *ckt) {
+static double longest_step(const engine *e, const CKTcircuit *ckt) {
     if (e->ex.options.h > 0.0) {
         return e->ex.options.h;
     }
@@ -51,7 +51,7 @@ static int build(CKTcircuit *ckt, engine *e) {
     memset(&o, 0, sizeof o);
     o.theta = e->ex.options.theta;
     o.gamma = e->ex.options.gamma;
-    o.h = engine_step(e, ckt);
+    o.h = e->h = longest_step(e, ckt);
     o.method = e->ex.options.method;
     o.reltol = e->ex.options.reltol;
     status = status ? status : map_unknowns(e);

@@ -48,21 +48,8 @@ static int end_dc(CKTcircuit *ckt, int error) {
 
 /* --- loads --- */
 
-/* Calls of the library are timed if the summary will say it. */
-static clock_t start_clock(const native *b) {
-    return b->engine.ex.options.verbose ? clock() : 0;
-}
-
-static void stop_clock(native *b, clock_t since) {
-    if (b->engine.ex.options.verbose) {
-        b->cpu += clock() - since;
-    }
-}
-
 int native_read(native *b, double *t) {
-    const clock_t since = start_clock(b);
     const int status = ns_march_read(b->engine.march, t, b->engine.x, b->engine.lambda, NULL);
-    stop_clock(b, since);
     return status ? native_fail(b, status) : OK; /* an amplifier beyond 1e308 V, say: no number for ngspice */
 }
 
@@ -76,13 +63,14 @@ static int read_point(native *b) {
 
 /* The right side of a jump has the time of the left one: it is shown that much later, well before t. */
 static double shown_after(const native *b, double t) {
-    return fmin(ldexp(engine_step(&b->engine, b->ckt), -19), (t - b->t) / 8.0);
+    return fmin(ldexp(b->engine.h, -19), (t - b->t) / 8.0);
 }
 
 static int try_to(native *b, double t, ns_until until) {
-    const clock_t since = start_clock(b);
+    const int timed = b->engine.ex.options.verbose; /* to ask for the time takes as long as a short way */
+    const clock_t since = timed ? clock() : 0;
     const int status = ns_march_try(b->engine.march, t, until, &b->t_trial);
-    stop_clock(b, since);
+    b->cpu += timed ? clock() - since : 0;
     b->tried = !status;
     if (b->tried && b->t_trial <= b->t) {
         b->t_trial = b->t + shown_after(b, t);
@@ -93,11 +81,15 @@ static int try_to(native *b, double t, ns_until until) {
 /* Leaves x(t) in b->value; a failure waits for the accept, which ends the analysis without a false point. */
 static void load_tran(native *b) {
     CKTcircuit *ckt = b->ckt;
-    b->loaded = 0;
     if (ckt->CKTtrtol != NATIVE_MARK && !b->failed) {
-        ckt->CKTtrtol = NATIVE_MARK;
+        b->loaded = 0;
         b->failed = native_go_on(b);
+        ckt->CKTtrtol = NATIVE_MARK;
     }
+    if (b->loaded && same_time(ckt->CKTtime, b->t_trial)) { /* ngspice solves twice at each point */
+        return;
+    }
+    b->loaded = 0;
     /* what was accepted may lie a little beyond: a jump takes a while, and ngspice's times are rounded */
     if (b->failed || ckt->CKTtime <= b->t || same_time(ckt->CKTtime, b->t)) {
         return;
@@ -139,25 +131,28 @@ int native_load(native *b) {
 /* --- accepts --- */
 
 static void accept_trial(native *b) {
-    const clock_t since = start_clock(b);
     ns_march_accept(b->engine.march);
-    stop_clock(b, since);
     b->t = b->t_trial;
+}
+
+/* The next point that is not an event. */
+static double next_point(native *b, int first) {
+    return points_next(b->ckt, &b->plan, b->engine.system, b->t, first);
 }
 
 /* An event that is as good as here (ngspice cannot step there) is accepted, and the way after it tried. */
 static int try_next(native *b, int first) {
     CKTcircuit *ckt = b->ckt;
     int error = OK;
-    for (int near = 0; near < EVENTS_NEAR && !error; near++) {
-        error = try_to(b, points_next(ckt, b->engine.system, b->t, first), NS_TO_EVENT);
+    for (int near = 0; near < EVENTS_NEAR && !error && points_at_events(ckt, &b->plan); near++) {
+        error = try_to(b, next_point(b, first), NS_TO_EVENT);
         if (error || b->t_trial - ckt->CKTtime >= points_closeness(ckt)) {
             break;
         }
         accept_trial(b);
         b->tried = 0;
     }
-    return error || b->tried ? error : try_to(b, points_next(ckt, b->engine.system, b->t, first), NS_TO_TIME);
+    return error || b->tried ? error : try_to(b, next_point(b, first), NS_TO_TIME);
 }
 
 static void look_ahead(native *b, int first) {
@@ -196,6 +191,7 @@ int native_accept(native *b) {
         if (b->engine.ex.options.verbose) {
             show_summary(&b->engine, (double)b->cpu / CLOCKS_PER_SEC);
         }
+        native_release_loop(b);
         return OK;
     }
     look_ahead(b, first);
@@ -204,6 +200,7 @@ int native_accept(native *b) {
 
 void native_reset(native *b) {
     rows_show(b);
+    native_release_loop(b);
     engine_clear(&b->engine);
     force_clear(&b->force);
     free(b->value);

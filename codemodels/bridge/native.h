@@ -7,19 +7,20 @@
 #include "extract.h"
 #include "force.h"
 #include "nonsmooth/march.h"
+#include "points.h"
 
 /* What is read of a circuit and made of it, replaced as a whole. */
 typedef struct engine {
     extract ex;
     ns_system *system;
     ns_march *march;
+    double h;           /* the longest step of the scheme, s */
     int *unknown;       /* ex.neq: the unknown an equation stands for, -1: none */
     double *x, *lambda; /* of the system */
 } engine;
 
 int engine_make(CKTcircuit *ckt, extract_sources sources, engine *e); /* OK, or a code after one line */
 void engine_clear(engine *e);
-double engine_step(const engine *e, const CKTcircuit *ckt); /* the longest step, s */
 
 /* One circuit of ngspice. */
 typedef struct native {
@@ -33,13 +34,15 @@ typedef struct native {
     int no_reltol; /* that reltol has no effect was said */
     int checked;   /* the running ngspice was looked at */
     int fresh;     /* started, and the start not yet accepted */
+    points_plan plan;
+    int max_order; /* ngspice's maxord while it is 1; else 0 */
     int tried;     /* the march holds a trial that ends at t_trial */
     int loaded;    /* ngspice's present point shows that trial */
     int refused;   /* this analysis is not for us */
     int failed;    /* code to end the analysis with; the line was said */
     double t;      /* accepted: the march's, or where the right side of a jump is shown */
     double t_trial;
-    clock_t cpu; /* spent in the library, and before in reading the circuit; kept if verbose */
+    clock_t cpu; /* of the start and, if verbose, of the way since */
 } native;
 
 /* Every analysis and every `resume` sets ckt->CKTtrtol anew: this value tells that neither happened since. */
@@ -69,6 +72,10 @@ int native_read(native *b, double *t);
 
 /* Begins an analysis: leaves the operating point, or the start from rest (uic), in b->value. */
 int native_begin(native *b);
+
+/* Makes ngspice's loop ours: no truncation error, and the plan of points.  native_release() gives back. */
+void native_take_loop(native *b);
+void native_release_loop(native *b);
 
 /* After `resume`: if something was altered, goes on from the present charges and fluxes. */
 int native_go_on(native *b);

@@ -9,20 +9,29 @@ double points_closeness(const CKTcircuit *ckt) {
     return fmax(ckt->CKTminBreak, 200.0 * 2.3e-16 * ckt->CKTfinalTime);
 }
 
+int points_at_events(const CKTcircuit *ckt, const points_plan *p) {
+    return p->corners && ckt->CKTtime >= ckt->CKTinitTime;
+}
+
+/* ngspice looks at two. */
+static void drop_all_breaks(CKTcircuit *ckt) {
+    ckt->CKTbreaks[0] = ckt->CKTbreaks[1] = ckt->CKTfinalTime;
+    ckt->CKTbreakSize = 2;
+}
+
 /* Forgets breakpoints that are reached: ngspice would cut its step after each to a tenth. */
 static void drop_breaks(CKTcircuit *ckt) {
     int passed = 0;
     while (passed < ckt->CKTbreakSize - 1 && ckt->CKTbreaks[passed] <= ckt->CKTtime + points_closeness(ckt)) {
         passed++;
     }
-    if (ckt->CKTbreakSize - passed < 2) { /* ngspice looks at two */
-        ckt->CKTbreaks[0] = ckt->CKTbreaks[1] = ckt->CKTfinalTime;
-        ckt->CKTbreakSize = 2;
-        return;
+    if (ckt->CKTbreakSize - passed < 2) {
+        drop_all_breaks(ckt);
+    } else if (passed > 0) {
+        memmove(ckt->CKTbreaks, ckt->CKTbreaks + passed,
+                (size_t)(ckt->CKTbreakSize - passed) * sizeof *ckt->CKTbreaks);
+        ckt->CKTbreakSize -= passed;
     }
-    memmove(ckt->CKTbreaks, ckt->CKTbreaks + passed,
-            (size_t)(ckt->CKTbreakSize - passed) * sizeof *ckt->CKTbreaks);
-    ckt->CKTbreakSize -= passed;
 }
 
 /* The sources' own: ngspice sets its breakpoint after one only on arriving at that by cutting its step, and
@@ -35,18 +44,48 @@ static double next_corner(const ns_system *s, double t) {
     return corner;
 }
 
-double points_next(CKTcircuit *ckt, const ns_system *s, double t_accepted, int first) {
+/* Before tstart: there in steps of a fiftieth of the run, ngspice's own longest; Ctrl-C is heard between them. */
+static double next_unshown(CKTcircuit *ckt, const points_plan *p) {
+    const double step = fmax(p->step, ckt->CKTfinalTime / 50.0);
+    const double start = ckt->CKTinitTime * (1.0 + 4.0 * 2.3e-16); /* rounding must not fall short of it */
+    drop_all_breaks(ckt);
+    ckt->CKTmaxStep = step;
+    return ckt->CKTtime + 1.5 * step < start ? ckt->CKTtime + step
+           : ckt->CKTtime + step < start     ? 0.5 * (ckt->CKTtime + start)
+                                             : start;
+}
+
+/* The next point on the grid. */
+static double next_of_grid(const CKTcircuit *ckt, double step) {
+    return fmin(ckt->CKTtime + step, (floor(ckt->CKTtime / step + 1e-3) + 1.0) * step);
+}
+
+/* That, or a corner before it. */
+static double next_shown(CKTcircuit *ckt, const points_plan *p, const ns_system *s, double t_accepted) {
     const double now = ckt->CKTtime;
-    const double step = ckt->CKTmaxStep;
-    double stop;
+    const double t = next_of_grid(ckt, p->step);
+    double stop = ckt->CKTfinalTime;
+    if (p->corners) {
+        drop_breaks(ckt);
+        stop = fmin(ckt->CKTbreaks[0], next_corner(s, fmax(now, t_accepted)));
+    } else {
+        drop_all_breaks(ckt);
+    }
+    if (stop < t + 1e-3 * p->step) {
+        return stop <= now + p->step ? stop : now + 0.5 * p->step; /* in two, rather than leave a sliver */
+    }
+    return t;
+}
+
+double points_next(CKTcircuit *ckt, const points_plan *p, const ns_system *s, double t_accepted, int first) {
     double t;
-    drop_breaks(ckt);
-    stop = fmin(ckt->CKTbreaks[0], next_corner(s, fmax(now, t_accepted)));
-    t = fmin(now + step, (floor(now / step + 1e-3) + 1.0) * step);
-    if (first && (ckt->CKTmode & MODEUIC)) {
-        t = now + step / 1048576.0; /* ngspice does not show t = 0 then: shows 0+ */
-    } else if (stop < t + 1e-3 * step) {
-        t = stop <= now + step ? stop : now + 0.5 * step; /* in two, rather than leave a sliver */
+    ckt->CKTmaxStep = p->step;
+    if (ckt->CKTtime < ckt->CKTinitTime) {
+        t = next_unshown(ckt, p);
+    } else if (first && (ckt->CKTmode & MODEUIC)) {
+        t = ckt->CKTtime + p->step / 1048576.0; /* ngspice does not show t = 0 then: shows 0+ */
+    } else {
+        t = next_shown(ckt, p, s, t_accepted);
     }
     return fmax(t, t_accepted + points_closeness(ckt)); /* whatever rounding did, ahead */
 }

@@ -8,9 +8,18 @@
 /* Times closer than this, s, are one to ngspice: it compares breakpoints to 100 ulps. */
 double points_closeness(const CKTcircuit *ckt);
 
-/* Where the point after the present one should be if no event comes before: on the grid of ngspice's longest
- * step, beyond which ngspice does not go, on a breakpoint or on a corner of the inputs of s; after t_accepted
- * in any case.  first: the present point is t = 0.  Forgets the breakpoints that are reached. */
-double points_next(CKTcircuit *ckt, const ns_system *s, double t_accepted, int first);
+typedef struct points_plan {
+    double step; /* the longest that .tran asks for, s: ngspice's, as it was at first */
+    int corners; /* events and corners of the sources get points as well */
+} points_plan;
+
+/* 1 if events get points at the present time: nothing is shown before .tran's tstart. */
+int points_at_events(const CKTcircuit *ckt, const points_plan *p);
+
+/* Where the point after the present one should be if no event comes before: on the grid of p->step, or a
+ * breakpoint or a corner of the inputs of s that gets a point; after t_accepted in any case.  first: the
+ * present point is t = 0.  Forgets the breakpoints that are reached, and those that get no point.  Lets ngspice
+ * go further than p->step where nothing is shown. */
+double points_next(CKTcircuit *ckt, const points_plan *p, const ns_system *s, double t_accepted, int first);
 
 #endif
