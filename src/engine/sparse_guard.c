@@ -169,7 +169,8 @@ int ns_guard_commands(ns_sparse *m, const double *v) {
 /* --- over a leg --- */
 
 typedef struct search {
-    double to_bernstein[NS_ORDER][NS_ORDER]; /* [j][i]: of (-1)^i L_i, to Bernstein's j, on [0, end] */
+    int terms;
+    double to_bernstein[NS_STAGES][NS_STAGES]; /* [j][i]: of (-1)^i L_i, to Bernstein's j, on [0, end] */
     double tol;
     int splits; /* left */
 } search;
@@ -181,12 +182,13 @@ static double choose(int n, int k) {
     return c;
 }
 
-static void set_search(search *s, double end) {
-    for (int i = 0; i < NS_ORDER; i++)
-        for (int j = 0; j < NS_ORDER; j++) {
+static void set_search(search *s, int terms, double end) {
+    s->terms = terms;
+    for (int i = 0; i < terms; i++)
+        for (int j = 0; j < terms; j++) {
             double sum = 0, power = 1; /* L_i(end u) = sum_k C(i,k) (-end u)^k / k! */
             for (int k = 0; k <= i && k <= j; k++) {
-                sum += choose(i, k) * power * choose(j, k) / choose(NS_ORDER - 1, k);
+                sum += choose(i, k) * power * choose(j, k) / choose(terms - 1, k);
                 power *= -end / (k + 1);
             }
             s->to_bernstein[j][i] = i % 2 ? -sum : sum;
@@ -195,8 +197,8 @@ static void set_search(search *s, double end) {
 
 /* The first u in [low, high] with value below -tol, NAN if there is none. */
 static double first_below(search *s, const double *b, double low, double high, int depth) {
-    double left[NS_ORDER], right[NS_ORDER], least = INFINITY;
-    enum { terms = NS_ORDER };
+    double left[NS_STAGES], right[NS_STAGES], least = INFINITY;
+    const int terms = s->terms;
     for (int i = 0; i < terms; i++)
         least = fmin(least, b[i]);
     if (least >= -s->tol)
@@ -216,9 +218,9 @@ static double first_below(search *s, const double *b, double low, double high, i
 
 /* Where in [0, 1] guard G falls below -tol. */
 static double crossing(search *s, const double *G, double tol) {
-    double b[NS_ORDER] = {0};
-    for (int j = 0; j < NS_ORDER; j++)
-        for (int i = 0; i < NS_ORDER; i++)
+    double b[NS_STAGES] = {0};
+    for (int j = 0; j < s->terms; j++)
+        for (int i = 0; i < s->terms; i++)
             b[j] += s->to_bernstein[j][i] * G[i];
     s->tol = tol;
     s->splits = 4000;
@@ -247,23 +249,20 @@ typedef struct found {
 } found;
 
 /* The next coefficient, guessed from the last two: what a guard is off by at the start of a leg. */
-static double cut_off(const double *G) {
-    const double last = fabs(G[NS_ORDER - 1]), before = fabs(G[NS_ORDER - 2]);
+static double cut_off(const double *G, int terms) {
+    const double last = fabs(G[terms - 1]), before = fabs(G[terms - 2]);
     return last < before ? 2 * last * (last / before) : last;
 }
 
-/* Looks for one guard's crossing before the first found so far. */
-static void look(const ns_sparse *m, const ns_leg *leg, search *s, int pair, int k, int command, found *f) {
-    double G[NS_ORDER];
-    coefficients(m, leg, NS_ORDER, pair, k, command, G);
-    if (surely_holds(m, G))
-        return;
-    const double tol =
-        pair >= 0 ? noise(m, pair, leg->xi, leg->dw, leg->g) : control_noise(m, command, leg->xi, leg->z);
-    const double size = pair < 0 ? 0 : m->mode[pair] == NS_INSIDE ? m->most_lambda : m->most_y;
-    const double at = crossing(s, G, tol + cut_off(G) + m->o.reltol * size);
-    if (at < f->at)
-        *f = (found){at, pair, k, command};
+/* Where in the leg one guard breaks, by the coefficients there are. */
+static double breaks(const ns_sparse *m, const ns_leg *leg, search *s, const found *f, double *G) {
+    coefficients(m, leg, s->terms, f->pair, f->k, f->command, G);
+    if (s->terms == NS_ORDER && surely_holds(m, G))
+        return NAN;
+    const double tol = f->pair >= 0 ? noise(m, f->pair, leg->xi, leg->dw, leg->g)
+                                    : control_noise(m, f->command, leg->xi, leg->z);
+    const double size = f->pair < 0 ? 0 : m->mode[f->pair] == NS_INSIDE ? m->most_lambda : m->most_y;
+    return crossing(s, G, tol + cut_off(G, s->terms) + m->o.reltol * size);
 }
 
 /* The value of a guard of NS_STAGES coefficients. */
@@ -297,16 +296,20 @@ static double root_near(const double *G, double at, double s) {
     return low;
 }
 
-/* With the last stage the crossing is as exact as the step. */
-static int refine(ns_sparse *m, ns_leg *leg, found *f) {
+/* Looks for one guard's crossing before the first found so far: roughly, then with the last stage, as exact
+ * as the step. */
+static int look(ns_sparse *m, ns_leg *leg, search *s, found next, found *f) {
     double G[NS_STAGES];
-    if (f->at <= 0)
+    if (!(breaks(m, leg, &s[0], &next, G) < f->at))
         return NS_OK;
     const int status = ns_leg_last_stage(m, leg);
     if (status != NS_OK)
         return status;
-    coefficients(m, leg, NS_STAGES, f->pair, f->k, f->command, G);
-    f->at = root_near(G, f->at, leg->end / leg->g);
+    next.at = breaks(m, leg, &s[1], &next, G);
+    if (next.at > 0)
+        next.at = root_near(G, next.at, leg->end / leg->g);
+    if (next.at < f->at)
+        *f = next;
     return NS_OK;
 }
 
@@ -318,21 +321,20 @@ static void take_sizes(ns_sparse *m, const double *v) {
 }
 
 int ns_guard_first(ns_sparse *m, ns_leg *leg) {
-    search s;
+    search s[2];
     found f = {INFINITY, -1, 0, -1};
-    set_search(&s, leg->end / leg->g);
+    int status = NS_OK;
+    set_search(&s[0], NS_ORDER, leg->end / leg->g);
+    set_search(&s[1], NS_STAGES, leg->end / leg->g);
     take_sizes(m, leg->xi);
     for (int j = 0; j < m->f->m; j++) {
         const int guards = guards_of(m, j);
-        for (int k = 0; k < guards; k++)
-            look(m, leg, &s, j, k, -1, &f);
+        for (int k = 0; k < guards && status == NS_OK; k++)
+            status = look(m, leg, s, (found){NAN, j, k, -1}, &f);
     }
-    for (int c = 0; c < m->s->nc; c++)
+    for (int c = 0; c < m->s->nc && status == NS_OK; c++)
         if (of_state(m, c))
-            look(m, leg, &s, -1, 0, c, &f);
-    if (!(f.at <= 1))
-        return NS_OK;
-    const int status = refine(m, leg, &f);
+            status = look(m, leg, s, (found){NAN, -1, 0, c}, &f);
     if (status != NS_OK || !(f.at <= 1))
         return status;
     leg->why = NS_LEG_EVENT;

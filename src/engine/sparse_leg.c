@@ -113,7 +113,7 @@ static double noise_of(const ns_sparse *m, const ns_leg *leg, size_t i) {
 }
 
 /* The error of the step of the whole length, as a multiple of what is allowed: b_9 D^9 w, guessed from the
- * two before.  *ratio: how much of D^7 w is left in D^8 w, at most 1. */
+ * two before, not quite as small as they promise.  *ratio: how much of D^7 w is left in D^8 w, at most 1. */
 static double error_of(ns_sparse *m, const ns_leg *leg, double *ratio) {
     const size_t n = (size_t)m->f->n;
     const double *d8 = leg->dw + NS_ORDER * n, *d7 = d8 - n, most = take_scales(m, leg);
@@ -132,7 +132,7 @@ static double error_of(ns_sparse *m, const ns_leg *leg, double *ratio) {
         before = fmax(before, fabs(d7[i]) / scale);
     }
     *ratio = last < before ? last / before : 1;
-    return ERROR * last * *ratio / m->o.reltol;
+    return ERROR * last * sqrt(*ratio) / m->o.reltol;
 }
 
 /* That of a step twice as long, where D, which is below 1, grows from d to 2 d / (1 + d). */

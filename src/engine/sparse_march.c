@@ -138,16 +138,15 @@ void ns_sparse_free(ns_sparse *m) {
     free(m);
 }
 
-static double time_of(const ns_sparse *m) {
-    return m->live_tau >= m->live->end ? m->live->end_t : m->live->t + m->live_tau;
-}
-
-static double kept_time(const ns_sparse *m) {
-    return m->kept_tau >= m->kept->end ? m->kept->end_t : m->kept->t + m->kept_tau;
+/* As far into the live leg as t is. */
+static void move_to(ns_sparse *m, double t) {
+    const int whole = t >= m->live->end_t || m->live->euler;
+    m->live_tau = whole ? m->live->end : fmin(t - m->live->t, m->live->end);
+    m->live_t = whole ? m->live->end_t : t;
 }
 
 int ns_sparse_at_event(const ns_sparse *m) {
-    return m->started && m->live->why == NS_LEG_EVENT && m->live_tau >= m->live->end;
+    return m->started && m->live->why == NS_LEG_EVENT && m->live_t >= m->live->end_t;
 }
 
 /* An input jumps at t, or a command of time changes. */
@@ -230,35 +229,35 @@ static int go_on(ns_sparse *m) {
         return status;
     m->live = to;
     m->live_tau = 0;
+    m->live_t = t;
     return NS_OK;
 }
 
 static int go_to(ns_sparse *m, double t, ns_until until) {
-    const double from = time_of(m);
+    const double from = m->live_t;
     m->budget = 100000 + (long)fmin(1e12, 20000 * (t - from) / m->o.h);
     if (until == NS_TO_EVENT && ns_sparse_at_event(m))
         return go_on(m);
-    while (time_of(m) < t) {
-        if (m->live_tau < m->live->end) {
-            m->live_tau = t >= m->live->end_t ? m->live->end : fmin(t - m->live->t, m->live->end);
-            if (m->live->euler)
-                m->live_tau = m->live->end;
+    while (m->live_t < t) {
+        if (m->live_t < m->live->end_t) {
+            move_to(m, t);
         } else {
             const int status = go_on(m);
             if (status != NS_OK)
                 return status;
         }
         if (until == NS_TO_EVENT && ns_sparse_at_event(m))
-            return time_of(m) > from ? NS_OK : go_on(m);
+            return m->live_t > from ? NS_OK : go_on(m);
     }
     return NS_OK;
 }
 
 static void go_back(ns_sparse *m) {
-    if (m->live != m->kept || m->live_tau != m->kept_tau)
+    if (m->live != m->kept || m->live_t != m->kept_t)
         ns_inputs_reset(m->in);
     m->live = m->kept;
     m->live_tau = m->kept_tau;
+    m->live_t = m->kept_t;
     m->has_trial = 0;
 }
 
@@ -267,21 +266,21 @@ int ns_sparse_try(ns_sparse *m, double t, ns_until until, double *reached) {
         return NS_E_NULL;
     if (!m->started)
         return ns_sparse_fail(m, t, NS_E_STATE);
-    if (!(t > kept_time(m)) || !isfinite(t))
+    if (!(t > m->kept_t) || !isfinite(t))
         return ns_sparse_fail(m, t, NS_E_RANGE);
-    if (!(m->has_trial && (t == time_of(m) || (t == m->asked && until == m->until)))) {
+    if (!(m->has_trial && (t == m->live_t || (t == m->asked && until == m->until)))) {
         go_back(m);
         m->asked = t;
         m->until = until;
         const int status = go_to(m, t, until);
         if (status != NS_OK) {
-            const double at = time_of(m);
+            const double at = m->live_t;
             go_back(m);
             return ns_sparse_fail(m, at, status);
         }
         m->has_trial = 1;
     }
-    *reached = time_of(m);
+    *reached = m->live_t;
     return NS_OK;
 }
 
@@ -292,6 +291,7 @@ int ns_sparse_accept(ns_sparse *m) {
         return NS_E_STATE;
     m->kept = m->live;
     m->kept_tau = m->live_tau;
+    m->kept_t = m->live_t;
     m->has_trial = 0;
     return NS_OK;
 }
@@ -301,9 +301,9 @@ int ns_sparse_read(ns_sparse *m, double *t, double *x, double *lambda, double *y
         return NS_E_NULL;
     if (!m->started)
         return ns_sparse_fail(m, NAN, NS_E_STATE);
-    const double at = time_of(m);
+    const double at = m->live_t;
     const int status =
-        m->live_tau < m->live->end || m->live->why == NS_LEG_EVENT ? ns_leg_last_stage(m, m->live) : NS_OK;
+        m->live_t < m->live->end_t || m->live->why == NS_LEG_EVENT ? ns_leg_last_stage(m, m->live) : NS_OK;
     if (status != NS_OK)
         return ns_sparse_fail(m, at, status);
     ns_leg_point(m, m->live, m->live_tau, m->v);
@@ -314,7 +314,7 @@ int ns_sparse_read(ns_sparse *m, double *t, double *x, double *lambda, double *y
     if (lambda)
         memcpy(lambda, m->v + m->f->n, sizeof(double) * (size_t)m->f->m);
     for (int k = 0; y && k < m->f->nz; k++)
-        m->z[k] = ns_signal_value(&m->s->z[k], at, m->live_tau > 0 ? NS_LEFT : NS_RIGHT);
+        m->z[k] = ns_signal_value(&m->s->z[k], at, m->live_t > m->live->t ? NS_LEFT : NS_RIGHT);
     for (int j = 0; y && j < m->f->m; j++)
         y[j] = m->live->mode[j] == NS_INSIDE ? 0 : ns_form_y(m->f, j, m->v, m->z, 1);
     return NS_OK;
@@ -341,7 +341,7 @@ int ns_sparse_euler(ns_sparse *m, double h) {
     if (!m->started)
         return ns_sparse_fail(m, NAN, NS_E_STATE);
     ns_leg *leg = m->kept;
-    const double t = kept_time(m), end = t + h;
+    const double t = m->kept_t, end = t + h;
     go_back(m);
     ns_leg_state(m, leg, m->kept_tau, m->w);
     memcpy(m->mode, leg->mode, (size_t)m->f->m);
@@ -350,5 +350,6 @@ int ns_sparse_euler(ns_sparse *m, double h) {
     if (status != NS_OK)
         return ns_sparse_fail(m, t, status);
     m->live_tau = m->kept_tau = leg->end;
+    m->live_t = m->kept_t = leg->end_t;
     return NS_OK;
 }

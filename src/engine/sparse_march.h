@@ -41,7 +41,8 @@ struct ns_sparse {
     ns_modal *q;
     ns_inputs *in;
     ns_leg leg[2], *live, *kept;
-    double live_tau, kept_tau; /* how far into them */
+    double live_tau, kept_tau; /* how far into them, */
+    double live_t, kept_t;     /* at which times */
     double *l, *u;             /* m, commanded pairs as commanded */
     ns_mode *mode;             /* m: of what comes next */
     unsigned char *flip;       /* m */

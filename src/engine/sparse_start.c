@@ -32,6 +32,7 @@ static int begin(ns_sparse *m, double t0) {
     if (status != NS_OK)
         return ns_sparse_fail(m, t0, status);
     m->kept_tau = m->live_tau = 0;
+    m->kept_t = m->live_t = t0;
     m->started = 1;
     return NS_OK;
 }

@@ -418,6 +418,21 @@ static void test_dc(void **state) {
     end(&k);
 }
 
+/* Times inside a long step that begins at a time of its own: t - from and from again is not t for many. */
+static void test_odd_times(void **state) {
+    (void)state;
+    rig k = begin();
+    capacitor(&k, "c", 1, 0, 1e-6, 1);
+    resistor(&k, "r", 1, 0, 1e3);
+    make(&k, 1e-3);
+    assert_int_equal(ns_circuit_rest(k.c, k.x), NS_OK);
+    assert_int_equal(ns_march_start(k.m, 1e-4 / 3, k.x), NS_OK);
+    for (int i = 1; i < 1000; i++)
+        go(&k, 1e-4 / 3 + i * 1e-6 / 7);
+    near(voltage(&k, 1), exp(-999e-3 / 7), 1);
+    end(&k);
+}
+
 /* Whatever was tried and not accepted leaves no trace. */
 static void test_trials(void **state) {
     (void)state;
@@ -500,6 +515,7 @@ int main(void) {
         cmocka_unit_test(test_jump),
         cmocka_unit_test(test_redundant),
         cmocka_unit_test(test_dc),
+        cmocka_unit_test(test_odd_times),
         cmocka_unit_test(test_trials),
         cmocka_unit_test(test_euler),
         cmocka_unit_test(test_refused),
