@@ -2,8 +2,8 @@
 #include <stddef.h>
 #include <string.h>
 
-/* LAPACK's complaint about an argument.  It leaves its caller a status as well, and ours looks at that; the one
- * of the archive writes a line and ends ngspice. */
+/* LAPACK's complaint about an argument.  It leaves its caller a status as well, and ours looks at that; the
+ * one of the archive writes a line and ends ngspice. */
 void xerbla_(const char *routine, const int *argument, size_t length);
 void xerbla_(const char *routine, const int *argument, size_t length) {
     (void)routine;

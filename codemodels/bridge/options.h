@@ -11,7 +11,7 @@ typedef struct options {
     double theta, gamma;
     double reltol; /* 0: not given */
     int verbose;
-    int corners; /* ngspice gets time points at events and corners of sources */
+    int corners;              /* ngspice gets time points at events and corners of sources */
     const MIFinstance *given; /* whose options these are; NULL: none given */
 } options;
 

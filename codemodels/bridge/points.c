@@ -5,6 +5,9 @@
 #include <math.h>
 #include <string.h>
 
+/* Of a step: no point is left to be that near to another. */
+static const double sliver = 1e-3;
+
 double points_closeness(const CKTcircuit *ckt) {
     return fmax(ckt->CKTminBreak, 200.0 * 2.3e-16 * ckt->CKTfinalTime);
 }
@@ -44,7 +47,8 @@ static double next_corner(const ns_system *s, double t) {
     return corner;
 }
 
-/* Before tstart: there in steps of a fiftieth of the run, ngspice's own longest; Ctrl-C is heard between them. */
+/* Before tstart: there in steps of a fiftieth of the run, ngspice's own longest; Ctrl-C is heard between
+ * them. */
 static double next_unshown(CKTcircuit *ckt, const points_plan *p) {
     const double step = fmax(p->step, ckt->CKTfinalTime / 50.0);
     const double start = ckt->CKTinitTime * (1.0 + 4.0 * 2.3e-16); /* rounding must not fall short of it */
@@ -57,29 +61,25 @@ static double next_unshown(CKTcircuit *ckt, const points_plan *p) {
 
 /* The next point on the grid. */
 static double next_of_grid(const CKTcircuit *ckt, double step) {
-    return fmin(ckt->CKTtime + step, (floor(ckt->CKTtime / step + 1e-3) + 1.0) * step);
+    return (floor(ckt->CKTtime / step + sliver) + 1.0) * step;
 }
 
-/* That, or a corner before it. */
+/* That, or a corner before it or as good as there. */
 static double next_shown(CKTcircuit *ckt, const points_plan *p, const ns_system *s, double t_accepted) {
-    const double now = ckt->CKTtime;
     const double t = next_of_grid(ckt, p->step);
     double stop = ckt->CKTfinalTime;
     if (p->corners) {
         drop_breaks(ckt);
-        stop = fmin(ckt->CKTbreaks[0], next_corner(s, fmax(now, t_accepted)));
+        stop = fmin(ckt->CKTbreaks[0], next_corner(s, fmax(ckt->CKTtime, t_accepted)));
     } else {
         drop_all_breaks(ckt);
     }
-    if (stop < t + 1e-3 * p->step) {
-        return stop <= now + p->step ? stop : now + 0.5 * p->step; /* in two, rather than leave a sliver */
-    }
-    return t;
+    return stop < t + sliver * p->step ? stop : t;
 }
 
 double points_next(CKTcircuit *ckt, const points_plan *p, const ns_system *s, double t_accepted, int first) {
     double t;
-    ckt->CKTmaxStep = p->step;
+    ckt->CKTmaxStep = (1.0 + 2.0 * sliver) * p->step;
     if (ckt->CKTtime < ckt->CKTinitTime) {
         t = next_unshown(ckt, p);
     } else if (first && (ckt->CKTmode & MODEUIC)) {

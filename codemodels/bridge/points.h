@@ -18,8 +18,8 @@ int points_at_events(const CKTcircuit *ckt, const points_plan *p);
 
 /* Where the point after the present one should be if no event comes before: on the grid of p->step, or a
  * breakpoint or a corner of the inputs of s that gets a point; after t_accepted in any case.  first: the
- * present point is t = 0.  Forgets the breakpoints that are reached, and those that get no point.  Lets ngspice
- * go further than p->step where nothing is shown. */
+ * present point is t = 0.  Forgets the breakpoints that are reached, and those that get no point.  Lets
+ * ngspice go further than p->step where nothing is shown. */
 double points_next(CKTcircuit *ckt, const points_plan *p, const ns_system *s, double t_accepted, int first);
 
 #endif

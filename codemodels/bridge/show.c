@@ -26,6 +26,6 @@ void show_devices(const engine *e) {
 void show_summary(const engine *e, double cpu) {
     const ns_counts *c = ns_march_counts(e->march);
     report_note("%s: %ld steps, %ld events, %ld modes, %ld pivots, %ld factors, %ld maps, %.3g ms",
-                options_method(ns_march_engine(e->march)), c->steps, c->events, c->modes, c->pivots, c->factors,
-                c->maps, 1e3 * cpu);
+                options_method(ns_march_engine(e->march)), c->steps, c->events, c->modes, c->pivots,
+                c->factors, c->maps, 1e3 * cpu);
 }

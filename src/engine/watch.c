@@ -12,11 +12,17 @@
 /* Rounding of a guard, in eps of its terms. */
 static const double eps_of_terms = 64 * DBL_EPSILON;
 
+/* And of t, in its eps: what a guard does in that time no step can follow. */
+static const double eps_of_time = 4 * DBL_EPSILON;
+
 double ns_watch_noise(const ns_flight *f, const ns_stage *k, int g) {
-    double size = 0;
-    for (int j = 0; j < k->q; j++)
-        size += k->noise[g + j * k->rows] * (j < k->r ? f->most[j] : fabs(f->X[j]));
-    return eps_of_terms * size;
+    double size = 0, rate = 0;
+    for (int j = 0; j < k->q; j++) {
+        const int at = g + j * k->rows;
+        size += k->noise[at] * (j < k->r ? f->most[j] : fabs(f->X[j]));
+        rate += k->rate[at] * f->X[j];
+    }
+    return eps_of_terms * size + eps_of_time * fabs(f->t * rate);
 }
 
 /* The first interval in which the guard of these samples may break. */
