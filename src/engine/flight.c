@@ -15,8 +15,8 @@ static int allocate(ns_flight *f) {
     const ns_system *y = f->m->s;
     const size_t n = (size_t)y->n, m = (size_t)y->m, nz = (size_t)y->nz, r = (size_t)f->s->r;
     const size_t rows = 2 * m + (size_t)y->nc, q = r + (size_t)f->exo->nv;
-    const size_t all = 4 * (q + (size_t)f->exo->mutes) + r + NS_ORDER * (r + rows) + (NS_SAMPLES + 1) * rows +
-                       2 * rows + 2 * nz;
+    const size_t all = 5 * (q + (size_t)f->exo->mutes) + 2 * r + NS_ORDER * (r + rows) +
+                       (NS_SAMPLES + 1) * rows + 2 * rows + 2 * nz;
     f->block = calloc(all + 2 * (n + m) + 1, sizeof *f->block);
     f->want = calloc(2 * m + 1, sizeof *f->want);
     f->closed = calloc(2 * (size_t)y->nc + 1, sizeof *f->closed);
@@ -26,9 +26,11 @@ static int allocate(ns_flight *f) {
     f->X = f->block;
     f->next = f->X + q + (size_t)f->exo->mutes;
     f->left = f->next + q + (size_t)f->exo->mutes;
-    f->most = f->left + 2 * (q + (size_t)f->exo->mutes);
+    f->ahead = f->left + 2 * (q + (size_t)f->exo->mutes);
+    f->most = f->ahead + q + (size_t)f->exo->mutes;
     f->series = f->most + r;
-    f->coef = f->series + NS_ORDER * r;
+    f->gone = f->series + NS_ORDER * r;
+    f->coef = f->gone + r;
     f->guards = f->coef + NS_ORDER * rows;
     f->value = f->guards + (NS_SAMPLES + 1) * rows;
     f->rate = f->value + rows;
@@ -95,7 +97,7 @@ static void read_inputs(ns_flight *f) {
 /* The schedule to where the flight is, unless it is there. */
 static void seek(ns_flight *f) {
     const ns_system *y = f->m->s;
-    int same = f->t >= f->from && f->t < f->to_t && !f->m->live.at_event;
+    int same = f->t >= f->from && (f->t < f->to_t || (f->m->live.at_event && f->t == f->to_t));
     for (int c = 0; c < y->nc; c++) {
         f->closed[c] = f->s->mode[y->command[c].pair] == NS_INSIDE;
         same = same && (y->command[c].gx || f->closed[c] == ns_schedule_closed(f->schedule)[c]);
@@ -126,56 +128,31 @@ static int load(ns_flight *f) {
     return NS_OK;
 }
 
-int ns_flight_settle(ns_flight *f) {
-    ns_march *m = f->m;
-    int jumps;
-    f->t = m->live.t;
-    f->to_t = -INFINITY; /* seek */
-    f->grounded = -INFINITY;
-    seek(f);
-    read_inputs(f);
-    ns_turn_inputs(f);
-    const int status = ns_impulse_solve(f->s, f->z, f->slope, NULL, &f->to, &jumps);
-    if (status != NS_OK)
-        return status;
-    ns_theta_jump(f->s, &f->to, f->z);
-    ns_copy((size_t)m->s->nz, f->z, m->z);
-    ns_control_set(m, f->to.x);
-    m->live.since = f->t;
-    m->counts.jumps += jumps;
-    return NS_OK;
-}
-
-/* x, lambda at X, (E1) at tau = 0: the stage of X - D X + D^2 X - ... */
-static void read_point(ns_flight *f, double *x) {
-    const ns_stage *k = f->at->level[0].stage;
+/* x, lambda at X.  Errors: MEMORY. */
+static int read_point(ns_flight *f, double *x) {
+    double until;
+    ns_stage *k = ns_flight_level(f, &until)->stage;
     const int all = f->m->s->n + f->m->s->m;
-    double sign = -1;
-    memcpy(f->next, f->X, sizeof(double) * (size_t)k->q);
-    ns_matvec(NS_ORDER * k->r, k->q, k->series, f->X, f->series);
-    memcpy(f->left, f->X + k->r, sizeof(double) * (size_t)k->nv);
-    for (int order = 1; order < NS_ORDER; order++, sign = -sign) {
-        double *v = f->left, *next = f->left + k->nv;
-        memcpy(next, v, sizeof(double) * (size_t)k->nv);
-        ns_exo_stage(f->exo, k->g, next);
-        for (int i = 0; i < k->nv; i++)
-            v[i] = next[i] - v[i];
-        for (int i = 0; i < k->r; i++)
-            f->next[i] += sign * f->series[(order - 1) * k->r + i];
-        for (int i = 0; i < k->nv; i++)
-            f->next[k->r + i] += sign * v[i];
+    if (!k->now) {
+        const int status = ns_stage_reading(f->s, f->exo, k);
+        if (status != NS_OK)
+            return status;
+        f->bytes += sizeof(double) * (size_t)all * (size_t)(k->q + f->exo->mutes);
     }
     const ns_side side = f->m->live.at_event ? NS_LEFT : NS_RIGHT;
     for (int i = 0; i < f->exo->mutes; i++)
-        f->next[k->q + i] = ns_signal_value(&f->m->s->z[f->exo->mute[i]], f->t, side);
-    ns_matvec(all, k->q + f->exo->mutes, k->xi, f->next, x);
+        f->X[k->q + i] = ns_signal_value(&f->m->s->z[f->exo->mute[i]], f->t, side);
+    ns_matvec(all, k->q + f->exo->mutes, k->now, f->X, x);
+    return NS_OK;
 }
 
 /* The stepper's accepted point gets to be here. */
-static void deposit(ns_flight *f) {
+static int deposit(ns_flight *f) {
     ns_theta *s = f->s;
     const size_t n = (size_t)s->s->n, m = (size_t)s->s->m;
-    read_point(f, f->to.x); /* and lambda */
+    const int status = read_point(f, f->to.x); /* and lambda */
+    if (status != NS_OK)
+        return ns_march_fail(f->m, status);
     memset(f->to.X, 0, sizeof(double) * (n + m));
     memcpy(f->to.mode, f->at->mode, m);
     memcpy(s->w, f->X, sizeof(double) * (size_t)s->r);
@@ -186,6 +163,22 @@ static void deposit(ns_flight *f) {
     f->m->live.t = f->t;
     f->m->live.past_t = 0;
     f->m->live.since = f->since;
+    return NS_OK;
+}
+
+int ns_flight_settle(ns_flight *f) {
+    ns_march *m = f->m;
+    f->t = f->since = m->live.t;
+    f->to_t = -INFINITY; /* seek */
+    f->grounded = -INFINITY;
+    seek(f);
+    memcpy(f->X, f->s->w, sizeof(double) * (size_t)f->s->r);
+    read_inputs(f);
+    for (int i = 0; i < f->s->r; i++)
+        f->most[i] = fabs(f->X[i]);
+    ns_theta_set_bounds(f->s);
+    const int status = ns_turn_start(f);
+    return status == NS_OK ? deposit(f) : status;
 }
 
 /* The step to take next: *leg, or (NULL) a short way by the series; its length. */
@@ -300,7 +293,8 @@ static int turn(ns_flight *f, int natural, int *stuck) {
 
 /* The event that the accepted point is the left side of. */
 static int turn_first(ns_flight *f, int *stuck) {
-    const int known = ns_schedule_next(f->schedule, f->t) <= f->t;
+    const double near = f->t + ns_signal_slack(f->t, f->t);
+    const int known = ns_schedule_next(f->schedule, near) <= near;
     memset(f->m->flip, 0, (size_t)f->m->s->nc);
     if (known)
         pass(f, ns_schedule_go(f->schedule));
@@ -317,13 +311,13 @@ static int leap(ns_flight *f, double t, ns_until until, int *stuck, int *stop) {
     *stop = status != NS_OK || !(broke || known);
     if (*stop)
         return status;
-    memset(m->flip, 0, (size_t)m->s->nc);
-    const ns_instant *what = known ? ns_schedule_go(f->schedule) : NULL;
-    if (until == NS_TO_EVENT && (!what || what->jump || what->flips)) {
+    if (f->t >= t || (until == NS_TO_EVENT && (!known || ns_schedule_is_event(f->schedule)))) {
         m->live.at_event = *stop = 1;
         m->live.jump = known;
         return NS_OK;
     }
+    memset(m->flip, 0, (size_t)m->s->nc);
+    const ns_instant *what = known ? ns_schedule_go(f->schedule) : NULL;
     if (what)
         pass(f, what);
     return turn(f, broke, stuck);
@@ -353,8 +347,8 @@ int ns_flight_go(ns_flight *f, double t, ns_until until) {
         status = leap(f, t, until, &stuck, &stop);
     if (status != NS_OK)
         return ns_march_fail(m, status);
-    deposit(f);
+    status = deposit(f);
     if (stuck)
         ground(f);
-    return NS_OK;
+    return status;
 }

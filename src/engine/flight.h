@@ -67,6 +67,8 @@ struct ns_flight {
     double t, since; /* since: the last discontinuity */
     double grounded; /* not before this time again, */
     double rest;     /* which is this much after it was stuck */
+    int broken;      /* the guard that broke, of `at`'s levels alike */
+    double slack;    /* s: how well the instant of an event is known */
     double event_t;  /* the last event, */
     int crowd;       /* and how many in a row came at once after another */
     double *X;       /* q: w, v */
@@ -74,7 +76,9 @@ struct ns_flight {
     /* work */
     double *next;                 /* q */
     double *left;                 /* 2 q */
-    double *series;               /* 8 r */
+    double *ahead;                /* q */
+    int status;                   /* of what was looked into beside */
+    double *series, *gone;        /* 8 r, r */
     double *coef;                 /* 8 (2 m + nc) */
     double *guards;               /* (NS_SAMPLES+1) (2 m + nc) */
     double *value, *rate, *noise; /* 2 m + nc */
@@ -114,6 +118,9 @@ double ns_watch_noise(const ns_flight *f, const ns_stage *stage, int g);
  * inputs jumped or turned; X moves if the state jumps.  m->flip is cleared.  OK, GUARD: found none, nothing
  * is changed; MEMORY. */
 int ns_turn(ns_flight *f, int natural);
+/* turn.c: the first mode, from X at t with commands as in m->step; X moves if the state jumps.  Errors: those
+ * of the impulse problem. */
+int ns_turn_start(ns_flight *f);
 /* turn.c: X freed of what the constraints of its mode do not allow: rounding. */
 void ns_turn_settle(ns_flight *f);
 /* turn.c: inputs at t+ into z, their slopes into slope. */

@@ -264,6 +264,26 @@ double ns_schedule_next(ns_schedule *s, double until) {
     return s->heap[0].t <= until ? fmax(s->heap[0].t, s->now) : INFINITY;
 }
 
+/* Among the entries at and below one of the heap, those no later than limit. */
+static int any_event(const ns_schedule *s, int at, double limit) {
+    double k;
+    if (at >= s->count || s->heap[at].t > limit)
+        return 0;
+    const int id = s->heap[at].id;
+    const ns_run *r = id < s->lines ? &s->run[id] : NULL;
+    const int is = id >= s->lines + s->terms ? timed((ns_schedule *)s, id)->flips
+                   : !r                      ? s->term[id - s->lines].jump
+                        : ns_run_piece(r)->end != r->line->piece[ns_run_following(r, &k)].v;
+    return is || any_event(s, 2 * at + 1, limit) || any_event(s, 2 * at + 2, limit);
+}
+
+int ns_schedule_is_event(const ns_schedule *s) {
+    if (s->count == 0 || isinf(s->heap[0].t))
+        return 0;
+    const double now = fmax(s->heap[0].t, s->now);
+    return any_event(s, 0, now + ns_signal_slack(now, now));
+}
+
 static void pass_corner(ns_schedule *s, int id, double limit) {
     ns_run *r = &s->run[id];
     const ns_piece *from = ns_run_piece(r);

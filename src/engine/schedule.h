@@ -44,6 +44,9 @@ void ns_schedule_seek(ns_schedule *s, double t, ns_side side, const unsigned cha
  * contradiction); INFINITY if there is none up to `until`.  What is equal up to rounding is one instant. */
 double ns_schedule_next(ns_schedule *s, double until);
 
+/* Whether that instant is more than a turn of inputs: a jump, or a flip. */
+int ns_schedule_is_event(const ns_schedule *s);
+
 /* Goes to the right side of that instant.  What it tells holds until the next call of this or of seek. */
 const ns_instant *ns_schedule_go(ns_schedule *s);
 

@@ -71,6 +71,7 @@ void ns_stage_free(ns_stage *stage) {
         return;
     free(stage->row);
     free(stage->xi);
+    free(stage->now);
     free(stage);
 }
 
@@ -89,7 +90,8 @@ typedef struct ns_bench {
     double *in;    /* inputs*nv: z and 1 of the stage, by v; */
     double *size;  /* inputs*nv: of absolute values */
     double *dv;    /* nv*nv: (1 - g S)^-1 - 1 */
-    double *rates; /* r*(r+inputs): D w by the inputs of the map */
+    double *rates; /* r*(r+inputs): D w by the inputs of the map, */
+    double *terms; /* r*(r+inputs): and the size of what they are summed from */
     double *rows;  /* rows*(r+inputs): guards by them, */
     double *noise; /* rows*(r+inputs): and their rounding */
     double *image; /* 2 q */
@@ -99,14 +101,15 @@ static int bench_create(const ns_stage *k, const ns_exo *e, ns_bench *b) {
     const size_t nv = (size_t)k->nv, inputs = (size_t)e->s->nz + 1, of = (size_t)k->r + inputs;
     b->inputs = (int)inputs;
     b->in =
-        calloc(2 * inputs * nv + nv * nv + ((size_t)k->r + 2 * (size_t)k->rows) * of + 2 * (size_t)k->q + 1,
+        calloc(2 * inputs * nv + nv * nv + 2 * ((size_t)k->r + (size_t)k->rows) * of + 2 * (size_t)k->q + 1,
                sizeof *b->in);
     if (!b->in)
         return NS_E_MEMORY;
     b->size = b->in + inputs * nv;
     b->dv = b->size + inputs * nv;
     b->rates = b->dv + nv * nv;
-    b->rows = b->rates + (size_t)k->r * of;
+    b->terms = b->rates + (size_t)k->r * of;
+    b->rows = b->terms + (size_t)k->r * of;
     b->noise = b->rows + (size_t)k->rows * of;
     b->image = b->noise + (size_t)k->rows * of;
     return NS_OK;
@@ -134,12 +137,17 @@ static void fill_rates(const ns_theta *s, const ns_map *map, const ns_bench *b) 
     for (int k = 0; k < s->q; k++) {
         const double *x = map->full + (size_t)k * (size_t)(n + m);
         for (int i = 0; i < r; i++) {
-            double sum = k == s->q - 1 ? s->b[i] : k >= r ? s->E[i + (k - r) * n] : 0;
-            for (int j = 0; j < n; j++)
+            double sum = k == s->q - 1 ? s->b[i] : k >= r ? s->E[i + (k - r) * n] : 0, terms = fabs(sum);
+            for (int j = 0; j < n; j++) {
                 sum += s->A[i + j * n] * x[j];
-            for (int j = 0; j < m; j++)
+                terms += fabs(s->A[i + j * n] * x[j]);
+            }
+            for (int j = 0; j < m; j++) {
                 sum += s->B[i + j * n] * x[n + j];
+                terms += fabs(s->B[i + j * n] * x[n + j]);
+            }
             b->rates[i + k * r] = map->h * sum;
+            b->terms[i + k * r] = map->h * terms;
         }
     }
 }
@@ -231,15 +239,23 @@ static void fill_guards_now(ns_stage *k) {
         }
 }
 
+/* What is off in the charges, by the rounding of what they are summed from, is off in the guards. */
+static void add_noise_of_states(ns_stage *k, const double *terms) {
+    for (int j = 0; j < k->q; j++)
+        for (int i = 0; i < k->r; i++)
+            for (int g = 0; g < k->rows; g++)
+                k->noise[g + j * k->rows] += fabs(k->value[g + i * k->rows]) * terms[i + j * k->r];
+}
+
 static int fill(ns_theta *s, const ns_exo *e, const ns_map *map, ns_stage *k) {
     const size_t q = (size_t)k->q, all = (size_t)s->s->n + (size_t)s->s->m;
     ns_bench b;
-    double *G = calloc(((size_t)k->rows + (size_t)k->r) * q + 1, sizeof *G);
+    double *G = calloc(((size_t)k->rows + 2 * (size_t)k->r) * q + 1, sizeof *G);
     if (!G || bench_create(k, e, &b) != NS_OK) {
         free(G);
         return NS_E_MEMORY;
     }
-    double *D = G + (size_t)k->rows * q;
+    double *D = G + (size_t)k->rows * q, *terms = D + (size_t)k->r * q;
     fill_inputs(e, k->g, &b);
     fill_rates(s, map, &b);
     fill_pair_rows(s, map, k->rows, &b);
@@ -247,6 +263,7 @@ static int fill(ns_theta *s, const ns_exo *e, const ns_map *map, ns_stage *k) {
     for (int j = 0; j < k->q; j++) {
         to_column(k, &b, b.in, j, (int)all, map->full, k->xi + (size_t)j * all);
         to_column(k, &b, b.in, j, k->r, b.rates, D + (size_t)j * (size_t)k->r);
+        to_column(k, &b, b.size, j, k->r, b.terms, terms + (size_t)j * (size_t)k->r);
         to_column(k, &b, b.in, j, k->rows, b.rows, G + (size_t)j * (size_t)k->rows);
         to_column(k, &b, b.size, j, k->rows, b.noise, k->noise + (size_t)j * (size_t)k->rows);
     }
@@ -256,6 +273,7 @@ static int fill(ns_theta *s, const ns_exo *e, const ns_map *map, ns_stage *k) {
     for (int j = 0; j < k->q; j++)
         fill_images(k, &b, D, G, j);
     fill_guards_now(k);
+    add_noise_of_states(k, terms);
     ns_stage_step(k, k->h, k->step);
     free(b.in);
     free(G);

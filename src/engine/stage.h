@@ -24,7 +24,8 @@ typedef struct ns_stage {
     int r, nv, q;
     int rows, pair_rows;
     ns_guard_row *row; /* rows */
-    double *xi; /* (n+m)*(q+mutes): x, lambda of the implicit step; by inputs that act on nothing else too */
+    double *xi;  /* (n+m)*(q+mutes): x, lambda of the implicit step; by inputs that act on nothing else too */
+    double *now; /* (n+m)*(q+mutes): x, lambda right here; NULL until asked for */
     double *series; /* (8 r)*q: D^1 ... D^8, the part that acts on w */
     double *coef;   /* (8 rows)*q: the guards of the images D^0 ... D^7 */
     double *value;  /* rows*q: the guards now, (E1) at tau = 0, */
@@ -38,6 +39,8 @@ typedef struct ns_stage {
 /* Builds it for a mode (m) whose commanded pairs have their bounds in s.  Errors: SINGULAR, MEMORY, NUMBER.
  */
 int ns_stage_build(ns_theta *s, const ns_exo *e, double g, const ns_mode *mode, ns_stage **out);
+/* reading.c: makes `now`.  Errors: MEMORY. */
+int ns_stage_reading(const ns_theta *s, const ns_exo *e, ns_stage *stage);
 void ns_stage_free(ns_stage *stage); /* NULL is allowed */
 
 /* P (r*q): X -> w after tau <= h. */

@@ -6,6 +6,7 @@
  */
 #include "flight.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -13,8 +14,6 @@
 static const double still = 1e-12;
 /* D^8 beside D, of what is slow: far less. */
 static const double slow = 1e-6;
-/* And what may be left of what was fast. */
-static const double faint = 1e-9;
 /* An impulse of the wrong sign beside the largest. */
 static const double impulse_tol = 1e-9;
 /* One that adds less than this over the stage is none. */
@@ -24,23 +23,51 @@ static void product(const ns_stage *k, const double *rows, const double *X, doub
     ns_matvec(k->rows, k->q, rows, X, out);
 }
 
-/* f->next = X after the jump that the mode asks for: what its constraints leave, 1 - D^8.  1 if it is one. */
-static int jump(ns_flight *f, const ns_stage *k) {
-    const int r = k->r;
-    int moves = 0;
-    memcpy(f->next, f->X, sizeof(double) * (size_t)k->q);
-    ns_matvec(NS_ORDER * r, k->q, k->series, f->X, f->series);
+/* D^8 of f->next from f->series, as the last of eight implicit steps has it: by the impulses of that step,
+ * each where its element is, so that charges and fluxes go from one place to another and nowhere else. */
+static void impulses_of(ns_flight *f, const ns_stage *k, double *by) {
+    const ns_theta *s = f->s;
+    const int n = s->s->n, m = s->s->m, r = k->r;
+    ns_matvec(n + m, r, k->xi, f->series + (NS_ORDER - 2) * r, f->to.x); /* and lambda; inputs do not jump */
     for (int i = 0; i < r; i++) {
-        const double by = f->series[(NS_ORDER - 1) * r + i];
-        f->next[i] -= by;
-        moves |= fabs(by) > still * f->most[i] && fabs(by) > slow * fabs(f->series[i]);
+        double sum = 0;
+        for (int j = 0; j < n; j++)
+            sum += s->A[i + j * n] * f->to.x[j];
+        for (int j = 0; j < m; j++)
+            sum += s->B[i + j * n] * f->to.lambda[j];
+        by[i] = k->g * sum;
+    }
+}
+
+/* f->next = X after the jump that the mode asks for: what its constraints leave, 1 - D^8, and that again
+ * while it leaves anything of what is fast, not instantaneous.  f->gone (r): the sum of what went.  1 if it
+ * is one. */
+static int jump(ns_flight *f, const ns_stage *k) {
+    enum { AGAIN = 8 };
+    const int r = k->r;
+    int moves = 0, more = 1;
+    memcpy(f->next, f->X, sizeof(double) * (size_t)k->q);
+    memset(f->gone, 0, sizeof(double) * (size_t)r);
+    for (int round = 0; round < AGAIN && more; round++) {
+        double *by = f->series + (NS_ORDER - 1) * r;
+        ns_matvec(NS_ORDER * r, k->q, k->series, f->next, f->series);
+        more = 0;
+        for (int i = 0; i < r; i++)
+            more |= fabs(by[i]) > still * f->most[i] && fabs(by[i]) > slow * fabs(f->series[i]);
+        if (more)
+            impulses_of(f, k, by);
+        for (int i = 0; i < r; i++) {
+            f->next[i] -= by[i];
+            f->gone[i] += by[i];
+        }
+        moves |= more;
     }
     return moves;
 }
 
 void ns_turn_settle(ns_flight *f) {
-    double *X = f->X;
-    (void)jump(f, f->at->level[0].stage);
+    double *X = f->X, until;
+    (void)jump(f, ns_flight_level(f, &until)->stage);
     f->X = f->next;
     f->next = X;
 }
@@ -49,8 +76,7 @@ void ns_turn_settle(ns_flight *f) {
 static double impulse_of(const ns_flight *f, const ns_stage *k, int g) {
     double sum = 0;
     for (int i = 0; i < k->r; i++)
-        sum += k->coef[(size_t)g + (size_t)i * (size_t)(NS_ORDER * k->rows)] *
-               f->series[(NS_ORDER - 1) * k->r + i];
+        sum += k->coef[(size_t)g + (size_t)i * (size_t)(NS_ORDER * k->rows)] * f->gone[i];
     return sum;
 }
 
@@ -75,35 +101,47 @@ static double row_of(const ns_stage *k, const double *rows, int g, const double 
     return sum;
 }
 
-/* What is too fast for this stage has died out at X. */
-static int calm(const ns_flight *f, const ns_stage *k, const double *X) {
-    const int ld = NS_ORDER * k->r;
-    for (int i = 0; i < k->r; i++) {
-        double fast = 0;
-        for (int j = 0; j < k->q; j++)
-            fast += k->series[(size_t)(ld - k->r + i) + (size_t)j * (size_t)ld] * X[j];
-        if (fabs(fast) > faint * f->most[i])
-            return 0;
+/* f->ahead: X after flying on for h 2^k in this level of a mode.  Errors: MEMORY, kept in f->status. */
+static int fly_ahead(ns_flight *f, ns_level *level, int k, const double *X) {
+    const ns_stage *stage = level->stage;
+    ns_leg *leg;
+    const int status = ns_leg_rung(f, level, k, &leg);
+    if (status != NS_OK) {
+        f->status = status;
+        return status;
     }
-    return 1;
+    ns_matvec(stage->r, stage->q, leg->P, X, f->ahead);
+    ns_matvec(stage->nv, stage->nv, leg->advance, X + stage->r, f->ahead + stage->r);
+    return NS_OK;
 }
 
-/* Guard g is about to break, as its value, rate and the rate of that say at X: 1; to hold: 0; 2: cannot tell.
- * What rounding hides from a short stage a longer one may see. */
-static int breaks(const ns_flight *f, const ns_flight_mode *mode, int g, const double *X) {
+/* Guard g is about to break, as its value, rate and the rate of that say at X, or what it comes to soon: 1;
+ * to hold: 0; 2: cannot tell. */
+static int breaks(ns_flight *f, ns_flight_mode *mode, int g, const double *X) {
+    enum { SOON = 20 };
+    const ns_stage *k = mode->level[0].stage;
+    const double tol = ns_watch_noise(f, k, g), value = row_of(k, k->value, g, X);
+    const double rate = row_of(k, k->rate, g, X);
+    if (fabs(value) > tol + fabs(rate) * f->slack)
+        return value < 0;
+    if (fabs(rate) * k->g > 8 * tol)
+        return rate < 0;
+    const double bend = row_of(k, k->bend, g, X);
+    if (fabs(bend) * k->g * k->g > 64 * tol)
+        return bend < 0;
+    double start = 0;
     for (int i = 0; i < mode->levels; i++) {
-        const ns_stage *k = mode->level[i].stage;
-        const double tol = ns_watch_noise(f, k, g), value = row_of(k, k->value, g, X);
-        if (i > 0 && !calm(f, k, X))
-            break;
-        if (fabs(value) > tol)
-            return value < 0;
-        const double rate = row_of(k, k->rate, g, X);
-        if (fabs(rate) * k->g > 8 * tol)
-            return rate < 0;
-        const double bend = row_of(k, k->bend, g, X);
-        if (fabs(bend) * k->g * k->g > 64 * tol)
-            return bend < 0;
+        ns_level *level = &mode->level[i];
+        const double until = i + 1 < mode->levels ? mode->level[i + 1].from : INFINITY;
+        k = level->stage;
+        for (int rung = 0; rung <= SOON && ldexp(k->h, rung) <= until; rung++) {
+            if (start > ldexp(k->h, rung) || fly_ahead(f, level, rung, X) != NS_OK)
+                continue;
+            const double then = row_of(k, k->value, g, f->ahead);
+            if (fabs(then) > ns_watch_noise(f, k, g))
+                return then < 0;
+        }
+        start = until;
     }
     return 2;
 }
@@ -114,7 +152,7 @@ typedef enum ns_word { NS_NOBODY, NS_STEP, NS_IMPULSES } ns_word;
 typedef enum ns_holding { NS_NOT, NS_HOLDS, NS_JUMPS } ns_holding; /* JUMPS: at this instant, and no longer */
 
 /* Whether the mode holds from here on.  Where nothing can tell, it does if somebody says so. */
-static ns_holding holds(ns_flight *f, const ns_flight_mode *k, ns_word word) {
+static ns_holding holds(ns_flight *f, ns_flight_mode *k, ns_word word) {
     const ns_stage *stage = k->level[0].stage;
     const int jumps = jump(f, stage);
     if (jumps && word != NS_IMPULSES && !impulses_fit(f, stage))
@@ -138,7 +176,7 @@ static void remember(ns_flight_mode *from, ns_flight_mode *to) {
 /* The mode is taken. */
 static void take(ns_flight *f, ns_flight_mode *k) {
     double *X = f->X;
-    if (f->at != k) {
+    if (f->at && f->at != k) {
         remember(f->at, k);
         f->s->counts.events++;
     }
@@ -232,6 +270,8 @@ static int propose(ns_flight *f, int *on) {
         s->trial_in[s->q - 1] = 1;
         memcpy(s->trial_mode, s->mode, (size_t)s->s->m);
         int status = ns_problem_solve(s, ldexp(f->m->h, rungs[i]), 1, 0);
+        if (status == NS_E_SINGULAR && !f->at)
+            return status;
         if (status == NS_OK) {
             memcpy(f->want, s->trial_mode, (size_t)s->s->m);
             status = try_wanted(f, NS_STEP, on);
@@ -278,6 +318,33 @@ static int turn_once(ns_flight *f, int natural, int *on) {
     return status == NS_GUARD ? prove(f) : status;
 }
 
+int ns_turn_start(ns_flight *f) {
+    int on = 0, status = NS_OK;
+    f->at = NULL;
+    f->slack = 0;
+    ns_turn_inputs(f);
+    for (int round = 0; round < 4; round++) {
+        status = propose(f, &on);
+        if (status != NS_OK || !on)
+            break;
+    }
+    return status == NS_GUARD || on ? prove(f) : status;
+}
+
+/* How well the instant is known at which a guard broke: its rounding by its rate. */
+static double slack(const ns_flight *f, int natural) {
+    const ns_stage *k = f->at->level[0].stage;
+    const double least = 4 * DBL_EPSILON * fabs(f->t);
+    if (!natural || f->broken >= k->rows)
+        return least;
+    double until;
+    k = ns_flight_level(f, &until)->stage;
+    const double noise = ns_watch_noise(f, k, f->broken);
+    const double by_rate = noise / fabs(row_of(k, k->rate, f->broken, f->X));
+    const double by_bend = sqrt(2 * noise / fabs(row_of(k, k->bend, f->broken, f->X)));
+    return least + fmin(k->g, fmin(by_rate, by_bend));
+}
+
 /* Commands by the state that are beyond their thresholds, or about to be, into m->flip; how many. */
 static int contradicted(ns_flight *f) {
     const ns_stage *k = f->at->level[0].stage;
@@ -299,6 +366,7 @@ int ns_turn(ns_flight *f, int natural) {
     const size_t q = (size_t)(f->s->r + f->exo->nv), nc = (size_t)f->m->s->nc;
     int status = NS_GUARD, on = 0;
     memcpy(f->left, f->X, sizeof(double) * q);
+    f->slack = slack(f, natural);
     for (int round = 0; round <= 2 * f->m->s->nc + JUMPS; round++) {
         status = turn_once(f, natural || on, &on);
         if (status != NS_OK)
@@ -312,6 +380,10 @@ int ns_turn(ns_flight *f, int natural) {
     }
     for (size_t c = 0; c < nc; c++)
         f->m->flip[c] = 0;
+    if (f->status != NS_OK) {
+        status = f->status;
+        f->status = NS_OK;
+    }
     if (status == NS_OK)
         return status;
     memcpy(f->X, f->left, sizeof(double) * q);

@@ -10,7 +10,7 @@
 #include <math.h>
 
 /* Rounding of a guard, in eps of its terms. */
-static const double eps_of_terms = 64 * DBL_EPSILON;
+static const double eps_of_terms = 256 * DBL_EPSILON;
 
 /* And of t, in its eps: what a guard does in that time no step can follow. */
 static const double eps_of_time = 4 * DBL_EPSILON;
@@ -119,8 +119,11 @@ static double break_of(const ns_flight *f, const ns_stage *k, int g, double tau)
     if (least > bend / 4)
         return INFINITY;
     const double tol = ns_watch_noise(f, k, g);
-    if (s[0] < -tol)
-        return 0;
+    if (s[0] < -tol) { /* unless an event has just set it off upward */
+        const double rate = rate_at(f, k, g, 0);
+        if (!(rate > 0 && f->t == f->since && s[0] >= -8 * tol - rate * f->slack))
+            return 0;
+    }
     for (int i = 0; i < PIECES; i++) {
         const double a = tau * i / PIECES, b = tau * (i + 1) / PIECES;
         double end = b, value = s[i + 1];
@@ -141,7 +144,11 @@ int ns_watch_near(ns_flight *f, const ns_level *level, double tau, double *when)
     if (k->rows == 0)
         return 0;
     ns_matvec(NS_ORDER * k->rows, k->q, k->coef, f->X, f->coef);
-    for (int g = 0; g < k->rows; g++)
-        *when = fmin(*when, break_of(f, k, g, tau));
+    for (int g = 0; g < k->rows; g++) {
+        const double t = break_of(f, k, g, tau);
+        if (t < *when)
+            f->broken = g;
+        *when = fmin(*when, t);
+    }
     return *when < INFINITY;
 }

@@ -25,13 +25,21 @@ enum { RUNS = 600, STEPS = 60, REFUSED = RUNS / 100 };
  * leaves something open (leak.c); everywhere else growth is below 1e-13 (printed). */
 static const double energy_tol = 1e-8;
 
-/* The largest growth, relative to the first; -1 if refused. */
+/* What the circuit is given. */
+static double given(const element *e) {
+    double sum = 0;
+    for (int k = 0; k < ELEMENTS; k++)
+        sum += e[k].kind == CAP || e[k].kind == IND ? e[k].value * e[k].ic * e[k].ic / 2 : 0;
+    return sum;
+}
+
+/* The largest growth, relative to what was given: what is left may be its rounding only.  -1 if refused. */
 static double growth(const element *e, double roff) {
     run r = plain(roff, 1);
     double worst = 0;
     int ok = begin(&r, e, straight, 1e-6);
-    const double first = ok ? energy(&r, e) : 0;
-    double before = first;
+    const double first = given(e);
+    double before = ok ? energy(&r, e) : 0;
     for (int step = 1; step <= STEPS && ok; step++) {
         ok = go(&r, step * 1e-6 + 3e-7);
         const double now = ok ? energy(&r, e) : 0;
