@@ -38,7 +38,9 @@ static int make_engine(const bench_case *c, bench_engine e, double setting, cons
     const double theta = e == BENCH_HALF ? 0.5 : 1;
     const ns_march_options o = {.theta = theta,
                                 .gamma = theta,
-                                .h = c->unit * (steps ? setting : 1 / 64.0),
+                                .h = c->unit * (steps                          ? setting
+                                                : e == BENCH_AUTO && !c->large ? 1 / 64.0
+                                                                               : 1),
                                 .method = methods[e],
                                 .reltol = steps ? 0 : setting};
     return ns_march_create(s, &o, &m->engine, NULL);

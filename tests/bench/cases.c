@@ -8,6 +8,9 @@
 
 int case_make(int at, int quick, bench_case *c) {
     static const int stages[] = {5, 20, 50}, chain[] = {16, 64, 320, 1000, 10000}, cells[] = {4, 10, 20, 40};
+    static const char *const through[] = {"lc_bridge",   "buck_sync",    "buck_dcm",
+                                          "six_pulse",   "multiplier5",  "multiplier20",
+                                          "multilevel4", "multilevel10", "chopper"};
     const double leg = quick ? 4e-3 : 40e-3; /* s */
     memset(c, 0, sizeof *c);
     c->accumulates = NAN;
@@ -30,7 +33,9 @@ int case_make(int at, int quick, bench_case *c) {
     else if (at == 19)
         case_bouncing(c);
     else
-        return 0;
+        return case_netlist(c, at - 20);
+    for (size_t k = 0; k < sizeof through / sizeof *through; k++)
+        c->through = c->through || strcmp(c->name, through[k]) == 0;
     return 1;
 }
 

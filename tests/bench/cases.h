@@ -15,6 +15,7 @@ struct bench_case {
     deck *net;                                              /* the circuit, or NULL: */
     ns_system *system;                                      /* written by hand, starts at w = 0 */
     void (*netlist)(const deck_models *models, FILE *file); /* its lines, of hand-written ones */
+    const char *file;                                       /* netlists/FILE.cir: only through ngspice */
     double end;                                             /* s */
     double unit; /* the time in which things happen (a period, a time constant): steps are fractions of it */
     int times;
@@ -28,6 +29,8 @@ struct bench_case {
     int size, extra;    /* as the maker of the case reads them: stages, switches, ... */
     int large;          /* beyond what dense engines can do */
     int slow;           /* left out of the quick benchmark */
+    int through;        /* one of the twenty netlists that are compared through ngspice */
+    int from_dc;        /* of those with a file: starts at the operating point */
     int feeds_back;     /* its switches' controls depend on them: ngspice also gets hysteresis */
     /* Writes the right values, time by time, `unknowns` each.  fineness: 1, or smaller for shorter steps. */
     void (*exact)(const bench_case *c, real fineness, real *values);
@@ -62,5 +65,9 @@ void case_ladder(bench_case *c, int switches);
 void case_multilevel(bench_case *c, int cells, double end); /* cells an arm */
 void case_chopper(bench_case *c);
 void case_bouncing(bench_case *c);
+int case_netlist(bench_case *c, int at); /* 0: there are no more */
+
+/* The elements of a case with a file. */
+void case_netlist_lines(const bench_case *c, const deck_models *models, FILE *file);
 
 #endif

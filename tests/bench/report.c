@@ -22,8 +22,7 @@ double row_other(const row *r) {
 }
 
 static const char *end_name(row_end e) {
-    static const char *const names[] = {"", "aborted", "over its time",
-                                        "not tried: a coarser one was over its time"};
+    static const char *const names[] = {"", "aborted", "over its time", "not tried:"};
     return names[e];
 }
 
@@ -33,10 +32,12 @@ static void print_library(const row *r) {
     if (r->end == ROW_DONE)
         printf("  %-10s %-14s %9.2e %10.4f %9.4f %8ld %8.3f %7ld %8ld %7ld %7ld %6ld %8.0f", r->series,
                r->setting, r->error, row_time(r) * 1e3, row_other(r) * 1e3, r->steps,
-               (row_time(r) - row_other(r)) * 1e6 / (double)r->steps, r->events, r->problems, r->pivots,
-               r->factors, r->maps, (double)r->bytes / 1024);
+               (row_time(r) - row_other(r)) * 1e6 / (double)r->steps, r->counts.events, r->counts.problems,
+               r->counts.pivots, r->counts.factors, r->counts.maps, (double)r->bytes / 1024);
     else
         printf("  %-10s %-14s %s %s", r->series, r->setting, end_name(r->end), r->why);
+    if (r->end == ROW_DONE)
+        printf("  %s", r->why);
     if (r->end == ROW_DONE && !isnan(r->accumulation))
         printf("  accumulates %.1e s off", r->accumulation);
     putchar('\n');
@@ -47,7 +48,7 @@ static void print_ngspice(const row *r) {
         printf("  %-26s %-24s %9.2e %10.1f %9.1f %8ld %8ld\n", r->series, r->setting, r->error,
                row_time(r) * 1e3, row_other(r) * 1e3, r->steps, r->rejected);
     else
-        printf("  %-26s %-24s %s\n", r->series, r->setting, end_name(r->end));
+        printf("  %-26s %-24s %s %s\n", r->series, r->setting, end_name(r->end), r->why);
 }
 
 void report_table(const bench_case *c, int count, const row *rows) {
@@ -222,8 +223,9 @@ static void write_csv(const bench_case *c, const char *folder, int count, const 
         const row *r = &rows[i];
         fprintf(f, "%s,%s,%s,%s,%s,%.6e,%.6e,%.6e,%ld,%ld,%ld,%ld,%ld,%ld,%ld,%zu,%.3e,%.1e\n", c->name,
                 kinds[r->kind], r->series, r->setting, r->end == ROW_DONE ? "done" : end_name(r->end),
-                r->error, row_time(r), row_other(r), r->steps, r->events, r->problems, r->pivots, r->factors,
-                r->maps, r->rejected, r->bytes, r->accumulation, c->right_error);
+                r->error, row_time(r), row_other(r), r->steps, r->counts.events, r->counts.problems,
+                r->counts.pivots, r->counts.factors, r->counts.maps, r->rejected, r->bytes, r->accumulation,
+                c->right_error);
     }
     fclose(f);
 }

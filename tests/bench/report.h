@@ -2,7 +2,7 @@
 #ifndef NONSMOOTH_TESTS_REPORT_H
 #define NONSMOOTH_TESTS_REPORT_H
 
-#include "cases.h"
+#include "adapter.h"
 
 enum { ROUNDS = 9 };
 
@@ -14,12 +14,13 @@ typedef struct row {
     row_kind kind;
     char series[40], setting[40]; /* engine or models; what is swept */
     row_end end;
-    char why[80];         /* the library ended */
+    char why[80];         /* it ended, or the engine that auto took */
     int rounds, direct;   /* direct: times[] are measured in the program itself, as the library's */
     double time[ROUNDS];  /* s of CPU: creation and run of the library; ngspice's without start and reading */
     double other[ROUNDS]; /* of that, creation; ngspice's whole process */
     double error;
-    long steps, events, problems, pivots, factors, maps, rejected;
+    long steps, rejected;
+    ns_counts counts; /* the library's */
     size_t bytes;
     double accumulation; /* error of the last event's instant, s; NAN: of no interest */
 } row;

@@ -12,14 +12,21 @@
 
 #include "rival.h"
 
-static FILE *open_in(const char *folder, const char *name, const char *mode) {
+static const char *folder = ".", *cm = "nonsmooth.cm";
+
+void rival_home(const char *in, const char *models) {
+    folder = in;
+    cm = models;
+}
+
+static FILE *open_in(const char *name, const char *mode) {
     char path[512];
     snprintf(path, sizeof path, "%s/%s", folder, name);
     return fopen(path, mode);
 }
 
-static FILE *write_in(const char *folder, const char *name) {
-    FILE *f = open_in(folder, name, "w");
+static FILE *write_in(const char *name) {
+    FILE *f = open_in(name, "w");
     if (!f) {
         perror(name);
         exit(1);
@@ -40,22 +47,25 @@ static void write_netlist(const bench_case *c, const rival_setting *s, int idle,
     fprintf(f, "* %s\n", c->name);
     if (c->net)
         deck_netlist(c->net, &s->models, f);
+    else if (c->file)
+        case_netlist_lines(c, &s->models, f);
     else
         c->netlist(&s->models, f);
-    if (s->models.diode != DECK_IDEAL)
-        write_marks(c, f);
+    if (s->options)
+        fprintf(f, "aopt 0 nsopt\n.model nsopt nonsmooth(%s)\n", s->options);
+    write_marks(c, f);
     if (s->models.diode == DECK_SIDIODE)
         fprintf(f, ".options convstep=1e9 convabsstep=1e9 abstol=1e-6 vntol=1e-3 chgtol=1e-9\n");
     fprintf(f, ".options reltol=%g method=%s\n.save", s->reltol, s->gear ? "gear" : "trap");
     for (int i = 0; i < c->unknowns; i++)
         fprintf(f, " %s", c->unknown[i].vector);
-    fprintf(f, "\n.tran %.17g %.17g 0 %.17g uic\n.control\n%squit 0\n.endc\n.end\n", step, c->end, step,
+    fprintf(f, "\n.tran %.17g %.17g 0 %.17g%s\n.control\n%squit 0\n.endc\n.end\n", step, c->end, step,
+            c->from_dc ? "" : " uic",
             idle ? "" : "run\nrusage rejected\nset filetype=binary\nwrite out.raw\n");
 }
 
-static void write_inputs(const bench_case *c, const rival_setting *s, int idle, const char *folder,
-                         const char *cm) {
-    FILE *f = write_in(folder, "case.cir"), *init = write_in(folder, ".spiceinit");
+static void write_inputs(const bench_case *c, const rival_setting *s, int idle) {
+    FILE *f = write_in("case.cir"), *init = write_in(".spiceinit");
     write_netlist(c, s, idle, f);
     if (s->models.diode == DECK_IDEAL)
         fprintf(init, "codemodel '%s'\n", cm);
@@ -63,10 +73,10 @@ static void write_inputs(const bench_case *c, const rival_setting *s, int idle, 
         fprintf(init, "set xtrtol=7\n");
     fclose(f);
     fclose(init);
-    fclose(write_in(folder, "out.raw")); /* nothing of a run before */
+    fclose(write_in("out.raw")); /* nothing of a run before */
 }
 
-static void become_ngspice(const char *folder, double limit) {
+static void become_ngspice(double limit) {
     const struct rlimit cpu = {(rlim_t)ceil(limit), (rlim_t)ceil(limit) + 1};
     const char *program = getenv("NGSPICE");
     setrlimit(RLIMIT_CPU, &cpu);
@@ -81,13 +91,13 @@ static void become_ngspice(const char *folder, double limit) {
     _exit(127);
 }
 
-static void run(const char *folder, double limit, rival_result *r) {
+static void run(double limit, rival_result *r) {
     struct rusage used;
     int status = 0;
     fflush(NULL);
     const pid_t child = fork();
     if (child == 0)
-        become_ngspice(folder, limit);
+        become_ngspice(limit);
     if (child < 0 || wait4(child, &status, 0, &used) < 0)
         must(NS_E_MEMORY);
     r->process = (double)(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
@@ -98,9 +108,9 @@ static void run(const char *folder, double limit, rival_result *r) {
                                                              : RIVAL_ABORTED;
 }
 
-static void read_said(const char *folder, rival_result *r) {
+static void read_said(rival_result *r) {
     char line[256];
-    FILE *f = open_in(folder, "out", "r");
+    FILE *f = open_in("out", "r");
     while (f && fgets(line, sizeof line, f)) {
         (void)sscanf(line, "Rejected timepoints = %ld", &r->rejected);
         if (strstr(line, "imestep too small") || strstr(line, "run simulation(s) aborted"))
@@ -152,9 +162,9 @@ static int read_points(const bench_case *c, FILE *f, long points, int columns, c
     return k == c->times;
 }
 
-static int read_raw(const bench_case *c, const char *folder, rival_result *r) {
+static int read_raw(const bench_case *c, rival_result *r) {
     int columns, column[CASE_UNKNOWNS], got = 0;
-    FILE *f = open_in(folder, "out.raw", "r");
+    FILE *f = open_in("out.raw", "r");
     if (!f)
         return 0;
     if (read_head(c, f, &r->points, &columns, column))
@@ -163,14 +173,13 @@ static int read_raw(const bench_case *c, const char *folder, rival_result *r) {
     return got;
 }
 
-void rival_run(const bench_case *c, const rival_setting *s, int idle, const char *folder, const char *cm,
-               double limit, rival_result *r) {
+void rival_run(const bench_case *c, const rival_setting *s, int idle, double limit, rival_result *r) {
     memset(r, 0, sizeof *r);
     for (int i = 0; i < CASE_VALUES; i++)
         r->values[i] = NAN;
-    write_inputs(c, s, idle, folder, cm);
-    run(folder, limit, r);
-    read_said(folder, r);
-    if (r->end == RIVAL_DONE && !idle && !read_raw(c, folder, r))
+    write_inputs(c, s, idle);
+    run(limit, r);
+    read_said(r);
+    if (r->end == RIVAL_DONE && !idle && !read_raw(c, r))
         r->end = RIVAL_ABORTED;
 }

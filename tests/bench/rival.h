@@ -9,7 +9,8 @@ typedef struct rival_setting {
     deck_models models;
     int gear; /* else trap */
     double reltol;
-    double step; /* the longest, in units of the case */
+    double step;         /* the longest, in units of the case */
+    const char *options; /* of ours: what stands in .model nonsmooth(...); NULL: nothing */
 } rival_setting;
 
 typedef enum rival_end { RIVAL_DONE, RIVAL_ABORTED, RIVAL_TIMEOUT } rival_end;
@@ -21,9 +22,10 @@ typedef struct rival_result {
     double values[CASE_VALUES];
 } rival_result;
 
-/* Runs it in `folder`, which exists, for at most `limit` seconds of CPU.  cm: path of nonsmooth.cm for
- * DECK_IDEAL.  idle: it only reads the netlist and ends. */
-void rival_run(const bench_case *c, const rival_setting *s, int idle, const char *folder, const char *cm,
-               double limit, rival_result *out);
+/* Where netlists are written and run; cm: path of nonsmooth.cm.  Both are kept, not copied. */
+void rival_home(const char *folder, const char *cm);
+
+/* Runs it for at most `limit` seconds of CPU.  idle: it only reads the netlist and ends. */
+void rival_run(const bench_case *c, const rival_setting *s, int idle, double limit, rival_result *out);
 
 #endif
