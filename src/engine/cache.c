@@ -74,7 +74,8 @@ void ns_cache_clear(ns_cache *c) {
         next = map->newer;
         ns_map_free(map);
     }
-    memset(c->bucket, 0, sizeof c->bucket);
+    if (c->oldest)
+        memset(c->bucket, 0, sizeof c->bucket);
     c->newest = c->oldest = NULL;
     c->bytes = 0;
 }

@@ -54,6 +54,7 @@ int ns_flight_create(ns_march *m, ns_flight **out) {
     f->s = m->step;
     f->grounded = -INFINITY;
     f->limit = m->step->cache.limit;
+    f->guess = m->h;
     int status = f->acting ? ns_system_acting(m->s, f->acting) : NS_E_MEMORY;
     const int *input = NULL;
     if (status == NS_OK)
@@ -231,17 +232,19 @@ static int advance(ns_flight *f, double rest, double *done, int *broke) {
         return status;
     if (!leg)
         return look(f, level, h, done, broke);
-    const int doubt = leg->samples > 0 ? ns_watch_leg(f, level, leg) : -1;
+    double clear = 0;
+    const int doubt = leg->samples > 0 ? ns_watch_leg(f, level, leg, &clear) : -1;
     if (doubt < 0) {
         ns_leg_take(f, level, leg);
         *done = h;
         return NS_OK;
     }
-    const double before = h / leg->samples * doubt;
+    const double part = h / leg->samples, skip = level->stage->h * floor(clear * part / level->stage->h);
+    const double before = part * doubt + skip;
     double more = 0;
     status = before > 0 ? ns_leg_advance(f, level, before) : NS_OK;
     if (status == NS_OK)
-        status = look(f, level, h / leg->samples, &more, broke);
+        status = look(f, level, part - skip, &more, broke);
     *done = before + more;
     return status;
 }

@@ -35,8 +35,8 @@ typedef struct ns_kept {
 
 /* What is slow enough for the steps of one stage; good from `from` seconds after a discontinuity on. */
 typedef struct ns_level {
-    ns_stage *stage;
-    double from;
+    double h, from;
+    ns_stage *stage;                /* NULL: never reached yet */
     ns_leg *rung[NS_UNGUARDED + 1]; /* h 2^k */
     ns_kept kept[NS_KEPT];
 } ns_level;
@@ -45,6 +45,7 @@ typedef struct ns_flight ns_flight;
 typedef struct ns_flight_mode ns_flight_mode;
 struct ns_flight_mode {
     ns_mode *mode; /* m */
+    int status;    /* SINGULAR: it contradicts itself, and need not be tried again */
     int levels;    /* the first resolves what is fastest */
     ns_level level[NS_LEVELS];
     ns_flight_mode *follower[NS_FOLLOWERS]; /* most recent first */
@@ -62,6 +63,7 @@ struct ns_flight {
     ns_flight_mode *bucket[NS_FLIGHT_BUCKETS];
     size_t bytes, limit;
     long clock;
+    double guess; /* h of the first level of the mode built last */
     /* where it is */
     ns_flight_mode *at;
     double t, since; /* since: the last discontinuity */
@@ -95,7 +97,9 @@ struct ns_flight {
 int ns_flight_find(ns_flight *f, const ns_mode *mode, ns_flight_mode **out);
 void ns_flight_forget(ns_flight *f);
 /* The level to fly on, and (in *until) for how long after the discontinuity. */
-ns_level *ns_flight_level(const ns_flight *f, double *until);
+ns_level *ns_flight_level(ns_flight *f, double *until);
+/* Level i of a mode with its stage; NULL: there is none to be had, what is before will do. */
+ns_level *ns_flight_reach(ns_flight *f, ns_flight_mode *k, int i);
 
 /* leg.c: the leg of h 2^k; the leg of a length that recurs, NULL (and OK) if it does not seem to.  Errors:
  * MEMORY. */
@@ -107,8 +111,9 @@ int ns_leg_advance(ns_flight *f, ns_level *level, double tau);
 /* X moves on by a leg. */
 void ns_leg_take(ns_flight *f, const ns_level *level, const ns_leg *leg);
 
-/* watch.c: the first interval between samples of a leg from X in which a guard may break, -1: none. */
-int ns_watch_leg(ns_flight *f, const ns_level *level, const ns_leg *leg);
+/* watch.c: the first interval between samples of a leg from X in which a guard may break, -1: none; the part of
+ * that interval, from its begin, in which none does. */
+int ns_watch_leg(ns_flight *f, const ns_level *level, const ns_leg *leg, double *clear);
 /* Whether a guard breaks within tau <= h from X: 1, and *when; else 0.  Leaves series and coef. */
 int ns_watch_near(ns_flight *f, const ns_level *level, double tau, double *when);
 /* What guard g may be off by at X. */

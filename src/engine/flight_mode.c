@@ -85,23 +85,26 @@ static double length_for(const ns_flight *f, double rate) {
     return ldexp(f->m->h, (int)floor(log2(NS_REACH / rate / f->m->h)));
 }
 
-static int add_level(ns_flight *f, ns_flight_mode *k, double h, double from) {
-    ns_level *level = &k->level[k->levels];
-    const int status = ns_stage_build(f->s, f->exo, h / NS_POLE, k->mode, &level->stage);
-    if (status != NS_OK)
-        return status;
-    level->from = from;
+ns_level *ns_flight_reach(ns_flight *f, ns_flight_mode *k, int i) {
+    ns_level *level = &k->level[i];
+    if (level->stage)
+        return level;
+    if (ns_stage_build(f->s, f->exo, level->h / NS_POLE, k->mode, &level->stage) != NS_OK) {
+        k->levels = i; /* the one before is slower, and right */
+        return NULL;
+    }
     f->bytes += level->stage->bytes;
-    k->levels++;
-    return NS_OK;
+    return level;
 }
 
-static int add_levels(ns_flight *f, ns_flight_mode *k, const ns_rate *rate, int count) {
+/* Each goes on from where the rates of the one before have died out, if they do. */
+static void list_levels(const ns_flight *f, ns_flight_mode *k, const ns_rate *rate, int count) {
     double from = 0;
-    int i = 0, status = NS_OK;
-    while (status == NS_OK && k->levels < NS_LEVELS) {
+    int i = 0;
+    while (k->levels < NS_LEVELS) {
         const double size = i < count ? rate[i].size : 0;
-        status = add_level(f, k, length_for(f, size), from);
+        k->level[k->levels].from = from;
+        k->level[k->levels++].h = length_for(f, size);
         while (i < count && rate[i].size * APART > size) { /* these die out together */
             from = fmax(from, rate[i].dies);
             i++;
@@ -109,7 +112,6 @@ static int add_levels(ns_flight *f, ns_flight_mode *k, const ns_rate *rate, int 
         if (isinf(from) || size == 0)
             break;
     }
-    return status;
 }
 
 static int build(ns_flight *f, ns_flight_mode *k) {
@@ -118,10 +120,18 @@ static int build(ns_flight *f, ns_flight_mode *k) {
     ns_rate *rate = malloc(sizeof *rate * ((size_t)all + 1));
     ns_stage *probe = NULL;
     int status =
-        room && rate ? ns_stage_build(f->s, f->exo, f->m->h / NS_POLE, k->mode, &probe) : NS_E_MEMORY;
+        room && rate ? ns_stage_build(f->s, f->exo, f->guess / NS_POLE, k->mode, &probe) : NS_E_MEMORY;
     const int count = status == NS_OK ? list_rates(f, probe, rate, room, &status) : 0;
     if (status == NS_OK)
-        status = add_levels(f, k, rate, count);
+        list_levels(f, k, rate, count);
+    if (status == NS_OK && k->level[0].h == f->guess) {
+        k->level[0].stage = probe;
+        f->bytes += probe->bytes;
+        probe = NULL;
+    } else if (status == NS_OK) {
+        status = ns_stage_build(f->s, f->exo, k->level[0].h / NS_POLE, k->mode, &k->level[0].stage);
+        f->guess = k->level[0].h;
+    }
     ns_stage_free(probe);
     free(room);
     free(rate);
@@ -133,32 +143,37 @@ int ns_flight_find(ns_flight *f, const ns_mode *mode, ns_flight_mode **out) {
     ns_flight_mode **head = &f->bucket[hash_of(mode, f->m->s->m)], *k = *head;
     while (k && memcmp(k->mode, mode, m) != 0)
         k = k->chain;
-    *out = k;
+    *out = k && k->status == NS_OK ? k : NULL;
     if (k)
-        return NS_OK;
+        return k->status;
     k = calloc(1, sizeof *k);
     if (!k || !(k->mode = malloc(m + 1))) {
         free(k);
         return NS_E_MEMORY;
     }
     memcpy(k->mode, mode, m);
-    const int status = build(f, k);
-    if (status != NS_OK) {
+    k->status = build(f, k);
+    if (k->status != NS_OK && k->status != NS_E_SINGULAR) {
+        const int status = k->status;
         free_mode(k);
         return status;
     }
     k->chain = *head;
-    *head = *out = k;
+    *head = k;
+    *out = k->status == NS_OK ? k : NULL;
     f->bytes += sizeof *k + m;
-    return NS_OK;
+    return k->status;
 }
 
-ns_level *ns_flight_level(const ns_flight *f, double *until) {
+ns_level *ns_flight_level(ns_flight *f, double *until) {
     ns_flight_mode *k = f->at;
     int i = 0;
     const double flown = f->t - f->since + 8 * DBL_EPSILON * fabs(f->t); /* t must be seen to move */
     while (i + 1 < k->levels && flown >= k->level[i + 1].from * (1 - 1e-9))
         i++;
+    ns_level *level = ns_flight_reach(f, k, i);
+    while (!level)
+        level = ns_flight_reach(f, k, --i);
     *until = i + 1 < k->levels ? k->level[i + 1].from : INFINITY;
-    return &k->level[i];
+    return level;
 }

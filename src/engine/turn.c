@@ -131,8 +131,10 @@ static int breaks(ns_flight *f, ns_flight_mode *mode, int g, const double *X) {
         return bend < 0;
     double start = 0;
     for (int i = 0; i < mode->levels; i++) {
-        ns_level *level = &mode->level[i];
+        ns_level *level = ns_flight_reach(f, mode, i);
         const double until = i + 1 < mode->levels ? mode->level[i + 1].from : INFINITY;
+        if (!level)
+            break;
         k = level->stage;
         for (int rung = 0; rung <= SOON && ldexp(k->h, rung) <= until; rung++) {
             if (start > ldexp(k->h, rung) || fly_ahead(f, level, rung, X) != NS_OK)
@@ -332,7 +334,7 @@ int ns_turn_start(ns_flight *f) {
 }
 
 /* How well the instant is known at which a guard broke: its rounding by its rate. */
-static double slack(const ns_flight *f, int natural) {
+static double slack(ns_flight *f, int natural) {
     const ns_stage *k = f->at->level[0].stage;
     const double least = 4 * DBL_EPSILON * fabs(f->t);
     if (!natural || f->broken >= k->rows)

@@ -25,8 +25,10 @@ double ns_watch_noise(const ns_flight *f, const ns_stage *k, int g) {
     return eps_of_terms * size + eps_of_time * fabs(f->t * rate);
 }
 
-/* The first interval in which the guard of these samples may break. */
-static int doubt_in(const ns_flight *f, const ns_stage *k, int g, const double *s, int samples) {
+/* The first interval in which the guard of these samples may break, and the part of it in which it does not.
+ */
+static int doubt_in(const ns_flight *f, const ns_stage *k, int g, const double *s, int samples,
+                    double *clear) {
     const int ld = k->rows;
     double bend = 0, least = s[0], tol = -1;
     for (int i = 1; i < samples; i++) {
@@ -43,48 +45,55 @@ static int doubt_in(const ns_flight *f, const ns_stage *k, int g, const double *
         if (tol < 0)
             tol = ns_watch_noise(f, k, g);
         const int straight = fabs(b - a) > bend || bend / 4 <= tol;
-        if (!(straight && low >= -tol))
+        if (!(straight && low >= -tol)) {
+            *clear = a > bend / 4 && b < a ? (a - bend / 4) / (a - b) : 0;
             return i;
+        }
     }
     return -1;
 }
 
-int ns_watch_leg(ns_flight *f, const ns_level *level, const ns_leg *leg) {
+int ns_watch_leg(ns_flight *f, const ns_level *level, const ns_leg *leg, double *clear) {
     const ns_stage *k = level->stage;
     int first = -1;
     if (k->rows == 0)
         return -1;
     ns_matvec((leg->samples + 1) * k->rows, k->q, leg->sample, f->X, f->guards);
     for (int g = 0; g < k->rows; g++) {
-        const int at = doubt_in(f, k, g, f->guards + g, leg->samples);
-        if (at >= 0 && (first < 0 || at < first))
-            first = at;
+        double part = 1;
+        const int at = doubt_in(f, k, g, f->guards + g, leg->samples, &part);
+        if (at < 0 || (first >= 0 && at > first))
+            continue;
+        *clear = at == first ? fmin(*clear, part) : part;
+        first = at;
     }
     return first;
 }
 
-/* Guard g at tau, by (E1). */
-static double guard_at(const ns_flight *f, const ns_stage *k, int g, double tau) {
-    double c[NS_ORDER], sum = 0;
-    ns_laguerre(tau / k->g, c);
+static double sum_of(const ns_flight *f, const ns_stage *k, int g, const double *c) {
+    double sum = 0;
     for (int i = NS_ORDER - 1; i >= 0; i--)
         sum += c[i] * f->coef[i * k->rows + g];
     return sum;
 }
 
-static double rate_at(const ns_flight *f, const ns_stage *k, int g, double tau) {
-    double c[NS_ORDER], sum = 0;
-    ns_laguerre_slopes(tau / k->g, c);
-    for (int i = NS_ORDER - 1; i > 0; i--)
-        sum += c[i] * f->coef[i * k->rows + g];
-    return sum / k->g;
+/* Guard g and its rate at tau, by (E1): L'_i = L'_(i-1) - L_(i-1). */
+static double guard_at(const ns_flight *f, const ns_stage *k, int g, double tau, double *rate) {
+    double c[NS_ORDER], slope[NS_ORDER] = {0};
+    ns_laguerre(tau / k->g, c);
+    for (int i = 1; i < NS_ORDER; i++)
+        slope[i] = c[i - 1] - slope[i - 1];
+    *rate = sum_of(f, k, g, slope) / k->g;
+    return sum_of(f, k, g, c);
 }
 
-/* Where the guard (or its rate) passes from >= 0 at a to < 0 at b: Newton, kept inside by halving. */
-static double root(const ns_flight *f, const ns_stage *k, int g, double a, double b) {
-    double tau = a + (b - a) / 2;
+/* Where the guard passes from at >= 0 at a to below at b: Newton, kept inside by halving. */
+static double root(const ns_flight *f, const ns_stage *k, int g, double a, double b, double at,
+                   double below) {
+    double tau = a + (b - a) * (at / (at - below));
     for (int i = 0; i < 100 && b - a > DBL_EPSILON * b; i++) {
-        const double value = guard_at(f, k, g, tau), rate = rate_at(f, k, g, tau);
+        double rate;
+        const double value = guard_at(f, k, g, tau, &rate);
         if (value >= 0)
             a = tau;
         else
@@ -97,21 +106,25 @@ static double root(const ns_flight *f, const ns_stage *k, int g, double a, doubl
     return tau;
 }
 
-/* The lowest point between a and b, where the rate passes from < 0 to >= 0. */
-static double lowest(const ns_flight *f, const ns_stage *k, int g, double a, double b) {
+/* The lowest point between a and b, where the rate passes from < 0 to >= 0; the guard there. */
+static double lowest(const ns_flight *f, const ns_stage *k, int g, double a, double b, double *value) {
+    double rate;
     for (int i = 0; i < 50; i++) {
         const double mid = a + (b - a) / 2;
-        *(rate_at(f, k, g, mid) < 0 ? &a : &b) = mid;
+        (void)guard_at(f, k, g, mid, &rate);
+        *(rate < 0 ? &a : &b) = mid;
     }
+    *value = guard_at(f, k, g, b, &rate);
     return b;
 }
 
+enum { PIECES = 4 };
+
 /* When guard g breaks, INFINITY: it does not. */
-static double break_of(const ns_flight *f, const ns_stage *k, int g, double tau) {
-    enum { PIECES = 4 };
+static double break_of(const ns_flight *f, const ns_stage *k, int g, double tau, double (*c)[NS_ORDER]) {
     double s[PIECES + 1], bend = 0, least = INFINITY;
     for (int i = 0; i <= PIECES; i++) {
-        s[i] = guard_at(f, k, g, tau * i / PIECES);
+        s[i] = sum_of(f, k, g, c[i]);
         least = fmin(least, s[i]);
         if (i > 1)
             bend = fmax(bend, fabs(s[i - 2] - 2 * s[i - 1] + s[i]));
@@ -120,20 +133,22 @@ static double break_of(const ns_flight *f, const ns_stage *k, int g, double tau)
         return INFINITY;
     const double tol = ns_watch_noise(f, k, g);
     if (s[0] < -tol) { /* unless an event has just set it off upward */
-        const double rate = rate_at(f, k, g, 0);
+        double rate;
+        (void)guard_at(f, k, g, 0, &rate);
         if (!(rate > 0 && f->t == f->since && s[0] >= -8 * tol - rate * f->slack))
             return 0;
     }
     for (int i = 0; i < PIECES; i++) {
         const double a = tau * i / PIECES, b = tau * (i + 1) / PIECES;
-        double end = b, value = s[i + 1];
-        if (value >= -tol && fmin(s[i], value) <= bend / 4 && bend / 4 > tol && rate_at(f, k, g, a) < 0 &&
-            rate_at(f, k, g, b) > 0) {
-            end = lowest(f, k, g, a, b);
-            value = guard_at(f, k, g, end);
+        double end = b, value = s[i + 1], from, to;
+        if (value >= -tol && fmin(s[i], value) <= bend / 4 && bend / 4 > tol) {
+            (void)guard_at(f, k, g, a, &from);
+            (void)guard_at(f, k, g, b, &to);
+            if (from < 0 && to > 0)
+                end = lowest(f, k, g, a, b, &value);
         }
         if (value < -tol)
-            return s[i] >= 0 ? root(f, k, g, a, end) : a;
+            return s[i] >= 0 ? root(f, k, g, a, end, s[i], value) : a;
     }
     return INFINITY;
 }
@@ -143,9 +158,12 @@ int ns_watch_near(ns_flight *f, const ns_level *level, double tau, double *when)
     *when = INFINITY;
     if (k->rows == 0)
         return 0;
+    double c[PIECES + 1][NS_ORDER];
+    for (int i = 0; i <= PIECES; i++)
+        ns_laguerre(tau * i / PIECES / k->g, c[i]);
     ns_matvec(NS_ORDER * k->rows, k->q, k->coef, f->X, f->coef);
     for (int g = 0; g < k->rows; g++) {
-        const double t = break_of(f, k, g, tau);
+        const double t = break_of(f, k, g, tau, c);
         if (t < *when)
             f->broken = g;
         *when = fmin(*when, t);
