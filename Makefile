@@ -230,13 +230,22 @@ $(B)/siconos: tests/bench/siconos.cpp $(BENCH_OWN:%.c=$(B)/obj/%.o) $(BENCH_HELP
 	@echo "  CXX     $@"
 	$(Q)$(CXX) $(SICONOS_FLAGS) $(LDFLAGS) $^ -o $@ -L$(SICONOS)/lib/x86_64-linux-gnu -lsiconos_kernel -lsiconos_numerics $(LIBS)
 
-BENCH ?= full# quick: fewer settings, no large circuits, only the tables of circuits and of single steps
-bench: deps ## circuits by every engine, beside ngspice: build/bench/*.csv, *.png (BENCH=quick: 3 minutes, else an hour)
+BENCH ?= full# quick: fewer settings, no large circuit but in two programs, and only the programs that the last table needs
+BENCH_GOALS := build/bench/tests/bench/bench_goals# the last table, from what the others wrote
+BENCH_RUN = $(filter-out $(BENCH_GOALS),$(wildcard build/bench/tests/bench/bench_*))
+BENCH_QUICK = $(foreach name,buck cases sparse theta,build/bench/tests/bench/bench_$(name))
+bench: deps ## circuits by every engine, beside ngspice: build/bench/*.csv, *.png (15 minutes; BENCH=quick: 2)
 	@$(MAKE) $(JOBS) B=build/bench CFLAGS='-O3 -DNDEBUG' bench-programs cm \
 	    $(if $(wildcard $(SICONOS)/include/siconos/kernel/SiconosKernel.hpp),build/bench/siconos)
-	@for program in build/bench/tests/bench/$(if $(filter quick,$(BENCH)),bench_[ct]*,*); do \
+	@rm -f build/bench/*.csv build/bench/*.dat build/bench/*.gp build/bench/*.png
+	@$(MAKE) --no-print-directory bench-run BENCH=$(BENCH)
+
+.PHONY: bench-run
+bench-run:
+	@for program in $(if $(filter quick,$(BENCH)),$(BENCH_QUICK),$(BENCH_RUN)); do \
 	    echo "== $$(basename $$program)"; OPENBLAS_NUM_THREADS=1 BENCH=$(BENCH) $$program || exit 1; done
 	@for script in build/bench/*.gp; do gnuplot $$script || exit 1; done
+	@$(BENCH_GOALS)
 
 .PHONY: bench-siconos
 bench-siconos: deps ## the same beside Siconos, whose Debian packages it installs

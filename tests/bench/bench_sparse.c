@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "engine/sparse_engine.h"
+#include "facts.h"
 #include "nonsmooth.h"
 
 static const double freq = 1000;
@@ -104,7 +105,11 @@ static double megabytes(void) {
     return (double)(i.uordblks + i.hblkhd) / 1048576;
 }
 
-static void run(const char *what, ns_circuit *c, int devices, double h, double reltol, double end) {
+typedef struct cost {
+    double step, bytes; /* s a leg */
+} cost;
+
+static cost run(const char *what, ns_circuit *c, int devices, double h, double reltol, double end) {
     ns_system *s;
     ns_sparse *m;
     double reached;
@@ -127,10 +132,12 @@ static void run(const char *what, ns_circuit *c, int devices, double h, double r
            what, devices, s->n, 1e3 * (t1 - t0), 1e3 * (t2 - t1), 1e3 * (t3 - t2), 1e3 * (t4 - t3), k->steps,
            k->events, k->pivots, k->factors, k->trials, 1e6 * (t4 - t3) / (double)k->steps / devices,
            megabytes() - before, status ? ": " : "", status ? ns_status_text(status) : "");
+    const cost costs = {(t4 - t3) / (double)k->steps, (megabytes() - before) * 1048576};
     ns_sparse_free(m);
     ns_system_free(s);
     ns_circuit_free(c);
     free(w0);
+    return costs;
 }
 
 /* Plain implicit Euler steps on the same factor. */
@@ -148,6 +155,9 @@ static void euler(ns_circuit *c, int devices, double h, int steps) {
         must(ns_sparse_euler(m, h));
     const double t1 = now();
     const ns_counts *k = ns_sparse_counts(m);
+    char what[48];
+    snprintf(what, sizeof what, "theta step at %d devices", devices);
+    fact_put(what, (t1 - t0) / steps);
     printf("theta   %6d devices %6d unknowns: %8.2f us a step, %ld steps, %ld pivots, %ld factors\n", devices,
            s->n, 1e6 * (t1 - t0) / steps, k->steps, k->pivots, k->factors);
     ns_sparse_free(m);
@@ -158,8 +168,17 @@ static void euler(ns_circuit *c, int devices, double h, int steps) {
 
 int main(int argc, char **argv) {
     const int most = argc > 1 ? atoi(argv[1]) : 10000;
-    for (int n = 16; n <= most; n = n < 10000 && 4 * n > 10000 ? 10000 : 4 * n)
-        run("chain", chain(n), n, 1e-4, 1e-9, 20 / (freq * n) + 1e-6);
+    double sizes[8], times[8], bytes[8];
+    int count = 0;
+    for (int n = 16; n <= most; n = n < 10000 && 4 * n > 10000 ? 10000 : 4 * n) {
+        const cost costs = run("chain", chain(n), n, 1e-4, 1e-9, 20 / (freq * n) + 1e-6);
+        sizes[count] = n;
+        times[count] = costs.step;
+        bytes[count++] = costs.bytes;
+    }
+    fact_put("chains time", growth(count, sizes, times));
+    fact_put("chains memory", growth(count, sizes, bytes));
+    fact_put("chains largest", sizes[count - 1]);
     const int pumps[] = {5, 20, 50};
     for (int i = 0; i < 3 && pumps[i] <= most; i++) {
         const int stages = pumps[i];

@@ -41,10 +41,11 @@ typedef struct duel {
     int unbeaten;    /* of those, that no run of the library beats in both time and error */
     double lead; /* the least, over ngspice's runs, of its time over the library's at that error or less; 0:
                     it has none */
-    double best_error, best_time; /* ngspice's most accurate run */
-    /* Through ngspice: its fastest with an error below 1 % (else the most accurate), and ours at that error
-     * or less: their whole processes; 0 where one is missing. */
-    double cpu_ratio, error_ratio;
+    double best_error, best_time;  /* ngspice's most accurate run */
+    int through;                   /* one of the netlists compared through ngspice: */
+    double cpu_ratio, error_ratio; /* 0 where one is missing */
+    char rival[84], ours[40];
+    int failed, ours_failed; /* settings that aborted or were stopped */
 } duel;
 
 /* Prints, for each level of error, the best of ngspice's own settings and the best of ours, and fills d. */

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "facts.h"
 #include "scaling.h"
 
 enum { MOST = 256 };
@@ -81,6 +82,29 @@ static void write_pictures(const scaling *s, const char *folder) {
     fclose(gp);
 }
 
+/* How a series grows. */
+static void fit(const scaling *s, const char *series) {
+    double n[MOST], step[MOST], bytes[MOST];
+    int count = 0;
+    char what[64];
+    for (int i = 0; i < s->count; i++)
+        if (strcmp(s->point[i].series, series) == 0) {
+            n[count] = s->point[i].devices;
+            step[count] = s->point[i].step;
+            bytes[count++] = s->point[i].bytes;
+        }
+    if (count < 3 || isnan(bytes[0]))
+        return;
+    printf("  %-26s of %d: time a step grows as N^%.2f, memory as N^%.2f\n", series, count,
+           growth(count, n, step), growth(count, n, bytes));
+    snprintf(what, sizeof what, "ladders %s time", series);
+    fact_put(what, growth(count, n, step));
+    snprintf(what, sizeof what, "ladders %s memory", series);
+    fact_put(what, growth(count, n, bytes));
+    snprintf(what, sizeof what, "ladders %s largest", series);
+    fact_put(what, n[count - 1]);
+}
+
 void scaling_report(const scaling *s, const char *folder) {
     FILE *csv = create(folder, "scaling.csv");
     fprintf(csv, "series,devices,seconds_a_step,bytes\n");
@@ -92,6 +116,9 @@ void scaling_report(const scaling *s, const char *folder) {
         printf("  %-26s %8d %12.3f %12.2f\n", s->point[i].series, s->point[i].devices, s->point[i].step * 1e6,
                s->point[i].bytes / 1024 / s->point[i].devices);
     }
+    for (int i = 0; i < s->count; i++)
+        if (is_first(s, i))
+            fit(s, s->point[i].series);
     fclose(csv);
     write_pictures(s, folder);
 }
