@@ -5,8 +5,8 @@
 #
 # Verdicts `ok netlist/NAME` and `FAIL netlist/NAME reason`; exit status 1 if one failed.  NAME is
 #   X default    netlists/X.cir as it is (it judges itself to 1 % at the default h)
-#   X fine       h ten times smaller: `.model nsopt nonsmooth`, with parameters or none, gets h = (.tran's step)/160,
-#                `set tol = 1` becomes 0.1
+#   X fine       by the scheme with h ten times smaller: `.model nsopt nonsmooth`, with parameters or none, gets
+#                method="theta" h=(.tran's step)/160, `set tol = 1` becomes 0.1
 #   X reversed   its elements in reverse order
 #   cases/X      tests/netlist/cases/X.cir, which judges itself
 #   errors/X     tests/netlist/errors/X.cir: exactly one line of output matches the regular expression of its
@@ -24,7 +24,7 @@ CM=$(readlink -f "${NONSMOOTH_CM:-$top/build/nonsmooth.cm}") || exit 2
 NGSPICE=${NGSPICE:-ngspice}
 TIME_LIMIT=${TIME_LIMIT:-60}
 
-# fine FILE: the netlist with h ten times smaller and the tolerance of 0.1 %.
+# fine FILE: the netlist by the scheme with h ten times smaller and the tolerance of 0.1 %.
 fine() {
     h=$(awk 'function num(s) {
                  s = tolower(s); f = 1; k = substr(s, match(s, /[a-z]*$/), 1)
@@ -32,7 +32,7 @@ fine() {
                  return s * f }
              tolower($1) == ".tran" { h = num($2); if (h > num($3) / 50) h = num($3) / 50; print h / 160; exit }' "$1")
     grep -q '^set tol = 1$' "$1" && grep -q '^\.model nsopt nonsmooth\((.*)\)*$' "$1" || echo "run.sh: no tolerance or options" >&2
-    sed -e "s/^\.model nsopt nonsmooth\$/&()/" -e "s/^\.model nsopt nonsmooth(/&h=$h /" -e 's/^set tol = 1$/set tol = 0.1/' "$1"
+    sed -e "s/^\.model nsopt nonsmooth\$/&()/" -e "s/^\.model nsopt nonsmooth(/&method=\"theta\" h=$h /" -e 's/^set tol = 1$/set tol = 0.1/' "$1"
 }
 
 # reversed FILE: its element lines outside subcircuits from last to first, everything else in place.
