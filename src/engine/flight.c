@@ -256,8 +256,8 @@ static int fly(ns_flight *f, double t, int *broke) {
     while (!*broke && f->t < t && status == NS_OK) {
         const double rest = t - f->t;
         double done = 0;
-        if (f->m->budget-- <= 0)
-            return ns_march_fail(f->m, NS_E_LIMIT);
+        if (f->budget-- <= 0)
+            return NS_E_LIMIT;
         status = advance(f, rest, &done, broke);
         f->t = done >= rest * (1 - 1e-15) ? t : f->t + done;
     }
@@ -346,8 +346,15 @@ int ns_flight_go(ns_flight *f, double t, ns_until until) {
         status = turn_first(f, &stuck);
         stop = until == NS_TO_EVENT;
     }
+    /* each event takes a few steps; the scheme has what takes more of them than it would */
+    f->budget = 4000 + (long)fmin(1e12, 4000 * (t - f->t) / m->h);
     while (status == NS_OK && !stuck && !stop && f->t < t)
         status = leap(f, t, until, &stuck, &stop);
+    if (status == NS_E_LIMIT) {
+        f->crowd = NS_PILE + 1;
+        stuck = 1;
+        status = NS_OK;
+    }
     if (status != NS_OK)
         return ns_march_fail(m, status);
     status = deposit(f);

@@ -72,6 +72,7 @@ struct ns_flight {
     int broken;      /* the guard that broke, of `at`'s levels alike */
     double slack;    /* s: how well the instant of an event is known */
     double event_t;  /* the last event, */
+    long budget;     /* steps that are left */
     int crowd;       /* and how many in a row came at once after another */
     double *X;       /* q: w, v */
     double *most;    /* r: the largest |w| so far */
@@ -111,8 +112,8 @@ int ns_leg_advance(ns_flight *f, ns_level *level, double tau);
 /* X moves on by a leg. */
 void ns_leg_take(ns_flight *f, const ns_level *level, const ns_leg *leg);
 
-/* watch.c: the first interval between samples of a leg from X in which a guard may break, -1: none; the part of
- * that interval, from its begin, in which none does. */
+/* watch.c: the first interval between samples of a leg from X in which a guard may break, -1: none; the part
+ * of that interval, from its begin, in which none does. */
 int ns_watch_leg(ns_flight *f, const ns_level *level, const ns_leg *leg, double *clear);
 /* Whether a guard breaks within tau <= h from X: 1, and *when; else 0.  Leaves series and coef. */
 int ns_watch_near(ns_flight *f, const ns_level *level, double tau, double *when);

@@ -119,12 +119,12 @@ static int build(ns_flight *f, ns_flight_mode *k) {
     double *room = malloc(sizeof *room * (2 * (size_t)r + 1));
     ns_rate *rate = malloc(sizeof *rate * ((size_t)all + 1));
     ns_stage *probe = NULL;
-    int status =
-        room && rate ? ns_stage_build(f->s, f->exo, f->guess / NS_POLE, k->mode, &probe) : NS_E_MEMORY;
+    const double guess = f->guess < f->m->h / 64 ? f->m->h : f->guess; /* shorter ones see nothing slow */
+    int status = room && rate ? ns_stage_build(f->s, f->exo, guess / NS_POLE, k->mode, &probe) : NS_E_MEMORY;
     const int count = status == NS_OK ? list_rates(f, probe, rate, room, &status) : 0;
     if (status == NS_OK)
         list_levels(f, k, rate, count);
-    if (status == NS_OK && k->level[0].h == f->guess) {
+    if (status == NS_OK && k->level[0].h == guess) {
         k->level[0].stage = probe;
         f->bytes += probe->bytes;
         probe = NULL;

@@ -337,7 +337,7 @@ int ns_stage_rates(const ns_stage *k, double *re, double *im) {
     free(D);
     for (int i = 0; i < r && status == NS_OK; i++) {
         const double a = 1 + re[i], b = im[i], size = a * a + b * b;
-        if (size < 1e-20) {
+        if (size < 1e-15) { /* its rounding would give it any rate, of any sign */
             re[i] = -INFINITY;
             im[i] = 0;
             continue;

@@ -115,20 +115,22 @@ static int fly_ahead(ns_flight *f, ns_level *level, int k, const double *X) {
     return NS_OK;
 }
 
-/* Guard g is about to break, as its value, rate and the rate of that say at X, or what it comes to soon: 1;
- * to hold: 0; 2: cannot tell. */
-static int breaks(ns_flight *f, ns_flight_mode *mode, int g, const double *X) {
-    enum { SOON = 20 };
+/* What guard g is about to do: as its value, rate and the rate of that say; as it seems from what it comes to
+ * soon, unless that is rounding that has grown, or another event was in between. */
+typedef enum ns_omen { NS_STANDS, NS_SEEMS_TO_STAND, NS_UNTOLD, NS_SEEMS_TO_BREAK, NS_BREAKS } ns_omen;
+
+static ns_omen breaks(ns_flight *f, ns_flight_mode *mode, int g, const double *X) {
+    enum { SOON = 8 };
     const ns_stage *k = mode->level[0].stage;
     const double tol = ns_watch_noise(f, k, g), value = row_of(k, k->value, g, X);
     const double rate = row_of(k, k->rate, g, X);
     if (fabs(value) > tol + fabs(rate) * f->slack)
-        return value < 0;
+        return value < 0 ? NS_BREAKS : NS_STANDS;
     if (fabs(rate) * k->g > 8 * tol)
-        return rate < 0;
+        return rate < 0 ? NS_BREAKS : NS_STANDS;
     const double bend = row_of(k, k->bend, g, X);
     if (fabs(bend) * k->g * k->g > 64 * tol)
-        return bend < 0;
+        return bend < 0 ? NS_BREAKS : NS_STANDS;
     double start = 0;
     for (int i = 0; i < mode->levels; i++) {
         ns_level *level = ns_flight_reach(f, mode, i);
@@ -140,12 +142,12 @@ static int breaks(ns_flight *f, ns_flight_mode *mode, int g, const double *X) {
             if (start > ldexp(k->h, rung) || fly_ahead(f, level, rung, X) != NS_OK)
                 continue;
             const double then = row_of(k, k->value, g, f->ahead);
-            if (fabs(then) > ns_watch_noise(f, k, g))
-                return then < 0;
+            if (fabs(then) > 4 * ns_watch_noise(f, k, g))
+                return then < 0 ? NS_SEEMS_TO_BREAK : NS_SEEMS_TO_STAND;
         }
         start = until;
     }
-    return 2;
+    return NS_UNTOLD;
 }
 
 /* Who says that a mode holds: nobody, (P1) over a short step, the impulse problem. */
@@ -160,8 +162,9 @@ static ns_holding holds(ns_flight *f, ns_flight_mode *k, ns_word word) {
     if (jumps && word != NS_IMPULSES && !impulses_fit(f, stage))
         return NS_NOT;
     for (int g = 0; g < stage->pair_rows; g++) {
-        const int is = breaks(f, k, g, f->next);
-        if (is == 1 || (is == 2 && word == NS_NOBODY))
+        const ns_omen is = breaks(f, k, g, f->next);
+        const int sure = word == NS_NOBODY || (k == f->at && g == f->broken); /* that one did */
+        if (is == NS_BREAKS || (is == NS_SEEMS_TO_BREAK && sure) || (is == NS_UNTOLD && word == NS_NOBODY))
             return jumps && word == NS_STEP ? NS_JUMPS : NS_NOT;
     }
     return NS_HOLDS;
@@ -244,7 +247,7 @@ static int flip_broken(ns_flight *f) {
     const ns_stage *k = f->at->level[0].stage;
     int any = 0;
     for (int g = 0; g < k->pair_rows; g++)
-        if (breaks(f, f->at, g, f->X) == 1) {
+        if (breaks(f, f->at, g, f->X) >= NS_SEEMS_TO_BREAK) {
             f->want[k->row[g].pair] = k->row[g].to;
             any = 1;
         }
@@ -324,6 +327,7 @@ int ns_turn_start(ns_flight *f) {
     int on = 0, status = NS_OK;
     f->at = NULL;
     f->slack = 0;
+    f->broken = -1;
     ns_turn_inputs(f);
     for (int round = 0; round < 4; round++) {
         status = propose(f, &on);
@@ -337,7 +341,7 @@ int ns_turn_start(ns_flight *f) {
 static double slack(ns_flight *f, int natural) {
     const ns_stage *k = f->at->level[0].stage;
     const double least = 4 * DBL_EPSILON * fabs(f->t);
-    if (!natural || f->broken >= k->rows)
+    if (!natural || f->broken < 0 || f->broken >= k->rows)
         return least;
     double until;
     k = ns_flight_level(f, &until)->stage;
@@ -354,7 +358,7 @@ static int contradicted(ns_flight *f) {
     for (int c = 0; c < f->m->s->nc; c++)
         f->m->flip[c] = 0;
     for (int g = k->pair_rows; g < k->rows; g++)
-        if (breaks(f, f->at, g, f->X) == 1) {
+        if (breaks(f, f->at, g, f->X) == NS_BREAKS) {
             f->m->flip[k->row[g].command] = 1;
             count++;
         }
@@ -368,6 +372,8 @@ int ns_turn(ns_flight *f, int natural) {
     const size_t q = (size_t)(f->s->r + f->exo->nv), nc = (size_t)f->m->s->nc;
     int status = NS_GUARD, on = 0;
     memcpy(f->left, f->X, sizeof(double) * q);
+    if (!natural)
+        f->broken = -1;
     f->slack = slack(f, natural);
     for (int round = 0; round <= 2 * f->m->s->nc + JUMPS; round++) {
         status = turn_once(f, natural || on, &on);
