@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "facts.h"
+#include "picture.h"
 #include "report.h"
 
 static double median_of(const row *r, const double *of) {
@@ -245,20 +246,9 @@ void report_summary(int count, const duel *d) {
 
 /* --- files --- */
 
-static FILE *create(const char *folder, const bench_case *c, const char *end) {
-    char path[512];
-    snprintf(path, sizeof path, "%s/%s.%s", folder, c->name, end);
-    FILE *f = fopen(path, "w");
-    if (!f) {
-        perror(path);
-        exit(1);
-    }
-    return f;
-}
-
 static void write_csv(const bench_case *c, const char *folder, int count, const row *rows) {
     static const char *const kinds[] = {"library", "ngspice with nonsmooth.cm", "elsewhere"};
-    FILE *f = create(folder, c, "csv");
+    FILE *f = picture_create(folder, c->name, "csv");
     fprintf(f, "case,program,series,setting,end,error,seconds,creation_or_process_seconds,steps,events,"
                "problems,pivots,"
                "factors,maps,rejected,bytes,accumulation_error,reference_error\n");
@@ -273,101 +263,7 @@ static void write_csv(const bench_case *c, const char *folder, int count, const 
     fclose(f);
 }
 
-static int shown(const row *r) {
-    return r->end == ROW_DONE && r->error < 1e3;
-}
-
-/* The series in the order in which they come, one block each. */
-static int series_of(int count, const row *rows, int *first) {
-    int found = 0;
-    for (int i = 0; i < count; i++) {
-        int known = !shown(&rows[i]);
-        for (int k = 0; k < found && !known; k++)
-            known = strcmp(rows[first[k]].series, rows[i].series) == 0;
-        if (!known)
-            first[found++] = i;
-    }
-    return found;
-}
-
-/* What elsewhere no run is both faster and more accurate than, from the most accurate on. */
-static void write_front(FILE *f, int count, const row *rows) {
-    double error = 0, time = INFINITY;
-    for (;;) {
-        const row *next = NULL;
-        for (int i = 0; i < count; i++) {
-            const row *r = &rows[i];
-            if (r->kind == ROW_RIVAL && shown(r) && r->error > error && row_time(r) < time &&
-                (!next || r->error < next->error ||
-                 (r->error <= next->error && row_time(r) < row_time(next))))
-                next = r;
-        }
-        if (!next)
-            return;
-        error = next->error;
-        time = row_time(next);
-        fprintf(f, "%.6e %.6e\n", error, time * 1e3);
-    }
-}
-
-/* Time in ms against error. */
-static void write_data(const bench_case *c, const char *folder, int count, const row *rows, int series,
-                       const int *first) {
-    FILE *f = create(folder, c, "dat");
-    for (int k = 0; k < series; k++) {
-        fprintf(f, "# %s\n", rows[first[k]].series);
-        for (int i = 0; i < count; i++)
-            if (shown(&rows[i]) && strcmp(rows[i].series, rows[first[k]].series) == 0)
-                fprintf(f, "%.6e %.6e\n", fmax(rows[i].error, 1e-16), fmax(row_time(&rows[i]), 1e-6) * 1e3);
-        fprintf(f, "\n\n");
-    }
-    fprintf(f, "# best elsewhere\n");
-    write_front(f, count, rows);
-    fclose(f);
-}
-
-static void write_script(const bench_case *c, const char *folder, const row *rows, int series,
-                         const int *first) {
-    FILE *f = create(folder, c, "gp");
-    fprintf(f,
-            "set terminal pngcairo size 1100,720 font 'sans,13' enhanced\nset output '%s/%s.png'\n"
-            "set title \"%s: %s, %g ms\" noenhanced\nset logscale xy\nset format '10^{%%T}'\n"
-            "set xlabel 'largest relative error (of the reference: %.0e)'\n"
-            "set ylabel 'CPU time, ms (left and down is better)'\nset grid lc rgb '#dddddd' lt 1\n"
-            "set key outside right top Left reverse noenhanced spacing 1.2\nset border 3\nset tics nomirror\n"
-            "set offsets graph 0.05, graph 0.05, graph 0.05, graph 0.05\nplot \\\n",
-            folder, c->name, c->name, c->title, c->end * 1e3, c->right_error);
-    static const char *const cold[] = {"#1f4e9c", "#3f8fd8", "#0b7a75", "#7a1fa2", "#00a000", "#000000"};
-    static const char *const warm[] = {"#b30000", "#ff6f59", "#e6a000", "#ffd24d",
-                                       "#8c564b", "#c49c94", "#7f7f7f", "#c7c7c7"};
-    static const char *const grey[] = {"#000000", "#404040", "#606060", "#808080", "#a0a0a0", "#c0c0c0"};
-    int rivals = 0, ours = 0, greys = 0;
-    for (int k = 0; k < series; k++) {
-        const row *r = &rows[first[k]];
-        const int rival = r->kind == ROW_RIVAL;
-        const char *colour = r->direct ? grey[greys % 6] : rival ? warm[rivals % 8] : cold[ours % 6];
-        fprintf(f, "'%s/%s.dat' index %d with %s lc rgb '%s' pt %d ps %s lw 2 title '%s%s%s', \\\n", folder,
-                c->name, k, rival ? "points" : "linespoints", colour,
-                r->direct ? 4 + 2 * (greys % 3)
-                : rival   ? 1 + rivals % 3
-                          : 5 + 2 * (ours % 5),
-                rival ? "1.4" : "1.6", rival && !r->direct ? "ngspice, " : "", r->series,
-                r->kind == ROW_OURS ? " in ngspice" : "");
-        greys += r->direct;
-        rivals += rival;
-        ours += !rival;
-    }
-    fprintf(f, "'%s/%s.dat' index %d with lines lc rgb '#b0b0b0' dt 2 lw 2 title 'best elsewhere'\n", folder,
-            c->name, series);
-    fclose(f);
-}
-
 void report_files(const bench_case *c, const char *folder, int count, const row *rows) {
-    int *first = room(sizeof *first * (size_t)(count + 1));
-    const int series = series_of(count, rows, first);
     write_csv(c, folder, count, rows);
-    write_data(c, folder, count, rows, series, first);
-    if (series > 0)
-        write_script(c, folder, rows, series, first);
-    free(first);
+    picture_case(c, folder, count, rows);
 }

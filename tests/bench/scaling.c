@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "facts.h"
+#include "picture.h"
 #include "scaling.h"
 
 enum { MOST = 256 };
@@ -34,21 +35,11 @@ void scaling_add(scaling *s, const bench_case *c, int count, const row *rows) {
         if (!r || rows[i].end != ROW_DONE)
             continue;
         snprintf(s->point[s->count].series, sizeof s->point->series, "%s", r->series);
+        s->point[s->count].rival = r->kind == ROW_RIVAL;
         s->point[s->count].devices = deck_devices(c->net);
         s->point[s->count].step = step_of(r);
         s->point[s->count++].bytes = r->kind == ROW_LIBRARY ? (double)r->bytes : NAN;
     }
-}
-
-static FILE *create(const char *folder, const char *name) {
-    char path[512];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    FILE *f = fopen(path, "w");
-    if (!f) {
-        perror(path);
-        exit(1);
-    }
-    return f;
 }
 
 static int is_first(const scaling *s, int at) {
@@ -59,14 +50,11 @@ static int is_first(const scaling *s, int at) {
 }
 
 static void write_pictures(const scaling *s, const char *folder) {
-    FILE *dat = create(folder, "scaling.dat"), *gp = create(folder, "scaling.gp");
-    fprintf(
-        gp,
-        "set terminal pngcairo size 1100,720 font 'sans,13' enhanced\nset output '%s/scaling.png'\n"
-        "set title 'ladders: cost of a step'\nset logscale xy\nset format '10^{%%T}'\nset xlabel 'switches'\n"
-        "set ylabel 'CPU time a step, us'\nset grid lc rgb '#dddddd' lt 1\nset border 3\nset tics nomirror\n"
-        "set key outside right top Left reverse noenhanced spacing 1.2\nplot [5:20000] \\\n",
-        folder);
+    FILE *dat = picture_create(folder, "scaling", "dat"), *gp = picture_create(folder, "scaling", "gp");
+    picture_head(gp, folder, "scaling");
+    fprintf(gp,
+            "set title 'ladders of switches: cost of a step, of the run with the most steps'\n"
+            "set xlabel 'switches N'\nset ylabel 'CPU time a step, us'\nset xrange [10:15000]\nplot \\\n");
     for (int i = 0, block = 0; i < s->count; i++) {
         if (!is_first(s, i))
             continue;
@@ -74,8 +62,8 @@ static void write_pictures(const scaling *s, const char *folder) {
             if (strcmp(s->point[k].series, s->point[i].series) == 0)
                 fprintf(dat, "%d %.6e\n", s->point[k].devices, s->point[k].step * 1e6);
         fprintf(dat, "\n\n");
-        fprintf(gp, "'%s/scaling.dat' index %d with linespoints lw 2 ps 1.4 title '%s', \\\n", folder,
-                block++, s->point[i].series);
+        fprintf(gp, "'%s/scaling.dat' index %d with linespoints %s title '%s%s', \\\n", folder, block++,
+                picture_style(s->point[i].series), s->point[i].rival ? "ngspice, " : "", s->point[i].series);
     }
     fprintf(gp, "x/10 with lines lc rgb '#b0b0b0' dt 2 title '0.1 us a switch'\n");
     fclose(dat);
@@ -106,7 +94,7 @@ static void fit(const scaling *s, const char *series) {
 }
 
 void scaling_report(const scaling *s, const char *folder) {
-    FILE *csv = create(folder, "scaling.csv");
+    FILE *csv = picture_create(folder, "scaling", "csv");
     fprintf(csv, "series,devices,seconds_a_step,bytes\n");
     printf("\n== ladders: the run of each with the most steps\n  %-26s %8s %12s %12s\n", "", "switches",
            "us a step", "kB a switch");

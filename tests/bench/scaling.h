@@ -8,7 +8,7 @@ typedef struct scaling {
     int count;
     struct {
         char series[40];
-        int devices;
+        int rival, devices;
         double step, bytes; /* s of CPU a step, without creation; NAN bytes: not known */
     } point[256];
 } scaling;

@@ -55,15 +55,18 @@ static int put(list *l, row_kind kind, const char *series, todo t) {
 }
 
 static void put_library(list *l, const plan *p, const bench_case *c) {
-    for (int e = 0; e < BENCH_ENGINES; e++) {
+    static const bench_engine order[BENCH_ENGINES] = {BENCH_AUTO, BENCH_FLIGHT, BENCH_SPARSE, BENCH_HALF,
+                                                      BENCH_THETA};
+    for (int i = 0; i < BENCH_ENGINES; i++) {
+        const bench_engine e = order[i];
         int before = -1;
-        if (!bench_has((bench_engine)e, c))
+        if (!bench_has(e, c))
             continue;
-        const int steps = bench_steps((bench_engine)e), count = e == BENCH_FLIGHT ? 1 : p->quick ? 3 : 5;
+        const int steps = bench_steps(e), count = e == BENCH_FLIGHT ? 1 : p->quick ? 3 : 5;
         for (int k = 0; k < count; k++) {
             const double setting = steps ? pow(0.25, k + (e == BENCH_FLIGHT ? 3 : 2)) : pow(10, -4 - 2 * k);
-            before = put(l, ROW_LIBRARY, bench_engine_name((bench_engine)e),
-                         (todo){.engine = (bench_engine)e, .setting = setting, .coarser = before});
+            before = put(l, ROW_LIBRARY, bench_engine_name(e),
+                         (todo){.engine = e, .setting = setting, .coarser = before});
             snprintf(l->row[before].setting, sizeof l->row->setting, steps ? "unit/%.0f" : "reltol %.0e",
                      steps ? 1 / setting : setting);
         }
@@ -100,7 +103,7 @@ static void put_ours(list *l, const plan *p, const bench_case *c) {
     t.coarser = -1;
     snprintf(t.options, sizeof t.options, "corners=0");
     if (grid > 0) {
-        before = put(l, ROW_OURS, t.rival.name, t);
+        before = put(l, ROW_OURS, "nonsmooth.cm grid alone", t);
         snprintf(l->row[before].setting, sizeof l->row->setting, "corners=0 unit/%.3g", 1 / t.rival.step);
     }
 }
@@ -252,7 +255,8 @@ static void run_row(const bench_case *c, const plan *p, list *l, int i) {
     double *spent = &l->spent[r->kind == ROW_RIVAL], took;
     const int first = r->rounds == 0;
     if (first && (is_hopeless(l, i) || *spent > p->budget)) {
-        snprintf(r->why, sizeof r->why, is_hopeless(l, i) ? "a coarser one was over its time" : "time is up");
+        snprintf(r->why, sizeof r->why,
+                 is_hopeless(l, i) && *spent <= p->budget ? "a coarser one was over its time" : "time is up");
         r->end = ROW_SKIPPED;
         return;
     }
