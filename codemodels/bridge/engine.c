@@ -15,12 +15,15 @@ static double longest_step(const engine *e, const CKTcircuit *ckt) {
 }
 
 static int map_unknowns(engine *e) {
+    e->count = (size_t)e->system->n + (size_t)e->system->m;
     e->unknown = malloc((size_t)e->ex.neq * sizeof *e->unknown);
-    e->x = calloc((size_t)e->system->n + 1, sizeof(double));
-    e->lambda = calloc((size_t)e->system->m + 1, sizeof(double));
-    if (!e->unknown || !e->x || !e->lambda) {
+    e->x = calloc(3 * e->count + 1, sizeof(double));
+    if (!e->unknown || !e->x) {
         return NS_E_MEMORY;
     }
+    e->lambda = e->x + e->system->n;
+    e->before = e->x + e->count;
+    e->most = e->before + e->count;
     for (int eq = 0; eq < e->ex.neq; eq++) {
         e->unknown[eq] = eq == 0 ? -1
                          : e->ex.element[eq] >= 0
@@ -80,6 +83,5 @@ void engine_clear(engine *e) {
     extract_clear(&e->ex);
     free(e->unknown);
     free(e->x);
-    free(e->lambda);
     memset(e, 0, sizeof *e);
 }

@@ -49,7 +49,11 @@ static int end_dc(CKTcircuit *ckt, int error) {
 /* --- loads --- */
 
 int native_read(native *b, double *t) {
-    const int status = ns_march_read(b->engine.march, t, b->engine.x, b->engine.lambda, NULL);
+    engine *e = &b->engine;
+    const int status = ns_march_read(e->march, t, e->x, e->lambda, NULL);
+    for (size_t k = 0; k < e->count && !status; k++) {
+        e->most[k] = fmax(e->most[k], fabs(e->x[k]));
+    }
     return status ? native_fail(b, status) : OK; /* an amplifier beyond 1e308 V, say: no number for ngspice */
 }
 
@@ -72,7 +76,8 @@ static int try_to(native *b, double t, ns_until until) {
     const int status = ns_march_try(b->engine.march, t, until, &b->t_trial);
     b->cpu += timed ? clock() - since : 0;
     b->tried = !status;
-    if (b->tried && b->t_trial <= b->t) {
+    b->beside = b->tried && b->t_trial <= b->t;
+    if (b->beside) {
         b->t_trial = b->t + shown_after(b, t);
     }
     return status ? native_fail(b, status) : OK;
@@ -140,16 +145,46 @@ static double next_point(native *b, int first) {
     return points_next(b->ckt, &b->plan, b->engine.system, b->t, first);
 }
 
+/* The right side of an event that only bends waveforms needs no point of its own: it is accepted, and the
+ * devices are shown as they are there.  1 if so. */
+static int take_right_side(native *b) {
+    engine *e = &b->engine;
+    const double t = b->t;
+    int same = b->beside;
+    if (!same) {
+        return 0;
+    }
+    memcpy(e->before, e->x, e->count * sizeof *e->x);
+    same = !native_read(b, NULL);
+    for (size_t k = 0; k < e->count && same; k++) {
+        same =
+            fabs(e->x[k] - e->before[k]) <= 1e-9 * e->most[k]; /* rounding is far below, what is seen above */
+    }
+    if (same) {
+        accept_trial(b);
+        b->t = t;
+        show_devices(e);
+    } else {
+        memcpy(e->x, e->before, e->count * sizeof *e->x);
+    }
+    return same;
+}
+
 /* An event that is as good as here (ngspice cannot step there) is accepted, and the way after it tried. */
 static int try_next(native *b, int first) {
     CKTcircuit *ckt = b->ckt;
     int error = OK;
     for (int near = 0; near < EVENTS_NEAR && !error && points_at_events(ckt, &b->plan); near++) {
         error = try_to(b, next_point(b, first), NS_TO_EVENT);
-        if (error || b->t_trial - ckt->CKTtime >= points_closeness(ckt)) {
+        if (error) {
             break;
         }
-        accept_trial(b);
+        if (!take_right_side(b)) {
+            if (b->t_trial - ckt->CKTtime >= points_closeness(ckt)) {
+                break;
+            }
+            accept_trial(b);
+        }
         b->tried = 0;
     }
     return error || b->tried ? error : try_to(b, next_point(b, first), NS_TO_TIME);

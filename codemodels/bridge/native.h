@@ -16,7 +16,10 @@ typedef struct engine {
     ns_march *march;
     double h;           /* the longest step of the scheme, s */
     int *unknown;       /* ex.neq: the unknown an equation stands for, -1: none */
-    double *x, *lambda; /* of the system */
+    size_t count;       /* of x and lambda */
+    double *x, *lambda; /* of the system, one after the other */
+    double *before;     /* count: both at the left side of an event, */
+    double *most;       /* count: and their largest sizes so far */
 } engine;
 
 int engine_make(CKTcircuit *ckt, extract_sources sources, engine *e); /* OK, or a code after one line */
@@ -37,6 +40,7 @@ typedef struct native {
     points_plan plan;
     int max_order; /* ngspice's maxord while it is 1; else 0 */
     int tried;     /* the march holds a trial that ends at t_trial */
+    int beside;    /* the trial is the right side of the accepted point */
     int loaded;    /* ngspice's present point shows that trial */
     int refused;   /* this analysis is not for us */
     int failed;    /* code to end the analysis with; the line was said */
