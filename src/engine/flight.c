@@ -89,6 +89,10 @@ int ns_flight_grounded(const ns_flight *f) {
     return f->m->live.t < f->grounded || f->m->live.t < f->exo->from;
 }
 
+double ns_flight_back(const ns_flight *f) {
+    return fmax(f->grounded, f->exo->from);
+}
+
 /* The inputs at t, on the side where the schedule stands. */
 static void read_inputs(ns_flight *f) {
     ns_schedule_inputs(f->schedule, f->t, f->z, f->slope);

@@ -141,7 +141,8 @@ int ns_flight_go(ns_flight *f, double t, ns_until until);
 /* The consistent state at m->live.t, with m->step just started: in no time.  Errors: those of the impulse
  * problem. */
 int ns_flight_settle(ns_flight *f);
-/* 1 if it has nothing to say at m->live. */
+/* 1 if it has nothing to say at m->live; when that will be over. */
 int ns_flight_grounded(const ns_flight *f);
+double ns_flight_back(const ns_flight *f);
 
 #endif

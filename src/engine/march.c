@@ -157,7 +157,8 @@ static int go_to(ns_march *m, double t, ns_until until) {
         }
         const double corner = ns_march_next_corner(m);
         m->limit = fmin(t, corner);
-        status = ns_walk(m, m->limit);
+        const double back = m->flight ? ns_flight_back(m->flight) : INFINITY;
+        status = ns_walk(m, back > m->live.t ? fmin(m->limit, back) : m->limit);
         if (status == NS_OK && !m->live.at_event && m->live.t == corner)
             look_at_corner(m);
         if (m->live.at_event && until == NS_TO_EVENT) /* right here: on to its right side */

@@ -270,11 +270,13 @@ static int propose(ns_flight *f, int *on) {
     static const int rungs[] = {-NS_EVENT_RUNG, -10, -30};
     ns_theta *s = f->s;
     for (int i = 0; i < 3; i++) {
+        const double h = ldexp(f->m->h, rungs[i]);
         memcpy(s->trial_in, f->X, sizeof(double) * (size_t)s->r);
-        ns_copy((size_t)s->s->nz, f->z, s->trial_in + s->r);
+        for (int k = 0; k < s->s->nz; k++) /* at the end of the step: a sine that is zero here is not there */
+            s->trial_in[s->r + k] = f->z[k] + h * f->slope[k];
         s->trial_in[s->q - 1] = 1;
         memcpy(s->trial_mode, s->mode, (size_t)s->s->m);
-        int status = ns_problem_solve(s, ldexp(f->m->h, rungs[i]), 1, 0);
+        int status = ns_problem_solve(s, h, 1, 0);
         if (status == NS_E_SINGULAR && !f->at)
             return status;
         if (status == NS_OK) {
