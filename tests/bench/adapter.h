@@ -31,6 +31,6 @@ int bench_steps(bench_engine e); /* its setting is a step of the scheme, else re
 
 /* setting: of the theta schemes (and of flight, where they step in) the step, in units of the case; of the
  * others reltol. */
-void bench_run(const bench_case *c, bench_engine e, double setting, bench_result *out);
+void bench_run(const bench_case *c, bench_engine e, double setting, bench_result *r);
 
 #endif

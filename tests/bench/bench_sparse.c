@@ -168,9 +168,9 @@ static void euler(ns_circuit *c, int devices, double h, int steps) {
 
 int main(int argc, char **argv) {
     const int most = argc > 1 ? atoi(argv[1]) : 10000;
-    double sizes[8], times[8], bytes[8];
+    double sizes[8] = {0}, times[8] = {0}, bytes[8] = {0};
     int count = 0;
-    for (int n = 16; n <= most; n = n < 10000 && 4 * n > 10000 ? 10000 : 4 * n) {
+    for (int n = 16; n <= most && count < 8; n = n < 10000 && 4 * n > 10000 ? 10000 : 4 * n) {
         const cost costs = run("chain", chain(n), n, 1e-4, 1e-9, 20 / (freq * n) + 1e-6);
         sizes[count] = n;
         times[count] = costs.step;
@@ -178,7 +178,7 @@ int main(int argc, char **argv) {
     }
     fact_put("chains time", growth(count, sizes, times));
     fact_put("chains memory", growth(count, sizes, bytes));
-    fact_put("chains largest", sizes[count - 1]);
+    fact_put("chains largest", count > 0 ? sizes[count - 1] : 0);
     const int pumps[] = {5, 20, 50};
     for (int i = 0; i < 3 && pumps[i] <= most; i++) {
         const int stages = pumps[i];

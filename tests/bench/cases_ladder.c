@@ -55,6 +55,7 @@ static real corner(void *data, real t) {
     return hi < 2 * l->n ? begin + flip(l, hi) : begin + (real)period + flip(l, 0);
 }
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): others write x */
 static void enter(void *data, real t, int guard, real *x) {
     ladder *l = data;
     const real phase = t - floorl(t / (real)period) * (real)period;
@@ -66,7 +67,8 @@ static void enter(void *data, real t, int guard, real *x) {
 static void exact(const bench_case *c, real fineness, real *values) {
     ladder l = {.n = c->size};
     const oracle o = {c->size, 1, 0, 0.5e-6L * fineness, &l, constant, rates, NULL, enter, corner};
-    real *x = calloc((size_t)c->size, sizeof *x), *all = calloc((size_t)(c->size * c->times), sizeof *all);
+    real *x = calloc((size_t)c->size, sizeof *x),
+         *all = calloc((size_t)c->size * (size_t)c->times, sizeof *all);
     if (!x || !all)
         abort();
     oracle_run(&o, x, c->times, c->time, all);

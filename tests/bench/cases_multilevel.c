@@ -181,7 +181,7 @@ static void exact(const bench_case *c, real fineness, real *values) {
     leg l = {.n = c->size};
     const int n = 2 + 2 * l.n;
     const oracle o = {n, 1, 4, 50e-6L * fineness, &l, constant, rates, guards, enter, corner};
-    real x[2 + MOST] = {0}, *all = calloc((size_t)(n * c->times), sizeof *all);
+    real x[2 + MOST] = {0}, *all = calloc((size_t)n * (size_t)c->times, sizeof *all);
     if (!all)
         abort();
     for (int k = 0; k < 2 * l.n; k++)

@@ -138,7 +138,7 @@ static void guards(void *data, const real *x, const real *dx, const real *u, rea
 
 /* Marks the diodes on the edge that are in the wrong state, and counts them. */
 static int wrong(multiplier *m, const char *edge, const real *x, real slope, char *is) {
-    real dx[MOST], g[MOST];
+    real dx[MOST], g[MOST] = {0};
     int count = 0;
     factor(m);
     slopes(m, x, slope, dx);
@@ -154,7 +154,7 @@ static int wrong(multiplier *m, const char *edge, const real *x, real slope, cha
 /* All wrong ones at once while that leaves fewer, else the first of them alone until it does. */
 static void choose(multiplier *m, real t, const real *x) {
     real u[ORACLE_TERMS];
-    char edge[MOST], is[MOST];
+    char edge[MOST] = {0}, is[MOST];
     int best = MOST, tries = 10, count;
     slope_series(m, t, u);
     for (int j = 0; j < m->nodes; j++)
@@ -185,7 +185,7 @@ static void exact(const bench_case *c, real fineness, real *values) {
     multiplier m = {.nodes = 2 * c->size};
     const oracle o = {m.nodes, 1,     m.nodes, fineness / freq / 16, &m, slope_series, rates,
                       guards,  enter, NULL};
-    real x[MOST] = {0}, *all = calloc((size_t)(m.nodes * c->times), sizeof *all);
+    real x[MOST] = {0}, *all = calloc((size_t)m.nodes * (size_t)c->times, sizeof *all);
     if (!all)
         abort();
     choose(&m, 0, x);

@@ -157,7 +157,7 @@ static double distance(int count, const double *a, const real *b) {
 /* The scheme of second order at two steps, extrapolated. */
 static void by_scheme(const bench_case *c, real *values) {
     const double step = entries[c->extra].scheme;
-    double fine[CASE_VALUES], finer[CASE_VALUES];
+    double fine[CASE_VALUES] = {0}, finer[CASE_VALUES] = {0};
     if (!by_ours(c, "theta", step, fine) || !by_ours(c, "theta", step / 2, finer))
         fprintf(stderr, "%s: no reference\n", c->name);
     for (int i = 0; i < c->times * c->unknowns; i++)
@@ -167,7 +167,7 @@ static void by_scheme(const bench_case *c, real *values) {
 /* fineness 1: by the scheme; less: of both exact engines the one that is closer to it. */
 static void exact(const bench_case *c, real fineness, real *values) {
     static real scheme[CASE_VALUES];
-    double one[CASE_VALUES], other[CASE_VALUES];
+    double one[CASE_VALUES] = {0}, other[CASE_VALUES] = {0};
     const int count = c->times * c->unknowns;
     if (fineness >= 1) {
         by_scheme(c, scheme);

@@ -47,6 +47,6 @@ int deck_circuit(const deck *d, ns_circuit **out);
 void deck_netlist(const deck *d, const deck_models *models, FILE *file);
 
 /* ngspice's name of a part's current ("l1"). */
-void deck_name(const deck *d, int part, char *name, size_t size);
+void deck_name(const deck *d, int at, char *name, size_t size);
 
 #endif

@@ -125,7 +125,8 @@ static row_kind ours_of(int count, const row *rows) {
 
 static void print_levels(int count, const row *rows) {
     const row *last_ours = NULL, *last_rival = NULL;
-    for (double level = 1e-1; level > 0.5e-12; level /= 10) {
+    for (int digits = 1; digits <= 12; digits++) {
+        const double level = pow(10, -digits);
         const row *ours = fastest(count, rows, ours_of(count, rows), level),
                   *rival = fastest(count, rows, ROW_RIVAL, level);
         if ((ours || rival) && (ours != last_ours || rival != last_rival))

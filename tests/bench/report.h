@@ -36,16 +36,15 @@ void report_files(const bench_case *c, const char *folder, int count, const row 
 
 /* What the runs of a case come to. */
 typedef struct duel {
-    char name[24];
-    int tried, done; /* settings of ngspice's own models */
-    int unbeaten;    /* of those, that no run of the library beats in both time and error */
     double lead; /* the least, over ngspice's runs, of its time over the library's at that error or less; 0:
                     it has none */
     double best_error, best_time;  /* ngspice's most accurate run */
-    int through;                   /* one of the netlists compared through ngspice: */
-    double cpu_ratio, error_ratio; /* 0 where one is missing */
-    char rival[84], ours[40];
-    int failed, ours_failed; /* settings that aborted or were stopped */
+    double cpu_ratio, error_ratio; /* through ngspice; 0 where one is missing */
+    int tried, done;               /* settings of ngspice's own models */
+    int unbeaten;                  /* of those, that no run of the library beats in both time and error */
+    int through;                   /* one of the netlists compared through ngspice */
+    int failed, ours_failed;       /* settings that aborted or were stopped */
+    char name[24], rival[84], ours[40];
 } duel;
 
 /* Prints, for each level of error, the best of ngspice's own settings and the best of ours, and fills d. */

@@ -10,11 +10,12 @@ enum { LINE = 512, FIELDS = 18 };
 
 static int split(char *line, char **field) {
     int count = 0;
-    for (char *at = line; at && count < FIELDS; count++) {
-        field[count] = at;
-        at = strchr(at, ',');
-        if (at)
-            *at++ = 0;
+    for (char *at = line, *comma; count < FIELDS; at = comma + 1) {
+        field[count++] = at;
+        comma = strchr(at, ',');
+        if (!comma)
+            break;
+        *comma = 0;
     }
     return count;
 }

@@ -22,10 +22,10 @@ typedef struct rival_result {
     double values[CASE_VALUES];
 } rival_result;
 
-/* Where netlists are written and run; cm: path of nonsmooth.cm.  Both are kept, not copied. */
-void rival_home(const char *folder, const char *cm);
+/* Where netlists are written and run; models: path of nonsmooth.cm.  Both are kept, not copied. */
+void rival_home(const char *in, const char *models);
 
 /* Runs it for at most `limit` seconds of CPU.  idle: it only reads the netlist and ends. */
-void rival_run(const bench_case *c, const rival_setting *s, int idle, double limit, rival_result *out);
+void rival_run(const bench_case *c, const rival_setting *s, int idle, double limit, rival_result *r);
 
 #endif

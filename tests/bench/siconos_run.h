@@ -19,6 +19,6 @@ typedef struct siconos_result {
 
 int siconos_has(const bench_case *c, const char *program); /* it is there, and takes the case */
 void siconos_run(const bench_case *c, const siconos_setting *s, const char *program, double limit,
-                 siconos_result *out);
+                 siconos_result *r);
 
 #endif
