@@ -418,18 +418,21 @@ static void test_dc(void **state) {
     end(&k);
 }
 
-/* Times inside a long step that begins at a time of its own: t - from and from again is not t for many. */
+/* Times inside a long step: what is added to its begin again, t - begin, is not t for some of them. */
 static void test_odd_times(void **state) {
     (void)state;
     rig k = begin();
     capacitor(&k, "c", 1, 0, 1e-6, 1);
     resistor(&k, "r", 1, 0, 1e3);
     make(&k, 1e-3);
-    assert_int_equal(ns_circuit_rest(k.c, k.x), NS_OK);
-    assert_int_equal(ns_march_start(k.m, 1e-4 / 3, k.x), NS_OK);
-    for (int i = 1; i < 1000; i++)
-        go(&k, 1e-4 / 3 + i * 1e-6 / 7);
-    near(voltage(&k, 1), exp(-999e-3 / 7), 1);
+    for (int j = 0; j < 16; j++) {
+        const double from = 1e-4 / (3 + 0.01 * j);
+        assert_int_equal(ns_circuit_rest(k.c, k.x), NS_OK);
+        assert_int_equal(ns_march_start(k.m, from, k.x), NS_OK);
+        for (int i = 0; i < 20; i++)
+            go(&k, 1.7e-4 + i * 1e-6 / 7);
+        near(voltage(&k, 1), exp(-(1.7e-4 + 19e-6 / 7 - from) / 1e-3), 1);
+    }
     end(&k);
 }
 
