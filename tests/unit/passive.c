@@ -105,7 +105,7 @@ int begin(run *r, const element *e, const int *order, double h) {
         assert_int_equal(add(r, &e[order[k]], order[k]), NS_OK);
     assert_int_equal(ns_circuit_system(r->c, &r->s), NS_OK);
     assert_true(r->s->n <= 256);
-    const ns_march_options o = {.theta = r->theta, .gamma = r->theta, .h = h};
+    const ns_march_options o = {.theta = r->theta, .gamma = r->theta, .h = h, .method = r->method};
     assert_int_equal(ns_march_create(r->s, &o, &r->m, NULL), NS_OK);
     assert_int_equal(ns_circuit_rest(r->c, w0), NS_OK);
     return accepted(r, ns_march_start(r->m, 0, w0));

@@ -27,6 +27,7 @@ typedef struct run {
     int id[ELEMENTS];
     int node[NODES];    /* numbers given to the nodes */
     double roff, theta; /* of all devices; theta = gamma */
+    ns_method method;   /* plain(): NS_AUTO */
 } run;
 
 /* A run with nodes as they are; then its circuit with the elements in this order, started.  0: refused. */
