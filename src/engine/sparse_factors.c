@@ -175,7 +175,7 @@ static int solve_leaky(ns_modal *q, const ns_kept *k, const double *r, double *v
     for (int round = 0; round < LEAK_ROUNDS; round++) {
         const double before = left;
         memcpy(by, rest, sizeof(double) * (size_t)size);
-        ns_klu_solve(q->klu, k->factors, 1, by);
+        ns_klu_solve(q->klu, k->factors, by);
         left = most = 0;
         for (int i = 0; i < size; i++) {
             v[i] += by[i];
@@ -192,7 +192,7 @@ static int solve_leaky(ns_modal *q, const ns_kept *k, const double *r, double *v
     if (left <= contradiction * most)
         return NS_OK;
     memcpy(v, r, sizeof(double) * (size_t)size);
-    ns_klu_solve(q->klu, k->factors, 1, v);
+    ns_klu_solve(q->klu, k->factors, v);
     return NS_E_SINGULAR;
 }
 
@@ -200,6 +200,6 @@ int ns_modal_solve(ns_modal *q, const ns_kept *k, const double *r, double *v) {
     if (k->leaky)
         return solve_leaky(q, k, r, v);
     memcpy(v, r, sizeof(double) * (size_t)q->f->size);
-    ns_klu_solve(q->klu, k->factors, 1, v);
+    ns_klu_solve(q->klu, k->factors, v);
     return NS_OK;
 }

@@ -299,10 +299,3 @@ void ns_form_subtract(const ns_form *f, double g, const ns_mode *mode, const dou
     for (int j = 0; j < f->m; j++)
         r[f->n + j] -= mode[j] == NS_INSIDE ? ns_csc_dot(&f->Ct, j, v) : v[f->n + j];
 }
-
-double ns_form_y(const ns_form *f, int j, const double *v, const double *z, int constants) {
-    double y = ns_csc_dot(&f->Ct, j, v) + (constants ? f->e[j] : 0);
-    if (f->Ft.start[j + 1] > f->Ft.start[j])
-        y += ns_csc_dot(&f->Ft, j, z);
-    return y;
-}

@@ -43,7 +43,12 @@ static inline double ns_form_rate(const ns_form *f, double g, int i) {
 }
 
 /* y_j at v = (x, lambda) and z; constants: 1, or 0 where e is left out. */
-double ns_form_y(const ns_form *f, int j, const double *v, const double *z, int constants);
+static inline double ns_form_y(const ns_form *f, int j, const double *v, const double *z, int constants) {
+    double y = ns_csc_dot(&f->Ct, j, v) + (constants ? f->e[j] : 0);
+    if (f->Ft.start[j + 1] > f->Ft.start[j])
+        y += ns_csc_dot(&f->Ft, j, z);
+    return y;
+}
 
 /* sparse_split.c: the columns of Tt are rows of T (ns_system_split(), but in place: row i of T M is that row
  * of M, or zero, then algebraic[i]), from M.  Errors: MEMORY. */

@@ -87,12 +87,22 @@ static int shake(ns_sparse *m, const double *v, const double *w, double g) {
     return NS_OK;
 }
 
+/* 1 if pair j keeps its law at v, to the last bit. */
+static inline int holds(const ns_sparse *m, int j, const double *v) {
+    if (m->mode[j] == NS_INSIDE)
+        return v[m->f->n + j] >= m->l[j] && v[m->f->n + j] <= m->u[j];
+    if (!(m->l[j] < m->u[j]))
+        return 1;
+    const double y = ns_form_y(m->f, j, v, m->z, 1);
+    return m->mode[j] == NS_LOWER ? y >= 0 : y <= 0;
+}
+
 /* Guards at v that are negative by more than the sum of their terms explains; marks them in m->flip. */
 static int find_broken(ns_sparse *m, const double *v, const double *w, double g) {
     int count = 0;
     memset(m->flip, 0, (size_t)m->f->m);
     for (int j = 0; j < m->f->m; j++) {
-        const int guards = guards_of(m, j);
+        const int guards = holds(m, j, v) ? 0 : guards_of(m, j);
         for (int k = 0; k < guards; k++) {
             const double value = guard(m, j, k, v, m->z, 1);
             if (!(value < 0) || value >= -noise(m, j, v, w, g))

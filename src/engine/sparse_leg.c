@@ -15,24 +15,26 @@ static const double least_share = 1e-3;
 static void form_rhs(ns_sparse *m, double g, const double *w, const double *z, int any, int constants) {
     const ns_form *f = m->f;
     const int n = f->n;
-    for (int i = 0; i < n; i++)
-        m->rate[i] = constants ? f->b[i] : 0;
+    double *r = m->r, *rate = m->rate;
+    if (constants)
+        memcpy(rate, f->b, sizeof(double) * (size_t)n);
+    else
+        memset(rate, 0, sizeof(double) * (size_t)n);
     if (any)
-        ns_csc_times_add(&f->E, z, m->rate);
+        ns_csc_times_add(&f->E, z, rate);
     for (int i = 0; i < n; i++)
-        m->r[i] = f->algebraic[i] ? m->rate[i] : w[i] + g * m->rate[i];
+        r[i] = f->algebraic[i] ? rate[i] : w[i] + g * rate[i];
     for (int i = 0; f->held && i < n; i++)
         if (!isnan(f->held[i]))
-            m->r[i] = f->held[i];
-    for (int j = 0; j < f->m; j++) {
-        if (m->mode[j] == NS_INSIDE) {
-            m->r[n + j] = constants ? -f->e[j] : 0;
-            if (any && f->Ft.start[j + 1] > f->Ft.start[j])
-                m->r[n + j] -= ns_csc_dot(&f->Ft, j, z);
-        } else {
-            m->r[n + j] = constants ? (m->mode[j] == NS_LOWER ? m->l[j] : m->u[j]) : 0;
-        }
-    }
+            r[i] = f->held[i];
+    for (int j = 0; j < f->m; j++)
+        r[n + j] = !constants                 ? 0
+                   : m->mode[j] == NS_INSIDE ? -f->e[j]
+                   : m->mode[j] == NS_LOWER  ? m->l[j]
+                                             : m->u[j];
+    for (int j = 0; any && f->Ft.start[f->m] > 0 && j < f->m; j++)
+        if (m->mode[j] == NS_INSIDE)
+            r[n + j] -= ns_csc_dot(&f->Ft, j, z);
 }
 
 /* by = D w = g (A x + B lambda + f) */
@@ -53,7 +55,8 @@ int ns_euler(ns_sparse *m, double t, double g, const double *w, int brief, doubl
     const int any = ns_inputs_stage(m->in, t, g, 0, m->z);
     form_rhs(m, g, w, m->z, any, 1);
     status = ns_modal_solve(m->q, k, m->r, v);
-    rates(m, g, v, by);
+    if (by)
+        rates(m, g, v, by);
     return status;
 }
 
@@ -202,7 +205,8 @@ void ns_leg_state(const ns_sparse *m, const ns_leg *leg, double tau, double *w) 
     const size_t n = (size_t)m->f->n;
     double b[NS_ORDER + 1];
     if (leg->euler) {
-        combine(n, 2, (const double[]){1, 1}, leg->dw, w);
+        for (size_t i = 0; i < n; i++)
+            w[i] = leg->dw[i] + leg->dw[n + i];
         return;
     }
     ns_laguerre_steps(tau / leg->g, b); /* (E2) */

@@ -173,7 +173,9 @@ static int euler_leg(ns_sparse *m, ns_leg *leg, double t, double limit, double h
     leg->stages = 1;
     leg->next_rung = leg->rung;
     memcpy(leg->dw, m->w, sizeof(double) * n);
-    const int status = ns_event_settle(m, t, g, m->w, leg->xi, leg->dw + n);
+    const int status = ns_event_settle(m, t, g, m->w, leg->xi, NULL);
+    for (size_t i = 0; i < n; i++)
+        leg->dw[n + i] = m->f->algebraic[i] ? 0 : ns_csc_dot(&m->f->Mt, (int)i, leg->xi) - m->w[i];
     memcpy(leg->mode, m->mode, (size_t)m->f->m);
     memcpy(leg->z, m->z, sizeof(double) * (size_t)m->f->nz);
     m->counts.steps++;

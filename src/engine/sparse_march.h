@@ -78,7 +78,8 @@ int ns_leg_last_stage(ns_sparse *m, ns_leg *leg);
 void ns_leg_state(const ns_sparse *m, const ns_leg *leg, double tau, double *w);
 void ns_leg_point(const ns_sparse *m, const ns_leg *leg, double tau, double *v);
 
-/* One implicit Euler step of length g from w (n) in m->mode at t to v (size); by (n) gets what w moves. */
+/* One implicit Euler step of length g from w (n) in m->mode at t to v (size); by (n, or NULL) gets what w
+ * moves. */
 int ns_euler(ns_sparse *m, double t, double g, const double *w, int brief, double *v, double *by);
 
 /* sparse_guard.c: bounds of commanded pairs as m->mode has them; the first event of a leg; which guards are

@@ -160,13 +160,6 @@ void ns_csc_times_add(const ns_csc *a, const double *x, double *y) {
             y[a->row[k]] += a->value[k] * x[j];
 }
 
-double ns_csc_dot(const ns_csc *a, int j, const double *x) {
-    double sum = 0;
-    for (int k = a->start[j]; k < a->start[j + 1]; k++)
-        sum += a->value[k] * x[a->row[k]];
-    return sum;
-}
-
 double ns_csc_size(const ns_csc *a, int j, const double *x) {
     double sum = 0;
     for (int k = a->start[j]; k < a->start[j + 1]; k++)

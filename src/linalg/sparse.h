@@ -32,7 +32,12 @@ void ns_csc_times_add(const ns_csc *a, const double *x, double *y);
 void ns_csc_times_add_transposed(const ns_csc *a, const double *x, double *y);
 
 /* Column j of a times x; the sum of the sizes of its terms. */
-double ns_csc_dot(const ns_csc *a, int j, const double *x);
+static inline double ns_csc_dot(const ns_csc *a, int j, const double *x) {
+    double sum = 0;
+    for (int k = a->start[j]; k < a->start[j + 1]; k++)
+        sum += a->value[k] * x[a->row[k]];
+    return sum;
+}
 double ns_csc_size(const ns_csc *a, int j, const double *x);
 
 #endif

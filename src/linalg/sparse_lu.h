@@ -19,8 +19,8 @@ int ns_klu_factor(ns_klu *k, const double *value, ns_factors **f);
 void ns_factors_free(ns_klu *k, ns_factors *f); /* NULL is allowed */
 size_t ns_factors_bytes(const ns_factors *f);
 
-/* b (n*nrhs) becomes the solution. */
-void ns_klu_solve(ns_klu *k, const ns_factors *f, int nrhs, double *b);
+/* b (n) becomes the solution. */
+void ns_klu_solve(ns_klu *k, ns_factors *f, double *b);
 
 /* How many times it factored from scratch, and with old pivots. */
 long ns_klu_fresh(const ns_klu *k);
