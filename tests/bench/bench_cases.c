@@ -56,8 +56,8 @@ int main(int argc, char **argv) {
     char cm[4096];
     int count = 0;
     p.rounds = p.quick || p.library ? 1 : 3;
-    p.limit = p.quick ? 1 : 10;
-    p.budget = p.quick ? 2 : p.library ? 20 : 12;
+    p.limit = p.quick ? 1 : 5;
+    p.budget = p.quick ? 2 : p.library ? 20 : 6;
     if (!realpath(models ? models : "build/bench/nonsmooth.cm", cm)) {
         perror("nonsmooth.cm");
         return 1;

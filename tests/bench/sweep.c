@@ -35,7 +35,7 @@ typedef struct list {
     int count;
     int idles[ROW_RIVAL + 1];                   /* how often, by kind of row, */
     double idle[ROW_RIVAL + 1][IDLES * ROUNDS]; /* s of CPU that ngspice takes to read the netlist and end */
-    double spent[2];                            /* s of CPU: by the library, by others */
+    double spent[3];                            /* s of CPU: by the library, by ngspice, by Siconos */
     double fastest;                             /* of the others, s */
     row *row;
     todo *todo;
@@ -244,15 +244,16 @@ static int is_hopeless(const list *l, int i) {
     return coarser >= 0 && (l->row[coarser].end == ROW_TIMEOUT || l->row[coarser].end == ROW_SKIPPED);
 }
 
-/* Ten times the fastest of the others is long enough for any other, if that is a second. */
+/* Ten times the fastest of the others is long enough for any other, if that is half a
+ * second. */
 static double limit_of(const plan *p, const list *l, const row *r) {
-    return r->kind == ROW_RIVAL && l->fastest > 0 ? fmin(p->limit, fmax(1, 10 * l->fastest)) : p->limit;
+    return r->kind == ROW_RIVAL && l->fastest > 0 ? fmin(p->limit, fmax(0.5, 10 * l->fastest)) : p->limit;
 }
 
 static void run_row(const bench_case *c, const plan *p, list *l, int i) {
     row *r = &l->row[i];
     const todo *t = &l->todo[i];
-    double *spent = &l->spent[r->kind == ROW_RIVAL], took;
+    double *spent = &l->spent[t->siconos.solver ? 2 : r->kind == ROW_RIVAL], took;
     const int first = r->rounds == 0;
     if (first && (is_hopeless(l, i) || *spent > p->budget)) {
         snprintf(r->why, sizeof r->why,
@@ -279,7 +280,7 @@ static int matters(const list *l, int i) {
     if (r->end != ROW_DONE)
         return 0;
     if (r->kind != ROW_RIVAL)
-        return r->other[0] + r->time[0] < 1;
+        return r->other[0] + r->time[0] < 0.3;
     for (int k = 0; k < l->count; k++) {
         const row *o = &l->row[k];
         if (o->kind == r->kind && o->end == ROW_DONE && o->error < r->error &&
