@@ -114,6 +114,18 @@ static void write_data(const bench_case *c, const char *folder, int count, const
     fclose(f);
 }
 
+/* Marks at 1, 2, 5 times powers of ten where they have room. */
+static void write_marks(FILE *f, double lo, double hi) {
+    static const int digits[] = {1, 2, 5};
+    const int fine = hi < 500 * lo;
+    int count = 0;
+    fprintf(f, "set format y '%%g'\nset ytics (");
+    for (int d = (int)floor(log10(lo)); d <= (int)ceil(log10(hi)); d++)
+        for (int k = 0; k < (fine ? 3 : 1); k++)
+            fprintf(f, "%s%g", count++ > 0 ? ", " : "", digits[k] * pow(10, d));
+    fprintf(f, ")\n");
+}
+
 /* Room around all points, for on logarithmic axes gnuplot leaves none or a whole decade. */
 static void write_ranges(FILE *f, int count, const row *rows) {
     double e0 = INFINITY, e1 = 0, t0 = INFINITY, t1 = 0;
@@ -125,6 +137,7 @@ static void write_ranges(FILE *f, int count, const row *rows) {
             t1 = fmax(t1, time_of(&rows[i]));
         }
     fprintf(f, "set xrange [%.3e:%.3e]\nset yrange [%.3e:%.3e]\n", e0 / 4, e1 * 4, t0 / 2, t1 * 2);
+    write_marks(f, t0 / 2, t1 * 2);
 }
 
 static void write_script(const bench_case *c, const char *folder, int count, const row *rows, int series,
