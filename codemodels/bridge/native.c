@@ -50,11 +50,12 @@ static int end_dc(CKTcircuit *ckt, int error) {
 
 int native_read(native *b, double *t) {
     engine *e = &b->engine;
-    const int status = ns_march_read(e->march, t, e->x, e->lambda, NULL);
+    int status = ns_march_read(e->march, t, e->x, e->lambda, NULL);
     for (size_t k = 0; k < e->count && !status; k++) {
         e->most[k] = fmax(e->most[k], fabs(e->x[k]));
+        status = isfinite(e->x[k]) ? NS_OK : NS_E_OVERFLOW; /* no number for ngspice */
     }
-    return status ? native_fail(b, status) : OK; /* an amplifier beyond 1e308 V, say: no number for ngspice */
+    return status ? native_fail(b, status) : OK;
 }
 
 static int read_point(native *b) {
@@ -208,7 +209,8 @@ int native_accept(native *b) {
     if (b->failed) {
         return b->failed;
     }
-    if (!b->engine.march || is_dc(ckt)) {
+    if (!b->engine.march || is_dc(ckt) ||
+        !ckt->CKTbreaks) { /* no breakpoints: a search for an operating point */
         return OK;
     }
     if (b->loaded) {
