@@ -2,12 +2,6 @@
 #include "flight.h"
 #include "sparse_engine.h"
 
-#ifdef NS_TRY_FLIGHT
-#define NS_FLIES(x) 1
-#else
-#define NS_FLIES(x) ((x) == NS_FLIGHT)
-#endif
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,40 +14,6 @@ int ns_march_fail(ns_march *m, int status) {
     m->fault.status = (ns_status)status;
     m->fault.t = m->live.t;
     return status;
-}
-
-static int allocate(ns_march *m) {
-    const size_t nz = (size_t)m->s->nz, nc = (size_t)m->s->nc;
-    m->past = calloc(ns_theta_past_size(m->step) + 1, sizeof(double));
-    m->z = calloc(nz + 1, sizeof(double));
-    m->z_left = calloc(nz + 1, sizeof(double));
-    m->flip = calloc(nc + 1, 1);
-    m->due = calloc(nc + 1, 1);
-    m->crossed = calloc(nc + 1, 1);
-    m->kept_flip = calloc(nc + 1, 1);
-    m->closed = calloc(nc + 1, 1);
-    const int made =
-        m->past && m->z && m->z_left && m->flip && m->due && m->crossed && m->kept_flip && m->closed;
-    return made ? ns_jump_create(m->step, &m->jump) : NS_E_MEMORY;
-}
-
-static int make_dense(ns_march *m, const ns_march_options *o, ns_fault *fault) {
-    const ns_theta_options options = {o->theta, o->gamma, o->map_bytes};
-    int status = ns_theta_create(m->s, &options, &m->step, fault);
-    if (status == NS_OK)
-        status = allocate(m);
-    if (status == NS_OK && NS_FLIES(o->method))
-        status = ns_flight_create(m, &m->flight);
-    return status;
-}
-
-static int is_sparse(const ns_system *s, const ns_march_options *o) {
-    return o->method == NS_SPARSE || (o->method == NS_AUTO && s->large);
-}
-
-static int make_sparse(ns_march *m, const ns_march_options *o, ns_fault *fault) {
-    const ns_sparse_options options = {o->h, o->reltol, o->map_bytes};
-    return ns_sparse_create(m->s, &options, &m->sparse, fault);
 }
 
 int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **out, ns_fault *fault) {
@@ -69,7 +29,8 @@ int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **ou
         return NS_E_MEMORY;
     m->s = s;
     m->h = o->h;
-    const int status = is_sparse(s, o) ? make_sparse(m, o, fault) : make_dense(m, o, fault);
+    m->options = *o;
+    const int status = ns_choice_make(m, fault);
     if (status != NS_OK) {
         ns_march_free(m);
         return status;
@@ -170,8 +131,9 @@ static int go_to(ns_march *m, double t, ns_until until) {
 int ns_march_try(ns_march *m, double t, ns_until until, double *reached) {
     if (!m || !reached)
         return NS_E_NULL;
-    if (m->sparse)
-        return ns_sparse_try(m->sparse, t, until, reached);
+    int status = m->sparse ? ns_sparse_try(m->sparse, t, until, reached) : NS_OK;
+    if (m->sparse && !(ns_choice_leaves(m, status) && (status = ns_choice_leave(m)) == NS_OK))
+        return status;
     if (!m->started)
         return ns_march_fail(m, NS_E_STATE);
     if (!(t > m->kept.t) || !isfinite(t))
@@ -179,7 +141,7 @@ int ns_march_try(ns_march *m, double t, ns_until until, double *reached) {
     const int again = m->has_trial && (t == m->live.t || (t == m->asked && until == m->until));
     if (!again) {
         go_back(m);
-        const int status = go_to(m, t, until);
+        status = go_to(m, t, until);
         if (status != NS_OK) {
             go_back(m);
             return status;

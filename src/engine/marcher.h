@@ -47,6 +47,7 @@ struct ns_march {
     struct ns_sparse *sparse; /* NULL, or who goes all the way; then all below is unused */
     ns_theta *step;
     struct ns_flight *flight; /* NULL: all steps are the scheme's */
+    ns_march_options options;
     double h;
     ns_whereabouts live, kept;       /* of the trial; of the accepted point */
     double *past;                    /* the stepper's, at the accepted point */
@@ -71,6 +72,13 @@ struct ns_march {
  * stepper's fault; returns the status. */
 double ns_march_next_corner(ns_march *m);
 int ns_march_fail(ns_march *m, int status);
+
+/* choice.c: makes the engines that the options ask for; whether what another engine failed with is worth a
+ * try by the dense ones; they instead of the sparse one: before a start, or from its accepted point on. */
+int ns_choice_make(ns_march *m, ns_fault *fault);
+int ns_choice_leaves(const ns_march *m, int status);
+int ns_choice_dense(ns_march *m);
+int ns_choice_leave(ns_march *m);
 
 /* control.c */
 int ns_control_closed(const ns_march *m, int c);

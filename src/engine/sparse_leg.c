@@ -28,7 +28,7 @@ static void form_rhs(ns_sparse *m, double g, const double *w, const double *z, i
         if (!isnan(f->held[i]))
             r[i] = f->held[i];
     for (int j = 0; j < f->m; j++)
-        r[n + j] = !constants                 ? 0
+        r[n + j] = !constants                ? 0
                    : m->mode[j] == NS_INSIDE ? -f->e[j]
                    : m->mode[j] == NS_LOWER  ? m->l[j]
                                              : m->u[j];

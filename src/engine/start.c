@@ -39,8 +39,9 @@ static int settle(ns_march *m, double t0, const double *w0) {
     int status = ns_theta_start(m->step, w0, m->closed);
     if (status != NS_OK)
         return ns_march_fail(m, status);
-    if (m->flight && ns_flight_settle(m->flight) == NS_OK)
-        return NS_OK;
+    status = m->flight ? ns_flight_settle(m->flight) : NS_E_STATE;
+    if (status == NS_OK || status == NS_E_MEMORY)
+        return status == NS_OK ? status : ns_march_fail(m, status);
     const double h = ns_short_step(m);
     ns_jump_watch(m);
     status = ns_short_try(m, h); /* the jump, */
@@ -54,12 +55,13 @@ static int settle(ns_march *m, double t0, const double *w0) {
 int ns_march_start(ns_march *m, double t0, const double *w0) {
     if (!m || (!w0 && m->s->n > 0))
         return NS_E_NULL;
-    if (m->sparse)
-        return ns_sparse_start(m->sparse, t0, w0);
+    int status = m->sparse ? ns_sparse_start(m->sparse, t0, w0) : NS_OK;
+    if (m->sparse && !(ns_choice_leaves(m, status) && (status = ns_choice_dense(m)) == NS_OK))
+        return status;
     m->live.t = t0;
     if (!isfinite(t0) || !(t0 + m->h > t0))
         return ns_march_fail(m, NS_E_NUMBER);
-    int status = begin(m, t0, w0);
+    status = begin(m, t0, w0);
     for (int round = 0; status == NS_OK && round <= 2 * m->s->nc; round++) {
         status = settle(m, t0, w0);
         if (status == NS_OK && !toggle(m))
@@ -105,8 +107,9 @@ int ns_march_start_dc(ns_march *m, double t0, int nhold, const int *hold, const 
                       double *x_out) {
     if (!m || (nhold > 0 && (!hold || !hold_x)))
         return NS_E_NULL;
-    if (m->sparse)
-        return ns_sparse_start_dc(m->sparse, t0, nhold, hold, hold_x, x_out);
+    int status = m->sparse ? ns_sparse_start_dc(m->sparse, t0, nhold, hold, hold_x, x_out) : NS_OK;
+    if (m->sparse && !(ns_choice_leaves(m, status) && (status = ns_choice_dense(m)) == NS_OK))
+        return status;
     m->live.t = t0;
     if (!isfinite(t0))
         return ns_march_fail(m, NS_E_NUMBER);
@@ -118,8 +121,7 @@ int ns_march_start_dc(ns_march *m, double t0, int nhold, const int *hold, const 
     const size_t n = (size_t)m->s->n;
     double *x = calloc(2 * n + 1, sizeof *x);
     ns_mode *mode = calloc((size_t)m->s->m + 1, sizeof *mode);
-    const int status =
-        x && mode ? start_dc(m, t0, nhold, hold, hold_x, x, x + n, mode) : ns_march_fail(m, NS_E_MEMORY);
+    status = x && mode ? start_dc(m, t0, nhold, hold, hold_x, x, x + n, mode) : ns_march_fail(m, NS_E_MEMORY);
     if (status == NS_OK && x && x_out)
         memcpy(x_out, x, sizeof(double) * n);
     free(x);

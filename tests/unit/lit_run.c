@@ -46,7 +46,7 @@ int lit_capture(const ns_system *s, const double *w0, const lit_plan *plan, doub
 }
 
 int lit_march(const ns_system *s, const double *w0, const lit_plan *plan, double *X, ns_counts *counts) {
-    const ns_march_options o = {.theta = plan->theta, .gamma = plan->gamma, .h = plan->h};
+    const ns_march_options o = {.theta = plan->theta, .gamma = plan->gamma, .h = plan->h, .method = NS_THETA};
     ns_march *m;
     double reached;
     int status = ns_march_create(s, &o, &m, NULL);

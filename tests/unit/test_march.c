@@ -15,7 +15,7 @@
 static const double pi = 3.14159265358979323846;
 
 static ns_march *marcher(const ns_system *s, double theta, double gamma, double h) {
-    const ns_march_options o = {.theta = theta, .gamma = gamma, .h = h};
+    const ns_march_options o = {.theta = theta, .gamma = gamma, .h = h, .method = NS_THETA};
     ns_march *m;
     assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_OK);
     return m;

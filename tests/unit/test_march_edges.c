@@ -25,8 +25,10 @@ static bench open_bench(void) {
     return b;
 }
 
+static ns_method method; /* each test by the scheme and by auto */
+
 static void start_at(bench *b, double t0, double theta, double h) {
-    const ns_march_options o = {.theta = theta, .gamma = theta, .h = h};
+    const ns_march_options o = {.theta = theta, .gamma = theta, .h = h, .method = method};
     double w0[32];
     assert_int_equal(ns_circuit_system(b->c, &b->s), NS_OK);
     assert_true(b->s->n <= 32);
@@ -176,7 +178,7 @@ static void an_inductor_at_rest_takes_the_current(void **state) {
     bench b = open_bench();
     ns_signal v = {.kind = NS_DC}, on = {.kind = NS_DC};
     const ns_switch sw = {0.5, 0, 0, INFINITY};
-    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-6};
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-6, .method = method};
     double x[8];
     int l;
     v.u.dc = 20;
@@ -265,5 +267,8 @@ int main(void) {
         cmocka_unit_test(a_ramp_that_ends_leaves_no_current),
         cmocka_unit_test(a_clamp_stays_below_its_clock),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    method = NS_THETA;
+    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    method = NS_AUTO;
+    return failed + cmocka_run_group_tests_name("auto", tests, NULL, NULL);
 }

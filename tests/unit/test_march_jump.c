@@ -90,7 +90,7 @@ static void look(bench *b) {
 
 static void start(bench *b, double theta) {
     double w0[MOST];
-    const ns_march_options o = {.theta = theta, .gamma = theta, .h = step};
+    const ns_march_options o = {.theta = theta, .gamma = theta, .h = step, .method = NS_THETA};
     assert_int_equal(ns_circuit_system(b->c, &b->s), NS_OK);
     assert_true(b->s->n <= MOST && b->s->m <= MOST);
     assert_int_equal(ns_march_create(b->s, &o, &b->m, NULL), NS_OK);

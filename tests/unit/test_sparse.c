@@ -134,8 +134,8 @@ static void test_pivots_anew(void **state) {
     ns_klu_free(NULL);
 }
 
-/* Blocks of 1 to 5 unknowns, each with something of those before it, rows and columns shuffled and in units of
- * their own.  However often: KLU's own way first, packed later; A x = b holds to rounding. */
+/* Blocks of 1 to 5 unknowns, each with something of those before it, rows and columns shuffled and in units
+ * of their own.  However often: KLU's own way first, packed later; A x = b holds to rounding. */
 static void test_often(void **state) {
     (void)state;
     enum { N = 60 };
@@ -240,9 +240,9 @@ static void test_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_entries),     cmocka_unit_test(test_dense),     cmocka_unit_test(test_factors),
-        cmocka_unit_test(test_pivots_anew), cmocka_unit_test(test_often),
-        cmocka_unit_test(test_structure), cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_entries),     cmocka_unit_test(test_dense), cmocka_unit_test(test_factors),
+        cmocka_unit_test(test_pivots_anew), cmocka_unit_test(test_often), cmocka_unit_test(test_structure),
+        cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
