@@ -30,6 +30,7 @@ int ns_modal_create(const ns_form *f, size_t limit, ns_modal **out) {
         ns_modal_free(q);
         return status;
     }
+    ns_klu_often_zero(q->klu, f->n); /* the laws of what is at a bound of zero */
     *out = q;
     return NS_OK;
 }

@@ -14,25 +14,19 @@
 #include "sweep.h"
 
 struct ns_klu {
-    int n, *start, *row;
+    int n, *start, *row, often_zero;
     double *x; /* n: work */
     klu_common common;
     klu_symbolic *symbolic;
     long fresh, again;
 };
 
-/* The sweep's arrays; made at the solution that makes it worth while, NULL: not yet. */
-typedef struct packed {
-    ns_sweep sweep;
-    int *ints;
-    double *doubles;
-} packed;
-
 struct ns_factors {
     klu_numeric *numeric;
-    double growth; /* reciprocal, with these pivots when they were chosen */
-    int solved;    /* how often */
-    packed *packed;
+    double growth;    /* reciprocal, with these pivots when they were chosen */
+    int solved;       /* how often */
+    int all;          /* no unknown is left out */
+    ns_sweep *packed; /* made by the solution that makes it worth while */
 };
 
 enum { WORTH_PACKING = 3 };
@@ -55,6 +49,7 @@ int ns_klu_create(int n, int *start, int *row, ns_klu **out) {
     k->n = n;
     k->start = start;
     k->row = row;
+    k->often_zero = n;
     k->x = calloc((size_t)n + 1, sizeof(double));
     if (!k->x) {
         ns_klu_free(k);
@@ -82,19 +77,11 @@ void ns_klu_free(ns_klu *k) {
     free(k);
 }
 
-static void unpack(ns_factors *f) {
-    if (f && f->packed) {
-        free(f->packed->ints);
-        free(f->packed->doubles);
-        free(f->packed);
-        f->packed = NULL;
-    }
-}
-
 void ns_factors_free(ns_klu *k, ns_factors *f) {
     if (f && f->numeric)
         (void)klu_free_numeric(&f->numeric, &k->common);
-    unpack(f);
+    if (f)
+        ns_sweep_free(f->packed);
     free(f);
 }
 
@@ -135,7 +122,9 @@ int ns_klu_factor(ns_klu *k, const double *value, ns_factors **f) {
         *f = calloc(1, sizeof **f);
     if (!*f)
         return NS_E_MEMORY;
-    unpack(*f);
+    ns_sweep_free((*f)->packed);
+    (*f)->packed = NULL;
+    (*f)->all = 0;
     (*f)->solved = 0;
     if (k->n == 0)
         return NS_OK;
@@ -163,81 +152,37 @@ size_t ns_factors_bytes(const ns_factors *f) {
     return bytes;
 }
 
-/* Columns of U within blocks and of what lies above them, without the diagonal, which goes to pivot. */
-static void join_columns(int n, const int *U[2], const int *F[2], const double *ux, const double *fx, int *to,
-                         int *row, double *value, double *pivot) {
-    int at = 0;
-    for (int k = 0; k < n; k++) {
-        to[k] = at;
-        for (int p = U[0][k]; p < U[0][k + 1]; p++) {
-            if (U[1][p] == k)
-                pivot[k] = 1 / ux[p];
-            else {
-                row[at] = U[1][p];
-                value[at++] = ux[p];
-            }
-        }
-        for (int p = F[0][k]; p < F[0][k + 1]; p++) {
-            row[at] = F[1][p];
-            value[at++] = fx[p];
-        }
-    }
-    to[n] = at;
-}
-
-/* L without its diagonal, in place. */
-static void drop_diagonal(int n, int *start, int *row, double *value) {
-    int at = 0;
-    for (int k = 0, p = 0; k < n; k++) {
-        const int end = start[k + 1];
-        for (start[k] = at; p < end; p++)
-            if (row[p] != k) {
-                row[at] = row[p];
-                value[at++] = value[p];
-            }
-    }
-    start[n] = at;
-}
-
-static int fill(ns_klu *k, const ns_factors *f, packed *p, int *spare, double *spare_x) {
-    const int n = k->n, lnz = f->numeric->lnz, unz = f->numeric->unz, off = f->numeric->nzoff;
-    int *begin = p->ints, *row = begin + n + 1, *to = row + n, *l = to + n, *u = l + n + 1, *li = u + n + 1,
-        *ui = li + lnz;
-    double *scale = p->doubles, *pivot = scale + n, *lx = pivot + n, *ux = lx + lnz;
-    int *up = spare, *uj = up + n + 1, *fp = uj + unz, *fj = fp + n + 1;
-    double *uv = spare_x, *fv = uv + unz;
-    if (!klu_extract(f->numeric, k->symbolic, l, li, lx, up, uj, uv, fp, fj, fv, row, to, scale, begin,
-                     &k->common))
-        return 0;
-    (void)off;
-    for (int i = 0; i < n; i++)
-        scale[i] = 1 / scale[i];
-    drop_diagonal(n, l, li, lx);
-    join_columns(n, (const int *[]){up, uj}, (const int *[]){fp, fj}, uv, fv, u, ui, ux, pivot);
-    p->sweep = (ns_sweep){n, k->symbolic->nblocks, begin, row, to, scale, l, u, li, ui, lx, ux, pivot};
-    return 1;
-}
-
 /* NULL: no memory; then it goes without. */
-static packed *pack(ns_klu *k, const ns_factors *f) {
-    const size_t n = (size_t)k->n, lnz = (size_t)f->numeric->lnz, unz = (size_t)f->numeric->unz,
-                 off = (size_t)f->numeric->nzoff;
-    packed *p = calloc(1, sizeof *p);
-    if (!p)
-        return NULL;
-    p->ints = calloc(5 * n + 3 + lnz + unz + off, sizeof(int));
-    p->doubles = calloc(2 * n + lnz + unz + off, sizeof(double));
-    int *spare = calloc(2 * n + 2 + unz + off, sizeof(int));
-    double *spare_x = calloc(unz + off + 1, sizeof(double));
-    const int made = p->ints && p->doubles && spare && spare_x && fill(k, f, p, spare, spare_x);
-    free(spare);
-    free(spare_x);
-    if (made)
-        return p;
-    free(p->ints);
-    free(p->doubles);
-    free(p);
-    return NULL;
+static ns_sweep *pack(ns_klu *k, const ns_factors *f) {
+    const int n = k->n, lnz = f->numeric->lnz, unz = f->numeric->unz, off = f->numeric->nzoff;
+    int *ints = calloc((size_t)(6 * n + 4 + lnz + unz + off), sizeof(int));
+    double *doubles = calloc((size_t)(n + lnz + unz + off) + 1, sizeof(double));
+    ns_sweep *s = NULL;
+    if (ints && doubles) {
+        ns_triangles t = {.n = n, .blocks = k->symbolic->nblocks, .R = ints, .Rs = doubles};
+        t.often_zero = f->all ? n : k->often_zero;
+        t.P = t.R + n + 1;
+        t.Q = t.P + n;
+        t.Lp = t.Q + n;
+        t.Up = t.Lp + n + 1;
+        t.Fp = t.Up + n + 1;
+        t.Li = t.Fp + n + 1;
+        t.Ui = t.Li + lnz;
+        t.Fi = t.Ui + unz;
+        t.Lx = t.Rs + n;
+        t.Ux = t.Lx + lnz;
+        t.Fx = t.Ux + unz;
+        if (klu_extract(f->numeric, k->symbolic, t.Lp, t.Li, t.Lx, t.Up, t.Ui, t.Ux, t.Fp, t.Fi, t.Fx, t.P,
+                        t.Q, t.Rs, t.R, &k->common))
+            s = ns_sweep_create(&t);
+    }
+    free(ints);
+    free(doubles);
+    return s;
+}
+
+void ns_klu_often_zero(ns_klu *k, int from) {
+    k->often_zero = from;
 }
 
 void ns_klu_solve(ns_klu *k, ns_factors *f, double *b) {
@@ -245,10 +190,15 @@ void ns_klu_solve(ns_klu *k, ns_factors *f, double *b) {
         return;
     if (!f->packed && ++f->solved == WORTH_PACKING)
         f->packed = pack(k, f);
-    if (f->packed)
-        ns_sweep_solve(&f->packed->sweep, b, k->x);
-    else
-        (void)klu_solve(k->symbolic, f->numeric, k->n, 1, b, &k->common);
+    if (f->packed && ns_sweep_solve(f->packed, b, k->x))
+        return;
+    (void)klu_solve(k->symbolic, f->numeric, k->n, 1, b, &k->common);
+    if (f->packed) { /* with all, next time */
+        ns_sweep_free(f->packed);
+        f->packed = NULL;
+        f->all = 1;
+        f->solved = WORTH_PACKING - 1;
+    }
 }
 
 long ns_klu_fresh(const ns_klu *k) {

@@ -19,6 +19,10 @@ int ns_klu_factor(ns_klu *k, const double *value, ns_factors **f);
 void ns_factors_free(ns_klu *k, ns_factors *f); /* NULL is allowed */
 size_t ns_factors_bytes(const ns_factors *f);
 
+/* Right-hand sides are often zero in the rows from this one on: unknowns that they alone determine are left
+ * out then. */
+void ns_klu_often_zero(ns_klu *k, int from);
+
 /* b (n) becomes the solution. */
 void ns_klu_solve(ns_klu *k, ns_factors *f, double *b);
 

@@ -1,21 +1,32 @@
-/* src/linalg/sweep.h - solutions with factors that are packed: each block's L forward and U backward, all in
- * the order in which they are met. */
+/* src/linalg/sweep.h - triangular factors packed for many solutions: each block's L forward and U backward,
+ * in the order in which they are met.
+ *
+ * Unknowns that no other one enters (the current of what is open) are left out: they are zero where their
+ * right-hand side is.
+ */
 #ifndef NS_SWEEP_H
 #define NS_SWEEP_H
 
 #include <stddef.h>
 
-typedef struct ns_sweep {
+/* P (A / Rs) Q = L U + F, L and U in blocks on the diagonal, F above them, as klu_extract() gives them:
+ * columns with their diagonals. */
+typedef struct ns_triangles {
     int n, blocks;
-    const int *begin;    /* blocks+1: of the unknowns of a block, which has L if there are more than one */
-    const int *row, *to; /* n: where unknown k takes its right-hand side, and leaves its value */
-    const double *scale; /* n: that side is multiplied by */
-    const int *l, *u;    /* n+1: column k of L (below the diagonal), of U (above it, other blocks included) */
-    const int *li, *ui;
-    const double *lx, *ux, *pivot; /* pivot, n: of U, reciprocal */
-} ns_sweep;
+    int often_zero; /* rows of A from here on may be left out */
+    int *R, *P, *Q; /* blocks+1, n, n */
+    double *Rs;     /* n, by rows of L */
+    int *Lp, *Li, *Up, *Ui, *Fp, *Fi;
+    double *Lx, *Ux, *Fx;
+} ns_triangles;
 
-/* b (n) becomes the solution; x (n): work. */
-void ns_sweep_solve(const ns_sweep *s, double *b, double *x);
+typedef struct ns_sweep ns_sweep;
+
+/* NULL: no memory.  NULL may be freed. */
+ns_sweep *ns_sweep_create(const ns_triangles *t);
+void ns_sweep_free(ns_sweep *s);
+
+/* b (n) becomes the solution; x (n): work.  0: what is left out is not zero, b is untouched. */
+int ns_sweep_solve(const ns_sweep *s, double *b, double *x);
 
 #endif
