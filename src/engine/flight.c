@@ -354,6 +354,10 @@ int ns_flight_go(ns_flight *f, double t, ns_until until) {
     f->budget = 4000 + (long)fmin(1e12, 4000 * (t - f->t) / m->h);
     while (status == NS_OK && !stuck && !stop && f->t < t)
         status = leap(f, t, until, &stuck, &stop);
+    if (f->status != NS_OK) {
+        status = f->status;
+        f->status = NS_OK;
+    }
     if (status == NS_E_LIMIT) {
         f->crowd = NS_PILE + 1;
         stuck = 1;

@@ -89,7 +89,10 @@ ns_level *ns_flight_reach(ns_flight *f, ns_flight_mode *k, int i) {
     ns_level *level = &k->level[i];
     if (level->stage)
         return level;
-    if (ns_stage_build(f->s, f->exo, level->h / NS_POLE, k->mode, &level->stage) != NS_OK) {
+    const int status = ns_stage_build(f->s, f->exo, level->h / NS_POLE, k->mode, &level->stage);
+    if (status != NS_OK) {
+        if (status == NS_E_MEMORY)
+            f->status = status;
         k->levels = i; /* the one before is slower, and right */
         return NULL;
     }
