@@ -62,9 +62,12 @@ static void put_library(list *l, const plan *p, const bench_case *c) {
         int before = -1;
         if (!bench_has(e, c))
             continue;
-        const int steps = bench_steps(e), count = e == BENCH_FLIGHT ? 1 : p->quick ? 3 : 5;
+        const int steps = bench_steps(e);
+        const int count = e == BENCH_FLIGHT ? 1 : p->quick ? 2 : e == BENCH_AUTO ? 3 : 4;
         for (int k = 0; k < count; k++) {
-            const double setting = steps ? pow(0.25, k + (e == BENCH_FLIGHT ? 3 : 2)) : pow(10, -4 - 2 * k);
+            const double setting = steps             ? pow(0.25, k + 3)
+                                   : e == BENCH_AUTO ? pow(10, -6 - 3 * k)
+                                                     : pow(10, -6 - 2 * k);
             before = put(l, ROW_LIBRARY, bench_engine_name(e),
                          (todo){.engine = e, .setting = setting, .coarser = before});
             snprintf(l->row[before].setting, sizeof l->row->setting, steps ? "unit/%.0f" : "reltol %.0e",
