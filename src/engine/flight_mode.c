@@ -165,6 +165,7 @@ int ns_flight_find(ns_flight *f, const ns_mode *mode, ns_flight_mode **out) {
     *head = k;
     *out = k->status == NS_OK ? k : NULL;
     f->bytes += sizeof *k + m;
+    f->s->counts.modes += k->status == NS_OK;
     return k->status;
 }
 
