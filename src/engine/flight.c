@@ -1,5 +1,6 @@
 /* src/engine/flight.c - the flight engine: exact from event to event (E1), (E2). */
 #include "flight.h"
+#include "slide.h"
 
 #include "../system/acting.h"
 
@@ -19,10 +20,12 @@ static int allocate(ns_flight *f) {
                        (NS_SAMPLES + 1) * rows + 2 * rows + 2 * nz;
     f->block = calloc(all + 2 * (n + m) + 1, sizeof *f->block);
     f->want = calloc(2 * m + 1, sizeof *f->want);
-    f->closed = calloc(2 * (size_t)y->nc + 1, sizeof *f->closed);
-    if (!f->block || !f->want || !f->closed)
+    f->closed = calloc(3 * (size_t)y->nc + 1, sizeof *f->closed);
+    f->goal = calloc((size_t)y->nc + 1, sizeof *f->goal);
+    if (!f->block || !f->want || !f->closed || !f->goal)
         return NS_E_MEMORY;
     f->flip = f->closed + y->nc;
+    f->turns = f->flip + y->nc;
     f->X = f->block;
     f->next = f->X + q + (size_t)f->exo->mutes;
     f->left = f->next + q + (size_t)f->exo->mutes;
@@ -79,6 +82,7 @@ void ns_flight_free(ns_flight *f) {
     ns_exo_free(f->exo);
     ns_schedule_free(f->schedule);
     free(f->closed);
+    free(f->goal);
     free(f->acting);
     free(f->block);
     free(f->want);
@@ -337,6 +341,12 @@ static void ground(ns_flight *f) {
     f->rest = f->crowd > NS_PILE ? h : again ? fmin(h, 4 * f->rest) : least;
     f->grounded = f->t + f->rest;
     f->crowd = 0;
+    for (int c = 0; c < f->m->s->nc; c++) { /* it knows no third mode */
+        ns_mode *mode = &f->s->mode[f->m->s->command[c].pair];
+        if (ns_slides(*mode))
+            *mode = NS_LOWER;
+    }
+    ns_theta_set_bounds(f->s);
 }
 
 int ns_flight_go(ns_flight *f, double t, ns_until until) {

@@ -54,6 +54,9 @@ struct ns_flight_mode {
 
 enum { NS_FLIGHT_BUCKETS = 256 };
 
+/* The goal of a command that just changes. */
+enum { NS_TOGGLES = 9 };
+
 struct ns_flight {
     ns_march *m;
     ns_theta *s;
@@ -87,6 +90,8 @@ struct ns_flight {
     double *value, *rate, *noise; /* 2 m + nc */
     double *z, *slope;            /* nz */
     unsigned char *closed, *flip; /* nc */
+    unsigned char *turns;         /* nc: how often a command changed in this event, */
+    ns_mode *goal;                /* nc: and to what it does next */
     unsigned char *acting;        /* nz: inputs that anything depends on */
     ns_mode *want;                /* m */
     ns_impulse to;                /* its arrays follow in one block */

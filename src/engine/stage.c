@@ -1,14 +1,19 @@
 /* src/engine/stage.c - one mode seen through an implicit Euler step: its matrices. */
-#include "stage.h"
+#include "slide.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-static int control_rows(const ns_system *s) {
+/* Whether the command has a guard: one that slides has none. */
+static int has_row(const ns_command *c, const ns_mode *mode) {
+    return c->gx && !ns_slides(mode[c->pair]);
+}
+
+static int control_rows(const ns_system *s, const ns_mode *mode) {
     int count = 0;
     for (int c = 0; c < s->nc; c++)
-        count += s->command[c].gx != NULL;
+        count += has_row(&s->command[c], mode);
     return count;
 }
 
@@ -30,7 +35,7 @@ static int name_pair_rows(const ns_theta *s, const ns_mode *mode, ns_guard_row *
 static void name_control_rows(const ns_theta *s, const ns_mode *mode, ns_guard_row *row) {
     for (int c = 0; c < s->s->nc; c++) {
         const int j = s->s->command[c].pair;
-        if (s->s->command[c].gx)
+        if (has_row(&s->s->command[c], mode))
             *row++ = (ns_guard_row){j, mode[j] == NS_INSIDE ? NS_LOWER : NS_INSIDE, c};
     }
 }
@@ -42,8 +47,8 @@ static ns_stage *create(const ns_theta *s, const ns_exo *e, const ns_mode *mode)
     k->r = s->r;
     k->nv = e->nv;
     k->q = s->r + e->nv;
-    k->pair_rows = ns_guard_count(s, mode);
-    k->rows = k->pair_rows + control_rows(s->s);
+    k->pair_rows = ns_guard_count(s, mode) + 2 * ns_slide_count(mode, s->s->m);
+    k->rows = k->pair_rows + control_rows(s->s, mode);
     const size_t q = (size_t)k->q, r = (size_t)k->r, rows = (size_t)k->rows;
     const size_t all = (size_t)s->s->n + (size_t)s->s->m;
     const size_t count = q * (all + (NS_ORDER + 1) * r + (NS_ORDER + 4) * rows) + all * (size_t)e->mutes;
@@ -61,7 +66,8 @@ static ns_stage *create(const ns_theta *s, const ns_exo *e, const ns_mode *mode)
     k->noise = k->bend + rows * q;
     k->step = k->noise + rows * q;
     k->bytes = sizeof *k + count * sizeof(double) + rows * sizeof *k->row;
-    name_pair_rows(s, mode, k->row);
+    const int pairs = name_pair_rows(s, mode, k->row);
+    (void)ns_slide_names(mode, s->s->m, k->row + pairs);
     name_control_rows(s, mode, k->row + k->pair_rows);
     return k;
 }
@@ -176,15 +182,16 @@ static double control_entry(const ns_theta *s, const ns_map *map, const ns_comma
     return sum + own;
 }
 
-static void fill_control_rows(const ns_theta *s, const ns_map *map, int first, int rows, const ns_bench *b) {
+static void fill_control_rows(const ns_theta *s, const ns_map *map, const ns_mode *mode, int first, int rows,
+                              const ns_bench *b) {
     for (int c = 0, g = first; c < s->s->nc; c++) {
         const ns_command *of = &s->s->command[c];
         const int closed = map->mode[of->pair] == NS_INSIDE;
-        for (int k = 0; of->gx && k < s->q; k++) {
+        for (int k = 0; has_row(of, mode) && k < s->q; k++) {
             const double sum = control_entry(s, map, of, closed, k, &b->noise[g + k * rows]);
             b->rows[g + k * rows] = closed ? sum : -sum;
         }
-        g += of->gx != NULL;
+        g += has_row(of, mode);
     }
 }
 
@@ -247,7 +254,7 @@ static void add_noise_of_states(ns_stage *k, const double *terms) {
                 k->noise[g + j * k->rows] += fabs(k->value[g + i * k->rows]) * terms[i + j * k->r];
 }
 
-static int fill(ns_theta *s, const ns_exo *e, const ns_map *map, ns_stage *k) {
+static int fill(ns_theta *s, const ns_exo *e, const ns_map *map, const ns_mode *mode, ns_stage *k) {
     const size_t q = (size_t)k->q, all = (size_t)s->s->n + (size_t)s->s->m;
     ns_bench b;
     double *G = calloc(((size_t)k->rows + 2 * (size_t)k->r) * q + 1, sizeof *G);
@@ -259,7 +266,8 @@ static int fill(ns_theta *s, const ns_exo *e, const ns_map *map, ns_stage *k) {
     fill_inputs(e, k->g, &b);
     fill_rates(s, map, &b);
     fill_pair_rows(s, map, k->rows, &b);
-    fill_control_rows(s, map, k->pair_rows, k->rows, &b);
+    ns_slide_fill(s, map, mode, k->rows, b.rows + map->guards, b.noise + map->guards);
+    fill_control_rows(s, map, mode, k->pair_rows, k->rows, &b);
     for (int j = 0; j < k->q; j++) {
         to_column(k, &b, b.in, j, (int)all, map->full, k->xi + (size_t)j * all);
         to_column(k, &b, b.in, j, k->r, b.rates, D + (size_t)j * (size_t)k->r);
@@ -283,7 +291,7 @@ static int fill(ns_theta *s, const ns_exo *e, const ns_map *map, ns_stage *k) {
 int ns_stage_build(ns_theta *s, const ns_exo *e, double g, const ns_mode *mode, ns_stage **out) {
     ns_map *map;
     *out = NULL;
-    int status = ns_map_build(s, g, 1, mode, &map);
+    int status = ns_slide_map(s, g, mode, &map);
     if (status != NS_OK)
         return status;
     ns_stage *k = create(s, e, mode);
@@ -291,7 +299,7 @@ int ns_stage_build(ns_theta *s, const ns_exo *e, double g, const ns_mode *mode, 
     if (k) {
         k->g = g;
         k->h = g * NS_POLE;
-        status = fill(s, e, map, k);
+        status = fill(s, e, map, mode, k);
     }
     ns_map_free(map);
     if (status != NS_OK) {

@@ -5,6 +5,7 @@
  * what broke has changed, then what (P1) says over a short step, then the impulse problem.
  */
 #include "flight.h"
+#include "slide.h"
 
 #include <float.h>
 #include <math.h>
@@ -210,7 +211,7 @@ static void command(ns_flight *f) {
     for (int c = 0; c < f->m->s->nc; c++) {
         ns_mode *at = &f->want[f->m->s->command[c].pair];
         if (f->m->flip[c])
-            *at = *at == NS_INSIDE ? NS_LOWER : NS_INSIDE;
+            *at = f->goal[c] != NS_TOGGLES ? f->goal[c] : *at == NS_INSIDE ? NS_LOWER : NS_INSIDE;
     }
     memcpy(f->s->mode, f->want, (size_t)f->m->s->m);
     ns_theta_set_bounds(f->s);
@@ -353,18 +354,61 @@ static double slack(ns_flight *f, int natural) {
     return least + fmin(k->g, fmin(by_rate, by_bend));
 }
 
+static void no_flips(ns_flight *f) {
+    for (int c = 0; c < f->m->s->nc; c++) {
+        f->m->flip[c] = 0;
+        f->goal[c] = NS_TOGGLES;
+    }
+}
+
+/* Which way the current of a closed switch goes. */
+static ns_mode slide_of(const ns_flight *f, int pair) {
+    const ns_stage *k = f->at->level[0].stage;
+    const int n = f->m->s->n, all = n + f->m->s->m;
+    double sum = 0;
+    for (int j = 0; j < k->q; j++)
+        sum += k->xi[(size_t)(n + pair) + (size_t)j * (size_t)all] * f->X[j];
+    return sum >= 0 ? NS_SLIDES : NS_SLIDES_BACK;
+}
+
+/* Command c by the state changes; one that would at once change back, without a hysteresis, slides. */
+static void flip(ns_flight *f, int c) {
+    const ns_command *of = &f->m->s->command[c];
+    f->m->flip[c] = 1;
+    if (f->turns[c] < 2)
+        f->turns[c]++;
+    if (f->turns[c] == 2 && of->on == of->off && f->at->mode[of->pair] == NS_INSIDE)
+        f->goal[c] = slide_of(f, of->pair);
+}
+
 /* Commands by the state that are beyond their thresholds, or about to be, into m->flip; how many. */
 static int contradicted(ns_flight *f) {
     const ns_stage *k = f->at->level[0].stage;
     int count = 0;
-    for (int c = 0; c < f->m->s->nc; c++)
-        f->m->flip[c] = 0;
+    no_flips(f);
     for (int g = k->pair_rows; g < k->rows; g++)
         if (breaks(f, f->at, g, f->X) == NS_BREAKS) {
-            f->m->flip[k->row[g].command] = 1;
+            flip(f, k->row[g].command);
             count++;
         }
     return count;
+}
+
+/* What broke was the guard of a command, or one that keeps a switch sliding: commands, then, change. */
+static int flip_by_guard(ns_flight *f) {
+    const ns_guard_row *row = &f->at->level[0].stage->row[f->broken];
+    int c = row->command;
+    if (c >= 0) {
+        flip(f, c);
+        return 1;
+    }
+    if (!ns_slides(f->at->mode[row->pair]))
+        return 0;
+    for (c = 0; f->m->s->command[c].pair != row->pair;)
+        c++;
+    f->m->flip[c] = 1;
+    f->goal[c] = row->to;
+    return 1;
 }
 
 /* A switch may make another one switch, and so may a jump; a set of them that finds no rest is for others. */
@@ -374,22 +418,26 @@ int ns_turn(ns_flight *f, int natural) {
     const size_t q = (size_t)(f->s->r + f->exo->nv), nc = (size_t)f->m->s->nc;
     int status = NS_GUARD, on = 0;
     memcpy(f->left, f->X, sizeof(double) * q);
+    f->slack = slack(f, natural);
     if (!natural)
         f->broken = -1;
-    f->slack = slack(f, natural);
+    for (size_t c = 0; c < nc; c++)
+        f->goal[c] = NS_TOGGLES;
+    memset(f->turns, 0, nc);
+    if (natural && flip_by_guard(f))
+        natural = 0;
     for (int round = 0; round <= 2 * f->m->s->nc + JUMPS; round++) {
         status = turn_once(f, natural || on, &on);
         if (status != NS_OK)
             break;
         if (on)
-            memset(f->m->flip, 0, nc);
+            no_flips(f);
         else if (!contradicted(f))
             break;
         status = NS_GUARD;
         natural = 0;
     }
-    for (size_t c = 0; c < nc; c++)
-        f->m->flip[c] = 0;
+    no_flips(f);
     if (f->status != NS_OK) {
         status = f->status;
         f->status = NS_OK;

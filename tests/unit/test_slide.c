@@ -1,0 +1,153 @@
+/* tests/unit/test_slide.c - switches without hysteresis that hold their control at its threshold. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "nonsmooth.h"
+
+typedef struct bench {
+    ns_circuit *c;
+    ns_system *s;
+    ns_march *m;
+    double x[16], lambda[8];
+} bench;
+
+static const ns_switch ideal = {0, 0, 0, INFINITY};
+static const ns_diode diode = {0, 0, INFINITY, INFINITY, 0};
+
+static void open_bench(bench *b) {
+    *b = (bench){0};
+    assert_int_equal(ns_circuit_create(&b->c), NS_OK);
+}
+
+static void start(bench *b, double h) {
+    double w0[16];
+    const ns_march_options o = {.theta = 0.5, .gamma = 0.5, .h = h};
+    assert_int_equal(ns_circuit_system(b->c, &b->s), NS_OK);
+    assert_true(b->s->n <= 16 && b->s->m <= 8);
+    assert_int_equal(ns_march_create(b->s, &o, &b->m, NULL), NS_OK);
+    assert_int_equal(ns_circuit_rest(b->c, w0), NS_OK);
+    assert_int_equal(ns_march_start(b->m, 0, w0), NS_OK);
+}
+
+static void go(bench *b, double t) {
+    double reached;
+    assert_int_equal(ns_march_try(b->m, t, NS_TO_TIME, &reached), NS_OK);
+    assert_int_equal(ns_march_accept(b->m), NS_OK);
+    assert_int_equal(ns_march_read(b->m, NULL, b->x, b->lambda, NULL), NS_OK);
+}
+
+static double v(const bench *b, int node) {
+    return b->x[ns_circuit_node_unknown(b->c, node)];
+}
+
+static void close_bench(bench *b) {
+    ns_march_free(b->m);
+    ns_system_free(b->s);
+    ns_circuit_free(b->c);
+}
+
+static void source(bench *b, const char *name, int p, const ns_signal *s) {
+    assert_int_equal(ns_circuit_source(b->c, name, NS_VOLTAGE, p, 0, s, NULL), NS_OK);
+}
+
+/* 20 V at 1, a switch to 2 while v(4) > v(3), a freewheeling diode, 100 uH to 3, 10 ohm. */
+static void chopper(bench *b, const ns_signal *ref, double h) {
+    const ns_signal dc = {.kind = NS_DC, .u.dc = 20};
+    open_bench(b);
+    source(b, "v1", 1, &dc);
+    source(b, "vr", 4, ref);
+    assert_int_equal(ns_circuit_switch(b->c, "s1", 1, 2, 4, 3, &ideal, NULL), NS_OK);
+    assert_int_equal(ns_circuit_diode(b->c, "d1", 0, 2, &diode, NULL), NS_OK);
+    assert_int_equal(ns_circuit_inductor(b->c, "l1", 2, 3, 100e-6, NAN, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(b->c, "r1", 3, 0, 10, NULL), NS_OK);
+    start(b, h);
+}
+
+/* From rest v(3) = 20 (1 - exp(-t/10us)) meets the reference before 5 us (at 4.7 us it is at 7.5 V).  From
+ * then on v(3) = ref, i = ref/10, and v(2) = ref + L i'. */
+static void a_chopper_follows_a_sine(void **state) {
+    const double pi = 3.14159265358979323846, w = 2 * pi * 1e3;
+    ns_signal ref = {.kind = NS_SIN};
+    (void)state;
+    ref.u.sin.vo = 7.5;
+    ref.u.sin.va = 2;
+    ref.u.sin.freq = 1e3;
+    for (int k = 0; k < 2; k++) {
+        bench b;
+        chopper(&b, &ref, k ? 1e-5 : 1e-6);
+        go(&b, 4e-6);
+        assert_true(fabs(v(&b, 3) + 20 * expm1(-0.4)) < 1e-12);
+        for (int n = 1; n <= 300; n++) {
+            const double t = n * 7e-6, r = 7.5 + 2 * sin(w * t);
+            go(&b, t);
+            assert_true(fabs(v(&b, 3) - r) < 1e-9);
+            assert_true(fabs(v(&b, 2) - (r + 1e-5 * 2 * w * cos(w * t))) < 1e-9);
+        }
+        assert_true(ns_march_engine(b.m) == NS_FLIGHT && ns_march_counts(b.m)->events < 4);
+        close_bench(&b);
+    }
+}
+
+/* The reference falls from 5 V to 1 V faster than the diode lets v(3) follow: at 50 us the switch opens for
+ * good, v(3) = 5 exp(-(t - 50us)/10us), until that is at 1 V, at 50us + 10us ln 5 = 66.09us; there it slides
+ * on. */
+static void it_lets_go_and_comes_back(void **state) {
+    const double t[] = {0, 50e-6, 50.001e-6, 1}, r[] = {5, 5, 1, 1};
+    const ns_signal ref = {.kind = NS_PWL, .u.pwl = {4, t, r, NAN, 0}};
+    bench b;
+    (void)state;
+    chopper(&b, &ref, 1e-6);
+    go(&b, 49e-6);
+    assert_true(fabs(v(&b, 3) - 5) < 1e-9);
+    go(&b, 60e-6);
+    assert_true(fabs(v(&b, 3) - 5 * exp(-1)) < 1e-9);
+    assert_true(fabs(v(&b, 2)) < 1e-12);
+    go(&b, 66e-6);
+    assert_true(fabs(v(&b, 3) - 5 * exp(-1.6)) < 1e-9);
+    go(&b, 67e-6);
+    assert_true(fabs(v(&b, 3) - 1) < 1e-9 && fabs(v(&b, 2) - 1) < 1e-9);
+    go(&b, 500e-6);
+    assert_true(fabs(v(&b, 3) - 1) < 1e-9);
+    close_bench(&b);
+}
+
+/* 1 V behind 1 kohm charges 1 uF; a switch discharges it into 100 ohm while it is above 0.5 V.  There it
+ * stays: the switch takes the 0.5 mA that come, of the 5 mA that it could. */
+static void a_clamp_takes_what_comes(void **state) {
+    const ns_signal dc = {.kind = NS_DC, .u.dc = 1};
+    const ns_switch half = {0.5, 0, 0, INFINITY};
+    double i;
+    int s;
+    bench b;
+    (void)state;
+    open_bench(&b);
+    source(&b, "v1", 1, &dc);
+    assert_int_equal(ns_circuit_resistor(b.c, "r1", 1, 2, 1e3, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(b.c, "c", 2, 0, 1e-6, 0, NULL), NS_OK);
+    assert_int_equal(ns_circuit_switch(b.c, "s1", 2, 3, 2, 0, &half, &s), NS_OK);
+    assert_int_equal(ns_circuit_resistor(b.c, "r2", 3, 0, 100, NULL), NS_OK);
+    start(&b, 1e-6);
+    go(&b, 0.69e-3); /* ln 2 ms = 0.6931 ms */
+    assert_true(fabs(v(&b, 2) + expm1(-0.69)) < 1e-12);
+    for (int n = 1; n <= 40; n++) {
+        go(&b, 0.7e-3 + n * 1e-4);
+        assert_true(fabs(v(&b, 2) - 0.5) < 1e-12 && fabs(v(&b, 3) - 0.05) < 1e-12);
+    }
+    assert_int_equal(ns_circuit_device(b.c, s, b.x, b.lambda, ns_march_mode(b.m), &i, NULL, NULL), NS_OK);
+    assert_true(fabs(i - 0.5e-3) < 1e-12);
+    close_bench(&b);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_chopper_follows_a_sine),
+        cmocka_unit_test(it_lets_go_and_comes_back),
+        cmocka_unit_test(a_clamp_takes_what_comes),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
