@@ -182,7 +182,7 @@ static void a_system(outcome *o) {
 static ns_system *subject; /* of the engines */
 
 static void march_by(outcome *o, double h, double until) {
-    const ns_march_options options = {.theta = 0.5, .gamma = 0.5, .h = h};
+    const ns_march_options options = {.theta = 0.5, .gamma = 0.5, .h = h, .method = NS_THETA};
     double t, reached, x[ROOM], lambda[ROOM];
     ns_march *m;
     assert_true(subject->n <= ROOM && subject->m <= ROOM);
@@ -207,7 +207,7 @@ static void a_short_march(outcome *o) {
 }
 
 static void an_operating_point(outcome *o) {
-    const ns_march_options options = {.theta = 1, .gamma = 1, .h = 1e-5};
+    const ns_march_options options = {.theta = 1, .gamma = 1, .h = 1e-5, .method = NS_THETA};
     const int hold = 4; /* node 5: the capacitor */
     const double volts = 3.5;
     double t, x[ROOM];
