@@ -13,7 +13,7 @@
 /* As in jump.c: w jumps where it moves by more than rates and rounding explain. */
 static const double beyond_rates = 64, beyond_rounding = 1e-11;
 /* Rounds in which all broken pairs change at once, without getting fewer; at most. */
-enum { BLOCK_ROUNDS = 6, MOST_ROUNDS = 100, SHORTER = 24, JUMPS = 6 };
+enum { BLOCK_ROUNDS = 6, MOST_ROUNDS = 100, SHORTER = 24, JUMPS = 6, COMMAND_ROUNDS = 64 };
 
 int ns_event_settle(ns_sparse *m, double t, double g, const double *w, double *v, double *by) {
     int best = m->f->m + 1, patience = BLOCK_ROUNDS;
@@ -52,15 +52,30 @@ void ns_event_command(ns_sparse *m, double t) {
     }
 }
 
-/* Settled, and commands of the state settled with it: after as many rounds as there are, time goes on. */
-int ns_event_settle_all(ns_sparse *m, double t, double g, double *by) {
-    int status = NS_OK;
-    for (int round = 0; round <= m->s->nc && round < 64; round++) {
-        status = ns_event_settle(m, t, g, m->w, m->v, by);
-        if (status != NS_OK || !ns_guard_commands(m, m->v))
-            break;
+/* What begins to slide does so on its threshold: w, which is beside it by the error of a step, goes there. */
+static int reach_thresholds(ns_sparse *m, double t, double g, double *by) {
+    int any = 0, status = NS_OK;
+    for (int c = 0; c < m->s->nc; c++) {
+        any |= m->changed[c] == 2;
+        m->changed[c] = m->changed[c] != 0;
     }
+    if (any)
+        status = ns_euler(m, t, ldexp(g, -SHORTER), m->w, 1, m->v, by);
+    for (int i = 0; i < m->f->n && any && status == NS_OK; i++)
+        m->w[i] += by[i];
     return status;
+}
+
+/* Settled, and commands of the state settled with it. */
+int ns_event_settle_all(ns_sparse *m, double t, double g, const ns_leg *leg, double *by) {
+    for (int round = 0;; round++) {
+        int status = ns_event_settle(m, t, g, m->w, m->v, by);
+        if (status != NS_OK || round >= COMMAND_ROUNDS || !ns_guard_commands(m, m->v, leg, m->changed))
+            return status;
+        status = reach_thresholds(m, t, g, by);
+        if (status != NS_OK)
+            return status;
+    }
 }
 
 /* by: what w moved by in a step g, whose end is m->v; 1 if that is a jump: a second step does not go on so.
@@ -150,11 +165,14 @@ int ns_sparse_resolve(ns_sparse *m, const ns_leg *leg, double t) {
         ns_guard_set(m, leg->pair, leg->upper);
     if (leg && leg->command >= 0)
         ns_guard_set(m, m->s->command[leg->command].pair, 0);
+    memset(m->changed, 0, (size_t)m->s->nc);
+    if (leg && leg->command >= 0)
+        m->changed[leg->command] = 1;
     ns_event_command(m, t);
     ns_guard_bounds(m);
     m->counts.problems++;
     for (int round = 0; round < JUMPS && status == NS_OK; round++) {
-        status = ns_event_settle_all(m, t, g, by);
+        status = ns_event_settle_all(m, t, g, leg, by);
         if (status != NS_OK || !jumps(m, t, g, by, &status) || !take_jump(m, t, g, by, &status))
             break;
     }

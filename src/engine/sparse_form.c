@@ -91,30 +91,43 @@ static int rows_of(const ns_csc *a, const ns_csc *b, const ns_csc *Tt, ns_csc *o
     return status;
 }
 
-/* K: the places of all, with the values of M in K and the others in KA. */
+static void add_place(ns_entries *e, int row, int column, double m, double a, double g) {
+    ns_entries_add(&e[0], row, column, m);
+    ns_entries_add(&e[1], row, column, a);
+    ns_entries_add(&e[2], row, column, g);
+}
+
+/* The values of e, whose places are K's. */
+static int take_values(const ns_form *f, const ns_entries *e, double **value) {
+    ns_csc a = {0};
+    const int status = ns_csc_of_entries(f->size, f->size, e, &a);
+    *value = a.value;
+    a.value = NULL;
+    ns_csc_free(&a);
+    return status;
+}
+
+/* K: the places of all, with the values of M in K, those of controls in KG, the others in KA. */
 static int make_places(ns_form *f) {
-    ns_entries M = {0}, A = {0};
-    ns_csc others = {0};
+    ns_entries e[3] = {{0}};
     const ns_csc *const rows[] = {&f->Mt, &f->At, &f->Ct};
     for (int w = 0; w < 3; w++)
         for (int i = 0; i < rows[w]->columns; i++)
             for (int k = rows[w]->start[i]; k < rows[w]->start[i + 1]; k++) {
                 const int row = w == 2 ? f->n + i : i;
-                ns_entries_add(&M, row, rows[w]->row[k], w == 0 ? rows[w]->value[k] : 0);
-                ns_entries_add(&A, row, rows[w]->row[k], w == 0 ? 0 : rows[w]->value[k]);
+                add_place(e, row, rows[w]->row[k], w == 0 ? rows[w]->value[k] : 0,
+                          w == 0 ? 0 : rows[w]->value[k], 0);
             }
-    for (int j = f->held ? 0 : f->n; j < f->size; j++) {
-        ns_entries_add(&M, j, j, 0);
-        ns_entries_add(&A, j, j, 0);
-    }
-    int status = ns_csc_of_entries(f->size, f->size, &M, &f->K);
-    if (status == NS_OK)
-        status = ns_csc_of_entries(f->size, f->size, &A, &others);
-    f->KA = others.value;
-    others.value = NULL;
-    ns_csc_free(&others);
-    ns_entries_free(&M);
-    ns_entries_free(&A);
+    for (int j = f->held ? 0 : f->n; j < f->size; j++)
+        add_place(e, j, j, 0, 0, 0);
+    for (int j = 0; j < f->m; j++)
+        for (int c = f->command[j], k = c < 0 ? 0 : f->gx.start[c]; c >= 0 && k < f->gx.start[c + 1]; k++)
+            add_place(e, f->n + j, f->gx.row[k], 0, 0, f->gx.value[k]);
+    int status;
+    (void)((status = ns_csc_of_entries(f->size, f->size, &e[0], &f->K)) ||
+           (status = take_values(f, &e[1], &f->KA)) || (status = take_values(f, &e[2], &f->KG)));
+    for (int i = 0; i < 3; i++)
+        ns_entries_free(&e[i]);
     return status;
 }
 
@@ -182,11 +195,15 @@ static int fill(ns_form *f, const ns_system *s, const ns_large *a, int at_rest) 
         return status;
     drop_algebraic(f);
     (void)((status = rows_of(&a->A, &a->B, &f->Tt, &f->At)) ||
-           (status = rows_of(&a->C, &a->D, NULL, &f->Ct)) || (status = make_places(f)) ||
+           (status = rows_of(&a->C, &a->D, NULL, &f->Ct)) || (status = copy_csc(&a->gx, &f->gx)) ||
            (status = take_inputs(f, s, a)) || (status = copy_csc(&a->F, &f->F)) ||
-           (status = ns_csc_transpose(&a->F, &f->Ft)) || (status = copy_csc(&a->gx, &f->gx)) ||
-           (status = copy_csc(&a->gz, &f->gz)));
-    return status;
+           (status = ns_csc_transpose(&a->F, &f->Ft)) || (status = copy_csc(&a->gz, &f->gz)));
+    for (int j = 0; j < f->m; j++)
+        f->command[j] = -1;
+    for (int c = 0; c < f->nc && status == NS_OK; c++)
+        if (f->gx.start[c + 1] > f->gx.start[c] && s->command[c].on == s->command[c].off)
+            f->command[s->command[c].pair] = c;
+    return status == NS_OK ? make_places(f) : status;
 }
 
 static int hold_nothing(ns_form *f) {
@@ -206,7 +223,8 @@ int ns_form_create(const ns_system *s, int at_rest, ns_form **out) {
     *f = (ns_form){.n = s->n, .m = s->m, .nz = s->nz, .nc = s->nc, .size = s->n + s->m};
     f->algebraic = calloc((size_t)f->n + 1, 1);
     f->b = calloc((size_t)f->size + 1, sizeof(double));
-    int status = f->algebraic && f->b ? NS_OK : NS_E_MEMORY;
+    f->command = calloc((size_t)f->m + 1, sizeof(int));
+    int status = f->algebraic && f->b && f->command ? NS_OK : NS_E_MEMORY;
     f->e = f->b ? f->b + f->n : NULL;
     if (status == NS_OK && at_rest)
         status = hold_nothing(f);
@@ -231,6 +249,8 @@ void ns_form_free(ns_form *f) {
     for (int i = 0; i < COUNT; i++)
         ns_csc_free(all[i]);
     free(f->KA);
+    free(f->KG);
+    free(f->command);
     free(f->held);
     free(f->algebraic);
     free(f->b);
@@ -284,6 +304,8 @@ void ns_form_values(const ns_form *f, double g, const ns_mode *mode, double shar
                 value[k] = i == j;
             else if (i < f->n)
                 value[k] = f->K.value[k] - ns_form_rate(f, g, i) * f->KA[k];
+            else if (ns_slides(mode[i - f->n]))
+                value[k] = f->KG[k];
             else if (mode[i - f->n] == NS_INSIDE)
                 value[k] = f->KA[k] + (i == j ? leak_of(f, g, i - f->n, 1, share) : 0);
             else
@@ -297,5 +319,7 @@ void ns_form_subtract(const ns_form *f, double g, const ns_mode *mode, const dou
                               : (f->algebraic[i] ? 0 : ns_csc_dot(&f->Mt, i, v)) -
                                     ns_form_rate(f, g, i) * ns_csc_dot(&f->At, i, v);
     for (int j = 0; j < f->m; j++)
-        r[f->n + j] -= mode[j] == NS_INSIDE ? ns_csc_dot(&f->Ct, j, v) : v[f->n + j];
+        r[f->n + j] -= ns_slides(mode[j])     ? ns_csc_dot(&f->gx, f->command[j], v)
+                       : mode[j] == NS_INSIDE ? ns_csc_dot(&f->Ct, j, v)
+                                              : v[f->n + j];
 }

@@ -1,7 +1,7 @@
 /* src/engine/sparse_form.h - (P2) of every mode and every length of step as one sparse matrix.
  *
  *     rows 0..n-1:  M x - g (A x + B lambda)   (algebraic rows: -(A x + B lambda)), combined by T
- *     row n+j:      (C x + D lambda)_j if pair j is inside, else lambda_j
+ *     row n+j:      (C x + D lambda)_j if pair j is inside, else lambda_j; if it slides, its control
  *
  * The places of its entries hold for all modes and lengths: what a mode changes are values.
  */
@@ -10,11 +10,21 @@
 
 #include "../linalg/sparse.h"
 
+/* Modes of a switch that keeps its control at the threshold, with lambda and -y, the voltage across it, both
+ * positive, or both negative. */
+enum { NS_SLIDES_UP = 2, NS_SLIDES_DOWN = 3 };
+
+static inline int ns_slides(ns_mode mode) {
+    return mode >= NS_SLIDES_UP;
+}
+
 typedef struct ns_form {
     int n, m, nz, nc;
     int size;                 /* n+m */
     ns_csc K;                 /* size*size: M at its places, */
-    double *KA;               /* and at the same places A, B; C, D */
+    double *KA;               /* and at the same places A, B; C, D; */
+    double *KG;               /* in rows of commanded pairs their control */
+    int *command;             /* m: whose control depends on the state and has no hysteresis, -1: none */
     unsigned char *algebraic; /* n: the row of M is zero */
     ns_csc Mt, At, Ct;        /* their columns are the rows of M (n), [A B], [C D] (size) */
     ns_csc E, F;              /* n*nz, m*nz */

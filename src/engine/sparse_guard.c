@@ -21,10 +21,17 @@ void ns_guard_bounds(ns_sparse *m) {
 }
 
 void ns_guard_set(ns_sparse *m, int j, int upper) {
-    if (m->mode[j] == NS_INSIDE)
+    if (ns_slides(m->mode[j]))
+        m->mode[j] = upper ? NS_INSIDE : NS_LOWER; /* y is used up, or lambda */
+    else if (m->mode[j] == NS_INSIDE)
         m->mode[j] = upper ? NS_UPPER : NS_LOWER;
     else
         m->mode[j] = NS_INSIDE;
+}
+
+/* The rounding of y_j at v. */
+static double noise_of_y(const ns_sparse *m, int j, const double *v) {
+    return rounding * (ns_csc_size(&m->f->Ct, j, v) + fabs(m->f->e[j])) + DBL_EPSILON * m->most_y;
 }
 
 /* The rounding of guards of pair j at v = (x, lambda), which was solved for with w and g: of the sum y, or of
@@ -32,9 +39,9 @@ void ns_guard_set(ns_sparse *m, int j, int upper) {
  * was. */
 static double noise(const ns_sparse *m, int j, const double *v, const double *w, double g) {
     const ns_form *f = m->f;
-    if (m->mode[j] != NS_INSIDE)
-        return rounding * (ns_csc_size(&f->Ct, j, v) + fabs(f->e[j])) + DBL_EPSILON * m->most_y;
     double most = 0;
+    if (m->mode[j] != NS_INSIDE && !ns_slides(m->mode[j]))
+        return noise_of_y(m, j, v);
     for (int k = f->K.start[f->n + j]; k < f->K.start[f->n + j + 1]; k++) {
         const int i = f->K.row[k];
         if (i >= f->n || f->KA[k] == 0)
@@ -44,12 +51,14 @@ static double noise(const ns_sparse *m, int j, const double *v, const double *w,
             terms += (ns_csc_size(&f->Mt, i, v) + fabs(w[i])) / g;
         most = fmax(most, terms / fabs(f->KA[k]));
     }
-    return rounding * most + DBL_EPSILON * m->most_lambda;
+    return rounding * most + DBL_EPSILON * m->most_lambda + (ns_slides(m->mode[j]) ? noise_of_y(m, j, v) : 0);
 }
 
 /* Guards of pair j: how many, and number k of them at (lambda_j, y_j), what is constant in it counted so many
  * times. */
 static int guards_of(const ns_sparse *m, int j) {
+    if (ns_slides(m->mode[j]))
+        return 2;
     return m->mode[j] == NS_INSIDE ? isfinite(m->l[j]) + isfinite(m->u[j]) : m->l[j] < m->u[j];
 }
 
@@ -61,6 +70,8 @@ static double guard(const ns_sparse *m, int j, int k, const double *v, const dou
     const double lambda = v[m->f->n + j];
     if (m->mode[j] != NS_INSIDE) {
         const double y = ns_form_y(m->f, j, v, z, constants);
+        if (ns_slides(m->mode[j]))
+            return (m->mode[j] == NS_SLIDES_UP ? 1 : -1) * (k == 1 ? -y : lambda);
         return m->mode[j] == NS_LOWER ? y : -y;
     }
     return is_upper(m, j, k) ? (constants ? m->u[j] : 0) - lambda : lambda - (constants ? m->l[j] : 0);
@@ -92,7 +103,7 @@ static inline int holds(const ns_sparse *m, int j, const double *v) {
     if (m->mode[j] == NS_INSIDE)
         return v[m->f->n + j] >= m->l[j] && v[m->f->n + j] <= m->u[j];
     if (!(m->l[j] < m->u[j]))
-        return 1;
+        return !ns_slides(m->mode[j]);
     const double y = ns_form_y(m->f, j, v, m->z, 1);
     return m->mode[j] == NS_LOWER ? y >= 0 : y <= 0;
 }
@@ -144,8 +155,9 @@ int ns_guard_flip(ns_sparse *m, const double *v, const double *w, double g) {
 
 /* --- commands of the state --- */
 
+/* 1 if command c looks at the state, and may change by it. */
 static int of_state(const ns_sparse *m, int c) {
-    return m->f->gx.start[c + 1] > m->f->gx.start[c];
+    return !ns_slides(m->mode[m->s->command[c].pair]) && m->f->gx.start[c + 1] > m->f->gx.start[c];
 }
 
 /* By how much control c stays on its side of the threshold that would change it. */
@@ -163,14 +175,35 @@ static double control_noise(const ns_sparse *m, int c, const double *v, const do
            (ns_csc_size(&m->f->gx, c, v) + ns_csc_size(&m->f->gz, c, z) + fabs(m->s->command[c].g0));
 }
 
-int ns_guard_commands(ns_sparse *m, const double *v) {
+/* Where a switch wants back what it has just left it stays between, beside what conducts while it is closed;
+ * 0: it cannot. */
+static int let_slide(ns_sparse *m, int c, const double *v, const ns_leg *leg) {
+    const int j = m->s->command[c].pair, closed = m->mode[j] == NS_INSIDE;
+    if (m->f->command[j] != c || (!closed && !(leg && leg->mode[j] == NS_INSIDE)))
+        return 0;
+    const double side = closed ? v[m->f->n + j] : -ns_form_y(m->f, j, v, m->z, 1);
+    if (!(side < 0 || side > 0))
+        return 0;
+    for (int i = 0; i < m->f->m && !closed; i++)
+        if (m->l[i] < m->u[i] && (isfinite(m->l[i]) || isfinite(m->u[i]))) /* not a switch */
+            m->mode[i] = leg->mode[i];
+    m->mode[j] = side > 0 ? NS_SLIDES_UP : NS_SLIDES_DOWN;
+    return 1;
+}
+
+int ns_guard_commands(ns_sparse *m, const double *v, const ns_leg *leg, unsigned char *changed) {
     int count = 0;
-    for (int c = 0; c < m->s->nc; c++)
-        if (of_state(m, c) && margin(m, c, v, m->z, 1) < -control_noise(m, c, v, m->z)) {
-            const int j = m->s->command[c].pair;
+    for (int c = 0; c < m->s->nc; c++) {
+        const int j = m->s->command[c].pair;
+        if (!of_state(m, c) || margin(m, c, v, m->z, 1) >= -control_noise(m, c, v, m->z))
+            continue;
+        const int slides = changed && changed[c] && let_slide(m, c, v, leg);
+        if (!slides)
             m->mode[j] = m->mode[j] == NS_INSIDE ? NS_LOWER : NS_INSIDE;
-            count++;
-        }
+        if (changed)
+            changed[c] = (unsigned char)(1 + slides);
+        count++;
+    }
     if (count > 0)
         ns_guard_bounds(m);
     return count;
@@ -309,7 +342,7 @@ static double root_near(const double *G, double at, double s) {
 /* Looks for one guard's crossing before the first found so far: roughly, then with the last stage, as exact
  * as the step. */
 static int look(ns_sparse *m, ns_leg *leg, search *s, found next, found *f) {
-    double G[NS_STAGES];
+    double G[NS_STAGES] = {0};
     if (!(breaks(m, leg, &s[0], &next, G) < f->at))
         return NS_OK;
     const int status = ns_leg_last_stage(m, leg);

@@ -11,6 +11,12 @@ static const double least_share = 1e-3;
 #define ERROR 1.3
 #define GROWTH 0.3
 
+/* What the state has to add to the control of a pair that slides, but for inputs. */
+static double threshold(const ns_sparse *m, int j) {
+    const ns_command *c = &m->s->command[m->f->command[j]];
+    return c->on - c->g0;
+}
+
 /* The right-hand side of (P2) from w, f = T (b + E z) and inputs z; constants: 1 with them. */
 static void form_rhs(ns_sparse *m, double g, const double *w, const double *z, int any, int constants) {
     const ns_form *f = m->f;
@@ -30,11 +36,15 @@ static void form_rhs(ns_sparse *m, double g, const double *w, const double *z, i
     for (int j = 0; j < f->m; j++)
         r[n + j] = !constants                ? 0
                    : m->mode[j] == NS_INSIDE ? -f->e[j]
+                   : ns_slides(m->mode[j])   ? threshold(m, j)
                    : m->mode[j] == NS_LOWER  ? m->l[j]
                                              : m->u[j];
     for (int j = 0; any && f->Ft.start[f->m] > 0 && j < f->m; j++)
         if (m->mode[j] == NS_INSIDE)
             r[n + j] -= ns_csc_dot(&f->Ft, j, z);
+    for (int j = 0; any && j < f->m; j++)
+        if (ns_slides(m->mode[j]))
+            r[n + j] -= ns_csc_dot(&f->gz, f->command[j], z);
 }
 
 /* by = D w = g (A x + B lambda + f) */

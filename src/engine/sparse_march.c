@@ -36,13 +36,15 @@ static int allocate(ns_sparse *m) {
     const size_t count = (size_t)(7 * n + 3 * pairs + 3 * size + 2 * m->f->nz) + 1;
     double *all = calloc(count, sizeof(double));
     m->w = all;
-    m->mode = calloc(4 * (size_t)pairs + 1, 1);
+    m->mode = calloc(5 * (size_t)pairs + (size_t)m->s->nc + 1, 1);
     m->crowd = calloc((size_t)pairs + 1, sizeof(int));
     if (!all || !m->mode || !m->crowd)
         return NS_E_MEMORY;
     m->old_mode = m->mode + pairs;
-    m->flip = (unsigned char *)(m->old_mode + pairs);
+    m->shown = m->old_mode + pairs;
+    m->flip = (unsigned char *)(m->shown + pairs);
     m->touched = m->flip + pairs;
+    m->changed = m->touched + pairs;
     m->w = take(&all, n);
     m->next_w = take(&all, n);
     m->scale = take(&all, 3 * n);
@@ -217,7 +219,7 @@ static int go_on(ns_sparse *m) {
     ns_guard_bounds(m);
     if (from->euler) {
         memcpy(m->z, from->z, sizeof(double) * (size_t)m->f->nz);
-        (void)ns_guard_commands(m, from->xi);
+        (void)ns_guard_commands(m, from->xi, NULL, NULL);
     }
     if (m->in->first == -INFINITY) { /* it was gone back to: its instants are known no more */
         ns_inputs_at(m->in, from->t);
@@ -323,7 +325,10 @@ int ns_sparse_read(ns_sparse *m, double *t, double *x, double *lambda, double *y
 }
 
 const ns_mode *ns_sparse_mode(const ns_sparse *m) {
-    return m->live ? m->live->mode : m->mode;
+    const ns_mode *mode = m->live ? m->live->mode : m->mode;
+    for (int j = 0; j < m->f->m; j++)
+        m->shown[j] = ns_slides(mode[j]) ? NS_INSIDE : mode[j];
+    return m->shown;
 }
 
 const ns_counts *ns_sparse_counts(ns_sparse *m) {

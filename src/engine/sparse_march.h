@@ -47,10 +47,11 @@ struct ns_sparse {
     ns_mode *mode;             /* m: of what comes next */
     unsigned char *flip;       /* m */
     unsigned char *touched;    /* m: pairs that changed while a mode is looked for */
+    unsigned char *changed;    /* nc: commands that changed at this event */
     double *w, *next_w;        /* n */
     double *scale, *unit; /* 3 n: the largest w there were, and work; n: of one M alone, the square root */
     double most_lambda, most_y; /* the largest there were */
-    ns_mode *old_mode;          /* m */
+    ns_mode *old_mode, *shown;  /* m; m: what slides counts as closed */
     double *crowd_t;            /* m: since when flips of a pair are counted, */
     int *crowd;                 /* m: how many there were */
     double crowded_until;
@@ -84,13 +85,14 @@ int ns_euler(ns_sparse *m, double t, double g, const double *w, int brief, doubl
 
 /* sparse_guard.c: bounds of commanded pairs as m->mode has them; the first event of a leg; which guards are
  * broken at v after a step g from w: flips them in m->mode and marks them touched, returns how many;
- * state-dependent commands that v contradicts: flips them. */
+ * state-dependent commands that v contradicts: flips them, or, those that had changed at this event already
+ * (changed, nc, or NULL), lets them slide, from the mode of the leg before it. */
 void ns_guard_bounds(ns_sparse *m);
 int ns_guard_first(ns_sparse *m, ns_leg *leg);
 int ns_guard_broken(ns_sparse *m, const double *v, const double *w,
                     double g); /* only marks them in m->flip */
 int ns_guard_flip(ns_sparse *m, const double *v, const double *w, double g);
-int ns_guard_commands(ns_sparse *m, const double *v);
+int ns_guard_commands(ns_sparse *m, const double *v, const ns_leg *leg, unsigned char *changed);
 void ns_guard_set(ns_sparse *m, int j, int upper); /* flips one pair */
 
 /* sparse_event.c: commands of time change that do so at t, or have to; m->mode such that an Euler step of
@@ -99,7 +101,7 @@ int ns_event_settle(ns_sparse *m, double t, double g, const double *w, double *v
 /* sparse_local.c: the same by (P1) of the pairs touched so far, and of those that it breaks. */
 int ns_event_local(ns_sparse *m, double t, double g, const double *w, double *v, double *by);
 /* The same, and commands of the state settled with it. */
-int ns_event_settle_all(ns_sparse *m, double t, double g, double *by);
+int ns_event_settle_all(ns_sparse *m, double t, double g, const ns_leg *leg, double *by);
 void ns_event_command(ns_sparse *m, double t);
 /* The event at the end of a leg, from m->w: m->mode and m->w to its right.  leg NULL: a start. */
 int ns_sparse_resolve(ns_sparse *m, const ns_leg *leg, double t);

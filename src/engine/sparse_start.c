@@ -63,10 +63,11 @@ static int settle_at_rest(ns_sparse *m, double t0, ns_form *f, ns_modal *q) {
     m->f = f;
     m->q = q;
     memset(m->w, 0, sizeof(double) * (size_t)f->n);
+    memset(m->changed, 0, (size_t)m->s->nc);
     ns_inputs_at(m->in, t0);
     ns_event_command(m, t0);
     ns_guard_bounds(m);
-    const int status = ns_event_settle_all(m, t0, 0, m->next_w);
+    const int status = ns_event_settle_all(m, t0, 0, NULL, m->next_w);
     m->f = own;
     m->q = factors;
     return status;

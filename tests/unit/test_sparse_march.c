@@ -321,6 +321,67 @@ static void test_discontinuous(void **state) {
     end(&k);
 }
 
+/* 20 V through a switch that closes while ref > out, a freewheel diode, 100 uH, 10 ohm, no hysteresis. */
+static rig sliding(const ns_signal *ref) {
+    static const ns_switch sw = {0, 0, 0, INFINITY};
+    rig k = begin();
+    constant(&k, "vin", 1, 20);
+    source(&k, "vr", 4, ref);
+    assert_int_equal(ns_circuit_switch(k.c, "s", 1, 2, 4, 3, &sw, NULL), NS_OK);
+    diode(&k, "d", 0, 2);
+    inductor(&k, "l", 2, 3, 1e-4);
+    resistor(&k, "r", 3, 0, 10);
+    ready(&k, 1e-5);
+    return k;
+}
+
+/* out = 20 (1 - e^(-t/10 us)) until it meets ref, then it is ref: the coil needs no more than 0.13 V for
+ * that. Two events: the start and the meeting. */
+static void test_slides(void **state) {
+    (void)state;
+    ns_signal ref = {.kind = NS_SIN};
+    ref.u.sin.vo = 7.5;
+    ref.u.sin.va = 2;
+    ref.u.sin.freq = 1000;
+    rig k = sliding(&ref);
+    go(&k, 3e-6);
+    near(voltage(&k, 3), -20 * expm1(-0.3), 20);
+    for (int i = 1; i <= 16; i++) {
+        go(&k, 1.25e-4 * i);
+        near(voltage(&k, 3), 7.5 + 2 * sin(2 * acos(-1.0) * 0.125 * i), 1);
+    }
+    assert_int_equal(ns_march_counts(k.m)->events, 2);
+    assert_int_equal(ns_march_mode(k.m)[0], NS_INSIDE);
+    end(&k);
+}
+
+/* ref falls from 5 V to 2 V in 1 ns at 1 ms: out cannot follow, it falls with 10 us, and slides again from
+ * 10 us ln 2.5 on.  Then ref rises to 8 V at 2 ms: out rises towards 20 V and meets it after 10 us ln 1.5. */
+static void test_slides_again(void **state) {
+    (void)state;
+    const double at[] = {0, 1e-3, 1.000001e-3, 2e-3, 2.000001e-3}, volts[] = {5, 5, 2, 2, 8}, tau = 1e-5;
+    ns_signal ref = {.kind = NS_PWL};
+    ref.u.pwl.n = 5;
+    ref.u.pwl.t = at;
+    ref.u.pwl.v = volts;
+    ref.u.pwl.repeat = NAN;
+    rig k = sliding(&ref);
+    go(&k, 0.9e-3);
+    near(voltage(&k, 3), 5, 1);
+    /* the ramps delay it by 1 ns at most: of 5 V, falling with 10 us, 5e-4 V; of 18 V 2e-3 V */
+    for (int i = 1; i < 9; i++) {
+        go(&k, 1e-3 + i * 1e-6);
+        assert_true(fabs(voltage(&k, 3) - 5 * exp(-i * 1e-6 / tau)) < 1e-3);
+    }
+    go(&k, 1e-3 + tau * log(2.5) + 1e-7);
+    near(voltage(&k, 3), 2, 1);
+    go(&k, 2.003e-3);
+    assert_true(fabs(voltage(&k, 3) - (20 - 18 * exp(-0.3))) < 1e-2);
+    go(&k, 2.2e-3);
+    near(voltage(&k, 3), 8, 1);
+    end(&k);
+}
+
 /* RC from 3 V, taken down by a switch over a smaller resistor from 2 V on until 1 V: up from 1 to 2 V takes
  * RC ln 2; down towards 3 r/(R+r) with RC r/(R+r). */
 static void test_relaxation(void **state) {
@@ -514,6 +575,8 @@ int main(void) {
         cmocka_unit_test(test_chopper),
         cmocka_unit_test(test_many_choppers),
         cmocka_unit_test(test_discontinuous),
+        cmocka_unit_test(test_slides),
+        cmocka_unit_test(test_slides_again),
         cmocka_unit_test(test_relaxation),
         cmocka_unit_test(test_jump),
         cmocka_unit_test(test_redundant),
