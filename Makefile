@@ -232,8 +232,8 @@ $(B)/siconos: tests/bench/siconos.cpp $(BENCH_OWN:%.c=$(B)/obj/%.o) $(BENCH_HELP
 
 BENCH ?= full# quick: fewer settings, no large circuit but in two programs, and only the programs that the last table needs
 BENCH_GOALS := build/bench/tests/bench/bench_goals# the last table, from what the others wrote
-BENCH_RUN = $(filter-out $(BENCH_GOALS),$(wildcard build/bench/tests/bench/bench_*))
-BENCH_QUICK = $(foreach name,buck cases sparse theta,build/bench/tests/bench/bench_$(name))
+BENCH_QUICK = $(foreach name,buck theta sparse cases,build/bench/tests/bench/bench_$(name))
+BENCH_RUN = $(BENCH_QUICK) $(filter-out $(BENCH_GOALS) $(BENCH_QUICK),$(wildcard build/bench/tests/bench/bench_*))
 bench: deps ## circuits by every engine, beside ngspice: build/bench/*.csv, *.png (15 minutes; BENCH=quick: 2)
 	@$(MAKE) $(JOBS) B=build/bench CFLAGS='-O3 -DNDEBUG' bench-programs cm \
 	    $(if $(wildcard $(SICONOS)/include/siconos/kernel/SiconosKernel.hpp),build/bench/siconos)
