@@ -123,7 +123,7 @@ int ns_watch_leg(ns_flight *f, const ns_level *level, const ns_leg *leg, double 
 /* Whether a guard breaks within tau <= h from X: 1, and *when; else 0.  Leaves series and coef. */
 int ns_watch_near(ns_flight *f, const ns_level *level, double tau, double *when);
 /* What guard g may be off by at X. */
-double ns_watch_noise(const ns_flight *f, const ns_stage *stage, int g);
+double ns_watch_noise(const ns_flight *f, const ns_stage *k, int g);
 
 /* turn.c: the mode from here on, where a guard broke (natural), or commands in m->flip (nc) changed and
  * inputs jumped or turned; X moves if the state jumps.  m->flip is cleared.  OK, GUARD: found none, nothing
