@@ -4,10 +4,9 @@
 #     tests/netlist/run.sh [name...]      name: part of a verdict's name ("buck_ccm", "errors/"); none: all
 #
 # Verdicts `ok netlist/NAME` and `FAIL netlist/NAME reason`; exit status 1 if one failed.  NAME is
-#   X default    netlists/X.cir as it is (it judges itself to 1 % at the default h)
+#   X default    netlists/X.cir as it is (it judges itself to 0.02 %: what .meas does between points, and digits not written)
 #   X fine       by the scheme with h ten times smaller: `.model nsopt nonsmooth`, with parameters or none, gets
-#                method="theta" h=(.tran's step)/160, `set tol = 1` becomes 0.1
-#   X exact      by method="flight"; `set tol = 1` becomes 0.02: what .meas does between points, and digits not written
+#                method="theta" h=(.tran's step)/160, `set tol = 0.02` becomes 0.1
 #   X reversed   its elements in reverse order
 #   cases/X      tests/netlist/cases/X.cir, which judges itself
 #   errors/X     tests/netlist/errors/X.cir: exactly one line of output matches the regular expression of its
@@ -32,13 +31,8 @@ fine() {
                  if (k == "m") f = 1e-3; if (k == "u") f = 1e-6; if (k == "n") f = 1e-9; if (k == "p") f = 1e-12
                  return s * f }
              tolower($1) == ".tran" { h = num($2); if (h > num($3) / 50) h = num($3) / 50; print h / 160; exit }' "$1")
-    grep -q '^set tol = 1$' "$1" && grep -q '^\.model nsopt nonsmooth\((.*)\)*$' "$1" || echo "run.sh: no tolerance or options" >&2
-    sed -e "s/^\.model nsopt nonsmooth\$/&()/" -e "s/^\.model nsopt nonsmooth(/&method=\"theta\" h=$h /" -e 's/^set tol = 1$/set tol = 0.1/' "$1"
-}
-
-# exact FILE: the netlist by the flight engine.
-exact() {
-    sed -e "s/^\.model nsopt nonsmooth\$/&()/" -e 's/^\.model nsopt nonsmooth(/&method="flight" /' -e 's/^set tol = 1$/set tol = 0.02/' "$1"
+    grep -q '^set tol = 0.02$' "$1" && grep -q '^\.model nsopt nonsmooth\((.*)\)*$' "$1" || echo "run.sh: no tolerance or options" >&2
+    sed -e "s/^\.model nsopt nonsmooth\$/&()/" -e "s/^\.model nsopt nonsmooth(/&method=\"theta\" h=$h /" -e 's/^set tol = 0.02$/set tol = 0.1/' "$1"
 }
 
 # reversed FILE: its element lines outside subcircuits from last to first, everything else in place.
@@ -79,7 +73,6 @@ one() {
     echo "codemodel '$CM'" >"$dir/.spiceinit"
     case $variant in
     fine) fine "$file" ;;
-    exact) exact "$file" ;;
     reversed) reversed "$file" ;;
     README) shown "$file" ;;
     *) cat "$file" ;;
@@ -162,7 +155,7 @@ export NONSMOOTH_CM="$CM" NGSPICE TIME_LIMIT SCRATCH
 
 cd "$top" || exit 2 # names in the list are without spaces, whatever stands before them
 for f in netlists/*.cir; do
-    for v in default exact fine reversed; do echo "$f $v $(basename "$f" .cir) $v"; done
+    for v in default fine reversed; do echo "$f $v $(basename "$f" .cir) $v"; done
 done >"$SCRATCH/list"
 for k in cases errors; do
     for f in "tests/netlist/$k"/*.cir; do echo "$f - $k/$(basename "$f" .cir)"; done
