@@ -10,7 +10,7 @@
 #include <math.h>
 
 /* Rounding of a guard, in eps of its terms. */
-static const double eps_of_terms = 256 * DBL_EPSILON;
+static const double eps_of_terms = 64 * DBL_EPSILON;
 
 /* And of t, in its eps: what a guard does in that time no step can follow. */
 static const double eps_of_time = 4 * DBL_EPSILON;
@@ -118,6 +118,25 @@ static double lowest(const ns_flight *f, const ns_stage *k, int g, double a, dou
     return b;
 }
 
+/* The same where it falls from a value at a to one below zero at b; one that an event has just set off upward
+ * from zero comes back to it later. */
+static double fall(const ns_flight *f, const ns_stage *k, int g, double a, double b, double at, double below,
+                   double tol) {
+    double rate, top = b, from = a;
+    if (at > tol)
+        return root(f, k, g, a, b, at, below);
+    (void)guard_at(f, k, g, a, &rate);
+    if (!(rate > 0))
+        return at >= 0 ? root(f, k, g, a, b, at, below) : a;
+    for (int i = 0; i < 50; i++) {
+        const double mid = from + (top - from) / 2;
+        (void)guard_at(f, k, g, mid, &rate);
+        *(rate > 0 ? &from : &top) = mid;
+    }
+    at = guard_at(f, k, g, from, &rate);
+    return at >= 0 ? root(f, k, g, from, b, at, below) : a;
+}
+
 enum { PIECES = 4 };
 
 /* When guard g breaks, INFINITY: it does not. */
@@ -148,7 +167,7 @@ static double break_of(const ns_flight *f, const ns_stage *k, int g, double tau,
                 end = lowest(f, k, g, a, b, &value);
         }
         if (value < -tol)
-            return s[i] >= 0 ? root(f, k, g, a, end, s[i], value) : a;
+            return fall(f, k, g, a, end, s[i], value, tol);
     }
     return INFINITY;
 }
