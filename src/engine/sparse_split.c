@@ -116,6 +116,7 @@ static int split(parts *p) {
     return status;
 }
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): written through p */
 int ns_sparse_split(const ns_csc *M, ns_csc *Tt, unsigned char *algebraic) {
     const size_t n = (size_t)M->columns;
     parts p = {.M = M, .n = M->columns, .algebraic = algebraic};

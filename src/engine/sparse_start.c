@@ -47,11 +47,11 @@ int ns_sparse_start(ns_sparse *m, double t0, const double *w0) {
     m->started = m->has_trial = 0;
     if (!can_start_at(m, t0))
         return ns_sparse_fail(m, t0, NS_E_NUMBER);
-    for (int i = 0; i < m->f->n; i++)
+    for (int i = 0; w0 && i < m->f->n; i++)
         if (!isfinite(w0[i]))
             return ns_sparse_fail(m, t0, NS_E_NUMBER);
     rest(m);
-    for (int i = 0; i < m->f->n; i++)
+    for (int i = 0; w0 && i < m->f->n; i++)
         m->w[i] = m->f->algebraic[i] ? 0 : ns_csc_dot(&m->f->Tt, i, w0);
     return begin(m, t0);
 }

@@ -116,8 +116,7 @@ static int factor_fresh(ns_klu *k, double *value, ns_factors *f) {
     return NS_OK;
 }
 
-int ns_klu_factor(ns_klu *k, const double *value, ns_factors **f) {
-    double *const a = (double *)(size_t)value; /* KLU only reads it */
+int ns_klu_factor(ns_klu *k, double *value, ns_factors **f) {
     if (!*f)
         *f = calloc(1, sizeof **f);
     if (!*f)
@@ -131,8 +130,8 @@ int ns_klu_factor(ns_klu *k, const double *value, ns_factors **f) {
     for (int i = 0; i < k->start[k->n]; i++)
         if (!isfinite(value[i]))
             return give_up(k, f, NS_E_NUMBER);
-    if (!factor_again(k, a, *f)) {
-        const int status = factor_fresh(k, a, *f);
+    if (!factor_again(k, value, *f)) {
+        const int status = factor_fresh(k, value, *f);
         if (status != NS_OK)
             return give_up(k, f, status);
     }
@@ -154,9 +153,10 @@ size_t ns_factors_bytes(const ns_factors *f) {
 
 /* NULL: no memory; then it goes without. */
 static ns_sweep *pack(ns_klu *k, const ns_factors *f) {
-    const int n = k->n, lnz = f->numeric->lnz, unz = f->numeric->unz, off = f->numeric->nzoff;
-    int *ints = calloc((size_t)(6 * n + 4 + lnz + unz + off), sizeof(int));
-    double *doubles = calloc((size_t)(n + lnz + unz + off) + 1, sizeof(double));
+    const int n = k->n, lnz = f->numeric->lnz, unz = f->numeric->unz;
+    const size_t all = (size_t)lnz + (size_t)unz + (size_t)f->numeric->nzoff;
+    int *ints = calloc(6 * (size_t)n + 4 + all, sizeof(int));
+    double *doubles = calloc((size_t)n + 1 + all, sizeof(double));
     ns_sweep *s = NULL;
     if (ints && doubles) {
         ns_triangles t = {.n = n, .blocks = k->symbolic->nblocks, .R = ints, .Rs = doubles};

@@ -15,7 +15,7 @@ void ns_klu_free(ns_klu *k); /* NULL is allowed; after its factors */
 /* Factors the matrix of these values.  *f: NULL, or factors of another, whose memory and pivots are used
  * again where they are good enough.  On failure they are freed, and *f is NULL.  Errors: NUMBER, SINGULAR,
  * MEMORY. */
-int ns_klu_factor(ns_klu *k, const double *value, ns_factors **f);
+int ns_klu_factor(ns_klu *k, double *value, ns_factors **f);
 void ns_factors_free(ns_klu *k, ns_factors *f); /* NULL is allowed */
 size_t ns_factors_bytes(const ns_factors *f);
 

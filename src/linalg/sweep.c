@@ -81,9 +81,10 @@ static int *take(int **from, int count) {
 
 ns_sweep *ns_sweep_create(const ns_triangles *t) {
     const int n = t->n, lnz = t->Lp[n], unz = t->Up[n] + t->Fp[n];
+    const size_t all = (size_t)lnz + (size_t)unz;
     ns_sweep *s = calloc(1, sizeof *s);
-    int *ints = calloc((size_t)(6 * n + 3 + t->blocks + lnz + unz), sizeof(int));
-    double *doubles = calloc((size_t)(2 * n + lnz + unz) + 1, sizeof(double));
+    int *ints = calloc(6 * (size_t)n + 3 + (size_t)t->blocks + all, sizeof(int));
+    double *doubles = calloc(2 * (size_t)n + 1 + all, sizeof(double));
     int *place = calloc((size_t)n + 1, sizeof(int));
     if (s && ints && doubles && place) {
         s->begin = take(&ints, t->blocks + 1);

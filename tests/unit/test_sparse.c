@@ -117,17 +117,17 @@ static void test_pivots_anew(void **state) {
     ns_klu *k;
     ns_factors *f = NULL;
     assert_int_equal(ns_klu_create(2, start, row, &k), NS_OK);
-    assert_int_equal(ns_klu_factor(k, (const double[]){1, 0, 0, 1}, &f), NS_OK);
-    assert_int_equal(ns_klu_factor(k, (const double[]){0, 1, 1, 0}, &f), NS_OK);
+    assert_int_equal(ns_klu_factor(k, (double[]){1, 0, 0, 1}, &f), NS_OK);
+    assert_int_equal(ns_klu_factor(k, (double[]){0, 1, 1, 0}, &f), NS_OK);
     assert_int_equal(ns_klu_fresh(k), 2);
     ns_klu_solve(k, f, b);
     assert_true(b[0] == 5 && b[1] == 3);
     /* nearly so: pivots of 1e-12 would cost digits */
-    assert_int_equal(ns_klu_factor(k, (const double[]){1, 1e-12, 1e-12, 1}, &f), NS_OK);
-    assert_int_equal(ns_klu_factor(k, (const double[]){1e-12, 1, 1, 1e-12}, &f), NS_OK);
-    assert_int_equal(ns_klu_factor(k, (const double[]){1, 1, 1, 1}, &f), NS_E_SINGULAR);
+    assert_int_equal(ns_klu_factor(k, (double[]){1, 1e-12, 1e-12, 1}, &f), NS_OK);
+    assert_int_equal(ns_klu_factor(k, (double[]){1e-12, 1, 1, 1e-12}, &f), NS_OK);
+    assert_int_equal(ns_klu_factor(k, (double[]){1, 1, 1, 1}, &f), NS_E_SINGULAR);
     assert_null(f);
-    assert_int_equal(ns_klu_factor(k, (const double[]){1, NAN, 1, 1}, &f), NS_E_NUMBER);
+    assert_int_equal(ns_klu_factor(k, (double[]){1, NAN, 1, 1}, &f), NS_E_NUMBER);
     assert_null(f);
     ns_factors_free(k, NULL);
     ns_klu_free(k);
