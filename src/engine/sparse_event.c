@@ -154,22 +154,26 @@ static int count_flips(ns_sparse *m, const ns_leg *leg, double t) {
     return NS_OK;
 }
 
+void ns_event_own(ns_sparse *m, const ns_leg *leg, double t) {
+    ns_inputs_at(m->in, t);
+    memset(m->changed, 0, (size_t)m->s->nc);
+    if (leg && leg->pair >= 0)
+        ns_guard_set(m, leg->pair, leg->upper);
+    if (leg && leg->command >= 0) {
+        ns_guard_set(m, m->s->command[leg->command].pair, 0);
+        m->changed[leg->command] = 1;
+    }
+    ns_event_command(m, t);
+    ns_guard_bounds(m);
+}
+
 int ns_sparse_resolve(ns_sparse *m, const ns_leg *leg, double t) {
     const int n = m->f->n, stuck = leg ? leg->stuck : 0;
     const double short_h = ldexp(m->o.h, -NS_SHORT_RUNG - (leg ? leg->next_rung : 0) - stuck);
     const double g = fmax(short_h, ldexp(m->o.h, -NS_LEAST_RUNG));
     double *by = m->scale + 2 * n;
     int status = NS_OK;
-    ns_inputs_at(m->in, t);
-    if (leg && leg->pair >= 0)
-        ns_guard_set(m, leg->pair, leg->upper);
-    if (leg && leg->command >= 0)
-        ns_guard_set(m, m->s->command[leg->command].pair, 0);
-    memset(m->changed, 0, (size_t)m->s->nc);
-    if (leg && leg->command >= 0)
-        m->changed[leg->command] = 1;
-    ns_event_command(m, t);
-    ns_guard_bounds(m);
+    ns_event_own(m, leg, t);
     m->counts.problems++;
     for (int round = 0; round < JUMPS && status == NS_OK; round++) {
         status = ns_event_settle_all(m, t, g, leg, by);

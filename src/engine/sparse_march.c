@@ -206,6 +206,43 @@ int ns_sparse_next_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg
     return status;
 }
 
+/* The state at the end of a leg, as what comes next begins from. */
+static void leave(ns_sparse *m, const ns_leg *leg) {
+    ns_leg_state(m, leg, leg->end, m->w);
+    memcpy(m->mode, leg->mode, (size_t)m->f->m);
+    ns_guard_bounds(m);
+}
+
+/* Where an event finds no mode in no time, an implicit Euler step that takes a while may: from m->w, m->mode.
+ */
+static int capture(ns_sparse *m, double t, int rung, ns_leg *leg) {
+    const size_t n = (size_t)m->f->n, pairs = (size_t)m->f->m;
+    int status = NS_E_LIMIT;
+    memcpy(m->next_w, m->w, sizeof(double) * n);
+    memcpy(m->old_mode, m->mode, pairs);
+    ns_inputs_at(m->in, t);
+    ns_inputs_look(m->in, t, m->o.h, m->mode);
+    const double limit = fmax(fmin(m->in->corner, m->in->first), nextafter(t, INFINITY));
+    for (int less = NS_CAPTURE_FIRST; less >= 2 && status != NS_OK; less -= 4) {
+        memcpy(m->w, m->next_w, sizeof(double) * n);
+        memcpy(m->mode, m->old_mode, pairs);
+        ns_guard_bounds(m);
+        leg->rung = rung;
+        leg->stuck = 0;
+        status = euler_leg(m, leg, t, limit, ldexp(m->o.h, -rung - less));
+    }
+    if (status == NS_OK && leg->end_t == limit && event_at(m, limit))
+        leg->why = NS_LEG_EVENT;
+    m->counts.refused++;
+    m->budget -= 3000; /* it has no end in sight */
+    return status;
+}
+
+static int is_refusal(int status) {
+    return status == NS_E_SINGULAR || status == NS_E_LIMIT || status == NS_E_INFEASIBLE ||
+           status == NS_E_RESIDUAL;
+}
+
 /* From the end of the live leg to the next one. */
 static int go_on(ns_sparse *m) {
     ns_leg *from = m->live, *to = from == m->kept ? (from == m->leg ? m->leg + 1 : m->leg) : from;
@@ -214,9 +251,7 @@ static int go_on(ns_sparse *m) {
     int status = NS_OK;
     if (m->budget-- <= 0)
         return NS_E_LIMIT;
-    ns_leg_state(m, from, from->end, m->w);
-    memcpy(m->mode, from->mode, (size_t)m->f->m);
-    ns_guard_bounds(m);
+    leave(m, from);
     if (from->euler) {
         memcpy(m->z, from->z, sizeof(double) * (size_t)m->f->nz);
         (void)ns_guard_commands(m, from->xi, NULL, NULL);
@@ -227,8 +262,14 @@ static int go_on(ns_sparse *m) {
     }
     if (from->why == NS_LEG_EVENT)
         status = ns_sparse_resolve(m, from, t);
-    if (status == NS_OK)
+    if (is_refusal(status)) {
+        leave(m, from);
+        ns_event_own(m, from, t);
+    } else if (status == NS_OK) {
         status = ns_sparse_next_leg(m, t, &before, to);
+    }
+    if (is_refusal(status))
+        status = capture(m, t, before.next_rung, to);
     if (status != NS_OK)
         return status;
     m->live = to;

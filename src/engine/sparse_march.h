@@ -13,7 +13,7 @@
 #include "sparse_inputs.h"
 
 enum { NS_STAGES = NS_ORDER + 1 }; /* the last one only where a leg is looked into */
-enum { NS_SHORT_RUNG = 16, NS_LEAST_RUNG = 44, NS_CROWD_OF_PAIR = 16, NS_STUCK = 6 };
+enum { NS_SHORT_RUNG = 16, NS_LEAST_RUNG = 44, NS_CROWD_OF_PAIR = 16, NS_STUCK = 6, NS_CAPTURE_FIRST = 14 };
 
 typedef enum ns_leg_end { NS_LEG_GOES_ON, NS_LEG_EVENT } ns_leg_end;
 
@@ -103,6 +103,8 @@ int ns_event_local(ns_sparse *m, double t, double g, const double *w, double *v,
 /* The same, and commands of the state settled with it. */
 int ns_event_settle_all(ns_sparse *m, double t, double g, const ns_leg *leg, double *by);
 void ns_event_command(ns_sparse *m, double t);
+/* What the leg that ended (NULL: a start) ended for, and commands of time, change. */
+void ns_event_own(ns_sparse *m, const ns_leg *leg, double t);
 /* The event at the end of a leg, from m->w: m->mode and m->w to its right.  leg NULL: a start. */
 int ns_sparse_resolve(ns_sparse *m, const ns_leg *leg, double t);
 
