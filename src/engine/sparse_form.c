@@ -201,8 +201,10 @@ static int fill(ns_form *f, const ns_system *s, const ns_large *a, int at_rest) 
     for (int j = 0; j < f->m; j++)
         f->command[j] = -1;
     for (int c = 0; c < f->nc && status == NS_OK; c++)
-        if (f->gx.start[c + 1] > f->gx.start[c] && s->command[c].on == s->command[c].off)
+        if (f->gx.start[c + 1] > f->gx.start[c] && s->command[c].on == s->command[c].off) {
             f->command[s->command[c].pair] = c;
+            f->may_slide = 1;
+        }
     return status == NS_OK ? make_places(f) : status;
 }
 

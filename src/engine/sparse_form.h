@@ -25,6 +25,7 @@ typedef struct ns_form {
     double *KA;               /* and at the same places A, B; C, D; */
     double *KG;               /* in rows of commanded pairs their control */
     int *command;             /* m: whose control depends on the state and has no hysteresis, -1: none */
+    int may_slide;            /* one of them is not -1 */
     unsigned char *algebraic; /* n: the row of M is zero */
     ns_csc Mt, At, Ct;        /* their columns are the rows of M (n), [A B], [C D] (size) */
     ns_csc E, F;              /* n*nz, m*nz */

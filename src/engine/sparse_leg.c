@@ -36,13 +36,13 @@ static void form_rhs(ns_sparse *m, double g, const double *w, const double *z, i
     for (int j = 0; j < f->m; j++)
         r[n + j] = !constants                ? 0
                    : m->mode[j] == NS_INSIDE ? -f->e[j]
-                   : ns_slides(m->mode[j])   ? threshold(m, j)
                    : m->mode[j] == NS_LOWER  ? m->l[j]
-                                             : m->u[j];
+                   : m->mode[j] == NS_UPPER  ? m->u[j]
+                                             : threshold(m, j);
     for (int j = 0; any && f->Ft.start[f->m] > 0 && j < f->m; j++)
         if (m->mode[j] == NS_INSIDE)
             r[n + j] -= ns_csc_dot(&f->Ft, j, z);
-    for (int j = 0; any && j < f->m; j++)
+    for (int j = 0; any && f->may_slide && j < f->m; j++)
         if (ns_slides(m->mode[j]))
             r[n + j] -= ns_csc_dot(&f->gz, f->command[j], z);
 }

@@ -106,6 +106,7 @@ static void split_large(parts *p, const int *rows, int count) {
 static int split(parts *p) {
     int status = NS_OK;
     find_parts(p);
+    /* NOLINTNEXTLINE(clang-analyzer-unix.Malloc): entries are freed by ns_sparse_split() */
     for (int i = 0; i < p->n && status == NS_OK; i++) {
         const int *rows = p->list + p->first[i], count = p->first[i + 1] - p->first[i];
         if (count > SMALL)
