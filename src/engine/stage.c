@@ -1,6 +1,7 @@
 /* src/engine/stage.c - one mode seen through an implicit Euler step: its matrices. */
 #include "slide.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -53,8 +54,9 @@ static ns_stage *create(const ns_theta *s, const ns_exo *e, const ns_mode *mode)
     const size_t all = (size_t)s->s->n + (size_t)s->s->m;
     const size_t count = q * (all + (NS_ORDER + 1) * r + (NS_ORDER + 4) * rows) + all * (size_t)e->mutes;
     k->row = calloc(rows + 1, sizeof *k->row);
+    k->idle = calloc(rows + 1, 1);
     k->xi = calloc(count + 1, sizeof *k->xi);
-    if (!k->row || !k->xi) {
+    if (!k->row || !k->idle || !k->xi) {
         ns_stage_free(k);
         return NULL;
     }
@@ -76,6 +78,7 @@ void ns_stage_free(ns_stage *stage) {
     if (!stage)
         return;
     free(stage->row);
+    free(stage->idle);
     free(stage->xi);
     free(stage->now);
     free(stage);
@@ -254,6 +257,18 @@ static void add_noise_of_states(ns_stage *k, const double *terms) {
                 k->noise[g + j * k->rows] += fabs(k->value[g + i * k->rows]) * terms[i + j * k->r];
 }
 
+/* By value, rate and the rate of that, of any input. */
+static int is_idle(const ns_stage *k, int g) {
+    const double few = 64 * DBL_EPSILON;
+    for (int j = 0; j < k->q; j++) {
+        const int at = g + j * k->rows;
+        const double size = fabs(k->value[at]) + k->g * (fabs(k->rate[at]) + k->g * fabs(k->bend[at]));
+        if (size > few * k->noise[at])
+            return 0;
+    }
+    return 1;
+}
+
 static int fill(ns_theta *s, const ns_exo *e, const ns_map *map, const ns_mode *mode, ns_stage *k) {
     const size_t q = (size_t)k->q, all = (size_t)s->s->n + (size_t)s->s->m;
     ns_bench b;
@@ -282,6 +297,8 @@ static int fill(ns_theta *s, const ns_exo *e, const ns_map *map, const ns_mode *
         fill_images(k, &b, D, G, j);
     fill_guards_now(k);
     add_noise_of_states(k, terms);
+    for (int g = 0; g < k->rows; g++)
+        k->idle[g] = (unsigned char)is_idle(k, g);
     ns_stage_step(k, k->h, k->step);
     free(b.in);
     free(G);

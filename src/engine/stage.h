@@ -36,6 +36,8 @@ typedef struct ns_stage {
     double *bend;   /* rows*q: and the rates of those */
     double *noise;  /* rows*q: their rounding, by input, in units of eps */
     double *step;   /* r*q: X -> w after h */
+    unsigned char
+        *idle; /* rows: guards that are zero whatever X is, as that of a diode across a closed switch */
     size_t bytes;
 } ns_stage;
 

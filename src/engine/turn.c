@@ -123,6 +123,8 @@ typedef enum ns_omen { NS_STANDS, NS_SEEMS_TO_STAND, NS_UNTOLD, NS_SEEMS_TO_BREA
 static ns_omen breaks(ns_flight *f, ns_flight_mode *mode, int g, const double *X) {
     enum { SOON = 8 };
     const ns_stage *k = mode->level[0].stage;
+    if (k->idle[g])
+        return NS_STANDS;
     const double tol = ns_watch_noise(f, k, g), value = row_of(k, k->value, g, X);
     const double rate = row_of(k, k->rate, g, X);
     if (fabs(value) > tol + fabs(rate) * f->slack)
@@ -266,6 +268,30 @@ void ns_turn_inputs(ns_flight *f) {
     }
 }
 
+/* The mode in f->want, which (P1) has; where several would do for it, with those pairs changed that break: of
+ * a switch and the diode across it any may be said to carry the current. */
+static int try_proposed(ns_flight *f, int *on) {
+    enum { MENDS = 4 };
+    int status = try_wanted(f, NS_STEP, on);
+    for (int round = 0; round < MENDS && status == NS_GUARD; round++) {
+        ns_flight_mode *k;
+        int any = 0;
+        if (ns_flight_find(f, f->want, &k) != NS_OK)
+            break;
+        const ns_stage *stage = k->level[0].stage;
+        (void)jump(f, stage);
+        for (int g = 0; g < stage->pair_rows; g++)
+            if (breaks(f, k, g, f->next) == NS_BREAKS) {
+                f->want[stage->row[g].pair] = stage->row[g].to;
+                any = 1;
+            }
+        if (!any || memcmp(f->want, k->mode, (size_t)f->m->s->m) == 0)
+            break;
+        status = try_wanted(f, NS_STEP, on);
+    }
+    return status;
+}
+
 /* The modes that (P1) has over short steps. */
 static int propose(ns_flight *f, int *on) {
     static const int rungs[] = {-NS_EVENT_RUNG, -10, -30};
@@ -282,7 +308,7 @@ static int propose(ns_flight *f, int *on) {
             return status;
         if (status == NS_OK) {
             memcpy(f->want, s->trial_mode, (size_t)s->s->m);
-            status = try_wanted(f, NS_STEP, on);
+            status = try_proposed(f, on);
         }
         if (status == NS_OK || status == NS_E_MEMORY)
             return status;
