@@ -162,11 +162,13 @@ static void through_row(void) {
     const double cpu = fact_get("through cpu"), error = fact_get("through error");
     const double all = fact_get("through netlists"), failed = fact_get("through ours failed");
     snprintf(what, sizeof what, "through ngspice, %.0f netlists", all);
-    snprintf(ours, sizeof ours, "CPU / %.3g, error / %.3g; %.0f failed", cpu, error, failed);
+    const double compared = fact_get("through compared");
+    snprintf(ours, sizeof ours, "CPU / %.3g, error / %.3g, of %.0f, %.0f failed", cpu, error, compared,
+             failed);
     snprintf(others, sizeof others, "ngspice's best of each; %.0f settings failed",
              fact_get("through others failed"));
     line(what, ours, "", others, "CPU / 10, error / 100",
-         cpu >= 10 && error >= 100 && failed <= 0 && all >= 20);
+         cpu >= 10 && error >= 100 && failed <= 0 && all >= 20 && compared >= all);
 }
 
 static void unbeaten_row(void) {

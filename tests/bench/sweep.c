@@ -35,8 +35,8 @@ typedef struct list {
     int count;
     int idles[ROW_RIVAL + 1];                   /* how often, by kind of row, */
     double idle[ROW_RIVAL + 1][IDLES * ROUNDS]; /* s of CPU that ngspice takes to read the netlist and end */
-    double spent[3];                            /* s of CPU: by the library, by ngspice, by Siconos */
-    double fastest;                             /* of the others, s */
+    double spent[4]; /* s of CPU: by the library, by ours in ngspice, by its own models, by Siconos */
+    double fastest;  /* of the others, s */
     row *row;
     todo *todo;
 } list;
@@ -256,7 +256,7 @@ static double limit_of(const plan *p, const list *l, const row *r) {
 static void run_row(const bench_case *c, const plan *p, list *l, int i) {
     row *r = &l->row[i];
     const todo *t = &l->todo[i];
-    double *spent = &l->spent[t->siconos.solver ? 2 : r->kind == ROW_RIVAL], took;
+    double *spent = &l->spent[t->siconos.solver ? ROW_RIVAL + 1 : (int)r->kind], took;
     const int first = r->rounds == 0;
     if (first && (is_hopeless(l, i) || *spent > p->budget)) {
         snprintf(r->why, sizeof r->why,
