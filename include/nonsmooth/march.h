@@ -73,7 +73,8 @@ int ns_march_accept(ns_march *m);
  * lambda (m), y (m); any may be NULL.  Errors: STATE (not started), those of ns_theta_read(). */
 int ns_march_read(ns_march *m, double *t, double *x, double *lambda, double *y);
 
-/* The mode of the same point (m); library-owned. */
+/* The mode of the same point (m); library-owned.  A switch that slides (holds its control at the threshold)
+ * is inside, or 2 or 3 by the sign of its current. */
 const ns_mode *ns_march_mode(const ns_march *m);
 
 /* 1 if the point of the last trial is the left side of an event. */

@@ -27,7 +27,7 @@ int ns_circuit_device(const ns_circuit *c, int id, const double *x, const double
     breakdown = e->kind == DIODE && !isinf(e->diode.vz);
     across = volts(c, e->node[0], x) - volts(c, e->node[1], x);
     through = lambda[e->pair] + across / (e->kind == DIODE ? e->diode.roff : e->sw.roff);
-    state = mode[e->pair] == NS_INSIDE;
+    state = mode[e->pair] == NS_INSIDE || mode[e->pair] > NS_UPPER; /* or it slides */
     if (breakdown) {
         through -= lambda[e->pair + 1];
         state = state ? 1 : -(mode[e->pair + 1] == NS_INSIDE);
