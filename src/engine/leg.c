@@ -196,12 +196,16 @@ static void creep(ns_flight *f, const ns_stage *k, double tau) {
 
 int ns_leg_advance(ns_flight *f, ns_level *level, double tau) {
     const ns_stage *k = level->stage;
-    double count = floor(tau / k->h), rest = tau - count * k->h;
-    for (int i = 0; count > 0; i++, count = floor(count / 2)) {
+    double count = floor(tau / k->h);
+    const double rest = tau - count * k->h;
+    int i = 0;
+    while (count > 0) {
         ns_leg *rung;
-        if (fmod(count, 2) == 0)
+        const int odd = fmod(count, 2) != 0, at = i++;
+        count = floor(count / 2);
+        if (!odd)
             continue;
-        const int status = ns_leg_rung(f, level, i < NS_UNGUARDED ? i : NS_UNGUARDED, &rung);
+        const int status = ns_leg_rung(f, level, at < NS_UNGUARDED ? at : NS_UNGUARDED, &rung);
         if (status != NS_OK)
             return status;
         ns_leg_take(f, level, rung);

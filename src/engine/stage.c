@@ -241,7 +241,7 @@ static void fill_guards_now(ns_stage *k) {
                 const double term = i % 2 ? -c[i * k->rows] : c[i * k->rows];
                 value += term;
                 rate -= i * term;
-                bend += i * (i - 1) / 2 * term;
+                bend += 0.5 * i * (i - 1) * term;
             }
             k->value[g + j * k->rows] = value;
             k->rate[g + j * k->rows] = rate / k->g;

@@ -45,20 +45,20 @@ typedef struct ns_stage {
  */
 int ns_stage_build(ns_theta *s, const ns_exo *e, double g, const ns_mode *mode, ns_stage **out);
 /* reading.c: makes `now`.  Errors: MEMORY. */
-int ns_stage_reading(const ns_theta *s, const ns_exo *e, ns_stage *stage);
+int ns_stage_reading(const ns_theta *s, const ns_exo *e, ns_stage *k);
 void ns_stage_free(ns_stage *stage); /* NULL is allowed */
 
 /* P (r*q): X -> w after tau <= h. */
-void ns_stage_step(const ns_stage *stage, double tau, double *P);
+void ns_stage_step(const ns_stage *k, double tau, double *P);
 
 /* P <- P2 after P1, both r*q; advance (nv*nv): exp(h1 S), h1 the time of P1.  P may be neither. */
-void ns_stage_compose(const ns_stage *stage, const double *P2, const double *P1, const double *advance,
+void ns_stage_compose(const ns_stage *k, const double *P2, const double *P1, const double *advance,
                       double *P);
 
 /* exp(h S), nv*nv. */
 void ns_exo_matrix(const ns_exo *e, double h, double *out);
 
 /* The rates of the mode, 1/s: re, im (r each); infinite ones are -INFINITY, 0.  Errors: MEMORY, NUMBER. */
-int ns_stage_rates(const ns_stage *stage, double *re, double *im);
+int ns_stage_rates(const ns_stage *k, double *re, double *im);
 
 #endif

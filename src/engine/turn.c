@@ -177,7 +177,8 @@ static void remember(ns_flight_mode *from, ns_flight_mode *to) {
     int i = 0;
     while (i < NS_FOLLOWERS - 1 && from->follower[i] && from->follower[i] != to)
         i++;
-    memmove(from->follower + 1, from->follower, (size_t)i * sizeof *from->follower);
+    for (; i > 0; i--)
+        from->follower[i] = from->follower[i - 1];
     from->follower[0] = to;
 }
 
@@ -441,7 +442,7 @@ static int flip_by_guard(ns_flight *f) {
 int ns_turn(ns_flight *f, int natural) {
     enum { JUMPS = 4 };
     ns_flight_mode *const was = f->at;
-    const size_t q = (size_t)(f->s->r + f->exo->nv), nc = (size_t)f->m->s->nc;
+    const size_t q = (size_t)f->s->r + (size_t)f->exo->nv, nc = (size_t)f->m->s->nc;
     int status = NS_GUARD, on = 0;
     memcpy(f->left, f->X, sizeof(double) * q);
     f->slack = slack(f, natural);

@@ -38,9 +38,9 @@ struct ns_mlcp_solver {
     int have_units;      /* rowmax, colunit are those of Wown */
     int have_factors;    /* block.c: lu holds those of Wown with the lambda in factored[] basic, and of */
     int factored_ridge;  /* ridge 2^this on its diagonal; 0: none */
+    int have_scale;      /* block.c: 2^(row_exp_i + col_exp_j) Wown_ij are about 1 */
     double *centre;      /* m: what that ridge draws lambda to */
     unsigned char *factored;
-    int have_scale; /* block.c: 2^(row_exp_i + col_exp_j) Wown_ij are about 1 */
     int *row_exp, *col_exp;
     int *own_row, *own_col; /* m: rescaled.c: exponents, q in these units and as it was given */
     double *qown;           /* m */

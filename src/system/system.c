@@ -80,8 +80,9 @@ int ns_system_create_large(int n, int m, int nz, int nc, ns_system **out) {
 }
 
 static void free_large(ns_large *a) {
-    ns_csc *const all[] = {&a->M, &a->A, &a->B, &a->C, &a->D, &a->E, &a->F, &a->gx, &a->gz};
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
+    enum { ALL = 9 };
+    ns_csc *const all[ALL] = {&a->M, &a->A, &a->B, &a->C, &a->D, &a->E, &a->F, &a->gx, &a->gz};
+    for (size_t i = 0; i < ALL; i++) {
         ns_csc_free(all[i]);
     }
     free(a);

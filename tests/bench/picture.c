@@ -136,6 +136,8 @@ static void write_ranges(FILE *f, int count, const row *rows) {
             t0 = fmin(t0, time_of(&rows[i]));
             t1 = fmax(t1, time_of(&rows[i]));
         }
+    if (!(t1 > 0)) /* nothing to be seen */
+        return;
     fprintf(f, "set xrange [%.3e:%.3e]\nset yrange [%.3e:%.3e]\n", e0 / 4, e1 * 4, t0 / 2, t1 * 2);
     write_marks(f, t0 / 2, t1 * 2);
 }

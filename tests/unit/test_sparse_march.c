@@ -216,11 +216,13 @@ static void test_bridge(void **state) {
 /* 10 V through a switch, on for 3 of 10 us, onto 10 ohm and 100 uH with a freewheeling diode:
  * i tends to 1 A or to 0 with L/R = 10 us. */
 static double chopper_current(double t, double on, double period) {
-    double i = 0, tau = 1e-5;
-    for (; t > 0; t -= period) {
+    const double tau = 1e-5;
+    double i = 0;
+    while (t > 0) {
         const double first = fmin(t, on), rest = fmin(fmax(0, t - on), period - on);
         i = 1 + (i - 1) * exp(-first / tau);
         i *= exp(-rest / tau);
+        t -= period;
     }
     return i;
 }
