@@ -67,6 +67,7 @@ int ns_flight_create(ns_march *m, ns_flight **out) {
         status = ns_exo_create(m->s, entering, input, &f->exo);
     if (status == NS_OK)
         status = allocate(f);
+    m->step->counts.waves = f->exo ? f->exo->nv : 0;
     if (status != NS_OK) {
         ns_flight_free(f);
         return status;
@@ -121,12 +122,12 @@ static void seek(ns_flight *f) {
 static int load(ns_flight *f) {
     f->t = f->m->live.t;
     f->since = f->m->live.since;
-    if (f->bytes > f->limit)
-        ns_flight_forget(f);
     ns_theta_set_bounds(f->s);
     const int status = ns_flight_find(f, f->s->mode, &f->at);
     if (status != NS_OK)
         return status;
+    if (f->bytes > f->limit)
+        ns_flight_trim(f, f->at);
     seek(f);
     memcpy(f->X, f->s->w, sizeof(double) * (size_t)f->s->r);
     read_inputs(f);
@@ -362,8 +363,11 @@ int ns_flight_go(ns_flight *f, double t, ns_until until) {
     }
     /* each event takes a few steps; the scheme has what takes more of them than it would */
     f->budget = 4000 + (long)fmin(1e12, 4000 * (t - f->t) / m->h);
-    while (status == NS_OK && !stuck && !stop && f->t < t)
+    while (status == NS_OK && !stuck && !stop && f->t < t) {
         status = leap(f, t, until, &stuck, &stop);
+        if (f->bytes > f->limit)
+            ns_flight_trim(f, f->at);
+    }
     if (f->status != NS_OK) {
         status = f->status;
         f->status = NS_OK;

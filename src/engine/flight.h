@@ -45,6 +45,7 @@ typedef struct ns_flight ns_flight;
 typedef struct ns_flight_mode ns_flight_mode;
 struct ns_flight_mode {
     ns_mode *mode; /* m */
+    long used;     /* by the clock */
     int status;    /* SINGULAR: it contradicts itself, and need not be tried again */
     int levels;    /* the first resolves what is fastest */
     ns_level level[NS_LEVELS];
@@ -102,6 +103,9 @@ struct ns_flight {
  * SINGULAR, MEMORY, NUMBER. */
 int ns_flight_find(ns_flight *f, const ns_mode *mode, ns_flight_mode **out);
 void ns_flight_forget(ns_flight *f);
+/* Drops the modes that were not flown for longest until all fit into three quarters of the limit; never keep.
+ */
+void ns_flight_trim(ns_flight *f, ns_flight_mode *keep);
 /* The level to fly on, and (in *until) for how long after the discontinuity. */
 ns_level *ns_flight_level(ns_flight *f, double *until);
 /* Level i of a mode with its stage; NULL: there is none to be had, what is before will do. */

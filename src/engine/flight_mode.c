@@ -29,7 +29,7 @@ static void free_level(ns_level *level) {
 }
 
 static void free_mode(ns_flight_mode *k) {
-    for (int i = 0; i < k->levels; i++)
+    for (int i = 0; i < NS_LEVELS; i++)
         free_level(&k->level[i]);
     free(k->mode);
     free(k);
@@ -45,6 +45,56 @@ void ns_flight_forget(ns_flight *f) {
     }
     f->bytes = 0;
     f->at = NULL;
+}
+
+static size_t bytes_of(const ns_flight *f, const ns_flight_mode *k) {
+    size_t sum = sizeof *k + (size_t)f->m->s->m;
+    for (int i = 0; i < NS_LEVELS; i++) {
+        const ns_level *level = &k->level[i];
+        sum += level->stage ? level->stage->bytes : 0;
+        for (int j = 0; j <= NS_UNGUARDED; j++)
+            sum += level->rung[j] ? level->rung[j]->bytes : 0;
+        for (int j = 0; j < NS_KEPT; j++)
+            sum += level->kept[j].leg ? level->kept[j].leg->bytes : 0;
+    }
+    return sum;
+}
+
+/* No mode is followed by this one any more. */
+static void unfollow(ns_flight_mode *from, const ns_flight_mode *gone) {
+    int to = 0;
+    for (int i = 0; i < NS_FOLLOWERS; i++)
+        if (from->follower[i] != gone)
+            from->follower[to++] = from->follower[i];
+    while (to < NS_FOLLOWERS)
+        from->follower[to++] = NULL;
+}
+
+/* Where the mode that was not flown for longest hangs; NULL: there is none but keep. */
+static ns_flight_mode **oldest(ns_flight *f, const ns_flight_mode *keep) {
+    ns_flight_mode **found = NULL;
+    for (int b = 0; b < NS_FLIGHT_BUCKETS; b++)
+        for (ns_flight_mode **at = &f->bucket[b]; *at; at = &(*at)->chain)
+            if (*at != keep && (!found || (*at)->used < (*found)->used))
+                found = at;
+    return found;
+}
+
+void ns_flight_trim(ns_flight *f, ns_flight_mode *keep) {
+    const size_t enough = f->limit / 4 * 3;
+    keep->used = ++f->clock;
+    while (f->bytes > enough) {
+        ns_flight_mode **at = oldest(f, keep), *gone = at ? *at : NULL;
+        if (!gone)
+            return;
+        *at = gone->chain;
+        for (int b = 0; b < NS_FLIGHT_BUCKETS; b++)
+            for (ns_flight_mode *k = f->bucket[b]; k; k = k->chain)
+                unfollow(k, gone);
+        f->bytes -= bytes_of(f, gone);
+        f->s->counts.evicted++;
+        free_mode(gone);
+    }
 }
 
 typedef struct ns_rate {
@@ -134,6 +184,7 @@ static int build(ns_flight *f, ns_flight_mode *k) {
     } else if (status == NS_OK) {
         status = ns_stage_build(f->s, f->exo, k->level[0].h / NS_POLE, k->mode, &k->level[0].stage);
         f->guess = k->level[0].h;
+        f->bytes += status == NS_OK ? k->level[0].stage->bytes : 0;
     }
     ns_stage_free(probe);
     free(room);

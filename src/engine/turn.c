@@ -192,6 +192,7 @@ static void take(ns_flight *f, ns_flight_mode *k) {
     f->X = f->next;
     f->next = X;
     f->at = k;
+    k->used = ++f->clock;
     memcpy(f->s->mode, k->mode, (size_t)f->m->s->m);
     ns_theta_set_bounds(f->s);
     for (int i = 0; i < f->s->r; i++)
@@ -345,6 +346,7 @@ static int turn_once(ns_flight *f, int natural, int *on) {
         status = try_followers(f);
     if (status == NS_GUARD && flip_broken(f))
         status = try_wanted(f, NS_NOBODY, on);
+    f->s->counts.settled += status == NS_OK;
     if (status != NS_GUARD)
         return status;
     command(f);

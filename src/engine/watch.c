@@ -178,6 +178,7 @@ int ns_watch_near(ns_flight *f, const ns_level *level, double tau, double *when)
     if (k->rows == 0)
         return 0;
     double c[PIECES + 1][NS_ORDER];
+    f->s->counts.searches++;
     for (int i = 0; i <= PIECES; i++)
         ns_laguerre(tau * i / PIECES / k->g, c[i]);
     ns_matvec(NS_ORDER * k->rows, k->q, k->coef, f->X, f->coef);

@@ -105,6 +105,58 @@ static void the_lc_bridge_is_right_to_rounding(void **state) {
     ns_system_free(s);
 }
 
+/* Four modes of some 10 kB: with room for next to nothing each is made again when it comes again, and the
+ * answer is the same. */
+static void memory_is_bounded(void **state) {
+    (void)state;
+    ns_system *s = system_lc_bridge();
+    double reached, x[2][2];
+    long evicted[2];
+    for (int k = 0; k < 2; k++) {
+        const ns_march_options o = {
+            .theta = 1, .gamma = 1, .h = 1e-6, .method = NS_FLIGHT, .map_bytes = k ? 1 : 0};
+        const double w0[2] = {1e-6 * 10, 0};
+        ns_march *m;
+        assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_OK);
+        assert_int_equal(ns_march_start(m, 0, w0), NS_OK);
+        assert_int_equal(ns_march_try(m, 5e-3, NS_TO_TIME, &reached), NS_OK);
+        assert_int_equal(ns_march_read(m, NULL, x[k], NULL, NULL), NS_OK);
+        evicted[k] = ns_march_counts(m)->evicted;
+        ns_march_free(m);
+    }
+    near(x[1][0], x[0][0], 1e-12);
+    near(x[0][0], lc_bridge_v(10, 5e-3), 1e-11);
+    assert_true(evicted[0] == 0 && evicted[1] >= 8); /* 16 events */
+    ns_system_free(s);
+}
+
+/* What a scene does not need is not done: no sine, one state for the inputs (the constant); a mode met
+ * before, no factor and no problem; guards that stay away, no search. */
+static void what_is_not_needed_is_skipped(void **state) {
+    (void)state;
+    ns_system *s = system_lc_bridge();
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-6, .method = NS_FLIGHT};
+    const double w0[2] = {1e-6 * 10, 0};
+    double reached;
+    ns_march *m;
+    assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_OK);
+    assert_int_equal(ns_march_start(m, 0, w0), NS_OK);
+    assert_int_equal(ns_march_try(m, 2.5e-3, NS_TO_TIME, &reached), NS_OK);
+    assert_int_equal(ns_march_accept(m), NS_OK);
+    const ns_counts before = *ns_march_counts(m);
+    assert_int_equal(before.waves, 1);
+    assert_int_equal(ns_march_try(m, 5e-3, NS_TO_TIME, &reached), NS_OK);
+    const ns_counts *after = ns_march_counts(m);
+    assert_true(after->events - before.events >= 7);
+    assert_int_equal(after->problems, before.problems);
+    assert_int_equal(after->pivots, before.pivots);
+    assert_int_equal(after->factors, before.factors);
+    assert_int_equal(after->settled - before.settled, after->events - before.events);
+    assert_true(after->searches - before.searches <= 2 * (after->events - before.events) + 2);
+    ns_march_free(m);
+    ns_system_free(s);
+}
+
 /* R C v' = u - v from v = 0; between corners a sum of exponentials. */
 static const double rc = 1e-3;
 
@@ -321,6 +373,8 @@ static void points_between_events_cost_no_factor(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_lc_bridge_is_right_to_rounding),
+        cmocka_unit_test(memory_is_bounded),
+        cmocka_unit_test(what_is_not_needed_is_skipped),
         cmocka_unit_test(sines_and_exponentials_are_exact),
         cmocka_unit_test(a_current_ends_in_time),
         cmocka_unit_test(events_have_two_sides),
