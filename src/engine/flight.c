@@ -239,6 +239,10 @@ static int advance(ns_flight *f, double rest, double *done, int *broke) {
     int status = choose(f, level, room > 0 && room < rest ? room : rest, &leg, &h);
     if (status != NS_OK)
         return status;
+    if (!leg && level->stage->rows == 0) {
+        *done = h;
+        return ns_leg_advance(f, level, h);
+    }
     if (!leg)
         return look(f, level, h, done, broke);
     double clear = 0;

@@ -157,6 +157,23 @@ static void what_is_not_needed_is_skipped(void **state) {
     ns_system_free(s);
 }
 
+/* 1 V behind 1 ohm onto 1 F, no device: 20 s are some steps, though each is of 1 us at most for the scheme.
+ */
+static void without_guards_there_is_nothing_to_stop_for(void **state) {
+    (void)state;
+    bench b = open_bench();
+    source(&b, "v1", 1, 0, (ns_signal){.kind = NS_DC, .u.dc = 1});
+    assert_int_equal(ns_circuit_resistor(b.c, "r1", 1, 2, 1, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(b.c, "c1", 2, 0, 1, NAN, NULL), NS_OK);
+    start(&b, 1e-6);
+    for (int k = 1; k <= 20; k++) {
+        go(&b, k, NS_TO_TIME);
+        near(v_of(&b, 2), -expm1(-k), 1e-12);
+    }
+    assert_true(ns_march_counts(b.m)->steps < 1000);
+    close_bench(&b);
+}
+
 /* R C v' = u - v from v = 0; between corners a sum of exponentials. */
 static const double rc = 1e-3;
 
@@ -374,6 +391,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_lc_bridge_is_right_to_rounding),
         cmocka_unit_test(memory_is_bounded),
+        cmocka_unit_test(without_guards_there_is_nothing_to_stop_for),
         cmocka_unit_test(what_is_not_needed_is_skipped),
         cmocka_unit_test(sines_and_exponentials_are_exact),
         cmocka_unit_test(a_current_ends_in_time),
