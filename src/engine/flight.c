@@ -324,6 +324,8 @@ static int leap(ns_flight *f, double t, ns_until until, int *stuck, int *stop) {
     f->to_t = ns_schedule_next(f->schedule, t);
     const int status = fly(f, fmin(t, f->to_t), &broke);
     const int known = !broke && f->t >= f->to_t;
+    f->broken_t = f->t;
+    f->broken_at = broke ? f->at : NULL;
     *stop = status != NS_OK || !(broke || known);
     if (*stop)
         return status;

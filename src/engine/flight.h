@@ -70,16 +70,18 @@ struct ns_flight {
     double guess; /* h of the first level of the mode built last */
     /* where it is */
     ns_flight_mode *at;
-    double t, since; /* since: the last discontinuity */
-    double grounded; /* not before this time again, */
-    double rest;     /* which is this much after it was stuck */
-    int broken;      /* the guard that broke, of `at`'s levels alike */
-    double slack;    /* s: how well the instant of an event is known */
-    double event_t;  /* the last event, */
-    long budget;     /* steps that are left */
-    int crowd;       /* and how many in a row came at once after another */
-    double *X;       /* q: w, v */
-    double *most;    /* r: the largest |w| so far */
+    double t, since;                 /* since: the last discontinuity */
+    double grounded;                 /* not before this time again, */
+    double rest;                     /* which is this much after it was stuck */
+    int broken;                      /* the guard that broke last, -1: not known, */
+    double broken_t;                 /* when */
+    const ns_flight_mode *broken_at; /* and of what mode; all its levels have the same guards */
+    double slack;                    /* s: how well the instant of an event is known */
+    double event_t;                  /* the last event, */
+    long budget;                     /* steps that are left */
+    int crowd;                       /* and how many in a row came at once after another */
+    double *X;                       /* q: w, v */
+    double *most;                    /* r: the largest |w| so far */
     /* work */
     double *next;                 /* q */
     double *left;                 /* 2 q */

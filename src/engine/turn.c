@@ -423,6 +423,18 @@ static int contradicted(ns_flight *f) {
     return count;
 }
 
+/* The guard that broke here, by what the flight came with, or (it went another way in between) by looking;
+ * -1: none does. */
+static void recall_guard(ns_flight *f) {
+    const ns_stage *k = f->at->level[0].stage;
+    if (f->broken_t == f->t && f->broken_at == f->at && f->broken >= 0 && f->broken < k->rows)
+        return;
+    f->broken = -1;
+    for (int g = 0; g < k->rows && f->broken < 0; g++)
+        if (breaks(f, f->at, g, f->X) >= NS_SEEMS_TO_BREAK)
+            f->broken = g;
+}
+
 /* What broke was the guard of a command, or one that keeps a switch sliding: commands, then, change. */
 static int flip_by_guard(ns_flight *f) {
     const ns_guard_row *row = &f->at->level[0].stage->row[f->broken];
@@ -447,13 +459,16 @@ int ns_turn(ns_flight *f, int natural) {
     const size_t q = (size_t)f->s->r + (size_t)f->exo->nv, nc = (size_t)f->m->s->nc;
     int status = NS_GUARD, on = 0;
     memcpy(f->left, f->X, sizeof(double) * q);
-    f->slack = slack(f, natural);
-    if (!natural)
+    f->slack = 4 * DBL_EPSILON * fabs(f->t);
+    if (natural)
+        recall_guard(f);
+    else
         f->broken = -1;
+    f->slack = slack(f, natural);
     for (size_t c = 0; c < nc; c++)
         f->goal[c] = NS_TOGGLES;
     memset(f->turns, 0, nc);
-    if (natural && flip_by_guard(f))
+    if (f->broken >= 0 && flip_by_guard(f))
         natural = 0;
     for (int round = 0; round <= 2 * f->m->s->nc + JUMPS; round++) {
         status = turn_once(f, natural || on, &on);
