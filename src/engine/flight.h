@@ -120,7 +120,8 @@ int ns_leg_recurring(ns_flight *f, ns_level *level, double h, ns_leg **out);
 void ns_leg_free(ns_leg *leg);
 /* X moves on by tau, unwatched.  Errors: MEMORY. */
 int ns_leg_advance(ns_flight *f, ns_level *level, double tau);
-/* X moves on by a leg. */
+/* What X comes to by a leg; X moves there. */
+void ns_leg_apply(const ns_stage *k, const ns_leg *leg, const double *X, double *then);
 void ns_leg_take(ns_flight *f, const ns_level *level, const ns_leg *leg);
 
 /* watch.c: the first interval between samples of a leg from X in which a guard may break, -1: none; the part

@@ -73,21 +73,25 @@ static void fill_samples(const ns_stage *k, const double *P, const double *advan
             }
 }
 
-static int build(ns_flight *f, ns_level *level, double h, ns_leg **out) {
+/* The samples of a leg, with room of its own. */
+static int sample(ns_flight *f, ns_level *level, ns_leg *leg) {
     const ns_stage *k = level->stage;
     const size_t size = (size_t)k->r * (size_t)k->q, nv = (size_t)k->nv;
-    ns_leg *leg = create(k, h, h <= ldexp(k->h, NS_GUARDED) * 1.01 ? samples_for(k, h) : 0);
-    double *room = malloc(sizeof *room * (2 * size + nv * nv + 1));
-    int status = leg && room ? NS_OK : NS_E_MEMORY;
-    if (status == NS_OK && leg->samples > 0) {
-        double *P = room + size, *advance = P + size;
-        status = matrix_of(f, level, h / leg->samples, P, advance, room);
-        if (status == NS_OK)
-            fill_samples(k, P, advance, leg);
-    }
+    if (leg->samples == 0)
+        return NS_OK;
+    double *P = malloc(sizeof *P * (2 * size + nv * nv + 1));
+    if (!P)
+        return NS_E_MEMORY;
+    double *advance = P + 2 * size;
+    const int status = matrix_of(f, level, leg->h / leg->samples, P, advance, P + size);
     if (status == NS_OK)
-        status = matrix_of(f, level, h, leg->P, leg->advance, room);
-    free(room);
+        fill_samples(k, P, advance, leg);
+    free(P);
+    return status;
+}
+
+/* Counts a leg that is made, or frees it. */
+static int finish(ns_flight *f, ns_leg *leg, int status, ns_leg **out) {
     if (status != NS_OK) {
         ns_leg_free(leg);
         return status;
@@ -98,11 +102,22 @@ static int build(ns_flight *f, ns_level *level, double h, ns_leg **out) {
     return NS_OK;
 }
 
+static int build(ns_flight *f, ns_level *level, double h, ns_leg **out) {
+    const ns_stage *k = level->stage;
+    const size_t size = (size_t)k->r * (size_t)k->q;
+    ns_leg *leg = create(k, h, h <= ldexp(k->h, NS_GUARDED) * 1.01 ? samples_for(k, h) : 0);
+    double *room = malloc(sizeof *room * (size + 1));
+    int status = leg && room ? sample(f, level, leg) : NS_E_MEMORY;
+    if (status == NS_OK)
+        status = matrix_of(f, level, h, leg->P, leg->advance, room);
+    free(room);
+    return finish(f, leg, status, out);
+}
+
 /* The rung's P by the one below, twice; the lowest is the stage's own. */
 static int build_rung(ns_flight *f, ns_level *level, int k, ns_leg **out) {
     const ns_stage *stage = level->stage;
     const double h = ldexp(stage->h, k);
-    const size_t size = (size_t)stage->r * (size_t)stage->q;
     ns_leg *below = NULL, *leg = create(stage, h, k <= NS_GUARDED ? samples_for(stage, h) : 0);
     int status = leg ? NS_OK : NS_E_MEMORY;
     if (status == NS_OK && k > 0)
@@ -111,23 +126,11 @@ static int build_rung(ns_flight *f, ns_level *level, int k, ns_leg **out) {
         ns_stage_compose(stage, below->P, below->P, below->advance, leg->P);
     else if (status == NS_OK)
         memcpy(leg->P, stage->step, sizeof(double) * (size_t)stage->r * (size_t)stage->q);
-    if (status == NS_OK && leg->samples > 0) {
-        const size_t nv = (size_t)stage->nv;
-        double *P = malloc(sizeof *P * (2 * size + nv * nv + 1));
-        status = P ? matrix_of(f, level, h / leg->samples, P, P + 2 * size, P + size) : NS_E_MEMORY;
-        if (status == NS_OK)
-            fill_samples(stage, P, P + 2 * size, leg);
-        free(P);
-    }
-    if (status != NS_OK) {
-        ns_leg_free(leg);
-        return status;
-    }
-    ns_exo_matrix(f->exo, h, leg->advance);
-    f->bytes += leg->bytes;
-    f->s->counts.maps++;
-    *out = leg;
-    return NS_OK;
+    if (status == NS_OK)
+        status = sample(f, level, leg);
+    if (status == NS_OK)
+        ns_exo_matrix(f->exo, h, leg->advance);
+    return finish(f, leg, status, out);
 }
 
 int ns_leg_rung(ns_flight *f, ns_level *level, int k, ns_leg **out) {
@@ -169,16 +172,16 @@ int ns_leg_recurring(ns_flight *f, ns_level *level, double h, ns_leg **out) {
     return status;
 }
 
-static void arrive(ns_flight *f, const ns_stage *k, const double *P, const double *advance) {
-    ns_matvec(k->r, k->q, P, f->X, f->next);
-    ns_matvec(k->nv, k->nv, advance, f->X + k->r, f->next + k->r);
-    double *X = f->X;
-    f->X = f->next;
-    f->next = X;
+void ns_leg_apply(const ns_stage *k, const ns_leg *leg, const double *X, double *then) {
+    ns_matvec(k->r, k->q, leg->P, X, then);
+    ns_matvec(k->nv, k->nv, leg->advance, X + k->r, then + k->r);
 }
 
 void ns_leg_take(ns_flight *f, const ns_level *level, const ns_leg *leg) {
-    arrive(f, level->stage, leg->P, leg->advance);
+    double *X = f->X;
+    ns_leg_apply(level->stage, leg, X, f->next);
+    f->X = f->next;
+    f->next = X;
     f->s->counts.steps++;
 }
 

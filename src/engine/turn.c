@@ -111,8 +111,7 @@ static int fly_ahead(ns_flight *f, ns_level *level, int k, const double *X) {
         f->status = status;
         return status;
     }
-    ns_matvec(stage->r, stage->q, leg->P, X, f->ahead);
-    ns_matvec(stage->nv, stage->nv, leg->advance, X + stage->r, f->ahead + stage->r);
+    ns_leg_apply(stage, leg, X, f->ahead);
     return NS_OK;
 }
 
