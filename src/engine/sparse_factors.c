@@ -12,6 +12,17 @@ enum { LEAK_ROUNDS = 30 };
 /* What a round moves that is the last one; what it may still move where it gets no better. */
 static const double rounding = 1e-14, contradiction = 1e-9;
 
+static int make_scratch(ns_modal *q) {
+    for (int i = 0; i < 2 * NS_SCRATCH; i++) {
+        ns_kept *k = &q->scratch[0][0] + i;
+        k->update = &q->update[0][0] + i;
+        k->mode = calloc((size_t)q->f->m + 1, 1);
+        if (!k->mode || ns_update_create(q->f, k->update) != NS_OK)
+            return NS_E_MEMORY;
+    }
+    return NS_OK;
+}
+
 int ns_modal_create(const ns_form *f, size_t limit, ns_modal **out) {
     *out = NULL;
     ns_modal *q = calloc(1, sizeof *q);
@@ -21,9 +32,8 @@ int ns_modal_create(const ns_form *f, size_t limit, ns_modal **out) {
     q->limit = limit;
     q->value = calloc((size_t)f->K.start[f->size] + 1, sizeof(double));
     q->work = calloc(3 * (size_t)f->size + 1, sizeof(double));
-    q->scratch[0].mode = calloc((size_t)f->m + 1, 1);
-    q->scratch[1].mode = calloc((size_t)f->m + 1, 1);
-    int status = q->value && q->work && q->scratch[0].mode && q->scratch[1].mode ? NS_OK : NS_E_MEMORY;
+    q->seen_v = q->work ? q->work + 2 * f->size : NULL;
+    int status = q->value && q->work ? make_scratch(q) : NS_E_MEMORY;
     if (status == NS_OK)
         status = ns_klu_create(f->size, f->K.start, f->K.row, &q->klu);
     if (status != NS_OK) {
@@ -51,10 +61,12 @@ void ns_modal_free(ns_modal *q) {
             q->bucket[b] = k->next;
             drop(q, k);
         }
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2 * NS_SCRATCH; i++) {
+        ns_kept *k = &q->scratch[0][0] + i;
         if (q->klu)
-            ns_factors_free(q->klu, q->scratch[i].factors);
-        free(q->scratch[i].mode);
+            ns_factors_free(q->klu, k->factors);
+        free(k->mode);
+        ns_update_free(&q->update[0][0] + i);
     }
     ns_klu_free(q->klu);
     free(q->value);
@@ -134,14 +146,36 @@ static int keep(ns_modal *q, unsigned long long key, double g, const ns_mode *mo
     return NS_OK;
 }
 
-static int make_over(ns_modal *q, ns_kept *k, unsigned long long key, double g, const ns_mode *mode) {
+static int make_over(ns_modal *q, ns_kept *k, double g, const ns_mode *mode) {
     k->g = g;
-    k->key = 0;
-    memcpy(k->mode, mode, (size_t)q->f->m);
-    const int status = factor(q, k);
-    if (status == NS_OK)
-        k->key = key;
-    return status;
+    memmove(k->mode, mode, (size_t)q->f->m);
+    ns_update_reset(k->update, k->mode);
+    return factor(q, k);
+}
+
+/* A scratch one of this length, else one that is not in use, else the one used least recently. */
+static ns_kept *scratch_for(ns_modal *q, double g, int brief) {
+    ns_kept *best = q->scratch[brief];
+    for (int i = 0; i < NS_SCRATCH; i++) {
+        ns_kept *k = &q->scratch[brief][i];
+        if (k->factors && k->g == g)
+            return k;
+        if (best->factors && (!k->factors || k->used < best->used))
+            best = k;
+    }
+    return best;
+}
+
+/* 1 if the factors there are can serve it. */
+static int can_serve(ns_modal *q, ns_kept *k, double g, const ns_mode *mode) {
+    if (!k->factors || k->g != g)
+        return 0;
+    if (memcmp(k->update->mode, mode, (size_t)q->f->m) == 0)
+        return 1;
+    if (k->leaky || !ns_update_to(k->update, q->klu, k->factors, g, k->mode, mode))
+        return 0;
+    q->updated++;
+    return 1;
 }
 
 int ns_modal_factor(ns_modal *q, double g, const ns_mode *mode, int brief, const ns_kept **out) {
@@ -150,14 +184,16 @@ int ns_modal_factor(ns_modal *q, double g, const ns_mode *mode, int brief, const
     int status = NS_OK;
     while (k && !is(q, k, key, g, mode))
         k = k->next;
-    if (!k && is(q, &q->scratch[brief], key, g, mode))
-        k = &q->scratch[brief];
-    if (!k && q->seen[key % NS_SEEN] == key) {
-        status = keep(q, key, g, mode, &k);
-    } else if (!k) {
-        q->seen[key % NS_SEEN] = key;
-        k = &q->scratch[brief];
-        status = make_over(q, k, key, g, mode);
+    if (!k) {
+        k = scratch_for(q, g, brief);
+        if (can_serve(q, k, g, mode)) {
+            ;
+        } else if (q->seen[key % NS_SEEN] == key) {
+            status = keep(q, key, g, mode, &k);
+        } else {
+            q->seen[key % NS_SEEN] = key;
+            status = make_over(q, k, g, mode);
+        }
     }
     if (status != NS_OK)
         return status;
@@ -197,9 +233,30 @@ static int solve_leaky(ns_modal *q, const ns_kept *k, const double *r, double *v
     return NS_E_SINGULAR;
 }
 
+/* By an update, which the first solution has to confirm; else there are factors anew. */
+static int solve_updated(ns_modal *q, const ns_kept *k, const double *r, double *v) {
+    ns_update *u = k->update;
+    const int good = ns_update_solve(u, q->klu, k->factors, r, v, u->checked ? NULL : q->seen_v);
+    if (good) {
+        u->checked = 1;
+        return NS_OK;
+    }
+    for (int i = 0; i < 2 * NS_SCRATCH; i++) {
+        ns_kept *own = &q->scratch[0][0] + i;
+        if (own != k)
+            continue;
+        const int status = make_over(q, own, k->g, u->mode);
+        if (status != NS_OK)
+            return status;
+    }
+    return ns_modal_solve(q, k, r, v);
+}
+
 int ns_modal_solve(ns_modal *q, const ns_kept *k, const double *r, double *v) {
     if (k->leaky)
         return solve_leaky(q, k, r, v);
+    if (k->update && (k->update->count > 0 || !k->update->checked))
+        return solve_updated(q, k, r, v);
     memcpy(v, r, sizeof(double) * (size_t)q->f->size);
     ns_klu_solve(q->klu, k->factors, v);
     return NS_OK;

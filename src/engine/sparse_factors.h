@@ -4,6 +4,7 @@
 
 #include "../linalg/sparse_lu.h"
 #include "sparse_form.h"
+#include "sparse_update.h"
 
 /* Of one mode and one length of implicit Euler step. */
 typedef struct ns_kept ns_kept;
@@ -14,24 +15,28 @@ struct ns_kept {
     ns_mode *mode; /* m */
     ns_factors *factors;
     size_t bytes;
-    long used;     /* when */
-    ns_kept *next; /* of its bucket */
+    long used;         /* when */
+    ns_kept *next;     /* of its bucket */
+    ns_update *update; /* of a scratch one: the mode it serves may differ from its own */
 };
 
-enum { NS_KEPT_BUCKETS = 256, NS_SEEN = 1024 };
+enum { NS_KEPT_BUCKETS = 256, NS_SEEN = 1024, NS_SCRATCH = 3 };
 
-/* Factors are kept when a mode and a length are asked for the second time: at the first, two scratch ones,
- * for short steps and for long ones, are made over, which is quicker. */
+/* Factors serve modes that differ in a few pairs as well (sparse_update.h): a few scratch ones for short
+ * steps, and for long ones, each of one length, are made over when too many differ; or, if the mode and the
+ * length are asked for again, new ones are made for them and kept. */
 typedef struct ns_modal {
     const ns_form *f;
     ns_klu *klu;
-    double *value; /* of K */
-    double *work;  /* 3 size */
+    double *value;  /* of K */
+    double *work;   /* 3 size */
+    double *seen_v; /* of it: how large the unknowns were of late */
     ns_kept *bucket[NS_KEPT_BUCKETS];
-    ns_kept scratch[2];
+    ns_kept scratch[2][NS_SCRATCH];
+    ns_update update[2][NS_SCRATCH];
     unsigned long long seen[NS_SEEN];
     size_t bytes, limit;
-    long clock, made, evicted;
+    long clock, made, evicted, updated;
 } ns_modal;
 
 int ns_modal_create(const ns_form *f, size_t limit, ns_modal **out); /* Errors: MEMORY, SINGULAR */

@@ -1,0 +1,224 @@
+/* src/engine/sparse_update.c - a few rows of (P2) changed, without new factors. */
+#include "sparse_update.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST = NS_UPDATE_MOST };
+/* What has to be left of the terms that the small matrix is summed from. */
+static const double least_share = 1e-6;
+/* How much larger than an unknown, as it was of late, its terms may be; how fast that is forgotten. */
+static const double most_terms = 1e3, forget = 0.9;
+
+int ns_update_create(const ns_form *f, ns_update *u) {
+    *u = (ns_update){.f = f};
+    u->mode = calloc((size_t)f->m + 1, 1);
+    return u->mode ? NS_OK : NS_E_MEMORY;
+}
+
+void ns_update_free(ns_update *u) {
+    free(u->mode);
+    free(u->v);
+}
+
+void ns_update_reset(ns_update *u, const ns_mode *mode) {
+    u->count = u->columns = 0;
+    u->checked = 0;
+    memmove(u->mode, mode, (size_t)u->f->m);
+}
+
+/* The law of pair j applied to v. */
+static double law(const ns_form *f, ns_mode mode, int j, const double *v) {
+    return ns_slides(mode)     ? ns_csc_dot(&f->gx, f->command[j], v)
+           : mode == NS_INSIDE ? ns_csc_dot(&f->Ct, j, v)
+                               : v[f->n + j];
+}
+
+/* What lambda_j is left over from, in the equations it enters. */
+static double terms_of_lambda(const ns_form *f, double g, int j, const double *v) {
+    double most = 0;
+    for (int k = f->K.start[f->n + j]; k < f->K.start[f->n + j + 1]; k++) {
+        const int i = f->K.row[k];
+        if (i >= f->n || f->KA[k] == 0)
+            continue;
+        const double charge = f->algebraic[i] ? 0 : ns_csc_size(&f->Mt, i, v) / g;
+        most = fmax(most, (charge + ns_csc_size(&f->At, i, v)) / fabs(f->KA[k]));
+    }
+    return most;
+}
+
+/* What its law is summed from; of lambda alone, only rounding counts. */
+static double law_size(const ns_form *f, double g, ns_mode mode, int j, const double *v) {
+    return ns_slides(mode)     ? ns_csc_size(&f->gx, f->command[j], v)
+           : mode == NS_INSIDE ? ns_csc_size(&f->Ct, j, v)
+                               : fmax(fabs(v[f->n + j]), 1e-4 * terms_of_lambda(f, g, j, v));
+}
+
+/* Two modes that have the same row of K. */
+static int alike(ns_mode a, ns_mode b) {
+    return a == b || (!ns_slides(a) && !ns_slides(b) && a != NS_INSIDE && b != NS_INSIDE) ||
+           (ns_slides(a) && ns_slides(b));
+}
+
+/* The pairs that differ; 0: too many. */
+static int differences(ns_update *u, const ns_mode *base, const ns_mode *mode) {
+    u->count = 0;
+    for (int j = 0; j < u->f->m; j++) {
+        if (base[j] == mode[j] || alike(base[j], mode[j]))
+            continue;
+        if (u->count == MOST)
+            return 0;
+        u->pair[u->count++] = j;
+    }
+    return 1;
+}
+
+static int column_of(const ns_update *u, int pair) {
+    int c = 0;
+    while (c < u->columns && u->known[c] != pair)
+        c++;
+    return c;
+}
+
+static int asked(const ns_update *u, int pair) {
+    for (int i = 0; i < u->count; i++)
+        if (u->pair[i] == pair)
+            return 1;
+    return 0;
+}
+
+/* Where a new column goes: behind the others, or in place of one that is not asked for. */
+static int free_column(ns_update *u) {
+    if (u->columns < MOST)
+        return u->columns++;
+    int c = 0;
+    while (c < MOST - 1 && asked(u, u->known[c]))
+        c++;
+    return c;
+}
+
+static int make_columns(ns_update *u, ns_klu *klu, ns_factors *factors) {
+    const size_t size = (size_t)u->f->size;
+    if (!u->v)
+        u->v = calloc(MOST * size + 1, sizeof(double));
+    if (!u->v)
+        return 0;
+    for (int i = 0; i < u->count; i++) {
+        int c = column_of(u, u->pair[i]);
+        if (c == u->columns) {
+            c = free_column(u);
+            double *v = u->v + (size_t)c * size;
+            memset(v, 0, sizeof(double) * size);
+            v[u->f->n + u->pair[i]] = 1;
+            ns_klu_solve(klu, factors, v);
+            u->known[c] = u->pair[i];
+        }
+        u->of[i] = c;
+    }
+    return 1;
+}
+
+/* Row i of c by its triangles; 0: a pivot is but rounding of terms. */
+static int eliminate(ns_update *u, const double *terms) {
+    const int k = u->count;
+    for (int p = 0; p < k; p++) {
+        int best = p;
+        for (int i = p + 1; i < k; i++)
+            if (fabs(u->c[u->order[i] * MOST + p]) * terms[u->order[best]] >
+                fabs(u->c[u->order[best] * MOST + p]) * terms[u->order[i]])
+                best = i;
+        const int row = u->order[best];
+        u->order[best] = u->order[p];
+        u->order[p] = row;
+        const double pivot = u->c[row * MOST + p];
+        if (!(fabs(pivot) > least_share * terms[row]) || !isfinite(pivot))
+            return 0;
+        for (int i = p + 1; i < k; i++) {
+            double *c = u->c + u->order[i] * MOST;
+            const double by = c[p] /= pivot;
+            for (int q = p + 1; q < k; q++)
+                c[q] -= by * u->c[row * MOST + q];
+        }
+    }
+    return 1;
+}
+
+/* The small matrix, in triangles. */
+static int make_small(ns_update *u, double g, const ns_mode *mode) {
+    const ns_form *f = u->f;
+    double terms[MOST] = {0};
+    for (int i = 0; i < u->count; i++) {
+        const int j = u->pair[i];
+        for (int k = 0; k < u->count; k++) {
+            const double *v = u->v + (size_t)u->of[k] * (size_t)f->size;
+            u->c[i * MOST + k] = law(f, mode[j], j, v);
+            terms[i] = fmax(terms[i], law_size(f, g, mode[j], j, v));
+        }
+        u->order[i] = i;
+    }
+    return eliminate(u, terms);
+}
+
+int ns_update_to(ns_update *u, ns_klu *klu, ns_factors *factors, double g, const ns_mode *base,
+                 const ns_mode *mode) {
+    const int done = differences(u, base, mode) && make_columns(u, klu, factors) && make_small(u, g, mode);
+    u->count = done ? u->count : 0;
+    u->checked = u->count == 0;
+    memcpy(u->mode, done ? mode : base, (size_t)u->f->m);
+    return done;
+}
+
+/* To mu: what makes v, whose right-hand sides were zero there, keep the laws that changed. */
+static void weigh(const ns_update *u, const double *r, const double *v, double *mu) {
+    const ns_form *f = u->f;
+    for (int p = 0; p < u->count; p++) {
+        const int i = u->order[p], j = u->pair[i];
+        mu[p] = r[f->n + j] - law(f, u->mode[j], j, v);
+        for (int q = 0; q < p; q++)
+            mu[p] -= u->c[i * MOST + q] * mu[q];
+    }
+    for (int p = u->count - 1; p >= 0; p--) {
+        const double *c = u->c + u->order[p] * MOST;
+        for (int q = p + 1; q < u->count; q++)
+            mu[p] -= c[q] * mu[q];
+        mu[p] /= c[p];
+    }
+}
+
+/* v += V mu; 0: unknowns are what is left of terms that are much larger than they ever were. */
+static int add(const ns_update *u, const double *mu, double *v, double *seen) {
+    const size_t size = (size_t)u->f->size;
+    int good = 1;
+    for (size_t i = 0; i < size; i++) {
+        double sum = v[i], terms = fabs(v[i]);
+        for (int p = 0; p < u->count; p++) {
+            const double term = mu[p] * u->v[(size_t)u->of[p] * size + i];
+            sum += term;
+            terms += fabs(term);
+        }
+        v[i] = sum;
+        seen[i] = fmax(fabs(sum), forget * seen[i]);
+        good &= terms <= most_terms * seen[i];
+    }
+    return good;
+}
+
+int ns_update_solve(const ns_update *u, ns_klu *klu, ns_factors *factors, const double *r, double *v,
+                    double *seen) {
+    const ns_form *f = u->f;
+    double mu[MOST];
+    memcpy(v, r, sizeof(double) * (size_t)f->size);
+    for (int i = 0; i < u->count; i++)
+        v[f->n + u->pair[i]] = 0;
+    ns_klu_solve(klu, factors, v);
+    weigh(u, r, v, mu);
+    if (seen)
+        return add(u, mu, v, seen);
+    for (int p = 0; p < u->count; p++) {
+        const double *column = u->v + (size_t)u->of[p] * (size_t)f->size;
+        for (int i = 0; i < f->size; i++)
+            v[i] += mu[p] * column[i];
+    }
+    return 1;
+}

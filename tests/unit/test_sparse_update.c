@@ -1,0 +1,134 @@
+/* tests/unit/test_sparse_update.c - (P2) of modes solved with the factors of others. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "dice.h"
+#include "engine/sparse_factors.h"
+#include "nonsmooth.h"
+
+enum { CELLS = 24 };
+
+/* A line of resistors and capacitors, from each node a diode to ground; `loose`: and one beyond a diode, held
+ * by nothing else but a second one. */
+static ns_system *line(int loose) {
+    const ns_diode diode = {0, 0, INFINITY, INFINITY, 0};
+    const ns_signal volts = {.kind = NS_DC, .u.dc = 10};
+    ns_circuit *c;
+    ns_system *s;
+    char name[24];
+    assert_int_equal(ns_circuit_create(&c), NS_OK);
+    assert_int_equal(ns_circuit_source(c, "v", NS_VOLTAGE, 1, 0, &volts, NULL), NS_OK);
+    for (int k = 0; k < CELLS; k++) {
+        (void)snprintf(name, sizeof name, "r%d", k);
+        assert_int_equal(ns_circuit_resistor(c, name, k + 1, k + 2, 10, NULL), NS_OK);
+        (void)snprintf(name, sizeof name, "c%d", k);
+        assert_int_equal(ns_circuit_capacitor(c, name, k + 2, 0, 1e-6, NAN, NULL), NS_OK);
+        (void)snprintf(name, sizeof name, "d%d", k);
+        assert_int_equal(ns_circuit_diode(c, name, 0, k + 2, &diode, NULL), NS_OK);
+    }
+    if (loose) {
+        assert_int_equal(ns_circuit_diode(c, "e", 2, CELLS + 2, &diode, NULL), NS_OK);
+        assert_int_equal(ns_circuit_diode(c, "f", CELLS + 2, 0, &diode, NULL), NS_OK);
+    }
+    assert_int_equal(ns_circuit_system(c, &s), NS_OK);
+    ns_circuit_free(c);
+    return s;
+}
+
+/* What v leaves of r, relative to the largest of r: equations of voltages and of charges, both about one. */
+static double rest(const ns_form *f, double g, const ns_mode *mode, const double *r, const double *v) {
+    double *left = calloc((size_t)f->size, sizeof *left), worst = 0;
+    assert_non_null(left);
+    memcpy(left, r, sizeof *left * (size_t)f->size);
+    ns_form_subtract(f, g, mode, v, left);
+    for (int i = 0; i < f->size; i++)
+        worst = fmax(worst, fabs(left[i]));
+    free(left);
+    return worst;
+}
+
+/* A walk through modes, one to three pairs a step: the equations of each hold, and factors are made for few:
+ * when more than NS_UPDATE_MOST pairs differ, so at most for every third mode or so, here. */
+static void test_walk(void **state) {
+    (void)state;
+    enum { STEPS = 400 };
+    const double g = 1e-6;
+    dice d = dice_make(7, 0);
+    ns_system *s = line(0);
+    ns_form *f;
+    ns_modal *q;
+    const ns_kept *k;
+    assert_int_equal(ns_form_create(s, 0, &f), NS_OK);
+    assert_int_equal(ns_modal_create(f, 1 << 26, &q), NS_OK);
+    double *r = calloc(2 * (size_t)f->size, sizeof *r), *v = r + f->size;
+    ns_mode *mode = calloc((size_t)f->m, 1);
+    for (int j = 0; j < f->m; j++)
+        mode[j] = NS_LOWER;
+    for (int step = 0; step < STEPS; step++) {
+        for (int flips = 1 + step % 3; flips > 0; flips--) {
+            const int j = dice_below(&d, f->m);
+            mode[j] = mode[j] == NS_INSIDE ? NS_LOWER : NS_INSIDE;
+        }
+        for (int round = 0; round < 3; round++) {
+            for (int i = 0; i < f->size; i++)
+                r[i] = dice_either(&d) * (i >= f->n || f->algebraic[i] ? 1 : 1e-6);
+            assert_int_equal(ns_modal_factor(q, g, mode, 0, &k), NS_OK);
+            assert_int_equal(ns_modal_solve(q, k, r, v), NS_OK);
+            assert_true(rest(f, g, mode, r, v) < 1e-12);
+        }
+    }
+    assert_true(q->updated > STEPS / 2);
+    assert_true(q->made < STEPS / 2);
+    free(r);
+    free(mode);
+    ns_modal_free(q);
+    ns_form_free(f);
+    ns_system_free(s);
+}
+
+/* With both of its diodes open nothing holds the last node: no update leads there, the factors with leaks do,
+ * and from there back. */
+static void test_loose(void **state) {
+    (void)state;
+    const double g = 1e-6;
+    ns_system *s = line(1);
+    ns_form *f;
+    ns_modal *q;
+    const ns_kept *k;
+    assert_int_equal(ns_form_create(s, 0, &f), NS_OK);
+    assert_int_equal(ns_modal_create(f, 1 << 26, &q), NS_OK);
+    double *r = calloc(2 * (size_t)f->size, sizeof *r), *v = r + f->size;
+    ns_mode *mode = calloc((size_t)f->m, 1);
+    for (int j = 0; j < f->m; j++)
+        mode[j] = NS_LOWER;
+    for (int round = 0; round < 12; round++) {
+        const int loose = round % 2, e = f->m - 2;
+        mode[e] = loose ? NS_LOWER : NS_INSIDE;
+        mode[round % e] = NS_INSIDE;
+        memset(r, 0, sizeof *r * (size_t)f->size);
+        for (int i = 0; i < f->n; i++)
+            r[i] = f->algebraic[i] ? f->b[i] : 1e-6 * i;
+        assert_int_equal(ns_modal_factor(q, g, mode, 0, &k), NS_OK);
+        assert_int_equal(ns_modal_solve(q, k, r, v), NS_OK);
+        assert_int_equal(k->leaky, loose);
+        assert_true(rest(f, g, mode, r, v) < 1e-11);
+    }
+    free(r);
+    free(mode);
+    ns_modal_free(q);
+    ns_form_free(f);
+    ns_system_free(s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_walk), cmocka_unit_test(test_loose)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
