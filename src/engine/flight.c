@@ -2,6 +2,7 @@
 #include "flight.h"
 #include "slide.h"
 
+#include "../linalg/lanes.h"
 #include "../system/acting.h"
 
 #include <float.h>
@@ -58,6 +59,7 @@ int ns_flight_create(ns_march *m, ns_flight **out) {
     f->grounded = -INFINITY;
     f->limit = m->step->cache.limit;
     f->guess = m->h;
+    ns_watch_pieces(NS_POLE, f->pieces);
     int status = f->acting ? ns_system_acting(m->s, f->acting) : NS_E_MEMORY;
     const int *input = NULL;
     if (status == NS_OK)
@@ -132,7 +134,7 @@ static int load(ns_flight *f) {
     memcpy(f->X, f->s->w, sizeof(double) * (size_t)f->s->r);
     read_inputs(f);
     for (int i = 0; i < f->s->r; i++)
-        f->most[i] = fmax(f->most[i], fabs(f->X[i]));
+        f->most[i] = ns_higher(f->most[i], fabs(f->X[i]));
     if (!f->m->live.at_event)
         ns_turn_settle(f);
     return NS_OK;
@@ -167,6 +169,7 @@ static int deposit(ns_flight *f) {
     memcpy(f->to.mode, f->at->mode, m);
     memcpy(s->w, f->X, sizeof(double) * (size_t)s->r);
     ns_system_inputs(s->s, f->t, f->m->live.at_event ? NS_LEFT : NS_RIGHT, f->m->z);
+    ns_flight_show(f, f->at->mode);
     ns_theta_jump(s, &f->to, f->m->z);
     memcpy(s->w, f->X, sizeof(double) * (size_t)s->r);
     ns_control_set(f->m, f->to.x);
@@ -194,7 +197,7 @@ int ns_flight_settle(ns_flight *f) {
 /* The step to take next: *leg, or (NULL) a short way by the series; its length. */
 static int choose(ns_flight *f, ns_level *level, double rest, ns_leg **leg, double *h) {
     const ns_stage *k = level->stage;
-    const double longest = ldexp(k->h, NS_GUARDED);
+    const double longest = k->h * (1 << NS_GUARDED);
     int status = NS_OK;
     *leg = NULL;
     *h = rest;
@@ -203,10 +206,9 @@ static int choose(ns_flight *f, ns_level *level, double rest, ns_leg **leg, doub
     if (status != NS_OK || *leg || k->rows == 0 || rest <= k->h)
         return status;
     int rung = 0;
-    while (rung < NS_GUARDED && ldexp(k->h, rung + 1) <= rest)
+    for (*h = k->h; rung < NS_GUARDED && 2 * *h <= rest; *h *= 2)
         rung++;
     status = ns_leg_rung(f, level, rung, leg);
-    *h = ldexp(k->h, rung);
     return status;
 }
 
@@ -216,7 +218,7 @@ static int look(ns_flight *f, ns_level *level, double span, double *done, int *b
     *done = 0;
     *broke = 0;
     while (!*broke && *done < span) {
-        double part = fmin(h, span - *done), when;
+        double part = ns_lower(h, span - *done), when;
         if (span - *done - part < 1e-9 * h)
             part = span - *done;
         *broke = ns_watch_near(f, level, part, &when);
@@ -246,6 +248,9 @@ static int advance(ns_flight *f, double rest, double *done, int *broke) {
     if (!leg)
         return look(f, level, h, done, broke);
     double clear = 0;
+    status = ns_leg_sample(f, level, leg);
+    if (status != NS_OK)
+        return status;
     const int doubt = leg->samples > 0 ? ns_watch_leg(f, level, leg, &clear) : -1;
     if (doubt < 0) {
         ns_leg_take(f, level, leg);
@@ -286,7 +291,7 @@ static void pass(ns_flight *f, const ns_instant *what) {
 }
 
 static void count(ns_flight *f) {
-    const double near = ldexp(f->m->h, -NS_EVENT_RUNG);
+    const double near = f->m->h / (1 << NS_EVENT_RUNG);
     f->m->events++;
     f->crowd = f->t - f->event_t < near ? f->crowd + 1 : 0;
     f->event_t = f->t;

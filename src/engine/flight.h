@@ -11,9 +11,13 @@
 #include "schedule.h"
 #include "stage.h"
 
+#include <stdint.h>
+
 /* Samples of the guards in a leg, its longest length with guards and without, in h 2^k; legs of recurring
  * lengths that a level keeps; levels of a mode; modes that follow one. */
 enum { NS_SAMPLES = 8, NS_GUARDED = 5, NS_UNGUARDED = 40, NS_KEPT = 16, NS_LEVELS = 4, NS_FOLLOWERS = 8 };
+/* Where a stage is looked at. */
+enum { NS_PIECES = 4 };
 
 /* A step of one length inside a mode: P takes X to w, `advance` takes v to v, `sample` gives the guards at
  * 0, h/samples, ..., h. */
@@ -22,7 +26,7 @@ typedef struct ns_leg {
     int samples;
     double *P;       /* r*q */
     double *advance; /* nv*nv */
-    double *sample;  /* ((samples+1) rows)*q */
+    double *sample;  /* ((samples+1) rows)*q; NULL: it was not flown yet */
     size_t bytes;
 } ns_leg;
 
@@ -43,13 +47,22 @@ typedef struct ns_level {
 
 typedef struct ns_flight ns_flight;
 typedef struct ns_flight_mode ns_flight_mode;
+
+/* A mode that followed, and the guards (bits, of the first 64) that nothing told of while somebody said that
+ * it holds. */
+typedef struct ns_follower {
+    ns_flight_mode *mode;
+    uint64_t untold;
+} ns_follower;
+
 struct ns_flight_mode {
     ns_mode *mode; /* m */
     long used;     /* by the clock */
     int status;    /* SINGULAR: it contradicts itself, and need not be tried again */
     int levels;    /* the first resolves what is fastest */
+    int instant;   /* something in it dies out at once: what it is entered with may jump */
     ns_level level[NS_LEVELS];
-    ns_flight_mode *follower[NS_FOLLOWERS]; /* most recent first */
+    ns_follower follower[NS_FOLLOWERS]; /* most recent first; NULL: no more */
     ns_flight_mode *chain;
 };
 
@@ -87,11 +100,13 @@ struct ns_flight {
     double *left;                 /* 2 q */
     double *ahead;                /* q */
     int status;                   /* of what was looked into beside */
+    uint64_t untold;              /* guards of the mode that was asked last of which nothing told */
     double *series, *gone;        /* 8 r, r */
     double *coef;                 /* 8 (2 m + nc) */
     double *guards;               /* (NS_SAMPLES+1) (2 m + nc) */
     double *value, *rate, *noise; /* 2 m + nc */
     double *z, *slope;            /* nz */
+    double pieces[NS_PIECES + 1][NS_ORDER]; /* coefficients of (E1) in a whole stage */
     unsigned char *closed, *flip; /* nc */
     unsigned char *turns;         /* nc: how often a command changed in this event, */
     ns_mode *goal;                /* nc: and to what it does next */
@@ -101,10 +116,11 @@ struct ns_flight {
     double *block;
 };
 
-/* flight_mode.c: the record of a mode (s->l, s->u must be those of its commands), found or built.  Errors:
- * SINGULAR, MEMORY, NUMBER. */
+/* flight_mode.c: the record of a mode, found or built (then shown).  Errors: SINGULAR, MEMORY, NUMBER. */
 int ns_flight_find(ns_flight *f, const ns_mode *mode, ns_flight_mode **out);
 void ns_flight_forget(ns_flight *f);
+/* The stepper's mode, and the bounds of commanded pairs, are those of this mode. */
+void ns_flight_show(ns_flight *f, const ns_mode *mode);
 /* Drops the modes that were not flown for longest until all fit into three quarters of the limit; never keep.
  */
 void ns_flight_trim(ns_flight *f, ns_flight_mode *keep);
@@ -113,9 +129,10 @@ ns_level *ns_flight_level(ns_flight *f, double *until);
 /* Level i of a mode with its stage; NULL: there is none to be had, what is before will do. */
 ns_level *ns_flight_reach(ns_flight *f, ns_flight_mode *k, int i);
 
-/* leg.c: the leg of h 2^k; the leg of a length that recurs, NULL (and OK) if it does not seem to.  Errors:
- * MEMORY. */
+/* leg.c: the leg of h 2^k, without samples; the leg of a length that recurs, NULL (and OK) if it does not
+ * seem to; the samples of one that is flown.  Errors: MEMORY. */
 int ns_leg_rung(ns_flight *f, ns_level *level, int k, ns_leg **out);
+int ns_leg_sample(ns_flight *f, ns_level *level, ns_leg *leg);
 int ns_leg_recurring(ns_flight *f, ns_level *level, double h, ns_leg **out);
 void ns_leg_free(ns_leg *leg);
 /* X moves on by tau, unwatched.  Errors: MEMORY. */
@@ -129,6 +146,8 @@ void ns_leg_take(ns_flight *f, const ns_level *level, const ns_leg *leg);
 int ns_watch_leg(ns_flight *f, const ns_level *level, const ns_leg *leg, double *clear);
 /* Whether a guard breaks within tau <= h from X: 1, and *when; else 0.  Leaves series and coef. */
 int ns_watch_near(ns_flight *f, const ns_level *level, double tau, double *when);
+/* c: the coefficients of (E1) at i/NS_PIECES of a way of s Euler steps. */
+void ns_watch_pieces(double s, double (*c)[NS_ORDER]);
 /* What guard g may be off by at X. */
 double ns_watch_noise(const ns_flight *f, const ns_stage *k, int g);
 

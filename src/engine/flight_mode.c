@@ -64,10 +64,10 @@ static size_t bytes_of(const ns_flight *f, const ns_flight_mode *k) {
 static void unfollow(ns_flight_mode *from, const ns_flight_mode *gone) {
     int to = 0;
     for (int i = 0; i < NS_FOLLOWERS; i++)
-        if (from->follower[i] != gone)
+        if (from->follower[i].mode != gone)
             from->follower[to++] = from->follower[i];
     while (to < NS_FOLLOWERS)
-        from->follower[to++] = NULL;
+        from->follower[to++] = (ns_follower){0};
 }
 
 /* Where the mode that was not flown for longest hangs; NULL: there is none but keep. */
@@ -106,8 +106,9 @@ static int by_size(const void *a, const void *b) {
     return (x < y) - (x > y);
 }
 
-/* The rates that matter, the largest first; how many. */
-static int list_rates(const ns_flight *f, const ns_stage *stage, ns_rate *rate, double *room, int *status) {
+/* The rates that matter, the largest first; how many.  *at_once: there are others. */
+static int list_rates(const ns_flight *f, const ns_stage *stage, ns_rate *rate, double *room, int *at_once,
+                      int *status) {
     double *re = room, *im = room + stage->r;
     const double instant = ldexp(f->m->h, -NS_EVENT_RUNG);
     int count = 0;
@@ -117,6 +118,7 @@ static int list_rates(const ns_flight *f, const ns_stage *stage, ns_rate *rate, 
         if (dies > instant && isfinite(re[i]))
             rate[count++] = (ns_rate){hypot(re[i], im[i]), dies};
     }
+    *at_once = count < stage->r;
     for (int i = 0; i < f->exo->nv; i++) {
         const ns_exo_state *is = &f->exo->state[i];
         const double dies = is->decay > 0 ? DEAD / is->decay : INFINITY;
@@ -135,10 +137,16 @@ static double length_for(const ns_flight *f, double rate) {
     return ldexp(f->m->h, (int)floor(log2(NS_REACH / rate / f->m->h)));
 }
 
+void ns_flight_show(ns_flight *f, const ns_mode *mode) {
+    memmove(f->s->mode, mode, (size_t)f->m->s->m);
+    ns_theta_set_bounds(f->s);
+}
+
 ns_level *ns_flight_reach(ns_flight *f, ns_flight_mode *k, int i) {
     ns_level *level = &k->level[i];
     if (level->stage)
         return level;
+    ns_flight_show(f, k->mode);
     const int status = ns_stage_build(f->s, f->exo, level->h / NS_POLE, k->mode, &level->stage);
     if (status != NS_OK) {
         if (status == NS_E_MEMORY)
@@ -174,7 +182,7 @@ static int build(ns_flight *f, ns_flight_mode *k) {
     ns_stage *probe = NULL;
     const double guess = f->guess < f->m->h / 64 ? f->m->h : f->guess; /* shorter ones see nothing slow */
     int status = room && rate ? ns_stage_build(f->s, f->exo, guess / NS_POLE, k->mode, &probe) : NS_E_MEMORY;
-    const int count = status == NS_OK ? list_rates(f, probe, rate, room, &status) : 0;
+    const int count = status == NS_OK ? list_rates(f, probe, rate, room, &k->instant, &status) : 0;
     if (status == NS_OK)
         list_levels(f, k, rate, count);
     if (status == NS_OK && k->level[0].h == guess) {
@@ -206,6 +214,7 @@ int ns_flight_find(ns_flight *f, const ns_mode *mode, ns_flight_mode **out) {
         return NS_E_MEMORY;
     }
     memcpy(k->mode, mode, m);
+    ns_flight_show(f, mode);
     k->status = build(f, k);
     if (k->status != NS_OK && k->status != NS_E_SINGULAR) {
         const int status = k->status;

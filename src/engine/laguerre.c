@@ -3,10 +3,11 @@
 
 /* L_0 ... L_count at s. */
 static void polynomials(double s, int count, double *L) {
+    static const double part[] = {1, 1. / 2, 1. / 3, 1. / 4, 1. / 5, 1. / 6, 1. / 7, 1. / 8};
     L[0] = 1;
     L[1] = 1 - s;
     for (int i = 1; i < count; i++)
-        L[i + 1] = ((2 * i + 1 - s) * L[i] - i * L[i - 1]) / (i + 1);
+        L[i + 1] = ((2 * i + 1 - s) * L[i] - i * L[i - 1]) * part[i];
 }
 
 static double sign(int i) {

@@ -7,8 +7,8 @@
 #include <string.h>
 
 static ns_leg *create(const ns_stage *k, double h, int samples) {
-    const size_t q = (size_t)k->q, nv = (size_t)k->nv, r = (size_t)k->r, rows = (size_t)k->rows;
-    const size_t count = r * q + nv * nv + ((size_t)samples + 1) * rows * q;
+    const size_t q = (size_t)k->q, nv = (size_t)k->nv, r = (size_t)k->r;
+    const size_t count = r * q + nv * nv;
     const size_t bytes = sizeof(ns_leg) + count * sizeof(double);
     ns_leg *leg = calloc(1, bytes);
     if (!leg)
@@ -17,12 +17,13 @@ static ns_leg *create(const ns_stage *k, double h, int samples) {
     leg->samples = samples;
     leg->P = (double *)(void *)(leg + 1);
     leg->advance = leg->P + r * q;
-    leg->sample = leg->advance + nv * nv;
     leg->bytes = bytes;
     return leg;
 }
 
 void ns_leg_free(ns_leg *leg) {
+    if (leg)
+        free(leg->sample);
     free(leg);
 }
 
@@ -55,37 +56,45 @@ static int matrix_of(ns_flight *f, ns_level *level, double h, double *P, double 
     return NS_OK;
 }
 
-/* The guards every h/samples: S_0 = value, S_(i+1) = S_i after the step of that length. */
-static void fill_samples(const ns_stage *k, const double *P, const double *advance, ns_leg *leg) {
-    const int rows = k->rows, all = (leg->samples + 1) * rows, r = k->r;
-    for (int i = 0; i <= leg->samples; i++)
-        for (int j = 0; j < k->q; j++)
-            for (int g = 0; g < rows; g++) {
-                double sum = 0;
-                const double *from = leg->sample + (i - 1) * rows + g;
-                if (i == 0)
-                    sum = k->value[g + j * rows];
-                for (int a = 0; a < r && i > 0; a++)
-                    sum += from[(size_t)a * (size_t)all] * P[a + j * r];
-                for (int a = 0; a < k->nv && i > 0 && j >= r; a++)
-                    sum += from[(size_t)(r + a) * (size_t)all] * advance[a + (j - r) * k->nv];
-                leg->sample[(size_t)(i * rows + g) + (size_t)j * (size_t)all] = sum;
-            }
+/* The guards every h/samples: S_0 = value, S_(i+1) = S_i after the step of that length; S, next: rows*q. */
+static void fill_samples(const ns_stage *k, const double *P, const double *advance, double *S, double *next,
+                         const ns_leg *leg) {
+    const size_t rows = (size_t)k->rows, all = ((size_t)leg->samples + 1) * rows, r = (size_t)k->r;
+    memcpy(S, k->value, sizeof *S * rows * (size_t)k->q);
+    for (int i = 0; i <= leg->samples; i++) {
+        for (size_t j = 0; j < (size_t)k->q; j++) {
+            memcpy(leg->sample + (size_t)i * rows + j * all, S + j * rows, sizeof *S * rows);
+            ns_matvec(k->rows, k->r, S, P + j * r, next + j * rows);
+            if (j >= r)
+                ns_matvec_add(k->rows, k->nv, S + r * rows, advance + (j - r) * (size_t)k->nv,
+                              next + j * rows);
+        }
+        double *swap = S;
+        S = next;
+        next = swap;
+    }
 }
 
-/* The samples of a leg, with room of its own. */
-static int sample(ns_flight *f, ns_level *level, ns_leg *leg) {
+int ns_leg_sample(ns_flight *f, ns_level *level, ns_leg *leg) {
     const ns_stage *k = level->stage;
-    const size_t size = (size_t)k->r * (size_t)k->q, nv = (size_t)k->nv;
-    if (leg->samples == 0)
+    const size_t size = (size_t)k->r * (size_t)k->q, nv = (size_t)k->nv, row = (size_t)k->rows * (size_t)k->q;
+    const size_t bytes = sizeof(double) * ((size_t)leg->samples + 1) * row;
+    if (leg->sample || leg->samples == 0)
         return NS_OK;
-    double *P = malloc(sizeof *P * (2 * size + nv * nv + 1));
-    if (!P)
-        return NS_E_MEMORY;
-    double *advance = P + 2 * size;
-    const int status = matrix_of(f, level, leg->h / leg->samples, P, advance, P + size);
+    double *P = malloc(sizeof *P * (2 * size + nv * nv + 2 * row + 1));
+    leg->sample = malloc(bytes);
+    int status = P && leg->sample ? NS_OK : NS_E_MEMORY;
     if (status == NS_OK)
-        fill_samples(k, P, advance, leg);
+        status = matrix_of(f, level, leg->h / leg->samples, P, P + 2 * size, P + size);
+    if (status == NS_OK) {
+        double *S = P + 2 * size + nv * nv;
+        fill_samples(k, P, P + 2 * size, S, S + row, leg);
+        leg->bytes += bytes;
+        f->bytes += bytes;
+    } else {
+        free(leg->sample);
+        leg->sample = NULL;
+    }
     free(P);
     return status;
 }
@@ -107,7 +116,7 @@ static int build(ns_flight *f, ns_level *level, double h, ns_leg **out) {
     const size_t size = (size_t)k->r * (size_t)k->q;
     ns_leg *leg = create(k, h, h <= ldexp(k->h, NS_GUARDED) * 1.01 ? samples_for(k, h) : 0);
     double *room = malloc(sizeof *room * (size + 1));
-    int status = leg && room ? sample(f, level, leg) : NS_E_MEMORY;
+    int status = leg && room ? NS_OK : NS_E_MEMORY;
     if (status == NS_OK)
         status = matrix_of(f, level, h, leg->P, leg->advance, room);
     free(room);
@@ -126,8 +135,6 @@ static int build_rung(ns_flight *f, ns_level *level, int k, ns_leg **out) {
         ns_stage_compose(stage, below->P, below->P, below->advance, leg->P);
     else if (status == NS_OK)
         memcpy(leg->P, stage->step, sizeof(double) * (size_t)stage->r * (size_t)stage->q);
-    if (status == NS_OK)
-        status = sample(f, level, leg);
     if (status == NS_OK)
         ns_exo_matrix(f->exo, h, leg->advance);
     return finish(f, leg, status, out);

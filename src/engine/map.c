@@ -17,8 +17,9 @@
 
 /* What the second refinement may still move: far above rounding, far below what a pivot of rounding does. */
 static const double moved_max = 1e-10;
-/* Below, K may be singular but for rounding. */
-static const double rcond_min = 1e-14;
+/* Below, K may be singular but for rounding; with pivots that differ by less, what an estimate of the condition
+ * could tell shows in the refinement too. */
+static const double rcond_min = 1e-14, pivots_min = 1e-6;
 
 static int list_inside(const ns_theta *s, const ns_mode *mode, int *inside) {
     int count = 0;
@@ -197,13 +198,13 @@ static int solve_factored(ns_theta *s, int size) {
  * are leaks in the factors. */
 static int solve(ns_theta *s, const ns_leaks *leaks, int nj, int *leaky) {
     const int size = s->s->n + nj;
-    double rcond = 0;
     *leaky = 0;
     s->counts.factors++;
-    const int regular = ns_lu_factor(s->lu, size, s->K, &rcond, NULL);
+    const int regular = ns_lu_factor(s->lu, size, s->K, NULL, NULL);
     if (regular != NS_OK && regular != NS_E_SINGULAR)
         return regular;
-    if (regular == NS_OK && rcond >= rcond_min && solve_factored(s, size) == NS_OK)
+    if (regular == NS_OK && (ns_lu_pivots(s->lu) >= pivots_min || ns_lu_rcond(s->lu) >= rcond_min) &&
+        solve_factored(s, size) == NS_OK)
         return NS_OK;
     memcpy(s->X, s->R, sizeof(double) * (size_t)size * (size_t)s->q);
     const int status = ns_leak_solve(s, leaks, nj, s->q);

@@ -7,6 +7,8 @@
 #include "flight.h"
 #include "slide.h"
 
+#include "../linalg/lanes.h"
+
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -66,8 +68,18 @@ static int jump(ns_flight *f, const ns_stage *k) {
     return moves;
 }
 
+/* f->next = X, as the mode is entered with it; 1 if it jumps. */
+static int enter(ns_flight *f, const ns_flight_mode *k) {
+    if (k->instant)
+        return jump(f, k->level[0].stage);
+    memcpy(f->next, f->X, sizeof(double) * (size_t)k->level[0].stage->q);
+    return 0;
+}
+
 void ns_turn_settle(ns_flight *f) {
     double *X = f->X, until;
+    if (!f->at->instant)
+        return;
     (void)jump(f, ns_flight_level(f, &until)->stage);
     f->X = f->next;
     f->next = X;
@@ -87,7 +99,7 @@ static int impulses_fit(ns_flight *f, const ns_stage *k) {
     product(k, k->value, f->next, f->value);
     for (int g = 0; g < k->pair_rows; g++) {
         f->rate[g] = impulse_of(f, k, g);
-        most = fmax(most, fabs(f->rate[g]));
+        most = ns_higher(most, fabs(f->rate[g]));
     }
     for (int g = 0; g < k->pair_rows; g++)
         if (f->rate[g] < -(impulse_tol * most + matters * fabs(f->value[g]) + ns_watch_noise(f, k, g)))
@@ -140,8 +152,9 @@ static ns_omen breaks(ns_flight *f, ns_flight_mode *mode, int g, const double *X
         if (!level)
             break;
         k = level->stage;
-        for (int rung = 0; rung <= SOON && ldexp(k->h, rung) <= until; rung++) {
-            if (start > ldexp(k->h, rung) || fly_ahead(f, level, rung, X) != NS_OK)
+        double h = k->h;
+        for (int rung = 0; rung <= SOON && h <= until; rung++, h *= 2) {
+            if (start > h || fly_ahead(f, level, rung, X) != NS_OK)
                 continue;
             const double then = row_of(k, k->value, g, f->ahead);
             if (fabs(then) > 4 * ns_watch_noise(f, k, g))
@@ -157,45 +170,53 @@ typedef enum ns_word { NS_NOBODY, NS_STEP, NS_IMPULSES } ns_word;
 
 typedef enum ns_holding { NS_NOT, NS_HOLDS, NS_JUMPS } ns_holding; /* JUMPS: at this instant, and no longer */
 
-/* Whether the mode holds from here on.  Where nothing can tell, it does if somebody says so. */
-static ns_holding holds(ns_flight *f, ns_flight_mode *k, ns_word word) {
+static uint64_t bit_of(int g) {
+    return g < 64 ? (uint64_t)1 << g : 0;
+}
+
+/* Whether the mode holds from here on.  Where nothing can tell, it does if somebody says so, or said so when
+ * it came to the same (untold). */
+static ns_holding holds(ns_flight *f, ns_flight_mode *k, ns_word word, uint64_t untold) {
     const ns_stage *stage = k->level[0].stage;
-    const int jumps = jump(f, stage);
+    f->untold = 0;
+    const int jumps = enter(f, k);
     if (jumps && word != NS_IMPULSES && !impulses_fit(f, stage))
         return NS_NOT;
     for (int g = 0; g < stage->pair_rows; g++) {
         const ns_omen is = breaks(f, k, g, f->next);
         const int sure = word == NS_NOBODY || (k == f->at && g == f->broken); /* that one did */
-        if (is == NS_BREAKS || (is == NS_SEEMS_TO_BREAK && sure) || (is == NS_UNTOLD && word == NS_NOBODY))
+        const int told = word != NS_NOBODY || (untold & bit_of(g));
+        f->untold |= is == NS_UNTOLD ? bit_of(g) : 0;
+        if (is == NS_BREAKS || (is == NS_SEEMS_TO_BREAK && sure) || (is == NS_UNTOLD && !told))
             return jumps && word == NS_STEP ? NS_JUMPS : NS_NOT;
     }
     return NS_HOLDS;
 }
 
-static void remember(ns_flight_mode *from, ns_flight_mode *to) {
+static void remember(ns_flight_mode *from, ns_flight_mode *to, uint64_t untold) {
     int i = 0;
-    while (i < NS_FOLLOWERS - 1 && from->follower[i] && from->follower[i] != to)
+    while (i < NS_FOLLOWERS - 1 && from->follower[i].mode && from->follower[i].mode != to)
         i++;
+    if (from->follower[i].mode == to)
+        untold |= from->follower[i].untold;
     for (; i > 0; i--)
         from->follower[i] = from->follower[i - 1];
-    from->follower[0] = to;
+    from->follower[0] = (ns_follower){to, untold};
 }
 
 /* The mode is taken. */
 static void take(ns_flight *f, ns_flight_mode *k) {
     double *X = f->X;
     if (f->at && f->at != k) {
-        remember(f->at, k);
+        remember(f->at, k, f->untold);
         f->s->counts.events++;
     }
     f->X = f->next;
     f->next = X;
     f->at = k;
     k->used = ++f->clock;
-    memcpy(f->s->mode, k->mode, (size_t)f->m->s->m);
-    ns_theta_set_bounds(f->s);
     for (int i = 0; i < f->s->r; i++)
-        f->most[i] = fmax(f->most[i], fabs(f->X[i]));
+        f->most[i] = ns_higher(f->most[i], fabs(f->X[i]));
 }
 
 /* Commanded pairs in mode a are as they are in mode b. */
@@ -216,8 +237,6 @@ static void command(ns_flight *f) {
         if (f->m->flip[c])
             *at = f->goal[c] != NS_TOGGLES ? f->goal[c] : *at == NS_INSIDE ? NS_LOWER : NS_INSIDE;
     }
-    memcpy(f->s->mode, f->want, (size_t)f->m->s->m);
-    ns_theta_set_bounds(f->s);
 }
 
 /* The mode in f->want, if it holds.  *on: it was there for a jump only, and the search goes on from behind
@@ -227,7 +246,7 @@ static int try_wanted(ns_flight *f, ns_word word, int *on) {
     const int status = ns_flight_find(f, f->want, &k);
     if (status != NS_OK)
         return status == NS_E_MEMORY ? status : NS_GUARD;
-    const ns_holding is = holds(f, k, word);
+    const ns_holding is = holds(f, k, word, 0);
     if (is == NS_NOT)
         return NS_GUARD;
     take(f, k);
@@ -236,9 +255,10 @@ static int try_wanted(ns_flight *f, ns_word word, int *on) {
 }
 
 static int try_followers(ns_flight *f) {
-    for (int i = 0; i < NS_FOLLOWERS && f->at->follower[i]; i++) {
-        ns_flight_mode *k = f->at->follower[i];
-        if (k != f->at && same_commands(f, k->mode, f->want) && holds(f, k, NS_NOBODY) == NS_HOLDS) {
+    for (int i = 0; i < NS_FOLLOWERS && f->at->follower[i].mode; i++) {
+        ns_flight_mode *k = f->at->follower[i].mode;
+        if (k != f->at && same_commands(f, k->mode, f->want) &&
+            holds(f, k, NS_NOBODY, f->at->follower[i].untold) == NS_HOLDS) {
             take(f, k);
             return NS_OK;
         }
@@ -280,7 +300,7 @@ static int try_proposed(ns_flight *f, int *on) {
         if (ns_flight_find(f, f->want, &k) != NS_OK)
             break;
         const ns_stage *stage = k->level[0].stage;
-        (void)jump(f, stage);
+        (void)enter(f, k);
         for (int g = 0; g < stage->pair_rows; g++)
             if (breaks(f, k, g, f->next) == NS_BREAKS) {
                 f->want[stage->row[g].pair] = stage->row[g].to;
@@ -297,6 +317,8 @@ static int try_proposed(ns_flight *f, int *on) {
 static int propose(ns_flight *f, int *on) {
     static const int rungs[] = {-NS_EVENT_RUNG, -10, -30};
     ns_theta *s = f->s;
+    if (f->at)
+        ns_flight_show(f, f->want);
     for (int i = 0; i < 3; i++) {
         const double h = ldexp(f->m->h, rungs[i]);
         memcpy(s->trial_in, f->X, sizeof(double) * (size_t)s->r);
@@ -485,11 +507,9 @@ int ns_turn(ns_flight *f, int natural) {
         status = f->status;
         f->status = NS_OK;
     }
-    if (status == NS_OK)
-        return status;
-    memcpy(f->X, f->left, sizeof(double) * q);
-    f->at = was;
-    memcpy(f->s->mode, was->mode, (size_t)f->m->s->m);
-    ns_theta_set_bounds(f->s);
+    if (status != NS_OK) {
+        memcpy(f->X, f->left, sizeof(double) * q);
+        f->at = was;
+    }
     return status;
 }

@@ -6,6 +6,8 @@
  */
 #include "flight.h"
 
+#include "../linalg/lanes.h"
+
 #include <float.h>
 #include <math.h>
 
@@ -25,6 +27,27 @@ double ns_watch_noise(const ns_flight *f, const ns_stage *k, int g) {
     return eps_of_terms * size + eps_of_time * fabs(f->t * rate);
 }
 
+/* Side by side. */
+enum { BESIDE = 4 };
+
+/* 1 if so many guards hold all through a leg, by their samples; nothing else is asked of most. */
+ALWAYS_INLINE int calm(const double *s, int ld, int samples) {
+    double least[BESIDE], bend[BESIDE] = {0};
+    for (int g = 0; g < BESIDE; g++)
+        least[g] = ns_lower(s[g], s[samples * ld + g]);
+    for (int i = 1; i < samples; i++) {
+        const double *a = s + (i - 1) * ld, *b = a + ld, *c = b + ld;
+        for (int g = 0; g < BESIDE; g++) {
+            bend[g] = ns_higher(bend[g], fabs(a[g] - 2 * b[g] + c[g]));
+            least[g] = ns_lower(least[g], b[g]);
+        }
+    }
+    int all = 1;
+    for (int g = 0; g < BESIDE; g++)
+        all &= least[g] > bend[g] / 4;
+    return all;
+}
+
 /* The first interval in which the guard of these samples may break, and the part of it in which it does not.
  */
 static int doubt_in(const ns_flight *f, const ns_stage *k, int g, const double *s, int samples,
@@ -32,14 +55,14 @@ static int doubt_in(const ns_flight *f, const ns_stage *k, int g, const double *
     const int ld = k->rows;
     double bend = 0, least = s[0], tol = -1;
     for (int i = 1; i < samples; i++) {
-        bend = fmax(bend, fabs(s[(i - 1) * ld] - 2 * s[i * ld] + s[(i + 1) * ld]));
-        least = fmin(least, s[i * ld]);
+        bend = ns_higher(bend, fabs(s[(i - 1) * ld] - 2 * s[i * ld] + s[(i + 1) * ld]));
+        least = ns_lower(least, s[i * ld]);
     }
-    least = fmin(least, s[samples * ld]);
+    least = ns_lower(least, s[samples * ld]);
     if (least > bend / 4)
         return -1;
     for (int i = 0; i < samples; i++) {
-        const double a = s[i * ld], b = s[(i + 1) * ld], low = fmin(a, b);
+        const double a = s[i * ld], b = s[(i + 1) * ld], low = ns_lower(a, b);
         if (low > bend / 4)
             continue;
         if (tol < 0)
@@ -61,10 +84,15 @@ int ns_watch_leg(ns_flight *f, const ns_level *level, const ns_leg *leg, double 
     ns_matvec((leg->samples + 1) * k->rows, k->q, leg->sample, f->X, f->guards);
     for (int g = 0; g < k->rows; g++) {
         double part = 1;
+        for (int left; (left = k->rows - g) > 0 && k->rows >= BESIDE; g += BESIDE)
+            if (!calm(f->guards + (left < BESIDE ? k->rows - BESIDE : g), k->rows, leg->samples))
+                break;
+        if (g >= k->rows)
+            break;
         const int at = doubt_in(f, k, g, f->guards + g, leg->samples, &part);
         if (at < 0 || (first >= 0 && at > first))
             continue;
-        *clear = at == first ? fmin(*clear, part) : part;
+        *clear = at == first ? ns_lower(*clear, part) : part;
         first = at;
     }
     return first;
@@ -137,16 +165,20 @@ static double fall(const ns_flight *f, const ns_stage *k, int g, double a, doubl
     return at >= 0 ? root(f, k, g, from, b, at, below) : a;
 }
 
-enum { PIECES = 4 };
+
+void ns_watch_pieces(double s, double (*c)[NS_ORDER]) {
+    for (int i = 0; i <= NS_PIECES; i++)
+        ns_laguerre(s * i / NS_PIECES, c[i]);
+}
 
 /* When guard g breaks, INFINITY: it does not. */
 static double break_of(const ns_flight *f, const ns_stage *k, int g, double tau, double (*c)[NS_ORDER]) {
-    double s[PIECES + 1], bend = 0, least = INFINITY;
-    for (int i = 0; i <= PIECES; i++) {
+    double s[NS_PIECES + 1], bend = 0, least = INFINITY;
+    for (int i = 0; i <= NS_PIECES; i++) {
         s[i] = sum_of(f, k, g, c[i]);
-        least = fmin(least, s[i]);
+        least = ns_lower(least, s[i]);
         if (i > 1)
-            bend = fmax(bend, fabs(s[i - 2] - 2 * s[i - 1] + s[i]));
+            bend = ns_higher(bend, fabs(s[i - 2] - 2 * s[i - 1] + s[i]));
     }
     if (least > bend / 4)
         return INFINITY;
@@ -157,10 +189,10 @@ static double break_of(const ns_flight *f, const ns_stage *k, int g, double tau,
         if (!(rate > 0 && f->t == f->since && s[0] >= -8 * tol - rate * f->slack))
             return 0;
     }
-    for (int i = 0; i < PIECES; i++) {
-        const double a = tau * i / PIECES, b = tau * (i + 1) / PIECES;
+    for (int i = 0; i < NS_PIECES; i++) {
+        const double a = tau * i / NS_PIECES, b = tau * (i + 1) / NS_PIECES;
         double end = b, value = s[i + 1], from, to;
-        if (value >= -tol && fmin(s[i], value) <= bend / 4 && bend / 4 > tol) {
+        if (value >= -tol && ns_lower(s[i], value) <= bend / 4 && bend / 4 > tol) {
             (void)guard_at(f, k, g, a, &from);
             (void)guard_at(f, k, g, b, &to);
             if (from < 0 && to > 0)
@@ -177,16 +209,16 @@ int ns_watch_near(ns_flight *f, const ns_level *level, double tau, double *when)
     *when = INFINITY;
     if (k->rows == 0)
         return 0;
-    double c[PIECES + 1][NS_ORDER];
+    double c[NS_PIECES + 1][NS_ORDER], (*at)[NS_ORDER] = f->pieces; /* of the whole stage */
     f->s->counts.searches++;
-    for (int i = 0; i <= PIECES; i++)
-        ns_laguerre(tau * i / PIECES / k->g, c[i]);
+    if (tau != k->h)
+        ns_watch_pieces(tau / k->g, at = c);
     ns_matvec(NS_ORDER * k->rows, k->q, k->coef, f->X, f->coef);
     for (int g = 0; g < k->rows; g++) {
-        const double t = break_of(f, k, g, tau, c);
+        const double t = break_of(f, k, g, tau, at);
         if (t < *when)
             f->broken = g;
-        *when = fmin(*when, t);
+        *when = ns_lower(*when, t);
     }
     return *when < INFINITY;
 }

@@ -13,6 +13,8 @@
 
 struct ns_lu {
     int cap, n;
+    double norm;  /* of the scaled matrix, 1-norm */
+    double ratio; /* of its smallest pivot to the largest */
     double *a;    /* n*n, the factors of the scaled matrix */
     double *work; /* 4*cap */
     double *rs;   /* n, row factors (powers of two) */
@@ -165,12 +167,12 @@ static int factor(ns_lu *f, int n, const double *a, const int *c, double *rcond,
         find_quickly(f, n, a, c);
     else
         find_scaling(f, n, a);
-    double norm = load(f, n, a), ratio;
+    f->norm = load(f, n, a);
     lapack_int info = LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, f->a, n, f->piv);
-    int at = smallest_pivot(f, &ratio);
-    int bad = info != 0 || !(ratio > 1e-300);
+    int at = smallest_pivot(f, &f->ratio);
+    int bad = info != 0 || !(f->ratio > 1e-300);
     if (!bad && rcond) {
-        LAPACKE_dgecon_work(LAPACK_COL_MAJOR, '1', n, f->a, n, norm, rcond, f->work, f->iwork);
+        *rcond = ns_lu_rcond(f);
         bad = !(*rcond > 1e-300);
     }
     if (!bad)
@@ -178,6 +180,17 @@ static int factor(ns_lu *f, int n, const double *a, const int *c, double *rcond,
     if (column)
         *column = info > 0 ? info - 1 : at;
     return NS_E_SINGULAR;
+}
+
+double ns_lu_rcond(ns_lu *f) {
+    double rcond = 1.0;
+    if (f->n > 0)
+        LAPACKE_dgecon_work(LAPACK_COL_MAJOR, '1', f->n, f->a, f->n, f->norm, &rcond, f->work, f->iwork);
+    return rcond;
+}
+
+double ns_lu_pivots(const ns_lu *f) {
+    return f->n > 0 ? f->ratio : 1.0;
 }
 
 int ns_lu_factor(ns_lu *f, int n, const double *a, double *rcond, int *column) {

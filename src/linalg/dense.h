@@ -17,6 +17,11 @@ void ns_lu_free(ns_lu *f); /* NULL is allowed */
  * zero pivot or rcond below 1e-300; *column (may be NULL) then gets the column that is not determined. */
 int ns_lu_factor(ns_lu *f, int n, const double *a, double *rcond, int *column);
 
+/* Of the last matrix factored, with NS_OK: the estimate of its reciprocal condition (that costs as much as
+ * small factors); the smallest pivot as a share of the largest. */
+double ns_lu_rcond(ns_lu *f);
+double ns_lu_pivots(const ns_lu *f);
+
 /* The same, scaled by largest entries of rows and columns instead of by the permutation with the largest
  * product: for large matrices, whose search costs more than the factors.  c (n): exponents of units in which
  * the unknowns are alike. */

@@ -1,4 +1,5 @@
 /* src/linalg/lanes.h - two numbers in one register, where the compiler knows vectors; one where it does not.
+ * Four where the machine can (AVX2), in functions of NS_WIDE_TARGET that are called if ns_is_wide().
  */
 #ifndef NS_LANES_H
 #define NS_LANES_H
@@ -6,17 +7,42 @@
 #if defined(__GNUC__)
 typedef double ns_lanes __attribute__((vector_size(16), aligned(8), may_alias));
 typedef long long ns_lane_flags __attribute__((vector_size(16)));
+typedef double ns_wide __attribute__((vector_size(32), aligned(8), may_alias));
+typedef long long ns_wide_flags __attribute__((vector_size(32)));
+#define ALWAYS_INLINE static inline __attribute__((always_inline))
 static inline int ns_lanes_all(ns_lane_flags f) {
     return (f[0] & f[1]) != 0;
 }
 #else
-typedef double ns_lanes;
+typedef double ns_lanes, ns_wide;
+#define ALWAYS_INLINE static inline
 typedef int ns_lane_flags;
 static inline int ns_lanes_all(ns_lane_flags f) {
     return f;
 }
 #endif
-enum { NS_LANES = sizeof(ns_lanes) / sizeof(double) };
+enum { NS_LANES = sizeof(ns_lanes) / sizeof(double), NS_WIDE = sizeof(ns_wide) / sizeof(double) };
+
+#if defined(__GNUC__) && defined(__x86_64__)
+#define NS_WIDE_TARGET __attribute__((target("avx2")))
+static inline int ns_is_wide(void) {
+    return __builtin_cpu_supports("avx2");
+}
+#else
+#define NS_WIDE_TARGET
+static inline int ns_is_wide(void) {
+    return 0;
+}
+#endif
+
+/* As fmin() and fmax(), but for NaN: the second where one of them is no number.  One instruction each. */
+static inline double ns_lower(double a, double b) {
+    return a < b ? a : b;
+}
+
+static inline double ns_higher(double a, double b) {
+    return a > b ? a : b;
+}
 
 /* 1 if all of x (n) are 0 or more, 0 if one is not, or is no number. */
 static inline int ns_none_negative(int n, const double *x) {
