@@ -18,7 +18,7 @@ static int allocate(ns_flight *f) {
     const size_t n = (size_t)y->n, m = (size_t)y->m, nz = (size_t)y->nz, r = (size_t)f->s->r;
     const size_t rows = 2 * m + (size_t)y->nc, q = r + (size_t)f->exo->nv;
     const size_t all = 5 * (q + (size_t)f->exo->mutes) + 2 * r + NS_ORDER * (r + rows) +
-                       (NS_SAMPLES + 1) * rows + 2 * rows + 2 * nz;
+                       (NS_SAMPLES + 1) * rows + rows + 2 * nz;
     f->block = calloc(all + 2 * (n + m) + 1, sizeof *f->block);
     f->want = calloc(2 * m + 1, sizeof *f->want);
     f->closed = calloc(3 * (size_t)y->nc + 1, sizeof *f->closed);
@@ -36,8 +36,7 @@ static int allocate(ns_flight *f) {
     f->gone = f->series + NS_ORDER * r;
     f->coef = f->gone + r;
     f->guards = f->coef + NS_ORDER * rows;
-    f->value = f->guards + (NS_SAMPLES + 1) * rows;
-    f->rate = f->value + rows;
+    f->rate = f->guards + (NS_SAMPLES + 1) * rows;
     f->z = f->rate + rows;
     f->slope = f->z + nz;
     f->to.x = f->slope + nz;

@@ -104,7 +104,7 @@ struct ns_flight {
     double *series, *gone;        /* 8 r, r */
     double *coef;                 /* 8 (2 m + nc) */
     double *guards;               /* (NS_SAMPLES+1) (2 m + nc) */
-    double *value, *rate, *noise; /* 2 m + nc */
+    double *rate;                 /* 2 m + nc */
     double *z, *slope;            /* nz */
     double pieces[NS_PIECES + 1][NS_ORDER]; /* coefficients of (E1) in a whole stage */
     unsigned char *closed, *flip; /* nc */

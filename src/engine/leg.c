@@ -60,7 +60,9 @@ static int matrix_of(ns_flight *f, ns_level *level, double h, double *P, double 
 static void fill_samples(const ns_stage *k, const double *P, const double *advance, double *S, double *next,
                          const ns_leg *leg) {
     const size_t rows = (size_t)k->rows, all = ((size_t)leg->samples + 1) * rows, r = (size_t)k->r;
-    memcpy(S, k->value, sizeof *S * rows * (size_t)k->q);
+    for (int j = 0; j < k->q; j++)
+        for (int g = 0; g < k->rows; g++)
+            S[g + j * k->rows] = k->value[j + g * k->q];
     for (int i = 0; i <= leg->samples; i++) {
         for (size_t j = 0; j < (size_t)k->q; j++) {
             memcpy(leg->sample + (size_t)i * rows + j * all, S + j * rows, sizeof *S * rows);

@@ -243,25 +243,29 @@ static void fill_guards_now(ns_stage *k) {
                 rate -= i * term;
                 bend += 0.5 * i * (i - 1) * term;
             }
-            k->value[g + j * k->rows] = value;
-            k->rate[g + j * k->rows] = rate / k->g;
-            k->bend[g + j * k->rows] = bend / (k->g * k->g);
+            k->value[j + g * k->q] = value;
+            k->rate[j + g * k->q] = rate / k->g;
+            k->bend[j + g * k->q] = bend / (k->g * k->g);
         }
 }
 
-/* What is off in the charges, by the rounding of what they are summed from, is off in the guards. */
-static void add_noise_of_states(ns_stage *k, const double *terms) {
-    for (int j = 0; j < k->q; j++)
-        for (int i = 0; i < k->r; i++)
-            for (int g = 0; g < k->rows; g++)
-                k->noise[g + j * k->rows] += fabs(k->value[g + i * k->rows]) * terms[i + j * k->r];
+/* own (rows*q): the rounding of the guards themselves; what is off in the charges, by the rounding of what
+ * they are summed from, is off in them too. */
+static void fill_noise(ns_stage *k, const double *own, const double *terms) {
+    for (int g = 0; g < k->rows; g++)
+        for (int j = 0; j < k->q; j++) {
+            double sum = own[g + j * k->rows];
+            for (int i = 0; i < k->r; i++)
+                sum += fabs(k->value[i + g * k->q]) * terms[i + j * k->r];
+            k->noise[j + g * k->q] = sum;
+        }
 }
 
 /* By value, rate and the rate of that, of any input. */
 static int is_idle(const ns_stage *k, int g) {
     const double few = 64 * DBL_EPSILON;
     for (int j = 0; j < k->q; j++) {
-        const int at = g + j * k->rows;
+        const int at = j + g * k->q;
         const double size = fabs(k->value[at]) + k->g * (fabs(k->rate[at]) + k->g * fabs(k->bend[at]));
         if (size > few * k->noise[at])
             return 0;
@@ -272,12 +276,12 @@ static int is_idle(const ns_stage *k, int g) {
 static int fill(ns_theta *s, const ns_exo *e, const ns_map *map, const ns_mode *mode, ns_stage *k) {
     const size_t q = (size_t)k->q, all = (size_t)s->s->n + (size_t)s->s->m;
     ns_bench b;
-    double *G = calloc(((size_t)k->rows + 2 * (size_t)k->r) * q + 1, sizeof *G);
+    double *G = calloc(2 * ((size_t)k->rows + (size_t)k->r) * q + 1, sizeof *G);
     if (!G || bench_create(k, e, &b) != NS_OK) {
         free(G);
         return NS_E_MEMORY;
     }
-    double *D = G + (size_t)k->rows * q, *terms = D + (size_t)k->r * q;
+    double *D = G + (size_t)k->rows * q, *terms = D + (size_t)k->r * q, *noise = terms + (size_t)k->r * q;
     fill_inputs(e, k->g, &b);
     fill_rates(s, map, &b);
     fill_pair_rows(s, map, k->rows, &b);
@@ -288,7 +292,7 @@ static int fill(ns_theta *s, const ns_exo *e, const ns_map *map, const ns_mode *
         to_column(k, &b, b.in, j, k->r, b.rates, D + (size_t)j * (size_t)k->r);
         to_column(k, &b, b.size, j, k->r, b.terms, terms + (size_t)j * (size_t)k->r);
         to_column(k, &b, b.in, j, k->rows, b.rows, G + (size_t)j * (size_t)k->rows);
-        to_column(k, &b, b.size, j, k->rows, b.noise, k->noise + (size_t)j * (size_t)k->rows);
+        to_column(k, &b, b.size, j, k->rows, b.noise, noise + (size_t)j * (size_t)k->rows);
     }
     for (int i = 0; i < e->mutes; i++)
         memcpy(k->xi + (q + (size_t)i) * all, map->full + (size_t)(k->r + e->mute[i]) * all,
@@ -296,7 +300,7 @@ static int fill(ns_theta *s, const ns_exo *e, const ns_map *map, const ns_mode *
     for (int j = 0; j < k->q; j++)
         fill_images(k, &b, D, G, j);
     fill_guards_now(k);
-    add_noise_of_states(k, terms);
+    fill_noise(k, noise, terms);
     for (int g = 0; g < k->rows; g++)
         k->idle[g] = (unsigned char)is_idle(k, g);
     ns_stage_step(k, k->h, k->step);

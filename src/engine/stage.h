@@ -31,10 +31,10 @@ typedef struct ns_stage {
     double *now; /* (n+m)*(q+mutes): x, lambda right here; NULL until asked for */
     double *series; /* (8 r)*q: D^1 ... D^8, the part that acts on w */
     double *coef;   /* (8 rows)*q: the guards of the images D^0 ... D^7 */
-    double *value;  /* rows*q: the guards now, (E1) at tau = 0, */
-    double *rate;   /* rows*q: their rates, */
-    double *bend;   /* rows*q: and the rates of those */
-    double *noise;  /* rows*q: their rounding, by input, in units of eps */
+    double *value;  /* q*rows, guard by guard: they now, (E1) at tau = 0, */
+    double *rate;   /* q*rows: their rates, */
+    double *bend;   /* q*rows: and the rates of those */
+    double *noise;  /* q*rows: their rounding, by input, in units of eps */
     double *step;   /* r*q: X -> w after h */
     unsigned char
         *idle; /* rows: guards that are zero whatever X is, as that of a diode across a closed switch */

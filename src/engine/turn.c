@@ -22,10 +22,6 @@ static const double impulse_tol = 1e-9;
 /* One that adds less than this over the stage is none. */
 static const double matters = 1e-6;
 
-static void product(const ns_stage *k, const double *rows, const double *X, double *out) {
-    ns_matvec(k->rows, k->q, rows, X, out);
-}
-
 /* D^8 of f->next from f->series, as the last of eight implicit steps has it: by the impulses of that step,
  * each where its element is, so that charges and fluxes go from one place to another and nowhere else. */
 static void impulses_of(ns_flight *f, const ns_stage *k, double *by) {
@@ -42,6 +38,21 @@ static void impulses_of(ns_flight *f, const ns_stage *k, double *by) {
     }
 }
 
+/* 1 if D^8 moves any of f->next by more than rounding. */
+static int moves_any(const ns_flight *f, const ns_stage *k) {
+    const int r = k->r;
+    for (int i = 0; i < r; i++) {
+        const double *row = k->series + (NS_ORDER - 1) * r + i;
+        double by = 0;
+        for (int j = 0; j < k->q; j++)
+            by += row[j * NS_ORDER * r] * f->next[j];
+        if (fabs(by) > still * f->most[i])
+            return 1;
+        f->gone[i] = by;
+    }
+    return 0;
+}
+
 /* f->next = X after the jump that the mode asks for: what its constraints leave, 1 - D^8, and that again
  * while it leaves anything of what is fast, not instantaneous.  f->gone (r): the sum of what went.  1 if it
  * is one. */
@@ -50,6 +61,11 @@ static int jump(ns_flight *f, const ns_stage *k) {
     const int r = k->r;
     int moves = 0, more = 1;
     memcpy(f->next, f->X, sizeof(double) * (size_t)k->q);
+    if (!moves_any(f, k)) {
+        for (int i = 0; i < r; i++)
+            f->next[i] -= f->gone[i];
+        return 0;
+    }
     memset(f->gone, 0, sizeof(double) * (size_t)r);
     for (int round = 0; round < AGAIN && more; round++) {
         double *by = f->series + (NS_ORDER - 1) * r;
@@ -93,25 +109,24 @@ static double impulse_of(const ns_flight *f, const ns_stage *k, int g) {
     return sum;
 }
 
+static double row_of(const ns_stage *k, const double *rows, int g, const double *X) {
+    double sum = 0;
+    for (int j = 0; j < k->q; j++)
+        sum += rows[j + g * k->q] * X[j];
+    return sum;
+}
+
 /* The impulses of the pairs have the signs they may have. */
 static int impulses_fit(ns_flight *f, const ns_stage *k) {
     double most = 0;
-    product(k, k->value, f->next, f->value);
     for (int g = 0; g < k->pair_rows; g++) {
         f->rate[g] = impulse_of(f, k, g);
         most = ns_higher(most, fabs(f->rate[g]));
     }
     for (int g = 0; g < k->pair_rows; g++)
-        if (f->rate[g] < -(impulse_tol * most + matters * fabs(f->value[g]) + ns_watch_noise(f, k, g)))
+        if (f->rate[g] < -(impulse_tol * most + matters * fabs(row_of(k, k->value, g, f->next)) + ns_watch_noise(f, k, g)))
             return 0;
     return 1;
-}
-
-static double row_of(const ns_stage *k, const double *rows, int g, const double *X) {
-    double sum = 0;
-    for (int j = 0; j < k->q; j++)
-        sum += rows[g + j * k->rows] * X[j];
-    return sum;
 }
 
 /* f->ahead: X after flying on for h 2^k in this level of a mode.  Errors: MEMORY, kept in f->status. */

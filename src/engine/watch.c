@@ -19,11 +19,13 @@ static const double eps_of_time = 4 * DBL_EPSILON;
 
 double ns_watch_noise(const ns_flight *f, const ns_stage *k, int g) {
     double size = 0, rate = 0;
-    for (int j = 0; j < k->q; j++) {
-        const int at = g + j * k->rows;
-        size += k->noise[at] * (j < k->r ? f->most[j] : fabs(f->X[j]));
-        rate += k->rate[at] * f->X[j];
-    }
+    const double *noise = k->noise + g * k->q, *rates = k->rate + g * k->q;
+    for (int j = 0; j < k->r; j++)
+        size += noise[j] * f->most[j];
+    for (int j = k->r; j < k->q; j++)
+        size += noise[j] * fabs(f->X[j]);
+    for (int j = 0; j < k->q; j++)
+        rate += rates[j] * f->X[j];
     return eps_of_terms * size + eps_of_time * fabs(f->t * rate);
 }
 
@@ -134,16 +136,32 @@ static double root(const ns_flight *f, const ns_stage *k, int g, double a, doubl
     return tau;
 }
 
-/* The lowest point between a and b, where the rate passes from < 0 to >= 0; the guard there. */
-static double lowest(const ns_flight *f, const ns_stage *k, int g, double a, double b, double *value) {
-    double rate;
-    for (int i = 0; i < 50; i++) {
-        const double mid = a + (b - a) / 2;
-        (void)guard_at(f, k, g, mid, &rate);
-        *(rate < 0 ? &a : &b) = mid;
+/* The lowest point between a and b, where the rate passes from `from` < 0 to `to` >= 0, and the guard there,
+ * which half the digits of the point are enough for: by chords of the rate, of which the end that stays where
+ * it is counts half (Illinois). */
+static double lowest(const ns_flight *f, const ns_stage *k, int g, double a, double b, double from, double to,
+                     double *value) {
+    double rate, best = b;
+    *value = INFINITY;
+    for (int i = 0; i < 40 && b - a > 1e-9 * b && to > from; i++) {
+        const double mid = a + (b - a) * (from / (from - to)), at = guard_at(f, k, g, mid, &rate);
+        if (at < *value) {
+            *value = at;
+            best = mid;
+        }
+        if (rate < 0) {
+            a = mid;
+            from = rate;
+            to /= 2;
+        } else {
+            b = mid;
+            to = rate;
+            from /= 2;
+        }
+        if (rate == 0)
+            break;
     }
-    *value = guard_at(f, k, g, b, &rate);
-    return b;
+    return best;
 }
 
 /* The same where it falls from a value at a to one below zero at b; one that an event has just set off upward
@@ -196,7 +214,7 @@ static double break_of(const ns_flight *f, const ns_stage *k, int g, double tau,
             (void)guard_at(f, k, g, a, &from);
             (void)guard_at(f, k, g, b, &to);
             if (from < 0 && to > 0)
-                end = lowest(f, k, g, a, b, &value);
+                end = lowest(f, k, g, a, b, from, to, &value);
         }
         if (value < -tol)
             return fall(f, k, g, a, end, s[i], value, tol);
