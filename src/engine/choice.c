@@ -62,15 +62,17 @@ int ns_choice_dense(ns_march *m) {
 int ns_choice_leave(ns_march *m) {
     const size_t n = (size_t)m->s->n;
     double t, *x = calloc(2 * n + 1, sizeof *x);
-    if (!x)
-        return NS_E_MEMORY;
-    int status = ns_sparse_read(m->sparse, &t, x, NULL, NULL);
+    unsigned char *closed = calloc((size_t)m->s->nc + 1, 1);
+    int status = x && closed ? ns_sparse_read(m->sparse, &t, x, NULL, NULL) : NS_E_MEMORY;
+    for (int c = 0; closed && c < m->s->nc; c++)
+        closed[c] = ns_sparse_mode(m->sparse)[m->s->command[c].pair] == NS_INSIDE;
     if (status == NS_OK) {
         ns_system_charges(m->s, x, x + n);
         status = ns_choice_dense(m);
     }
     if (status == NS_OK)
-        status = ns_march_start(m, t, x + n);
+        status = ns_march_start_as(m, t, x + n, closed);
+    free(closed);
     free(x);
     return status;
 }

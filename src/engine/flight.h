@@ -96,23 +96,23 @@ struct ns_flight {
     double *X;                       /* q: w, v */
     double *most;                    /* r: the largest |w| so far */
     /* work */
-    double *next;                 /* q */
-    double *left;                 /* 2 q */
-    double *ahead;                /* q */
-    int status;                   /* of what was looked into beside */
-    uint64_t untold;              /* guards of the mode that was asked last of which nothing told */
-    double *series, *gone;        /* 8 r, r */
-    double *coef;                 /* 8 (2 m + nc) */
-    double *guards;               /* (NS_SAMPLES+1) (2 m + nc) */
-    double *rate;                 /* 2 m + nc */
-    double *z, *slope;            /* nz */
+    double *next;                           /* q */
+    double *left;                           /* 2 q */
+    double *ahead;                          /* q */
+    int status;                             /* of what was looked into beside */
+    uint64_t untold;                        /* guards of the mode that was asked last of which nothing told */
+    double *series, *gone;                  /* 8 r, r */
+    double *coef;                           /* 8 (2 m + nc) */
+    double *guards;                         /* (NS_SAMPLES+1) (2 m + nc) */
+    double *rate;                           /* 2 m + nc */
+    double *z, *slope;                      /* nz */
     double pieces[NS_PIECES + 1][NS_ORDER]; /* coefficients of (E1) in a whole stage */
-    unsigned char *closed, *flip; /* nc */
-    unsigned char *turns;         /* nc: how often a command changed in this event, */
-    ns_mode *goal;                /* nc: and to what it does next */
-    unsigned char *acting;        /* nz: inputs that anything depends on */
-    ns_mode *want;                /* m */
-    ns_impulse to;                /* its arrays follow in one block */
+    unsigned char *closed, *flip;           /* nc */
+    unsigned char *turns;                   /* nc: how often a command changed in this event, */
+    ns_mode *goal;                          /* nc: and to what it does next */
+    unsigned char *acting;                  /* nz: inputs that anything depends on */
+    ns_mode *want;                          /* m */
+    ns_impulse to;                          /* its arrays follow in one block */
     double *block;
 };
 

@@ -17,8 +17,8 @@
 
 /* What the second refinement may still move: far above rounding, far below what a pivot of rounding does. */
 static const double moved_max = 1e-10;
-/* Below, K may be singular but for rounding; with pivots that differ by less, what an estimate of the condition
- * could tell shows in the refinement too. */
+/* Below, K may be singular but for rounding; with pivots that differ by less, what an estimate of the
+ * condition could tell shows in the refinement too. */
 static const double rcond_min = 1e-14, pivots_min = 1e-6;
 
 static int list_inside(const ns_theta *s, const ns_mode *mode, int *inside) {

@@ -80,6 +80,10 @@ int ns_choice_leaves(const ns_march *m, int status);
 int ns_choice_dense(ns_march *m);
 int ns_choice_leave(ns_march *m);
 
+/* start.c: ns_march_start() of the dense engines, with switches as in closed (nc; NULL: open) where their
+ * controls allow it. */
+int ns_march_start_as(ns_march *m, double t0, const double *w0, const unsigned char *closed);
+
 /* control.c */
 int ns_control_closed(const ns_march *m, int c);
 /* Which time-only commands, at inputs z, contradict their switch: fills flip (nc), returns how many. */

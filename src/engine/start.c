@@ -6,10 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* All switches open but those that a function of time closes at t0. */
-static int begin(ns_march *m, double t0, const double *w0) {
+/* Switches as in closed (NULL: all open) but those that a function of time changes at t0. */
+static int begin(ns_march *m, double t0, const double *w0, const unsigned char *closed) {
     memset(&m->live, 0, sizeof m->live);
     memset(m->closed, 0, (size_t)m->s->nc);
+    for (int c = 0; closed && c < m->s->nc; c++)
+        m->closed[c] = closed[c];
     m->live.t = t0;
     m->corner = -INFINITY;
     m->limit = INFINITY;
@@ -19,7 +21,8 @@ static int begin(ns_march *m, double t0, const double *w0) {
         return ns_march_fail(m, status);
     ns_system_inputs(m->s, t0, NS_RIGHT, m->z);
     ns_control_by_time(m, m->z, m->flip);
-    memcpy(m->closed, m->flip, (size_t)m->s->nc);
+    for (int c = 0; c < m->s->nc; c++)
+        m->closed[c] = (unsigned char)(m->closed[c] != m->flip[c]);
     memset(m->flip, 0, (size_t)m->s->nc);
     return NS_OK;
 }
@@ -50,18 +53,13 @@ static int settle(ns_march *m, double t0, const double *w0) {
     return status == NS_OK ? ns_jump_take(m) : status;
 }
 
-/* Switches that depend on the state start open; those that must not be open change, from the same w0.  A
- * set of switches that finds no rest chatters: time decides then. */
-int ns_march_start(ns_march *m, double t0, const double *w0) {
-    if (!m || (!w0 && m->s->n > 0))
-        return NS_E_NULL;
-    int status = m->sparse ? ns_sparse_start(m->sparse, t0, w0) : NS_OK;
-    if (m->sparse && !(ns_choice_leaves(m, status) && (status = ns_choice_dense(m)) == NS_OK))
-        return status;
+/* Those that must not be as they are change, from the same w0.  A set of switches that finds no rest
+ * chatters: time decides then. */
+int ns_march_start_as(ns_march *m, double t0, const double *w0, const unsigned char *closed) {
     m->live.t = t0;
     if (!isfinite(t0) || !(t0 + m->h > t0))
         return ns_march_fail(m, NS_E_NUMBER);
-    status = begin(m, t0, w0);
+    int status = begin(m, t0, w0, closed);
     for (int round = 0; status == NS_OK && round <= 2 * m->s->nc; round++) {
         status = settle(m, t0, w0);
         if (status == NS_OK && !toggle(m))
@@ -72,6 +70,16 @@ int ns_march_start(ns_march *m, double t0, const double *w0) {
     (void)ns_short_rates(m);
     m->started = m->has_trial = 1;
     return ns_march_accept(m);
+}
+
+/* Switches that depend on the state start open. */
+int ns_march_start(ns_march *m, double t0, const double *w0) {
+    if (!m || (!w0 && m->s->n > 0))
+        return NS_E_NULL;
+    int status = m->sparse ? ns_sparse_start(m->sparse, t0, w0) : NS_OK;
+    if (m->sparse && !(ns_choice_leaves(m, status) && (status = ns_choice_dense(m)) == NS_OK))
+        return status;
+    return ns_march_start_as(m, t0, w0, NULL);
 }
 
 static int operating_point(ns_march *m, double t0, int nhold, const int *hold, const double *hold_x,
@@ -94,7 +102,7 @@ static int operating_point(ns_march *m, double t0, int nhold, const int *hold, c
 
 static int start_dc(ns_march *m, double t0, int nhold, const int *hold, const double *hold_x, double *x,
                     double *w0, ns_mode *mode) {
-    int status = begin(m, t0, w0);
+    int status = begin(m, t0, w0, NULL);
     if (status == NS_OK)
         status = operating_point(m, t0, nhold, hold, hold_x, x, mode);
     if (status != NS_OK)

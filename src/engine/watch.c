@@ -183,7 +183,6 @@ static double fall(const ns_flight *f, const ns_stage *k, int g, double a, doubl
     return at >= 0 ? root(f, k, g, from, b, at, below) : a;
 }
 
-
 void ns_watch_pieces(double s, double (*c)[NS_ORDER]) {
     for (int i = 0; i <= NS_PIECES; i++)
         ns_laguerre(s * i / NS_PIECES, c[i]);
