@@ -10,8 +10,6 @@
 #include <math.h>
 #include <string.h>
 
-/* As in jump.c: w jumps where it moves by more than rates and rounding explain. */
-static const double beyond_rates = 64, beyond_rounding = 1e-11;
 /* Rounds in which all broken pairs change at once, without getting fewer; at most. */
 enum { BLOCK_ROUNDS = 6, MOST_ROUNDS = 100, SHORTER = 24, JUMPS = 6, COMMAND_ROUNDS = 64 };
 
@@ -78,65 +76,6 @@ int ns_event_settle_all(ns_sparse *m, double t, double g, const ns_leg *leg, dou
     }
 }
 
-/* by: what w moved by in a step g, whose end is m->v; 1 if that is a jump: a second step does not go on so.
- */
-static int jumps(ns_sparse *m, double t, double g, const double *by, int *status) {
-    const int n = m->f->n;
-    double *after = m->next_w, *again = m->scale + n; /* n each */
-    int any = 0;
-    double most = 0;
-    for (int i = 0; i < n; i++)
-        if (!m->f->algebraic[i])
-            most = fmax(most, fmax(fabs(m->w[i]), m->scale[i]) / m->unit[i]);
-    for (int i = 0; i < n && !any; i++)
-        any = fabs(by[i]) > beyond_rounding * most * m->unit[i];
-    if (!any)
-        return 0;
-    for (int i = 0; i < n; i++)
-        after[i] = m->w[i] + by[i];
-    *status = ns_euler(m, t, g, after, 1, m->v, again);
-    for (int i = 0; i < n && *status == NS_OK; i++)
-        if (!m->f->algebraic[i] && fabs(by[i]) > beyond_rounding * most * m->unit[i] &&
-            fabs(by[i]) > beyond_rates * fabs(again[i]))
-            return 1;
-    return 0;
-}
-
-static double largest(const ns_sparse *m, const double *by) {
-    double most = 0;
-    for (int i = 0; i < m->f->n; i++)
-        if (!m->f->algebraic[i])
-            most = fmax(most, fabs(by[i]) / m->unit[i]);
-    return most;
-}
-
-/* The jump, by a step so short that nothing else moves; 0 if that moves less: it was only fast. */
-static int take_jump(ns_sparse *m, double t, double g, double *by, int *status) {
-    const double slow = largest(m, by);
-    if (*status != NS_OK)
-        return 0;
-    memcpy(m->old_mode, m->mode, (size_t)m->f->m);
-    *status = ns_event_settle(m, t, ldexp(g, -SHORTER), m->w, m->v, by);
-    if (*status != NS_OK || largest(m, by) < 0.5 * slow) {
-        memcpy(m->mode, m->old_mode, (size_t)m->f->m);
-        ns_guard_bounds(m);
-        return 0;
-    }
-    for (int i = 0; i < m->f->n; i++)
-        m->w[i] += by[i];
-    m->counts.jumps++;
-    return 1;
-}
-
-/* What closes a loop of capacitors, or opens a cut of inductors, does so where a guard is zero up to the
- * error of the step: the rest goes at once, in the mode that was found. */
-static int make_consistent(ns_sparse *m, double t, double g, double *by) {
-    const int status = ns_euler(m, t, ldexp(g, -SHORTER), m->w, 1, m->v, by);
-    for (int i = 0; i < m->f->n && status == NS_OK; i++)
-        m->w[i] += by[i];
-    return status == NS_E_SINGULAR ? NS_OK : status;
-}
-
 /* A pair that changes often in the time of a step chatters, or its events pile up: Euler steps for a while.
  */
 static int count_flips(ns_sparse *m, const ns_leg *leg, double t) {
@@ -170,18 +109,17 @@ void ns_event_own(ns_sparse *m, const ns_leg *leg, double t) {
 int ns_sparse_resolve(ns_sparse *m, const ns_leg *leg, double t) {
     const int n = m->f->n, stuck = leg ? leg->stuck : 0;
     const double short_h = ldexp(m->o.h, -NS_SHORT_RUNG - (leg ? leg->next_rung : 0) - stuck);
-    const double g = fmax(short_h, ldexp(m->o.h, -NS_LEAST_RUNG));
+    const double g = fmax(short_h, ldexp(m->o.h, -NS_EVENT_LEAST));
     double *by = m->scale + 2 * n;
-    int status = NS_OK;
+    int status = NS_OK, jumped = 1;
     ns_event_own(m, leg, t);
     m->counts.problems++;
-    for (int round = 0; round < JUMPS && status == NS_OK; round++) {
+    for (int round = 0; round < JUMPS && status == NS_OK && jumped; round++) {
         status = ns_event_settle_all(m, t, g, leg, by);
-        if (status != NS_OK || !jumps(m, t, g, by, &status) || !take_jump(m, t, g, by, &status))
-            break;
+        if (status == NS_OK)
+            status = ns_fine_consistent(m, t, g, &jumped);
+        m->counts.jumps += status == NS_OK && jumped;
     }
-    if (status == NS_OK)
-        status = make_consistent(m, t, g, by);
     m->counts.events++;
     return status == NS_OK ? count_flips(m, leg, t) : status;
 }

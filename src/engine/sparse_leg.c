@@ -70,15 +70,21 @@ int ns_euler(ns_sparse *m, double t, double g, const double *w, int brief, doubl
     return status;
 }
 
+int ns_leg_solve(ns_sparse *m, const ns_kept *k, double t, double g, int i, const double *w, double *z,
+                 double *v, double *by) {
+    const int any = ns_inputs_stage(m->in, t, g, i, z);
+    form_rhs(m, g, w, z, any, i == 0);
+    const int status = ns_modal_solve(m->q, k, m->r, v);
+    if (status == NS_OK)
+        rates(m, g, v, by);
+    return status;
+}
+
 static int stage(ns_sparse *m, ns_leg *leg, const ns_kept *k, int i) {
     const size_t n = (size_t)m->f->n, size = (size_t)m->f->size, nz = (size_t)m->f->nz;
-    double *z = leg->z + (size_t)i * nz, *xi = leg->xi + (size_t)i * size, *w = leg->dw + (size_t)i * n;
-    const int any = ns_inputs_stage(m->in, leg->t, leg->g, i, z);
-    form_rhs(m, leg->g, w, z, any, i == 0);
-    const int status = ns_modal_solve(m->q, k, m->r, xi);
-    if (status == NS_OK)
-        rates(m, leg->g, xi, w + n);
-    return status;
+    double *w = leg->dw + (size_t)i * n;
+    return ns_leg_solve(m, k, leg->t, leg->g, i, w, leg->z + (size_t)i * nz, leg->xi + (size_t)i * size,
+                        w + n);
 }
 
 static int all_stages(ns_sparse *m, ns_leg *leg) {

@@ -33,12 +33,13 @@ static double *take(double **from, int count) {
 
 static int allocate(ns_sparse *m) {
     const int n = m->f->n, pairs = m->f->m, size = m->f->size;
-    const size_t count = (size_t)(7 * n + 3 * pairs + 3 * size + 2 * m->f->nz) + 1;
+    const size_t count = (size_t)(7 * n + 3 * pairs + 4 * size + 2 * m->f->nz) + 1;
     double *all = calloc(count, sizeof(double));
     m->w = all;
     m->mode = calloc(5 * (size_t)pairs + (size_t)m->s->nc + 1, 1);
     m->crowd = calloc((size_t)pairs + 1, sizeof(int));
-    if (!all || !m->mode || !m->crowd)
+    m->fine = calloc((size_t)size + 1, sizeof(long double));
+    if (!all || !m->mode || !m->crowd || !m->fine)
         return NS_E_MEMORY;
     m->old_mode = m->mode + pairs;
     m->shown = m->old_mode + pairs;
@@ -56,6 +57,7 @@ static int allocate(ns_sparse *m) {
     m->v = take(&all, size);
     m->r = take(&all, size);
     m->next_v = take(&all, size);
+    m->rest = take(&all, size);
     m->z = take(&all, m->f->nz);
     m->z_none = take(&all, m->f->nz);
     const int status = make_leg(m->f, &m->leg[0]);
@@ -134,6 +136,7 @@ void ns_sparse_free(ns_sparse *m) {
     free(m->w);
     free(m->mode);
     free(m->crowd);
+    free(m->fine);
     ns_inputs_free(m->in);
     ns_modal_free(m->q);
     ns_form_free(m->f);

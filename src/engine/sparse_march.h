@@ -13,7 +13,14 @@
 #include "sparse_inputs.h"
 
 enum { NS_STAGES = NS_ORDER + 1 }; /* the last one only where a leg is looked into */
-enum { NS_SHORT_RUNG = 16, NS_LEAST_RUNG = 44, NS_CROWD_OF_PAIR = 16, NS_STUCK = 6, NS_CAPTURE_FIRST = 14 };
+enum {
+    NS_SHORT_RUNG = 16,
+    NS_LEAST_RUNG = 20,
+    NS_EVENT_LEAST = 24,
+    NS_CROWD_OF_PAIR = 16,
+    NS_STUCK = 6,
+    NS_CAPTURE_FIRST = 14
+};
 
 typedef enum ns_leg_end { NS_LEG_GOES_ON, NS_LEG_EVENT } ns_leg_end;
 
@@ -56,7 +63,8 @@ struct ns_sparse {
     int *crowd;                 /* m: how many there were */
     double crowded_until;
     double *v, *r, *rate;      /* size, size, n */
-    double *next_v;            /* size */
+    double *next_v, *rest;     /* size */
+    long double *fine;         /* size */
     double *z, *z_none;        /* nz */
     double largest[NS_STAGES]; /* of |L_i| in a step */
     int started, has_trial;
@@ -82,6 +90,17 @@ void ns_leg_point(const ns_sparse *m, const ns_leg *leg, double tau, double *v);
 /* One implicit Euler step of length g from w (n) in m->mode at t to v (size); by (n, or NULL) gets what w
  * moves. */
 int ns_euler(ns_sparse *m, double t, double g, const double *w, int brief, double *v, double *by);
+
+/* Stage i of steps of length g from t: v (size) from D^i w, inputs z (nz) and a factor of m->mode, and by (n)
+ * = D^(i+1) w.  Its right-hand side stays in m->r. */
+int ns_leg_solve(ns_sparse *m, const ns_kept *k, double t, double g, int i, const double *w, double *z,
+                 double *v, double *by);
+
+/* sparse_fine.c: the largest charge or flux there is or was, in units; m->w made consistent with m->mode by
+ * steps of length g: what is faster goes.  *jumped: 1 if it did by more than rounding.  Errors: RESIDUAL
+ * (digits are lost). */
+double ns_fine_size(const ns_sparse *m);
+int ns_fine_consistent(ns_sparse *m, double t, double g, int *jumped);
 
 /* sparse_guard.c: bounds of commanded pairs as m->mode has them; the first event of a leg; which guards are
  * broken at v after a step g from w: flips them in m->mode and marks them touched, returns how many;

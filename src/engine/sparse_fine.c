@@ -1,0 +1,127 @@
+/* src/engine/sparse_fine.c - what is not of finite rate goes at once: charges and fluxes made consistent with
+ * a mode.
+ *
+ * With D of (E1), of a short step g: D^N w vanishes for all that takes longer than some g, and is w for what
+ * has no time of its own, a capacitor shorted or an inductor interrupted.  So
+ *
+ *     w+ = w - D^N w,   N = 8
+ *
+ * What a step takes for too short a time anyhow is damped by it.
+ *
+ * An inductor that is interrupted drives what floats to volts beyond count, and resistors there take
+ * differences of these.  So unknowns are kept, and residuals of (P2) are formed, in long double.  The last
+ * correction tells how good the answer is.
+ */
+#include "sparse_march.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+enum { ROUNDS = 4, SOON = 4 };
+/* Shares of the largest charge or flux: what is nothing; what is a jump; what a correction that is the last
+ * moves by; and by more than what it says that digits are lost. */
+static const double nothing = 1e-15, a_jump = 1e-11, fine_enough = 1e-14, lost = 1e-8;
+
+double ns_fine_size(const ns_sparse *m) {
+    double most = 0;
+    for (int i = 0; i < m->f->n; i++)
+        if (!m->f->algebraic[i])
+            most = fmax(most, fmax(fabs(m->w[i]), m->scale[i]) / m->unit[i]);
+    return most;
+}
+
+static double largest(const ns_sparse *m, const double *of) {
+    double most = 0;
+    for (int i = 0; i < m->f->n; i++)
+        if (!m->f->algebraic[i])
+            most = fmax(most, fabs(of[i]) / m->unit[i]);
+    return most;
+}
+
+static long double dot(const ns_csc *a, int j, const long double *x) {
+    long double sum = 0;
+    for (int k = a->start[j]; k < a->start[j + 1]; k++)
+        sum += (long double)a->value[k] * x[a->row[k]];
+    return sum;
+}
+
+/* rest = r - K x */
+static void residual(const ns_sparse *m, double g, const long double *x, double *rest) {
+    const ns_form *f = m->f;
+    for (int i = 0; i < f->n; i++) {
+        const long double held = f->algebraic[i] ? 0 : dot(&f->Mt, i, x);
+        rest[i] = (double)(m->r[i] - held + (long double)ns_form_rate(f, g, i) * dot(&f->At, i, x));
+    }
+    for (int j = 0; j < f->m; j++) {
+        const long double law = ns_slides(m->mode[j])     ? dot(&f->gx, f->command[j], x)
+                                : m->mode[j] == NS_INSIDE ? dot(&f->Ct, j, x)
+                                                          : x[f->n + j];
+        rest[f->n + j] = (double)(m->r[f->n + j] - law);
+    }
+}
+
+/* by = g (A x + B lambda + f); by how much that changed, at most. */
+static double rates(const ns_sparse *m, double g, const long double *x, double *by) {
+    const ns_form *f = m->f;
+    double most = 0;
+    for (int i = 0; i < f->n; i++) {
+        const double old = by[i];
+        by[i] = f->algebraic[i] ? 0 : (double)(g * (dot(&f->At, i, x) + m->rate[i]));
+        if (!f->algebraic[i])
+            most = fmax(most, fabs(by[i] - old) / m->unit[i]);
+    }
+    return most;
+}
+
+/* by: D of the last ns_leg_solve(), to the last digit of what is of this size. */
+static int correct(ns_sparse *m, double g, const ns_kept *k, double size, const double *v, double *by) {
+    const int all = m->f->size;
+    double moved = INFINITY;
+    int status = NS_OK;
+    for (int i = 0; i < all; i++)
+        m->fine[i] = v[i];
+    for (int round = 0; round < ROUNDS && moved > fine_enough * size; round++) {
+        residual(m, g, m->fine, m->rest);
+        status = ns_modal_solve(m->q, k, m->rest, m->next_v);
+        if (status != NS_OK)
+            return status;
+        for (int i = 0; i < all; i++)
+            m->fine[i] += m->next_v[i];
+        moved = rates(m, g, m->fine, by);
+    }
+    return moved <= lost * size ? NS_OK : NS_E_RESIDUAL;
+}
+
+/* Up to D^count w, in m->next_w; with corrections, or until it has vanished: *gone. */
+static int powers(ns_sparse *m, double t, double g, int count, int fine, int *gone) {
+    const ns_kept *k;
+    const double size = ns_fine_size(m);
+    double *by = m->scale + m->f->n;
+    memcpy(m->next_w, m->w, sizeof(double) * (size_t)m->f->n);
+    int status = ns_modal_factor(m->q, g, m->mode, 1, &k);
+    for (int i = 0; i < count && status == NS_OK; i++) {
+        status = ns_leg_solve(m, k, t, g, i, m->next_w, m->z, m->v, by);
+        if (status == NS_OK && fine)
+            status = correct(m, g, k, size, m->v, by);
+        memcpy(m->next_w, by, sizeof(double) * (size_t)m->f->n);
+        if (status == NS_OK && (*gone = largest(m, by) <= nothing * size))
+            break;
+    }
+    return status;
+}
+
+int ns_fine_consistent(ns_sparse *m, double t, double g, int *jumped) {
+    const double size = ns_fine_size(m);
+    int gone = 0;
+    *jumped = 0;
+    int status = powers(m, t, g, SOON, 0, &gone);
+    if (status == NS_OK && !gone)
+        status = powers(m, t, g, NS_ORDER, 1, &gone);
+    if (status != NS_OK || gone)
+        return status == NS_E_SINGULAR ? NS_OK : status;
+    *jumped = largest(m, m->next_w) > a_jump * size;
+    for (int i = 0; i < m->f->n; i++)
+        m->w[i] -= m->next_w[i];
+    return NS_OK;
+}
