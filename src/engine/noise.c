@@ -42,42 +42,55 @@ static void fill_functionals(ns_theta *s, const ns_map *map, int nj) {
  * the units of the factors, and what (P1) leaves behind of a charge that has gone is some eps of it. */
 static const double of_largest = 2e-4;
 
-/* |c_g| |X_k|, and a share of the same with every X_ik as large as the largest of its column. */
-static double own_terms(const ns_theta *s, int size, const double *c, int k) {
-    const double *x = s->X + (size_t)k * (size_t)size, *unit = ns_lu_units(s->lu);
-    double sum = 0, units = 0, largest = 0;
-    for (int i = 0; i < size; i++) {
-        sum += fabs(c[i] * x[i]);
-        units += fabs(c[i]) * unit[i];
-        largest = fmax(largest, fabs(x[i]) / unit[i]);
-    }
-    return sum + of_largest * units * largest;
+/* The places of what is not zero, every `step` numbers, into list; how many. */
+static int nonzeros(int count, const double *from, int step, int *list) {
+    int found = 0;
+    for (int i = 0; i < count; i++)
+        if (from[(size_t)i * (size_t)step] != 0)
+            list[found++] = i;
+    return found;
 }
 
-static double row_of(const double *c, const double *x, int size) {
-    double sum = 0;
-    for (int i = 0; i < size; i++)
-        sum += c[i] * x[i];
-    return sum;
+/* Guard g, c_g, in row g of the noise: |c_g| |X_k| and a share of the same with every X_ik as large as the
+ * largest (largest, q), and what E says. */
+static void fill_row(const ns_theta *s, ns_map *map, int size, int g, const double *largest) {
+    const double *c = s->Z + (size_t)g * (size_t)size, *unit = ns_lu_units(s->lu);
+    const int count = nonzeros(size, c, 1, s->list);
+    double units = 0;
+    for (int i = 0; i < count; i++)
+        units += fabs(c[s->list[i]]) * unit[s->list[i]];
+    for (int k = 0; k < s->q; k++) {
+        const double *x = s->X + (size_t)k * (size_t)size, *e = s->R + (size_t)k * (size_t)size;
+        double sum = 0, off = 0;
+        for (int i = 0; i < count; i++) {
+            const int at = s->list[i];
+            sum += fabs(c[at] * x[at]);
+            off += c[at] * e[at];
+        }
+        map->noise[g + k * map->guards] = sum + of_largest * units * largest[k] + fabs(off) / DBL_EPSILON;
+    }
 }
 
 /* R = rhs - K X, summed up in long double. */
-static void residual(ns_theta *s, int size, int k) {
-    const double *x = s->X + (size_t)k * (size_t)size;
-    double *r = s->R + (size_t)k * (size_t)size;
+static void residual(ns_theta *s, int size) {
     for (int i = 0; i < size; i++) {
-        long double sum = r[i];
-        for (int j = 0; j < size; j++)
-            sum -= (long double)s->K[i + j * size] * x[j];
-        r[i] = (double)sum;
+        const double *row = s->K + i;
+        const int count = nonzeros(size, row, size, s->list);
+        for (int k = 0; k < s->q; k++) {
+            const double *x = s->X + (size_t)k * (size_t)size;
+            double *r = s->R + (size_t)i + (size_t)k * (size_t)size;
+            long double sum = *r;
+            for (int j = 0; j < count; j++)
+                sum -= (long double)row[(size_t)s->list[j] * (size_t)size] * x[s->list[j]];
+            *r = (double)sum;
+        }
     }
 }
 
 /* R becomes E. */
 static void error(ns_theta *s, const ns_leaks *leaks, int size) {
     double *more = s->R + (size_t)size * (size_t)s->q;
-    for (int k = 0; k < s->q; k++)
-        residual(s, size, k);
+    residual(s, size);
     ns_lu_solve(s->lu, s->q, s->R);
     for (int k = 0; leaks && k < s->q; k++) {
         double *e = s->R + (size_t)k * (size_t)size;
@@ -103,15 +116,14 @@ static double rate_noise(const ns_theta *s, int nj, int i, int k) {
 }
 
 void ns_map_noise(ns_theta *s, ns_map *map, const ns_leaks *leaks, int nj) {
-    const int size = s->s->n + nj, ng = map->guards;
+    const int size = s->s->n + nj;
+    double *largest = s->R + (size_t)size * (size_t)s->q; /* q */
     fill_functionals(s, map, nj);
     error(s, leaks, size);
     for (int k = 0; k < s->q; k++)
-        for (int g = 0; g < ng; g++) {
-            const double *c = s->Z + (size_t)g * (size_t)size;
-            map->noise[g + k * ng] = own_terms(s, size, c, k) +
-                                     fabs(row_of(c, s->R + (size_t)k * (size_t)size, size)) / DBL_EPSILON;
-        }
+        largest[k] = ns_lu_largest(s->lu, s->X + (size_t)k * (size_t)size);
+    for (int g = 0; g < map->guards; g++)
+        fill_row(s, map, size, g, largest);
     for (int k = 0; s->carry && k < s->q; k++)
         for (int i = 0; i < s->r; i++)
             map->rate_noise[i + k * s->r] = rate_noise(s, nj, i, k);

@@ -81,6 +81,7 @@ struct ns_theta {
     double *sol, *resid, *bl, *bu; /* n+m */
     ns_mode *work_mode;            /* n+m */
     int *inside;                   /* m */
+    int *list;                     /* n+m: work */
     double *control;               /* nc */
     int failed; /* K, rhs, bl, bu hold the problem, of this size, of the call that failed last; 0: none */
     double failed_h; /* length of its step, 0: an operating point */

@@ -49,8 +49,9 @@ static int allocate(ns_theta *s) {
     s->mode = modes(m, &failed);
     s->trial_mode = modes(m, &failed);
     s->work_mode = modes(all, &failed);
-    s->inside = calloc(m ? m : 1, sizeof(int));
+    s->inside = calloc(m + all + 1, sizeof(int));
     failed |= !s->inside;
+    s->list = s->inside ? s->inside + m : NULL;
     if (failed || ns_lu_create((int)all, &s->lu) != NS_OK || ns_mlcp_create((int)all, &s->mlcp) != NS_OK ||
         ns_mlcp_alike(s->mlcp, 1) != NS_OK)
         return NS_E_MEMORY;
