@@ -123,7 +123,7 @@ static void seek(ns_flight *f) {
 static int load(ns_flight *f) {
     f->t = f->m->live.t;
     f->since = f->m->live.since;
-    ns_theta_set_bounds(f->s);
+    ns_theta_set_bounds(f->s); /* and twins rest */
     const int status = ns_flight_find(f, f->s->mode, &f->at);
     if (status != NS_OK)
         return status;

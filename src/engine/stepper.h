@@ -4,6 +4,7 @@
 
 #include "../linalg/dense.h"
 #include "nonsmooth/impulse.h"
+#include "twins.h"
 
 /* The step of one mode and one length as a matrix.  It acts on the q inputs
  *   in = (eta (r), z (nz), 1),   eta = w + h d
@@ -82,6 +83,8 @@ struct ns_theta {
     ns_mode *work_mode;            /* n+m */
     int *inside;                   /* m */
     int *list;                     /* n+m: work */
+    ns_twin *twin;                 /* pairs across switches, */
+    int twins;                     /* so many */
     double *control;               /* nc */
     int failed; /* K, rhs, bl, bu hold the problem, of this size, of the call that failed last; 0: none */
     double failed_h; /* length of its step, 0: an operating point */

@@ -104,6 +104,8 @@ int ns_theta_create(const ns_system *system, const ns_theta_options *o, ns_theta
     status = allocate(s);
     if (status == NS_OK)
         status = split(s);
+    if (status == NS_OK)
+        status = ns_twins_find(system, &s->twin, &s->twins);
     if (status != NS_OK) {
         ns_theta_free(s);
         return status;
@@ -125,6 +127,7 @@ void ns_theta_free(ns_theta *s) {
     free(s->trial_mode);
     free(s->work_mode);
     free(s->inside);
+    free(s->twin);
     ns_cache_clear(&s->cache);
     ns_lu_free(s->lu);
     ns_mlcp_free(s->mlcp);
@@ -176,6 +179,12 @@ void ns_theta_set_bounds(ns_theta *s) {
         s->l[j] = s->mode[j] == NS_INSIDE ? -INFINITY : 0;
         s->u[j] = s->mode[j] == NS_INSIDE ? INFINITY : 0;
     }
+    for (int i = 0; i < s->twins; i++) {
+        const int j = s->twin[i].pair, idle = s->mode[s->twin[i].of] == NS_INSIDE;
+        s->l[j] = idle ? 0 : s->s->l[j];
+        s->u[j] = idle ? 0 : s->s->u[j];
+    }
+    ns_twins_rest(s->twin, s->twins, s->mode);
 }
 
 int ns_theta_command(ns_theta *s, const unsigned char *closed) {

@@ -259,6 +259,7 @@ static void command(ns_flight *f) {
  * it. */
 static int try_wanted(ns_flight *f, ns_word word, int *on) {
     ns_flight_mode *k;
+    ns_twins_rest(f->s->twin, f->s->twins, f->want);
     const int status = ns_flight_find(f, f->want, &k);
     if (status != NS_OK)
         return status == NS_E_MEMORY ? status : NS_GUARD;

@@ -1,0 +1,24 @@
+/* src/engine/twins.h - pairs across a switch: while it is closed, and has no resistance, they are idle. */
+#ifndef NS_TWINS_H
+#define NS_TWINS_H
+
+#include "nonsmooth/system.h"
+
+/* A pair whose y is that of a commanded pair but for its sign, and whose lambda acts where that one's does:
+ * with y = 0 by the switch it has y = 0 too, and lambda = 0 is as right as any share of the current. */
+typedef struct ns_twin {
+    int pair, of; /* of: the commanded pair */
+    ns_mode idle; /* the bound that is zero */
+} ns_twin;
+
+/* All of them, *count in *out (owned by the caller; NULL: none).  Errors: MEMORY. */
+int ns_twins_find(const ns_system *s, ns_twin **out, int *count);
+
+/* The same mode (m), with twins of closed switches idle. */
+static inline void ns_twins_rest(const ns_twin *twin, int count, ns_mode *mode) {
+    for (int i = 0; i < count; i++)
+        if (mode[twin[i].of] == NS_INSIDE && mode[twin[i].pair] == NS_INSIDE)
+            mode[twin[i].pair] = twin[i].idle;
+}
+
+#endif
