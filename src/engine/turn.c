@@ -306,27 +306,42 @@ void ns_turn_inputs(ns_flight *f) {
     }
 }
 
-/* The mode in f->want, which (P1) has; where several would do for it, with those pairs changed that break: of
- * a switch and the diode across it any may be said to carry the current. */
-static int try_proposed(ns_flight *f, int *on) {
-    enum { MENDS = 4 };
-    int status = try_wanted(f, NS_STEP, on);
-    for (int round = 0; round < MENDS && status == NS_GUARD; round++) {
-        ns_flight_mode *k;
-        int any = 0;
-        if (ns_flight_find(f, f->want, &k) != NS_OK)
-            break;
-        const ns_stage *stage = k->level[0].stage;
-        (void)enter(f, k);
-        for (int g = 0; g < stage->pair_rows; g++)
-            if (breaks(f, k, g, f->next) == NS_BREAKS) {
-                f->want[stage->row[g].pair] = stage->row[g].to;
-                any = 1;
-            }
-        if (!any || memcmp(f->want, k->mode, (size_t)f->m->s->m) == 0)
-            break;
-        status = try_wanted(f, NS_STEP, on);
+/* The guard whose impulse is of the wrong sign most; f->rate has them. */
+static int worst_impulse(const ns_flight *f, const ns_stage *k) {
+    int worst = 0;
+    for (int g = 1; g < k->pair_rows; g++)
+        if (f->rate[g] < f->rate[worst])
+            worst = g;
+    return worst;
+}
+
+/* f->want: with those pairs changed that break in it as soon as it is entered; 0: none is found. */
+static int mend(ns_flight *f) {
+    ns_flight_mode *k;
+    int any = 0;
+    if (ns_flight_find(f, f->want, &k) != NS_OK)
+        return 0;
+    const ns_stage *stage = k->level[0].stage;
+    if (enter(f, k) && !impulses_fit(f, stage)) {
+        const ns_guard_row *row = &stage->row[worst_impulse(f, stage)];
+        f->want[row->pair] = row->to;
+        return 1;
     }
+    for (int g = 0; g < stage->pair_rows; g++)
+        if (breaks(f, k, g, f->next) == NS_BREAKS) {
+            f->want[stage->row[g].pair] = stage->row[g].to;
+            any = 1;
+        }
+    return any && memcmp(f->want, k->mode, (size_t)f->m->s->m) != 0;
+}
+
+/* The mode in f->want, on somebody's word, or one that mends what breaks in it: (P1) may have one of several
+ * that would all do for it. */
+static int try_mended(ns_flight *f, ns_word word, int *on) {
+    enum { MENDS = 4 };
+    int status = try_wanted(f, word, on);
+    for (int round = 0; round < MENDS && status == NS_GUARD && mend(f); round++)
+        status = try_wanted(f, word, on);
     return status;
 }
 
@@ -348,7 +363,7 @@ static int propose(ns_flight *f, int *on) {
             return status;
         if (status == NS_OK) {
             memcpy(f->want, s->trial_mode, (size_t)s->s->m);
-            status = try_proposed(f, on);
+            status = try_mended(f, NS_STEP, on);
         }
         if (status == NS_OK || status == NS_E_MEMORY)
             return status;
@@ -382,8 +397,8 @@ static int turn_once(ns_flight *f, int natural, int *on) {
         status = try_wanted(f, NS_NOBODY, on);
     if (status == NS_GUARD)
         status = try_followers(f);
-    if (status == NS_GUARD && flip_broken(f))
-        status = try_wanted(f, NS_NOBODY, on);
+    if (status == NS_GUARD && (flip_broken(f) || !natural))
+        status = try_mended(f, NS_NOBODY, on);
     f->s->counts.settled += status == NS_OK;
     if (status != NS_GUARD)
         return status;
