@@ -106,6 +106,14 @@ void ns_event_own(ns_sparse *m, const ns_leg *leg, double t) {
     ns_guard_bounds(m);
 }
 
+/* Where the last event left what breaks at once, hidden by rounding: the mode that a longer step finds, to
+ * begin with. */
+static void look_ahead(ns_sparse *m, double t, double g, double *by) {
+    memcpy(m->old_mode, m->mode, (size_t)m->f->m);
+    if (ns_event_settle(m, t, g, m->w, m->v, by) != NS_OK)
+        memcpy(m->mode, m->old_mode, (size_t)m->f->m);
+}
+
 int ns_sparse_resolve(ns_sparse *m, const ns_leg *leg, double t) {
     const int n = m->f->n, stuck = leg ? leg->stuck : 0;
     const double short_h = ldexp(m->o.h, -NS_SHORT_RUNG - (leg ? leg->next_rung : 0) - stuck);
@@ -114,6 +122,8 @@ int ns_sparse_resolve(ns_sparse *m, const ns_leg *leg, double t) {
     int status = NS_OK, jumped = 1;
     ns_event_own(m, leg, t);
     m->counts.problems++;
+    if (stuck == 1 || stuck == 2)
+        look_ahead(m, t, ldexp(g, 5 * stuck), by);
     for (int round = 0; round < JUMPS && status == NS_OK && jumped; round++) {
         status = ns_event_settle_all(m, t, g, leg, by);
         if (status == NS_OK)

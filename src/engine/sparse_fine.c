@@ -96,12 +96,12 @@ static int correct(ns_sparse *m, double g, const ns_kept *k, double size, const 
 /* Up to D^count w, in m->next_w; with corrections, or until it has vanished: *gone. */
 static int powers(ns_sparse *m, double t, double g, int count, int fine, int *gone) {
     const ns_kept *k;
-    const double size = ns_fine_size(m);
-    double *by = m->scale + m->f->n;
+    double size = ns_fine_size(m), *by = m->scale + m->f->n;
     memcpy(m->next_w, m->w, sizeof(double) * (size_t)m->f->n);
     int status = ns_modal_factor(m->q, g, m->mode, 1, &k);
     for (int i = 0; i < count && status == NS_OK; i++) {
         status = ns_leg_solve(m, k, t, g, i, m->next_w, m->z, m->v, by);
+        size = i == 0 ? fmax(size, largest(m, by)) : size; /* at a start there is nothing yet */
         if (status == NS_OK && fine)
             status = correct(m, g, k, size, m->v, by);
         memcpy(m->next_w, by, sizeof(double) * (size_t)m->f->n);

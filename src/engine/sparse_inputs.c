@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "laguerre.h"
 #include "marcher.h"
 
 static const double control_tol = 1e-12; /* as in control.c */
@@ -19,7 +20,7 @@ int ns_inputs_create(const ns_system *s, const ns_form *f, ns_inputs **out) {
     in->s = s;
     in->f = f;
     in->wave = calloc(nz + 1, sizeof *in->wave);
-    in->review = calloc(2 * nc + nz + 1, sizeof(double));
+    in->review = calloc(2 * nc + 2 * nz + 1, sizeof(double));
     in->curved = calloc(nz + 1, sizeof(int));
     if (!in->wave || !in->review || !in->curved) {
         ns_inputs_free(in);
@@ -27,6 +28,7 @@ int ns_inputs_create(const ns_system *s, const ns_form *f, ns_inputs **out) {
     }
     in->instant = in->review + nc;
     in->work = in->instant + nc;
+    in->most = in->work + nz;
     ns_inputs_reset(in);
     *out = in;
     return NS_OK;
@@ -90,6 +92,14 @@ static void take(const ns_signal *s, double t, ns_swing *w) {
         w->value -= w->c[i][0];
 }
 
+/* The sum of the sizes of its exponentials. */
+static double size_of(const ns_swing *w) {
+    double size = 0;
+    for (int e = 0; e < w->count; e++)
+        size += hypot(w->c[e][0], w->c[e][1]);
+    return size;
+}
+
 void ns_inputs_at(ns_inputs *in, double t) {
     in->corner = INFINITY;
     in->ncurved = 0;
@@ -100,6 +110,8 @@ void ns_inputs_at(ns_inputs *in, double t) {
         in->corner = fmin(in->corner, w->until);
         if (w->count > 0 || w->slope != 0)
             in->curved[in->ncurved++] = k;
+        if (w->count > 0)
+            in->most[k] = fmax(in->most[k], fabs(w->value) + size_of(w));
     }
 }
 
@@ -116,6 +128,20 @@ static double decayed(const ns_swing *w, int e, double g, int i) {
         c[0] = next;
     }
     return c[0];
+}
+
+double ns_inputs_error(const ns_inputs *in, double g) {
+    double worst = 0;
+    for (int k = 0; k < in->ncurved; k++) {
+        const ns_swing *w = &in->wave[in->curved[k]];
+        for (int e = 0; e < w->count; e++) { /* D = g s / (1 - g s) */
+            const double re = g * w->s[e][0], im = g * w->s[e][1];
+            const double d2 = (re * re + im * im) / ((1 - re) * (1 - re) + im * im);
+            const double of = hypot(w->c[e][0], w->c[e][1]) / in->most[in->curved[k]];
+            worst = fmax(worst, of * pow(d2, 0.5 * (NS_ORDER + 1)));
+        }
+    }
+    return worst;
 }
 
 static double in_stage(const ns_swing *w, double t, double g, int i) {

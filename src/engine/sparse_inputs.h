@@ -23,6 +23,7 @@ typedef struct ns_inputs {
     int *curved;     /* those of the nz that have exponentials or slopes */
     int ncurved;
     double *work; /* nz */
+    double *most; /* nz: how large it ever was */
 } ns_inputs;
 
 int ns_inputs_create(const ns_system *s, const ns_form *f, ns_inputs **out); /* Errors: MEMORY */
@@ -37,6 +38,9 @@ void ns_inputs_at(ns_inputs *in, double t);
 /* z (nz) of stage i of steps g that begin at t, the time of the last ns_inputs_at(): D^i v put through the
  * Euler step.  Returns 0 if all are zero. */
 int ns_inputs_stage(const ns_inputs *in, double t, double g, int i, double *z);
+
+/* The error of inputs over legs with Euler steps g, relative to the largest each ever was. */
+double ns_inputs_error(const ns_inputs *in, double g);
 
 /* By how much time-only command c is beyond its threshold at inputs z, less a share tol of its terms. */
 double ns_inputs_excess(const ns_inputs *in, int c, int closed, const double *z, double tol);

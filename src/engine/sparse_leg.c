@@ -7,9 +7,15 @@
 
 /* Below, a charge or flux of small energy counts as this much of the largest one. */
 static const double least_share = 1e-3;
+/* Of D^8 w this or less is left by one more Euler step where w contradicts the algebraic equations. */
+static const double wiped_out = 1e-2;
+/* Inputs are allowed this share of the error. */
+static const double inputs_share = 0.1;
 /* The largest |b_9| in a step; longer steps are taken where they promise this share of the error allowed. */
 #define ERROR 1.3
 #define GROWTH 0.3
+/* How many times as long, in powers of two, the next leg may be. */
+enum { MOST_DOUBLINGS = 4 };
 
 /* What the state has to add to the control of a pair that slides, but for inputs. */
 static double threshold(const ns_sparse *m, int j) {
@@ -132,12 +138,14 @@ static double noise_of(const ns_sparse *m, const ns_leg *leg, size_t i) {
 }
 
 /* The error of the step of the whole length, as a multiple of what is allowed: b_9 D^9 w, guessed from the
- * two before, not quite as small as they promise.  *ratio: how much of D^7 w is left in D^8 w, at most 1. */
-static double error_of(ns_sparse *m, const ns_leg *leg, double *ratio) {
+ * two before, not quite as small as they promise.  *ratio: how much of D^7 w is left in D^8 w, at most 1.
+ * Where w contradicts the algebraic equations (D = -1) the step wipes that out, however long it is: not
+ * counted, but *jump is how much more there would be. */
+static double error_of(ns_sparse *m, const ns_leg *leg, double *ratio, double *jump) {
     const size_t n = (size_t)m->f->n;
     const double *d8 = leg->dw + NS_ORDER * n, *d7 = d8 - n, most = take_scales(m, leg);
     const double little = m->o.reltol * ldexp(GROWTH / ERROR, -(NS_ORDER + 1));
-    double last = 0, before = 0;
+    double before = 0, all = 0, held = 0;
     for (size_t i = 0; i < n; i++) {
         const double scale = fmax(m->scale[i], least_share * most * m->unit[i]);
         if (m->f->algebraic[i] || !(scale > 0))
@@ -147,36 +155,62 @@ static double error_of(ns_sparse *m, const ns_leg *leg, double *ratio) {
             by = fmax(0, by - noise_of(m, leg, i));
         if (!(by < INFINITY))
             return INFINITY;
-        last = fmax(last, by / scale);
+        all = fmax(all, by / scale);
+        held = fmax(held, fabs(d7[i] + d8[i]) / scale);
         before = fmax(before, fabs(d7[i]) / scale);
     }
+    const double last = held < wiped_out * all ? held : all; /* held: E D^7 w */
     *ratio = last < before ? last / before : 1;
+    *jump = ERROR * (all - last) / m->o.reltol;
     return ERROR * last * sqrt(*ratio) / m->o.reltol;
 }
 
-/* That of a step twice as long, where D, which is below 1, grows from d to 2 d / (1 + d). */
-static double of_twice(double error, double d) {
-    return error * pow(2 / (1 + d), NS_ORDER + 1);
+/* How many times a step may be doubled: D, which is below 1, grows from d to 2 d / (1 + d). */
+static int doublings(double error, double d, int most) {
+    int k = 0;
+    while (k < most && (error *= pow(2 / (1 + d), NS_ORDER + 1)) < GROWTH) {
+        d = 2 * d / (1 + d);
+        k++;
+    }
+    return k;
 }
 
 static double length(const ns_sparse *m, int rung) {
     return ldexp(m->o.h, -rung);
 }
 
+/* That of inputs, of which guards see more than the state, as a multiple of what is allowed. */
+static double inputs_error(const ns_sparse *m, int rung) {
+    return ERROR * ns_inputs_error(m->in, length(m, rung) / NS_POLE) / (inputs_share * m->o.reltol);
+}
+
 /* Stages such that the error until room is small enough; the length wanted next. */
 static int choose_length(ns_sparse *m, ns_leg *leg, double room) {
+    int consistent = 0, jumped = 0, most = MOST_DOUBLINGS;
+    while (leg->rung < NS_LEAST_RUNG && inputs_error(m, leg->rung) > 1)
+        leg->rung++;
+    while (most > 0 && inputs_error(m, leg->rung - most) > 1)
+        most--;
     for (int tries = 0;; tries++) {
         const double h = length(m, leg->rung);
         leg->g = h / NS_POLE;
-        const int status = all_stages(m, leg);
+        int status = all_stages(m, leg);
         if (status != NS_OK)
             return status;
-        double ratio = 1;
-        const double whole = error_of(m, leg, &ratio), share = fmin(1, room / leg->g / ERROR),
+        double ratio = 1, jump = 0;
+        const double whole = error_of(m, leg, &ratio, &jump), share = fmin(1, room / leg->g / ERROR),
                      error = whole * share;
         leg->next_rung = leg->rung;
+        if (error <= 1 && jump > 1 && !consistent) {
+            consistent = 1;
+            status = ns_fine_consistent(m, leg->t, length(m, leg->rung + NS_SHORT_RUNG), &jumped);
+            if (status != NS_OK)
+                return status;
+            memcpy(leg->dw, m->w, sizeof(double) * (size_t)m->f->n);
+            continue;
+        }
         if (error <= 1 || leg->rung >= NS_LEAST_RUNG || tries >= NS_LEAST_RUNG) {
-            leg->next_rung -= leg->rung > 0 && of_twice(whole, ratio) < GROWTH;
+            leg->next_rung -= doublings(whole, ratio, leg->rung < most ? leg->rung : most);
             if (whole > 1 && leg->next_rung < NS_LEAST_RUNG)
                 leg->next_rung++;
             return whole < INFINITY ? NS_OK : NS_E_OVERFLOW;
