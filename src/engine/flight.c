@@ -17,7 +17,7 @@ static int allocate(ns_flight *f) {
     const ns_system *y = f->m->s;
     const size_t n = (size_t)y->n, m = (size_t)y->m, nz = (size_t)y->nz, r = (size_t)f->s->r;
     const size_t rows = 2 * m + (size_t)y->nc, q = r + (size_t)f->exo->nv;
-    const size_t all = 5 * (q + (size_t)f->exo->mutes) + 2 * r + NS_ORDER * (r + rows) +
+    const size_t all = 4 * (q + (size_t)f->exo->mutes) + 2 * r + NS_ORDER * (r + rows) +
                        (NS_SAMPLES + 1) * rows + rows + 2 * nz;
     f->block = calloc(all + 2 * (n + m) + 1, sizeof *f->block);
     f->want = calloc(2 * m + 1, sizeof *f->want);
@@ -30,7 +30,7 @@ static int allocate(ns_flight *f) {
     f->X = f->block;
     f->next = f->X + q + (size_t)f->exo->mutes;
     f->left = f->next + q + (size_t)f->exo->mutes;
-    f->ahead = f->left + 2 * (q + (size_t)f->exo->mutes);
+    f->ahead = f->left + q + (size_t)f->exo->mutes;
     f->most = f->ahead + q + (size_t)f->exo->mutes;
     f->series = f->most + r;
     f->gone = f->series + NS_ORDER * r;
@@ -193,6 +193,13 @@ int ns_flight_settle(ns_flight *f) {
     return status == NS_OK ? deposit(f) : status;
 }
 
+/* Rungs with samples are made when as many stages were looked through one by one as they cost: modes that are
+ * left for good soon need none. */
+static double worth(const ns_stage *k) {
+    const double r = k->r, rows = k->rows;
+    return r * (5 * r + 9 * rows) / (8 * (r + rows));
+}
+
 /* The step to take next: *leg, or (NULL) a short way by the series; its length. */
 static int choose(ns_flight *f, ns_level *level, double rest, ns_leg **leg, double *h) {
     const ns_stage *k = level->stage;
@@ -204,6 +211,11 @@ static int choose(ns_flight *f, ns_level *level, double rest, ns_leg **leg, doub
         status = ns_leg_recurring(f, level, rest, leg);
     if (status != NS_OK || *leg || k->rows == 0 || rest <= k->h)
         return status;
+    const double left = worth(k) - level->looked;
+    if (left >= 1) {
+        *h = ns_lower(rest, left * k->h);
+        return NS_OK;
+    }
     int rung = 0;
     for (*h = k->h; rung < NS_GUARDED && 2 * *h <= rest; *h *= 2)
         rung++;
@@ -221,6 +233,7 @@ static int look(ns_flight *f, ns_level *level, double span, double *done, int *b
         if (span - *done - part < 1e-9 * h)
             part = span - *done;
         *broke = ns_watch_near(f, level, part, &when);
+        level->looked++;
         if (*broke)
             part = when;
         const int status = part > 0 ? ns_leg_advance(f, level, part) : NS_OK;

@@ -41,6 +41,7 @@ typedef struct ns_kept {
 typedef struct ns_level {
     double h, from;
     ns_stage *stage;                /* NULL: never reached yet */
+    double looked;                  /* so many stages, one by one */
     ns_leg *rung[NS_UNGUARDED + 1]; /* h 2^k */
     ns_kept kept[NS_KEPT];
 } ns_level;
@@ -97,7 +98,7 @@ struct ns_flight {
     double *most;                    /* r: the largest |w| so far */
     /* work */
     double *next;                           /* q */
-    double *left;                           /* 2 q */
+    double *left;                           /* q */
     double *ahead;                          /* q */
     int status;                             /* of what was looked into beside */
     uint64_t untold;                        /* guards of the mode that was asked last of which nothing told */
