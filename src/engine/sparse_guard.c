@@ -1,9 +1,10 @@
 /* src/engine/sparse_guard.c - guards of a mode: after an Euler step, and over a leg.
  *
  * Over a leg a guard is a polynomial (E1).  A bound by its coefficients tells that most hold; the others are
- * put into Bernstein's form, whose coefficients bound it, and halved until they tell.
+ * looked into (sparse_search.h).
  */
 #include "sparse_march.h"
+#include "sparse_search.h"
 
 #include <float.h>
 #include <math.h>
@@ -211,69 +212,20 @@ int ns_guard_commands(ns_sparse *m, const double *v, const ns_leg *leg, unsigned
 
 /* --- over a leg --- */
 
-typedef struct search {
-    int terms;
-    double to_bernstein[NS_STAGES][NS_STAGES]; /* [j][i]: of (-1)^i L_i, to Bernstein's j, on [0, end] */
-    double tol;
-    int splits; /* left */
-} search;
-
-static double choose(int n, int k) {
-    double c = 1;
-    for (int i = 0; i < k; i++)
-        c = c * (n - i) / (i + 1);
-    return c;
-}
-
-static void set_search(search *s, int terms, double end) {
-    s->terms = terms;
-    for (int i = 0; i < terms; i++)
-        for (int j = 0; j < terms; j++) {
-            double sum = 0, power = 1; /* L_i(end u) = sum_k C(i,k) (-end u)^k / k! */
-            for (int k = 0; k <= i && k <= j; k++) {
-                sum += choose(i, k) * power * choose(j, k) / choose(terms - 1, k);
-                power *= -end / (k + 1);
-            }
-            s->to_bernstein[j][i] = i % 2 ? -sum : sum;
-        }
-}
-
-/* The first u in [low, high] with value below -tol, NAN if there is none. */
-static double first_below(search *s, const double *b, double low, double high, int depth) {
-    double left[NS_STAGES], right[NS_STAGES], least = INFINITY;
-    const int terms = s->terms;
-    for (int i = 0; i < terms; i++)
-        least = fmin(least, b[i]);
-    if (least >= -s->tol)
-        return NAN;
-    if (b[0] < -s->tol || depth >= 52 || s->splits-- <= 0)
-        return low;
-    memcpy(right, b, sizeof right);
-    for (int i = 0; i < terms; i++) { /* de Casteljau, at the middle */
-        left[i] = right[0];
-        for (int k = 0; k + 1 < terms - i; k++)
-            right[k] = 0.5 * (right[k] + right[k + 1]);
+/* 1 if a bound by the coefficients of guard k of pair j tells that it holds. */
+static int surely_holds(const ns_sparse *m, const ns_leg *leg, int j, int k) {
+    const size_t size = (size_t)m->f->size, nz = (size_t)m->f->nz;
+    double least;
+    if (m->mode[j] == NS_INSIDE) {
+        const double *lambda = leg->xi + m->f->n + j;
+        least = is_upper(m, j, k) ? m->u[j] - lambda[0] : lambda[0] - m->l[j];
+        for (size_t i = 1; i < NS_ORDER && least > 0; i++)
+            least -= m->largest[i] * fabs(lambda[i * size]);
+        return least > 0;
     }
-    /* right[terms-1-i] is the last of round i: already in place */
-    const double mid = 0.5 * (low + high), first = first_below(s, left, low, mid, depth + 1);
-    return isnan(first) ? first_below(s, right, mid, high, depth + 1) : first;
-}
-
-/* Where in [0, 1] guard G falls below -tol. */
-static double crossing(search *s, const double *G, double tol) {
-    double b[NS_STAGES] = {0};
-    for (int j = 0; j < s->terms; j++)
-        for (int i = 0; i < s->terms; i++)
-            b[j] += s->to_bernstein[j][i] * G[i];
-    s->tol = tol;
-    s->splits = 4000;
-    return first_below(s, b, 0, 1, 0);
-}
-
-static int surely_holds(const ns_sparse *m, const double *G) {
-    double least = G[0];
-    for (int i = 1; i < NS_ORDER; i++)
-        least -= m->largest[i] * fabs(G[i]);
+    least = guard(m, j, k, leg->xi, leg->z, 1);
+    for (size_t i = 1; i < NS_ORDER && least > 0; i++)
+        least -= m->largest[i] * fabs(guard(m, j, k, leg->xi + i * size, leg->z + i * nz, 0));
     return least > 0;
 }
 
@@ -297,60 +249,31 @@ static double cut_off(const double *G, int terms) {
     return last < before ? 2 * last * (last / before) : last;
 }
 
-/* Where in the leg one guard breaks, by the coefficients there are. */
-static double breaks(const ns_sparse *m, const ns_leg *leg, search *s, const found *f, double *G) {
-    coefficients(m, leg, s->terms, f->pair, f->k, f->command, G);
-    if (s->terms == NS_ORDER && surely_holds(m, G))
-        return NAN;
+/* Where in the leg to look for the instant at which a guard breaks, by the coefficients there are. */
+static double breaks(const ns_sparse *m, const ns_leg *leg, int terms, const found *f, ns_curve *c) {
+    double G[NS_STAGES];
+    coefficients(m, leg, terms, f->pair, f->k, f->command, G);
     const double tol = f->pair >= 0 ? noise(m, f->pair, leg->xi, leg->dw, leg->g)
                                     : control_noise(m, f->command, leg->xi, leg->z);
     const double size = f->pair < 0 ? 0 : m->mode[f->pair] == NS_INSIDE ? m->most_lambda : m->most_y;
-    return crossing(s, G, tol + cut_off(G, s->terms) + m->o.reltol * size);
-}
-
-/* The value of a guard of NS_STAGES coefficients. */
-static double value_at(const double *G, double s) {
-    double c[NS_STAGES], b[NS_ORDER + 1], sum = 0;
-    ns_laguerre(s, c);
-    ns_laguerre_steps(s, b);
-    c[NS_ORDER] = b[NS_ORDER] - c[NS_ORDER - 1];
-    for (int i = NS_ORDER; i >= 0; i--)
-        sum += c[i] * G[i];
-    return sum;
-}
-
-/* Where it crosses zero near share `at` of the leg, of which s is the end. */
-static double root_near(const double *G, double at, double s) {
-    double low = at, high = at, step = 1e-9;
-    if (value_at(G, at * s) < 0)
-        for (; low > 0 && value_at(G, low * s) < 0; step *= 4)
-            low = fmax(0, low - step);
-    else
-        for (; high < 1 && value_at(G, high * s) >= 0; step *= 4)
-            high = fmin(1, high + step);
-    if (value_at(G, low * s) < 0 || value_at(G, high * s) >= 0)
-        return low <= 0 ? 0 : INFINITY; /* after the leg */
-    for (int i = 0; i < 80; i++) {
-        const double mid = low + (high - low) / 2;
-        if (!(mid > low && mid < high))
-            break;
-        *(value_at(G, mid * s) < 0 ? &high : &low) = mid;
-    }
-    return low;
+    ns_curve_of(terms, G, leg->end / leg->g, c);
+    return ns_curve_below(c, tol + cut_off(G, terms) + m->o.reltol * size);
 }
 
 /* Looks for one guard's crossing before the first found so far: roughly, then with the last stage, as exact
  * as the step. */
-static int look(ns_sparse *m, ns_leg *leg, search *s, found next, found *f) {
-    double G[NS_STAGES] = {0};
-    if (!(breaks(m, leg, &s[0], &next, G) < f->at))
+static int look(ns_sparse *m, ns_leg *leg, found next, found *f) {
+    ns_curve c;
+    if (next.pair >= 0 && surely_holds(m, leg, next.pair, next.k))
+        return NS_OK;
+    if (!(breaks(m, leg, NS_ORDER, &next, &c) < f->at))
         return NS_OK;
     const int status = ns_leg_last_stage(m, leg);
     if (status != NS_OK)
         return status;
-    next.at = breaks(m, leg, &s[1], &next, G);
+    next.at = breaks(m, leg, NS_STAGES, &next, &c);
     if (next.at > 0)
-        next.at = root_near(G, next.at, leg->end / leg->g);
+        next.at = ns_curve_root(&c, next.at);
     if (next.at < f->at)
         *f = next;
     return NS_OK;
@@ -364,20 +287,17 @@ static void take_sizes(ns_sparse *m, const double *v) {
 }
 
 int ns_guard_first(ns_sparse *m, ns_leg *leg) {
-    search s[2];
     found f = {INFINITY, -1, 0, -1};
     int status = NS_OK;
-    set_search(&s[0], NS_ORDER, leg->end / leg->g);
-    set_search(&s[1], NS_STAGES, leg->end / leg->g);
     take_sizes(m, leg->xi);
     for (int j = 0; j < m->f->m; j++) {
         const int guards = guards_of(m, j);
         for (int k = 0; k < guards && status == NS_OK; k++)
-            status = look(m, leg, s, (found){NAN, j, k, -1}, &f);
+            status = look(m, leg, (found){NAN, j, k, -1}, &f);
     }
     for (int c = 0; c < m->s->nc && status == NS_OK; c++)
         if (of_state(m, c))
-            status = look(m, leg, s, (found){NAN, -1, 0, c}, &f);
+            status = look(m, leg, (found){NAN, -1, 0, c}, &f);
     if (status != NS_OK || !(f.at <= 1))
         return status;
     leg->why = NS_LEG_EVENT;

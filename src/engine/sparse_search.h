@@ -1,0 +1,24 @@
+/* src/engine/sparse_search.h - where in a leg a guard breaks: polynomials by Laguerre's (E1). */
+#ifndef NS_SPARSE_SEARCH_H
+#define NS_SPARSE_SEARCH_H
+
+#include "laguerre.h"
+
+enum { NS_SEARCH_TERMS = NS_ORDER + 1 };
+
+/* A guard over a leg as a polynomial of the share u of it, in [0, 1]: p[0] + p[1] u + ... */
+typedef struct ns_curve {
+    int terms;
+    double p[NS_SEARCH_TERMS];
+} ns_curve;
+
+/* From the coefficients G of (-1)^i L_i(end u). */
+void ns_curve_of(int terms, const double *G, double end, ns_curve *c);
+
+/* The first share from which on it is below -tol; NAN: it never is. */
+double ns_curve_below(const ns_curve *c, double tol);
+
+/* The last share before its root that is nearest to `at`; INFINITY: after the leg. */
+double ns_curve_root(const ns_curve *c, double at);
+
+#endif
