@@ -74,8 +74,10 @@ static double rates(const ns_sparse *m, double g, const long double *x, double *
     return most;
 }
 
-/* by: D of the last ns_leg_solve(), to the last digit of what is of this size. */
-static int correct(ns_sparse *m, double g, const ns_kept *k, double size, const double *v, double *by) {
+/* by: D of the last ns_leg_solve(), to the last digit of what is of this size.  *fine: 0 if it was, without.
+ */
+static int correct(ns_sparse *m, double g, const ns_kept *k, double size, const double *v, double *by,
+                   int *fine) {
     const int all = m->f->size;
     double moved = INFINITY;
     int status = NS_OK;
@@ -89,11 +91,13 @@ static int correct(ns_sparse *m, double g, const ns_kept *k, double size, const 
         for (int i = 0; i < all; i++)
             m->fine[i] += m->next_v[i];
         moved = rates(m, g, m->fine, by);
+        *fine = *fine && (round > 0 || moved > fine_enough * size);
     }
     return moved <= lost * size ? NS_OK : NS_E_RESIDUAL;
 }
 
-/* Up to D^count w, in m->next_w; with corrections, or until it has vanished: *gone. */
+/* Up to D^count w, in m->next_w, or until it has vanished: *gone.  fine: with corrections, until one moves
+ * nothing. */
 static int powers(ns_sparse *m, double t, double g, int count, int fine, int *gone) {
     const ns_kept *k;
     double size = ns_fine_size(m), *by = m->scale + m->f->n;
@@ -103,7 +107,7 @@ static int powers(ns_sparse *m, double t, double g, int count, int fine, int *go
         status = ns_leg_solve(m, k, t, g, i, m->next_w, m->z, m->v, by);
         size = i == 0 ? fmax(size, largest(m, by)) : size; /* at a start there is nothing yet */
         if (status == NS_OK && fine)
-            status = correct(m, g, k, size, m->v, by);
+            status = correct(m, g, k, size, m->v, by, &fine);
         memcpy(m->next_w, by, sizeof(double) * (size_t)m->f->n);
         if (status == NS_OK && (*gone = largest(m, by) <= nothing * size))
             break;
