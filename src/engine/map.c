@@ -139,7 +139,7 @@ static void fill_step(const ns_theta *s, ns_map *map) {
 static ns_map *map_create(const ns_theta *s, const ns_mode *mode) {
     const size_t m = (size_t)s->s->m, n = (size_t)s->s->n, q = (size_t)s->q;
     const int guards = ns_guard_count(s, mode);
-    const int guard = (s->r * (s->carry ? 2 : 1) + s->s->nc + 1) & ~1, p = (guard + guards + 1) & ~1;
+    const int guard = (s->r * (s->carry ? 2 : 1) + s->s->nc + 1) & ~1, p = (guard + guards + 3) & ~3;
     const size_t rates = s->carry ? (size_t)s->r : 0;
     const size_t numbers = ((size_t)p + n + m + (size_t)guards + rates) * q;
     const size_t bytes = sizeof(ns_map) + numbers * sizeof(double) + m;

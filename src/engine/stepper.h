@@ -14,13 +14,14 @@
 typedef struct ns_map ns_map;
 struct ns_map {
     double h;
-    int implicit;  /* 1: theta = gamma = 1 in this map */
-    int p;         /* rows of step: w (r), d (r if carried), controls (nc), guards; even, the last may be 0 */
-    int guards;    /* how many guards, each must be >= 0, */
-    int guard;     /* and the row of the first */
-    double *step;  /* p*q */
-    double *full;  /* (n+m)*q: x, lambda */
-    double *noise; /* guards*q: the rounding of each guard, by input, in units of eps */
+    int implicit; /* 1: theta = gamma = 1 in this map */
+    int p; /* rows of step: w (r), d (r if carried), controls (nc), guards; a multiple of 4, the last may be 0
+            */
+    int guards;         /* how many guards, each must be >= 0, */
+    int guard;          /* and the row of the first */
+    double *step;       /* p*q */
+    double *full;       /* (n+m)*q: x, lambda */
+    double *noise;      /* guards*q: the rounding of each guard, by input, in units of eps */
     double *rate_noise; /* r*q if d is carried: the same of d */
     ns_mode *mode;      /* m */
     size_t bytes;

@@ -34,7 +34,7 @@ static int allocate(ns_theta *s) {
     s->in = ns_vector(q, &failed);
     s->at = ns_vector(n + m, &failed);
     s->trial_in = ns_vector(q, &failed);
-    s->out = ns_vector(2 * n + nc + 2 * m + 2, &failed);
+    s->out = ns_vector(2 * n + nc + 2 * m + 4, &failed);
     s->K = ns_vector(all * all, &failed);
     s->X = ns_vector(all * q, &failed);
     s->R = ns_vector(2 * all * q, &failed);

@@ -58,7 +58,8 @@ static int finite_state(const ns_theta *s) {
 
 /* The map is taken: its outputs become the trial if the guards hold.  OK or GUARD. */
 static int apply(ns_theta *s, ns_map *map, double tol) {
-    ns_matvec(map->p, s->q, map->step, s->trial_in, s->out);
+    const double *from = map->implicit ? s->w : s->trial_in;
+    ns_matvec_two(map->p, s->r, from, s->q - s->r, s->trial_in + s->r, map->step, s->out);
     if (!ns_none_negative(map->guards, s->out + map->guard) && !ns_guards_hold(s, map, tol))
         return NS_GUARD;
     s->trial_map = map;

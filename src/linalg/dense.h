@@ -63,5 +63,7 @@ void ns_exchange(int p, int q, double *T, int row, int col, double cancelled);
 /* y = A x, y += A x;  A is p*q with leading dimension p, NULL (as x) where it is empty. */
 void ns_matvec(int p, int q, const double *a, const double *x, double *y);
 void ns_matvec_add(int p, int q, const double *a, const double *x, double *y);
+/* y = A (x, z), A p*(q+qz), summed up over z first: x may be waited for. */
+void ns_matvec_two(int p, int q, const double *x, int qz, const double *z, const double *a, double *y);
 
 #endif

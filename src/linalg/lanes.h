@@ -23,6 +23,15 @@ static inline int ns_lanes_all(ns_lane_flags f) {
 #endif
 enum { NS_LANES = sizeof(ns_lanes) / sizeof(double), NS_WIDE = sizeof(ns_wide) / sizeof(double) };
 
+/* Before a loop of a few rounds, of a number known here. */
+#if defined(__clang__)
+#define NS_UNROLL _Pragma("clang loop unroll(full)")
+#elif defined(__GNUC__)
+#define NS_UNROLL _Pragma("GCC unroll 8")
+#else
+#define NS_UNROLL
+#endif
+
 #if defined(__GNUC__) && defined(__x86_64__)
 #define NS_WIDE_TARGET __attribute__((target("avx2")))
 static inline int ns_is_wide(void) {

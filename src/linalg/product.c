@@ -6,137 +6,126 @@
 #include "dense.h"
 #include "lanes.h"
 
-#include <string.h>
+/* y = from + B z + A x, B and A side by side in that order of summing: what is known first comes first. */
+typedef struct factors {
+    int p;           /* rows */
+    int q, qz;       /* columns of A, B */
+    const double *a; /* p*q */
+    const double *x;
+    const double *b; /* p*qz */
+    const double *z;
+    int from_y; /* from is what y was, else zero */
+} factors;
 
-/* In all of them: y = from + A x for the first rows of A, as many as their name has registers. */
-
-ALWAYS_INLINE void eight(int p, int q, const double *a, const double *x, const double *from, double *y) {
-    const ns_wide *f = (const ns_wide *)from;
-    ns_wide s0 = f[0], s1 = f[1], s2 = f[2], s3 = f[3];
-    ns_wide s4 = f[4], s5 = f[5], s6 = f[6], s7 = f[7], *to = (ns_wide *)y;
-    for (int j = 0; j < q; j++, a += p) {
-        const ns_wide *v = (const ns_wide *)a;
-        const double by = x[j];
-        s0 += v[0] * by;
-        s1 += v[1] * by;
-        s2 += v[2] * by;
-        s3 += v[3] * by;
-        s4 += v[4] * by;
-        s5 += v[5] * by;
-        s6 += v[6] * by;
-        s7 += v[7] * by;
+/* Rows from i on, as many as `width` registers have, at most 8 of them: a constant. */
+ALWAYS_INLINE void block(int width, const factors *f, int i, double *y) {
+    const double *a = f->a + i, *b = f->b + i;
+    ns_wide s[8], *to = (ns_wide *)(y + i);
+    NS_UNROLL
+    for (int k = 0; k < width; k++)
+        s[k] = f->from_y ? to[k] : (ns_wide){0};
+    for (int j = 0; j < f->qz; j++, b += f->p) {
+        NS_UNROLL
+        for (int k = 0; k < width; k++)
+            s[k] += ((const ns_wide *)b)[k] * f->z[j];
     }
-    to[0] = s0;
-    to[1] = s1;
-    to[2] = s2;
-    to[3] = s3;
-    to[4] = s4;
-    to[5] = s5;
-    to[6] = s6;
-    to[7] = s7;
+    for (int j = 0; j < f->q; j++, a += f->p) {
+        NS_UNROLL
+        for (int k = 0; k < width; k++)
+            s[k] += ((const ns_wide *)a)[k] * f->x[j];
+    }
+    NS_UNROLL
+    for (int k = 0; k < width; k++)
+        to[k] = s[k];
 }
 
-ALWAYS_INLINE void four(int p, int q, const double *a, const double *x, const double *from, double *y) {
-    const ns_wide *f = (const ns_wide *)from;
-    ns_wide s0 = f[0], s1 = f[1], s2 = f[2], s3 = f[3], *to = (ns_wide *)y;
-    for (int j = 0; j < q; j++, a += p) {
-        const ns_wide *v = (const ns_wide *)a;
-        const double by = x[j];
-        s0 += v[0] * by;
-        s1 += v[1] * by;
-        s2 += v[2] * by;
-        s3 += v[3] * by;
+ALWAYS_INLINE void few(int width, const factors *f, int i, double *y) {
+    switch (width) {
+    case 1:
+        block(1, f, i, y);
+        break;
+    case 2:
+        block(2, f, i, y);
+        break;
+    case 3:
+        block(3, f, i, y);
+        break;
+    case 4:
+        block(4, f, i, y);
+        break;
+    case 5:
+        block(5, f, i, y);
+        break;
+    case 6:
+        block(6, f, i, y);
+        break;
+    case 7:
+        block(7, f, i, y);
+        break;
+    default:
+        break;
     }
-    to[0] = s0;
-    to[1] = s1;
-    to[2] = s2;
-    to[3] = s3;
-}
-
-ALWAYS_INLINE void two(int p, int q, const double *a, const double *x, const double *from, double *y) {
-    const ns_wide *f = (const ns_wide *)from;
-    ns_wide s0 = f[0], s1 = f[1], *to = (ns_wide *)y;
-    for (int j = 0; j < q; j++, a += p) {
-        const ns_wide *v = (const ns_wide *)a;
-        const double by = x[j];
-        s0 += v[0] * by;
-        s1 += v[1] * by;
-    }
-    to[0] = s0;
-    to[1] = s1;
-}
-
-ALWAYS_INLINE void one(int p, int q, const double *a, const double *x, const double *from, double *y) {
-    ns_wide s = *(const ns_wide *)from;
-    for (int j = 0; j < q; j++, a += p)
-        s += *(const ns_wide *)a * x[j];
-    *(ns_wide *)y = s;
 }
 
 /* Half a register. */
-ALWAYS_INLINE void half(int p, int q, const double *a, const double *x, const double *from, double *y) {
-    ns_lanes s = *(const ns_lanes *)from;
-    for (int j = 0; j < q; j++, a += p)
-        s += *(const ns_lanes *)a * x[j];
-    *(ns_lanes *)y = s;
+ALWAYS_INLINE void half(const factors *f, int i, double *y) {
+    ns_lanes s = f->from_y ? *(const ns_lanes *)(y + i) : (ns_lanes){0};
+    for (int j = 0; j < f->qz; j++)
+        s += *(const ns_lanes *)(f->b + i + (size_t)j * (size_t)f->p) * f->z[j];
+    for (int j = 0; j < f->q; j++)
+        s += *(const ns_lanes *)(f->a + i + (size_t)j * (size_t)f->p) * f->x[j];
+    *(ns_lanes *)(y + i) = s;
 }
 
-/* y = A x, or with what y is; step: 0 or 1; most: registers that there are for sums, 4 or 8. */
-ALWAYS_INLINE void product(int p, int q, const double *a, const double *x, const double *from, int step,
-                           int most, double *y) {
+static inline void single(const factors *f, int i, double *y) {
+    double s = f->from_y ? y[i] : 0;
+    for (int j = 0; j < f->qz; j++)
+        s += f->b[(size_t)i + (size_t)j * (size_t)f->p] * f->z[j];
+    for (int j = 0; j < f->q; j++)
+        s += f->a[(size_t)i + (size_t)j * (size_t)f->p] * f->x[j];
+    y[i] = s;
+}
+
+/* most: registers that there are for sums, 4 or 8. */
+ALWAYS_INLINE void product(const factors *f, int most, double *y) {
     int i = 0;
-    for (; most == 8 && i + 8 * NS_WIDE <= p; i += 8 * NS_WIDE)
-        eight(p, q, a + i, x, from + step * i, y + i);
-    for (; i + 4 * NS_WIDE <= p; i += 4 * NS_WIDE)
-        four(p, q, a + i, x, from + step * i, y + i);
-    for (; i + 2 * NS_WIDE <= p; i += 2 * NS_WIDE)
-        two(p, q, a + i, x, from + step * i, y + i);
-    for (; i + NS_WIDE <= p; i += NS_WIDE)
-        one(p, q, a + i, x, from + step * i, y + i);
-    for (; i + NS_LANES <= p; i += NS_LANES)
-        half(p, q, a + i, x, from + step * i, y + i);
-    for (; i < p; i++) {
-        double s = from[step * i];
-        for (int j = 0; j < q; j++)
-            s += a[(size_t)i + (size_t)j * (size_t)p] * x[j];
-        y[i] = s;
-    }
+    for (; i + most * NS_WIDE <= f->p; i += most * NS_WIDE)
+        block(most, f, i, y);
+    const int rest = (f->p - i) / NS_WIDE;
+    few(rest, f, i, y);
+    for (i += rest * NS_WIDE; i + NS_LANES <= f->p; i += NS_LANES)
+        half(f, i, y);
+    for (; i < f->p; i++)
+        single(f, i, y);
 }
 
-static const double zeros[8 * NS_WIDE];
-
-static void add(int p, int q, const double *a, const double *x, double *y) {
-    product(p, q, a, x, y, 1, 4, y);
+static void narrow(const factors *f, double *y) {
+    product(f, 4, y);
 }
 
-static void set(int p, int q, const double *a, const double *x, double *y) {
-    product(p, q, a, x, zeros, 0, 4, y);
+NS_WIDE_TARGET static void wide(const factors *f, double *y) {
+    product(f, 8, y);
 }
 
-NS_WIDE_TARGET static void add_wide(int p, int q, const double *a, const double *x, double *y) {
-    product(p, q, a, x, y, 1, 8, y);
-}
-
-NS_WIDE_TARGET static void set_wide(int p, int q, const double *a, const double *x, double *y) {
-    product(p, q, a, x, zeros, 0, 8, y);
+static inline void any(const factors *f, double *y) {
+    if (ns_is_wide())
+        wide(f, y);
+    else
+        narrow(f, y);
 }
 
 void ns_matvec_add(int p, int q, const double *a, const double *x, double *y) {
-    if (q <= 0)
-        return;
-    if (ns_is_wide())
-        add_wide(p, q, a, x, y);
-    else
-        add(p, q, a, x, y);
+    const factors f = {p, q, 0, a, x, a, x, 1};
+    if (q > 0)
+        any(&f, y);
 }
 
 void ns_matvec(int p, int q, const double *a, const double *x, double *y) {
-    if (q <= 0) {
-        if (p > 0)
-            memset(y, 0, sizeof *y * (size_t)p);
-    } else if (ns_is_wide()) {
-        set_wide(p, q, a, x, y);
-    } else {
-        set(p, q, a, x, y);
-    }
+    const factors f = {p, q, 0, a, x, a, x, 0};
+    any(&f, y);
+}
+
+void ns_matvec_two(int p, int q, const double *x, int qz, const double *z, const double *a, double *y) {
+    const factors f = {p, q, qz, a, x, a + (size_t)p * (size_t)q, z, 0};
+    any(&f, y);
 }
