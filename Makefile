@@ -231,10 +231,12 @@ $(B)/siconos: tests/bench/siconos.cpp $(BENCH_OWN:%.c=$(B)/obj/%.o) $(BENCH_HELP
 	$(Q)$(CXX) $(SICONOS_FLAGS) $(LDFLAGS) $^ -o $@ -L$(SICONOS)/lib/x86_64-linux-gnu -lsiconos_kernel -lsiconos_numerics $(LIBS)
 
 BENCH ?= full# quick: fewer settings, no large circuit but in two programs, and only the programs that the last table needs
+# netlists: nothing but the twenty netlists through ngspice
 BENCH_GOALS := build/bench/tests/bench/bench_goals# the last table, from what the others wrote
-BENCH_QUICK = $(foreach name,buck theta sparse cases,build/bench/tests/bench/bench_$(name))
-BENCH_RUN = $(BENCH_QUICK) $(filter-out $(BENCH_GOALS) $(BENCH_QUICK),$(wildcard build/bench/tests/bench/bench_*))
-bench: deps ## circuits by every engine, beside ngspice: build/bench/*.csv, *.png (15 minutes; BENCH=quick: 2)
+BENCH_quick = $(foreach name,buck theta sparse cases,build/bench/tests/bench/bench_$(name))
+BENCH_netlists = build/bench/tests/bench/bench_cases
+BENCH_RUN = $(BENCH_quick) $(filter-out $(BENCH_GOALS) $(BENCH_quick),$(wildcard build/bench/tests/bench/bench_*))
+bench: deps ## circuits by every engine, beside ngspice: build/bench/*.csv, *.png (15 minutes; BENCH=quick: 2; BENCH=netlists: 5)
 	@$(MAKE) $(JOBS) B=build/bench CFLAGS='-O3 -DNDEBUG' bench-programs cm \
 	    $(if $(wildcard $(SICONOS)/include/siconos/kernel/SiconosKernel.hpp),build/bench/siconos)
 	@rm -f build/bench/*.csv build/bench/*.dat build/bench/*.gp build/bench/*.png
@@ -242,10 +244,10 @@ bench: deps ## circuits by every engine, beside ngspice: build/bench/*.csv, *.pn
 
 .PHONY: bench-run
 bench-run:
-	@for program in $(if $(filter quick,$(BENCH)),$(BENCH_QUICK),$(BENCH_RUN)); do \
+	@for program in $(or $(BENCH_$(BENCH)),$(BENCH_RUN)); do \
 	    echo "== $$(basename $$program)"; OPENBLAS_NUM_THREADS=1 BENCH=$(BENCH) $$program || exit 1; done
 	@for script in build/bench/*.gp; do gnuplot $$script || exit 1; done
-	@$(BENCH_GOALS)
+	@$(if $(filter netlists,$(BENCH)),,$(BENCH_GOALS))
 
 .PHONY: bench-siconos
 bench-siconos: deps ## the same beside Siconos, whose Debian packages it installs

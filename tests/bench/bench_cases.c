@@ -4,8 +4,9 @@
  *     bench_cases [NAME...]       cases by part of their name; none: all
  *
  * Environment: BENCH=quick for fewer settings and no large circuit, BENCH=library for nothing but the
- * library; NONSMOOTH_CM (build/bench/nonsmooth.cm); NGSPICE.  Tables go to stdout; CSV and gnuplot scripts to
- * build/bench/, the last netlist to build/bench/run.
+ * library, BENCH=netlists for nothing but the twenty netlists through ngspice; NONSMOOTH_CM
+ * (build/bench/nonsmooth.cm); NGSPICE.  Tables go to stdout; CSV and gnuplot scripts to build/bench/, the
+ * last netlist to build/bench/run.
  *
  * All runs of a case take turns, round by round; times are medians of CPU time, on one thread: of the library
  * and of Siconos from the elements to the last value (creation said apart), of ngspice that of its process
@@ -43,13 +44,14 @@ static int asked(const bench_case *c, const plan *p, int count, char **names) {
     for (int i = 0; i < count; i++)
         if (strstr(c->name, names[i]))
             return 1;
-    return count == 0 && !(p->quick && c->slow) && !(p->library && c->file);
+    return count == 0 && !(p->quick && c->slow) && !(p->library && c->file) && !(p->netlists && !c->through);
 }
 
 int main(int argc, char **argv) {
     const char *bench = getenv("BENCH"), *models = getenv("NONSMOOTH_CM");
     plan p = {.quick = bench && strcmp(bench, "quick") == 0,
-              .library = bench && strcmp(bench, "library") == 0};
+              .library = bench && strcmp(bench, "library") == 0,
+              .netlists = bench && strcmp(bench, "netlists") == 0};
     bench_case c;
     duel duels[MOST_CASES];
     static scaling ladders;
@@ -73,6 +75,6 @@ int main(int argc, char **argv) {
     }
     if (ladders.count > 0)
         scaling_report(&ladders, folder);
-    report_summary(count, duels);
+    report_summary(count, duels, p.netlists);
     return 0;
 }

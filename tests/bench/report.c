@@ -157,9 +157,10 @@ static void look_through_ngspice(int count, const row *rows, duel *d) {
         }
     if (ours && rival) {
         d->cpu_ratio = row_other(rival) / row_other(ours);
+        d->run_ratio = row_time(rival) / row_time(ours);
         d->error_ratio = rival->error / fmax(ours->error, 1e-14);
-        snprintf(d->rival, sizeof d->rival, "%s %s", rival->series, rival->setting);
-        snprintf(d->ours, sizeof d->ours, "%s", ours->setting);
+        d->our_row = *ours;
+        d->rival_row = *rival;
     }
 }
 
@@ -200,34 +201,56 @@ static double mean(int count, const duel *d, size_t offset, int through, int *of
     return *of ? exp(sum / *of) : NAN;
 }
 
+static void print_side(const row *r) {
+    printf("%9.1f %8.1f %7ld %8.1e", 1e3 * row_other(r), 1e3 * row_time(r), r->steps, r->error);
+}
+
+static void print_through(const duel *d) {
+    printf("  %-14s", d->name);
+    if (d->cpu_ratio > 0) {
+        print_side(&d->our_row);
+        printf(" |");
+        print_side(&d->rival_row);
+        printf(" | %6.3g %6.3g   %s %s (ours: %s)", d->cpu_ratio, d->run_ratio, d->rival_row.series,
+               d->rival_row.setting, d->our_row.setting);
+    } else {
+        printf("  not compared: one of the two has no run that is done");
+    }
+    putchar('\n');
+}
+
 static void summarize_through(int count, const duel *d) {
     int of, failed = 0, ours = 0, all = 0;
     printf(
         "\n== through ngspice: its fastest setting below 1 %% (else its most accurate) against nonsmooth.cm "
-        "as it is, at\n   that error or less if it gets there; whole processes, start-up included\n"
-        "  %-14s %10s %12s  %-36s %s\n",
-        "netlist", "CPU ratio", "error ratio", "ngspice's best", "ours");
+        "as it is, at\n   that error or less if it gets there; ms of CPU: whole processes, and what is above "
+        "one that only starts and reads\n"
+        "  %-14s%9s %8s %7s %8s |%9s %8s %7s %8s | %6s %6s   %s\n",
+        "netlist", "ours: ms", "run", "points", "error", "best: ms", "run", "points", "error", "ratio",
+        "run's", "ngspice's best");
     for (int i = 0; i < count; i++)
         if (d[i].through) {
-            printf("  %-14s %10.3g %12.3g  %-36s %s\n", d[i].name, d[i].cpu_ratio, d[i].error_ratio,
-                   d[i].rival, d[i].ours);
+            print_through(&d[i]);
             failed += d[i].failed;
             ours += d[i].ours_failed;
             all++;
         }
     const double cpu = mean(count, d, offsetof(duel, cpu_ratio), 1, &of);
+    const double run = mean(count, d, offsetof(duel, run_ratio), 1, &of);
     const double error = mean(count, d, offsetof(duel, error_ratio), 1, &of);
-    printf("  geometric means of %d of %d: CPU %.3g, error %.3g; failed: ours %d, ngspice's settings %d\n",
-           of, all, cpu, error, ours, failed);
+    printf("  geometric means of %d of %d: CPU %.3g (without start-up %.3g), error %.3g; failed: ours %d, "
+           "ngspice's settings %d\n",
+           of, all, cpu, run, error, ours, failed);
     fact_put("through netlists", all);
     fact_put("through compared", of);
     fact_put("through cpu", cpu);
+    fact_put("through run", run);
     fact_put("through error", error);
     fact_put("through ours failed", ours);
     fact_put("through others failed", failed);
 }
 
-void report_summary(int count, const duel *d) {
+static void summarize_all(int count, const duel *d) {
     int of, unbeaten = 0;
     printf("\n== all: other programs (ngspice with its own models, Siconos) against the library\n"
            "  %-14s %9s %9s %13s %13s %9s\n",
@@ -242,6 +265,11 @@ void report_summary(int count, const duel *d) {
     const double lead = mean(count, d, offsetof(duel, lead), 0, &of);
     printf("  geometric mean of the leads of %d cases: %.3g\n", of, lead);
     fact_put("unbeaten", unbeaten);
+}
+
+void report_summary(int count, const duel *d, int netlists) {
+    if (!netlists)
+        summarize_all(count, d);
     summarize_through(count, d);
 }
 

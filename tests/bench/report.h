@@ -39,18 +39,20 @@ typedef struct duel {
     double lead; /* the least, over ngspice's runs, of its time over the library's at that error or less; 0:
                     it has none */
     double best_error, best_time;  /* ngspice's most accurate run */
-    double cpu_ratio, error_ratio; /* through ngspice; 0 where one is missing */
+    double cpu_ratio, error_ratio; /* through ngspice; 0 where one is missing, */
+    double run_ratio;              /* and of the times without start-up */
+    row our_row, rival_row;        /* of those */
     int tried, done;               /* settings of ngspice's own models */
     int unbeaten;                  /* of those, that no run of the library beats in both time and error */
     int through;                   /* one of the netlists compared through ngspice */
     int failed, ours_failed;       /* settings that aborted or were stopped */
-    char name[24], rival[84], ours[40];
+    char name[24];
 } duel;
 
 /* Prints, for each level of error, the best of ngspice's own settings and the best of ours, and fills d. */
 void report_duel(const bench_case *c, int count, const row *rows, duel *d);
 
-/* All cases in one table, with geometric means. */
-void report_summary(int count, const duel *d);
+/* All cases in one table, with geometric means, and those through ngspice; netlists: only these. */
+void report_summary(int count, const duel *d, int netlists);
 
 #endif

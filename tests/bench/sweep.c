@@ -320,13 +320,14 @@ static void subtract_idle(list *l) {
 
 row *sweep_run(const bench_case *c, const plan *p, int *count) {
     list l = {.row = room(MOST_ROWS * sizeof(row)), .todo = room(MOST_ROWS * sizeof(todo))};
-    if (!c->file)
+    if (!c->file && !p->netlists)
         put_library(&l, p, c);
     if ((c->net || c->file) && !p->library)
         put_ours(&l, p, c);
     if (!p->library) {
         put_ngspice(&l, p, c);
-        put_siconos(&l, p, c);
+        if (!p->netlists)
+            put_siconos(&l, p, c);
     }
     for (int round = 0; round < p->rounds; round++) {
         if (!p->library)

@@ -5,7 +5,8 @@
 #include "report.h"
 
 typedef struct plan {
-    int quick, library; /* library: nothing else */
+    int quick, library,
+        netlists; /* library: nothing else; netlists: nothing but ngspice, with ours and its own */
     int rounds;
     double limit;  /* s of CPU a run may take, */
     double budget; /* and all first runs of a case by the library, and by others */
