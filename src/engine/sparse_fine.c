@@ -18,10 +18,10 @@
 #include <math.h>
 #include <string.h>
 
-enum { ROUNDS = 4, SOON = 4 };
+enum { ROUNDS = 4, SOON = 5 };
 /* Shares of the largest charge or flux: what is nothing; what is a jump; what a correction that is the last
  * moves by; and by more than what it says that digits are lost. */
-static const double nothing = 1e-15, a_jump = 1e-11, fine_enough = 1e-14, lost = 1e-8;
+static const double nothing = 64 * DBL_EPSILON, a_jump = 1e-11, fine_enough = 1e-14, lost = 1e-8;
 
 double ns_fine_size(const ns_sparse *m) {
     double most = 0;
@@ -96,33 +96,50 @@ static int correct(ns_sparse *m, double g, const ns_kept *k, double size, const 
     return moved <= lost * size ? NS_OK : NS_E_RESIDUAL;
 }
 
-/* Up to D^count w, in m->next_w, or until it has vanished: *gone.  fine: with corrections, until one moves
- * nothing. */
-static int powers(ns_sparse *m, double t, double g, int count, int fine, int *gone) {
+/* What is left after another step: NOTHING; nothing but what has no time of its own, which all later ones
+ * only turn over (ALL_OF_IT); else SOME. */
+typedef enum left { SOME, NOTHING, ALL_OF_IT } left;
+
+static left compare(const ns_sparse *m, double size, const double *before, const double *by) {
+    double most = 0;
+    if (largest(m, by) <= nothing * size)
+        return NOTHING;
+    for (int i = 0; i < m->f->n; i++)
+        if (!m->f->algebraic[i])
+            most = fmax(most, fabs(before[i] + by[i]) / m->unit[i]);
+    return most <= nothing * size ? ALL_OF_IT : SOME;
+}
+
+/* D^N w, in m->next_w, from the first D^count w that tell.  fine: with corrections, until one moves nothing.
+ */
+static int powers(ns_sparse *m, double t, double g, int count, int fine, left *what) {
     const ns_kept *k;
-    double size = ns_fine_size(m), *by = m->scale + m->f->n;
-    memcpy(m->next_w, m->w, sizeof(double) * (size_t)m->f->n);
+    const int n = m->f->n;
+    double size = ns_fine_size(m), *by = m->scale + n;
+    memcpy(m->next_w, m->w, sizeof(double) * (size_t)n);
     int status = ns_modal_factor(m->q, g, m->mode, 1, &k);
-    for (int i = 0; i < count && status == NS_OK; i++) {
+    *what = SOME;
+    for (int i = 0; i < count && status == NS_OK && *what == SOME; i++) {
         status = ns_leg_solve(m, k, t, g, i, m->next_w, m->z, m->v, by);
         size = i == 0 ? fmax(size, largest(m, by)) : size; /* at a start there is nothing yet */
         if (status == NS_OK && fine)
             status = correct(m, g, k, size, m->v, by, &fine);
-        memcpy(m->next_w, by, sizeof(double) * (size_t)m->f->n);
-        if (status == NS_OK && (*gone = largest(m, by) <= nothing * size))
-            break;
+        if (status == NS_OK)
+            *what = compare(m, size, m->next_w, by);
+        for (int r = 0; r < n; r++)
+            m->next_w[r] = *what == ALL_OF_IT && i % 2 == 0 ? -by[r] : by[r];
     }
     return status;
 }
 
 int ns_fine_consistent(ns_sparse *m, double t, double g, int *jumped) {
     const double size = ns_fine_size(m);
-    int gone = 0;
+    left what;
     *jumped = 0;
-    int status = powers(m, t, g, SOON, 0, &gone);
-    if (status == NS_OK && !gone)
-        status = powers(m, t, g, NS_ORDER, 1, &gone);
-    if (status != NS_OK || gone)
+    int status = powers(m, t, g, SOON, 0, &what);
+    if (status == NS_OK && what == SOME)
+        status = powers(m, t, g, NS_ORDER, 1, &what);
+    if (status != NS_OK || what == NOTHING)
         return status == NS_E_SINGULAR ? NS_OK : status;
     *jumped = largest(m, m->next_w) > a_jump * size;
     for (int i = 0; i < m->f->n; i++)

@@ -2,6 +2,9 @@
  *
  * Factors with the pivots of another matrix are several times faster to get.  They are as good as fresh ones
  * unless entries grow: then, or where a pivot vanishes, pivots are chosen anew.
+ *
+ * Where the pattern that all matrices share fills up, as zeros on its diagonal turn pivots away from the
+ * order that it was given, each matrix is taken apart by the places that are not zero in itself.
  */
 #include "sparse_lu.h"
 
@@ -18,10 +21,15 @@ struct ns_klu {
     double *x; /* n: work */
     klu_common common;
     klu_symbolic *symbolic;
+    int fills; /* factors of the shared pattern do */
     long fresh, again;
 };
 
 struct ns_factors {
+    klu_symbolic *own; /* of its own pattern, NULL: the shared one's */
+    int *start, *row;  /* of that: n+1, start[n]; */
+    int *from;         /* start[n]: the places in the shared one, */
+    double *value;     /* start[n]: and what is there */
     klu_numeric *numeric;
     double growth;    /* reciprocal, with these pivots when they were chosen */
     int solved;       /* how often */
@@ -30,6 +38,10 @@ struct ns_factors {
 };
 
 enum { WORTH_PACKING = 3 };
+
+/* Factors have filled up where, but for their diagonals, they have so many times the entries of the matrix.
+ */
+static const double fill_share = 1.2;
 
 /* Old pivots are dropped where entries grow this much more than when they were chosen; below rcond_min the
  * matrix is as good as singular. */
@@ -77,11 +89,22 @@ void ns_klu_free(ns_klu *k) {
     free(k);
 }
 
+static void free_pattern(ns_klu *k, ns_factors *f) {
+    if (f->own)
+        (void)klu_free_symbolic(&f->own, &k->common);
+    free(f->start);
+    free(f->value);
+    f->start = NULL;
+    f->value = NULL;
+}
+
 void ns_factors_free(ns_klu *k, ns_factors *f) {
-    if (f && f->numeric)
+    if (!f)
+        return;
+    if (f->numeric)
         (void)klu_free_numeric(&f->numeric, &k->common);
-    if (f)
-        ns_sweep_free(f->packed);
+    free_pattern(k, f);
+    ns_sweep_free(f->packed);
     free(f);
 }
 
@@ -91,13 +114,82 @@ static int give_up(ns_klu *k, ns_factors **f, int status) {
     return status;
 }
 
+static klu_symbolic *symbolic_of(const ns_klu *k, const ns_factors *f) {
+    return f->own ? f->own : k->symbolic;
+}
+
+/* What KLU is to look at. */
+typedef struct matrix {
+    int *start, *row;
+    double *value;
+    klu_symbolic *symbolic;
+} matrix;
+
+static matrix matrix_of(const ns_klu *k, const ns_factors *f, double *value) {
+    return f->own ? (matrix){f->start, f->row, f->value, f->own}
+                  : (matrix){k->start, k->row, value, k->symbolic};
+}
+
+/* 1 if it has no other places than those of f, whose values are taken. */
+static int take_values(const ns_klu *k, ns_factors *f, const double *value) {
+    int at = 0;
+    if (!f->own)
+        return 1;
+    for (int p = 0; p < k->start[k->n]; p++)
+        if (value[p] != 0) {
+            while (at < f->start[k->n] && f->from[at] < p)
+                f->value[at++] = 0;
+            if (at == f->start[k->n] || f->from[at] != p)
+                return 0;
+            f->value[at++] = value[p];
+        }
+    for (; at < f->start[k->n]; at++)
+        f->value[at] = 0;
+    return 1;
+}
+
+static int count_nonzero(const ns_klu *k, const double *value) {
+    int count = 0;
+    for (int p = 0; p < k->start[k->n]; p++)
+        count += value[p] != 0;
+    return count;
+}
+
+/* Its own pattern, taken apart.  Errors: MEMORY, SINGULAR. */
+static int take_apart(ns_klu *k, ns_factors *f, const double *value) {
+    const size_t n = (size_t)k->n, count = (size_t)count_nonzero(k, value);
+    int at = 0;
+    free_pattern(k, f);
+    f->start = calloc(n + 1 + 2 * count, sizeof(int));
+    f->value = calloc(count + 1, sizeof(double));
+    if (!f->start || !f->value)
+        return NS_E_MEMORY;
+    f->row = f->start + n + 1;
+    f->from = f->row + count;
+    for (int j = 0; j < k->n; j++) {
+        for (int p = k->start[j]; p < k->start[j + 1]; p++)
+            if (value[p] != 0) {
+                f->row[at] = k->row[p];
+                f->from[at] = p;
+                f->value[at++] = value[p];
+            }
+        f->start[j + 1] = at;
+    }
+    f->own = klu_analyze(k->n, f->start, f->row, &k->common);
+    if (f->own && f->own->structural_rank == k->n)
+        return NS_OK;
+    return f->own ? NS_E_SINGULAR : status_of(&k->common);
+}
+
 /* 1 if the pivots of f serve this matrix too. */
 static int factor_again(ns_klu *k, double *value, ns_factors *f) {
     klu_common *c = &k->common;
-    if (!f->numeric || !klu_refactor(k->start, k->row, value, k->symbolic, f->numeric, c) ||
-        c->status != KLU_OK)
+    if (!f->numeric || !take_values(k, f, value))
         return 0;
-    if (!klu_rgrowth(k->start, k->row, value, k->symbolic, f->numeric, c))
+    const matrix a = matrix_of(k, f, value);
+    if (!klu_refactor(a.start, a.row, a.value, a.symbolic, f->numeric, c) || c->status != KLU_OK)
+        return 0;
+    if (!klu_rgrowth(a.start, a.row, a.value, a.symbolic, f->numeric, c))
         return 0;
     k->again++;
     return c->rgrowth >= growth_share * f->growth;
@@ -107,12 +199,18 @@ static int factor_fresh(ns_klu *k, double *value, ns_factors *f) {
     klu_common *c = &k->common;
     if (f->numeric)
         (void)klu_free_numeric(&f->numeric, c);
-    f->numeric = klu_factor(k->start, k->row, value, k->symbolic, c);
     k->fresh++;
+    const int status = k->fills ? take_apart(k, f, value) : NS_OK;
+    if (status != NS_OK)
+        return status;
+    const matrix a = matrix_of(k, f, value);
+    f->numeric = klu_factor(a.start, a.row, a.value, a.symbolic, c);
     if (!f->numeric || c->status != KLU_OK)
         return c->status == KLU_OK ? NS_E_SINGULAR : status_of(c);
-    (void)klu_rgrowth(k->start, k->row, value, k->symbolic, f->numeric, c);
+    (void)klu_rgrowth(a.start, a.row, a.value, a.symbolic, f->numeric, c);
     f->growth = c->rgrowth;
+    k->fills = k->fills || f->numeric->lnz + f->numeric->unz + f->numeric->nzoff - 2 * k->n >
+                               fill_share * count_nonzero(k, value);
     return NS_OK;
 }
 
@@ -135,7 +233,7 @@ int ns_klu_factor(ns_klu *k, double *value, ns_factors **f) {
         if (status != NS_OK)
             return give_up(k, f, status);
     }
-    if (!klu_rcond(k->symbolic, (*f)->numeric, &k->common) || !(k->common.rcond > rcond_min))
+    if (!klu_rcond(symbolic_of(k, *f), (*f)->numeric, &k->common) || !(k->common.rcond > rcond_min))
         return give_up(k, f, NS_E_SINGULAR);
     return NS_OK;
 }
@@ -148,6 +246,9 @@ size_t ns_factors_bytes(const ns_factors *f) {
                  (size_t)n->nzoff * (sizeof(int) + sizeof(double));
         bytes += 2 * ((size_t)n->lnz + (size_t)n->unz) * (sizeof(int) + sizeof(double)); /* packed too */
     }
+    if (f->own) /* its places, and what KLU says of them */
+        bytes += sizeof *f->own + (size_t)f->own->nz * (2 * sizeof(int) + sizeof(double)) +
+                 (size_t)f->own->n * (4 * sizeof(int) + sizeof(double));
     return bytes;
 }
 
@@ -159,7 +260,8 @@ static ns_sweep *pack(ns_klu *k, const ns_factors *f) {
     double *doubles = calloc((size_t)n + 1 + all, sizeof(double));
     ns_sweep *s = NULL;
     if (ints && doubles) {
-        ns_triangles t = {.n = n, .blocks = k->symbolic->nblocks, .R = ints, .Rs = doubles};
+        klu_symbolic *symbolic = symbolic_of(k, f);
+        ns_triangles t = {.n = n, .blocks = symbolic->nblocks, .R = ints, .Rs = doubles};
         t.often_zero = f->all ? n : k->often_zero;
         t.P = t.R + n + 1;
         t.Q = t.P + n;
@@ -172,8 +274,8 @@ static ns_sweep *pack(ns_klu *k, const ns_factors *f) {
         t.Lx = t.Rs + n;
         t.Ux = t.Lx + lnz;
         t.Fx = t.Ux + unz;
-        if (klu_extract(f->numeric, k->symbolic, t.Lp, t.Li, t.Lx, t.Up, t.Ui, t.Ux, t.Fp, t.Fi, t.Fx, t.P,
-                        t.Q, t.Rs, t.R, &k->common))
+        if (klu_extract(f->numeric, symbolic, t.Lp, t.Li, t.Lx, t.Up, t.Ui, t.Ux, t.Fp, t.Fi, t.Fx, t.P, t.Q,
+                        t.Rs, t.R, &k->common))
             s = ns_sweep_create(&t);
     }
     free(ints);
@@ -192,7 +294,7 @@ void ns_klu_solve(ns_klu *k, ns_factors *f, double *b) {
         f->packed = pack(k, f);
     if (f->packed && ns_sweep_solve(f->packed, b, k->x))
         return;
-    (void)klu_solve(k->symbolic, f->numeric, k->n, 1, b, &k->common);
+    (void)klu_solve(symbolic_of(k, f), f->numeric, k->n, 1, b, &k->common);
     if (f->packed) { /* with all, next time */
         ns_sweep_free(f->packed);
         f->packed = NULL;
