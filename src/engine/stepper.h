@@ -29,7 +29,7 @@ struct ns_map {
     ns_map *older, *newer; /* by last use */
 };
 
-enum { NS_BUCKETS = 8192, NS_RECENT = 64 };
+enum { NS_BUCKETS = 1024, NS_RECENT = 64 };
 
 /* Maps by (h, implicit, mode), the least recently used dropped when they need more than limit bytes. */
 typedef struct ns_cache {
