@@ -135,7 +135,7 @@ static int load(ns_flight *f) {
     for (int i = 0; i < f->s->r; i++)
         f->most[i] = ns_higher(f->most[i], fabs(f->X[i]));
     if (!f->m->live.at_event)
-        ns_turn_settle(f);
+        ns_enter_settle(f);
     return NS_OK;
 }
 

@@ -159,8 +159,8 @@ int ns_turn(ns_flight *f, int natural);
 /* turn.c: the first mode, from X at t with commands as in m->step; X moves if the state jumps.  Errors: those
  * of the impulse problem. */
 int ns_turn_start(ns_flight *f);
-/* turn.c: X freed of what the constraints of its mode do not allow: rounding. */
-void ns_turn_settle(ns_flight *f);
+/* enter.c: X freed of what the constraints of its mode do not allow: rounding. */
+void ns_enter_settle(ns_flight *f);
 /* turn.c: inputs at t+ into z, their slopes into slope. */
 void ns_turn_inputs(ns_flight *f);
 

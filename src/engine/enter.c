@@ -1,0 +1,125 @@
+/* src/engine/enter.c - what jumps where a mode is entered: charges and fluxes that its constraints do not
+ * allow.
+ */
+#include "turn.h"
+
+#include "../linalg/lanes.h"
+
+#include <math.h>
+#include <string.h>
+
+/* What a charge or flux may move by without being called a jump, of the largest it ever was. */
+static const double still = 1e-12;
+/* D^8 beside D, of what is slow: far less. */
+static const double slow = 1e-6;
+/* An impulse of the wrong sign beside the largest. */
+static const double impulse_tol = 1e-9;
+/* One that adds less than this over the stage is none. */
+static const double matters = 1e-6;
+
+/* D^8 of f->next from f->series, as the last of eight implicit steps has it: by the impulses of that step,
+ * each where its element is, so that charges and fluxes go from one place to another and nowhere else. */
+static void impulses_of(ns_flight *f, const ns_stage *k, double *by) {
+    const ns_theta *s = f->s;
+    const int n = s->s->n, m = s->s->m, r = k->r;
+    ns_matvec(n + m, r, k->xi, f->series + (NS_ORDER - 2) * r, f->to.x); /* and lambda; inputs do not jump */
+    for (int i = 0; i < r; i++) {
+        double sum = 0;
+        for (int j = 0; j < n; j++)
+            sum += s->A[i + j * n] * f->to.x[j];
+        for (int j = 0; j < m; j++)
+            sum += s->B[i + j * n] * f->to.lambda[j];
+        by[i] = k->g * sum;
+    }
+}
+
+/* 1 if D^8 moves any of f->next by more than rounding. */
+static int moves_any(const ns_flight *f, const ns_stage *k) {
+    const int r = k->r;
+    for (int i = 0; i < r; i++) {
+        const double *row = k->series + (NS_ORDER - 1) * r + i;
+        double by = 0;
+        for (int j = 0; j < k->q; j++)
+            by += row[j * NS_ORDER * r] * f->next[j];
+        if (fabs(by) > still * f->most[i])
+            return 1;
+        f->gone[i] = by;
+    }
+    return 0;
+}
+
+/* f->next = X after the jump that the mode asks for: what its constraints leave, 1 - D^8, and that again
+ * while it leaves anything of what is fast, not instantaneous.  f->gone (r): the sum of what went.  1 if it
+ * is one. */
+static int jump(ns_flight *f, const ns_stage *k) {
+    enum { AGAIN = 8 };
+    const int r = k->r;
+    int moves = 0, more = 1;
+    memcpy(f->next, f->X, sizeof(double) * (size_t)k->q);
+    if (!moves_any(f, k)) {
+        for (int i = 0; i < r; i++)
+            f->next[i] -= f->gone[i];
+        return 0;
+    }
+    memset(f->gone, 0, sizeof(double) * (size_t)r);
+    for (int round = 0; round < AGAIN && more; round++) {
+        double *by = f->series + (NS_ORDER - 1) * r;
+        ns_matvec(NS_ORDER * r, k->q, k->series, f->next, f->series);
+        more = 0;
+        for (int i = 0; i < r; i++)
+            more |= fabs(by[i]) > still * f->most[i] && fabs(by[i]) > slow * fabs(f->series[i]);
+        if (more)
+            impulses_of(f, k, by);
+        for (int i = 0; i < r; i++) {
+            f->next[i] -= by[i];
+            f->gone[i] += by[i];
+        }
+        moves |= more;
+    }
+    return moves;
+}
+
+int ns_enter(ns_flight *f, const ns_flight_mode *k) {
+    if (k->instant)
+        return jump(f, k->level[0].stage);
+    memcpy(f->next, f->X, sizeof(double) * (size_t)k->level[0].stage->q);
+    return 0;
+}
+
+void ns_enter_settle(ns_flight *f) {
+    double *X = f->X, until;
+    if (!f->at->instant)
+        return;
+    (void)jump(f, ns_flight_level(f, &until)->stage);
+    f->X = f->next;
+    f->next = X;
+}
+
+/* The impulse of guard g over the stage: what it makes of the part that jumps. */
+static double impulse_of(const ns_flight *f, const ns_stage *k, int g) {
+    double sum = 0;
+    for (int i = 0; i < k->r; i++)
+        sum += k->coef[(size_t)g + (size_t)i * (size_t)(NS_ORDER * k->rows)] * f->gone[i];
+    return sum;
+}
+
+int ns_enter_fits(ns_flight *f, const ns_stage *k) {
+    double most = 0;
+    for (int g = 0; g < k->pair_rows; g++) {
+        f->rate[g] = impulse_of(f, k, g);
+        most = ns_higher(most, fabs(f->rate[g]));
+    }
+    for (int g = 0; g < k->pair_rows; g++)
+        if (f->rate[g] < -(impulse_tol * most + matters * fabs(ns_guard_of(k, k->value, g, f->next)) +
+                           ns_watch_noise(f, k, g)))
+            return 0;
+    return 1;
+}
+
+int ns_enter_worst(const ns_flight *f, const ns_stage *k) {
+    int worst = 0;
+    for (int g = 1; g < k->pair_rows; g++)
+        if (f->rate[g] < f->rate[worst])
+            worst = g;
+    return worst;
+}
