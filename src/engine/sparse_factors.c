@@ -9,6 +9,8 @@
  * of refinement leaves that share of their effect. */
 static const double leak_share = 1e-4;
 enum { LEAK_ROUNDS = 30 };
+/* A mode that was served so often by an update gets factors of its own. */
+enum { LONG_SERVED = 16 };
 /* What a round moves that is the last one; what it may still move where it gets no better. */
 static const double rounding = 1e-14, contradiction = 1e-9;
 
@@ -171,7 +173,7 @@ static int can_serve(ns_modal *q, ns_kept *k, double g, const ns_mode *mode) {
     if (!k->factors || k->g != g)
         return 0;
     if (memcmp(k->update->mode, mode, (size_t)q->f->m) == 0)
-        return 1;
+        return k->update->count == 0 || ++k->update->served < LONG_SERVED;
     if (k->leaky || !ns_update_to(k->update, q->klu, k->factors, g, k->mode, mode))
         return 0;
     q->updated++;

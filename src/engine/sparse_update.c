@@ -165,6 +165,7 @@ int ns_update_to(ns_update *u, ns_klu *klu, ns_factors *factors, double g, const
     const int done = differences(u, base, mode) && make_columns(u, klu, factors) && make_small(u, g, mode);
     u->count = done ? u->count : 0;
     u->checked = u->count == 0;
+    u->served = 0;
     memcpy(u->mode, done ? mode : base, (size_t)u->f->m);
     return done;
 }

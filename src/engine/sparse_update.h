@@ -23,6 +23,7 @@ typedef struct ns_update {
     double *v;                                 /* NS_UPDATE_MOST size; NULL: not needed yet */
     ns_mode *mode;                             /* m: that it serves */
     int checked;                               /* a solution left no more than rounding */
+    int served;                                /* how often it was asked for since it came to this mode */
 } ns_update;
 
 int ns_update_create(const ns_form *f, ns_update *u); /* Errors: MEMORY */

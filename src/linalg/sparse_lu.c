@@ -33,11 +33,12 @@ struct ns_factors {
     klu_numeric *numeric;
     double growth;    /* reciprocal, with these pivots when they were chosen */
     int solved;       /* how often */
-    int all;          /* no unknown is left out */
+    int all;          /* no unknown is left out, */
+    int missed;       /* for so often one of them was not zero */
     ns_sweep *packed; /* made by the solution that makes it worth while */
 };
 
-enum { WORTH_PACKING = 3 };
+enum { WORTH_PACKING = 3, MOST_MISSED = 16 };
 
 /* Factors have filled up where, but for their diagonals, they have so many times the entries of the matrix.
  */
@@ -221,7 +222,7 @@ int ns_klu_factor(ns_klu *k, double *value, ns_factors **f) {
         return NS_E_MEMORY;
     ns_sweep_free((*f)->packed);
     (*f)->packed = NULL;
-    (*f)->all = 0;
+    (*f)->all = (*f)->missed = 0;
     (*f)->solved = 0;
     if (k->n == 0)
         return NS_OK;
@@ -295,7 +296,7 @@ void ns_klu_solve(ns_klu *k, ns_factors *f, double *b) {
     if (f->packed && ns_sweep_solve(f->packed, b, k->x))
         return;
     (void)klu_solve(symbolic_of(k, f), f->numeric, k->n, 1, b, &k->common);
-    if (f->packed) { /* with all, next time */
+    if (f->packed && ++f->missed > MOST_MISSED) { /* with all, next time */
         ns_sweep_free(f->packed);
         f->packed = NULL;
         f->all = 1;

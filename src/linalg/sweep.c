@@ -8,9 +8,10 @@ struct ns_sweep {
     int *begin;            /* blocks+1: of the unknowns of a block */
     int *row, *to;         /* n: where unknown k takes its right-hand side, and leaves its value */
     int *out_row, *out_to; /* out: the same of those left out */
-    int *l, *u;            /* n+1: column k of L (below the diagonal), of U (above it, other blocks too) */
-    int *li, *ui;          /* their rows, */
-    double *lx, *ux;       /* and values */
+    int *l, *u;            /* n+1: row k of L (below the diagonal) and F, of U (above it) over its pivot, */
+    int *li, *ui;          /* their columns, */
+    double *lx, *ux;       /* and values; but for those */
+    double *below, *above; /* n: right beside the diagonal, which wait for the one just solved for */
     double *scale, *pivot; /* n: the right-hand side is multiplied by; of U, reciprocal */
 };
 
@@ -45,32 +46,60 @@ static void choose(const ns_triangles *t, ns_sweep *s, int *place) {
     s->begin[s->blocks] = s->n;
 }
 
-/* Column k without its diagonal, zeros and what is left out; returns where the next one begins. */
-static int append(const int *start, const int *row, const double *value, int k, const int *place, int at,
-                  int *to, double *x) {
-    for (int p = start[k]; p < start[k + 1]; p++)
-        if (row[p] != k && value[p] != 0 && place[row[p]] >= 0) {
-            to[at] = place[row[p]];
-            x[at++] = value[p];
+/* Of U, reciprocal. */
+static void take_pivots(const ns_triangles *t, const int *place, double *pivot) {
+    for (int k = 0; k < t->n; k++)
+        for (int p = t->Up[k]; p < t->Up[k + 1]; p++)
+            if (t->Ui[p] == k && place[k] >= 0)
+                pivot[place[k]] = 1 / t->Ux[p];
+}
+
+typedef struct rows {
+    int *start, *column;
+    double *value, *beside; /* what is in the column next to the diagonal on this side, */
+    int side;               /* which is so far from it; 0: nothing is */
+    const double *scale;    /* of rows, or NULL */
+} rows;
+
+/* The columns of a triangle, without diagonals, zeros and what is left out, by rows: counted, and filled in
+ * at start[row], which then is where the next row starts. */
+static void by_rows(int n, const int *start, const int *row, const double *value, const int *place, int count,
+                    const rows *to) {
+    for (int k = 0; k < n; k++)
+        for (int p = start[k]; p < start[k + 1]; p++) {
+            const int i = place[row[p]];
+            if (row[p] == k || value[p] == 0 || i < 0 || place[k] < 0)
+                continue;
+            const double x = to->scale ? value[p] * to->scale[i] : value[p];
+            if (to->side && place[k] - i == to->side) {
+                to->beside[i] = x;
+            } else if (count) {
+                to->start[i + 1]++;
+            } else {
+                to->column[to->start[i]] = place[k];
+                to->value[to->start[i]++] = x;
+            }
         }
-    return at;
 }
 
 static void fill(const ns_triangles *t, ns_sweep *s, const int *place) {
-    int l = 0, u = 0;
-    for (int k = 0; k < t->n; k++) {
-        const int i = place[k];
-        if (i < 0)
-            continue;
-        for (int p = t->Up[k]; p < t->Up[k + 1]; p++)
-            if (t->Ui[p] == k)
-                s->pivot[i] = 1 / t->Ux[p];
-        l = append(t->Lp, t->Li, t->Lx, k, place, l, s->li, s->lx);
-        u = append(t->Up, t->Ui, t->Ux, k, place, u, s->ui, s->ux);
-        u = append(t->Fp, t->Fi, t->Fx, k, place, u, s->ui, s->ux);
-        s->l[i + 1] = l;
-        s->u[i + 1] = u;
+    const rows l = {s->l, s->li, s->lx, s->below, -1, NULL}, f = {s->l, s->li, s->lx, NULL, 0, NULL},
+               u = {s->u, s->ui, s->ux, s->above, 1, s->pivot};
+    take_pivots(t, place, s->pivot);
+    for (int count = 1; count >= 0; count--) {
+        by_rows(t->n, t->Lp, t->Li, t->Lx, place, count, &l);
+        by_rows(t->n, t->Fp, t->Fi, t->Fx, place, count, &f);
+        by_rows(t->n, t->Up, t->Ui, t->Ux, place, count, &u);
+        for (int k = 0; k < s->n && count; k++) {
+            s->l[k + 1] += s->l[k];
+            s->u[k + 1] += s->u[k];
+        }
     }
+    for (int k = s->n; k > 0; k--) {
+        s->l[k] = s->l[k - 1];
+        s->u[k] = s->u[k - 1];
+    }
+    s->l[0] = s->u[0] = 0;
 }
 
 static int *take(int **from, int count) {
@@ -80,11 +109,11 @@ static int *take(int **from, int count) {
 }
 
 ns_sweep *ns_sweep_create(const ns_triangles *t) {
-    const int n = t->n, lnz = t->Lp[n], unz = t->Up[n] + t->Fp[n];
+    const int n = t->n, lnz = t->Lp[n] + t->Fp[n], unz = t->Up[n];
     const size_t all = (size_t)lnz + (size_t)unz;
     ns_sweep *s = calloc(1, sizeof *s);
     int *ints = calloc(6 * (size_t)n + 3 + (size_t)t->blocks + all, sizeof(int));
-    double *doubles = calloc(2 * (size_t)n + 1 + all, sizeof(double));
+    double *doubles = calloc(4 * (size_t)n + 1 + all, sizeof(double));
     int *place = calloc((size_t)n + 1, sizeof(int));
     if (s && ints && doubles && place) {
         s->begin = take(&ints, t->blocks + 1);
@@ -98,7 +127,9 @@ ns_sweep *ns_sweep_create(const ns_triangles *t) {
         s->ui = take(&ints, unz);
         s->scale = doubles;
         s->pivot = s->scale + n;
-        s->lx = s->pivot + n;
+        s->below = s->pivot + n;
+        s->above = s->below + n;
+        s->lx = s->above + n;
         s->ux = s->lx + lnz;
         choose(t, s, place);
         fill(t, s, place);
@@ -120,26 +151,28 @@ void ns_sweep_free(ns_sweep *s) {
     free(s);
 }
 
-/* x -= x_k times column k. */
-static inline void subtract(const int *start, const int *row, const double *value, int k, double *x) {
-    const double by = x[k];
-    for (int p = start[k]; p < start[k + 1]; p++)
-        x[row[p]] -= value[p] * by;
+/* What is left of sum after a row's entries times x. */
+static inline double without(double sum, const int *column, const double *value, int from, int end,
+                             const double *x) {
+    for (int p = from; p < end; p++)
+        sum -= value[p] * x[column[p]];
+    return sum;
 }
 
 int ns_sweep_solve(const ns_sweep *s, double *b, double *x) {
     for (int k = 0; k < s->out; k++)
         if (b[s->out_row[k]] != 0)
             return 0;
-    for (int k = 0; k < s->n; k++)
-        x[k] = b[s->row[k]] * s->scale[k];
     for (int c = s->blocks - 1; c >= 0; c--) {
-        const int first = s->begin[c], last = s->begin[c + 1] - 1;
-        for (int k = first; k < last; k++)
-            subtract(s->l, s->li, s->lx, k, x);
-        for (int k = last; k >= first; k--) {
-            x[k] *= s->pivot[k];
-            subtract(s->u, s->ui, s->ux, k, x);
+        double last = 0;
+        for (int k = s->begin[c]; k < s->begin[c + 1]; k++) {
+            const double right = b[s->row[k]] * s->scale[k];
+            x[k] = last = without(right, s->li, s->lx, s->l[k], s->l[k + 1], x) - s->below[k] * last;
+        }
+        last = 0;
+        for (int k = s->begin[c + 1] - 1; k >= s->begin[c]; k--) {
+            const double right = x[k] * s->pivot[k];
+            x[k] = last = without(right, s->ui, s->ux, s->u[k], s->u[k + 1], x) - s->above[k] * last;
         }
     }
     for (int k = 0; k < s->out; k++)
