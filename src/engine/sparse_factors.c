@@ -180,10 +180,25 @@ static int can_serve(ns_modal *q, ns_kept *k, double g, const ns_mode *mode) {
     return 1;
 }
 
+/* The scratch one that was asked for the last time, if it is asked for again. */
+static ns_kept *same_again(ns_modal *q, double g, const ns_mode *mode, int brief) {
+    ns_kept *k = q->last[brief];
+    if (!k || !k->factors || k->g != g || memcmp(k->update->mode, mode, (size_t)q->f->m) != 0)
+        return NULL;
+    return k->update->count == 0 || ++k->update->served < LONG_SERVED ? k : NULL;
+}
+
 int ns_modal_factor(ns_modal *q, double g, const ns_mode *mode, int brief, const ns_kept **out) {
-    const unsigned long long key = key_of(q->f, g, mode);
-    ns_kept *k = q->bucket[key % NS_KEPT_BUCKETS];
+    ns_kept *k = same_again(q, g, mode, brief);
     int status = NS_OK;
+    if (k) {
+        k->used = ++q->clock;
+        *out = k;
+        return NS_OK;
+    }
+    const unsigned long long key = key_of(q->f, g, mode);
+    k = q->bucket[key % NS_KEPT_BUCKETS];
+    q->last[brief] = NULL;
     while (k && !is(q, k, key, g, mode))
         k = k->next;
     if (!k) {
@@ -199,6 +214,7 @@ int ns_modal_factor(ns_modal *q, double g, const ns_mode *mode, int brief, const
     }
     if (status != NS_OK)
         return status;
+    q->last[brief] = k->update ? k : NULL;
     k->used = ++q->clock;
     *out = k;
     return NS_OK;

@@ -34,6 +34,7 @@ typedef struct ns_modal {
     ns_kept *bucket[NS_KEPT_BUCKETS];
     ns_kept scratch[2][NS_SCRATCH];
     ns_update update[2][NS_SCRATCH];
+    ns_kept *last[2]; /* of scratch: asked for last, or NULL */
     unsigned long long seen[NS_SEEN];
     size_t bytes, limit;
     long clock, made, evicted, updated;

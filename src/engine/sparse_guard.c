@@ -3,6 +3,7 @@
  * Over a leg a guard is a polynomial (E1).  A bound by its coefficients tells that most hold; the others are
  * looked into (sparse_search.h).
  */
+#include "../linalg/lanes.h"
 #include "sparse_march.h"
 #include "sparse_search.h"
 
@@ -99,31 +100,40 @@ static int shake(ns_sparse *m, const double *v, const double *w, double g) {
     return NS_OK;
 }
 
-/* 1 if pair j keeps its law at v, to the last bit. */
-static inline int holds(const ns_sparse *m, int j, const double *v) {
-    if (m->mode[j] == NS_INSIDE)
-        return v[m->f->n + j] >= m->l[j] && v[m->f->n + j] <= m->u[j];
+/* 1 if pair j keeps its law at v, to the last bit; any_F: inputs enter laws. */
+static inline int holds(const ns_sparse *m, int j, const double *v, int any_F) {
+    const ns_mode mode = m->mode[j];
+    const double lambda = v[m->f->n + j];
+    if (mode == NS_INSIDE)
+        return (lambda >= m->l[j]) & (lambda <= m->u[j]);
     if (!(m->l[j] < m->u[j]))
-        return !ns_slides(m->mode[j]);
-    const double y = ns_form_y(m->f, j, v, m->z, 1);
-    return m->mode[j] == NS_LOWER ? y >= 0 : y <= 0;
+        return !ns_slides(mode);
+    double y = ns_csc_dot(&m->f->Ct, j, v) + m->f->e[j];
+    if (any_F)
+        y += ns_csc_dot(&m->f->Ft, j, m->z);
+    return mode == NS_LOWER ? y >= 0 : y <= 0;
 }
 
-/* Guards at v that are negative by more than the sum of their terms explains; marks them in m->flip. */
-static int find_broken(ns_sparse *m, const double *v, const double *w, double g) {
-    int count = 0;
-    memset(m->flip, 0, (size_t)m->f->m);
-    for (int j = 0; j < m->f->m; j++) {
-        const int guards = holds(m, j, v) ? 0 : guards_of(m, j);
-        for (int k = 0; k < guards; k++) {
-            const double value = guard(m, j, k, v, m->z, 1);
-            if (!(value < 0) || value >= -noise(m, j, v, w, g))
-                continue;
-            m->flip[j] = (unsigned char)(1 + is_upper(m, j, k));
-            count++;
-            break;
-        }
+/* Whether a guard of pair j is negative by more than the sum of its terms explains; marks it in m->flip. */
+static int is_broken(ns_sparse *m, int j, const double *v, const double *w, double g) {
+    const int guards = guards_of(m, j);
+    for (int k = 0; k < guards; k++) {
+        const double value = guard(m, j, k, v, m->z, 1);
+        if (!(value < 0) || value >= -noise(m, j, v, w, g))
+            continue;
+        m->flip[j] = (unsigned char)(1 + is_upper(m, j, k));
+        return 1;
     }
+    return 0;
+}
+
+static int find_broken(ns_sparse *m, const double *v, const double *w, double g) {
+    const int any_F = m->f->Ft.start[m->f->m] > 0, pairs = m->f->m;
+    int count = 0;
+    memset(m->flip, 0, (size_t)pairs);
+    for (int j = 0; j < pairs; j++)
+        if (!holds(m, j, v, any_F))
+            count += is_broken(m, j, v, w, g);
     return count;
 }
 
@@ -212,21 +222,23 @@ int ns_guard_commands(ns_sparse *m, const double *v, const ns_leg *leg, unsigned
 
 /* --- over a leg --- */
 
-/* 1 if a bound by the coefficients of guard k of pair j tells that it holds. */
+/* 1 if a bound by the coefficients of guard k of pair j tells that it holds, but for what it may be below
+ * zero by. */
 static int surely_holds(const ns_sparse *m, const ns_leg *leg, int j, int k) {
     const size_t size = (size_t)m->f->size, nz = (size_t)m->f->nz;
     double least;
     if (m->mode[j] == NS_INSIDE) {
-        const double *lambda = leg->xi + m->f->n + j;
+        const double *lambda = leg->xi + m->f->n + j, little = -m->o.reltol * m->most_lambda;
         least = is_upper(m, j, k) ? m->u[j] - lambda[0] : lambda[0] - m->l[j];
-        for (size_t i = 1; i < NS_ORDER && least > 0; i++)
+        for (size_t i = 1; i < NS_ORDER && least > little; i++)
             least -= m->largest[i] * fabs(lambda[i * size]);
-        return least > 0;
+        return least > little;
     }
+    const double little = ns_slides(m->mode[j]) ? 0 : -m->o.reltol * m->most_y;
     least = guard(m, j, k, leg->xi, leg->z, 1);
-    for (size_t i = 1; i < NS_ORDER && least > 0; i++)
+    for (size_t i = 1; i < NS_ORDER && least > little; i++)
         least -= m->largest[i] * fabs(guard(m, j, k, leg->xi + i * size, leg->z + i * nz, 0));
-    return least > 0;
+    return least > little;
 }
 
 static void coefficients(const ns_sparse *m, const ns_leg *leg, int terms, int pair, int k, int command,
@@ -281,8 +293,8 @@ static int look(ns_sparse *m, ns_leg *leg, found next, found *f) {
 
 static void take_sizes(ns_sparse *m, const double *v) {
     for (int j = 0; j < m->f->m; j++) {
-        m->most_lambda = fmax(m->most_lambda, fabs(v[m->f->n + j]));
-        m->most_y = fmax(m->most_y, fabs(ns_csc_dot(&m->f->Ct, j, v)));
+        m->most_lambda = ns_higher(fabs(v[m->f->n + j]), m->most_lambda);
+        m->most_y = ns_higher(fabs(ns_csc_dot(&m->f->Ct, j, v)), m->most_y);
     }
 }
 

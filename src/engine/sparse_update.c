@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../linalg/lanes.h"
+
 enum { MOST = NS_UPDATE_MOST };
 /* What has to be left of the terms that the small matrix is summed from. */
 static const double least_share = 1e-6;
@@ -43,7 +45,7 @@ static double terms_of_lambda(const ns_form *f, double g, int j, const double *v
         if (i >= f->n || f->KA[k] == 0)
             continue;
         const double charge = f->algebraic[i] ? 0 : ns_csc_size(&f->Mt, i, v) / g;
-        most = fmax(most, (charge + ns_csc_size(&f->At, i, v)) / fabs(f->KA[k]));
+        most = ns_higher(most, (charge + ns_csc_size(&f->At, i, v)) / fabs(f->KA[k]));
     }
     return most;
 }
@@ -98,7 +100,28 @@ static int free_column(ns_update *u) {
     return c;
 }
 
-static int make_columns(ns_update *u, ns_klu *klu, ns_factors *factors) {
+/* v: K^-1 of the unit vector in the row of pair j.  Where that row is lambda_j alone it is known, and what it
+ * enters goes to the other side. */
+static void make_column(const ns_update *u, ns_klu *klu, ns_factors *factors, double g, const ns_mode *base,
+                        int j, double *v) {
+    const ns_form *f = u->f;
+    const int known = base[j] != NS_INSIDE && !ns_slides(base[j]);
+    memset(v, 0, sizeof(double) * (size_t)f->size);
+    for (int k = f->K.start[f->n + j]; known && k < f->K.start[f->n + j + 1]; k++) {
+        const int i = f->K.row[k];
+        if (i < f->n)
+            v[i] = ns_form_rate(f, g, i) * f->KA[k];
+        else if (i != f->n + j && base[i - f->n] == NS_INSIDE)
+            v[i] = -f->KA[k];
+    }
+    if (!known)
+        v[f->n + j] = 1;
+    ns_klu_solve(klu, factors, v);
+    if (known)
+        v[f->n + j] = 1;
+}
+
+static int make_columns(ns_update *u, ns_klu *klu, ns_factors *factors, double g, const ns_mode *base) {
     const size_t size = (size_t)u->f->size;
     if (!u->v)
         u->v = calloc(MOST * size + 1, sizeof(double));
@@ -108,10 +131,7 @@ static int make_columns(ns_update *u, ns_klu *klu, ns_factors *factors) {
         int c = column_of(u, u->pair[i]);
         if (c == u->columns) {
             c = free_column(u);
-            double *v = u->v + (size_t)c * size;
-            memset(v, 0, sizeof(double) * size);
-            v[u->f->n + u->pair[i]] = 1;
-            ns_klu_solve(klu, factors, v);
+            make_column(u, klu, factors, g, base, u->pair[i], u->v + (size_t)c * size);
             u->known[c] = u->pair[i];
         }
         u->of[i] = c;
@@ -153,7 +173,7 @@ static int make_small(ns_update *u, double g, const ns_mode *mode) {
         for (int k = 0; k < u->count; k++) {
             const double *v = u->v + (size_t)u->of[k] * (size_t)f->size;
             u->c[i * MOST + k] = law(f, mode[j], j, v);
-            terms[i] = fmax(terms[i], law_size(f, g, mode[j], j, v));
+            terms[i] = ns_higher(terms[i], law_size(f, g, mode[j], j, v));
         }
         u->order[i] = i;
     }
@@ -162,7 +182,8 @@ static int make_small(ns_update *u, double g, const ns_mode *mode) {
 
 int ns_update_to(ns_update *u, ns_klu *klu, ns_factors *factors, double g, const ns_mode *base,
                  const ns_mode *mode) {
-    const int done = differences(u, base, mode) && make_columns(u, klu, factors) && make_small(u, g, mode);
+    const int done =
+        differences(u, base, mode) && make_columns(u, klu, factors, g, base) && make_small(u, g, mode);
     u->count = done ? u->count : 0;
     u->checked = u->count == 0;
     u->served = 0;
@@ -199,7 +220,7 @@ static int add(const ns_update *u, const double *mu, double *v, double *seen) {
             terms += fabs(term);
         }
         v[i] = sum;
-        seen[i] = fmax(fabs(sum), forget * seen[i]);
+        seen[i] = ns_higher(fabs(sum), forget * seen[i]);
         good &= terms <= most_terms * seen[i];
     }
     return good;

@@ -10,7 +10,7 @@
 #include "../linalg/sparse_lu.h"
 #include "sparse_form.h"
 
-enum { NS_UPDATE_MOST = 8 }; /* pairs that differ, at most */
+enum { NS_UPDATE_MOST = 16 }; /* pairs that differ, at most */
 
 typedef struct ns_update {
     const ns_form *f;
