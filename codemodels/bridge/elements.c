@@ -27,6 +27,7 @@ int extract_capacitor(extract_walk *w, GENinstance *inst) {
     const CAPinstance *c = (const CAPinstance *)inst;
     const double farads = c->CAPcapac * c->CAPm;
     const double ic = c->CAPicGiven ? c->CAPinitCond : NAN;
+    w->ex->capacitors = inst->GENmodPtr->GENmodType;
     extract_mix(w, &farads, sizeof farads);
     return ns_circuit_capacitor(w->ex->circuit, inst->GENname, c->CAPposNode, c->CAPnegNode, farads, ic,
                                 NULL);
@@ -39,6 +40,7 @@ int extract_inductor(extract_walk *w, GENinstance *inst) {
     int id = -1;
     int status =
         ns_circuit_inductor(w->ex->circuit, inst->GENname, l->INDposNode, l->INDnegNode, henries, ic, &id);
+    w->ex->inductors = inst->GENmodPtr->GENmodType;
     extract_mix(w, &henries, sizeof henries);
     extract_current(w, l->INDbrEq, id);
     return status;
@@ -51,6 +53,7 @@ int extract_coupling(extract_walk *w, GENinstance *inst) {
     const int id1 = element_of(w, l1->INDbrEq);
     const int id2 = element_of(w, l2->INDbrEq);
     double coupling;
+    w->ex->couplings = inst->GENmodPtr->GENmodType;
     if (id1 < 0 || id2 < 0) {
         return EXTRACT_LATER;
     }

@@ -234,6 +234,7 @@ int extract_read(CKTcircuit *ckt, extract_sources sources, extract *ex) {
     options_default(&ex->options);
     ex->hash = 14695981039346656037ULL;
     ex->neq = ckt->CKTmaxEqNum;
+    ex->capacitors = ex->inductors = ex->couplings = -1;
     ex->element = malloc((size_t)ex->neq * sizeof *ex->element);
     status = ex->element ? ns_circuit_create(&ex->circuit) : NS_E_MEMORY;
     if (status) {

@@ -18,6 +18,8 @@ typedef struct extract {
     ns_circuit *circuit;
     int neq;      /* equations of ngspice, with ground */
     int *element; /* neq: the element whose current the equation stands for, -1: none, a node */
+    int capacitors, inductors, couplings; /* their types in ngspice, -1: there are none */
+    int restless;                         /* there is a current source that is not DC */
     int ndevices;
     extract_device *device; /* ndevices: our diodes and switches */
     options options;

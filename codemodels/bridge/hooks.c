@@ -6,6 +6,7 @@
 #include "models.h"
 #include "native.h"
 #include "ngspice/jobdefs.h"
+#include "once.h"
 #include "report.h"
 
 extern SPICEdev cm_ideal_diode_info, cm_ideal_switch_info, cm_nonsmooth_info; /* made by cmpp */
@@ -105,6 +106,14 @@ static int accept_point(CKTcircuit *ckt, GENmodel *model) {
     return b ? native_accept(b) : OK;
 }
 
+/* After a point is shown. */
+static void dumped(GENmodel *model, CKTcircuit *ckt) {
+    native *b = at_last(ckt, model);
+    if (b) {
+        once_arm(b);
+    }
+}
+
 /* The first of our types that is asked ends the analysis. */
 static int ac_load(GENmodel *model, CKTcircuit *ckt) {
     const bridge *b = find(ckt);
@@ -151,6 +160,9 @@ __attribute__((__constructor__)) static void install(void) {
         ours[k]->DEVacLoad = ac_load;
         ours[k]->DEVdelete = delete;
         ours[k]->DEVtrunc = truncation;
+#ifdef CIDER /* else ngspice has no such call, and its points are loaded twice */
+        ours[k]->DEVdump = dumped;
+#endif
     }
     if (openblas_set_num_threads) { /* our matrices are small: threads only wait for each other, spinning */
         openblas_set_num_threads(1);

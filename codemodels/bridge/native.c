@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "dump.h"
+#include "once.h"
 #include "points.h"
 #include "report.h"
 #include "show.h"
@@ -118,6 +119,11 @@ static int load_dc(native *b) {
 
 int native_load(native *b) {
     int error = OK;
+    if (once_begin(b)) {
+        load_tran(b);
+        once_end(b);
+        return OK;
+    }
     rows_show(b);
     if (is_dc(b->ckt)) {
         error = load_dc(b);
@@ -237,6 +243,7 @@ int native_accept(native *b) {
 
 void native_reset(native *b) {
     rows_show(b);
+    once_forget(b);
     native_release_loop(b);
     engine_clear(&b->engine);
     force_clear(&b->force);

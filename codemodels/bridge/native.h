@@ -42,6 +42,10 @@ typedef struct native {
     int tried;     /* the march holds a trial that ends at t_trial */
     int beside;    /* the trial is the right side of the accepted point */
     int loaded;    /* ngspice's present point shows that trial */
+    struct {
+        int armed; /* the next point is to be loaded once */
+        long uic;  /* of ngspice's mode */
+    } once;        /* once.c */
     int refused;   /* this analysis is not for us */
     int failed;    /* code to end the analysis with; the line was said */
     double t;      /* accepted: the march's, or where the right side of a jump is shown */

@@ -215,6 +215,7 @@ int extract_isource(extract_walk *w, GENinstance *inst) {
     const source s = {
         i->ISRCfunctionType, i->ISRCfunctionOrder, i->ISRCcoeffs, i->ISRCdcGiven, i->ISRCdcValue, 0, 0, 0.0};
     const double m = i->ISRCmGiven ? i->ISRCmValue : 1.0;
+    w->ex->restless = w->ex->restless || i->ISRCfunctionType != 0;
     /* ngspice calls the second node of the line positive: it is where the current comes out */
     return add(w, inst, NS_CURRENT, i->ISRCnegNode, i->ISRCposNode, &s, m, 0);
 }

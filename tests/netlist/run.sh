@@ -8,7 +8,7 @@
 #   X fine       by the scheme with h ten times smaller: `.model nsopt nonsmooth`, with parameters or none, gets
 #                method="theta" h=(.tran's step)/160, `set tol = 0.02` becomes 0.1
 #   X reversed   its elements in reverse order
-#   cases/X      tests/netlist/cases/X.cir, which judges itself
+#   cases/X      tests/netlist/cases/X.cir, which judges itself; after a line `* says: REGEX` one line of output matches
 #   errors/X     tests/netlist/errors/X.cir: exactly one line of output matches the regular expression of its
 #                first line `* expect: ...`, and it judges what was kept; after a line `* dump: FILE STATUS REGEX`
 #                it has left FILE, which nsc-mlcp answers with STATUS and of which one line matches
@@ -132,6 +132,8 @@ judge() {
     else
         found=$(grep -m1 -i -E 'timestep too small|singular' "$1") && { echo "$found"; return; }
         found=$(grep -m1 -E 'ejected timepoints = [1-9]' "$1") && { echo "$found"; return; }
+        says=$(sed -n 's/^\* says: //p' "$4")
+        if [ -n "$says" ] && [ "$(grep -c -E -e "$says" "$1")" != 1 ]; then echo "no line, or many, match /$says/"; return; fi
     fi
     if [ "$2" != 0 ]; then
         outside "$1" || grep '^nonsmooth: ' "$1" | grep -v 'native way: ' | grep -m1 . || grep expected "$1" | tr '\n' ' ' | grep . || echo "status $2"

@@ -1,0 +1,93 @@
+/* bridge/once.c - one load a timepoint.
+ *
+ * ngspice's Newton loop takes two rounds of load, factorisation and solve for the least, and a test.  Where
+ * the mode says MODETRANOP and MODEUIC (its way to skip the operating point) it loads once and returns, and
+ * what CKTrhsOld holds then is the solution.  So between a point that is shown and the next load the mode
+ * says that; the load, ours as the last, takes it back and leaves the solution there.  What the loads of C
+ * and L do for a solution in any other mode, the states behind @c1[i] and @l1[flux], is done here. */
+#include "once.h"
+
+#include <string.h>
+
+#include "spicelib/devices/cap/capdefs.h"
+#include "spicelib/devices/ind/inddefs.h"
+
+static const long skip = MODETRANOP | MODEUIC;
+
+static void take_back(native *b) {
+    b->ckt->CKTmode = (b->ckt->CKTmode & ~skip) | b->once.uic;
+    b->once.armed = 0;
+}
+
+void once_arm(native *b) {
+    CKTcircuit *ckt = b->ckt;
+    /* at t = 0 the first load makes the matrix ready, and the states */
+    if (!b->engine.march || !b->tried || b->failed || b->engine.ex.restless || !(ckt->CKTtime > 0.0)) {
+        return;
+    }
+    b->once.uic = ckt->CKTmode & MODEUIC;
+    b->once.armed = 1;
+    ckt->CKTmode |= skip;
+}
+
+int once_begin(native *b) {
+    const int skips = b->once.armed && (b->ckt->CKTmode & skip) == skip; /* else it was stopped and resumed */
+    if (b->once.armed) {
+        take_back(b);
+    }
+    return skips;
+}
+
+/* As integrated by backward Euler: CKTorder is 1 all the way. */
+static void set_state(CKTcircuit *ckt, int at, double value) {
+    ckt->CKTstate0[at] = value;
+    ckt->CKTstate0[at + 1] = ckt->CKTag[0] * value + ckt->CKTag[1] * ckt->CKTstate1[at];
+}
+
+static void set_charges(CKTcircuit *ckt, GENmodel *models, const double *x) {
+    for (CAPmodel *model = (CAPmodel *)models; model; model = CAPnextModel(model)) {
+        for (const CAPinstance *c = CAPinstances(model); c; c = CAPnextInstance(c)) {
+            set_state(ckt, c->CAPqcap, c->CAPcapac * (x[c->CAPposNode] - x[c->CAPnegNode]));
+        }
+    }
+}
+
+static void set_fluxes(CKTcircuit *ckt, GENmodel *models, GENmodel *couplings, const double *x) {
+    double *state = ckt->CKTstate0;
+    for (INDmodel *model = (INDmodel *)models; model; model = INDnextModel(model)) {
+        for (const INDinstance *l = INDinstances(model); l; l = INDnextInstance(l)) {
+            state[l->INDflux] = l->INDinduct / l->INDm * x[l->INDbrEq];
+        }
+    }
+    for (MUTmodel *model = (MUTmodel *)couplings; model; model = MUTnextModel(model)) {
+        for (const MUTinstance *k = MUTinstances(model); k; k = MUTnextInstance(k)) {
+            state[k->MUTind1->INDflux] += k->MUTfactor * x[k->MUTind2->INDbrEq];
+            state[k->MUTind2->INDflux] += k->MUTfactor * x[k->MUTind1->INDbrEq];
+        }
+    }
+    for (INDmodel *model = (INDmodel *)models; model; model = INDnextModel(model)) {
+        for (const INDinstance *l = INDinstances(model); l; l = INDnextInstance(l)) {
+            set_state(ckt, l->INDflux, state[l->INDflux]);
+        }
+    }
+}
+
+static GENmodel *models_of(const CKTcircuit *ckt, int type) {
+    return type < 0 ? NULL : ckt->CKThead[type];
+}
+
+void once_end(native *b) {
+    CKTcircuit *ckt = b->ckt;
+    const extract *ex = &b->engine.ex;
+    const size_t size = (size_t)ex->neq * sizeof *b->value;
+    memcpy(ckt->CKTrhsOld, b->value, size);
+    memcpy(ckt->CKTrhs, b->value, size);
+    set_charges(ckt, models_of(ckt, ex->capacitors), b->value);
+    set_fluxes(ckt, models_of(ckt, ex->inductors), models_of(ckt, ex->couplings), b->value);
+}
+
+void once_forget(native *b) {
+    if (b->once.armed) {
+        take_back(b);
+    }
+}
