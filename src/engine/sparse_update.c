@@ -110,7 +110,7 @@ static void make_column(const ns_update *u, ns_klu *klu, ns_factors *factors, do
     for (int k = f->K.start[f->n + j]; known && k < f->K.start[f->n + j + 1]; k++) {
         const int i = f->K.row[k];
         if (i < f->n)
-            v[i] = ns_form_rate(f, g, i) * f->KA[k];
+            v[i] = f->held && !isnan(f->held[i]) ? 0 : ns_form_rate(f, g, i) * f->KA[k];
         else if (i != f->n + j && base[i - f->n] == NS_INSIDE)
             v[i] = -f->KA[k];
     }
