@@ -208,6 +208,22 @@ static void weigh(const ns_update *u, const double *r, const double *v, double *
     }
 }
 
+/* v += V mu, four columns at a time. */
+static void add_all(const ns_update *u, double *mu, double *v) {
+    const int size = u->f->size;
+    const double *column[MOST + 3];
+    for (int p = 0; p < u->count + 3; p++) {
+        column[p] = u->v + (p < u->count ? (size_t)u->of[p] * (size_t)size : 0);
+        mu[p] = p < u->count ? mu[p] : 0;
+    }
+    for (int p = 0; p < u->count; p += 4) {
+        const double *a = column[p], *b = column[p + 1], *c = column[p + 2], *d = column[p + 3];
+        const double x = mu[p], y = mu[p + 1], z = mu[p + 2], t = mu[p + 3];
+        for (int i = 0; i < size; i++)
+            v[i] += (x * a[i] + y * b[i]) + (z * c[i] + t * d[i]);
+    }
+}
+
 /* v += V mu; 0: unknowns are what is left of terms that are much larger than they ever were. */
 static int add(const ns_update *u, const double *mu, double *v, double *seen) {
     const size_t size = (size_t)u->f->size;
@@ -229,7 +245,7 @@ static int add(const ns_update *u, const double *mu, double *v, double *seen) {
 int ns_update_solve(const ns_update *u, ns_klu *klu, ns_factors *factors, const double *r, double *v,
                     double *seen) {
     const ns_form *f = u->f;
-    double mu[MOST];
+    double mu[MOST + 3];
     memcpy(v, r, sizeof(double) * (size_t)f->size);
     for (int i = 0; i < u->count; i++)
         v[f->n + u->pair[i]] = 0;
@@ -237,10 +253,6 @@ int ns_update_solve(const ns_update *u, ns_klu *klu, ns_factors *factors, const 
     weigh(u, r, v, mu);
     if (seen)
         return add(u, mu, v, seen);
-    for (int p = 0; p < u->count; p++) {
-        const double *column = u->v + (size_t)u->of[p] * (size_t)f->size;
-        for (int i = 0; i < f->size; i++)
-            v[i] += mu[p] * column[i];
-    }
+    add_all(u, mu, v);
     return 1;
 }

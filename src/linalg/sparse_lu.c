@@ -38,7 +38,7 @@ struct ns_factors {
     ns_sweep *packed; /* made by the solution that makes it worth while */
 };
 
-enum { WORTH_PACKING = 3, MOST_MISSED = 16 };
+enum { WORTH_PACKING = 2, MOST_MISSED = 16 };
 
 /* Factors have filled up where, but for their diagonals, they have so many times the entries of the matrix.
  */
