@@ -10,6 +10,8 @@ static void polynomials(double s, int count, double *L) {
         L[i + 1] = ((2 * i + 1 - s) * L[i] - i * L[i - 1]) * part[i];
 }
 
+const double ns_laguerre_most[NS_ORDER] = {1, 3.2668, 1.569, 2.5614, 1.4534, 1.5062, 2.1682, 1.6517};
+
 static double sign(int i) {
     return i % 2 ? -1 : 1;
 }

@@ -231,13 +231,13 @@ static int surely_holds(const ns_sparse *m, const ns_leg *leg, int j, int k) {
         const double *lambda = leg->xi + m->f->n + j, little = -m->o.reltol * m->most_lambda;
         least = is_upper(m, j, k) ? m->u[j] - lambda[0] : lambda[0] - m->l[j];
         for (size_t i = 1; i < NS_ORDER && least > little; i++)
-            least -= m->largest[i] * fabs(lambda[i * size]);
+            least -= ns_laguerre_most[i] * fabs(lambda[i * size]);
         return least > little;
     }
     const double little = ns_slides(m->mode[j]) ? 0 : -m->o.reltol * m->most_y;
     least = guard(m, j, k, leg->xi, leg->z, 1);
     for (size_t i = 1; i < NS_ORDER && least > little; i++)
-        least -= m->largest[i] * fabs(guard(m, j, k, leg->xi + i * size, leg->z + i * nz, 0));
+        least -= ns_laguerre_most[i] * fabs(guard(m, j, k, leg->xi + i * size, leg->z + i * nz, 0));
     return least > little;
 }
 

@@ -64,16 +64,6 @@ static int allocate(ns_sparse *m) {
     return status == NS_OK ? make_leg(m->f, &m->leg[1]) : status;
 }
 
-/* The largest |L_i| up to 1/gamma, by looking closely. */
-static void set_largest(ns_sparse *m) {
-    double c[NS_STAGES];
-    for (int k = 0; k <= 2000; k++) {
-        ns_laguerre(NS_POLE * k / 2000, c);
-        for (int i = 0; i < NS_ORDER; i++)
-            m->largest[i] = fmax(m->largest[i], 1.001 * fabs(c[i]));
-    }
-}
-
 static void set_units(ns_sparse *m) {
     for (int i = 0; i < m->f->n; i++) {
         double most = 0;
@@ -93,7 +83,6 @@ static int make(ns_sparse *m) {
         status = allocate(m);
     if (status != NS_OK)
         return status;
-    set_largest(m);
     set_units(m);
     return NS_OK;
 }

@@ -66,7 +66,6 @@ struct ns_sparse {
     double *next_v, *rest;     /* size */
     long double *fine;         /* size */
     double *z, *z_none;        /* nz */
-    double largest[NS_STAGES]; /* of |L_i| in a step */
     int started, has_trial;
     double asked;
     ns_until until;

@@ -221,16 +221,31 @@ static double break_of(const ns_flight *f, const ns_stage *k, int g, double tau,
     return INFINITY;
 }
 
+/* 1 if all guards surely hold all through a stage. */
+static int none_near(const ns_stage *k, const double *coef) {
+    const int rows = k->rows;
+    int all = 1;
+    for (int g = 0; g < rows; g++) {
+        double least = coef[g];
+        for (int i = 1; i < NS_ORDER; i++)
+            least -= ns_laguerre_most[i] * fabs(coef[i * rows + g]);
+        all &= least > 0;
+    }
+    return all;
+}
+
 int ns_watch_near(ns_flight *f, const ns_level *level, double tau, double *when) {
     const ns_stage *k = level->stage;
     *when = INFINITY;
     if (k->rows == 0)
         return 0;
     double c[NS_PIECES + 1][NS_ORDER], (*at)[NS_ORDER] = f->pieces; /* of the whole stage */
+    ns_matvec(NS_ORDER * k->rows, k->q, k->coef, f->X, f->coef);
+    if (none_near(k, f->coef))
+        return 0;
     f->s->counts.searches++;
     if (tau != k->h)
         ns_watch_pieces(tau / k->g, at = c);
-    ns_matvec(NS_ORDER * k->rows, k->q, k->coef, f->X, f->coef);
     for (int g = 0; g < k->rows; g++) {
         const double t = break_of(f, k, g, tau, at);
         if (t < *when)
