@@ -185,13 +185,11 @@ static int prove(ns_flight *f) {
 }
 
 static int turn_once(ns_flight *f, int natural, int *on) {
-    int status = NS_GUARD;
     *on = 0;
     command(f);
-    if (!natural) /* nothing but inputs and commands may have changed */
+    int status = try_followers(f);
+    if (status == NS_GUARD && !natural) /* nothing but inputs and commands may have changed */
         status = try_wanted(f, NS_NOBODY, on);
-    if (status == NS_GUARD)
-        status = try_followers(f);
     if (status == NS_GUARD && (flip_broken(f) || !natural))
         status = try_mended(f, NS_NOBODY, on);
     f->s->counts.settled += status == NS_OK;
