@@ -6,6 +6,9 @@
 
 /* Matrices of modes, with their few states, are fastest up to so many unknowns; then one sparse factor is. */
 enum { FLIGHT_MOST = 64 };
+/* h is what the scheme needs for its accuracy; legs of the sparse engine, which knows its errors, may be so
+ * many times as long. */
+enum { AT_MOST = 64 };
 
 static int allocate(ns_march *m) {
     const size_t nz = (size_t)m->s->nz, nc = (size_t)m->s->nc;
@@ -37,7 +40,8 @@ int ns_choice_make(ns_march *m, ns_fault *fault) {
     const ns_march_options *o = &m->options;
     const int most = m->s->n + m->s->m;
     if (o->method == NS_SPARSE || (o->method == NS_AUTO && (m->s->large || most > FLIGHT_MOST))) {
-        const ns_sparse_options options = {o->h, o->reltol, o->map_bytes};
+        const double h = o->method == NS_AUTO ? AT_MOST * o->h : o->h;
+        const ns_sparse_options options = {h, o->reltol, o->map_bytes};
         return ns_sparse_create(m->s, &options, &m->sparse, fault);
     }
     return make_dense(m, fault);
