@@ -59,7 +59,7 @@ int main(int argc, char **argv) {
     int count = 0;
     p.rounds = p.quick || p.library ? 1 : 3;
     p.limit = p.quick ? 1 : 5;
-    p.budget = p.quick ? 2 : p.library ? 20 : 4;
+    p.budget = p.quick ? 2 : p.library ? 20 : p.netlists ? 8 : 4;
     if (!realpath(models ? models : "build/bench/nonsmooth.cm", cm)) {
         perror("nonsmooth.cm");
         return 1;

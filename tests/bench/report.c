@@ -159,9 +159,11 @@ static void look_through_ngspice(int count, const row *rows, duel *d) {
         d->cpu_ratio = row_other(rival) / row_other(ours);
         d->run_ratio = row_time(rival) / row_time(ours);
         d->error_ratio = rival->error / fmax(ours->error, 1e-14);
-        d->our_row = *ours;
-        d->rival_row = *rival;
     }
+    if (ours)
+        d->our_row = *ours;
+    if (rival)
+        d->rival_row = *rival;
 }
 
 void report_duel(const bench_case *c, int count, const row *rows, duel *d) {
@@ -201,21 +203,21 @@ static double mean(int count, const duel *d, size_t offset, int through, int *of
     return *of ? exp(sum / *of) : NAN;
 }
 
-static void print_side(const row *r) {
-    printf("%9.1f %8.1f %7ld %8.1e", 1e3 * row_other(r), 1e3 * row_time(r), r->steps, r->error);
+static void print_side(const row *r, const char *none) {
+    if (r->rounds == 0)
+        printf("  %-33s", none);
+    else
+        printf("%9.1f %8.1f %7ld %8.1e", 1e3 * row_other(r), 1e3 * row_time(r), r->steps, r->error);
 }
 
 static void print_through(const duel *d) {
     printf("  %-14s", d->name);
-    if (d->cpu_ratio > 0) {
-        print_side(&d->our_row);
-        printf(" |");
-        print_side(&d->rival_row);
+    print_side(&d->our_row, "none came to its end");
+    printf(" |");
+    print_side(&d->rival_row, "no setting came to its end");
+    if (d->cpu_ratio > 0)
         printf(" | %6.3g %6.3g   %s %s (ours: %s)", d->cpu_ratio, d->run_ratio, d->rival_row.series,
                d->rival_row.setting, d->our_row.setting);
-    } else {
-        printf("  not compared: one of the two has no run that is done");
-    }
     putchar('\n');
 }
 

@@ -96,18 +96,18 @@ static void put_ours(list *l, const plan *p, const bench_case *c) {
     int before = -1;
     todo t = {.rival = {.name = "nonsmooth.cm", .models = {.diode = DECK_IDEAL}, .reltol = 1e-3},
               .coarser = -1};
+    t.rival.step = grid / c->unit;
+    snprintf(t.options, sizeof t.options, "corners=0");
+    if (grid > 0) {
+        const int at = put(l, ROW_OURS, "nonsmooth.cm grid alone", t);
+        snprintf(l->row[at].setting, sizeof l->row->setting, "corners=0 unit/%.3g", 1 / t.rival.step);
+    }
+    t.options[0] = 0;
     for (int k = 0; k < (p->quick ? 2 : 3); k++) {
         t.rival.step = steps[k];
         t.coarser = before;
         before = put(l, ROW_OURS, t.rival.name, t);
         snprintf(l->row[before].setting, sizeof l->row->setting, "step unit/%.0f", 1 / t.rival.step);
-    }
-    t.rival.step = grid / c->unit;
-    t.coarser = -1;
-    snprintf(t.options, sizeof t.options, "corners=0");
-    if (grid > 0) {
-        before = put(l, ROW_OURS, "nonsmooth.cm grid alone", t);
-        snprintf(l->row[before].setting, sizeof l->row->setting, "corners=0 unit/%.3g", 1 / t.rival.step);
     }
 }
 
@@ -247,10 +247,12 @@ static int is_hopeless(const list *l, int i) {
     return coarser >= 0 && (l->row[coarser].end == ROW_TIMEOUT || l->row[coarser].end == ROW_SKIPPED);
 }
 
-/* Ten times the fastest of the others is long enough for any other, if that is half a
- * second. */
+/* Ten times the fastest of the others is long enough for any other, if that is half a second.  Before one of
+ * them has come to an end, a third of the limit: else the first could use up the time of all. */
 static double limit_of(const plan *p, const list *l, const row *r) {
-    return r->kind == ROW_RIVAL && l->fastest > 0 ? fmin(p->limit, fmax(0.5, 10 * l->fastest)) : p->limit;
+    if (r->kind != ROW_RIVAL)
+        return p->limit;
+    return l->fastest > 0 ? fmin(p->limit, fmax(0.5, 10 * l->fastest)) : p->limit / 3;
 }
 
 static void run_row(const bench_case *c, const plan *p, list *l, int i) {
