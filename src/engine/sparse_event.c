@@ -127,7 +127,7 @@ int ns_sparse_resolve(ns_sparse *m, const ns_leg *leg, double t) {
     for (int round = 0; round < JUMPS && status == NS_OK && jumped; round++) {
         status = ns_event_settle_all(m, t, g, leg, by);
         if (status == NS_OK)
-            status = ns_fine_consistent(m, t, g, &jumped);
+            status = ns_fine_consistent(m, t, g, by, &jumped);
         m->counts.jumps += status == NS_OK && jumped;
     }
     m->counts.events++;

@@ -111,8 +111,8 @@ static left compare(const ns_sparse *m, double size, const double *before, const
 }
 
 /* D^N w, in m->next_w, from the first D^count w that tell.  fine: with corrections, until one moves nothing.
- */
-static int powers(ns_sparse *m, double t, double g, int count, int fine, left *what) {
+ * first: D w, NULL: not known yet. */
+static int powers(ns_sparse *m, double t, double g, int count, int fine, const double *first, left *what) {
     const ns_kept *k;
     const int n = m->f->n;
     double size = ns_fine_size(m), *by = m->scale + n;
@@ -120,7 +120,10 @@ static int powers(ns_sparse *m, double t, double g, int count, int fine, left *w
     int status = ns_modal_factor(m->q, g, m->mode, 1, &k);
     *what = SOME;
     for (int i = 0; i < count && status == NS_OK && *what == SOME; i++) {
-        status = ns_leg_solve(m, k, t, g, i, m->next_w, m->z, m->v, by);
+        if (i == 0 && first)
+            memcpy(by, first, sizeof(double) * (size_t)n);
+        else
+            status = ns_leg_solve(m, k, t, g, i, m->next_w, m->z, m->v, by);
         size = i == 0 ? fmax(size, largest(m, by)) : size; /* at a start there is nothing yet */
         if (status == NS_OK && fine)
             status = correct(m, g, k, size, m->v, by, &fine);
@@ -132,13 +135,13 @@ static int powers(ns_sparse *m, double t, double g, int count, int fine, left *w
     return status;
 }
 
-int ns_fine_consistent(ns_sparse *m, double t, double g, int *jumped) {
+int ns_fine_consistent(ns_sparse *m, double t, double g, const double *first, int *jumped) {
     const double size = ns_fine_size(m);
     left what;
     *jumped = 0;
-    int status = powers(m, t, g, SOON, 0, &what);
+    int status = powers(m, t, g, SOON, 0, first, &what);
     if (status == NS_OK && what == SOME)
-        status = powers(m, t, g, NS_ORDER, 1, &what);
+        status = powers(m, t, g, NS_ORDER, 1, NULL, &what);
     if (status != NS_OK || what == NOTHING)
         return status == NS_E_SINGULAR ? NS_OK : status;
     *jumped = largest(m, m->next_w) > a_jump * size;

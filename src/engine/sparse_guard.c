@@ -261,15 +261,23 @@ static double cut_off(const double *G, int terms) {
     return last < before ? 2 * last * (last / before) : last;
 }
 
-/* Where in the leg to look for the instant at which a guard breaks, by the coefficients there are. */
-static double breaks(const ns_sparse *m, const ns_leg *leg, int terms, const found *f, ns_curve *c) {
-    double G[NS_STAGES];
-    coefficients(m, leg, terms, f->pair, f->k, f->command, G);
-    const double tol = f->pair >= 0 ? noise(m, f->pair, leg->xi, leg->dw, leg->g)
-                                    : control_noise(m, f->command, leg->xi, leg->z);
+/* Where in the leg, before share `before` of it, a guard breaks by the coefficients there are; NAN: it does
+ * not. */
+static double breaks(const ns_sparse *m, const ns_leg *leg, int terms, const found *f, double before,
+                     ns_curve *c) {
     const double size = f->pair < 0 ? 0 : m->mode[f->pair] == NS_INSIDE ? m->most_lambda : m->most_y;
+    double G[NS_STAGES];
+    ns_curve part;
+    coefficients(m, leg, terms, f->pair, f->k, f->command, G);
     ns_curve_of(terms, G, leg->end / leg->g, c);
-    return ns_curve_below(c, tol + cut_off(G, terms) + m->o.reltol * size);
+    before = before < 1 ? before : 1;
+    ns_curve_cut(c, before, &part);
+    const double tol = cut_off(G, terms) + m->o.reltol * size;
+    if (ns_curve_holds(&part, tol))
+        return NAN;
+    return before *
+           ns_curve_below(&part, tol + (f->pair >= 0 ? noise(m, f->pair, leg->xi, leg->dw, leg->g)
+                                                     : control_noise(m, f->command, leg->xi, leg->z)));
 }
 
 /* Looks for one guard's crossing before the first found so far: roughly, then with the last stage, as exact
@@ -278,12 +286,12 @@ static int look(ns_sparse *m, ns_leg *leg, found next, found *f) {
     ns_curve c;
     if (next.pair >= 0 && surely_holds(m, leg, next.pair, next.k))
         return NS_OK;
-    if (!(breaks(m, leg, NS_ORDER, &next, &c) < f->at))
+    if (!(breaks(m, leg, NS_ORDER, &next, f->at, &c) < f->at))
         return NS_OK;
     const int status = ns_leg_last_stage(m, leg);
     if (status != NS_OK)
         return status;
-    next.at = breaks(m, leg, NS_STAGES, &next, &c);
+    next.at = breaks(m, leg, NS_STAGES, &next, 1, &c);
     if (next.at > 0)
         next.at = ns_curve_root(&c, next.at);
     if (next.at < f->at)

@@ -203,7 +203,7 @@ static int choose_length(ns_sparse *m, ns_leg *leg, double room) {
         leg->next_rung = leg->rung;
         if (error <= 1 && jump > 1 && !consistent) {
             consistent = 1;
-            status = ns_fine_consistent(m, leg->t, length(m, leg->rung + NS_SHORT_RUNG), &jumped);
+            status = ns_fine_consistent(m, leg->t, length(m, leg->rung + NS_SHORT_RUNG), NULL, &jumped);
             if (status != NS_OK)
                 return status;
             memcpy(leg->dw, m->w, sizeof(double) * (size_t)m->f->n);

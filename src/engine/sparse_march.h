@@ -96,10 +96,10 @@ int ns_leg_solve(ns_sparse *m, const ns_kept *k, double t, double g, int i, cons
                  double *v, double *by);
 
 /* sparse_fine.c: the largest charge or flux there is or was, in units; m->w made consistent with m->mode by
- * steps of length g: what is faster goes.  *jumped: 1 if it did by more than rounding.  Errors: RESIDUAL
- * (digits are lost). */
+ * steps of length g, of which first (n) is what the first one moves, if that is known (else NULL): what is
+ * faster goes.  *jumped: 1 if it did by more than rounding.  Errors: RESIDUAL (digits are lost). */
 double ns_fine_size(const ns_sparse *m);
-int ns_fine_consistent(ns_sparse *m, double t, double g, int *jumped);
+int ns_fine_consistent(ns_sparse *m, double t, double g, const double *first, int *jumped);
 
 /* sparse_guard.c: bounds of commanded pairs as m->mode has them; the first event of a leg; which guards are
  * broken at v after a step g from w: flips them in m->mode and marks them touched, returns how many;

@@ -48,13 +48,16 @@ typedef struct search {
 static double first_below(search *s, const double *b, double low, double high, int depth) {
     double left[TERMS], right[TERMS], least = b[0];
     const int terms = s->terms;
-    for (int i = 1; i < terms; i++)
+    int falls = 1; /* all the way: one root */
+    for (int i = 1; i < terms; i++) {
         least = b[i] < least ? b[i] : least;
+        falls &= b[i] <= b[i - 1];
+    }
     if (least >= -s->tol)
         return NAN;
     if (b[0] < -s->tol || depth >= DEEPEST || s->splits-- <= 0)
         return low;
-    if (depth >= SURE_DEPTH && b[terms - 1] < -s->tol) {
+    if ((falls || depth >= SURE_DEPTH) && b[terms - 1] < -s->tol) {
         s->high = high;
         return low;
     }
@@ -98,13 +101,41 @@ static double close_in(const ns_curve *c, double low, double high) {
     return low;
 }
 
+void ns_curve_cut(const ns_curve *c, double end, ns_curve *part) {
+    double power = 1;
+    part->terms = c->terms;
+    for (int k = 0; k < c->terms; k++) {
+        part->p[k] = c->p[k] * power;
+        power *= end;
+    }
+}
+
+/* Bernstein's coefficients. */
+static void to_bernstein(const ns_curve *c, double *b) {
+    double p[TERMS];
+    for (int k = 0; k < c->terms; k++)
+        p[k] = c->p[k] / binomial[c->terms - 1][k];
+    for (int j = 0; j < c->terms; j++) {
+        b[j] = p[0];
+        for (int k = 1; k <= j; k++)
+            b[j] += p[k] * binomial[j][k];
+    }
+}
+
+int ns_curve_holds(const ns_curve *c, double tol) {
+    double b[TERMS];
+    int holds = 1;
+    to_bernstein(c, b);
+    for (int j = 0; j < c->terms; j++)
+        holds &= b[j] >= -tol;
+    return holds;
+}
+
 double ns_curve_below(const ns_curve *c, double tol) {
     search s = {c->terms, SPLITS, tol, 0};
     ns_curve above = *c;
-    double b[TERMS] = {0};
-    for (int j = 0; j < c->terms; j++)
-        for (int k = 0; k <= j; k++)
-            b[j] += c->p[k] * binomial[j][k] / binomial[c->terms - 1][k];
+    double b[TERMS];
+    to_bernstein(c, b);
     const double low = first_below(&s, b, 0, 1, 0);
     above.p[0] += tol;
     return s.high > low && value(&above, low) >= 0 && value(&above, s.high) < 0

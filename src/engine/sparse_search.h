@@ -15,6 +15,12 @@ typedef struct ns_curve {
 /* From the coefficients G of (-1)^i L_i(end u). */
 void ns_curve_of(int terms, const double *G, double end, ns_curve *c);
 
+/* Its part up to share `end` of it, as a curve of its own. */
+void ns_curve_cut(const ns_curve *c, double end, ns_curve *part);
+
+/* 1 if a bound tells that it is nowhere below -tol. */
+int ns_curve_holds(const ns_curve *c, double tol);
+
 /* The first share from which on it is below -tol; NAN: it never is. */
 double ns_curve_below(const ns_curve *c, double tol);
 
