@@ -20,6 +20,12 @@ void ns_guard_bounds(ns_sparse *m) {
         m->l[j] = closed ? -INFINITY : 0;
         m->u[j] = closed ? INFINITY : 0;
     }
+    for (int i = 0; i < m->twins; i++) {
+        const int j = m->twin[i].pair, idle = m->mode[m->twin[i].of] == NS_INSIDE;
+        m->l[j] = idle ? 0 : m->s->l[j];
+        m->u[j] = idle ? 0 : m->s->u[j];
+    }
+    ns_twins_rest(m->twin, m->twins, m->mode);
 }
 
 void ns_guard_set(ns_sparse *m, int j, int upper) {

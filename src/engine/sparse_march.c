@@ -80,6 +80,8 @@ static int make(ns_sparse *m) {
     if (status == NS_OK)
         status = ns_inputs_create(m->s, m->f, &m->in);
     if (status == NS_OK)
+        status = ns_sparse_twins(m->s, m->f, &m->twin, &m->twins);
+    if (status == NS_OK)
         status = allocate(m);
     if (status != NS_OK)
         return status;
@@ -125,6 +127,7 @@ void ns_sparse_free(ns_sparse *m) {
     free(m->w);
     free(m->mode);
     free(m->crowd);
+    free(m->twin);
     free(m->fine);
     ns_inputs_free(m->in);
     ns_modal_free(m->q);

@@ -11,6 +11,7 @@
 #include "sparse_engine.h"
 #include "sparse_factors.h"
 #include "sparse_inputs.h"
+#include "twins.h"
 
 enum { NS_STAGES = NS_ORDER + 1 }; /* the last one only where a leg is looked into */
 enum {
@@ -62,10 +63,12 @@ struct ns_sparse {
     double *crowd_t;            /* m: since when flips of a pair are counted, */
     int *crowd;                 /* m: how many there were */
     double crowded_until;
-    double *v, *r, *rate;      /* size, size, n */
-    double *next_v, *rest;     /* size */
-    long double *fine;         /* size */
-    double *z, *z_none;        /* nz */
+    double *v, *r, *rate;  /* size, size, n */
+    double *next_v, *rest; /* size */
+    long double *fine;     /* size */
+    double *z, *z_none;    /* nz */
+    ns_twin *twin;         /* pairs across switches, */
+    int twins;             /* so many */
     int started, has_trial;
     double asked;
     ns_until until;
@@ -101,10 +104,13 @@ int ns_leg_solve(ns_sparse *m, const ns_kept *k, double t, double g, int i, cons
 double ns_fine_size(const ns_sparse *m);
 int ns_fine_consistent(ns_sparse *m, double t, double g, const double *first, int *jumped);
 
-/* sparse_guard.c: bounds of commanded pairs as m->mode has them; the first event of a leg; which guards are
- * broken at v after a step g from w: flips them in m->mode and marks them touched, returns how many;
- * state-dependent commands that v contradicts: flips them, or, those that had changed at this event already
- * (changed, nc, or NULL), lets them slide, from the mode of the leg before it. */
+/* sparse_twins.c: as ns_twins_find() (twins.h). */
+int ns_sparse_twins(const ns_system *s, const ns_form *f, ns_twin **out, int *count);
+
+/* sparse_guard.c: bounds of commanded pairs, and of their twins, as m->mode has them; the first event of a
+ * leg; which guards are broken at v after a step g from w: flips them in m->mode and marks them touched,
+ * returns how many; state-dependent commands that v contradicts: flips them, or, those that had changed at
+ * this event already (changed, nc, or NULL), lets them slide, from the mode of the leg before it. */
 void ns_guard_bounds(ns_sparse *m);
 int ns_guard_first(ns_sparse *m, ns_leg *leg);
 int ns_guard_broken(ns_sparse *m, const double *v, const double *w,
