@@ -1,18 +1,15 @@
 /* src/engine/sparse_factors.c - factors of (P2), by mode and length, the least recently used dropped. */
 #include "sparse_factors.h"
+#include "sparse_leaky.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Leaks, relative to what is around them: how switches share a current is good to eps over that; each round
- * of refinement leaves that share of their effect. */
-static const double leak_share = 1e-4;
-enum { LEAK_ROUNDS = 30 };
 /* A mode that was served so often by an update gets factors of its own. */
 enum { LONG_SERVED = 16 };
-/* What a round moves that is the last one; what it may still move where it gets no better. */
-static const double rounding = 1e-14, contradiction = 1e-9;
+/* What a solution may leave of (P2), of the terms of its rows. */
+static const double poor = 1e-9;
 
 static int make_scratch(ns_modal *q) {
     for (int i = 0; i < 2 * NS_SCRATCH; i++) {
@@ -51,6 +48,7 @@ static void drop(ns_modal *q, ns_kept *k) {
     q->bytes -= k->bytes;
     ns_factors_free(q->klu, k->factors);
     free(k->mode);
+    free(k->scale);
     free(k);
 }
 
@@ -68,6 +66,7 @@ void ns_modal_free(ns_modal *q) {
         if (q->klu)
             ns_factors_free(q->klu, k->factors);
         free(k->mode);
+        free(k->scale);
         ns_update_free(&q->update[0][0] + i);
     }
     ns_klu_free(q->klu);
@@ -110,17 +109,26 @@ static void trim(ns_modal *q, const ns_kept *but) {
     }
 }
 
+static int factor_with_leaks(ns_modal *q, ns_kept *k, int small) {
+    k->leaky = 1 + small;
+    ns_form_values(q->f, k->g, k->mode, NULL, q->value);
+    if (!k->scale)
+        k->scale = calloc((size_t)q->f->size + 1, sizeof(double));
+    const int status =
+        k->scale ? ns_leaky_find(q->f, k->mode, q->value, small, q->work, k->scale) : NS_E_MEMORY;
+    if (status != NS_OK)
+        return status;
+    ns_form_values(q->f, k->g, k->mode, q->work, q->value);
+    return ns_klu_factor(q->klu, q->value, &k->factors);
+}
+
 /* Fills in factors of k's mode and length. */
 static int factor(ns_modal *q, ns_kept *k) {
     q->made++;
     k->leaky = 0;
-    ns_form_values(q->f, k->g, k->mode, 0, q->value);
+    ns_form_values(q->f, k->g, k->mode, NULL, q->value);
     int status = ns_klu_factor(q->klu, q->value, &k->factors);
-    if (status != NS_E_SINGULAR)
-        return status;
-    k->leaky = 1;
-    ns_form_values(q->f, k->g, k->mode, leak_share, q->value);
-    return ns_klu_factor(q->klu, q->value, &k->factors);
+    return status == NS_E_SINGULAR ? factor_with_leaks(q, k, 0) : status;
 }
 
 static int keep(ns_modal *q, unsigned long long key, double g, const ns_mode *mode, ns_kept **out) {
@@ -139,7 +147,8 @@ static int keep(ns_modal *q, unsigned long long key, double g, const ns_mode *mo
         drop(q, k);
         return status;
     }
-    k->bytes = sizeof *k + m + ns_factors_bytes(k->factors);
+    k->bytes =
+        sizeof *k + m + (k->scale ? sizeof(double) * (size_t)q->f->size : 0) + ns_factors_bytes(k->factors);
     q->bytes += k->bytes;
     k->next = q->bucket[key % NS_KEPT_BUCKETS];
     q->bucket[key % NS_KEPT_BUCKETS] = k;
@@ -220,42 +229,11 @@ int ns_modal_factor(ns_modal *q, double g, const ns_mode *mode, int brief, const
     return NS_OK;
 }
 
-/* With leaks: refined, until the equations without leaks hold.  Where they contradict each other, v is the
- * answer with leaks, which tells what pulls apart. */
-static int solve_leaky(ns_modal *q, const ns_kept *k, const double *r, double *v) {
-    const int size = q->f->size;
-    double *rest = q->work, *by = rest + size, left = 0, most = 0;
-    memcpy(rest, r, sizeof(double) * (size_t)size);
-    memset(v, 0, sizeof(double) * (size_t)size);
-    for (int round = 0; round < LEAK_ROUNDS; round++) {
-        const double before = left;
-        memcpy(by, rest, sizeof(double) * (size_t)size);
-        ns_klu_solve(q->klu, k->factors, by);
-        left = most = 0;
-        for (int i = 0; i < size; i++) {
-            v[i] += by[i];
-            left = fmax(left, fabs(by[i]));
-            most = fmax(most, fabs(v[i]));
-        }
-        if (left <= rounding * most)
-            return NS_OK;
-        if (round > 1 && left > 0.5 * before) /* leaks by the round: no answer */
-            break;
-        memcpy(rest, r, sizeof(double) * (size_t)size);
-        ns_form_subtract(q->f, k->g, k->mode, v, rest);
-    }
-    if (left <= contradiction * most)
-        return NS_OK;
-    memcpy(v, r, sizeof(double) * (size_t)size);
-    ns_klu_solve(q->klu, k->factors, v);
-    return NS_E_SINGULAR;
-}
-
 /* By an update, which the first solution has to confirm; else there are factors anew. */
 static int solve_updated(ns_modal *q, const ns_kept *k, const double *r, double *v) {
     ns_update *u = k->update;
     const int good = ns_update_solve(u, q->klu, k->factors, r, v, u->checked ? NULL : q->seen_v);
-    if (good) {
+    if (good && (u->checked || ns_leaky_left(q->f, k->g, u->mode, NULL, r, v, q->work) <= poor)) {
         u->checked = 1;
         return NS_OK;
     }
@@ -270,10 +248,27 @@ static int solve_updated(ns_modal *q, const ns_kept *k, const double *r, double 
     return ns_modal_solve(q, k, r, v);
 }
 
+static int solve_with_leaks(ns_modal *q, const ns_kept *k, const double *r, double *v) {
+    return ns_leaky_solve(q->f, k->g, k->mode, k->scale, q->klu, k->factors, r, v, q->work);
+}
+
+/* With smaller leaks from now on, where these find no answer.  Factors belong to q, whoever looks at them. */
+static int solve_leaky(ns_modal *q, ns_kept *k, const double *r, double *v) {
+    int status = k->factors ? solve_with_leaks(q, k, r, v) : NS_E_SINGULAR;
+    if (status == NS_E_SINGULAR && k->leaky == 1) {
+        status = factor_with_leaks(q, k, 1);
+        if (status == NS_OK)
+            return solve_with_leaks(q, k, r, v);
+    }
+    for (int i = 0; i < q->f->size && !k->factors; i++)
+        v[i] = NAN;
+    return status;
+}
+
 int ns_modal_solve(ns_modal *q, const ns_kept *k, const double *r, double *v) {
     if (k->leaky)
-        return solve_leaky(q, k, r, v);
-    if (k->update && (k->update->count > 0 || !k->update->checked))
+        return solve_leaky(q, (ns_kept *)k, r, v);
+    if (k->update && k->update->count > 0)
         return solve_updated(q, k, r, v);
     memcpy(v, r, sizeof(double) * (size_t)q->f->size);
     ns_klu_solve(q->klu, k->factors, v);

@@ -12,6 +12,7 @@
  * differences of these.  So unknowns are kept, and residuals of (P2) are formed, in long double.  The last
  * correction tells how good the answer is.
  */
+#include "sparse_leaky.h"
 #include "sparse_march.h"
 
 #include <float.h>
@@ -21,7 +22,8 @@
 enum { ROUNDS = 4, SOON = 5 };
 /* Shares of the largest charge or flux: what is nothing; what is a jump; what a correction that is the last
  * moves by; and by more than what it says that digits are lost. */
-static const double nothing = 64 * DBL_EPSILON, a_jump = 1e-11, fine_enough = 1e-14, lost = 1e-8;
+static const double nothing = 64 * DBL_EPSILON, a_jump = 1e-11, fine_enough = 1e-14, lost = 1e-8,
+                    rounding = 1e-11;
 
 double ns_fine_size(const ns_sparse *m) {
     double most = 0;
@@ -74,6 +76,13 @@ static double rates(const ns_sparse *m, double g, const long double *x, double *
     return most;
 }
 
+/* 1 if the answer so far leaves of (P2) more than rounding. */
+static int contradicts(const ns_sparse *m, double g, const ns_kept *k) {
+    for (int i = 0; i < m->f->size; i++)
+        m->next_v[i] = (double)m->fine[i];
+    return !(ns_leaky_left(m->f, g, m->mode, k->scale, m->r, m->next_v, m->rest) <= rounding);
+}
+
 /* by: D of the last ns_leg_solve(), to the last digit of what is of this size.  *fine: 0 if it was, without.
  */
 static int correct(ns_sparse *m, double g, const ns_kept *k, double size, const double *v, double *by,
@@ -86,6 +95,10 @@ static int correct(ns_sparse *m, double g, const ns_kept *k, double size, const 
     for (int round = 0; round < ROUNDS && moved > fine_enough * size; round++) {
         residual(m, g, m->fine, m->rest);
         status = ns_modal_solve(m->q, k, m->rest, m->next_v);
+        if (status == NS_E_SINGULAR && contradicts(m, g, k))
+            return status;
+        if (status == NS_E_SINGULAR) /* only rounding does */
+            return NS_OK;
         if (status != NS_OK)
             return status;
         for (int i = 0; i < all; i++)
@@ -124,6 +137,10 @@ static int powers(ns_sparse *m, double t, double g, int count, int fine, const d
             memcpy(by, first, sizeof(double) * (size_t)n);
         else
             status = ns_leg_solve(m, k, t, g, i, m->next_w, m->z, m->v, by);
+        if (status == NS_E_SINGULAR && i > 0 && largest(m, m->next_w) <= a_jump * size) {
+            *what = NOTHING; /* rounding contradicts itself */
+            return NS_OK;
+        }
         size = i == 0 ? fmax(size, largest(m, by)) : size; /* at a start there is nothing yet */
         if (status == NS_OK && fine)
             status = correct(m, g, k, size, m->v, by, &fine);
@@ -143,7 +160,7 @@ int ns_fine_consistent(ns_sparse *m, double t, double g, const double *first, in
     if (status == NS_OK && what == SOME)
         status = powers(m, t, g, NS_ORDER, 1, NULL, &what);
     if (status != NS_OK || what == NOTHING)
-        return status == NS_E_SINGULAR ? NS_OK : status;
+        return status;
     *jumped = largest(m, m->next_w) > a_jump * size;
     for (int i = 0; i < m->f->n; i++)
         m->w[i] -= m->next_w[i];

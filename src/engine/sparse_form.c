@@ -259,46 +259,11 @@ void ns_form_free(ns_form *f) {
     free(f);
 }
 
-/* The conductance at row i, g times it counting for capacitors. */
-static double conductance_at(const ns_form *f, double g, int i) {
-    double most = 0;
-    for (int l = f->Mt.start[i]; l < f->Mt.start[i + 1]; l++)
-        if (f->Mt.row[l] == i)
-            most = fmax(most, fabs(f->Mt.value[l]) / g);
-    for (int l = f->At.start[i]; l < f->At.start[i + 1]; l++)
-        if (f->At.row[l] == i)
-            most = fmax(most, fabs(f->At.value[l]));
-    return most;
-}
-
-/* The larger and the smaller one at the ends of pair j; 1 S where there is none. */
-static void conductances(const ns_form *f, double g, int j, double *most, double *least) {
-    *most = 0;
-    *least = INFINITY;
-    for (int k = f->K.start[f->n + j]; k < f->K.start[f->n + j + 1]; k++) {
-        const double at = f->K.row[k] < f->n ? conductance_at(f, g, f->K.row[k]) : 0;
-        *most = fmax(*most, at);
-        *least = at > 0 ? fmin(*least, at) : *least;
-    }
-    if (!(*most > 0))
-        *most = *least = 1;
-}
-
-/* Beside what is there a leak across an open pair is small, and so is a resistance in series with a closed
- * one: what to add to lambda in its row for each y, or to y for each lambda. */
-static double leak_of(const ns_form *f, double g, int j, int inside, double share) {
-    double most, least;
-    if (!(share > 0))
-        return 0;
-    conductances(f, g, j, &most, &least);
-    return inside ? share / most : share * least;
-}
-
 static int is_held(const ns_form *f, int i) {
     return f->held && !isnan(f->held[i]);
 }
 
-void ns_form_values(const ns_form *f, double g, const ns_mode *mode, double share, double *value) {
+void ns_form_values(const ns_form *f, double g, const ns_mode *mode, const double *leak, double *value) {
     for (int j = 0; j < f->size; j++)
         for (int k = f->K.start[j]; k < f->K.start[j + 1]; k++) {
             const int i = f->K.row[k];
@@ -309,9 +274,9 @@ void ns_form_values(const ns_form *f, double g, const ns_mode *mode, double shar
             else if (ns_slides(mode[i - f->n]))
                 value[k] = f->KG[k];
             else if (mode[i - f->n] == NS_INSIDE)
-                value[k] = f->KA[k] + (i == j ? leak_of(f, g, i - f->n, 1, share) : 0);
+                value[k] = f->KA[k] + (leak && i == j ? leak[i - f->n] : 0);
             else
-                value[k] = (i == j) + (share > 0 ? leak_of(f, g, i - f->n, 0, share) * f->KA[k] : 0);
+                value[k] = (i == j) + (leak ? leak[i - f->n] * f->KA[k] : 0);
         }
 }
 

@@ -41,9 +41,9 @@ typedef struct ns_form {
 int ns_form_create(const ns_system *s, int at_rest, ns_form **out);
 void ns_form_free(ns_form *f); /* NULL is allowed */
 
-/* The values of K (at K's places).  share > 0: with a leak across each pair and one in series with it, of
- * that share of what is around: they make a matrix regular that the laws of devices leave singular. */
-void ns_form_values(const ns_form *f, double g, const ns_mode *mode, double share, double *value);
+/* The values of K (at K's places).  leak (m), or NULL: with a conductance across each open pair and a
+ * resistance in series with each that is inside (sparse_leaky.h). */
+void ns_form_values(const ns_form *f, double g, const ns_mode *mode, const double *leak, double *value);
 
 /* r -= K v, without leaks. */
 void ns_form_subtract(const ns_form *f, double g, const ns_mode *mode, const double *v, double *r);

@@ -17,7 +17,7 @@ enum { NS_STAGES = NS_ORDER + 1 }; /* the last one only where a leg is looked in
 enum {
     NS_SHORT_RUNG = 16,
     NS_LEAST_RUNG = 20,
-    NS_EVENT_LEAST = 24,
+    NS_EVENT_LEAST = 26,
     NS_CROWD_OF_PAIR = 16,
     NS_STUCK = 6,
     NS_CAPTURE_FIRST = 14
