@@ -136,7 +136,7 @@ static int start_from_dc(engine *e, int held) {
 void native_take_loop(native *b) {
     CKTcircuit *ckt = b->ckt;
     ckt->CKTtrtol = NATIVE_MARK;
-    b->plan = (points_plan){ckt->CKTmaxStep, b->engine.ex.options.corners};
+    b->plan = (points_plan){ckt->CKTmaxStep, ckt->CKTminBreak, b->engine.ex.options.corners};
     if (ckt->CKTmaxOrder == 2) { /* else every point is asked twice for its truncation error */
         b->max_order = ckt->CKTmaxOrder;
         ckt->CKTmaxOrder = 1;
@@ -217,6 +217,7 @@ int native_go_on(native *b) {
         return error;
     }
     b->engine.ex.options = altered.ex.options;
+    b->ckt->CKTminBreak = b->plan.near;
     native_take_loop(b);
     if (altered.ex.hash == b->engine.ex.hash) {
         engine_clear(&altered);

@@ -10,6 +10,7 @@ double points_closeness(const CKTcircuit *ckt);
 
 typedef struct points_plan {
     double step; /* the longest that .tran asks for, s: ngspice's, as it was at first */
+    double near; /* ngspice's CKTminBreak, as it was at first: `resume` makes it a part of the step, s */
     int corners; /* events and corners of the sources get points as well */
 } points_plan;
 
