@@ -312,6 +312,8 @@ static void count(ns_flight *f) {
 /* The event here; *stuck: it is for the scheme, which gets m->flip. */
 static int turn(ns_flight *f, int natural, int *stuck) {
     const size_t nc = (size_t)f->m->s->nc;
+    const ns_flight_mode *was = f->at;
+    const int broken = f->broken;
     count(f);
     memcpy(f->flip, f->m->flip, nc);
     const int status = f->crowd > NS_PILE ? NS_GUARD : ns_turn(f, natural);
@@ -320,6 +322,8 @@ static int turn(ns_flight *f, int natural, int *stuck) {
         memcpy(f->m->flip, f->flip, nc);
     else
         f->since = f->t;
+    f->doubted_at = natural && f->at == was && broken >= 0 ? was : NULL;
+    f->doubted = broken;
     f->m->live.at_event = *stuck;
     return *stuck ? NS_OK : status;
 }

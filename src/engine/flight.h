@@ -90,12 +90,14 @@ struct ns_flight {
     int broken;                      /* the guard that broke last, -1: not known, */
     double broken_t;                 /* when */
     const ns_flight_mode *broken_at; /* and of what mode; all its levels have the same guards */
-    double slack;                    /* s: how well the instant of an event is known */
-    double event_t;                  /* the last event, */
-    long budget;                     /* steps that are left */
-    int crowd;                       /* and how many in a row came at once after another */
-    double *X;                       /* q: w, v */
-    double *most;                    /* r: the largest |w| so far */
+    int doubted; /* a guard that broke, which no other mode mended: it may be off by more, */
+    const ns_flight_mode *doubted_at; /* in this mode; NULL: there is none */
+    double slack;                     /* s: how well the instant of an event is known */
+    double event_t;                   /* the last event, */
+    long budget;                      /* steps that are left */
+    int crowd;                        /* and how many in a row came at once after another */
+    double *X;                        /* q: w, v */
+    double *most;                     /* r: the largest |w| so far */
     /* work */
     double *next;                           /* q */
     double *left;                           /* q */

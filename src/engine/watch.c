@@ -50,6 +50,14 @@ ALWAYS_INLINE int calm(const double *s, int ld, int samples) {
     return all;
 }
 
+/* The same, of a guard that fell below it before while the mode that was found was the one it was in: what
+ * is that close to zero is one or the other by rounding, and time passes in either. */
+static double noise_in_doubt(const ns_flight *f, const ns_stage *k, int g) {
+    enum { DOUBT = 64 };
+    const int doubted = f->doubted_at == f->at && f->doubted == g;
+    return (doubted ? DOUBT : 1) * ns_watch_noise(f, k, g);
+}
+
 /* The first interval in which the guard of these samples may break, and the part of it in which it does not.
  */
 static int doubt_in(const ns_flight *f, const ns_stage *k, int g, const double *s, int samples,
@@ -68,7 +76,7 @@ static int doubt_in(const ns_flight *f, const ns_stage *k, int g, const double *
         if (low > bend / 4)
             continue;
         if (tol < 0)
-            tol = ns_watch_noise(f, k, g);
+            tol = noise_in_doubt(f, k, g);
         const int straight = fabs(b - a) > bend || bend / 4 <= tol;
         if (!(straight && low >= -tol)) {
             *clear = a > bend / 4 && b < a ? (a - bend / 4) / (a - b) : 0;
@@ -199,7 +207,7 @@ static double break_of(const ns_flight *f, const ns_stage *k, int g, double tau,
     }
     if (least > bend / 4)
         return INFINITY;
-    const double tol = ns_watch_noise(f, k, g);
+    const double tol = noise_in_doubt(f, k, g);
     if (s[0] < -tol) { /* unless an event has just set it off upward */
         double rate;
         (void)guard_at(f, k, g, 0, &rate);
