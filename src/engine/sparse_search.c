@@ -123,7 +123,7 @@ static void to_bernstein(const ns_curve *c, double *b) {
 }
 
 int ns_curve_holds(const ns_curve *c, double tol) {
-    double b[TERMS];
+    double b[TERMS] = {0};
     int holds = 1;
     to_bernstein(c, b);
     for (int j = 0; j < c->terms; j++)
@@ -134,7 +134,7 @@ int ns_curve_holds(const ns_curve *c, double tol) {
 double ns_curve_below(const ns_curve *c, double tol) {
     search s = {c->terms, SPLITS, tol, 0};
     ns_curve above = *c;
-    double b[TERMS];
+    double b[TERMS] = {0};
     to_bernstein(c, b);
     const double low = first_below(&s, b, 0, 1, 0);
     above.p[0] += tol;

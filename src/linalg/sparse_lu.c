@@ -185,7 +185,7 @@ static int take_apart(ns_klu *k, ns_factors *f, const double *value) {
 /* 1 if the pivots of f serve this matrix too. */
 static int factor_again(ns_klu *k, double *value, ns_factors *f) {
     klu_common *c = &k->common;
-    if (!f->numeric || !take_values(k, f, value))
+    if (!f->numeric || (k->fills && !f->own) || !take_values(k, f, value))
         return 0;
     const matrix a = matrix_of(k, f, value);
     if (!klu_refactor(a.start, a.row, a.value, a.symbolic, f->numeric, c) || c->status != KLU_OK)

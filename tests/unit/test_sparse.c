@@ -134,6 +134,62 @@ static void test_pivots_anew(void **state) {
     ns_klu_free(NULL);
 }
 
+/* A x - b of a matrix with all n*n places. */
+static double rest_of_full(int n, const double *a, const double *b, const double *x) {
+    double worst = 0;
+    for (int i = 0; i < n; i++) {
+        double sum = -b[i];
+        for (int j = 0; j < n; j++)
+            sum += a[i + j * n] * x[j];
+        worst = fmax(worst, fabs(sum));
+    }
+    return worst;
+}
+
+/* All places, few of them used: factors of the shared pattern fill up, which the first one shows.  After it
+ * each matrix has its own pattern: the second is fresh, one of the same places or fewer is not, one of others
+ * is, and one without a column is told to be singular. */
+static void test_own_patterns(void **state) {
+    (void)state;
+    enum { N = 20 };
+    int start[N + 1], row[N * N];
+    double a[N * N] = {0}, b[N], x[N];
+    long fresh[] = {1, 2, 2, 2, 3}, again[] = {0, 0, 1, 2, 2};
+    ns_klu *k;
+    ns_factors *f = NULL;
+    for (int j = 0; j <= N; j++)
+        start[j] = N * j;
+    for (int p = 0; p < N * N; p++)
+        row[p] = p % N;
+    for (int i = 0; i < N; i++) {
+        a[i + i * N] = 2;
+        a[(i + 1) % N + i * N] = a[i + (i + 1) % N * N] = i + 1 < N ? -1 : 0;
+        b[i] = i;
+    }
+    assert_int_equal(ns_klu_create(N, start, row, &k), NS_OK);
+    for (int round = 0; round < 5; round++) {
+        if (round == 2)
+            a[0] = 3;
+        if (round == 3)
+            a[N] = 0; /* row 0, column 1 */
+        if (round == 4)
+            a[N - 1] = 1; /* the last row, column 0 */
+        assert_int_equal(ns_klu_factor(k, a, &f), NS_OK);
+        assert_int_equal(ns_klu_fresh(k), fresh[round]);
+        assert_int_equal(ns_klu_again(k), again[round]);
+        for (int times = 0; times < 4; times++) {
+            memcpy(x, b, sizeof x);
+            ns_klu_solve(k, f, x);
+            assert_true(rest_of_full(N, a, b, x) < 1e-12);
+        }
+    }
+    assert_true(ns_factors_bytes(f) > N * sizeof(double));
+    memset(a, 0, N * sizeof *a); /* column 0 */
+    assert_int_equal(ns_klu_factor(k, a, &f), NS_E_SINGULAR);
+    assert_null(f);
+    ns_klu_free(k);
+}
+
 /* Blocks of 1 to 5 unknowns, each with something of those before it, rows and columns shuffled and in units
  * of their own.  However often, KLU's own way first and packed later, and whether rows that are often zero
  * are or not: A x = b holds to rounding. */
@@ -242,9 +298,10 @@ static void test_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_entries),     cmocka_unit_test(test_dense), cmocka_unit_test(test_factors),
-        cmocka_unit_test(test_pivots_anew), cmocka_unit_test(test_often), cmocka_unit_test(test_structure),
-        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_entries),      cmocka_unit_test(test_dense),
+        cmocka_unit_test(test_factors),      cmocka_unit_test(test_pivots_anew),
+        cmocka_unit_test(test_own_patterns), cmocka_unit_test(test_often),
+        cmocka_unit_test(test_structure),    cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -112,7 +112,7 @@ static void test_loose(void **state) {
     for (int round = 0; round < 12; round++) {
         const int loose = round % 2, e = f->m - 2;
         mode[e] = loose ? NS_LOWER : NS_INSIDE;
-        mode[round % e] = NS_INSIDE;
+        mode[round % CELLS] = NS_INSIDE;
         memset(r, 0, sizeof *r * (size_t)f->size);
         for (int i = 0; i < f->n; i++)
             r[i] = f->algebraic[i] ? f->b[i] : 1e-6 * i;
