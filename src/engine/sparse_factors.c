@@ -9,7 +9,7 @@
 /* A mode that was served so often by an update gets factors of its own. */
 enum { LONG_SERVED = 16 };
 /* What a solution may leave of (P2), of the terms of its rows. */
-static const double poor = 1e-9;
+static const double poor = 1e-8;
 
 static int make_scratch(ns_modal *q) {
     for (int i = 0; i < 2 * NS_SCRATCH; i++) {
@@ -233,7 +233,7 @@ int ns_modal_factor(ns_modal *q, double g, const ns_mode *mode, int brief, const
 static int solve_updated(ns_modal *q, const ns_kept *k, const double *r, double *v) {
     ns_update *u = k->update;
     const int good = ns_update_solve(u, q->klu, k->factors, r, v, u->checked ? NULL : q->seen_v);
-    if (good && (u->checked || ns_leaky_left(q->f, k->g, u->mode, NULL, r, v, q->work) <= poor)) {
+    if (good && (u->checked || ns_leaky_left(q->f, k->g, u->mode, NULL, r, v, q->seen_v, q->work) <= poor)) {
         u->checked = 1;
         return NS_OK;
     }

@@ -80,7 +80,7 @@ static double rates(const ns_sparse *m, double g, const long double *x, double *
 static int contradicts(const ns_sparse *m, double g, const ns_kept *k) {
     for (int i = 0; i < m->f->size; i++)
         m->next_v[i] = (double)m->fine[i];
-    return !(ns_leaky_left(m->f, g, m->mode, k->scale, m->r, m->next_v, m->rest) <= rounding);
+    return !(ns_leaky_left(m->f, g, m->mode, k->scale, m->r, m->next_v, NULL, m->rest) <= rounding);
 }
 
 /* by: D of the last ns_leg_solve(), to the last digit of what is of this size.  *fine: 0 if it was, without.

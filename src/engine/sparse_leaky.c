@@ -133,7 +133,7 @@ static double terms_around(const ns_form *f, double g, const ns_mode *mode, int 
 }
 
 double ns_leaky_left(const ns_form *f, double g, const ns_mode *mode, const double *scale, const double *r,
-                     const double *v, double *rest) {
+                     const double *v, const double *seen, double *rest) {
     double worst = 0, most = 0;
     for (int i = 0; scale && i < f->size; i++)
         most = fmax(most, scale[i] * (fabs(r[i]) + terms_of(f, g, mode, i, v)));
@@ -146,6 +146,8 @@ double ns_leaky_left(const ns_form *f, double g, const ns_mode *mode, const doub
         double terms = fabs(r[i]) + terms_of(f, g, mode, i, v) + (scale ? far * most / scale[i] : 0);
         if (j >= 0 && mode[j] != NS_INSIDE && !ns_slides(mode[j]))
             terms += terms_around(f, g, mode, j, v);
+        if (seen && fabs(rest[i]) > worst * terms) /* terms may be what others round */
+            terms += terms_of(f, g, mode, i, seen);
         worst = fabs(rest[i]) <= worst * terms ? worst : fabs(rest[i]) / terms; /* NaN stays */
     }
     return worst;
@@ -161,7 +163,7 @@ int ns_leaky_solve(const ns_form *f, double g, const ns_mode *mode, const double
         ns_klu_solve(klu, factors, rest);
         for (int i = 0; i < f->size; i++)
             v[i] += rest[i];
-        left = ns_leaky_left(f, g, mode, scale, r, v, rest);
+        left = ns_leaky_left(f, g, mode, scale, r, v, NULL, rest);
         if (left <= holds)
             return NS_OK;
         if (left < 0.5 * least) {

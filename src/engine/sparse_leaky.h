@@ -12,9 +12,9 @@ int ns_leaky_find(const ns_form *f, const ns_mode *mode, const double *value, in
                   double *scale);
 
 /* What (P2) leaves of r, of the terms of its rows, or, given the scale (or NULL), of the largest of all in
- * units; rest (size) = r - K v. */
+ * units; seen (size, or NULL): how large unknowns were of late.  rest (size) = r - K v. */
 double ns_leaky_left(const ns_form *f, double g, const ns_mode *mode, const double *scale, const double *r,
-                     const double *v, double *rest);
+                     const double *v, const double *seen, double *rest);
 
 /* K v = r by factors of K with leaks; rest: work (size).  Errors: SINGULAR (the equations contradict each
  * other: v is then the answer with leaks, which tells what pulls apart). */

@@ -46,7 +46,7 @@ typedef struct search {
 
 /* Whether b, Bernstein's coefficients on [low, high], fall below -tol: from where to look, or NAN. */
 static double first_below(search *s, const double *b, double low, double high, int depth) {
-    double left[TERMS], right[TERMS], least = b[0];
+    double left[TERMS] = {0}, right[TERMS], least = b[0];
     const int terms = s->terms;
     int falls = 1; /* all the way: one root */
     for (int i = 1; i < terms; i++) {
