@@ -6,12 +6,17 @@
 #include "report.h"
 
 enum { STEPS_A_POINT = 16 }; /* of ours in ngspice's longest step, unless option h says otherwise */
+enum { POINTS_A_LEG = 4 };   /* of the sparse engine, which knows its errors and what is between */
 
 static double longest_step(const engine *e, const CKTcircuit *ckt) {
     if (e->ex.options.h > 0.0) {
         return e->ex.options.h;
     }
-    return ckt->CKTmaxStep > 0.0 ? ckt->CKTmaxStep / STEPS_A_POINT : 1e-6; /* .op: any will do */
+    if (!(ckt->CKTmaxStep > 0.0)) { /* .op: any will do */
+        return 1e-6;
+    }
+    return e->ex.options.method == NS_SPARSE ? POINTS_A_LEG * ckt->CKTmaxStep
+                                             : ckt->CKTmaxStep / STEPS_A_POINT;
 }
 
 static int map_unknowns(engine *e) {
