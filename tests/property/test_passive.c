@@ -140,6 +140,31 @@ static void order_and_names_change_nothing(void **state) {
     assert_true(refused <= REFUSED);
 }
 
+/* A diode that carries what another one leaks, 1e-14 A, is on or off by rounding.  The exact engine took such
+ * a guard for broken 40 times at one instant, gave up on it and went on by the scheme, in one of two ways of
+ * writing this network: 1e-5 of the energy off.  1e-8 is left: the share of the doubted current. */
+static void what_is_zero_but_for_rounding_is_left_alone(void **state) {
+    (void)state;
+    element e[ELEMENTS];
+    run a = plain(1e12, 1), b = a;
+    int order[ELEMENTS];
+    random_network(e, 737);
+    a.method = b.method = NS_AUTO;
+    for (int i = 0; i < ELEMENTS; i++)
+        order[i] = ELEMENTS - 1 - i;
+    for (int i = 1; i < NODES; i++)
+        b.node[i] = 2 * NODES - 2 * i + 1;
+    assert_true(begin(&a, e, straight, 1e-6) && begin(&b, e, order, 1e-6));
+    const double scale = energy(&a, e);
+    for (int step = 1; step <= 60; step++) {
+        const double t = step * 1e-6 + 3e-7;
+        assert_true(go(&a, t) && go(&b, t));
+        assert_true(fabs(energy(&a, e) - energy(&b, e)) < 1e-7 * scale);
+    }
+    end(&a);
+    end(&b);
+}
+
 int main(void) {
     static way leaky = {1e12, NS_THETA, 1e-13}, none = {INFINITY, NS_THETA, 1e-13},
                low = {1e6, NS_THETA, 1e-13};
@@ -162,6 +187,7 @@ int main(void) {
          &none_exact},
         {"order and names change nothing, exact, roff 1e6", order_and_names_change_nothing, NULL, NULL,
          &low_exact},
+        cmocka_unit_test(what_is_zero_but_for_rounding_is_left_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
