@@ -136,7 +136,8 @@ static int start_from_dc(engine *e, int held) {
 void native_take_loop(native *b) {
     CKTcircuit *ckt = b->ckt;
     ckt->CKTtrtol = NATIVE_MARK;
-    b->plan = (points_plan){ckt->CKTmaxStep, ckt->CKTminBreak, b->engine.ex.options.corners};
+    b->plan = (points_plan){
+        .step = ckt->CKTmaxStep, .near = ckt->CKTminBreak, .corners = b->engine.ex.options.corners};
     if (ckt->CKTmaxOrder == 2) { /* else every point is asked twice for its truncation error */
         b->max_order = ckt->CKTmaxOrder;
         ckt->CKTmaxOrder = 1;

@@ -53,7 +53,7 @@ int native_read(native *b, double *t) {
     engine *e = &b->engine;
     int status = ns_march_read(e->march, t, e->x, e->lambda, NULL);
     for (size_t k = 0; k < e->count && !status; k++) {
-        e->most[k] = fmax(e->most[k], fabs(e->x[k]));
+        e->most[k] = fabs(e->x[k]) > e->most[k] ? fabs(e->x[k]) : e->most[k];
         status = isfinite(e->x[k]) ? NS_OK : NS_E_OVERFLOW; /* no number for ngspice */
     }
     return status ? native_fail(b, status) : OK;

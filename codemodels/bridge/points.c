@@ -65,19 +65,23 @@ static double next_of_grid(const CKTcircuit *ckt, double step) {
 }
 
 /* That, or a corner before it or as good as there. */
-static double next_shown(CKTcircuit *ckt, const points_plan *p, const ns_system *s, double t_accepted) {
+static double next_shown(CKTcircuit *ckt, points_plan *p, const ns_system *s, double t_accepted) {
     const double t = next_of_grid(ckt, p->step);
+    const double now = fmax(ckt->CKTtime, t_accepted);
     double stop = ckt->CKTfinalTime;
     if (p->corners) {
         drop_breaks(ckt);
-        stop = fmin(ckt->CKTbreaks[0], next_corner(s, fmax(ckt->CKTtime, t_accepted)));
+        if (!(p->next > now)) {
+            p->next = next_corner(s, now);
+        }
+        stop = fmin(ckt->CKTbreaks[0], p->next);
     } else {
         drop_all_breaks(ckt);
     }
     return stop < t + sliver * p->step ? stop : t;
 }
 
-double points_next(CKTcircuit *ckt, const points_plan *p, const ns_system *s, double t_accepted, int first) {
+double points_next(CKTcircuit *ckt, points_plan *p, const ns_system *s, double t_accepted, int first) {
     double t;
     ckt->CKTmaxStep = (1.0 + 2.0 * sliver) * p->step;
     if (ckt->CKTtime < ckt->CKTinitTime) {
