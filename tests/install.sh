@@ -37,6 +37,9 @@ check 'the program prints what README says' sh -c "'$dest/user' | grep -qx 'lamb
 check 'the shared library shows no internals' sh -c \
     "nm -D --defined-only '$dest/lib/libnonsmooth.so' | grep -q ns_mlcp_solve$ &&
      ! nm -D --defined-only '$dest/lib/libnonsmooth.so' | grep -q ns_lu_"
+check 'the library neither prints, nor exits, nor looks at the environment' sh -c \
+    "! nm -D --undefined-only '$dest/lib/libnonsmooth.so' |
+     grep -E ' (_*(v?f?printf|f?puts|f?putc|putchar|fwrite)(_chk)?|perror|_?exit|abort|getenv|stdout|stderr)(@|$)'"
 printf '1 1 -1 0 inf' >"$dest/one.txt"
 check 'nsc-mlcp solves' sh -c "'$dest/bin/nsc-mlcp' '$dest/one.txt' | grep -qx 'lambda 1'"
 

@@ -9,8 +9,6 @@
 #include <float.h>
 #include <math.h>
 #include <string.h>
-#include <stdio.h> //TR
-#include <stdlib.h> //TR
 
 /* Rounds in which all broken pairs change at once, without getting fewer; at most. */
 enum { BLOCK_ROUNDS = 6, MOST_ROUNDS = 100, SHORTER = 24, JUMPS = 6, COMMAND_ROUNDS = 64 };
@@ -23,7 +21,6 @@ int ns_event_settle(ns_sparse *m, double t, double g, const double *w, double *v
         if (status != NS_OK && status != NS_E_SINGULAR)
             return status;
         const int flipped = ns_guard_flip(m, v, w, g);
-        if (getenv("TR")) { fprintf(stderr, "  settle t %g g %g round %d status %d flipped %d mode ", t, g, round, status, flipped); for (int j = 0; j < m->f->m; j++) fprintf(stderr, "%d", m->mode[j]); fprintf(stderr, " x"); for (int i = 0; i < m->f->size && i < 40; i++) fprintf(stderr, " %.4g", v[i]); fprintf(stderr, "\n"); } //TR
         m->counts.pivots += flipped;
         if (flipped == 0 && status == NS_OK)
             return status;
@@ -34,7 +31,6 @@ int ns_event_settle(ns_sparse *m, double t, double g, const double *w, double *v
         else
             best = flipped;
     }
-    if (getenv("TR")) { const int st = ns_event_local(m, t, g, w, v, by); fprintf(stderr, "  local t %g g %g status %d mode ", t, g, st); for (int j = 0; j < m->f->m; j++) fprintf(stderr, "%d", m->mode[j]); fprintf(stderr, " x"); for (int i = 0; i < m->f->size && i < 40; i++) fprintf(stderr, " %.4g", v[i]); fprintf(stderr, "\n"); return st; } //TR
     return ns_event_local(m, t, g, w, v, by);
 }
 
