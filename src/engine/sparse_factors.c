@@ -109,13 +109,14 @@ static void trim(ns_modal *q, const ns_kept *but) {
     }
 }
 
-static int factor_with_leaks(ns_modal *q, ns_kept *k, int small) {
-    k->leaky = 1 + small;
+static int factor_with_leaks(ns_modal *q, ns_kept *k) {
+    const size_t size = (size_t)q->f->size;
+    k->leaky = 1;
     ns_form_values(q->f, k->g, k->mode, NULL, q->value);
     if (!k->scale)
-        k->scale = calloc((size_t)q->f->size + 1, sizeof(double));
+        k->scale = calloc(2 * size + 1, sizeof(double));
     const int status =
-        k->scale ? ns_leaky_find(q->f, k->mode, q->value, small, q->work, k->scale) : NS_E_MEMORY;
+        k->scale ? ns_leaky_find(q->f, k->mode, q->value, q->work, k->scale, k->scale + size) : NS_E_MEMORY;
     if (status != NS_OK)
         return status;
     ns_form_values(q->f, k->g, k->mode, q->work, q->value);
@@ -128,7 +129,7 @@ static int factor(ns_modal *q, ns_kept *k) {
     k->leaky = 0;
     ns_form_values(q->f, k->g, k->mode, NULL, q->value);
     int status = ns_klu_factor(q->klu, q->value, &k->factors);
-    return status == NS_E_SINGULAR ? factor_with_leaks(q, k, 0) : status;
+    return status == NS_E_SINGULAR ? factor_with_leaks(q, k) : status;
 }
 
 static int keep(ns_modal *q, unsigned long long key, double g, const ns_mode *mode, ns_kept **out) {
@@ -147,8 +148,8 @@ static int keep(ns_modal *q, unsigned long long key, double g, const ns_mode *mo
         drop(q, k);
         return status;
     }
-    k->bytes =
-        sizeof *k + m + (k->scale ? sizeof(double) * (size_t)q->f->size : 0) + ns_factors_bytes(k->factors);
+    k->bytes = sizeof *k + m + (k->scale ? 2 * sizeof(double) * (size_t)q->f->size : 0) +
+               ns_factors_bytes(k->factors);
     q->bytes += k->bytes;
     k->next = q->bucket[key % NS_KEPT_BUCKETS];
     q->bucket[key % NS_KEPT_BUCKETS] = k;
@@ -248,26 +249,14 @@ static int solve_updated(ns_modal *q, const ns_kept *k, const double *r, double 
     return ns_modal_solve(q, k, r, v);
 }
 
-static int solve_with_leaks(ns_modal *q, const ns_kept *k, const double *r, double *v) {
-    return ns_leaky_solve(q->f, k->g, k->mode, k->scale, q->klu, k->factors, r, v, q->work);
-}
-
-/* With smaller leaks from now on, where these find no answer.  Factors belong to q, whoever looks at them. */
-static int solve_leaky(ns_modal *q, ns_kept *k, const double *r, double *v) {
-    int status = k->factors ? solve_with_leaks(q, k, r, v) : NS_E_SINGULAR;
-    if (status == NS_E_SINGULAR && k->leaky == 1) {
-        status = factor_with_leaks(q, k, 1);
-        if (status == NS_OK)
-            return solve_with_leaks(q, k, r, v);
-    }
-    for (int i = 0; i < q->f->size && !k->factors; i++)
-        v[i] = NAN;
-    return status;
+static int solve_leaky(ns_modal *q, const ns_kept *k, const double *r, double *v) {
+    const ns_leaky with = {q->f, k->g, k->mode, k->scale, k->scale + q->f->size, q->klu, k->factors};
+    return ns_leaky_solve(&with, r, v, q->work);
 }
 
 int ns_modal_solve(ns_modal *q, const ns_kept *k, const double *r, double *v) {
     if (k->leaky)
-        return solve_leaky(q, (ns_kept *)k, r, v);
+        return solve_leaky(q, k, r, v);
     if (k->update && k->update->count > 0)
         return solve_updated(q, k, r, v);
     memcpy(v, r, sizeof(double) * (size_t)q->f->size);

@@ -10,8 +10,8 @@
 typedef struct ns_kept ns_kept;
 struct ns_kept {
     double g;
-    int leaky;     /* the matrix is singular, these are its factors with leaks (2: small ones), */
-    double *scale; /* size: and what brings its rows near 1 (NULL: never needed) */
+    int leaky;     /* the matrix is singular, these are its factors with leaks, */
+    double *scale; /* 2 size: and what brings its rows, and unknowns, near 1 (NULL: never needed) */
     unsigned long long key;
     ns_mode *mode; /* m */
     ns_factors *factors;

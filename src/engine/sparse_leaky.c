@@ -5,7 +5,7 @@
  *
  *     v <- v + K_g^-1 (r - K v),   from v = 0
  *
- * converges to a solution of K v = r: what is determined in a few rounds, what is open as the leaks share it.
+ * converges to a solution of K v = r: what is determined in a few rounds, what is open as the leaks share it;
  * Leaks are some share of what is around them, in units in which all entries of K are near 1.
  */
 #include "sparse_leaky.h"
@@ -16,13 +16,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SWEEPS = 24, PEAKS = 6, ROUNDS = 30 };
-/* Large ones leave more digits of what is open; what hangs together by less than they are takes small ones.
- */
-static const double shares[] = {1e-6, 1e-10};
+enum { SWEEPS = 24, PEAKS = 6, ROUNDS = 3, CYCLES = 3, KRYLOV = 12 };
+static const double leak_share = 1e-7;
 /* What is left of (P2), of the terms of its rows, where it holds; where it may still be said to, if rounds
  * gain no more. */
-static const double holds = 64 * DBL_EPSILON, may_hold = 1e-11, far = 1e-3;
+static const double holds = 64 * DBL_EPSILON, may_hold = 1e-11, fell = 1e-3, far = 1e-3;
 
 /* The mean of the exponents of rows and columns is brought to zero, in turns, then peaks are cut. */
 static void find_units(const ns_csc *K, const int *exponent, double *row, double *column, double *count) {
@@ -85,8 +83,8 @@ static double leaves(const ns_form *f, const double *column, int j) {
     return most;
 }
 
-int ns_leaky_find(const ns_form *f, const ns_mode *mode, const double *value, int small, double *leak,
-                  double *scale) {
+int ns_leaky_find(const ns_form *f, const ns_mode *mode, const double *value, double *leak, double *scale,
+                  double *unit) {
     const int size = f->size, entries = f->K.start[size];
     int *exponent = calloc((size_t)entries + 1, sizeof *exponent);
     double *row = calloc(3 * (size_t)size + 1, sizeof(double)), *column = row + size;
@@ -101,10 +99,12 @@ int ns_leaky_find(const ns_form *f, const ns_mode *mode, const double *value, in
     for (int j = 0; j < f->m; j++) {
         const double at = mode[j] == NS_INSIDE ? -row[f->n + j] - column[f->n + j]
                                                : -enters(f, exponent, row, j) - leaves(f, column, j);
-        leak[j] = fabs(at) < 900 && !ns_slides(mode[j]) ? shares[small] * exp2(at) : 0;
+        leak[j] = fabs(at) < 900 && !ns_slides(mode[j]) ? leak_share * exp2(at) : 0;
     }
-    for (int i = 0; i < size; i++)
-        scale[i] = exp2(fmin(fmax(row[i], -900), 900));
+    for (int i = 0; i < size; i++) {
+        scale[i] = exp2(fmin(fmax(row[i], -450), 450));
+        unit[i] = exp2(fmin(fmax(-column[i], -450), 450));
+    }
     free(exponent);
     free(row);
     return NS_OK;
@@ -153,27 +153,116 @@ double ns_leaky_left(const ns_form *f, double g, const ns_mode *mode, const doub
     return worst;
 }
 
-int ns_leaky_solve(const ns_form *f, double g, const ns_mode *mode, const double *scale, ns_klu *klu,
-                   ns_factors *factors, const double *r, double *v, double *rest) {
-    double left = INFINITY, least = INFINITY;
-    int since = 0;
-    memcpy(rest, r, sizeof(double) * (size_t)f->size);
-    memset(v, 0, sizeof(double) * (size_t)f->size);
-    for (int round = 0; round < ROUNDS && since < 4; round++, since++) {
-        ns_klu_solve(klu, factors, rest);
-        for (int i = 0; i < f->size; i++)
-            v[i] += rest[i];
-        left = ns_leaky_left(f, g, mode, scale, r, v, NULL, rest);
-        if (left <= holds)
-            return NS_OK;
-        if (left < 0.5 * least) {
-            least = left;
-            since = 0;
-        }
+/* --- rounds --- */
+
+static double dot(int size, const double *unit, const double *a, const double *b) {
+    double sum = 0;
+    for (int i = 0; i < size; i++)
+        sum += a[i] * unit[i] * (b[i] * unit[i]);
+    return sum;
+}
+
+/* Takes out of q what lies along the first count of Q, orthonormal; h: how much. */
+static void straighten(int size, const double *unit, int count, const double *Q, double *q, double *h) {
+    for (int i = 0; i < count; i++) {
+        const double *along = Q + (size_t)i * (size_t)size;
+        const double share = dot(size, unit, along, q);
+        h[i] += share;
+        for (int l = 0; l < size; l++)
+            q[l] -= share * along[l];
     }
-    if (left <= may_hold)
-        return NS_OK;
-    memcpy(v, r, sizeof(double) * (size_t)f->size);
-    ns_klu_solve(klu, factors, v);
-    return NS_E_SINGULAR;
+}
+
+/* The share (count) of each direction such that what they make is nearest to beta e_1: H is Hessenberg,
+ * column by column of KRYLOV + 1, and is rotated. */
+static void least_squares(int count, double beta, double (*H)[KRYLOV + 1], double *share) {
+    double right[KRYLOV + 1] = {beta};
+    for (int k = 0; k < count; k++) {
+        const double size = hypot(H[k][k], H[k][k + 1]), c = size > 0 ? H[k][k] / size : 1,
+                     s = size > 0 ? H[k][k + 1] / size : 0;
+        for (int j = k; j < count; j++) {
+            const double upper = H[j][k], lower = H[j][k + 1];
+            H[j][k] = c * upper + s * lower;
+            H[j][k + 1] = c * lower - s * upper;
+        }
+        right[k + 1] = -s * right[k];
+        right[k] *= c;
+    }
+    for (int k = count - 1; k >= 0; k--) {
+        double sum = right[k];
+        for (int j = k + 1; j < count; j++)
+            sum -= H[j][k] * share[j];
+        share[k] = fabs(H[k][k]) > DBL_EPSILON ? sum / H[k][k] : 0;
+    }
+}
+
+/* v += what rounds make of rest, as if there were no end of them: where parts hang together by less than
+ * leaks are, each round gains little, but all rounds are in few directions (GMRES).  Q: room for KRYLOV + 1
+ * vectors. */
+static void many_rounds(const ns_leaky *k, const double *rest, double *v, double *Q) {
+    const int size = k->f->size;
+    double H[KRYLOV][KRYLOV + 1] = {{0}}, share[KRYLOV] = {0};
+    int count = 0;
+    memcpy(Q, rest, sizeof(double) * (size_t)size);
+    ns_klu_solve(k->klu, k->factors, Q);
+    const double beta = sqrt(dot(size, k->unit, Q, Q));
+    for (int i = 0; i < size && beta > 0; i++)
+        Q[i] /= beta;
+    while (count < KRYLOV && beta > 0) {
+        double *q = Q + (size_t)count * (size_t)size, *next = q + size, *h = H[count];
+        memset(next, 0, sizeof(double) * (size_t)size);
+        ns_form_subtract(k->f, k->g, k->mode, q, next);
+        for (int i = 0; i < size; i++)
+            next[i] = -next[i];
+        ns_klu_solve(k->klu, k->factors, next);
+        count++;
+        straighten(size, k->unit, count, Q, next, h);
+        straighten(size, k->unit, count, Q, next, h);
+        h[count] = sqrt(dot(size, k->unit, next, next));
+        if (!(h[count] > 1e-14))
+            break;
+        for (int i = 0; i < size; i++)
+            next[i] /= h[count];
+    }
+    least_squares(count, beta, H, share);
+    for (int i = 0; i < count; i++)
+        for (int l = 0; l < size; l++)
+            v[l] += share[i] * Q[(size_t)i * (size_t)size + (size_t)l];
+}
+
+static double largest(const ns_leaky *k, const double *rest) {
+    double most = 0;
+    for (int i = 0; i < k->f->size; i++)
+        most = fmax(most, fabs(rest[i]) * k->scale[i]);
+    return most;
+}
+
+static int settle(const ns_leaky *k, const double *r, double *v, double *rest, double *Q) {
+    const size_t bytes = sizeof(double) * (size_t)k->f->size;
+    double left = INFINITY;
+    memcpy(rest, r, bytes);
+    memset(v, 0, bytes);
+    for (int round = 0; round < ROUNDS && left > holds; round++) {
+        ns_klu_solve(k->klu, k->factors, rest);
+        for (int i = 0; i < k->f->size; i++)
+            v[i] += rest[i];
+        left = ns_leaky_left(k->f, k->g, k->mode, k->scale, r, v, NULL, rest);
+    }
+    for (int cycle = 0; cycle < CYCLES && left > may_hold; cycle++) {
+        many_rounds(k, rest, v, Q);
+        left = ns_leaky_left(k->f, k->g, k->mode, k->scale, r, v, NULL, rest);
+    }
+    /* beside unknowns that grew beyond count a contradiction looks small */
+    return left <= may_hold && largest(k, rest) <= fell * largest(k, r) ? NS_OK : NS_E_SINGULAR;
+}
+
+int ns_leaky_solve(const ns_leaky *k, const double *r, double *v, double *rest) {
+    double *Q = calloc((KRYLOV + 1) * (size_t)k->f->size + 1, sizeof(double));
+    const int status = Q ? settle(k, r, v, rest, Q) : NS_E_MEMORY;
+    free(Q);
+    if (status == NS_E_SINGULAR) {
+        memcpy(v, r, sizeof(double) * (size_t)k->f->size);
+        ns_klu_solve(k->klu, k->factors, v);
+    }
+    return status;
 }

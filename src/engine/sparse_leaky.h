@@ -7,18 +7,26 @@
 #include "sparse_form.h"
 
 /* The leak (m) of each pair in this mode: a conductance if it is open, a resistance if it is inside.  value:
- * of K. scale (size): what brings its rows near 1.  Errors: MEMORY. */
-int ns_leaky_find(const ns_form *f, const ns_mode *mode, const double *value, int small, double *leak,
-                  double *scale);
+ * of K; scale, unit (size): what brings its rows, and unknowns, near 1.  Errors: MEMORY. */
+int ns_leaky_find(const ns_form *f, const ns_mode *mode, const double *value, double *leak, double *scale,
+                  double *unit);
 
 /* What (P2) leaves of r, of the terms of its rows, or, given the scale (or NULL), of the largest of all in
  * units; seen (size, or NULL): how large unknowns were of late.  rest (size) = r - K v. */
 double ns_leaky_left(const ns_form *f, double g, const ns_mode *mode, const double *scale, const double *r,
                      const double *v, const double *seen, double *rest);
 
-/* K v = r by factors of K with leaks; rest: work (size).  Errors: SINGULAR (the equations contradict each
- * other: v is then the answer with leaks, which tells what pulls apart). */
-int ns_leaky_solve(const ns_form *f, double g, const ns_mode *mode, const double *scale, ns_klu *klu,
-                   ns_factors *factors, const double *r, double *v, double *rest);
+typedef struct ns_leaky {
+    const ns_form *f;
+    double g;
+    const ns_mode *mode;
+    const double *scale, *unit;
+    ns_klu *klu;
+    ns_factors *factors; /* of K with leaks */
+} ns_leaky;
+
+/* K v = r; rest: work (size).  Errors: SINGULAR (the equations contradict each other: v is then the answer
+ * with leaks, which tells what pulls apart), MEMORY. */
+int ns_leaky_solve(const ns_leaky *k, const double *r, double *v, double *rest);
 
 #endif
