@@ -81,7 +81,8 @@ static unsigned long long key_of(const ns_form *f, double g, const ns_mode *mode
     h = (h ^ bits) * 1099511628211U;
     for (int j = 0; j < f->m; j++)
         h = (h ^ (unsigned char)mode[j]) * 1099511628211U;
-    h ^= h >> 29;
+    h = (h ^ (h >> 32)) * 11400714819323198485U; /* lengths h 2^-k differ in high bits alone */
+    h ^= h >> 32;
     return h ? h : 1;
 }
 

@@ -128,7 +128,39 @@ static void test_loose(void **state) {
     ns_system_free(s);
 }
 
+/* Two modes, too far apart for updates, by two lengths in turn: the first mode of each, asked for again, is
+ * kept, but for the bound on memory, which leaves no more than the last. */
+static void test_evicted(void **state) {
+    (void)state;
+    ns_system *s = line(0);
+    ns_form *f;
+    ns_modal *q;
+    const ns_kept *k;
+    assert_int_equal(ns_form_create(s, 0, &f), NS_OK);
+    assert_int_equal(ns_modal_create(f, 1, &q), NS_OK);
+    assert_true(f->m > NS_UPDATE_MOST);
+    double *r = calloc(2 * (size_t)f->size, sizeof *r), *v = r + f->size;
+    ns_mode *mode = calloc((size_t)f->m, 1);
+    for (int round = 0; round < 12; round++) {
+        const double g = round / 2 % 2 ? 1e-6 : 2e-6;
+        for (int j = 0; j < f->m; j++)
+            mode[j] = round % 2 ? NS_LOWER : NS_INSIDE;
+        for (int i = 0; i < f->n; i++)
+            r[i] = f->algebraic[i] ? f->b[i] : 1e-6;
+        assert_int_equal(ns_modal_factor(q, g, mode, 0, &k), NS_OK);
+        assert_int_equal(ns_modal_solve(q, k, r, v), NS_OK);
+        assert_true(rest(f, g, mode, r, v) < 1e-12);
+    }
+    assert_true(q->evicted > 0);
+    free(r);
+    free(mode);
+    ns_modal_free(q);
+    ns_form_free(f);
+    ns_system_free(s);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_walk), cmocka_unit_test(test_loose)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_walk), cmocka_unit_test(test_loose),
+                                       cmocka_unit_test(test_evicted)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
