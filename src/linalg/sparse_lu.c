@@ -14,6 +14,7 @@
 #include <suitesparse/klu.h>
 
 #include "nonsmooth/status.h"
+#include "sparse_pivots.h"
 #include "sweep.h"
 
 struct ns_klu {
@@ -234,7 +235,9 @@ int ns_klu_factor(ns_klu *k, double *value, ns_factors **f) {
         if (status != NS_OK)
             return give_up(k, f, status);
     }
-    if (!klu_rcond(symbolic_of(k, *f), (*f)->numeric, &k->common) || !(k->common.rcond > rcond_min))
+    if (!klu_rcond(symbolic_of(k, *f), (*f)->numeric, &k->common) || !(k->common.rcond > rcond_min) ||
+        ns_pivots_vanish(k->n, (*f)->own ? (*f)->start : k->start, (*f)->own ? (*f)->row : k->row,
+                         (*f)->own ? (*f)->value : value, symbolic_of(k, *f), (*f)->numeric, &k->common))
         return give_up(k, f, NS_E_SINGULAR);
     return NS_OK;
 }
