@@ -1,7 +1,8 @@
 /* src/engine/flight.h - the flight engine from inside: exact between events, by kept matrices.
  *
  *   flight_mode.c  modes met, their levels, kept       leg.c    steps inside a mode, as matrices
- *   watch.c        where a guard first breaks          turn.c   from one mode to the next
+ *   watch.c        where a guard first breaks          turn.c   from one mode to the next (turn.h)
+ *   way.c          by which of them to the next event
  *   flight.c       the way from event to event
  */
 #ifndef NS_FLIGHT_H
@@ -153,6 +154,9 @@ int ns_watch_near(ns_flight *f, const ns_level *level, double tau, double *when)
 void ns_watch_pieces(double s, double (*c)[NS_ORDER]);
 /* What guard g may be off by at X. */
 double ns_watch_noise(const ns_flight *f, const ns_stage *k, int g);
+
+/* way.c: to t, unless a guard breaks before: *broke.  Errors: MEMORY; LIMIT: no budget. */
+int ns_way_fly(ns_flight *f, double t, int *broke);
 
 /* turn.c: the mode from here on, where a guard broke (natural), or commands in m->flip (nc) changed and
  * inputs jumped or turned; X moves if the state jumps.  m->flip is cleared.  OK, GUARD: found none, nothing
