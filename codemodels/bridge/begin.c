@@ -186,7 +186,7 @@ static int begin(native *b) {
     if (uic) {
         show_values(&b->engine, b->engine.x, b->value);
     }
-    show_devices(&b->engine);
+    show_later(&b->engine);
     return OK;
 }
 
@@ -239,6 +239,7 @@ int native_go_on(native *b) {
     error = native_read(b, &b->t); /* t: jumps took a while */
     if (!error) {
         show_values(&b->engine, b->engine.x, b->value);
+        show_later(&b->engine);
     }
     return error;
 }

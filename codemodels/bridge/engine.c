@@ -22,13 +22,16 @@ static double longest_step(const engine *e, const CKTcircuit *ckt) {
 static int map_unknowns(engine *e) {
     e->count = (size_t)e->system->n + (size_t)e->system->m;
     e->unknown = malloc((size_t)e->ex.neq * sizeof *e->unknown);
-    e->x = calloc(3 * e->count + 1, sizeof(double));
-    if (!e->unknown || !e->x) {
+    e->room = calloc(3 * e->count + 1, sizeof(double));
+    e->mode = calloc((size_t)e->system->m + 1, sizeof *e->mode);
+    if (!e->unknown || !e->room || !e->mode) {
         return NS_E_MEMORY;
     }
+    e->x = e->room;
     e->lambda = e->x + e->system->n;
     e->before = e->x + e->count;
     e->most = e->before + e->count;
+    e->shown = 1; /* there is nothing yet */
     for (int eq = 0; eq < e->ex.neq; eq++) {
         e->unknown[eq] = eq == 0 ? -1
                          : e->ex.element[eq] >= 0
@@ -87,6 +90,7 @@ void engine_clear(engine *e) {
     ns_system_free(e->system);
     extract_clear(&e->ex);
     free(e->unknown);
-    free(e->x);
+    free(e->room);
+    free(e->mode);
     memset(e, 0, sizeof *e);
 }

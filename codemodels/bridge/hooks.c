@@ -8,6 +8,7 @@
 #include "ngspice/jobdefs.h"
 #include "once.h"
 #include "report.h"
+#include "show.h"
 
 extern SPICEdev cm_ideal_diode_info, cm_ideal_switch_info, cm_nonsmooth_info; /* made by cmpp */
 
@@ -124,6 +125,15 @@ static int ac_load(GENmodel *model, CKTcircuit *ckt) {
     return E_UNSUPP;
 }
 
+/* What a device shows is written when someone asks. */
+static int ask(CKTcircuit *ckt, GENinstance *inst, int which, IFvalue *value, IFvalue *select) {
+    bridge *b = find(ckt);
+    if (b && b->native.engine.march) {
+        show_devices(&b->native.engine);
+    }
+    return MIFask(ckt, inst, which, value, select);
+}
+
 static int delete (GENinstance *inst) {
     for (bridge **link = &bridges; *link; link = &(*link)->next) {
         bridge *b = *link;
@@ -160,6 +170,7 @@ __attribute__((__constructor__)) static void install(void) {
         ours[k]->DEVacLoad = ac_load;
         ours[k]->DEVdelete = delete;
         ours[k]->DEVtrunc = truncation;
+        ours[k]->DEVask = ask;
 #ifdef CIDER /* else ngspice has no such call, and its points are loaded twice */
         ours[k]->DEVdump = dumped;
 #endif

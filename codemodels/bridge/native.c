@@ -49,14 +49,26 @@ static int end_dc(CKTcircuit *ckt, int error) {
 
 /* --- loads --- */
 
+static void exchange(engine *e) {
+    double *x = e->before;
+    e->before = e->x;
+    e->x = x;
+    e->lambda = x + e->system->n;
+}
+
 int native_read(native *b, double *t) {
     engine *e = &b->engine;
-    int status = ns_march_read(e->march, t, e->x, e->lambda, NULL);
+    double *x = e->before;
+    int status = ns_march_read(e->march, t, x, x + e->system->n, NULL);
     for (size_t k = 0; k < e->count && !status; k++) {
-        e->most[k] = fabs(e->x[k]) > e->most[k] ? fabs(e->x[k]) : e->most[k];
-        status = isfinite(e->x[k]) ? NS_OK : NS_E_OVERFLOW; /* no number for ngspice */
+        e->most[k] = fabs(x[k]) > e->most[k] ? fabs(x[k]) : e->most[k];
+        status = isfinite(x[k]) ? NS_OK : NS_E_OVERFLOW; /* no number for ngspice */
     }
-    return status ? native_fail(b, status) : OK;
+    if (status) {
+        return native_fail(b, status);
+    }
+    exchange(e);
+    return OK;
 }
 
 static int read_point(native *b) {
@@ -161,8 +173,9 @@ static int take_right_side(native *b) {
     if (!same) {
         return 0;
     }
-    memcpy(e->before, e->x, e->count * sizeof *e->x);
-    same = !native_read(b, NULL);
+    if (native_read(b, NULL)) {
+        return 0;
+    }
     for (size_t k = 0; k < e->count && same; k++) {
         same =
             fabs(e->x[k] - e->before[k]) <= 1e-9 * e->most[k]; /* rounding is far below, what is seen above */
@@ -170,9 +183,9 @@ static int take_right_side(native *b) {
     if (same) {
         accept_trial(b);
         b->t = t;
-        show_devices(e);
+        show_later(e);
     } else {
-        memcpy(e->x, e->before, e->count * sizeof *e->x);
+        exchange(e);
     }
     return same;
 }
@@ -229,7 +242,7 @@ int native_accept(native *b) {
         }
         memcpy(ckt->CKTrhsOld, b->value, (size_t)b->engine.ex.neq * sizeof *b->value);
     }
-    show_devices(&b->engine);
+    show_later(&b->engine);
     if (ckt->CKTfinalTime - ckt->CKTtime < ckt->CKTminBreak) {
         if (b->engine.ex.options.verbose) {
             show_summary(&b->engine, (double)b->cpu / CLOCKS_PER_SEC);

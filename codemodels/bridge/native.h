@@ -17,9 +17,12 @@ typedef struct engine {
     double h;           /* the longest step of the scheme, s */
     int *unknown;       /* ex.neq: the unknown an equation stands for, -1: none */
     size_t count;       /* of x and lambda */
+    double *room;       /* 3 count, of these: */
     double *x, *lambda; /* of the system, one after the other */
-    double *before;     /* count: both at the left side of an event, */
+    double *before;     /* count: both as they were read the time before */
     double *most;       /* count: and their largest sizes so far */
+    ns_mode *mode;      /* of the accepted point, */
+    int shown;          /* whose devices are shown */
 } engine;
 
 int engine_make(CKTcircuit *ckt, extract_sources sources, engine *e); /* OK, or a code after one line */
@@ -74,8 +77,8 @@ void native_clear(native *b);
 /* Says what the marcher's last call failed with; returns the code, kept in b->failed. */
 int native_fail(native *b, int status);
 
-/* The point of the last trial, or the accepted one, into engine.x, engine.lambda; *t (may be NULL) gets its
- * time.  OK, or a code after one line. */
+/* The point of the last trial, or the accepted one, into engine.x, engine.lambda, what was there into
+ * engine.before; *t (may be NULL) gets its time.  OK, or a code after one line: all is as it was. */
 int native_read(native *b, double *t);
 
 /* Begins an analysis: leaves the operating point, or the start from rest (uic), in b->value. */

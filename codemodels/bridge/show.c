@@ -1,6 +1,8 @@
 /* bridge/show.c - what a user sees of a point: node voltages, branch currents, @ad1[i], the summary. */
 #include "show.h"
 
+#include <string.h>
+
 #include "report.h"
 
 void show_values(const engine *e, const double *x, double *value) {
@@ -9,18 +11,23 @@ void show_values(const engine *e, const double *x, double *value) {
     }
 }
 
-void show_devices(const engine *e) {
-    const ns_mode *mode = ns_march_mode(e->march);
-    for (int k = 0; k < e->ex.ndevices; k++) {
+void show_later(engine *e) {
+    memcpy(e->mode, ns_march_mode(e->march), (size_t)e->system->m * sizeof *e->mode);
+    e->shown = 0;
+}
+
+void show_devices(engine *e) {
+    for (int k = 0; k < e->ex.ndevices && !e->shown; k++) {
         Mif_Inst_Var_Data_t **show = e->ex.device[k].inst->inst_var;
         double i = 0.0;
         double v = 0.0;
         int on = 0;
-        ns_circuit_device(e->ex.circuit, e->ex.device[k].id, e->x, e->lambda, mode, &i, &v, &on);
+        ns_circuit_device(e->ex.circuit, e->ex.device[k].id, e->x, e->lambda, e->mode, &i, &v, &on);
         show[SHOW_I]->element[0].rvalue = i;
         show[SHOW_V]->element[0].rvalue = v;
         show[SHOW_ON]->element[0].rvalue = on; /* ngspice saves reals only */
     }
+    e->shown = 1;
 }
 
 void show_summary(const engine *e, double cpu) {

@@ -7,8 +7,10 @@
 /* x (n of the system) -> value (neq), by equation number. */
 void show_values(const engine *e, const double *x, double *value);
 
-/* Currents, voltages and states of our devices at e->x, e->lambda -> their static variables. */
-void show_devices(const engine *e);
+/* Currents, voltages and states of our devices at e->x, e->lambda -> their static variables: as soon as
+ * someone asks, which show_devices() is for.  The point in e->x is the accepted one. */
+void show_later(engine *e);
+void show_devices(engine *e);
 
 /* One line of counts; cpu in s. */
 void show_summary(const engine *e, double cpu);
