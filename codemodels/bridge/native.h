@@ -47,7 +47,7 @@ typedef struct native {
     int loaded;    /* ngspice's present point shows that trial */
     struct {
         int armed; /* the next point is to be loaded once */
-        long uic;  /* of ngspice's mode */
+        long mode; /* ngspice's, meanwhile */
     } once;        /* once.c */
     int refused;   /* this analysis is not for us */
     int failed;    /* code to end the analysis with; the line was said */

@@ -12,12 +12,7 @@
 #include "spicelib/devices/cap/capdefs.h"
 #include "spicelib/devices/ind/inddefs.h"
 
-static const long skip = MODETRANOP | MODEUIC;
-
-static void take_back(native *b) {
-    b->ckt->CKTmode = (b->ckt->CKTmode & ~skip) | b->once.uic;
-    b->once.armed = 0;
-}
+static const long skip = MODETRANOP | MODEUIC | MODEINITFLOAT; /* without MODETRAN C and L do not integrate */
 
 void once_arm(native *b) {
     CKTcircuit *ckt = b->ckt;
@@ -25,16 +20,14 @@ void once_arm(native *b) {
     if (!b->engine.march || !b->tried || b->failed || b->engine.ex.restless || !(ckt->CKTtime > 0.0)) {
         return;
     }
-    b->once.uic = ckt->CKTmode & MODEUIC;
+    b->once.mode = ckt->CKTmode;
     b->once.armed = 1;
-    ckt->CKTmode |= skip;
+    ckt->CKTmode = skip;
 }
 
 int once_begin(native *b) {
-    const int skips = b->once.armed && (b->ckt->CKTmode & skip) == skip; /* else it was stopped and resumed */
-    if (b->once.armed) {
-        take_back(b);
-    }
+    const int skips = b->once.armed && b->ckt->CKTmode == skip; /* else it was stopped and resumed */
+    once_forget(b);
     return skips;
 }
 
@@ -88,6 +81,7 @@ void once_end(native *b) {
 
 void once_forget(native *b) {
     if (b->once.armed) {
-        take_back(b);
+        b->ckt->CKTmode = b->once.mode;
     }
+    b->once.armed = 0;
 }
