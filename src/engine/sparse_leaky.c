@@ -87,12 +87,13 @@ int ns_leaky_find(const ns_form *f, const ns_mode *mode, const double *value, do
                   double *unit) {
     const int size = f->size, entries = f->K.start[size];
     int *exponent = calloc((size_t)entries + 1, sizeof *exponent);
-    double *row = calloc(3 * (size_t)size + 1, sizeof(double)), *column = row + size;
+    double *row = calloc(3 * (size_t)size + 1, sizeof(double));
     if (!exponent || !row) {
         free(exponent);
         free(row);
         return NS_E_MEMORY;
     }
+    double *column = row + size;
     for (int k = 0; k < entries; k++)
         exponent[k] = value[k] != 0 ? ilogb(value[k]) : INT_MIN;
     find_units(&f->K, exponent, row, column, column + size);
