@@ -239,15 +239,9 @@ static int solve_updated(ns_modal *q, const ns_kept *k, const double *r, double 
         u->checked = 1;
         return NS_OK;
     }
-    for (int i = 0; i < 2 * NS_SCRATCH; i++) {
-        ns_kept *own = &q->scratch[0][0] + i;
-        if (own != k)
-            continue;
-        const int status = make_over(q, own, k->g, u->mode);
-        if (status != NS_OK)
-            return status;
-    }
-    return ns_modal_solve(q, k, r, v);
+    ns_kept *own = &q->scratch[0][0] + (k - &q->scratch[0][0]); /* nobody else has an update */
+    const int status = make_over(q, own, k->g, u->mode);
+    return status == NS_OK ? ns_modal_solve(q, k, r, v) : status;
 }
 
 static int solve_leaky(ns_modal *q, const ns_kept *k, const double *r, double *v) {

@@ -15,17 +15,7 @@
 static const double rounding = 64 * DBL_EPSILON, control_rounding = 1e-12;
 
 void ns_guard_bounds(ns_sparse *m) {
-    for (int c = 0; c < m->s->nc; c++) {
-        const int j = m->s->command[c].pair, closed = m->mode[j] == NS_INSIDE;
-        m->l[j] = closed ? -INFINITY : 0;
-        m->u[j] = closed ? INFINITY : 0;
-    }
-    for (int i = 0; i < m->twins; i++) {
-        const int j = m->twin[i].pair, idle = m->mode[m->twin[i].of] == NS_INSIDE;
-        m->l[j] = idle ? 0 : m->s->l[j];
-        m->u[j] = idle ? 0 : m->s->u[j];
-    }
-    ns_twins_rest(m->twin, m->twins, m->mode);
+    ns_twins_bound(m->s, m->twin, m->twins, m->mode, m->l, m->u);
 }
 
 void ns_guard_set(ns_sparse *m, int j, int upper) {

@@ -174,17 +174,7 @@ int ns_theta_start(ns_theta *s, const double *w0, const unsigned char *closed) {
 }
 
 void ns_theta_set_bounds(ns_theta *s) {
-    for (int c = 0; c < s->s->nc; c++) {
-        const int j = s->s->command[c].pair;
-        s->l[j] = s->mode[j] == NS_INSIDE ? -INFINITY : 0;
-        s->u[j] = s->mode[j] == NS_INSIDE ? INFINITY : 0;
-    }
-    for (int i = 0; i < s->twins; i++) {
-        const int j = s->twin[i].pair, idle = s->mode[s->twin[i].of] == NS_INSIDE;
-        s->l[j] = idle ? 0 : s->s->l[j];
-        s->u[j] = idle ? 0 : s->s->u[j];
-    }
-    ns_twins_rest(s->twin, s->twins, s->mode);
+    ns_twins_bound(s->s, s->twin, s->twins, s->mode, s->l, s->u);
 }
 
 int ns_theta_command(ns_theta *s, const unsigned char *closed) {

@@ -1,6 +1,7 @@
 /* src/engine/twins.c - pairs across a switch: found in the matrices. */
 #include "twins.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 /* +1 or -1 if column (or row) a is that times b, else 0; both count numbers, `step` apart. */
@@ -40,6 +41,20 @@ static int is_commanded(const ns_system *s, int j) {
         if (s->command[c].pair == j)
             return 1;
     return 0;
+}
+
+void ns_twins_bound(const ns_system *s, const ns_twin *twin, int count, ns_mode *mode, double *l, double *u) {
+    for (int c = 0; c < s->nc; c++) {
+        const int j = s->command[c].pair, closed = mode[j] == NS_INSIDE;
+        l[j] = closed ? -INFINITY : 0;
+        u[j] = closed ? INFINITY : 0;
+    }
+    for (int i = 0; i < count; i++) {
+        const int j = twin[i].pair, idle = mode[twin[i].of] == NS_INSIDE;
+        l[j] = idle ? 0 : s->l[j];
+        u[j] = idle ? 0 : s->u[j];
+    }
+    ns_twins_rest(twin, count, mode);
 }
 
 int ns_twins_find(const ns_system *s, ns_twin **out, int *count) {

@@ -14,6 +14,9 @@ typedef struct ns_twin {
 /* All of them, *count in *out (owned by the caller; NULL: none).  Errors: MEMORY. */
 int ns_twins_find(const ns_system *s, ns_twin **out, int *count);
 
+/* l, u (m) of commanded pairs and of twins as the mode has the switches; twins of closed ones rest. */
+void ns_twins_bound(const ns_system *s, const ns_twin *twin, int count, ns_mode *mode, double *l, double *u);
+
 /* The same mode (m), with twins of closed switches idle. */
 static inline void ns_twins_rest(const ns_twin *twin, int count, ns_mode *mode) {
     for (int i = 0; i < count; i++)
