@@ -122,6 +122,7 @@ static void seek(ns_flight *f) {
 /* From the accepted point of the stepper. */
 static int load(ns_flight *f) {
     f->t = f->m->live.t;
+    f->past_t = f->m->live.past_t;
     f->since = f->m->live.since;
     ns_theta_set_bounds(f->s); /* and twins rest */
     const int status = ns_flight_find(f, f->s->mode, &f->at);
@@ -173,7 +174,7 @@ static int deposit(ns_flight *f) {
     memcpy(s->w, f->X, sizeof(double) * (size_t)s->r);
     ns_control_set(f->m, f->to.x);
     f->m->live.t = f->t;
-    f->m->live.past_t = 0;
+    f->m->live.past_t = f->past_t;
     f->m->live.since = f->since;
     return NS_OK;
 }
@@ -181,6 +182,7 @@ static int deposit(ns_flight *f) {
 int ns_flight_settle(ns_flight *f) {
     ns_march *m = f->m;
     f->t = f->since = m->live.t;
+    f->past_t = m->live.past_t;
     f->to_t = -INFINITY; /* seek */
     f->grounded = -INFINITY;
     seek(f);

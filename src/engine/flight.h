@@ -86,6 +86,7 @@ struct ns_flight {
     /* where it is */
     ns_flight_mode *at;
     double t, since;                 /* since: the last discontinuity */
+    double past_t;                   /* what t lost in rounding: X is of t + past_t */
     double grounded;                 /* not before this time again, */
     double rest;                     /* which is this much after it was stuck */
     int broken;                      /* the guard that broke last, -1: not known, */
@@ -138,6 +139,8 @@ ns_level *ns_flight_reach(ns_flight *f, ns_flight_mode *k, int i);
 int ns_leg_rung(ns_flight *f, ns_level *level, int k, ns_leg **out);
 int ns_leg_sample(ns_flight *f, ns_level *level, ns_leg *leg);
 int ns_leg_recurring(ns_flight *f, ns_level *level, double h, ns_leg **out);
+/* By how much lengths from t on may differ that count as one. */
+double ns_leg_slack(const ns_flight *f, double h);
 void ns_leg_free(ns_leg *leg);
 /* X moves on by tau, unwatched.  Errors: MEMORY. */
 int ns_leg_advance(ns_flight *f, ns_level *level, double tau);

@@ -148,10 +148,14 @@ int ns_leg_rung(ns_flight *f, ns_level *level, int k, ns_leg **out) {
     return status;
 }
 
+double ns_leg_slack(const ns_flight *f, double h) {
+    return 4 * DBL_EPSILON * fabs(f->t) + 1e-15 * h;
+}
+
 /* The place of a length; *known: it was asked for before.  If not it takes the place of the one that was not
  * asked for for longest. */
 static ns_kept *place_of(ns_flight *f, ns_level *level, double h, int *known) {
-    const double slack = 4 * DBL_EPSILON * fabs(f->t) + 1e-15 * h;
+    const double slack = ns_leg_slack(f, h);
     ns_kept *oldest = level->kept;
     for (int i = 0; i < NS_KEPT; i++) {
         ns_kept *at = &level->kept[i];

@@ -322,7 +322,7 @@ int ns_guard_first(ns_sparse *m, ns_leg *leg) {
     leg->upper = f.pair >= 0 && is_upper(m, f.pair, f.k);
     if (f.at < 1) {
         leg->end *= f.at;
-        leg->end_t = leg->t + leg->end;
+        leg->end_t = ns_lower(leg->end_t, ns_higher(leg->t, leg->t + (leg->past_t + leg->end)));
     }
     return status;
 }

@@ -220,8 +220,12 @@ static int choose_length(ns_sparse *m, ns_leg *leg, double room) {
     }
 }
 
+double ns_leg_past(const ns_leg *leg) {
+    return leg->past_t + (leg->t - leg->end_t) + leg->end;
+}
+
 int ns_leg_begin(ns_sparse *m, ns_leg *leg, double t, double limit) {
-    const double room = limit - t;
+    const double room = limit - t - leg->past_t;
     leg->t = t;
     leg->why = NS_LEG_GOES_ON;
     leg->pair = leg->command = -1;
@@ -233,7 +237,7 @@ int ns_leg_begin(ns_sparse *m, ns_leg *leg, double t, double limit) {
         return status;
     const double h = length(m, leg->rung);
     leg->end = fmin(h, room);
-    leg->end_t = h < room * (1 - 1e-9) ? t + h : limit;
+    leg->end_t = h < room * (1 - 1e-9) ? t + (leg->past_t + h) : limit;
     if (leg->end_t == limit)
         leg->end = room;
     m->counts.steps++;

@@ -138,7 +138,7 @@ void ns_sparse_free(ns_sparse *m) {
 /* As far into the live leg as t is. */
 static void move_to(ns_sparse *m, double t) {
     const int whole = t >= m->live->end_t || m->live->euler;
-    m->live_tau = whole ? m->live->end : fmin(t - m->live->t, m->live->end);
+    m->live_tau = whole ? m->live->end : fmin(t - m->live->t - m->live->past_t, m->live->end);
     m->live_t = whole ? m->live->end_t : t;
 }
 
@@ -160,10 +160,10 @@ static int event_at(ns_sparse *m, double t) {
 
 static int euler_leg(ns_sparse *m, ns_leg *leg, double t, double limit, double h) {
     const size_t n = (size_t)m->f->n;
-    const double g = fmin(h, limit - t);
+    const double rest = limit - t - leg->past_t, g = fmin(h, rest);
     leg->t = t;
     leg->g = leg->end = g;
-    leg->end_t = g < limit - t ? t + g : limit;
+    leg->end_t = g < rest ? t + (leg->past_t + g) : limit;
     leg->why = NS_LEG_GOES_ON;
     leg->pair = leg->command = -1;
     leg->euler = 1;
@@ -185,6 +185,7 @@ int ns_sparse_next_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg
     const int stuck = before && before->why == NS_LEG_EVENT && !(before->end > tiny) ? before->stuck + 1 : 0;
     leg->rung = before ? before->next_rung : 0;
     leg->stuck = stuck;
+    leg->past_t = before ? ns_leg_past(before) : 0;
     ns_inputs_at(m->in, t);
     ns_inputs_look(m->in, t, m->o.h, m->mode);
     const double limit = fmax(fmin(m->in->corner, m->in->first), nextafter(t, INFINITY));
@@ -208,9 +209,8 @@ static void leave(ns_sparse *m, const ns_leg *leg) {
     ns_guard_bounds(m);
 }
 
-/* Where an event finds no mode in no time, an implicit Euler step that takes a while may: from m->w, m->mode.
- */
-static int capture(ns_sparse *m, double t, int rung, ns_leg *leg) {
+/* Where no mode is found in no time, an implicit Euler step that takes a while may: from m->w, m->mode. */
+static int capture(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg) {
     const size_t n = (size_t)m->f->n, pairs = (size_t)m->f->m;
     int status = NS_E_LIMIT;
     memcpy(m->next_w, m->w, sizeof(double) * n);
@@ -222,9 +222,10 @@ static int capture(ns_sparse *m, double t, int rung, ns_leg *leg) {
         memcpy(m->w, m->next_w, sizeof(double) * n);
         memcpy(m->mode, m->old_mode, pairs);
         ns_guard_bounds(m);
-        leg->rung = rung;
+        leg->rung = before->next_rung;
         leg->stuck = 0;
-        status = euler_leg(m, leg, t, limit, ldexp(m->o.h, -rung - less));
+        leg->past_t = ns_leg_past(before);
+        status = euler_leg(m, leg, t, limit, ldexp(m->o.h, -leg->rung - less));
     }
     if (status == NS_OK && leg->end_t == limit && event_at(m, limit))
         leg->why = NS_LEG_EVENT;
@@ -264,7 +265,7 @@ static int go_on(ns_sparse *m) {
         status = ns_sparse_next_leg(m, t, &before, to);
     }
     if (is_refusal(status))
-        status = capture(m, t, before.next_rung, to);
+        status = capture(m, t, &before, to);
     if (status != NS_OK)
         return status;
     m->live = to;
@@ -389,6 +390,7 @@ int ns_sparse_euler(ns_sparse *m, double h) {
     ns_leg_state(m, leg, m->kept_tau, m->w);
     memcpy(m->mode, leg->mode, (size_t)m->f->m);
     ns_inputs_at(m->in, t);
+    leg->past_t = 0;
     const int status = euler_leg(m, leg, t, end, h);
     if (status != NS_OK)
         return ns_sparse_fail(m, t, status);

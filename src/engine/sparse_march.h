@@ -28,6 +28,7 @@ typedef enum ns_leg_end { NS_LEG_GOES_ON, NS_LEG_EVENT } ns_leg_end;
 typedef struct ns_leg {
     double t, end_t;     /* it holds from t to end_t, */
     double end;          /* which is so much later */
+    double past_t;       /* what t lost in rounding: w is of t + past_t */
     double g;            /* Euler steps of its stages */
     int rung, next_rung; /* of its length; to try after it */
     int stages;          /* of xi that are known */
@@ -86,6 +87,9 @@ int ns_sparse_next_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg
  * stage; a leg from w, mode at t, no later than limit, with the first event in it; E2 and E1 at tau. */
 int ns_leg_begin(ns_sparse *m, ns_leg *leg, double t, double limit);
 int ns_leg_last_stage(ns_sparse *m, ns_leg *leg);
+/* past_t at the end of a leg: legs of one length round t off in the same way each time, which would add up.
+ */
+double ns_leg_past(const ns_leg *leg);
 void ns_leg_state(const ns_sparse *m, const ns_leg *leg, double tau, double *w);
 void ns_leg_point(const ns_sparse *m, const ns_leg *leg, double tau, double *v);
 

@@ -22,6 +22,8 @@ static int choose(ns_flight *f, ns_level *level, double rest, ns_leg **leg, doub
     *h = rest;
     if (rest < longest * 1.01 || k->rows == 0)
         status = ns_leg_recurring(f, level, rest, leg);
+    if (*leg)
+        *h = (*leg)->h;
     if (status != NS_OK || *leg || k->rows == 0 || rest <= k->h)
         return status;
     const double left = worth(k) - level->looked;
@@ -92,16 +94,25 @@ static int advance(ns_flight *f, double rest, double *done, int *broke) {
     return status;
 }
 
+/* X has moved on by `done`, of `rest` to t.  Steps of one length round t off in the same way each time, which
+ * would add up. */
+static void arrive(ns_flight *f, double t, double rest, double done) {
+    const double from = f->t;
+    f->t = done >= rest - ns_leg_slack(f, rest) ? t : ns_lower(t, from + (f->past_t + done));
+    f->past_t += (from - f->t) + done;
+}
+
 int ns_way_fly(ns_flight *f, double t, int *broke) {
     int status = NS_OK;
     *broke = 0;
     while (!*broke && f->t < t && status == NS_OK) {
-        const double rest = t - f->t;
+        const double rest = t - f->t - f->past_t;
         double done = 0;
         if (f->budget-- <= 0)
             return NS_E_LIMIT;
-        status = advance(f, rest, &done, broke);
-        f->t = done >= rest * (1 - 1e-15) ? t : f->t + done;
+        if (rest > 0)
+            status = advance(f, rest, &done, broke);
+        arrive(f, t, rest, done);
     }
     return status;
 }
