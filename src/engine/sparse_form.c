@@ -6,8 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The matrices of a system that has dense arrays. */
-static int take_dense(const ns_system *s, ns_large *a) {
+int ns_form_take_dense(const ns_system *s, ns_large *a) {
     int status;
     ns_entries gx = {0}, gz = {0};
     for (int c = 0; c < s->nc; c++) {
@@ -32,7 +31,7 @@ static int take_dense(const ns_system *s, ns_large *a) {
     return status;
 }
 
-static void let_go(ns_large *a) {
+void ns_form_let_go(ns_large *a) {
     enum { COUNT = 9 };
     ns_csc *const all[COUNT] = {&a->M, &a->A, &a->B, &a->C, &a->D, &a->E, &a->F, &a->gx, &a->gz};
     for (int i = 0; i < COUNT; i++)
@@ -231,10 +230,10 @@ int ns_form_create(const ns_system *s, int at_rest, ns_form **out) {
     if (status == NS_OK && at_rest)
         status = hold_nothing(f);
     if (status == NS_OK && !s->large)
-        status = take_dense(s, &own);
+        status = ns_form_take_dense(s, &own);
     if (status == NS_OK)
         status = fill(f, s, s->large ? s->large : &own, at_rest);
-    let_go(&own);
+    ns_form_let_go(&own);
     if (status != NS_OK) {
         ns_form_free(f);
         return status;

@@ -36,6 +36,10 @@ typedef struct ns_form {
     double *held;  /* n, or NULL: what x_i is held at in place of row i (a node's KCL), NAN: it is not */
 } ns_form;
 
+/* The matrices of a system that has dense arrays, and frees them.  Errors: MEMORY. */
+int ns_form_take_dense(const ns_system *s, ns_large *a);
+void ns_form_let_go(ns_large *a);
+
 /* at_rest: M counts as zero, rows are not combined, and unknowns may be held.  Errors: MEMORY, those of
  * ns_split(). */
 int ns_form_create(const ns_system *s, int at_rest, ns_form **out);

@@ -10,6 +10,17 @@
 #include "marcher.h"
 
 static const double control_tol = 1e-12; /* as in control.c */
+enum { MOST_PIECES = 64 };
+
+/* Marks inputs that more than commands of time depend on. */
+static void find_entering(ns_inputs *in) {
+    const ns_form *f = in->f;
+    for (int k = 0; k < f->nz; k++)
+        in->enters[k] = f->E.start[k + 1] > f->E.start[k] || f->F.start[k + 1] > f->F.start[k];
+    for (int c = 0; c < f->nc; c++)
+        for (int i = f->gz.start[c]; f->gx.start[c + 1] > f->gx.start[c] && i < f->gz.start[c + 1]; i++)
+            in->enters[f->gz.row[i]] = 1;
+}
 
 int ns_inputs_create(const ns_system *s, const ns_form *f, ns_inputs **out) {
     const size_t nz = (size_t)s->nz, nc = (size_t)s->nc;
@@ -20,15 +31,16 @@ int ns_inputs_create(const ns_system *s, const ns_form *f, ns_inputs **out) {
     in->s = s;
     in->f = f;
     in->wave = calloc(nz + 1, sizeof *in->wave);
-    in->review = calloc(2 * nc + 2 * nz + 1, sizeof(double));
+    in->review = calloc(2 * nc + nz + 1, sizeof(double));
     in->curved = calloc(nz + 1, sizeof(int));
-    if (!in->wave || !in->review || !in->curved) {
+    in->enters = calloc(nz + 1, 1);
+    if (!in->wave || !in->review || !in->curved || !in->enters) {
         ns_inputs_free(in);
         return NS_E_MEMORY;
     }
     in->instant = in->review + nc;
-    in->work = in->instant + nc;
-    in->most = in->work + nz;
+    in->most = in->instant + nc;
+    find_entering(in);
     ns_inputs_reset(in);
     *out = in;
     return NS_OK;
@@ -40,6 +52,7 @@ void ns_inputs_free(ns_inputs *in) {
     free(in->wave);
     free(in->review);
     free(in->curved);
+    free(in->enters);
     free(in);
 }
 
@@ -107,6 +120,8 @@ void ns_inputs_at(ns_inputs *in, double t) {
         ns_swing *w = &in->wave[k];
         if (!(w->from <= t && t < w->until) || (w->count > 0 && w->from != t))
             take(&in->s->z[k], t, w);
+        if (!in->enters[k])
+            continue;
         in->corner = fmin(in->corner, w->until);
         if (w->count > 0 || w->slope != 0)
             in->curved[in->ncurved++] = k;
@@ -179,31 +194,85 @@ double ns_inputs_excess(const ns_inputs *in, int c, int closed, const double *z,
     return (closed ? k->off - g : g - k->on) - tol * size;
 }
 
-static double excess_at(ns_inputs *in, int c, int closed, double t, double tol) {
-    const ns_csc *gz = &in->f->gz;
-    for (int i = gz->start[c]; i < gz->start[c + 1]; i++)
-        in->work[gz->row[i]] = ns_signal_value(&in->s->z[gz->row[i]], t, NS_LEFT);
-    return ns_inputs_excess(in, c, closed, in->work, tol);
+/* A command's control, less the threshold that would change it, where lines and constants in it have no
+ * corner: base + slope (t - from) and waves, counted with its sign. */
+typedef struct piece {
+    const ns_inputs *in;
+    int c;
+    double sign, from, base, slope, size;
+} piece;
+
+static int is_wave(const ns_signal *z) {
+    return z->kind == NS_SIN || z->kind == NS_EXP;
 }
 
-/* Where it crosses in (a, b]: by bisection to the last number before. */
-static double instant_of(ns_inputs *in, int c, int closed, double a, double b) {
-    for (int i = 0; i < 200; i++) {
-        const double mid = a + (b - a) / 2;
-        if (!(mid > a && mid < b))
+static double waves(const piece *p, double t) {
+    const ns_csc *gz = &p->in->f->gz;
+    double sum = 0;
+    for (int i = gz->start[p->c]; i < gz->start[p->c + 1]; i++)
+        if (is_wave(&p->in->s->z[gz->row[i]]))
+            sum += gz->value[i] * ns_signal_value(&p->in->s->z[gz->row[i]], t, NS_LEFT);
+    return sum;
+}
+
+/* From a to b; to b's right side if so. */
+static piece piece_of(const ns_inputs *in, int c, int closed, double a, double b) {
+    const ns_command *k = &in->s->command[c];
+    const ns_csc *gz = &in->f->gz;
+    const double at = k->g0 - (closed ? k->off : k->on);
+    piece p = {in, c, closed ? -1 : 1, a, at, 0, fabs(k->g0)};
+    for (int i = gz->start[c]; i < gz->start[c + 1]; i++) {
+        const ns_signal *z = &in->s->z[gz->row[i]];
+        const double last = gz->value[i] * ns_signal_value(z, b, NS_LEFT);
+        p.size += fabs(last);
+        if (is_wave(z))
+            continue;
+        const double first = gz->value[i] * ns_signal_value(z, a, NS_RIGHT);
+        p.base += first;
+        p.slope += (last - first) / (b - a);
+    }
+    return p;
+}
+
+/* Positive where it would change. */
+static double excess(const piece *p, double t) {
+    return p->sign * (p->base + p->slope * (t - p->from) + waves(p, t));
+}
+
+/* Where it crosses in (a, b], to rounding: by chords, no closer to an end than what counts. */
+static double instant_of(const piece *p, double a, double b) {
+    double at_a = excess(p, a), at_b = excess(p, b);
+    int side = 0;
+    for (int i = 0; i < 200 && at_a <= 0; i++) {
+        const double d = DBL_EPSILON * fmax(fabs(a), fabs(b));
+        if (b - a <= 2 * d)
             break;
-        *(excess_at(in, c, closed, mid, 0) > 0 ? &b : &a) = mid;
+        double mid = i % 8 == 7 ? a + (b - a) / 2 : a + (b - a) * at_a / (at_a - at_b);
+        mid = mid > a + d ? mid : a + d;
+        mid = mid < b - d ? mid : b - d;
+        const double at = excess(p, mid);
+        if (at > 0) {
+            b = mid;
+            at_b = at;
+            at_a *= side == 1 ? 0.5 : 1;
+            side = 1;
+        } else {
+            a = mid;
+            at_a = at;
+            at_b *= side == -1 ? 0.5 : 1;
+            side = -1;
+        }
     }
     return a;
 }
 
-/* How far its control is sure to cross at most once. */
+/* How far after t its control is sure to cross at most once. */
 static double reach(const ns_inputs *in, int c, double t, double horizon) {
     const ns_csc *gz = &in->f->gz;
     double until = INFINITY;
     for (int i = gz->start[c]; i < gz->start[c + 1]; i++) {
         const ns_signal *z = &in->s->z[gz->row[i]];
-        until = fmin(until, in->wave[gz->row[i]].until);
+        until = fmin(until, ns_signal_next_corner(z, t));
         if (z->kind == NS_SIN && z->u.sin.freq != 0 && z->u.sin.va != 0)
             until = fmin(until, ns_control_crest(z, t));
         else if (z->kind == NS_EXP)
@@ -212,18 +281,40 @@ static double reach(const ns_inputs *in, int c, double t, double horizon) {
     return until;
 }
 
+static int jumps(const ns_inputs *in, int c, double t) {
+    const ns_csc *gz = &in->f->gz;
+    for (int i = gz->start[c]; i < gz->start[c + 1]; i++) {
+        const ns_signal *z = &in->s->z[gz->row[i]];
+        if (ns_signal_value(z, t, NS_LEFT) != ns_signal_value(z, t, NS_RIGHT))
+            return 1;
+    }
+    return 0;
+}
+
+/* Its instant after t, piece by piece, up to a jump, or to where it is to be looked for again. */
+static void look(ns_inputs *in, int c, int closed, double t, double horizon) {
+    double from = t;
+    in->instant[c] = INFINITY;
+    for (int pieces = 0; pieces < MOST_PIECES; pieces++) {
+        const double until = in->review[c] = reach(in, c, from, horizon);
+        if (!isfinite(until))
+            return;
+        const piece p = piece_of(in, c, closed, from, until);
+        if (excess(&p, until) > control_tol * p.size)
+            in->instant[c] = instant_of(&p, from, until);
+        if (isfinite(in->instant[c]) || until > t + horizon || jumps(in, c, until))
+            return;
+        from = until;
+    }
+}
+
 void ns_inputs_look(ns_inputs *in, double t, double horizon, const ns_mode *mode) {
     in->first = INFINITY;
     for (int c = 0; c < in->s->nc; c++) {
         if (in->f->gx.start[c + 1] > in->f->gx.start[c] || in->f->gz.start[c + 1] == in->f->gz.start[c])
             continue;
-        if (!(t < in->review[c] && t < in->instant[c])) {
-            const int closed = mode[in->s->command[c].pair] == NS_INSIDE;
-            in->review[c] = reach(in, c, t, horizon);
-            in->instant[c] = INFINITY;
-            if (isfinite(in->review[c]) && excess_at(in, c, closed, in->review[c], control_tol) > 0)
-                in->instant[c] = instant_of(in, c, closed, t, in->review[c]);
-        }
+        if (!(t < in->review[c] && t < in->instant[c]))
+            look(in, c, mode[in->s->command[c].pair] == NS_INSIDE, t, horizon);
         in->first = fmin(in->first, fmin(in->review[c], in->instant[c]));
     }
 }

@@ -16,14 +16,14 @@ typedef struct ns_inputs {
     const ns_system *s;
     const ns_form *f;
     ns_swing *wave;  /* nz */
-    double corner;   /* the first after the last t */
+    double corner;   /* the first after the last t, of those that enter (P2) or controls of the state */
     double *review;  /* nc: up to when the instant is known; -INFINITY: not */
     double *instant; /* nc: when it changes, INFINITY: not before review */
     double first;    /* of instants and reviews */
-    int *curved;     /* those of the nz that have exponentials or slopes */
+    int *curved;     /* those that enter and have exponentials or slopes */
     int ncurved;
-    double *work; /* nz */
-    double *most; /* nz: how large it ever was */
+    unsigned char *enters; /* nz */
+    double *most;          /* nz: how large it ever was */
 } ns_inputs;
 
 int ns_inputs_create(const ns_system *s, const ns_form *f, ns_inputs **out); /* Errors: MEMORY */

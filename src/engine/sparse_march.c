@@ -73,8 +73,11 @@ static void set_units(ns_sparse *m) {
     }
 }
 
-static int make(ns_sparse *m) {
-    int status = ns_form_create(m->s, 0, &m->f);
+static int make(ns_sparse *m, const ns_system *s) {
+    int status = ns_aside_create(s, &m->aside);
+    m->s = status == NS_OK ? &m->aside->rest : s;
+    if (status == NS_OK)
+        status = ns_form_create(m->s, 0, &m->f);
     if (status == NS_OK)
         status = ns_modal_create(m->f, m->o.bytes, &m->q);
     if (status == NS_OK)
@@ -103,12 +106,11 @@ int ns_sparse_create(const ns_system *s, const ns_sparse_options *o, ns_sparse *
     ns_sparse *m = calloc(1, sizeof *m);
     if (!m)
         return NS_E_MEMORY;
-    m->s = s;
     m->o = *o;
     m->o.reltol = o->reltol > 0 ? o->reltol : 1e-9;
     m->o.bytes = o->bytes ? o->bytes : (size_t)64 << 20;
     m->fault.t = NAN;
-    status = make(m);
+    status = make(m, s);
     if (status != NS_OK) {
         ns_sparse_free(m);
         return status;
@@ -132,6 +134,7 @@ void ns_sparse_free(ns_sparse *m) {
     ns_inputs_free(m->in);
     ns_modal_free(m->q);
     ns_form_free(m->f);
+    ns_aside_free(m->aside);
     free(m);
 }
 
@@ -350,12 +353,12 @@ int ns_sparse_read(ns_sparse *m, double *t, double *x, double *lambda, double *y
     ns_leg_point(m, m->live, m->live_tau, m->v);
     if (t)
         *t = at;
+    for (int k = 0; k < m->f->nz; k++)
+        m->z[k] = ns_signal_value(&m->s->z[k], at, m->live_t > m->live->t ? NS_LEFT : NS_RIGHT);
     if (x)
-        memcpy(x, m->v, sizeof(double) * (size_t)m->f->n);
+        ns_aside_join(m->aside, m->v, m->z, x);
     if (lambda)
         memcpy(lambda, m->v + m->f->n, sizeof(double) * (size_t)m->f->m);
-    for (int k = 0; y && k < m->f->nz; k++)
-        m->z[k] = ns_signal_value(&m->s->z[k], at, m->live_t > m->live->t ? NS_LEFT : NS_RIGHT);
     for (int j = 0; y && j < m->f->m; j++)
         y[j] = m->live->mode[j] == NS_INSIDE ? 0 : ns_form_y(m->f, j, m->v, m->z, 1);
     return NS_OK;

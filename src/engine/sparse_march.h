@@ -8,6 +8,7 @@
 #define NS_SPARSE_MARCH_H
 
 #include "laguerre.h"
+#include "sparse_aside.h"
 #include "sparse_engine.h"
 #include "sparse_factors.h"
 #include "sparse_inputs.h"
@@ -44,7 +45,8 @@ typedef struct ns_leg {
 } ns_leg;
 
 struct ns_sparse {
-    const ns_system *s;
+    const ns_system *s; /* what stays of the whole */
+    ns_aside *aside;
     ns_sparse_options o;
     ns_form *f;
     ns_modal *q;

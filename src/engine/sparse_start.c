@@ -42,17 +42,19 @@ static int can_start_at(const ns_sparse *m, double t0) {
 }
 
 int ns_sparse_start(ns_sparse *m, double t0, const double *w0) {
-    if (!m || (!w0 && m->s->n > 0))
+    if (!m || (!w0 && m->aside->whole->n > 0))
         return NS_E_NULL;
     m->started = m->has_trial = 0;
     if (!can_start_at(m, t0))
         return ns_sparse_fail(m, t0, NS_E_NUMBER);
-    for (int i = 0; w0 && i < m->f->n; i++)
+    for (int i = 0; w0 && i < m->aside->whole->n; i++)
         if (!isfinite(w0[i]))
             return ns_sparse_fail(m, t0, NS_E_NUMBER);
     rest(m);
     for (int i = 0; w0 && i < m->f->n; i++)
-        m->w[i] = m->f->algebraic[i] ? 0 : ns_csc_dot(&m->f->Tt, i, w0);
+        m->next_w[i] = w0[m->aside->stays[i]];
+    for (int i = 0; i < m->f->n; i++)
+        m->w[i] = m->f->algebraic[i] ? 0 : ns_csc_dot(&m->f->Tt, i, m->next_w);
     return begin(m, t0);
 }
 
@@ -78,7 +80,8 @@ static int operating_point(ns_sparse *m, double t0, int nhold, const int *hold, 
     ns_modal *q = NULL;
     int status = ns_form_create(m->s, 1, &f);
     for (int k = 0; k < nhold && status == NS_OK; k++)
-        f->held[hold[k]] = hold_x[k];
+        if (m->aside->place[hold[k]] >= 0)
+            f->held[m->aside->place[hold[k]]] = hold_x[k];
     if (status == NS_OK)
         status = ns_modal_create(f, m->o.bytes, &q);
     if (status == NS_OK)
@@ -94,10 +97,10 @@ int ns_sparse_start_dc(ns_sparse *m, double t0, int nhold, const int *hold, cons
     m->started = m->has_trial = 0;
     if (!can_start_at(m, t0))
         return ns_sparse_fail(m, t0, NS_E_NUMBER);
-    if (nhold < 0 || nhold > m->s->n)
+    if (nhold < 0 || nhold > m->aside->whole->n)
         return ns_sparse_fail(m, t0, NS_E_SIZE);
     for (int k = 0; k < nhold; k++)
-        if (hold[k] < 0 || hold[k] >= m->s->n)
+        if (hold[k] < 0 || hold[k] >= m->aside->whole->n)
             return ns_sparse_fail(m, t0, NS_E_SIZE);
     rest(m);
     const int status = operating_point(m, t0, nhold, hold, hold_x);
@@ -105,7 +108,10 @@ int ns_sparse_start_dc(ns_sparse *m, double t0, int nhold, const int *hold, cons
         return ns_sparse_fail(m, t0, status);
     for (int i = 0; i < m->f->n; i++)
         m->w[i] = m->f->algebraic[i] ? 0 : ns_csc_dot(&m->f->Mt, i, m->v);
+    ns_system_inputs(m->s, t0, NS_RIGHT, m->z);
     if (x)
-        memcpy(x, m->v, sizeof(double) * (size_t)m->f->n);
+        ns_aside_join(m->aside, m->v, m->z, x);
+    for (int k = 0; x && k < nhold; k++)
+        x[hold[k]] = hold_x[k];
     return begin(m, t0);
 }
