@@ -190,10 +190,43 @@ static int take_right_side(native *b) {
     return same;
 }
 
+/* Where an input only turns, currents that are its rate jump (a capacitor straight across a source): flight
+ * has an event there, others go on.  1 if so: the right side is tried. */
+static int turns_here(native *b, double t) {
+    static const double seen = 1e-4; /* far above what a steep waveform does meanwhile */
+    const engine *e = &b->engine;
+    if (try_to(b, b->t + shown_after(b, t), NS_TO_TIME) || native_read(b, NULL)) {
+        return 0;
+    }
+    for (size_t k = 0; k < e->count; k++) {
+        if (fabs(e->x[k] - e->before[k]) > seen * e->most[k]) {
+            return 1;
+        }
+    }
+    exchange(&b->engine);
+    if (ns_march_engine(e->march) == NS_SPARSE) { /* goes on in the leg that begins here */
+        const double here = b->t;
+        accept_trial(b);
+        b->t = here;
+    }
+    b->tried = 0;
+    return 0;
+}
+
+/* 1 if the accepted point is a corner of an input that was no event. */
+static int at_mere_corner(const native *b) {
+    return points_at_events(b->ckt, &b->plan) && same_time(b->t, b->plan.next) &&
+           ns_march_engine(b->engine.march) != NS_FLIGHT && !ns_march_at_event(b->engine.march);
+}
+
 /* An event that is as good as here (ngspice cannot step there) is accepted, and the way after it tried. */
 static int try_next(native *b, int first) {
     CKTcircuit *ckt = b->ckt;
+    const int corner = !first && at_mere_corner(b);
     int error = OK;
+    if (corner && (turns_here(b, next_point(b, first)) || b->failed)) {
+        return b->failed;
+    }
     for (int near = 0; near < EVENTS_NEAR && !error && points_at_events(ckt, &b->plan); near++) {
         error = try_to(b, next_point(b, first), NS_TO_EVENT);
         if (error) {
