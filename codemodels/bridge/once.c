@@ -4,7 +4,11 @@
  * the mode says MODETRANOP and MODEUIC (its way to skip the operating point) it loads once and returns, and
  * what CKTrhsOld holds then is the solution.  So between a point that is shown and the next load the mode
  * says that; the load, ours as the last, takes it back and leaves the solution there.  What the loads of C
- * and L do for a solution in any other mode, the states behind @c1[i] and @l1[flux], is done here. */
+ * and L do for a solution in any other mode, the states behind @c1[i] and @l1[flux], is done here.
+ *
+ * The run may be stopped in between, and C shows no current in that mode.  Nothing tells of a stop; but
+ * whoever asks for a device by its name, or alters one, looks it up in ngspice's table of names.  The table's
+ * comparison of keys is ours meanwhile, which takes the mode back. */
 #include "once.h"
 
 #include <string.h>
@@ -14,14 +18,38 @@
 
 static const long skip = MODETRANOP | MODEUIC | MODEINITFLOAT; /* without MODETRAN C and L do not integrate */
 
+static native *armed; /* whose next point is to be loaded once, NULL: nobody's */
+
+/* Keys are pointers: 0 for equal ones. */
+static int compare_keys(const void *key, const void *wanted) {
+    if (armed) {
+        once_forget(armed);
+    }
+    return key != wanted;
+}
+
+/* 1 if look-ups of devices are seen. */
+static int watch_names(const CKTcircuit *ckt) {
+    NGHASHPTR names = ckt->DEVnameHash;
+    if (names->compare_func == NGHASH_DEF_CMP(NGHASH_FUNC_PTR)) {
+        names->compare_func = compare_keys;
+    }
+    return names->compare_func == compare_keys;
+}
+
 void once_arm(native *b) {
     CKTcircuit *ckt = b->ckt;
     /* at t = 0 the first load makes the matrix ready, and the states */
-    if (!b->engine.march || !b->tried || b->failed || b->engine.ex.restless || !(ckt->CKTtime > 0.0)) {
+    if (!b->engine.march || !b->tried || b->failed || b->engine.ex.restless || !(ckt->CKTtime > 0.0) ||
+        !watch_names(ckt)) {
         return;
+    }
+    if (armed) { /* another circuit, stopped */
+        once_forget(armed);
     }
     b->once.mode = ckt->CKTmode;
     b->once.armed = 1;
+    armed = b;
     ckt->CKTmode = skip;
 }
 
@@ -82,6 +110,7 @@ void once_end(native *b) {
 void once_forget(native *b) {
     if (b->once.armed) {
         b->ckt->CKTmode = b->once.mode;
+        armed = NULL;
     }
     b->once.armed = 0;
 }
