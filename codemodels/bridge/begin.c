@@ -98,8 +98,8 @@ static int refuse(native *b) {
 static void announce(native *b) {
     const engine *e = &b->engine;
     if (!b->announced) {
-        report_note("native way: %d unknown%s, %d ideal device%s", e->system->n, e->system->n == 1 ? "" : "s",
-                    e->ex.ndevices, e->ex.ndevices == 1 ? "" : "s");
+        report_note("takes this circuit: %d unknown%s, %d ideal device%s", e->system->n,
+                    e->system->n == 1 ? "" : "s", e->ex.ndevices, e->ex.ndevices == 1 ? "" : "s");
     }
     b->announced = 1;
     if (e->ex.options.reltol > 0.0 && e->ex.options.method == NS_THETA && !b->no_reltol) {

@@ -36,7 +36,7 @@ typedef struct native {
     double *value; /* by equation number: the solution to be forced */
     int *held;     /* nodes whose .ic or .nodeset flags are hidden from ngspice, as they were */
     int hidden;    /* flags are hidden */
-    int announced; /* the native way was said */
+    int announced; /* that we take the circuit was said */
     int no_reltol; /* that reltol has no effect was said */
     int checked;   /* the running ngspice was looked at */
     int fresh;     /* started, and the start not yet accepted */

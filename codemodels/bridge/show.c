@@ -1,6 +1,7 @@
 /* bridge/show.c - what a user sees of a point: node voltages, branch currents, @ad1[i], the summary. */
 #include "show.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "report.h"
@@ -32,7 +33,11 @@ void show_devices(engine *e) {
 
 void show_summary(const engine *e, double cpu) {
     const ns_counts *c = ns_march_counts(e->march);
-    report_note("%s: %ld steps, %ld events, %ld modes, %ld pivots, %ld factors, %ld maps, %.3g ms",
-                options_method(ns_march_engine(e->march)), c->steps, c->events, c->modes, c->pivots,
-                c->factors, c->maps, 1e3 * cpu);
+    char modes[40] = ""; /* flight counts them, nobody else does */
+    if (c->modes > 0) {
+        snprintf(modes, sizeof modes, " %ld modes,", c->modes);
+    }
+    report_note("%s: %ld steps, %ld events,%s %ld pivots, %ld factors, %ld maps, %.3g ms",
+                options_method(ns_march_engine(e->march)), c->steps, c->events, modes, c->pivots, c->factors,
+                c->maps, 1e3 * cpu);
 }

@@ -141,7 +141,8 @@ static void put_cause(writer *w, const ns_circuit *c, const ns_fault *f) {
     written = put_unknowns(w, c, f, written, 1);
     put(w, "%s%s)", written ? ": " : "",
         f->status == NS_E_INFEASIBLE
-            ? "contradicts the sources; a loop without resistance, or a current without a way?"
+            ? "contradicts the sources, or an .ic; a loop without resistance, or a current with nowhere to "
+              "go?"
             : "not determined; a node without a path to ground, or a loop without resistance?");
 }
 

@@ -94,7 +94,7 @@ static void faults_have_names(void **state) {
     assert_line(
         c, &f,
         "d1, s1: at t = 0.00125 s: no solution exists (ideal diode d1, ideal switch s1: contradicts the "
-        "sources; a loop without resistance, or a current without a way?)");
+        "sources, or an .ic; a loop without resistance, or a current with nowhere to go?)");
     f = (ns_fault){.status = NS_E_SINGULAR, .t = NAN, .nunknowns = 4, .unknown = {1, 2, 3, 4}};
     assert_line(c, &f,
                 "node out, node 3, l1, v1: the equations do not determine the answer (voltage of node out, "
