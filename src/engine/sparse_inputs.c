@@ -8,9 +8,10 @@
 
 #include "laguerre.h"
 #include "marcher.h"
+#include "timed.h"
 
-static const double control_tol = 1e-12; /* as in control.c */
-enum { MOST_PIECES = 64 };
+static const double control_tol = NS_CONTROL_TOL;
+enum { MOST_PIECES = 64, MOST_STEPS = 64 };
 
 /* Marks inputs that more than commands of time depend on. */
 static void find_entering(ns_inputs *in) {
@@ -266,7 +267,70 @@ static double instant_of(const piece *p, double a, double b) {
     return a;
 }
 
-/* How far after t its control is sure to cross at most once. */
+/* The rate of an exponential factor * exp(-a (t - from)), and a bound of how that changes from t to b. */
+static void add_decay(double factor, double a, double t, double b, double from, double *rate, double *bend) {
+    const double now = exp(-a * (t - from));
+    *rate -= factor * a * now;
+    *bend += fabs(factor) * a * a * (a < 0 ? exp(-a * (b - from)) : now);
+}
+
+/* The same of a wave that has no corner before b. */
+static void add_wave(const ns_signal *z, double factor, double t, double b, double *rate, double *bend) {
+    if (z->kind == NS_EXP) {
+        const double v = factor * (z->u.exp.v2 - z->u.exp.v1);
+        if (b > z->u.exp.td1)
+            add_decay(-v, 1 / z->u.exp.tau1, t, b, z->u.exp.td1, rate, bend);
+        if (b > z->u.exp.td2)
+            add_decay(v, 1 / z->u.exp.tau2, t, b, z->u.exp.td2, rate, bend);
+    } else if (z->kind == NS_SIN && b > z->u.sin.td) {
+        const double w = 6.28318530717958647693 * z->u.sin.freq, theta = z->u.sin.theta;
+        const double since = t - z->u.sin.td, va = factor * z->u.sin.va;
+        const double angle = w * since + z->u.sin.phase * (6.28318530717958647693 / 360);
+        const double now = theta != 0 ? exp(-theta * since) : 1;
+        const double most = theta < 0 ? exp(-theta * (b - z->u.sin.td)) : now;
+        *rate += va * now * (w * cos(angle) - theta * sin(angle));
+        *bend += fabs(va) * most * (w * w + theta * theta);
+    }
+}
+
+/* Whether it may turn round between two crests of its sine: a wave with anything else that moves. */
+static int may_turn(const piece *p) {
+    const ns_csc *gz = &p->in->f->gz;
+    int moves = p->slope != 0;
+    int bent = 0;
+    for (int i = gz->start[p->c]; i < gz->start[p->c + 1]; i++) {
+        const ns_signal *z = &p->in->s->z[gz->row[i]];
+        moves += is_wave(z) + (z->kind == NS_EXP || (z->kind == NS_SIN && z->u.sin.theta != 0));
+        bent += is_wave(z);
+    }
+    return bent && moves > 1;
+}
+
+/* Where it crosses in (a, b]: by steps that no crossing can be inside of (timed_search.c); INFINITY: nowhere
+ * up to *b, which is less if they were too many. */
+static double crossing(const piece *p, double a, double *b) {
+    const ns_csc *gz = &p->in->f->gz;
+    double at = a, before = a;
+    for (int k = 0; k < MOST_STEPS; k++) {
+        const double over = excess(p, at), beyond = over - control_tol * p->size;
+        double rate = p->sign * p->slope, bend = 0;
+        for (int i = gz->start[p->c]; i < gz->start[p->c + 1]; i++)
+            add_wave(&p->in->s->z[gz->row[i]], p->sign * gz->value[i], at, *b, &rate, &bend);
+        const int leaves = k == 0 && rate < 0; /* it has just changed: what is left is rounding */
+        const int there = beyond >= -4 * DBL_EPSILON * p->size && !leaves;
+        const double tau = there ? 0 : ns_timed_step(fmin(0, beyond), rate, bend);
+        if (tau <= DBL_EPSILON * fabs(at))
+            return over > 0 ? instant_of(p, before, at) : at;
+        if (at + tau >= *b)
+            return INFINITY;
+        before = over <= 0 ? at : before;
+        at += tau;
+    }
+    *b = at;
+    return INFINITY;
+}
+
+/* How far after t its control is sure to cross at most once, if it is but one line or sine. */
 static double reach(const ns_inputs *in, int c, double t, double horizon) {
     const ns_csc *gz = &in->f->gz;
     double until = INFINITY;
@@ -296,12 +360,15 @@ static void look(ns_inputs *in, int c, int closed, double t, double horizon) {
     double from = t;
     in->instant[c] = INFINITY;
     for (int pieces = 0; pieces < MOST_PIECES; pieces++) {
-        const double until = in->review[c] = reach(in, c, from, horizon);
+        double until = in->review[c] = reach(in, c, from, horizon);
         if (!isfinite(until))
             return;
         const piece p = piece_of(in, c, closed, from, until);
-        if (excess(&p, until) > control_tol * p.size)
+        if (may_turn(&p))
+            in->instant[c] = crossing(&p, from, &until);
+        else if (excess(&p, until) > control_tol * p.size)
             in->instant[c] = instant_of(&p, from, until);
+        in->review[c] = until;
         if (isfinite(in->instant[c]) || until > t + horizon || jumps(in, c, until))
             return;
         from = until;

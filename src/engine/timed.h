@@ -70,6 +70,10 @@ void ns_timed_on(ns_timed *c);
 /* timed_search.c: g at t >= c->t, on the pieces that hold at c->t; the curvature up to a later time. */
 ns_timed_value ns_timed_at(const ns_timed *c, double t, double later);
 
+/* timed_search.c: the smallest tau with  f + rate tau + bend tau^2 / 2 = 0, f <= 0; INFINITY: there is none.
+ */
+double ns_timed_step(double f, double rate, double bend);
+
 /* timed_search.c: the next flip where there is no table.  c->t is where to go on from, the runs' pieces hold
  * there.
  */

@@ -73,8 +73,7 @@ static void cross_line(ns_timed *c, double stop) {
         found(c, fmin(stop, c->t + fmax(0, -left) / rate), NS_CONTROL_TOL * b.size / rate);
 }
 
-/* The smallest tau with  f + rate tau + bend tau^2 / 2 = 0, f < 0; INFINITY if there is none. */
-static double safe_step(double f, double rate, double bend) {
+double ns_timed_step(double f, double rate, double bend) {
     const double root = sqrt(rate * rate - 2 * bend * f);
     if (rate > 0)
         return -2 * f / (rate + root);
@@ -113,7 +112,7 @@ static void cross_curve(ns_timed *c, double stop) {
         const double excess = ns_timed_excess(c, v.g, c->closed) - NS_CONTROL_TOL * v.size;
         const int leaves = k == 0 && rate < 0 && just_flipped(c, rate);
         const int beyond = excess >= -4 * DBL_EPSILON * v.size && !leaves;
-        const double tau = beyond ? 0 : safe_step(fmin(0, excess), rate, v.bend);
+        const double tau = beyond ? 0 : ns_timed_step(fmin(0, excess), rate, v.bend);
         if (beyond || tau <= DBL_EPSILON * fabs(t)) {
             cross_back(c, t, v);
             return;
