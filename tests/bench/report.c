@@ -142,8 +142,9 @@ static double lead_over(const row *rival, int count, const row *rows) {
     return ours ? row_time(rival) / row_time(ours) : 0;
 }
 
-/* At the other's error or less; where ours does not get there, its most accurate run. */
-static void look_through_ngspice(int count, const row *rows, duel *d) {
+/* At the other's error or less; where ours does not get there, its most accurate run.  Ours has no smaller
+ * error than the reference. */
+static void look_through_ngspice(int count, const row *rows, double right_error, duel *d) {
     const row *rival = fastest(count, rows, ROW_RIVAL, 1e-2);
     if (!rival)
         rival = most_accurate(count, rows, ROW_RIVAL);
@@ -158,7 +159,7 @@ static void look_through_ngspice(int count, const row *rows, duel *d) {
     if (ours && rival) {
         d->cpu_ratio = row_other(rival) / row_other(ours);
         d->run_ratio = row_time(rival) / row_time(ours);
-        d->error_ratio = rival->error / fmax(ours->error, 1e-14);
+        d->error_ratio = rival->error / fmax(ours->error, fmax(right_error, 1e-14));
     }
     if (ours)
         d->our_row = *ours;
@@ -186,7 +187,7 @@ void report_duel(const bench_case *c, int count, const row *rows, duel *d) {
     }
     d->best_error = best ? best->error : NAN;
     d->best_time = best ? row_time(best) : NAN;
-    look_through_ngspice(count, rows, d);
+    look_through_ngspice(count, rows, c->right_error, d);
 }
 
 /* The geometric mean over `of` cases; NAN: none. */
