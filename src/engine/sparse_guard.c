@@ -13,6 +13,8 @@
 
 /* What a guard may be below zero by, relative to the terms it is summed from, and of a control. */
 static const double rounding = 64 * DBL_EPSILON, control_rounding = 1e-12;
+/* What the last of few stages may be of the error allowed; and what a crossing may be off by of the state. */
+static const double few_share = 0.3, instant_share = 0.1;
 
 void ns_guard_bounds(ns_sparse *m) {
     ns_twins_bound(m->s, m->twin, m->twins, m->mode, m->l, m->u);
@@ -221,18 +223,19 @@ int ns_guard_commands(ns_sparse *m, const double *v, const ns_leg *leg, unsigned
 /* 1 if a bound by the coefficients of guard k of pair j tells that it holds, but for what it may be below
  * zero by. */
 static int surely_holds(const ns_sparse *m, const ns_leg *leg, int j, int k) {
-    const size_t size = (size_t)m->f->size, nz = (size_t)m->f->nz;
+    const size_t size = (size_t)m->f->size, nz = (size_t)m->f->nz,
+                 stages = leg->stages < NS_ORDER ? (size_t)leg->stages : NS_ORDER;
     double least;
     if (m->mode[j] == NS_INSIDE) {
         const double *lambda = leg->xi + m->f->n + j, little = -m->o.reltol * m->most_lambda;
         least = is_upper(m, j, k) ? m->u[j] - lambda[0] : lambda[0] - m->l[j];
-        for (size_t i = 1; i < NS_ORDER && least > little; i++)
+        for (size_t i = 1; i < stages && least > little; i++)
             least -= ns_laguerre_most[i] * fabs(lambda[i * size]);
         return least > little;
     }
     const double little = ns_slides(m->mode[j]) ? 0 : -m->o.reltol * m->most_y;
     least = guard(m, j, k, leg->xi, leg->z, 1);
-    for (size_t i = 1; i < NS_ORDER && least > little; i++)
+    for (size_t i = 1; i < stages && least > little; i++)
         least -= ns_laguerre_most[i] * fabs(guard(m, j, k, leg->xi + i * size, leg->z + i * nz, 0));
     return least > little;
 }
@@ -276,36 +279,71 @@ static double breaks(const ns_sparse *m, const ns_leg *leg, int terms, const fou
                                                      : control_noise(m, f->command, leg->xi, leg->z)));
 }
 
-/* Looks for one guard's crossing before the first found so far: roughly, then with the last stage, as exact
- * as the step. */
+/* By how much of the leg the crossing is off as later stages are missing. */
+static double off_by(const ns_sparse *m, const ns_leg *leg, const found *f, const ns_curve *c) {
+    double G[NS_STAGES];
+    coefficients(m, leg, leg->stages, f->pair, f->k, f->command, G);
+    return cut_off(G, leg->stages) / fabs(ns_curve_slope(c, f->at));
+}
+
+/* How the state moves in the leg, beside its scales. */
+static double moves(const ns_sparse *m, const ns_leg *leg) {
+    double most = 0;
+    for (int i = 0; i < m->f->n; i++)
+        if (fabs(leg->dw[m->f->n + i]) > most * m->scale[i])
+            most = fabs(leg->dw[m->f->n + i]) / m->scale[i];
+    return most * leg->end / leg->g;
+}
+
+/* Looks for one guard's crossing before the first found so far: roughly, then with so many stages more that
+ * it is as exact as the step. */
 static int look(ns_sparse *m, ns_leg *leg, found next, found *f) {
     ns_curve c;
     if (next.pair >= 0 && surely_holds(m, leg, next.pair, next.k))
         return NS_OK;
-    if (!(breaks(m, leg, NS_ORDER, &next, f->at, &c) < f->at))
+    if (!(breaks(m, leg, leg->stages < NS_ORDER ? leg->stages : NS_ORDER, &next, f->at, &c) < f->at))
         return NS_OK;
-    const int status = ns_leg_last_stage(m, leg);
-    if (status != NS_OK)
-        return status;
-    next.at = breaks(m, leg, NS_STAGES, &next, 1, &c);
-    if (next.at > 0)
-        next.at = ns_curve_root(&c, next.at);
+    do {
+        const int status = ns_leg_more(m, leg);
+        if (status != NS_OK)
+            return status;
+        next.at = breaks(m, leg, leg->stages, &next, 1, &c);
+        if (next.at > 0)
+            next.at = ns_curve_root(&c, next.at);
+    } while (leg->stages < NS_STAGES &&
+             !(off_by(m, leg, &next, &c) * moves(m, leg) <= instant_share * m->o.reltol));
     if (next.at < f->at)
         *f = next;
     return NS_OK;
 }
 
-static void take_sizes(ns_sparse *m, const double *v) {
+void ns_guard_sizes(ns_sparse *m, const double *v) {
     for (int j = 0; j < m->f->m; j++) {
         m->most_lambda = ns_higher(fabs(v[m->f->n + j]), m->most_lambda);
         m->most_y = ns_higher(fabs(ns_csc_dot(&m->f->Ct, j, v)), m->most_y);
     }
 }
 
+int ns_guard_enough(const ns_sparse *m, const ns_leg *leg, int p) {
+    const size_t last = (size_t)p - 1;
+    const double *v = leg->xi + last * (size_t)m->f->size, *z = leg->z + last * (size_t)m->f->nz,
+                 little = few_share * m->o.reltol;
+    for (int j = 0; j < m->f->m; j++)
+        if (guards_of(m, j) > 0 &&
+            (m->mode[j] == NS_INSIDE ? !(fabs(v[m->f->n + j]) <= little * m->most_lambda)
+                                     : !(fabs(ns_form_y(m->f, j, v, z, 0)) <= little * m->most_y)))
+            return 0;
+    for (int c = 0; c < m->s->nc; c++)
+        if (of_state(m, c) && !(fabs(margin(m, c, v, z, 0)) <=
+                                little * (ns_csc_size(&m->f->gx, c, leg->xi) +
+                                          ns_csc_size(&m->f->gz, c, leg->z) + fabs(m->s->command[c].g0))))
+            return 0;
+    return 1;
+}
+
 int ns_guard_first(ns_sparse *m, ns_leg *leg) {
     found f = {INFINITY, -1, 0, -1};
     int status = NS_OK;
-    take_sizes(m, leg->xi);
     for (int j = 0; j < m->f->m; j++) {
         const int guards = guards_of(m, j);
         for (int k = 0; k < guards && status == NS_OK; k++)

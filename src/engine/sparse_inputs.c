@@ -146,7 +146,7 @@ static double decayed(const ns_swing *w, int e, double g, int i) {
     return c[0];
 }
 
-double ns_inputs_error(const ns_inputs *in, double g) {
+double ns_inputs_error(const ns_inputs *in, double g, int order) {
     double worst = 0;
     for (int k = 0; k < in->ncurved; k++) {
         const ns_swing *w = &in->wave[in->curved[k]];
@@ -154,7 +154,7 @@ double ns_inputs_error(const ns_inputs *in, double g) {
             const double re = g * w->s[e][0], im = g * w->s[e][1];
             const double d2 = (re * re + im * im) / ((1 - re) * (1 - re) + im * im);
             const double of = hypot(w->c[e][0], w->c[e][1]) / in->most[in->curved[k]];
-            worst = fmax(worst, of * pow(d2, 0.5 * (NS_ORDER + 1)));
+            worst = fmax(worst, of * pow(d2, 0.5 * (order + 1)));
         }
     }
     return worst;

@@ -39,8 +39,9 @@ void ns_inputs_at(ns_inputs *in, double t);
  * Euler step.  Returns 0 if all are zero. */
 int ns_inputs_stage(const ns_inputs *in, double t, double g, int i, double *z);
 
-/* The error of inputs over legs with Euler steps g, relative to the largest each ever was. */
-double ns_inputs_error(const ns_inputs *in, double g);
+/* D^(order+1) of inputs in Euler steps g, relative to the largest each ever was: what is left out is of that
+ * size. */
+double ns_inputs_error(const ns_inputs *in, double g, int order);
 
 /* By how much time-only command c is beyond its threshold at inputs z, less a share tol of its terms. */
 double ns_inputs_excess(const ns_inputs *in, int c, int closed, const double *z, double tol);

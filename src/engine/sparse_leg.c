@@ -9,13 +9,15 @@
 static const double least_share = 1e-3;
 /* Of D^8 w this or less is left by one more Euler step where w contradicts the algebraic equations. */
 static const double wiped_out = 1e-2;
+/* Where stages left out would add no more than this share of the error allowed, they are. */
+static const double stages_share = 0.1;
 /* Inputs are allowed this share of the error. */
 static const double inputs_share = 0.1;
 /* The largest |b_9| in a step; longer steps are taken where they promise this share of the error allowed. */
 #define ERROR 1.3
 #define GROWTH 0.3
 /* How many times as long, in powers of two, the next leg may be. */
-enum { MOST_DOUBLINGS = 4 };
+enum { MOST_DOUBLINGS = 4, FEWEST = 2 };
 
 /* What the state has to add to the control of a pair that slides, but for inputs. */
 static double threshold(const ns_sparse *m, int j) {
@@ -93,30 +95,6 @@ static int stage(ns_sparse *m, ns_leg *leg, const ns_kept *k, int i) {
                         w + n);
 }
 
-static int all_stages(ns_sparse *m, ns_leg *leg) {
-    const ns_kept *k;
-    int status = ns_modal_factor(m->q, leg->g, m->mode, 0, &k);
-    for (int i = 0; i < NS_ORDER && status == NS_OK; i++)
-        status = stage(m, leg, k, i);
-    leg->stages = NS_ORDER;
-    return status;
-}
-
-int ns_leg_last_stage(ns_sparse *m, ns_leg *leg) {
-    const ns_kept *k;
-    if (leg->stages == NS_STAGES || leg->euler)
-        return NS_OK;
-    memcpy(m->mode, leg->mode, (size_t)m->f->m);
-    ns_guard_bounds(m);
-    ns_inputs_at(m->in, leg->t);
-    int status = ns_modal_factor(m->q, leg->g, m->mode, 0, &k);
-    if (status == NS_OK)
-        status = stage(m, leg, k, NS_ORDER);
-    if (status == NS_OK)
-        leg->stages = NS_STAGES;
-    return status;
-}
-
 /* Takes account of w and of how it moves in the scales; the largest square root of an energy, or some such.
  */
 static double take_scales(ns_sparse *m, const ns_leg *leg) {
@@ -130,6 +108,61 @@ static double take_scales(ns_sparse *m, const ns_leg *leg) {
     return most;
 }
 
+/* D^p w, the last there is, of row i in its scale; 0: nothing is ever there. */
+static double scale_of(const ns_sparse *m, size_t i, double most) {
+    return m->f->algebraic[i] ? 0 : fmax(m->scale[i], least_share * most * m->unit[i]);
+}
+
+/* 1 if what stages p, p+1, ... would add before share of the step is well below the error allowed, for the
+ * state, inputs and guards: some stiff part is not there, or later stages would show it as large. */
+static int enough(const ns_sparse *m, const ns_leg *leg, int p, double share, double most) {
+    const size_t n = (size_t)m->f->n;
+    const double *d = leg->dw + (size_t)p * n, allowed = stages_share * m->o.reltol / (ERROR * share);
+    for (size_t i = 0; i < n; i++)
+        if (!m->f->algebraic[i] && !(fabs(d[i]) <= allowed * scale_of(m, i, most)))
+            return 0;
+    return ns_inputs_error(m->in, leg->g, p) <= inputs_share * allowed && ns_guard_enough(m, leg, p);
+}
+
+/* As many as it takes, until room: at most NS_ORDER. */
+static int all_stages(ns_sparse *m, ns_leg *leg, double room) {
+    const ns_kept *k;
+    const double share = fmin(1, room / leg->g / ERROR);
+    double most = 0;
+    int status = ns_modal_factor(m->q, leg->g, m->mode, 0, &k), i = 0;
+    while (i < NS_ORDER && status == NS_OK) {
+        status = stage(m, leg, k, i);
+        if (i++ == 0 && status == NS_OK) {
+            most = take_scales(m, leg);
+            ns_guard_sizes(m, leg->xi);
+        }
+        if (i >= FEWEST && i < NS_ORDER && status == NS_OK && enough(m, leg, i, share, most))
+            break;
+    }
+    leg->stages = i;
+    return status;
+}
+
+int ns_leg_more(ns_sparse *m, ns_leg *leg) {
+    const ns_kept *k;
+    if (leg->stages == NS_STAGES || leg->euler)
+        return NS_OK;
+    memcpy(m->mode, leg->mode, (size_t)m->f->m);
+    ns_guard_bounds(m);
+    ns_inputs_at(m->in, leg->t);
+    int status = ns_modal_factor(m->q, leg->g, m->mode, 0, &k);
+    if (status == NS_OK)
+        status = stage(m, leg, k, leg->stages);
+    if (status == NS_E_SINGULAR && leg->stages < NS_ORDER) { /* what little is left contradicts itself */
+        memset(leg->xi + (size_t)leg->stages * (size_t)m->f->size, 0, sizeof(double) * (size_t)m->f->size);
+        memset(leg->dw + (size_t)(leg->stages + 1) * (size_t)m->f->n, 0, sizeof(double) * (size_t)m->f->n);
+        status = NS_OK;
+    }
+    if (status == NS_OK)
+        leg->stages++;
+    return status;
+}
+
 /* What is rounding in D^8 w of row i: each stage leaves some of w's. */
 static double noise_of(const ns_sparse *m, const ns_leg *leg, size_t i) {
     return 16 * DBL_EPSILON *
@@ -141,14 +174,14 @@ static double noise_of(const ns_sparse *m, const ns_leg *leg, size_t i) {
  * two before, not quite as small as they promise.  *ratio: how much of D^7 w is left in D^8 w, at most 1.
  * Where w contradicts the algebraic equations (D = -1) the step wipes that out, however long it is: not
  * counted, but *jump is how much more there would be. */
-static double error_of(ns_sparse *m, const ns_leg *leg, double *ratio, double *jump) {
+static double error_of(const ns_sparse *m, const ns_leg *leg, double *ratio, double *jump) {
     const size_t n = (size_t)m->f->n;
-    const double *d8 = leg->dw + NS_ORDER * n, *d7 = d8 - n, most = take_scales(m, leg);
+    const double *d8 = leg->dw + (size_t)leg->stages * n, *d7 = d8 - n, most = ns_fine_size(m);
     const double little = m->o.reltol * ldexp(GROWTH / ERROR, -(NS_ORDER + 1));
     double before = 0, all = 0, held = 0;
     for (size_t i = 0; i < n; i++) {
-        const double scale = fmax(m->scale[i], least_share * most * m->unit[i]);
-        if (m->f->algebraic[i] || !(scale > 0))
+        const double scale = scale_of(m, i, most);
+        if (!(scale > 0))
             continue;
         double by = fabs(d8[i]);
         if (by > little * scale) /* it matters, unless it is rounding */
@@ -159,8 +192,10 @@ static double error_of(ns_sparse *m, const ns_leg *leg, double *ratio, double *j
         held = fmax(held, fabs(d7[i] + d8[i]) / scale);
         before = fmax(before, fabs(d7[i]) / scale);
     }
-    const double last = held < wiped_out * all ? held : all; /* held: E D^7 w */
+    double last = held < wiped_out * all ? held : all; /* held: E D^7 w */
     *ratio = last < before ? last / before : 1;
+    if (leg->stages < NS_ORDER) /* had there been all */
+        last *= pow(*ratio, NS_ORDER - leg->stages);
     *jump = ERROR * (all - last) / m->o.reltol;
     return ERROR * last * sqrt(*ratio) / m->o.reltol;
 }
@@ -181,7 +216,7 @@ static double length(const ns_sparse *m, int rung) {
 
 /* That of inputs, of which guards see more than the state, as a multiple of what is allowed. */
 static double inputs_error(const ns_sparse *m, int rung) {
-    return ERROR * ns_inputs_error(m->in, length(m, rung) / NS_POLE) / (inputs_share * m->o.reltol);
+    return ERROR * ns_inputs_error(m->in, length(m, rung) / NS_POLE, NS_ORDER) / (inputs_share * m->o.reltol);
 }
 
 /* Stages such that the error until room is small enough; the length wanted next. */
@@ -194,14 +229,14 @@ static int choose_length(ns_sparse *m, ns_leg *leg, double room) {
     for (int tries = 0;; tries++) {
         const double h = length(m, leg->rung);
         leg->g = h / NS_POLE;
-        int status = all_stages(m, leg);
+        int status = all_stages(m, leg, room);
         if (status != NS_OK)
             return status;
         double ratio = 1, jump = 0;
         const double whole = error_of(m, leg, &ratio, &jump), share = fmin(1, room / leg->g / ERROR),
                      error = whole * share;
         leg->next_rung = leg->rung;
-        if (error <= 1 && jump > 1 && !consistent) {
+        if (leg->stages == NS_ORDER && error <= 1 && jump > 1 && !consistent) {
             consistent = 1;
             status = ns_fine_consistent(m, leg->t, length(m, leg->rung + NS_SHORT_RUNG), NULL, &jumped);
             if (status != NS_OK)
@@ -266,9 +301,10 @@ void ns_leg_state(const ns_sparse *m, const ns_leg *leg, double tau, double *w) 
     ns_laguerre_steps(tau / leg->g, b); /* (E2) */
     /* small ones first: w itself last */
     memcpy(w, leg->dw, sizeof(double) * n);
+    const int last = leg->stages < NS_ORDER ? leg->stages : NS_ORDER;
     for (size_t k = 0; k < n; k++) {
         double sum = 0;
-        for (int i = NS_ORDER; i > 0; i--)
+        for (int i = last; i > 0; i--)
             sum += b[i] * leg->dw[(size_t)i * n + k];
         w[k] += sum;
     }

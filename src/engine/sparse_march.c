@@ -346,8 +346,8 @@ int ns_sparse_read(ns_sparse *m, double *t, double *x, double *lambda, double *y
     if (!m->started)
         return ns_sparse_fail(m, NAN, NS_E_STATE);
     const double at = m->live_t;
-    const int status =
-        m->live_t < m->live->end_t || m->live->why == NS_LEG_EVENT ? ns_leg_last_stage(m, m->live) : NS_OK;
+    const int more = m->live_t < m->live->end_t || m->live->why == NS_LEG_EVENT || m->live->stages < NS_ORDER;
+    const int status = more ? ns_leg_more(m, m->live) : NS_OK;
     if (status != NS_OK)
         return ns_sparse_fail(m, at, status);
     ns_leg_point(m, m->live, m->live_tau, m->v);

@@ -85,10 +85,10 @@ int ns_sparse_fail(ns_sparse *m, double t, int status);
 /* sparse_march.c: a leg from m->w, m->mode at t, after one (NULL: the first) that ended there. */
 int ns_sparse_next_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg);
 
-/* sparse_leg.c: stage i of a leg whose w, mode, t and g are known (i = 0: dw[0..n-1] is w); the missing last
- * stage; a leg from w, mode at t, no later than limit, with the first event in it; E2 and E1 at tau. */
+/* sparse_leg.c: one stage more of a leg, if it has not all yet; a leg from w, mode at t, no later than limit,
+ * with the first event in it; E2 and E1 at tau. */
 int ns_leg_begin(ns_sparse *m, ns_leg *leg, double t, double limit);
-int ns_leg_last_stage(ns_sparse *m, ns_leg *leg);
+int ns_leg_more(ns_sparse *m, ns_leg *leg);
 /* past_t at the end of a leg: legs of one length round t off in the same way each time, which would add up.
  */
 double ns_leg_past(const ns_leg *leg);
@@ -118,6 +118,10 @@ int ns_sparse_twins(const ns_system *s, const ns_form *f, ns_twin **out, int *co
  * returns how many; state-dependent commands that v contradicts: flips them, or, those that had changed at
  * this event already (changed, nc, or NULL), lets them slide, from the mode of the leg before it. */
 void ns_guard_bounds(ns_sparse *m);
+/* How large lambda and y are at v, into what they were at most; whether those of the last of p stages are so
+ * small beside that, that no further ones are needed. */
+void ns_guard_sizes(ns_sparse *m, const double *v);
+int ns_guard_enough(const ns_sparse *m, const ns_leg *leg, int p);
 int ns_guard_first(ns_sparse *m, ns_leg *leg);
 int ns_guard_broken(ns_sparse *m, const double *v, const double *w,
                     double g); /* only marks them in m->flip */

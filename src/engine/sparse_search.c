@@ -38,6 +38,13 @@ static double value(const ns_curve *c, double u) {
     return sum;
 }
 
+double ns_curve_slope(const ns_curve *c, double u) {
+    double sum = 0;
+    for (int k = c->terms - 1; k > 0; k--)
+        sum = sum * u + k * c->p[k];
+    return sum;
+}
+
 typedef struct search {
     int terms, splits; /* left */
     double tol;

@@ -27,4 +27,6 @@ double ns_curve_below(const ns_curve *c, double tol);
 /* The last share before a root near `at`, where it is about to be below zero; INFINITY: after the leg. */
 double ns_curve_root(const ns_curve *c, double at);
 
+double ns_curve_slope(const ns_curve *c, double u);
+
 #endif
