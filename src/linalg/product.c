@@ -120,9 +120,22 @@ void ns_matvec_add(int p, int q, const double *a, const double *x, double *y) {
         any(&f, y);
 }
 
+/* Of a few rows: what the others look up and hand on takes longer than the sums. */
+ALWAYS_INLINE void small(int p, int q, const double *a, const double *x, double *y) {
+    const factors f = {p, q, 0, a, x, a, x, 0};
+    int i = 0;
+    for (; i + NS_LANES <= p; i += NS_LANES)
+        half(&f, i, y);
+    if (i < p)
+        single(&f, i, y);
+}
+
 void ns_matvec(int p, int q, const double *a, const double *x, double *y) {
     const factors f = {p, q, 0, a, x, a, x, 0};
-    any(&f, y);
+    if (p < NS_WIDE)
+        small(p, q, a, x, y);
+    else
+        any(&f, y);
 }
 
 void ns_matvec_two(int p, int q, const double *x, int qz, const double *z, const double *a, double *y) {
