@@ -46,6 +46,7 @@ typedef struct ns_counts {
     long modes;    /* a marcher's exact engines: modes that matrices or factors were made for, */
     long searches; /* ways between two points looked into for a guard that may break, */
     long waves;    /* states carried for the inputs: 1, slopes, exponentials, two a sine, */
+    long laps;     /* whole periods of a drive, by one product, */
     long settled;  /* events that (P1) was not asked for: a mode followed that was seen before */
 } ns_counts;
 

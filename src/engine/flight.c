@@ -83,6 +83,7 @@ void ns_flight_free(ns_flight *f) {
     ns_flight_forget(f);
     ns_exo_free(f->exo);
     ns_schedule_free(f->schedule);
+    free(f->laps.v);
     free(f->closed);
     free(f->goal);
     free(f->acting);
@@ -186,6 +187,7 @@ int ns_flight_settle(ns_flight *f) {
     f->to_t = -INFINITY; /* seek */
     f->grounded = -INFINITY;
     seek(f);
+    ns_laps_drop(f);
     memcpy(f->X, f->s->w, sizeof(double) * (size_t)f->s->r);
     read_inputs(f);
     for (int i = 0; i < f->s->r; i++)
@@ -257,10 +259,13 @@ static int leap(ns_flight *f, double t, ns_until until, int *stuck, int *stop) {
         return NS_OK;
     }
     memset(m->flip, 0, (size_t)m->s->nc);
-    const ns_instant *what = known ? ns_schedule_go(f->schedule) : NULL;
-    if (what)
-        pass(f, what);
-    return turn(f, broke, stuck);
+    if (!known) {
+        ns_laps_lost(f);
+        return turn(f, broke, stuck);
+    }
+    pass(f, ns_schedule_go(f->schedule));
+    const int turned = turn(f, 0, stuck);
+    return turned == NS_OK && !*stuck && until == NS_TO_TIME ? ns_laps_instant(f) : turned;
 }
 
 /* The scheme has the next event, and more if that was not enough. */
@@ -291,7 +296,10 @@ int ns_flight_go(ns_flight *f, double t, ns_until until) {
     }
     /* each event takes a few steps; the scheme has what takes more of them than it would */
     f->budget = 4000 + (long)fmin(1e12, 4000 * (t - f->t) / m->h);
+    ns_laps_lost(f);
     while (status == NS_OK && !stuck && !stop && f->t < t) {
+        if (until == NS_TO_TIME && ns_laps_fly(f, t))
+            continue;
         status = leap(f, t, until, &stuck, &stop);
         if (f->bytes > f->limit)
             ns_flight_trim(f, f->at);

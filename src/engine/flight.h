@@ -3,11 +3,13 @@
  *   flight_mode.c  modes met, their levels, kept       leg.c    steps inside a mode, as matrices
  *   watch.c        where a guard first breaks          turn.c   from one mode to the next (turn.h)
  *   way.c          by which of them to the next event
+ *   lap.c          whole periods of them (lap.h)
  *   flight.c       the way from event to event
  */
 #ifndef NS_FLIGHT_H
 #define NS_FLIGHT_H
 
+#include "lap.h"
 #include "marcher.h"
 #include "schedule.h"
 #include "stage.h"
@@ -22,14 +24,14 @@ enum { NS_PIECES = 4 };
 
 /* A step of one length inside a mode: P takes X to w, `advance` takes v to v, `sample` gives the guards at
  * 0, h/samples, ..., h. */
-typedef struct ns_leg {
+struct ns_leg {
     double h;
     int samples;
     double *P;       /* r*q */
     double *advance; /* nv*nv */
     double *sample;  /* ((samples+1) rows)*q; NULL: it was not flown yet */
     size_t bytes;
-} ns_leg;
+};
 
 /* A length that was asked for; its leg is made when it is asked for again. */
 typedef struct ns_kept {
@@ -39,16 +41,13 @@ typedef struct ns_kept {
 } ns_kept;
 
 /* What is slow enough for the steps of one stage; good from `from` seconds after a discontinuity on. */
-typedef struct ns_level {
+struct ns_level {
     double h, from;
     ns_stage *stage;                /* NULL: never reached yet */
     double looked;                  /* so many stages, one by one */
     ns_leg *rung[NS_UNGUARDED + 1]; /* h 2^k */
     ns_kept kept[NS_KEPT];
-} ns_level;
-
-typedef struct ns_flight ns_flight;
-typedef struct ns_flight_mode ns_flight_mode;
+};
 
 /* A mode that followed, and the guards (bits, of the first 64) that nothing told of while somebody said that
  * it holds. */
@@ -100,6 +99,7 @@ struct ns_flight {
     int crowd;                        /* and how many in a row came at once after another */
     double *X;                        /* q: w, v */
     double *most;                     /* r: the largest |w| so far */
+    ns_laps laps;
     /* work */
     double *next;                           /* q */
     double *left;                           /* q */
@@ -153,6 +153,8 @@ void ns_leg_take(ns_flight *f, const ns_level *level, const ns_leg *leg);
 int ns_watch_leg(ns_flight *f, const ns_level *level, const ns_leg *leg, double *clear);
 /* Whether a guard breaks within tau <= h from X: 1, and *when; else 0.  Leaves series and coef. */
 int ns_watch_near(ns_flight *f, const ns_level *level, double tau, double *when);
+/* 1 if all guards (rows) hold at and between all samples ((samples+1) rows), with room to spare. */
+int ns_watch_calm(const double *s, int rows, int samples);
 /* c: the coefficients of (E1) at i/NS_PIECES of a way of s Euler steps. */
 void ns_watch_pieces(double s, double (*c)[NS_ORDER]);
 /* What guard g may be off by at X. */

@@ -36,6 +36,7 @@ static void free_mode(ns_flight_mode *k) {
 }
 
 void ns_flight_forget(ns_flight *f) {
+    ns_laps_drop(f);
     for (int b = 0; b < NS_FLIGHT_BUCKETS; b++) {
         for (ns_flight_mode *k = f->bucket[b], *next; k; k = next) {
             next = k->chain;
@@ -88,6 +89,7 @@ void ns_flight_trim(ns_flight *f, ns_flight_mode *keep) {
         if (!gone)
             return;
         *at = gone->chain;
+        ns_laps_drop(f);
         for (int b = 0; b < NS_FLIGHT_BUCKETS; b++)
             for (ns_flight_mode *k = f->bucket[b]; k; k = k->chain)
                 unfollow(k, gone);

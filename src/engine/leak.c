@@ -16,6 +16,8 @@
 #include <string.h>
 
 enum { ROUNDS = 30 };
+/* So many moves of about one size in a row: more of them would leave the last one above last_move. */
+enum { ALIKE = 5 };
 /* Leaks of this share leave K_g this much worse than the circuit is without what they settle. */
 static const double rcond_min = 1e-15;
 /* Leaks take this share of what is there, or the next: small enough that each round gains digits of
@@ -122,14 +124,17 @@ static double residual_of(const ns_theta *s, int size, const double *K, const do
  */
 static int settle(ns_theta *s, int size, const double *K, const double *rhs, double *X, double *step) {
     double worst = INFINITY, left = 1, moved = 0;
+    int alike = 0;
     memset(X, 0, sizeof(double) * (size_t)size);
     memcpy(step, rhs, sizeof(double) * (size_t)size);
     for (int round = 0, last = 0; round < ROUNDS && !last; round++) {
-        last = worst <= rounding;
+        const double before = moved;
+        last = worst <= rounding || alike == ALIKE;
         ns_lu_solve(s->lu, 1, step);
         for (int i = 0; i < size; i++)
             X[i] += step[i];
         moved = ns_lu_largest(s->lu, step);
+        alike = moved > 0.99 * before ? alike + 1 : 0;
         worst = residual_of(s, size, K, rhs, X, step, &left);
     }
     const int converged = worst <= 10 * rounding || left <= left_over;

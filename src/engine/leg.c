@@ -167,8 +167,10 @@ static ns_kept *place_of(ns_flight *f, ns_level *level, double h, int *known) {
             oldest = at;
     }
     *known = 0;
-    if (oldest->leg)
+    if (oldest->leg) {
         f->bytes -= oldest->leg->bytes;
+        ns_laps_forget_legs(f);
+    }
     ns_leg_free(oldest->leg);
     oldest->leg = NULL;
     oldest->h = h;

@@ -3,185 +3,11 @@
  * A heap holds, for each line that enters, its next corner, for each wave that enters its beginning, and for
  * each time-only command the instant it flips or up to where it is known not to.
  */
-#include "schedule.h"
+#include "schedule_inside.h"
 
-#include "timed.h"
-
+#include <float.h>
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-typedef struct entry {
-    double t;
-    int id; /* lines, then terms, then commands */
-} entry;
-
-struct ns_schedule {
-    const ns_system *s;
-    ns_pieces *pieces; /* nz; of lines */
-    int lines;
-    ns_run *run; /* lines that enter, */
-    int *input;  /* whose they are; after them the curves that enter */
-    int entering;
-    double *base; /* entering; of the curves */
-    int terms, waves;
-    ns_wave_term *term;
-    unsigned char *begun; /* terms */
-    ns_wave *wave;
-    int commands;
-    ns_timed *command;
-    int *command_index; /* which of the system's */
-    int *flipped;       /* commands: how often in this instant */
-    int *touched;       /* commands: some of them are in this instant */
-    int count;
-    entry *heap;
-    double now;
-    unsigned char *closed; /* nc */
-    ns_instant instant;
-    int *changed, *flip; /* the lists of the instant */
-};
-
-/* --- making --- */
-
-static int column_acts(int rows, const double *a, int k) {
-    for (int i = 0; i < rows; i++)
-        if (a[(size_t)i + (size_t)k * (size_t)rows] != 0)
-            return 1;
-    return 0;
-}
-
-static int enters(const ns_system *s, int k) {
-    int acts = column_acts(s->n, s->E, k) || column_acts(s->m, s->F, k);
-    for (int c = 0; c < s->nc && !acts; c++)
-        acts = s->command[c].gx && s->command[c].gz && s->command[c].gz[k] != 0;
-    return acts;
-}
-
-static int wave_of(ns_schedule *s, const ns_wave *w) {
-    int k = 0;
-    while (k < s->waves &&
-           !(s->wave[k].freq == w->freq && s->wave[k].theta == w->theta && s->wave[k].td == w->td))
-        k++;
-    if (k == s->waves)
-        s->wave[s->waves++] = *w;
-    return k;
-}
-
-static void take_curve(ns_schedule *s, int input) {
-    ns_wave wave[NS_TERMS];
-    const int count = ns_wave_terms(&s->s->z[input], s->term + s->terms, wave, &s->base[s->entering]);
-    s->input[s->entering++] = input;
-    for (int k = 0; k < count; k++) {
-        ns_wave_term *x = &s->term[s->terms++];
-        x->input = input;
-        x->wave = wave_of(s, &wave[k]);
-    }
-}
-
-static void take_inputs(ns_schedule *s, const unsigned char *acting) {
-    for (int i = 0; i < s->s->nz; i++)
-        if (ns_signal_is_linear(&s->s->z[i]) && (acting ? acting[i] : enters(s->s, i))) {
-            s->run[s->lines++].line = &s->pieces[i];
-            s->input[s->entering++] = i;
-        }
-    for (int i = 0; i < s->s->nz; i++)
-        if (!ns_signal_is_linear(&s->s->z[i]) && (acting ? acting[i] : enters(s->s, i)))
-            take_curve(s, i);
-}
-
-static int cut_lines(ns_schedule *s) {
-    int status = NS_OK;
-    for (int i = 0; i < s->s->nz && status == NS_OK; i++)
-        if (ns_signal_is_linear(&s->s->z[i]))
-            status = ns_pieces_create(&s->s->z[i], &s->pieces[i]);
-    return status;
-}
-
-static int take_commands(ns_schedule *s) {
-    int status = NS_OK;
-    for (int c = 0; c < s->s->nc && status == NS_OK; c++) {
-        if (s->s->command[c].gx)
-            continue;
-        s->command_index[s->commands] = c;
-        status = ns_timed_create(s->s, c, s->pieces, &s->command[s->commands++]);
-    }
-    return status;
-}
-
-static int allocate(ns_schedule *s) {
-    const size_t nz = (size_t)s->s->nz + 1, nc = (size_t)s->s->nc + 1;
-    s->pieces = calloc(nz, sizeof *s->pieces);
-    s->run = calloc(nz, sizeof *s->run);
-    s->input = calloc(nz, sizeof *s->input);
-    s->base = calloc(nz, sizeof *s->base);
-    s->term = calloc(NS_TERMS * nz, sizeof *s->term);
-    s->begun = calloc(NS_TERMS * nz, 1);
-    s->wave = calloc(NS_TERMS * nz, sizeof *s->wave);
-    s->command = calloc(nc, sizeof *s->command);
-    s->command_index = calloc(nc, sizeof *s->command_index);
-    s->flipped = calloc(nc, sizeof *s->flipped);
-    s->touched = calloc(nc, sizeof *s->touched);
-    s->heap = calloc((1 + NS_TERMS) * nz + nc, sizeof *s->heap);
-    s->closed = calloc(nc, 1);
-    s->changed = calloc((1 + NS_TERMS) * nz, sizeof *s->changed);
-    s->flip = calloc(nc, sizeof *s->flip);
-    const int made = s->pieces && s->run && s->input && s->base && s->term && s->begun && s->wave;
-    return made && s->command && s->command_index && s->flipped && s->touched && s->heap && s->closed &&
-                   s->changed && s->flip
-               ? NS_OK
-               : NS_E_MEMORY;
-}
-
-int ns_schedule_create(const ns_system *system, const unsigned char *acting, ns_schedule **out) {
-    if (!out)
-        return NS_E_NULL;
-    *out = NULL;
-    if (!system)
-        return NS_E_NULL;
-    ns_schedule *s = calloc(1, sizeof *s);
-    if (!s)
-        return NS_E_MEMORY;
-    s->s = system;
-    int status = allocate(s);
-    if (status == NS_OK)
-        status = cut_lines(s);
-    if (status == NS_OK)
-        status = take_commands(s);
-    if (status != NS_OK) {
-        ns_schedule_free(s);
-        return status;
-    }
-    take_inputs(s, acting);
-    s->count = s->lines + s->terms + s->commands;
-    ns_schedule_seek(s, 0, NS_RIGHT, NULL);
-    *out = s;
-    return NS_OK;
-}
-
-void ns_schedule_free(ns_schedule *s) {
-    if (!s)
-        return;
-    for (int i = 0; s->pieces && i < s->s->nz; i++)
-        ns_pieces_free(&s->pieces[i]);
-    for (int c = 0; s->command && c < s->commands; c++)
-        ns_timed_free(&s->command[c]);
-    free(s->pieces);
-    free(s->run);
-    free(s->input);
-    free(s->base);
-    free(s->term);
-    free(s->begun);
-    free(s->wave);
-    free(s->command);
-    free(s->command_index);
-    free(s->flipped);
-    free(s->touched);
-    free(s->heap);
-    free(s->closed);
-    free(s->changed);
-    free(s->flip);
-    free(s);
-}
+#include <stddef.h>
 
 /* --- the heap --- */
 
@@ -198,7 +24,7 @@ static double time_of(const ns_schedule *s, int id) {
     return s->command[id - s->terms].next;
 }
 
-static void sift(ns_schedule *s, int at, entry e) {
+static void sift(ns_schedule *s, int at, ns_entry e) {
     for (int child; (child = 2 * at + 1) < s->count; at = child) {
         child += child + 1 < s->count && s->heap[child + 1].t < s->heap[child].t;
         if (e.t <= s->heap[child].t)
@@ -210,7 +36,14 @@ static void sift(ns_schedule *s, int at, entry e) {
 
 static void first_changed(ns_schedule *s) {
     const int id = s->heap[0].id;
-    sift(s, 0, (entry){time_of(s, id), id});
+    sift(s, 0, (ns_entry){time_of(s, id), id});
+}
+
+static void heapify(ns_schedule *s) {
+    for (int id = 0; id < s->count; id++)
+        s->heap[id] = (ns_entry){time_of(s, id), id};
+    for (int at = s->count / 2; at-- > 0;)
+        sift(s, at, s->heap[at]);
 }
 
 /* --- walking --- */
@@ -226,10 +59,7 @@ void ns_schedule_seek(ns_schedule *s, double t, ns_side side, const unsigned cha
         ns_timed_seek(&s->command[c], t, side, closed ? closed[index] != 0 : -1);
         s->closed[index] = (unsigned char)s->command[c].closed;
     }
-    for (int id = 0; id < s->count; id++)
-        s->heap[id] = (entry){time_of(s, id), id};
-    for (int at = s->count / 2; at-- > 0;)
-        sift(s, at, s->heap[at]);
+    heapify(s);
     s->now = t;
     s->instant = (ns_instant){.t = t, .input = s->changed, .flip = s->flip};
 }
@@ -262,6 +92,48 @@ double ns_schedule_next(ns_schedule *s, double until) {
          k < BLANKS && s->heap[0].t <= until && s->heap[0].t < INFINITY && is_blank(s, s->heap[0].id); k++)
         go_on(s, s->heap[0].id, s->heap[0].t);
     return s->heap[0].t <= until ? fmax(s->heap[0].t, s->now) : INFINITY;
+}
+
+/* Where entry id is on a line that repeats for ever; NULL, *ends: it is not, *ends: nothing is to come. */
+static const ns_run *repeats(const ns_schedule *s, int id, int *ends) {
+    *ends = time_of(s, id) > DBL_MAX;
+    if (*ends || (id >= s->lines && id < s->lines + s->terms))
+        return NULL;
+    if (id >= s->lines)
+        return ns_timed_repeats(timed(s, id));
+    return ns_run_repeats(&s->run[id]) ? &s->run[id] : NULL;
+}
+
+double ns_schedule_period(const ns_schedule *s) {
+    double longest = 0;
+    int ends;
+    for (int id = 0; id < s->count; id++) {
+        const ns_run *r = repeats(s, id, &ends);
+        if (!r && !ends)
+            return 0;
+        longest = r ? fmax(longest, r->line->period) : longest;
+    }
+    for (int id = 0; id < s->count; id++) {
+        const ns_run *r = repeats(s, id, &ends);
+        const double times = r ? longest / r->line->period : 1;
+        if (fabs(times - rint(times)) > 2 * DBL_EPSILON * times)
+            return 0;
+    }
+    return longest;
+}
+
+void ns_schedule_skip(ns_schedule *s, double t, double period) {
+    int ends;
+    for (int id = 0; id < s->count; id++) {
+        const ns_run *r = repeats(s, id, &ends);
+        const double times = r ? rint(period / r->line->period) : 0;
+        if (r && id < s->lines)
+            ns_run_skip(&s->run[id], times);
+        else if (r)
+            ns_timed_skip(timed(s, id), times);
+    }
+    s->now = t;
+    heapify(s);
 }
 
 /* Among the entries at and below one of the heap, those no later than limit. */
@@ -329,7 +201,7 @@ static void take(ns_schedule *s, int id, double limit, int *touched) {
 /* Switches driven by one source flip together: at the same instant up to rounding of time, or of their
  * controls. */
 static int together(const ns_schedule *s, double limit) {
-    const entry *e = &s->heap[0];
+    const ns_entry *e = &s->heap[0];
     if (e->t <= limit)
         return 1;
     const int c = e->id - s->lines - s->terms;

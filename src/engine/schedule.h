@@ -44,6 +44,12 @@ void ns_schedule_seek(ns_schedule *s, double t, ns_side side, const unsigned cha
  * contradiction); INFINITY if there is none up to `until`.  What is equal up to rounding is one instant. */
 double ns_schedule_next(ns_schedule *s, double until);
 
+/* All that is to come repeats with this period, s, for ever; 0: it does not, or nothing is to come. */
+double ns_schedule_period(const ns_schedule *s);
+
+/* On by one such period, to t: nothing that lies between is told. */
+void ns_schedule_skip(ns_schedule *s, double t, double period);
+
 /* Whether that instant is more than a turn of inputs: a jump, or a flip. */
 int ns_schedule_is_event(const ns_schedule *s);
 

@@ -201,3 +201,13 @@ void ns_timed_on(ns_timed *c) {
     else
         look_up(c);
 }
+
+const ns_run *ns_timed_repeats(const ns_timed *c) {
+    const ns_run *r = &c->line->run;
+    return c->flip[0] && c->flips && ns_run_repeats(r) ? r : NULL;
+}
+
+void ns_timed_skip(ns_timed *c, double repetitions) {
+    ns_run *r = &c->line->run;
+    at_piece(c, r->k + repetitions, r->i);
+}

@@ -67,6 +67,12 @@ void ns_timed_seek(ns_timed *c, double t, ns_side side, int closed);
 /* On from c->next, through the flip if it is one. */
 void ns_timed_on(ns_timed *c);
 
+/* The line that decides it alone, from c->next on for ever, again and again; NULL: none does. */
+const ns_run *ns_timed_repeats(const ns_timed *c);
+
+/* On by whole repetitions of that line. */
+void ns_timed_skip(ns_timed *c, double repetitions);
+
 /* timed_search.c: g at t >= c->t, on the pieces that hold at c->t; the curvature up to a later time. */
 ns_timed_value ns_timed_at(const ns_timed *c, double t, double later);
 

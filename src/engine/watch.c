@@ -50,6 +50,23 @@ ALWAYS_INLINE int calm(const double *s, int ld, int samples) {
     return all;
 }
 
+int ns_watch_calm(const double *s, int rows, int samples) {
+    for (int g = 0; g < rows && rows >= BESIDE; g += BESIDE)
+        if (!calm(s + (rows - g < BESIDE ? rows - BESIDE : g), rows, samples))
+            return 0;
+    for (int g = 0; g < rows && rows < BESIDE; g++) {
+        double bend = 0, least = ns_lower(s[g], s[samples * rows + g]);
+        for (int i = 1; i < samples; i++) {
+            const double *b = s + i * rows + g;
+            bend = ns_higher(bend, fabs(b[-rows] - 2 * *b + b[rows]));
+            least = ns_lower(least, *b);
+        }
+        if (!(least > bend / 4))
+            return 0;
+    }
+    return 1;
+}
+
 /* The same, of a guard that fell below it before while the mode that was found was the one it was in: what
  * is that close to zero is one or the other by rounding, and time passes in either. */
 static double noise_in_doubt(const ns_flight *f, const ns_stage *k, int g) {

@@ -68,6 +68,8 @@ static int advance(ns_flight *f, double rest, double *done, int *broke) {
     int status = choose(f, level, room > 0 && room < rest ? room : rest, &leg, &h);
     if (status != NS_OK)
         return status;
+    if (!leg)
+        ns_laps_lost(f);
     if (!leg && level->stage->rows == 0) {
         *done = h;
         return ns_leg_advance(f, level, h);
@@ -80,10 +82,12 @@ static int advance(ns_flight *f, double rest, double *done, int *broke) {
         return status;
     const int doubt = leg->samples > 0 ? ns_watch_leg(f, level, leg, &clear) : -1;
     if (doubt < 0) {
+        ns_laps_leg(f, level, leg);
         ns_leg_take(f, level, leg);
         *done = h;
         return NS_OK;
     }
+    ns_laps_lost(f);
     const double part = h / leg->samples, skip = level->stage->h * floor(clear * part / level->stage->h);
     const double before = part * doubt + skip;
     double more = 0;

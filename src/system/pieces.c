@@ -85,6 +85,12 @@ void ns_run_step(ns_run *r) {
     look_ahead(r);
 }
 
+void ns_run_skip(ns_run *r, double repetitions) {
+    r->k += repetitions;
+    r->t = ns_pieces_time(r->line, r->k, r->i);
+    look_ahead(r);
+}
+
 /* The repetition that t lies in. */
 static double repetition(const ns_pieces *p, double t) {
     if (!(p->period > 0))

@@ -8,6 +8,8 @@
 
 #include "system/signal_internal.h"
 
+#include <float.h>
+
 typedef struct ns_piece {
     double t, v, slope, end;
 } ns_piece;
@@ -45,11 +47,20 @@ void ns_run_step(ns_run *r);
 /* Past all that begin at or before t. */
 void ns_run_pass(ns_run *r, double t);
 
+/* On by whole repetitions, of a line that repeats for ever. */
+void ns_run_skip(ns_run *r, double repetitions);
+
 /* The piece after the present one, the repetition it is in; -1: none. */
 int ns_run_following(const ns_run *r, double *k);
 
 static inline const ns_piece *ns_run_piece(const ns_run *r) {
     return &r->line->piece[r->i];
+}
+
+/* It stands where the line repeats, for ever. */
+static inline int ns_run_repeats(const ns_run *r) {
+    const ns_pieces *p = r->line;
+    return p->period > 0 && p->cycles > DBL_MAX && r->i >= p->from && r->i <= p->n;
 }
 
 static inline double ns_run_value(const ns_run *r, double t) {

@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 
+/* NOLINTNEXTLINE(bugprone-suspicious-include) */
 #include "linalg/product.c" /* both ways of it, whatever this machine would take */
 
 enum { MOST = 70, COLUMNS = 9 };

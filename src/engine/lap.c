@@ -1,0 +1,248 @@
+/* src/engine/lap.c - periods of a drive that recur, as one product each. */
+#include "lap.h"
+
+#include "flight.h"
+
+#include "../linalg/lanes.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Products larger than this cost more than what is looked up for the legs. */
+enum { NS_LAP_MOST = 8192 };
+
+/* --- recording --- */
+
+void ns_laps_lost(ns_flight *f) {
+    f->laps.open = 0;
+}
+
+void ns_laps_forget_legs(ns_flight *f) {
+    f->laps.open = f->laps.known = 0;
+}
+
+void ns_laps_drop(ns_flight *f) {
+    ns_laps *l = &f->laps;
+    ns_laps_forget_legs(f);
+    if (l->lap)
+        f->bytes -= l->lap->bytes;
+    free(l->lap);
+    l->lap = NULL;
+}
+
+void ns_laps_leg(ns_flight *f, const ns_level *level, const ns_leg *leg) {
+    ns_laps *l = &f->laps;
+    const size_t nv = (size_t)f->exo->nv;
+    if (!l->open)
+        return;
+    l->open = l->steps < NS_LAP_STEPS && !f->at->instant;
+    if (!l->open)
+        return;
+    memcpy(l->v + (size_t)l->steps * nv, f->X + f->s->r, sizeof *l->v * nv);
+    l->step[l->steps++] = (ns_lap_step){f->at, level, leg, 0};
+}
+
+/* Times this far apart are the same instant of a schedule. */
+static double slack_of(const ns_flight *f) {
+    return 8 * DBL_EPSILON * fabs(f->t);
+}
+
+/* A period begins here, if there are periods. */
+static int begin(ns_flight *f) {
+    ns_laps *l = &f->laps;
+    l->open = 0;
+    if (f->at->instant || f->crowd > 0 || !(l->period = ns_schedule_period(f->schedule)))
+        return NS_OK;
+    if (!l->v)
+        l->v = malloc(sizeof *l->v * NS_LAP_STEPS * ((size_t)f->exo->nv + 1));
+    if (!l->v)
+        return NS_E_MEMORY;
+    l->open = 1;
+    l->steps = 0;
+    l->first = f->at;
+    l->begin = f->t;
+    return NS_OK;
+}
+
+/* The steps of the last period were those of the one before. */
+static int same_again(const ns_laps *l) {
+    if (l->known != l->steps)
+        return 0;
+    for (int i = 0; i < l->steps; i++)
+        if (l->step[i].mode != l->last[i].mode || l->step[i].leg != l->last[i].leg ||
+            l->step[i].event != l->last[i].event)
+            return 0;
+    return 1;
+}
+
+/* --- making --- */
+
+static ns_lap *create(const ns_flight *f) {
+    const ns_laps *l = &f->laps;
+    const size_t r = (size_t)f->s->r;
+    size_t rows = 0;
+    for (int i = 0; i < l->steps; i++)
+        rows += ((size_t)l->step[i].leg->samples + 1) * (size_t)l->step[i].level->stage->rows;
+    if (r * (r + rows) > NS_LAP_MOST)
+        return NULL;
+    const size_t most = rows > r ? rows : r, bytes = sizeof(double) * (r * r + r + rows * r + rows + most);
+    ns_lap *lap = calloc(1, sizeof *lap + bytes);
+    if (!lap)
+        return NULL;
+    lap->bytes = sizeof *lap + bytes;
+    lap->r = (int)r;
+    lap->rows = (int)rows;
+    lap->P = (double *)(void *)(lap + 1);
+    lap->c = lap->P + r * r;
+    lap->G = lap->c + r;
+    lap->cg = lap->G + rows * r;
+    lap->work = lap->cg + rows;
+    return lap;
+}
+
+/* What a matrix (p*q), of w and the inputs v (nv), makes of w = A w0 + a: B w0 + b, B with leading dimension
+ * ld. */
+static void behind(const ns_lap *lap, int p, int nv, const double *matrix, const double *v, int ld, double *B,
+                   double *b) {
+    const int r = lap->r;
+    for (int j = 0; j < r; j++)
+        ns_matvec(p, r, matrix, lap->P + (size_t)j * (size_t)r, B + (size_t)j * (size_t)ld);
+    ns_matvec(p, r, matrix, lap->c, b);
+    ns_matvec_add(p, nv, matrix + (size_t)p * (size_t)r, v, b);
+}
+
+/* Step by step, from w to w and to the guards; room: r*r + r. */
+static void fill(const ns_flight *f, ns_lap *lap, double *room) {
+    const ns_laps *l = &f->laps;
+    const int r = lap->r, nv = f->exo->nv;
+    const size_t size = (size_t)r * (size_t)r;
+    int at = 0;
+    for (int i = 0; i < r; i++)
+        lap->P[i + i * r] = 1;
+    for (int i = 0; i < l->steps; i++) {
+        const ns_lap_step *s = &l->step[i];
+        const double *v = l->v + (size_t)i * (size_t)nv;
+        const int rows = s->level->stage->rows, all = (s->leg->samples + 1) * rows;
+        if (all > 0)
+            behind(lap, all, nv, s->leg->sample, v, lap->rows, lap->G + at, lap->cg + at);
+        at += all;
+        lap->part[lap->parts++] = (ns_lap_part){rows, s->leg->samples};
+        behind(lap, r, nv, s->leg->P, v, r, room, room + size);
+        memcpy(lap->P, room, sizeof *room * (size + (size_t)r)); /* and c */
+        lap->length += s->leg->h;
+        lap->events += s->event;
+        lap->changes += s->event && l->step[i + 1 < l->steps ? i + 1 : 0].mode != s->mode;
+    }
+}
+
+static int make(ns_flight *f) {
+    ns_laps *l = &f->laps;
+    const size_t r = (size_t)f->s->r;
+    ns_laps_drop(f);
+    ns_lap *lap = create(f);
+    double *room = lap ? malloc(sizeof *room * (r * r + r + 1)) : NULL;
+    if (!lap)
+        return NS_OK; /* too large, or no memory: it is flown as before */
+    if (!room) {
+        free(lap);
+        return NS_E_MEMORY;
+    }
+    lap->mode = f->at;
+    lap->from = f->t;
+    lap->period = l->period;
+    fill(f, lap, room);
+    free(room);
+    f->bytes += lap->bytes;
+    f->s->counts.maps++;
+    l->lap = lap;
+    l->refused = 0;
+    l->again = f->t;
+    return NS_OK;
+}
+
+int ns_laps_instant(ns_flight *f) {
+    ns_laps *l = &f->laps;
+    if (f->at->instant || f->crowd > 0 || l->steps == 0)
+        l->open = 0;
+    if (!l->open)
+        return l->lap && f->t < l->again ? NS_OK : begin(f);
+    l->step[l->steps - 1].event = 1;
+    const double left = l->begin + l->period - f->t;
+    if (left > slack_of(f))
+        return NS_OK;
+    if (left < -slack_of(f) || f->at != l->first || l->period != ns_schedule_period(f->schedule))
+        return begin(f);
+    int status = NS_OK;
+    if (same_again(l))
+        status = make(f);
+    l->known = l->steps;
+    memcpy(l->last, l->step, sizeof l->last);
+    return status == NS_OK ? begin(f) : status;
+}
+
+/* --- flying --- */
+
+/* One begins here, and all of it is before t. */
+static int is_due(const ns_flight *f, double t) {
+    const ns_lap *lap = f->laps.lap;
+    if (!lap || f->at != lap->mode || fabs(f->past_t) > slack_of(f) || f->t < f->laps.again ||
+        f->t + lap->period >= t - slack_of(f))
+        return 0;
+    const double k = rint((f->t - lap->from) / lap->period);
+    return f->since == f->t && fabs(f->t - (lap->from + k * lap->period)) <= slack_of(f);
+}
+
+/* All guards hold, at and between all samples. */
+static int is_calm(const ns_flight *f, const ns_lap *lap) {
+    const double *s = lap->work;
+    memcpy(lap->work, lap->cg, sizeof *lap->work * (size_t)lap->rows);
+    ns_matvec_add(lap->rows, lap->r, lap->G, f->X, lap->work);
+    for (int i = 0; i < lap->parts; i++) {
+        const ns_lap_part *p = &lap->part[i];
+        if (!ns_watch_calm(s, p->rows, p->samples))
+            return 0;
+        s += (size_t)p->rows * ((size_t)p->samples + 1);
+    }
+    return 1;
+}
+
+static void count(ns_flight *f, const ns_lap *lap) {
+    ns_counts *c = &f->s->counts;
+    f->m->events += lap->events;
+    c->events += lap->changes;
+    c->settled += lap->events;
+    c->steps++;
+    c->laps++;
+}
+
+int ns_laps_fly(ns_flight *f, double t) {
+    enum { OFTEN = 3, PAUSE = 64 };
+    ns_laps *l = &f->laps;
+    ns_lap *lap = l->lap;
+    if (!is_due(f, t))
+        return 0;
+    if (!is_calm(f, lap)) {
+        if (++l->refused > OFTEN)
+            l->again = f->t + (PAUSE - 0.5) * lap->period;
+        return 0;
+    }
+    l->refused = 0;
+    const double k = rint((f->t - lap->from) / lap->period) + 1;
+    memcpy(lap->work, lap->c, sizeof *lap->c * (size_t)lap->r);
+    ns_matvec_add(lap->r, lap->r, lap->P, f->X, lap->work);
+    memcpy(f->X, lap->work, sizeof *lap->work * (size_t)lap->r);
+    for (int i = 0; i < lap->r; i++)
+        f->most[i] = ns_higher(f->most[i], fabs(f->X[i]));
+    const double from = f->t;
+    f->t = lap->from + k * lap->period;
+    f->past_t += (from - f->t) + lap->length;
+    f->since = f->event_t = f->from = f->to_t = f->t;
+    f->doubted_at = NULL;
+    f->broken = -1;
+    ns_schedule_skip(f->schedule, f->t, lap->period);
+    count(f, lap);
+    ns_laps_lost(f);
+    return 1;
+}
