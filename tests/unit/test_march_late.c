@@ -23,7 +23,7 @@ typedef struct late {
 
 /* From rest at t0 on to t. */
 static void go(late *k, ns_method method, double h, double t0, double t) {
-    const ns_march_options o = {.theta = 1, .gamma = 1, .h = h, .method = method};
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = h, .method = method, .reltol = 1e-13};
     double w0[MOST], reached;
     assert_int_equal(ns_circuit_system(k->c, &k->s), NS_OK);
     assert_true(k->s->n <= MOST);
