@@ -141,7 +141,7 @@ static int load(ns_flight *f) {
     return NS_OK;
 }
 
-/* x, lambda at X.  Errors: MEMORY. */
+/* x, lambda at X, and the inputs in m->z.  Errors: MEMORY. */
 static int read_point(ns_flight *f, double *x) {
     double until;
     ns_stage *k = ns_flight_level(f, &until)->stage;
@@ -152,27 +152,20 @@ static int read_point(ns_flight *f, double *x) {
             return status;
         f->bytes += sizeof(double) * (size_t)all * (size_t)(k->q + f->exo->mutes);
     }
-    const ns_side side = f->m->live.at_event ? NS_LEFT : NS_RIGHT;
+    ns_system_inputs(f->m->s, f->t, f->m->live.at_event ? NS_LEFT : NS_RIGHT, f->m->z);
     for (int i = 0; i < f->exo->mutes; i++)
-        f->X[k->q + i] = ns_signal_value(&f->m->s->z[f->exo->mute[i]], f->t, side);
+        f->X[k->q + i] = f->m->z[f->exo->mute[i]];
     ns_matvec(all, k->q + f->exo->mutes, k->now, f->X, x);
     return NS_OK;
 }
 
 /* The stepper's accepted point gets to be here. */
 static int deposit(ns_flight *f) {
-    ns_theta *s = f->s;
-    const size_t n = (size_t)s->s->n, m = (size_t)s->s->m;
     const int status = read_point(f, f->to.x); /* and lambda */
     if (status != NS_OK)
         return ns_march_fail(f->m, status);
-    memset(f->to.X, 0, sizeof(double) * (n + m));
-    memcpy(f->to.mode, f->at->mode, m);
-    memcpy(s->w, f->X, sizeof(double) * (size_t)s->r);
-    ns_system_inputs(s->s, f->t, f->m->live.at_event ? NS_LEFT : NS_RIGHT, f->m->z);
     ns_flight_show(f, f->at->mode);
-    ns_theta_jump(s, &f->to, f->m->z);
-    memcpy(s->w, f->X, sizeof(double) * (size_t)s->r);
+    ns_theta_put(f->s, f->X, f->to.x, f->at->mode, f->m->z);
     ns_control_set(f->m, f->to.x);
     f->m->live.t = f->t;
     f->m->live.past_t = f->past_t;

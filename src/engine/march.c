@@ -58,11 +58,13 @@ void ns_march_free(ns_march *m) {
 }
 
 static void go_back(ns_march *m) {
-    ns_theta_restore(m->step, m->past);
-    m->live = m->kept;
-    memcpy(m->flip, m->kept_flip, (size_t)m->s->nc);
-    m->corner = -INFINITY;
-    m->has_trial = 0;
+    if (m->moved) {
+        ns_theta_restore(m->step, m->past);
+        m->live = m->kept;
+        memcpy(m->flip, m->kept_flip, (size_t)m->s->nc);
+        m->corner = -INFINITY;
+    }
+    m->moved = m->has_trial = 0;
 }
 
 double ns_march_next_corner(ns_march *m) {
@@ -97,7 +99,7 @@ static int flying(const ns_march *m) {
 
 static int go_to(ns_march *m, double t, ns_until until) {
     int status = NS_OK;
-    m->limit = fmin(t, ns_march_next_corner(m));
+    m->moved = 1;
     /* bounds the tries: each event takes some 2 x 24 to be located, NS_CROWD of them fit into one h */
     m->budget = 4000 + (long)fmin(1e12, 4000 * (t - m->live.t) / m->h);
     const int from_event = m->live.at_event && until == NS_TO_EVENT;
@@ -164,7 +166,7 @@ int ns_march_accept(ns_march *m) {
     ns_theta_save(m->step, m->past);
     m->kept = m->live;
     memcpy(m->kept_flip, m->flip, (size_t)m->s->nc);
-    m->has_trial = 0;
+    m->moved = m->has_trial = 0;
     return NS_OK;
 }
 

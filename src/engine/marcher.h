@@ -60,6 +60,7 @@ struct ns_march {
     unsigned char *closed;           /* nc */
     ns_jump jump;
     int started, has_trial;
+    int moved;    /* live, the stepper and flip are not as they were accepted */
     double asked; /* what the last trial was asked for */
     ns_until until;
     long budget; /* tries left in this call */

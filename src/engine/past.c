@@ -84,21 +84,31 @@ double ns_theta_jump_w(const ns_theta *s, int i, const double *x, const double *
     return held_terms < moved_terms ? held : moved;
 }
 
-void ns_theta_jump(ns_theta *s, const ns_impulse *jump, const double *z) {
+/* The accepted point gets to be that of s->w, with these x and lambda. */
+static void put(ns_theta *s, const double *x, const double *lambda, const ns_mode *mode, const double *z) {
     const size_t n = (size_t)s->s->n, m = (size_t)s->s->m, r = (size_t)s->r;
-    memcpy(s->at, jump->x, sizeof(double) * n);
-    memcpy(s->at + n, jump->lambda, sizeof(double) * m);
-    for (int i = 0; i < s->r; i++)
-        s->w[i] = ns_theta_jump_w(s, i, jump->x, jump->X, jump->Lambda);
+    memcpy(s->at, x, sizeof(double) * n);
+    memcpy(s->at + n, lambda, sizeof(double) * m);
     memcpy(s->in, s->w, sizeof(double) * r);
     ns_copy((size_t)s->s->nz, z, s->in + r);
     s->in[s->q - 1] = 1;
     if (s->carry)
-        jump_rates(s, jump->x, jump->lambda, z);
-    memcpy(s->mode, jump->mode, m);
+        jump_rates(s, x, lambda, z);
+    memcpy(s->mode, mode, m);
     s->jumped = 1;
     s->has_trial = 0;
     ns_theta_forget_recent(s);
+}
+
+void ns_theta_jump(ns_theta *s, const ns_impulse *jump, const double *z) {
+    for (int i = 0; i < s->r; i++)
+        s->w[i] = ns_theta_jump_w(s, i, jump->x, jump->X, jump->Lambda);
+    put(s, jump->x, jump->lambda, jump->mode, z);
+}
+
+void ns_theta_put(ns_theta *s, const double *w, const double *at, const ns_mode *mode, const double *z) {
+    memcpy(s->w, w, sizeof(double) * (size_t)s->r);
+    put(s, at, at + s->s->n, mode, z);
 }
 
 /* The first few of v (n, or NULL) that are not finite; returns how many. */

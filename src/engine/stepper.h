@@ -142,6 +142,8 @@ void ns_theta_take_rates(ns_theta *s);
 /* past.c: the accepted point becomes the right side of a jump from it, at inputs z (nz).  Of jump: x, lambda,
  * X, Lambda, mode. */
 void ns_theta_jump(ns_theta *s, const ns_impulse *jump, const double *z);
+/* To where another engine came: w, x and lambda one after the other, inputs. */
+void ns_theta_put(ns_theta *s, const double *w, const double *at, const ns_mode *mode, const double *z);
 /* past.c: w there, row i; s has it before the jump. */
 double ns_theta_jump_w(const ns_theta *s, int i, const double *x, const double *X, const double *Lambda);
 
