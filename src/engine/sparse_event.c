@@ -87,10 +87,34 @@ static int count_flips(ns_sparse *m, const ns_leg *leg, double t) {
             m->crowd_t[j] = t;
             m->crowd[j] = 0;
         }
+        m->crowd_moved = 1;
         if (++m->crowd[j] > NS_CROWD_OF_PAIR)
             m->crowded_until = t + h;
     }
     return NS_OK;
+}
+
+void ns_event_crowd(ns_sparse *m, int keep) {
+    const size_t pairs = (size_t)m->f->m;
+    int *const kept = m->crowd + pairs;
+    double *const kept_t = m->crowd_t + pairs;
+    if (!m->crowd_moved)
+        return;
+    memcpy(keep ? kept : m->crowd, keep ? m->crowd : kept, sizeof(int) * pairs);
+    memcpy(keep ? kept_t : m->crowd_t, keep ? m->crowd_t : kept_t, sizeof(double) * pairs);
+    *(keep ? &m->kept_until : &m->crowded_until) = keep ? m->crowded_until : m->kept_until;
+    m->crowd_moved = 0;
+}
+
+int ns_event_at(const ns_sparse *m, double t) {
+    for (int c = 0; c < m->s->nc; c++)
+        if (m->in->review[c] > -INFINITY && m->in->instant[c] <= t)
+            return 1;
+    for (int k = 0; k < m->s->nz; k++)
+        if (m->in->wave[k].until == t &&
+            ns_signal_value(&m->s->z[k], t, NS_LEFT) != ns_signal_value(&m->s->z[k], t, NS_RIGHT))
+            return 1;
+    return 0;
 }
 
 void ns_event_own(ns_sparse *m, const ns_leg *leg, double t) {

@@ -33,11 +33,11 @@ static double *take(double **from, int count) {
 
 static int allocate(ns_sparse *m) {
     const int n = m->f->n, pairs = m->f->m, size = m->f->size;
-    const size_t count = (size_t)(7 * n + 3 * pairs + 4 * size + 2 * m->f->nz) + 1;
+    const size_t count = (size_t)(7 * n + 4 * pairs + 4 * size + 2 * m->f->nz) + 1;
     double *all = calloc(count, sizeof(double));
     m->w = all;
     m->mode = calloc(5 * (size_t)pairs + (size_t)m->s->nc + 1, 1);
-    m->crowd = calloc((size_t)pairs + 1, sizeof(int));
+    m->crowd = calloc(2 * (size_t)pairs + 1, sizeof(int));
     m->fine = calloc((size_t)size + 1, sizeof(long double));
     if (!all || !m->mode || !m->crowd || !m->fine)
         return NS_E_MEMORY;
@@ -53,7 +53,7 @@ static int allocate(ns_sparse *m) {
     m->rate = take(&all, n);
     m->l = take(&all, pairs);
     m->u = take(&all, pairs);
-    m->crowd_t = take(&all, pairs);
+    m->crowd_t = take(&all, 2 * pairs);
     m->v = take(&all, size);
     m->r = take(&all, size);
     m->next_v = take(&all, size);
@@ -149,18 +149,6 @@ int ns_sparse_at_event(const ns_sparse *m) {
     return m->started && m->live->why == NS_LEG_EVENT && m->live_t >= m->live->end_t;
 }
 
-/* An input jumps at t, or a command of time changes. */
-static int event_at(ns_sparse *m, double t) {
-    for (int c = 0; c < m->s->nc; c++)
-        if (m->in->review[c] > -INFINITY && m->in->instant[c] <= t)
-            return 1;
-    for (int k = 0; k < m->s->nz; k++)
-        if (m->in->wave[k].until == t &&
-            ns_signal_value(&m->s->z[k], t, NS_LEFT) != ns_signal_value(&m->s->z[k], t, NS_RIGHT))
-            return 1;
-    return 0;
-}
-
 static int euler_leg(ns_sparse *m, ns_leg *leg, double t, double limit, double h) {
     const size_t n = (size_t)m->f->n;
     const double rest = limit - t - leg->past_t, g = fmin(h, rest);
@@ -200,7 +188,7 @@ int ns_sparse_next_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg
         status = euler_leg(m, leg, t, fmin(limit, m->asked > t ? m->asked : limit), ldexp(h, -2));
     else
         status = ns_leg_begin(m, leg, t, limit);
-    if (status == NS_OK && leg->why == NS_LEG_GOES_ON && leg->end_t == limit && event_at(m, limit))
+    if (status == NS_OK && leg->why == NS_LEG_GOES_ON && leg->end_t == limit && ns_event_at(m, limit))
         leg->why = NS_LEG_EVENT;
     return status;
 }
@@ -230,7 +218,7 @@ static int capture(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg) {
         leg->past_t = ns_leg_past(before);
         status = euler_leg(m, leg, t, limit, ldexp(m->o.h, -leg->rung - less));
     }
-    if (status == NS_OK && leg->end_t == limit && event_at(m, limit))
+    if (status == NS_OK && leg->end_t == limit && ns_event_at(m, limit))
         leg->why = NS_LEG_EVENT;
     m->counts.refused++;
     m->budget -= 3000; /* it has no end in sight */
@@ -303,6 +291,7 @@ static void go_back(ns_sparse *m) {
     m->live_tau = m->kept_tau;
     m->live_t = m->kept_t;
     m->has_trial = 0;
+    ns_event_crowd(m, 0);
 }
 
 int ns_sparse_try(ns_sparse *m, double t, ns_until until, double *reached) {
@@ -337,6 +326,7 @@ int ns_sparse_accept(ns_sparse *m) {
     m->kept_tau = m->live_tau;
     m->kept_t = m->live_t;
     m->has_trial = 0;
+    ns_event_crowd(m, 1);
     return NS_OK;
 }
 

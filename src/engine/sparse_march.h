@@ -63,9 +63,10 @@ struct ns_sparse {
     double *scale, *unit; /* 3 n: the largest w there were, and work; n: of one M alone, the square root */
     double most_lambda, most_y; /* the largest there were */
     ns_mode *old_mode, *shown;  /* m; m: what slides counts as closed */
-    double *crowd_t;            /* m: since when flips of a pair are counted, */
-    int *crowd;                 /* m: how many there were */
-    double crowded_until;
+    double *crowd_t;            /* 2 m: since when flips of a pair are counted, */
+    int *crowd;                 /* 2 m: how many there were; then both as they were accepted */
+    double crowded_until, kept_until;
+    int crowd_moved;       /* they are no longer as accepted */
     double *v, *r, *rate;  /* size, size, n */
     double *next_v, *rest; /* size */
     long double *fine;     /* size */
@@ -137,6 +138,10 @@ int ns_event_local(ns_sparse *m, double t, double g, const double *w, double *v,
 /* The same, and commands of the state settled with it. */
 int ns_event_settle_all(ns_sparse *m, double t, double g, const ns_leg *leg, double *by);
 void ns_event_command(ns_sparse *m, double t);
+/* An input jumps at t, or a command of time changes. */
+int ns_event_at(const ns_sparse *m, double t);
+/* What is counted of flips is accepted (keep), or goes back to what was. */
+void ns_event_crowd(ns_sparse *m, int keep);
 /* What the leg that ended (NULL: a start) ended for, and commands of time, change. */
 void ns_event_own(ns_sparse *m, const ns_leg *leg, double t);
 /* The event at the end of a leg, from m->w: m->mode and m->w to its right.  leg NULL: a start. */

@@ -11,13 +11,14 @@ static void rest(ns_sparse *m) {
         m->l[j] = m->s->l[j];
         m->u[j] = m->s->u[j];
         m->mode[j] = isfinite(m->l[j]) ? NS_LOWER : isfinite(m->u[j]) ? NS_UPPER : NS_INSIDE;
-        m->crowd_t[j] = -INFINITY;
+        m->crowd_t[j] = m->crowd_t[m->f->m + j] = -INFINITY;
     }
     for (int c = 0; c < m->s->nc; c++)
         m->mode[m->s->command[c].pair] = NS_LOWER;
     ns_guard_bounds(m);
     memset(m->scale, 0, sizeof(double) * 3 * (size_t)m->f->n);
-    m->crowded_until = -INFINITY;
+    m->crowded_until = m->kept_until = -INFINITY;
+    m->crowd_moved = 0;
     m->most_lambda = m->most_y = 0;
     m->started = m->has_trial = 0;
     ns_inputs_reset(m->in);
