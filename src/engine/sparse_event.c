@@ -11,27 +11,52 @@
 #include <string.h>
 
 /* Rounds in which all broken pairs change at once, without getting fewer; at most. */
-enum { BLOCK_ROUNDS = 6, MOST_ROUNDS = 100, SHORTER = 24, JUMPS = 6, COMMAND_ROUNDS = 64 };
+enum { BLOCK_ROUNDS = 6, MOST_ROUNDS = 100, SHORTER = 24, JUMPS = 6, COMMAND_ROUNDS = 64, LOCALS = 2 };
+/* Of the terms of a bound: far above rounding. */
+static const double far = 1e-6;
 
-int ns_event_settle(ns_sparse *m, double t, double g, const double *w, double *v, double *by) {
+/* Changes what is broken until nothing is, or it leads nowhere: SINGULAR or LIMIT. */
+static int change_broken(ns_sparse *m, double t, double g, const double *w, double *v, double *by) {
     int best = m->f->m + 1, patience = BLOCK_ROUNDS;
-    memset(m->touched, 0, (size_t)m->f->m);
     for (int round = 0; round < MOST_ROUNDS && patience > 0; round++) {
         const int status = ns_euler(m, t, g, w, 1, v, by);
         if (status != NS_OK && status != NS_E_SINGULAR)
             return status;
         const int flipped = ns_guard_flip(m, v, w, g);
         m->counts.pivots += flipped;
-        if (flipped == 0 && status == NS_OK)
-            return status;
         if (flipped == 0)
-            break;
+            return status;
         if (flipped >= best)
             patience--;
         else
             best = flipped;
     }
-    return ns_event_local(m, t, g, w, v, by);
+    return NS_E_LIMIT;
+}
+
+/* A bound is broken by a good part of the terms it is summed from: no rounding, but a part that floats was
+ * elsewhere by the leaks of the mode in which (P1) was formed. */
+static int floats_elsewhere(ns_sparse *m, const double *v, const double *w, double g) {
+    int any = 0;
+    if (ns_guard_broken(m, v, w, g) == 0)
+        return 0;
+    for (int j = 0; j < m->f->m; j++)
+        any |= m->flip[j] && m->mode[j] != NS_INSIDE && !ns_slides(m->mode[j]) &&
+               fabs(ns_form_y(m->f, j, v, m->z, 1)) > far * (ns_csc_size(&m->f->Ct, j, v) + fabs(m->f->e[j]));
+    return any;
+}
+
+int ns_event_settle(ns_sparse *m, double t, double g, const double *w, double *v, double *by) {
+    int status;
+    memset(m->touched, 0, (size_t)m->f->m);
+    for (int again = 0;; again++) {
+        status = change_broken(m, t, g, w, v, by);
+        if (status != NS_E_SINGULAR && status != NS_E_LIMIT)
+            return status;
+        status = ns_event_local(m, t, g, w, v, by);
+        if (status != NS_OK || again >= LOCALS || !floats_elsewhere(m, v, w, g))
+            return status;
+    }
 }
 
 /* Commands of time change that do so now; at a jump of their inputs, or at a start, those that have to. */
