@@ -2,6 +2,7 @@
 #include "flight.h"
 #include "sparse_engine.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 /* Matrices of modes, with their few states, are fastest up to so many unknowns; then one sparse factor is. */
@@ -53,30 +54,125 @@ int ns_choice_leaves(const ns_march *m, int status) {
     return refused && m->options.method == NS_AUTO && !m->s->large;
 }
 
-int ns_choice_dense(ns_march *m) {
+void ns_choice_sum(const ns_march *m, ns_counts *counts) {
+    const long *before = (const long *)(const void *)&m->before;
+    long *sum = (long *)(void *)counts;
+    for (size_t i = 0; i < sizeof *counts / sizeof *sum; i++)
+        sum[i] += before[i];
+}
+
+void ns_choice_drop(ns_march *m) {
+    ns_flight_free(m->flight);
+    ns_theta_free(m->step);
+    ns_jump_free(&m->jump);
+    m->jump = (ns_jump){0};
+    m->flight = NULL;
+    m->step = NULL;
+    free(m->past);
+    free(m->z);
+    free(m->z_left);
+    free(m->flip);
+    free(m->due);
+    free(m->crossed);
+    free(m->kept_flip);
+    free(m->closed);
+    m->past = m->z = m->z_left = NULL;
+    m->flip = m->due = m->crossed = m->kept_flip = m->closed = NULL;
+}
+
+/* The counts so far, before one engine goes and another begins at zero. */
+static void keep_counts(ns_march *m) {
+    m->before = *ns_march_counts(m);
+    m->counts = (ns_counts){0};
+    m->events = m->seen_events = m->seen_modes = 0;
+}
+
+int ns_choice_dense(ns_march *m, double t) {
+    ns_sparse *const was = m->sparse;
+    keep_counts(m);
     const int status = make_dense(m, &m->fault);
     if (status == NS_OK) {
-        ns_sparse_free(m->sparse);
+        ns_sparse_free(was);
         m->sparse = NULL;
-    }
-    m->options.method = NS_SPARSE; /* this was asked for once */
+        m->pause = m->pause > 0 ? 4 * m->pause : AT_MOST * m->h;
+        m->back = t + m->pause;
+    } else
+        ns_choice_drop(m);
+    return status;
+}
+
+/* The accepted point, as charges and fluxes (n) and commands that are closed (nc), in one block. */
+static int read_point(ns_march *m, double *t, double **w, unsigned char **closed) {
+    const size_t n = (size_t)m->s->n;
+    double *x = calloc(2 * n + 1, sizeof *x);
+    *closed = calloc((size_t)m->s->nc + 1, 1);
+    *w = x;
+    const int status = x && *closed ? ns_march_read(m, t, x + n, NULL, NULL) : NS_E_MEMORY;
+    for (int c = 0; *closed && c < m->s->nc; c++)
+        (*closed)[c] = ns_march_mode(m)[m->s->command[c].pair] == NS_INSIDE;
+    if (status == NS_OK)
+        ns_system_charges(m->s, x + n, x);
     return status;
 }
 
 int ns_choice_leave(ns_march *m) {
-    const size_t n = (size_t)m->s->n;
-    double t, *x = calloc(2 * n + 1, sizeof *x);
-    unsigned char *closed = calloc((size_t)m->s->nc + 1, 1);
-    int status = x && closed ? ns_sparse_read(m->sparse, &t, x, NULL, NULL) : NS_E_MEMORY;
-    for (int c = 0; closed && c < m->s->nc; c++)
-        closed[c] = ns_sparse_mode(m->sparse)[m->s->command[c].pair] == NS_INSIDE;
-    if (status == NS_OK) {
-        ns_system_charges(m->s, x, x + n);
-        status = ns_choice_dense(m);
-    }
+    double t, *w;
+    unsigned char *closed;
+    int status = read_point(m, &t, &w, &closed);
     if (status == NS_OK)
-        status = ns_march_start_as(m, t, x + n, closed);
+        status = ns_choice_dense(m, t);
+    if (status == NS_OK)
+        status = ns_march_start_as(m, t, w, closed);
     free(closed);
-    free(x);
+    free(w);
     return status;
+}
+
+/* Of the events since this was last looked at, most came to modes that matrices had to be made for. */
+static int modes_do_not_recur(ns_march *m) {
+    enum { ENOUGH = 64, FEW = 24 };
+    if (m->s->n + m->s->m < FEW)
+        return 0;
+    const ns_counts *c = ns_theta_counts(m->step);
+    const long events = m->events - m->seen_events, modes = c->modes - m->seen_modes;
+    if (events < ENOUGH)
+        return 0;
+    m->seen_events = m->events;
+    m->seen_modes = c->modes;
+    return 2 * modes > events;
+}
+
+/* Where the dense engines have come to, the sparse one begins; it may refuse. */
+static int hand_over(ns_march *m) {
+    const ns_sparse_options options = {AT_MOST * m->h, m->options.reltol, m->options.map_bytes};
+    double t, *w;
+    unsigned char *closed;
+    ns_sparse *sparse = NULL;
+    int status = read_point(m, &t, &w, &closed);
+    if (status == NS_OK)
+        status = ns_sparse_create(m->s, &options, &sparse, NULL);
+    if (status == NS_OK)
+        status = ns_sparse_start_as(sparse, t, w, closed);
+    free(closed);
+    free(w);
+    if (status != NS_OK) {
+        ns_sparse_free(sparse);
+        return status;
+    }
+    keep_counts(m);
+    ns_choice_drop(m);
+    m->sparse = sparse;
+    return NS_OK;
+}
+
+void ns_choice_return(ns_march *m) {
+    if (m->options.method != NS_AUTO || !m->started || m->has_trial || m->kept.at_event)
+        return;
+    const int due = m->kept.t >= m->back;
+    if (!due && !(m->pause == 0 && m->flight && modes_do_not_recur(m)))
+        return;
+    if (hand_over(m) == NS_OK)
+        return;
+    m->pause = m->pause > 0 ? 4 * m->pause : AT_MOST * m->h;
+    m->back = m->kept.t + m->pause;
 }

@@ -30,6 +30,7 @@ int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **ou
     m->s = s;
     m->h = o->h;
     m->options = *o;
+    m->back = INFINITY;
     const int status = ns_choice_make(m, fault);
     if (status != NS_OK) {
         ns_march_free(m);
@@ -43,17 +44,7 @@ void ns_march_free(ns_march *m) {
     if (!m)
         return;
     ns_sparse_free(m->sparse);
-    ns_flight_free(m->flight);
-    ns_theta_free(m->step);
-    ns_jump_free(&m->jump);
-    free(m->past);
-    free(m->z);
-    free(m->z_left);
-    free(m->flip);
-    free(m->due);
-    free(m->crossed);
-    free(m->kept_flip);
-    free(m->closed);
+    ns_choice_drop(m);
     free(m);
 }
 
@@ -133,6 +124,8 @@ static int go_to(ns_march *m, double t, ns_until until) {
 int ns_march_try(ns_march *m, double t, ns_until until, double *reached) {
     if (!m || !reached)
         return NS_E_NULL;
+    if (!m->sparse)
+        ns_choice_return(m);
     int status = m->sparse ? ns_sparse_try(m->sparse, t, until, reached) : NS_OK;
     if (m->sparse && !(ns_choice_leaves(m, status) && (status = ns_choice_leave(m)) == NS_OK))
         return status;
@@ -198,14 +191,18 @@ ns_method ns_march_engine(const ns_march *m) {
 }
 
 const ns_counts *ns_march_counts(ns_march *m) {
-    if (m->sparse)
-        return ns_sparse_counts(m->sparse);
-    const long jumps = m->counts.jumps, refused = m->counts.refused;
-    m->counts = *ns_theta_counts(m->step);
-    m->counts.events = m->events;
-    m->counts.jumps = jumps;
-    m->counts.refused = refused;
-    return &m->counts;
+    if (m->sparse) {
+        m->counts = *ns_sparse_counts(m->sparse);
+    } else {
+        const long jumps = m->counts.jumps, refused = m->counts.refused;
+        m->counts = *ns_theta_counts(m->step);
+        m->counts.events = m->events;
+        m->counts.jumps = jumps;
+        m->counts.refused = refused;
+    }
+    m->sum = m->counts;
+    ns_choice_sum(m, &m->sum);
+    return &m->sum;
 }
 
 int ns_march_problem(const ns_march *m, ns_mlcp *p, double *h) {

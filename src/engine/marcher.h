@@ -49,6 +49,9 @@ struct ns_march {
     struct ns_flight *flight; /* NULL: all steps are the scheme's */
     ns_march_options options;
     double h;
+    double back, pause; /* when the sparse engine may be asked again, s; how long that was put off */
+    ns_counts before;   /* of engines that handed over */
+    long seen_events, seen_modes;    /* when it was last looked whether modes recur */
     ns_whereabouts live, kept;       /* of the trial; of the accepted point */
     double *past;                    /* the stepper's, at the accepted point */
     unsigned char *flip, *kept_flip; /* nc: commands that change at the event */
@@ -65,7 +68,7 @@ struct ns_march {
     ns_until until;
     long budget; /* tries left in this call */
     long events;
-    ns_counts counts;
+    ns_counts counts, sum; /* of the engines that there are; with those before */
     ns_fault fault;
 };
 
@@ -78,8 +81,15 @@ int ns_march_fail(ns_march *m, int status);
  * try by the dense ones; they instead of the sparse one: before a start, or from its accepted point on. */
 int ns_choice_make(ns_march *m, ns_fault *fault);
 int ns_choice_leaves(const ns_march *m, int status);
-int ns_choice_dense(ns_march *m);
+int ns_choice_dense(ns_march *m, double t);
 int ns_choice_leave(ns_march *m);
+/* From the accepted point of the dense engines on the sparse one goes, if it left long enough ago, or if most
+ * events come to modes never seen. */
+void ns_choice_return(ns_march *m);
+/* Of all that went before, and of this. */
+void ns_choice_sum(const ns_march *m, ns_counts *counts);
+/* What only the dense engines have. */
+void ns_choice_drop(ns_march *m);
 
 /* start.c: ns_march_start() of the dense engines, with switches as in closed (nc; NULL: open) where their
  * controls allow it. */

@@ -16,6 +16,8 @@ typedef struct ns_sparse_options {
 int ns_sparse_create(const ns_system *s, const ns_sparse_options *o, ns_sparse **out, ns_fault *fault);
 void ns_sparse_free(ns_sparse *m);
 int ns_sparse_start(ns_sparse *m, double t0, const double *w0);
+/* With switches as in closed (nc; NULL: open) where their controls allow it. */
+int ns_sparse_start_as(ns_sparse *m, double t0, const double *w0, const unsigned char *closed);
 int ns_sparse_start_dc(ns_sparse *m, double t0, int nhold, const int *hold, const double *hold_x, double *x);
 int ns_sparse_try(ns_sparse *m, double t, ns_until until, double *reached);
 int ns_sparse_accept(ns_sparse *m);

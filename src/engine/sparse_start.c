@@ -27,6 +27,7 @@ static void rest(ns_sparse *m) {
 /* From m->w and m->mode. */
 static int begin(ns_sparse *m, double t0) {
     int status = ns_sparse_resolve(m, NULL, t0);
+    m->counts.events--; /* a start is none */
     m->kept = m->live = m->leg;
     if (status == NS_OK)
         status = ns_sparse_next_leg(m, t0, NULL, m->leg);
@@ -43,6 +44,10 @@ static int can_start_at(const ns_sparse *m, double t0) {
 }
 
 int ns_sparse_start(ns_sparse *m, double t0, const double *w0) {
+    return ns_sparse_start_as(m, t0, w0, NULL);
+}
+
+int ns_sparse_start_as(ns_sparse *m, double t0, const double *w0, const unsigned char *closed) {
     if (!m || (!w0 && m->aside->whole->n > 0))
         return NS_E_NULL;
     m->started = m->has_trial = 0;
@@ -52,6 +57,9 @@ int ns_sparse_start(ns_sparse *m, double t0, const double *w0) {
         if (!isfinite(w0[i]))
             return ns_sparse_fail(m, t0, NS_E_NUMBER);
     rest(m);
+    for (int c = 0; closed && c < m->s->nc; c++)
+        m->mode[m->s->command[c].pair] = closed[c] ? NS_INSIDE : NS_LOWER;
+    ns_guard_bounds(m);
     for (int i = 0; w0 && i < m->f->n; i++)
         m->next_w[i] = w0[m->aside->stays[i]];
     for (int i = 0; i < m->f->n; i++)

@@ -77,7 +77,7 @@ int ns_march_start(ns_march *m, double t0, const double *w0) {
     if (!m || (!w0 && m->s->n > 0))
         return NS_E_NULL;
     int status = m->sparse ? ns_sparse_start(m->sparse, t0, w0) : NS_OK;
-    if (m->sparse && !(ns_choice_leaves(m, status) && (status = ns_choice_dense(m)) == NS_OK))
+    if (m->sparse && !(ns_choice_leaves(m, status) && (status = ns_choice_dense(m, t0)) == NS_OK))
         return status;
     return ns_march_start_as(m, t0, w0, NULL);
 }
@@ -116,7 +116,7 @@ int ns_march_start_dc(ns_march *m, double t0, int nhold, const int *hold, const 
     if (!m || (nhold > 0 && (!hold || !hold_x)))
         return NS_E_NULL;
     int status = m->sparse ? ns_sparse_start_dc(m->sparse, t0, nhold, hold, hold_x, x_out) : NS_OK;
-    if (m->sparse && !(ns_choice_leaves(m, status) && (status = ns_choice_dense(m)) == NS_OK))
+    if (m->sparse && !(ns_choice_leaves(m, status) && (status = ns_choice_dense(m, t0)) == NS_OK))
         return status;
     m->live.t = t0;
     if (!isfinite(t0))
