@@ -66,19 +66,20 @@ static int solve(ns_theta *s, double h, int size, ns_mode *mode) {
 
 /* The same problem with a leak across each pair and a resistance in series with it: lambda is replaced by
  * lambda - g (y - y0), y by y + rho (lambda - lambda0), where y0 and lambda0 are those of the solution in
- * s->resid and s->sol, or zero. */
+ * s->resid and s->sol, or those without any voltage (y: vf) and current. */
 static void add_leaks(ns_theta *s, double ht, int size, double share, int around_last) {
     const int n = s->s->n, m = s->s->m;
     (void)ns_lu_factor(s->lu, size, s->K, NULL, NULL); /* for its scaling: singular or not does not matter */
     for (int j = 0; j < m; j++) {
-        const double g = ns_leak_across(s, ht, j, share), y0 = around_last ? s->resid[n + j] : 0;
+        const double g = ns_leak_across(s, ht, j, share);
+        const double off = around_last ? s->rhs[n + j] - s->resid[n + j] : 0;
         for (int i = 0; i < n; i++) {
             const double leak = (i < s->r ? ht : 1) * g * s->B[i + j * n];
             for (int k = 0; k < n; k++)
                 s->K[i + k * size] += leak * s->s->C[j + k * m];
             for (int k = 0; k < m; k++)
                 s->K[i + (n + k) * size] += leak * s->s->D[j + k * m];
-            s->rhs[i] += leak * (s->rhs[n + j] - y0);
+            s->rhs[i] += leak * off;
         }
     }
     for (int j = 0; j < m; j++) {
