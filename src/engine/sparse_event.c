@@ -101,9 +101,7 @@ int ns_event_settle_all(ns_sparse *m, double t, double g, const ns_leg *leg, dou
     }
 }
 
-/* A pair that changes often in the time of a step chatters, or its events pile up: Euler steps for a while.
- */
-static int count_flips(ns_sparse *m, const ns_leg *leg, double t) {
+void ns_event_count(ns_sparse *m, const ns_leg *leg, double t) {
     for (int j = 0; leg && j < m->f->m; j++) {
         if (m->mode[j] == leg->mode[j])
             continue;
@@ -116,7 +114,6 @@ static int count_flips(ns_sparse *m, const ns_leg *leg, double t) {
         if (++m->crowd[j] > NS_CROWD_OF_PAIR)
             m->crowded_until = t + h;
     }
-    return NS_OK;
 }
 
 void ns_event_crowd(ns_sparse *m, int keep) {
@@ -153,6 +150,7 @@ void ns_event_own(ns_sparse *m, const ns_leg *leg, double t) {
     }
     ns_event_command(m, t);
     ns_guard_bounds(m);
+    memcpy(m->own_mode, m->mode, (size_t)m->f->m);
 }
 
 /* Where the last event left what breaks at once, hidden by rounding: the mode that a longer step finds, to
@@ -169,7 +167,6 @@ int ns_sparse_resolve(ns_sparse *m, const ns_leg *leg, double t) {
     const double g = fmax(short_h, ldexp(m->o.h, -NS_EVENT_LEAST));
     double *by = m->scale + 2 * n;
     int status = NS_OK, jumped = 1;
-    ns_event_own(m, leg, t);
     m->counts.problems++;
     if (stuck == 1 || stuck == 2)
         look_ahead(m, t, ldexp(g, 5 * stuck), by);
@@ -180,5 +177,8 @@ int ns_sparse_resolve(ns_sparse *m, const ns_leg *leg, double t) {
         m->counts.jumps += status == NS_OK && jumped;
     }
     m->counts.events++;
-    return status == NS_OK ? count_flips(m, leg, t) : status;
+    if (leg && status == NS_OK)
+        ns_guess_learn(m, leg);
+    ns_event_count(m, status == NS_OK ? leg : NULL, t);
+    return status;
 }

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A mode that was served so often by an update gets factors of its own. */
-enum { LONG_SERVED = 16 };
+/* A mode that an update served so long, or came to so often, gets factors of its own. */
+enum { LONG_SERVED = 16, OFTEN = 4 };
 /* What a solution may leave of (P2), of the terms of its rows. */
 static const double poor = 1e-8;
 
@@ -199,6 +199,15 @@ static ns_kept *same_again(ns_modal *q, double g, const ns_mode *mode, int brief
     return k->update->count == 0 || ++k->update->served < LONG_SERVED ? k : NULL;
 }
 
+/* 1 if it was asked for before; 2: so often that factors of its own are worth while. */
+static int is_known(ns_modal *q, unsigned long long key) {
+    unsigned char *times = &q->times[key % NS_SEEN];
+    const int known = q->seen[key % NS_SEEN] == key;
+    q->seen[key % NS_SEEN] = key;
+    *times = (unsigned char)(known ? *times + (*times < OFTEN) : 0);
+    return known + (*times == OFTEN);
+}
+
 int ns_modal_factor(ns_modal *q, double g, const ns_mode *mode, int brief, const ns_kept **out) {
     ns_kept *k = same_again(q, g, mode, brief);
     int status = NS_OK;
@@ -213,15 +222,14 @@ int ns_modal_factor(ns_modal *q, double g, const ns_mode *mode, int brief, const
     while (k && !is(q, k, key, g, mode))
         k = k->next;
     if (!k) {
+        const int known = is_known(q, key);
         k = scratch_for(q, g, brief);
-        if (can_serve(q, k, g, mode)) {
+        if (known < 2 && can_serve(q, k, g, mode))
             ;
-        } else if (q->seen[key % NS_SEEN] == key) {
+        else if (known)
             status = keep(q, key, g, mode, &k);
-        } else {
-            q->seen[key % NS_SEEN] = key;
+        else
             status = make_over(q, k, g, mode);
-        }
     }
     if (status != NS_OK)
         return status;

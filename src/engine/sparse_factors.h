@@ -21,7 +21,7 @@ struct ns_kept {
     ns_update *update; /* of a scratch one: the mode it serves may differ from its own */
 };
 
-enum { NS_KEPT_BUCKETS = 256, NS_SEEN = 1024, NS_SCRATCH = 3 };
+enum { NS_KEPT_BUCKETS = 256, NS_SEEN = 4096, NS_SCRATCH = 3 };
 
 /* Factors serve modes that differ in a few pairs as well (sparse_update.h): a few scratch ones for short
  * steps, and for long ones, each of one length, are made over when too many differ; or, if the mode and the
@@ -35,8 +35,9 @@ typedef struct ns_modal {
     ns_kept *bucket[NS_KEPT_BUCKETS];
     ns_kept scratch[2][NS_SCRATCH];
     ns_update update[2][NS_SCRATCH];
-    ns_kept *last[2]; /* of scratch: asked for last, or NULL */
-    unsigned long long seen[NS_SEEN];
+    ns_kept *last[2];                 /* of scratch: asked for last, or NULL */
+    unsigned long long seen[NS_SEEN]; /* what was asked for, */
+    unsigned char times[NS_SEEN];     /* and how often updates served it */
     size_t bytes, limit;
     long clock, made, evicted, updated;
 } ns_modal;

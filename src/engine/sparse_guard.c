@@ -364,3 +364,22 @@ int ns_guard_first(ns_sparse *m, ns_leg *leg) {
     }
     return status;
 }
+
+int ns_guard_starts(ns_sparse *m, const ns_leg *leg, double share) {
+    const size_t size = (size_t)m->f->size, last = (size_t)leg->stages - 1;
+    const double *v_last = leg->xi + last * size, *z_last = leg->z + last * (size_t)m->f->nz;
+    ns_leg_point(m, leg, 0, m->next_v);
+    (void)ns_inputs_stage(m->in, leg->t, 0, 0, m->z);
+    for (int j = 0; j < m->f->m; j++) {
+        const int guards = guards_of(m, j);
+        const double little = share * (m->mode[j] == NS_INSIDE ? m->most_lambda : m->most_y);
+        for (int k = 0; k < guards; k++) {
+            const double value = guard(m, j, k, m->next_v, m->z, 1) + little;
+            if (!(value >= 0) && !(value + 4 * fabs(guard(m, j, k, v_last, z_last, 0)) +
+                                       noise(m, j, m->next_v, leg->dw, leg->g) >=
+                                   0))
+                return 0;
+        }
+    }
+    return 1;
+}

@@ -1,4 +1,5 @@
 /* src/engine/sparse_leg.c - one step of high order with dense output, by solves with one factor. */
+#include "../linalg/lanes.h"
 #include "sparse_march.h"
 
 #include <float.h>
@@ -11,6 +12,10 @@ static const double least_share = 1e-3;
 static const double wiped_out = 1e-2;
 /* Where stages left out would add no more than this share of the error allowed, they are. */
 static const double stages_share = 0.1;
+/* With all stages more may be left, as is what all legs may err by. */
+static const double last_share = 0.1;
+/* Of what is of finite rate, this or less is left by D. */
+static const double decays = 0.7;
 /* Inputs are allowed this share of the error. */
 static const double inputs_share = 0.1;
 /* The largest |b_9| in a step; longer steps are taken where they promise this share of the error allowed. */
@@ -108,36 +113,58 @@ static double take_scales(ns_sparse *m, const ns_leg *leg) {
     return most;
 }
 
-/* D^p w, the last there is, of row i in its scale; 0: nothing is ever there. */
+/* The scale of w_i; 0: nothing is ever there. */
 static double scale_of(const ns_sparse *m, size_t i, double most) {
     return m->f->algebraic[i] ? 0 : fmax(m->scale[i], least_share * most * m->unit[i]);
 }
 
-/* 1 if what stages p, p+1, ... would add before share of the step is well below the error allowed, for the
- * state, inputs and guards: some stiff part is not there, or later stages would show it as large. */
-static int enough(const ns_sparse *m, const ns_leg *leg, int p, double share, double most) {
-    const size_t n = (size_t)m->f->n;
-    const double *d = leg->dw + (size_t)p * n, allowed = stages_share * m->o.reltol / (ERROR * share);
-    for (size_t i = 0; i < n; i++)
-        if (!m->f->algebraic[i] && !(fabs(d[i]) <= allowed * scale_of(m, i, most)))
-            return 0;
-    return ns_inputs_error(m->in, leg->g, p) <= inputs_share * allowed && ns_guard_enough(m, leg, p);
+static void take_shares(ns_sparse *m, double most) {
+    for (size_t i = 0; i < (size_t)m->f->n; i++) {
+        const double scale = scale_of(m, i, most);
+        m->share[i] = scale > 0 ? 1 / scale : 0;
+    }
 }
 
-/* As many as it takes, until room: at most NS_ORDER. */
+/* D^p w, in scales. */
+static double size_of_power(const ns_sparse *m, const ns_leg *leg, int p) {
+    const double *d = leg->dw + (size_t)p * (size_t)m->f->n;
+    double size = 0, no_number = 0;
+    for (int i = 0; i < m->f->n; i++) {
+        size = ns_higher(fabs(d[i]) * m->share[i], size);
+        no_number += d[i] - d[i];
+    }
+    return size + no_number;
+}
+
+/* 1 if what stages p, p+1, ... would add before share of the step is well below the error allowed, for the
+ * state, inputs and guards: some stiff part is not there, or later stages would show it as large. */
+static int enough(const ns_sparse *m, const ns_leg *leg, int p, double share, double size) {
+    const double allowed = stages_share * m->o.reltol / (ERROR * share);
+    return (size <= allowed) && ns_inputs_error(m->in, leg->g, p) <= inputs_share * allowed &&
+           ns_guard_enough(m, leg, p);
+}
+
+/* As many as it takes, until room: at most NS_ORDER.  Errors: LIMIT (a guess is tried, and what jumps shows).
+ */
 static int all_stages(ns_sparse *m, ns_leg *leg, double room) {
     const ns_kept *k;
     const double share = fmin(1, room / leg->g / ERROR);
-    double most = 0;
+    double before = INFINITY;
     int status = ns_modal_factor(m->q, leg->g, m->mode, 0, &k), i = 0;
-    while (i < NS_ORDER && status == NS_OK) {
+    leg->calm = 0;
+    while (i < NS_ORDER && status == NS_OK && !leg->calm) {
         status = stage(m, leg, k, i);
         if (i++ == 0 && status == NS_OK) {
-            most = take_scales(m, leg);
+            take_shares(m, take_scales(m, leg));
             ns_guard_sizes(m, leg->xi);
         }
-        if (i >= FEWEST && i < NS_ORDER && status == NS_OK && enough(m, leg, i, share, most))
-            break;
+        if (i < FEWEST || status != NS_OK)
+            continue;
+        const double size = size_of_power(m, leg, i);
+        leg->calm = enough(m, leg, i, i < NS_ORDER ? share : last_share * share, size);
+        if (m->guessing && !leg->calm && size > decays * before)
+            status = NS_E_LIMIT;
+        before = size;
     }
     leg->stages = i;
     return status;

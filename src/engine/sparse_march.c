@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { LEGS = sizeof((ns_sparse *)0)->leg / sizeof(ns_leg) };
+
 int ns_sparse_fail(ns_sparse *m, double t, int status) {
     m->fault.status = (ns_status)status;
     m->fault.nunknowns = 0;
@@ -33,23 +35,28 @@ static double *take(double **from, int count) {
 
 static int allocate(ns_sparse *m) {
     const int n = m->f->n, pairs = m->f->m, size = m->f->size;
-    const size_t count = (size_t)(7 * n + 4 * pairs + 4 * size + 2 * m->f->nz) + 1;
+    const size_t count = (size_t)(9 * n + 4 * pairs + 4 * size + 2 * m->f->nz) + 1;
     double *all = calloc(count, sizeof(double));
     m->w = all;
-    m->mode = calloc(5 * (size_t)pairs + (size_t)m->s->nc + 1, 1);
+    m->mode = calloc(6 * (size_t)pairs + (size_t)m->s->nc + 1, 1);
     m->crowd = calloc(2 * (size_t)pairs + 1, sizeof(int));
     m->fine = calloc((size_t)size + 1, sizeof(long double));
-    if (!all || !m->mode || !m->crowd || !m->fine)
+    m->guesses = 8 * (size_t)pairs + 61;
+    m->guess = calloc(m->guesses, sizeof *m->guess);
+    if (!all || !m->mode || !m->crowd || !m->fine || !m->guess)
         return NS_E_MEMORY;
     m->old_mode = m->mode + pairs;
     m->shown = m->old_mode + pairs;
-    m->flip = (unsigned char *)(m->shown + pairs);
+    m->own_mode = m->shown + pairs;
+    m->flip = (unsigned char *)(m->own_mode + pairs);
     m->touched = m->flip + pairs;
     m->changed = m->touched + pairs;
     m->w = take(&all, n);
     m->next_w = take(&all, n);
     m->scale = take(&all, 3 * n);
     m->unit = take(&all, n);
+    m->kept_scale = take(&all, n);
+    m->share = take(&all, n);
     m->rate = take(&all, n);
     m->l = take(&all, pairs);
     m->u = take(&all, pairs);
@@ -60,8 +67,10 @@ static int allocate(ns_sparse *m) {
     m->rest = take(&all, size);
     m->z = take(&all, m->f->nz);
     m->z_none = take(&all, m->f->nz);
-    const int status = make_leg(m->f, &m->leg[0]);
-    return status == NS_OK ? make_leg(m->f, &m->leg[1]) : status;
+    int status = NS_OK;
+    for (int i = 0; i < LEGS && status == NS_OK; i++)
+        status = make_leg(m->f, &m->leg[i]);
+    return status;
 }
 
 static void set_units(ns_sparse *m) {
@@ -122,7 +131,7 @@ int ns_sparse_create(const ns_system *s, const ns_sparse_options *o, ns_sparse *
 void ns_sparse_free(ns_sparse *m) {
     if (!m)
         return;
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < LEGS; i++) {
         free(m->leg[i].xi);
         free(m->leg[i].mode);
     }
@@ -131,6 +140,7 @@ void ns_sparse_free(ns_sparse *m) {
     free(m->crowd);
     free(m->twin);
     free(m->fine);
+    free(m->guess);
     ns_inputs_free(m->in);
     ns_modal_free(m->q);
     ns_form_free(m->f);
@@ -230,12 +240,34 @@ static int is_refusal(int status) {
            status == NS_E_RESIDUAL;
 }
 
+static ns_leg *free_leg(ns_sparse *m) {
+    ns_leg *leg = m->leg;
+    while (leg == m->live || leg == m->kept)
+        leg++;
+    return leg;
+}
+
+/* The event at the end of a leg, and the next one. */
+static int past_event(ns_sparse *m, double t, const ns_leg *from, ns_leg *to) {
+    ns_event_own(m, from, t);
+    if (ns_guess_leg(m, t, from, to)) {
+        ns_event_count(m, from, t);
+        return NS_OK;
+    }
+    const int status = ns_sparse_resolve(m, from, t);
+    if (is_refusal(status)) {
+        leave(m, from);
+        memcpy(m->mode, m->own_mode, (size_t)m->f->m);
+        ns_guard_bounds(m);
+    }
+    return status == NS_OK ? ns_sparse_next_leg(m, t, from, to) : status;
+}
+
 /* From the end of the live leg to the next one. */
 static int go_on(ns_sparse *m) {
-    ns_leg *from = m->live, *to = from == m->kept ? (from == m->leg ? m->leg + 1 : m->leg) : from;
+    ns_leg *from = m->live, *to = free_leg(m);
     const double t = from->end_t;
-    const ns_leg before = *from;
-    int status = NS_OK;
+    int status;
     if (m->budget-- <= 0)
         return NS_E_LIMIT;
     leave(m, from);
@@ -247,16 +279,9 @@ static int go_on(ns_sparse *m) {
         ns_inputs_at(m->in, from->t);
         ns_inputs_look(m->in, from->t, m->o.h, from->mode);
     }
-    if (from->why == NS_LEG_EVENT)
-        status = ns_sparse_resolve(m, from, t);
-    if (is_refusal(status)) {
-        leave(m, from);
-        ns_event_own(m, from, t);
-    } else if (status == NS_OK) {
-        status = ns_sparse_next_leg(m, t, &before, to);
-    }
+    status = from->why == NS_LEG_EVENT ? past_event(m, t, from, to) : ns_sparse_next_leg(m, t, from, to);
     if (is_refusal(status))
-        status = capture(m, t, &before, to);
+        status = capture(m, t, from, to);
     if (status != NS_OK)
         return status;
     m->live = to;

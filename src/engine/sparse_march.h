@@ -33,6 +33,7 @@ typedef struct ns_leg {
     double g;            /* Euler steps of its stages */
     int rung, next_rung; /* of its length; to try after it */
     int stages;          /* of xi that are known */
+    int calm;            /* D^i w vanish: nothing jumps, nothing stiff is there */
     ns_leg_end why;
     int pair, command; /* what breaks at the end, -1: none */
     int upper;         /* the upper bound of that pair's lambda did */
@@ -44,6 +45,16 @@ typedef struct ns_leg {
     ns_mode *mode;     /* m */
 } ns_leg;
 
+enum { NS_GUESS_PAIRS = 6 };
+
+/* What else changed when it did the last time. */
+typedef struct ns_guess {
+    unsigned long long key;  /* of what changed by itself */
+    int count, sure, failed; /* -1: too many; it is to be tried; it was in vain so often */
+    int pair[NS_GUESS_PAIRS];
+    ns_mode mode[NS_GUESS_PAIRS];
+} ns_guess;
+
 struct ns_sparse {
     const ns_system *s; /* what stays of the whole */
     ns_aside *aside;
@@ -51,7 +62,7 @@ struct ns_sparse {
     ns_form *f;
     ns_modal *q;
     ns_inputs *in;
-    ns_leg leg[2], *live, *kept;
+    ns_leg leg[3], *live, *kept;
     double live_tau, kept_tau; /* how far into them, */
     double live_t, kept_t;     /* at which times */
     double *l, *u;             /* m, commanded pairs as commanded */
@@ -61,12 +72,18 @@ struct ns_sparse {
     unsigned char *changed;    /* nc: commands that changed at this event */
     double *w, *next_w;        /* n */
     double *scale, *unit; /* 3 n: the largest w there were, and work; n: of one M alone, the square root */
-    double most_lambda, most_y; /* the largest there were */
-    ns_mode *old_mode, *shown;  /* m; m: what slides counts as closed */
-    double *crowd_t;            /* 2 m: since when flips of a pair are counted, */
-    int *crowd;                 /* 2 m: how many there were; then both as they were accepted */
+    double *share;        /* n: 1 / scale of a leg, 0 where nothing is */
+    double most_lambda, most_y;       /* the largest there were */
+    ns_mode *old_mode, *shown;        /* m; m: what slides counts as closed */
+    ns_mode *own_mode;                /* m: after what an event changes by itself */
+    ns_guess *guess;                  /* by a hash: */
+    size_t guesses;                   /* so many places */
+    int guessing;                     /* one is tried */
+    double *kept_scale, kept_most[2]; /* n: before it */
+    double *crowd_t;                  /* 2 m: since when flips of a pair are counted, */
+    int *crowd;                       /* 2 m: how many there were; then both as they were accepted */
     double crowded_until, kept_until;
-    int crowd_moved;       /* they are no longer as accepted */
+    int crowd_moved; /* they are no longer as accepted */
     double *v, *r, *rate;  /* size, size, n */
     double *next_v, *rest; /* size */
     long double *fine;     /* size */
@@ -130,6 +147,15 @@ int ns_guard_flip(ns_sparse *m, const double *v, const double *w, double g);
 int ns_guard_commands(ns_sparse *m, const double *v, const ns_leg *leg, unsigned char *changed);
 void ns_guard_set(ns_sparse *m, int j, int upper); /* flips one pair */
 
+/* Whether all guards hold at the start of a leg, but for rounding, what later stages would add, and share of
+ * the largest lambda and y. */
+int ns_guard_starts(ns_sparse *m, const ns_leg *leg, double share);
+
+/* sparse_guess.c: after ns_event_own(), a leg from t in the mode that events like this led to before; 0: none
+ * that holds, the mode is as it was.  From an event that was resolved. */
+int ns_guess_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg);
+void ns_guess_learn(ns_sparse *m, const ns_leg *leg);
+
 /* sparse_event.c: commands of time change that do so at t, or have to; m->mode such that an Euler step of
  * length g from w holds; v gets its end. */
 int ns_event_settle(ns_sparse *m, double t, double g, const double *w, double *v, double *by);
@@ -142,9 +168,13 @@ void ns_event_command(ns_sparse *m, double t);
 int ns_event_at(const ns_sparse *m, double t);
 /* What is counted of flips is accepted (keep), or goes back to what was. */
 void ns_event_crowd(ns_sparse *m, int keep);
+/* A pair that changes often in the time of a step chatters, or its events pile up: Euler steps for a while.
+ */
+void ns_event_count(ns_sparse *m, const ns_leg *leg, double t);
 /* What the leg that ended (NULL: a start) ended for, and commands of time, change. */
 void ns_event_own(ns_sparse *m, const ns_leg *leg, double t);
-/* The event at the end of a leg, from m->w: m->mode and m->w to its right.  leg NULL: a start. */
+/* The event at the end of a leg, from m->w, after ns_event_own(): m->mode and m->w to its right.  leg NULL: a
+ * start. */
 int ns_sparse_resolve(ns_sparse *m, const ns_leg *leg, double t);
 
 #endif

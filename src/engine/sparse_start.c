@@ -22,10 +22,12 @@ static void rest(ns_sparse *m) {
     m->most_lambda = m->most_y = 0;
     m->started = m->has_trial = 0;
     ns_inputs_reset(m->in);
+    memset(m->guess, 0, m->guesses * sizeof *m->guess);
 }
 
 /* From m->w and m->mode. */
 static int begin(ns_sparse *m, double t0) {
+    ns_event_own(m, NULL, t0);
     int status = ns_sparse_resolve(m, NULL, t0);
     m->counts.events--; /* a start is none */
     m->kept = m->live = m->leg;
