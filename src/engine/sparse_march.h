@@ -83,7 +83,7 @@ struct ns_sparse {
     double *crowd_t;                  /* 2 m: since when flips of a pair are counted, */
     int *crowd;                       /* 2 m: how many there were; then both as they were accepted */
     double crowded_until, kept_until;
-    int crowd_moved; /* they are no longer as accepted */
+    int crowd_moved;       /* they are no longer as accepted */
     double *v, *r, *rate;  /* size, size, n */
     double *next_v, *rest; /* size */
     long double *fine;     /* size */
