@@ -163,8 +163,9 @@ static void through_row(void) {
     const double all = fact_get("through netlists"), failed = fact_get("through ours failed");
     snprintf(what, sizeof what, "through ngspice, %.0f netlists", all);
     const double compared = fact_get("through compared");
-    snprintf(ours, sizeof ours, "CPU / %.3g (without start-up %.3g), error / %.3g, of %.0f, %.0f failed", cpu,
-             fact_get("through run"), error, compared, failed);
+    snprintf(ours, sizeof ours,
+             "CPU / %.3g (without start-up %.3g; start-up alone: %.3g), error / %.3g, of %.0f, %.0f failed",
+             cpu, fact_get("through run"), fact_get("through start"), error, compared, failed);
     snprintf(others, sizeof others, "ngspice's best of each; %.0f settings failed",
              fact_get("through others failed"));
     line(what, ours, "", others, "CPU / 10, error / 100",

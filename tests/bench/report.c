@@ -159,6 +159,7 @@ static void look_through_ngspice(int count, const row *rows, double right_error,
     if (ours && rival) {
         d->cpu_ratio = row_other(rival) / row_other(ours);
         d->run_ratio = row_time(rival) / row_time(ours);
+        d->start_ratio = row_other(rival) / (row_other(ours) - row_time(ours));
         d->error_ratio = rival->error / fmax(ours->error, fmax(right_error, 1e-14));
     }
     if (ours)
@@ -206,9 +207,10 @@ static double mean(int count, const duel *d, size_t offset, int through, int *of
 
 static void print_side(const row *r, const char *none) {
     if (r->rounds == 0)
-        printf("  %-33s", none);
+        printf("  %-40s", none);
     else
-        printf("%9.1f %8.1f %7ld %8.1e", 1e3 * row_other(r), 1e3 * row_time(r), r->steps, r->error);
+        printf("%9.1f %8.1f %7ld %6ld %8.1e", 1e3 * row_other(r), 1e3 * row_time(r), r->steps, r->grid,
+               r->error);
 }
 
 static void print_through(const duel *d) {
@@ -227,10 +229,10 @@ static void summarize_through(int count, const duel *d) {
     printf(
         "\n== through ngspice: its fastest setting below 1 %% (else its most accurate) against nonsmooth.cm "
         "as it is, at\n   that error or less if it gets there; ms of CPU: whole processes, and what is above "
-        "one that only starts and reads\n"
-        "  %-14s%9s %8s %7s %8s |%9s %8s %7s %8s | %6s %6s   %s\n",
-        "netlist", "ours: ms", "run", "points", "error", "best: ms", "run", "points", "error", "ratio",
-        "run's", "ngspice's best");
+        "one that only starts and reads;\n   points, and how many of them .tran alone asks for\n"
+        "  %-14s%9s %8s %7s %6s %8s |%9s %8s %7s %6s %8s | %6s %6s   %s\n",
+        "netlist", "ours: ms", "run", "points", ".tran", "error", "best: ms", "run", "points", ".tran",
+        "error", "ratio", "run's", "ngspice's best");
     for (int i = 0; i < count; i++)
         if (d[i].through) {
             print_through(&d[i]);
@@ -241,13 +243,15 @@ static void summarize_through(int count, const duel *d) {
     const double cpu = mean(count, d, offsetof(duel, cpu_ratio), 1, &of);
     const double run = mean(count, d, offsetof(duel, run_ratio), 1, &of);
     const double error = mean(count, d, offsetof(duel, error_ratio), 1, &of);
-    printf("  geometric means of %d of %d: CPU %.3g (without start-up %.3g), error %.3g; failed: ours %d, "
-           "ngspice's settings %d\n",
-           of, all, cpu, run, error, ours, failed);
+    const double start = mean(count, d, offsetof(duel, start_ratio), 1, &of);
+    printf("  geometric means of %d of %d: CPU %.3g (without start-up %.3g; %.3g if ours took nothing but "
+           "start-up), error %.3g; failed: ours %d, ngspice's settings %d\n",
+           of, all, cpu, run, start, error, ours, failed);
     fact_put("through netlists", all);
     fact_put("through compared", of);
     fact_put("through cpu", cpu);
     fact_put("through run", run);
+    fact_put("through start", start);
     fact_put("through error", error);
     fact_put("through ours failed", ours);
     fact_put("through others failed", failed);

@@ -19,8 +19,8 @@ typedef struct row {
     double time[ROUNDS];  /* s of CPU: creation and run of the library; ngspice's without start and reading */
     double other[ROUNDS]; /* of that, creation; ngspice's whole process */
     double error;
-    long steps, rejected;
-    ns_counts counts; /* the library's */
+    long steps, rejected, grid; /* grid: points that .tran alone asks ngspice for */
+    ns_counts counts;           /* the library's */
     size_t bytes;
     double accumulation; /* error of the last event's instant, s; NAN: of no interest */
 } row;
@@ -40,7 +40,8 @@ typedef struct duel {
                     it has none */
     double best_error, best_time;  /* ngspice's most accurate run */
     double cpu_ratio, error_ratio; /* through ngspice; 0 where one is missing, */
-    double run_ratio;              /* and of the times without start-up */
+    double run_ratio;              /* of the times without start-up, */
+    double start_ratio;            /* and if ours took no more than the start */
     row our_row, rival_row;        /* of those */
     int tried, done;               /* settings of ngspice's own models */
     int unbeaten;                  /* of those, that no run of the library beats in both time and error */

@@ -121,27 +121,28 @@ static int put_setting(list *l, rival_setting s, int before) {
     return at;
 }
 
-/* Those with long steps first, for the time that all may take. */
+/* Those with long steps first, for the time that all may take; where circuits chatter, those with the widest
+ * hysteresis, which alone come to an end. */
 static void put_ngspice(list *l, const plan *p, const bench_case *c) {
     static const rival_setting kinds[] = {{.name = "sidiode 1m", .models = {DECK_SIDIODE, 0, 1e-3, 1e6, 0}},
                                           {.name = "D n=0.01", .models = {DECK_D, 0.01, 1e-3, 1e6, 0}},
                                           {.name = "D n=1", .models = {DECK_D, 1, 1e-3, 1e6, 0}},
                                           {.name = "sidiode 1u", .models = {DECK_SIDIODE, 0, 1e-6, 1e9, 0}}};
-    static const double steps[] = {5, 20, 200, 2000};
-    int before[4][4][2][2]; /* kind, reltol, gear, hysteresis */
+    static const double steps[] = {5, 20, 200, 2000}, hysteresis[] = {100e-3, 10e-3, 0};
+    int before[4][4][2][3]; /* kind, reltol, gear, hysteresis */
     memset(before, -1, sizeof before);
     for (int step = 0; step < (p->quick ? 3 : 4); step++)
         for (int r = 0; r < 4; r += p->quick ? 2 : 1)
             for (int k = 0; k < 4; k++)
-                for (int way = 0; way < 4; way++) {
+                for (int way = 0; way < 6; way++) {
                     rival_setting s = kinds[k];
                     const int gear = way % 2, wide = way / 2;
-                    if ((gear && p->quick) || (wide && !c->feeds_back))
+                    if ((gear && p->quick) || (hysteresis[wide] > 0 && !c->feeds_back))
                         continue;
                     s.gear = gear;
                     s.reltol = pow(10, -3 - r);
                     s.step = 1 / steps[step];
-                    s.models.vh = wide ? 10e-3 : 0;
+                    s.models.vh = hysteresis[wide];
                     before[k][r][gear][wide] = put_setting(l, s, before[k][r][gear][wide]);
                 }
 }
@@ -224,6 +225,7 @@ static double run_ngspice(const bench_case *c, const todo *t, double limit, row 
     r->other[r->rounds] = got.process;
     r->error = case_error(c, got.values);
     r->steps = got.points;
+    r->grid = lround(c->end / (s.step * c->unit)) + 1;
     r->rejected = got.rejected;
     return got.process;
 }
@@ -248,10 +250,13 @@ static int is_hopeless(const list *l, int i) {
 }
 
 /* Ten times the fastest of the others is long enough for any other, if that is half a second.  Before one of
- * them has come to an end, a third of the limit: else the first could use up the time of all. */
-static double limit_of(const plan *p, const list *l, const row *r) {
+ * them has come to an end, a third of the limit: else the first could use up the time of all.  Where circuits
+ * chatter, those that end take long. */
+static double limit_of(const bench_case *c, const plan *p, const list *l, const row *r) {
     if (r->kind != ROW_RIVAL)
         return p->limit;
+    if (c->feeds_back)
+        return 4 * p->limit;
     return l->fastest > 0 ? fmin(p->limit, fmax(0.5, 10 * l->fastest)) : p->limit / 3;
 }
 
@@ -266,7 +271,7 @@ static void run_row(const bench_case *c, const plan *p, list *l, int i) {
         r->end = ROW_SKIPPED;
         return;
     }
-    const double limit = limit_of(p, l, r);
+    const double limit = limit_of(c, p, l, r);
     if (r->kind == ROW_LIBRARY)
         took = run_library(c, t, limit, r);
     else if (t->siconos.solver)
@@ -286,6 +291,8 @@ static int matters(const list *l, int i) {
         return 0;
     if (r->kind != ROW_RIVAL)
         return r->other[0] + r->time[0] < 0.3;
+    if (r->other[0] > 3) /* noise is far less */
+        return 0;
     for (int k = 0; k < l->count; k++) {
         const row *o = &l->row[k];
         if (o->kind == r->kind && o->end == ROW_DONE && o->error < r->error &&
