@@ -107,6 +107,8 @@ static const ns_run *repeats(const ns_schedule *s, int id, int *ends) {
 double ns_schedule_period(const ns_schedule *s) {
     double longest = 0;
     int ends;
+    if (s->terms > 0) /* waves go on, with instants or without */
+        return 0;
     for (int id = 0; id < s->count; id++) {
         const ns_run *r = repeats(s, id, &ends);
         if (!r && !ends)

@@ -122,6 +122,25 @@ static void a_converter_without_diodes(void **state) {
     assert_in_range(laps, 150, 197);
 }
 
+/* No period of the gate is like the one before where a sine, or what an exponential has begun, goes on. */
+static void waves_that_go_on(void **state) {
+    (void)state;
+    scene a, b;
+    ns_signal sine = {.kind = NS_SIN}, rise = {.kind = NS_EXP};
+    sine.u.sin.vo = rise.u.exp.v1 = vin;
+    sine.u.sin.va = 1;
+    sine.u.sin.freq = 173;
+    rise.u.exp.v2 = vin / 2;
+    rise.u.exp.tau1 = rise.u.exp.tau2 = 1e-3;
+    rise.u.exp.td2 = 1e-4;
+    buck(&a, 1, 5, square(1, period), sine, 0);
+    buck(&b, 1, 5, square(1, period), sine, 0);
+    assert_int_equal(compare(&a, &b, 600.3 * period, 2), 0);
+    buck(&a, 1, 5, square(1, period), rise, 0);
+    buck(&b, 1, 5, square(1, period), rise, 0);
+    assert_int_equal(compare(&a, &b, 600.3 * period, 2), 0);
+}
+
 static void guards_are_looked_at(void **state) {
     (void)state;
     scene a, b;
@@ -237,6 +256,7 @@ static void started_again(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_converter_without_diodes),
+        cmocka_unit_test(waves_that_go_on),
         cmocka_unit_test(guards_are_looked_at),
         cmocka_unit_test(a_guard_that_comes_near),
         cmocka_unit_test(events_that_are_found),
