@@ -9,7 +9,7 @@
 enum { FLIGHT_MOST = 64 };
 /* h is what the scheme needs for its accuracy; legs of the sparse engine, which knows its errors, may be so
  * many times as long. */
-enum { AT_MOST = 64 };
+enum { RUNGS = 6, AT_MOST = 1 << RUNGS };
 
 static int allocate(ns_march *m) {
     const size_t nz = (size_t)m->s->nz, nc = (size_t)m->s->nc;
@@ -41,8 +41,8 @@ int ns_choice_make(ns_march *m, ns_fault *fault) {
     const ns_march_options *o = &m->options;
     const int most = m->s->n + m->s->m;
     if (o->method == NS_SPARSE || (o->method == NS_AUTO && (m->s->large || most > FLIGHT_MOST))) {
-        const double h = o->method == NS_AUTO ? AT_MOST * o->h : o->h;
-        const ns_sparse_options options = {h, o->reltol, o->map_bytes};
+        const int rungs = o->method == NS_AUTO ? RUNGS : 0;
+        const ns_sparse_options options = {ldexp(o->h, rungs), o->reltol, o->map_bytes, rungs};
         return ns_sparse_create(m->s, &options, &m->sparse, fault);
     }
     return make_dense(m, fault);
@@ -144,7 +144,7 @@ static int modes_do_not_recur(ns_march *m) {
 
 /* Where the dense engines have come to, the sparse one begins; it may refuse. */
 static int hand_over(ns_march *m) {
-    const ns_sparse_options options = {AT_MOST * m->h, m->options.reltol, m->options.map_bytes};
+    const ns_sparse_options options = {AT_MOST * m->h, m->options.reltol, m->options.map_bytes, RUNGS};
     double t, *w;
     unsigned char *closed;
     ns_sparse *sparse = NULL;

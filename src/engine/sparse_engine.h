@@ -10,6 +10,7 @@ typedef struct ns_sparse_options {
     double h;      /* longest step, s, > 0 */
     double reltol; /* error of a step, relative to the charges and fluxes there were; 0: 1e-9 */
     size_t bytes;  /* bound on the memory of kept factors; 0: 64 MiB */
+    int finer;     /* h 2^-this is what else counts from: h 2^-20 of it is no time at all */
 } ns_sparse_options;
 
 /* As the calls of nonsmooth/march.h of the same names; systems may be large. */

@@ -11,7 +11,7 @@
 #include <string.h>
 
 /* Rounds in which all broken pairs change at once, without getting fewer; at most. */
-enum { BLOCK_ROUNDS = 6, MOST_ROUNDS = 100, SHORTER = 24, JUMPS = 6, COMMAND_ROUNDS = 64, LOCALS = 2 };
+enum { BLOCK_ROUNDS = 6, MOST_ROUNDS = 100, SHORTER = 24, JUMPS = 8, COMMAND_ROUNDS = 64, LOCALS = 2 };
 /* Of the terms of a bound: far above rounding. */
 static const double far = 1e-6;
 
@@ -161,21 +161,47 @@ static void look_ahead(ns_sparse *m, double t, double g, double *by) {
         memcpy(m->mode, m->old_mode, (size_t)m->f->m);
 }
 
-int ns_sparse_resolve(ns_sparse *m, const ns_leg *leg, double t) {
-    const int n = m->f->n, stuck = leg ? leg->stuck : 0;
-    const double short_h = ldexp(m->o.h, -NS_SHORT_RUNG - (leg ? leg->next_rung : 0) - stuck);
-    const double g = fmax(short_h, ldexp(m->o.h, -NS_EVENT_LEAST));
-    double *by = m->scale + 2 * n;
+/* The modes and commands that an attempt begins with. */
+static void keep(ns_sparse *m) {
+    memcpy(m->old_mode, m->mode, (size_t)m->f->m);
+    memcpy(m->old_changed, m->changed, (size_t)m->s->nc);
+}
+
+static void begin_again(ns_sparse *m) {
+    memcpy(m->mode, m->old_mode, (size_t)m->f->m);
+    memcpy(m->changed, m->old_changed, (size_t)m->s->nc);
+    ns_guard_bounds(m);
+}
+
+/* Settled and made consistent, until nothing jumps any more. */
+static int settle_jumps(ns_sparse *m, const ns_leg *leg, double t, ns_short *g) {
+    double *by = m->scale + 2 * m->f->n;
     int status = NS_OK, jumped = 1;
-    m->counts.problems++;
-    if (stuck == 1 || stuck == 2)
-        look_ahead(m, t, ldexp(g, 5 * stuck), by);
-    for (int round = 0; round < JUMPS && status == NS_OK && jumped; round++) {
-        status = ns_event_settle_all(m, t, g, leg, by);
+    keep(m);
+    for (int round = 0; round < JUMPS && status == NS_OK && (jumped || g->next != g->now); round++) {
+        if (g->next != g->now)
+            begin_again(m);
+        if (g->next > g->now) /* none is short enough */
+            g->least = g->next;
+        g->now = g->next;
+        status = ns_event_settle_all(m, t, g->now, leg, by);
         if (status == NS_OK)
             status = ns_fine_consistent(m, t, g, by, &jumped);
         m->counts.jumps += status == NS_OK && jumped;
+        if (jumped)
+            keep(m);
     }
+    return status;
+}
+
+int ns_sparse_resolve(ns_sparse *m, const ns_leg *leg, double t) {
+    const int stuck = leg ? leg->stuck : 0;
+    const double least = ldexp(m->o.h, -NS_EVENT_LEAST - m->o.finer);
+    const double g = fmax(ldexp(m->o.h, -NS_SHORT_RUNG - (leg ? leg->next_rung : 0) - stuck), least);
+    m->counts.problems++;
+    if (stuck == 1 || stuck == 2)
+        look_ahead(m, t, ldexp(g, 5 * stuck), m->scale + 2 * m->f->n);
+    const int status = settle_jumps(m, leg, t, &(ns_short){g, g, least, g});
     m->counts.events++;
     if (leg && status == NS_OK)
         ns_guess_learn(m, leg);

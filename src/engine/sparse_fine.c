@@ -24,6 +24,10 @@ enum { ROUNDS = 4, SOON = 5 };
  * moves by; and by more than what it says that digits are lost. */
 static const double nothing = 64 * DBL_EPSILON, a_jump = 1e-11, fine_enough = 1e-14, lost = 1e-8,
                     rounding = 1e-11;
+/* g a of what D^8 leaves nothing of. */
+static const double slow = 0.05;
+/* Of shortened steps this share will do. */
+static const double enough = 1e-6;
 
 double ns_fine_size(const ns_sparse *m) {
     double most = 0;
@@ -113,19 +117,23 @@ static int correct(ns_sparse *m, double g, const ns_kept *k, double size, const 
  * only turn over (ALL_OF_IT); else SOME. */
 typedef enum left { SOME, NOTHING, ALL_OF_IT } left;
 
-static left compare(const ns_sparse *m, double size, const double *before, const double *by) {
+static left compare(const ns_sparse *m, double size, const double *before, const double *by, double *turned) {
     double most = 0;
+    *turned = 0;
     if (largest(m, by) <= nothing * size)
         return NOTHING;
     for (int i = 0; i < m->f->n; i++)
         if (!m->f->algebraic[i])
             most = fmax(most, fabs(before[i] + by[i]) / m->unit[i]);
+    *turned = most;
     return most <= nothing * size ? ALL_OF_IT : SOME;
 }
 
 /* D^N w, in m->next_w, from the first D^count w that tell.  fine: with corrections, until one moves nothing.
- * first: D w, NULL: not known yet. */
-static int powers(ns_sparse *m, double t, double g, int count, int fine, const double *first, left *what) {
+ * first: D w, NULL: not known yet.  *turned: the largest of D^N w + D^(N-1) w, which is nothing of what has
+ * no time of its own. */
+static int powers(ns_sparse *m, double t, double g, int count, int fine, const double *first, left *what,
+                  double *turned) {
     const ns_kept *k;
     const int n = m->f->n;
     double size = ns_fine_size(m), *by = m->scale + n;
@@ -145,23 +153,36 @@ static int powers(ns_sparse *m, double t, double g, int count, int fine, const d
         if (status == NS_OK && fine)
             status = correct(m, g, k, size, m->v, by, &fine);
         if (status == NS_OK)
-            *what = compare(m, size, m->next_w, by);
+            *what = compare(m, size, m->next_w, by, turned);
         for (int r = 0; r < n; r++)
             m->next_w[r] = *what == ALL_OF_IT && i % 2 == 0 ? -by[r] : by[r];
     }
     return status;
 }
 
-int ns_fine_consistent(ns_sparse *m, double t, double g, const double *first, int *jumped) {
+/* A step that leaves next to nothing of D^8 w, if there is one between least and g; else the longest. */
+static double better(double g, double least, double longest, double goes, double turned) {
+    const double wanted = g * turned / goes * slow; /* D = -g a/(1 + g a) of a rate a: goes/turned = g a */
+    return g > least && wanted >= least / 4 ? fmax(least, fmin(wanted, g / 2)) : longest;
+}
+
+int ns_fine_consistent(ns_sparse *m, double t, ns_short *g, const double *first, int *jumped) {
     const double size = ns_fine_size(m);
+    double turned;
     left what;
     *jumped = 0;
-    int status = powers(m, t, g, SOON, 0, first, &what);
+    g->next = g->now;
+    int status = powers(m, t, g->now, SOON, 0, first, &what, &turned);
     if (status == NS_OK && what == SOME)
-        status = powers(m, t, g, NS_ORDER, 1, NULL, &what);
+        status = powers(m, t, g->now, NS_ORDER, 1, NULL, &what, &turned);
     if (status != NS_OK || what == NOTHING)
         return status;
-    *jumped = largest(m, m->next_w) > a_jump * size;
+    const double goes = largest(m, m->next_w);
+    if (what == SOME && turned > (g->now < g->longest ? enough : fmax(a_jump, m->o.reltol)) * size)
+        g->next = better(g->now, g->least, g->longest, goes, turned);
+    if (g->next != g->now)
+        return NS_OK;
+    *jumped = goes > a_jump * size;
     for (int i = 0; i < m->f->n; i++)
         m->w[i] -= m->next_w[i];
     return NS_OK;

@@ -249,7 +249,7 @@ static double inputs_error(const ns_sparse *m, int rung) {
 /* Stages such that the error until room is small enough; the length wanted next. */
 static int choose_length(ns_sparse *m, ns_leg *leg, double room) {
     int consistent = 0, jumped = 0, most = MOST_DOUBLINGS;
-    while (leg->rung < NS_LEAST_RUNG && inputs_error(m, leg->rung) > 1)
+    while (leg->rung < ns_least_rung(m) && inputs_error(m, leg->rung) > 1)
         leg->rung++;
     while (most > 0 && inputs_error(m, leg->rung - most) > 1)
         most--;
@@ -265,15 +265,16 @@ static int choose_length(ns_sparse *m, ns_leg *leg, double room) {
         leg->next_rung = leg->rung;
         if (leg->stages == NS_ORDER && error <= 1 && jump > 1 && !consistent) {
             consistent = 1;
-            status = ns_fine_consistent(m, leg->t, length(m, leg->rung + NS_SHORT_RUNG), NULL, &jumped);
+            const double g = length(m, leg->rung + NS_SHORT_RUNG);
+            status = ns_fine_consistent(m, leg->t, &(ns_short){g, g, g, g}, NULL, &jumped);
             if (status != NS_OK)
                 return status;
             memcpy(leg->dw, m->w, sizeof(double) * (size_t)m->f->n);
             continue;
         }
-        if (error <= 1 || leg->rung >= NS_LEAST_RUNG || tries >= NS_LEAST_RUNG) {
+        if (error <= 1 || leg->rung >= ns_least_rung(m) || tries >= ns_least_rung(m)) {
             leg->next_rung -= doublings(whole, ratio, leg->rung < most ? leg->rung : most);
-            if (whole > 1 && leg->next_rung < NS_LEAST_RUNG)
+            if (whole > 1 && leg->next_rung < ns_least_rung(m))
                 leg->next_rung++;
             return whole < INFINITY ? NS_OK : NS_E_OVERFLOW;
         }

@@ -38,7 +38,7 @@ static int allocate(ns_sparse *m) {
     const size_t count = (size_t)(9 * n + 4 * pairs + 4 * size + 2 * m->f->nz) + 1;
     double *all = calloc(count, sizeof(double));
     m->w = all;
-    m->mode = calloc(6 * (size_t)pairs + (size_t)m->s->nc + 1, 1);
+    m->mode = calloc(6 * (size_t)pairs + 2 * (size_t)m->s->nc + 1, 1);
     m->crowd = calloc(2 * (size_t)pairs + 1, sizeof(int));
     m->fine = calloc((size_t)size + 1, sizeof(long double));
     m->guesses = 8 * (size_t)pairs + 61;
@@ -51,6 +51,7 @@ static int allocate(ns_sparse *m) {
     m->flip = (unsigned char *)(m->own_mode + pairs);
     m->touched = m->flip + pairs;
     m->changed = m->touched + pairs;
+    m->old_changed = m->changed + m->s->nc;
     m->w = take(&all, n);
     m->next_w = take(&all, n);
     m->scale = take(&all, 3 * n);

@@ -24,6 +24,12 @@ enum {
     NS_CAPTURE_FIRST = 14
 };
 
+/* The steps that resolve an event: those between `least` and `longest` may be taken; `next`: other than those
+ * of now would be right. */
+typedef struct ns_short {
+    double now, next, least, longest;
+} ns_short;
+
 typedef enum ns_leg_end { NS_LEG_GOES_ON, NS_LEG_EVENT } ns_leg_end;
 
 typedef struct ns_leg {
@@ -63,14 +69,15 @@ struct ns_sparse {
     ns_modal *q;
     ns_inputs *in;
     ns_leg leg[3], *live, *kept;
-    double live_tau, kept_tau; /* how far into them, */
-    double live_t, kept_t;     /* at which times */
-    double *l, *u;             /* m, commanded pairs as commanded */
-    ns_mode *mode;             /* m: of what comes next */
-    unsigned char *flip;       /* m */
-    unsigned char *touched;    /* m: pairs that changed while a mode is looked for */
-    unsigned char *changed;    /* nc: commands that changed at this event */
-    double *w, *next_w;        /* n */
+    double live_tau, kept_tau;  /* how far into them, */
+    double live_t, kept_t;      /* at which times */
+    double *l, *u;              /* m, commanded pairs as commanded */
+    ns_mode *mode;              /* m: of what comes next */
+    unsigned char *flip;        /* m */
+    unsigned char *touched;     /* m: pairs that changed while a mode is looked for */
+    unsigned char *changed;     /* nc: commands that changed at this event */
+    unsigned char *old_changed; /* nc */
+    double *w, *next_w;         /* n */
     double *scale, *unit; /* 3 n: the largest w there were, and work; n: of one M alone, the square root */
     double *share;        /* n: 1 / scale of a leg, 0 where nothing is */
     double most_lambda, most_y;       /* the largest there were */
@@ -122,11 +129,17 @@ int ns_euler(ns_sparse *m, double t, double g, const double *w, int brief, doubl
 int ns_leg_solve(ns_sparse *m, const ns_kept *k, double t, double g, int i, const double *w, double *z,
                  double *v, double *by);
 
+static inline int ns_least_rung(const ns_sparse *m) {
+    return NS_LEAST_RUNG + m->o.finer;
+}
+
 /* sparse_fine.c: the largest charge or flux there is or was, in units; m->w made consistent with m->mode by
- * steps of length g, of which first (n) is what the first one moves, if that is known (else NULL): what is
- * faster goes.  *jumped: 1 if it did by more than rounding.  Errors: RESIDUAL (digits are lost). */
+ * steps of length g->now, of which first (n) is what the first one moves, if that is known (else NULL): what
+ * is faster goes.  *jumped: 1 if it did by more than rounding.  If what would go is quick, but shorter steps
+ * see it, or if those that there are do not either, nothing is done, and g->next is not g->now.  Errors:
+ * RESIDUAL (digits are lost). */
 double ns_fine_size(const ns_sparse *m);
-int ns_fine_consistent(ns_sparse *m, double t, double g, const double *first, int *jumped);
+int ns_fine_consistent(ns_sparse *m, double t, ns_short *g, const double *first, int *jumped);
 
 /* sparse_twins.c: as ns_twins_find() (twins.h). */
 int ns_sparse_twins(const ns_system *s, const ns_form *f, ns_twin **out, int *count);

@@ -113,7 +113,7 @@ static cost run(const char *what, ns_circuit *c, int devices, double h, double r
     ns_system *s;
     ns_sparse *m;
     double reached;
-    const ns_sparse_options o = {h, reltol, 0};
+    const ns_sparse_options o = {h, reltol, 0, 0};
     const double t0 = now(), before = megabytes();
     must(ns_circuit_system(c, &s));
     const double t1 = now();
@@ -144,7 +144,7 @@ static cost run(const char *what, ns_circuit *c, int devices, double h, double r
 static void euler(ns_circuit *c, int devices, double h, int steps) {
     ns_system *s;
     ns_sparse *m;
-    const ns_sparse_options o = {h, 1e-9, 0};
+    const ns_sparse_options o = {h, 1e-9, 0, 0};
     must(ns_circuit_system(c, &s));
     must(ns_sparse_create(s, &o, &m, NULL));
     double *w0 = room(sizeof(double) * (size_t)s->n);

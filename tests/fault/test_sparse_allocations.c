@@ -66,7 +66,7 @@ static void scenario(double *out) {
     ns_system *s;
     ns_sparse *m;
     double x[8], w0[8], reached;
-    const ns_sparse_options o = {1e-5, 1e-9, 1}; /* hardly any memory for factors: they come and go */
+    const ns_sparse_options o = {1e-5, 1e-9, 1, 0}; /* hardly any memory for factors: they come and go */
     TRY(ns_circuit_system(c, &s));
     assert_true(s->n <= 8);
     TRY(ns_sparse_create(s, &o, &m, NULL));
