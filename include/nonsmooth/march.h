@@ -21,7 +21,7 @@ typedef struct ns_march ns_march;
 /* What goes the way between events. */
 typedef enum ns_method {
     NS_AUTO,   /* flight or sparse, by size and by what was seen; the scheme where events crowd */
-    NS_THETA,  /* steps of the scheme: first order at events, the documents' own */
+    NS_THETA,  /* steps of the scheme, the documents' own, of one length; see also `capture` */
     NS_FLIGHT, /* exact, by matrices of each mode that are kept; the scheme where events crowd */
     NS_SPARSE  /* exact to reltol, by one sparse factor a mode; for thousands of unknowns */
 } ns_method;
@@ -32,11 +32,13 @@ typedef struct ns_march_options {
     size_t map_bytes;    /* bound on what is kept of modes; 0: some default */
     ns_method method;
     double reltol; /* of NS_SPARSE: error of a step beside the largest charges and fluxes so far; 0: 1e-9 */
+    int capture;   /* of NS_THETA with theta = gamma > 0: 1: no event is located, what breaks in a step is
+                      resolved in it; so are systems of more than 1500 unknowns and pairs always */
 } ns_march_options;
 
 /* Makes a marcher for s, which must outlive it and not change.  On failure *out is NULL and fault (may
  * be NULL) says where.  NS_AUTO takes NS_SPARSE for a system that is large (system.h).  Errors: those of
- * ns_theta_create(), RANGE (h, reltol), SIZE (a large system and another method). */
+ * ns_theta_create(), RANGE (h, reltol), SIZE (more than 1500 unknowns and pairs, and another method). */
 int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **out, ns_fault *fault);
 void ns_march_free(ns_march *m);
 

@@ -45,7 +45,8 @@ typedef struct ns_large {
 
 /* Every array belongs to the system and is NULL where its size is zero.  z entries are functions of
  * time; constant sources belong in b and e.  Where n+m is large, ns_circuit_system() makes a system whose
- * M to F, gx and gz are NULL and that has them in `large`; only NS_SPARSE takes it. */
+ * M to F, gx and gz are NULL and that has them in `large`: for NS_AUTO, NS_SPARSE, NS_THETA with `capture`,
+ * and, up to 1500 unknowns and pairs, for the marcher's dense engines, which take a copy. */
 typedef struct ns_system {
     int n;               /* unknowns x */
     int m;               /* pairs */

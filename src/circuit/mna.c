@@ -12,7 +12,7 @@
 #include "circuit/circuit_internal.h"
 
 /* Unknowns and pairs from which on a system is made large: dense arrays would be slow and big. */
-enum { LARGE = 1500 };
+enum { LARGE = 400 };
 
 static int row_of(const stamp *to, int number) {
     return ns_circuit_node_unknown(to->c, number);

@@ -1,4 +1,5 @@
 /* src/engine/choice.c - which engine goes the way. */
+#include "../system/dense_copy.h"
 #include "flight.h"
 #include "sparse_engine.h"
 
@@ -10,6 +11,12 @@ enum { FLIGHT_MOST = 64 };
 /* h is what the scheme needs for its accuracy; legs of the sparse engine, which knows its errors, may be so
  * many times as long. */
 enum { RUNGS = 6, AT_MOST = 1 << RUNGS };
+/* Unknowns and pairs up to which large systems are also written out for the dense engines, which get slow. */
+enum { DENSE_MOST = 1500 };
+
+static int too_large(const ns_system *s) {
+    return s->large && s->n + s->m > DENSE_MOST;
+}
 
 static int allocate(ns_march *m) {
     const size_t nz = (size_t)m->s->nz, nc = (size_t)m->s->nc;
@@ -29,7 +36,15 @@ static int allocate(ns_march *m) {
 static int make_dense(ns_march *m, ns_fault *fault) {
     const ns_march_options *o = &m->options;
     const ns_theta_options options = {o->theta, o->gamma, o->map_bytes};
-    int status = ns_theta_create(m->s, &options, &m->step, fault);
+    int status = too_large(m->s) ? NS_E_SIZE : NS_OK;
+    if (status == NS_OK && m->s->large)
+        status = ns_system_check(m->s, fault);
+    if (status == NS_OK && m->s->large)
+        status = ns_dense_copy(m->s, &m->own);
+    if (m->own)
+        m->s = m->own;
+    if (status == NS_OK)
+        status = ns_theta_create(m->s, &options, &m->step, fault);
     if (status == NS_OK)
         status = allocate(m);
     if (status == NS_OK && o->method != NS_THETA)
@@ -37,12 +52,22 @@ static int make_dense(ns_march *m, ns_fault *fault) {
     return status;
 }
 
+/* The scheme by sparse factors: with one matrix for theta and gamma. */
+static int steps_sparsely(const ns_march_options *o) {
+    return o->method == NS_THETA && o->theta > 0 && o->theta <= 1 && o->theta == o->gamma;
+}
+
 int ns_choice_make(ns_march *m, ns_fault *fault) {
     const ns_march_options *o = &m->options;
-    const int most = m->s->n + m->s->m;
-    if (o->method == NS_SPARSE || (o->method == NS_AUTO && (m->s->large || most > FLIGHT_MOST))) {
+    const int large = m->s->large || m->s->n + m->s->m > FLIGHT_MOST;
+    const int steps = steps_sparsely(o) && (too_large(m->s) || o->capture);
+    if (o->method == NS_SPARSE || (o->method == NS_AUTO && large) || steps) {
         const int rungs = o->method == NS_AUTO ? RUNGS : 0;
-        const ns_sparse_options options = {ldexp(o->h, rungs), o->reltol, o->map_bytes, rungs};
+        const ns_sparse_options options = {.h = ldexp(o->h, rungs),
+                                           .reltol = steps ? 0 : o->reltol,
+                                           .bytes = o->map_bytes,
+                                           .finer = rungs,
+                                           .theta = steps ? o->theta : 0};
         return ns_sparse_create(m->s, &options, &m->sparse, fault);
     }
     return make_dense(m, fault);
@@ -51,7 +76,7 @@ int ns_choice_make(ns_march *m, ns_fault *fault) {
 int ns_choice_leaves(const ns_march *m, int status) {
     const int refused = status == NS_E_SINGULAR || status == NS_E_INFEASIBLE || status == NS_E_LIMIT ||
                         status == NS_E_RESIDUAL || status == NS_E_OVERFLOW;
-    return refused && m->options.method == NS_AUTO && !m->s->large;
+    return refused && m->options.method != NS_SPARSE && !too_large(m->s);
 }
 
 void ns_choice_sum(const ns_march *m, ns_counts *counts) {
@@ -144,7 +169,10 @@ static int modes_do_not_recur(ns_march *m) {
 
 /* Where the dense engines have come to, the sparse one begins; it may refuse. */
 static int hand_over(ns_march *m) {
-    const ns_sparse_options options = {AT_MOST * m->h, m->options.reltol, m->options.map_bytes, RUNGS};
+    const ns_sparse_options options = {.h = AT_MOST * m->h,
+                                       .reltol = m->options.reltol,
+                                       .bytes = m->options.map_bytes,
+                                       .finer = RUNGS};
     double t, *w;
     unsigned char *closed;
     ns_sparse *sparse = NULL;

@@ -45,6 +45,7 @@ void ns_march_free(ns_march *m) {
         return;
     ns_sparse_free(m->sparse);
     ns_choice_drop(m);
+    ns_system_free(m->own);
     free(m);
 }
 
@@ -186,7 +187,7 @@ int ns_march_at_event(const ns_march *m) {
 
 ns_method ns_march_engine(const ns_march *m) {
     if (m->sparse)
-        return NS_SPARSE;
+        return m->options.method == NS_THETA ? NS_THETA : NS_SPARSE;
     return flying(m) ? NS_FLIGHT : NS_THETA;
 }
 

@@ -44,6 +44,7 @@ typedef struct ns_jump {
 
 struct ns_march {
     const ns_system *s;
+    ns_system *own;           /* that, where it is a copy of a large one; else NULL */
     struct ns_sparse *sparse; /* NULL, or who goes all the way; then all below is unused */
     ns_theta *step;
     struct ns_flight *flight; /* NULL: all steps are the scheme's */

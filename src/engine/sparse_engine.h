@@ -11,6 +11,7 @@ typedef struct ns_sparse_options {
     double reltol; /* error of a step, relative to the charges and fluxes there were; 0: 1e-9 */
     size_t bytes;  /* bound on the memory of kept factors; 0: 64 MiB */
     int finer;     /* h 2^-this is what else counts from: h 2^-20 of it is no time at all */
+    double theta;  /* in (0,1]: steps of the scheme, all of length h (sparse_scheme.c); 0: of high order */
 } ns_sparse_options;
 
 /* As the calls of nonsmooth/march.h of the same names; systems may be large. */
@@ -27,9 +28,5 @@ const ns_mode *ns_sparse_mode(const ns_sparse *m);
 int ns_sparse_at_event(const ns_sparse *m);
 const ns_counts *ns_sparse_counts(ns_sparse *m);
 const ns_fault *ns_sparse_fault(const ns_sparse *m);
-
-/* One implicit Euler step of length h from the accepted point, whatever breaks in it resolved at its end:
- * accepted.  Errors: those of ns_sparse_try(). */
-int ns_sparse_euler(ns_sparse *m, double h);
 
 #endif

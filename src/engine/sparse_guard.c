@@ -79,6 +79,10 @@ static inline int holds(const ns_sparse *m, int j, const double *v, int any_F) {
     return mode == NS_LOWER ? y >= 0 : y <= 0;
 }
 
+int ns_guard_holds(const ns_sparse *m, int j, const double *v) {
+    return holds(m, j, v, m->f->Ft.start[m->f->m] > 0);
+}
+
 /* Whether a guard of pair j is negative by more than the sum of its terms explains; marks it in m->flip. */
 static int is_broken(ns_sparse *m, int j, const double *v, const double *w, double g) {
     const int guards = guards_of(m, j);

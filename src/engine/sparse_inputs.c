@@ -184,6 +184,15 @@ int ns_inputs_stage(const ns_inputs *in, double t, double g, int i, double *z) {
     return any;
 }
 
+int ns_inputs_values(const ns_inputs *in, double t, double *z) {
+    int any = 0;
+    for (int k = 0; k < in->s->nz; k++) {
+        z[k] = ns_signal_value(&in->s->z[k], t, NS_RIGHT);
+        any |= z[k] != 0;
+    }
+    return any;
+}
+
 double ns_inputs_excess(const ns_inputs *in, int c, int closed, const double *z, double tol) {
     const ns_command *k = &in->s->command[c];
     const ns_csc *gz = &in->f->gz;
@@ -384,4 +393,10 @@ void ns_inputs_look(ns_inputs *in, double t, double horizon, const ns_mode *mode
             look(in, c, mode[in->s->command[c].pair] == NS_INSIDE, t, horizon);
         in->first = fmin(in->first, fmin(in->review[c], in->instant[c]));
     }
+}
+
+double ns_inputs_change(ns_inputs *in, int c, int closed, double t, double horizon) {
+    for (int k = 0; k < MOST_PIECES && in->instant[c] > t && in->review[c] <= t; k++)
+        look(in, c, closed, in->review[c], horizon);
+    return in->instant[c];
 }

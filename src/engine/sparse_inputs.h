@@ -39,6 +39,9 @@ void ns_inputs_at(ns_inputs *in, double t);
  * Euler step.  Returns 0 if all are zero. */
 int ns_inputs_stage(const ns_inputs *in, double t, double g, int i, double *z);
 
+/* z (nz) at t.  Returns 0 if all are zero. */
+int ns_inputs_values(const ns_inputs *in, double t, double *z);
+
 /* D^(order+1) of inputs in Euler steps g, relative to the largest each ever was: what is left out is of that
  * size. */
 double ns_inputs_error(const ns_inputs *in, double g, int order);
@@ -48,5 +51,8 @@ double ns_inputs_excess(const ns_inputs *in, int c, int closed, const double *z,
 
 /* Looks for the instants of time-only commands after t; horizon: how far where nothing else bounds it. */
 void ns_inputs_look(ns_inputs *in, double t, double horizon, const ns_mode *mode);
+
+/* The next instant at which time-only command c changes, looked for as far as t at least; INFINITY: none. */
+double ns_inputs_change(ns_inputs *in, int c, int closed, double t, double horizon);
 
 #endif

@@ -30,8 +30,8 @@ static double threshold(const ns_sparse *m, int j) {
     return c->on - c->g0;
 }
 
-/* The right-hand side of (P2) from w, f = T (b + E z) and inputs z; constants: 1 with them. */
-static void form_rhs(ns_sparse *m, double g, const double *w, const double *z, int any, int constants) {
+/* f = T (b + E z) */
+void ns_leg_rhs(ns_sparse *m, double g, const double *w, const double *z, int any, int constants) {
     const ns_form *f = m->f;
     const int n = f->n;
     double *r = m->r, *rate = m->rate;
@@ -42,7 +42,7 @@ static void form_rhs(ns_sparse *m, double g, const double *w, const double *z, i
     if (any)
         ns_csc_times_add(&f->E, z, rate);
     for (int i = 0; i < n; i++)
-        r[i] = f->algebraic[i] ? rate[i] : w[i] + g * rate[i];
+        r[i] = f->algebraic[i] ? rate[i] : (w ? w[i] : 0) + g * rate[i];
     for (int i = 0; f->held && i < n; i++)
         if (!isnan(f->held[i]))
             r[i] = f->held[i];
@@ -75,8 +75,9 @@ int ns_euler(ns_sparse *m, double t, double g, const double *w, int brief, doubl
             v[i] = NAN; /* breaks no guard */
         return status;
     }
-    const int any = ns_inputs_stage(m->in, t, g, 0, m->z);
-    form_rhs(m, g, w, m->z, any, 1);
+    const int any =
+        m->o.theta > 0 ? ns_inputs_values(m->in, t + g, m->z) : ns_inputs_stage(m->in, t, g, 0, m->z);
+    ns_leg_rhs(m, g, w, m->z, any, 1);
     status = ns_modal_solve(m->q, k, m->r, v);
     if (by)
         rates(m, g, v, by);
@@ -86,7 +87,7 @@ int ns_euler(ns_sparse *m, double t, double g, const double *w, int brief, doubl
 int ns_leg_solve(ns_sparse *m, const ns_kept *k, double t, double g, int i, const double *w, double *z,
                  double *v, double *by) {
     const int any = ns_inputs_stage(m->in, t, g, i, z);
-    form_rhs(m, g, w, z, any, i == 0);
+    ns_leg_rhs(m, g, w, z, any, i == 0);
     const int status = ns_modal_solve(m->q, k, m->r, v);
     if (status == NS_OK)
         rates(m, g, v, by);
@@ -323,7 +324,7 @@ void ns_leg_state(const ns_sparse *m, const ns_leg *leg, double tau, double *w) 
     double b[NS_ORDER + 1];
     if (leg->euler) {
         for (size_t i = 0; i < n; i++)
-            w[i] = leg->dw[i] + leg->dw[n + i];
+            w[i] = leg->dw[i] + tau / leg->g * leg->dw[n + i];
         return;
     }
     ns_laguerre_steps(tau / leg->g, b); /* (E2) */

@@ -99,7 +99,7 @@ static int make(ns_sparse *m, const ns_system *s) {
     if (status != NS_OK)
         return status;
     set_units(m);
-    return NS_OK;
+    return ns_scheme_create(m);
 }
 
 int ns_sparse_create(const ns_system *s, const ns_sparse_options *o, ns_sparse **out, ns_fault *fault) {
@@ -108,7 +108,8 @@ int ns_sparse_create(const ns_system *s, const ns_sparse_options *o, ns_sparse *
     *out = NULL;
     if (!s || !o)
         return NS_E_NULL;
-    if (!(o->h > 0) || !isfinite(o->h) || !(o->reltol >= 0) || !isfinite(o->reltol))
+    if (!(o->h > 0) || !isfinite(o->h) || !(o->reltol >= 0) || !isfinite(o->reltol) ||
+        !(o->theta >= 0 && o->theta <= 1))
         return NS_E_RANGE;
     int status = ns_system_check(s, fault);
     if (status != NS_OK)
@@ -142,6 +143,7 @@ void ns_sparse_free(ns_sparse *m) {
     free(m->twin);
     free(m->fine);
     free(m->guess);
+    ns_scheme_free(m);
     ns_inputs_free(m->in);
     ns_modal_free(m->q);
     ns_form_free(m->f);
@@ -151,7 +153,7 @@ void ns_sparse_free(ns_sparse *m) {
 
 /* As far into the live leg as t is. */
 static void move_to(ns_sparse *m, double t) {
-    const int whole = t >= m->live->end_t || m->live->euler;
+    const int whole = t >= m->live->end_t || (m->live->euler && !(m->o.theta > 0));
     m->live_tau = whole ? m->live->end : fmin(t - m->live->t - m->live->past_t, m->live->end);
     m->live_t = whole ? m->live->end_t : t;
 }
@@ -193,6 +195,8 @@ int ns_sparse_next_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg
     const double limit = fmax(fmin(m->in->corner, m->in->first), nextafter(t, INFINITY));
     const double h = ldexp(m->o.h, -leg->rung);
     int status;
+    if (m->o.theta > 0)
+        return ns_scheme_go(m, t, t, leg);
     if (stuck > NS_STUCK)
         status = euler_leg(m, leg, t, limit, ldexp(h, -10));
     else if (t < m->crowded_until)
@@ -291,6 +295,21 @@ static int go_on(ns_sparse *m) {
     return NS_OK;
 }
 
+/* The same by steps of the scheme. */
+static int step_on(ns_sparse *m) {
+    ns_leg *from = m->live, *to = from == m->kept ? (from == m->leg ? m->leg + 1 : m->leg) : from;
+    const double t = from->end_t;
+    if (!m->scheme.running || m->scheme.t != t)
+        leave(m, from);
+    const int status = ns_scheme_go(m, t, m->asked, to);
+    if (status != NS_OK)
+        return status;
+    m->live = to;
+    m->live_tau = 0;
+    m->live_t = t;
+    return NS_OK;
+}
+
 static int go_to(ns_sparse *m, double t, ns_until until) {
     const double from = m->live_t;
     m->budget = 100000 + (long)fmin(1e12, 20000 * (t - from) / m->o.h);
@@ -300,7 +319,7 @@ static int go_to(ns_sparse *m, double t, ns_until until) {
         if (m->live_t < m->live->end_t) {
             move_to(m, t);
         } else {
-            const int status = go_on(m);
+            const int status = m->o.theta > 0 ? step_on(m) : go_on(m);
             if (status != NS_OK)
                 return status;
         }
@@ -311,8 +330,10 @@ static int go_to(ns_sparse *m, double t, ns_until until) {
 }
 
 static void go_back(ns_sparse *m) {
-    if (m->live != m->kept || m->live_t != m->kept_t)
+    if (m->live != m->kept || m->live_t != m->kept_t) {
         ns_inputs_reset(m->in);
+        m->scheme.running = 0;
+    }
     m->live = m->kept;
     m->live_tau = m->kept_tau;
     m->live_t = m->kept_t;
@@ -363,10 +384,15 @@ int ns_sparse_read(ns_sparse *m, double *t, double *x, double *lambda, double *y
         return ns_sparse_fail(m, NAN, NS_E_STATE);
     const double at = m->live_t;
     const int more = m->live_t < m->live->end_t || m->live->why == NS_LEG_EVENT || m->live->stages < NS_ORDER;
-    const int status = more ? ns_leg_more(m, m->live) : NS_OK;
+    int status = more ? ns_leg_more(m, m->live) : NS_OK;
     if (status != NS_OK)
         return ns_sparse_fail(m, at, status);
-    ns_leg_point(m, m->live, m->live_tau, m->v);
+    if (m->o.theta > 0)
+        status = ns_scheme_point(m, m->live, m->live_tau, m->v);
+    else
+        ns_leg_point(m, m->live, m->live_tau, m->v);
+    if (status != NS_OK)
+        return ns_sparse_fail(m, at, status);
     if (t)
         *t = at;
     for (int k = 0; k < m->f->nz; k++)
@@ -396,24 +422,4 @@ const ns_counts *ns_sparse_counts(ns_sparse *m) {
 
 const ns_fault *ns_sparse_fault(const ns_sparse *m) {
     return &m->fault;
-}
-
-int ns_sparse_euler(ns_sparse *m, double h) {
-    if (!m)
-        return NS_E_NULL;
-    if (!m->started)
-        return ns_sparse_fail(m, NAN, NS_E_STATE);
-    ns_leg *leg = m->kept;
-    const double t = m->kept_t, end = t + h;
-    go_back(m);
-    ns_leg_state(m, leg, m->kept_tau, m->w);
-    memcpy(m->mode, leg->mode, (size_t)m->f->m);
-    ns_inputs_at(m->in, t);
-    leg->past_t = 0;
-    const int status = euler_leg(m, leg, t, end, h);
-    if (status != NS_OK)
-        return ns_sparse_fail(m, t, status);
-    m->live_tau = m->kept_tau = leg->end;
-    m->live_t = m->kept_t = leg->end_t;
-    return NS_OK;
 }

@@ -12,6 +12,7 @@
 #include "sparse_engine.h"
 #include "sparse_factors.h"
 #include "sparse_inputs.h"
+#include "sparse_scheme.h"
 #include "twins.h"
 
 enum { NS_STAGES = NS_ORDER + 1 }; /* the last one only where a leg is looked into */
@@ -45,6 +46,7 @@ typedef struct ns_leg {
     int upper;         /* the upper bound of that pair's lambda did */
     int stuck;         /* legs in a row that ended at once */
     int euler;         /* an implicit Euler step; only its end is known, by stage 0 */
+    int smooth;        /* of the scheme: the rates of the step before are known too */
     double *xi;        /* NS_STAGES (n+m) */
     double *dw;        /* (NS_STAGES+1) n: D^i w */
     double *z;         /* NS_STAGES nz */
@@ -97,6 +99,7 @@ struct ns_sparse {
     double *z, *z_none;    /* nz */
     ns_twin *twin;         /* pairs across switches, */
     int twins;             /* so many */
+    ns_scheme scheme;
     int started, has_trial;
     double asked;
     ns_until until;
@@ -133,6 +136,17 @@ static inline int ns_least_rung(const ns_sparse *m) {
     return NS_LEAST_RUNG + m->o.finer;
 }
 
+/* The right-hand side of (P2) from w (n; NULL: zero) and inputs z (any: not all are zero), to m->r;
+ * constants: 1 with what is constant. */
+void ns_leg_rhs(ns_sparse *m, double g, const double *w, const double *z, int any, int constants);
+
+/* sparse_scheme.c: what its steps need; steps from m->w, m->mode at t until `until`, the last one to leg; x,
+ * lambda at tau in a leg of them. */
+int ns_scheme_create(ns_sparse *m);
+void ns_scheme_free(ns_sparse *m);
+int ns_scheme_go(ns_sparse *m, double t, double until, ns_leg *leg);
+int ns_scheme_point(ns_sparse *m, const ns_leg *leg, double tau, double *v);
+
 /* sparse_fine.c: the largest charge or flux there is or was, in units; m->w made consistent with m->mode by
  * steps of length g->now, of which first (n) is what the first one moves, if that is known (else NULL): what
  * is faster goes.  *jumped: 1 if it did by more than rounding.  If what would go is quick, but shorter steps
@@ -158,7 +172,8 @@ int ns_guard_broken(ns_sparse *m, const double *v, const double *w,
                     double g); /* only marks them in m->flip */
 int ns_guard_flip(ns_sparse *m, const double *v, const double *w, double g);
 int ns_guard_commands(ns_sparse *m, const double *v, const ns_leg *leg, unsigned char *changed);
-void ns_guard_set(ns_sparse *m, int j, int upper); /* flips one pair */
+void ns_guard_set(ns_sparse *m, int j, int upper);              /* flips one pair */
+int ns_guard_holds(const ns_sparse *m, int j, const double *v); /* pair j keeps its law to the last bit */
 
 /* Whether all guards hold at the start of a leg, but for rounding, what later stages would add, and share of
  * the largest lambda and y. */

@@ -20,7 +20,7 @@ static void rest(ns_sparse *m) {
     m->crowded_until = m->kept_until = -INFINITY;
     m->crowd_moved = 0;
     m->most_lambda = m->most_y = 0;
-    m->started = m->has_trial = 0;
+    m->started = m->has_trial = m->scheme.running = 0;
     ns_inputs_reset(m->in);
     memset(m->guess, 0, m->guesses * sizeof *m->guess);
 }

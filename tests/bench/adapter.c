@@ -11,16 +11,21 @@
 /* --- engines --- */
 
 const char *bench_engine_name(bench_engine e) {
-    static const char *const names[BENCH_ENGINES] = {"theta", "theta 1/2", "flight", "sparse", "auto"};
+    static const char *const names[BENCH_ENGINES] = {"theta", "theta 1/2",   "flight", "sparse",
+                                                     "auto",  "capture 1/2", "capture"};
     return names[e];
 }
 
 int bench_has(bench_engine e, const bench_case *c) {
-    return e == BENCH_SPARSE || e == BENCH_AUTO || !c->large;
+    return e == BENCH_SPARSE || e == BENCH_AUTO || bench_captures(e) || !c->large;
+}
+
+int bench_captures(bench_engine e) {
+    return e == BENCH_CAPTURE || e == BENCH_CAPTURE_HALF;
 }
 
 int bench_steps(bench_engine e) {
-    return e == BENCH_THETA || e == BENCH_HALF || e == BENCH_FLIGHT;
+    return e == BENCH_THETA || e == BENCH_HALF || e == BENCH_FLIGHT || bench_captures(e);
 }
 
 typedef struct model {
@@ -33,16 +38,18 @@ typedef struct model {
 
 /* The engine for s; where a new one comes in. */
 static int make_engine(const bench_case *c, bench_engine e, double setting, const ns_system *s, model *m) {
-    static const ns_method methods[BENCH_ENGINES] = {NS_THETA, NS_THETA, NS_FLIGHT, NS_SPARSE, NS_AUTO};
+    static const ns_method methods[BENCH_ENGINES] = {NS_THETA, NS_THETA, NS_FLIGHT, NS_SPARSE,
+                                                     NS_AUTO,  NS_THETA, NS_THETA};
     const int steps = bench_steps(e);
-    const double theta = e == BENCH_HALF ? 0.5 : 1;
+    const double theta = e == BENCH_HALF || e == BENCH_CAPTURE_HALF ? 0.5 : 1;
     const ns_march_options o = {.theta = theta,
                                 .gamma = theta,
                                 .h = c->unit * (steps                          ? setting
                                                 : e == BENCH_AUTO && !c->large ? 1 / 64.0
                                                                                : 1),
                                 .method = methods[e],
-                                .reltol = steps ? 0 : setting};
+                                .reltol = steps ? 0 : setting,
+                                .capture = bench_captures(e)};
     return ns_march_create(s, &o, &m->engine, NULL);
 }
 
@@ -52,9 +59,7 @@ static int build(const bench_case *c, bench_engine e, double setting, model *m) 
     int status = NS_OK;
     m->s = c->system;
     if (c->net) {
-        status = deck_circuit(c->net, &m->circuit);
-        if (status == NS_OK)
-            status = ns_circuit_system(m->circuit, &m->own);
+        status = ns_circuit_system(m->circuit, &m->own);
         m->s = m->own;
     }
     if (status != NS_OK)
@@ -108,8 +113,10 @@ void bench_run(const bench_case *c, bench_engine e, double setting, bench_result
     r->last_event = NAN;
     for (int i = 0; i < CASE_VALUES; i++)
         r->values[i] = NAN;
+    r->status = c->net ? deck_circuit(c->net, &m.circuit) : NS_OK;
     const double start = now();
-    r->status = build(c, e, setting, &m);
+    if (r->status == NS_OK)
+        r->status = build(c, e, setting, &m);
     r->create = now() - start;
     if (r->status == NS_OK)
         r->status = ns_march_start(m.engine, 0, m.w0);

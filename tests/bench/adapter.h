@@ -11,12 +11,14 @@ typedef enum bench_engine {
     BENCH_FLIGHT,
     BENCH_SPARSE,
     BENCH_AUTO,
+    BENCH_CAPTURE_HALF, /* as theta 1/2 and theta, no event located; large circuits have no others */
+    BENCH_CAPTURE,
     BENCH_ENGINES
 } bench_engine;
 
 typedef struct bench_result {
     int status;         /* NS_OK, or why it ended */
-    double create, run; /* s of CPU: circuit, system, marcher; start to end */
+    double create, run; /* s of CPU: system and marcher, from a circuit's elements; start to end */
     double values[CASE_VALUES];
     double last_event; /* s; of cases whose events accumulate */
     size_t bytes;      /* that the circuit, system and marcher hold at the end */
@@ -27,6 +29,7 @@ typedef struct bench_result {
 const char *bench_engine_name(bench_engine e);
 int bench_has(bench_engine e, const bench_case *c); /* it is there, and takes cases of this size */
 
+int bench_captures(bench_engine e);
 int bench_steps(bench_engine e); /* its setting is a step of the scheme, else reltol */
 
 /* setting: of the theta schemes (and of flight, where they step in) the step, in units of the case; of the

@@ -8,10 +8,13 @@
  * (build/bench/nonsmooth.cm); NGSPICE.  Tables go to stdout; CSV and gnuplot scripts to build/bench/, the
  * last netlist to build/bench/run.
  *
- * All runs of a case take turns, round by round; times are medians of CPU time, on one thread: of the library
- * and of Siconos from the elements to the last value (creation said apart), of ngspice that of its process
- * less that of one which reads the same netlist and ends (the whole process said apart).  What fails, or
- * takes longer than it may, is counted. */
+ * All runs of a case take turns, round by round; times are medians of CPU time, on one thread.  Of the
+ * library and of Siconos from a circuit whose elements were read to the last value (creation of matrices and
+ * engine, which is in it, said apart); of ngspice that of its process less the median of some that read the
+ * same netlist and end (the whole process said apart), where its set-up of matrices is in it too.  Short runs
+ * are repeated: the library's (the median counts), and ngspice's within one process, up to 30 ms in all, as
+ * its start, of some 10 ms, scatters by more than such runs take.  What fails, or takes longer than it may,
+ * is counted. */
 #define _DEFAULT_SOURCE
 #include "timing.h"
 

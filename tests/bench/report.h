@@ -18,6 +18,8 @@ typedef struct row {
     int rounds, direct;   /* direct: times[] are measured in the program itself, as the library's */
     double time[ROUNDS];  /* s of CPU: creation and run of the library; ngspice's without start and reading */
     double other[ROUNDS]; /* of that, creation; ngspice's whole process */
+    double whole[ROUNDS]; /* of a process that runs it so often: */
+    int runs[ROUNDS];
     double error;
     long steps, rejected, grid; /* grid: points that .tran alone asks ngspice for */
     ns_counts counts;           /* the library's */

@@ -42,7 +42,7 @@ static void write_marks(const bench_case *c, FILE *f) {
     fprintf(f, ")\n");
 }
 
-static void write_netlist(const bench_case *c, const rival_setting *s, int idle, FILE *f) {
+static void write_netlist(const bench_case *c, const rival_setting *s, int runs, FILE *f) {
     const double step = s->step * c->unit;
     fprintf(f, "* %s\n", c->name);
     if (c->net)
@@ -59,14 +59,16 @@ static void write_netlist(const bench_case *c, const rival_setting *s, int idle,
     fprintf(f, ".options reltol=%g method=%s\n.save", s->reltol, s->gear ? "gear" : "trap");
     for (int i = 0; i < c->unknowns; i++)
         fprintf(f, " %s", c->unknown[i].vector);
-    fprintf(f, "\n.tran %.17g %.17g 0 %.17g%s\n.control\n%squit 0\n.endc\n.end\n", step, c->end, step,
-            c->from_dc ? "" : " uic",
-            idle ? "" : "run\nrusage rejected\nset filetype=binary\nwrite out.raw\n");
+    fprintf(f, "\n.tran %.17g %.17g 0 %.17g%s\n.control\n", step, c->end, step, c->from_dc ? "" : " uic");
+    for (int k = 0; k < runs; k++)
+        fprintf(f, "run\n");
+    fprintf(f, "%squit 0\n.endc\n.end\n",
+            runs == 0 ? "" : "rusage rejected\nset filetype=binary\nwrite out.raw\n");
 }
 
-static void write_inputs(const bench_case *c, const rival_setting *s, int idle) {
+static void write_inputs(const bench_case *c, const rival_setting *s, int runs) {
     FILE *f = write_in("case.cir"), *init = write_in(".spiceinit");
-    write_netlist(c, s, idle, f);
+    write_netlist(c, s, runs, f);
     fprintf(init,
             "set norefvalue\n"); /* else ngspice asks for its CPU time at each point, a fifth of its cost */
     if (s->models.diode == DECK_IDEAL)
@@ -175,13 +177,13 @@ static int read_raw(const bench_case *c, rival_result *r) {
     return got;
 }
 
-void rival_run(const bench_case *c, const rival_setting *s, int idle, double limit, rival_result *r) {
+void rival_run(const bench_case *c, const rival_setting *s, int runs, double limit, rival_result *r) {
     memset(r, 0, sizeof *r);
     for (int i = 0; i < CASE_VALUES; i++)
         r->values[i] = NAN;
-    write_inputs(c, s, idle);
+    write_inputs(c, s, runs);
     run(limit, r);
     read_said(r);
-    if (r->end == RIVAL_DONE && !idle && !read_raw(c, r))
+    if (r->end == RIVAL_DONE && runs > 0 && !read_raw(c, r))
         r->end = RIVAL_ABORTED;
 }

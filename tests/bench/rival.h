@@ -25,7 +25,8 @@ typedef struct rival_result {
 /* Where netlists are written and run; models: path of nonsmooth.cm.  Both are kept, not copied. */
 void rival_home(const char *in, const char *models);
 
-/* Runs it for at most `limit` seconds of CPU.  idle: it only reads the netlist and ends. */
-void rival_run(const bench_case *c, const rival_setting *s, int idle, double limit, rival_result *r);
+/* Runs it `runs` times in one process, for at most `limit` seconds of CPU.  0: it only reads the netlist and
+ * ends.  Points, rejected and values are those of the last run. */
+void rival_run(const bench_case *c, const rival_setting *s, int runs, double limit, rival_result *r);
 
 #endif

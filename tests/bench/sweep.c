@@ -19,7 +19,9 @@
 #include "siconos_run.h"
 #include "sweep.h"
 
-enum { MOST_ROWS = 400, IDLES = 5 };
+enum { MOST_ROWS = 400, IDLES = 5, MOST_RUNS = 20 };
+/* Runs of ngspice are repeated in one process up to so much, s of CPU. */
+static const double resolved = 30e-3;
 static const char *const siconos = "build/bench/siconos";
 
 typedef struct todo { /* what a row is to run */
@@ -54,24 +56,42 @@ static int put(list *l, row_kind kind, const char *series, todo t) {
     return l->count++;
 }
 
+/* Steps of the scheme in a unit: with events located from 64 on; else of what is large no more than 1024. */
+static const double fractions[] = {5, 10, 20, 64, 256, 1024, 4096};
+enum { LOCATED = 3 };
+/* Those of engines that choose their steps: digits of reltol. */
+static const double sparse_digits[] = {3, 4, 6, 8, 10, 12}, auto_digits[] = {3, 6, 9, 12};
+
+static int settings_of(bench_engine e, int large, int quick) {
+    if (e == BENCH_FLIGHT)
+        return 1;
+    if (quick)
+        return bench_captures(e) ? 4 : bench_steps(e) ? 2 : 3;
+    return e == BENCH_SPARSE || (bench_captures(e) && large) ? 6 : bench_captures(e) ? 7 : 4;
+}
+
+static double setting_of(bench_engine e, int k) {
+    if (e == BENCH_FLIGHT)
+        return 1 / 64.0;
+    return bench_captures(e) ? 1 / fractions[k]
+           : bench_steps(e)  ? 1 / fractions[k + LOCATED]
+           : e == BENCH_AUTO ? pow(10, -auto_digits[k])
+                             : pow(10, -sparse_digits[k]);
+}
+
+/* The cheapest first, for the time that all may take. */
 static void put_library(list *l, const plan *p, const bench_case *c) {
-    static const bench_engine order[BENCH_ENGINES] = {BENCH_AUTO, BENCH_FLIGHT, BENCH_SPARSE, BENCH_HALF,
-                                                      BENCH_THETA};
+    static const bench_engine order[BENCH_ENGINES] = {
+        BENCH_AUTO, BENCH_CAPTURE_HALF, BENCH_CAPTURE, BENCH_FLIGHT, BENCH_SPARSE, BENCH_HALF, BENCH_THETA};
     for (int i = 0; i < BENCH_ENGINES; i++) {
         const bench_engine e = order[i];
         int before = -1;
-        if (!bench_has(e, c))
-            continue;
-        const int steps = bench_steps(e);
-        const int count = e == BENCH_FLIGHT ? 1 : p->quick ? 2 : e == BENCH_AUTO ? 3 : 4;
-        for (int k = 0; k < count; k++) {
-            const double setting = steps             ? pow(0.25, k + 3)
-                                   : e == BENCH_AUTO ? pow(10, -6 - 3 * k)
-                                                     : pow(10, -6 - 2 * k);
+        for (int k = 0; bench_has(e, c) && k < settings_of(e, c->large, p->quick); k++) {
+            const double setting = setting_of(e, k);
             before = put(l, ROW_LIBRARY, bench_engine_name(e),
                          (todo){.engine = e, .setting = setting, .coarser = before});
-            snprintf(l->row[before].setting, sizeof l->row->setting, steps ? "unit/%.0f" : "reltol %.0e",
-                     steps ? 1 / setting : setting);
+            snprintf(l->row[before].setting, sizeof l->row->setting,
+                     bench_steps(e) ? "unit/%.0f" : "reltol %.0e", bench_steps(e) ? 1 / setting : setting);
         }
     }
 }
@@ -167,22 +187,25 @@ static void put_siconos(list *l, const plan *p, const bench_case *c) {
 
 /* --- one run --- */
 
-/* The library in a process of its own, under a limit; what it needs is in memory that both share.  Short
- * runs are repeated, the fastest counts. */
+/* The library in a process of its own, under a limit; what it needs is in memory that both share.  Short runs
+ * are repeated, the median counts, as the mean does of ngspice's. */
 static row_end run_apart(const bench_case *c, const todo *t, double limit, bench_result *shared) {
+    enum { MOST = 15 };
     int status = 0;
     fflush(NULL);
     const pid_t child = fork();
     if (child == 0) {
         const struct rlimit cpu = {(rlim_t)ceil(limit), (rlim_t)ceil(limit) + 1};
+        double all[MOST], create[MOST], spent = 0;
+        int count = 0;
         setrlimit(RLIMIT_CPU, &cpu);
-        bench_result best;
-        for (int k = 0; k < 15 && (k == 0 || (best.run + best.create) * k < 20e-3); k++) {
+        while (count < MOST && (count == 0 || spent < resolved)) {
             bench_run(c, t->engine, t->setting, shared);
-            if (k == 0 || shared->run + shared->create < best.run + best.create)
-                best = *shared;
+            create[count] = shared->create;
+            spent += all[count++] = shared->run + shared->create;
         }
-        *shared = best;
+        shared->create = median(count, create);
+        shared->run = median(count, all) - shared->create;
         _exit(0);
     }
     if (child < 0 || waitpid(child, &status, 0) < 0)
@@ -215,18 +238,40 @@ static double run_library(const bench_case *c, const todo *t, double limit, row 
     return spent;
 }
 
-static double run_ngspice(const bench_case *c, const todo *t, double limit, row *r) {
+static double idle_of(const list *l, row_kind kind) {
+    double sorted[IDLES * ROUNDS];
+    memcpy(sorted, l->idle[kind], sizeof sorted);
+    return median(l->idles[kind], sorted);
+}
+
+/* How often a run, of which one process took so long, is to be repeated in another: for `resolved` beyond
+ * its start, or MOST_RUNS times. */
+static int repeats(const list *l, const row *r, double process) {
+    const double run = fmax(process - idle_of(l, r->kind), resolved / MOST_RUNS);
+    return run < resolved / 2 ? (int)ceil(resolved / run) : 1;
+}
+
+static double run_ngspice(const bench_case *c, const list *l, const todo *t, double limit, row *r) {
     static const row_end ends[] = {ROW_DONE, ROW_ABORTED, ROW_TIMEOUT};
-    rival_result got;
+    rival_result got, again;
     rival_setting s = t->rival;
     s.options = t->options[0] ? t->options : NULL;
-    rival_run(c, &s, 0, limit, &got);
+    rival_run(c, &s, 1, limit, &got);
     r->end = ends[got.end];
-    r->other[r->rounds] = got.process;
+    r->other[r->rounds] = r->whole[r->rounds] = got.process;
+    r->runs[r->rounds] = 1;
     r->error = case_error(c, got.values);
     r->steps = got.points;
     r->grid = lround(c->end / (s.step * c->unit)) + 1;
     r->rejected = got.rejected;
+    const int runs = repeats(l, r, got.process);
+    if (r->end != ROW_DONE || runs == 1)
+        return got.process;
+    rival_run(c, &s, runs, limit + 1, &again);
+    if (again.end == RIVAL_DONE) {
+        r->whole[r->rounds] = again.process;
+        r->runs[r->rounds] = runs;
+    }
     return got.process;
 }
 
@@ -244,9 +289,15 @@ static double run_siconos(const bench_case *c, const todo *t, double limit, row 
 
 /* --- turns --- */
 
-static int is_hopeless(const list *l, int i) {
+/* A coarser one did not come to its end; or, of the library with steps of one length, took so long that
+ * four times as many would not. */
+static int is_hopeless(const plan *p, const list *l, int i) {
     const int coarser = l->todo[i].coarser;
-    return coarser >= 0 && (l->row[coarser].end == ROW_TIMEOUT || l->row[coarser].end == ROW_SKIPPED);
+    if (coarser < 0)
+        return 0;
+    const row *r = &l->row[coarser];
+    return r->end == ROW_TIMEOUT || r->end == ROW_SKIPPED ||
+           (r->kind == ROW_LIBRARY && bench_captures(l->todo[i].engine) && 4 * r->time[0] > p->limit / 4);
 }
 
 /* Ten times the fastest of the others is long enough for any other, if that is half a second.  Before one of
@@ -265,9 +316,10 @@ static void run_row(const bench_case *c, const plan *p, list *l, int i) {
     const todo *t = &l->todo[i];
     double *spent = &l->spent[t->siconos.solver ? ROW_RIVAL + 1 : (int)r->kind], took;
     const int first = r->rounds == 0;
-    if (first && (is_hopeless(l, i) || *spent > p->budget)) {
+    if (first && (is_hopeless(p, l, i) || *spent > p->budget)) {
         snprintf(r->why, sizeof r->why,
-                 is_hopeless(l, i) && *spent <= p->budget ? "a coarser one was over its time" : "time is up");
+                 is_hopeless(p, l, i) && *spent <= p->budget ? "a coarser one was over its time"
+                                                             : "time is up");
         r->end = ROW_SKIPPED;
         return;
     }
@@ -277,7 +329,7 @@ static void run_row(const bench_case *c, const plan *p, list *l, int i) {
     else if (t->siconos.solver)
         took = run_siconos(c, t, limit, r);
     else
-        took = run_ngspice(c, t, limit, r);
+        took = run_ngspice(c, l, t, limit, r);
     r->rounds += r->end == ROW_DONE;
     *spent += first ? took : 0;
     if (r->kind == ROW_RIVAL && r->end == ROW_DONE && (!(l->fastest > 0) || took < l->fastest))
@@ -311,20 +363,26 @@ static void run_idle(const bench_case *c, const plan *p, list *l) {
         s.models.roff = 1e6;
         for (int k = 0; k < IDLES; k++) {
             rival_result got;
-            rival_run(c, &s, 1, p->limit, &got);
+            rival_run(c, &s, 0, p->limit, &got);
             l->idle[kind][l->idles[kind]++] = got.process;
         }
     }
 }
 
-/* What ngspice's runs took beyond that; half a millisecond is what noise leaves of nothing. */
+/* What ngspice's runs took beyond that.  What is less than the scatter of starts (between their quartiles),
+ * shared by the runs of a process, counts as that much. */
 static void subtract_idle(list *l) {
-    double idle[ROW_RIVAL + 1] = {0};
-    for (int kind = ROW_OURS; kind <= ROW_RIVAL; kind++)
-        idle[kind] = median(l->idles[kind], l->idle[kind]);
-    for (int i = 0; i < l->count; i++)
-        for (int k = 0; k < l->row[i].rounds && l->row[i].kind != ROW_LIBRARY && !l->row[i].direct; k++)
-            l->row[i].time[k] = fmax(0.5e-3, l->row[i].other[k] - idle[l->row[i].kind]);
+    double idle[ROW_RIVAL + 1] = {0}, scatter[ROW_RIVAL + 1] = {0};
+    for (int kind = ROW_OURS; kind <= ROW_RIVAL; kind++) {
+        const int count = l->idles[kind];
+        idle[kind] = median(count, l->idle[kind]); /* sorts them */
+        scatter[kind] = l->idle[kind][3 * count / 4] - l->idle[kind][count / 4];
+    }
+    for (int i = 0; i < l->count; i++) {
+        row *r = &l->row[i];
+        for (int k = 0; k < r->rounds && r->kind != ROW_LIBRARY && !r->direct; k++)
+            r->time[k] = fmax(scatter[r->kind], r->whole[k] - idle[r->kind]) / r->runs[k];
+    }
 }
 
 row *sweep_run(const bench_case *c, const plan *p, int *count) {

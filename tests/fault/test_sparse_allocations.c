@@ -61,12 +61,14 @@ static ns_circuit *circuit(void) {
     return c;
 }
 
-static void scenario(double *out) {
+/* theta: of the steps of one length, 0: those of high order. */
+static void scenario(double theta, double *out) {
     ns_circuit *c = circuit();
     ns_system *s;
     ns_sparse *m;
     double x[8], w0[8], reached;
-    const ns_sparse_options o = {1e-5, 1e-9, 1, 0}; /* hardly any memory for factors: they come and go */
+    /* hardly any memory for factors: they come and go */
+    const ns_sparse_options o = {.h = theta > 0 ? 1e-6 : 1e-5, .reltol = 1e-9, .bytes = 1, .theta = theta};
     TRY(ns_circuit_system(c, &s));
     assert_true(s->n <= 8);
     TRY(ns_sparse_create(s, &o, &m, NULL));
@@ -86,17 +88,17 @@ static void scenario(double *out) {
 
 /* Pivots may be those of another matrix than before: rounding differs. */
 static void test_each(void **state) {
-    (void)state;
+    const double theta = *(double *)*state;
     double whole[READINGS], now[READINGS];
     void *(*const own)(size_t) = SuiteSparse_config.malloc_func;
     SuiteSparse_config.malloc_func = refusing;
     fails = 0;
-    scenario(whole);
+    scenario(theta, whole);
     assert_int_equal(fails, 0);
     for (long k = 1;; k++) {
         fails = 0;
         fail_alloc_at(k);
-        scenario(now);
+        scenario(theta, now);
         fail_alloc_off();
         if (fails == 0) {
             assert_true(k > 100);
@@ -111,8 +113,10 @@ static void test_each(void **state) {
 }
 
 int main(void) {
+    static double none, half = 0.5;
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_each),
+        cmocka_unit_test_prestate(test_each, &none),
+        cmocka_unit_test_prestate(test_each, &half),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

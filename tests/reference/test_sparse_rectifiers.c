@@ -33,7 +33,7 @@ static double worst_of(lit_rectifier which, int by_hand, double h, double reltol
         assert_int_equal(ns_circuit_system(c, &s), NS_OK);
         assert_int_equal(ns_circuit_rest(c, w0), NS_OK);
     }
-    const ns_sparse_options o = {h, reltol, 0, 0};
+    const ns_sparse_options o = {.h = h, .reltol = reltol};
     assert_int_equal(ns_sparse_create(s, &o, &m, NULL), NS_OK);
     assert_int_equal(ns_sparse_start(m, 0, w0), NS_OK);
     for (int i = 1; i <= run->samples; i++) {

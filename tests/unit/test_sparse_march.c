@@ -254,7 +254,7 @@ static void test_chopper(void **state) {
     end(&k);
 }
 
-/* NS_AUTO takes the sparse engine for s; none of the others takes it. */
+/* NS_AUTO takes the sparse engine for s, the scheme its own steps, if theta = gamma; flight takes it not. */
 static void auto_is_sparse(const ns_system *s) {
     ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-5, .method = NS_AUTO};
     ns_march *m;
@@ -262,6 +262,10 @@ static void auto_is_sparse(const ns_system *s) {
     assert_int_equal(ns_march_engine(m), NS_SPARSE);
     ns_march_free(m);
     o.method = NS_THETA;
+    assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_OK);
+    assert_int_equal(ns_march_engine(m), NS_THETA);
+    ns_march_free(m);
+    o.theta = 0.5;
     assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_E_SIZE);
     o.method = NS_FLIGHT;
     assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_E_SIZE);
@@ -283,6 +287,31 @@ static void test_many_choppers(void **state) {
     go(&k, 4.2e-5);
     for (int i = 0; i < COUNT; i++)
         near(current(&k, l[i]), chopper_current(4.2e-5, 3e-6, 1e-5), 1);
+    end(&k);
+}
+
+/* The same of fewer: large, but the dense engines take a copy. */
+static void test_some_choppers(void **state) {
+    (void)state;
+    enum { COUNT = 60 };
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-6, .method = NS_FLIGHT};
+    rig k = begin();
+    int l[COUNT];
+    double reached;
+    constant(&k, "vin", 1, 10);
+    for (int i = 0; i < COUNT; i++)
+        chopper(&k, 2 + 3 * i, i, &l[i]);
+    make(&k, 1e-5);
+    assert_non_null(k.s->large);
+    ns_march_free(k.m);
+    assert_int_equal(ns_march_create(k.s, &o, &k.m, NULL), NS_OK);
+    assert_int_equal(ns_march_engine(k.m), NS_FLIGHT);
+    assert_int_equal(ns_circuit_rest(k.c, k.x), NS_OK);
+    assert_int_equal(ns_march_start(k.m, 0, k.x), NS_OK);
+    assert_int_equal(ns_march_try(k.m, 5e-6, NS_TO_TIME, &reached), NS_OK);
+    assert_int_equal(ns_march_read(k.m, NULL, k.x, NULL, NULL), NS_OK);
+    for (int i = 0; i < COUNT; i++)
+        near(current(&k, l[i]), chopper_current(5e-6, 3e-6, 1e-5), 1);
     end(&k);
 }
 
@@ -521,22 +550,6 @@ static void test_trials(void **state) {
     end(&k);
 }
 
-/* Euler steps of 1 us of RC = 1 ms: (1 + h/RC)^-n. */
-static void test_euler(void **state) {
-    (void)state;
-    rig k = begin();
-    capacitor(&k, "c", 1, 0, 1e-6, 1);
-    resistor(&k, "r", 1, 0, 1e3);
-    ready(&k, 1e-3);
-    for (int i = 0; i < 50; i++)
-        assert_int_equal(ns_sparse_euler(k.m->sparse, 1e-6), NS_OK);
-    double t;
-    assert_int_equal(ns_march_read(k.m, &t, k.x, NULL, NULL), NS_OK);
-    near(t, 50e-6, 1e-6);
-    near(voltage(&k, 1), pow(1 + 1e-3, -50), 1);
-    end(&k);
-}
-
 static void test_refused(void **state) {
     (void)state;
     rig k = begin();
@@ -555,7 +568,6 @@ static void test_refused(void **state) {
     assert_int_equal(ns_march_try(k.m, 1, NS_TO_TIME, &reached), NS_E_STATE);
     assert_int_equal(ns_march_accept(k.m), NS_E_STATE);
     assert_int_equal(ns_march_read(k.m, NULL, NULL, NULL, NULL), NS_E_STATE);
-    assert_int_equal(ns_sparse_euler(k.m->sparse, 1), NS_E_STATE);
     assert_int_equal(ns_march_start(k.m, NAN, k.x), NS_E_NUMBER);
     assert_int_equal(ns_march_start(k.m, 0, (const double[]){NAN}), NS_E_NUMBER);
     assert_int_equal(ns_march_start_dc(k.m, 0, 2, (const int[]){0, 1}, (const double[]){0, 0}, NULL),
@@ -570,22 +582,14 @@ static void test_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_decay),
-        cmocka_unit_test(test_inputs),
-        cmocka_unit_test(test_stiff),
-        cmocka_unit_test(test_bridge),
-        cmocka_unit_test(test_chopper),
-        cmocka_unit_test(test_many_choppers),
-        cmocka_unit_test(test_discontinuous),
-        cmocka_unit_test(test_slides),
-        cmocka_unit_test(test_slides_again),
-        cmocka_unit_test(test_relaxation),
-        cmocka_unit_test(test_jump),
-        cmocka_unit_test(test_redundant),
-        cmocka_unit_test(test_dc),
-        cmocka_unit_test(test_odd_times),
-        cmocka_unit_test(test_trials),
-        cmocka_unit_test(test_euler),
+        cmocka_unit_test(test_decay),         cmocka_unit_test(test_inputs),
+        cmocka_unit_test(test_stiff),         cmocka_unit_test(test_bridge),
+        cmocka_unit_test(test_chopper),       cmocka_unit_test(test_many_choppers),
+        cmocka_unit_test(test_some_choppers), cmocka_unit_test(test_discontinuous),
+        cmocka_unit_test(test_slides),        cmocka_unit_test(test_slides_again),
+        cmocka_unit_test(test_relaxation),    cmocka_unit_test(test_jump),
+        cmocka_unit_test(test_redundant),     cmocka_unit_test(test_dc),
+        cmocka_unit_test(test_odd_times),     cmocka_unit_test(test_trials),
         cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
