@@ -37,7 +37,7 @@ static int allocate(ns_theta *s) {
     s->out = ns_vector(2 * n + nc + 2 * m + 4, &failed);
     s->K = ns_vector(all * all, &failed);
     s->X = ns_vector(all * q, &failed);
-    s->R = ns_vector(2 * all * q, &failed);
+    s->R = ns_vector((2 * all + 1) * q, &failed);
     s->Z = ns_vector(all * 2 * m, &failed);
     s->leak = ns_vector(m, &failed);
     s->rhs = ns_vector(all, &failed);

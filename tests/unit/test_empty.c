@@ -136,10 +136,26 @@ static void texts(void **state) {
     ns_mlcp_discard(p);
 }
 
+/* Two inputs that drive nothing: a matrix of no rows has columns all the same. */
+static void inputs_alone(void **state) {
+    (void)state;
+    const ns_theta_options o = {0.5, 0.5, 0};
+    const double z[] = {1, 2};
+    ns_system *s;
+    ns_theta *t;
+    assert_int_equal(ns_system_create(0, 0, 2, 0, &s), NS_OK);
+    assert_int_equal(ns_theta_create(s, &o, &t, NULL), NS_OK);
+    assert_int_equal(ns_theta_start(t, NULL, NULL), NS_OK);
+    assert_int_equal(ns_theta_try(t, 0.25, z, 1, NS_RESOLVE), NS_OK);
+    assert_int_equal(ns_theta_accept(t), NS_OK);
+    ns_theta_free(t);
+    ns_system_free(s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(theta_steps), cmocka_unit_test(marches), cmocka_unit_test(newton_steps),
-        cmocka_unit_test(problems),    cmocka_unit_test(texts),
+        cmocka_unit_test(inputs_alone), cmocka_unit_test(theta_steps), cmocka_unit_test(marches),
+        cmocka_unit_test(newton_steps), cmocka_unit_test(problems),    cmocka_unit_test(texts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
