@@ -60,8 +60,8 @@ static void write_netlist(const bench_case *c, const rival_setting *s, int runs,
     for (int i = 0; i < c->unknowns; i++)
         fprintf(f, " %s", c->unknown[i].vector);
     fprintf(f, "\n.tran %.17g %.17g 0 %.17g%s\n.control\n", step, c->end, step, c->from_dc ? "" : " uic");
-    for (int k = 0; k < runs; k++)
-        fprintf(f, "run\n");
+    for (int k = 0; k < runs; k++) /* the more plots there are, the longer ngspice takes for a point */
+        fprintf(f, k > 0 ? "destroy all\nrun\n" : "run\n");
     fprintf(f, "%squit 0\n.endc\n.end\n",
             runs == 0 ? "" : "rusage rejected\nset filetype=binary\nwrite out.raw\n");
 }
