@@ -133,6 +133,8 @@ static int make_columns(ns_update *u, ns_klu *klu, ns_factors *factors, double g
             c = free_column(u);
             make_column(u, klu, factors, g, base, u->pair[i], u->v + (size_t)c * size);
             u->known[c] = u->pair[i];
+            for (int k = 0; k < MOST; k++)
+                u->kind[c][k] = u->kind[k][c] = 0;
         }
         u->of[i] = c;
     }
@@ -164,16 +166,27 @@ static int eliminate(ns_update *u, const double *terms) {
     return 1;
 }
 
+/* The law of pair j, of column r, applied to column c. */
+static void apply_law(ns_update *u, double g, ns_mode mode, int j, int r, int c) {
+    const unsigned char kind = ns_slides(mode) ? 3 : mode == NS_INSIDE ? 2 : 1;
+    const double *v = u->v + (size_t)c * (size_t)u->f->size;
+    if (u->kind[r][c] == kind)
+        return;
+    u->kind[r][c] = kind;
+    u->law[r][c] = law(u->f, mode, j, v);
+    u->terms[r][c] = law_size(u->f, g, mode, j, v);
+}
+
 /* The small matrix, in triangles. */
 static int make_small(ns_update *u, double g, const ns_mode *mode) {
-    const ns_form *f = u->f;
     double terms[MOST] = {0};
     for (int i = 0; i < u->count; i++) {
-        const int j = u->pair[i];
+        const int r = u->of[i];
         for (int k = 0; k < u->count; k++) {
-            const double *v = u->v + (size_t)u->of[k] * (size_t)f->size;
-            u->c[i * MOST + k] = law(f, mode[j], j, v);
-            terms[i] = ns_higher(terms[i], law_size(f, g, mode[j], j, v));
+            const int c = u->of[k];
+            apply_law(u, g, mode[u->pair[i]], u->pair[i], r, c);
+            u->c[i * MOST + k] = u->law[r][c];
+            terms[i] = ns_higher(terms[i], u->terms[r][c]);
         }
         u->order[i] = i;
     }

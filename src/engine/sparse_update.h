@@ -20,10 +20,14 @@ typedef struct ns_update {
     double c[NS_UPDATE_MOST * NS_UPDATE_MOST]; /* their laws applied to these: its triangles, row by row, */
     int order[NS_UPDATE_MOST];                 /* of its rows */
     int columns, known[NS_UPDATE_MOST];        /* columns of V there are, and of which pairs */
-    double *v;                                 /* NS_UPDATE_MOST size; NULL: not needed yet */
-    ns_mode *mode;                             /* m: that it serves */
-    int checked;                               /* a solution left no more than rounding */
-    int served;                                /* how often it was asked for since it came to this mode */
+    /* Laws of these pairs applied to these columns, what they are summed from, and which laws (0: none yet).
+     */
+    double law[NS_UPDATE_MOST][NS_UPDATE_MOST], terms[NS_UPDATE_MOST][NS_UPDATE_MOST];
+    unsigned char kind[NS_UPDATE_MOST][NS_UPDATE_MOST];
+    double *v;     /* NS_UPDATE_MOST size; NULL: not needed yet */
+    ns_mode *mode; /* m: that it serves */
+    int checked;   /* a solution left no more than rounding */
+    int served;    /* how often it was asked for since it came to this mode */
 } ns_update;
 
 int ns_update_create(const ns_form *f, ns_update *u); /* Errors: MEMORY */
