@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* A mode that an update served so long, or came to so often, gets factors of its own. */
-enum { LONG_SERVED = 16, OFTEN = 4 };
+enum { LONG_SERVED = 16, OFTEN = 6 };
 /* What a solution may leave of (P2), of the terms of its rows. */
 static const double poor = 1e-8;
 

@@ -11,7 +11,7 @@
 #include "timed.h"
 
 static const double control_tol = NS_CONTROL_TOL;
-enum { MOST_PIECES = 64, MOST_STEPS = 64 };
+enum { MOST_PIECES = 64, MOST_STEPS = 64, FAR = 16 };
 
 /* Marks inputs that more than commands of time depend on. */
 static void find_entering(ns_inputs *in) {
@@ -378,7 +378,7 @@ static void look(ns_inputs *in, int c, int closed, double t, double horizon) {
         else if (excess(&p, until) > control_tol * p.size)
             in->instant[c] = instant_of(&p, from, until);
         in->review[c] = until;
-        if (isfinite(in->instant[c]) || until > t + horizon || jumps(in, c, until))
+        if (isfinite(in->instant[c]) || until > t + FAR * horizon || jumps(in, c, until))
             return;
         from = until;
     }
