@@ -153,26 +153,26 @@ int ns_choice_leave(ns_march *m) {
     return status;
 }
 
-/* Of the events since this was last looked at, most came to modes that matrices had to be made for. */
+/* Of the events since this was last looked at, most came to modes that matrices had to be made for; the first
+ * ones do in any circuit. */
 static int modes_do_not_recur(ns_march *m) {
     enum { ENOUGH = 64, FEW = 24 };
     if (m->s->n + m->s->m < FEW)
         return 0;
     const ns_counts *c = ns_theta_counts(m->step);
     const long events = m->events - m->seen_events, modes = c->modes - m->seen_modes;
+    const int first = m->seen_events == 0;
     if (events < ENOUGH)
         return 0;
     m->seen_events = m->events;
     m->seen_modes = c->modes;
-    return 2 * modes > events;
+    return !first && 2 * modes > events;
 }
 
 /* Where the dense engines have come to, the sparse one begins; it may refuse. */
 static int hand_over(ns_march *m) {
-    const ns_sparse_options options = {.h = AT_MOST * m->h,
-                                       .reltol = m->options.reltol,
-                                       .bytes = m->options.map_bytes,
-                                       .finer = RUNGS};
+    const ns_sparse_options options = {
+        .h = AT_MOST * m->h, .reltol = m->options.reltol, .bytes = m->options.map_bytes, .finer = RUNGS};
     double t, *w;
     unsigned char *closed;
     ns_sparse *sparse = NULL;
