@@ -199,13 +199,13 @@ static ns_kept *same_again(ns_modal *q, double g, const ns_mode *mode, int brief
     return k->update->count == 0 || ++k->update->served < LONG_SERVED ? k : NULL;
 }
 
-/* 1 if it was asked for before; 2: so often that factors of its own are worth while. */
+/* 1 if it was asked for before, and not just once; 2: so often that factors of its own are worth while. */
 static int is_known(ns_modal *q, unsigned long long key) {
     unsigned char *times = &q->times[key % NS_SEEN];
     const int known = q->seen[key % NS_SEEN] == key;
     q->seen[key % NS_SEEN] = key;
     *times = (unsigned char)(known ? *times + (*times < OFTEN) : 0);
-    return known + (*times == OFTEN);
+    return (*times > 1) + (*times == OFTEN);
 }
 
 int ns_modal_factor(ns_modal *q, double g, const ns_mode *mode, int brief, const ns_kept **out) {

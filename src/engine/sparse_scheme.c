@@ -248,13 +248,17 @@ static int change(ns_sparse *m, ns_leg *leg, int *leaps) {
     status = stay(m, leg, leaps);
     if (status != NS_OK)
         return status;
-    *leaps |= before || dies_out(m, leg, moved);
-    if (!*leaps) {
-        mix(m, leg, share);
-        leg->stages = 2;
-    } else if (share > 0.5 * m->o.theta) { /* nearer to t + g: the next step begins with it */
+    *leaps |= before;
+    const int jumps = dies_out(m, leg, *leaps ? 0 : moved);
+    *leaps |= jumps;
+    const double most = !*leaps ? 1 : jumps ? 0.5 * m->o.theta : m->o.theta;
+    if (share > most) { /* not in this step, or nearer to its end: the next one begins with it */
         take_back(m, leg);
         return stay(m, leg, &before);
+    }
+    if (!jumps) {
+        mix(m, leg, *leaps ? share / m->o.theta : share);
+        leg->stages = 2;
     }
     m->counts.events++;
     return NS_OK;

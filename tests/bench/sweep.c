@@ -19,7 +19,7 @@
 #include "siconos_run.h"
 #include "sweep.h"
 
-enum { MOST_ROWS = 400, IDLES = 5, MOST_RUNS = 20 };
+enum { MOST_ROWS = 400, IDLES = 5, MOST_RUNS = 20, MANY_STEPS = 50000 };
 /* Runs of ngspice are repeated in one process up to so much, s of CPU. */
 static const double resolved = 30e-3;
 static const char *const siconos = "build/bench/siconos";
@@ -289,15 +289,16 @@ static double run_siconos(const bench_case *c, const todo *t, double limit, row 
 
 /* --- turns --- */
 
-/* A coarser one did not come to its end; or, of the library with steps of one length, took so long that
- * four times as many would not. */
+/* A coarser one did not come to its end; or, of the library with steps of one length, took so many that more
+ * would be of no interest. */
 static int is_hopeless(const plan *p, const list *l, int i) {
     const int coarser = l->todo[i].coarser;
     if (coarser < 0)
         return 0;
     const row *r = &l->row[coarser];
     return r->end == ROW_TIMEOUT || r->end == ROW_SKIPPED ||
-           (r->kind == ROW_LIBRARY && bench_captures(l->todo[i].engine) && 4 * r->time[0] > p->limit / 4);
+           (r->kind == ROW_LIBRARY && bench_captures(l->todo[i].engine) &&
+            (r->steps > MANY_STEPS || 4 * r->time[0] > p->limit));
 }
 
 /* Ten times the fastest of the others is long enough for any other, if that is half a second.  Before one of
@@ -316,10 +317,10 @@ static void run_row(const bench_case *c, const plan *p, list *l, int i) {
     const todo *t = &l->todo[i];
     double *spent = &l->spent[t->siconos.solver ? ROW_RIVAL + 1 : (int)r->kind], took;
     const int first = r->rounds == 0;
-    if (first && (is_hopeless(p, l, i) || *spent > p->budget)) {
+    const double budget = p->budget * (r->kind == ROW_LIBRARY ? 2 : 1);
+    if (first && (is_hopeless(p, l, i) || *spent > budget)) {
         snprintf(r->why, sizeof r->why,
-                 is_hopeless(p, l, i) && *spent <= p->budget ? "a coarser one was over its time"
-                                                             : "time is up");
+                 is_hopeless(p, l, i) && *spent <= budget ? "a coarser one took long enough" : "time is up");
         r->end = ROW_SKIPPED;
         return;
     }

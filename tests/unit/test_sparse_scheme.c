@@ -169,7 +169,7 @@ static void test_rings_not(void **state) {
 }
 
 /* 10 V, switched on for 2 of 10 us, through 10 uH into 6 V: up at 0.4 A/us to 0.8 A, down at 0.6 A/us; zero
- * from 10/3 us on.  Of steps of 0.1 us each flip comes half a one early or late: 0.02 A and 0.05 A. */
+ * from 10/3 us on.  Steps are 0.1 us; flips count by their share of one. */
 static void test_discontinuous(void **state) {
     const double theta = *(double *)*state;
     rig k = begin();
