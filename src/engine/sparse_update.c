@@ -221,19 +221,36 @@ static void weigh(const ns_update *u, const double *r, const double *v, double *
     }
 }
 
+/* v += four columns times mu. */
+ALWAYS_INLINE void add_from(int i, int size, const double *const *column, const double *mu, double *v) {
+    const double *a = column[0], *b = column[1], *c = column[2], *d = column[3];
+    for (; i < size; i++)
+        v[i] += (mu[0] * a[i] + mu[1] * b[i]) + (mu[2] * c[i] + mu[3] * d[i]);
+}
+
+NS_WIDE_TARGET static void add_wide(int size, const double *const *column, const double *mu, double *v) {
+    const double *a = column[0], *b = column[1], *c = column[2], *d = column[3];
+    const double x = mu[0], y = mu[1], z = mu[2], t = mu[3];
+    int i = 0;
+    for (; i + NS_WIDE <= size; i += NS_WIDE)
+        *(ns_wide *)(v + i) += (x * *(const ns_wide *)(a + i) + y * *(const ns_wide *)(b + i)) +
+                               (z * *(const ns_wide *)(c + i) + t * *(const ns_wide *)(d + i));
+    add_from(i, size, column, mu, v);
+}
+
 /* v += V mu, four columns at a time. */
 static void add_all(const ns_update *u, double *mu, double *v) {
-    const int size = u->f->size;
+    const int size = u->f->size, wide = ns_is_wide();
     const double *column[MOST + 3];
     for (int p = 0; p < u->count + 3; p++) {
         column[p] = u->v + (p < u->count ? (size_t)u->of[p] * (size_t)size : 0);
         mu[p] = p < u->count ? mu[p] : 0;
     }
     for (int p = 0; p < u->count; p += 4) {
-        const double *a = column[p], *b = column[p + 1], *c = column[p + 2], *d = column[p + 3];
-        const double x = mu[p], y = mu[p + 1], z = mu[p + 2], t = mu[p + 3];
-        for (int i = 0; i < size; i++)
-            v[i] += (x * a[i] + y * b[i]) + (z * c[i] + t * d[i]);
+        if (wide)
+            add_wide(size, column + p, mu + p, v);
+        else
+            add_from(0, size, column + p, mu + p, v);
     }
 }
 

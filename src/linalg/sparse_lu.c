@@ -162,10 +162,11 @@ static int take_apart(ns_klu *k, ns_factors *f, const double *value) {
     const size_t n = (size_t)k->n, count = (size_t)count_nonzero(k, value);
     int at = 0;
     free_pattern(k, f);
-    f->start = calloc(n + 1 + 2 * count, sizeof(int));
-    f->value = calloc(count + 1, sizeof(double));
+    f->start = malloc((n + 1 + 2 * count) * sizeof(int));
+    f->value = malloc((count + 1) * sizeof(double));
     if (!f->start || !f->value)
         return NS_E_MEMORY;
+    f->start[0] = 0;
     f->row = f->start + n + 1;
     f->from = f->row + count;
     for (int j = 0; j < k->n; j++) {
@@ -260,8 +261,8 @@ size_t ns_factors_bytes(const ns_factors *f) {
 static ns_sweep *pack(ns_klu *k, const ns_factors *f) {
     const int n = k->n, lnz = f->numeric->lnz, unz = f->numeric->unz;
     const size_t all = (size_t)lnz + (size_t)unz + (size_t)f->numeric->nzoff;
-    int *ints = calloc(6 * (size_t)n + 4 + all, sizeof(int));
-    double *doubles = calloc((size_t)n + 1 + all, sizeof(double));
+    int *ints = malloc((6 * (size_t)n + 4 + all) * sizeof(int));
+    double *doubles = malloc(((size_t)n + 1 + all) * sizeof(double));
     ns_sweep *s = NULL;
     if (ints && doubles) {
         klu_symbolic *symbolic = symbolic_of(k, f);

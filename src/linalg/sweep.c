@@ -2,6 +2,7 @@
 #include "sweep.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 struct ns_sweep {
     int n, out, blocks;
@@ -112,8 +113,8 @@ ns_sweep *ns_sweep_create(const ns_triangles *t) {
     const int n = t->n, lnz = t->Lp[n] + t->Fp[n], unz = t->Up[n];
     const size_t all = (size_t)lnz + (size_t)unz;
     ns_sweep *s = calloc(1, sizeof *s);
-    int *ints = calloc(6 * (size_t)n + 3 + (size_t)t->blocks + all, sizeof(int));
-    double *doubles = calloc(4 * (size_t)n + 1 + all, sizeof(double));
+    int *ints = malloc((6 * (size_t)n + 3 + (size_t)t->blocks + all) * sizeof(int));
+    double *doubles = malloc((4 * (size_t)n + 1 + all) * sizeof(double));
     int *place = calloc((size_t)n + 1, sizeof(int));
     if (s && ints && doubles && place) {
         s->begin = take(&ints, t->blocks + 1);
@@ -131,6 +132,8 @@ ns_sweep *ns_sweep_create(const ns_triangles *t) {
         s->above = s->below + n;
         s->lx = s->above + n;
         s->ux = s->lx + lnz;
+        memset(s->l, 0, 2 * ((size_t)n + 1) * sizeof(int));  /* and u */
+        memset(s->below, 0, 2 * (size_t)n * sizeof(double)); /* and above */
         choose(t, s, place);
         fill(t, s, place);
     } else {
