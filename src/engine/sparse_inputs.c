@@ -184,15 +184,6 @@ int ns_inputs_stage(const ns_inputs *in, double t, double g, int i, double *z) {
     return any;
 }
 
-int ns_inputs_values(const ns_inputs *in, double t, double *z) {
-    int any = 0;
-    for (int k = 0; k < in->s->nz; k++) {
-        z[k] = ns_signal_value(&in->s->z[k], t, NS_RIGHT);
-        any |= z[k] != 0;
-    }
-    return any;
-}
-
 double ns_inputs_excess(const ns_inputs *in, int c, int closed, const double *z, double tol) {
     const ns_command *k = &in->s->command[c];
     const ns_csc *gz = &in->f->gz;

@@ -39,9 +39,6 @@ void ns_inputs_at(ns_inputs *in, double t);
  * Euler step.  Returns 0 if all are zero. */
 int ns_inputs_stage(const ns_inputs *in, double t, double g, int i, double *z);
 
-/* z (nz) at t.  Returns 0 if all are zero. */
-int ns_inputs_values(const ns_inputs *in, double t, double *z);
-
 /* D^(order+1) of inputs in Euler steps g, relative to the largest each ever was: what is left out is of that
  * size. */
 double ns_inputs_error(const ns_inputs *in, double g, int order);

@@ -75,8 +75,11 @@ int ns_euler(ns_sparse *m, double t, double g, const double *w, int brief, doubl
             v[i] = NAN; /* breaks no guard */
         return status;
     }
-    const int any =
-        m->o.theta > 0 ? ns_inputs_values(m->in, t + g, m->z) : ns_inputs_stage(m->in, t, g, 0, m->z);
+    int any = 1;
+    if (m->o.theta > 0)
+        ns_system_inputs(m->s, t + g, NS_RIGHT, m->z);
+    else
+        any = ns_inputs_stage(m->in, t, g, 0, m->z);
     ns_leg_rhs(m, g, w, m->z, any, 1);
     status = ns_modal_solve(m->q, k, m->r, v);
     if (by)

@@ -28,6 +28,29 @@ int bench_steps(bench_engine e) {
     return e == BENCH_THETA || e == BENCH_HALF || e == BENCH_FLIGHT || bench_captures(e);
 }
 
+/* Steps of the scheme in a unit: with events located from 64 on; else of what is large no more than 1024. */
+static const double fractions[] = {5, 10, 20, 64, 256, 1024, 4096};
+enum { LOCATED = 3 };
+/* Those of engines that choose their steps: digits of reltol. */
+static const double sparse_digits[] = {3, 4, 6, 8, 10, 12}, auto_digits[] = {3, 6, 9, 12};
+
+int bench_settings(bench_engine e, int large, int quick) {
+    if (e == BENCH_FLIGHT)
+        return 1;
+    if (quick)
+        return bench_captures(e) ? 4 : bench_steps(e) ? 2 : 3;
+    return e == BENCH_SPARSE || (bench_captures(e) && large) ? 6 : bench_captures(e) ? 7 : 4;
+}
+
+double bench_setting(bench_engine e, int k) {
+    if (e == BENCH_FLIGHT)
+        return 1 / 64.0;
+    return bench_captures(e) ? 1 / fractions[k]
+           : bench_steps(e)  ? 1 / fractions[k + LOCATED]
+           : e == BENCH_AUTO ? pow(10, -auto_digits[k])
+                             : pow(10, -sparse_digits[k]);
+}
+
 typedef struct model {
     ns_circuit *circuit;
     ns_system *own; /* the circuit's, NULL: the case's */

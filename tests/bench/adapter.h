@@ -32,6 +32,10 @@ int bench_has(bench_engine e, const bench_case *c); /* it is there, and takes ca
 int bench_captures(bench_engine e);
 int bench_steps(bench_engine e); /* its setting is a step of the scheme, else reltol */
 
+/* How many settings are tried, and number k of them. */
+int bench_settings(bench_engine e, int large, int quick);
+double bench_setting(bench_engine e, int k);
+
 /* setting: of the theta schemes (and of flight, where they step in) the step, in units of the case; of the
  * others reltol. */
 void bench_run(const bench_case *c, bench_engine e, double setting, bench_result *r);

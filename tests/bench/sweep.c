@@ -56,29 +56,6 @@ static int put(list *l, row_kind kind, const char *series, todo t) {
     return l->count++;
 }
 
-/* Steps of the scheme in a unit: with events located from 64 on; else of what is large no more than 1024. */
-static const double fractions[] = {5, 10, 20, 64, 256, 1024, 4096};
-enum { LOCATED = 3 };
-/* Those of engines that choose their steps: digits of reltol. */
-static const double sparse_digits[] = {3, 4, 6, 8, 10, 12}, auto_digits[] = {3, 6, 9, 12};
-
-static int settings_of(bench_engine e, int large, int quick) {
-    if (e == BENCH_FLIGHT)
-        return 1;
-    if (quick)
-        return bench_captures(e) ? 4 : bench_steps(e) ? 2 : 3;
-    return e == BENCH_SPARSE || (bench_captures(e) && large) ? 6 : bench_captures(e) ? 7 : 4;
-}
-
-static double setting_of(bench_engine e, int k) {
-    if (e == BENCH_FLIGHT)
-        return 1 / 64.0;
-    return bench_captures(e) ? 1 / fractions[k]
-           : bench_steps(e)  ? 1 / fractions[k + LOCATED]
-           : e == BENCH_AUTO ? pow(10, -auto_digits[k])
-                             : pow(10, -sparse_digits[k]);
-}
-
 /* The cheapest first, for the time that all may take. */
 static void put_library(list *l, const plan *p, const bench_case *c) {
     static const bench_engine order[BENCH_ENGINES] = {
@@ -86,8 +63,8 @@ static void put_library(list *l, const plan *p, const bench_case *c) {
     for (int i = 0; i < BENCH_ENGINES; i++) {
         const bench_engine e = order[i];
         int before = -1;
-        for (int k = 0; bench_has(e, c) && k < settings_of(e, c->large, p->quick); k++) {
-            const double setting = setting_of(e, k);
+        for (int k = 0; bench_has(e, c) && k < bench_settings(e, c->large, p->quick); k++) {
+            const double setting = bench_setting(e, k);
             before = put(l, ROW_LIBRARY, bench_engine_name(e),
                          (todo){.engine = e, .setting = setting, .coarser = before});
             snprintf(l->row[before].setting, sizeof l->row->setting,

@@ -1,0 +1,52 @@
+/* src/engine/sparse_read.c - the point that the sparse marcher has come to, and what it cost. */
+#include "sparse_march.h"
+
+#include <math.h>
+#include <string.h>
+
+int ns_sparse_read(ns_sparse *m, double *t, double *x, double *lambda, double *y) {
+    if (!m)
+        return NS_E_NULL;
+    if (!m->started)
+        return ns_sparse_fail(m, NAN, NS_E_STATE);
+    const double at = m->live_t;
+    const int more = m->live_t < m->live->end_t || m->live->why == NS_LEG_EVENT || m->live->stages < NS_ORDER;
+    int status = more ? ns_leg_more(m, m->live) : NS_OK;
+    if (status != NS_OK)
+        return ns_sparse_fail(m, at, status);
+    if (m->o.theta > 0)
+        status = ns_scheme_point(m, m->live, m->live_tau, m->v);
+    else
+        ns_leg_point(m, m->live, m->live_tau, m->v);
+    if (status != NS_OK)
+        return ns_sparse_fail(m, at, status);
+    if (t)
+        *t = at;
+    for (int k = 0; k < m->f->nz; k++)
+        m->z[k] = ns_signal_value(&m->s->z[k], at, m->live_t > m->live->t ? NS_LEFT : NS_RIGHT);
+    if (x)
+        ns_aside_join(m->aside, m->v, m->z, x);
+    if (lambda)
+        memcpy(lambda, m->v + m->f->n, sizeof(double) * (size_t)m->f->m);
+    for (int j = 0; y && j < m->f->m; j++)
+        y[j] = m->live->mode[j] == NS_INSIDE ? 0 : ns_form_y(m->f, j, m->v, m->z, 1);
+    return NS_OK;
+}
+
+const ns_mode *ns_sparse_mode(const ns_sparse *m) {
+    const ns_mode *mode = m->live ? m->live->mode : m->mode;
+    for (int j = 0; j < m->f->m; j++)
+        m->shown[j] = ns_slides(mode[j]) ? NS_INSIDE : mode[j];
+    return m->shown;
+}
+
+const ns_counts *ns_sparse_counts(ns_sparse *m) {
+    m->counts.factors = ns_klu_fresh(m->q->klu) + ns_klu_again(m->q->klu);
+    m->counts.maps = m->q->made;
+    m->counts.evicted = m->q->evicted;
+    return &m->counts;
+}
+
+const ns_fault *ns_sparse_fault(const ns_sparse *m) {
+    return &m->fault;
+}
