@@ -58,7 +58,7 @@ static double cut_off(const double *G, int terms) {
 static double breaks(const ns_sparse *m, const ns_leg *leg, int terms, const found *f, double before,
                      ns_curve *c) {
     const double size = f->pair < 0 ? 0 : m->mode[f->pair] == NS_INSIDE ? m->most_lambda : m->most_y;
-    double G[NS_STAGES];
+    double G[NS_STAGES] = {0};
     ns_curve part;
     coefficients(m, leg, terms, f->pair, f->k, f->command, G);
     ns_curve_of(terms, G, leg->end / leg->g, c);
@@ -74,7 +74,7 @@ static double breaks(const ns_sparse *m, const ns_leg *leg, int terms, const fou
 
 /* By how much of the leg the crossing is off as later stages are missing. */
 static double off_by(const ns_sparse *m, const ns_leg *leg, const found *f, const ns_curve *c) {
-    double G[NS_STAGES];
+    double G[NS_STAGES] = {0};
     coefficients(m, leg, leg->stages, f->pair, f->k, f->command, G);
     return cut_off(G, leg->stages) / fabs(ns_curve_slope(c, f->at));
 }
