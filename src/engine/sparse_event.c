@@ -101,7 +101,8 @@ int ns_event_settle_all(ns_sparse *m, double t, double g, const ns_leg *leg, dou
     }
 }
 
-void ns_event_count(ns_sparse *m, const ns_leg *leg, double t) {
+int ns_event_count(ns_sparse *m, const ns_leg *leg, double t) {
+    int status = NS_OK;
     for (int j = 0; leg && j < m->f->m; j++) {
         if (m->mode[j] == leg->mode[j])
             continue;
@@ -112,8 +113,9 @@ void ns_event_count(ns_sparse *m, const ns_leg *leg, double t) {
         }
         m->crowd_moved = 1;
         if (++m->crowd[j] > NS_CROWD_OF_PAIR)
-            m->crowded_until = t + h;
+            status = NS_E_LIMIT;
     }
+    return status;
 }
 
 void ns_event_crowd(ns_sparse *m, int keep) {
@@ -124,7 +126,8 @@ void ns_event_crowd(ns_sparse *m, int keep) {
         return;
     memcpy(keep ? kept : m->crowd, keep ? m->crowd : kept, sizeof(int) * pairs);
     memcpy(keep ? kept_t : m->crowd_t, keep ? m->crowd_t : kept_t, sizeof(double) * pairs);
-    *(keep ? &m->kept_until : &m->crowded_until) = keep ? m->crowded_until : m->kept_until;
+    *(keep ? &m->kept_euler_t : &m->euler_t) = keep ? m->euler_t : m->kept_euler_t;
+    *(keep ? &m->kept_eulers : &m->eulers) = keep ? m->eulers : m->kept_eulers;
     m->crowd_moved = 0;
 }
 
@@ -161,50 +164,67 @@ static void look_ahead(ns_sparse *m, double t, double g, double *by) {
         memcpy(m->mode, m->old_mode, (size_t)m->f->m);
 }
 
-/* The modes and commands that an attempt begins with. */
+/* Pairs, and what jumps with them, settled by steps of length g; commands stay. */
+static int settle_and_jump(ns_sparse *m, double t, double g, ns_jump_kind *jump) {
+    double *by = m->scale + 2 * m->f->n;
+    int status = NS_OK;
+    *jump = NS_JUMPS;
+    for (int round = 0; round < JUMPS && status == NS_OK && *jump == NS_JUMPS; round++) {
+        status = ns_event_settle(m, t, g, m->w, m->v, by);
+        if (status == NS_OK)
+            status = ns_fine_consistent(m, t, g, by, jump);
+        m->counts.jumps += status == NS_OK && *jump == NS_JUMPS;
+    }
+    return status;
+}
+
+/* m->mode and m->w to the right of an event by steps of length g.  Commands look at what is there when all
+ * has jumped, not at impulses; at a start what was given jumps anew for those that change. */
+static int resolve_by(ns_sparse *m, const ns_leg *leg, double t, double g, ns_jump_kind *jump) {
+    for (int round = 0;; round++) {
+        int status = settle_and_jump(m, t, g, jump);
+        if (status != NS_OK || *jump == NS_LASTS || round >= COMMAND_ROUNDS ||
+            !ns_guard_commands(m, m->v, leg, m->changed))
+            return status;
+        if (!leg)
+            memcpy(m->w, m->event_w, sizeof(double) * (size_t)m->f->n);
+        status = reach_thresholds(m, t, g, m->scale + 2 * m->f->n);
+        if (status != NS_OK)
+            return status;
+    }
+}
+
+/* What an attempt begins with. */
 static void keep(ns_sparse *m) {
-    memcpy(m->old_mode, m->mode, (size_t)m->f->m);
-    memcpy(m->old_changed, m->changed, (size_t)m->s->nc);
+    memcpy(m->event_w, m->w, sizeof(double) * (size_t)m->f->n);
+    memcpy(m->event_mode, m->mode, (size_t)m->f->m);
+    memcpy(m->event_changed, m->changed, (size_t)m->s->nc);
 }
 
 static void begin_again(ns_sparse *m) {
-    memcpy(m->mode, m->old_mode, (size_t)m->f->m);
-    memcpy(m->changed, m->old_changed, (size_t)m->s->nc);
+    memcpy(m->w, m->event_w, sizeof(double) * (size_t)m->f->n);
+    memcpy(m->mode, m->event_mode, (size_t)m->f->m);
+    memcpy(m->changed, m->event_changed, (size_t)m->s->nc);
     ns_guard_bounds(m);
-}
-
-/* Settled and made consistent, until nothing jumps any more. */
-static int settle_jumps(ns_sparse *m, const ns_leg *leg, double t, ns_short *g) {
-    double *by = m->scale + 2 * m->f->n;
-    int status = NS_OK, jumped = 1;
-    keep(m);
-    for (int round = 0; round < JUMPS && status == NS_OK && (jumped || g->next != g->now); round++) {
-        if (g->next != g->now)
-            begin_again(m);
-        if (g->next > g->now) /* none is short enough */
-            g->least = g->next;
-        g->now = g->next;
-        status = ns_event_settle_all(m, t, g->now, leg, by);
-        if (status == NS_OK)
-            status = ns_fine_consistent(m, t, g, by, &jumped);
-        m->counts.jumps += status == NS_OK && jumped;
-        if (jumped)
-            keep(m);
-    }
-    return status;
 }
 
 int ns_sparse_resolve(ns_sparse *m, const ns_leg *leg, double t) {
     const int stuck = leg ? leg->stuck : 0;
     const double least = ldexp(m->o.h, -NS_EVENT_LEAST - m->o.finer);
-    const double g = fmax(ldexp(m->o.h, -NS_SHORT_RUNG - (leg ? leg->next_rung : 0) - stuck), least);
+    double g = fmax(ldexp(m->o.h, -NS_SHORT_RUNG - (leg ? leg->next_rung : 0) - stuck), least);
+    ns_jump_kind jump;
     m->counts.problems++;
     if (stuck == 1 || stuck == 2)
         look_ahead(m, t, ldexp(g, 5 * stuck), m->scale + 2 * m->f->n);
-    const int status = settle_jumps(m, leg, t, &(ns_short){g, g, least, g});
+    keep(m);
+    int status = resolve_by(m, leg, t, g, &jump);
+    while (status == NS_OK && jump == NS_LASTS) {
+        g = fmax(ldexp(g, -NS_FINER), ns_finest(m));
+        begin_again(m);
+        status = resolve_by(m, leg, t, g, &jump);
+    }
     m->counts.events++;
     if (leg && status == NS_OK)
         ns_guess_learn(m, leg);
-    ns_event_count(m, status == NS_OK ? leg : NULL, t);
-    return status;
+    return status == NS_OK ? ns_event_count(m, leg, t) : status;
 }

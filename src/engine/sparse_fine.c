@@ -19,15 +19,13 @@
 #include <math.h>
 #include <string.h>
 
-enum { ROUNDS = 4, SOON = 5 };
+enum { ROUNDS = 4, SOON = 5, AGAIN = 8 };
 /* Shares of the largest charge or flux: what is nothing; what is a jump; what a correction that is the last
  * moves by; and by more than what it says that digits are lost. */
 static const double nothing = 64 * DBL_EPSILON, a_jump = 1e-11, fine_enough = 1e-14, lost = 1e-8,
                     rounding = 1e-11;
-/* g a of what D^8 leaves nothing of. */
-static const double slow = 0.05;
-/* Of shortened steps this share will do. */
-static const double enough = 1e-6;
+/* Share of the error allowed that a transient is not worth its steps below. */
+static const double lasting = 1e-3;
 
 double ns_fine_size(const ns_sparse *m) {
     double most = 0;
@@ -117,23 +115,19 @@ static int correct(ns_sparse *m, double g, const ns_kept *k, double size, const 
  * only turn over (ALL_OF_IT); else SOME. */
 typedef enum left { SOME, NOTHING, ALL_OF_IT } left;
 
-static left compare(const ns_sparse *m, double size, const double *before, const double *by, double *turned) {
+static left compare(const ns_sparse *m, double size, const double *before, const double *by) {
     double most = 0;
-    *turned = 0;
     if (largest(m, by) <= nothing * size)
         return NOTHING;
     for (int i = 0; i < m->f->n; i++)
         if (!m->f->algebraic[i])
             most = fmax(most, fabs(before[i] + by[i]) / m->unit[i]);
-    *turned = most;
     return most <= nothing * size ? ALL_OF_IT : SOME;
 }
 
 /* D^N w, in m->next_w, from the first D^count w that tell.  fine: with corrections, until one moves nothing.
- * first: D w, NULL: not known yet.  *turned: the largest of D^N w + D^(N-1) w, which is nothing of what has
- * no time of its own. */
-static int powers(ns_sparse *m, double t, double g, int count, int fine, const double *first, left *what,
-                  double *turned) {
+ * first: D w, NULL: not known yet. */
+static int powers(ns_sparse *m, double t, double g, int count, int fine, const double *first, left *what) {
     const ns_kept *k;
     const int n = m->f->n;
     double size = ns_fine_size(m), *by = m->scale + n;
@@ -144,46 +138,76 @@ static int powers(ns_sparse *m, double t, double g, int count, int fine, const d
         if (i == 0 && first)
             memcpy(by, first, sizeof(double) * (size_t)n);
         else
-            status = ns_leg_solve(m, k, t, g, i, m->next_w, m->z, m->v, by);
+            status = ns_leg_solve(m, k, t, g, i, m->next_w, m->z, m->fine_v, by);
         if (status == NS_E_SINGULAR && i > 0 && largest(m, m->next_w) <= a_jump * size) {
             *what = NOTHING; /* rounding contradicts itself */
             return NS_OK;
         }
         size = i == 0 ? fmax(size, largest(m, by)) : size; /* at a start there is nothing yet */
         if (status == NS_OK && fine)
-            status = correct(m, g, k, size, m->v, by, &fine);
+            status = correct(m, g, k, size, m->fine_v, by, &fine);
         if (status == NS_OK)
-            *what = compare(m, size, m->next_w, by, turned);
+            *what = compare(m, size, m->next_w, by);
         for (int r = 0; r < n; r++)
             m->next_w[r] = *what == ALL_OF_IT && i % 2 == 0 ? -by[r] : by[r];
     }
     return status;
 }
 
-/* A step that leaves next to nothing of D^8 w, if there is one between least and g; else the longest. */
-static double better(double g, double least, double longest, double goes, double turned) {
-    const double wanted = g * turned / goes * slow; /* D = -g a/(1 + g a) of a rate a: goes/turned = g a */
-    return g > least && wanted >= least / 4 ? fmax(least, fmin(wanted, g / 2)) : longest;
+/* m->w loses D^N w, and that again while it leaves much less; gone (n): all that went.  *what: of the first
+ * time. */
+static int take_away(ns_sparse *m, double t, double g, const double *first, double *gone, left *what) {
+    const int n = m->f->n;
+    const double size = ns_fine_size(m);
+    double before = INFINITY, most = INFINITY;
+    memset(gone, 0, sizeof(double) * (size_t)n);
+    for (int round = 0; round < AGAIN && most > a_jump * size && 2 * most <= before; round++) {
+        left now;
+        int status = powers(m, t, g, SOON, 0, round == 0 ? first : NULL, &now);
+        if (status == NS_OK && now == SOME)
+            status = powers(m, t, g, NS_ORDER, 1, NULL, &now);
+        *what = round == 0 ? now : *what;
+        if (status != NS_OK || now == NOTHING)
+            return status;
+        for (int i = 0; i < n; i++) {
+            m->w[i] -= m->next_w[i];
+            gone[i] += m->next_w[i];
+        }
+        before = round == 0 ? INFINITY : most;
+        most = now == ALL_OF_IT ? 0 : largest(m, m->next_w);
+    }
+    return NS_OK;
 }
 
-int ns_fine_consistent(ns_sparse *m, double t, ns_short *g, const double *first, int *jumped) {
-    const double size = ns_fine_size(m);
-    double turned;
+/* 1 if some of what steps of length g take for gone, m->gone, is still there after steps that are far
+ * shorter: it has a time of its own. */
+static int lasts(ns_sparse *m, double t, double g) {
+    const double little = (a_jump + lasting * m->o.reltol) * ns_fine_size(m);
+    const double finer = fmax(ldexp(g, -NS_FINER), ns_finest(m));
     left what;
-    *jumped = 0;
-    g->next = g->now;
-    int status = powers(m, t, g->now, SOON, 0, first, &what, &turned);
-    if (status == NS_OK && what == SOME)
-        status = powers(m, t, g->now, NS_ORDER, 1, NULL, &what, &turned);
-    if (status != NS_OK || what == NOTHING)
-        return status;
-    const double goes = largest(m, m->next_w);
-    if (what == SOME && turned > (g->now < g->longest ? enough : fmax(a_jump, m->o.reltol)) * size)
-        g->next = better(g->now, g->least, g->longest, goes, turned);
-    if (g->next != g->now)
-        return NS_OK;
-    *jumped = goes > a_jump * size;
+    if (take_away(m, t, finer, NULL, m->finer_gone, &what) != NS_OK)
+        return 0;
     for (int i = 0; i < m->f->n; i++)
-        m->w[i] -= m->next_w[i];
+        m->finer_gone[i] -= m->gone[i];
+    return largest(m, m->finer_gone) > little;
+}
+
+int ns_fine_consistent(ns_sparse *m, double t, double g, const double *first, ns_jump_kind *jump) {
+    const size_t bytes = sizeof(double) * (size_t)m->f->n;
+    const double size = ns_fine_size(m);
+    left what;
+    *jump = NS_NO_JUMP;
+    memcpy(m->before_w, m->w, bytes);
+    const int status = take_away(m, t, g, first, m->gone, &what);
+    if (status != NS_OK || what == NOTHING || !(largest(m, m->gone) > a_jump * size))
+        return status;
+    *jump = NS_JUMPS;
+    if (what != SOME || g <= ns_finest(m))
+        return NS_OK;
+    memcpy(m->right_w, m->w, bytes);
+    memcpy(m->w, m->before_w, bytes);
+    if (lasts(m, t, g))
+        *jump = NS_LASTS;
+    memcpy(m->w, *jump == NS_LASTS ? m->before_w : m->right_w, bytes);
     return NS_OK;
 }

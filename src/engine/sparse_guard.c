@@ -44,12 +44,11 @@ double ns_guard_noise(const ns_sparse *m, int j, const double *v, const double *
     return rounding * most + DBL_EPSILON * m->most_lambda + (ns_slides(m->mode[j]) ? noise_of_y(m, j, v) : 0);
 }
 
-/* What v may be off by where w is off by its rounding, at random: to m->next_v. */
-static int shake(ns_sparse *m, const double *v, const double *w, double g) {
+int ns_guard_shake(ns_sparse *m, const double *v, const double *w, double g, int brief) {
     const ns_form *f = m->f;
     const ns_kept *k;
     unsigned long long dice = 88172645463325252U;
-    const int status = ns_modal_factor(m->q, g, m->mode, 1, &k);
+    const int status = ns_modal_factor(m->q, g, m->mode, brief, &k);
     if (status != NS_OK)
         return status;
     memset(m->r, 0, sizeof(double) * (size_t)f->size);
@@ -108,7 +107,7 @@ static int find_broken(ns_sparse *m, const double *v, const double *w, double g)
 
 int ns_guard_broken(ns_sparse *m, const double *v, const double *w, double g) {
     int count = 0;
-    if (find_broken(m, v, w, g) == 0 || shake(m, v, w, g) != NS_OK)
+    if (find_broken(m, v, w, g) == 0 || ns_guard_shake(m, v, w, g, 1) != NS_OK)
         return 0;
     memset(m->z_none, 0, sizeof(double) * (size_t)m->f->nz);
     for (int j = 0; j < m->f->m; j++) {

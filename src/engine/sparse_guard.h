@@ -12,6 +12,10 @@
 double ns_guard_noise(const ns_sparse *m, int j, const double *v, const double *w, double g);
 double ns_guard_control_noise(const ns_sparse *m, int c, const double *v, const double *z);
 
+/* What v may be off by where w is off by its rounding, at random: to m->next_v.  brief: of ns_modal_factor().
+ */
+int ns_guard_shake(ns_sparse *m, const double *v, const double *w, double g, int brief);
+
 /* Guards of pair j: how many, and number k of them at (lambda_j, y_j), what is constant in it counted so many
  * times. */
 static inline int guards_of(const ns_sparse *m, int j) {

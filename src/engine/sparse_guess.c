@@ -71,6 +71,8 @@ static void keep_sizes(ns_sparse *m, int back) {
     memcpy(back ? m->scale : m->kept_scale, back ? m->kept_scale : m->scale, bytes);
     m->kept_most[0] = back ? m->kept_most[0] : m->most_lambda;
     m->kept_most[1] = back ? m->kept_most[1] : m->most_y;
+    memcpy(back ? m->lambda_of : m->kept_of[0], back ? m->kept_of[0] : m->lambda_of, sizeof m->lambda_of);
+    memcpy(back ? m->y_of : m->kept_of[1], back ? m->kept_of[1] : m->y_of, sizeof m->y_of);
     m->most_lambda = m->kept_most[0];
     m->most_y = m->kept_most[1];
 }
@@ -85,7 +87,7 @@ static int holds(ns_sparse *m, const ns_leg *leg) {
 
 int ns_guess_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg) {
     ns_guess *g = slot_of(m, before);
-    if (!g->sure || before->euler || before->stuck > 0 || before->command >= 0 || t < m->crowded_until)
+    if (!g->sure || before->euler || before->stuck > 0 || before->command >= 0)
         return 0;
     keep_sizes(m, 0);
     for (int i = 0; i < g->count; i++)

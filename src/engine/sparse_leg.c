@@ -104,6 +104,21 @@ static int stage(ns_sparse *m, ns_leg *leg, const ns_kept *k, int i) {
                         w + n);
 }
 
+int ns_leg_residue(ns_sparse *m, const ns_leg *leg, double *sum) {
+    const size_t n = (size_t)m->f->n, size = (size_t)m->f->size;
+    const ns_kept *k;
+    int status = ns_modal_factor(m->q, leg->g, m->mode, 0, &k);
+    for (int i = 0; i < leg->stages && status == NS_OK; i++) {
+        const int any = ns_inputs_stage(m->in, leg->t, leg->g, i, m->z);
+        ns_leg_rhs(m, leg->g, leg->dw + (size_t)i * n, m->z, any, i == 0);
+        ns_form_subtract(m->f, leg->g, m->mode, leg->xi + (size_t)i * size, m->r);
+        status = ns_modal_solve(m->q, k, m->r, m->v);
+        for (size_t j = 0; j < size; j++)
+            sum[j] += i % 2 ? -m->v[j] : m->v[j];
+    }
+    return status == NS_E_SINGULAR ? NS_OK : status;
+}
+
 /* Takes account of w and of how it moves in the scales; the largest square root of an energy, or some such.
  */
 static double take_scales(ns_sparse *m, const ns_leg *leg) {
@@ -160,7 +175,7 @@ static int all_stages(ns_sparse *m, ns_leg *leg, double room) {
         status = stage(m, leg, k, i);
         if (i++ == 0 && status == NS_OK) {
             take_shares(m, take_scales(m, leg));
-            ns_guard_sizes(m, leg->xi);
+            ns_guard_sizes(m, leg->xi, leg->rung);
         }
         if (i < FEWEST || status != NS_OK)
             continue;
@@ -204,8 +219,8 @@ static double noise_of(const ns_sparse *m, const ns_leg *leg, size_t i) {
 /* The error of the step of the whole length, as a multiple of what is allowed: b_9 D^9 w, guessed from the
  * two before, not quite as small as they promise.  *ratio: how much of D^7 w is left in D^8 w, at most 1.
  * Where w contradicts the algebraic equations (D = -1) the step wipes that out, however long it is: not
- * counted, but *jump is how much more there would be. */
-static double error_of(const ns_sparse *m, const ns_leg *leg, double *ratio, double *jump) {
+ * counted, but *jump is how much more there would be, and *time how long it lasts, of g. */
+static double error_of(const ns_sparse *m, const ns_leg *leg, double *ratio, double *jump, double *time) {
     const size_t n = (size_t)m->f->n;
     const double *d8 = leg->dw + (size_t)leg->stages * n, *d7 = d8 - n, most = ns_fine_size(m);
     const double little = m->o.reltol * ldexp(GROWTH / ERROR, -(NS_ORDER + 1));
@@ -228,6 +243,7 @@ static double error_of(const ns_sparse *m, const ns_leg *leg, double *ratio, dou
     if (leg->stages < NS_ORDER) /* had there been all */
         last *= pow(*ratio, NS_ORDER - leg->stages);
     *jump = ERROR * (all - last) / m->o.reltol;
+    *time = all > 0 ? held / all : 0;
     return ERROR * last * sqrt(*ratio) / m->o.reltol;
 }
 
@@ -252,7 +268,8 @@ static double inputs_error(const ns_sparse *m, int rung) {
 
 /* Stages such that the error until room is small enough; the length wanted next. */
 static int choose_length(ns_sparse *m, ns_leg *leg, double room) {
-    int consistent = 0, jumped = 0, most = MOST_DOUBLINGS;
+    ns_jump_kind gone = NS_NO_JUMP;
+    int consistent = 0, most = MOST_DOUBLINGS;
     while (leg->rung < ns_least_rung(m) && inputs_error(m, leg->rung) > 1)
         leg->rung++;
     while (most > 0 && inputs_error(m, leg->rung - most) > 1)
@@ -263,17 +280,22 @@ static int choose_length(ns_sparse *m, ns_leg *leg, double room) {
         int status = all_stages(m, leg, room);
         if (status != NS_OK)
             return status;
-        double ratio = 1, jump = 0;
-        const double whole = error_of(m, leg, &ratio, &jump), share = fmin(1, room / leg->g / ERROR),
+        double ratio = 1, jump = 0, time = 0;
+        const double whole = error_of(m, leg, &ratio, &jump, &time), share = fmin(1, room / leg->g / ERROR),
                      error = whole * share;
         leg->next_rung = leg->rung;
         if (leg->stages == NS_ORDER && error <= 1 && jump > 1 && !consistent) {
             consistent = 1;
-            const double g = length(m, leg->rung + NS_SHORT_RUNG);
-            status = ns_fine_consistent(m, leg->t, &(ns_short){g, g, g, g}, NULL, &jumped);
+            status = ns_fine_consistent(m, leg->t, length(m, leg->rung + NS_SHORT_RUNG), NULL, &gone);
             if (status != NS_OK)
                 return status;
             memcpy(leg->dw, m->w, sizeof(double) * (size_t)m->f->n);
+            continue;
+        }
+        const int least = ns_least_rung(m);
+        if (leg->stages == NS_ORDER && error <= 1 && jump > 1 && time > ldexp(1, leg->rung - least)) {
+            m->counts.trials++; /* a transient */
+            leg->rung += (int)fmin(least - leg->rung, fmax(1, -log2(time) - 2));
             continue;
         }
         if (error <= 1 || leg->rung >= ns_least_rung(m) || tries >= ns_least_rung(m)) {
@@ -283,7 +305,9 @@ static int choose_length(ns_sparse *m, ns_leg *leg, double room) {
             return whole < INFINITY ? NS_OK : NS_E_OVERFLOW;
         }
         m->counts.trials++;
-        leg->rung += error < INFINITY ? (int)fmax(1, fmin(8, ceil(log2(error) / (NS_ORDER + 1) - 0.1))) : 8;
+        const int less =
+            error < INFINITY ? (int)fmax(1, fmin(8, ceil(log2(error) / (NS_ORDER + 1) - 0.1))) : 8;
+        leg->rung = leg->rung + less < least ? leg->rung + less : least;
     }
 }
 

@@ -11,7 +11,8 @@ enum { LEGS = sizeof((ns_sparse *)0)->leg / sizeof(ns_leg) };
 int ns_sparse_fail(ns_sparse *m, double t, int status) {
     m->fault.status = (ns_status)status;
     m->fault.nunknowns = 0;
-    m->fault.npairs = status == NS_E_INFEASIBLE || status == NS_E_SINGULAR ? m->fault.npairs : 0;
+    if (status != NS_E_INFEASIBLE && status != NS_E_SINGULAR && status != NS_E_LIMIT)
+        m->fault.npairs = 0;
     m->fault.t = t;
     return status;
 }
@@ -35,10 +36,10 @@ static double *take(double **from, int count) {
 
 static int allocate(ns_sparse *m) {
     const int n = m->f->n, pairs = m->f->m, size = m->f->size;
-    const size_t count = (size_t)(9 * n + 4 * pairs + 4 * size + 2 * m->f->nz) + 1;
+    const size_t count = (size_t)(14 * n + 4 * pairs + 5 * size + 2 * m->f->nz) + 1;
     double *all = calloc(count, sizeof(double));
     m->w = all;
-    m->mode = calloc(6 * (size_t)pairs + 2 * (size_t)m->s->nc + 1, 1);
+    m->mode = calloc(7 * (size_t)pairs + 2 * (size_t)m->s->nc + 1, 1);
     m->crowd = calloc(2 * (size_t)pairs + 1, sizeof(int));
     m->fine = calloc((size_t)size + 1, sizeof(long double));
     m->guesses = 8 * (size_t)pairs + 61;
@@ -51,9 +52,15 @@ static int allocate(ns_sparse *m) {
     m->flip = (unsigned char *)(m->own_mode + pairs);
     m->touched = m->flip + pairs;
     m->changed = m->touched + pairs;
-    m->old_changed = m->changed + m->s->nc;
+    m->event_changed = m->changed + m->s->nc;
+    m->event_mode = (ns_mode *)(m->event_changed + m->s->nc);
     m->w = take(&all, n);
     m->next_w = take(&all, n);
+    m->before_w = take(&all, n);
+    m->right_w = take(&all, n);
+    m->gone = take(&all, n);
+    m->finer_gone = take(&all, n);
+    m->event_w = take(&all, n);
     m->scale = take(&all, 3 * n);
     m->unit = take(&all, n);
     m->kept_scale = take(&all, n);
@@ -66,6 +73,7 @@ static int allocate(ns_sparse *m) {
     m->r = take(&all, size);
     m->next_v = take(&all, size);
     m->rest = take(&all, size);
+    m->fine_v = take(&all, size);
     m->z = take(&all, m->f->nz);
     m->z_none = take(&all, m->f->nz);
     int status = NS_OK;
@@ -183,6 +191,79 @@ static int euler_leg(ns_sparse *m, ns_leg *leg, double t, double limit, double h
     return status;
 }
 
+/* The state at the end of a leg, as what comes next begins from. */
+static void leave(ns_sparse *m, const ns_leg *leg) {
+    ns_leg_state(m, leg, leg->end, m->w);
+    memcpy(m->mode, leg->mode, (size_t)m->f->m);
+    ns_guard_bounds(m);
+}
+
+/* The largest difference of two states, as a multiple of the error allowed. */
+static double apart(const ns_sparse *m, const double *a, const double *b) {
+    double most = 0;
+    for (int i = 0; i < m->f->n; i++)
+        if (!m->f->algebraic[i])
+            most = fmax(most, fabs(a[i] - b[i]) / m->unit[i]);
+    return most / (m->o.reltol * ns_fine_size(m));
+}
+
+/* Two Euler steps one after another as one leg. */
+static int euler_twice(ns_sparse *m, ns_leg *leg, double t, double limit, double h) {
+    const size_t bytes = sizeof(double) * (size_t)m->f->n;
+    int status = euler_leg(m, leg, t, limit, h / 2);
+    const double half = leg->end, past_t = leg->past_t;
+    if (status != NS_OK || leg->end_t == limit)
+        return status;
+    leave(m, leg);
+    leg->past_t = ns_leg_past(leg);
+    status = euler_leg(m, leg, leg->end_t, limit, h / 2);
+    memcpy(leg->dw, m->before_w, bytes);
+    for (int i = 0; i < m->f->n; i++)
+        leg->dw[m->f->n + i] = m->f->algebraic[i] ? 0 : ns_csc_dot(&m->f->Mt, i, leg->xi) - m->before_w[i];
+    leg->t = t;
+    leg->past_t = past_t;
+    leg->end += half;
+    return status;
+}
+
+/* Euler steps no longer than h, and such that their error is allowed.  Many of them in a short time are
+ * chatter: that is refused (LIMIT), naming the pair of the last event. */
+static int careful_leg(ns_sparse *m, ns_leg *leg, double t, double limit, double h) {
+    const size_t n = (size_t)m->f->n, pairs = (size_t)m->f->m;
+    const double past_t = leg->past_t;
+    double off = INFINITY;
+    int status = NS_OK;
+    if (!(t - m->euler_t <= ldexp(m->o.h, -leg->rung))) {
+        m->euler_t = t;
+        m->eulers = 0;
+    }
+    m->crowd_moved = 1;
+    if (++m->eulers > NS_MOST_EULERS)
+        return NS_E_LIMIT;
+    memcpy(m->before_w, m->w, sizeof(double) * n);
+    memcpy(m->event_mode, m->mode, pairs);
+    for (int less = 0; less < NS_LEAST_RUNG && off > 1; less += 2) {
+        const double g = ldexp(h, -less);
+        status = euler_leg(m, leg, t, limit, g);
+        for (size_t i = 0; i < n && status == NS_OK; i++)
+            m->right_w[i] = leg->dw[i] + leg->dw[n + i];
+        for (int again = 0; again < 2; again++) {
+            memcpy(m->w, m->before_w, sizeof(double) * n);
+            memcpy(m->mode, m->event_mode, pairs);
+            ns_guard_bounds(m);
+            leg->past_t = past_t;
+            if (again == 0 && status == NS_OK)
+                status = euler_twice(m, leg, t, limit, g);
+        }
+        if (status != NS_OK)
+            return status;
+        for (size_t i = 0; i < n; i++)
+            m->gone[i] = leg->dw[i] + leg->dw[n + i];
+        off = apart(m, m->right_w, m->gone);
+    }
+    return off <= 1 ? NS_OK : NS_E_LIMIT;
+}
+
 /* A leg from m->w, m->mode at t after one that ended there. */
 int ns_sparse_next_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg) {
     const double tiny = before ? ldexp(m->o.h, -before->next_rung - NS_SHORT_RUNG) : 0;
@@ -198,21 +279,12 @@ int ns_sparse_next_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg
     if (m->o.theta > 0)
         return ns_scheme_go(m, t, t, leg);
     if (stuck > NS_STUCK)
-        status = euler_leg(m, leg, t, limit, ldexp(h, -10));
-    else if (t < m->crowded_until)
-        status = euler_leg(m, leg, t, fmin(limit, m->asked > t ? m->asked : limit), ldexp(h, -2));
+        status = careful_leg(m, leg, t, limit, ldexp(h, -10));
     else
         status = ns_leg_begin(m, leg, t, limit);
     if (status == NS_OK && leg->why == NS_LEG_GOES_ON && leg->end_t == limit && ns_event_at(m, limit))
         leg->why = NS_LEG_EVENT;
     return status;
-}
-
-/* The state at the end of a leg, as what comes next begins from. */
-static void leave(ns_sparse *m, const ns_leg *leg) {
-    ns_leg_state(m, leg, leg->end, m->w);
-    memcpy(m->mode, leg->mode, (size_t)m->f->m);
-    ns_guard_bounds(m);
 }
 
 /* Where no mode is found in no time, an implicit Euler step that takes a while may: from m->w, m->mode. */
@@ -231,7 +303,7 @@ static int capture(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg) {
         leg->rung = before->next_rung;
         leg->stuck = 0;
         leg->past_t = ns_leg_past(before);
-        status = euler_leg(m, leg, t, limit, ldexp(m->o.h, -leg->rung - less));
+        status = careful_leg(m, leg, t, limit, ldexp(m->o.h, -leg->rung - less));
     }
     if (status == NS_OK && leg->end_t == limit && ns_event_at(m, limit))
         leg->why = NS_LEG_EVENT;
@@ -256,8 +328,7 @@ static ns_leg *free_leg(ns_sparse *m) {
 static int past_event(ns_sparse *m, double t, const ns_leg *from, ns_leg *to) {
     ns_event_own(m, from, t);
     if (ns_guess_leg(m, t, from, to)) {
-        ns_event_count(m, from, t);
-        return NS_OK;
+        return ns_event_count(m, from, t);
     }
     const int status = ns_sparse_resolve(m, from, t);
     if (is_refusal(status)) {
@@ -268,13 +339,21 @@ static int past_event(ns_sparse *m, double t, const ns_leg *from, ns_leg *to) {
     return status == NS_OK ? ns_sparse_next_leg(m, t, from, to) : status;
 }
 
+/* Gave up at the end of a leg, for the sake of what changed there. */
+static int blame(ns_sparse *m, const ns_leg *leg, int status) {
+    const int pair = leg->pair >= 0 ? leg->pair : leg->command >= 0 ? m->s->command[leg->command].pair : -1;
+    if (status == NS_E_LIMIT && (m->fault.npairs = pair >= 0))
+        m->fault.pair[0] = pair;
+    return status;
+}
+
 /* From the end of the live leg to the next one. */
 static int go_on(ns_sparse *m) {
     ns_leg *from = m->live, *to = free_leg(m);
     const double t = from->end_t;
     int status;
     if (m->budget-- <= 0)
-        return NS_E_LIMIT;
+        return blame(m, from, NS_E_LIMIT);
     leave(m, from);
     if (from->euler) {
         memcpy(m->z, from->z, sizeof(double) * (size_t)m->f->nz);
@@ -288,7 +367,7 @@ static int go_on(ns_sparse *m) {
     if (is_refusal(status))
         status = capture(m, t, from, to);
     if (status != NS_OK)
-        return status;
+        return blame(m, from, status);
     m->live = to;
     m->live_tau = 0;
     m->live_t = t;

@@ -7,6 +7,8 @@
 #ifndef NS_SPARSE_MARCH_H
 #define NS_SPARSE_MARCH_H
 
+#include <math.h>
+
 #include "laguerre.h"
 #include "sparse_aside.h"
 #include "sparse_engine.h"
@@ -18,18 +20,17 @@
 enum { NS_STAGES = NS_ORDER + 1 }; /* the last one only where a leg is looked into */
 enum {
     NS_SHORT_RUNG = 16,
-    NS_LEAST_RUNG = 20,
+    NS_LEAST_RUNG = 28,
     NS_EVENT_LEAST = 26,
-    NS_CROWD_OF_PAIR = 16,
+    NS_CROWD_OF_PAIR = 1000, /* flips of a pair in the time of a leg that are chatter, */
+    NS_MOST_EULERS = 64,     /* or Euler steps */
     NS_STUCK = 6,
+    NS_FINER = 12,  /* steps in which a transient lasts that is gone after longer ones, */
+    NS_FINEST = 26, /* down to which it is one */
+    NS_MOST_FINER = 6,
+    NS_RUNGS = NS_LEAST_RUNG + NS_MOST_FINER + 1,
     NS_CAPTURE_FIRST = 14
 };
-
-/* The steps that resolve an event: those between `least` and `longest` may be taken; `next`: other than those
- * of now would be right. */
-typedef struct ns_short {
-    double now, next, least, longest;
-} ns_short;
 
 typedef enum ns_leg_end { NS_LEG_GOES_ON, NS_LEG_EVENT } ns_leg_end;
 
@@ -71,34 +72,40 @@ struct ns_sparse {
     ns_modal *q;
     ns_inputs *in;
     ns_leg leg[3], *live, *kept;
-    double live_tau, kept_tau;  /* how far into them, */
-    double live_t, kept_t;      /* at which times */
-    double *l, *u;              /* m, commanded pairs as commanded */
-    ns_mode *mode;              /* m: of what comes next */
-    unsigned char *flip;        /* m */
-    unsigned char *touched;     /* m: pairs that changed while a mode is looked for */
-    unsigned char *changed;     /* nc: commands that changed at this event */
-    unsigned char *old_changed; /* nc */
-    double *w, *next_w;         /* n */
+    double live_tau, kept_tau;                      /* how far into them, */
+    double live_t, kept_t;                          /* at which times */
+    double *l, *u;                                  /* m, commanded pairs as commanded */
+    ns_mode *mode;                                  /* m: of what comes next */
+    unsigned char *flip;                            /* m */
+    unsigned char *touched;                         /* m: pairs that changed while a mode is looked for */
+    unsigned char *changed;                         /* nc: commands that changed at this event */
+    unsigned char *event_changed;                   /* nc: at the left of an event */
+    double *w, *next_w;                             /* n */
+    double *before_w, *right_w, *gone, *finer_gone; /* n: while a jump is looked for */
+    double *event_w;                                /* n: at the left of an event */
+    ns_mode *event_mode;                            /* m: asked for there, before anything is settled */
     double *scale, *unit; /* 3 n: the largest w there were, and work; n: of one M alone, the square root */
     double *share;        /* n: 1 / scale of a leg, 0 where nothing is */
-    double most_lambda, most_y;       /* the largest there were */
-    ns_mode *old_mode, *shown;        /* m; m: what slides counts as closed */
-    ns_mode *own_mode;                /* m: after what an event changes by itself */
-    ns_guess *guess;                  /* by a hash: */
-    size_t guesses;                   /* so many places */
-    int guessing;                     /* one is tried */
-    double *kept_scale, kept_most[2]; /* n: before it */
-    double *crowd_t;                  /* 2 m: since when flips of a pair are counted, */
-    int *crowd;                       /* 2 m: how many there were; then both as they were accepted */
-    double crowded_until, kept_until;
-    int crowd_moved;       /* they are no longer as accepted */
-    double *v, *r, *rate;  /* size, size, n */
-    double *next_v, *rest; /* size */
-    long double *fine;     /* size */
-    double *z, *z_none;    /* nz */
-    ns_twin *twin;         /* pairs across switches, */
-    int twins;             /* so many */
+    double most_lambda, most_y; /* the largest there were: of legs as long as this one or longer, */
+    double lambda_of[NS_RUNGS], y_of[NS_RUNGS];             /* by rung; of shorter ones the share */
+    ns_mode *old_mode, *shown;                              /* m; m: what slides counts as closed */
+    ns_mode *own_mode;                                      /* m: after what an event changes by itself */
+    ns_guess *guess;                                        /* by a hash: */
+    size_t guesses;                                         /* so many places */
+    int guessing;                                           /* one is tried */
+    double *kept_scale, kept_most[2], kept_of[2][NS_RUNGS]; /* n: before it */
+    double *crowd_t;                                        /* 2 m: since when flips of a pair are counted, */
+    int *crowd;                   /* 2 m: how many there were; then both as they were accepted */
+    double euler_t, kept_euler_t; /* since when Euler steps are counted, */
+    int eulers, kept_eulers;      /* how many there were; and as accepted */
+    int crowd_moved;              /* they are no longer as accepted */
+    double *v, *r, *rate;         /* size, size, n */
+    double *next_v, *rest;        /* size */
+    long double *fine;            /* size */
+    double *fine_v;               /* size */
+    double *z, *z_none;           /* nz */
+    ns_twin *twin;                /* pairs across switches, */
+    int twins;                    /* so many */
     ns_scheme scheme;
     int started, has_trial;
     double asked;
@@ -120,6 +127,8 @@ int ns_leg_more(ns_sparse *m, ns_leg *leg);
 /* past_t at the end of a leg: legs of one length round t off in the same way each time, which would add up.
  */
 double ns_leg_past(const ns_leg *leg);
+/* sum (size) += what the stages there are leave of (P2), solved for: what rounding did to them, or may. */
+int ns_leg_residue(ns_sparse *m, const ns_leg *leg, double *sum);
 void ns_leg_state(const ns_sparse *m, const ns_leg *leg, double tau, double *w);
 void ns_leg_point(const ns_sparse *m, const ns_leg *leg, double tau, double *v);
 
@@ -147,13 +156,19 @@ void ns_scheme_free(ns_sparse *m);
 int ns_scheme_go(ns_sparse *m, double t, double until, ns_leg *leg);
 int ns_scheme_point(ns_sparse *m, const ns_leg *leg, double tau, double *v);
 
+static inline double ns_finest(const ns_sparse *m) {
+    return ldexp(m->o.h, -NS_FINEST - m->o.finer);
+}
+
+/* What making charges and fluxes consistent has done to them: nothing but rounding; made them jump; nothing
+ * yet, for it would take away what lasts, if shortly. */
+typedef enum ns_jump_kind { NS_NO_JUMP, NS_JUMPS, NS_LASTS } ns_jump_kind;
+
 /* sparse_fine.c: the largest charge or flux there is or was, in units; m->w made consistent with m->mode by
- * steps of length g->now, of which first (n) is what the first one moves, if that is known (else NULL): what
- * is faster goes.  *jumped: 1 if it did by more than rounding.  If what would go is quick, but shorter steps
- * see it, or if those that there are do not either, nothing is done, and g->next is not g->now.  Errors:
- * RESIDUAL (digits are lost). */
+ * steps of length g, of which first (n) is what the first one moves, if that is known (else NULL): what is
+ * faster goes.  Errors: RESIDUAL (digits are lost). */
 double ns_fine_size(const ns_sparse *m);
-int ns_fine_consistent(ns_sparse *m, double t, ns_short *g, const double *first, int *jumped);
+int ns_fine_consistent(ns_sparse *m, double t, double g, const double *first, ns_jump_kind *jump);
 
 /* sparse_twins.c: as ns_twins_find() (twins.h). */
 int ns_sparse_twins(const ns_system *s, const ns_form *f, ns_twin **out, int *count);
@@ -165,7 +180,7 @@ int ns_sparse_twins(const ns_system *s, const ns_form *f, ns_twin **out, int *co
 void ns_guard_bounds(ns_sparse *m);
 /* How large lambda and y are at v, into what they were at most; whether those of the last of p stages are so
  * small beside that, that no further ones are needed. */
-void ns_guard_sizes(ns_sparse *m, const double *v);
+void ns_guard_sizes(ns_sparse *m, const double *v, int rung);
 int ns_guard_enough(const ns_sparse *m, const ns_leg *leg, int p);
 int ns_guard_first(ns_sparse *m, ns_leg *leg);
 int ns_guard_broken(ns_sparse *m, const double *v, const double *w,
@@ -196,9 +211,8 @@ void ns_event_command(ns_sparse *m, double t);
 int ns_event_at(const ns_sparse *m, double t);
 /* What is counted of flips is accepted (keep), or goes back to what was. */
 void ns_event_crowd(ns_sparse *m, int keep);
-/* A pair that changes often in the time of a step chatters, or its events pile up: Euler steps for a while.
- */
-void ns_event_count(ns_sparse *m, const ns_leg *leg, double t);
+/* A pair that changes all the time in the time of a leg chatters: LIMIT. */
+int ns_event_count(ns_sparse *m, const ns_leg *leg, double t);
 /* What the leg that ended (NULL: a start) ended for, and commands of time, change. */
 void ns_event_own(ns_sparse *m, const ns_leg *leg, double t);
 /* The event at the end of a leg, from m->w, after ns_event_own(): m->mode and m->w to its right.  leg NULL: a

@@ -17,10 +17,13 @@ static void rest(ns_sparse *m) {
         m->mode[m->s->command[c].pair] = NS_LOWER;
     ns_guard_bounds(m);
     memset(m->scale, 0, sizeof(double) * 3 * (size_t)m->f->n);
-    m->crowded_until = m->kept_until = -INFINITY;
+    m->euler_t = m->kept_euler_t = -INFINITY;
+    m->eulers = m->kept_eulers = 0;
     m->crowd_moved = 0;
     m->most_lambda = m->most_y = 0;
-    m->started = m->has_trial = m->scheme.running = 0;
+    memset(m->lambda_of, 0, sizeof m->lambda_of);
+    memset(m->y_of, 0, sizeof m->y_of);
+    m->started = m->has_trial = m->scheme.running = m->fault.npairs = 0;
     ns_inputs_reset(m->in);
     memset(m->guess, 0, m->guesses * sizeof *m->guess);
 }

@@ -12,6 +12,8 @@
 
 /* What the last of few stages may be of the error allowed; and what a crossing may be off by of the state. */
 static const double few_share = 0.3, instant_share = 0.1;
+/* Below zero by less than this share of the largest unknown: perhaps by rounding. */
+static const double shallow = 1e-7;
 
 /* 1 if a bound by the coefficients of guard k of pair j tells that it holds, but for what it may be below
  * zero by. */
@@ -45,6 +47,8 @@ static void coefficients(const ns_sparse *m, const ns_leg *leg, int terms, int p
 typedef struct found {
     double at; /* share of the leg */
     int pair, k, command;
+    double noise;
+    int shaken; /* m->next_v is what rounding may do to unknowns of the leg */
 } found;
 
 /* The next coefficient, guessed from the last two: what a guard is off by at the start of a leg. */
@@ -67,9 +71,28 @@ static double breaks(const ns_sparse *m, const ns_leg *leg, int terms, const fou
     const double tol = cut_off(G, terms) + m->o.reltol * size;
     if (ns_curve_holds(&part, tol))
         return NAN;
-    return before * ns_curve_below(
-                        &part, tol + (f->pair >= 0 ? ns_guard_noise(m, f->pair, leg->xi, leg->dw, leg->g)
+    return before *
+           ns_curve_below(&part, tol + f->noise +
+                                     (f->pair >= 0 ? ns_guard_noise(m, f->pair, leg->xi, leg->dw, leg->g)
                                                    : ns_guard_control_noise(m, f->command, leg->xi, leg->z)));
+}
+
+/* What is below zero by so little, beside the largest unknown, may be rounding of others than its own terms:
+ * by how much it is. */
+static void take_noise(ns_sparse *m, const ns_leg *leg, const ns_curve *c, found *next, found *f) {
+    double most = 0;
+    for (int i = 0; i < m->f->size; i++)
+        most = ns_higher(most, fabs(leg->xi[i]));
+    if (next->pair < 0 || !ns_curve_holds(c, shallow * most))
+        return;
+    if (!f->shaken)
+        f->shaken = ns_guard_shake(m, leg->xi, leg->dw, leg->g, 0) == NS_OK &&
+                            ns_leg_residue(m, leg, m->next_v) == NS_OK
+                        ? 1
+                        : -1;
+    memset(m->z_none, 0, sizeof(double) * (size_t)m->f->nz);
+    if (f->shaken > 0)
+        next->noise = 16 * fabs(guard(m, next->pair, next->k, m->next_v, m->z_none, 0));
 }
 
 /* By how much of the leg the crossing is off as later stages are missing. */
@@ -94,7 +117,11 @@ static int look(ns_sparse *m, ns_leg *leg, found next, found *f) {
     ns_curve c;
     if (next.pair >= 0 && surely_holds(m, leg, next.pair, next.k))
         return NS_OK;
-    if (!(breaks(m, leg, leg->stages < NS_ORDER ? leg->stages : NS_ORDER, &next, f->at, &c) < f->at))
+    const int terms = leg->stages < NS_ORDER ? leg->stages : NS_ORDER;
+    if (!(breaks(m, leg, terms, &next, f->at, &c) < f->at))
+        return NS_OK;
+    take_noise(m, leg, &c, &next, f);
+    if (next.noise > 0 && !(breaks(m, leg, terms, &next, f->at, &c) < f->at))
         return NS_OK;
     do {
         const int status = ns_leg_more(m, leg);
@@ -105,16 +132,31 @@ static int look(ns_sparse *m, ns_leg *leg, found next, found *f) {
             next.at = ns_curve_root(&c, next.at);
     } while (leg->stages < NS_STAGES &&
              !(off_by(m, leg, &next, &c) * moves(m, leg) <= instant_share * m->o.reltol));
+    next.shaken = f->shaken;
     if (next.at < f->at)
         *f = next;
     return NS_OK;
 }
 
-void ns_guard_sizes(ns_sparse *m, const double *v) {
+/* Volts and amperes of a transient are those of fluxes and charges that matter less the longer a leg is. */
+static double share_of(const double *of, int rung) {
+    double most = 0;
+    for (int r = 0; r < NS_RUNGS; r++)
+        if (of[r] > most)
+            most = ns_higher(most, r > rung ? ldexp(of[r], rung - r) : of[r]);
+    return most;
+}
+
+void ns_guard_sizes(ns_sparse *m, const double *v, int rung) {
+    double most_lambda = m->lambda_of[rung], most_y = m->y_of[rung];
     for (int j = 0; j < m->f->m; j++) {
-        m->most_lambda = ns_higher(fabs(v[m->f->n + j]), m->most_lambda);
-        m->most_y = ns_higher(fabs(ns_csc_dot(&m->f->Ct, j, v)), m->most_y);
+        most_lambda = ns_higher(fabs(v[m->f->n + j]), most_lambda);
+        most_y = ns_higher(fabs(ns_csc_dot(&m->f->Ct, j, v)), most_y);
     }
+    m->lambda_of[rung] = most_lambda;
+    m->y_of[rung] = most_y;
+    m->most_lambda = share_of(m->lambda_of, rung);
+    m->most_y = share_of(m->y_of, rung);
 }
 
 int ns_guard_enough(const ns_sparse *m, const ns_leg *leg, int p) {
@@ -135,16 +177,16 @@ int ns_guard_enough(const ns_sparse *m, const ns_leg *leg, int p) {
 }
 
 int ns_guard_first(ns_sparse *m, ns_leg *leg) {
-    found f = {INFINITY, -1, 0, -1};
+    found f = {INFINITY, -1, 0, -1, 0, 0};
     int status = NS_OK;
     for (int j = 0; j < m->f->m; j++) {
         const int guards = guards_of(m, j);
         for (int k = 0; k < guards && status == NS_OK; k++)
-            status = look(m, leg, (found){NAN, j, k, -1}, &f);
+            status = look(m, leg, (found){NAN, j, k, -1, 0, 0}, &f);
     }
     for (int c = 0; c < m->s->nc && status == NS_OK; c++)
         if (of_state(m, c))
-            status = look(m, leg, (found){NAN, -1, 0, c}, &f);
+            status = look(m, leg, (found){NAN, -1, 0, c, 0, 0}, &f);
     if (status != NS_OK || !(f.at <= 1))
         return status;
     leg->why = NS_LEG_EVENT;
