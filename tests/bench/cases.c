@@ -50,6 +50,8 @@ void case_prepare(bench_case *c) {
     c->exact(c, 1, fine);
     c->exact(c, 0.6L, finer);
     for (int i = 0; i < c->times * c->unknowns; i++) {
+        if (!isfinite((double)fine[i]) || !isfinite((double)finer[i])) /* fmax() would pass over it */
+            must(NS_E_NUMBER);
         c->right[i] = (double)finer[i];
         c->scale[i % c->unknowns] = fmax(c->scale[i % c->unknowns], fabs(c->right[i]));
     }

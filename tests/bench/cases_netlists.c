@@ -141,7 +141,7 @@ static int by_ours(const bench_case *c, const char *method, double step, double 
     snprintf(options, sizeof options,
              step > 0 ? "method=\"%s\" theta=0.5 gamma=0.5 h=%.17g" : "method=\"%s\"", method,
              step * c->unit);
-    rival_run(c, &s, 0, 60, &got);
+    rival_run(c, &s, 1, 60, &got);
     memcpy(values, got.values, sizeof got.values);
     return got.end == RIVAL_DONE;
 }
