@@ -183,6 +183,7 @@ static int settle_and_jump(ns_sparse *m, double t, double g, ns_jump_kind *jump)
 static int resolve_by(ns_sparse *m, const ns_leg *leg, double t, double g, ns_jump_kind *jump) {
     for (int round = 0;; round++) {
         int status = settle_and_jump(m, t, g, jump);
+        (void)ns_inputs_stage(m->in, t, g, 0, m->z); /* as m->v has them */
         if (status != NS_OK || *jump == NS_LASTS || round >= COMMAND_ROUNDS ||
             !ns_guard_commands(m, m->v, leg, m->changed))
             return status;

@@ -52,70 +52,15 @@ static void leave(ns_sparse *m, const ns_leg *leg) {
     ns_guard_bounds(m);
 }
 
-/* The largest difference of two states, as a multiple of the error allowed. */
-static double apart(const ns_sparse *m, const double *a, const double *b) {
-    double most = 0;
-    for (int i = 0; i < m->f->n; i++)
-        if (!m->f->algebraic[i])
-            most = fmax(most, fabs(a[i] - b[i]) / m->unit[i]);
-    return most / (m->o.reltol * ns_fine_size(m));
-}
-
-/* Two Euler steps one after another as one leg. */
-static int euler_twice(ns_sparse *m, ns_leg *leg, double t, double limit, double h) {
-    const size_t bytes = sizeof(double) * (size_t)m->f->n;
-    int status = euler_leg(m, leg, t, limit, h / 2);
-    const double half = leg->end, past_t = leg->past_t;
-    if (status != NS_OK || leg->end_t == limit)
-        return status;
-    leave(m, leg);
-    leg->past_t = ns_leg_past(leg);
-    status = euler_leg(m, leg, leg->end_t, limit, h / 2);
-    memcpy(leg->dw, m->before_w, bytes);
-    for (int i = 0; i < m->f->n; i++)
-        leg->dw[m->f->n + i] = m->f->algebraic[i] ? 0 : ns_csc_dot(&m->f->Mt, i, leg->xi) - m->before_w[i];
-    leg->t = t;
-    leg->past_t = past_t;
-    leg->end += half;
-    return status;
-}
-
-/* Euler steps no longer than h, and such that their error is allowed.  Many of them in a short time are
- * chatter: that is refused (LIMIT), naming the pair of the last event. */
-static int careful_leg(ns_sparse *m, ns_leg *leg, double t, double limit, double h) {
-    const size_t n = (size_t)m->f->n, pairs = (size_t)m->f->m;
-    const double past_t = leg->past_t;
-    double off = INFINITY;
-    int status = NS_OK;
+/* An Euler step.  Many of them in a short time are chatter: that is refused (LIMIT), naming the pair of the
+ * last event. */
+static int counted_leg(ns_sparse *m, ns_leg *leg, double t, double limit, double h) {
     if (!(t - m->euler_t <= ldexp(m->o.h, -leg->rung))) {
         m->euler_t = t;
         m->eulers = 0;
     }
     m->crowd_moved = 1;
-    if (++m->eulers > NS_MOST_EULERS)
-        return NS_E_LIMIT;
-    memcpy(m->before_w, m->w, sizeof(double) * n);
-    memcpy(m->event_mode, m->mode, pairs);
-    for (int less = 0; less < NS_LEAST_RUNG && off > 1; less += 2) {
-        const double g = ldexp(h, -less);
-        status = euler_leg(m, leg, t, limit, g);
-        for (size_t i = 0; i < n && status == NS_OK; i++)
-            m->right_w[i] = leg->dw[i] + leg->dw[n + i];
-        for (int again = 0; again < 2; again++) {
-            memcpy(m->w, m->before_w, sizeof(double) * n);
-            memcpy(m->mode, m->event_mode, pairs);
-            ns_guard_bounds(m);
-            leg->past_t = past_t;
-            if (again == 0 && status == NS_OK)
-                status = euler_twice(m, leg, t, limit, g);
-        }
-        if (status != NS_OK)
-            return status;
-        for (size_t i = 0; i < n; i++)
-            m->gone[i] = leg->dw[i] + leg->dw[n + i];
-        off = apart(m, m->right_w, m->gone);
-    }
-    return off <= 1 ? NS_OK : NS_E_LIMIT;
+    return ++m->eulers > NS_MOST_EULERS ? NS_E_LIMIT : euler_leg(m, leg, t, limit, h);
 }
 
 /* A leg from m->w, m->mode at t after one that ended there. */
@@ -133,7 +78,7 @@ int ns_sparse_next_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg
     if (m->o.theta > 0)
         return ns_scheme_go(m, t, t, leg);
     if (stuck > NS_STUCK)
-        status = careful_leg(m, leg, t, limit, ldexp(h, -10));
+        status = counted_leg(m, leg, t, limit, ldexp(h, -10));
     else
         status = ns_leg_begin(m, leg, t, limit);
     if (status == NS_OK && leg->why == NS_LEG_GOES_ON && leg->end_t == limit && ns_event_at(m, limit))
@@ -157,7 +102,7 @@ static int capture(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg) {
         leg->rung = before->next_rung;
         leg->stuck = 0;
         leg->past_t = ns_leg_past(before);
-        status = careful_leg(m, leg, t, limit, ldexp(m->o.h, -leg->rung - less));
+        status = counted_leg(m, leg, t, limit, ldexp(m->o.h, -leg->rung - less));
     }
     if (status == NS_OK && leg->end_t == limit && ns_event_at(m, limit))
         leg->why = NS_LEG_EVENT;
