@@ -234,7 +234,8 @@ static int turn_first(ns_flight *f, int *stuck) {
     return turn(f, !known, stuck);
 }
 
-/* To the next event and beyond it, or to t; *stop: this was the last. */
+/* To the next event and beyond it, or to t; *stop: this was the last.  An event right where the march stands
+ * is gone through, to its right side. */
 static int leap(ns_flight *f, double t, ns_until until, int *stuck, int *stop) {
     ns_march *m = f->m;
     int broke;
@@ -246,11 +247,13 @@ static int leap(ns_flight *f, double t, ns_until until, int *stuck, int *stop) {
     *stop = status != NS_OK || !(broke || known);
     if (*stop)
         return status;
-    if (f->t >= t || (until == NS_TO_EVENT && (!known || ns_schedule_is_event(f->schedule)))) {
+    const int ends = f->t >= t || (until == NS_TO_EVENT && (!known || ns_schedule_is_event(f->schedule)));
+    if (ends && f->t > m->kept.t) {
         m->live.at_event = *stop = 1;
         m->live.jump = known;
         return NS_OK;
     }
+    *stop = ends;
     memset(m->flip, 0, (size_t)m->s->nc);
     if (!known) {
         ns_laps_lost(f);

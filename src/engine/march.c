@@ -98,7 +98,8 @@ static int go_to(ns_march *m, double t, ns_until until) {
     while (status == NS_OK && m->live.t < t) {
         if (flying(m)) {
             status = ns_flight_go(m->flight, t, until);
-            if (until == NS_TO_EVENT && flying(m) && (from_event || m->live.at_event))
+            const int there = m->live.at_event || m->live.t == m->kept.t;
+            if (until == NS_TO_EVENT && flying(m) && (from_event || there))
                 return status;
             continue;
         }
