@@ -19,7 +19,7 @@
 #include "siconos_run.h"
 #include "sweep.h"
 
-enum { MOST_ROWS = 400, IDLES = 5, MOST_RUNS = 20, MANY_STEPS = 50000 };
+enum { MOST_ROWS = 800, IDLES = 5, MOST_RUNS = 20, MANY_STEPS = 50000 };
 /* Runs of ngspice are repeated in one process up to so much, s of CPU. */
 static const double resolved = 30e-3;
 static const char *const siconos = "build/bench/siconos";
