@@ -22,17 +22,6 @@ void ns_laguerre(double s, double *c) {
         c[i] = -c[i];
 }
 
-/* L_i' = L_{i-1}' - L_{i-1} */
-void ns_laguerre_slopes(double s, double *slope) {
-    double L[NS_ORDER], d = 0;
-    polynomials(s, NS_ORDER - 1, L);
-    slope[0] = 0;
-    for (int i = 1; i < NS_ORDER; i++) {
-        d -= L[i - 1];
-        slope[i] = sign(i) * d;
-    }
-}
-
 void ns_laguerre_steps(double s, double *b) {
     double L[NS_ORDER + 1];
     polynomials(s, NS_ORDER, L);

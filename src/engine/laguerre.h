@@ -21,9 +21,8 @@ enum { NS_ORDER = 8 };
 /* What |L_i| is below from 0 to 1/gamma. */
 extern const double ns_laguerre_most[NS_ORDER];
 
-/* c_i = (-1)^i L_i(s), i < NS_ORDER, and their derivatives by s; s >= 0. */
+/* c_i = (-1)^i L_i(s), i < NS_ORDER; s >= 0. */
 void ns_laguerre(double s, double *c);
-void ns_laguerre_slopes(double s, double *slope);
 
 /* b_i(s), i <= NS_ORDER. */
 void ns_laguerre_steps(double s, double *b);
