@@ -7,7 +7,7 @@
 /* A control beyond its threshold by less than this, relative to its terms, has not crossed it: rounding. */
 static const double control_tol = 1e-12;
 
-int ns_control_closed(const ns_march *m, int c) {
+static int is_closed(const ns_march *m, int c) {
     return ns_theta_mode(m->step)[m->s->command[c].pair] == NS_INSIDE;
 }
 
@@ -20,7 +20,7 @@ static double excess(const ns_march *m, int c, double from_state, const double *
         g += k->gz[i] * z[i];
         size += fabs(k->gz[i] * z[i]);
     }
-    return (ns_control_closed(m, c) ? k->off - g : g - k->on) - tol * size;
+    return (is_closed(m, c) ? k->off - g : g - k->on) - tol * size;
 }
 
 int ns_control_by_time(ns_march *m, const double *z, unsigned char *flip) {
@@ -102,7 +102,7 @@ double ns_control_next_crest(const ns_march *m, double t) {
 void ns_control_apply(ns_march *m, const unsigned char *flip) {
     int any = 0;
     for (int c = 0; c < m->s->nc; c++) {
-        m->closed[c] = (unsigned char)(ns_control_closed(m, c) != flip[c]);
+        m->closed[c] = (unsigned char)(is_closed(m, c) != flip[c]);
         any |= flip[c];
     }
     if (any)

@@ -97,7 +97,6 @@ void ns_choice_drop(ns_march *m);
 int ns_march_start_as(ns_march *m, double t0, const double *w0, const unsigned char *closed);
 
 /* control.c */
-int ns_control_closed(const ns_march *m, int c);
 /* Which time-only commands, at inputs z, contradict their switch: fills flip (nc), returns how many. */
 int ns_control_by_time(ns_march *m, const double *z, unsigned char *flip);
 /* The same for commands that depend on the state, as the stepper's last trial has it. */

@@ -166,8 +166,3 @@ double ns_csc_size(const ns_csc *a, int j, const double *x) {
         sum += fabs(a->value[k] * x[a->row[k]]);
     return sum;
 }
-
-void ns_csc_times_add_transposed(const ns_csc *a, const double *x, double *y) {
-    for (int j = 0; j < a->columns; j++)
-        y[j] += ns_csc_dot(a, j, x);
-}

@@ -27,9 +27,8 @@ int ns_csc_of_dense(int rows, int columns, const double *a, ns_csc *out);
 int ns_csc_transpose(const ns_csc *a, ns_csc *out); /* Errors: MEMORY. */
 void ns_csc_free(ns_csc *a);                        /* frees its arrays */
 
-/* y += A x;  y += A' x. */
+/* y += A x. */
 void ns_csc_times_add(const ns_csc *a, const double *x, double *y);
-void ns_csc_times_add_transposed(const ns_csc *a, const double *x, double *y);
 
 /* Column j of a times x; the sum of the sizes of its terms. */
 static inline double ns_csc_dot(const ns_csc *a, int j, const double *x) {

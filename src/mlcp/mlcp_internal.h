@@ -143,8 +143,7 @@ struct ns_mlcp_solver {
 /* problem.c: makes s->given, and sorts the indices where it is not known already.  NULL, SIZE, NUMBER,
  * BOUNDS. */
 int ns_mlcp_take(ns_mlcp_solver *s, const ns_mlcp *p);
-int ns_mlcp_fetch(ns_mlcp_solver *s, int j); /* column j of Wown, if on demand.  NUMBER */
-int ns_mlcp_fetch_all(ns_mlcp_solver *s);
+int ns_mlcp_fetch_all(ns_mlcp_solver *s);                     /* Wown, if on demand.  NUMBER */
 void ns_mlcp_units(ns_mlcp_solver *s);                        /* rowmax, colunit */
 void ns_mlcp_given(ns_mlcp_solver *s);                        /* now = *p */
 void ns_mlcp_fold(ns_mlcp_solver *s);                         /* W, q of now */

@@ -105,7 +105,8 @@ int ns_mlcp_take(ns_mlcp_solver *s, const ns_mlcp *p) {
     return status;
 }
 
-int ns_mlcp_fetch(ns_mlcp_solver *s, int j) {
+/* Column j of Wown.  Errors: NUMBER. */
+static int fetch(ns_mlcp_solver *s, int j) {
     const size_t m = (size_t)s->m;
     double *w = s->Wown + (size_t)j * m;
     if (s->have[j])
@@ -125,7 +126,7 @@ int ns_mlcp_fetch_all(ns_mlcp_solver *s) {
     for (int j = 0; j < s->m && s->missing > 0; j++)
         if (s->lown[j] == 0.0 && s->uown[j] == 0.0)
             memset(s->Wown + (size_t)j * (size_t)s->m, 0, (size_t)s->m * sizeof *s->Wown);
-        else if (ns_mlcp_fetch(s, j) != NS_OK)
+        else if (fetch(s, j) != NS_OK)
             return NS_E_NUMBER;
     return NS_OK;
 }

@@ -115,7 +115,8 @@ void ns_scaled_mode(ns_mlcp_solver *s, const ns_scaled *z, const double *x, cons
     }
 }
 
-void ns_scaled_lambda(ns_mlcp_solver *s, const ns_scaled *z, const double *x) {
+/* s->lambda in s->mode: at its bound, or from x. */
+static void lambda_of(ns_mlcp_solver *s, const ns_scaled *z, const double *x) {
     for (int i = 0; i < z->m; i++)
         if (s->mode[i] == NS_INSIDE)
             s->lambda[i] = fmin(fmax(x[i] * z->cs[i], s->p->l[i]), s->p->u[i]);
@@ -199,7 +200,7 @@ int ns_scaled_finish(ns_mlcp_solver *s, const ns_scaled *z, const double *x, con
     if (status == NS_OK)
         return NS_OK;
     ns_scaled_mode(s, z, x, y);
-    ns_scaled_lambda(s, z, x);
+    lambda_of(s, z, x);
     status = finish(s, z, status, accept);
     if (status != NS_OK)
         ns_mlcp_note(s, accept);

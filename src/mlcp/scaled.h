@@ -33,9 +33,6 @@ void ns_scaled_product(ns_scaled *z);
 /* s->mode as x and y (m, scaled) suggest it: the smaller of two that should not both be large is 0. */
 void ns_scaled_mode(ns_mlcp_solver *s, const ns_scaled *z, const double *x, const double *y);
 
-/* s->lambda in s->mode: at its bound, or from x. */
-void ns_scaled_lambda(ns_mlcp_solver *s, const ns_scaled *z, const double *x);
-
 /* Crossover: from s->mode to an answer of a mode near it, by a few flips of all guards that are broken.
  * OK: s->lambda has natural residual <= accept.  Otherwise LIMIT, SINGULAR, and s->lambda, s->mode are
  * anything.  Uses A, mag, G, rhs, g, ysize, lsize, y. */

@@ -58,7 +58,8 @@ void ns_pieces_free(ns_pieces *p) {
     p->piece = NULL;
 }
 
-double ns_pieces_time(const ns_pieces *p, double k, int i) {
+/* Where piece i of repetition k begins. */
+static double begin_of(const ns_pieces *p, double k, int i) {
     return p->origin + (k * p->period + p->piece[i].t);
 }
 
@@ -76,10 +77,11 @@ int ns_run_following(const ns_run *r, double *k) {
 static void look_ahead(ns_run *r) {
     double k;
     const int i = ns_run_following(r, &k);
-    r->next = i < 0 ? INFINITY : ns_pieces_time(r->line, k, i);
+    r->next = i < 0 ? INFINITY : begin_of(r->line, k, i);
 }
 
-void ns_run_step(ns_run *r) {
+/* To the next piece; there must be one. */
+static void step(ns_run *r) {
     r->i = ns_run_following(r, &r->k);
     r->t = r->next;
     look_ahead(r);
@@ -87,7 +89,7 @@ void ns_run_step(ns_run *r) {
 
 void ns_run_skip(ns_run *r, double repetitions) {
     r->k += repetitions;
-    r->t = ns_pieces_time(r->line, r->k, r->i);
+    r->t = begin_of(r->line, r->k, r->i);
     look_ahead(r);
 }
 
@@ -96,9 +98,9 @@ static double repetition(const ns_pieces *p, double t) {
     if (!(p->period > 0))
         return 0;
     double k = floor((t - p->origin - p->piece[p->from].t) / p->period);
-    if (ns_pieces_time(p, k, p->from) > t)
+    if (begin_of(p, k, p->from) > t)
         k -= 1;
-    else if (ns_pieces_time(p, k + 1, p->from) <= t)
+    else if (begin_of(p, k + 1, p->from) <= t)
         k += 1;
     return fmax(0, fmin(k, p->cycles));
 }
@@ -111,13 +113,13 @@ void ns_run_seek(ns_run *r, double t) {
         low = high = p->n + 1;
     while (low < high) {
         const int middle = low + (high - low + 1) / 2;
-        if (ns_pieces_time(p, r->k, middle) <= t)
+        if (begin_of(p, r->k, middle) <= t)
             low = middle;
         else
             high = middle - 1;
     }
     r->i = low;
-    r->t = ns_pieces_time(p, r->k, low);
+    r->t = begin_of(p, r->k, low);
     look_ahead(r);
     if (r->next <= t) /* periods too short to tell apart */
         r->next = t + 2 * ns_signal_slack(t, p->origin);
@@ -129,6 +131,6 @@ void ns_run_pass(ns_run *r, double t) {
             ns_run_seek(r, t);
             return;
         }
-        ns_run_step(r);
+        step(r);
     }
 }

@@ -27,8 +27,6 @@ typedef struct ns_pieces {
 int ns_pieces_create(const ns_signal *s, ns_pieces *p);
 void ns_pieces_free(ns_pieces *p); /* zeroed is allowed */
 
-double ns_pieces_time(const ns_pieces *p, double k, int i);
-
 /* A place on the line. */
 typedef struct ns_run {
     const ns_pieces *line;
@@ -40,9 +38,6 @@ typedef struct ns_run {
 
 /* To the piece that holds right of t: the last that begins at or before. */
 void ns_run_seek(ns_run *r, double t);
-
-/* To the next piece; there must be one. */
-void ns_run_step(ns_run *r);
 
 /* Past all that begin at or before t. */
 void ns_run_pass(ns_run *r, double t);
