@@ -153,8 +153,7 @@ int ns_newton_start(ns_newton *s, double t0, const double *x, const double *lamb
     s->cx = 1;
     for (int i = 0; i < s->model->nz; i++)
         s->z1[i] = s->zr[i] = ns_signal_value(&s->model->z[i], t0, NS_RIGHT);
-    if (s->n > 0)
-        memcpy(s->at.x, x, sizeof(double) * (size_t)s->n);
+    ns_copy((size_t)s->n, x, s->at.x);
     for (int i = 0; i < s->m; i++)
         s->at.lambda[i] = fmin(fmax(lambda ? lambda[i] : 0, s->model->l[i]), s->model->u[i]);
     int status = ns_newton_values(s, &s->at);

@@ -179,8 +179,7 @@ void ns_mlcp_fold(ns_mlcp_solver *s) {
         s->have_factors = 0;
     size_t m = (size_t)s->m;
     s->W = s->now.W;
-    if (m > 0)
-        memcpy(s->q, s->now.q, m * sizeof *s->q);
+    ns_copy(m, s->now.q, s->q);
     for (int k = 0; k < s->nx; k++) {
         double v = s->p->l[s->fixed[k]];
         if (v != 0.0)

@@ -7,7 +7,6 @@
 
 #include <float.h>
 #include <math.h>
-#include <string.h>
 
 #include "residual.h"
 
@@ -25,8 +24,7 @@ int ns_scaled_law(const ns_scaled *z, int i) {
 }
 
 void ns_scaled_product(ns_scaled *z) {
-    if (z->m > 0)
-        memcpy(z->y, z->q, (size_t)z->m * sizeof *z->y);
+    ns_copy((size_t)z->m, z->q, z->y);
     ns_matvec_add(z->m, z->m, z->W, z->x, z->y);
 }
 
@@ -126,8 +124,7 @@ static void lambda_of(ns_mlcp_solver *s, const ns_scaled *z, const double *x) {
 
 /* rhs = y of s->lambda, scaled. */
 static void residual(ns_mlcp_solver *s, const ns_scaled *z) {
-    if (z->m > 0)
-        memcpy(s->rhs, s->q, (size_t)z->m * sizeof *s->rhs);
+    ns_copy((size_t)z->m, s->q, s->rhs);
     for (int i = 0; i < z->m; i++)
         s->g[i] = z->l[i] == z->u[i] ? 0.0 : s->lambda[i];
     ns_matvec_add(z->m, z->m, s->W, s->g, s->rhs);

@@ -1,8 +1,9 @@
 /* src/system/dense_copy.c - the matrices of a large system, written out. */
 #include "dense_copy.h"
 
+#include "../linalg/dense.h"
+
 #include <stdlib.h>
-#include <string.h>
 
 static void write_out(const ns_csc *from, double *to) {
     for (int j = 0; j < from->columns; j++)
@@ -32,11 +33,6 @@ static int copy_commands(const ns_system *s, ns_system *to) {
     return status;
 }
 
-static void copy(double *to, const double *from, int count) {
-    if (count > 0)
-        memcpy(to, from, sizeof *to * (size_t)count);
-}
-
 int ns_dense_copy(const ns_system *s, ns_system **out) {
     const ns_large *a = s->large;
     ns_system *to;
@@ -51,10 +47,10 @@ int ns_dense_copy(const ns_system *s, ns_system **out) {
     write_out(&a->D, to->D);
     write_out(&a->E, to->E);
     write_out(&a->F, to->F);
-    copy(to->b, s->b, s->n);
-    copy(to->e, s->e, s->m);
-    copy(to->l, s->l, s->m);
-    copy(to->u, s->u, s->m);
+    ns_copy((size_t)s->n, s->b, to->b);
+    ns_copy((size_t)s->m, s->e, to->e);
+    ns_copy((size_t)s->m, s->l, to->l);
+    ns_copy((size_t)s->m, s->u, to->u);
     for (int k = 0; k < s->nz && status == NS_OK; k++)
         status = ns_system_set_input(to, k, &s->z[k]);
     if (status == NS_OK)
