@@ -57,17 +57,22 @@ static int steps_sparsely(const ns_march_options *o) {
     return o->method == NS_THETA && o->theta > 0 && o->theta <= 1 && o->theta == o->gamma;
 }
 
+/* theta: of the scheme's steps; 0: legs. */
+static ns_sparse_options sparse_options(const ns_march_options *o, double theta) {
+    const int rungs = o->method == NS_AUTO ? RUNGS : 0;
+    return (ns_sparse_options){.h = ldexp(o->h, rungs),
+                               .reltol = theta > 0 ? 0 : o->reltol,
+                               .bytes = o->map_bytes,
+                               .finer = rungs,
+                               .theta = theta};
+}
+
 int ns_choice_make(ns_march *m, ns_fault *fault) {
     const ns_march_options *o = &m->options;
     const int large = m->s->large || m->s->n + m->s->m > FLIGHT_MOST;
     const int steps = steps_sparsely(o) && (too_large(m->s) || o->capture);
     if (o->method == NS_SPARSE || (o->method == NS_AUTO && large) || steps) {
-        const int rungs = o->method == NS_AUTO ? RUNGS : 0;
-        const ns_sparse_options options = {.h = ldexp(o->h, rungs),
-                                           .reltol = steps ? 0 : o->reltol,
-                                           .bytes = o->map_bytes,
-                                           .finer = rungs,
-                                           .theta = steps ? o->theta : 0};
+        const ns_sparse_options options = sparse_options(o, steps ? o->theta : 0);
         return ns_sparse_create(m->s, &options, &m->sparse, fault);
     }
     return make_dense(m, fault);
@@ -112,6 +117,12 @@ static void keep_counts(ns_march *m) {
     m->events = m->seen_events = m->seen_modes = 0;
 }
 
+/* The sparse engine may be asked again four times as much later as the last time. */
+static void put_off(ns_march *m, double t) {
+    m->pause = m->pause > 0 ? 4 * m->pause : AT_MOST * m->h;
+    m->back = t + m->pause;
+}
+
 int ns_choice_dense(ns_march *m, double t) {
     ns_sparse *const was = m->sparse;
     keep_counts(m);
@@ -119,8 +130,7 @@ int ns_choice_dense(ns_march *m, double t) {
     if (status == NS_OK) {
         ns_sparse_free(was);
         m->sparse = NULL;
-        m->pause = m->pause > 0 ? 4 * m->pause : AT_MOST * m->h;
-        m->back = t + m->pause;
+        put_off(m, t);
     } else
         ns_choice_drop(m);
     return status;
@@ -171,8 +181,7 @@ static int modes_do_not_recur(ns_march *m) {
 
 /* Where the dense engines have come to, the sparse one begins; it may refuse. */
 static int hand_over(ns_march *m) {
-    const ns_sparse_options options = {
-        .h = AT_MOST * m->h, .reltol = m->options.reltol, .bytes = m->options.map_bytes, .finer = RUNGS};
+    const ns_sparse_options options = sparse_options(&m->options, 0);
     double t, *w;
     unsigned char *closed;
     ns_sparse *sparse = NULL;
@@ -199,8 +208,6 @@ void ns_choice_return(ns_march *m) {
     const int due = m->kept.t >= m->back;
     if (!due && !(m->pause == 0 && m->flight && modes_do_not_recur(m)))
         return;
-    if (hand_over(m) == NS_OK)
-        return;
-    m->pause = m->pause > 0 ? 4 * m->pause : AT_MOST * m->h;
-    m->back = m->kept.t + m->pause;
+    if (hand_over(m) != NS_OK)
+        put_off(m, m->kept.t);
 }
