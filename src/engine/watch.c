@@ -50,20 +50,25 @@ ALWAYS_INLINE int calm(const double *s, int ld, int samples) {
     return all;
 }
 
+/* The same of one guard, whose largest second difference is *bend. */
+ALWAYS_INLINE int is_clear(const double *s, int ld, int samples, double *bend) {
+    double least = s[0];
+    *bend = 0;
+    for (int i = 1; i < samples; i++) {
+        *bend = ns_higher(*bend, fabs(s[(i - 1) * ld] - 2 * s[i * ld] + s[(i + 1) * ld]));
+        least = ns_lower(least, s[i * ld]);
+    }
+    return ns_lower(least, s[samples * ld]) > *bend / 4;
+}
+
 int ns_watch_calm(const double *s, int rows, int samples) {
+    double bend;
     for (int g = 0; g < rows && rows >= BESIDE; g += BESIDE)
         if (!calm(s + (rows - g < BESIDE ? rows - BESIDE : g), rows, samples))
             return 0;
-    for (int g = 0; g < rows && rows < BESIDE; g++) {
-        double bend = 0, least = ns_lower(s[g], s[samples * rows + g]);
-        for (int i = 1; i < samples; i++) {
-            const double *b = s + i * rows + g;
-            bend = ns_higher(bend, fabs(b[-rows] - 2 * *b + b[rows]));
-            least = ns_lower(least, *b);
-        }
-        if (!(least > bend / 4))
+    for (int g = 0; g < rows && rows < BESIDE; g++)
+        if (!is_clear(s + g, rows, samples, &bend))
             return 0;
-    }
     return 1;
 }
 
@@ -80,13 +85,8 @@ static double noise_in_doubt(const ns_flight *f, const ns_stage *k, int g) {
 static int doubt_in(const ns_flight *f, const ns_stage *k, int g, const double *s, int samples,
                     double *clear) {
     const int ld = k->rows;
-    double bend = 0, least = s[0], tol = -1;
-    for (int i = 1; i < samples; i++) {
-        bend = ns_higher(bend, fabs(s[(i - 1) * ld] - 2 * s[i * ld] + s[(i + 1) * ld]));
-        least = ns_lower(least, s[i * ld]);
-    }
-    least = ns_lower(least, s[samples * ld]);
-    if (least > bend / 4)
+    double bend, tol = -1;
+    if (is_clear(s, ld, samples, &bend))
         return -1;
     for (int i = 0; i < samples; i++) {
         const double a = s[i * ld], b = s[(i + 1) * ld], low = ns_lower(a, b);
