@@ -38,6 +38,8 @@ void ns_laps_leg(ns_flight *f, const ns_level *level, const ns_leg *leg) {
     if (!l->open)
         return;
     l->open = l->steps < NS_LAP_STEPS && !f->at->instant;
+    if (l->steps >= NS_LAP_STEPS)
+        l->period = 0;
     if (!l->open)
         return;
     memcpy(l->v + (size_t)l->steps * nv, f->X + f->s->r, sizeof *l->v * nv);
@@ -49,11 +51,15 @@ static double slack_of(const ns_flight *f) {
     return 8 * DBL_EPSILON * fabs(f->t);
 }
 
-/* A period begins here, if there are periods. */
+/* A period begins here, if there are periods.  One that is known is not asked for until it is over. */
 static int begin(ns_flight *f) {
     ns_laps *l = &f->laps;
     l->open = 0;
-    if (f->at->instant || f->crowd > 0 || !(l->period = ns_schedule_period(f->schedule)))
+    if (f->at->instant || f->crowd > 0)
+        return NS_OK;
+    if (l->period == 0)
+        l->period = ns_schedule_period(f->schedule);
+    if (l->period == 0)
         return NS_OK;
     if (!l->v)
         l->v = malloc(sizeof *l->v * NS_LAP_STEPS * ((size_t)f->exo->nv + 1));
@@ -172,7 +178,9 @@ int ns_laps_instant(ns_flight *f) {
     const double left = l->begin + l->period - f->t;
     if (left > slack_of(f))
         return NS_OK;
-    if (left < -slack_of(f) || f->at != l->first || l->period != ns_schedule_period(f->schedule))
+    const double period = l->period;
+    l->period = ns_schedule_period(f->schedule);
+    if (left < -slack_of(f) || f->at != l->first || l->period != period)
         return begin(f);
     int status = NS_OK;
     if (same_again(l))

@@ -53,7 +53,7 @@ typedef struct ns_laps {
     ns_lap_step step[NS_LAP_STEPS], last[NS_LAP_STEPS];
     double *v;                   /* NS_LAP_STEPS * nv: the inputs where each begins; NULL until needed */
     const ns_flight_mode *first; /* in which it began, */
-    double begin, period;        /* when, and when it will be over */
+    double begin, period;        /* when, and how long it takes, as far as is known; 0: not */
     int refused;                 /* laps in a row in which a guard came near */
     double again;                /* not before this time */
 } ns_laps;
