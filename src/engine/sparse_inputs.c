@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "laguerre.h"
 #include "marcher.h"
+#include "sparse_search.h"
 #include "timed.h"
 
 static const double control_tol = NS_CONTROL_TOL;
@@ -240,31 +240,13 @@ static double excess(const piece *p, double t) {
     return p->sign * (p->base + p->slope * (t - p->from) + waves(p, t));
 }
 
-/* Where it crosses in (a, b], to rounding: by chords, no closer to an end than what counts. */
+static double short_of(const void *p, double t) {
+    return -excess(p, t);
+}
+
+/* Where it crosses in (a, b], to rounding. */
 static double instant_of(const piece *p, double a, double b) {
-    double at_a = excess(p, a), at_b = excess(p, b);
-    int side = 0;
-    for (int i = 0; i < 200 && at_a <= 0; i++) {
-        const double d = DBL_EPSILON * fmax(fabs(a), fabs(b));
-        if (b - a <= 2 * d)
-            break;
-        double mid = i % 8 == 7 ? a + (b - a) / 2 : a + (b - a) * at_a / (at_a - at_b);
-        mid = mid > a + d ? mid : a + d;
-        mid = mid < b - d ? mid : b - d;
-        const double at = excess(p, mid);
-        if (at > 0) {
-            b = mid;
-            at_b = at;
-            at_a *= side == 1 ? 0.5 : 1;
-            side = 1;
-        } else {
-            a = mid;
-            at_a = at;
-            at_b *= side == -1 ? 0.5 : 1;
-            side = -1;
-        }
-    }
-    return a;
+    return ns_chords(short_of, p, a, b, DBL_EPSILON);
 }
 
 /* The rate of an exponential factor * exp(-a (t - from)), and a bound of how that changes from t to b. */

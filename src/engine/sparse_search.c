@@ -79,33 +79,39 @@ static double first_below(search *s, const double *b, double low, double high, i
     return isnan(first) ? first_below(s, right, mid, high, depth + 1) : first;
 }
 
-/* By chords, and no closer to an end than what counts. */
-static double close_in(const ns_curve *c, double low, double high) {
-    double at_low = value(c, low), at_high = value(c, high);
+/* Of an end that stays where it is only half counts (Illinois), and each eighth time the middle is taken. */
+double ns_chords(ns_function *f, const void *data, double a, double b, double eps) {
+    double at_a = f(data, a), at_b = f(data, b);
     int side = 0;
-    for (int i = 0; i < 100; i++) {
-        const double d = 2 * DBL_EPSILON * high;
-        if (high - low <= 2 * d)
+    for (int i = 0; i < 200 && at_a >= 0; i++) {
+        const double d = eps * fmax(fabs(a), fabs(b));
+        if (b - a <= 2 * d)
             break;
-        double mid = i % 8 == 7 ? low + (high - low) / 2 : low + (high - low) * at_low / (at_low - at_high);
-        if (!(mid > low + d))
-            mid = low + d;
-        if (!(mid < high - d))
-            mid = high - d;
-        const double at_mid = value(c, mid);
-        if (at_mid < 0) {
-            high = mid;
-            at_high = at_mid;
-            at_low *= side == 1 ? 0.5 : 1;
+        double mid = i % 8 == 7 ? a + (b - a) / 2 : a + (b - a) * at_a / (at_a - at_b);
+        mid = mid > a + d ? mid : a + d;
+        mid = mid < b - d ? mid : b - d;
+        const double at = f(data, mid);
+        if (at < 0) {
+            b = mid;
+            at_b = at;
+            at_a *= side == 1 ? 0.5 : 1;
             side = 1;
         } else {
-            low = mid;
-            at_low = at_mid;
-            at_high *= side == -1 ? 0.5 : 1;
+            a = mid;
+            at_a = at;
+            at_b *= side == -1 ? 0.5 : 1;
             side = -1;
         }
     }
-    return low;
+    return a;
+}
+
+static double value_at(const void *c, double u) {
+    return value(c, u);
+}
+
+static double close_in(const ns_curve *c, double low, double high) {
+    return ns_chords(value_at, c, low, high, 2 * DBL_EPSILON);
 }
 
 void ns_curve_cut(const ns_curve *c, double end, ns_curve *part) {

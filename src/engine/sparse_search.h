@@ -29,4 +29,10 @@ double ns_curve_root(const ns_curve *c, double at);
 
 double ns_curve_slope(const ns_curve *c, double u);
 
+typedef double ns_function(const void *data, double at);
+
+/* Where f passes from zero or more at a to below zero at b: the last point before, by chords, to eps of it;
+ * a: it is below zero there. */
+double ns_chords(ns_function *f, const void *data, double a, double b, double eps);
+
 #endif
