@@ -34,6 +34,8 @@ typedef struct ns_march_options {
     double reltol; /* of NS_SPARSE: error of a step beside the largest charges and fluxes so far; 0: 1e-9 */
     int capture;   /* of NS_THETA with theta = gamma > 0: 1: no event is located, what breaks in a step is
                       resolved in it; so are systems of more than 1500 unknowns and pairs always */
+    int whole;     /* 1: islands (parts that share nothing but stiff sources) are not taken apart; nor are
+                      they with NS_THETA, or where there are more than 64 of them */
 } ns_march_options;
 
 /* Makes a marcher for s, which must outlive it and not change.  On failure *out is NULL and fault (may

@@ -47,7 +47,8 @@ typedef struct ns_counts {
     long searches; /* ways between two points looked into for a guard that may break, */
     long waves;    /* states carried for the inputs: 1, slopes, exponentials, two a sine, */
     long laps;     /* whole periods of a drive, by one product, */
-    long settled;  /* events that (P1) was not asked for: a mode followed that was seen before */
+    long settled;  /* events that (P1) was not asked for: a mode followed that was seen before, */
+    long islands;  /* that go their own ways, sharing nothing but stiff sources; 0: it is all one */
 } ns_counts;
 
 /* What a trial may do when a guard breaks. */

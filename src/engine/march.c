@@ -1,4 +1,5 @@
 /* src/engine/march.c - the marcher: made, asked, accepted, read. */
+#include "fleet.h"
 #include "flight.h"
 #include "sparse_engine.h"
 
@@ -31,7 +32,11 @@ int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **ou
     m->h = o->h;
     m->options = *o;
     m->back = INFINITY;
-    const int status = ns_choice_make(m, fault);
+    int status = NS_OK;
+    if (!o->whole && o->method != NS_THETA)
+        status = ns_fleet_create(s, o, &m->fleet, fault);
+    if (status == NS_OK && !m->fleet)
+        status = ns_choice_make(m, fault);
     if (status != NS_OK) {
         ns_march_free(m);
         return status;
@@ -43,6 +48,7 @@ int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **ou
 void ns_march_free(ns_march *m) {
     if (!m)
         return;
+    ns_fleet_free(m->fleet);
     ns_sparse_free(m->sparse);
     ns_choice_drop(m);
     ns_system_free(m->own);
@@ -57,6 +63,15 @@ static void go_back(ns_march *m) {
         m->corner = -INFINITY;
     }
     m->moved = m->has_trial = 0;
+}
+
+void ns_march_drop(ns_march *m) {
+    if (m->fleet)
+        ns_fleet_drop(m->fleet);
+    else if (m->sparse)
+        ns_sparse_drop(m->sparse);
+    else
+        go_back(m);
 }
 
 double ns_march_next_corner(ns_march *m) {
@@ -126,6 +141,8 @@ static int go_to(ns_march *m, double t, ns_until until) {
 int ns_march_try(ns_march *m, double t, ns_until until, double *reached) {
     if (!m || !reached)
         return NS_E_NULL;
+    if (m->fleet)
+        return ns_fleet_try(m->fleet, t, until, reached);
     if (!m->sparse)
         ns_choice_return(m);
     int status = m->sparse ? ns_sparse_try(m->sparse, t, until, reached) : NS_OK;
@@ -154,6 +171,8 @@ int ns_march_try(ns_march *m, double t, ns_until until, double *reached) {
 int ns_march_accept(ns_march *m) {
     if (!m)
         return NS_E_NULL;
+    if (m->fleet)
+        return ns_fleet_accept(m->fleet);
     if (m->sparse)
         return ns_sparse_accept(m->sparse);
     if (!m->has_trial)
@@ -168,6 +187,8 @@ int ns_march_accept(ns_march *m) {
 int ns_march_read(ns_march *m, double *t, double *x, double *lambda, double *y) {
     if (!m)
         return NS_E_NULL;
+    if (m->fleet)
+        return ns_fleet_read(m->fleet, t, x, lambda, y);
     if (m->sparse)
         return ns_sparse_read(m->sparse, t, x, lambda, y);
     if (!m->started)
@@ -179,20 +200,28 @@ int ns_march_read(ns_march *m, double *t, double *x, double *lambda, double *y) 
 }
 
 const ns_mode *ns_march_mode(const ns_march *m) {
+    if (m->fleet)
+        return ns_fleet_mode(m->fleet);
     return m->sparse ? ns_sparse_mode(m->sparse) : ns_theta_mode(m->step);
 }
 
 int ns_march_at_event(const ns_march *m) {
+    if (m->fleet)
+        return ns_fleet_at_event(m->fleet);
     return m->sparse ? ns_sparse_at_event(m->sparse) : m->live.at_event;
 }
 
 ns_method ns_march_engine(const ns_march *m) {
+    if (m->fleet)
+        return ns_fleet_engine(m->fleet);
     if (m->sparse)
         return m->options.method == NS_THETA ? NS_THETA : NS_SPARSE;
     return flying(m) ? NS_FLIGHT : NS_THETA;
 }
 
 const ns_counts *ns_march_counts(ns_march *m) {
+    if (m->fleet)
+        return ns_fleet_counts(m->fleet);
     if (m->sparse) {
         m->counts = *ns_sparse_counts(m->sparse);
     } else {
@@ -210,11 +239,15 @@ const ns_counts *ns_march_counts(ns_march *m) {
 int ns_march_problem(const ns_march *m, ns_mlcp *p, double *h) {
     if (!m || !p)
         return NS_E_NULL;
+    if (m->fleet)
+        return ns_fleet_problem(m->fleet, p, h);
     if (m->sparse)
         return NS_E_STATE;
     return m->fault.status == ns_theta_fault(m->step)->status ? ns_theta_problem(m->step, p, h) : NS_E_STATE;
 }
 
 const ns_fault *ns_march_fault(const ns_march *m) {
+    if (m->fleet)
+        return ns_fleet_fault(m->fleet);
     return m->sparse ? ns_sparse_fault(m->sparse) : &m->fault;
 }

@@ -45,7 +45,8 @@ typedef struct ns_jump {
 struct ns_march {
     const ns_system *s;
     ns_system *own;           /* that, where it is a copy of a large one; else NULL */
-    struct ns_sparse *sparse; /* NULL, or who goes all the way; then all below is unused */
+    struct ns_fleet *fleet;   /* NULL, or who goes all the way; then all below is unused */
+    struct ns_sparse *sparse; /* likewise */
     ns_theta *step;
     struct ns_flight *flight; /* NULL: all steps are the scheme's */
     ns_march_options options;
@@ -76,6 +77,7 @@ struct ns_march {
 /* march.c: the first corner of the inputs after live.t; and a failure: keeps the status, its time and the
  * stepper's fault; returns the status. */
 double ns_march_next_corner(ns_march *m);
+void ns_march_drop(ns_march *m); /* the trial, if there is one */
 int ns_march_fail(ns_march *m, int status);
 
 /* choice.c: makes the engines that the options ask for; whether what another engine failed with is worth a

@@ -22,6 +22,7 @@ int ns_sparse_start(ns_sparse *m, double t0, const double *w0);
 int ns_sparse_start_as(ns_sparse *m, double t0, const double *w0, const unsigned char *closed);
 int ns_sparse_start_dc(ns_sparse *m, double t0, int nhold, const int *hold, const double *hold_x, double *x);
 int ns_sparse_try(ns_sparse *m, double t, ns_until until, double *reached);
+void ns_sparse_drop(ns_sparse *m); /* the trial */
 int ns_sparse_accept(ns_sparse *m);
 int ns_sparse_read(ns_sparse *m, double *t, double *x, double *lambda, double *y);
 const ns_mode *ns_sparse_mode(const ns_sparse *m);

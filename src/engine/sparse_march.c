@@ -219,6 +219,10 @@ static void go_back(ns_sparse *m) {
     ns_event_crowd(m, 0);
 }
 
+void ns_sparse_drop(ns_sparse *m) {
+    go_back(m);
+}
+
 int ns_sparse_try(ns_sparse *m, double t, ns_until until, double *reached) {
     if (!m || !reached)
         return NS_E_NULL;

@@ -1,4 +1,5 @@
 /* src/engine/start.c - a consistent start: from charges and fluxes, or from the DC operating point. */
+#include "fleet.h"
 #include "flight.h"
 #include "sparse_engine.h"
 
@@ -76,6 +77,8 @@ int ns_march_start_as(ns_march *m, double t0, const double *w0, const unsigned c
 int ns_march_start(ns_march *m, double t0, const double *w0) {
     if (!m || (!w0 && m->s->n > 0))
         return NS_E_NULL;
+    if (m->fleet)
+        return ns_fleet_start(m->fleet, t0, w0);
     int status = m->sparse ? ns_sparse_start(m->sparse, t0, w0) : NS_OK;
     if (m->sparse && !(ns_choice_leaves(m, status) && (status = ns_choice_dense(m, t0)) == NS_OK))
         return status;
@@ -115,6 +118,8 @@ int ns_march_start_dc(ns_march *m, double t0, int nhold, const int *hold, const 
                       double *x_out) {
     if (!m || (nhold > 0 && (!hold || !hold_x)))
         return NS_E_NULL;
+    if (m->fleet)
+        return ns_fleet_start_dc(m->fleet, t0, nhold, hold, hold_x, x_out);
     int status = m->sparse ? ns_sparse_start_dc(m->sparse, t0, nhold, hold, hold_x, x_out) : NS_OK;
     if (m->sparse && !(ns_choice_leaves(m, status) && (status = ns_choice_dense(m, t0)) == NS_OK))
         return status;

@@ -165,9 +165,9 @@ static void put_siconos(list *l, const plan *p, const bench_case *c) {
 /* --- one run --- */
 
 /* The library in a process of its own, under a limit; what it needs is in memory that both share.  Short runs
- * are repeated, the median counts, as the mean does of ngspice's. */
+ * are repeated for as long as those of ngspice are, the median counts, as the mean does of theirs. */
 static row_end run_apart(const bench_case *c, const todo *t, double limit, bench_result *shared) {
-    enum { MOST = 15 };
+    enum { MOST = 400 };
     int status = 0;
     fflush(NULL);
     const pid_t child = fork();
