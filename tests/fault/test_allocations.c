@@ -139,6 +139,24 @@ static ns_system *floating_bridge(void) {
     return s;
 }
 
+/* A sine through a diode onto a capacitor and a load, twice: two islands. */
+static ns_system *two_rectifiers(void) {
+    const ns_signal sine = {.kind = NS_SIN, .u.sin = {.va = 10, .freq = 1e3}};
+    ns_circuit *c;
+    ns_system *s;
+    assert_int_equal(ns_circuit_create(&c), NS_OK);
+    assert_int_equal(ns_circuit_source(c, "v1", NS_VOLTAGE, 1, 0, &sine, NULL), NS_OK);
+    for (int k = 0; k < 2; k++) {
+        const int out = 2 + k;
+        assert_int_equal(ns_circuit_diode(c, k ? "d2" : "d1", 1, out, &diode, NULL), NS_OK);
+        assert_int_equal(ns_circuit_capacitor(c, k ? "c2" : "c1", out, 0, 1e-5, NAN, NULL), NS_OK);
+        assert_int_equal(ns_circuit_resistor(c, k ? "r2" : "r1", out, 0, 10 + k, NULL), NS_OK);
+    }
+    assert_int_equal(ns_circuit_system(c, &s), NS_OK);
+    ns_circuit_free(c);
+    return s;
+}
+
 static ns_system *rectifier(void) {
     ns_circuit *c;
     ns_system *s;
@@ -181,8 +199,8 @@ static void a_system(outcome *o) {
 
 static ns_system *subject; /* of the engines */
 
-static void march_by(outcome *o, double h, double until) {
-    const ns_march_options options = {.theta = 0.5, .gamma = 0.5, .h = h, .method = NS_THETA};
+static void march_by(outcome *o, ns_method method, double h, double until) {
+    const ns_march_options options = {.theta = 0.5, .gamma = 0.5, .h = h, .method = method, .reltol = 1e-6};
     double t, reached, x[ROOM], lambda[ROOM];
     ns_march *m;
     assert_true(subject->n <= ROOM && subject->m <= ROOM);
@@ -199,11 +217,19 @@ static void march_by(outcome *o, double h, double until) {
 }
 
 static void a_march(outcome *o) {
-    march_by(o, 1e-5, 6e-4);
+    march_by(o, NS_THETA, 1e-5, 6e-4);
 }
 
 static void a_short_march(outcome *o) {
-    march_by(o, 1e-8, 1e-7);
+    march_by(o, NS_THETA, 1e-8, 1e-7);
+}
+
+static void a_flight(outcome *o) {
+    march_by(o, NS_FLIGHT, 1e-5, 6e-4);
+}
+
+static void a_sparse_march(outcome *o) {
+    march_by(o, NS_SPARSE, 1e-5, 6e-4);
 }
 
 static void an_operating_point(outcome *o) {
@@ -342,6 +368,10 @@ static void marches(void **state) {
     on(rectifier(), a_march, 50);
     on(rectifier(), an_operating_point, 40);
     on(floating_bridge(), a_short_march, 40);
+    on(rectifier(), a_flight, 50);
+    on(rectifier(), a_sparse_march, 50);
+    on(two_rectifiers(), a_flight, 100);
+    on(two_rectifiers(), a_sparse_march, 100);
 }
 
 static void impulses(void **state) {
