@@ -33,11 +33,14 @@ void show_devices(engine *e) {
 
 void show_summary(const engine *e, double cpu) {
     const ns_counts *c = ns_march_counts(e->march);
-    char modes[40] = ""; /* flight counts them, nobody else does */
+    char modes[40] = "", islands[40] = ""; /* of those who count them, where there are some */
     if (c->modes > 0) {
         snprintf(modes, sizeof modes, " %ld modes,", c->modes);
     }
-    report_note("%s: %ld steps, %ld events,%s %ld pivots, %ld factors, %ld maps, %.3g ms",
+    if (c->islands > 0) {
+        snprintf(islands, sizeof islands, " %ld islands,", c->islands);
+    }
+    report_note("%s: %ld steps, %ld events,%s %ld pivots, %ld factors, %ld maps,%s %.3g ms",
                 options_method(ns_march_engine(e->march)), c->steps, c->events, modes, c->pivots, c->factors,
-                c->maps, 1e3 * cpu);
+                c->maps, islands, 1e3 * cpu);
 }

@@ -1,44 +1,9 @@
-/* src/engine/fleet.c - marchers side by side: tried, accepted, read. */
-#include "fleet.h"
+/* src/engine/fleet.c - marchers side by side: made, started, read. */
+#include "fleet_inside.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "../system/islands.h"
-#include "marcher.h"
-
-/* Islands may end a little beyond what they are asked for; so often the others are asked to come after. */
-enum { ROUNDS = 4 };
-/* Events of islands that are not further apart than this, relative to their time, are one. */
-static const double same = 4 * DBL_EPSILON;
-
-typedef struct ship {
-    ns_march *march;
-    const ns_island *island;
-    double kept, live; /* of the accepted point; of the last trial */
-    int at_event;      /* the accepted point is the left side of one */
-    int tried;
-    double seen; /* up to here it was looked ahead: */
-    int event;   /* there is one right there, or none so far */
-} ship;
-
-struct ns_fleet {
-    const ns_system *s;
-    ns_islands islands;
-    ship *ship;
-    double *numbers, *x, *lambda, *y; /* n, m, m: of one island */
-    ns_mode *mode;                    /* m */
-    unsigned char *seen;              /* n */
-    double kept, live;
-    int started, has_trial, at_event;
-    int failed; /* the ship that did, -1: none */
-    double asked;
-    ns_until until;
-    ns_counts counts;
-    ns_fault fault;
-};
 
 /* --- made and freed --- */
 
@@ -64,7 +29,7 @@ static void translate(const ns_island *i, ns_fault *fault) {
         fault->unknown[k] = i->unknown[fault->unknown[k]];
 }
 
-static int fail(ns_fleet *f, int ship, int status) {
+int ns_fleet_fail(ns_fleet *f, int ship, int status) {
     f->fault = *ns_march_fault(f->ship[ship].march);
     translate(f->ship[ship].island, &f->fault);
     f->failed = ship;
@@ -72,7 +37,7 @@ static int fail(ns_fleet *f, int ship, int status) {
     return status;
 }
 
-static int fail_here(ns_fleet *f, int status) {
+int ns_fleet_fail_here(ns_fleet *f, int status) {
     f->fault = (ns_fault){.status = (ns_status)status, .t = f->kept};
     f->failed = -1;
     return status;
@@ -140,7 +105,7 @@ static int begin(ns_fleet *f) {
         ship *s = &f->ship[k];
         const int status = ns_march_read(s->march, &s->kept, NULL, NULL, NULL);
         if (status != NS_OK)
-            return fail(f, k, status);
+            return ns_fleet_fail(f, k, status);
         s->live = s->seen = s->kept;
         s->at_event = s->tried = s->event = 0;
         f->kept = fmax(f->kept, s->kept);
@@ -163,13 +128,13 @@ static void charges_of(ns_fleet *f, int island, const double *w0) {
 
 int ns_fleet_start(ns_fleet *f, double t0, const double *w0) {
     if (!w0)
-        return fail_here(f, NS_E_NULL);
+        return ns_fleet_fail_here(f, NS_E_NULL);
     memset(f->seen, 0, (size_t)f->s->n);
     for (int k = 0; k < f->islands.count; k++) {
         charges_of(f, k, w0);
         const int status = ns_march_start(f->ship[k].march, t0, f->x);
         if (status != NS_OK)
-            return fail(f, k, status);
+            return ns_fleet_fail(f, k, status);
     }
     return begin(f);
 }
@@ -198,180 +163,28 @@ static int holds_of(const ns_island *i, int nhold, const int *hold, const double
 
 int ns_fleet_start_dc(ns_fleet *f, double t0, int nhold, const int *hold, const double *hold_x, double *x) {
     if (nhold < 0 || nhold > f->s->n)
-        return fail_here(f, NS_E_SIZE);
+        return ns_fleet_fail_here(f, NS_E_SIZE);
     if (nhold > 0 && (!hold || !hold_x))
-        return fail_here(f, NS_E_NULL);
+        return ns_fleet_fail_here(f, NS_E_NULL);
     for (int h = 0; h < nhold; h++)
         if (hold[h] < 0 || hold[h] >= f->s->n)
-            return fail_here(f, NS_E_SIZE);
+            return ns_fleet_fail_here(f, NS_E_SIZE);
     int *own = calloc((size_t)nhold + 1, sizeof *own), status = NS_OK;
     double *own_x = calloc((size_t)nhold + 1, sizeof *own_x);
     if (!own || !own_x)
-        status = fail_here(f, NS_E_MEMORY);
+        status = ns_fleet_fail_here(f, NS_E_MEMORY);
     memset(f->seen, 0, (size_t)f->s->n);
     for (int k = 0; k < f->islands.count && status == NS_OK; k++) {
         const int n = holds_of(f->ship[k].island, nhold, hold, hold_x, own, own_x);
         status = ns_march_start_dc(f->ship[k].march, t0, n, own, own_x, f->x);
         if (status != NS_OK)
-            fail(f, k, status);
+            ns_fleet_fail(f, k, status);
         else if (x)
             put_unknowns(f, k, x);
     }
     free(own);
     free(own_x);
     return status == NS_OK ? begin(f) : status;
-}
-
-/* --- tried --- */
-
-static int try_one(ns_fleet *f, int k, double t, ns_until until) {
-    ship *s = &f->ship[k];
-    const double to = fmax(t, nextafter(s->kept, INFINITY));
-    const int status = ns_march_try(s->march, to, until, &s->live);
-    s->tried = status == NS_OK;
-    return status == NS_OK ? NS_OK : fail(f, k, status);
-}
-
-/* Looks ahead to its next event, at most to t, where that is not known. */
-static int look_ahead(ns_fleet *f, int k, double t) {
-    ship *s = &f->ship[k];
-    if (s->seen > s->kept && (s->event || s->seen >= t))
-        return NS_OK;
-    const int status = try_one(f, k, t, NS_TO_EVENT);
-    if (status != NS_OK)
-        return status;
-    s->seen = s->live;
-    s->event = ns_march_at_event(s->march);
-    return NS_OK;
-}
-
-/* Where the first events are, at most t. */
-static int first_events(ns_fleet *f, double t, double *first) {
-    *first = t;
-    for (int k = 0; k < f->islands.count; k++) {
-        const int status = look_ahead(f, k, *first);
-        if (status != NS_OK)
-            return status;
-        if (f->ship[k].event)
-            *first = fmin(*first, f->ship[k].seen);
-    }
-    return NS_OK;
-}
-
-/* All to t, those with events there to their left sides. */
-static int go_there(ns_fleet *f, double t) {
-    for (int k = 0; k < f->islands.count; k++) {
-        ship *s = &f->ship[k];
-        const int event = s->event && s->seen - t <= same * fabs(t);
-        const double to = event ? s->seen : t;
-        if (s->tried && s->live == to && (!event || ns_march_at_event(s->march)))
-            continue;
-        const int status = try_one(f, k, to, event ? NS_TO_EVENT : NS_TO_TIME);
-        if (status != NS_OK)
-            return status;
-    }
-    return NS_OK;
-}
-
-/* From the left sides of events to their right ones; the others stay. */
-static int pass_events(ns_fleet *f, double t) {
-    int status = NS_OK;
-    for (int k = 0; k < f->islands.count && status == NS_OK; k++)
-        if (f->ship[k].at_event)
-            status = try_one(f, k, t, NS_TO_EVENT);
-        else
-            ns_march_drop(f->ship[k].march);
-    return status;
-}
-
-/* Where the last has come to; the others come after. */
-static int come_together(ns_fleet *f) {
-    double last = f->kept;
-    for (int round = 0; round < ROUNDS; round++) {
-        int behind = 0;
-        for (int k = 0; k < f->islands.count; k++)
-            last = fmax(last, f->ship[k].tried ? f->ship[k].live : f->ship[k].kept);
-        for (int k = 0; k < f->islands.count; k++) {
-            ship *s = &f->ship[k];
-            if (last - (s->tried ? s->live : s->kept) <= same * fabs(last))
-                continue;
-            const int status = try_one(f, k, last, NS_TO_TIME);
-            if (status != NS_OK)
-                return status;
-            behind = 1;
-        }
-        if (!behind)
-            break;
-    }
-    f->live = last;
-    return NS_OK;
-}
-
-static int go_to(ns_fleet *f, double t, ns_until until) {
-    int status = NS_OK;
-    double first = t;
-    for (int k = 0; k < f->islands.count; k++)
-        f->ship[k].tried = 0;
-    if (until == NS_TO_EVENT && f->at_event) {
-        status = pass_events(f, t);
-    } else {
-        if (until == NS_TO_EVENT)
-            status = first_events(f, t, &first);
-        for (int k = 0; k < f->islands.count && status == NS_OK && until == NS_TO_TIME; k++)
-            status = try_one(f, k, t, NS_TO_TIME);
-        if (status == NS_OK && until == NS_TO_EVENT)
-            status = go_there(f, first);
-    }
-    return status == NS_OK ? come_together(f) : status;
-}
-
-void ns_fleet_drop(ns_fleet *f) {
-    for (int k = 0; k < f->islands.count; k++)
-        ns_march_drop(f->ship[k].march);
-    f->has_trial = 0;
-}
-
-int ns_fleet_try(ns_fleet *f, double t, ns_until until, double *reached) {
-    if (!f->started)
-        return fail_here(f, NS_E_STATE);
-    const int again = f->has_trial && (t == f->live || (t == f->asked && until == f->until));
-    if (!(t > f->kept) || !isfinite(t))
-        return fail_here(f, NS_E_RANGE);
-    if (!again) {
-        const int status = go_to(f, t, until);
-        if (status != NS_OK) {
-            ns_fleet_drop(f);
-            return status;
-        }
-        f->has_trial = 1;
-        f->asked = t;
-        f->until = until;
-    }
-    *reached = f->live;
-    return NS_OK;
-}
-
-int ns_fleet_accept(ns_fleet *f) {
-    if (!f->has_trial)
-        return NS_E_STATE;
-    f->at_event = 0;
-    for (int k = 0; k < f->islands.count; k++) {
-        ship *s = &f->ship[k];
-        if (s->tried) {
-            const int status = ns_march_accept(s->march);
-            if (status != NS_OK)
-                return fail(f, k, status);
-            s->kept = s->live;
-            s->at_event = ns_march_at_event(s->march);
-        }
-        if (s->at_event || s->kept > s->seen)
-            s->event = 0;
-        f->at_event |= s->at_event;
-        s->tried = 0;
-    }
-    f->kept = f->live;
-    f->has_trial = 0;
-    return NS_OK;
 }
 
 /* --- read --- */
@@ -382,7 +195,7 @@ int ns_fleet_read(ns_fleet *f, double *t, double *x, double *lambda, double *y) 
         const ns_island *i = f->ship[k].island;
         const int status = ns_march_read(f->ship[k].march, NULL, f->x, f->lambda, f->y);
         if (status != NS_OK)
-            return fail(f, k, status);
+            return ns_fleet_fail(f, k, status);
         if (x)
             put_unknowns(f, k, x);
         for (int j = 0; j < i->s->m; j++) {
