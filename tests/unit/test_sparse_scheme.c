@@ -1,57 +1,17 @@
 /* tests/unit/test_sparse_scheme.c - steps of the scheme in which nothing is located, by sparse factors. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
-#include "nonsmooth.h"
-
-typedef struct rig {
-    ns_circuit *c;
-    ns_system *s;
-    ns_march *m;
-    double *x;
-} rig;
-
-static rig begin(void) {
-    rig k = {0};
-    assert_int_equal(ns_circuit_create(&k.c), NS_OK);
-    return k;
-}
+#include "rig.h"
 
 static void ready(rig *k, double theta, double h) {
     const ns_march_options o = {.theta = theta, .gamma = theta, .h = h, .method = NS_THETA, .capture = 1};
-    if (!k->s)
-        assert_int_equal(ns_circuit_system(k->c, &k->s), NS_OK);
-    ns_march_free(k->m);
-    assert_int_equal(ns_march_create(k->s, &o, &k->m, NULL), NS_OK);
+    make_by(k, &o);
     assert_int_equal(ns_march_engine(k->m), NS_THETA);
-    if (!k->x)
-        k->x = calloc((size_t)k->s->n + 1, sizeof(double));
-    assert_non_null(k->x);
-    assert_int_equal(ns_circuit_rest(k->c, k->x), NS_OK);
-    assert_int_equal(ns_march_start(k->m, 0, k->x), NS_OK);
+    start_at_rest(k);
 }
 
-static void end(rig *k) {
-    ns_march_free(k->m);
-    ns_system_free(k->s);
-    ns_circuit_free(k->c);
-    free(k->x);
-}
-
-static void go(rig *k, double t) {
-    double reached;
-    assert_int_equal(ns_march_try(k->m, t, NS_TO_TIME, &reached), NS_OK);
-    assert_true(reached == t);
-    assert_int_equal(ns_march_accept(k->m), NS_OK);
+/* Nothing is located. */
+static void step_to(rig *k, double t) {
+    go(k, t);
     assert_int_equal(ns_march_at_event(k->m), 0);
-    assert_int_equal(ns_march_read(k->m, NULL, k->x, NULL, NULL), NS_OK);
 }
 
 static void near(double got, double expected, double off) {
@@ -108,12 +68,12 @@ static void test_steps(void **state) {
     capacitor(&k, 1, 0, 1e-6, 1);
     resistor(&k, 1, 0, 1e3);
     ready(&k, 1, 1e-5);
-    go(&k, 50e-5);
+    step_to(&k, 50e-5);
     near(voltage(&k, 1), pow(1 + 1e-2, -50), 1e-13);
     assert_int_equal(ns_march_counts(k.m)->factors, 2); /* the start's, and that of all steps */
     assert_in_range(ns_march_counts(k.m)->steps, 50, 51);
     ready(&k, 0.5, 1e-5);
-    go(&k, 50e-5);
+    step_to(&k, 50e-5);
     near(voltage(&k, 1), pow((1 - 0.5e-2) / (1 + 0.5e-2), 50), 1e-6); /* x from w: h^3/8 RC^3 e^-0.5 */
     end(&k);
 }
@@ -127,7 +87,7 @@ static double closing_error(double theta, double h) {
     resistor(&k, 3, 4, 1e3);
     capacitor(&k, 4, 0, 1e-6, 0);
     ready(&k, theta, h);
-    go(&k, 3e-3);
+    step_to(&k, 3e-3);
     const double error = fabs(voltage(&k, 4) - 10 * (1 - exp(-(3 - 1 / 3.0))));
     assert_int_equal(ns_march_counts(k.m)->events, 1);
     end(&k);
@@ -159,7 +119,7 @@ static void test_rings_not(void **state) {
     capacitor(&k, 4, 0, 1e-6, 0);
     ready(&k, 0.5, 1e-3);
     for (int i = 1; i <= 40; i++) {
-        go(&k, 0.25e-3 * i);
+        step_to(&k, 0.25e-3 * i);
         if (i < 12)
             near(voltage(&k, 4), 0, 1e-12);
         if (i > 20)
@@ -182,7 +142,7 @@ static void test_discontinuous(void **state) {
     ready(&k, theta, 1e-7);
     for (int i = 1; i < 100; i++) {
         const double t = 0.377e-6 * i, phase = fmod(t, 1e-5);
-        go(&k, t);
+        step_to(&k, t);
         near(k.x[ns_circuit_current_unknown(k.c, l)],
              phase < 2e-6 ? 0.4e6 * phase : fmax(0, 0.8 - 0.6e6 * (phase - 2e-6)), 0.08);
     }
@@ -204,7 +164,7 @@ static void test_relay(void **state) {
     ready(&k, theta, 2e-6);
     double low = 1, high = 0;
     for (int i = 1; i <= 400; i++) {
-        go(&k, 0.5e-4 * i);
+        step_to(&k, 0.5e-4 * i);
         if (i > 100) {
             low = fmin(low, voltage(&k, 4));
             high = fmax(high, voltage(&k, 4));
@@ -229,9 +189,9 @@ static void test_peak(void **state) {
     resistor(&k, 2, 0, 1e4);
     ready(&k, theta, 1e-6);
     for (int i = 0; i < 5; i++) {
-        go(&k, 1e-3 * i + 0.25e-3);
+        step_to(&k, 1e-3 * i + 0.25e-3);
         near(voltage(&k, 2), 10, 1e-3);
-        go(&k, 1e-3 * i + 0.75e-3); /* half a period of discharge, from a little after the crest */
+        step_to(&k, 1e-3 * i + 0.75e-3); /* half a period of discharge, from a little after the crest */
         near(voltage(&k, 2), 10 * exp(-0.05), 0.01);
     }
     end(&k);
@@ -249,13 +209,13 @@ static void test_tries(void **state) {
     inductor(&k, 3, 4, 1e-4);
     resistor(&k, 4, 0, 10);
     ready(&k, 0.5, 3e-7);
-    go(&k, 2.1e-6);
+    step_to(&k, 2.1e-6);
     assert_int_equal(ns_march_try(k.m, 3.5e-5, NS_TO_TIME, &reached), NS_OK);
     assert_int_equal(ns_march_try(k.m, 9.13e-6, NS_TO_TIME, &reached), NS_OK);
     assert_int_equal(ns_march_read(k.m, NULL, x, NULL, NULL), NS_OK);
-    go(&k, 4e-6);
-    go(&k, 4.03e-6);
-    go(&k, 9.13e-6);
+    step_to(&k, 4e-6);
+    step_to(&k, 4.03e-6);
+    step_to(&k, 9.13e-6);
     for (int i = 0; i < k.s->n; i++)
         near(k.x[i], x[i], 1e-12);
     end(&k);
@@ -271,7 +231,7 @@ static void test_rest(void **state) {
     assert_int_equal(ns_circuit_resistor(k.c, "r2", 2, 0, 1e3, NULL), NS_OK);
     ready(&k, theta, 1e-4);
     assert_int_equal(ns_march_start_dc(k.m, 1, 0, NULL, NULL, NULL), NS_OK);
-    go(&k, 1.01234);
+    step_to(&k, 1.01234);
     near(voltage(&k, 2), 5, 1e-12);
     end(&k);
 }
