@@ -15,6 +15,7 @@
 #include <cmocka.h>
 
 #include "nonsmooth.h"
+#include "retry.h"
 #include "systems.h"
 #include "wrap_alloc.h"
 
@@ -30,21 +31,6 @@ static void note(outcome *o, int n, const double *v) {
     for (int i = 0; i < n && o->n < ROOM; i++)
         o->v[o->n++] = v[i];
 }
-
-/* One call under test.  A call that fails is made again, with nothing failing any more. */
-static int fails; /* seen in this run */
-static int again(int status) {
-    if (status == NS_OK)
-        return 0;
-    assert_int_equal(status, NS_E_MEMORY);
-    fail_alloc_off();
-    return fails++ == 0;
-}
-#define TRY(call)                                                                                            \
-    do {                                                                                                     \
-        while (again(call)) {                                                                                \
-        }                                                                                                    \
-    } while (0)
 
 /* Runs the scenario with allocation 1, 2, ... failing until none is left: how many there are.  Steps from
  * another map than before (the old one is kept) are the same to the last bit, so all outcomes are. */

@@ -14,6 +14,7 @@
 
 #include "engine/sparse_march.h"
 #include "nonsmooth.h"
+#include "retry.h"
 #include "wrap_alloc.h"
 
 enum { TIMES_MAX = 4000, READINGS = 4 };
@@ -21,20 +22,6 @@ enum { TIMES_MAX = 4000, READINGS = 4 };
 static void *refusing(size_t bytes) {
     return malloc(bytes); /* wrapped */
 }
-
-static int fails; /* seen in this run */
-static int again(int status) {
-    if (status == NS_OK)
-        return 0;
-    assert_int_equal(status, NS_E_MEMORY);
-    fail_alloc_off();
-    return fails++ == 0;
-}
-#define TRY(call)                                                                                            \
-    do {                                                                                                     \
-        while (again(call)) {                                                                                \
-        }                                                                                                    \
-    } while (0)
 
 /* A gated switch and a diode onto an inductor, a capacitor taken down by a switch of its own voltage. */
 static ns_circuit *circuit(void) {
