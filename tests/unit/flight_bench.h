@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "nonsmooth.h"
+#include "signals.h"
 
 enum { MOST = 40 };
 static const double pi = 3.14159265358979323846;
@@ -40,12 +41,6 @@ static inline int source(bench *b, const char *name, int p, int n, ns_signal s) 
     int id;
     assert_int_equal(ns_circuit_source(b->c, name, NS_VOLTAGE, p, n, &s, &id), NS_OK);
     return id;
-}
-
-static inline ns_signal dc(double v) {
-    ns_signal s = {.kind = NS_DC};
-    s.u.dc = v;
-    return s;
 }
 
 static inline void start(bench *b, double h) {

@@ -15,6 +15,7 @@
 
 #include "engine/schedule.h"
 #include "nonsmooth.h"
+#include "signals.h"
 
 static const double eps = DBL_EPSILON, pi = 3.14159265358979323846;
 
@@ -22,10 +23,6 @@ static inline void assert_near(double is, double should, double tol) {
     if (!(fabs(is - should) <= tol))
         print_message("%.17g is not %.17g\n", is, should);
     assert_true(fabs(is - should) <= tol);
-}
-
-static inline ns_signal pulse(double v1, double v2, double td, double tr, double tf, double pw, double per) {
-    return (ns_signal){.kind = NS_PULSE, .u.pulse = {v1, v2, td, tr, tf, pw, per, 0}};
 }
 
 static inline ns_signal sine(double vo, double va, double freq, double td, double phase) {

@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "nonsmooth/circuit.h"
+#include "signals.h"
 
 static ns_circuit *make(void) {
     ns_circuit *c = NULL;
@@ -42,10 +43,6 @@ static void assert_array(const double *got, int p, int q, const double *rows) {
     }
 }
 #define ASSERT_ARRAY(got, p, q, ...) assert_array(got, p, q, (const double[]){__VA_ARGS__})
-
-static ns_signal dc(double value) {
-    return (ns_signal){.kind = NS_DC, .u.dc = value};
-}
 
 static ns_signal sine(void) {
     ns_signal s = {.kind = NS_SIN};

@@ -13,16 +13,11 @@
 #include <cmocka.h>
 
 #include "nonsmooth.h"
+#include "signals.h"
 
 enum { MOST = 16 };
 
 static const double vin = 24, period = 10e-6;
-
-static ns_signal dc(double v) {
-    ns_signal s = {.kind = NS_DC};
-    s.u.dc = v;
-    return s;
-}
 
 /* 0 and v in turn, edges of 10 ns, v half the time. */
 static ns_signal square(double v, double every) {

@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include "nonsmooth.h"
+#include "signals.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -57,18 +58,6 @@ static void close_bench(bench *b) {
 
 static void add_source(bench *b, const char *name, ns_output kind, int p, int n, const ns_signal *s) {
     assert_int_equal(ns_circuit_source(b->c, name, kind, p, n, s, NULL), NS_OK);
-}
-
-static ns_signal pulse(double v1, double v2, double td, double tr, double tf, double pw, double per) {
-    ns_signal s = {.kind = NS_PULSE};
-    s.u.pulse.v1 = v1;
-    s.u.pulse.v2 = v2;
-    s.u.pulse.td = td;
-    s.u.pulse.tr = tr;
-    s.u.pulse.tf = tf;
-    s.u.pulse.pw = pw;
-    s.u.pulse.per = per;
-    return s;
 }
 
 /* A clamp: a source through 1 ohm and 70 nF onto a node that a diode keeps above 0 (another lies across the

@@ -9,20 +9,9 @@
 #include <cmocka.h>
 
 #include "nonsmooth/signal.h"
+#include "signals.h"
 
 static const double eps = DBL_EPSILON;
-
-static ns_signal pulse(double v1, double v2, double td, double tr, double tf, double pw, double per) {
-    ns_signal s = {.kind = NS_PULSE};
-    s.u.pulse.v1 = v1;
-    s.u.pulse.v2 = v2;
-    s.u.pulse.td = td;
-    s.u.pulse.tr = tr;
-    s.u.pulse.tf = tf;
-    s.u.pulse.pw = pw;
-    s.u.pulse.per = per;
-    return s;
-}
 
 static ns_signal pwl(int n, const double *t, const double *v, double repeat, double td) {
     ns_signal s = {.kind = NS_PWL};
