@@ -231,10 +231,6 @@ const ns_instant *ns_schedule_go(ns_schedule *s) {
 
 /* --- looking --- */
 
-double ns_schedule_time(const ns_schedule *s) {
-    return s->now;
-}
-
 const unsigned char *ns_schedule_closed(const ns_schedule *s) {
     return s->closed;
 }

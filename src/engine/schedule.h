@@ -56,8 +56,7 @@ int ns_schedule_is_event(const ns_schedule *s);
 /* Goes to the right side of that instant.  What it tells holds until the next call of this or of seek. */
 const ns_instant *ns_schedule_go(ns_schedule *s);
 
-/* Where the schedule stands, and the states of the commands there (nc; 0 where gx is not NULL). */
-double ns_schedule_time(const ns_schedule *s);
+/* The states of the commands where the schedule stands (nc; 0 where gx is not NULL). */
 const unsigned char *ns_schedule_closed(const ns_schedule *s);
 
 /* The inputs that enter and their slopes at t, from where the schedule stands to the next instant; of a SIN
