@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "nonsmooth.h"
+#include "signals.h"
 
 enum { MOST = 400, SUPPLY = 1, FIRST = 2, EACH = 3 };
 
@@ -29,12 +30,6 @@ static void put(scene *z, const char *name, int p, int n, ns_signal s) {
     assert_int_equal(ns_circuit_source(z->c, name, NS_VOLTAGE, p, n, &s, NULL), NS_OK);
 }
 
-static ns_signal dc(double v) {
-    ns_signal s = {.kind = NS_DC};
-    s.u.dc = v;
-    return s;
-}
-
 static ns_signal sine(double v, double hz) {
     ns_signal s = {.kind = NS_SIN};
     s.u.sin.va = v;
@@ -43,12 +38,7 @@ static ns_signal sine(double v, double hz) {
 }
 
 static ns_signal square(double every, double on) {
-    ns_signal s = {.kind = NS_PULSE};
-    s.u.pulse.v2 = 1;
-    s.u.pulse.tr = s.u.pulse.tf = 10e-9;
-    s.u.pulse.pw = on * every;
-    s.u.pulse.per = every;
-    return s;
+    return pulse(0, 1, 0, 10e-9, 10e-9, on * every, every);
 }
 
 /* With a supply of v, behind whose terminals a resistor hangs. */
