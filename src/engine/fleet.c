@@ -5,6 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* For what islands keep of their modes, all together: twice what one marcher has. */
+static const size_t shared_bytes = (size_t)64 << 20;
+
 /* --- made and freed --- */
 
 static int allocate(ns_fleet *f) {
@@ -47,7 +50,7 @@ static int launch(ns_fleet *f, const ns_march_options *o, ns_fault *fault) {
     ns_march_options each = *o;
     int status = allocate(f);
     each.whole = 1;
-    each.map_bytes = o->map_bytes / (size_t)f->islands.count;
+    each.map_bytes = (o->map_bytes ? o->map_bytes : shared_bytes) / (size_t)f->islands.count;
     for (int k = 0; k < f->islands.count && status == NS_OK; k++) {
         ship *s = &f->ship[k];
         s->island = &f->islands.island[k];
