@@ -10,6 +10,7 @@
 #include "equilibrate.h"
 #include "matching.h"
 #include "nonsmooth/status.h"
+#include "small.h"
 
 struct ns_lu {
     int cap, n;
@@ -168,7 +169,8 @@ static int factor(ns_lu *f, int n, const double *a, const int *c, double *rcond,
     else
         find_scaling(f, n, a);
     f->norm = load(f, n, a);
-    lapack_int info = LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, f->a, n, f->piv);
+    const lapack_int info = n <= NS_SMALL ? ns_small_factor(n, f->a, f->piv)
+                                          : LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, f->a, n, f->piv);
     int at = smallest_pivot(f, &f->ratio);
     int bad = info != 0 || !(f->ratio > 1e-300);
     if (!bad && rcond) {
@@ -210,7 +212,10 @@ static void solve(const ns_lu *f, char transposed, const double *from, const dou
     for (int k = 0; k < nrhs; k++)
         for (int i = 0; i < n; i++)
             b[(size_t)i + (size_t)k * (size_t)n] *= from[i];
-    LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, transposed, n, nrhs, f->a, n, f->piv, b, n);
+    if (n > NS_SMALL)
+        LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, transposed, n, nrhs, f->a, n, f->piv, b, n);
+    for (int k = 0; k < nrhs && n <= NS_SMALL; k++)
+        (transposed == 'T' ? ns_small_solve_transposed : ns_small_solve)(n, f->a, f->piv, b + k * n);
     for (int k = 0; k < nrhs; k++)
         for (int i = 0; i < n; i++)
             b[(size_t)i + (size_t)k * (size_t)n] *= to[i];
@@ -268,6 +273,8 @@ int ns_eigenvalues(int n, double *a, double *re, double *im) {
         return NS_OK;
     if (!ns_finite((size_t)n * (size_t)n, a))
         return NS_E_NUMBER;
+    if (n <= 2 && ns_small_eigenvalues(n, a, re, im))
+        return NS_OK;
     const lapack_int info = LAPACKE_dgeev(LAPACK_COL_MAJOR, 'N', 'N', n, a, n, re, im, &none, 1, &none, 1);
     if (info == LAPACK_WORK_MEMORY_ERROR)
         return NS_E_MEMORY;

@@ -112,12 +112,14 @@ static void sizes_are_the_sums_of_what_was_summed(void **state) {
     }
 }
 
-/* b made from a known x; n*eps*condition: random 30*30 matrices have condition 1e4 at the most. */
+/* b made from a known x; n*eps*condition: random 43*43 matrices have condition 1e4 at the most.  Up to 40
+ * rows go without LAPACK. */
 static void known_solutions_come_back(void **state) {
     (void)state;
-    ns_lu *f = room(30);
-    for (int n = 0; n <= 30; n++) {
-        double a[900], keep[900], x[60], b[60], rcond;
+    enum { N = 43 };
+    ns_lu *f = room(N);
+    for (int n = 0; n <= N; n++) {
+        double a[N * N], keep[N * N], x[2 * N], b[2 * N], rcond;
         for (int k = 0; k < n * n; k++)
             keep[k] = a[k] = random_unit() + (k % (n + 1) == 0 ? 3.0 : 0.0);
         for (int i = 0; i < 2 * n; i++)
@@ -233,6 +235,35 @@ static void every_allocation_may_fail(void **state) {
 /* Rows and columns in units 2^-60 .. 2^60: known solutions come back, each to 1e-10 of its unit (n eps times
  * the condition of 1e4), and rcond is that of the matrix without units but for the rounding of its scaling to
  * powers of two, at most a factor 4 for rows and for columns. */
+/* Of a + d and a d - b c, whatever the units of the two variables are; of a thousand, and of those that have
+ * to be exact. */
+static void eigenvalues_of_two_are_right(void **state) {
+    (void)state;
+    double re[2], im[2], none[4] = {0}, fast[4] = {-1, 0, 3e7, -1}, turns[4] = {0, 4, -9, 0}, one = -5;
+    for (int k = 0; k < 1000; k++) {
+        const double unit = ldexp(1.0, (int)(80 * random_unit()));
+        const double a = random_unit(), b = random_unit() * unit, c = random_unit() / unit, d = random_unit();
+        double m[4] = {a, c, b, d};
+        assert_int_equal(ns_eigenvalues(2, m, re, im), NS_OK);
+        const double product = re[0] * re[1] - im[0] * im[1], norm = fabs(a) + fabs(d) + sqrt(fabs(b * c));
+        assert_true(fabs(re[0] + re[1] - (a + d)) <= 1e-15 * norm);
+        assert_true(fabs(product - (a * d - b * c)) <= 1e-15 * norm * norm);
+        assert_true(im[0] == -im[1] && (im[0] == 0 || re[0] == re[1]));
+        assert_true(im[0] == 0 || (a - d) * (a - d) + 4 * b * c < 0);
+    }
+    assert_int_equal(ns_eigenvalues(2, none, re, im), NS_OK);
+    assert_true(re[0] == 0 && re[1] == 0 && im[0] == 0 && im[1] == 0);
+    assert_int_equal(ns_eigenvalues(2, fast, re, im), NS_OK);
+    assert_true(re[0] == -1 && re[1] == -1 && im[0] == 0 && im[1] == 0);
+    assert_int_equal(ns_eigenvalues(2, turns, re, im), NS_OK);
+    assert_true(re[0] == 0 && re[1] == 0 && im[0] == 6 && im[1] == -6);
+    assert_int_equal(ns_eigenvalues(1, &one, re, im), NS_OK);
+    assert_true(re[0] == -5 && im[0] == 0);
+    double huge[4] = {0, -1e200, 1e200, 0}; /* its squares are none */
+    assert_int_equal(ns_eigenvalues(2, huge, re, im), NS_OK);
+    assert_true(fabs(fabs(im[0]) / 1e200 - 1) < 1e-14);
+}
+
 static void quick_scaling_finds_units(void **state) {
     (void)state;
     enum { N = 30 };
@@ -276,6 +307,7 @@ int main(void) {
         cmocka_unit_test(known_solutions_come_back),
         cmocka_unit_test(units_do_not_matter),
         cmocka_unit_test(quick_scaling_finds_units),
+        cmocka_unit_test(eigenvalues_of_two_are_right),
         cmocka_unit_test(rcond_is_that_of_the_equilibrated_matrix),
         cmocka_unit_test(singular_matrices_name_a_column),
         cmocka_unit_test(bad_input_is_refused),

@@ -1,0 +1,96 @@
+/* src/linalg/small.c - LU factors and eigenvalues of small matrices. */
+#include "small.h"
+
+#include <math.h>
+
+static void swap(double *a, double *b) {
+    const double was = *a;
+    *a = *b;
+    *b = was;
+}
+
+static int largest(int n, const double *x) {
+    int at = 0;
+    for (int i = 1; i < n; i++)
+        if (fabs(x[i]) > fabs(x[at]))
+            at = i;
+    return at;
+}
+
+/* y -= by x */
+static inline void take_off(int n, double by, const double *x, double *y) {
+    for (int i = 0; i < n; i++)
+        y[i] -= by * x[i];
+}
+
+int ns_small_factor(int n, double *a, int *piv) {
+    int first = 0;
+    for (int k = 0; k < n; k++) {
+        double *col = a + k * n;
+        const int at = k + largest(n - k, col + k);
+        piv[k] = at + 1;
+        if (col[at] == 0) {
+            first = first ? first : k + 1;
+            continue;
+        }
+        for (int j = 0; at != k && j < n; j++)
+            swap(&a[k + j * n], &a[at + j * n]);
+        for (int i = k + 1; i < n; i++)
+            col[i] /= col[k];
+        for (int j = k + 1; j < n; j++)
+            if (a[k + j * n] != 0)
+                take_off(n - k - 1, a[k + j * n], col + k + 1, a + j * n + k + 1);
+    }
+    return first;
+}
+
+void ns_small_solve(int n, const double *a, const int *piv, double *b) {
+    for (int k = 0; k < n; k++)
+        swap(&b[k], &b[piv[k] - 1]);
+    for (int k = 0; k < n; k++)
+        if (b[k] != 0)
+            take_off(n - k - 1, b[k], a + k * n + k + 1, b + k + 1);
+    for (int k = n - 1; k >= 0; k--) {
+        b[k] /= a[k + k * n];
+        if (b[k] != 0)
+            take_off(k, b[k], a + k * n, b);
+    }
+}
+
+static double product(int n, const double *x, const double *y) {
+    double sum = 0;
+    for (int i = 0; i < n; i++)
+        sum += x[i] * y[i];
+    return sum;
+}
+
+void ns_small_solve_transposed(int n, const double *a, const int *piv, double *b) {
+    for (int k = 0; k < n; k++)
+        b[k] = (b[k] - product(k, a + k * n, b)) / a[k + k * n];
+    for (int k = n - 1; k >= 0; k--)
+        b[k] -= product(n - k - 1, a + k * n + k + 1, b + k + 1);
+    for (int k = n - 1; k >= 0; k--)
+        swap(&b[k], &b[piv[k] - 1]);
+}
+
+/* The larger of two real ones is a sum of numbers of one sign; the other is what makes up their product. */
+int ns_small_eigenvalues(int n, const double *a, double *re, double *im) {
+    re[0] = a[0];
+    im[0] = 0;
+    if (n == 1)
+        return 1;
+    const double half = (a[0] - a[3]) / 2, cross = a[1] * a[2], under = half * half + cross;
+    im[1] = 0;
+    if (!isfinite(under) || (cross == 0 && a[1] != 0 && a[2] != 0))
+        return 0;
+    if (under < 0) {
+        re[0] = re[1] = a[3] + half;
+        im[0] = sqrt(-under);
+        im[1] = -im[0];
+        return 1;
+    }
+    const double by = half + copysign(sqrt(under), half);
+    re[0] = a[3] + by;
+    re[1] = by == 0 ? a[3] : a[3] - cross / by;
+    return 1;
+}

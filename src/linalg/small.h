@@ -1,0 +1,19 @@
+/* src/linalg/small.h - what LAPACK does, of matrices so small that its calls take longer than the sums. */
+#ifndef NS_SMALL_H
+#define NS_SMALL_H
+
+/* Up to this many rows. */
+enum { NS_SMALL = 40 };
+
+/* LU factors with row exchanges in place of a (n*n), laid out as dgetrf's; 0, or the first pivot that is
+ * zero, counted from 1. */
+int ns_small_factor(int n, double *a, int *piv);
+
+/* Solves with these factors, in place of b (n); with the transposed matrix. */
+void ns_small_solve(int n, const double *a, const int *piv, double *b);
+void ns_small_solve_transposed(int n, const double *a, const int *piv, double *b);
+
+/* The eigenvalues of a (n*n, n = 1 or 2): re, im; 0 if they are out of range on the way. */
+int ns_small_eigenvalues(int n, const double *a, double *re, double *im);
+
+#endif
