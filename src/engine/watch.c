@@ -125,38 +125,52 @@ int ns_watch_leg(ns_flight *f, const ns_level *level, const ns_leg *leg, double 
     return first;
 }
 
-static double sum_of(const ns_flight *f, const ns_stage *k, int g, const double *c) {
+/* One guard over a stage, by (E1). */
+typedef struct course {
+    double g, c[NS_ORDER];
+} course;
+
+static course course_of(const ns_flight *f, const ns_stage *k, int g) {
+    course w = {.g = k->g};
+    for (int i = 0; i < NS_ORDER; i++)
+        w.c[i] = f->coef[i * k->rows + g];
+    return w;
+}
+
+static double sum_of(const course *w, const double *c) {
     double sum = 0;
     for (int i = NS_ORDER - 1; i >= 0; i--)
-        sum += c[i] * f->coef[i * k->rows + g];
+        sum += c[i] * w->c[i];
     return sum;
 }
 
-/* Guard g and its rate at tau, by (E1): L'_i = L'_(i-1) - L_(i-1). */
-static double guard_at(const ns_flight *f, const ns_stage *k, int g, double tau, double *rate) {
+/* The guard and its rate at tau: L'_i = L'_(i-1) - L_(i-1). */
+static double guard_at(const course *w, double tau, double *rate) {
     double c[NS_ORDER], slope[NS_ORDER] = {0};
-    ns_laguerre(tau / k->g, c);
+    ns_laguerre(tau / w->g, c);
     for (int i = 1; i < NS_ORDER; i++)
         slope[i] = c[i - 1] - slope[i - 1];
-    *rate = sum_of(f, k, g, slope) / k->g;
-    return sum_of(f, k, g, c);
+    *rate = sum_of(w, slope) / w->g;
+    return sum_of(w, c);
 }
 
-/* Where the guard passes from at >= 0 at a to below at b: Newton, kept inside by halving. */
-static double root(const ns_flight *f, const ns_stage *k, int g, double a, double b, double at,
-                   double below) {
+/* Where the guard passes from at >= 0 at a to below at b: Newton, kept inside by halving.  |L''_i| is 21 at
+ * most, and so a step of less than sqrt(eps/10) g leaves no more than the rounding of the terms. */
+static double root(const course *w, double a, double b, double at, double below) {
+    const double last = 4e-9 * w->g;
     double tau = a + (b - a) * (at / (at - below));
     for (int i = 0; i < 100 && b - a > DBL_EPSILON * b; i++) {
         double rate;
-        const double value = guard_at(f, k, g, tau, &rate);
+        const double value = guard_at(w, tau, &rate);
         if (value >= 0)
             a = tau;
         else
             b = tau;
-        const double newton = tau - value / rate;
-        if (fabs(newton - tau) <= DBL_EPSILON * tau)
+        const double step = -value / rate, newton = tau + step;
+        const int inside = newton >= a && newton <= b;
+        tau = inside ? newton : a + (b - a) / 2;
+        if (inside && fabs(step) <= last)
             break;
-        tau = newton > a && newton < b ? newton : a + (b - a) / 2;
     }
     return tau;
 }
@@ -164,12 +178,11 @@ static double root(const ns_flight *f, const ns_stage *k, int g, double a, doubl
 /* The lowest point between a and b, where the rate passes from `from` < 0 to `to` >= 0, and the guard there,
  * which half the digits of the point are enough for: by chords of the rate, of which the end that stays where
  * it is counts half (Illinois). */
-static double lowest(const ns_flight *f, const ns_stage *k, int g, double a, double b, double from, double to,
-                     double *value) {
+static double lowest(const course *w, double a, double b, double from, double to, double *value) {
     double rate, best = b;
     *value = INFINITY;
     for (int i = 0; i < 40 && b - a > 1e-9 * b && to > from; i++) {
-        const double mid = a + (b - a) * (from / (from - to)), at = guard_at(f, k, g, mid, &rate);
+        const double mid = a + (b - a) * (from / (from - to)), at = guard_at(w, mid, &rate);
         if (at < *value) {
             *value = at;
             best = mid;
@@ -191,21 +204,20 @@ static double lowest(const ns_flight *f, const ns_stage *k, int g, double a, dou
 
 /* The same where it falls from a value at a to one below zero at b; one that an event has just set off upward
  * from zero comes back to it later. */
-static double fall(const ns_flight *f, const ns_stage *k, int g, double a, double b, double at, double below,
-                   double tol) {
+static double fall(const course *w, double a, double b, double at, double below, double tol) {
     double rate, top = b, from = a;
     if (at > tol)
-        return root(f, k, g, a, b, at, below);
-    (void)guard_at(f, k, g, a, &rate);
+        return root(w, a, b, at, below);
+    (void)guard_at(w, a, &rate);
     if (!(rate > 0))
-        return at >= 0 ? root(f, k, g, a, b, at, below) : a;
+        return at >= 0 ? root(w, a, b, at, below) : a;
     for (int i = 0; i < 50; i++) {
         const double mid = from + (top - from) / 2;
-        (void)guard_at(f, k, g, mid, &rate);
+        (void)guard_at(w, mid, &rate);
         *(rate > 0 ? &from : &top) = mid;
     }
-    at = guard_at(f, k, g, from, &rate);
-    return at >= 0 ? root(f, k, g, from, b, at, below) : a;
+    at = guard_at(w, from, &rate);
+    return at >= 0 ? root(w, from, b, at, below) : a;
 }
 
 void ns_watch_pieces(double s, double (*c)[NS_ORDER]) {
@@ -215,9 +227,10 @@ void ns_watch_pieces(double s, double (*c)[NS_ORDER]) {
 
 /* When guard g breaks, INFINITY: it does not. */
 static double break_of(const ns_flight *f, const ns_stage *k, int g, double tau, double (*c)[NS_ORDER]) {
+    const course w = course_of(f, k, g);
     double s[NS_PIECES + 1], bend = 0, least = INFINITY;
     for (int i = 0; i <= NS_PIECES; i++) {
-        s[i] = sum_of(f, k, g, c[i]);
+        s[i] = sum_of(&w, c[i]);
         least = ns_lower(least, s[i]);
         if (i > 1)
             bend = ns_higher(bend, fabs(s[i - 2] - 2 * s[i - 1] + s[i]));
@@ -227,7 +240,7 @@ static double break_of(const ns_flight *f, const ns_stage *k, int g, double tau,
     const double tol = noise_in_doubt(f, k, g);
     if (s[0] < -tol) { /* unless an event has just set it off upward */
         double rate;
-        (void)guard_at(f, k, g, 0, &rate);
+        (void)guard_at(&w, 0, &rate);
         if (!(rate > 0 && f->t == f->since && s[0] >= -8 * tol - rate * f->slack))
             return 0;
     }
@@ -235,25 +248,26 @@ static double break_of(const ns_flight *f, const ns_stage *k, int g, double tau,
         const double a = tau * i / NS_PIECES, b = tau * (i + 1) / NS_PIECES;
         double end = b, value = s[i + 1], from, to;
         if (value >= -tol && ns_lower(s[i], value) <= bend / 4 && bend / 4 > tol) {
-            (void)guard_at(f, k, g, a, &from);
-            (void)guard_at(f, k, g, b, &to);
+            (void)guard_at(&w, a, &from);
+            (void)guard_at(&w, b, &to);
             if (from < 0 && to > 0)
-                end = lowest(f, k, g, a, b, from, to, &value);
+                end = lowest(&w, a, b, from, to, &value);
         }
         if (value < -tol)
-            return fall(f, k, g, a, end, s[i], value, tol);
+            return fall(&w, a, end, s[i], value, tol);
     }
     return INFINITY;
 }
 
-/* 1 if all guards surely hold all through a stage. */
-static int none_near(const ns_stage *k, const double *coef) {
+/* What guards (rows) surely are above all through a stage; 1 if that is zero at least for all of them. */
+static int none_near(const ns_stage *k, const double *coef, double *above) {
     const int rows = k->rows;
     int all = 1;
     for (int g = 0; g < rows; g++) {
         double least = coef[g];
         for (int i = 1; i < NS_ORDER; i++)
             least -= ns_laguerre_most[i] * fabs(coef[i * rows + g]);
+        above[g] = least;
         all &= least > 0;
     }
     return all;
@@ -264,15 +278,15 @@ int ns_watch_near(ns_flight *f, const ns_level *level, double tau, double *when)
     *when = INFINITY;
     if (k->rows == 0)
         return 0;
-    double c[NS_PIECES + 1][NS_ORDER], (*at)[NS_ORDER] = f->pieces; /* of the whole stage */
+    double c[NS_PIECES + 1][NS_ORDER], (*at)[NS_ORDER] = f->pieces, *above = f->guards;
     ns_matvec(NS_ORDER * k->rows, k->q, k->coef, f->X, f->coef);
-    if (none_near(k, f->coef))
+    if (none_near(k, f->coef, above))
         return 0;
     f->s->counts.searches++;
-    if (tau != k->h)
+    if (tau != k->h) /* not of the whole stage */
         ns_watch_pieces(tau / k->g, at = c);
     for (int g = 0; g < k->rows; g++) {
-        const double t = break_of(f, k, g, tau, at);
+        const double t = above[g] > 0 ? INFINITY : break_of(f, k, g, tau, at);
         if (t < *when)
             f->broken = g;
         *when = ns_lower(*when, t);
