@@ -29,25 +29,33 @@ double ns_watch_noise(const ns_flight *f, const ns_stage *k, int g) {
     return eps_of_terms * size + eps_of_time * fabs(f->t * rate);
 }
 
-/* Side by side. */
-enum { BESIDE = 4 };
-
-/* 1 if so many guards hold all through a leg, by their samples; nothing else is asked of most. */
-ALWAYS_INLINE int calm(const double *s, int ld, int samples) {
-    double least[BESIDE], bend[BESIDE] = {0};
-    for (int g = 0; g < BESIDE; g++)
-        least[g] = ns_lower(s[g], s[samples * ld + g]);
-    for (int i = 1; i < samples; i++) {
-        const double *a = s + (i - 1) * ld, *b = a + ld, *c = b + ld;
-        for (int g = 0; g < BESIDE; g++) {
-            bend[g] = ns_higher(bend[g], fabs(a[g] - 2 * b[g] + c[g]));
-            least[g] = ns_lower(least[g], b[g]);
-        }
+/* 1 if as many guards as a register holds do not break all through a leg, by their samples; nothing else is
+ * asked of most. */
+ALWAYS_INLINE int calm_beside(const double *s, int ld, int samples) {
+    ns_wide a = *(const ns_wide *)s, b = *(const ns_wide *)(s + ld);
+    ns_wide least = NS_WIDE_LOWER(a, b), bend = {0};
+    for (int i = 2; i <= samples; i++) {
+        const ns_wide c = *(const ns_wide *)(s + i * ld), by = a - 2 * b + c, size = NS_WIDE_SIZE(by);
+        bend = NS_WIDE_HIGHER(bend, size);
+        least = NS_WIDE_LOWER(least, c);
+        a = b;
+        b = c;
     }
-    int all = 1;
-    for (int g = 0; g < BESIDE; g++)
-        all &= least[g] > bend[g] / 4;
-    return all;
+    return NS_WIDE_ABOVE(least, bend / 4);
+}
+
+NS_WIDE_TARGET static int calm_wide(const double *s, int ld, int samples) {
+    return calm_beside(s, ld, samples);
+}
+
+static int calm_narrow(const double *s, int ld, int samples) {
+    return calm_beside(s, ld, samples);
+}
+
+/* Guards from g on, of rows; or the last so many. */
+static int calm(const double *s, int g, int rows, int samples) {
+    const double *from = s + (rows - g < NS_WIDE ? rows - NS_WIDE : g);
+    return ns_is_wide() ? calm_wide(from, rows, samples) : calm_narrow(from, rows, samples);
 }
 
 /* The same of one guard, whose largest second difference is *bend. */
@@ -63,10 +71,10 @@ ALWAYS_INLINE int is_clear(const double *s, int ld, int samples, double *bend) {
 
 int ns_watch_calm(const double *s, int rows, int samples) {
     double bend;
-    for (int g = 0; g < rows && rows >= BESIDE; g += BESIDE)
-        if (!calm(s + (rows - g < BESIDE ? rows - BESIDE : g), rows, samples))
+    for (int g = 0; g < rows && rows >= NS_WIDE; g += NS_WIDE)
+        if (!calm(s, g, rows, samples))
             return 0;
-    for (int g = 0; g < rows && rows < BESIDE; g++)
+    for (int g = 0; g < rows && rows < NS_WIDE; g++)
         if (!is_clear(s + g, rows, samples, &bend))
             return 0;
     return 1;
@@ -111,11 +119,10 @@ int ns_watch_leg(ns_flight *f, const ns_level *level, const ns_leg *leg, double 
     ns_matvec((leg->samples + 1) * k->rows, k->q, leg->sample, f->X, f->guards);
     for (int g = 0; g < k->rows; g++) {
         double part = 1;
-        for (int left; (left = k->rows - g) > 0 && k->rows >= BESIDE; g += BESIDE)
-            if (!calm(f->guards + (left < BESIDE ? k->rows - BESIDE : g), k->rows, leg->samples))
-                break;
-        if (g >= k->rows)
-            break;
+        if (g % NS_WIDE == 0 && k->rows >= NS_WIDE && calm(f->guards, g, k->rows, leg->samples)) {
+            g += NS_WIDE - 1;
+            continue;
+        }
         const int at = doubt_in(f, k, g, f->guards + g, leg->samples, &part);
         if (at < 0 || (first >= 0 && at > first))
             continue;
