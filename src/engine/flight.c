@@ -255,13 +255,18 @@ static int leap(ns_flight *f, double t, ns_until until, int *stuck, int *stop) {
     }
     *stop = ends;
     memset(m->flip, 0, (size_t)m->s->nc);
-    if (!known) {
+    const ns_flight_mode *was = f->at;
+    const int guard = f->broken;
+    if (known)
+        pass(f, ns_schedule_go(f->schedule));
+    const int turned = turn(f, !known, stuck);
+    if (turned != NS_OK || *stuck || until != NS_TO_TIME)
         ns_laps_lost(f);
-        return turn(f, broke, stuck);
-    }
-    pass(f, ns_schedule_go(f->schedule));
-    const int turned = turn(f, 0, stuck);
-    return turned == NS_OK && !*stuck && until == NS_TO_TIME ? ns_laps_instant(f) : turned;
+    else if (known)
+        return ns_laps_instant(f);
+    else
+        ns_laps_broke(f, was, guard);
+    return turned;
 }
 
 /* The scheme has the next event, and more if that was not enough. */

@@ -21,6 +21,7 @@ void ns_laps_lost(ns_flight *f) {
 
 void ns_laps_forget_legs(ns_flight *f) {
     f->laps.open = f->laps.known = 0;
+    f->laps.forgotten++;
 }
 
 void ns_laps_drop(ns_flight *f) {
@@ -32,18 +33,63 @@ void ns_laps_drop(ns_flight *f) {
     l->lap = NULL;
 }
 
-void ns_laps_leg(ns_flight *f, const ns_level *level, const ns_leg *leg) {
+/* One more, from here on; its place. */
+static ns_lap_step *add(ns_flight *f) {
     ns_laps *l = &f->laps;
     const size_t nv = (size_t)f->exo->nv;
+    l->open = l->steps < NS_LAP_STEPS;
     if (!l->open)
-        return;
-    l->open = l->steps < NS_LAP_STEPS && !f->at->instant;
-    if (l->steps >= NS_LAP_STEPS)
-        l->period = 0;
+        l->period = 0; /* too long, perhaps for one that is known no more */
     if (!l->open)
-        return;
+        return NULL;
     memcpy(l->v + (size_t)l->steps * nv, f->X + f->s->r, sizeof *l->v * nv);
-    l->step[l->steps++] = (ns_lap_step){f->at, level, leg, 0};
+    l->step[l->steps] = (ns_lap_step){.mode = f->at, .guard = -1};
+    return &l->step[l->steps++];
+}
+
+void ns_laps_leg(ns_flight *f, const ns_level *level, const ns_leg *leg) {
+    const ns_laps *l = &f->laps;
+    if (!l->open || l->way)
+        return;
+    if (f->at->instant) {
+        ns_laps_way(f);
+        return;
+    }
+    ns_lap_step *step = add(f);
+    if (step) {
+        step->level = level;
+        step->leg = leg;
+    }
+}
+
+/* Commands by the state change where they like. */
+static int by_time(const ns_system *s) {
+    for (int c = 0; c < s->nc; c++)
+        if (s->command[c].gx)
+            return 0;
+    return 1;
+}
+
+void ns_laps_way(ns_flight *f) {
+    ns_laps *l = &f->laps;
+    if (!l->open || l->way)
+        return;
+    l->open = by_time(f->m->s);
+    if (!l->open || (l->steps == l->stretch && !add(f)))
+        return;
+    l->steps = l->stretch + 1; /* its inputs are those of the first leg since the event */
+    l->step[l->stretch] = (ns_lap_step){.mode = f->at, .guard = -1};
+    l->way = 1;
+}
+
+void ns_laps_broke(ns_flight *f, const ns_flight_mode *from, int guard) {
+    ns_laps *l = &f->laps;
+    l->open = l->open && l->way && f->crowd == 0 && guard >= 0 && f->at != from;
+    if (!l->open)
+        return;
+    l->step[l->stretch].guard = guard;
+    l->stretch = l->steps;
+    l->way = 0;
 }
 
 /* Times this far apart are the same instant of a schedule. */
@@ -66,7 +112,7 @@ static int begin(ns_flight *f) {
     if (!l->v)
         return NS_E_MEMORY;
     l->open = 1;
-    l->steps = 0;
+    l->steps = l->stretch = l->way = 0;
     l->first = f->at;
     l->begin = f->t;
     return NS_OK;
@@ -78,13 +124,14 @@ static int same_again(const ns_laps *l) {
         return 0;
     for (int i = 0; i < l->steps; i++)
         if (l->step[i].mode != l->last[i].mode || l->step[i].leg != l->last[i].leg ||
-            l->step[i].event != l->last[i].event)
+            l->step[i].event != l->last[i].event || l->step[i].guard != l->last[i].guard)
             return 0;
     return 1;
 }
 
 /* --- making --- */
 
+/* As a product. */
 static ns_lap *create(const ns_flight *f) {
     const ns_laps *l = &f->laps;
     const size_t r = (size_t)f->s->r;
@@ -138,16 +185,52 @@ static void fill(const ns_flight *f, ns_lap *lap, double *room) {
         behind(lap, r, nv, s->leg->P, v, r, room, room + size);
         memcpy(lap->P, room, sizeof *room * (size + (size_t)r)); /* and c */
         lap->length += s->leg->h;
-        lap->events += s->event;
-        lap->changes += s->event && l->step[i + 1 < l->steps ? i + 1 : 0].mode != s->mode;
     }
+}
+
+/* As steps that are flown. */
+static ns_lap *copy(const ns_flight *f) {
+    const ns_laps *l = &f->laps;
+    const size_t steps = (size_t)l->steps, nv = (size_t)f->exo->nv, q = (size_t)f->s->r + nv;
+    const size_t numbers = sizeof(double) * (steps * nv + q), bytes = numbers + steps * sizeof *l->step;
+    ns_lap *lap = calloc(1, sizeof *lap + bytes);
+    if (!lap)
+        return NULL;
+    lap->bytes = sizeof *lap + bytes;
+    lap->v = (double *)(void *)(lap + 1);
+    lap->back = lap->v + steps * nv;
+    lap->step = (ns_lap_step *)(void *)(lap->back + q);
+    for (int i = 0, first = 0; i < l->steps; first = ++i) {
+        while (!l->step[i].event && l->step[i].guard < 0) /* legs in a row */
+            i++;
+        memcpy(lap->v + (size_t)lap->steps * nv, l->v + (size_t)first * nv, sizeof *l->v * nv);
+        lap->step[lap->steps++] = l->step[i];
+    }
+    return lap;
+}
+
+static void count_events(const ns_laps *l, ns_lap *lap) {
+    for (int i = 0; i < l->steps; i++) {
+        const ns_lap_step *s = &l->step[i];
+        const int event = s->event || s->guard >= 0;
+        lap->events += event;
+        lap->changes += event && l->step[i + 1 < l->steps ? i + 1 : 0].mode != s->mode;
+    }
+}
+
+static int all_legs(const ns_laps *l) {
+    for (int i = 0; i < l->steps; i++)
+        if (!l->step[i].leg)
+            return 0;
+    return 1;
 }
 
 static int make(ns_flight *f) {
     ns_laps *l = &f->laps;
     const size_t r = (size_t)f->s->r;
+    const int legs = all_legs(l);
     ns_laps_drop(f);
-    ns_lap *lap = create(f);
+    ns_lap *lap = legs ? create(f) : copy(f);
     double *room = lap ? malloc(sizeof *room * (r * r + r + 1)) : NULL;
     if (!lap)
         return NS_OK; /* too large, or no memory: it is flown as before */
@@ -158,7 +241,9 @@ static int make(ns_flight *f) {
     lap->mode = f->at;
     lap->from = f->t;
     lap->period = l->period;
-    fill(f, lap, room);
+    if (legs)
+        fill(f, lap, room);
+    count_events(l, lap);
     free(room);
     f->bytes += lap->bytes;
     f->s->counts.maps++;
@@ -170,11 +255,14 @@ static int make(ns_flight *f) {
 
 int ns_laps_instant(ns_flight *f) {
     ns_laps *l = &f->laps;
-    if (f->at->instant || f->crowd > 0 || l->steps == 0)
+    if (f->crowd > 0 || l->steps == l->stretch)
         l->open = 0;
     if (!l->open)
         return l->lap && f->t < l->again ? NS_OK : begin(f);
     l->step[l->steps - 1].event = 1;
+    l->step[l->steps - 1].end = f->t - l->begin;
+    l->stretch = l->steps;
+    l->way = 0;
     const double left = l->begin + l->period - f->t;
     if (left > slack_of(f))
         return NS_OK;
@@ -221,8 +309,21 @@ static void count(ns_flight *f, const ns_lap *lap) {
     f->m->events += lap->events;
     c->events += lap->changes;
     c->settled += lap->events;
-    c->steps++;
     c->laps++;
+}
+
+/* By the product. */
+static int fly(ns_flight *f, ns_lap *lap, double t) {
+    if (!is_calm(f, lap))
+        return 0;
+    memcpy(lap->work, lap->c, sizeof *lap->c * (size_t)lap->r);
+    ns_matvec_add(lap->r, lap->r, lap->P, f->X, lap->work);
+    memcpy(f->X, lap->work, sizeof *lap->work * (size_t)lap->r);
+    for (int i = 0; i < lap->r; i++)
+        f->most[i] = ns_higher(f->most[i], fabs(f->X[i]));
+    f->past_t += (f->t - t) + lap->length;
+    f->s->counts.steps++;
+    return 1;
 }
 
 int ns_laps_fly(ns_flight *f, double t) {
@@ -231,26 +332,21 @@ int ns_laps_fly(ns_flight *f, double t) {
     ns_lap *lap = l->lap;
     if (!is_due(f, t))
         return 0;
-    if (!is_calm(f, lap)) {
+    const double end = lap->from + (rint((f->t - lap->from) / lap->period) + 1) * lap->period;
+    const int open = l->open;
+    const long forgotten = l->forgotten;
+    l->open = 0; /* nothing of it is recorded */
+    if (!(lap->steps > 0 ? ns_laps_replay(f, lap, end) : fly(f, lap, end))) {
         if (++l->refused > OFTEN)
             l->again = f->t + (PAUSE - 0.5) * lap->period;
+        l->open = open && l->forgotten == forgotten;
         return 0;
     }
     l->refused = 0;
-    const double k = rint((f->t - lap->from) / lap->period) + 1;
-    memcpy(lap->work, lap->c, sizeof *lap->c * (size_t)lap->r);
-    ns_matvec_add(lap->r, lap->r, lap->P, f->X, lap->work);
-    memcpy(f->X, lap->work, sizeof *lap->work * (size_t)lap->r);
-    for (int i = 0; i < lap->r; i++)
-        f->most[i] = ns_higher(f->most[i], fabs(f->X[i]));
-    const double from = f->t;
-    f->t = lap->from + k * lap->period;
-    f->past_t += (from - f->t) + lap->length;
-    f->since = f->event_t = f->from = f->to_t = f->t;
+    f->t = f->since = f->event_t = f->from = f->to_t = end;
     f->doubted_at = NULL;
     f->broken = -1;
     ns_schedule_skip(f->schedule, f->t, lap->period);
     count(f, lap);
-    ns_laps_lost(f);
     return 1;
 }

@@ -298,6 +298,16 @@ static int flip_by_guard(ns_flight *f) {
     return 1;
 }
 
+int ns_turn_again(ns_flight *f, ns_flight_mode *to, int natural) {
+    if (!natural)
+        f->broken = -1;
+    f->slack = slack(f, natural);
+    if (ns_holds(f, to, NS_NOBODY, 0) != NS_HOLDS)
+        return 0;
+    take(f, to);
+    return 1;
+}
+
 /* A switch may make another one switch, and so may a jump; a set of them that finds no rest is for others. */
 int ns_turn(ns_flight *f, int natural) {
     enum { JUMPS = 4 };

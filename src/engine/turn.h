@@ -38,4 +38,8 @@ typedef enum ns_holding { NS_NOT, NS_HOLDS, NS_JUMPS } ns_holding; /* JUMPS: at 
  * it came to the same (untold). */
 ns_holding ns_holds(ns_flight *f, ns_flight_mode *k, ns_word word, uint64_t untold);
 
+/* turn.c: as ns_turn(), to a mode that followed before: if it holds (1), and no command by the state is
+ * there; else nothing is changed but what is known of guards. */
+int ns_turn_again(ns_flight *f, ns_flight_mode *to, int natural);
+
 #endif

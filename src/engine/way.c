@@ -69,7 +69,7 @@ static int advance(ns_flight *f, double rest, double *done, int *broke) {
     if (status != NS_OK)
         return status;
     if (!leg)
-        ns_laps_lost(f);
+        ns_laps_way(f);
     if (!leg && level->stage->rows == 0) {
         *done = h;
         return ns_leg_advance(f, level, h);
@@ -87,7 +87,7 @@ static int advance(ns_flight *f, double rest, double *done, int *broke) {
         *done = h;
         return NS_OK;
     }
-    ns_laps_lost(f);
+    ns_laps_way(f);
     const double part = h / leg->samples, skip = level->stage->h * floor(clear * part / level->stage->h);
     const double before = part * doubt + skip;
     double more = 0;
