@@ -47,6 +47,7 @@ struct ns_level {
     double looked;                  /* so many stages, one by one */
     ns_leg *rung[NS_UNGUARDED + 1]; /* h 2^k */
     ns_kept kept[NS_KEPT];
+    int recent; /* the one asked for last */
 };
 
 /* A mode that followed, and the guards (bits, of the first 64) that nothing told of while somebody said that
@@ -157,8 +158,9 @@ int ns_watch_near(ns_flight *f, const ns_level *level, double tau, double *when)
 int ns_watch_calm(const double *s, int rows, int samples);
 /* c: the coefficients of (E1) at i/NS_PIECES of a way of s Euler steps. */
 void ns_watch_pieces(double s, double (*c)[NS_ORDER]);
-/* What guard g may be off by at X. */
+/* What guard g may be off by at X; where its rate is known. */
 double ns_watch_noise(const ns_flight *f, const ns_stage *k, int g);
+double ns_watch_noise_by(const ns_flight *f, const ns_stage *k, int g, double rate);
 
 /* way.c: to t, unless a guard breaks before: *broke.  Errors: MEMORY; LIMIT: no budget. */
 int ns_way_fly(ns_flight *f, double t, int *broke);

@@ -234,12 +234,16 @@ int ns_flight_find(ns_flight *f, const ns_mode *mode, ns_flight_mode **out) {
 ns_level *ns_flight_level(ns_flight *f, double *until) {
     ns_flight_mode *k = f->at;
     int i = 0;
+    *until = INFINITY;
+    if (k->levels == 1)
+        return &k->level[0];                                             /* which is there */
     const double flown = f->t - f->since + 8 * DBL_EPSILON * fabs(f->t); /* t must be seen to move */
     while (i + 1 < k->levels && flown >= k->level[i + 1].from * (1 - 1e-9))
         i++;
-    ns_level *level = ns_flight_reach(f, k, i);
+    ns_level *level = k->level[i].stage ? &k->level[i] : ns_flight_reach(f, k, i);
     while (!level)
         level = ns_flight_reach(f, k, --i);
-    *until = i + 1 < k->levels ? k->level[i + 1].from : INFINITY;
+    if (i + 1 < k->levels)
+        *until = k->level[i + 1].from;
     return level;
 }

@@ -156,17 +156,17 @@ double ns_leg_slack(const ns_flight *f, double h) {
  * asked for for longest. */
 static ns_kept *place_of(ns_flight *f, ns_level *level, double h, int *known) {
     const double slack = ns_leg_slack(f, h);
-    ns_kept *oldest = level->kept;
-    for (int i = 0; i < NS_KEPT; i++) {
-        ns_kept *at = &level->kept[i];
-        if (fabs(at->h - h) <= slack) {
-            *known = 1;
-            return at;
-        }
-        if (at->used < oldest->used)
-            oldest = at;
+    ns_kept *oldest = level->kept, *found = &level->kept[level->recent];
+    *known = fabs(found->h - h) <= slack;
+    for (int i = 0; i < NS_KEPT && !*known; i++) {
+        found = &level->kept[i];
+        *known = fabs(found->h - h) <= slack;
+        if (found->used < oldest->used)
+            oldest = found;
     }
-    *known = 0;
+    level->recent = (int)((*known ? found : oldest) - level->kept);
+    if (*known)
+        return found;
     if (oldest->leg) {
         f->bytes -= oldest->leg->bytes;
         ns_laps_forget_legs(f);
@@ -202,12 +202,12 @@ void ns_leg_take(ns_flight *f, const ns_level *level, const ns_leg *leg) {
 
 /* tau <= h, by the series. */
 static void creep(ns_flight *f, const ns_stage *k, double tau) {
-    double b[NS_ORDER + 1];
+    double b[NS_ORDER + 1], *last = f->gone;
     ns_matvec(NS_ORDER * k->r, k->q, k->series, f->X, f->series);
     ns_laguerre_steps(tau / k->g, b);
-    for (int order = NS_ORDER; order > 0; order--)
-        for (int i = 0; i < k->r; i++)
-            f->X[i] += b[order] * f->series[(order - 1) * k->r + i]; /* (E2) */
+    ns_matvec(k->r, NS_ORDER - 1, f->series + k->r, b + 2, last); /* what is small first */
+    for (int i = 0; i < k->r; i++)
+        f->X[i] += last[i] + b[1] * f->series[i]; /* (E2) */
     ns_exo_advance(f->exo, tau, f->X + k->r);
     f->s->counts.steps++;
 }

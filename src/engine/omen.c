@@ -21,8 +21,8 @@ ns_omen ns_omen_of(ns_flight *f, ns_flight_mode *mode, int g, const double *X) {
     const ns_stage *k = mode->level[0].stage;
     if (k->idle[g])
         return NS_STANDS;
-    const double tol = ns_watch_noise(f, k, g), value = ns_guard_of(k, k->value, g, X);
-    const double rate = ns_guard_of(k, k->rate, g, X);
+    const double value = ns_guard_of(k, k->value, g, X), rate = ns_guard_of(k, k->rate, g, X);
+    const double tol = ns_watch_noise_by(f, k, g, rate);
     if (fabs(value) > tol + fabs(rate) * f->slack)
         return value < 0 ? NS_BREAKS : NS_STANDS;
     if (fabs(rate) * k->g > 8 * tol)
@@ -69,4 +69,18 @@ ns_holding ns_holds(ns_flight *f, ns_flight_mode *k, ns_word word, uint64_t unto
             return jumps && word == NS_STEP ? NS_JUMPS : NS_NOT;
     }
     return NS_HOLDS;
+}
+
+int ns_holds_clearly(ns_flight *f, ns_flight_mode *k) {
+    const ns_stage *stage = k->level[0].stage;
+    if (ns_enter(f, k))
+        return 0;
+    f->untold = 0;
+    for (int g = 0; g < stage->pair_rows; g++) {
+        const double value = ns_guard_of(stage, stage->value, g, f->next);
+        const double rate = ns_guard_of(stage, stage->rate, g, f->next);
+        if (!stage->idle[g] && !(value > ns_watch_noise_by(f, stage, g, rate) + fabs(rate) * f->slack))
+            return 0;
+    }
+    return 1;
 }

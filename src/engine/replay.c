@@ -43,10 +43,11 @@ static int fly(ns_flight *f, const ns_lap_step *s, double t) {
 
 /* The event there, into the mode of the next step, with inputs v after an instant. */
 static int pass(ns_flight *f, const ns_lap_step *s, ns_flight_mode *to, const double *v) {
-    f->since = f->event_t = f->t;
     if (s->event)
         memcpy(f->X + f->s->r, v, sizeof *v * (size_t)f->exo->nv);
-    return ns_turn_again(f, to, !s->event);
+    const int holds = ns_turn_again(f, to, !s->event);
+    f->since = f->event_t = f->t;
+    return holds;
 }
 
 /* The first instant at or after the end of step i, in a period from begin to end. */

@@ -299,11 +299,17 @@ static int flip_by_guard(ns_flight *f) {
 }
 
 int ns_turn_again(ns_flight *f, ns_flight_mode *to, int natural) {
-    if (!natural)
+    double until;
+    f->slack = 4 * DBL_EPSILON * fabs(f->t);
+    if (natural)
+        f->slack += ns_flight_level(f, &until)->stage->g; /* it is less */
+    else
         f->broken = -1;
-    f->slack = slack(f, natural);
-    if (ns_holds(f, to, NS_NOBODY, 0) != NS_HOLDS)
-        return 0;
+    if (!ns_holds_clearly(f, to)) {
+        f->slack = slack(f, natural);
+        if (ns_holds(f, to, NS_NOBODY, 0) != NS_HOLDS)
+            return 0;
+    }
     take(f, to);
     return 1;
 }

@@ -37,6 +37,8 @@ typedef enum ns_holding { NS_NOT, NS_HOLDS, NS_JUMPS } ns_holding; /* JUMPS: at 
 /* Whether the mode holds from here on.  Where nothing can tell, it does if somebody says so, or said so when
  * it came to the same (untold). */
 ns_holding ns_holds(ns_flight *f, ns_flight_mode *k, ns_word word, uint64_t untold);
+/* Whether nothing jumps and all guards are so far above zero that no more need be asked. */
+int ns_holds_clearly(ns_flight *f, ns_flight_mode *k);
 
 /* turn.c: as ns_turn(), to a mode that followed before: if it holds (1), and no command by the state is
  * there; else nothing is changed but what is known of guards. */

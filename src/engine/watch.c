@@ -17,16 +17,22 @@ static const double eps_of_terms = 64 * DBL_EPSILON;
 /* And of t, in its eps: what a guard does in that time no step can follow. */
 static const double eps_of_time = 4 * DBL_EPSILON;
 
-double ns_watch_noise(const ns_flight *f, const ns_stage *k, int g) {
-    double size = 0, rate = 0;
-    const double *noise = k->noise + g * k->q, *rates = k->rate + g * k->q;
+double ns_watch_noise_by(const ns_flight *f, const ns_stage *k, int g, double rate) {
+    const double *noise = k->noise + g * k->q;
+    double size = 0;
     for (int j = 0; j < k->r; j++)
         size += noise[j] * f->most[j];
     for (int j = k->r; j < k->q; j++)
         size += noise[j] * fabs(f->X[j]);
+    return eps_of_terms * size + eps_of_time * fabs(f->t * rate);
+}
+
+double ns_watch_noise(const ns_flight *f, const ns_stage *k, int g) {
+    const double *rates = k->rate + g * k->q;
+    double rate = 0;
     for (int j = 0; j < k->q; j++)
         rate += rates[j] * f->X[j];
-    return eps_of_terms * size + eps_of_time * fabs(f->t * rate);
+    return ns_watch_noise_by(f, k, g, rate);
 }
 
 /* 1 if as many guards as a register holds do not break all through a leg, by their samples; nothing else is
