@@ -174,6 +174,8 @@ int ns_problem_dc(ns_theta *s, const double *z, int nhold, const int *hold, cons
                   ns_mode *mode, double *x) {
     const int n = s->s->n, size = n + s->s->m + nhold;
     s->failed = 0;
+    if (ns_theta_room(s, nhold) != NS_OK)
+        return NS_E_MEMORY;
     form_dc(s, z, nhold, hold, hold_x);
     const int status = solve(s, 1, size, mode);
     if (status != NS_OK) {

@@ -74,7 +74,8 @@ struct ns_theta {
     /* work */
     ns_lu *lu;
     ns_mlcp_solver *mlcp;
-    double *K;                     /* (n+m)^2 */
+    int room;                      /* n+m, and as many holds as there ever were: what lu and mlcp are for */
+    double *K;                     /* room^2 */
     double *X, *R;                 /* (n+m)*q, and twice that */
     double *Z;                     /* (n+m)*2m */
     double *leak;                  /* m */
@@ -128,6 +129,8 @@ void ns_cache_clear(ns_cache *c);
 /* theta.c: keeps the status in the fault and returns it; forgets maps of the mode that was; gives commanded
  * pairs the bounds of their state, which their mode tells. */
 int ns_theta_fail(ns_theta *s, int status);
+/* theta.c: room for problems of n+m+holds unknowns.  Errors: MEMORY (it is as before). */
+int ns_theta_room(ns_theta *s, int holds);
 void ns_theta_forget_recent(ns_theta *s);
 void ns_theta_set_bounds(ns_theta *s);
 

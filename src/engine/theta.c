@@ -16,6 +16,7 @@ static ns_mode *modes(size_t count, int *failed) {
 static int allocate(ns_theta *s) {
     const size_t n = (size_t)s->s->n, m = (size_t)s->s->m, nz = (size_t)s->s->nz, nc = (size_t)s->s->nc;
     const size_t all = 2 * n + m, q = n + nz + 1; /* as many holds as unknowns, r <= n */
+    const size_t size = n + m;
     int failed = 0;
     s->M = ns_vector(n * n, &failed);
     s->A = ns_vector(n * n, &failed);
@@ -35,10 +36,9 @@ static int allocate(ns_theta *s) {
     s->at = ns_vector(n + m, &failed);
     s->trial_in = ns_vector(q, &failed);
     s->out = ns_vector(2 * n + nc + 2 * m + 4, &failed);
-    s->K = ns_vector(all * all, &failed);
-    s->X = ns_vector(all * q, &failed);
-    s->R = ns_vector((2 * all + 1) * q, &failed);
-    s->Z = ns_vector(all * 2 * m, &failed);
+    s->X = ns_vector(size * q, &failed);
+    s->R = ns_vector((2 * size + 1) * q, &failed);
+    s->Z = ns_vector(size * 2 * m, &failed);
     s->leak = ns_vector(m, &failed);
     s->rhs = ns_vector(all, &failed);
     s->sol = ns_vector(all, &failed);
@@ -52,9 +52,31 @@ static int allocate(ns_theta *s) {
     s->inside = calloc(m + all + 1, sizeof(int));
     failed |= !s->inside;
     s->list = s->inside ? s->inside + m : NULL;
-    if (failed || ns_lu_create((int)all, &s->lu) != NS_OK || ns_mlcp_create((int)all, &s->mlcp) != NS_OK ||
-        ns_mlcp_alike(s->mlcp, 1) != NS_OK)
+    return failed ? NS_E_MEMORY : ns_theta_room(s, 0);
+}
+
+int ns_theta_room(ns_theta *s, int holds) {
+    const int size = s->s->n + s->s->m + holds;
+    ns_mlcp_solver *mlcp = NULL;
+    ns_lu *lu = NULL;
+    int failed = 0;
+    if (s->K && size <= s->room)
+        return NS_OK;
+    double *K = ns_vector((size_t)size * (size_t)size, &failed);
+    if (failed || ns_lu_create(size, &lu) != NS_OK || ns_mlcp_create(size, &mlcp) != NS_OK ||
+        ns_mlcp_alike(mlcp, 1) != NS_OK) {
+        free(K);
+        ns_lu_free(lu);
+        ns_mlcp_free(mlcp);
         return NS_E_MEMORY;
+    }
+    free(s->K);
+    ns_lu_free(s->lu);
+    ns_mlcp_free(s->mlcp);
+    s->K = K;
+    s->lu = lu;
+    s->mlcp = mlcp;
+    s->room = size;
     return NS_OK;
 }
 

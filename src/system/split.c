@@ -72,7 +72,8 @@ static void equilibrate(elimination *g, const double *M, const double *size) {
     for (int i = 0; i < n; i++) {
         g->r[i] = g->c[i] = 1;
     }
-    for (int pass = 0; pass < 12; pass++) {
+    for (int pass = 0, changes = 1; pass < 12 && changes; pass++) {
+        changes = 0;
         for (int side = 0; side < 2; side++) {
             double *own = side ? g->c : g->r, *other = side ? g->r : g->c;
             for (int i = 0; i < n; i++) {
@@ -80,7 +81,9 @@ static void equilibrate(elimination *g, const double *M, const double *size) {
                 for (int j = 0; j < n; j++) {
                     most = fmax(most, fabs(M[side ? ij(n, j, i) : ij(n, i, j)]) * own[i] * other[j]);
                 }
-                own[i] *= half_scale(most);
+                const double by = half_scale(most);
+                changes |= by != 1;
+                own[i] *= by;
             }
         }
     }
