@@ -214,8 +214,11 @@ static void solve(const ns_lu *f, char transposed, const double *from, const dou
             b[(size_t)i + (size_t)k * (size_t)n] *= from[i];
     if (n > NS_SMALL)
         LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, transposed, n, nrhs, f->a, n, f->piv, b, n);
-    for (int k = 0; k < nrhs && n <= NS_SMALL; k++)
-        (transposed == 'T' ? ns_small_solve_transposed : ns_small_solve)(n, f->a, f->piv, b + k * n);
+    else if (transposed == 'N')
+        ns_small_solve(n, f->a, f->piv, nrhs, b);
+    else
+        for (int k = 0; k < nrhs; k++)
+            ns_small_solve_transposed(n, f->a, f->piv, b + k * n);
     for (int k = 0; k < nrhs; k++)
         for (int i = 0; i < n; i++)
             b[(size_t)i + (size_t)k * (size_t)n] *= to[i];

@@ -1,7 +1,10 @@
 /* src/linalg/small.c - LU factors and eigenvalues of small matrices. */
 #include "small.h"
 
+#include "lanes.h"
+
 #include <math.h>
+#include <stddef.h>
 
 static void swap(double *a, double *b) {
     const double was = *a;
@@ -44,7 +47,7 @@ int ns_small_factor(int n, double *a, int *piv) {
     return first;
 }
 
-void ns_small_solve(int n, const double *a, const int *piv, double *b) {
+static void solve_one(int n, const double *a, const int *piv, double *b) {
     for (int k = 0; k < n; k++)
         swap(&b[k], &b[piv[k] - 1]);
     for (int k = 0; k < n; k++)
@@ -54,6 +57,56 @@ void ns_small_solve(int n, const double *a, const int *piv, double *b) {
         b[k] /= a[k + k * n];
         if (b[k] != 0)
             take_off(k, b[k], a + k * n, b);
+    }
+}
+
+/* As many as a register holds, side by side. */
+ALWAYS_INLINE void substitute(int n, const double *a, ns_wide *b) {
+    for (int k = 0; k < n; k++)
+        for (int i = k + 1; i < n; i++)
+            b[i] -= a[i + k * n] * b[k];
+    for (int k = n - 1; k >= 0; k--) {
+        b[k] /= a[k + k * n];
+        for (int i = 0; i < k; i++)
+            b[i] -= a[i + k * n] * b[k];
+    }
+}
+
+NS_WIDE_TARGET static void substitute_wide(int n, const double *a, ns_wide *b) {
+    substitute(n, a, b);
+}
+
+static void substitute_narrow(int n, const double *a, ns_wide *b) {
+    substitute(n, a, b);
+}
+
+/* So many of them (count), the others zero. */
+static void solve_beside(int n, const double *a, const int *piv, int count, double *b) {
+    double beside[NS_SMALL * NS_WIDE] = {0};
+    int from[NS_SMALL];
+    for (int i = 0; i < n; i++)
+        from[i] = i;
+    for (int k = 0; k < n; k++) {
+        const int was = from[k];
+        from[k] = from[piv[k] - 1];
+        from[piv[k] - 1] = was;
+    }
+    for (int i = 0; i < n; i++)
+        for (int c = 0; c < count; c++)
+            beside[i * NS_WIDE + c] = b[from[i] + c * n];
+    (ns_is_wide() ? substitute_wide : substitute_narrow)(n, a, (ns_wide *)beside);
+    for (int i = 0; i < n; i++)
+        for (int c = 0; c < count; c++)
+            b[i + c * n] = beside[i * NS_WIDE + c];
+}
+
+void ns_small_solve(int n, const double *a, const int *piv, int nrhs, double *b) {
+    for (int k = 0; k < nrhs; k += NS_WIDE) {
+        const int count = nrhs - k < NS_WIDE ? nrhs - k : NS_WIDE;
+        if (count == 1)
+            solve_one(n, a, piv, b + (size_t)k * (size_t)n);
+        else
+            solve_beside(n, a, piv, count, b + (size_t)k * (size_t)n);
     }
 }
 

@@ -9,8 +9,8 @@ enum { NS_SMALL = 40 };
  * zero, counted from 1. */
 int ns_small_factor(int n, double *a, int *piv);
 
-/* Solves with these factors, in place of b (n); with the transposed matrix. */
-void ns_small_solve(int n, const double *a, const int *piv, double *b);
+/* Solves with these factors, in place of b (n*nrhs); with the transposed matrix, in place of b (n). */
+void ns_small_solve(int n, const double *a, const int *piv, int nrhs, double *b);
 void ns_small_solve_transposed(int n, const double *a, const int *piv, double *b);
 
 /* The eigenvalues of a (n*n, n = 1 or 2): re, im; 0 if they are out of range on the way. */

@@ -119,18 +119,19 @@ static void known_solutions_come_back(void **state) {
     enum { N = 43 };
     ns_lu *f = room(N);
     for (int n = 0; n <= N; n++) {
-        double a[N * N], keep[N * N], x[2 * N], b[2 * N], rcond;
+        const int rhs = 1 + n % 6;
+        double a[N * N], keep[N * N], x[6 * N], b[6 * N], rcond;
         for (int k = 0; k < n * n; k++)
             keep[k] = a[k] = random_unit() + (k % (n + 1) == 0 ? 3.0 : 0.0);
-        for (int i = 0; i < 2 * n; i++)
+        for (int i = 0; i < rhs * n; i++)
             x[i] = random_unit();
-        ns_matvec(n, n, a, x, b);
-        ns_matvec(n, n, a, x + n, b + n);
+        for (int k = 0; k < rhs; k++)
+            ns_matvec(n, n, a, x + k * n, b + k * n);
         assert_int_equal(ns_lu_factor(f, n, a, &rcond, NULL), NS_OK);
         assert_memory_equal(a, keep, sizeof(double) * (size_t)(n * n));
         assert_true(rcond > 0.0 && rcond <= 1.0);
-        ns_lu_solve(f, 2, b);
-        for (int i = 0; i < 2 * n; i++)
+        ns_lu_solve(f, rhs, b);
+        for (int i = 0; i < rhs * n; i++)
             assert_true(fabs(b[i] - x[i]) < 1e-11);
         for (int j = 0; j < n; j++) { /* b' = x' A */
             b[j] = 0;
