@@ -38,10 +38,10 @@ static ns_lap_step *add(ns_flight *f) {
     ns_laps *l = &f->laps;
     const size_t nv = (size_t)f->exo->nv;
     l->open = l->steps < NS_LAP_STEPS;
-    if (!l->open)
-        l->period = 0; /* too long, perhaps for one that is known no more */
-    if (!l->open)
+    if (!l->open) {
+        l->period = 0; /* it may not be there any more */
         return NULL;
+    }
     memcpy(l->v + (size_t)l->steps * nv, f->X + f->s->r, sizeof *l->v * nv);
     l->step[l->steps] = (ns_lap_step){.mode = f->at, .guard = -1};
     return &l->step[l->steps++];
