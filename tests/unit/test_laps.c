@@ -241,7 +241,8 @@ static void dips(scene *z, double light) {
     assert_int_equal(ns_circuit_capacitor(z->c, "c", 3, 0, 1e-6, NAN, NULL), NS_OK);
     assert_int_equal(ns_circuit_diode(z->c, "d", 3, 4, &ideal, NULL), NS_OK);
     assert_int_equal(ns_circuit_resistor(z->c, "rd", 4, 2, 10, NULL), NS_OK);
-    /* another current, which stops in each period from the first on */
+    /* another current, which stops in each period from the first on, of the same island */
+    assert_int_equal(ns_circuit_resistor(z->c, "r37", 3, 7, 1e5, NULL), NS_OK);
     assert_int_equal(ns_circuit_diode(z->c, "d5", 5, 6, &ideal, NULL), NS_OK);
     assert_int_equal(ns_circuit_inductor(z->c, "l", 6, 7, 10e-6, NAN, NULL), NS_OK);
     assert_int_equal(ns_circuit_capacitor(z->c, "c7", 7, 0, 1e-6, NAN, NULL), NS_OK);
