@@ -326,6 +326,7 @@ int ns_leg_begin(ns_sparse *m, ns_leg *leg, double t, double limit) {
     int status = choose_length(m, leg, room);
     if (status != NS_OK)
         return status;
+    ns_guard_keep_sizes(m, leg->rung);
     const double h = length(m, leg->rung);
     leg->end = fmin(h, room);
     leg->end_t = h < room * (1 - 1e-9) ? t + (leg->past_t + h) : limit;

@@ -87,7 +87,7 @@ struct ns_sparse {
     double *scale, *unit; /* 3 n: the largest w there were, and work; n: of one M alone, the square root */
     double *share;        /* n: 1 / scale of a leg, 0 where nothing is */
     double most_lambda, most_y; /* the largest there were: of legs as long as this one or longer, */
-    double lambda_of[NS_RUNGS], y_of[NS_RUNGS];             /* by rung; of shorter ones the share */
+    double lambda_of[NS_RUNGS], y_of[NS_RUNGS];             /* of legs that were gone, by rung */
     ns_mode *old_mode, *shown;                              /* m; m: what slides counts as closed */
     ns_mode *own_mode;                                      /* m: after what an event changes by itself */
     ns_guess *guess;                                        /* by a hash: */
@@ -178,9 +178,10 @@ int ns_sparse_twins(const ns_system *s, const ns_form *f, ns_twin **out, int *co
  * returns how many; state-dependent commands that v contradicts: flips them, or, those that had changed at
  * this event already (changed, nc, or NULL), lets them slide, from the mode of the leg before it. */
 void ns_guard_bounds(ns_sparse *m);
-/* How large lambda and y are at v, into what they were at most; whether those of the last of p stages are so
- * small beside that, that no further ones are needed. */
+/* How large lambda and y are at v, into what they were at most, which stays once the leg is gone; whether
+ * those of the last of p stages are so small beside that, that no further ones are needed. */
 void ns_guard_sizes(ns_sparse *m, const double *v, int rung);
+void ns_guard_keep_sizes(ns_sparse *m, int rung);
 int ns_guard_enough(const ns_sparse *m, const ns_leg *leg, int p);
 int ns_guard_first(ns_sparse *m, ns_leg *leg);
 int ns_guard_broken(ns_sparse *m, const double *v, const double *w,

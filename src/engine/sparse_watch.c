@@ -138,25 +138,27 @@ static int look(ns_sparse *m, ns_leg *leg, found next, found *f) {
     return NS_OK;
 }
 
-/* Volts and amperes of a transient are those of fluxes and charges that matter less the longer a leg is. */
-static double share_of(const double *of, int rung) {
+/* Of legs as long as this one or longer: volts and amperes of a shorter one may be those of a transient. */
+static double most_of(const double *of, int rung) {
     double most = 0;
-    for (int r = 0; r < NS_RUNGS; r++)
-        if (of[r] > most)
-            most = ns_higher(most, r > rung ? ldexp(of[r], rung - r) : of[r]);
+    for (int r = 0; r <= rung; r++)
+        most = ns_higher(of[r], most);
     return most;
 }
 
 void ns_guard_sizes(ns_sparse *m, const double *v, int rung) {
-    double most_lambda = m->lambda_of[rung], most_y = m->y_of[rung];
+    double most_lambda = most_of(m->lambda_of, rung), most_y = most_of(m->y_of, rung);
     for (int j = 0; j < m->f->m; j++) {
         most_lambda = ns_higher(fabs(v[m->f->n + j]), most_lambda);
         most_y = ns_higher(fabs(ns_csc_dot(&m->f->Ct, j, v)), most_y);
     }
-    m->lambda_of[rung] = most_lambda;
-    m->y_of[rung] = most_y;
-    m->most_lambda = share_of(m->lambda_of, rung);
-    m->most_y = share_of(m->y_of, rung);
+    m->most_lambda = most_lambda;
+    m->most_y = most_y;
+}
+
+void ns_guard_keep_sizes(ns_sparse *m, int rung) {
+    m->lambda_of[rung] = m->most_lambda;
+    m->y_of[rung] = m->most_y;
 }
 
 int ns_guard_enough(const ns_sparse *m, const ns_leg *leg, int p) {

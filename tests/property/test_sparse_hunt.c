@@ -276,6 +276,7 @@ static void those_that_were_wrong(void **state) {
         {6, 30, 1e-6, RIGHT},     /* an inductor interrupted closes a switch, for no time */
         {147, 30, 1e-6, RIGHT},   /* another */
         {2059, 60, 1e-6, RIGHT},  /* a jump in some rounds */
+        {5657, 30, 1e-6, RIGHT},  /* 1 mohm beside roff 1e12: volts of a transient blunted guards elsewhere */
         {143, 30, 1e-6, REFUSED}, /* chatters */
         {188, 30, 1e-6, REFUSED},
     };
@@ -285,11 +286,6 @@ static void those_that_were_wrong(void **state) {
 }
 
 enum { RUNS = 40, REFUSED_AT_MOST = 2 };
-
-/* Not explained yet: 1 mohm beside roff 1e12, off by 0.2 % at reltol 1e-6. */
-static int known_wrong(unsigned long seed) {
-    return seed == 5657;
-}
 
 /* Without switches that a voltage commands: across 1e9 ohm that is what reltol leaves open. */
 static void as_flight_says(void **state) {
@@ -301,9 +297,7 @@ static void as_flight_says(void **state) {
         random_net(&w, seed, 30);
         if (w.hysteresis)
             continue;
-        const verdict is = judge(seed, 30, reltol);
-        if (is != OFF || !known_wrong(seed))
-            count[is]++;
+        count[judge(seed, 30, reltol)]++;
         runs++;
     }
     print_message("reltol %g: %d right, %d refused, %d not known\n", reltol, count[RIGHT], count[REFUSED],
