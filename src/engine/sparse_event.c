@@ -14,6 +14,8 @@
 enum { BLOCK_ROUNDS = 6, MOST_ROUNDS = 100, SHORTER = 24, JUMPS = 8, COMMAND_ROUNDS = 64, LOCALS = 2 };
 /* Of the terms of a bound: far above rounding. */
 static const double far = 1e-6;
+/* What w may be off by at an event, of the error of a step; where there is next to none, of the largest. */
+static const double beside = 16, least_share = 1e-3;
 
 /* Changes what is broken until nothing is, or it leads nowhere: SINGULAR or LIMIT. */
 static int change_broken(ns_sparse *m, double t, double g, const double *w, double *v, double *by) {
@@ -75,7 +77,19 @@ void ns_event_command(ns_sparse *m, double t) {
     }
 }
 
-/* What begins to slide does so on its threshold: w, which is beside it by the error of a step, goes there. */
+/* By how much by (n) moves w is no more than what events are located to. */
+static int is_beside(const ns_sparse *m, const double *by) {
+    const double size = ns_fine_size(m);
+    for (int i = 0; i < m->f->n; i++)
+        if (!m->f->algebraic[i] &&
+            !(fabs(by[i]) <=
+              beside * m->o.reltol * fmax(fmax(fabs(m->w[i]), m->scale[i]), least_share * size * m->unit[i])))
+            return 0;
+    return 1;
+}
+
+/* What begins to slide does so on its threshold: w, which is beside it by the error of a step, goes there.
+ * From farther off nothing gets there in no time: it changes, as its control wants it to. */
 static int reach_thresholds(ns_sparse *m, double t, double g, double *by) {
     int any = 0, status = NS_OK;
     for (int c = 0; c < m->s->nc; c++) {
@@ -83,17 +97,28 @@ static int reach_thresholds(ns_sparse *m, double t, double g, double *by) {
         m->changed[c] = m->changed[c] != 0;
     }
     if (any)
-        status = ns_euler(m, t, ldexp(g, -SHORTER), m->w, 1, m->v, by);
+        status = ns_euler(m, t, ldexp(g, -SHORTER), m->w, 1, m->fine_v, by);
+    if (any && status == NS_OK && !is_beside(m, by)) {
+        memcpy(m->mode, m->old_mode, (size_t)m->f->m);
+        (void)ns_guard_commands(m, m->v, NULL, NULL);
+        return NS_OK;
+    }
     for (int i = 0; i < m->f->n && any && status == NS_OK; i++)
         m->w[i] += by[i];
     return status;
+}
+
+/* Commands that m->v contradicts change, or slide; how many. */
+static int settle_commands(ns_sparse *m, const ns_leg *leg) {
+    memcpy(m->old_mode, m->mode, (size_t)m->f->m);
+    return ns_guard_commands(m, m->v, leg, m->changed);
 }
 
 /* Settled, and commands of the state settled with it. */
 int ns_event_settle_all(ns_sparse *m, double t, double g, const ns_leg *leg, double *by) {
     for (int round = 0;; round++) {
         int status = ns_event_settle(m, t, g, m->w, m->v, by);
-        if (status != NS_OK || round >= COMMAND_ROUNDS || !ns_guard_commands(m, m->v, leg, m->changed))
+        if (status != NS_OK || round >= COMMAND_ROUNDS || !settle_commands(m, leg))
             return status;
         status = reach_thresholds(m, t, g, by);
         if (status != NS_OK)
@@ -184,8 +209,7 @@ static int resolve_by(ns_sparse *m, const ns_leg *leg, double t, double g, ns_ju
     for (int round = 0;; round++) {
         int status = settle_and_jump(m, t, g, jump);
         (void)ns_inputs_stage(m->in, t, g, 0, m->z); /* as m->v has them */
-        if (status != NS_OK || *jump == NS_LASTS || round >= COMMAND_ROUNDS ||
-            !ns_guard_commands(m, m->v, leg, m->changed))
+        if (status != NS_OK || *jump == NS_LASTS || round >= COMMAND_ROUNDS || !settle_commands(m, leg))
             return status;
         if (!leg)
             memcpy(m->w, m->event_w, sizeof(double) * (size_t)m->f->n);
