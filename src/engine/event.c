@@ -9,6 +9,9 @@
 #include <float.h>
 #include <math.h>
 
+/* A hysteresis: far above what a control moves by in the steps of an event. */
+static const double band = 1e-3;
+
 static int step_to(ns_march *m, double h) {
     const double t = m->live.t + (m->live.past_t + h);
     ns_system_inputs(m->s, t, NS_RIGHT, m->z);
@@ -119,14 +122,34 @@ static int any(const unsigned char *flip, int count) {
     return 0;
 }
 
+/* A switch with a hysteresis that went to and fro at this instant (m->crossed: how often) and wants to again
+ * has no state to be in, and what came of it would hang on h.  Without a hysteresis it may hold its control
+ * at the threshold, which steps average. */
+static int contradicts(ns_march *m) {
+    for (int c = 0; c < m->s->nc; c++) {
+        const ns_command *k = &m->s->command[c];
+        if (!m->flip[c] || m->crossed[c] < 2 || !(k->on - k->off > band * (fabs(k->on) + fabs(k->off))))
+            continue;
+        ns_march_fail(m, NS_E_LIMIT);
+        m->fault.npairs = 1;
+        m->fault.pair[0] = k->pair;
+        return 1;
+    }
+    return 0;
+}
+
 int ns_event_resolve(ns_march *m) {
     double h = event_step(m);
     int status = NS_OK, changed = m->live.jump || any(m->flip, m->s->nc);
     count_event(m);
     m->live.at_event = m->live.jump = 0;
+    for (int c = 0; c < m->s->nc; c++)
+        m->crossed[c] = 0;
     /* a switch may make another one switch; after as many rounds as there are switches time goes on */
     for (int round = 0; round <= m->s->nc; round++) {
         ns_control_apply(m, m->flip);
+        for (int c = 0; c < m->s->nc; c++)
+            m->crossed[c] = (unsigned char)(m->crossed[c] + (m->flip[c] && m->crossed[c] < 2));
         ns_jump_watch(m);
         status = changed ? ns_short_try(m, h) : step_until_changed(m, &h);
         if (status == NS_OK)
@@ -136,6 +159,8 @@ int ns_event_resolve(ns_march *m) {
         if (status != NS_OK || !(changed = ns_control_by_state(m, m->z, m->flip)))
             break;
     }
+    if (status == NS_OK && changed && contradicts(m))
+        status = NS_E_LIMIT;
     for (int c = 0; c < m->s->nc; c++)
         m->flip[c] = 0;
     if (status == NS_OK)

@@ -1,4 +1,4 @@
-/* tests/unit/test_commanded.c - switches that command each other through the circuit, by either exact engine.
+/* tests/unit/test_commanded.c - switches that command each other through the circuit, by each engine.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -45,12 +45,16 @@ static void contact(rig *k, const char *name, int p, int n, int by, double vt) {
     assert_int_equal(ns_circuit_switch(k->c, name, p, n, by, 0, &of, NULL), NS_OK);
 }
 
-static void start(rig *k, ns_method method) {
+static void make(rig *k, ns_method method) {
     const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-6, .method = method, .reltol = 1e-6};
     assert_int_equal(ns_circuit_system(k->c, &k->s), NS_OK);
     assert_true(k->s->n <= MOST);
     assert_int_equal(ns_march_create(k->s, &o, &k->m, NULL), NS_OK);
     assert_int_equal(ns_circuit_rest(k->c, k->x), NS_OK);
+}
+
+static void start(rig *k, ns_method method) {
+    make(k, method);
     assert_int_equal(ns_march_start(k->m, 0, k->x), NS_OK);
     assert_int_equal(ns_march_read(k->m, NULL, k->x, NULL, NULL), NS_OK);
 }
@@ -93,11 +97,35 @@ static void none_slides_from_afar(void **state) {
     end(&k);
 }
 
+/* Open: no current, v(2) = 0 closes it.  Closed: v(2) = -6 V opens it.  A hysteresis leaves no state between:
+ * no engine has an answer, and which switch it is, is told. */
+static void neither_open_nor_closed(void **state) {
+    enum { N1 = 1, N2 };
+    const ns_switch of = {-4, 0.5, 0, INFINITY};
+    double reached;
+    int status;
+    rig k = begin();
+    assert_int_equal(ns_circuit_switch(k.c, "s", 0, N1, N2, 0, &of, NULL), NS_OK);
+    capacitor(&k, "c", N1, N2, 1e-4, 6);
+    resistor(&k, "r", N2, 0, 10);
+    make(&k, *(const ns_method *)*state);
+    status = ns_march_start(k.m, 0, k.x);
+    if (status == NS_OK)
+        status = ns_march_try(k.m, 1e-5, NS_TO_TIME, &reached);
+    assert_int_equal(status, NS_E_LIMIT);
+    assert_int_equal(ns_march_fault(k.m)->npairs, 1);
+    assert_int_equal(ns_march_fault(k.m)->pair[0], 0);
+    end(&k);
+}
+
 int main(void) {
-    static ns_method flight = NS_FLIGHT, sparse = NS_SPARSE;
+    static ns_method theta = NS_THETA, flight = NS_FLIGHT, sparse = NS_SPARSE;
     const struct CMUnitTest tests[] = {
         {"none slides from afar, flight", none_slides_from_afar, NULL, NULL, &flight},
         {"none slides from afar, sparse", none_slides_from_afar, NULL, NULL, &sparse},
+        {"neither open nor closed, theta", neither_open_nor_closed, NULL, NULL, &theta},
+        {"neither open nor closed, flight", neither_open_nor_closed, NULL, NULL, &flight},
+        {"neither open nor closed, sparse", neither_open_nor_closed, NULL, NULL, &sparse},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
