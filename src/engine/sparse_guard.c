@@ -22,16 +22,14 @@ void ns_guard_set(ns_sparse *m, int j, int upper) {
         m->mode[j] = NS_INSIDE;
 }
 
-/* The rounding of y_j at v. */
-static double noise_of_y(const ns_sparse *m, int j, const double *v) {
-    return rounding * (ns_csc_size(&m->f->Ct, j, v) + fabs(m->f->e[j])) + DBL_EPSILON * m->most_y;
+static double terms_of_y(const ns_sparse *m, int j, const double *v) {
+    return ns_csc_size(&m->f->Ct, j, v) + fabs(m->f->e[j]);
 }
 
-double ns_guard_noise(const ns_sparse *m, int j, const double *v, const double *w, double g) {
+/* The largest of what is left over in the rows that lambda_j enters. */
+static double terms_of_lambda(const ns_sparse *m, int j, const double *v, const double *w, double g) {
     const ns_form *f = m->f;
     double most = 0;
-    if (m->mode[j] != NS_INSIDE && !ns_slides(m->mode[j]))
-        return noise_of_y(m, j, v);
     for (int k = f->K.start[f->n + j]; k < f->K.start[f->n + j + 1]; k++) {
         const int i = f->K.row[k];
         if (i >= f->n || f->KA[k] == 0)
@@ -41,7 +39,19 @@ double ns_guard_noise(const ns_sparse *m, int j, const double *v, const double *
             terms += (ns_csc_size(&f->Mt, i, v) + fabs(w[i])) / g;
         most = fmax(most, terms / fabs(f->KA[k]));
     }
-    return rounding * most + DBL_EPSILON * m->most_lambda + (ns_slides(m->mode[j]) ? noise_of_y(m, j, v) : 0);
+    return most;
+}
+
+double ns_guard_terms(const ns_sparse *m, int j, const double *v, const double *w, double g) {
+    if (m->mode[j] == NS_INSIDE)
+        return terms_of_lambda(m, j, v, w, g);
+    return terms_of_y(m, j, v) + (ns_slides(m->mode[j]) ? terms_of_lambda(m, j, v, w, g) : 0);
+}
+
+double ns_guard_noise(const ns_sparse *m, int j, const double *v, const double *w, double g) {
+    const int inside = m->mode[j] == NS_INSIDE;
+    return rounding * ns_guard_terms(m, j, v, w, g) +
+           DBL_EPSILON * ((inside ? 0 : m->most_y) + (inside || ns_slides(m->mode[j]) ? m->most_lambda : 0));
 }
 
 int ns_guard_shake(ns_sparse *m, const double *v, const double *w, double g, int brief) {

@@ -6,6 +6,9 @@
 
 #include <math.h>
 
+/* What guards of pair j are summed from at v = (x, lambda), which was solved for with w and g. */
+double ns_guard_terms(const ns_sparse *m, int j, const double *v, const double *w, double g);
+
 /* The rounding of guards of pair j at v = (x, lambda), which was solved for with w and g: of the sum y, or of
  * lambda as what is left over in the rows it enters; where all of these are zero, beside the largest there
  * was.  Of the control of command c. */

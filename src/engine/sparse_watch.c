@@ -15,24 +15,29 @@ static const double few_share = 0.3, instant_share = 0.1;
 /* Below zero by less than this share of the largest unknown: perhaps by rounding. */
 static const double shallow = 1e-7;
 
-/* 1 if a bound by the coefficients of guard k of pair j tells that it holds, but for what it may be below
- * zero by. */
+/* 1 if a bound by the coefficients of guard k of pair j tells that it holds. */
 static int surely_holds(const ns_sparse *m, const ns_leg *leg, int j, int k) {
     const size_t size = (size_t)m->f->size, nz = (size_t)m->f->nz,
                  stages = leg->stages < NS_ORDER ? (size_t)leg->stages : NS_ORDER;
     double least;
     if (m->mode[j] == NS_INSIDE) {
-        const double *lambda = leg->xi + m->f->n + j, little = -m->o.reltol * m->most_lambda;
+        const double *lambda = leg->xi + m->f->n + j;
         least = is_upper(m, j, k) ? m->u[j] - lambda[0] : lambda[0] - m->l[j];
-        for (size_t i = 1; i < stages && least > little; i++)
+        for (size_t i = 1; i < stages && least > 0; i++)
             least -= ns_laguerre_most[i] * fabs(lambda[i * size]);
-        return least > little;
+        return least > 0;
     }
-    const double little = ns_slides(m->mode[j]) ? 0 : -m->o.reltol * m->most_y;
     least = guard(m, j, k, leg->xi, leg->z, 1);
-    for (size_t i = 1; i < stages && least > little; i++)
+    for (size_t i = 1; i < stages && least > 0; i++)
         least -= ns_laguerre_most[i] * fabs(guard(m, j, k, leg->xi + i * size, leg->z + i * nz, 0));
-    return least > little;
+    return least > 0;
+}
+
+/* How large what a guard of pair j is summed from is, and no larger than lambda and y ever were: beside it
+ * counts what the state is off by. */
+static double size_of(const ns_sparse *m, const ns_leg *leg, int j) {
+    return ns_lower(ns_guard_terms(m, j, leg->xi, leg->dw, leg->g),
+                    m->mode[j] == NS_INSIDE ? m->most_lambda : m->most_y);
 }
 
 static void coefficients(const ns_sparse *m, const ns_leg *leg, int terms, int pair, int k, int command,
@@ -61,14 +66,16 @@ static double cut_off(const double *G, int terms) {
  * not. */
 static double breaks(const ns_sparse *m, const ns_leg *leg, int terms, const found *f, double before,
                      ns_curve *c) {
-    const double size = f->pair < 0 ? 0 : m->mode[f->pair] == NS_INSIDE ? m->most_lambda : m->most_y;
     double G[NS_STAGES] = {0};
     ns_curve part;
     coefficients(m, leg, terms, f->pair, f->k, f->command, G);
     ns_curve_of(terms, G, leg->end / leg->g, c);
     before = before < 1 ? before : 1;
     ns_curve_cut(c, before, &part);
-    const double tol = cut_off(G, terms) + m->o.reltol * size;
+    double tol = cut_off(G, terms);
+    if (ns_curve_holds(&part, tol))
+        return NAN;
+    tol += f->pair >= 0 ? m->o.reltol * size_of(m, leg, f->pair) : 0;
     if (ns_curve_holds(&part, tol))
         return NAN;
     return before *
