@@ -125,7 +125,7 @@ static int any(const unsigned char *flip, int count) {
 /* A switch with a hysteresis that went to and fro at this instant (m->crossed: how often) and wants to again
  * has no state to be in, and what came of it would hang on h.  Without a hysteresis it may hold its control
  * at the threshold, which steps average. */
-static int contradicts(ns_march *m) {
+int ns_event_contradicts(ns_march *m) {
     for (int c = 0; c < m->s->nc; c++) {
         const ns_command *k = &m->s->command[c];
         if (!m->flip[c] || m->crossed[c] < 2 || !(k->on - k->off > band * (fabs(k->on) + fabs(k->off))))
@@ -145,8 +145,8 @@ int ns_event_resolve(ns_march *m) {
     m->live.at_event = m->live.jump = 0;
     for (int c = 0; c < m->s->nc; c++)
         m->crossed[c] = 0;
-    /* a switch may make another one switch; after as many rounds as there are switches time goes on */
-    for (int round = 0; round <= m->s->nc; round++) {
+    /* a switch may make another one switch; after twice as many rounds as there are switches time goes on */
+    for (int round = 0; round <= 2 * m->s->nc + 1; round++) {
         ns_control_apply(m, m->flip);
         for (int c = 0; c < m->s->nc; c++)
             m->crossed[c] = (unsigned char)(m->crossed[c] + (m->flip[c] && m->crossed[c] < 2));
@@ -159,7 +159,7 @@ int ns_event_resolve(ns_march *m) {
         if (status != NS_OK || !(changed = ns_control_by_state(m, m->z, m->flip)))
             break;
     }
-    if (status == NS_OK && changed && contradicts(m))
+    if (status == NS_OK && changed && ns_event_contradicts(m))
         status = NS_E_LIMIT;
     for (int c = 0; c < m->s->nc; c++)
         m->flip[c] = 0;

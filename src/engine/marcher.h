@@ -139,4 +139,8 @@ int ns_short_settle(ns_march *m, double h);
 int ns_short_rates(ns_march *m);
 int ns_event_resolve(ns_march *m);
 
+/* event.c: 1 if a switch that changed twice at an instant (m->crossed) and wants to again (m->flip)
+ * contradicts itself: it is named in the fault, LIMIT. */
+int ns_event_contradicts(ns_march *m);
+
 #endif

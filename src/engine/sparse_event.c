@@ -169,6 +169,7 @@ int ns_event_at(const ns_sparse *m, double t) {
 
 void ns_event_own(ns_sparse *m, const ns_leg *leg, double t) {
     ns_inputs_at(m->in, t);
+    m->contradicted = -1;
     memset(m->changed, 0, (size_t)m->s->nc);
     if (leg && leg->pair >= 0)
         ns_guard_set(m, leg->pair, leg->upper);
@@ -203,14 +204,27 @@ static int settle_and_jump(ns_sparse *m, double t, double g, ns_jump_kind *jump)
     return status;
 }
 
+/* Whether a switch with a hysteresis changed once more, after all these rounds: it can be neither open nor
+ * closed here, and nothing between. */
+static int contradicts(ns_sparse *m) {
+    for (int c = 0; c < m->s->nc; c++) {
+        const ns_command *k = &m->s->command[c];
+        if (m->mode[k->pair] != m->old_mode[k->pair] && k->on > k->off)
+            m->contradicted = k->pair;
+    }
+    return m->contradicted >= 0;
+}
+
 /* m->mode and m->w to the right of an event by steps of length g.  Commands look at what is there when all
  * has jumped, not at impulses; at a start what was given jumps anew for those that change. */
 static int resolve_by(ns_sparse *m, const ns_leg *leg, double t, double g, ns_jump_kind *jump) {
     for (int round = 0;; round++) {
         int status = settle_and_jump(m, t, g, jump);
         (void)ns_inputs_stage(m->in, t, g, 0, m->z); /* as m->v has them */
-        if (status != NS_OK || *jump == NS_LASTS || round >= COMMAND_ROUNDS || !settle_commands(m, leg))
+        if (status != NS_OK || *jump == NS_LASTS || !settle_commands(m, leg))
             return status;
+        if (round >= COMMAND_ROUNDS)
+            return contradicts(m) ? NS_E_LIMIT : status;
         if (!leg)
             memcpy(m->w, m->event_w, sizeof(double) * (size_t)m->f->n);
         status = reach_thresholds(m, t, g, m->scale + 2 * m->f->n);

@@ -140,7 +140,10 @@ static int past_event(ns_sparse *m, double t, const ns_leg *from, ns_leg *to) {
 
 /* Gave up at the end of a leg, for the sake of what changed there. */
 static int blame(ns_sparse *m, const ns_leg *leg, int status) {
-    const int pair = leg->pair >= 0 ? leg->pair : leg->command >= 0 ? m->s->command[leg->command].pair : -1;
+    const int pair = m->contradicted >= 0 ? m->contradicted
+                     : leg->pair >= 0     ? leg->pair
+                     : leg->command >= 0  ? m->s->command[leg->command].pair
+                                          : -1;
     if (status == NS_E_LIMIT && (m->fault.npairs = pair >= 0))
         m->fault.pair[0] = pair;
     return status;
@@ -154,6 +157,7 @@ static int go_on(ns_sparse *m) {
     if (m->budget-- <= 0)
         return blame(m, from, NS_E_LIMIT);
     leave(m, from);
+    m->contradicted = -1;
     if (from->euler) {
         memcpy(m->z, from->z, sizeof(double) * (size_t)m->f->nz);
         (void)ns_guard_commands(m, from->xi, NULL, NULL);
@@ -163,7 +167,7 @@ static int go_on(ns_sparse *m) {
         ns_inputs_look(m->in, from->t, m->o.h, from->mode);
     }
     status = from->why == NS_LEG_EVENT ? past_event(m, t, from, to) : ns_sparse_next_leg(m, t, from, to);
-    if (is_refusal(status))
+    if (is_refusal(status) && m->contradicted < 0)
         status = capture(m, t, from, to);
     if (status != NS_OK)
         return blame(m, from, status);

@@ -99,6 +99,7 @@ struct ns_sparse {
     double euler_t, kept_euler_t; /* since when Euler steps are counted, */
     int eulers, kept_eulers;      /* how many there were; and as accepted */
     int crowd_moved;              /* they are no longer as accepted */
+    int contradicted;             /* at an event: the pair of a switch that has no state to be in; -1 */
     double *v, *r, *rate;         /* size, size, n */
     double *next_v, *rest;        /* size */
     long double *fine;            /* size */

@@ -36,6 +36,10 @@ static int begin(ns_sparse *m, double t0) {
     m->kept = m->live = m->leg;
     if (status == NS_OK)
         status = ns_sparse_next_leg(m, t0, NULL, m->leg);
+    if (m->contradicted >= 0) {
+        m->fault.npairs = 1;
+        m->fault.pair[0] = m->contradicted;
+    }
     if (status != NS_OK)
         return ns_sparse_fail(m, t0, status);
     m->kept_tau = m->live_tau = 0;

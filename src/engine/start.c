@@ -25,15 +25,17 @@ static int begin(ns_march *m, double t0, const double *w0, const unsigned char *
     for (int c = 0; c < m->s->nc; c++)
         m->closed[c] = (unsigned char)(m->closed[c] != m->flip[c]);
     memset(m->flip, 0, (size_t)m->s->nc);
+    memset(m->crossed, 0, (size_t)m->s->nc);
     return NS_OK;
 }
 
-/* Commands that the state contradicts change in m->closed; how many. */
+/* Commands that the state contradicts, in m->flip, change in m->closed; how many.  m->crossed counts. */
 static int toggle(ns_march *m) {
     const int flips = ns_control_by_state(m, m->z, m->flip);
-    for (int c = 0; c < m->s->nc; c++)
+    for (int c = 0; c < m->s->nc; c++) {
         m->closed[c] = (unsigned char)(m->closed[c] != m->flip[c]);
-    memset(m->flip, 0, (size_t)m->s->nc);
+        m->crossed[c] = (unsigned char)(m->crossed[c] + (m->flip[c] && m->crossed[c] < 2));
+    }
     return flips;
 }
 
@@ -55,17 +57,21 @@ static int settle(ns_march *m, double t0, const double *w0) {
 }
 
 /* Those that must not be as they are change, from the same w0.  A set of switches that finds no rest
- * chatters: time decides then. */
+ * chatters: time decides then, unless one with a hysteresis contradicts itself (LIMIT). */
 int ns_march_start_as(ns_march *m, double t0, const double *w0, const unsigned char *closed) {
     m->live.t = t0;
     if (!isfinite(t0) || !(t0 + m->h > t0))
         return ns_march_fail(m, NS_E_NUMBER);
     int status = begin(m, t0, w0, closed);
-    for (int round = 0; status == NS_OK && round <= 2 * m->s->nc; round++) {
+    for (int round = 0; status == NS_OK && round <= 2 * m->s->nc + 1; round++) {
+        memset(m->flip, 0, (size_t)m->s->nc);
         status = settle(m, t0, w0);
         if (status == NS_OK && !toggle(m))
             break;
     }
+    if (status == NS_OK && ns_event_contradicts(m))
+        status = NS_E_LIMIT;
+    memset(m->flip, 0, (size_t)m->s->nc);
     if (status != NS_OK)
         return status;
     (void)ns_short_rates(m);
