@@ -2,7 +2,8 @@
  *
  * What changes with a pair or a command is most often what changed with it before.  A leg in that mode is
  * taken at once, without steps of negligible length that look for the mode, and holds if it proves it: no
- * charge or flux jumps, as the powers D^i w of the leg vanish, and at its start all guards hold.
+ * charge or flux jumps, as the powers D^i w of the leg vanish, and at its start all guards hold.  Where those
+ * that change are mostly alone, one that was never seen before is expected to be, too.
  */
 #include "sparse_march.h"
 
@@ -10,11 +11,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A guess that failed so often has to be right once without being tried. */
-enum { MOST_FAILED = 2 };
-/* Shares of the error allowed, of the largest lambda and y, that guards may be below zero by at the start;
- * of a leg that is so short that the next event may belong to this one. */
-static const double start_share = 1e-3, at_once = 1e-4;
+/* A guess that failed so often has to be right once without being tried; places looked at for one. */
+enum { MOST_FAILED = 2, PLACES = 8 };
+/* How far it is counted who was alone with its change, and who was not. */
+enum { MOST_ALONE = 4 };
+/* Shares of the error allowed, of the largest lambda and y, that guards may be below zero by at the start,
+ * between these as settings are tight or loose; of a leg that is so short that the next event may belong to
+ * this one. */
+static const double start_least = 1e-3, start_most = 0.1, at_once = 1e-4;
+/* What is let by in legs is no event now: with it, loose settings find all that is broken a little at each
+ * event, and turn it over.  This many roots of reltol are between those. */
+static const double roots = 3;
+
+/* The place of a key, or an empty one, or the last that it may have, from then on its own. */
+static ns_guess *place_of(ns_sparse *m, unsigned long long key) {
+    size_t at = (key ^ key >> 29) * 0x9e3779b97f4a7c15U % m->guesses;
+    for (int i = 1; i < PLACES && m->guess[at].key != key && m->guess[at].key != 0; i++)
+        at = (at + 1) % m->guesses;
+    if (m->guess[at].key != key)
+        m->guess[at] = (ns_guess){.key = key};
+    return &m->guess[at];
+}
 
 /* By the pairs that changed, and by which way they carried current, or voltage. */
 static ns_guess *slot_of(ns_sparse *m, const ns_leg *before) {
@@ -26,10 +43,7 @@ static ns_guess *slot_of(ns_sparse *m, const ns_leg *before) {
                                                        : ns_csc_dot(&m->f->Ct, j, before->xi) + m->f->e[j];
         key = (key ^ (unsigned)(8 * j + 2 * m->own_mode[j] + (of > 0))) * 1099511628211U;
     }
-    ns_guess *g = &m->guess[(key ^ key >> 29) * 0x9e3779b97f4a7c15U % m->guesses];
-    if (g->key != key)
-        *g = (ns_guess){.key = key};
-    return g;
+    return place_of(m, key);
 }
 
 /* 1 if the guess was right, too. */
@@ -57,6 +71,8 @@ void ns_guess_learn(ns_sparse *m, const ns_leg *leg) {
     }
     if (same(m, g, pair, count))
         g->failed = 0;
+    m->alone = count > 0 ? m->alone - 1 : m->alone + 1;
+    m->alone = m->alone > MOST_ALONE ? MOST_ALONE : m->alone < -MOST_ALONE ? -MOST_ALONE : m->alone;
     g->sure = g->failed < MOST_FAILED;
     g->count = count;
     for (int i = 0; i < count; i++) {
@@ -82,21 +98,31 @@ static int holds(ns_sparse *m, const ns_leg *leg) {
         return 0;
     if (leg->why == NS_LEG_EVENT && (leg->pair >= 0 || leg->command >= 0) && leg->end < at_once * leg->g)
         return 0;
-    return ns_guard_starts(m, leg, start_share * m->o.reltol);
+    const double share = fmax(start_least, fmin(start_most, roots * sqrt(m->o.reltol)));
+    return ns_guard_starts(m, leg, share * m->o.reltol);
+}
+
+/* What is known of the place: nothing yet (then nothing else changes, perhaps), or something that is sure. */
+static int worth_trying(const ns_sparse *m, const ns_guess *g) {
+    if (g->sure)
+        return NS_LEARNT_GUESS;
+    return g->count == 0 && g->failed == 0 && m->alone > 0 ? NS_FIRST_GUESS : NS_NO_GUESS;
 }
 
 int ns_guess_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg) {
     ns_guess *g = slot_of(m, before);
-    if (!g->sure || before->euler || before->stuck > 0 || before->command >= 0)
+    const int guess = worth_trying(m, g);
+    if (!guess || before->euler || before->stuck > 0 || before->command >= 0)
         return 0;
     keep_sizes(m, 0);
     for (int i = 0; i < g->count; i++)
         m->mode[g->pair[i]] = g->mode[i];
     ns_guard_bounds(m);
-    m->guessing = 1;
+    m->guessing = guess;
     const int status = ns_sparse_next_leg(m, t, before, leg);
-    m->guessing = 0;
+    m->guessing = NS_NO_GUESS;
     if (status == NS_OK && holds(m, leg)) {
+        g->sure = 1;
         m->counts.events++;
         return 1;
     }

@@ -181,7 +181,8 @@ static int all_stages(ns_sparse *m, ns_leg *leg, double room) {
             continue;
         const double size = size_of_power(m, leg, i);
         leg->calm = enough(m, leg, i, i < NS_ORDER ? share : last_share * share, size);
-        if (m->guessing && !leg->calm && size > decays * before)
+        if (m->guessing && !leg->calm && size > decays * before &&
+            (i == NS_ORDER || m->guessing == NS_FIRST_GUESS))
             status = NS_E_LIMIT;
         before = size;
     }

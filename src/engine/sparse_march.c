@@ -4,6 +4,12 @@
 #include <math.h>
 #include <string.h>
 
+/* Of how long legs were of late, how much is remembered from one to the next; a step so many times as long is
+ * made over to one that is no more than so many times. */
+static const double remembers = 0.95, too_long = 16, long_enough = 4;
+/* But not below h 2^-this: who changes all the time within the length of a step chatters, and is refused. */
+enum { SHORTEST = 3 };
+
 int ns_sparse_fail(ns_sparse *m, double t, int status) {
     m->fault.status = (ns_status)status;
     m->fault.nunknowns = 0;
@@ -63,6 +69,16 @@ static int counted_leg(ns_sparse *m, ns_leg *leg, double t, double limit, double
     return ++m->eulers > NS_MOST_EULERS ? NS_E_LIMIT : euler_leg(m, leg, t, limit, h);
 }
 
+/* Where events end legs long before their steps do, these are no longer than they need to be: D^i w vanish
+ * sooner, and what is left of them tells what jumps. */
+static void fit_usual(const ns_sparse *m, const ns_leg *before, ns_leg *leg) {
+    leg->usual = before ? fmax(before->end, remembers * before->usual) : m->o.h;
+    if (!before || before->why != NS_LEG_EVENT || !(ldexp(m->o.h, -leg->rung) > too_long * leg->usual))
+        return;
+    while (leg->rung < SHORTEST + m->o.finer && ldexp(m->o.h, -leg->rung) > long_enough * leg->usual)
+        leg->rung++;
+}
+
 /* A leg from m->w, m->mode at t after one that ended there. */
 int ns_sparse_next_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg) {
     const double tiny = before ? ldexp(m->o.h, -before->next_rung - NS_SHORT_RUNG) : 0;
@@ -70,6 +86,7 @@ int ns_sparse_next_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg
     leg->rung = before ? before->next_rung : 0;
     leg->stuck = stuck;
     leg->past_t = before ? ns_leg_past(before) : 0;
+    fit_usual(m, before, leg);
     ns_inputs_at(m->in, t);
     ns_inputs_look(m->in, t, m->o.h, m->mode);
     const double limit = fmax(fmin(m->in->corner, m->in->first), nextafter(t, INFINITY));
@@ -101,6 +118,7 @@ static int capture(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg) {
         ns_guard_bounds(m);
         leg->rung = before->next_rung;
         leg->stuck = 0;
+        leg->usual = before->usual;
         leg->past_t = ns_leg_past(before);
         status = counted_leg(m, leg, t, limit, ldexp(m->o.h, -leg->rung - less));
     }

@@ -45,6 +45,7 @@ typedef struct ns_leg {
     ns_leg_end why;
     int pair, command; /* what breaks at the end, -1: none */
     int upper;         /* the upper bound of that pair's lambda did */
+    double usual;      /* how long legs were of late */
     int stuck;         /* legs in a row that ended at once */
     int euler;         /* an implicit Euler step; only its end is known, by stage 0 */
     int smooth;        /* of the scheme: the rates of the step before are known too */
@@ -54,7 +55,7 @@ typedef struct ns_leg {
     ns_mode *mode;     /* m */
 } ns_leg;
 
-enum { NS_GUESS_PAIRS = 6 };
+enum { NS_GUESS_PAIRS = 6, NS_NO_GUESS = 0, NS_FIRST_GUESS, NS_LEARNT_GUESS };
 
 /* What else changed when it did the last time. */
 typedef struct ns_guess {
@@ -92,7 +93,7 @@ struct ns_sparse {
     ns_mode *own_mode;                                      /* m: after what an event changes by itself */
     ns_guess *guess;                                        /* by a hash: */
     size_t guesses;                                         /* so many places */
-    int guessing;                                           /* one is tried */
+    int guessing, alone;                                    /* NS_..._GUESS is tried; first ones pay */
     double *kept_scale, kept_most[2], kept_of[2][NS_RUNGS]; /* n: before it */
     double *crowd_t;                                        /* 2 m: since when flips of a pair are counted, */
     int *crowd;                   /* 2 m: how many there were; then both as they were accepted */

@@ -26,6 +26,7 @@ static void rest(ns_sparse *m) {
     m->started = m->has_trial = m->scheme.running = m->fault.npairs = 0;
     ns_inputs_reset(m->in);
     memset(m->guess, 0, m->guesses * sizeof *m->guess);
+    m->alone = 0;
 }
 
 /* From m->w and m->mode. */

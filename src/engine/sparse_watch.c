@@ -10,8 +10,12 @@
 #include <math.h>
 #include <string.h>
 
-/* What the last of few stages may be of the error allowed; and what a crossing may be off by of the state. */
-static const double few_share = 0.3, instant_share = 0.1;
+/* What the last of few stages, or of all, may be of the error allowed; and what a crossing may be off by of
+ * the state. */
+static const double few_share = 0.3, all_share = 3, instant_share = 0.1;
+/* Of the error allowed, what lambda and y may be below zero by: whoever is so when another one changes may
+ * have to change with it. */
+static const double below = 0.1;
 /* Below zero by less than this share of the largest unknown: perhaps by rounding. */
 static const double shallow = 1e-7;
 
@@ -75,7 +79,7 @@ static double breaks(const ns_sparse *m, const ns_leg *leg, int terms, const fou
     double tol = cut_off(G, terms);
     if (ns_curve_holds(&part, tol))
         return NAN;
-    tol += f->pair >= 0 ? m->o.reltol * size_of(m, leg, f->pair) : 0;
+    tol += f->pair >= 0 ? below * m->o.reltol * size_of(m, leg, f->pair) : 0;
     if (ns_curve_holds(&part, tol))
         return NAN;
     return before *
@@ -171,7 +175,7 @@ void ns_guard_keep_sizes(ns_sparse *m, int rung) {
 int ns_guard_enough(const ns_sparse *m, const ns_leg *leg, int p) {
     const size_t last = (size_t)p - 1;
     const double *v = leg->xi + last * (size_t)m->f->size, *z = leg->z + last * (size_t)m->f->nz,
-                 little = few_share * m->o.reltol;
+                 little = (p < NS_ORDER ? few_share : all_share) * m->o.reltol;
     for (int j = 0; j < m->f->m; j++)
         if (guards_of(m, j) > 0 &&
             (m->mode[j] == NS_INSIDE ? !(fabs(v[m->f->n + j]) <= little * m->most_lambda)
