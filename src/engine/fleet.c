@@ -32,10 +32,14 @@ static void translate(const ns_island *i, ns_fault *fault) {
         fault->unknown[k] = i->unknown[fault->unknown[k]];
 }
 
-int ns_fleet_fail(ns_fleet *f, int ship, int status) {
+static void keep_fault(ns_fleet *f, int ship) {
     f->fault = *ns_march_fault(f->ship[ship].march);
     translate(f->ship[ship].island, &f->fault);
     f->failed = ship;
+}
+
+int ns_fleet_fail(ns_fleet *f, int ship, int status) {
+    keep_fault(f, ship);
     f->has_trial = 0;
     return status;
 }
@@ -192,25 +196,34 @@ int ns_fleet_start_dc(ns_fleet *f, double t0, int nhold, const int *hold, const 
 
 /* --- read --- */
 
-int ns_fleet_read(ns_fleet *f, double *t, double *x, double *lambda, double *y) {
-    memset(f->seen, 0, (size_t)f->s->n);
-    for (int k = 0; k < f->islands.count; k++) {
-        const ns_island *i = f->ship[k].island;
-        const int status = ns_march_read(f->ship[k].march, NULL, f->x, f->lambda, f->y);
-        if (status != NS_OK)
-            return ns_fleet_fail(f, k, status);
-        if (x)
-            put_unknowns(f, k, x);
-        for (int j = 0; j < i->s->m; j++) {
-            if (lambda)
-                lambda[i->pair[j]] = f->lambda[j];
-            if (y)
-                y[i->pair[j]] = f->y[j];
-        }
+static void put_pairs(const ns_fleet *f, int island, double *lambda, double *y) {
+    const ns_island *i = &f->islands.island[island];
+    for (int j = 0; j < i->s->m; j++) {
+        if (lambda)
+            lambda[i->pair[j]] = f->lambda[j];
+        if (y)
+            y[i->pair[j]] = f->y[j];
     }
+}
+
+int ns_fleet_read(ns_fleet *f, double *t, double *x, double *lambda, double *y) {
+    int status = NS_OK;
     if (t)
         *t = f->has_trial ? f->live : f->kept;
-    return NS_OK;
+    memset(f->seen, 0, (size_t)f->s->n);
+    for (int k = 0; k < f->islands.count; k++) {
+        const int read = ns_march_read(f->ship[k].march, NULL, f->x, f->lambda, f->y);
+        if (read != NS_OK) {
+            status = read;
+            keep_fault(f, k);
+        }
+        if (read != NS_OK && read != NS_E_OVERFLOW) /* which is written all the same */
+            return status;
+        if (x)
+            put_unknowns(f, k, x);
+        put_pairs(f, k, lambda, y);
+    }
+    return status;
 }
 
 const ns_mode *ns_fleet_mode(ns_fleet *f) {
