@@ -224,7 +224,8 @@ $(BENCH_BIN): $(B)/%: $(B)/obj/%.o $(BENCH_OWN:%.c=$(B)/obj/%.o) $(BENCH_HELP:%.
 SICONOS ?= /usr# where its include/siconos and lib are
 SICONOS_PACKAGES := libsiconos-kernel-dev libsiconos-numerics-dev
 SICONOS_FLAGS = -std=c++17 -O3 -DNDEBUG -w -Iinclude -Isrc -Itests/unit -Itests/bench \
-    $(patsubst %,-isystem $(SICONOS)/include/siconos%,/ /kernel /numerics /externals) -isystem $(SICONOS)/include
+    $(patsubst %,-isystem $(SICONOS)/include/siconos%,/ /kernel /numerics /externals) \
+    $(if $(filter-out /usr,$(SICONOS)),-isystem $(SICONOS)/include)# /usr/include is known, and named again not found
 
 $(B)/siconos: tests/bench/siconos.cpp $(BENCH_OWN:%.c=$(B)/obj/%.o) $(BENCH_HELP:%.c=$(B)/obj/%.o) $(B)/libnonsmooth.a
 	@echo "  CXX     $@"
