@@ -25,9 +25,9 @@ ns_omen ns_omen_of(ns_flight *f, ns_flight_mode *mode, int g, const double *X) {
     const double tol = ns_watch_noise_by(f, k, g, rate);
     if (fabs(value) > tol + fabs(rate) * f->slack)
         return value < 0 ? NS_BREAKS : NS_STANDS;
-    if (fabs(rate) * k->g > 8 * tol)
-        return rate < 0 ? NS_BREAKS : NS_STANDS;
     const double bend = ns_guard_of(k, k->bend, g, X);
+    if (k->g * (fabs(rate) - 2 * fabs(bend) * f->slack) > 8 * tol) /* it is known as well as the instant is */
+        return rate < 0 ? NS_BREAKS : NS_STANDS;
     if (fabs(bend) * k->g * k->g > 64 * tol)
         return bend < 0 ? NS_BREAKS : NS_STANDS;
     double start = 0;
