@@ -33,23 +33,28 @@ static void impulses_of(ns_flight *f, const ns_stage *k, double *by) {
     }
 }
 
+/* Row i of D^8 times the first `count` of X. */
+static double eighth(const ns_stage *k, int i, int count, const double *X) {
+    const double *row = k->series + (NS_ORDER - 1) * k->r + i;
+    double sum = 0;
+    for (int j = 0; j < count; j++)
+        sum += row[j * NS_ORDER * k->r] * X[j];
+    return sum;
+}
+
 /* 1 if D^8 moves any of f->next by more than rounding. */
 static int moves_any(const ns_flight *f, const ns_stage *k) {
-    const int r = k->r;
-    for (int i = 0; i < r; i++) {
-        const double *row = k->series + (NS_ORDER - 1) * r + i;
-        double by = 0;
-        for (int j = 0; j < k->q; j++)
-            by += row[j * NS_ORDER * r] * f->next[j];
-        if (fabs(by) > still * f->most[i])
+    for (int i = 0; i < k->r; i++) {
+        f->gone[i] = eighth(k, i, k->q, f->next);
+        if (fabs(f->gone[i]) > still * f->most[i])
             return 1;
-        f->gone[i] = by;
     }
     return 0;
 }
 
 /* f->next = X after the jump that the mode asks for: what its constraints leave, 1 - D^8, and that again
- * while it leaves anything of what is fast, not instantaneous.  f->gone (r): the sum of what went.  1 if it
+ * while it leaves anything of what is fast, not instantaneous.  A steep input moves by D^8 what is slow too:
+ * only D^8 of that, as inputs stay, is against the constraints.  f->gone (r): the sum of what went.  1 if it
  * is one. */
 static int jump(ns_flight *f, const ns_stage *k) {
     enum { AGAIN = 8 };
@@ -58,13 +63,15 @@ static int jump(ns_flight *f, const ns_stage *k) {
     memcpy(f->next, f->X, sizeof(double) * (size_t)k->q);
     if (!moves_any(f, k)) {
         for (int i = 0; i < r; i++)
-            f->next[i] -= f->gone[i];
+            f->next[i] -= eighth(k, i, r, f->gone);
         return 0;
     }
     memset(f->gone, 0, sizeof(double) * (size_t)r);
     for (int round = 0; round < AGAIN && more; round++) {
         double *by = f->series + (NS_ORDER - 1) * r;
         ns_matvec(NS_ORDER * r, k->q, k->series, f->next, f->series);
+        memcpy(f->ahead, by, sizeof *by * (size_t)r);
+        ns_matvec(NS_ORDER * r, r, k->series, f->ahead, f->series);
         more = 0;
         for (int i = 0; i < r; i++)
             more |= fabs(by[i]) > still * f->most[i] && fabs(by[i]) > slow * fabs(f->series[i]);

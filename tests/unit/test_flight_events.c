@@ -107,12 +107,38 @@ static void charges_are_kept(void **state) {
     close_bench(&b);
 }
 
+/* An edge of 9.6 V in 0.12 ns, within which a diode begins to conduct, at 0.3 mH and 1 ohm; what the source
+ * has in a capacitor is an instantaneous part of the mode.  An event in it is no jump of the current. */
+static void an_event_in_a_steep_edge(void **state) {
+    (void)state;
+    const double v1 = 14.4, v2 = 24, td = 13e-6, tr = 0.12e-9, tau = 0.3e-3;
+    const ns_diode d = {0, 0, INFINITY, INFINITY, 0};
+    for (int until = 0; until < 2; until++) {
+        bench b = open_bench();
+        int l;
+        source(&b, "v", 1, 0, pulse(v1, v2, td, tr, tr, 1, INFINITY));
+        assert_int_equal(ns_circuit_capacitor(b.c, "c", 1, 0, 1e-7, v1, NULL), NS_OK);
+        assert_int_equal(ns_circuit_inductor(b.c, "l", 1, 2, tau, NAN, &l), NS_OK);
+        assert_int_equal(ns_circuit_resistor(b.c, "r", 2, 0, 1, NULL), NS_OK);
+        assert_int_equal(ns_circuit_diode(b.c, "d", 1, 3, &d, NULL), NS_OK);
+        assert_int_equal(ns_circuit_resistor(b.c, "r3", 3, 4, 50, NULL), NS_OK);
+        source(&b, "v4", 4, 0, dc(14.5));
+        start(&b, 1e-6);
+        for (double t = 0; t < 14e-6;)
+            t = go(&b, 14e-6, until ? NS_TO_TIME : NS_TO_EVENT);
+        const double rise = 1 - tau / tr * expm1(tr / tau) * exp((td - 14e-6) / tau);
+        near(i_of(&b, l), -v1 * expm1(-14e-6 / tau) + (v2 - v1) * rise, 1e-11);
+        close_bench(&b);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_current_ends_in_time),
         cmocka_unit_test(events_have_two_sides),
         cmocka_unit_test(tries_leave_the_accepted_point_alone),
         cmocka_unit_test(charges_are_kept),
+        cmocka_unit_test(an_event_in_a_steep_edge),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
