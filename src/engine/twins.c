@@ -32,7 +32,7 @@ static int is_alone(const ns_system *s, int j) {
 
 static int are_twins(const ns_system *s, int j, int of) {
     const int n = s->n, m = s->m;
-    return parallel(n, 1, s->B + (size_t)j * (size_t)n, s->B + (size_t)of * (size_t)n) &&
+    return n > 0 && parallel(n, 1, s->B + (size_t)j * (size_t)n, s->B + (size_t)of * (size_t)n) &&
            parallel(n, m, s->C + j, s->C + of) && is_alone(s, j);
 }
 
