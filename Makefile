@@ -237,7 +237,7 @@ BENCH_GOALS := build/bench/tests/bench/bench_goals# the last table, from what th
 BENCH_quick = $(foreach name,buck theta sparse cases,build/bench/tests/bench/bench_$(name))
 BENCH_netlists = build/bench/tests/bench/bench_cases
 BENCH_RUN = $(BENCH_quick) $(filter-out $(BENCH_GOALS) $(BENCH_quick),$(wildcard build/bench/tests/bench/bench_*))
-bench: deps ## circuits by every engine, beside ngspice: build/bench/*.csv, *.png (15 minutes; BENCH=quick: 2; BENCH=netlists: 5)
+bench: deps ## circuits by every engine, beside ngspice: build/bench/*.csv, *.png (10 minutes; BENCH=quick: 2; BENCH=netlists: 5)
 	@case '$(BENCH)' in full|quick|netlists) ;; *) echo 'bench: BENCH=$(BENCH)? full, quick and netlists are there' >&2; exit 2;; esac
 	@$(MAKE) $(JOBS) B=build/bench CFLAGS='-O3 -DNDEBUG' bench-programs cm \
 	    $(if $(wildcard $(SICONOS)/include/siconos/kernel/SiconosKernel.hpp),build/bench/siconos)
