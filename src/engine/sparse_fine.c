@@ -195,7 +195,7 @@ static int lasts(ns_sparse *m, double t, double g) {
 int ns_fine_consistent(ns_sparse *m, double t, double g, const double *first, ns_jump_kind *jump) {
     const size_t bytes = sizeof(double) * (size_t)m->f->n;
     const double size = ns_fine_size(m);
-    left what;
+    left what = NOTHING;
     *jump = NS_NO_JUMP;
     memcpy(m->before_w, m->w, bytes);
     const int status = take_away(m, t, g, first, m->gone, &what);

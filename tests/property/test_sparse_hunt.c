@@ -261,24 +261,24 @@ static verdict judge(unsigned long seed, unsigned most, double reltol) {
 
 typedef struct once {
     unsigned long seed;
-    unsigned most;
     double reltol;
+    unsigned most;
     verdict is;
 } once;
 
 static void those_that_were_wrong(void **state) {
     static const once all[] = {
-        {19, 30, 1e-6, RIGHT},    /* a transient of 1e-11 s, after which a diode conducts */
-        {75, 30, 1e-6, RIGHT},    /* another */
-        {119, 30, 1e-6, RIGHT},   /* 4e8 V for 1e-14 s; then a diode that conducts at some volts */
-        {123, 30, 1e-6, RIGHT},   /* another */
-        {30, 60, 1e-6, RIGHT},    /* a diode that leads nowhere, which was off by volts */
-        {6, 30, 1e-6, RIGHT},     /* an inductor interrupted closes a switch, for no time */
-        {147, 30, 1e-6, RIGHT},   /* another */
-        {2059, 60, 1e-6, RIGHT},  /* a jump in some rounds */
-        {5657, 30, 1e-6, RIGHT},  /* 1 mohm beside roff 1e12: volts of a transient blunted guards elsewhere */
-        {143, 30, 1e-6, REFUSED}, /* chatters */
-        {188, 30, 1e-6, REFUSED},
+        {19, 1e-6, 30, RIGHT},    /* a transient of 1e-11 s, after which a diode conducts */
+        {75, 1e-6, 30, RIGHT},    /* another */
+        {119, 1e-6, 30, RIGHT},   /* 4e8 V for 1e-14 s; then a diode that conducts at some volts */
+        {123, 1e-6, 30, RIGHT},   /* another */
+        {30, 1e-6, 60, RIGHT},    /* a diode that leads nowhere, which was off by volts */
+        {6, 1e-6, 30, RIGHT},     /* an inductor interrupted closes a switch, for no time */
+        {147, 1e-6, 30, RIGHT},   /* another */
+        {2059, 1e-6, 60, RIGHT},  /* a jump in some rounds */
+        {5657, 1e-6, 30, RIGHT},  /* 1 mohm beside roff 1e12: volts of a transient blunted guards elsewhere */
+        {143, 1e-6, 30, REFUSED}, /* chatters */
+        {188, 1e-6, 30, REFUSED},
     };
     (void)state;
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
