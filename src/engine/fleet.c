@@ -134,8 +134,6 @@ static void charges_of(ns_fleet *f, int island, const double *w0) {
 }
 
 int ns_fleet_start(ns_fleet *f, double t0, const double *w0) {
-    if (!w0)
-        return ns_fleet_fail_here(f, NS_E_NULL);
     memset(f->seen, 0, (size_t)f->s->n);
     for (int k = 0; k < f->islands.count; k++) {
         charges_of(f, k, w0);
@@ -171,8 +169,6 @@ static int holds_of(const ns_island *i, int nhold, const int *hold, const double
 int ns_fleet_start_dc(ns_fleet *f, double t0, int nhold, const int *hold, const double *hold_x, double *x) {
     if (nhold < 0 || nhold > f->s->n)
         return ns_fleet_fail_here(f, NS_E_SIZE);
-    if (nhold > 0 && (!hold || !hold_x))
-        return ns_fleet_fail_here(f, NS_E_NULL);
     for (int h = 0; h < nhold; h++)
         if (hold[h] < 0 || hold[h] >= f->s->n)
             return ns_fleet_fail_here(f, NS_E_SIZE);

@@ -1,101 +1,7 @@
 /* tests/unit/test_islands.c - converters at one stiff supply, each on its own way: as right as all in one
  * (option `whole`), to what both promise, and at the cost of each alone.
  */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-#include "nonsmooth.h"
-#include "signals.h"
-
-enum { MOST = 400, SUPPLY = 1, FIRST = 2, EACH = 3 };
-
-static const ns_diode ideal = {0, 0, INFINITY, INFINITY, 0};
-
-typedef struct scene {
-    ns_circuit *c;
-    ns_system *s;
-    ns_march *m;
-    double w0[MOST];
-} scene;
-
-static void put(scene *z, const char *name, int p, int n, ns_signal s) {
-    assert_int_equal(ns_circuit_source(z->c, name, NS_VOLTAGE, p, n, &s, NULL), NS_OK);
-}
-
-static ns_signal sine(double v, double hz) {
-    ns_signal s = {.kind = NS_SIN};
-    s.u.sin.va = v;
-    s.u.sin.freq = hz;
-    return s;
-}
-
-static ns_signal square(double every, double on) {
-    return pulse(0, 1, 0, 10e-9, 10e-9, on * every, every);
-}
-
-/* With a supply of v, behind whose terminals a resistor hangs. */
-static scene supplied(ns_signal v) {
-    scene z = {0};
-    assert_int_equal(ns_circuit_create(&z.c), NS_OK);
-    put(&z, "in", SUPPLY, 0, v);
-    assert_int_equal(ns_circuit_resistor(z.c, "rin", SUPPLY, 0, 100, NULL), NS_OK);
-    return z;
-}
-
-/* Diode, inductor, capacitor and load behind a switch at the supply: nodes of its own from `node` on. */
-static void buck(scene *z, const char *name, int node, double every, double load) {
-    const ns_switch contact = {0.5, 0, 0, INFINITY};
-    char part[16];
-    const int x = node, out = node + 1, gate = node + 2;
-#define PART(what) (snprintf(part, sizeof part, "%s%s", what, name), part)
-    put(z, PART("v"), gate, 0, square(every, 0.4));
-    assert_int_equal(ns_circuit_switch(z->c, PART("s"), SUPPLY, x, gate, 0, &contact, NULL), NS_OK);
-    assert_int_equal(ns_circuit_diode(z->c, PART("d"), 0, x, &ideal, NULL), NS_OK);
-    assert_int_equal(ns_circuit_inductor(z->c, PART("l"), x, out, 100e-6, NAN, NULL), NS_OK);
-    assert_int_equal(ns_circuit_capacitor(z->c, PART("c"), out, 0, 22e-6, NAN, NULL), NS_OK);
-    assert_int_equal(ns_circuit_resistor(z->c, PART("r"), out, 0, load, NULL), NS_OK);
-}
-
-/* A peak detector at the supply, nodes from `node` on. */
-static void detector(scene *z, const char *name, int node) {
-    char part[16];
-    assert_int_equal(ns_circuit_resistor(z->c, PART("a"), SUPPLY, node, 1, NULL), NS_OK);
-    assert_int_equal(ns_circuit_diode(z->c, PART("d"), node, node + 1, &ideal, NULL), NS_OK);
-    assert_int_equal(ns_circuit_capacitor(z->c, PART("c"), node + 1, 0, 1e-6, NAN, NULL), NS_OK);
-    assert_int_equal(ns_circuit_resistor(z->c, PART("r"), node + 1, 0, 1e3, NULL), NS_OK);
-}
-
-static void make(scene *z, ns_method method, int whole) {
-    const ns_march_options o = {
-        .theta = 1, .gamma = 1, .h = 1e-6, .method = method, .reltol = 1e-9, .whole = whole};
-    assert_int_equal(ns_circuit_system(z->c, &z->s), NS_OK);
-    assert_true(z->s->n <= MOST && z->s->m <= MOST);
-    assert_int_equal(ns_circuit_rest(z->c, z->w0), NS_OK);
-    assert_int_equal(ns_march_create(z->s, &o, &z->m, NULL), NS_OK);
-}
-
-static void begin(scene *z, ns_method method, int whole) {
-    make(z, method, whole);
-    assert_int_equal(ns_march_start(z->m, 0, z->w0), NS_OK);
-}
-
-static void end(scene *z) {
-    ns_march_free(z->m);
-    ns_system_free(z->s);
-    ns_circuit_free(z->c);
-}
-
-static long islands(scene *z) {
-    return ns_march_counts(z->m)->islands;
-}
+#include "converters.h"
 
 static double go(scene *z, double t, ns_until until) {
     double reached;
@@ -129,13 +35,6 @@ static void same_point(scene *a, scene *b, double tolerance) {
     const ns_mode *mode = ns_march_mode(a->m), *expected = ns_march_mode(b->m);
     for (int k = 0; k < a->s->m; k++) /* where both are 0, both modes are right */
         assert_true(mode[k] == expected[k] || fabs(lambda[1][k]) + fabs(y[1][k]) < 1e-12);
-}
-
-static scene two_bucks(void) {
-    scene z = supplied(dc(24));
-    buck(&z, "1", FIRST, 10e-6, 4);
-    buck(&z, "2", FIRST + EACH, 7.3e-6, 300); /* discontinuous */
-    return z;
 }
 
 static void bucks_side_by_side(ns_method method, ns_until until, double tolerance) {
@@ -294,27 +193,6 @@ static void tied_together(void **state) {
     }
 }
 
-/* What fails in one is told with its name in all, and loses nothing. */
-static void a_fault_has_its_own_name(void **state) {
-    (void)state;
-    scene z = two_bucks();
-    char line[200];
-    double reached, t;
-    detector(&z, "3", FIRST + 2 * EACH);
-    assert_int_equal(ns_circuit_diode(z.c, "dx", 40, 41, &ideal, NULL), NS_OK); /* short of a sine */
-    put(&z, "vx", 40, 0, sine(-1, 1e3));
-    put(&z, "vy", 41, 0, sine(1, 1e3));
-    begin(&z, NS_FLIGHT, 0);
-    assert_int_equal(islands(&z), 4);
-    const int status = ns_march_try(z.m, 1e-3, NS_TO_TIME, &reached);
-    assert_int_equal(status, NS_E_INFEASIBLE);
-    ns_circuit_explain(z.c, ns_march_fault(z.m), line, sizeof line);
-    assert_non_null(strstr(line, "dx"));
-    assert_int_equal(ns_march_read(z.m, &t, NULL, NULL, NULL), NS_OK);
-    assert_true(t == 0);
-    end(&z);
-}
-
 /* Trials that are not accepted leave nothing behind. */
 static void trials_are_forgotten(void **state) {
     (void)state;
@@ -377,7 +255,6 @@ int main(void) {
         cmocka_unit_test(currents_of_the_supply_add_up),
         cmocka_unit_test(from_the_operating_point),
         cmocka_unit_test(tied_together),
-        cmocka_unit_test(a_fault_has_its_own_name),
         cmocka_unit_test(trials_are_forgotten),
         cmocka_unit_test(large_ones),
     };
