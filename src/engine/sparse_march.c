@@ -156,14 +156,28 @@ static int past_event(ns_sparse *m, double t, const ns_leg *from, ns_leg *to) {
     return status == NS_OK ? ns_sparse_next_leg(m, t, from, to) : status;
 }
 
+/* The switches that time or the state changed at the end of a leg. */
+static void blame_commands(ns_sparse *m, const ns_leg *leg) {
+    for (int c = 0; c < m->s->nc && m->fault.npairs < NS_FAULT_MAX; c++) {
+        const int pair = m->s->command[c].pair;
+        if (m->own_mode[pair] != leg->mode[pair])
+            m->fault.pair[m->fault.npairs++] = pair;
+    }
+}
+
 /* Gave up at the end of a leg, for the sake of what changed there. */
 static int blame(ns_sparse *m, const ns_leg *leg, int status) {
     const int pair = m->contradicted >= 0 ? m->contradicted
                      : leg->pair >= 0     ? leg->pair
                      : leg->command >= 0  ? m->s->command[leg->command].pair
                                           : -1;
-    if (status == NS_E_LIMIT && (m->fault.npairs = pair >= 0))
+    if (status != NS_E_LIMIT)
+        return status;
+    m->fault.npairs = pair >= 0;
+    if (pair >= 0)
         m->fault.pair[0] = pair;
+    else if (leg->why == NS_LEG_EVENT)
+        blame_commands(m, leg);
     return status;
 }
 
