@@ -273,7 +273,7 @@ static int leap(ns_flight *f, double t, ns_until until, int *stuck, int *stop) {
 static void ground(ns_flight *f) {
     const double h = f->m->h, least = ldexp(h, 2 - NS_EVENT_RUNG);
     const int again = f->t - f->grounded < h;
-    f->rest = f->crowd > NS_PILE ? h : again ? fmin(h, 4 * f->rest) : least;
+    f->rest = f->crowd > NS_PILE ? h : again ? fmin(h, fmax(least, 4 * f->rest)) : least;
     f->grounded = f->t + f->rest;
     f->crowd = 0;
     for (int c = 0; c < f->m->s->nc; c++) { /* it knows no third mode */
