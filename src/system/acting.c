@@ -4,6 +4,7 @@
  * nothing is a state, a law, or a command by the state only follows its inputs.
  */
 #include "acting.h"
+#include "united.h"
 
 #include <stdlib.h>
 
@@ -14,15 +15,11 @@ typedef struct islands {
 } islands;
 
 static int island(const islands *a, int i) {
-    while (a->of[i] != i) /* NOLINT(clang-analyzer-core.UndefinedBinaryOperatorResult): all are set */
-        i = a->of[i] = a->of[a->of[i]];
-    return i;
+    return ns_united_top(a->of, i);
 }
 
 static void join(const islands *a, int row, int unknown) {
-    const int i = island(a, row), j = island(a, a->n + a->m + unknown);
-    if (i != j)
-        a->of[i < j ? j : i] = i < j ? i : j;
+    ns_unite(a->of, row, a->n + a->m + unknown);
 }
 
 static void join_entries(const islands *a, const double *e, int rows, int columns, int first_row,
@@ -79,8 +76,7 @@ int ns_system_acting(const ns_system *s, unsigned char *acting) {
         free(alive);
         return NS_E_MEMORY;
     }
-    for (int i = 0; i < 2 * (n + m); i++)
-        a.of[i] = i;
+    ns_united_begin(a.of, 2 * (n + m));
     join_entries(&a, s->M, n, n, 0, 0);
     join_entries(&a, s->A, n, n, 0, 0);
     join_entries(&a, s->B, n, m, 0, n);

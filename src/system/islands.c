@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "islands_inside.h"
+#include "united.h"
 
 /* Sources upon sources: so many passes; and so many tries without those that matter. */
 enum { PASSES = 8, TRIES = 8 };
@@ -136,15 +137,11 @@ static void find_shared(ns_plan *p) {
 /* --- what goes together --- */
 
 static int top(const ns_plan *p, int i) {
-    while (p->of[i] != i)
-        i = p->of[i] = p->of[p->of[i]];
-    return i;
+    return ns_united_top(p->of, i);
 }
 
 static void join(const ns_plan *p, int i, int j) {
-    const int a = top(p, i), b = top(p, j);
-    if (a != b)
-        p->of[a < b ? b : a] = a < b ? a : b;
+    ns_unite(p->of, i, j);
 }
 
 /* Own ones to own ones, what is known or shared among itself. */
@@ -179,8 +176,7 @@ static void join_control(void *context, int unknown, int command, double value) 
 
 static void join_all(ns_plan *p) {
     const ns_system *s = p->s;
-    for (int i = 0; i < s->n + s->m; i++)
-        p->of[i] = i;
+    ns_united_begin(p->of, s->n + s->m);
     ns_entries_each(s->A, NS_CSC_OF(s, A), s->n, s->n, join_unknowns, p);
     ns_entries_each(s->M, NS_CSC_OF(s, M), s->n, s->n, join_unknowns, p);
     ns_entries_each(s->B, NS_CSC_OF(s, B), s->n, s->m, join_force, p);

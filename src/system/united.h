@@ -1,0 +1,23 @@
+/* src/system/united.h - what goes together: sets that are united, each told by its least member. */
+#ifndef NS_UNITED_H
+#define NS_UNITED_H
+
+/* of[i]: i itself where it is the least of its set, else a smaller member. */
+static inline void ns_united_begin(int *of, int count) {
+    for (int i = 0; i < count; i++)
+        of[i] = i;
+}
+
+static inline int ns_united_top(int *of, int i) {
+    while (of[i] != i) /* NOLINT(clang-analyzer-core.UndefinedBinaryOperatorResult): all are set */
+        i = of[i] = of[of[i]];
+    return i;
+}
+
+static inline void ns_unite(int *of, int i, int j) {
+    const int a = ns_united_top(of, i), b = ns_united_top(of, j);
+    if (a != b)
+        of[a < b ? b : a] = a < b ? a : b;
+}
+
+#endif
