@@ -57,6 +57,11 @@ static void of_column(void *context, int row, int column, double value) {
     p->matters[column] = 1;
 }
 
+static void of_charge(void *context, int row, int column, double value) {
+    of_row(context, row, column, value);
+    of_column(context, row, column, value);
+}
+
 static void of_control(void *context, int unknown, int command, double value) {
     (void)value;
     of_column(context, command, unknown, 1);
@@ -118,9 +123,8 @@ static void bar_charge(void *context, int row, int column, double value) {
 
 static void find_shared(ns_plan *p) {
     const ns_system *s = p->s;
-    ns_entries_each(s->M, NS_CSC_OF(s, M), s->n, s->n, of_row, p);
+    ns_entries_each(s->M, NS_CSC_OF(s, M), s->n, s->n, of_charge, p);
     ns_entries_each(s->B, NS_CSC_OF(s, B), s->n, s->m, of_row, p);
-    ns_entries_each(s->M, NS_CSC_OF(s, M), s->n, s->n, of_column, p);
     ns_entries_each(s->C, NS_CSC_OF(s, C), s->m, s->n, of_column, p);
     ns_controls_each(s, of_control, p);
     p->again = 1;
