@@ -91,6 +91,8 @@ static int make(ns_sparse *m, const ns_system *s) {
     if (status == NS_OK)
         status = ns_sparse_twins(m->s, m->f, &m->twin, &m->twins);
     if (status == NS_OK)
+        status = ns_modal_twins(m->q, m->twin, m->twins);
+    if (status == NS_OK)
         status = allocate(m);
     if (status != NS_OK)
         return status;

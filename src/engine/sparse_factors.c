@@ -44,6 +44,10 @@ int ns_modal_create(const ns_form *f, size_t limit, ns_modal **out) {
     return NS_OK;
 }
 
+int ns_modal_twins(ns_modal *q, const ns_twin *twin, int count) {
+    return count > 0 ? ns_stand_ins_create(q->f, twin, count, &q->stand_ins) : NS_OK;
+}
+
 static void drop(ns_modal *q, ns_kept *k) {
     q->bytes -= k->bytes;
     ns_factors_free(q->klu, k->factors);
@@ -69,6 +73,7 @@ void ns_modal_free(ns_modal *q) {
         free(k->scale);
         ns_update_free(&q->update[0][0] + i);
     }
+    ns_stand_ins_free(&q->stand_ins);
     ns_klu_free(q->klu);
     free(q->value);
     free(q->work);
@@ -208,7 +213,8 @@ static int is_known(ns_modal *q, unsigned long long key) {
     return (*times > 1) + (*times == OFTEN);
 }
 
-int ns_modal_factor(ns_modal *q, double g, const ns_mode *mode, int brief, const ns_kept **out) {
+int ns_modal_factor(ns_modal *q, double g, const ns_mode *asked, int brief, const ns_kept **out) {
+    const ns_mode *mode = ns_stand_ins_mode(&q->stand_ins, asked);
     ns_kept *k = same_again(q, g, mode, brief);
     int status = NS_OK;
     if (k) {
@@ -239,6 +245,8 @@ int ns_modal_factor(ns_modal *q, double g, const ns_mode *mode, int brief, const
     return NS_OK;
 }
 
+static int solve(ns_modal *q, const ns_kept *k, const double *r, double *v);
+
 /* By an update, which the first solution has to confirm; else there are factors anew. */
 static int solve_updated(ns_modal *q, const ns_kept *k, const double *r, double *v) {
     ns_update *u = k->update;
@@ -249,7 +257,7 @@ static int solve_updated(ns_modal *q, const ns_kept *k, const double *r, double 
     }
     ns_kept *own = &q->scratch[0][0] + (k - &q->scratch[0][0]); /* nobody else has an update */
     const int status = make_over(q, own, k->g, u->mode);
-    return status == NS_OK ? ns_modal_solve(q, k, r, v) : status;
+    return status == NS_OK ? solve(q, k, r, v) : status;
 }
 
 static int solve_leaky(ns_modal *q, const ns_kept *k, const double *r, double *v) {
@@ -257,7 +265,7 @@ static int solve_leaky(ns_modal *q, const ns_kept *k, const double *r, double *v
     return ns_leaky_solve(&with, r, v, q->work);
 }
 
-int ns_modal_solve(ns_modal *q, const ns_kept *k, const double *r, double *v) {
+static int solve(ns_modal *q, const ns_kept *k, const double *r, double *v) {
     if (k->leaky)
         return solve_leaky(q, k, r, v);
     if (k->update && k->update->count > 0)
@@ -265,4 +273,10 @@ int ns_modal_solve(ns_modal *q, const ns_kept *k, const double *r, double *v) {
     memcpy(v, r, sizeof(double) * (size_t)q->f->size);
     ns_klu_solve(q->klu, k->factors, v);
     return NS_OK;
+}
+
+int ns_modal_solve(ns_modal *q, const ns_kept *k, const double *r, double *v) {
+    const int status = solve(q, k, ns_stand_ins_right(&q->stand_ins, r), v);
+    ns_stand_ins_back(&q->stand_ins, v);
+    return status;
 }

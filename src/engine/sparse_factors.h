@@ -4,6 +4,7 @@
 
 #include "../linalg/sparse_lu.h"
 #include "sparse_form.h"
+#include "sparse_stand_in.h"
 #include "sparse_update.h"
 
 /* Of one mode and one length of implicit Euler step. */
@@ -36,6 +37,7 @@ typedef struct ns_modal {
     ns_kept scratch[2][NS_SCRATCH];
     ns_update update[2][NS_SCRATCH];
     ns_kept *last[2];                 /* of scratch: asked for last, or NULL */
+    ns_stand_ins stand_ins;           /* of the mode asked for last */
     unsigned long long seen[NS_SEEN]; /* what was asked for, */
     unsigned char times[NS_SEEN];     /* and how often updates served it */
     size_t bytes, limit;
@@ -45,9 +47,12 @@ typedef struct ns_modal {
 int ns_modal_create(const ns_form *f, size_t limit, ns_modal **out); /* Errors: MEMORY, SINGULAR */
 void ns_modal_free(ns_modal *q);                                     /* NULL is allowed */
 
-/* Factors of this mode and length, good until the next call with the same `brief` (1: for short steps, that
- * pass by).  Errors: MEMORY, NUMBER, SINGULAR (even with leaks). */
-int ns_modal_factor(ns_modal *q, double g, const ns_mode *mode, int brief, const ns_kept **out);
+/* Pairs across switches, whose modes then share factors.  Errors: MEMORY. */
+int ns_modal_twins(ns_modal *q, const ns_twin *twin, int count);
+
+/* Factors of the mode asked for and this length, good until the next call; brief: 1 for short steps, that
+ * pass by.  Errors: MEMORY, NUMBER, SINGULAR (even with leaks). */
+int ns_modal_factor(ns_modal *q, double g, const ns_mode *asked, int brief, const ns_kept **out);
 
 /* v = K^-1 r.  Where K is singular: the limit of vanishing leaks.  Errors: SINGULAR (the equations contradict
  * each other; v is then what small leaks make of them). */
