@@ -1,6 +1,7 @@
 /* src/engine/sparse_update.c - a few rows of (P2) changed, without new factors. */
 #include "sparse_update.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -238,15 +239,19 @@ NS_WIDE_TARGET static void add_wide(int size, const double *const *column, const
     add_from(i, size, column, mu, v);
 }
 
-/* v += V mu, four columns at a time. */
-static void add_all(const ns_update *u, double *mu, double *v) {
-    const int size = u->f->size, wide = ns_is_wide();
-    const double *column[MOST + 3];
+/* Columns of V in the order of mu, and three of no weight behind them. */
+static void list_columns(const ns_update *u, const double **column, double *mu) {
+    const size_t size = (size_t)u->f->size;
     for (int p = 0; p < u->count + 3; p++) {
-        column[p] = u->v + (p < u->count ? (size_t)u->of[p] * (size_t)size : 0);
+        column[p] = u->v + (p < u->count ? (size_t)u->of[p] * size : 0);
         mu[p] = p < u->count ? mu[p] : 0;
     }
-    for (int p = 0; p < u->count; p += 4) {
+}
+
+/* v += V mu, four columns at a time. */
+static void add_all(int size, int count, const double *const *column, const double *mu, double *v) {
+    const int wide = ns_is_wide();
+    for (int p = 0; p < count; p += 4) {
         if (wide)
             add_wide(size, column + p, mu + p, v);
         else
@@ -254,14 +259,15 @@ static void add_all(const ns_update *u, double *mu, double *v) {
     }
 }
 
-/* v += V mu; 0: unknowns are what is left of terms that are much larger than they ever were. */
-static int add(const ns_update *u, const double *mu, double *v, double *seen) {
-    const size_t size = (size_t)u->f->size;
+/* v += V mu from unknown i on; 0: unknowns are what is left of terms that are much larger than they ever
+ * were. */
+ALWAYS_INLINE int check_from(int i, int size, int count, const double *const *column, const double *mu,
+                             double *v, double *seen) {
     int good = 1;
-    for (size_t i = 0; i < size; i++) {
+    for (; i < size; i++) {
         double sum = v[i], terms = fabs(v[i]);
-        for (int p = 0; p < u->count; p++) {
-            const double term = mu[p] * u->v[(size_t)u->of[p] * size + i];
+        for (int p = 0; p < count; p++) {
+            const double term = mu[p] * column[p][i];
             sum += term;
             terms += fabs(term);
         }
@@ -272,17 +278,47 @@ static int add(const ns_update *u, const double *mu, double *v, double *seen) {
     return good;
 }
 
+NS_WIDE_TARGET static int check_wide(int size, int count, const double *const *column, const double *mu,
+                                     double *v, double *seen) {
+    const ns_wide none = {0};
+    ns_wide least = none, no_number = none; /* what is left until terms are too large */
+    int i = 0;
+    for (; i + NS_WIDE <= size; i += NS_WIDE) {
+        ns_wide sum = *(const ns_wide *)(v + i), terms = NS_WIDE_SIZE(sum);
+        for (int p = 0; p < count; p++) {
+            const ns_wide term = mu[p] * *(const ns_wide *)(column[p] + i);
+            sum += term;
+            terms += NS_WIDE_SIZE(term);
+        }
+        const ns_wide now = NS_WIDE_SIZE(sum), before = forget * *(const ns_wide *)(seen + i),
+                      most = NS_WIDE_HIGHER(now, before), room = most_terms * most - terms;
+        least = NS_WIDE_LOWER(least, room);
+        no_number += terms - terms;
+        *(ns_wide *)(v + i) = sum;
+        *(ns_wide *)(seen + i) = most;
+    }
+    const ns_wide found = least + no_number;
+    return check_from(i, size, count, column, mu, v, seen) && NS_WIDE_ABOVE(found, none - DBL_MIN);
+}
+
+static int check_all(int size, int count, const double *const *column, const double *mu, double *v,
+                     double *seen) {
+    return check_from(0, size, count, column, mu, v, seen);
+}
+
 int ns_update_solve(const ns_update *u, ns_klu *klu, ns_factors *factors, const double *r, double *v,
                     double *seen) {
     const ns_form *f = u->f;
+    const double *column[MOST + 3];
     double mu[MOST + 3];
     memcpy(v, r, sizeof(double) * (size_t)f->size);
     for (int i = 0; i < u->count; i++)
         v[f->n + u->pair[i]] = 0;
     ns_klu_solve(klu, factors, v);
     weigh(u, r, v, mu);
+    list_columns(u, column, mu);
     if (seen)
-        return add(u, mu, v, seen);
-    add_all(u, mu, v);
+        return (ns_is_wide() ? check_wide : check_all)(f->size, u->count, column, mu, v, seen);
+    add_all(f->size, u->count, column, mu, v);
     return 1;
 }
