@@ -24,7 +24,7 @@ static int change_broken(ns_sparse *m, double t, double g, const double *w, doub
         const int status = ns_euler(m, t, g, w, 1, v, by);
         if (status != NS_OK && status != NS_E_SINGULAR)
             return status;
-        const int flipped = ns_guard_flip(m, v, w, g);
+        const int flipped = ns_guard_flip(m, v, w, g, 1);
         m->counts.pivots += flipped;
         if (flipped == 0)
             return status;
@@ -40,7 +40,7 @@ static int change_broken(ns_sparse *m, double t, double g, const double *w, doub
  * elsewhere by the leaks of the mode in which (P1) was formed. */
 static int floats_elsewhere(ns_sparse *m, const double *v, const double *w, double g) {
     int any = 0;
-    if (ns_guard_broken(m, v, w, g) == 0)
+    if (ns_guard_broken(m, v, w, g, 1) == 0)
         return 0;
     for (int j = 0; j < m->f->m; j++)
         any |= m->flip[j] && m->mode[j] != NS_INSIDE && !ns_slides(m->mode[j]) &&

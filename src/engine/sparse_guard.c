@@ -115,9 +115,9 @@ static int find_broken(ns_sparse *m, const double *v, const double *w, double g)
     return count;
 }
 
-int ns_guard_broken(ns_sparse *m, const double *v, const double *w, double g) {
+int ns_guard_broken(ns_sparse *m, const double *v, const double *w, double g, int brief) {
     int count = 0;
-    if (find_broken(m, v, w, g) == 0 || ns_guard_shake(m, v, w, g, 1) != NS_OK)
+    if (find_broken(m, v, w, g) == 0 || ns_guard_shake(m, v, w, g, brief) != NS_OK)
         return 0;
     memset(m->z_none, 0, sizeof(double) * (size_t)m->f->nz);
     for (int j = 0; j < m->f->m; j++) {
@@ -132,8 +132,8 @@ int ns_guard_broken(ns_sparse *m, const double *v, const double *w, double g) {
     return count;
 }
 
-int ns_guard_flip(ns_sparse *m, const double *v, const double *w, double g) {
-    const int count = ns_guard_broken(m, v, w, g);
+int ns_guard_flip(ns_sparse *m, const double *v, const double *w, double g, int brief) {
+    const int count = ns_guard_broken(m, v, w, g, brief);
     for (int j = 0; j < m->f->m && count > 0; j++)
         if (m->flip[j]) {
             ns_guard_set(m, j, m->flip[j] == 2);

@@ -3,7 +3,8 @@
  * What changes with a pair or a command is most often what changed with it before.  A leg in that mode is
  * taken at once, without steps of negligible length that look for the mode, and holds if it proves it: no
  * charge or flux jumps, as the powers D^i w of the leg vanish, and at its start all guards hold.  Where those
- * that change are mostly alone, one that was never seen before is expected to be, too.
+ * that change are mostly alone, one that was never seen before is expected to be, too; else Euler steps as
+ * long as those of the leg before look for its mode, by the factors that serve that one.
  */
 #include "sparse_march.h"
 
@@ -15,6 +16,9 @@
 enum { MOST_FAILED = 2, PLACES = 8 };
 /* How far it is counted who was alone with its change, and who was not. */
 enum { MOST_ALONE = 4 };
+/* Steps that look for a mode; how often it may be in vain, and how many events go by then before it is tried
+ * again. */
+enum { MOST_STEPS = 4, MOST_SOUGHT = 4, REST = 16 };
 /* Shares of the error allowed, of the largest lambda and y, that guards may be below zero by at the start,
  * between these as settings are tight or loose; of a leg that is so short that the next event may belong to
  * this one. */
@@ -109,26 +113,71 @@ static int worth_trying(const ns_sparse *m, const ns_guess *g) {
     return g->count == 0 && g->failed == 0 && m->alone > 0 ? NS_FIRST_GUESS : NS_NO_GUESS;
 }
 
-int ns_guess_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg) {
-    ns_guess *g = slot_of(m, before);
-    const int guess = worth_trying(m, g);
-    if (!guess || before->euler || before->stuck > 0 || before->command >= 0)
+/* m->mode such that an Euler step of length g holds; 0: not found. */
+static int seek(ns_sparse *m, double t, double g) {
+    for (int round = 0; round < MOST_STEPS; round++) {
+        if (ns_euler(m, t, g, m->w, 0, m->v, NULL) != NS_OK)
+            return 0;
+        const int flipped = ns_guard_flip(m, m->v, m->w, g, 0);
+        m->counts.pivots += flipped;
+        if (flipped == 0)
+            return 1;
+    }
+    return 0;
+}
+
+/* 1 if it is time to look for a mode. */
+static int may_seek(ns_sparse *m, const ns_guess *g) {
+    if (m->sought <= 0 && ++m->sought <= 0)
         return 0;
-    keep_sizes(m, 0);
-    for (int i = 0; i < g->count; i++)
-        m->mode[g->pair[i]] = g->mode[i];
+    return g->count >= 0;
+}
+
+static void count_sought(ns_sparse *m, int found) {
+    if (found)
+        m->sought = MOST_SOUGHT;
+    else if (--m->sought == 0)
+        m->sought = -REST;
+}
+
+/* A leg in m->mode, if it holds there. */
+static int try_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg, int guess) {
     ns_guard_bounds(m);
     m->guessing = guess;
     const int status = ns_sparse_next_leg(m, t, before, leg);
     m->guessing = NS_NO_GUESS;
     if (status == NS_OK && holds(m, leg)) {
-        g->sure = 1;
         m->counts.events++;
         return 1;
     }
     m->counts.steps -= status == NS_OK;
-    g->sure = 0;
-    g->failed++;
+    return 0;
+}
+
+static int seek_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg) {
+    const int found = seek(m, t, before->g) && try_leg(m, t, before, leg, NS_LEARNT_GUESS);
+    count_sought(m, found);
+    if (found)
+        ns_guess_learn(m, before);
+    return found;
+}
+
+static int guess_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg, ns_guess *g, int guess) {
+    for (int i = 0; i < g->count; i++)
+        m->mode[g->pair[i]] = g->mode[i];
+    g->sure = try_leg(m, t, before, leg, guess);
+    g->failed += !g->sure;
+    return g->sure;
+}
+
+int ns_guess_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg) {
+    ns_guess *g = slot_of(m, before);
+    const int guess = worth_trying(m, g);
+    if (before->euler || before->stuck > 0 || before->command >= 0 || (!guess && !may_seek(m, g)))
+        return 0;
+    keep_sizes(m, 0);
+    if (guess ? guess_leg(m, t, before, leg, g, guess) : seek_leg(m, t, before, leg))
+        return 1;
     keep_sizes(m, 1);
     memcpy(m->mode, m->own_mode, (size_t)m->f->m);
     ns_guard_bounds(m);

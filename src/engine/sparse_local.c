@@ -126,7 +126,7 @@ static int solve_once(ns_sparse *m, int count, double t, double g, const double 
 /* Who is broken and took no part does from now on; how many. */
 static int take_in(ns_sparse *m, const double *v, const double *w, double g) {
     int count = 0;
-    if (ns_guard_broken(m, v, w, g) == 0)
+    if (ns_guard_broken(m, v, w, g, 1) == 0)
         return 0;
     for (int j = 0; j < m->f->m; j++)
         if (m->flip[j] && !m->touched[j]) {

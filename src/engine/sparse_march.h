@@ -94,6 +94,7 @@ struct ns_sparse {
     ns_guess *guess;                                        /* by a hash: */
     size_t guesses;                                         /* so many places */
     int guessing, alone;                                    /* NS_..._GUESS is tried; first ones pay */
+    int sought;                                             /* above zero: looking for them pays, too */
     double *kept_scale, kept_most[2], kept_of[2][NS_RUNGS]; /* n: before it */
     double *crowd_t;                                        /* 2 m: since when flips of a pair are counted, */
     int *crowd;                   /* 2 m: how many there were; then both as they were accepted */
@@ -186,9 +187,9 @@ void ns_guard_sizes(ns_sparse *m, const double *v, int rung);
 void ns_guard_keep_sizes(ns_sparse *m, int rung);
 int ns_guard_enough(const ns_sparse *m, const ns_leg *leg, int p);
 int ns_guard_first(ns_sparse *m, ns_leg *leg);
-int ns_guard_broken(ns_sparse *m, const double *v, const double *w,
-                    double g); /* only marks them in m->flip */
-int ns_guard_flip(ns_sparse *m, const double *v, const double *w, double g);
+int ns_guard_broken(ns_sparse *m, const double *v, const double *w, double g,
+                    int brief); /* only marks them in m->flip */
+int ns_guard_flip(ns_sparse *m, const double *v, const double *w, double g, int brief);
 int ns_guard_commands(ns_sparse *m, const double *v, const ns_leg *leg, unsigned char *changed);
 void ns_guard_set(ns_sparse *m, int j, int upper);              /* flips one pair */
 int ns_guard_holds(const ns_sparse *m, int j, const double *v); /* pair j keeps its law to the last bit */
@@ -197,8 +198,9 @@ int ns_guard_holds(const ns_sparse *m, int j, const double *v); /* pair j keeps 
  * the largest lambda and y. */
 int ns_guard_starts(ns_sparse *m, const ns_leg *leg, double share);
 
-/* sparse_guess.c: after ns_event_own(), a leg from t in the mode that events like this led to before; 0: none
- * that holds, the mode is as it was.  From an event that was resolved. */
+/* sparse_guess.c: after ns_event_own(), a leg from t in the mode that events like this led to before, or
+ * that a step of its length finds; 0: none that holds, the mode is as it was.  From an event that was
+ * resolved. */
 int ns_guess_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg);
 void ns_guess_learn(ns_sparse *m, const ns_leg *leg);
 

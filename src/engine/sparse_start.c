@@ -27,6 +27,7 @@ static void rest(ns_sparse *m) {
     ns_inputs_reset(m->in);
     memset(m->guess, 0, m->guesses * sizeof *m->guess);
     m->alone = 0;
+    m->sought = 1;
 }
 
 /* From m->w and m->mode. */
