@@ -33,20 +33,37 @@ static void impulses_of(ns_flight *f, const ns_stage *k, double *by) {
     }
 }
 
-/* Row i of D^8 times the first `count` of X. */
-static double eighth(const ns_stage *k, int i, int count, const double *X) {
-    const double *row = k->series + (NS_ORDER - 1) * k->r + i;
-    double sum = 0;
-    for (int j = 0; j < count; j++)
-        sum += row[j * NS_ORDER * k->r] * X[j];
-    return sum;
+/* The square root of the energy, or some such, that one of a charge or a flux is. */
+static double amount_of_one(const ns_theta *s, int i) {
+    double most = 0;
+    for (int j = 0; j < s->s->n; j++)
+        most = ns_higher(most, fabs(s->M[i + j * s->s->n]));
+    return 1 / sqrt(most);
+}
+
+/* What is next to nothing: of all that there ever was, and of what a step brings (at the start from rest
+ * there was nothing).  A row of M may be what charges differ by, which was never more than rounding. */
+static double nothing(const ns_flight *f, const ns_stage *k) {
+    double most = 0;
+    for (int i = 0; i < k->r; i++) {
+        const double *row = k->series + i;
+        double step = 0;
+        for (int j = 0; j < k->q; j++)
+            step += row[j * NS_ORDER * k->r] * f->next[j];
+        most = ns_higher(most, amount_of_one(f->s, i) * ns_higher(f->most[i], fabs(step)));
+    }
+    return still * most;
 }
 
 /* 1 if D^8 moves any of f->next by more than rounding. */
 static int moves_any(const ns_flight *f, const ns_stage *k) {
+    double least = -1;
+    ns_matvec(k->r, k->q, k->last, f->next, f->gone);
     for (int i = 0; i < k->r; i++) {
-        f->gone[i] = eighth(k, i, k->q, f->next);
-        if (fabs(f->gone[i]) > still * f->most[i])
+        if (!(fabs(f->gone[i]) > still * f->most[i]))
+            continue;
+        least = least < 0 ? nothing(f, k) : least;
+        if (amount_of_one(f->s, i) * fabs(f->gone[i]) > least)
             return 1;
     }
     return 0;
@@ -62,8 +79,9 @@ static int jump(ns_flight *f, const ns_stage *k) {
     int moves = 0, more = 1;
     memcpy(f->next, f->X, sizeof(double) * (size_t)k->q);
     if (!moves_any(f, k)) {
+        ns_matvec(r, r, k->last, f->gone, f->series);
         for (int i = 0; i < r; i++)
-            f->next[i] -= eighth(k, i, r, f->gone);
+            f->next[i] -= f->series[i];
         return 0;
     }
     memset(f->gone, 0, sizeof(double) * (size_t)r);

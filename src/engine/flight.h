@@ -161,6 +161,9 @@ void ns_watch_pieces(double s, double (*c)[NS_ORDER]);
 /* What guard g may be off by at X; where its rate is known. */
 double ns_watch_noise(const ns_flight *f, const ns_stage *k, int g);
 double ns_watch_noise_by(const ns_flight *f, const ns_stage *k, int g, double rate);
+/* All guards at X, and what they may be off by, their instant being known to f->slack: value (2 rows), behind
+ * them their rates; tol (rows).  Uses f->ahead. */
+void ns_watch_sight(ns_flight *f, const ns_stage *k, const double *X, double *value, double *tol);
 
 /* way.c: to t, unless a guard breaks before: *broke.  Errors: MEMORY; LIMIT: no budget. */
 int ns_way_fly(ns_flight *f, double t, int *broke);

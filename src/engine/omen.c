@@ -37,12 +37,13 @@ ns_omen ns_omen_of(ns_flight *f, ns_flight_mode *mode, int g, const double *X) {
         if (!level)
             break;
         k = level->stage;
+        const double noise = ns_watch_noise(f, k, g);
         double h = k->h;
         for (int rung = 0; rung <= SOON && h <= until; rung++, h *= 2) {
             if (start > h || fly_ahead(f, level, rung, X) != NS_OK)
                 continue;
             const double then = ns_guard_of(k, k->value, g, f->ahead);
-            if (fabs(then) > 4 * ns_watch_noise(f, k, g))
+            if (fabs(then) > 4 * noise)
                 return then < 0 ? NS_SEEMS_TO_BREAK : NS_SEEMS_TO_STAND;
         }
         start = until;
@@ -56,11 +57,15 @@ static uint64_t bit_of(int g) {
 
 ns_holding ns_holds(ns_flight *f, ns_flight_mode *k, ns_word word, uint64_t untold) {
     const ns_stage *stage = k->level[0].stage;
+    double *value = f->guards, *tol = value + 2 * stage->rows;
     f->untold = 0;
     const int jumps = ns_enter(f, k);
     if (jumps && word != NS_IMPULSES && !ns_enter_fits(f, stage))
         return NS_NOT;
+    ns_watch_sight(f, stage, f->next, value, tol);
     for (int g = 0; g < stage->pair_rows; g++) {
+        if (stage->idle[g] || value[g] > tol[g])
+            continue;
         const ns_omen is = ns_omen_of(f, k, g, f->next);
         const int sure = word == NS_NOBODY || (k == f->at && g == f->broken); /* that one did */
         const int told = word != NS_NOBODY || (untold & bit_of(g));
@@ -73,14 +78,13 @@ ns_holding ns_holds(ns_flight *f, ns_flight_mode *k, ns_word word, uint64_t unto
 
 int ns_holds_clearly(ns_flight *f, ns_flight_mode *k) {
     const ns_stage *stage = k->level[0].stage;
+    double *value = f->guards, *tol = value + 2 * stage->rows;
     if (ns_enter(f, k))
         return 0;
     f->untold = 0;
-    for (int g = 0; g < stage->pair_rows; g++) {
-        const double value = ns_guard_of(stage, stage->value, g, f->next);
-        const double rate = ns_guard_of(stage, stage->rate, g, f->next);
-        if (!stage->idle[g] && !(value > ns_watch_noise_by(f, stage, g, rate) + fabs(rate) * f->slack))
+    ns_watch_sight(f, stage, f->next, value, tol);
+    for (int g = 0; g < stage->pair_rows; g++)
+        if (!stage->idle[g] && !(value[g] > tol[g]))
             return 0;
-    }
     return 1;
 }

@@ -52,7 +52,7 @@ static ns_stage *create(const ns_theta *s, const ns_exo *e, const ns_mode *mode)
     k->rows = k->pair_rows + control_rows(s->s, mode);
     const size_t q = (size_t)k->q, r = (size_t)k->r, rows = (size_t)k->rows;
     const size_t all = (size_t)s->s->n + (size_t)s->s->m;
-    const size_t count = q * (all + (NS_ORDER + 1) * r + (NS_ORDER + 4) * rows) + all * (size_t)e->mutes;
+    const size_t count = q * (all + (NS_ORDER + 2) * r + (NS_ORDER + 6) * rows) + all * (size_t)e->mutes;
     k->row = calloc(rows + 1, sizeof *k->row);
     k->idle = calloc(rows + 1, 1);
     k->xi = calloc(count + 1, sizeof *k->xi);
@@ -65,8 +65,10 @@ static ns_stage *create(const ns_theta *s, const ns_exo *e, const ns_mode *mode)
     k->value = k->coef + NS_ORDER * rows * q;
     k->rate = k->value + rows * q;
     k->bend = k->rate + rows * q;
-    k->noise = k->bend + rows * q;
-    k->step = k->noise + rows * q;
+    k->sight = k->bend + rows * q;
+    k->noise = k->sight + 2 * rows * q;
+    k->last = k->noise + rows * q;
+    k->step = k->last + r * q;
     k->bytes = sizeof *k + count * sizeof(double) + rows * sizeof *k->row;
     const int pairs = name_pair_rows(s, mode, k->row);
     (void)ns_slide_names(mode, s->s->m, k->row + pairs);
@@ -220,6 +222,8 @@ static void fill_images(ns_stage *k, const ns_bench *b, const double *D, const d
         if (i > 0)
             memcpy(k->series + (i - 1) * r + (size_t)j * (size_t)(NS_ORDER * r), x,
                    sizeof(double) * (size_t)r);
+        if (i == NS_ORDER)
+            memcpy(k->last + (size_t)j * (size_t)r, x, sizeof(double) * (size_t)r);
         if (i < NS_ORDER) {
             ns_matvec(rows, q, G, x, k->coef + i * rows + (size_t)j * (size_t)(NS_ORDER * rows));
             ns_matvec(r, q, D, x, next);
@@ -243,8 +247,8 @@ static void fill_guards_now(ns_stage *k) {
                 rate -= i * term;
                 bend += 0.5 * i * (i - 1) * term;
             }
-            k->value[j + g * k->q] = value;
-            k->rate[j + g * k->q] = rate / k->g;
+            k->sight[g + 2 * j * k->rows] = k->value[j + g * k->q] = value;
+            k->sight[g + (2 * j + 1) * k->rows] = k->rate[j + g * k->q] = rate / k->g;
             k->bend[j + g * k->q] = bend / (k->g * k->g);
         }
 }
@@ -257,7 +261,7 @@ static void fill_noise(ns_stage *k, const double *own, const double *terms) {
             double sum = own[g + j * k->rows];
             for (int i = 0; i < k->r; i++)
                 sum += fabs(k->value[i + g * k->q]) * terms[i + j * k->r];
-            k->noise[j + g * k->q] = sum;
+            k->noise[g + j * k->rows] = sum;
         }
 }
 
@@ -267,7 +271,7 @@ static int is_idle(const ns_stage *k, int g) {
     for (int j = 0; j < k->q; j++) {
         const int at = j + g * k->q;
         const double size = fabs(k->value[at]) + k->g * (fabs(k->rate[at]) + k->g * fabs(k->bend[at]));
-        if (size > few * k->noise[at])
+        if (size > few * k->noise[g + j * k->rows])
             return 0;
     }
     return 1;

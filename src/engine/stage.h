@@ -34,7 +34,9 @@ typedef struct ns_stage {
     double *value;  /* q*rows, guard by guard: they now, (E1) at tau = 0, */
     double *rate;   /* q*rows: their rates, */
     double *bend;   /* q*rows: and the rates of those */
-    double *noise;  /* q*rows: their rounding, by input, in units of eps */
+    double *sight;  /* (2 rows)*q: values and rates of all guards again, input by input */
+    double *noise;  /* rows*q: their rounding, by input, in units of eps */
+    double *last;   /* r*q: D^8 again */
     double *step;   /* r*q: X -> w after h */
     unsigned char
         *idle; /* rows: guards that are zero whatever X is, as that of a diode across a closed switch */

@@ -24,6 +24,12 @@ static void remember(ns_flight_mode *from, ns_flight_mode *to, uint64_t untold) 
     from->follower[0] = (ns_follower){to, untold};
 }
 
+/* Where it is counts among the largest. */
+static void note_size(ns_flight *f) {
+    for (int i = 0; i < f->s->r; i++)
+        f->most[i] = ns_higher(f->most[i], fabs(f->X[i]));
+}
+
 /* The mode is taken. */
 static void take(ns_flight *f, ns_flight_mode *k) {
     double *X = f->X;
@@ -35,8 +41,7 @@ static void take(ns_flight *f, ns_flight_mode *k) {
     f->next = X;
     f->at = k;
     k->used = ++f->clock;
-    for (int i = 0; i < f->s->r; i++)
-        f->most[i] = ns_higher(f->most[i], fabs(f->X[i]));
+    note_size(f);
 }
 
 /* Commanded pairs in mode a are as they are in mode b. */
@@ -321,6 +326,7 @@ int ns_turn(ns_flight *f, int natural) {
     const size_t q = (size_t)f->s->r + (size_t)f->exo->nv, nc = (size_t)f->m->s->nc;
     int status = NS_GUARD, on = 0;
     memcpy(f->left, f->X, sizeof(double) * q);
+    note_size(f);
     f->slack = 4 * DBL_EPSILON * fabs(f->t);
     if (natural)
         recall_guard(f);

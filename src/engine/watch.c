@@ -18,13 +18,23 @@ static const double eps_of_terms = 64 * DBL_EPSILON;
 static const double eps_of_time = 4 * DBL_EPSILON;
 
 double ns_watch_noise_by(const ns_flight *f, const ns_stage *k, int g, double rate) {
-    const double *noise = k->noise + g * k->q;
+    const double *noise = k->noise + g;
     double size = 0;
     for (int j = 0; j < k->r; j++)
-        size += noise[j] * f->most[j];
+        size += noise[j * k->rows] * f->most[j];
     for (int j = k->r; j < k->q; j++)
-        size += noise[j] * fabs(f->X[j]);
+        size += noise[j * k->rows] * fabs(f->X[j]);
     return eps_of_terms * size + eps_of_time * fabs(f->t * rate);
+}
+
+void ns_watch_sight(ns_flight *f, const ns_stage *k, const double *X, double *value, double *tol) {
+    double *rate = value + k->rows, *size = f->ahead;
+    for (int j = 0; j < k->q; j++)
+        size[j] = j < k->r ? f->most[j] : fabs(f->X[j]);
+    ns_matvec(2 * k->rows, k->q, k->sight, X, value);
+    ns_matvec(k->rows, k->q, k->noise, size, tol);
+    for (int g = 0; g < k->rows; g++)
+        tol[g] = eps_of_terms * tol[g] + eps_of_time * fabs(f->t * rate[g]) + fabs(rate[g]) * f->slack;
 }
 
 double ns_watch_noise(const ns_flight *f, const ns_stage *k, int g) {

@@ -132,6 +132,33 @@ static void an_event_in_a_steep_edge(void **state) {
     }
 }
 
+/* A Cockcroft-Walton multiplier from rest: nothing in it jumps, though most of its charges differ by nothing
+ * but rounding before they are first pushed up, and the flight needs no steps of the scheme at any h. */
+static void charges_of_rounding_do_not_jump(void **state) {
+    (void)state;
+    const ns_diode d = {0, 0, INFINITY, INFINITY, 0};
+    for (int k = 5; k <= 10; k++) {
+        bench b = open_bench();
+        ns_signal sine = {.kind = NS_SIN};
+        sine.u.sin.va = 100;
+        sine.u.sin.freq = 10e3;
+        source(&b, "v1", 11, 0, sine);
+        for (int j = 0; j < 10; j++) {
+            const int below = j == 0 ? 11 : j - 1;
+            const char name[] = {(char)('a' + j), 0}, of[] = {(char)('A' + j), '1', 0};
+            assert_int_equal(ns_circuit_diode(b.c, name, j, j + 1, &d, NULL), NS_OK);
+            assert_int_equal(ns_circuit_capacitor(b.c, of, below, j + 1, 1e-6, NAN, NULL), NS_OK);
+        }
+        assert_int_equal(ns_circuit_resistor(b.c, "r", 10, 0, 1e6, NULL), NS_OK);
+        start(&b, ldexp(1e-4, -k));
+        go(&b, 1e-3, NS_TO_TIME);
+        const ns_counts *c = ns_march_counts(b.m);
+        assert_int_equal(c->trials, 0);
+        assert_true(c->events > 80 && c->problems <= 20);
+        close_bench(&b);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_current_ends_in_time),
@@ -139,6 +166,7 @@ int main(void) {
         cmocka_unit_test(tries_leave_the_accepted_point_alone),
         cmocka_unit_test(charges_are_kept),
         cmocka_unit_test(an_event_in_a_steep_edge),
+        cmocka_unit_test(charges_of_rounding_do_not_jump),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
