@@ -39,7 +39,8 @@ static int matrix_of(ns_flight *f, ns_level *level, double h, double *P, double 
     double count = floor(h / k->h), done = h - count * k->h;
     if (done >= k->h || done < 0)
         done = 0;
-    ns_stage_step(k, done, P);
+    if (done > 0 || count < 1)
+        ns_stage_step(k, done, P);
     for (int i = 0; count > 0 && i <= NS_UNGUARDED; i++, count = floor(count / 2)) {
         ns_leg *rung;
         if (fmod(count, 2) == 0)
@@ -47,9 +48,11 @@ static int matrix_of(ns_flight *f, ns_level *level, double h, double *P, double 
         const int status = ns_leg_rung(f, level, i, &rung);
         if (status != NS_OK)
             return status;
-        ns_exo_matrix(f->exo, done, advance);
-        ns_stage_compose(k, rung->P, P, advance, room);
-        memcpy(P, room, bytes);
+        if (done > 0) {
+            ns_exo_matrix(f->exo, done, advance);
+            ns_stage_compose(k, rung->P, P, advance, room);
+        }
+        memcpy(P, done > 0 ? room : rung->P, bytes);
         done += rung->h;
     }
     ns_exo_matrix(f->exo, h, advance);
@@ -66,6 +69,8 @@ static void fill_samples(const ns_stage *k, const double *P, const double *advan
     for (int i = 0; i <= leg->samples; i++) {
         for (size_t j = 0; j < (size_t)k->q; j++) {
             memcpy(leg->sample + (size_t)i * rows + j * all, S + j * rows, sizeof *S * rows);
+            if (i == leg->samples)
+                continue;
             ns_matvec(k->rows, k->r, S, P + j * r, next + j * rows);
             if (j >= r)
                 ns_matvec_add(k->rows, k->nv, S + r * rows, advance + (j - r) * (size_t)k->nv,
