@@ -21,7 +21,7 @@ struct ns_lu {
     double *rs;   /* n, row factors (powers of two) */
     double *cs;   /* n, column factors */
     int *r, *c;   /* n, their exponents */
-    int *match;   /* 6 (n+1), for the matching */
+    int *match;   /* 6 (n+1), for the matching, then for small.c's pattern of e: 2 n and 1 if it is known */
     lapack_int *piv, *iwork;
     short *e;
 };
@@ -95,7 +95,7 @@ static double load(ns_lu *f, int n, const double *a) {
 
 /* The scaling by the best permutation, or one of largest entries: singular whatever its numbers are. */
 static void find_scaling(ns_lu *f, int n, const double *a) {
-    if (!ns_match_scale(n, a, f->r, f->c, f->match))
+    if (!ns_match_scale(n, a, f->r, f->c, f->e, f->match))
         ns_equilibrate(n, a, n, f->r, f->c, f->e);
 }
 
@@ -171,6 +171,7 @@ static int factor(ns_lu *f, int n, const double *a, const int *c, double *rcond,
     f->norm = load(f, n, a);
     const lapack_int info = n <= NS_SMALL ? ns_small_factor(n, f->a, f->piv)
                                           : LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, f->a, n, f->piv);
+    f->match[2 * n] = 0;
     int at = smallest_pivot(f, &f->ratio);
     int bad = info != 0 || !(f->ratio > 1e-300);
     if (!bad && rcond) {
@@ -214,9 +215,12 @@ static void solve(const ns_lu *f, char transposed, const double *from, const dou
             b[(size_t)i + (size_t)k * (size_t)n] *= from[i];
     if (n > NS_SMALL)
         LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, transposed, n, nrhs, f->a, n, f->piv, b, n);
-    else if (transposed == 'N')
-        ns_small_solve(n, f->a, f->piv, nrhs, b);
-    else
+    else if (transposed == 'N') {
+        if (nrhs > 1 && !f->match[2 * n])
+            ns_small_pattern(n, f->a, f->e, f->match);
+        f->match[2 * n] |= nrhs > 1;
+        ns_small_solve(n, f->a, f->piv, f->e, f->match, nrhs, b);
+    } else
         for (int k = 0; k < nrhs; k++)
             ns_small_solve_transposed(n, f->a, f->piv, b + k * n);
     for (int k = 0; k < nrhs; k++)

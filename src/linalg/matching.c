@@ -8,75 +8,76 @@
 
 #include <limits.h>
 #include <math.h>
+#include <stdint.h>
+#include <string.h>
 
-enum { NEVER = INT_MAX };
+enum { NEVER = INT_MAX, NONE = SHRT_MAX };
 
 typedef struct state {
     int n;
-    const double *a;
+    const short *cost; /* n*n, row by row; NONE: infinite */
     int *u, *v;  /* n+1 each; rows and columns count from 1, column 0 stands for the row that looks for one */
     int *row_of; /* row matched to a column, 0: none */
     int *from, *to; /* n+1: previous column on the path; distance of a column */
     int *done;
 } state;
 
-static int cost(const state *s, int i, int j) {
+static short cost(double a) {
+    uint64_t bits;
     int e;
-    const double a = s->a[(i - 1) + (j - 1) * s->n];
-    if (a == 0)
-        return NEVER;
-    (void)frexp(a, &e);
-    return -e;
+    memcpy(&bits, &a, sizeof bits);
+    if ((bits << 1) == 0)
+        return NONE;
+    e = (int)(bits >> 52 & 0x7ff) - 1022;
+    if (e == -1022) /* not normalised */
+        (void)frexp(a, &e);
+    return (short)-e;
 }
 
-/* Extends the tree from column at; the nearest column outside gets the next.  Returns 0 if there is none. */
-static int nearest(state *s, int at, int *delta) {
-    const int i = s->row_of[at];
-    int next = 0;
-    *delta = NEVER;
-    for (int j = 1; j <= s->n; j++) {
-        if (s->done[j])
-            continue;
-        const int c = cost(s, i, j);
-        if (c != NEVER && c - s->u[i] - s->v[j] < s->to[j]) {
-            s->to[j] = c - s->u[i] - s->v[j];
-            s->from[j] = at;
-        }
-        if (s->to[j] < *delta) {
-            *delta = s->to[j];
+/* Extends the tree from column at, which is as far away as *far; the nearest column outside gets the next,
+ * and *far its distance.  Returns 0 if there is none.  Nothing comes nearer that is in the tree already. */
+static int nearest(state *s, int at, int *far) {
+    const int n = s->n, i = s->row_of[at], by = *far - s->u[i];
+    const short *row = s->cost + (size_t)(i - 1) * (size_t)n - 1;
+    int next = 0, least = NEVER;
+    for (int j = 1; j <= n; j++) {
+        const int to = row[j] == NONE ? NEVER : row[j] + by - s->v[j], nearer = to < s->to[j];
+        s->from[j] = nearer ? at : s->from[j];
+        s->to[j] = nearer ? to : s->to[j];
+        const int open = s->done[j] ? NEVER : s->to[j];
+        if (open < least) {
+            least = open;
             next = j;
         }
     }
+    *far = least;
     return next;
 }
 
-static void shift(state *s, int delta) {
-    for (int j = 0; j <= s->n; j++) {
+/* The duals move by how much nearer a column of the tree was than the one that ends it. */
+static void shift(state *s, int far) {
+    for (int j = 0; j <= s->n; j++)
         if (s->done[j]) {
-            s->u[s->row_of[j]] += delta;
-            s->v[j] -= delta;
-        } else if (s->to[j] != NEVER) {
-            s->to[j] -= delta;
+            s->u[s->row_of[j]] += far - s->to[j];
+            s->v[j] -= far - s->to[j];
         }
-    }
 }
 
 static int match_row(state *s, int i) {
-    int at = 0;
+    int at = 0, far = 0;
     s->row_of[0] = i;
     for (int j = 0; j <= s->n; j++) {
         s->to[j] = NEVER;
         s->done[j] = 0;
     }
+    s->to[0] = 0;
     while (s->row_of[at] != 0) {
-        int delta;
         s->done[at] = 1;
-        const int next = nearest(s, at, &delta);
-        if (next == 0)
+        at = nearest(s, at, &far);
+        if (at == 0)
             return 0;
-        shift(s, delta);
-        at = next;
     }
+    shift(s, far);
     while (at != 0) { /* turns the path around */
         const int previous = s->from[at];
         s->row_of[at] = s->row_of[previous];
@@ -86,9 +87,9 @@ static int match_row(state *s, int i) {
 }
 
 /* NOLINTNEXTLINE(readability-non-const-parameter): work is written to through s */
-int ns_match_scale(int n, const double *a, int *r, int *c, int *work) {
+int ns_match_scale(int n, const double *a, int *r, int *c, short *e, int *work) {
     state s = {n,
-               a,
+               e,
                work,
                work + (n + 1),
                work + 2 * (n + 1),
@@ -97,6 +98,9 @@ int ns_match_scale(int n, const double *a, int *r, int *c, int *work) {
                work + 5 * (n + 1)};
     for (int j = 0; j <= n; j++)
         s.u[j] = s.v[j] = s.row_of[j] = 0;
+    for (int j = 0; j < n; j++)
+        for (int i = 0; i < n; i++)
+            e[(size_t)j + (size_t)i * (size_t)n] = cost(a[(size_t)i + (size_t)j * (size_t)n]);
     for (int i = 1; i <= n; i++)
         if (!match_row(&s, i))
             return 0;

@@ -60,28 +60,48 @@ static void solve_one(int n, const double *a, const int *piv, double *b) {
     }
 }
 
-/* As many as a register holds, side by side. */
-ALWAYS_INLINE void substitute(int n, const double *a, ns_wide *b) {
-    for (int k = 0; k < n; k++)
-        for (int i = k + 1; i < n; i++)
-            b[i] -= a[i + k * n] * b[k];
-    for (int k = n - 1; k >= 0; k--) {
-        b[k] /= a[k + k * n];
-        for (int i = 0; i < k; i++)
-            b[i] -= a[i + k * n] * b[k];
+void ns_small_pattern(int n, const double *a, short *row, int *count) {
+    for (int k = 0; k < n; k++) {
+        const double *col = a + k * n;
+        short *of = row + k * n;
+        int found = 0;
+        for (int i = k + 1; i < n; i++) {
+            of[found] = (short)i;
+            found += col[i] != 0;
+        }
+        count[2 * k] = found;
+        for (int i = 0; i < k; i++) {
+            of[found] = (short)i;
+            found += col[i] != 0;
+        }
+        count[2 * k + 1] = found;
     }
 }
 
-NS_WIDE_TARGET static void substitute_wide(int n, const double *a, ns_wide *b) {
-    substitute(n, a, b);
+/* As many as a register holds, side by side. */
+ALWAYS_INLINE void substitute(int n, const double *a, const short *row, const int *count, ns_wide *b) {
+    for (int k = 0; k < n; k++)
+        for (int t = 0; t < count[2 * k]; t++)
+            b[row[t + k * n]] -= a[row[t + k * n] + k * n] * b[k];
+    for (int k = n - 1; k >= 0; k--) {
+        b[k] /= a[k + k * n];
+        for (int t = count[2 * k]; t < count[2 * k + 1]; t++)
+            b[row[t + k * n]] -= a[row[t + k * n] + k * n] * b[k];
+    }
 }
 
-static void substitute_narrow(int n, const double *a, ns_wide *b) {
-    substitute(n, a, b);
+NS_WIDE_TARGET static void substitute_wide(int n, const double *a, const short *row, const int *count,
+                                           ns_wide *b) {
+    substitute(n, a, row, count, b);
+}
+
+static void substitute_narrow(int n, const double *a, const short *row, const int *count, ns_wide *b) {
+    substitute(n, a, row, count, b);
 }
 
 /* So many of them (count), the others zero. */
-static void solve_beside(int n, const double *a, const int *piv, int count, double *b) {
+static void solve_beside(int n, const double *a, const int *piv, const short *row, const int *nonzeros,
+                         int count, double *b) {
     double beside[NS_SMALL * NS_WIDE] = {0};
     int from[NS_SMALL];
     for (int i = 0; i < n; i++)
@@ -94,19 +114,20 @@ static void solve_beside(int n, const double *a, const int *piv, int count, doub
     for (int i = 0; i < n; i++)
         for (int c = 0; c < count; c++)
             beside[i * NS_WIDE + c] = b[from[i] + c * n];
-    (ns_is_wide() ? substitute_wide : substitute_narrow)(n, a, (ns_wide *)beside);
+    (ns_is_wide() ? substitute_wide : substitute_narrow)(n, a, row, nonzeros, (ns_wide *)beside);
     for (int i = 0; i < n; i++)
         for (int c = 0; c < count; c++)
             b[i + c * n] = beside[i * NS_WIDE + c];
 }
 
-void ns_small_solve(int n, const double *a, const int *piv, int nrhs, double *b) {
+void ns_small_solve(int n, const double *a, const int *piv, const short *row, const int *nonzeros, int nrhs,
+                    double *b) {
     for (int k = 0; k < nrhs; k += NS_WIDE) {
         const int count = nrhs - k < NS_WIDE ? nrhs - k : NS_WIDE;
         if (count == 1)
             solve_one(n, a, piv, b + (size_t)k * (size_t)n);
         else
-            solve_beside(n, a, piv, count, b + (size_t)k * (size_t)n);
+            solve_beside(n, a, piv, row, nonzeros, count, b + (size_t)k * (size_t)n);
     }
 }
 

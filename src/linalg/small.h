@@ -9,8 +9,14 @@ enum { NS_SMALL = 40 };
  * zero, counted from 1. */
 int ns_small_factor(int n, double *a, int *piv);
 
-/* Solves with these factors, in place of b (n*nrhs); with the transposed matrix, in place of b (n). */
-void ns_small_solve(int n, const double *a, const int *piv, int nrhs, double *b);
+/* The rows of what is not zero in the factors, column by column (n each): those below the diagonal, up to
+ * count[0] of the column, then those above it, up to count[1]. */
+void ns_small_pattern(int n, const double *a, short *row, int *count);
+
+/* Solves with these factors, in place of b (n*nrhs; row, count: that pattern, of which one right-hand side
+ * needs none); with the transposed matrix, in place of b (n). */
+void ns_small_solve(int n, const double *a, const int *piv, const short *row, const int *count, int nrhs,
+                    double *b);
 void ns_small_solve_transposed(int n, const double *a, const int *piv, double *b);
 
 /* The eigenvalues of a (n*n, n = 1 or 2): re, im; 0 if they are out of range on the way. */
