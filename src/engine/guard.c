@@ -4,20 +4,17 @@
 #include <math.h>
 #include <string.h>
 
-/* y_j as a function of the inputs: C x + D lambda + F z + e, column k of the map. */
-static double y_entry(const ns_theta *s, const ns_map *map, int j, int k) {
+/* y as a function of the inputs: C x + D lambda + F z + e, column k of the map. */
+static void fill_y(const ns_theta *s, const ns_map *map, int k, double *y) {
     const int n = s->s->n, m = s->s->m;
     const double *v = map->full + (size_t)k * (size_t)(n + m);
-    double y = 0;
-    for (int i = 0; i < n; i++)
-        y += s->s->C[j + i * m] * v[i];
-    for (int i = 0; i < m; i++)
-        y += s->s->D[j + i * m] * v[n + i];
-    if (k == s->q - 1)
-        y += s->s->e[j];
-    else if (k >= s->r)
-        y += s->s->F[j + (k - s->r) * m];
-    return y;
+    const double *given = k == s->q - 1 ? s->s->e
+                          : k >= s->r   ? s->s->F + (size_t)(k - s->r) * (size_t)m
+                                        : NULL;
+    ns_matvec(m, n, s->s->C, v, y);
+    ns_matvec_add(m, m, s->s->D, v + n, y);
+    for (int j = 0; given && j < m; j++)
+        y[j] += given[j];
 }
 
 int ns_guards_of(const ns_theta *s, const ns_mode *mode, int j) {
@@ -36,6 +33,8 @@ void ns_guard_fill(const ns_theta *s, ns_map *map, int k) {
     const double *lambda = map->full + (size_t)k * (size_t)(n + m) + n;
     double *row = map->step + (size_t)k * (size_t)map->p + map->guard;
     const int one = k == s->q - 1;
+    double *y = s->Z; /* which the noise of the map is made with, later */
+    fill_y(s, map, k, y);
     for (int j = 0; j < m; j++) {
         if (map->mode[j] == NS_INSIDE) {
             if (isfinite(s->l[j]))
@@ -43,7 +42,7 @@ void ns_guard_fill(const ns_theta *s, ns_map *map, int k) {
             if (isfinite(s->u[j]))
                 *row++ = (one ? s->u[j] : 0) - lambda[j];
         } else if (s->l[j] < s->u[j]) {
-            *row++ = map->mode[j] == NS_LOWER ? y_entry(s, map, j, k) : -y_entry(s, map, j, k);
+            *row++ = map->mode[j] == NS_LOWER ? y[j] : -y[j];
         }
     }
 }

@@ -55,7 +55,7 @@ static ns_stage *create(const ns_theta *s, const ns_exo *e, const ns_mode *mode)
     const size_t count = q * (all + (NS_ORDER + 2) * r + (NS_ORDER + 6) * rows) + all * (size_t)e->mutes;
     k->row = calloc(rows + 1, sizeof *k->row);
     k->idle = calloc(rows + 1, 1);
-    k->xi = calloc(count + 1, sizeof *k->xi);
+    k->xi = malloc((count + 1) * sizeof *k->xi); /* fill() writes all of it */
     if (!k->row || !k->idle || !k->xi) {
         ns_stage_free(k);
         return NULL;
@@ -111,11 +111,12 @@ typedef struct ns_bench {
 static int bench_create(const ns_stage *k, const ns_exo *e, ns_bench *b) {
     const size_t nv = (size_t)k->nv, inputs = (size_t)e->s->nz + 1, of = (size_t)k->r + inputs;
     b->inputs = (int)inputs;
+    const size_t zeros = 2 * inputs * nv + nv * nv;
     b->in =
-        calloc(2 * inputs * nv + nv * nv + 2 * ((size_t)k->r + (size_t)k->rows) * of + 2 * (size_t)k->q + 1,
-               sizeof *b->in);
+        malloc((zeros + 2 * ((size_t)k->r + (size_t)k->rows) * of + 2 * (size_t)k->q + 1) * sizeof *b->in);
     if (!b->in)
         return NS_E_MEMORY;
+    memset(b->in, 0, zeros * sizeof *b->in);
     b->size = b->in + inputs * nv;
     b->dv = b->size + inputs * nv;
     b->rates = b->dv + nv * nv;
@@ -215,6 +216,7 @@ static void to_column(const ns_stage *k, const ns_bench *b, const double *in, in
 /* Images D^i of unit vector j: their part in w, and the guards of each. */
 static void fill_images(ns_stage *k, const ns_bench *b, const double *D, const double *G, int j) {
     const int r = k->r, nv = k->nv, q = k->q, rows = k->rows;
+    const int count = j < r ? r : q; /* of the states that are not zero: w does not move inputs */
     double *x = b->image, *next = x + q;
     memset(x, 0, sizeof(double) * (size_t)q);
     x[j] = 1;
@@ -225,9 +227,10 @@ static void fill_images(ns_stage *k, const ns_bench *b, const double *D, const d
         if (i == NS_ORDER)
             memcpy(k->last + (size_t)j * (size_t)r, x, sizeof(double) * (size_t)r);
         if (i < NS_ORDER) {
-            ns_matvec(rows, q, G, x, k->coef + i * rows + (size_t)j * (size_t)(NS_ORDER * rows));
-            ns_matvec(r, q, D, x, next);
-            ns_matvec(nv, nv, b->dv, x + r, next + r);
+            ns_matvec(rows, count, G, x, k->coef + i * rows + (size_t)j * (size_t)(NS_ORDER * rows));
+            ns_matvec(r, count, D, x, next);
+            if (j >= r)
+                ns_matvec(nv, nv, b->dv, x + r, next + r);
         }
         double *swap = x;
         x = next;
@@ -280,7 +283,7 @@ static int is_idle(const ns_stage *k, int g) {
 static int fill(ns_theta *s, const ns_exo *e, const ns_map *map, const ns_mode *mode, ns_stage *k) {
     const size_t q = (size_t)k->q, all = (size_t)s->s->n + (size_t)s->s->m;
     ns_bench b;
-    double *G = calloc(2 * ((size_t)k->rows + (size_t)k->r) * q + 1, sizeof *G);
+    double *G = malloc((2 * ((size_t)k->rows + (size_t)k->r) * q + 1) * sizeof *G);
     if (!G || bench_create(k, e, &b) != NS_OK) {
         free(G);
         return NS_E_MEMORY;

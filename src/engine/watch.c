@@ -4,7 +4,7 @@
  * between two of them a guard lies within an eighth of its second difference of their chord.  Twice that is
  * asked for. What is nearer is looked at by (E1), a polynomial in time.
  */
-#include "flight.h"
+#include "turn.h"
 
 #include "../linalg/lanes.h"
 
@@ -27,8 +27,19 @@ double ns_watch_noise_by(const ns_flight *f, const ns_stage *k, int g, double ra
     return eps_of_terms * size + eps_of_time * fabs(f->t * rate);
 }
 
+/* So few numbers are summed up sooner than handed on. */
+enum { FEW = 32 };
+
 void ns_watch_sight(ns_flight *f, const ns_stage *k, const double *X, double *value, double *tol) {
     double *rate = value + k->rows, *size = f->ahead;
+    if (k->rows * k->q <= FEW) {
+        for (int g = 0; g < k->rows; g++) {
+            value[g] = ns_guard_of(k, k->value, g, X);
+            rate[g] = ns_guard_of(k, k->rate, g, X);
+            tol[g] = ns_watch_noise_by(f, k, g, rate[g]) + fabs(rate[g]) * f->slack;
+        }
+        return;
+    }
     for (int j = 0; j < k->q; j++)
         size[j] = j < k->r ? f->most[j] : fabs(f->X[j]);
     ns_matvec(2 * k->rows, k->q, k->sight, X, value);
@@ -38,11 +49,7 @@ void ns_watch_sight(ns_flight *f, const ns_stage *k, const double *X, double *va
 }
 
 double ns_watch_noise(const ns_flight *f, const ns_stage *k, int g) {
-    const double *rates = k->rate + g * k->q;
-    double rate = 0;
-    for (int j = 0; j < k->q; j++)
-        rate += rates[j] * f->X[j];
-    return ns_watch_noise_by(f, k, g, rate);
+    return ns_watch_noise_by(f, k, g, ns_guard_of(k, k->rate, g, f->X));
 }
 
 /* 1 if as many guards as a register holds do not break all through a leg, by their samples; nothing else is

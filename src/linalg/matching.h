@@ -4,8 +4,8 @@
 
 /* Finds exponents r (n), c (n) such that all 2^(r_i + c_j) |a_ij| are below 1, and those of a permutation
  * with the largest product between 1/2 and 1: where a pivot should come from, whatever the units and however
- * small the other entries are.  a: n*n, finite; e: n*n, work: 6 (n+1).  Returns 0 if every permutation meets a
- * zero. */
+ * small the other entries are.  a: n*n, finite; e: n*n, work: 6 (n+1).  Returns 0 if every permutation meets
+ * a zero. */
 int ns_match_scale(int n, const double *a, int *r, int *c, short *e, int *work);
 
 #endif

@@ -237,10 +237,20 @@ static double clean_sum(int n, const double *row, const double *column) {
     return fabs(sum) <= 8 * DBL_EPSILON * size ? 0 : sum;
 }
 
+/* Row i of T is that of 1, as most are. */
+static int is_unit(int n, const double *T, int i) {
+    int zeros = 0;
+    for (int k = 0; k < n; k++)
+        zeros += T[i + k * n] == 0;
+    return zeros == n - 1 && T[i + i * n] == 1;
+}
+
 void ns_split_apply(int n, int columns, const double *T, const double *from, double *to) {
-    for (int j = 0; j < columns; j++) {
-        for (int i = 0; i < n; i++) {
-            to[i + j * n] = clean_sum(n, T + i, from + (size_t)j * (size_t)n);
+    for (int i = 0; i < n; i++) {
+        const int unit = is_unit(n, T, i);
+        for (int j = 0; j < columns; j++) {
+            const double *column = from + (size_t)j * (size_t)n;
+            to[i + j * n] = unit ? column[i] : clean_sum(n, T + i, column);
         }
     }
 }
