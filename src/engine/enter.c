@@ -135,7 +135,8 @@ int ns_enter_fits(ns_flight *f, const ns_stage *k) {
         most = ns_higher(most, fabs(f->rate[g]));
     }
     for (int g = 0; g < k->pair_rows; g++)
-        if (f->rate[g] < -(impulse_tol * most + matters * fabs(ns_guard_of(k, k->value, g, f->next)) +
+        if (f->rate[g] < -impulse_tol * most &&
+            f->rate[g] < -(impulse_tol * most + matters * fabs(ns_guard_of(k, k->value, g, f->next)) +
                            ns_watch_noise(f, k, g)))
             return 0;
     return 1;
