@@ -61,15 +61,20 @@ int ns_event_settle(ns_sparse *m, double t, double g, const double *w, double *v
     }
 }
 
-/* Commands of time change that do so now; at a jump of their inputs, or at a start, those that have to. */
+/* Commands of time change that do so now; at a jump of their inputs, or at a start, those that have to. Jumps
+ * that only rounding keeps apart are one. */
 void ns_event_command(ns_sparse *m, double t) {
     const ns_form *f = m->f;
+    const double now = t + 8 * DBL_EPSILON * fabs(t);
     (void)ns_inputs_stage(m->in, t, 0, 0, m->z);
+    for (int k = 0; k < m->s->nz; k++)
+        if (m->in->wave[k].until <= now)
+            m->z[k] = ns_signal_value(&m->s->z[k], now, NS_RIGHT);
     for (int c = 0; c < m->s->nc; c++) {
         const int j = m->s->command[c].pair, closed = m->mode[j] == NS_INSIDE;
         if (f->gx.start[c + 1] > f->gx.start[c])
             continue;
-        const int due = m->in->instant[c] <= t + 8 * DBL_EPSILON * fabs(t) && m->in->review[c] > -INFINITY;
+        const int due = m->in->instant[c] <= now && m->in->review[c] > -INFINITY;
         if (due || ns_inputs_excess(m->in, c, closed, m->z, 1e-12) > 0) {
             m->mode[j] = closed ? NS_LOWER : NS_INSIDE;
             m->in->review[c] = -INFINITY;

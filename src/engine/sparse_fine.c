@@ -23,7 +23,7 @@ enum { ROUNDS = 4, SOON = 5, AGAIN = 8 };
 /* Shares of the largest charge or flux: what is nothing; what is a jump; what a correction that is the last
  * moves by; and by more than what it says that digits are lost. */
 static const double nothing = 64 * DBL_EPSILON, a_jump = 1e-11, fine_enough = 1e-14, lost = 1e-8,
-                    rounding = 1e-11;
+                    rounding = 1e-11, dust = 1e-10;
 /* Share of the error allowed that a transient is not worth its steps below. */
 static const double lasting = 1e-3;
 
@@ -33,6 +33,14 @@ double ns_fine_size(const ns_sparse *m) {
         if (!m->f->algebraic[i])
             most = fmax(most, fmax(fabs(m->w[i]), m->scale[i]) / m->unit[i]);
     return most;
+}
+
+int ns_fine_dust(const ns_sparse *m, double g, const double *v, double size) {
+    double most = 0;
+    for (int i = 0; i < m->f->n; i++)
+        if (!m->f->algebraic[i])
+            most = fmax(most, ns_csc_size(&m->f->At, i, v) / m->unit[i]);
+    return size <= dust * g * most;
 }
 
 static double largest(const ns_sparse *m, const double *of) {
@@ -108,7 +116,7 @@ static int correct(ns_sparse *m, double g, const ns_kept *k, double size, const 
         moved = rates(m, g, m->fine, by);
         *fine = *fine && (round > 0 || moved > fine_enough * size);
     }
-    return moved <= lost * size ? NS_OK : NS_E_RESIDUAL;
+    return moved <= lost * size || ns_fine_dust(m, g, v, size) ? NS_OK : NS_E_RESIDUAL;
 }
 
 /* What is left after another step: NOTHING; nothing but what has no time of its own, which all later ones

@@ -245,7 +245,11 @@ static double error_of(const ns_sparse *m, const ns_leg *leg, double *ratio, dou
         last *= pow(*ratio, NS_ORDER - leg->stages);
     *jump = ERROR * (all - last) / m->o.reltol;
     *time = all > 0 ? held / all : 0;
-    return ERROR * last * sqrt(*ratio) / m->o.reltol;
+    const double error = ERROR * last * sqrt(*ratio) / m->o.reltol;
+    if (error <= 1 || !ns_fine_dust(m, leg->g, leg->xi, most))
+        return error;
+    *jump = 0;
+    return 0; /* of nothing */
 }
 
 /* How many times a step may be doubled: D, which is below 1, grows from d to 2 d / (1 + d). */

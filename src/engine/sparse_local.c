@@ -12,6 +12,8 @@
 
 /* All pairs take part in circuits of no more; so many may; rounds. */
 enum { FEW = 64, MOST = 400, ROUNDS = 8 };
+/* Who is in a loop, of the largest current in it. */
+static const double loop_share = 1e-3;
 
 typedef struct local {
     int count;
@@ -136,6 +138,18 @@ static int take_in(ns_sparse *m, const double *v, const double *w, double g) {
     return count;
 }
 
+/* Closed pairs contradict each other: those that leaks would drive the most through are told. */
+static int tell_loop(ns_sparse *m, const double *v) {
+    double most = 0;
+    for (int j = 0; j < m->f->m; j++)
+        most = m->mode[j] == NS_INSIDE ? fmax(most, fabs(v[m->f->n + j])) : most;
+    m->fault.npairs = 0;
+    for (int j = 0; j < m->f->m && m->fault.npairs < NS_FAULT_MAX; j++)
+        if (m->mode[j] == NS_INSIDE && fabs(v[m->f->n + j]) > loop_share * most)
+            m->fault.pair[m->fault.npairs++] = j;
+    return NS_E_INFEASIBLE;
+}
+
 int ns_event_local(ns_sparse *m, double t, double g, const double *w, double *v, double *by) {
     for (int round = 0; round < ROUNDS; round++) {
         const int count = count_pairs(m);
@@ -148,7 +162,7 @@ int ns_event_local(ns_sparse *m, double t, double g, const double *w, double *v,
         if (status != NS_OK && status != NS_E_SINGULAR)
             return status;
         if (take_in(m, v, w, g) == 0) /* what the solver calls zero stays */
-            return status;
+            return status == NS_OK ? status : tell_loop(m, v);
     }
     return NS_E_LIMIT;
 }
