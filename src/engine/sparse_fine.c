@@ -12,6 +12,7 @@
  * differences of these.  So unknowns are kept, and residuals of (P2) are formed, in long double.  The last
  * correction tells how good the answer is.
  */
+#include "../linalg/lanes.h"
 #include "sparse_leaky.h"
 #include "sparse_march.h"
 
@@ -31,7 +32,7 @@ double ns_fine_size(const ns_sparse *m) {
     double most = 0;
     for (int i = 0; i < m->f->n; i++)
         if (!m->f->algebraic[i])
-            most = fmax(most, fmax(fabs(m->w[i]), m->scale[i]) / m->unit[i]);
+            most = ns_higher(ns_higher(fabs(m->w[i]), m->scale[i]) / m->unit[i], most);
     return most;
 }
 
@@ -47,7 +48,7 @@ static double largest(const ns_sparse *m, const double *of) {
     double most = 0;
     for (int i = 0; i < m->f->n; i++)
         if (!m->f->algebraic[i])
-            most = fmax(most, fabs(of[i]) / m->unit[i]);
+            most = ns_higher(fabs(of[i]) / m->unit[i], most);
     return most;
 }
 

@@ -9,6 +9,7 @@
  * Leaks are some share of what is around them, in units in which all entries of K are near 1.
  */
 #include "sparse_leaky.h"
+#include "../linalg/lanes.h"
 
 #include <float.h>
 #include <limits.h>
@@ -128,7 +129,7 @@ static double terms_around(const ns_form *f, double g, const ns_mode *mode, int 
     for (int k = f->K.start[f->n + j]; k < f->K.start[f->n + j + 1]; k++) {
         const int i = f->K.row[k];
         if (i < f->n && f->KA[k] != 0)
-            most = fmax(most, terms_of(f, g, mode, i, v) / fabs(f->KA[k] * ns_form_rate(f, g, i)));
+            most = ns_higher(terms_of(f, g, mode, i, v) / fabs(f->KA[k] * ns_form_rate(f, g, i)), most);
     }
     return most;
 }

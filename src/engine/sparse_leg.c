@@ -126,15 +126,15 @@ static double take_scales(ns_sparse *m, const ns_leg *leg) {
     double most = 0;
     for (int i = 0; i < n; i++)
         if (!m->f->algebraic[i]) {
-            m->scale[i] = fmax(m->scale[i], fmax(fabs(leg->dw[i]), fabs(leg->dw[n + i])));
-            most = fmax(most, m->scale[i] / m->unit[i]);
+            m->scale[i] = ns_higher(fabs(leg->dw[n + i]), ns_higher(fabs(leg->dw[i]), m->scale[i]));
+            most = ns_higher(m->scale[i] / m->unit[i], most);
         }
     return most;
 }
 
 /* The scale of w_i; 0: nothing is ever there. */
 static double scale_of(const ns_sparse *m, size_t i, double most) {
-    return m->f->algebraic[i] ? 0 : fmax(m->scale[i], least_share * most * m->unit[i]);
+    return m->f->algebraic[i] ? 0 : ns_higher(least_share * most * m->unit[i], m->scale[i]);
 }
 
 static void take_shares(ns_sparse *m, double most) {
@@ -232,12 +232,12 @@ static double error_of(const ns_sparse *m, const ns_leg *leg, double *ratio, dou
             continue;
         double by = fabs(d8[i]);
         if (by > little * scale) /* it matters, unless it is rounding */
-            by = fmax(0, by - noise_of(m, leg, i));
+            by = ns_higher(by - noise_of(m, leg, i), 0);
         if (!(by < INFINITY))
             return INFINITY;
-        all = fmax(all, by / scale);
-        held = fmax(held, fabs(d7[i] + d8[i]) / scale);
-        before = fmax(before, fabs(d7[i]) / scale);
+        all = ns_higher(by / scale, all);
+        held = ns_higher(fabs(d7[i] + d8[i]) / scale, held);
+        before = ns_higher(fabs(d7[i]) / scale, before);
     }
     double last = held < wiped_out * all ? held : all; /* held: E D^7 w */
     *ratio = last < before ? last / before : 1;
