@@ -11,6 +11,9 @@
 #include <float.h>
 #include <math.h>
 
+/* So many steps ahead is soon. */
+enum { SOON = 256 };
+
 /* Rounding of a guard, in eps of its terms. */
 static const double eps_of_terms = 64 * DBL_EPSILON;
 
@@ -126,7 +129,8 @@ static int doubt_in(const ns_flight *f, const ns_stage *k, int g, const double *
         if (tol < 0)
             tol = noise_in_doubt(f, k, g);
         const int straight = fabs(b - a) > bend || bend / 4 <= tol;
-        if (!(straight && low >= -tol)) {
+        const int sinks = b < 0 && (b - a) * SOON < -4 * tol;
+        if (!(straight && low >= -tol) || sinks) {
             *clear = a > bend / 4 && b < a ? (a - bend / 4) / (a - b) : 0;
             return i;
         }
@@ -255,8 +259,16 @@ void ns_watch_pieces(double s, double (*c)[NS_ORDER]) {
         ns_laguerre(s * i / NS_PIECES, c[i]);
 }
 
+/* What passes below zero by less than rounding may be breaks here, and not where it is below by more, if it
+ * is about to be and goes on: currents of the wrong sign would be handed on from diode to diode. */
+static int goes_on(ns_flight *f, const ns_stage *k, int g, double rate, double tol) {
+    if (!(rate * k->h * SOON < -4 * tol))
+        return 0;
+    return ns_guard_of(k, k->value, g, f->X) > tol || ns_omen_of(f, f->at, g, f->X) >= NS_SEEMS_TO_BREAK;
+}
+
 /* When guard g breaks, INFINITY: it does not. */
-static double break_of(const ns_flight *f, const ns_stage *k, int g, double tau, double (*c)[NS_ORDER]) {
+static double break_of(ns_flight *f, const ns_stage *k, int g, double tau, double (*c)[NS_ORDER]) {
     const course w = course_of(f, k, g);
     double s[NS_PIECES + 1], bend = 0, least = INFINITY;
     for (int i = 0; i <= NS_PIECES; i++) {
@@ -273,6 +285,11 @@ static double break_of(const ns_flight *f, const ns_stage *k, int g, double tau,
         (void)guard_at(&w, 0, &rate);
         if (!(rate > 0 && f->t == f->since && s[0] >= -8 * tol - rate * f->slack))
             return 0;
+    } else if (s[NS_PIECES] < 0 && s[NS_PIECES] >= -tol) {
+        double rate;
+        (void)guard_at(&w, tau, &rate);
+        if (goes_on(f, k, g, rate, tol))
+            return s[0] > 0 ? root(&w, 0, tau, s[0], s[NS_PIECES]) : 0;
     }
     for (int i = 0; i < NS_PIECES; i++) {
         const double a = tau * i / NS_PIECES, b = tau * (i + 1) / NS_PIECES;
