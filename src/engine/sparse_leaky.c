@@ -21,7 +21,7 @@ enum { SWEEPS = 24, PEAKS = 6, ROUNDS = 3, CYCLES = 3, KRYLOV = 12 };
 static const double leak_share = 1e-7;
 /* What is left of (P2), of the terms of its rows, where it holds; where it may still be said to, if rounds
  * gain no more. */
-static const double holds = 64 * DBL_EPSILON, may_hold = 1e-11, fell = 1e-3, far = 1e-3, grown = 1e3;
+static const double holds = 64 * DBL_EPSILON, may_hold = 1e-11, fell = 1e-3, far = 1e-3, little = 1e-10;
 
 /* The mean of the exponents of rows and columns is brought to zero, in turns, then peaks are cut. */
 static void find_units(const ns_csc *K, const int *exponent, double *row, double *column, double *count) {
@@ -250,12 +250,11 @@ static int laws_contradict(const ns_leaky *k, const double *v, const double *res
     return off > fell * most;
 }
 
-/* Beside unknowns that grew beyond count a contradiction looks small; but rounds do not lessen it, and what
- * rounding leaves of such unknowns in other rows grows with them. */
-static int is_settled(const ns_leaky *k, const double *r, const double *v, const double *rest,
-                      double before) {
-    const double now = largest(k, rest);
-    return now <= fell * largest(k, r) && (now <= grown * before || !laws_contradict(k, v, rest));
+/* Beside unknowns that grew beyond count, or what else is there, a contradiction looks small.  But it is no
+ * rounding. */
+static int is_settled(const ns_leaky *k, const double *r, const double *v, const double *rest) {
+    const double now = largest(k, rest), all = largest(k, r);
+    return now <= fell * all && !(now > little * all && laws_contradict(k, v, rest));
 }
 
 static int settle(const ns_leaky *k, const double *r, double *v, double *rest, double *Q) {
@@ -269,14 +268,13 @@ static int settle(const ns_leaky *k, const double *r, double *v, double *rest, d
             v[i] += rest[i];
         left = ns_leaky_left(k->f, k->g, k->mode, k->scale, r, v, NULL, rest);
     }
-    const double before = largest(k, rest);
     /* what hardly hangs together is far off at little left over; at rest (g = 0) nothing tells a part that
      * does from one that floats, which rounds to the last digit would take somewhere else */
     for (int cycle = 0; cycle < CYCLES && left > (cycle == 0 && k->g > 0 ? holds : may_hold); cycle++) {
         many_rounds(k, rest, v, Q);
         left = ns_leaky_left(k->f, k->g, k->mode, k->scale, r, v, NULL, rest);
     }
-    return left <= may_hold && is_settled(k, r, v, rest, before) ? NS_OK : NS_E_SINGULAR;
+    return left <= may_hold && is_settled(k, r, v, rest) ? NS_OK : NS_E_SINGULAR;
 }
 
 int ns_leaky_solve(const ns_leaky *k, const double *r, double *v, double *rest) {

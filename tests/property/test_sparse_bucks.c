@@ -1,6 +1,7 @@
-/* tests/property/test_sparse_bucks.c - random buck converters by the sparse marcher against flight.
+/* tests/property/test_sparse_bucks.c - random buck converters of one to three phases by the sparse marcher
+ * against flight.
  *
- * The supply jumps, the freewheel diode has a drop, the gate is timed: at each closing of the switch supply,
+ * The supply jumps, freewheel diodes may have a drop, gates are timed: at each closing of a switch supply,
  * switch and diode are a loop of sources that contradict each other until the diode opens.  Beside it, a
  * rectifier and a switched filter at the same supply, or not.
  */
@@ -18,55 +19,72 @@
 #include "nonsmooth.h"
 #include "signals.h"
 
-enum { RUNS = 1000, INSTANTS = 10, MOST_X = 32, SUPPLY = 1, NODE, OUT, GATE, PEAK, CHOPPED, FILTERED };
+enum { RUNS = 2000, INSTANTS = 10, MOST_X = 48, PHASES = 3 };
+enum { SUPPLY = 1, OUT, PEAK, CHOPPED, FILTERED, GATE = 10, NODE = 20 };
 static const double period = 16.8e-6, end = 200e-6;
 
 typedef struct buck {
-    double l, c, r, delay, on; /* H, F, ohm, s, s */
-    int beside;                /* 0 .. 2 parts */
+    double l[PHASES], c, r, delay, on; /* H, F, ohm, s, s */
+    double leak, edges;                /* of diodes, ohm; of gates, s */
+    int phases, beside;                /* 0 .. 2 parts */
 } buck;
 
 static buck draw(unsigned long long seed) {
     dice d = dice_make(17, seed);
     buck b;
-    b.l = dice_decades(&d, -5, -3);
+    b.phases = 1 + dice_below(&d, PHASES);
+    for (int i = 0; i < PHASES; i++)
+        b.l[i] = dice_decades(&d, -5, -3);
     b.c = dice_decades(&d, -7, -4);
     b.r = dice_decades(&d, 0, 3);
     b.delay = 10e-6 * dice_uniform(&d);
     b.on = 10e-6 * (0.1 + 0.5 * dice_uniform(&d));
+    b.leak = dice_below(&d, 2) ? INFINITY : 1e6;
+    b.edges = dice_below(&d, 2) ? 10e-9 : 0;
     b.beside = dice_below(&d, 3);
     return b;
+}
+
+static void ok(int status) {
+    assert_int_equal(status, NS_OK);
 }
 
 static const ns_switch contact = {.vt = 0.5, .vh = 0, .ron = 0, .roff = INFINITY};
 
 static void add_rectifier(ns_circuit *c) {
     const ns_diode ideal = {.vf = 0, .ron = 0, .roff = INFINITY, .vz = INFINITY};
-    assert_int_equal(ns_circuit_diode(c, "d2", SUPPLY, PEAK, &ideal, NULL), NS_OK);
-    assert_int_equal(ns_circuit_capacitor(c, "c2", PEAK, 0, 650e-9, NAN, NULL), NS_OK);
-    assert_int_equal(ns_circuit_resistor(c, "r2", PEAK, 0, 813, NULL), NS_OK);
+    ok(ns_circuit_diode(c, "d2", SUPPLY, PEAK, &ideal, NULL));
+    ok(ns_circuit_capacitor(c, "c2", PEAK, 0, 650e-9, NAN, NULL));
+    ok(ns_circuit_resistor(c, "r2", PEAK, 0, 813, NULL));
 }
 
 static void add_filter(ns_circuit *c) {
-    assert_int_equal(ns_circuit_switch(c, "s3", SUPPLY, CHOPPED, GATE, 0, &contact, NULL), NS_OK);
-    assert_int_equal(ns_circuit_resistor(c, "r3", CHOPPED, FILTERED, 2.4, NULL), NS_OK);
-    assert_int_equal(ns_circuit_capacitor(c, "c3", FILTERED, 0, 290e-9, NAN, NULL), NS_OK);
-    assert_int_equal(ns_circuit_resistor(c, "r4", FILTERED, 0, 26, NULL), NS_OK);
+    ok(ns_circuit_switch(c, "s3", SUPPLY, CHOPPED, GATE, 0, &contact, NULL));
+    ok(ns_circuit_resistor(c, "r3", CHOPPED, FILTERED, 2.4, NULL));
+    ok(ns_circuit_capacitor(c, "c3", FILTERED, 0, 290e-9, NAN, NULL));
+    ok(ns_circuit_resistor(c, "r4", FILTERED, 0, 26, NULL));
+}
+
+static void add_phase(ns_circuit *c, const buck *b, int i) {
+    static const char *const name[PHASES][4] = {
+        {"ga", "sa", "da", "la"}, {"gb", "sb", "db", "lb"}, {"gc", "sc", "dc", "lc"}};
+    const ns_diode drop = {.vf = b->beside ? 0.5 : 0, .ron = 0, .roff = b->leak, .vz = INFINITY};
+    const ns_signal gate = pulse(0, 1, b->delay + period * i / b->phases, b->edges, b->edges, b->on, period);
+    ok(ns_circuit_source(c, name[i][0], NS_VOLTAGE, GATE + i, 0, &gate, NULL));
+    ok(ns_circuit_switch(c, name[i][1], SUPPLY, NODE + i, GATE + i, 0, &contact, NULL));
+    ok(ns_circuit_diode(c, name[i][2], 0, NODE + i, &drop, NULL));
+    ok(ns_circuit_inductor(c, name[i][3], NODE + i, OUT, b->l[i], NAN, NULL));
 }
 
 static ns_circuit *build(const buck *b) {
-    const ns_diode drop = {.vf = 0.5, .ron = 0, .roff = INFINITY, .vz = INFINITY};
-    const ns_signal supply = pulse(10, 20, 3.2e-6, 0, 0, 4e-6, 20e-6),
-                    gate = pulse(0, 1, b->delay, 10e-9, 10e-9, b->on, period);
+    const ns_signal supply = pulse(10, 20, 3.2e-6, 0, 0, 4e-6, 20e-6);
     ns_circuit *c;
-    assert_int_equal(ns_circuit_create(&c), NS_OK);
-    assert_int_equal(ns_circuit_source(c, "v", NS_VOLTAGE, SUPPLY, 0, &supply, NULL), NS_OK);
-    assert_int_equal(ns_circuit_source(c, "g", NS_VOLTAGE, GATE, 0, &gate, NULL), NS_OK);
-    assert_int_equal(ns_circuit_switch(c, "s", SUPPLY, NODE, GATE, 0, &contact, NULL), NS_OK);
-    assert_int_equal(ns_circuit_diode(c, "d", 0, NODE, &drop, NULL), NS_OK);
-    assert_int_equal(ns_circuit_inductor(c, "l", NODE, OUT, b->l, NAN, NULL), NS_OK);
-    assert_int_equal(ns_circuit_capacitor(c, "c", OUT, 0, b->c, NAN, NULL), NS_OK);
-    assert_int_equal(ns_circuit_resistor(c, "r", OUT, 0, b->r, NULL), NS_OK);
+    ok(ns_circuit_create(&c));
+    ok(ns_circuit_source(c, "v", NS_VOLTAGE, SUPPLY, 0, &supply, NULL));
+    for (int i = 0; i < b->phases; i++)
+        add_phase(c, b, i);
+    ok(ns_circuit_capacitor(c, "c", OUT, 0, b->c, NAN, NULL));
+    ok(ns_circuit_resistor(c, "r", OUT, 0, b->r, NULL));
     if (b->beside > 0)
         add_rectifier(c);
     if (b->beside > 1)
@@ -82,18 +100,18 @@ static void run(const buck *b, ns_method method, double *out) {
     ns_circuit *c = build(b);
     ns_system *s;
     ns_march *m;
-    assert_int_equal(ns_circuit_system(c, &s), NS_OK);
+    ok(ns_circuit_system(c, &s));
     assert_true(s->n <= MOST_X);
     ns_circuit_rest(c, w);
-    assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_OK);
-    assert_int_equal(ns_march_start(m, 0, w), NS_OK);
+    ok(ns_march_create(s, &o, &m, NULL));
+    ok(ns_march_start(m, 0, w));
     for (int k = 0; k < INSTANTS; k++) {
         const double to = end * (k + 1) / INSTANTS;
         while (t < to) {
-            assert_int_equal(ns_march_try(m, to, NS_TO_TIME, &t), NS_OK);
-            assert_int_equal(ns_march_accept(m), NS_OK);
+            ok(ns_march_try(m, to, NS_TO_TIME, &t));
+            ok(ns_march_accept(m));
         }
-        assert_int_equal(ns_march_read(m, NULL, x, NULL, NULL), NS_OK);
+        ok(ns_march_read(m, NULL, x, NULL, NULL));
         out[k] = x[ns_circuit_node_unknown(c, OUT)];
     }
     ns_march_free(m);

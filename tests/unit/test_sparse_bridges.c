@@ -12,7 +12,7 @@
 #include "nonsmooth.h"
 #include "signals.h"
 
-enum { SUPPLY = 1, LEFT, RIGHT, LOAD, GATE, OTHER, SECONDARY, CLAMP, OUT, MOST_X = 32, MOST_NAMES = 24 };
+enum { SUPPLY = 1, LEFT, RIGHT, LOAD, GATE, OTHER, SECONDARY, CLAMP, OUT, MOST_X = 32 };
 static const double period = 10e-6;
 
 typedef struct scene {
@@ -179,6 +179,7 @@ static void shorted_supply(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(gates_an_ulp_apart), cmocka_unit_test(bridge_at_rest),
-                                       cmocka_unit_test(flyback_at_rest), cmocka_unit_test(shorted_supply)};
+                                       cmocka_unit_test(flyback_at_rest), cmocka_unit_test(shorted_supply),
+                                       cmocka_unit_test(interleaved_phases)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
