@@ -10,6 +10,9 @@
 enum { LONG_SERVED = 16, OFTEN = 6 };
 /* What a solution may leave of (P2), of the terms of its rows. */
 static const double poor = 1e-8;
+/* After so many factors there will be more of them; of laws whose entries are about 1. */
+enum { MANY = 3 };
+static const double next_to_none = 1e-9;
 
 static int make_scratch(ns_modal *q) {
     for (int i = 0; i < 2 * NS_SCRATCH; i++) {
@@ -31,8 +34,9 @@ int ns_modal_create(const ns_form *f, size_t limit, ns_modal **out) {
     q->limit = limit;
     q->value = calloc((size_t)f->K.start[f->size] + 1, sizeof(double));
     q->work = calloc(3 * (size_t)f->size + 1, sizeof(double));
+    q->row = calloc((size_t)f->m + 1, sizeof(int));
     q->seen_v = q->work ? q->work + 2 * f->size : NULL;
-    int status = q->value && q->work ? make_scratch(q) : NS_E_MEMORY;
+    int status = q->value && q->work && q->row ? make_scratch(q) : NS_E_MEMORY;
     if (status == NS_OK)
         status = ns_klu_create(f->size, f->K.start, f->K.row, &q->klu);
     if (status != NS_OK) {
@@ -77,6 +81,7 @@ void ns_modal_free(ns_modal *q) {
     ns_klu_free(q->klu);
     free(q->value);
     free(q->work);
+    free(q->row);
     free(q);
 }
 
@@ -129,9 +134,24 @@ static int factor_with_leaks(ns_modal *q, ns_kept *k) {
     return ns_klu_factor(q->klu, q->value, &k->factors);
 }
 
+/* Pivots for all modes: those of one in which everything conducts, by next to no resistance. */
+static void choose_pivots(ns_modal *q, double g) {
+    ns_mode *mode = malloc((size_t)q->f->m + 1);
+    if (!mode)
+        return;
+    for (int j = 0; j < q->f->m; j++) {
+        mode[j] = NS_INSIDE;
+        q->work[j] = next_to_none;
+    }
+    ns_form_values(q->f, g, mode, q->work, q->value);
+    ns_klu_steady(q->klu, q->value);
+    free(mode);
+}
+
 /* Fills in factors of k's mode and length. */
 static int factor(ns_modal *q, ns_kept *k) {
-    q->made++;
+    if (q->made++ == MANY)
+        choose_pivots(q, k->g);
     k->leaky = 0;
     ns_form_values(q->f, k->g, k->mode, NULL, q->value);
     int status = ns_klu_factor(q->klu, q->value, &k->factors);
@@ -155,7 +175,7 @@ static int keep(ns_modal *q, unsigned long long key, double g, const ns_mode *mo
         return status;
     }
     k->bytes = sizeof *k + m + (k->scale ? 2 * sizeof(double) * (size_t)q->f->size : 0) +
-               ns_factors_bytes(k->factors);
+               ns_factors_bytes(q->klu, k->factors);
     q->bytes += k->bytes;
     k->next = q->bucket[key % NS_KEPT_BUCKETS];
     q->bucket[key % NS_KEPT_BUCKETS] = k;
@@ -164,11 +184,24 @@ static int keep(ns_modal *q, unsigned long long key, double g, const ns_mode *mo
     return NS_OK;
 }
 
+/* 1 if the pivots for all modes serve this one too, by its laws that are not those of k. */
+static int change_laws(ns_modal *q, ns_kept *k, const ns_mode *mode) {
+    int rows = 0;
+    for (int j = 0; j < q->f->m; j++)
+        if (k->mode[j] != mode[j]) {
+            ns_form_law_values(q->f, mode[j], j, q->value);
+            q->row[rows++] = q->f->n + j;
+        }
+    return ns_klu_change(q->klu, k->factors, q->value, rows, q->row);
+}
+
 static int make_over(ns_modal *q, ns_kept *k, double g, const ns_mode *mode) {
+    const int changed = k->factors && !k->leaky && k->g == g && change_laws(q, k, mode);
     k->g = g;
     memmove(k->mode, mode, (size_t)q->f->m);
     ns_update_reset(k->update, k->mode);
-    return factor(q, k);
+    q->updated += changed;
+    return changed ? NS_OK : factor(q, k);
 }
 
 /* A scratch one of this length, else one that is not in use, else the one used least recently. */
@@ -182,6 +215,10 @@ static ns_kept *scratch_for(ns_modal *q, double g, int brief) {
             best = k;
     }
     return best;
+}
+
+static int is_of(const ns_modal *q, const ns_kept *k, double g, const ns_mode *mode) {
+    return k->factors && k->g == g && k->update->count == 0 && memcmp(k->mode, mode, (size_t)q->f->m) == 0;
 }
 
 /* 1 if the factors there are can serve it. */
@@ -230,7 +267,9 @@ int ns_modal_factor(ns_modal *q, double g, const ns_mode *asked, int brief, cons
     if (!k) {
         const int known = is_known(q, key);
         k = scratch_for(q, g, brief);
-        if (known < 2 && can_serve(q, k, g, mode))
+        if (known < 2 && ns_klu_is_steady(q->klu))
+            status = is_of(q, k, g, mode) ? NS_OK : make_over(q, k, g, mode);
+        else if (known < 2 && can_serve(q, k, g, mode))
             ;
         else if (known)
             status = keep(q, key, g, mode, &k);

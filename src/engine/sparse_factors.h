@@ -32,6 +32,7 @@ typedef struct ns_modal {
     ns_klu *klu;
     double *value;  /* of K */
     double *work;   /* 3 size */
+    int *row;       /* m: work */
     double *seen_v; /* of it: how large the unknowns were of late */
     ns_kept *bucket[NS_KEPT_BUCKETS];
     ns_kept scratch[2][NS_SCRATCH];

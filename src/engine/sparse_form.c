@@ -106,6 +106,29 @@ static int take_values(const ns_form *f, const ns_entries *e, double **value) {
     return status;
 }
 
+/* The places of laws, pair by pair. */
+static int find_laws(ns_form *f) {
+    const int all = f->K.start[f->size];
+    f->law = calloc(2 * (size_t)all + (size_t)f->m + 2, sizeof(int));
+    if (!f->law)
+        return NS_E_MEMORY;
+    f->law_place = f->law + f->m + 2;
+    f->law_own = f->law_place + all;
+    for (int k = 0; k < all; k++)
+        if (f->K.row[k] >= f->n)
+            f->law[f->K.row[k] - f->n + 2]++;
+    for (int j = 0; j < f->m; j++)
+        f->law[j + 2] += f->law[j + 1];
+    for (int i = 0; i < f->size; i++)
+        for (int k = f->K.start[i]; k < f->K.start[i + 1]; k++)
+            if (f->K.row[k] >= f->n) {
+                const int at = f->law[f->K.row[k] - f->n + 1]++;
+                f->law_place[at] = k;
+                f->law_own[at] = f->K.row[k] == i;
+            }
+    return NS_OK;
+}
+
 /* K: the places of all, with the values of M in K, those of controls in KG, the others in KA. */
 static int make_places(ns_form *f) {
     ns_entries e[3] = {{0}};
@@ -127,7 +150,7 @@ static int make_places(ns_form *f) {
            (status = take_values(f, &e[1], &f->KA)) || (status = take_values(f, &e[2], &f->KG)));
     for (int i = 0; i < 3; i++)
         ns_entries_free(&e[i]);
-    return status;
+    return status == NS_OK ? find_laws(f) : status;
 }
 
 static int copy_csc(const ns_csc *a, ns_csc *out) {
@@ -251,6 +274,7 @@ void ns_form_free(ns_form *f) {
         ns_csc_free(all[i]);
     free(f->KA);
     free(f->KG);
+    free(f->law);
     free(f->command);
     free(f->held);
     free(f->algebraic);
@@ -277,6 +301,13 @@ void ns_form_values(const ns_form *f, double g, const ns_mode *mode, const doubl
             else
                 value[k] = (i == j) + (leak ? leak[i - f->n] * f->KA[k] : 0);
         }
+}
+
+void ns_form_law_values(const ns_form *f, ns_mode mode, int j, double *value) {
+    for (int p = f->law[j]; p < f->law[j + 1]; p++) {
+        const int k = f->law_place[p];
+        value[k] = ns_slides(mode) ? f->KG[k] : mode == NS_INSIDE ? f->KA[k] : f->law_own[p];
+    }
 }
 
 void ns_form_subtract(const ns_form *f, double g, const ns_mode *mode, const double *v, double *r) {

@@ -24,6 +24,8 @@ typedef struct ns_form {
     ns_csc K;                 /* size*size: M at its places, */
     double *KA;               /* and at the same places A, B; C, D; */
     double *KG;               /* in rows of commanded pairs their control */
+    int *law;                 /* m+2: the row of pair j in it: from law[j] to law[j+1] */
+    int *law_place, *law_own; /* its places, and 1 where it is lambda_j's */
     int *command;             /* m: whose control depends on the state and has no hysteresis, -1: none */
     int may_slide;            /* one of them is not -1 */
     unsigned char *algebraic; /* n: the row of M is zero */
@@ -48,6 +50,9 @@ void ns_form_free(ns_form *f); /* NULL is allowed */
 /* The values of K (at K's places).  leak (m), or NULL: with a conductance across each open pair and a
  * resistance in series with each that is inside (sparse_leaky.h). */
 void ns_form_values(const ns_form *f, double g, const ns_mode *mode, const double *leak, double *value);
+
+/* Those in the row of pair j. */
+void ns_form_law_values(const ns_form *f, ns_mode mode, int j, double *value);
 
 /* r -= K v, without leaks. */
 void ns_form_subtract(const ns_form *f, double g, const ns_mode *mode, const double *v, double *r);

@@ -3,6 +3,8 @@
  * Factors with the pivots of another matrix are several times faster to get.  They are as good as fresh ones
  * unless entries grow: then, or where a pivot vanishes, pivots are chosen anew.
  *
+ * Where a matrix is given that pivots may be chosen by for all of them (steady.h), these are tried first.
+ *
  * Where the pattern that all matrices share fills up, as zeros on its diagonal turn pivots away from the
  * order that it was given, each matrix is taken apart by the places that are not zero in itself.
  */
@@ -15,6 +17,7 @@
 
 #include "nonsmooth/status.h"
 #include "sparse_pivots.h"
+#include "steady.h"
 #include "sweep.h"
 
 struct ns_klu {
@@ -24,6 +27,8 @@ struct ns_klu {
     klu_symbolic *symbolic;
     int fills; /* factors of the shared pattern do */
     long fresh, again;
+    ns_steady *steady;  /* pivots for all matrices, NULL: none */
+    long served, stuck; /* so many, and for so many they were not good enough */
 };
 
 struct ns_factors {
@@ -33,6 +38,7 @@ struct ns_factors {
     double *value;     /* start[n]: and what is there */
     klu_numeric *numeric;
     double growth;    /* reciprocal, with these pivots when they were chosen */
+    int steady;       /* packed is by the pivots for all, and there may be no numeric */
     int solved;       /* how often */
     int all;          /* no unknown is left out, */
     int missed;       /* for so often one of them was not zero */
@@ -44,6 +50,10 @@ enum { WORTH_PACKING = 2, MOST_MISSED = 16 };
 /* Factors have filled up where, but for their diagonals, they have so many times the entries of the matrix.
  */
 static const double fill_share = 1.2;
+
+/* Pivots for all matrices are given up where they are not good enough for a good part of them; they are worth
+ * while where factors have no more than so many times the entries. */
+enum { STUCK_AT_FIRST = 8, STUCK_SHARE = 8, STEADY_FILL = 4 };
 
 /* Old pivots are dropped where entries grow this much more than when they were chosen; below rcond_min the
  * matrix is as good as singular. */
@@ -86,8 +96,10 @@ int ns_klu_create(int n, int *start, int *row, ns_klu **out) {
 void ns_klu_free(ns_klu *k) {
     if (k && k->symbolic)
         (void)klu_free_symbolic(&k->symbolic, &k->common);
-    if (k)
+    if (k) {
+        ns_steady_free(k->steady);
         free(k->x);
+    }
     free(k);
 }
 
@@ -217,17 +229,40 @@ static int factor_fresh(ns_klu *k, double *value, ns_factors *f) {
     return NS_OK;
 }
 
+int ns_klu_is_steady(const ns_klu *k) {
+    return k->steady && k->stuck < STUCK_AT_FIRST + k->served / STUCK_SHARE;
+}
+
+/* 1 if the pivots for all matrices serve this one. */
+static int factor_steadily(ns_klu *k, const double *value, ns_factors *f) {
+    if (!f->steady) {
+        ns_sweep_free(f->packed);
+        f->packed = NULL;
+    }
+    f->steady = ns_klu_is_steady(k) && ns_steady_factor(k->steady, value, &f->packed);
+    *(f->steady ? &k->served : &k->stuck) += 1;
+    return f->steady;
+}
+
+int ns_klu_change(ns_klu *k, ns_factors *f, const double *value, int rows, const int *row) {
+    if (!f->steady || !ns_klu_is_steady(k))
+        return 0;
+    f->steady = ns_steady_change(k->steady, value, rows, row, &f->packed);
+    *(f->steady ? &k->served : &k->stuck) += 1;
+    return f->steady;
+}
+
 int ns_klu_factor(ns_klu *k, double *value, ns_factors **f) {
     if (!*f)
         *f = calloc(1, sizeof **f);
     if (!*f)
         return NS_E_MEMORY;
+    if (k->n == 0 || (k->steady && factor_steadily(k, value, *f)))
+        return NS_OK;
     ns_sweep_free((*f)->packed);
     (*f)->packed = NULL;
     (*f)->all = (*f)->missed = 0;
     (*f)->solved = 0;
-    if (k->n == 0)
-        return NS_OK;
     for (int i = 0; i < k->start[k->n]; i++)
         if (!isfinite(value[i]))
             return give_up(k, f, NS_E_NUMBER);
@@ -243,9 +278,9 @@ int ns_klu_factor(ns_klu *k, double *value, ns_factors **f) {
     return NS_OK;
 }
 
-size_t ns_factors_bytes(const ns_factors *f) {
+size_t ns_factors_bytes(const ns_klu *k, const ns_factors *f) {
     const klu_numeric *n = f->numeric;
-    size_t bytes = sizeof *f;
+    size_t bytes = sizeof *f + (f->steady ? ns_steady_bytes(k->steady) : 0);
     if (n) {
         bytes += sizeof *n + n->worksize + (size_t)n->n * (8 * sizeof(int) + 2 * sizeof(double)) +
                  (size_t)n->nzoff * (sizeof(int) + sizeof(double));
@@ -257,35 +292,63 @@ size_t ns_factors_bytes(const ns_factors *f) {
     return bytes;
 }
 
+/* KLU's, by columns; ints, doubles: to be freed.  0: no memory. */
+static int extract(ns_klu *k, klu_symbolic *symbolic, klu_numeric *numeric, ns_triangles *t, int **ints,
+                   double **doubles) {
+    const int n = k->n, lnz = numeric->lnz, unz = numeric->unz;
+    const size_t all = (size_t)lnz + (size_t)unz + (size_t)numeric->nzoff;
+    *ints = malloc((6 * (size_t)n + 4 + all) * sizeof(int));
+    *doubles = malloc(((size_t)n + 1 + all) * sizeof(double));
+    if (!*ints || !*doubles)
+        return 0;
+    *t = (ns_triangles){.n = n, .blocks = symbolic->nblocks, .R = *ints, .Rs = *doubles};
+    t->P = t->R + n + 1;
+    t->Q = t->P + n;
+    t->Lp = t->Q + n;
+    t->Up = t->Lp + n + 1;
+    t->Fp = t->Up + n + 1;
+    t->Li = t->Fp + n + 1;
+    t->Ui = t->Li + lnz;
+    t->Fi = t->Ui + unz;
+    t->Lx = t->Rs + n;
+    t->Ux = t->Lx + lnz;
+    t->Fx = t->Ux + unz;
+    return klu_extract(numeric, symbolic, t->Lp, t->Li, t->Lx, t->Up, t->Ui, t->Ux, t->Fp, t->Fi, t->Fx, t->P,
+                       t->Q, t->Rs, t->R, &k->common);
+}
+
 /* NULL: no memory; then it goes without. */
 static ns_sweep *pack(ns_klu *k, const ns_factors *f) {
-    const int n = k->n, lnz = f->numeric->lnz, unz = f->numeric->unz;
-    const size_t all = (size_t)lnz + (size_t)unz + (size_t)f->numeric->nzoff;
-    int *ints = malloc((6 * (size_t)n + 4 + all) * sizeof(int));
-    double *doubles = malloc(((size_t)n + 1 + all) * sizeof(double));
+    ns_triangles t;
+    int *ints;
+    double *doubles;
     ns_sweep *s = NULL;
-    if (ints && doubles) {
-        klu_symbolic *symbolic = symbolic_of(k, f);
-        ns_triangles t = {.n = n, .blocks = symbolic->nblocks, .R = ints, .Rs = doubles};
-        t.often_zero = f->all ? n : k->often_zero;
-        t.P = t.R + n + 1;
-        t.Q = t.P + n;
-        t.Lp = t.Q + n;
-        t.Up = t.Lp + n + 1;
-        t.Fp = t.Up + n + 1;
-        t.Li = t.Fp + n + 1;
-        t.Ui = t.Li + lnz;
-        t.Fi = t.Ui + unz;
-        t.Lx = t.Rs + n;
-        t.Ux = t.Lx + lnz;
-        t.Fx = t.Ux + unz;
-        if (klu_extract(f->numeric, symbolic, t.Lp, t.Li, t.Lx, t.Up, t.Ui, t.Ux, t.Fp, t.Fi, t.Fx, t.P, t.Q,
-                        t.Rs, t.R, &k->common))
-            s = ns_sweep_create(&t);
+    if (extract(k, symbolic_of(k, f), f->numeric, &t, &ints, &doubles)) {
+        t.often_zero = f->all ? k->n : k->often_zero;
+        s = ns_sweep_create(&t);
     }
     free(ints);
     free(doubles);
     return s;
+}
+
+void ns_klu_steady(ns_klu *k, double *value) {
+    ns_triangles t;
+    int *ints, entries;
+    double *doubles;
+    if (k->n == 0 || k->steady)
+        return;
+    klu_numeric *numeric = klu_factor(k->start, k->row, value, k->symbolic, &k->common);
+    if (!numeric)
+        return;
+    entries = numeric->lnz + numeric->unz + numeric->nzoff;
+    if (k->common.status == KLU_OK && entries <= STEADY_FILL * k->start[k->n]) {
+        if (extract(k, k->symbolic, numeric, &t, &ints, &doubles))
+            k->steady = ns_steady_create(&t, k->start, k->row);
+        free(ints);
+        free(doubles);
+    }
+    (void)klu_free_numeric(&numeric, &k->common);
 }
 
 void ns_klu_often_zero(ns_klu *k, int from) {

@@ -17,7 +17,16 @@ void ns_klu_free(ns_klu *k); /* NULL is allowed; after its factors */
  * MEMORY. */
 int ns_klu_factor(ns_klu *k, double *value, ns_factors **f);
 void ns_factors_free(ns_klu *k, ns_factors *f); /* NULL is allowed */
-size_t ns_factors_bytes(const ns_factors *f);
+size_t ns_factors_bytes(const ns_klu *k, const ns_factors *f);
+
+/* From now on matrices are factored by the pivots of this one, as long as these are good enough for nearly
+ * all, or nothing happens: it is singular, fills up, or there is no memory.  Whether they are. */
+void ns_klu_steady(ns_klu *k, double *value);
+int ns_klu_is_steady(const ns_klu *k);
+
+/* 1: f, of the pivots for all, now is of the matrix that has these values in these rows, and is the same in
+ * all others.  0: it has to be factored as a whole. */
+int ns_klu_change(ns_klu *k, ns_factors *f, const double *value, int rows, const int *row);
 
 /* Right-hand sides are often zero in the rows from this one on: unknowns that they alone determine are left
  * out then. */

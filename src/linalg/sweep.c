@@ -1,20 +1,8 @@
 /* src/linalg/sweep.c - packed triangular factors, swept. */
-#include "sweep.h"
+#include "sweep_inside.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-struct ns_sweep {
-    int n, out, blocks;
-    int *begin;            /* blocks+1: of the unknowns of a block */
-    int *row, *to;         /* n: where unknown k takes its right-hand side, and leaves its value */
-    int *out_row, *out_to; /* out: the same of those left out */
-    int *l, *u;            /* n+1: row k of L (below the diagonal) and F, of U (above it) over its pivot, */
-    int *li, *ui;          /* their columns, */
-    double *lx, *ux;       /* and values; but for those */
-    double *below, *above; /* n: right beside the diagonal, which wait for the one just solved for */
-    double *scale, *pivot; /* n: the right-hand side is multiplied by; of U, reciprocal */
-};
 
 /* Marks rows that others than their own diagonal enter. */
 static void mark(int n, const int *start, const int *row, const double *value, int *place) {
@@ -149,7 +137,8 @@ ns_sweep *ns_sweep_create(const ns_triangles *t) {
 void ns_sweep_free(ns_sweep *s) {
     if (!s)
         return;
-    free(s->begin);
+    if (!s->of)
+        free(s->begin);
     free(s->scale);
     free(s);
 }

@@ -110,7 +110,7 @@ static void test_loose(void **state) {
     ns_mode *mode = calloc((size_t)f->m, 1);
     for (int j = 0; j < f->m; j++)
         mode[j] = NS_LOWER;
-    for (int round = 0; round < 12; round++) {
+    for (int round = 0; round < 32; round++) {
         const int loose = round % 2, e = f->m - 2;
         mode[e] = loose ? NS_LOWER : NS_INSIDE;
         mode[round % CELLS] = NS_INSIDE;
@@ -129,7 +129,7 @@ static void test_loose(void **state) {
     ns_system_free(s);
 }
 
-/* Two modes, too far apart for updates, by two lengths in turn: the first mode of each, asked for again, is
+/* Two modes, too far apart for updates, by two lengths in turn: the first mode of each, asked for often, is
  * kept, but for the bound on memory, which leaves no more than the last. */
 static void test_evicted(void **state) {
     (void)state;
@@ -142,7 +142,7 @@ static void test_evicted(void **state) {
     assert_true(f->m > NS_UPDATE_MOST);
     double *r = calloc(2 * (size_t)f->size, sizeof *r), *v = r + f->size;
     ns_mode *mode = calloc((size_t)f->m, 1);
-    for (int round = 0; round < 12; round++) {
+    for (int round = 0; round < 32; round++) {
         const double g = round / 2 % 2 ? 1e-6 : 2e-6;
         for (int j = 0; j < f->m; j++)
             mode[j] = round % 2 ? NS_LOWER : NS_INSIDE;
