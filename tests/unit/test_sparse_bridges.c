@@ -179,7 +179,6 @@ static void shorted_supply(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(gates_an_ulp_apart), cmocka_unit_test(bridge_at_rest),
-                                       cmocka_unit_test(flyback_at_rest), cmocka_unit_test(shorted_supply),
-                                       cmocka_unit_test(interleaved_phases)};
+                                       cmocka_unit_test(flyback_at_rest), cmocka_unit_test(shorted_supply)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
