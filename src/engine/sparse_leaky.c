@@ -21,7 +21,8 @@ enum { SWEEPS = 24, PEAKS = 6, ROUNDS = 3, CYCLES = 3, KRYLOV = 12 };
 static const double leak_share = 1e-7;
 /* What is left of (P2), of the terms of its rows, where it holds; where it may still be said to, if rounds
  * gain no more. */
-static const double holds = 64 * DBL_EPSILON, may_hold = 1e-11, fell = 1e-3, far = 1e-3, little = 1e-10;
+static const double holds = 64 * DBL_EPSILON, may_hold = 1e-11, fell = 1e-3, far = 1e-3, little = 1e-7,
+                    least = 1e-9, grown = 1e3, beyond_count = 1e9;
 
 /* The mean of the exponents of rows and columns is brought to zero, in turns, then peaks are cut. */
 static void find_units(const ns_csc *K, const int *exponent, double *row, double *column, double *count) {
@@ -250,16 +251,32 @@ static int laws_contradict(const ns_leaky *k, const double *v, const double *res
     return off > fell * most;
 }
 
-/* Beside unknowns that grew beyond count, or what else is there, a contradiction looks small.  But it is no
- * rounding. */
-static int is_settled(const ns_leaky *k, const double *r, const double *v, const double *rest) {
+/* The current of a closed pair that leaks drive one way, in first rounds, goes the other way, and is so many
+ * times as large. */
+static int any_turned(const ns_leaky *k, const double *first, const double *v, double times) {
+    const double *was = first + k->f->n, *is = v + k->f->n;
+    double most = 0;
+    for (int j = 0; j < k->f->m; j++)
+        most = k->mode[j] == NS_INSIDE ? fmax(most, fabs(was[j])) : most;
+    for (int j = 0; j < k->f->m; j++)
+        if (k->mode[j] == NS_INSIDE && fabs(was[j]) > far * most && was[j] * is[j] < 0 &&
+            fabs(is[j]) > times * most)
+            return 1;
+    return 0;
+}
+
+/* Beside unknowns that grew beyond count a contradiction looks small: the smaller, the more they grew. */
+static int contradicts(const ns_leaky *k, const double *r, const double *first, const double *v,
+                       const double *rest) {
     const double now = largest(k, rest), all = largest(k, r);
-    return now <= fell * all && !(now > little * all && laws_contradict(k, v, rest));
+    const double times = now > little * all ? grown : beyond_count;
+    return now > fell * all ||
+           (now > least * all && laws_contradict(k, v, rest) && any_turned(k, first, v, times));
 }
 
 static int settle(const ns_leaky *k, const double *r, double *v, double *rest, double *Q) {
     const size_t bytes = sizeof(double) * (size_t)k->f->size;
-    double left = INFINITY;
+    double left = INFINITY, *first = Q + (KRYLOV + 1) * (size_t)k->f->size;
     memcpy(rest, r, bytes);
     memset(v, 0, bytes);
     for (int round = 0; round < ROUNDS && left > holds; round++) {
@@ -268,17 +285,18 @@ static int settle(const ns_leaky *k, const double *r, double *v, double *rest, d
             v[i] += rest[i];
         left = ns_leaky_left(k->f, k->g, k->mode, k->scale, r, v, NULL, rest);
     }
+    memcpy(first, v, bytes);
     /* what hardly hangs together is far off at little left over; at rest (g = 0) nothing tells a part that
      * does from one that floats, which rounds to the last digit would take somewhere else */
     for (int cycle = 0; cycle < CYCLES && left > (cycle == 0 && k->g > 0 ? holds : may_hold); cycle++) {
         many_rounds(k, rest, v, Q);
         left = ns_leaky_left(k->f, k->g, k->mode, k->scale, r, v, NULL, rest);
     }
-    return left <= may_hold && is_settled(k, r, v, rest) ? NS_OK : NS_E_SINGULAR;
+    return left <= may_hold && !contradicts(k, r, first, v, rest) ? NS_OK : NS_E_SINGULAR;
 }
 
 int ns_leaky_solve(const ns_leaky *k, const double *r, double *v, double *rest) {
-    double *Q = calloc((KRYLOV + 1) * (size_t)k->f->size + 1, sizeof(double));
+    double *Q = calloc((KRYLOV + 2) * (size_t)k->f->size + 1, sizeof(double));
     const int status = Q ? settle(k, r, v, rest, Q) : NS_E_MEMORY;
     free(Q);
     if (status == NS_E_SINGULAR) {
