@@ -8,9 +8,10 @@
 static void fill_y(const ns_theta *s, const ns_map *map, int k, double *y) {
     const int n = s->s->n, m = s->s->m;
     const double *v = map->full + (size_t)k * (size_t)(n + m);
-    const double *given = k == s->q - 1 ? s->s->e
-                          : k >= s->r   ? s->s->F + (size_t)(k - s->r) * (size_t)m
-                                        : NULL;
+    const double *given = m == 0          ? NULL
+                          : k == s->q - 1 ? s->s->e
+                          : k >= s->r     ? s->s->F + (size_t)(k - s->r) * (size_t)m
+                                          : NULL;
     ns_matvec(m, n, s->s->C, v, y);
     ns_matvec_add(m, m, s->s->D, v + n, y);
     for (int j = 0; given && j < m; j++)

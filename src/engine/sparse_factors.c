@@ -10,8 +10,7 @@
 enum { LONG_SERVED = 16, OFTEN = 6 };
 /* What a solution may leave of (P2), of the terms of its rows. */
 static const double poor = 1e-8;
-/* After so many factors there will be more of them; of laws whose entries are about 1. */
-enum { MANY = 3 };
+/* Of laws whose entries are about 1. */
 static const double next_to_none = 1e-9;
 
 static int make_scratch(ns_modal *q) {
@@ -135,26 +134,29 @@ static int factor_with_leaks(ns_modal *q, ns_kept *k) {
 }
 
 /* Pivots for all modes: those of one in which everything conducts, by next to no resistance. */
-static void choose_pivots(ns_modal *q, double g) {
+static int choose_pivots(ns_modal *q, double g) {
     ns_mode *mode = malloc((size_t)q->f->m + 1);
     if (!mode)
-        return;
+        return NS_E_MEMORY;
     for (int j = 0; j < q->f->m; j++) {
         mode[j] = NS_INSIDE;
         q->work[j] = next_to_none;
     }
     ns_form_values(q->f, g, mode, q->work, q->value);
-    ns_klu_steady(q->klu, q->value);
+    const int status = ns_klu_steady(q->klu, q->value);
+    q->chosen = status == NS_OK;
     free(mode);
+    return status;
 }
 
 /* Fills in factors of k's mode and length. */
 static int factor(ns_modal *q, ns_kept *k) {
-    if (q->made++ == MANY)
-        choose_pivots(q, k->g);
+    if (!q->chosen && choose_pivots(q, k->g) != NS_OK)
+        return NS_E_MEMORY;
+    q->made++;
     k->leaky = 0;
     ns_form_values(q->f, k->g, k->mode, NULL, q->value);
-    int status = ns_klu_factor(q->klu, q->value, &k->factors);
+    const int status = ns_klu_factor(q->klu, q->value, &k->factors);
     return status == NS_E_SINGULAR ? factor_with_leaks(q, k) : status;
 }
 

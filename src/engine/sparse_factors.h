@@ -42,6 +42,7 @@ typedef struct ns_modal {
     unsigned long long seen[NS_SEEN]; /* what was asked for, */
     unsigned char times[NS_SEEN];     /* and how often updates served it */
     size_t bytes, limit;
+    int chosen; /* pivots for all modes were looked for */
     long clock, made, evicted, updated;
 } ns_modal;
 

@@ -233,15 +233,17 @@ int ns_klu_is_steady(const ns_klu *k) {
     return k->steady && k->stuck < STUCK_AT_FIRST + k->served / STUCK_SHARE;
 }
 
-/* 1 if the pivots for all matrices serve this one. */
+/* By the pivots for all matrices.  Errors: SINGULAR (they do not serve this one), MEMORY. */
 static int factor_steadily(ns_klu *k, const double *value, ns_factors *f) {
     if (!f->steady) {
         ns_sweep_free(f->packed);
         f->packed = NULL;
     }
-    f->steady = ns_klu_is_steady(k) && ns_steady_factor(k->steady, value, &f->packed);
-    *(f->steady ? &k->served : &k->stuck) += 1;
-    return f->steady;
+    const int status = ns_klu_is_steady(k) ? ns_steady_factor(k->steady, value, &f->packed) : NS_E_SINGULAR;
+    f->steady = status == NS_OK;
+    *(f->steady ? &k->served : &k->stuck) += status != NS_E_MEMORY;
+    k->again += f->steady;
+    return status;
 }
 
 int ns_klu_change(ns_klu *k, ns_factors *f, const double *value, int rows, const int *row) {
@@ -257,8 +259,11 @@ int ns_klu_factor(ns_klu *k, double *value, ns_factors **f) {
         *f = calloc(1, sizeof **f);
     if (!*f)
         return NS_E_MEMORY;
-    if (k->n == 0 || (k->steady && factor_steadily(k, value, *f)))
+    if (k->n == 0)
         return NS_OK;
+    const int steadily = k->steady ? factor_steadily(k, value, *f) : NS_E_SINGULAR;
+    if (steadily != NS_E_SINGULAR)
+        return steadily == NS_OK ? NS_OK : give_up(k, f, steadily);
     ns_sweep_free((*f)->packed);
     (*f)->packed = NULL;
     (*f)->all = (*f)->missed = 0;
@@ -332,23 +337,25 @@ static ns_sweep *pack(ns_klu *k, const ns_factors *f) {
     return s;
 }
 
-void ns_klu_steady(ns_klu *k, double *value) {
+int ns_klu_steady(ns_klu *k, double *value) {
     ns_triangles t;
-    int *ints, entries;
-    double *doubles;
+    int *ints = NULL, status = NS_OK;
+    double *doubles = NULL;
     if (k->n == 0 || k->steady)
-        return;
+        return NS_OK;
     klu_numeric *numeric = klu_factor(k->start, k->row, value, k->symbolic, &k->common);
     if (!numeric)
-        return;
-    entries = numeric->lnz + numeric->unz + numeric->nzoff;
+        return k->common.status == KLU_OUT_OF_MEMORY ? NS_E_MEMORY : NS_OK;
+    const int entries = numeric->lnz + numeric->unz + numeric->nzoff;
     if (k->common.status == KLU_OK && entries <= STEADY_FILL * k->start[k->n]) {
         if (extract(k, k->symbolic, numeric, &t, &ints, &doubles))
             k->steady = ns_steady_create(&t, k->start, k->row);
+        status = k->steady ? NS_OK : NS_E_MEMORY;
         free(ints);
         free(doubles);
     }
     (void)klu_free_numeric(&numeric, &k->common);
+    return status;
 }
 
 void ns_klu_often_zero(ns_klu *k, int from) {

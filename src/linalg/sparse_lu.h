@@ -20,8 +20,8 @@ void ns_factors_free(ns_klu *k, ns_factors *f); /* NULL is allowed */
 size_t ns_factors_bytes(const ns_klu *k, const ns_factors *f);
 
 /* From now on matrices are factored by the pivots of this one, as long as these are good enough for nearly
- * all, or nothing happens: it is singular, fills up, or there is no memory.  Whether they are. */
-void ns_klu_steady(ns_klu *k, double *value);
+ * all, or nothing happens: it is singular, or fills up.  Errors: MEMORY.  Whether they are. */
+int ns_klu_steady(ns_klu *k, double *value);
 int ns_klu_is_steady(const ns_klu *k);
 
 /* 1: f, of the pivots for all, now is of the matrix that has these values in these rows, and is the same in

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "lanes.h"
+#include "nonsmooth/status.h"
 #include "sweep_inside.h"
 
 struct ns_steady {
@@ -283,14 +284,16 @@ static int finish(ns_steady *s, int good, ns_sweep **sweep) {
 }
 
 int ns_steady_factor(ns_steady *s, const double *value, ns_sweep **sweep) {
+    int good = 1;
     if (!*sweep) {
         *sweep = new_sweep(s);
+        if (!*sweep)
+            return NS_E_MEMORY;
         memset(s->due, 1, (size_t)s->n);
     }
-    int good = *sweep != NULL;
     for (int k = 0; k < s->n && good; k++)
         good = take_row(s, value, k, *sweep);
-    return finish(s, good, sweep);
+    return finish(s, good, sweep) ? NS_OK : NS_E_SINGULAR;
 }
 
 int ns_steady_change(ns_steady *s, const double *value, int rows, const int *row, ns_sweep **sweep) {

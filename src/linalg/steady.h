@@ -16,11 +16,11 @@ ns_steady *ns_steady_create(const ns_triangles *t, const int *start, const int *
 void ns_steady_free(ns_steady *s);
 
 /* *sweep: NULL, or factors that this made before of another matrix; becomes those of the matrix of these
- * values.  0: the pivots are not good enough for it, or there is no memory; then *sweep is freed, and NULL.
+ * values.  Errors: SINGULAR (the pivots are not good enough for it), MEMORY; then *sweep is freed, and NULL.
  */
 int ns_steady_factor(ns_steady *s, const double *value, ns_sweep **sweep);
 
-/* The same of a matrix that differs from the last one in these rows alone. */
+/* The same of a matrix that differs from the last one in these rows alone.  0: they are not good enough. */
 int ns_steady_change(ns_steady *s, const double *value, int rows, const int *row, ns_sweep **sweep);
 
 size_t ns_steady_bytes(const ns_steady *s); /* of factors */
