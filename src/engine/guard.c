@@ -8,10 +8,9 @@
 static void fill_y(const ns_theta *s, const ns_map *map, int k, double *y) {
     const int n = s->s->n, m = s->s->m;
     const double *v = map->full + (size_t)k * (size_t)(n + m);
-    const double *given = m == 0          ? NULL
-                          : k == s->q - 1 ? s->s->e
-                          : k >= s->r     ? s->s->F + (size_t)(k - s->r) * (size_t)m
-                                          : NULL;
+    const double *given = k == s->q - 1 ? s->s->e
+                          : k >= s->r   ? s->s->F + (size_t)(k - s->r) * (size_t)m
+                                        : NULL;
     ns_matvec(m, n, s->s->C, v, y);
     ns_matvec_add(m, m, s->s->D, v + n, y);
     for (int j = 0; given && j < m; j++)
@@ -35,6 +34,8 @@ void ns_guard_fill(const ns_theta *s, ns_map *map, int k) {
     double *row = map->step + (size_t)k * (size_t)map->p + map->guard;
     const int one = k == s->q - 1;
     double *y = s->Z; /* which the noise of the map is made with, later */
+    if (m == 0)
+        return;
     fill_y(s, map, k, y);
     for (int j = 0; j < m; j++) {
         if (map->mode[j] == NS_INSIDE) {

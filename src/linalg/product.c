@@ -132,7 +132,10 @@ ALWAYS_INLINE void small(int p, int q, const double *a, const double *x, double 
 
 void ns_matvec(int p, int q, const double *a, const double *x, double *y) {
     const factors f = {p, q, 0, a, x, a, x, 0};
-    if (p < NS_WIDE)
+    if (q == 0) /* a may be NULL */
+        for (int i = 0; i < p; i++)
+            y[i] = 0;
+    else if (p < NS_WIDE)
         small(p, q, a, x, y);
     else
         any(&f, y);
