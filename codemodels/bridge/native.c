@@ -79,9 +79,10 @@ static int read_point(native *b) {
     return OK;
 }
 
-/* The right side of a jump has the time of the left one: it is shown that much later, well before t. */
+/* The right side of a jump has the time of the left one: it is shown that much later, as a point that ngspice
+ * takes for another one, well before t. */
 static double shown_after(const native *b, double t) {
-    return fmin(ldexp(b->engine.h, -19), (t - b->t) / 8.0);
+    return fmin(fmax(ldexp(b->engine.h, -19), 2.0 * points_closeness(b->ckt)), (t - b->t) / 8.0);
 }
 
 static int try_to(native *b, double t, ns_until until) {

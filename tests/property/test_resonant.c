@@ -74,8 +74,8 @@ static ns_circuit *build(const tank *k) {
     const ns_signal supply = k->jump > 0 ? pulse(10, 20, k->jump, 0, 0, 0.3 * period, 1.3 * period) : dc(24),
                     upper = pulse(0, 1, 0, k->edges, k->edges, 0.49 * period, period),
                     lower = pulse(0, 1, 0.5 * period, k->edges, k->edges, 0.49 * period, period);
-    ns_circuit *c;
-    int primary, secondary;
+    ns_circuit *c = NULL;
+    int primary = 0, secondary = 0;
     ok(ns_circuit_create(&c));
     ok(ns_circuit_source(c, "v", NS_VOLTAGE, SUPPLY, 0, &supply, NULL));
     ok(ns_circuit_source(c, "g1", NS_VOLTAGE, UPPER, 0, &upper, NULL));

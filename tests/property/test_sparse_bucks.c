@@ -78,7 +78,7 @@ static void add_phase(ns_circuit *c, const buck *b, int i) {
 
 static ns_circuit *build(const buck *b) {
     const ns_signal supply = pulse(10, 20, 3.2e-6, 0, 0, 4e-6, 20e-6);
-    ns_circuit *c;
+    ns_circuit *c = NULL;
     ok(ns_circuit_create(&c));
     ok(ns_circuit_source(c, "v", NS_VOLTAGE, SUPPLY, 0, &supply, NULL));
     for (int i = 0; i < b->phases; i++)
