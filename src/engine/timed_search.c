@@ -110,6 +110,10 @@ static void cross_curve(ns_timed *c, double stop) {
         const ns_timed_value v = ns_timed_at(c, t, later);
         const double rate = c->closed ? -v.slope : v.slope;
         const double excess = ns_timed_excess(c, v.g, c->closed) - NS_CONTROL_TOL * v.size;
+        if (!(v.size < INFINITY && v.bend < INFINITY)) {
+            c->next = stop; /* it has grown beyond count, which is told elsewhere */
+            return;
+        }
         const int leaves = k == 0 && rate < 0 && just_flipped(c, rate);
         const int beyond = excess >= -4 * DBL_EPSILON * v.size && !leaves;
         const double tau = beyond ? 0 : ns_timed_step(fmin(0, excess), rate, v.bend);
