@@ -22,7 +22,7 @@ enum { MOST_STEPS = 4, MOST_SOUGHT = 4, REST = 16 };
 /* Shares of the error allowed, of the largest lambda and y, that guards may be below zero by at the start,
  * between these as settings are tight or loose; of a leg that is so short that the next event may belong to
  * this one. */
-static const double start_least = 1e-3, start_most = 0.1, at_once = 1e-4;
+static const double start_least = 1e-3, start_most = 3e-3, at_once = 1e-4;
 /* What is let by in legs is no event now: with it, loose settings find all that is broken a little at each
  * event, and turn it over.  This many roots of reltol are between those. */
 static const double roots = 3;
