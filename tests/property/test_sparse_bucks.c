@@ -81,7 +81,7 @@ static ns_circuit *build(const buck *b) {
     ns_circuit *c = NULL;
     ok(ns_circuit_create(&c));
     ok(ns_circuit_source(c, "v", NS_VOLTAGE, SUPPLY, 0, &supply, NULL));
-    for (int i = 0; i < b->phases; i++)
+    for (int i = 0; i < b->phases && i < PHASES; i++)
         add_phase(c, b, i);
     ok(ns_circuit_capacitor(c, "c", OUT, 0, b->c, NAN, NULL));
     ok(ns_circuit_resistor(c, "r", OUT, 0, b->r, NULL));
