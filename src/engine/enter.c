@@ -33,14 +33,6 @@ static void impulses_of(ns_flight *f, const ns_stage *k, double *by) {
     }
 }
 
-/* The square root of the energy, or some such, that one of a charge or a flux is. */
-static double amount_of_one(const ns_theta *s, int i) {
-    double most = 0;
-    for (int j = 0; j < s->s->n; j++)
-        most = ns_higher(most, fabs(s->M[i + j * s->s->n]));
-    return 1 / sqrt(most);
-}
-
 /* What is next to nothing: of all that there ever was, and of what a step brings (at the start from rest
  * there was nothing).  A row of M may be what charges differ by, which was never more than rounding. */
 static double nothing(const ns_flight *f, const ns_stage *k) {
@@ -50,7 +42,7 @@ static double nothing(const ns_flight *f, const ns_stage *k) {
         double step = 0;
         for (int j = 0; j < k->q; j++)
             step += row[j * NS_ORDER * k->r] * f->next[j];
-        most = ns_higher(most, amount_of_one(f->s, i) * ns_higher(f->most[i], fabs(step)));
+        most = ns_higher(most, ns_jump_amount(f->s, i, ns_higher(f->most[i], fabs(step))));
     }
     return still * most;
 }
@@ -63,7 +55,7 @@ static int moves_any(const ns_flight *f, const ns_stage *k) {
         if (!(fabs(f->gone[i]) > still * f->most[i]))
             continue;
         least = least < 0 ? nothing(f, k) : least;
-        if (amount_of_one(f->s, i) * fabs(f->gone[i]) > least)
+        if (ns_jump_amount(f->s, i, f->gone[i]) > least)
             return 1;
     }
     return 0;

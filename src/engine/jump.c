@@ -84,8 +84,7 @@ static int beyond_the_rounding(const ns_march *m, int i) {
     return fabs(j->last[i] - j->w[i]) > beyond_rounding * terms;
 }
 
-/* The square root of the energy, or some such, that a charge or a flux alone is. */
-static double amount(const ns_theta *s, int i, double w) {
+double ns_jump_amount(const ns_theta *s, int i, double w) {
     double most = 0;
     for (int k = 0; k < s->s->n; k++)
         most = fmax(most, fabs(s->M[i + k * s->s->n]));
@@ -95,7 +94,7 @@ static double amount(const ns_theta *s, int i, double w) {
 static double largest_amount(const ns_march *m) {
     double most = 0;
     for (int i = 0; i < m->step->r; i++)
-        most = fmax(most, amount(m->step, i, fmax(fabs(m->jump.w[i]), fabs(m->jump.last[i]))));
+        most = fmax(most, ns_jump_amount(m->step, i, fmax(fabs(m->jump.w[i]), fabs(m->jump.last[i]))));
     return most;
 }
 
@@ -104,7 +103,8 @@ static int jumps(const ns_march *m, int read) {
     const ns_jump *j = &m->jump;
     const double most = largest_amount(m);
     for (int i = 0; i < m->step->r && j->last_t > j->left_t; i++)
-        if (beyond_the_rates(m, i) && amount(m->step, i, j->last[i] - j->w[i]) > beyond_rounding * most &&
+        if (beyond_the_rates(m, i) &&
+            ns_jump_amount(m->step, i, j->last[i] - j->w[i]) > beyond_rounding * most &&
             (!read || beyond_the_rounding(m, i)))
             return 1;
     return 0;

@@ -130,6 +130,8 @@ void ns_jump_free(ns_jump *j);
 void ns_jump_watch(ns_march *m);
 void ns_jump_watch_last(ns_march *m);
 int ns_jump_take(ns_march *m);
+/* The square root of the energy, or some such, that a charge or a flux alone is. */
+double ns_jump_amount(const ns_theta *s, int i, double w);
 
 /* event.c: one implicit step of length h that resolves whatever breaks; such steps until the mode has
  * settled; rates freed of their rounding (0: something happens right here); the event at live.t resolved, to

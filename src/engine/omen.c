@@ -17,7 +17,6 @@ static int fly_ahead(ns_flight *f, ns_level *level, int k, const double *X) {
 }
 
 ns_omen ns_omen_of(ns_flight *f, ns_flight_mode *mode, int g, const double *X) {
-    enum { SOON = 8 };
     const ns_stage *k = mode->level[0].stage;
     if (k->idle[g])
         return NS_STANDS;
@@ -39,7 +38,7 @@ ns_omen ns_omen_of(ns_flight *f, ns_flight_mode *mode, int g, const double *X) {
         k = level->stage;
         const double noise = ns_watch_noise(f, k, g);
         double h = k->h;
-        for (int rung = 0; rung <= SOON && h <= until; rung++, h *= 2) {
+        for (int rung = 0; rung <= NS_SOON_RUNGS && h <= until; rung++, h *= 2) {
             if (start > h || fly_ahead(f, level, rung, X) != NS_OK)
                 continue;
             const double then = ns_guard_of(k, k->value, g, f->ahead);

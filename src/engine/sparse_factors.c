@@ -95,8 +95,8 @@ static unsigned long long key_of(const ns_form *f, double g, const ns_mode *mode
     return h ? h : 1;
 }
 
-static int is(const ns_modal *q, const ns_kept *k, unsigned long long key, double g, const ns_mode *mode) {
-    return k->factors && k->key == key && k->g == g && memcmp(k->mode, mode, (size_t)q->f->m) == 0;
+static int is_of(const ns_modal *q, const ns_kept *k, double g, const ns_mode *mode) {
+    return k->factors && k->g == g && memcmp(k->mode, mode, (size_t)q->f->m) == 0;
 }
 
 /* The link that leads to the one used least recently, but for `but`. */
@@ -219,10 +219,6 @@ static ns_kept *scratch_for(ns_modal *q, double g, int brief) {
     return best;
 }
 
-static int is_of(const ns_modal *q, const ns_kept *k, double g, const ns_mode *mode) {
-    return k->factors && k->g == g && k->update->count == 0 && memcmp(k->mode, mode, (size_t)q->f->m) == 0;
-}
-
 /* 1 if the factors there are can serve it. */
 static int can_serve(ns_modal *q, ns_kept *k, double g, const ns_mode *mode) {
     if (!k->factors || k->g != g)
@@ -264,13 +260,13 @@ int ns_modal_factor(ns_modal *q, double g, const ns_mode *asked, int brief, cons
     const unsigned long long key = key_of(q->f, g, mode);
     k = q->bucket[key % NS_KEPT_BUCKETS];
     q->last[brief] = NULL;
-    while (k && !is(q, k, key, g, mode))
+    while (k && !(k->key == key && is_of(q, k, g, mode)))
         k = k->next;
     if (!k) {
         const int known = is_known(q, key);
         k = scratch_for(q, g, brief);
         if (known < 2 && ns_klu_is_steady(q->klu))
-            status = is_of(q, k, g, mode) ? NS_OK : make_over(q, k, g, mode);
+            status = k->update->count == 0 && is_of(q, k, g, mode) ? NS_OK : make_over(q, k, g, mode);
         else if (known < 2 && can_serve(q, k, g, mode))
             ;
         else if (known)

@@ -171,10 +171,10 @@ typedef enum ns_jump_kind { NS_NO_JUMP, NS_JUMPS, NS_LASTS } ns_jump_kind;
  * steps of length g, of which first (n) is what the first one moves, if that is known (else NULL): what is
  * faster goes.  Errors: RESIDUAL (digits are lost). */
 double ns_fine_size(const ns_sparse *m);
+int ns_fine_consistent(ns_sparse *m, double t, double g, const double *first, ns_jump_kind *jump);
 /* All charges and fluxes, of this size, are what rounding makes of rates in the time g, with v: a bridge at
  * rest. */
 int ns_fine_dust(const ns_sparse *m, double g, const double *v, double size);
-int ns_fine_consistent(ns_sparse *m, double t, double g, const double *first, ns_jump_kind *jump);
 
 /* sparse_twins.c: as ns_twins_find() (twins.h). */
 int ns_sparse_twins(const ns_system *s, const ns_form *f, ns_twin **out, int *count);

@@ -25,6 +25,7 @@ int ns_enter_worst(const ns_flight *f, const ns_stage *k);
 /* omen.c */
 /* What guard g is about to do: as its value, rate and the rate of that say; as it seems from what it comes to
  * soon, unless that is rounding that has grown, or another event was in between. */
+enum { NS_SOON_RUNGS = 8 }; /* soon: so many doublings of a step away */
 typedef enum ns_omen { NS_STANDS, NS_SEEMS_TO_STAND, NS_UNTOLD, NS_SEEMS_TO_BREAK, NS_BREAKS } ns_omen;
 
 ns_omen ns_omen_of(ns_flight *f, ns_flight_mode *mode, int g, const double *X);

@@ -11,9 +11,6 @@
 #include <float.h>
 #include <math.h>
 
-/* So many steps ahead is soon. */
-enum { SOON = 256 };
-
 /* Rounding of a guard, in eps of its terms. */
 static const double eps_of_terms = 64 * DBL_EPSILON;
 
@@ -129,7 +126,7 @@ static int doubt_in(const ns_flight *f, const ns_stage *k, int g, const double *
         if (tol < 0)
             tol = noise_in_doubt(f, k, g);
         const int straight = fabs(b - a) > bend || bend / 4 <= tol;
-        const int sinks = b < 0 && (b - a) * SOON < -4 * tol;
+        const int sinks = b < 0 && (b - a) * (1 << NS_SOON_RUNGS) < -4 * tol;
         if (!(straight && low >= -tol) || sinks) {
             *clear = a > bend / 4 && b < a ? (a - bend / 4) / (a - b) : 0;
             return i;
@@ -262,7 +259,7 @@ void ns_watch_pieces(double s, double (*c)[NS_ORDER]) {
 /* What passes below zero by less than rounding may be breaks here, and not where it is below by more, if it
  * is about to be and goes on: currents of the wrong sign would be handed on from diode to diode. */
 static int goes_on(ns_flight *f, const ns_stage *k, int g, double rate, double tol) {
-    if (!(rate * k->h * SOON < -4 * tol))
+    if (!(rate * k->h * (1 << NS_SOON_RUNGS) < -4 * tol))
         return 0;
     return ns_guard_of(k, k->value, g, f->X) > tol || ns_omen_of(f, f->at, g, f->X) >= NS_SEEMS_TO_BREAK;
 }
