@@ -5,23 +5,15 @@
  * switch and diode are a loop of sources that contradict each other until the diode opens.  Beside it, a
  * rectifier and a switched filter at the same supply, or not.
  */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
 
 #include "dice.h"
-#include "nonsmooth.h"
+#include "rig.h"
 #include "signals.h"
 
-enum { RUNS = 2000, INSTANTS = 10, MOST_X = 48, PHASES = 3 };
+enum { RUNS = 2000, INSTANTS = 10, PHASES = 3 };
 enum { SUPPLY = 1, OUT, PEAK, CHOPPED, FILTERED, GATE = 10, NODE = 20 };
-static const double period = 16.8e-6, end = 200e-6;
+static const double period = 16.8e-6, last = 200e-6;
 
 typedef struct buck {
     double l[PHASES], c, r, delay, on; /* H, F, ohm, s, s */
@@ -96,27 +88,14 @@ static ns_circuit *build(const buck *b) {
 static void run(const buck *b, ns_method method, double *out) {
     const ns_march_options o = {
         .theta = 1, .gamma = 1, .h = 1e-6, .method = method, .whole = 1, .reltol = 1e-10};
-    double w[MOST_X] = {0}, x[MOST_X], t = 0;
-    ns_circuit *c = build(b);
-    ns_system *s;
-    ns_march *m;
-    ok(ns_circuit_system(c, &s));
-    assert_true(s->n <= MOST_X);
-    ns_circuit_rest(c, w);
-    ok(ns_march_create(s, &o, &m, NULL));
-    ok(ns_march_start(m, 0, w));
+    rig at = {.c = build(b)};
+    make_by(&at, &o);
+    start_at_rest(&at);
     for (int k = 0; k < INSTANTS; k++) {
-        const double to = end * (k + 1) / INSTANTS;
-        while (t < to) {
-            ok(ns_march_try(m, to, NS_TO_TIME, &t));
-            ok(ns_march_accept(m));
-        }
-        ok(ns_march_read(m, NULL, x, NULL, NULL));
-        out[k] = x[ns_circuit_node_unknown(c, OUT)];
+        go(&at, last * (k + 1) / INSTANTS);
+        out[k] = at.x[ns_circuit_node_unknown(at.c, OUT)];
     }
-    ns_march_free(m);
-    ns_system_free(s);
-    ns_circuit_free(c);
+    end(&at);
 }
 
 static void bucks(void **state) {
@@ -131,7 +110,7 @@ static void bucks(void **state) {
             const double off = fabs(got[k] - exact[k]);
             if (!(off < 1e-6))
                 fail_msg("buck %llu at %g s: %.9g V by sparse, %.9g V by flight", seed,
-                         end * (k + 1) / INSTANTS, got[k], exact[k]);
+                         last * (k + 1) / INSTANTS, got[k], exact[k]);
             worst = fmax(worst, off);
         }
     }

@@ -1,16 +1,8 @@
 /* tests/unit/test_sparse_loose.c - the sparse marcher at loose settings: small currents beside large ones. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
-#include "nonsmooth.h"
+#include "rig.h"
 #include "signals.h"
 
-enum { SUPPLY = 1, FIRST = 10, GROUNDED, BEHIND, SECOND, HELD, PEAK, GATE, MOST_X = 32 };
+enum { SUPPLY = 1, FIRST = 10, GROUNDED, BEHIND, SECOND, HELD, PEAK, GATE };
 
 static void ok(int status) {
     assert_int_equal(status, NS_OK);
@@ -41,25 +33,12 @@ static ns_circuit *build(void) {
 static double peak(ns_method method, double reltol) {
     const ns_march_options o = {
         .theta = 1, .gamma = 1, .h = 8.58e-8, .method = method, .whole = 1, .reltol = reltol};
-    const double end = 21.59e-6;
-    double w[MOST_X] = {0}, x[MOST_X], t = 0;
-    ns_circuit *c = build();
-    ns_system *s;
-    ns_march *m;
-    ok(ns_circuit_system(c, &s));
-    assert_true(s->n <= MOST_X);
-    ns_circuit_rest(c, w);
-    ok(ns_march_create(s, &o, &m, NULL));
-    ok(ns_march_start(m, 0, w));
-    while (t < end) {
-        ok(ns_march_try(m, end, NS_TO_TIME, &t));
-        ok(ns_march_accept(m));
-    }
-    ok(ns_march_read(m, NULL, x, NULL, NULL));
-    const double v = x[ns_circuit_node_unknown(c, PEAK)];
-    ns_march_free(m);
-    ns_system_free(s);
-    ns_circuit_free(c);
+    rig at = {.c = build()};
+    make_by(&at, &o);
+    start_at_rest(&at);
+    go(&at, 21.59e-6);
+    const double v = at.x[ns_circuit_node_unknown(at.c, PEAK)];
+    end(&at);
     return v;
 }
 
