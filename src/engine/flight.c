@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Events in a row that come sooner after each other than h 2^-20: they accumulate, or chatter. */
+/* Events in a row: they accumulate, or chatter. */
 enum { NS_PILE = 40 };
 
 static int allocate(ns_flight *f) {
@@ -199,7 +199,7 @@ static void pass(ns_flight *f, const ns_instant *what) {
 }
 
 static void count(ns_flight *f) {
-    const double near = f->m->h / (1 << NS_EVENT_RUNG);
+    const double near = ldexp(f->m->h, -NS_INSTANT_RUNG);
     f->m->events++;
     f->crowd = f->t - f->event_t < near ? f->crowd + 1 : 0;
     f->event_t = f->t;
@@ -269,11 +269,14 @@ static int leap(ns_flight *f, double t, ns_until until, int *stuck, int *stop) {
     return turned;
 }
 
-/* The scheme has the next event, and more if that was not enough. */
+/* The scheme has the next event, and more if the flight was short beside the rest before it, or so short
+ * that there would be thousands of them in h. */
 static void ground(ns_flight *f) {
+    enum { SHORT = 16, MANY_RUNG = 10, FOR_GOOD = 64 };
     const double h = f->m->h, least = ldexp(h, 2 - NS_EVENT_RUNG);
-    const int again = f->t - f->grounded < h;
-    f->rest = f->crowd > NS_PILE ? h : again ? fmin(h, fmax(least, 4 * f->rest)) : least;
+    const int again = f->t - f->grounded < fmax(SHORT * f->rest, ldexp(h, -MANY_RUNG));
+    f->rest = f->budget < 0 ? h : again ? fmin(h, fmax(least, 4 * f->rest)) : least;
+    f->stuck += f->budget < 0 ? FOR_GOOD : 1;
     f->grounded = f->t + f->rest;
     f->crowd = 0;
     for (int c = 0; c < f->m->s->nc; c++) { /* it knows no third mode */
@@ -296,7 +299,7 @@ int ns_flight_go(ns_flight *f, double t, ns_until until) {
         stop = until == NS_TO_EVENT;
     }
     /* each event takes a few steps; the scheme has what takes more of them than it would */
-    f->budget = 4000 + (long)fmin(1e12, 4000 * (t - f->t) / m->h);
+    f->budget = 100000 + (long)fmin(1e12, 20000 * (t - f->t) / m->h);
     ns_laps_lost(f);
     while (status == NS_OK && !stuck && !stop && f->t < t) {
         if (until == NS_TO_TIME && ns_laps_fly(f, t))
@@ -310,7 +313,6 @@ int ns_flight_go(ns_flight *f, double t, ns_until until) {
         f->status = NS_OK;
     }
     if (status == NS_E_LIMIT) {
-        f->crowd = NS_PILE + 1;
         stuck = 1;
         status = NS_OK;
     }

@@ -16,6 +16,8 @@
 
 #include <stdint.h>
 
+/* What is over within h 2^-this is instantaneous; events are in a row if they come that soon. */
+enum { NS_INSTANT_RUNG = 25 };
 /* Samples of the guards in a leg, its longest length with guards and without, in h 2^k; legs of recurring
  * lengths that a level keeps; levels of a mode; modes that follow one. */
 enum { NS_SAMPLES = 8, NS_GUARDED = 5, NS_UNGUARDED = 40, NS_KEPT = 16, NS_LEVELS = 4, NS_FOLLOWERS = 8 };
@@ -88,7 +90,8 @@ struct ns_flight {
     double t, since;                 /* since: the last discontinuity */
     double past_t;                   /* what t lost in rounding: X is of t + past_t */
     double grounded;                 /* not before this time again, */
-    double rest;                     /* which is this much after it was stuck */
+    double rest;                     /* which is this much after it was stuck, */
+    int stuck;                       /* so often; */
     int broken;                      /* the guard that broke last, -1: not known, */
     double broken_t;                 /* when */
     const ns_flight_mode *broken_at; /* and of what mode; all its levels have the same guards */

@@ -27,7 +27,7 @@ int ns_leak_solve(ns_theta *s, const ns_leaks *leaks, int nj, int nrhs);
 void ns_leak_times(const ns_theta *s, const ns_leaks *leaks, const double *x, double *out);
 
 /* noise.c: the noise of a map, after (P2) was solved: s->K, s->X and the factors; s->R holds the right-hand
- * sides; leaks: NULL, or those in the factors. */
-void ns_map_noise(ns_theta *s, ns_map *map, const ns_leaks *leaks, int nj);
+ * sides; leaks: NULL, or those in the factors; share: see ns_map_build(). */
+void ns_map_noise(ns_theta *s, ns_map *map, const ns_leaks *leaks, int nj, double share);
 
 #endif

@@ -216,7 +216,7 @@ static int solve(ns_theta *s, const ns_leaks *leaks, int nj, int *leaky) {
     return solve_factored(s, size);
 }
 
-int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out) {
+int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, double share, ns_map **out) {
     const int nj = ns_map_matrix(s, h, implicit, mode);
     const ns_leaks leaks = {mode, implicit ? h : h * s->theta, s->leak};
     int leaky;
@@ -233,7 +233,7 @@ int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_ma
     map->implicit = implicit;
     fill_full(s, map, nj);
     fill_step(s, map);
-    ns_map_noise(s, map, leaky ? &leaks : NULL, nj);
+    ns_map_noise(s, map, leaky ? &leaks : NULL, nj, share);
     s->counts.maps++;
     *out = map;
     return NS_OK;

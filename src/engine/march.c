@@ -113,6 +113,8 @@ static int go_to(ns_march *m, double t, ns_until until) {
     while (status == NS_OK && m->live.t < t) {
         if (flying(m)) {
             status = ns_flight_go(m->flight, t, until);
+            if (ns_choice_tires(m))
+                return NS_E_LIMIT;
             const int there = m->live.at_event || m->live.t == m->kept.t;
             if (until == NS_TO_EVENT && flying(m) && (from_event || there))
                 return status;
@@ -138,16 +140,8 @@ static int go_to(ns_march *m, double t, ns_until until) {
     return status;
 }
 
-int ns_march_try(ns_march *m, double t, ns_until until, double *reached) {
-    if (!m || !reached)
-        return NS_E_NULL;
-    if (m->fleet)
-        return ns_fleet_try(m->fleet, t, until, reached);
-    if (!m->sparse)
-        ns_choice_return(m);
-    int status = m->sparse ? ns_sparse_try(m->sparse, t, until, reached) : NS_OK;
-    if (m->sparse && !(ns_choice_leaves(m, status) && (status = ns_choice_leave(m)) == NS_OK))
-        return status;
+/* As ns_march_try(), by dense matrices. */
+static int try_densely(ns_march *m, double t, ns_until until, double *reached) {
     if (!m->started)
         return ns_march_fail(m, NS_E_STATE);
     if (!(t > m->kept.t) || !isfinite(t))
@@ -155,7 +149,7 @@ int ns_march_try(ns_march *m, double t, ns_until until, double *reached) {
     const int again = m->has_trial && (t == m->live.t || (t == m->asked && until == m->until));
     if (!again) {
         go_back(m);
-        status = go_to(m, t, until);
+        const int status = go_to(m, t, until);
         if (status != NS_OK) {
             go_back(m);
             return status;
@@ -166,6 +160,23 @@ int ns_march_try(ns_march *m, double t, ns_until until, double *reached) {
     }
     *reached = m->live.t;
     return NS_OK;
+}
+
+int ns_march_try(ns_march *m, double t, ns_until until, double *reached) {
+    if (!m || !reached)
+        return NS_E_NULL;
+    if (m->fleet)
+        return ns_fleet_try(m->fleet, t, until, reached);
+    for (int round = 0;; round++) { /* the last: it tires but once */
+        if (!m->sparse)
+            ns_choice_return(m);
+        int status = m->sparse ? ns_sparse_try(m->sparse, t, until, reached) : NS_OK;
+        if (m->sparse && !(ns_choice_leaves(m, status) && (status = ns_choice_leave(m)) == NS_OK))
+            return status;
+        status = try_densely(m, t, until, reached);
+        if (status == NS_OK || round > 0 || !ns_choice_tires(m))
+            return status;
+    }
 }
 
 int ns_march_accept(ns_march *m) {

@@ -89,6 +89,8 @@ int ns_choice_leave(ns_march *m);
 /* From the accepted point of the dense engines on the sparse one goes, if it left long enough ago, or if most
  * events come to modes never seen. */
 void ns_choice_return(ns_march *m);
+/* 1 if that is due because the way that is tried gets stuck often. */
+int ns_choice_tires(const ns_march *m);
 /* Of all that went before, and of this. */
 void ns_choice_sum(const ns_march *m, ns_counts *counts);
 /* What only the dense engines have. */

@@ -38,10 +38,6 @@ static void fill_functionals(ns_theta *s, const ns_map *map, int nj) {
     }
 }
 
-/* Beside the terms that are there: what is zero comes out, refined, far below eps of the largest unknown in
- * the units of the factors, and what (P1) leaves behind of a charge that has gone is some eps of it. */
-static const double of_largest = 2e-4;
-
 /* The places of what is not zero, every `step` numbers, into list; how many. */
 static int nonzeros(int count, const double *from, int step, int *list) {
     int found = 0;
@@ -53,7 +49,7 @@ static int nonzeros(int count, const double *from, int step, int *list) {
 
 /* Guard g, c_g, in row g of the noise: |c_g| |X_k| and a share of the same with every X_ik as large as the
  * largest (largest, q), and what E says. */
-static void fill_row(const ns_theta *s, ns_map *map, int size, int g, const double *largest) {
+static void fill_row(const ns_theta *s, ns_map *map, int size, int g, double share, const double *largest) {
     const double *c = s->Z + (size_t)g * (size_t)size, *unit = ns_lu_units(s->lu);
     const int count = nonzeros(size, c, 1, s->list);
     double units = 0;
@@ -67,7 +63,7 @@ static void fill_row(const ns_theta *s, ns_map *map, int size, int g, const doub
             sum += fabs(c[at] * x[at]);
             off += c[at] * e[at];
         }
-        map->noise[g + k * map->guards] = sum + of_largest * units * largest[k] + fabs(off) / DBL_EPSILON;
+        map->noise[g + k * map->guards] = sum + share * units * largest[k] + fabs(off) / DBL_EPSILON;
     }
 }
 
@@ -115,7 +111,7 @@ static double rate_noise(const ns_theta *s, int nj, int i, int k) {
     return sum + fabs(off) / DBL_EPSILON;
 }
 
-void ns_map_noise(ns_theta *s, ns_map *map, const ns_leaks *leaks, int nj) {
+void ns_map_noise(ns_theta *s, ns_map *map, const ns_leaks *leaks, int nj, double share) {
     const int size = s->s->n + nj;
     double *largest = s->R + (size_t)size * (size_t)s->q; /* q */
     fill_functionals(s, map, nj);
@@ -123,7 +119,7 @@ void ns_map_noise(ns_theta *s, ns_map *map, const ns_leaks *leaks, int nj) {
     for (int k = 0; k < s->q; k++)
         largest[k] = ns_lu_largest(s->lu, s->X + (size_t)k * (size_t)size);
     for (int g = 0; g < map->guards; g++)
-        fill_row(s, map, size, g, largest);
+        fill_row(s, map, size, g, share, largest);
     for (int k = 0; s->carry && k < s->q; k++)
         for (int i = 0; i < s->r; i++)
             map->rate_noise[i + k * s->r] = rate_noise(s, nj, i, k);

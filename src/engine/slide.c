@@ -44,10 +44,14 @@ static void set_rows(const ns_theta *s, const ns_mode *mode, ns_swap *w) {
     }
 }
 
+/* Stages may be as short as ron C, and their largest unknowns, the currents of charges that go at once, 1e12
+ * times those that are there: of what diodes at rest see, nearly nothing. */
+static const double of_largest = 1e-9;
+
 int ns_slide_map(ns_theta *s, double g, const ns_mode *mode, ns_map **out) {
     const size_t n = (size_t)s->s->n, m = (size_t)s->s->m, nz = (size_t)s->s->nz;
     if (ns_slide_count(mode, s->s->m) == 0)
-        return ns_map_build(s, g, 1, mode, out);
+        return ns_map_build(s, g, 1, mode, of_largest, out);
     const ns_system *was = s->s;
     ns_swap w = {.system = *was};
     *out = NULL;
@@ -76,7 +80,7 @@ int ns_slide_map(ns_theta *s, double g, const ns_mode *mode, ns_map **out) {
     w.system.F = w.F;
     w.system.e = w.e;
     s->s = &w.system;
-    const int status = ns_map_build(s, g, 1, w.mode, out);
+    const int status = ns_map_build(s, g, 1, w.mode, of_largest, out);
     s->s = was;
     memcpy(s->l, w.l, sizeof *w.C * m);
     memcpy(s->u, w.u, sizeof *w.C * m);

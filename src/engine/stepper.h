@@ -94,8 +94,9 @@ struct ns_theta {
     ns_fault fault;
 };
 
-/* map.c: builds the map of a mode; *out is not in the cache yet.  Errors: SINGULAR, MEMORY, NUMBER. */
-int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out);
+/* map.c: builds the map of a mode; *out is not in the cache yet.  share: of the largest unknown, in the units
+ * of the factors, that eps of is rounding in what is zero too.  Errors: SINGULAR, MEMORY, NUMBER. */
+int ns_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, double share, ns_map **out);
 void ns_map_free(ns_map *map);
 
 /* map.c: K of (P2) in s->K, the pairs inside in s->inside; their number. */

@@ -10,12 +10,16 @@
  * the mode stands; after (P1) was solved, what its solver calls zero. */
 static const double while_it_stands = 4e-15, of_an_answer = 1e-11;
 
+/* What is zero comes out, refined, far below eps of the largest unknown, and what (P1) leaves behind of a
+ * charge that has gone is some eps of it. */
+static const double of_largest = 2e-4;
+
 /* The map of (h, implicit, mode), from the recent ones, the cache, or built. */
 int ns_theta_map(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out) {
     *out = ns_cache_find(&s->cache, h, implicit, mode, s->s->m);
     if (*out)
         return NS_OK;
-    const int status = ns_map_build(s, h, implicit, mode, out);
+    const int status = ns_map_build(s, h, implicit, mode, of_largest, out);
     if (status != NS_OK)
         return status;
     ns_cache_insert(&s->cache, *out, s->s->m);

@@ -1,0 +1,174 @@
+/* tests/property/test_pumps.c - random charge pumps by flight, against itself by another h and against the
+ * sparse marcher.
+ *
+ * Diodes of a few ohm down to a nanohm between capacitors: charges go from stage to stage within ron C, which
+ * may be anything from slow to far less than t can show, and where all is at rest currents of 1e-8 A flow
+ * through what volts and their rounding would drive amperes through.  What was taken for rounding beside the
+ * largest of those, or for over at once, left flight to steps of the scheme: pumps came out 20 % off.
+ */
+#include <stdio.h>
+
+#include "dice.h"
+#include "rig.h"
+#include "signals.h"
+
+enum { RUNS = 70, STAGES = 12, INSTANTS = 6 };
+enum { SUPPLY = 1, CLOCK, OTHER, DRIVEN, DRIVEN_TOO, FIRST };
+
+typedef struct pump {
+    int stages;
+    int multiplier;                                 /* Cockcroft-Walton, else Dickson */
+    double period, h, ron;                          /* s, s, ohm */
+    double c[2 * STAGES], filter, line, load, coil; /* F, F, ohm, ohm, H */
+} pump;
+
+static pump draw(unsigned long long seed) {
+    dice d = dice_make(19, seed);
+    pump k = {.multiplier = dice_below(&d, 2)};
+    k.stages = (k.multiplier ? 3 : 8) + dice_below(&d, k.multiplier ? 3 : 5);
+    k.period = dice_decades(&d, -9, -4);
+    k.h = k.period * dice_decades(&d, -2, 0);
+    k.ron = dice_decades(&d, -8, -4);
+    const double size = 0.5 * k.period;
+    for (int i = 0; i < 2 * STAGES; i++)
+        k.c[i] = size * dice_decades(&d, -0.5, 0.5);
+    k.filter = size * dice_decades(&d, 0, 1);
+    k.line = dice_decades(&d, -3, 0);
+    k.load = dice_decades(&d, 1, 4);
+    k.coil = k.period * dice_decades(&d, -5, -3);
+    return k;
+}
+
+static void ok(int status) {
+    assert_int_equal(status, NS_OK);
+}
+
+static void add_diode(ns_circuit *c, int i, int anode, int cathode, double ron) {
+    const ns_diode diode = {.vf = 0, .ron = ron, .roff = INFINITY, .vz = INFINITY};
+    char name[16];
+    (void)snprintf(name, sizeof name, "d%d", i);
+    ok(ns_circuit_diode(c, name, anode, cathode, &diode, NULL));
+}
+
+static void add_capacitor(ns_circuit *c, int i, int p, int n, double farads) {
+    char name[16];
+    (void)snprintf(name, sizeof name, "c%d", i);
+    ok(ns_circuit_capacitor(c, name, p, n, farads, NAN, NULL));
+}
+
+/* Two clocks, each behind its line; the last node. */
+static int add_dickson(ns_circuit *c, const pump *k) {
+    const double half = 0.5 * k->period, edge = 0.01 * k->period;
+    const ns_signal supply = dc(5), clock = pulse(0, 5, 0, edge, edge, half - edge, k->period),
+                    other = pulse(5, 0, 0, edge, edge, half - edge, k->period);
+    int last = SUPPLY;
+    ok(ns_circuit_source(c, "v", NS_VOLTAGE, SUPPLY, 0, &supply, NULL));
+    ok(ns_circuit_source(c, "v1", NS_VOLTAGE, CLOCK, 0, &clock, NULL));
+    ok(ns_circuit_source(c, "v2", NS_VOLTAGE, OTHER, 0, &other, NULL));
+    ok(ns_circuit_resistor(c, "r1", CLOCK, DRIVEN, k->line, NULL));
+    ok(ns_circuit_resistor(c, "r2", OTHER, DRIVEN_TOO, k->line, NULL));
+    for (int i = 0; i < k->stages; i++) {
+        add_diode(c, i, last, FIRST + i, k->ron);
+        add_capacitor(c, i, FIRST + i, i % 2 ? DRIVEN_TOO : DRIVEN, k->c[i]);
+        last = FIRST + i;
+    }
+    add_diode(c, k->stages, last, FIRST + k->stages, k->ron);
+    return FIRST + k->stages;
+}
+
+/* A square wave behind an inductor; the last node. */
+static int add_multiplier(ns_circuit *c, const pump *k) {
+    const ns_signal wave = pulse(-10, 10, 0, 0, 0, 0.5 * k->period, k->period);
+    int last = 0, push = DRIVEN;
+    ok(ns_circuit_source(c, "v", NS_VOLTAGE, SUPPLY, 0, &wave, NULL));
+    ok(ns_circuit_inductor(c, "l", SUPPLY, DRIVEN, k->coil, NAN, NULL));
+    for (int i = 0; i < k->stages; i++) {
+        const int upper = FIRST + 2 * i, next = upper + 1;
+        add_capacitor(c, 2 * i, push, upper, k->c[2 * i]);
+        add_diode(c, 2 * i, last, upper, k->ron);
+        add_diode(c, 2 * i + 1, upper, next, k->ron);
+        add_capacitor(c, 2 * i + 1, next, last, k->c[2 * i + 1]);
+        last = next;
+        push = upper;
+    }
+    return last;
+}
+
+static ns_circuit *build(const pump *k, int *out) {
+    ns_circuit *c = NULL;
+    ok(ns_circuit_create(&c));
+    *out = k->multiplier ? add_multiplier(c, k) : add_dickson(c, k);
+    ok(ns_circuit_capacitor(c, "c", *out, 0, k->filter, NAN, NULL));
+    ok(ns_circuit_resistor(c, "r", *out, 0, k->load, NULL));
+    return c;
+}
+
+/* out (2 INSTANTS): of the first stage and of the last, V.  Adds to *problems. */
+static int run(const pump *k, ns_method method, double h, double *out, long *problems) {
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = h, .method = method, .whole = 1, .reltol = 1e-9};
+    int last, status = NS_OK;
+    rig at = {.c = build(k, &last)};
+    make_by(&at, &o);
+    start_at_rest(&at);
+    for (int i = 0; i < INSTANTS; i++) {
+        double reached = 0;
+        const double t = 2.51 * k->period * (i + 1) / INSTANTS;
+        while (reached < t && status == NS_OK) {
+            status = ns_march_try(at.m, t, NS_TO_TIME, &reached);
+            if (status == NS_OK)
+                ok(ns_march_accept(at.m));
+        }
+        if (status != NS_OK)
+            break;
+        ok(ns_march_read(at.m, NULL, at.x, NULL, NULL));
+        out[2 * i] = at.x[ns_circuit_node_unknown(at.c, FIRST)] - at.x[ns_circuit_node_unknown(at.c, DRIVEN)];
+        out[2 * i + 1] = at.x[ns_circuit_node_unknown(at.c, last)];
+    }
+    *problems += ns_march_counts(at.m)->problems;
+    end(&at);
+    return status;
+}
+
+static double apart(const double *a, const double *b) {
+    double most = 1, worst = 0;
+    for (int i = 0; i < 2 * INSTANTS; i++) {
+        most = fmax(most, fabs(b[i]));
+        worst = fmax(worst, fabs(a[i] - b[i]) / most);
+    }
+    return worst;
+}
+
+static void pumps(void **state) {
+    int judged = 0;
+    double worst[2] = {0, 0};
+    long problems[2] = {0, 0}, more = 0;
+    (void)state;
+    for (unsigned long long seed = 1; seed <= RUNS; seed++) {
+        static const ns_method methods[] = {NS_FLIGHT, NS_AUTO};
+        const pump k = draw(seed);
+        double got[2 * INSTANTS], judge[2 * INSTANTS];
+        if (run(&k, NS_SPARSE, k.h / 100, judge, &more) != NS_OK)
+            assert_int_equal(run(&k, NS_FLIGHT, k.h / 100, judge, &more), NS_OK);
+        else
+            judged++;
+        for (int i = 0; i < 2; i++) {
+            assert_int_equal(run(&k, methods[i], k.h, got, &problems[i]), NS_OK);
+            const double off = apart(got, judge);
+            if (!(off < 1e-4))
+                fail_msg("pump %llu: %s %.1e off", seed, i == 0 ? "flight" : "auto", off);
+            worst[i] = fmax(worst[i], off);
+        }
+    }
+    assert_true(judged > RUNS * 9 / 10);
+    /* a flight that is stuck is handed on, and (P1) is asked: 11358 and 5429 times with the noise of steps in
+     * stages, 3236 times by auto with rates seen less far, 4404 times if it never hands over */
+    assert_true(problems[0] < 8000 && problems[1] < 3000);
+    printf("%d pumps, %d of them judged by sparse: flight at most %.1e off with %ld problems, auto %.1e with "
+           "%ld\n",
+           RUNS, judged, worst[0], problems[0], worst[1], problems[1]);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(pumps)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
