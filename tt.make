@@ -1,107 +1,5 @@
-  CC      build/obj/tests/unit/test_blame.o
-  CC      build/obj/tests/unit/test_choice.o
-  CC      build/obj/tests/unit/test_circuit.o
-  CC      build/obj/tests/unit/test_circuit_read.o
-  CC      build/obj/tests/unit/test_circuit_refuse.o
-  CC      build/obj/tests/unit/test_commanded.o
-  CC      build/obj/tests/unit/test_dense.o
-  CC      build/obj/tests/unit/test_empty.o
-  CC      build/obj/tests/unit/test_failed_step.o
-  CC      build/obj/tests/unit/test_flight.o
-  CC      build/obj/tests/unit/test_flight_events.o
-  CC      build/obj/tests/unit/test_gauge.o
-  CC      build/obj/tests/unit/test_inductance.o
-  CC      build/obj/tests/unit/test_islands.o
-  CC      build/obj/tests/unit/test_islands_faults.o
-  CC      build/obj/tests/unit/test_jacobian.o
-  CC      build/obj/tests/unit/test_laguerre.o
-  CC      build/obj/tests/unit/test_laps.o
-  CC      build/obj/tests/unit/test_march.o
-  CC      build/obj/tests/unit/test_march_edges.o
-  CC      build/obj/tests/unit/test_march_forward.o
-  CC      build/obj/tests/unit/test_march_islands.o
-  CC      build/obj/tests/unit/test_march_jump.o
-  CC      build/obj/tests/unit/test_march_late.o
-  CC      build/obj/tests/unit/test_march_points.o
-  CC      build/obj/tests/unit/test_mlcp.o
-  CC      build/obj/tests/unit/test_mlcp_boxes.o
-  CC      build/obj/tests/unit/test_mlcp_certificate.o
-  CC      build/obj/tests/unit/test_mlcp_columns.o
-  CC      build/obj/tests/unit/test_mlcp_contract.o
-  CC      build/obj/tests/unit/test_mlcp_doubt.o
-  CC      build/obj/tests/unit/test_mlcp_enumerate.o
-  CC      build/obj/tests/unit/test_mlcp_interior.o
-  CC      build/obj/tests/unit/test_mlcp_large.o
-  CC      build/obj/tests/unit/test_mlcp_newton.o
-  CC      build/obj/tests/unit/test_mlcp_pivot.o
-  CC      build/obj/tests/unit/test_mlcp_projected.o
-  CC      build/obj/tests/unit/test_mlcp_random.o
-  CC      build/obj/tests/unit/test_mlcp_textbook.o
-  CC      build/obj/tests/unit/test_model.o
-  CC      build/obj/tests/unit/test_newton.o
-  CC      build/obj/tests/unit/test_newton_exponential.o
-  CC      build/obj/tests/unit/test_newton_forms.o
-  CC      build/obj/tests/unit/test_newton_hard.o
-  CC      build/obj/tests/unit/test_newton_jump.o
-  CC      build/obj/tests/unit/test_newton_late.o
-  CC      build/obj/tests/unit/test_newton_parts.o
-  CC      build/obj/tests/unit/test_product.o
-  CC      build/obj/tests/unit/test_refused.o
-  CC      build/obj/tests/unit/test_replay.o
-  CC      build/obj/tests/unit/test_schedule.o
-  CC      build/obj/tests/unit/test_schedule_flips.o
-  CC      build/obj/tests/unit/test_schedule_random.o
-  CC      build/obj/tests/unit/test_signal.o
-  CC      build/obj/tests/unit/test_slide.o
-  CC      build/obj/tests/unit/test_sparse.o
-  CC      build/obj/tests/unit/test_sparse_aside.o
-  CC      build/obj/tests/unit/test_sparse_bridges.o
-  CC      build/obj/tests/unit/test_sparse_commands.o
-  CC      build/obj/tests/unit/test_sparse_guess.o
-  CC      build/obj/tests/unit/test_sparse_loose.o
-  CC      build/obj/tests/unit/test_sparse_march.o
-  CC      build/obj/tests/unit/test_sparse_quick.o
-  CC      build/obj/tests/unit/test_sparse_retry.o
-  CC      build/obj/tests/unit/test_sparse_scheme.o
-  CC      build/obj/tests/unit/test_sparse_search.o
-  CC      build/obj/tests/unit/test_sparse_switched.o
-  CC      build/obj/tests/unit/test_sparse_trust.o
-  CC      build/obj/tests/unit/test_sparse_update.o
-  CC      build/obj/tests/unit/test_start_open.o
-  CC      build/obj/tests/unit/test_status.o
-  CC      build/obj/tests/unit/test_steady.o
-  CC      build/obj/tests/unit/test_system.o
-  CC      build/obj/tests/unit/test_text.o
-  CC      build/obj/tests/unit/test_theta.o
-  CC      build/obj/tests/unit/test_twins.o
-  CC      build/obj/tests/property/test_agree.o
-  CC      build/obj/tests/property/test_balance.o
-  CC      build/obj/tests/property/test_impulse.o
-  CC      build/obj/tests/property/test_impulse_limit.o
-  CC      build/obj/tests/property/test_impulse_networks.o
-  CC      build/obj/tests/property/test_islands_random.o
-  CC      build/obj/tests/property/test_jumps.o
-  CC      build/obj/tests/property/test_mlcp_classes.o
-  CC      build/obj/tests/property/test_orders.o
-  CC      build/obj/tests/property/test_passive.o
-  CC      build/obj/tests/property/test_resonant.o
-  CC      build/obj/tests/property/test_sparse_bucks.o
-  CC      build/obj/tests/property/test_sparse_hunt.o
-  CC      build/obj/tests/property/test_sparse_networks.o
-  CC      build/obj/tests/reference/test_lit_buck.o
-  CC      build/obj/tests/reference/test_lit_buck_sliding.o
-  CC      build/obj/tests/reference/test_lit_rectifiers.o
-  CC      build/obj/tests/reference/test_lit_relays.o
-  CC      build/obj/tests/reference/test_lit_sliding.o
-  CC      build/obj/tests/reference/test_nl_chopper.o
-  CC      build/obj/tests/reference/test_nl_colpitts.o
-  CC      build/obj/tests/reference/test_nl_relay.o
-  CC      build/obj/tests/reference/test_problems.o
-  CC      build/obj/tests/reference/test_sparse_multiplier.o
-  CC      build/obj/tests/reference/test_sparse_rectifiers.o
-  CC      build/obj/tests/fault/test_allocations.o
-  CC      build/obj/tests/fault/test_sparse_allocations.o
-  CC      build/obj/src/tool/nsc_mlcp.o
+  CC      build/obj/src/engine/sparse_march.o
+  AR      build/libnonsmooth.a
   LINK    build/tests/unit/test_blame
   LINK    build/tests/unit/test_choice
   LINK    build/tests/unit/test_circuit
@@ -115,15 +13,15 @@
   LINK    build/tests/unit/test_flight_events
   LINK    build/tests/unit/test_gauge
   LINK    build/tests/unit/test_inductance
-  LINK    build/tests/unit/test_islands
   LINK    build/tests/unit/test_islands_faults
+  LINK    build/tests/unit/test_islands
   LINK    build/tests/unit/test_jacobian
   LINK    build/tests/unit/test_laguerre
   LINK    build/tests/unit/test_laps
   LINK    build/tests/unit/test_march
   LINK    build/tests/unit/test_march_edges
-  LINK    build/tests/unit/test_march_forward
   LINK    build/tests/unit/test_march_islands
+  LINK    build/tests/unit/test_march_forward
   LINK    build/tests/unit/test_march_jump
   LINK    build/tests/unit/test_march_late
   LINK    build/tests/unit/test_march_points
@@ -188,6 +86,7 @@
   LINK    build/tests/property/test_mlcp_classes
   LINK    build/tests/property/test_orders
   LINK    build/tests/property/test_passive
+  LINK    build/tests/property/test_pumps
   LINK    build/tests/property/test_resonant
   LINK    build/tests/property/test_sparse_bucks
   LINK    build/tests/property/test_sparse_hunt

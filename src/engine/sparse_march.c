@@ -79,6 +79,14 @@ static void fit_usual(const ns_sparse *m, const ns_leg *before, ns_leg *leg) {
         leg->rung++;
 }
 
+/* From where legs end at once an Euler step of h 2^-this gets on: the first ones, which may be enough, are far
+ * shorter, as what happens within one is first order. */
+static int shorter(const ns_sparse *m, double t, double h) {
+    enum { LESS = 10, FIRST = 22, BY = 2 };
+    const int before = t - m->euler_t <= h ? m->eulers : 0;
+    return before * BY < FIRST - LESS ? FIRST - before * BY : LESS;
+}
+
 /* A leg from m->w, m->mode at t after one that ended there. */
 int ns_sparse_next_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg) {
     const double tiny = before ? ldexp(m->o.h, -before->next_rung - NS_SHORT_RUNG) : 0;
@@ -95,7 +103,7 @@ int ns_sparse_next_leg(ns_sparse *m, double t, const ns_leg *before, ns_leg *leg
     if (m->o.theta > 0)
         return ns_scheme_go(m, t, t, leg);
     if (stuck > NS_STUCK)
-        status = counted_leg(m, leg, t, limit, ldexp(h, -10));
+        status = counted_leg(m, leg, t, limit, ldexp(h, -shorter(m, t, h)));
     else
         status = ns_leg_begin(m, leg, t, limit);
     if (status == NS_OK && leg->why == NS_LEG_GOES_ON && leg->end_t == limit && ns_event_at(m, limit))
