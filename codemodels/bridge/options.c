@@ -59,6 +59,14 @@ static int check_reltol(const MIFinstance *inst, double value, char *line, size_
     return E_PARMVAL;
 }
 
+static int check_flag(const MIFinstance *inst, const char *name, int value, char *line, size_t size) {
+    if (value == 0 || value == 1) {
+        return OK;
+    }
+    snprintf(line, size, "%s: %s = %d is neither 0 nor 1", inst->MIFname, name, value);
+    return E_PARMVAL;
+}
+
 int options_read(const MIFinstance *inst, options *o, char *line, size_t size) {
     int error = read_method(inst, &o->method, line, size);
     o->given = inst;
@@ -74,6 +82,8 @@ int options_read(const MIFinstance *inst, options *o, char *line, size_t size) {
     }
     error = error ? error : check_weight(inst, "theta", o->theta, line, size);
     error = error ? error : check_weight(inst, "gamma", o->gamma, line, size);
+    error = error ? error : check_flag(inst, "verbose", o->verbose, line, size);
+    error = error ? error : check_flag(inst, "corners", o->corners, line, size);
     return error ? error : check_reltol(inst, o->reltol, line, size);
 }
 
