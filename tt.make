@@ -1,5 +1,3 @@
-  CC      build/obj/src/engine/sparse_march.o
-  AR      build/libnonsmooth.a
   LINK    build/tests/unit/test_blame
   LINK    build/tests/unit/test_choice
   LINK    build/tests/unit/test_circuit
@@ -13,15 +11,15 @@
   LINK    build/tests/unit/test_flight_events
   LINK    build/tests/unit/test_gauge
   LINK    build/tests/unit/test_inductance
-  LINK    build/tests/unit/test_islands_faults
   LINK    build/tests/unit/test_islands
+  LINK    build/tests/unit/test_islands_faults
   LINK    build/tests/unit/test_jacobian
   LINK    build/tests/unit/test_laguerre
   LINK    build/tests/unit/test_laps
   LINK    build/tests/unit/test_march
   LINK    build/tests/unit/test_march_edges
-  LINK    build/tests/unit/test_march_islands
   LINK    build/tests/unit/test_march_forward
+  LINK    build/tests/unit/test_march_islands
   LINK    build/tests/unit/test_march_jump
   LINK    build/tests/unit/test_march_late
   LINK    build/tests/unit/test_march_points

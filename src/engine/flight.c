@@ -269,14 +269,14 @@ static int leap(ns_flight *f, double t, ns_until until, int *stuck, int *stop) {
     return turned;
 }
 
-/* The scheme has the next event, and more if the flight was short beside the rest before it, or so short
+/* The scheme has the next event, and more if the flight was shorter than the rest before it, or so short
  * that there would be thousands of them in h. */
 static void ground(ns_flight *f) {
-    enum { SHORT = 16, MANY_RUNG = 10, FOR_GOOD = 64 };
+    enum { MANY_RUNG = 10, LONG_RUNG = 6, FOR_GOOD = 64 };
     const double h = f->m->h, least = ldexp(h, 2 - NS_EVENT_RUNG);
-    const int again = f->t - f->grounded < fmax(SHORT * f->rest, ldexp(h, -MANY_RUNG));
-    f->rest = f->budget < 0 ? h : again ? fmin(h, fmax(least, 4 * f->rest)) : least;
-    f->stuck += f->budget < 0 ? FOR_GOOD : 1;
+    const int again = f->t - f->grounded < fmax(f->rest, ldexp(h, -MANY_RUNG));
+    f->rest = f->budget < 0 ? h : fmin(h, fmax(least, again ? 4 * f->rest : f->rest / 4));
+    f->stuck += f->rest > ldexp(h, -LONG_RUNG) ? FOR_GOOD : 1;
     f->grounded = f->t + f->rest;
     f->crowd = 0;
     for (int c = 0; c < f->m->s->nc; c++) { /* it knows no third mode */

@@ -79,8 +79,8 @@ static void fit_usual(const ns_sparse *m, const ns_leg *before, ns_leg *leg) {
         leg->rung++;
 }
 
-/* From where legs end at once an Euler step of h 2^-this gets on: the first ones, which may be enough, are far
- * shorter, as what happens within one is first order. */
+/* From where legs end at once an Euler step of h 2^-this gets on: the first ones, which may be enough, are
+ * far shorter, as what happens within one is first order. */
 static int shorter(const ns_sparse *m, double t, double h) {
     enum { LESS = 10, FIRST = 22, BY = 2 };
     const int before = t - m->euler_t <= h ? m->eulers : 0;
