@@ -205,15 +205,16 @@ static int hand_over(ns_march *m) {
 int ns_choice_tires(const ns_march *m) {
     enum { OFTEN = 64 };
     return m->options.method == NS_AUTO && m->pause == 0 && !m->kept.at_event && m->flight &&
-           m->flight->stuck >= OFTEN;
+           m->flight->timed && m->flight->stuck >= OFTEN;
 }
 
 void ns_choice_return(ns_march *m) {
     if (m->options.method != NS_AUTO || !m->started || m->has_trial || m->kept.at_event)
         return;
     const int due = m->kept.t >= m->back;
-    if (!due && !(m->pause == 0 && m->flight && (ns_choice_tires(m) || modes_do_not_recur(m))))
+    if (!due && !(m->pause == 0 && m->flight && (m->tired || modes_do_not_recur(m))))
         return;
+    m->tired = 0;
     if (hand_over(m) != NS_OK)
         put_off(m, m->kept.t);
 }

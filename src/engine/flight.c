@@ -12,6 +12,8 @@
 
 /* Events in a row: they accumulate, or chatter. */
 enum { NS_PILE = 40 };
+/* Steps that a way may take beyond what the scheme would; half as many each time that was in vain. */
+enum { NS_PATIENCE = 100000 };
 
 static int allocate(ns_flight *f) {
     const ns_system *y = f->m->s;
@@ -47,6 +49,33 @@ static int allocate(ns_flight *f) {
     return NS_OK;
 }
 
+void ns_flight_keep(ns_flight *f) {
+    f->kept = (ns_flight_past){f->grounded, f->rest, f->event_t, f->patience, f->stuck, f->crowd};
+}
+
+void ns_flight_drop(ns_flight *f) {
+    f->grounded = f->kept.grounded;
+    f->rest = f->kept.rest;
+    f->event_t = f->kept.event_t;
+    f->patience = f->kept.patience;
+    f->stuck = f->kept.stuck;
+    f->crowd = f->kept.crowd;
+    f->doubted_at = NULL;
+}
+
+/* It begins anew. */
+static void forget_past(ns_flight *f) {
+    f->kept = (ns_flight_past){-INFINITY, 0, -INFINITY, f->timed ? NS_PATIENCE : 0, 0, 0};
+    ns_flight_drop(f);
+}
+
+static int all_timed(const ns_system *s) {
+    for (int c = 0; c < s->nc; c++)
+        if (s->command[c].gx)
+            return 0;
+    return 1;
+}
+
 int ns_flight_create(ns_march *m, ns_flight **out) {
     ns_flight *f = calloc(1, sizeof *f);
     *out = NULL;
@@ -55,9 +84,10 @@ int ns_flight_create(ns_march *m, ns_flight **out) {
     f->acting = calloc((size_t)m->s->nz + 1, 1);
     f->m = m;
     f->s = m->step;
-    f->grounded = -INFINITY;
     f->limit = m->step->cache.limit;
     f->guess = m->h;
+    f->timed = all_timed(m->s);
+    forget_past(f);
     ns_watch_pieces(NS_POLE, f->pieces);
     int status = f->acting ? ns_system_acting(m->s, f->acting) : NS_E_MEMORY;
     const int *input = NULL;
@@ -178,7 +208,7 @@ int ns_flight_settle(ns_flight *f) {
     f->t = f->since = m->live.t;
     f->past_t = m->live.past_t;
     f->to_t = -INFINITY; /* seek */
-    f->grounded = -INFINITY;
+    forget_past(f);
     seek(f);
     ns_laps_drop(f);
     memcpy(f->X, f->s->w, sizeof(double) * (size_t)f->s->r);
@@ -199,7 +229,7 @@ static void pass(ns_flight *f, const ns_instant *what) {
 }
 
 static void count(ns_flight *f) {
-    const double near = ldexp(f->m->h, -NS_INSTANT_RUNG);
+    const double near = ldexp(f->m->h, f->timed ? -NS_INSTANT_RUNG : -NS_EVENT_RUNG);
     f->m->events++;
     f->crowd = f->t - f->event_t < near ? f->crowd + 1 : 0;
     f->event_t = f->t;
@@ -270,11 +300,15 @@ static int leap(ns_flight *f, double t, ns_until until, int *stuck, int *stop) {
 }
 
 /* The scheme has the next event, and more if the flight was shorter than the rest before it, or so short
- * that there would be thousands of them in h. */
+ * that there would be thousands of them in h (where switches may chatter, than h); the more there were
+ * already, the shorter they count. */
 static void ground(ns_flight *f) {
     enum { MANY_RUNG = 10, LONG_RUNG = 6, FOR_GOOD = 64 };
-    const double h = f->m->h, least = ldexp(h, 2 - NS_EVENT_RUNG);
-    const int again = f->t - f->grounded < fmax(f->rest, ldexp(h, -MANY_RUNG));
+    const double h = f->m->h, least = ldexp(h, 2 - NS_EVENT_RUNG), flown = f->t - f->grounded;
+    if (flown > h)
+        f->stuck /= 2;
+    const double few = f->timed ? ldexp(h, -MANY_RUNG) * (1 + f->stuck / FOR_GOOD) : h;
+    const int again = flown < fmax(f->rest, few);
     f->rest = f->budget < 0 ? h : fmin(h, fmax(least, again ? 4 * f->rest : f->rest / 4));
     f->stuck += f->rest > ldexp(h, -LONG_RUNG) ? FOR_GOOD : 1;
     f->grounded = f->t + f->rest;
@@ -291,7 +325,9 @@ int ns_flight_go(ns_flight *f, double t, ns_until until) {
     ns_march *m = f->m;
     int status = load(f), stuck = 0, stop = 0;
     if (status != NS_OK) {
-        f->grounded = m->live.t + m->h;
+        f->budget = 0;
+        f->t = m->live.t;
+        ground(f);
         return status == NS_E_MEMORY ? ns_march_fail(m, status) : NS_OK;
     }
     if (m->live.at_event) {
@@ -299,7 +335,7 @@ int ns_flight_go(ns_flight *f, double t, ns_until until) {
         stop = until == NS_TO_EVENT;
     }
     /* each event takes a few steps; the scheme has what takes more of them than it would */
-    f->budget = 100000 + (long)fmin(1e12, 20000 * (t - f->t) / m->h);
+    f->budget = 4000 + f->patience + (long)fmin(1e12, 4000 * (t - f->t) / m->h);
     ns_laps_lost(f);
     while (status == NS_OK && !stuck && !stop && f->t < t) {
         if (until == NS_TO_TIME && ns_laps_fly(f, t))
@@ -313,6 +349,7 @@ int ns_flight_go(ns_flight *f, double t, ns_until until) {
         f->status = NS_OK;
     }
     if (status == NS_E_LIMIT) {
+        f->patience /= 2;
         stuck = 1;
         status = NS_OK;
     }

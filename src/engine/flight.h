@@ -17,7 +17,7 @@
 #include <stdint.h>
 
 /* What is over within h 2^-this is instantaneous; events are in a row if they come that soon. */
-enum { NS_INSTANT_RUNG = 25 };
+enum { NS_INSTANT_RUNG = 23 };
 /* Samples of the guards in a leg, its longest length with guards and without, in h 2^k; legs of recurring
  * lengths that a level keeps; levels of a mode; modes that follow one. */
 enum { NS_SAMPLES = 8, NS_GUARDED = 5, NS_UNGUARDED = 40, NS_KEPT = 16, NS_LEVELS = 4, NS_FOLLOWERS = 8 };
@@ -75,6 +75,13 @@ enum { NS_FLIGHT_BUCKETS = 256 };
 /* The goal of a command that just changes. */
 enum { NS_TOGGLES = 9 };
 
+/* What a flight remembers besides the stepper's past: as it was accepted. */
+typedef struct ns_flight_past {
+    double grounded, rest, event_t;
+    long patience;
+    int stuck, crowd;
+} ns_flight_past;
+
 struct ns_flight {
     ns_march *m;
     ns_theta *s;
@@ -99,11 +106,12 @@ struct ns_flight {
     const ns_flight_mode *doubted_at; /* in this mode; NULL: there is none */
     double slack;                     /* s: how well the instant of an event is known */
     double event_t;                   /* the last event, */
-    long budget;                      /* steps that are left */
+    long budget, patience;            /* steps that are left; that may be wasted */
     int crowd;                        /* and how many in a row came at once after another */
     double *X;                        /* q: w, v */
     double *most;                     /* r: the largest |w| so far */
     ns_laps laps;
+    ns_flight_past kept;
     /* work */
     double *next;                           /* q */
     double *left;                           /* q */
@@ -119,6 +127,7 @@ struct ns_flight {
     unsigned char *closed, *flip;           /* nc */
     unsigned char *turns;                   /* nc: how often a command changed in this event, */
     ns_mode *goal;                          /* nc: and to what it does next */
+    int timed;                              /* no command changes where the state likes: nothing chatters */
     unsigned char *acting;                  /* nz: inputs that anything depends on */
     ns_mode *want;                          /* m */
     ns_impulse to;                          /* its arrays follow in one block */
@@ -192,6 +201,9 @@ int ns_flight_go(ns_flight *f, double t, ns_until until);
 /* The consistent state at m->live.t, with m->step just started: in no time.  Errors: those of the impulse
  * problem. */
 int ns_flight_settle(ns_flight *f);
+/* The trial is accepted; it is dropped. */
+void ns_flight_keep(ns_flight *f);
+void ns_flight_drop(ns_flight *f);
 /* 1 if it has nothing to say at m->live; when that will be over. */
 int ns_flight_grounded(const ns_flight *f);
 double ns_flight_back(const ns_flight *f);

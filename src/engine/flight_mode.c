@@ -182,7 +182,8 @@ static int build(ns_flight *f, ns_flight_mode *k) {
     double *room = malloc(sizeof *room * (2 * (size_t)r + 1));
     ns_rate *rate = malloc(sizeof *rate * ((size_t)all + 1));
     ns_stage *probe = NULL;
-    const double guess = f->guess < f->m->h / 64 ? f->m->h : f->guess; /* shorter ones see nothing slow */
+    /* shorter ones see nothing slow, longer ones nothing fast */
+    const double guess = f->guess < f->m->h / 64 || f->guess > f->m->h ? f->m->h : f->guess;
     int status = room && rate ? ns_stage_build(f->s, f->exo, guess / NS_POLE, k->mode, &probe) : NS_E_MEMORY;
     const int count = status == NS_OK ? list_rates(f, probe, rate, room, &k->instant, &status) : 0;
     if (status == NS_OK)

@@ -62,19 +62,11 @@ void ns_laps_leg(ns_flight *f, const ns_level *level, const ns_leg *leg) {
     }
 }
 
-/* Commands by the state change where they like. */
-static int by_time(const ns_system *s) {
-    for (int c = 0; c < s->nc; c++)
-        if (s->command[c].gx)
-            return 0;
-    return 1;
-}
-
 void ns_laps_way(ns_flight *f) {
     ns_laps *l = &f->laps;
     if (!l->open || l->way)
         return;
-    l->open = by_time(f->m->s);
+    l->open = f->timed;
     if (!l->open || (l->steps == l->stretch && !add(f)))
         return;
     l->steps = l->stretch + 1; /* its inputs are those of the first leg since the event */

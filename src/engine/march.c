@@ -61,6 +61,8 @@ static void go_back(ns_march *m) {
         m->live = m->kept;
         memcpy(m->flip, m->kept_flip, (size_t)m->s->nc);
         m->corner = -INFINITY;
+        if (m->flight)
+            ns_flight_drop(m->flight);
     }
     m->moved = m->has_trial = 0;
 }
@@ -113,7 +115,8 @@ static int go_to(ns_march *m, double t, ns_until until) {
     while (status == NS_OK && m->live.t < t) {
         if (flying(m)) {
             status = ns_flight_go(m->flight, t, until);
-            if (ns_choice_tires(m))
+            m->tired = ns_choice_tires(m);
+            if (m->tired)
                 return NS_E_LIMIT;
             const int there = m->live.at_event || m->live.t == m->kept.t;
             if (until == NS_TO_EVENT && flying(m) && (from_event || there))
@@ -149,6 +152,7 @@ static int try_densely(ns_march *m, double t, ns_until until, double *reached) {
     const int again = m->has_trial && (t == m->live.t || (t == m->asked && until == m->until));
     if (!again) {
         go_back(m);
+        m->step->failed = 0;
         const int status = go_to(m, t, until);
         if (status != NS_OK) {
             go_back(m);
@@ -174,7 +178,7 @@ int ns_march_try(ns_march *m, double t, ns_until until, double *reached) {
         if (m->sparse && !(ns_choice_leaves(m, status) && (status = ns_choice_leave(m)) == NS_OK))
             return status;
         status = try_densely(m, t, until, reached);
-        if (status == NS_OK || round > 0 || !ns_choice_tires(m))
+        if (status == NS_OK || round > 0 || !m->tired)
             return status;
     }
 }
@@ -190,6 +194,8 @@ int ns_march_accept(ns_march *m) {
         return NS_E_STATE;
     ns_theta_save(m->step, m->past);
     m->kept = m->live;
+    if (m->flight)
+        ns_flight_keep(m->flight);
     memcpy(m->kept_flip, m->flip, (size_t)m->s->nc);
     m->moved = m->has_trial = 0;
     return NS_OK;

@@ -51,6 +51,7 @@ struct ns_march {
     struct ns_flight *flight; /* NULL: all steps are the scheme's */
     ns_march_options options;
     double h;
+    int tired;          /* the way that was tried gets stuck too often */
     double back, pause; /* when the sparse engine may be asked again, s; how long that was put off */
     ns_counts before;   /* of engines that handed over */
     long seen_events, seen_modes;    /* when it was last looked whether modes recur */
@@ -89,7 +90,7 @@ int ns_choice_leave(ns_march *m);
 /* From the accepted point of the dense engines on the sparse one goes, if it left long enough ago, or if most
  * events come to modes never seen. */
 void ns_choice_return(ns_march *m);
-/* 1 if that is due because the way that is tried gets stuck often. */
+/* 1 if that is due because the way that is tried gets stuck often, and no switch chatters. */
 int ns_choice_tires(const ns_march *m);
 /* Of all that went before, and of this. */
 void ns_choice_sum(const ns_march *m, ns_counts *counts);

@@ -374,7 +374,7 @@ int ns_stage_rates(const ns_stage *k, double *re, double *im) {
     for (int i = 0; i < r && status == NS_OK; i++) {
         const double a = 1 + re[i], b = im[i], size = a * a + b * b;
         const int near = size < 1e-15; /* rounding might give it any rate, of any sign */
-        const int dies = a > 2 * fabs(b) && size > 1e-18;
+        const int dies = a > 2 * fabs(b) && size > 1e-16;
         const double x = re[i];
         re[i] = near && !dies ? -INFINITY : (x * a + b * b) / size / k->g; /* d / (1 + d) */
         im[i] = near && !dies ? 0 : b / size / k->g;
