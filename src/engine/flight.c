@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Events in a row: they accumulate, or chatter. */
+/* Events in a row that come sooner after each other than h 2^-20: they accumulate, or chatter. */
 enum { NS_PILE = 40 };
 /* Steps that a way may take beyond what the scheme would; half as many each time that was in vain. */
 enum { NS_PATIENCE = 100000 };
@@ -229,7 +229,7 @@ static void pass(ns_flight *f, const ns_instant *what) {
 }
 
 static void count(ns_flight *f) {
-    const double near = ldexp(f->m->h, f->timed ? -NS_INSTANT_RUNG : -NS_EVENT_RUNG);
+    const double near = f->m->h / (1 << NS_EVENT_RUNG);
     f->m->events++;
     f->crowd = f->t - f->event_t < near ? f->crowd + 1 : 0;
     f->event_t = f->t;

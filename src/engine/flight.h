@@ -16,8 +16,6 @@
 
 #include <stdint.h>
 
-/* What is over within h 2^-this is instantaneous; events are in a row if they come that soon. */
-enum { NS_INSTANT_RUNG = 23 };
 /* Samples of the guards in a leg, its longest length with guards and without, in h 2^k; legs of recurring
  * lengths that a level keeps; levels of a mode; modes that follow one. */
 enum { NS_SAMPLES = 8, NS_GUARDED = 5, NS_UNGUARDED = 40, NS_KEPT = 16, NS_LEVELS = 4, NS_FOLLOWERS = 8 };

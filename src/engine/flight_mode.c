@@ -1,7 +1,7 @@
 /* src/engine/flight_mode.c - modes that were met, each with its levels: stages as short as its rates ask for.
  *
  * After a discontinuity what is fast must be resolved until it has died out; from then on what is slower sets
- * the pace.  What dies out within 2^-NS_INSTANT_RUNG of the marcher's h is taken for instantaneous.
+ * the pace.  What dies out within a millionth of the marcher's h is taken for instantaneous.
  */
 #include "flight.h"
 
@@ -112,7 +112,7 @@ static int by_size(const void *a, const void *b) {
 static int list_rates(const ns_flight *f, const ns_stage *stage, ns_rate *rate, double *room, int *at_once,
                       int *status) {
     double *re = room, *im = room + stage->r;
-    const double instant = ldexp(f->m->h, -NS_INSTANT_RUNG);
+    const double instant = ldexp(f->m->h, -NS_EVENT_RUNG);
     int count = 0;
     *status = ns_stage_rates(stage, re, im);
     for (int i = 0; i < stage->r && *status == NS_OK; i++) {

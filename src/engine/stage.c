@@ -373,11 +373,14 @@ int ns_stage_rates(const ns_stage *k, double *re, double *im) {
     free(D);
     for (int i = 0; i < r && status == NS_OK; i++) {
         const double a = 1 + re[i], b = im[i], size = a * a + b * b;
-        const int near = size < 1e-15; /* rounding might give it any rate, of any sign */
-        const int dies = a > 2 * fabs(b) && size > 1e-16;
+        if (size < 1e-15) { /* its rounding would give it any rate, of any sign */
+            re[i] = -INFINITY;
+            im[i] = 0;
+            continue;
+        }
         const double x = re[i];
-        re[i] = near && !dies ? -INFINITY : (x * a + b * b) / size / k->g; /* d / (1 + d) */
-        im[i] = near && !dies ? 0 : b / size / k->g;
+        re[i] = (x * a + b * b) / size / k->g; /* d / (1 + d) */
+        im[i] = b / size / k->g;
     }
     return status;
 }
