@@ -57,6 +57,28 @@ static inline void go(rig *k, double t) {
     assert_int_equal(ns_march_read(k->m, NULL, k->x, NULL, NULL), NS_OK);
 }
 
+/* go(), where events may crowd and a call ends before t, or it is refused: its status. */
+static inline int go_on(rig *k, double t) {
+    double reached = -INFINITY;
+    while (reached < t) {
+        const int status = ns_march_try(k->m, t, NS_TO_TIME, &reached);
+        if (status != NS_OK)
+            return status;
+        assert_int_equal(ns_march_accept(k->m), NS_OK);
+    }
+    return ns_march_read(k->m, NULL, k->x, NULL, NULL);
+}
+
+/* The largest difference of a and b (count), of what there was so far in b, 1 at least. */
+static inline double apart(int count, const double *a, const double *b) {
+    double most = 1, worst = 0;
+    for (int i = 0; i < count; i++) {
+        most = fmax(most, fabs(b[i]));
+        worst = fmax(worst, fabs(a[i] - b[i]) / most);
+    }
+    return worst;
+}
+
 static inline double current(const rig *k, int id) {
     return k->x[ns_circuit_current_unknown(k->c, id)];
 }
