@@ -205,7 +205,7 @@ static int hand_over(ns_march *m) {
 int ns_choice_tires(const ns_march *m) {
     enum { OFTEN = 64 };
     return m->options.method == NS_AUTO && m->pause == 0 && !m->kept.at_event && m->flight &&
-           m->flight->timed && m->flight->stuck >= OFTEN;
+           m->flight->timed && m->flight->past.stuck >= OFTEN;
 }
 
 void ns_choice_return(ns_march *m) {

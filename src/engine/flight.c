@@ -50,22 +50,18 @@ static int allocate(ns_flight *f) {
 }
 
 void ns_flight_keep(ns_flight *f) {
-    f->kept = (ns_flight_past){f->grounded, f->rest, f->event_t, f->patience, f->stuck, f->crowd};
+    f->kept = f->past;
 }
 
 void ns_flight_drop(ns_flight *f) {
-    f->grounded = f->kept.grounded;
-    f->rest = f->kept.rest;
-    f->event_t = f->kept.event_t;
-    f->patience = f->kept.patience;
-    f->stuck = f->kept.stuck;
-    f->crowd = f->kept.crowd;
+    f->past = f->kept;
     f->doubted_at = NULL;
 }
 
 /* It begins anew. */
 static void forget_past(ns_flight *f) {
-    f->kept = (ns_flight_past){-INFINITY, 0, -INFINITY, f->timed ? NS_PATIENCE : 0, 0, 0};
+    f->kept =
+        (ns_flight_past){.grounded = -INFINITY, .event_t = -INFINITY, .patience = f->timed ? NS_PATIENCE : 0};
     ns_flight_drop(f);
 }
 
@@ -123,11 +119,11 @@ void ns_flight_free(ns_flight *f) {
 }
 
 int ns_flight_grounded(const ns_flight *f) {
-    return f->m->live.t < f->grounded || f->m->live.t < f->exo->from;
+    return f->m->live.t < f->past.grounded || f->m->live.t < f->exo->from;
 }
 
 double ns_flight_back(const ns_flight *f) {
-    return fmax(f->grounded, f->exo->from);
+    return fmax(f->past.grounded, f->exo->from);
 }
 
 /* The inputs at t, on the side where the schedule stands. */
@@ -231,8 +227,8 @@ static void pass(ns_flight *f, const ns_instant *what) {
 static void count(ns_flight *f) {
     const double near = f->m->h / (1 << NS_EVENT_RUNG);
     f->m->events++;
-    f->crowd = f->t - f->event_t < near ? f->crowd + 1 : 0;
-    f->event_t = f->t;
+    f->past.crowd = f->t - f->past.event_t < near ? f->past.crowd + 1 : 0;
+    f->past.event_t = f->t;
 }
 
 /* The event here; *stuck: it is for the scheme, which gets m->flip. */
@@ -242,7 +238,7 @@ static int turn(ns_flight *f, int natural, int *stuck) {
     const int broken = f->broken;
     count(f);
     memcpy(f->flip, f->m->flip, nc);
-    const int status = f->crowd > NS_PILE ? NS_GUARD : ns_turn(f, natural);
+    const int status = f->past.crowd > NS_PILE ? NS_GUARD : ns_turn(f, natural);
     *stuck = status == NS_GUARD;
     if (*stuck)
         memcpy(f->m->flip, f->flip, nc);
@@ -304,15 +300,15 @@ static int leap(ns_flight *f, double t, ns_until until, int *stuck, int *stop) {
  * already, the shorter they count. */
 static void ground(ns_flight *f) {
     enum { MANY_RUNG = 10, LONG_RUNG = 6, FOR_GOOD = 64 };
-    const double h = f->m->h, least = ldexp(h, 2 - NS_EVENT_RUNG), flown = f->t - f->grounded;
+    const double h = f->m->h, least = ldexp(h, 2 - NS_EVENT_RUNG), flown = f->t - f->past.grounded;
     if (flown > h)
-        f->stuck /= 2;
-    const double few = f->timed ? ldexp(h, -MANY_RUNG) * (1 + f->stuck / FOR_GOOD) : h;
-    const int again = flown < fmax(f->rest, few);
-    f->rest = f->budget < 0 ? h : fmin(h, fmax(least, again ? 4 * f->rest : f->rest / 4));
-    f->stuck += f->rest > ldexp(h, -LONG_RUNG) ? FOR_GOOD : 1;
-    f->grounded = f->t + f->rest;
-    f->crowd = 0;
+        f->past.stuck /= 2;
+    const double few = f->timed ? ldexp(h, -MANY_RUNG) * (1 + f->past.stuck / FOR_GOOD) : h;
+    const int again = flown < fmax(f->past.rest, few);
+    f->past.rest = f->budget < 0 ? h : fmin(h, fmax(least, again ? 4 * f->past.rest : f->past.rest / 4));
+    f->past.stuck += f->past.rest > ldexp(h, -LONG_RUNG) ? FOR_GOOD : 1;
+    f->past.grounded = f->t + f->past.rest;
+    f->past.crowd = 0;
     for (int c = 0; c < f->m->s->nc; c++) { /* it knows no third mode */
         ns_mode *mode = &f->s->mode[f->m->s->command[c].pair];
         if (ns_slides(*mode))
@@ -335,7 +331,7 @@ int ns_flight_go(ns_flight *f, double t, ns_until until) {
         stop = until == NS_TO_EVENT;
     }
     /* each event takes a few steps; the scheme has what takes more of them than it would */
-    f->budget = 4000 + f->patience + (long)fmin(1e12, 4000 * (t - f->t) / m->h);
+    f->budget = 4000 + f->past.patience + (long)fmin(1e12, 4000 * (t - f->t) / m->h);
     ns_laps_lost(f);
     while (status == NS_OK && !stuck && !stop && f->t < t) {
         if (until == NS_TO_TIME && ns_laps_fly(f, t))
@@ -349,7 +345,7 @@ int ns_flight_go(ns_flight *f, double t, ns_until until) {
         f->status = NS_OK;
     }
     if (status == NS_E_LIMIT) {
-        f->patience /= 2;
+        f->past.patience /= 2;
         stuck = 1;
         status = NS_OK;
     }

@@ -73,11 +73,14 @@ enum { NS_FLIGHT_BUCKETS = 256 };
 /* The goal of a command that just changes. */
 enum { NS_TOGGLES = 9 };
 
-/* What a flight remembers besides the stepper's past: as it was accepted. */
+/* What a flight remembers besides the stepper's past. */
 typedef struct ns_flight_past {
-    double grounded, rest, event_t;
-    long patience;
-    int stuck, crowd;
+    double grounded; /* not before this time again, */
+    double rest;     /* which is this much after it was stuck, */
+    int stuck;       /* so often */
+    int crowd;       /* so many events in a row came at once after another, */
+    double event_t;  /* the last one here */
+    long patience;   /* steps that may be wasted */
 } ns_flight_past;
 
 struct ns_flight {
@@ -94,22 +97,17 @@ struct ns_flight {
     ns_flight_mode *at;
     double t, since;                 /* since: the last discontinuity */
     double past_t;                   /* what t lost in rounding: X is of t + past_t */
-    double grounded;                 /* not before this time again, */
-    double rest;                     /* which is this much after it was stuck, */
-    int stuck;                       /* so often; */
     int broken;                      /* the guard that broke last, -1: not known, */
     double broken_t;                 /* when */
     const ns_flight_mode *broken_at; /* and of what mode; all its levels have the same guards */
     int doubted; /* a guard that broke, which no other mode mended: it may be off by more, */
     const ns_flight_mode *doubted_at; /* in this mode; NULL: there is none */
     double slack;                     /* s: how well the instant of an event is known */
-    double event_t;                   /* the last event, */
-    long budget, patience;            /* steps that are left; that may be wasted */
-    int crowd;                        /* and how many in a row came at once after another */
+    long budget;                      /* steps that are left */
     double *X;                        /* q: w, v */
     double *most;                     /* r: the largest |w| so far */
     ns_laps laps;
-    ns_flight_past kept;
+    ns_flight_past past, kept; /* now; as it was accepted */
     /* work */
     double *next;                           /* q */
     double *left;                           /* q */

@@ -76,7 +76,7 @@ void ns_laps_way(ns_flight *f) {
 
 void ns_laps_broke(ns_flight *f, const ns_flight_mode *from, int guard) {
     ns_laps *l = &f->laps;
-    l->open = l->open && l->way && f->crowd == 0 && guard >= 0 && f->at != from;
+    l->open = l->open && l->way && f->past.crowd == 0 && guard >= 0 && f->at != from;
     if (!l->open)
         return;
     l->step[l->stretch].guard = guard;
@@ -93,7 +93,7 @@ static double slack_of(const ns_flight *f) {
 static int begin(ns_flight *f) {
     ns_laps *l = &f->laps;
     l->open = 0;
-    if (f->at->instant || f->crowd > 0)
+    if (f->at->instant || f->past.crowd > 0)
         return NS_OK;
     if (l->period == 0)
         l->period = ns_schedule_period(f->schedule);
@@ -247,7 +247,7 @@ static int make(ns_flight *f) {
 
 int ns_laps_instant(ns_flight *f) {
     ns_laps *l = &f->laps;
-    if (f->crowd > 0 || l->steps == l->stretch)
+    if (f->past.crowd > 0 || l->steps == l->stretch)
         l->open = 0;
     if (!l->open)
         return l->lap && f->t < l->again ? NS_OK : begin(f);
@@ -335,7 +335,7 @@ int ns_laps_fly(ns_flight *f, double t) {
         return 0;
     }
     l->refused = 0;
-    f->t = f->since = f->event_t = f->from = f->to_t = end;
+    f->t = f->since = f->past.event_t = f->from = f->to_t = end;
     f->doubted_at = NULL;
     f->broken = -1;
     ns_schedule_skip(f->schedule, f->t, lap->period);

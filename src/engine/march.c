@@ -115,7 +115,7 @@ static int go_to(ns_march *m, double t, ns_until until) {
     while (status == NS_OK && m->live.t < t) {
         if (flying(m)) {
             status = ns_flight_go(m->flight, t, until);
-            m->tired = ns_choice_tires(m);
+            m->tired = status == NS_OK && ns_choice_tires(m);
             if (m->tired)
                 return NS_E_LIMIT;
             const int there = m->live.at_event || m->live.t == m->kept.t;

@@ -18,7 +18,7 @@ typedef struct where {
 
 static where leave(const ns_flight *f, double *X) {
     memcpy(X, f->X, sizeof *X * (size_t)(f->s->r + f->exo->nv));
-    return (where){f->at,    f->t,      f->since,  f->past_t,   f->event_t,
+    return (where){f->at,    f->t,      f->since,  f->past_t,   f->past.event_t,
                    f->slack, f->broken, f->budget, f->s->counts};
 }
 
@@ -28,7 +28,7 @@ static void go_back(ns_flight *f, const where *w, const double *X) {
     f->t = w->t;
     f->since = w->since;
     f->past_t = w->past_t;
-    f->event_t = w->event_t;
+    f->past.event_t = w->event_t;
     f->slack = w->slack;
     f->broken = w->broken;
     f->budget = w->budget;
@@ -46,7 +46,7 @@ static int pass(ns_flight *f, const ns_lap_step *s, ns_flight_mode *to, const do
     if (s->event)
         memcpy(f->X + f->s->r, v, sizeof *v * (size_t)f->exo->nv);
     const int holds = ns_turn_again(f, to, !s->event);
-    f->since = f->event_t = f->t;
+    f->since = f->past.event_t = f->t;
     return holds;
 }
 
