@@ -89,3 +89,11 @@ void ns_blame_name(const ns_blame *b, const ns_mlcp *p, const ns_mlcp_solver *so
     (void)ns_lu_factor(lu, p->m, p->W, NULL, NULL); /* for its scaling */
     name_rows(b, v, ns_lu_rows(lu), to);
 }
+
+int ns_blame_infinite(int n, const double *v, int *index) {
+    int count = 0;
+    for (int i = 0; v && i < n && count < NS_FAULT_MAX; i++)
+        if (!isfinite(v[i]))
+            index[count++] = i;
+    return count;
+}

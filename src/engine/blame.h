@@ -18,4 +18,7 @@ typedef struct ns_blame {
 void ns_blame_name(const ns_blame *b, const ns_mlcp *p, const ns_mlcp_solver *solver, const ns_fault *from,
                    ns_lu *lu, ns_fault *to);
 
+/* The first few (NS_FAULT_MAX) of v (n, or NULL) that are not finite, into index; how many. */
+int ns_blame_infinite(int n, const double *v, int *index);
+
 #endif

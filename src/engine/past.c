@@ -1,4 +1,5 @@
 /* src/engine/past.c - the accepted point: saved, restored, put beyond a jump, read. */
+#include "blame.h"
 #include "stepper.h"
 
 #include <math.h>
@@ -111,23 +112,14 @@ void ns_theta_put(ns_theta *s, const double *w, const double *at, const ns_mode 
     put(s, at, at + s->s->n, mode, z);
 }
 
-/* The first few of v (n, or NULL) that are not finite; returns how many. */
-static int list_infinite(int n, const double *v, int *index) {
-    int count = 0;
-    for (int i = 0; v && i < n && count < NS_FAULT_MAX; i++)
-        if (!isfinite(v[i]))
-            index[count++] = i;
-    return count;
-}
-
 /* What only follows from the state may overflow before it does.  y may be NULL. */
 static int check_read(ns_theta *s, const double *y) {
     const int n = s->s->n, m = s->s->m;
     ns_fault found = {.t = s->fault.t};
-    found.nunknowns = list_infinite(n, s->sol, found.unknown);
-    found.npairs = list_infinite(m, s->sol + n, found.pair);
+    found.nunknowns = ns_blame_infinite(n, s->sol, found.unknown);
+    found.npairs = ns_blame_infinite(m, s->sol + n, found.pair);
     if (found.nunknowns + found.npairs == 0)
-        found.npairs = list_infinite(m, y, found.pair);
+        found.npairs = ns_blame_infinite(m, y, found.pair);
     if (found.nunknowns + found.npairs == 0)
         return NS_OK;
     s->fault = found;

@@ -1,8 +1,22 @@
 /* src/engine/sparse_read.c - the point that the sparse marcher has come to, and what it cost. */
+#include "blame.h"
 #include "sparse_march.h"
 
 #include <math.h>
 #include <string.h>
+
+/* What only follows from the state may overflow before it does: it is named, and read all the same. */
+static int check_read(ns_sparse *m, double at, const double *x, const double *lambda, const double *y) {
+    ns_fault found = {.status = NS_E_OVERFLOW, .t = at};
+    found.nunknowns = ns_blame_infinite(m->aside->whole->n, x, found.unknown);
+    found.npairs = ns_blame_infinite(m->f->m, lambda, found.pair);
+    if (found.nunknowns + found.npairs == 0)
+        found.npairs = ns_blame_infinite(m->f->m, y, found.pair);
+    if (found.nunknowns + found.npairs == 0)
+        return NS_OK;
+    m->fault = found;
+    return NS_E_OVERFLOW;
+}
 
 int ns_sparse_read(ns_sparse *m, double *t, double *x, double *lambda, double *y) {
     if (!m)
@@ -30,7 +44,7 @@ int ns_sparse_read(ns_sparse *m, double *t, double *x, double *lambda, double *y
         memcpy(lambda, m->v + m->f->n, sizeof(double) * (size_t)m->f->m);
     for (int j = 0; y && j < m->f->m; j++)
         y[j] = m->live->mode[j] == NS_INSIDE ? 0 : ns_form_y(m->f, j, m->v, m->z, 1);
-    return NS_OK;
+    return check_read(m, at, x, lambda, y);
 }
 
 const ns_mode *ns_sparse_mode(const ns_sparse *m) {
