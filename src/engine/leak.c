@@ -21,8 +21,11 @@ enum { ALIKE = 5 };
 /* Leaks of this share leave K_g this much worse than the circuit is without what they settle. */
 static const double rcond_min = 1e-15;
 /* Leaks take this share of what is there, or the next: small enough that each round gains digits of
- * everything that matters more, large enough to leave K_g some digits. */
-static const double shares[] = {1e-10, 1e-13};
+ * everything that matters more, large enough to leave K_g some digits.  Between a charge that hardly flows
+ * in a step and a resistance of next to nothing that may be lost in one of the two: so the last is to be seen
+ * in every row. */
+enum { EVERYWHERE = 2 };
+static const double shares[] = {1e-10, 1e-13, 1e-10}, most = 1e-2;
 
 /* The rounds end when a residual is some eps of the largest unknown, in the units of the factors, in every
  * term of its row.  They have converged if that came about, or if next to nothing of the right-hand side is
@@ -30,26 +33,53 @@ static const double shares[] = {1e-10, 1e-13};
  * in every round, to whatever size, and so do unknowns that matter less than the leaks. */
 static const double rounding = 1e-15, left_over = 1e-12, last_move = 1e-2;
 
-double ns_leak_across(const ns_theta *s, double ht, int j, double share) {
+static double least_of(double a, double b) {
+    return b > 0 ? fmin(a, b) : a;
+}
+
+/* The largest entry of 1 siemens across pair j; *least: of those that are not zero. */
+static double entry_across(const ns_theta *s, double ht, int j, double *least) {
     const int n = s->s->n, m = s->s->m;
     const double *rows = ns_lu_rows(s->lu), *units = ns_lu_units(s->lu);
-    double high_row = 0, high_column = 0;
+    double high_row = 0, high_column = 0, low_row = INFINITY, low_column = INFINITY;
     for (int i = 0; i < n; i++) {
-        high_row = fmax(high_row, (i < s->r ? ht : 1) * fabs(s->B[i + j * n]) * rows[i]);
-        high_column = fmax(high_column, fabs(s->s->C[j + i * m]) * units[i]);
+        const double row = (i < s->r ? ht : 1) * fabs(s->B[i + j * n]) * rows[i];
+        const double column = fabs(s->s->C[j + i * m]) * units[i];
+        high_row = fmax(high_row, row);
+        high_column = fmax(high_column, column);
+        low_row = least_of(low_row, row);
+        low_column = least_of(low_column, column);
     }
-    const double entry = high_row * high_column;
+    *least = low_row * low_column;
+    return high_row * high_column;
+}
+
+double ns_leak_across(const ns_theta *s, double ht, int j, double share) {
+    double least;
+    const double entry = entry_across(s, ht, j, &least);
     return entry > 0 && isfinite(share / entry) ? share / entry : 0;
+}
+
+/* Of that share wherever it enters, where that is not more than `most` elsewhere. */
+static double leak_everywhere(const ns_theta *s, double ht, int j, double share) {
+    double least;
+    const double entry = entry_across(s, ht, j, &least), leak = fmin(share / least, most / entry);
+    return entry > 0 && isfinite(leak) ? leak : 0;
 }
 
 double ns_leak_series(const ns_theta *s, int row, double share) {
     return share / (ns_lu_rows(s->lu)[row] * ns_lu_units(s->lu)[row]);
 }
 
-static void find_leaks(const ns_theta *s, const ns_leaks *leaks, double share) {
+static void find_leaks(const ns_theta *s, const ns_leaks *leaks, int attempt) {
+    const double share = shares[attempt];
     for (int j = 0, row = s->s->n; j < s->s->m; j++)
-        leaks->of[j] = leaks->mode[j] == NS_INSIDE ? ns_leak_series(s, row++, share)
-                                                   : ns_leak_across(s, leaks->ht, j, share);
+        if (leaks->mode[j] == NS_INSIDE)
+            leaks->of[j] = ns_leak_series(s, row++, share);
+        else if (attempt == EVERYWHERE)
+            leaks->of[j] = leak_everywhere(s, leaks->ht, j, share);
+        else
+            leaks->of[j] = ns_leak_across(s, leaks->ht, j, share);
 }
 
 /* s->K becomes K_g. */
@@ -152,13 +182,13 @@ static int solve_columns(ns_theta *s, int size, int nrhs, const double *K, doubl
     return status;
 }
 
-/* With leaks of one share; K: (P2) without, rhs: its right-hand sides, followed by room for two columns. */
-static int solve_with(ns_theta *s, const ns_leaks *leaks, int size, int nrhs, double share, const double *K,
+/* K: (P2) without leaks, rhs: its right-hand sides, followed by room for two columns. */
+static int solve_with(ns_theta *s, const ns_leaks *leaks, int size, int nrhs, int attempt, const double *K,
                       double *rhs) {
     const size_t count = (size_t)size * (size_t)nrhs;
     double rcond = 0;
     memcpy(s->X, rhs, sizeof(double) * count);
-    find_leaks(s, leaks, share);
+    find_leaks(s, leaks, attempt);
     add_leaks(s, leaks, size);
     s->counts.factors++;
     const int status = ns_lu_factor(s->lu, size, s->K, &rcond, NULL);
@@ -176,9 +206,9 @@ int ns_leak_solve(ns_theta *s, const ns_leaks *leaks, int nj, int nrhs) {
     memcpy(K, s->K, sizeof(double) * square);
     memcpy(K + square, s->X, sizeof(double) * count);
     int status = NS_E_SINGULAR;
-    for (int k = 0; k < 2 && status == NS_E_SINGULAR; k++) {
+    for (int k = 0; k <= EVERYWHERE && status == NS_E_SINGULAR; k++) {
         (void)ns_lu_factor(s->lu, size, K, NULL, NULL); /* for the scaling of K itself */
-        status = solve_with(s, leaks, size, nrhs, shares[k], K, K + square);
+        status = solve_with(s, leaks, size, nrhs, k, K, K + square);
         memcpy(s->K, K, sizeof(double) * square);
     }
     free(K);
