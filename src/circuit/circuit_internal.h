@@ -107,6 +107,10 @@ void ns_stamp_add(const stamp *to, matrix which, int i, int j, double value);
 /* The commands of all switches (control.c).  Errors: MEMORY. */
 int ns_stamp_commands(const stamp *to);
 
+/* Resistors that leaks at their nodes would be lost beside get their currents as unknowns (part.c).  Errors:
+ * MEMORY. */
+int ns_part_resistors(ns_circuit *c);
+
 /* Parts without any connection to ground get one (gauge.c).  Errors: MEMORY. */
 int ns_stamp_gauge(const stamp *to);
 

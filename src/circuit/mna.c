@@ -2,7 +2,9 @@
  *
  * Rows of the nodes say that the currents leaving sum to zero: capacitors in M, the others with minus sign in
  * A, b, E, B.  Rows of the currents are the laws of their elements: L di/dt = v_p - v_n, or for sources
- * 0 = value - (v_p - v_n).  A diode is its leak 1/roff beside a pair:
+ * 0 = value - (v_p - v_n), and for a few resistors 0 = R i - (v_p - v_n) (part.c).
+ *
+ * A diode is its leak 1/roff beside a pair:
  *     i = lambda + v/roff,    y = (vf + ron lambda)/(1 - ron/roff) - v >= 0,
  * so v = vf + ron i where it conducts, and the line has a kink and no jump; breakdown is a second pair.
  */
@@ -134,6 +136,15 @@ static void stamp_controlled(const stamp *to, const element *e) {
     }
 }
 
+static void stamp_resistor(const stamp *to, const element *e) {
+    if (e->current < 0) {
+        conductance(to, e, 1 / e->value);
+    } else {
+        const int row = voltage(to, e);
+        ns_stamp_add(to, IN_A, row, row, e->value);
+    }
+}
+
 static void stamp_capacitor(const stamp *to, const element *e) {
     leaves(to, e, IN_M, row_of(to, e->node[0]), -e->value);
     leaves(to, e, IN_M, row_of(to, e->node[1]), e->value);
@@ -177,11 +188,7 @@ static void stamp_switch(const stamp *to, const element *e) {
 static void stamp_element(const stamp *to, const element *e) {
     switch (e->kind) {
     case RESISTOR:
-        if (e->value != 0) {
-            conductance(to, e, 1 / e->value);
-        } else {
-            voltage(to, e);
-        }
+        stamp_resistor(to, e);
         break;
     case CAPACITOR:
         stamp_capacitor(to, e);
@@ -275,6 +282,9 @@ int ns_circuit_system(ns_circuit *c, ns_system **out) {
     }
     if ((status = ns_check_inductances(c))) {
         return status;
+    }
+    if ((status = ns_part_resistors(c))) {
+        return ns_complain(c, status, "%s", ns_status_text(status));
     }
     if ((status = make(c, &s)) || (status = ns_system_check(s, &fault))) {
         char where[160] = "";

@@ -1,0 +1,69 @@
+/* src/circuit/part.c - resistors next to nothing beside what leaks at their nodes.
+ *
+ * A node's row sums up the conductances at it, in a double: of a leak of 1 Gohm beside 1 uohm hardly a digit
+ * is left, and what floats behind open switches is held by nothing else.  Such a resistor gets a row of its
+ * own, 0 = R i - (v_p - v_n), and its current an unknown: then no row sums up the two.
+ */
+#include <math.h>
+#include <stdlib.h>
+
+#include "circuit/circuit_internal.h"
+
+/* Conductances that far apart are not summed up: of the smaller one a sum loses a ten-thousandth at most. */
+static const double apart = 1e12;
+
+static double siemens_of(const element *e) {
+    switch (e->kind) {
+    case RESISTOR:
+        return e->value != 0 ? fabs(1 / e->value) : 0;
+    case DIODE:
+        return 1 / e->diode.roff;
+    case SWITCH:
+        return 1 / e->sw.roff;
+    default:
+        return 0;
+    }
+}
+
+/* least[row]: the smallest conductance at that node. */
+static void find_least(const ns_circuit *c, double *least) {
+    for (int i = 0; i < c->nused; i++) {
+        least[i] = INFINITY;
+    }
+    for (int k = 0; k < c->nelements; k++) {
+        const element *e = &c->element[k];
+        const double siemens = siemens_of(e);
+        for (int end = 0; end < 2 && siemens > 0; end++) {
+            const int row = ns_circuit_node_unknown(c, e->node[end]);
+            if (row >= 0) {
+                least[row] = fmin(least[row], siemens);
+            }
+        }
+    }
+}
+
+static int stands_apart(const ns_circuit *c, const element *e, const double *least) {
+    const double siemens = e->kind == RESISTOR && e->current < 0 ? siemens_of(e) : 0;
+    for (int end = 0; end < 2 && siemens > 0; end++) {
+        const int row = ns_circuit_node_unknown(c, e->node[end]);
+        if (row >= 0 && siemens / apart > least[row]) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+int ns_part_resistors(ns_circuit *c) {
+    double *least = malloc(((size_t)c->nused + 1) * sizeof *least);
+    if (!least) {
+        return NS_E_MEMORY;
+    }
+    find_least(c, least);
+    for (int k = 0; k < c->nelements; k++) {
+        if (stands_apart(c, &c->element[k], least)) {
+            c->element[k].current = c->ncurrents++;
+        }
+    }
+    free(least);
+    return NS_OK;
+}
