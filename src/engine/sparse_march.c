@@ -232,11 +232,21 @@ static int step_on(ns_sparse *m) {
     return NS_OK;
 }
 
+/* Through the event here and those that follow it in no time, to the right side of the last. */
+static int pass_events(ns_sparse *m) {
+    const double t = m->live_t;
+    int status = NS_OK;
+    do
+        status = go_on(m);
+    while (status == NS_OK && m->live_t == t && ns_sparse_at_event(m));
+    return status;
+}
+
 static int go_to(ns_sparse *m, double t, ns_until until) {
     const double from = m->live_t;
     m->budget = 100000 + (long)fmin(1e12, 20000 * (t - from) / m->o.h);
     if (until == NS_TO_EVENT && ns_sparse_at_event(m))
-        return go_on(m);
+        return pass_events(m);
     while (m->live_t < t) {
         if (m->live_t < m->live->end_t) {
             move_to(m, t);
@@ -246,7 +256,7 @@ static int go_to(ns_sparse *m, double t, ns_until until) {
                 return status;
         }
         if (until == NS_TO_EVENT && ns_sparse_at_event(m))
-            return m->live_t > from ? NS_OK : go_on(m);
+            return m->live_t > from ? NS_OK : pass_events(m);
     }
     return NS_OK;
 }
