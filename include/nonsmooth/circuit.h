@@ -88,8 +88,9 @@ const char *ns_circuit_message(const ns_circuit *c);
 /* Makes (S1)-(S4) of the circuit as it is now; the caller frees it.  A switch whose control is set by
  * sources through a path of independent voltage sources gets a command with gx NULL (time only).  A part of
  * the circuit that no element connects with ground gets 1 S from one of its nodes to ground, which carries no
- * current and puts that node at 0 V; an .ic marks the node to take.  A resistor of less than 1e-10 of another
- * one at its nodes, or of a roff, gets its current as an unknown, after those there are.
+ * current and puts that node at 0 V; an .ic marks the node to take.  A resistor that is less than
+ * 1e-6 of another one or a ron at its nodes, or 1e-12 of a roff, gets its current as an unknown, after those
+ * there are.
  * Errors: NULL, RANGE (coupling factors that let the stored energy be negative), MEMORY, those of
  * ns_system_check(). */
 int ns_circuit_system(ns_circuit *c, ns_system **out);

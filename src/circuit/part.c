@@ -1,7 +1,8 @@
-/* src/circuit/part.c - resistors next to nothing beside what leaks at their nodes.
+/* src/circuit/part.c - resistors next to nothing beside what else is at their nodes.
  *
  * A node's row sums up the conductances at it, in a double: of a leak of 1 Gohm beside 1 uohm hardly a digit
- * is left, and what floats behind open switches is held by nothing else.  Such a resistor gets a row of its
+ * is left, and what floats behind open switches is held by nothing else; and what 1 nohm makes of the
+ * rounding of its voltage are currents that others would need a volt for.  Such a resistor gets a row of its
  * own, 0 = R i - (v_p - v_n), and its current an unknown: then no row sums up the two.
  */
 #include <math.h>
@@ -9,17 +10,23 @@
 
 #include "circuit/circuit_internal.h"
 
-/* Conductances that far apart are not summed up: of the smaller one a sum loses a ten-thousandth at most. */
-static const double apart = 1e12;
+/* Conductances that far apart are not summed up; for leaks, which need not be known as well, that many times
+ * as far. */
+static const double apart = 1e6, leak = 1e6;
 
+static double least_of_device(double ron, double roff) {
+    return isinf(roff) ? 1 / ron : fmin(1 / ron, leak / roff);
+}
+
+/* 0: none. */
 static double siemens_of(const element *e) {
     switch (e->kind) {
     case RESISTOR:
         return e->value != 0 ? fabs(1 / e->value) : 0;
     case DIODE:
-        return 1 / e->diode.roff;
+        return least_of_device(e->diode.ron, e->diode.roff);
     case SWITCH:
-        return 1 / e->sw.roff;
+        return least_of_device(e->sw.ron, e->sw.roff);
     default:
         return 0;
     }

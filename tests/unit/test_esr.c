@@ -79,6 +79,16 @@ static void doubles(void **state) {
             }
 }
 
+/* Less than a millionth of ron: no sum of conductances rounds what drives a current through it. */
+static void doubles_exactly(void **state) {
+    enum { CYCLES = 10 };
+    const double v = 2 * volts * (1 - pow(c2 / (c1 + c2), CYCLES));
+    (void)state;
+    for (int i = 0; i < METHODS; i++)
+        for (double esr = 1e-8; esr > 1e-16; esr /= 10)
+            assert_true(fabs(doubled(methods[i], esr, INFINITY, CYCLES) - v) < 1e-8);
+}
+
 /* 1e15 of esr: a sum of conductances does not tell the leak. */
 static void held(int method, double esr, double roff) {
     const double farads = 1e-3 / roff;
@@ -110,6 +120,7 @@ static void holds(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(doubles), cmocka_unit_test(holds)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(doubles), cmocka_unit_test(doubles_exactly),
+                                       cmocka_unit_test(holds)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
