@@ -9,21 +9,23 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* What of its column makes a pivot suspect; what of its terms is rounding. */
-static const double suspect = 1e-10, rounding = 1e-13;
+/* What of its column makes a pivot suspect; what of its terms is rounding; what of its column is the product
+ * of two such, which their own size does not tell. */
+static const double suspect = 1e-10, rounding = 1e-13, nothing = 1e-28;
 
-static int any_suspect(int n, const int *start, const int *row, const double *value, const klu_symbolic *s,
+/* The smallest pivot, of the entries of its column. */
+static double smallest(int n, const int *start, const int *row, const double *value, const klu_symbolic *s,
                        const klu_numeric *f) {
     const double *diagonal = f->Udiag;
+    double least = INFINITY;
     for (int j = 0; j < n; j++) {
         const int column = s->Q[j];
         double most = 0;
         for (int k = start[column]; k < start[column + 1]; k++)
             most = fmax(most, fabs(value[k]) / f->Rs[f->Pinv[row[k]]]);
-        if (fabs(diagonal[j]) < suspect * most)
-            return 1;
+        least = fmin(least, fabs(diagonal[j]) / most);
     }
-    return 0;
+    return least;
 }
 
 typedef struct triangles {
@@ -71,8 +73,9 @@ int ns_pivots_vanish(int n, const int *start, const int *row, const double *valu
                      klu_numeric *numeric, klu_common *common) {
     const size_t l = (size_t)numeric->lnz, u = (size_t)numeric->unz, all = (size_t)n;
     int any = 0;
-    if (!any_suspect(n, start, row, value, symbolic, numeric))
-        return 0;
+    const double least = smallest(n, start, row, value, symbolic, numeric);
+    if (!(least < suspect) || least < nothing)
+        return least < nothing;
     int *ints = calloc(2 * l + u + 3 * (all + 1) + 1, sizeof *ints);
     double *doubles = calloc(2 * l + u + all + 1, sizeof *doubles);
     if (ints && doubles) {
