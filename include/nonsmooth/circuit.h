@@ -90,7 +90,7 @@ const char *ns_circuit_message(const ns_circuit *c);
  * the circuit that no element connects with ground gets 1 S from one of its nodes to ground, which carries no
  * current and puts that node at 0 V; an .ic marks the node to take.  A resistor that is less than
  * 1e-6 of another one or a ron at its nodes, or 1e-12 of a roff, gets its current as an unknown, after those
- * there are.
+ * there are; and so does every other one that is no more than a thousand times as large.
  * Errors: NULL, RANGE (coupling factors that let the stored energy be negative), MEMORY, those of
  * ns_system_check(). */
 int ns_circuit_system(ns_circuit *c, ns_system **out);

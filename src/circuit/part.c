@@ -13,6 +13,9 @@
 /* Conductances that far apart are not summed up; for leaks, which need not be known as well, that many times
  * as far. */
 static const double apart = 1e6, leak = 1e6;
+/* Where one resistor is next to nothing, those of the like elsewhere, that many times as large at most, are.
+ */
+static const double alike = 1e3;
 
 static double least_of_device(double ron, double roff) {
     return isinf(roff) ? 1 / ron : fmin(1 / ron, leak / roff);
@@ -50,14 +53,25 @@ static void find_least(const ns_circuit *c, double *least) {
 }
 
 static int stands_apart(const ns_circuit *c, const element *e, const double *least) {
-    const double siemens = e->kind == RESISTOR && e->current < 0 ? siemens_of(e) : 0;
-    for (int end = 0; end < 2 && siemens > 0; end++) {
+    for (int end = 0; end < 2; end++) {
         const int row = ns_circuit_node_unknown(c, e->node[end]);
-        if (row >= 0 && siemens / apart > least[row]) {
+        if (row >= 0 && siemens_of(e) / apart > least[row]) {
             return 1;
         }
     }
     return 0;
+}
+
+/* The smallest conductance of a resistor that stands apart; INFINITY: none does. */
+static double find_smallest(const ns_circuit *c, const double *least) {
+    double smallest = INFINITY;
+    for (int k = 0; k < c->nelements; k++) {
+        const element *e = &c->element[k];
+        if (e->kind == RESISTOR && stands_apart(c, e, least)) {
+            smallest = fmin(smallest, siemens_of(e));
+        }
+    }
+    return smallest;
 }
 
 int ns_part_resistors(ns_circuit *c) {
@@ -66,9 +80,11 @@ int ns_part_resistors(ns_circuit *c) {
         return NS_E_MEMORY;
     }
     find_least(c, least);
+    const double smallest = find_smallest(c, least);
     for (int k = 0; k < c->nelements; k++) {
-        if (stands_apart(c, &c->element[k], least)) {
-            c->element[k].current = c->ncurrents++;
+        element *e = &c->element[k];
+        if (e->kind == RESISTOR && e->current < 0 && siemens_of(e) * alike >= smallest) {
+            e->current = c->ncurrents++;
         }
     }
     free(least);
