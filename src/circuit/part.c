@@ -83,7 +83,7 @@ int ns_part_resistors(ns_circuit *c) {
     const double smallest = find_smallest(c, least);
     for (int k = 0; k < c->nelements; k++) {
         element *e = &c->element[k];
-        if (e->kind == RESISTOR && e->current < 0 && siemens_of(e) * alike >= smallest) {
+        if (e->kind == RESISTOR && e->current < 0 && siemens_of(e) >= smallest / alike) {
             e->current = c->ncurrents++;
         }
     }
