@@ -54,7 +54,7 @@ $(NG)/stamp:
 
 # --- library ---------------------------------------------------------------------------------------------
 
-SRC := $(filter-out src/tool/%,$(wildcard src/*/*.c))
+SRC := $(filter-out src/tool/%,$(wildcard src/*/*.c src/*/*/*.c))
 OBJ := $(SRC:%.c=$(B)/obj/%.o)
 
 lib: $(B)/libnonsmooth.a $(B)/libnonsmooth.so
@@ -308,7 +308,7 @@ picture: deps # the drawing that README shows
 
 # --- style -----------------------------------------------------------------------------------------------
 
-C_FILES := $(wildcard include/*.h include/*/*.h src/*/*.[ch] codemodels/bridge/*.[ch] tests/*/*.[ch])
+C_FILES := $(wildcard include/*.h include/*/*.h src/*/*.[ch] src/*/*/*.[ch] codemodels/bridge/*.[ch] tests/*/*.[ch])
 TIDY_FILES := $(filter %.c,$(C_FILES))
 TIDY_FLAGS := -std=c11 -Iinclude -Isrc -Itests/unit $(NG_INCLUDE)
 

@@ -10,7 +10,7 @@
  *   impulse.h  what jumps at an instant (J1)-(J4)
  *   march.h    many steps: events located, jumps resolved, outputs on both sides of a jump
  *   model.h    (S1)-(S4) with nonlinear f, g, h and their Jacobians
- *   newton.h   one theta-gamma step of a model, (T1)-(T5) around (P1)
+ *   newton_internal.h   one theta-gamma step of a model, (T1)-(T5) around (P1)
  *   circuit.h  R, L, C, K, sources, ideal diodes and switches -> (S1)-(S3)
  *
  * The library never prints, never exits, keeps no global state.  Matrices are dense, column by

@@ -191,7 +191,7 @@ static int take_right_side(native *b) {
     return same;
 }
 
-/* Where an input only turns, currents that are its rate jump (a capacitor straight across a source): flight
+/* Where an input only turns, currents that are its rate jump (a capacitor straight across a source): exact
  * has an event there, others go on.  1 if so: the right side is tried. */
 static int turns_here(native *b, double t) {
     static const double seen = 1e-4; /* far above what a steep waveform does meanwhile */
@@ -217,7 +217,7 @@ static int turns_here(native *b, double t) {
 /* 1 if the accepted point is a corner of an input that was no event. */
 static int at_mere_corner(const native *b) {
     return points_at_events(b->ckt, &b->plan) && same_time(b->t, b->plan.next) &&
-           ns_march_engine(b->engine.march) != NS_FLIGHT && !ns_march_at_event(b->engine.march);
+           ns_march_engine(b->engine.march) != NS_EXACT && !ns_march_at_event(b->engine.march);
 }
 
 /* An event that is as good as here (ngspice cannot step there) is accepted, and the way after it tried. */

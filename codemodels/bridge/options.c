@@ -11,7 +11,7 @@ void options_default(options *o) {
 static const struct {
     const char *word;
     ns_method method;
-} methods[] = {{"auto", NS_AUTO}, {"theta", NS_THETA}, {"flight", NS_FLIGHT}, {"sparse", NS_SPARSE}};
+} methods[] = {{"auto", NS_AUTO}, {"theta", NS_THETA}, {"exact", NS_EXACT}, {"sparse", NS_SPARSE}};
 
 const char *options_method(ns_method method) {
     for (size_t i = 0; i < sizeof methods / sizeof methods[0]; i++) {
@@ -33,7 +33,7 @@ static int read_method(const MIFinstance *inst, ns_method *method, char *line, s
             return OK;
         }
     }
-    snprintf(line, size, "%s: method=%s is %s; auto, theta, flight and sparse are there", inst->MIFname, word,
+    snprintf(line, size, "%s: method=%s is %s; auto, theta, exact and sparse are there", inst->MIFname, word,
              strcmp(word, "hosted") == 0 ? "not there yet" : "unknown");
     return strcmp(word, "hosted") == 0 ? E_UNSUPP : E_PARMVAL;
 }

@@ -20,10 +20,10 @@ typedef struct ns_march ns_march;
 
 /* What goes the way between events. */
 typedef enum ns_method {
-    NS_AUTO,   /* flight or sparse, by size and by what was seen; the scheme where events crowd */
-    NS_THETA,  /* steps of the scheme, the documents' own, of one length; see also `capture` */
-    NS_FLIGHT, /* exact, by matrices of each mode that are kept; the scheme where events crowd */
-    NS_SPARSE  /* exact to reltol, by one sparse factor a mode; for thousands of unknowns */
+    NS_AUTO,  /* exact or sparse, by size and by what was seen; the scheme where events crowd */
+    NS_THETA, /* steps of the scheme, the documents' own, of one length; see also `capture` */
+    NS_EXACT, /* exact, by matrices of each mode that are kept; the scheme where events crowd */
+    NS_SPARSE /* exact to reltol, by one sparse factor a mode; for thousands of unknowns */
 } ns_method;
 
 typedef struct ns_march_options {

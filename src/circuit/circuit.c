@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "circuit/circuit_internal.h"
+#include "circuit_internal.h"
 
 int ns_circuit_create(ns_circuit **out) {
     if (!out) {
@@ -20,7 +20,7 @@ int ns_circuit_create(ns_circuit **out) {
 static void free_element(element *e) {
     free(e->name);
     free(e->terms);
-    ns_signal_release(&e->signal);
+    ns_system_signal_release(&e->signal);
 }
 
 void ns_circuit_free(ns_circuit *c) {
@@ -43,7 +43,7 @@ const char *ns_circuit_message(const ns_circuit *c) {
     return c ? c->message : "";
 }
 
-int ns_complain(ns_circuit *c, int status, const char *format, ...) {
+int ns_circuit_complain(ns_circuit *c, int status, const char *format, ...) {
     va_list arguments;
     int wanted;
     va_start(arguments, format);
@@ -98,7 +98,7 @@ static char *copy_text(const char *text) {
     return copy ? memcpy(copy, text, bytes) : NULL;
 }
 
-int ns_find_node(const ns_circuit *c, int number, int *found) {
+int ns_circuit_find_node(const ns_circuit *c, int number, int *found) {
     int low = 0, high = c->nnodes;
     while (low < high) {
         int middle = low + (high - low) / 2;
@@ -114,7 +114,7 @@ int ns_find_node(const ns_circuit *c, int number, int *found) {
 
 /* The node, made if there is none yet; room must have been reserved. */
 static node_info *have_node(ns_circuit *c, int number) {
-    int found, i = ns_find_node(c, number, &found);
+    int found, i = ns_circuit_find_node(c, number, &found);
     if (!found) {
         memmove(&c->node[i + 1], &c->node[i], (size_t)(c->nnodes - i) * sizeof *c->node);
         c->node[i] =
@@ -131,10 +131,10 @@ int ns_circuit_name_node(ns_circuit *c, int node, const char *name) {
         return NS_E_NULL;
     }
     if (!name) {
-        return ns_complain(c, NS_E_NULL, "node %d: its name is missing", node);
+        return ns_circuit_complain(c, NS_E_NULL, "node %d: its name is missing", node);
     }
     if (node < 0) {
-        return ns_complain(c, NS_E_SIZE, "%.80s: number of node = %d must be at least 0", name, node);
+        return ns_circuit_complain(c, NS_E_SIZE, "%.80s: number of node = %d must be at least 0", name, node);
     }
     if (node == 0) {
         return NS_OK; /* ground appears in no message */
@@ -142,7 +142,7 @@ int ns_circuit_name_node(ns_circuit *c, int node, const char *name) {
     copy = copy_text(name);
     if (!copy || !reserve_nodes(c, 1)) {
         free(copy);
-        return ns_complain(c, NS_E_MEMORY, "node %d: out of memory", node);
+        return ns_circuit_complain(c, NS_E_MEMORY, "node %d: out of memory", node);
     }
     which = have_node(c, node);
     free(which->name);
@@ -155,13 +155,13 @@ int ns_circuit_node_ic(ns_circuit *c, int node, double volts) {
         return NS_E_NULL;
     }
     if (node <= 0) {
-        return ns_complain(c, NS_E_SIZE, "node %d: only nodes above 0 take an initial voltage", node);
+        return ns_circuit_complain(c, NS_E_SIZE, "node %d: only nodes above 0 take an initial voltage", node);
     }
     if (!isfinite(volts)) {
-        return ns_complain(c, NS_E_NUMBER, "node %d: ic = %g must be a finite number", node, volts);
+        return ns_circuit_complain(c, NS_E_NUMBER, "node %d: ic = %g must be a finite number", node, volts);
     }
     if (!reserve_nodes(c, 1)) {
-        return ns_complain(c, NS_E_MEMORY, "node %d: out of memory", node);
+        return ns_circuit_complain(c, NS_E_MEMORY, "node %d: out of memory", node);
     }
     have_node(c, node)->ic = volts;
     return NS_OK;
@@ -173,7 +173,7 @@ static int copy_element(const element *e, element *copy) {
     *copy = *e;
     copy->name = copy_text(e->name);
     copy->terms = bytes > 0 ? malloc(bytes) : NULL;
-    if (!copy->name || (bytes > 0 && !copy->terms) || ns_signal_copy(&e->signal, &copy->signal)) {
+    if (!copy->name || (bytes > 0 && !copy->terms) || ns_system_signal_copy(&e->signal, &copy->signal)) {
         free(copy->name);
         free(copy->terms);
         return NS_E_MEMORY;
@@ -219,14 +219,14 @@ static void commit(ns_circuit *c, element *e, needs wants) {
         }
     }
     c->element[c->nelements++] = *e;
-    ns_enter_name(c);
+    ns_circuit_enter_name(c);
 }
 
-int ns_add_element(ns_circuit *c, const element *e, needs wants, int *id) {
+int ns_circuit_add_element(ns_circuit *c, const element *e, needs wants, int *id) {
     element copy;
-    if (!reserve_element(c) || !reserve_nodes(c, e->nnodes + e->nterms) || ns_reserve_name(c) ||
+    if (!reserve_element(c) || !reserve_nodes(c, e->nnodes + e->nterms) || ns_circuit_reserve_name(c) ||
         copy_element(e, &copy)) {
-        return ns_complain(c, NS_E_MEMORY, "%.80s: out of memory", e->name);
+        return ns_circuit_complain(c, NS_E_MEMORY, "%.80s: out of memory", e->name);
     }
     commit(c, &copy, wants);
     if (id) {
@@ -240,7 +240,7 @@ int ns_circuit_node_unknown(const ns_circuit *c, int node) {
     if (!c) {
         return -1;
     }
-    place = ns_find_node(c, node, &found);
+    place = ns_circuit_find_node(c, node, &found);
     return found && c->node[place].used ? c->node[place].unknown : -1;
 }
 

@@ -68,29 +68,29 @@ struct ns_circuit {
 };
 
 /* Writes the message and returns status. */
-int ns_complain(ns_circuit *c, int status, const char *format, ...);
+int ns_circuit_complain(ns_circuit *c, int status, const char *format, ...);
 
 /* Adds a copy of *e, which must be right; its pointers stay the caller's.  Errors: MEMORY. */
-int ns_add_element(ns_circuit *c, const element *e, needs wants, int *id);
+int ns_circuit_add_element(ns_circuit *c, const element *e, needs wants, int *id);
 
 /* The place of a node in c->node, or where it would have to be. */
-int ns_find_node(const ns_circuit *c, int number, int *found);
+int ns_circuit_find_node(const ns_circuit *c, int number, int *found);
 
 /* 1/(1 - r/roff): a branch i = lambda + v/roff follows v = vk + r i as v = (vk + r lambda) times this. */
-double ns_kink_factor(double r, double roff);
+double ns_circuit_kink_factor(double r, double roff);
 
 /* Calls visit for every nonzero entry of the inductance matrix; row, column: numbers of inductors. */
-void ns_each_inductance(const ns_circuit *c, void (*visit)(void *to, int row, int column, double henries),
-                        void *to);
+void ns_circuit_each_inductance(const ns_circuit *c,
+                                void (*visit)(void *to, int row, int column, double henries), void *to);
 
 /* Refuses couplings that no windings can have.  Errors: RANGE, MEMORY, with a message. */
-int ns_check_inductances(ns_circuit *c);
+int ns_circuit_check_inductances(ns_circuit *c);
 
 /* The element of this name, or -1 (names.c). */
-int ns_find_name(const ns_circuit *c, const char *name);
+int ns_circuit_find_name(const ns_circuit *c, const char *name);
 /* Makes the last element be found by its name.  Room must have been reserved, for one more than there are. */
-int ns_reserve_name(ns_circuit *c); /* Errors: MEMORY */
-void ns_enter_name(ns_circuit *c);
+int ns_circuit_reserve_name(ns_circuit *c); /* Errors: MEMORY */
+void ns_circuit_enter_name(ns_circuit *c);
 
 /* Where elements leave their numbers: entries are added to the arrays of s, or, if it is large, to lists. */
 typedef enum matrix { IN_M, IN_A, IN_B, IN_C, IN_D, IN_E, IN_GX, IN_GZ, MATRICES } matrix;
@@ -102,16 +102,16 @@ typedef struct stamp {
 
 /* Entry (i,j) += value; ground (-1) has neither row nor column.  IN_GX, IN_GZ: of command j, whose arrays are
  * there. */
-void ns_stamp_add(const stamp *to, matrix which, int i, int j, double value);
+void ns_circuit_stamp_add(const stamp *to, matrix which, int i, int j, double value);
 
 /* The commands of all switches (control.c).  Errors: MEMORY. */
-int ns_stamp_commands(const stamp *to);
+int ns_circuit_stamp_commands(const stamp *to);
 
-/* Resistors that leaks at their nodes would be lost beside get their currents as unknowns (part.c).  Errors:
- * MEMORY. */
-int ns_part_resistors(ns_circuit *c);
+/* Resistors that leaks at their nodes would be lost beside get their currents as unknowns (tiny_resistor.c).
+ * Errors: MEMORY. */
+int ns_circuit_tiny_resistors(ns_circuit *c);
 
-/* Parts without any connection to ground get one (gauge.c).  Errors: MEMORY. */
-int ns_stamp_gauge(const stamp *to);
+/* Parts without any connection to ground get one (ground_reference.c).  Errors: MEMORY. */
+int ns_circuit_ground_reference(const stamp *to);
 
 #endif

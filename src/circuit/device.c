@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "circuit/circuit_internal.h"
+#include "circuit_internal.h"
 
 static double volts(const ns_circuit *c, int number, const double *x) {
     int index = ns_circuit_node_unknown(c, number);

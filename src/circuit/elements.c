@@ -2,27 +2,28 @@
 #include <math.h>
 #include <string.h>
 
-#include "circuit/circuit_internal.h"
+#include "circuit_internal.h"
 
 static const char must_finite[] = "must be a finite number", must_number[] = "must be a number";
 static const char must_positive[] = "must be positive", must_0[] = "must be at least 0";
 
 static int check_name(ns_circuit *c, const char *name) {
     if (!name) {
-        return ns_complain(c, NS_E_NULL, "element %d: its name is missing", c->nelements);
+        return ns_circuit_complain(c, NS_E_NULL, "element %d: its name is missing", c->nelements);
     }
     if (!*name) {
-        return ns_complain(c, NS_E_NAME, "element %d: its name is empty", c->nelements);
+        return ns_circuit_complain(c, NS_E_NAME, "element %d: its name is empty", c->nelements);
     }
-    return ns_find_name(c, name) < 0 ? NS_OK
-                                     : ns_complain(c, NS_E_NAME, "%.80s: this name is given twice", name);
+    return ns_circuit_find_name(c, name) < 0
+               ? NS_OK
+               : ns_circuit_complain(c, NS_E_NAME, "%.80s: this name is given twice", name);
 }
 
 static int check_nodes(ns_circuit *c, const element *e) {
     for (int i = 0; i < e->nnodes; i++) {
         if (e->node[i] < 0) {
-            return ns_complain(c, NS_E_SIZE, "%.80s: number of node = %d must be at least 0", e->name,
-                               e->node[i]);
+            return ns_circuit_complain(c, NS_E_SIZE, "%.80s: number of node = %d must be at least 0", e->name,
+                                       e->node[i]);
         }
     }
     return NS_OK;
@@ -34,7 +35,7 @@ static int start(ns_circuit *c, element *e, element_kind kind, const char *name,
     int status;
     memset(e, 0, sizeof *e);
     e->kind = kind;
-    e->name = (char *)name; /* copied by ns_add_element() */
+    e->name = (char *)name; /* copied by ns_circuit_add_element() */
     e->nnodes = nnodes;
     memcpy(e->node, nodes, (size_t)nnodes * sizeof *nodes);
     e->ic = NAN;
@@ -48,16 +49,17 @@ static int start(ns_circuit *c, element *e, element_kind kind, const char *name,
 
 static int refused(ns_circuit *c, const char *name, int status, const ns_refusal *why) {
     if (isnan(why->than)) {
-        return ns_complain(c, status, "%.80s: %s = %g %s", name, why->parameter, why->value, why->must);
+        return ns_circuit_complain(c, status, "%.80s: %s = %g %s", name, why->parameter, why->value,
+                                   why->must);
     }
-    return ns_complain(c, status, "%.80s: %s = %g %s = %g", name, why->parameter, why->value, why->must,
-                       why->than);
+    return ns_circuit_complain(c, status, "%.80s: %s = %g %s = %g", name, why->parameter, why->value,
+                               why->must, why->than);
 }
 
 static int check_finite(ns_circuit *c, const char *name, const char *parameter, double value) {
-    return isfinite(value)
-               ? NS_OK
-               : ns_complain(c, NS_E_NUMBER, "%.80s: %s = %g %s", name, parameter, value, must_finite);
+    return isfinite(value) ? NS_OK
+                           : ns_circuit_complain(c, NS_E_NUMBER, "%.80s: %s = %g %s", name, parameter, value,
+                                                 must_finite);
 }
 
 /* A size of a resistor, capacitor or inductor, and its initial condition. */
@@ -67,7 +69,7 @@ static int check_size(ns_circuit *c, const element *e, const char *parameter, in
         return status;
     }
     if (e->value < 0 && !negative_too) {
-        return ns_complain(c, NS_E_RANGE, "%.80s: %s = %g %s", e->name, parameter, e->value, must_0);
+        return ns_circuit_complain(c, NS_E_RANGE, "%.80s: %s = %g %s", e->name, parameter, e->value, must_0);
     }
     return isnan(e->ic) ? NS_OK : check_finite(c, e->name, "ic", e->ic);
 }
@@ -80,10 +82,10 @@ int ns_circuit_resistor(ns_circuit *c, const char *name, int p, int n, double oh
         return status;
     }
     if (ohms != 0 && !isfinite(1 / ohms)) {
-        return ns_complain(c, NS_E_RANGE, "%.80s: resistance = %g is too small to invert (0 is allowed)",
-                           name, ohms);
+        return ns_circuit_complain(
+            c, NS_E_RANGE, "%.80s: resistance = %g is too small to invert (0 is allowed)", name, ohms);
     }
-    return ns_add_element(c, &e, (needs){.currents = ohms == 0}, id);
+    return ns_circuit_add_element(c, &e, (needs){.currents = ohms == 0}, id);
 }
 
 int ns_circuit_capacitor(ns_circuit *c, const char *name, int p, int n, double farads, double ic, int *id) {
@@ -94,7 +96,7 @@ int ns_circuit_capacitor(ns_circuit *c, const char *name, int p, int n, double f
     if (status || (status = check_size(c, &e, "capacitance", 0))) {
         return status;
     }
-    return ns_add_element(c, &e, (needs){0}, id);
+    return ns_circuit_add_element(c, &e, (needs){0}, id);
 }
 
 int ns_circuit_inductor(ns_circuit *c, const char *name, int p, int n, double henries, double ic, int *id) {
@@ -105,19 +107,20 @@ int ns_circuit_inductor(ns_circuit *c, const char *name, int p, int n, double he
     if (status || (status = check_size(c, &e, "inductance", 0))) {
         return status;
     }
-    return ns_add_element(c, &e, (needs){.currents = 1}, id);
+    return ns_circuit_add_element(c, &e, (needs){.currents = 1}, id);
 }
 
 static int check_element(ns_circuit *c, const char *name, int of) {
     return of >= 0 && of < c->nelements
                ? NS_OK
-               : ns_complain(c, NS_E_SIZE, "%.80s: there is no element %d to refer to", name, of);
+               : ns_circuit_complain(c, NS_E_SIZE, "%.80s: there is no element %d to refer to", name, of);
 }
 
 static int check_inductor(ns_circuit *c, const char *name, int of) {
     int status = check_element(c, name, of);
     if (!status && c->element[of].kind != INDUCTOR) {
-        status = ns_complain(c, NS_E_SIZE, "%.80s: %.80s is not an inductor", name, c->element[of].name);
+        status =
+            ns_circuit_complain(c, NS_E_SIZE, "%.80s: %.80s is not an inductor", name, c->element[of].name);
     }
     return status;
 }
@@ -125,8 +128,9 @@ static int check_inductor(ns_circuit *c, const char *name, int of) {
 static int check_current(ns_circuit *c, const char *name, int of) {
     int status = check_element(c, name, of);
     if (!status && c->element[of].current < 0) {
-        status = ns_complain(c, NS_E_SIZE, "%.80s: the current of %.80s is not an unknown that can control",
-                             name, c->element[of].name);
+        status = ns_circuit_complain(c, NS_E_SIZE,
+                                     "%.80s: the current of %.80s is not an unknown that can control", name,
+                                     c->element[of].name);
     }
     return status;
 }
@@ -142,18 +146,19 @@ int ns_circuit_coupling(ns_circuit *c, const char *name, int l1, int l2, double 
         return status;
     }
     if (l1 == l2) {
-        return ns_complain(c, NS_E_SIZE, "%.80s: couples %.80s with itself", name, c->element[l1].name);
+        return ns_circuit_complain(c, NS_E_SIZE, "%.80s: couples %.80s with itself", name,
+                                   c->element[l1].name);
     }
     if (fabs(k) > 1) {
-        return ns_complain(c, NS_E_RANGE, "%.80s: coupling = %g must lie between -1 and 1", name, k);
+        return ns_circuit_complain(c, NS_E_RANGE, "%.80s: coupling = %g must lie between -1 and 1", name, k);
     }
-    return ns_add_element(c, &e, (needs){0}, id);
+    return ns_circuit_add_element(c, &e, (needs){0}, id);
 }
 
 static int check_output(ns_circuit *c, const char *name, ns_output kind) {
     return kind == NS_VOLTAGE || kind == NS_CURRENT
                ? NS_OK
-               : ns_complain(c, NS_E_RANGE, "%.80s: kind of output = %d is unknown", name, (int)kind);
+               : ns_circuit_complain(c, NS_E_RANGE, "%.80s: kind of output = %d is unknown", name, (int)kind);
 }
 
 int ns_circuit_source(ns_circuit *c, const char *name, ns_output kind, int p, int n, const ns_signal *s,
@@ -165,14 +170,15 @@ int ns_circuit_source(ns_circuit *c, const char *name, ns_output kind, int p, in
         return status;
     }
     if (!s) {
-        return ns_complain(c, NS_E_NULL, "%.80s: its signal is missing", name);
+        return ns_circuit_complain(c, NS_E_NULL, "%.80s: its signal is missing", name);
     }
-    if ((status = ns_signal_check_why(s, &why))) {
+    if ((status = ns_system_signal_check_why(s, &why))) {
         return refused(c, name, status, &why);
     }
     e.output = kind;
     e.signal = *s;
-    return ns_add_element(c, &e, (needs){.currents = kind == NS_VOLTAGE, .inputs = s->kind != NS_DC}, id);
+    return ns_circuit_add_element(c, &e, (needs){.currents = kind == NS_VOLTAGE, .inputs = s->kind != NS_DC},
+                                  id);
 }
 
 int ns_circuit_vcontrolled(ns_circuit *c, const char *name, ns_output kind, int p, int n, int cp, int cn,
@@ -184,7 +190,7 @@ int ns_circuit_vcontrolled(ns_circuit *c, const char *name, ns_output kind, int 
     }
     e.output = kind;
     e.value = gain;
-    return ns_add_element(c, &e, (needs){.currents = kind == NS_VOLTAGE}, id);
+    return ns_circuit_add_element(c, &e, (needs){.currents = kind == NS_VOLTAGE}, id);
 }
 
 int ns_circuit_icontrolled(ns_circuit *c, const char *name, ns_output kind, int p, int n, int by, double gain,
@@ -198,7 +204,7 @@ int ns_circuit_icontrolled(ns_circuit *c, const char *name, ns_output kind, int 
     e.output = kind;
     e.value = gain;
     e.by[0] = by;
-    return ns_add_element(c, &e, (needs){.currents = kind == NS_VOLTAGE}, id);
+    return ns_circuit_add_element(c, &e, (needs){.currents = kind == NS_VOLTAGE}, id);
 }
 
 static int check_term(ns_circuit *c, const char *name, const ns_term *t) {
@@ -209,8 +215,9 @@ static int check_term(ns_circuit *c, const char *name, const ns_term *t) {
     if (t->is_current) {
         return check_current(c, name, t->of);
     }
-    return t->of >= 0 ? NS_OK
-                      : ns_complain(c, NS_E_SIZE, "%.80s: number of node = %d %s", name, t->of, must_0);
+    return t->of >= 0
+               ? NS_OK
+               : ns_circuit_complain(c, NS_E_SIZE, "%.80s: number of node = %d %s", name, t->of, must_0);
 }
 
 int ns_circuit_linear(ns_circuit *c, const char *name, ns_output kind, int p, int n, double constant,
@@ -222,8 +229,8 @@ int ns_circuit_linear(ns_circuit *c, const char *name, ns_output kind, int p, in
         return status;
     }
     if (nterms < 0 || (nterms > 0 && !terms)) {
-        return ns_complain(c, nterms < 0 ? NS_E_SIZE : NS_E_NULL, "%.80s: its %d terms are missing", name,
-                           nterms);
+        return ns_circuit_complain(c, nterms < 0 ? NS_E_SIZE : NS_E_NULL, "%.80s: its %d terms are missing",
+                                   name, nterms);
     }
     for (int i = 0; i < nterms; i++) {
         if ((status = check_term(c, name, &terms[i]))) {
@@ -234,30 +241,31 @@ int ns_circuit_linear(ns_circuit *c, const char *name, ns_output kind, int p, in
     e.value = constant;
     e.nterms = nterms;
     e.terms = (ns_term *)terms; /* copied */
-    return ns_add_element(c, &e, (needs){.currents = kind == NS_VOLTAGE}, id);
+    return ns_circuit_add_element(c, &e, (needs){.currents = kind == NS_VOLTAGE}, id);
 }
 
-double ns_kink_factor(double r, double roff) {
+double ns_circuit_kink_factor(double r, double roff) {
     return isinf(roff) ? 1 : roff / (roff - r);
 }
 
 /* 0 <= r < roff, called r_name; 1/roff finite. */
 static int check_resistances(const char *r_name, double r, double roff, ns_refusal *why) {
     if (!isfinite(r)) {
-        return ns_refuse(why, NS_E_NUMBER, r_name, r, must_finite, NAN);
+        return ns_system_signal_refuse(why, NS_E_NUMBER, r_name, r, must_finite, NAN);
     }
     if (isnan(roff)) {
-        return ns_refuse(why, NS_E_NUMBER, "roff", roff, must_number, NAN);
+        return ns_system_signal_refuse(why, NS_E_NUMBER, "roff", roff, must_number, NAN);
     }
     if (r < 0) {
-        return ns_refuse(why, NS_E_RANGE, r_name, r, must_0, NAN);
+        return ns_system_signal_refuse(why, NS_E_RANGE, r_name, r, must_0, NAN);
     }
     if (!(roff > r)) {
-        return ns_refuse(why, NS_E_RANGE, "roff", roff,
-                         strcmp(r_name, "ron") ? "must be larger than rz" : "must be larger than ron", r);
+        return ns_system_signal_refuse(
+            why, NS_E_RANGE, "roff", roff,
+            strcmp(r_name, "ron") ? "must be larger than rz" : "must be larger than ron", r);
     }
     if (!isfinite(1 / roff)) {
-        return ns_refuse(why, NS_E_RANGE, "roff", roff, "is too small to invert", NAN);
+        return ns_system_signal_refuse(why, NS_E_RANGE, "roff", roff, "is too small to invert", NAN);
     }
     return NS_OK;
 }
@@ -265,17 +273,19 @@ static int check_resistances(const char *r_name, double r, double roff, ns_refus
 static int check_breakdown(const ns_diode *d, ns_refusal *why) {
     int status;
     if (isnan(d->vz)) {
-        return ns_refuse(why, NS_E_NUMBER, "vz", d->vz, must_number, NAN);
+        return ns_system_signal_refuse(why, NS_E_NUMBER, "vz", d->vz, must_number, NAN);
     }
     if (!(d->vz > 0)) {
-        return ns_refuse(why, NS_E_RANGE, "vz", d->vz, must_positive, NAN);
+        return ns_system_signal_refuse(why, NS_E_RANGE, "vz", d->vz, must_positive, NAN);
     }
     if (isinf(d->vz)) {
         return NS_OK; /* rz has no meaning */
     }
     status = check_resistances("rz", d->rz, d->roff, why);
-    if (!status && -d->vz * ns_kink_factor(d->rz, d->roff) >= d->vf * ns_kink_factor(d->ron, d->roff)) {
-        status = ns_refuse(why, NS_E_RANGE, "vz", d->vz, "must keep breakdown below conduction at vf", d->vf);
+    if (!status &&
+        -d->vz * ns_circuit_kink_factor(d->rz, d->roff) >= d->vf * ns_circuit_kink_factor(d->ron, d->roff)) {
+        status = ns_system_signal_refuse(why, NS_E_RANGE, "vz", d->vz,
+                                         "must keep breakdown below conduction at vf", d->vf);
     }
     return status;
 }
@@ -283,7 +293,7 @@ static int check_breakdown(const ns_diode *d, ns_refusal *why) {
 static int check_diode(const ns_diode *d, ns_refusal *why) {
     int status;
     if (!isfinite(d->vf)) {
-        return ns_refuse(why, NS_E_NUMBER, "vf", d->vf, must_finite, NAN);
+        return ns_system_signal_refuse(why, NS_E_NUMBER, "vf", d->vf, must_finite, NAN);
     }
     status = check_resistances("ron", d->ron, d->roff, why);
     return status ? status : check_breakdown(d, why);
@@ -297,24 +307,24 @@ int ns_circuit_diode(ns_circuit *c, const char *name, int anode, int cathode, co
         return status;
     }
     if (!d) {
-        return ns_complain(c, NS_E_NULL, "%.80s: its parameters are missing", name);
+        return ns_circuit_complain(c, NS_E_NULL, "%.80s: its parameters are missing", name);
     }
     if ((status = check_diode(d, &why))) {
         return refused(c, name, status, &why);
     }
     e.diode = *d;
-    return ns_add_element(c, &e, (needs){.pairs = isinf(d->vz) ? 1 : 2}, id);
+    return ns_circuit_add_element(c, &e, (needs){.pairs = isinf(d->vz) ? 1 : 2}, id);
 }
 
 static int check_switch(const ns_switch *s, ns_refusal *why) {
     if (!isfinite(s->vt)) {
-        return ns_refuse(why, NS_E_NUMBER, "vt", s->vt, must_finite, NAN);
+        return ns_system_signal_refuse(why, NS_E_NUMBER, "vt", s->vt, must_finite, NAN);
     }
     if (!isfinite(s->vh)) {
-        return ns_refuse(why, NS_E_NUMBER, "vh", s->vh, must_finite, NAN);
+        return ns_system_signal_refuse(why, NS_E_NUMBER, "vh", s->vh, must_finite, NAN);
     }
     if (s->vh < 0) {
-        return ns_refuse(why, NS_E_RANGE, "vh", s->vh, must_0, NAN);
+        return ns_system_signal_refuse(why, NS_E_RANGE, "vh", s->vh, must_0, NAN);
     }
     return check_resistances("ron", s->ron, s->roff, why);
 }
@@ -328,11 +338,11 @@ int ns_circuit_switch(ns_circuit *c, const char *name, int p, int n, int cp, int
         return status;
     }
     if (!s) {
-        return ns_complain(c, NS_E_NULL, "%.80s: its parameters are missing", name);
+        return ns_circuit_complain(c, NS_E_NULL, "%.80s: its parameters are missing", name);
     }
     if ((status = check_switch(s, &why))) {
         return refused(c, name, status, &why);
     }
     e.sw = *s;
-    return ns_add_element(c, &e, (needs){.pairs = 1, .commands = 1}, id);
+    return ns_circuit_add_element(c, &e, (needs){.pairs = 1, .commands = 1}, id);
 }

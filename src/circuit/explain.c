@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "circuit/circuit_internal.h"
+#include "circuit_internal.h"
 
 /* A line being written; len counts what there would be with enough room. */
 typedef struct writer {

@@ -8,10 +8,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "circuit/circuit_internal.h"
+#include "circuit_internal.h"
 
-void ns_each_inductance(const ns_circuit *c, void (*visit)(void *to, int row, int column, double henries),
-                        void *to) {
+void ns_circuit_each_inductance(const ns_circuit *c,
+                                void (*visit)(void *to, int row, int column, double henries), void *to) {
     for (int i = 0; i < c->nelements; i++) {
         const element *e = &c->element[i];
         if (e->kind == INDUCTOR) {
@@ -108,26 +108,27 @@ static int check(ns_circuit *c, int *place) {
         return NS_OK;
     }
     if (!a) {
-        return ns_complain(c, NS_E_MEMORY, "out of memory");
+        return ns_circuit_complain(c, NS_E_MEMORY, "out of memory");
     }
     fill(c, place, n, a);
     bad = indefinite_row(n, a);
     free(a);
     for (int i = 0; bad >= 0 && i < c->nelements; i++) {
         if (place[i] == bad) {
-            return ns_complain(c, NS_E_RANGE,
-                               "%.80s: its coupling factors and those of the inductors it is coupled with "
-                               "contradict each other (the stored energy could be negative)",
-                               c->element[i].name);
+            return ns_circuit_complain(
+                c, NS_E_RANGE,
+                "%.80s: its coupling factors and those of the inductors it is coupled with "
+                "contradict each other (the stored energy could be negative)",
+                c->element[i].name);
         }
     }
     return NS_OK;
 }
 
-int ns_check_inductances(ns_circuit *c) {
+int ns_circuit_check_inductances(ns_circuit *c) {
     int status, *place = calloc((size_t)c->nelements + 1, sizeof *place);
     if (!place) {
-        return ns_complain(c, NS_E_MEMORY, "out of memory");
+        return ns_circuit_complain(c, NS_E_MEMORY, "out of memory");
     }
     status = check(c, place);
     free(place);

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "circuit/circuit_internal.h"
+#include "circuit_internal.h"
 
 typedef struct fluxes {
     const ns_circuit *c;
@@ -11,7 +11,7 @@ typedef struct fluxes {
 } fluxes;
 
 static double node_volts(const ns_circuit *c, int number) {
-    int found, place = ns_find_node(c, number, &found);
+    int found, place = ns_circuit_find_node(c, number, &found);
     return found && !isnan(c->node[place].ic) ? c->node[place].ic : 0;
 }
 
@@ -46,7 +46,7 @@ int ns_circuit_rest(const ns_circuit *c, double *w0) {
             add_charge(c, &c->element[i], w0);
         }
     }
-    ns_each_inductance(c, add_flux, &to);
+    ns_circuit_each_inductance(c, add_flux, &to);
     return NS_OK;
 }
 

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "circuit/circuit_internal.h"
+#include "circuit_internal.h"
 
 /* FNV-1a */
 static size_t hash(const char *name) {
@@ -23,11 +23,11 @@ static size_t slot_of(const ns_circuit *c, const char *name) {
     return at;
 }
 
-int ns_find_name(const ns_circuit *c, const char *name) {
+int ns_circuit_find_name(const ns_circuit *c, const char *name) {
     return c->names.size > 0 ? c->names.slot[slot_of(c, name)] - 1 : -1;
 }
 
-int ns_reserve_name(ns_circuit *c) {
+int ns_circuit_reserve_name(ns_circuit *c) {
     const size_t want = 2 * ((size_t)c->nelements + 1);
     size_t size = c->names.size > 0 ? c->names.size : 16;
     if (want <= c->names.size) {
@@ -48,6 +48,6 @@ int ns_reserve_name(ns_circuit *c) {
     return NS_OK;
 }
 
-void ns_enter_name(ns_circuit *c) {
+void ns_circuit_enter_name(ns_circuit *c) {
     c->names.slot[slot_of(c, c->element[c->nelements - 1].name)] = c->nelements;
 }

@@ -26,7 +26,7 @@ struct ns_lu {
     short *e;
 };
 
-int ns_lu_create(int n, ns_lu **out) {
+int ns_linalg_lu_create(int n, ns_lu **out) {
     if (!out)
         return NS_E_NULL;
     *out = NULL;
@@ -42,7 +42,7 @@ int ns_lu_create(int n, ns_lu **out) {
     f->piv = malloc((2 * k + 1) * sizeof *f->piv);
     f->e = malloc((k * k + 1) * sizeof *f->e);
     if (!f->a || !f->r || !f->piv || !f->e) {
-        ns_lu_free(f);
+        ns_linalg_lu_free(f);
         return NS_E_MEMORY;
     }
     f->work = f->a + k * k;
@@ -55,7 +55,7 @@ int ns_lu_create(int n, ns_lu **out) {
     return NS_OK;
 }
 
-void ns_lu_free(ns_lu *f) {
+void ns_linalg_lu_free(ns_lu *f) {
     if (!f)
         return;
     free(f->a);
@@ -95,8 +95,8 @@ static double load(ns_lu *f, int n, const double *a) {
 
 /* The scaling by the best permutation, or one of largest entries: singular whatever its numbers are. */
 static void find_scaling(ns_lu *f, int n, const double *a) {
-    if (!ns_match_scale(n, a, f->r, f->c, f->e, f->match))
-        ns_equilibrate(n, a, n, f->r, f->c, f->e);
+    if (!ns_linalg_match_scale(n, a, f->r, f->c, f->e, f->match))
+        ns_linalg_equilibrate(n, a, n, f->r, f->c, f->e);
 }
 
 /* -(binary exponent) of a, 0 for 0. */
@@ -159,7 +159,7 @@ static int factor(ns_lu *f, int n, const double *a, const int *c, double *rcond,
     if (rcond)
         *rcond = n == 0 ? 1.0 : 0.0;
     f->n = 0;
-    if (!ns_finite((size_t)n * (size_t)n, a))
+    if (!ns_linalg_finite((size_t)n * (size_t)n, a))
         return NS_E_NUMBER;
     f->n = n;
     if (n == 0)
@@ -169,13 +169,13 @@ static int factor(ns_lu *f, int n, const double *a, const int *c, double *rcond,
     else
         find_scaling(f, n, a);
     f->norm = load(f, n, a);
-    const lapack_int info = n <= NS_SMALL ? ns_small_factor(n, f->a, f->piv)
+    const lapack_int info = n <= NS_SMALL ? ns_linalg_small_factor(n, f->a, f->piv)
                                           : LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, f->a, n, f->piv);
     f->match[2 * n] = 0;
     int at = smallest_pivot(f, &f->ratio);
     int bad = info != 0 || !(f->ratio > 1e-300);
     if (!bad && rcond) {
-        *rcond = ns_lu_rcond(f);
+        *rcond = ns_linalg_lu_rcond(f);
         bad = !(*rcond > 1e-300);
     }
     if (!bad)
@@ -185,22 +185,22 @@ static int factor(ns_lu *f, int n, const double *a, const int *c, double *rcond,
     return NS_E_SINGULAR;
 }
 
-double ns_lu_rcond(ns_lu *f) {
+double ns_linalg_lu_rcond(ns_lu *f) {
     double rcond = 1.0;
     if (f->n > 0)
         LAPACKE_dgecon_work(LAPACK_COL_MAJOR, '1', f->n, f->a, f->n, f->norm, &rcond, f->work, f->iwork);
     return rcond;
 }
 
-double ns_lu_pivots(const ns_lu *f) {
+double ns_linalg_lu_pivots(const ns_lu *f) {
     return f->n > 0 ? f->ratio : 1.0;
 }
 
-int ns_lu_factor(ns_lu *f, int n, const double *a, double *rcond, int *column) {
+int ns_linalg_lu_factor(ns_lu *f, int n, const double *a, double *rcond, int *column) {
     return factor(f, n, a, NULL, rcond, column);
 }
 
-int ns_lu_factor_quickly(ns_lu *f, int n, const double *a, const int *c, double *rcond) {
+int ns_linalg_lu_factor_quickly(ns_lu *f, int n, const double *a, const int *c, double *rcond) {
     return factor(f, n, a, c, rcond, NULL);
 }
 
@@ -217,53 +217,53 @@ static void solve(const ns_lu *f, char transposed, const double *from, const dou
         LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, transposed, n, nrhs, f->a, n, f->piv, b, n);
     else if (transposed == 'N') {
         if (nrhs > 1 && !f->match[2 * n])
-            ns_small_pattern(n, f->a, f->e, f->match);
+            ns_linalg_small_pattern(n, f->a, f->e, f->match);
         f->match[2 * n] |= nrhs > 1;
-        ns_small_solve(n, f->a, f->piv, f->e, f->match, nrhs, b);
+        ns_linalg_small_solve(n, f->a, f->piv, f->e, f->match, nrhs, b);
     } else
         for (int k = 0; k < nrhs; k++)
-            ns_small_solve_transposed(n, f->a, f->piv, b + k * n);
+            ns_linalg_small_solve_transposed(n, f->a, f->piv, b + k * n);
     for (int k = 0; k < nrhs; k++)
         for (int i = 0; i < n; i++)
             b[(size_t)i + (size_t)k * (size_t)n] *= to[i];
 }
 
-void ns_lu_solve(const ns_lu *f, int nrhs, double *b) {
+void ns_linalg_lu_solve(const ns_lu *f, int nrhs, double *b) {
     solve(f, 'N', f->rs, f->cs, nrhs, b);
 }
 
-void ns_lu_solve_transposed(const ns_lu *f, int nrhs, double *b) {
+void ns_linalg_lu_solve_transposed(const ns_lu *f, int nrhs, double *b) {
     solve(f, 'T', f->cs, f->rs, nrhs, b);
 }
 
-const double *ns_lu_rows(const ns_lu *f) {
+const double *ns_linalg_lu_rows(const ns_lu *f) {
     return f->rs;
 }
 
-const double *ns_lu_units(const ns_lu *f) {
+const double *ns_linalg_lu_units(const ns_lu *f) {
     return f->cs;
 }
 
-double ns_lu_largest(const ns_lu *f, const double *x) {
+double ns_linalg_lu_largest(const ns_lu *f, const double *x) {
     double most = 0.0;
     for (int i = 0; i < f->n; i++)
         most = fmax(most, fabs(x[i]) / f->cs[i]);
     return most;
 }
 
-double *ns_vector(size_t count, int *failed) {
+double *ns_linalg_vector(size_t count, int *failed) {
     double *v = calloc(count ? count : 1, sizeof(double));
     *failed |= !v;
     return v;
 }
 
-void ns_copy(size_t n, const double *x, double *y) {
+void ns_linalg_copy(size_t n, const double *x, double *y) {
     if (n > 0)
         memcpy(y, x, n * sizeof *y);
 }
 
 /* 0 times a finite number is 0, times NaN or infinity NaN. */
-int ns_finite(size_t n, const double *x) {
+int ns_linalg_finite(size_t n, const double *x) {
     double s[4] = {0.0, 0.0, 0.0, 0.0};
     size_t i = 0;
     for (; i + 4 <= n; i += 4)
@@ -274,13 +274,13 @@ int ns_finite(size_t n, const double *x) {
     return s[0] + s[1] + s[2] + s[3] == 0.0;
 }
 
-int ns_eigenvalues(int n, double *a, double *re, double *im) {
+int ns_linalg_eigenvalues(int n, double *a, double *re, double *im) {
     double none = 0;
     if (n == 0)
         return NS_OK;
-    if (!ns_finite((size_t)n * (size_t)n, a))
+    if (!ns_linalg_finite((size_t)n * (size_t)n, a))
         return NS_E_NUMBER;
-    if (n <= 2 && ns_small_eigenvalues(n, a, re, im))
+    if (n <= 2 && ns_linalg_small_eigenvalues(n, a, re, im))
         return NS_OK;
     const lapack_int info = LAPACKE_dgeev(LAPACK_COL_MAJOR, 'N', 'N', n, a, n, re, im, &none, 1, &none, 1);
     if (info == LAPACK_WORK_MEMORY_ERROR)
@@ -288,7 +288,7 @@ int ns_eigenvalues(int n, double *a, double *re, double *im) {
     return info == 0 ? NS_OK : NS_E_NUMBER;
 }
 
-void ns_exchange(int p, int q, double *T, int row, int col, double cancelled) {
+void ns_linalg_exchange(int p, int q, double *T, int row, int col, double cancelled) {
     double *e = T + (size_t)col * (size_t)p;
     const double pivot = e[row];
     for (int c = 0; c < q; c++) {

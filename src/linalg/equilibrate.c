@@ -59,7 +59,7 @@ static void sweep_rows(int n, const short *e, int *r, const int *c, int last) {
     }
 }
 
-void ns_equilibrate(int n, const double *a, int ld, int *r, int *c, short *e) {
+void ns_linalg_equilibrate(int n, const double *a, int ld, int *r, int *c, short *e) {
     int lo = INT_MAX, hi = INT_MIN;
     for (int j = 0; j < n; j++)
         for (int i = 0; i < n; i++) {

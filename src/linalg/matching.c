@@ -87,7 +87,7 @@ static int match_row(state *s, int i) {
 }
 
 /* NOLINTNEXTLINE(readability-non-const-parameter): work is written to through s */
-int ns_match_scale(int n, const double *a, int *r, int *c, short *e, int *work) {
+int ns_linalg_match_scale(int n, const double *a, int *r, int *c, short *e, int *work) {
     state s = {n,
                e,
                work,

@@ -25,7 +25,7 @@ static int decompose(int n, const double *a, const double *rows, const double *u
     return info == 0 ? NS_OK : info > 0 ? NS_E_NUMBER : NS_E_MEMORY;
 }
 
-int ns_null_weights(int n, const double *a, const double *rows, const double *units, double *weight) {
+int ns_linalg_null_weights(int n, const double *a, const double *rows, const double *units, double *weight) {
     const size_t m = (size_t)n;
     for (size_t j = 0; j < m; j++)
         weight[j] = 0;

@@ -1,10 +1,10 @@
 /* src/linalg/product.c - small matrix-vector products.
  *
- * Columns go by while the sums of some rows stay in registers (lanes.h).  Every row is summed up in the order
+ * Columns go by while the sums of some rows stay in registers (simd.h).  Every row is summed up in the order
  * of its columns, whatever the size and whatever the registers: results are the same on all machines.
  */
 #include "dense.h"
-#include "lanes.h"
+#include "simd.h"
 
 /* y = from + B z + A x, B and A side by side in that order of summing: what is known first comes first. */
 typedef struct factors {
@@ -20,19 +20,19 @@ typedef struct factors {
 /* Rows from i on, as many as `width` registers have, at most 8 of them: a constant. */
 ALWAYS_INLINE void block(int width, const factors *f, int i, double *y) {
     const double *a = f->a + i, *b = f->b + i;
-    ns_wide s[8], *to = (ns_wide *)(y + i);
+    ns_simd_wide s[8], *to = (ns_simd_wide *)(y + i);
     NS_UNROLL
     for (int k = 0; k < width; k++)
-        s[k] = f->from_y ? to[k] : (ns_wide){0};
+        s[k] = f->from_y ? to[k] : (ns_simd_wide){0};
     for (int j = 0; j < f->qz; j++, b += f->p) {
         NS_UNROLL
         for (int k = 0; k < width; k++)
-            s[k] += ((const ns_wide *)b)[k] * f->z[j];
+            s[k] += ((const ns_simd_wide *)b)[k] * f->z[j];
     }
     for (int j = 0; j < f->q; j++, a += f->p) {
         NS_UNROLL
         for (int k = 0; k < width; k++)
-            s[k] += ((const ns_wide *)a)[k] * f->x[j];
+            s[k] += ((const ns_simd_wide *)a)[k] * f->x[j];
     }
     NS_UNROLL
     for (int k = 0; k < width; k++)
@@ -69,12 +69,12 @@ ALWAYS_INLINE void few(int width, const factors *f, int i, double *y) {
 
 /* Half a register. */
 ALWAYS_INLINE void half(const factors *f, int i, double *y) {
-    ns_lanes s = f->from_y ? *(const ns_lanes *)(y + i) : (ns_lanes){0};
+    ns_simd s = f->from_y ? *(const ns_simd *)(y + i) : (ns_simd){0};
     for (int j = 0; j < f->qz; j++)
-        s += *(const ns_lanes *)(f->b + i + (size_t)j * (size_t)f->p) * f->z[j];
+        s += *(const ns_simd *)(f->b + i + (size_t)j * (size_t)f->p) * f->z[j];
     for (int j = 0; j < f->q; j++)
-        s += *(const ns_lanes *)(f->a + i + (size_t)j * (size_t)f->p) * f->x[j];
-    *(ns_lanes *)(y + i) = s;
+        s += *(const ns_simd *)(f->a + i + (size_t)j * (size_t)f->p) * f->x[j];
+    *(ns_simd *)(y + i) = s;
 }
 
 static inline void single(const factors *f, int i, double *y) {
@@ -108,13 +108,13 @@ NS_WIDE_TARGET static void wide(const factors *f, double *y) {
 }
 
 static inline void any(const factors *f, double *y) {
-    if (ns_is_wide())
+    if (ns_simd_is_wide())
         wide(f, y);
     else
         narrow(f, y);
 }
 
-void ns_matvec_add(int p, int q, const double *a, const double *x, double *y) {
+void ns_linalg_matvec_add(int p, int q, const double *a, const double *x, double *y) {
     const factors f = {p, q, 0, a, x, a, x, 1};
     if (q > 0)
         any(&f, y);
@@ -130,7 +130,7 @@ ALWAYS_INLINE void small(int p, int q, const double *a, const double *x, double 
         single(&f, i, y);
 }
 
-void ns_matvec(int p, int q, const double *a, const double *x, double *y) {
+void ns_linalg_matvec(int p, int q, const double *a, const double *x, double *y) {
     const factors f = {p, q, 0, a, x, a, x, 0};
     if (q == 0) /* a may be NULL */
         for (int i = 0; i < p; i++)
@@ -141,7 +141,8 @@ void ns_matvec(int p, int q, const double *a, const double *x, double *y) {
         any(&f, y);
 }
 
-void ns_matvec_two(int p, int q, const double *x, int qz, const double *z, const double *a, double *y) {
+void ns_linalg_matvec_two(int p, int q, const double *x, int qz, const double *z, const double *a,
+                          double *y) {
     const factors f = {p, q, qz, a, x, a + (size_t)p * (size_t)q, z, 0};
     any(&f, y);
 }

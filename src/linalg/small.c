@@ -1,7 +1,7 @@
 /* src/linalg/small.c - LU factors and eigenvalues of small matrices. */
 #include "small.h"
 
-#include "lanes.h"
+#include "simd.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -26,7 +26,7 @@ static inline void take_off(int n, double by, const double *x, double *y) {
         y[i] -= by * x[i];
 }
 
-int ns_small_factor(int n, double *a, int *piv) {
+int ns_linalg_small_factor(int n, double *a, int *piv) {
     int first = 0;
     for (int k = 0; k < n; k++) {
         double *col = a + k * n;
@@ -60,7 +60,7 @@ static void solve_one(int n, const double *a, const int *piv, double *b) {
     }
 }
 
-void ns_small_pattern(int n, const double *a, short *row, int *count) {
+void ns_linalg_small_pattern(int n, const double *a, short *row, int *count) {
     for (int k = 0; k < n; k++) {
         const double *col = a + k * n;
         short *of = row + k * n;
@@ -79,7 +79,7 @@ void ns_small_pattern(int n, const double *a, short *row, int *count) {
 }
 
 /* As many as a register holds, side by side. */
-ALWAYS_INLINE void substitute(int n, const double *a, const short *row, const int *count, ns_wide *b) {
+ALWAYS_INLINE void substitute(int n, const double *a, const short *row, const int *count, ns_simd_wide *b) {
     for (int k = 0; k < n; k++)
         for (int t = 0; t < count[2 * k]; t++)
             b[row[t + k * n]] -= a[row[t + k * n] + k * n] * b[k];
@@ -91,11 +91,11 @@ ALWAYS_INLINE void substitute(int n, const double *a, const short *row, const in
 }
 
 NS_WIDE_TARGET static void substitute_wide(int n, const double *a, const short *row, const int *count,
-                                           ns_wide *b) {
+                                           ns_simd_wide *b) {
     substitute(n, a, row, count, b);
 }
 
-static void substitute_narrow(int n, const double *a, const short *row, const int *count, ns_wide *b) {
+static void substitute_narrow(int n, const double *a, const short *row, const int *count, ns_simd_wide *b) {
     substitute(n, a, row, count, b);
 }
 
@@ -114,14 +114,14 @@ static void solve_beside(int n, const double *a, const int *piv, const short *ro
     for (int i = 0; i < n; i++)
         for (int c = 0; c < count; c++)
             beside[i * NS_WIDE + c] = b[from[i] + c * n];
-    (ns_is_wide() ? substitute_wide : substitute_narrow)(n, a, row, nonzeros, (ns_wide *)beside);
+    (ns_simd_is_wide() ? substitute_wide : substitute_narrow)(n, a, row, nonzeros, (ns_simd_wide *)beside);
     for (int i = 0; i < n; i++)
         for (int c = 0; c < count; c++)
             b[i + c * n] = beside[i * NS_WIDE + c];
 }
 
-void ns_small_solve(int n, const double *a, const int *piv, const short *row, const int *nonzeros, int nrhs,
-                    double *b) {
+void ns_linalg_small_solve(int n, const double *a, const int *piv, const short *row, const int *nonzeros,
+                           int nrhs, double *b) {
     for (int k = 0; k < nrhs; k += NS_WIDE) {
         const int count = nrhs - k < NS_WIDE ? nrhs - k : NS_WIDE;
         if (count == 1)
@@ -138,7 +138,7 @@ static double product(int n, const double *x, const double *y) {
     return sum;
 }
 
-void ns_small_solve_transposed(int n, const double *a, const int *piv, double *b) {
+void ns_linalg_small_solve_transposed(int n, const double *a, const int *piv, double *b) {
     for (int k = 0; k < n; k++)
         b[k] = (b[k] - product(k, a + k * n, b)) / a[k + k * n];
     for (int k = n - 1; k >= 0; k--)
@@ -148,7 +148,7 @@ void ns_small_solve_transposed(int n, const double *a, const int *piv, double *b
 }
 
 /* The larger of two real ones is a sum of numbers of one sign; the other is what makes up their product. */
-int ns_small_eigenvalues(int n, const double *a, double *re, double *im) {
+int ns_linalg_small_eigenvalues(int n, const double *a, double *re, double *im) {
     re[0] = a[0];
     im[0] = 0;
     if (n == 1)

@@ -26,7 +26,7 @@ static int grow(ns_entries *e) {
     return 1;
 }
 
-void ns_entries_add(ns_entries *e, int row, int column, double value) {
+void ns_linalg_entries_add(ns_entries *e, int row, int column, double value) {
     if (e->failed || (e->count == e->room && !grow(e))) {
         e->failed = 1;
         return;
@@ -36,7 +36,7 @@ void ns_entries_add(ns_entries *e, int row, int column, double value) {
     e->value[e->count++] = value;
 }
 
-void ns_entries_free(ns_entries *e) {
+void ns_linalg_entries_free(ns_entries *e) {
     free(e->row);
     free(e->column);
     free(e->value);
@@ -50,11 +50,11 @@ static int create(int rows, int columns, size_t count, ns_csc *a) {
     a->value = calloc(count + 1, sizeof(double));
     if (a->start && a->row && a->value)
         return NS_OK;
-    ns_csc_free(a);
+    ns_linalg_csc_free(a);
     return NS_E_MEMORY;
 }
 
-void ns_csc_free(ns_csc *a) {
+void ns_linalg_csc_free(ns_csc *a) {
     free(a->start);
     free(a->row);
     free(a->value);
@@ -96,7 +96,7 @@ static void add_doubles(ns_csc *a) {
 }
 
 /* Sorted by row first, then by column: both sorts keep the order of what is equal. */
-int ns_csc_of_entries(int rows, int columns, const ns_entries *e, ns_csc *out) {
+int ns_linalg_csc_of_entries(int rows, int columns, const ns_entries *e, ns_csc *out) {
     ns_csc by_row;
     *out = (ns_csc){0};
     if (e->failed || create(columns, rows, e->count, &by_row) != NS_OK)
@@ -110,14 +110,14 @@ int ns_csc_of_entries(int rows, int columns, const ns_entries *e, ns_csc *out) {
         by_row.value[at] = e->value[k];
     }
     step_back(rows, by_row.start);
-    const int status = ns_csc_transpose(&by_row, out);
-    ns_csc_free(&by_row);
+    const int status = ns_linalg_csc_transpose(&by_row, out);
+    ns_linalg_csc_free(&by_row);
     if (status == NS_OK)
         add_doubles(out);
     return status;
 }
 
-int ns_csc_of_dense(int rows, int columns, const double *a, ns_csc *out) {
+int ns_linalg_csc_of_dense(int rows, int columns, const double *a, ns_csc *out) {
     size_t count = 0;
     const size_t places = a ? (size_t)rows * (size_t)columns : 0;
     for (size_t k = 0; k < places; k++)
@@ -137,7 +137,7 @@ int ns_csc_of_dense(int rows, int columns, const double *a, ns_csc *out) {
     return NS_OK;
 }
 
-int ns_csc_transpose(const ns_csc *a, ns_csc *out) {
+int ns_linalg_csc_transpose(const ns_csc *a, ns_csc *out) {
     const int count = a->start[a->columns];
     if (create(a->columns, a->rows, (size_t)count, out) != NS_OK)
         return NS_E_MEMORY;
@@ -154,13 +154,13 @@ int ns_csc_transpose(const ns_csc *a, ns_csc *out) {
     return NS_OK;
 }
 
-void ns_csc_times_add(const ns_csc *a, const double *x, double *y) {
+void ns_linalg_csc_times_add(const ns_csc *a, const double *x, double *y) {
     for (int j = 0; j < a->columns; j++)
         for (int k = a->start[j]; x[j] != 0 && k < a->start[j + 1]; k++)
             y[a->row[k]] += a->value[k] * x[j];
 }
 
-double ns_csc_size(const ns_csc *a, int j, const double *x) {
+double ns_linalg_csc_size(const ns_csc *a, int j, const double *x) {
     double sum = 0;
     for (int k = a->start[j]; k < a->start[j + 1]; k++)
         sum += fabs(a->value[k] * x[a->row[k]]);

@@ -3,7 +3,8 @@
  * Factors with the pivots of another matrix are several times faster to get.  They are as good as fresh ones
  * unless entries grow: then, or where a pivot vanishes, pivots are chosen anew.
  *
- * Where a matrix is given that pivots may be chosen by for all of them (steady.h), these are tried first.
+ * Where a matrix is given that pivots may be chosen by for all of them (partial_refactor.h), these are tried
+ * first.
  *
  * Where the pattern that all matrices share fills up, as zeros on its diagonal turn pivots away from the
  * order that it was given, each matrix is taken apart by the places that are not zero in itself.
@@ -16,9 +17,9 @@
 #include <suitesparse/klu.h>
 
 #include "nonsmooth/status.h"
+#include "packed_triangular.h"
+#include "partial_refactor.h"
 #include "sparse_pivots.h"
-#include "steady.h"
-#include "sweep.h"
 
 struct ns_klu {
     int n, *start, *row, often_zero;
@@ -27,8 +28,8 @@ struct ns_klu {
     klu_symbolic *symbolic;
     int fills; /* factors of the shared pattern do */
     long fresh, again;
-    ns_steady *steady;  /* pivots for all matrices, NULL: none */
-    long served, stuck; /* so many, and for so many they were not good enough */
+    ns_partial_lu *steady; /* pivots for all matrices, NULL: none */
+    long served, stuck;    /* so many, and for so many they were not good enough */
 };
 
 struct ns_factors {
@@ -37,12 +38,12 @@ struct ns_factors {
     int *from;         /* start[n]: the places in the shared one, */
     double *value;     /* start[n]: and what is there */
     klu_numeric *numeric;
-    double growth;    /* reciprocal, with these pivots when they were chosen */
-    int steady;       /* packed is by the pivots for all, and there may be no numeric */
-    int solved;       /* how often */
-    int all;          /* no unknown is left out, */
-    int missed;       /* for so often one of them was not zero */
-    ns_sweep *packed; /* made by the solution that makes it worth while */
+    double growth;                /* reciprocal, with these pivots when they were chosen */
+    int steady;                   /* packed is by the pivots for all, and there may be no numeric */
+    int solved;                   /* how often */
+    int all;                      /* no unknown is left out, */
+    int missed;                   /* for so often one of them was not zero */
+    ns_packed_triangular *packed; /* made by the solution that makes it worth while */
 };
 
 enum { WORTH_PACKING = 2, MOST_MISSED = 16 };
@@ -65,7 +66,7 @@ static int status_of(const klu_common *c) {
     return c->status == KLU_SINGULAR ? NS_E_SINGULAR : NS_E_MEMORY; /* or too large for its integers */
 }
 
-int ns_klu_create(int n, int *start, int *row, ns_klu **out) {
+int ns_linalg_klu_create(int n, int *start, int *row, ns_klu **out) {
     *out = NULL;
     ns_klu *k = calloc(1, sizeof *k);
     if (!k)
@@ -76,7 +77,7 @@ int ns_klu_create(int n, int *start, int *row, ns_klu **out) {
     k->often_zero = n;
     k->x = calloc((size_t)n + 1, sizeof(double));
     if (!k->x) {
-        ns_klu_free(k);
+        ns_linalg_klu_free(k);
         return NS_E_MEMORY;
     }
     if (n > 0) {
@@ -85,7 +86,7 @@ int ns_klu_create(int n, int *start, int *row, ns_klu **out) {
         k->symbolic = klu_analyze(n, start, row, &k->common);
         if (!k->symbolic || k->symbolic->structural_rank < n) {
             const int status = k->symbolic ? NS_E_SINGULAR : status_of(&k->common);
-            ns_klu_free(k);
+            ns_linalg_klu_free(k);
             return status == NS_OK ? NS_E_SINGULAR : status;
         }
     }
@@ -93,11 +94,11 @@ int ns_klu_create(int n, int *start, int *row, ns_klu **out) {
     return NS_OK;
 }
 
-void ns_klu_free(ns_klu *k) {
+void ns_linalg_klu_free(ns_klu *k) {
     if (k && k->symbolic)
         (void)klu_free_symbolic(&k->symbolic, &k->common);
     if (k) {
-        ns_steady_free(k->steady);
+        ns_linalg_partial_free(k->steady);
         free(k->x);
     }
     free(k);
@@ -112,18 +113,18 @@ static void free_pattern(ns_klu *k, ns_factors *f) {
     f->value = NULL;
 }
 
-void ns_factors_free(ns_klu *k, ns_factors *f) {
+void ns_linalg_factors_free(ns_klu *k, ns_factors *f) {
     if (!f)
         return;
     if (f->numeric)
         (void)klu_free_numeric(&f->numeric, &k->common);
     free_pattern(k, f);
-    ns_sweep_free(f->packed);
+    ns_linalg_packed_free(f->packed);
     free(f);
 }
 
 static int give_up(ns_klu *k, ns_factors **f, int status) {
-    ns_factors_free(k, *f);
+    ns_linalg_factors_free(k, *f);
     *f = NULL;
     return status;
 }
@@ -229,32 +230,33 @@ static int factor_fresh(ns_klu *k, double *value, ns_factors *f) {
     return NS_OK;
 }
 
-int ns_klu_is_steady(const ns_klu *k) {
+int ns_linalg_klu_is_partial(const ns_klu *k) {
     return k->steady && k->stuck < STUCK_AT_FIRST + k->served / STUCK_SHARE;
 }
 
 /* By the pivots for all matrices.  Errors: SINGULAR (they do not serve this one), MEMORY. */
 static int factor_steadily(ns_klu *k, const double *value, ns_factors *f) {
     if (!f->steady) {
-        ns_sweep_free(f->packed);
+        ns_linalg_packed_free(f->packed);
         f->packed = NULL;
     }
-    const int status = ns_klu_is_steady(k) ? ns_steady_factor(k->steady, value, &f->packed) : NS_E_SINGULAR;
+    const int status =
+        ns_linalg_klu_is_partial(k) ? ns_linalg_partial_factor(k->steady, value, &f->packed) : NS_E_SINGULAR;
     f->steady = status == NS_OK;
     *(f->steady ? &k->served : &k->stuck) += status != NS_E_MEMORY;
     k->again += f->steady;
     return status;
 }
 
-int ns_klu_change(ns_klu *k, ns_factors *f, const double *value, int rows, const int *row) {
-    if (!f->steady || !ns_klu_is_steady(k))
+int ns_linalg_klu_change(ns_klu *k, ns_factors *f, const double *value, int rows, const int *row) {
+    if (!f->steady || !ns_linalg_klu_is_partial(k))
         return 0;
-    f->steady = ns_steady_change(k->steady, value, rows, row, &f->packed);
+    f->steady = ns_linalg_partial_change(k->steady, value, rows, row, &f->packed);
     *(f->steady ? &k->served : &k->stuck) += 1;
     return f->steady;
 }
 
-int ns_klu_factor(ns_klu *k, double *value, ns_factors **f) {
+int ns_linalg_klu_factor(ns_klu *k, double *value, ns_factors **f) {
     if (!*f)
         *f = calloc(1, sizeof **f);
     if (!*f)
@@ -264,7 +266,7 @@ int ns_klu_factor(ns_klu *k, double *value, ns_factors **f) {
     const int steadily = k->steady ? factor_steadily(k, value, *f) : NS_E_SINGULAR;
     if (steadily != NS_E_SINGULAR)
         return steadily == NS_OK ? NS_OK : give_up(k, f, steadily);
-    ns_sweep_free((*f)->packed);
+    ns_linalg_packed_free((*f)->packed);
     (*f)->packed = NULL;
     (*f)->all = (*f)->missed = 0;
     (*f)->solved = 0;
@@ -277,15 +279,16 @@ int ns_klu_factor(ns_klu *k, double *value, ns_factors **f) {
             return give_up(k, f, status);
     }
     if (!klu_rcond(symbolic_of(k, *f), (*f)->numeric, &k->common) || !(k->common.rcond > rcond_min) ||
-        ns_pivots_vanish(k->n, (*f)->own ? (*f)->start : k->start, (*f)->own ? (*f)->row : k->row,
-                         (*f)->own ? (*f)->value : value, symbolic_of(k, *f), (*f)->numeric, &k->common))
+        ns_linalg_pivots_vanish(k->n, (*f)->own ? (*f)->start : k->start, (*f)->own ? (*f)->row : k->row,
+                                (*f)->own ? (*f)->value : value, symbolic_of(k, *f), (*f)->numeric,
+                                &k->common))
         return give_up(k, f, NS_E_SINGULAR);
     return NS_OK;
 }
 
-size_t ns_factors_bytes(const ns_klu *k, const ns_factors *f) {
+size_t ns_linalg_factors_bytes(const ns_klu *k, const ns_factors *f) {
     const klu_numeric *n = f->numeric;
-    size_t bytes = sizeof *f + (f->steady ? ns_steady_bytes(k->steady) : 0);
+    size_t bytes = sizeof *f + (f->steady ? ns_linalg_partial_bytes(k->steady) : 0);
     if (n) {
         bytes += sizeof *n + n->worksize + (size_t)n->n * (8 * sizeof(int) + 2 * sizeof(double)) +
                  (size_t)n->nzoff * (sizeof(int) + sizeof(double));
@@ -323,21 +326,21 @@ static int extract(ns_klu *k, klu_symbolic *symbolic, klu_numeric *numeric, ns_t
 }
 
 /* NULL: no memory; then it goes without. */
-static ns_sweep *pack(ns_klu *k, const ns_factors *f) {
+static ns_packed_triangular *pack(ns_klu *k, const ns_factors *f) {
     ns_triangles t;
     int *ints;
     double *doubles;
-    ns_sweep *s = NULL;
+    ns_packed_triangular *s = NULL;
     if (extract(k, symbolic_of(k, f), f->numeric, &t, &ints, &doubles)) {
         t.often_zero = f->all ? k->n : k->often_zero;
-        s = ns_sweep_create(&t);
+        s = ns_linalg_packed_create(&t);
     }
     free(ints);
     free(doubles);
     return s;
 }
 
-int ns_klu_steady(ns_klu *k, double *value) {
+int ns_linalg_klu_partial(ns_klu *k, double *value) {
     ns_triangles t;
     int *ints = NULL, status = NS_OK;
     double *doubles = NULL;
@@ -349,7 +352,7 @@ int ns_klu_steady(ns_klu *k, double *value) {
     const int entries = numeric->lnz + numeric->unz + numeric->nzoff;
     if (k->common.status == KLU_OK && entries <= STEADY_FILL * k->start[k->n]) {
         if (extract(k, k->symbolic, numeric, &t, &ints, &doubles))
-            k->steady = ns_steady_create(&t, k->start, k->row);
+            k->steady = ns_linalg_partial_create(&t, k->start, k->row);
         status = k->steady ? NS_OK : NS_E_MEMORY;
         free(ints);
         free(doubles);
@@ -358,30 +361,30 @@ int ns_klu_steady(ns_klu *k, double *value) {
     return status;
 }
 
-void ns_klu_often_zero(ns_klu *k, int from) {
+void ns_linalg_klu_often_zero(ns_klu *k, int from) {
     k->often_zero = from;
 }
 
-void ns_klu_solve(ns_klu *k, ns_factors *f, double *b) {
+void ns_linalg_klu_solve(ns_klu *k, ns_factors *f, double *b) {
     if (k->n == 0)
         return;
     if (!f->packed && ++f->solved == WORTH_PACKING)
         f->packed = pack(k, f);
-    if (f->packed && ns_sweep_solve(f->packed, b, k->x))
+    if (f->packed && ns_linalg_packed_solve(f->packed, b, k->x))
         return;
     (void)klu_solve(symbolic_of(k, f), f->numeric, k->n, 1, b, &k->common);
     if (f->packed && ++f->missed > MOST_MISSED) { /* with all, next time */
-        ns_sweep_free(f->packed);
+        ns_linalg_packed_free(f->packed);
         f->packed = NULL;
         f->all = 1;
         f->solved = WORTH_PACKING - 1;
     }
 }
 
-long ns_klu_fresh(const ns_klu *k) {
+long ns_linalg_klu_fresh(const ns_klu *k) {
     return k->fresh;
 }
 
-long ns_klu_again(const ns_klu *k) {
+long ns_linalg_klu_refactor(const ns_klu *k) {
     return k->again;
 }

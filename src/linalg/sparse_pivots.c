@@ -69,8 +69,8 @@ static int any_rounding(int n, const triangles *t) {
     return any;
 }
 
-int ns_pivots_vanish(int n, const int *start, const int *row, const double *value, klu_symbolic *symbolic,
-                     klu_numeric *numeric, klu_common *common) {
+int ns_linalg_pivots_vanish(int n, const int *start, const int *row, const double *value,
+                            klu_symbolic *symbolic, klu_numeric *numeric, klu_common *common) {
     const size_t l = (size_t)numeric->lnz, u = (size_t)numeric->unz, all = (size_t)n;
     int any = 0;
     const double least = smallest(n, start, row, value, symbolic, numeric);

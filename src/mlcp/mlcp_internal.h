@@ -13,9 +13,9 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "../linalg/dense.h"
-#include "../linalg/equilibrate.h"
-#include "glance.h"
+#include "linalg/dense.h"
+#include "linalg/equilibrate.h"
+#include "mlcp/verify/residual_bound.h"
 #include "nonsmooth/mlcp.h"
 
 /* Variables of the pairs: lambda_a is 2a, y_a is 2a+1, the covering variable t is 2 np. */
@@ -82,7 +82,7 @@ struct ns_mlcp_solver {
     double *rhs;     /* (m+1)*(m+2) */
     double *xs;      /* (m+1)*(m+2) */
     int alike;       /* ns_mlcp_alike() */
-    int looked_at;   /* nodes of branch.c since the last answer */
+    int looked_at;   /* nodes of branch_and_bound.c since the last answer */
     int as_given,
         units_as_given; /* floors are taken in the columns' units of the problem (wanted, at hand) */
     int careful;        /* refine the tableau as well */
@@ -118,7 +118,7 @@ struct ns_mlcp_solver {
     double *kept_lambda, *kept_y; /* m: the best answer so far (proximal.c) */
     ns_mode *kept_mode;           /* m */
 
-    double *aside_lambda, *aside_y; /* m: the answer that driver.c may yet return */
+    double *aside_lambda, *aside_y; /* m: the answer that solve.c may yet return */
     ns_mode *aside_mode;            /* m */
     int aside_method;
 
@@ -142,7 +142,7 @@ struct ns_mlcp_solver {
 
 /* problem.c: makes s->given, and sorts the indices where it is not known already.  NULL, SIZE, NUMBER,
  * BOUNDS. */
-int ns_mlcp_take(ns_mlcp_solver *s, const ns_mlcp *p);
+int ns_mlcp_load(ns_mlcp_solver *s, const ns_mlcp *p);
 int ns_mlcp_fetch_all(ns_mlcp_solver *s);                     /* Wown, if on demand.  NUMBER */
 void ns_mlcp_units(ns_mlcp_solver *s);                        /* rowmax, colunit */
 void ns_mlcp_given(ns_mlcp_solver *s);                        /* now = *p */
@@ -170,25 +170,25 @@ void ns_mlcp_set_aside(ns_mlcp_solver *s); /* the same and method; no method use
 void ns_mlcp_bring_back(ns_mlcp_solver *s);
 
 /* basis.c */
-void ns_basis_pick(ns_mlcp_solver *s);                    /* rows, cols, k of s->mode */
-void ns_basis_gather(ns_mlcp_solver *s);                  /* G of them */
-int ns_basis_factor(ns_mlcp_solver *s, double *rcond);    /* all that, and its factors */
-void ns_basis_values(ns_mlcp_solver *s, int refinements); /* lambda, y, from the factors */
-void ns_basis_correct(ns_mlcp_solver *s); /* one refinement by the residual of W, q as they are now */
-void ns_basis_sizes(ns_mlcp_solver *s);   /* ysize, lsize, at lambda */
-void ns_basis_raise(ns_mlcp_solver *s);   /* ysize, from the sums of its terms; its reciprocals to g */
-double ns_basis_lambda_size(const ns_mlcp_solver *s, int i); /* lsize of a pair, from g */
-double ns_basis_violation(const ns_mlcp_solver *s);          /* worst guard, in units of the sizes */
-ns_mode ns_basis_wanted(const ns_mlcp_solver *s, int i);     /* that the guard of pair i asks for */
-int ns_mlcp_part_of(const ns_mlcp_solver *s, int j);         /* the part that column j is in */
-void ns_basis_clamp(ns_mlcp_solver *s);                      /* lambda into its bounds, signs of y */
-void ns_basis_rest(
+void ns_mlcp_basis_pick(ns_mlcp_solver *s);                    /* rows, cols, k of s->mode */
+void ns_mlcp_basis_gather(ns_mlcp_solver *s);                  /* G of them */
+int ns_mlcp_basis_factor(ns_mlcp_solver *s, double *rcond);    /* all that, and its factors */
+void ns_mlcp_basis_values(ns_mlcp_solver *s, int refinements); /* lambda, y, from the factors */
+void ns_mlcp_basis_correct(ns_mlcp_solver *s); /* one refinement by the residual of W, q as they are now */
+void ns_mlcp_basis_sizes(ns_mlcp_solver *s);   /* ysize, lsize, at lambda */
+void ns_mlcp_basis_raise(ns_mlcp_solver *s);   /* ysize, from the sums of its terms; its reciprocals to g */
+double ns_mlcp_basis_lambda_size(const ns_mlcp_solver *s, int i); /* lsize of a pair, from g */
+double ns_mlcp_basis_violation(const ns_mlcp_solver *s);          /* worst guard, in units of the sizes */
+ns_mode ns_mlcp_basis_wanted(const ns_mlcp_solver *s, int i);     /* that the guard of pair i asks for */
+int ns_mlcp_part_of(const ns_mlcp_solver *s, int j);              /* the part that column j is in */
+void ns_mlcp_basis_clamp(ns_mlcp_solver *s);                      /* lambda into its bounds, signs of y */
+void ns_mlcp_basis_rest(
     ns_mlcp_solver *s); /* lambda and y are 0, not rounding, in parts of W that nothing drives */
 
 /* tableau.c */
-void ns_tableau_start(ns_mlcp_solver *s);  /* of s->mode, whose G is factored and whose sizes are known */
-int ns_tableau_refresh(ns_mlcp_solver *s); /* from W and q anew, t included.  SINGULAR */
-void ns_tableau_exchange(ns_mlcp_solver *s, int row, int col);
+void ns_mlcp_tableau_start(ns_mlcp_solver *s); /* of s->mode, whose G is factored and whose sizes are known */
+int ns_mlcp_tableau_refresh(ns_mlcp_solver *s); /* from W and q anew, t included.  SINGULAR */
+void ns_mlcp_tableau_exchange(ns_mlcp_solver *s, int row, int col);
 
 static inline int ns_is_t(const ns_mlcp_solver *s, int var) {
     return var == 2 * s->np;
@@ -199,7 +199,7 @@ static inline int ns_is_y(const ns_mlcp_solver *s, int var) {
 }
 
 /* Bounds of a basic variable, in its unit. */
-static inline double ns_tableau_lower(const ns_mlcp_solver *s, int var) {
+static inline double ns_mlcp_tableau_lower(const ns_mlcp_solver *s, int var) {
     if (ns_is_t(s, var))
         return 0.0;
     if (ns_is_y(s, var))
@@ -207,7 +207,7 @@ static inline double ns_tableau_lower(const ns_mlcp_solver *s, int var) {
     return s->blo[var / 2];
 }
 
-static inline double ns_tableau_upper(const ns_mlcp_solver *s, int var) {
+static inline double ns_mlcp_tableau_upper(const ns_mlcp_solver *s, int var) {
     if (ns_is_t(s, var))
         return INFINITY;
     if (ns_is_y(s, var))
@@ -218,7 +218,7 @@ static inline double ns_tableau_upper(const ns_mlcp_solver *s, int var) {
 /* lemke.c: from s->mode to the mode of a solution.  all: the covering vector acts on every guard, not on
  * the broken ones only; which one.  patience: how many times the pivots that most problems need may be made.
  * OK; INFEASIBLE: a ray, in s->fault; LIMIT; SINGULAR: the tableau got lost. */
-int ns_lemke(ns_mlcp_solver *s, int all, int patience);
+int ns_mlcp_lemke(ns_mlcp_solver *s, int all, int patience);
 
 /* farkas.c: 1 if the bounds of lambda and y alone, without complementarity, contradict: s->proof, s->fault.
  * s->now, s->p, s->q, s->lambda, s->y and s->mode stay, the rest of the workspace does not.
@@ -226,11 +226,11 @@ int ns_lemke(ns_mlcp_solver *s, int all, int patience);
  * nothing solved it.  AGAINST: that the answer in s->lambda is none, by as much as an answer may be wrong by
  * at least. */
 enum { NS_CAREFUL = 1, NS_BOLD, NS_AGAINST }; /* effort */
-int ns_farkas(ns_mlcp_solver *s, int effort);
+int ns_mlcp_farkas(ns_mlcp_solver *s, int effort);
 
 /* parallel.c: v (m) of two rows of W that are multiples of each other and ask the opposite; 0: there are
  * none. v is not judged.  Uses r, c (exponents of units of the rows and columns), queue, rowdone. */
-int ns_parallel(ns_mlcp_solver *s, double *v);
+int ns_mlcp_parallel(ns_mlcp_solver *s, double *v);
 
 /* rescaled.c: s->given and its W, l, u in units in which all is about 1; 0: that would round, nothing is
  * changed.  And back, with lambda. */
@@ -242,18 +242,19 @@ void ns_mlcp_scale_back(ns_mlcp_solver *s);
 void ns_mlcp_note(ns_mlcp_solver *s, double accept);
 int ns_mlcp_recall(ns_mlcp_solver *s);
 
-/* doubt.c: whether lambda is so large against q and the bounds, in units of W, that it may hide in its
- * rounding what q says; whether it does.  The latter uses g, ysize, rhs, and what ns_basis_factor() does. */
+/* huge_multipliers.c: whether lambda is so large against q and the bounds, in units of W, that it may hide in
+ * its rounding what q says; whether it does.  The latter uses g, ysize, rhs, and what ns_mlcp_basis_factor()
+ * does. */
 int ns_mlcp_doubtful(ns_mlcp_solver *s, double doubt);
 int ns_mlcp_lost(ns_mlcp_solver *s, double doubt);
 
-/* doubt.c: what is wrong with y in the worst row, of its own terms; rows of next to nothing left aside.  Uses
- * g, ysize. */
+/* huge_multipliers.c: what is wrong with y in the worst row, of its own terms; rows of next to nothing left
+ * aside.  Uses g, ysize. */
 double ns_mlcp_broken(ns_mlcp_solver *s);
 
-/* agree.c: makes s->y and s->mode those of s->lambda, which goes from bound to bound of boxes that are next
- * to nothing; then *residual is that of the new one.  0: they cannot be had, or not with a residual <=
- * accept. Uses g, ray, rhs, ysize, queue. */
+/* consistent_answer.c: makes s->y and s->mode those of s->lambda, which goes from bound to bound of boxes
+ * that are next to nothing; then *residual is that of the new one.  0: they cannot be had, or not with a
+ * residual <= accept. Uses g, ray, rhs, ysize, queue. */
 int ns_mlcp_agree(ns_mlcp_solver *s, double accept, double *residual);
 
 /* Whether s->y is not the y of lambda, whose terms are of the size given; equalities are left aside. */
@@ -266,17 +267,17 @@ void ns_mlcp_name(ns_mlcp_solver *s, const double *weight, int n, const int *ind
 void ns_mlcp_list(ns_mlcp_solver *s, int n, const int *index);
 
 /* reveal.c: makes s->mode a nonsingular basis close to it.  SINGULAR: s->stuck_row, s->stuck_col. */
-int ns_reveal(ns_mlcp_solver *s);
+int ns_mlcp_reveal(ns_mlcp_solver *s);
 
-/* proximal.c: after ns_reveal() was stuck.  INFEASIBLE: the equations contradict; SINGULAR. */
-int ns_proximal(ns_mlcp_solver *s, const ns_mode *mode, double accept, double *residual);
+/* proximal.c: after ns_mlcp_reveal() was stuck.  INFEASIBLE: the equations contradict; SINGULAR. */
+int ns_mlcp_proximal(ns_mlcp_solver *s, const ns_mode *mode, double accept, double *residual);
 
 /* The other methods, one a file.  Each starts from s->mode (mended) and works on s->now, whose fixed lambda
  * are folded into s->q; each may use A, mag, G, rhs, xs, T, Wreg and the vectors named as work in its file.
  * OK: s->lambda is an answer of natural residual <= accept, and s->mode the mode it suggests: the driver
  * computes the answer of that mode and takes the better of the two.  LIMIT, SINGULAR: gave up. */
 int ns_mlcp_newton(ns_mlcp_solver *s, double accept);    /* newton.c */
-int ns_mlcp_interior(ns_mlcp_solver *s, double accept);  /* interior.c */
+int ns_mlcp_interior(ns_mlcp_solver *s, double accept);  /* interior_point.c */
 int ns_mlcp_projected(ns_mlcp_solver *s, double accept); /* projected.c */
 int ns_mlcp_pivot(ns_mlcp_solver *s, double accept);     /* pivot.c */
 /* The same in one, from mode, without units, sorting and scaling: what most problems need.  OK: s->lambda,
@@ -287,11 +288,11 @@ int ns_mlcp_block(ns_mlcp_solver *s, double accept, double *residual);
 /* enumerate.c.  INFEASIBLE: no mode that has an answer has a right one. SIZE: too many pairs. */
 int ns_mlcp_enumerate(ns_mlcp_solver *s, double accept);
 
-/* driver.c: the answer in s->mode, whose G is factored: clamped, refined, measured.  RESIDUAL: not accepted.
+/* solve.c: the answer in s->mode, whose G is factored: clamped, refined, measured.  RESIDUAL: not accepted.
  */
 int ns_mlcp_judge(ns_mlcp_solver *s, double *residual);
 
-/* driver.c: different starts, until s->now is solved or one of them proves that it cannot be. */
+/* solve.c: different starts, until s->now is solved or one of them proves that it cannot be. */
 int ns_mlcp_search(ns_mlcp_solver *s, const ns_mode *mode, double *residual);
 
 #endif

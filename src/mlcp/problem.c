@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "../linalg/units.h"
+#include "linalg/column_scaling.h"
 
 /* 0 times a finite number is 0, times NaN or infinity NaN. */
 static int bad_bounds(const ns_mlcp *p) {
@@ -76,10 +76,10 @@ static int learn(ns_mlcp_solver *s, const ns_mlcp *p) {
     s->on_demand = !p->W;
     s->nonzeros.few &= alike && p->W;
     if (p->W) {
-        if (!ns_finite(m * m, p->W))
+        if (!ns_linalg_finite(m * m, p->W))
             return NS_E_NUMBER;
-        if (!s->nonzeros.few || !ns_nonzeros_fit(p->m, p->W, &s->nonzeros))
-            ns_nonzeros_find(p->m, p->W, &s->nonzeros);
+        if (!s->nonzeros.few || !ns_mlcp_nonzeros_fit(p->m, p->W, &s->nonzeros))
+            ns_mlcp_nonzeros_find(p->m, p->W, &s->nonzeros);
         memcpy(s->Wown, p->W, m * m * sizeof *p->W);
     }
     memset(s->have, p->W != NULL, m);
@@ -88,14 +88,14 @@ static int learn(ns_mlcp_solver *s, const ns_mlcp *p) {
     return NS_OK;
 }
 
-int ns_mlcp_take(ns_mlcp_solver *s, const ns_mlcp *p) {
+int ns_mlcp_load(ns_mlcp_solver *s, const ns_mlcp *p) {
     s->proved = 0;
     if (p->m < 0 || p->m > s->cap)
         return NS_E_SIZE;
     size_t m = (size_t)p->m;
     if (m > 0 && ((!p->W && !p->column) || !p->q || !p->l || !p->u))
         return NS_E_NULL;
-    if (!ns_finite(m, p->q))
+    if (!ns_linalg_finite(m, p->q))
         return NS_E_NUMBER;
     s->given = (ns_mlcp){p->m, s->Wown, m > 0 ? p->q : s->q, s->lown, s->uown, p->column, p->data};
     int status = m == 0 || known(s, p) ? NS_OK : learn(s, p);
@@ -111,7 +111,7 @@ static int fetch(ns_mlcp_solver *s, int j) {
     double *w = s->Wown + (size_t)j * m;
     if (s->have[j])
         return NS_OK;
-    if (s->given.column(s->given.data, j, w) != 0 || !ns_finite(m, w)) {
+    if (s->given.column(s->given.data, j, w) != 0 || !ns_linalg_finite(m, w)) {
         s->known = 0;
         return NS_E_NUMBER;
     }
@@ -135,7 +135,7 @@ int ns_mlcp_fetch_all(ns_mlcp_solver *s) {
 static void parts(ns_mlcp_solver *s) {
     for (int i = 0; i < s->m; i++)
         s->g[i] = i;
-    ns_spread(s->m, s->p->W, s->g, s->rhs);
+    ns_linalg_spread(s->m, s->p->W, s->g, s->rhs);
     for (int i = 0; i < s->m; i++)
         s->part[i] = (int)s->g[i];
 }
@@ -153,7 +153,7 @@ void ns_mlcp_units(ns_mlcp_solver *s) {
         for (int j = 0; j < m; j++)
             s->colunit[j] = 1.0;
     else
-        ns_column_units(m, s->p->W, s->colunit, s->rhs);
+        ns_linalg_column_scaling(m, s->p->W, s->colunit, s->rhs);
     for (int j = 0; j < m; j++) {
         const double *col = s->p->W + (size_t)j * (size_t)m;
         for (int i = 0; i < m; i++) {
@@ -179,11 +179,11 @@ void ns_mlcp_fold(ns_mlcp_solver *s) {
         s->have_factors = 0;
     size_t m = (size_t)s->m;
     s->W = s->now.W;
-    ns_copy(m, s->now.q, s->q);
+    ns_linalg_copy(m, s->now.q, s->q);
     for (int k = 0; k < s->nx; k++) {
         double v = s->p->l[s->fixed[k]];
         if (v != 0.0)
-            ns_matvec_add(s->m, 1, s->W + (size_t)s->fixed[k] * m, &v, s->q);
+            ns_linalg_matvec_add(s->m, 1, s->W + (size_t)s->fixed[k] * m, &v, s->q);
     }
 }
 

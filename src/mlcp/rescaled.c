@@ -19,7 +19,7 @@ static int exact(double v, int e) {
 static void choose(ns_mlcp_solver *s) {
     double *top = s->g;
     int *r = s->own_row, *c = s->own_col, f;
-    ns_equilibrate(s->m, s->Wown, s->m, r, c, s->e);
+    ns_linalg_equilibrate(s->m, s->Wown, s->m, r, c, s->e);
     for (int i = 0; i < s->m; i++)
         top[i] = 0.0;
     for (int i = 0; i < s->m; i++)

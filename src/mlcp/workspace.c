@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "residual.h"
+#include "mlcp/verify/residual.h"
 
 static void carve_doubles(ns_mlcp_solver *s, size_t m) {
     double *d = s->doubles;
@@ -58,7 +58,7 @@ int ns_mlcp_create(int m, ns_mlcp_solver **out) {
     s->doubles = calloc(count_doubles(k), sizeof *s->doubles);
     s->ints = calloc(22 * (k + 1) + 2 * k + 1, sizeof *s->ints);
     s->bytes = calloc(k * k * sizeof(short) + 12 * (k + 1), 1);
-    if (!s->doubles || !s->ints || !s->bytes || ns_lu_create(m + 1, &s->lu) != NS_OK) {
+    if (!s->doubles || !s->ints || !s->bytes || ns_linalg_lu_create(m + 1, &s->lu) != NS_OK) {
         ns_mlcp_free(s);
         return NS_E_MEMORY;
     }
@@ -85,7 +85,7 @@ int ns_mlcp_create(int m, ns_mlcp_solver **out) {
 void ns_mlcp_free(ns_mlcp_solver *s) {
     if (!s)
         return;
-    ns_lu_free(s->lu);
+    ns_linalg_lu_free(s->lu);
     free(s->doubles);
     free(s->ints);
     free(s->bytes);

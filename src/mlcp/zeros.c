@@ -10,9 +10,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "residual.h"
+#include "mlcp/verify/residual.h"
 
-static const double NOISE = 1e-12; /* of what q and the other lambda of the part make: GUARD of driver.c */
+static const double NOISE = 1e-12; /* of what q and the other lambda of the part make: GUARD of solve.c */
 
 /* s->ysize: by part, the largest lambda, in the unit of its column, that is there or that q asks for. */
 static void sizes(ns_mlcp_solver *s) {
@@ -34,7 +34,7 @@ static double mended(const ns_mlcp_solver *s, int i) {
 
 void ns_mlcp_note(ns_mlcp_solver *s, double accept) {
     double *lambda = s->g;
-    if (!s->noting || !ns_finite((size_t)s->m, s->lambda))
+    if (!s->noting || !ns_linalg_finite((size_t)s->m, s->lambda))
         return;
     sizes(s);
     for (int i = 0; i < s->m; i++)

@@ -1,7 +1,7 @@
 /* src/system/dense_copy.c - the matrices of a large system, written out. */
 #include "dense_copy.h"
 
-#include "../linalg/dense.h"
+#include "linalg/dense.h"
 
 #include <stdlib.h>
 
@@ -33,7 +33,7 @@ static int copy_commands(const ns_system *s, ns_system *to) {
     return status;
 }
 
-int ns_dense_copy(const ns_system *s, ns_system **out) {
+int ns_system_dense_copy(const ns_system *s, ns_system **out) {
     const ns_large *a = s->large;
     ns_system *to;
     int status = ns_system_create(s->n, s->m, s->nz, s->nc, &to);
@@ -47,10 +47,10 @@ int ns_dense_copy(const ns_system *s, ns_system **out) {
     write_out(&a->D, to->D);
     write_out(&a->E, to->E);
     write_out(&a->F, to->F);
-    ns_copy((size_t)s->n, s->b, to->b);
-    ns_copy((size_t)s->m, s->e, to->e);
-    ns_copy((size_t)s->m, s->l, to->l);
-    ns_copy((size_t)s->m, s->u, to->u);
+    ns_linalg_copy((size_t)s->n, s->b, to->b);
+    ns_linalg_copy((size_t)s->m, s->e, to->e);
+    ns_linalg_copy((size_t)s->m, s->l, to->l);
+    ns_linalg_copy((size_t)s->m, s->u, to->u);
     for (int k = 0; k < s->nz && status == NS_OK; k++)
         status = ns_system_set_input(to, k, &s->z[k]);
     if (status == NS_OK)

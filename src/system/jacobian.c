@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../linalg/dense.h"
+#include "linalg/dense.h"
 #include "nonsmooth/model.h"
 
 enum { RUNG_LOW = -80, RUNG_HIGH = 44, RUNG = 2 };
@@ -60,7 +60,7 @@ typedef struct kind {
 } kind;
 
 static int evaluate(const bench *b, ns_function f, int rows, double *out) {
-    return f(&b->at, b->model->data, out) == 0 && ns_finite((size_t)rows, out);
+    return f(&b->at, b->model->data, out) == 0 && ns_linalg_finite((size_t)rows, out);
 }
 
 /* Central differences over a step of about d in b->value; 0 if there are none. */
@@ -74,7 +74,7 @@ static int difference(bench *b, const kind *k, double *variable, double d) {
     *variable = here;
     for (int i = 0; both && i < k->rows; i++)
         b->value[i] = (b->up[i] - b->down[i]) / (right - left);
-    return both && ns_finite((size_t)k->rows, b->value);
+    return both && ns_linalg_finite((size_t)k->rows, b->value);
 }
 
 static void compare_rungs(bench *b, int rows, double d) {
@@ -163,7 +163,7 @@ int ns_model_check_jacobians(const ns_model *model, double t, const double *x, c
     if (!worst || (model->n > 0 && !x) || (model->m > 0 && !lambda))
         return NS_E_NULL;
     *worst = (ns_jacobian_error){0};
-    if (!isfinite(t) || !ns_finite((size_t)model->n, x) || !ns_finite((size_t)model->m, lambda))
+    if (!isfinite(t) || !ns_linalg_finite((size_t)model->n, x) || !ns_linalg_finite((size_t)model->m, lambda))
         return NS_E_NUMBER;
     if (begin(&b, model) != NS_OK)
         return NS_E_MEMORY;

@@ -2,34 +2,34 @@
  * + F z + e. */
 #include "nonsmooth/model.h"
 
-#include "../linalg/dense.h"
+#include "linalg/dense.h"
 
 /* What a callback hands out of the system. */
 static int copy(double *out, const double *from, int p, int q) {
-    ns_copy((size_t)p * (size_t)q, from, out);
+    ns_linalg_copy((size_t)p * (size_t)q, from, out);
     return 0;
 }
 
 static int linear_f(const ns_point *at, void *data, double *out) {
     const ns_system *s = data;
     copy(out, s->b, s->n, 1);
-    ns_matvec_add(s->n, s->n, s->A, at->x, out);
-    ns_matvec_add(s->n, s->nz, s->E, at->z, out); /* (S1) */
+    ns_linalg_matvec_add(s->n, s->n, s->A, at->x, out);
+    ns_linalg_matvec_add(s->n, s->nz, s->E, at->z, out); /* (S1) */
     return 0;
 }
 
 static int linear_g(const ns_point *at, void *data, double *out) {
     const ns_system *s = data;
-    ns_matvec(s->n, s->m, s->B, at->lambda, out); /* (S2) */
+    ns_linalg_matvec(s->n, s->m, s->B, at->lambda, out); /* (S2) */
     return 0;
 }
 
 static int linear_h(const ns_point *at, void *data, double *out) {
     const ns_system *s = data;
     copy(out, s->e, s->m, 1);
-    ns_matvec_add(s->m, s->n, s->C, at->x, out);
-    ns_matvec_add(s->m, s->m, s->D, at->lambda, out);
-    ns_matvec_add(s->m, s->nz, s->F, at->z, out); /* (S3) */
+    ns_linalg_matvec_add(s->m, s->n, s->C, at->x, out);
+    ns_linalg_matvec_add(s->m, s->m, s->D, at->lambda, out);
+    ns_linalg_matvec_add(s->m, s->nz, s->F, at->z, out); /* (S3) */
     return 0;
 }
 

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "system/signal_internal.h"
+#include "signal_internal.h"
 
 /* From (t0,v0) to (t1,v1), held outside. */
 static double between(double t, double t0, double v0, double t1, double v1) {
@@ -121,7 +121,7 @@ static int point_before(const ns_line *g, double k, turn r, double t) {
 }
 
 static double line_value(const ns_line *g, double t, ns_side side) {
-    double d = ns_signal_slack(t, g->origin), beside = side == NS_LEFT ? t - d : t + d;
+    double d = ns_system_signal_slack(t, g->origin), beside = side == NS_LEFT ? t - d : t + d;
     double k = repetition(g, beside);
     turn r = turn_of(g, k);
     int i = point_before(g, k, r, beside);
@@ -135,7 +135,7 @@ static double line_value(const ns_line *g, double t, ns_side side) {
 }
 
 static double line_next(const ns_line *g, double t) {
-    double after = t + ns_signal_slack(t, g->origin), k = repetition(g, after);
+    double after = t + ns_system_signal_slack(t, g->origin), k = repetition(g, after);
     int i = point_before(g, k, turn_of(g, k), after);
     for (int tries = 0; tries < 4; tries++) { /* more than two only where a period is within rounding of 0 */
         double corner;
@@ -151,7 +151,7 @@ static double line_next(const ns_line *g, double t) {
             return corner;
         }
     }
-    return t + 2 * ns_signal_slack(t, g->origin); /* periods too short to tell apart */
+    return t + 2 * ns_system_signal_slack(t, g->origin); /* periods too short to tell apart */
 }
 
 static double sin_value(const ns_signal *s, double t) {
@@ -166,7 +166,7 @@ static double sin_value(const ns_signal *s, double t) {
 
 /* As SPICE: nothing before td1, even where td2 < td1 (then a jump at td1). */
 static double exp_value(const ns_signal *s, double t, ns_side side) {
-    double v1 = s->u.exp.v1, v2 = s->u.exp.v2, d = ns_signal_slack(t, s->u.exp.td1), value = v1;
+    double v1 = s->u.exp.v1, v2 = s->u.exp.v2, d = ns_system_signal_slack(t, s->u.exp.td1), value = v1;
     if ((side == NS_LEFT ? t - d : t + d) < s->u.exp.td1) {
         return v1;
     }
@@ -180,11 +180,11 @@ static double exp_value(const ns_signal *s, double t, ns_side side) {
 /* The first of two corners that lies after t. */
 static double first_after(double t, double a, double b) {
     double c = fmin(a, b);
-    if (c > t + ns_signal_slack(t, c)) {
+    if (c > t + ns_system_signal_slack(t, c)) {
         return c;
     }
     c = fmax(a, b);
-    return c > t + ns_signal_slack(t, c) ? c : INFINITY;
+    return c > t + ns_system_signal_slack(t, c) ? c : INFINITY;
 }
 
 double ns_signal_value(const ns_signal *s, double t, ns_side side) {
@@ -227,7 +227,7 @@ double ns_signal_next_corner(const ns_signal *s, double t) {
     }
 }
 
-int ns_signal_line(const ns_signal *s, ns_pulse_points *p, ns_line *g) {
+int ns_system_signal_line(const ns_signal *s, ns_pulse_points *p, ns_line *g) {
     if (s->kind == NS_PULSE)
         *g = pulse_line(s, p);
     else if (s->kind == NS_PWL)
@@ -239,7 +239,7 @@ int ns_signal_is_linear(const ns_signal *s) {
     return s && (s->kind == NS_DC || s->kind == NS_PULSE || s->kind == NS_PWL);
 }
 
-int ns_signal_copy(const ns_signal *from, ns_signal *to) {
+int ns_system_signal_copy(const ns_signal *from, ns_signal *to) {
     size_t bytes;
     double *t, *v;
     if (from->kind != NS_PWL) {
@@ -262,7 +262,7 @@ int ns_signal_copy(const ns_signal *from, ns_signal *to) {
     return NS_OK;
 }
 
-void ns_signal_release(ns_signal *s) {
+void ns_system_signal_release(ns_signal *s) {
     if (s->kind == NS_PWL) {
         free((void *)s->u.pwl.t);
         free((void *)s->u.pwl.v);

@@ -1,6 +1,6 @@
 /* src/system/signal_internal.h - what the rooms share about signals: deep copies and reasons of refusal. */
-#ifndef NS_SIGNAL_INTERNAL_H
-#define NS_SIGNAL_INTERNAL_H
+#ifndef NS_SYSTEM_SIGNAL_INTERNAL_H
+#define NS_SYSTEM_SIGNAL_INTERNAL_H
 
 #include <float.h>
 #include <math.h>
@@ -25,10 +25,10 @@ typedef struct ns_pulse_points {
 } ns_pulse_points;
 
 /* 1 and the line of a PULSE (whose points go to p) or PWL; 0 if s is neither.  It points into s and p. */
-int ns_signal_line(const ns_signal *s, ns_pulse_points *p, ns_line *g);
+int ns_system_signal_line(const ns_signal *s, ns_pulse_points *p, ns_line *g);
 
 /* Times nearer to each other than this, a few roundings, are the same. */
-static inline double ns_signal_slack(double t, double origin) {
+static inline double ns_system_signal_slack(double t, double origin) {
     const double a = fabs(t), b = fabs(origin);
     return 8 * DBL_EPSILON * (a > b ? a : b);
 }
@@ -42,16 +42,16 @@ typedef struct ns_refusal {
 } ns_refusal;
 
 /* Fills why and returns status. */
-int ns_refuse(ns_refusal *why, int status, const char *parameter, double value, const char *must,
-              double than);
+int ns_system_signal_refuse(ns_refusal *why, int status, const char *parameter, double value,
+                            const char *must, double than);
 
 /* ns_signal_check() that also says why; why is left alone on NS_OK. */
-int ns_signal_check_why(const ns_signal *s, ns_refusal *why);
+int ns_system_signal_check_why(const ns_signal *s, ns_refusal *why);
 
 /* to becomes a copy of from with PWL arrays of its own.  Errors: MEMORY (to is left alone). */
-int ns_signal_copy(const ns_signal *from, ns_signal *to);
+int ns_system_signal_copy(const ns_signal *from, ns_signal *to);
 
 /* Frees the arrays of a copy and makes it a DC signal of 0. */
-void ns_signal_release(ns_signal *s);
+void ns_system_signal_release(ns_signal *s);
 
 #endif

@@ -8,7 +8,7 @@
 
 #include "linalg/dense.h"
 #include "linalg/sparse.h"
-#include "system/signal_internal.h"
+#include "signal_internal.h"
 
 /* A zeroed p*q array, NULL for none; *ok becomes 0 where memory ran out. */
 static void *make(int p, int q, size_t size, int *ok) {
@@ -83,7 +83,7 @@ static void free_large(ns_large *a) {
     enum { ALL = 9 };
     ns_csc *const all[ALL] = {&a->M, &a->A, &a->B, &a->C, &a->D, &a->E, &a->F, &a->gx, &a->gz};
     for (size_t i = 0; i < ALL; i++) {
-        ns_csc_free(all[i]);
+        ns_linalg_csc_free(all[i]);
     }
     free(a);
 }
@@ -96,7 +96,7 @@ void ns_system_free(ns_system *s) {
         free_large(s->large);
     }
     for (int i = 0; s->z && i < s->nz; i++) {
-        ns_signal_release(&s->z[i]);
+        ns_system_signal_release(&s->z[i]);
     }
     for (int i = 0; s->command && i < s->nc; i++) {
         free(s->command[i].gx);
@@ -127,10 +127,10 @@ int ns_system_set_input(ns_system *s, int i, const ns_signal *signal) {
     if (i < 0 || i >= s->nz) {
         return NS_E_SIZE;
     }
-    if ((status = ns_signal_check(signal)) || (status = ns_signal_copy(signal, &copy))) {
+    if ((status = ns_signal_check(signal)) || (status = ns_system_signal_copy(signal, &copy))) {
         return status;
     }
-    ns_signal_release(&s->z[i]);
+    ns_system_signal_release(&s->z[i]);
     s->z[i] = copy;
     return NS_OK;
 }
@@ -146,9 +146,9 @@ void ns_system_charges(const ns_system *s, const double *x, double *w) {
         return;
     }
     if (!s->large) {
-        ns_matvec(s->n, s->n, s->M, x, w);
+        ns_linalg_matvec(s->n, s->n, s->M, x, w);
         return;
     }
     memset(w, 0, (size_t)s->n * sizeof *w);
-    ns_csc_times_add(&s->large->M, x, w);
+    ns_linalg_csc_times_add(&s->large->M, x, w);
 }

@@ -1,5 +1,5 @@
 /* src/system/waves.c - sines and exponentials as multiples of waves. */
-#include "system/waves.h"
+#include "waves.h"
 
 #include <float.h>
 #include <math.h>
@@ -32,14 +32,14 @@ static int exp_terms(const ns_signal *s, ns_wave_term *term, ns_wave *wave, doub
     return 2;
 }
 
-int ns_wave_terms(const ns_signal *s, ns_wave_term *term, ns_wave *wave, double *base) {
+int ns_system_wave_terms(const ns_signal *s, ns_wave_term *term, ns_wave *wave, double *base) {
     *base = 0;
     if (s->kind == NS_SIN)
         return sine_terms(s, term, wave, base);
     return s->kind == NS_EXP ? exp_terms(s, term, wave, base) : 0;
 }
 
-void ns_wave_at(const ns_wave *w, double t, double *c, double *s) {
+void ns_system_wave_at(const ns_wave *w, double t, double *c, double *s) {
     const double since = t - w->td, size = w->theta != 0 ? exp(-w->theta * since) : 1;
     *c = size;
     *s = 0;

@@ -11,7 +11,7 @@
 /* --- engines --- */
 
 const char *bench_engine_name(bench_engine e) {
-    static const char *const names[BENCH_ENGINES] = {"theta", "theta 1/2",   "flight", "sparse",
+    static const char *const names[BENCH_ENGINES] = {"theta", "theta 1/2",   "exact",  "sparse",
                                                      "auto",  "capture 1/2", "capture"};
     return names[e];
 }
@@ -25,7 +25,7 @@ int bench_captures(bench_engine e) {
 }
 
 int bench_steps(bench_engine e) {
-    return e == BENCH_THETA || e == BENCH_HALF || e == BENCH_FLIGHT || bench_captures(e);
+    return e == BENCH_THETA || e == BENCH_HALF || e == BENCH_EXACT || bench_captures(e);
 }
 
 /* Steps of the scheme in a unit: with events located from 64 on; else of what is large no more than 1024. */
@@ -35,7 +35,7 @@ enum { LOCATED = 3 };
 static const double sparse_digits[] = {3, 4, 6, 8, 10, 12}, auto_digits[] = {3, 6, 9, 12};
 
 int bench_settings(bench_engine e, int large, int quick) {
-    if (e == BENCH_FLIGHT)
+    if (e == BENCH_EXACT)
         return 1;
     if (quick)
         return bench_captures(e) ? 4 : bench_steps(e) ? 2 : 3;
@@ -43,7 +43,7 @@ int bench_settings(bench_engine e, int large, int quick) {
 }
 
 double bench_setting(bench_engine e, int k) {
-    if (e == BENCH_FLIGHT)
+    if (e == BENCH_EXACT)
         return 1 / 64.0;
     return bench_captures(e) ? 1 / fractions[k]
            : bench_steps(e)  ? 1 / fractions[k + LOCATED]
@@ -61,7 +61,7 @@ typedef struct model {
 
 /* The engine for s; where a new one comes in. */
 static int make_engine(const bench_case *c, bench_engine e, double setting, const ns_system *s, model *m) {
-    static const ns_method methods[BENCH_ENGINES] = {NS_THETA, NS_THETA, NS_FLIGHT, NS_SPARSE,
+    static const ns_method methods[BENCH_ENGINES] = {NS_THETA, NS_THETA, NS_EXACT, NS_SPARSE,
                                                      NS_AUTO,  NS_THETA, NS_THETA};
     const int steps = bench_steps(e);
     const double theta = e == BENCH_HALF || e == BENCH_CAPTURE_HALF ? 0.5 : 1;

@@ -8,7 +8,7 @@
 typedef enum bench_engine {
     BENCH_THETA,
     BENCH_HALF,
-    BENCH_FLIGHT,
+    BENCH_EXACT,
     BENCH_SPARSE,
     BENCH_AUTO,
     BENCH_CAPTURE_HALF, /* as theta 1/2 and theta, no event located; large circuits have no others */
@@ -36,7 +36,7 @@ int bench_steps(bench_engine e); /* its setting is a step of the scheme, else re
 int bench_settings(bench_engine e, int large, int quick);
 double bench_setting(bench_engine e, int k);
 
-/* setting: of the theta schemes (and of flight, where they step in) the step, in units of the case; of the
+/* setting: of the theta schemes (and of exact, where they step in) the step, in units of the case; of the
  * others reltol. */
 void bench_run(const bench_case *c, bench_engine e, double setting, bench_result *r);
 

@@ -12,9 +12,9 @@
  */
 #include "timing.h"
 
-#include "engine/stepper.h"
 #include "facts.h"
 #include "literature.h"
+#include "theta/theta_internal.h"
 
 enum { N = LIT_BUCK_N, STEPS = 20000, TURNS = 100, PARTS = 3, Z = 2 };
 static const double h = 50e-12;
@@ -48,7 +48,7 @@ static double products(const ns_theta *t) {
         in[k] = t->in[k];
     const double start = now();
     for (long k = 0; k < STEPS; k++) {
-        ns_matvec(p, q, a, in, out);
+        ns_linalg_matvec(p, q, a, in, out);
         in[0] = out[0];
     }
     sink = out[1];

@@ -59,7 +59,7 @@ static double floor_of(int which, const ns_mlcp *p) {
     memcpy(copy, p->W, m * m * sizeof *copy);
     const double start = now();
     if (which == PRODUCT)
-        ns_matvec(p->m, p->m, p->W, lambda, y);
+        ns_linalg_matvec(p->m, p->m, p->W, lambda, y);
     else if (which == RESIDUAL)
         (void)ns_mlcp_residual(p, lambda, NULL);
     else

@@ -1,5 +1,5 @@
-/* tests/bench/bench_schedule.c - what an instant known ahead of time costs: ns_schedule_next, ns_schedule_go
- * and ns_schedule_inputs, by what makes it.
+/* tests/bench/bench_schedule.c - what an instant known ahead of time costs: ns_inputs_events_next,
+ * ns_inputs_events_pass and ns_inputs_events_values, by what makes it.
  *
  *   gate        one switch and one pulse that enters: four corners and two flips a period
  *   level       a pulse as the only control of a switch: two flips a period, from a table
@@ -13,7 +13,7 @@
 
 #include <math.h>
 
-#include "engine/schedule.h"
+#include "inputs/time_events.h"
 
 enum { KINDS = 5, REPEATS = 15, INSTANTS = 100000, MANY = 2000 };
 static const char *const names[KINDS] = {"gate", "level", "sum", "sine", "many"};
@@ -66,28 +66,28 @@ static ns_system *system_of(int kind) {
     return s;
 }
 
-static double run(ns_schedule *s, int nz) {
+static double run(ns_time_events *s, int nz) {
     static double z[MANY], dz[MANY];
     const int enters = nz == 1;
-    ns_schedule_seek(s, 1e-3, NS_RIGHT, NULL);
+    ns_inputs_events_seek(s, 1e-3, NS_RIGHT, NULL);
     const double start = now();
     for (int k = 0; k < INSTANTS; k++) {
-        if (isinf(ns_schedule_next(s, 1e9)))
+        if (isinf(ns_inputs_events_next(s, 1e9)))
             must(NS_E_LIMIT);
-        const ns_instant *what = ns_schedule_go(s);
+        const ns_time_event *what = ns_inputs_events_pass(s);
         if (enters)
-            ns_schedule_inputs(s, what->t, z, dz);
+            ns_inputs_events_values(s, what->t, z, dz);
     }
     return (now() - start) / INSTANTS;
 }
 
 int main(void) {
     ns_system *system[KINDS];
-    ns_schedule *s[KINDS];
+    ns_time_events *s[KINDS];
     double times[KINDS][REPEATS];
     for (int i = 0; i < KINDS; i++) {
         system[i] = system_of(i);
-        must(ns_schedule_create(system[i], NULL, &s[i]));
+        must(ns_inputs_events_create(system[i], NULL, &s[i]));
     }
     for (int k = 0; k < REPEATS; k++)
         for (int i = 0; i < KINDS; i++)
@@ -95,7 +95,7 @@ int main(void) {
     printf("%-8s %8s %12s\n", "instants", "switches", "ns/instant");
     for (int i = 0; i < KINDS; i++) {
         printf("%-8s %8d %12.1f\n", names[i], system[i]->nc, 1e9 * median(REPEATS, times[i]));
-        ns_schedule_free(s[i]);
+        ns_inputs_events_free(s[i]);
         ns_system_free(system[i]);
     }
     return 0;

@@ -6,9 +6,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "engine/sparse_engine.h"
 #include "facts.h"
 #include "nonsmooth.h"
+#include "sparse/sparse.h"
 
 static const double freq = 1000;
 

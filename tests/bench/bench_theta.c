@@ -49,7 +49,7 @@ static result run_floor(const ns_system *s, double theta) {
         big[i] = a[i % 18];
     const double start = now();
     for (int k = 0; k < STEPS; k++) {
-        ns_matvec(p, 3, big, in, out);
+        ns_linalg_matvec(p, 3, big, in, out);
         in[0] = 1e-5 + 1e-9 * out[0];
     }
     sink = out[1];

@@ -156,7 +156,7 @@ static void by_scheme(const bench_case *c, real *values) {
         values[i] = ((real)finer[i] * 4 - (real)fine[i]) / 3;
 }
 
-/* fineness 1: by the scheme; less: by flight, sparse where that fails.  (Which of both is closer to the
+/* fineness 1: by the scheme; less: by exact, sparse where that fails.  (Which of both is closer to the
  * scheme tells nothing: extrapolated it is good to 1e-10 or worse, sparse to its reltol, 1e-9.) */
 static void exact(const bench_case *c, real fineness, real *values) {
     double got[CASE_VALUES] = {0};
@@ -164,7 +164,7 @@ static void exact(const bench_case *c, real fineness, real *values) {
         by_scheme(c, values);
         return;
     }
-    if (!by_ours(c, "flight", 0, got))
+    if (!by_ours(c, "exact", 0, got))
         (void)by_ours(c, "sparse", 0, got);
     for (int i = 0; i < c->times * c->unknowns; i++)
         values[i] = (real)got[i];

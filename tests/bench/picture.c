@@ -23,7 +23,7 @@ const char *picture_style(const char *series) {
     static const struct {
         const char *begin, *style;
     } styles[] = {{"auto", "lc rgb '#00a000' pt 13 ps 2.2 lw 3"},
-                  {"flight", "lc rgb '#0b7a75' pt 9 ps 1.8 lw 2"},
+                  {"exact", "lc rgb '#0b7a75' pt 9 ps 1.8 lw 2"},
                   {"sparse", "lc rgb '#7a1fa2' pt 11 ps 1.6 lw 2"},
                   {"capture 1/2", "lc rgb '#35b5c8' pt 7 ps 1.4 lw 2"},
                   {"capture", "lc rgb '#147a94' pt 5 ps 1.4 lw 2"},

@@ -59,7 +59,7 @@ static int put(list *l, row_kind kind, const char *series, todo t) {
 /* The cheapest first, for the time that all may take. */
 static void put_library(list *l, const plan *p, const bench_case *c) {
     static const bench_engine order[BENCH_ENGINES] = {
-        BENCH_AUTO, BENCH_CAPTURE_HALF, BENCH_CAPTURE, BENCH_FLIGHT, BENCH_SPARSE, BENCH_HALF, BENCH_THETA};
+        BENCH_AUTO, BENCH_CAPTURE_HALF, BENCH_CAPTURE, BENCH_EXACT, BENCH_SPARSE, BENCH_HALF, BENCH_THETA};
     for (int i = 0; i < BENCH_ENGINES; i++) {
         const bench_engine e = order[i];
         int before = -1;
@@ -193,7 +193,7 @@ static row_end run_apart(const bench_case *c, const todo *t, double limit, bench
 }
 
 static double run_library(const bench_case *c, const todo *t, double limit, row *r) {
-    static const char *const engines[] = {"", "theta", "flight", "sparse"};
+    static const char *const engines[] = {"", "theta", "exact", "sparse"};
     bench_result *got = mmap(NULL, sizeof *got, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (got == MAP_FAILED)
         must(NS_E_MEMORY);

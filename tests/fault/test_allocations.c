@@ -210,8 +210,8 @@ static void a_short_march(outcome *o) {
     march_by(o, NS_THETA, 1e-8, 1e-7);
 }
 
-static void a_flight(outcome *o) {
-    march_by(o, NS_FLIGHT, 1e-5, 6e-4);
+static void an_exact(outcome *o) {
+    march_by(o, NS_EXACT, 1e-5, 6e-4);
 }
 
 static void a_sparse_march(outcome *o) {
@@ -354,9 +354,9 @@ static void marches(void **state) {
     on(rectifier(), a_march, 50);
     on(rectifier(), an_operating_point, 40);
     on(floating_bridge(), a_short_march, 40);
-    on(rectifier(), a_flight, 50);
+    on(rectifier(), an_exact, 50);
     on(rectifier(), a_sparse_march, 50);
-    on(two_rectifiers(), a_flight, 100);
+    on(two_rectifiers(), an_exact, 100);
     on(two_rectifiers(), a_sparse_march, 100);
 }
 

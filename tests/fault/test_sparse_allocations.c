@@ -12,9 +12,9 @@
 
 #include <suitesparse/SuiteSparse_config.h>
 
-#include "engine/sparse_march.h"
 #include "nonsmooth.h"
 #include "retry.h"
+#include "sparse/sparse_internal.h"
 #include "wrap_alloc.h"
 
 enum { TIMES_MAX = 4000, READINGS = 4 };

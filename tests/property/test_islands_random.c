@@ -1,5 +1,5 @@
 /* tests/property/test_islands_random.c - two or three random networks at one supply, a square wave behind a
- * resistor for each: islands on their own ways against all in one, by flight.
+ * resistor for each: islands on their own ways against all in one, by exact.
  *
  * Networks that are refused (impossible starts, sources shorted) are so both ways.  What capacitors and
  * inductors hold is compared: voltages of nodes that float between open devices are not determined.
@@ -59,7 +59,7 @@ static int add(scene *z, int k) {
 
 static int begin_scene(scene *z, double h, int whole) {
     const ns_signal square = {.kind = NS_PULSE, .u.pulse = {.v2 = 5, .pw = 9e-6, .per = 17e-6}};
-    const ns_march_options o = {.theta = 1, .gamma = 1, .h = h, .method = NS_FLIGHT, .whole = whole};
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = h, .method = NS_EXACT, .whole = whole};
     double w0[ALL * 4] = {0};
     *z = (scene){0};
     assert_int_equal(ns_circuit_create(&z->c), NS_OK);

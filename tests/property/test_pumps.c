@@ -1,10 +1,10 @@
-/* tests/property/test_pumps.c - random charge pumps by flight, against itself by another h and against the
+/* tests/property/test_pumps.c - random charge pumps by exact, against itself by another h and against the
  * sparse marcher.
  *
  * Diodes of a few ohm down to a nanohm between capacitors: charges go from stage to stage within ron C, which
  * may be anything from slow to far less than t can show, and where all is at rest currents of 1e-8 A flow
  * through what volts and their rounding would drive amperes through.  What was taken for rounding beside the
- * largest of those, or for over at once, left flight to steps of the scheme: pumps came out 20 % off.
+ * largest of those, or for over at once, left exact to steps of the scheme: pumps came out 20 % off.
  */
 #include <stdio.h>
 
@@ -134,30 +134,30 @@ static void pumps(void **state) {
     long problems[2] = {0, 0}, more = 0;
     (void)state;
     for (unsigned long long seed = 1; seed <= RUNS; seed++) {
-        static const ns_method methods[] = {NS_FLIGHT, NS_AUTO};
+        static const ns_method methods[] = {NS_EXACT, NS_AUTO};
         const pump k = draw(seed);
         double got[2 * INSTANTS], judge[2 * INSTANTS];
         if (run(&k, NS_SPARSE, k.h / 100, 0, judge, &more) != NS_OK)
-            assert_int_equal(run(&k, NS_FLIGHT, k.h / 100, 0, judge, &more), NS_OK);
+            assert_int_equal(run(&k, NS_EXACT, k.h / 100, 0, judge, &more), NS_OK);
         else
             judged++;
         for (int i = 0; i < 2; i++) {
             assert_int_equal(run(&k, methods[i], k.h, 0, got, &problems[i]), NS_OK);
             const double off = apart(2 * INSTANTS, got, judge);
             if (!(off < 1e-4))
-                fail_msg("pump %llu: %s %.1e off", seed, i == 0 ? "flight" : "auto", off);
+                fail_msg("pump %llu: %s %.1e off", seed, i == 0 ? "exact" : "auto", off);
             worst[i] = fmax(worst[i], off);
             assert_int_equal(run(&k, methods[i], k.h, 0.3, got, &more), NS_OK);
             if (!(apart(2 * INSTANTS, got, judge) < 1e-4))
-                fail_msg("pump %llu: %s %.1e off after dropped trials", seed, i == 0 ? "flight" : "auto",
+                fail_msg("pump %llu: %s %.1e off after dropped trials", seed, i == 0 ? "exact" : "auto",
                          apart(2 * INSTANTS, got, judge));
         }
     }
     assert_true(judged > RUNS * 9 / 10);
-    /* a flight that is stuck is handed on, and (P1) is asked: 11000 times by flight with the noise of steps
-     * in its stages, as often by auto as by flight if it never hands over */
+    /* a exact that is stuck is handed on, and (P1) is asked: 11000 times by exact with the noise of steps
+     * in its stages, as often by auto as by exact if it never hands over */
     assert_true(problems[0] < 8000 && problems[1] < 3000);
-    printf("%d pumps, %d of them judged by sparse: flight at most %.1e off with %ld problems, auto %.1e with "
+    printf("%d pumps, %d of them judged by sparse: exact at most %.1e off with %ld problems, auto %.1e with "
            "%ld\n",
            RUNS, judged, worst[0], problems[0], worst[1], problems[1]);
 }

@@ -1,9 +1,9 @@
-/* tests/property/test_resonant.c - random resonant converters (LLC) by flight, against itself by steps of
+/* tests/property/test_resonant.c - random resonant converters (LLC) by exact, against itself by steps of
  * another length and against the sparse marcher, which is 6e-5 off where they ring between open switches.
  *
  * A half bridge, two inductors and a capacitor in series, a winding with a bridge of diodes that hangs on 1
  * Mohm alone: its current of less than 1 uA passes from diode to diode within some 1e-12 s, beside 1 A
- * before.  Found late, by what rounding beside 1 A might be, it was handed on for ever, and flight was up to
+ * before.  Found late, by what rounding beside 1 A might be, it was handed on for ever, and exact was up to
  * 22 % off.
  */
 #include <stdio.h>
@@ -103,8 +103,8 @@ static void converters(void **state) {
     for (unsigned long long seed = 1; seed <= RUNS; seed++) {
         const tank k = draw(seed);
         double got[2 * INSTANTS], other[2 * INSTANTS];
-        run(&k, NS_FLIGHT, 1e-6, got);
-        run(&k, NS_FLIGHT, 1e-7, other);
+        run(&k, NS_EXACT, 1e-6, got);
+        run(&k, NS_EXACT, 1e-7, other);
         const double by_h = apart(2 * INSTANTS, got, other);
         run(&k, NS_SPARSE, 1e-6, other);
         const double by_sparse = apart(2 * INSTANTS, got, other);

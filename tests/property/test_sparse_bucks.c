@@ -1,5 +1,5 @@
 /* tests/property/test_sparse_bucks.c - random buck converters of one to three phases by the sparse marcher
- * against flight.
+ * against exact.
  *
  * The supply jumps, freewheel diodes may have a drop, gates are timed: at each closing of a switch supply,
  * switch and diode are a loop of sources that contradict each other until the diode opens.  Beside it, a
@@ -104,12 +104,12 @@ static void bucks(void **state) {
     for (unsigned long long seed = 1; seed <= RUNS; seed++) {
         const buck b = draw(seed);
         double exact[INSTANTS], got[INSTANTS];
-        run(&b, NS_FLIGHT, exact);
+        run(&b, NS_EXACT, exact);
         run(&b, NS_SPARSE, got);
         for (int k = 0; k < INSTANTS; k++) {
             const double off = fabs(got[k] - exact[k]);
             if (!(off < 1e-6))
-                fail_msg("buck %llu at %g s: %.9g V by sparse, %.9g V by flight", seed,
+                fail_msg("buck %llu at %g s: %.9g V by sparse, %.9g V by exact", seed,
                          last * (k + 1) / INSTANTS, got[k], exact[k]);
             worst = fmax(worst, off);
         }

@@ -1,10 +1,10 @@
-/* tests/property/test_sparse_hunt.c - the sparse marcher on random networks of many kinds against flight.
+/* tests/property/test_sparse_hunt.c - the sparse marcher on random networks of many kinds against exact.
  *
  * Networks of 11 to 100 unknowns of R, L, C, diodes, switches commanded by time or by a voltage, with or
  * without resistance (1 mohm), with or without leakage, of which some have a square wave: with parts that
  * float, inductors interrupted, capacitors shorted, transients of 1e-11 s, contradictory switches.
- *   - What a network holds at some instants is what flight says, to 100 reltol of its energy's square root;
- *     where flight does not agree with itself at a tenth of h, nothing is known.
+ *   - What a network holds at some instants is what exact says, to 100 reltol of its energy's square root;
+ *     where exact does not agree with itself at a tenth of h, nothing is known.
  *   - Switches that contradict themselves chatter: that is refused, naming one of them.
  */
 #include <math.h>
@@ -218,11 +218,11 @@ static double instant(int step) {
     return step * 1e-6 + 3e-7;
 }
 
-/* 1 if flight says another thing at a tenth of h. */
-static int flight_doubts(const net *w, double t, double off) {
+/* 1 if exact says another thing at a tenth of h. */
+static int exact_doubts(const net *w, double t, double off) {
     run a, b;
-    const int ok = begin(&a, w, NS_FLIGHT, 1e-6, 0) == NS_OK && go(&a, t) == NS_OK;
-    const int same = begin(&b, w, NS_FLIGHT, 1e-7, 0) == NS_OK && go(&b, t) == NS_OK;
+    const int ok = begin(&a, w, NS_EXACT, 1e-6, 0) == NS_OK && go(&a, t) == NS_OK;
+    const int same = begin(&b, w, NS_EXACT, 1e-7, 0) == NS_OK && go(&b, t) == NS_OK;
     const int doubts = !ok || !same || apart(&a, &b) > 0.1 * off;
     end(&a);
     end(&b);
@@ -238,22 +238,22 @@ static verdict judge(unsigned long seed, unsigned most, double reltol) {
     run a, b;
     double off = 0, at = 0;
     random_net(&w, seed, most);
-    int sparse = begin(&a, &w, NS_SPARSE, 1e-6, reltol), flight = begin(&b, &w, NS_FLIGHT, 1e-6, 0);
-    for (int step = 1; step <= STEPS && sparse == NS_OK && flight == NS_OK; step++) {
+    int sparse = begin(&a, &w, NS_SPARSE, 1e-6, reltol), exact = begin(&b, &w, NS_EXACT, 1e-6, 0);
+    for (int step = 1; step <= STEPS && sparse == NS_OK && exact == NS_OK; step++) {
         sparse = go(&a, instant(step));
-        flight = sparse == NS_OK ? go(&b, instant(step)) : flight;
-        if (sparse == NS_OK && flight == NS_OK && apart(&a, &b) > off) {
+        exact = sparse == NS_OK ? go(&b, instant(step)) : exact;
+        if (sparse == NS_OK && exact == NS_OK && apart(&a, &b) > off) {
             off = apart(&a, &b);
             at = instant(step);
         }
     }
-    verdict is = sparse != NS_OK ? REFUSED : flight != NS_OK ? NOT_KNOWN : RIGHT;
+    verdict is = sparse != NS_OK ? REFUSED : exact != NS_OK ? NOT_KNOWN : RIGHT;
     if (sparse == NS_E_LIMIT && a.m && ns_march_fault(a.m)->t > 0) /* it says who */
         assert_true(ns_march_fault(a.m)->npairs > 0);
     end(&a);
     end(&b);
     if (off > fmax(100 * reltol, 2e-9))
-        is = flight_doubts(&w, at, off) ? NOT_KNOWN : OFF;
+        is = exact_doubts(&w, at, off) ? NOT_KNOWN : OFF;
     if (is != RIGHT)
         print_message("network %lu of %u: %s, apart by %g at %g\n", seed, most, verdicts[is], off, at);
     return is;
@@ -288,7 +288,7 @@ static void those_that_were_wrong(void **state) {
 enum { RUNS = 40, REFUSED_AT_MOST = 2 };
 
 /* Without switches that a voltage commands: across 1e9 ohm that is what reltol leaves open. */
-static void as_flight_says(void **state) {
+static void as_exact_says(void **state) {
     const double reltol = *(const double *)*state;
     const unsigned long first = 5000 + (unsigned long)(-100 * log10(reltol));
     int count[4] = {0}, runs = 0;
@@ -310,9 +310,9 @@ int main(void) {
     static double rough = 1e-3, usual = 1e-6, fine = 1e-10;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(those_that_were_wrong),
-        {"as flight says, reltol 1e-3", as_flight_says, NULL, NULL, &rough},
-        {"as flight says, reltol 1e-6", as_flight_says, NULL, NULL, &usual},
-        {"as flight says, reltol 1e-10", as_flight_says, NULL, NULL, &fine},
+        {"as exact says, reltol 1e-3", as_exact_says, NULL, NULL, &rough},
+        {"as exact says, reltol 1e-6", as_exact_says, NULL, NULL, &usual},
+        {"as exact says, reltol 1e-10", as_exact_says, NULL, NULL, &fine},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -4,8 +4,8 @@
  * Networks of R, L, C, ideal diodes and time-driven ideal switches (passive.h), many of them with parts that
  * float and with loops of closed switches, where (P2) is singular:
  *   - stored energy never grows;
- *   - what it holds at some instants is what the flight engine says, or the scheme at a small step, for there
- * is a network that flight errs in;
+ *   - what it holds at some instants is what the exact engine says, or the scheme at a small step, for there
+ * is a network that exact errs in;
  *   - at most one in a hundred is refused.
  */
 #include <math.h>
@@ -20,7 +20,7 @@
 
 enum { RUNS = 150, STEPS = 60, REFUSED = RUNS / 100 };
 
-/* Of all energy: growth, and how far from flight; transients of less than h 2^-20 are damped, not resolved,
+/* Of all energy: growth, and how far from exact; transients of less than h 2^-20 are damped, not resolved,
  * which leaves of a part with such a time constant some 1e-6. */
 static const double growth_tol = 1e-8, off_tol = 1e-4;
 
@@ -44,13 +44,13 @@ typedef struct told {
     double grown, off, at;
 } told;
 
-/* 0: refused; networks that flight refuses are not looked at. */
+/* 0: refused; networks that exact refuses are not looked at. */
 static int follow(const element *e, double roff, told *w) {
     run a = plain(roff, 1), b = a;
     const double all = given(e);
     double before = all;
     a.method = NS_SPARSE;
-    b.method = NS_FLIGHT;
+    b.method = NS_EXACT;
     int ok = begin(&a, e, straight, 1e-6), told_by = begin(&b, e, straight, 1e-6);
     *w = (told){0, 0, 0};
     for (int step = 1; step <= STEPS && ok; step++) {
@@ -69,7 +69,7 @@ static int follow(const element *e, double roff, told *w) {
     return ok;
 }
 
-static void as_flight_says(void **state) {
+static void as_exact_says(void **state) {
     const double roff = *(const double *)*state;
     int refused = 0, off = 0;
     for (int k = 0; k < RUNS; k++) {
@@ -102,9 +102,9 @@ static void floats(void **state) {
 int main(void) {
     static double none = INFINITY, leaky = 1e12, low = 1e6;
     const struct CMUnitTest tests[] = {
-        {"as flight says, roff none", as_flight_says, NULL, NULL, &none},
-        {"as flight says, roff 1e12", as_flight_says, NULL, NULL, &leaky},
-        {"as flight says, roff 1e6", as_flight_says, NULL, NULL, &low},
+        {"as exact says, roff none", as_exact_says, NULL, NULL, &none},
+        {"as exact says, roff 1e12", as_exact_says, NULL, NULL, &leaky},
+        {"as exact says, roff 1e6", as_exact_says, NULL, NULL, &low},
         cmocka_unit_test(floats),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,9 +1,9 @@
 /* tests/reference/test_sparse_multiplier.c - an ideal Cockcroft-Walton multiplier by the sparse engine,
- * against the flight engine, which shares none of its steps.
+ * against the exact engine, which shares none of its steps.
  *
  * It has modes whose state the sine does not reach, so that guards alone see how long a leg may be, loops of
  * capacitors and the source that a cut-off sine contradicts, and at each crest currents that reach zero
- * together.  Flight's own error is below 1e-12 of closed forms in other tests. */
+ * together.  The exact engine's own error is below 1e-12 of closed forms in other tests. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -73,7 +73,7 @@ static void run(ns_method method, double h, double reltol, double *values) {
 static void test_multiplier(void **state) {
     (void)state;
     static double right[TIMES * NODES], values[TIMES * NODES];
-    run(NS_FLIGHT, 1 / freq / 64, 0, right);
+    run(NS_EXACT, 1 / freq / 64, 0, right);
     for (int digits = 6; digits <= 9; digits++) {
         const double reltol = pow(10, -digits);
         run(NS_SPARSE, 1 / freq, reltol, values);

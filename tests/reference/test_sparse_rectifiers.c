@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
-#include "engine/sparse_march.h"
 #include "lit_rectifiers.h"
+#include "sparse/sparse_internal.h"
 
 /* Steps are good to 1e-11 of the largest charge; the exact ones are good to 1e-10 or so. */
 static const double close_enough = 1e-8;

@@ -35,10 +35,10 @@ ns_system *formula_system(dice *d) {
 
 static void solve(const double *W, int columns, double *b) {
     ns_lu *f;
-    if (ns_lu_create(N, &f) != NS_OK || ns_lu_factor(f, N, W, NULL, NULL) != NS_OK)
+    if (ns_linalg_lu_create(N, &f) != NS_OK || ns_linalg_lu_factor(f, N, W, NULL, NULL) != NS_OK)
         abort();
-    ns_lu_solve(f, columns, b);
-    ns_lu_free(f);
+    ns_linalg_lu_solve(f, columns, b);
+    ns_linalg_lu_free(f);
 }
 
 /* lambda of y = Wm lambda + q, 0 <= y _|_ lambda >= 0: projected Gauss-Seidel to rounding. */

@@ -36,7 +36,7 @@ typedef struct scene {
 
 static inline void begin(scene *z, size_t bytes) {
     double w0[MOST] = {0};
-    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-6, .map_bytes = bytes, .method = NS_FLIGHT};
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-6, .map_bytes = bytes, .method = NS_EXACT};
     assert_int_equal(ns_circuit_system(z->c, &z->s), NS_OK);
     assert_true(z->s->n <= MOST);
     assert_int_equal(ns_circuit_rest(z->c, w0), NS_OK);

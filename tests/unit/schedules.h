@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-#include "engine/schedule.h"
+#include "inputs/time_events.h"
 #include "nonsmooth.h"
 #include "signals.h"
 
@@ -51,22 +51,22 @@ static inline void thresholds(ns_system *s, int c, double on, double off) {
     s->command[c].off = off;
 }
 
-static inline ns_schedule *schedule(const ns_system *s) {
-    ns_schedule *made;
-    assert_int_equal(ns_schedule_create(s, NULL, &made), NS_OK);
+static inline ns_time_events *schedule(const ns_system *s) {
+    ns_time_events *made;
+    assert_int_equal(ns_inputs_events_create(s, NULL, &made), NS_OK);
     return made;
 }
 
-static inline void done(ns_schedule *s, ns_system *system) {
-    ns_schedule_free(s);
+static inline void done(ns_time_events *s, ns_system *system) {
+    ns_inputs_events_free(s);
     ns_system_free(system);
 }
 
 /* The next instant is at t, and flips commands as the bits of which say; NULL if it does not. */
-static const ns_instant *expect(ns_schedule *s, double t, double tol, unsigned which) {
+static const ns_time_event *expect(ns_time_events *s, double t, double tol, unsigned which) {
     unsigned bits = 0;
-    assert_near(ns_schedule_next(s, INFINITY), t, tol);
-    const ns_instant *what = ns_schedule_go(s);
+    assert_near(ns_inputs_events_next(s, INFINITY), t, tol);
+    const ns_time_event *what = ns_inputs_events_pass(s);
     for (int i = 0; i < what->flips; i++)
         bits |= 1u << what->flip[i];
     assert_int_equal(bits, which);

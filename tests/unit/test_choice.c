@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "engine/marcher.h"
+#include "march/march_internal.h"
 #include "nonsmooth.h"
 
 /* 1 V, 1 kohm, 1 uF; across it a switch of 100 ohm that closes above 0.8 V and opens below 0.2 V.  From 0 it
@@ -60,8 +60,8 @@ static void a_closed_switch_stays_closed(void **state) {
     go(m, t1 + 0.5 * tau);
     near(c, m, falling(0.5 * tau));
     assert_int_equal(ns_march_engine(m), NS_SPARSE);
-    assert_int_equal(ns_choice_leave(m), NS_OK);
-    assert_int_equal(ns_march_engine(m), NS_FLIGHT);
+    assert_int_equal(ns_march_leave_sparse(m), NS_OK);
+    assert_int_equal(ns_march_engine(m), NS_EXACT);
     go(m, t1 + tau);
     near(c, m, falling(tau));
     ns_march_free(m);
@@ -83,19 +83,19 @@ static void it_comes_back(void **state) {
     assert_int_equal(ns_march_start(m, 0, w0), NS_OK);
     go(m, t1 + 0.3 * tau);
     const long events = ns_march_counts(m)->events;
-    assert_int_equal(ns_choice_leave(m), NS_OK);
+    assert_int_equal(ns_march_leave_sparse(m), NS_OK);
     go(m, t1 + 0.3 * tau + 63e-7);
-    assert_int_equal(ns_march_engine(m), NS_FLIGHT);
+    assert_int_equal(ns_march_engine(m), NS_EXACT);
     go(m, t1 + 0.3 * tau + 65e-7);
-    assert_int_equal(ns_march_engine(m), NS_FLIGHT); /* to there */
+    assert_int_equal(ns_march_engine(m), NS_EXACT); /* to there */
     go(m, t1 + tau);
     assert_int_equal(ns_march_engine(m), NS_SPARSE);
     near(c, m, falling(tau)); /* it is still closed */
     assert_int_equal(ns_march_counts(m)->events, events);
-    assert_int_equal(ns_choice_leave(m), NS_OK); /* now for four times as long */
+    assert_int_equal(ns_march_leave_sparse(m), NS_OK); /* now for four times as long */
     go(m, t1 + tau + 255e-7);
     go(m, t1 + 1.3 * tau);
-    assert_int_equal(ns_march_engine(m), NS_FLIGHT);
+    assert_int_equal(ns_march_engine(m), NS_EXACT);
     near(c, m, falling(1.3 * tau));
     go(m, t1 + 1.4 * tau);
     assert_int_equal(ns_march_engine(m), NS_SPARSE);
@@ -140,7 +140,7 @@ static ns_circuit *ladder(int common) {
     return c;
 }
 
-/* Matrices of modes that do not recur are not worth their while: auto, which took flight, turns to sparse. */
+/* Matrices of modes that do not recur are not worth their while: auto, which took exact, turns to sparse. */
 static void modes_that_do_not_recur(void **state) {
     (void)state;
     ns_circuit *c = ladder(0);
@@ -150,15 +150,15 @@ static void modes_that_do_not_recur(void **state) {
     assert_int_equal(ns_circuit_system(c, &s), NS_OK);
     assert_true(s->n <= 80);
     for (int k = 0; k < 2; k++) {
-        const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-6, .method = k ? NS_AUTO : NS_FLIGHT};
+        const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-6, .method = k ? NS_AUTO : NS_EXACT};
         assert_int_equal(ns_march_create(s, &o, &m[k], NULL), NS_OK);
         assert_int_equal(ns_march_start(m[k], 0, w0), NS_OK);
-        assert_int_equal(ns_march_engine(m[k]), NS_FLIGHT);
+        assert_int_equal(ns_march_engine(m[k]), NS_EXACT);
         for (int i = 1; i <= 20; i++) /* 8 events each */
             go(m[k], i * 20e-6);
         assert_int_equal(ns_march_read(m[k], NULL, x[k], NULL, NULL), NS_OK);
     }
-    assert_int_equal(ns_march_engine(m[0]), NS_FLIGHT);
+    assert_int_equal(ns_march_engine(m[0]), NS_EXACT);
     assert_int_equal(ns_march_engine(m[1]), NS_SPARSE);
     for (int k = 1; k <= 10; k++) {
         const int at = ns_circuit_node_unknown(c, k);
@@ -184,7 +184,7 @@ static void modes_that_recur_later(void **state) {
     assert_int_equal(ns_march_start(m, 0, w0), NS_OK);
     for (int i = 1; i <= 20; i++)
         go(m, i * 20e-6);
-    assert_int_equal(ns_march_engine(m), NS_FLIGHT);
+    assert_int_equal(ns_march_engine(m), NS_EXACT);
     assert_true(ns_march_counts(m)->modes > 32); /* more than half of the first 64 */
     assert_true(ns_march_counts(m)->events > 200);
     ns_march_free(m);

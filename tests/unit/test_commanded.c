@@ -125,12 +125,12 @@ static void neither_open_nor_closed(void **state) {
 }
 
 int main(void) {
-    static ns_method theta = NS_THETA, flight = NS_FLIGHT, sparse = NS_SPARSE;
+    static ns_method theta = NS_THETA, exact = NS_EXACT, sparse = NS_SPARSE;
     const struct CMUnitTest tests[] = {
-        {"none slides from afar, flight", none_slides_from_afar, NULL, NULL, &flight},
+        {"none slides from afar, exact", none_slides_from_afar, NULL, NULL, &exact},
         {"none slides from afar, sparse", none_slides_from_afar, NULL, NULL, &sparse},
         {"neither open nor closed, theta", neither_open_nor_closed, NULL, NULL, &theta},
-        {"neither open nor closed, flight", neither_open_nor_closed, NULL, NULL, &flight},
+        {"neither open nor closed, exact", neither_open_nor_closed, NULL, NULL, &exact},
         {"neither open nor closed, sparse", neither_open_nor_closed, NULL, NULL, &sparse},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

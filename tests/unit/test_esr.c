@@ -7,7 +7,7 @@
  *
  * as each phase takes hundreds of time constants.  In between all switches are open, for a tenth of the
  * period: what the flying capacitor then floats at is held by their roff alone, or by nothing.  Up to issue 3
- * flight and auto took that mode for one without an answer, the scheme stood in with steps up to h, and v
+ * exact and auto took that mode for one without an answer, the scheme stood in with steps up to h, and v
  * came out 0.1 % to 20 % off; sparse did not start.
  *
  * And a capacitor that is sampled and let go, discharging through roff as e^(-t/(roff C)).
@@ -17,7 +17,7 @@
 #include "rig.h"
 #include "signals.h"
 
-static const int methods[] = {NS_AUTO, NS_FLIGHT, NS_SPARSE};
+static const int methods[] = {NS_AUTO, NS_EXACT, NS_SPARSE};
 enum { METHODS = sizeof methods / sizeof *methods };
 static const double period = 30e-6, volts = 5, c1 = 1e-6, c2 = 28e-6;
 

@@ -2,7 +2,7 @@
  *
  * A switch charges a capacitor through an inductor, a resistor and a diode: to 10 V (1 + e^(-pi/(2 Q))) in
  * half a period, for large Q.  What it rings in dies within 80 Q/omega, which is 8e-5 h where omega h is 1e8:
- * far more than the millionth of h that flight takes for no time.  Looked for by a stage of 256 h, which a
+ * far more than the millionth of h that exact takes for no time.  Looked for by a stage of 256 h, which a
  * mode before may have been made with, the rate could not be told from an infinite one, and 10 V was the
  * answer.
  */
@@ -35,7 +35,7 @@ static ns_circuit *build(double omega) {
 
 static void charges(void **state) {
     const double pi = 3.14159265358979323846, volts = 10 * (1 + exp(-pi / (2 * quality)));
-    const ns_march_options o = {.theta = 1, .gamma = 1, .h = h, .method = NS_FLIGHT, .whole = 1};
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = h, .method = NS_EXACT, .whole = 1};
     (void)state;
     for (double by = 1e2; by < 3e8; by *= 10) {
         rig k = {.c = build(by / h)};

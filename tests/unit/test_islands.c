@@ -52,10 +52,10 @@ static void bucks_side_by_side(ns_method method, ns_until until, double toleranc
     end(&b);
 }
 
-static void by_flight(void **state) {
+static void by_exact(void **state) {
     (void)state;
-    bucks_side_by_side(NS_FLIGHT, NS_TO_TIME, 1e-12);
-    bucks_side_by_side(NS_FLIGHT, NS_TO_EVENT, 1e-12);
+    bucks_side_by_side(NS_EXACT, NS_TO_TIME, 1e-12);
+    bucks_side_by_side(NS_EXACT, NS_TO_EVENT, 1e-12);
 }
 
 static void by_sparse(void **state) {
@@ -68,8 +68,8 @@ static void by_sparse(void **state) {
 static void the_same_events(void **state) {
     (void)state;
     scene a = two_bucks(), b = two_bucks();
-    begin(&a, NS_FLIGHT, 0);
-    begin(&b, NS_FLIGHT, 1);
+    begin(&a, NS_EXACT, 0);
+    begin(&b, NS_EXACT, 1);
     for (double t = 0; t < 200e-6;) {
         t = go(&a, 1, NS_TO_EVENT);
         assert_true(fabs(go(&b, 1, NS_TO_EVENT) - t) <= 1e-15);
@@ -89,7 +89,7 @@ static void each_costs_what_it_costs_alone(void **state) {
     scene *const all[] = {&both, &whole, &one, &other};
     ns_counts c[4];
     for (int k = 0; k < 4; k++) {
-        begin(all[k], NS_FLIGHT, k == 1);
+        begin(all[k], NS_EXACT, k == 1);
         go_to(all[k], 1e-3, NS_TO_TIME);
         c[k] = *ns_march_counts(all[k]->m);
         end(all[k]);
@@ -108,8 +108,8 @@ static void events_of_others_are_not_searched_for(void **state) {
     (void)state;
     scene both = two_bucks(), three = two_bucks();
     detector(&three, "3", FIRST + 2 * EACH);
-    begin(&both, NS_FLIGHT, 0);
-    begin(&three, NS_FLIGHT, 0);
+    begin(&both, NS_EXACT, 0);
+    begin(&three, NS_EXACT, 0);
     assert_int_equal(islands(&three), 3);
     go_to(&both, 1e-3, NS_TO_EVENT);
     go_to(&three, 1e-3, NS_TO_EVENT);
@@ -126,7 +126,7 @@ static void currents_of_the_supply_add_up(void **state) {
     scene z = two_bucks();
     double x[MOST], lambda[MOST];
     detector(&z, "3", FIRST + 2 * EACH);
-    begin(&z, NS_FLIGHT, 0);
+    begin(&z, NS_EXACT, 0);
     go_to(&z, 61e-6, NS_TO_TIME); /* both switches closed: 1 of 10 us, 2.6 of 7.3 */
     assert_int_equal(ns_march_read(z.m, NULL, x, lambda, NULL), NS_OK);
     const int il1 = ns_circuit_current_unknown(z.c, 5); /* in, rin, v1, s1, d1, l1 */
@@ -144,8 +144,8 @@ static void from_the_operating_point(void **state) {
     for (int held = 0; held < 3; held++) {
         scene a = two_bucks(), b = two_bucks();
         double x[2][MOST];
-        make(&a, NS_FLIGHT, 0);
-        make(&b, NS_FLIGHT, 1);
+        make(&a, NS_EXACT, 0);
+        make(&b, NS_EXACT, 1);
         const int hold[] = {ns_circuit_node_unknown(a.c, FIRST + EACH + 1),
                             ns_circuit_node_unknown(a.c, FIRST + 1)};
         const double at[] = {5, 3};
@@ -186,7 +186,7 @@ static void tied_together(void **state) {
             buck(&z, "1", FIRST, 10e-6, 4);
             buck(&z, "2", FIRST + EACH, 7.3e-6, 300);
         }
-        begin(&z, tie == 3 ? NS_THETA : NS_FLIGHT, 0);
+        begin(&z, tie == 3 ? NS_THETA : NS_EXACT, 0);
         assert_int_equal(islands(&z), 0);
         go_to(&z, 20e-6, NS_TO_TIME);
         end(&z);
@@ -198,8 +198,8 @@ static void trials_are_forgotten(void **state) {
     (void)state;
     scene a = two_bucks(), b = two_bucks();
     double reached;
-    begin(&a, NS_FLIGHT, 0);
-    begin(&b, NS_FLIGHT, 0);
+    begin(&a, NS_EXACT, 0);
+    begin(&b, NS_EXACT, 0);
     for (double t = 0; t < 100e-6;) {
         assert_int_equal(ns_march_try(a.m, t + 13e-6, NS_TO_TIME, &reached), NS_OK);
         assert_int_equal(ns_march_try(a.m, t + 1e-7, NS_TO_EVENT, &reached), NS_OK);
@@ -247,7 +247,7 @@ static void large_ones(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(by_flight),
+        cmocka_unit_test(by_exact),
         cmocka_unit_test(by_sparse),
         cmocka_unit_test(the_same_events),
         cmocka_unit_test(each_costs_what_it_costs_alone),

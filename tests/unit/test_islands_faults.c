@@ -24,7 +24,7 @@ static void a_fault_has_its_own_name(void **state) {
     double reached, t, h;
     for (int whole = 0; whole < 2; whole++) { /* at half a period */
         scene z = with_a_short(-1);
-        begin(&z, NS_FLIGHT, whole);
+        begin(&z, NS_EXACT, whole);
         assert_int_equal(islands(&z), whole ? 0 : 4);
         assert_int_equal(ns_march_try(z.m, 1e-3, NS_TO_TIME, &reached), NS_E_INFEASIBLE);
         names_the_short(&z);
@@ -37,7 +37,7 @@ static void a_fault_has_its_own_name(void **state) {
     }
     for (int dc = 0; dc < 2; dc++) { /* at once; of 0 V and 0 V an operating point is none the worse */
         scene z = with_a_short(1);
-        make(&z, NS_FLIGHT, 0);
+        make(&z, NS_EXACT, 0);
         const int status =
             dc ? ns_march_start_dc(z.m, 0.1e-3, 0, NULL, NULL, NULL) : ns_march_start(z.m, 0.1e-3, z.w0);
         assert_int_equal(status, NS_E_INFEASIBLE);
@@ -56,7 +56,7 @@ static void bad_calls(void **state) {
     ns_march *m;
     ns_mlcp p;
     scene z = two_bucks();
-    make(&z, NS_FLIGHT, 0);
+    make(&z, NS_EXACT, 0);
     assert_int_equal(ns_march_try(z.m, 1, NS_TO_TIME, &reached), NS_E_STATE);
     assert_int_equal(ns_march_read(z.m, NULL, NULL, NULL, NULL), NS_E_STATE);
     assert_int_equal(ns_march_accept(z.m), NS_E_STATE);

@@ -7,19 +7,19 @@
 
 #include <cmocka.h>
 
-#include "engine/laguerre.h"
+#include "modes/laguerre.h"
 
 /* The bounds of L_i hold, and promise nothing that is not there: the largest is within a thousandth. */
 static void bounds_are_bounds(void **state) {
     (void)state;
     double most[NS_ORDER] = {0}, c[NS_ORDER];
     for (int k = 0; k <= 100000; k++) {
-        ns_laguerre(NS_POLE * k / 100000, c);
+        ns_modes_laguerre(NS_POLE * k / 100000, c);
         for (int i = 0; i < NS_ORDER; i++)
             most[i] = fmax(most[i], fabs(c[i]));
     }
     for (int i = 0; i < NS_ORDER; i++)
-        assert_true(most[i] <= ns_laguerre_most[i] && most[i] > 0.999 * ns_laguerre_most[i]);
+        assert_true(most[i] <= ns_modes_laguerre_max[i] && most[i] > 0.999 * ns_modes_laguerre_max[i]);
 }
 
 /* Of w' = a w: D = z/(1 - z), z = g a, E = 1 + D.  (E2) is exp(tau a), (E1), times E, too, to the rounding
@@ -31,8 +31,8 @@ static void they_are_exponentials(void **state) {
         for (int part = 0; part <= 8; part++) {
             const double z = rates[k] / NS_POLE, D = z / (1 - z), s = NS_POLE * part / 8;
             double c[NS_ORDER], b[NS_ORDER + 1], one = 0, two = 0, power = 1;
-            ns_laguerre(s, c);
-            ns_laguerre_steps(s, b);
+            ns_modes_laguerre(s, c);
+            ns_modes_laguerre_steps(s, b);
             for (int i = 0; i <= NS_ORDER; i++, power *= D) {
                 one += i < NS_ORDER ? c[i] * power : 0;
                 two += b[i] * power;
@@ -46,7 +46,7 @@ static void they_are_exponentials(void **state) {
 static void what_is_fast_is_gone(void **state) {
     (void)state;
     double b[NS_ORDER + 1], sum = 0;
-    ns_laguerre_steps(NS_POLE, b);
+    ns_modes_laguerre_steps(NS_POLE, b);
     for (int i = 0; i <= NS_ORDER; i++)
         sum += i % 2 ? -b[i] : b[i];
     assert_true(fabs(sum) < 1e-14);

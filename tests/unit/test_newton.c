@@ -10,9 +10,9 @@
 
 #include <cmocka.h>
 
-#include "engine/newton.h"
 #include "formula.h"
 #include "linalg/dense.h"
+#include "newton/newton_internal.h"
 #include "systems.h"
 
 enum { N = FORMULA_N, P = FORMULA_P, Z = FORMULA_Z };
@@ -164,7 +164,7 @@ static double side_by_side(const ns_system *s, double theta, double gamma, const
     assert_int_equal(ns_model_of_system(s, &model), NS_OK);
     assert_int_equal(ns_theta_create(s, &o, &a, NULL), NS_OK);
     ns_newton *b = stepper(&model, theta, gamma, NS_RELATION_END);
-    ns_matvec(s->n, s->n, s->M, x0, w0);
+    ns_linalg_matvec(s->n, s->n, s->M, x0, w0);
     assert_int_equal(ns_theta_start(a, w0, NULL), NS_OK);
     ns_system_inputs(s, 0, NS_RIGHT, z);
     assert_int_equal(ns_theta_try(a, h, z, 1, NS_RESOLVE), NS_OK); /* x and lambda that go together */

@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
-#include "engine/newton.h"
 #include "formula.h"
+#include "newton/newton_internal.h"
 
 enum { N = FORMULA_N, P = FORMULA_P };
 

@@ -279,7 +279,7 @@ static void the_linear_impulse_agrees(void **state) {
         }
         assert_int_equal(ns_model_of_system(s, &model), NS_OK);
         assert_int_equal(ns_theta_create(s, &o, &a, NULL), NS_OK);
-        ns_matvec(N, N, s->M, x0, w0);
+        ns_linalg_matvec(N, N, s->M, x0, w0);
         assert_int_equal(ns_theta_start(a, w0, NULL), NS_OK);
         const ns_impulse out = {.x = xa, .lambda = la};
         assert_int_equal(ns_theta_impulse(a, NULL, NULL, &out), NS_OK);

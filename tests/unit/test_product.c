@@ -53,7 +53,7 @@ static void all_ways_are_one(void **state) {
                 plain(&f, expected);
                 narrow(&f, got[0]);
                 assert_memory_equal(got[0], expected, sizeof expected); /* and nothing behind them */
-                if (!ns_is_wide())
+                if (!ns_simd_is_wide())
                     continue;
                 wide(&f, got[1]);
                 assert_memory_equal(got[1], expected, sizeof expected);
@@ -64,13 +64,13 @@ static void they_are_what_they_say(void **state) {
     (void)state;
     const double a[] = {1, 2, 3, 4, 5, 6}, x[] = {1, 10, 100}; /* rows 1 3 5 and 2 4 6 */
     double y[2] = {7, 8};
-    ns_matvec_add(2, 3, a, x, y);
+    ns_linalg_matvec_add(2, 3, a, x, y);
     assert_true(y[0] == 7 + 531 && y[1] == 8 + 642);
-    ns_matvec(2, 3, a, x, y);
+    ns_linalg_matvec(2, 3, a, x, y);
     assert_true(y[0] == 531 && y[1] == 642);
-    ns_matvec_two(2, 2, x, 1, x + 2, a, y);
+    ns_linalg_matvec_two(2, 2, x, 1, x + 2, a, y);
     assert_true(y[0] == 531 && y[1] == 642);
-    ns_matvec(2, 0, NULL, NULL, y);
+    ns_linalg_matvec(2, 0, NULL, NULL, y);
     assert_true(y[0] == 0 && y[1] == 0);
 }
 

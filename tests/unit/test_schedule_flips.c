@@ -13,8 +13,9 @@ static void flips_of_a_triangle(void **state) {
     system->command[0].gz[0] = system->command[1].gz[0] = 1;
     system->command[2].gz[0] = -1;
     system->command[2].g0 = 1;
-    ns_schedule *s = schedule(system);
-    assert_true(!ns_schedule_closed(s)[0] && !ns_schedule_closed(s)[1] && ns_schedule_closed(s)[2]);
+    ns_time_events *s = schedule(system);
+    assert_true(!ns_inputs_events_closed(s)[0] && !ns_inputs_events_closed(s)[1] &&
+                ns_inputs_events_closed(s)[2]);
     for (int k = 0; k < 1000; k++) {
         const double tol = 2 * eps * (2 * k + 2);
         expect(s, 2 * k + 0.6, tol, 2);
@@ -37,9 +38,9 @@ static void touching_is_not_crossing(void **state) {
     thresholds(system, 2, 3, 3);
     system->command[0].gz[0] = system->command[1].gz[1] = 1;
     system->command[2].gz[0] = system->command[2].gz[1] = system->command[2].gz[2] = 1;
-    ns_schedule *s = schedule(system); /* 1: at 1, 5, ...; 2: both crests at 1, 5, ... */
-    assert_true(isinf(ns_schedule_next(s, 1000)));
-    ns_schedule_free(s);
+    ns_time_events *s = schedule(system); /* 1: at 1, 5, ...; 2: both crests at 1, 5, ... */
+    assert_true(isinf(ns_inputs_events_next(s, 1000)));
+    ns_inputs_events_free(s);
     thresholds(system, 0, 1 - 1e-6, 1 - 1e-6);
     s = schedule(system);
     expect(s, 1 - 1e-6, 4 * eps, 1);
@@ -58,7 +59,7 @@ static void a_short_excursion_is_not_missed(void **state) {
         input(system, 0, sine(0, 1, 1, 0, 0));
         thresholds(system, 0, 1 - low[i], 1 - low[i]);
         system->command[0].gz[0] = 1;
-        ns_schedule *s = schedule(system);
+        ns_time_events *s = schedule(system);
         for (int k = 0; k < 100; k++) {
             /* g is known to some eps, and turns round there: g' = 2 pi sin(2 pi half) */
             const double tol = 4 * eps * (k + 1) + 4 * eps * (1 + 2 * pi * k) / (2 * pi * sin(2 * pi * half));
@@ -81,13 +82,13 @@ static void sine_and_triangle(void **state) {
     system->command[0].gz[1] = -1;
     system->command[1].gz[0] = -1;
     system->command[1].gz[1] = 1;
-    ns_schedule *s = schedule(system);
-    assert_true(ns_schedule_closed(s)[0] && !ns_schedule_closed(s)[1]);
+    ns_time_events *s = schedule(system);
+    assert_true(ns_inputs_events_closed(s)[0] && !ns_inputs_events_closed(s)[1]);
     for (int k = 0; k < 2000; k++) {
-        const double t = ns_schedule_next(s, INFINITY);
-        const ns_instant *what = ns_schedule_go(s);
+        const double t = ns_inputs_events_next(s, INFINITY);
+        const ns_time_event *what = ns_inputs_events_pass(s);
         assert_int_equal(what->flips, 2);
-        assert_int_equal(ns_schedule_closed(s)[0], k % 2);
+        assert_int_equal(ns_inputs_events_closed(s)[0], k % 2);
         assert_true(t > k * 5e-5 && t < (k + 1) * 5e-5);
         /* t is off by an eps of 0.1, of a slope of 2e4 */
         assert_near(ns_signal_value(&reference, t, NS_LEFT), ns_signal_value(&carrier, t, NS_LEFT),
@@ -106,8 +107,8 @@ static void a_growing_sine(void **state) {
     input(system, 0, z);
     thresholds(system, 0, 1, 1);
     system->command[0].gz[0] = 1;
-    ns_schedule *s = schedule(system);
-    const double t = ns_schedule_next(s, INFINITY);
+    ns_time_events *s = schedule(system);
+    const double t = ns_inputs_events_next(s, INFINITY);
     assert_true(t > 3 && t < 3.25);
     assert_near(exp(20 * t - 50) * sin(2 * pi * t), 1, 2 * 4 * eps * 2 * pi * exp(10.1)); /* 2 eps t g' */
     done(s, system);
@@ -121,18 +122,18 @@ static void zero_crossings(void **state) {
     input(system, 0, sine(0, 1, 1, 0, 0));
     input(system, 1, pulse(-1e-9, 1e-9, 0.05, 1e6, 1, 1, INFINITY));
     system->command[0].gz[0] = system->command[1].gz[0] = system->command[1].gz[1] = 1;
-    ns_schedule *s = schedule(system);
-    const ns_instant *what = expect(s, ns_schedule_next(s, 0.5), 0, 3 & ~2u);
+    ns_time_events *s = schedule(system);
+    const ns_time_event *what = expect(s, ns_inputs_events_next(s, 0.5), 0, 3 & ~2u);
     assert_near(what->t, 0, 4 * eps);
     int flips = 0;
-    for (int k = 0; ns_schedule_next(s, 10000.25) <= 10000.25; k++) {
-        what = ns_schedule_go(s);
+    for (int k = 0; ns_inputs_events_next(s, 10000.25) <= 10000.25; k++) {
+        what = ns_inputs_events_pass(s);
         flips += what->flips;
         assert_near(2 * what->t, round(2 * what->t), 2e-9);
         if (k % 7 == 0) {
             unsigned char closed[2];
-            memcpy(closed, ns_schedule_closed(s), 2);
-            ns_schedule_seek(s, what->t, NS_RIGHT, closed);
+            memcpy(closed, ns_inputs_events_closed(s), 2);
+            ns_inputs_events_seek(s, what->t, NS_RIGHT, closed);
         }
     }
     assert_int_equal(flips, 20000 + 20001);
@@ -151,8 +152,8 @@ static void rounding_of_the_control(void **state) {
         system->command[c].gz[0] = 1;
         system->command[c].g0 = 1;
     }
-    ns_schedule *s = schedule(system);
-    ns_schedule_seek(s, -0.5, NS_RIGHT, NULL);
+    ns_time_events *s = schedule(system);
+    ns_inputs_events_seek(s, -0.5, NS_RIGHT, NULL);
     expect(s, 0, 0, 3);
     done(s, system);
 }
@@ -165,10 +166,10 @@ static void an_exponential(void **state) {
     input(system, 0, (ns_signal){.kind = NS_EXP, .u.exp = {0, 1, 0, 1, 1, 1}});
     thresholds(system, 0, 0.5, 0.5);
     system->command[0].gz[0] = 1;
-    ns_schedule *s = schedule(system);
+    ns_time_events *s = schedule(system);
     expect(s, log(2), 8 * eps, 1);
     expect(s, log(2 * (exp(1) - 1)), 8 * eps, 1);
-    assert_true(isinf(ns_schedule_next(s, 1e6)));
+    assert_true(isinf(ns_inputs_events_next(s, 1e6)));
     done(s, system);
 }
 
@@ -184,10 +185,10 @@ static void many_switches(void **state) {
         thresholds(system, i, 0.75, 0.75);
         system->command[i].gz[i] = 1;
     }
-    ns_schedule *s = schedule(system);
+    ns_time_events *s = schedule(system);
     double before = 0;
-    while (ns_schedule_next(s, 22) <= 22) {
-        const ns_instant *what = ns_schedule_go(s);
+    while (ns_inputs_events_next(s, 22) <= 22) {
+        const ns_time_event *what = ns_inputs_events_pass(s);
         assert_true(what->t > before);
         before = what->t;
         for (int i = 0; i < what->flips; i++) {

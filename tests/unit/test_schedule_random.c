@@ -13,7 +13,7 @@
 #include <cmocka.h>
 
 #include "dice.h"
-#include "engine/schedule.h"
+#include "inputs/time_events.h"
 #include "nonsmooth.h"
 
 enum { INPUTS = 4, COMMANDS = 5, SYSTEMS = 300, POINTS = 6 };
@@ -111,24 +111,24 @@ static double next_corner(const ns_system *s, double t) {
 }
 
 /* What the schedule says an input is. */
-static double scheduled(const ns_schedule *s, int input, double t, const double *z) {
+static double scheduled(const ns_time_events *s, int input, double t, const double *z) {
     const ns_wave *wave;
     const ns_wave_term *term;
     double value = z[input], cosine, sine;
-    const int terms = ns_schedule_terms(s, &term);
-    ns_schedule_waves(s, &wave);
+    const int terms = ns_inputs_events_terms(s, &term);
+    ns_inputs_events_waves(s, &wave);
     for (int k = 0; k < terms; k++)
-        if (term[k].input == input && ns_schedule_term_counts(s, k)) {
-            ns_wave_at(&wave[term[k].wave], t, &cosine, &sine);
+        if (term[k].input == input && ns_inputs_events_term_counts(s, k)) {
+            ns_system_wave_at(&wave[term[k].wave], t, &cosine, &sine);
             value += term[k].cc * cosine + term[k].cs * sine;
         }
     return value;
 }
 
 /* Slopes are below 2/0.0125 or jumps; times are off by some eps of 50, growing sines by as much of e^4. */
-static void check_values(const ns_schedule *s, const ns_system *system, double t, ns_side side) {
+static void check_values(const ns_time_events *s, const ns_system *system, double t, ns_side side) {
     double z[INPUTS] = {0}, dz[INPUTS] = {0};
-    ns_schedule_inputs(s, t, z, dz);
+    ns_inputs_events_values(s, t, z, dz);
     for (int i = 0; i < system->nz; i++)
         if (system->E[i] != 0) {
             const double is = ns_signal_value(&system->z[i], t, side), says = scheduled(s, i, t, z);
@@ -150,14 +150,14 @@ static void corners_and_values(void **state) {
     for (unsigned k = 0; k < SYSTEMS; k++) {
         dice d = dice_make(71, k);
         ns_system *system = a_system(&d, 1);
-        ns_schedule *s;
+        ns_time_events *s;
         for (int c = 0; c < COMMANDS; c++) /* none that is a function of time only */
             system->command[c].gx = calloc(1, sizeof(double));
         for (int c = 0; c < COMMANDS; c++)
             memset(system->command[c].gz, 0, sizeof(double) * INPUTS);
-        assert_int_equal(ns_schedule_create(system, NULL, &s), NS_OK);
+        assert_int_equal(ns_inputs_events_create(system, NULL, &s), NS_OK);
         for (double t = 0; t < end;) {
-            double next = ns_schedule_next(s, end), corner = next_corner(system, t);
+            double next = ns_inputs_events_next(s, end), corner = next_corner(system, t);
             /* corners of nothing are left out */
             while (corner < next - 64 * eps * end && corner < end) {
                 check_values(s, system, corner, NS_LEFT);
@@ -169,13 +169,13 @@ static void corners_and_values(void **state) {
             assert_true(fabs(next - corner) <= 16 * eps * end);
             check_values(s, system, t + (next - t) * dice_uniform(&d), NS_LEFT);
             check_values(s, system, next, NS_LEFT);
-            const ns_instant *what = ns_schedule_go(s);
+            const ns_time_event *what = ns_inputs_events_pass(s);
             assert_true(what->jump || what->turn);
             assert_int_equal(what->jump, jumps(system, what->t));
             check_values(s, system, what->t, NS_RIGHT);
             t = what->t;
         }
-        ns_schedule_free(s);
+        ns_inputs_events_free(s);
         ns_system_free(system);
     }
 }
@@ -225,14 +225,14 @@ static void by_marching(const ns_system *s, double h, flips *f) {
 }
 
 static void by_schedule(const ns_system *system, flips *f) {
-    ns_schedule *s;
-    assert_int_equal(ns_schedule_create(system, NULL, &s), NS_OK);
-    keep(f, 0, ns_schedule_closed(s));
-    while (ns_schedule_next(s, end) <= end) {
-        const ns_instant *what = ns_schedule_go(s);
-        keep(f, what->t, ns_schedule_closed(s));
+    ns_time_events *s;
+    assert_int_equal(ns_inputs_events_create(system, NULL, &s), NS_OK);
+    keep(f, 0, ns_inputs_events_closed(s));
+    while (ns_inputs_events_next(s, end) <= end) {
+        const ns_time_event *what = ns_inputs_events_pass(s);
+        keep(f, what->t, ns_inputs_events_closed(s));
     }
-    ns_schedule_free(s);
+    ns_inputs_events_free(s);
 }
 
 static void compare(const ns_system *s, unsigned k, double h) {

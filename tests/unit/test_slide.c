@@ -89,7 +89,7 @@ static void a_chopper_follows_a_sine(void **state) {
             assert_true(fabs(v(&b, 3) - r) < 1e-9);
             assert_true(fabs(v(&b, 2) - (r + 1e-5 * 2 * w * cos(w * t))) < 1e-9);
         }
-        assert_true(ns_march_engine(b.m) == NS_FLIGHT && ns_march_counts(b.m)->events < 4);
+        assert_true(ns_march_engine(b.m) == NS_EXACT && ns_march_counts(b.m)->events < 4);
         close_bench(&b);
     }
 }

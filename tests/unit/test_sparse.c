@@ -18,12 +18,12 @@
 
 /* Row by row: 4 0 1 / 0 3 0 / 2 0 5, entered out of order and in parts. */
 static void enter(ns_entries *e) {
-    ns_entries_add(e, 2, 2, 5);
-    ns_entries_add(e, 0, 0, 1);
-    ns_entries_add(e, 2, 0, 2);
-    ns_entries_add(e, 0, 2, 1);
-    ns_entries_add(e, 0, 0, 3);
-    ns_entries_add(e, 1, 1, 3);
+    ns_linalg_entries_add(e, 2, 2, 5);
+    ns_linalg_entries_add(e, 0, 0, 1);
+    ns_linalg_entries_add(e, 2, 0, 2);
+    ns_linalg_entries_add(e, 0, 2, 1);
+    ns_linalg_entries_add(e, 0, 0, 3);
+    ns_linalg_entries_add(e, 1, 1, 3);
 }
 
 static void test_entries(void **state) {
@@ -33,46 +33,47 @@ static void test_entries(void **state) {
     ns_entries e = {0};
     ns_csc a, t;
     enter(&e);
-    assert_int_equal(ns_csc_of_entries(3, 3, &e, &a), NS_OK);
+    assert_int_equal(ns_linalg_csc_of_entries(3, 3, &e, &a), NS_OK);
     assert_memory_equal(a.start, start, sizeof start);
     assert_memory_equal(a.row, row, sizeof row);
     assert_memory_equal(a.value, value, sizeof value);
     double y[3] = {0};
-    ns_csc_times_add(&a, x, y); /* 4+3, 6, 2+15 */
+    ns_linalg_csc_times_add(&a, x, y); /* 4+3, 6, 2+15 */
     assert_true(y[0] == 7 && y[1] == 6 && y[2] == 17);
-    assert_true(ns_csc_dot(&a, 0, x) == 10 && ns_csc_dot(&a, 1, x) == 6 && ns_csc_dot(&a, 2, x) == 16);
-    assert_int_equal(ns_csc_transpose(&a, &t), NS_OK);
-    assert_true(ns_csc_dot(&t, 0, x) == 7);
-    ns_csc_free(&a);
-    ns_csc_free(&t);
-    ns_entries_free(&e);
+    assert_true(ns_linalg_csc_dot(&a, 0, x) == 10 && ns_linalg_csc_dot(&a, 1, x) == 6 &&
+                ns_linalg_csc_dot(&a, 2, x) == 16);
+    assert_int_equal(ns_linalg_csc_transpose(&a, &t), NS_OK);
+    assert_true(ns_linalg_csc_dot(&t, 0, x) == 7);
+    ns_linalg_csc_free(&a);
+    ns_linalg_csc_free(&t);
+    ns_linalg_entries_free(&e);
 }
 
 static void test_dense(void **state) {
     (void)state;
     static const double a[] = {0, 1, 2, 0, 0, 3}; /* 2*3 */
     ns_csc s;
-    assert_int_equal(ns_csc_of_dense(2, 3, a, &s), NS_OK);
+    assert_int_equal(ns_linalg_csc_of_dense(2, 3, a, &s), NS_OK);
     assert_int_equal(s.start[3], 3);
     assert_true(s.row[0] == 1 && s.value[0] == 1 && s.row[1] == 0 && s.value[1] == 2 && s.value[2] == 3);
-    ns_csc_free(&s);
-    assert_int_equal(ns_csc_of_dense(0, 3, NULL, &s), NS_OK);
+    ns_linalg_csc_free(&s);
+    assert_int_equal(ns_linalg_csc_of_dense(0, 3, NULL, &s), NS_OK);
     assert_int_equal(s.start[3], 0);
-    ns_csc_free(&s);
+    ns_linalg_csc_free(&s);
 }
 
 /* A chain of n unknowns: 2 on the diagonal, -1 beside it; the inverse of that is (i+1)(n-j)/(n+1), i <= j. */
 static void chain(int n, ns_csc *a) {
     ns_entries e = {0};
     for (int i = 0; i < n; i++) {
-        ns_entries_add(&e, i, i, 2);
+        ns_linalg_entries_add(&e, i, i, 2);
         if (i > 0) {
-            ns_entries_add(&e, i, i - 1, -1);
-            ns_entries_add(&e, i - 1, i, -1);
+            ns_linalg_entries_add(&e, i, i - 1, -1);
+            ns_linalg_entries_add(&e, i - 1, i, -1);
         }
     }
-    assert_int_equal(ns_csc_of_entries(n, n, &e, a), NS_OK);
-    ns_entries_free(&e);
+    assert_int_equal(ns_linalg_csc_of_entries(n, n, &e, a), NS_OK);
+    ns_linalg_entries_free(&e);
 }
 
 static void test_factors(void **state) {
@@ -83,12 +84,12 @@ static void test_factors(void **state) {
     ns_factors *f = NULL;
     double b[2 * N] = {0};
     chain(N, &a);
-    assert_int_equal(ns_klu_create(N, a.start, a.row, &k), NS_OK);
-    assert_int_equal(ns_klu_factor(k, a.value, &f), NS_OK);
+    assert_int_equal(ns_linalg_klu_create(N, a.start, a.row, &k), NS_OK);
+    assert_int_equal(ns_linalg_klu_factor(k, a.value, &f), NS_OK);
     b[20] = 1;
     b[N + 0] = 1;
-    ns_klu_solve(k, f, b);
-    ns_klu_solve(k, f, b + N);
+    ns_linalg_klu_solve(k, f, b);
+    ns_linalg_klu_solve(k, f, b + N);
     for (int i = 0; i < N; i++) {
         const double lo = i < 20 ? i : 20, hi = i < 20 ? 20 : i;
         assert_true(fabs(b[i] - (lo + 1) * (N - hi) / (N + 1)) < 1e-13 * N);
@@ -96,16 +97,16 @@ static void test_factors(void **state) {
     }
     for (int i = 0; i < a.start[N]; i++)
         a.value[i] *= -2;
-    assert_int_equal(ns_klu_factor(k, a.value, &f), NS_OK); /* with the pivots of before */
-    assert_int_equal(ns_klu_again(k), 1);
+    assert_int_equal(ns_linalg_klu_factor(k, a.value, &f), NS_OK); /* with the pivots of before */
+    assert_int_equal(ns_linalg_klu_refactor(k), 1);
     memset(b, 0, sizeof b);
     b[0] = 1;
-    ns_klu_solve(k, f, b);
+    ns_linalg_klu_solve(k, f, b);
     assert_true(fabs(b[0] + 0.5 * N / (N + 1)) < 1e-13 * N);
-    assert_true(ns_factors_bytes(k, f) > N * sizeof(double));
-    ns_factors_free(k, f);
-    ns_klu_free(k);
-    ns_csc_free(&a);
+    assert_true(ns_linalg_factors_bytes(k, f) > N * sizeof(double));
+    ns_linalg_factors_free(k, f);
+    ns_linalg_klu_free(k);
+    ns_linalg_csc_free(&a);
 }
 
 /* [1 0; 0 1] and then [0 1; 1 0] at the same places: old pivots are zero. */
@@ -115,22 +116,22 @@ static void test_pivots_anew(void **state) {
     double b[] = {3, 5};
     ns_klu *k;
     ns_factors *f = NULL;
-    assert_int_equal(ns_klu_create(2, start, row, &k), NS_OK);
-    assert_int_equal(ns_klu_factor(k, (double[]){1, 0, 0, 1}, &f), NS_OK);
-    assert_int_equal(ns_klu_factor(k, (double[]){0, 1, 1, 0}, &f), NS_OK);
-    assert_int_equal(ns_klu_fresh(k), 2);
-    ns_klu_solve(k, f, b);
+    assert_int_equal(ns_linalg_klu_create(2, start, row, &k), NS_OK);
+    assert_int_equal(ns_linalg_klu_factor(k, (double[]){1, 0, 0, 1}, &f), NS_OK);
+    assert_int_equal(ns_linalg_klu_factor(k, (double[]){0, 1, 1, 0}, &f), NS_OK);
+    assert_int_equal(ns_linalg_klu_fresh(k), 2);
+    ns_linalg_klu_solve(k, f, b);
     assert_true(b[0] == 5 && b[1] == 3);
     /* nearly so: pivots of 1e-12 would cost digits */
-    assert_int_equal(ns_klu_factor(k, (double[]){1, 1e-12, 1e-12, 1}, &f), NS_OK);
-    assert_int_equal(ns_klu_factor(k, (double[]){1e-12, 1, 1, 1e-12}, &f), NS_OK);
-    assert_int_equal(ns_klu_factor(k, (double[]){1, 1, 1, 1}, &f), NS_E_SINGULAR);
+    assert_int_equal(ns_linalg_klu_factor(k, (double[]){1, 1e-12, 1e-12, 1}, &f), NS_OK);
+    assert_int_equal(ns_linalg_klu_factor(k, (double[]){1e-12, 1, 1, 1e-12}, &f), NS_OK);
+    assert_int_equal(ns_linalg_klu_factor(k, (double[]){1, 1, 1, 1}, &f), NS_E_SINGULAR);
     assert_null(f);
-    assert_int_equal(ns_klu_factor(k, (double[]){1, NAN, 1, 1}, &f), NS_E_NUMBER);
+    assert_int_equal(ns_linalg_klu_factor(k, (double[]){1, NAN, 1, 1}, &f), NS_E_NUMBER);
     assert_null(f);
-    ns_factors_free(k, NULL);
-    ns_klu_free(k);
-    ns_klu_free(NULL);
+    ns_linalg_factors_free(k, NULL);
+    ns_linalg_klu_free(k);
+    ns_linalg_klu_free(NULL);
 }
 
 /* A x - b of a matrix with all n*n places. */
@@ -165,7 +166,7 @@ static void test_own_patterns(void **state) {
         a[(i + 1) % N + i * N] = a[i + (i + 1) % N * N] = i + 1 < N ? -1 : 0;
         b[i] = i;
     }
-    assert_int_equal(ns_klu_create(N, start, row, &k), NS_OK);
+    assert_int_equal(ns_linalg_klu_create(N, start, row, &k), NS_OK);
     for (int round = 0; round < 5; round++) {
         if (round == 2)
             a[0] = 3;
@@ -173,20 +174,20 @@ static void test_own_patterns(void **state) {
             a[N] = 0; /* row 0, column 1 */
         if (round == 4)
             a[N - 1] = 1; /* the last row, column 0 */
-        assert_int_equal(ns_klu_factor(k, a, &f), NS_OK);
-        assert_int_equal(ns_klu_fresh(k), fresh[round]);
-        assert_int_equal(ns_klu_again(k), again[round]);
+        assert_int_equal(ns_linalg_klu_factor(k, a, &f), NS_OK);
+        assert_int_equal(ns_linalg_klu_fresh(k), fresh[round]);
+        assert_int_equal(ns_linalg_klu_refactor(k), again[round]);
         for (int times = 0; times < 4; times++) {
             memcpy(x, b, sizeof x);
-            ns_klu_solve(k, f, x);
+            ns_linalg_klu_solve(k, f, x);
             assert_true(rest_of_full(N, a, b, x) < 1e-12);
         }
     }
-    assert_true(ns_factors_bytes(k, f) > N * sizeof(double));
+    assert_true(ns_linalg_factors_bytes(k, f) > N * sizeof(double));
     memset(a, 0, N * sizeof *a); /* column 0 */
-    assert_int_equal(ns_klu_factor(k, a, &f), NS_E_SINGULAR);
+    assert_int_equal(ns_linalg_klu_factor(k, a, &f), NS_E_SINGULAR);
     assert_null(f);
-    ns_klu_free(k);
+    ns_linalg_klu_free(k);
 }
 
 /* Blocks of 1 to 5 unknowns, each with something of those before it, rows and columns shuffled and in units
@@ -211,30 +212,31 @@ static void test_often(void **state) {
         for (int j = first; j < last; j++)
             for (int i = 0; i < last; i++)
                 if (i >= first || dice_below(&d, 8) == 0)
-                    ns_entries_add(&e, row[i], column[j], ldexp(dice_either(&d) + 4 * (i == j), row[i] % 7));
+                    ns_linalg_entries_add(&e, row[i], column[j],
+                                          ldexp(dice_either(&d) + 4 * (i == j), row[i] % 7));
     }
     ns_csc a;
     ns_klu *k;
     ns_factors *f = NULL;
-    assert_int_equal(ns_csc_of_entries(N, N, &e, &a), NS_OK);
-    assert_int_equal(ns_klu_create(N, a.start, a.row, &k), NS_OK);
-    ns_klu_often_zero(k, N / 2);
-    assert_int_equal(ns_klu_factor(k, a.value, &f), NS_OK);
+    assert_int_equal(ns_linalg_csc_of_entries(N, N, &e, &a), NS_OK);
+    assert_int_equal(ns_linalg_klu_create(N, a.start, a.row, &k), NS_OK);
+    ns_linalg_klu_often_zero(k, N / 2);
+    assert_int_equal(ns_linalg_klu_factor(k, a.value, &f), NS_OK);
     for (int times = 0; times < 12; times++) {
         double b[N], x[N], rest[N];
         for (int i = 0; i < N; i++)
             x[i] = rest[i] = b[i] = times < 6 && i >= N / 2 ? 0 : dice_either(&d);
-        ns_klu_solve(k, f, x);
+        ns_linalg_klu_solve(k, f, x);
         for (int j = 0; j < N; j++)
             for (int p = a.start[j]; p < a.start[j + 1]; p++)
                 rest[a.row[p]] -= a.value[p] * x[j];
         for (int i = 0; i < N; i++)
             assert_true(fabs(rest[i]) < 1e-12);
     }
-    ns_factors_free(k, f);
-    ns_klu_free(k);
-    ns_csc_free(&a);
-    ns_entries_free(&e);
+    ns_linalg_factors_free(k, f);
+    ns_linalg_klu_free(k);
+    ns_linalg_csc_free(&a);
+    ns_linalg_entries_free(&e);
 }
 
 /* An empty column: no values help. */
@@ -243,13 +245,13 @@ static void test_structure(void **state) {
     int start[] = {0, 2, 2}, row[] = {0, 1};
     ns_klu *k;
     ns_factors *f = NULL;
-    assert_int_equal(ns_klu_create(2, start, row, &k), NS_E_SINGULAR);
+    assert_int_equal(ns_linalg_klu_create(2, start, row, &k), NS_E_SINGULAR);
     assert_null(k);
-    assert_int_equal(ns_klu_create(0, start, row, &k), NS_OK);
-    assert_int_equal(ns_klu_factor(k, NULL, &f), NS_OK);
-    ns_klu_solve(k, f, NULL);
-    ns_factors_free(k, f);
-    ns_klu_free(k);
+    assert_int_equal(ns_linalg_klu_create(0, start, row, &k), NS_OK);
+    assert_int_equal(ns_linalg_klu_factor(k, NULL, &f), NS_OK);
+    ns_linalg_klu_solve(k, f, NULL);
+    ns_linalg_factors_free(k, f);
+    ns_linalg_klu_free(k);
 }
 
 /* KLU takes its memory here: the k-th time there is none. */
@@ -263,16 +265,16 @@ static int all_of_it(void) {
     ns_klu *k = NULL;
     ns_factors *f = NULL;
     enter(&e);
-    int status = ns_csc_of_entries(3, 3, &e, &a);
+    int status = ns_linalg_csc_of_entries(3, 3, &e, &a);
     if (status == NS_OK)
-        status = ns_klu_create(3, a.start, a.row, &k);
+        status = ns_linalg_klu_create(3, a.start, a.row, &k);
     if (status == NS_OK)
-        status = ns_klu_factor(k, a.value, &f);
+        status = ns_linalg_klu_factor(k, a.value, &f);
     if (k)
-        ns_factors_free(k, f);
-    ns_klu_free(k);
-    ns_csc_free(&a);
-    ns_entries_free(&e);
+        ns_linalg_factors_free(k, f);
+    ns_linalg_klu_free(k);
+    ns_linalg_csc_free(&a);
+    ns_linalg_entries_free(&e);
     return status;
 }
 

@@ -52,7 +52,7 @@ static double closes(ns_method method, const ns_signal *a, const ns_signal *b, d
  * until then, comes to vt: halved down to that.  t is known to rounding over a slope of sqrt(2 below bend).
  */
 static void check(const char *name, const ns_signal *a, const ns_signal *b, double at_most) {
-    const ns_method methods[] = {NS_FLIGHT, NS_SPARSE};
+    const ns_method methods[] = {NS_EXACT, NS_SPARSE};
     const double top = ns_signal_value(a, at_most, NS_LEFT) + ns_signal_value(b, at_most, NS_LEFT);
     for (int k = 0; k < 2; k++)
         for (int p = 2; p <= 8; p += 2) {
@@ -65,7 +65,7 @@ static void check(const char *name, const ns_signal *a, const ns_signal *b, doub
             }
             const double t = closes(methods[k], a, b, vt);
             print_message("%s, %s: %g V below closes at %.12g s, expected %.12g s\n", name,
-                          k ? "sparse" : "flight", pow(10, -p), t, high);
+                          k ? "sparse" : "exact", pow(10, -p), t, high);
             assert_true(fabs(t - high) < 1e-13);
             assert_true(closes(methods[k], a, b, top + pow(10, -p)) >= far);
         }

@@ -57,7 +57,7 @@ static void go(ns_method method, double ahead, double *x) {
  */
 static void leaves_no_trace(void **unused) {
     (void)unused;
-    const ns_method methods[] = {NS_FLIGHT, NS_SPARSE, NS_THETA};
+    const ns_method methods[] = {NS_EXACT, NS_SPARSE, NS_THETA};
     for (int k = 0; k < 3; k++) {
         double x[MOST], y[MOST];
         go(methods[k], 0, x);

@@ -44,7 +44,7 @@ static void test_chopper(void **state) {
     end(&k);
 }
 
-/* NS_AUTO takes the sparse engine for s, the scheme its own steps, if theta = gamma; flight takes it not. */
+/* NS_AUTO takes the sparse engine for s, the scheme its own steps, if theta = gamma; exact takes it not. */
 static void auto_is_sparse(const ns_system *s) {
     ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-5, .method = NS_AUTO};
     ns_march *m;
@@ -57,7 +57,7 @@ static void auto_is_sparse(const ns_system *s) {
     ns_march_free(m);
     o.theta = 0.5;
     assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_E_SIZE);
-    o.method = NS_FLIGHT;
+    o.method = NS_EXACT;
     assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_E_SIZE);
 }
 
@@ -84,7 +84,7 @@ static void test_many_choppers(void **state) {
 static void test_some_choppers(void **state) {
     (void)state;
     enum { COUNT = 60 };
-    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-6, .method = NS_FLIGHT};
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-6, .method = NS_EXACT};
     rig k = begin();
     int l[COUNT];
     double reached;
@@ -95,7 +95,7 @@ static void test_some_choppers(void **state) {
     assert_non_null(k.s->large);
     ns_march_free(k.m);
     assert_int_equal(ns_march_create(k.s, &o, &k.m, NULL), NS_OK);
-    assert_int_equal(ns_march_engine(k.m), NS_FLIGHT);
+    assert_int_equal(ns_march_engine(k.m), NS_EXACT);
     assert_int_equal(ns_circuit_rest(k.c, k.x), NS_OK);
     assert_int_equal(ns_march_start(k.m, 0, k.x), NS_OK);
     assert_int_equal(ns_march_try(k.m, 5e-6, NS_TO_TIME, &reached), NS_OK);

@@ -89,7 +89,7 @@ static void test_interrupted(void **state) {
 
 /* Coils of 0.1 mH to 0.1 H among capacitors and two switches side by side, both closed from 7 us to 18 us,
  * with 10 kohm for all that leads to ground: how both share their current is open, and hardly anything holds
- * the whole.  Expected: what matrices of the modes (flight) make of it. */
+ * the whole.  Expected: what matrices of the modes (exact) make of it. */
 static int many_coils(rig *k) {
     capacitor(k, 4, 2, 1e-6, 8);
     (void)inductor(k, 3, 1, 1e-3, -0.1);
@@ -111,7 +111,7 @@ static void test_side_by_side(void **state) {
     const int id = many_coils(&k);
     (void)many_coils(&exact);
     start(&k, 1e-6, 0);
-    start_by(&exact, NS_FLIGHT, 1e-6, 0);
+    start_by(&exact, NS_EXACT, 1e-6, 0);
     for (int i = 1; i < 30; i += 4) {
         go(&k, i * 1e-6);
         go(&exact, i * 1e-6);

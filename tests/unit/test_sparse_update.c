@@ -11,9 +11,9 @@
 #include <cmocka.h>
 
 #include "dice.h"
-#include "engine/sparse_factors.h"
-#include "engine/sparse_march.h"
 #include "nonsmooth.h"
+#include "sparse/factor_cache.h"
+#include "sparse/sparse_internal.h"
 
 enum { CELLS = 24 };
 
@@ -49,7 +49,7 @@ static double rest(const ns_form *f, double g, const ns_mode *mode, const double
     double *left = calloc((size_t)f->size, sizeof *left), worst = 0;
     assert_non_null(left);
     memcpy(left, r, sizeof *left * (size_t)f->size);
-    ns_form_subtract(f, g, mode, v, left);
+    ns_sparse_form_subtract(f, g, mode, v, left);
     for (int i = 0; i < f->size; i++)
         worst = fmax(worst, fabs(left[i]));
     free(left);
@@ -65,10 +65,10 @@ static void test_walk(void **state) {
     dice d = dice_make(7, 0);
     ns_system *s = line(0);
     ns_form *f;
-    ns_modal *q;
-    const ns_kept *k;
-    assert_int_equal(ns_form_create(s, 0, &f), NS_OK);
-    assert_int_equal(ns_modal_create(f, 1 << 26, &q), NS_OK);
+    ns_mode_factors *q;
+    const ns_kept_factors *k;
+    assert_int_equal(ns_sparse_form_create(s, 0, &f), NS_OK);
+    assert_int_equal(ns_sparse_factors_create(f, 1 << 26, &q), NS_OK);
     double *r = calloc(2 * (size_t)f->size, sizeof *r), *v = r + f->size;
     ns_mode *mode = calloc((size_t)f->m, 1);
     for (int j = 0; j < f->m; j++)
@@ -81,8 +81,8 @@ static void test_walk(void **state) {
         for (int round = 0; round < 3; round++) {
             for (int i = 0; i < f->size; i++)
                 r[i] = dice_either(&d) * (i >= f->n || f->algebraic[i] ? 1 : 1e-6);
-            assert_int_equal(ns_modal_factor(q, g, mode, 0, &k), NS_OK);
-            assert_int_equal(ns_modal_solve(q, k, r, v), NS_OK);
+            assert_int_equal(ns_sparse_factors_factor(q, g, mode, 0, &k), NS_OK);
+            assert_int_equal(ns_sparse_factors_solve(q, k, r, v), NS_OK);
             assert_true(rest(f, g, mode, r, v) < 1e-12);
         }
     }
@@ -90,8 +90,8 @@ static void test_walk(void **state) {
     assert_true(q->made < STEPS / 2);
     free(r);
     free(mode);
-    ns_modal_free(q);
-    ns_form_free(f);
+    ns_sparse_factors_free(q);
+    ns_sparse_form_free(f);
     ns_system_free(s);
 }
 
@@ -102,10 +102,10 @@ static void test_loose(void **state) {
     const double g = 1e-6;
     ns_system *s = line(1);
     ns_form *f;
-    ns_modal *q;
-    const ns_kept *k;
-    assert_int_equal(ns_form_create(s, 0, &f), NS_OK);
-    assert_int_equal(ns_modal_create(f, 1 << 26, &q), NS_OK);
+    ns_mode_factors *q;
+    const ns_kept_factors *k;
+    assert_int_equal(ns_sparse_form_create(s, 0, &f), NS_OK);
+    assert_int_equal(ns_sparse_factors_create(f, 1 << 26, &q), NS_OK);
     double *r = calloc(2 * (size_t)f->size, sizeof *r), *v = r + f->size;
     ns_mode *mode = calloc((size_t)f->m, 1);
     for (int j = 0; j < f->m; j++)
@@ -117,15 +117,15 @@ static void test_loose(void **state) {
         memset(r, 0, sizeof *r * (size_t)f->size);
         for (int i = 0; i < f->n; i++)
             r[i] = f->algebraic[i] ? f->b[i] : 1e-6 * i;
-        assert_int_equal(ns_modal_factor(q, g, mode, 0, &k), NS_OK);
-        assert_int_equal(ns_modal_solve(q, k, r, v), NS_OK);
+        assert_int_equal(ns_sparse_factors_factor(q, g, mode, 0, &k), NS_OK);
+        assert_int_equal(ns_sparse_factors_solve(q, k, r, v), NS_OK);
         assert_int_equal(k->leaky, loose);
         assert_true(rest(f, g, mode, r, v) < 1e-11);
     }
     free(r);
     free(mode);
-    ns_modal_free(q);
-    ns_form_free(f);
+    ns_sparse_factors_free(q);
+    ns_sparse_form_free(f);
     ns_system_free(s);
 }
 
@@ -135,10 +135,10 @@ static void test_evicted(void **state) {
     (void)state;
     ns_system *s = line(0);
     ns_form *f;
-    ns_modal *q;
-    const ns_kept *k;
-    assert_int_equal(ns_form_create(s, 0, &f), NS_OK);
-    assert_int_equal(ns_modal_create(f, 1, &q), NS_OK);
+    ns_mode_factors *q;
+    const ns_kept_factors *k;
+    assert_int_equal(ns_sparse_form_create(s, 0, &f), NS_OK);
+    assert_int_equal(ns_sparse_factors_create(f, 1, &q), NS_OK);
     assert_true(f->m > NS_UPDATE_MOST);
     double *r = calloc(2 * (size_t)f->size, sizeof *r), *v = r + f->size;
     ns_mode *mode = calloc((size_t)f->m, 1);
@@ -148,15 +148,15 @@ static void test_evicted(void **state) {
             mode[j] = round % 2 ? NS_LOWER : NS_INSIDE;
         for (int i = 0; i < f->n; i++)
             r[i] = f->algebraic[i] ? f->b[i] : 1e-6;
-        assert_int_equal(ns_modal_factor(q, g, mode, 0, &k), NS_OK);
-        assert_int_equal(ns_modal_solve(q, k, r, v), NS_OK);
+        assert_int_equal(ns_sparse_factors_factor(q, g, mode, 0, &k), NS_OK);
+        assert_int_equal(ns_sparse_factors_solve(q, k, r, v), NS_OK);
         assert_true(rest(f, g, mode, r, v) < 1e-12);
     }
     assert_true(q->evicted > 0);
     free(r);
     free(mode);
-    ns_modal_free(q);
-    ns_form_free(f);
+    ns_sparse_factors_free(q);
+    ns_sparse_form_free(f);
     ns_system_free(s);
 }
 
@@ -196,14 +196,14 @@ static void test_stand_in(void **state) {
     dice d = dice_make(11, 0);
     ns_system *s = line_of_switches();
     ns_form *f;
-    ns_modal *q;
-    ns_twin *twin;
+    ns_mode_factors *q;
+    ns_shared_branch *twin;
     int twins;
-    const ns_kept *k;
-    assert_int_equal(ns_form_create(s, 0, &f), NS_OK);
-    assert_int_equal(ns_modal_create(f, 1 << 26, &q), NS_OK);
-    assert_int_equal(ns_sparse_twins(s, f, &twin, &twins), NS_OK);
-    assert_int_equal(ns_modal_twins(q, twin, twins), NS_OK);
+    const ns_kept_factors *k;
+    assert_int_equal(ns_sparse_form_create(s, 0, &f), NS_OK);
+    assert_int_equal(ns_sparse_factors_create(f, 1 << 26, &q), NS_OK);
+    assert_int_equal(ns_sparse_shared_find(s, f, &twin, &twins), NS_OK);
+    assert_int_equal(ns_sparse_factors_shared(q, twin, twins), NS_OK);
     assert_int_equal(twins, CELLS);
     double *r = calloc(2 * (size_t)f->size, sizeof *r), *v = r + f->size;
     ns_mode *mode = calloc((size_t)f->m, 1);
@@ -215,8 +215,8 @@ static void test_stand_in(void **state) {
         }
         for (int i = 0; i < f->size; i++)
             r[i] = dice_either(&d) * (i >= f->n || f->algebraic[i] ? 1 : 1e-6);
-        assert_int_equal(ns_modal_factor(q, g, mode, 0, &k), NS_OK);
-        assert_int_equal(ns_modal_solve(q, k, r, v), NS_OK);
+        assert_int_equal(ns_sparse_factors_factor(q, g, mode, 0, &k), NS_OK);
+        assert_int_equal(ns_sparse_factors_solve(q, k, r, v), NS_OK);
         assert_true(rest(f, g, mode, r, v) < 1e-12);
     }
     assert_int_equal(q->made, 1);
@@ -224,8 +224,8 @@ static void test_stand_in(void **state) {
     free(r);
     free(mode);
     free(twin);
-    ns_modal_free(q);
-    ns_form_free(f);
+    ns_sparse_factors_free(q);
+    ns_sparse_form_free(f);
     ns_system_free(s);
 }
 

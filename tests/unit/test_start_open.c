@@ -42,7 +42,7 @@ static double rests_at(ns_method method, double volts, double vf, double roff) {
 
 static void at_the_source(void **unused) {
     (void)unused;
-    const ns_method methods[] = {NS_FLIGHT, NS_SPARSE, NS_THETA};
+    const ns_method methods[] = {NS_EXACT, NS_SPARSE, NS_THETA};
     const double volts[] = {0, 5, -3}, roff[] = {INFINITY, 1e6}, vf[] = {0, 0.7};
     for (int k = 0; k < 3 * 3 * 2 * 2; k++) {
         const double at = volts[k / 3 % 3];

@@ -68,7 +68,7 @@ static void the_switch_has_it_all(ns_method method, int diode_up, double roff) {
 
 static void by_every_engine(void **state) {
     (void)state;
-    static const ns_method methods[] = {NS_THETA, NS_FLIGHT, NS_SPARSE};
+    static const ns_method methods[] = {NS_THETA, NS_EXACT, NS_SPARSE};
     for (int k = 0; k < 3; k++)
         for (int up = 0; up < 2; up++) {
             the_switch_has_it_all(methods[k], up, INFINITY);

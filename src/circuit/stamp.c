@@ -1,0 +1,299 @@
+/* src/circuit/stamp.c - modified nodal analysis: elements -> (S1)-(S4).
+ *
+ * Rows of the nodes say that the currents leaving sum to zero: capacitors in M, the others with minus sign in
+ * A, b, E, B.  Rows of the currents are the laws of their elements: L di/dt = v_p - v_n, or for sources
+ * 0 = value - (v_p - v_n), and for a few resistors 0 = R i - (v_p - v_n) (tiny_resistor.c).
+ *
+ * A diode is its leak 1/roff beside a pair:
+ *     i = lambda + v/roff,    y = (vf + ron lambda)/(1 - ron/roff) - v >= 0,
+ * so v = vf + ron i where it conducts, and the line has a kink and no jump; breakdown is a second pair.
+ */
+#include <math.h>
+#include <stdlib.h>
+
+#include "circuit_internal.h"
+
+/* Unknowns and pairs from which on a system is made large: dense arrays would be slow and big. */
+enum { LARGE = 400 };
+
+static int row_of(const stamp *to, int number) {
+    return ns_circuit_node_unknown(to->c, number);
+}
+
+/* Where entry (i,j) lies. */
+static double *place(const ns_system *s, matrix which, int i, int j) {
+    const size_t of_n = (size_t)i + (size_t)j * (size_t)s->n, of_m = (size_t)i + (size_t)j * (size_t)s->m;
+    switch (which) {
+    case IN_M:
+        return &s->M[of_n];
+    case IN_A:
+        return &s->A[of_n];
+    case IN_B:
+        return &s->B[of_n];
+    case IN_C:
+        return &s->C[of_m];
+    case IN_D:
+        return &s->D[of_m];
+    case IN_E:
+        return &s->E[of_n];
+    case IN_GX:
+        return &s->command[j].gx[i];
+    default:
+        return &s->command[j].gz[i];
+    }
+}
+
+void ns_circuit_stamp_add(const stamp *to, matrix which, int i, int j, double value) {
+    if (i < 0 || j < 0) {
+        return;
+    }
+    if (to->entries) {
+        ns_linalg_entries_add(&to->entries[which], i, j, value);
+    } else {
+        *place(to->s, which, i, j) += value;
+    }
+}
+
+/* Rows p and n: `value` times column j of a matrix leaves p and enters n (it has the sign of A). */
+static void leaves(const stamp *to, const element *e, matrix a, int j, double value) {
+    ns_circuit_stamp_add(to, a, row_of(to, e->node[0]), j, -value);
+    ns_circuit_stamp_add(to, a, row_of(to, e->node[1]), j, value);
+}
+
+static void conductance(const stamp *to, const element *e, double siemens) {
+    leaves(to, e, IN_A, row_of(to, e->node[0]), siemens);
+    leaves(to, e, IN_A, row_of(to, e->node[1]), -siemens);
+}
+
+/* v_p - v_n in a row; times gain. */
+static void difference(const stamp *to, matrix a, int row, int p, int n, double gain) {
+    ns_circuit_stamp_add(to, a, row, row_of(to, p), gain);
+    ns_circuit_stamp_add(to, a, row, row_of(to, n), -gain);
+}
+
+/* An element with a current among x: the current in the rows of its nodes; returns its own row. */
+static int branch(const stamp *to, const element *e) {
+    int row = to->c->nused + e->current;
+    leaves(to, e, IN_A, row, 1);
+    return row;
+}
+
+/* A voltage source of any kind: 0 = value - (v_p - v_n), of which the right part is stamped here. */
+static int voltage(const stamp *to, const element *e) {
+    int row = branch(to, e);
+    difference(to, IN_A, row, e->node[0], e->node[1], -1);
+    return row;
+}
+
+/* Column j of matrix a, times gain, is put out as voltage or current; the same for a constant. */
+static void put_out(const stamp *to, const element *e, int row, matrix a, int j, double gain) {
+    if (row >= 0) {
+        ns_circuit_stamp_add(to, a, row, j, gain);
+    } else {
+        leaves(to, e, a, j, gain);
+    }
+}
+
+static void put_constant(const stamp *to, const element *e, int row, double value) {
+    const int p = row_of(to, e->node[0]), n = row_of(to, e->node[1]);
+    double *b = to->s->b;
+    if (row >= 0) {
+        b[row] += value;
+        return;
+    }
+    if (p >= 0) {
+        b[p] -= value;
+    }
+    if (n >= 0) {
+        b[n] += value;
+    }
+}
+
+static void stamp_source(const stamp *to, const element *e) {
+    int row = e->output == NS_VOLTAGE ? voltage(to, e) : -1;
+    if (e->input >= 0) {
+        put_out(to, e, row, IN_E, e->input, 1);
+    } else {
+        put_constant(to, e, row, e->signal.u.dc);
+    }
+}
+
+static void stamp_controlled(const stamp *to, const element *e) {
+    const ns_circuit *c = to->c;
+    int row = e->output == NS_VOLTAGE ? voltage(to, e) : -1;
+    if (e->kind == VCONTROLLED) {
+        put_out(to, e, row, IN_A, row_of(to, e->node[2]), e->value);
+        put_out(to, e, row, IN_A, row_of(to, e->node[3]), -e->value);
+    } else if (e->kind == ICONTROLLED) {
+        put_out(to, e, row, IN_A, ns_circuit_current_unknown(c, e->by[0]), e->value);
+    } else {
+        put_constant(to, e, row, e->value);
+    }
+    for (int i = 0; i < e->nterms; i++) {
+        int of = e->terms[i].of;
+        int column = e->terms[i].is_current ? ns_circuit_current_unknown(c, of) : row_of(to, of);
+        put_out(to, e, row, IN_A, column, e->terms[i].gain);
+    }
+}
+
+static void stamp_resistor(const stamp *to, const element *e) {
+    if (e->current < 0) {
+        conductance(to, e, 1 / e->value);
+    } else {
+        const int row = voltage(to, e);
+        ns_circuit_stamp_add(to, IN_A, row, row, e->value);
+    }
+}
+
+static void stamp_capacitor(const stamp *to, const element *e) {
+    leaves(to, e, IN_M, row_of(to, e->node[0]), -e->value);
+    leaves(to, e, IN_M, row_of(to, e->node[1]), e->value);
+}
+
+static void stamp_inductor(const stamp *to, const element *e) {
+    int row = branch(to, e);
+    difference(to, IN_A, row, e->node[0], e->node[1], 1);
+}
+
+static void stamp_inductance(void *data, int row, int column, double henries) {
+    const stamp *to = data;
+    ns_circuit_stamp_add(to, IN_M, ns_circuit_current_unknown(to->c, row),
+                         ns_circuit_current_unknown(to->c, column), henries);
+}
+
+/* A pair whose lambda flows from p to n if sign is 1, from n to p if -1; y = kink + D lambda - sign v. */
+static void stamp_pair(const stamp *to, const element *e, int pair, double sign, double kink, double D) {
+    leaves(to, e, IN_B, pair, sign);
+    difference(to, IN_C, pair, e->node[0], e->node[1], -sign);
+    ns_circuit_stamp_add(to, IN_D, pair, pair, D);
+    to->s->e[pair] = kink;
+}
+
+static void stamp_diode(const stamp *to, const element *e) {
+    const ns_diode *d = &e->diode;
+    double on = ns_circuit_kink_factor(d->ron, d->roff), breakdown = ns_circuit_kink_factor(d->rz, d->roff);
+    conductance(to, e, 1 / d->roff);
+    stamp_pair(to, e, e->pair, 1, d->vf * on, d->ron * on);
+    if (!isinf(d->vz)) {
+        stamp_pair(to, e, e->pair + 1, -1, d->vz * breakdown, d->rz * breakdown);
+    }
+}
+
+static void stamp_switch(const stamp *to, const element *e) {
+    double on = ns_circuit_kink_factor(e->sw.ron, e->sw.roff);
+    conductance(to, e, 1 / e->sw.roff);
+    stamp_pair(to, e, e->pair, 1, 0, e->sw.ron * on);
+}
+
+static void stamp_element(const stamp *to, const element *e) {
+    switch (e->kind) {
+    case RESISTOR:
+        stamp_resistor(to, e);
+        break;
+    case CAPACITOR:
+        stamp_capacitor(to, e);
+        break;
+    case INDUCTOR:
+        stamp_inductor(to, e);
+        break;
+    case COUPLING: /* ns_circuit_each_inductance() */
+        break;
+    case SOURCE:
+        stamp_source(to, e);
+        break;
+    case VCONTROLLED:
+    case ICONTROLLED:
+    case LINEAR:
+        stamp_controlled(to, e);
+        break;
+    case DIODE:
+        stamp_diode(to, e);
+        break;
+    case SWITCH:
+        stamp_switch(to, e);
+        break;
+    }
+}
+
+static int fill(const stamp *to) {
+    const ns_circuit *c = to->c;
+    for (int i = 0; i < c->nelements; i++) {
+        const element *e = &c->element[i];
+        int status = NS_OK;
+        stamp_element(to, e);
+        if (e->input >= 0 && (status = ns_system_set_input(to->s, e->input, &e->signal))) {
+            return status;
+        }
+    }
+    ns_circuit_each_inductance(c, stamp_inductance, (void *)to);
+    int status = ns_circuit_ground_reference(to);
+    return status != NS_OK ? status : ns_circuit_stamp_commands(to);
+}
+
+/* The lists become the matrices of a large system. */
+static int sum_entries(ns_system *s, const ns_entries *from) {
+    ns_large *a = s->large;
+    const struct {
+        ns_csc *to;
+        int rows, columns;
+    } of[] = {{&a->M, s->n, s->n}, {&a->A, s->n, s->n},  {&a->B, s->n, s->m},   {&a->C, s->m, s->n},
+              {&a->D, s->m, s->m}, {&a->E, s->n, s->nz}, {&a->gx, s->n, s->nc}, {&a->gz, s->nz, s->nc}};
+    static const ns_entries none = {0};
+    int status = ns_linalg_csc_of_entries(s->m, s->nz, &none, &a->F);
+    for (int k = 0; k < MATRICES && !status; k++) {
+        status = ns_linalg_csc_of_entries(of[k].rows, of[k].columns, &from[k], of[k].to);
+    }
+    return status;
+}
+
+static int make_large(const ns_circuit *c, ns_system **s) {
+    ns_entries entries[MATRICES] = {{0}};
+    int status = ns_system_create_large(c->nused + c->ncurrents, c->npairs, c->ninputs, c->ncommands, s);
+    if (!status) {
+        status = fill(&(stamp){c, *s, entries});
+    }
+    if (!status) {
+        status = sum_entries(*s, entries);
+    }
+    for (int k = 0; k < MATRICES; k++) {
+        ns_linalg_entries_free(&entries[k]);
+    }
+    return status;
+}
+
+static int make(const ns_circuit *c, ns_system **s) {
+    if (c->nused + c->ncurrents + c->npairs > LARGE) {
+        return make_large(c, s);
+    }
+    int status = ns_system_create(c->nused + c->ncurrents, c->npairs, c->ninputs, c->ncommands, s);
+    return status ? status : fill(&(stamp){c, *s, NULL});
+}
+
+int ns_circuit_system(ns_circuit *c, ns_system **out) {
+    ns_system *s = NULL;
+    int status;
+    ns_fault fault = {0};
+    if (!out) {
+        return NS_E_NULL;
+    }
+    *out = NULL;
+    if (!c) {
+        return NS_E_NULL;
+    }
+    if ((status = ns_circuit_check_inductances(c))) {
+        return status;
+    }
+    if ((status = ns_circuit_tiny_resistors(c))) {
+        return ns_circuit_complain(c, status, "%s", ns_status_text(status));
+    }
+    if ((status = make(c, &s)) || (status = ns_system_check(s, &fault))) {
+        char where[160] = "";
+        if (fault.status) {
+            (void)ns_circuit_explain(c, &fault, where, sizeof where);
+        }
+        ns_system_free(s);
+        return ns_circuit_complain(c, status, "%s", *where ? where : ns_status_text(status));
+    }
+    *out = s;
+    return NS_OK;
+}

@@ -1,0 +1,92 @@
+/* src/circuit/tiny_resistor.c - resistors next to nothing beside what else is at their nodes.
+ *
+ * A node's row sums up the conductances at it, in a double: of a leak of 1 Gohm beside 1 uohm hardly a digit
+ * is left, and what floats behind open switches is held by nothing else; and what 1 nohm makes of the
+ * rounding of its voltage are currents that others would need a volt for.  Such a resistor gets a row of its
+ * own, 0 = R i - (v_p - v_n), and its current an unknown: then no row sums up the two.
+ */
+#include <math.h>
+#include <stdlib.h>
+
+#include "circuit_internal.h"
+
+/* Conductances that far apart are not summed up; for leaks, which need not be known as well, that many times
+ * as far. */
+static const double apart = 1e6, leak = 1e6;
+/* Where one resistor is next to nothing, those of the like elsewhere, that many times as large at most, are.
+ */
+static const double alike = 1e3;
+
+static double least_of_device(double ron, double roff) {
+    return isinf(roff) ? 1 / ron : fmin(1 / ron, leak / roff);
+}
+
+/* 0: none. */
+static double siemens_of(const element *e) {
+    switch (e->kind) {
+    case RESISTOR:
+        return e->value != 0 ? fabs(1 / e->value) : 0;
+    case DIODE:
+        return least_of_device(e->diode.ron, e->diode.roff);
+    case SWITCH:
+        return least_of_device(e->sw.ron, e->sw.roff);
+    default:
+        return 0;
+    }
+}
+
+/* least[row]: the smallest conductance at that node. */
+static void find_least(const ns_circuit *c, double *least) {
+    for (int i = 0; i < c->nused; i++) {
+        least[i] = INFINITY;
+    }
+    for (int k = 0; k < c->nelements; k++) {
+        const element *e = &c->element[k];
+        const double siemens = siemens_of(e);
+        for (int end = 0; end < 2 && siemens > 0; end++) {
+            const int row = ns_circuit_node_unknown(c, e->node[end]);
+            if (row >= 0) {
+                least[row] = fmin(least[row], siemens);
+            }
+        }
+    }
+}
+
+static int stands_apart(const ns_circuit *c, const element *e, const double *least) {
+    for (int end = 0; end < 2; end++) {
+        const int row = ns_circuit_node_unknown(c, e->node[end]);
+        if (row >= 0 && siemens_of(e) / apart > least[row]) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* The smallest conductance of a resistor that stands apart; INFINITY: none does. */
+static double find_smallest(const ns_circuit *c, const double *least) {
+    double smallest = INFINITY;
+    for (int k = 0; k < c->nelements; k++) {
+        const element *e = &c->element[k];
+        if (e->kind == RESISTOR && stands_apart(c, e, least)) {
+            smallest = fmin(smallest, siemens_of(e));
+        }
+    }
+    return smallest;
+}
+
+int ns_circuit_tiny_resistors(ns_circuit *c) {
+    double *least = malloc(((size_t)c->nused + 1) * sizeof *least);
+    if (!least) {
+        return NS_E_MEMORY;
+    }
+    find_least(c, least);
+    const double smallest = find_smallest(c, least);
+    for (int k = 0; k < c->nelements; k++) {
+        element *e = &c->element[k];
+        if (e->kind == RESISTOR && e->current < 0 && siemens_of(e) >= smallest / alike) {
+            e->current = c->ncurrents++;
+        }
+    }
+    free(least);
+    return NS_OK;
+}

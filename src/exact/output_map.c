@@ -1,0 +1,78 @@
+/* src/exact/output_map.c - x and lambda of a state, (E1) at tau = 0, as one matrix. */
+#include "mode_kernel.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Sum of (-1)^i D^i, i < 8, of unit vector j: its part in w, and (in v) what the inputs of the stage make of
+ * theirs.  room: 2 nv. */
+static void fill_sum(const ns_mode_kernel *k, const ns_input_states *e, int j, double *sum, double *room) {
+    const int r = k->r, nv = k->nv;
+    double *image = room, *v = sum + r;
+    memset(sum, 0, sizeof(double) * (size_t)k->q);
+    memset(image, 0, sizeof(double) * (size_t)nv);
+    sum[j] = 1;
+    if (j >= r)
+        image[j - r] = 1;
+    double sign = -1;
+    for (int order = 1; order < NS_ORDER; order++, sign = -sign) {
+        const double *D = k->series + (order - 1) * r + (size_t)j * (size_t)(NS_ORDER * r);
+        double *next = image + nv;
+        for (int i = 0; i < r; i++)
+            sum[i] += sign * D[i];
+        if (j < r)
+            continue;
+        memcpy(next, image, sizeof(double) * (size_t)nv);
+        ns_inputs_states_stage(e, k->g, next);
+        for (int i = 0; i < nv; i++) {
+            image[i] = next[i] - image[i];
+            v[i] += sign * image[i];
+        }
+    }
+}
+
+/* What the differential rows of the stage lack at (x, lambda) = at, for this sum. */
+static void fill_lack(const ns_theta *s, const ns_input_states *e, double g, const double *sum,
+                      const double *at, double *lack, double *v) {
+    const int n = s->s->n, m = s->s->m, nz = s->s->nz;
+    memcpy(v, sum + s->r, sizeof(double) * (size_t)e->nv);
+    ns_inputs_states_stage(e, g, v);
+    for (int i = 0; i < s->r; i++) {
+        double rate = s->b[i] * v[0], w = sum[i];
+        for (int k = 0; k < nz; k++)
+            for (int a = 0; a < e->nv && s->E[i + k * n] != 0; a++)
+                rate += s->E[i + k * n] * e->Z[k + a * nz] * v[a];
+        for (int j = 0; j < n; j++) {
+            w -= s->M[i + j * n] * at[j];
+            rate += s->A[i + j * n] * at[j];
+        }
+        for (int j = 0; j < m; j++)
+            rate += s->B[i + j * n] * at[n + j];
+        lack[i] = w + g * rate;
+    }
+}
+
+/* The unit vectors of states that contradict each other have answers that are huge; their sum has not, and
+ * gets rid of their rounding by one step of refinement. */
+int ns_exact_output_map(const ns_theta *s, const ns_input_states *e, ns_mode_kernel *k) {
+    const size_t all = (size_t)s->s->n + (size_t)s->s->m, q = (size_t)k->q, r = (size_t)k->r;
+    double *now = calloc(all * (q + (size_t)e->mutes) + 1, sizeof *now);
+    double *sum = calloc(q + r + 2 * (size_t)k->nv + 1, sizeof *sum);
+    if (!now || !sum) {
+        free(now);
+        free(sum);
+        return NS_E_MEMORY;
+    }
+    for (size_t j = 0; j < q; j++) {
+        double *at = now + j * all, *lack = sum + q;
+        fill_sum(k, e, (int)j, sum, lack + r);
+        ns_linalg_matvec((int)all, k->q, k->xi, sum, at);
+        fill_lack(s, e, k->g, sum, at, lack, lack + r);
+        ns_linalg_matvec_add((int)all, k->r, k->xi, lack, at);
+    }
+    memcpy(now + q * all, k->xi + q * all, sizeof *now * all * (size_t)e->mutes);
+    free(sum);
+    k->now = now;
+    k->bytes += sizeof *now * all * (q + (size_t)e->mutes);
+    return NS_OK;
+}

@@ -1,0 +1,76 @@
+/* src/inputs/time_events.h - what is known of a system ahead of time: when its inputs turn and jump, and when
+ * the commands flip that are functions of time only.
+ *
+ * A schedule stands at the right side of some time (or, after a seek, at its left side) and is walked onward,
+ * from instant to instant:
+ *
+ *     ns_inputs_events_seek(s, 0, NS_RIGHT, NULL);
+ *     while (ns_inputs_events_next(s, end) <= end) {
+ *         const ns_time_event *what = ns_inputs_events_pass(s);
+ *         ... inputs right of what->t: ns_inputs_events_values(s, what->t, z, dz) ...
+ *     }
+ *
+ * An input enters if it acts on the circuit: a column of E or F, or of gz of a command whose gx is not NULL,
+ * is not zero.  One that only drives time-only commands has no instants of its own.
+ */
+#ifndef NS_INPUTS_TIME_EVENTS_H
+#define NS_INPUTS_TIME_EVENTS_H
+
+#include "nonsmooth/system.h"
+#include "system/waves.h"
+
+typedef struct ns_time_events ns_time_events;
+
+typedef struct ns_time_event {
+    double t;
+    int jump;         /* an input that enters jumps, */
+    int turn;         /* or its slope does, or a wave of it begins */
+    int inputs;       /* which inputs jump or turn, */
+    const int *input; /* in no order */
+    int flips;        /* which commands flip, */
+    const int *flip;  /* in no order */
+} ns_time_event;
+
+/* s has to outlive the schedule and not to change.  acting (nz, or NULL): the inputs to take for those that
+ * enter. Errors: NULL, MEMORY. */
+int ns_inputs_events_create(const ns_system *s, const unsigned char *acting, ns_time_events **out);
+void ns_inputs_events_free(ns_time_events *s); /* NULL is allowed */
+
+/* To one side of t.  closed (nc, or NULL): the states of the commands there; one that contradicts its control
+ * flips at t, which is the first instant then.  NULL: as the controls say there, open between off and on. */
+void ns_inputs_events_seek(ns_time_events *s, double t, ns_side side, const unsigned char *closed);
+
+/* The first instant after where the schedule stands (at it, only after a seek: to the left side, or to a
+ * contradiction); INFINITY if there is none up to `until`.  What is equal up to rounding is one instant. */
+double ns_inputs_events_next(ns_time_events *s, double until);
+
+/* All that is to come repeats with this period, s, for ever; 0: it does not, or nothing is to come. */
+double ns_inputs_events_period(const ns_time_events *s);
+
+/* On by one such period, to t: nothing that lies between is told. */
+void ns_inputs_events_skip(ns_time_events *s, double t, double period);
+
+/* Whether that instant is more than a turn of inputs: a jump, or a flip. */
+int ns_inputs_events_is_event(const ns_time_events *s);
+
+/* Goes to the right side of that instant.  What it tells holds until the next call of this or of seek. */
+const ns_time_event *ns_inputs_events_pass(ns_time_events *s);
+
+/* The states of the commands where the schedule stands (nc; 0 where gx is not NULL). */
+const unsigned char *ns_inputs_events_closed(const ns_time_events *s);
+
+/* The inputs that enter and their slopes at t, from where the schedule stands to the next instant; of a SIN
+ * or EXP all but the multiples of its waves.  z, dz: nz; of inputs that do not enter they are left alone. */
+void ns_inputs_events_values(const ns_time_events *s, double t, double *z, double *dz);
+
+/* The waves of the inputs that enter, each once, and the multiples of them, by input: a term counts from
+ * `from` on, and ns_inputs_events_values() adds `before` or `after`, by where the schedule stands. */
+int ns_inputs_events_waves(const ns_time_events *s, const ns_wave **wave);
+int ns_inputs_events_terms(const ns_time_events *s, const ns_wave_term **term);
+int ns_inputs_events_term_counts(const ns_time_events *s,
+                                 int k); /* whether term k has begun where it stands */
+
+/* The inputs that enter; their number. */
+int ns_inputs_events_entering(const ns_time_events *s, const int **input);
+
+#endif

@@ -1,0 +1,145 @@
+/* src/inputs/time_events_create.c - a schedule, made for a system: which inputs enter, what commands wait
+ * for. */
+#include "time_events_internal.h"
+
+#include <stdlib.h>
+
+static int column_acts(int rows, const double *a, int k) {
+    for (int i = 0; i < rows; i++)
+        if (a[(size_t)i + (size_t)k * (size_t)rows] != 0)
+            return 1;
+    return 0;
+}
+
+static int enters(const ns_system *s, int k) {
+    int acts = column_acts(s->n, s->E, k) || column_acts(s->m, s->F, k);
+    for (int c = 0; c < s->nc && !acts; c++)
+        acts = s->command[c].gx && s->command[c].gz && s->command[c].gz[k] != 0;
+    return acts;
+}
+
+static int wave_of(ns_time_events *s, const ns_wave *w) {
+    int k = 0;
+    while (k < s->waves &&
+           !(s->wave[k].freq == w->freq && s->wave[k].theta == w->theta && s->wave[k].td == w->td))
+        k++;
+    if (k == s->waves)
+        s->wave[s->waves++] = *w;
+    return k;
+}
+
+static void take_curve(ns_time_events *s, int input) {
+    ns_wave wave[NS_TERMS];
+    const int count = ns_system_wave_terms(&s->s->z[input], s->term + s->terms, wave, &s->base[s->entering]);
+    s->input[s->entering++] = input;
+    for (int k = 0; k < count; k++) {
+        ns_wave_term *x = &s->term[s->terms++];
+        x->input = input;
+        x->wave = wave_of(s, &wave[k]);
+    }
+}
+
+static void take_inputs(ns_time_events *s, const unsigned char *acting) {
+    for (int i = 0; i < s->s->nz; i++)
+        if (ns_signal_is_linear(&s->s->z[i]) && (acting ? acting[i] : enters(s->s, i))) {
+            s->run[s->lines++].line = &s->pieces[i];
+            s->input[s->entering++] = i;
+        }
+    for (int i = 0; i < s->s->nz; i++)
+        if (!ns_signal_is_linear(&s->s->z[i]) && (acting ? acting[i] : enters(s->s, i)))
+            take_curve(s, i);
+}
+
+static int cut_lines(ns_time_events *s) {
+    int status = NS_OK;
+    for (int i = 0; i < s->s->nz && status == NS_OK; i++)
+        if (ns_signal_is_linear(&s->s->z[i]))
+            status = ns_system_line_create(&s->s->z[i], &s->pieces[i]);
+    return status;
+}
+
+static int take_commands(ns_time_events *s) {
+    int status = NS_OK;
+    for (int c = 0; c < s->s->nc && status == NS_OK; c++) {
+        if (s->s->command[c].gx)
+            continue;
+        s->command_index[s->commands] = c;
+        status = ns_inputs_switch_create(s->s, c, s->pieces, &s->command[s->commands++]);
+    }
+    return status;
+}
+
+static int allocate(ns_time_events *s) {
+    const size_t nz = (size_t)s->s->nz + 1, nc = (size_t)s->s->nc + 1;
+    s->pieces = calloc(nz, sizeof *s->pieces);
+    s->run = calloc(nz, sizeof *s->run);
+    s->input = calloc(nz, sizeof *s->input);
+    s->base = calloc(nz, sizeof *s->base);
+    s->term = calloc(NS_TERMS * nz, sizeof *s->term);
+    s->begun = calloc(NS_TERMS * nz, 1);
+    s->wave = calloc(NS_TERMS * nz, sizeof *s->wave);
+    s->command = calloc(nc, sizeof *s->command);
+    s->command_index = calloc(nc, sizeof *s->command_index);
+    s->flipped = calloc(nc, sizeof *s->flipped);
+    s->touched = calloc(nc, sizeof *s->touched);
+    s->heap = calloc((1 + NS_TERMS) * nz + nc, sizeof *s->heap);
+    s->closed = calloc(nc, 1);
+    s->changed = calloc((1 + NS_TERMS) * nz, sizeof *s->changed);
+    s->flip = calloc(nc, sizeof *s->flip);
+    const int made = s->pieces && s->run && s->input && s->base && s->term && s->begun && s->wave;
+    return made && s->command && s->command_index && s->flipped && s->touched && s->heap && s->closed &&
+                   s->changed && s->flip
+               ? NS_OK
+               : NS_E_MEMORY;
+}
+
+int ns_inputs_events_create(const ns_system *system, const unsigned char *acting, ns_time_events **out) {
+    if (!out)
+        return NS_E_NULL;
+    *out = NULL;
+    if (!system)
+        return NS_E_NULL;
+    ns_time_events *s = calloc(1, sizeof *s);
+    if (!s)
+        return NS_E_MEMORY;
+    s->s = system;
+    int status = allocate(s);
+    if (status == NS_OK)
+        status = cut_lines(s);
+    if (status == NS_OK)
+        status = take_commands(s);
+    if (status != NS_OK) {
+        ns_inputs_events_free(s);
+        return status;
+    }
+    take_inputs(s, acting);
+    s->count = s->lines + s->terms + s->commands;
+    ns_inputs_events_seek(s, 0, NS_RIGHT, NULL);
+    *out = s;
+    return NS_OK;
+}
+
+void ns_inputs_events_free(ns_time_events *s) {
+    if (!s)
+        return;
+    for (int i = 0; s->pieces && i < s->s->nz; i++)
+        ns_system_line_free(&s->pieces[i]);
+    for (int c = 0; s->command && c < s->commands; c++)
+        ns_inputs_switch_free(&s->command[c]);
+    free(s->pieces);
+    free(s->run);
+    free(s->input);
+    free(s->base);
+    free(s->term);
+    free(s->begun);
+    free(s->wave);
+    free(s->command);
+    free(s->command_index);
+    free(s->flipped);
+    free(s->touched);
+    free(s->heap);
+    free(s->closed);
+    free(s->changed);
+    free(s->flip);
+    free(s);
+}

@@ -1,0 +1,79 @@
+/* src/mlcp/infeasible/certificate.c - a proof that no solution exists, checked from the problem alone.
+ *
+ * Every solution satisfies  y = W lambda + q,  l <= lambda <= u  and, complementarity left aside,
+ *     y_i = 0 (l = -inf, u = inf),  y_i >= 0 (only u = inf),  y_i <= 0 (only l = -inf),  else y_i free.
+ * Hence for any v        0 = sum_i v_i (y_i - q_i) - sum_j s_j lambda_j,      s = W' v
+ * and v proves that there is none if the right side is positive wherever it is looked at.
+ */
+#include <float.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#include "mlcp/verify/residual.h"
+
+/* An s_j this small against its terms is rounding, of the terms and of a v that was rounded too.  No more
+ * than that: equations that depend on each other but for 1e-12 may well have a solution. */
+static const double CANCEL = 1e-14;
+
+/* Least value of a x over lo <= x <= hi. */
+static double least(double a, double lo, double hi) {
+    if (a == 0.0)
+        return 0.0;
+    return a > 0.0 ? a * lo : a * hi;
+}
+
+/* ... of v_i y_i. */
+static double least_of_y(const ns_mlcp *p, int i, double v) {
+    const int lower = isfinite(p->l[i]), upper = isfinite(p->u[i]);
+    if (!lower && !upper) /* an equality */
+        return 0.0;
+    return least(v, lower && !upper ? 0.0 : -INFINITY, upper && !lower ? 0.0 : INFINITY);
+}
+
+/* ... of -s_j lambda_j, column j of W being w. */
+static double least_of_column(const ns_mlcp *p, const double *v, int j, const double *w) {
+    double s = 0.0, size = 0.0;
+    int terms = 0;
+    for (int i = 0; i < p->m; i++) {
+        s += v[i] * w[i];
+        size += fabs(v[i] * w[i]);
+        terms += v[i] != 0.0 && w[i] != 0.0;
+    }
+    if (terms > 0 && size < DBL_MIN / CANCEL && (isinf(p->l[j]) || isinf(p->u[j])))
+        return -INFINITY; /* what underflowed is not 0 */
+    double part = least(-s, p->l[j], p->u[j]);
+    return isinf(part) && fabs(s) <= CANCEL * size ? 0.0 : part;
+}
+
+static double weigh(const ns_mlcp *p, const double *v, double *room) {
+    double sum = 0.0, size = 0.0;
+    for (int i = 0; i < p->m; i++) {
+        double part = least_of_y(p, i, v[i]) - v[i] * p->q[i];
+        sum += part;
+        size += fabs(part);
+    }
+    for (int j = 0; j < p->m; j++) {
+        if (!p->W && p->column(p->data, j, room) != 0)
+            return NAN;
+        double part = least_of_column(p, v, j, p->W ? p->W + (size_t)j * (size_t)p->m : room);
+        sum += part;
+        size += fabs(part);
+    }
+    if (isnan(sum))
+        return NAN;
+    return isfinite(size) && sum > 0.0 ? sum / size : -1.0;
+}
+
+double ns_mlcp_certify(const ns_mlcp *p, const double *v) {
+    enum { SMALL = 128 };
+    double few[SMALL], *room = few;
+    if (ns_mlcp_unsound(p, v))
+        return NAN;
+    if (!p->W && p->m > SMALL && !(room = malloc((size_t)p->m * sizeof *room)))
+        return NAN;
+    double margin = weigh(p, v, room);
+    if (room != few)
+        free(room);
+    return margin;
+}

@@ -1,0 +1,223 @@
+/* src/mlcp/infeasible/farkas.c - the proof that no lambda satisfies the linear constraints of a problem.
+ *
+ * Phase 1 ends with rows outside by side_r = +-1 and reduced costs d_c that allow no progress:
+ *     sum_r side_r basic_r - sum_c d_c nonbasic_c = const     for all y = W lambda + q
+ * and within the bounds the left side stays below const.  Its multipliers of the y are, with the sign
+ * turned, the v of certificate.c: v_i = -side (y_i basic), d (nonbasic), such that
+ *     (W' v)_j = side_j                                       for the lambda_j that are basic.
+ * They are refined on W itself, in twice the digits, and judged by ns_mlcp_certify(), so that what is proved
+ * rests on no tableau. If W is copositive-plus (monotone, say) a problem whose constraints can be met has a
+ * solution: then every problem without one has such a proof.
+ */
+#include "phase1.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double MARGIN = 1e-9;  /* of the terms, by which a proof must prove */
+static const double ACCEPT = 1e-10; /* ... against an answer, which may be wrong by as much (solve.c) */
+static const double CANCEL = 1e-14; /* sums that cancel this far are 0 (certificate.c) */
+static const double FLOOR =
+    1e-6; /* a value's terms count as at least this part of the largest (residual.c) */
+static const double NEAR = 1e-12, COARSE = 1e-9; /* of a value's terms: inside its bounds */
+/* Of the largest multiplier, in the units of phase 1: */
+static const double ROUNDING = 1e-24; /* what twice the digits of a double leave */
+static const double NOISE = 1e-10;    /* may be 0, if its reduced cost is */
+enum { REFINEMENTS = 3, ROUNDS = 3 };
+
+/* s_j = sum_i (v_i + rest_i) W_ij less `to`, as if in twice the digits (Ogita, Rump and Oishi's Dot2). */
+static double combine(const ns_mlcp_solver *s, const double *v, const double *rest, int j, double to) {
+    const double *col = s->p->W + (size_t)j * (size_t)s->m;
+    double sum = -to, lost = 0.0;
+    for (int i = 0; i < s->m; i++) {
+        if (v[i] == 0.0 || col[i] == 0.0)
+            continue;
+        double term = v[i] * col[i], next = sum + term, part = next - sum;
+        lost += (sum - (next - part)) + (term - part) + fma(v[i], col[i], -term) + rest[i] * col[i];
+        sum = next;
+    }
+    return sum + lost;
+}
+
+/* (W' v)_j; *size: its terms. */
+static double slope(const ns_mlcp_solver *s, const double *v, int j, double *size) {
+    const double *col = s->p->W + (size_t)j * (size_t)s->m;
+    double sum = *size = 0.0;
+    for (int i = 0; i < s->m; i++) {
+        sum += v[i] * col[i];
+        *size += fabs(v[i] * col[i]);
+    }
+    return sum;
+}
+
+static void multipliers(const ns_phase1 *z, double *v) {
+    const ns_mlcp_solver *s = z->s;
+    memset(v, 0, (size_t)s->m * sizeof *v);
+    for (int r = 0; r < z->rows; r++)
+        if (s->rowvar[r] % 2 == 1)
+            v[s->rowvar[r] / 2] = ldexp(-z->side[r], s->r[s->rowvar[r] / 2]);
+    for (int c = 0; c < z->cols; c++)
+        if (s->colvar[c] % 2 == 1)
+            v[s->colvar[c] / 2] = ldexp(z->cost[c], s->r[s->colvar[c] / 2]);
+}
+
+/* One refinement: the block of the tableau of basic lambda and nonbasic y is the inverse of that of W.  v is
+ * v + rest: the rounding of v in one equation would be handed on to others, in which it is large. */
+static void refine(const ns_phase1 *z, double *v, double *rest, double *error) {
+    const ns_mlcp_solver *s = z->s;
+    for (int r = 0; r < z->rows; r++) {
+        int j = s->rowvar[r] / 2;
+        double to = ldexp(z->side[r], -s->c[j]);
+        error[r] = s->rowvar[r] % 2 == 0 ? ldexp(combine(s, v, rest, j, to), s->c[j]) : 0.0;
+    }
+    for (int c = 0; c < z->cols; c++) {
+        const double *a = s->A + (size_t)c * (size_t)s->m;
+        const int i = s->colvar[c] / 2;
+        double sum = 0.0;
+        if (s->colvar[c] % 2 == 0)
+            continue;
+        for (int r = 0; r < z->rows; r++)
+            sum += a[r] * error[r];
+        double by = rest[i] - ldexp(sum, s->r[i]), whole = v[i] + by;
+        rest[i] = fabs(v[i]) > fabs(by) ? by - (whole - v[i]) : v[i] - (whole - by);
+        v[i] = whole;
+    }
+}
+
+/* The largest multiplier, in the units of phase 1. */
+static double largest(const ns_phase1 *z, const double *v) {
+    const ns_mlcp_solver *s = z->s;
+    double top = 1.0; /* the sides */
+    for (int c = 0; c < z->cols; c++)
+        if (s->colvar[c] % 2 == 1)
+            top = fmax(top, ldexp(fabs(v[s->colvar[c] / 2]), -s->r[s->colvar[c] / 2]));
+    return top;
+}
+
+/* Multipliers that are 0 but for the rounding of rest. */
+static void drop_rounding(const ns_phase1 *z, double *v, double *rest) {
+    const ns_mlcp_solver *s = z->s;
+    const double top = largest(z, v);
+    for (int c = 0; c < z->cols; c++) {
+        const int i = s->colvar[c] / 2;
+        if (s->colvar[c] % 2 == 1 && ldexp(fabs(v[i]), -s->r[i]) <= ROUNDING * top)
+            v[i] = rest[i] = 0.0;
+    }
+}
+
+/* Of the equations (W' v)_j = 0, the one that notices least, beside its terms, if the multiplier of column c
+ * is left out: its row, -1 if there is none. */
+static int careless(const ns_phase1 *z, const double *v, int c) {
+    const ns_mlcp_solver *s = z->s;
+    const double *a = s->A + (size_t)c * (size_t)s->m;
+    double most = 0.0;
+    int best = -1;
+    for (int r = 0; r < z->rows; r++) {
+        const int j = s->rowvar[r] / 2;
+        double size;
+        if (s->rowvar[r] % 2 == 1 || z->side[r] != 0.0 || a[r] == 0.0)
+            continue;
+        (void)slope(s, v, j, &size);
+        size = ldexp(fabs(a[r]) * size, s->c[j]);
+        if (size > most) {
+            most = size;
+            best = r;
+        }
+    }
+    return best;
+}
+
+/* Multipliers that are 0 but for what W lost when it was rounded become 0.  Left out alone, others, of terms
+ * far smaller perhaps, would be wrong by what they were to make up for: with each goes one equation. */
+static void leave_out(ns_phase1 *z, const double *v) {
+    const ns_mlcp_solver *s = z->s;
+    const double noise = NOISE * largest(z, v);
+    for (int c = 0; c < z->cols; c++) {
+        const int i = s->colvar[c] / 2;
+        if (s->colvar[c] % 2 == 0 || z->cost[c] != 0.0 || v[i] == 0.0 || ldexp(fabs(v[i]), -s->r[i]) > noise)
+            continue;
+        int r = careless(z, v, c);
+        if (r >= 0)
+            ns_mlcp_phase1_exchange(z, r, c);
+    }
+}
+
+/* Any v will do: what has a sign that y_i does not allow is left out. */
+static void mend(const ns_mlcp *p, double *v, double *rest) {
+    for (int i = 0; i < p->m; i++)
+        if ((v[i] < 0.0 && isfinite(p->l[i])) || (v[i] > 0.0 && isfinite(p->u[i])))
+            v[i] = rest[i] = 0.0;
+}
+
+/* What the proof rests on: the pairs whose sign or bound it uses; where there is none, the equalities. */
+static void name(ns_mlcp_solver *s, const double *v) {
+    for (int a = 0; a < s->np; a++) {
+        int i = s->pair[a];
+        double size, sum = slope(s, v, i, &size);
+        s->ray[a] =
+            fmax(ldexp(fabs(v[i]), -s->r[i]), fabs(sum) > CANCEL * size ? ldexp(fabs(sum), s->c[i]) : 0.0);
+    }
+    ns_mlcp_name(s, s->ray, s->np, s->pair);
+    if (s->fault.npairs > 0)
+        return;
+    for (int f = 0; f < s->nf; f++)
+        s->ray[f] = ldexp(fabs(v[s->free[f]]), -s->r[s->free[f]]);
+    ns_mlcp_name(s, s->ray, s->nf, s->free);
+}
+
+/* Whether v, which leaves sum_i v_i y_i >= 0 to every solution, finds that of the answer negative by more
+ * than an answer may be wrong by.  Where its lambda are large, W' v must cancel further than certify() asks.
+ */
+static int refutes(const ns_mlcp_solver *s, const double *v, double *rest) {
+    double sum = 0.0, size = 0.0;
+    memset(rest, 0, (size_t)s->m * sizeof *rest);
+    for (int i = 0; i < s->m; i++) {
+        const double from_q = v[i] * s->p->q[i], from_lambda = combine(s, v, rest, i, 0.0) * s->lambda[i];
+        sum += from_q + from_lambda;
+        size += fabs(from_q) + fabs(from_lambda);
+    }
+    return sum < -ACCEPT * size;
+}
+
+static int good_enough(const ns_mlcp_solver *s, int effort, const double *v, double *rest) {
+    const double margin = ns_mlcp_certify(s->p, v);
+    return effort == NS_AGAINST ? margin > ACCEPT && refutes(s, v, rest) : margin > MARGIN;
+}
+
+static int two_rows_prove(ns_mlcp_solver *s, int effort, double *v) {
+    memset(s->ray, 0, (size_t)s->m * sizeof *s->ray);
+    return ns_mlcp_parallel(s, v) && good_enough(s, effort, v, s->ray);
+}
+
+static int proves(ns_mlcp_solver *s, int effort, double floor, double near, double *v) {
+    ns_phase1 z;
+    if (!ns_mlcp_phase1_run(&z, s, floor, near))
+        return 0;
+    double *rest = s->ray;
+    for (int round = 0; round < ROUNDS; round++) {
+        multipliers(&z, v);
+        memset(rest, 0, (size_t)s->m * sizeof *rest);
+        for (int k = 0; k < REFINEMENTS; k++)
+            refine(&z, v, rest, s->g);
+        drop_rounding(&z, v, rest);
+        mend(s->p, v, rest);
+        if (good_enough(s, effort, v, rest))
+            return 1;
+        leave_out(&z, v);
+    }
+    return 0;
+}
+
+int ns_mlcp_farkas(ns_mlcp_solver *s, int effort) {
+    ns_mlcp now = s->now;
+    ns_mlcp_given(s);
+    int proved = two_rows_prove(s, effort, s->proof) ||
+                 proves(s, effort, effort == NS_BOLD ? 0.0 : FLOOR, NEAR, s->proof);
+    if (!proved && effort == NS_BOLD) /* perhaps a row that was outside by rounding had its say */
+        proved = proves(s, effort, 0.0, COARSE, s->proof);
+    if (proved)
+        name(s, s->proof);
+    s->now = now;
+    ns_mlcp_fold(s);
+    return proved;
+}

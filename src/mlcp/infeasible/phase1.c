@@ -1,0 +1,338 @@
+/* src/mlcp/infeasible/phase1.c - how close the linear constraints of a problem can be met.
+ *
+ * Complementarity left aside, a solution satisfies
+ *     y = W lambda + q,  l <= lambda <= u,  y_i = 0 (free),  y_i >= 0 (u = inf),  y_i <= 0 (l = -inf)
+ * Phase 1 of the simplex method, from nothing: y is basic, lambda rests at a bound (free: at 0).  The sum of
+ * the amounts by which basic variables are outside their bounds is made least, in units in which the entries
+ * of W are about 1.  Free lambda come in first, by elimination with complete pivoting, so that no basis need
+ * hold all equalities: those that depend on others stay basic, inside their bounds or not.
+ * With each entry goes the largest term it was ever summed from (reveal.c): rounding is told from an entry
+ * that is small in its own right.
+ */
+#include "phase1.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+static const double SOUND = 1e-10; /* a pivot, of the terms it came from */
+static const double DULL = 1e-12;  /* a reduced cost below this part of its terms is 0 */
+static const double STALL = 1e-12; /* the sum falls by less than this part: it stalls */
+static const double STURDY = 0.1;  /* of the largest pivot that a step passes */
+enum { NONE = -1, FLIP = -2 };
+enum { RENEW = 40 }; /* exchanges after which the tableau is made anew: entries lose a digit in some ten */
+
+static double lower(const ns_phase1 *z, int var) {
+    const ns_mlcp *p = z->s->p;
+    if (var % 2 == 0)
+        return z->s->blo[var / 2];
+    return isinf(p->u[var / 2]) ? 0.0 : -INFINITY;
+}
+
+static double upper(const ns_phase1 *z, int var) {
+    const ns_mlcp *p = z->s->p;
+    if (var % 2 == 0)
+        return z->s->bhi[var / 2];
+    return isinf(p->l[var / 2]) ? 0.0 : INFINITY;
+}
+
+/* Value of a nonbasic variable. */
+static double resting(const ns_phase1 *z, int var) {
+    double lo = lower(z, var), hi = upper(z, var);
+    if (var % 2 == 1 || (isinf(lo) && isinf(hi)))
+        return 0.0;
+    return z->s->at_upper[var / 2] ? hi : lo;
+}
+
+static void load_bounds(ns_phase1 *z) {
+    ns_mlcp_solver *s = z->s;
+    for (int j = 0; j < s->m; j++) {
+        s->blo[j] = ldexp(s->p->l[j], -s->c[j]);
+        s->bhi[j] = ldexp(s->p->u[j], -s->c[j]);
+        s->at_upper[j] = fabs(s->bhi[j]) < fabs(s->blo[j]);
+    }
+}
+
+/* y basic but for those of boxes and of fixed lambda, which may have any value. */
+static void load(ns_phase1 *z) {
+    ns_mlcp_solver *s = z->s;
+    z->rows = z->cols = 0;
+    for (int i = 0; i < s->m; i++) {
+        if (isinf(s->p->l[i]) || isinf(s->p->u[i]))
+            s->rowvar[z->rows++] = 2 * i + 1;
+        if (s->p->l[i] != s->p->u[i])
+            s->colvar[z->cols++] = 2 * i;
+    }
+    for (int r = 0; r < z->rows; r++) {
+        z->value[r] = ldexp(s->q[s->rowvar[r] / 2], s->r[s->rowvar[r] / 2]);
+        z->size[r] = fabs(z->value[r]);
+    }
+    for (int c = 0; c < z->cols; c++) {
+        int j = s->colvar[c] / 2;
+        double rest = resting(z, 2 * j);
+        for (int r = 0; r < z->rows; r++) {
+            int i = s->rowvar[r] / 2;
+            size_t k = (size_t)r + (size_t)c * (size_t)s->m;
+            s->A[k] = ldexp(s->p->W[(size_t)i + (size_t)j * (size_t)s->m], s->r[i] + s->c[j]);
+            s->mag[k] = fabs(s->A[k]);
+            z->value[r] += s->A[k] * rest;
+            z->size[r] = fmax(z->size[r], s->mag[k] * fabs(rest));
+        }
+    }
+}
+
+/* Moves nonbasic variable c: all basic values follow. */
+static void move(ns_phase1 *z, int c, double by) {
+    const size_t k = (size_t)c * (size_t)z->s->m;
+    const double *a = z->s->A + k, *mag = z->s->mag + k;
+    for (int r = 0; r < z->rows; r++) {
+        z->value[r] += a[r] * by;
+        z->size[r] = fmax(z->size[r], mag[r] * fabs(by));
+    }
+}
+
+/* One column of an exchange: entry p of it is divided, the others follow. */
+static void follow(const ns_phase1 *z, int p, const double *e, const double *emag, double pivot, double *a,
+                   double *mag) {
+    double f = a[p] / pivot, fmag = mag[p] / fabs(pivot);
+    if (f != 0.0)
+        for (int r = 0; r < z->rows; r++) {
+            if (r == p || e[r] == 0.0)
+                continue;
+            a[r] -= e[r] * f;
+            mag[r] = fmax(mag[r], fmax(emag[r] * fabs(f), fabs(e[r]) * fmag));
+            if (fabs(a[r]) <= 4 * DBL_EPSILON * mag[r])
+                a[r] = 0.0;
+        }
+    a[p] = -f;
+    mag[p] = fmag;
+}
+
+void ns_mlcp_phase1_exchange(ns_phase1 *z, int p, int c) {
+    ns_mlcp_solver *s = z->s;
+    const size_t m = (size_t)s->m;
+    double *e = s->A + (size_t)c * m, *emag = s->mag + (size_t)c * m, pivot = e[p];
+    for (int k = 0; k < z->cols; k++)
+        if (k != c)
+            follow(z, p, e, emag, pivot, s->A + (size_t)k * m, s->mag + (size_t)k * m);
+    for (int r = 0; r < z->rows; r++) {
+        e[r] /= pivot;
+        emag[r] /= fabs(pivot);
+    }
+    e[p] = emag[p] = 1.0 / pivot;
+    emag[p] = fabs(emag[p]);
+    int var = s->rowvar[p];
+    s->rowvar[p] = s->colvar[c];
+    s->colvar[c] = var;
+    z->pivots++;
+}
+
+/* Row p goes to `to` and out, column c comes in. */
+static void swap(ns_phase1 *z, int p, int c, double to) {
+    const size_t k = (size_t)p + (size_t)c * (size_t)z->s->m;
+    double by = (to - z->value[p]) / z->s->A[k];
+    double value = resting(z, z->s->colvar[c]) + by, size = fmax(fabs(value), z->size[p] / fabs(z->s->A[k]));
+    move(z, c, by);
+    ns_mlcp_phase1_exchange(z, p, c);
+    z->value[p] = value;
+    z->size[p] = size;
+}
+
+/* Brings lambda_j with enter[j] in for y_i with leave[i], largest pivots first, as many as there are. */
+static void eliminate(ns_phase1 *z, const unsigned char *leave, const unsigned char *enter) {
+    const ns_mlcp_solver *s = z->s;
+    for (int step = 0; step < z->rows; step++) {
+        int bp = NONE, bc = NONE;
+        double best = 0.0;
+        for (int c = 0; c < z->cols; c++)
+            for (int r = 0; s->colvar[c] % 2 == 0 && enter[s->colvar[c] / 2] && r < z->rows; r++) {
+                size_t k = (size_t)r + (size_t)c * (size_t)s->m;
+                if (s->rowvar[r] % 2 == 0 || !leave[s->rowvar[r] / 2] || !(fabs(s->A[k]) > best) ||
+                    !(fabs(s->A[k]) > SOUND * s->mag[k]))
+                    continue;
+                best = fabs(s->A[k]);
+                bp = r;
+                bc = c;
+            }
+        if (bp < 0)
+            return;
+        swap(z, bp, bc, 0.0);
+    }
+}
+
+/* The tableau of the same basis made anew from W and q. */
+static void refresh(ns_phase1 *z) {
+    ns_mlcp_solver *s = z->s;
+    memset(s->rowdone, 0, (size_t)s->m);
+    memset(s->coldone, 0, (size_t)s->m);
+    for (int c = 0; c < z->cols; c++)
+        if (s->colvar[c] % 2 == 1)
+            s->rowdone[s->colvar[c] / 2] = 1;
+    for (int r = 0; r < z->rows; r++)
+        if (s->rowvar[r] % 2 == 0)
+            s->coldone[s->rowvar[r] / 2] = 1;
+    load(z);
+    eliminate(z, s->rowdone, s->coldone);
+    z->pivots = 0;
+}
+
+/* Which rows are outside, which way; how many, and by how much in all. */
+static int look(ns_phase1 *z, double *sum) {
+    int count = 0;
+    *sum = 0.0;
+    for (int r = 0; r < z->rows; r++) {
+        double below = lower(z, z->s->rowvar[r]) - z->value[r];
+        double above = z->value[r] - upper(z, z->s->rowvar[r]);
+        int var = z->s->rowvar[r], empty = var % 2 == 1 && z->s->rowmax[var / 2] == 0.0; /* y = q: exact */
+        double near = z->near * (empty ? z->size[r] : fmax(z->size[r], z->least));
+        z->side[r] = below > near ? -1.0 : above > near ? 1.0 : 0.0;
+        count += z->side[r] != 0.0;
+        *sum += z->side[r] < 0.0 ? below : z->side[r] > 0.0 ? above : 0.0;
+    }
+    return count;
+}
+
+/* Reduced cost of column c, 0 where it is rounding. */
+static double cost(const ns_phase1 *z, int c) {
+    const size_t k = (size_t)c * (size_t)z->s->m;
+    double sum = 0.0, size = 0.0;
+    for (int r = 0; r < z->rows; r++)
+        if (z->side[r] != 0.0) {
+            sum += z->side[r] * z->s->A[k + (size_t)r];
+            size += z->s->mag[k + (size_t)r];
+        }
+    return fabs(sum) > DULL * size ? sum : 0.0;
+}
+
+static void price(ns_phase1 *z) {
+    for (int c = 0; c < z->cols; c++)
+        z->cost[c] = cost(z, c);
+}
+
+/* The column by which the sum falls fastest (first: the one of least variable), NONE: it is least. */
+static int choose(const ns_phase1 *z, int first) {
+    const ns_mlcp_solver *s = z->s;
+    int best = NONE;
+    for (int c = 0; c < z->cols; c++) {
+        int var = s->colvar[c];
+        double d = z->cost[c], rest = resting(z, var);
+        if (d == 0.0 || (d < 0.0 ? upper(z, var) <= rest : lower(z, var) >= rest))
+            continue;
+        if (best < 0 || (first ? var < s->colvar[best] : fabs(d) > fabs(z->cost[best])))
+            best = c;
+    }
+    return best;
+}
+
+/* Where column c, moving by dir, takes row r past its bounds: at[0] lower, at[1] upper. */
+static void breaks(const ns_phase1 *z, int r, double rate, double *at) {
+    double lo = lower(z, z->s->rowvar[r]), hi = upper(z, z->s->rowvar[r]), way = rate > 0.0 ? 1.0 : -1.0;
+    at[0] = at[1] = INFINITY;
+    if (z->side[r] * way > 0.0 || rate == 0.0)
+        return;
+    if ((way < 0.0 || z->side[r] != 0.0) && isfinite(lo))
+        at[0] = fmax(0.0, (lo - z->value[r]) / rate);
+    if ((way > 0.0 || z->side[r] != 0.0) && isfinite(hi))
+        at[1] = fmax(0.0, (hi - z->value[r]) / rate);
+}
+
+/* Along column c the sum falls at `slope`, less at every bound that is passed, as long as that is below 0.
+ * Of the bounds passed, a late one with a sturdy pivot is where to stop.  Its row (*high: upper bound), FLIP:
+ * c's own other bound, NONE: nothing. */
+static int stop(ns_phase1 *z, int c, double dir, double slope, int *high) {
+    const ns_mlcp_solver *s = z->s;
+    const double *e = s->A + (size_t)c * (size_t)s->m, *mag = s->mag + (size_t)c * (size_t)s->m;
+    double range = upper(z, s->colvar[c]) - lower(z, s->colvar[c]), most = 0.0, *at = s->xs;
+    int best = NONE;
+    for (int r = 0; r < z->rows; r++)
+        breaks(z, r, fabs(e[r]) > SOUND * mag[r] ? dir * e[r] : 0.0, at + (size_t)2 * (size_t)r);
+    for (int pass = 0; pass < 2 * z->rows && slope < 0.0; pass++) {
+        int k = 0;
+        for (int i = 1; i < 2 * z->rows; i++)
+            if (at[i] < at[k])
+                k = i;
+        if (!(at[k] < range))
+            return isfinite(range) ? FLIP : best;
+        double a = fabs(e[k / 2]);
+        at[k] = INFINITY;
+        slope += a;
+        most = fmax(most, a);
+        if (a >= STURDY * most) {
+            best = k / 2;
+            *high = k % 2;
+        }
+    }
+    return best;
+}
+
+static int step(ns_phase1 *z, int c) {
+    int var = z->s->colvar[c], high = 0;
+    double dir = z->cost[c] < 0.0 ? 1.0 : -1.0;
+    int r = stop(z, c, dir, -fabs(z->cost[c]), &high);
+    if (r == NONE)
+        return 0;
+    if (r == FLIP) {
+        move(z, c, dir * (upper(z, var) - lower(z, var)));
+        z->s->at_upper[var / 2] = (signed char)!z->s->at_upper[var / 2];
+        return 1;
+    }
+    int out = z->s->rowvar[r];
+    if (out % 2 == 0)
+        z->s->at_upper[out / 2] = (signed char)high;
+    swap(z, r, c, high ? upper(z, out) : lower(z, out));
+    return 1;
+}
+
+/* One step; 0: the sum is least.  Where nothing would stop it the reduced cost is rounding, for the sum is
+ * never below 0: of a tableau just made such a column is left, of one worn out nothing is believed. */
+static int advance(ns_phase1 *z, int first) {
+    int c = choose(z, first);
+    while (c >= 0 && !step(z, c)) {
+        if (z->pivots > 0)
+            return 0;
+        z->cost[c] = 0.0;
+        c = choose(z, first);
+    }
+    return c >= 0;
+}
+
+static void start(ns_phase1 *z, ns_mlcp_solver *s, double floor, double near) {
+    *z = (ns_phase1){
+        .s = s, .near = near, .value = s->beta, .size = s->ysize, .side = s->lsize, .cost = s->cover};
+    ns_linalg_equilibrate(s->m, s->p->W, s->m, s->r, s->c, s->e);
+    load_bounds(z);
+    load(z);
+    for (int r = 0; r < z->rows; r++)
+        z->least = fmax(z->least, s->rowmax[s->rowvar[r] / 2] > 0.0 ? floor * z->size[r] : 0.0);
+    memset(s->rowdone, 0, (size_t)s->m);
+    for (int f = 0; f < s->nf; f++)
+        s->rowdone[s->free[f]] = 1;
+    eliminate(z, s->rowdone, s->rowdone);
+}
+
+int ns_mlcp_phase1_run(ns_phase1 *z, ns_mlcp_solver *s, double floor, double near) {
+    start(z, s, floor, near);
+    const int patience = z->rows + z->cols;
+    int stalled = 0;
+    double before = INFINITY, sum;
+    for (int it = 0; it < PIVOTS_FLAT + PIVOTS_PER_PAIR * s->m; it++) {
+        if (z->pivots >= RENEW)
+            refresh(z);
+        int outside = look(z, &sum);
+        if (outside == 0 && z->pivots > 0) { /* perhaps only beside values that lost their digits */
+            refresh(z);
+            outside = look(z, &sum);
+        }
+        if (outside == 0)
+            return 0;
+        stalled = sum < before * (1.0 - STALL) ? 0 : stalled + 1;
+        before = fmin(before, sum);
+        price(z);
+        int moved = advance(z, stalled > patience);
+        if (!moved && z->pivots == 0)
+            return 1;
+        if (!moved)
+            refresh(z);
+    }
+    return 0;
+}

@@ -1,0 +1,121 @@
+/* src/mlcp/optional/proximal.c - equations that are redundant, and unknowns that are open: no basis holds
+ * all.
+ *
+ * (Two closed ideal switches in parallel: y = 0 twice, and only the sum of the currents is determined.)
+ * Proximal point method: solve, for k = 0, 1, ... and x the lambda,
+ *
+ *     y = W x_k+1 + q + eps E (x_k+1 - x_k),     x_0 = 0
+ *
+ * which is nonsingular; where the equations are consistent, x_k converges to a solution of the given
+ * problem, in its undetermined directions the one nearest to 0 in E's measure: equal shares for
+ * equal switches.  E acts on free indices: first the diagonal (in scaled units), and where that does not make
+ * the problem nonsingular, the rows and columns that elimination left over.  Where they are not consistent,
+ * x_k runs away, and what remains of the residual shows the rows that contradict.
+ */
+#include "mlcp/mlcp_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "mlcp/verify/residual.h"
+
+enum { STEPS = 8, HALVINGS = 44 }; /* 2^-43: GOOD */
+static const double GOOD = 1e-13;  /* residual below which nothing is to be gained */
+
+/* eps E as a list of entries; kind 0: diagonal, 1: left-over rows and columns. */
+static int choose(ns_mlcp_solver *s, int kind, int eps) {
+    int n = kind == 0 ? s->nf : s->nstuck;
+    for (int k = 0; k < n; k++) {
+        s->erow[k] = kind == 0 ? s->free[k] : s->stuck_row[k];
+        s->ecol[k] = kind == 0 ? s->free[k] : s->stuck_col[k];
+        s->eval[k] = ldexp(1.0, eps - s->r[s->erow[k]] - s->c[s->ecol[k]]);
+    }
+    return n;
+}
+
+/* The problem with eps E added, x_k = lambda where from != 0, else 0. */
+static void regularise(ns_mlcp_solver *s, int n, int from) {
+    size_t m = (size_t)s->m;
+    memcpy(s->Wreg, s->p->W, m * m * sizeof *s->Wreg);
+    memcpy(s->qraw, s->p->q, m * sizeof *s->qraw);
+    for (int k = 0; k < n; k++) {
+        s->Wreg[(size_t)s->erow[k] + (size_t)s->ecol[k] * m] += s->eval[k];
+        if (from)
+            s->qraw[s->erow[k]] -= s->eval[k] * s->lambda[s->ecol[k]];
+    }
+    s->nstuck = 0; /* nothing is known of the new matrix */
+    s->now.W = s->Wreg;
+    s->now.q = s->qraw;
+    ns_mlcp_fold(s);
+}
+
+static void name_rows(ns_mlcp_solver *s) {
+    for (int i = 0; i < s->m; i++) { /* measure() left y and 1/Y of the given problem in rhs */
+        s->ray[i] = s->mode[i] == NS_INSIDE ? fabs(s->rhs[i]) * s->rhs[s->m + i] : 0.0;
+        s->rows[i] = i;
+    }
+    ns_mlcp_name(s, s->ray, s->m, s->rows);
+}
+
+/* Further proximal steps in the mode found, each as a correction of x_k by the residual of the given problem,
+ * which rounds much less than solving for x_k+1 anew.  Keeps the best; returns its residual. */
+static double polish(ns_mlcp_solver *s) {
+    double best = INFINITY;
+    ns_mlcp_given(s);
+    for (int k = 0; k < HALVINGS; k++) {
+        double now = ns_mlcp_measure(s->p, s->lambda, s->alike, s->rhs, NULL), before = best;
+        if (now < best) {
+            best = now;
+            ns_mlcp_keep(s);
+        }
+        if (best <= GOOD || !(now <= 0.5 * before))
+            break;
+        ns_mlcp_basis_correct(s);
+        ns_mlcp_basis_clamp(s);
+        ns_mlcp_basis_rest(s);
+    }
+    ns_mlcp_give_back(s);
+    return best;
+}
+
+/* The iteration with one E; INFEASIBLE: it ran away. */
+static int iterate(ns_mlcp_solver *s, const ns_mode *mode, int n, double accept, double *residual) {
+    double before = INFINITY;
+    for (int k = 0; k < STEPS; k++) {
+        regularise(s, n, k > 0);
+        int status = ns_mlcp_search(s, k == 0 ? mode : s->mode, residual);
+        if (status != NS_OK)
+            return status;
+        *residual = polish(s);
+        if (*residual <= accept)
+            return NS_OK;
+        ns_mlcp_note(s, accept);
+        if (k >= 2 && !(*residual <= 0.5 * before))
+            break;
+        before = *residual;
+    }
+    (void)ns_mlcp_measure(s->p, s->lambda, s->alike, s->rhs, NULL);
+    name_rows(s);
+    return NS_E_INFEASIBLE;
+}
+
+int ns_mlcp_proximal(ns_mlcp_solver *s, const ns_mode *mode, double accept, double *residual) {
+    static const struct { int kind, eps; } way[] = {{0, -20}, {1, -20}, {0, -33}, {1, -33}};
+    int first = NS_E_SINGULAR;
+    ns_mlcp_list(s, s->nstuck, s->stuck_row);
+    ns_fault fault = s->fault;
+    for (size_t k = 0; k < sizeof way / sizeof *way; k++) {
+        ns_mlcp_given(s); /* scaling and left-over rows of the given problem */
+        ns_mlcp_restart(s, mode);
+        (void)ns_mlcp_reveal(s);
+        int status = iterate(s, mode, choose(s, way[k].kind, way[k].eps), accept, residual);
+        if (status == NS_OK)
+            return NS_OK;
+        if (first == NS_E_SINGULAR && status != NS_E_SINGULAR) {
+            first = status;
+            fault = s->fault;
+        }
+    }
+    s->fault = fault;
+    return first;
+}

@@ -1,0 +1,329 @@
+/* src/mlcp/pivoting/pivot.c - principal pivoting on the transform of W, from the last mode.
+ *
+ * The pair whose guard is broken worst, in units of the terms of its value, is flipped, as long as that lets
+ * the number of broken guards fall now and then; after that the one of least index, until the number is
+ * smaller than it ever was (Murty's rule is finite on P-matrices; Judice and Pires combine rules so).  Blocks
+ * of pairs flipped at once, block.c's way, cost more pivots here: half of them are flipped back.  Pairs that
+ * are broken together follow each other without a look at all the others in between. A pair whose diagonal
+ * entry is 0 is exchanged together with the first pair that its change would break (Keller's rule).  Whatever
+ * does not come out so within its bounds is left to other methods.
+ *
+ * The transform is kept: a solve from the mode of the last one costs one product with the inverse of the
+ * block of the pairs that are inside, and one with their columns of W, which reads the guards and checks the
+ * answer at once.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "mlcp/verify/residual.h"
+#include "mlcp/verify/residual_bound.h"
+#include "transform.h"
+
+enum { PATIENCE = 8, ROUNDS = 20, ROUNDS_PER_PAIR = 10, CHANGES = 64 };
+static const double GUARD = 1e-12;    /* of the sizes of the terms of a value: as solve.c has it */
+static const double FINE = 1e-14;     /* equations hold: a hundredth of what guards are read to */
+static const double GOOD = 1e-13;     /* an answer needs no closer look */
+static const double TRUST = 1e-8;     /* as transform.c */
+static const double ROUNDING = 1e-10; /* of the terms of an y: as solve.c accepts an answer */
+
+/* --- guards --- */
+
+/* By how much the guard of pair i is broken, if that is above 0; *size: of the terms of its value. */
+static inline double breach(const ns_mlcp_solver *s, int i, double *size) {
+    if (s->in[i]) {
+        const double under = s->p->l[i] - s->lambda[i], over = s->lambda[i] - s->p->u[i];
+        *size = s->lterms[i];
+        return under > over ? under : over;
+    }
+    *size = s->yterms[i];
+    return s->mode[i] == NS_LOWER ? -s->y[i] : s->y[i];
+}
+
+static inline int holds(const ns_mlcp_solver *s, int i) {
+    double size;
+    return !(breach(s, i, &size) > s->slack * size);
+}
+
+/* The mode that the guard of pair i, which is broken, asks for. */
+static ns_mode wanted(const ns_mlcp_solver *s, int i) {
+    if (!s->in[i])
+        return NS_INSIDE;
+    return s->lambda[i] < s->p->l[i] ? NS_LOWER : NS_UPPER;
+}
+
+/* list gets the pairs whose guard is broken, of n in from, which may be list; *worst: the pair most so, in
+ * units of the terms of its value. */
+static int broken(const ns_mlcp_solver *s, int n, const int *from, int *list, int *worst) {
+    double most = 0.0;
+    int left = 0;
+    for (int k = 0; k < n; k++) {
+        const int i = from[k];
+        double size;
+        const double by = breach(s, i, &size);
+        if (by > s->slack * size) {
+            list[left++] = i;
+            if (by > most * size) {
+                most = by / size;
+                *worst = i;
+            }
+        }
+    }
+    return left;
+}
+
+/* --- exchanges --- */
+
+/* Makes the transform that of s->mode, or of one near it where that is singular: from the one there is, or
+ * *anew from W.  0: an equality is left. */
+static int align(ns_mlcp_solver *s, int *anew) {
+    int *list = s->queue, n = 0, inside = 0;
+    for (int i = 0; i < s->m && s->have_transform; i++) {
+        inside += s->mode[i] == NS_INSIDE;
+        if (s->in[i] != (s->mode[i] == NS_INSIDE))
+            list[n++] = i;
+    }
+    if (!s->have_transform || *anew || n > inside || (n > 0 && s->changes + n > CHANGES)) {
+        ns_mlcp_transform_start(s);
+        *anew = 1;
+        s->factors++;
+        n = 0;
+        for (int i = 0; i < s->m; i++)
+            if (s->mode[i] == NS_INSIDE)
+                list[n++] = i;
+    }
+    const long before = s->pivots;
+    n = ns_mlcp_transform_exchange(s, n, list);
+    ns_mlcp_transform_tidy(s);
+    if (*anew) /* they made the basis, as a factorisation would */
+        s->pivots = before;
+    for (int k = 0; k < n; k++) {
+        int i = list[k];
+        if (isinf(s->p->l[i]) && isinf(s->p->u[i]))
+            return 0;
+        s->mode[i] = s->in[i] ? NS_INSIDE : ns_mlcp_mend(s, i, NS_LOWER);
+    }
+    return 1;
+}
+
+/* How far pair i lets its value change at rate `slope` until its guard breaks. */
+static double room(const ns_mlcp_solver *s, int i, double slope) {
+    if (s->in[i])
+        return slope > 0.0 ? (s->p->u[i] - s->lambda[i]) / slope : (s->p->l[i] - s->lambda[i]) / slope;
+    if (s->mode[i] == NS_LOWER)
+        return slope < 0.0 ? -s->y[i] / slope : INFINITY;
+    return slope > 0.0 ? -s->y[i] / slope : INFINITY;
+}
+
+/* The pair that breaks first when the nonbasic of k changes by `way` times the rates; -1: none. */
+static int first_to_break(ns_mlcp_solver *s, int k, double way, const double *rate, double *far) {
+    int first = -1;
+    for (int a = 0; a < s->np; a++) {
+        const int i = s->pair[a];
+        const double slope = way * rate[i];
+        if (i == k || slope == 0.0 || !holds(s, i))
+            continue;
+        const double t = fmax(room(s, i, slope), 0.0);
+        if (t < *far && ns_mlcp_transform_trust2(s, k, i) >= TRUST) {
+            *far = t;
+            first = i;
+        }
+    }
+    return first;
+}
+
+/* Pair k, broken, whose diagonal entry is 0: with a partner, or from one bound to the other.  0: neither. */
+static int exchange_with_partner(ns_mlcp_solver *s, int k) {
+    const ns_mode to = wanted(s, k);
+    const int up = s->in[k] ? to == NS_LOWER : s->mode[k] == NS_LOWER;
+    double far = s->in[k] ? INFINITY : s->p->u[k] - s->p->l[k], *rate = s->rhs;
+    ns_mlcp_transform_column(s, k, rate);
+    const int i = first_to_break(s, k, up ? 1.0 : -1.0, rate, &far);
+    if (i < 0 && isinf(far))
+        return 0;
+    if (i < 0) {
+        s->mode[k] = up ? NS_UPPER : NS_LOWER;
+        return 1;
+    }
+    const double slope = up ? rate[i] : -rate[i];
+    s->mode[i] = !s->in[i] ? NS_INSIDE : slope < 0.0 ? NS_LOWER : NS_UPPER;
+    s->mode[k] = to;
+    ns_mlcp_transform_pivot2(s, k, i);
+    return 1;
+}
+
+/* Flips pair i.  0: neither its pivot nor one together with another pair can be trusted. */
+static int flip(ns_mlcp_solver *s, int i) {
+    int done = 1;
+    s->carried = 0;
+    if (ns_mlcp_transform_trust(s, i) < TRUST)
+        done = exchange_with_partner(s, i);
+    else {
+        s->mode[i] = wanted(s, i);
+        ns_mlcp_transform_pivot(s, i);
+    }
+    ns_mlcp_transform_tidy(s);
+    return done;
+}
+
+/* Flips pair i, the worst of the n in list, lets the others follow, and so on while one of them is still
+ * broken. */
+static int flip_in_turn(ns_mlcp_solver *s, int i, int n, int *list) {
+    while (n > 0) {
+        if (ns_mlcp_transform_trust(s, i) < TRUST)
+            return flip(s, i);
+        s->mode[i] = wanted(s, i);
+        ns_mlcp_transform_move(s, i, n, list);
+        ns_mlcp_transform_pivot(s, i);
+        if (!s->in[i])
+            ns_mlcp_transform_tidy(s);
+        int left = 0;
+        for (int k = 0; k < n; k++)
+            if (list[k] != i)
+                list[left++] = list[k];
+        n = broken(s, left, list, list, &i);
+    }
+    return 1;
+}
+
+/* --- rounds --- */
+
+/* How well the equations of the pairs inside hold. */
+static double defect(const ns_mlcp_solver *s) {
+    double most = 0.0;
+    for (int a = 0; a < s->nwho; a++) {
+        const int i = s->who[a];
+        if (!(fabs(s->y[i]) <= most * s->yterms[i]))
+            most = fabs(s->y[i]) / s->yterms[i];
+    }
+    return most;
+}
+
+/* The pairs whose guard is broken, at lambda of s->mode and y from W and lambda.  A guard is not read more
+ * finely than the equations hold; where that leaves none broken, lambda is refined once. */
+static int look_at_guards(ns_mlcp_solver *s, int *list, int *worst) {
+    ns_mlcp_transform_values(s);
+    ns_mlcp_terms(s->p, &s->nonzeros, s->lambda, s->y, s->yterms);
+    s->carried = 1;
+    s->slack = GUARD * fmax(1.0, defect(s) / FINE);
+    int n = broken(s, s->np, s->pair, list, worst);
+    if (n > 0 || s->slack == GUARD)
+        return n;
+    s->slack = GUARD;
+    ns_mlcp_transform_correct(s);
+    ns_mlcp_terms(s->p, &s->nonzeros, s->lambda, s->y, s->yterms);
+    return broken(s, s->np, s->pair, list, worst);
+}
+
+/* From s->mode to one whose guards hold.  persist: by least index too.  The values that came along with the
+ * flips will do to find more to flip, as long as that goes well. */
+static int search(ns_mlcp_solver *s, int persist) {
+    int *list = s->queue, best = s->np + 1, patience = PATIENCE, worst = 0;
+    s->carried = 0;
+    for (int round = 0; round < ROUNDS + ROUNDS_PER_PAIR * s->np; round++) {
+        int n = s->carried && patience > PATIENCE / 2 ? broken(s, s->np, s->pair, list, &worst) : 0;
+        if (n == 0)
+            n = look_at_guards(s, list, &worst);
+        if (n == 0)
+            return NS_OK;
+        if (n < best) {
+            best = n;
+            patience = PATIENCE + s->np / 4;
+        } else if (--patience <= 0 && !persist)
+            return NS_E_LIMIT;
+        if (!(patience > 0 ? flip_in_turn(s, worst, n, list) : flip(s, list[0])))
+            return NS_E_LIMIT;
+    }
+    return NS_E_LIMIT;
+}
+
+/* lambda into its bounds; whether it was outside. */
+static int clamp_lambda(ns_mlcp_solver *s) {
+    int moved = 0;
+    for (int i = 0; i < s->m; i++) {
+        const double v = s->lambda[i], l = s->p->l[i], u = s->p->u[i];
+        if (v < l || v > u) {
+            s->lambda[i] = v < l ? l : u;
+            moved = 1;
+        }
+    }
+    return moved;
+}
+
+/* The residual of the answer, whose y is that of lambda before it was put into its bounds. */
+static double check(ns_mlcp_solver *s) {
+    if (clamp_lambda(s))
+        ns_mlcp_terms(s->p, &s->nonzeros, s->lambda, s->y, s->yterms);
+    const double r = ns_mlcp_bound_residual(s->p, s->lambda, s->y, s->yterms);
+    if (r <= GOOD)
+        return r;
+    const double full = ns_mlcp_measure(s->p, s->lambda, s->alike, s->rhs, NULL);
+    return isnan(full) ? full : fmin(r, full); /* fmin would drop the NaN of terms that overflow */
+}
+
+/* y of the answer: 0 inside, not beyond 0 at a bound.  1: that was more than rounding. */
+static int clamp_y(ns_mlcp_solver *s) {
+    int cut = 0;
+    for (int f = 0; f < s->nf; f++)
+        s->y[s->free[f]] = 0.0;
+    for (int a = 0; a < s->np; a++) {
+        const int i = s->pair[a];
+        const double y = s->y[i];
+        if (s->mode[i] == NS_INSIDE || (s->mode[i] == NS_LOWER ? y < 0.0 : y > 0.0)) {
+            cut |= fabs(y) > ROUNDING * s->yterms[i];
+            s->y[i] = 0.0;
+        }
+    }
+    return cut;
+}
+
+static int all_lower(const ns_mlcp_solver *s, const ns_mode *mode) {
+    int n = 0;
+    if (s->m == 0 || memcmp(mode, s->lowest, (size_t)s->m) == 0)
+        return 1;
+    for (int i = 0; i < s->m; i++)
+        n += ns_mlcp_mend(s, i, mode[i]) != ns_mlcp_mend(s, i, NS_LOWER);
+    return n == 0;
+}
+
+/* From mode (NULL: all at the lower bounds), or near it. */
+static int attempt(ns_mlcp_solver *s, const ns_mode *mode, int *anew, double accept, double *residual) {
+    *residual = INFINITY;
+    if (!s->settled || memcmp(mode, s->mode, (size_t)s->m) != 0) {
+        s->settled = 0;
+        ns_mlcp_restart(s, mode);
+        if (!align(s, anew))
+            return NS_E_SINGULAR;
+    }
+    const int status = search(s, !mode);
+    if (status != NS_OK)
+        return status;
+    *residual = check(s);
+    return *residual <= accept ? NS_OK : NS_E_RESIDUAL;
+}
+
+/* From mode; where the transform may be at fault, from a new one; where the mode may, from another. */
+int ns_mlcp_quick(ns_mlcp_solver *s, const ns_mode *mode, double accept, double *residual) {
+    int anew = 0, status = NS_E_LIMIT;
+    s->now = *s->p;
+    if (s->settled || !all_lower(s, mode))
+        status = attempt(s, mode, &anew, accept, residual);
+    for (int k = anew || status == NS_E_LIMIT; k < 2 && status != NS_OK; k++) {
+        s->have_transform = s->settled = 0;
+        anew = 1;
+        status = attempt(s, k ? NULL : mode, &anew, accept, residual);
+    }
+    s->settled = s->have_transform = status == NS_OK;
+    if (status == NS_OK && clamp_y(s)) {
+        s->settled = 0; /* the mode may change */
+        status = ns_mlcp_agree(s, accept, residual) ? NS_OK : NS_E_RESIDUAL;
+    }
+    return status;
+}
+
+int ns_mlcp_pivot(ns_mlcp_solver *s, double accept) {
+    double residual;
+    ns_mode *start = s->at_upper; /* room of its own */
+    for (int i = 0; i < s->m; i++)
+        start[i] = s->mode[i];
+    return ns_mlcp_quick(s, start, accept, &residual);
+}

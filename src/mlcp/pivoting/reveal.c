@@ -1,0 +1,223 @@
+/* src/mlcp/pivoting/reveal.c - a nonsingular basis where the starting mode has none.
+ *
+ * Gaussian elimination of the scaled W, row i for y_i, column j for lambda_j, in this order:
+ *   1. free rows and free columns, complete pivoting.  A free row then left over has only rounding in the
+ *      free columns left over: these equations leave a free lambda open (a node that floats).
+ *   2. such a row r is joined to such a column c by pairs a, b, ... whose lambda come into the basis:
+ *      pivots (r,lambda_a), (y_a,lambda_b), ..., (y_z,c).  Mostly one pair does: its current enters
+ *      the node's equation and its voltage depends on the node.  The path is found breadth first, pairs that
+ *      are inside already preferred.
+ *   3. pairs that are inside, by pivots on the diagonal or on a two by two block, as long as they are sound.
+ * With each entry goes the largest term it was ever summed from: cancellation to rounding is told from
+ * an entry that is small in its own right.
+ */
+#include "mlcp/mlcp_internal.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+static const double SOUND = 1e-10;             /* of the terms: ten of sixteen digits may be lost */
+static const double BARELY = 16 * DBL_EPSILON; /* last resort before calling it singular */
+static const double PREFER = 1e3;              /* pairs that are inside already */
+
+static double *at(ns_mlcp_solver *s, int i, int j) {
+    return s->A + (size_t)i + (size_t)j * (size_t)s->m;
+}
+
+static int counts(const ns_mlcp_solver *s, int i, int j, double tol) {
+    size_t k = (size_t)i + (size_t)j * (size_t)s->m;
+    return fabs(s->A[k]) > tol * s->mag[k];
+}
+
+static void load(ns_mlcp_solver *s) {
+    int m = s->m;
+    ns_linalg_equilibrate(m, s->W, m, s->r, s->c, s->e);
+    for (int j = 0; j < m; j++)
+        for (int i = 0; i < m; i++) {
+            size_t k = (size_t)i + (size_t)j * (size_t)m;
+            s->A[k] = ldexp(s->W[k], s->r[i] + s->c[j]);
+            s->mag[k] = fabs(s->A[k]);
+        }
+    memset(s->rowdone, 0, (size_t)m);
+    memset(s->coldone, 0, (size_t)m);
+    for (int k = 0; k < s->nx; k++)
+        s->rowdone[s->fixed[k]] = s->coldone[s->fixed[k]] = 1;
+}
+
+/* y_i leaves, lambda_j enters: both are settled. */
+static void eliminate(ns_mlcp_solver *s, int i, int j) {
+    double pivot = *at(s, i, j);
+    size_t m = (size_t)s->m;
+    const double *e = s->A + (size_t)j * m, *emag = s->mag + (size_t)j * m;
+    s->rowdone[i] = s->coldone[j] = 1;
+    for (int c = 0; c < s->m; c++) {
+        double *a = s->A + (size_t)c * m, *mag = s->mag + (size_t)c * m, f = a[i] / pivot;
+        if (s->coldone[c] || f == 0.0)
+            continue;
+        double fmag = mag[i] / fabs(pivot);
+        for (int r = 0; r < s->m; r++) {
+            if (s->rowdone[r] || e[r] == 0.0)
+                continue;
+            a[r] -= e[r] * f;
+            mag[r] = fmax(mag[r], fmax(emag[r] * fabs(f), fabs(e[r]) * fmag));
+            if (fabs(a[r]) <= 4 * DBL_EPSILON * mag[r])
+                a[r] = 0.0;
+        }
+    }
+}
+
+/* 1. */
+static void eliminate_free(ns_mlcp_solver *s, double tol) {
+    for (int step = 0; step < s->nf; step++) {
+        int bi = -1, bj = -1;
+        double best = 0.0;
+        for (int b = 0; b < s->nf; b++)
+            for (int a = 0; a < s->nf && !s->coldone[s->free[b]]; a++) {
+                int i = s->free[a], j = s->free[b];
+                if (s->rowdone[i] || fabs(*at(s, i, j)) <= best || !counts(s, i, j, tol))
+                    continue;
+                best = fabs(*at(s, i, j));
+                bi = i;
+                bj = j;
+            }
+        if (bi < 0)
+            return;
+        eliminate(s, bi, bj);
+    }
+}
+
+/* Largest entry of row i in the free columns left over; -1 if there is none. */
+static int target(ns_mlcp_solver *s, int i, double tol) {
+    int best = -1;
+    for (int f = 0; f < s->nf; f++) {
+        int j = s->free[f];
+        if (!s->coldone[j] && counts(s, i, j, tol) &&
+            (best < 0 || fabs(*at(s, i, j)) > fabs(*at(s, i, best))))
+            best = j;
+    }
+    return best;
+}
+
+/* Breadth first from row r over pairs that are out.  Returns the last row of the path and its column;
+ * s->parent leads back.  -1: no path. */
+static int find_path(ns_mlcp_solver *s, int r, double tol, int *column) {
+    int head = 0, level = 0, tail = 0, found = target(s, r, tol);
+    s->queue[tail++] = r;
+    if (found >= 0) {
+        *column = found;
+        return r;
+    }
+    for (int i = 0; i < s->m; i++)
+        s->parent[i] = -1;
+    while (head < tail) {
+        int best = -1;
+        double most = 0.0;
+        for (level = tail; head < level; head++)
+            for (int a = 0; a < s->np; a++) {
+                int i = s->queue[head], j = s->pair[a];
+                if (s->rowdone[j] || s->coldone[j] || s->parent[j] >= 0 || j == r || !counts(s, i, j, tol))
+                    continue;
+                s->parent[j] = i;
+                s->queue[tail++] = j;
+                int c = target(s, j, tol);
+                double v = c < 0 ? 0.0 : fmin(fabs(*at(s, i, j)), fabs(*at(s, j, c)));
+                v *= s->mode[j] == NS_INSIDE ? PREFER : 1.0;
+                if (v > most) {
+                    most = v;
+                    best = j;
+                    *column = c;
+                }
+            }
+        if (best >= 0)
+            return best;
+    }
+    return -1;
+}
+
+/* 2.  Pivots along paths until row r is settled; 0 if it cannot be.  *left: the row that is open then. */
+static int join(ns_mlcp_solver *s, int r, double tol, int *left) {
+    for (int tries = 0; tries <= s->np; tries++) {
+        int col = -1, end = find_path(s, r, tol, &col), n = 0;
+        *left = r;
+        if (end < 0)
+            return 0;
+        s->queue[n++] = col; /* the columns to pivot on, last first */
+        for (int i = end; i != r; i = s->parent[i])
+            s->queue[n++] = i;
+        int row = r;
+        while (n > 0 && counts(s, row, s->queue[n - 1], BARELY)) {
+            int j = s->queue[--n];
+            eliminate(s, row, j);
+            row = j;
+        }
+        if (n == 0)
+            return 1;
+        r = row; /* an entry further on has cancelled: look again from here */
+    }
+    *left = r;
+    return 0;
+}
+
+/* 3.  The best pivot among pairs a <= b that are inside and not settled: 0 if none is sound. */
+static int best_block(ns_mlcp_solver *s, int *ia, int *ib) {
+    double best = 0.0;
+    for (int b = 0; b < s->np; b++)
+        for (int a = 0; a <= b; a++) {
+            int i = s->pair[a], j = s->pair[b];
+            if (s->mode[i] != NS_INSIDE || s->mode[j] != NS_INSIDE || s->rowdone[i] || s->rowdone[j] ||
+                s->coldone[i] || s->coldone[j])
+                continue;
+            double v = a == b ? 2.0 * fabs(*at(s, i, i)) : fmin(fabs(*at(s, i, j)), fabs(*at(s, j, i)));
+            if (v <= best || !counts(s, i, j, SOUND) || !counts(s, j, i, SOUND))
+                continue;
+            if (a != b && fabs(*at(s, i, i) * *at(s, j, j)) > 0.5 * fabs(*at(s, i, j) * *at(s, j, i)))
+                continue; /* nearly singular as a block, or better done one by one */
+            best = v;
+            *ia = i;
+            *ib = j;
+        }
+    return best > SOUND;
+}
+
+static void eliminate_pairs(ns_mlcp_solver *s) {
+    int a = 0, b = 0;
+    for (int step = 0; step < s->np && best_block(s, &a, &b); step++) {
+        eliminate(s, a, b);
+        if (a != b)
+            eliminate(s, b, a);
+    }
+}
+
+int ns_mlcp_reveal(ns_mlcp_solver *s) {
+    load(s);
+    s->nstuck = 0;
+    eliminate_free(s, SOUND);
+    for (int f = 0; f < s->nf; f++) {
+        int row = s->free[f], left = row;
+        if (s->rowdone[row] || join(s, row, SOUND, &left))
+            continue;
+        s->stuck_row[s->nstuck++] = left;
+    }
+    int open = s->nstuck;
+    s->nstuck = 0;
+    for (int k = 0; k < open; k++) {
+        int left = s->stuck_row[k];
+        if (!join(s, left, BARELY, &left))
+            s->stuck_row[s->nstuck++] = left;
+    }
+    for (int f = 0, k = 0; f < s->nf; f++)
+        if (!s->coldone[s->free[f]])
+            s->stuck_col[k++] = s->free[f];
+    if (s->nstuck > 0)
+        return NS_E_SINGULAR;
+    eliminate_pairs(s);
+    for (int a = 0; a < s->np; a++) {
+        int i = s->pair[a];
+        if (s->coldone[i])
+            s->mode[i] = NS_INSIDE;
+        else if (s->mode[i] == NS_INSIDE)
+            s->mode[i] = isinf(s->p->l[i]) ? NS_UPPER : NS_LOWER;
+    }
+    return NS_OK;
+}

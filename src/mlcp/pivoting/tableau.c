@@ -1,0 +1,214 @@
+/* src/mlcp/pivoting/tableau.c - the canonical tableau of the pairs: basic = beta + T nonbasic.
+ *
+ * Free lambda are basic for ever and free y never are, so neither has a row or a column here: the tableau is
+ * np by np whatever the size of the circuit.  It is made from W and q through one LU, not by accumulating
+ * exchanges; sums that cancel to rounding are made 0, so that an entry counts as a pivot however small it is
+ * (a current that enters a capacitor for 1e-13 s moves its voltage by 1e-7 V an ampere, and must).  Entries
+ * are in units: variable v is `unit[v]` times its entry.
+ */
+#include "mlcp/mlcp_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double CANCELLED = 1e-14; /* a sum this small against its terms is 0 */
+
+/* rows and cols of G as the labels of the tableau have it. */
+static void pick(ns_mlcp_solver *s) {
+    int nr = s->nf, nc = nr;
+    memcpy(s->rows, s->free, (size_t)s->nf * sizeof *s->rows);
+    memcpy(s->cols, s->free, (size_t)s->nf * sizeof *s->cols);
+    for (int a = 0; a < s->np; a++) {
+        if (s->where[2 * a + 1] < 0)
+            s->rows[nr++] = s->pair[a];
+        if (s->where[2 * a] >= 0)
+            s->cols[nc++] = s->pair[a];
+    }
+    if (s->where[2 * s->np] >= 0)
+        s->cols[nc++] = -1;
+    s->k = nc;
+}
+
+static const double *column(const ns_mlcp_solver *s, int j) {
+    return j < 0 ? s->cover : s->W + (size_t)j * (size_t)s->m;
+}
+
+static int factor(ns_mlcp_solver *s) {
+    pick(s);
+    for (int j = 0; j < s->k; j++) {
+        const double *col = column(s, s->cols[j]);
+        for (int i = 0; i < s->k; i++)
+            s->G[(size_t)i + (size_t)j * (size_t)s->k] = col[s->rows[i]];
+    }
+    s->factors++;
+    s->have_factors = 0;
+    return ns_linalg_lu_factor(s->lu, s->k, s->G, NULL, NULL);
+}
+
+/* g = q + W lambda of the nonbasic lambda that are not 0 (t is 0 where nonbasic). */
+static void constant_part(ns_mlcp_solver *s) {
+    memcpy(s->g, s->q, (size_t)s->m * sizeof *s->g);
+    for (int a = 0; a < s->np; a++) {
+        int i = s->pair[a];
+        double v = s->at_upper[a] ? s->p->u[i] : s->p->l[i];
+        if (s->where[2 * a] < 0 && v != 0.0)
+            ns_linalg_matvec_add(s->m, 1, column(s, i), &v, s->g);
+    }
+}
+
+/* Problem index whose column of W a nonbasic variable has; -1 for t. */
+static int index_of(const ns_mlcp_solver *s, int var) {
+    return ns_is_t(s, var) ? -1 : s->pair[var / 2];
+}
+
+/* Right-hand sides: the constant part, then one column a nonbasic variable. */
+static void right_sides(ns_mlcp_solver *s) {
+    int k = s->k;
+    double *b = s->rhs;
+    for (int i = 0; i < k; i++)
+        b[i] = -s->g[s->rows[i]];
+    for (int c = 0; c < s->ncol; c++) {
+        int var = s->colvar[c], j = index_of(s, var);
+        b += k;
+        if (ns_is_y(s, var)) {
+            for (int i = 0; i < k; i++)
+                b[i] = s->rows[i] == j ? 1.0 : 0.0;
+            continue;
+        }
+        const double *col = column(s, j);
+        for (int i = 0; i < k; i++)
+            b[i] = -col[s->rows[i]];
+    }
+}
+
+/* Row r of the tableau belongs to basic y_i: y_i = g_i + W[i,cols] (solutions) + W[i,nonbasic]. */
+static void y_row(ns_mlcp_solver *s, int r, int i) {
+    double *w = s->ray; /* scratch: row i of W at cols */
+    for (int j = 0; j < s->k; j++)
+        w[j] = column(s, s->cols[j])[i];
+    for (int c = -1; c < s->ncol; c++) {
+        const double *x = s->rhs + (size_t)(c + 1) * (size_t)s->k;
+        double sum = 0.0, size = 0.0;
+        for (int j = 0; j < s->k; j++) {
+            sum += w[j] * x[j];
+            size += fabs(w[j] * x[j]);
+        }
+        if (c < 0)
+            s->beta[r] = s->g[i] + sum;
+        else {
+            double own = ns_is_y(s, s->colvar[c]) ? 0.0 : column(s, index_of(s, s->colvar[c]))[i];
+            int rounding = fabs(sum + own) <= CANCELLED * (size + fabs(own));
+            s->T[r + c * s->np] = rounding ? 0.0 : sum + own;
+        }
+    }
+}
+
+/* Row r belongs to a basic lambda (or t): entry `at` of the solutions. */
+static void x_row(ns_mlcp_solver *s, int r, int at) {
+    s->beta[r] = s->rhs[at];
+    for (int c = 0; c < s->ncol; c++)
+        s->T[r + c * s->np] = s->rhs[(size_t)at + (size_t)(c + 1) * (size_t)s->k];
+}
+
+static void to_units(ns_mlcp_solver *s) {
+    for (int c = 0; c < s->ncol; c++) {
+        double *t = s->T + (size_t)c * (size_t)s->np, u = s->unit[s->colvar[c]];
+        for (int r = 0; r < s->np; r++)
+            t[r] *= u / s->unit[s->rowvar[r]];
+    }
+    for (int r = 0; r < s->np; r++)
+        s->beta[r] /= s->unit[s->rowvar[r]];
+}
+
+/* One step of iterative refinement of all solutions: rhs (the right sides again) -= G x.  Entries that should
+ * cancel to 0 then do so to the rounding of W's own entries. */
+static void refine(ns_mlcp_solver *s) {
+    size_t k = (size_t)s->k, n = k * (size_t)(1 + s->ncol);
+    memcpy(s->xs, s->rhs, n * sizeof *s->xs);
+    right_sides(s);
+    for (size_t j = 0; j < n; j++)
+        s->xs[j] = -s->xs[j];
+    for (int c = 0; c <= s->ncol; c++)
+        for (int j = 0; j < s->k; j++) {
+            const double *col = column(s, s->cols[j]), v = s->xs[(size_t)j + (size_t)c * k];
+            double *b = s->rhs + (size_t)c * k;
+            for (int i = 0; i < s->k && v != 0.0; i++)
+                b[i] += col[s->rows[i]] * v;
+        }
+    ns_linalg_lu_solve(s->lu, 1 + s->ncol, s->rhs);
+    for (size_t j = 0; j < n; j++)
+        s->rhs[j] -= s->xs[j];
+}
+
+/* Entries of solutions that are rounding against the rest of their column, in the units of the factors. */
+static void drop_rounding(ns_mlcp_solver *s) {
+    const double *unit = ns_linalg_lu_units(s->lu);
+    for (int c = 1; c <= s->ncol; c++) {
+        double *x = s->rhs + (size_t)c * (size_t)s->k, top = 0.0;
+        for (int j = 0; j < s->k; j++)
+            top = fmax(top, fabs(x[j]) / unit[j]);
+        for (int j = 0; j < s->k; j++)
+            if (fabs(x[j]) / unit[j] <= CANCELLED * top)
+                x[j] = 0.0;
+    }
+}
+
+/* Fills beta and T for the labels at hand; G is factored. */
+static void fill(ns_mlcp_solver *s) {
+    constant_part(s);
+    right_sides(s);
+    ns_linalg_lu_solve(s->lu, 1 + s->ncol, s->rhs);
+    if (s->careful)
+        refine(s);
+    drop_rounding(s);
+    int at = s->nf;
+    for (int a = 0; a < s->np; a++)
+        if (s->where[2 * a] >= 0)
+            x_row(s, s->where[2 * a], at++);
+    if (s->where[2 * s->np] >= 0)
+        x_row(s, s->where[2 * s->np], at);
+    for (int a = 0; a < s->np; a++)
+        if (s->where[2 * a + 1] >= 0)
+            y_row(s, s->where[2 * a + 1], s->pair[a]);
+    to_units(s);
+}
+
+void ns_mlcp_tableau_start(ns_mlcp_solver *s) {
+    for (int a = 0; a < s->np; a++) {
+        int i = s->pair[a], inside = s->mode[i] == NS_INSIDE;
+        s->rowvar[a] = inside ? 2 * a : 2 * a + 1;
+        s->colvar[a] = inside ? 2 * a + 1 : 2 * a;
+        s->where[2 * a] = inside ? a : -1 - a;
+        s->where[2 * a + 1] = inside ? -1 - a : a;
+        s->at_upper[a] = s->mode[i] == NS_UPPER;
+        s->first_y[a] = !inside;
+        s->unit[2 * a] = s->lsize[i];
+        s->unit[2 * a + 1] = s->ysize[i];
+        s->blo[a] = s->p->l[i] / s->lsize[i];
+        s->bhi[a] = s->p->u[i] / s->lsize[i];
+    }
+    s->unit[2 * s->np] = 1.0;
+    s->where[2 * s->np] = -1 - s->np;
+    s->ncol = s->np;
+    fill(s);
+    for (int a = 0; a < s->np; a++) { /* lambda and y are refined already */
+        int i = s->pair[a];
+        s->beta[a] = s->first_y[a] ? s->y[i] / s->ysize[i] : s->lambda[i] / s->lsize[i];
+    }
+}
+
+int ns_mlcp_tableau_refresh(ns_mlcp_solver *s) {
+    int status = factor(s);
+    if (status == NS_OK)
+        fill(s);
+    return status;
+}
+
+void ns_mlcp_tableau_exchange(ns_mlcp_solver *s, int row, int col) {
+    const int in = s->colvar[col], out = s->rowvar[row];
+    ns_linalg_exchange(s->np, s->ncol, s->T, row, col, CANCELLED);
+    s->rowvar[row] = in;
+    s->colvar[col] = out;
+    s->where[in] = row;
+    s->where[out] = -1 - col;
+}

@@ -1,0 +1,306 @@
+/* src/mlcp/pivoting/transform.c - the principal pivot transform of W, of the pairs that are looked at:
+ * exchanges, values.
+ *
+ * s->who[0..nwho-1] are those pairs, s->at[i] the place of pair i among them, -1 elsewhere.  P (leading
+ * dimension stride()), diag, and all that is called a or b here are numbered by place.
+ */
+#include "transform.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "linalg/abs_product.h"
+#include "mlcp/verify/residual_bound.h"
+
+static const double TRUST = 1e-8; /* a pivot must keep eight of sixteen digits; refinement does the rest */
+static const double EASY = 0.1;   /* good enough not to look for a better one */
+
+void ns_mlcp_transform_start(ns_mlcp_solver *s) {
+    memset(s->in, 0, (size_t)s->m);
+    for (int i = 0; i < s->m; i++)
+        s->at[i] = -1;
+    s->nwho = 0;
+    s->changes = 0;
+    s->have_transform = 1;
+}
+
+/* --- which pairs --- */
+
+static inline size_t stride(const ns_mlcp_solver *s) {
+    return ((size_t)s->m + 3) & ~(size_t)3;
+}
+
+static inline double *column(const ns_mlcp_solver *s, int a) {
+    return s->P + (size_t)a * stride(s);
+}
+
+/* y += v x for n entries of columns of P, and for what lies between the last and the next multiple of four,
+ * where nothing is ever read: short loops without rests. */
+static inline void add(int n, double v, const double *restrict x, double *restrict y) {
+    for (int a = 0; a < n; a += 4)
+        for (int k = a; k < a + 4; k++)
+            y[k] += v * x[k];
+}
+
+/* Row and column of pair i, which is not basic, behind the others:
+ *     P_ai = [W_ai] - sum_J P_aj W_ji,   P_ia = [W_ia] + sum_J W_ij P_ja,   [] where a is not basic. */
+static int look(ns_mlcp_solver *s, int i) {
+    const size_t m = (size_t)s->m, ld = stride(s);
+    const double *Wi = s->p->W + (size_t)i * m, own = Wi[i];
+    const int n = s->nwho;
+    if (s->at[i] >= 0)
+        return s->at[i];
+    double *new = column(s, n), *across = s->P + n, *row = s->g, size = fabs(own), sum = own;
+    int *held = s->parent, count = 0; /* where the row of W is not 0, and what it is */
+    memset(new, 0, (size_t)n * sizeof *new);
+    for (int b = 0; b < n; b++) {
+        const int j = s->who[b];
+        const double w = s->p->W[(size_t)i + (size_t)j * m];
+        across[(size_t)b * ld] = s->in[j] ? 0.0 : w;
+        if (!s->in[j])
+            new[b] += Wi[j];
+        else if (Wi[j] != 0.0)
+            add(n, -Wi[j], column(s, b), new);
+        held[count] = b;
+        row[count] = w;
+        count += s->in[j] && w != 0.0;
+    }
+    for (int b = 0; b < n; b++) {
+        const double *col = column(s, b);
+        double v = across[(size_t)b * ld];
+        for (int h = 0; h < count; h++)
+            v += row[h] * col[held[h]];
+        across[(size_t)b * ld] = v;
+    }
+    for (int h = 0; h < count; h++) {
+        const double term = row[h] * new[held[h]];
+        sum += term;
+        size = fabs(term) > size ? fabs(term) : size;
+    }
+    new[n] = sum;
+    s->diag[n] = size;
+    s->who[n] = i;
+    s->at[i] = n;
+    return s->nwho++;
+}
+
+/* The last comes into its place. */
+static void forget(ns_mlcp_solver *s, int a) {
+    const int last = --s->nwho;
+    s->at[s->who[a]] = -1;
+    if (a == last)
+        return;
+    const double *from = column(s, last);
+    double *to = column(s, a);
+    for (int b = 0; b < last; b++) {
+        column(s, b)[a] = column(s, b)[last];
+        to[b] = from[b];
+    }
+    to[a] = from[last];
+    s->diag[a] = s->diag[last];
+    s->who[a] = s->who[last];
+    s->at[s->who[a]] = a;
+}
+
+void ns_mlcp_transform_tidy(ns_mlcp_solver *s) {
+    for (int a = s->nwho - 1; a >= 0; a--)
+        if (!s->in[s->who[a]])
+            forget(s, a);
+}
+
+/* --- exchanges --- */
+
+double ns_mlcp_transform_trust(ns_mlcp_solver *s, int i) {
+    const int a = look(s, i);
+    const double p = fabs(column(s, a)[a]);
+    return p > 0.0 ? p / s->diag[a] : 0.0;
+}
+
+double ns_mlcp_transform_trust2(ns_mlcp_solver *s, int i, int j) {
+    const int a = look(s, i), b = look(s, j);
+    const double across = column(s, b)[a] * column(s, a)[b];
+    const double det = column(s, a)[a] * column(s, b)[b] - across;
+    const double terms = s->diag[a] * s->diag[b] + fabs(across);
+    return det != 0.0 ? fabs(det) / terms : 0.0;
+}
+
+static void flipped(ns_mlcp_solver *s, int i) {
+    s->in[i] ^= 1;
+    s->changes++;
+    s->pivots++;
+}
+
+void ns_mlcp_transform_move(ns_mlcp_solver *s, int i, int n, const int *list) {
+    const size_t m = (size_t)s->m;
+    const int k = s->at[i];
+    const double *col = column(s, k),
+                 by = s->in[i] ? ns_mlcp_bound(s, i, s->mode[i]) - s->lambda[i] : -s->y[i];
+    const double step = by / col[k];
+    if (!s->in[i] && s->nonzeros.few)
+        s->lterms[i] = fabs(s->lambda[i]);
+    for (int a = 0; a < s->nwho; a++) {
+        const int j = s->who[a];
+        const double change = j == i && !s->in[i] ? step : s->in[j] ? step * col[a] : 0.0;
+        s->lambda[j] += change;
+        s->lterms[j] += s->nonzeros.few ? fabs(change) : 0.0;
+        if (change != 0.0 && s->nonzeros.few)
+            ns_mlcp_nonzeros_add(&s->nonzeros, j, s->p->W + (size_t)j * m, change, s->y, s->yterms);
+        else
+            for (int b = 0; b < n && change != 0.0; b++)
+                s->y[list[b]] += s->p->W[(size_t)list[b] + (size_t)j * m] * change;
+    }
+    s->carried &= s->nonzeros.few;
+}
+
+/* P_IJ -= c r_J / p for all columns but k, row k aside. */
+void ns_mlcp_transform_pivot(ns_mlcp_solver *s, int i) {
+    const int k = s->at[i], n = s->nwho;
+    double *restrict c = column(s, k), *restrict diag = s->diag;
+    const double p = c[k], inverse = 1.0 / p;
+    c[k] = 0.0; /* row k: set after the update */
+    for (int b = 0; b < n; b++) {
+        double *restrict col = column(s, b);
+        const double r = col[k] * inverse, term = fabs(c[b] * r);
+        if (b == k || r == 0.0)
+            continue;
+        add(n, -r, c, col);
+        col[k] = -r;
+        diag[b] = term > diag[b] ? term : diag[b];
+    }
+    for (int a = 0; a < n; a++)
+        c[a] *= inverse;
+    c[k] = inverse;
+    diag[k] *= inverse * inverse;
+    flipped(s, i);
+}
+
+void ns_mlcp_transform_pivot2(ns_mlcp_solver *s, int i, int j) {
+    const int a = s->at[i], b = s->at[j], n = s->nwho;
+    double *ca = column(s, a), *cb = column(s, b);
+    const double aa = ca[a], ba = ca[b], ab = cb[a], bb = cb[b], det = aa * bb - ab * ba;
+    const double lost = 1.0 / ns_mlcp_transform_trust2(s, i, j);
+    for (int k = 0; k < n; k++) {
+        double *col = column(s, k);
+        if (k == a || k == b || (col[a] == 0.0 && col[b] == 0.0))
+            continue;
+        const double ra = (bb * col[a] - ab * col[b]) / det, rb = (aa * col[b] - ba * col[a]) / det;
+        const double term = fmax(fabs(ca[k] * ra), fabs(cb[k] * rb));
+        for (int r = 0; r < n; r++)
+            col[r] -= ca[r] * ra + cb[r] * rb;
+        col[a] = -ra;
+        col[b] = -rb;
+        s->diag[k] = fmax(s->diag[k], term);
+    }
+    for (int r = 0; r < n; r++) {
+        const double x = ca[r], y = cb[r];
+        ca[r] = (x * bb - y * ba) / det;
+        cb[r] = (y * aa - x * ab) / det;
+    }
+    ca[a] = bb / det;
+    ca[b] = -ba / det;
+    cb[a] = -ab / det;
+    cb[b] = aa / det;
+    const double da = s->diag[a];
+    s->diag[a] = lost * s->diag[b] / fabs(det);
+    s->diag[b] = lost * da / fabs(det);
+    flipped(s, i);
+    flipped(s, j);
+}
+
+/* The entry of list with the best pivot; the first easy one will do. */
+static int choose(ns_mlcp_solver *s, int n, const int *list, double *trust) {
+    int best = -1;
+    *trust = 0.0;
+    for (int a = 0; a < n && *trust < EASY; a++) {
+        double t = ns_mlcp_transform_trust(s, list[a]);
+        if (t > *trust) {
+            *trust = t;
+            best = a;
+        }
+    }
+    return best;
+}
+
+/* The best two of list; *first < *second. */
+static double choose2(ns_mlcp_solver *s, int n, const int *list, int *first, int *second) {
+    double best = 0.0;
+    for (int a = 0; a < n; a++)
+        for (int b = a + 1; b < n && best < EASY; b++) {
+            double t = ns_mlcp_transform_trust2(s, list[a], list[b]);
+            if (t > best) {
+                best = t;
+                *first = a;
+                *second = b;
+            }
+        }
+    return best;
+}
+
+int ns_mlcp_transform_exchange(ns_mlcp_solver *s, int n, int *list) {
+    while (n > 0) {
+        double trust;
+        int a = choose(s, n, list, &trust), b = 0;
+        if (trust >= TRUST) {
+            ns_mlcp_transform_pivot(s, list[a]);
+        } else if (choose2(s, n, list, &a, &b) >= TRUST) {
+            ns_mlcp_transform_pivot2(s, list[a], list[b]);
+            list[b] = list[--n];
+        } else
+            break;
+        list[a] = list[--n];
+    }
+    return n;
+}
+
+/* --- values --- */
+
+void ns_mlcp_transform_column(ns_mlcp_solver *s, int i, double *rate) {
+    const size_t m = (size_t)s->m;
+    const double *col = column(s, look(s, i));
+    if (s->in[i])
+        memset(rate, 0, m * sizeof *rate);
+    else
+        memcpy(rate, s->p->W + (size_t)i * m, m * sizeof *rate);
+    for (int a = 0; a < s->nwho; a++)
+        if (s->in[s->who[a]])
+            ns_linalg_matvec_add(s->m, 1, s->p->W + (size_t)s->who[a] * m, col + a, rate);
+    for (int a = 0; a < s->nwho; a++)
+        rate[s->who[a]] = col[a];
+}
+
+void ns_mlcp_transform_values(ns_mlcp_solver *s) {
+    const int n = s->nwho, ld = (int)stride(s);
+    double *x = s->rhs, *sum = x + n, *terms = sum + n, *none = terms + n;
+    int plain = 1; /* lambda at its bounds is 0 */
+    memset(s->lambda, 0, (size_t)s->m * sizeof *s->lambda);
+    for (int i = 0; i < s->m && !s->at_zero; i++)
+        if (!s->in[i]) {
+            s->lambda[i] = ns_mlcp_bound(s, i, s->mode[i]);
+            plain &= s->lambda[i] == 0.0;
+        }
+    if (!plain)
+        ns_mlcp_terms(s->p, &s->nonzeros, s->lambda, s->y, s->yterms);
+    memset(sum, 0, 3 * (size_t)n * sizeof *sum);
+    for (int a = 0; a < n; a++)
+        x[a] = -(plain ? s->p->q : s->y)[s->who[a]];
+    ns_linalg_abs_product_add(n, n, ld, s->P, x, sum, terms);
+    if (!plain) { /* the terms of y count, of which x may be a small difference */
+        memset(terms, 0, (size_t)n * sizeof *terms);
+        for (int a = 0; a < n; a++)
+            x[a] = s->yterms[s->who[a]];
+        ns_linalg_abs_product_add(n, n, ld, s->P, x, none, terms);
+    }
+    for (int a = 0; a < n; a++) {
+        s->lambda[s->who[a]] = sum[a];
+        s->lterms[s->who[a]] = terms[a];
+    }
+}
+
+void ns_mlcp_transform_correct(ns_mlcp_solver *s) {
+    const int n = s->nwho;
+    memset(s->g, 0, (size_t)n * sizeof *s->g);
+    for (int b = 0; b < n; b++)
+        ns_linalg_matvec_add(n, 1, column(s, b), s->y + s->who[b], s->g);
+    for (int a = 0; a < n; a++)
+        s->lambda[s->who[a]] -= s->g[a];
+}

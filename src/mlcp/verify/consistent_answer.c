@@ -1,0 +1,99 @@
+/* src/mlcp/verify/consistent_answer.c - y and mode as lambda, the one that is returned, has them.
+ *
+ * Lambda is put into its bounds when its equations are solved.  Where a box is narrower than what is rounding
+ * beside lambda, that moves it from one bound to the other, and the natural residual, a distance in lambda,
+ * does not see y there: lambda may lie anywhere in the box, its pair inside, and y be of any size.  So y is
+ * read once more, from W, q and lambda as they are, and where it is not the one of the mode, its sign says at
+ * which bound lambda is.  And a pair whose lambda was moved off its bound, as one that is degenerate may be
+ * (branch_and_bound.c), is not at it.
+ */
+#include <math.h>
+
+#include "mlcp/mlcp_internal.h"
+#include "residual.h"
+#include "residual_bound.h"
+
+enum { ROUNDS = 4 };
+static const double ACCEPT = 1e-10; /* of the terms of y: as solve.c has it */
+
+/* Of equalities the residual says all. */
+static inline int differ(const ns_mlcp_solver *s, int i, double y, double size) {
+    const int equality = isinf(s->p->l[i]) && isinf(s->p->u[i]);
+    return !equality && fabs(y - s->y[i]) > ACCEPT * size;
+}
+
+/* The pairs and given lambda whose y is not s->ray: list gets them. */
+static int differing(const ns_mlcp_solver *s, int *list) {
+    int n = 0;
+    for (int i = 0; i < s->m; i++)
+        if (differ(s, i, s->ray[i], s->ysize[i]))
+            list[n++] = i;
+    return n;
+}
+
+int ns_mlcp_differs(const ns_mlcp_solver *s, const double *y, const double *size) {
+    int n = 0;
+    for (int i = 0; i < s->m; i++)
+        n += differ(s, i, y[i], size[i]);
+    return n > 0;
+}
+
+/* The same with s->ray read anew; rows whose terms are all rounding differ in nothing. */
+static int look(ns_mlcp_solver *s, int *list) {
+    ns_mlcp_terms(s->p, NULL, s->lambda, s->ray, s->ysize);
+    const int n = differing(s, list);
+    if (n == 0)
+        return 0;
+    ns_mlcp_units(s);
+    ns_mlcp_basis_raise(s);
+    return differing(s, list);
+}
+
+/* Lambda and mode of pair i, as its y asks for; of 0 it asks for nothing.  0: there is no such bound. */
+static int move(ns_mlcp_solver *s, int i) {
+    if (fabs(s->ray[i]) <= ACCEPT * s->ysize[i])
+        return 1;
+    const ns_mode to = s->ray[i] > 0.0 ? NS_LOWER : NS_UPPER;
+    const double bound = ns_mlcp_bound(s, i, to);
+    if (isinf(bound))
+        return 0;
+    if (s->p->l[i] != s->p->u[i])
+        s->mode[i] = to;
+    s->lambda[i] = bound;
+    return 1;
+}
+
+/* Modes at a bound where lambda is not, and y says nothing. */
+static void fit_modes(ns_mlcp_solver *s) {
+    for (int i = 0; i < s->m; i++) {
+        const double l = s->p->l[i], u = s->p->u[i], v = s->lambda[i];
+        if (s->mode[i] == NS_INSIDE || v == ns_mlcp_bound(s, i, s->mode[i]) ||
+            fabs(s->y[i]) > ACCEPT * s->ysize[i])
+            continue;
+        s->mode[i] = v == l ? NS_LOWER : v == u ? NS_UPPER : NS_INSIDE;
+        s->y[i] = 0.0;
+    }
+}
+
+static int agree(ns_mlcp_solver *s, double accept, double *residual) {
+    int *list = s->queue, n = look(s, list);
+    if (n == 0)
+        return 1;
+    for (int round = 0; round < ROUNDS && n > 0; round++) {
+        for (int k = 0; k < n; k++)
+            if (!move(s, list[k]))
+                return 0;
+        ns_mlcp_terms(s->p, NULL, s->lambda, s->y, s->ysize);
+        ns_mlcp_basis_clamp(s);
+        n = look(s, list);
+    }
+    *residual = ns_mlcp_measure(s->p, s->lambda, s->alike, s->rhs, NULL);
+    return n == 0 && *residual <= accept;
+}
+
+int ns_mlcp_agree(ns_mlcp_solver *s, double accept, double *residual) {
+    if (!agree(s, accept, residual))
+        return 0;
+    fit_modes(s);
+    return 1;
+}

@@ -1,0 +1,216 @@
+/* src/modes/regularise.c - what the ideal laws leave open, settled as the limit of real devices.
+ *
+ * Two closed ideal switches in parallel share a current in no particular way; a part of a circuit behind open
+ * ones floats.  Real switches have a resistance and real open ones leak: with conductances g across the open
+ * pairs and resistances rho in series with the others (P2) is regular, K_g, and
+ *
+ *     X <- X + K_g^-1 (rhs - K X),   from X = 0
+ *
+ * converges to a solution of K X = rhs, the limit g, rho -> 0: what is determined to rounding in a few
+ * rounds, what is open as the leaks share it.
+ */
+#include "regularise.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { ROUNDS = 30 };
+/* So many moves of about one size in a row: more of them would leave the last one above last_move. */
+enum { ALIKE = 5 };
+/* Leaks of this share leave K_g this much worse than the circuit is without what they settle. */
+static const double rcond_min = 1e-15;
+/* Leaks take this share of what is there, or the next: small enough that each round gains digits of
+ * everything that matters more, large enough to leave K_g some digits.  Between a charge that hardly flows
+ * in a step and a resistance of next to nothing that may be lost in one of the two: so the last is to be seen
+ * in every row. */
+enum { EVERYWHERE = 2 };
+static const double shares[] = {1e-10, 1e-13, 1e-10}, most = 1e-2;
+
+/* The rounds end when a residual is some eps of the largest unknown, in the units of the factors, in every
+ * term of its row.  They have converged if that came about, or if next to nothing of the right-hand side is
+ * left over; and if the last round moved nothing any more: what contradicts itself grows by the same amount
+ * in every round, to whatever size, and so do unknowns that matter less than the leaks. */
+static const double rounding = 1e-15, left_over = 1e-12, last_move = 1e-2;
+
+static double least_of(double a, double b) {
+    return b > 0 ? fmin(a, b) : a;
+}
+
+/* The largest entry of 1 siemens across pair j; *least: of those that are not zero. */
+static double entry_across(const ns_theta *s, double ht, int j, double *least) {
+    const int n = s->s->n, m = s->s->m;
+    const double *rows = ns_linalg_lu_rows(s->lu), *units = ns_linalg_lu_units(s->lu);
+    double high_row = 0, high_column = 0, low_row = INFINITY, low_column = INFINITY;
+    for (int i = 0; i < n; i++) {
+        const double row = (i < s->r ? ht : 1) * fabs(s->B[i + j * n]) * rows[i];
+        const double column = fabs(s->s->C[j + i * m]) * units[i];
+        high_row = fmax(high_row, row);
+        high_column = fmax(high_column, column);
+        low_row = least_of(low_row, row);
+        low_column = least_of(low_column, column);
+    }
+    *least = low_row * low_column;
+    return high_row * high_column;
+}
+
+double ns_modes_leak_across(const ns_theta *s, double ht, int j, double share) {
+    double least;
+    const double entry = entry_across(s, ht, j, &least);
+    return entry > 0 && isfinite(share / entry) ? share / entry : 0;
+}
+
+/* Of that share wherever it enters, where that is not more than `most` elsewhere. */
+static double leak_everywhere(const ns_theta *s, double ht, int j, double share) {
+    double least;
+    const double entry = entry_across(s, ht, j, &least), leak = fmin(share / least, most / entry);
+    return entry > 0 && isfinite(leak) ? leak : 0;
+}
+
+double ns_modes_leak_series(const ns_theta *s, int row, double share) {
+    return share / (ns_linalg_lu_rows(s->lu)[row] * ns_linalg_lu_units(s->lu)[row]);
+}
+
+static void find_leaks(const ns_theta *s, const ns_leaks *leaks, int attempt) {
+    const double share = shares[attempt];
+    for (int j = 0, row = s->s->n; j < s->s->m; j++)
+        if (leaks->mode[j] == NS_INSIDE)
+            leaks->of[j] = ns_modes_leak_series(s, row++, share);
+        else if (attempt == EVERYWHERE)
+            leaks->of[j] = leak_everywhere(s, leaks->ht, j, share);
+        else
+            leaks->of[j] = ns_modes_leak_across(s, leaks->ht, j, share);
+}
+
+/* s->K becomes K_g. */
+static void add_leaks(ns_theta *s, const ns_leaks *leaks, int size) {
+    const int n = s->s->n, m = s->s->m;
+    for (int j = 0, row = n; j < m; j++) {
+        if (leaks->mode[j] == NS_INSIDE) {
+            s->K[row * (size + 1)] += leaks->of[j];
+            row++;
+            continue;
+        }
+        for (int k = 0; k < n; k++)
+            for (int i = 0; i < n; i++)
+                s->K[i + k * size] +=
+                    (i < s->r ? leaks->ht : 1) * leaks->of[j] * s->B[i + j * n] * s->s->C[j + k * m];
+    }
+}
+
+/* Adds `by` times column j to out; row: that of pair j if it is inside. */
+static void add_column(const ns_theta *s, const ns_leaks *leaks, int j, int row, double by, double *out) {
+    if (leaks->mode[j] == NS_INSIDE)
+        out[row] += leaks->of[j] * by;
+    else
+        for (int i = 0; i < s->s->n; i++)
+            out[i] += (i < s->r ? leaks->ht : 1) * leaks->of[j] * s->B[i + j * s->s->n] * by;
+}
+
+static int count_inside(const ns_leaks *leaks, int m) {
+    int count = 0;
+    for (int j = 0; j < m; j++)
+        count += leaks->mode[j] == NS_INSIDE;
+    return count;
+}
+
+void ns_modes_leak_times(const ns_theta *s, const ns_leaks *leaks, const double *x, double *out) {
+    const int n = s->s->n, m = s->s->m;
+    memset(out, 0, sizeof(double) * (size_t)(n + count_inside(leaks, m)));
+    for (int j = 0, row = n; j < m; j++) {
+        double y = 0;
+        for (int i = 0; leaks->mode[j] != NS_INSIDE && i < n; i++)
+            y += s->s->C[j + i * m] * x[i];
+        add_column(s, leaks, j, row, leaks->mode[j] == NS_INSIDE ? x[row] : y, out);
+        row += leaks->mode[j] == NS_INSIDE;
+    }
+}
+
+/* residual = rhs - K X, one column.  Returns its largest entry against the terms of its row, in *left against
+ * the largest of the right-hand side. */
+static double residual_of(const ns_theta *s, int size, const double *K, const double *rhs, const double *X,
+                          double *residual, double *left) {
+    const double *rows = ns_linalg_lu_rows(s->lu), *unit = ns_linalg_lu_units(s->lu);
+    const double most = ns_linalg_lu_largest(s->lu, X);
+    double worst = 0, given = 0, over = 0;
+    for (int j = 0; j < size; j++)
+        given = fmax(given, fabs(rhs[j]) * rows[j]);
+    for (int i = 0; i < size; i++) {
+        double sum = rhs[i], terms = fabs(rhs[i]);
+        for (int j = 0; j < size; j++) {
+            sum -= K[i + j * size] * X[j];
+            terms += fabs(K[i + j * size]) * unit[j] * most;
+        }
+        residual[i] = sum;
+        over = fmax(over, fabs(sum) * rows[i]);
+        if (terms > 0)
+            worst = fmax(worst, fabs(sum) / terms);
+    }
+    *left = given > 0 ? over / given : 0;
+    return worst;
+}
+
+/* Rounds on column rhs, and one more when they have converged: X and the work vector step have size entries.
+ */
+static int settle(ns_theta *s, int size, const double *K, const double *rhs, double *X, double *step) {
+    double worst = INFINITY, left = 1, moved = 0;
+    int alike = 0;
+    memset(X, 0, sizeof(double) * (size_t)size);
+    memcpy(step, rhs, sizeof(double) * (size_t)size);
+    for (int round = 0, last = 0; round < ROUNDS && !last; round++) {
+        const double before = moved;
+        last = worst <= rounding || alike == ALIKE;
+        ns_linalg_lu_solve(s->lu, 1, step);
+        for (int i = 0; i < size; i++)
+            X[i] += step[i];
+        moved = ns_linalg_lu_largest(s->lu, step);
+        alike = moved > 0.99 * before ? alike + 1 : 0;
+        worst = residual_of(s, size, K, rhs, X, step, &left);
+    }
+    const int converged = worst <= 10 * rounding || left <= left_over;
+    return converged && moved <= last_move * ns_linalg_lu_largest(s->lu, X) ? NS_OK : NS_E_SINGULAR;
+}
+
+static int solve_columns(ns_theta *s, int size, int nrhs, const double *K, double *rhs) {
+    double *step = rhs + size;
+    int status = NS_OK;
+    for (int k = 0; k < nrhs && status == NS_OK; k++) {
+        double *X = s->X + (size_t)k * (size_t)size;
+        memcpy(rhs, X, sizeof(double) * (size_t)size);
+        status = settle(s, size, K, rhs, X, step);
+    }
+    return status;
+}
+
+/* K: (P2) without leaks, rhs: its right-hand sides, followed by room for two columns. */
+static int solve_with(ns_theta *s, const ns_leaks *leaks, int size, int nrhs, int attempt, const double *K,
+                      double *rhs) {
+    const size_t count = (size_t)size * (size_t)nrhs;
+    double rcond = 0;
+    memcpy(s->X, rhs, sizeof(double) * count);
+    find_leaks(s, leaks, attempt);
+    add_leaks(s, leaks, size);
+    s->counts.factors++;
+    const int status = ns_linalg_lu_factor(s->lu, size, s->K, &rcond, NULL);
+    if (status != NS_OK || rcond < rcond_min)
+        return status == NS_OK ? NS_E_SINGULAR : status;
+    return solve_columns(s, size, nrhs, K, rhs + count);
+}
+
+int ns_modes_leak_solve(ns_theta *s, const ns_leaks *leaks, int nj, int nrhs) {
+    const int size = s->s->n + nj;
+    const size_t square = (size_t)size * (size_t)size, count = (size_t)size * (size_t)nrhs;
+    double *K = malloc(sizeof(double) * (square + count + 2 * (size_t)size + 1));
+    if (!K)
+        return NS_E_MEMORY;
+    memcpy(K, s->K, sizeof(double) * square);
+    memcpy(K + square, s->X, sizeof(double) * count);
+    int status = NS_E_SINGULAR;
+    for (int k = 0; k <= EVERYWHERE && status == NS_E_SINGULAR; k++) {
+        (void)ns_linalg_lu_factor(s->lu, size, K, NULL, NULL); /* for the scaling of K itself */
+        status = solve_with(s, leaks, size, nrhs, k, K, K + square);
+        memcpy(s->K, K, sizeof(double) * square);
+    }
+    free(K);
+    return status;
+}

@@ -1,0 +1,96 @@
+/* src/newton/step.c - one Newton step, tried; many, advanced. */
+#include <math.h>
+#include <string.h>
+
+#include "newton_internal.h"
+#include "system/row_split.h"
+
+enum { STEP_HALVINGS = 20 };
+
+void ns_newton_set(ns_newton *s, double h, double t1, const ns_newton_options *o, ns_side side) {
+    const int inside = o->relation == NS_RELATION_GAMMA && o->gamma < 1;
+    const double carried = inside ? 0 : h * (1 - o->gamma);
+    s->guess = s->xk;
+    s->t1 = t1;
+    s->tr = inside ? s->t + o->gamma * (t1 - s->t) : t1;
+    s->ht = h * o->theta;
+    s->hk = h * o->gamma;
+    s->hg = inside ? h : h * o->gamma; /* (T8), or (T3) */
+    s->cx = inside ? o->gamma : 1;
+    for (int i = 0; i < s->model->nz; i++) {
+        s->z1[i] = ns_signal_value(&s->model->z[i], t1, side);
+        s->zr[i] = ns_signal_value(&s->model->z[i], s->tr, side);
+    }
+    ns_system_row_split_apply(s->n, 1, s->T, s->rk, s->work);
+    for (int i = 0; i < s->rank; i++) {
+        s->past[i] = carried > 0 ? carried * s->work[i] : 0;
+        if (o->theta < 1)
+            s->past[i] += h * (1 - o->theta) * s->fk[i];
+    }
+}
+
+/* To t1 > t, by the length that t really moves by: t + h is a rounded one. */
+static int try_to(ns_newton *s, double t1) {
+    s->has_trial = 0;
+    s->counts.trials++;
+    s->fault.t = t1;
+    s->fault.npairs = s->fault.nunknowns = 0;
+    if (s->o.theta < 1 && ns_newton_slope(s) != NS_OK)
+        return ns_newton_fail(s, NS_DIVERGED);
+    ns_newton_set(s, t1 - s->t, t1, &s->o, NS_LEFT);
+    memcpy(s->trial_mode, s->mode, (size_t)s->m);
+    const int status = ns_newton_loop(s);
+    if (status != NS_OK)
+        return ns_newton_fail(s, status);
+    s->has_trial = 1;
+    return NS_OK;
+}
+
+int ns_newton_try(ns_newton *s, double h) {
+    if (!s)
+        return NS_E_NULL;
+    s->has_trial = 0;
+    if (!s->started)
+        return ns_newton_fail(s, NS_E_STATE);
+    const double t1 = s->t + h;
+    if (!(h > 0) || !isfinite(t1) || !(t1 > s->t))
+        return ns_newton_fail(s, NS_E_RANGE);
+    return try_to(s, t1);
+}
+
+/* The end of the next step on the way to t, by equal ones of at most h: t grows, by its last bit at least. */
+static double next_end(double now, double t, double h) {
+    const double steps = ceil((t - now) / h * (1 - 1e-12));
+    return steps > 1 ? fmin(fmax(now + (t - now) / steps, nextafter(now, t)), t) : t;
+}
+
+/* One accepted step towards t, of at most *h, which is halved until Newton's loop converges. */
+static int one_step(ns_newton *s, double t, double *h, double shortest) {
+    for (;;) {
+        const double t1 = next_end(s->t, t, *h);
+        const int status = try_to(s, t1);
+        if (status == NS_OK)
+            return ns_newton_accept(s);
+        if (status < 0 || *h <= shortest || t1 == nextafter(s->t, t))
+            return status;
+        *h = fmin(*h, t - s->t) / 2;
+    }
+}
+
+int ns_newton_advance(ns_newton *s, double t, double h) {
+    if (!s)
+        return NS_E_NULL;
+    s->has_trial = 0;
+    if (!s->started)
+        return ns_newton_fail(s, NS_E_STATE);
+    if (!(h > 0) || !isfinite(h) || !isfinite(t) || !(t >= s->t) || !isfinite(t - s->t))
+        return ns_newton_fail(s, NS_E_RANGE);
+    const double shortest = fmin(h, t - s->t) * ldexp(1.5, -STEP_HALVINGS);
+    double now = h;
+    int status = NS_OK;
+    while (status == NS_OK && s->t < t) {
+        status = one_step(s, t, &now, shortest);
+        now = fmin(h, 2 * now);
+    }
+    return status;
+}

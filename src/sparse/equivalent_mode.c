@@ -1,0 +1,94 @@
+/* src/sparse/equivalent_mode.c - switches in place of the pairs across them. */
+#include "equivalent_mode.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* The sign of entry p of [C D] in row i over the same in row j: twins agree in all of them. */
+static double sign_of_y(const ns_form *f, int i, int j) {
+    for (int k = f->Ct.start[i]; k < f->Ct.start[i + 1]; k++)
+        for (int l = f->Ct.start[j]; l < f->Ct.start[j + 1]; l++)
+            if (f->Ct.row[k] < f->n && f->Ct.row[k] == f->Ct.row[l] && f->Ct.value[k] != 0)
+                return f->Ct.value[k] == f->Ct.value[l] ? 1 : -1;
+    return 0;
+}
+
+/* The same of lambda, by the columns of B. */
+static double sign_of_lambda(const ns_form *f, int i, int j) {
+    for (int k = f->K.start[f->n + i]; k < f->K.start[f->n + i + 1]; k++)
+        for (int l = f->K.start[f->n + j]; l < f->K.start[f->n + j + 1]; l++)
+            if (f->K.row[k] < f->n && f->K.row[k] == f->K.row[l] && f->KA[k] != 0)
+                return f->KA[k] == f->KA[l] ? 1 : -1;
+    return 0;
+}
+
+/* D_jj is not zero. */
+static int has_resistance(const ns_form *f, int j) {
+    for (int k = f->Ct.start[j]; k < f->Ct.start[j + 1]; k++)
+        if (f->Ct.row[k] == f->n + j && f->Ct.value[k] != 0)
+            return 1;
+    return 0;
+}
+
+int ns_sparse_equivalent_create(const ns_form *f, const ns_shared_branch *twin, int count,
+                                ns_equivalents *s) {
+    *s = (ns_equivalents){.m = f->m, .n = f->n};
+    s->all = calloc((size_t)count + 1, sizeof *s->all);
+    s->now = calloc((size_t)count + 1, sizeof *s->now);
+    s->mode = calloc((size_t)f->m + 1, 1);
+    s->r = calloc((size_t)f->size + 1, sizeof(double));
+    if (!s->all || !s->now || !s->mode || !s->r)
+        return NS_E_MEMORY;
+    for (int i = 0; i < count; i++) {
+        const int j = twin[i].pair, of = twin[i].of;
+        const double y = sign_of_y(f, of, j), lambda = sign_of_lambda(f, of, j);
+        if (y != 0 && lambda != 0 && !has_resistance(f, j))
+            s->all[s->count++] = (ns_equivalent){j, of, twin[i].idle, y, lambda};
+    }
+    return NS_OK;
+}
+
+void ns_sparse_equivalent_free(ns_equivalents *s) {
+    free(s->all);
+    free(s->now);
+    free(s->mode);
+    free(s->r);
+}
+
+const ns_mode *ns_sparse_equivalent_mode(ns_equivalents *s, const ns_mode *mode) {
+    s->nows = 0;
+    for (int i = 0; i < s->count; i++) {
+        const ns_equivalent *p = &s->all[i];
+        if (mode[p->pair] != NS_INSIDE || mode[p->of] == NS_INSIDE || ns_mode_slides(mode[p->of]))
+            continue;
+        if (s->nows == 0)
+            memcpy(s->mode, mode, (size_t)s->m);
+        if (s->mode[p->of] == NS_INSIDE) /* for another one */
+            continue;
+        s->mode[p->of] = NS_INSIDE;
+        s->mode[p->pair] = p->idle;
+        s->now[s->nows++] = i;
+    }
+    return s->nows > 0 ? s->mode : mode;
+}
+
+const double *ns_sparse_equivalent_right(ns_equivalents *s, const double *r) {
+    if (s->nows == 0)
+        return r;
+    memcpy(s->r, r, sizeof(double) * (size_t)(s->n + s->m));
+    for (int i = 0; i < s->nows; i++) {
+        const ns_equivalent *p = &s->all[s->now[i]];
+        s->r[s->n + p->of] = p->y * r[s->n + p->pair];
+        s->r[s->n + p->pair] = p->lambda * r[s->n + p->of];
+    }
+    return s->r;
+}
+
+void ns_sparse_equivalent_back(const ns_equivalents *s, double *v) {
+    for (int i = 0; i < s->nows; i++) {
+        const ns_equivalent *p = &s->all[s->now[i]];
+        const double lambda = v[s->n + p->of];
+        v[s->n + p->of] = p->lambda * v[s->n + p->pair];
+        v[s->n + p->pair] = p->lambda * lambda;
+    }
+}

@@ -1,0 +1,168 @@
+/* src/sparse/local_lcp.c - the mode after an event where changing what is broken finds none: (P1) for the
+ * pairs that take part, all others held as they are.
+ *
+ * With the pairs S of the problem at a bound, y_S = W lambda_S + q, a column of W by one solve.  Pairs that
+ * its answer breaks join them.
+ */
+#include "sparse_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* All pairs take part in circuits of no more; so many may; rounds. */
+enum { FEW = 64, MOST = 400, ROUNDS = 8 };
+/* Who is in a loop, of the largest current in it. */
+static const double loop_share = 1e-3;
+
+typedef struct local {
+    int count;
+    int *pair; /* count */
+    double *W, *q, *l, *u, *lambda, *y;
+    ns_mode *mode;
+    ns_mlcp_solver *solver;
+} local;
+
+static int lawful(const ns_sparse *m, int j) {
+    return m->l[j] < m->u[j] && (isfinite(m->l[j]) || isfinite(m->u[j]));
+}
+
+/* Whoever took part so far; all, if they are few. */
+static int count_pairs(ns_sparse *m) {
+    int all = 0, count = 0;
+    for (int j = 0; j < m->f->m; j++)
+        all += lawful(m, j);
+    for (int j = 0; j < m->f->m; j++) {
+        m->touched[j] = (unsigned char)((m->touched[j] || all <= FEW) && lawful(m, j));
+        count += m->touched[j];
+    }
+    return count;
+}
+
+static void release(local *p) {
+    free(p->pair);
+    free(p->W);
+    free(p->mode);
+    ns_mlcp_free(p->solver);
+}
+
+static int begin(const ns_sparse *m, int count, local *p) {
+    const size_t s = (size_t)count;
+    *p = (local){.count = 0};
+    p->pair = calloc(s + 1, sizeof(int));
+    p->W = calloc(s * s + 5 * s + 1, sizeof(double));
+    p->mode = calloc(s + 1, sizeof(ns_mode));
+    if (!p->pair || !p->W || !p->mode || ns_mlcp_create(count, &p->solver) != NS_OK) {
+        release(p);
+        return NS_E_MEMORY;
+    }
+    p->q = p->W + s * s;
+    p->l = p->q + s;
+    p->u = p->l + s;
+    p->lambda = p->u + s;
+    p->y = p->lambda + s;
+    for (int j = 0; j < m->f->m; j++)
+        if (m->touched[j]) {
+            p->l[p->count] = m->l[j];
+            p->u[p->count] = m->u[j];
+            p->mode[p->count] = m->mode[j];
+            p->pair[p->count++] = j;
+        }
+    return NS_OK;
+}
+
+/* W and q, from the mode with all of them at a bound. */
+static int form(ns_sparse *m, double t, double g, const double *w, double *v, double *by, local *p) {
+    const ns_form *f = m->f;
+    const ns_kept_factors *k;
+    for (int i = 0; i < p->count; i++)
+        m->mode[p->pair[i]] = isfinite(p->l[i]) ? NS_LOWER : NS_UPPER;
+    int status = ns_sparse_euler(m, t, g, w, 1, v, by);
+    if (status != NS_OK && status != NS_E_SINGULAR)
+        return status;
+    for (int i = 0; i < p->count; i++)
+        p->q[i] = ns_sparse_form_y(f, p->pair[i], v, m->z, 1);
+    status = ns_sparse_factors_factor(m->q, g, m->mode, 1, &k);
+    for (int c = 0; c < p->count && status == NS_OK; c++) {
+        memset(m->r, 0, sizeof(double) * (size_t)f->size);
+        m->r[f->n + p->pair[c]] = 1;
+        status = ns_sparse_factors_solve(m->q, k, m->r, v);
+        status = status == NS_E_SINGULAR ? NS_OK : status; /* with leaks, then */
+        const double bound = isfinite(p->l[c]) ? p->l[c] : p->u[c];
+        for (int i = 0; i < p->count; i++) {
+            const double entry = ns_linalg_csc_dot(&f->Ct, p->pair[i], v);
+            p->W[i + c * p->count] = entry;
+            p->q[i] -= entry * bound;
+        }
+    }
+    return status;
+}
+
+static int solve(ns_sparse *m, local *p) {
+    const ns_mlcp of = {.m = p->count, .W = p->W, .q = p->q, .l = p->l, .u = p->u};
+    ns_mlcp_info info = {0};
+    const int status = ns_mlcp_solve(p->solver, &of, p->mode, p->lambda, p->y, &info);
+    m->counts.pivots += info.pivots;
+    for (int i = 0; i < p->count && status == NS_OK; i++)
+        m->mode[p->pair[i]] = p->mode[i];
+    if (status == NS_OK)
+        return status;
+    m->fault.npairs = info.fault.npairs;
+    for (int i = 0; i < info.fault.npairs; i++)
+        m->fault.pair[i] = p->pair[info.fault.pair[i]];
+    return status;
+}
+
+static int solve_once(ns_sparse *m, int count, double t, double g, const double *w, double *v, double *by) {
+    local p;
+    int status = begin(m, count, &p);
+    if (status != NS_OK)
+        return status;
+    status = form(m, t, g, w, v, by, &p);
+    if (status == NS_OK)
+        status = solve(m, &p);
+    release(&p);
+    return status;
+}
+
+/* Who is broken and took no part does from now on; how many. */
+static int take_in(ns_sparse *m, const double *v, const double *w, double g) {
+    int count = 0;
+    if (ns_sparse_guard_broken(m, v, w, g, 1) == 0)
+        return 0;
+    for (int j = 0; j < m->f->m; j++)
+        if (m->flip[j] && !m->touched[j]) {
+            m->touched[j] = 1;
+            count++;
+        }
+    return count;
+}
+
+/* Closed pairs contradict each other: those that leaks would drive the most through are told. */
+static int tell_loop(ns_sparse *m, const double *v) {
+    double most = 0;
+    for (int j = 0; j < m->f->m; j++)
+        most = m->mode[j] == NS_INSIDE ? fmax(most, fabs(v[m->f->n + j])) : most;
+    m->fault.npairs = 0;
+    for (int j = 0; j < m->f->m && m->fault.npairs < NS_FAULT_MAX; j++)
+        if (m->mode[j] == NS_INSIDE && fabs(v[m->f->n + j]) > loop_share * most)
+            m->fault.pair[m->fault.npairs++] = j;
+    return NS_E_INFEASIBLE;
+}
+
+int ns_sparse_event_local(ns_sparse *m, double t, double g, const double *w, double *v, double *by) {
+    for (int round = 0; round < ROUNDS; round++) {
+        const int count = count_pairs(m);
+        if (count == 0 || count > MOST)
+            return NS_E_LIMIT;
+        int status = solve_once(m, count, t, g, w, v, by);
+        if (status != NS_OK)
+            return status;
+        status = ns_sparse_euler(m, t, g, w, 1, v, by);
+        if (status != NS_OK && status != NS_E_SINGULAR)
+            return status;
+        if (take_in(m, v, w, g) == 0) /* what the solver calls zero stays */
+            return status == NS_OK ? status : tell_loop(m, v);
+    }
+    return NS_E_LIMIT;
+}

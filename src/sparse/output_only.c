@@ -1,0 +1,195 @@
+/* src/sparse/output_only.c - what only shows something is set aside. */
+#include "output_only.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "assemble.h"
+
+static int root(int *parent, int i) {
+    while (parent[i] != i)
+        i = parent[i] = parent[parent[i]];
+    return i;
+}
+
+/* Unknowns and rows of one index that an entry joins become one part. */
+static void join(const ns_csc *a, int *parent) {
+    for (int j = 0; j < a->columns; j++)
+        for (int k = a->start[j]; k < a->start[j + 1]; k++)
+            parent[root(parent, a->row[k])] = root(parent, j);
+}
+
+/* Marks the parts in whose rows a has an entry. */
+static void mark(const ns_csc *a, int by_column, int *parent, unsigned char *used) {
+    for (int j = 0; j < a->columns; j++)
+        for (int k = a->start[j]; k < a->start[j + 1]; k++)
+            used[root(parent, by_column ? j : a->row[k])] = 1;
+}
+
+/* used (n): of each root whether its part takes part. */
+static void find_parts(const ns_large *a, int n, int *parent, unsigned char *used) {
+    for (int i = 0; i < n; i++)
+        parent[i] = i;
+    join(&a->M, parent);
+    join(&a->A, parent);
+    mark(&a->M, 1, parent, used);
+    mark(&a->B, 0, parent, used);
+    mark(&a->C, 1, parent, used);
+    mark(&a->gx, 0, parent, used);
+}
+
+static void choose(ns_output_only *a, int n, int *parent, const unsigned char *used) {
+    for (int i = 0; i < n; i++)
+        if (used[root(parent, i)]) {
+            a->place[i] = a->rest.n;
+            a->stays[a->rest.n++] = i;
+        } else {
+            a->place[i] = -1 - a->count;
+            a->unknown[a->count++] = i;
+        }
+}
+
+/* place: of line i among those that are wanted, or negative; NULL: all are. */
+static int placed(const int *place, int i, int others) {
+    return !place ? i : others ? -1 - place[i] : place[i];
+}
+
+/* The rows and columns of from that stay, or (others) those that do not. */
+static int pick(const ns_csc *from, const int *row, const int *column, int rows, int columns, int others,
+                ns_csc *out) {
+    ns_entries e = {0};
+    for (int j = 0; j < from->columns; j++)
+        for (int k = from->start[j]; k < from->start[j + 1]; k++) {
+            const int r = placed(row, from->row[k], others), c = placed(column, j, others);
+            if (r >= 0 && c >= 0)
+                ns_linalg_entries_add(&e, r, c, from->value[k]);
+        }
+    const int status = ns_linalg_csc_of_entries(rows, columns, &e, out);
+    ns_linalg_entries_free(&e);
+    return status;
+}
+
+static int take_rest(ns_output_only *a, const ns_large *all) {
+    const ns_system *s = a->whole;
+    const int *p = a->place, n = a->rest.n;
+    int status;
+    (void)((status = pick(&all->M, p, p, n, n, 0, &a->large.M)) ||
+           (status = pick(&all->A, p, p, n, n, 0, &a->large.A)) ||
+           (status = pick(&all->B, p, NULL, n, s->m, 0, &a->large.B)) ||
+           (status = pick(&all->C, NULL, p, s->m, n, 0, &a->large.C)) ||
+           (status = pick(&all->D, NULL, NULL, s->m, s->m, 0, &a->large.D)) ||
+           (status = pick(&all->E, p, NULL, n, s->nz, 0, &a->large.E)) ||
+           (status = pick(&all->F, NULL, NULL, s->m, s->nz, 0, &a->large.F)) ||
+           (status = pick(&all->gx, p, NULL, n, s->nc, 0, &a->large.gx)) ||
+           (status = pick(&all->gz, NULL, NULL, s->nz, s->nc, 0, &a->large.gz)));
+    for (int i = 0; i < n; i++)
+        a->b[i] = s->b[a->stays[i]];
+    return status;
+}
+
+/* The equations of those aside, factored.  Errors: those of ns_linalg_klu_create(), ns_linalg_klu_factor().
+ */
+static int take_aside(ns_output_only *a, const ns_large *all) {
+    ns_csc E = {0};
+    int status = pick(&all->A, a->place, a->place, a->count, a->count, 1, &a->A);
+    if (status == NS_OK)
+        status = pick(&all->E, a->place, NULL, a->count, a->whole->nz, 1, &E); /* its columns: as they are */
+    if (status == NS_OK)
+        status = ns_linalg_csc_transpose(&E, &a->Et);
+    ns_linalg_csc_free(&E);
+    if (status == NS_OK)
+        status = ns_linalg_klu_create(a->count, a->A.start, a->A.row, &a->klu);
+    return status == NS_OK ? ns_linalg_klu_factor(a->klu, a->A.value, &a->factors) : status;
+}
+
+/* All stays. */
+static void none(ns_output_only *a) {
+    ns_linalg_factors_free(a->klu, a->factors);
+    ns_linalg_klu_free(a->klu);
+    a->factors = NULL;
+    a->klu = NULL;
+    a->rest = *a->whole;
+    a->count = 0;
+    for (int i = 0; i < a->rest.n; i++)
+        a->place[i] = a->stays[i] = i;
+}
+
+static int split(ns_output_only *a, const ns_large *all) {
+    const int n = a->whole->n;
+    int *parent = calloc((size_t)n + 1, sizeof *parent);
+    unsigned char *used = calloc((size_t)n + 1, 1);
+    int status = parent && used ? NS_OK : NS_E_MEMORY;
+    if (status == NS_OK) {
+        a->rest = *a->whole;
+        a->rest.n = 0;
+        find_parts(all, n, parent, used);
+        choose(a, n, parent, used);
+    }
+    free(parent);
+    free(used);
+    if (status == NS_OK && a->count > 0)
+        status = take_aside(a, all);
+    if (status == NS_E_MEMORY)
+        return status;
+    if (status != NS_OK || a->count == 0) { /* what is singular is for others to tell */
+        none(a);
+        return NS_OK;
+    }
+    a->rest.large = &a->large;
+    a->rest.b = a->b;
+    return take_rest(a, all);
+}
+
+int ns_sparse_output_create(const ns_system *s, ns_output_only **out) {
+    const size_t n = (size_t)s->n;
+    ns_large own;
+    memset(&own, 0, sizeof own);
+    *out = NULL;
+    ns_output_only *a = calloc(1, sizeof *a);
+    if (!a)
+        return NS_E_MEMORY;
+    a->whole = s;
+    a->place = calloc(3 * n + 1, sizeof *a->place);
+    a->b = calloc(2 * n + 1, sizeof *a->b);
+    int status = a->place && a->b ? NS_OK : NS_E_MEMORY;
+    if (status == NS_OK && !s->large)
+        status = ns_sparse_form_commit_dense(s, &own);
+    if (status == NS_OK) {
+        a->stays = a->place + n;
+        a->unknown = a->stays + n;
+        a->r = a->b + n;
+        status = split(a, s->large ? s->large : &own);
+    }
+    ns_sparse_form_let_go(&own);
+    if (status != NS_OK) {
+        ns_sparse_output_free(a);
+        return status;
+    }
+    *out = a;
+    return NS_OK;
+}
+
+void ns_sparse_output_free(ns_output_only *a) {
+    if (!a)
+        return;
+    ns_linalg_factors_free(a->klu, a->factors);
+    ns_linalg_klu_free(a->klu);
+    ns_sparse_form_let_go(&a->large);
+    ns_linalg_csc_free(&a->A);
+    ns_linalg_csc_free(&a->Et);
+    free(a->place);
+    free(a->b);
+    free(a);
+}
+
+void ns_sparse_output_join(const ns_output_only *a, const double *rest, const double *z, double *x) {
+    for (int i = 0; i < a->rest.n; i++)
+        x[a->stays[i]] = rest[i];
+    if (a->count == 0)
+        return;
+    for (int i = 0; i < a->count; i++)
+        a->r[i] = -a->whole->b[a->unknown[i]] - ns_linalg_csc_dot(&a->Et, i, z);
+    ns_linalg_klu_solve(a->klu, a->factors, a->r);
+    for (int i = 0; i < a->count; i++)
+        x[a->unknown[i]] = a->r[i];
+}

@@ -1,0 +1,32 @@
+/* src/sparse/output_only.h - unknowns that only show something: parts of the circuit that hold no charge, no
+ * flux and no pair, and that nothing else looks at, as the sources of gates that commands read.
+ *
+ * They are left out of (P2), corners of their inputs end no leg, and they are solved for when someone asks.
+ */
+#ifndef NS_SPARSE_OUTPUT_ONLY_H
+#define NS_SPARSE_OUTPUT_ONLY_H
+
+#include "linalg/sparse_lu.h"
+#include "nonsmooth/system.h"
+
+typedef struct ns_output_only {
+    const ns_system *whole;
+    ns_system rest; /* what stays; all but its matrices and b are those of the whole */
+    ns_large large;
+    int count;            /* unknowns that are aside */
+    int *unknown, *stays; /* count; rest.n: which of the whole's these are */
+    int *place;           /* n: of those that stay in rest, of the others in unknown, less one, negative */
+    double *b, *r;        /* rest.n; count */
+    ns_csc A, Et;         /* count*count, nz*count */
+    ns_klu *klu;
+    ns_factors *factors;
+} ns_output_only;
+
+/* Errors: MEMORY. */
+int ns_sparse_output_create(const ns_system *s, ns_output_only **out);
+void ns_sparse_output_free(ns_output_only *a); /* NULL is allowed */
+
+/* x (n) of the whole from what stays, and from inputs z (nz). */
+void ns_sparse_output_join(const ns_output_only *a, const double *rest, const double *z, double *x);
+
+#endif

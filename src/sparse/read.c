@@ -1,0 +1,66 @@
+/* src/sparse/read.c - the point that the sparse marcher has come to, and what it cost. */
+#include "sparse_internal.h"
+#include "theta/name_fault.h"
+
+#include <math.h>
+#include <string.h>
+
+/* What only follows from the state may overflow before it does: it is named, and read all the same. */
+static int check_read(ns_sparse *m, double at, const double *x, const double *lambda, const double *y) {
+    ns_fault found = {.status = NS_E_OVERFLOW, .t = at};
+    found.nunknowns = ns_theta_name_infinite(m->aside->whole->n, x, found.unknown);
+    found.npairs = ns_theta_name_infinite(m->f->m, lambda, found.pair);
+    if (found.nunknowns + found.npairs == 0)
+        found.npairs = ns_theta_name_infinite(m->f->m, y, found.pair);
+    if (found.nunknowns + found.npairs == 0)
+        return NS_OK;
+    m->fault = found;
+    return NS_E_OVERFLOW;
+}
+
+int ns_sparse_read(ns_sparse *m, double *t, double *x, double *lambda, double *y) {
+    if (!m)
+        return NS_E_NULL;
+    if (!m->started)
+        return ns_sparse_fail(m, NAN, NS_E_STATE);
+    const double at = m->live_t;
+    const int more = m->live_t < m->live->end_t || m->live->why == NS_LEG_EVENT || m->live->stages < NS_ORDER;
+    int status = more ? ns_sparse_step_more(m, m->live) : NS_OK;
+    if (status != NS_OK)
+        return ns_sparse_fail(m, at, status);
+    if (m->o.theta > 0)
+        status = ns_sparse_theta_point(m, m->live, m->live_tau, m->v);
+    else
+        ns_sparse_step_point(m, m->live, m->live_tau, m->v);
+    if (status != NS_OK)
+        return ns_sparse_fail(m, at, status);
+    if (t)
+        *t = at;
+    for (int k = 0; k < m->f->nz; k++)
+        m->z[k] = ns_signal_value(&m->s->z[k], at, m->live_t > m->live->t ? NS_LEFT : NS_RIGHT);
+    if (x)
+        ns_sparse_output_join(m->aside, m->v, m->z, x);
+    if (lambda)
+        memcpy(lambda, m->v + m->f->n, sizeof(double) * (size_t)m->f->m);
+    for (int j = 0; y && j < m->f->m; j++)
+        y[j] = m->live->mode[j] == NS_INSIDE ? 0 : ns_sparse_form_y(m->f, j, m->v, m->z, 1);
+    return check_read(m, at, x, lambda, y);
+}
+
+const ns_mode *ns_sparse_mode(const ns_sparse *m) {
+    const ns_mode *mode = m->live ? m->live->mode : m->mode;
+    for (int j = 0; j < m->f->m; j++)
+        m->shown[j] = ns_mode_slides(mode[j]) ? NS_INSIDE : mode[j];
+    return m->shown;
+}
+
+const ns_counts *ns_sparse_counts(ns_sparse *m) {
+    m->counts.factors = ns_linalg_klu_fresh(m->q->klu) + ns_linalg_klu_refactor(m->q->klu);
+    m->counts.maps = m->q->made;
+    m->counts.evicted = m->q->evicted;
+    return &m->counts;
+}
+
+const ns_fault *ns_sparse_fault(const ns_sparse *m) {
+    return &m->fault;
+}

@@ -1,0 +1,308 @@
+/* src/sparse/regularise.c - (P2) where the laws of devices leave it singular: the limit of vanishing leaks.
+ *
+ * Two closed switches in parallel share a current in no particular way; a part behind open ones floats.  With
+ * a leak across each open pair and a resistance in series with each closed one K is regular, K_g, and
+ *
+ *     v <- v + K_g^-1 (r - K v),   from v = 0
+ *
+ * converges to a solution of K v = r: what is determined in a few rounds, what is open as the leaks share it;
+ * Leaks are some share of what is around them, in units in which all entries of K are near 1.
+ */
+#include "regularise.h"
+#include "linalg/simd.h"
+
+#include <float.h>
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SWEEPS = 24, PEAKS = 6, ROUNDS = 3, CYCLES = 3, KRYLOV = 12 };
+static const double leak_share = 1e-7;
+/* What is left of (P2), of the terms of its rows, where it holds; where it may still be said to, if rounds
+ * gain no more. */
+static const double holds = 64 * DBL_EPSILON, may_hold = 1e-11, fell = 1e-3, far = 1e-3, little = 1e-7,
+                    least = 1e-9, grown = 1e3, beyond_count = 1e9;
+
+/* The mean of the exponents of rows and columns is brought to zero, in turns, then peaks are cut. */
+static void find_units(const ns_csc *K, const int *exponent, double *row, double *column, double *count) {
+    const int size = K->columns;
+    memset(row, 0, sizeof(double) * (size_t)size);
+    memset(column, 0, sizeof(double) * (size_t)size);
+    for (int sweep = 0; sweep < SWEEPS; sweep++) {
+        memset(row, 0, sizeof(double) * (size_t)size);
+        memset(count, 0, sizeof(double) * (size_t)size);
+        for (int j = 0; j < size; j++)
+            for (int k = K->start[j]; k < K->start[j + 1]; k++)
+                if (exponent[k] != INT_MIN) {
+                    row[K->row[k]] -= exponent[k] + column[j];
+                    count[K->row[k]]++;
+                }
+        for (int i = 0; i < size; i++)
+            row[i] /= fmax(1, count[i]);
+        for (int j = 0; j < size; j++) {
+            double sum = 0, entries = 0;
+            for (int k = K->start[j]; k < K->start[j + 1]; k++)
+                if (exponent[k] != INT_MIN) {
+                    sum += exponent[k] + row[K->row[k]];
+                    entries++;
+                }
+            column[j] = -sum / fmax(1, entries);
+        }
+    }
+    for (int sweep = 0; sweep < PEAKS; sweep++) {
+        for (int i = 0; i < size; i++)
+            count[i] = 0;
+        for (int j = 0; j < size; j++) {
+            double most = 0;
+            for (int k = K->start[j]; k < K->start[j + 1]; k++)
+                if (exponent[k] != INT_MIN) {
+                    const double e = exponent[k] + row[K->row[k]] + column[j];
+                    count[K->row[k]] = fmax(count[K->row[k]], e);
+                    most = fmax(most, e);
+                }
+            column[j] -= most / 2;
+        }
+        for (int i = 0; i < size; i++)
+            row[i] -= count[i] / 2;
+    }
+}
+
+/* The largest entry of the rows of x in column j of K, in units; of row j of [C D]. */
+static double enters(const ns_form *f, const int *exponent, const double *row, int j) {
+    double most = -INFINITY;
+    for (int k = f->K.start[f->n + j]; k < f->K.start[f->n + j + 1]; k++)
+        if (f->K.row[k] < f->n && exponent[k] != INT_MIN)
+            most = fmax(most, exponent[k] + row[f->K.row[k]]);
+    return most;
+}
+
+static double leaves(const ns_form *f, const double *column, int j) {
+    double most = -INFINITY;
+    for (int k = f->Ct.start[j]; k < f->Ct.start[j + 1]; k++)
+        if (f->Ct.value[k] != 0)
+            most = fmax(most, ilogb(f->Ct.value[k]) + column[f->Ct.row[k]]);
+    return most;
+}
+
+int ns_sparse_leaks_find(const ns_form *f, const ns_mode *mode, const double *value, double *leak,
+                         double *scale, double *unit) {
+    const int size = f->size, entries = f->K.start[size];
+    int *exponent = calloc((size_t)entries + 1, sizeof *exponent);
+    double *row = calloc(3 * (size_t)size + 1, sizeof(double));
+    if (!exponent || !row) {
+        free(exponent);
+        free(row);
+        return NS_E_MEMORY;
+    }
+    double *column = row + size;
+    for (int k = 0; k < entries; k++)
+        exponent[k] = value[k] != 0 ? ilogb(value[k]) : INT_MIN;
+    find_units(&f->K, exponent, row, column, column + size);
+    for (int j = 0; j < f->m; j++) {
+        const double at = mode[j] == NS_INSIDE ? -row[f->n + j] - column[f->n + j]
+                                               : -enters(f, exponent, row, j) - leaves(f, column, j);
+        leak[j] = fabs(at) < 900 && !ns_mode_slides(mode[j]) ? leak_share * exp2(at) : 0;
+    }
+    for (int i = 0; i < size; i++) {
+        scale[i] = exp2(fmin(fmax(row[i], -450), 450));
+        unit[i] = exp2(fmin(fmax(-column[i], -450), 450));
+    }
+    free(exponent);
+    free(row);
+    return NS_OK;
+}
+
+/* The terms that row i of (P2) is summed from. */
+static double terms_of(const ns_form *f, double g, const ns_mode *mode, int i, const double *v) {
+    const int j = i - f->n;
+    if (j < 0)
+        return (f->algebraic[i] ? 0 : ns_linalg_csc_size(&f->Mt, i, v)) +
+               ns_sparse_form_rate(f, g, i) * ns_linalg_csc_size(&f->At, i, v);
+    return ns_mode_slides(mode[j]) ? ns_linalg_csc_size(&f->gx, f->command[j], v)
+           : mode[j] == NS_INSIDE  ? ns_linalg_csc_size(&f->Ct, j, v)
+                                   : fabs(v[i]);
+}
+
+/* Those of lambda_j as what is left over in the rows it enters. */
+static double terms_around(const ns_form *f, double g, const ns_mode *mode, int j, const double *v) {
+    double most = 0;
+    for (int k = f->K.start[f->n + j]; k < f->K.start[f->n + j + 1]; k++) {
+        const int i = f->K.row[k];
+        if (i < f->n && f->KA[k] != 0)
+            most =
+                ns_higher(terms_of(f, g, mode, i, v) / fabs(f->KA[k] * ns_sparse_form_rate(f, g, i)), most);
+    }
+    return most;
+}
+
+double ns_sparse_leaks_left(const ns_form *f, double g, const ns_mode *mode, const double *scale,
+                            const double *r, const double *v, const double *seen, double *rest) {
+    double worst = 0, most = 0;
+    for (int i = 0; scale && i < f->size; i++)
+        most = fmax(most, scale[i] * (fabs(r[i]) + terms_of(f, g, mode, i, v)));
+    memcpy(rest, r, sizeof(double) * (size_t)f->size);
+    ns_sparse_form_subtract(f, g, mode, v, rest);
+    for (int i = 0; i < f->size; i++) {
+        const int j = i - f->n;
+        if (rest[i] == 0)
+            continue;
+        double terms = fabs(r[i]) + terms_of(f, g, mode, i, v) + (scale ? far * most / scale[i] : 0);
+        if (j >= 0 && mode[j] != NS_INSIDE && !ns_mode_slides(mode[j]))
+            terms += terms_around(f, g, mode, j, v);
+        if (seen && fabs(rest[i]) > worst * terms) /* terms may be what others round */
+            terms += terms_of(f, g, mode, i, seen);
+        worst = fabs(rest[i]) <= worst * terms ? worst : fabs(rest[i]) / terms; /* NaN stays */
+    }
+    return worst;
+}
+
+/* --- rounds --- */
+
+static double dot(int size, const double *unit, const double *a, const double *b) {
+    double sum = 0;
+    for (int i = 0; i < size; i++)
+        sum += a[i] * unit[i] * (b[i] * unit[i]);
+    return sum;
+}
+
+/* Takes out of q what lies along the first count of Q, orthonormal; h: how much. */
+static void straighten(int size, const double *unit, int count, const double *Q, double *q, double *h) {
+    for (int i = 0; i < count; i++) {
+        const double *along = Q + (size_t)i * (size_t)size;
+        const double share = dot(size, unit, along, q);
+        h[i] += share;
+        for (int l = 0; l < size; l++)
+            q[l] -= share * along[l];
+    }
+}
+
+/* The share (count) of each direction such that what they make is nearest to beta e_1: H is Hessenberg,
+ * column by column of KRYLOV + 1, and is rotated. */
+static void least_squares(int count, double beta, double (*H)[KRYLOV + 1], double *share) {
+    double right[KRYLOV + 1] = {beta};
+    for (int k = 0; k < count; k++) {
+        const double size = hypot(H[k][k], H[k][k + 1]), c = size > 0 ? H[k][k] / size : 1,
+                     s = size > 0 ? H[k][k + 1] / size : 0;
+        for (int j = k; j < count; j++) {
+            const double upper = H[j][k], lower = H[j][k + 1];
+            H[j][k] = c * upper + s * lower;
+            H[j][k + 1] = c * lower - s * upper;
+        }
+        right[k + 1] = -s * right[k];
+        right[k] *= c;
+    }
+    for (int k = count - 1; k >= 0; k--) {
+        double sum = right[k];
+        for (int j = k + 1; j < count; j++)
+            sum -= H[j][k] * share[j];
+        share[k] = fabs(H[k][k]) > DBL_EPSILON ? sum / H[k][k] : 0;
+    }
+}
+
+/* v += what rounds make of rest, as if there were no end of them: where parts hang together by less than
+ * leaks are, each round gains little, but all rounds are in few directions (GMRES).  Q: room for KRYLOV + 1
+ * vectors. */
+static void many_rounds(const ns_sparse_leaks *k, const double *rest, double *v, double *Q) {
+    const int size = k->f->size;
+    double H[KRYLOV][KRYLOV + 1] = {{0}}, share[KRYLOV] = {0};
+    int count = 0;
+    memcpy(Q, rest, sizeof(double) * (size_t)size);
+    ns_linalg_klu_solve(k->klu, k->factors, Q);
+    const double beta = sqrt(dot(size, k->unit, Q, Q));
+    for (int i = 0; i < size && beta > 0; i++)
+        Q[i] /= beta;
+    while (count < KRYLOV && beta > 0) {
+        double *q = Q + (size_t)count * (size_t)size, *next = q + size, *h = H[count];
+        memset(next, 0, sizeof(double) * (size_t)size);
+        ns_sparse_form_subtract(k->f, k->g, k->mode, q, next);
+        for (int i = 0; i < size; i++)
+            next[i] = -next[i];
+        ns_linalg_klu_solve(k->klu, k->factors, next);
+        count++;
+        straighten(size, k->unit, count, Q, next, h);
+        straighten(size, k->unit, count, Q, next, h);
+        h[count] = sqrt(dot(size, k->unit, next, next));
+        if (!(h[count] > 1e-14))
+            break;
+        for (int i = 0; i < size; i++)
+            next[i] /= h[count];
+    }
+    least_squares(count, beta, H, share);
+    for (int i = 0; i < count; i++)
+        for (int l = 0; l < size; l++)
+            v[l] += share[i] * Q[(size_t)i * (size_t)size + (size_t)l];
+}
+
+static double largest(const ns_sparse_leaks *k, const double *rest) {
+    double most = 0;
+    for (int i = 0; i < k->f->size; i++)
+        most = fmax(most, fabs(rest[i]) * k->scale[i]);
+    return most;
+}
+
+/* Laws of closed pairs are off by no dust of what the largest of them is summed from. */
+static int laws_contradict(const ns_sparse_leaks *k, const double *v, const double *rest) {
+    double most = 0, off = 0;
+    for (int j = 0; j < k->f->m; j++)
+        if (k->mode[j] == NS_INSIDE) {
+            most = fmax(most, ns_linalg_csc_size(&k->f->Ct, j, v));
+            off = fmax(off, fabs(rest[k->f->n + j]));
+        }
+    return off > fell * most;
+}
+
+/* The current of a closed pair that leaks drive one way, in first rounds, goes the other way, and is so many
+ * times as large. */
+static int any_turned(const ns_sparse_leaks *k, const double *first, const double *v, double times) {
+    const double *was = first + k->f->n, *is = v + k->f->n;
+    double most = 0;
+    for (int j = 0; j < k->f->m; j++)
+        most = k->mode[j] == NS_INSIDE ? fmax(most, fabs(was[j])) : most;
+    for (int j = 0; j < k->f->m; j++)
+        if (k->mode[j] == NS_INSIDE && fabs(was[j]) > far * most && was[j] * is[j] < 0 &&
+            fabs(is[j]) > times * most)
+            return 1;
+    return 0;
+}
+
+/* Beside unknowns that grew beyond count a contradiction looks small: the smaller, the more they grew. */
+static int contradicts(const ns_sparse_leaks *k, const double *r, const double *first, const double *v,
+                       const double *rest) {
+    const double now = largest(k, rest), all = largest(k, r);
+    const double times = now > little * all ? grown : beyond_count;
+    return now > fell * all ||
+           (now > least * all && laws_contradict(k, v, rest) && any_turned(k, first, v, times));
+}
+
+static int settle(const ns_sparse_leaks *k, const double *r, double *v, double *rest, double *Q) {
+    const size_t bytes = sizeof(double) * (size_t)k->f->size;
+    double left = INFINITY, *first = Q + (KRYLOV + 1) * (size_t)k->f->size;
+    memcpy(rest, r, bytes);
+    memset(v, 0, bytes);
+    for (int round = 0; round < ROUNDS && left > holds; round++) {
+        ns_linalg_klu_solve(k->klu, k->factors, rest);
+        for (int i = 0; i < k->f->size; i++)
+            v[i] += rest[i];
+        left = ns_sparse_leaks_left(k->f, k->g, k->mode, k->scale, r, v, NULL, rest);
+    }
+    memcpy(first, v, bytes);
+    /* what hardly hangs together is far off at little left over; at rest (g = 0) nothing tells a part that
+     * does from one that floats, which rounds to the last digit would take somewhere else */
+    for (int cycle = 0; cycle < CYCLES && left > (cycle == 0 && k->g > 0 ? holds : may_hold); cycle++) {
+        many_rounds(k, rest, v, Q);
+        left = ns_sparse_leaks_left(k->f, k->g, k->mode, k->scale, r, v, NULL, rest);
+    }
+    return left <= may_hold && !contradicts(k, r, first, v, rest) ? NS_OK : NS_E_SINGULAR;
+}
+
+int ns_sparse_leaks_solve(const ns_sparse_leaks *k, const double *r, double *v, double *rest) {
+    double *Q = calloc((KRYLOV + 2) * (size_t)k->f->size + 1, sizeof(double));
+    const int status = Q ? settle(k, r, v, rest, Q) : NS_E_MEMORY;
+    free(Q);
+    if (status == NS_E_SINGULAR) {
+        memcpy(v, r, sizeof(double) * (size_t)k->f->size);
+        ns_linalg_klu_solve(k->klu, k->factors, v);
+    }
+    return status;
+}

@@ -1,0 +1,32 @@
+/* src/sparse/regularise.h - (P2) where the laws of devices leave it singular: the limit of vanishing leaks.
+ */
+#ifndef NS_SPARSE_REGULARISE_H
+#define NS_SPARSE_REGULARISE_H
+
+#include "assemble.h"
+#include "linalg/sparse_lu.h"
+
+/* The leak (m) of each pair in this mode: a conductance if it is open, a resistance if it is inside.  value:
+ * of K; scale, unit (size): what brings its rows, and unknowns, near 1.  Errors: MEMORY. */
+int ns_sparse_leaks_find(const ns_form *f, const ns_mode *mode, const double *value, double *leak,
+                         double *scale, double *unit);
+
+/* What (P2) leaves of r, of the terms of its rows, or, given the scale (or NULL), of the largest of all in
+ * units; seen (size, or NULL): how large unknowns were of late.  rest (size) = r - K v. */
+double ns_sparse_leaks_left(const ns_form *f, double g, const ns_mode *mode, const double *scale,
+                            const double *r, const double *v, const double *seen, double *rest);
+
+typedef struct ns_sparse_leaks {
+    const ns_form *f;
+    double g;
+    const ns_mode *mode;
+    const double *scale, *unit;
+    ns_klu *klu;
+    ns_factors *factors; /* of K with leaks */
+} ns_sparse_leaks;
+
+/* K v = r; rest: work (size).  Errors: SINGULAR (the equations contradict each other: v is then the answer
+ * with leaks, which tells what pulls apart), MEMORY. */
+int ns_sparse_leaks_solve(const ns_sparse_leaks *k, const double *r, double *v, double *rest);
+
+#endif

@@ -1,0 +1,33 @@
+/* src/sparse/sparse.h - the marcher for large circuits: its face. */
+#ifndef NS_SPARSE_H
+#define NS_SPARSE_H
+
+#include "nonsmooth/march.h"
+
+typedef struct ns_sparse ns_sparse;
+
+typedef struct ns_sparse_options {
+    double h;      /* longest step, s, > 0 */
+    double reltol; /* error of a step, relative to the charges and fluxes there were; 0: 1e-9 */
+    size_t bytes;  /* bound on the memory of kept factors; 0: 64 MiB */
+    int finer;     /* h 2^-this is what else counts from: h 2^-20 of it is no time at all */
+    double theta;  /* in (0,1]: steps of the scheme, all of length h (theta_step.c); 0: of high order */
+} ns_sparse_options;
+
+/* As the calls of nonsmooth/march.h of the same names; systems may be large. */
+int ns_sparse_create(const ns_system *s, const ns_sparse_options *o, ns_sparse **out, ns_fault *fault);
+void ns_sparse_free(ns_sparse *m);
+int ns_sparse_start(ns_sparse *m, double t0, const double *w0);
+/* With switches as in closed (nc; NULL: open) where their controls allow it. */
+int ns_sparse_start_as(ns_sparse *m, double t0, const double *w0, const unsigned char *closed);
+int ns_sparse_start_dc(ns_sparse *m, double t0, int nhold, const int *hold, const double *hold_x, double *x);
+int ns_sparse_try(ns_sparse *m, double t, ns_until until, double *reached);
+void ns_sparse_drop(ns_sparse *m); /* the trial */
+int ns_sparse_accept(ns_sparse *m);
+int ns_sparse_read(ns_sparse *m, double *t, double *x, double *lambda, double *y);
+const ns_mode *ns_sparse_mode(const ns_sparse *m);
+int ns_sparse_at_event(const ns_sparse *m);
+const ns_counts *ns_sparse_counts(ns_sparse *m);
+const ns_fault *ns_sparse_fault(const ns_sparse *m);
+
+#endif

@@ -1,0 +1,259 @@
+/* src/system/partition.c - which unknowns and pairs go together, and what all of them see alike.
+ *
+ * An unknown is known (K) where a row without charges and pairs has no other unknown but known ones: the node
+ * of a source, by the law of its branch.  Index r of that row then is an unknown that must not matter to
+ * anything but balances: rows j of the known unknowns, which say nothing but what r is.  Where it does (a
+ * current that commands something, a capacitor from the supply into an island, whose charge could not be told
+ * apart), j stays an unknown as any other.  All else is joined by the entries of the system (union-find).
+ */
+#include "partition.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "partition_internal.h"
+#include "union_find.h"
+
+/* Sources upon sources: so many passes; and so many tries without those that matter. */
+enum { PASSES = 8, TRIES = 8 };
+
+void ns_system_each_entry(const double *dense, const ns_csc *sparse, int rows, int columns, ns_visit *visit,
+                          void *context) {
+    for (int j = 0; sparse && j < columns; j++)
+        for (int k = sparse->start[j]; k < sparse->start[j + 1]; k++)
+            if (sparse->value[k] != 0)
+                visit(context, sparse->row[k], j, sparse->value[k]);
+    for (int j = 0; dense && j < columns; j++)
+        for (int i = 0; i < rows; i++)
+            if (dense[(size_t)i + (size_t)j * (size_t)rows] != 0)
+                visit(context, i, j, dense[(size_t)i + (size_t)j * (size_t)rows]);
+}
+
+/* Controls: rows are unknowns, columns commands. */
+void ns_system_each_control(const ns_system *s, ns_visit *visit, void *context) {
+    if (s->large) {
+        ns_system_each_entry(NULL, &s->large->gx, s->n, s->nc, visit, context);
+        return;
+    }
+    for (int c = 0; c < s->nc; c++)
+        for (int j = 0; s->command[c].gx && j < s->n; j++)
+            if (s->command[c].gx[j] != 0)
+                visit(context, j, c, s->command[c].gx[j]);
+}
+
+/* --- what is known --- */
+
+static void of_row(void *context, int row, int column, double value) {
+    ns_plan *p = context;
+    (void)column;
+    (void)value;
+    p->lawless[row] = 1;
+}
+
+static void of_column(void *context, int row, int column, double value) {
+    ns_plan *p = context;
+    (void)row;
+    (void)value;
+    p->matters[column] = 1;
+}
+
+static void of_charge(void *context, int row, int column, double value) {
+    of_row(context, row, column, value);
+    of_column(context, row, column, value);
+}
+
+static void of_control(void *context, int unknown, int command, double value) {
+    (void)value;
+    of_column(context, command, unknown, 1);
+}
+
+/* Unknowns of a row that are not known: how many, and the last. */
+static void count_unknown(void *context, int row, int column, double value) {
+    ns_plan *p = context;
+    (void)value;
+    if (p->role[column] != NS_KNOWN) {
+        p->count[row]++;
+        p->last[row] = column;
+    }
+}
+
+/* The unknown that row r tells, and r as its share, if that is new. */
+static int settle(ns_plan *p, int r) {
+    const int j = p->last[r];
+    const int barred = p->lawless[r] || p->barred[r] || p->count[r] != 1 || p->role[r] != NS_OWN;
+    if (barred || (j != r && p->role[j] != NS_OWN) || (j != r && p->matters[r]))
+        return 0;
+    p->role[r] = NS_SHARED;
+    p->role[j] = NS_KNOWN;
+    p->law[j] = r;
+    return 1;
+}
+
+static void find_known(ns_plan *p) {
+    const ns_system *s = p->s;
+    int found = 1;
+    memset(p->role, NS_OWN, (size_t)s->n);
+    for (int pass = 0; found && pass < PASSES; pass++) {
+        memset(p->count, 0, sizeof *p->count * (size_t)s->n);
+        ns_system_each_entry(s->A, NS_CSC_OF(s, A), s->n, s->n, count_unknown, p);
+        found = 0;
+        for (int r = 0; r < s->n; r++)
+            found += settle(p, r);
+    }
+}
+
+/* A share seen by a row that is no balance; a charge in a balance that an island has to do with. */
+static void bar_share(void *context, int row, int column, double value) {
+    ns_plan *p = context;
+    (void)value;
+    if (p->role[column] == NS_SHARED && p->role[row] != NS_KNOWN) {
+        p->barred[column] = 1;
+        p->again = 1;
+    }
+}
+
+static void bar_charge(void *context, int row, int column, double value) {
+    ns_plan *p = context;
+    (void)value;
+    if (p->role[row] == NS_KNOWN && p->role[column] == NS_OWN) {
+        p->barred[p->law[row]] = 1;
+        p->again = 1;
+    }
+}
+
+static void find_shared(ns_plan *p) {
+    const ns_system *s = p->s;
+    ns_system_each_entry(s->M, NS_CSC_OF(s, M), s->n, s->n, of_charge, p);
+    ns_system_each_entry(s->B, NS_CSC_OF(s, B), s->n, s->m, of_row, p);
+    ns_system_each_entry(s->C, NS_CSC_OF(s, C), s->m, s->n, of_column, p);
+    ns_system_each_control(s, of_control, p);
+    p->again = 1;
+    for (int k = 0; p->again && k < TRIES; k++) {
+        find_known(p);
+        p->again = 0;
+        ns_system_each_entry(s->A, NS_CSC_OF(s, A), s->n, s->n, bar_share, p);
+        ns_system_each_entry(s->M, NS_CSC_OF(s, M), s->n, s->n, bar_charge, p);
+    }
+    if (p->again)
+        memset(p->role, NS_OWN, (size_t)s->n);
+}
+
+/* --- what goes together --- */
+
+static int top(const ns_plan *p, int i) {
+    return ns_system_union_top(p->of, i);
+}
+
+static void join(const ns_plan *p, int i, int j) {
+    ns_system_union_join(p->of, i, j);
+}
+
+/* Own ones to own ones, what is known or shared among itself. */
+static void join_unknowns(void *context, int row, int column, double value) {
+    const ns_plan *p = context;
+    (void)value;
+    if ((p->role[row] == NS_OWN) == (p->role[column] == NS_OWN))
+        join(p, row, column);
+}
+
+static void join_force(void *context, int row, int pair, double value) {
+    const ns_plan *p = context;
+    (void)value;
+    if (p->role[row] == NS_OWN)
+        join(p, row, p->s->n + pair);
+}
+
+static void join_guard(void *context, int pair, int column, double value) {
+    join_force(context, column, pair, value);
+}
+
+static void join_pairs(void *context, int pair, int other, double value) {
+    const ns_plan *p = context;
+    (void)value;
+    join(p, p->s->n + pair, p->s->n + other);
+}
+
+static void join_control(void *context, int unknown, int command, double value) {
+    const ns_plan *p = context;
+    join_force(context, unknown, p->s->command[command].pair, value);
+}
+
+static void join_all(ns_plan *p) {
+    const ns_system *s = p->s;
+    ns_system_union_begin(p->of, s->n + s->m);
+    ns_system_each_entry(s->A, NS_CSC_OF(s, A), s->n, s->n, join_unknowns, p);
+    ns_system_each_entry(s->M, NS_CSC_OF(s, M), s->n, s->n, join_unknowns, p);
+    ns_system_each_entry(s->B, NS_CSC_OF(s, B), s->n, s->m, join_force, p);
+    ns_system_each_entry(s->C, NS_CSC_OF(s, C), s->m, s->n, join_guard, p);
+    ns_system_each_entry(s->D, NS_CSC_OF(s, D), s->m, s->m, join_pairs, p);
+    ns_system_each_control(s, join_control, p);
+    for (int j = 0; j < s->n; j++)
+        if (p->role[j] == NS_KNOWN)
+            join(p, j, p->law[j]);
+}
+
+/* --- islands --- */
+
+/* Those with pairs in the order of their first pair, the rest behind them: p->number of each top.  Returns
+ * how many there are, 0 where that is not worth it. */
+static int number_islands(ns_plan *p) {
+    const int n = p->s->n, m = p->s->m;
+    int islands = 0, rest = 0;
+    for (int i = 0; i < n + m; i++)
+        p->number[i] = -1;
+    for (int k = n; k < n + m; k++)
+        if (p->number[top(p, k)] < 0)
+            p->number[top(p, k)] = islands++;
+    if (islands < 2 || islands > NS_MOST_ISLANDS)
+        return 0;
+    for (int i = 0; i < n; i++)
+        if (p->role[i] == NS_OWN && p->number[top(p, i)] < 0) {
+            p->number[top(p, i)] = islands;
+            rest = 1;
+        }
+    return islands + rest;
+}
+
+int ns_system_plan_island(const ns_plan *p, int i) {
+    return i < p->s->n && p->role[i] != NS_OWN ? -1 : p->number[top(p, i)];
+}
+
+int ns_system_plan_group(const ns_plan *p, int i) {
+    return top(p, i);
+}
+
+static int allocate(ns_plan *p) {
+    const size_t n = (size_t)p->s->n, all = n + (size_t)p->s->m;
+    p->bytes = calloc(4 * n + 1, 1);
+    p->ints = calloc(3 * n + 2 * all + 1, sizeof(int));
+    if (!p->bytes || !p->ints)
+        return NS_E_MEMORY;
+    p->role = p->bytes;
+    p->lawless = p->bytes + n;
+    p->matters = p->bytes + 2 * n;
+    p->barred = p->bytes + 3 * n;
+    p->count = p->ints;
+    p->last = p->ints + n;
+    p->law = p->ints + 2 * n;
+    p->of = p->ints + 3 * n;
+    p->number = p->ints + 3 * n + all;
+    return NS_OK;
+}
+
+int ns_system_partition(const ns_system *s, ns_islands *out) {
+    ns_plan p = {.s = s};
+    *out = (ns_islands){0};
+    if (s->m < 2)
+        return NS_OK;
+    int status = allocate(&p);
+    if (status == NS_OK) {
+        find_shared(&p);
+        join_all(&p);
+        const int count = number_islands(&p);
+        if (count > 0)
+            status = ns_system_partition_build(&p, count, out);
+    }
+    free(p.bytes);
+    free(p.ints);
+    return status;
+}

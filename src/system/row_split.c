@@ -1,0 +1,256 @@
+/* src/system/row_split.c - ns_system_row_split(): which rows of M x' = ... are differential, which algebraic.
+ *
+ * Gaussian elimination with complete pivoting on the equilibrated M.  Every entry carries a bound of the
+ * rounding it may contain, in units of eps; an entry within 64 of these counts as zero, so cancelled entries
+ * go while a pF beside a mF stays.  The rows that gave pivots are the differential ones and enter T as they
+ * are.  Every other row i gives a left null vector of M, the multipliers that eliminated it:
+ *     T row = e_i + sum over pivot rows of t_j e_j.
+ * For capacitors alone the t_j are integers (KCL summed over what floats); the nearest integers are taken
+ * where they annul M as well.  T M is therefore zero in rows r..n-1 up to rounding of the sums, and whoever
+ * forms it puts exact zeros there: nothing but rounding is dropped.
+ */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "nonsmooth/system.h"
+#include "row_split.h"
+
+typedef struct elimination {
+    int n, rank;
+    double *a;     /* n*n, what is left of M */
+    double *err;   /* n*n, bound of its rounding over eps */
+    double *t;     /* n*n, row combinations so far: a = t R M C */
+    double *r, *c; /* n, scales of rows and columns, powers of two */
+    int *row;      /* n, 1: gave a pivot */
+    int *column;   /* n, 1: pivoted */
+} elimination;
+
+static const double eps_factor = 64 * DBL_EPSILON;
+
+static size_t ij(int n, int i, int j) {
+    return (size_t)i + (size_t)j * (size_t)n;
+}
+
+static int begin(elimination *g, int n) {
+    size_t nn = (size_t)n * (size_t)n;
+    memset(g, 0, sizeof *g);
+    g->n = n;
+    g->a = calloc(3 * nn, sizeof(double));
+    g->r = calloc(2 * (size_t)n, sizeof(double));
+    g->row = calloc(2 * (size_t)n, sizeof(int));
+    if (!g->a || !g->r || !g->row) {
+        return 0;
+    }
+    g->err = g->a + nn;
+    g->t = g->err + nn;
+    g->c = g->r + n;
+    g->column = g->row + n;
+    return 1;
+}
+
+static void end(elimination *g) {
+    free(g->a);
+    free(g->r);
+    free(g->row);
+}
+
+/* The power of two nearest 1/sqrt(x), 1 for 0. */
+static double half_scale(double x) {
+    int e;
+    if (!(x > 0) || isinf(x)) {
+        return 1;
+    }
+    (void)frexp(x, &e);
+    return ldexp(1, -(int)lround(0.5 * (e - 1)));
+}
+
+/* Makes the largest entry of each row and column about 1 (Ruiz).  size: what entries were summed from. */
+static void equilibrate(elimination *g, const double *M, const double *size) {
+    int n = g->n;
+    for (int i = 0; i < n; i++) {
+        g->r[i] = g->c[i] = 1;
+    }
+    for (int pass = 0, changes = 1; pass < 12 && changes; pass++) {
+        changes = 0;
+        for (int side = 0; side < 2; side++) {
+            double *own = side ? g->c : g->r, *other = side ? g->r : g->c;
+            for (int i = 0; i < n; i++) {
+                double most = 0;
+                for (int j = 0; j < n; j++) {
+                    most = fmax(most, fabs(M[side ? ij(n, j, i) : ij(n, i, j)]) * own[i] * other[j]);
+                }
+                const double by = half_scale(most);
+                changes |= by != 1;
+                own[i] *= by;
+            }
+        }
+    }
+    for (int j = 0; j < n; j++) {
+        for (int i = 0; i < n; i++) {
+            g->a[ij(n, i, j)] = M[ij(n, i, j)] * g->r[i] * g->c[j];
+            g->err[ij(n, i, j)] = fabs(size[ij(n, i, j)]) * g->r[i] * g->c[j];
+            g->t[ij(n, i, j)] = i == j;
+        }
+    }
+}
+
+/* The largest entry that is not rounding; 0 if there is none. */
+static int find_pivot(const elimination *g, int *pi, int *pj) {
+    double most = 0;
+    for (int j = 0; j < g->n; j++) {
+        for (int i = 0; i < g->n && !g->column[j]; i++) {
+            double size = fabs(g->a[ij(g->n, i, j)]);
+            if (!g->row[i] && size > most && size > eps_factor * g->err[ij(g->n, i, j)]) {
+                most = size;
+                *pi = i;
+                *pj = j;
+            }
+        }
+    }
+    return most > 0;
+}
+
+/* Subtracts multiples of row p from all rows without pivot so that column q vanishes there. */
+static void eliminate(elimination *g, int p, int q) {
+    int n = g->n;
+    double pivot = g->a[ij(n, p, q)], slop = g->err[ij(n, p, q)] / fabs(pivot);
+    g->row[p] = g->column[q] = 1;
+    for (int i = 0; i < n; i++) {
+        double f = g->a[ij(n, i, q)] / pivot, f_err = g->err[ij(n, i, q)] / fabs(pivot) + fabs(f) * slop;
+        if (g->row[i] || g->a[ij(n, i, q)] == 0) {
+            continue;
+        }
+        for (int j = 0; j < n; j++) {
+            g->t[ij(n, i, j)] -= f * g->t[ij(n, p, j)];
+            if (!g->column[j]) {
+                g->err[ij(n, i, j)] += fabs(f) * g->err[ij(n, p, j)] + f_err * fabs(g->a[ij(n, p, j)]);
+                g->a[ij(n, i, j)] -= f * g->a[ij(n, p, j)];
+            }
+        }
+        g->a[ij(n, i, q)] = 0;
+    }
+}
+
+/* 1 if v M = 0 within the rounding of its terms. */
+static int annuls(int n, const double *M, const double *size, const double *v) {
+    for (int j = 0; j < n; j++) {
+        double sum = 0, terms = 0;
+        for (int i = 0; i < n; i++) {
+            sum += v[i] * M[ij(n, i, j)];
+            terms += fabs(v[i] * size[ij(n, i, j)]);
+        }
+        if (fabs(sum) > eps_factor * terms) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Integers in v's place if they do as well: a floating set of capacitors sums its rows exactly. */
+static void round_vector(int n, const double *M, const double *size, double *v, double *work) {
+    for (int i = 0; i < n; i++) {
+        work[i] = nearbyint(v[i]) + 0.0;
+        if (fabs(v[i] - work[i]) > 1e-2) {
+            return;
+        }
+    }
+    if (annuls(n, M, size, work)) {
+        memcpy(v, work, (size_t)n * sizeof(double));
+    }
+}
+
+/* Null vector of row i in the units of M; v and work: n. */
+static void null_vector(const elimination *g, const double *M, const double *size, int i, double *v,
+                        double *work) {
+    for (int j = 0; j < g->n; j++) {
+        v[j] = g->t[ij(g->n, i, j)] * (g->r[j] / g->r[i]);
+    }
+    round_vector(g->n, M, size, v, work);
+}
+
+static void fill(const elimination *g, const double *M, const double *size, double *T, double *work) {
+    int n = g->n, differential = 0, algebraic = g->rank;
+    memset(T, 0, (size_t)n * (size_t)n * sizeof(double));
+    for (int i = 0; i < n; i++) {
+        if (g->row[i]) {
+            T[ij(n, differential++, i)] = 1;
+        } else {
+            null_vector(g, M, size, i, work, work + n);
+            for (int j = 0; j < n; j++) {
+                T[ij(n, algebraic, j)] = work[j];
+            }
+            algebraic++;
+        }
+    }
+}
+
+int ns_system_row_split_rows(int n, const double *M, const double *size, double *T, int *rank) {
+    elimination g;
+    double *work;
+    int p = 0, q = 0;
+    *rank = 0;
+    if (n == 0) {
+        return NS_OK;
+    }
+    work = calloc(2 * (size_t)n, sizeof(double));
+    if (!work || !begin(&g, n)) {
+        if (work) {
+            end(&g);
+        }
+        free(work);
+        return NS_E_MEMORY;
+    }
+    equilibrate(&g, M, size);
+    while (g.rank < n && find_pivot(&g, &p, &q)) {
+        eliminate(&g, p, q);
+        g.rank++;
+    }
+    fill(&g, M, size, T, work);
+    *rank = g.rank;
+    end(&g);
+    free(work);
+    return NS_OK;
+}
+
+int ns_system_row_split(int n, const double *M, double *T, int *rank) {
+    if (!rank || (n > 0 && (!T || !M))) {
+        return NS_E_NULL;
+    }
+    return ns_system_row_split_rows(n, M, M, T, rank);
+}
+
+int ns_system_split(const ns_system *s, double *T, int *rank) {
+    return s ? ns_system_row_split(s->n, s->M, T, rank) : NS_E_NULL;
+}
+
+/* One entry of T from.  What cancels is zero: a resistor inside a part that T sums up must leave no trace of
+ * its rounding, or a floating part hangs on that. */
+static double clean_sum(int n, const double *row, const double *column) {
+    double sum = 0, size = 0;
+    for (int k = 0; k < n; k++) {
+        const double term = row[k * n] * column[k];
+        sum += term;
+        size += fabs(term);
+    }
+    return fabs(sum) <= 8 * DBL_EPSILON * size ? 0 : sum;
+}
+
+/* Row i of T is that of 1, as most are. */
+static int is_unit(int n, const double *T, int i) {
+    int zeros = 0;
+    for (int k = 0; k < n; k++)
+        zeros += T[i + k * n] == 0;
+    return zeros == n - 1 && T[i + i * n] == 1;
+}
+
+void ns_system_row_split_apply(int n, int columns, const double *T, const double *from, double *to) {
+    for (int i = 0; i < n; i++) {
+        const int unit = is_unit(n, T, i);
+        for (int j = 0; j < columns; j++) {
+            const double *column = from + (size_t)j * (size_t)n;
+            to[i + j * n] = unit ? column[i] : clean_sum(n, T + i, column);
+        }
+    }
+}

@@ -1,0 +1,143 @@
+/* src/theta/guard_rounding.c - by how much the guards of a map may be rounding.
+ *
+ * Column k of the map is X_k, a solution of (P2), and guard g is a row c_g of it.  Summing it up costs some
+ * eps of its terms; and X_k itself, which leaves R_k = rhs - K X_k over, is off by E_k = K^-1 R_k:
+ *
+ *     noise_gk = |c_g| |X_k| + |c_g E_k| / eps
+ *
+ * A bound, |c_g K^-1| |K| |X_k|, would be larger by as much as K is ill-conditioned: it excuses volts where
+ * inductors alone carry the current of some node, as their L/h amplifies a current that is only rounding.
+ * Where K is singular, K_g has leaks G (modes/regularise.h), and E = (1 - K_g^-1 G) K_g^-1 R is the error of
+ * what is determined.
+ */
+#include "modes/regularise.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* Column g of s->Z: guard g as a function of (x, lambda_J), up to its sign. */
+static void fill_functionals(ns_theta *s, const ns_map *map, int nj) {
+    const int n = s->s->n, m = s->s->m, size = n + nj;
+    int g = 0;
+    memset(s->Z, 0, sizeof(double) * (size_t)size * (size_t)map->guards);
+    for (int j = 0, inside = 0; j < m; j++) {
+        const int count = ns_theta_guards_of(s, map->mode, j);
+        double *z = s->Z + (size_t)g * (size_t)size;
+        if (map->mode[j] == NS_INSIDE) {
+            for (int k = 0; k < count; k++)
+                z[n + inside + k * size] = 1;
+            inside++;
+        } else if (count > 0) {
+            for (int i = 0; i < n; i++)
+                z[i] = s->s->C[j + i * m];
+            for (int i = 0; i < nj; i++)
+                z[n + i] = s->s->D[j + s->inside[i] * m];
+        }
+        g += count;
+    }
+}
+
+/* The places of what is not zero, every `step` numbers, into list; how many. */
+static int nonzeros(int count, const double *from, int step, int *list) {
+    int found = 0;
+    for (int i = 0; i < count; i++)
+        if (from[(size_t)i * (size_t)step] != 0)
+            list[found++] = i;
+    return found;
+}
+
+/* Guard g, c_g, in row g of the noise: |c_g| |X_k| and a share of the same with every X_ik as large as the
+ * largest (largest, q), and what E says. */
+static void fill_row(const ns_theta *s, ns_map *map, int size, int g, double share, const double *largest) {
+    const double *c = s->Z + (size_t)g * (size_t)size, *unit = ns_linalg_lu_units(s->lu);
+    const int count = nonzeros(size, c, 1, s->list);
+    double units = 0;
+    for (int i = 0; i < count; i++)
+        units += fabs(c[s->list[i]]) * unit[s->list[i]];
+    for (int k = 0; k < s->q; k++) {
+        const double *x = s->X + (size_t)k * (size_t)size, *e = s->R + (size_t)k * (size_t)size;
+        double sum = 0, off = 0;
+        for (int i = 0; i < count; i++) {
+            const int at = s->list[i];
+            sum += fabs(c[at] * x[at]);
+            off += c[at] * e[at];
+        }
+        map->noise[g + k * map->guards] = sum + share * units * largest[k] + fabs(off) / DBL_EPSILON;
+    }
+}
+
+/* R = rhs - K X, summed up in long double. */
+static void residual(ns_theta *s, int size) {
+    for (int i = 0; i < size; i++) {
+        const double *row = s->K + i;
+        const int count = nonzeros(size, row, size, s->list);
+        for (int k = 0; k < s->q; k++) {
+            const double *x = s->X + (size_t)k * (size_t)size;
+            double *r = s->R + (size_t)i + (size_t)k * (size_t)size;
+            long double sum = *r;
+            for (int j = 0; j < count; j++)
+                sum -= (long double)row[(size_t)s->list[j] * (size_t)size] * x[s->list[j]];
+            *r = (double)sum;
+        }
+    }
+}
+
+/* R becomes E. */
+static void error(ns_theta *s, const ns_leaks *leaks, int size) {
+    double *more = s->R + (size_t)size * (size_t)s->q;
+    residual(s, size);
+    ns_linalg_lu_solve(s->lu, s->q, s->R);
+    for (int k = 0; leaks && k < s->q; k++) {
+        double *e = s->R + (size_t)k * (size_t)size;
+        ns_modes_leak_times(s, leaks, e, more);
+        ns_linalg_lu_solve(s->lu, 1, more);
+        for (int i = 0; i < size; i++)
+            e[i] -= more[i];
+    }
+}
+
+/* |c| |X_k| + |c E_k| / eps for d_i, c = ((1-theta) A, (1-gamma) B) on its row. */
+static double rate_noise(const ns_theta *s, int nj, int i, int k) {
+    const int n = s->s->n, size = n + nj;
+    const double *x = s->X + (size_t)k * (size_t)size, *e = s->R + (size_t)k * (size_t)size;
+    double sum = 0, off = 0;
+    for (int j = 0; j < size; j++) {
+        const double c =
+            j < n ? (1 - s->theta) * s->A[i + j * n] : (1 - s->gamma) * s->B[i + s->inside[j - n] * n];
+        sum += fabs(c * x[j]);
+        off += c * e[j];
+    }
+    return sum + fabs(off) / DBL_EPSILON;
+}
+
+void ns_theta_map_rounding(ns_theta *s, ns_map *map, const ns_leaks *leaks, int nj, double share) {
+    const int size = s->s->n + nj;
+    double *largest = s->R + (size_t)size * (size_t)s->q; /* q */
+    fill_functionals(s, map, nj);
+    error(s, leaks, size);
+    for (int k = 0; k < s->q; k++)
+        largest[k] = ns_linalg_lu_largest(s->lu, s->X + (size_t)k * (size_t)size);
+    for (int g = 0; g < map->guards; g++)
+        fill_row(s, map, size, g, share, largest);
+    for (int k = 0; s->carry && k < s->q; k++)
+        for (int i = 0; i < s->r; i++)
+            map->rate_noise[i + k * s->r] = rate_noise(s, nj, i, k);
+}
+
+/* The noise of d lives on: where lambda is the rate of what its constraint keeps, it swings between
+ * theta = 1/2 steps, undamped.  It goes with 1/h, so that longer steps add none. */
+void ns_theta_rate_rounding(ns_theta *s, const ns_map *map) {
+    if (!s->carry || (!map->implicit && !(map->h < s->noisy_h)))
+        return;
+    for (int i = 0; i < s->r; i++)
+        s->sum[i] = 0;
+    for (int k = 0; k < s->q; k++) {
+        const double input = ns_theta_input_size(s, map, k);
+        for (int i = 0; i < s->r; i++)
+            s->sum[i] += map->rate_noise[i + k * s->r] * input;
+    }
+    for (int i = 0; i < s->r; i++)
+        s->d_noise[i] = map->implicit ? s->sum[i] : fmax(s->d_noise[i], s->sum[i]);
+    s->noisy_h = map->h;
+}

@@ -1,0 +1,96 @@
+/* src/theta/guards.c - the inequalities that keep a mode: their rows in a map, and whether they hold. */
+#include "theta_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* y as a function of the inputs: C x + D lambda + F z + e, column k of the map. */
+static void fill_y(const ns_theta *s, const ns_map *map, int k, double *y) {
+    const int n = s->s->n, m = s->s->m;
+    const double *v = map->full + (size_t)k * (size_t)(n + m);
+    const double *given = k == s->q - 1 ? s->s->e
+                          : k >= s->r   ? s->s->F + (size_t)(k - s->r) * (size_t)m
+                                        : NULL;
+    ns_linalg_matvec(m, n, s->s->C, v, y);
+    ns_linalg_matvec_add(m, m, s->s->D, v + n, y);
+    for (int j = 0; given && j < m; j++)
+        y[j] += given[j];
+}
+
+int ns_theta_guards_of(const ns_theta *s, const ns_mode *mode, int j) {
+    return mode[j] == NS_INSIDE ? isfinite(s->l[j]) + isfinite(s->u[j]) : s->l[j] < s->u[j];
+}
+
+int ns_theta_guard_count(const ns_theta *s, const ns_mode *mode) {
+    int count = 0;
+    for (int j = 0; j < s->s->m; j++)
+        count += ns_theta_guards_of(s, mode, j);
+    return count;
+}
+
+void ns_theta_guard_fill(const ns_theta *s, ns_map *map, int k) {
+    const int n = s->s->n, m = s->s->m;
+    const double *lambda = map->full + (size_t)k * (size_t)(n + m) + n;
+    double *row = map->step + (size_t)k * (size_t)map->p + map->guard;
+    const int one = k == s->q - 1;
+    double *y = s->Z; /* which the noise of the map is made with, later */
+    if (m == 0)
+        return;
+    fill_y(s, map, k, y);
+    for (int j = 0; j < m; j++) {
+        if (map->mode[j] == NS_INSIDE) {
+            if (isfinite(s->l[j]))
+                *row++ = lambda[j] - (one ? s->l[j] : 0);
+            if (isfinite(s->u[j]))
+                *row++ = (one ? s->u[j] : 0) - lambda[j];
+        } else if (s->l[j] < s->u[j]) {
+            *row++ = map->mode[j] == NS_LOWER ? y[j] : -y[j];
+        }
+    }
+}
+
+/* What d is off by may excuse that much of the terms of a guard, in eps, and no more: a start or an event
+ * after which its rates were not read anew leaves a noise that would excuse anything. */
+static const double most_noise = 1e6;
+
+/* Of the terms of input k, eta = w + h d and what d may be off by. */
+double ns_theta_input_size(const ns_theta *s, const ns_map *map, int k) {
+    if (k >= s->r)
+        return fabs(s->trial_in[k]);
+    if (map->implicit)
+        return fabs(s->w[k]);
+    const double own = fabs(s->w[k]) + map->h * fabs(s->d[k]);
+    return own + fmin(map->h * s->d_noise[k], most_noise * own);
+}
+
+/* Guard g is negative by more than rounding may be (or no number). */
+static int broke(const ns_theta *s, const ns_map *map, int g, double tol) {
+    const double guard = s->out[map->guard + g];
+    if (guard >= 0)
+        return 0;
+    double size = 0;
+    for (int k = 0; k < s->q; k++)
+        size += map->noise[g + k * map->guards] * ns_theta_input_size(s, map, k);
+    return !(guard >= -tol * size);
+}
+
+int ns_theta_guards_hold(const ns_theta *s, const ns_map *map, double tol) {
+    for (int g = 0; g < map->guards; g++)
+        if (broke(s, map, g, tol))
+            return 0;
+    return 1;
+}
+
+int ns_theta_guards_flip(const ns_theta *s, const ns_map *map, double tol, ns_mode *mode) {
+    int flipped = 0;
+    for (int j = 0, g = 0; j < s->s->m; j++) {
+        const int inside = map->mode[j] == NS_INSIDE, count = ns_theta_guards_of(s, map->mode, j);
+        for (int k = 0; k < count; k++, g++) {
+            if (!broke(s, map, g, tol))
+                continue;
+            mode[j] = !inside ? NS_INSIDE : k == 0 && isfinite(s->l[j]) ? NS_LOWER : NS_UPPER;
+            flipped = 1;
+        }
+    }
+    return flipped;
+}

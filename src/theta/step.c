@@ -1,0 +1,188 @@
+/* src/theta/step.c - one step, tried and accepted. */
+#include "theta_internal.h"
+
+#include "linalg/simd.h"
+
+#include <math.h>
+#include <string.h>
+
+/* What a guard may be negative by, relative to the bound on its rounding (guard_rounding.c): a few eps while
+ * the mode stands; after (P1) was solved, what its solver calls zero. */
+static const double while_it_stands = 4e-15, of_an_answer = 1e-11;
+
+/* What is zero comes out, refined, far below eps of the largest unknown, and what (P1) leaves behind of a
+ * charge that has gone is some eps of it. */
+static const double of_largest = 2e-4;
+
+/* The map of (h, implicit, mode), from the recent ones, the cache, or built. */
+int ns_theta_find_map(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out) {
+    *out = ns_theta_cache_find(&s->cache, h, implicit, mode, s->s->m);
+    if (*out)
+        return NS_OK;
+    const int status = ns_theta_map_build(s, h, implicit, mode, of_largest, out);
+    if (status != NS_OK)
+        return status;
+    ns_theta_cache_insert(&s->cache, *out, s->s->m);
+    const long dropped = ns_theta_cache_trim(&s->cache, s->s->m, *out);
+    s->counts.evicted += dropped;
+    if (dropped)
+        ns_theta_forget_recent(s);
+    return NS_OK;
+}
+
+static int recent_map(ns_theta *s, double h, int implicit, ns_map **out) {
+    *out = s->last;
+    if (*out && (*out)->h == h && (*out)->implicit == implicit)
+        return NS_OK;
+    ns_map **slot = &s->recent[(unsigned)(2 * ilogb(h) + implicit) % NS_RECENT];
+    if (*slot && (*slot)->h == h && (*slot)->implicit == implicit) {
+        s->last = *out = *slot;
+        return NS_OK;
+    }
+    const int status = ns_theta_find_map(s, h, implicit, s->mode, out);
+    if (status == NS_OK)
+        s->last = *slot = *out;
+    return status;
+}
+
+static void fill_inputs(ns_theta *s, double h, const double *z, int implicit) {
+    const int r = s->r, nz = s->s->nz;
+    double *in = s->trial_in;
+    ns_copy_few(r, s->w, in);
+    for (int i = 0; !implicit && i < r; i++)
+        in[i] += h * s->d[i]; /* eta */
+    ns_copy_few(nz, z, in + r);
+    in[r + nz] = 1;
+}
+
+/* Of the inputs too: a sine that grows is infinite some day. */
+static int finite_state(const ns_theta *s) {
+    return ns_sums_finite(s->s->nz, s->trial_in + s->r) && ns_sums_finite(s->r, s->out);
+}
+
+/* The map is taken: its outputs become the trial if the guards hold.  OK or GUARD. */
+static int apply(ns_theta *s, ns_map *map, double tol) {
+    const double *from = map->implicit ? s->w : s->trial_in;
+    ns_linalg_matvec_two(map->p, s->r, from, s->q - s->r, s->trial_in + s->r, map->step, s->out);
+    if (!ns_none_negative(map->guards, s->out + map->guard) && !ns_theta_guards_hold(s, map, tol))
+        return NS_GUARD;
+    s->trial_map = map;
+    s->trial_h = map->h;
+    s->trial_implicit = map->implicit;
+    s->has_trial = 1;
+    return NS_OK;
+}
+
+/* (P1) at the end of the step, then the map of its answer, checked.  A map is the more exact of the two: what
+ * (P1) took for zero it may see broken, and then that pair changes. */
+static int resolve_once(ns_theta *s, double h, int implicit, double share) {
+    enum { FLIPS = 4 };
+    ns_map *map;
+    int status = ns_theta_lcp_solve(s, h, implicit, share);
+    for (int round = 0; status == NS_OK; round++) {
+        status = ns_theta_find_map(s, h, implicit, s->trial_mode, &map);
+        if (status == NS_OK)
+            status = apply(s, map, of_an_answer);
+        if (status != NS_GUARD)
+            return status;
+        if (round == FLIPS || !ns_theta_guards_flip(s, map, of_an_answer, s->trial_mode))
+            return NS_E_RESIDUAL;
+        status = NS_OK;
+    }
+    return status;
+}
+
+/* Where the ideal laws leave something open, the answer with leaks picks the mode that goes with them. */
+static int resolve(ns_theta *s, double h, int implicit) {
+    static const double shares[] = {0, 1e-7, 1e-9};
+    int first = NS_OK;
+    ns_fault fault = s->fault;
+    for (int k = 0; k < 3; k++) {
+        memcpy(s->trial_mode, s->mode, (size_t)s->s->m);
+        const int status = resolve_once(s, h, implicit, shares[k]);
+        if (status == NS_OK || status == NS_E_MEMORY)
+            return status;
+        if (k == 0) {
+            first = status;
+            fault = s->fault;
+        }
+    }
+    s->fault = fault;
+    if (first == NS_E_SINGULAR)
+        ns_theta_name_undetermined(s, h, implicit);
+    ns_theta_lcp_keep(s, h, implicit);
+    return first;
+}
+
+int ns_theta_try(ns_theta *s, double h, const double *z, int implicit, ns_policy policy) {
+    if (!s || (!z && s->s->nz > 0))
+        return NS_E_NULL;
+    s->failed = 0;
+    if (!(h > 0) || !isfinite(h))
+        return ns_theta_fail(s, NS_E_RANGE);
+    s->has_trial = 0;
+    s->counts.trials++;
+    implicit = implicit || !s->carry;
+    fill_inputs(s, h, z, implicit);
+    ns_map *map;
+    int status = recent_map(s, h, implicit, &map);
+    if (status == NS_OK)
+        status = apply(s, map, while_it_stands);
+    s->trial_stands = status == NS_OK;
+    if (!s->trial_stands) {
+        if (status != NS_GUARD && status != NS_E_SINGULAR)
+            return ns_theta_fail(s, status);
+        if (policy == NS_HOLD)
+            return NS_GUARD;
+        if ((status = resolve(s, h, implicit)) != NS_OK)
+            return ns_theta_fail(s, status);
+    }
+    if (!finite_state(s)) {
+        s->has_trial = 0;
+        return ns_theta_fail(s, NS_E_OVERFLOW);
+    }
+    return NS_OK;
+}
+
+int ns_theta_accept(ns_theta *s) {
+    if (!s)
+        return NS_E_NULL;
+    if (!s->has_trial)
+        return NS_E_STATE;
+    if (s->carry)
+        ns_theta_rate_rounding(s, s->trial_map);
+    ns_copy_few(s->r, s->out, s->w);
+    if (s->carry)
+        ns_copy_few(s->r, s->out + s->r, s->d);
+    double *in = s->in;
+    s->in = s->trial_in;
+    s->trial_in = in;
+    s->h = s->trial_h;
+    s->implicit = s->trial_implicit;
+    s->jumped = 0;
+    if (!s->trial_stands && memcmp(s->mode, s->trial_mode, (size_t)s->s->m) != 0) {
+        memcpy(s->mode, s->trial_mode, (size_t)s->s->m);
+        s->counts.events++;
+        ns_theta_forget_recent(s);
+    }
+    s->counts.steps++;
+    s->has_trial = 0;
+    return NS_OK;
+}
+
+int ns_theta_probe(ns_theta *s, double h, const double *z, int second) {
+    const int status = ns_theta_try(s, h, z, 1, NS_HOLD);
+    if (status != NS_OK)
+        return status;
+    memcpy(s->rate[second], s->out + s->r, sizeof(double) * (size_t)s->r);
+    s->has_trial = 0;
+    return NS_OK;
+}
+
+void ns_theta_take_rates(ns_theta *s) {
+    ns_theta_rate_rounding(s, s->trial_map); /* of the step of 2 h; twice that for h */
+    for (int i = 0; i < s->r; i++) {
+        s->d[i] = 2 * s->rate[0][i] - s->rate[1][i];
+        s->d_noise[i] *= 5;
+    }
+}

@@ -1,0 +1,195 @@
+/* src/theta/step_lcp.c - the complementarity problem of a step, x and lambda together.
+ *
+ * Unreduced (P1): unknowns (x, lambda), x with equality rows (bounds -inf, inf):
+ *
+ *     [ 0 ]   [ W  -h gamma B ] [ x      ]   [ eta + h theta (b + E z) ]
+ *     [ y ] = [ C   D         ] [ lambda ] - [ -(F z + e)              ]
+ *
+ * Reduced to lambda this is y = W_mlcp lambda + q.  Whole, it can be solved where W is singular.
+ */
+#include "modes/regularise.h"
+#include "name_fault.h"
+
+#include <math.h>
+#include <string.h>
+
+static void form(ns_theta *s, const double *M, double ht, double hg, const double *z, int size) {
+    const int n = s->s->n, m = s->s->m, nz = s->s->nz;
+    for (int j = 0; j < size; j++) {
+        double *col = s->K + (size_t)j * (size_t)size;
+        for (int i = 0; i < size; i++)
+            col[i] = 0;
+        for (int i = 0; i < n && j < n; i++)
+            col[i] = i < s->r && M ? M[i + j * n] - ht * s->A[i + j * n] : -s->A[i + j * n]; /* (T1) */
+        for (int i = 0; i < n && j >= n && j < n + m; i++)
+            col[i] = -(i < s->r && M ? hg : 1) * s->B[i + (j - n) * n];
+        for (int i = 0; i < m && j < n + m; i++)
+            col[n + i] = j < n ? s->s->C[i + j * m] : s->s->D[i + (j - n) * m];
+    }
+    for (int i = 0; i < n; i++) {
+        double f = s->b[i];
+        for (int k = 0; k < nz; k++)
+            f += s->E[i + k * n] * z[k];
+        s->rhs[i] = -(i < s->r && M ? ht : 1) * f;
+    }
+    for (int i = 0; i < m; i++) {
+        s->rhs[n + i] = s->s->e[i];
+        for (int k = 0; k < nz; k++)
+            s->rhs[n + i] += s->s->F[i + k * m] * z[k];
+    }
+    for (int i = 0; i < size; i++) {
+        const int pair = i >= n && i < n + m;
+        s->bl[i] = pair ? s->l[i - n] : -INFINITY;
+        s->bu[i] = pair ? s->u[i - n] : INFINITY;
+        s->work_mode[i] = NS_INSIDE;
+    }
+}
+
+/* h: the length of the step, 1 at rest. */
+static int solve(ns_theta *s, double h, int size, ns_mode *mode) {
+    const int n = s->s->n, m = s->s->m;
+    const ns_mlcp p = {.m = size, .W = s->K, .q = s->rhs, .l = s->bl, .u = s->bu};
+    ns_mlcp_info info;
+    memset(&info, 0, sizeof info);
+    memcpy(s->work_mode + n, mode, (size_t)m);
+    const int status = ns_mlcp_solve(s->mlcp, &p, s->work_mode, s->sol, s->resid, &info);
+    s->counts.problems++;
+    s->counts.pivots += info.pivots;
+    s->counts.factors += info.factors;
+    if (status == NS_OK)
+        memcpy(mode, s->work_mode + n, (size_t)m);
+    else
+        ns_theta_name_fault(&(ns_fault_context){n, m, s->r, s->T, h}, &p, s->mlcp, &info.fault, s->lu,
+                            &s->fault);
+    s->fault.status = (ns_status)status;
+    return status;
+}
+
+/* The same problem with a leak across each pair and a resistance in series with it: lambda is replaced by
+ * lambda - g (y - y0), y by y + rho (lambda - lambda0), where y0 and lambda0 are those of the solution in
+ * s->resid and s->sol, or those without any voltage (y: vf) and current. */
+static void add_leaks(ns_theta *s, double ht, int size, double share, int around_last) {
+    const int n = s->s->n, m = s->s->m;
+    (void)ns_linalg_lu_factor(s->lu, size, s->K, NULL,
+                              NULL); /* for its scaling: singular or not does not matter */
+    for (int j = 0; j < m; j++) {
+        const double g = ns_modes_leak_across(s, ht, j, share);
+        const double off = around_last ? s->rhs[n + j] - s->resid[n + j] : 0;
+        for (int i = 0; i < n; i++) {
+            const double leak = (i < s->r ? ht : 1) * g * s->B[i + j * n];
+            for (int k = 0; k < n; k++)
+                s->K[i + k * size] += leak * s->s->C[j + k * m];
+            for (int k = 0; k < m; k++)
+                s->K[i + (n + k) * size] += leak * s->s->D[j + k * m];
+            s->rhs[i] += leak * off;
+        }
+    }
+    for (int j = 0; j < m; j++) {
+        const double rho = ns_modes_leak_series(s, n + j, share);
+        s->K[(n + j) * (size + 1)] += rho;
+        s->rhs[n + j] -= around_last ? rho * s->sol[n + j] : 0;
+    }
+}
+
+static void form_step(ns_theta *s, double h, int implicit) {
+    form(s, s->M, implicit ? h : h * s->theta, implicit ? h : h * s->gamma, s->trial_in + s->r,
+         s->s->n + s->s->m);
+    for (int i = 0; i < s->r; i++)
+        s->rhs[i] -= s->trial_in[i]; /* eta of (T6) */
+}
+
+int ns_theta_lcp_solve(ns_theta *s, double h, int implicit, double share) {
+    const int n = s->s->n, m = s->s->m;
+    form_step(s, h, implicit);
+    if (share > 0)
+        add_leaks(s, implicit ? h : h * s->theta, n + m, share, 0);
+    return solve(s, h, n + m, s->trial_mode);
+}
+
+void ns_theta_lcp_keep(ns_theta *s, double h, int implicit) {
+    const int size = s->s->n + s->s->m;
+    form_step(s, h, implicit);
+    s->failed = size;
+    s->failed_h = h;
+}
+
+int ns_theta_problem(const ns_theta *s, ns_mlcp *p, double *h) {
+    if (!s || !p)
+        return NS_E_NULL;
+    if (!s->failed)
+        return NS_E_STATE;
+    *p = (ns_mlcp){.m = s->failed, .W = s->K, .q = s->rhs, .l = s->bl, .u = s->bu};
+    if (h)
+        *h = s->failed_h;
+    return NS_OK;
+}
+
+/* Holding node voltage x_i takes one more unknown, the current that does it, in x_i's own KCL row. */
+static void form_dc(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x) {
+    const int n = s->s->n, m = s->s->m, size = n + m + nhold;
+    form(s, NULL, 0, 0, z, size);
+    for (int k = 0; k < nhold; k++) {
+        double *col = s->K + (size_t)(n + m + k) * (size_t)size;
+        for (int i = 0; i < n; i++)
+            col[i] = -s->T[i + hold[k] * n];
+        s->K[(n + m + k) + hold[k] * size] = 1;
+        s->rhs[n + m + k] = -hold_x[k];
+    }
+}
+
+/* The answer with leaks is one of the exact problem; a current that is zero is left over as rounding, which a
+ * row with nothing else in it tells from no other number. */
+static int is_exact(ns_theta *s, int size) {
+    static const double good = 1e-12, rounding = 1e-15;
+    const ns_mlcp p = {.m = size, .W = s->K, .q = s->rhs, .l = s->bl, .u = s->bu};
+    if (ns_mlcp_residual(&p, s->sol, NULL) < good)
+        return 1;
+    (void)ns_linalg_lu_factor(s->lu, size, s->K, NULL, NULL); /* for its scaling */
+    const double largest = ns_linalg_lu_largest(s->lu, s->sol), *unit = ns_linalg_lu_units(s->lu);
+    for (int i = 0; i < size; i++)
+        if (fabs(s->sol[i]) <= rounding * largest * unit[i])
+            s->sol[i] = 0;
+    return ns_mlcp_residual(&p, s->sol, NULL) < good;
+}
+
+/* At rest an inductor is a short: how it shares a current with a closed switch is open, and all of it flows
+ * in the inductor when the switch has any resistance.  So what the exact problem answers is asked again with
+ * leaks, twice: around zero, which settles what is open, and around that answer, which leaves their share of
+ * their share on the rest.  The exact answer stays where that finds none. */
+static int settle_dc(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
+                     ns_mode *mode) {
+    static const double share = 1e-8;
+    const int size = s->s->n + s->s->m + nhold;
+    int status = NS_OK;
+    for (int round = 0; round < 3 && status == NS_OK; round++) {
+        form_dc(s, z, nhold, hold, hold_x);
+        add_leaks(s, 1, size, share, round > 0);
+        status = solve(s, 1, size, mode);
+    }
+    if (status != NS_OK)
+        return status;
+    form_dc(s, z, nhold, hold, hold_x);
+    return is_exact(s, size) ? NS_OK : NS_E_RESIDUAL;
+}
+
+int ns_theta_lcp_dc(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
+                    ns_mode *mode, double *x) {
+    const int n = s->s->n, size = n + s->s->m + nhold;
+    s->failed = 0;
+    if (ns_theta_room(s, nhold) != NS_OK)
+        return NS_E_MEMORY;
+    form_dc(s, z, nhold, hold, hold_x);
+    const int status = solve(s, 1, size, mode);
+    if (status != NS_OK) {
+        s->failed = size;
+        s->failed_h = 0;
+        return status;
+    }
+    memcpy(x, s->sol, sizeof(double) * (size_t)n);
+    memcpy(s->trial_mode, mode, (size_t)s->s->m);
+    if (settle_dc(s, z, nhold, hold, hold_x, s->trial_mode) == NS_OK) {
+        memcpy(x, s->sol, sizeof(double) * (size_t)n);
+        memcpy(mode, s->trial_mode, (size_t)s->s->m);
+    }
+    return NS_OK;
+}
