@@ -153,15 +153,15 @@ $(CM)/dstring.o: $(NG)/stamp $(B)/flags
 
 # --- tests of the library: one cmocka program a file -----------------------------------------------------
 
-TEST_SRC := $(wildcard tests/unit/test_*.c tests/property/*.c tests/reference/*.c tests/fault/*.c)
-TEST_HELP := $(filter-out tests/unit/test_%.c,$(wildcard tests/unit/*.c))
+TEST_SRC := $(wildcard tests/unit/*/test_*.c tests/property/*.c tests/reference/*.c tests/fault/*.c)
+TEST_HELP := $(wildcard tests/rig/*.c)
 TEST_BIN := $(TEST_SRC:%.c=$(B)/%)
 WRAP := -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
 
 .PHONY: units
 units: $(TEST_BIN)
 
-$(B)/obj/tests/%.o: private ALL_CFLAGS += -Itests/unit
+$(B)/obj/tests/%.o: private ALL_CFLAGS += -Itests/rig
 
 $(TEST_BIN): $(B)/%: $(B)/obj/%.o $(TEST_HELP:%.c=$(B)/obj/%.o) $(B)/libnonsmooth.a
 	@mkdir -p $(@D)
@@ -223,7 +223,7 @@ $(BENCH_BIN): $(B)/%: $(B)/obj/%.o $(BENCH_OWN:%.c=$(B)/obj/%.o) $(BENCH_HELP:%.
 # Siconos is C++; where its packages are (make bench-siconos), the benchmark of circuits runs it too.
 SICONOS ?= /usr# where its include/siconos and lib are
 SICONOS_PACKAGES := libsiconos-kernel-dev libsiconos-numerics-dev
-SICONOS_FLAGS = -std=c++17 -O3 -DNDEBUG -w -Iinclude -Isrc -Itests/unit -Itests/bench \
+SICONOS_FLAGS = -std=c++17 -O3 -DNDEBUG -w -Iinclude -Isrc -Itests/rig -Itests/bench \
     $(patsubst %,-isystem $(SICONOS)/include/siconos%,/ /kernel /numerics /externals) \
     $(if $(filter-out /usr,$(SICONOS)),-isystem $(SICONOS)/include)# /usr/include is known, and named again not found
 
@@ -308,9 +308,9 @@ picture: deps # the drawing that README shows
 
 # --- style -----------------------------------------------------------------------------------------------
 
-C_FILES := $(wildcard include/*.h include/*/*.h src/*/*.[ch] src/*/*/*.[ch] codemodels/bridge/*.[ch] tests/*/*.[ch])
+C_FILES := $(wildcard include/*.h include/*/*.h src/*/*.[ch] src/*/*/*.[ch] codemodels/bridge/*.[ch] tests/*/*.[ch] tests/unit/*/*.[ch])
 TIDY_FILES := $(filter %.c,$(C_FILES))
-TIDY_FLAGS := -std=c11 -Iinclude -Isrc -Itests/unit $(NG_INCLUDE)
+TIDY_FLAGS := -std=c11 -Iinclude -Isrc -Itests/rig $(NG_INCLUDE)
 
 .PHONY: lint
 lint: deps-lint ## clang-format, clang-tidy, cppcheck, shellcheck, and all of it built by clang and by gcc
@@ -321,7 +321,7 @@ lint: deps-lint ## clang-format, clang-tidy, cppcheck, shellcheck, and all of it
 	printf '%s\n' $(TIDY_FILES) | xargs -P$(shell nproc) -n4 \
 	    sh -c 'said=$$(clang-tidy --quiet "$$@" -- $(TIDY_FLAGS) 2>&1) || { echo "$$said"; exit 1; }' tidy
 	cppcheck --quiet --std=c11 --enable=warning,performance,portability --inline-suppr --error-exitcode=1 \
-	    --suppress=uninitvar --suppress=objectIndex -Iinclude -Isrc -Itests/unit src tests codemodels/bridge
+	    --suppress=uninitvar --suppress=objectIndex -Iinclude -Isrc -Itests/rig src tests codemodels/bridge
 	shellcheck .ci/run codemodels/*.sh tests/*.sh $(wildcard tests/*/*.sh netlists/*.sh)
 
 # --- install ---------------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ build=$1
 LEAST=95
 export OPENBLAS_NUM_THREADS=1
 find "$build" -name '*.gcda' -delete
-for program in "$build"/tests/unit/* "$build"/tests/property/* "$build"/tests/reference/* "$build"/tests/fault/*; do
+for program in "$build"/tests/unit/*/* "$build"/tests/property/* "$build"/tests/reference/* "$build"/tests/fault/*; do
     [ ! -x "$program" ] || "$program" >/dev/null 2>&1 || echo "$program failed"
 done
 tests/tool/run.sh "$build/nsc-mlcp" | grep '^FAIL'

@@ -46,14 +46,15 @@ count() {
 # cmocka LABEL BUILD: each program by itself.
 cmocka() {
     label=$1
-    for program in "$2"/tests/unit/* "$2"/tests/property/* "$2"/tests/reference/* "$2"/tests/fault/*; do
+    for program in "$2"/tests/unit/*/* "$2"/tests/property/* "$2"/tests/reference/* "$2"/tests/fault/*; do
         [ -x "$program" ] || continue
-        file=$log/$label.$(basename "$program").log
+        name=${program#"$2"/tests/}
+        file=$log/$label.$(echo "$name" | tr / .).log
         CMOCKA_MESSAGE_OUTPUT=TAP timeout 300 "$program" >"$file" 2>&1 </dev/null
         status=$?
         skipped=$(count '^not ok .*# SKIP' "$file")
         failed=$(count '^not ok ' "$file")
-        verdict "$label: $(basename "$program")" "$file" $status "$(count '^ok ' "$file")" \
+        verdict "$label: $name" "$file" $status "$(count '^ok ' "$file")" \
             $((failed - skipped)) "$skipped"
     done
 }

@@ -1,0 +1,54 @@
+/* tests/unit/exact/test_time_scales.c - what is fast beside h, and yet not over at once.
+ *
+ * A switch charges a capacitor through an inductor, a resistor and a diode: to 10 V (1 + e^(-pi/(2 Q))) in
+ * half a period, for large Q.  What it rings in dies within 80 Q/omega, which is 8e-5 h where omega h is 1e8:
+ * far more than the millionth of h that exact takes for no time.  Looked for by a stage of 256 h, which a
+ * mode before may have been made with, the rate could not be told from an infinite one, and 10 V was the
+ * answer.
+ */
+#include "rig.h"
+#include "signals.h"
+
+static const double h = 1e-3, farads = 1e-6, quality = 100;
+
+static void ok(int status) {
+    assert_int_equal(status, NS_OK);
+}
+
+static ns_circuit *build(double omega) {
+    const ns_signal supply = dc(10), gate = pulse(0, 1, 3.3 * h, 0, 0, 20 * h, 40 * h);
+    const ns_switch contact = {.vt = 0.5, .vh = 0, .ron = 0, .roff = INFINITY};
+    const ns_diode diode = {.vf = 0, .ron = 0, .roff = INFINITY, .vz = INFINITY};
+    const double henries = 1 / (omega * omega * farads);
+    ns_circuit *c = NULL;
+    ok(ns_circuit_create(&c));
+    ok(ns_circuit_source(c, "v", NS_VOLTAGE, 1, 0, &supply, NULL));
+    ok(ns_circuit_source(c, "g", NS_VOLTAGE, 9, 0, &gate, NULL));
+    ok(ns_circuit_switch(c, "s", 1, 2, 9, 0, &contact, NULL));
+    ok(ns_circuit_inductor(c, "l", 2, 3, henries, NAN, NULL));
+    ok(ns_circuit_resistor(c, "r1", 3, 4, sqrt(henries / farads) / quality, NULL));
+    ok(ns_circuit_diode(c, "d", 4, 5, &diode, NULL));
+    ok(ns_circuit_capacitor(c, "c", 5, 0, farads, NAN, NULL));
+    ok(ns_circuit_resistor(c, "r2", 5, 0, 1e10, NULL));
+    return c;
+}
+
+static void charges(void **state) {
+    const double pi = 3.14159265358979323846, volts = 10 * (1 + exp(-pi / (2 * quality)));
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = h, .method = NS_EXACT, .whole = 1};
+    (void)state;
+    for (double by = 1e2; by < 3e8; by *= 10) {
+        rig k = {.c = build(by / h)};
+        make_by(&k, &o);
+        start_at_rest(&k);
+        go(&k, 10 * h);
+        /* Q is not quite large: (1 - 1/(4 Q^2))^(1/2) of the exponent */
+        assert_true(fabs(k.x[ns_circuit_node_unknown(k.c, 5)] - volts) < 1e-4 * volts);
+        end(&k);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(charges)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,138 @@
+/* tests/unit/march/test_commanded_switches.c - switches that command each other through the circuit, by each
+ * engine.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "nonsmooth.h"
+
+enum { MOST = 16 };
+
+typedef struct rig {
+    ns_circuit *c;
+    ns_system *s;
+    ns_march *m;
+    double x[MOST];
+} rig;
+
+static rig begin(void) {
+    rig k = {0};
+    assert_int_equal(ns_circuit_create(&k.c), NS_OK);
+    return k;
+}
+
+static void end(rig *k) {
+    ns_march_free(k->m);
+    ns_system_free(k->s);
+    ns_circuit_free(k->c);
+}
+
+static void capacitor(rig *k, const char *name, int p, int n, double farad, double v) {
+    assert_int_equal(ns_circuit_capacitor(k->c, name, p, n, farad, v, NULL), NS_OK);
+}
+
+static void resistor(rig *k, const char *name, int p, int n, double ohm) {
+    assert_int_equal(ns_circuit_resistor(k->c, name, p, n, ohm, NULL), NS_OK);
+}
+
+/* Closed while the voltage of a node is above vt. */
+static void contact(rig *k, const char *name, int p, int n, int by, double vt) {
+    const ns_switch of = {vt, 0, 0, INFINITY};
+    assert_int_equal(ns_circuit_switch(k->c, name, p, n, by, 0, &of, NULL), NS_OK);
+}
+
+static void make(rig *k, ns_method method) {
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-6, .method = method, .reltol = 1e-6};
+    assert_int_equal(ns_circuit_system(k->c, &k->s), NS_OK);
+    assert_true(k->s->n <= MOST);
+    assert_int_equal(ns_march_create(k->s, &o, &k->m, NULL), NS_OK);
+    assert_int_equal(ns_circuit_rest(k->c, k->x), NS_OK);
+}
+
+static void start(rig *k, ns_method method) {
+    make(k, method);
+    assert_int_equal(ns_march_start(k->m, 0, k->x), NS_OK);
+    assert_int_equal(ns_march_read(k->m, NULL, k->x, NULL, NULL), NS_OK);
+}
+
+static void go(rig *k, double t) {
+    double reached;
+    assert_int_equal(ns_march_try(k->m, t, NS_TO_TIME, &reached), NS_OK);
+    assert_int_equal(ns_march_accept(k->m), NS_OK);
+    assert_int_equal(ns_march_read(k->m, NULL, k->x, NULL, NULL), NS_OK);
+}
+
+static double voltage(const rig *k, int node) {
+    return k->x[ns_circuit_node_unknown(k->c, node)];
+}
+
+static void near(double got, double expected, double off) {
+    if (!(fabs(got - expected) <= off))
+        fail_msg("%.17g, expected %.17g", got, expected);
+}
+
+/* With s1 and s2 open no current flows: v(2) = 0 closes s2, v(1) = 7.5 V closes s1.  Both closed, v(2) = -7.5
+ * V opens s2 again, and that stays: v(1) is C2's 0 V, from where C1 and C2 in series discharge by R.  That s2
+ * slides, with v(2) at its threshold, would take 6.3 V out of nothing. */
+static void none_slides_from_afar(void **state) {
+    enum { N1 = 1, N2, N3 };
+    const double C1 = 1e-4, C2 = 1e-5, R = 200, t = 1e-4;
+    rig k = begin();
+    contact(&k, "s1", 0, N3, N1, -3.8);
+    contact(&k, "s2", 0, N1, N2, -1.2);
+    capacitor(&k, "c1", N1, N2, C1, 7.5);
+    capacitor(&k, "c2", N1, N3, C2, 0);
+    resistor(&k, "r", N2, 0, R);
+    start(&k, *(const ns_method *)*state);
+    near(voltage(&k, N1), 0, 1e-6);
+    go(&k, t);
+    const double i = 7.5 / R * exp(-t / R * (1 / C1 + 1 / C2)),
+                 charge = 7.5 * (1 - exp(-t / R * (1 / C1 + 1 / C2))) / (1 / C1 + 1 / C2);
+    near(voltage(&k, N2), -R * i, 1e-5);
+    near(voltage(&k, N1), charge / C2, 1e-5);
+    end(&k);
+}
+
+static void refuse(ns_method method, double C) {
+    enum { N1 = 1, N2 };
+    const ns_switch of = {-4, 0.5, 0, INFINITY};
+    double reached;
+    rig k = begin();
+    assert_int_equal(ns_circuit_switch(k.c, "s", 0, N1, N2, 0, &of, NULL), NS_OK);
+    capacitor(&k, "c", N1, N2, C, 6);
+    resistor(&k, "r", N2, 0, 10);
+    make(&k, method);
+    int status = ns_march_start(k.m, 0, k.x);
+    if (status == NS_OK)
+        status = ns_march_try(k.m, 1e-5, NS_TO_TIME, &reached);
+    assert_int_equal(status, NS_E_LIMIT);
+    assert_int_equal(ns_march_fault(k.m)->npairs, 1);
+    assert_int_equal(ns_march_fault(k.m)->pair[0], 0);
+    end(&k);
+}
+
+/* Open: no current, v(2) = 0 closes it.  Closed: v(2) = -6 V opens it.  A hysteresis leaves no state between:
+ * no engine has an answer, and which switch it is, is told; nor is there one where steps, however short,
+ * would discharge the capacitor (1 ns), so that it came to an end. */
+static void neither_open_nor_closed(void **state) {
+    const ns_method method = *(const ns_method *)*state;
+    refuse(method, 1e-4);
+    refuse(method, 1e-10);
+}
+
+int main(void) {
+    static ns_method theta = NS_THETA, exact = NS_EXACT, sparse = NS_SPARSE;
+    const struct CMUnitTest tests[] = {
+        {"none slides from afar, exact", none_slides_from_afar, NULL, NULL, &exact},
+        {"none slides from afar, sparse", none_slides_from_afar, NULL, NULL, &sparse},
+        {"neither open nor closed, theta", neither_open_nor_closed, NULL, NULL, &theta},
+        {"neither open nor closed, exact", neither_open_nor_closed, NULL, NULL, &exact},
+        {"neither open nor closed, sparse", neither_open_nor_closed, NULL, NULL, &sparse},
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

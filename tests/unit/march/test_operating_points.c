@@ -1,0 +1,104 @@
+/* tests/unit/march/test_operating_points.c - operating points, and what ideal laws leave open or forbid. */
+#include "march_bench.h"
+
+/* 12 V through 1 k onto a diode with vf = 0.7, ron = 10 and a capacitor: i = 11.3/1010. */
+static void operating_point_is_found_and_kept(void **state) {
+    (void)state;
+    bench b = open_bench();
+    const ns_diode d = {0.7, 10, INFINITY, INFINITY, 0};
+    add_dc(&b, "v1", 1, 0, 12, NULL);
+    assert_int_equal(ns_circuit_resistor(b.c, "r1", 1, 2, 1e3, NULL), NS_OK);
+    assert_int_equal(ns_circuit_diode(b.c, "d1", 2, 0, &d, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(b.c, "c1", 2, 0, 1e-6, NAN, NULL), NS_OK);
+    build(&b, 1e-5);
+    double x[8];
+    const double expected = 0.7 + 10 * 11.3 / 1010;
+    assert_int_equal(ns_march_start_dc(b.m, 0, 0, NULL, NULL, x), NS_OK);
+    assert_true(fabs(x[ns_circuit_node_unknown(b.c, 2)] - expected) < 1e-12);
+    go(b.m, 1e-3);
+    assert_true(fabs(v_of(&b, 2) - expected) < 1e-12);
+    /* .ic v(2) = 0.3 holds it there at first; then it charges: 12 - 11.7 e^(-t/RC), to 0.7 at 35.2 us */
+    assert_int_equal(ns_circuit_node_ic(b.c, 2, 0.3), NS_OK);
+    int hold[1];
+    double hold_x[1];
+    assert_int_equal(ns_circuit_node_ic_count(b.c), 1);
+    assert_int_equal(ns_circuit_hold(b.c, hold, hold_x), 1);
+    assert_int_equal(ns_march_start_dc(b.m, 0, 1, hold, hold_x, x), NS_OK);
+    assert_true(fabs(x[ns_circuit_node_unknown(b.c, 2)] - 0.3) < 1e-12);
+    double left;
+    assert_int_equal(ns_march_try(b.m, 1, NS_TO_EVENT, &left), NS_OK);
+    assert_true(fabs(left / (1e-3 * log(11.7 / 11.3)) - 1) < 0.01); /* theta 1: h/2tau of it, and h = 10 us */
+    close_bench(&b);
+}
+
+/* No operating point: an ideal diode straight across 1 V. */
+static void a_short_through_a_diode_is_told(void **state) {
+    (void)state;
+    bench b = open_bench();
+    add_dc(&b, "v1", 1, 0, 1, NULL);
+    assert_int_equal(ns_circuit_diode(b.c, "d1", 1, 0, &ideal_diode, NULL), NS_OK);
+    build(&b, 1e-5);
+    char line[256];
+    assert_int_equal(ns_march_start_dc(b.m, 0, 0, NULL, NULL, NULL), NS_E_INFEASIBLE);
+    const ns_fault *f = ns_march_fault(b.m);
+    assert_true(f->t == 0);
+    ns_circuit_explain(b.c, f, line, sizeof line);
+    print_message("%s\n", line);
+    assert_non_null(strstr(line, "d1"));
+    close_bench(&b);
+}
+
+/* A closed switch between two sources: no current does it, however small the difference; where there is none,
+ * any does, and the least of them is none. */
+static void sources_in_a_loop_must_agree(void **state) {
+    (void)state;
+    const double differences[] = {0, 1e-7, 1e-5, 1};
+    for (int k = 0; k < 4; k++) {
+        bench b = open_bench();
+        int v1;
+        double reached;
+        add_dc(&b, "v1", 1, 0, 5, &v1);
+        add_dc(&b, "v2", 2, 0, 5 + differences[k], NULL);
+        assert_int_equal(ns_circuit_switch(b.c, "s1", 1, 2, 3, 0, &ideal_switch, NULL), NS_OK);
+        add_step(&b, "vg", 3, 0, 0, 1, 1e-6);
+        build(&b, 1e-7);
+        start_at_rest(&b);
+        const int status = ns_march_try(b.m, 2e-6, NS_TO_TIME, &reached);
+        assert_int_equal(status, k == 0 ? NS_OK : NS_E_INFEASIBLE);
+        assert_true(fabs(i_of(&b, v1)) < 1e-9);
+        if (k > 0)
+            assert_true(fabs(ns_march_fault(b.m)->t - 1e-6) < 1e-12);
+        close_bench(&b);
+    }
+}
+
+/* Two closed switches in parallel share 1 A alike. */
+static void parallel_switches_share(void **state) {
+    (void)state;
+    bench b = open_bench();
+    int s1, s2;
+    double x[16], lambda[2], i1, i2;
+    add_dc(&b, "v1", 1, 0, 5, NULL);
+    add_dc(&b, "vg", 3, 0, 1, NULL);
+    assert_int_equal(ns_circuit_switch(b.c, "s1", 1, 2, 3, 0, &ideal_switch, &s1), NS_OK);
+    assert_int_equal(ns_circuit_switch(b.c, "s2", 1, 2, 3, 0, &ideal_switch, &s2), NS_OK);
+    assert_int_equal(ns_circuit_resistor(b.c, "r1", 2, 0, 5, NULL), NS_OK);
+    build(&b, 1e-7);
+    start_at_rest(&b);
+    go(b.m, 1e-6);
+    assert_int_equal(ns_march_read(b.m, NULL, x, lambda, NULL), NS_OK);
+    assert_int_equal(ns_circuit_device(b.c, s1, x, lambda, ns_march_mode(b.m), &i1, NULL, NULL), NS_OK);
+    assert_int_equal(ns_circuit_device(b.c, s2, x, lambda, ns_march_mode(b.m), &i2, NULL, NULL), NS_OK);
+    assert_true(fabs(i1 - 0.5) < 1e-9 && fabs(i2 - 0.5) < 1e-9 && fabs(i1 + i2 - 1) < 1e-12);
+    close_bench(&b);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(operating_point_is_found_and_kept),
+        cmocka_unit_test(a_short_through_a_diode_is_told),
+        cmocka_unit_test(sources_in_a_loop_must_agree),
+        cmocka_unit_test(parallel_switches_share),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,83 @@
+/* tests/unit/modes/test_shared_branch.c - a diode across an ideal switch: while that is closed it is idle, by
+ * every engine.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "nonsmooth.h"
+
+/* 10 V, 1 kohm, 100 uH, and from there to ground a switch without resistance, with a diode across it each
+ * way of drawing it: pair 0 the switch, pair 1 the diode.  The gate closes the switch from 2 us to 6 us of 10
+ * us. */
+static ns_circuit *half_bridge(int diode_up, double roff) {
+    ns_circuit *c;
+    ns_signal ten = {.kind = NS_DC}, gate = {.kind = NS_PULSE};
+    const ns_switch contact = {0.5, 0, 0, roff};
+    const ns_diode ideal = {0, 0, roff, INFINITY, 0};
+    ten.u.dc = 10;
+    gate.u.pulse.v2 = 1;
+    gate.u.pulse.td = 2e-6;
+    gate.u.pulse.tr = gate.u.pulse.tf = 1e-9;
+    gate.u.pulse.pw = 4e-6;
+    gate.u.pulse.per = 1e-5;
+    assert_int_equal(ns_circuit_create(&c), NS_OK);
+    assert_int_equal(ns_circuit_source(c, "v", NS_VOLTAGE, 1, 0, &ten, NULL), NS_OK);
+    assert_int_equal(ns_circuit_source(c, "g", NS_VOLTAGE, 4, 0, &gate, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(c, "r", 1, 2, 1e3, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(c, "load", 3, 0, 1e3, NULL), NS_OK);
+    assert_int_equal(ns_circuit_inductor(c, "l", 2, 3, 1e-4, NAN, NULL), NS_OK);
+    assert_int_equal(ns_circuit_switch(c, "s", 3, 0, 4, 0, &contact, NULL), NS_OK);
+    assert_int_equal(ns_circuit_diode(c, "d", diode_up ? 0 : 3, diode_up ? 3 : 0, &ideal, NULL), NS_OK);
+    return c;
+}
+
+/* After the switch is closed i = 10 mA - 5 mA exp(-(t - 2 us)/0.1 us); at 5 us that is 10 mA to 1e-12 mA: the
+ * switch has all of it (up to what roff leaks), the diode none, to the bit.  The diode that would conduct
+ * from node 3 down to ground has no say before either: it shorts the load, with 10 mA. */
+static void the_switch_has_it_all(ns_method method, int diode_up, double roff) {
+    ns_circuit *c = half_bridge(diode_up, roff);
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-8, .method = method};
+    ns_system *s;
+    ns_march *m;
+    double w0[12] = {0}, lambda[2], reached;
+    assert_int_equal(ns_circuit_system(c, &s), NS_OK);
+    assert_true(s->n <= 12 && s->m == 2);
+    assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_OK);
+    assert_int_equal(ns_march_start(m, 0, w0), NS_OK);
+    for (int period = 0; period < 3; period++) {
+        const double t[] = {1.9e-6, 5e-6, 9.9e-6}, down = diode_up ? 0 : 1e-2;
+        const double in_switch[] = {0, 1e-2, 0}, in_diode[] = {down, 0, down};
+        for (int k = 0; k < 3; k++) {
+            assert_int_equal(ns_march_try(m, 1e-5 * period + t[k], NS_TO_TIME, &reached), NS_OK);
+            assert_int_equal(ns_march_accept(m), NS_OK);
+            assert_int_equal(ns_march_read(m, NULL, NULL, lambda, NULL), NS_OK);
+            assert_true(fabs(lambda[0] - in_switch[k]) < 1e-9);
+            assert_true(k == 1 ? lambda[1] == 0 : fabs(lambda[1] - in_diode[k]) < 1e-9);
+        }
+    }
+    ns_march_free(m);
+    ns_system_free(s);
+    ns_circuit_free(c);
+}
+
+static void by_every_engine(void **state) {
+    (void)state;
+    static const ns_method methods[] = {NS_THETA, NS_EXACT, NS_SPARSE};
+    for (int k = 0; k < 3; k++)
+        for (int up = 0; up < 2; up++) {
+            the_switch_has_it_all(methods[k], up, INFINITY);
+            the_switch_has_it_all(methods[k], up, 1e12);
+        }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(by_every_engine)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,125 @@
+/* tests/unit/sparse/test_output_only.c - unknowns that only show something are left out of the sparse
+ * marcher's steps, and yet read right. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "nonsmooth.h"
+
+/* 1 V over a switch on 1 ohm and 4 F; its gate is a triangle between -1 and 1 of period 1, through a divider
+ * of 1 ohm and 1 ohm: it closes, without hysteresis, at a quarter of each period and opens at three quarters.
+ */
+typedef struct rig {
+    ns_circuit *c;
+    ns_system *s;
+    ns_march *m;
+    double x[16];
+} rig;
+
+static void begin(rig *k) {
+    const ns_switch sw = {0, 0, 0, INFINITY};
+    const ns_signal one = {.kind = NS_DC, .u.dc = 1},
+                    triangle = {.kind = NS_PULSE, .u.pulse = {-1, 1, 0, 0.5, 0.5, 0, 1, 0}};
+    const ns_march_options o = {.h = 10, .method = NS_SPARSE, .reltol = 1e-11};
+    assert_int_equal(ns_circuit_create(&k->c), NS_OK);
+    assert_int_equal(ns_circuit_source(k->c, "v", NS_VOLTAGE, 1, 0, &one, NULL), NS_OK);
+    assert_int_equal(ns_circuit_source(k->c, "gate", NS_VOLTAGE, 2, 0, &triangle, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(k->c, "a", 2, 3, 1, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(k->c, "b", 3, 0, 1, NULL), NS_OK);
+    assert_int_equal(ns_circuit_switch(k->c, "s", 1, 4, 2, 0, &sw, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(k->c, "r", 4, 5, 1, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(k->c, "c", 5, 0, 4, 0, NULL), NS_OK);
+    assert_int_equal(ns_circuit_system(k->c, &k->s), NS_OK);
+    assert_true(k->s->n <= 16);
+    assert_int_equal(ns_march_create(k->s, &o, &k->m, NULL), NS_OK);
+}
+
+static void end(rig *k) {
+    ns_march_free(k->m);
+    ns_system_free(k->s);
+    ns_circuit_free(k->c);
+}
+
+static double triangle(double t) {
+    const double part = t - floor(t);
+    return part < 0.5 ? 4 * part - 1 : 3 - 4 * part;
+}
+
+/* 1 - v decays by e^-1/8 in each period, from a quarter of it to three quarters. */
+static double charged(double t) {
+    const double periods = floor(t), part = t - periods;
+    return 1 - exp((-0.5 * periods - fmin(fmax(part - 0.25, 0), 0.5)) / 4);
+}
+
+static void near(const rig *k, int node, double expected) {
+    const double got = k->x[ns_circuit_node_unknown(k->c, node)];
+    if (!(fabs(got - expected) <= 1e-9))
+        fail_msg("node %d: %.17g, expected %.17g", node, got, expected);
+}
+
+static void check(const rig *k, double t) {
+    near(k, 1, 1);
+    near(k, 2, triangle(t));
+    near(k, 3, triangle(t) / 2);
+    near(k, 5, charged(t));
+}
+
+static void test_gates(void **state) {
+    (void)state;
+    rig k = {0};
+    double w0[16] = {0}, reached;
+    begin(&k);
+    assert_int_equal(ns_march_start(k.m, 0, w0), NS_OK);
+    for (int i = 1; i < 150; i++) {
+        const double t = 0.07 * i;
+        assert_int_equal(ns_march_try(k.m, t, NS_TO_TIME, &reached), NS_OK);
+        assert_int_equal(ns_march_accept(k.m), NS_OK);
+        assert_int_equal(ns_march_read(k.m, NULL, k.x, NULL, NULL), NS_OK);
+        check(&k, t);
+    }
+    end(&k);
+}
+
+/* The leg that an open switch begins holds until it closes, though its gate has a corner in between. */
+static void test_corners_end_nothing(void **state) {
+    (void)state;
+    rig k = {0};
+    double w0[16] = {0}, reached;
+    long before = 0;
+    begin(&k);
+    assert_int_equal(ns_march_start(k.m, 0, w0), NS_OK);
+    for (int i = 0; i < 10; i++) { /* from when it opens to just before it closes */
+        assert_int_equal(ns_march_try(k.m, i + 0.8, NS_TO_TIME, &reached), NS_OK);
+        assert_int_equal(ns_march_accept(k.m), NS_OK);
+        before = ns_march_counts(k.m)->steps;
+        assert_int_equal(ns_march_try(k.m, i + 1.2, NS_TO_TIME, &reached), NS_OK);
+        assert_int_equal(ns_march_accept(k.m), NS_OK);
+        assert_true(i < 2 || ns_march_counts(k.m)->steps == before);
+    }
+    end(&k);
+}
+
+/* At rest, too: what is held there is shown, and is of no matter to others. */
+static void test_dc(void **state) {
+    (void)state;
+    rig k = {0};
+    begin(&k);
+    const int hold[] = {ns_circuit_node_unknown(k.c, 3), ns_circuit_node_unknown(k.c, 5)};
+    const double at[] = {7, 0.25};
+    assert_int_equal(ns_march_start_dc(k.m, 0.4, 2, hold, at, k.x), NS_OK);
+    near(&k, 2, triangle(0.4));
+    near(&k, 3, 7);
+    near(&k, 5, 0.25);
+    end(&k);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_gates),
+                                       cmocka_unit_test(test_corners_end_nothing), cmocka_unit_test(test_dc)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
