@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "march/march_internal.h"
 #include "modes/bernstein_root.h"
 #include "switch_times.h"
+#include "waves.h"
 
 static const double control_tol = NS_CONTROL_TOL;
 enum { MOST_PIECES = 64, MOST_STEPS = 64, FAR = 16 };
@@ -320,7 +320,7 @@ static double reach(const ns_input_stages *in, int c, double t, double horizon) 
         const ns_signal *z = &in->s->z[gz->row[i]];
         until = fmin(until, ns_signal_next_corner(z, t));
         if (z->kind == NS_SIN && z->u.sin.freq != 0 && z->u.sin.va != 0)
-            until = fmin(until, ns_inputs_crest(z, t));
+            until = fmin(until, ns_inputs_wave_crest(z, t));
         else if (z->kind == NS_EXP)
             until = fmin(until, t + horizon);
     }

@@ -21,7 +21,7 @@ static void add_line(const ns_switch_line *x, double t, ns_switch_value *v) {
 static void add_wave(const ns_switch_term *x, double t, double later, ns_switch_value *v) {
     const double omega = 6.28318530717958647693 * x->wave.freq, theta = x->wave.theta;
     double c, s;
-    ns_system_wave_at(&x->wave, t, &c, &s);
+    ns_inputs_wave_at(&x->wave, t, &c, &s);
     const double term = x->term.after + x->term.cc * c + x->term.cs * s;
     v->g += term;
     v->size += fabs(term);

@@ -27,7 +27,7 @@ static void take_curve(ns_switch_times *c, double factor, const ns_signal *s) {
     ns_wave_term term[NS_TERMS];
     ns_wave wave[NS_TERMS];
     double base;
-    const int count = ns_system_wave_terms(s, term, wave, &base);
+    const int count = ns_inputs_wave_terms(s, term, wave, &base);
     c->g0 += factor * base;
     widen(c, factor * base, factor * base);
     for (int k = 0; k < count; k++) {

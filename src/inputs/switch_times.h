@@ -12,7 +12,7 @@
 
 #include "nonsmooth/system.h"
 #include "system/broken_line.h"
-#include "system/waves.h"
+#include "waves.h"
 
 /* A control beyond its threshold by less than this, relative to its terms, has not crossed it: rounding. */
 #define NS_CONTROL_TOL 1e-12

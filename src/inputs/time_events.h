@@ -17,7 +17,7 @@
 #define NS_INPUTS_TIME_EVENTS_H
 
 #include "nonsmooth/system.h"
-#include "system/waves.h"
+#include "waves.h"
 
 typedef struct ns_time_events ns_time_events;
 

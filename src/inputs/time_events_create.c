@@ -30,7 +30,7 @@ static int wave_of(ns_time_events *s, const ns_wave *w) {
 
 static void take_curve(ns_time_events *s, int input) {
     ns_wave wave[NS_TERMS];
-    const int count = ns_system_wave_terms(&s->s->z[input], s->term + s->terms, wave, &s->base[s->entering]);
+    const int count = ns_inputs_wave_terms(&s->s->z[input], s->term + s->terms, wave, &s->base[s->entering]);
     s->input[s->entering++] = input;
     for (int k = 0; k < count; k++) {
         ns_wave_term *x = &s->term[s->terms++];

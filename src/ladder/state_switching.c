@@ -1,4 +1,5 @@
 /* src/ladder/state_switching.c - commands of switches: when they cross their thresholds. */
+#include "inputs/waves.h"
 #include "march/march_internal.h"
 
 #include <float.h>
@@ -73,19 +74,6 @@ double ns_ladder_switch_instant(ns_march *m, double t, unsigned char *flip) {
     return first;
 }
 
-/* Crests and troughs of vo + va sin(2 pi f (t - td) + phase); damping moves them by less than matters here.
- */
-double ns_inputs_crest(const ns_signal *s, double t) {
-    const double half = 0.5 / fabs(s->u.sin.freq);
-    const double sign = s->u.sin.freq < 0 ? -1 : 1;
-    double first = s->u.sin.td + (0.25 - sign * s->u.sin.phase / 360) * 2 * half;
-    first += half * ceil((s->u.sin.td - first) / half);
-    double crest = first + half * fmax(0, floor((t - first) / half) + 1);
-    if (crest <= t + 1e-6 * half)
-        crest += half;
-    return crest;
-}
-
 double ns_ladder_switch_next_crest(const ns_march *m, double t) {
     double next = INFINITY;
     for (int c = 0; c < m->s->nc; c++) {
@@ -93,7 +81,7 @@ double ns_ladder_switch_next_crest(const ns_march *m, double t) {
         for (int i = 0; !k->gx && k->gz && i < m->s->nz; i++) {
             const ns_signal *s = &m->s->z[i];
             if (k->gz[i] != 0 && s->kind == NS_SIN && s->u.sin.freq != 0 && s->u.sin.va != 0)
-                next = fmin(next, ns_inputs_crest(s, t));
+                next = fmin(next, ns_inputs_wave_crest(s, t));
         }
     }
     return next;

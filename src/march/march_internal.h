@@ -113,7 +113,6 @@ double ns_ladder_switch_instant(ns_march *m, double t, unsigned char *flip);
  * crosses a threshold at most once, so that looking at step ends misses nothing.  INFINITY if there is none.
  */
 double ns_ladder_switch_next_crest(const ns_march *m, double t);
-double ns_inputs_crest(const ns_signal *s, double t); /* of one sine that swings */
 void ns_ladder_switch_apply(ns_march *m, const unsigned char *flip);
 /* What the state adds to the controls at x, where ns_theta_controls() finds it. */
 void ns_ladder_switch_set(ns_march *m, const double *x);

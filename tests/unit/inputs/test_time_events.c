@@ -89,7 +89,7 @@ static void waves_are_shared(void **state) {
     assert_int_equal(ns_inputs_events_terms(s, &term), 6);
     assert_int_equal(ns_inputs_events_entering(s, &entering), 5);
     ns_inputs_events_values(s, 0.25, z, dz);
-    ns_system_wave_at(&wave[0], 0.003, &c, &sn);
+    ns_inputs_wave_at(&wave[0], 0.003, &c, &sn);
     assert_near(c, cos(2 * pi * 50 * 0.003), 8 * eps);
     assert_near(sn, sin(2 * pi * 50 * 0.003), 8 * eps);
     for (int i = 0; i < 3; i++) {
@@ -108,7 +108,7 @@ static void waves_are_shared(void **state) {
     ns_inputs_events_values(s, 3, z, dz); /* at 3: 1 + 2 - 2 - 2 e^-8 + 2 e^-2 */
     for (int k = 4; k < 6; k++) {
         assert_int_equal(ns_inputs_events_term_counts(s, k), 1);
-        ns_system_wave_at(&wave[term[k].wave], 3, &c, &sn);
+        ns_inputs_wave_at(&wave[term[k].wave], 3, &c, &sn);
         z[4] += term[k].cc * c + term[k].cs * sn;
     }
     assert_near(z[4], 1 - 2 * exp(-8) + 2 * exp(-2), 16 * eps);

@@ -119,7 +119,7 @@ static double scheduled(const ns_time_events *s, int input, double t, const doub
     ns_inputs_events_waves(s, &wave);
     for (int k = 0; k < terms; k++)
         if (term[k].input == input && ns_inputs_events_term_counts(s, k)) {
-            ns_system_wave_at(&wave[term[k].wave], t, &cosine, &sine);
+            ns_inputs_wave_at(&wave[term[k].wave], t, &cosine, &sine);
             value += term[k].cc * cosine + term[k].cs * sine;
         }
     return value;

@@ -1,12 +1,12 @@
-/* src/system/waves.h - sines and exponentials as multiples of waves that several of them share.
+/* src/inputs/waves.h - sines and exponentials as multiples of waves that several of them share.
  *
  * A wave is  c + i s = exp((-theta + i 2 pi freq)(t - td)),  and a SIN or EXP
  *     base + sum of its terms,  a term:  before,  and from `from` on  after + cc c + cs s.
  */
-#ifndef NS_SYSTEM_WAVES_H
-#define NS_SYSTEM_WAVES_H
+#ifndef NS_INPUTS_WAVES_H
+#define NS_INPUTS_WAVES_H
 
-#include "signal_internal.h"
+#include "system/signal_internal.h"
 
 typedef struct ns_wave {
     double freq, theta, td; /* freq 0: an exponential, s = 0 */
@@ -24,9 +24,12 @@ enum { NS_TERMS = 2 }; /* of one signal, at most */
 
 /* The terms of a signal (input and wave not set), with the wave of each; their number, 0 where it is straight
  * or constant but for *base. */
-int ns_system_wave_terms(const ns_signal *s, ns_wave_term *term, ns_wave *wave, double *base);
+int ns_inputs_wave_terms(const ns_signal *s, ns_wave_term *term, ns_wave *wave, double *base);
 
 /* c and s of a wave at t >= td. */
-void ns_system_wave_at(const ns_wave *w, double t, double *c, double *s);
+void ns_inputs_wave_at(const ns_wave *w, double t, double *c, double *s);
+
+/* The first crest or trough after t of a sine with freq != 0, as if undamped. */
+double ns_inputs_wave_crest(const ns_signal *s, double t);
 
 #endif

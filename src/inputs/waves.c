@@ -1,4 +1,4 @@
-/* src/system/waves.c - sines and exponentials as multiples of waves. */
+/* src/inputs/waves.c - sines and exponentials as multiples of waves. */
 #include "waves.h"
 
 #include <float.h>
@@ -32,14 +32,14 @@ static int exp_terms(const ns_signal *s, ns_wave_term *term, ns_wave *wave, doub
     return 2;
 }
 
-int ns_system_wave_terms(const ns_signal *s, ns_wave_term *term, ns_wave *wave, double *base) {
+int ns_inputs_wave_terms(const ns_signal *s, ns_wave_term *term, ns_wave *wave, double *base) {
     *base = 0;
     if (s->kind == NS_SIN)
         return sine_terms(s, term, wave, base);
     return s->kind == NS_EXP ? exp_terms(s, term, wave, base) : 0;
 }
 
-void ns_system_wave_at(const ns_wave *w, double t, double *c, double *s) {
+void ns_inputs_wave_at(const ns_wave *w, double t, double *c, double *s) {
     const double since = t - w->td, size = w->theta != 0 ? exp(-w->theta * since) : 1;
     *c = size;
     *s = 0;
@@ -48,4 +48,17 @@ void ns_system_wave_at(const ns_wave *w, double t, double *c, double *s) {
         *c = size * cos(angle);
         *s = size * sin(angle);
     }
+}
+
+/* Crests and troughs of vo + va sin(2 pi f (t - td) + phase); damping moves them by less than matters here.
+ */
+double ns_inputs_wave_crest(const ns_signal *s, double t) {
+    const double half = 0.5 / fabs(s->u.sin.freq);
+    const double sign = s->u.sin.freq < 0 ? -1 : 1;
+    double first = s->u.sin.td + (0.25 - sign * s->u.sin.phase / 360) * 2 * half;
+    first += half * ceil((s->u.sin.td - first) / half);
+    double crest = first + half * fmax(0, floor((t - first) / half) + 1);
+    if (crest <= t + 1e-6 * half)
+        crest += half;
+    return crest;
 }
