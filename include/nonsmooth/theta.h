@@ -1,9 +1,10 @@
 /* nonsmooth/theta.h - one theta-gamma step of a linear complementarity system, tried and accepted.
  *
  *   (T1)  W      = M - h theta A
- *   (T6)  x_free = W^-1 ( M x_k + h(1-theta) A x_k + h [theta b_k+1 + (1-theta) b_k] + h(1-gamma) B lambda_k
- * ) (T7)  q      = C x_free + F z + e (P1)  -y in N_[l,u](lambda),  y = W_mlcp lambda + q,  W_mlcp = D + h
- * gamma C W^-1 B
+ *   (T6)  x_free = W^-1 ( M x_k + h(1-theta) A x_k + h [theta b_k+1 + (1-theta) b_k]
+ *                         + h(1-gamma) B lambda_k )
+ *   (T7)  q      = C x_free + F z + e
+ *   (P1)  -y in N_[l,u](lambda),   y = W_mlcp lambda + q,   W_mlcp = D + h gamma C W^-1 B
  *
  * Algebraic rows (ns_system_split) hold at t_k+1 whatever theta and gamma are.  The past enters only
  * through w = M x (charges and fluxes) and, for theta or gamma below 1, the slope of w.
@@ -31,24 +32,29 @@ typedef struct ns_theta_options {
     size_t map_bytes;    /* bound on the memory of kept maps; 0: 32 MiB */
 } ns_theta_options;
 
-/* What the steps of an object cost so far. */
+/* What the work of an object cost so far. */
 typedef struct ns_counts {
+    /* every stepper and marcher */
     long steps;    /* accepted */
-    long trials;   /* tried */
+    long trials;   /* steps tried */
     long events;   /* accepted steps that changed the mode */
     long problems; /* (P1) solved by the MLCP solver */
-    long pivots;   /* inside them */
+    long pivots;   /* inside these problems */
     long factors;  /* factorisations, those of the solver included */
-    long maps;     /* maps built */
-    long evicted;  /* maps dropped for the memory bound */
-    long jumps;    /* a marcher's: taken by the impulse problem, */
-    long refused;  /* and by short steps, because that gave no answer */
-    long modes;    /* a marcher's exact engines: modes that matrices or factors were made for, */
-    long searches; /* ways between two points looked into for a guard that may break, */
-    long waves;    /* states carried for the inputs: 1, slopes, exponentials, two a sine, */
-    long laps;     /* whole periods of a drive, by one product, */
-    long settled;  /* events that (P1) was not asked for: a mode followed that was seen before, */
-    long islands;  /* that go their own ways, sharing nothing but stiff sources; 0: it is all one */
+    long maps;     /* step matrices built */
+    long evicted;  /* step matrices dropped for the memory bound */
+
+    /* a marcher's */
+    long jumps;          /* resolved by the impulse problem */
+    long jumps_by_steps; /* resolved by short steps, because the impulse problem gave no answer */
+    long islands;        /* parts that share nothing but stiff sources and are stepped apart; 0: one whole */
+
+    /* a marcher's exact engines (NS_EXACT, NS_SPARSE) */
+    long modes;        /* modes that matrices or factors were made for */
+    long searches;     /* intervals in which a guard that may break was looked for */
+    long input_states; /* states carried for the inputs: one constant, slopes, exponentials, two a sine */
+    long periods;      /* whole periods of the inputs, by one matrix product each */
+    long predicted;    /* events at which a mode seen before was proved right, so that (P1) was not solved */
 } ns_counts;
 
 /* What a trial may do when a guard breaks. */

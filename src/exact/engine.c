@@ -94,7 +94,7 @@ int ns_exact_create(ns_march *m, ns_exact **out) {
         status = ns_inputs_states_create(m->s, entering, input, &f->exo);
     if (status == NS_OK)
         status = allocate(f);
-    m->step->counts.waves = f->exo ? f->exo->nv : 0;
+    m->step->counts.input_states = f->exo ? f->exo->nv : 0;
     if (status != NS_OK) {
         ns_exact_free(f);
         return status;

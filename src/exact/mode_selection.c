@@ -197,7 +197,7 @@ static int turn_once(ns_exact *f, int natural, int *on) {
         status = try_wanted(f, NS_EVIDENCE_NONE, on);
     if (status == NS_GUARD && (flip_broken(f) || !natural))
         status = try_mended(f, NS_EVIDENCE_NONE, on);
-    f->s->counts.settled += status == NS_OK;
+    f->s->counts.predicted += status == NS_OK;
     if (status != NS_GUARD)
         return status;
     command(f);

@@ -300,8 +300,8 @@ static void count(ns_exact *f, const ns_period *lap) {
     ns_counts *c = &f->s->counts;
     f->m->events += lap->events;
     c->events += lap->changes;
-    c->settled += lap->events;
-    c->laps++;
+    c->predicted += lap->events;
+    c->periods++;
 }
 
 /* By the product. */

@@ -242,11 +242,11 @@ const ns_counts *ns_march_counts(ns_march *m) {
     if (m->sparse) {
         m->counts = *ns_sparse_counts(m->sparse);
     } else {
-        const long jumps = m->counts.jumps, refused = m->counts.refused;
+        const long jumps = m->counts.jumps, by_steps = m->counts.jumps_by_steps;
         m->counts = *ns_theta_counts(m->step);
         m->counts.events = m->events;
         m->counts.jumps = jumps;
-        m->counts.refused = refused;
+        m->counts.jumps_by_steps = by_steps;
     }
     m->sum = m->counts;
     ns_march_sum_counts(m, &m->sum);

@@ -144,7 +144,7 @@ int ns_reinit_jump_commit(ns_march *m) {
     status = solve(m, &any);
     if (status != NS_OK || !any) {
         ns_theta_restore(m->step, j->right);
-        m->counts.refused += status != NS_OK;
+        m->counts.jumps_by_steps += status != NS_OK;
         return status == NS_E_MEMORY ? ns_march_fail(m, status) : NS_OK;
     }
     ns_theta_jump(m->step, &j->to, j->z);

@@ -132,7 +132,7 @@ static int capture(ns_sparse *m, double t, const ns_dense_step *before, ns_dense
     }
     if (status == NS_OK && leg->end_t == limit && ns_sparse_event_at(m, limit))
         leg->why = NS_LEG_EVENT;
-    m->counts.refused++;
+    m->counts.jumps_by_steps++;
     m->budget -= 3000; /* it has no end in sight */
     return status;
 }

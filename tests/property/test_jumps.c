@@ -184,7 +184,7 @@ static void jumps_conserve(void **state) {
         r.method = w->method;
         failed += !(begin(&r, e, straight, 1e-6) && follow(&r, e, &t));
         jumps += ns_march_counts(r.m)->jumps;
-        refused += ns_march_counts(r.m)->refused;
+        refused += ns_march_counts(r.m)->jumps_by_steps;
         end(&r);
     }
     print_message("roff %g: %d networks (%d failed), %ld jumps, %ld more by short steps\n", w->roff, RUNS,

@@ -46,7 +46,7 @@ static void buck(scene *z, int diode, double load, ns_signal gate, ns_signal in,
     clamped_buck(z, diode, load, gate, in, bytes, INFINITY);
 }
 
-/* Steps that laps made in the place of others. */
+/* Steps that whole periods made in the place of others. */
 static long saved;
 
 /* Both ways to t, in `parts`; the laps that there were. */
@@ -58,9 +58,9 @@ static long laps_of(scene *a, scene *b, double t, int parts) {
         most = fmax(most, fabs(value(b)));
         assert_true(fabs(value(a) - value(b)) <= 1e-12 * most);
     }
-    assert_int_equal(ns_march_counts(b->m)->laps, 0);
+    assert_int_equal(ns_march_counts(b->m)->periods, 0);
     saved = ns_march_counts(b->m)->steps - ns_march_counts(a->m)->steps;
-    return ns_march_counts(a->m)->laps;
+    return ns_march_counts(a->m)->periods;
 }
 
 static long compare(scene *a, scene *b, double t, int parts) {
@@ -237,9 +237,9 @@ static void a_period_that_only_comes(void **state) {
     buck(&b, 0, 5, square(1, period), in, 0);
     assert_int_equal(ns_march_try(a.m, 31.7 * period, NS_TO_TIME, &reached), NS_OK);
     go(&a, 29.3 * period, NS_TO_TIME);
-    assert_int_equal(ns_march_counts(a.m)->laps, 0);
+    assert_int_equal(ns_march_counts(a.m)->periods, 0);
     go(&a, 60.3 * period, NS_TO_TIME);
-    assert_in_range(ns_march_counts(a.m)->laps, 20, 29);
+    assert_in_range(ns_march_counts(a.m)->periods, 20, 29);
     go(&b, 60.3 * period, NS_TO_EVENT);
     assert_true(fabs(value(&a) - value(&b)) <= 1e-12 * vin);
     end(&a);
@@ -263,7 +263,7 @@ static void inputs_that_jump(void **state) {
     begin(&z, 0);
     z.watched = ns_circuit_current_unknown(z.c, coil);
     go(&z, 1000 * period, NS_TO_TIME);
-    assert_in_range(ns_march_counts(z.m)->laps, 990, 998);
+    assert_in_range(ns_march_counts(z.m)->periods, 990, 998);
     const double low = v / 2 * (1 - tanh(half / (2 * tau)));
     assert_true(fabs(value(&z) - low) < 1e-13 * v); /* 1000 periods: gone since long */
     end(&z);
@@ -287,7 +287,7 @@ static void far_from_zero(void **state) {
         go(&z[i], 1000.1, i ? NS_TO_EVENT : NS_TO_TIME);
         v[i] = value(&z[i]);
     }
-    assert_true(ns_march_counts(z[0].m)->laps > 5000);
+    assert_true(ns_march_counts(z[0].m)->periods > 5000);
     assert_true(fabs(v[0] - v[1]) < 1e-6 * 10);
     end(&z[0]);
     end(&z[1]);

@@ -99,7 +99,7 @@ static void each_costs_what_it_costs_alone(void **state) {
     assert_int_equal(c[0].modes, c[2].modes + c[3].modes);
     assert_int_equal(c[0].maps, c[2].maps + c[3].maps);
     assert_true(c[0].pivots <= c[2].pivots + c[3].pivots);
-    assert_int_equal(c[0].laps, c[2].laps + c[3].laps);
+    assert_int_equal(c[0].periods, c[2].periods + c[3].periods);
     assert_true(c[1].modes > c[0].modes && c[1].steps > c[0].steps);
 }
 
