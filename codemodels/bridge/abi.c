@@ -52,7 +52,7 @@ static int resistors_fit(const CKTcircuit *ckt) {
         const GENinstance *inst = box->data;
         const RESinstance *r = (const RESinstance *)inst;
         const RESmodel *model = (const RESmodel *)inst->GENmodPtr;
-        if (models_letter(inst) == 'r' && !r->REStc1Given && !r->REStc2Given && !r->REStceGiven &&
+        if (ns_bridge_models_letter(inst) == 'r' && !r->REStc1Given && !r->REStc2Given && !r->REStceGiven &&
             model->REStempCoeff1 == 0.0 && model->REStempCoeff2 == 0.0 && !model->REStceGiven &&
             r->RESresist != 0.0 &&
             !(fabs(r->RESconduct * r->RESresist * r->RESscale / r->RESm - 1.0) < 1e-9 /* rounding */)) {
@@ -62,7 +62,7 @@ static int resistors_fit(const CKTcircuit *ckt) {
     return 1;
 }
 
-const char *abi_check(CKTcircuit *ckt) {
+const char *ns_bridge_abi_check(CKTcircuit *ckt) {
     if (!(ckt->CKTmaxEqNum > 0 && ckt->CKTmaxEqNum < EQUATIONS_MAX) || !nodes_fit(ckt)) {
         return "its list of nodes";
     }

@@ -5,6 +5,6 @@
 #include "ngspice.h"
 
 /* NULL if what is read of ckt is what it should be, else what is not. */
-const char *abi_check(CKTcircuit *ckt);
+const char *ns_bridge_abi_check(CKTcircuit *ckt);
 
 #endif

@@ -76,13 +76,13 @@ static double factor_of(const ASRCinstance *b) {
 }
 
 /* Evaluates at values (n); returns the expression, derivatives in slopes (n); NAN if it cannot. */
-static double evaluate(const extract_walk *w, IFparseTree *tree, double *values, double *slopes) {
+static double evaluate(const ns_extract_walk *w, IFparseTree *tree, double *values, double *slopes) {
     double result = NAN;
     return tree->IFeval(tree, w->ckt->CKTgmin, &result, values, slopes) == OK ? result : NAN;
 }
 
 /* Is constant + sum slopes*v what the expression gives at a point?  scratch: 2n. */
-static int agrees(const extract_walk *w, IFparseTree *tree, double constant, const double *slopes,
+static int agrees(const ns_extract_walk *w, IFparseTree *tree, double constant, const double *slopes,
                   double first, double ratio, double *scratch) {
     const int n = tree->numVars;
     double expected = constant;
@@ -99,7 +99,7 @@ static int agrees(const extract_walk *w, IFparseTree *tree, double constant, con
 }
 
 /* constant and slopes (n) of a linear expression.  scratch: 2n. */
-static int linear(const extract_walk *w, IFparseTree *tree, double *constant, double *slopes,
+static int linear(const ns_extract_walk *w, IFparseTree *tree, double *constant, double *slopes,
                   double *scratch) {
     const INPparseTree *whole = (const INPparseTree *)tree;
     if (degree_of(whole->tree, 0) == CURVE) {
@@ -114,7 +114,7 @@ static int linear(const extract_walk *w, IFparseTree *tree, double *constant, do
 }
 
 /* The terms (n); EXTRACT_LATER if one refers to an element that was not read yet. */
-static int make_terms(const extract_walk *w, const ASRCinstance *b, const double *slopes, double factor,
+static int make_terms(const ns_extract_walk *w, const ASRCinstance *b, const double *slopes, double factor,
                       ns_term *terms) {
     for (int i = 0; i < b->ASRCtree->numVars; i++) {
         const int eq = b->ASRCvars[i];
@@ -142,7 +142,7 @@ static const char *why_not(const char *name) {
     return "a B source that is not linear in voltages and currents cannot be taken yet";
 }
 
-static int add(extract_walk *w, GENinstance *inst, double *slopes, double *scratch, ns_term *terms) {
+static int add(ns_extract_walk *w, GENinstance *inst, double *slopes, double *scratch, ns_term *terms) {
     const ASRCinstance *b = (const ASRCinstance *)inst;
     const double factor = factor_of(b);
     const ns_output kind = b->ASRCtype == ASRC_VOLTAGE ? NS_VOLTAGE : NS_CURRENT;
@@ -150,7 +150,7 @@ static int add(extract_walk *w, GENinstance *inst, double *slopes, double *scrat
     int id = -1;
     int status;
     if (!linear(w, b->ASRCtree, &constant, slopes, scratch)) {
-        return extract_refuse(w, inst, why_not(inst->GENname));
+        return ns_bridge_extract_refuse(w, inst, why_not(inst->GENname));
     }
     status = make_terms(w, b, slopes, factor, terms);
     if (status) {
@@ -158,16 +158,16 @@ static int add(extract_walk *w, GENinstance *inst, double *slopes, double *scrat
     }
     constant *= factor;
     for (int i = 0; i < b->ASRCtree->numVars; i++) {
-        extract_mix(w, &terms[i].gain, sizeof terms[i].gain);
+        ns_bridge_extract_mix(w, &terms[i].gain, sizeof terms[i].gain);
     }
-    extract_mix(w, &constant, sizeof constant);
+    ns_bridge_extract_mix(w, &constant, sizeof constant);
     status = ns_circuit_linear(w->ex->circuit, inst->GENname, kind, b->ASRCposNode, b->ASRCnegNode, constant,
                                b->ASRCtree->numVars, terms, &id);
-    extract_current(w, kind == NS_VOLTAGE ? b->ASRCbranch : 0, id);
+    ns_bridge_extract_current(w, kind == NS_VOLTAGE ? b->ASRCbranch : 0, id);
     return status;
 }
 
-int extract_behavioural(extract_walk *w, GENinstance *inst) {
+int ns_bridge_behavioural(ns_extract_walk *w, GENinstance *inst) {
     const ASRCinstance *b = (const ASRCinstance *)inst;
     const size_t n = (size_t)b->ASRCtree->numVars + 1;
     double *numbers = calloc(3 * n, sizeof *numbers);

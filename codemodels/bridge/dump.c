@@ -16,7 +16,7 @@
 #define QUOTE(text) #text
 #define QUOTE_VALUE(macro) QUOTE(macro)
 
-static void write_head(FILE *file, const engine *e, const ns_mlcp *p, double h) {
+static void write_head(FILE *file, const ns_analysis *e, const ns_mlcp *p, double h) {
     char line[320];
     ns_circuit_explain(e->ex.circuit, ns_march_fault(e->march), line, sizeof line);
     fprintf(file,
@@ -35,7 +35,7 @@ static void write_head(FILE *file, const engine *e, const ns_mlcp *p, double h) 
 }
 
 /* Whose rows of the system row k is made of, if not of unknown k's alone. */
-static void write_rows(FILE *file, const engine *e, const double *T, int k) {
+static void write_rows(FILE *file, const ns_analysis *e, const double *T, int k) {
     const int n = e->system->n;
     const char *before = "; row of ";
     char name[160];
@@ -53,7 +53,8 @@ static void write_rows(FILE *file, const engine *e, const double *T, int k) {
 }
 
 /* One line for each index, from 1 as in the messages of nsc-mlcp. */
-static void write_names(FILE *file, const engine *e, const ns_mlcp *p, const int *hold, const double *T) {
+static void write_names(FILE *file, const ns_analysis *e, const ns_mlcp *p, const int *hold,
+                        const double *T) {
     const int n = e->system->n;
     const int m = e->system->m;
     char name[160];
@@ -86,7 +87,7 @@ static char *text_of(const ns_mlcp *p, size_t *length) {
 }
 
 /* Indices of the nodes held, or NULL; the caller frees it. */
-static int *nodes_held(const engine *e) {
+static int *nodes_held(const ns_analysis *e) {
     const size_t room = (size_t)ns_circuit_node_ic_count(e->ex.circuit) + 1;
     int *hold = calloc(room, sizeof *hold);
     double *hold_x = calloc(room, sizeof *hold_x);
@@ -101,7 +102,7 @@ static int *nodes_held(const engine *e) {
 }
 
 /* T of the rows, or NULL; the caller frees it. */
-static double *rows_split(const engine *e) {
+static double *rows_split(const ns_analysis *e) {
     const size_t n = (size_t)e->system->n;
     double *T = calloc(n * n + 1, sizeof *T);
     int rank = 0;
@@ -113,7 +114,7 @@ static double *rows_split(const engine *e) {
 }
 
 /* 0, or the errno of what went wrong. */
-static int write_file(const char *name, const engine *e, const ns_mlcp *p, double h) {
+static int write_file(const char *name, const ns_analysis *e, const ns_mlcp *p, double h) {
     size_t length = 0;
     char *text = text_of(p, &length);
     int *hold = nodes_held(e);
@@ -138,8 +139,8 @@ static int write_file(const char *name, const engine *e, const ns_mlcp *p, doubl
     return error;
 }
 
-void dump_failed_step(const engine *e, char *more, size_t size) {
-    const char *name = options_dump(&e->ex.options);
+void ns_bridge_dump_failed_step(const ns_analysis *e, char *more, size_t size) {
+    const char *name = ns_bridge_options_dump(&e->ex.options);
     double h = 0.0;
     ns_mlcp p;
     *more = '\0';

@@ -12,28 +12,28 @@
 #include "spicelib/devices/vcvs/vcvsdefs.h"
 
 /* The element whose current equation eq stands for, -1 if it was not read (yet). */
-static int element_of(const extract_walk *w, int eq) {
+static int element_of(const ns_extract_walk *w, int eq) {
     return eq > 0 && eq < w->ex->neq ? w->ex->element[eq] : -1;
 }
 
-int extract_resistor(extract_walk *w, GENinstance *inst) {
+int ns_bridge_elements_resistor(ns_extract_walk *w, GENinstance *inst) {
     const RESinstance *r = (const RESinstance *)inst;
     const double ohms = 1.0 / r->RESconduct; /* m, scale and temperature are in it */
-    extract_mix(w, &ohms, sizeof ohms);
+    ns_bridge_extract_mix(w, &ohms, sizeof ohms);
     return ns_circuit_resistor(w->ex->circuit, inst->GENname, r->RESposNode, r->RESnegNode, ohms, NULL);
 }
 
-int extract_capacitor(extract_walk *w, GENinstance *inst) {
+int ns_bridge_elements_capacitor(ns_extract_walk *w, GENinstance *inst) {
     const CAPinstance *c = (const CAPinstance *)inst;
     const double farads = c->CAPcapac * c->CAPm;
     const double ic = c->CAPicGiven ? c->CAPinitCond : NAN;
     w->ex->capacitors = inst->GENmodPtr->GENmodType;
-    extract_mix(w, &farads, sizeof farads);
+    ns_bridge_extract_mix(w, &farads, sizeof farads);
     return ns_circuit_capacitor(w->ex->circuit, inst->GENname, c->CAPposNode, c->CAPnegNode, farads, ic,
                                 NULL);
 }
 
-int extract_inductor(extract_walk *w, GENinstance *inst) {
+int ns_bridge_elements_inductor(ns_extract_walk *w, GENinstance *inst) {
     const INDinstance *l = (const INDinstance *)inst;
     const double henries = l->INDinduct / l->INDm;
     const double ic = l->INDicGiven ? l->INDinitCond : NAN;
@@ -41,12 +41,12 @@ int extract_inductor(extract_walk *w, GENinstance *inst) {
     int status =
         ns_circuit_inductor(w->ex->circuit, inst->GENname, l->INDposNode, l->INDnegNode, henries, ic, &id);
     w->ex->inductors = inst->GENmodPtr->GENmodType;
-    extract_mix(w, &henries, sizeof henries);
-    extract_current(w, l->INDbrEq, id);
+    ns_bridge_extract_mix(w, &henries, sizeof henries);
+    ns_bridge_extract_current(w, l->INDbrEq, id);
     return status;
 }
 
-int extract_coupling(extract_walk *w, GENinstance *inst) {
+int ns_bridge_elements_coupling(ns_extract_walk *w, GENinstance *inst) {
     const MUTinstance *k = (const MUTinstance *)inst;
     const INDinstance *l1 = k->MUTind1;
     const INDinstance *l2 = k->MUTind2;
@@ -61,40 +61,40 @@ int extract_coupling(extract_walk *w, GENinstance *inst) {
     coupling = l1->INDm == 1.0 && l2->INDm == 1.0
                    ? k->MUTcoupling
                    : k->MUTfactor / sqrt(fabs(l1->INDinduct / l1->INDm * l2->INDinduct / l2->INDm));
-    extract_mix(w, &coupling, sizeof coupling);
+    ns_bridge_extract_mix(w, &coupling, sizeof coupling);
     return ns_circuit_coupling(w->ex->circuit, inst->GENname, id1, id2, coupling, NULL);
 }
 
-int extract_vcvs(extract_walk *w, GENinstance *inst) {
+int ns_bridge_elements_vcvs(ns_extract_walk *w, GENinstance *inst) {
     const VCVSinstance *e = (const VCVSinstance *)inst;
     int id = -1;
     int status =
         ns_circuit_vcontrolled(w->ex->circuit, inst->GENname, NS_VOLTAGE, e->VCVSposNode, e->VCVSnegNode,
                                e->VCVScontPosNode, e->VCVScontNegNode, e->VCVScoeff, &id);
-    extract_mix(w, &e->VCVScoeff, sizeof e->VCVScoeff);
-    extract_current(w, e->VCVSbranch, id);
+    ns_bridge_extract_mix(w, &e->VCVScoeff, sizeof e->VCVScoeff);
+    ns_bridge_extract_current(w, e->VCVSbranch, id);
     return status;
 }
 
-int extract_vccs(extract_walk *w, GENinstance *inst) {
+int ns_bridge_elements_vccs(ns_extract_walk *w, GENinstance *inst) {
     const VCCSinstance *g = (const VCCSinstance *)inst;
-    extract_mix(w, &g->VCCScoeff, sizeof g->VCCScoeff);
+    ns_bridge_extract_mix(w, &g->VCCScoeff, sizeof g->VCCScoeff);
     return ns_circuit_vcontrolled(w->ex->circuit, inst->GENname, NS_CURRENT, g->VCCSposNode, g->VCCSnegNode,
                                   g->VCCScontPosNode, g->VCCScontNegNode, g->VCCScoeff, NULL);
 }
 
-int extract_cccs(extract_walk *w, GENinstance *inst) {
+int ns_bridge_elements_cccs(ns_extract_walk *w, GENinstance *inst) {
     const CCCSinstance *f = (const CCCSinstance *)inst;
     const int by = element_of(w, f->CCCScontBranch);
     if (by < 0) {
         return EXTRACT_LATER;
     }
-    extract_mix(w, &f->CCCScoeff, sizeof f->CCCScoeff);
+    ns_bridge_extract_mix(w, &f->CCCScoeff, sizeof f->CCCScoeff);
     return ns_circuit_icontrolled(w->ex->circuit, inst->GENname, NS_CURRENT, f->CCCSposNode, f->CCCSnegNode,
                                   by, f->CCCScoeff, NULL);
 }
 
-int extract_ccvs(extract_walk *w, GENinstance *inst) {
+int ns_bridge_elements_ccvs(ns_extract_walk *w, GENinstance *inst) {
     const CCVSinstance *h = (const CCVSinstance *)inst;
     const int by = element_of(w, h->CCVScontBranch);
     int id = -1;
@@ -104,7 +104,7 @@ int extract_ccvs(extract_walk *w, GENinstance *inst) {
     }
     status = ns_circuit_icontrolled(w->ex->circuit, inst->GENname, NS_VOLTAGE, h->CCVSposNode, h->CCVSnegNode,
                                     by, h->CCVScoeff, &id);
-    extract_mix(w, &h->CCVScoeff, sizeof h->CCVScoeff);
-    extract_current(w, h->CCVSbranch, id);
+    ns_bridge_extract_mix(w, &h->CCVScoeff, sizeof h->CCVScoeff);
+    ns_bridge_extract_current(w, h->CCVSbranch, id);
     return status;
 }

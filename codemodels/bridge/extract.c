@@ -7,86 +7,64 @@
 #include "elements.h"
 #include "report.h"
 
-static void write_line(extract *ex, int error, const char *name, const char *what) {
-    ex->error = error;
-    snprintf(ex->line, sizeof ex->line, "%s%s%s", name, *name ? ": " : "", what);
-}
-
-int extract_refuse(extract_walk *w, const GENinstance *inst, const char *what) {
-    write_line(w->ex, E_UNSUPP, inst->GENname, what);
-    return EXTRACT_REFUSED;
-}
-
-void extract_current(extract_walk *w, int eq, int id) {
-    if (eq > 0 && eq < w->ex->neq) {
-        w->ex->element[eq] = id;
-    }
-}
-
-void extract_mix(extract_walk *w, const void *bytes, size_t size) {
-    const unsigned char *b = bytes;
-    for (size_t i = 0; i < size; i++) { /* FNV-1a */
-        w->ex->hash = (w->ex->hash ^ b[i]) * 1099511628211ULL;
-    }
-}
-
 /* --- our own --- */
 
-static int add_device(extract_walk *w, MIFinstance *inst, int id) {
-    extract_device *more = realloc(w->ex->device, (size_t)(w->ex->ndevices + 1) * sizeof *more);
+static int add_device(ns_extract_walk *w, MIFinstance *inst, int id) {
+    ns_extract_device *more = realloc(w->ex->device, (size_t)(w->ex->ndevices + 1) * sizeof *more);
     if (!more) {
         return NS_E_MEMORY;
     }
     w->ex->device = more;
-    w->ex->device[w->ex->ndevices++] = (extract_device){inst, id};
+    w->ex->device[w->ex->ndevices++] = (ns_extract_device){inst, id};
     return NS_OK;
 }
 
-static int read_diode(extract_walk *w, MIFinstance *inst) {
-    const ns_diode d = {.vf = models_real(inst, DIODE_VF),
-                        .ron = models_real(inst, DIODE_RON),
-                        .roff = models_ohms(inst, DIODE_ROFF),
-                        .vz = models_ohms(inst, DIODE_VZ),
-                        .rz = models_real(inst, DIODE_RZ)};
+static int read_diode(ns_extract_walk *w, MIFinstance *inst) {
+    const ns_diode d = {.vf = ns_bridge_models_real(inst, DIODE_VF),
+                        .ron = ns_bridge_models_real(inst, DIODE_RON),
+                        .roff = ns_bridge_models_ohms(inst, DIODE_ROFF),
+                        .vz = ns_bridge_models_ohms(inst, DIODE_VZ),
+                        .rz = ns_bridge_models_real(inst, DIODE_RZ)};
     int id = -1;
-    int status = ns_circuit_diode(w->ex->circuit, inst->MIFname, models_node(inst, DIODE_ANODE),
-                                  models_node(inst, DIODE_CATHODE), &d, &id);
-    extract_mix(w, &d, sizeof d);
+    int status = ns_circuit_diode(w->ex->circuit, inst->MIFname, ns_bridge_models_node(inst, DIODE_ANODE),
+                                  ns_bridge_models_node(inst, DIODE_CATHODE), &d, &id);
+    ns_bridge_extract_mix(w, &d, sizeof d);
     return status ? status : add_device(w, inst, id);
 }
 
-static int read_switch(extract_walk *w, MIFinstance *inst) {
-    const ns_switch s = {.vt = models_real(inst, SWITCH_VT),
-                         .vh = models_real(inst, SWITCH_VH),
-                         .ron = models_real(inst, SWITCH_RON),
-                         .roff = models_ohms(inst, SWITCH_ROFF)};
+static int read_switch(ns_extract_walk *w, MIFinstance *inst) {
+    const ns_switch s = {.vt = ns_bridge_models_real(inst, SWITCH_VT),
+                         .vh = ns_bridge_models_real(inst, SWITCH_VH),
+                         .ron = ns_bridge_models_real(inst, SWITCH_RON),
+                         .roff = ns_bridge_models_ohms(inst, SWITCH_ROFF)};
     int id = -1;
-    int status = ns_circuit_switch(w->ex->circuit, inst->MIFname, models_node(inst, SWITCH_P),
-                                   models_node(inst, SWITCH_N), models_node(inst, SWITCH_CP),
-                                   models_node(inst, SWITCH_CN), &s, &id);
-    extract_mix(w, &s, sizeof s);
+    int status =
+        ns_circuit_switch(w->ex->circuit, inst->MIFname, ns_bridge_models_node(inst, SWITCH_P),
+                          ns_bridge_models_node(inst, SWITCH_N), ns_bridge_models_node(inst, SWITCH_CP),
+                          ns_bridge_models_node(inst, SWITCH_CN), &s, &id);
+    ns_bridge_extract_mix(w, &s, sizeof s);
     return status ? status : add_device(w, inst, id);
 }
 
-static int read_options(extract_walk *w, MIFinstance *inst) {
+static int read_options(ns_extract_walk *w, MIFinstance *inst) {
     if (w->options) {
         char what[160];
         snprintf(what, sizeof what,
                  "a circuit takes one instance of model nonsmooth, and %.80s is one already",
                  w->options->MIFname);
-        return extract_refuse(w, &inst->gen, what);
+        return ns_bridge_extract_refuse(w, &inst->gen, what);
     }
     w->options = inst;
-    w->ex->error = options_read(inst, &w->ex->options, w->ex->line, sizeof w->ex->line);
+    w->ex->error = ns_bridge_options_read(inst, &w->ex->options, w->ex->line, sizeof w->ex->line);
     const double numbers[] = {w->ex->options.h, w->ex->options.theta, w->ex->options.gamma,
                               (double)w->ex->options.method};
-    extract_mix(w, numbers, sizeof numbers);
+    ns_bridge_extract_mix(w, numbers, sizeof numbers);
     return w->ex->error ? EXTRACT_REFUSED : NS_OK;
 }
 
-static int read_ours(extract_walk *w, GENinstance *inst) {
+static int read_ours(ns_extract_walk *w, GENinstance *inst) {
     MIFinstance *mif = (MIFinstance *)inst;
-    switch (models_kind(inst)) {
+    switch (ns_bridge_models_kind(inst)) {
     case KIND_DIODE:
         return read_diode(w, mif);
     case KIND_SWITCH:
@@ -94,7 +72,8 @@ static int read_ours(extract_walk *w, GENinstance *inst) {
     case KIND_OPTIONS:
         return read_options(w, mif);
     default:
-        return extract_refuse(w, inst, "a code model that is not of this library cannot be taken yet");
+        return ns_bridge_extract_refuse(w, inst,
+                                        "a code model that is not of this library cannot be taken yet");
     }
 }
 
@@ -104,19 +83,19 @@ static int read_ours(extract_walk *w, GENinstance *inst) {
 
 static const struct letter {
     char letter;
-    extract_reader *read; /* NULL: refused */
+    ns_extract_reader *read; /* NULL: refused */
     const char *why;
-} letters[] = {{'r', extract_resistor, NULL},
-               {'c', extract_capacitor, NULL},
-               {'l', extract_inductor, NULL},
-               {'k', extract_coupling, NULL},
-               {'v', extract_vsource, NULL},
-               {'i', extract_isource, NULL},
-               {'e', extract_vcvs, NULL},
-               {'g', extract_vccs, NULL},
-               {'f', extract_cccs, NULL},
-               {'h', extract_ccvs, NULL},
-               {'b', extract_behavioural, NULL},
+} letters[] = {{'r', ns_bridge_elements_resistor, NULL},
+               {'c', ns_bridge_elements_capacitor, NULL},
+               {'l', ns_bridge_elements_inductor, NULL},
+               {'k', ns_bridge_elements_coupling, NULL},
+               {'v', ns_bridge_sources_vsource, NULL},
+               {'i', ns_bridge_sources_isource, NULL},
+               {'e', ns_bridge_elements_vcvs, NULL},
+               {'g', ns_bridge_elements_vccs, NULL},
+               {'f', ns_bridge_elements_cccs, NULL},
+               {'h', ns_bridge_elements_ccvs, NULL},
+               {'b', ns_bridge_behavioural, NULL},
                {'a', read_ours, NULL},
                {'d', NULL, "a diode of ngspice cannot be taken yet" CAN},
                {'m', NULL, "a MOSFET of ngspice cannot be taken yet" CAN},
@@ -131,29 +110,30 @@ static const struct letter {
                {'y', NULL, "a transmission line cannot be taken yet" CAN},
                {'p', NULL, "a coupled transmission line cannot be taken yet" CAN}};
 
-static int read_instance(extract_walk *w, GENinstance *inst) {
-    const char letter = models_letter(inst);
+static int read_instance(ns_extract_walk *w, GENinstance *inst) {
+    const char letter = ns_bridge_models_letter(inst);
     for (size_t i = 0; i < sizeof letters / sizeof letters[0]; i++) {
         if (letters[i].letter == letter) {
-            return letters[i].read ? letters[i].read(w, inst) : extract_refuse(w, inst, letters[i].why);
+            return letters[i].read ? letters[i].read(w, inst)
+                                   : ns_bridge_extract_refuse(w, inst, letters[i].why);
         }
     }
-    return extract_refuse(w, inst, "an element of this kind cannot be taken yet" CAN);
+    return ns_bridge_extract_refuse(w, inst, "an element of this kind cannot be taken yet" CAN);
 }
 
 /* Why a call of the library failed, in words. */
-static int fail(extract_walk *w, const char *name, int status) {
+static int fail(ns_extract_walk *w, const char *name, int status) {
     const char *message = w->ex->circuit ? ns_circuit_message(w->ex->circuit) : "";
     if (*message) {
-        write_line(w->ex, report_code(status), "", message);
+        ns_bridge_extract_line(w->ex, ns_bridge_report_code(status), "", message);
     } else {
-        write_line(w->ex, report_code(status), name, ns_status_text(status));
+        ns_bridge_extract_line(w->ex, ns_bridge_report_code(status), name, ns_status_text(status));
     }
     return w->ex->error;
 }
 
 /* One pass over all instances; *later counts those that wait, *waits names one of them. */
-static int pass(extract_walk *w, unsigned char *done, int *read, int *later, const GENinstance **waits) {
+static int pass(ns_extract_walk *w, unsigned char *done, int *read, int *later, const GENinstance **waits) {
     int k = 0;
     *read = *later = 0;
     for (NGTABLEPTR box = w->ckt->DEVnameHash->thread; box; box = box->thread_next, k++) {
@@ -175,7 +155,7 @@ static int pass(extract_walk *w, unsigned char *done, int *read, int *later, con
 }
 
 /* Passes until nothing waits for another element any more. */
-static int read_all(extract_walk *w) {
+static int read_all(ns_extract_walk *w) {
     unsigned char *done = calloc((size_t)w->ckt->DEVnameHash->num_entries + 1, 1);
     const GENinstance *waits = NULL;
     int read = 0;
@@ -187,7 +167,7 @@ static int read_all(extract_walk *w) {
     while (!error && later > 0) { /* ends: each round reads one at least */
         error = pass(w, done, &read, &later, &waits);
         if (!error && later > 0 && read == 0) {
-            extract_refuse(w, waits, "controlled by, or coupled to, an element that is not there");
+            ns_bridge_extract_refuse(w, waits, "controlled by, or coupled to, an element that is not there");
             error = w->ex->error;
         }
     }
@@ -196,7 +176,7 @@ static int read_all(extract_walk *w) {
 }
 
 /* Names of nodes and their .ic. */
-static int read_nodes(extract_walk *w) {
+static int read_nodes(ns_extract_walk *w) {
     for (const CKTnode *node = w->ckt->CKTnodes; node; node = node->next) {
         int status = NS_OK;
         if (node->type != SP_VOLTAGE || node->number <= 0) {
@@ -204,7 +184,7 @@ static int read_nodes(extract_walk *w) {
         }
         status = ns_circuit_name_node(w->ex->circuit, node->number, node->name);
         if (!status && node->icGiven) {
-            extract_mix(w, &node->ic, sizeof node->ic);
+            ns_bridge_extract_mix(w, &node->ic, sizeof node->ic);
             status = ns_circuit_node_ic(w->ex->circuit, node->number, node->ic);
         }
         if (status && status != NS_E_SIZE) { /* SIZE: no element is there */
@@ -215,23 +195,23 @@ static int read_nodes(extract_walk *w) {
 }
 
 /* That of .options counts where the model has none.  Nothing tells ngspice's default, 1e-3, from a choice. */
-static void choose_reltol(extract_walk *w) {
+static void choose_reltol(ns_extract_walk *w) {
     const double global = w->ckt->CKTreltol;
     if (w->ex->options.reltol == 0.0 && global != 1e-3 && global > 0.0 && global < 1.0) {
         w->ex->options.reltol = global;
     }
-    extract_mix(w, &w->ex->options.reltol, sizeof w->ex->options.reltol);
+    ns_bridge_extract_mix(w, &w->ex->options.reltol, sizeof w->ex->options.reltol);
 }
 
-int extract_read(CKTcircuit *ckt, extract_sources sources, extract *ex) {
-    extract_walk w = {.ckt = ckt,
-                      .ex = ex,
-                      .dc = sources == SOURCES_DC,
-                      .tstep = ckt->CKTstep > 0.0 ? ckt->CKTstep : 1.0, /* before the first .tran: any */
-                      .tstop = ckt->CKTfinalTime > 0.0 ? ckt->CKTfinalTime : 1.0};
+int ns_bridge_extract_read(CKTcircuit *ckt, ns_extract_sources sources, ns_extract *ex) {
+    ns_extract_walk w = {.ckt = ckt,
+                         .ex = ex,
+                         .dc = sources == SOURCES_DC,
+                         .tstep = ckt->CKTstep > 0.0 ? ckt->CKTstep : 1.0, /* before the first .tran: any */
+                         .tstop = ckt->CKTfinalTime > 0.0 ? ckt->CKTfinalTime : 1.0};
     int status;
     memset(ex, 0, sizeof *ex);
-    options_default(&ex->options);
+    ns_bridge_options_default(&ex->options);
     ex->hash = 14695981039346656037ULL;
     ex->neq = ckt->CKTmaxEqNum;
     ex->capacitors = ex->inductors = ex->couplings = -1;
@@ -249,7 +229,7 @@ int extract_read(CKTcircuit *ckt, extract_sources sources, extract *ex) {
     return ex->error;
 }
 
-void extract_clear(extract *ex) {
+void ns_bridge_extract_clear(ns_extract *ex) {
     ns_circuit_free(ex->circuit);
     free(ex->element);
     free(ex->device);

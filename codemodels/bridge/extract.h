@@ -9,30 +9,30 @@
 #include "nonsmooth/circuit.h"
 #include "options.h"
 
-typedef struct extract_device {
+typedef struct ns_extract_device {
     MIFinstance *inst;
     int id; /* the element in the circuit */
-} extract_device;
+} ns_extract_device;
 
-typedef struct extract {
+typedef struct ns_extract {
     ns_circuit *circuit;
     int neq;      /* equations of ngspice, with ground */
     int *element; /* neq: the element whose current the equation stands for, -1: none, a node */
     int capacitors, inductors, couplings; /* their types in ngspice, -1: there are none */
     int restless;                         /* there is a current source that is not DC */
     int ndevices;
-    extract_device *device; /* ndevices: our diodes and switches */
-    options options;
+    ns_extract_device *device; /* ndevices: our diodes and switches */
+    ns_bridge_options options;
     unsigned long long hash; /* of all that was read: tells whether something was altered since */
     int error;               /* a code of ngspice; OK if all was taken */
     char line[320];          /* why not, for a person */
-} extract;
+} ns_extract;
 
 /* What sources stand for. */
-typedef enum extract_sources { SOURCES_TRAN, SOURCES_DC } extract_sources;
+typedef enum ns_extract_sources { SOURCES_TRAN, SOURCES_DC } ns_extract_sources;
 
-/* Reads ckt.  Returns ex->error; extract_clear() frees what was read, after an error too. */
-int extract_read(CKTcircuit *ckt, extract_sources sources, extract *ex);
-void extract_clear(extract *ex);
+/* Reads ckt.  Returns ex->error; ns_bridge_extract_clear() frees what was read, after an error too. */
+int ns_bridge_extract_read(CKTcircuit *ckt, ns_extract_sources sources, ns_extract *ex);
+void ns_bridge_extract_clear(ns_extract *ex);
 
 #endif

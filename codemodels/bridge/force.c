@@ -64,21 +64,22 @@ static int match(matching *g, unsigned char *served) {
     return OK;
 }
 
-static int choose(force *f, matching *g, unsigned char *served) {
+static int choose(ns_force *f, matching *g, unsigned char *served) {
     const int error = match(g, served);
     for (int row = 1; row <= g->m->Size && !error; row++) {
         ElementPtr e = g->of_row[row];
-        f->entry[row - 1] = (force_entry){&e->Real, g->m->IntToExtRowMap[row], g->m->IntToExtColMap[e->Col]};
+        f->entry[row - 1] =
+            (ns_force_entry){&e->Real, g->m->IntToExtRowMap[row], g->m->IntToExtColMap[e->Col]};
     }
     return error;
 }
 
-int force_prepare(force *f, SMPmatrix *matrix) {
+int ns_bridge_force_prepare(ns_force *f, SMPmatrix *matrix) {
     const size_t n = (size_t)matrix->Size;
     matching g = {.m = matrix};
     unsigned char *served = calloc(n + 1, 1);
     int error = E_NOMEM;
-    force_clear(f);
+    ns_bridge_force_clear(f);
     f->entry = calloc(n, sizeof *f->entry);
     g.of_row = calloc(n + 1, sizeof(ElementPtr));
     g.seen = calloc(n + 1, sizeof *g.seen);
@@ -91,17 +92,17 @@ int force_prepare(force *f, SMPmatrix *matrix) {
     free(g.seen);
     free(served);
     if (error) {
-        force_clear(f);
+        ns_bridge_force_clear(f);
     }
     return error;
 }
 
-void force_clear(force *f) {
+void ns_bridge_force_clear(ns_force *f) {
     free(f->entry);
     memset(f, 0, sizeof *f);
 }
 
-void force_apply(const force *f, double pivot, double *rhs, const double *value) {
+void ns_bridge_force_apply(const ns_force *f, double pivot, double *rhs, const double *value) {
     for (int c = 1; c <= f->matrix->Size; c++) {
         for (ElementPtr e = f->matrix->FirstInCol[c]; e; e = e->NextInCol) {
             e->Real = 0.0;

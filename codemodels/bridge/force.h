@@ -4,24 +4,24 @@
 
 #include "ngspice.h"
 
-typedef struct force_entry {
+typedef struct ns_force_entry {
     double *element; /* of the matrix */
     int row, column; /* ngspice's equation numbers */
-} force_entry;
+} ns_force_entry;
 
 /* One element in each row and each column of a matrix. */
-typedef struct force {
+typedef struct ns_force {
     SMPmatrix *matrix;
     int n;
-    force_entry *entry; /* n */
-} force;
+    ns_force_entry *entry; /* n */
+} ns_force;
 
 /* Chooses the elements.  Returns OK, E_NOMEM, or E_SINGULAR (there is no such choice). */
-int force_prepare(force *f, SMPmatrix *matrix);
-void force_clear(force *f);
+int ns_bridge_force_prepare(ns_force *f, SMPmatrix *matrix);
+void ns_bridge_force_clear(ns_force *f);
 
 /* Makes the matrix a permutation, times pivot, and rhs such that the solution is value; all by equation
  * number.  pivot: 1, or huge, so that solutions for other right-hand sides vanish. */
-void force_apply(const force *f, double pivot, double *rhs, const double *value);
+void ns_bridge_force_apply(const ns_force *f, double pivot, double *rhs, const double *value);
 
 #endif

@@ -4,20 +4,19 @@
  * are replaced.  One bridge is kept a circuit.  ngspice runs device types by number, so the functions of the
  * last of our types see everything that came before: they do the work. */
 #include "models.h"
-#include "native.h"
 #include "ngspice/jobdefs.h"
-#include "once.h"
 #include "report.h"
+#include "session.h"
 #include "show.h"
+#include "single_load.h"
 
 extern SPICEdev cm_ideal_diode_info, cm_ideal_switch_info, cm_nonsmooth_info; /* made by cmpp */
 
 static SPICEdev *const ours[KINDS] = {&cm_ideal_diode_info, &cm_ideal_switch_info, &cm_nonsmooth_info};
-static int type_of[KINDS] = {-1, -1, -1}; /* their numbers in ngspice */
 
 typedef struct bridge {
     struct bridge *next;
-    native native;
+    ns_session native;
     int last_type;           /* the last of our device types in this circuit; 0: none is there */
     const GENinstance *mark; /* one of our instances: when it goes, the circuit goes */
 } bridge;
@@ -42,17 +41,8 @@ static bridge *find_or_make(CKTcircuit *ckt) {
     return b;
 }
 
-model_kind models_kind(const GENinstance *inst) {
-    for (int k = 0; k < KINDS; k++) {
-        if (inst->GENmodPtr->GENmodType == type_of[k]) {
-            return (model_kind)k;
-        }
-    }
-    return KIND_FOREIGN;
-}
-
 /* The bridge of ckt if model is of the last of our types, else NULL. */
-static native *at_last(const CKTcircuit *ckt, const GENmodel *model) {
+static ns_session *at_last(const CKTcircuit *ckt, const GENmodel *model) {
     bridge *b = find(ckt);
     return b && b->last_type == model->GENmodType ? &b->native : NULL;
 }
@@ -62,7 +52,7 @@ static int setup(model_kind kind, SMPmatrix *matrix, GENmodel *model, CKTcircuit
     if (!b) {
         return E_NOMEM;
     }
-    type_of[kind] = model->GENmodType;
+    ns_bridge_models_set_type(kind, model->GENmodType);
     if (kind != KIND_OPTIONS) { /* options alone leave the circuit to ngspice */
         b->last_type = model->GENmodType;
     }
@@ -85,7 +75,7 @@ static int setup_options(SMPmatrix *matrix, GENmodel *model, CKTcircuit *ckt, in
 static int unsetup(GENmodel *model, CKTcircuit *ckt) {
     bridge *b = find(ckt);
     if (b) {
-        native_reset(&b->native);
+        ns_bridge_session_reset(&b->native);
     }
     return MIFunsetup(model, ckt);
 }
@@ -93,25 +83,25 @@ static int unsetup(GENmodel *model, CKTcircuit *ckt) {
 /* Values are known from here on.  Only at the begin of an analysis: ngspice exits if this fails for an
  * `altermod` between. */
 static int temperature(GENmodel *model, CKTcircuit *ckt) {
-    native *b = at_last(ckt, model);
-    return b && ckt->CKTtime == 0.0 ? native_check(b) : OK;
+    ns_session *b = at_last(ckt, model);
+    return b && ckt->CKTtime == 0.0 ? ns_bridge_analysis_check(b) : OK;
 }
 
 static int load(GENmodel *model, CKTcircuit *ckt) {
-    native *b = at_last(ckt, model);
-    return b ? native_load(b) : OK;
+    ns_session *b = at_last(ckt, model);
+    return b ? ns_bridge_session_load(b) : OK;
 }
 
 static int accept_point(CKTcircuit *ckt, GENmodel *model) {
-    native *b = at_last(ckt, model);
-    return b ? native_accept(b) : OK;
+    ns_session *b = at_last(ckt, model);
+    return b ? ns_bridge_session_accept(b) : OK;
 }
 
 /* After a point is shown. */
 static void dumped(GENmodel *model, CKTcircuit *ckt) {
-    native *b = at_last(ckt, model);
+    ns_session *b = at_last(ckt, model);
     if (b) {
-        once_arm(b);
+        ns_bridge_single_load_arm(b);
     }
 }
 
@@ -121,7 +111,7 @@ static int ac_load(GENmodel *model, CKTcircuit *ckt) {
     if (!b || !b->last_type) {
         return MIFload(model, ckt);
     }
-    report_error("%s cannot be done yet; .op, .dc and .tran can", ckt->CKTcurJob->JOBname);
+    ns_bridge_report_error("%s cannot be done yet; .op, .dc and .tran can", ckt->CKTcurJob->JOBname);
     return E_UNSUPP;
 }
 
@@ -129,7 +119,7 @@ static int ac_load(GENmodel *model, CKTcircuit *ckt) {
 static int ask(CKTcircuit *ckt, GENinstance *inst, int which, IFvalue *value, IFvalue *select) {
     bridge *b = find(ckt);
     if (b && b->native.engine.march) {
-        show_devices(&b->native.engine);
+        ns_bridge_show_devices(&b->native.engine);
     }
     return MIFask(ckt, inst, which, value, select);
 }
@@ -139,7 +129,7 @@ static int delete (GENinstance *inst) {
         bridge *b = *link;
         if (b->mark == inst) {
             *link = b->next;
-            native_clear(&b->native);
+            ns_bridge_session_clear(&b->native);
             free(b);
             break;
         }

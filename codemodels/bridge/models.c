@@ -4,20 +4,35 @@
 #include <math.h>
 #include <string.h>
 
-char models_letter(const GENinstance *inst) {
+static int type_of[KINDS] = {-1, -1, -1}; /* device types of ngspice */
+
+void ns_bridge_models_set_type(model_kind kind, int type) {
+    type_of[kind] = type;
+}
+
+model_kind ns_bridge_models_kind(const GENinstance *inst) {
+    for (int k = 0; k < KINDS; k++) {
+        if (inst->GENmodPtr->GENmodType == type_of[k]) {
+            return (model_kind)k;
+        }
+    }
+    return KIND_FOREIGN;
+}
+
+char ns_bridge_models_letter(const GENinstance *inst) {
     const char *model = inst->GENmodPtr->GENmodName; /* all V sources have this one; users' are lower case */
     return model && strcmp(model, "V") == 0 ? 'v' : inst->GENname[0];
 }
 
-int models_node(const MIFinstance *inst, int terminal) {
+int ns_bridge_models_node(const MIFinstance *inst, int terminal) {
     return inst->conn[terminal]->port[0]->smp_data.pos_node;
 }
 
-double models_real(const MIFinstance *inst, int parameter) {
+double ns_bridge_models_real(const MIFinstance *inst, int parameter) {
     return inst->param[parameter]->element[0].rvalue;
 }
 
-double models_ohms(const MIFinstance *inst, int parameter) {
-    const double ohms = models_real(inst, parameter);
+double ns_bridge_models_ohms(const MIFinstance *inst, int parameter) {
+    const double ohms = ns_bridge_models_real(inst, parameter);
     return ohms >= 1e30 ? INFINITY : ohms;
 }

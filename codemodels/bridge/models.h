@@ -25,16 +25,19 @@ enum {
 
 enum { SHOW_I, SHOW_V, SHOW_ON }; /* of the diode and the switch */
 
+/* Keeps the number that ngspice gave to one of our device types. */
+void ns_bridge_models_set_type(model_kind kind, int type);
+
 /* Which of our models an instance is of; KIND_FOREIGN: none. */
-model_kind models_kind(const GENinstance *inst);
+model_kind ns_bridge_models_kind(const GENinstance *inst);
 
 /* The SPICE letter of an instance: the first of its name, which survives the flattening of subcircuits, but
  * .probe names its voltage sources as what they measure. */
-char models_letter(const GENinstance *inst);
+char ns_bridge_models_letter(const GENinstance *inst);
 
 /* The equation of a terminal's node, a parameter's value; from a resistance on, 1e30 counts as infinite. */
-int models_node(const MIFinstance *inst, int terminal);
-double models_real(const MIFinstance *inst, int parameter);
-double models_ohms(const MIFinstance *inst, int parameter);
+int ns_bridge_models_node(const MIFinstance *inst, int terminal);
+double ns_bridge_models_real(const MIFinstance *inst, int parameter);
+double ns_bridge_models_ohms(const MIFinstance *inst, int parameter);
 
 #endif

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-void options_default(options *o) {
-    *o = (options){.method = NS_AUTO, .theta = 1.0, .gamma = 1.0, .corners = 1};
+void ns_bridge_options_default(ns_bridge_options *o) {
+    *o = (ns_bridge_options){.method = NS_AUTO, .theta = 1.0, .gamma = 1.0, .corners = 1};
 }
 
 static const struct {
@@ -13,7 +13,7 @@ static const struct {
     ns_method method;
 } methods[] = {{"auto", NS_AUTO}, {"theta", NS_THETA}, {"exact", NS_EXACT}, {"sparse", NS_SPARSE}};
 
-const char *options_method(ns_method method) {
+const char *ns_bridge_options_method(ns_method method) {
     for (size_t i = 0; i < sizeof methods / sizeof methods[0]; i++) {
         if (methods[i].method == method) {
             return methods[i].word;
@@ -48,7 +48,7 @@ static int check_weight(const MIFinstance *inst, const char *name, double value,
 
 /* 0 if it was not given. */
 static double given(const MIFinstance *inst, int parameter) {
-    return inst->param[parameter]->is_null ? 0.0 : models_real(inst, parameter);
+    return inst->param[parameter]->is_null ? 0.0 : ns_bridge_models_real(inst, parameter);
 }
 
 static int check_reltol(const MIFinstance *inst, double value, char *line, size_t size) {
@@ -67,12 +67,12 @@ static int check_flag(const MIFinstance *inst, const char *name, int value, char
     return E_PARMVAL;
 }
 
-int options_read(const MIFinstance *inst, options *o, char *line, size_t size) {
+int ns_bridge_options_read(const MIFinstance *inst, ns_bridge_options *o, char *line, size_t size) {
     int error = read_method(inst, &o->method, line, size);
     o->given = inst;
-    o->h = models_real(inst, OPTION_H);
-    o->theta = models_real(inst, OPTION_THETA);
-    o->gamma = models_real(inst, OPTION_GAMMA);
+    o->h = ns_bridge_models_real(inst, OPTION_H);
+    o->theta = ns_bridge_models_real(inst, OPTION_THETA);
+    o->gamma = ns_bridge_models_real(inst, OPTION_GAMMA);
     o->reltol = given(inst, OPTION_RELTOL);
     o->verbose = inst->param[OPTION_VERBOSE]->element[0].ivalue;
     o->corners = inst->param[OPTION_CORNERS]->element[0].ivalue;
@@ -87,7 +87,7 @@ int options_read(const MIFinstance *inst, options *o, char *line, size_t size) {
     return error ? error : check_reltol(inst, o->reltol, line, size);
 }
 
-const char *options_dump(const options *o) {
+const char *ns_bridge_options_dump(const ns_bridge_options *o) {
     const char *file = NULL;
     if (o->given && !o->given->param[OPTION_DUMP]->is_null) {
         file = o->given->param[OPTION_DUMP]->element[0].svalue;

@@ -5,7 +5,7 @@
 #include "models.h"
 #include "nonsmooth/march.h"
 
-typedef struct options {
+typedef struct ns_bridge_options {
     ns_method method;
     double h; /* s, 0: a sixteenth of ngspice's longest step */
     double theta, gamma;
@@ -13,18 +13,18 @@ typedef struct options {
     int verbose;
     int corners;              /* ngspice gets time points at events and corners of sources */
     const MIFinstance *given; /* whose options these are; NULL: none given */
-} options;
+} ns_bridge_options;
 
-void options_default(options *o);
+void ns_bridge_options_default(ns_bridge_options *o);
 
 /* Reads inst into o.  Returns OK, or says what is wrong in line (size bytes) and returns E_PARMVAL or
  * E_UNSUPP. */
-int options_read(const MIFinstance *inst, options *o, char *line, size_t size);
+int ns_bridge_options_read(const MIFinstance *inst, ns_bridge_options *o, char *line, size_t size);
 
 /* As a netlist names it. */
-const char *options_method(ns_method method);
+const char *ns_bridge_options_method(ns_method method);
 
 /* The file for a step that fails, as the model has it now; NULL: none. */
-const char *options_dump(const options *o);
+const char *ns_bridge_options_dump(const ns_bridge_options *o);
 
 #endif

@@ -18,21 +18,21 @@ static void say(FILE *stream, FILE *instead, const char *format, va_list values)
     fflush(stream);
 }
 
-void report_error(const char *format, ...) {
+void ns_bridge_report_error(const char *format, ...) {
     va_list values;
     va_start(values, format);
     say(cm_stream_err(), stderr, format, values);
     va_end(values);
 }
 
-void report_note(const char *format, ...) {
+void ns_bridge_report_note(const char *format, ...) {
     va_list values;
     va_start(values, format);
     say(cm_stream_out(), stdout, format, values);
     va_end(values);
 }
 
-int report_code(int status) {
+int ns_bridge_report_code(int status) {
     switch (status) {
     case NS_OK:
         return OK;

@@ -10,10 +10,10 @@
 #endif
 
 /* "nonsmooth: ...", on the error stream and on the output stream. */
-void report_error(const char *format, ...) REPORT_PRINTF(1, 2);
-void report_note(const char *format, ...) REPORT_PRINTF(1, 2);
+void ns_bridge_report_error(const char *format, ...) REPORT_PRINTF(1, 2);
+void ns_bridge_report_note(const char *format, ...) REPORT_PRINTF(1, 2);
 
 /* The code of ngspice that comes nearest to a status of the library. */
-int report_code(int status);
+int ns_bridge_report_code(int status);
 
 #endif

@@ -6,18 +6,18 @@
 
 #include "report.h"
 
-void show_values(const engine *e, const double *x, double *value) {
+void ns_bridge_show_values(const ns_analysis *e, const double *x, double *value) {
     for (int eq = 0; eq < e->ex.neq; eq++) {
         value[eq] = e->unknown[eq] >= 0 ? x[e->unknown[eq]] : 0.0;
     }
 }
 
-void show_later(engine *e) {
+void ns_bridge_show_later(ns_analysis *e) {
     memcpy(e->mode, ns_march_mode(e->march), (size_t)e->system->m * sizeof *e->mode);
     e->shown = 0;
 }
 
-void show_devices(engine *e) {
+void ns_bridge_show_devices(ns_analysis *e) {
     for (int k = 0; k < e->ex.ndevices && !e->shown; k++) {
         Mif_Inst_Var_Data_t **show = e->ex.device[k].inst->inst_var;
         double i = 0.0;
@@ -31,7 +31,7 @@ void show_devices(engine *e) {
     e->shown = 1;
 }
 
-void show_summary(const engine *e, double cpu) {
+void ns_bridge_show_summary(const ns_analysis *e, double cpu) {
     const ns_counts *c = ns_march_counts(e->march);
     char modes[40] = "", islands[40] = ""; /* of those who count them, where there are some */
     if (c->modes > 0) {
@@ -40,7 +40,7 @@ void show_summary(const engine *e, double cpu) {
     if (c->islands > 0) {
         snprintf(islands, sizeof islands, " %ld islands,", c->islands);
     }
-    report_note("%s: %ld steps, %ld events,%s %ld pivots, %ld factors, %ld maps,%s %.3g ms",
-                options_method(ns_march_engine(e->march)), c->steps, c->events, modes, c->pivots, c->factors,
-                c->maps, islands, 1e3 * cpu);
+    ns_bridge_report_note("%s: %ld steps, %ld events,%s %ld pivots, %ld factors, %ld maps,%s %.3g ms",
+                          ns_bridge_options_method(ns_march_engine(e->march)), c->steps, c->events, modes,
+                          c->pivots, c->factors, c->maps, islands, 1e3 * cpu);
 }

@@ -2,17 +2,17 @@
 #ifndef BRIDGE_SHOW_H
 #define BRIDGE_SHOW_H
 
-#include "native.h"
+#include "session.h"
 
 /* x (n of the system) -> value (neq), by equation number. */
-void show_values(const engine *e, const double *x, double *value);
+void ns_bridge_show_values(const ns_analysis *e, const double *x, double *value);
 
 /* Currents, voltages and states of our devices at e->x, e->lambda -> their static variables: as soon as
- * someone asks, which show_devices() is for.  The point in e->x is the accepted one. */
-void show_later(engine *e);
-void show_devices(engine *e);
+ * someone asks, which ns_bridge_show_devices() is for.  The point in e->x is the accepted one. */
+void ns_bridge_show_later(ns_analysis *e);
+void ns_bridge_show_devices(ns_analysis *e);
 
 /* One line of counts; cpu in s. */
-void show_summary(const engine *e, double cpu);
+void ns_bridge_show_summary(const ns_analysis *e, double cpu);
 
 #endif

@@ -24,7 +24,7 @@ static double coeff(const source *s, int k, int zero_too, double instead) {
     return k < s->order && (s->coeffs[k] != 0.0 || !zero_too) ? s->coeffs[k] : instead;
 }
 
-static const char *pulse(const source *s, const extract_walk *w, ns_signal *z) {
+static const char *pulse(const source *s, const ns_extract_walk *w, ns_signal *z) {
     const double cycles = coeff(s, 7, 0, 0.0);
     z->kind = NS_PULSE;
     z->u.pulse.v1 = coeff(s, 0, 0, 0.0);
@@ -43,7 +43,7 @@ static const char *pulse(const source *s, const extract_walk *w, ns_signal *z) {
     return NULL;
 }
 
-static const char *sine(const source *s, const extract_walk *w, ns_signal *z) {
+static const char *sine(const source *s, const ns_extract_walk *w, ns_signal *z) {
     z->kind = NS_SIN;
     z->u.sin.vo = coeff(s, 0, 0, 0.0);
     z->u.sin.va = coeff(s, 1, 0, 0.0);
@@ -54,7 +54,7 @@ static const char *sine(const source *s, const extract_walk *w, ns_signal *z) {
     return NULL;
 }
 
-static const char *exponential(const source *s, const extract_walk *w, ns_signal *z) {
+static const char *exponential(const source *s, const ns_extract_walk *w, ns_signal *z) {
     z->kind = NS_EXP;
     z->u.exp.v1 = coeff(s, 0, 0, 0.0);
     z->u.exp.v2 = coeff(s, 1, 0, 0.0);
@@ -87,7 +87,7 @@ static const char *piecewise(const source *s, ns_signal *z, double **points) {
 }
 
 /* Makes the signal; returns why not, or NULL. */
-static const char *make_signal(const source *s, const extract_walk *w, ns_signal *z, double **points) {
+static const char *make_signal(const source *s, const ns_extract_walk *w, ns_signal *z, double **points) {
     memset(z, 0, sizeof *z);
     switch (w->dc && s->dc_given ? 0 : s->function) {
     case 0:
@@ -115,14 +115,14 @@ static const char *make_signal(const source *s, const extract_walk *w, ns_signal
 }
 
 /* Signals as bytes without padding or pointers. */
-static void mix_signal(extract_walk *w, const ns_signal *z) {
+static void mix_signal(ns_extract_walk *w, const ns_signal *z) {
     ns_signal plain;
     memcpy(&plain, z, sizeof plain);
     if (z->kind == NS_PWL) {
-        extract_mix(w, z->u.pwl.t, 2 * (size_t)z->u.pwl.n * sizeof(double));
+        ns_bridge_extract_mix(w, z->u.pwl.t, 2 * (size_t)z->u.pwl.n * sizeof(double));
         plain.u.pwl.t = plain.u.pwl.v = NULL;
     }
-    extract_mix(w, &plain, sizeof plain);
+    ns_bridge_extract_mix(w, &plain, sizeof plain);
 }
 
 /* m equal sources side by side. */
@@ -152,13 +152,13 @@ static void side_by_side(ns_signal *z, double *points, double m) {
 }
 
 /* .probe's sources bear the name of what they measure: they get back the prefix that ngspice took away. */
-static int add_named(extract_walk *w, const GENinstance *inst, ns_output kind, int p, int n,
+static int add_named(ns_extract_walk *w, const GENinstance *inst, ns_output kind, int p, int n,
                      const ns_signal *z, int *id) {
     static const char prefix[] = "vcurr_";
     const size_t size = strlen(inst->GENname) + sizeof prefix;
     char *name;
     int status;
-    if (models_letter(inst) == inst->GENname[0]) {
+    if (ns_bridge_models_letter(inst) == inst->GENname[0]) {
         return ns_circuit_source(w->ex->circuit, inst->GENname, kind, p, n, z, id);
     }
     name = malloc(size);
@@ -172,7 +172,7 @@ static int add_named(extract_walk *w, const GENinstance *inst, ns_output kind, i
 }
 
 /* Adds the source; branch is the equation of its current, 0 if it has none. */
-static int add(extract_walk *w, GENinstance *inst, ns_output kind, int p, int n, const source *s, double m,
+static int add(ns_extract_walk *w, GENinstance *inst, ns_output kind, int p, int n, const source *s, double m,
                int branch) {
     ns_signal z;
     double *points = NULL;
@@ -180,7 +180,7 @@ static int add(extract_walk *w, GENinstance *inst, ns_output kind, int p, int n,
     int status;
     const char *why = make_signal(s, w, &z, &points);
     if (why) {
-        return extract_refuse(w, inst, why);
+        return ns_bridge_extract_refuse(w, inst, why);
     }
     if (m != 1.0) {
         side_by_side(&z, points, m);
@@ -193,24 +193,24 @@ static int add(extract_walk *w, GENinstance *inst, ns_output kind, int p, int n,
     }
     mix_signal(w, &z);
     status = add_named(w, inst, kind, p, n, &z, &id);
-    extract_current(w, branch, id);
+    ns_bridge_extract_current(w, branch, id);
     free(points);
     return status;
 }
 
-int extract_vsource(extract_walk *w, GENinstance *inst) {
+int ns_bridge_sources_vsource(ns_extract_walk *w, GENinstance *inst) {
     const VSRCinstance *v = (const VSRCinstance *)inst;
     const source s = {v->VSRCfunctionType, v->VSRCfunctionOrder, v->VSRCcoeffs,   v->VSRCdcGiven,
                       v->VSRCdcValue,      v->VSRCrGiven,        v->VSRCrBreakpt, v->VSRCrdelay};
 #ifdef RFSPICE
     if (v->VSRCisPort) {
-        return extract_refuse(w, inst, "an RF port cannot be taken");
+        return ns_bridge_extract_refuse(w, inst, "an RF port cannot be taken");
     }
 #endif
     return add(w, inst, NS_VOLTAGE, v->VSRCposNode, v->VSRCnegNode, &s, 1.0, v->VSRCbranch);
 }
 
-int extract_isource(extract_walk *w, GENinstance *inst) {
+int ns_bridge_sources_isource(ns_extract_walk *w, GENinstance *inst) {
     const ISRCinstance *i = (const ISRCinstance *)inst;
     const source s = {
         i->ISRCfunctionType, i->ISRCfunctionOrder, i->ISRCcoeffs, i->ISRCdcGiven, i->ISRCdcValue, 0, 0, 0.0};

@@ -1,6 +1,6 @@
-/* bridge/points.c - where ngspice's timepoints should be: on its grid, its breakpoints and the sources'
+/* bridge/timepoints.c - where ngspice's timepoints should be: on its grid, its breakpoints and the sources'
  * corners. */
-#include "points.h"
+#include "timepoints.h"
 
 #include <math.h>
 #include <string.h>
@@ -8,11 +8,11 @@
 /* Of a step: no point is left to be that near to another. */
 static const double sliver = 1e-3;
 
-double points_closeness(const CKTcircuit *ckt) {
+double ns_bridge_timepoints_closeness(const CKTcircuit *ckt) {
     return fmax(ckt->CKTminBreak, 200.0 * 2.3e-16 * ckt->CKTfinalTime);
 }
 
-int points_at_events(const CKTcircuit *ckt, const points_plan *p) {
+int ns_bridge_timepoints_at_events(const CKTcircuit *ckt, const ns_timepoints_plan *p) {
     return p->corners && ckt->CKTtime >= ckt->CKTinitTime;
 }
 
@@ -25,7 +25,8 @@ static void drop_all_breaks(CKTcircuit *ckt) {
 /* Forgets breakpoints that are reached: ngspice would cut its step after each to a tenth. */
 static void drop_breaks(CKTcircuit *ckt) {
     int passed = 0;
-    while (passed < ckt->CKTbreakSize - 1 && ckt->CKTbreaks[passed] <= ckt->CKTtime + points_closeness(ckt)) {
+    while (passed < ckt->CKTbreakSize - 1 &&
+           ckt->CKTbreaks[passed] <= ckt->CKTtime + ns_bridge_timepoints_closeness(ckt)) {
         passed++;
     }
     if (ckt->CKTbreakSize - passed < 2) {
@@ -49,7 +50,7 @@ static double next_corner(const ns_system *s, double t) {
 
 /* Before tstart: there in steps of a fiftieth of the run, ngspice's own longest; Ctrl-C is heard between
  * them. */
-static double next_unshown(CKTcircuit *ckt, const points_plan *p) {
+static double next_unshown(CKTcircuit *ckt, const ns_timepoints_plan *p) {
     const double step = fmax(p->step, ckt->CKTfinalTime / 50.0);
     const double start = ckt->CKTinitTime * (1.0 + 4.0 * 2.3e-16); /* rounding must not fall short of it */
     drop_all_breaks(ckt);
@@ -65,7 +66,7 @@ static double next_of_grid(const CKTcircuit *ckt, double step) {
 }
 
 /* That, or a corner before it or as good as there. */
-static double next_shown(CKTcircuit *ckt, points_plan *p, const ns_system *s, double t_accepted) {
+static double next_shown(CKTcircuit *ckt, ns_timepoints_plan *p, const ns_system *s, double t_accepted) {
     const double t = next_of_grid(ckt, p->step);
     const double now = fmax(ckt->CKTtime, t_accepted);
     double stop = ckt->CKTfinalTime;
@@ -81,7 +82,8 @@ static double next_shown(CKTcircuit *ckt, points_plan *p, const ns_system *s, do
     return stop < t + sliver * p->step ? stop : t;
 }
 
-double points_next(CKTcircuit *ckt, points_plan *p, const ns_system *s, double t_accepted, int first) {
+double ns_bridge_timepoints_next(CKTcircuit *ckt, ns_timepoints_plan *p, const ns_system *s,
+                                 double t_accepted, int first) {
     double t;
     ckt->CKTmaxStep = (1.0 + 2.0 * sliver) * p->step;
     if (ckt->CKTtime < ckt->CKTinitTime) {
@@ -91,5 +93,5 @@ double points_next(CKTcircuit *ckt, points_plan *p, const ns_system *s, double t
     } else {
         t = next_shown(ckt, p, s, t_accepted);
     }
-    return fmax(t, t_accepted + points_closeness(ckt)); /* whatever rounding did, ahead */
+    return fmax(t, t_accepted + ns_bridge_timepoints_closeness(ckt)); /* whatever rounding did, ahead */
 }

@@ -1,4 +1,4 @@
-/* bridge/once.c - one load a timepoint.
+/* bridge/single_load.c - one load a timepoint.
  *
  * ngspice's Newton loop takes two rounds of load, factorisation and solve for the least, and a test.  Where
  * the mode says MODETRANOP and MODEUIC (its way to skip the operating point) it loads once and returns, and
@@ -9,7 +9,7 @@
  * The run may be stopped in between, and C shows no current in that mode.  Nothing tells of a stop; but
  * whoever asks for a device by its name, or alters one, looks it up in ngspice's table of names.  The table's
  * comparison of keys is ours meanwhile, which takes the mode back. */
-#include "once.h"
+#include "single_load.h"
 
 #include <string.h>
 
@@ -18,12 +18,12 @@
 
 static const long skip = MODETRANOP | MODEUIC | MODEINITFLOAT; /* without MODETRAN C and L do not integrate */
 
-static native *armed; /* whose next point is to be loaded once, NULL: nobody's */
+static ns_session *armed; /* whose next point is to be loaded once, NULL: nobody's */
 
 /* Keys are pointers: 0 for equal ones. */
 static int compare_keys(const void *key, const void *wanted) {
     if (armed) {
-        once_forget(armed);
+        ns_bridge_single_load_forget(armed);
     }
     return key != wanted;
 }
@@ -37,7 +37,7 @@ static int watch_names(const CKTcircuit *ckt) {
     return names->compare_func == compare_keys;
 }
 
-void once_arm(native *b) {
+void ns_bridge_single_load_arm(ns_session *b) {
     CKTcircuit *ckt = b->ckt;
     /* at t = 0 the first load makes the matrix ready, and the states */
     if (!b->engine.march || !b->tried || b->failed || b->engine.ex.restless || !(ckt->CKTtime > 0.0) ||
@@ -45,7 +45,7 @@ void once_arm(native *b) {
         return;
     }
     if (armed) { /* another circuit, stopped */
-        once_forget(armed);
+        ns_bridge_single_load_forget(armed);
     }
     b->once.mode = ckt->CKTmode;
     b->once.armed = 1;
@@ -53,9 +53,9 @@ void once_arm(native *b) {
     ckt->CKTmode = skip;
 }
 
-int once_begin(native *b) {
+int ns_bridge_single_load_begin(ns_session *b) {
     const int skips = b->once.armed && b->ckt->CKTmode == skip; /* else it was stopped and resumed */
-    once_forget(b);
+    ns_bridge_single_load_forget(b);
     return skips;
 }
 
@@ -97,9 +97,9 @@ static GENmodel *models_of(const CKTcircuit *ckt, int type) {
     return type < 0 ? NULL : ckt->CKThead[type];
 }
 
-void once_end(native *b) {
+void ns_bridge_single_load_end(ns_session *b) {
     CKTcircuit *ckt = b->ckt;
-    const extract *ex = &b->engine.ex;
+    const ns_extract *ex = &b->engine.ex;
     const size_t size = (size_t)ex->neq * sizeof *b->value;
     memcpy(ckt->CKTrhsOld, b->value, size);
     memcpy(ckt->CKTrhs, b->value, size);
@@ -107,7 +107,7 @@ void once_end(native *b) {
     set_fluxes(ckt, models_of(ckt, ex->inductors), models_of(ckt, ex->couplings), b->value);
 }
 
-void once_forget(native *b) {
+void ns_bridge_single_load_forget(ns_session *b) {
     if (b->once.armed) {
         b->ckt->CKTmode = b->once.mode;
         armed = NULL;

@@ -1,5 +1,5 @@
-/* bridge/engine.c - from ngspice's circuit to a marcher. */
-#include "native.h"
+/* bridge/analysis.c - from ngspice's circuit to a marcher. */
+#include "session.h"
 
 #include <string.h>
 
@@ -8,7 +8,7 @@
 enum { STEPS_A_POINT = 16 }; /* of ours in ngspice's longest step, unless option h says otherwise */
 enum { POINTS_A_LEG = 4 };   /* of the sparse engine, which knows its errors and what is between */
 
-static double longest_step(const engine *e, const CKTcircuit *ckt) {
+static double longest_step(const ns_analysis *e, const CKTcircuit *ckt) {
     if (e->ex.options.h > 0.0) {
         return e->ex.options.h;
     }
@@ -19,7 +19,7 @@ static double longest_step(const engine *e, const CKTcircuit *ckt) {
                                              : ckt->CKTmaxStep / STEPS_A_POINT;
 }
 
-static int map_unknowns(engine *e) {
+static int map_unknowns(ns_analysis *e) {
     e->count = (size_t)e->system->n + (size_t)e->system->m;
     e->unknown = malloc((size_t)e->ex.neq * sizeof *e->unknown);
     e->room = calloc(3 * e->count + 1, sizeof(double));
@@ -42,19 +42,19 @@ static int map_unknowns(engine *e) {
 }
 
 /* Says why, returns the code. */
-static int fail(engine *e, int status, const ns_fault *fault) {
+static int fail(ns_analysis *e, int status, const ns_fault *fault) {
     const char *message = ns_circuit_message(e->ex.circuit);
     char line[320];
     if (fault && fault->status) {
         ns_circuit_explain(e->ex.circuit, fault, line, sizeof line);
-        report_error("%s", line);
+        ns_bridge_report_error("%s", line);
     } else {
-        report_error("%s", message && *message ? message : ns_status_text(status));
+        ns_bridge_report_error("%s", message && *message ? message : ns_status_text(status));
     }
-    return report_code(status);
+    return ns_bridge_report_code(status);
 }
 
-static int build(CKTcircuit *ckt, engine *e) {
+static int build(CKTcircuit *ckt, ns_analysis *e) {
     ns_march_options o;
     ns_fault fault;
     int status = ns_circuit_system(e->ex.circuit, &e->system);
@@ -70,25 +70,25 @@ static int build(CKTcircuit *ckt, engine *e) {
     return status ? fail(e, status, &fault) : OK;
 }
 
-int engine_make(CKTcircuit *ckt, extract_sources sources, engine *e) {
+int ns_bridge_analysis_make(CKTcircuit *ckt, ns_extract_sources sources, ns_analysis *e) {
     int error;
     memset(e, 0, sizeof *e);
-    error = extract_read(ckt, sources, &e->ex);
+    error = ns_bridge_extract_read(ckt, sources, &e->ex);
     if (error) {
-        report_error("%s", e->ex.line);
+        ns_bridge_report_error("%s", e->ex.line);
     } else {
         error = build(ckt, e);
     }
     if (error) {
-        engine_clear(e);
+        ns_bridge_analysis_clear(e);
     }
     return error;
 }
 
-void engine_clear(engine *e) {
+void ns_bridge_analysis_clear(ns_analysis *e) {
     ns_march_free(e->march);
     ns_system_free(e->system);
-    extract_clear(&e->ex);
+    ns_bridge_extract_clear(&e->ex);
     free(e->unknown);
     free(e->room);
     free(e->mode);

@@ -1,9 +1,9 @@
-/* bridge/rows.c - keeps ngspice from writing its .ic and .nodeset rows over ours in DC loads.
+/* bridge/dc_rows.c - keeps ngspice from writing its .ic and .nodeset rows over ours in DC loads.
  *
  * It does so after all devices have loaded, for nodes with a flag; the flags are hidden meanwhile. */
-#include "native.h"
+#include "session.h"
 
-void rows_hide(native *b) {
+void ns_bridge_dc_rows_hide(ns_session *b) {
     int k = 0;
     for (CKTnode *node = b->ckt->CKTnodes; node; node = node->next, k++) {
         b->held[k] = (int)(node->icGiven | (node->nsGiven << 1));
@@ -12,7 +12,7 @@ void rows_hide(native *b) {
     b->hidden = 1;
 }
 
-void rows_show(native *b) {
+void ns_bridge_dc_rows_show(ns_session *b) {
     int k = 0;
     for (CKTnode *node = b->ckt->CKTnodes; b->hidden && node; node = node->next, k++) {
         node->icGiven = (unsigned)b->held[k] & 1U;

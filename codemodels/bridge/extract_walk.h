@@ -1,0 +1,33 @@
+/* bridge/extract_walk.h - the walk over ngspice's elements, as the reader of one element sees it. */
+#ifndef BRIDGE_EXTRACT_WALK_H
+#define BRIDGE_EXTRACT_WALK_H
+
+#include "extract.h"
+
+enum { EXTRACT_LATER = 1000, EXTRACT_REFUSED = 1001 }; /* besides the statuses of the library */
+
+typedef struct ns_extract_walk {
+    CKTcircuit *ckt;
+    ns_extract *ex;
+    int dc;                     /* sources stand for their DC values */
+    double tstep, tstop;        /* of .tran, for the defaults of sources, s */
+    const MIFinstance *options; /* the instance of model nonsmooth, once it was read */
+} ns_extract_walk;
+
+/* Reads one instance: NS_OK, EXTRACT_LATER (an element it refers to was not read yet), EXTRACT_REFUSED
+ * (the line is written), or a status of the library. */
+typedef int ns_extract_reader(ns_extract_walk *w, GENinstance *inst);
+
+/* Keeps error and the line "<name>: <what>"; an empty name: "<what>". */
+void ns_bridge_extract_line(ns_extract *ex, int error, const char *name, const char *what);
+
+/* Refuses inst: keeps the line "<name>: <what>".  EXTRACT_REFUSED. */
+int ns_bridge_extract_refuse(ns_extract_walk *w, const GENinstance *inst, const char *what);
+
+/* Notes that equation eq (0: none) stands for the current of element id. */
+void ns_bridge_extract_current(ns_extract_walk *w, int eq, int id);
+
+/* Mixes bytes into the hash. */
+void ns_bridge_extract_mix(ns_extract_walk *w, const void *bytes, size_t size);
+
+#endif
