@@ -199,7 +199,7 @@ valgrind: deps ## only the run under valgrind
 	@$(MAKE) $(JOBS) all
 	@tests/run.sh valgrind
 
-tags: ## equation tags: every one cited is defined in README's Method, and the reverse
+tags: ## equation tags: every one cited is defined in src/README.md, and the reverse
 	@tests/run.sh tags
 
 coverage: deps ## lines of src/ that the tests run, file by file
