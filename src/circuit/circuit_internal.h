@@ -104,7 +104,10 @@ typedef struct stamp {
  * there. */
 void ns_circuit_stamp_add(const stamp *to, matrix which, int i, int j, double value);
 
-/* The commands of all switches (control.c).  Errors: MEMORY. */
+/* What one element adds to the system; of coupled inductors nothing (inductance.c). */
+void ns_circuit_stamp_element(const stamp *to, const element *e);
+
+/* The commands of all switches (switch_commands.c).  Errors: MEMORY. */
 int ns_circuit_stamp_commands(const stamp *to);
 
 /* Resistors that leaks at their nodes would be lost beside get their currents as unknowns (tiny_resistor.c).

@@ -57,9 +57,8 @@ static const element *element_of_current(const ns_circuit *c, int unknown) {
 }
 
 static const node_info *node_of_unknown(const ns_circuit *c, int unknown) {
-    int index = 0;
-    for (int i = 0; c && unknown >= 0 && i < c->nnodes; i++) {
-        if (c->node[i].used && index++ == unknown) {
+    for (int i = 0; c && i < c->nnodes; i++) {
+        if (c->node[i].used && c->node[i].unknown == unknown) {
             return &c->node[i];
         }
     }

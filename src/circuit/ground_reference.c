@@ -11,65 +11,53 @@
 #include <stdlib.h>
 
 #include "circuit_internal.h"
+#include "system/union_find.h"
 
-/* The part a row belongs to, by one of its rows; ground has the row after those of the nodes. */
-static int part_of(int *parent, int row) {
-    while (parent[row] != row) {
-        parent[row] = parent[parent[row]];
-        row = parent[row];
-    }
-    return row;
-}
-
+/* Ground has the row after those of the nodes. */
 static int row_or_ground(const ns_circuit *c, int node) {
     const int row = ns_circuit_node_unknown(c, node);
     return row < 0 ? c->nused : row;
 }
 
-/* settled[part]: has ground, or no element; of other rows it means nothing. */
-static void find_parts(const ns_circuit *c, int *parent, int *settled) {
-    for (int i = 0; i <= c->nused; i++) {
-        parent[i] = i;
-        settled[i] = 1;
-    }
+/* part (nused+1): union-find over rows; floating[r]: the part whose top is row r has elements, and no ground.
+ */
+static void find_parts(const ns_circuit *c, int *part, unsigned char *floating) {
+    ns_system_union_begin(part, c->nused + 1);
     for (int k = 0; k < c->nelements; k++) {
         const element *e = &c->element[k];
         if (e->kind != COUPLING) {
             const int p = row_or_ground(c, e->node[0]), n = row_or_ground(c, e->node[1]);
-            settled[p] = settled[n] = 0;
-            parent[part_of(parent, p)] = part_of(parent, n);
+            floating[p] = floating[n] = 1;
+            ns_system_union_join(part, p, n);
         }
     }
-    settled[part_of(parent, c->nused)] = 1;
+    floating[ns_system_union_top(part, c->nused)] = 0;
 }
 
-/* Settles each part that is not at the first of its nodes; held: only at nodes with an .ic. */
-static void settle(const stamp *to, int *parent, int *settled, int held) {
+/* Grounds each floating part at the first of its nodes; held: only at nodes with an .ic. */
+static void ground_parts(const stamp *to, int *part, unsigned char *floating, int held) {
     const ns_circuit *c = to->c;
-    for (int k = 0, row = 0; k < c->nnodes; k++) {
-        if (!c->node[k].used) {
-            continue;
+    for (int k = 0; k < c->nnodes; k++) {
+        const node_info *node = &c->node[k];
+        const int top = node->used ? ns_system_union_top(part, node->unknown) : 0;
+        if (node->used && floating[top] && !(held && isnan(node->ic))) {
+            ns_circuit_stamp_add(to, IN_A, node->unknown, node->unknown, -1);
+            floating[top] = 0;
         }
-        const int part = part_of(parent, row);
-        if (!settled[part] && !(held && isnan(c->node[k].ic))) {
-            ns_circuit_stamp_add(to, IN_A, row, row, -1);
-            settled[part] = 1;
-        }
-        row++;
     }
 }
 
 int ns_circuit_ground_reference(const stamp *to) {
-    const ns_circuit *c = to->c;
-    const size_t count = (size_t)c->nused + 1;
-    int *parent = calloc(2 * count, sizeof *parent);
-    if (!parent) {
-        return NS_E_MEMORY;
+    const size_t rows = (size_t)to->c->nused + 1;
+    int *part = calloc(rows, sizeof *part);
+    unsigned char *floating = calloc(rows, 1);
+    const int status = part && floating ? NS_OK : NS_E_MEMORY;
+    if (status == NS_OK) {
+        find_parts(to->c, part, floating);
+        ground_parts(to, part, floating, 1);
+        ground_parts(to, part, floating, 0);
     }
-    int *settled = parent + count;
-    find_parts(c, parent, settled);
-    settle(to, parent, settled, 1);
-    settle(to, parent, settled, 0);
-    free(parent);
-    return NS_OK;
+    free(part);
+    free(floating);
+    return status;
 }

@@ -52,18 +52,17 @@ int ns_circuit_rest(const ns_circuit *c, double *w0) {
 
 /* Fills hold and hold_x where they are given. */
 static int each_held(const ns_circuit *c, int *hold, double *hold_x) {
-    int count = 0, index = 0;
+    int count = 0;
     for (int i = 0; i < c->nnodes; i++) {
         if (c->node[i].used && !isnan(c->node[i].ic)) {
             if (hold) {
-                hold[count] = index;
+                hold[count] = c->node[i].unknown;
             }
             if (hold_x) {
                 hold_x[count] = c->node[i].ic;
             }
             count++;
         }
-        index += c->node[i].used;
     }
     return count;
 }

@@ -9,12 +9,8 @@
  * so v = vf + ron i where it conducts, and the line has a kink and no jump; breakdown is a second pair.
  */
 #include <math.h>
-#include <stdlib.h>
 
 #include "circuit_internal.h"
-
-/* Unknowns and pairs from which on a system is made large: dense arrays would be slow and big. */
-enum { LARGE = 400 };
 
 static int row_of(const stamp *to, int number) {
     return ns_circuit_node_unknown(to->c, number);
@@ -155,12 +151,6 @@ static void stamp_inductor(const stamp *to, const element *e) {
     difference(to, IN_A, row, e->node[0], e->node[1], 1);
 }
 
-static void stamp_inductance(void *data, int row, int column, double henries) {
-    const stamp *to = data;
-    ns_circuit_stamp_add(to, IN_M, ns_circuit_current_unknown(to->c, row),
-                         ns_circuit_current_unknown(to->c, column), henries);
-}
-
 /* A pair whose lambda flows from p to n if sign is 1, from n to p if -1; y = kink + D lambda - sign v. */
 static void stamp_pair(const stamp *to, const element *e, int pair, double sign, double kink, double D) {
     leaves(to, e, IN_B, pair, sign);
@@ -185,7 +175,7 @@ static void stamp_switch(const stamp *to, const element *e) {
     stamp_pair(to, e, e->pair, 1, 0, e->sw.ron * on);
 }
 
-static void stamp_element(const stamp *to, const element *e) {
+void ns_circuit_stamp_element(const stamp *to, const element *e) {
     switch (e->kind) {
     case RESISTOR:
         stamp_resistor(to, e);
@@ -213,87 +203,4 @@ static void stamp_element(const stamp *to, const element *e) {
         stamp_switch(to, e);
         break;
     }
-}
-
-static int fill(const stamp *to) {
-    const ns_circuit *c = to->c;
-    for (int i = 0; i < c->nelements; i++) {
-        const element *e = &c->element[i];
-        int status = NS_OK;
-        stamp_element(to, e);
-        if (e->input >= 0 && (status = ns_system_set_input(to->s, e->input, &e->signal))) {
-            return status;
-        }
-    }
-    ns_circuit_each_inductance(c, stamp_inductance, (void *)to);
-    int status = ns_circuit_ground_reference(to);
-    return status != NS_OK ? status : ns_circuit_stamp_commands(to);
-}
-
-/* The lists become the matrices of a large system. */
-static int sum_entries(ns_system *s, const ns_entries *from) {
-    ns_large *a = s->large;
-    const struct {
-        ns_csc *to;
-        int rows, columns;
-    } of[] = {{&a->M, s->n, s->n}, {&a->A, s->n, s->n},  {&a->B, s->n, s->m},   {&a->C, s->m, s->n},
-              {&a->D, s->m, s->m}, {&a->E, s->n, s->nz}, {&a->gx, s->n, s->nc}, {&a->gz, s->nz, s->nc}};
-    static const ns_entries none = {0};
-    int status = ns_linalg_csc_of_entries(s->m, s->nz, &none, &a->F);
-    for (int k = 0; k < MATRICES && !status; k++) {
-        status = ns_linalg_csc_of_entries(of[k].rows, of[k].columns, &from[k], of[k].to);
-    }
-    return status;
-}
-
-static int make_large(const ns_circuit *c, ns_system **s) {
-    ns_entries entries[MATRICES] = {{0}};
-    int status = ns_system_create_large(c->nused + c->ncurrents, c->npairs, c->ninputs, c->ncommands, s);
-    if (!status) {
-        status = fill(&(stamp){c, *s, entries});
-    }
-    if (!status) {
-        status = sum_entries(*s, entries);
-    }
-    for (int k = 0; k < MATRICES; k++) {
-        ns_linalg_entries_free(&entries[k]);
-    }
-    return status;
-}
-
-static int make(const ns_circuit *c, ns_system **s) {
-    if (c->nused + c->ncurrents + c->npairs > LARGE) {
-        return make_large(c, s);
-    }
-    int status = ns_system_create(c->nused + c->ncurrents, c->npairs, c->ninputs, c->ncommands, s);
-    return status ? status : fill(&(stamp){c, *s, NULL});
-}
-
-int ns_circuit_system(ns_circuit *c, ns_system **out) {
-    ns_system *s = NULL;
-    int status;
-    ns_fault fault = {0};
-    if (!out) {
-        return NS_E_NULL;
-    }
-    *out = NULL;
-    if (!c) {
-        return NS_E_NULL;
-    }
-    if ((status = ns_circuit_check_inductances(c))) {
-        return status;
-    }
-    if ((status = ns_circuit_tiny_resistors(c))) {
-        return ns_circuit_complain(c, status, "%s", ns_status_text(status));
-    }
-    if ((status = make(c, &s)) || (status = ns_system_check(s, &fault))) {
-        char where[160] = "";
-        if (fault.status) {
-            (void)ns_circuit_explain(c, &fault, where, sizeof where);
-        }
-        ns_system_free(s);
-        return ns_circuit_complain(c, status, "%s", *where ? where : ns_status_text(status));
-    }
-    *out = s;
-    return NS_OK;
 }

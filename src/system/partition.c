@@ -12,34 +12,9 @@
 #include <string.h>
 
 #include "partition_internal.h"
-#include "union_find.h"
 
 /* Sources upon sources: so many passes; and so many tries without those that matter. */
 enum { PASSES = 8, TRIES = 8 };
-
-void ns_system_each_entry(const double *dense, const ns_csc *sparse, int rows, int columns, ns_visit *visit,
-                          void *context) {
-    for (int j = 0; sparse && j < columns; j++)
-        for (int k = sparse->start[j]; k < sparse->start[j + 1]; k++)
-            if (sparse->value[k] != 0)
-                visit(context, sparse->row[k], j, sparse->value[k]);
-    for (int j = 0; dense && j < columns; j++)
-        for (int i = 0; i < rows; i++)
-            if (dense[(size_t)i + (size_t)j * (size_t)rows] != 0)
-                visit(context, i, j, dense[(size_t)i + (size_t)j * (size_t)rows]);
-}
-
-/* Controls: rows are unknowns, columns commands. */
-void ns_system_each_control(const ns_system *s, ns_visit *visit, void *context) {
-    if (s->large) {
-        ns_system_each_entry(NULL, &s->large->gx, s->n, s->nc, visit, context);
-        return;
-    }
-    for (int c = 0; c < s->nc; c++)
-        for (int j = 0; s->command[c].gx && j < s->n; j++)
-            if (s->command[c].gx[j] != 0)
-                visit(context, j, c, s->command[c].gx[j]);
-}
 
 /* --- what is known --- */
 
@@ -140,10 +115,6 @@ static void find_shared(ns_plan *p) {
 
 /* --- what goes together --- */
 
-static int top(const ns_plan *p, int i) {
-    return ns_system_union_top(p->of, i);
-}
-
 static void join(const ns_plan *p, int i, int j) {
     ns_system_union_join(p->of, i, j);
 }
@@ -202,24 +173,16 @@ static int number_islands(ns_plan *p) {
     for (int i = 0; i < n + m; i++)
         p->number[i] = -1;
     for (int k = n; k < n + m; k++)
-        if (p->number[top(p, k)] < 0)
-            p->number[top(p, k)] = islands++;
+        if (p->number[ns_system_plan_group(p, k)] < 0)
+            p->number[ns_system_plan_group(p, k)] = islands++;
     if (islands < 2 || islands > NS_MOST_ISLANDS)
         return 0;
     for (int i = 0; i < n; i++)
-        if (p->role[i] == NS_OWN && p->number[top(p, i)] < 0) {
-            p->number[top(p, i)] = islands;
+        if (p->role[i] == NS_OWN && p->number[ns_system_plan_group(p, i)] < 0) {
+            p->number[ns_system_plan_group(p, i)] = islands;
             rest = 1;
         }
     return islands + rest;
-}
-
-int ns_system_plan_island(const ns_plan *p, int i) {
-    return i < p->s->n && p->role[i] != NS_OWN ? -1 : p->number[top(p, i)];
-}
-
-int ns_system_plan_group(const ns_plan *p, int i) {
-    return top(p, i);
 }
 
 static int allocate(ns_plan *p) {
@@ -240,6 +203,17 @@ static int allocate(ns_plan *p) {
     return NS_OK;
 }
 
+void ns_system_partition_free(ns_islands *a) {
+    for (int c = 0; a->island && c < a->count; c++) {
+        ns_system_free(a->island[c].s);
+        free(a->island[c].unknown);
+        free(a->island[c].pair);
+    }
+    free(a->island);
+    free(a->shared);
+    *a = (ns_islands){0};
+}
+
 int ns_system_partition(const ns_system *s, ns_islands *out) {
     ns_plan p = {.s = s};
     *out = (ns_islands){0};
@@ -253,6 +227,8 @@ int ns_system_partition(const ns_system *s, ns_islands *out) {
         if (count > 0)
             status = ns_system_partition_build(&p, count, out);
     }
+    if (status != NS_OK)
+        ns_system_partition_free(out);
     free(p.bytes);
     free(p.ints);
     return status;

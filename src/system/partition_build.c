@@ -367,18 +367,5 @@ int ns_system_partition_build(const ns_plan *p, int count, ns_islands *out) {
     free(k.sees);
     free(k.home);
     free(k.row);
-    if (status != NS_OK)
-        ns_system_partition_free(out);
     return status;
-}
-
-void ns_system_partition_free(ns_islands *a) {
-    for (int c = 0; a->island && c < a->count; c++) {
-        ns_system_free(a->island[c].s);
-        free(a->island[c].unknown);
-        free(a->island[c].pair);
-    }
-    free(a->island);
-    free(a->shared);
-    *a = (ns_islands){0};
 }

@@ -4,7 +4,9 @@
 #ifndef NS_SYSTEM_PARTITION_INTERNAL_H
 #define NS_SYSTEM_PARTITION_INTERNAL_H
 
+#include "each_entry.h"
 #include "partition.h"
+#include "union_find.h"
 
 /* Of an unknown: of one island; known (its row a balance); the share of one in a balance (its row a law). */
 enum { NS_OWN, NS_KNOWN, NS_SHARED };
@@ -21,18 +23,15 @@ typedef struct ns_plan {
     int again;
 } ns_plan;
 
-#define NS_CSC_OF(s, which) ((s)->large ? &(s)->large->which : NULL)
+/* The group that unknown i, or pair i - n, is in: what is known or shared together has one. */
+static inline int ns_system_plan_group(const ns_plan *p, int i) {
+    return ns_system_union_top(p->of, i);
+}
 
-/* Entries that are not zero, of an array or a sparse matrix (either may be NULL); of all controls' gx. */
-typedef void ns_visit(void *context, int row, int column, double value);
-void ns_system_each_entry(const double *dense, const ns_csc *sparse, int rows, int columns, ns_visit *visit,
-                          void *context);
-void ns_system_each_control(const ns_system *s, ns_visit *visit, void *context);
-
-/* The island of unknown i, or of pair i - n; -1: known or shared.  What is known or shared together has one
- * group. */
-int ns_system_plan_island(const ns_plan *p, int i);
-int ns_system_plan_group(const ns_plan *p, int i);
+/* The island of it; -1: known or shared. */
+static inline int ns_system_plan_island(const ns_plan *p, int i) {
+    return i < p->s->n && p->role[i] != NS_OWN ? -1 : p->number[ns_system_plan_group(p, i)];
+}
 
 /* partition_build.c.  Errors: MEMORY. */
 int ns_system_partition_build(const ns_plan *p, int count, ns_islands *out);
