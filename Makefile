@@ -256,6 +256,16 @@ bench-siconos: deps ## the same beside Siconos, whose Debian packages it install
 	@codemodels/install-packages.sh $(SICONOS_PACKAGES)
 	@$(MAKE) $(JOBS) bench BENCH=$(BENCH)
 
+# --- compare: before and after --------------------------------------------------------------------------------
+
+BASE ?= 1144699# the commit to compare with
+CIRCUITS ?=# names of those to run, from the first column; none: all
+
+.PHONY: compare
+compare: deps ## circuits by the library of commit BASE and by this one: instructions, and whether results are the same
+	@$(MAKE) $(JOBS) $(B)/libnonsmooth.a
+	@CC='$(CC)' CFLAGS='$(CFLAGS)' LIBS='$(LIBS)' tests/compare/run.sh '$(BASE)' $(CIRCUITS)
+
 # --- stress: what is too long for `make test` -------------------------------------------------------------
 
 STRESS_BIN := $(patsubst %.c,$(B)/%,$(wildcard tests/stress/*.c))
@@ -310,7 +320,7 @@ picture: deps # the drawing that README shows
 
 C_FILES := $(wildcard include/*.h include/*/*.h src/*/*.[ch] src/*/*/*.[ch] codemodels/bridge/*.[ch] tests/*/*.[ch] tests/unit/*/*.[ch])
 TIDY_FILES := $(filter %.c,$(C_FILES))
-TIDY_FLAGS := -std=c11 -Iinclude -Isrc -Itests/rig $(NG_INCLUDE)
+TIDY_FLAGS := -std=c11 -Iinclude -Isrc -Itests/rig -Itests/bench $(NG_INCLUDE)
 
 .PHONY: lint
 lint: deps-lint ## clang-format, clang-tidy, cppcheck, shellcheck, and all of it built by clang and by gcc
