@@ -43,7 +43,7 @@ typedef struct ns_newton_options {
     ns_relation relation;
     double tolerance; /* on both residuals, relative to the terms they are summed from; 0: 1e-12 */
     int iterations;   /* bound on Newton iterations of a step that do not halve the residuals; 0: 50.  Those
-                         that   do, as when an exponential comes down by 1/e each: 20 times as many */
+                         that do, as when an exponential falls by 1/e in each: 20 times as many */
     int halvings;     /* bound on halvings of one Newton correction; 0: 10 */
 } ns_newton_options;
 
