@@ -15,20 +15,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-int ns_reinit_orders_create(ns_theta *s, ns_order_expansion *k) {
-    const size_t all = (size_t)s->s->n + (size_t)s->s->m, square = all * all;
-    double **const vectors[] = {&k->R0,     &k->R1,     &k->terms, &k->terms_w, &k->guess,
-                                &k->Z1,     &k->Z0,     &k->Z2,    &k->E1,      &k->E0,
-                                &k->E2,     &k->at[0],  &k->at[1], &k->at[2],   &k->off[0],
-                                &k->off[1], &k->off[2], &k->v,     &k->rest,    &k->few};
+int ns_reinit_orders_create(ns_theta *s, const double *w, ns_order_expansion *k) {
+    const size_t m = (size_t)s->s->m, all = (size_t)s->s->n + m, square = all * all;
+    double **const vectors[] = {&k->R0,      &k->R1,    &k->terms,    &k->terms_w,  &k->guess,    &k->Z1,
+                                &k->Z0,      &k->Z2,    &k->E1,       &k->E0,       &k->E2,       &k->at[0],
+                                &k->at[1],   &k->at[2], &k->error[0], &k->error[1], &k->error[2], &k->jump[0],
+                                &k->jump[1], &k->v,     &k->rest,     &k->few};
     const size_t count = sizeof vectors / sizeof *vectors;
     memset(k, 0, sizeof *k);
     k->s = s;
     k->K0 = calloc(7 * square + (count + 2 + 5) * all + 1, sizeof(double));
     k->fine = calloc(6 * all + 1, sizeof *k->fine);
-    if (!k->K0 || !k->fine)
+    k->inside = calloc(m + 1, sizeof *k->inside + 2 * sizeof *k->mode);
+    if (!k->K0 || !k->fine || !k->inside)
         return NS_E_MEMORY;
     k->w = k->fine + 5 * all;
+    k->mode = (ns_mode *)(k->inside + m);
+    k->left_mode = k->mode + m;
     k->K1 = k->K0 + square;
     k->S0 = k->K1 + square;
     k->G = k->S0 + square;
@@ -38,9 +41,10 @@ int ns_reinit_orders_create(ns_theta *s, ns_order_expansion *k) {
     for (size_t i = 0, at = 0; i < count; i++, at += all)
         *vectors[i] = k->H + square + at;
     k->work = k->few + 3 * all;
+    memcpy(k->left_mode, s->mode, m);
     for (int i = 0; i < s->r; i++) {
-        k->w[i] = s->w[i];
-        k->terms_w[i] = fabs(s->w[i]);
+        k->w[i] = w[i];
+        k->terms_w[i] = fabs(w[i]);
     }
     return NS_OK;
 }
@@ -50,12 +54,13 @@ void ns_reinit_orders_free(ns_order_expansion *k) {
     ns_linalg_ranked_free(k->gap);
     free(k->K0);
     free(k->fine);
+    free(k->inside);
 }
 
 /* One row of (P2) without its matrix: what is given of order 1, with the sizes of its terms. */
 static double given(const ns_order_expansion *k, int i, const double *z, double *terms) {
     const ns_theta *s = k->s;
-    const int n = s->s->n, m = s->s->m, pair = i < n ? 0 : s->inside[i - n];
+    const int n = s->s->n, m = s->s->m, pair = i < n ? 0 : k->inside[i - n];
     double sum = i < n ? s->b[i] : -s->s->e[pair];
     *terms = fabs(sum);
     for (int c = 0; z && c < s->s->nz; c++) {
@@ -64,7 +69,7 @@ static double given(const ns_order_expansion *k, int i, const double *z, double 
         *terms += fabs(t);
     }
     for (int j = 0; j < m; j++) {
-        const ns_mode mode = s->trial_mode[j];
+        const ns_mode mode = k->mode[j];
         if (mode == NS_INSIDE)
             continue;
         const double bound = mode == NS_LOWER ? s->l[j] : s->u[j];
@@ -83,7 +88,7 @@ static double given_next(const ns_order_expansion *k, int i, const double *z, co
     if (i < s->r)
         return given(k, i, z, &sum);
     for (int c = 0; slope && c < s->s->nz; c++)
-        sum += slope[c] * (i < n ? s->E[i + c * n] : -s->s->F[s->inside[i - n] + c * m]);
+        sum += slope[c] * (i < n ? s->E[i + c * n] : -s->s->F[k->inside[i - n] + c * m]);
     return sum;
 }
 
@@ -95,17 +100,17 @@ static double summed(const ns_theta *s, int i, const double *column) {
     return size;
 }
 
-/* (P2) in s->trial_mode, by powers of h. */
+/* (P2) in k->mode, by powers of h. */
 static void form(ns_order_expansion *k, const double *z, const double *slope) {
     ns_theta *s = k->s;
     const int n = s->s->n, m = s->s->m, r = s->r;
     k->nj = 0;
     for (int j = 0; j < m; j++)
-        if (s->trial_mode[j] == NS_INSIDE)
-            s->inside[k->nj++] = j;
+        if (k->mode[j] == NS_INSIDE)
+            k->inside[k->nj++] = j;
     const int size = k->size = n + k->nj;
     for (int j = 0; j < size; j++) {
-        const int pair = j < n ? 0 : s->inside[j - n];
+        const int pair = j < n ? 0 : k->inside[j - n];
         const double *flow = j < n ? s->A + (size_t)j * (size_t)n : s->B + (size_t)pair * (size_t)n;
         double *zero = k->K0 + (size_t)j * (size_t)size, *one = k->K1 + (size_t)j * (size_t)size;
         double *terms = k->S0 + (size_t)j * (size_t)size;
@@ -120,7 +125,7 @@ static void form(ns_order_expansion *k, const double *z, const double *slope) {
         }
         for (int i = 0; i < k->nj; i++)
             terms[n + i] = zero[n + i] =
-                j < n ? s->s->C[s->inside[i] + j * m] : s->s->D[s->inside[i] + pair * m];
+                j < n ? s->s->C[k->inside[i] + j * m] : s->s->D[k->inside[i] + pair * m];
     }
     for (int i = 0; i < size; i++) {
         k->R0[i] = i < r ? (double)k->w[i] : given(k, i, z, &k->terms[i]);
@@ -135,16 +140,16 @@ static void spread(ns_order_expansion *k) {
     const ns_theta *s = k->s;
     const int n = s->s->n, m = s->s->m;
     const double *const from[] = {k->Z1, k->Z0, k->Z2, k->E1, k->E0, k->E2};
-    double *const to[] = {k->at[0], k->at[1], k->at[2], k->off[0], k->off[1], k->off[2]};
+    double *const to[] = {k->at[0], k->at[1], k->at[2], k->error[0], k->error[1], k->error[2]};
     for (int v = 0; v < 6; v++) {
         memcpy(to[v], from[v], sizeof(double) * (size_t)n);
         memset(to[v] + n, 0, sizeof(double) * (size_t)m);
         for (int i = 0; i < k->nj; i++)
-            to[v][n + s->inside[i]] = from[v][n + i];
+            to[v][n + k->inside[i]] = from[v][n + i];
     }
     for (int j = 0; j < m; j++)
-        if (s->trial_mode[j] != NS_INSIDE)
-            k->at[NS_VALUE][n + j] = s->trial_mode[j] == NS_LOWER ? s->l[j] : s->u[j];
+        if (k->mode[j] != NS_INSIDE)
+            k->at[NS_VALUE][n + j] = k->mode[j] == NS_LOWER ? s->l[j] : s->u[j];
 }
 
 int ns_reinit_orders_expand(ns_order_expansion *k, const double *z, const double *slope) {
@@ -159,7 +164,7 @@ double ns_reinit_orders_rate(ns_order_expansion *k) {
     ns_theta *s = k->s;
     const int all = s->s->n + s->s->m;
     double rate = 0;
-    memset(s->trial_mode, NS_INSIDE, (size_t)s->s->m);
+    memset(k->mode, NS_INSIDE, (size_t)s->s->m);
     form(k, NULL, NULL);
     (void)ns_linalg_lu_factor(s->lu, all, k->K0, NULL, NULL); /* for its scaling */
     const double *rows = ns_linalg_lu_rows(s->lu), *units = ns_linalg_lu_units(s->lu);

@@ -277,11 +277,11 @@ static int open_vector(ns_order_expansion *k, int o, double *v) {
     return 1;
 }
 
-/* What the equations leave open is of least norm, of values as near to k->open as they can be. */
+/* What the equations leave open is of least norm, of values as near to k->near as they can be. */
 static int close_open(ns_order_expansion *k) {
     const int size = k->size, n = k->s->s->n, open = k->gap->n - k->gap->rank;
-    for (int i = 0; i < size && k->open; i++)
-        k->rest[i] = k->open[i < n ? i : n + k->s->inside[i - n]];
+    for (int i = 0; i < size && k->near; i++)
+        k->rest[i] = k->near[i < n ? i : n + k->inside[i - n]];
     for (int o = 0; o < open; o++) {
         double *v = k->V + (size_t)o * (size_t)size;
         if (!open_vector(k, o, v))
@@ -291,7 +291,7 @@ static int close_open(ns_order_expansion *k) {
     }
     for (int o = 0; o < open; o++) {
         project(size, k->V + (size_t)o * (size_t)size, NULL, k->Z1, k->E1);
-        project(size, k->V + (size_t)o * (size_t)size, k->open ? k->rest : NULL, k->Z0, k->E0);
+        project(size, k->V + (size_t)o * (size_t)size, k->near ? k->rest : NULL, k->Z0, k->E0);
     }
     return 1;
 }

@@ -98,12 +98,24 @@ static void form_step(ns_theta *s, double h, int implicit) {
         s->rhs[i] -= s->trial_in[i]; /* eta of (T6) */
 }
 
-int ns_theta_lcp_solve(ns_theta *s, double h, int implicit, double share) {
-    const int n = s->s->n, m = s->s->m;
+static int solve_step(ns_theta *s, double h, int implicit, double fraction, ns_mode *mode) {
+    const int size = s->s->n + s->s->m;
     form_step(s, h, implicit);
-    if (share > 0)
-        add_leaks(s, implicit ? h : h * s->theta, n + m, share, 0);
-    return solve(s, h, n + m, s->trial_mode);
+    if (fraction > 0)
+        add_leaks(s, implicit ? h : h * s->theta, size, fraction, 0);
+    return solve(s, h, size, mode);
+}
+
+int ns_theta_lcp_solve(ns_theta *s, double h, int implicit, double fraction) {
+    return solve_step(s, h, implicit, fraction, s->trial_mode);
+}
+
+int ns_theta_lcp_propose(ns_theta *s, double h, double fraction, const double *w, const double *z,
+                         const double *slope, ns_mode *mode) {
+    memcpy(s->trial_in, w, sizeof(double) * (size_t)s->r);
+    for (int k = 0; k < s->s->nz; k++)
+        s->trial_in[s->r + k] = z[k] + (slope ? h * slope[k] : 0);
+    return solve_step(s, h, 1, fraction, mode);
 }
 
 void ns_theta_lcp_keep(ns_theta *s, double h, int implicit) {

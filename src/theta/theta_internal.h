@@ -155,15 +155,25 @@ void ns_theta_put(ns_theta *s, const double *w, const double *at, const ns_mode 
 /* state.c: w there, row i; s has it before the jump. */
 double ns_theta_jump_w(const ns_theta *s, int i, const double *x, const double *X, const double *Lambda);
 
-/* impulse.c: ns_theta_impulse(), but what the laws leave open of values is as near to open (n+m: x, lambda)
+/* The trial and the problem that failed are gone: their arrays get used. */
+static inline void ns_theta_discard(ns_theta *s) {
+    s->has_trial = 0;
+    s->failed = 0;
+}
+
+/* impulse.c: ns_theta_impulse(), but what the laws leave open of values is as near to `near` (n+m: x, lambda)
  * as it can be (NULL: to zero).  *jumps: there are impulses. */
-int ns_reinit_impulse_solve(ns_theta *s, const double *z, const double *slope, const double *open,
+int ns_reinit_impulse_solve(ns_theta *s, const double *z, const double *slope, const double *near,
                             const ns_impulse *out, int *jumps);
 
-/* problem.c: (P1) of a step, unreduced (x as equality rows), solved from the mode of s->trial_mode, which
- * gets the answer's mode.  Uses s->trial_in.  share > 0: with leaks of that share (modes/regularise.h).
- * Errors: those of ns_mlcp_solve(). */
-int ns_theta_lcp_solve(ns_theta *s, double h, int implicit, double share);
+/* step_lcp.c: (P1) of a step, unreduced (x as equality rows), from s->trial_in and the mode s->trial_mode,
+ * which gets the answer's.  fraction > 0: with leaks of that fraction.  Errors: those of ns_mlcp_solve(). */
+int ns_theta_lcp_solve(ns_theta *s, double h, int implicit, double fraction);
+
+/* step_lcp.c: the same of an implicit step from w (r) with inputs z + h slope (nz; slope NULL: z), from the
+ * mode (m), which gets the answer's.  Overwrites the trial. */
+int ns_theta_lcp_propose(ns_theta *s, double h, double fraction, const double *w, const double *z,
+                         const double *slope, ns_mode *mode);
 
 /* problem.c: leaves that problem, without leaks, for ns_theta_problem(): the step failed. */
 void ns_theta_lcp_keep(ns_theta *s, double h, int implicit);
