@@ -4,13 +4,14 @@
  *   status.h   what a call answers, in one table, and what it has to say about a failure
  *   mlcp.h     mixed linear complementarity problems (P1): no time, no circuit
  *   text.h     (P1) as plain text
+ *   csc.h      a sparse matrix, column by column
  *   signal.h   sources as functions of time, with their corners
  *   system.h   complementarity systems (S1)-(S4)
  *   theta.h    one theta-gamma step (T1)(T6)(T7)(P1), tried and accepted
  *   impulse.h  what jumps at an instant (J1)-(J4)
  *   march.h    many steps: events located, jumps resolved, outputs on both sides of a jump
  *   model.h    (S1)-(S4) with nonlinear f, g, h and their Jacobians
- *   newton_internal.h   one theta-gamma step of a model, (T1)-(T5) around (P1)
+ *   newton.h   one theta-gamma step of a model, (T1)-(T5) around (P1)
  *   circuit.h  R, L, C, K, sources, ideal diodes and switches -> (S1)-(S3)
  *
  * The library never prints, never exits, keeps no global state.  Matrices are dense, column by
@@ -21,6 +22,7 @@
 #define NONSMOOTH_H
 
 #include "nonsmooth/circuit.h"
+#include "nonsmooth/csc.h"
 #include "nonsmooth/impulse.h"
 #include "nonsmooth/march.h"
 #include "nonsmooth/mlcp.h"

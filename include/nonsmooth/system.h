@@ -12,6 +12,7 @@
 #ifndef NONSMOOTH_SYSTEM_H
 #define NONSMOOTH_SYSTEM_H
 
+#include "nonsmooth/csc.h"
 #include "nonsmooth/mlcp.h"
 #include "nonsmooth/signal.h"
 
@@ -28,14 +29,6 @@ typedef struct ns_command {
         *gx; /* n, or NULL where the control is a function of time only: its instants are then hit exactly */
     double *gz; /* nz, or NULL where no input acts on it directly */
 } ns_command;
-
-/* A sparse matrix, column by column: entries start[j] to start[j+1]-1 are those of column j. */
-typedef struct ns_csc {
-    int rows, columns;
-    int *start; /* columns+1 */
-    int *row;   /* ascending in each column */
-    double *value;
-} ns_csc;
 
 /* The matrices of a large system, and as columns the controls of its commands. */
 typedef struct ns_large {

@@ -9,11 +9,11 @@
 #include <string.h>
 
 #include "nonsmooth/status.h"
-#include "system/row_split.h"
+#include "row_split.h"
 
 /* Left null vectors of a into T, its independent rows into row. */
 static int take_apart(int n, const double *a, const double *size, double *T, int *rank, int *row) {
-    const int status = ns_system_row_split_rows(n, a, size, T, rank);
+    const int status = ns_linalg_row_split_rows(n, a, size, T, rank);
     for (int k = 0; k < *rank && status == NS_OK; k++)
         for (int j = 0; j < n; j++)
             if (T[k + j * n] != 0)

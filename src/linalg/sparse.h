@@ -4,7 +4,8 @@
 
 #include <stddef.h>
 
-#include "nonsmooth/system.h"
+#include "nonsmooth/csc.h"
+#include "nonsmooth/status.h"
 
 /* Entries as they come, the same place more than once if need be. */
 typedef struct ns_entries {

@@ -18,6 +18,12 @@
 #include "mlcp/verify/residual_bound.h"
 #include "nonsmooth/mlcp.h"
 
+/* Guards hold if no y or lambda is outside by more than NS_MLCP_GUARD of its size: the terms of a sum leave
+ * 1e-16 of it each, a solve with some dozen unknowns 1e-14; two decades are for the condition. */
+static const double NS_MLCP_GUARD = 1e-12;
+static const double NS_MLCP_ACCEPT = 1e-10; /* natural residual of an answer, at most */
+static const double NS_MLCP_GOOD = 1e-13;   /* an answer of this residual is not refined further */
+
 /* Variables of the pairs: lambda_a is 2a, y_a is 2a+1, the covering variable t is 2 np. */
 enum { REFRESH = 25, PIVOTS_FLAT = 50, PIVOTS_PER_PAIR = 20 };
 
@@ -224,9 +230,9 @@ int ns_mlcp_lemke(ns_mlcp_solver *s, int all, int patience);
  * s->now, s->p, s->q, s->lambda, s->y and s->mode stay, the rest of the workspace does not.
  * CAREFUL: not by an amount that rounding of the largest numbers of the problem may have left.  BOLD: where
  * nothing solved it.  AGAINST: that the answer in s->lambda is none, by as much as an answer may be wrong by
- * at least. */
+ * at least.  Each effort is made once a solve. */
 enum { NS_CAREFUL = 1, NS_BOLD, NS_AGAINST }; /* effort */
-int ns_mlcp_farkas(ns_mlcp_solver *s, int effort);
+int ns_mlcp_prove(ns_mlcp_solver *s, int effort);
 
 /* parallel.c: v (m) of two rows of W that are multiples of each other and ask the opposite; 0: there are
  * none. v is not judged.  Uses r, c (exponents of units of the rows and columns), queue, rowdone. */
@@ -239,7 +245,7 @@ void ns_mlcp_scale_back(ns_mlcp_solver *s);
 
 /* zeros.c: s->lambda, which was refused, is remembered with zeros for rounding, if that makes it an answer
  * and the best so far.  Uses g, ysize, rhs.  Back into s->lambda and s->mode; 0 if there is none. */
-void ns_mlcp_note(ns_mlcp_solver *s, double accept);
+void ns_mlcp_note(ns_mlcp_solver *s);
 int ns_mlcp_recall(ns_mlcp_solver *s);
 
 /* huge_multipliers.c: whether lambda is so large against q and the bounds, in units of W, that it may hide in
@@ -254,8 +260,8 @@ double ns_mlcp_broken(ns_mlcp_solver *s);
 
 /* consistent_answer.c: makes s->y and s->mode those of s->lambda, which goes from bound to bound of boxes
  * that are next to nothing; then *residual is that of the new one.  0: they cannot be had, or not with a
- * residual <= accept. Uses g, ray, rhs, ysize, queue. */
-int ns_mlcp_agree(ns_mlcp_solver *s, double accept, double *residual);
+ * residual <= NS_MLCP_ACCEPT. Uses g, ray, rhs, ysize, queue. */
+int ns_mlcp_agree(ns_mlcp_solver *s, double *residual);
 
 /* Whether s->y is not the y of lambda, whose terms are of the size given; equalities are left aside. */
 int ns_mlcp_differs(const ns_mlcp_solver *s, const double *y, const double *size);
@@ -270,29 +276,29 @@ void ns_mlcp_list(ns_mlcp_solver *s, int n, const int *index);
 int ns_mlcp_reveal(ns_mlcp_solver *s);
 
 /* proximal.c: after ns_mlcp_reveal() was stuck.  INFEASIBLE: the equations contradict; SINGULAR. */
-int ns_mlcp_proximal(ns_mlcp_solver *s, const ns_mode *mode, double accept, double *residual);
+int ns_mlcp_proximal(ns_mlcp_solver *s, const ns_mode *mode, double *residual);
 
 /* The other methods, one a file.  Each starts from s->mode (mended) and works on s->now, whose fixed lambda
  * are folded into s->q; each may use A, mag, G, rhs, xs, T, Wreg and the vectors named as work in its file.
- * OK: s->lambda is an answer of natural residual <= accept, and s->mode the mode it suggests: the driver
- * computes the answer of that mode and takes the better of the two.  LIMIT, SINGULAR: gave up. */
-int ns_mlcp_newton(ns_mlcp_solver *s, double accept);    /* newton.c */
-int ns_mlcp_interior(ns_mlcp_solver *s, double accept);  /* interior_point.c */
-int ns_mlcp_projected(ns_mlcp_solver *s, double accept); /* projected.c */
-int ns_mlcp_pivot(ns_mlcp_solver *s, double accept);     /* pivot.c */
+ * OK: s->lambda is an answer of natural residual <= NS_MLCP_ACCEPT, and s->mode the mode it suggests: the
+ * driver computes the answer of that mode and takes the better of the two.  LIMIT, SINGULAR: gave up. */
+int ns_mlcp_newton(ns_mlcp_solver *s);    /* newton.c */
+int ns_mlcp_interior(ns_mlcp_solver *s);  /* interior_point.c */
+int ns_mlcp_projected(ns_mlcp_solver *s); /* projected.c */
+int ns_mlcp_pivot(ns_mlcp_solver *s);     /* pivot.c */
 /* The same in one, from mode, without units, sorting and scaling: what most problems need.  OK: s->lambda,
  * s->y, s->mode are an answer; else LIMIT, SINGULAR, RESIDUAL. */
-int ns_mlcp_quick(ns_mlcp_solver *s, const ns_mode *mode, double accept, double *residual);
+int ns_mlcp_quick(ns_mlcp_solver *s, const ns_mode *mode, double *residual);
 /* block.c: for more; s->y as well.  OK, LIMIT, SINGULAR, RESIDUAL. */
-int ns_mlcp_block(ns_mlcp_solver *s, double accept, double *residual);
+int ns_mlcp_block(ns_mlcp_solver *s, double *residual);
 /* enumerate.c.  INFEASIBLE: no mode that has an answer has a right one. SIZE: too many pairs. */
-int ns_mlcp_enumerate(ns_mlcp_solver *s, double accept);
+int ns_mlcp_enumerate(ns_mlcp_solver *s);
 
-/* solve.c: the answer in s->mode, whose G is factored: clamped, refined, measured.  RESIDUAL: not accepted.
- */
-int ns_mlcp_judge(ns_mlcp_solver *s, double *residual);
+/* mode_answer.c: the answer in s->mode, whose G is factored: clamped, refined, measured.  RESIDUAL: not
+ * accepted. */
+int ns_mlcp_mode_answer(ns_mlcp_solver *s, double *residual);
 
-/* solve.c: different starts, until s->now is solved or one of them proves that it cannot be. */
-int ns_mlcp_search(ns_mlcp_solver *s, const ns_mode *mode, double *residual);
+/* lemke_starts.c: different starts, until s->now is solved or one of them proves that it cannot be. */
+int ns_mlcp_lemke_starts(ns_mlcp_solver *s, const ns_mode *mode, double *residual);
 
 #endif

@@ -7,114 +7,14 @@
 
 #include "mlcp/verify/residual.h"
 
-/* Guards hold if no y or lambda is outside by more than this part of its size: the terms of a sum leave
- * 1e-16 of it each, a solve with some dozen unknowns 1e-14; two decades are for the condition. */
-static const double GUARD = 1e-12;
-static const double ACCEPT = 1e-10;  /* natural residual of an answer */
-static const double GOOD = 1e-13;    /* nothing to gain by refining below this */
-static const double LARGE = 1e2;     /* lambda this large against q and the bounds, in units of W */
-static const double HIDDEN = 1e-11;  /* of q, that the residual beside them may hide: a tenth of ACCEPT */
-static const double DOUBT = 1e7;     /* ... so large that no residual says much */
+static const double LARGE = 1e2; /* lambda this large against q and the bounds, in units of W */
+static const double HIDDEN =
+    1e-11;                       /* of q, that the residual beside them may hide: a tenth of NS_MLCP_ACCEPT */
+static const double DOUBT = 1e7; /* ... so large that no residual says much */
 static const double HOPELESS = 1e12; /* ... so large that no digits of q are left beside it */
 static const double LESS = 0.1;      /* of what is wrong: worth another answer */
-enum { REFINEMENTS = 3, ROUNDS = 3, FEW = 8 };
-static const double RCOND = 1e-13; /* a starting basis must keep three digits */
-
-static double try_answer(ns_mlcp_solver *s, int refinements) {
-    ns_mlcp_basis_values(s, refinements);
-    for (int i = 0; i < s->m; i++)
-        if (!isfinite(s->lambda[i]) || !isfinite(s->y[i]))
-            return INFINITY;
-    ns_mlcp_basis_clamp(s);
-    ns_mlcp_basis_rest(s);
-    return ns_mlcp_measure(&s->now, s->lambda, s->alike, s->rhs, NULL);
-}
-
-/* The answer in s->mode, whose G is factored: clamped, judged, refined as often as that helps (a step too
- * many may spoil a row in which next to nothing flows). */
-int ns_mlcp_judge(ns_mlcp_solver *s, double *residual) {
-    int best = 0, last = 0;
-    *residual = try_answer(s, 0);
-    while (*residual > GOOD && last < REFINEMENTS) {
-        double r = try_answer(s, ++last);
-        if (r < *residual) {
-            *residual = r;
-            best = last;
-        }
-    }
-    if (last != best)
-        *residual = try_answer(s, best);
-    return *residual <= ACCEPT ? NS_OK : NS_E_RESIDUAL;
-}
-
-/* From s->mode to an answer by at most ROUNDS runs of Lemke's method. */
-static int attempt(ns_mlcp_solver *s, int all, int patience, double *residual) {
-    double rcond;
-    int status = ns_mlcp_basis_factor(s, &rcond);
-    if (status != NS_OK || rcond < RCOND) {
-        status = ns_mlcp_reveal(s);
-        if (status == NS_OK)
-            status = ns_mlcp_basis_factor(s, NULL);
-        if (status != NS_OK)
-            return NS_E_SINGULAR;
-    }
-    for (int round = 0; round < ROUNDS; round++) {
-        ns_mlcp_basis_values(s, s->careful);
-        ns_mlcp_basis_sizes(s);
-        double v = ns_mlcp_basis_violation(s);
-        if (v > GUARD) {
-            ns_mlcp_basis_values(s, 1 + s->careful);
-            v = ns_mlcp_basis_violation(s);
-        }
-        if (v > GUARD) {
-            if (isinf(v))
-                return NS_E_OVERFLOW;
-            ns_mlcp_tableau_start(s);
-            status = ns_mlcp_lemke(s, all, patience);
-            if (status != NS_OK)
-                return status;
-            if (ns_mlcp_basis_factor(s, NULL) != NS_OK)
-                return NS_E_SINGULAR;
-        }
-        status = ns_mlcp_judge(s, residual);
-        if (status == NS_OK)
-            return NS_OK;
-    }
-    return status;
-}
-
-/* Whether the linear constraints contradict each other; each effort is made once a solve. */
-static int prove(ns_mlcp_solver *s, int effort) {
-    if (s->asked < effort) {
-        s->asked = effort;
-        s->proved = ns_mlcp_farkas(s, effort);
-    }
-    return s->proved;
-}
-
-/* Different starts and covers, until one answers or ends in a ray of a problem without solution.  On problems
- * that are not monotone paths may be long, and of very different lengths: patience comes last. */
-int ns_mlcp_search(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
-    static const struct {
-        int lower, all, patience;
-    } way[] = {{0, 0, 1}, {0, 1, 1}, {1, 1, 1}, {1, 0, 1},  {1, 2, 4},  {0, 2, 4},
-               {1, 3, 4}, {0, 3, 4}, {1, 4, 4}, {1, 5, 16}, {1, 6, 16}, {1, 7, 16}};
-    int first = NS_E_LIMIT;
-    for (size_t k = 0; k < sizeof way / sizeof *way; k++) {
-        ns_mlcp_restart(s, way[k].lower ? NULL : mode);
-        s->careful = k > 0;
-        int status = attempt(s, way[k].all, way[k].patience, residual);
-        if (status == NS_OK)
-            return NS_OK;
-        if (status == NS_E_INFEASIBLE && prove(s, NS_CAREFUL))
-            return status;
-        if (s->nstuck > 0)
-            return NS_E_SINGULAR; /* no start will do */
-        if (k == 0 || (first == NS_E_LIMIT && status != NS_E_SINGULAR && status != NS_E_OVERFLOW))
-            first = status;
-    }
-    return first;
-}
+enum { FEW = 8 };                    /* pairs */
+static const double RCOND = 1e-13;   /* a basis must keep three digits */
 
 /* y of s->lambda as it is, its sign mended where it is next to nothing. */
 static double measure(ns_mlcp_solver *s) {
@@ -129,19 +29,19 @@ static int settle(ns_mlcp_solver *s, double *residual) {
     double exact = INFINITY, rcond;
     *residual = measure(s);
     ns_mlcp_keep(s);
-    if (ns_mlcp_basis_factor(s, &rcond) == NS_OK && rcond >= RCOND && ns_mlcp_judge(s, &exact) == NS_OK &&
-        exact <= *residual) {
+    if (ns_mlcp_basis_factor(s, &rcond) == NS_OK && rcond >= RCOND &&
+        ns_mlcp_mode_answer(s, &exact) == NS_OK && exact <= *residual) {
         *residual = exact;
         return NS_OK;
     }
     ns_mlcp_give_back(s);
-    return *residual <= ACCEPT ? NS_OK : NS_E_RESIDUAL;
+    return *residual <= NS_MLCP_ACCEPT ? NS_OK : NS_E_RESIDUAL;
 }
 
 static int large(ns_mlcp_solver *s, double *residual) {
-    int status = ns_mlcp_block(s, ACCEPT, residual);
+    int status = ns_mlcp_block(s, residual);
     if (status != NS_OK)
-        ns_mlcp_note(s, ACCEPT);
+        ns_mlcp_note(s);
     return status;
 }
 
@@ -155,7 +55,7 @@ static int agrees(ns_mlcp_solver *s) {
 
 /* One method, from a mode, on the problem as given. */
 static int apply(ns_mlcp_solver *s, ns_mlcp_method method, const ns_mode *mode, double *residual) {
-    static int (*const solver[NS_MLCP_METHODS])(ns_mlcp_solver *, double) = {
+    static int (*const solver[NS_MLCP_METHODS])(ns_mlcp_solver *) = {
         [NS_MLCP_PIVOT] = ns_mlcp_pivot,         [NS_MLCP_NEWTON] = ns_mlcp_newton,
         [NS_MLCP_INTERIOR] = ns_mlcp_interior,   [NS_MLCP_PROJECTED] = ns_mlcp_projected,
         [NS_MLCP_ENUMERATE] = ns_mlcp_enumerate,
@@ -165,21 +65,21 @@ static int apply(ns_mlcp_solver *s, ns_mlcp_method method, const ns_mode *mode, 
     ns_mlcp_units(s);
     ns_mlcp_given(s);
     if (method == NS_MLCP_LEMKE) {
-        int status = ns_mlcp_search(s, mode, residual);
+        int status = ns_mlcp_lemke_starts(s, mode, residual);
         s->agrees = status == NS_OK && agrees(s);
         if (status != NS_E_SINGULAR || s->nstuck == 0)
             return status;
         /* first: where equalities contradict each other, lambda grows until its size hides that */
-        return prove(s, NS_CAREFUL) ? NS_E_INFEASIBLE : ns_mlcp_proximal(s, mode, ACCEPT, residual);
+        return ns_mlcp_prove(s, NS_CAREFUL) ? NS_E_INFEASIBLE : ns_mlcp_proximal(s, mode, residual);
     }
     ns_mlcp_restart(s, mode);
     if (method == NS_MLCP_PIVOT && s->m > NS_QUICK)
         return large(s, residual);
-    int status = solver[method](s, ACCEPT);
+    int status = solver[method](s);
     if (status == NS_OK && method == NS_MLCP_PIVOT) { /* exact already */
         *residual = measure(s);
         s->agrees = agrees(s);
-        return *residual <= ACCEPT ? NS_OK : NS_E_RESIDUAL;
+        return *residual <= NS_MLCP_ACCEPT ? NS_OK : NS_E_RESIDUAL;
     }
     return status == NS_OK ? settle(s, residual) : status;
 }
@@ -187,7 +87,7 @@ static int apply(ns_mlcp_solver *s, ns_mlcp_method method, const ns_mode *mode, 
 /* A ray or a runaway alone proves nothing, neither does an answer that has run away; a method may give up
  * where there is a proof. */
 static int verdict(ns_mlcp_solver *s, int status, double *residual) {
-    if (status == NS_OK && !s->agrees && !ns_mlcp_agree(s, ACCEPT, residual))
+    if (status == NS_OK && !s->agrees && !ns_mlcp_agree(s, residual))
         status = NS_E_RESIDUAL;
     if (status == NS_OK && ns_mlcp_lost(s, DOUBT))
         status = NS_E_LIMIT;
@@ -195,7 +95,7 @@ static int verdict(ns_mlcp_solver *s, int status, double *residual) {
         return status;
     if (status == NS_E_INFEASIBLE && (s->proved || s->method == NS_MLCP_ENUMERATE))
         return status;
-    if (prove(s, NS_CAREFUL) || prove(s, NS_BOLD))
+    if (ns_mlcp_prove(s, NS_CAREFUL) || ns_mlcp_prove(s, NS_BOLD))
         return NS_E_INFEASIBLE;
     return status == NS_E_INFEASIBLE ? NS_E_LIMIT : status;
 }
@@ -222,7 +122,7 @@ static int apply_next(ns_mlcp_solver *s, int k, const ns_mode *mode, double *res
 static int better(ns_mlcp_solver *s, int k, const ns_mode *mode, double *broken, double *residual) {
     double r;
     if ((order[k].method == NS_MLCP_ENUMERATE && s->np > FEW) || apply_next(s, k, mode, &r) != NS_OK ||
-        (!s->agrees && !ns_mlcp_agree(s, ACCEPT, &r)) || ns_mlcp_lost(s, DOUBT))
+        (!s->agrees && !ns_mlcp_agree(s, &r)) || ns_mlcp_lost(s, DOUBT))
         return 0;
     const double now = ns_mlcp_broken(s);
     if (!(now <= LESS * *broken))
@@ -241,7 +141,7 @@ static void reconsider(ns_mlcp_solver *s, int k, const ns_mode *mode, double *re
     const int asked = s->asked;
     ns_mlcp_set_aside(s);
     s->noting = 0;
-    while (broken > ACCEPT && ++k < ORDER)
+    while (broken > NS_MLCP_ACCEPT && ++k < ORDER)
         if (better(s, k, mode, &broken, residual))
             ns_mlcp_set_aside(s);
     ns_mlcp_bring_back(s);
@@ -287,8 +187,8 @@ static int in_own_units(ns_mlcp_solver *s, const ns_mode *mode, double *residual
     ns_mlcp_scale_back(s);
     if (status == NS_OK)
         *residual = measure(s);
-    if (status == NS_OK && *residual <= ACCEPT && !ns_mlcp_doubtful(s, DOUBT) &&
-        ns_mlcp_agree(s, ACCEPT, residual))
+    if (status == NS_OK && *residual <= NS_MLCP_ACCEPT && !ns_mlcp_doubtful(s, DOUBT) &&
+        ns_mlcp_agree(s, residual))
         return NS_OK;
     *residual = before;
     s->fault = fault;
@@ -303,7 +203,7 @@ static int remembered(ns_mlcp_solver *s, double *residual) {
     if (!ns_mlcp_recall(s))
         return NS_E_LIMIT;
     *residual = measure(s);
-    if (*residual <= ACCEPT && !ns_mlcp_doubtful(s, DOUBT) && ns_mlcp_agree(s, ACCEPT, residual))
+    if (*residual <= NS_MLCP_ACCEPT && !ns_mlcp_doubtful(s, DOUBT) && ns_mlcp_agree(s, residual))
         return NS_OK;
     *residual = before;
     s->method = method;
@@ -313,7 +213,7 @@ static int remembered(ns_mlcp_solver *s, double *residual) {
 /* Where it answers, nothing else is looked at, unless a mode found on the way gives a doubtful answer. */
 static int quickly(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     if ((s->use != NS_MLCP_AUTO && s->use != NS_MLCP_PIVOT) || s->m > NS_QUICK ||
-        ns_mlcp_quick(s, mode, ACCEPT, residual) != NS_OK ||
+        ns_mlcp_quick(s, mode, residual) != NS_OK ||
         (s->pivots + s->factors > 0 && !plain(s) && ns_mlcp_doubtful(s, DOUBT)))
         return 0;
     s->method = NS_MLCP_PIVOT;
@@ -325,8 +225,8 @@ static int quickly(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
 static int disproved(ns_mlcp_solver *s, double residual) {
     if (!ns_mlcp_doubtful(s, fmax(LARGE, HIDDEN / fmax(residual, DBL_EPSILON))))
         return 0;
-    return (ns_mlcp_doubtful(s, DOUBT) && prove(s, NS_CAREFUL)) ||
-           (ns_mlcp_doubtful(s, HOPELESS) && prove(s, NS_BOLD)) || prove(s, NS_AGAINST);
+    return (ns_mlcp_doubtful(s, DOUBT) && ns_mlcp_prove(s, NS_CAREFUL)) ||
+           (ns_mlcp_doubtful(s, HOPELESS) && ns_mlcp_prove(s, NS_BOLD)) || ns_mlcp_prove(s, NS_AGAINST);
 }
 
 /* Solves *p, whose arrays are sound. */

@@ -12,7 +12,8 @@
 
 #include "mlcp/verify/residual.h"
 
-static const double NOISE = 1e-12; /* of what q and the other lambda of the part make: GUARD of solve.c */
+static const double NOISE =
+    1e-12; /* of what q and the other lambda of the part make: NS_MLCP_GUARD of solve.c */
 
 /* s->ysize: by part, the largest lambda, in the unit of its column, that is there or that q asks for. */
 static void sizes(ns_mlcp_solver *s) {
@@ -32,7 +33,7 @@ static double mended(const ns_mlcp_solver *s, int i) {
     return fmin(fmax(fabs(v) / s->colunit[i] <= NOISE * size ? 0.0 : v, s->p->l[i]), s->p->u[i]);
 }
 
-void ns_mlcp_note(ns_mlcp_solver *s, double accept) {
+void ns_mlcp_note(ns_mlcp_solver *s) {
     double *lambda = s->g;
     if (!s->noting || !ns_linalg_finite((size_t)s->m, s->lambda))
         return;
@@ -40,7 +41,7 @@ void ns_mlcp_note(ns_mlcp_solver *s, double accept) {
     for (int i = 0; i < s->m; i++)
         lambda[i] = mended(s, i);
     const double r = ns_mlcp_measure(s->p, lambda, s->alike, s->rhs, NULL);
-    if (!(r <= accept && r < s->noted))
+    if (!(r <= NS_MLCP_ACCEPT && r < s->noted))
         return;
     s->noted = r;
     s->noted_method = s->method;

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "system/row_split.h"
+#include "linalg/row_split.h"
 
 static void make_iterate(ns_iterate *p, size_t n, size_t m, int *failed) {
     p->block = ns_linalg_vector(5 * n + 4 * m, failed);
@@ -60,10 +60,10 @@ static int allocate(ns_newton *s) {
 }
 
 static int split(ns_newton *s) {
-    const int n = s->n, status = ns_system_row_split(n, s->model->M, s->T, &s->rank);
+    const int n = s->n, status = ns_linalg_row_split(n, s->model->M, s->T, &s->rank);
     if (status != NS_OK)
         return status;
-    ns_system_row_split_apply(n, n, s->T, s->model->M, s->M);
+    ns_linalg_row_split_apply(n, n, s->T, s->model->M, s->M);
     for (int j = 0; j < n; j++)
         for (int i = s->rank; i < n; i++)
             s->M[i + j * n] = 0; /* exactly */

@@ -20,7 +20,7 @@ struct ns_newton {
     const ns_model *model;
     ns_newton_options o;
     int n, m, rank; /* rank: differential rows */
-    double *T, *M;  /* n*n: ns_system_row_split(), T M */
+    double *T, *M;  /* n*n: ns_linalg_row_split(), T M */
     /* the past: accepted point */
     int started;
     double t;

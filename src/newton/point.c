@@ -10,8 +10,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "linalg/row_split.h"
 #include "newton_internal.h"
-#include "system/row_split.h"
 
 static int ask(const ns_newton *s, ns_function f, const ns_point *at, size_t count, double *out) {
     if (f(at, s->model->data, out) != 0)
@@ -45,14 +45,14 @@ static int ask_f(ns_newton *s, ns_function f, int columns, const ns_point *end, 
     int status = ask(s, f, end, count, s->work);
     if (status != NS_OK)
         return status;
-    ns_system_row_split_apply(n, columns, s->T, s->work, out);
+    ns_linalg_row_split_apply(n, columns, s->T, s->work, out);
     if (!stands_apart(s))
         return NS_OK;
     if ((status = ask(s, f, relation, count, s->work)) != NS_OK)
         return status;
     double *row = s->work + count; /* n: one column, combined */
     for (int j = 0; j < columns; j++) {
-        ns_system_row_split_apply(n, 1, s->T, s->work + (size_t)j * (size_t)n, row);
+        ns_linalg_row_split_apply(n, 1, s->T, s->work + (size_t)j * (size_t)n, row);
         memcpy(out + s->rank + j * n, row + s->rank, sizeof(double) * (size_t)(n - s->rank));
     }
     return NS_OK;
@@ -72,7 +72,7 @@ int ns_newton_values(ns_newton *s, ns_iterate *at) {
         return status;
     if ((status = ask(s, s->model->g, &relation, n, at->r)) != NS_OK) /* (S2) */
         return status;
-    ns_system_row_split_apply(s->n, 1, s->T, at->r, at->g);
+    ns_linalg_row_split_apply(s->n, 1, s->T, at->r, at->g);
     return ask(s, s->model->h, &relation, (size_t)s->m, at->h); /* (S3) */
 }
 
@@ -84,9 +84,9 @@ int ns_newton_jacobians(ns_newton *s, const ns_iterate *at) {
         return status;
     if ((status = ask(s, s->model->B, &relation, n * m, s->work)) != NS_OK)
         return status;
-    ns_system_row_split_apply(s->n, s->m, s->T, s->work, s->B);
+    ns_linalg_row_split_apply(s->n, s->m, s->T, s->work, s->B);
     if (s->model->K && (status = ask(s, s->model->K, &relation, n * n, s->work)) == NS_OK)
-        ns_system_row_split_apply(s->n, s->n, s->T, s->work, s->K);
+        ns_linalg_row_split_apply(s->n, s->n, s->T, s->work, s->K);
     if (status == NS_OK)
         status = ask(s, s->model->C, &relation, m * n, s->C);
     if (status == NS_OK && s->model->D)
@@ -104,7 +104,7 @@ int ns_newton_slope(ns_newton *s) {
     const int status = ask(s, s->model->f, &at, (size_t)s->n, s->work);
     if (status != NS_OK)
         return status;
-    ns_system_row_split_apply(s->n, 1, s->T, s->work, s->fk);
+    ns_linalg_row_split_apply(s->n, 1, s->T, s->work, s->fk);
     s->has_fk = 1;
     return NS_OK;
 }

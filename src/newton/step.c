@@ -2,8 +2,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "linalg/row_split.h"
 #include "newton_internal.h"
-#include "system/row_split.h"
 
 enum { STEP_HALVINGS = 20 };
 
@@ -21,7 +21,7 @@ void ns_newton_set(ns_newton *s, double h, double t1, const ns_newton_options *o
         s->z1[i] = ns_signal_value(&s->model->z[i], t1, side);
         s->zr[i] = ns_signal_value(&s->model->z[i], s->tr, side);
     }
-    ns_system_row_split_apply(s->n, 1, s->T, s->rk, s->work);
+    ns_linalg_row_split_apply(s->n, 1, s->T, s->rk, s->work);
     for (int i = 0; i < s->rank; i++) {
         s->past[i] = carried > 0 ? carried * s->work[i] : 0;
         if (o->theta < 1)

@@ -9,6 +9,7 @@
 #define NS_SPARSE_ASSEMBLE_H
 
 #include "linalg/sparse.h"
+#include "nonsmooth/system.h"
 
 /* Modes of a switch that keeps its control at the threshold, with lambda and -y, the voltage across it, both
  * positive, or both negative. */
@@ -43,7 +44,7 @@ int ns_sparse_form_commit_dense(const ns_system *s, ns_large *a);
 void ns_sparse_form_let_go(ns_large *a);
 
 /* at_rest: M counts as zero, rows are not combined, and unknowns may be held.  Errors: MEMORY, those of
- * ns_system_row_split(). */
+ * ns_linalg_row_split(). */
 int ns_sparse_form_create(const ns_system *s, int at_rest, ns_form **out);
 void ns_sparse_form_free(ns_form *f); /* NULL is allowed */
 

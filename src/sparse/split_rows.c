@@ -6,7 +6,7 @@
  */
 #include "assemble.h"
 
-#include "system/row_split.h"
+#include "linalg/row_split.h"
 
 #include <float.h>
 #include <math.h>
@@ -66,7 +66,7 @@ static int split_small(parts *p, const int *rows, int count) {
         for (int k = p->M->start[rows[j]]; k < p->M->start[rows[j] + 1]; k++)
             if (p->M->value[k] != 0)
                 M[p->place[p->M->row[k]] + j * count] = p->M->value[k];
-    const int status = ns_system_row_split(count, M, T, &rank);
+    const int status = ns_linalg_row_split(count, M, T, &rank);
     for (int i = 0; i < count && status == NS_OK; i++) {
         p->algebraic[rows[i]] = i >= rank;
         for (int j = 0; j < count; j++)

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "linalg/dense.h"
+#include "linalg/row_split.h"
 #include "linalg/sparse.h"
 #include "signal_internal.h"
 
@@ -151,4 +152,8 @@ void ns_system_charges(const ns_system *s, const double *x, double *w) {
     }
     memset(w, 0, (size_t)s->n * sizeof *w);
     ns_linalg_csc_times_add(&s->large->M, x, w);
+}
+
+int ns_system_split(const ns_system *s, double *T, int *rank) {
+    return s ? ns_linalg_row_split(s->n, s->M, T, rank) : NS_E_NULL;
 }

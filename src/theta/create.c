@@ -1,7 +1,7 @@
 /* src/theta/create.c - the theta-gamma stepper: made, started, commanded, freed. */
 #include "theta_internal.h"
 
-#include "system/row_split.h"
+#include "linalg/row_split.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -85,11 +85,11 @@ static int split(ns_theta *s) {
     const int status = ns_system_split(s->s, s->T, &s->r);
     if (status != NS_OK)
         return status;
-    ns_system_row_split_apply(n, n, s->T, s->s->M, s->M);
-    ns_system_row_split_apply(n, n, s->T, s->s->A, s->A);
-    ns_system_row_split_apply(n, s->s->m, s->T, s->s->B, s->B);
-    ns_system_row_split_apply(n, s->s->nz, s->T, s->s->E, s->E);
-    ns_system_row_split_apply(n, 1, s->T, s->s->b, s->b);
+    ns_linalg_row_split_apply(n, n, s->T, s->s->M, s->M);
+    ns_linalg_row_split_apply(n, n, s->T, s->s->A, s->A);
+    ns_linalg_row_split_apply(n, s->s->m, s->T, s->s->B, s->B);
+    ns_linalg_row_split_apply(n, s->s->nz, s->T, s->s->E, s->E);
+    ns_linalg_row_split_apply(n, 1, s->T, s->s->b, s->b);
     for (int j = 0; j < n; j++)
         for (int i = s->r; i < n; i++)
             s->M[i + j * n] = 0; /* exactly: rounding of T M is all that could be left */
@@ -180,7 +180,7 @@ int ns_theta_start(ns_theta *s, const double *w0, const unsigned char *closed) {
     for (int i = 0; i < s->s->n; i++)
         if (!isfinite(w0[i]))
             return ns_theta_fail(s, NS_E_NUMBER);
-    ns_system_row_split_apply(s->s->n, 1, s->T, w0, s->w);
+    ns_linalg_row_split_apply(s->s->n, 1, s->T, w0, s->w);
     memset(s->d, 0, sizeof(double) * (size_t)s->s->n);
     memset(s->d_noise, 0, sizeof(double) * (size_t)s->s->n);
     s->noisy_h = 0;

@@ -21,7 +21,6 @@ enum { NODES = 20000, NODES_ALIKE = 1000, NODES_EACH = 50, REFINEMENTS = 3, OPEN
 typedef struct search {
     ns_mlcp_solver *s;
     ns_simplex lp;
-    double accept;
     signed char decided[NS_BRANCH_MAX]; /* mode of pair a, or OPEN */
     int nodes, limit;
 } search;
@@ -102,7 +101,7 @@ static int answers(search *b) {
                 return NS_E_LIMIT;
         for (int i = 0; i < s->m; i++)
             s->lambda[i] = fmin(fmax(s->lambda[i], s->p->l[i]), s->p->u[i]);
-        if (ns_mlcp_measure(&s->now, s->lambda, s->alike, s->rhs, NULL) <= b->accept)
+        if (ns_mlcp_measure(&s->now, s->lambda, s->alike, s->rhs, NULL) <= NS_MLCP_ACCEPT)
             return NS_OK;
         if (!refined)
             return NS_E_LIMIT;
@@ -159,9 +158,9 @@ static void name(ns_mlcp_solver *s, const ns_simplex *p) {
     ns_mlcp_name(s, p->weight, s->m, s->queue);
 }
 
-int ns_mlcp_branch(ns_mlcp_solver *s, double accept) {
+int ns_mlcp_branch(ns_mlcp_solver *s) {
     const int left = NODES_ALIKE - s->looked_at;
-    search b = {.s = s, .accept = accept, .limit = NODES};
+    search b = {.s = s, .limit = NODES};
     if (s->alike)
         b.limit = left > NODES_EACH ? left : NODES_EACH;
     if (s->np > NS_BRANCH_MAX)

@@ -15,7 +15,6 @@
 #include <string.h>
 
 static const double MARGIN = 1e-9;  /* of the terms, by which a proof must prove */
-static const double ACCEPT = 1e-10; /* ... against an answer, which may be wrong by as much (solve.c) */
 static const double CANCEL = 1e-14; /* sums that cancel this far are 0 (certificate.c) */
 static const double FLOOR =
     1e-6; /* a value's terms count as at least this part of the largest (residual.c) */
@@ -176,12 +175,12 @@ static int refutes(const ns_mlcp_solver *s, const double *v, double *rest) {
         sum += from_q + from_lambda;
         size += fabs(from_q) + fabs(from_lambda);
     }
-    return sum < -ACCEPT * size;
+    return sum < -NS_MLCP_ACCEPT * size;
 }
 
 static int good_enough(const ns_mlcp_solver *s, int effort, const double *v, double *rest) {
     const double margin = ns_mlcp_certify(s->p, v);
-    return effort == NS_AGAINST ? margin > ACCEPT && refutes(s, v, rest) : margin > MARGIN;
+    return effort == NS_AGAINST ? margin > NS_MLCP_ACCEPT && refutes(s, v, rest) : margin > MARGIN;
 }
 
 static int two_rows_prove(ns_mlcp_solver *s, int effort, double *v) {
@@ -208,7 +207,7 @@ static int proves(ns_mlcp_solver *s, int effort, double floor, double near, doub
     return 0;
 }
 
-int ns_mlcp_farkas(ns_mlcp_solver *s, int effort) {
+static int prove(ns_mlcp_solver *s, int effort) {
     ns_mlcp now = s->now;
     ns_mlcp_given(s);
     int proved = two_rows_prove(s, effort, s->proof) ||
@@ -220,4 +219,12 @@ int ns_mlcp_farkas(ns_mlcp_solver *s, int effort) {
     s->now = now;
     ns_mlcp_fold(s);
     return proved;
+}
+
+int ns_mlcp_prove(ns_mlcp_solver *s, int effort) {
+    if (s->asked < effort) {
+        s->asked = effort;
+        s->proved = prove(s, effort);
+    }
+    return s->proved;
 }

@@ -10,8 +10,6 @@
 
 enum { BLOCKS = 6, SINGLES = 12, REVEALS = 2, IDLE = 3, LARGE = 250 };
 static const double RCOND = 1e-13; /* a basis must keep three digits */
-static const double GUARD = 1e-12; /* as solve.c has it */
-static const double GOOD = 1e-13;  /* nothing to gain by refining below this */
 
 /* Factors a basis of s->mode, or of one close to it; that costs more than all else, so it is
  * rarely done, and never for large problems: the iteration has an answer of its own for redundant equations.
@@ -42,22 +40,22 @@ static int flip(ns_mlcp_solver *s, int all) {
 }
 
 /* The answer of the mode, refined as long as that helps. */
-static double answer(ns_mlcp_solver *s, double accept) {
+static double answer(ns_mlcp_solver *s) {
     double best = INFINITY;
     for (int pass = 0; pass <= 3; pass++) {
         ns_mlcp_basis_values(s, pass);
         ns_mlcp_basis_clamp(s);
         double r = ns_mlcp_measure(&s->now, s->lambda, s->alike, s->rhs, NULL);
-        if (r <= GOOD)
+        if (r <= NS_MLCP_GOOD)
             return r;
-        if (r <= accept && r > 0.5 * best)
+        if (r <= NS_MLCP_ACCEPT && r > 0.5 * best)
             return r;
         best = fmin(best, r);
     }
     return best;
 }
 
-int ns_mlcp_crossover(ns_mlcp_solver *s, double accept) {
+int ns_mlcp_crossover(ns_mlcp_solver *s) {
     int reveals = 0, least = s->np + 1, idle = 0;
     for (int round = 0; round < BLOCKS + SINGLES; round++) {
         if (factor(s, &reveals) != NS_OK)
@@ -67,12 +65,12 @@ int ns_mlcp_crossover(ns_mlcp_solver *s, double accept) {
         double v = ns_mlcp_basis_violation(s);
         if (isinf(v))
             return NS_E_SINGULAR;
-        if (v <= accept) {
-            if (answer(s, accept) <= accept)
+        if (v <= NS_MLCP_ACCEPT) {
+            if (answer(s) <= NS_MLCP_ACCEPT)
                 return NS_OK;
             ns_mlcp_basis_values(s, 1);
         }
-        if (v <= GUARD)
+        if (v <= NS_MLCP_GUARD)
             return NS_E_LIMIT; /* right, but not to be had to the accuracy asked for */
         int broken = flip(s, round < BLOCKS && idle == 0);
         idle = broken < least ? 0 : idle + 1;

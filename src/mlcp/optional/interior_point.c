@@ -196,14 +196,14 @@ static double advance(ns_mlcp_solver *ws, iterate *p) {
 }
 
 /* The mode that the iterate tends to: of slack and multiplier the smaller goes to 0. */
-static int finish(ns_mlcp_solver *ws, const iterate *p, double accept) {
+static int finish(ns_mlcp_solver *ws, const iterate *p) {
     double *y = p->z->work[4];
     for (int i = 0; i < p->z->m; i++)
         y[i] = p->v[i] - p->w[i];
-    return ns_mlcp_scaled_finish(ws, p->z, p->z->x, y, accept);
+    return ns_mlcp_scaled_finish(ws, p->z, p->z->x, y);
 }
 
-int ns_mlcp_interior(ns_mlcp_solver *s, double accept) {
+int ns_mlcp_interior(ns_mlcp_solver *s) {
     ns_scaled z;
     iterate p;
     int shorts = 0, status = NS_E_LIMIT;
@@ -218,10 +218,10 @@ int ns_mlcp_interior(ns_mlcp_solver *s, double accept) {
             break;
         if (p.mu > next)
             continue;
-        status = finish(s, &p, accept);
+        status = finish(s, &p);
         if (status == NS_OK)
             return NS_OK;
         next = fmin(1e-2 * next, p.mu);
     }
-    return isfinite(p.mu) ? finish(s, &p, accept) : NS_E_LIMIT;
+    return isfinite(p.mu) ? finish(s, &p) : NS_E_LIMIT;
 }

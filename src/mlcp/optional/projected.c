@@ -75,7 +75,7 @@ static int moved_far(const ns_scaled *z) {
     return 0;
 }
 
-int ns_mlcp_projected(ns_mlcp_solver *s, double accept) {
+int ns_mlcp_projected(ns_mlcp_solver *s) {
     ns_scaled z;
     int tuned = 0, next = 8;
     double omega = 1.0, before = 0.0;
@@ -96,7 +96,7 @@ int ns_mlcp_projected(ns_mlcp_solver *s, double accept) {
             continue;
         if (moved_far(&z))
             return NS_E_LIMIT;
-        if (ns_mlcp_scaled_finish(s, &z, z.x, z.y, accept) == NS_OK)
+        if (ns_mlcp_scaled_finish(s, &z, z.x, z.y) == NS_OK)
             return NS_OK;
         if (!(most > STILL))
             return NS_E_LIMIT;

@@ -180,28 +180,27 @@ static void correct(ns_mlcp_solver *s, const ns_scaled *z) {
 }
 
 /* s->lambda and s->mode are those of x, or near it. */
-static int finish(ns_mlcp_solver *s, const ns_scaled *z, int status, double accept) {
+static int finish(ns_mlcp_solver *s, const ns_scaled *z, int status) {
     double now = measure(s, z);
-    if (now <= accept || status != NS_E_SINGULAR || factor_ridged(s, z) != NS_OK)
-        return now <= accept ? NS_OK : status;
+    if (now <= NS_MLCP_ACCEPT || status != NS_E_SINGULAR || factor_ridged(s, z) != NS_OK)
+        return now <= NS_MLCP_ACCEPT ? NS_OK : status;
     for (int k = 0; k < CORRECTIONS; k++) {
         correct(s, z);
-        if (measure(s, z) <= accept)
+        if (measure(s, z) <= NS_MLCP_ACCEPT)
             return NS_OK;
     }
     return status;
 }
 
-int ns_mlcp_scaled_finish(ns_mlcp_solver *s, const ns_scaled *z, const double *x, const double *y,
-                          double accept) {
+int ns_mlcp_scaled_finish(ns_mlcp_solver *s, const ns_scaled *z, const double *x, const double *y) {
     ns_mlcp_scaled_mode(s, z, x, y);
-    int status = ns_mlcp_crossover(s, accept);
+    int status = ns_mlcp_crossover(s);
     if (status == NS_OK)
         return NS_OK;
     ns_mlcp_scaled_mode(s, z, x, y);
     lambda_of(s, z, x);
-    status = finish(s, z, status, accept);
+    status = finish(s, z, status);
     if (status != NS_OK)
-        ns_mlcp_note(s, accept);
+        ns_mlcp_note(s);
     return status;
 }

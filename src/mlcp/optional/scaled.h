@@ -35,14 +35,13 @@ void ns_mlcp_scaled_product(ns_scaled *z);
 void ns_mlcp_scaled_mode(ns_mlcp_solver *s, const ns_scaled *z, const double *x, const double *y);
 
 /* Crossover: from s->mode to an answer of a mode near it, by a few flips of all guards that are broken.
- * OK: s->lambda has natural residual <= accept.  Otherwise LIMIT, SINGULAR, and s->lambda, s->mode are
- * anything.  Uses A, mag, G, rhs, g, ysize, lsize, y. */
-int ns_mlcp_crossover(ns_mlcp_solver *s, double accept);
+ * OK: s->lambda has natural residual <= NS_MLCP_ACCEPT.  Otherwise LIMIT, SINGULAR, and s->lambda, s->mode
+ * are anything.  Uses A, mag, G, rhs, g, ysize, lsize, y. */
+int ns_mlcp_crossover(ns_mlcp_solver *s);
 
 /* The end of an iteration: crossover from the mode that x and y suggest; if that fails, x itself in
  * that mode; if its equations are redundant, that corrected by proximal steps.  Overwrites what
  * ns_mlcp_crossover() does. */
-int ns_mlcp_scaled_finish(ns_mlcp_solver *s, const ns_scaled *z, const double *x, const double *y,
-                          double accept);
+int ns_mlcp_scaled_finish(ns_mlcp_solver *s, const ns_scaled *z, const double *x, const double *y);
 
 #endif

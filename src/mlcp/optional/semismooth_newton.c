@@ -204,7 +204,7 @@ static int new_mode(ns_mlcp_solver *s, const ns_scaled *z) {
     return changed;
 }
 
-static int iterate(ns_mlcp_solver *s, ns_scaled *z, double accept) {
+static int iterate(ns_mlcp_solver *s, ns_scaled *z) {
     double *Phi = z->work[0], *g = z->work[1], *d = z->work[2], *da = z->work[3], *db = z->work[4];
     double f = merit(z, Phi);
     memset(s->first_y, 0xff, (size_t)z->m);
@@ -215,7 +215,7 @@ static int iterate(ns_mlcp_solver *s, ns_scaled *z, double accept) {
         if (fresh)
             s->first_y[z->m] = 0;
         if ((!fresh && !tried) || norm < CLOSE || norm < SMALL) {
-            if (!tried && ns_mlcp_scaled_finish(s, z, z->x, z->y, accept) == NS_OK)
+            if (!tried && ns_mlcp_scaled_finish(s, z, z->x, z->y) == NS_OK)
                 return NS_OK;
             s->first_y[z->m] = 1;
         }
@@ -227,11 +227,11 @@ static int iterate(ns_mlcp_solver *s, ns_scaled *z, double accept) {
         if (!search(z, d, dot(z->m, d, g), Phi, z->work[5], &f))
             break;
     }
-    return ns_mlcp_scaled_finish(s, z, z->x, z->y, accept);
+    return ns_mlcp_scaled_finish(s, z, z->x, z->y);
 }
 
 /* Starts: the answer of the mode, then 0 or the bound next to it, then a point inside the bounds. */
-int ns_mlcp_newton(ns_mlcp_solver *s, double accept) {
+int ns_mlcp_newton(ns_mlcp_solver *s) {
     ns_scaled z;
     int status = NS_E_LIMIT;
     ns_mlcp_scaled_load(s, &z);
@@ -242,7 +242,7 @@ int ns_mlcp_newton(ns_mlcp_solver *s, double accept) {
             double inside = start == 2 ? 1.0 : 0.0;
             z.x[i] = z.l[i] == z.u[i] ? 0.0 : fmin(fmax(inside, z.l[i]), z.u[i]);
         }
-        status = iterate(s, &z, accept);
+        status = iterate(s, &z);
     }
     return status;
 }

@@ -15,7 +15,6 @@
  * part of the largest term the solution makes anywhere in its part of W (see residual.c, which decides in the
  * end). */
 static const double FLOOR = 1e-6;
-static const double GUARD = 1e-12; /* as solve.c has it */
 
 void ns_mlcp_basis_pick(ns_mlcp_solver *s) {
     int k = 0;
@@ -157,11 +156,11 @@ double ns_mlcp_basis_violation(const ns_mlcp_solver *s) {
 ns_mode ns_mlcp_basis_wanted(const ns_mlcp_solver *s, int i) {
     if (s->mode[i] != NS_INSIDE) {
         const double out = s->mode[i] == NS_LOWER ? -s->y[i] : s->y[i];
-        return out > GUARD * s->ysize[i] ? NS_INSIDE : s->mode[i];
+        return out > NS_MLCP_GUARD * s->ysize[i] ? NS_INSIDE : s->mode[i];
     }
-    if (s->p->l[i] - s->lambda[i] > GUARD * s->lsize[i])
+    if (s->p->l[i] - s->lambda[i] > NS_MLCP_GUARD * s->lsize[i])
         return NS_LOWER;
-    return s->lambda[i] - s->p->u[i] > GUARD * s->lsize[i] ? NS_UPPER : NS_INSIDE;
+    return s->lambda[i] - s->p->u[i] > NS_MLCP_GUARD * s->lsize[i] ? NS_UPPER : NS_INSIDE;
 }
 
 void ns_mlcp_basis_clamp(ns_mlcp_solver *s) {

@@ -23,7 +23,6 @@
 enum { ROUNDS = 100, PATIENCE = 3, IDLE = 15, REFINEMENTS = 8 };
 /* Exponents of eps; from CLEAR on it is small beside what is not singular. */
 enum { FIRST = -20, LAST = -50, STEP = -6, CLEAR = -30 };
-static const double GOOD = 1e-13;   /* nothing to gain by refining below this */
 static const double FINE = 1e-11;   /* the same where rows are compared with their own noise */
 static const double SMALL = 1e-14;  /* of the terms of an equation: it holds */
 static const double RCOND = 1e-13;  /* a basis must keep three digits */
@@ -209,7 +208,7 @@ static double polish(state *b) {
     ns_mlcp_solver *s = b->s;
     double best = check(s), last = best;
     ns_mlcp_keep(s);
-    for (int k = 0; k < REFINEMENTS && best > GOOD; k++) {
+    for (int k = 0; k < REFINEMENTS && best > NS_MLCP_GOOD; k++) {
         correct(s);
         const double r = check(s);
         if (r < best)
@@ -223,7 +222,7 @@ static double polish(state *b) {
     b->bound = best;
     if (b->eps && !settled(s))
         return INFINITY;
-    if (best <= GOOD)
+    if (best <= NS_MLCP_GOOD)
         return best;
     ns_mlcp_basis_rest(s);
     const double full = ns_mlcp_measure(&s->now, s->lambda, s->alike, s->rhs, NULL);
@@ -261,7 +260,7 @@ static int point(state *b, double best, double *r) {
         return 1;
     }
     *r = polish(b);
-    return (*r <= GOOD && (b->bound <= FINE || best <= GOOD));
+    return (*r <= NS_MLCP_GOOD && (b->bound <= FINE || best <= NS_MLCP_GOOD));
 }
 
 /* Ever smaller ridges, from the answer of the one before; between, from there without one. */
@@ -283,7 +282,7 @@ static double approach(state *b) {
             put(s, best_lambda, best_mode);
             best = r;
         }
-        if (eps <= CLEAR && best > GOOD && (r = exactly(b, &status)) < best)
+        if (eps <= CLEAR && best > NS_MLCP_GOOD && (r = exactly(b, &status)) < best)
             return r;
         memcpy(s->mode, mode, (size_t)s->m * sizeof *mode);
     }
@@ -295,15 +294,15 @@ static double approach(state *b) {
     return best;
 }
 
-int ns_mlcp_block(ns_mlcp_solver *s, double accept, double *residual) {
+int ns_mlcp_block(ns_mlcp_solver *s, double *residual) {
     state b = {.s = s};
     int status = NS_OK;
     *residual = again(&b);
-    if (!(*residual <= accept))
+    if (!(*residual <= NS_MLCP_ACCEPT))
         *residual = exactly(&b, &status);
-    if (!(*residual <= accept) && status == NS_E_SINGULAR)
+    if (!(*residual <= NS_MLCP_ACCEPT) && status == NS_E_SINGULAR)
         *residual = approach(&b);
-    if (!(*residual <= accept))
+    if (!(*residual <= NS_MLCP_ACCEPT))
         return status == NS_E_LIMIT ? status : NS_E_RESIDUAL;
     memcpy(s->ray, s->y, (size_t)s->m * sizeof *s->y);
     ns_mlcp_basis_clamp(s);

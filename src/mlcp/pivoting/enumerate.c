@@ -20,8 +20,8 @@ static const double GOOD = 1e-12; /* an answer as good as this ends the search *
 static const double COSTLY = 1e9; /* multiplications: some two seconds */
 
 typedef struct tally {
-    double accept, best; /* residuals: required, of the best answer so far */
-    double qtop;         /* largest |q_i| / rowmax_i */
+    double best;  /* residual of the best answer so far */
+    double qtop;  /* largest |q_i| / rowmax_i */
     int doubtful; /* sets of pairs whose equations are singular, or nearly; modes whose numbers no double
                      holds, too large or too small */
 } tally;
@@ -72,13 +72,13 @@ static int finite(const ns_mlcp_solver *s) {
 /* Judges the mode at hand, whose G is factored; 1 if that ends the search. */
 static int judge(ns_mlcp_solver *s, tally *t, double rcond) {
     double residual;
-    (void)ns_mlcp_judge(s, &residual);
+    (void)ns_mlcp_mode_answer(s, &residual);
     if (residual < t->best) {
         t->best = residual;
         memcpy(s->cover, s->lambda, (size_t)s->m * sizeof *s->cover);
         memcpy(s->at_upper, s->mode, (size_t)s->m);
     }
-    return residual <= t->accept && (residual <= GOOD || rcond >= RCOND);
+    return residual <= NS_MLCP_ACCEPT && (residual <= GOOD || rcond >= RCOND);
 }
 
 /* What lambda and y change by when pair i goes from l to u, into columns c of T and mag. */
@@ -151,7 +151,7 @@ static int all_sets(ns_mlcp_solver *s, tally *t) {
     for (unsigned k = 0; k >> s->np == 0; k++)
         if (subset(s, start ^ k ^ k >> 1, t) == NS_OK)
             return NS_OK;
-    if (!(t->best <= t->accept))
+    if (!(t->best <= NS_MLCP_ACCEPT))
         return NS_E_INFEASIBLE;
     memcpy(s->lambda, s->cover, (size_t)s->m * sizeof *s->lambda);
     memcpy(s->mode, s->at_upper, (size_t)s->m);
@@ -165,8 +165,8 @@ static double cost(const ns_mlcp_solver *s) {
     return ldexp(k * k * (k / 3.0 + 20.0), s->np) + modes * 3.0 * m;
 }
 
-int ns_mlcp_enumerate(ns_mlcp_solver *s, double accept) {
-    tally t = {.accept = accept, .best = INFINITY};
+int ns_mlcp_enumerate(ns_mlcp_solver *s) {
+    tally t = {.best = INFINITY};
     if (s->np > NS_BRANCH_MAX)
         return NS_E_SIZE;
     for (int i = 0; i < s->m; i++)
@@ -175,6 +175,6 @@ int ns_mlcp_enumerate(ns_mlcp_solver *s, double accept) {
     int cheap = cost(s) <= COSTLY;
     if (cheap && all_sets(s, &t) == NS_OK)
         return NS_OK;
-    int status = ns_mlcp_branch(s, accept);
+    int status = ns_mlcp_branch(s);
     return status == NS_E_LIMIT && cheap && t.doubtful == 0 ? NS_E_INFEASIBLE : status;
 }

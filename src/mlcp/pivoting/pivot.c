@@ -20,9 +20,7 @@
 #include "transform.h"
 
 enum { PATIENCE = 8, ROUNDS = 20, ROUNDS_PER_PAIR = 10, CHANGES = 64 };
-static const double GUARD = 1e-12;    /* of the sizes of the terms of a value: as solve.c has it */
 static const double FINE = 1e-14;     /* equations hold: a hundredth of what guards are read to */
-static const double GOOD = 1e-13;     /* an answer needs no closer look */
 static const double TRUST = 1e-8;     /* as transform.c */
 static const double ROUNDING = 1e-10; /* of the terms of an y: as solve.c accepts an answer */
 
@@ -204,11 +202,11 @@ static int look_at_guards(ns_mlcp_solver *s, int *list, int *worst) {
     ns_mlcp_transform_values(s);
     ns_mlcp_terms(s->p, &s->nonzeros, s->lambda, s->y, s->yterms);
     s->carried = 1;
-    s->slack = GUARD * fmax(1.0, defect(s) / FINE);
+    s->slack = NS_MLCP_GUARD * fmax(1.0, defect(s) / FINE);
     int n = broken(s, s->np, s->pair, list, worst);
-    if (n > 0 || s->slack == GUARD)
+    if (n > 0 || s->slack == NS_MLCP_GUARD)
         return n;
-    s->slack = GUARD;
+    s->slack = NS_MLCP_GUARD;
     ns_mlcp_transform_correct(s);
     ns_mlcp_terms(s->p, &s->nonzeros, s->lambda, s->y, s->yterms);
     return broken(s, s->np, s->pair, list, worst);
@@ -254,7 +252,7 @@ static double check(ns_mlcp_solver *s) {
     if (clamp_lambda(s))
         ns_mlcp_terms(s->p, &s->nonzeros, s->lambda, s->y, s->yterms);
     const double r = ns_mlcp_bound_residual(s->p, s->lambda, s->y, s->yterms);
-    if (r <= GOOD)
+    if (r <= NS_MLCP_GOOD)
         return r;
     const double full = ns_mlcp_measure(s->p, s->lambda, s->alike, s->rhs, NULL);
     return isnan(full) ? full : fmin(r, full); /* fmin would drop the NaN of terms that overflow */
@@ -286,7 +284,7 @@ static int all_lower(const ns_mlcp_solver *s, const ns_mode *mode) {
 }
 
 /* From mode (NULL: all at the lower bounds), or near it. */
-static int attempt(ns_mlcp_solver *s, const ns_mode *mode, int *anew, double accept, double *residual) {
+static int attempt(ns_mlcp_solver *s, const ns_mode *mode, int *anew, double *residual) {
     *residual = INFINITY;
     if (!s->settled || memcmp(mode, s->mode, (size_t)s->m) != 0) {
         s->settled = 0;
@@ -298,32 +296,32 @@ static int attempt(ns_mlcp_solver *s, const ns_mode *mode, int *anew, double acc
     if (status != NS_OK)
         return status;
     *residual = check(s);
-    return *residual <= accept ? NS_OK : NS_E_RESIDUAL;
+    return *residual <= NS_MLCP_ACCEPT ? NS_OK : NS_E_RESIDUAL;
 }
 
 /* From mode; where the transform may be at fault, from a new one; where the mode may, from another. */
-int ns_mlcp_quick(ns_mlcp_solver *s, const ns_mode *mode, double accept, double *residual) {
+int ns_mlcp_quick(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     int anew = 0, status = NS_E_LIMIT;
     s->now = *s->p;
     if (s->settled || !all_lower(s, mode))
-        status = attempt(s, mode, &anew, accept, residual);
+        status = attempt(s, mode, &anew, residual);
     for (int k = anew || status == NS_E_LIMIT; k < 2 && status != NS_OK; k++) {
         s->have_transform = s->settled = 0;
         anew = 1;
-        status = attempt(s, k ? NULL : mode, &anew, accept, residual);
+        status = attempt(s, k ? NULL : mode, &anew, residual);
     }
     s->settled = s->have_transform = status == NS_OK;
     if (status == NS_OK && clamp_y(s)) {
         s->settled = 0; /* the mode may change */
-        status = ns_mlcp_agree(s, accept, residual) ? NS_OK : NS_E_RESIDUAL;
+        status = ns_mlcp_agree(s, residual) ? NS_OK : NS_E_RESIDUAL;
     }
     return status;
 }
 
-int ns_mlcp_pivot(ns_mlcp_solver *s, double accept) {
+int ns_mlcp_pivot(ns_mlcp_solver *s) {
     double residual;
     ns_mode *start = s->at_upper; /* room of its own */
     for (int i = 0; i < s->m; i++)
         start[i] = s->mode[i];
-    return ns_mlcp_quick(s, start, accept, &residual);
+    return ns_mlcp_quick(s, start, &residual);
 }

@@ -14,12 +14,11 @@
 #include "residual_bound.h"
 
 enum { ROUNDS = 4 };
-static const double ACCEPT = 1e-10; /* of the terms of y: as solve.c has it */
 
 /* Of equalities the residual says all. */
 static inline int differ(const ns_mlcp_solver *s, int i, double y, double size) {
     const int equality = isinf(s->p->l[i]) && isinf(s->p->u[i]);
-    return !equality && fabs(y - s->y[i]) > ACCEPT * size;
+    return !equality && fabs(y - s->y[i]) > NS_MLCP_ACCEPT * size;
 }
 
 /* The pairs and given lambda whose y is not s->ray: list gets them. */
@@ -51,7 +50,7 @@ static int look(ns_mlcp_solver *s, int *list) {
 
 /* Lambda and mode of pair i, as its y asks for; of 0 it asks for nothing.  0: there is no such bound. */
 static int move(ns_mlcp_solver *s, int i) {
-    if (fabs(s->ray[i]) <= ACCEPT * s->ysize[i])
+    if (fabs(s->ray[i]) <= NS_MLCP_ACCEPT * s->ysize[i])
         return 1;
     const ns_mode to = s->ray[i] > 0.0 ? NS_LOWER : NS_UPPER;
     const double bound = ns_mlcp_bound(s, i, to);
@@ -68,14 +67,14 @@ static void fit_modes(ns_mlcp_solver *s) {
     for (int i = 0; i < s->m; i++) {
         const double l = s->p->l[i], u = s->p->u[i], v = s->lambda[i];
         if (s->mode[i] == NS_INSIDE || v == ns_mlcp_bound(s, i, s->mode[i]) ||
-            fabs(s->y[i]) > ACCEPT * s->ysize[i])
+            fabs(s->y[i]) > NS_MLCP_ACCEPT * s->ysize[i])
             continue;
         s->mode[i] = v == l ? NS_LOWER : v == u ? NS_UPPER : NS_INSIDE;
         s->y[i] = 0.0;
     }
 }
 
-static int agree(ns_mlcp_solver *s, double accept, double *residual) {
+static int agree(ns_mlcp_solver *s, double *residual) {
     int *list = s->queue, n = look(s, list);
     if (n == 0)
         return 1;
@@ -88,11 +87,11 @@ static int agree(ns_mlcp_solver *s, double accept, double *residual) {
         n = look(s, list);
     }
     *residual = ns_mlcp_measure(s->p, s->lambda, s->alike, s->rhs, NULL);
-    return n == 0 && *residual <= accept;
+    return n == 0 && *residual <= NS_MLCP_ACCEPT;
 }
 
-int ns_mlcp_agree(ns_mlcp_solver *s, double accept, double *residual) {
-    if (!agree(s, accept, residual))
+int ns_mlcp_agree(ns_mlcp_solver *s, double *residual) {
+    if (!agree(s, residual))
         return 0;
     fit_modes(s);
     return 1;

@@ -1,4 +1,4 @@
-/* src/mlcp/optional/proximal.c - equations that are redundant, and unknowns that are open: no basis holds
+/* src/mlcp/pivoting/proximal.c - equations that are redundant, and unknowns that are open: no basis holds
  * all.
  *
  * (Two closed ideal switches in parallel: y = 0 twice, and only the sum of the currents is determined.)
@@ -19,8 +19,7 @@
 
 #include "mlcp/verify/residual.h"
 
-enum { STEPS = 8, HALVINGS = 44 }; /* 2^-43: GOOD */
-static const double GOOD = 1e-13;  /* residual below which nothing is to be gained */
+enum { STEPS = 8, HALVINGS = 44 }; /* 2^-43: NS_MLCP_GOOD */
 
 /* eps E as a list of entries; kind 0: diagonal, 1: left-over rows and columns. */
 static int choose(ns_mlcp_solver *s, int kind, int eps) {
@@ -68,7 +67,7 @@ static double polish(ns_mlcp_solver *s) {
             best = now;
             ns_mlcp_keep(s);
         }
-        if (best <= GOOD || !(now <= 0.5 * before))
+        if (best <= NS_MLCP_GOOD || !(now <= 0.5 * before))
             break;
         ns_mlcp_basis_correct(s);
         ns_mlcp_basis_clamp(s);
@@ -79,17 +78,17 @@ static double polish(ns_mlcp_solver *s) {
 }
 
 /* The iteration with one E; INFEASIBLE: it ran away. */
-static int iterate(ns_mlcp_solver *s, const ns_mode *mode, int n, double accept, double *residual) {
+static int iterate(ns_mlcp_solver *s, const ns_mode *mode, int n, double *residual) {
     double before = INFINITY;
     for (int k = 0; k < STEPS; k++) {
         regularise(s, n, k > 0);
-        int status = ns_mlcp_search(s, k == 0 ? mode : s->mode, residual);
+        int status = ns_mlcp_lemke_starts(s, k == 0 ? mode : s->mode, residual);
         if (status != NS_OK)
             return status;
         *residual = polish(s);
-        if (*residual <= accept)
+        if (*residual <= NS_MLCP_ACCEPT)
             return NS_OK;
-        ns_mlcp_note(s, accept);
+        ns_mlcp_note(s);
         if (k >= 2 && !(*residual <= 0.5 * before))
             break;
         before = *residual;
@@ -99,7 +98,7 @@ static int iterate(ns_mlcp_solver *s, const ns_mode *mode, int n, double accept,
     return NS_E_INFEASIBLE;
 }
 
-int ns_mlcp_proximal(ns_mlcp_solver *s, const ns_mode *mode, double accept, double *residual) {
+int ns_mlcp_proximal(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     static const struct { int kind, eps; } way[] = {{0, -20}, {1, -20}, {0, -33}, {1, -33}};
     int first = NS_E_SINGULAR;
     ns_mlcp_list(s, s->nstuck, s->stuck_row);
@@ -108,7 +107,7 @@ int ns_mlcp_proximal(ns_mlcp_solver *s, const ns_mode *mode, double accept, doub
         ns_mlcp_given(s); /* scaling and left-over rows of the given problem */
         ns_mlcp_restart(s, mode);
         (void)ns_mlcp_reveal(s);
-        int status = iterate(s, mode, choose(s, way[k].kind, way[k].eps), accept, residual);
+        int status = iterate(s, mode, choose(s, way[k].kind, way[k].eps), residual);
         if (status == NS_OK)
             return NS_OK;
         if (first == NS_E_SINGULAR && status != NS_E_SINGULAR) {

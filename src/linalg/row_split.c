@@ -1,4 +1,4 @@
-/* src/system/row_split.c - ns_system_row_split(): which rows of M x' = ... are differential, which algebraic.
+/* src/linalg/row_split.c - which rows of M x' = ... are differential, which algebraic.
  *
  * Gaussian elimination with complete pivoting on the equilibrated M.  Every entry carries a bound of the
  * rounding it may contain, in units of eps; an entry within 64 of these counts as zero, so cancelled entries
@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "nonsmooth/system.h"
+#include "nonsmooth/status.h"
 #include "row_split.h"
 
 typedef struct elimination {
@@ -186,7 +186,7 @@ static void fill(const elimination *g, const double *M, const double *size, doub
     }
 }
 
-int ns_system_row_split_rows(int n, const double *M, const double *size, double *T, int *rank) {
+int ns_linalg_row_split_rows(int n, const double *M, const double *size, double *T, int *rank) {
     elimination g;
     double *work;
     int p = 0, q = 0;
@@ -214,15 +214,11 @@ int ns_system_row_split_rows(int n, const double *M, const double *size, double 
     return NS_OK;
 }
 
-int ns_system_row_split(int n, const double *M, double *T, int *rank) {
+int ns_linalg_row_split(int n, const double *M, double *T, int *rank) {
     if (!rank || (n > 0 && (!T || !M))) {
         return NS_E_NULL;
     }
-    return ns_system_row_split_rows(n, M, M, T, rank);
-}
-
-int ns_system_split(const ns_system *s, double *T, int *rank) {
-    return s ? ns_system_row_split(s->n, s->M, T, rank) : NS_E_NULL;
+    return ns_linalg_row_split_rows(n, M, M, T, rank);
 }
 
 /* One entry of T from.  What cancels is zero: a resistor inside a part that T sums up must leave no trace of
@@ -245,7 +241,7 @@ static int is_unit(int n, const double *T, int i) {
     return zeros == n - 1 && T[i + i * n] == 1;
 }
 
-void ns_system_row_split_apply(int n, int columns, const double *T, const double *from, double *to) {
+void ns_linalg_row_split_apply(int n, int columns, const double *T, const double *from, double *to) {
     for (int i = 0; i < n; i++) {
         const int unit = is_unit(n, T, i);
         for (int j = 0; j < columns; j++) {

@@ -1,4 +1,4 @@
-/* src/mlcp/pivoting/parallel.c - the proof by two rows that are one: y_i = a + q_i and y_k = r a + q_k
+/* src/mlcp/infeasible/parallel.c - the proof by two rows that are one: y_i = a + q_i and y_k = r a + q_k
  * contradict.
  *
  * Phase 1 works on the whole problem; where its entries span fifty decades, rounding elsewhere may hide from
