@@ -16,7 +16,7 @@ enum { NS_PILE = 40 };
 enum { NS_PATIENCE = 100000 };
 
 static int allocate(ns_exact *f) {
-    const ns_system *y = f->m->s;
+    const ns_system *y = f->system;
     const size_t n = (size_t)y->n, m = (size_t)y->m, nz = (size_t)y->nz, r = (size_t)f->s->r;
     const size_t rows = 2 * m + (size_t)y->nc, q = r + (size_t)f->exo->nv;
     const size_t all = 4 * (q + (size_t)f->exo->mutes) + 2 * r + NS_ORDER * (r + rows) +
@@ -72,29 +72,30 @@ static int all_timed(const ns_system *s) {
     return 1;
 }
 
-int ns_exact_create(ns_march *m, ns_exact **out) {
+int ns_exact_create(ns_theta *step, ns_dense_point *point, double h, ns_exact **out) {
     ns_exact *f = calloc(1, sizeof *f);
     *out = NULL;
     if (!f)
         return NS_E_MEMORY;
-    f->acting = calloc((size_t)m->s->nz + 1, 1);
-    f->m = m;
-    f->s = m->step;
-    f->limit = m->step->cache.limit;
-    f->guess = m->h;
-    f->timed = all_timed(m->s);
+    f->system = step->s;
+    f->s = step;
+    f->point = point;
+    f->h = f->guess = h;
+    f->limit = step->cache.limit;
+    f->timed = all_timed(f->system);
     forget_past(f);
     ns_exact_watch_pieces(NS_POLE, f->pieces);
-    int status = f->acting ? ns_system_acting(m->s, f->acting) : NS_E_MEMORY;
+    f->acting = calloc((size_t)f->system->nz + 1, 1);
+    int status = f->acting ? ns_system_acting(f->system, f->acting) : NS_E_MEMORY;
     const int *input = NULL;
     if (status == NS_OK)
-        status = ns_inputs_events_create(m->s, f->acting, &f->schedule);
+        status = ns_inputs_events_create(f->system, f->acting, &f->schedule);
     const int entering = status == NS_OK ? ns_inputs_events_entering(f->schedule, &input) : 0;
     if (status == NS_OK)
-        status = ns_inputs_states_create(m->s, entering, input, &f->exo);
+        status = ns_inputs_states_create(f->system, entering, input, &f->exo);
     if (status == NS_OK)
         status = allocate(f);
-    m->step->counts.input_states = f->exo ? f->exo->nv : 0;
+    step->counts.input_states = f->exo ? f->exo->nv : 0;
     if (status != NS_OK) {
         ns_exact_free(f);
         return status;
@@ -119,7 +120,7 @@ void ns_exact_free(ns_exact *f) {
 }
 
 int ns_exact_in_fallback(const ns_exact *f) {
-    return f->m->live.t < f->past.grounded || f->m->live.t < f->exo->from;
+    return f->point->now.t < f->past.grounded || f->point->now.t < f->exo->from;
 }
 
 double ns_exact_fallback_until(const ns_exact *f) {
@@ -134,23 +135,23 @@ static void read_inputs(ns_exact *f) {
 
 /* The schedule to where the exact is, unless it is there. */
 static void seek(ns_exact *f) {
-    const ns_system *y = f->m->s;
-    int same = f->t >= f->from && (f->t < f->to_t || (f->m->live.at_event && f->t == f->to_t));
+    const ns_system *y = f->system;
+    int same = f->t >= f->from && (f->t < f->to_t || (f->point->at_event && f->t == f->to_t));
     for (int c = 0; c < y->nc; c++) {
         f->closed[c] = f->s->mode[y->command[c].pair] == NS_INSIDE;
         same = same && (y->command[c].gx || f->closed[c] == ns_inputs_events_closed(f->schedule)[c]);
     }
     if (same)
         return;
-    ns_inputs_events_seek(f->schedule, f->t, f->m->live.at_event ? NS_LEFT : NS_RIGHT, f->closed);
+    ns_inputs_events_seek(f->schedule, f->t, f->point->at_event ? NS_LEFT : NS_RIGHT, f->closed);
     f->from = f->to_t = f->t;
 }
 
 /* From the accepted point of the stepper. */
 static int load(ns_exact *f) {
-    f->t = f->m->live.t;
-    f->time_lost = f->m->live.time_lost;
-    f->since = f->m->live.since;
+    f->t = f->point->now.t;
+    f->time_lost = f->point->now.lost;
+    f->since = f->point->last_event_t;
     ns_theta_set_bounds(f->s); /* and twins rest */
     const int status = ns_exact_mode_find(f, f->s->mode, &f->at);
     if (status != NS_OK)
@@ -162,25 +163,25 @@ static int load(ns_exact *f) {
     read_inputs(f);
     for (int i = 0; i < f->s->r; i++)
         f->most[i] = ns_higher(f->most[i], fabs(f->X[i]));
-    if (!f->m->live.at_event)
+    if (!f->point->at_event)
         ns_exact_enter_consistent(f);
     return NS_OK;
 }
 
-/* x, lambda at X, and the inputs in m->z.  Errors: MEMORY. */
+/* x, lambda at X, and the inputs in f->z.  Errors: MEMORY. */
 static int read_point(ns_exact *f, double *x) {
     double until;
     ns_mode_kernel *k = ns_exact_mode_time_scale(f, &until)->stage;
-    const int all = f->m->s->n + f->m->s->m;
+    const int all = f->system->n + f->system->m;
     if (!k->now) {
         const int status = ns_exact_output_map(f->s, f->exo, k);
         if (status != NS_OK)
             return status;
         f->bytes += sizeof(double) * (size_t)all * (size_t)(k->q + f->exo->mutes);
     }
-    ns_system_inputs(f->m->s, f->t, f->m->live.at_event ? NS_LEFT : NS_RIGHT, f->m->z);
+    ns_system_inputs(f->system, f->t, f->point->at_event ? NS_LEFT : NS_RIGHT, f->z);
     for (int i = 0; i < f->exo->mutes; i++)
-        f->X[k->q + i] = f->m->z[f->exo->mute[i]];
+        f->X[k->q + i] = f->z[f->exo->mute[i]];
     ns_linalg_matvec(all, k->q + f->exo->mutes, k->now, f->X, x);
     return NS_OK;
 }
@@ -189,20 +190,19 @@ static int read_point(ns_exact *f, double *x) {
 static int deposit(ns_exact *f) {
     const int status = read_point(f, f->to.x); /* and lambda */
     if (status != NS_OK)
-        return ns_march_fail(f->m, status);
+        return status;
     ns_exact_mode_show(f, f->at->mode);
-    ns_theta_put(f->s, f->X, f->to.x, f->at->mode, f->m->z);
-    ns_ladder_switch_set(f->m, f->to.x);
-    f->m->live.t = f->t;
-    f->m->live.time_lost = f->time_lost;
-    f->m->live.since = f->since;
+    ns_theta_put(f->s, f->X, f->to.x, f->at->mode, f->z);
+    ns_theta_set_controls(f->s, f->to.x);
+    f->point->now.t = f->t;
+    f->point->now.lost = f->time_lost;
+    f->point->last_event_t = f->since;
     return NS_OK;
 }
 
 int ns_exact_find_consistent(ns_exact *f) {
-    ns_march *m = f->m;
-    f->t = f->since = m->live.t;
-    f->time_lost = m->live.time_lost;
+    f->t = f->since = f->point->now.t;
+    f->time_lost = f->point->now.lost;
     f->to_t = -INFINITY; /* seek */
     forget_past(f);
     seek(f);
@@ -220,33 +220,33 @@ int ns_exact_find_consistent(ns_exact *f) {
 static void pass(ns_exact *f, const ns_time_event *what) {
     f->from = f->to_t = what->t;
     for (int i = 0; i < what->flips; i++)
-        f->m->flip[what->flip[i]] = 1;
+        f->point->flip[what->flip[i]] = 1;
     read_inputs(f);
 }
 
 static void count(ns_exact *f) {
-    const double near = f->m->h / (1 << NS_EVENT_RUNG);
-    f->m->events++;
+    const double near = f->h / (1 << NS_EVENT_RUNG);
+    f->events++;
     f->past.crowd = f->t - f->past.event_t < near ? f->past.crowd + 1 : 0;
     f->past.event_t = f->t;
 }
 
-/* The event here; *stuck: it is for the scheme, which gets m->flip. */
+/* The event here; *stuck: it is for the scheme, which gets f->point->flip. */
 static int turn(ns_exact *f, int natural, int *stuck) {
-    const size_t nc = (size_t)f->m->s->nc;
+    const size_t nc = (size_t)f->system->nc;
     const ns_exact_mode *was = f->at;
     const int broken = f->broken;
     count(f);
-    memcpy(f->flip, f->m->flip, nc);
+    memcpy(f->flip, f->point->flip, nc);
     const int status = f->past.crowd > NS_PILE ? NS_GUARD : ns_exact_select_mode(f, natural);
     *stuck = status == NS_GUARD;
     if (*stuck)
-        memcpy(f->m->flip, f->flip, nc);
+        memcpy(f->point->flip, f->flip, nc);
     else
         f->since = f->t;
     f->doubted_at = natural && f->at == was && broken >= 0 ? was : NULL;
     f->doubted = broken;
-    f->m->live.at_event = *stuck;
+    f->point->at_event = *stuck;
     return *stuck ? NS_OK : status;
 }
 
@@ -254,7 +254,7 @@ static int turn(ns_exact *f, int natural, int *stuck) {
 static int turn_first(ns_exact *f, int *stuck) {
     const double near = f->t + ns_system_signal_slack(f->t, f->t);
     const int known = ns_inputs_events_next(f->schedule, near) <= near;
-    memset(f->m->flip, 0, (size_t)f->m->s->nc);
+    memset(f->point->flip, 0, (size_t)f->system->nc);
     if (known)
         pass(f, ns_inputs_events_pass(f->schedule));
     return turn(f, !known, stuck);
@@ -262,8 +262,7 @@ static int turn_first(ns_exact *f, int *stuck) {
 
 /* To the next event and beyond it, or to t; *stop: this was the last.  An event right where the march stands
  * is gone through, to its right side. */
-static int leap(ns_exact *f, double t, ns_until until, int *stuck, int *stop) {
-    ns_march *m = f->m;
+static int leap(ns_exact *f, double accepted_t, double t, ns_until until, int *stuck, int *stop) {
     int broke;
     f->to_t = ns_inputs_events_next(f->schedule, t);
     const int status = ns_exact_advance(f, fmin(t, f->to_t), &broke);
@@ -275,13 +274,13 @@ static int leap(ns_exact *f, double t, ns_until until, int *stuck, int *stop) {
         return status;
     const int ends =
         f->t >= t || (until == NS_TO_EVENT && (!known || ns_inputs_events_is_event(f->schedule)));
-    if (ends && f->t > m->kept.t) {
-        m->live.at_event = *stop = 1;
-        m->live.jump = known;
+    if (ends && f->t > accepted_t) {
+        f->point->at_event = *stop = 1;
+        f->point->input_jumps = known;
         return NS_OK;
     }
     *stop = ends;
-    memset(m->flip, 0, (size_t)m->s->nc);
+    memset(f->point->flip, 0, (size_t)f->system->nc);
     const ns_exact_mode *was = f->at;
     const int guard = f->broken;
     if (known)
@@ -301,7 +300,7 @@ static int leap(ns_exact *f, double t, ns_until until, int *stuck, int *stop) {
  * already, the shorter they count. */
 static void ground(ns_exact *f) {
     enum { MANY_RUNG = 10, LONG_RUNG = 6, FOR_GOOD = 64 };
-    const double h = f->m->h, least = ldexp(h, 2 - NS_EVENT_RUNG), flown = f->t - f->past.grounded;
+    const double h = f->h, least = ldexp(h, 2 - NS_EVENT_RUNG), flown = f->t - f->past.grounded;
     if (flown > h)
         f->past.stuck /= 2;
     const double few = f->timed ? ldexp(h, -MANY_RUNG) * (1 + f->past.stuck / FOR_GOOD) : h;
@@ -310,34 +309,33 @@ static void ground(ns_exact *f) {
     f->past.stuck += f->past.rest > ldexp(h, -LONG_RUNG) ? FOR_GOOD : 1;
     f->past.grounded = f->t + f->past.rest;
     f->past.crowd = 0;
-    for (int c = 0; c < f->m->s->nc; c++) { /* it knows no third mode */
-        ns_mode *mode = &f->s->mode[f->m->s->command[c].pair];
+    for (int c = 0; c < f->system->nc; c++) { /* it knows no third mode */
+        ns_mode *mode = &f->s->mode[f->system->command[c].pair];
         if (ns_mode_slides(*mode))
             *mode = NS_LOWER;
     }
     ns_theta_set_bounds(f->s);
 }
 
-int ns_exact_go(ns_exact *f, double t, ns_until until) {
-    ns_march *m = f->m;
+int ns_exact_go(ns_exact *f, double accepted_t, double t, ns_until until) {
     int status = load(f), stuck = 0, stop = 0;
     if (status != NS_OK) {
         f->budget = 0;
-        f->t = m->live.t;
+        f->t = f->point->now.t;
         ground(f);
-        return status == NS_E_MEMORY ? ns_march_fail(m, status) : NS_OK;
+        return status == NS_E_MEMORY ? status : NS_OK;
     }
-    if (m->live.at_event) {
+    if (f->point->at_event) {
         status = turn_first(f, &stuck);
         stop = until == NS_TO_EVENT;
     }
     /* each event takes a few steps; the scheme has what takes more of them than it would */
-    f->budget = 4000 + f->past.patience + (long)fmin(1e12, 4000 * (t - f->t) / m->h);
+    f->budget = 4000 + f->past.patience + (long)fmin(1e12, 4000 * (t - f->t) / f->h);
     ns_exact_period_abort(f);
     while (status == NS_OK && !stuck && !stop && f->t < t) {
         if (until == NS_TO_TIME && ns_exact_period_replay(f, t))
             continue;
-        status = leap(f, t, until, &stuck, &stop);
+        status = leap(f, accepted_t, t, until, &stuck, &stop);
         if (f->bytes > f->limit)
             ns_exact_mode_trim(f, f->at);
     }
@@ -351,9 +349,21 @@ int ns_exact_go(ns_exact *f, double t, ns_until until) {
         status = NS_OK;
     }
     if (status != NS_OK)
-        return ns_march_fail(m, status);
+        return status;
     status = deposit(f);
     if (stuck)
         ground(f);
     return status;
+}
+
+int ns_exact_failures(const ns_exact *f) {
+    return f->past.stuck;
+}
+
+int ns_exact_timed(const ns_exact *f) {
+    return f->timed;
+}
+
+long ns_exact_events(const ns_exact *f) {
+    return f->events;
 }

@@ -1,17 +1,20 @@
 /* src/exact/exact_internal.h - the exact engine from inside: exact between events, by kept matrices.
  *
- *   mode_cache.c  modes met, their levels, kept       exact/step_map.c    steps inside a mode, as matrices
- *   exact/event_location.c        where a guard first breaks          mode_selection.c   from one mode to the
- * next (mode_selection.h) advance.c          by which of them to the next event periodic_map.c          whole
- * periods of them (periodic_map.h) exact/engine.c       the way from event to event
+ *   engine.c          from event to event              advance.c         from one event to the next
+ *   mode_cache.c      modes met, with their matrices   mode_kernel.c     the matrices of one mode (E1), (E2)
+ *   step_map.c        steps of one length, as matrices output_map.c      x, lambda of a point
+ *   event_location.c  where a guard first breaks       guard_sign.c      whether a mode holds
+ *   mode_selection.c  from one mode to the next        mode_entry.c      what jumps where a mode is entered
+ *   periodic_map.c    a period of the sources as one product; periodic_replay.c: with events of its own
  */
 #ifndef NS_EXACT_INTERNAL_H
 #define NS_EXACT_INTERNAL_H
 
+#include "exact.h"
 #include "inputs/time_events.h"
-#include "march/march_internal.h"
 #include "mode_kernel.h"
 #include "periodic_map.h"
+#include "reinit/jump.h"
 
 #include <stdint.h>
 
@@ -83,8 +86,11 @@ typedef struct ns_exact_past {
 } ns_exact_past;
 
 struct ns_exact {
-    ns_march *m;
+    const ns_system *system;
     ns_theta *s;
+    ns_dense_point *point; /* of the run: where it is to go on from, and has come to */
+    double h;              /* s: longest step of the scheme */
+    long events;           /* passed so far */
     ns_input_states *exo;
     ns_time_events *schedule;
     double from, to_t; /* what the schedule is good for */
@@ -175,32 +181,16 @@ void ns_exact_guard_values(ns_exact *f, const ns_mode_kernel *k, const double *X
 /* advance.c: to t, unless a guard breaks before: *broke.  Errors: MEMORY; LIMIT: no budget. */
 int ns_exact_advance(ns_exact *f, double t, int *broke);
 
-/* mode_selection.c: the mode from here on, where a guard broke (natural), or commands in m->flip (nc) changed
- * and inputs jumped or turned; X moves if the state jumps.  m->flip is cleared.  OK, GUARD: found none,
- * nothing is changed; MEMORY. */
+/* mode_selection.c: the mode from here on, where a guard broke (natural), or commands in point->flip (nc)
+ * changed and inputs jumped or turned; X moves if the state jumps.  point->flip is cleared.  OK, GUARD: found
+ * none, nothing is changed; MEMORY. */
 int ns_exact_select_mode(ns_exact *f, int natural);
-/* mode_selection.c: the first mode, from X at t with commands as in m->step; X moves if the state jumps.
+/* mode_selection.c: the first mode, from X at t with commands as in f->s; X moves if the state jumps.
  * Errors: those of the impulse problem. */
 int ns_exact_select_start(ns_exact *f);
 /* mode_entry.c: X freed of what the constraints of its mode do not allow: rounding. */
 void ns_exact_enter_consistent(ns_exact *f);
 /* mode_selection.c: inputs at t+ into z, their slopes into slope. */
 void ns_exact_select_inputs(ns_exact *f);
-
-/* exact/engine.c: made, freed (NULL is allowed).  Errors: MEMORY. */
-int ns_exact_create(ns_march *m, ns_exact **out);
-void ns_exact_free(ns_exact *f);
-/* From the accepted point of m->step at m->live on to t, or to the first event, as far as it can: it stops
- * before what it cannot resolve, and stays on the ground for a while.  Errors: MEMORY. */
-int ns_exact_go(ns_exact *f, double t, ns_until until);
-/* The consistent state at m->live.t, with m->step just started: in no time.  Errors: those of the impulse
- * problem. */
-int ns_exact_find_consistent(ns_exact *f);
-/* The trial is accepted; it is dropped. */
-void ns_exact_accept(ns_exact *f);
-void ns_exact_drop(ns_exact *f);
-/* 1 if it has nothing to say at m->live; when that will be over. */
-int ns_exact_in_fallback(const ns_exact *f);
-double ns_exact_fallback_until(const ns_exact *f);
 
 #endif

@@ -49,7 +49,7 @@ void ns_exact_mode_forget_all(ns_exact *f) {
 }
 
 static size_t bytes_of(const ns_exact *f, const ns_exact_mode *k) {
-    size_t sum = sizeof *k + (size_t)f->m->s->m;
+    size_t sum = sizeof *k + (size_t)f->system->m;
     for (int i = 0; i < NS_LEVELS; i++) {
         const ns_time_scale *level = &k->level[i];
         sum += level->stage ? level->stage->bytes : 0;
@@ -112,7 +112,7 @@ static int by_size(const void *a, const void *b) {
 static int list_rates(const ns_exact *f, const ns_mode_kernel *stage, ns_mode_rate *rate, double *room,
                       int *at_once, int *status) {
     double *re = room, *im = room + stage->r;
-    const double instant = ldexp(f->m->h, -NS_EVENT_RUNG);
+    const double instant = ldexp(f->h, -NS_EVENT_RUNG);
     int count = 0;
     *status = ns_exact_kernel_rates(stage, re, im);
     for (int i = 0; i < stage->r && *status == NS_OK; i++) {
@@ -133,14 +133,14 @@ static int list_rates(const ns_exact *f, const ns_mode_kernel *stage, ns_mode_ra
 
 /* h of a stage for this rate: a power of two of the marcher's h, which other levels and modes then share. */
 static double length_for(const ns_exact *f, double rate) {
-    const double longest = 256 * f->m->h;
+    const double longest = 256 * f->h;
     if (!(rate > 0) || NS_REACH / rate >= longest)
         return longest;
-    return ldexp(f->m->h, (int)floor(log2(NS_REACH / rate / f->m->h)));
+    return ldexp(f->h, (int)floor(log2(NS_REACH / rate / f->h)));
 }
 
 void ns_exact_mode_show(ns_exact *f, const ns_mode *mode) {
-    memmove(f->s->mode, mode, (size_t)f->m->s->m);
+    memmove(f->s->mode, mode, (size_t)f->system->m);
     ns_theta_set_bounds(f->s);
 }
 
@@ -183,7 +183,7 @@ static int build(ns_exact *f, ns_exact_mode *k) {
     ns_mode_rate *rate = malloc(sizeof *rate * ((size_t)all + 1));
     ns_mode_kernel *probe = NULL;
     /* shorter ones see nothing slow, longer ones nothing fast */
-    const double guess = f->guess < f->m->h / 64 || f->guess > f->m->h ? f->m->h : f->guess;
+    const double guess = f->guess < f->h / 64 || f->guess > f->h ? f->h : f->guess;
     int status =
         room && rate ? ns_exact_kernel_build(f->s, f->exo, guess / NS_POLE, k->mode, &probe) : NS_E_MEMORY;
     const int count = status == NS_OK ? list_rates(f, probe, rate, room, &k->instant, &status) : 0;
@@ -205,8 +205,8 @@ static int build(ns_exact *f, ns_exact_mode *k) {
 }
 
 int ns_exact_mode_find(ns_exact *f, const ns_mode *mode, ns_exact_mode **out) {
-    const size_t m = (size_t)f->m->s->m;
-    ns_exact_mode **head = &f->bucket[hash_of(mode, f->m->s->m)], *k = *head;
+    const size_t m = (size_t)f->system->m;
+    ns_exact_mode **head = &f->bucket[hash_of(mode, f->system->m)], *k = *head;
     while (k && memcmp(k->mode, mode, m) != 0)
         k = k->chain;
     *out = k && k->status == NS_OK ? k : NULL;

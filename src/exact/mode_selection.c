@@ -46,20 +46,20 @@ static void take(ns_exact *f, ns_exact_mode *k) {
 
 /* Commanded pairs in mode a are as they are in mode b. */
 static int same_commands(const ns_exact *f, const ns_mode *a, const ns_mode *b) {
-    for (int c = 0; c < f->m->s->nc; c++) {
-        const int j = f->m->s->command[c].pair;
+    for (int c = 0; c < f->system->nc; c++) {
+        const int j = f->system->command[c].pair;
         if (a[j] != b[j])
             return 0;
     }
     return 1;
 }
 
-/* f->want: the present mode with the commands in m->flip changed. */
+/* f->want: the present mode with the commands in point->flip changed. */
 static void command(ns_exact *f) {
-    memcpy(f->want, f->at->mode, (size_t)f->m->s->m);
-    for (int c = 0; c < f->m->s->nc; c++) {
-        ns_mode *at = &f->want[f->m->s->command[c].pair];
-        if (f->m->flip[c])
+    memcpy(f->want, f->at->mode, (size_t)f->system->m);
+    for (int c = 0; c < f->system->nc; c++) {
+        ns_mode *at = &f->want[f->system->command[c].pair];
+        if (f->point->flip[c])
             *at = f->goal[c] != NS_TARGET_TOGGLE ? f->goal[c] : *at == NS_INSIDE ? NS_LOWER : NS_INSIDE;
     }
 }
@@ -105,9 +105,9 @@ static int flip_broken(ns_exact *f) {
 }
 
 void ns_exact_select_inputs(ns_exact *f) {
-    const int nz = f->m->s->nz;
+    const int nz = f->system->nz;
     const double *v = f->X + f->s->r;
-    ns_system_inputs(f->m->s, f->t, NS_RIGHT, f->z);
+    ns_system_inputs(f->system, f->t, NS_RIGHT, f->z);
     for (int k = 0; k < nz; k++) {
         f->slope[k] = 0;
         for (int i = 0; i < f->exo->nv; i++)
@@ -132,7 +132,7 @@ static int mend(ns_exact *f) {
             f->want[stage->row[g].pair] = stage->row[g].to;
             any = 1;
         }
-    return any && memcmp(f->want, k->mode, (size_t)f->m->s->m) != 0;
+    return any && memcmp(f->want, k->mode, (size_t)f->system->m) != 0;
 }
 
 /* The mode in f->want, on somebody's word, or one that mends what breaks in it: (P1) may have one of several
@@ -152,7 +152,7 @@ static int propose(ns_exact *f, int *on) {
     if (f->at)
         ns_exact_mode_show(f, f->want);
     for (int i = 0; i < 3; i++) {
-        const double h = ldexp(f->m->h, rungs[i]);
+        const double h = ldexp(f->h, rungs[i]);
         memcpy(s->trial_in, f->X, sizeof(double) * (size_t)s->r);
         for (int k = 0; k < s->s->nz; k++) /* at the end of the step: a sine that is zero here is not there */
             s->trial_in[s->r + k] = f->z[k] + h * f->slope[k];
@@ -182,7 +182,7 @@ static int prove(ns_exact *f) {
         return status == NS_E_MEMORY ? status : NS_GUARD;
     for (int i = 0; jumps && i < s->r; i++)
         f->X[i] = ns_theta_jump_w(s, i, f->to.x, f->to.X, f->to.Lambda);
-    memcpy(f->want, f->to.mode, (size_t)f->m->s->m);
+    memcpy(f->want, f->to.mode, (size_t)f->system->m);
     status = try_wanted(f, NS_EVIDENCE_IMPULSES, &on);
     if (status != NS_OK)
         memcpy(f->X, s->w, bytes);
@@ -235,8 +235,8 @@ static double slack(ns_exact *f, int natural) {
 }
 
 static void no_flips(ns_exact *f) {
-    for (int c = 0; c < f->m->s->nc; c++) {
-        f->m->flip[c] = 0;
+    for (int c = 0; c < f->system->nc; c++) {
+        f->point->flip[c] = 0;
         f->goal[c] = NS_TARGET_TOGGLE;
     }
 }
@@ -244,7 +244,7 @@ static void no_flips(ns_exact *f) {
 /* Which way the current of a closed switch goes. */
 static ns_mode slide_of(const ns_exact *f, int pair) {
     const ns_mode_kernel *k = f->at->level[0].stage;
-    const int n = f->m->s->n, all = n + f->m->s->m;
+    const int n = f->system->n, all = n + f->system->m;
     double sum = 0;
     for (int j = 0; j < k->q; j++)
         sum += k->xi[(size_t)(n + pair) + (size_t)j * (size_t)all] * f->X[j];
@@ -253,15 +253,15 @@ static ns_mode slide_of(const ns_exact *f, int pair) {
 
 /* Command c by the state changes; one that would at once change back, without a hysteresis, slides. */
 static void flip(ns_exact *f, int c) {
-    const ns_command *of = &f->m->s->command[c];
-    f->m->flip[c] = 1;
+    const ns_command *of = &f->system->command[c];
+    f->point->flip[c] = 1;
     if (f->turns[c] < 2)
         f->turns[c]++;
     if (f->turns[c] == 2 && of->on == of->off && f->at->mode[of->pair] == NS_INSIDE)
         f->goal[c] = slide_of(f, of->pair);
 }
 
-/* Commands by the state that are beyond their thresholds, or about to be, into m->flip; how many. */
+/* Commands by the state that are beyond their thresholds, or about to be, into point->flip; how many. */
 static int contradicted(ns_exact *f) {
     const ns_mode_kernel *k = f->at->level[0].stage;
     int count = 0;
@@ -296,9 +296,9 @@ static int flip_by_guard(ns_exact *f) {
     }
     if (!ns_mode_slides(f->at->mode[row->pair]))
         return 0;
-    for (c = 0; f->m->s->command[c].pair != row->pair;)
+    for (c = 0; f->system->command[c].pair != row->pair;)
         c++;
-    f->m->flip[c] = 1;
+    f->point->flip[c] = 1;
     f->goal[c] = row->to;
     return 1;
 }
@@ -323,7 +323,7 @@ int ns_exact_select_known(ns_exact *f, ns_exact_mode *to, int natural) {
 int ns_exact_select_mode(ns_exact *f, int natural) {
     enum { JUMPS = 4 };
     ns_exact_mode *const was = f->at;
-    const size_t q = (size_t)f->s->r + (size_t)f->exo->nv, nc = (size_t)f->m->s->nc;
+    const size_t q = (size_t)f->s->r + (size_t)f->exo->nv, nc = (size_t)f->system->nc;
     int status = NS_GUARD, on = 0;
     memcpy(f->left, f->X, sizeof(double) * q);
     note_size(f);
@@ -338,7 +338,7 @@ int ns_exact_select_mode(ns_exact *f, int natural) {
     memset(f->turns, 0, nc);
     if (f->broken >= 0 && flip_by_guard(f))
         natural = 0;
-    for (int round = 0; round <= 2 * f->m->s->nc + JUMPS; round++) {
+    for (int round = 0; round <= 2 * f->system->nc + JUMPS; round++) {
         status = turn_once(f, natural || on, &on);
         if (status != NS_OK)
             break;

@@ -298,7 +298,7 @@ static int is_calm(const ns_exact *f, const ns_period *lap) {
 
 static void count(ns_exact *f, const ns_period *lap) {
     ns_counts *c = &f->s->counts;
-    f->m->events += lap->events;
+    f->events += lap->events;
     c->events += lap->changes;
     c->predicted += lap->events;
     c->periods++;

@@ -1,4 +1,4 @@
-/* src/march/partition_advance.c - marchers side by side: how far each goes at a time. */
+/* src/march/partition_advance.c - a run for each island: how far each goes at a time. */
 #include "partition_internal.h"
 
 #include <float.h>
@@ -10,24 +10,24 @@ enum { ROUNDS = 4 };
 static const double same = 4 * DBL_EPSILON;
 
 static int try_one(ns_partition_run *f, int k, double t, ns_until until) {
-    ship *s = &f->ship[k];
-    const double to = fmax(t, nextafter(s->kept, INFINITY));
-    const int status = ns_march_try(s->march, to, until, &s->live);
+    ns_part_run *s = &f->part[k];
+    const double to = fmax(t, nextafter(s->accepted, INFINITY));
+    const int status = s->run->table->try_to(s->run, to, until, &s->trial);
     s->tried = status == NS_OK;
     return status == NS_OK ? NS_OK : ns_march_partition_fail(f, k, status);
 }
 
 /* Looks ahead to its next event, at most to t, where that is not known.  One that is right here is passed. */
 static int look_ahead(ns_partition_run *f, int k, double t) {
-    ship *s = &f->ship[k];
-    if (s->seen > s->kept && (s->event || s->seen >= t))
+    ns_part_run *s = &f->part[k];
+    if (s->seen > s->accepted && (s->event || s->seen >= t))
         return NS_OK;
     const int status = try_one(f, k, t, NS_TO_EVENT);
     if (status != NS_OK)
         return status;
-    s->event = ns_march_at_event(s->march);
-    s->passes = !s->event && s->live < t;
-    s->seen = s->passes ? s->kept : s->live;
+    s->event = s->run->table->at_event(s->run);
+    s->passes = !s->event && s->trial < t;
+    s->seen = s->passes ? s->accepted : s->trial;
     return NS_OK;
 }
 
@@ -35,7 +35,7 @@ static int look_ahead(ns_partition_run *f, int k, double t) {
 static int first_events(ns_partition_run *f, double t, double *first, int *passing) {
     *first = t;
     for (int k = 0; k < f->islands.count; k++) {
-        ship *s = &f->ship[k];
+        ns_part_run *s = &f->part[k];
         const int status = look_ahead(f, k, *first);
         if (status != NS_OK)
             return status;
@@ -49,10 +49,10 @@ static int first_events(ns_partition_run *f, double t, double *first, int *passi
 /* All to t, those with events there to their left sides. */
 static int go_there(ns_partition_run *f, double t) {
     for (int k = 0; k < f->islands.count; k++) {
-        ship *s = &f->ship[k];
+        ns_part_run *s = &f->part[k];
         const int event = s->event && s->seen - t <= same * fabs(t);
         const double to = event ? s->seen : t;
-        if (s->tried && s->live == to && (!event || ns_march_at_event(s->march)))
+        if (s->tried && s->trial == to && (!event || s->run->table->at_event(s->run)))
             continue;
         const int status = try_one(f, k, to, event ? NS_TO_EVENT : NS_TO_TIME);
         if (status != NS_OK)
@@ -65,8 +65,8 @@ static int go_there(ns_partition_run *f, double t) {
 static int pass_events(ns_partition_run *f, double t) {
     int status = NS_OK;
     for (int k = 0; k < f->islands.count && status == NS_OK; k++) {
-        f->ship[k].passes = f->ship[k].at_event;
-        if (f->ship[k].passes)
+        f->part[k].passes = f->part[k].at_event;
+        if (f->part[k].passes)
             status = try_one(f, k, t, NS_TO_EVENT);
     }
     return status;
@@ -75,22 +75,22 @@ static int pass_events(ns_partition_run *f, double t) {
 /* Where events are passed, the others stay. */
 static void stay(ns_partition_run *f) {
     for (int k = 0; k < f->islands.count; k++)
-        if (!f->ship[k].passes) {
-            ns_march_drop(f->ship[k].march);
-            f->ship[k].tried = 0;
+        if (!f->part[k].passes) {
+            f->part[k].run->table->drop(f->part[k].run);
+            f->part[k].tried = 0;
         }
 }
 
 /* Where the last has come to; the others come after. */
 static int come_together(ns_partition_run *f) {
-    double last = f->kept;
+    double last = f->accepted;
     for (int round = 0; round < ROUNDS; round++) {
         int behind = 0;
         for (int k = 0; k < f->islands.count; k++)
-            last = fmax(last, f->ship[k].tried ? f->ship[k].live : f->ship[k].kept);
+            last = fmax(last, f->part[k].tried ? f->part[k].trial : f->part[k].accepted);
         for (int k = 0; k < f->islands.count; k++) {
-            ship *s = &f->ship[k];
-            if (last - (s->tried ? s->live : s->kept) <= same * fabs(last))
+            ns_part_run *s = &f->part[k];
+            if (last - (s->tried ? s->trial : s->accepted) <= same * fabs(last))
                 continue;
             const int status = try_one(f, k, last, NS_TO_TIME);
             if (status != NS_OK)
@@ -100,7 +100,7 @@ static int come_together(ns_partition_run *f) {
         if (!behind)
             break;
     }
-    f->live = last;
+    f->trial = last;
     return NS_OK;
 }
 
@@ -122,56 +122,59 @@ static int go_to_time(ns_partition_run *f, double t) {
 
 static int go_to(ns_partition_run *f, double t, ns_until until) {
     for (int k = 0; k < f->islands.count; k++)
-        f->ship[k].tried = f->ship[k].passes = 0;
+        f->part[k].tried = f->part[k].passes = 0;
     const int status = until == NS_TO_EVENT ? go_to_event(f, t) : go_to_time(f, t);
     return status == NS_OK ? come_together(f) : status;
 }
 
-void ns_march_partition_drop(ns_partition_run *f) {
+void ns_march_partition_drop(ns_engine *e) {
+    ns_partition_run *f = (ns_partition_run *)(void *)e;
     for (int k = 0; k < f->islands.count; k++)
-        ns_march_drop(f->ship[k].march);
+        f->part[k].run->table->drop(f->part[k].run);
     f->has_trial = 0;
 }
 
-int ns_march_partition_try(ns_partition_run *f, double t, ns_until until, double *reached) {
+int ns_march_partition_try(ns_engine *e, double t, ns_until until, double *reached) {
+    ns_partition_run *f = (ns_partition_run *)(void *)e;
     if (!f->started)
         return ns_march_partition_fail_here(f, NS_E_STATE);
-    const int again = f->has_trial && (t == f->live || (t == f->asked && until == f->until));
-    if (!(t > f->kept) || !isfinite(t))
+    const int again = f->has_trial && (t == f->trial || (t == f->asked && until == f->until));
+    if (!(t > f->accepted) || !isfinite(t))
         return ns_march_partition_fail_here(f, NS_E_RANGE);
     if (!again) {
         const int status = go_to(f, t, until);
         if (status != NS_OK) {
-            ns_march_partition_drop(f);
+            ns_march_partition_drop(e);
             return status;
         }
         f->has_trial = 1;
         f->asked = t;
         f->until = until;
     }
-    *reached = f->live;
+    *reached = f->trial;
     return NS_OK;
 }
 
-int ns_march_partition_accept(ns_partition_run *f) {
+int ns_march_partition_accept(ns_engine *e) {
+    ns_partition_run *f = (ns_partition_run *)(void *)e;
     if (!f->has_trial)
         return NS_E_STATE;
     f->at_event = 0;
     for (int k = 0; k < f->islands.count; k++) {
-        ship *s = &f->ship[k];
+        ns_part_run *s = &f->part[k];
         if (s->tried) {
-            const int status = ns_march_accept(s->march);
+            const int status = s->run->table->accept(s->run);
             if (status != NS_OK)
                 return ns_march_partition_fail(f, k, status);
-            s->kept = s->live;
-            s->at_event = ns_march_at_event(s->march);
+            s->accepted = s->trial;
+            s->at_event = s->run->table->at_event(s->run);
         }
-        if (s->at_event || s->kept > s->seen)
+        if (s->at_event || s->accepted > s->seen)
             s->event = 0;
         f->at_event |= s->at_event;
         s->tried = 0;
     }
-    f->kept = f->live;
+    f->accepted = f->trial;
     f->has_trial = 0;
     return NS_OK;
 }

@@ -3,37 +3,49 @@
 #define NS_MARCH_PARTITION_INTERNAL_H
 
 #include "march_internal.h"
-#include "partition.h"
 #include "system/partition.h"
 
-typedef struct ship {
-    ns_march *march;
+/* The run of one island. */
+typedef struct ns_part_run {
+    ns_engine *run;
     const ns_island *island;
-    double kept, live; /* of the accepted point; of the last trial */
-    int at_event;      /* the accepted point is the left side of one */
-    int tried, passes; /* an event where it stands */
-    double seen;       /* up to here it was looked ahead: */
-    int event;         /* there is one right there, or none so far */
-} ship;
+    double accepted, trial; /* s: times of the accepted point; of the last trial */
+    int at_event;           /* the accepted point is the left side of an event */
+    int tried;              /* there is a trial, */
+    int passes;             /* from the left side of an event to its right side */
+    double seen;            /* s: events are known up to here: */
+    int event;              /* there is one right there, or none so far */
+} ns_part_run;
 
-struct ns_partition_run {
+typedef struct ns_partition_run {
+    ns_engine engine;
+    /* what is integrated */
     const ns_system *s;
     ns_islands islands;
-    ship *ship;
-    double *numbers, *x, *lambda, *y; /* n, m, m: of one island */
+    ns_part_run *part; /* islands.count */
+    /* values of one island, and of all */
+    double *numbers, *x, *lambda, *y; /* the block; n, m, m */
     ns_mode *mode;                    /* m */
-    unsigned char *seen;              /* n */
-    double kept, live;
+    unsigned char *seen;              /* n: unknowns written so far */
+    /* the accepted point and the trial */
+    double accepted, trial; /* s */
     int started, has_trial, at_event;
-    int failed; /* the ship that did, -1: none */
-    double asked;
+    double asked; /* s: what the last trial was asked for */
     ns_until until;
+    /* what is told */
+    int failed; /* the part that did, -1: none */
     ns_counts counts;
     ns_fault fault;
-};
+} ns_partition_run;
 
-/* A failure of a ship, or of none: keeps what it says, in indices of the whole; returns the status. */
-int ns_march_partition_fail(ns_partition_run *f, int ship, int status);
+/* partition_run.c: a failure of a part, or of none: keeps its fault, in indices of the whole; returns the
+ * status. */
+int ns_march_partition_fail(ns_partition_run *f, int part, int status);
 int ns_march_partition_fail_here(ns_partition_run *f, int status);
+
+/* partition_advance.c: of the table. */
+int ns_march_partition_try(ns_engine *e, double t, ns_until until, double *reached);
+void ns_march_partition_drop(ns_engine *e);
+int ns_march_partition_accept(ns_engine *e);
 
 #endif

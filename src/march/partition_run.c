@@ -1,4 +1,4 @@
-/* src/march/partition_run.c - marchers side by side: made, started, read. */
+/* src/march/partition_run.c - a run for each island, as one: made, started, read. */
 #include "partition_internal.h"
 
 #include <math.h>
@@ -8,15 +8,23 @@
 /* For what islands keep of their modes, all together: twice what one marcher has. */
 static const size_t shared_bytes = (size_t)64 << 20;
 
-/* --- made and freed --- */
+static ns_partition_run *run_of(ns_engine *e) {
+    return (ns_partition_run *)(void *)e;
+}
+
+static const ns_partition_run *run_in(const ns_engine *e) {
+    return (const ns_partition_run *)(const void *)e;
+}
+
+/* --- made --- */
 
 static int allocate(ns_partition_run *f) {
     const size_t n = (size_t)f->s->n, m = (size_t)f->s->m;
-    f->ship = calloc((size_t)f->islands.count, sizeof *f->ship);
+    f->part = calloc((size_t)f->islands.count, sizeof *f->part);
     f->numbers = calloc(n + 2 * m + 1, sizeof(double));
     f->mode = calloc(m + 1, sizeof *f->mode);
     f->seen = calloc(n + 1, 1);
-    if (!f->ship || !f->numbers || !f->mode || !f->seen)
+    if (!f->part || !f->numbers || !f->mode || !f->seen)
         return NS_E_MEMORY;
     f->x = f->numbers;
     f->lambda = f->x + n;
@@ -32,93 +40,54 @@ static void translate(const ns_island *i, ns_fault *fault) {
         fault->unknown[k] = i->unknown[fault->unknown[k]];
 }
 
-static void keep_fault(ns_partition_run *f, int ship) {
-    f->fault = *ns_march_fault(f->ship[ship].march);
-    translate(f->ship[ship].island, &f->fault);
-    f->failed = ship;
+static void keep_fault(ns_partition_run *f, int part) {
+    f->fault = *f->part[part].run->table->fault(f->part[part].run);
+    translate(f->part[part].island, &f->fault);
+    f->failed = part;
 }
 
-int ns_march_partition_fail(ns_partition_run *f, int ship, int status) {
-    keep_fault(f, ship);
+int ns_march_partition_fail(ns_partition_run *f, int part, int status) {
+    keep_fault(f, part);
     f->has_trial = 0;
     return status;
 }
 
 int ns_march_partition_fail_here(ns_partition_run *f, int status) {
-    f->fault = (ns_fault){.status = (ns_status)status, .t = f->kept};
+    f->fault = (ns_fault){.status = (ns_status)status, .t = f->accepted};
     f->failed = -1;
     return status;
 }
 
-static int launch(ns_partition_run *f, const ns_march_options *o, ns_fault *fault) {
+static int make_runs(ns_partition_run *f, const ns_march_options *o, ns_fault *fault) {
     ns_march_options each = *o;
     int status = allocate(f);
     each.whole = 1;
     each.map_bytes = (o->map_bytes ? o->map_bytes : shared_bytes) / (size_t)f->islands.count;
     for (int k = 0; k < f->islands.count && status == NS_OK; k++) {
-        ship *s = &f->ship[k];
+        ns_part_run *s = &f->part[k];
         s->island = &f->islands.island[k];
-        status = ns_march_create(s->island->s, &each, &s->march, fault);
+        status = ns_march_run_create(s->island->s, &each, &s->run, fault);
         if (status != NS_OK && fault)
             translate(s->island, fault);
     }
     return status;
 }
 
-int ns_march_partition_create(const ns_system *s, const ns_march_options *o, ns_partition_run **out,
-                              ns_fault *fault) {
-    ns_islands islands = {0};
-    *out = NULL;
-    int status = ns_system_check(s, fault);
-    if (status == NS_OK)
-        status = ns_system_partition(s, &islands);
-    if (status != NS_OK || islands.count == 0)
-        return status;
-    ns_partition_run *f = calloc(1, sizeof *f);
-    if (!f) {
-        ns_system_partition_free(&islands);
-        return NS_E_MEMORY;
-    }
-    f->s = s;
-    f->islands = islands;
-    f->failed = -1;
-    status = launch(f, o, fault);
-    if (status != NS_OK) {
-        ns_march_partition_free(f);
-        return status;
-    }
-    *out = f;
-    return NS_OK;
-}
-
-void ns_march_partition_free(ns_partition_run *f) {
-    if (!f)
-        return;
-    for (int k = 0; f->ship && k < f->islands.count; k++)
-        ns_march_free(f->ship[k].march);
-    ns_system_partition_free(&f->islands);
-    free(f->ship);
-    free(f->numbers);
-    free(f->mode);
-    free(f->seen);
-    free(f);
-}
-
 /* --- started --- */
 
-static int begin(ns_partition_run *f) {
-    f->kept = -INFINITY;
+static int begin_together(ns_partition_run *f) {
+    f->accepted = -INFINITY;
     f->started = 0;
     for (int k = 0; k < f->islands.count; k++) {
-        ship *s = &f->ship[k];
-        const int status = ns_march_read(s->march, &s->kept, NULL, NULL, NULL);
+        ns_part_run *s = &f->part[k];
+        const int status = s->run->table->read(s->run, &s->accepted, NULL, NULL, NULL);
         if (status != NS_OK)
             return ns_march_partition_fail(f, k, status);
-        s->live = s->seen = s->kept;
+        s->trial = s->seen = s->accepted;
         s->at_event = s->tried = s->event = 0;
-        f->kept = fmax(f->kept, s->kept);
+        f->accepted = fmax(f->accepted, s->accepted);
     }
-    f->live = f->kept;
+    f->trial = f->accepted;
     f->has_trial = f->at_event = 0;
     f->started = 1;
     return NS_OK;
@@ -134,15 +103,18 @@ static void charges_of(ns_partition_run *f, int island, const double *w0) {
     }
 }
 
-int ns_march_partition_start(ns_partition_run *f, double t0, const double *w0) {
+/* Islands have no switches that were closed before: closed is not used. */
+static int start(ns_engine *e, double t0, const double *w0, const unsigned char *closed) {
+    ns_partition_run *f = run_of(e);
+    (void)closed;
     memset(f->seen, 0, (size_t)f->s->n);
     for (int k = 0; k < f->islands.count; k++) {
         charges_of(f, k, w0);
-        const int status = ns_march_start(f->ship[k].march, t0, f->x);
+        const int status = f->part[k].run->table->start(f->part[k].run, t0, f->x, NULL);
         if (status != NS_OK)
             return ns_march_partition_fail(f, k, status);
     }
-    return begin(f);
+    return begin_together(f);
 }
 
 static void put_unknowns(ns_partition_run *f, int island, double *x) {
@@ -167,8 +139,8 @@ static int holds_of(const ns_island *i, int nhold, const int *hold, const double
     return n;
 }
 
-int ns_march_partition_start_dc(ns_partition_run *f, double t0, int nhold, const int *hold,
-                                const double *hold_x, double *x) {
+static int start_dc(ns_engine *e, double t0, int nhold, const int *hold, const double *hold_x, double *x) {
+    ns_partition_run *f = run_of(e);
     if (nhold < 0 || nhold > f->s->n)
         return ns_march_partition_fail_here(f, NS_E_SIZE);
     for (int h = 0; h < nhold; h++)
@@ -180,8 +152,8 @@ int ns_march_partition_start_dc(ns_partition_run *f, double t0, int nhold, const
         status = ns_march_partition_fail_here(f, NS_E_MEMORY);
     memset(f->seen, 0, (size_t)f->s->n);
     for (int k = 0; k < f->islands.count && status == NS_OK; k++) {
-        const int n = holds_of(f->ship[k].island, nhold, hold, hold_x, own, own_x);
-        status = ns_march_start_dc(f->ship[k].march, t0, n, own, own_x, f->x);
+        const int n = holds_of(f->part[k].island, nhold, hold, hold_x, own, own_x);
+        status = f->part[k].run->table->start_dc(f->part[k].run, t0, n, own, own_x, f->x);
         if (status != NS_OK)
             ns_march_partition_fail(f, k, status);
         else if (x)
@@ -189,7 +161,7 @@ int ns_march_partition_start_dc(ns_partition_run *f, double t0, int nhold, const
     }
     free(own);
     free(own_x);
-    return status == NS_OK ? begin(f) : status;
+    return status == NS_OK ? begin_together(f) : status;
 }
 
 /* --- read --- */
@@ -204,13 +176,14 @@ static void put_pairs(const ns_partition_run *f, int island, double *lambda, dou
     }
 }
 
-int ns_march_partition_read(ns_partition_run *f, double *t, double *x, double *lambda, double *y) {
+static int read_point(ns_engine *e, double *t, double *x, double *lambda, double *y) {
+    ns_partition_run *f = run_of(e);
     int status = NS_OK;
     if (t)
-        *t = f->has_trial ? f->live : f->kept;
+        *t = f->has_trial ? f->trial : f->accepted;
     memset(f->seen, 0, (size_t)f->s->n);
     for (int k = 0; k < f->islands.count; k++) {
-        const int read = ns_march_read(f->ship[k].march, NULL, f->x, f->lambda, f->y);
+        const int read = f->part[k].run->table->read(f->part[k].run, NULL, f->x, f->lambda, f->y);
         if (read != NS_OK) {
             status = read;
             keep_fault(f, k);
@@ -224,49 +197,110 @@ int ns_march_partition_read(ns_partition_run *f, double *t, double *x, double *l
     return status;
 }
 
-const ns_mode *ns_march_partition_mode(ns_partition_run *f) {
+static const ns_mode *mode_of(ns_engine *e) {
+    ns_partition_run *f = run_of(e);
     for (int k = 0; k < f->islands.count; k++) {
-        const ns_island *i = f->ship[k].island;
-        const ns_mode *mode = ns_march_mode(f->ship[k].march);
+        const ns_island *i = f->part[k].island;
+        const ns_mode *mode = f->part[k].run->table->mode(f->part[k].run);
         for (int j = 0; j < i->s->m; j++)
             f->mode[i->pair[j]] = mode[j];
     }
     return f->mode;
 }
 
-int ns_march_partition_at_event(const ns_partition_run *f) {
+static int at_event(const ns_engine *e) {
+    const ns_partition_run *f = run_in(e);
     int any = 0;
     for (int k = 0; k < f->islands.count; k++)
-        any |= ns_march_at_event(f->ship[k].march);
+        any |= f->part[k].run->table->at_event(f->part[k].run);
     return any;
 }
 
-ns_method ns_march_partition_engine(const ns_partition_run *f) {
+/* The least accurate one in use. */
+static ns_method method(const ns_engine *e) {
+    const ns_partition_run *f = run_in(e);
     ns_method worst = NS_EXACT;
     for (int k = 0; k < f->islands.count; k++) {
-        const ns_method engine = ns_march_engine(f->ship[k].march);
+        const ns_method engine = f->part[k].run->table->method(f->part[k].run);
         if (engine == NS_THETA || worst == NS_EXACT)
             worst = engine;
     }
     return worst;
 }
 
-const ns_counts *ns_march_partition_counts(ns_partition_run *f) {
+static const ns_counts *counts(ns_engine *e) {
+    ns_partition_run *f = run_of(e);
     f->counts = (ns_counts){0};
-    long *sum = (long *)(void *)&f->counts;
-    for (int k = 0; k < f->islands.count; k++) {
-        const long *own = (const long *)(const void *)ns_march_counts(f->ship[k].march);
-        for (size_t i = 0; i < sizeof f->counts / sizeof *sum; i++)
-            sum[i] += own[i];
-    }
+    for (int k = 0; k < f->islands.count; k++)
+        ns_march_add_counts(&f->counts, f->part[k].run->table->counts(f->part[k].run));
     f->counts.islands = f->islands.count;
     return &f->counts;
 }
 
-const ns_fault *ns_march_partition_fault(const ns_partition_run *f) {
-    return &f->fault;
+static const ns_fault *fault(const ns_engine *e) {
+    return &run_in(e)->fault;
 }
 
-int ns_march_partition_problem(const ns_partition_run *f, ns_mlcp *p, double *h) {
-    return f->failed < 0 ? NS_E_STATE : ns_march_problem(f->ship[f->failed].march, p, h);
+static int problem(const ns_engine *e, ns_mlcp *p, double *h) {
+    const ns_partition_run *f = run_in(e);
+    const ns_engine *run = f->failed < 0 ? NULL : f->part[f->failed].run;
+    return run ? run->table->problem(run, p, h) : NS_E_STATE;
+}
+
+static void free_run(ns_engine *e) {
+    ns_partition_run *f = run_of(e);
+    if (!f)
+        return;
+    for (int k = 0; f->part && k < f->islands.count; k++)
+        if (f->part[k].run)
+            f->part[k].run->table->free(f->part[k].run);
+    ns_system_partition_free(&f->islands);
+    free(f->part);
+    free(f->numbers);
+    free(f->mode);
+    free(f->seen);
+    free(f);
+}
+
+static const ns_engine_table table = {
+    .free = free_run,
+    .start = start,
+    .start_dc = start_dc,
+    .try_to = ns_march_partition_try,
+    .drop = ns_march_partition_drop,
+    .accept = ns_march_partition_accept,
+    .read = read_point,
+    .mode = mode_of,
+    .at_event = at_event,
+    .method = method,
+    .counts = counts,
+    .fault = fault,
+    .problem = problem,
+};
+
+int ns_march_partition_create(const ns_system *s, const ns_march_options *o, ns_engine **out,
+                              ns_fault *fault) {
+    ns_islands islands = {0};
+    *out = NULL;
+    int status = ns_system_check(s, fault);
+    if (status == NS_OK)
+        status = ns_system_partition(s, &islands);
+    if (status != NS_OK || islands.count == 0)
+        return status;
+    ns_partition_run *f = calloc(1, sizeof *f);
+    if (!f) {
+        ns_system_partition_free(&islands);
+        return NS_E_MEMORY;
+    }
+    f->engine.table = &table;
+    f->s = s;
+    f->islands = islands;
+    f->failed = -1;
+    status = make_runs(f, o, fault);
+    if (status != NS_OK) {
+        free_run(&f->engine);
+        return status;
+    }
+    *out = &f->engine;
+    return NS_OK;
 }

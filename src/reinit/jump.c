@@ -4,7 +4,7 @@
  * charge meanwhile.  They show whether the state jumps: then it does so again, from the left side, at that
  * instant.
  */
-#include "march/march_internal.h"
+#include "jump.h"
 
 #include <float.h>
 #include <math.h>
@@ -19,12 +19,13 @@ static const double beyond_rates = 64, beyond_rounding = 1e-12;
 int ns_reinit_jump_create(const ns_theta *s, ns_jump *j) {
     const size_t n = (size_t)s->s->n, m = (size_t)s->s->m, past = ns_theta_past_size(s);
     const size_t nz = (size_t)s->s->nz;
-    j->left = calloc(2 * past + 6 * n + 3 * m + 2 * nz + 1, sizeof *j->left);
+    j->block = calloc(2 * past + 6 * n + 3 * m + 2 * nz + 1, sizeof *j->block);
     j->mode = calloc(m + 1, sizeof *j->mode);
-    if (!j->left || !j->mode)
+    if (!j->block || !j->mode)
         return NS_E_MEMORY;
-    j->right = j->left + past;
-    j->w = j->right + past;
+    j->before = j->block;
+    j->after = j->before + past;
+    j->w = j->after + past;
     j->rate = j->w + n;
     j->last = j->rate + n;
     j->x = j->last + n; /* and lambda */
@@ -39,7 +40,7 @@ int ns_reinit_jump_create(const ns_theta *s, ns_jump *j) {
 }
 
 void ns_reinit_jump_free(ns_jump *j) {
-    free(j->left);
+    free(j->block);
     free(j->mode);
 }
 
@@ -50,34 +51,29 @@ static double rate_of(const ns_theta *s, int i) {
     return fabs((s->w[i] - s->in[i]) / s->h + (s->implicit ? 0 : s->d[i]));
 }
 
-void ns_reinit_jump_begin(ns_march *m) {
-    ns_jump *j = &m->jump;
-    const ns_theta *s = m->step;
-    ns_theta_save(s, j->left);
-    j->left_t = j->last_t = m->live.t;
-    j->left_past = m->live.time_lost;
+void ns_reinit_jump_begin(ns_jump *j, const ns_theta *s, ns_clock now) {
+    ns_theta_save(s, j->before);
+    j->left = now;
+    j->last_t = now.t;
     memcpy(j->w, s->w, sizeof(double) * (size_t)s->r);
     memcpy(j->last, s->w, sizeof(double) * (size_t)s->r);
     for (int i = 0; i < s->r; i++)
         j->rate[i] = rate_of(s, i);
 }
 
-void ns_reinit_jump_last_step(ns_march *m) {
-    memcpy(m->jump.last, m->step->w, sizeof(double) * (size_t)m->step->r);
-    m->jump.last_t = m->live.t;
+void ns_reinit_jump_last_step(ns_jump *j, const ns_theta *s, double t) {
+    memcpy(j->last, s->w, sizeof(double) * (size_t)s->r);
+    j->last_t = t;
 }
 
-static int beyond_the_rates(const ns_march *m, int i) {
-    const ns_jump *j = &m->jump;
-    const double time = j->last_t - j->left_t, after = m->live.t - j->last_t;
-    const double rate = fmax(j->rate[i], fabs(m->step->w[i] - j->last[i]) / after);
+static int beyond_the_rates(const ns_jump *j, const ns_theta *s, double t, int i) {
+    const double time = j->last_t - j->left.t, after = t - j->last_t;
+    const double rate = fmax(j->rate[i], fabs(s->w[i] - j->last[i]) / after);
     return fabs(j->last[i] - j->w[i]) > beyond_rates * time * rate;
 }
 
-/* x: after the short steps. */
-static int beyond_the_rounding(const ns_march *m, int i) {
-    const ns_theta *s = m->step;
-    const ns_jump *j = &m->jump;
+/* j->x: after the short steps. */
+static int beyond_the_rounding(const ns_jump *j, const ns_theta *s, int i) {
     double terms = fabs(j->w[i]);
     for (int k = 0; k < s->s->n; k++)
         terms += fabs(s->M[i + k * s->s->n] * j->x[k]);
@@ -85,27 +81,26 @@ static int beyond_the_rounding(const ns_march *m, int i) {
 }
 
 double ns_reinit_jump_amount(const ns_theta *s, int i, double w) {
-    double most = 0;
+    double largest = 0;
     for (int k = 0; k < s->s->n; k++)
-        most = fmax(most, fabs(s->M[i + k * s->s->n]));
-    return fabs(w) / sqrt(most);
+        largest = fmax(largest, fabs(s->M[i + k * s->s->n]));
+    return fabs(w) / sqrt(largest);
 }
 
-static double largest_amount(const ns_march *m) {
-    double most = 0;
-    for (int i = 0; i < m->step->r; i++)
-        most = fmax(most, ns_reinit_jump_amount(m->step, i, fmax(fabs(m->jump.w[i]), fabs(m->jump.last[i]))));
-    return most;
+static double largest_amount(const ns_jump *j, const ns_theta *s) {
+    double largest = 0;
+    for (int i = 0; i < s->r; i++)
+        largest = fmax(largest, ns_reinit_jump_amount(s, i, fmax(fabs(j->w[i]), fabs(j->last[i]))));
+    return largest;
 }
 
-/* read: x after the short steps is known. */
-static int jumps(const ns_march *m, int read) {
-    const ns_jump *j = &m->jump;
-    const double most = largest_amount(m);
-    for (int i = 0; i < m->step->r && j->last_t > j->left_t; i++)
-        if (beyond_the_rates(m, i) &&
-            ns_reinit_jump_amount(m->step, i, j->last[i] - j->w[i]) > beyond_rounding * most &&
-            (!read || beyond_the_rounding(m, i)))
+/* Whether a charge or flux jumped in the short steps to t.  x_known: j->x is known. */
+static int jumped(const ns_jump *j, const ns_theta *s, double t, int x_known) {
+    const double largest = largest_amount(j, s);
+    for (int i = 0; i < s->r && j->last_t > j->left.t; i++)
+        if (beyond_the_rates(j, s, t, i) &&
+            ns_reinit_jump_amount(s, i, j->last[i] - j->w[i]) > beyond_rounding * largest &&
+            (!x_known || beyond_the_rounding(j, s, i)))
             return 1;
     return 0;
 }
@@ -122,36 +117,33 @@ static double slope_of(const ns_signal *z, double t, double h) {
     return straight ? whole : 2 * (ns_signal_value(z, near, NS_LEFT) - z0) / (near - t) - whole;
 }
 
-static int solve(ns_march *m, int *any) {
-    ns_jump *j = &m->jump;
-    ns_system_inputs(m->s, j->left_t, NS_RIGHT, j->z);
-    for (int i = 0; i < m->s->nz; i++)
-        j->slope[i] = slope_of(&m->s->z[i], j->left_t, m->h);
-    return ns_reinit_impulse_solve(m->step, j->z, j->slope, j->x, &j->to, any);
+static int solve_impulse(ns_jump *j, ns_theta *s, double h, int *any) {
+    ns_system_inputs(s->s, j->left.t, NS_RIGHT, j->z);
+    for (int i = 0; i < s->s->nz; i++)
+        j->slope[i] = slope_of(&s->s->z[i], j->left.t, h);
+    return ns_reinit_impulse_solve(s, j->z, j->slope, j->x, &j->to, any);
 }
 
-int ns_reinit_jump_commit(ns_march *m) {
-    ns_jump *j = &m->jump;
-    if (!jumps(m, 0))
+int ns_reinit_jump_commit(ns_jump *j, ns_theta *s, double h, ns_clock *now, double *z) {
+    if (!jumped(j, s, now->t, 0))
         return NS_OK;
-    int any = 0, status = ns_theta_read(m->step, j->x, j->x + m->s->n, NULL);
+    int any = 0, status = ns_theta_read(s, j->x, j->x + s->s->n, NULL);
     if (status == NS_E_MEMORY)
-        return ns_march_fail(m, status);
-    if (status != NS_OK || !jumps(m, 1))
+        return status;
+    if (status != NS_OK || !jumped(j, s, now->t, 1))
         return NS_OK;
-    ns_theta_save(m->step, j->right);
-    ns_theta_restore(m->step, j->left);
-    status = solve(m, &any);
+    ns_theta_save(s, j->after);
+    ns_theta_restore(s, j->before);
+    status = solve_impulse(j, s, h, &any);
     if (status != NS_OK || !any) {
-        ns_theta_restore(m->step, j->right);
-        m->counts.jumps_by_steps += status != NS_OK;
-        return status == NS_E_MEMORY ? ns_march_fail(m, status) : NS_OK;
+        ns_theta_restore(s, j->after);
+        j->refused += status != NS_OK;
+        return status == NS_E_MEMORY ? status : NS_OK;
     }
-    ns_theta_jump(m->step, &j->to, j->z);
-    m->live.t = j->left_t;
-    m->live.time_lost = j->left_past;
-    memcpy(m->z, j->z, sizeof(double) * (size_t)m->s->nz);
-    ns_ladder_switch_set(m, j->to.x);
-    m->counts.jumps++;
+    ns_theta_jump(s, &j->to, j->z);
+    *now = j->left;
+    memcpy(z, j->z, sizeof(double) * (size_t)s->s->nz);
+    ns_theta_set_controls(s, j->to.x);
+    j->jumps++;
     return NS_OK;
 }

@@ -2,9 +2,9 @@
 #ifndef NS_SPARSE_H
 #define NS_SPARSE_H
 
-#include "nonsmooth/march.h"
+#include "engine/engine.h"
 
-typedef struct ns_sparse ns_sparse;
+typedef struct ns_sparse ns_sparse; /* begins with an ns_engine */
 
 typedef struct ns_sparse_options {
     double h;      /* longest step, s, > 0 */

@@ -66,6 +66,7 @@ typedef struct ns_mode_prediction {
 } ns_mode_prediction;
 
 struct ns_sparse {
+    ns_engine engine;   /* table.c */
     const ns_system *s; /* what stays of the whole */
     ns_output_only *aside;
     ns_sparse_options o;
@@ -228,5 +229,8 @@ void ns_sparse_event_own(ns_sparse *m, const ns_dense_step *leg, double t);
 /* The event at the end of a leg, from m->w, after ns_sparse_event_own(): m->mode and m->w to its right.  leg
  * NULL: a start. */
 int ns_sparse_resolve(ns_sparse *m, const ns_dense_step *leg, double t);
+
+/* table.c: m gets the functions of an engine. */
+void ns_sparse_table_set(ns_sparse *m);
 
 #endif

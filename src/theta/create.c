@@ -161,6 +161,10 @@ int ns_theta_fail(ns_theta *s, int status) {
     return status;
 }
 
+void ns_theta_forget_failure(ns_theta *s) {
+    s->failed = 0;
+}
+
 void ns_theta_forget_recent(ns_theta *s) {
     memset(s->recent, 0, sizeof s->recent);
     s->last = NULL;

@@ -112,6 +112,16 @@ void ns_theta_put(ns_theta *s, const double *w, const double *at, const ns_mode 
     put(s, at, at + s->s->n, mode, z);
 }
 
+void ns_theta_set_controls(ns_theta *s, const double *x) {
+    double *control = s->out + s->r * (s->carry ? 2 : 1);
+    for (int c = 0; c < s->s->nc; c++) {
+        const double *gx = s->s->command[c].gx;
+        control[c] = 0;
+        for (int j = 0; gx && j < s->s->n; j++)
+            control[c] += gx[j] * x[j];
+    }
+}
+
 /* What only follows from the state may overflow before it does.  y may be NULL. */
 static int check_read(ns_theta *s, const double *y) {
     const int n = s->s->n, m = s->s->m;

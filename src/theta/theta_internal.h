@@ -136,6 +136,8 @@ int ns_theta_fail(ns_theta *s, int status);
 /* theta/create.c: room for problems of n+m+holds unknowns.  Errors: MEMORY (it is as before). */
 int ns_theta_room(ns_theta *s, int holds);
 void ns_theta_forget_recent(ns_theta *s);
+/* theta/create.c: the problem of the call that failed last is not asked for any more. */
+void ns_theta_forget_failure(ns_theta *s);
 void ns_theta_set_bounds(ns_theta *s);
 
 /* theta/step.c: the map of (h, implicit, mode) from the cache, or built and kept.  Errors:
@@ -152,6 +154,8 @@ void ns_theta_take_rates(ns_theta *s);
 void ns_theta_jump(ns_theta *s, const ns_impulse *jump, const double *z);
 /* To where another engine came: w, x and lambda one after the other, inputs. */
 void ns_theta_put(ns_theta *s, const double *w, const double *at, const ns_mode *mode, const double *z);
+/* state.c: what ns_theta_controls() gives from now on is gx x. */
+void ns_theta_set_controls(ns_theta *s, const double *x);
 /* state.c: w there, row i; s has it before the jump. */
 double ns_theta_jump_w(const ns_theta *s, int i, const double *x, const double *X, const double *Lambda);
 

@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "march/march_internal.h"
+#include "march/run_internal.h"
 #include "nonsmooth.h"
 
 /* 1 V, 1 kohm, 1 uF; across it a switch of 100 ohm that closes above 0.8 V and opens below 0.2 V.  From 0 it
@@ -32,6 +32,11 @@ static ns_circuit *oscillator(void) {
     assert_int_equal(ns_circuit_capacitor(c, "c", 2, 0, 1e-6, NAN, NULL), NS_OK);
     assert_int_equal(ns_circuit_switch(c, "s", 2, 0, 2, 0, &contact, NULL), NS_OK);
     return c;
+}
+
+/* The circuit is one part: its march is one run. */
+static ns_run *run_of(ns_march *m) {
+    return (ns_run *)(void *)m->engine;
 }
 
 static void go(ns_march *m, double t) {
@@ -61,7 +66,7 @@ static void a_closed_switch_stays_closed(void **state) {
     go(m, t1 + 0.5 * tau);
     near(c, m, falling(0.5 * tau));
     assert_int_equal(ns_march_engine(m), NS_SPARSE);
-    assert_int_equal(ns_march_leave_sparse(m), NS_OK);
+    assert_int_equal(ns_march_run_leave_sparse(run_of(m)), NS_OK);
     assert_int_equal(ns_march_engine(m), NS_EXACT);
     go(m, t1 + tau);
     near(c, m, falling(tau));
@@ -80,11 +85,11 @@ static void it_comes_back(void **state) {
     const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-7, .method = NS_SPARSE, .reltol = 1e-11};
     assert_int_equal(ns_circuit_system(c, &s), NS_OK);
     assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_OK);
-    m->options.method = NS_AUTO; /* which would not take it for so small a circuit */
+    run_of(m)->options.method = NS_AUTO; /* which would not take it for so small a circuit */
     assert_int_equal(ns_march_start(m, 0, w0), NS_OK);
     go(m, t1 + 0.3 * tau);
     const long events = ns_march_counts(m)->events;
-    assert_int_equal(ns_march_leave_sparse(m), NS_OK);
+    assert_int_equal(ns_march_run_leave_sparse(run_of(m)), NS_OK);
     go(m, t1 + 0.3 * tau + 63e-7);
     assert_int_equal(ns_march_engine(m), NS_EXACT);
     go(m, t1 + 0.3 * tau + 65e-7);
@@ -93,7 +98,7 @@ static void it_comes_back(void **state) {
     assert_int_equal(ns_march_engine(m), NS_SPARSE);
     near(c, m, falling(tau)); /* it is still closed */
     assert_int_equal(ns_march_counts(m)->events, events);
-    assert_int_equal(ns_march_leave_sparse(m), NS_OK); /* now for four times as long */
+    assert_int_equal(ns_march_run_leave_sparse(run_of(m)), NS_OK); /* now for four times as long */
     go(m, t1 + tau + 255e-7);
     go(m, t1 + 1.3 * tau);
     assert_int_equal(ns_march_engine(m), NS_EXACT);

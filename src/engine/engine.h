@@ -1,0 +1,39 @@
+/* src/engine/engine.h - what an engine is: a table of functions.
+ *
+ * An engine integrates one system from a start on: it tries a step to some time, which may be repeated with
+ * another time, and accepts it.  march/ asks engines through this table only; an engine knows no other one.
+ * One that cannot go on returns an error, its accepted point stays, and march/run.c starts another one from
+ * there.
+ */
+#ifndef NS_ENGINE_H
+#define NS_ENGINE_H
+
+#include "nonsmooth/march.h"
+
+typedef struct ns_engine ns_engine;
+
+/* Each function does what the call of nonsmooth/march.h of the same name does, for this engine. */
+typedef struct ns_engine_table {
+    void (*free)(ns_engine *e);
+    /* As ns_march_start(), with commanded switches closed as in closed (nc; NULL: all open), as far as their
+     * controls allow it. */
+    int (*start)(ns_engine *e, double t0, const double *w0, const unsigned char *closed);
+    int (*start_dc)(ns_engine *e, double t0, int nhold, const int *hold, const double *hold_x, double *x);
+    int (*try_to)(ns_engine *e, double t, ns_until until, double *reached);
+    void (*drop)(ns_engine *e); /* forgets the trial */
+    int (*accept)(ns_engine *e);
+    int (*read)(ns_engine *e, double *t, double *x, double *lambda, double *y);
+    const ns_mode *(*mode)(ns_engine *e);
+    int (*at_event)(const ns_engine *e);
+    ns_method (*method)(const ns_engine *e); /* in use for the last trial */
+    const ns_counts *(*counts)(ns_engine *e);
+    const ns_fault *(*fault)(const ns_engine *e);
+    int (*problem)(const ns_engine *e, ns_mlcp *p, double *h);
+} ns_engine_table;
+
+/* The first member of every engine's struct. */
+struct ns_engine {
+    const ns_engine_table *table;
+};
+
+#endif

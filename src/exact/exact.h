@@ -1,0 +1,39 @@
+/* src/exact/exact.h - the exact engine: exact between events, by matrices of each mode that are kept (E1),
+ * (E2).
+ *
+ * It works on the point and the stepper of a dense run (engine/dense_point.h), which outlive it.
+ */
+#ifndef NS_EXACT_H
+#define NS_EXACT_H
+
+#include "engine/dense_point.h"
+#include "nonsmooth/march.h"
+
+typedef struct ns_exact ns_exact;
+
+/* h: longest step of the scheme, s: what counts as simultaneous or as fast is measured by it.  Kept modes
+ * take as much memory as the stepper's maps may.  Errors: MEMORY. */
+int ns_exact_create(ns_theta *step, ns_dense_point *point, double h, ns_exact **out);
+void ns_exact_free(ns_exact *f);
+
+/* From the point, accepted at accepted_t, to t, or with NS_TO_EVENT to the left side of the first event, as
+ * far as it can: it stops before what it cannot resolve, and another engine has to go on until
+ * ns_exact_fallback_until().  Errors: MEMORY. */
+int ns_exact_go(ns_exact *f, double accepted_t, double t, ns_until until);
+/* The consistent point, the stepper being just started: jumps included.  Errors: those of the impulse
+ * problem. */
+int ns_exact_find_consistent(ns_exact *f);
+/* The trial is accepted; it is dropped. */
+void ns_exact_accept(ns_exact *f);
+void ns_exact_drop(ns_exact *f);
+
+/* 1 if another engine has to go on from the point; until when, s; a measure of how often that happened
+ * lately. */
+int ns_exact_in_fallback(const ns_exact *f);
+double ns_exact_fallback_until(const ns_exact *f);
+int ns_exact_failures(const ns_exact *f);
+/* 1 if every command is a function of time: no switch can chatter. */
+int ns_exact_timed(const ns_exact *f);
+long ns_exact_events(const ns_exact *f); /* passed so far */
+
+#endif

@@ -1,0 +1,183 @@
+/* src/ladder/engine.c - the ladder engine: made, started, and asked for the next part of a trial. */
+#include "ladder_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int allocate_arrays(ns_ladder *l) {
+    const size_t nz = (size_t)l->s->nz, nc = (size_t)l->s->nc;
+    l->z = calloc(2 * nz + 1, sizeof(double));
+    l->due = calloc(3 * nc + 1, 1);
+    if (!l->z || !l->due)
+        return NS_E_MEMORY;
+    l->z_left = l->z + nz;
+    l->crossed = l->due + nc;
+    l->closed = l->crossed + nc;
+    return ns_reinit_jump_create(l->step, &l->jump);
+}
+
+int ns_ladder_create(ns_theta *step, ns_dense_point *point, double h, ns_ladder **out) {
+    ns_ladder *l = calloc(1, sizeof *l);
+    *out = NULL;
+    if (!l)
+        return NS_E_MEMORY;
+    l->s = step->s;
+    l->step = step;
+    l->h = h;
+    l->point = point;
+    l->contradiction = -1;
+    const int status = allocate_arrays(l);
+    if (status != NS_OK) {
+        ns_ladder_free(l);
+        return status;
+    }
+    *out = l;
+    return NS_OK;
+}
+
+void ns_ladder_free(ns_ladder *l) {
+    if (!l)
+        return;
+    ns_reinit_jump_free(&l->jump);
+    free(l->z);
+    free(l->due);
+    free(l);
+}
+
+void ns_ladder_begin_trial(ns_ladder *l, double dt) {
+    /* each event takes some 2 x 24 steps to be located, NS_CROWD of them fit into one h */
+    l->contradiction = -1;
+    ns_theta_forget_failure(l->step);
+    l->budget = 4000 + (long)fmin(1e12, 4000 * dt / l->h);
+}
+
+void ns_ladder_accept(ns_ladder *l) {
+    l->accepted_window = l->window;
+}
+
+void ns_ladder_drop(ns_ladder *l) {
+    l->window = l->accepted_window;
+    l->corner = -INFINITY;
+}
+
+/* At a corner a jump of an input is an event, and commands may jump with it.  Where an input only turns,
+ * currents that are its rate jump, and the rates with them; a mode that ends there too is an event. */
+static void look_at_corner(ns_ladder *l) {
+    int jump = 0;
+    ns_system_inputs(l->s, l->point->now.t, NS_LEFT, l->z_left);
+    ns_system_inputs(l->s, l->point->now.t, NS_RIGHT, l->z);
+    for (int i = 0; i < l->s->nz; i++)
+        jump |= l->z[i] != l->z_left[i];
+    if (!jump) {
+        l->point->at_event = !ns_ladder_short_rates(l);
+        return;
+    }
+    ns_ladder_switch_by_time(l, l->z, l->point->flip);
+    l->point->at_event = l->point->input_jumps = 1;
+}
+
+int ns_ladder_go(ns_ladder *l, const ns_ladder_stop *stop, int *done) {
+    ns_dense_point *p = l->point;
+    const double corner = ns_ladder_next_corner(l);
+    l->limit = fmin(stop->t, corner);
+    *done = 0;
+    if (p->at_event) {
+        const int status = ns_ladder_event_resolve(l);
+        p->last_event_t = p->now.t;
+        *done = stop->from_event;
+        return status;
+    }
+    const int status =
+        ns_ladder_walk(l, stop->interrupt > p->now.t ? fmin(l->limit, stop->interrupt) : l->limit);
+    if (status == NS_OK && !p->at_event && p->now.t == corner)
+        look_at_corner(l);
+    *done = p->at_event && stop->until == NS_TO_EVENT;
+    if (*done && !(p->now.t > stop->accepted_t)) /* right where the trial began: on to its right side */
+        return ns_ladder_event_resolve(l);
+    return status;
+}
+
+int ns_ladder_restart(ns_ladder *l, double t0, const double *w0) {
+    l->point->now = (ns_clock){t0, 0};
+    return ns_theta_start(l->step, w0, l->closed);
+}
+
+int ns_ladder_start(ns_ladder *l, double t0, const double *w0, const unsigned char *closed) {
+    const size_t nc = (size_t)l->s->nc;
+    *l->point = (ns_dense_point){.now = {t0, 0}, .flip = l->point->flip};
+    l->window = (ns_event_window){0};
+    l->corner = -INFINITY;
+    l->limit = INFINITY;
+    l->contradiction = -1;
+    memset(l->closed, 0, nc);
+    for (size_t c = 0; closed && c < nc; c++)
+        l->closed[c] = closed[c];
+    const int status = ns_theta_start(l->step, w0, l->closed);
+    if (status != NS_OK)
+        return status;
+    ns_system_inputs(l->s, t0, NS_RIGHT, l->z);
+    ns_ladder_switch_by_time(l, l->z, l->point->flip);
+    for (size_t c = 0; c < nc; c++)
+        l->closed[c] = (unsigned char)(l->closed[c] != l->point->flip[c]);
+    memset(l->point->flip, 0, nc);
+    memset(l->crossed, 0, nc);
+    return NS_OK;
+}
+
+int ns_ladder_find_consistent(ns_ladder *l) {
+    const double h = ns_ladder_short_step(l);
+    ns_reinit_jump_begin(&l->jump, l->step, l->point->now);
+    int status = ns_ladder_short_try(l, h); /* the jump, */
+    if (status == NS_OK)
+        status = ns_ladder_short_settle(l, h); /* then algebraic unknowns free of it */
+    if (status == NS_OK)
+        status = ns_reinit_jump_commit(&l->jump, l->step, l->h, &l->point->now, l->z);
+    return status;
+}
+
+int ns_ladder_toggle(ns_ladder *l) {
+    const unsigned char *flip = l->point->flip;
+    const int flips = ns_ladder_switch_by_state(l, l->z, l->point->flip);
+    for (int c = 0; c < l->s->nc; c++) {
+        l->closed[c] = (unsigned char)(l->closed[c] != flip[c]);
+        l->crossed[c] = (unsigned char)(l->crossed[c] + (flip[c] && l->crossed[c] < 2));
+    }
+    return flips;
+}
+
+int ns_ladder_end_start(ns_ladder *l) {
+    const int contradicts = ns_ladder_event_contradicts(l);
+    memset(l->point->flip, 0, (size_t)l->s->nc);
+    if (!contradicts)
+        (void)ns_ladder_short_rates(l);
+    return !contradicts;
+}
+
+int ns_ladder_operating_point(ns_ladder *l, double t0, int nhold, const int *hold, const double *hold_x,
+                              double *x, ns_mode *mode) {
+    int status = NS_OK;
+    for (int round = 0; round <= 2 * l->s->nc; round++) {
+        status = ns_theta_command(l->step, l->closed);
+        memcpy(mode, ns_theta_mode(l->step), (size_t)l->s->m);
+        ns_system_inputs(l->s, t0, NS_RIGHT, l->z);
+        if (status == NS_OK)
+            status = ns_theta_lcp_dc(l->step, l->z, nhold, hold, hold_x, mode, x);
+        if (status != NS_OK)
+            return status;
+        ns_theta_set_controls(l->step, x);
+        if (!ns_ladder_toggle(l))
+            break;
+    }
+    return status;
+}
+
+int ns_ladder_contradiction(const ns_ladder *l) {
+    return l->contradiction;
+}
+
+void ns_ladder_counts(const ns_ladder *l, ns_counts *counts) {
+    counts->events += l->events;
+    counts->jumps += l->jump.jumps;
+    counts->jumps_by_steps += l->jump.refused;
+}

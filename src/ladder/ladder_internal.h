@@ -1,0 +1,84 @@
+/* src/ladder/ladder_internal.h - the ladder engine from inside.
+ *
+ *   engine.c           made, started, asked        ladder.c   steps to a time or to the left side of an event
+ *   state_switching.c  when commands cross         event.c    the right side of an event
+ */
+#ifndef NS_LADDER_INTERNAL_H
+#define NS_LADDER_INTERNAL_H
+
+#include "ladder.h"
+#include "reinit/jump.h"
+
+/* Steps are h 2^-k.  Events are located to h 2^-NS_EVENT_RUNG, far below the error of the scheme, and the
+ * step that resolves them has that length.  Shorter steps would add noise: a voltage L (i - i_k)/h loses what
+ * i has lost.  Up to a given instant steps down to h 2^-4 are used, and the tail is one step of its own
+ * length; less than h 2^-40 is left out. */
+enum { NS_TAIL_RUNG = 4, NS_LAST_RUNG = 40 };
+/* A guard that broke for the scheme and holds for (P1) is followed by steps of h 2^-this at most. */
+enum { NS_SPURIOUS_RUNG = 10 };
+/* After an event rates are computed from implicit steps of h 2^-this and twice that. */
+enum { NS_RATE_RUNG = 10 };
+/* After more events than this within one h: event-capturing steps of h 2^-NS_CAPTURE_RUNG until h has passed.
+ */
+enum { NS_CROWD = 16, NS_CAPTURE_RUNG = 2 };
+
+/* Events counted since a time: whether they crowd. */
+typedef struct ns_event_window {
+    double from; /* s */
+    int events;
+} ns_event_window;
+
+struct ns_ladder {
+    /* what it integrates */
+    const ns_system *s;
+    ns_theta *step;
+    double h;              /* longest step, s */
+    ns_dense_point *point; /* of the run; at its time and its event */
+    /* saved and restored together */
+    ns_event_window window, accepted_window; /* of the trial; of the accepted point */
+    /* bounds of what is tried */
+    double corner; /* s: the first corner of the inputs after point->now.t, if it is later than that */
+    double limit;  /* s: the next event known ahead: no step of an event goes beyond */
+    long budget;   /* steps that the trial may still take */
+    /* inputs and commands */
+    double *z, *z_left;     /* nz */
+    unsigned char *due;     /* nc: commands that change at the next stop */
+    unsigned char *crossed; /* nc: commands that the last step crossed; at an event: how often each changed */
+    unsigned char *closed;  /* nc: switches as commanded last */
+    /* events */
+    ns_jump jump;
+    int contradiction; /* the pair of a switch that contradicts itself, -1: none */
+    long events;       /* resolved so far */
+};
+
+/* state_switching.c: which time-only commands, at inputs z, contradict their switch: fills flip (nc), returns
+ * how many.  The same for commands that depend on the state, as the stepper's last trial has it. */
+int ns_ladder_switch_by_time(ns_ladder *l, const double *z, unsigned char *flip);
+int ns_ladder_switch_by_state(ns_ladder *l, const double *z, unsigned char *flip);
+/* The first instant up to t at which one of the time-only commands in flip crosses; leaves in flip those that
+ * cross at that instant. */
+double ns_ladder_switch_instant(ns_ladder *l, double t, unsigned char *flip);
+/* The first instant after t at which a sine that commands a switch turns round: between two of them it
+ * crosses a threshold at most once, so that step ends tell.  INFINITY if there is none. */
+double ns_ladder_switch_next_crest(const ns_ladder *l, double t);
+void ns_ladder_switch_apply(ns_ladder *l, const unsigned char *flip);
+
+/* ladder.c: from the point to stop (no corner of an input in between), or to the left side of an event:
+ * point->at_event is set then. */
+int ns_ladder_walk(ns_ladder *l, double stop);
+
+/* event.c: the first corner of the inputs after the point, s. */
+double ns_ladder_next_corner(ns_ladder *l);
+/* The length of the steps at an event: h 2^-NS_EVENT_RUNG, or the next longer one that is visible in t. */
+double ns_ladder_short_step(const ns_ladder *l);
+/* One implicit step of length h that resolves whatever breaks; such steps until the mode stays; rates freed
+ * of their rounding (0: something happens right here); the event at the point resolved, to its right side. */
+int ns_ladder_short_try(ns_ladder *l, double h);
+int ns_ladder_short_settle(ns_ladder *l, double h);
+int ns_ladder_short_rates(ns_ladder *l);
+int ns_ladder_event_resolve(ns_ladder *l);
+/* 1 if a switch with hysteresis that changed twice at an instant (crossed) and has to again (point->flip)
+ * contradicts itself: l->contradiction is its pair. */
+int ns_ladder_event_contradicts(ns_ladder *l);
+
+#endif

@@ -1,0 +1,41 @@
+/* src/march/dense_internal.h - shared by dense_run.c and dense_start.c. */
+#ifndef NS_MARCH_DENSE_INTERNAL_H
+#define NS_MARCH_DENSE_INTERNAL_H
+
+#include "exact/exact.h"
+#include "ladder/ladder.h"
+#include "march_internal.h"
+
+typedef struct ns_dense_run {
+    ns_engine engine;
+    /* what it integrates, and by what */
+    const ns_system *s;
+    ns_march_options options;
+    ns_theta *step; /* holds charges, fluxes, mode and rates of the point */
+    ns_ladder *ladder;
+    ns_exact *exact; /* NULL: all steps are the scheme's */
+    /* the trial, and the accepted point; saved and restored together with the stepper's past */
+    ns_dense_point trial, accepted;
+    double *past; /* the stepper's, at the accepted point */
+    /* the last trial */
+    int started, has_trial;
+    int moved;    /* the stepper and `trial` are not as they were accepted */
+    double asked; /* s: what it was asked for */
+    ns_until until;
+    int may_hand_over; /* a trial may end with LIMIT because the exact engine fails too often; */
+    int hands_over;    /* the last one did */
+    /* what is told */
+    ns_counts counts;
+    ns_fault fault;
+} ns_dense_run;
+
+/* dense_run.c: keeps the status, the time and the stepper's fault of a failure; returns the status. */
+int ns_march_dense_fail(ns_dense_run *r, int status);
+int ns_march_dense_accept(ns_engine *e);
+
+/* dense_start.c: start and start_dc of the table. */
+int ns_march_dense_start(ns_engine *e, double t0, const double *w0, const unsigned char *closed);
+int ns_march_dense_start_dc(ns_engine *e, double t0, int nhold, const int *hold, const double *hold_x,
+                            double *x);
+
+#endif

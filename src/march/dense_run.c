@@ -1,0 +1,252 @@
+/* src/march/dense_run.c - one system by dense matrices: the exact engine, and the ladder where that cannot go
+ * on. */
+#include "dense_internal.h"
+#include "nonsmooth/theta.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static ns_dense_run *run_of(ns_engine *e) {
+    return (ns_dense_run *)(void *)e;
+}
+
+static const ns_dense_run *run_in(const ns_engine *e) {
+    return (const ns_dense_run *)(const void *)e;
+}
+
+int ns_march_dense_fail(ns_dense_run *r, int status) {
+    const ns_fault *from = ns_theta_fault(r->step);
+    const int pair = r->ladder ? ns_ladder_contradiction(r->ladder) : -1;
+    r->fault = *from;
+    if (status != (int)from->status)
+        r->fault.npairs = r->fault.nunknowns = 0;
+    if (status == NS_E_LIMIT && pair >= 0) {
+        r->fault.npairs = 1;
+        r->fault.pair[0] = pair;
+    }
+    r->fault.status = (ns_status)status;
+    r->fault.t = r->trial.now.t;
+    return status;
+}
+
+static void free_run(ns_engine *e) {
+    ns_dense_run *r = run_of(e);
+    if (!r)
+        return;
+    ns_exact_free(r->exact);
+    ns_ladder_free(r->ladder);
+    ns_theta_free(r->step);
+    free(r->past);
+    free(r->trial.flip);
+    free(r->accepted.flip);
+    free(r);
+}
+
+static int allocate_arrays(ns_dense_run *r) {
+    const size_t nc = (size_t)r->s->nc;
+    r->past = calloc(ns_theta_past_size(r->step) + 1, sizeof(double));
+    r->trial.flip = calloc(nc + 1, 1);
+    r->accepted.flip = calloc(nc + 1, 1);
+    return r->past && r->trial.flip && r->accepted.flip ? NS_OK : NS_E_MEMORY;
+}
+
+static int make_engines(ns_dense_run *r, ns_fault *fault) {
+    const ns_march_options *o = &r->options;
+    const ns_theta_options options = {o->theta, o->gamma, o->map_bytes};
+    int status = ns_theta_create(r->s, &options, &r->step, fault);
+    if (status == NS_OK)
+        status = allocate_arrays(r);
+    if (status == NS_OK)
+        status = ns_ladder_create(r->step, &r->trial, o->h, &r->ladder);
+    if (status == NS_OK && o->method != NS_THETA)
+        status = ns_exact_create(r->step, &r->trial, o->h, &r->exact);
+    return status;
+}
+
+/* --- a trial --- */
+
+static int exact_is_ready(const ns_dense_run *r) {
+    return r->exact && !ns_exact_in_fallback(r->exact);
+}
+
+static void copy_point(ns_dense_point *to, const ns_dense_point *from, size_t nc) {
+    unsigned char *flip = to->flip;
+    memcpy(flip, from->flip, nc);
+    *to = *from;
+    to->flip = flip;
+}
+
+static void drop_trial(ns_dense_run *r) {
+    if (r->moved) {
+        ns_theta_restore(r->step, r->past);
+        copy_point(&r->trial, &r->accepted, (size_t)r->s->nc);
+        ns_ladder_drop(r->ladder);
+        if (r->exact)
+            ns_exact_drop(r->exact);
+    }
+    r->moved = r->has_trial = 0;
+}
+
+/* The exact engine fails often, and no switch chatters. */
+static int fails_often(const ns_dense_run *r) {
+    enum { OFTEN = 64 };
+    return r->may_hand_over && !r->accepted.at_event && ns_exact_timed(r->exact) &&
+           ns_exact_failures(r->exact) >= OFTEN;
+}
+
+static int go_to(ns_dense_run *r, double t, ns_until until) {
+    const double accepted_t = r->accepted.now.t;
+    const int from_event = r->trial.at_event && until == NS_TO_EVENT;
+    int status = NS_OK, done = 0;
+    r->moved = 1;
+    ns_ladder_begin_trial(r->ladder, t - r->trial.now.t);
+    while (status == NS_OK && !done && r->trial.now.t < t) {
+        if (exact_is_ready(r)) {
+            status = ns_exact_go(r->exact, accepted_t, t, until);
+            r->hands_over = status == NS_OK && fails_often(r);
+            const int there = r->trial.at_event || r->trial.now.t == accepted_t;
+            done = r->hands_over || (until == NS_TO_EVENT && exact_is_ready(r) && (from_event || there));
+            continue;
+        }
+        const double interrupt = r->exact ? ns_exact_fallback_until(r->exact) : INFINITY;
+        const ns_ladder_stop stop = {t, until, from_event, accepted_t, interrupt};
+        status = ns_ladder_go(r->ladder, &stop, &done);
+    }
+    if (status == NS_OK && r->hands_over)
+        return NS_E_LIMIT;
+    return status == NS_OK ? NS_OK : ns_march_dense_fail(r, status);
+}
+
+static int try_to(ns_engine *e, double t, ns_until until, double *reached) {
+    ns_dense_run *r = run_of(e);
+    r->hands_over = 0;
+    if (!r->started)
+        return ns_march_dense_fail(r, NS_E_STATE);
+    if (!(t > r->accepted.now.t) || !isfinite(t))
+        return ns_march_dense_fail(r, NS_E_RANGE);
+    const int again = r->has_trial && (t == r->trial.now.t || (t == r->asked && until == r->until));
+    if (!again) {
+        drop_trial(r);
+        const int status = go_to(r, t, until);
+        if (status != NS_OK) {
+            drop_trial(r);
+            return status;
+        }
+        r->has_trial = 1;
+        r->asked = t;
+        r->until = until;
+    }
+    *reached = r->trial.now.t;
+    return NS_OK;
+}
+
+static void drop(ns_engine *e) {
+    drop_trial(run_of(e));
+}
+
+int ns_march_dense_accept(ns_engine *e) {
+    ns_dense_run *r = run_of(e);
+    if (!r->has_trial)
+        return NS_E_STATE;
+    ns_theta_save(r->step, r->past);
+    copy_point(&r->accepted, &r->trial, (size_t)r->s->nc);
+    ns_ladder_accept(r->ladder);
+    if (r->exact)
+        ns_exact_accept(r->exact);
+    r->moved = r->has_trial = 0;
+    return NS_OK;
+}
+
+/* --- what is read --- */
+
+static int read_point(ns_engine *e, double *t, double *x, double *lambda, double *y) {
+    ns_dense_run *r = run_of(e);
+    if (!r->started)
+        return NS_E_STATE;
+    if (t)
+        *t = r->trial.now.t;
+    const int status = ns_theta_read(r->step, x, lambda, y);
+    return status == NS_OK ? NS_OK : ns_march_dense_fail(r, status);
+}
+
+static const ns_mode *mode_of(ns_engine *e) {
+    return ns_theta_mode(run_of(e)->step);
+}
+
+static int at_event(const ns_engine *e) {
+    return run_in(e)->trial.at_event;
+}
+
+static ns_method method(const ns_engine *e) {
+    return exact_is_ready(run_in(e)) ? NS_EXACT : NS_THETA;
+}
+
+static const ns_counts *counts(ns_engine *e) {
+    ns_dense_run *r = run_of(e);
+    r->counts = *ns_theta_counts(r->step);
+    r->counts.events = r->exact ? ns_exact_events(r->exact) : 0;
+    r->counts.jumps = r->counts.jumps_by_steps = 0;
+    ns_ladder_counts(r->ladder, &r->counts);
+    return &r->counts;
+}
+
+static const ns_fault *fault(const ns_engine *e) {
+    return &run_in(e)->fault;
+}
+
+static int problem(const ns_engine *e, ns_mlcp *p, double *h) {
+    const ns_dense_run *r = run_in(e);
+    return r->fault.status == ns_theta_fault(r->step)->status ? ns_theta_problem(r->step, p, h) : NS_E_STATE;
+}
+
+int ns_march_dense_hands_over(const ns_engine *e) {
+    return run_in(e)->hands_over;
+}
+
+void ns_march_dense_let_hand_over(ns_engine *e, int may) {
+    run_of(e)->may_hand_over = may;
+}
+
+int ns_march_dense_is_exact(const ns_engine *e) {
+    return run_in(e)->exact != NULL;
+}
+
+int ns_march_dense_rests(const ns_engine *e, double *t) {
+    const ns_dense_run *r = run_in(e);
+    *t = r->accepted.now.t;
+    return r->started && !r->has_trial && !r->accepted.at_event;
+}
+
+static const ns_engine_table table = {
+    .free = free_run,
+    .start = ns_march_dense_start,
+    .start_dc = ns_march_dense_start_dc,
+    .try_to = try_to,
+    .drop = drop,
+    .accept = ns_march_dense_accept,
+    .read = read_point,
+    .mode = mode_of,
+    .at_event = at_event,
+    .method = method,
+    .counts = counts,
+    .fault = fault,
+    .problem = problem,
+};
+
+int ns_march_dense_create(const ns_system *s, const ns_march_options *o, ns_engine **out, ns_fault *fault) {
+    ns_dense_run *r = calloc(1, sizeof *r);
+    *out = NULL;
+    if (!r)
+        return NS_E_MEMORY;
+    r->engine.table = &table;
+    r->s = s;
+    r->options = *o;
+    const int status = make_engines(r, fault);
+    if (status != NS_OK) {
+        free_run(&r->engine);
+        return status;
+    }
+    *out = &r->engine;
+    return NS_OK;
+}

@@ -1,0 +1,86 @@
+/* src/sparse/table.c - the sparse engine as a table of functions (engine.h). */
+#include "sparse_internal.h"
+
+static ns_sparse *sparse_of(ns_engine *e) {
+    return (ns_sparse *)(void *)e;
+}
+
+static const ns_sparse *sparse_in(const ns_engine *e) {
+    return (const ns_sparse *)(const void *)e;
+}
+
+static void free_engine(ns_engine *e) {
+    ns_sparse_free(sparse_of(e));
+}
+
+static int start(ns_engine *e, double t0, const double *w0, const unsigned char *closed) {
+    return ns_sparse_start_as(sparse_of(e), t0, w0, closed);
+}
+
+static int start_dc(ns_engine *e, double t0, int nhold, const int *hold, const double *hold_x, double *x) {
+    return ns_sparse_start_dc(sparse_of(e), t0, nhold, hold, hold_x, x);
+}
+
+static int try_to(ns_engine *e, double t, ns_until until, double *reached) {
+    return ns_sparse_try(sparse_of(e), t, until, reached);
+}
+
+static void drop(ns_engine *e) {
+    ns_sparse_drop(sparse_of(e));
+}
+
+static int accept_trial(ns_engine *e) {
+    return ns_sparse_accept(sparse_of(e));
+}
+
+static int read_point(ns_engine *e, double *t, double *x, double *lambda, double *y) {
+    return ns_sparse_read(sparse_of(e), t, x, lambda, y);
+}
+
+static const ns_mode *mode_of(ns_engine *e) {
+    return ns_sparse_mode(sparse_of(e));
+}
+
+static int at_event(const ns_engine *e) {
+    return ns_sparse_at_event(sparse_in(e));
+}
+
+static ns_method method(const ns_engine *e) {
+    return sparse_in(e)->o.theta > 0 ? NS_THETA : NS_SPARSE;
+}
+
+static const ns_counts *counts(ns_engine *e) {
+    return ns_sparse_counts(sparse_of(e));
+}
+
+static const ns_fault *fault(const ns_engine *e) {
+    return ns_sparse_fault(sparse_in(e));
+}
+
+/* Its problems are never written out whole. */
+static int problem(const ns_engine *e, ns_mlcp *p, double *h) {
+    (void)e;
+    (void)p;
+    (void)h;
+    return NS_E_STATE;
+}
+
+static const ns_engine_table table = {
+    .free = free_engine,
+    .start = start,
+    .start_dc = start_dc,
+    .try_to = try_to,
+    .drop = drop,
+    .accept = accept_trial,
+    .read = read_point,
+    .mode = mode_of,
+    .at_event = at_event,
+    .method = method,
+    .counts = counts,
+    .fault = fault,
+    .problem = problem,
+};
+
+void ns_sparse_table_set(ns_sparse *m) {
+    m->engine.table = &table;
+}
