@@ -1,6 +1,6 @@
 /* src/exact/engine.c - the exact engine: exact from event to event (E1), (E2). */
 #include "exact_internal.h"
-#include "modes/sliding.h"
+#include "sliding.h"
 
 #include "linalg/simd.h"
 #include "system/active_inputs.h"

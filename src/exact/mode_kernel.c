@@ -1,5 +1,5 @@
 /* src/exact/mode_kernel.c - one mode seen through an implicit Euler step: its matrices. */
-#include "modes/sliding.h"
+#include "sliding.h"
 
 #include <float.h>
 #include <math.h>
@@ -48,7 +48,7 @@ static ns_mode_kernel *create(const ns_theta *s, const ns_input_states *e, const
     k->r = s->r;
     k->nv = e->nv;
     k->q = s->r + e->nv;
-    k->pair_rows = ns_theta_guard_count(s, mode) + 2 * ns_modes_sliding_count(mode, s->s->m);
+    k->pair_rows = ns_theta_guard_count(s, mode) + 2 * ns_exact_sliding_count(mode, s->s->m);
     k->rows = k->pair_rows + control_rows(s->s, mode);
     const size_t q = (size_t)k->q, r = (size_t)k->r, rows = (size_t)k->rows;
     const size_t all = (size_t)s->s->n + (size_t)s->s->m;
@@ -71,7 +71,7 @@ static ns_mode_kernel *create(const ns_theta *s, const ns_input_states *e, const
     k->step = k->last + r * q;
     k->bytes = sizeof *k + count * sizeof(double) + rows * sizeof *k->row;
     const int pairs = name_pair_rows(s, mode, k->row);
-    (void)ns_modes_sliding_names(mode, s->s->m, k->row + pairs);
+    (void)ns_exact_sliding_names(mode, s->s->m, k->row + pairs);
     name_control_rows(s, mode, k->row + k->pair_rows);
     return k;
 }
@@ -293,7 +293,7 @@ static int fill(ns_theta *s, const ns_input_states *e, const ns_map *map, const 
     fill_inputs(e, k->g, &b);
     fill_rates(s, map, &b);
     fill_pair_rows(s, map, k->rows, &b);
-    ns_modes_sliding_fill(s, map, mode, k->rows, b.rows + map->guards, b.noise + map->guards);
+    ns_exact_sliding_fill(s, map, mode, k->rows, b.rows + map->guards, b.noise + map->guards);
     fill_control_rows(s, map, mode, k->pair_rows, k->rows, &b);
     for (int j = 0; j < k->q; j++) {
         to_column(k, &b, b.in, j, (int)all, map->full, k->xi + (size_t)j * all);
@@ -321,7 +321,7 @@ int ns_exact_kernel_build(ns_theta *s, const ns_input_states *e, double g, const
                           ns_mode_kernel **out) {
     ns_map *map;
     *out = NULL;
-    int status = ns_modes_sliding_map(s, g, mode, &map);
+    int status = ns_exact_sliding_map(s, g, mode, &map);
     if (status != NS_OK)
         return status;
     ns_mode_kernel *k = create(s, e, mode);

@@ -5,7 +5,7 @@
  * what broke has changed, then what (P1) says over a short step, then the impulse problem.
  */
 #include "mode_selection.h"
-#include "modes/sliding.h"
+#include "sliding.h"
 
 #include "linalg/simd.h"
 

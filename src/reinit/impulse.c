@@ -12,7 +12,7 @@
 #include "order_expansion.h"
 
 /* Steps that propose a mode: log2 of their lengths against the fastest time constant; the fractions of leaks
- * (regularise.h) that each is tried with. */
+ * (theta/regularise.h) that each is tried with. */
 static const int length_exponents[] = {-20, -8, -36, -52};
 static const double fractions[] = {0, 1e-7, 1e-9};
 /* Rounding of a sum, of the sizes of its terms. */

@@ -7,10 +7,10 @@
  *
  * A bound, |c_g K^-1| |K| |X_k|, would be larger by as much as K is ill-conditioned: it excuses volts where
  * inductors alone carry the current of some node, as their L/h amplifies a current that is only rounding.
- * Where K is singular, K_g has leaks G (modes/regularise.h), and E = (1 - K_g^-1 G) K_g^-1 R is the error of
+ * Where K is singular, K_g has leaks G (theta/regularise.h), and E = (1 - K_g^-1 G) K_g^-1 R is the error of
  * what is determined.
  */
-#include "modes/regularise.h"
+#include "regularise.h"
 
 #include <float.h>
 #include <math.h>
@@ -90,7 +90,7 @@ static void error(ns_theta *s, const ns_leaks *leaks, int size) {
     ns_linalg_lu_solve(s->lu, s->q, s->R);
     for (int k = 0; leaks && k < s->q; k++) {
         double *e = s->R + (size_t)k * (size_t)size;
-        ns_modes_leak_times(s, leaks, e, more);
+        ns_theta_leak_times(s, leaks, e, more);
         ns_linalg_lu_solve(s->lu, 1, more);
         for (int i = 0; i < size; i++)
             e[i] -= more[i];

@@ -7,8 +7,8 @@
  *
  * Reduced to lambda this is y = W_mlcp lambda + q.  Whole, it can be solved where W is singular.
  */
-#include "modes/regularise.h"
 #include "name_fault.h"
+#include "regularise.h"
 
 #include <math.h>
 #include <string.h>
@@ -73,7 +73,7 @@ static void add_leaks(ns_theta *s, double ht, int size, double share, int around
     (void)ns_linalg_lu_factor(s->lu, size, s->K, NULL,
                               NULL); /* for its scaling: singular or not does not matter */
     for (int j = 0; j < m; j++) {
-        const double g = ns_modes_leak_across(s, ht, j, share);
+        const double g = ns_theta_leak_across(s, ht, j, share);
         const double off = around_last ? s->rhs[n + j] - s->resid[n + j] : 0;
         for (int i = 0; i < n; i++) {
             const double leak = (i < s->r ? ht : 1) * g * s->B[i + j * n];
@@ -85,7 +85,7 @@ static void add_leaks(ns_theta *s, double ht, int size, double share, int around
         }
     }
     for (int j = 0; j < m; j++) {
-        const double rho = ns_modes_leak_series(s, n + j, share);
+        const double rho = ns_theta_leak_series(s, n + j, share);
         s->K[(n + j) * (size + 1)] += rho;
         s->rhs[n + j] -= around_last ? rho * s->sol[n + j] : 0;
     }

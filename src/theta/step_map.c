@@ -9,7 +9,7 @@
  * (h gamma and h theta read 1 on algebraic rows).  Eliminating x gives (P1) in that mode; (P2) is kept
  * whole because W alone is singular in circuits whose devices all block.
  */
-#include "modes/regularise.h"
+#include "regularise.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -208,7 +208,7 @@ static int solve(ns_theta *s, const ns_leaks *leaks, int nj, int *leaky) {
         solve_factored(s, size) == NS_OK)
         return NS_OK;
     memcpy(s->X, s->R, sizeof(double) * (size_t)size * (size_t)s->q);
-    const int status = ns_modes_leak_solve(s, leaks, nj, s->q);
+    const int status = ns_theta_leak_solve(s, leaks, nj, s->q);
     *leaky = status == NS_OK;
     if (status != NS_E_SINGULAR || regular != NS_OK)
         return status;

@@ -28,7 +28,7 @@ static const double until = 61e-6;
 
 /* What charge, flux and energy may be off by: at starts, and as read at events.  The exact engine's unknowns
  * are read from its states in modes where parts float, by the leaks' limit, which is good to 1e-12
- * (modes/regularise.c) of each of the terms. */
+ * (theta/regularise.c) of each of the terms. */
 typedef struct way {
     double roff;
     ns_method method;

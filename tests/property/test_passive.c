@@ -25,12 +25,12 @@ enum { RUNS = 600, STEPS = 60, REFUSED = RUNS / 100 };
 typedef struct way {
     double roff;
     ns_method method;
-    double growth; /* of the exact engine, readings: the leaks' limit is good to 1e-12 (modes/regularise.c) of
+    double growth; /* of the exact engine, readings: the leaks' limit is good to 1e-12 (theta/regularise.c) of
                       what floats */
 } way;
 
 /* How far answers may be off, relative to all energy: what the limit of leaks leaves over where a network
- * leaves something open (modes/regularise.c); everywhere else growth is below 1e-13 (printed). */
+ * leaves something open (theta/regularise.c); everywhere else growth is below 1e-13 (printed). */
 static const double energy_tol = 1e-8;
 
 /* What the circuit is given. */

@@ -1,4 +1,4 @@
-/* tests/unit/modes/test_sliding.c - switches without hysteresis that hold their control at its threshold; and
+/* tests/unit/exact/test_sliding.c - switches without hysteresis that hold their control at its threshold; and
  * events that accumulate. */
 #include <math.h>
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/* src/modes/sliding.c - modes in which a switch slides: its control is held exactly at its threshold, by any
+/* src/exact/sliding.c - modes in which a switch slides: its control is held exactly at its threshold, by any
  * current between that of the open switch and that of the closed one.
  *
  * For (P2) that is a pair inside whose row is another one: the control less its threshold instead of y.
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-int ns_modes_sliding_count(const ns_mode *mode, int m) {
+int ns_exact_sliding_count(const ns_mode *mode, int m) {
     int count = 0;
     for (int j = 0; j < m; j++)
         count += ns_mode_slides(mode[j]);
@@ -48,9 +48,9 @@ static void set_rows(const ns_theta *s, const ns_mode *mode, ns_swap *w) {
  * times those that are there: of what diodes at rest see, nearly nothing. */
 static const double of_largest = 1e-9;
 
-int ns_modes_sliding_map(ns_theta *s, double g, const ns_mode *mode, ns_map **out) {
+int ns_exact_sliding_map(ns_theta *s, double g, const ns_mode *mode, ns_map **out) {
     const size_t n = (size_t)s->s->n, m = (size_t)s->s->m, nz = (size_t)s->s->nz;
-    if (ns_modes_sliding_count(mode, s->s->m) == 0)
+    if (ns_exact_sliding_count(mode, s->s->m) == 0)
         return ns_theta_map_build(s, g, 1, mode, of_largest, out);
     const ns_system *was = s->s;
     ns_swap w = {.system = *was};
@@ -106,7 +106,7 @@ static double y_entry(const ns_theta *s, const ns_map *map, int j, int k, double
     return y;
 }
 
-void ns_modes_sliding_fill(const ns_theta *s, const ns_map *map, const ns_mode *mode, int rows, double *row,
+void ns_exact_sliding_fill(const ns_theta *s, const ns_map *map, const ns_mode *mode, int rows, double *row,
                            double *noise) {
     const int n = s->s->n, m = s->s->m;
     for (int j = 0, g = 0; j < m; j++) {
@@ -123,7 +123,7 @@ void ns_modes_sliding_fill(const ns_theta *s, const ns_map *map, const ns_mode *
     }
 }
 
-int ns_modes_sliding_names(const ns_mode *mode, int m, ns_guard_row *row) {
+int ns_exact_sliding_names(const ns_mode *mode, int m, ns_guard_row *row) {
     int count = 0;
     for (int j = 0; j < m; j++)
         if (ns_mode_slides(mode[j])) {

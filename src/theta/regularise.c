@@ -1,4 +1,4 @@
-/* src/modes/regularise.c - what the ideal laws leave open, settled as the limit of real devices.
+/* src/theta/regularise.c - what the ideal laws leave open, settled as the limit of real devices.
  *
  * Two closed ideal switches in parallel share a current in no particular way; a part of a circuit behind open
  * ones floats.  Real switches have a resistance and real open ones leak: with conductances g across the open
@@ -54,7 +54,7 @@ static double entry_across(const ns_theta *s, double ht, int j, double *least) {
     return high_row * high_column;
 }
 
-double ns_modes_leak_across(const ns_theta *s, double ht, int j, double share) {
+double ns_theta_leak_across(const ns_theta *s, double ht, int j, double share) {
     double least;
     const double entry = entry_across(s, ht, j, &least);
     return entry > 0 && isfinite(share / entry) ? share / entry : 0;
@@ -67,7 +67,7 @@ static double leak_everywhere(const ns_theta *s, double ht, int j, double share)
     return entry > 0 && isfinite(leak) ? leak : 0;
 }
 
-double ns_modes_leak_series(const ns_theta *s, int row, double share) {
+double ns_theta_leak_series(const ns_theta *s, int row, double share) {
     return share / (ns_linalg_lu_rows(s->lu)[row] * ns_linalg_lu_units(s->lu)[row]);
 }
 
@@ -75,11 +75,11 @@ static void find_leaks(const ns_theta *s, const ns_leaks *leaks, int attempt) {
     const double share = shares[attempt];
     for (int j = 0, row = s->s->n; j < s->s->m; j++)
         if (leaks->mode[j] == NS_INSIDE)
-            leaks->of[j] = ns_modes_leak_series(s, row++, share);
+            leaks->of[j] = ns_theta_leak_series(s, row++, share);
         else if (attempt == EVERYWHERE)
             leaks->of[j] = leak_everywhere(s, leaks->ht, j, share);
         else
-            leaks->of[j] = ns_modes_leak_across(s, leaks->ht, j, share);
+            leaks->of[j] = ns_theta_leak_across(s, leaks->ht, j, share);
 }
 
 /* s->K becomes K_g. */
@@ -114,7 +114,7 @@ static int count_inside(const ns_leaks *leaks, int m) {
     return count;
 }
 
-void ns_modes_leak_times(const ns_theta *s, const ns_leaks *leaks, const double *x, double *out) {
+void ns_theta_leak_times(const ns_theta *s, const ns_leaks *leaks, const double *x, double *out) {
     const int n = s->s->n, m = s->s->m;
     memset(out, 0, sizeof(double) * (size_t)(n + count_inside(leaks, m)));
     for (int j = 0, row = n; j < m; j++) {
@@ -197,7 +197,7 @@ static int solve_with(ns_theta *s, const ns_leaks *leaks, int size, int nrhs, in
     return solve_columns(s, size, nrhs, K, rhs + count);
 }
 
-int ns_modes_leak_solve(ns_theta *s, const ns_leaks *leaks, int nj, int nrhs) {
+int ns_theta_leak_solve(ns_theta *s, const ns_leaks *leaks, int nj, int nrhs) {
     const int size = s->s->n + nj;
     const size_t square = (size_t)size * (size_t)size, count = (size_t)size * (size_t)nrhs;
     double *K = malloc(sizeof(double) * (square + count + 2 * (size_t)size + 1));

@@ -1,0 +1,22 @@
+/* src/exact/sliding.h - modes in which a switch slides. */
+#ifndef NS_EXACT_SLIDING_H
+#define NS_EXACT_SLIDING_H
+
+#include "mode_kernel.h"
+
+static inline int ns_mode_slides(ns_mode mode) {
+    return mode >= NS_SLIDES;
+}
+
+int ns_exact_sliding_count(const ns_mode *mode, int m);
+
+/* As ns_theta_map_build(), implicit; pairs may slide. */
+int ns_exact_sliding_map(ns_theta *s, double g, const ns_mode *mode, ns_map **out);
+
+/* Two guards of each sliding pair, by input of its map: sign lambda, which else opens the switch, and -sign
+ * y, which else closes it; row, noise: the first of them, `rows` apart.  Their names; how many. */
+void ns_exact_sliding_fill(const ns_theta *s, const ns_map *map, const ns_mode *mode, int rows, double *row,
+                           double *noise);
+int ns_exact_sliding_names(const ns_mode *mode, int m, ns_guard_row *row);
+
+#endif
