@@ -134,7 +134,7 @@ int ns_sparse_event_consistent_all(ns_sparse *m, double t, double g, const ns_de
 
 int ns_sparse_event_count(ns_sparse *m, const ns_dense_step *leg, double t) {
     int status = NS_OK;
-    for (int j = 0; leg && j < m->f->m; j++) {
+    for (int j = 0; j < m->f->m; j++) {
         if (m->mode[j] == leg->mode[j])
             continue;
         const double h = ldexp(m->o.h, -leg->next_rung);
@@ -269,7 +269,5 @@ int ns_sparse_resolve(ns_sparse *m, const ns_dense_step *leg, double t) {
         status = resolve_by(m, leg, t, g, &jump);
     }
     m->counts.events++;
-    if (leg && status == NS_OK)
-        ns_sparse_predict_learn(m, leg);
-    return status == NS_OK ? ns_sparse_event_count(m, leg, t) : status;
+    return status;
 }

@@ -121,12 +121,16 @@ struct ns_sparse {
 
 /* sparse/engine.c: keeps status and time in the fault; returns the status. */
 int ns_sparse_fail(ns_sparse *m, double t, int status);
-/* sparse/engine.c: a leg from m->w, m->mode at t, after one (NULL: the first) that ended there. */
+/* next_step.c: a leg from m->w, m->mode at t, after one (NULL: the first) that ended there; the same where no
+ * mode is found in no time: an implicit Euler step that takes a while may find one. */
+int ns_sparse_capture(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *leg);
 int ns_sparse_next_step(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *leg);
 
-/* step_kernel.c: one stage more of a leg, if it has not all yet; a leg from w, mode at t, no later than
- * limit, with the first event in it; E2 and E1 at tau. */
+/* step_control.c: a leg from w, mode at t, no later than limit, with the first event in it. */
 int ns_sparse_step_begin(ns_sparse *m, ns_dense_step *leg, double t, double limit);
+
+/* step_kernel.c: stage i of a leg; one stage more, if it has not all yet; E2 and E1 at tau. */
+int ns_sparse_step_stage(ns_sparse *m, ns_dense_step *leg, const ns_kept_factors *k, int i);
 int ns_sparse_step_more(ns_sparse *m, ns_dense_step *leg);
 /* time_lost at the end of a leg: legs of one length round t off in the same way each time, which would add
  * up.
