@@ -98,7 +98,7 @@ FORCE:
 CM := $(B)/cm
 CMPP := $(NG)/tree/src/xspice/cmpp/cmpp
 MODELS := $(patsubst codemodels/%/ifspec.ifs,%,$(wildcard codemodels/*/ifspec.ifs))
-BRIDGE := $(wildcard codemodels/bridge/*.c)
+BRIDGE := $(wildcard codemodels/bridge/*.c codemodels/bridge/*/*.c)
 CM_OBJ := $(MODELS:%=$(CM)/%/ifspec.o) $(MODELS:%=$(CM)/%/cfunc.o) $(BRIDGE:%.c=$(B)/obj/%.o) \
     $(CM)/dlmain.o $(CM)/dstring.o
 CM_LISTS := $(addprefix $(CM)/,cmextrn.h cminfo.h udnextrn.h udninfo.h)
@@ -120,7 +120,7 @@ $(B)/nonsmooth.cm: $(CM_OBJ) $(B)/libnonsmooth.a codemodels/nonsmooth.map
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,--version-script=codemodels/nonsmooth.map -Wl,--no-undefined \
 	    $(filter %.o %.a,$^) -o $@ $(CM_LIBS)
 
-$(B)/obj/codemodels/%.o: private ALL_CFLAGS += $(NG_INCLUDE) -DNONSMOOTH_VERSION=$(VERSION)
+$(B)/obj/codemodels/%.o: private ALL_CFLAGS += -Icodemodels/bridge $(NG_INCLUDE) -DNONSMOOTH_VERSION=$(VERSION)
 $(BRIDGE:%.c=$(B)/obj/%.o): $(NG)/stamp
 
 $(CM_LISTS) &: codemodels/modpath.lst codemodels/udnpath.lst $(wildcard codemodels/*/ifspec.ifs) $(NG)/stamp
@@ -318,7 +318,7 @@ picture: deps # the drawing that README shows
 
 # --- style -----------------------------------------------------------------------------------------------
 
-C_FILES := $(wildcard include/*.h include/*/*.h src/*/*.[ch] src/*/*/*.[ch] codemodels/bridge/*.[ch] tests/*/*.[ch] tests/unit/*/*.[ch])
+C_FILES := $(wildcard include/*.h include/*/*.h src/*/*.[ch] src/*/*/*.[ch] codemodels/bridge/*.[ch] codemodels/bridge/*/*.[ch] tests/*/*.[ch] tests/unit/*/*.[ch])
 TIDY_FILES := $(filter %.c,$(C_FILES))
 TIDY_FLAGS := -std=c11 -Iinclude -Isrc -Itests/rig -Itests/bench $(NG_INCLUDE)
 

@@ -1,96 +1,144 @@
-/* bridge/analysis.c - from ngspice's circuit to a marcher. */
-#include "session.h"
+/* bridge/analysis.c - from ngspice's circuit to a marcher, and the points read from it. */
+#include "analysis.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "report.h"
 
-enum { STEPS_A_POINT = 16 }; /* of ours in ngspice's longest step, unless option h says otherwise */
-enum { POINTS_A_LEG = 4 };   /* of the sparse engine, which knows its errors and what is between */
+enum { STEPS_PER_POINT = 16 }; /* in ngspice's longest step, unless option h says otherwise */
+enum { POINTS_PER_STEP = 4 };  /* of the sparse engine, which controls its error and knows what is between */
 
-static double longest_step(const ns_analysis *e, const CKTcircuit *ckt) {
-    if (e->ex.options.h > 0.0) {
-        return e->ex.options.h;
+static double longest_step(const ns_analysis *a, const CKTcircuit *ckt) {
+    if (a->ex.options.h > 0.0) {
+        return a->ex.options.h;
     }
     if (!(ckt->CKTmaxStep > 0.0)) { /* .op: any will do */
         return 1e-6;
     }
-    return e->ex.options.method == NS_SPARSE ? POINTS_A_LEG * ckt->CKTmaxStep
-                                             : ckt->CKTmaxStep / STEPS_A_POINT;
+    return a->ex.options.method == NS_SPARSE ? POINTS_PER_STEP * ckt->CKTmaxStep
+                                             : ckt->CKTmaxStep / STEPS_PER_POINT;
 }
 
-static int map_unknowns(ns_analysis *e) {
-    e->count = (size_t)e->system->n + (size_t)e->system->m;
-    e->unknown = malloc((size_t)e->ex.neq * sizeof *e->unknown);
-    e->room = calloc(3 * e->count + 1, sizeof(double));
-    e->mode = calloc((size_t)e->system->m + 1, sizeof *e->mode);
-    if (!e->unknown || !e->room || !e->mode) {
-        return NS_E_MEMORY;
+/* The unknown that equation eq stands for, or -1. */
+static int unknown_of(const ns_extract *ex, int eq) {
+    if (eq == 0) {
+        return -1;
     }
-    e->x = e->room;
-    e->lambda = e->x + e->system->n;
-    e->before = e->x + e->count;
-    e->most = e->before + e->count;
-    e->shown = 1; /* there is nothing yet */
-    for (int eq = 0; eq < e->ex.neq; eq++) {
-        e->unknown[eq] = eq == 0 ? -1
-                         : e->ex.element[eq] >= 0
-                             ? ns_circuit_current_unknown(e->ex.circuit, e->ex.element[eq])
-                             : ns_circuit_node_unknown(e->ex.circuit, eq);
+    return ex->element[eq] >= 0 ? ns_circuit_current_unknown(ex->circuit, ex->element[eq])
+                                : ns_circuit_node_unknown(ex->circuit, eq);
+}
+
+static int allocate_points(ns_analysis *a) {
+    const size_t held = (size_t)ns_circuit_node_ic_count(a->ex.circuit) + 1;
+    a->count = (size_t)a->system->n + (size_t)a->system->m;
+    a->unknown = malloc((size_t)a->ex.neq * sizeof *a->unknown);
+    a->held.unknown = malloc(held * sizeof *a->held.unknown);
+    a->held.value = malloc(held * sizeof *a->held.value);
+    a->buffers = calloc(3 * a->count + 1, sizeof(double));
+    a->mode = calloc((size_t)a->system->m + 1, sizeof *a->mode);
+    return a->unknown && a->held.unknown && a->held.value && a->buffers && a->mode ? NS_OK : NS_E_MEMORY;
+}
+
+static int prepare_points(ns_analysis *a) {
+    const int status = allocate_points(a);
+    if (status) {
+        return status;
     }
+    a->x = a->buffers;
+    a->lambda = a->x + a->system->n;
+    a->before = a->x + a->count;
+    a->max_abs = a->before + a->count;
+    for (int eq = 0; eq < a->ex.neq; eq++) {
+        a->unknown[eq] = unknown_of(&a->ex, eq);
+    }
+    a->held.n = ns_circuit_hold(a->ex.circuit, a->held.unknown, a->held.value);
     return NS_OK;
 }
 
-/* Says why, returns the code. */
-static int fail(ns_analysis *e, int status, const ns_fault *fault) {
-    const char *message = ns_circuit_message(e->ex.circuit);
-    char line[320];
+void ns_bridge_analysis_explain(const ns_analysis *a, const ns_fault *fault, int status, char *line,
+                                size_t size) {
+    const char *message = a->system ? "" : ns_circuit_message(a->ex.circuit);
     if (fault && fault->status) {
-        ns_circuit_explain(e->ex.circuit, fault, line, sizeof line);
-        ns_bridge_report_error("%s", line);
+        ns_circuit_explain(a->ex.circuit, fault, line, size);
     } else {
-        ns_bridge_report_error("%s", message && *message ? message : ns_status_text(status));
+        snprintf(line, size, "%s", *message ? message : ns_status_text(status));
     }
+}
+
+static int build(CKTcircuit *ckt, ns_analysis *a) {
+    const ns_march_options o = {.theta = a->ex.options.theta,
+                                .gamma = a->ex.options.gamma,
+                                .h = a->h = longest_step(a, ckt),
+                                .method = a->ex.options.method,
+                                .reltol = a->ex.options.reltol};
+    ns_fault fault = {.status = NS_OK};
+    char line[320];
+    int status = ns_circuit_system(a->ex.circuit, &a->system);
+    status = status ? status : prepare_points(a);
+    status = status ? status : ns_march_create(a->system, &o, &a->march, &fault);
+    if (!status) {
+        return OK;
+    }
+    ns_bridge_analysis_explain(a, &fault, status, line, sizeof line);
+    ns_bridge_report_error("%s", line);
     return ns_bridge_report_code(status);
 }
 
-static int build(CKTcircuit *ckt, ns_analysis *e) {
-    ns_march_options o;
-    ns_fault fault;
-    int status = ns_circuit_system(e->ex.circuit, &e->system);
-    memset(&fault, 0, sizeof fault);
-    memset(&o, 0, sizeof o);
-    o.theta = e->ex.options.theta;
-    o.gamma = e->ex.options.gamma;
-    o.h = e->h = longest_step(e, ckt);
-    o.method = e->ex.options.method;
-    o.reltol = e->ex.options.reltol;
-    status = status ? status : map_unknowns(e);
-    status = status ? status : ns_march_create(e->system, &o, &e->march, &fault);
-    return status ? fail(e, status, &fault) : OK;
-}
-
-int ns_bridge_analysis_make(CKTcircuit *ckt, ns_extract_sources sources, ns_analysis *e) {
+int ns_bridge_analysis_make(CKTcircuit *ckt, ns_extract_sources sources, ns_analysis *a) {
     int error;
-    memset(e, 0, sizeof *e);
-    error = ns_bridge_extract_read(ckt, sources, &e->ex);
+    memset(a, 0, sizeof *a);
+    error = ns_bridge_extract_read(ckt, sources, &a->ex);
     if (error) {
-        ns_bridge_report_error("%s", e->ex.line);
+        ns_bridge_report_error("%s", a->ex.line);
     } else {
-        error = build(ckt, e);
+        error = build(ckt, a);
     }
     if (error) {
-        ns_bridge_analysis_clear(e);
+        ns_bridge_analysis_clear(a);
     }
     return error;
 }
 
-void ns_bridge_analysis_clear(ns_analysis *e) {
-    ns_march_free(e->march);
-    ns_system_free(e->system);
-    ns_bridge_extract_clear(&e->ex);
-    free(e->unknown);
-    free(e->room);
-    free(e->mode);
-    memset(e, 0, sizeof *e);
+void ns_bridge_analysis_clear(ns_analysis *a) {
+    ns_march_free(a->march);
+    ns_system_free(a->system);
+    ns_bridge_extract_clear(&a->ex);
+    free(a->unknown);
+    free(a->held.unknown);
+    free(a->held.value);
+    free(a->buffers);
+    free(a->mode);
+    memset(a, 0, sizeof *a);
+}
+
+/* --- points --- */
+
+void ns_bridge_analysis_unread(ns_analysis *a) {
+    double *x = a->before;
+    a->before = a->x;
+    a->x = x;
+    a->lambda = x + a->system->n;
+}
+
+int ns_bridge_analysis_read(ns_analysis *a, double *t) {
+    double *x = a->before;
+    int status = ns_march_read(a->march, t, x, x + a->system->n, NULL);
+    for (size_t k = 0; k < a->count && !status; k++) {
+        a->max_abs[k] = fmax(a->max_abs[k], fabs(x[k]));
+        status = isfinite(x[k]) ? NS_OK : NS_E_OVERFLOW; /* no number for ngspice */
+    }
+    if (!status) {
+        ns_bridge_analysis_unread(a); /* swaps the two */
+    }
+    return status;
+}
+
+int ns_bridge_analysis_moved(const ns_analysis *a, double fraction) {
+    for (size_t k = 0; k < a->count; k++) {
+        if (fabs(a->x[k] - a->before[k]) > fraction * a->max_abs[k]) {
+            return 1;
+        }
+    }
+    return 0;
 }

@@ -16,9 +16,9 @@
 #define QUOTE(text) #text
 #define QUOTE_VALUE(macro) QUOTE(macro)
 
-static void write_head(FILE *file, const ns_analysis *e, const ns_mlcp *p, double h) {
+static void write_head(FILE *file, const ns_analysis *a, const ns_mlcp *p, double h) {
     char line[320];
-    ns_circuit_explain(e->ex.circuit, ns_march_fault(e->march), line, sizeof line);
+    ns_circuit_explain(a->ex.circuit, ns_march_fault(a->march), line, sizeof line);
     fprintf(file,
             "# nonsmooth " QUOTE_VALUE(NONSMOOTH_VERSION) ": a problem that failed, for nsc-mlcp\n# %s\n",
             line);
@@ -27,16 +27,16 @@ static void write_head(FILE *file, const ns_analysis *e, const ns_mlcp *p, doubl
     } else {
         fputs("# an operating point\n", file);
     }
-    fprintf(file, "# its lambda: %d unknowns, %d pairs, %d nodes held\n", e->system->n, e->system->m,
-            p->m - e->system->n - e->system->m);
+    fprintf(file, "# its lambda: %d unknowns, %d pairs, %d nodes held\n", a->system->n, a->system->m,
+            p->m - a->system->n - a->system->m);
     fputs("# its rows: of an unknown, KCL of its node or the law of its branch; of other unknowns where that "
           "is said\n",
           file);
 }
 
 /* Whose rows of the system row k is made of, if not of unknown k's alone. */
-static void write_rows(FILE *file, const ns_analysis *e, const double *T, int k) {
-    const int n = e->system->n;
+static void write_rows(FILE *file, const ns_analysis *a, const double *T, int k) {
+    const int n = a->system->n;
     const char *before = "; row of ";
     char name[160];
     int others = 0;
@@ -45,7 +45,7 @@ static void write_rows(FILE *file, const ns_analysis *e, const double *T, int k)
     }
     for (int i = 0; i < n && others > 0; i++) {
         if (T[k + i * n] != 0.0) {
-            ns_circuit_name_unknown(e->ex.circuit, i, name, sizeof name);
+            ns_circuit_name_unknown(a->ex.circuit, i, name, sizeof name);
             fprintf(file, "%s%s", before, name);
             before = " + ";
         }
@@ -53,21 +53,20 @@ static void write_rows(FILE *file, const ns_analysis *e, const double *T, int k)
 }
 
 /* One line for each index, from 1 as in the messages of nsc-mlcp. */
-static void write_names(FILE *file, const ns_analysis *e, const ns_mlcp *p, const int *hold,
-                        const double *T) {
-    const int n = e->system->n;
-    const int m = e->system->m;
+static void write_names(FILE *file, const ns_analysis *a, const ns_mlcp *p, const double *T) {
+    const int n = a->system->n;
+    const int m = a->system->m;
     char name[160];
     for (int i = 0; i < p->m; i++) {
         const char *what = i < n + m ? "" : "current that holds the ";
         if (i >= n && i < n + m) {
-            ns_circuit_name_pair(e->ex.circuit, i - n, name, sizeof name);
+            ns_circuit_name_pair(a->ex.circuit, i - n, name, sizeof name);
         } else {
-            ns_circuit_name_unknown(e->ex.circuit, i < n ? i : hold[i - n - m], name, sizeof name);
+            ns_circuit_name_unknown(a->ex.circuit, i < n ? i : a->held.unknown[i - n - m], name, sizeof name);
         }
         fprintf(file, "# %d: %s%s", i + 1, what, name);
         if (i < n) {
-            write_rows(file, e, T, i);
+            write_rows(file, a, T, i);
         }
         fputc('\n', file);
     }
@@ -86,27 +85,12 @@ static char *text_of(const ns_mlcp *p, size_t *length) {
     return text;
 }
 
-/* Indices of the nodes held, or NULL; the caller frees it. */
-static int *nodes_held(const ns_analysis *e) {
-    const size_t room = (size_t)ns_circuit_node_ic_count(e->ex.circuit) + 1;
-    int *hold = calloc(room, sizeof *hold);
-    double *hold_x = calloc(room, sizeof *hold_x);
-    if (hold && hold_x) {
-        ns_circuit_hold(e->ex.circuit, hold, hold_x);
-    } else {
-        free(hold);
-        hold = NULL;
-    }
-    free(hold_x);
-    return hold;
-}
-
 /* T of the rows, or NULL; the caller frees it. */
-static double *rows_split(const ns_analysis *e) {
-    const size_t n = (size_t)e->system->n;
+static double *rows_split(const ns_analysis *a) {
+    const size_t n = (size_t)a->system->n;
     double *T = calloc(n * n + 1, sizeof *T);
     int rank = 0;
-    if (T && ns_system_split(e->system, T, &rank)) {
+    if (T && ns_system_split(a->system, T, &rank)) {
         free(T);
         T = NULL;
     }
@@ -114,44 +98,42 @@ static double *rows_split(const ns_analysis *e) {
 }
 
 /* 0, or the errno of what went wrong. */
-static int write_file(const char *name, const ns_analysis *e, const ns_mlcp *p, double h) {
+static int write_file(const char *name, const ns_analysis *a, const ns_mlcp *p, double h) {
     size_t length = 0;
     char *text = text_of(p, &length);
-    int *hold = nodes_held(e);
-    double *T = rows_split(e);
+    double *T = rows_split(a);
     FILE *file = NULL;
-    int error = text && hold && T ? 0 : ENOMEM;
+    int error = text && T ? 0 : ENOMEM;
     if (!error) {
         errno = 0;
         file = fopen(name, "w");
         error = file ? 0 : errno;
     }
     if (file) {
-        write_head(file, e, p, h);
-        write_names(file, e, p, hold, T);
+        write_head(file, a, p, h);
+        write_names(file, a, p, T);
         fwrite(text, 1, length, file);
         const int bad = ferror(file) != 0; /* no space left, say */
         error = fclose(file) != 0 || bad ? (errno ? errno : EIO) : 0;
     }
     free(text);
-    free(hold);
     free(T);
     return error;
 }
 
-void ns_bridge_dump_failed_step(const ns_analysis *e, char *more, size_t size) {
-    const char *name = ns_bridge_options_dump(&e->ex.options);
+void ns_bridge_dump_failed_step(const ns_analysis *a, char *more, size_t size) {
+    const char *name = ns_bridge_options_dump(&a->ex.options);
     double h = 0.0;
     ns_mlcp p;
     *more = '\0';
     if (!name) {
         return;
     }
-    if (!e->march || ns_march_problem(e->march, &p, &h)) {
+    if (!a->march || ns_march_problem(a->march, &p, &h)) {
         snprintf(more, size, "; there is no problem to dump");
         return;
     }
-    const int error = write_file(name, e, &p, h);
+    const int error = write_file(name, a, &p, h);
     if (error) {
         snprintf(more, size, "; cannot write %.200s: %s", name, strerror(error));
     } else {

@@ -2,11 +2,11 @@
 #ifndef BRIDGE_DUMP_H
 #define BRIDGE_DUMP_H
 
-#include "session.h"
+#include "analysis.h"
 
 /* If option dump names a file, writes the problem at which the marcher's last call failed into it, and into
  * more (size bytes, always terminated) what is to be said of that after the error: "; its problem is in
  * FILE", or why it is not. */
-void ns_bridge_dump_failed_step(const ns_analysis *e, char *more, size_t size);
+void ns_bridge_dump_failed_step(const ns_analysis *a, char *more, size_t size);
 
 #endif

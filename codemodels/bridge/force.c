@@ -74,16 +74,17 @@ static int choose(ns_force *f, matching *g, unsigned char *served) {
     return error;
 }
 
-int ns_bridge_force_prepare(ns_force *f, SMPmatrix *matrix) {
+int ns_bridge_force_prepare(ns_force *f, SMPmatrix *matrix, int neq) {
     const size_t n = (size_t)matrix->Size;
     matching g = {.m = matrix};
     unsigned char *served = calloc(n + 1, 1);
     int error = E_NOMEM;
     ns_bridge_force_clear(f);
     f->entry = calloc(n, sizeof *f->entry);
+    f->value = calloc((size_t)neq, sizeof *f->value);
     g.of_row = calloc(n + 1, sizeof(ElementPtr));
     g.seen = calloc(n + 1, sizeof *g.seen);
-    if (f->entry && g.of_row && g.seen && served) {
+    if (f->entry && f->value && g.of_row && g.seen && served) {
         error = choose(f, &g, served);
     }
     f->matrix = matrix;
@@ -99,10 +100,11 @@ int ns_bridge_force_prepare(ns_force *f, SMPmatrix *matrix) {
 
 void ns_bridge_force_clear(ns_force *f) {
     free(f->entry);
+    free(f->value);
     memset(f, 0, sizeof *f);
 }
 
-void ns_bridge_force_apply(const ns_force *f, double pivot, double *rhs, const double *value) {
+void ns_bridge_force_apply(const ns_force *f, double pivot, double *rhs) {
     for (int c = 1; c <= f->matrix->Size; c++) {
         for (ElementPtr e = f->matrix->FirstInCol[c]; e; e = e->NextInCol) {
             e->Real = 0.0;
@@ -113,6 +115,6 @@ void ns_bridge_force_apply(const ns_force *f, double pivot, double *rhs, const d
     }
     for (int i = 0; i < f->n; i++) {
         *f->entry[i].element = pivot;
-        rhs[f->entry[i].row] = pivot * value[f->entry[i].column];
+        rhs[f->entry[i].row] = pivot * f->value[f->entry[i].column];
     }
 }

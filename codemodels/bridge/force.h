@@ -13,15 +13,17 @@ typedef struct ns_force_entry {
 typedef struct ns_force {
     SMPmatrix *matrix;
     int n;
-    ns_force_entry *entry; /* n */
+    ns_force_entry *entry; /* n; NULL: not prepared */
+    double *value;         /* by equation number: the solution to be returned */
 } ns_force;
 
-/* Chooses the elements.  Returns OK, E_NOMEM, or E_SINGULAR (there is no such choice). */
-int ns_bridge_force_prepare(ns_force *f, SMPmatrix *matrix);
+/* Chooses the elements; neq: equations of ngspice, whose values are 0 at first.  Returns OK, E_NOMEM, or
+ * E_SINGULAR (there is no such choice). */
+int ns_bridge_force_prepare(ns_force *f, SMPmatrix *matrix, int neq);
 void ns_bridge_force_clear(ns_force *f);
 
-/* Makes the matrix a permutation, times pivot, and rhs such that the solution is value; all by equation
+/* Makes the matrix a permutation, times pivot, and rhs such that the solution is f->value; all by equation
  * number.  pivot: 1, or huge, so that solutions for other right-hand sides vanish. */
-void ns_bridge_force_apply(const ns_force *f, double pivot, double *rhs, const double *value);
+void ns_bridge_force_apply(const ns_force *f, double pivot, double *rhs);
 
 #endif

@@ -3,10 +3,10 @@
  * The SPICEdev structs that cmpp makes are plain data: when the library is loaded, some of their functions
  * are replaced.  One bridge is kept a circuit.  ngspice runs device types by number, so the functions of the
  * last of our types see everything that came before: they do the work. */
+#include "analysis_start.h"
 #include "models.h"
 #include "ngspice/jobdefs.h"
 #include "report.h"
-#include "session.h"
 #include "show.h"
 #include "single_load.h"
 
@@ -14,27 +14,27 @@ extern SPICEdev cm_ideal_diode_info, cm_ideal_switch_info, cm_nonsmooth_info; /*
 
 static SPICEdev *const ours[KINDS] = {&cm_ideal_diode_info, &cm_ideal_switch_info, &cm_nonsmooth_info};
 
-typedef struct bridge {
-    struct bridge *next;
-    ns_session native;
+typedef struct ns_bridge {
+    struct ns_bridge *next;
+    ns_session session;
     int last_type;           /* the last of our device types in this circuit; 0: none is there */
     const GENinstance *mark; /* one of our instances: when it goes, the circuit goes */
-} bridge;
+} ns_bridge;
 
-static bridge *bridges;
+static ns_bridge *bridges;
 
-static bridge *find(const CKTcircuit *ckt) {
-    bridge *b = bridges;
-    while (b && b->native.ckt != ckt) {
+static ns_bridge *find(const CKTcircuit *ckt) {
+    ns_bridge *b = bridges;
+    while (b && b->session.ckt != ckt) {
         b = b->next;
     }
     return b;
 }
 
-static bridge *find_or_make(CKTcircuit *ckt) {
-    bridge *b = find(ckt);
+static ns_bridge *find_or_make(CKTcircuit *ckt) {
+    ns_bridge *b = find(ckt);
     if (!b && (b = calloc(1, sizeof *b))) {
-        b->native.ckt = ckt;
+        b->session.ckt = ckt;
         b->next = bridges;
         bridges = b;
     }
@@ -43,12 +43,12 @@ static bridge *find_or_make(CKTcircuit *ckt) {
 
 /* The bridge of ckt if model is of the last of our types, else NULL. */
 static ns_session *at_last(const CKTcircuit *ckt, const GENmodel *model) {
-    bridge *b = find(ckt);
-    return b && b->last_type == model->GENmodType ? &b->native : NULL;
+    ns_bridge *b = find(ckt);
+    return b && b->last_type == model->GENmodType ? &b->session : NULL;
 }
 
 static int setup(model_kind kind, SMPmatrix *matrix, GENmodel *model, CKTcircuit *ckt, int *states) {
-    bridge *b = find_or_make(ckt);
+    ns_bridge *b = find_or_make(ckt);
     if (!b) {
         return E_NOMEM;
     }
@@ -73,9 +73,9 @@ static int setup_options(SMPmatrix *matrix, GENmodel *model, CKTcircuit *ckt, in
 }
 
 static int unsetup(GENmodel *model, CKTcircuit *ckt) {
-    bridge *b = find(ckt);
+    ns_bridge *b = find(ckt);
     if (b) {
-        ns_bridge_session_reset(&b->native);
+        ns_bridge_session_reset(&b->session);
     }
     return MIFunsetup(model, ckt);
 }
@@ -83,31 +83,31 @@ static int unsetup(GENmodel *model, CKTcircuit *ckt) {
 /* Values are known from here on.  Only at the begin of an analysis: ngspice exits if this fails for an
  * `altermod` between. */
 static int temperature(GENmodel *model, CKTcircuit *ckt) {
-    ns_session *b = at_last(ckt, model);
-    return b && ckt->CKTtime == 0.0 ? ns_bridge_analysis_check(b) : OK;
+    ns_session *s = at_last(ckt, model);
+    return s && ckt->CKTtime == 0.0 ? ns_bridge_analysis_check(s) : OK;
 }
 
 static int load(GENmodel *model, CKTcircuit *ckt) {
-    ns_session *b = at_last(ckt, model);
-    return b ? ns_bridge_session_load(b) : OK;
+    ns_session *s = at_last(ckt, model);
+    return s ? ns_bridge_session_load(s) : OK;
 }
 
 static int accept_point(CKTcircuit *ckt, GENmodel *model) {
-    ns_session *b = at_last(ckt, model);
-    return b ? ns_bridge_session_accept(b) : OK;
+    ns_session *s = at_last(ckt, model);
+    return s ? ns_bridge_session_accept(s) : OK;
 }
 
 /* After a point is shown. */
 static void dumped(GENmodel *model, CKTcircuit *ckt) {
-    ns_session *b = at_last(ckt, model);
-    if (b) {
-        ns_bridge_single_load_arm(b);
+    ns_session *s = at_last(ckt, model);
+    if (s) {
+        ns_bridge_single_load_arm(s);
     }
 }
 
 /* The first of our types that is asked ends the analysis. */
 static int ac_load(GENmodel *model, CKTcircuit *ckt) {
-    const bridge *b = find(ckt);
+    const ns_bridge *b = find(ckt);
     if (!b || !b->last_type) {
         return MIFload(model, ckt);
     }
@@ -117,19 +117,19 @@ static int ac_load(GENmodel *model, CKTcircuit *ckt) {
 
 /* What a device shows is written when someone asks. */
 static int ask(CKTcircuit *ckt, GENinstance *inst, int which, IFvalue *value, IFvalue *select) {
-    bridge *b = find(ckt);
-    if (b && b->native.engine.march) {
-        ns_bridge_show_devices(&b->native.engine);
+    ns_bridge *b = find(ckt);
+    if (b && b->session.analysis.march) {
+        ns_bridge_show_devices(&b->session.analysis);
     }
     return MIFask(ckt, inst, which, value, select);
 }
 
 static int delete (GENinstance *inst) {
-    for (bridge **link = &bridges; *link; link = &(*link)->next) {
-        bridge *b = *link;
+    for (ns_bridge **link = &bridges; *link; link = &(*link)->next) {
+        ns_bridge *b = *link;
         if (b->mark == inst) {
             *link = b->next;
-            ns_bridge_session_clear(&b->native);
+            ns_bridge_session_clear(&b->session);
             free(b);
             break;
         }

@@ -2,17 +2,17 @@
 #ifndef BRIDGE_SHOW_H
 #define BRIDGE_SHOW_H
 
-#include "session.h"
+#include "analysis.h"
 
 /* x (n of the system) -> value (neq), by equation number. */
-void ns_bridge_show_values(const ns_analysis *e, const double *x, double *value);
+void ns_bridge_show_values(const ns_analysis *a, const double *x, double *value);
 
-/* Currents, voltages and states of our devices at e->x, e->lambda -> their static variables: as soon as
- * someone asks, which ns_bridge_show_devices() is for.  The point in e->x is the accepted one. */
-void ns_bridge_show_later(ns_analysis *e);
-void ns_bridge_show_devices(ns_analysis *e);
+/* Currents, voltages and states of our devices at a->x, a->lambda -> their static variables: as soon as
+ * someone asks, which ns_bridge_show_devices() is for.  The point in a->x is the accepted one. */
+void ns_bridge_show_later(ns_analysis *a);
+void ns_bridge_show_devices(ns_analysis *a);
 
 /* One line of counts; cpu in s. */
-void ns_bridge_show_summary(const ns_analysis *e, double cpu);
+void ns_bridge_show_summary(const ns_analysis *a, double cpu);
 
 #endif

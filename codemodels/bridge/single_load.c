@@ -37,25 +37,25 @@ static int watch_names(const CKTcircuit *ckt) {
     return names->compare_func == compare_keys;
 }
 
-void ns_bridge_single_load_arm(ns_session *b) {
-    CKTcircuit *ckt = b->ckt;
+void ns_bridge_single_load_arm(ns_session *s) {
+    CKTcircuit *ckt = s->ckt;
     /* at t = 0 the first load makes the matrix ready, and the states */
-    if (!b->engine.march || !b->tried || b->failed || b->engine.ex.restless || !(ckt->CKTtime > 0.0) ||
-        !watch_names(ckt)) {
+    if (!s->analysis.march || !s->trial.made || s->failed || s->analysis.ex.restless ||
+        !(ckt->CKTtime > 0.0) || !watch_names(ckt)) {
         return;
     }
     if (armed) { /* another circuit, stopped */
         ns_bridge_single_load_forget(armed);
     }
-    b->once.mode = ckt->CKTmode;
-    b->once.armed = 1;
-    armed = b;
+    s->single_load.mode = ckt->CKTmode;
+    s->single_load.armed = 1;
+    armed = s;
     ckt->CKTmode = skip;
 }
 
-int ns_bridge_single_load_begin(ns_session *b) {
-    const int skips = b->once.armed && b->ckt->CKTmode == skip; /* else it was stopped and resumed */
-    ns_bridge_single_load_forget(b);
+int ns_bridge_single_load_begin(ns_session *s) {
+    const int skips = s->single_load.armed && s->ckt->CKTmode == skip; /* else it was stopped and resumed */
+    ns_bridge_single_load_forget(s);
     return skips;
 }
 
@@ -97,20 +97,20 @@ static GENmodel *models_of(const CKTcircuit *ckt, int type) {
     return type < 0 ? NULL : ckt->CKThead[type];
 }
 
-void ns_bridge_single_load_end(ns_session *b) {
-    CKTcircuit *ckt = b->ckt;
-    const ns_extract *ex = &b->engine.ex;
-    const size_t size = (size_t)ex->neq * sizeof *b->value;
-    memcpy(ckt->CKTrhsOld, b->value, size);
-    memcpy(ckt->CKTrhs, b->value, size);
-    set_charges(ckt, models_of(ckt, ex->capacitors), b->value);
-    set_fluxes(ckt, models_of(ckt, ex->inductors), models_of(ckt, ex->couplings), b->value);
+void ns_bridge_single_load_end(ns_session *s) {
+    CKTcircuit *ckt = s->ckt;
+    const ns_extract *ex = &s->analysis.ex;
+    const size_t size = (size_t)ex->neq * sizeof *s->force.value;
+    memcpy(ckt->CKTrhsOld, s->force.value, size);
+    memcpy(ckt->CKTrhs, s->force.value, size);
+    set_charges(ckt, models_of(ckt, ex->capacitors), s->force.value);
+    set_fluxes(ckt, models_of(ckt, ex->inductors), models_of(ckt, ex->couplings), s->force.value);
 }
 
-void ns_bridge_single_load_forget(ns_session *b) {
-    if (b->once.armed) {
-        b->ckt->CKTmode = b->once.mode;
+void ns_bridge_single_load_forget(ns_session *s) {
+    if (s->single_load.armed) {
+        s->ckt->CKTmode = s->single_load.mode;
         armed = NULL;
     }
-    b->once.armed = 0;
+    s->single_load.armed = 0;
 }

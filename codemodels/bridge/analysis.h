@@ -1,0 +1,50 @@
+/* bridge/analysis.h - what is made for one analysis: ngspice's circuit as read, its system, the marcher, and
+ * the point last read from that. */
+#ifndef BRIDGE_ANALYSIS_H
+#define BRIDGE_ANALYSIS_H
+
+#include "extract.h"
+#include "nonsmooth/march.h"
+
+typedef struct ns_analysis {
+    /* --- made once --- */
+    ns_extract ex;
+    ns_system *system;
+    ns_march *march; /* NULL: nothing is made */
+    double h;        /* the longest step of the scheme, s */
+    int *unknown;    /* ex.neq: the unknown that an equation stands for, -1: none */
+    struct {
+        int n;
+        int *unknown;  /* n: of the nodes with an .ic */
+        double *value; /* n, V */
+    } held;
+
+    /* --- the point last read --- */
+    size_t count;       /* of x and lambda together */
+    double *buffers;    /* 3 count: before, x with lambda, max_abs */
+    double *x, *lambda; /* of the system, one after the other */
+    double *before;     /* count: both as they were read the time before */
+    double *max_abs;    /* count: their largest sizes so far */
+
+    /* --- what the devices show of it (show.c) --- */
+    ns_mode *mode;     /* of the accepted point */
+    int devices_stale; /* the devices' static variables are of an earlier point */
+} ns_analysis;
+
+/* OK, or a code after one line. */
+int ns_bridge_analysis_make(CKTcircuit *ckt, ns_extract_sources sources, ns_analysis *a);
+void ns_bridge_analysis_clear(ns_analysis *a);
+
+/* The point of the marcher's last trial, or the accepted one, into x and lambda; *t (may be NULL) gets its
+ * time.  A status; after an error all is as it was. */
+int ns_bridge_analysis_read(ns_analysis *a, double *t);
+void ns_bridge_analysis_unread(ns_analysis *a); /* once: the point read before that */
+
+/* 1 if the last two points read differ somewhere by more than `fraction` of the largest size there. */
+int ns_bridge_analysis_moved(const ns_analysis *a, double fraction);
+
+/* Why a call of the library failed, in one line. */
+void ns_bridge_analysis_explain(const ns_analysis *a, const ns_fault *fault, int status, char *line,
+                                size_t size);
+
+#endif
