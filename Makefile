@@ -258,7 +258,7 @@ bench-siconos: deps ## the same beside Siconos, whose Debian packages it install
 
 # --- compare: before and after --------------------------------------------------------------------------------
 
-BASE ?= 1144699# the commit to compare with
+BASE ?= 1144699# the commit to compare with (rooms: too)
 CIRCUITS ?=# names of those to run, from the first column; none: all
 
 .PHONY: compare
@@ -327,12 +327,21 @@ lint: deps-lint ## clang-format, clang-tidy, cppcheck, shellcheck, and all of it
 	clang-format --dry-run -Werror $(C_FILES)
 	@$(MAKE) $(JOBS) all units bench-programs stress-programs
 	@$(MAKE) $(JOBS) CC=clang B=build/clang all units bench-programs stress-programs
+	@tests/rooms.sh graph
+	@tests/rooms.sh check
 	$(CC) -x c++ -Wall -Wextra -Wpedantic -Werror -Iinclude -fsyntax-only include/nonsmooth.h
 	printf '%s\n' $(TIDY_FILES) | xargs -P$(shell nproc) -n4 \
 	    sh -c 'said=$$(clang-tidy --quiet "$$@" -- $(TIDY_FLAGS) 2>&1) || { echo "$$said"; exit 1; }' tidy
 	cppcheck --quiet --std=c11 --enable=warning,performance,portability --inline-suppr --error-exitcode=1 \
 	    --suppress=uninitvar --suppress=objectIndex -Iinclude -Isrc -Itests/rig src tests codemodels/bridge
 	shellcheck .ci/run codemodels/*.sh tests/*.sh $(wildcard tests/*/*.sh netlists/*.sh)
+
+.PHONY: rooms
+rooms: deps ## the rooms of src/: who uses whom, the rules between them, lines, lengths of functions; of commit BASE too
+	@$(MAKE) $(JOBS) all
+	@tests/rooms.sh graph
+	@tests/rooms.sh figures '$(BASE)'
+	@tests/rooms.sh check
 
 # --- install ---------------------------------------------------------------------------------------------
 
