@@ -241,7 +241,7 @@ bench: deps ## circuits by every engine, beside ngspice: build/bench/*.csv, *.pn
 	@case '$(BENCH)' in full|quick|netlists) ;; *) echo 'bench: BENCH=$(BENCH)? full, quick and netlists are there' >&2; exit 2;; esac
 	@$(MAKE) $(JOBS) B=build/bench CFLAGS='-O3 -DNDEBUG' bench-programs cm \
 	    $(if $(wildcard $(SICONOS)/include/siconos/kernel/SiconosKernel.hpp),build/bench/siconos)
-	@rm -f build/bench/*.csv build/bench/*.dat build/bench/*.gp build/bench/*.png
+	@rm -f build/bench/*.csv build/bench/*.dat build/bench/*.gp build/bench/*.png build/bench/*.svg
 	@$(MAKE) --no-print-directory bench-run BENCH=$(BENCH)
 
 .PHONY: bench-run
@@ -249,6 +249,7 @@ bench-run:
 	@for program in $(or $(BENCH_$(BENCH)),$(BENCH_RUN)); do \
 	    echo "== $$(basename $$program)"; OPENBLAS_NUM_THREADS=1 BENCH=$(BENCH) $$program || exit 1; done
 	@for script in build/bench/*.gp; do gnuplot $$script || exit 1; done
+	@[ '$(BENCH)' != full ] || cp build/bench/precision.svg netlists/precision.svg # the picture that README shows
 	@$(if $(filter netlists,$(BENCH)),,$(BENCH_GOALS))
 
 .PHONY: bench-siconos

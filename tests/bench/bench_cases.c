@@ -21,6 +21,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "precision.h"
 #include "rival.h"
 #include "scaling.h"
 #include "sweep.h"
@@ -79,5 +80,7 @@ int main(int argc, char **argv) {
     if (ladders.count > 0)
         scaling_report(&ladders, folder);
     report_summary(count, duels, p.netlists);
+    if (!p.netlists)
+        precision_picture(folder);
     return 0;
 }
