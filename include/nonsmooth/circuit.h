@@ -1,9 +1,8 @@
 /* nonsmooth/circuit.h - netlist elements -> (S1)-(S3) by modified nodal analysis.
  *
  * Nodes are integers >= 0, 0 is ground; any node named by an element exists.  Elements are numbered from 0 in
- * the order they are added; adding returns the number through *id (may be NULL).  Names are copied, must
- * be unique, and serve messages and references.  SI units; currents flow from the first node through the
- * element to the second.
+ * the order they are added; *id (may be NULL) gets the number.  Names are copied, must be unique, and are
+ * used in messages.  SI units; currents flow from the first node through the element to the second.
  *
  * Unknowns x: voltages of the nodes that are used, ascending, then currents of the elements that need
  * one (L, V, E, H, R = 0, behavioural V) in the order they were added.
@@ -22,8 +21,8 @@ extern "C" {
 
 typedef struct ns_circuit ns_circuit;
 
-/* The ideal diode: i = v/roff until that meets v = vf + ron i, which it obeys from there on; with vz: v = -vz
- * + rz i in breakdown. */
+/* The ideal diode.  Blocking: i = v/roff.  Conducting: v = vf + ron i.  In breakdown:
+ * v = -vz + rz i.  It changes state where two of these lines meet. */
 typedef struct ns_diode {
     double vf;   /* V, finite, may be 0 */
     double ron;  /* ohm, >= 0 */
@@ -81,30 +80,29 @@ int ns_circuit_switch(ns_circuit *c, const char *name, int p, int n, int cp, int
 /* SPICE's .ic v(node)=volts.  Errors: NULL, SIZE, NUMBER, MEMORY. */
 int ns_circuit_node_ic(ns_circuit *c, int node, double volts);
 
-/* What went wrong in the last call on c that failed, in one line naming element, cause and value;
- * empty if none.  Library-owned. */
+/* The error of the last call on c that failed, in one line with element, cause and value; owned by c.
+ * Empty if none failed. */
 const char *ns_circuit_message(const ns_circuit *c);
 
-/* Makes (S1)-(S4) of the circuit as it is now; the caller frees it.  A switch whose control is set by
- * sources through a path of independent voltage sources gets a command with gx NULL (time only).  A part of
- * the circuit that no element connects with ground gets 1 S from one of its nodes to ground, which carries no
- * current and puts that node at 0 V; an .ic marks the node to take.  A resistor that is less than
- * 1e-6 of another one or a ron at its nodes, or 1e-12 of a roff, gets its current as an unknown, after those
- * there are; and so does every other one that is no more than a thousand times as large.
- * Errors: NULL, RANGE (coupling factors that let the stored energy be negative), MEMORY, those of
- * ns_system_check(). */
+/* Makes (S1)-(S4) of the circuit as it is now; the caller frees it with ns_system_free().  A switch whose
+ * control nodes are joined by independent voltage sources gets a command with gx NULL (a function of time
+ * only). In a part of the circuit that no element connects with ground, one node is put at 0 V (by 1 S to
+ * ground, which carries no current): a node with an .ic if there is one.  A resistor below 1e-6 of another
+ * one or of a ron at its nodes, or below 1e-12 of a roff, gets its current as an unknown, after the others;
+ * and so does every other resistor that is at most a thousand times as large. Errors: NULL, RANGE (coupling
+ * factors that let the stored energy be negative), MEMORY, those of ns_system_check(). */
 int ns_circuit_system(ns_circuit *c, ns_system **out);
 
-/* Index in x of a node's voltage, of an element's current; -1 if it has none. */
+/* The index in x of a node's voltage, of an element's current; -1 if it has none. */
 int ns_circuit_node_unknown(const ns_circuit *c, int node);
 int ns_circuit_current_unknown(const ns_circuit *c, int id);
 
-/* w0 = M x(0-) (n of the system) from initial conditions: of each capacitor its ic, else the difference of
- * its nodes' .ic, else 0; of each inductor its ic, else 0 (SPICE's uic).  Errors: NULL. */
+/* Writes w0 = M x(0-) (n of the system) from initial conditions: of each capacitor its ic, else the
+ * difference of its nodes' .ic, else 0; of each inductor its ic, else 0 (SPICE's uic).  Errors: NULL. */
 int ns_circuit_rest(const ns_circuit *c, double *w0);
 
-/* The .ic of nodes as ns_march_start_dc() wants them: fills hold and hold_x (room for the number of node
- * ic's: ns_circuit_node_ic_count()) and returns how many. */
+/* The .ic of nodes in the form of ns_march_start_dc(): fills hold (indices in x) and hold_x (V), each with
+ * room for ns_circuit_node_ic_count() entries, and returns how many were written. */
 int ns_circuit_node_ic_count(const ns_circuit *c);
 int ns_circuit_hold(const ns_circuit *c, int *hold, double *hold_x);
 

@@ -1,4 +1,4 @@
-/* nonsmooth/impulse.h - the impulse problem: what jumps at an instant, in no time at all.
+/* nonsmooth/impulse.h - the impulse problem: the state after a jump.
  *
  *   (J1)  M (x+ - x-) = A X + B Lambda          differential rows; X, Lambda: the impulses of x and lambda
  *   (J2)  0 = A X + B Lambda,  Y = C X + D Lambda  algebraic rows; pairs
@@ -18,19 +18,19 @@
 extern "C" {
 #endif
 
-/* Where the answer goes; the arrays belong to the caller, any of them may be NULL. */
+/* The solution.  The arrays belong to the caller; any of them may be NULL. */
 typedef struct ns_impulse {
     double *w;              /* n: M x+, ready for ns_theta_start() and ns_march_start() */
     double *x, *lambda, *y; /* n, m, m: at t+ */
     double *X, *Lambda, *Y; /* n, m, m: impulses; zero where nothing jumps */
     ns_mode *mode;          /* m: at t+ */
-    double *h;              /* the step that proposed the mode; the answer does not depend on it */
+    double *h;              /* s: the step that proposed the mode; the solution does not depend on it */
 } ns_impulse;
 
 /* Solves the impulse problem at the accepted point of a stepper: w- = M x(t-), mode and commands are those of
  * ns_theta_start(), ns_theta_command() or of the last accepted step, and stay as they are.  z: inputs at t+
  * (nz); slope: their slopes dz/dt at t+ (nz; NULL: all zero), which currents of voltage sources across
- * capacitors depend on.  What the laws leave open (two closed switches in parallel) is of least norm.
+ * capacitors depend on.  What the laws do not determine (two closed switches in parallel) gets least norm.
  * On failure *out is left alone.  Errors: NULL, NUMBER, MEMORY, those of ns_mlcp_solve(): INFEASIBLE (sources
  * that contradict each other); SINGULAR also where impulses would have to be derivatives of impulses.
  * *fault of ns_theta_fault(). */

@@ -1,11 +1,11 @@
-/* nonsmooth/march.h - many theta steps: the way from one output time to the next.
+/* nonsmooth/march.h - integrates a system from one output time to the next: a marcher.
  *
- * Steps have the lengths h, h/2, h/4, ... (a ladder), so that their maps recur.  A natural commutation
- * (a guard that breaks, a control that crosses) is located by walking down the ladder; the instants of
- * commands that depend on time only and the corners of the inputs are hit exactly.  At an event (P1) is
- * solved once over a step of negligible length with theta = gamma = 1; where the state jumps, the impulse
- * problem (impulse.h) in no time at all.
- * Where events crowd, plain event-capturing steps take over for a while.
+ * An event is an instant at which a guard breaks, a control crosses its threshold, or a source commands a
+ * switch.  Events of the first two kinds are located; instants of commands that depend on time only, and
+ * corners of the inputs, are hit exactly.  At an event (P1) is solved over a step of negligible length with
+ * theta = gamma = 1; where a charge or a flux jumps, the impulse problem (impulse.h) is solved at the instant
+ * itself.  Where events follow each other too closely, event-capturing steps of the scheme are taken for a
+ * while.
  */
 #ifndef NONSMOOTH_MARCH_H
 #define NONSMOOTH_MARCH_H
@@ -18,39 +18,41 @@ extern "C" {
 
 typedef struct ns_march ns_march;
 
-/* What goes the way between events. */
+/* The engine that integrates between events. */
 typedef enum ns_method {
-    NS_AUTO,  /* exact or sparse, by size and by what was seen; the scheme where events crowd */
-    NS_THETA, /* steps of the scheme, the documents' own, of one length; see also `capture` */
-    NS_EXACT, /* exact, by matrices of each mode that are kept; the scheme where events crowd */
-    NS_SPARSE /* exact to reltol, by one sparse factor a mode; for thousands of unknowns */
+    NS_AUTO,  /* NS_SPARSE if the system is large or modes hardly recur, else NS_EXACT; another if it fails */
+    NS_THETA, /* steps of the theta scheme, of at most h; see also `capture` */
+    NS_EXACT, /* exact to rounding between events, by dense matrices kept for each mode */
+    NS_SPARSE /* error of a step below reltol, by one sparse factorisation per mode; for large systems */
 } ns_method;
 
 typedef struct ns_march_options {
     double theta, gamma; /* theta in [0,1], gamma in (0,1] */
     double h;            /* longest step of the scheme, s, > 0 */
-    size_t map_bytes;    /* bound on what is kept of modes; 0: some default */
+    size_t map_bytes;    /* bound on the memory of matrices and factors kept for modes; 0: a default */
     ns_method method;
-    double reltol; /* of NS_SPARSE: error of a step beside the largest charges and fluxes so far; 0: 1e-9 */
-    int capture;   /* of NS_THETA with theta = gamma > 0: 1: no event is located, what breaks in a step is
-                      resolved in it; so are systems of more than 1500 unknowns and pairs always */
-    int whole;     /* 1: islands (parts that share nothing but stiff sources) are not taken apart; nor are
-                      they with NS_THETA, or where there are more than 64 of them */
+    double reltol; /* NS_SPARSE: error of a step, relative to the largest charges and fluxes; 0: 1e-9 */
+    /* NS_THETA with theta = gamma > 0: 1: no event is located; a guard that breaks in a step is resolved in
+     * that step.  Systems of more than 1500 unknowns and pairs are always integrated like this. */
+    int capture;
+    /* 1: parts that share nothing but stiff sources are not integrated separately (with NS_THETA, and if
+     * there are more than 64 of them, they never are). */
+    int whole;
 } ns_march_options;
 
-/* Makes a marcher for s, which must outlive it and not change.  On failure *out is NULL and fault (may
- * be NULL) says where.  NS_AUTO takes NS_SPARSE for a system that is large (system.h).  Errors: those of
- * ns_theta_create(), RANGE (h, reltol), SIZE (more than 1500 unknowns and pairs, and another method). */
+/* Makes a marcher for s, which must outlive it and must not change.  On failure *out is NULL and fault (may
+ * be NULL) says where.  Errors: those of ns_theta_create(), RANGE (h, reltol), SIZE (more than 1500 unknowns
+ * and pairs with NS_EXACT, or with NS_THETA where theta = 0 or theta differs from gamma). */
 int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **out, ns_fault *fault);
 void ns_march_free(ns_march *m);
 
-/* Puts the accepted point at t0: from w0 = M x(t0-) (n) the consistent state at t0 is found, jumps
- * resolved (charge and flux conserved; if nothing jumps, that is some steps of h/2^20 later), commands set by
- * their controls (between off and on: open).  Errors: NULL, NUMBER, those of ns_theta_try(), LIMIT (controls
- * that contradict their switches). */
+/* Puts the accepted point at t0 (s).  w0 (n): M x(t0-), the charges and fluxes before.  Finds the consistent
+ * state at t0: jumps are resolved with charge and flux conserved (if nothing jumps, the state is the one some
+ * steps of h/2^20 later), and commands are set by their controls (between off and on: open).  Errors: NULL,
+ * NUMBER, those of ns_theta_try(), LIMIT (controls that contradict their switches). */
 int ns_march_start(ns_march *m, double t0, const double *w0);
 
-/* The DC operating point at t0: M x' = 0, inputs at t0; then as ns_march_start() with its charges.
+/* Starts at the DC operating point at t0: M x' = 0, inputs at t0; then as ns_march_start() with its charges.
  * hold (nhold indices of x, values hold_x): unknowns forced, by whatever current it takes, while the
  * operating point is found (SPICE's .ic without uic: node voltages only).  x (n) may be NULL.
  * Errors: as ns_march_start(), SIZE, SINGULAR / INFEASIBLE (there is no operating point). */
@@ -63,11 +65,11 @@ typedef enum ns_until {
                    side of an event, at its right side */
 } ns_until;
 
-/* Tries the way from the accepted point to time t (> the accepted time).  *reached gets where the trial
- * ended: later than the accepted time (at that time: the right side of a jump), and at most some steps of
- * h/2^20 beyond t (two for each switch that an event at t makes switch).  The accepted point is left alone:
- * try again with any t.  A second call that asks for the end of the last trial costs nothing.  Errors: NULL,
- * RANGE (t), those of ns_theta_try(), LIMIT. */
+/* Tries to integrate from the accepted point to time t (s, later than the accepted time).  *reached gets the
+ * time at which the trial ended: later than the accepted time (equal to it: the right side of a jump), and at
+ * most some steps of h/2^20 after t (two for each switch that changes at t).  The accepted point is
+ * unchanged: try again with any t.  A second call that asks for the end of the last trial costs nothing.
+ * Errors: NULL, RANGE (t), those of ns_theta_try(), LIMIT. */
 int ns_march_try(ns_march *m, double t, ns_until until, double *reached);
 
 /* Makes the last successful trial the accepted point.  Errors: STATE. */
@@ -77,22 +79,22 @@ int ns_march_accept(ns_march *m);
  * lambda (m), y (m); any may be NULL.  Errors: STATE (not started), those of ns_theta_read(). */
 int ns_march_read(ns_march *m, double *t, double *x, double *lambda, double *y);
 
-/* The mode of the same point (m); library-owned.  A switch that slides (holds its control at the threshold)
- * is inside, or 2 or 3 by the sign of its current. */
+/* The mode of the same point (m); owned by the marcher.  A switch that slides (holds its control at the
+ * threshold) is NS_INSIDE, or 2 or 3 by the sign of its current. */
 const ns_mode *ns_march_mode(const ns_march *m);
 
 /* 1 if the point of the last trial is the left side of an event. */
 int ns_march_at_event(const ns_march *m);
 
-/* The engine that the marcher was made with or, of NS_AUTO, that went the last way: never NS_AUTO itself. */
+/* The engine that the marcher was made with or, with NS_AUTO, the one that made the last trial. */
 ns_method ns_march_engine(const ns_march *m);
 
 const ns_counts *ns_march_counts(ns_march *m);
 const ns_fault *ns_march_fault(const ns_march *m); /* of the last call that failed; its t is set */
 
-/* The problem at which the last call failed, as ns_theta_problem(); *h gets 0 where that was the operating
- * point, whose problem has one more row for each unknown that is held, for the current that does it.  To be
- * asked for right after the failure.  Errors: NULL, STATE (it did not fail, or not at a problem). */
+/* The problem (P1) at which the last call failed, as ns_theta_problem().  *h gets the length of the step (s),
+ * or 0 for an operating point, whose problem has one more row for each unknown held: the current that holds
+ * it. Call it right after the failure.  Errors: NULL, STATE (it did not fail, or not at a problem). */
 int ns_march_problem(const ns_march *m, ns_mlcp *p, double *h);
 
 #ifdef __cplusplus

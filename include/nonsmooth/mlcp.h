@@ -23,14 +23,14 @@ typedef struct ns_mlcp {
     const double *q; /* m, finite */
     const double *l; /* m, -inf allowed */
     const double *u; /* m, +inf allowed, l <= u */
-    /* Where W is NULL: writes column j of it (m numbers), from a factor, say.  Asked at most once a solve for
-     * each j, and only for the columns that are needed.  0: done; anything else ends the solve with NUMBER.
+    /* Where W is NULL: writes column j of it (m numbers), from a factor, say.  Called at most once a solve
+     * for each j, and only for columns that are needed.  Returns 0; anything else ends the solve with NUMBER.
      */
     int (*column)(void *data, int j, double *w);
     void *data;
 } ns_mlcp;
 
-/* How to solve.  AUTO tries the others in the order that `make bench` shows to be the best. */
+/* The method.  AUTO tries several of the others, in the order that `make bench` shows to be fastest. */
 typedef enum ns_mlcp_method {
     NS_MLCP_AUTO,     /* "auto" */
     NS_MLCP_PIVOT,    /* "pivot"      principal pivoting: block flips, least-index flips as the finite rule */
@@ -71,12 +71,13 @@ void ns_mlcp_free(ns_mlcp_solver *s);
 int ns_mlcp_use(ns_mlcp_solver *s, ns_mlcp_method method);
 
 /* Promises that W, l and u of the next problems have the very content of the last one solved, until the
- * promise is taken back: only q is looked at, and what was made of W (units, factors of the last mode) is
+ * promise is withdrawn: only q is read, and what was computed from W (scaling, factors of the last mode) is
  * used again.  Without it the solver compares W with its copy.  Errors: NULL. */
 int ns_mlcp_same(ns_mlcp_solver *s, int same);
 
-/* Says that numbers of one size in lambda mean things of one size (V and A of a circuit): what is rounding
- * beside what is then told in these units.  Without it, in units found from W.  Errors: NULL. */
+/* Declares that all entries of lambda have comparable units (V and A of a circuit): whether a number is
+ * rounding beside another one is then decided in these units, otherwise in units found from W.
+ * Errors: NULL. */
 int ns_mlcp_alike(ns_mlcp_solver *s, int alike);
 
 /* Solves p.  mode (m) is read as the mode to start from (any content is allowed: entries that do not

@@ -6,8 +6,8 @@
  *   (S4)  -y in N_[l,u](lambda)
  *
  * f, g, h are callbacks, with callbacks for their Jacobians A = df/dx, K = dg/dx, B = dg/dlambda,
- * C = dh/dx, D = dh/dlambda.  Systems that are linear are better off as an ns_system, which skips all that;
- * ns_model_of_system() shows one as the other.
+ * C = dh/dx, D = dh/dlambda.  For a linear system use an ns_system: it needs no callbacks and no Newton loop.
+ * ns_model_of_system() makes a model of one.
  */
 #ifndef NONSMOOTH_MODEL_H
 #define NONSMOOTH_MODEL_H
@@ -18,7 +18,7 @@
 extern "C" {
 #endif
 
-/* Where a function is asked for. */
+/* The point at which a function is evaluated. */
 typedef struct ns_point {
     double t;             /* s */
     const double *x;      /* n */
@@ -70,7 +70,7 @@ typedef struct ns_jacobian_error {
 int ns_model_check_jacobians(const ns_model *model, double t, const double *x, const double *lambda,
                              ns_jacobian_error *worst);
 
-/* s as a model, whose data is s: s must outlive it.  Commanded pairs are not taken: SIZE if there are any. */
+/* Makes a model of s; its data is s, which must outlive it.  Errors: SIZE (s has commanded pairs). */
 int ns_model_of_system(const ns_system *s, ns_model *out);
 
 #ifdef __cplusplus

@@ -9,7 +9,7 @@
  *
  * Algebraic rows (those of ns_system_split()) hold at t_k+1 whatever theta and gamma are.  (y, lambda) of
  * every iterate obey (S4); the loop stops when both residuals, that of (S1) over the step and that of (S3),
- * are down to rounding.  Corrections that do not bring them down, or leave the domain of a function, are
+ * are down to rounding.  Corrections that do not reduce them, or leave the domain of a function, are
  * shortened along the path on which (S4) holds; the loop is bounded.  It begins at (x_k, lambda_k) with the
  * inputs of t_k+1, where the functions must be defined: an exponential that may overflow there is better
  * continued by its tangent.  For linear f, g, h one iteration is exact.  Inputs are seen from the right at
@@ -70,27 +70,27 @@ void ns_newton_free(ns_newton *s);
  * consistent: see ns_newton_jump().  Errors: NULL, NUMBER, or a callback that refuses the point (RANGE). */
 int ns_newton_start(ns_newton *s, double t0, const double *x, const double *lambda);
 
-/* Tries a step of length h > 0 from the accepted point, which is left alone: try again with any h.  What is
- * integrated is what t moves by, t + h being rounded; an h that does not move it is RANGE.
+/* Tries a step of length h > 0 from the accepted point, which is left alone: try again with any h.  The
+ * step integrated is the rounded t + h minus t; an h too small to change t is RANGE.
  * NS_DIVERGED: Newton's loop met its bound or left the domain of a function; a shorter step may do.
  * Errors: NULL, STATE (not started), RANGE (h), those of ns_mlcp_solve(); *fault of ns_newton_fault(). */
 int ns_newton_try(ns_newton *s, double h);
 
 /* Tries the jump at the accepted time: the impulse problem  M (x+ - x-) = h gamma B lambda, h -> 0, with the
- * constraints of (S3), (S4) and the algebraic rows of (S1) at x+ and with the inputs just after.  What is
- * consistent already does not change.  Charges and fluxes come out to some eps; lambda, which takes M x' to
- * know, to some 1e-8 where the time constants are alike.  Slopes of inputs are seen however late it is; the t
- * of the callbacks stands still where its last bit is longer than 2^-18 of the fastest time constant. Errors:
- * as ns_newton_try(). */
+ * constraints of (S3), (S4) and the algebraic rows of (S1) at x+ and with the inputs just after.  A state
+ * that is consistent already does not change.  Charges and fluxes are accurate to some eps; lambda, which
+ * depends on M x', to some 1e-8 if the time constants are of similar size.  Slopes of inputs count at any t;
+ * the t of the callbacks does not advance if its last bit is longer than 2^-18 of the fastest time constant.
+ * Errors: as ns_newton_try(). */
 int ns_newton_jump(ns_newton *s);
 
 /* Makes the last successful trial the accepted point; cannot fail for numerical reasons.  Errors: STATE. */
 int ns_newton_accept(ns_newton *s);
 
-/* From the accepted point to time t by steps of at most h (or of t's last bit), each accepted; a step that
- * does not converge is tried again at half its length, at most 20 times; steps grow again afterwards.  On
- * failure the accepted point is the last that was reached.  Errors: NULL, STATE, RANGE, those of
- * ns_newton_try(). */
+/* Integrates from the accepted point to time t by steps of at most h (at least t's last bit), each accepted;
+ * a step that does not converge is tried again at half its length, at most 20 times; steps grow again
+ * afterwards.  On failure the accepted point is the last that was reached.  Errors: NULL, STATE, RANGE, those
+ * of ns_newton_try(). */
 int ns_newton_advance(ns_newton *s, double t, double h);
 
 /* The accepted point: *t, x (n), lambda (m), y (m), r (n); any may be NULL.  Errors: STATE (not started). */

@@ -30,12 +30,12 @@ typedef struct ns_signal {
             int n;
             const double *t, *v;
             double repeat, td;
-        } pwl; /* t non-decreasing (twice the same: a jump); repeat: time of the point to go back to, NAN none
-                */
+        } pwl; /* n points; t non-decreasing (twice the same: a jump); repeat: time of the point at which the
+                  repetition starts, NAN: no repetition */
     } u;
 } ns_signal;
 
-/* On which side of a jump to look. */
+/* The side of a jump. */
 typedef enum ns_side { NS_LEFT, NS_RIGHT } ns_side;
 
 /* Checks the parameters.  Errors: NULL, SIZE, NUMBER, RANGE. */

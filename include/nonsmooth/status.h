@@ -1,4 +1,4 @@
-/* nonsmooth/status.h - what a call answers: one table of codes and texts. */
+/* nonsmooth/status.h - status codes and their texts, in one table; what a failed call reports. */
 #ifndef NONSMOOTH_STATUS_H
 #define NONSMOOTH_STATUS_H
 
@@ -6,7 +6,7 @@
 extern "C" {
 #endif
 
-/* X(name, value, text).  Positive: nothing is lost, call again with a smaller step.  Negative: stop. */
+/* X(name, value, text).  Positive: nothing changed, call again with a smaller step.  Negative: an error. */
 #define NS_STATUS_TABLE(X)                                                                                   \
     X(NS_OK, 0, "ok")                                                                                        \
     X(NS_GUARD, 1, "a guard of the present mode broke inside the step")                                      \
@@ -39,7 +39,7 @@ const char *ns_status_name(int status);
 
 enum { NS_FAULT_MAX = 8 };
 
-/* What a failed call knows about the failure.  Indices are those of the system that failed;
+/* What a failed call reports.  Indices are those of the system that failed;
  * ns_circuit_explain() turns them into names. */
 typedef struct ns_fault {
     ns_status status;

@@ -5,7 +5,7 @@
  *   (S3)  y    = C x + D lambda + F z(t) + e
  *   (S4)  -y in N_[l,u](lambda)
  *
- * and commanded pairs (switches): pair k of a command has the bounds of its state, closed
+ * and commanded pairs (switches): the pair of a command has the bounds of its state, closed
  * [-inf, inf] (an equality, y = 0) or open [0, 0] (lambda = 0); it closes when
  *   g = gx x + gz z(t) + g0   rises above on,   and opens when g falls below off (off <= on).
  */
@@ -20,26 +20,26 @@
 extern "C" {
 #endif
 
+/* When a commanded pair closes and opens; the control is g = gx x + gz z(t) + g0. */
 typedef struct ns_command {
     int pair;   /* the commanded pair */
-    double on;  /* closes above, */
-    double off; /* opens below; off <= on */
-    double g0;
-    double
-        *gx; /* n, or NULL where the control is a function of time only: its instants are then hit exactly */
-    double *gz; /* nz, or NULL where no input acts on it directly */
+    double on;  /* the pair closes when g rises above this */
+    double off; /* it opens when g falls below this; off <= on */
+    double g0;  /* constant part of g */
+    double *gx; /* n; NULL: g is a function of time only, and its instants are hit exactly */
+    double *gz; /* nz; NULL: no input acts on g directly */
 } ns_command;
 
-/* The matrices of a large system, and as columns the controls of its commands. */
+/* The matrices of a large system; the controls of its commands are the columns of gx and gz. */
 typedef struct ns_large {
     ns_csc M, A, B, C, D, E, F;
     ns_csc gx, gz; /* n*nc, nz*nc; an empty column of gx: a function of time only */
 } ns_large;
 
-/* Every array belongs to the system and is NULL where its size is zero.  z entries are functions of
- * time; constant sources belong in b and e.  Where n+m is large, ns_circuit_system() makes a system whose
- * M to F, gx and gz are NULL and that has them in `large`: for NS_AUTO, NS_SPARSE, NS_THETA with `capture`,
- * and, up to 1500 unknowns and pairs, for the marcher's dense engines, which take a copy. */
+/* A system.  Every array belongs to it and is NULL where its size is zero.  The inputs z are functions of
+ * time; constant sources belong in b and e.  If n+m is large, ns_circuit_system() makes a system whose M to
+ * F, gx and gz are NULL and stand in `large` instead.  NS_AUTO, NS_SPARSE and NS_THETA with `capture` use it
+ * as it is; up to 1500 unknowns and pairs the dense engines work on a copy. */
 typedef struct ns_system {
     int n;               /* unknowns x */
     int m;               /* pairs */
@@ -61,8 +61,8 @@ typedef struct ns_system {
  * Errors: NULL, SIZE, MEMORY. */
 int ns_system_create(int n, int m, int nz, int nc, ns_system **out);
 
-/* The same with `large`, whose matrices are empty (start NULL) still, in place of the arrays.  Errors: as
- * ns_system_create(). */
+/* The same with sparse matrices, `large`, in place of M to F, gx, gz; they are still empty (start NULL).
+ * Errors: as ns_system_create(). */
 int ns_system_create_large(int n, int m, int nz, int nc, ns_system **out);
 
 /* Frees a system and all its arrays; half-built and NULL are allowed. */
@@ -75,10 +75,10 @@ int ns_system_set_input(ns_system *s, int i, const ns_signal *signal);
  * fault (may be NULL) names where.  Errors: NULL, SIZE, NUMBER, RANGE, BOUNDS. */
 int ns_system_check(const ns_system *s, ns_fault *fault);
 
-/* z(t) seen from one side of t.  z: nz. */
+/* Writes z(t), from the left or from the right of t.  z: nz. */
 void ns_system_inputs(const ns_system *s, double t, ns_side side, double *z);
 
-/* w = M x: charges and fluxes.  x, w: n. */
+/* Writes w = M x, the charges and fluxes.  x, w: n. */
 void ns_system_charges(const ns_system *s, const double *x, double *w);
 
 /* The rows of (S1) put in the order differential first, algebraic last: finds T (n*n), nonsingular,

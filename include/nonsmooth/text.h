@@ -20,9 +20,9 @@
 extern "C" {
 #endif
 
-/* Why a text was refused. */
+/* Why a text was refused; plain data. */
 typedef struct ns_text_fault {
-    long line;       /* where; 0: not the text's fault */
+    long line;       /* where, from 1; 0: the reason is not in the text */
     char cause[160]; /* in one line of printable characters: "W(2,3) is '1..5', which is no number" */
 } ns_text_fault;
 
