@@ -1,4 +1,4 @@
-/* src/theta/create.c - the theta-gamma stepper: made, started, commanded, freed. */
+/* src/theta/create.c - the theta-gamma stepper: made and freed. */
 #include "theta_internal.h"
 
 #include "linalg/row_split.h"
@@ -154,80 +154,4 @@ void ns_theta_free(ns_theta *s) {
     ns_linalg_lu_free(s->lu);
     ns_mlcp_free(s->mlcp);
     free(s);
-}
-
-int ns_theta_fail(ns_theta *s, int status) {
-    s->fault.status = (ns_status)status;
-    return status;
-}
-
-void ns_theta_forget_failure(ns_theta *s) {
-    s->failed = 0;
-}
-
-void ns_theta_forget_recent(ns_theta *s) {
-    memset(s->recent, 0, sizeof s->recent);
-    s->last = NULL;
-}
-
-/* The mode that stands for "nothing known": at the finite bound nearest to zero, inside if there is none. */
-static ns_mode resting_mode(double l, double u) {
-    if (isfinite(l))
-        return NS_LOWER;
-    return isfinite(u) ? NS_UPPER : NS_INSIDE;
-}
-
-int ns_theta_start(ns_theta *s, const double *w0, const unsigned char *closed) {
-    if (!s || (!w0 && s->s->n > 0) || (!closed && s->s->nc > 0))
-        return NS_E_NULL;
-    s->failed = 0;
-    for (int i = 0; i < s->s->n; i++)
-        if (!isfinite(w0[i]))
-            return ns_theta_fail(s, NS_E_NUMBER);
-    ns_linalg_row_split_apply(s->s->n, 1, s->T, w0, s->w);
-    memset(s->d, 0, sizeof(double) * (size_t)s->s->n);
-    memset(s->d_noise, 0, sizeof(double) * (size_t)s->s->n);
-    s->noisy_h = 0;
-    for (int j = 0; j < s->s->m; j++) {
-        s->l[j] = s->s->l[j];
-        s->u[j] = s->s->u[j];
-        s->mode[j] = resting_mode(s->l[j], s->u[j]);
-    }
-    s->h = 0;
-    s->jumped = 0;
-    s->has_trial = 0;
-    return ns_theta_command(s, closed);
-}
-
-void ns_theta_set_bounds(ns_theta *s) {
-    ns_modes_shared_bound(s->s, s->twin, s->twins, s->mode, s->l, s->u);
-}
-
-int ns_theta_command(ns_theta *s, const unsigned char *closed) {
-    if (!s || (!closed && s->s->nc > 0))
-        return NS_E_NULL;
-    for (int c = 0; c < s->s->nc; c++) {
-        const int j = s->s->command[c].pair;
-        s->mode[j] = closed[c] ? NS_INSIDE : NS_LOWER;
-    }
-    ns_theta_set_bounds(s);
-    s->has_trial = 0;
-    ns_theta_forget_recent(s);
-    return NS_OK;
-}
-
-const double *ns_theta_controls(const ns_theta *s) {
-    return s->out + s->r * (s->carry ? 2 : 1);
-}
-
-const ns_mode *ns_theta_mode(const ns_theta *s) {
-    return s->mode;
-}
-
-const ns_counts *ns_theta_counts(const ns_theta *s) {
-    return &s->counts;
-}
-
-const ns_fault *ns_theta_fault(const ns_theta *s) {
-    return &s->fault;
 }

@@ -125,19 +125,11 @@ void ns_theta_map_rounding(ns_theta *s, ns_map *map, const ns_leaks *leaks, int 
             map->rate_noise[i + k * s->r] = rate_noise(s, nj, i, k);
 }
 
-/* The noise of d lives on: where lambda is the rate of what its constraint keeps, it swings between
- * theta = 1/2 steps, undamped.  It goes with 1/h, so that longer steps add none. */
-void ns_theta_rate_rounding(ns_theta *s, const ns_map *map) {
-    if (!s->carry || (!map->implicit && !(map->h < s->noisy_h)))
-        return;
-    for (int i = 0; i < s->r; i++)
-        s->sum[i] = 0;
+void ns_theta_rate_rounding(const ns_theta *s, const ns_map *map, double *rounding) {
+    memset(rounding, 0, sizeof(double) * (size_t)s->r);
     for (int k = 0; k < s->q; k++) {
         const double input = ns_theta_input_size(s, map, k);
         for (int i = 0; i < s->r; i++)
-            s->sum[i] += map->rate_noise[i + k * s->r] * input;
+            rounding[i] += map->rate_noise[i + k * s->r] * input;
     }
-    for (int i = 0; i < s->r; i++)
-        s->d_noise[i] = map->implicit ? s->sum[i] : fmax(s->d_noise[i], s->sum[i]);
-    s->noisy_h = map->h;
 }

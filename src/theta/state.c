@@ -1,9 +1,103 @@
-/* src/theta/state.c - the accepted point: saved, restored, put beyond a jump, read. */
-#include "name_fault.h"
+/* src/theta/state.c - the accepted point: where a start, a command, a step or a jump puts it; saved and
+ * restored. */
 #include "theta_internal.h"
+
+#include "linalg/simd.h"
+#include "linalg/row_split.h"
 
 #include <math.h>
 #include <string.h>
+
+/* The mode that stands for "nothing known": at the finite bound nearest to zero, inside if there is none. */
+static ns_mode resting_mode(double l, double u) {
+    if (isfinite(l))
+        return NS_LOWER;
+    return isfinite(u) ? NS_UPPER : NS_INSIDE;
+}
+
+int ns_theta_start(ns_theta *s, const double *w0, const unsigned char *closed) {
+    if (!s || (!w0 && s->s->n > 0) || (!closed && s->s->nc > 0))
+        return NS_E_NULL;
+    s->failed = 0;
+    for (int i = 0; i < s->s->n; i++)
+        if (!isfinite(w0[i]))
+            return ns_theta_fail(s, NS_E_NUMBER);
+    ns_linalg_row_split_apply(s->s->n, 1, s->T, w0, s->w);
+    memset(s->d, 0, sizeof(double) * (size_t)s->s->n);
+    memset(s->d_noise, 0, sizeof(double) * (size_t)s->s->n);
+    s->noisy_h = 0;
+    for (int j = 0; j < s->s->m; j++) {
+        s->l[j] = s->s->l[j];
+        s->u[j] = s->s->u[j];
+        s->mode[j] = resting_mode(s->l[j], s->u[j]);
+    }
+    s->h = 0;
+    s->jumped = 0;
+    s->has_trial = 0;
+    return ns_theta_command(s, closed);
+}
+
+void ns_theta_set_bounds(ns_theta *s) {
+    ns_modes_shared_bound(s->s, s->twin, s->twins, s->mode, s->l, s->u);
+}
+
+int ns_theta_command(ns_theta *s, const unsigned char *closed) {
+    if (!s || (!closed && s->s->nc > 0))
+        return NS_E_NULL;
+    for (int c = 0; c < s->s->nc; c++) {
+        const int j = s->s->command[c].pair;
+        s->mode[j] = closed[c] ? NS_INSIDE : NS_LOWER;
+    }
+    ns_theta_set_bounds(s);
+    s->has_trial = 0;
+    ns_theta_forget_recent(s);
+    return NS_OK;
+}
+
+/* The rounding of d does not decay: where lambda is the rate of what its constraint keeps, it alternates
+ * between steps of theta = 1/2, undamped.  It is proportional to 1/h, so that longer steps add none. */
+static void add_rate_rounding(ns_theta *s, const ns_map *map) {
+    if (!s->carry || (!map->implicit && !(map->h < s->noisy_h)))
+        return;
+    ns_theta_rate_rounding(s, map, s->sum);
+    for (int i = 0; i < s->r; i++)
+        s->d_noise[i] = map->implicit ? s->sum[i] : fmax(s->d_noise[i], s->sum[i]);
+    s->noisy_h = map->h;
+}
+
+int ns_theta_accept(ns_theta *s) {
+    if (!s)
+        return NS_E_NULL;
+    if (!s->has_trial)
+        return NS_E_STATE;
+    if (s->carry)
+        add_rate_rounding(s, s->trial_map);
+    ns_copy_few(s->r, s->out, s->w);
+    if (s->carry)
+        ns_copy_few(s->r, s->out + s->r, s->d);
+    double *in = s->in;
+    s->in = s->trial_in;
+    s->trial_in = in;
+    s->h = s->trial_h;
+    s->implicit = s->trial_implicit;
+    s->jumped = 0;
+    if (!s->trial_stands && memcmp(s->mode, s->trial_mode, (size_t)s->s->m) != 0) {
+        memcpy(s->mode, s->trial_mode, (size_t)s->s->m);
+        s->counts.events++;
+        ns_theta_forget_recent(s);
+    }
+    s->counts.steps++;
+    s->has_trial = 0;
+    return NS_OK;
+}
+
+void ns_theta_take_rates(ns_theta *s) {
+    add_rate_rounding(s, s->trial_map); /* of the step of 2 h; twice that for h */
+    for (int i = 0; i < s->r; i++) {
+        s->d[i] = 2 * s->rate[0][i] - s->rate[1][i];
+        s->d_noise[i] *= 5;
+    }
+}
 
 /* past = w, d, d_noise, in, noisy_h, h, implicit, jumped, at, mode */
 size_t ns_theta_past_size(const ns_theta *s) {
@@ -120,54 +214,4 @@ void ns_theta_set_controls(ns_theta *s, const double *x) {
         for (int j = 0; gx && j < s->s->n; j++)
             control[c] += gx[j] * x[j];
     }
-}
-
-/* What only follows from the state may overflow before it does.  y may be NULL. */
-static int check_read(ns_theta *s, const double *y) {
-    const int n = s->s->n, m = s->s->m;
-    ns_fault found = {.t = s->fault.t};
-    found.nunknowns = ns_theta_name_infinite(n, s->sol, found.unknown);
-    found.npairs = ns_theta_name_infinite(m, s->sol + n, found.pair);
-    if (found.nunknowns + found.npairs == 0)
-        found.npairs = ns_theta_name_infinite(m, y, found.pair);
-    if (found.nunknowns + found.npairs == 0)
-        return NS_OK;
-    s->fault = found;
-    return ns_theta_fail(s, NS_E_OVERFLOW);
-}
-
-/* x, lambda of the accepted point, into s->sol. */
-static int solve_at(ns_theta *s) {
-    const int all = s->s->n + s->s->m;
-    ns_map *map;
-    if (s->jumped) {
-        memcpy(s->sol, s->at, sizeof(double) * (size_t)all);
-        return NS_OK;
-    }
-    const int status = ns_theta_find_map(s, s->h, s->implicit, s->mode, &map);
-    if (status == NS_OK)
-        ns_linalg_matvec(all, s->q, map->full, s->in, s->sol);
-    return status;
-}
-
-int ns_theta_read(ns_theta *s, double *x, double *lambda, double *y) {
-    if (!s)
-        return NS_E_NULL;
-    if (!s->jumped && !(s->h > 0))
-        return NS_E_STATE;
-    const int status = solve_at(s);
-    if (status != NS_OK)
-        return ns_theta_fail(s, status);
-    const int n = s->s->n, m = s->s->m;
-    if (x)
-        memcpy(x, s->sol, sizeof(double) * (size_t)n);
-    if (lambda)
-        memcpy(lambda, s->sol + n, sizeof(double) * (size_t)m);
-    if (y) {
-        ns_linalg_copy((size_t)m, s->s->e, y);
-        ns_linalg_matvec_add(m, n, s->s->C, s->sol, y); /* (S3) */
-        ns_linalg_matvec_add(m, m, s->s->D, s->sol + n, y);
-        ns_linalg_matvec_add(m, s->s->nz, s->s->F, s->in + s->r, y);
-    }
-    return check_read(s, y);
 }

@@ -1,4 +1,4 @@
-/* src/theta/step.c - one step, tried and accepted. */
+/* src/theta/step.c - one step, tried. */
 #include "theta_internal.h"
 
 #include "linalg/simd.h"
@@ -14,7 +14,11 @@ static const double while_it_stands = 4e-15, of_an_answer = 1e-11;
  * charge that has gone is some eps of it. */
 static const double of_largest = 2e-4;
 
-/* The map of (h, implicit, mode), from the recent ones, the cache, or built. */
+void ns_theta_forget_recent(ns_theta *s) {
+    memset(s->recent, 0, sizeof s->recent);
+    s->last = NULL;
+}
+
 int ns_theta_find_map(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out) {
     *out = ns_theta_cache_find(&s->cache, h, implicit, mode, s->s->m);
     if (*out)
@@ -144,32 +148,6 @@ int ns_theta_try(ns_theta *s, double h, const double *z, int implicit, ns_policy
     return NS_OK;
 }
 
-int ns_theta_accept(ns_theta *s) {
-    if (!s)
-        return NS_E_NULL;
-    if (!s->has_trial)
-        return NS_E_STATE;
-    if (s->carry)
-        ns_theta_rate_rounding(s, s->trial_map);
-    ns_copy_few(s->r, s->out, s->w);
-    if (s->carry)
-        ns_copy_few(s->r, s->out + s->r, s->d);
-    double *in = s->in;
-    s->in = s->trial_in;
-    s->trial_in = in;
-    s->h = s->trial_h;
-    s->implicit = s->trial_implicit;
-    s->jumped = 0;
-    if (!s->trial_stands && memcmp(s->mode, s->trial_mode, (size_t)s->s->m) != 0) {
-        memcpy(s->mode, s->trial_mode, (size_t)s->s->m);
-        s->counts.events++;
-        ns_theta_forget_recent(s);
-    }
-    s->counts.steps++;
-    s->has_trial = 0;
-    return NS_OK;
-}
-
 int ns_theta_probe(ns_theta *s, double h, const double *z, int second) {
     const int status = ns_theta_try(s, h, z, 1, NS_HOLD);
     if (status != NS_OK)
@@ -177,12 +155,4 @@ int ns_theta_probe(ns_theta *s, double h, const double *z, int second) {
     memcpy(s->rate[second], s->out + s->r, sizeof(double) * (size_t)s->r);
     s->has_trial = 0;
     return NS_OK;
-}
-
-void ns_theta_take_rates(ns_theta *s) {
-    ns_theta_rate_rounding(s, s->trial_map); /* of the step of 2 h; twice that for h */
-    for (int i = 0; i < s->r; i++) {
-        s->d[i] = 2 * s->rate[0][i] - s->rate[1][i];
-        s->d_noise[i] *= 5;
-    }
 }
