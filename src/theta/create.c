@@ -7,52 +7,58 @@
 #include <stdlib.h>
 #include <string.h>
 
-static ns_mode *modes(size_t count, int *failed) {
-    ns_mode *v = calloc(count ? count : 1, sizeof(ns_mode));
-    *failed |= !v;
-    return v;
+/* All arrays of numbers but K, one block; those of the accepted point follow one another. */
+static int create_arrays(ns_theta *s) {
+    const size_t n = (size_t)s->s->n, m = (size_t)s->s->m, nz = (size_t)s->s->nz, nc = (size_t)s->s->nc;
+    const size_t size = n + m, all = size + n, q = n + nz + 1; /* at most: r = n, n holds */
+    const struct {
+        double **array;
+        size_t count;
+    } list[] = {{&s->M, n * n},
+                {&s->A, n * n},
+                {&s->T, n * n},
+                {&s->B, n * m},
+                {&s->b, n},
+                {&s->E, n * nz},
+                {&s->l, m},
+                {&s->u, m},
+                {&s->w, 3 * n + size},
+                {&s->in, q},
+                {&s->trial_in, q},
+                {&s->out, 2 * n + nc + 2 * m + 4},
+                {&s->sum, n},
+                {&s->rate[0], n},
+                {&s->rate[1], n},
+                {&s->X, size * q},
+                {&s->R, (2 * size + 1) * q},
+                {&s->Z, size * 2 * m},
+                {&s->leak, m},
+                {&s->rhs, all},
+                {&s->sol, all},
+                {&s->resid, all},
+                {&s->bl, all},
+                {&s->bu, all}};
+    size_t sum = 0;
+    for (size_t i = 0; i < sizeof list / sizeof *list; i++)
+        sum += (list[i].count + 1) & ~(size_t)1; /* each begins at a multiple of 16 bytes */
+    s->block = calloc(sum + 1, sizeof *s->block);
+    for (size_t i = 0, at = 0; s->block && i < sizeof list / sizeof *list; i++) {
+        *list[i].array = s->block + at;
+        at += (list[i].count + 1) & ~(size_t)1;
+    }
+    return s->block ? NS_OK : NS_E_MEMORY;
 }
 
-static int allocate(ns_theta *s) {
-    const size_t n = (size_t)s->s->n, m = (size_t)s->s->m, nz = (size_t)s->s->nz, nc = (size_t)s->s->nc;
-    const size_t all = 2 * n + m, q = n + nz + 1; /* as many holds as unknowns, r <= n */
-    const size_t size = n + m;
-    int failed = 0;
-    s->M = ns_linalg_vector(n * n, &failed);
-    s->A = ns_linalg_vector(n * n, &failed);
-    s->T = ns_linalg_vector(n * n, &failed);
-    s->B = ns_linalg_vector(n * m, &failed);
-    s->b = ns_linalg_vector(n, &failed);
-    s->E = ns_linalg_vector(n * nz, &failed);
-    s->l = ns_linalg_vector(m, &failed);
-    s->u = ns_linalg_vector(m, &failed);
-    s->w = ns_linalg_vector(n, &failed);
-    s->d = ns_linalg_vector(n, &failed);
-    s->d_noise = ns_linalg_vector(n, &failed);
-    s->sum = ns_linalg_vector(n, &failed);
-    s->rate[0] = ns_linalg_vector(n, &failed);
-    s->rate[1] = ns_linalg_vector(n, &failed);
-    s->in = ns_linalg_vector(q, &failed);
-    s->at = ns_linalg_vector(n + m, &failed);
-    s->trial_in = ns_linalg_vector(q, &failed);
-    s->out = ns_linalg_vector(2 * n + nc + 2 * m + 4, &failed);
-    s->X = ns_linalg_vector(size * q, &failed);
-    s->R = ns_linalg_vector((2 * size + 1) * q, &failed);
-    s->Z = ns_linalg_vector(size * 2 * m, &failed);
-    s->leak = ns_linalg_vector(m, &failed);
-    s->rhs = ns_linalg_vector(all, &failed);
-    s->sol = ns_linalg_vector(all, &failed);
-    s->resid = ns_linalg_vector(all, &failed);
-    s->bl = ns_linalg_vector(all, &failed);
-    s->bu = ns_linalg_vector(all, &failed);
-    s->control = ns_linalg_vector(nc, &failed);
-    s->mode = modes(m, &failed);
-    s->trial_mode = modes(m, &failed);
-    s->work_mode = modes(all, &failed);
-    s->inside = calloc(m + all + 1, sizeof(int));
-    failed |= !s->inside;
-    s->list = s->inside ? s->inside + m : NULL;
-    return failed ? NS_E_MEMORY : ns_theta_room(s, 0);
+static int create_lists(ns_theta *s) {
+    const size_t m = (size_t)s->s->m, all = 2 * (size_t)s->s->n + m;
+    s->inside = calloc(m + all + 1, sizeof *s->inside);
+    s->mode = calloc(2 * m + all + 1, sizeof *s->mode);
+    if (!s->inside || !s->mode)
+        return NS_E_MEMORY;
+    s->list = s->inside + m;
+    s->trial_mode = s->mode + m;
+    s->work_mode = s->trial_mode + m;
+    return NS_OK;
 }
 
 int ns_theta_room(ns_theta *s, int holds) {
@@ -80,7 +86,8 @@ int ns_theta_room(ns_theta *s, int holds) {
     return NS_OK;
 }
 
-static int split(ns_theta *s) {
+/* The system's rows, differential ones first. */
+static int split_system(ns_theta *s) {
     const int n = s->s->n;
     const int status = ns_system_split(s->s, s->T, &s->r);
     if (status != NS_OK)
@@ -94,6 +101,9 @@ static int split(ns_theta *s) {
         for (int i = s->r; i < n; i++)
             s->M[i + j * n] = 0; /* exactly: rounding of T M is all that could be left */
     s->q = s->r + s->s->nz + 1;
+    s->d = s->w + s->r;
+    s->d_noise = s->d + s->r;
+    s->at = s->d_noise + s->r;
     return NS_OK;
 }
 
@@ -123,9 +133,13 @@ int ns_theta_create(const ns_system *system, const ns_theta_options *o, ns_theta
     s->carry = o->theta < 1 || o->gamma < 1;
     s->cache.limit = o->map_bytes ? o->map_bytes : (size_t)32 << 20;
     s->fault.t = NAN;
-    status = allocate(s);
+    status = create_arrays(s);
     if (status == NS_OK)
-        status = split(s);
+        status = create_lists(s);
+    if (status == NS_OK)
+        status = ns_theta_room(s, 0);
+    if (status == NS_OK)
+        status = split_system(s);
     if (status == NS_OK)
         status = ns_modes_shared_find(system, &s->twin, &s->twins);
     if (status != NS_OK) {
@@ -139,15 +153,9 @@ int ns_theta_create(const ns_system *system, const ns_theta_options *o, ns_theta
 void ns_theta_free(ns_theta *s) {
     if (!s)
         return;
-    double *const arrays[] = {s->M,     s->A,    s->T,   s->B,        s->b,   s->E,       s->l,       s->u,
-                              s->w,     s->d,    s->in,  s->trial_in, s->out, s->K,       s->X,       s->R,
-                              s->Z,     s->leak, s->rhs, s->d_noise,  s->sum, s->rate[0], s->rate[1], s->sol,
-                              s->resid, s->bl,   s->bu,  s->control,  s->at};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        free(arrays[i]);
+    free(s->block);
+    free(s->K);
     free(s->mode);
-    free(s->trial_mode);
-    free(s->work_mode);
     free(s->inside);
     free(s->twin);
     ns_theta_cache_clear(&s->cache);

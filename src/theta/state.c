@@ -22,9 +22,10 @@ int ns_theta_start(ns_theta *s, const double *w0, const unsigned char *closed) {
     for (int i = 0; i < s->s->n; i++)
         if (!isfinite(w0[i]))
             return ns_theta_fail(s, NS_E_NUMBER);
-    ns_linalg_row_split_apply(s->s->n, 1, s->T, w0, s->w);
-    memset(s->d, 0, sizeof(double) * (size_t)s->s->n);
-    memset(s->d_noise, 0, sizeof(double) * (size_t)s->s->n);
+    ns_linalg_row_split_apply(s->s->n, 1, s->T, w0, s->sum);
+    memcpy(s->w, s->sum, sizeof(double) * (size_t)s->r);
+    memset(s->d, 0, sizeof(double) * (size_t)s->r);
+    memset(s->d_noise, 0, sizeof(double) * (size_t)s->r);
     s->noisy_h = 0;
     for (int j = 0; j < s->s->m; j++) {
         s->l[j] = s->s->l[j];
@@ -57,7 +58,7 @@ int ns_theta_command(ns_theta *s, const unsigned char *closed) {
 /* The rounding of d does not decay: where lambda is the rate of what its constraint keeps, it alternates
  * between steps of theta = 1/2, undamped.  It is proportional to 1/h, so that longer steps add none. */
 static void add_rate_rounding(ns_theta *s, const ns_map *map) {
-    if (!s->carry || (!map->implicit && !(map->h < s->noisy_h)))
+    if (!map->implicit && !(map->h < s->noisy_h))
         return;
     ns_theta_rate_rounding(s, map, s->sum);
     for (int i = 0; i < s->r; i++)
@@ -99,47 +100,40 @@ void ns_theta_take_rates(ns_theta *s) {
     }
 }
 
-/* past = w, d, d_noise, in, noisy_h, h, implicit, jumped, at, mode */
+/* past: w, d, d_noise and at, which follow one another; in; noisy_h, h, implicit, jumped; mode */
 size_t ns_theta_past_size(const ns_theta *s) {
-    return s ? (size_t)(3 * s->r + s->q + 4 + s->s->n + 2 * s->s->m) : 0;
+    if (!s)
+        return 0;
+    const size_t numbers = (size_t)(3 * s->r + s->s->n + s->s->m + s->q + 4);
+    return numbers + ((size_t)s->s->m * sizeof *s->mode + sizeof(double) - 1) / sizeof(double);
 }
 
 void ns_theta_save(const ns_theta *s, double *past) {
     if (!s || !past)
         return;
-    const size_t r = (size_t)s->r, q = (size_t)s->q, all = (size_t)s->s->n + (size_t)s->s->m;
-    memcpy(past, s->w, sizeof(double) * r);
-    memcpy(past + r, s->d, sizeof(double) * r);
-    memcpy(past + 2 * r, s->d_noise, sizeof(double) * r);
-    memcpy(past + 3 * r, s->in, sizeof(double) * q);
-    past += 3 * r + q;
+    const size_t point = (size_t)(3 * s->r + s->s->n + s->s->m), q = (size_t)s->q;
+    memcpy(past, s->w, sizeof *past * point);
+    memcpy(past + point, s->in, sizeof *past * q);
+    past += point + q;
     *past++ = s->noisy_h;
     *past++ = s->h;
     *past++ = s->implicit;
     *past++ = s->jumped;
-    memcpy(past, s->at, sizeof(double) * all);
-    past += all;
-    for (int j = 0; j < s->s->m; j++)
-        past[j] = s->mode[j];
+    memcpy(past, s->mode, sizeof *s->mode * (size_t)s->s->m);
 }
 
 void ns_theta_restore(ns_theta *s, const double *past) {
     if (!s || !past)
         return;
-    const size_t r = (size_t)s->r, q = (size_t)s->q, all = (size_t)s->s->n + (size_t)s->s->m;
-    memcpy(s->w, past, sizeof(double) * r);
-    memcpy(s->d, past + r, sizeof(double) * r);
-    memcpy(s->d_noise, past + 2 * r, sizeof(double) * r);
-    memcpy(s->in, past + 3 * r, sizeof(double) * q);
-    past += 3 * r + q;
+    const size_t point = (size_t)(3 * s->r + s->s->n + s->s->m), q = (size_t)s->q;
+    memcpy(s->w, past, sizeof *past * point);
+    memcpy(s->in, past + point, sizeof *past * q);
+    past += point + q;
     s->noisy_h = *past++;
     s->h = *past++;
     s->implicit = (int)*past++;
     s->jumped = (int)*past++;
-    memcpy(s->at, past, sizeof(double) * all);
-    past += all;
-    for (int j = 0; j < s->s->m; j++)
-        s->mode[j] = (ns_mode)past[j];
+    memcpy(s->mode, past, sizeof *s->mode * (size_t)s->s->m);
     ns_theta_set_bounds(s);
     s->has_trial = 0;
     ns_theta_forget_recent(s);

@@ -41,6 +41,7 @@ typedef struct ns_cache {
 
 struct ns_theta {
     const ns_system *s;
+    double *block; /* all arrays of numbers but K */
     double theta, gamma;
     int carry; /* theta or gamma below 1: d is part of the past */
     int r;     /* differential rows */
@@ -88,7 +89,6 @@ struct ns_theta {
     int *list;                     /* n+m: work */
     ns_shared_branch *twin;        /* pairs across switches, */
     int twins;                     /* so many */
-    double *control;               /* nc */
     int failed; /* K, rhs, bl, bu hold the problem, of this size, of the call that failed last; 0: none */
     double failed_h; /* length of its step, 0: an operating point */
     ns_counts counts;
@@ -120,8 +120,8 @@ int ns_theta_guards_hold(const ns_theta *s, const ns_map *map, double tol);
 /* theta/guards.c: the mode (m) with the pairs changed whose guards broke; 0 if there is none. */
 int ns_theta_guards_flip(const ns_theta *s, const ns_map *map, double tol, ns_mode *mode);
 
-/* guard_rounding.c: what d may be off by after the step of this map, before it is accepted. */
-void ns_theta_rate_rounding(ns_theta *s, const ns_map *map);
+/* guard_rounding.c: what d may be off by after the step of this map, before it is accepted: r. */
+void ns_theta_rate_rounding(const ns_theta *s, const ns_map *map, double *rounding);
 
 /* map_cache.c */
 ns_map *ns_theta_cache_find(ns_cache *c, double h, int implicit, const ns_mode *mode, int m);
@@ -130,15 +130,20 @@ void ns_theta_cache_insert(ns_cache *c, ns_map *map, int m);
 long ns_theta_cache_trim(ns_cache *c, int m, const ns_map *keep);
 void ns_theta_cache_clear(ns_cache *c);
 
-/* theta/create.c: keeps the status in the fault and returns it; forgets maps of the mode that was; gives
- * commanded pairs the bounds of their state, which their mode tells. */
-int ns_theta_fail(ns_theta *s, int status);
 /* theta/create.c: room for problems of n+m+holds unknowns.  Errors: MEMORY (it is as before). */
 int ns_theta_room(ns_theta *s, int holds);
+
+/* step.c: forgets the maps of the mode that was. */
 void ns_theta_forget_recent(ns_theta *s);
-/* theta/create.c: the problem of the call that failed last is not asked for any more. */
-void ns_theta_forget_failure(ns_theta *s);
+
+/* state.c: gives commanded pairs the bounds of their state, which their mode tells. */
 void ns_theta_set_bounds(ns_theta *s);
+
+/* Keeps the status in the fault and returns it. */
+static inline int ns_theta_fail(ns_theta *s, int status) {
+    s->fault.status = (ns_status)status;
+    return status;
+}
 
 /* theta/step.c: the map of (h, implicit, mode) from the cache, or built and kept.  Errors:
  * ns_theta_map_build(). */
@@ -159,10 +164,15 @@ void ns_theta_set_controls(ns_theta *s, const double *x);
 /* state.c: w there, row i; s has it before the jump. */
 double ns_theta_jump_w(const ns_theta *s, int i, const double *x, const double *X, const double *Lambda);
 
-/* The trial and the problem that failed are gone: their arrays get used. */
+/* The problem that failed last is gone: its arrays get used, or nobody asks for it any more. */
+static inline void ns_theta_forget_failure(ns_theta *s) {
+    s->failed = 0;
+}
+
+/* So is the trial. */
 static inline void ns_theta_discard(ns_theta *s) {
     s->has_trial = 0;
-    s->failed = 0;
+    ns_theta_forget_failure(s);
 }
 
 /* impulse.c: ns_theta_impulse(), but what the laws leave open of values is as near to `near` (n+m: x, lambda)
