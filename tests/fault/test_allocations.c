@@ -351,9 +351,9 @@ static void circuits_and_systems(void **state) {
 
 static void marches(void **state) {
     (void)state;
-    on(rectifier(), a_march, 50);
+    on(rectifier(), a_march, 38);
     on(rectifier(), an_operating_point, 40);
-    on(floating_bridge(), a_short_march, 40);
+    on(floating_bridge(), a_short_march, 37);
     on(rectifier(), an_exact, 50);
     on(rectifier(), a_sparse_march, 50);
     on(two_rectifiers(), an_exact, 100);
