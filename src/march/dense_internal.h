@@ -1,4 +1,4 @@
-/* src/march/dense_internal.h - shared by dense_run.c and dense_start.c. */
+/* src/march/dense_internal.h - shared by dense_run.c, dense_trial.c and dense_start.c. */
 #ifndef NS_MARCH_DENSE_INTERNAL_H
 #define NS_MARCH_DENSE_INTERNAL_H
 
@@ -29,9 +29,11 @@ typedef struct ns_dense_run {
     ns_fault fault;
 } ns_dense_run;
 
-/* dense_run.c: keeps the status, the time and the stepper's fault of a failure; returns the status. */
+/* dense_trial.c: keeps the status, the time and the stepper's fault of a failure, and returns the status;
+ * back to the accepted point; the trial becomes the accepted point (STATE: there is none). */
 int ns_march_dense_fail(ns_dense_run *r, int status);
-int ns_march_dense_accept(ns_engine *e);
+void ns_march_dense_drop(ns_dense_run *r);
+int ns_march_dense_accept(ns_dense_run *r);
 
 /* dense_start.c: start and start_dc of the table. */
 int ns_march_dense_start(ns_engine *e, double t0, const double *w0, const unsigned char *closed);

@@ -5,7 +5,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 static ns_dense_run *run_of(ns_engine *e) {
     return (ns_dense_run *)(void *)e;
@@ -13,21 +12,6 @@ static ns_dense_run *run_of(ns_engine *e) {
 
 static const ns_dense_run *run_in(const ns_engine *e) {
     return (const ns_dense_run *)(const void *)e;
-}
-
-int ns_march_dense_fail(ns_dense_run *r, int status) {
-    const ns_fault *from = ns_theta_fault(r->step);
-    const int pair = r->ladder ? ns_ladder_contradiction(r->ladder) : -1;
-    r->fault = *from;
-    if (status != (int)from->status)
-        r->fault.npairs = r->fault.nunknowns = 0;
-    if (status == NS_E_LIMIT && pair >= 0) {
-        r->fault.npairs = 1;
-        r->fault.pair[0] = pair;
-    }
-    r->fault.status = (ns_status)status;
-    r->fault.t = r->trial.now.t;
-    return status;
 }
 
 static void free_run(ns_engine *e) {
@@ -70,24 +54,6 @@ static int exact_is_ready(const ns_dense_run *r) {
     return r->exact && !ns_exact_in_fallback(r->exact);
 }
 
-static void copy_point(ns_dense_point *to, const ns_dense_point *from, size_t nc) {
-    unsigned char *flip = to->flip;
-    memcpy(flip, from->flip, nc);
-    *to = *from;
-    to->flip = flip;
-}
-
-static void drop_trial(ns_dense_run *r) {
-    if (r->moved) {
-        ns_theta_restore(r->step, r->past);
-        copy_point(&r->trial, &r->accepted, (size_t)r->s->nc);
-        ns_ladder_drop(r->ladder);
-        if (r->exact)
-            ns_exact_drop(r->exact);
-    }
-    r->moved = r->has_trial = 0;
-}
-
 /* The exact engine fails often, and no switch chatters. */
 static int fails_often(const ns_dense_run *r) {
     enum { OFTEN = 64 };
@@ -127,10 +93,10 @@ static int try_to(ns_engine *e, double t, ns_until until, double *reached) {
         return ns_march_dense_fail(r, NS_E_RANGE);
     const int again = r->has_trial && (t == r->trial.now.t || (t == r->asked && until == r->until));
     if (!again) {
-        drop_trial(r);
+        ns_march_dense_drop(r);
         const int status = go_to(r, t, until);
         if (status != NS_OK) {
-            drop_trial(r);
+            ns_march_dense_drop(r);
             return status;
         }
         r->has_trial = 1;
@@ -142,20 +108,11 @@ static int try_to(ns_engine *e, double t, ns_until until, double *reached) {
 }
 
 static void drop(ns_engine *e) {
-    drop_trial(run_of(e));
+    ns_march_dense_drop(run_of(e));
 }
 
-int ns_march_dense_accept(ns_engine *e) {
-    ns_dense_run *r = run_of(e);
-    if (!r->has_trial)
-        return NS_E_STATE;
-    ns_theta_save(r->step, r->past);
-    copy_point(&r->accepted, &r->trial, (size_t)r->s->nc);
-    ns_ladder_accept(r->ladder);
-    if (r->exact)
-        ns_exact_accept(r->exact);
-    r->moved = r->has_trial = 0;
-    return NS_OK;
+static int accept_trial(ns_engine *e) {
+    return ns_march_dense_accept(run_of(e));
 }
 
 /* --- what is read --- */
@@ -224,7 +181,7 @@ static const ns_engine_table table = {
     .start_dc = ns_march_dense_start_dc,
     .try_to = try_to,
     .drop = drop,
-    .accept = ns_march_dense_accept,
+    .accept = accept_trial,
     .read = read_point,
     .mode = mode_of,
     .at_event = at_event,

@@ -47,7 +47,7 @@ int ns_march_dense_start(ns_engine *e, double t0, const double *w0, const unsign
     if (status != NS_OK)
         return ns_march_dense_fail(r, status);
     r->started = r->has_trial = 1;
-    return ns_march_dense_accept(e);
+    return ns_march_dense_accept(r);
 }
 
 static int start_dc(ns_dense_run *r, double t0, int nhold, const int *hold, const double *hold_x, double *x,

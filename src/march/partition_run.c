@@ -32,32 +32,6 @@ static int allocate(ns_partition_run *f) {
     return NS_OK;
 }
 
-/* A fault of an island, in indices of the whole. */
-static void translate(const ns_island *i, ns_fault *fault) {
-    for (int k = 0; k < fault->npairs; k++)
-        fault->pair[k] = i->pair[fault->pair[k]];
-    for (int k = 0; k < fault->nunknowns; k++)
-        fault->unknown[k] = i->unknown[fault->unknown[k]];
-}
-
-static void keep_fault(ns_partition_run *f, int part) {
-    f->fault = *f->part[part].run->table->fault(f->part[part].run);
-    translate(f->part[part].island, &f->fault);
-    f->failed = part;
-}
-
-int ns_march_partition_fail(ns_partition_run *f, int part, int status) {
-    keep_fault(f, part);
-    f->has_trial = 0;
-    return status;
-}
-
-int ns_march_partition_fail_here(ns_partition_run *f, int status) {
-    f->fault = (ns_fault){.status = (ns_status)status, .t = f->accepted};
-    f->failed = -1;
-    return status;
-}
-
 static int make_runs(ns_partition_run *f, const ns_march_options *o, ns_fault *fault) {
     ns_march_options each = *o;
     int status = allocate(f);
@@ -68,7 +42,7 @@ static int make_runs(ns_partition_run *f, const ns_march_options *o, ns_fault *f
         s->island = &f->islands.island[k];
         status = ns_march_run_create(s->island->s, &each, &s->run, fault);
         if (status != NS_OK && fault)
-            translate(s->island, fault);
+            ns_march_partition_translate(s->island, fault);
     }
     return status;
 }
@@ -186,7 +160,7 @@ static int read_point(ns_engine *e, double *t, double *x, double *lambda, double
         const int read = f->part[k].run->table->read(f->part[k].run, NULL, f->x, f->lambda, f->y);
         if (read != NS_OK) {
             status = read;
-            keep_fault(f, k);
+            ns_march_partition_keep_fault(f, k);
         }
         if (read != NS_OK && read != NS_E_OVERFLOW) /* which is written all the same */
             return status;

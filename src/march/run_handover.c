@@ -5,13 +5,6 @@
 
 #include <stdlib.h>
 
-static int make_sparse(const ns_system *s, const ns_sparse_options *o, ns_engine **out, ns_fault *fault) {
-    ns_sparse *sparse;
-    const int status = ns_sparse_create(s, o, &sparse, fault);
-    *out = (ns_engine *)(void *)sparse;
-    return status;
-}
-
 /* Systems that are large are written out first. */
 static int make_dense(ns_run *r, ns_engine **out, ns_fault *fault) {
     int status = ns_march_too_large(r->s) ? NS_E_SIZE : NS_OK;
@@ -88,7 +81,7 @@ static int leave_dense(ns_run *r) {
     ns_engine *sparse = NULL;
     int status = read_accepted(r, &t, &w, &closed);
     if (status == NS_OK)
-        status = make_sparse(r->s, &options, &sparse, NULL);
+        status = ns_sparse_table_create(r->s, &options, &sparse, NULL);
     if (status == NS_OK)
         status = sparse->table->start(sparse, t, w, closed);
     free(closed);
@@ -116,7 +109,7 @@ void ns_march_run_try_sparse(ns_run *r, int dense_failed) {
 int ns_march_run_make_engine(ns_run *r, ns_fault *fault) {
     ns_sparse_options options;
     if (ns_march_begins_sparse(r->s, &r->options, &options))
-        return make_sparse(r->s, &options, &r->at_work, fault);
+        return ns_sparse_table_create(r->s, &options, &r->at_work, fault);
     const int status = make_dense(r, &r->at_work, fault);
     r->is_dense = 1;
     if (status == NS_OK)

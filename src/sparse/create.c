@@ -115,7 +115,6 @@ int ns_sparse_create(const ns_system *s, const ns_sparse_options *o, ns_sparse *
     ns_sparse *m = calloc(1, sizeof *m);
     if (!m)
         return NS_E_MEMORY;
-    ns_sparse_table_set(m);
     m->o = *o;
     m->o.reltol = o->reltol > 0 ? o->reltol : 1e-9;
     m->o.bytes = o->bytes ? o->bytes : (size_t)64 << 20;

@@ -30,4 +30,7 @@ int ns_sparse_at_event(const ns_sparse *m);
 const ns_counts *ns_sparse_counts(ns_sparse *m);
 const ns_fault *ns_sparse_fault(const ns_sparse *m);
 
+/* table.c: as ns_sparse_create(), as an engine. */
+int ns_sparse_table_create(const ns_system *s, const ns_sparse_options *o, ns_engine **out, ns_fault *fault);
+
 #endif

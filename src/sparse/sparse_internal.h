@@ -234,7 +234,4 @@ void ns_sparse_event_own(ns_sparse *m, const ns_dense_step *leg, double t);
  * NULL: a start. */
 int ns_sparse_resolve(ns_sparse *m, const ns_dense_step *leg, double t);
 
-/* table.c: m gets the functions of an engine. */
-void ns_sparse_table_set(ns_sparse *m);
-
 #endif

@@ -81,6 +81,11 @@ static const ns_engine_table table = {
     .problem = problem,
 };
 
-void ns_sparse_table_set(ns_sparse *m) {
-    m->engine.table = &table;
+int ns_sparse_table_create(const ns_system *s, const ns_sparse_options *o, ns_engine **out, ns_fault *fault) {
+    ns_sparse *m;
+    const int status = ns_sparse_create(s, o, &m, fault);
+    *out = m ? &m->engine : NULL;
+    if (m)
+        m->engine.table = &table;
+    return status;
 }
