@@ -80,47 +80,51 @@ int ns_mlcp_same(ns_mlcp_solver *s, int same);
  * Errors: NULL. */
 int ns_mlcp_alike(ns_mlcp_solver *s, int alike);
 
-/* Solves p.  mode (m) is read as the mode to start from (any content is allowed: entries that do not
- * fit their bounds are mended) and holds the mode of the answer on success.  lambda (m) and y (m) are
- * written on success.  info may be NULL.  No memory is taken.
- * Method (auto): up to 64 pairs, principal pivoting from the mode on a transform of W that is kept for the
- * next solve with the same W; of more pairs, by blocks, with the factors of the last mode kept, and by
- * proximal points where blocks are singular.  Where that fails, the starting mode is made a nonsingular basis
- * (where its equations are singular, pairs are exchanged until they are not), its guards are read, and if
- * they hold, no pivot is made; otherwise Lemke's method from that basis with lexicographic ties; then
- * interior point, Newton, enumeration of few pairs, and once more in units of the problem's own.  The answer
- * is computed anew from W and q in its mode, refined, and its natural residual is checked before NS_OK. Where
- * equalities are redundant (two closed switches in parallel) the answer is, in what they leave open, the one
- * of least norm, in units of the scaling of W: equal shares for equal switches. info->fault.pair, at most
- * NS_FAULT_MAX: INFEASIBLE: the pairs that the certificate rests on, or whose equations are left unsatisfied,
- * the heaviest first; SINGULAR: the equalities that no basis takes beside the others.  Of other errors it
- * says nothing, of NS_OK it is empty. Verdicts: OK, solved: every y and lambda is what its laws ask for but
- * for 1e-10 of the terms that make it up, rounding of the largest lambda of its part among them (a problem
- * whose q lacks no more than that may be called solved);
- * INFEASIBLE, no solution exists: proved by a certificate (info->certified), or, for few pairs, by having
- * tried every mode; LIMIT, gave up, or all that was found is lambda of which rounding of W leaves no digit
- * (nearly singular equations). Errors: NULL, SIZE (p->m larger than the workspace), NUMBER, BOUNDS (l > u, or
- * both the same infinity); SINGULAR (no basis holds all equalities, and no answer of least norm was found),
- * INFEASIBLE, LIMIT, RESIDUAL, OVERFLOW (an answer has numbers that no double holds). */
+/* Solves p.  mode (m): the mode to start from (entries that do not fit their bounds are corrected); on
+ * success the mode of the solution.  lambda (m), y (m): written on success.  info may be NULL.  Allocates no
+ * memory.
+ *
+ * Order of NS_MLCP_AUTO: up to 64 pairs, principal pivoting from the given mode, on a transform of W that is
+ * kept for the next solve with the same W; of more pairs, by blocks, with the factors of the last mode kept,
+ * and by proximal points where blocks are singular.  Where that fails, pairs are exchanged until the starting
+ * mode is a nonsingular basis; if its guards hold, no pivot is made, else Lemke's method starts there, with
+ * lexicographic ties; then interior point, Newton, enumeration of few pairs, and all once more in units of
+ * the problem's own. The solution is computed anew from W and q in its mode, refined, and its natural
+ * residual is checked.
+ *
+ * Where equalities are redundant (two closed switches in parallel), what they do not determine gets least
+ * norm, in units of the scaling of W: equal shares for equal switches.
+ *
+ * OK: every y and lambda satisfies its law but for 1e-10 of the terms it is summed from, among them the
+ * rounding of the largest lambda of its part (a problem whose q lacks no more than that may count as solved).
+ * INFEASIBLE: no solution exists, proved by a certificate (info->certified) or, for few pairs, by trying
+ * every mode.  LIMIT: gave up, or the only lambda found has no digit that rounding of W leaves (nearly
+ * singular). SINGULAR: no basis holds all equalities, and no solution of least norm was found.  OVERFLOW: a
+ * solution has numbers that no double holds.  Also RESIDUAL, NULL, SIZE (p->m larger than the workspace),
+ * NUMBER, BOUNDS (l > u, or both the same infinity).
+ *
+ * info->fault.pair, at most NS_FAULT_MAX: of INFEASIBLE the pairs that the certificate rests on, or whose
+ * equations stay unsatisfied, the largest first; of SINGULAR the equalities that fit into no basis; else
+ * empty. */
 int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *lambda, double *y,
                   ns_mlcp_info *info);
 
-/* After a solve that answered INFEASIBLE with info->certified: v (m), owned by the solver until its next
- * solve, such that (Farkas)  0 = sum_i v_i (y_i - q_i) - sum_j (W' v)_j lambda_j  holds for no y and lambda
- * of the signs and bounds of the problem.  NULL otherwise. */
+/* The proof of a solve that returned INFEASIBLE with info->certified: v (m), owned by the solver until its
+ * next solve, such that (Farkas)  0 = sum_i v_i (y_i - q_i) - sum_j (W' v)_j lambda_j  holds for no y and
+ * lambda of the signs and bounds of the problem.  NULL otherwise. */
 const double *ns_mlcp_certificate(const ns_mlcp_solver *s);
 
-/* Checks such a v from the problem alone.  By how much the least value that the right side of the line above
- * can take lies above 0, relative to the terms it is summed from; > 0 proves that no solution exists, up to
- * rounding.  -1 where v proves nothing; NAN for bad input.  Each column on demand is asked for once; NAN
- * where one cannot be had, or where memory for one is short (m > 128). */
+/* Checks such a v from the problem alone.  Returns by how much the least value of the right side of the line
+ * above exceeds 0, relative to the terms it is summed from: > 0 proves, up to rounding, that no solution
+ * exists; -1: v proves nothing; NAN: bad input.  Each column on demand is asked for once; NAN if one cannot
+ * be had, or if memory for one is short (m > 128). */
 double ns_mlcp_certify(const ns_mlcp *p, const double *v);
 
-/* The natural residual  max_i |lambda_i - proj_[l,u](lambda_i - y_i)|  with row i scaled so that it is
- * relative to the sizes of the terms that make it up (1e-16: as good as rounding allows), for
- * y = W lambda + q computed here from the problem.  *worst (may be NULL) gets the row.
- * Shares nothing with the solver.  Returns NAN for bad input.  Each column on demand is asked for once and
- * all are kept meanwhile; NAN where one cannot be had, or where memory is short (m > 128, or W on demand). */
+/* Returns the natural residual  max_i |lambda_i - proj_[l,u](lambda_i - y_i)|  for y = W lambda + q, computed
+ * here from the problem; row i is scaled by the terms it is summed from (1e-16: as good as rounding allows).
+ * *worst (may be NULL) gets the row.  Shares no code with the solver.  NAN for bad input.  Each column on
+ * demand is asked for once and all are kept meanwhile; NAN if one cannot be had, or if memory is short (m >
+ * 128, or W on demand). */
 double ns_mlcp_residual(const ns_mlcp *p, const double *lambda, int *worst);
 
 #ifdef __cplusplus
