@@ -87,12 +87,10 @@ int ns_exact_create(ns_theta *step, ns_dense_point *point, double h, ns_exact **
     ns_exact_watch_pieces(NS_POLE, f->pieces);
     f->acting = calloc((size_t)f->system->nz + 1, 1);
     int status = f->acting ? ns_system_acting(f->system, f->acting) : NS_E_MEMORY;
-    const int *input = NULL;
     if (status == NS_OK)
         status = ns_inputs_events_create(f->system, f->acting, &f->schedule);
-    const int entering = status == NS_OK ? ns_inputs_events_entering(f->schedule, &input) : 0;
     if (status == NS_OK)
-        status = ns_inputs_states_create(f->system, entering, input, &f->exo);
+        status = ns_inputs_states_create(f->system, f->schedule, &f->exo);
     if (status == NS_OK)
         status = allocate(f);
     step->counts.input_states = f->exo ? f->exo->nv : 0;

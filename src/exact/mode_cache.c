@@ -123,9 +123,9 @@ static int list_rates(const ns_exact *f, const ns_mode_kernel *stage, ns_mode_ra
     *at_once = count < stage->r;
     for (int i = 0; i < f->exo->nv; i++) {
         const ns_input_state *is = &f->exo->state[i];
-        const double dies = is->decay > 0 ? DEAD / is->decay : INFINITY;
-        if ((is->kind == NS_EXO_DECAY || is->kind == NS_EXO_COS) && dies > instant)
-            rate[count++] = (ns_mode_rate){hypot(is->decay, is->omega), dies};
+        const double dies = is->wave.theta > 0 ? DEAD / is->wave.theta : INFINITY;
+        if ((is->kind == NS_STATE_DECAY || is->kind == NS_STATE_COS) && dies > instant)
+            rate[count++] = (ns_mode_rate){hypot(is->wave.theta, is->omega), dies};
     }
     qsort(rate, (size_t)count, sizeof *rate, by_size);
     return count;

@@ -1,47 +1,67 @@
 /* src/inputs/input_stages.c - inputs as sums of exponentials between corners; instants of commands. */
 #include "input_stages.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "modes/bernstein_root.h"
 #include "switch_times.h"
-#include "waves.h"
+#include "system/each_entry.h"
 
-static const double control_tol = NS_CONTROL_TOL;
-enum { MOST_PIECES = 64, MOST_STEPS = 64, FAR = 16 };
+/* Instants of commands are looked for this many times as far as a step reaches. */
+static const double look_ahead = 2;
+
+static const double two_pi = 6.28318530717958647693;
+
+static void mark_entering(void *context, int row, int input, double value) {
+    ns_input_stages *in = context;
+    (void)row;
+    (void)value;
+    in->enters[input] = 1;
+}
 
 /* Marks inputs that more than commands of time depend on. */
 static void find_entering(ns_input_stages *in) {
-    const ns_form *f = in->f;
-    for (int k = 0; k < f->nz; k++)
-        in->enters[k] = f->E.start[k + 1] > f->E.start[k] || f->F.start[k + 1] > f->F.start[k];
-    for (int c = 0; c < f->nc; c++)
-        for (int i = f->gz.start[c]; f->gx.start[c + 1] > f->gx.start[c] && i < f->gz.start[c + 1]; i++)
-            in->enters[f->gz.row[i]] = 1;
+    const ns_system *s = in->s;
+    ns_system_each_entry(s->E, NS_CSC_OF(s, E), s->n, s->nz, mark_entering, in);
+    ns_system_each_entry(s->F, NS_CSC_OF(s, F), s->m, s->nz, mark_entering, in);
+    for (int c = 0; c < s->nc; c++)
+        if (!ns_inputs_is_time_only(s, c))
+            for (int q = 0; q < ns_inputs_gains(s, c); q++) {
+                int input;
+                if (ns_inputs_gain(s, c, q, &input) != 0)
+                    in->enters[input] = 1;
+            }
 }
 
-int ns_inputs_stages_create(const ns_system *s, const ns_form *f, ns_input_stages **out) {
-    const size_t nz = (size_t)s->nz, nc = (size_t)s->nc;
+static void find_terms(ns_input_stages *in) {
+    double base;
+    for (int k = 0; k < in->s->nz; k++)
+        in->terms[k] = ns_inputs_wave_terms(&in->s->z[k], in->term[k], in->term_wave[k], &base);
+}
+
+int ns_inputs_stages_create(const ns_system *s, ns_input_stages **out) {
+    const size_t nz = (size_t)s->nz + 1;
     *out = NULL;
     ns_input_stages *in = calloc(1, sizeof *in);
     if (!in)
         return NS_E_MEMORY;
     in->s = s;
-    in->f = f;
-    in->wave = calloc(nz + 1, sizeof *in->wave);
-    in->review = calloc(2 * nc + nz + 1, sizeof(double));
-    in->curved = calloc(nz + 1, sizeof(int));
-    in->enters = calloc(nz + 1, 1);
-    if (!in->wave || !in->review || !in->curved || !in->enters) {
+    in->wave = calloc(nz, sizeof *in->wave);
+    in->term = calloc(nz, sizeof *in->term);
+    in->term_wave = calloc(nz, sizeof *in->term_wave);
+    in->most = calloc(nz, sizeof *in->most);
+    in->terms = calloc(2 * nz, sizeof(int));
+    in->closed = calloc((size_t)s->nc + 1, 1);
+    in->enters = calloc(nz, 1);
+    const int made = in->wave && in->term && in->term_wave && in->most && in->terms && in->closed;
+    if (!made || !in->enters || ns_inputs_events_create(s, NULL, &in->commands) != NS_OK) {
         ns_inputs_stages_free(in);
         return NS_E_MEMORY;
     }
-    in->instant = in->review + nc;
-    in->most = in->instant + nc;
+    in->curved = in->terms + nz;
     find_entering(in);
+    find_terms(in);
     ns_inputs_stages_reset(in);
     *out = in;
     return NS_OK;
@@ -50,9 +70,13 @@ int ns_inputs_stages_create(const ns_system *s, const ns_form *f, ns_input_stage
 void ns_inputs_stages_free(ns_input_stages *in) {
     if (!in)
         return;
+    ns_inputs_events_free(in->commands);
     free(in->wave);
-    free(in->review);
-    free(in->curved);
+    free(in->term);
+    free(in->term_wave);
+    free(in->most);
+    free(in->terms);
+    free(in->closed);
     free(in->enters);
     free(in);
 }
@@ -60,50 +84,30 @@ void ns_inputs_stages_free(ns_input_stages *in) {
 void ns_inputs_stages_reset(ns_input_stages *in) {
     for (int k = 0; k < in->s->nz; k++)
         in->wave[k].from = INFINITY;
-    for (int c = 0; c < in->s->nc; c++)
-        in->review[c] = -INFINITY;
     in->corner = in->first = -INFINITY;
 }
 
-static void exponential(ns_exp_sum *w, double c_re, double c_im, double s_re, double s_im) {
-    w->c[w->count][0] = c_re;
-    w->c[w->count][1] = c_im;
-    w->s[w->count][0] = s_re;
-    w->s[w->count++][1] = s_im;
+/* Adds the exponential of a term that has begun: (cc - i cs) (c + i s) at t. */
+static void add_exponential(const ns_wave_term *x, const ns_wave *wave, double t, ns_exp_sum *w) {
+    double c, s;
+    ns_inputs_wave_at(wave, fmax(t, wave->td), &c, &s);
+    w->c[w->count][0] = x->cc * c + x->cs * s;
+    w->c[w->count][1] = x->cc * s - x->cs * c;
+    w->s[w->count][0] = -wave->theta;
+    w->s[w->count][1] = two_pi * wave->freq;
+    w->value -= w->c[w->count++][0];
 }
 
-static void take_sine(const ns_signal *s, double t, ns_exp_sum *w) {
-    static const double pi = 3.14159265358979323846;
-    const double since = t - s->u.sin.td, turns = s->u.sin.freq * since + s->u.sin.phase / 360;
-    if (w->until == s->u.sin.td) /* at rest before it */
-        return;
-    const double angle = 2 * pi * (turns - floor(turns)), damped = exp(-since * s->u.sin.theta);
-    const double size = s->u.sin.va * (s->u.sin.theta != 0 ? damped : 1);
-    exponential(w, size * sin(angle), -size * cos(angle), -s->u.sin.theta, 2 * pi * s->u.sin.freq);
-}
-
-static void take_exp(const ns_signal *s, double t, ns_exp_sum *w) {
-    const double v = s->u.exp.v2 - s->u.exp.v1, d = 8 * DBL_EPSILON;
-    const double one = t - s->u.exp.td1 + d * fabs(s->u.exp.td1),
-                 two = t - s->u.exp.td2 + d * fabs(s->u.exp.td2);
-    if (one < 0)
-        return;
-    exponential(w, -v * exp(-fmax(0, t - s->u.exp.td1) / s->u.exp.tau1), 0, -1 / s->u.exp.tau1, 0);
-    if (two >= 0)
-        exponential(w, v * exp(-fmax(0, t - s->u.exp.td2) / s->u.exp.tau2), 0, -1 / s->u.exp.tau2, 0);
-}
-
-static void take(const ns_signal *s, double t, ns_exp_sum *w) {
+static void expand_input(ns_input_stages *in, int k, double t) {
+    const ns_signal *s = &in->s->z[k];
+    ns_exp_sum *w = &in->wave[k];
     *w = (ns_exp_sum){
         .from = t, .until = ns_signal_next_corner(s, t), .value = ns_signal_value(s, t, NS_RIGHT)};
-    if (s->kind == NS_SIN)
-        take_sine(s, t, w);
-    else if (s->kind == NS_EXP)
-        take_exp(s, t, w);
-    else if (isfinite(w->until))
+    if (ns_signal_is_linear(s) && isfinite(w->until))
         w->slope = (ns_signal_value(s, w->until, NS_LEFT) - w->value) / (w->until - t);
-    for (int i = 0; i < w->count; i++)
-        w->value -= w->c[i][0];
+    for (int i = 0; i < in->terms[k]; i++)
+        if (t >= in->term[k][i].from - ns_system_signal_slack(t, in->term[k][i].from))
+            add_exponential(&in->term[k][i], &in->term_wave[k][i], t, w);
 }
 
 /* The sum of the sizes of its exponentials. */
@@ -120,7 +124,7 @@ void ns_inputs_stages_at(ns_input_stages *in, double t) {
     for (int k = 0; k < in->s->nz; k++) {
         ns_exp_sum *w = &in->wave[k];
         if (!(w->from <= t && t < w->until) || (w->count > 0 && w->from != t))
-            take(&in->s->z[k], t, w);
+            expand_input(in, k, t);
         if (!in->enters[k])
             continue;
         in->corner = fmin(in->corner, w->until);
@@ -184,192 +188,25 @@ int ns_inputs_stages_stage(const ns_input_stages *in, double t, double g, int i,
     return any;
 }
 
-double ns_inputs_stages_excess(const ns_input_stages *in, int c, int closed, const double *z, double tol) {
-    const ns_command *k = &in->s->command[c];
-    const ns_csc *gz = &in->f->gz;
-    double g = k->g0, size = fabs(k->g0);
-    for (int i = gz->start[c]; i < gz->start[c + 1]; i++) {
-        g += gz->value[i] * z[gz->row[i]];
-        size += fabs(gz->value[i] * z[gz->row[i]]);
+void ns_inputs_stages_find_command(ns_input_stages *in, double t, double h, const ns_mode *mode) {
+    if (in->first == -INFINITY) {
+        for (int c = 0; c < in->s->nc; c++)
+            in->closed[c] = mode[in->s->command[c].pair] == NS_INSIDE;
+        ns_inputs_events_seek(in->commands, t, NS_RIGHT, in->closed);
     }
-    return (closed ? k->off - g : g - k->on) - tol * size;
+    in->first = ns_inputs_events_next(in->commands, t + look_ahead * h);
 }
 
-/* A command's control, less the threshold that would change it, where lines and constants in it have no
- * corner: base + slope (t - from) and waves, counted with its sign. */
-typedef struct piece {
-    const ns_input_stages *in;
-    int c;
-    double sign, from, base, slope, size;
-} piece;
-
-static int is_wave(const ns_signal *z) {
-    return z->kind == NS_SIN || z->kind == NS_EXP;
-}
-
-static double waves(const piece *p, double t) {
-    const ns_csc *gz = &p->in->f->gz;
-    double sum = 0;
-    for (int i = gz->start[p->c]; i < gz->start[p->c + 1]; i++)
-        if (is_wave(&p->in->s->z[gz->row[i]]))
-            sum += gz->value[i] * ns_signal_value(&p->in->s->z[gz->row[i]], t, NS_LEFT);
-    return sum;
-}
-
-/* From a to b; to b's right side if so. */
-static piece piece_of(const ns_input_stages *in, int c, int closed, double a, double b) {
-    const ns_command *k = &in->s->command[c];
-    const ns_csc *gz = &in->f->gz;
-    const double at = k->g0 - (closed ? k->off : k->on);
-    piece p = {in, c, closed ? -1 : 1, a, at, 0, fabs(k->g0)};
-    for (int i = gz->start[c]; i < gz->start[c + 1]; i++) {
-        const ns_signal *z = &in->s->z[gz->row[i]];
-        const double last = gz->value[i] * ns_signal_value(z, b, NS_LEFT);
-        p.size += fabs(last);
-        if (is_wave(z))
-            continue;
-        const double first = gz->value[i] * ns_signal_value(z, a, NS_RIGHT);
-        p.base += first;
-        p.slope += (last - first) / (b - a);
+int ns_inputs_stages_flip_commands(ns_input_stages *in, double t, ns_mode *mode, double *sum) {
+    int count = 0;
+    while (ns_inputs_events_next(in->commands, t) <= t) {
+        const ns_time_event *event = ns_inputs_events_pass(in->commands);
+        for (int k = 0; k < event->flips; k++) {
+            ns_mode *of = &mode[in->s->command[event->flip[k]].pair];
+            *of = *of == NS_INSIDE ? NS_LOWER : NS_INSIDE;
+        }
+        count += event->flips;
+        *sum += event->t * event->flips;
     }
-    return p;
-}
-
-/* Positive where it would change. */
-static double excess(const piece *p, double t) {
-    return p->sign * (p->base + p->slope * (t - p->from) + waves(p, t));
-}
-
-static double short_of(const void *p, double t) {
-    return -excess(p, t);
-}
-
-/* Where it crosses in (a, b], to rounding. */
-static double instant_of(const piece *p, double a, double b) {
-    return ns_modes_chords(short_of, p, a, b, DBL_EPSILON);
-}
-
-/* The rate of an exponential factor * exp(-a (t - from)), and a bound of how that changes from t to b. */
-static void add_decay(double factor, double a, double t, double b, double from, double *rate, double *bend) {
-    const double now = exp(-a * (t - from));
-    *rate -= factor * a * now;
-    *bend += fabs(factor) * a * a * (a < 0 ? exp(-a * (b - from)) : now);
-}
-
-/* The same of a wave that has no corner before b. */
-static void add_wave(const ns_signal *z, double factor, double t, double b, double *rate, double *bend) {
-    if (z->kind == NS_EXP) {
-        const double v = factor * (z->u.exp.v2 - z->u.exp.v1);
-        if (b > z->u.exp.td1)
-            add_decay(-v, 1 / z->u.exp.tau1, t, b, z->u.exp.td1, rate, bend);
-        if (b > z->u.exp.td2)
-            add_decay(v, 1 / z->u.exp.tau2, t, b, z->u.exp.td2, rate, bend);
-    } else if (z->kind == NS_SIN && b > z->u.sin.td) {
-        const double w = 6.28318530717958647693 * z->u.sin.freq, theta = z->u.sin.theta;
-        const double since = t - z->u.sin.td, va = factor * z->u.sin.va;
-        const double angle = w * since + z->u.sin.phase * (6.28318530717958647693 / 360);
-        const double now = theta != 0 ? exp(-theta * since) : 1;
-        const double most = theta < 0 ? exp(-theta * (b - z->u.sin.td)) : now;
-        *rate += va * now * (w * cos(angle) - theta * sin(angle));
-        *bend += fabs(va) * most * (w * w + theta * theta);
-    }
-}
-
-/* Whether it may turn round between two crests of its sine: a wave with anything else that moves. */
-static int may_turn(const piece *p) {
-    const ns_csc *gz = &p->in->f->gz;
-    int moves = p->slope != 0;
-    int bent = 0;
-    for (int i = gz->start[p->c]; i < gz->start[p->c + 1]; i++) {
-        const ns_signal *z = &p->in->s->z[gz->row[i]];
-        moves += is_wave(z) + (z->kind == NS_EXP || (z->kind == NS_SIN && z->u.sin.theta != 0));
-        bent += is_wave(z);
-    }
-    return bent && moves > 1;
-}
-
-/* Where it crosses in (a, b]: by steps that no crossing can be inside of (switch_time_search.c); INFINITY:
- * nowhere up to *b, which is less if they were too many. */
-static double crossing(const piece *p, double a, double *b) {
-    const ns_csc *gz = &p->in->f->gz;
-    double at = a, before = a;
-    for (int k = 0; k < MOST_STEPS; k++) {
-        const double over = excess(p, at), beyond = over - control_tol * p->size;
-        double rate = p->sign * p->slope, bend = 0;
-        for (int i = gz->start[p->c]; i < gz->start[p->c + 1]; i++)
-            add_wave(&p->in->s->z[gz->row[i]], p->sign * gz->value[i], at, *b, &rate, &bend);
-        const int leaves = k == 0 && rate < 0; /* it has just changed: what is left is rounding */
-        const int there = beyond >= -4 * DBL_EPSILON * p->size && !leaves;
-        const double tau = there ? 0 : ns_inputs_switch_step(fmin(0, beyond), rate, bend);
-        if (tau <= DBL_EPSILON * fabs(at))
-            return over > 0 ? instant_of(p, before, at) : at;
-        if (at + tau >= *b)
-            return INFINITY;
-        before = over <= 0 ? at : before;
-        at += tau;
-    }
-    *b = at;
-    return INFINITY;
-}
-
-/* How far after t its control is sure to cross at most once, if it is but one line or sine. */
-static double reach(const ns_input_stages *in, int c, double t, double horizon) {
-    const ns_csc *gz = &in->f->gz;
-    double until = INFINITY;
-    for (int i = gz->start[c]; i < gz->start[c + 1]; i++) {
-        const ns_signal *z = &in->s->z[gz->row[i]];
-        until = fmin(until, ns_signal_next_corner(z, t));
-        if (z->kind == NS_SIN && z->u.sin.freq != 0 && z->u.sin.va != 0)
-            until = fmin(until, ns_inputs_wave_crest(z, t));
-        else if (z->kind == NS_EXP)
-            until = fmin(until, t + horizon);
-    }
-    return until;
-}
-
-static int jumps(const ns_input_stages *in, int c, double t) {
-    const ns_csc *gz = &in->f->gz;
-    for (int i = gz->start[c]; i < gz->start[c + 1]; i++) {
-        const ns_signal *z = &in->s->z[gz->row[i]];
-        if (ns_signal_value(z, t, NS_LEFT) != ns_signal_value(z, t, NS_RIGHT))
-            return 1;
-    }
-    return 0;
-}
-
-/* Its instant after t, piece by piece, up to a jump, or to where it is to be looked for again. */
-static void look(ns_input_stages *in, int c, int closed, double t, double horizon) {
-    double from = t;
-    in->instant[c] = INFINITY;
-    for (int pieces = 0; pieces < MOST_PIECES; pieces++) {
-        double until = in->review[c] = reach(in, c, from, horizon);
-        if (!isfinite(until))
-            return;
-        const piece p = piece_of(in, c, closed, from, until);
-        if (may_turn(&p))
-            in->instant[c] = crossing(&p, from, &until);
-        else if (excess(&p, until) > control_tol * p.size)
-            in->instant[c] = instant_of(&p, from, until);
-        in->review[c] = until;
-        if (isfinite(in->instant[c]) || until > t + FAR * horizon || jumps(in, c, until))
-            return;
-        from = until;
-    }
-}
-
-void ns_inputs_stages_bracket(ns_input_stages *in, double t, double horizon, const ns_mode *mode) {
-    in->first = INFINITY;
-    for (int c = 0; c < in->s->nc; c++) {
-        if (in->f->gx.start[c + 1] > in->f->gx.start[c] || in->f->gz.start[c + 1] == in->f->gz.start[c])
-            continue;
-        if (!(t < in->review[c] && t < in->instant[c]))
-            look(in, c, mode[in->s->command[c].pair] == NS_INSIDE, t, horizon);
-        in->first = fmin(in->first, fmin(in->review[c], in->instant[c]));
-    }
-}
-
-double ns_inputs_stages_change(ns_input_stages *in, int c, int closed, double t, double horizon) {
-    for (int k = 0; k < MOST_PIECES && in->instant[c] > t && in->review[c] <= t; k++)
-        look(in, c, closed, in->review[c], horizon);
-    return in->instant[c];
+    return count;
 }

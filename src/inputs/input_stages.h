@@ -1,33 +1,38 @@
 /* src/inputs/input_stages.h - inputs between their corners, as what implicit Euler makes of them; and when
- * commands that depend on time only change.  Nothing is looked at again before it has a corner. */
+ * commands that depend on time only change. */
 #ifndef NS_INPUTS_INPUT_STAGES_H
 #define NS_INPUTS_INPUT_STAGES_H
 
-#include "sparse/assemble.h"
+#include "time_events.h"
 
 /* From `from` up to `until`: z(from+tau) = value + slope tau + sum of Re c exp(s tau). */
 typedef struct ns_exp_sum {
     double from, until, value, slope;
     int count;
-    double c[2][2], s[2][2]; /* real, imaginary */
+    double c[NS_TERMS][2], s[NS_TERMS][2]; /* real, imaginary */
 } ns_exp_sum;
 
 typedef struct ns_input_stages {
     const ns_system *s;
-    const ns_form *f;
+    /* inputs */
+    int *terms;                     /* nz: how many terms each has (waves.h), */
+    ns_wave_term (*term)[NS_TERMS]; /* nz: these, */
+    ns_wave (*term_wave)[NS_TERMS]; /* nz: and the wave of each */
+    unsigned char *enters;          /* nz: more than commands of time depend on it */
+    double *most;                   /* nz: how large it ever was */
+    /* where they were last expanded */
     ns_exp_sum *wave; /* nz */
-    double corner;    /* the first after the last t, of those that enter (P2) or controls of the state */
-    double *review;   /* nc: up to when the instant is known; -INFINITY: not */
-    double *instant;  /* nc: when it changes, INFINITY: not before review */
-    double first;     /* of instants and reviews */
+    double corner;    /* the first after it, of those that enter */
     int *curved;      /* those that enter and have exponentials or slopes */
     int ncurved;
-    unsigned char *enters; /* nz */
-    double *most;          /* nz: how large it ever was */
+    /* commands that depend on time only */
+    ns_time_events *commands; /* their instants */
+    unsigned char *closed;    /* nc: work */
+    double first;             /* the next of them; INFINITY: not soon; -INFINITY: to be looked for anew */
 } ns_input_stages;
 
-int ns_inputs_stages_create(const ns_system *s, const ns_form *f, ns_input_stages **out); /* Errors: MEMORY */
-void ns_inputs_stages_free(ns_input_stages *in); /* NULL is allowed */
+int ns_inputs_stages_create(const ns_system *s, ns_input_stages **out); /* Errors: MEMORY */
+void ns_inputs_stages_free(ns_input_stages *in);                        /* NULL is allowed */
 
 /* Forgets what it knows of times; then everything is looked at again. */
 void ns_inputs_stages_reset(ns_input_stages *in);
@@ -43,13 +48,12 @@ int ns_inputs_stages_stage(const ns_input_stages *in, double t, double g, int i,
  * size. */
 double ns_inputs_stages_error(const ns_input_stages *in, double g, int order);
 
-/* By how much time-only command c is beyond its threshold at inputs z, less a share tol of its terms. */
-double ns_inputs_stages_excess(const ns_input_stages *in, int c, int closed, const double *z, double tol);
+/* in->first: the next instant at which time-only commands change.  They are as in mode, at the right side of
+ * t, where nothing is known yet.  h: no step from t is longer. */
+void ns_inputs_stages_find_command(ns_input_stages *in, double t, double h, const ns_mode *mode);
 
-/* Looks for the instants of time-only commands after t; horizon: how far where nothing else bounds it. */
-void ns_inputs_stages_bracket(ns_input_stages *in, double t, double horizon, const ns_mode *mode);
-
-/* The next instant at which time-only command c changes, looked for as far as t at least; INFINITY: none. */
-double ns_inputs_stages_change(ns_input_stages *in, int c, int closed, double t, double horizon);
+/* Flips the modes of time-only commands that change up to t, after ns_inputs_stages_find_command(); how many,
+ * and their instants are added to *sum. */
+int ns_inputs_stages_flip_commands(ns_input_stages *in, double t, ns_mode *mode, double *sum);
 
 #endif

@@ -7,22 +7,23 @@
 #ifndef NS_INPUTS_INPUT_STATES_H
 #define NS_INPUTS_INPUT_STATES_H
 
-#include "nonsmooth/system.h"
+#include "time_events.h"
 
 typedef enum ns_input_kind {
-    NS_EXO_ONE,
-    NS_EXO_VALUE,
-    NS_EXO_SLOPE,
-    NS_EXO_DECAY,
-    NS_EXO_COS,
-    NS_EXO_SIN
+    NS_STATE_ONE,
+    NS_STATE_VALUE,
+    NS_STATE_SLOPE,
+    NS_STATE_DECAY, /* this and what follows: waves */
+    NS_STATE_COS,
+    NS_STATE_SIN
 } ns_input_kind;
 
 typedef struct ns_input_state {
     ns_input_kind kind;
-    int input;           /* VALUE, SLOPE: of this one */
-    double decay, omega; /* DECAY, COS, SIN: 1/s, */
-    double from;         /* which are zero before */
+    int input;    /* VALUE, SLOPE: of this one */
+    ns_wave wave; /* DECAY, COS, SIN: c, c, s of this one, */
+    double omega; /* 2 pi wave.freq, 1/s, */
+    double from;  /* and zero before */
 } ns_input_state;
 
 typedef struct ns_input_states {
@@ -35,8 +36,8 @@ typedef struct ns_input_states {
     int *mute;             /* which */
 } ns_input_states;
 
-/* input (entering): the inputs that enter.  Errors: MEMORY. */
-int ns_inputs_states_create(const ns_system *s, int entering, const int *input, ns_input_states **out);
+/* Of the inputs that enter the schedule.  Errors: MEMORY. */
+int ns_inputs_states_create(const ns_system *s, const ns_time_events *schedule, ns_input_states **out);
 void ns_inputs_states_free(ns_input_states *e); /* NULL is allowed */
 
 /* v (nv) at t, from what ns_inputs_events_values() says there. */

@@ -135,20 +135,20 @@ static void look_from(ns_switch_times *c, double t) {
 int ns_inputs_switch_create(const ns_system *s, int command, const ns_broken_line *pieces,
                             ns_switch_times *c) {
     const ns_command *k = &s->command[command];
-    int lines = 0, curves = 0;
+    const int gains = ns_inputs_gains(s, command);
+    int curves = 0, input;
     *c = (ns_switch_times){.on = k->on, .off = k->off, .g0 = k->g0, .least = k->g0, .most = k->g0};
-    for (int i = 0; k->gz && i < s->nz; i++) {
-        const int acts = k->gz[i] != 0, straight = ns_signal_is_linear(&s->z[i]);
-        lines += acts && straight;
-        curves += acts && !straight;
-    }
-    if (allocate(c, lines, curves) != NS_OK)
+    for (int q = 0; q < gains; q++)
+        curves += ns_inputs_gain(s, command, q, &input) != 0 && !ns_signal_is_linear(&s->z[input]);
+    if (allocate(c, gains, curves) != NS_OK)
         return NS_E_MEMORY;
-    for (int i = 0; k->gz && i < s->nz; i++)
-        if (k->gz[i] != 0 && ns_signal_is_linear(&s->z[i]))
-            take_line(c, k->gz[i], &pieces[i]);
-        else if (k->gz[i] != 0)
-            take_curve(c, k->gz[i], &s->z[i]);
+    for (int q = 0; q < gains; q++) {
+        const double gain = ns_inputs_gain(s, command, q, &input);
+        if (gain != 0 && ns_signal_is_linear(&s->z[input]))
+            take_line(c, gain, &pieces[input]);
+        else if (gain != 0)
+            take_curve(c, gain, &s->z[input]);
+    }
     return c->lines == 1 && c->terms == 0 && c->line->run.line ? tabulate(c) : NS_OK;
 }
 

@@ -56,6 +56,22 @@ typedef struct ns_switch_value {
     double g, size, slope, bend;
 } ns_switch_value;
 
+/* The control of command c does not depend on the state. */
+static inline int ns_inputs_is_time_only(const ns_system *s, int c) {
+    return s->large ? s->large->gx.start[c + 1] == s->large->gx.start[c] : !s->command[c].gx;
+}
+
+/* The gains by which inputs enter the control of command c, some of them zero: their number; the q-th. */
+static inline int ns_inputs_gains(const ns_system *s, int c) {
+    return s->large ? s->large->gz.start[c + 1] - s->large->gz.start[c] : s->command[c].gz ? s->nz : 0;
+}
+
+static inline double ns_inputs_gain(const ns_system *s, int c, int q, int *input) {
+    const int at = s->large ? s->large->gz.start[c] + q : q;
+    *input = s->large ? s->large->gz.row[at] : q;
+    return s->large ? s->large->gz.value[at] : s->command[c].gz[q];
+}
+
 /* pieces: nz, those of the lines that act on commands; they must outlive the command.  Errors: MEMORY. */
 int ns_inputs_switch_create(const ns_system *s, int command, const ns_broken_line *pieces,
                             ns_switch_times *c);

@@ -258,10 +258,6 @@ int ns_inputs_events_terms(const ns_time_events *s, const ns_wave_term **term) {
     return s->terms;
 }
 
-int ns_inputs_events_term_counts(const ns_time_events *s, int k) {
-    return s->begun[k];
-}
-
 int ns_inputs_events_entering(const ns_time_events *s, const int **input) {
     *input = s->input;
     return s->entering;

@@ -9,9 +9,6 @@
  *         const ns_time_event *what = ns_inputs_events_pass(s);
  *         ... inputs right of what->t: ns_inputs_events_values(s, what->t, z, dz) ...
  *     }
- *
- * An input enters if it acts on the circuit: a column of E or F, or of gz of a command whose gx is not NULL,
- * is not zero.  One that only drives time-only commands has no instants of its own.
  */
 #ifndef NS_INPUTS_TIME_EVENTS_H
 #define NS_INPUTS_TIME_EVENTS_H
@@ -31,8 +28,8 @@ typedef struct ns_time_event {
     const int *flip;  /* in no order */
 } ns_time_event;
 
-/* s has to outlive the schedule and not to change.  acting (nz, or NULL): the inputs to take for those that
- * enter. Errors: NULL, MEMORY. */
+/* s has to outlive the schedule and not to change.  acting (nz): the inputs that enter; NULL: none does.
+ * Errors: NULL, MEMORY. */
 int ns_inputs_events_create(const ns_system *s, const unsigned char *acting, ns_time_events **out);
 void ns_inputs_events_free(ns_time_events *s); /* NULL is allowed */
 
@@ -67,8 +64,6 @@ void ns_inputs_events_values(const ns_time_events *s, double t, double *z, doubl
  * `from` on, and ns_inputs_events_values() adds `before` or `after`, by where the schedule stands. */
 int ns_inputs_events_waves(const ns_time_events *s, const ns_wave **wave);
 int ns_inputs_events_terms(const ns_time_events *s, const ns_wave_term **term);
-int ns_inputs_events_term_counts(const ns_time_events *s,
-                                 int k); /* whether term k has begun where it stands */
 
 /* The inputs that enter; their number. */
 int ns_inputs_events_entering(const ns_time_events *s, const int **input);

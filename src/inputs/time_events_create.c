@@ -4,20 +4,6 @@
 
 #include <stdlib.h>
 
-static int column_acts(int rows, const double *a, int k) {
-    for (int i = 0; i < rows; i++)
-        if (a[(size_t)i + (size_t)k * (size_t)rows] != 0)
-            return 1;
-    return 0;
-}
-
-static int enters(const ns_system *s, int k) {
-    int acts = column_acts(s->n, s->E, k) || column_acts(s->m, s->F, k);
-    for (int c = 0; c < s->nc && !acts; c++)
-        acts = s->command[c].gx && s->command[c].gz && s->command[c].gz[k] != 0;
-    return acts;
-}
-
 static int wave_of(ns_time_events *s, const ns_wave *w) {
     int k = 0;
     while (k < s->waves &&
@@ -41,12 +27,12 @@ static void take_curve(ns_time_events *s, int input) {
 
 static void take_inputs(ns_time_events *s, const unsigned char *acting) {
     for (int i = 0; i < s->s->nz; i++)
-        if (ns_signal_is_linear(&s->s->z[i]) && (acting ? acting[i] : enters(s->s, i))) {
+        if (ns_signal_is_linear(&s->s->z[i]) && acting && acting[i]) {
             s->run[s->lines++].line = &s->pieces[i];
             s->input[s->entering++] = i;
         }
     for (int i = 0; i < s->s->nz; i++)
-        if (!ns_signal_is_linear(&s->s->z[i]) && (acting ? acting[i] : enters(s->s, i)))
+        if (!ns_signal_is_linear(&s->s->z[i]) && acting && acting[i])
             take_curve(s, i);
 }
 
@@ -61,7 +47,7 @@ static int cut_lines(ns_time_events *s) {
 static int take_commands(ns_time_events *s) {
     int status = NS_OK;
     for (int c = 0; c < s->s->nc && status == NS_OK; c++) {
-        if (s->s->command[c].gx)
+        if (!ns_inputs_is_time_only(s->s, c))
             continue;
         s->command_index[s->commands] = c;
         status = ns_inputs_switch_create(s->s, c, s->pieces, &s->command[s->commands++]);

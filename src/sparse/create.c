@@ -87,7 +87,7 @@ static int make(ns_sparse *m, const ns_system *s) {
     if (status == NS_OK)
         status = ns_sparse_factors_create(m->f, m->o.bytes, &m->q);
     if (status == NS_OK)
-        status = ns_inputs_stages_create(m->s, m->f, &m->in);
+        status = ns_inputs_stages_create(m->s, &m->in);
     if (status == NS_OK)
         status = ns_sparse_shared_find(m->s, m->f, &m->twin, &m->twins);
     if (status == NS_OK)

@@ -101,7 +101,7 @@ static int go_on(ns_sparse *m) {
     }
     if (m->in->first == -INFINITY) { /* it was gone back to: its instants are known no more */
         ns_inputs_stages_at(m->in, from->t);
-        ns_inputs_stages_bracket(m->in, from->t, m->o.h, from->mode);
+        ns_inputs_stages_find_command(m->in, from->t, m->o.h, from->mode);
     }
     status = from->why == NS_LEG_EVENT ? past_event(m, t, from, to) : ns_sparse_next_step(m, t, from, to);
     if (is_refusal(status) && m->contradicted < 0)

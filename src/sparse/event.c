@@ -62,25 +62,12 @@ int ns_sparse_event_consistent(ns_sparse *m, double t, double g, const double *w
     }
 }
 
-/* Commands of time change that do so now; at a jump of their inputs, or at a start, those that have to. Jumps
- * that only rounding keeps apart are one. */
+/* Commands of time change that do so now, or, at a start, have to; events that only rounding keeps apart are
+ * one. */
 void ns_sparse_event_command(ns_sparse *m, double t) {
-    const ns_form *f = m->f;
-    const double now = t + 8 * DBL_EPSILON * fabs(t);
-    (void)ns_inputs_stages_stage(m->in, t, 0, 0, m->z);
-    for (int k = 0; k < m->s->nz; k++)
-        if (m->in->wave[k].until <= now)
-            m->z[k] = ns_signal_value(&m->s->z[k], now, NS_RIGHT);
-    for (int c = 0; c < m->s->nc; c++) {
-        const int j = m->s->command[c].pair, closed = m->mode[j] == NS_INSIDE;
-        if (f->gx.start[c + 1] > f->gx.start[c])
-            continue;
-        const int due = m->in->instant[c] <= now && m->in->review[c] > -INFINITY;
-        if (due || ns_inputs_stages_excess(m->in, c, closed, m->z, 1e-12) > 0) {
-            m->mode[j] = closed ? NS_LOWER : NS_INSIDE;
-            m->in->review[c] = -INFINITY;
-        }
-    }
+    double sum = 0;
+    ns_inputs_stages_find_command(m->in, t, m->o.h, m->mode);
+    (void)ns_inputs_stages_flip_commands(m->in, t + ns_system_signal_slack(t, t), m->mode, &sum);
 }
 
 /* By how much by (n) moves w is no more than what events are located to. */
@@ -163,9 +150,8 @@ void ns_sparse_event_crowd(ns_sparse *m, int keep) {
 }
 
 int ns_sparse_event_at(const ns_sparse *m, double t) {
-    for (int c = 0; c < m->s->nc; c++)
-        if (m->in->review[c] > -INFINITY && m->in->instant[c] <= t)
-            return 1;
+    if (m->in->first <= t)
+        return 1;
     for (int k = 0; k < m->s->nz; k++)
         if (m->in->wave[k].until == t &&
             ns_signal_value(&m->s->z[k], t, NS_LEFT) != ns_signal_value(&m->s->z[k], t, NS_RIGHT))

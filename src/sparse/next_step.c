@@ -70,7 +70,7 @@ int ns_sparse_next_step(ns_sparse *m, double t, const ns_dense_step *before, ns_
     leg->time_lost = before ? ns_sparse_step_past(before) : 0;
     fit_usual(m, before, leg);
     ns_inputs_stages_at(m->in, t);
-    ns_inputs_stages_bracket(m->in, t, m->o.h, m->mode);
+    ns_inputs_stages_find_command(m->in, t, m->o.h, m->mode);
     const double limit = fmax(fmin(m->in->corner, m->in->first), nextafter(t, INFINITY));
     const double h = ldexp(m->o.h, -leg->rung);
     int status;
@@ -92,7 +92,7 @@ int ns_sparse_capture(ns_sparse *m, double t, const ns_dense_step *before, ns_de
     memcpy(m->next_w, m->w, sizeof(double) * n);
     memcpy(m->old_mode, m->mode, pairs);
     ns_inputs_stages_at(m->in, t);
-    ns_inputs_stages_bracket(m->in, t, m->o.h, m->mode);
+    ns_inputs_stages_find_command(m->in, t, m->o.h, m->mode);
     const double limit = fmax(fmin(m->in->corner, m->in->first), nextafter(t, INFINITY));
     for (int less = NS_CAPTURE_FIRST; less >= 2 && status != NS_OK; less -= 4) {
         memcpy(m->w, m->next_w, sizeof(double) * n);

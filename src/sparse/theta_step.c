@@ -71,25 +71,11 @@ static void take_inputs(ns_sparse *m, double t) {
 
 /* Commands of time that change until t do; their mean instant. */
 static double take_commands(ns_sparse *m, double t) {
-    ns_input_stages *in = m->in;
     double sum = 0;
-    int count = 0;
-    for (int c = 0; c < m->s->nc; c++) {
-        const int j = m->s->command[c].pair;
-        if (in->instant[c] > t && in->review[c] > t)
-            continue;
-        const double at = ns_inputs_stages_change(in, c, m->mode[j] == NS_INSIDE, t, m->o.h);
-        in->review[c] = -INFINITY;
-        if (at <= t) {
-            m->mode[j] = m->mode[j] == NS_INSIDE ? NS_LOWER : NS_INSIDE;
-            sum += at;
-            count++;
-        }
-    }
+    const int count = ns_inputs_stages_flip_commands(m->in, t, m->mode, &sum);
     if (count > 0)
         ns_sparse_guard_bounds(m);
-    ns_inputs_stages_at(in, t);
-    ns_inputs_stages_bracket(in, t, m->o.h, m->mode);
+    ns_inputs_stages_at(m->in, t);
     m->scheme.corner = -INFINITY; /* waves were looked at elsewhere */
     return count > 0 ? sum / count : t;
 }
@@ -198,15 +184,10 @@ static void mix(const ns_sparse *m, const ns_dense_step *leg, double share) {
 
 /* Commands are again as they were in leg->mode. */
 static void take_back(ns_sparse *m, const ns_dense_step *leg) {
-    for (int c = 0; c < m->s->nc; c++) {
-        const int j = m->s->command[c].pair;
-        if (m->mode[j] != leg->mode[j])
-            m->in->review[c] = -INFINITY;
-    }
     memcpy(m->mode, leg->mode, (size_t)m->f->m);
     ns_sparse_guard_bounds(m);
+    ns_inputs_stages_reset(m->in);
     ns_inputs_stages_at(m->in, m->scheme.t);
-    ns_inputs_stages_bracket(m->in, m->scheme.t, m->o.h, m->mode);
     m->scheme.corner = -INFINITY;
 }
 
@@ -273,6 +254,7 @@ static int step(ns_sparse *m, ns_dense_step *leg) {
     leg->stages = 1;
     memcpy(leg->dw, m->w, sizeof(double) * n);
     memcpy(leg->dw + 3 * n, k->by, sizeof(double) * n);
+    ns_inputs_stages_find_command(m->in, k->t, m->o.h, m->mode);
     if (m->in->first <= k->t + m->o.h) {
         status = change(m, leg, &leaps);
     } else {
@@ -311,8 +293,8 @@ int ns_sparse_theta_go(ns_sparse *m, double t, double until, ns_dense_step *leg)
         k->running = 1;
         k->moves = 0;
         k->smooth = 0;
+        ns_inputs_stages_reset(m->in);
         meet_corner(m, t);
-        ns_inputs_stages_bracket(m->in, t, m->o.h, m->mode);
     }
     do
         status = step(m, leg);

@@ -14,6 +14,7 @@
 #include <math.h>
 
 #include "inputs/time_events.h"
+#include "system/active_inputs.h"
 
 enum { KINDS = 5, REPEATS = 15, INSTANTS = 100000, MANY = 2000 };
 static const char *const names[KINDS] = {"gate", "level", "sum", "sine", "many"};
@@ -87,7 +88,10 @@ int main(void) {
     double times[KINDS][REPEATS];
     for (int i = 0; i < KINDS; i++) {
         system[i] = system_of(i);
-        must(ns_inputs_events_create(system[i], NULL, &s[i]));
+        unsigned char *acting = room((size_t)system[i]->nz);
+        must(ns_system_acting(system[i], acting));
+        must(ns_inputs_events_create(system[i], acting, &s[i]));
+        free(acting);
     }
     for (int k = 0; k < REPEATS; k++)
         for (int i = 0; i < KINDS; i++)

@@ -16,6 +16,7 @@
 #include "inputs/time_events.h"
 #include "nonsmooth.h"
 #include "signals.h"
+#include "system/active_inputs.h"
 
 static const double eps = DBL_EPSILON, pi = 3.14159265358979323846;
 
@@ -52,8 +53,12 @@ static inline void thresholds(ns_system *s, int c, double on, double off) {
 }
 
 static inline ns_time_events *schedule(const ns_system *s) {
+    unsigned char *acting = calloc((size_t)s->nz + 1, 1);
     ns_time_events *made;
-    assert_int_equal(ns_inputs_events_create(s, NULL, &made), NS_OK);
+    assert_non_null(acting);
+    assert_int_equal(ns_system_acting(s, acting), NS_OK);
+    assert_int_equal(ns_inputs_events_create(s, acting, &made), NS_OK);
+    free(acting);
     return made;
 }
 

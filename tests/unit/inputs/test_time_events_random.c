@@ -13,8 +13,9 @@
 #include <cmocka.h>
 
 #include "dice.h"
-#include "inputs/time_events.h"
+#include "inputs/time_events_internal.h"
 #include "nonsmooth.h"
+#include "system/active_inputs.h"
 
 enum { INPUTS = 4, COMMANDS = 5, SYSTEMS = 300, POINTS = 6 };
 static const double end = 40, eps = DBL_EPSILON;
@@ -100,6 +101,14 @@ static ns_system *a_system(dice *d, int curves) {
     return s;
 }
 
+static ns_time_events *schedule_of(const ns_system *system) {
+    unsigned char acting[INPUTS];
+    ns_time_events *s;
+    assert_int_equal(ns_system_acting(system, acting), NS_OK);
+    assert_int_equal(ns_inputs_events_create(system, acting, &s), NS_OK);
+    return s;
+}
+
 /* --- corners and values --- */
 
 static double next_corner(const ns_system *s, double t) {
@@ -118,7 +127,7 @@ static double scheduled(const ns_time_events *s, int input, double t, const doub
     const int terms = ns_inputs_events_terms(s, &term);
     ns_inputs_events_waves(s, &wave);
     for (int k = 0; k < terms; k++)
-        if (term[k].input == input && ns_inputs_events_term_counts(s, k)) {
+        if (term[k].input == input && s->begun[k]) {
             ns_inputs_wave_at(&wave[term[k].wave], t, &cosine, &sine);
             value += term[k].cc * cosine + term[k].cs * sine;
         }
@@ -150,12 +159,11 @@ static void corners_and_values(void **state) {
     for (unsigned k = 0; k < SYSTEMS; k++) {
         dice d = dice_make(71, k);
         ns_system *system = a_system(&d, 1);
-        ns_time_events *s;
         for (int c = 0; c < COMMANDS; c++) /* none that is a function of time only */
             system->command[c].gx = calloc(1, sizeof(double));
         for (int c = 0; c < COMMANDS; c++)
             memset(system->command[c].gz, 0, sizeof(double) * INPUTS);
-        assert_int_equal(ns_inputs_events_create(system, NULL, &s), NS_OK);
+        ns_time_events *s = schedule_of(system);
         for (double t = 0; t < end;) {
             double next = ns_inputs_events_next(s, end), corner = next_corner(system, t);
             /* corners of nothing are left out */
@@ -225,8 +233,7 @@ static void by_marching(const ns_system *s, double h, flips *f) {
 }
 
 static void by_schedule(const ns_system *system, flips *f) {
-    ns_time_events *s;
-    assert_int_equal(ns_inputs_events_create(system, NULL, &s), NS_OK);
+    ns_time_events *s = schedule_of(system);
     keep(f, 0, ns_inputs_events_closed(s));
     while (ns_inputs_events_next(s, end) <= end) {
         const ns_time_event *what = ns_inputs_events_pass(s);
