@@ -98,8 +98,9 @@ FORCE:
 CM := $(B)/cm
 CMPP := $(NG)/tree/src/xspice/cmpp/cmpp
 MODELS := $(patsubst codemodels/%/ifspec.ifs,%,$(wildcard codemodels/*/ifspec.ifs))
-BRIDGE := $(wildcard codemodels/bridge/*.c codemodels/bridge/*/*.c)
-CM_OBJ := $(MODELS:%=$(CM)/%/ifspec.o) $(MODELS:%=$(CM)/%/cfunc.o) $(BRIDGE:%.c=$(B)/obj/%.o) \
+BRIDGE := $(wildcard codemodels/bridge/*.c)
+BRIDGE_PURE := $(wildcard codemodels/bridge/pure/*.c)# see none of ngspice's headers, and have unit tests
+CM_OBJ := $(MODELS:%=$(CM)/%/ifspec.o) $(MODELS:%=$(CM)/%/cfunc.o) $(BRIDGE:%.c=$(B)/obj/%.o) $(BRIDGE_PURE:%.c=$(B)/obj/%.o) \
     $(CM)/dlmain.o $(CM)/dstring.o
 CM_LISTS := $(addprefix $(CM)/,cmextrn.h cminfo.h udnextrn.h udninfo.h)
 # ngspice's headers and what cmpp makes of ours are not written for our warnings.
@@ -120,7 +121,7 @@ $(B)/nonsmooth.cm: $(CM_OBJ) $(B)/libnonsmooth.a codemodels/nonsmooth.map
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,--version-script=codemodels/nonsmooth.map -Wl,--no-undefined \
 	    $(filter %.o %.a,$^) -o $@ $(CM_LIBS)
 
-$(B)/obj/codemodels/%.o: private ALL_CFLAGS += -Icodemodels/bridge $(NG_INCLUDE) -DNONSMOOTH_VERSION=$(VERSION)
+$(BRIDGE:%.c=$(B)/obj/%.o): private ALL_CFLAGS += $(NG_INCLUDE) -DNONSMOOTH_VERSION=$(VERSION)
 $(BRIDGE:%.c=$(B)/obj/%.o): $(NG)/stamp
 
 $(CM_LISTS) &: codemodels/modpath.lst codemodels/udnpath.lst $(wildcard codemodels/*/ifspec.ifs) $(NG)/stamp
@@ -161,7 +162,9 @@ WRAP := -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
 .PHONY: units
 units: $(TEST_BIN)
 
-$(B)/obj/tests/%.o: private ALL_CFLAGS += -Itests/rig
+$(B)/obj/tests/%.o: private ALL_CFLAGS += -Itests/rig -Icodemodels/bridge/pure
+
+$(filter $(B)/tests/unit/bridge/%,$(TEST_BIN)): $(BRIDGE_PURE:%.c=$(B)/obj/%.o)
 
 $(TEST_BIN): $(B)/%: $(B)/obj/%.o $(TEST_HELP:%.c=$(B)/obj/%.o) $(B)/libnonsmooth.a
 	@mkdir -p $(@D)
@@ -321,7 +324,7 @@ picture: deps # the drawing that README shows
 
 C_FILES := $(wildcard include/*.h include/*/*.h src/*/*.[ch] src/*/*/*.[ch] codemodels/bridge/*.[ch] codemodels/bridge/*/*.[ch] tests/*/*.[ch] tests/unit/*/*.[ch])
 TIDY_FILES := $(filter %.c,$(C_FILES))
-TIDY_FLAGS := -std=c11 -Iinclude -Isrc -Itests/rig -Itests/bench $(NG_INCLUDE)
+TIDY_FLAGS := -std=c11 -Iinclude -Isrc -Itests/rig -Itests/bench -Icodemodels/bridge/pure $(NG_INCLUDE)
 
 .PHONY: lint
 lint: deps-lint ## clang-format, clang-tidy, cppcheck, shellcheck, and all of it built by clang and by gcc

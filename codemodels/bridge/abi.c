@@ -64,16 +64,16 @@ static int resistors_fit(const CKTcircuit *ckt) {
 
 const char *ns_bridge_abi_check(CKTcircuit *ckt) {
     if (!(ckt->CKTmaxEqNum > 0 && ckt->CKTmaxEqNum < EQUATIONS_MAX) || !nodes_fit(ckt)) {
-        return "its list of nodes";
+        return "the list of nodes";
     }
     if (!(ckt->CKTtemp > 0.0 && ckt->CKTtemp < 1e4) || !ckt->enh || !ckt->CKThead || !ckt->DEVnameHash) {
-        return "its circuit";
+        return "the circuit";
     }
     if (!matrix_fits(ckt)) {
-        return "its matrix";
+        return "the matrix";
     }
     if (!instances_fit(ckt)) {
-        return "its table of instances";
+        return "the table of instances";
     }
-    return resistors_fit(ckt) ? NULL : "its resistors";
+    return resistors_fit(ckt) ? NULL : "a resistor";
 }

@@ -18,15 +18,15 @@ static int check_version(ns_session *s) {
     if (!wrong) {
         return OK;
     }
-    ns_bridge_report_error("this nonsmooth.cm was made for another version of ngspice: %s not as expected",
-                           wrong);
+    ns_bridge_report_error(
+        "this nonsmooth.cm was built for another version of ngspice: %s is not as expected", wrong);
     return E_UNSUPP;
 }
 
 /* ngspice would add these conductances to the matrix that we fill. */
 static int check_options(const ns_session *s) {
     if (s->ckt->enh->rshunt_data.enabled || s->ckt->CKTgshunt != 0.0) {
-        ns_bridge_report_error("options rshunt and gshunt cannot be taken yet");
+        ns_bridge_report_error("options rshunt and gshunt are not supported");
         return E_UNSUPP;
     }
     return OK;
@@ -71,7 +71,7 @@ static int prepare_force(ns_session *s) {
     if (error == E_NOMEM) {
         ns_bridge_report_error("out of memory");
     } else if (error) {
-        ns_bridge_report_error("ngspice's matrix lacks equations: is every node connected?");
+        ns_bridge_report_error("ngspice's matrix is structurally singular: is every node connected?");
     }
     return error;
 }
@@ -79,7 +79,7 @@ static int prepare_force(ns_session *s) {
 /* .tf goes on, and aborts ngspice, if it finds no operating point: it gets zeros. */
 static int refuse(ns_session *s) {
     const char *name = s->ckt->CKTcurJob->JOBname;
-    ns_bridge_report_error("%s cannot be done yet; .op, .dc and .tran can", name);
+    ns_bridge_report_error("%s is not supported; .op, .dc and .tran are", name);
     if (strcmp(name, "Transfer Function") != 0) {
         return E_UNSUPP;
     }
@@ -93,12 +93,13 @@ static int refuse(ns_session *s) {
 static void announce(ns_session *s) {
     const ns_analysis *a = &s->analysis;
     if (!s->said.circuit) {
-        ns_bridge_report_note("takes this circuit: %d unknown%s, %d ideal device%s", a->system->n,
+        ns_bridge_report_note("simulates this circuit: %d unknown%s, %d ideal device%s", a->system->n,
                               a->system->n == 1 ? "" : "s", a->ex.ndevices, a->ex.ndevices == 1 ? "" : "s");
     }
     s->said.circuit = 1;
     if (a->ex.options.reltol > 0.0 && a->ex.options.method == NS_THETA && !s->said.no_reltol) {
-        ns_bridge_report_note("reltol = %g has no effect: theta has a fixed step, h", a->ex.options.reltol);
+        ns_bridge_report_note("reltol = %g has no effect: method \"theta\" uses steps of the fixed length h",
+                              a->ex.options.reltol);
         s->said.no_reltol = 1;
     }
 }
@@ -198,7 +199,8 @@ int ns_bridge_analysis_resume(ns_session *s) {
         return replace_analysis(s, &now);
     }
     if (now.ex.hash != a->ex.hash) {
-        ns_bridge_report_error("the circuit was altered too much to go on: run it anew");
+        ns_bridge_report_error("the altered circuit has %d unknowns, not %d: use run, it cannot be resumed",
+                               now.system->n, a->system->n);
         error = E_UNSUPP;
     }
     ns_bridge_analysis_clear(&now);

@@ -8,63 +8,53 @@
 #include <math.h>
 #include <string.h>
 
+#include "pure/affine.h"
+
 #include "ngspice/inpptree.h"
 #include "spicelib/devices/asrc/asrcdefs.h"
 
-typedef enum degree { FIXED, LINE, CURVE } degree;
-
 enum { DEPTH_MAX = 1000 }; /* of an expression */
 
-static degree larger(degree a, degree b) {
-    return a > b ? a : b;
-}
+static ns_degree degree_of(const INPparseNode *node, int depth);
 
-static degree degree_of(const INPparseNode *node, int depth);
-
-static degree of_function(const INPparseNode *node, int depth) {
-    const degree argument = degree_of(node->left, depth);
+static ns_degree degree_of_function(const INPparseNode *node, int depth) {
+    const ns_degree argument = degree_of(node->left, depth);
     if (node->funcnum == PTF_UMINUS) {
         return argument;
     }
-    return argument == FIXED && node->funcnum != PTF_DDT ? FIXED : CURVE;
+    return argument == DEGREE_CONSTANT && node->funcnum != PTF_DDT ? DEGREE_CONSTANT : DEGREE_OTHER;
 }
 
-/* How node depends on the variables: not, linearly, otherwise. */
-static degree degree_of(const INPparseNode *node, int depth) {
-    degree left, right;
-    if (!node || depth > DEPTH_MAX) {
-        return CURVE;
+static ns_degree degree_of_operation(const INPparseNode *node, ns_operation operation, int depth) {
+    return ns_bridge_affine_degree(operation, degree_of(node->left, depth), degree_of(node->right, depth));
+}
+
+/* How node depends on the variables. */
+static ns_degree degree_of(const INPparseNode *node, int depth) {
+    if (!node || depth++ > DEPTH_MAX) {
+        return DEGREE_OTHER;
     }
     switch (node->type) {
     case PT_CONSTANT:
-        return FIXED;
+        return DEGREE_CONSTANT;
     case PT_VAR:
-        return LINE;
+        return DEGREE_LINEAR;
     case PT_FUNCTION:
-        return of_function(node, depth + 1);
+        return degree_of_function(node, depth);
     case PT_PLUS:
     case PT_MINUS:
+        return degree_of_operation(node, OPERATION_SUM, depth);
     case PT_TIMES:
+        return degree_of_operation(node, OPERATION_PRODUCT, depth);
     case PT_DIVIDE:
+        return degree_of_operation(node, OPERATION_QUOTIENT, depth);
     case PT_POWER:
     case PT_COMMA:
     case PT_TERN:
-        break;
+        return degree_of_operation(node, OPERATION_OTHER, depth);
     default: /* time, temperature, frequency */
-        return CURVE;
+        return DEGREE_OTHER;
     }
-    left = degree_of(node->left, depth + 1);
-    right = degree_of(node->right, depth + 1);
-    if (left == FIXED && right == FIXED) {
-        return FIXED;
-    }
-    if (node->type == PT_PLUS || node->type == PT_MINUS) {
-        return larger(left, right);
-    }
-    if (node->type == PT_TIMES && (left == FIXED || right == FIXED)) {
-        return larger(left, right);
-    }
-    return node->type == PT_DIVIDE && right == FIXED ? left : CURVE;
 }
 
 /* The factor of ngspice on the expression: temperature and multiplicity. */
@@ -75,42 +65,25 @@ static double factor_of(const ASRCinstance *b) {
     return b->ASRCreciprocm == 1 ? factor / b->ASRCm : factor * b->ASRCm;
 }
 
-/* Evaluates at values (n); returns the expression, derivatives in slopes (n); NAN if it cannot. */
-static double evaluate(const ns_extract_walk *w, IFparseTree *tree, double *values, double *slopes) {
+/* What ngspice evaluates. */
+typedef struct parsed {
+    IFparseTree *tree;
+    double gmin;
+} parsed;
+
+static double evaluate(void *context, double *values, double *slopes) {
+    const parsed *p = context;
     double result = NAN;
-    return tree->IFeval(tree, w->ckt->CKTgmin, &result, values, slopes) == OK ? result : NAN;
+    return p->tree->IFeval(p->tree, p->gmin, &result, values, slopes) == OK ? result : NAN;
 }
 
-/* Is constant + sum slopes*v what the expression gives at a point?  scratch: 2n. */
-static int agrees(const ns_extract_walk *w, IFparseTree *tree, double constant, const double *slopes,
-                  double first, double ratio, double *scratch) {
-    const int n = tree->numVars;
-    double expected = constant;
-    double size = fabs(constant);
-    double v = first;
-    double found;
-    for (int i = 0; i < n; i++, v *= ratio) {
-        scratch[i] = v;
-        expected += slopes[i] * v;
-        size += fabs(slopes[i] * v);
-    }
-    found = evaluate(w, tree, scratch, scratch + n);
-    return fabs(found - expected) <= 1e-9 * size; /* rounding of some 1e6 operations */
-}
-
-/* constant and slopes (n) of a linear expression.  scratch: 2n. */
-static int linear(const ns_extract_walk *w, IFparseTree *tree, double *constant, double *slopes,
-                  double *scratch) {
-    const INPparseTree *whole = (const INPparseTree *)tree;
-    if (degree_of(whole->tree, 0) == CURVE) {
-        return 0;
-    }
-    for (int i = 0; i < tree->numVars; i++) {
-        scratch[i] = 0.0;
-    }
-    *constant = evaluate(w, tree, scratch, slopes);
-    return isfinite(*constant) && agrees(w, tree, *constant, slopes, 1.0, -1.7, scratch) &&
-           agrees(w, tree, *constant, slopes, -3.1e3, 0.61, scratch);
+/* constant and slopes (n) of a linear expression; 0: it is none.  work: 2n. */
+static int read_linear(const ns_extract_walk *w, IFparseTree *tree, double *constant, double *slopes,
+                       double *work) {
+    parsed p = {tree, w->ckt->CKTgmin};
+    const ns_expression e = {tree->numVars, evaluate, &p};
+    return degree_of(((const INPparseTree *)tree)->tree, 0) != DEGREE_OTHER &&
+           ns_bridge_affine_fit(&e, constant, slopes, work);
 }
 
 /* The terms (n); EXTRACT_LATER if one refers to an element that was not read yet. */
@@ -132,24 +105,24 @@ static int make_terms(const ns_extract_walk *w, const ASRCinstance *b, const dou
 /* ngspice makes B sources of its own, where a user wrote none. */
 static const char *why_not(const char *name) {
     if (strncmp(name, "bpa_", 4) == 0) {
-        return "made by par() of .meas, .print or .plot, not linear in voltages and currents, and cannot be "
-               "taken yet: use let and meas after the run instead";
+        return "made by par() of .meas, .print or .plot, it is not linear in voltages and currents and not "
+               "supported: use let and meas after the run instead";
     }
     if (strncmp(name, "bprobe_int_", 11) == 0) {
-        return "made by .probe p(), not linear in voltages and currents, and cannot be taken yet: use let "
+        return "made by .probe p(), it is not linear in voltages and currents and not supported: use let "
                "after the run instead";
     }
-    return "a B source that is not linear in voltages and currents cannot be taken yet";
+    return "a B source that is not linear in voltages and currents is not supported";
 }
 
-static int add(ns_extract_walk *w, GENinstance *inst, double *slopes, double *scratch, ns_term *terms) {
+static int add(ns_extract_walk *w, GENinstance *inst, double *slopes, double *work, ns_term *terms) {
     const ASRCinstance *b = (const ASRCinstance *)inst;
     const double factor = factor_of(b);
     const ns_output kind = b->ASRCtype == ASRC_VOLTAGE ? NS_VOLTAGE : NS_CURRENT;
     double constant;
     int id = -1;
     int status;
-    if (!linear(w, b->ASRCtree, &constant, slopes, scratch)) {
+    if (!read_linear(w, b->ASRCtree, &constant, slopes, work)) {
         return ns_bridge_extract_refuse(w, inst, why_not(inst->GENname));
     }
     status = make_terms(w, b, slopes, factor, terms);

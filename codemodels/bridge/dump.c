@@ -122,21 +122,22 @@ static int write_file(const char *name, const ns_analysis *a, const ns_mlcp *p, 
 }
 
 void ns_bridge_dump_failed_step(const ns_analysis *a, char *more, size_t size) {
-    const char *name = ns_bridge_options_dump(&a->ex.options);
+    const MIFinstance *inst = a->ex.options_inst;
+    const char *name = inst ? ns_bridge_models_text(inst, OPTION_DUMP) : NULL; /* as it is now */
     double h = 0.0;
     ns_mlcp p;
     *more = '\0';
-    if (!name) {
+    if (!name || !*name) {
         return;
     }
     if (!a->march || ns_march_problem(a->march, &p, &h)) {
-        snprintf(more, size, "; there is no problem to dump");
+        snprintf(more, size, "; option dump writes no file: no problem (P1) failed");
         return;
     }
     const int error = write_file(name, a, &p, h);
     if (error) {
-        snprintf(more, size, "; cannot write %.200s: %s", name, strerror(error));
+        snprintf(more, size, "; cannot write the problem to %.200s: %s", name, strerror(error));
     } else {
-        snprintf(more, size, "; its problem is in %.200s", name);
+        snprintf(more, size, "; the problem that failed is in %.200s", name);
     }
 }

@@ -47,19 +47,28 @@ static int read_switch(ns_extract_walk *w, MIFinstance *inst) {
 }
 
 static int read_options(ns_extract_walk *w, MIFinstance *inst) {
-    if (w->options) {
+    ns_extract *ex = w->ex;
+    if (ex->options_inst) {
         char what[160];
-        snprintf(what, sizeof what,
-                 "a circuit takes one instance of model nonsmooth, and %.80s is one already",
-                 w->options->MIFname);
+        snprintf(what, sizeof what, "a circuit has one instance of model nonsmooth, and %.80s is one already",
+                 ex->options_inst->MIFname);
         return ns_bridge_extract_refuse(w, &inst->gen, what);
     }
-    w->options = inst;
-    w->ex->error = ns_bridge_options_read(inst, &w->ex->options, w->ex->line, sizeof w->ex->line);
-    const double numbers[] = {w->ex->options.h, w->ex->options.theta, w->ex->options.gamma,
-                              (double)w->ex->options.method};
+    ex->options_inst = inst;
+    const ns_options_given given = {.name = inst->MIFname,
+                                    .method = ns_bridge_models_text(inst, OPTION_METHOD),
+                                    .h = ns_bridge_models_given(inst, OPTION_H),
+                                    .reltol = ns_bridge_models_given(inst, OPTION_RELTOL),
+                                    .theta = ns_bridge_models_real(inst, OPTION_THETA),
+                                    .gamma = ns_bridge_models_real(inst, OPTION_GAMMA),
+                                    .verbose = inst->param[OPTION_VERBOSE]->element[0].ivalue,
+                                    .corners = inst->param[OPTION_CORNERS]->element[0].ivalue};
+    ex->error =
+        ns_bridge_report_code(ns_bridge_options_check(&given, &ex->options, ex->line, sizeof ex->line));
+    const double numbers[] = {ex->options.h, ex->options.theta, ex->options.gamma,
+                              (double)ex->options.method};
     ns_bridge_extract_mix(w, numbers, sizeof numbers);
-    return w->ex->error ? EXTRACT_REFUSED : NS_OK;
+    return ex->error ? EXTRACT_REFUSED : NS_OK;
 }
 
 static int read_ours(ns_extract_walk *w, GENinstance *inst) {
@@ -72,53 +81,57 @@ static int read_ours(ns_extract_walk *w, GENinstance *inst) {
     case KIND_OPTIONS:
         return read_options(w, mif);
     default:
-        return ns_bridge_extract_refuse(w, inst,
-                                        "a code model that is not of this library cannot be taken yet");
+        return ns_bridge_extract_refuse(w, inst, "a code model of another library is not supported");
     }
 }
 
 /* --- the walk --- */
 
-#define CAN "; R, C, L, K, V, I, E, F, G, H, linear B and the ideal devices can"
-
-static const struct letter {
+static const struct reader {
     char letter;
-    ns_extract_reader *read; /* NULL: refused */
-    const char *why;
-} letters[] = {{'r', ns_bridge_elements_resistor, NULL},
-               {'c', ns_bridge_elements_capacitor, NULL},
-               {'l', ns_bridge_elements_inductor, NULL},
-               {'k', ns_bridge_elements_coupling, NULL},
-               {'v', ns_bridge_sources_vsource, NULL},
-               {'i', ns_bridge_sources_isource, NULL},
-               {'e', ns_bridge_elements_vcvs, NULL},
-               {'g', ns_bridge_elements_vccs, NULL},
-               {'f', ns_bridge_elements_cccs, NULL},
-               {'h', ns_bridge_elements_ccvs, NULL},
-               {'b', ns_bridge_behavioural, NULL},
-               {'a', read_ours, NULL},
-               {'d', NULL, "a diode of ngspice cannot be taken yet" CAN},
-               {'m', NULL, "a MOSFET of ngspice cannot be taken yet" CAN},
-               {'q', NULL, "a bipolar transistor of ngspice cannot be taken yet" CAN},
-               {'j', NULL, "a JFET of ngspice cannot be taken yet" CAN},
-               {'z', NULL, "a MESFET of ngspice cannot be taken yet" CAN},
-               {'s', NULL, "a voltage-controlled switch of ngspice cannot be taken yet" CAN},
-               {'w', NULL, "a current-controlled switch of ngspice cannot be taken yet" CAN},
-               {'t', NULL, "a transmission line cannot be taken yet" CAN},
-               {'o', NULL, "a transmission line cannot be taken yet" CAN},
-               {'u', NULL, "an RC line cannot be taken yet" CAN},
-               {'y', NULL, "a transmission line cannot be taken yet" CAN},
-               {'p', NULL, "a coupled transmission line cannot be taken yet" CAN}};
+    ns_extract_reader *read;
+} readers[] = {{'r', ns_bridge_elements_resistor}, {'c', ns_bridge_elements_capacitor},
+               {'l', ns_bridge_elements_inductor}, {'k', ns_bridge_elements_coupling},
+               {'v', ns_bridge_sources_vsource},   {'i', ns_bridge_sources_isource},
+               {'e', ns_bridge_elements_vcvs},     {'g', ns_bridge_elements_vccs},
+               {'f', ns_bridge_elements_cccs},     {'h', ns_bridge_elements_ccvs},
+               {'b', ns_bridge_behavioural},       {'a', read_ours}};
+
+static const struct unsupported {
+    char letter;
+    const char *what;
+} unsupported[] = {{'d', "a diode of ngspice"},
+                   {'m', "a MOSFET of ngspice"},
+                   {'q', "a bipolar transistor of ngspice"},
+                   {'j', "a JFET of ngspice"},
+                   {'z', "a MESFET of ngspice"},
+                   {'s', "a voltage-controlled switch of ngspice"},
+                   {'w', "a current-controlled switch of ngspice"},
+                   {'t', "a transmission line"},
+                   {'o', "a transmission line"},
+                   {'y', "a transmission line"},
+                   {'u', "an RC line"},
+                   {'p', "a coupled transmission line"}};
+
+static int refuse_letter(ns_extract_walk *w, const GENinstance *inst, char letter) {
+    const char *what = "an element of this kind";
+    char line[200];
+    for (size_t i = 0; i < sizeof unsupported / sizeof unsupported[0]; i++) {
+        what = unsupported[i].letter == letter ? unsupported[i].what : what;
+    }
+    snprintf(line, sizeof line,
+             "%s is not supported; R, C, L, K, V, I, E, F, G, H, linear B and the ideal devices are", what);
+    return ns_bridge_extract_refuse(w, inst, line);
+}
 
 static int read_instance(ns_extract_walk *w, GENinstance *inst) {
     const char letter = ns_bridge_models_letter(inst);
-    for (size_t i = 0; i < sizeof letters / sizeof letters[0]; i++) {
-        if (letters[i].letter == letter) {
-            return letters[i].read ? letters[i].read(w, inst)
-                                   : ns_bridge_extract_refuse(w, inst, letters[i].why);
+    for (size_t i = 0; i < sizeof readers / sizeof readers[0]; i++) {
+        if (readers[i].letter == letter) {
+            return readers[i].read(w, inst);
         }
     }
-    return ns_bridge_extract_refuse(w, inst, "an element of this kind cannot be taken yet" CAN);
+    return refuse_letter(w, inst, letter);
 }
 
 /* Why a call of the library failed, in words. */
@@ -167,7 +180,8 @@ static int read_all(ns_extract_walk *w) {
     while (!error && later > 0) { /* ends: each round reads one at least */
         error = pass(w, done, &read, &later, &waits);
         if (!error && later > 0 && read == 0) {
-            ns_bridge_extract_refuse(w, waits, "controlled by, or coupled to, an element that is not there");
+            ns_bridge_extract_refuse(w, waits,
+                                     "is controlled by, or coupled to, an element that does not exist");
             error = w->ex->error;
         }
     }
@@ -211,7 +225,7 @@ int ns_bridge_extract_read(CKTcircuit *ckt, ns_extract_sources sources, ns_extra
                          .tstop = ckt->CKTfinalTime > 0.0 ? ckt->CKTfinalTime : 1.0};
     int status;
     memset(ex, 0, sizeof *ex);
-    ns_bridge_options_default(&ex->options);
+    ex->options = ns_bridge_options_default;
     ex->hash = 14695981039346656037ULL;
     ex->neq = ckt->CKTmaxEqNum;
     ex->capacitors = ex->inductors = ex->couplings = -1;

@@ -7,7 +7,7 @@
 
 #include "models.h"
 #include "nonsmooth/circuit.h"
-#include "options.h"
+#include "pure/options.h"
 
 typedef struct ns_extract_device {
     MIFinstance *inst;
@@ -23,9 +23,10 @@ typedef struct ns_extract {
     int ndevices;
     ns_extract_device *device; /* ndevices: our diodes and switches */
     ns_bridge_options options;
-    unsigned long long hash; /* of all that was read: tells whether something was altered since */
-    int error;               /* a code of ngspice; OK if all was taken */
-    char line[320];          /* why not, for a person */
+    const MIFinstance *options_inst; /* the instance of model nonsmooth; NULL: there is none */
+    unsigned long long hash;         /* of all that was read: tells whether something was altered since */
+    int error;                       /* a code of ngspice; OK if all was taken */
+    char line[320];                  /* why not, for a person */
 } ns_extract;
 
 /* What sources stand for. */

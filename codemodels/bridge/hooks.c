@@ -111,7 +111,7 @@ static int ac_load(GENmodel *model, CKTcircuit *ckt) {
     if (!b || !b->last_type) {
         return MIFload(model, ckt);
     }
-    ns_bridge_report_error("%s cannot be done yet; .op, .dc and .tran can", ckt->CKTcurJob->JOBname);
+    ns_bridge_report_error("%s is not supported; .op, .dc and .tran are", ckt->CKTcurJob->JOBname);
     return E_UNSUPP;
 }
 

@@ -36,3 +36,11 @@ double ns_bridge_models_ohms(const MIFinstance *inst, int parameter) {
     const double ohms = ns_bridge_models_real(inst, parameter);
     return ohms >= 1e30 ? INFINITY : ohms;
 }
+
+double ns_bridge_models_given(const MIFinstance *inst, int parameter) {
+    return inst->param[parameter]->is_null ? NAN : ns_bridge_models_real(inst, parameter);
+}
+
+const char *ns_bridge_models_text(const MIFinstance *inst, int parameter) {
+    return inst->param[parameter]->is_null ? NULL : inst->param[parameter]->element[0].svalue;
+}

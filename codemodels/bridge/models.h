@@ -35,9 +35,13 @@ model_kind ns_bridge_models_kind(const GENinstance *inst);
  * .probe names its voltage sources as what they measure. */
 char ns_bridge_models_letter(const GENinstance *inst);
 
-/* The equation of a terminal's node, a parameter's value; from a resistance on, 1e30 counts as infinite. */
+/* The equation of a terminal's node. */
 int ns_bridge_models_node(const MIFinstance *inst, int terminal);
+
+/* A parameter's value; infinite from 1e30 on; NAN if it was not given; its text, NULL if it was not given. */
 double ns_bridge_models_real(const MIFinstance *inst, int parameter);
 double ns_bridge_models_ohms(const MIFinstance *inst, int parameter);
+double ns_bridge_models_given(const MIFinstance *inst, int parameter);
+const char *ns_bridge_models_text(const MIFinstance *inst, int parameter);
 
 #endif

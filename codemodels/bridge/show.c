@@ -40,7 +40,8 @@ void ns_bridge_show_summary(const ns_analysis *a, double cpu) {
     if (c->islands > 0) {
         snprintf(islands, sizeof islands, " %ld islands,", c->islands);
     }
-    ns_bridge_report_note("%s: %ld steps, %ld events,%s %ld pivots, %ld factors, %ld maps,%s %.3g ms",
-                          ns_bridge_options_method(ns_march_engine(a->march)), c->steps, c->events, modes,
-                          c->pivots, c->factors, c->maps, islands, 1e3 * cpu);
+    ns_bridge_report_note(
+        "%s: %ld steps, %ld events,%s %ld pivots, %ld factorisations, %ld step matrices,%s %.3g ms CPU time",
+        ns_bridge_options_method(ns_march_engine(a->march)), c->steps, c->events, modes, c->pivots,
+        c->factors, c->maps, islands, 1e3 * cpu);
 }

@@ -1,0 +1,66 @@
+/* bridge/pure/options.c - the options of a run. */
+#include "options.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+const ns_bridge_options ns_bridge_options_default = {
+    .method = NS_AUTO, .theta = 1.0, .gamma = 1.0, .corners = 1};
+
+static const char *const methods[] = {
+    [NS_AUTO] = "auto", [NS_THETA] = "theta", [NS_EXACT] = "exact", [NS_SPARSE] = "sparse"};
+enum { METHODS = sizeof methods / sizeof methods[0] };
+
+const char *ns_bridge_options_method(ns_method method) {
+    return methods[method];
+}
+
+static int read_method(const ns_options_given *given, ns_method *method, char *line, size_t size) {
+    if (!given->method) {
+        return NS_OK;
+    }
+    for (int k = 0; k < METHODS; k++) {
+        if (strcmp(given->method, methods[k]) == 0) {
+            *method = (ns_method)k;
+            return NS_OK;
+        }
+    }
+    snprintf(line, size, "%s: method = \"%s\" must be \"auto\", \"exact\", \"sparse\" or \"theta\"",
+             given->name, given->method);
+    return NS_E_RANGE;
+}
+
+static int check_numbers(const ns_options_given *g, char *line, size_t size) {
+    static const char weight[] = "must be above 0 and at most 1", flag[] = "must be 0 or 1";
+    const struct {
+        const char *name;
+        double value;
+        int is_right;
+        const char *rule;
+    } checks[] = {{"h", g->h, isnan(g->h) || (g->h > 0.0 && isfinite(g->h)), "s must be above 0"},
+                  {"theta", g->theta, g->theta > 0.0 && g->theta <= 1.0, weight},
+                  {"gamma", g->gamma, g->gamma > 0.0 && g->gamma <= 1.0, weight},
+                  {"verbose", g->verbose, g->verbose == 0 || g->verbose == 1, flag},
+                  {"corners", g->corners, g->corners == 0 || g->corners == 1, flag},
+                  {"reltol", g->reltol, isnan(g->reltol) || (g->reltol > 0.0 && g->reltol < 1.0),
+                   "must be above 0 and below 1"}};
+    for (size_t k = 0; k < sizeof checks / sizeof checks[0]; k++) {
+        if (!checks[k].is_right) {
+            snprintf(line, size, "%s: %s = %g %s", g->name, checks[k].name, checks[k].value, checks[k].rule);
+            return NS_E_RANGE;
+        }
+    }
+    return NS_OK;
+}
+
+int ns_bridge_options_check(const ns_options_given *given, ns_bridge_options *o, char *line, size_t size) {
+    const int status = read_method(given, &o->method, line, size);
+    o->h = isnan(given->h) ? 0.0 : given->h;
+    o->theta = given->theta;
+    o->gamma = given->gamma;
+    o->reltol = isnan(given->reltol) ? 0.0 : given->reltol;
+    o->verbose = given->verbose;
+    o->corners = given->corners;
+    return status ? status : check_numbers(given, line, size);
+}

@@ -1,0 +1,33 @@
+/* bridge/pure/options.h - the options of a run. */
+#ifndef BRIDGE_OPTIONS_H
+#define BRIDGE_OPTIONS_H
+
+#include "nonsmooth/march.h"
+
+typedef struct ns_bridge_options {
+    ns_method method;
+    double h; /* s, 0: chosen by ngspice's longest step */
+    double theta, gamma;
+    double reltol; /* 0: not given */
+    int verbose;
+    int corners; /* events and corners of sources get timepoints */
+} ns_bridge_options;
+
+extern const ns_bridge_options ns_bridge_options_default;
+
+/* The parameters of an instance of model nonsmooth. */
+typedef struct ns_options_given {
+    const char *name;   /* the instance's */
+    const char *method; /* NULL: not given */
+    double h, reltol;   /* NAN: not given */
+    double theta, gamma;
+    int verbose, corners;
+} ns_options_given;
+
+/* OK, or NS_E_RANGE and in line (size bytes) which parameter is wrong. */
+int ns_bridge_options_check(const ns_options_given *given, ns_bridge_options *o, char *line, size_t size);
+
+/* As a netlist names it. */
+const char *ns_bridge_options_method(ns_method method);
+
+#endif

@@ -1,0 +1,40 @@
+/* bridge/pure/source_signal.h - V and I sources of ngspice as signals, with ngspice's defaults. */
+#ifndef BRIDGE_SOURCE_SIGNAL_H
+#define BRIDGE_SOURCE_SIGNAL_H
+
+#include "nonsmooth/signal.h"
+
+/* In ngspice's order. */
+typedef enum ns_source_function {
+    SOURCE_DC,
+    SOURCE_PULSE,
+    SOURCE_SINE,
+    SOURCE_EXP,
+    SOURCE_SFFM,
+    SOURCE_PWL,
+    SOURCE_AM,
+    SOURCE_TRNOISE,
+    SOURCE_TRRANDOM
+} ns_source_function;
+
+typedef struct ns_source {
+    int function; /* an ns_source_function, or a number that is none */
+    int order;
+    const double *coeffs; /* order: its parameters as the netlist has them */
+    int dc_given;
+    double dc;
+    double m; /* so many equal sources side by side; of voltages 1 */
+
+    int repeats;      /* PWL: r= was given */
+    int repeat_index; /* in coeffs, of the time to go back to */
+    double delay;     /* PWL: td=, s */
+
+    int as_dc;           /* its DC value is wanted */
+    double tstep, tstop; /* of .tran, for the defaults, s */
+} ns_source;
+
+/* Makes the signal and returns NULL, or why not.  Times and values of a PWL lie in *points, which the caller
+ * frees (NULL: it is none). */
+const char *ns_bridge_source_signal(const ns_source *s, ns_signal *z, double **points);
+
+#endif
