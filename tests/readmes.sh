@@ -1,6 +1,6 @@
 #!/bin/sh
 # tests/readmes.sh - what any README names is there: files, folders, functions, targets and variables of make,
-# parameters of the models, options of programs.  Rooms have a README of at most 40 lines, the first one has at most 200.
+# parameters of the models, options of programs, lines of code that src/README.md quotes.  Rooms have a README of at most 40 lines, the first one has at most 200.
 #
 # A file is there if a path of the repository ends in its name; one that README's reader makes: see `readers`.
 cd "$(dirname "$0")/.." || exit 1
@@ -46,6 +46,13 @@ for readme in $(find . \( -path ./build -o -path ./.git \) -prune -o -name READM
     done <"$tmp/names"
     [ $missing = 1 ] || echo "ok $readme: $(wc -l <"$tmp/names") names"
 done
+
+awk '/^```/ {on = $0 == "```c"; next} on' src/README.md >"$tmp/quoted"
+while read -r line; do
+    grep -rqF -e "$line" src codemodels --include='*.c' && continue
+    echo "FAIL src/README.md quotes a line that is not there: $line"
+    status=1
+done <"$tmp/quoted"
 
 # lines README MOST: it is there and has at most so many.
 lines() {
