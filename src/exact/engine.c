@@ -136,7 +136,7 @@ static void seek(ns_exact *f) {
     const ns_system *y = f->system;
     int same = f->t >= f->from && (f->t < f->to_t || (f->point->at_event && f->t == f->to_t));
     for (int c = 0; c < y->nc; c++) {
-        f->closed[c] = f->s->mode[y->command[c].pair] == NS_INSIDE;
+        f->closed[c] = f->s->past.mode[y->command[c].pair] == NS_INSIDE;
         same = same && (y->command[c].gx || f->closed[c] == ns_inputs_events_closed(f->schedule)[c]);
     }
     if (same)
@@ -151,13 +151,13 @@ static int load(ns_exact *f) {
     f->time_lost = f->point->now.lost;
     f->since = f->point->last_event_t;
     ns_theta_set_bounds(f->s); /* and twins rest */
-    const int status = ns_exact_mode_find(f, f->s->mode, &f->at);
+    const int status = ns_exact_mode_find(f, ns_theta_mode(f->s), &f->at);
     if (status != NS_OK)
         return status;
     if (f->bytes > f->limit)
         ns_exact_mode_trim(f, f->at);
     seek(f);
-    memcpy(f->X, f->s->w, sizeof(double) * (size_t)f->s->r);
+    memcpy(f->X, f->s->past.w, sizeof(double) * (size_t)f->s->r);
     read_inputs(f);
     for (int i = 0; i < f->s->r; i++)
         f->most[i] = ns_higher(f->most[i], fabs(f->X[i]));
@@ -189,7 +189,7 @@ static int deposit(ns_exact *f) {
     const int status = read_point(f, f->to.x); /* and lambda */
     if (status != NS_OK)
         return status;
-    ns_exact_mode_show(f, f->at->mode);
+    ns_theta_set_mode(f->s, f->at->mode);
     ns_theta_put(f->s, f->X, f->to.x, f->at->mode, f->z);
     ns_theta_set_controls(f->s, f->to.x);
     f->point->now.t = f->t;
@@ -205,7 +205,7 @@ int ns_exact_find_consistent(ns_exact *f) {
     forget_past(f);
     seek(f);
     ns_exact_period_drop(f);
-    memcpy(f->X, f->s->w, sizeof(double) * (size_t)f->s->r);
+    memcpy(f->X, f->s->past.w, sizeof(double) * (size_t)f->s->r);
     read_inputs(f);
     for (int i = 0; i < f->s->r; i++)
         f->most[i] = fabs(f->X[i]);
@@ -307,12 +307,13 @@ static void ground(ns_exact *f) {
     f->past.stuck += f->past.rest > ldexp(h, -LONG_RUNG) ? FOR_GOOD : 1;
     f->past.grounded = f->t + f->past.rest;
     f->past.crowd = 0;
+    memcpy(f->want, ns_theta_mode(f->s), (size_t)f->system->m);
     for (int c = 0; c < f->system->nc; c++) { /* it knows no third mode */
-        ns_mode *mode = &f->s->mode[f->system->command[c].pair];
+        ns_mode *mode = &f->want[f->system->command[c].pair];
         if (ns_mode_slides(*mode))
             *mode = NS_LOWER;
     }
-    ns_theta_set_bounds(f->s);
+    ns_theta_set_mode(f->s, f->want);
 }
 
 int ns_exact_go(ns_exact *f, double accepted_t, double t, ns_until until) {

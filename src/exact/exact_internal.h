@@ -135,11 +135,9 @@ struct ns_exact {
     double *block;
 };
 
-/* mode_cache.c: the record of a mode, found or built (then shown).  Errors: SINGULAR, MEMORY, NUMBER. */
+/* mode_cache.c: the record of a mode, found or built (then the stepper's).  Errors: SINGULAR, MEMORY, NUMBER. */
 int ns_exact_mode_find(ns_exact *f, const ns_mode *mode, ns_exact_mode **out);
 void ns_exact_mode_forget_all(ns_exact *f);
-/* The stepper's mode, and the bounds of commanded pairs, are those of this mode. */
-void ns_exact_mode_show(ns_exact *f, const ns_mode *mode);
 /* Drops the modes that were not flown for longest until all fit into three quarters of the limit; never keep.
  */
 void ns_exact_mode_trim(ns_exact *f, ns_exact_mode *keep);

@@ -139,16 +139,11 @@ static double length_for(const ns_exact *f, double rate) {
     return ldexp(f->h, (int)floor(log2(NS_REACH / rate / f->h)));
 }
 
-void ns_exact_mode_show(ns_exact *f, const ns_mode *mode) {
-    memmove(f->s->mode, mode, (size_t)f->system->m);
-    ns_theta_set_bounds(f->s);
-}
-
 ns_time_scale *ns_exact_mode_reach(ns_exact *f, ns_exact_mode *k, int i) {
     ns_time_scale *level = &k->level[i];
     if (level->stage)
         return level;
-    ns_exact_mode_show(f, k->mode);
+    ns_theta_set_mode(f->s, k->mode);
     const int status = ns_exact_kernel_build(f->s, f->exo, level->h / NS_POLE, k->mode, &level->stage);
     if (status != NS_OK) {
         if (status == NS_E_MEMORY)
@@ -218,7 +213,7 @@ int ns_exact_mode_find(ns_exact *f, const ns_mode *mode, ns_exact_mode **out) {
         return NS_E_MEMORY;
     }
     memcpy(k->mode, mode, m);
-    ns_exact_mode_show(f, mode);
+    ns_theta_set_mode(f->s, mode);
     k->status = build(f, k);
     if (k->status != NS_OK && k->status != NS_E_SINGULAR) {
         const int status = k->status;

@@ -168,7 +168,7 @@ static void fill_pair_rows(const ns_theta *s, const ns_map *map, int rows, const
     for (int k = 0; k < s->q; k++)
         for (int g = 0; g < map->guards; g++) {
             b->rows[g + k * rows] = map->step[(map->guard + g) + k * map->p];
-            b->noise[g + k * rows] = map->noise[g + k * map->guards];
+            b->noise[g + k * rows] = map->rounding[g + k * map->guards];
         }
 }
 

@@ -148,23 +148,17 @@ static int try_mended(ns_exact *f, ns_evidence word, int *on) {
 /* The modes that (P1) has over short steps. */
 static int propose(ns_exact *f, int *on) {
     static const int rungs[] = {-NS_EVENT_RUNG, -10, -30};
-    ns_theta *s = f->s;
     if (f->at)
-        ns_exact_mode_show(f, f->want);
+        ns_theta_set_mode(f->s, f->want);
     for (int i = 0; i < 3; i++) {
         const double h = ldexp(f->h, rungs[i]);
-        memcpy(s->trial_in, f->X, sizeof(double) * (size_t)s->r);
-        for (int k = 0; k < s->s->nz; k++) /* at the end of the step: a sine that is zero here is not there */
-            s->trial_in[s->r + k] = f->z[k] + h * f->slope[k];
-        s->trial_in[s->q - 1] = 1;
-        memcpy(s->trial_mode, s->mode, (size_t)s->s->m);
-        int status = ns_theta_lcp_solve(s, h, 1, 0);
+        memcpy(f->want, ns_theta_mode(f->s), (size_t)f->system->m);
+        /* inputs at the end of the step: a sine that is zero here is not there */
+        int status = ns_theta_lcp_propose(f->s, h, 0, f->X, f->z, f->slope, f->want);
         if (status == NS_E_SINGULAR && !f->at)
             return status;
-        if (status == NS_OK) {
-            memcpy(f->want, s->trial_mode, (size_t)s->s->m);
+        if (status == NS_OK)
             status = try_mended(f, NS_EVIDENCE_STEP, on);
-        }
         if (status == NS_OK || status == NS_E_MEMORY)
             return status;
     }
@@ -176,7 +170,7 @@ static int prove(ns_exact *f) {
     ns_theta *s = f->s;
     const size_t bytes = sizeof(double) * (size_t)s->r;
     int jumps, on;
-    memcpy(s->w, f->X, bytes);
+    ns_theta_set_charges(s, f->X);
     int status = ns_reinit_impulse_solve(s, f->z, f->slope, NULL, &f->to, &jumps);
     if (status != NS_OK)
         return status == NS_E_MEMORY ? status : NS_GUARD;
@@ -185,7 +179,7 @@ static int prove(ns_exact *f) {
     memcpy(f->want, f->to.mode, (size_t)f->system->m);
     status = try_wanted(f, NS_EVIDENCE_IMPULSES, &on);
     if (status != NS_OK)
-        memcpy(f->X, s->w, bytes);
+        memcpy(f->X, s->past.w, bytes);
     return status;
 }
 

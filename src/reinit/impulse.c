@@ -263,7 +263,7 @@ int ns_reinit_impulse_solve(ns_theta *s, const double *z, const double *slope, c
                             const ns_impulse *out, int *jumps) {
     ns_order_expansion k;
     ns_theta_discard(s);
-    int status = ns_reinit_orders_create(s, s->w, &k);
+    int status = ns_reinit_orders_create(s, s->past.w, &k);
     k.near = near;
     if (status == NS_OK)
         status = solve_jump(&k, z, slope, out, jumps);

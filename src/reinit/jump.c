@@ -46,29 +46,29 @@ void ns_reinit_jump_free(ns_jump *j) {
 
 /* What w moves by in a second at the end of the last step. */
 static double rate_of(const ns_theta *s, int i) {
-    if (s->jumped || !(s->h > 0))
+    if (s->past.jumped || !(s->past.h > 0))
         return 0;
-    return fabs((s->w[i] - s->in[i]) / s->h + (s->implicit ? 0 : s->d[i]));
+    return fabs((s->past.w[i] - s->past.in[i]) / s->past.h + (s->past.implicit ? 0 : s->past.d[i]));
 }
 
 void ns_reinit_jump_begin(ns_jump *j, const ns_theta *s, ns_clock now) {
     ns_theta_save(s, j->before);
     j->left = now;
     j->last_t = now.t;
-    memcpy(j->w, s->w, sizeof(double) * (size_t)s->r);
-    memcpy(j->last, s->w, sizeof(double) * (size_t)s->r);
+    memcpy(j->w, s->past.w, sizeof(double) * (size_t)s->r);
+    memcpy(j->last, s->past.w, sizeof(double) * (size_t)s->r);
     for (int i = 0; i < s->r; i++)
         j->rate[i] = rate_of(s, i);
 }
 
 void ns_reinit_jump_last_step(ns_jump *j, const ns_theta *s, double t) {
-    memcpy(j->last, s->w, sizeof(double) * (size_t)s->r);
+    memcpy(j->last, s->past.w, sizeof(double) * (size_t)s->r);
     j->last_t = t;
 }
 
 static int beyond_the_rates(const ns_jump *j, const ns_theta *s, double t, int i) {
     const double time = j->last_t - j->left.t, after = t - j->last_t;
-    const double rate = fmax(j->rate[i], fabs(s->w[i] - j->last[i]) / after);
+    const double rate = fmax(j->rate[i], fabs(s->past.w[i] - j->last[i]) / after);
     return fabs(j->last[i] - j->w[i]) > beyond_rates * time * rate;
 }
 

@@ -41,7 +41,7 @@ int ns_reinit_orders_create(ns_theta *s, const double *w, ns_order_expansion *k)
     for (size_t i = 0, at = 0; i < count; i++, at += all)
         *vectors[i] = k->H + square + at;
     k->work = k->few + 3 * all;
-    memcpy(k->left_mode, s->mode, m);
+    memcpy(k->left_mode, s->past.mode, m);
     for (int i = 0; i < s->r; i++) {
         k->w[i] = w[i];
         k->terms_w[i] = fabs(w[i]);

@@ -22,10 +22,10 @@ static int create_arrays(ns_theta *s) {
                 {&s->E, n * nz},
                 {&s->l, m},
                 {&s->u, m},
-                {&s->w, 3 * n + size},
-                {&s->in, q},
-                {&s->trial_in, q},
-                {&s->out, 2 * n + nc + 2 * m + 4},
+                {&s->past.w, 3 * n + size},
+                {&s->past.in, q},
+                {&s->trial.in, q},
+                {&s->trial.out, 2 * n + nc + 2 * m + 4},
                 {&s->sum, n},
                 {&s->rate[0], n},
                 {&s->rate[1], n},
@@ -52,21 +52,21 @@ static int create_arrays(ns_theta *s) {
 static int create_lists(ns_theta *s) {
     const size_t m = (size_t)s->s->m, all = 2 * (size_t)s->s->n + m;
     s->inside = calloc(m + all + 1, sizeof *s->inside);
-    s->mode = calloc(2 * m + all + 1, sizeof *s->mode);
-    if (!s->inside || !s->mode)
+    s->past.mode = calloc(2 * m + all + 1, sizeof *s->past.mode);
+    if (!s->inside || !s->past.mode)
         return NS_E_MEMORY;
     s->list = s->inside + m;
-    s->trial_mode = s->mode + m;
-    s->work_mode = s->trial_mode + m;
+    s->trial.mode = s->past.mode + m;
+    s->lcp_mode = s->trial.mode + m;
     return NS_OK;
 }
 
-int ns_theta_room(ns_theta *s, int holds) {
+int ns_theta_reserve(ns_theta *s, int holds) {
     const int size = s->s->n + s->s->m + holds;
     ns_mlcp_solver *mlcp = NULL;
     ns_lu *lu = NULL;
     int failed = 0;
-    if (s->K && size <= s->room)
+    if (s->K && size <= s->capacity)
         return NS_OK;
     double *K = ns_linalg_vector((size_t)size * (size_t)size, &failed);
     if (failed || ns_linalg_lu_create(size, &lu) != NS_OK || ns_mlcp_create(size, &mlcp) != NS_OK ||
@@ -82,7 +82,7 @@ int ns_theta_room(ns_theta *s, int holds) {
     s->K = K;
     s->lu = lu;
     s->mlcp = mlcp;
-    s->room = size;
+    s->capacity = size;
     return NS_OK;
 }
 
@@ -101,9 +101,9 @@ static int split_system(ns_theta *s) {
         for (int i = s->r; i < n; i++)
             s->M[i + j * n] = 0; /* exactly: rounding of T M is all that could be left */
     s->q = s->r + s->s->nz + 1;
-    s->d = s->w + s->r;
-    s->d_noise = s->d + s->r;
-    s->at = s->d_noise + s->r;
+    s->past.d = s->past.w + s->r;
+    s->past.d_rounding = s->past.d + s->r;
+    s->past.x_lambda = s->past.d_rounding + s->r;
     return NS_OK;
 }
 
@@ -137,7 +137,7 @@ int ns_theta_create(const ns_system *system, const ns_theta_options *o, ns_theta
     if (status == NS_OK)
         status = create_lists(s);
     if (status == NS_OK)
-        status = ns_theta_room(s, 0);
+        status = ns_theta_reserve(s, 0);
     if (status == NS_OK)
         status = split_system(s);
     if (status == NS_OK)
@@ -155,7 +155,7 @@ void ns_theta_free(ns_theta *s) {
         return;
     free(s->block);
     free(s->K);
-    free(s->mode);
+    free(s->past.mode);
     free(s->inside);
     free(s->twin);
     ns_theta_cache_clear(&s->cache);

@@ -63,7 +63,7 @@ static void fill_row(const ns_theta *s, ns_map *map, int size, int g, double sha
             sum += fabs(c[at] * x[at]);
             off += c[at] * e[at];
         }
-        map->noise[g + k * map->guards] = sum + share * units * largest[k] + fabs(off) / DBL_EPSILON;
+        map->rounding[g + k * map->guards] = sum + share * units * largest[k] + fabs(off) / DBL_EPSILON;
     }
 }
 
@@ -98,7 +98,7 @@ static void error(ns_theta *s, const ns_leaks *leaks, int size) {
 }
 
 /* |c| |X_k| + |c E_k| / eps for d_i, c = ((1-theta) A, (1-gamma) B) on its row. */
-static double rate_noise(const ns_theta *s, int nj, int i, int k) {
+static double d_rounding(const ns_theta *s, int nj, int i, int k) {
     const int n = s->s->n, size = n + nj;
     const double *x = s->X + (size_t)k * (size_t)size, *e = s->R + (size_t)k * (size_t)size;
     double sum = 0, off = 0;
@@ -122,7 +122,7 @@ void ns_theta_map_rounding(ns_theta *s, ns_map *map, const ns_leaks *leaks, int 
         fill_row(s, map, size, g, share, largest);
     for (int k = 0; s->carry && k < s->q; k++)
         for (int i = 0; i < s->r; i++)
-            map->rate_noise[i + k * s->r] = rate_noise(s, nj, i, k);
+            map->d_rounding[i + k * s->r] = d_rounding(s, nj, i, k);
 }
 
 void ns_theta_rate_rounding(const ns_theta *s, const ns_map *map, double *rounding) {
@@ -130,6 +130,6 @@ void ns_theta_rate_rounding(const ns_theta *s, const ns_map *map, double *roundi
     for (int k = 0; k < s->q; k++) {
         const double input = ns_theta_input_size(s, map, k);
         for (int i = 0; i < s->r; i++)
-            rounding[i] += map->rate_noise[i + k * s->r] * input;
+            rounding[i] += map->d_rounding[i + k * s->r] * input;
     }
 }

@@ -56,21 +56,21 @@ static const double most_noise = 1e6;
 /* Of the terms of input k, eta = w + h d and what d may be off by. */
 double ns_theta_input_size(const ns_theta *s, const ns_map *map, int k) {
     if (k >= s->r)
-        return fabs(s->trial_in[k]);
+        return fabs(s->trial.in[k]);
     if (map->implicit)
-        return fabs(s->w[k]);
-    const double own = fabs(s->w[k]) + map->h * fabs(s->d[k]);
-    return own + fmin(map->h * s->d_noise[k], most_noise * own);
+        return fabs(s->past.w[k]);
+    const double own = fabs(s->past.w[k]) + map->h * fabs(s->past.d[k]);
+    return own + fmin(map->h * s->past.d_rounding[k], most_noise * own);
 }
 
 /* Guard g is negative by more than rounding may be (or no number). */
 static int broke(const ns_theta *s, const ns_map *map, int g, double tol) {
-    const double guard = s->out[map->guard + g];
+    const double guard = s->trial.out[map->guard + g];
     if (guard >= 0)
         return 0;
     double size = 0;
     for (int k = 0; k < s->q; k++)
-        size += map->noise[g + k * map->guards] * ns_theta_input_size(s, map, k);
+        size += map->rounding[g + k * map->guards] * ns_theta_input_size(s, map, k);
     return !(guard >= -tol * size);
 }
 

@@ -23,20 +23,20 @@ static int check_read(ns_theta *s, const double *y) {
 static int solve_at(ns_theta *s) {
     const int all = s->s->n + s->s->m;
     ns_map *map;
-    if (s->jumped) {
-        memcpy(s->sol, s->at, sizeof(double) * (size_t)all);
+    if (s->past.jumped) {
+        memcpy(s->sol, s->past.x_lambda, sizeof(double) * (size_t)all);
         return NS_OK;
     }
-    const int status = ns_theta_find_map(s, s->h, s->implicit, s->mode, &map);
+    const int status = ns_theta_find_map(s, s->past.h, s->past.implicit, s->past.mode, &map);
     if (status == NS_OK)
-        ns_linalg_matvec(all, s->q, map->full, s->in, s->sol);
+        ns_linalg_matvec(all, s->q, map->full, s->past.in, s->sol);
     return status;
 }
 
 int ns_theta_read(ns_theta *s, double *x, double *lambda, double *y) {
     if (!s)
         return NS_E_NULL;
-    if (!s->jumped && !(s->h > 0))
+    if (!s->past.jumped && !(s->past.h > 0))
         return NS_E_STATE;
     const int status = solve_at(s);
     if (status != NS_OK)
@@ -50,17 +50,17 @@ int ns_theta_read(ns_theta *s, double *x, double *lambda, double *y) {
         ns_linalg_copy((size_t)m, s->s->e, y);
         ns_linalg_matvec_add(m, n, s->s->C, s->sol, y); /* (S3) */
         ns_linalg_matvec_add(m, m, s->s->D, s->sol + n, y);
-        ns_linalg_matvec_add(m, s->s->nz, s->s->F, s->in + s->r, y);
+        ns_linalg_matvec_add(m, s->s->nz, s->s->F, s->past.in + s->r, y);
     }
     return check_read(s, y);
 }
 
 const double *ns_theta_controls(const ns_theta *s) {
-    return s->out + s->r * (s->carry ? 2 : 1);
+    return s->trial.out + s->r * (s->carry ? 2 : 1);
 }
 
 const ns_mode *ns_theta_mode(const ns_theta *s) {
-    return s->mode;
+    return s->past.mode;
 }
 
 const ns_counts *ns_theta_counts(const ns_theta *s) {

@@ -2,8 +2,8 @@
  * restored. */
 #include "theta_internal.h"
 
-#include "linalg/simd.h"
 #include "linalg/row_split.h"
+#include "linalg/simd.h"
 
 #include <math.h>
 #include <string.h>
@@ -18,28 +18,28 @@ static ns_mode resting_mode(double l, double u) {
 int ns_theta_start(ns_theta *s, const double *w0, const unsigned char *closed) {
     if (!s || (!w0 && s->s->n > 0) || (!closed && s->s->nc > 0))
         return NS_E_NULL;
-    s->failed = 0;
+    ns_theta_forget_failure(s);
     for (int i = 0; i < s->s->n; i++)
         if (!isfinite(w0[i]))
             return ns_theta_fail(s, NS_E_NUMBER);
     ns_linalg_row_split_apply(s->s->n, 1, s->T, w0, s->sum);
-    memcpy(s->w, s->sum, sizeof(double) * (size_t)s->r);
-    memset(s->d, 0, sizeof(double) * (size_t)s->r);
-    memset(s->d_noise, 0, sizeof(double) * (size_t)s->r);
-    s->noisy_h = 0;
+    memcpy(s->past.w, s->sum, sizeof(double) * (size_t)s->r);
+    memset(s->past.d, 0, sizeof(double) * (size_t)s->r);
+    memset(s->past.d_rounding, 0, sizeof(double) * (size_t)s->r);
+    s->past.d_rounding_h = 0;
     for (int j = 0; j < s->s->m; j++) {
         s->l[j] = s->s->l[j];
         s->u[j] = s->s->u[j];
-        s->mode[j] = resting_mode(s->l[j], s->u[j]);
+        s->past.mode[j] = resting_mode(s->l[j], s->u[j]);
     }
-    s->h = 0;
-    s->jumped = 0;
-    s->has_trial = 0;
+    s->past.h = 0;
+    s->past.jumped = 0;
+    s->trial.has = 0;
     return ns_theta_command(s, closed);
 }
 
 void ns_theta_set_bounds(ns_theta *s) {
-    ns_modes_shared_bound(s->s, s->twin, s->twins, s->mode, s->l, s->u);
+    ns_modes_shared_bound(s->s, s->twin, s->twins, s->past.mode, s->l, s->u);
 }
 
 int ns_theta_command(ns_theta *s, const unsigned char *closed) {
@@ -47,10 +47,10 @@ int ns_theta_command(ns_theta *s, const unsigned char *closed) {
         return NS_E_NULL;
     for (int c = 0; c < s->s->nc; c++) {
         const int j = s->s->command[c].pair;
-        s->mode[j] = closed[c] ? NS_INSIDE : NS_LOWER;
+        s->past.mode[j] = closed[c] ? NS_INSIDE : NS_LOWER;
     }
     ns_theta_set_bounds(s);
-    s->has_trial = 0;
+    s->trial.has = 0;
     ns_theta_forget_recent(s);
     return NS_OK;
 }
@@ -58,85 +58,95 @@ int ns_theta_command(ns_theta *s, const unsigned char *closed) {
 /* The rounding of d does not decay: where lambda is the rate of what its constraint keeps, it alternates
  * between steps of theta = 1/2, undamped.  It is proportional to 1/h, so that longer steps add none. */
 static void add_rate_rounding(ns_theta *s, const ns_map *map) {
-    if (!map->implicit && !(map->h < s->noisy_h))
+    if (!map->implicit && !(map->h < s->past.d_rounding_h))
         return;
     ns_theta_rate_rounding(s, map, s->sum);
     for (int i = 0; i < s->r; i++)
-        s->d_noise[i] = map->implicit ? s->sum[i] : fmax(s->d_noise[i], s->sum[i]);
-    s->noisy_h = map->h;
+        s->past.d_rounding[i] = map->implicit ? s->sum[i] : fmax(s->past.d_rounding[i], s->sum[i]);
+    s->past.d_rounding_h = map->h;
 }
 
 int ns_theta_accept(ns_theta *s) {
     if (!s)
         return NS_E_NULL;
-    if (!s->has_trial)
+    if (!s->trial.has)
         return NS_E_STATE;
     if (s->carry)
-        add_rate_rounding(s, s->trial_map);
-    ns_copy_few(s->r, s->out, s->w);
+        add_rate_rounding(s, s->trial.map);
+    ns_copy_few(s->r, s->trial.out, s->past.w);
     if (s->carry)
-        ns_copy_few(s->r, s->out + s->r, s->d);
-    double *in = s->in;
-    s->in = s->trial_in;
-    s->trial_in = in;
-    s->h = s->trial_h;
-    s->implicit = s->trial_implicit;
-    s->jumped = 0;
-    if (!s->trial_stands && memcmp(s->mode, s->trial_mode, (size_t)s->s->m) != 0) {
-        memcpy(s->mode, s->trial_mode, (size_t)s->s->m);
+        ns_copy_few(s->r, s->trial.out + s->r, s->past.d);
+    double *in = s->past.in;
+    s->past.in = s->trial.in;
+    s->trial.in = in;
+    s->past.h = s->trial.h;
+    s->past.implicit = s->trial.implicit;
+    s->past.jumped = 0;
+    if (!s->trial.same_mode && memcmp(s->past.mode, s->trial.mode, (size_t)s->s->m) != 0) {
+        memcpy(s->past.mode, s->trial.mode, (size_t)s->s->m);
         s->counts.events++;
         ns_theta_forget_recent(s);
     }
     s->counts.steps++;
-    s->has_trial = 0;
+    s->trial.has = 0;
     return NS_OK;
 }
 
 void ns_theta_take_rates(ns_theta *s) {
-    add_rate_rounding(s, s->trial_map); /* of the step of 2 h; twice that for h */
+    add_rate_rounding(s, s->trial.map); /* of the step of 2 h; twice that for h */
     for (int i = 0; i < s->r; i++) {
-        s->d[i] = 2 * s->rate[0][i] - s->rate[1][i];
-        s->d_noise[i] *= 5;
+        s->past.d[i] = 2 * s->rate[0][i] - s->rate[1][i];
+        s->past.d_rounding[i] *= 5;
     }
 }
 
-/* past: w, d, d_noise and at, which follow one another; in; noisy_h, h, implicit, jumped; mode */
+/* As one block: w, d, d_rounding and x_lambda, which follow one another; in; d_rounding_h, h, implicit,
+ * jumped; mode. */
 size_t ns_theta_past_size(const ns_theta *s) {
     if (!s)
         return 0;
     const size_t numbers = (size_t)(3 * s->r + s->s->n + s->s->m + s->q + 4);
-    return numbers + ((size_t)s->s->m * sizeof *s->mode + sizeof(double) - 1) / sizeof(double);
+    return numbers + ((size_t)s->s->m * sizeof *s->past.mode + sizeof(double) - 1) / sizeof(double);
 }
 
 void ns_theta_save(const ns_theta *s, double *past) {
     if (!s || !past)
         return;
     const size_t point = (size_t)(3 * s->r + s->s->n + s->s->m), q = (size_t)s->q;
-    memcpy(past, s->w, sizeof *past * point);
-    memcpy(past + point, s->in, sizeof *past * q);
+    memcpy(past, s->past.w, sizeof *past * point);
+    memcpy(past + point, s->past.in, sizeof *past * q);
     past += point + q;
-    *past++ = s->noisy_h;
-    *past++ = s->h;
-    *past++ = s->implicit;
-    *past++ = s->jumped;
-    memcpy(past, s->mode, sizeof *s->mode * (size_t)s->s->m);
+    *past++ = s->past.d_rounding_h;
+    *past++ = s->past.h;
+    *past++ = s->past.implicit;
+    *past++ = s->past.jumped;
+    memcpy(past, s->past.mode, sizeof *s->past.mode * (size_t)s->s->m);
 }
 
 void ns_theta_restore(ns_theta *s, const double *past) {
     if (!s || !past)
         return;
     const size_t point = (size_t)(3 * s->r + s->s->n + s->s->m), q = (size_t)s->q;
-    memcpy(s->w, past, sizeof *past * point);
-    memcpy(s->in, past + point, sizeof *past * q);
+    memcpy(s->past.w, past, sizeof *past * point);
+    memcpy(s->past.in, past + point, sizeof *past * q);
     past += point + q;
-    s->noisy_h = *past++;
-    s->h = *past++;
-    s->implicit = (int)*past++;
-    s->jumped = (int)*past++;
-    memcpy(s->mode, past, sizeof *s->mode * (size_t)s->s->m);
+    s->past.d_rounding_h = *past++;
+    s->past.h = *past++;
+    s->past.implicit = (int)*past++;
+    s->past.jumped = (int)*past++;
+    memcpy(s->past.mode, past, sizeof *s->past.mode * (size_t)s->s->m);
     ns_theta_set_bounds(s);
-    s->has_trial = 0;
+    s->trial.has = 0;
     ns_theta_forget_recent(s);
+}
+
+void ns_theta_set_mode(ns_theta *s, const ns_mode *mode) {
+    memmove(s->past.mode, mode, (size_t)s->s->m);
+    ns_theta_set_bounds(s);
+}
+
+void ns_theta_set_charges(ns_theta *s, const double *w) {
+    memcpy(s->past.w, w, sizeof *w * (size_t)s->r);
 }
 
 /* sum += row i of A (p columns) times x, with the sizes of its terms. */
@@ -147,8 +157,8 @@ static void add_row(int n, int p, int i, const double *A, const double *x, doubl
     }
 }
 
-/* d = (1-theta) (A x + b + E z) + (1-gamma) B lambda, and its noise: some roundings of its terms.  No step of
- * a length that would tell more was made. */
+/* d = (1-theta) (A x + b + E z) + (1-gamma) B lambda, and its rounding: some eps of its terms.  No step was
+ * made whose length would show more. */
 static void jump_rates(ns_theta *s, const double *x, const double *lambda, const double *z) {
     const int n = s->s->n;
     for (int i = 0; i < s->r; i++) {
@@ -156,52 +166,52 @@ static void jump_rates(ns_theta *s, const double *x, const double *lambda, const
         add_row(n, n, i, s->A, x, &f, &terms);
         add_row(n, s->s->nz, i, s->E, z, &f, &terms);
         add_row(n, s->s->m, i, s->B, lambda, &g, &terms);
-        s->d[i] = (1 - s->theta) * f + (1 - s->gamma) * g;
-        s->d_noise[i] = 16 * terms;
+        s->past.d[i] = (1 - s->theta) * f + (1 - s->gamma) * g;
+        s->past.d_rounding[i] = 16 * terms;
     }
-    s->noisy_h = INFINITY;
+    s->past.d_rounding_h = INFINITY;
 }
 
 /* w to the right of a jump, row i: M x (x may be the small differences of large voltages) or what was there
  * and the impulses (J1), from the smaller terms. */
 double ns_theta_jump_w(const ns_theta *s, int i, const double *x, const double *X, const double *Lambda) {
     const int n = s->s->n;
-    double held = 0, moved = s->w[i], held_terms = 0, moved_terms = fabs(s->w[i]);
+    double held = 0, moved = s->past.w[i], held_terms = 0, moved_terms = fabs(s->past.w[i]);
     add_row(n, n, i, s->M, x, &held, &held_terms);
     add_row(n, n, i, s->A, X, &moved, &moved_terms);
     add_row(n, s->s->m, i, s->B, Lambda, &moved, &moved_terms);
     return held_terms < moved_terms ? held : moved;
 }
 
-/* The accepted point gets to be that of s->w, with these x and lambda. */
+/* The accepted point gets to be that of s->past.w, with these x and lambda. */
 static void put(ns_theta *s, const double *x, const double *lambda, const ns_mode *mode, const double *z) {
     const size_t n = (size_t)s->s->n, m = (size_t)s->s->m, r = (size_t)s->r;
-    memcpy(s->at, x, sizeof(double) * n);
-    memcpy(s->at + n, lambda, sizeof(double) * m);
-    memcpy(s->in, s->w, sizeof(double) * r);
-    ns_linalg_copy((size_t)s->s->nz, z, s->in + r);
-    s->in[s->q - 1] = 1;
+    memcpy(s->past.x_lambda, x, sizeof(double) * n);
+    memcpy(s->past.x_lambda + n, lambda, sizeof(double) * m);
+    memcpy(s->past.in, s->past.w, sizeof(double) * r);
+    ns_linalg_copy((size_t)s->s->nz, z, s->past.in + r);
+    s->past.in[s->q - 1] = 1;
     if (s->carry)
         jump_rates(s, x, lambda, z);
-    memcpy(s->mode, mode, m);
-    s->jumped = 1;
-    s->has_trial = 0;
+    memcpy(s->past.mode, mode, m);
+    s->past.jumped = 1;
+    s->trial.has = 0;
     ns_theta_forget_recent(s);
 }
 
 void ns_theta_jump(ns_theta *s, const ns_impulse *jump, const double *z) {
     for (int i = 0; i < s->r; i++)
-        s->w[i] = ns_theta_jump_w(s, i, jump->x, jump->X, jump->Lambda);
+        s->past.w[i] = ns_theta_jump_w(s, i, jump->x, jump->X, jump->Lambda);
     put(s, jump->x, jump->lambda, jump->mode, z);
 }
 
 void ns_theta_put(ns_theta *s, const double *w, const double *at, const ns_mode *mode, const double *z) {
-    memcpy(s->w, w, sizeof(double) * (size_t)s->r);
+    memcpy(s->past.w, w, sizeof(double) * (size_t)s->r);
     put(s, at, at + s->s->n, mode, z);
 }
 
 void ns_theta_set_controls(ns_theta *s, const double *x) {
-    double *control = s->out + s->r * (s->carry ? 2 : 1);
+    double *control = s->trial.out + s->r * (s->carry ? 2 : 1);
     for (int c = 0; c < s->s->nc; c++) {
         const double *gx = s->s->command[c].gx;
         control[c] = 0;

@@ -43,7 +43,7 @@ static int recent_map(ns_theta *s, double h, int implicit, ns_map **out) {
         s->last = *out = *slot;
         return NS_OK;
     }
-    const int status = ns_theta_find_map(s, h, implicit, s->mode, out);
+    const int status = ns_theta_find_map(s, h, implicit, s->past.mode, out);
     if (status == NS_OK)
         s->last = *slot = *out;
     return status;
@@ -51,29 +51,29 @@ static int recent_map(ns_theta *s, double h, int implicit, ns_map **out) {
 
 static void fill_inputs(ns_theta *s, double h, const double *z, int implicit) {
     const int r = s->r, nz = s->s->nz;
-    double *in = s->trial_in;
-    ns_copy_few(r, s->w, in);
+    double *in = s->trial.in;
+    ns_copy_few(r, s->past.w, in);
     for (int i = 0; !implicit && i < r; i++)
-        in[i] += h * s->d[i]; /* eta */
+        in[i] += h * s->past.d[i]; /* eta */
     ns_copy_few(nz, z, in + r);
     in[r + nz] = 1;
 }
 
 /* Of the inputs too: a sine that grows is infinite some day. */
 static int finite_state(const ns_theta *s) {
-    return ns_sums_finite(s->s->nz, s->trial_in + s->r) && ns_sums_finite(s->r, s->out);
+    return ns_sums_finite(s->s->nz, s->trial.in + s->r) && ns_sums_finite(s->r, s->trial.out);
 }
 
 /* The map is taken: its outputs become the trial if the guards hold.  OK or GUARD. */
 static int apply(ns_theta *s, ns_map *map, double tol) {
-    const double *from = map->implicit ? s->w : s->trial_in;
-    ns_linalg_matvec_two(map->p, s->r, from, s->q - s->r, s->trial_in + s->r, map->step, s->out);
-    if (!ns_none_negative(map->guards, s->out + map->guard) && !ns_theta_guards_hold(s, map, tol))
+    const double *from = map->implicit ? s->past.w : s->trial.in;
+    ns_linalg_matvec_two(map->p, s->r, from, s->q - s->r, s->trial.in + s->r, map->step, s->trial.out);
+    if (!ns_none_negative(map->guards, s->trial.out + map->guard) && !ns_theta_guards_hold(s, map, tol))
         return NS_GUARD;
-    s->trial_map = map;
-    s->trial_h = map->h;
-    s->trial_implicit = map->implicit;
-    s->has_trial = 1;
+    s->trial.map = map;
+    s->trial.h = map->h;
+    s->trial.implicit = map->implicit;
+    s->trial.has = 1;
     return NS_OK;
 }
 
@@ -84,12 +84,12 @@ static int resolve_once(ns_theta *s, double h, int implicit, double share) {
     ns_map *map;
     int status = ns_theta_lcp_solve(s, h, implicit, share);
     for (int round = 0; status == NS_OK; round++) {
-        status = ns_theta_find_map(s, h, implicit, s->trial_mode, &map);
+        status = ns_theta_find_map(s, h, implicit, s->trial.mode, &map);
         if (status == NS_OK)
             status = apply(s, map, of_an_answer);
         if (status != NS_GUARD)
             return status;
-        if (round == FLIPS || !ns_theta_guards_flip(s, map, of_an_answer, s->trial_mode))
+        if (round == FLIPS || !ns_theta_guards_flip(s, map, of_an_answer, s->trial.mode))
             return NS_E_RESIDUAL;
         status = NS_OK;
     }
@@ -102,7 +102,7 @@ static int resolve(ns_theta *s, double h, int implicit) {
     int first = NS_OK;
     ns_fault fault = s->fault;
     for (int k = 0; k < 3; k++) {
-        memcpy(s->trial_mode, s->mode, (size_t)s->s->m);
+        memcpy(s->trial.mode, s->past.mode, (size_t)s->s->m);
         const int status = resolve_once(s, h, implicit, shares[k]);
         if (status == NS_OK || status == NS_E_MEMORY)
             return status;
@@ -121,10 +121,10 @@ static int resolve(ns_theta *s, double h, int implicit) {
 int ns_theta_try(ns_theta *s, double h, const double *z, int implicit, ns_policy policy) {
     if (!s || (!z && s->s->nz > 0))
         return NS_E_NULL;
-    s->failed = 0;
+    ns_theta_forget_failure(s);
     if (!(h > 0) || !isfinite(h))
         return ns_theta_fail(s, NS_E_RANGE);
-    s->has_trial = 0;
+    s->trial.has = 0;
     s->counts.trials++;
     implicit = implicit || !s->carry;
     fill_inputs(s, h, z, implicit);
@@ -132,8 +132,8 @@ int ns_theta_try(ns_theta *s, double h, const double *z, int implicit, ns_policy
     int status = recent_map(s, h, implicit, &map);
     if (status == NS_OK)
         status = apply(s, map, while_it_stands);
-    s->trial_stands = status == NS_OK;
-    if (!s->trial_stands) {
+    s->trial.same_mode = status == NS_OK;
+    if (!s->trial.same_mode) {
         if (status != NS_GUARD && status != NS_E_SINGULAR)
             return ns_theta_fail(s, status);
         if (policy == NS_HOLD)
@@ -142,7 +142,7 @@ int ns_theta_try(ns_theta *s, double h, const double *z, int implicit, ns_policy
             return ns_theta_fail(s, status);
     }
     if (!finite_state(s)) {
-        s->has_trial = 0;
+        s->trial.has = 0;
         return ns_theta_fail(s, NS_E_OVERFLOW);
     }
     return NS_OK;
@@ -152,7 +152,7 @@ int ns_theta_probe(ns_theta *s, double h, const double *z, int second) {
     const int status = ns_theta_try(s, h, z, 1, NS_HOLD);
     if (status != NS_OK)
         return status;
-    memcpy(s->rate[second], s->out + s->r, sizeof(double) * (size_t)s->r);
-    s->has_trial = 0;
+    memcpy(s->rate[second], s->trial.out + s->r, sizeof(double) * (size_t)s->r);
+    s->trial.has = 0;
     return NS_OK;
 }

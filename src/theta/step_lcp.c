@@ -41,7 +41,7 @@ static void form(ns_theta *s, const double *M, double ht, double hg, const doubl
         const int pair = i >= n && i < n + m;
         s->bl[i] = pair ? s->l[i - n] : -INFINITY;
         s->bu[i] = pair ? s->u[i - n] : INFINITY;
-        s->work_mode[i] = NS_INSIDE;
+        s->lcp_mode[i] = NS_INSIDE;
     }
 }
 
@@ -51,13 +51,13 @@ static int solve(ns_theta *s, double h, int size, ns_mode *mode) {
     const ns_mlcp p = {.m = size, .W = s->K, .q = s->rhs, .l = s->bl, .u = s->bu};
     ns_mlcp_info info;
     memset(&info, 0, sizeof info);
-    memcpy(s->work_mode + n, mode, (size_t)m);
-    const int status = ns_mlcp_solve(s->mlcp, &p, s->work_mode, s->sol, s->resid, &info);
+    memcpy(s->lcp_mode + n, mode, (size_t)m);
+    const int status = ns_mlcp_solve(s->mlcp, &p, s->lcp_mode, s->sol, s->resid, &info);
     s->counts.problems++;
     s->counts.pivots += info.pivots;
     s->counts.factors += info.factors;
     if (status == NS_OK)
-        memcpy(mode, s->work_mode + n, (size_t)m);
+        memcpy(mode, s->lcp_mode + n, (size_t)m);
     else
         ns_theta_name_fault(&(ns_fault_context){n, m, s->r, s->T, h}, &p, s->mlcp, &info.fault, s->lu,
                             &s->fault);
@@ -92,10 +92,10 @@ static void add_leaks(ns_theta *s, double ht, int size, double share, int around
 }
 
 static void form_step(ns_theta *s, double h, int implicit) {
-    form(s, s->M, implicit ? h : h * s->theta, implicit ? h : h * s->gamma, s->trial_in + s->r,
+    form(s, s->M, implicit ? h : h * s->theta, implicit ? h : h * s->gamma, s->trial.in + s->r,
          s->s->n + s->s->m);
     for (int i = 0; i < s->r; i++)
-        s->rhs[i] -= s->trial_in[i]; /* eta of (T6) */
+        s->rhs[i] -= s->trial.in[i]; /* eta of (T6) */
 }
 
 static int solve_step(ns_theta *s, double h, int implicit, double fraction, ns_mode *mode) {
@@ -107,32 +107,32 @@ static int solve_step(ns_theta *s, double h, int implicit, double fraction, ns_m
 }
 
 int ns_theta_lcp_solve(ns_theta *s, double h, int implicit, double fraction) {
-    return solve_step(s, h, implicit, fraction, s->trial_mode);
+    return solve_step(s, h, implicit, fraction, s->trial.mode);
 }
 
 int ns_theta_lcp_propose(ns_theta *s, double h, double fraction, const double *w, const double *z,
                          const double *slope, ns_mode *mode) {
-    memcpy(s->trial_in, w, sizeof(double) * (size_t)s->r);
+    memcpy(s->trial.in, w, sizeof(double) * (size_t)s->r);
     for (int k = 0; k < s->s->nz; k++)
-        s->trial_in[s->r + k] = z[k] + (slope ? h * slope[k] : 0);
+        s->trial.in[s->r + k] = z[k] + (slope ? h * slope[k] : 0);
     return solve_step(s, h, 1, fraction, mode);
 }
 
 void ns_theta_lcp_keep(ns_theta *s, double h, int implicit) {
     const int size = s->s->n + s->s->m;
     form_step(s, h, implicit);
-    s->failed = size;
-    s->failed_h = h;
+    s->failure.size = size;
+    s->failure.h = h;
 }
 
 int ns_theta_problem(const ns_theta *s, ns_mlcp *p, double *h) {
     if (!s || !p)
         return NS_E_NULL;
-    if (!s->failed)
+    if (!s->failure.size)
         return NS_E_STATE;
-    *p = (ns_mlcp){.m = s->failed, .W = s->K, .q = s->rhs, .l = s->bl, .u = s->bu};
+    *p = (ns_mlcp){.m = s->failure.size, .W = s->K, .q = s->rhs, .l = s->bl, .u = s->bu};
     if (h)
-        *h = s->failed_h;
+        *h = s->failure.h;
     return NS_OK;
 }
 
@@ -187,21 +187,21 @@ static int settle_dc(ns_theta *s, const double *z, int nhold, const int *hold, c
 int ns_theta_lcp_dc(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
                     ns_mode *mode, double *x) {
     const int n = s->s->n, size = n + s->s->m + nhold;
-    s->failed = 0;
-    if (ns_theta_room(s, nhold) != NS_OK)
+    ns_theta_forget_failure(s);
+    if (ns_theta_reserve(s, nhold) != NS_OK)
         return NS_E_MEMORY;
     form_dc(s, z, nhold, hold, hold_x);
     const int status = solve(s, 1, size, mode);
     if (status != NS_OK) {
-        s->failed = size;
-        s->failed_h = 0;
+        s->failure.size = size;
+        s->failure.h = 0;
         return status;
     }
     memcpy(x, s->sol, sizeof(double) * (size_t)n);
-    memcpy(s->trial_mode, mode, (size_t)s->s->m);
-    if (settle_dc(s, z, nhold, hold, hold_x, s->trial_mode) == NS_OK) {
+    memcpy(s->trial.mode, mode, (size_t)s->s->m);
+    if (settle_dc(s, z, nhold, hold, hold_x, s->trial.mode) == NS_OK) {
         memcpy(x, s->sol, sizeof(double) * (size_t)n);
-        memcpy(mode, s->trial_mode, (size_t)s->s->m);
+        memcpy(mode, s->trial.mode, (size_t)s->s->m);
     }
     return NS_OK;
 }

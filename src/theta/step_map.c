@@ -152,9 +152,9 @@ static ns_map *map_create(const ns_theta *s, const ns_mode *mode) {
     map->bytes = bytes;
     map->step = (double *)(void *)(map + 1);
     map->full = map->step + (size_t)p * q;
-    map->noise = map->full + (n + m) * q;
-    map->rate_noise = map->noise + (size_t)guards * q;
-    map->mode = (ns_mode *)(map->rate_noise + rates * q);
+    map->rounding = map->full + (n + m) * q;
+    map->d_rounding = map->rounding + (size_t)guards * q;
+    map->mode = (ns_mode *)(map->d_rounding + rates * q);
     memcpy(map->mode, mode, m);
     return map;
 }
@@ -222,7 +222,7 @@ int ns_theta_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode,
     const ns_leaks leaks = {mode, implicit ? h : h * s->theta, s->leak};
     int leaky;
     *out = NULL;
-    s->failed = 0; /* K is used */
+    ns_theta_forget_failure(s); /* K is used */
     form_columns(s, h, implicit, mode, nj, s->R);
     const int status = solve(s, &leaks, nj, &leaky);
     if (status != NS_OK)

@@ -1,5 +1,4 @@
-/* src/theta/theta_internal.h - the theta stepper from inside: shared by theta/create.c, theta/step_map.c,
- * map_cache.c, problem.c. */
+/* src/theta/theta_internal.h - the theta stepper from inside. */
 #ifndef NS_THETA_INTERNAL_H
 #define NS_THETA_INTERNAL_H
 
@@ -14,18 +13,22 @@
  * on the same rows at t_k.  See (T6): eta and z hold all that x_free needs. */
 typedef struct ns_map ns_map;
 struct ns_map {
-    double h;
-    int implicit; /* 1: theta = gamma = 1 in this map */
-    int p; /* rows of step: w (r), d (r if carried), controls (nc), guards; a multiple of 4, the last may be 0
-            */
-    int guards;         /* how many guards, each must be >= 0, */
-    int guard;          /* and the row of the first */
-    double *step;       /* p*q */
-    double *full;       /* (n+m)*q: x, lambda */
-    double *noise;      /* guards*q: the rounding of each guard, by input, in units of eps */
-    double *rate_noise; /* r*q if d is carried: the same of d */
-    ns_mode *mode;      /* m */
-    size_t bytes;
+    /* what it is the map of */
+    double h;      /* length of the step, s */
+    ns_mode *mode; /* m */
+    int implicit;  /* 1: theta = gamma = 1 */
+
+    /* the matrices, column by column */
+    int p;        /* rows of step: w (r), d (r if carried), controls (nc), guards; zeros to a multiple of 4 */
+    int guards;   /* number of guards: rows of step that are >= 0 while the mode holds */
+    int guard;    /* row of the first guard in step */
+    double *step; /* p*q */
+    double *full; /* (n+m)*q: x, lambda */
+    double *rounding;   /* guards*q: the rounding of each guard, by input, in units of eps */
+    double *d_rounding; /* r*q if d is carried: the same of d */
+
+    /* its place in the cache */
+    size_t bytes;          /* of all of it */
     ns_map *chain;         /* next in its bucket */
     ns_map *older, *newer; /* by last use */
 };
@@ -34,110 +37,196 @@ enum { NS_BUCKETS = 1024, NS_RECENT = 64 };
 
 /* Maps by (h, implicit, mode), the least recently used dropped when they need more than limit bytes. */
 typedef struct ns_cache {
-    ns_map *bucket[NS_BUCKETS];
-    ns_map *newest, *oldest;
-    size_t bytes, limit;
+    ns_map *bucket[NS_BUCKETS]; /* chains of maps with the same hash */
+    ns_map *newest, *oldest;    /* ends of the list by last use */
+    size_t bytes, limit;        /* of all maps; at most, but for the newest */
 } ns_cache;
 
+/* The accepted point: what is saved and restored together.  Written by state.c alone. */
+typedef struct ns_past {
+    double *w;           /* r: charges and fluxes, M x */
+    double *d;           /* r: slope of w as (T6) takes it along; zero if it is not carried */
+    double *d_rounding;  /* r: rounding of d, in units of eps */
+    double *x_lambda;    /* n+m: x, lambda on the right side of a jump; follows w, d, d_rounding in memory */
+    double *in;          /* q: inputs that the accepted step acted on; after a jump w and z */
+    double d_rounding_h; /* length of the step that d_rounding comes from, s */
+    double h;            /* length of the accepted step, s; 0: none since the start */
+    int implicit;        /* 1: that step had theta = gamma = 1 */
+    int jumped;          /* 1: the point is the right side of a jump, not the end of a step */
+    ns_mode *mode;       /* m */
+} ns_past;
+
+/* The step tried last. */
+typedef struct ns_trial {
+    int has;       /* 1: it may be accepted */
+    int implicit;  /* 1: theta = gamma = 1 */
+    int same_mode; /* 1: it is in the accepted mode, not in that below */
+    double h;      /* its length, s */
+    ns_mode *mode; /* m */
+    double *in;    /* q: inputs of its map */
+    double *out;   /* p of its map: w, d if carried, controls, guards */
+    ns_map *map;   /* its map */
+} ns_trial;
+
 struct ns_theta {
-    const ns_system *s;
-    double *block; /* all arrays of numbers but K */
-    double theta, gamma;
-    int carry; /* theta or gamma below 1: d is part of the past */
-    int r;     /* differential rows */
-    int q;     /* inputs of a map: r + nz + 1 */
-    /* the system after ns_system_split(): rows 0..r-1 differential, r..n-1 algebraic */
-    double *M, *A, *B, *b, *E;
-    double *T;     /* n*n */
-    double *l, *u; /* m, with the bounds of commanded pairs as commanded */
-    /* the past: accepted point */
-    double *w, *d;   /* r */
-    double *d_noise; /* r: of d, in units of eps, */
-    double noisy_h;  /* which comes from a step of this length */
-    ns_mode *mode;   /* m */
-    double *in;      /* q: what the accepted step acted on, */
-    double h;        /* its length, 0 if none was accepted since the start, */
-    int implicit;    /* and kind */
-    int jumped;      /* it is no step but the right side of a jump: */
-    double *at;      /* n+m: x, lambda there */
-    /* the trial */
-    int has_trial;
-    double trial_h;
-    int trial_implicit;
-    int trial_stands;    /* its mode is that of the accepted point; else */
-    ns_mode *trial_mode; /* m */
-    double *trial_in;    /* q */
-    double *out;         /* p at most: r + r + nc + 2m */
-    ns_map *trial_map;
+    /* the system, rows combined: 0..r-1 differential, r..n-1 algebraic */
+    const ns_system *s;     /* as it was given */
+    double theta, gamma;    /* of the scheme */
+    int carry;              /* 1: theta or gamma is below 1, and d is part of the past */
+    int r;                  /* differential rows */
+    int q;                  /* inputs of a map: r + nz + 1 */
+    double *T;              /* n*n: combines rows, ns_system_split() */
+    double *M, *A, *B;      /* n*n, n*n, n*m: T times those of the system */
+    double *b, *E;          /* n, n*nz: T times those of the system */
+    double *l, *u;          /* m: bounds of lambda, of commanded pairs those of their state */
+    ns_shared_branch *twin; /* twins: pairs across commanded ones */
+    int twins;              /* how many */
+
+    /* the steps */
+    ns_past past;   /* the accepted point */
+    ns_trial trial; /* the step tried last */
+    struct {
+        int size; /* K, rhs, bl, bu hold the problem, of this size, of the call that failed last; 0: none */
+        double h; /* length of its step, s; 0: an operating point */
+    } failure;
+    ns_counts counts; /* what it cost so far */
+    ns_fault fault;   /* of the last call that failed */
+
     /* maps */
-    ns_cache cache;
-    ns_map *recent[NS_RECENT]; /* maps of `mode`, found by the exponent of h, */
-    ns_map *last;              /* the one taken last; NULL: none */
-    /* work */
-    ns_lu *lu;
-    ns_mlcp_solver *mlcp;
-    int room;                      /* n+m, and as many holds as there ever were: what lu and mlcp are for */
-    double *K;                     /* room^2 */
-    double *X, *R;                 /* (n+m)*q, and twice that */
-    double *Z;                     /* (n+m)*2m */
-    double *leak;                  /* m */
-    double *sum, *rate[2];         /* n */
-    double *rhs;                   /* n+m */
-    double *sol, *resid, *bl, *bu; /* n+m */
-    ns_mode *work_mode;            /* n+m */
-    int *inside;                   /* m */
-    int *list;                     /* n+m: work */
-    ns_shared_branch *twin;        /* pairs across switches, */
-    int twins;                     /* so many */
-    int failed; /* K, rhs, bl, bu hold the problem, of this size, of the call that failed last; 0: none */
-    double failed_h; /* length of its step, 0: an operating point */
-    ns_counts counts;
-    ns_fault fault;
+    ns_cache cache;            /* all that are kept */
+    ns_map *recent[NS_RECENT]; /* maps of the accepted mode by the exponent of h */
+    ns_map *last;              /* map used last in the accepted mode; NULL: none */
+
+    /* work: contents are nobody's between two calls */
+    double *block;        /* all arrays of numbers but K */
+    int capacity;         /* of K, lu and mlcp: n+m and the largest number of unknowns ever held */
+    double *K;            /* capacity^2: matrix of (P2) or of (P1) unreduced */
+    ns_lu *lu;            /* factors of K */
+    ns_mlcp_solver *mlcp; /* (P1) */
+    double *X, *R;        /* (n+m)*q, and twice that and q: solutions of (P2), residuals */
+    double *Z;            /* (n+m)*2m: guards as functions of (x, lambda) */
+    double *leak;         /* m: conductances and resistances of leaks */
+    double *sum;          /* n */
+    double *rate[2];      /* n: slopes of two probes */
+    double *rhs;          /* 2n+m: q of (P1) unreduced */
+    double *sol;          /* 2n+m: x, lambda */
+    double *resid;        /* 2n+m: y of (P1) */
+    double *bl, *bu;      /* 2n+m: bounds of (P1) unreduced */
+    ns_mode *lcp_mode;    /* 2n+m: mode of (P1) unreduced */
+    int *inside;          /* m: pairs inside in K */
+    int *list;            /* 2n+m: places of what is not zero */
 };
 
-/* theta/step_map.c: builds the map of a mode; *out is not in the cache yet.  share: of the largest unknown,
- * in the units of the factors, that eps of is rounding in what is zero too.  Errors: SINGULAR, MEMORY,
- * NUMBER. */
-int ns_theta_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, double share, ns_map **out);
+/* --- step_map.c --- */
+
+/* Builds the map of a mode; *out is not in the cache yet.  fraction: of the largest unknown, in the units of
+ * the factors; eps of that is rounding in what is zero too.  Errors: SINGULAR, MEMORY, NUMBER. */
+int ns_theta_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, double fraction,
+                       ns_map **out);
 void ns_theta_map_free(ns_map *map);
 
-/* theta/step_map.c: K of (P2) in s->K, the pairs inside in s->inside; their number. */
+/* K of (P2) in s->K, the pairs inside in s->inside; their number. */
 int ns_theta_map_matrix(ns_theta *s, double h, int implicit, const ns_mode *mode);
 
-/* undetermined.c: names in the fault what the mode last tried leaves open: unknowns, and lambda of pairs.
- * Uses K. */
-void ns_theta_name_undetermined(ns_theta *s, double h, int implicit);
+/* --- guards.c --- */
 
-/* theta/guards.c: how many guards pair j has in a mode, and how many the mode; their entries in column k of a
- * map whose `full` is known; the size of the terms of input k of the trial; whether all of s->out hold, up to
- * tol noise: 1 or 0. */
+/* How many guards pair j has in a mode; how many the mode has. */
 int ns_theta_guards_of(const ns_theta *s, const ns_mode *mode, int j);
 int ns_theta_guard_count(const ns_theta *s, const ns_mode *mode);
+
+/* The guards' entries in column k of a map whose `full` is known.  Overwrites s->Z. */
 void ns_theta_guard_fill(const ns_theta *s, ns_map *map, int k);
+
+/* The size of the terms of input k of the trial. */
 double ns_theta_input_size(const ns_theta *s, const ns_map *map, int k);
+
+/* 1 if all guards in s->trial.out hold, up to tol times their rounding in units of eps. */
 int ns_theta_guards_hold(const ns_theta *s, const ns_map *map, double tol);
 
-/* theta/guards.c: the mode (m) with the pairs changed whose guards broke; 0 if there is none. */
+/* The mode (m) with the pairs changed whose guards do not hold; 0 if there is none. */
 int ns_theta_guards_flip(const ns_theta *s, const ns_map *map, double tol, ns_mode *mode);
 
-/* guard_rounding.c: what d may be off by after the step of this map, before it is accepted: r. */
+/* --- guard_rounding.c --- */
+
+/* What d may be off by after the step of this map, in units of eps: r numbers. */
 void ns_theta_rate_rounding(const ns_theta *s, const ns_map *map, double *rounding);
 
-/* map_cache.c */
+/* --- map_cache.c --- */
+
 ns_map *ns_theta_cache_find(ns_cache *c, double h, int implicit, const ns_mode *mode, int m);
 void ns_theta_cache_insert(ns_cache *c, ns_map *map, int m);
 /* Drops old maps until the limit holds; never `keep`.  Returns how many were dropped. */
 long ns_theta_cache_trim(ns_cache *c, int m, const ns_map *keep);
 void ns_theta_cache_clear(ns_cache *c);
 
-/* theta/create.c: room for problems of n+m+holds unknowns.  Errors: MEMORY (it is as before). */
-int ns_theta_room(ns_theta *s, int holds);
+/* --- create.c --- */
 
-/* step.c: forgets the maps of the mode that was. */
+/* Capacity for problems of n+m+holds unknowns.  Errors: MEMORY (it is as before). */
+int ns_theta_reserve(ns_theta *s, int holds);
+
+/* --- step.c --- */
+
+/* The map of (h, implicit, mode) from the cache, or built and kept.  Errors: ns_theta_map_build(). */
+int ns_theta_find_map(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out);
+
+/* Forgets recent maps: the accepted mode changed, or maps were dropped. */
 void ns_theta_forget_recent(ns_theta *s);
 
-/* state.c: gives commanded pairs the bounds of their state, which their mode tells. */
+/* d after an implicit step of length h from here, or (second) of twice that length; it is not accepted.
+ * Errors: those of ns_theta_try(), GUARD if the mode breaks. */
+int ns_theta_probe(ns_theta *s, double h, const double *z, int second);
+
+/* --- state.c --- */
+
+/* d at the accepted point, extrapolated from the two probes. */
+void ns_theta_take_rates(ns_theta *s);
+
+/* Bounds of commanded pairs by their mode. */
 void ns_theta_set_bounds(ns_theta *s);
+
+/* The accepted mode (m) becomes this one, or the charges and fluxes w (r); nothing else does. */
+void ns_theta_set_mode(ns_theta *s, const ns_mode *mode);
+void ns_theta_set_charges(ns_theta *s, const double *w);
+
+/* The accepted point becomes the right side of a jump from it, at inputs z (nz).  Of jump: x, lambda, X,
+ * Lambda, mode. */
+void ns_theta_jump(ns_theta *s, const ns_impulse *jump, const double *z);
+
+/* w there, row i; s has it before the jump. */
+double ns_theta_jump_w(const ns_theta *s, int i, const double *x, const double *X, const double *Lambda);
+
+/* The accepted point becomes that of another engine: w (r), x and lambda one after the other (n+m), inputs
+ * (nz). */
+void ns_theta_put(ns_theta *s, const double *w, const double *x_lambda, const ns_mode *mode, const double *z);
+
+/* What ns_theta_controls() gives from now on is gx x. */
+void ns_theta_set_controls(ns_theta *s, const double *x);
+
+/* --- step_lcp.c --- */
+
+/* (P1) of a step, unreduced (x as equality rows), from s->trial.in and the mode s->trial.mode, which gets the
+ * answer's.  fraction > 0: with leaks of that fraction.  Errors: those of ns_mlcp_solve(). */
+int ns_theta_lcp_solve(ns_theta *s, double h, int implicit, double fraction);
+
+/* The same of an implicit step from w (r) with inputs z + h slope (nz; slope NULL: z), from the mode (m),
+ * which gets the answer's.  Overwrites the trial. */
+int ns_theta_lcp_propose(ns_theta *s, double h, double fraction, const double *w, const double *z,
+                         const double *slope, ns_mode *mode);
+
+/* Leaves the problem of the step, without leaks, for ns_theta_problem(): the step failed. */
+void ns_theta_lcp_keep(ns_theta *s, double h, int implicit);
+
+/* The same for M x' = 0, with nhold unknowns held at hold_x; fills x (n).  mode: m. */
+int ns_theta_lcp_dc(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
+                    ns_mode *mode, double *x);
+
+/* --- undetermined.c --- */
+
+/* Names in the fault what the mode tried last does not determine: unknowns, and lambda of pairs.  Overwrites
+ * s->K. */
+void ns_theta_name_undetermined(ns_theta *s, double h, int implicit);
+
+/* --- small things --- */
 
 /* Keeps the status in the fault and returns it. */
 static inline int ns_theta_fail(ns_theta *s, int status) {
@@ -145,55 +234,22 @@ static inline int ns_theta_fail(ns_theta *s, int status) {
     return status;
 }
 
-/* theta/step.c: the map of (h, implicit, mode) from the cache, or built and kept.  Errors:
- * ns_theta_map_build(). */
-int ns_theta_find_map(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out);
-
-/* theta/step.c: d after an implicit step of length h from here, or (second) of twice that length, which is
- * not taken: errors of ns_theta_try(), GUARD if the mode breaks; and d here from the two, extrapolated. */
-int ns_theta_probe(ns_theta *s, double h, const double *z, int second);
-void ns_theta_take_rates(ns_theta *s);
-
-/* state.c: the accepted point becomes the right side of a jump from it, at inputs z (nz).  Of jump: x,
- * lambda, X, Lambda, mode. */
-void ns_theta_jump(ns_theta *s, const ns_impulse *jump, const double *z);
-/* To where another engine came: w, x and lambda one after the other, inputs. */
-void ns_theta_put(ns_theta *s, const double *w, const double *at, const ns_mode *mode, const double *z);
-/* state.c: what ns_theta_controls() gives from now on is gx x. */
-void ns_theta_set_controls(ns_theta *s, const double *x);
-/* state.c: w there, row i; s has it before the jump. */
-double ns_theta_jump_w(const ns_theta *s, int i, const double *x, const double *X, const double *Lambda);
-
 /* The problem that failed last is gone: its arrays get used, or nobody asks for it any more. */
 static inline void ns_theta_forget_failure(ns_theta *s) {
-    s->failed = 0;
+    s->failure.size = 0;
 }
 
 /* So is the trial. */
 static inline void ns_theta_discard(ns_theta *s) {
-    s->has_trial = 0;
+    s->trial.has = 0;
     ns_theta_forget_failure(s);
 }
 
-/* impulse.c: ns_theta_impulse(), but what the laws leave open of values is as near to `near` (n+m: x, lambda)
- * as it can be (NULL: to zero).  *jumps: there are impulses. */
+/* --- reinit/impulse.c --- */
+
+/* ns_theta_impulse(), but what the laws do not determine of values is as near to `near` (n+m: x, lambda) as
+ * it can be (NULL: to zero).  *jumps: there are impulses. */
 int ns_reinit_impulse_solve(ns_theta *s, const double *z, const double *slope, const double *near,
                             const ns_impulse *out, int *jumps);
-
-/* step_lcp.c: (P1) of a step, unreduced (x as equality rows), from s->trial_in and the mode s->trial_mode,
- * which gets the answer's.  fraction > 0: with leaks of that fraction.  Errors: those of ns_mlcp_solve(). */
-int ns_theta_lcp_solve(ns_theta *s, double h, int implicit, double fraction);
-
-/* step_lcp.c: the same of an implicit step from w (r) with inputs z + h slope (nz; slope NULL: z), from the
- * mode (m), which gets the answer's.  Overwrites the trial. */
-int ns_theta_lcp_propose(ns_theta *s, double h, double fraction, const double *w, const double *z,
-                         const double *slope, ns_mode *mode);
-
-/* problem.c: leaves that problem, without leaks, for ns_theta_problem(): the step failed. */
-void ns_theta_lcp_keep(ns_theta *s, double h, int implicit);
-
-/* problem.c: the same for M x' = 0, with nhold unknowns held at hold_x; fills x (n).  mode: m. */
-int ns_theta_lcp_dc(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
-                    ns_mode *mode, double *x);
 
 #endif

@@ -20,7 +20,7 @@ static int take_heaviest(int size, double *weight, double *heaviest) {
 }
 
 void ns_theta_name_undetermined(ns_theta *s, double h, int implicit) {
-    const int n = s->s->n, size = n + ns_theta_map_matrix(s, h, implicit, s->trial_mode);
+    const int n = s->s->n, size = n + ns_theta_map_matrix(s, h, implicit, s->trial.mode);
     ns_fault *f = &s->fault;
     double heaviest = 0, *weight = malloc(sizeof *weight * ((size_t)size + 1));
     f->npairs = f->nunknowns = 0;
