@@ -166,7 +166,8 @@ $(B)/obj/tests/%.o: private ALL_CFLAGS += -Itests/rig -Icodemodels/bridge/pure
 
 $(filter $(B)/tests/unit/bridge/%,$(TEST_BIN)): $(BRIDGE_PURE:%.c=$(B)/obj/%.o)
 
-$(TEST_BIN): $(B)/%: $(B)/obj/%.o $(TEST_HELP:%.c=$(B)/obj/%.o) $(B)/libnonsmooth.a
+TEST_LIB ?= $(B)/libnonsmooth.a
+$(TEST_BIN): $(B)/%: $(B)/obj/%.o $(TEST_HELP:%.c=$(B)/obj/%.o) $(TEST_LIB)
 	@mkdir -p $(@D)
 	@echo "  LINK    $@"
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) $^ -o $@ -lcmocka $(LIBS) -lsuitesparseconfig
@@ -287,6 +288,31 @@ stress: deps ## random problems of every class, STRESS_COUNT of each, every answ
 	@$(MAKE) $(JOBS) B=build/bench CFLAGS='-O3 -DNDEBUG' stress-programs
 	@for program in build/bench/tests/stress/*; do \
 	    echo "== $$(basename $$program)"; OPENBLAS_NUM_THREADS=1 $$program $(STRESS_COUNT) || exit 1; done
+
+# --- mutants: would a test notice? ------------------------------------------------------------------------
+
+RECORDER :=# given to the build whose library records the functions that a program calls
+# All of the library in a shared object that shows everything, so that one changed file needs no other link.
+$(B)/libnonsmooth-test.so: $(OBJ) $(RECORDER)
+	@echo "  LINK    $@"
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-soname,libnonsmooth-test.so $(WRAP) $^ -o $@ $(LIBS)
+
+MUTANTS ?= 200# how many
+MUTANTS_SEED ?= 1
+IN_MUTANTS := B=build/mutants WARN=-w CFLAGS=-O1 TEST_LIB=build/mutants/libnonsmooth-test.so
+IN_CALLS := B=build/mutants/calls WARN=-w CFLAGS='-O1 -g1 -fno-inline -finstrument-functions' \
+    RECORDER=build/mutants/record.o
+
+.PHONY: mutants mutants-run
+mutants: deps ## random small changes to src/, MUTANTS of them by MUTANTS_SEED: which ones no test notices (an hour)
+	@$(MAKE) $(JOBS) $(IN_MUTANTS) all units
+	@$(CC) -O1 -fPIC -c tests/mutants/record.c -o build/mutants/record.o
+	@$(MAKE) $(JOBS) $(IN_CALLS) build/mutants/calls/libnonsmooth-test.so
+	@$(MAKE) --no-print-directory $(IN_MUTANTS) mutants-run
+
+mutants-run:
+	@CC='$(CC)' CFLAGS='$(ALL_CFLAGS)' LIBS='$(LIBS)' WRAP='$(WRAP)' CM_OBJ='$(CM_OBJ)' CM_LIBS='$(CM_LIBS)' \
+	    tests/mutants.sh '$(MUTANTS)' '$(MUTANTS_SEED)'
 
 # --- fuzz: any bytes, under the sanitizers -----------------------------------------------------------------
 
