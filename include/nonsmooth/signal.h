@@ -10,28 +10,30 @@ extern "C" {
 
 typedef enum ns_signal_kind { NS_DC, NS_PULSE, NS_SIN, NS_EXP, NS_PWL } ns_signal_kind;
 
-/* A signal; plain data.  PWL's arrays belong to the caller of the function that takes the signal,
- * which copies them.  Times in s, values in V or A. */
+/* A signal; plain data, with the parameters of SPICE.  Values in V or A, times in s.  A function that takes a
+ * signal copies the arrays of PWL, which stay the caller's. */
 typedef struct ns_signal {
     ns_signal_kind kind;
     union {
         double dc;
         struct {
-            double v1, v2, td, tr, tf, pw, per;
-            int cycles;
-        } pulse; /* tr, tf >= 0 (0: a jump); per = inf: once; cycles 0: no limit */
+            double v1, v2;              /* initial and pulsed value */
+            double td, tr, tf, pw, per; /* delay, rise, fall (0: a jump), width, period (inf: once) */
+            int cycles;                 /* 0: no limit */
+        } pulse;
         struct {
-            double vo, va, freq, td, theta, phase;
-        } sin; /* phase in degrees; value before td: vo + va sin(phase) */
+            double vo, va;                 /* offset, amplitude; before td: vo + va sin(phase) */
+            double freq, td, theta, phase; /* Hz, s, damping in 1/s, degrees */
+        } sin;
         struct {
             double v1, v2, td1, tau1, td2, tau2;
         } exp;
         struct {
-            int n;
-            const double *t, *v;
-            double repeat, td;
-        } pwl; /* n points; t non-decreasing (twice the same: a jump); repeat: time of the point at which the
-                  repetition starts, NAN: no repetition */
+            int n;               /* points */
+            const double *t, *v; /* n; t not decreasing (twice the same: a jump) */
+            double repeat;       /* time of the point at which the repetition starts; NAN: no repetition */
+            double td;           /* delay */
+        } pwl;
     } u;
 } ns_signal;
 
