@@ -87,7 +87,7 @@ static int read_ours(ns_extract_walk *w, GENinstance *inst) {
 
 /* --- the walk --- */
 
-static const struct reader {
+static const struct element_reader {
     char letter;
     ns_extract_reader *read;
 } readers[] = {{'r', ns_bridge_elements_resistor}, {'c', ns_bridge_elements_capacitor},

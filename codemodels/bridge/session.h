@@ -10,7 +10,7 @@
 #include "loop.h"
 
 /* Written by trial.c alone. */
-typedef struct ns_trial {
+typedef struct ns_bridge_trial {
     double t;           /* the accepted time, s: the marcher's, or when the right side of a jump is shown */
     int start_accepted; /* ngspice accepted the first point of the analysis */
     int made;           /* the marcher holds a trial; of it: */
@@ -18,7 +18,7 @@ typedef struct ns_trial {
     int at_right_side;  /* it is the right side of the accepted point */
     int loaded;         /* its values are ngspice's present point */
     clock_t cpu;        /* of all trials, with option verbose */
-} ns_trial;
+} ns_bridge_trial;
 
 typedef struct ns_session {
     CKTcircuit *ckt;
@@ -38,7 +38,7 @@ typedef struct ns_session {
     clock_t start_cpu; /* of the start */
 
     /* --- the present timepoint --- */
-    ns_trial trial;
+    ns_bridge_trial trial;
     int failed; /* code that ends the analysis; its line was written.  session.c */
 
     /* --- what is changed in ngspice for a while --- */

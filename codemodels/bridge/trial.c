@@ -33,7 +33,7 @@ double ns_bridge_trial_right_side(const ns_session *s, double t) {
 }
 
 int ns_bridge_trial_to(ns_session *s, double t, ns_until until) {
-    ns_trial *trial = &s->trial;
+    ns_bridge_trial *trial = &s->trial;
     const int timed = s->analysis.ex.options.verbose; /* to ask for the time takes as long as a short step */
     const clock_t since = timed ? clock() : 0;
     const int status = ns_march_try(s->analysis.march, t, until, &trial->t_end);
@@ -60,7 +60,7 @@ int ns_bridge_trial_read_values(ns_session *s) {
 }
 
 int ns_bridge_trial_load(ns_session *s, int anew) {
-    ns_trial *trial = &s->trial;
+    ns_bridge_trial *trial = &s->trial;
     const double t = s->ckt->CKTtime;
     int error = OK;
     if (trial->loaded && !anew && ns_bridge_timepoints_same(t, trial->t_end)) {

@@ -8,12 +8,12 @@
 #include "circuit_internal.h"
 
 /* A line being written; len counts what there would be with enough room. */
-typedef struct writer {
+typedef struct line_writer {
     char *line;
     size_t size, len;
-} writer;
+} line_writer;
 
-static void put(writer *w, const char *format, ...) {
+static void put(line_writer *w, const char *format, ...) {
     va_list arguments;
     int wanted;
     size_t used = w->len < w->size ? w->len : w->size;
@@ -24,7 +24,7 @@ static void put(writer *w, const char *format, ...) {
 }
 
 /* Ends the line: "..." where it was cut, nothing that breaks a line. */
-static int finish(writer *w) {
+static int finish(line_writer *w) {
     if (w->len >= w->size && w->size >= 4) {
         memcpy(w->line + w->size - 4, "...", 4);
     }
@@ -65,7 +65,7 @@ static const node_info *node_of_unknown(const ns_circuit *c, int unknown) {
     return NULL;
 }
 
-static void put_node(writer *w, const node_info *which) {
+static void put_node(line_writer *w, const node_info *which) {
     if (which->name) {
         put(w, "node %s", which->name);
     } else {
@@ -87,7 +87,7 @@ static int named_before(const ns_circuit *c, const ns_fault *f, int i) {
     return 0;
 }
 
-static void put_pair(writer *w, const ns_circuit *c, int pair, int with_kind) {
+static void put_pair(line_writer *w, const ns_circuit *c, int pair, int with_kind) {
     const element *e = element_of_pair(c, pair);
     if (e) {
         put(w, "%s%s", !with_kind ? "" : e->kind == DIODE ? "ideal diode " : "ideal switch ", e->name);
@@ -96,7 +96,7 @@ static void put_pair(writer *w, const ns_circuit *c, int pair, int with_kind) {
     }
 }
 
-static void put_unknown(writer *w, const ns_circuit *c, int unknown, int with_kind) {
+static void put_unknown(line_writer *w, const ns_circuit *c, int unknown, int with_kind) {
     const element *e = element_of_current(c, unknown);
     const node_info *which = node_of_unknown(c, unknown);
     if (e) {
@@ -110,7 +110,7 @@ static void put_unknown(writer *w, const ns_circuit *c, int unknown, int with_ki
 }
 
 /* The pairs' elements, comma by comma; with their kind if told. */
-static int put_pairs(writer *w, const ns_circuit *c, const ns_fault *f, int with_kind) {
+static int put_pairs(line_writer *w, const ns_circuit *c, const ns_fault *f, int with_kind) {
     int written = 0;
     for (int i = 0; i < count_of(f->npairs); i++) {
         if (!named_before(c, f, i)) {
@@ -121,7 +121,7 @@ static int put_pairs(writer *w, const ns_circuit *c, const ns_fault *f, int with
     return written;
 }
 
-static int put_unknowns(writer *w, const ns_circuit *c, const ns_fault *f, int written, int with_kind) {
+static int put_unknowns(line_writer *w, const ns_circuit *c, const ns_fault *f, int written, int with_kind) {
     for (int i = 0; i < count_of(f->nunknowns); i++) {
         put(w, "%s", written++ ? ", " : "");
         put_unknown(w, c, f->unknown[i], with_kind);
@@ -130,7 +130,7 @@ static int put_unknowns(writer *w, const ns_circuit *c, const ns_fault *f, int w
 }
 
 /* What usually is behind it. */
-static void put_cause(writer *w, const ns_circuit *c, const ns_fault *f) {
+static void put_cause(line_writer *w, const ns_circuit *c, const ns_fault *f) {
     int written;
     if (f->status != NS_E_INFEASIBLE && f->status != NS_E_SINGULAR) {
         return;
@@ -145,8 +145,8 @@ static void put_cause(writer *w, const ns_circuit *c, const ns_fault *f) {
             : "not determined; a node without a path to ground, or a loop without resistance?");
 }
 
-static writer begin(char *line, size_t size) {
-    writer w = {line, line ? size : 0, 0};
+static line_writer begin(char *line, size_t size) {
+    line_writer w = {line, line ? size : 0, 0};
     if (w.size > 0) {
         *line = '\0';
     }
@@ -154,21 +154,21 @@ static writer begin(char *line, size_t size) {
 }
 
 int ns_circuit_name_unknown(const ns_circuit *c, int unknown, char *line, size_t size) {
-    writer w = begin(line, size);
+    line_writer w = begin(line, size);
     put_unknown(&w, c, unknown, 1);
     return finish(&w);
 }
 
 int ns_circuit_name_pair(const ns_circuit *c, int pair, char *line, size_t size) {
     const element *e = element_of_pair(c, pair);
-    writer w = begin(line, size);
+    line_writer w = begin(line, size);
     put(&w, "%s", e && pair > e->pair ? "breakdown of " : "");
     put_pair(&w, c, pair, 1);
     return finish(&w);
 }
 
 int ns_circuit_explain(const ns_circuit *c, const ns_fault *f, char *line, size_t size) {
-    writer w = begin(line, size);
+    line_writer w = begin(line, size);
     int written;
     if (!f) {
         return 0;

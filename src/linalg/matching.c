@@ -13,14 +13,14 @@
 
 enum { NEVER = INT_MAX, NONE = SHRT_MAX };
 
-typedef struct state {
+typedef struct path_search {
     int n;
     const short *cost; /* n*n, row by row; NONE: infinite */
     int *u, *v;  /* n+1 each; rows and columns count from 1, column 0 stands for the row that looks for one */
     int *row_of; /* row matched to a column, 0: none */
     int *from, *to; /* n+1: previous column on the path; distance of a column */
     int *done;
-} state;
+} path_search;
 
 static short cost(double a) {
     uint64_t bits;
@@ -36,7 +36,7 @@ static short cost(double a) {
 
 /* Extends the tree from column at, which is as far away as *far; the nearest column outside gets the next,
  * and *far its distance.  Returns 0 if there is none.  Nothing comes nearer that is in the tree already. */
-static int nearest(state *s, int at, int *far) {
+static int nearest(path_search *s, int at, int *far) {
     const int n = s->n, i = s->row_of[at], by = *far - s->u[i];
     const short *row = s->cost + (size_t)(i - 1) * (size_t)n - 1;
     int next = 0, least = NEVER;
@@ -55,7 +55,7 @@ static int nearest(state *s, int at, int *far) {
 }
 
 /* The duals move by how much nearer a column of the tree was than the one that ends it. */
-static void shift(state *s, int far) {
+static void shift(path_search *s, int far) {
     for (int j = 0; j <= s->n; j++)
         if (s->done[j]) {
             s->u[s->row_of[j]] += far - s->to[j];
@@ -63,7 +63,7 @@ static void shift(state *s, int far) {
         }
 }
 
-static int match_row(state *s, int i) {
+static int match_row(path_search *s, int i) {
     int at = 0, far = 0;
     s->row_of[0] = i;
     for (int j = 0; j <= s->n; j++) {
@@ -88,14 +88,14 @@ static int match_row(state *s, int i) {
 
 /* NOLINTNEXTLINE(readability-non-const-parameter): work is written to through s */
 int ns_linalg_match_scale(int n, const double *a, int *r, int *c, short *e, int *work) {
-    state s = {n,
-               e,
-               work,
-               work + (n + 1),
-               work + 2 * (n + 1),
-               work + 3 * (n + 1),
-               work + 4 * (n + 1),
-               work + 5 * (n + 1)};
+    path_search s = {n,
+                     e,
+                     work,
+                     work + (n + 1),
+                     work + 2 * (n + 1),
+                     work + 3 * (n + 1),
+                     work + 4 * (n + 1),
+                     work + 5 * (n + 1)};
     for (int j = 0; j <= n; j++)
         s.u[j] = s.v[j] = s.row_of[j] = 0;
     for (int j = 0; j < n; j++)

@@ -134,15 +134,15 @@ static klu_symbolic *symbolic_of(const ns_klu *k, const ns_factors *f) {
 }
 
 /* What KLU is to look at. */
-typedef struct matrix {
+typedef struct klu_matrix {
     int *start, *row;
     double *value;
     klu_symbolic *symbolic;
-} matrix;
+} klu_matrix;
 
-static matrix matrix_of(const ns_klu *k, const ns_factors *f, double *value) {
-    return f->own ? (matrix){f->start, f->row, f->value, f->own}
-                  : (matrix){k->start, k->row, value, k->symbolic};
+static klu_matrix matrix_of(const ns_klu *k, const ns_factors *f, double *value) {
+    return f->own ? (klu_matrix){f->start, f->row, f->value, f->own}
+                  : (klu_matrix){k->start, k->row, value, k->symbolic};
 }
 
 /* 1 if it has no other places than those of f, whose values are taken. */
@@ -202,7 +202,7 @@ static int factor_again(ns_klu *k, double *value, ns_factors *f) {
     klu_common *c = &k->common;
     if (!f->numeric || (k->fills && !f->own) || !take_values(k, f, value))
         return 0;
-    const matrix a = matrix_of(k, f, value);
+    const klu_matrix a = matrix_of(k, f, value);
     if (!klu_refactor(a.start, a.row, a.value, a.symbolic, f->numeric, c) || c->status != KLU_OK)
         return 0;
     if (!klu_rgrowth(a.start, a.row, a.value, a.symbolic, f->numeric, c))
@@ -219,7 +219,7 @@ static int factor_fresh(ns_klu *k, double *value, ns_factors *f) {
     const int status = k->fills ? take_apart(k, f, value) : NS_OK;
     if (status != NS_OK)
         return status;
-    const matrix a = matrix_of(k, f, value);
+    const klu_matrix a = matrix_of(k, f, value);
     f->numeric = klu_factor(a.start, a.row, a.value, a.symbolic, c);
     if (!f->numeric || c->status != KLU_OK)
         return c->status == KLU_OK ? NS_E_SINGULAR : status_of(c);

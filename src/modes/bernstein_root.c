@@ -45,14 +45,14 @@ double ns_modes_curve_slope(const ns_curve *c, double u) {
     return sum;
 }
 
-typedef struct search {
+typedef struct root_search {
     int terms, splits; /* left */
     double tol;
     double high; /* where it is below for sure, 0: not known */
-} search;
+} root_search;
 
 /* Whether b, Bernstein's coefficients on [low, high], fall below -tol: from where to look, or NAN. */
-static double first_below(search *s, const double *b, double low, double high, int depth) {
+static double first_below(root_search *s, const double *b, double low, double high, int depth) {
     double left[TERMS] = {0}, right[TERMS], least = b[0];
     const int terms = s->terms;
     int falls = 1; /* all the way: one root */
@@ -145,7 +145,7 @@ int ns_modes_curve_holds(const ns_curve *c, double tol) {
 }
 
 double ns_modes_curve_below(const ns_curve *c, double tol) {
-    search s = {c->terms, SPLITS, tol, 0};
+    root_search s = {c->terms, SPLITS, tol, 0};
     ns_curve above = *c;
     double b[TERMS] = {0};
     to_bernstein(c, b);
