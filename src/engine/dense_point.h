@@ -9,8 +9,8 @@
 
 #include "base/clock.h"
 
-/* Events are located to h 2^-NS_EVENT_RUNG, and those closer together than that count as simultaneous. */
-enum { NS_EVENT_RUNG = 20 };
+/* Events are located to h 2^-NS_EVENT_EXPONENT, and those closer together than that count as simultaneous. */
+enum { NS_EVENT_EXPONENT = 20 };
 
 typedef struct ns_dense_point {
     ns_clock now;

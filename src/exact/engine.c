@@ -223,7 +223,7 @@ static void pass(ns_exact *f, const ns_time_event *what) {
 }
 
 static void count(ns_exact *f) {
-    const double near = f->h / (1 << NS_EVENT_RUNG);
+    const double near = f->h / (1 << NS_EVENT_EXPONENT);
     f->events++;
     f->past.crowd = f->t - f->past.event_t < near ? f->past.crowd + 1 : 0;
     f->past.event_t = f->t;
@@ -298,7 +298,7 @@ static int leap(ns_exact *f, double accepted_t, double t, ns_until until, int *s
  * already, the shorter they count. */
 static void ground(ns_exact *f) {
     enum { MANY_RUNG = 10, LONG_RUNG = 6, FOR_GOOD = 64 };
-    const double h = f->h, least = ldexp(h, 2 - NS_EVENT_RUNG), flown = f->t - f->past.grounded;
+    const double h = f->h, least = ldexp(h, 2 - NS_EVENT_EXPONENT), flown = f->t - f->past.grounded;
     if (flown > h)
         f->past.stuck /= 2;
     const double few = f->timed ? ldexp(h, -MANY_RUNG) * (1 + f->past.stuck / FOR_GOOD) : h;

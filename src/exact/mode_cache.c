@@ -112,7 +112,7 @@ static int by_size(const void *a, const void *b) {
 static int list_rates(const ns_exact *f, const ns_mode_kernel *stage, ns_mode_rate *rate, double *room,
                       int *at_once, int *status) {
     double *re = room, *im = room + stage->r;
-    const double instant = ldexp(f->h, -NS_EVENT_RUNG);
+    const double instant = ldexp(f->h, -NS_EVENT_EXPONENT);
     int count = 0;
     *status = ns_exact_kernel_rates(stage, re, im);
     for (int i = 0; i < stage->r && *status == NS_OK; i++) {

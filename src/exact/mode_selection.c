@@ -147,7 +147,7 @@ static int try_mended(ns_exact *f, ns_evidence word, int *on) {
 
 /* The modes that (P1) has over short steps. */
 static int propose(ns_exact *f, int *on) {
-    static const int rungs[] = {-NS_EVENT_RUNG, -10, -30};
+    static const int rungs[] = {-NS_EVENT_EXPONENT, -10, -30};
     if (f->at)
         ns_theta_set_mode(f->s, f->want);
     for (int i = 0; i < 3; i++) {

@@ -46,7 +46,7 @@ void ns_ladder_free(ns_ladder *l) {
 }
 
 void ns_ladder_begin_trial(ns_ladder *l, double dt) {
-    /* each event takes some 2 x 24 steps to be located, NS_CROWD of them fit into one h */
+    /* each event takes some 2 x 24 steps to be located, NS_CROWDING of them fit into one h */
     l->contradiction = -1;
     ns_theta_forget_failure(l->step);
     l->budget = 4000 + (long)fmin(1e12, 4000 * dt / l->h);

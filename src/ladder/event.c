@@ -9,12 +9,13 @@
 #include <float.h>
 #include <math.h>
 
-/* A hysteresis: far above what a control moves by in the steps of an event. */
+/* A band between thresholds wider than this, relative to them, is a hysteresis: far above what a control
+ * moves by in the steps of an event. */
 static const double band = 1e-3;
 
 double ns_ladder_short_step(const ns_ladder *l) {
     const double finest = 16 * DBL_EPSILON * fabs(l->point->now.t); /* t must be seen to move */
-    double h = ldexp(l->h, -NS_EVENT_RUNG);
+    double h = ldexp(l->h, -NS_EVENT_EXPONENT);
     while (h < finest && h < l->h)
         h *= 2;
     return h;
@@ -30,7 +31,7 @@ double ns_ladder_next_corner(ns_ladder *l) {
     return l->corner;
 }
 
-static int step_to(ns_ladder *l, double h) {
+static int try_implicit_step(ns_ladder *l, double h) {
     const double t = l->point->now.t + (l->point->now.lost + h);
     ns_system_inputs(l->s, t, NS_RIGHT, l->z);
     int status = ns_theta_try(l->step, h, l->z, 1, NS_RESOLVE);
@@ -41,27 +42,28 @@ static int step_to(ns_ladder *l, double h) {
     return status;
 }
 
-/* The shorter the step, the worse the condition of the equations; where it spoils the answer, a longer one is
- * negligible still, and a contradiction that impulses hide from a short one shows.  A step that finds one has
- * the say, else the first, and leaves its problem. */
+/* The shorter the step, the worse the condition of the equations.  Where that spoils the answer, steps up to
+ * 16^4 times as long, still negligible, are tried; these also show a contradiction that impulses hide from a
+ * short one.  If none has an answer, the first that was INFEASIBLE is repeated, else the shortest: its
+ * problem is what ns_march_problem() gives. */
 int ns_ladder_short_try(ns_ladder *l, double h) {
-    int status = step_to(l, h);
-    double longer = h, says = h;
+    int status = try_implicit_step(l, h);
+    double longer = h, failing = h;
     if (status == NS_OK || status == NS_E_MEMORY)
         return status;
     for (int k = 0; k < 4; k++) {
         longer *= 16;
         if (l->point->now.t + longer >= l->limit || longer > l->h)
             continue;
-        const int then = step_to(l, longer);
-        if (then == NS_OK)
+        const int longer_status = try_implicit_step(l, longer);
+        if (longer_status == NS_OK)
             return NS_OK;
-        if (then == NS_E_INFEASIBLE && status != then) {
-            status = then;
-            says = longer;
+        if (longer_status == NS_E_INFEASIBLE && status != longer_status) {
+            status = longer_status;
+            failing = longer;
         }
     }
-    status = step_to(l, says);
+    status = try_implicit_step(l, failing);
     return status;
 }
 
@@ -74,12 +76,13 @@ static void count_event(ns_ladder *l) {
     l->window.events++;
 }
 
-/* The guard that broke was found by a step of the scheme; an implicit one of the same length may just not see
- * it, or (P1) may find that it held after all.  Longer ones may tell, up to a length at which nothing is
- * skipped: if they do not, the walk goes on, and where such events crowd, it captures. */
+/* The guard that broke was found by a step of the scheme.  An implicit one of the same length may not break
+ * it, or (P1) may find that it held after all.  Longer ones are tried, up to a length at which nothing is
+ * skipped; if none changes the mode, steps go on as before, and where such events are many, they are
+ * captured. */
 static int step_until_changed(ns_ladder *l, double *h) {
     const long before = ns_theta_counts(l->step)->events;
-    const double longest = ldexp(l->h, -NS_SPURIOUS_RUNG);
+    const double longest = ldexp(l->h, -NS_SPURIOUS_EXPONENT);
     int status = ns_ladder_short_try(l, *h);
     while (status == NS_OK && ns_theta_counts(l->step)->events == before && 2 * *h <= longest &&
            l->point->now.t + 4 * *h < l->limit) {
@@ -101,20 +104,21 @@ int ns_ladder_short_settle(ns_ladder *l, double h) {
     return status;
 }
 
-/* The length of a probe, on the ladder; 0: there is no room before the next corner. */
-static double probe_step(ns_ladder *l) {
+/* The length of the steps that rates are computed from; 0: there is no time for them before the next corner.
+ */
+static double rate_step(ns_ladder *l) {
     const double least = ns_ladder_short_step(l), room = ns_ladder_next_corner(l) - l->point->now.t;
-    double h = ldexp(l->h, -NS_RATE_RUNG);
+    double h = ldexp(l->h, -NS_RATE_EXPONENT);
     while (h > least && !(4 * h < room))
         h /= 2;
     return h > least ? h : 0;
 }
 
-/* The lambda of a constraint is known to eps w/h after a short step, and between steps of theta = 1/2 what is
- * wrong with it swings on for ever.  Two implicit steps from here, long for rounding and short for the
- * scheme, tell the rates better, unless something happens in them. */
+/* After a short step the lambda of a constraint has an error of eps w/h, and steps of theta = 1/2 carry that
+ * error on with alternating sign.  Two implicit steps from here, long for rounding and short for the scheme,
+ * give better rates, unless a guard breaks or a command changes in them. */
 int ns_ladder_short_rates(ns_ladder *l) {
-    const double h = l->step->carry ? probe_step(l) : 0, t = l->point->now.t;
+    const double h = l->step->carry ? rate_step(l) : 0, t = l->point->now.t;
     if (!(h > 0))
         return 1;
     for (int k = 0; k < 2; k++) {
@@ -128,7 +132,7 @@ int ns_ladder_short_rates(ns_ladder *l) {
     return 1;
 }
 
-/* The length of the steps that resolve an event: two and more of them before anything else happens. */
+/* The length of the steps that resolve an event: several of them end before the next event known ahead. */
 static double event_step(const ns_ladder *l) {
     const double h = ns_ladder_short_step(l), room = (l->limit - l->point->now.t) / 8;
     return room > 64 * DBL_EPSILON * fabs(l->point->now.t) ? fmin(h, room) : h;
@@ -141,9 +145,9 @@ static int any(const unsigned char *flip, int count) {
     return 0;
 }
 
-/* A switch with a hysteresis that went to and fro at this instant (l->crossed: how often) and wants to again
- * has no state to be in, and what came of it would hang on h.  Without a hysteresis it may hold its control
- * at the threshold, which steps average. */
+/* A switch with hysteresis that changed twice at this instant (l->crossed) and has to again has no consistent
+ * state, and the result would depend on h.  Without hysteresis it may hold its control at the threshold,
+ * which steps average. */
 int ns_ladder_event_contradicts(ns_ladder *l) {
     for (int c = 0; c < l->s->nc; c++) {
         const ns_command *k = &l->s->command[c];
@@ -163,7 +167,8 @@ int ns_ladder_event_resolve(ns_ladder *l) {
     l->point->at_event = l->point->input_jumps = 0;
     for (int c = 0; c < l->s->nc; c++)
         l->crossed[c] = 0;
-    /* a switch may make another one switch; after twice as many rounds as there are switches time goes on */
+    /* one switch may make another one switch: at most so many rounds as there are changes of switches, and
+     * one */
     for (int round = 0; round <= 2 * l->s->nc + 1; round++) {
         ns_ladder_switch_apply(l, l->point->flip);
         for (int c = 0; c < l->s->nc; c++)

@@ -1,7 +1,7 @@
-/* src/ladder/ladder.c - from one corner to the next, by steps from the ladder.
+/* src/ladder/ladder.c - from one corner of the inputs to the next, by steps of h, h/2, h/4, ...
  *
- * The longest rung that fits is tried.  Where a guard breaks inside it, the next shorter one is, and so
- * on down: each success halves what is left before the break, each failure halves the step.
+ * The longest step that fits is tried.  Where a guard breaks inside it, the next shorter one is tried, and so
+ * on: each success halves the time left before the break, each failure halves the step.
  */
 #include "ladder_internal.h"
 
@@ -9,40 +9,39 @@
 #include <math.h>
 #include <string.h>
 
-typedef struct walker {
-    double stop;   /* where to, */
+typedef struct location {
+    double stop;   /* s: the steps end there, */
     int commanded; /* because the time-only commands in l->due change there */
-    int rung;      /* the one to try next */
-    int locating;  /* a break is known to lie within the last rung tried */
-} walker;
+    int exponent;  /* the next step to try is h 2^-exponent */
+    int locating;  /* a guard is known to break within the last step tried */
+} location;
 
-/* The time from where the steps have come to. */
-static double rest_of(const ns_ladder *l, const walker *w) {
+static double time_left(const ns_ladder *l, const location *w) {
     return w->stop - l->point->now.t - l->point->now.lost;
 }
 
-/* What may be left undone before a stop: what t cannot show, and what no ladder has. */
-static double next_to_nothing(const ns_ladder *l) {
-    return fmax(16 * DBL_EPSILON * fabs(l->point->now.t), ldexp(l->h, -NS_LAST_RUNG));
+/* Less than this before a stop is left out: t cannot show it, or it is shorter than any step. */
+static double shortest_rest(const ns_ladder *l) {
+    return fmax(16 * DBL_EPSILON * fabs(l->point->now.t), ldexp(l->h, -NS_LAST_EXPONENT));
 }
 
-/* The length to try: the longest rung that fits, but such that what is left before the stop is nothing or no
- * sliver; the tail in one step of its own length. */
-static double choose(const ns_ladder *l, walker *w, double rest) {
-    const double tail = ldexp(l->h, -NS_TAIL_RUNG);
+/* The length of the step to try: the longest that fits, and leaves before the stop either nothing or enough
+ * for another step of the ladder; the tail is one step of its own length. */
+static double choose_step(const ns_ladder *l, location *w, double rest) {
+    const double tail = ldexp(l->h, -NS_TAIL_EXPONENT);
     if (!w->locating && rest < 1.5 * tail)
         return rest;
-    for (;; w->rung++) {
-        const double h = ldexp(l->h, -w->rung), left = rest - h;
-        if (fabs(left) <= 1e-9 * h) /* a rest that lost some ulps is still a whole rung */
+    for (;; w->exponent++) {
+        const double h = ldexp(l->h, -w->exponent), left = rest - h;
+        if (fabs(left) <= 1e-9 * h) /* time that lost some ulps is still a whole step */
             return h;
         if (left > 0 && (w->locating || left > tail / 2))
             return h;
     }
 }
 
-/* Events crowd (accumulation, chatter): no location, (P1) at the end of the step. */
-static int capture(ns_ladder *l, double h, double t) {
+/* Where events are many (accumulation, chatter) none is located: (P1) is solved at the end of the step. */
+static int step_capturing(ns_ladder *l, double h, double t) {
     int status = ns_theta_try(l->step, h, l->z, 0, NS_RESOLVE);
     if (status != NS_OK)
         return status;
@@ -58,8 +57,9 @@ static int capture(ns_ladder *l, double h, double t) {
 }
 
 /* Tries the step; accepts it unless a guard breaks or a control crosses: then *broke, and l->point->flip
- * tells which controls. */
-static int step_on(ns_ladder *l, double h, double t, int *broke) {
+ * tells
+ * which controls. */
+static int step_locating(ns_ladder *l, double h, double t, int *broke) {
     int status = ns_theta_try(l->step, h, l->z, 0, NS_HOLD);
     if (status < 0)
         return status;
@@ -75,41 +75,41 @@ static int step_on(ns_ladder *l, double h, double t, int *broke) {
     return status;
 }
 
-/* One try.  Sets *done at an event. */
-static int advance(ns_ladder *l, walker *w, int *done) {
-    const double rest = rest_of(l, w);
-    const int crowded = l->window.events > NS_CROWD;
-    if (crowded && w->rung < NS_CAPTURE_RUNG)
-        w->rung = NS_CAPTURE_RUNG;
-    const double h = choose(l, w, rest);
+/* Tries one step.  *done: the point is the left side of an event. */
+static int try_step(ns_ladder *l, location *w, int *done) {
+    const double rest = time_left(l, w);
+    const int crowding = l->window.events > NS_CROWDING;
+    if (crowding && w->exponent < NS_CAPTURE_EXPONENT)
+        w->exponent = NS_CAPTURE_EXPONENT;
+    const double h = choose_step(l, w, rest);
     const double t = h >= rest * (1 - 1e-9) ? w->stop : l->point->now.t + (l->point->now.lost + h);
     ns_system_inputs(l->s, t, NS_LEFT, l->z);
     if (!w->commanded && l->s->nc > 0 && ns_ladder_switch_by_time(l, l->z, l->due)) {
         w->stop = ns_ladder_switch_instant(l, t, l->due);
         w->commanded = 1;
-        w->rung = w->locating = 0;
+        w->exponent = w->locating = 0;
         return NS_OK;
     }
-    if (crowded)
-        return capture(l, h, t);
+    if (crowding)
+        return step_capturing(l, h, t);
     int broke = 0;
-    const int status = step_on(l, h, t, &broke);
+    const int status = step_locating(l, h, t, &broke);
     if (status != NS_OK)
         return status;
     w->locating |= broke;
-    w->rung += w->locating;
-    *done = w->locating && (w->rung > NS_EVENT_RUNG || h <= ns_ladder_short_step(l));
+    w->exponent += w->locating;
+    *done = w->locating && (w->exponent > NS_EVENT_EXPONENT || h <= ns_ladder_short_step(l));
     return NS_OK;
 }
 
 int ns_ladder_walk(ns_ladder *l, double stop) {
-    walker w = {stop, 0, 0, 0};
+    location w = {stop, 0, 0, 0};
     int done = 0;
     memset(l->point->flip, 0, (size_t)l->s->nc);
-    while (!done && rest_of(l, &w) > next_to_nothing(l)) {
+    while (!done && time_left(l, &w) > shortest_rest(l)) {
         if (l->budget-- <= 0)
             return NS_E_LIMIT;
-        const int status = advance(l, &w, &done);
+        const int status = try_step(l, &w, &done);
         if (status != NS_OK)
             return status;
     }

@@ -9,18 +9,19 @@
 #include "ladder.h"
 #include "reinit/jump.h"
 
-/* Steps are h 2^-k.  Events are located to h 2^-NS_EVENT_RUNG, far below the error of the scheme, and the
+/* Steps are h 2^-k.  Events are located to h 2^-NS_EVENT_EXPONENT, far below the error of the scheme, and the
  * step that resolves them has that length.  Shorter steps would add noise: a voltage L (i - i_k)/h loses what
  * i has lost.  Up to a given instant steps down to h 2^-4 are used, and the tail is one step of its own
  * length; less than h 2^-40 is left out. */
-enum { NS_TAIL_RUNG = 4, NS_LAST_RUNG = 40 };
+enum { NS_TAIL_EXPONENT = 4, NS_LAST_EXPONENT = 40 };
 /* A guard that broke for the scheme and holds for (P1) is followed by steps of h 2^-this at most. */
-enum { NS_SPURIOUS_RUNG = 10 };
+enum { NS_SPURIOUS_EXPONENT = 10 };
 /* After an event rates are computed from implicit steps of h 2^-this and twice that. */
-enum { NS_RATE_RUNG = 10 };
-/* After more events than this within one h: event-capturing steps of h 2^-NS_CAPTURE_RUNG until h has passed.
+enum { NS_RATE_EXPONENT = 10 };
+/* After more events than this within one h: event-capturing steps of h 2^-NS_CAPTURE_EXPONENT until h has
+ * passed.
  */
-enum { NS_CROWD = 16, NS_CAPTURE_RUNG = 2 };
+enum { NS_CROWDING = 16, NS_CAPTURE_EXPONENT = 2 };
 
 /* Events counted since a time: whether they crowd. */
 typedef struct ns_event_window {
@@ -69,7 +70,8 @@ int ns_ladder_walk(ns_ladder *l, double stop);
 
 /* event.c: the first corner of the inputs after the point, s. */
 double ns_ladder_next_corner(ns_ladder *l);
-/* The length of the steps at an event: h 2^-NS_EVENT_RUNG, or the next longer one that is visible in t. */
+/* The length of the steps at an event: h 2^-NS_EVENT_EXPONENT, or the next longer one that is visible in t.
+ */
 double ns_ladder_short_step(const ns_ladder *l);
 /* One implicit step of length h that resolves whatever breaks; such steps until the mode stays; rates freed
  * of their rounding (0: something happens right here); the event at the point resolved, to its right side. */

@@ -1,4 +1,5 @@
-/* src/ladder/state_switching.c - commands of switches: when they cross their thresholds. */
+/* src/ladder/state_switching.c - which switches have to change, and when a command that depends on time only
+ * does so. */
 #include "inputs/waves.h"
 #include "ladder_internal.h"
 
