@@ -1,5 +1,5 @@
 /* bridge/analysis_start.c - the start of an analysis, its resumption, its end. */
-#include "analysis_start.h"
+#include "session.h"
 
 #include <string.h>
 
@@ -8,7 +8,6 @@
 #include "ngspice/jobdefs.h"
 #include "report.h"
 #include "show.h"
-#include "trial.h"
 
 /* --- checks --- */
 

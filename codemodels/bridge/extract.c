@@ -1,6 +1,7 @@
 /* bridge/extract.c - ngspice's circuit read into a circuit of the library: the walk over its instances. */
 #include "extract.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <string.h>
 
@@ -97,41 +98,19 @@ static const struct element_reader {
                {'f', ns_bridge_elements_cccs},     {'h', ns_bridge_elements_ccvs},
                {'b', ns_bridge_behavioural},       {'a', read_ours}};
 
-static const struct unsupported {
-    char letter;
-    const char *what;
-} unsupported[] = {{'d', "a diode of ngspice"},
-                   {'m', "a MOSFET of ngspice"},
-                   {'q', "a bipolar transistor of ngspice"},
-                   {'j', "a JFET of ngspice"},
-                   {'z', "a MESFET of ngspice"},
-                   {'s', "a voltage-controlled switch of ngspice"},
-                   {'w', "a current-controlled switch of ngspice"},
-                   {'t', "a transmission line"},
-                   {'o', "a transmission line"},
-                   {'y', "a transmission line"},
-                   {'u', "an RC line"},
-                   {'p', "a coupled transmission line"}};
-
-static int refuse_letter(ns_extract_walk *w, const GENinstance *inst, char letter) {
-    const char *what = "an element of this kind";
-    char line[200];
-    for (size_t i = 0; i < sizeof unsupported / sizeof unsupported[0]; i++) {
-        what = unsupported[i].letter == letter ? unsupported[i].what : what;
-    }
-    snprintf(line, sizeof line,
-             "%s is not supported; R, C, L, K, V, I, E, F, G, H, linear B and the ideal devices are", what);
-    return ns_bridge_extract_refuse(w, inst, line);
-}
-
 static int read_instance(ns_extract_walk *w, GENinstance *inst) {
     const char letter = ns_bridge_models_letter(inst);
+    char what[160];
     for (size_t i = 0; i < sizeof readers / sizeof readers[0]; i++) {
         if (readers[i].letter == letter) {
             return readers[i].read(w, inst);
         }
     }
-    return refuse_letter(w, inst, letter);
+    snprintf(
+        what, sizeof what,
+        "%c elements are not supported; R, C, L, K, V, I, E, F, G, H, linear B and the ideal devices are",
+        toupper((unsigned char)letter));
+    return ns_bridge_extract_refuse(w, inst, what);
 }
 
 /* Why a call of the library failed, in words. */

@@ -3,12 +3,11 @@
  * The SPICEdev structs that cmpp makes are plain data: when the library is loaded, some of their functions
  * are replaced.  One bridge is kept a circuit.  ngspice runs device types by number, so the functions of the
  * last of our types see everything that came before: they do the work. */
-#include "analysis_start.h"
 #include "models.h"
 #include "ngspice/jobdefs.h"
 #include "report.h"
+#include "session.h"
 #include "show.h"
-#include "single_load.h"
 
 extern SPICEdev cm_ideal_diode_info, cm_ideal_switch_info, cm_nonsmooth_info; /* made by cmpp */
 

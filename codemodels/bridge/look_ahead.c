@@ -1,16 +1,15 @@
 /* bridge/look_ahead.c - the marcher's next trial, and with it ngspice's next timepoint. */
-#include "look_ahead.h"
+#include "session.h"
 
 #include <math.h>
 
 #include "show.h"
-#include "trial.h"
 
 enum { EVENTS_AT_A_POINT = 8 }; /* that are accepted without a timepoint of their own */
 
 /* The next timepoint that is no event. */
-static double next_point(ns_session *s, int first) {
-    return ns_bridge_loop_next(s->ckt, &s->loop, s->analysis.system, s->trial.t, first);
+static double next_point(ns_session *s) {
+    return ns_bridge_loop_next(s->ckt, &s->loop, s->analysis.system, s->trial.t);
 }
 
 /* The right side of an event that only bends waveforms needs no timepoint: it is accepted, and the devices
@@ -62,18 +61,18 @@ static int try_corner(ns_session *s, double t, int *jumps) {
 /* 1 if the accepted point is a corner of an input that was no event. */
 static int is_at_mere_corner(const ns_session *s) {
     const ns_march *march = s->analysis.march;
-    return ns_bridge_loop_at_events(s->ckt, &s->loop) &&
+    return ns_bridge_timepoints_at_events(&s->loop.points) &&
            ns_bridge_timepoints_same(s->trial.t, s->loop.points.next_corner) &&
            ns_march_engine(march) != NS_EXACT && !ns_march_at_event(march);
 }
 
 /* Tries to go to the next event.  One that is closer than ngspice can step is accepted, and the next tried.
  */
-static int try_events(ns_session *s, int first) {
-    const double closeness = ns_bridge_loop_closeness(s->ckt);
+static int try_events(ns_session *s) {
+    const double closeness = ns_bridge_timepoints_closeness(&s->loop.points);
     for (int k = 0; k < EVENTS_AT_A_POINT; k++) {
         int accepted;
-        int error = ns_bridge_trial_to(s, next_point(s, first), NS_TO_EVENT);
+        int error = ns_bridge_trial_to(s, next_point(s), NS_TO_EVENT);
         error = error ? error : accept_bend(s, &accepted);
         if (error) {
             return error;
@@ -92,22 +91,24 @@ static int try_next(ns_session *s, int first) {
     int jumps = 0;
     int error = OK;
     if (!first && is_at_mere_corner(s)) {
-        error = try_corner(s, next_point(s, first), &jumps);
+        error = try_corner(s, next_point(s), &jumps);
     }
     if (error || jumps) {
         return error;
     }
-    if (ns_bridge_loop_at_events(s->ckt, &s->loop)) {
-        error = try_events(s, first);
+    if (ns_bridge_timepoints_at_events(&s->loop.points)) {
+        error = try_events(s);
     }
-    return error || s->trial.made ? error : ns_bridge_trial_to(s, next_point(s, first), NS_TO_TIME);
+    return error || s->trial.made ? error : ns_bridge_trial_to(s, next_point(s), NS_TO_TIME);
 }
 
 int ns_bridge_look_ahead(ns_session *s, int first) {
     CKTcircuit *ckt = s->ckt;
     const double stop = ckt->CKTfinalTime;
+    ns_bridge_loop_read(ckt, &s->loop, first);
     int error = try_next(s, first);
-    if (!error && s->trial.t_end != stop && stop - s->trial.t_end < ns_bridge_loop_closeness(ckt)) {
+    if (!error && s->trial.t_end != stop &&
+        stop - s->trial.t_end < ns_bridge_timepoints_closeness(&s->loop.points)) {
         error = ns_bridge_trial_to(s, stop, NS_TO_TIME);
     }
     if (!error) {

@@ -10,12 +10,12 @@ int ns_bridge_loop_began_anew(CKTcircuit *ckt) {
 }
 
 void ns_bridge_loop_take(CKTcircuit *ckt, ns_loop *loop, int at_corners, int resumed) {
-    if (resumed) {
-        ckt->CKTminBreak = loop->min_break;
+    if (resumed) { /* ngspice made it a part of the step */
+        ckt->CKTminBreak = loop->points.min_break;
     }
     ckt->CKTtrtol = no_truncation_errors;
-    loop->min_break = ckt->CKTminBreak;
     loop->points = (ns_timepoints){.step = ckt->CKTmaxStep, .at_corners = at_corners};
+    ns_bridge_loop_read(ckt, loop, 0);
     if (ckt->CKTmaxOrder == 2) { /* else ngspice asks twice a point for its truncation error */
         loop->max_order = ckt->CKTmaxOrder;
         ckt->CKTmaxOrder = 1;
@@ -29,31 +29,20 @@ void ns_bridge_loop_release(CKTcircuit *ckt, ns_loop *loop) {
     loop->max_order = 0;
 }
 
-static ns_time_loop read_times(const CKTcircuit *ckt) {
-    return (ns_time_loop){.t = ckt->CKTtime,
-                          .start = ckt->CKTinitTime,
-                          .stop = ckt->CKTfinalTime,
-                          .min_break = ckt->CKTminBreak,
-                          .max_step = ckt->CKTmaxStep,
-                          .breaks = ckt->CKTbreaks,
-                          .nbreaks = ckt->CKTbreakSize};
+void ns_bridge_loop_read(const CKTcircuit *ckt, ns_loop *loop, int first) {
+    ns_timepoints *p = &loop->points;
+    p->t = ckt->CKTtime;
+    p->start = ckt->CKTinitTime;
+    p->stop = ckt->CKTfinalTime;
+    p->min_break = ckt->CKTminBreak;
+    p->skips_start = first && (ckt->CKTmode & MODEUIC) != 0;
+    p->breaks = ckt->CKTbreaks;
+    p->nbreaks = ckt->CKTbreakSize;
 }
 
-double ns_bridge_loop_closeness(const CKTcircuit *ckt) {
-    const ns_time_loop times = read_times(ckt);
-    return ns_bridge_timepoints_closeness(&times);
-}
-
-int ns_bridge_loop_at_events(const CKTcircuit *ckt, const ns_loop *loop) {
-    const ns_time_loop times = read_times(ckt);
-    return ns_bridge_timepoints_at_events(&times, &loop->points);
-}
-
-double ns_bridge_loop_next(CKTcircuit *ckt, ns_loop *loop, const ns_system *s, double t_accepted, int first) {
-    ns_time_loop times = read_times(ckt);
-    times.skips_start = first && (ckt->CKTmode & MODEUIC) != 0;
-    const double t = ns_bridge_timepoints_next(&times, &loop->points, s, t_accepted);
-    ckt->CKTmaxStep = times.max_step;
-    ckt->CKTbreakSize = times.nbreaks;
+double ns_bridge_loop_next(CKTcircuit *ckt, ns_loop *loop, const ns_system *s, double t_accepted) {
+    const double t = ns_bridge_timepoints_next(&loop->points, s, t_accepted);
+    ckt->CKTmaxStep = loop->points.max_step;
+    ckt->CKTbreakSize = loop->points.nbreaks;
     return t;
 }

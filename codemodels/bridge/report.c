@@ -33,26 +33,22 @@ void ns_bridge_report_note(const char *format, ...) {
 }
 
 int ns_bridge_report_code(int status) {
-    switch (status) {
-    case NS_OK:
-        return OK;
-    case NS_E_MEMORY:
-        return E_NOMEM;
-    case NS_E_NUMBER:
-    case NS_E_RANGE:
-    case NS_E_BOUNDS:
-    case NS_E_SIZE:
-    case NS_E_NAME:
-        return E_PARMVAL;
-    case NS_E_LIMIT:
-        return E_ITERLIM;
-    case NS_E_OVERFLOW:
-        return E_MAGEXCEEDED;
-    case NS_E_SINGULAR:
-    case NS_E_INFEASIBLE:
-    case NS_E_RESIDUAL:
-        return E_SINGULAR;
-    default:
-        return E_UNSUPP;
+    static const int codes[][2] = {{NS_OK, OK},
+                                   {NS_E_MEMORY, E_NOMEM},
+                                   {NS_E_NUMBER, E_PARMVAL},
+                                   {NS_E_RANGE, E_PARMVAL},
+                                   {NS_E_BOUNDS, E_PARMVAL},
+                                   {NS_E_SIZE, E_PARMVAL},
+                                   {NS_E_NAME, E_PARMVAL},
+                                   {NS_E_LIMIT, E_ITERLIM},
+                                   {NS_E_OVERFLOW, E_MAGEXCEEDED},
+                                   {NS_E_SINGULAR, E_SINGULAR},
+                                   {NS_E_INFEASIBLE, E_SINGULAR},
+                                   {NS_E_RESIDUAL, E_SINGULAR}};
+    for (size_t k = 0; k < sizeof codes / sizeof codes[0]; k++) {
+        if (codes[k][0] == status) {
+            return codes[k][1];
+        }
     }
+    return E_UNSUPP;
 }

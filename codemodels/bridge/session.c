@@ -7,12 +7,8 @@
 
 #include <string.h>
 
-#include "analysis_start.h"
-#include "look_ahead.h"
 #include "report.h"
 #include "show.h"
-#include "single_load.h"
-#include "trial.h"
 
 static int is_dc(const CKTcircuit *ckt) {
     return (ckt->CKTmode & MODEDC) != 0;

@@ -49,16 +49,84 @@ typedef struct ns_session {
     } single_load; /* single_load.c */
 } ns_session;
 
-/* After all other devices have loaded: forces the solution.  OK or a code of ngspice. */
+/* Errors: all that return int, but for flags, return OK or a code of ngspice after one line on the console.
+ */
+
+/* --- session.c: what ngspice calls --- */
+
+/* After all other devices have loaded: forces the solution. */
 int ns_bridge_session_load(ns_session *s);
 
 /* When ngspice accepted a timepoint: accepts it, shows it, and sets the next one. */
 int ns_bridge_session_accept(ns_session *s);
 
-/* Before the matrix is freed: forgets the analysis. */
+/* Before the matrix is freed: forgets the analysis.  clear: the circuit is freed. */
 void ns_bridge_session_reset(ns_session *s);
-
-/* The circuit is freed. */
 void ns_bridge_session_clear(ns_session *s);
+
+/* --- analysis_start.c --- */
+
+/* Can the running ngspice, its options and all elements be dealt with? */
+int ns_bridge_analysis_check(ns_session *s);
+
+/* Leaves the operating point, or the start from rest (uic), in s->force.value. */
+int ns_bridge_analysis_start(ns_session *s);
+
+/* After `resume`: if something was altered, goes on from the present charges and fluxes. */
+int ns_bridge_analysis_resume(ns_session *s);
+
+void ns_bridge_analysis_end(ns_session *s);
+
+/* --- look_ahead.c --- */
+
+/* Tries to go to the next event or output time and sets ngspice's step to it.  first: the present point is
+ * the start. */
+int ns_bridge_look_ahead(ns_session *s, int first);
+
+/* --- trial.c: what the marcher is asked to try, and accepts --- */
+
+/* Forgets all: an analysis begins. */
+void ns_bridge_trial_clear(ns_session *s);
+
+/* The marcher was started or restarted: reads its point and time. */
+int ns_bridge_trial_begin(ns_session *s);
+
+/* Tries to go on to time t, s. */
+int ns_bridge_trial_to(ns_session *s, double t, ns_until until);
+
+/* Reads the point of the trial, or the accepted one, into s->analysis; with _values also into s->force.value,
+ * what ngspice's solve is to return. */
+int ns_bridge_trial_read(ns_session *s);
+int ns_bridge_trial_read_values(ns_session *s);
+
+/* The values of ngspice's present timepoint into s->force.value; anew: even if they are there. */
+int ns_bridge_trial_load(ns_session *s, int anew);
+
+/* Accepts the trial, as the point that ngspice sees at t. */
+void ns_bridge_trial_accept(ns_session *s, double t);
+void ns_bridge_trial_drop(ns_session *s);
+
+/* ngspice accepted its point: accepts the trial if that was it.  1 at the first point of an analysis. */
+int ns_bridge_trial_accept_loaded(ns_session *s);
+
+/* When the right side of a jump at the accepted time is shown, on the way to t: ngspice's time must advance,
+ * by well less than what is left to t. */
+double ns_bridge_trial_right_side(const ns_session *s, double t);
+
+/* Writes one line on why the marcher's last call failed; returns ngspice's code for status. */
+int ns_bridge_trial_fail(const ns_session *s, int status);
+
+/* --- single_load.c: one load a timepoint, where ngspice would solve twice --- */
+
+/* After a point is shown: the next is to be loaded once. */
+void ns_bridge_single_load_arm(ns_session *s);
+
+/* At the beginning of a load: 1 if it is the only one of its point; _end() then leaves s->force.value as
+ * solution. */
+int ns_bridge_single_load_begin(ns_session *s);
+void ns_bridge_single_load_end(ns_session *s);
+
+/* Takes back what _arm() did. */
+void ns_bridge_single_load_forget(ns_session *s);
 
 #endif

@@ -9,7 +9,7 @@
  * The run may be stopped in between, and C shows no current in that mode.  Nothing tells of a stop; but
  * whoever asks for a device by its name, or alters one, looks it up in ngspice's table of names.  The table's
  * comparison of keys is ours meanwhile, which takes the mode back. */
-#include "single_load.h"
+#include "session.h"
 
 #include <string.h>
 

@@ -9,8 +9,7 @@
 #include "spicelib/devices/vsrc/vsrcdefs.h"
 
 _Static_assert((int)SOURCE_PULSE == PULSE && (int)SOURCE_SINE == SINE && (int)SOURCE_EXP == EXP &&
-                   (int)SOURCE_SFFM == SFFM && (int)SOURCE_PWL == PWL && (int)SOURCE_AM == AM &&
-                   (int)SOURCE_TRNOISE == TRNOISE && (int)SOURCE_TRRANDOM == TRRANDOM,
+                   (int)SOURCE_PWL == PWL,
                "ngspice's function codes");
 
 /* Signals as bytes without padding or pointers. */
@@ -27,19 +26,14 @@ static void mix_signal(ns_extract_walk *w, const ns_signal *z) {
 /* .probe's sources bear the name of what they measure: they get back the prefix that ngspice took away. */
 static int add_named(ns_extract_walk *w, const GENinstance *inst, ns_output kind, int p, int n,
                      const ns_signal *z, int *id) {
-    static const char prefix[] = "vcurr_";
-    const size_t size = strlen(inst->GENname) + sizeof prefix;
-    char *name;
-    int status;
-    if (ns_bridge_models_letter(inst) == inst->GENname[0]) {
-        return ns_circuit_source(w->ex->circuit, inst->GENname, kind, p, n, z, id);
+    const char *prefix = ns_bridge_models_letter(inst) == inst->GENname[0] ? "" : "vcurr_";
+    const size_t size = strlen(prefix) + strlen(inst->GENname) + 1;
+    char *name = malloc(size);
+    int status = NS_E_MEMORY;
+    if (name) {
+        snprintf(name, size, "%s%s", prefix, inst->GENname);
+        status = ns_circuit_source(w->ex->circuit, name, kind, p, n, z, id);
     }
-    name = malloc(size);
-    if (!name) {
-        return NS_E_MEMORY;
-    }
-    snprintf(name, size, "%s%s", prefix, inst->GENname);
-    status = ns_circuit_source(w->ex->circuit, name, kind, p, n, z, id);
     free(name);
     return status;
 }

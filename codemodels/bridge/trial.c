@@ -1,5 +1,5 @@
 /* bridge/trial.c - what the marcher is asked to try for ngspice's next timepoint, and accepts with it. */
-#include "trial.h"
+#include "session.h"
 
 #include <math.h>
 #include <string.h>
@@ -28,7 +28,8 @@ int ns_bridge_trial_begin(ns_session *s) {
 }
 
 double ns_bridge_trial_right_side(const ns_session *s, double t) {
-    const double shortest = fmax(ldexp(s->analysis.h, -19), 2.0 * ns_bridge_loop_closeness(s->ckt));
+    const double shortest =
+        fmax(ldexp(s->analysis.h, -19), 2.0 * ns_bridge_timepoints_closeness(&s->loop.points));
     return s->trial.t + fmin(shortest, (t - s->trial.t) / 8.0);
 }
 

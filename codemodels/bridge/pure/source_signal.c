@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SUPPORTED " is not supported; DC, PULSE, SIN, EXP and PWL are"
-
 /* Parameter k, 0 if there are fewer. */
 static double number(const ns_source *s, int k) {
     return k < s->order ? s->coeffs[k] : 0.0;
@@ -100,15 +98,8 @@ static const char *make_signal(const ns_source *s, ns_signal *z, double **points
         return make_exponential(s, z);
     case SOURCE_PWL:
         return make_pwl(s, z, points);
-    case SOURCE_SFFM:
-        return "an SFFM source" SUPPORTED;
-    case SOURCE_AM:
-        return "an AM source" SUPPORTED;
-    case SOURCE_TRNOISE:
-    case SOURCE_TRRANDOM:
-        return "a random source" SUPPORTED;
     default:
-        return "this kind of source" SUPPORTED;
+        return "this function of a source is not supported; DC, PULSE, SIN, EXP and PWL are";
     }
 }
 

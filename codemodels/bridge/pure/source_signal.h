@@ -4,21 +4,17 @@
 
 #include "nonsmooth/signal.h"
 
-/* In ngspice's order. */
+/* ngspice's numbers of the functions that a signal can be. */
 typedef enum ns_source_function {
-    SOURCE_DC,
-    SOURCE_PULSE,
-    SOURCE_SINE,
-    SOURCE_EXP,
-    SOURCE_SFFM,
-    SOURCE_PWL,
-    SOURCE_AM,
-    SOURCE_TRNOISE,
-    SOURCE_TRRANDOM
+    SOURCE_DC = 0,
+    SOURCE_PULSE = 1,
+    SOURCE_SINE = 2,
+    SOURCE_EXP = 3,
+    SOURCE_PWL = 5
 } ns_source_function;
 
 typedef struct ns_source {
-    int function; /* an ns_source_function, or a number that is none */
+    int function; /* an ns_source_function, or another number of ngspice's */
     int order;
     const double *coeffs; /* order: its parameters as the netlist has them */
     int dc_given;

@@ -8,36 +8,35 @@
 /* Part of a step: a timepoint that close to the next of the grid replaces it. */
 static const double sliver = 1e-3;
 
-double ns_bridge_timepoints_closeness(const ns_time_loop *loop) {
-    return fmax(loop->min_break, 200.0 * 2.3e-16 * loop->stop);
+double ns_bridge_timepoints_closeness(const ns_timepoints *p) {
+    return fmax(p->min_break, 200.0 * 2.3e-16 * p->stop);
 }
 
 int ns_bridge_timepoints_same(double t1, double t2) {
     return fabs(t1 - t2) <= 4.0 * 2.3e-16 * fmax(fabs(t1), fabs(t2));
 }
 
-int ns_bridge_timepoints_at_events(const ns_time_loop *loop, const ns_timepoints *p) {
-    return p->at_corners && loop->t >= loop->start;
+int ns_bridge_timepoints_at_events(const ns_timepoints *p) {
+    return p->at_corners && p->t >= p->start;
 }
 
 /* ngspice reads the first two. */
-static void remove_all_breaks(ns_time_loop *loop) {
-    loop->breaks[0] = loop->breaks[1] = loop->stop;
-    loop->nbreaks = 2;
+static void remove_all_breaks(ns_timepoints *p) {
+    p->breaks[0] = p->breaks[1] = p->stop;
+    p->nbreaks = 2;
 }
 
 /* ngspice would cut its step to a tenth after each breakpoint that is reached. */
-static void remove_reached_breaks(ns_time_loop *loop) {
+static void remove_reached_breaks(ns_timepoints *p) {
     int reached = 0;
-    while (reached < loop->nbreaks - 1 &&
-           loop->breaks[reached] <= loop->t + ns_bridge_timepoints_closeness(loop)) {
+    while (reached < p->nbreaks - 1 && p->breaks[reached] <= p->t + ns_bridge_timepoints_closeness(p)) {
         reached++;
     }
-    if (loop->nbreaks - reached < 2) {
-        remove_all_breaks(loop);
+    if (p->nbreaks - reached < 2) {
+        remove_all_breaks(p);
     } else if (reached > 0) {
-        loop->nbreaks -= reached;
-        memmove(loop->breaks, loop->breaks + reached, (size_t)loop->nbreaks * sizeof *loop->breaks);
+        p->nbreaks -= reached;
+        memmove(p->breaks, p->breaks + reached, (size_t)p->nbreaks * sizeof *p->breaks);
     }
 }
 
@@ -52,43 +51,40 @@ static double next_corner(const ns_system *s, double t) {
 }
 
 /* Before tstart: steps of a fiftieth of the run, ngspice's own longest; Ctrl-C is heard between them. */
-static double next_before_start(ns_time_loop *loop, const ns_timepoints *p) {
-    const double step = fmax(p->step, loop->stop / 50.0);
-    const double start = loop->start * (1.0 + 4.0 * 2.3e-16); /* rounding must not fall short of it */
-    remove_all_breaks(loop);
-    loop->max_step = step;
-    return loop->t + 1.5 * step < start ? loop->t + step
-           : loop->t + step < start     ? 0.5 * (loop->t + start)
-                                        : start;
+static double next_before_start(ns_timepoints *p) {
+    const double step = fmax(p->step, p->stop / 50.0);
+    const double start = p->start * (1.0 + 4.0 * 2.3e-16); /* rounding must not fall short of it */
+    remove_all_breaks(p);
+    p->max_step = step;
+    return p->t + 1.5 * step < start ? p->t + step : p->t + step < start ? 0.5 * (p->t + start) : start;
 }
 
 /* The next timepoint of the grid, or a breakpoint or corner before it or closer behind it than a sliver. */
-static double next_shown(ns_time_loop *loop, ns_timepoints *p, const ns_system *s, double t_accepted) {
-    const double grid = (floor(loop->t / p->step + sliver) + 1.0) * p->step;
-    const double now = fmax(loop->t, t_accepted);
-    double stop = loop->stop;
+static double next_shown(ns_timepoints *p, const ns_system *s, double t_accepted) {
+    const double grid = (floor(p->t / p->step + sliver) + 1.0) * p->step;
+    const double now = fmax(p->t, t_accepted);
+    double stop = p->stop;
     if (p->at_corners) {
-        remove_reached_breaks(loop);
+        remove_reached_breaks(p);
         if (!(p->next_corner > now)) {
             p->next_corner = next_corner(s, now);
         }
-        stop = fmin(loop->breaks[0], p->next_corner);
+        stop = fmin(p->breaks[0], p->next_corner);
     } else {
-        remove_all_breaks(loop);
+        remove_all_breaks(p);
     }
     return stop < grid + sliver * p->step ? stop : grid;
 }
 
-double ns_bridge_timepoints_next(ns_time_loop *loop, ns_timepoints *p, const ns_system *s,
-                                 double t_accepted) {
+double ns_bridge_timepoints_next(ns_timepoints *p, const ns_system *s, double t_accepted) {
     double t;
-    loop->max_step = (1.0 + 2.0 * sliver) * p->step;
-    if (loop->t < loop->start) {
-        t = next_before_start(loop, p);
-    } else if (loop->skips_start) {
-        t = loop->t + p->step / 1048576.0; /* shows 0+ in place of 0 */
+    p->max_step = (1.0 + 2.0 * sliver) * p->step;
+    if (p->t < p->start) {
+        t = next_before_start(p);
+    } else if (p->skips_start) {
+        t = p->t + p->step / 1048576.0; /* shows 0+ in place of 0 */
     } else {
-        t = next_shown(loop, p, s, t_accepted);
+        t = next_shown(p, s, t_accepted);
     }
-    return fmax(t, t_accepted + ns_bridge_timepoints_closeness(loop)); /* ahead, whatever rounding did */
+    return fmax(t, t_accepted + ns_bridge_timepoints_closeness(p)); /* ahead, whatever rounding did */
 }

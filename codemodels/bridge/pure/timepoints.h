@@ -4,39 +4,36 @@
 
 #include "nonsmooth/system.h"
 
-/* The fields of ngspice's circuit that decide its timepoints; all times in s. */
-typedef struct ns_time_loop {
+typedef struct ns_timepoints {
+    double step;        /* the longest step that .tran asks for, s */
+    int at_corners;     /* events and corners of the sources get timepoints as well */
+    double next_corner; /* the next corner of the sources when it was last looked for, s */
+
+    /* --- ngspice's loop, s --- */
     double t;         /* the present timepoint */
     double start;     /* .tran's tstart: nothing is shown before */
     double stop;      /* .tran's tstop */
     double min_break; /* breakpoints closer than this are one */
     int skips_start;  /* the present point is t = 0 and ngspice does not show it (uic) */
 
-    /* changed by ns_bridge_timepoints_next() */
+    /* --- the same, set by ns_bridge_timepoints_next() --- */
     double max_step; /* ngspice's longest step */
     double *breaks;  /* breakpoints, ascending, two or more; the last one is stop */
     int nbreaks;
-} ns_time_loop;
-
-/* What is kept from one timepoint to the next. */
-typedef struct ns_timepoints {
-    double step;        /* the longest step that .tran asks for, s */
-    int at_corners;     /* events and corners of the sources get timepoints as well */
-    double next_corner; /* the next corner of the sources when it was last looked for, s */
 } ns_timepoints;
 
 /* Times closer than this, s, are one to ngspice: it compares breakpoints to 100 ulps. */
-double ns_bridge_timepoints_closeness(const ns_time_loop *loop);
+double ns_bridge_timepoints_closeness(const ns_timepoints *p);
 
 /* 1 if t1 differs from t2 by no more than the rounding of a sum. */
 int ns_bridge_timepoints_same(double t1, double t2);
 
 /* 1 if events get timepoints at the present time. */
-int ns_bridge_timepoints_at_events(const ns_time_loop *loop, const ns_timepoints *p);
+int ns_bridge_timepoints_at_events(const ns_timepoints *p);
 
 /* The next timepoint if no event comes before it: on the grid of p->step, at a breakpoint or at a corner of
  * the inputs of s; always after t_accepted.  Removes the breakpoints that are reached and those that get no
  * timepoint; sets the longest step. */
-double ns_bridge_timepoints_next(ns_time_loop *loop, ns_timepoints *p, const ns_system *s, double t_accepted);
+double ns_bridge_timepoints_next(ns_timepoints *p, const ns_system *s, double t_accepted);
 
 #endif

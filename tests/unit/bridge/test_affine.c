@@ -12,10 +12,10 @@
 static void degrees(void **state) {
     enum { C = DEGREE_CONSTANT, L = DEGREE_LINEAR, X = DEGREE_OTHER };
     static const int wanted[][3][3] = {/* [operation][left][right] */
-                                             [OPERATION_SUM] = {{C, L, X}, {L, L, X}, {X, X, X}},
-                                             [OPERATION_PRODUCT] = {{C, L, X}, {L, X, X}, {X, X, X}},
-                                             [OPERATION_QUOTIENT] = {{C, X, X}, {L, X, X}, {X, X, X}},
-                                             [OPERATION_OTHER] = {{C, X, X}, {X, X, X}, {X, X, X}}};
+                                       [OPERATION_SUM] = {{C, L, X}, {L, L, X}, {X, X, X}},
+                                       [OPERATION_PRODUCT] = {{C, L, X}, {L, X, X}, {X, X, X}},
+                                       [OPERATION_QUOTIENT] = {{C, X, X}, {L, X, X}, {X, X, X}},
+                                       [OPERATION_OTHER] = {{C, X, X}, {X, X, X}, {X, X, X}}};
     (void)state;
     for (int operation = OPERATION_SUM; operation <= OPERATION_OTHER; operation++) {
         for (int left = C; left <= X; left++) {

@@ -15,7 +15,6 @@ enum { BREAKS = 5 };
  * corners are at 5, 6, 15.5 and 16. */
 typedef struct rig {
     double breaks[BREAKS];
-    ns_time_loop loop;
     ns_timepoints points;
     ns_system *system;
 } rig;
@@ -24,12 +23,16 @@ static rig *set_up(rig *r) {
     const ns_signal pulse = {.kind = NS_PULSE,
                              .u.pulse = {.v2 = 1.0, .td = 5.0, .tr = 1.0, .tf = 0.5, .pw = 9.5, .per = 1e3}};
     const double breaks[BREAKS] = {10.0, 10.4, 20.0, 40.0, 100.0};
-    *r = (rig){.loop = {.stop = 100.0, .min_break = 5e-5, .max_step = 1.0, .nbreaks = BREAKS},
-               .points = {.step = 1.0, .at_corners = 1}};
+    *r = (rig){.points = {.step = 1.0,
+                          .at_corners = 1,
+                          .stop = 100.0,
+                          .min_break = 5e-5,
+                          .max_step = 1.0,
+                          .nbreaks = BREAKS}};
     for (int k = 0; k < BREAKS; k++) {
         r->breaks[k] = breaks[k];
     }
-    r->loop.breaks = r->breaks;
+    r->points.breaks = r->breaks;
     assert_int_equal(ns_system_create(1, 0, 1, 0, &r->system), NS_OK);
     assert_int_equal(ns_system_set_input(r->system, 0, &pulse), NS_OK);
     return r;
@@ -41,8 +44,8 @@ static void tear_down(rig *r) {
 
 /* The timepoint after t, which the marcher has accepted too. */
 static double next_of(rig *r, double t) {
-    r->loop.t = t;
-    return ns_bridge_timepoints_next(&r->loop, &r->points, r->system, t);
+    r->points.t = t;
+    return ns_bridge_timepoints_next(&r->points, r->system, t);
 }
 
 static void assert_near(double got, double wanted) {
@@ -61,7 +64,7 @@ static void the_grid_corners_and_breakpoints(void **state) {
     set_up(&r);
     for (size_t k = 0; k < sizeof from_to / sizeof from_to[0]; k++) {
         assert_near(next_of(&r, from_to[k][0]), from_to[k][1]);
-        assert_near(r.loop.max_step, 1.002);
+        assert_near(r.points.max_step, 1.002);
     }
     tear_down(&r);
 }
@@ -82,15 +85,15 @@ static void breaks_that_are_reached_go(void **state) {
     (void)state;
     set_up(&r);
     next_of(&r, 9.9999);
-    assert_int_equal(r.loop.nbreaks, 5);
+    assert_int_equal(r.points.nbreaks, 5);
     next_of(&r, 9.99996); /* closer than the least distance of two */
-    assert_int_equal(r.loop.nbreaks, 4);
+    assert_int_equal(r.points.nbreaks, 4);
     assert_near(r.breaks[0], 10.4);
     next_of(&r, 20.0);
-    assert_int_equal(r.loop.nbreaks, 2);
+    assert_int_equal(r.points.nbreaks, 2);
     assert_true(r.breaks[0] == 40.0 && r.breaks[1] == 100.0);
     next_of(&r, 40.0); /* ngspice reads two */
-    assert_int_equal(r.loop.nbreaks, 2);
+    assert_int_equal(r.points.nbreaks, 2);
     assert_true(r.breaks[0] == 100.0 && r.breaks[1] == 100.0);
     tear_down(&r);
 }
@@ -103,9 +106,9 @@ static void without_corners_the_grid_alone(void **state) {
     assert_near(next_of(&r, 10.0), 11.0);
     assert_near(next_of(&r, 15.0), 16.0);
     assert_near(next_of(&r, 99.5), 100.0);
-    assert_int_equal(r.loop.nbreaks, 2);
+    assert_int_equal(r.points.nbreaks, 2);
     assert_true(r.breaks[0] == 100.0 && r.breaks[1] == 100.0);
-    assert_int_equal(ns_bridge_timepoints_at_events(&r.loop, &r.points), 0);
+    assert_int_equal(ns_bridge_timepoints_at_events(&r.points), 0);
     tear_down(&r);
 }
 
@@ -114,28 +117,28 @@ static void before_tstart_long_steps_that_meet_it(void **state) {
     double t = 0.0;
     int steps = 0;
     (void)state;
-    set_up(&r)->loop.start = 9.1;
+    set_up(&r)->points.start = 9.1;
     while (t < 9.1) {
         const double next = next_of(&r, t);
-        assert_int_equal(ns_bridge_timepoints_at_events(&r.loop, &r.points), 0);
-        assert_near(r.loop.max_step, 2.0); /* a fiftieth of the run */
+        assert_int_equal(ns_bridge_timepoints_at_events(&r.points), 0);
+        assert_near(r.points.max_step, 2.0); /* a fiftieth of the run */
         assert_true(next - t <= 2.0 && next - t > 0.5);
         t = next;
         steps++;
     }
     assert_near(t, 9.1);
     assert_int_equal(steps, 5);
-    r.loop.t = t;
-    assert_int_equal(ns_bridge_timepoints_at_events(&r.loop, &r.points), 1);
+    r.points.t = t;
+    assert_int_equal(ns_bridge_timepoints_at_events(&r.points), 1);
     tear_down(&r);
 }
 
 static void the_start_of_uic_is_shown_just_after_0(void **state) {
     rig r;
     (void)state;
-    set_up(&r)->loop.skips_start = 1;
+    set_up(&r)->points.skips_start = 1;
     assert_near(next_of(&r, 0.0), 1.0 / 1048576.0 > 5e-5 ? 1.0 / 1048576.0 : 5e-5);
-    r.loop.min_break = 1e-12;
+    r.points.min_break = 1e-12;
     assert_near(next_of(&r, 0.0), 1.0 / 1048576.0);
     tear_down(&r);
 }
@@ -143,8 +146,8 @@ static void the_start_of_uic_is_shown_just_after_0(void **state) {
 static void always_ahead_of_what_was_accepted(void **state) {
     rig r;
     (void)state;
-    set_up(&r)->loop.t = 2.9;
-    assert_near(ns_bridge_timepoints_next(&r.loop, &r.points, r.system, 3.5), 3.5 + 5e-5);
+    set_up(&r)->points.t = 2.9;
+    assert_near(ns_bridge_timepoints_next(&r.points, r.system, 3.5), 3.5 + 5e-5);
     tear_down(&r);
 }
 
@@ -153,9 +156,9 @@ static void closeness_and_equality(void **state) {
     const double t = 0.1 + 0.2;
     (void)state;
     set_up(&r);
-    assert_near(ns_bridge_timepoints_closeness(&r.loop), 5e-5);
-    r.loop.min_break = 0.0;
-    assert_near(ns_bridge_timepoints_closeness(&r.loop), 200.0 * 2.3e-16 * 100.0);
+    assert_near(ns_bridge_timepoints_closeness(&r.points), 5e-5);
+    r.points.min_break = 0.0;
+    assert_near(ns_bridge_timepoints_closeness(&r.points), 200.0 * 2.3e-16 * 100.0);
     assert_int_equal(ns_bridge_timepoints_same(t, 0.3), 1);
     assert_int_equal(ns_bridge_timepoints_same(0.3, t), 1);
     assert_int_equal(ns_bridge_timepoints_same(0.0, 0.0), 1);
