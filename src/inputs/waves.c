@@ -49,16 +49,3 @@ void ns_inputs_wave_at(const ns_wave *w, double t, double *c, double *s) {
         *s = size * sin(angle);
     }
 }
-
-/* Crests and troughs of vo + va sin(2 pi f (t - td) + phase); damping moves them by less than matters here.
- */
-double ns_inputs_wave_crest(const ns_signal *s, double t) {
-    const double half = 0.5 / fabs(s->u.sin.freq);
-    const double sign = s->u.sin.freq < 0 ? -1 : 1;
-    double first = s->u.sin.td + (0.25 - sign * s->u.sin.phase / 360) * 2 * half;
-    first += half * ceil((s->u.sin.td - first) / half);
-    double crest = first + half * fmax(0, floor((t - first) / half) + 1);
-    if (crest <= t + 1e-6 * half)
-        crest += half;
-    return crest;
-}

@@ -29,7 +29,4 @@ int ns_inputs_wave_terms(const ns_signal *s, ns_wave_term *term, ns_wave *wave, 
 /* c and s of a wave at t >= td. */
 void ns_inputs_wave_at(const ns_wave *w, double t, double *c, double *s);
 
-/* The first crest or trough after t of a sine with freq != 0, as if undamped. */
-double ns_inputs_wave_crest(const ns_signal *s, double t);
-
 #endif

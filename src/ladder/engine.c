@@ -14,7 +14,8 @@ static int allocate_arrays(ns_ladder *l) {
     l->z_left = l->z + nz;
     l->crossed = l->due + nc;
     l->closed = l->crossed + nc;
-    return ns_reinit_jump_create(l->step, &l->jump);
+    const int status = ns_inputs_events_create(l->s, NULL, &l->commands);
+    return status == NS_OK ? ns_reinit_jump_create(l->step, &l->jump) : status;
 }
 
 int ns_ladder_create(ns_theta *step, ns_dense_point *point, double h, ns_ladder **out) {
@@ -40,6 +41,7 @@ void ns_ladder_free(ns_ladder *l) {
     if (!l)
         return;
     ns_reinit_jump_free(&l->jump);
+    ns_inputs_events_free(l->commands);
     free(l->z);
     free(l->due);
     free(l);
@@ -73,7 +75,7 @@ static void look_at_corner(ns_ladder *l) {
         l->point->at_event = !ns_ladder_short_rates(l);
         return;
     }
-    ns_ladder_switch_by_time(l, l->z, l->point->flip);
+    (void)ns_ladder_switch_by_time(l, l->point->now.t, l->point->flip);
     l->point->at_event = l->point->input_jumps = 1;
 }
 
@@ -117,7 +119,7 @@ int ns_ladder_start(ns_ladder *l, double t0, const double *w0, const unsigned ch
     if (status != NS_OK)
         return status;
     ns_system_inputs(l->s, t0, NS_RIGHT, l->z);
-    ns_ladder_switch_by_time(l, l->z, l->point->flip);
+    (void)ns_ladder_switch_by_time(l, t0, l->point->flip);
     for (size_t c = 0; c < nc; c++)
         l->closed[c] = (unsigned char)(l->closed[c] != l->point->flip[c]);
     memset(l->point->flip, 0, nc);

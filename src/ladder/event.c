@@ -24,7 +24,7 @@ double ns_ladder_short_step(const ns_ladder *l) {
 double ns_ladder_next_corner(ns_ladder *l) {
     const double t = l->point->now.t;
     if (l->corner <= t) {
-        l->corner = ns_ladder_switch_next_crest(l, t);
+        l->corner = INFINITY;
         for (int i = 0; i < l->s->nz; i++)
             l->corner = fmin(l->corner, ns_signal_next_corner(&l->s->z[i], t));
     }
@@ -104,11 +104,13 @@ int ns_ladder_short_settle(ns_ladder *l, double h) {
     return status;
 }
 
-/* The length of the steps that rates are computed from; 0: there is no time for them before the next corner.
- */
+/* The length of the steps that rates are computed from; 0: there is no time for them before the next corner
+ * or command. */
 static double rate_step(ns_ladder *l) {
-    const double least = ns_ladder_short_step(l), room = ns_ladder_next_corner(l) - l->point->now.t;
+    const double t = l->point->now.t, least = ns_ladder_short_step(l);
     double h = ldexp(l->h, -NS_RATE_EXPONENT);
+    const double flips = ns_ladder_switch_by_time(l, t + 4 * h, l->due);
+    const double room = fmin(ns_ladder_next_corner(l), flips) - t;
     while (h > least && !(4 * h < room))
         h /= 2;
     return h > least ? h : 0;
@@ -123,8 +125,7 @@ int ns_ladder_short_rates(ns_ladder *l) {
         return 1;
     for (int k = 0; k < 2; k++) {
         ns_system_inputs(l->s, t + (k + 1) * h, NS_LEFT, l->z);
-        if (ns_ladder_switch_by_time(l, l->z, l->due) ||
-            ns_theta_probe(l->step, (k + 1) * h, l->z, k) != NS_OK ||
+        if (ns_theta_probe(l->step, (k + 1) * h, l->z, k) != NS_OK ||
             ns_ladder_switch_by_state(l, l->z, l->crossed))
             return 0;
     }

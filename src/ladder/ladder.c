@@ -84,12 +84,6 @@ static int try_step(ns_ladder *l, location *w, int *done) {
     const double h = choose_step(l, w, rest);
     const double t = h >= rest * (1 - 1e-9) ? w->stop : l->point->now.t + (l->point->now.lost + h);
     ns_system_inputs(l->s, t, NS_LEFT, l->z);
-    if (!w->commanded && l->s->nc > 0 && ns_ladder_switch_by_time(l, l->z, l->due)) {
-        w->stop = ns_ladder_switch_instant(l, t, l->due);
-        w->commanded = 1;
-        w->exponent = w->locating = 0;
-        return NS_OK;
-    }
     if (crowding)
         return step_capturing(l, h, t);
     int broke = 0;
@@ -103,7 +97,8 @@ static int try_step(ns_ladder *l, location *w, int *done) {
 }
 
 int ns_ladder_walk(ns_ladder *l, double stop) {
-    location w = {stop, 0, 0, 0};
+    const double flips = ns_ladder_switch_by_time(l, stop, l->due);
+    location w = {fmin(stop, flips), flips < stop, 0, 0};
     int done = 0;
     memset(l->point->flip, 0, (size_t)l->s->nc);
     while (!done && time_left(l, &w) > shortest_rest(l)) {

@@ -6,6 +6,7 @@
 #ifndef NS_LADDER_INTERNAL_H
 #define NS_LADDER_INTERNAL_H
 
+#include "inputs/time_events.h"
 #include "ladder.h"
 #include "reinit/jump.h"
 
@@ -42,8 +43,9 @@ struct ns_ladder {
     double limit;  /* s: the next event known ahead: no step of an event goes beyond */
     long budget;   /* steps that the trial may still take */
     /* inputs and commands */
-    double *z, *z_left;     /* nz */
-    unsigned char *due;     /* nc: commands that change at the next stop */
+    ns_time_events *commands; /* when those flip that depend on time only */
+    double *z, *z_left;       /* nz */
+    unsigned char *due;       /* nc: commands that change at the next stop */
     unsigned char *crossed; /* nc: commands that the last step crossed; at an event: how often each changed */
     unsigned char *closed;  /* nc: switches as commanded last */
     /* events */
@@ -52,16 +54,12 @@ struct ns_ladder {
     long events;       /* resolved so far */
 };
 
-/* state_switching.c: which time-only commands, at inputs z, contradict their switch: fills flip (nc), returns
- * how many.  The same for commands that depend on the state, as the stepper's last trial has it. */
-int ns_ladder_switch_by_time(ns_ladder *l, const double *z, unsigned char *flip);
+/* state_switching.c: the first instant from the right side of the point on, up to `until`, at which commands
+ * that depend on time only change: marks them in flip (nc); INFINITY: none does. */
+double ns_ladder_switch_by_time(ns_ladder *l, double until, unsigned char *flip);
+/* Which commands that depend on the state contradict their switch, at inputs z, as the stepper's last trial
+ * has it: marks them in flip (nc), returns how many. */
 int ns_ladder_switch_by_state(ns_ladder *l, const double *z, unsigned char *flip);
-/* The first instant up to t at which one of the time-only commands in flip crosses; leaves in flip those that
- * cross at that instant. */
-double ns_ladder_switch_instant(ns_ladder *l, double t, unsigned char *flip);
-/* The first instant after t at which a sine that commands a switch turns round: between two of them it
- * crosses a threshold at most once, so that step ends tell.  INFINITY if there is none. */
-double ns_ladder_switch_next_crest(const ns_ladder *l, double t);
 void ns_ladder_switch_apply(ns_ladder *l, const unsigned char *flip);
 
 /* ladder.c: from the point to stop (no corner of an input in between), or to the left side of an event:

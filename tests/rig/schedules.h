@@ -68,7 +68,7 @@ static inline void done(ns_time_events *s, ns_system *system) {
 }
 
 /* The next instant is at t, and flips commands as the bits of which say; NULL if it does not. */
-static const ns_time_event *expect(ns_time_events *s, double t, double tol, unsigned which) {
+static inline const ns_time_event *expect(ns_time_events *s, double t, double tol, unsigned which) {
     unsigned bits = 0;
     assert_near(ns_inputs_events_next(s, INFINITY), t, tol);
     const ns_time_event *what = ns_inputs_events_pass(s);

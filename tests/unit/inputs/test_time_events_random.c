@@ -1,6 +1,6 @@
 /* tests/unit/inputs/test_time_events_random.c - schedules of random systems against what else knows of
- * signals: corners and values (signal.h), and the instants at which the marcher, which only looks at the ends
- * of its steps, flips the switches. */
+ * signals: corners and values (signal.h), the instants found by looking at controls between corners and
+ * crests and bisection, and those at which the marcher flips the switches. */
 #include <float.h>
 #include <math.h>
 #include <setjmp.h>
@@ -12,78 +12,25 @@
 
 #include <cmocka.h>
 
-#include "dice.h"
+#include "dice_signals.h"
 #include "inputs/time_events_internal.h"
 #include "nonsmooth.h"
 #include "system/active_inputs.h"
 
-enum { INPUTS = 4, COMMANDS = 5, SYSTEMS = 300, POINTS = 6 };
+enum { INPUTS = 4, COMMANDS = 5, SYSTEMS = 300 };
 static const double end = 40, eps = DBL_EPSILON;
-
-static double of_time(dice *d) { /* a multiple of 1/8 as often as not: coincidences */
-    return dice_chance(d, 0.5) ? (1 + dice_below(d, 40)) / 8.0 : 5 * dice_uniform(d) + 0.05;
-}
-
-static double of_value(dice *d) {
-    return dice_chance(d, 0.5) ? dice_eighths(d, 2) : 2 * dice_either(d);
-}
-
-static ns_signal a_pulse(dice *d) {
-    ns_signal s = {.kind = NS_PULSE};
-    const double per = 1 + of_time(d);
-    s.u.pulse.v1 = of_value(d);
-    s.u.pulse.v2 = of_value(d);
-    s.u.pulse.td = dice_chance(d, 0.3) ? 0 : of_time(d) - 1;
-    s.u.pulse.tr = dice_chance(d, 0.3) ? 0 : of_time(d) / 4;
-    s.u.pulse.tf = dice_chance(d, 0.3) ? 0 : of_time(d) / 4;
-    s.u.pulse.pw = dice_chance(d, 0.2) ? 0 : of_time(d) / 3;
-    s.u.pulse.per = dice_chance(d, 0.2) ? INFINITY : per;
-    s.u.pulse.cycles = dice_chance(d, 0.2) ? 1 + dice_below(d, 4) : 0;
-    return s;
-}
-
-static ns_signal a_pwl(dice *d, double *t, double *v) {
-    ns_signal s = {.kind = NS_PWL};
-    const int n = 1 + dice_below(d, POINTS);
-    t[0] = dice_chance(d, 0.5) ? 0 : of_time(d) - 1;
-    for (int i = 0; i < n; i++) {
-        v[i] = of_value(d);
-        if (i > 0)
-            t[i] = t[i - 1] + (dice_chance(d, 0.2) ? 0 : of_time(d));
-    }
-    s.u.pwl.n = n;
-    s.u.pwl.t = t;
-    s.u.pwl.v = v;
-    s.u.pwl.repeat = NAN;
-    const int back = dice_below(d, n);
-    if (t[back] < t[n - 1] - 0.5 && dice_chance(d, 0.5))
-        s.u.pwl.repeat = t[back];
-    s.u.pwl.td = dice_chance(d, 0.5) ? 0 : of_time(d);
-    return s;
-}
-
-static ns_signal a_curve(dice *d) {
-    if (dice_chance(d, 0.6))
-        return (ns_signal){.kind = NS_SIN,
-                           .u.sin = {of_value(d), of_value(d), 2 * dice_either(d), of_time(d) - 1,
-                                     dice_chance(d, 0.5) ? 0 : 0.1 * dice_either(d), 360 * dice_either(d)}};
-    const double td1 = of_time(d) - 0.5;
-    return (ns_signal){.kind = NS_EXP,
-                       .u.exp = {of_value(d), of_value(d), td1, of_time(d),
-                                 td1 + (dice_chance(d, 0.9) ? of_time(d) : -0.25), of_time(d)}};
-}
 
 /* C v' = -v, and switches that close nothing (y = 0 - e): all that happens is what the inputs do. */
 static ns_system *a_system(dice *d, int curves) {
     ns_system *s;
-    double t[POINTS], v[POINTS];
+    double room[DICE_SIGNAL_ROOM];
     assert_int_equal(ns_system_create(1, COMMANDS, INPUTS, COMMANDS, &s), NS_OK);
     s->M[0] = 1;
     s->A[0] = -1;
     for (int i = 0; i < INPUTS; i++) {
-        ns_signal z = dice_chance(d, 0.5) ? a_pulse(d) : a_pwl(d, t, v);
+        ns_signal z = dice_line(d, room);
         if (curves && dice_chance(d, 0.4))
-            z = a_curve(d);
+            z = dice_curve(d);
         assert_int_equal(ns_system_set_input(s, i, &z), NS_OK);
         s->E[i] = dice_chance(d, 0.5) ? 1e-3 : 0;
     }
@@ -94,9 +41,9 @@ static ns_system *a_system(dice *d, int curves) {
         k->gz = calloc(INPUTS, sizeof *k->gz);
         for (int i = 0, used = dice_below(d, 3); i <= used; i++)
             k->gz[dice_below(d, INPUTS)] = dice_chance(d, 0.5) ? dice_integer(d, 2) : dice_either(d);
-        k->g0 = of_value(d);
-        k->off = of_value(d);
-        k->on = k->off + (dice_chance(d, 0.5) ? 0 : fabs(of_value(d)));
+        k->g0 = dice_value(d);
+        k->off = dice_value(d);
+        k->on = k->off + (dice_chance(d, 0.5) ? 0 : fabs(dice_value(d)));
     }
     return s;
 }
@@ -232,6 +179,81 @@ static void by_marching(const ns_system *s, double h, flips *f) {
     ns_march_free(m);
 }
 
+/* By how much the control of command c is beyond the threshold that flips it, less tol times its terms. */
+static double excess(const ns_system *s, int c, int closed, double t, ns_side side, double tol) {
+    const ns_command *k = &s->command[c];
+    double g = k->g0, size = fabs(k->g0);
+    for (int i = 0; i < s->nz; i++) {
+        const double term = k->gz[i] * ns_signal_value(&s->z[i], t, side);
+        g += term;
+        size += fabs(term);
+    }
+    return (closed ? k->off - g : g - k->on) - tol * size;
+}
+
+/* The first crest or trough of a sine after t, as if undamped. */
+static double next_crest(const ns_signal *s, double t) {
+    const double half = 0.5 / fabs(s->u.sin.freq), sign = s->u.sin.freq < 0 ? -1 : 1;
+    double first = s->u.sin.td + (0.25 - sign * s->u.sin.phase / 360) * 2 * half;
+    first += half * ceil((s->u.sin.td - first) / half);
+    const double crest = first + half * fmax(0, floor((t - first) / half) + 1);
+    return crest <= t + 1e-6 * half ? crest + half : crest;
+}
+
+/* Between t and this no control turns round but by damping, or by waves that oppose each other. */
+static double next_look(const ns_system *s, double t, double step) {
+    double next = fmin(end, t + step);
+    for (int i = 0; i < s->nz; i++) {
+        next = fmin(next, ns_signal_next_corner(&s->z[i], t));
+        if (s->z[i].kind == NS_SIN && s->z[i].u.sin.freq != 0 && s->z[i].u.sin.va != 0)
+            next = fmin(next, next_crest(&s->z[i], t));
+    }
+    return next;
+}
+
+static double bisect(const ns_system *s, int c, int closed, double a, double b) {
+    for (int i = 0; i < 100 && excess(s, c, closed, a, NS_RIGHT, 0) <= 0; i++) {
+        const double middle = a + (b - a) / 2;
+        if (!(middle > a && middle < b))
+            break;
+        *(excess(s, c, closed, middle, NS_LEFT, 0) > 0 ? &b : &a) = middle;
+    }
+    return a;
+}
+
+/* Flips those of the commands in which (NULL: all) that are beyond their threshold at t; how many. */
+static int flip_beyond(const ns_system *s, double t, ns_side side, double tol, const unsigned char *which,
+                       unsigned char *closed) {
+    int count = 0;
+    for (int c = 0; c < COMMANDS; c++)
+        if ((!which || which[c]) && excess(s, c, closed[c], t, side, tol) > 0) {
+            closed[c] = !closed[c];
+            count++;
+        }
+    return count;
+}
+
+static void by_looking(const ns_system *s, double step, flips *f) {
+    unsigned char closed[COMMANDS] = {0};
+    flip_beyond(s, 0, NS_RIGHT, 1e-12, NULL, closed);
+    keep(f, 0, closed);
+    for (double t = 0; t < end;) {
+        const double look = next_look(s, t, step);
+        unsigned char due[COMMANDS];
+        double first = INFINITY;
+        for (int c = 0; c < COMMANDS; c++) {
+            due[c] = excess(s, c, closed[c], look, NS_LEFT, 1e-12) > 0;
+            if (due[c])
+                first = fmin(first, bisect(s, c, closed[c], t, look));
+        }
+        if (first < look && flip_beyond(s, fmin(look, first + 8 * eps * first), NS_LEFT, -1e-12, due, closed))
+            keep(f, first, closed);
+        t = fmin(look, first + 1e-7);
+        if (t == look && flip_beyond(s, t, NS_RIGHT, 1e-12, NULL, closed))
+            keep(f, t, closed);
+    }
+}
+
 static void by_schedule(const ns_system *system, flips *f) {
     ns_time_events *s = schedule_of(system);
     keep(f, 0, ns_inputs_events_closed(s));
@@ -242,21 +264,27 @@ static void by_schedule(const ns_system *system, flips *f) {
     ns_inputs_events_free(s);
 }
 
-static void compare(const ns_system *s, unsigned k, double h) {
-    static flips a, b;
-    a.n = b.n = 0;
-    by_marching(s, h, &a);
-    by_schedule(s, &b);
-    for (int i = 0; i < a.n && i < b.n; i++) {
-        if (fabs(a.t[i] - b.t[i]) > 1e-5 || memcmp(a.closed[i], b.closed[i], COMMANDS) != 0) {
-            print_message("system %u: flip %d at %.17g and %.17g, states", k, i, a.t[i], b.t[i]);
+static void compare(const flips *a, const flips *b, unsigned k) {
+    for (int i = 0; i < a->n && i < b->n; i++) {
+        if (fabs(a->t[i] - b->t[i]) > 1e-5 || memcmp(a->closed[i], b->closed[i], COMMANDS) != 0) {
+            print_message("system %u: flip %d at %.17g and %.17g, states", k, i, a->t[i], b->t[i]);
             for (int c = 0; c < COMMANDS; c++)
-                print_message(" %d-%d", a.closed[i][c], b.closed[i][c]);
+                print_message(" %d-%d", a->closed[i][c], b->closed[i][c]);
             print_message("\n");
             fail();
         }
     }
-    assert_int_equal(a.n, b.n);
+    assert_int_equal(a->n, b->n);
+}
+
+static void compare_all(const ns_system *s, unsigned k, double h) {
+    static flips looked, marched, scheduled;
+    looked.n = marched.n = scheduled.n = 0;
+    by_looking(s, h, &looked);
+    by_marching(s, h, &marched);
+    by_schedule(s, &scheduled);
+    compare(&looked, &scheduled, k);
+    compare(&marched, &scheduled, k);
 }
 
 static void flips_of_lines(void **state) {
@@ -264,7 +292,7 @@ static void flips_of_lines(void **state) {
     for (unsigned k = 0; k < SYSTEMS; k++) {
         dice d = dice_make(72, k);
         ns_system *s = a_system(&d, 0);
-        compare(s, k, 0.5);
+        compare_all(s, k, 0.5);
         ns_system_free(s);
     }
 }
@@ -274,7 +302,7 @@ static void flips_of_curves(void **state) {
     for (unsigned k = 0; k < SYSTEMS; k++) {
         dice d = dice_make(73, k);
         ns_system *s = a_system(&d, 1);
-        compare(s, k, 0.01);
+        compare_all(s, k, 0.01);
         ns_system_free(s);
     }
 }
