@@ -29,11 +29,51 @@ typedef struct ns_engine_table {
     const ns_counts *(*counts)(ns_engine *e);
     const ns_fault *(*fault)(const ns_engine *e);
     int (*problem)(const ns_engine *e, ns_mlcp *p, double *h);
+    /* The engine that answers drop, accept, read, mode, at_event, method, fault and problem; NULL: this one.
+     */
+    ns_engine *(*at_work)(const ns_engine *e);
 } ns_engine_table;
 
 /* The first member of every engine's struct. */
 struct ns_engine {
     const ns_engine_table *table;
 };
+
+/* The calls that the engine at work answers. */
+static inline ns_engine *ns_engine_at_work(ns_engine *e) {
+    return e->table->at_work ? e->table->at_work(e) : e;
+}
+static inline void ns_engine_drop(ns_engine *e) {
+    e = ns_engine_at_work(e);
+    e->table->drop(e);
+}
+static inline int ns_engine_accept(ns_engine *e) {
+    e = ns_engine_at_work(e);
+    return e->table->accept(e);
+}
+static inline int ns_engine_read(ns_engine *e, double *t, double *x, double *lambda, double *y) {
+    e = ns_engine_at_work(e);
+    return e->table->read(e, t, x, lambda, y);
+}
+static inline const ns_mode *ns_engine_mode(ns_engine *e) {
+    e = ns_engine_at_work(e);
+    return e->table->mode(e);
+}
+static inline int ns_engine_at_event(ns_engine *e) {
+    e = ns_engine_at_work(e);
+    return e->table->at_event(e);
+}
+static inline ns_method ns_engine_method(ns_engine *e) {
+    e = ns_engine_at_work(e);
+    return e->table->method(e);
+}
+static inline const ns_fault *ns_engine_fault(ns_engine *e) {
+    e = ns_engine_at_work(e);
+    return e->table->fault(e);
+}
+static inline int ns_engine_problem(ns_engine *e, ns_mlcp *p, double *h) {
+    e = ns_engine_at_work(e);
+    return e->table->problem(e, p, h);
+}
 
 #endif

@@ -52,23 +52,23 @@ int ns_march_try(ns_march *m, double t, ns_until until, double *reached) {
 }
 
 int ns_march_accept(ns_march *m) {
-    return m ? m->engine->table->accept(m->engine) : NS_E_NULL;
+    return m ? ns_engine_accept(m->engine) : NS_E_NULL;
 }
 
 int ns_march_read(ns_march *m, double *t, double *x, double *lambda, double *y) {
-    return m ? m->engine->table->read(m->engine, t, x, lambda, y) : NS_E_NULL;
+    return m ? ns_engine_read(m->engine, t, x, lambda, y) : NS_E_NULL;
 }
 
 const ns_mode *ns_march_mode(const ns_march *m) {
-    return m->engine->table->mode(m->engine);
+    return ns_engine_mode(m->engine);
 }
 
 int ns_march_at_event(const ns_march *m) {
-    return m->engine->table->at_event(m->engine);
+    return ns_engine_at_event(m->engine);
 }
 
 ns_method ns_march_engine(const ns_march *m) {
-    return m->engine->table->method(m->engine);
+    return ns_engine_method(m->engine);
 }
 
 const ns_counts *ns_march_counts(ns_march *m) {
@@ -76,9 +76,9 @@ const ns_counts *ns_march_counts(ns_march *m) {
 }
 
 int ns_march_problem(const ns_march *m, ns_mlcp *p, double *h) {
-    return m && p ? m->engine->table->problem(m->engine, p, h) : NS_E_NULL;
+    return m && p ? ns_engine_problem(m->engine, p, h) : NS_E_NULL;
 }
 
 const ns_fault *ns_march_fault(const ns_march *m) {
-    return m->engine->table->fault(m->engine);
+    return ns_engine_fault(m->engine);
 }

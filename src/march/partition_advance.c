@@ -25,7 +25,7 @@ static int look_ahead(ns_partition_run *f, int k, double t) {
     const int status = try_one(f, k, t, NS_TO_EVENT);
     if (status != NS_OK)
         return status;
-    s->event = s->run->table->at_event(s->run);
+    s->event = ns_engine_at_event(s->run);
     s->passes = !s->event && s->trial < t;
     s->seen = s->passes ? s->accepted : s->trial;
     return NS_OK;
@@ -52,7 +52,7 @@ static int go_there(ns_partition_run *f, double t) {
         ns_part_run *s = &f->part[k];
         const int event = s->event && s->seen - t <= same * fabs(t);
         const double to = event ? s->seen : t;
-        if (s->tried && s->trial == to && (!event || s->run->table->at_event(s->run)))
+        if (s->tried && s->trial == to && (!event || ns_engine_at_event(s->run)))
             continue;
         const int status = try_one(f, k, to, event ? NS_TO_EVENT : NS_TO_TIME);
         if (status != NS_OK)
@@ -76,7 +76,7 @@ static int pass_events(ns_partition_run *f, double t) {
 static void stay(ns_partition_run *f) {
     for (int k = 0; k < f->islands.count; k++)
         if (!f->part[k].passes) {
-            f->part[k].run->table->drop(f->part[k].run);
+            ns_engine_drop(f->part[k].run);
             f->part[k].tried = 0;
         }
 }
@@ -130,7 +130,7 @@ static int go_to(ns_partition_run *f, double t, ns_until until) {
 void ns_march_partition_drop(ns_engine *e) {
     ns_partition_run *f = (ns_partition_run *)(void *)e;
     for (int k = 0; k < f->islands.count; k++)
-        f->part[k].run->table->drop(f->part[k].run);
+        ns_engine_drop(f->part[k].run);
     f->has_trial = 0;
 }
 
@@ -163,11 +163,11 @@ int ns_march_partition_accept(ns_engine *e) {
     for (int k = 0; k < f->islands.count; k++) {
         ns_part_run *s = &f->part[k];
         if (s->tried) {
-            const int status = s->run->table->accept(s->run);
+            const int status = ns_engine_accept(s->run);
             if (status != NS_OK)
                 return ns_march_partition_fail(f, k, status);
             s->accepted = s->trial;
-            s->at_event = s->run->table->at_event(s->run);
+            s->at_event = ns_engine_at_event(s->run);
         }
         if (s->at_event || s->accepted > s->seen)
             s->event = 0;

@@ -10,7 +10,7 @@ void ns_march_partition_translate(const ns_island *i, ns_fault *fault) {
 }
 
 void ns_march_partition_keep_fault(ns_partition_run *f, int part) {
-    f->fault = *f->part[part].run->table->fault(f->part[part].run);
+    f->fault = *ns_engine_fault(f->part[part].run);
     ns_march_partition_translate(f->part[part].island, &f->fault);
     f->failed = part;
 }

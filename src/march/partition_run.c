@@ -54,7 +54,7 @@ static int begin_together(ns_partition_run *f) {
     f->started = 0;
     for (int k = 0; k < f->islands.count; k++) {
         ns_part_run *s = &f->part[k];
-        const int status = s->run->table->read(s->run, &s->accepted, NULL, NULL, NULL);
+        const int status = ns_engine_read(s->run, &s->accepted, NULL, NULL, NULL);
         if (status != NS_OK)
             return ns_march_partition_fail(f, k, status);
         s->trial = s->seen = s->accepted;
@@ -157,7 +157,7 @@ static int read_point(ns_engine *e, double *t, double *x, double *lambda, double
         *t = f->has_trial ? f->trial : f->accepted;
     memset(f->seen, 0, (size_t)f->s->n);
     for (int k = 0; k < f->islands.count; k++) {
-        const int read = f->part[k].run->table->read(f->part[k].run, NULL, f->x, f->lambda, f->y);
+        const int read = ns_engine_read(f->part[k].run, NULL, f->x, f->lambda, f->y);
         if (read != NS_OK) {
             status = read;
             ns_march_partition_keep_fault(f, k);
@@ -175,7 +175,7 @@ static const ns_mode *mode_of(ns_engine *e) {
     ns_partition_run *f = run_of(e);
     for (int k = 0; k < f->islands.count; k++) {
         const ns_island *i = f->part[k].island;
-        const ns_mode *mode = f->part[k].run->table->mode(f->part[k].run);
+        const ns_mode *mode = ns_engine_mode(f->part[k].run);
         for (int j = 0; j < i->s->m; j++)
             f->mode[i->pair[j]] = mode[j];
     }
@@ -186,7 +186,7 @@ static int at_event(const ns_engine *e) {
     const ns_partition_run *f = run_in(e);
     int any = 0;
     for (int k = 0; k < f->islands.count; k++)
-        any |= f->part[k].run->table->at_event(f->part[k].run);
+        any |= ns_engine_at_event(f->part[k].run);
     return any;
 }
 
@@ -195,7 +195,7 @@ static ns_method method(const ns_engine *e) {
     const ns_partition_run *f = run_in(e);
     ns_method worst = NS_EXACT;
     for (int k = 0; k < f->islands.count; k++) {
-        const ns_method engine = f->part[k].run->table->method(f->part[k].run);
+        const ns_method engine = ns_engine_method(f->part[k].run);
         if (engine == NS_THETA || worst == NS_EXACT)
             worst = engine;
     }
@@ -217,8 +217,7 @@ static const ns_fault *fault(const ns_engine *e) {
 
 static int problem(const ns_engine *e, ns_mlcp *p, double *h) {
     const ns_partition_run *f = run_in(e);
-    const ns_engine *run = f->failed < 0 ? NULL : f->part[f->failed].run;
-    return run ? run->table->problem(run, p, h) : NS_E_STATE;
+    return f->failed < 0 ? NS_E_STATE : ns_engine_problem(f->part[f->failed].run, p, h);
 }
 
 static void free_run(ns_engine *e) {

@@ -12,10 +12,6 @@ static ns_run *run_of(ns_engine *e) {
     return (ns_run *)(void *)e;
 }
 
-static const ns_run *run_in(const ns_engine *e) {
-    return (const ns_run *)(const void *)e;
-}
-
 static int leaves_sparse(const ns_run *r, int status) {
     return !r->is_dense && ns_march_leaves_sparse(r->s, &r->options, status);
 }
@@ -50,36 +46,6 @@ static int try_to(ns_engine *e, double t, ns_until until, double *reached) {
     }
 }
 
-static void drop(ns_engine *e) {
-    ns_engine *at_work = run_of(e)->at_work;
-    at_work->table->drop(at_work);
-}
-
-static int accept_trial(ns_engine *e) {
-    ns_engine *at_work = run_of(e)->at_work;
-    return at_work->table->accept(at_work);
-}
-
-static int read_point(ns_engine *e, double *t, double *x, double *lambda, double *y) {
-    ns_engine *at_work = run_of(e)->at_work;
-    return at_work->table->read(at_work, t, x, lambda, y);
-}
-
-static const ns_mode *mode_of(ns_engine *e) {
-    ns_engine *at_work = run_of(e)->at_work;
-    return at_work->table->mode(at_work);
-}
-
-static int at_event(const ns_engine *e) {
-    const ns_engine *at_work = run_in(e)->at_work;
-    return at_work->table->at_event(at_work);
-}
-
-static ns_method method(const ns_engine *e) {
-    const ns_engine *at_work = run_in(e)->at_work;
-    return at_work->table->method(at_work);
-}
-
 static const ns_counts *counts(ns_engine *e) {
     ns_run *r = run_of(e);
     r->sum = *r->at_work->table->counts(r->at_work);
@@ -87,14 +53,8 @@ static const ns_counts *counts(ns_engine *e) {
     return &r->sum;
 }
 
-static const ns_fault *fault(const ns_engine *e) {
-    const ns_run *r = run_in(e);
-    return r->at_work->table->fault(r->at_work);
-}
-
-static int problem(const ns_engine *e, ns_mlcp *p, double *h) {
-    const ns_engine *at_work = run_in(e)->at_work;
-    return at_work->table->problem(at_work, p, h);
+static ns_engine *at_work(const ns_engine *e) {
+    return ((const ns_run *)(const void *)e)->at_work;
 }
 
 static void free_run(ns_engine *e) {
@@ -112,15 +72,8 @@ static const ns_engine_table table = {
     .start = start,
     .start_dc = start_dc,
     .try_to = try_to,
-    .drop = drop,
-    .accept = accept_trial,
-    .read = read_point,
-    .mode = mode_of,
-    .at_event = at_event,
-    .method = method,
     .counts = counts,
-    .fault = fault,
-    .problem = problem,
+    .at_work = at_work,
 };
 
 int ns_march_run_create(const ns_system *s, const ns_march_options *o, ns_engine **out, ns_fault *fault) {

@@ -52,9 +52,9 @@ static int read_accepted(ns_run *r, double *t, double **w, unsigned char **close
     double *x = calloc(2 * n + 1, sizeof *x);
     *closed = calloc((size_t)r->s->nc + 1, 1);
     *w = x;
-    const int status = x && *closed ? e->table->read(e, t, x + n, NULL, NULL) : NS_E_MEMORY;
+    const int status = x && *closed ? ns_engine_read(e, t, x + n, NULL, NULL) : NS_E_MEMORY;
     for (int c = 0; *closed && c < r->s->nc; c++)
-        (*closed)[c] = e->table->mode(e)[r->s->command[c].pair] == NS_INSIDE;
+        (*closed)[c] = ns_engine_mode(e)[r->s->command[c].pair] == NS_INSIDE;
     if (status == NS_OK)
         ns_system_charges(r->s, x + n, x);
     return status;
