@@ -60,8 +60,8 @@ static int look(ns_exact *f, ns_time_scale *level, double span, double *done, in
     return NS_OK;
 }
 
-/* One step of at most `rest`; *done: how far it came, *broke: to where a guard breaks. */
-static int advance(ns_exact *f, double rest, double *done, int *broke) {
+/* One step of at most `rest`; *done: how far it came. */
+static int advance(ns_exact *f, double rest, double *done, ns_exact_step *step) {
     double until, h;
     ns_step_map *leg;
     ns_time_scale *level = ns_exact_mode_time_scale(f, &until);
@@ -69,32 +69,30 @@ static int advance(ns_exact *f, double rest, double *done, int *broke) {
     int status = choose(f, level, room > 0 && room < rest ? room : rest, &leg, &h);
     if (status != NS_OK)
         return status;
-    if (!leg)
-        ns_exact_period_unrecorded(f);
+    step->level = level;
     if (!leg && level->stage->rows == 0) {
         *done = h;
         return ns_exact_step_advance(f, level, h);
     }
     if (!leg)
-        return look(f, level, h, done, broke);
+        return look(f, level, h, done, &step->broke);
     double clear = 0;
     status = ns_exact_step_sample(f, level, leg);
     if (status != NS_OK)
         return status;
     const int doubt = leg->samples > 0 ? ns_exact_watch_step(f, level, leg, &clear) : -1;
     if (doubt < 0) {
-        ns_exact_period_step(f, level, leg);
+        step->leg = leg;
         ns_exact_step_commit(f, level, leg);
         *done = h;
         return NS_OK;
     }
-    ns_exact_period_unrecorded(f);
     const double part = h / leg->samples, skip = level->stage->h * floor(clear * part / level->stage->h);
     const double before = part * doubt + skip;
     double more = 0;
     status = before > 0 ? ns_exact_step_advance(f, level, before) : NS_OK;
     if (status == NS_OK)
-        status = look(f, level, part - skip, &more, broke);
+        status = look(f, level, part - skip, &more, &step->broke);
     *done = before + more;
     return status;
 }
@@ -107,17 +105,15 @@ static void arrive(ns_exact *f, double t, double rest, double done) {
     f->time_lost += (from - f->t) + done;
 }
 
-int ns_exact_advance(ns_exact *f, double t, int *broke) {
+int ns_exact_advance(ns_exact *f, double t, ns_exact_step *step) {
+    const double rest = t - f->t - f->time_lost;
+    double done = 0;
     int status = NS_OK;
-    *broke = 0;
-    while (!*broke && f->t < t && status == NS_OK) {
-        const double rest = t - f->t - f->time_lost;
-        double done = 0;
-        if (f->budget-- <= 0)
-            return NS_E_LIMIT;
-        if (rest > 0)
-            status = advance(f, rest, &done, broke);
-        arrive(f, t, rest, done);
-    }
+    *step = (ns_exact_step){0};
+    if (f->budget-- <= 0)
+        return NS_E_LIMIT;
+    if (rest > 0)
+        status = advance(f, rest, &done, step);
+    arrive(f, t, rest, done);
     return status;
 }

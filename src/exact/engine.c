@@ -105,6 +105,7 @@ int ns_exact_create(ns_theta *step, ns_dense_point *point, double h, ns_exact **
 void ns_exact_free(ns_exact *f) {
     if (!f)
         return;
+    ns_exact_period_drop(f);
     ns_exact_mode_forget_all(f);
     ns_inputs_states_free(f->exo);
     ns_inputs_events_free(f->schedule);
@@ -145,6 +146,14 @@ static void seek(ns_exact *f) {
     f->from = f->to_t = f->t;
 }
 
+/* What is kept fits the limit again. */
+static void trim(ns_exact *f) {
+    if (f->bytes <= f->limit)
+        return;
+    ns_exact_period_drop(f); /* it points to modes */
+    ns_exact_mode_trim(f, f->at);
+}
+
 /* From the accepted point of the stepper. */
 static int load(ns_exact *f) {
     f->t = f->point->now.t;
@@ -154,8 +163,7 @@ static int load(ns_exact *f) {
     const int status = ns_exact_mode_find(f, ns_theta_mode(f->s), &f->at);
     if (status != NS_OK)
         return status;
-    if (f->bytes > f->limit)
-        ns_exact_mode_trim(f, f->at);
+    trim(f);
     seek(f);
     memcpy(f->X, f->s->past.w, sizeof(double) * (size_t)f->s->r);
     read_inputs(f);
@@ -258,12 +266,28 @@ static int turn_first(ns_exact *f, int *stuck) {
     return turn(f, !known, stuck);
 }
 
+/* To t, or to where a guard breaks: *broke. */
+static int advance(ns_exact *f, double t, int *broke) {
+    ns_exact_step step = {0};
+    int status = NS_OK;
+    while (status == NS_OK && !step.broke && f->t < t) {
+        const int recorded = f->laps.open;
+        if (recorded)
+            ns_exact_period_note_inputs(f);
+        status = ns_exact_advance(f, t, &step);
+        if (recorded)
+            ns_exact_period_record(f, &step);
+    }
+    *broke = step.broke;
+    return status;
+}
+
 /* To the next event and beyond it, or to t; *stop: this was the last.  An event right where the march stands
  * is gone through, to its right side. */
 static int leap(ns_exact *f, double accepted_t, double t, ns_until until, int *stuck, int *stop) {
     int broke;
     f->to_t = ns_inputs_events_next(f->schedule, t);
-    const int status = ns_exact_advance(f, fmin(t, f->to_t), &broke);
+    const int status = advance(f, fmin(t, f->to_t), &broke);
     const int known = !broke && f->t >= f->to_t;
     f->broken_t = f->t;
     f->broken_at = broke ? f->at : NULL;
@@ -335,8 +359,7 @@ int ns_exact_go(ns_exact *f, double accepted_t, double t, ns_until until) {
         if (until == NS_TO_TIME && ns_exact_period_replay(f, t))
             continue;
         status = leap(f, accepted_t, t, until, &stuck, &stop);
-        if (f->bytes > f->limit)
-            ns_exact_mode_trim(f, f->at);
+        trim(f);
     }
     if (f->status != NS_OK) {
         status = f->status;

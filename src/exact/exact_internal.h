@@ -5,7 +5,8 @@
  *   step_map.c        steps of one length, as matrices output_map.c      x, lambda of a point
  *   event_location.c  where a guard first breaks       guard_sign.c      whether a mode holds
  *   mode_selection.c  from one mode to the next        mode_entry.c      what jumps where a mode is entered
- *   periodic_map.c    a period of the sources as one product; periodic_replay.c: with events of its own
+ *   guard_values.c    guards at a point, and their rounding
+ *   periodic_map.c    a period of the sources, recorded and kept; periodic_replay.c: taken again
  */
 #ifndef NS_EXACT_INTERNAL_H
 #define NS_EXACT_INTERNAL_H
@@ -16,6 +17,8 @@
 #include "periodic_map.h"
 #include "reinit/jump.h"
 
+#include <float.h>
+#include <math.h>
 #include <stdint.h>
 
 /* Samples of the guards in a leg, its longest length with guards and without, in h 2^k; legs of recurring
@@ -70,6 +73,13 @@ struct ns_exact_mode {
     ns_exact_mode *chain;
 };
 
+/* What one step of ns_exact_advance() did. */
+typedef struct ns_exact_step {
+    const ns_time_scale *level; /* NULL: X did not move */
+    const ns_step_map *leg;     /* it was this kept step as a whole; NULL: it was not */
+    int broke;                  /* 1: a guard breaks at its end */
+} ns_exact_step;
+
 enum { NS_EXACT_BUCKETS = 256 };
 
 /* The goal of a command that just changes. */
@@ -96,6 +106,7 @@ struct ns_exact {
     double from, to_t; /* what the schedule is good for */
     ns_exact_mode *bucket[NS_EXACT_BUCKETS];
     size_t bytes, limit;
+    long steps_dropped; /* so many kept steps were dropped: pointers to steps from before are void */
     long clock;
     double guess; /* h of the first level of the mode built last */
     /* where it is */
@@ -135,7 +146,13 @@ struct ns_exact {
     double *block;
 };
 
-/* mode_cache.c: the record of a mode, found or built (then the stepper's).  Errors: SINGULAR, MEMORY, NUMBER. */
+/* Times this far apart are the same instant of a schedule. */
+static inline double ns_exact_period_slack(const ns_exact *f) {
+    return 8 * DBL_EPSILON * fabs(f->t);
+}
+
+/* mode_cache.c: the record of a mode, found or built (then the stepper's).  Errors: SINGULAR, MEMORY, NUMBER.
+ */
 int ns_exact_mode_find(ns_exact *f, const ns_mode *mode, ns_exact_mode **out);
 void ns_exact_mode_forget_all(ns_exact *f);
 /* Drops the modes that were not flown for longest until all fit into three quarters of the limit; never keep.
@@ -169,6 +186,16 @@ int ns_exact_watch_near(ns_exact *f, const ns_time_scale *level, double tau, dou
 int ns_exact_watch_clear(const double *s, int rows, int samples);
 /* c: the coefficients of (E1) at i/NS_PIECES of a way of s Euler steps. */
 void ns_exact_watch_pieces(double s, double (*c)[NS_ORDER]);
+
+/* guard_values.c */
+/* One of the matrices of guards (mode_kernel.h) at X: guard g. */
+static inline double ns_exact_guard_of(const ns_mode_kernel *k, const double *rows, int g, const double *X) {
+    double sum = 0;
+    for (int j = 0; j < k->q; j++)
+        sum += rows[j + g * k->q] * X[j];
+    return sum;
+}
+
 /* What guard g may be off by at X; where its rate is known. */
 double ns_exact_guard_rounding(const ns_exact *f, const ns_mode_kernel *k, int g);
 double ns_exact_guard_rounding_at(const ns_exact *f, const ns_mode_kernel *k, int g, double rate);
@@ -176,8 +203,8 @@ double ns_exact_guard_rounding_at(const ns_exact *f, const ns_mode_kernel *k, in
  * them their rates; tol (rows).  Uses f->ahead. */
 void ns_exact_guard_values(ns_exact *f, const ns_mode_kernel *k, const double *X, double *value, double *tol);
 
-/* advance.c: to t, unless a guard breaks before: *broke.  Errors: MEMORY; LIMIT: no budget. */
-int ns_exact_advance(ns_exact *f, double t, int *broke);
+/* advance.c: one step, to t at the latest.  Errors: MEMORY; LIMIT: no budget. */
+int ns_exact_advance(ns_exact *f, double t, ns_exact_step *step);
 
 /* mode_selection.c: the mode from here on, where a guard broke (natural), or commands in point->flip (nc)
  * changed and inputs jumped or turned; X moves if the state jumps.  point->flip is cleared.  OK, GUARD: found

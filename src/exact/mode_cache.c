@@ -36,7 +36,6 @@ static void free_mode(ns_exact_mode *k) {
 }
 
 void ns_exact_mode_forget_all(ns_exact *f) {
-    ns_exact_period_drop(f);
     for (int b = 0; b < NS_EXACT_BUCKETS; b++) {
         for (ns_exact_mode *k = f->bucket[b], *next; k; k = next) {
             next = k->chain;
@@ -89,7 +88,6 @@ void ns_exact_mode_trim(ns_exact *f, ns_exact_mode *keep) {
         if (!gone)
             return;
         *at = gone->chain;
-        ns_exact_period_drop(f);
         for (int b = 0; b < NS_EXACT_BUCKETS; b++)
             for (ns_exact_mode *k = f->bucket[b]; k; k = k->chain)
                 unfollow(k, gone);

@@ -8,14 +8,6 @@
 
 #include "exact_internal.h"
 
-/* One of the matrices of guards (mode_kernel.h) at X: guard g. */
-static inline double ns_exact_guard_of(const ns_mode_kernel *k, const double *rows, int g, const double *X) {
-    double sum = 0;
-    for (int j = 0; j < k->q; j++)
-        sum += rows[j + g * k->q] * X[j];
-    return sum;
-}
-
 /* mode_entry.c: f->next = X, as the mode is entered with it; 1 if it jumps: then whether the impulses of the
  * pairs have the signs they may have, and if not the guard whose has it least. */
 int ns_exact_enter(ns_exact *f, const ns_exact_mode *k);

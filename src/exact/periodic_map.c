@@ -3,9 +3,6 @@
 
 #include "exact_internal.h"
 
-#include "linalg/simd.h"
-
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,59 +16,67 @@ void ns_exact_period_abort(ns_exact *f) {
     f->laps.open = 0;
 }
 
-void ns_exact_period_forget_steps(ns_exact *f) {
-    f->laps.open = f->laps.known = 0;
-    f->laps.forgotten++;
-}
-
 void ns_exact_period_drop(ns_exact *f) {
     ns_period_record *l = &f->laps;
-    ns_exact_period_forget_steps(f);
+    l->open = l->known = 0;
     if (l->lap)
         f->bytes -= l->lap->bytes;
     free(l->lap);
     l->lap = NULL;
 }
 
-/* One more, from here on; its place. */
-static ns_period_step *add(ns_exact *f) {
+/* Steps that were recorded may be gone. */
+static void forget_dropped_steps(ns_exact *f) {
     ns_period_record *l = &f->laps;
+    if (l->steps_dropped != f->steps_dropped)
+        l->open = l->known = 0;
+    l->steps_dropped = f->steps_dropped;
+}
+
+void ns_exact_period_note_inputs(ns_exact *f) {
+    const ns_period_record *l = &f->laps;
     const size_t nv = (size_t)f->exo->nv;
+    if (!l->way && l->steps < NS_LAP_STEPS)
+        memcpy(l->v + (size_t)l->steps * nv, f->X + f->s->r, sizeof *l->v * nv);
+}
+
+/* One more, whose inputs were noted; its place. */
+static ns_period_step *add_step(ns_exact *f) {
+    ns_period_record *l = &f->laps;
     l->open = l->steps < NS_LAP_STEPS;
     if (!l->open) {
         l->period = 0; /* it may not be there any more */
         return NULL;
     }
-    memcpy(l->v + (size_t)l->steps * nv, f->X + f->s->r, sizeof *l->v * nv);
     l->step[l->steps] = (ns_period_step){.mode = f->at, .guard = -1};
     return &l->step[l->steps++];
 }
 
-void ns_exact_period_step(ns_exact *f, const ns_time_scale *level, const ns_step_map *leg) {
-    const ns_period_record *l = &f->laps;
-    if (!l->open || l->way)
-        return;
-    if (f->at->instant) {
-        ns_exact_period_unrecorded(f);
-        return;
-    }
-    ns_period_step *step = add(f);
-    if (step) {
-        step->level = level;
-        step->leg = leg;
-    }
-}
-
-void ns_exact_period_unrecorded(ns_exact *f) {
+/* No kept step: all from the last event to the next one counts as one. */
+static void record_searched_step(ns_exact *f) {
     ns_period_record *l = &f->laps;
-    if (!l->open || l->way)
-        return;
     l->open = f->timed;
-    if (!l->open || (l->steps == l->stretch && !add(f)))
+    if (!l->open || (l->steps == l->stretch && !add_step(f)))
         return;
-    l->steps = l->stretch + 1; /* its inputs are those of the first leg since the event */
+    l->steps = l->stretch + 1; /* its inputs are those of the first step since the event */
     l->step[l->stretch] = (ns_period_step){.mode = f->at, .guard = -1};
     l->way = 1;
+}
+
+void ns_exact_period_record(ns_exact *f, const ns_exact_step *step) {
+    const ns_period_record *l = &f->laps;
+    forget_dropped_steps(f);
+    if (!step->level || !l->open || l->way)
+        return;
+    if (!step->leg || f->at->instant) {
+        record_searched_step(f);
+        return;
+    }
+    ns_period_step *to = add_step(f);
+    if (to) {
+        to->level = step->level;
+        to->leg = step->leg;
+    }
 }
 
 void ns_exact_period_guard_broke(ns_exact *f, const ns_exact_mode *from, int guard) {
@@ -82,11 +87,6 @@ void ns_exact_period_guard_broke(ns_exact *f, const ns_exact_mode *from, int gua
     l->step[l->stretch].guard = guard;
     l->stretch = l->steps;
     l->way = 0;
-}
-
-/* Times this far apart are the same instant of a schedule. */
-static double slack_of(const ns_exact *f) {
-    return 8 * DBL_EPSILON * fabs(f->t);
 }
 
 /* A period begins here, if there are periods.  One that is known is not asked for until it is over. */
@@ -247,6 +247,7 @@ static int make(ns_exact *f) {
 
 int ns_exact_period_time_event(ns_exact *f) {
     ns_period_record *l = &f->laps;
+    forget_dropped_steps(f);
     if (f->past.crowd > 0 || l->steps == l->stretch)
         l->open = 0;
     if (!l->open)
@@ -256,11 +257,11 @@ int ns_exact_period_time_event(ns_exact *f) {
     l->stretch = l->steps;
     l->way = 0;
     const double left = l->begin + l->period - f->t;
-    if (left > slack_of(f))
+    if (left > ns_exact_period_slack(f))
         return NS_OK;
     const double period = l->period;
     l->period = ns_inputs_events_period(f->schedule);
-    if (left < -slack_of(f) || f->at != l->first || l->period != period)
+    if (left < -ns_exact_period_slack(f) || f->at != l->first || l->period != period)
         return begin(f);
     int status = NS_OK;
     if (same_again(l))
@@ -268,77 +269,4 @@ int ns_exact_period_time_event(ns_exact *f) {
     l->known = l->steps;
     memcpy(l->last, l->step, sizeof l->last);
     return status == NS_OK ? begin(f) : status;
-}
-
-/* --- flying --- */
-
-/* One begins here, and all of it is before t. */
-static int is_due(const ns_exact *f, double t) {
-    const ns_period *lap = f->laps.lap;
-    if (!lap || f->at != lap->mode || fabs(f->time_lost) > slack_of(f) || f->t < f->laps.again ||
-        f->t + lap->period >= t - slack_of(f))
-        return 0;
-    const double k = rint((f->t - lap->from) / lap->period);
-    return f->since == f->t && fabs(f->t - (lap->from + k * lap->period)) <= slack_of(f);
-}
-
-/* All guards hold, at and between all samples. */
-static int is_calm(const ns_exact *f, const ns_period *lap) {
-    const double *s = lap->work;
-    memcpy(lap->work, lap->cg, sizeof *lap->work * (size_t)lap->rows);
-    ns_linalg_matvec_add(lap->rows, lap->r, lap->G, f->X, lap->work);
-    for (int i = 0; i < lap->parts; i++) {
-        const ns_period_part *p = &lap->part[i];
-        if (!ns_exact_watch_clear(s, p->rows, p->samples))
-            return 0;
-        s += (size_t)p->rows * ((size_t)p->samples + 1);
-    }
-    return 1;
-}
-
-static void count(ns_exact *f, const ns_period *lap) {
-    ns_counts *c = &f->s->counts;
-    f->events += lap->events;
-    c->events += lap->changes;
-    c->predicted += lap->events;
-    c->periods++;
-}
-
-/* By the product. */
-static int fly(ns_exact *f, ns_period *lap, double t) {
-    if (!is_calm(f, lap))
-        return 0;
-    memcpy(lap->work, lap->c, sizeof *lap->c * (size_t)lap->r);
-    ns_linalg_matvec_add(lap->r, lap->r, lap->P, f->X, lap->work);
-    memcpy(f->X, lap->work, sizeof *lap->work * (size_t)lap->r);
-    for (int i = 0; i < lap->r; i++)
-        f->most[i] = ns_higher(f->most[i], fabs(f->X[i]));
-    f->time_lost += (f->t - t) + lap->length;
-    f->s->counts.steps++;
-    return 1;
-}
-
-int ns_exact_period_replay(ns_exact *f, double t) {
-    enum { OFTEN = 3, PAUSE = 64 };
-    ns_period_record *l = &f->laps;
-    ns_period *lap = l->lap;
-    if (!is_due(f, t))
-        return 0;
-    const double end = lap->from + (rint((f->t - lap->from) / lap->period) + 1) * lap->period;
-    const int open = l->open;
-    const long forgotten = l->forgotten;
-    l->open = 0; /* nothing of it is recorded */
-    if (!(lap->steps > 0 ? ns_exact_period_run(f, lap, end) : fly(f, lap, end))) {
-        if (++l->refused > OFTEN)
-            l->again = f->t + (PAUSE - 0.5) * lap->period;
-        l->open = open && l->forgotten == forgotten;
-        return 0;
-    }
-    l->refused = 0;
-    f->t = f->since = f->past.event_t = f->from = f->to_t = end;
-    f->doubted_at = NULL;
-    f->broken = -1;
-    ns_inputs_events_skip(f->schedule, f->t, lap->period);
-    count(f, lap);
-    return 1;
 }

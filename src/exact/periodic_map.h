@@ -20,6 +20,7 @@ typedef struct ns_exact ns_exact;
 typedef struct ns_exact_mode ns_exact_mode;
 typedef struct ns_time_scale ns_time_scale;
 typedef struct ns_step_map ns_step_map;
+typedef struct ns_exact_step ns_exact_step;
 
 enum { NS_LAP_STEPS = 24 };
 
@@ -66,27 +67,22 @@ typedef struct ns_period_record {
     double begin, period; /* when, and how long it takes, as far as is known; 0: not */
     int refused;          /* laps in a row in which a guard came near */
     double again;         /* not before this time */
-    long forgotten;       /* how often legs were */
+    long steps_dropped;   /* as it was at the last step */
 } ns_period_record;
 
-/* A leg is about to be flown all through. */
-void ns_exact_period_step(ns_exact *f, const ns_time_scale *level, const ns_step_map *leg);
-/* A way is about to be flown that is no kept leg, or not all of it. */
-void ns_exact_period_unrecorded(ns_exact *f);
+/* While the record is open: a step begins, its inputs are noted; it was taken, it is recorded. */
+void ns_exact_period_note_inputs(ns_exact *f);
+void ns_exact_period_record(ns_exact *f, const ns_exact_step *step);
 /* At its end a guard broke, which led from a mode to the present one. */
 void ns_exact_period_guard_broke(ns_exact *f, const ns_exact_mode *from, int guard);
 /* Something else happened: the period does not count. */
 void ns_exact_period_abort(ns_exact *f);
 /* An instant that was known is behind.  Errors: MEMORY. */
 int ns_exact_period_time_event(ns_exact *f);
-/* One period on, if one begins here, ends before t, and no guard comes near: 1. */
-int ns_exact_period_replay(ns_exact *f, double t);
-/* periodic_replay.c: the steps of such a period from here to t, flown; 0: it does not go that way, nothing is
- * changed.
- */
-int ns_exact_period_run(ns_exact *f, const ns_period *lap, double t);
-/* Legs are gone; and modes. */
-void ns_exact_period_forget_steps(ns_exact *f);
+/* The period is dropped: before modes are. */
 void ns_exact_period_drop(ns_exact *f);
+
+/* periodic_replay.c: one period on, if one begins here, ends before t, and no guard comes near: 1. */
+int ns_exact_period_replay(ns_exact *f, double t);
 
 #endif

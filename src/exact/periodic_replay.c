@@ -6,6 +6,9 @@
  */
 #include "mode_selection.h"
 
+#include "linalg/simd.h"
+
+#include <math.h>
 #include <string.h>
 
 /* Where a exact stands. */
@@ -38,8 +41,11 @@ static void go_back(ns_exact *f, const where *w, const double *X) {
 
 /* To the end of a step, t at the latest. */
 static int fly(ns_exact *f, const ns_period_step *s, double t) {
-    int broke;
-    return ns_exact_advance(f, t, &broke) == NS_OK && broke == (s->guard >= 0);
+    ns_exact_step step = {0};
+    int status = NS_OK;
+    while (status == NS_OK && !step.broke && f->t < t)
+        status = ns_exact_advance(f, t, &step);
+    return status == NS_OK && step.broke == (s->guard >= 0);
 }
 
 /* The event there, into the mode of the next step, with inputs v after an instant. */
@@ -58,7 +64,8 @@ static double instant(const ns_period *lap, int i, double begin, double end) {
     return i + 1 < lap->steps ? begin + lap->step[i].end : end;
 }
 
-int ns_exact_period_run(ns_exact *f, const ns_period *lap, double t) {
+/* The steps of such a period from here to t; 0: it does not go that way, nothing is changed. */
+static int run(ns_exact *f, const ns_period *lap, double t) {
     const where from = leave(f, lap->back);
     const size_t nv = (size_t)f->exo->nv;
     int same = 1;
@@ -70,6 +77,77 @@ int ns_exact_period_run(ns_exact *f, const ns_period *lap, double t) {
     }
     if (!same)
         go_back(f, &from, lap->back);
-    f->s->counts.events = from.counts.events; /* periodic_map.c counts them */
+    f->s->counts.events = from.counts.events; /* they are counted together */
     return same;
+}
+
+/* One begins here, and all of it is before t. */
+static int is_due(const ns_exact *f, double t) {
+    const ns_period *lap = f->laps.lap;
+    if (!lap || f->at != lap->mode || fabs(f->time_lost) > ns_exact_period_slack(f) || f->t < f->laps.again ||
+        f->t + lap->period >= t - ns_exact_period_slack(f))
+        return 0;
+    const double k = rint((f->t - lap->from) / lap->period);
+    return f->since == f->t && fabs(f->t - (lap->from + k * lap->period)) <= ns_exact_period_slack(f);
+}
+
+/* All guards hold, at and between all samples. */
+static int is_calm(const ns_exact *f, const ns_period *lap) {
+    const double *s = lap->work;
+    memcpy(lap->work, lap->cg, sizeof *lap->work * (size_t)lap->rows);
+    ns_linalg_matvec_add(lap->rows, lap->r, lap->G, f->X, lap->work);
+    for (int i = 0; i < lap->parts; i++) {
+        const ns_period_part *p = &lap->part[i];
+        if (!ns_exact_watch_clear(s, p->rows, p->samples))
+            return 0;
+        s += (size_t)p->rows * ((size_t)p->samples + 1);
+    }
+    return 1;
+}
+
+static void count(ns_exact *f, const ns_period *lap) {
+    ns_counts *c = &f->s->counts;
+    f->events += lap->events;
+    c->events += lap->changes;
+    c->predicted += lap->events;
+    c->periods++;
+}
+
+/* By the product. */
+static int multiply(ns_exact *f, ns_period *lap, double t) {
+    if (!is_calm(f, lap))
+        return 0;
+    memcpy(lap->work, lap->c, sizeof *lap->c * (size_t)lap->r);
+    ns_linalg_matvec_add(lap->r, lap->r, lap->P, f->X, lap->work);
+    memcpy(f->X, lap->work, sizeof *lap->work * (size_t)lap->r);
+    for (int i = 0; i < lap->r; i++)
+        f->most[i] = ns_higher(f->most[i], fabs(f->X[i]));
+    f->time_lost += (f->t - t) + lap->length;
+    f->s->counts.steps++;
+    return 1;
+}
+
+int ns_exact_period_replay(ns_exact *f, double t) {
+    enum { OFTEN = 3, PAUSE = 64 };
+    ns_period_record *l = &f->laps;
+    ns_period *lap = l->lap;
+    if (!is_due(f, t))
+        return 0;
+    const double end = lap->from + (rint((f->t - lap->from) / lap->period) + 1) * lap->period;
+    const int open = l->open;
+    const long dropped = f->steps_dropped;
+    l->open = 0; /* nothing of it is recorded */
+    if (!(lap->steps > 0 ? run(f, lap, end) : multiply(f, lap, end))) {
+        if (++l->refused > OFTEN)
+            l->again = f->t + (PAUSE - 0.5) * lap->period;
+        l->open = open && f->steps_dropped == dropped;
+        return 0;
+    }
+    l->refused = 0;
+    f->t = f->since = f->past.event_t = f->from = f->to_t = end;
+    f->doubted_at = NULL;
+    f->broken = -1;
+    ns_inputs_events_skip(f->schedule, f->t, lap->period);
+    count(f, lap);
+    return 1;
 }

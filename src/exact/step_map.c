@@ -174,7 +174,7 @@ static ns_cached_step *place_of(ns_exact *f, ns_time_scale *level, double h, int
         return found;
     if (oldest->leg) {
         f->bytes -= oldest->leg->bytes;
-        ns_exact_period_forget_steps(f);
+        f->steps_dropped++;
     }
     ns_exact_step_free(oldest->leg);
     oldest->leg = NULL;
