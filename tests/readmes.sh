@@ -1,6 +1,7 @@
 #!/bin/sh
 # tests/readmes.sh - what any README names is there: files, folders, functions, targets and variables of make,
-# parameters of the models, options of programs, lines of code that src/README.md quotes.  Rooms have a README of at most 40 lines, the first one has at most 200.
+# parameters of the models, options of programs, lines of code that src/README.md quotes.  Rooms have a README of at
+# most 40 lines, the first one has at most 200.
 #
 # A file is there if a path of the repository ends in its name; one that README's reader makes: see `readers`.
 cd "$(dirname "$0")/.." || exit 1
