@@ -60,7 +60,7 @@ static double kept(ns_method method, double RC, int besides) {
     return v;
 }
 
-/* Down to h 2^-20: what is closer counts as simultaneous, README says; reltol is 1e-9, for each of some legs. */
+/* Down to h 2^-20: README says that what is closer counts as simultaneous; reltol is 1e-9, for some legs. */
 static void quick_is_not_at_once(void **state) {
     (void)state;
     for (int k = 2; k <= 20; k += 3) {
