@@ -135,7 +135,8 @@ static int split(ns_output_only *a, const ns_large *all) {
         none(a);
         return NS_OK;
     }
-    a->rest.large = &a->large;
+    a->rest.large = &a->large; /* in place of arrays */
+    a->rest.M = a->rest.A = a->rest.B = a->rest.C = a->rest.D = a->rest.E = a->rest.F = NULL;
     a->rest.b = a->b;
     return take_rest(a, all);
 }
