@@ -1,87 +1,102 @@
-/* src/sparse/create.c - the marcher for large circuits: made, freed. */
+/* src/sparse/create.c - the engine for large circuits: made, freed. */
 #include "sparse_internal.h"
 #include <math.h>
 #include <stdlib.h>
 
-enum { LEGS = sizeof((ns_sparse *)0)->leg / sizeof(ns_dense_step) };
+static const double default_reltol = 1e-9;
+static const size_t default_bytes = (size_t)64 << 20;
+enum { STEPS = sizeof((ns_sparse *)0)->steps / sizeof(ns_dense_step) };
 
-static int make_leg(const ns_form *f, ns_dense_step *leg) {
+static int allocate_step(const ns_form *f, ns_dense_step *step) {
     const size_t n = (size_t)f->n, size = (size_t)f->size, nz = (size_t)f->nz, s = NS_STAGES;
-    leg->xi = calloc(s * size + (s + 1) * n + s * nz + 1, sizeof(double));
-    leg->mode = calloc((size_t)f->m + 1, 1);
-    if (!leg->xi || !leg->mode)
+    step->images = calloc(s * size + (s + 1) * n + s * nz + 1, sizeof(double));
+    step->mode = calloc((size_t)f->m + 1, 1);
+    if (!step->images || !step->mode)
         return NS_E_MEMORY;
-    leg->dw = leg->xi + s * size;
-    leg->z = leg->dw + (s + 1) * n;
+    step->powers = step->images + s * size;
+    step->z = step->powers + (s + 1) * n;
     return NS_OK;
 }
 
-static double *take(double **from, int count) {
-    double *first = *from;
-    *from += count;
+/* The first of so many numbers of those that are left. */
+static double *next_array(double **left, int count) {
+    double *first = *left;
+    *left += count;
     return first;
 }
 
-static int allocate(ns_sparse *m) {
-    const int n = m->f->n, pairs = m->f->m, size = m->f->size;
-    const size_t count = (size_t)(14 * n + 4 * pairs + 5 * size + 2 * m->f->nz) + 1;
-    double *all = calloc(count, sizeof(double));
-    m->w = all;
-    m->mode = calloc(7 * (size_t)pairs + 2 * (size_t)m->s->nc + 1, 1);
-    m->crowd = calloc(2 * (size_t)pairs + 1, sizeof(int));
-    m->fine = calloc((size_t)size + 1, sizeof(long double));
-    m->guesses = 8 * (size_t)pairs + 61;
-    m->guess = calloc(m->guesses, sizeof *m->guess);
-    if (!all || !m->mode || !m->crowd || !m->fine || !m->guess)
-        return NS_E_MEMORY;
-    m->old_mode = m->mode + pairs;
-    m->shown = m->old_mode + pairs;
-    m->own_mode = m->shown + pairs;
-    m->flip = (unsigned char *)(m->own_mode + pairs);
+static void place_numbers(ns_sparse *m, double *left) {
+    const int n = m->f->n, pairs = m->f->m, size = m->f->size, nz = m->f->nz;
+    m->w = next_array(&left, n);
+    m->unit = next_array(&left, n);
+    m->rate = next_array(&left, n);
+    m->before_event.w = next_array(&left, n);
+    m->largest.w = next_array(&left, n);
+    m->saved_largest.w = next_array(&left, n);
+    m->inverse_scale = next_array(&left, n);
+    m->work.w = next_array(&left, n);
+    m->work.move = next_array(&left, n);
+    m->work.rates = next_array(&left, n);
+    m->work.before_w = next_array(&left, n);
+    m->work.right_w = next_array(&left, n);
+    m->work.removed = next_array(&left, n);
+    m->work.finer_removed = next_array(&left, n);
+    m->l = next_array(&left, pairs);
+    m->u = next_array(&left, pairs);
+    m->chatter.flip_t = next_array(&left, pairs);
+    m->accepted_chatter.flip_t = next_array(&left, pairs);
+    m->v = next_array(&left, size);
+    m->r = next_array(&left, size);
+    m->work.v = next_array(&left, size);
+    m->work.residual = next_array(&left, size);
+    m->work.projected = next_array(&left, size);
+    m->z = next_array(&left, nz);
+    m->work.no_inputs = next_array(&left, nz);
+}
+
+static void place_modes(ns_sparse *m) {
+    const int pairs = m->f->m, nc = m->s->nc;
+    m->work.mode = m->mode + pairs;
+    m->shown_mode = m->work.mode + pairs;
+    m->commanded_mode = m->shown_mode + pairs;
+    m->before_event.mode = m->commanded_mode + pairs;
+    m->flip = (unsigned char *)(m->before_event.mode + pairs);
     m->touched = m->flip + pairs;
     m->changed = m->touched + pairs;
-    m->event_changed = m->changed + m->s->nc;
-    m->event_mode = (ns_mode *)(m->event_changed + m->s->nc);
-    m->w = take(&all, n);
-    m->next_w = take(&all, n);
-    m->before_w = take(&all, n);
-    m->right_w = take(&all, n);
-    m->gone = take(&all, n);
-    m->finer_gone = take(&all, n);
-    m->event_w = take(&all, n);
-    m->scale = take(&all, 3 * n);
-    m->unit = take(&all, n);
-    m->kept_scale = take(&all, n);
-    m->share = take(&all, n);
-    m->rate = take(&all, n);
-    m->l = take(&all, pairs);
-    m->u = take(&all, pairs);
-    m->crowd_t = take(&all, 2 * pairs);
-    m->v = take(&all, size);
-    m->r = take(&all, size);
-    m->next_v = take(&all, size);
-    m->rest = take(&all, size);
-    m->fine_v = take(&all, size);
-    m->z = take(&all, m->f->nz);
-    m->z_none = take(&all, m->f->nz);
-    int status = NS_OK;
-    for (int i = 0; i < LEGS && status == NS_OK; i++)
-        status = make_leg(m->f, &m->leg[i]);
+    m->before_event.changed = m->changed + nc;
+}
+
+static int allocate_state(ns_sparse *m) {
+    const size_t n = (size_t)m->f->n, pairs = (size_t)m->f->m, size = (size_t)m->f->size,
+                 nz = (size_t)m->f->nz;
+    double *numbers = calloc(14 * n + 4 * pairs + 5 * size + 2 * nz + 1, sizeof(double));
+    m->w = numbers;
+    m->mode = calloc(7 * pairs + 2 * (size_t)m->s->nc + 1, 1);
+    m->chatter.flips = calloc(2 * pairs + 1, sizeof(int));
+    m->work.exact = calloc(size + 1, sizeof(long double));
+    if (!numbers || !m->mode || !m->chatter.flips || !m->work.exact)
+        return NS_E_MEMORY;
+    place_numbers(m, numbers);
+    place_modes(m);
+    m->accepted_chatter.flips = m->chatter.flips + pairs;
+    int status = ns_sparse_predict_create(m);
+    for (int i = 0; i < STEPS && status == NS_OK; i++)
+        status = allocate_step(m->f, &m->steps[i]);
     return status;
 }
 
 static void set_units(ns_sparse *m) {
     for (int i = 0; i < m->f->n; i++) {
-        double most = 0;
+        double largest = 0;
         for (int k = m->f->Mt.start[i]; k < m->f->Mt.start[i + 1]; k++)
-            most = fmax(most, fabs(m->f->Mt.value[k]));
-        m->unit[i] = sqrt(most);
+            largest = fmax(largest, fabs(m->f->Mt.value[k]));
+        m->unit[i] = sqrt(largest);
     }
 }
 
-static int make(ns_sparse *m, const ns_system *s) {
-    int status = ns_sparse_output_create(s, &m->aside);
-    m->s = status == NS_OK ? &m->aside->rest : s;
+static int create_parts(ns_sparse *m, const ns_system *s) {
+    int status = ns_sparse_output_create(s, &m->output_only);
+    m->s = status == NS_OK ? &m->output_only->rest : s;
     if (status == NS_OK)
         status = ns_sparse_form_create(m->s, 0, &m->f);
     if (status == NS_OK)
@@ -89,11 +104,11 @@ static int make(ns_sparse *m, const ns_system *s) {
     if (status == NS_OK)
         status = ns_inputs_stages_create(m->s, &m->in);
     if (status == NS_OK)
-        status = ns_sparse_shared_find(m->s, m->f, &m->twin, &m->twins);
+        status = ns_sparse_shared_find(m->s, m->f, &m->shared, &m->shared_count);
     if (status == NS_OK)
-        status = ns_sparse_factors_shared(m->q, m->twin, m->twins);
+        status = ns_sparse_factors_shared(m->q, m->shared, m->shared_count);
     if (status == NS_OK)
-        status = allocate(m);
+        status = allocate_state(m);
     if (status != NS_OK)
         return status;
     set_units(m);
@@ -116,10 +131,10 @@ int ns_sparse_create(const ns_system *s, const ns_sparse_options *o, ns_sparse *
     if (!m)
         return NS_E_MEMORY;
     m->o = *o;
-    m->o.reltol = o->reltol > 0 ? o->reltol : 1e-9;
-    m->o.bytes = o->bytes ? o->bytes : (size_t)64 << 20;
+    m->o.reltol = o->reltol > 0 ? o->reltol : default_reltol;
+    m->o.bytes = o->bytes ? o->bytes : default_bytes;
     m->fault.t = NAN;
-    status = make(m, s);
+    status = create_parts(m, s);
     if (status != NS_OK) {
         ns_sparse_free(m);
         return status;
@@ -131,20 +146,20 @@ int ns_sparse_create(const ns_system *s, const ns_sparse_options *o, ns_sparse *
 void ns_sparse_free(ns_sparse *m) {
     if (!m)
         return;
-    for (int i = 0; i < LEGS; i++) {
-        free(m->leg[i].xi);
-        free(m->leg[i].mode);
+    for (int i = 0; i < STEPS; i++) {
+        free(m->steps[i].images);
+        free(m->steps[i].mode);
     }
     free(m->w);
     free(m->mode);
-    free(m->crowd);
-    free(m->twin);
-    free(m->fine);
-    free(m->guess);
+    free(m->chatter.flips);
+    free(m->shared);
+    free(m->work.exact);
+    ns_sparse_predict_free(m);
     ns_sparse_theta_free(m);
     ns_inputs_stages_free(m->in);
     ns_sparse_factors_free(m->q);
     ns_sparse_form_free(m->f);
-    ns_sparse_output_free(m->aside);
+    ns_sparse_output_free(m->output_only);
     free(m);
 }

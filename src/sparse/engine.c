@@ -1,8 +1,11 @@
-/* src/sparse/engine.c - the marcher for large circuits: asked, accepted. */
-#include "sparse_internal.h"
+/* src/sparse/engine.c - trials of the engine for large circuits, accepted or dropped. */
+#include "guards.h"
 
 #include <math.h>
 #include <string.h>
+
+/* So many steps a trial may take, and so many more for each longest step that fits into it. */
+enum { FEWEST_STEPS = 100000, STEPS_A_LENGTH = 20000 };
 
 int ns_sparse_fail(ns_sparse *m, double t, int status) {
     m->fault.status = (ns_status)status;
@@ -13,22 +16,39 @@ int ns_sparse_fail(ns_sparse *m, double t, int status) {
     return status;
 }
 
-/* As far into the live leg as t is. */
+/* The trial as far into its step as t is. */
 static void move_to(ns_sparse *m, double t) {
-    const int whole = t >= m->live->end_t || (m->live->euler && !(m->o.theta > 0));
-    m->live_tau = whole ? m->live->end : fmin(t - m->live->t - m->live->time_lost, m->live->end);
-    m->live_t = whole ? m->live->end_t : t;
+    const ns_dense_step *step = m->trial.step;
+    const int whole = t >= step->end_t || (step->is_euler && !(m->o.theta > 0));
+    m->trial.tau = whole ? step->length : fmin(t - step->t - step->time_lost, step->length);
+    m->trial.t = whole ? step->end_t : t;
+}
+
+/* The trial at the beginning of a step. */
+static void enter_step(ns_sparse *m, ns_dense_step *step, double t) {
+    m->trial = (ns_sparse_point){.step = step, .tau = 0, .t = t};
+}
+
+void ns_sparse_rewind(ns_sparse *m, double t0) {
+    enter_step(m, m->steps, t0);
+    m->accepted = m->trial;
+    m->started = m->has_trial = 0;
+}
+
+int ns_sparse_first_step(ns_sparse *m) {
+    const int status = ns_sparse_next_step(m, m->trial.t, NULL, m->trial.step);
+    m->started = status == NS_OK;
+    return status;
 }
 
 int ns_sparse_at_event(const ns_sparse *m) {
-    return m->started && m->live->why == NS_LEG_EVENT && m->live_t >= m->live->end_t;
+    return m->started && m->trial.step->at_event && m->trial.t >= m->trial.step->end_t;
 }
 
-/* The state at the end of a leg, as what comes next begins from. */
-static void leave(ns_sparse *m, const ns_dense_step *leg) {
-    ns_sparse_step_state(m, leg, leg->end, m->w);
-    memcpy(m->mode, leg->mode, (size_t)m->f->m);
-    ns_sparse_guard_bounds(m);
+/* m->w and m->mode at the end of a step. */
+static void leave_step(ns_sparse *m, const ns_dense_step *step) {
+    ns_sparse_step_state(m, step, step->length, m->w);
+    ns_sparse_guard_set_mode(m, step->mode);
 }
 
 static int is_refusal(int status) {
@@ -36,142 +56,132 @@ static int is_refusal(int status) {
            status == NS_E_RESIDUAL;
 }
 
-static ns_dense_step *free_leg(ns_sparse *m) {
-    ns_dense_step *leg = m->leg;
-    while (leg == m->live || leg == m->kept)
-        leg++;
-    return leg;
+static ns_dense_step *unused_step(ns_sparse *m) {
+    ns_dense_step *step = m->steps;
+    while (step == m->trial.step || step == m->accepted.step)
+        step++;
+    return step;
 }
 
-/* The event at the end of a leg, and the next one. */
-static int past_event(ns_sparse *m, double t, const ns_dense_step *from, ns_dense_step *to) {
-    ns_sparse_event_own(m, from, t);
+/* The event at the end of a step, and the next step. */
+static int step_from_event(ns_sparse *m, double t, const ns_dense_step *from, ns_dense_step *to) {
+    ns_sparse_event_own_changes(m, from, t);
     if (ns_sparse_predict_step(m, t, from, to))
-        return ns_sparse_event_count(m, from, t);
-    int status = ns_sparse_resolve(m, from, t);
+        return ns_sparse_chatter_event(m, from, t);
+    int status = ns_sparse_event_resolve(m, from, t);
     if (status == NS_OK) {
         ns_sparse_predict_learn(m, from);
-        status = ns_sparse_event_count(m, from, t);
+        status = ns_sparse_chatter_event(m, from, t);
     }
     if (is_refusal(status)) {
-        leave(m, from);
-        memcpy(m->mode, m->own_mode, (size_t)m->f->m);
-        ns_sparse_guard_bounds(m);
+        leave_step(m, from);
+        ns_sparse_guard_set_mode(m, m->commanded_mode);
     }
     return status == NS_OK ? ns_sparse_next_step(m, t, from, to) : status;
 }
 
-/* The switches that time or the state changed at the end of a leg. */
-static void blame_commands(ns_sparse *m, const ns_dense_step *leg) {
+/* Names the switches that time or the state changed at the end of a step. */
+static void name_commands(ns_sparse *m, const ns_dense_step *step) {
     for (int c = 0; c < m->s->nc && m->fault.npairs < NS_FAULT_MAX; c++) {
         const int pair = m->s->command[c].pair;
-        if (m->own_mode[pair] != leg->mode[pair])
+        if (m->commanded_mode[pair] != step->mode[pair])
             m->fault.pair[m->fault.npairs++] = pair;
     }
 }
 
-/* Gave up at the end of a leg, for the sake of what changed there. */
-static int blame(ns_sparse *m, const ns_dense_step *leg, int status) {
-    const int pair = m->contradicted >= 0 ? m->contradicted
-                     : leg->pair >= 0     ? leg->pair
-                     : leg->command >= 0  ? m->s->command[leg->command].pair
-                                          : -1;
+/* No step after this one: names what changed at its end, where the error (status) has not named pairs. */
+static int name_fault(ns_sparse *m, const ns_dense_step *step, int status) {
+    const int pair = m->contradicting_pair >= 0 ? m->contradicting_pair
+                     : step->pair >= 0          ? step->pair
+                     : step->command >= 0       ? m->s->command[step->command].pair
+                                                : -1;
     if (status != NS_E_LIMIT)
         return status;
     m->fault.npairs = pair >= 0;
     if (pair >= 0)
         m->fault.pair[0] = pair;
-    else if (leg->why == NS_LEG_EVENT)
-        blame_commands(m, leg);
+    else if (step->at_event)
+        name_commands(m, step);
     return status;
 }
 
-/* From the end of the live leg to the next one. */
-static int go_on(ns_sparse *m) {
-    ns_dense_step *from = m->live, *to = free_leg(m);
+/* The step after that of the trial. */
+static int step_of_high_order(ns_sparse *m) {
+    ns_dense_step *from = m->trial.step, *to = unused_step(m);
     const double t = from->end_t;
     int status;
-    if (m->budget-- <= 0)
-        return blame(m, from, NS_E_LIMIT);
-    leave(m, from);
-    m->contradicted = -1;
-    if (from->euler) {
+    if (m->steps_left-- <= 0)
+        return name_fault(m, from, NS_E_LIMIT);
+    leave_step(m, from);
+    m->contradicting_pair = -1;
+    if (from->is_euler) {
         memcpy(m->z, from->z, sizeof(double) * (size_t)m->f->nz);
-        (void)ns_sparse_guard_commands(m, from->xi, NULL, NULL);
+        (void)ns_sparse_guard_commands(m, from->images, NULL, NULL);
     }
-    if (m->in->first == -INFINITY) { /* it was gone back to: its instants are known no more */
+    if (m->in->first ==
+        -INFINITY) { /* a trial was dropped: the instants of commands are not known any more */
         ns_inputs_stages_at(m->in, from->t);
         ns_inputs_stages_find_command(m->in, from->t, m->o.h, from->mode);
     }
-    status = from->why == NS_LEG_EVENT ? past_event(m, t, from, to) : ns_sparse_next_step(m, t, from, to);
-    if (is_refusal(status) && m->contradicted < 0)
-        status = ns_sparse_capture(m, t, from, to);
+    status = from->at_event ? step_from_event(m, t, from, to) : ns_sparse_next_step(m, t, from, to);
+    if (is_refusal(status) && m->contradicting_pair < 0)
+        status = ns_sparse_next_captured(m, t, from, to);
     if (status != NS_OK)
-        return blame(m, from, status);
-    m->live = to;
-    m->live_tau = 0;
-    m->live_t = t;
+        return name_fault(m, from, status);
+    enter_step(m, to, t);
     return NS_OK;
 }
 
-/* The same by steps of the scheme. */
-static int step_on(ns_sparse *m) {
-    ns_dense_step *from = m->live, *to = from == m->kept ? (from == m->leg ? m->leg + 1 : m->leg) : from;
+/* The same by steps of the theta scheme. */
+static int step_of_scheme(ns_sparse *m) {
+    ns_dense_step *from = m->trial.step, *other = from == m->steps ? m->steps + 1 : m->steps;
+    ns_dense_step *to = from == m->accepted.step ? other : from;
     const double t = from->end_t;
-    if (!m->scheme.running || m->scheme.t != t)
-        leave(m, from);
-    const int status = ns_sparse_theta_go(m, t, m->asked, to);
-    if (status != NS_OK)
-        return status;
-    m->live = to;
-    m->live_tau = 0;
-    m->live_t = t;
-    return NS_OK;
-}
-
-/* Through the event here and those that follow it in no time, to the right side of the last. */
-static int pass_events(ns_sparse *m) {
-    const double t = m->live_t;
-    int status = NS_OK;
-    do
-        status = go_on(m);
-    while (status == NS_OK && m->live_t == t && ns_sparse_at_event(m));
+    if (!m->theta.running || m->theta.t != t)
+        leave_step(m, from);
+    const int status = ns_sparse_theta_go(m, t, m->asked_t, to);
+    if (status == NS_OK)
+        enter_step(m, to, t);
     return status;
 }
 
-static int go_to(ns_sparse *m, double t, ns_until until) {
-    const double from = m->live_t;
-    m->budget = 100000 + (long)fmin(1e12, 20000 * (t - from) / m->o.h);
+/* To the right side of the event here, and of those that follow at the same time. */
+static int pass_events(ns_sparse *m) {
+    const double t = m->trial.t;
+    int status = NS_OK;
+    do
+        status = step_of_high_order(m);
+    while (status == NS_OK && m->trial.t == t && ns_sparse_at_event(m));
+    return status;
+}
+
+static int move_until(ns_sparse *m, double t, ns_until until) {
+    const double from = m->trial.t;
+    m->steps_left = FEWEST_STEPS + (long)fmin(1e12, STEPS_A_LENGTH * (t - from) / m->o.h);
     if (until == NS_TO_EVENT && ns_sparse_at_event(m))
         return pass_events(m);
-    while (m->live_t < t) {
-        if (m->live_t < m->live->end_t) {
+    while (m->trial.t < t) {
+        if (m->trial.t < m->trial.step->end_t) {
             move_to(m, t);
         } else {
-            const int status = m->o.theta > 0 ? step_on(m) : go_on(m);
+            const int status = m->o.theta > 0 ? step_of_scheme(m) : step_of_high_order(m);
             if (status != NS_OK)
                 return status;
         }
         if (until == NS_TO_EVENT && ns_sparse_at_event(m))
-            return m->live_t > from ? NS_OK : pass_events(m);
+            return m->trial.t > from ? NS_OK : pass_events(m);
     }
     return NS_OK;
 }
 
-static void go_back(ns_sparse *m) {
-    if (m->live != m->kept || m->live_t != m->kept_t) {
-        ns_inputs_stages_reset(m->in);
-        m->scheme.running = 0;
-    }
-    m->live = m->kept;
-    m->live_tau = m->kept_tau;
-    m->live_t = m->kept_t;
-    m->has_trial = 0;
-    ns_sparse_event_crowd(m, 0);
-}
-
 void ns_sparse_drop(ns_sparse *m) {
-    go_back(m);
+    if (m->trial.step != m->accepted.step || m->trial.t != m->accepted.t) {
+        ns_inputs_stages_reset(m->in);
+        ns_sparse_theta_stop(m);
+    }
+    m->trial = m->accepted;
+    m->has_trial = 0;
+    ns_sparse_chatter_drop(m);
 }
 
 int ns_sparse_try(ns_sparse *m, double t, ns_until until, double *reached) {
@@ -179,21 +189,21 @@ int ns_sparse_try(ns_sparse *m, double t, ns_until until, double *reached) {
         return NS_E_NULL;
     if (!m->started)
         return ns_sparse_fail(m, t, NS_E_STATE);
-    if (!(t > m->kept_t) || !isfinite(t))
+    if (!(t > m->accepted.t) || !isfinite(t))
         return ns_sparse_fail(m, t, NS_E_RANGE);
-    if (!(m->has_trial && (t == m->live_t || (t == m->asked && until == m->until)))) {
-        go_back(m);
-        m->asked = t;
+    if (!(m->has_trial && (t == m->trial.t || (t == m->asked_t && until == m->until)))) {
+        ns_sparse_drop(m);
+        m->asked_t = t;
         m->until = until;
-        const int status = go_to(m, t, until);
+        const int status = move_until(m, t, until);
         if (status != NS_OK) {
-            const double at = m->live_t;
-            go_back(m);
+            const double at = m->trial.t;
+            ns_sparse_drop(m);
             return ns_sparse_fail(m, at, status);
         }
         m->has_trial = 1;
     }
-    *reached = m->live_t;
+    *reached = m->trial.t;
     return NS_OK;
 }
 
@@ -202,10 +212,8 @@ int ns_sparse_accept(ns_sparse *m) {
         return NS_E_NULL;
     if (!m->has_trial)
         return NS_E_STATE;
-    m->kept = m->live;
-    m->kept_tau = m->live_tau;
-    m->kept_t = m->live_t;
+    m->accepted = m->trial;
     m->has_trial = 0;
-    ns_sparse_event_crowd(m, 1);
+    ns_sparse_chatter_accept(m);
     return NS_OK;
 }

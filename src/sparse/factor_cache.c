@@ -15,7 +15,7 @@ static const double next_to_none = 1e-9;
 
 static int make_scratch(ns_mode_factors *q) {
     for (int i = 0; i < 2 * NS_SCRATCH; i++) {
-        ns_kept_factors *k = &q->scratch[0][0] + i;
+        ns_cached_factors *k = &q->scratch[0][0] + i;
         k->update = &q->update[0][0] + i;
         k->mode = calloc((size_t)q->f->m + 1, 1);
         if (!k->mode || ns_sparse_update_create(q->f, k->update) != NS_OK)
@@ -51,7 +51,7 @@ int ns_sparse_factors_shared(ns_mode_factors *q, const ns_shared_branch *twin, i
     return count > 0 ? ns_sparse_equivalent_create(q->f, twin, count, &q->stand_ins) : NS_OK;
 }
 
-static void drop(ns_mode_factors *q, ns_kept_factors *k) {
+static void drop(ns_mode_factors *q, ns_cached_factors *k) {
     q->bytes -= k->bytes;
     ns_linalg_factors_free(q->klu, k->factors);
     free(k->mode);
@@ -62,14 +62,14 @@ static void drop(ns_mode_factors *q, ns_kept_factors *k) {
 void ns_sparse_factors_free(ns_mode_factors *q) {
     if (!q)
         return;
-    for (int b = 0; b < NS_KEPT_BUCKETS; b++)
+    for (int b = 0; b < NS_CACHE_BUCKETS; b++)
         while (q->bucket[b]) {
-            ns_kept_factors *k = q->bucket[b];
+            ns_cached_factors *k = q->bucket[b];
             q->bucket[b] = k->next;
             drop(q, k);
         }
     for (int i = 0; i < 2 * NS_SCRATCH; i++) {
-        ns_kept_factors *k = &q->scratch[0][0] + i;
+        ns_cached_factors *k = &q->scratch[0][0] + i;
         if (q->klu)
             ns_linalg_factors_free(q->klu, k->factors);
         free(k->mode);
@@ -95,31 +95,31 @@ static unsigned long long key_of(const ns_form *f, double g, const ns_mode *mode
     return h ? h : 1;
 }
 
-static int is_of(const ns_mode_factors *q, const ns_kept_factors *k, double g, const ns_mode *mode) {
+static int is_of(const ns_mode_factors *q, const ns_cached_factors *k, double g, const ns_mode *mode) {
     return k->factors && k->g == g && memcmp(k->mode, mode, (size_t)q->f->m) == 0;
 }
 
 /* The link that leads to the one used least recently, but for `but`. */
-static ns_kept_factors **oldest(ns_mode_factors *q, const ns_kept_factors *but) {
-    ns_kept_factors **found = NULL;
-    for (int b = 0; b < NS_KEPT_BUCKETS; b++)
-        for (ns_kept_factors **link = &q->bucket[b]; *link; link = &(*link)->next)
+static ns_cached_factors **oldest(ns_mode_factors *q, const ns_cached_factors *but) {
+    ns_cached_factors **found = NULL;
+    for (int b = 0; b < NS_CACHE_BUCKETS; b++)
+        for (ns_cached_factors **link = &q->bucket[b]; *link; link = &(*link)->next)
             if (*link != but && (!found || (*link)->used < (*found)->used))
                 found = link;
     return found;
 }
 
-static void trim(ns_mode_factors *q, const ns_kept_factors *but) {
-    ns_kept_factors **link;
+static void trim(ns_mode_factors *q, const ns_cached_factors *but) {
+    ns_cached_factors **link;
     while (q->bytes > q->limit && (link = oldest(q, but))) {
-        ns_kept_factors *k = *link;
+        ns_cached_factors *k = *link;
         *link = k->next;
         drop(q, k);
         q->evicted++;
     }
 }
 
-static int factor_with_leaks(ns_mode_factors *q, ns_kept_factors *k) {
+static int factor_with_leaks(ns_mode_factors *q, ns_cached_factors *k) {
     const size_t size = (size_t)q->f->size;
     k->leaky = 1;
     ns_sparse_form_values(q->f, k->g, k->mode, NULL, q->value);
@@ -151,7 +151,7 @@ static int choose_pivots(ns_mode_factors *q, double g) {
 }
 
 /* Fills in factors of k's mode and length. */
-static int factor(ns_mode_factors *q, ns_kept_factors *k) {
+static int factor(ns_mode_factors *q, ns_cached_factors *k) {
     if (!q->chosen && choose_pivots(q, k->g) != NS_OK)
         return NS_E_MEMORY;
     q->made++;
@@ -162,9 +162,9 @@ static int factor(ns_mode_factors *q, ns_kept_factors *k) {
 }
 
 static int keep(ns_mode_factors *q, unsigned long long key, double g, const ns_mode *mode,
-                ns_kept_factors **out) {
+                ns_cached_factors **out) {
     const size_t m = (size_t)q->f->m;
-    ns_kept_factors *k = calloc(1, sizeof *k);
+    ns_cached_factors *k = calloc(1, sizeof *k);
     ns_mode *copy = calloc(m + 1, 1);
     if (!k || !copy) {
         free(k);
@@ -172,7 +172,7 @@ static int keep(ns_mode_factors *q, unsigned long long key, double g, const ns_m
         return NS_E_MEMORY;
     }
     memcpy(copy, mode, m);
-    *k = (ns_kept_factors){.g = g, .key = key, .mode = copy};
+    *k = (ns_cached_factors){.g = g, .key = key, .mode = copy};
     const int status = factor(q, k);
     if (status != NS_OK) {
         drop(q, k);
@@ -181,15 +181,15 @@ static int keep(ns_mode_factors *q, unsigned long long key, double g, const ns_m
     k->bytes = sizeof *k + m + (k->scale ? 2 * sizeof(double) * (size_t)q->f->size : 0) +
                ns_linalg_factors_bytes(q->klu, k->factors);
     q->bytes += k->bytes;
-    k->next = q->bucket[key % NS_KEPT_BUCKETS];
-    q->bucket[key % NS_KEPT_BUCKETS] = k;
+    k->next = q->bucket[key % NS_CACHE_BUCKETS];
+    q->bucket[key % NS_CACHE_BUCKETS] = k;
     trim(q, k);
     *out = k;
     return NS_OK;
 }
 
 /* 1 if the pivots for all modes serve this one too, by its laws that are not those of k. */
-static int change_laws(ns_mode_factors *q, ns_kept_factors *k, const ns_mode *mode) {
+static int change_laws(ns_mode_factors *q, ns_cached_factors *k, const ns_mode *mode) {
     int rows = 0;
     for (int j = 0; j < q->f->m; j++)
         if (k->mode[j] != mode[j]) {
@@ -199,7 +199,7 @@ static int change_laws(ns_mode_factors *q, ns_kept_factors *k, const ns_mode *mo
     return ns_linalg_klu_change(q->klu, k->factors, q->value, rows, q->row);
 }
 
-static int make_over(ns_mode_factors *q, ns_kept_factors *k, double g, const ns_mode *mode) {
+static int make_over(ns_mode_factors *q, ns_cached_factors *k, double g, const ns_mode *mode) {
     const int changed = k->factors && !k->leaky && k->g == g && change_laws(q, k, mode);
     k->g = g;
     memmove(k->mode, mode, (size_t)q->f->m);
@@ -209,10 +209,10 @@ static int make_over(ns_mode_factors *q, ns_kept_factors *k, double g, const ns_
 }
 
 /* A scratch one of this length, else one that is not in use, else the one used least recently. */
-static ns_kept_factors *scratch_for(ns_mode_factors *q, double g, int brief) {
-    ns_kept_factors *best = q->scratch[brief];
+static ns_cached_factors *scratch_for(ns_mode_factors *q, double g, int brief) {
+    ns_cached_factors *best = q->scratch[brief];
     for (int i = 0; i < NS_SCRATCH; i++) {
-        ns_kept_factors *k = &q->scratch[brief][i];
+        ns_cached_factors *k = &q->scratch[brief][i];
         if (k->factors && k->g == g)
             return k;
         if (best->factors && (!k->factors || k->used < best->used))
@@ -222,7 +222,7 @@ static ns_kept_factors *scratch_for(ns_mode_factors *q, double g, int brief) {
 }
 
 /* 1 if the factors there are can serve it. */
-static int can_serve(ns_mode_factors *q, ns_kept_factors *k, double g, const ns_mode *mode) {
+static int can_serve(ns_mode_factors *q, ns_cached_factors *k, double g, const ns_mode *mode) {
     if (!k->factors || k->g != g)
         return 0;
     if (memcmp(k->update->mode, mode, (size_t)q->f->m) == 0)
@@ -234,8 +234,8 @@ static int can_serve(ns_mode_factors *q, ns_kept_factors *k, double g, const ns_
 }
 
 /* The scratch one that was asked for the last time, if it is asked for again. */
-static ns_kept_factors *same_again(ns_mode_factors *q, double g, const ns_mode *mode, int brief) {
-    ns_kept_factors *k = q->last[brief];
+static ns_cached_factors *same_again(ns_mode_factors *q, double g, const ns_mode *mode, int brief) {
+    ns_cached_factors *k = q->last[brief];
     if (!k || !k->factors || k->g != g || memcmp(k->update->mode, mode, (size_t)q->f->m) != 0)
         return NULL;
     return k->update->count == 0 || ++k->update->served < LONG_SERVED ? k : NULL;
@@ -251,9 +251,9 @@ static int is_known(ns_mode_factors *q, unsigned long long key) {
 }
 
 int ns_sparse_factors_factor(ns_mode_factors *q, double g, const ns_mode *asked, int brief,
-                             const ns_kept_factors **out) {
+                             const ns_cached_factors **out) {
     const ns_mode *mode = ns_sparse_equivalent_mode(&q->stand_ins, asked);
-    ns_kept_factors *k = same_again(q, g, mode, brief);
+    ns_cached_factors *k = same_again(q, g, mode, brief);
     int status = NS_OK;
     if (k) {
         k->used = ++q->clock;
@@ -261,7 +261,7 @@ int ns_sparse_factors_factor(ns_mode_factors *q, double g, const ns_mode *asked,
         return NS_OK;
     }
     const unsigned long long key = key_of(q->f, g, mode);
-    k = q->bucket[key % NS_KEPT_BUCKETS];
+    k = q->bucket[key % NS_CACHE_BUCKETS];
     q->last[brief] = NULL;
     while (k && !(k->key == key && is_of(q, k, g, mode)))
         k = k->next;
@@ -285,10 +285,10 @@ int ns_sparse_factors_factor(ns_mode_factors *q, double g, const ns_mode *asked,
     return NS_OK;
 }
 
-static int solve(ns_mode_factors *q, const ns_kept_factors *k, const double *r, double *v);
+static int solve(ns_mode_factors *q, const ns_cached_factors *k, const double *r, double *v);
 
 /* By an update, which the first solution has to confirm; else there are factors anew. */
-static int solve_updated(ns_mode_factors *q, const ns_kept_factors *k, const double *r, double *v) {
+static int solve_updated(ns_mode_factors *q, const ns_cached_factors *k, const double *r, double *v) {
     ns_low_rank *u = k->update;
     const int good = ns_sparse_update_solve(u, q->klu, k->factors, r, v, u->checked ? NULL : q->seen_v);
     if (good &&
@@ -296,17 +296,17 @@ static int solve_updated(ns_mode_factors *q, const ns_kept_factors *k, const dou
         u->checked = 1;
         return NS_OK;
     }
-    ns_kept_factors *own = &q->scratch[0][0] + (k - &q->scratch[0][0]); /* nobody else has an update */
+    ns_cached_factors *own = &q->scratch[0][0] + (k - &q->scratch[0][0]); /* nobody else has an update */
     const int status = make_over(q, own, k->g, u->mode);
     return status == NS_OK ? solve(q, k, r, v) : status;
 }
 
-static int solve_leaky(ns_mode_factors *q, const ns_kept_factors *k, const double *r, double *v) {
+static int solve_leaky(ns_mode_factors *q, const ns_cached_factors *k, const double *r, double *v) {
     const ns_sparse_leaks with = {q->f, k->g, k->mode, k->scale, k->scale + q->f->size, q->klu, k->factors};
     return ns_sparse_leaks_solve(&with, r, v, q->work);
 }
 
-static int solve(ns_mode_factors *q, const ns_kept_factors *k, const double *r, double *v) {
+static int solve(ns_mode_factors *q, const ns_cached_factors *k, const double *r, double *v) {
     if (k->leaky)
         return solve_leaky(q, k, r, v);
     if (k->update && k->update->count > 0)
@@ -316,7 +316,7 @@ static int solve(ns_mode_factors *q, const ns_kept_factors *k, const double *r, 
     return NS_OK;
 }
 
-int ns_sparse_factors_solve(ns_mode_factors *q, const ns_kept_factors *k, const double *r, double *v) {
+int ns_sparse_factors_solve(ns_mode_factors *q, const ns_cached_factors *k, const double *r, double *v) {
     const int status = solve(q, k, ns_sparse_equivalent_right(&q->stand_ins, r), v);
     ns_sparse_equivalent_back(&q->stand_ins, v);
     return status;

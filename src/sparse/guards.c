@@ -6,30 +6,49 @@
 #include <math.h>
 #include <string.h>
 
-/* What a guard may be below zero by, relative to the terms it is summed from, and of a control. */
+/* Below zero by no more than this, relative to the terms that it is summed from, a guard holds; a control. */
 static const double rounding = 64 * DBL_EPSILON, control_rounding = 1e-12;
+/* The last of few stages, or of all, may be this multiple of the error allowed. */
+static const double few_stages = 0.3, all_stages = 3;
 
-void ns_sparse_guard_bounds(ns_sparse *m) {
-    ns_modes_shared_bound(m->s, m->twin, m->twins, m->mode, m->l, m->u);
+void ns_sparse_guard_reset_modes(ns_sparse *m, const unsigned char *closed) {
+    for (int j = 0; j < m->f->m; j++) {
+        m->l[j] = m->s->l[j];
+        m->u[j] = m->s->u[j];
+        m->mode[j] = isfinite(m->l[j]) ? NS_LOWER : isfinite(m->u[j]) ? NS_UPPER : NS_INSIDE;
+    }
+    for (int c = 0; c < m->s->nc; c++)
+        m->mode[m->s->command[c].pair] = closed && closed[c] ? NS_INSIDE : NS_LOWER;
+    ns_sparse_guard_bounds(m);
 }
 
-void ns_sparse_guard_set(ns_sparse *m, int j, int upper) {
+void ns_sparse_guard_set_mode(ns_sparse *m, const ns_mode *mode) {
+    memmove(m->mode, mode, (size_t)m->f->m);
+    ns_sparse_guard_bounds(m);
+}
+
+void ns_sparse_guard_bounds(ns_sparse *m) {
+    ns_modes_shared_bound(m->s, m->shared, m->shared_count, m->mode, m->l, m->u);
+}
+
+void ns_sparse_guard_leave(ns_sparse *m, int j, int upper) {
     if (ns_mode_slides(m->mode[j]))
-        m->mode[j] = upper ? NS_INSIDE : NS_LOWER; /* y is used up, or lambda */
+        m->mode[j] = upper ? NS_INSIDE : NS_LOWER; /* y reached zero, or lambda did */
     else if (m->mode[j] == NS_INSIDE)
         m->mode[j] = upper ? NS_UPPER : NS_LOWER;
     else
         m->mode[j] = NS_INSIDE;
 }
 
-static double terms_of_y(const ns_sparse *m, int j, const double *v) {
+static double sizes_of_y(const ns_sparse *m, int j, const double *v) {
     return ns_linalg_csc_size(&m->f->Ct, j, v) + fabs(m->f->e[j]);
 }
 
-/* The largest of what is left over in the rows that lambda_j enters. */
-static double terms_of_lambda(const ns_sparse *m, int j, const double *v, const double *w, double g) {
+/* Of the rows that lambda_j enters: the largest sum of the sizes of their other terms, over its coefficient.
+ */
+static double sizes_of_lambda(const ns_sparse *m, int j, const double *v, const double *w, double g) {
     const ns_form *f = m->f;
-    double most = 0;
+    double largest = 0;
     for (int k = f->K.start[f->n + j]; k < f->K.start[f->n + j + 1]; k++) {
         const int i = f->K.row[k];
         if (i >= f->n || f->KA[k] == 0)
@@ -37,41 +56,41 @@ static double terms_of_lambda(const ns_sparse *m, int j, const double *v, const 
         double terms = ns_linalg_csc_size(&f->At, i, v) + fabs(f->b[i]);
         if (!f->algebraic[i])
             terms += (ns_linalg_csc_size(&f->Mt, i, v) + fabs(w[i])) / g;
-        most = fmax(most, terms / fabs(f->KA[k]));
+        largest = fmax(largest, terms / fabs(f->KA[k]));
     }
-    return most;
+    return largest;
 }
 
 double ns_sparse_guard_terms(const ns_sparse *m, int j, const double *v, const double *w, double g) {
     if (m->mode[j] == NS_INSIDE)
-        return terms_of_lambda(m, j, v, w, g);
-    return terms_of_y(m, j, v) + (ns_mode_slides(m->mode[j]) ? terms_of_lambda(m, j, v, w, g) : 0);
+        return sizes_of_lambda(m, j, v, w, g);
+    return sizes_of_y(m, j, v) + (ns_mode_slides(m->mode[j]) ? sizes_of_lambda(m, j, v, w, g) : 0);
 }
 
 double ns_sparse_guard_rounding(const ns_sparse *m, int j, const double *v, const double *w, double g) {
     const int inside = m->mode[j] == NS_INSIDE;
     return rounding * ns_sparse_guard_terms(m, j, v, w, g) +
            DBL_EPSILON *
-               ((inside ? 0 : m->most_y) + (inside || ns_mode_slides(m->mode[j]) ? m->most_lambda : 0));
+               ((inside ? 0 : m->largest.y) + (inside || ns_mode_slides(m->mode[j]) ? m->largest.lambda : 0));
 }
 
 int ns_sparse_guard_perturb(ns_sparse *m, const double *v, const double *w, double g, int brief) {
     const ns_form *f = m->f;
-    const ns_kept_factors *k;
-    unsigned long long dice = 88172645463325252U;
+    const ns_cached_factors *k;
+    unsigned long long random = 88172645463325252U;
     const int status = ns_sparse_factors_factor(m->q, g, m->mode, brief, &k);
     if (status != NS_OK)
         return status;
     memset(m->r, 0, sizeof(double) * (size_t)f->size);
     for (int i = 0; i < f->n; i++) {
-        dice ^= dice << 13;
-        dice ^= dice >> 7;
-        dice ^= dice << 17;
+        random ^= random << 13;
+        random ^= random >> 7;
+        random ^= random << 17;
         const double of = f->algebraic[i] ? ns_linalg_csc_size(&f->At, i, v)
                                           : fabs(w[i]) + ns_linalg_csc_size(&f->Mt, i, v);
-        m->r[i] = (dice & 1024 ? 4 : -4) * DBL_EPSILON * of;
+        m->r[i] = (random & 1024 ? 4 : -4) * DBL_EPSILON * of;
     }
-    (void)ns_sparse_factors_solve(m->q, k, m->r, m->next_v);
+    (void)ns_sparse_factors_solve(m->q, k, m->r, m->work.v);
     return NS_OK;
 }
 
@@ -93,7 +112,7 @@ int ns_sparse_guard_holds(const ns_sparse *m, int j, const double *v) {
     return holds(m, j, v, m->f->Ft.start[m->f->m] > 0);
 }
 
-/* Whether a guard of pair j is negative by more than the sum of its terms explains; marks it in m->flip. */
+/* 1 if a guard of pair j is negative by more than the rounding of its terms: marks it in m->flip. */
 static int is_broken(ns_sparse *m, int j, const double *v, const double *w, double g) {
     const int guards = guards_of(m, j);
     for (int k = 0; k < guards; k++) {
@@ -120,12 +139,12 @@ int ns_sparse_guard_broken(ns_sparse *m, const double *v, const double *w, doubl
     int count = 0;
     if (find_broken(m, v, w, g) == 0 || ns_sparse_guard_perturb(m, v, w, g, brief) != NS_OK)
         return 0;
-    memset(m->z_none, 0, sizeof(double) * (size_t)m->f->nz);
+    memset(m->work.no_inputs, 0, sizeof(double) * (size_t)m->f->nz);
     for (int j = 0; j < m->f->m; j++) {
         const int k = m->flip[j] == 2 && guards_of(m, j) == 2;
         if (!m->flip[j])
             continue;
-        const double by = fabs(guard(m, j, k, m->next_v, m->z_none, 0));
+        const double by = fabs(guard(m, j, k, m->work.v, m->work.no_inputs, 0));
         if (guard(m, j, k, v, m->z, 1) >= -(ns_sparse_guard_rounding(m, j, v, w, g) + 16 * by))
             m->flip[j] = 0;
         count += m->flip[j] != 0;
@@ -137,45 +156,63 @@ int ns_sparse_guard_flip(ns_sparse *m, const double *v, const double *w, double 
     const int count = ns_sparse_guard_broken(m, v, w, g, brief);
     for (int j = 0; j < m->f->m && count > 0; j++)
         if (m->flip[j]) {
-            ns_sparse_guard_set(m, j, m->flip[j] == 2);
+            ns_sparse_guard_leave(m, j, m->flip[j] == 2);
             m->touched[j] = 1;
         }
     return count;
 }
 
-/* --- commands of the state --- */
+int ns_sparse_guard_enough(const ns_sparse *m, const ns_dense_step *step, int p) {
+    const size_t last = (size_t)p - 1;
+    const double *v = step->images + last * (size_t)m->f->size, *z = step->z + last * (size_t)m->f->nz,
+                 little = (p < NS_ORDER ? few_stages : all_stages) * m->o.reltol;
+    for (int j = 0; j < m->f->m; j++)
+        if (guards_of(m, j) > 0 &&
+            (m->mode[j] == NS_INSIDE ? !(fabs(v[m->f->n + j]) <= little * m->largest.lambda)
+                                     : !(fabs(ns_sparse_form_y(m->f, j, v, z, 0)) <= little * m->largest.y)))
+            return 0;
+    for (int c = 0; c < m->s->nc; c++)
+        if (of_state(m, c) &&
+            !(fabs(margin(m, c, v, z, 0)) <=
+              little * (ns_linalg_csc_size(&m->f->gx, c, step->images) +
+                        ns_linalg_csc_size(&m->f->gz, c, step->z) + fabs(m->s->command[c].g0))))
+            return 0;
+    return 1;
+}
+
+/* --- commands by the state --- */
 
 double ns_sparse_guard_control_rounding(const ns_sparse *m, int c, const double *v, const double *z) {
     return control_rounding * (ns_linalg_csc_size(&m->f->gx, c, v) + ns_linalg_csc_size(&m->f->gz, c, z) +
                                fabs(m->s->command[c].g0));
 }
 
-/* Where a switch wants back what it has just left it stays between, beside what conducts while it is closed;
- * 0: it cannot. */
-static int let_slide(ns_sparse *m, int c, const double *v, const ns_dense_step *leg) {
+/* A switch whose control asks for the state that it has just left slides; pairs that are no switches then
+ * have the mode of the step before, in which the switch was closed.  0: it cannot slide. */
+static int let_slide(ns_sparse *m, int c, const double *v, const ns_dense_step *step) {
     const int j = m->s->command[c].pair, closed = m->mode[j] == NS_INSIDE;
-    if (m->f->command[j] != c || (!closed && !(leg && leg->mode[j] == NS_INSIDE)))
+    if (m->f->command[j] != c || (!closed && !(step && step->mode[j] == NS_INSIDE)))
         return 0;
     const double side = closed ? v[m->f->n + j] : -ns_sparse_form_y(m->f, j, v, m->z, 1);
     if (!(side < 0 || side > 0))
         return 0;
     for (int i = 0; i < m->f->m && !closed; i++)
         if (m->l[i] < m->u[i] && (isfinite(m->l[i]) || isfinite(m->u[i]))) /* not a switch */
-            m->mode[i] = leg->mode[i];
+            m->mode[i] = step->mode[i];
     m->mode[j] = side > 0 ? NS_SLIDES_UP : NS_SLIDES_DOWN;
     return 1;
 }
 
-int ns_sparse_guard_commands(ns_sparse *m, const double *v, const ns_dense_step *leg,
+int ns_sparse_guard_commands(ns_sparse *m, const double *v, const ns_dense_step *step,
                              unsigned char *changed) {
     int count = 0;
     for (int c = 0; c < m->s->nc; c++) {
         const int j = m->s->command[c].pair;
         if (!of_state(m, c) || margin(m, c, v, m->z, 1) >= -ns_sparse_guard_control_rounding(m, c, v, m->z))
             continue;
-        const int slides = changed && changed[c] && let_slide(m, c, v, leg);
+        const int slides = changed && changed[c] && let_slide(m, c, v, step);
         if (!slides)
-            m->mode[j] = m->mode[j] == NS_INSIDE ? NS_LOWER : NS_INSIDE;
+            ns_sparse_guard_toggle(m, j);
         if (changed)
             changed[c] = (unsigned char)(1 + slides);
         count++;

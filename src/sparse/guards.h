@@ -1,4 +1,5 @@
-/* src/sparse/guards.h - guards of pairs, and of commands of the state, by numbers. */
+/* src/sparse/guards.h - guards of pairs, and of commands by the state; the mode of the engine and its bounds.
+ */
 #ifndef NS_SPARSE_GUARDS_H
 #define NS_SPARSE_GUARDS_H
 
@@ -6,22 +7,49 @@
 
 #include <math.h>
 
-/* What guards of pair j are summed from at v = (x, lambda), which was solved for with w and g. */
+/* The mode, and bounds of commanded pairs and of those across them with it: all at their beginning (switches
+ * open, or as in closed (nc)), all as in mode (m), one pair, the bounds after several pairs were set. */
+void ns_sparse_guard_reset_modes(ns_sparse *m, const unsigned char *closed);
+void ns_sparse_guard_set_mode(ns_sparse *m, const ns_mode *mode);
+void ns_sparse_guard_bounds(ns_sparse *m);
+static inline void ns_sparse_guard_set_pair(ns_sparse *m, int j, ns_mode to) {
+    m->mode[j] = to;
+}
+static inline void ns_sparse_guard_toggle(ns_sparse *m, int j) { /* a switch, open or closed */
+    ns_sparse_guard_set_pair(m, j, m->mode[j] == NS_INSIDE ? NS_LOWER : NS_INSIDE);
+}
+/* Pair j leaves its mode by the guard that broke: upper: of the upper bound of lambda. */
+void ns_sparse_guard_leave(ns_sparse *m, int j, int upper);
+
+/* How many guards are broken at v by more than rounding, after an Euler step g from w (n): they are marked in
+ * m->flip; or also left, and their pairs marked in m->touched. */
+int ns_sparse_guard_broken(ns_sparse *m, const double *v, const double *w, double g, int brief);
+int ns_sparse_guard_flip(ns_sparse *m, const double *v, const double *w, double g, int brief);
+/* How many commands by the state v contradicts: they change, or, if they had at this event already (changed
+ * (nc), or NULL), their switch slides from the mode of that step on. */
+int ns_sparse_guard_commands(ns_sparse *m, const double *v, const ns_dense_step *step,
+                             unsigned char *changed);
+/* 1 if pair j keeps its law at v, to the last bit. */
+int ns_sparse_guard_holds(const ns_sparse *m, int j, const double *v);
+/* 1 if lambda, y and controls of the last of p stages are so small that no further stages are needed. */
+int ns_sparse_guard_enough(const ns_sparse *m, const ns_dense_step *step, int p);
+
+/* The sizes of the terms that guards of pair j are summed from at v = (x, lambda), solved for with w and g.
+ */
 double ns_sparse_guard_terms(const ns_sparse *m, int j, const double *v, const double *w, double g);
 
-/* The rounding of guards of pair j at v = (x, lambda), which was solved for with w and g: of the sum y, or of
- * lambda as what is left over in the rows it enters; where all of these are zero, beside the largest there
- * was.  Of the control of command c. */
+/* The rounding of guards of pair j at v = (x, lambda), solved for with w and g: of the sum y, or of lambda as
+ * the difference that is left in the rows it enters, and of the largest lambda and y so far.  Of the control
+ * of command c. */
 double ns_sparse_guard_rounding(const ns_sparse *m, int j, const double *v, const double *w, double g);
 double ns_sparse_guard_control_rounding(const ns_sparse *m, int c, const double *v, const double *z);
 
-/* What v may be off by where w is off by its rounding, at random: to m->next_v.  brief: of
- * ns_sparse_factors_factor().
- */
+/* By how much v changes if w changes by its rounding, with random signs: to m->work.v.  brief: of
+ * ns_sparse_factors_factor(). */
 int ns_sparse_guard_perturb(ns_sparse *m, const double *v, const double *w, double g, int brief);
 
-/* Guards of pair j: how many, and number k of them at (lambda_j, y_j), what is constant in it counted so many
- * times. */
+/* How many guards pair j has, and number k of them at v; constants: 1, or 0 where constant terms are left
+ * out. */
 static inline int guards_of(const ns_sparse *m, int j) {
     if (ns_mode_slides(m->mode[j]))
         return 2;
@@ -44,12 +72,12 @@ static inline double guard(const ns_sparse *m, int j, int k, const double *v, co
     return is_upper(m, j, k) ? (constants ? m->u[j] : 0) - lambda : lambda - (constants ? m->l[j] : 0);
 }
 
-/* 1 if command c looks at the state, and may change by it. */
+/* 1 if command c depends on the state, and may change by it. */
 static inline int of_state(const ns_sparse *m, int c) {
     return !ns_mode_slides(m->mode[m->s->command[c].pair]) && m->f->gx.start[c + 1] > m->f->gx.start[c];
 }
 
-/* By how much control c stays on its side of the threshold that would change it. */
+/* The distance of control c from the threshold that would change it; negative: beyond. */
 static inline double margin(const ns_sparse *m, int c, const double *v, const double *z, int constants) {
     const ns_command *k = &m->s->command[c];
     const int closed = m->mode[k->pair] == NS_INSIDE;

@@ -1,19 +1,19 @@
-/* src/sparse/local_lcp.c - the mode after an event where changing what is broken finds none: (P1) for the
- * pairs that take part, all others held as they are.
+/* src/sparse/local_lcp.c - the mode after an event where changing broken pairs finds none: (P1) of the pairs
+ * touched in that search, all others held in their modes.
  *
  * With the pairs S of the problem at a bound, y_S = W lambda_S + q, a column of W by one solve.  Pairs that
  * its answer breaks join them.
  */
-#include "sparse_internal.h"
+#include "guards.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* All pairs take part in circuits of no more; so many may; rounds. */
+/* Up to FEW pairs in all, all of them take part; at most MOST may; rounds of pairs that join. */
 enum { FEW = 64, MOST = 400, ROUNDS = 8 };
-/* Who is in a loop, of the largest current in it. */
-static const double loop_share = 1e-3;
+/* Pairs of a loop carry more than this fraction of its largest current. */
+static const double loop_fraction = 1e-3;
 
 typedef struct local {
     int count;
@@ -23,37 +23,38 @@ typedef struct local {
     ns_mlcp_solver *solver;
 } local;
 
-static int lawful(const ns_sparse *m, int j) {
+/* 1 if pair j is not commanded. */
+static int has_law(const ns_sparse *m, int j) {
     return m->l[j] < m->u[j] && (isfinite(m->l[j]) || isfinite(m->u[j]));
 }
 
-/* Whoever took part so far; all, if they are few. */
-static int count_pairs(ns_sparse *m) {
+/* Marks the pairs that take part in m->touched; how many. */
+static int choose_pairs(ns_sparse *m) {
     int all = 0, count = 0;
     for (int j = 0; j < m->f->m; j++)
-        all += lawful(m, j);
+        all += has_law(m, j);
     for (int j = 0; j < m->f->m; j++) {
-        m->touched[j] = (unsigned char)((m->touched[j] || all <= FEW) && lawful(m, j));
+        m->touched[j] = (unsigned char)((m->touched[j] || all <= FEW) && has_law(m, j));
         count += m->touched[j];
     }
     return count;
 }
 
-static void release(local *p) {
+static void free_problem(local *p) {
     free(p->pair);
     free(p->W);
     free(p->mode);
     ns_mlcp_free(p->solver);
 }
 
-static int begin(const ns_sparse *m, int count, local *p) {
+static int create_problem(const ns_sparse *m, int count, local *p) {
     const size_t s = (size_t)count;
     *p = (local){.count = 0};
     p->pair = calloc(s + 1, sizeof(int));
     p->W = calloc(s * s + 5 * s + 1, sizeof(double));
     p->mode = calloc(s + 1, sizeof(ns_mode));
     if (!p->pair || !p->W || !p->mode || ns_mlcp_create(count, &p->solver) != NS_OK) {
-        release(p);
+        free_problem(p);
         return NS_E_MEMORY;
     }
     p->q = p->W + s * s;
@@ -72,12 +73,12 @@ static int begin(const ns_sparse *m, int count, local *p) {
 }
 
 /* W and q, from the mode with all of them at a bound. */
-static int form(ns_sparse *m, double t, double g, const double *w, double *v, double *by, local *p) {
+static int form_problem(ns_sparse *m, double t, double g, const double *w, double *v, double *by, local *p) {
     const ns_form *f = m->f;
-    const ns_kept_factors *k;
+    const ns_cached_factors *k;
     for (int i = 0; i < p->count; i++)
-        m->mode[p->pair[i]] = isfinite(p->l[i]) ? NS_LOWER : NS_UPPER;
-    int status = ns_sparse_euler(m, t, g, w, 1, v, by);
+        ns_sparse_guard_set_pair(m, p->pair[i], isfinite(p->l[i]) ? NS_LOWER : NS_UPPER);
+    int status = ns_sparse_step_euler(m, t, g, w, 1, v, by);
     if (status != NS_OK && status != NS_E_SINGULAR)
         return status;
     for (int i = 0; i < p->count; i++)
@@ -87,7 +88,7 @@ static int form(ns_sparse *m, double t, double g, const double *w, double *v, do
         memset(m->r, 0, sizeof(double) * (size_t)f->size);
         m->r[f->n + p->pair[c]] = 1;
         status = ns_sparse_factors_solve(m->q, k, m->r, v);
-        status = status == NS_E_SINGULAR ? NS_OK : status; /* with leaks, then */
+        status = status == NS_E_SINGULAR ? NS_OK : status; /* v is then what small leaks make of it */
         const double bound = isfinite(p->l[c]) ? p->l[c] : p->u[c];
         for (int i = 0; i < p->count; i++) {
             const double entry = ns_linalg_csc_dot(&f->Ct, p->pair[i], v);
@@ -98,13 +99,13 @@ static int form(ns_sparse *m, double t, double g, const double *w, double *v, do
     return status;
 }
 
-static int solve(ns_sparse *m, local *p) {
+static int solve_problem(ns_sparse *m, local *p) {
     const ns_mlcp of = {.m = p->count, .W = p->W, .q = p->q, .l = p->l, .u = p->u};
     ns_mlcp_info info = {0};
     const int status = ns_mlcp_solve(p->solver, &of, p->mode, p->lambda, p->y, &info);
     m->counts.pivots += info.pivots;
     for (int i = 0; i < p->count && status == NS_OK; i++)
-        m->mode[p->pair[i]] = p->mode[i];
+        ns_sparse_guard_set_pair(m, p->pair[i], p->mode[i]);
     if (status == NS_OK)
         return status;
     m->fault.npairs = info.fault.npairs;
@@ -115,18 +116,18 @@ static int solve(ns_sparse *m, local *p) {
 
 static int solve_once(ns_sparse *m, int count, double t, double g, const double *w, double *v, double *by) {
     local p;
-    int status = begin(m, count, &p);
+    int status = create_problem(m, count, &p);
     if (status != NS_OK)
         return status;
-    status = form(m, t, g, w, v, by, &p);
+    status = form_problem(m, t, g, w, v, by, &p);
     if (status == NS_OK)
-        status = solve(m, &p);
-    release(&p);
+        status = solve_problem(m, &p);
+    free_problem(&p);
     return status;
 }
 
-/* Who is broken and took no part does from now on; how many. */
-static int take_in(ns_sparse *m, const double *v, const double *w, double g) {
+/* Broken pairs that took no part do so from now on; how many. */
+static int add_broken(ns_sparse *m, const double *v, const double *w, double g) {
     int count = 0;
     if (ns_sparse_guard_broken(m, v, w, g, 1) == 0)
         return 0;
@@ -138,31 +139,31 @@ static int take_in(ns_sparse *m, const double *v, const double *w, double g) {
     return count;
 }
 
-/* Closed pairs contradict each other: those that leaks would drive the most through are told. */
-static int tell_loop(ns_sparse *m, const double *v) {
-    double most = 0;
+/* Closed pairs contradict each other: names those with the largest currents by small leaks. */
+static int name_loop(ns_sparse *m, const double *v) {
+    double largest = 0;
     for (int j = 0; j < m->f->m; j++)
-        most = m->mode[j] == NS_INSIDE ? fmax(most, fabs(v[m->f->n + j])) : most;
+        largest = m->mode[j] == NS_INSIDE ? fmax(largest, fabs(v[m->f->n + j])) : largest;
     m->fault.npairs = 0;
     for (int j = 0; j < m->f->m && m->fault.npairs < NS_FAULT_MAX; j++)
-        if (m->mode[j] == NS_INSIDE && fabs(v[m->f->n + j]) > loop_share * most)
+        if (m->mode[j] == NS_INSIDE && fabs(v[m->f->n + j]) > loop_fraction * largest)
             m->fault.pair[m->fault.npairs++] = j;
     return NS_E_INFEASIBLE;
 }
 
-int ns_sparse_event_local(ns_sparse *m, double t, double g, const double *w, double *v, double *by) {
+int ns_sparse_local_lcp(ns_sparse *m, double t, double g, const double *w, double *v, double *by) {
     for (int round = 0; round < ROUNDS; round++) {
-        const int count = count_pairs(m);
+        const int count = choose_pairs(m);
         if (count == 0 || count > MOST)
             return NS_E_LIMIT;
         int status = solve_once(m, count, t, g, w, v, by);
         if (status != NS_OK)
             return status;
-        status = ns_sparse_euler(m, t, g, w, 1, v, by);
+        status = ns_sparse_step_euler(m, t, g, w, 1, v, by);
         if (status != NS_OK && status != NS_E_SINGULAR)
             return status;
-        if (take_in(m, v, w, g) == 0) /* what the solver calls zero stays */
-            return status == NS_OK ? status : tell_loop(m, v);
+        if (add_broken(m, v, w, g) == 0) /* a guard that the solver calls zero is not broken */
+            return status == NS_OK ? status : name_loop(m, v);
     }
     return NS_E_LIMIT;
 }

@@ -1,58 +1,74 @@
-/* src/sparse/mode_prediction.c - events that go as they went the last time.
+/* src/sparse/mode_prediction.c - the mode after an event, predicted from the last event of the same kind.
  *
- * What changes with a pair or a command is most often what changed with it before.  A leg in that mode is
- * taken at once, without steps of negligible length that look for the mode, and holds if it proves it: no
- * charge or flux jumps, as the powers D^i w of the leg vanish, and at its start all guards hold.  Where those
- * that change are mostly alone, one that was never seen before is expected to be, too; else Euler steps as
- * long as those of the leg before look for its mode, by the factors that serve that one.
+ * The pairs that change with a guard or a command are most often those that changed with it before.  So a
+ * step in that mode is tried first, without Euler steps of negligible length that search for the mode.  It is
+ * believed if no charge or flux jumps, as the powers D^i w of the step vanish, and if all guards hold at its
+ * start.  For an event that was never seen it is tried that no other pair changes, if that was so for most
+ * events; else Euler steps as long as those of the step before search for the mode, by factors that there
+ * are.
  */
-#include "sparse_internal.h"
+#include "guards.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* A guess that failed so often has to be right once without being tried; places looked at for one. */
+/* A prediction that failed so often is not tried until it would have been right; entries tried for a key. */
 enum { MOST_FAILED = 2, PLACES = 8 };
-/* How far it is counted who was alone with its change, and who was not. */
+/* The count of events in which no other pair changed, less the others, is cut off there. */
 enum { MOST_ALONE = 4 };
-/* Steps that look for a mode; how often it may be in vain, and how many events go by then before it is tried
- * again. */
+/* Euler steps of one search; searches that fail before REST events go by without one. */
 enum { MOST_STEPS = 4, MOST_SOUGHT = 4, REST = 16 };
-/* Shares of the error allowed, of the largest lambda and y, that guards may be below zero by at the start,
- * between these as settings are tight or loose; of a leg that is so short that the next event may belong to
- * this one. */
-static const double start_least = 1e-3, start_most = 3e-3, at_once = 1e-4;
-/* What is let by in legs is no event now: with it, loose settings find all that is broken a little at each
- * event, and turn it over.  This many roots of reltol are between those. */
-static const double roots = 3;
+/* At the start of a step guards may be below zero by fraction * reltol of the largest lambda and y, where
+ * fraction = roots * sqrt(reltol), between start_least and start_most: what steps let pass must be no event
+ * here. */
+static const double start_least = 1e-3, start_most = 3e-3, roots = 3;
+/* An event before this fraction of a step may belong to the one before it. */
+static const double at_once = 1e-4;
 
-/* The place of a key, or an empty one, or the last that it may have, from then on its own. */
-static ns_mode_prediction *place_of(ns_sparse *m, unsigned long long key) {
-    size_t at = (key ^ key >> 29) * 0x9e3779b97f4a7c15U % m->guesses;
-    for (int i = 1; i < PLACES && m->guess[at].key != key && m->guess[at].key != 0; i++)
-        at = (at + 1) % m->guesses;
-    if (m->guess[at].key != key)
-        m->guess[at] = (ns_mode_prediction){.key = key};
-    return &m->guess[at];
+int ns_sparse_predict_create(ns_sparse *m) {
+    m->predict.places = 8 * (size_t)m->f->m + 61;
+    m->predict.table = calloc(m->predict.places, sizeof *m->predict.table);
+    return m->predict.table ? NS_OK : NS_E_MEMORY;
 }
 
-/* By the pairs that changed, and by which way they carried current, or voltage. */
-static ns_mode_prediction *slot_of(ns_sparse *m, const ns_dense_step *before) {
+void ns_sparse_predict_free(ns_sparse *m) {
+    free(m->predict.table);
+}
+
+void ns_sparse_predict_reset(ns_sparse *m) {
+    memset(m->predict.table, 0, m->predict.places * sizeof *m->predict.table);
+    m->predict.alone = 0;
+    m->predict.sought = 1;
+}
+
+/* The entry of a key; if there is none an empty one, or the last that was tried, is made its own. */
+static ns_mode_prediction *place_of(ns_sparse *m, unsigned long long key) {
+    size_t at = (key ^ key >> 29) * 0x9e3779b97f4a7c15U % m->predict.places;
+    for (int i = 1; i < PLACES && m->predict.table[at].key != key && m->predict.table[at].key != 0; i++)
+        at = (at + 1) % m->predict.places;
+    if (m->predict.table[at].key != key)
+        m->predict.table[at] = (ns_mode_prediction){.key = key};
+    return &m->predict.table[at];
+}
+
+/* The entry of an event: by the pairs that it changed itself, and by the signs of their lambda or y before.
+ */
+static ns_mode_prediction *entry_of(ns_sparse *m, const ns_dense_step *before) {
     unsigned long long key = 14695981039346656037U;
     for (int j = 0; j < m->f->m; j++) {
-        if (m->own_mode[j] == before->mode[j])
+        if (m->commanded_mode[j] == before->mode[j])
             continue;
         const double of = before->mode[j] == NS_INSIDE
-                              ? before->xi[m->f->n + j]
-                              : ns_linalg_csc_dot(&m->f->Ct, j, before->xi) + m->f->e[j];
-        key = (key ^ (unsigned)(8 * j + 2 * m->own_mode[j] + (of > 0))) * 1099511628211U;
+                              ? before->images[m->f->n + j]
+                              : ns_linalg_csc_dot(&m->f->Ct, j, before->images) + m->f->e[j];
+        key = (key ^ (unsigned)(8 * j + 2 * m->commanded_mode[j] + (of > 0))) * 1099511628211U;
     }
     return place_of(m, key);
 }
 
-/* 1 if the guess was right, too. */
-static int same(const ns_sparse *m, const ns_mode_prediction *g, const int *pair, int count) {
+/* 1 if it predicts these pairs in these modes. */
+static int predicts(const ns_sparse *m, const ns_mode_prediction *g, const int *pair, int count) {
     if (g->count != count)
         return 0;
     for (int i = 0; i < count; i++)
@@ -61,23 +77,25 @@ static int same(const ns_sparse *m, const ns_mode_prediction *g, const int *pair
     return 1;
 }
 
-void ns_sparse_predict_learn(ns_sparse *m, const ns_dense_step *leg) {
-    ns_mode_prediction *g = slot_of(m, leg);
-    int pair[NS_GUESS_PAIRS], count = 0;
+void ns_sparse_predict_learn(ns_sparse *m, const ns_dense_step *step) {
+    ns_mode_prediction *g = entry_of(m, step);
+    int pair[NS_PREDICTED_PAIRS], count = 0;
     for (int j = 0; j < m->f->m; j++) {
-        if (m->mode[j] == m->own_mode[j])
+        if (m->mode[j] == m->commanded_mode[j])
             continue;
-        if (count == NS_GUESS_PAIRS || ns_mode_slides(m->mode[j])) {
+        if (count == NS_PREDICTED_PAIRS || ns_mode_slides(m->mode[j])) {
             g->sure = 0;
             g->count = -1;
             return;
         }
         pair[count++] = j;
     }
-    if (same(m, g, pair, count))
+    if (predicts(m, g, pair, count))
         g->failed = 0;
-    m->alone = count > 0 ? m->alone - 1 : m->alone + 1;
-    m->alone = m->alone > MOST_ALONE ? MOST_ALONE : m->alone < -MOST_ALONE ? -MOST_ALONE : m->alone;
+    m->predict.alone = count > 0 ? m->predict.alone - 1 : m->predict.alone + 1;
+    m->predict.alone = m->predict.alone > MOST_ALONE    ? MOST_ALONE
+                       : m->predict.alone < -MOST_ALONE ? -MOST_ALONE
+                                                        : m->predict.alone;
     g->sure = g->failed < MOST_FAILED;
     g->count = count;
     for (int i = 0; i < count; i++) {
@@ -86,38 +104,48 @@ void ns_sparse_predict_learn(ns_sparse *m, const ns_dense_step *leg) {
     }
 }
 
-/* What a wrong guess must leave no trace in. */
-static void keep_sizes(ns_sparse *m, int back) {
-    const size_t bytes = sizeof(double) * (size_t)m->f->n;
-    memcpy(back ? m->scale : m->kept_scale, back ? m->kept_scale : m->scale, bytes);
-    m->kept_most[0] = back ? m->kept_most[0] : m->most_lambda;
-    m->kept_most[1] = back ? m->kept_most[1] : m->most_y;
-    memcpy(back ? m->lambda_of : m->kept_of[0], back ? m->kept_of[0] : m->lambda_of, sizeof m->lambda_of);
-    memcpy(back ? m->y_of : m->kept_of[1], back ? m->kept_of[1] : m->y_of, sizeof m->y_of);
-    m->most_lambda = m->kept_most[0];
-    m->most_y = m->kept_most[1];
+/* 1 if all guards hold at the start of a step, but for rounding, what later stages would add, and this
+ * fraction of the largest lambda and y. */
+static int guards_hold_at_start(ns_sparse *m, const ns_dense_step *step, double fraction) {
+    const size_t size = (size_t)m->f->size, last = (size_t)step->stages - 1;
+    const double *v_last = step->images + last * size, *z_last = step->z + last * (size_t)m->f->nz;
+    ns_sparse_step_point(m, step, 0, m->work.v);
+    (void)ns_inputs_stages_stage(m->in, step->t, 0, 0, m->z);
+    for (int j = 0; j < m->f->m; j++) {
+        const int guards = guards_of(m, j);
+        const double allowed = fraction * (m->mode[j] == NS_INSIDE ? m->largest.lambda : m->largest.y);
+        for (int k = 0; k < guards; k++) {
+            const double value = guard(m, j, k, m->work.v, m->z, 1) + allowed;
+            if (!(value >= 0) && !(value + 4 * fabs(guard(m, j, k, v_last, z_last, 0)) +
+                                       ns_sparse_guard_rounding(m, j, m->work.v, step->powers, step->g) >=
+                                   0))
+                return 0;
+        }
+    }
+    return 1;
 }
 
-static int holds(ns_sparse *m, const ns_dense_step *leg) {
-    if (!leg->calm)
+/* 1 if a step that was tried proves its mode. */
+static int proves_mode(ns_sparse *m, const ns_dense_step *step) {
+    if (!step->converged)
         return 0;
-    if (leg->why == NS_LEG_EVENT && (leg->pair >= 0 || leg->command >= 0) && leg->end < at_once * leg->g)
+    if (step->at_event && (step->pair >= 0 || step->command >= 0) && step->length < at_once * step->g)
         return 0;
-    const double share = fmax(start_least, fmin(start_most, roots * sqrt(m->o.reltol)));
-    return ns_sparse_guard_starts(m, leg, share * m->o.reltol);
+    const double fraction = fmax(start_least, fmin(start_most, roots * sqrt(m->o.reltol)));
+    return guards_hold_at_start(m, step, fraction * m->o.reltol);
 }
 
-/* What is known of the place: nothing yet (then nothing else changes, perhaps), or something that is sure. */
-static int worth_trying(const ns_sparse *m, const ns_mode_prediction *g) {
+/* Whether its prediction, or, if nothing is known yet, that no other pair changes, is worth a step. */
+static ns_prediction_kind kind_of(const ns_sparse *m, const ns_mode_prediction *g) {
     if (g->sure)
-        return NS_LEARNT_GUESS;
-    return g->count == 0 && g->failed == 0 && m->alone > 0 ? NS_FIRST_GUESS : NS_NO_GUESS;
+        return NS_LEARNT_PREDICTION;
+    return g->count == 0 && g->failed == 0 && m->predict.alone > 0 ? NS_FIRST_PREDICTION : NS_NO_PREDICTION;
 }
 
 /* m->mode such that an Euler step of length g holds; 0: not found. */
-static int seek(ns_sparse *m, double t, double g) {
+static int search_by_euler(ns_sparse *m, double t, double g) {
     for (int round = 0; round < MOST_STEPS; round++) {
-        if (ns_sparse_euler(m, t, g, m->w, 0, m->v, NULL) != NS_OK)
+        if (ns_sparse_step_euler(m, t, g, m->w, 0, m->v, NULL) != NS_OK)
             return 0;
         const int flipped = ns_sparse_guard_flip(m, m->v, m->w, g, 0);
         m->counts.pivots += flipped;
@@ -127,27 +155,28 @@ static int seek(ns_sparse *m, double t, double g) {
     return 0;
 }
 
-/* 1 if it is time to look for a mode. */
-static int may_seek(ns_sparse *m, const ns_mode_prediction *g) {
-    if (m->sought <= 0 && ++m->sought <= 0)
+/* 1 if a search for the mode may be tried. */
+static int may_search(ns_sparse *m, const ns_mode_prediction *g) {
+    if (m->predict.sought <= 0 && ++m->predict.sought <= 0)
         return 0;
     return g->count >= 0;
 }
 
-static void count_sought(ns_sparse *m, int found) {
+static void count_search(ns_sparse *m, int found) {
     if (found)
-        m->sought = MOST_SOUGHT;
-    else if (--m->sought == 0)
-        m->sought = -REST;
+        m->predict.sought = MOST_SOUGHT;
+    else if (--m->predict.sought == 0)
+        m->predict.sought = -REST;
 }
 
-/* A leg in m->mode, if it holds there. */
-static int try_leg(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *leg, int guess) {
+/* A step in m->mode, 0: it does not prove that mode. */
+static int try_step(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step,
+                    ns_prediction_kind kind) {
     ns_sparse_guard_bounds(m);
-    m->guessing = guess;
-    const int status = ns_sparse_next_step(m, t, before, leg);
-    m->guessing = NS_NO_GUESS;
-    if (status == NS_OK && holds(m, leg)) {
+    m->predict.trying = kind;
+    const int status = ns_sparse_next_step(m, t, before, step);
+    m->predict.trying = NS_NO_PREDICTION;
+    if (status == NS_OK && proves_mode(m, step)) {
         m->counts.events++;
         return 1;
     }
@@ -155,33 +184,32 @@ static int try_leg(ns_sparse *m, double t, const ns_dense_step *before, ns_dense
     return 0;
 }
 
-static int seek_leg(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *leg) {
-    const int found = seek(m, t, before->g) && try_leg(m, t, before, leg, NS_LEARNT_GUESS);
-    count_sought(m, found);
+static int searched_step(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step) {
+    const int found = search_by_euler(m, t, before->g) && try_step(m, t, before, step, NS_LEARNT_PREDICTION);
+    count_search(m, found);
     if (found)
         ns_sparse_predict_learn(m, before);
     return found;
 }
 
-static int guess_leg(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *leg,
-                     ns_mode_prediction *g, int guess) {
+static int predicted_step(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step,
+                          ns_mode_prediction *g, ns_prediction_kind kind) {
     for (int i = 0; i < g->count; i++)
-        m->mode[g->pair[i]] = g->mode[i];
-    g->sure = try_leg(m, t, before, leg, guess);
+        ns_sparse_guard_set_pair(m, g->pair[i], g->mode[i]);
+    g->sure = try_step(m, t, before, step, kind);
     g->failed += !g->sure;
     return g->sure;
 }
 
-int ns_sparse_predict_step(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *leg) {
-    ns_mode_prediction *g = slot_of(m, before);
-    const int guess = worth_trying(m, g);
-    if (before->euler || before->stuck > 0 || before->command >= 0 || (!guess && !may_seek(m, g)))
+int ns_sparse_predict_step(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step) {
+    ns_mode_prediction *g = entry_of(m, before);
+    const ns_prediction_kind kind = kind_of(m, g);
+    if (before->is_euler || before->failures > 0 || before->command >= 0 || (!kind && !may_search(m, g)))
         return 0;
-    keep_sizes(m, 0);
-    if (guess ? guess_leg(m, t, before, leg, g, guess) : seek_leg(m, t, before, leg))
+    ns_sparse_largest_save(m);
+    if (kind ? predicted_step(m, t, before, step, g, kind) : searched_step(m, t, before, step))
         return 1;
-    keep_sizes(m, 1);
-    memcpy(m->mode, m->own_mode, (size_t)m->f->m);
-    ns_sparse_guard_bounds(m);
+    ns_sparse_largest_restore(m);
+    ns_sparse_guard_set_mode(m, m->commanded_mode);
     return 0;
 }

@@ -1,112 +1,111 @@
-/* src/sparse/next_step.c - the next step from the end of another: of high order, of the scheme, or, where
- * steps end at once, implicit Euler steps, counted. */
-#include "sparse_internal.h"
+/* src/sparse/next_step.c - the step after another one: of high order, of the theta scheme, or, after several
+ * steps that ended where they began, an implicit Euler step. */
+#include "guards.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Of how long legs were of late, how much is remembered from one to the next; a step so many times as long is
- * made over to one that is no more than so many times. */
+/* The weight of the past in the usual length of steps; a step too_long times as long as that is shortened to
+ * long_enough times. */
 static const double remembers = 0.95, too_long = 16, long_enough = 4;
-/* But not below h 2^-this: who changes all the time within the length of a step chatters, and is refused. */
+/* But not below h 2^-SHORTEST: chatter is counted within the length of a step. */
 enum { SHORTEST = 3 };
+/* After so many steps that ended where they began, Euler steps. */
+enum { MOST_FAILURES = 6 };
+/* The first Euler step of a capture is h 2^-this. */
+enum { CAPTURE_FIRST = 14, CAPTURE_LAST = 2, CAPTURE_BY = 4 };
+/* What a capture takes from the steps that are left. */
+enum { CAPTURE_COST = 3000 };
 
-static int euler_leg(ns_sparse *m, ns_dense_step *leg, double t, double limit, double h) {
+static int euler_step(ns_sparse *m, ns_dense_step *step, double t, double limit, double h) {
     const size_t n = (size_t)m->f->n;
-    const double rest = limit - t - leg->time_lost, g = fmin(h, rest);
-    leg->t = t;
-    leg->g = leg->end = g;
-    leg->end_t = g < rest ? t + (leg->time_lost + g) : limit;
-    leg->why = NS_LEG_GOES_ON;
-    leg->pair = leg->command = -1;
-    leg->euler = 1;
-    leg->stages = 1;
-    leg->next_rung = leg->rung;
-    memcpy(leg->dw, m->w, sizeof(double) * n);
-    const int status = ns_sparse_event_consistent(m, t, g, m->w, leg->xi, NULL);
+    const double room = limit - t - step->time_lost, g = fmin(h, room);
+    step->t = t;
+    step->g = step->length = g;
+    step->end_t = g < room ? t + (step->time_lost + g) : limit;
+    step->at_event = 0;
+    step->pair = step->command = -1;
+    step->is_euler = 1;
+    step->stages = 1;
+    step->next_exponent = step->length_exponent;
+    memcpy(step->powers, m->w, sizeof(double) * n);
+    const int status = ns_sparse_event_consistent(m, t, g, m->w, step->images, NULL);
     for (size_t i = 0; i < n; i++)
-        leg->dw[n + i] = m->f->algebraic[i] ? 0 : ns_linalg_csc_dot(&m->f->Mt, (int)i, leg->xi) - m->w[i];
-    memcpy(leg->mode, m->mode, (size_t)m->f->m);
-    memcpy(leg->z, m->z, sizeof(double) * (size_t)m->f->nz);
+        step->powers[n + i] =
+            m->f->algebraic[i] ? 0 : ns_linalg_csc_dot(&m->f->Mt, (int)i, step->images) - m->w[i];
+    memcpy(step->mode, m->mode, (size_t)m->f->m);
+    memcpy(step->z, m->z, sizeof(double) * (size_t)m->f->nz);
     m->counts.steps++;
     return status;
 }
 
-/* An Euler step.  Many of them in a short time are chatter: that is refused (LIMIT), naming the pair of the
- * last event. */
-static int counted_leg(ns_sparse *m, ns_dense_step *leg, double t, double limit, double h) {
-    if (!(t - m->euler_t <= ldexp(m->o.h, -leg->rung))) {
-        m->euler_t = t;
-        m->eulers = 0;
-    }
-    m->crowd_moved = 1;
-    return ++m->eulers > NS_MOST_EULERS ? NS_E_LIMIT : euler_leg(m, leg, t, limit, h);
+/* An Euler step, counted: many of them in a short time are chatter. */
+static int counted_euler_step(ns_sparse *m, ns_dense_step *step, double t, double limit, double h) {
+    const int status = ns_sparse_chatter_euler(m, step, t);
+    return status == NS_OK ? euler_step(m, step, t, limit, h) : status;
 }
 
-/* Where events end legs long before their steps do, these are no longer than they need to be: D^i w vanish
- * sooner, and what is left of them tells what jumps. */
-static void fit_usual(const ns_sparse *m, const ns_dense_step *before, ns_dense_step *leg) {
-    leg->usual = before ? fmax(before->end, remembers * before->usual) : m->o.h;
-    if (!before || before->why != NS_LEG_EVENT || !(ldexp(m->o.h, -leg->rung) > too_long * leg->usual))
+/* Where events end steps long before their full length, steps are shortened: D^i w vanish sooner, and what is
+ * left of them tells what jumps. */
+static void shorten_to_usual(const ns_sparse *m, const ns_dense_step *before, ns_dense_step *step) {
+    step->usual_length = before ? fmax(before->length, remembers * before->usual_length) : m->o.h;
+    if (!before || !before->at_event ||
+        !(ldexp(m->o.h, -step->length_exponent) > too_long * step->usual_length))
         return;
-    while (leg->rung < SHORTEST + m->o.finer && ldexp(m->o.h, -leg->rung) > long_enough * leg->usual)
-        leg->rung++;
+    while (step->length_exponent < SHORTEST + m->o.finer &&
+           ldexp(m->o.h, -step->length_exponent) > long_enough * step->usual_length)
+        step->length_exponent++;
 }
 
-/* From where legs end at once an Euler step of h 2^-this gets on: the first ones, which may be enough, are
- * far shorter, as what happens within one is first order. */
-static int shorter(const ns_sparse *m, double t, double h) {
-    enum { LESS = 10, FIRST = 22, BY = 2 };
-    const int before = t - m->euler_t <= h ? m->eulers : 0;
-    return before * BY < FIRST - LESS ? FIRST - before * BY : LESS;
+/* Where steps end where they begin, an Euler step of h 2^-this passes the event.  The first ones, which may
+ * be enough, are the shortest: an Euler step is of first order. */
+static int euler_exponent(const ns_sparse *m, double t, double h) {
+    enum { LAST = 10, FIRST = 22, BY = 2 };
+    const int before = t - m->chatter.euler_t <= h ? m->chatter.eulers : 0;
+    return before * BY < FIRST - LAST ? FIRST - before * BY : LAST;
 }
 
-/* A leg from m->w, m->mode at t after one that ended there. */
-int ns_sparse_next_step(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *leg) {
-    const double tiny = before ? ldexp(m->o.h, -before->next_rung - NS_SHORT_RUNG) : 0;
-    const int stuck = before && before->why == NS_LEG_EVENT && !(before->end > tiny) ? before->stuck + 1 : 0;
-    leg->rung = before ? before->next_rung : 0;
-    leg->stuck = stuck;
-    leg->time_lost = before ? ns_sparse_step_past(before) : 0;
-    fit_usual(m, before, leg);
+/* The first corner, or change of a command by time, after t. */
+static double find_limit(ns_sparse *m, double t) {
     ns_inputs_stages_at(m->in, t);
     ns_inputs_stages_find_command(m->in, t, m->o.h, m->mode);
-    const double limit = fmax(fmin(m->in->corner, m->in->first), nextafter(t, INFINITY));
-    const double h = ldexp(m->o.h, -leg->rung);
+    return fmax(fmin(m->in->corner, m->in->first), nextafter(t, INFINITY));
+}
+
+int ns_sparse_next_step(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step) {
+    const double tiny = before ? ldexp(m->o.h, -before->next_exponent - NS_SHORT_EXPONENT) : 0;
+    step->length_exponent = before ? before->next_exponent : 0;
+    step->failures = before && before->at_event && !(before->length > tiny) ? before->failures + 1 : 0;
+    step->time_lost = before ? ns_sparse_step_time_lost(before) : 0;
+    shorten_to_usual(m, before, step);
+    const double limit = find_limit(m, t), h = ldexp(m->o.h, -step->length_exponent);
     int status;
     if (m->o.theta > 0)
-        return ns_sparse_theta_go(m, t, t, leg);
-    if (stuck > NS_STUCK)
-        status = counted_leg(m, leg, t, limit, ldexp(h, -shorter(m, t, h)));
+        return ns_sparse_theta_go(m, t, t, step);
+    if (step->failures > MOST_FAILURES)
+        status = counted_euler_step(m, step, t, limit, ldexp(h, -euler_exponent(m, t, h)));
     else
-        status = ns_sparse_step_begin(m, leg, t, limit);
-    if (status == NS_OK && leg->why == NS_LEG_GOES_ON && leg->end_t == limit && ns_sparse_event_at(m, limit))
-        leg->why = NS_LEG_EVENT;
+        status = ns_sparse_control_step(m, step, t, limit);
+    if (status == NS_OK && !step->at_event && step->end_t == limit && ns_sparse_event_at(m, limit))
+        step->at_event = 1;
     return status;
 }
 
-/* Where no mode is found in no time, an implicit Euler step that takes a while may: from m->w, m->mode. */
-int ns_sparse_capture(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *leg) {
-    const size_t n = (size_t)m->f->n, pairs = (size_t)m->f->m;
+int ns_sparse_next_captured(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step) {
+    const double limit = find_limit(m, t);
     int status = NS_E_LIMIT;
-    memcpy(m->next_w, m->w, sizeof(double) * n);
-    memcpy(m->old_mode, m->mode, pairs);
-    ns_inputs_stages_at(m->in, t);
-    ns_inputs_stages_find_command(m->in, t, m->o.h, m->mode);
-    const double limit = fmax(fmin(m->in->corner, m->in->first), nextafter(t, INFINITY));
-    for (int less = NS_CAPTURE_FIRST; less >= 2 && status != NS_OK; less -= 4) {
-        memcpy(m->w, m->next_w, sizeof(double) * n);
-        memcpy(m->mode, m->old_mode, pairs);
-        ns_sparse_guard_bounds(m);
-        leg->rung = before->next_rung;
-        leg->stuck = 0;
-        leg->usual = before->usual;
-        leg->time_lost = ns_sparse_step_past(before);
-        status = counted_leg(m, leg, t, limit, ldexp(m->o.h, -leg->rung - less));
+    ns_sparse_event_save(m);
+    for (int less = CAPTURE_FIRST; less >= CAPTURE_LAST && status != NS_OK; less -= CAPTURE_BY) {
+        ns_sparse_event_restore(m);
+        step->length_exponent = before->next_exponent;
+        step->failures = 0;
+        step->usual_length = before->usual_length;
+        step->time_lost = ns_sparse_step_time_lost(before);
+        status = counted_euler_step(m, step, t, limit, ldexp(m->o.h, -step->length_exponent - less));
     }
-    if (status == NS_OK && leg->end_t == limit && ns_sparse_event_at(m, limit))
-        leg->why = NS_LEG_EVENT;
+    if (status == NS_OK && step->end_t == limit && ns_sparse_event_at(m, limit))
+        step->at_event = 1;
     m->counts.jumps_by_steps++;
-    m->budget -= 3000; /* it has no end in sight */
+    m->steps_left -= CAPTURE_COST;
     return status;
 }

@@ -1,7 +1,7 @@
 /* src/sparse/output_only.h - unknowns that only show something: parts of the circuit that hold no charge, no
  * flux and no pair, and that nothing else looks at, as the sources of gates that commands read.
  *
- * They are left out of (P2), corners of their inputs end no leg, and they are solved for when someone asks.
+ * They are left out of (P2), corners of their inputs end no step, and they are solved for when someone asks.
  */
 #ifndef NS_SPARSE_OUTPUT_ONLY_H
 #define NS_SPARSE_OUTPUT_ONLY_H

@@ -32,7 +32,7 @@ double ns_sparse_project_size(const ns_sparse *m) {
     double most = 0;
     for (int i = 0; i < m->f->n; i++)
         if (!m->f->algebraic[i])
-            most = ns_higher(ns_higher(fabs(m->w[i]), m->scale[i]) / m->unit[i], most);
+            most = ns_higher(ns_higher(fabs(m->w[i]), m->largest.w[i]) / m->unit[i], most);
     return most;
 }
 
@@ -88,25 +88,26 @@ static double rates(const ns_sparse *m, double g, const long double *x, double *
 }
 
 /* 1 if the answer so far leaves of (P2) more than rounding. */
-static int contradicts(const ns_sparse *m, double g, const ns_kept_factors *k) {
+static int contradicts(const ns_sparse *m, double g, const ns_cached_factors *k) {
     for (int i = 0; i < m->f->size; i++)
-        m->next_v[i] = (double)m->fine[i];
-    return !(ns_sparse_leaks_left(m->f, g, m->mode, k->scale, m->r, m->next_v, NULL, m->rest) <= rounding);
+        m->work.v[i] = (double)m->work.exact[i];
+    return !(ns_sparse_leaks_left(m->f, g, m->mode, k->scale, m->r, m->work.v, NULL, m->work.residual) <=
+             rounding);
 }
 
 /* by: D of the last ns_sparse_step_solve(), to the last digit of what is of this size.  *fine: 0 if it was,
  * without.
  */
-static int correct(ns_sparse *m, double g, const ns_kept_factors *k, double size, const double *v, double *by,
-                   int *fine) {
+static int correct(ns_sparse *m, double g, const ns_cached_factors *k, double size, const double *v,
+                   double *by, int *fine) {
     const int all = m->f->size;
     double moved = INFINITY;
     int status = NS_OK;
     for (int i = 0; i < all; i++)
-        m->fine[i] = v[i];
+        m->work.exact[i] = v[i];
     for (int round = 0; round < ROUNDS && moved > fine_enough * size; round++) {
-        residual(m, g, m->fine, m->rest);
-        status = ns_sparse_factors_solve(m->q, k, m->rest, m->next_v);
+        residual(m, g, m->work.exact, m->work.residual);
+        status = ns_sparse_factors_solve(m->q, k, m->work.residual, m->work.v);
         if (status == NS_E_SINGULAR && contradicts(m, g, k))
             return status;
         if (status == NS_E_SINGULAR) /* only rounding does */
@@ -114,8 +115,8 @@ static int correct(ns_sparse *m, double g, const ns_kept_factors *k, double size
         if (status != NS_OK)
             return status;
         for (int i = 0; i < all; i++)
-            m->fine[i] += m->next_v[i];
-        moved = rates(m, g, m->fine, by);
+            m->work.exact[i] += m->work.v[i];
+        moved = rates(m, g, m->work.exact, by);
         *fine = *fine && (round > 0 || moved > fine_enough * size);
     }
     return moved <= lost * size || ns_sparse_project_is_rounding(m, g, v, size) ? NS_OK : NS_E_RESIDUAL;
@@ -135,31 +136,31 @@ static left compare(const ns_sparse *m, double size, const double *before, const
     return most <= nothing * size ? ALL_OF_IT : SOME;
 }
 
-/* D^N w, in m->next_w, from the first D^count w that tell.  fine: with corrections, until one moves nothing.
+/* D^N w, in m->work.w, from the first D^count w that tell.  fine: with corrections, until one moves nothing.
  * first: D w, NULL: not known yet. */
 static int powers(ns_sparse *m, double t, double g, int count, int fine, const double *first, left *what) {
-    const ns_kept_factors *k;
+    const ns_cached_factors *k;
     const int n = m->f->n;
-    double size = ns_sparse_project_size(m), *by = m->scale + n;
-    memcpy(m->next_w, m->w, sizeof(double) * (size_t)n);
+    double size = ns_sparse_project_size(m), *by = m->work.rates;
+    memcpy(m->work.w, m->w, sizeof(double) * (size_t)n);
     int status = ns_sparse_factors_factor(m->q, g, m->mode, 1, &k);
     *what = SOME;
     for (int i = 0; i < count && status == NS_OK && *what == SOME; i++) {
         if (i == 0 && first)
             memcpy(by, first, sizeof(double) * (size_t)n);
         else
-            status = ns_sparse_step_solve(m, k, t, g, i, m->next_w, m->z, m->fine_v, by);
-        if (status == NS_E_SINGULAR && i > 0 && largest(m, m->next_w) <= a_jump * size) {
+            status = ns_sparse_step_solve(m, k, t, g, i, m->work.w, m->z, m->work.projected, by);
+        if (status == NS_E_SINGULAR && i > 0 && largest(m, m->work.w) <= a_jump * size) {
             *what = NOTHING; /* rounding contradicts itself */
             return NS_OK;
         }
         size = i == 0 ? fmax(size, largest(m, by)) : size; /* at a start there is nothing yet */
         if (status == NS_OK && fine)
-            status = correct(m, g, k, size, m->fine_v, by, &fine);
+            status = correct(m, g, k, size, m->work.projected, by, &fine);
         if (status == NS_OK)
-            *what = compare(m, size, m->next_w, by);
+            *what = compare(m, size, m->work.w, by);
         for (int r = 0; r < n; r++)
-            m->next_w[r] = *what == ALL_OF_IT && i % 2 == 0 ? -by[r] : by[r];
+            m->work.w[r] = *what == ALL_OF_IT && i % 2 == 0 ? -by[r] : by[r];
     }
     return status;
 }
@@ -180,26 +181,26 @@ static int take_away(ns_sparse *m, double t, double g, const double *first, doub
         if (status != NS_OK || now == NOTHING)
             return status;
         for (int i = 0; i < n; i++) {
-            m->w[i] -= m->next_w[i];
-            gone[i] += m->next_w[i];
+            m->w[i] -= m->work.w[i];
+            gone[i] += m->work.w[i];
         }
         before = round == 0 ? INFINITY : most;
-        most = now == ALL_OF_IT ? 0 : largest(m, m->next_w);
+        most = now == ALL_OF_IT ? 0 : largest(m, m->work.w);
     }
     return NS_OK;
 }
 
-/* 1 if some of what steps of length g take for gone, m->gone, is still there after steps that are far
+/* 1 if some of what steps of length g take for gone, m->work.removed, is still there after steps that are far
  * shorter: it has a time of its own. */
 static int lasts(ns_sparse *m, double t, double g) {
     const double little = (a_jump + lasting * m->o.reltol) * ns_sparse_project_size(m);
     const double finer = fmax(ldexp(g, -NS_FINER), ns_sparse_finest(m));
     left what;
-    if (take_away(m, t, finer, NULL, m->finer_gone, &what) != NS_OK)
+    if (take_away(m, t, finer, NULL, m->work.finer_removed, &what) != NS_OK)
         return 0;
     for (int i = 0; i < m->f->n; i++)
-        m->finer_gone[i] -= m->gone[i];
-    return largest(m, m->finer_gone) > little;
+        m->work.finer_removed[i] -= m->work.removed[i];
+    return largest(m, m->work.finer_removed) > little;
 }
 
 int ns_sparse_project_consistent(ns_sparse *m, double t, double g, const double *first, ns_jump_kind *jump) {
@@ -207,17 +208,17 @@ int ns_sparse_project_consistent(ns_sparse *m, double t, double g, const double 
     const double size = ns_sparse_project_size(m);
     left what = NOTHING;
     *jump = NS_NO_JUMP;
-    memcpy(m->before_w, m->w, bytes);
-    const int status = take_away(m, t, g, first, m->gone, &what);
-    if (status != NS_OK || what == NOTHING || !(largest(m, m->gone) > a_jump * size))
+    memcpy(m->work.before_w, m->w, bytes);
+    const int status = take_away(m, t, g, first, m->work.removed, &what);
+    if (status != NS_OK || what == NOTHING || !(largest(m, m->work.removed) > a_jump * size))
         return status;
     *jump = NS_JUMPS;
     if (what != SOME || g <= ns_sparse_finest(m))
         return NS_OK;
-    memcpy(m->right_w, m->w, bytes);
-    memcpy(m->w, m->before_w, bytes);
+    memcpy(m->work.right_w, m->w, bytes);
+    memcpy(m->w, m->work.before_w, bytes);
     if (lasts(m, t, g))
         *jump = NS_LASTS;
-    memcpy(m->w, *jump == NS_LASTS ? m->before_w : m->right_w, bytes);
+    memcpy(m->w, *jump == NS_LASTS ? m->work.before_w : m->work.right_w, bytes);
     return NS_OK;
 }

@@ -1,4 +1,4 @@
-/* src/sparse/sparse.h - the marcher for large circuits: its face. */
+/* src/sparse/sparse.h - the engine for large circuits, for its callers. */
 #ifndef NS_SPARSE_H
 #define NS_SPARSE_H
 
@@ -8,10 +8,10 @@ typedef struct ns_sparse ns_sparse; /* begins with an ns_engine */
 
 typedef struct ns_sparse_options {
     double h;      /* longest step, s, > 0 */
-    double reltol; /* error of a step, relative to the charges and fluxes there were; 0: 1e-9 */
+    double reltol; /* error of a step, relative to the largest charges and fluxes so far; 0: 1e-9 */
     size_t bytes;  /* bound on the memory of kept factors; 0: 64 MiB */
-    int finer;     /* h 2^-this is what else counts from: h 2^-20 of it is no time at all */
-    double theta;  /* in (0,1]: steps of the scheme, all of length h (theta_step.c); 0: of high order */
+    int finer;     /* lengths of events and transients count from h 2^-finer, not from h */
+    double theta;  /* in (0,1]: steps of the theta scheme, all of length h (theta_step.c); 0: of high order */
 } ns_sparse_options;
 
 /* As the calls of nonsmooth/march.h of the same names; systems may be large. */

@@ -1,14 +1,16 @@
-/* src/sparse/sparse_internal.h - the marcher for large circuits from inside.
+/* src/sparse/sparse_internal.h - the engine for large circuits from inside.
  *
- * Between events it goes by (E1), (E2) (laguerre.h): a leg is NS_ORDER solves with one sparse factor of (P2),
- * and gives every unknown and guard at any time in it.  Legs have the lengths h 2^-k, so that factors recur,
- * and end where a guard breaks, an input turns or a command changes.
+ * Between events it takes steps by (E1), (E2) (laguerre.h): a step is at most NS_ORDER solves with one sparse
+ * factor of (P2), and gives every unknown and every guard at any time in it.  Steps have the lengths h 2^-k,
+ * so that the same factors serve again, and end where a guard breaks, an input has a corner or a command
+ * changes.
  */
 #ifndef NS_SPARSE_INTERNAL_H
 #define NS_SPARSE_INTERNAL_H
 
 #include <math.h>
 
+#include "engine/engine.h"
 #include "factor_cache.h"
 #include "inputs/input_stages.h"
 #include "modes/laguerre.h"
@@ -17,221 +19,293 @@
 #include "sparse.h"
 #include "theta_step.h"
 
-enum { NS_STAGES = NS_ORDER + 1 }; /* the last one only where a leg is looked into */
+enum { NS_STAGES = NS_ORDER + 1 }; /* the last one only where an event is located in the step */
+/* Exponents k of lengths h 2^-k; those marked + count from h 2^-o.finer. */
 enum {
-    NS_SHORT_RUNG = 16,
-    NS_LEAST_RUNG = 28,
-    NS_EVENT_LEAST = 26,
-    NS_CROWD_OF_PAIR = 1000, /* flips of a pair in the time of a leg that are chatter, */
-    NS_MOST_EULERS = 64,     /* or Euler steps */
-    NS_STUCK = 6,
-    NS_FINER = 12,  /* steps in which a transient lasts that is gone after longer ones, */
-    NS_FINEST = 26, /* down to which it is one */
-    NS_MOST_FINER = 6,
-    NS_RUNGS = NS_LEAST_RUNG + NS_MOST_FINER + 1,
-    NS_CAPTURE_FIRST = 14
+    NS_SHORT_EXPONENT = 16,       /* of the length of a step, shorter by this: negligible, for events */
+    NS_LEAST_EXPONENT = 28,       /* + the shortest step */
+    NS_EVENT_LEAST_EXPONENT = 26, /* + the shortest step that resolves an event */
+    NS_FINER = 12,     /* of the step that makes w consistent: what lasts that short is a transient, */
+    NS_FINEST = 26,    /* + unless it is shorter than this: then it jumps */
+    NS_MOST_FINER = 6, /* the largest o.finer */
+    NS_EXPONENTS = NS_LEAST_EXPONENT + NS_MOST_FINER + 1
 };
 
-typedef enum ns_leg_end { NS_LEG_GOES_ON, NS_LEG_EVENT } ns_leg_end;
+/* --- one step --- */
 
 typedef struct ns_dense_step {
-    double t, end_t;     /* it holds from t to end_t, */
-    double end;          /* which is so much later */
-    double time_lost;    /* what t lost in rounding: w is of t + time_lost */
-    double g;            /* Euler steps of its stages */
-    int rung, next_rung; /* of its length; to try after it */
-    int stages;          /* of xi that are known */
-    int calm;            /* D^i w vanish: nothing jumps, nothing stiff is there */
-    ns_leg_end why;
-    int pair, command; /* what breaks at the end, -1: none */
-    int upper;         /* the upper bound of that pair's lambda did */
-    double usual;      /* how long legs were of late */
-    int stuck;         /* legs in a row that ended at once */
-    int euler;         /* an implicit Euler step; only its end is known, by stage 0 */
-    int smooth;        /* of the scheme: the rates of the step before are known too */
-    double *xi;        /* NS_STAGES (n+m) */
-    double *dw;        /* (NS_STAGES+1) n: D^i w */
-    double *z;         /* NS_STAGES nz */
-    ns_mode *mode;     /* m */
+    /* time */
+    double t, end_t;     /* it begins at t and ends at end_t, s */
+    double length;       /* end_t - t before rounding, s */
+    double time_lost;    /* what rounding took from t: powers[0] is w at t + time_lost, s */
+    double g;            /* length of the Euler steps of its stages, s */
+    int length_exponent; /* of its full length, h 2^-length_exponent */
+    int next_exponent;   /* to be tried for the next step */
+    double usual_length; /* a mean of the lengths of the last steps, s */
+    /* what it is */
+    int is_euler;  /* one implicit Euler step: only its end is known, by stage 0 */
+    int is_smooth; /* of the theta scheme: the rates of the step before are known too */
+    int stages;    /* how many are known */
+    int converged; /* D^i w vanish: nothing jumps, nothing stiff is excited */
+    /* what ends it */
+    int at_event;      /* an event ends it: */
+    int pair, command; /* of this guard; -1: not of a pair, not of a command by the state */
+    int upper;         /* the upper bound of that pair's lambda is reached */
+    int failures;      /* steps in a row that ended where they began */
+    /* its polynomials */
+    double *images; /* NS_STAGES (n+m): x, lambda of stage i */
+    double *powers; /* (NS_STAGES+1) n: D^i w */
+    double *z;      /* NS_STAGES nz: inputs of stage i */
+    ns_mode *mode;  /* m */
 } ns_dense_step;
 
-enum { NS_GUESS_PAIRS = 6, NS_NO_GUESS = 0, NS_FIRST_GUESS, NS_LEARNT_GUESS };
+/* A point in a step. */
+typedef struct ns_sparse_point {
+    ns_dense_step *step; /* one of the three */
+    double tau;          /* how far into it, s */
+    double t;            /* at which time, s */
+} ns_sparse_point;
 
-/* What else changed when it did the last time. */
+/* --- what is saved and restored together --- */
+
+/* The largest charges, fluxes, lambda and y so far: rounding and errors are judged against them. */
+typedef struct ns_sparse_largest {
+    double *w;                      /* n */
+    double lambda, y;               /* of steps as long as the present one, or longer */
+    double lambda_of[NS_EXPONENTS]; /* of accepted steps, by their length exponent */
+    double y_of[NS_EXPONENTS];      /* the same */
+} ns_sparse_largest;
+
+/* Changes counted to find chatter. */
+typedef struct ns_sparse_chatter {
+    double *flip_t; /* m: since when changes of a pair are counted, s */
+    int *flips;     /* m: how many there were */
+    double euler_t; /* since when Euler steps are counted, s */
+    int eulers;     /* how many there were */
+} ns_sparse_chatter;
+
+/* Where the resolution of an event begins. */
+typedef struct ns_before_event {
+    double *w;              /* n */
+    ns_mode *mode;          /* m */
+    unsigned char *changed; /* nc */
+} ns_before_event;
+
+/* --- predictions of modes (mode_prediction.c) --- */
+
+enum { NS_PREDICTED_PAIRS = 6 };
+
+/* Which other pairs changed when the same ones did before. */
 typedef struct ns_mode_prediction {
-    unsigned long long key;  /* of what changed by itself */
-    int count, sure, failed; /* -1: too many; it is to be tried; it was in vain so often */
-    int pair[NS_GUESS_PAIRS];
-    ns_mode mode[NS_GUESS_PAIRS];
+    unsigned long long key;           /* of the pairs that the event changed itself; 0: empty */
+    int count;                        /* other pairs that changed with them, -1: too many */
+    int sure;                         /* it is to be tried */
+    int failed;                       /* how often it was wrong */
+    int pair[NS_PREDICTED_PAIRS];     /* which */
+    ns_mode mode[NS_PREDICTED_PAIRS]; /* and to what */
 } ns_mode_prediction;
 
+typedef enum ns_prediction_kind {
+    NS_NO_PREDICTION,
+    NS_FIRST_PREDICTION,
+    NS_LEARNT_PREDICTION
+} ns_prediction_kind;
+
+typedef struct ns_mode_predictions {
+    ns_mode_prediction *table; /* by a hash */
+    size_t places;             /* entries of table */
+    ns_prediction_kind trying; /* a step is tried for a prediction: it stops when that turns out wrong */
+    int alone;                 /* above zero: most often no other pair changed */
+    int sought;                /* above zero: searches by long Euler steps succeed */
+} ns_mode_predictions;
+
+/* --- the engine --- */
+
 struct ns_sparse {
-    ns_engine engine;   /* table.c */
-    const ns_system *s; /* what stays of the whole */
-    ns_output_only *aside;
-    ns_sparse_options o;
-    ns_form *f;
-    ns_mode_factors *q;
-    ns_input_stages *in;
-    ns_dense_step leg[3], *live, *kept;
-    double live_tau, kept_tau;                      /* how far into them, */
-    double live_t, kept_t;                          /* at which times */
-    double *l, *u;                                  /* m, commanded pairs as commanded */
-    ns_mode *mode;                                  /* m: of what comes next */
-    unsigned char *flip;                            /* m */
-    unsigned char *touched;                         /* m: pairs that changed while a mode is looked for */
-    unsigned char *changed;                         /* nc: commands that changed at this event */
-    unsigned char *event_changed;                   /* nc: at the left of an event */
-    double *w, *next_w;                             /* n */
-    double *before_w, *right_w, *gone, *finer_gone; /* n: while a jump is looked for */
-    double *event_w;                                /* n: at the left of an event */
-    ns_mode *event_mode;                            /* m: asked for there, before anything is settled */
-    double *scale, *unit; /* 3 n: the largest w there were, and work; n: of one M alone, the square root */
-    double *share;        /* n: 1 / scale of a leg, 0 where nothing is */
-    double most_lambda, most_y; /* the largest there were: of legs as long as this one or longer, */
-    double lambda_of[NS_RUNGS], y_of[NS_RUNGS];             /* of legs that were gone, by rung */
-    ns_mode *old_mode, *shown;                              /* m; m: what slides counts as closed */
-    ns_mode *own_mode;                                      /* m: after what an event changes by itself */
-    ns_mode_prediction *guess;                              /* by a hash: */
-    size_t guesses;                                         /* so many places */
-    int guessing, alone;                                    /* NS_..._GUESS is tried; first ones pay */
-    int sought;                                             /* above zero: looking for them pays, too */
-    double *kept_scale, kept_most[2], kept_of[2][NS_RUNGS]; /* n: before it */
-    double *crowd_t;                                        /* 2 m: since when flips of a pair are counted, */
-    int *crowd;                   /* 2 m: how many there were; then both as they were accepted */
-    double euler_t, kept_euler_t; /* since when Euler steps are counted, */
-    int eulers, kept_eulers;      /* how many there were; and as accepted */
-    int crowd_moved;              /* they are no longer as accepted */
-    int contradicted;             /* at an event: the pair of a switch that has no state to be in; -1 */
-    double *v, *r, *rate;         /* size, size, n */
-    double *next_v, *rest;        /* size */
-    long double *fine;            /* size */
-    double *fine_v;               /* size */
-    double *z, *z_none;           /* nz */
-    ns_shared_branch *twin;       /* pairs across switches, */
-    int twins;                    /* so many */
-    ns_sparse_theta scheme;
-    int started, has_trial;
-    double asked;
-    ns_until until;
-    long budget;
+    ns_engine engine; /* table.c */
+
+    /* the system */
+    const ns_system *s;          /* without the unknowns of output_only */
+    ns_output_only *output_only; /* unknowns that are solved for only when read */
+    ns_sparse_options o;         /* as given, defaults filled in */
+    ns_form *f;                  /* its matrices */
+    ns_mode_factors *q;          /* and their factors, by mode */
+    ns_input_stages *in;         /* its inputs and commands of time */
+    ns_shared_branch *shared;    /* pairs across switches */
+    int shared_count;            /* entries of shared */
+    double *unit;                /* n: the square root of the largest entry of row i of M */
+
+    /* steps and points in them */
+    ns_dense_step steps[3];   /* of the accepted point, of the trial, and one that is being made */
+    ns_sparse_point accepted; /* the accepted point */
+    ns_sparse_point trial;    /* the trial */
+    int started, has_trial;   /* 1: there is an accepted point; there is a trial beyond it */
+    double asked_t;           /* to where that trial was asked for, s */
+    ns_until until;           /* and up to what */
+    long steps_left;          /* until it is given up */
+    ns_sparse_theta theta;    /* steps of the theta scheme */
+
+    /* the state that the next step begins with */
+    double *w;     /* n: charges and fluxes */
+    ns_mode *mode; /* m; with it follow, by ns_sparse_mode_set_all(): */
+    double *l, *u; /* m: bounds, of commanded pairs as commanded */
+
+    /* an event */
+    unsigned char *touched;  /* m: pairs that changed in the search for a mode */
+    unsigned char *flip;     /* m: broken guards: 1 the only one, 2 the upper bound of lambda */
+    unsigned char *changed;  /* nc: 1 commands that changed at this event, 2 that begin to slide */
+    ns_mode *commanded_mode; /* m: after what the event itself changes, and nothing that follows from it */
+    int contradicting_pair;  /* the pair of a switch that can be neither open nor closed; -1: none */
+    ns_before_event before_event; /* where its resolution began */
+    ns_mode_predictions predict;  /* of its mode */
+
+    /* what errors and chatter are judged by */
+    ns_sparse_largest largest, saved_largest;    /* so far; before a prediction was tried */
+    double *inverse_scale;                       /* n: 1 / scale of w_i in this step; 0: no charge, no flux */
+    ns_sparse_chatter chatter, accepted_chatter; /* so far; at the accepted point */
+    int chatter_changed;                         /* these two differ */
+
+    /* right-hand sides, solutions: valid from the call that fills them to the next solve */
+    double *r;    /* n+m: right-hand side of (P2) */
+    double *rate; /* n: T (b + E z) of it */
+    double *v;    /* n+m: x, lambda */
+    double *z;    /* nz: inputs that v was solved with */
+
+    /* scratch: nothing is kept there between calls of different files */
+    struct {
+        double *w;                  /* n */
+        double *move;               /* n: by how much a step moves w */
+        double *rates;              /* n */
+        double *before_w, *right_w; /* n each: w before a jump, and after it */
+        double *removed;            /* n: what a jump takes from w, */
+        double *finer_removed;      /* n: and by a shorter step */
+        double *v, *residual;       /* n+m each */
+        double *projected;          /* n+m: a solution that is refined, */
+        long double *exact;         /* n+m: in more digits */
+        double *no_inputs;          /* nz: zero */
+        ns_mode *mode;              /* m */
+    } work;
+
+    /* what the caller sees */
+    ns_mode *shown_mode; /* m: of the trial, switches that slide count as closed */
     ns_counts counts;
     ns_fault fault;
 };
 
-/* sparse/engine.c: keeps status and time in the fault; returns the status. */
-int ns_sparse_fail(ns_sparse *m, double t, int status);
-/* next_step.c: a leg from m->w, m->mode at t, after one (NULL: the first) that ended there; the same where no
- * mode is found in no time: an implicit Euler step that takes a while may find one. */
-int ns_sparse_capture(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *leg);
-int ns_sparse_next_step(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *leg);
+/* --- functions, by file; m: the engine, step: one of its steps, t, g: s --- */
 
-/* step_control.c: a leg from w, mode at t, no later than limit, with the first event in it. */
-int ns_sparse_step_begin(ns_sparse *m, ns_dense_step *leg, double t, double limit);
+/* engine.c */
+int ns_sparse_fail(ns_sparse *m, double t, int status); /* keeps both in the fault; returns the status */
+void ns_sparse_rewind(ns_sparse *m, double t0);         /* not started; all points at t0, */
+int ns_sparse_first_step(ns_sparse *m); /* the step from there, by m->w and m->mode: started */
 
-/* step_kernel.c: stage i of a leg; one stage more, if it has not all yet; E2 and E1 at tau. */
-int ns_sparse_step_stage(ns_sparse *m, ns_dense_step *leg, const ns_kept_factors *k, int i);
-int ns_sparse_step_more(ns_sparse *m, ns_dense_step *leg);
-/* time_lost at the end of a leg: legs of one length round t off in the same way each time, which would add
- * up.
- */
-double ns_sparse_step_past(const ns_dense_step *leg);
-/* sum (size) += what the stages there are leave of (P2), solved for: what rounding did to them, or may. */
-int ns_sparse_step_residue(ns_sparse *m, const ns_dense_step *leg, double *sum);
-void ns_sparse_step_state(const ns_sparse *m, const ns_dense_step *leg, double tau, double *w);
-void ns_sparse_step_point(const ns_sparse *m, const ns_dense_step *leg, double tau, double *v);
+/* next_step.c: a step from m->w, m->mode at t, after the step `before` (NULL: the first). */
+int ns_sparse_next_step(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step);
+/* The same, where no mode was found: an implicit Euler step of a good part of the length. */
+int ns_sparse_next_captured(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step);
 
-/* One implicit Euler step of length g from w (n) in m->mode at t to v (size); by (n, or NULL) gets what w
- * moves. */
-int ns_sparse_euler(ns_sparse *m, double t, double g, const double *w, int brief, double *v, double *by);
-
-/* Stage i of steps of length g from t: v (size) from D^i w, inputs z (nz) and a factor of m->mode, and by (n)
- * = D^(i+1) w.  Its right-hand side stays in m->r. */
-int ns_sparse_step_solve(ns_sparse *m, const ns_kept_factors *k, double t, double g, int i, const double *w,
-                         double *z, double *v, double *by);
-
-static inline int ns_sparse_least_length(const ns_sparse *m) {
-    return NS_LEAST_RUNG + m->o.finer;
+/* step_control.c: a step from m->w, m->mode at t until limit at most, ended by the first event in it. */
+int ns_sparse_control_step(ns_sparse *m, ns_dense_step *step, double t, double limit);
+static inline int ns_sparse_least_exponent(const ns_sparse *m) {
+    return NS_LEAST_EXPONENT + m->o.finer;
 }
 
-/* The right-hand side of (P2) from w (n; NULL: zero) and inputs z (any: not all are zero), to m->r;
- * constants: 1 with what is constant. */
+/* step_kernel.c: the right-hand side of (P2) from w (n; NULL: zero) and inputs z (any: not all are zero), to
+ * m->r; constants: 1 with what is constant. */
 void ns_sparse_step_rhs(ns_sparse *m, double g, const double *w, const double *z, int any, int constants);
+/* Stage i of steps of length g from t: v (n+m) from D^i w, inputs z (nz) and a factor of m->mode, and by (n)
+ * = D^(i+1) w.  Its right-hand side stays in m->r. */
+int ns_sparse_step_solve(ns_sparse *m, const ns_cached_factors *k, double t, double g, int i, const double *w,
+                         double *z, double *v, double *by);
+/* One implicit Euler step of length g from w (n) in m->mode at t to v (n+m); by (n, or NULL) = D w. */
+int ns_sparse_step_euler(ns_sparse *m, double t, double g, const double *w, int brief, double *v, double *by);
+/* Stage i of a step; the next one, if it has not all of them. */
+int ns_sparse_step_stage(ns_sparse *m, ns_dense_step *step, const ns_cached_factors *k, int i);
+int ns_sparse_step_more(ns_sparse *m, ns_dense_step *step);
+/* Dense output: w (n) by (E2), v = (x, lambda) by (E1), tau after its beginning. */
+void ns_sparse_step_state(const ns_sparse *m, const ns_dense_step *step, double tau, double *w);
+void ns_sparse_step_point(const ns_sparse *m, const ns_dense_step *step, double tau, double *v);
+/* time_lost at the end of a step.  Steps of one length round t in the same direction each time, which would
+ * add up. */
+double ns_sparse_step_time_lost(const ns_dense_step *step);
+/* sum (n+m) += K^-1 of what the stages leave of (P2): what rounding may have done to them. */
+int ns_sparse_step_residue(ns_sparse *m, const ns_dense_step *step, double *sum);
 
-/* theta_step.c: what its steps need; steps from m->w, m->mode at t until `until`, the last one to leg; x,
- * lambda at tau in a leg of them. */
+/* theta_step.c: what these steps need; steps from m->w, m->mode at t until `until`, of which `step` is the
+ * last; x, lambda at tau in it. */
 int ns_sparse_theta_create(ns_sparse *m);
 void ns_sparse_theta_free(ns_sparse *m);
-int ns_sparse_theta_go(ns_sparse *m, double t, double until, ns_dense_step *leg);
-int ns_sparse_theta_point(ns_sparse *m, const ns_dense_step *leg, double tau, double *v);
+void ns_sparse_theta_stop(ns_sparse *m); /* the next one begins from m->w, m->mode anew */
+int ns_sparse_theta_go(ns_sparse *m, double t, double until, ns_dense_step *step);
+int ns_sparse_theta_point(ns_sparse *m, const ns_dense_step *step, double tau, double *v);
 
+/* What making w consistent did: nothing but rounding; charges or fluxes jumped; nothing, because a transient
+ * that lasts would be lost. */
+typedef enum ns_jump_kind { NS_NO_JUMP, NS_JUMPS, NS_LASTS } ns_jump_kind;
+
+/* project.c: the largest charge or flux that there is or was, in units. */
+double ns_sparse_project_size(const ns_sparse *m);
+/* m->w made consistent with m->mode by steps of length g; first (n): D w of the first one, if known, else
+ * NULL. Errors: RESIDUAL (digits are lost). */
+int ns_sparse_project_consistent(ns_sparse *m, double t, double g, const double *first, ns_jump_kind *jump);
+/* 1 if charges and fluxes of this size are what rounding makes of rates in the time g, with v: a bridge that
+ * carries nothing. */
+int ns_sparse_project_is_rounding(const ns_sparse *m, double g, const double *v, double size);
 static inline double ns_sparse_finest(const ns_sparse *m) {
     return ldexp(m->o.h, -NS_FINEST - m->o.finer);
 }
 
-/* What making charges and fluxes consistent has done to them: nothing but rounding; made them jump; nothing
- * yet, for it would take away what lasts, if shortly. */
-typedef enum ns_jump_kind { NS_NO_JUMP, NS_JUMPS, NS_LASTS } ns_jump_kind;
-
-/* project.c: the largest charge or flux there is or was, in units; m->w made consistent with m->mode by
- * steps of length g, of which first (n) is what the first one moves, if that is known (else NULL): what is
- * faster goes.  Errors: RESIDUAL (digits are lost). */
-double ns_sparse_project_size(const ns_sparse *m);
-int ns_sparse_project_consistent(ns_sparse *m, double t, double g, const double *first, ns_jump_kind *jump);
-/* All charges and fluxes, of this size, are what rounding makes of rates in the time g, with v: a bridge at
- * rest. */
-int ns_sparse_project_is_rounding(const ns_sparse *m, double g, const double *v, double size);
-
-/* sparse/shared_branch.c: as ns_modes_shared_find() (shared_branch.h). */
+/* shared_branch.c: as ns_modes_shared_find(). */
 int ns_sparse_shared_find(const ns_system *s, const ns_form *f, ns_shared_branch **out, int *count);
 
-/* sparse/guards.c: bounds of commanded pairs, and of their twins, as m->mode has them; the first event of a
- * leg; which guards are broken at v after a step g from w: flips them in m->mode and marks them touched,
- * returns how many; state-dependent commands that v contradicts: flips them, or, those that had changed at
- * this event already (changed, nc, or NULL), lets them slide, from the mode of the leg before it. */
-void ns_sparse_guard_bounds(ns_sparse *m);
-/* How large lambda and y are at v, into what they were at most, which stays once the leg is gone; whether
- * those of the last of p stages are so small beside that, that no further ones are needed. */
-void ns_sparse_guard_sizes(ns_sparse *m, const double *v, int rung);
-void ns_sparse_guard_keep_sizes(ns_sparse *m, int rung);
-int ns_sparse_guard_enough(const ns_sparse *m, const ns_dense_step *leg, int p);
-int ns_sparse_guard_first(ns_sparse *m, ns_dense_step *leg);
-int ns_sparse_guard_broken(ns_sparse *m, const double *v, const double *w, double g,
-                           int brief); /* only marks them in m->flip */
-int ns_sparse_guard_flip(ns_sparse *m, const double *v, const double *w, double g, int brief);
-int ns_sparse_guard_commands(ns_sparse *m, const double *v, const ns_dense_step *leg, unsigned char *changed);
-void ns_sparse_guard_set(ns_sparse *m, int j, int upper); /* flips one pair */
-int ns_sparse_guard_holds(const ns_sparse *m, int j,
-                          const double *v); /* pair j keeps its law to the last bit */
+/* largest.c: nothing known; w and D w of a step taken in, returns the largest of all in units; lambda and y
+ * at v of a step of that exponent taken in, then kept for later ones; saved, or restored. */
+void ns_sparse_largest_reset(ns_sparse *m);
+double ns_sparse_largest_w(ns_sparse *m, const ns_dense_step *step);
+void ns_sparse_largest_guards(ns_sparse *m, const double *v, int exponent);
+void ns_sparse_largest_accept(ns_sparse *m, int exponent);
+void ns_sparse_largest_save(ns_sparse *m);
+void ns_sparse_largest_restore(ns_sparse *m);
 
-/* Whether all guards hold at the start of a leg, but for rounding, what later stages would add, and share of
- * the largest lambda and y. */
-int ns_sparse_guard_starts(ns_sparse *m, const ns_dense_step *leg, double share);
+/* chatter.c: counts from zero; counts as accepted, or back to the accepted ones. */
+void ns_sparse_chatter_reset(ns_sparse *m);
+void ns_sparse_chatter_accept(ns_sparse *m);
+void ns_sparse_chatter_drop(ns_sparse *m);
+/* The event at the end of a step, an Euler step of it.  Errors: LIMIT (too many within its length). */
+int ns_sparse_chatter_event(ns_sparse *m, const ns_dense_step *step, double t);
+int ns_sparse_chatter_euler(ns_sparse *m, const ns_dense_step *step, double t);
 
-/* mode_prediction.c: after ns_sparse_event_own(), a leg from t in the mode that events like this led to
- * before, or that a step of its length finds; 0: none that holds, the mode is as it was.  From an event that
- * was resolved. */
-int ns_sparse_predict_step(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *leg);
-void ns_sparse_predict_learn(ns_sparse *m, const ns_dense_step *leg);
+/* event_location.c: the first guard that breaks in a step ends it. */
+int ns_sparse_location_first(ns_sparse *m, ns_dense_step *step);
 
-/* sparse/event.c: commands of time change that do so at t, or have to; m->mode such that an Euler step of
- * length g from w holds; v gets its end. */
-int ns_sparse_event_consistent(ns_sparse *m, double t, double g, const double *w, double *v, double *by);
-/* local_lcp.c: the same by (P1) of the pairs touched so far, and of those that it breaks. */
-int ns_sparse_event_local(ns_sparse *m, double t, double g, const double *w, double *v, double *by);
-/* The same, and commands of the state settled with it. */
-int ns_sparse_event_consistent_all(ns_sparse *m, double t, double g, const ns_dense_step *leg, double *by);
-void ns_sparse_event_command(ns_sparse *m, double t);
-/* An input jumps at t, or a command of time changes. */
+/* mode_prediction.c: the table, empty; nothing learnt. */
+int ns_sparse_predict_create(ns_sparse *m); /* Errors: MEMORY */
+void ns_sparse_predict_free(ns_sparse *m);
+void ns_sparse_predict_reset(ns_sparse *m);
+/* After ns_sparse_event_own_changes(): a step from t in the mode that events like this one led to before, or
+ * that an Euler step as long as the last one finds.  0: none that holds, the mode is as it was. */
+int ns_sparse_predict_step(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step);
+/* m->mode is what the event at the end of `before` led to. */
+void ns_sparse_predict_learn(ns_sparse *m, const ns_dense_step *before);
+
+/* event.c: 1 if an input jumps at t, or a command of time changes. */
 int ns_sparse_event_at(const ns_sparse *m, double t);
-/* What is counted of flips is accepted (keep), or goes back to what was. */
-void ns_sparse_event_crowd(ns_sparse *m, int keep);
-/* A pair that changes all the time in the time of a leg chatters: LIMIT. */
-int ns_sparse_event_count(ns_sparse *m, const ns_dense_step *leg, double t);
-/* What the leg that ended (NULL: a start) ended for, and commands of time, change. */
-void ns_sparse_event_own(ns_sparse *m, const ns_dense_step *leg, double t);
-/* The event at the end of a leg, from m->w, after ns_sparse_event_own(): m->mode and m->w to its right.  leg
- * NULL: a start. */
-int ns_sparse_resolve(ns_sparse *m, const ns_dense_step *leg, double t);
+/* Commands of time that change at t, or have to, do so. */
+void ns_sparse_event_time_commands(ns_sparse *m, double t);
+/* Keeps m->w, m->mode and the commands that changed; they are again as kept. */
+void ns_sparse_event_save(ns_sparse *m);
+void ns_sparse_event_restore(ns_sparse *m);
+/* The guard that ended the step (NULL: a start) and commands of time change. */
+void ns_sparse_event_own_changes(ns_sparse *m, const ns_dense_step *step, double t);
+/* m->mode such that an Euler step of length g from w breaks no guard; v gets its end, by (n, or NULL) D w. */
+int ns_sparse_event_consistent(ns_sparse *m, double t, double g, const double *w, double *v, double *by);
+/* The same, and commands of the state with it. */
+int ns_sparse_event_consistent_all(ns_sparse *m, double t, double g, const ns_dense_step *step, double *by);
+/* After ns_sparse_event_own_changes(), from m->w: m->mode and m->w to the right of the event. */
+int ns_sparse_event_resolve(ns_sparse *m, const ns_dense_step *step, double t);
+
+/* local_lcp.c: as ns_sparse_event_consistent(), by (P1) of the pairs touched so far and of those it breaks.
+ */
+int ns_sparse_local_lcp(ns_sparse *m, double t, double g, const double *w, double *v, double *by);
 
 #endif

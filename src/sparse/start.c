@@ -1,53 +1,32 @@
-/* src/sparse/start.c - a consistent start of the sparse marcher: from charges and fluxes, or from the
- * DC operating point. */
-#include "sparse_internal.h"
+/* src/sparse/start.c - a consistent start: from charges and fluxes, or from the DC operating point. */
+#include "guards.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Nothing known: every pair at the finite bound nearest to zero, all switches open. */
-static void rest(ns_sparse *m) {
-    for (int j = 0; j < m->f->m; j++) {
-        m->l[j] = m->s->l[j];
-        m->u[j] = m->s->u[j];
-        m->mode[j] = isfinite(m->l[j]) ? NS_LOWER : isfinite(m->u[j]) ? NS_UPPER : NS_INSIDE;
-        m->crowd_t[j] = m->crowd_t[m->f->m + j] = -INFINITY;
-    }
-    for (int c = 0; c < m->s->nc; c++)
-        m->mode[m->s->command[c].pair] = NS_LOWER;
-    ns_sparse_guard_bounds(m);
-    memset(m->scale, 0, sizeof(double) * 3 * (size_t)m->f->n);
-    m->euler_t = m->kept_euler_t = -INFINITY;
-    m->eulers = m->kept_eulers = 0;
-    m->crowd_moved = 0;
-    m->most_lambda = m->most_y = 0;
-    memset(m->lambda_of, 0, sizeof m->lambda_of);
-    memset(m->y_of, 0, sizeof m->y_of);
-    m->started = m->has_trial = m->scheme.running = m->fault.npairs = 0;
+/* Nothing known; switches open, or as in closed (nc), other pairs at a bound. */
+static void forget_past(ns_sparse *m, const unsigned char *closed) {
+    ns_sparse_guard_reset_modes(m, closed);
+    ns_sparse_chatter_reset(m);
+    ns_sparse_largest_reset(m);
+    ns_sparse_predict_reset(m);
+    ns_sparse_theta_stop(m);
     ns_inputs_stages_reset(m->in);
-    memset(m->guess, 0, m->guesses * sizeof *m->guess);
-    m->alone = 0;
-    m->sought = 1;
+    m->fault.npairs = 0;
 }
 
-/* From m->w and m->mode. */
-static int begin(ns_sparse *m, double t0) {
-    ns_sparse_event_own(m, NULL, t0);
-    int status = ns_sparse_resolve(m, NULL, t0);
+/* From m->w and m->mode, made consistent. */
+static int start_from_state(ns_sparse *m, double t0) {
+    ns_sparse_event_own_changes(m, NULL, t0);
+    int status = ns_sparse_event_resolve(m, NULL, t0);
     m->counts.events--; /* a start is none */
-    m->kept = m->live = m->leg;
     if (status == NS_OK)
-        status = ns_sparse_next_step(m, t0, NULL, m->leg);
-    if (m->contradicted >= 0) {
+        status = ns_sparse_first_step(m);
+    if (m->contradicting_pair >= 0) {
         m->fault.npairs = 1;
-        m->fault.pair[0] = m->contradicted;
+        m->fault.pair[0] = m->contradicting_pair;
     }
-    if (status != NS_OK)
-        return ns_sparse_fail(m, t0, status);
-    m->kept_tau = m->live_tau = 0;
-    m->kept_t = m->live_t = t0;
-    m->started = 1;
-    return NS_OK;
+    return status == NS_OK ? NS_OK : ns_sparse_fail(m, t0, status);
 }
 
 static int can_start_at(const ns_sparse *m, double t0) {
@@ -59,27 +38,24 @@ int ns_sparse_start(ns_sparse *m, double t0, const double *w0) {
 }
 
 int ns_sparse_start_as(ns_sparse *m, double t0, const double *w0, const unsigned char *closed) {
-    if (!m || (!w0 && m->aside->whole->n > 0))
+    if (!m || (!w0 && m->output_only->whole->n > 0))
         return NS_E_NULL;
-    m->started = m->has_trial = 0;
+    ns_sparse_rewind(m, t0);
     if (!can_start_at(m, t0))
         return ns_sparse_fail(m, t0, NS_E_NUMBER);
-    for (int i = 0; w0 && i < m->aside->whole->n; i++)
+    for (int i = 0; w0 && i < m->output_only->whole->n; i++)
         if (!isfinite(w0[i]))
             return ns_sparse_fail(m, t0, NS_E_NUMBER);
-    rest(m);
-    for (int c = 0; closed && c < m->s->nc; c++)
-        m->mode[m->s->command[c].pair] = closed[c] ? NS_INSIDE : NS_LOWER;
-    ns_sparse_guard_bounds(m);
+    forget_past(m, closed);
     for (int i = 0; w0 && i < m->f->n; i++)
-        m->next_w[i] = w0[m->aside->stays[i]];
+        m->work.w[i] = w0[m->output_only->stays[i]];
     for (int i = 0; i < m->f->n; i++)
-        m->w[i] = m->f->algebraic[i] ? 0 : ns_linalg_csc_dot(&m->f->Tt, i, m->next_w);
-    return begin(m, t0);
+        m->w[i] = m->f->algebraic[i] ? 0 : ns_linalg_csc_dot(&m->f->Tt, i, m->work.w);
+    return start_from_state(m, t0);
 }
 
-/* With the matrices of rest in place of the marcher's own: x and lambda to m->v. */
-static int settle_at_rest(ns_sparse *m, double t0, ns_form *f, ns_mode_factors *q) {
+/* With the matrices at rest in place of the engine's own: x and lambda to m->v. */
+static int find_mode_at_rest(ns_sparse *m, double t0, ns_form *f, ns_mode_factors *q) {
     ns_form *const own = m->f;
     ns_mode_factors *const factors = m->q;
     m->f = f;
@@ -87,9 +63,9 @@ static int settle_at_rest(ns_sparse *m, double t0, ns_form *f, ns_mode_factors *
     memset(m->w, 0, sizeof(double) * (size_t)f->n);
     memset(m->changed, 0, (size_t)m->s->nc);
     ns_inputs_stages_at(m->in, t0);
-    ns_sparse_event_command(m, t0);
+    ns_sparse_event_time_commands(m, t0);
     ns_sparse_guard_bounds(m);
-    const int status = ns_sparse_event_consistent_all(m, t0, 0, NULL, m->next_w);
+    const int status = ns_sparse_event_consistent_all(m, t0, 0, NULL, m->work.w);
     m->f = own;
     m->q = factors;
     return status;
@@ -100,12 +76,12 @@ static int operating_point(ns_sparse *m, double t0, int nhold, const int *hold, 
     ns_mode_factors *q = NULL;
     int status = ns_sparse_form_create(m->s, 1, &f);
     for (int k = 0; k < nhold && status == NS_OK; k++)
-        if (m->aside->place[hold[k]] >= 0)
-            f->held[m->aside->place[hold[k]]] = hold_x[k];
+        if (m->output_only->place[hold[k]] >= 0)
+            f->held[m->output_only->place[hold[k]]] = hold_x[k];
     if (status == NS_OK)
         status = ns_sparse_factors_create(f, m->o.bytes, &q);
     if (status == NS_OK)
-        status = settle_at_rest(m, t0, f, q);
+        status = find_mode_at_rest(m, t0, f, q);
     ns_sparse_factors_free(q);
     ns_sparse_form_free(f);
     return status;
@@ -114,15 +90,15 @@ static int operating_point(ns_sparse *m, double t0, int nhold, const int *hold, 
 int ns_sparse_start_dc(ns_sparse *m, double t0, int nhold, const int *hold, const double *hold_x, double *x) {
     if (!m || (nhold > 0 && (!hold || !hold_x)))
         return NS_E_NULL;
-    m->started = m->has_trial = 0;
+    ns_sparse_rewind(m, t0);
     if (!can_start_at(m, t0))
         return ns_sparse_fail(m, t0, NS_E_NUMBER);
-    if (nhold < 0 || nhold > m->aside->whole->n)
+    if (nhold < 0 || nhold > m->output_only->whole->n)
         return ns_sparse_fail(m, t0, NS_E_SIZE);
     for (int k = 0; k < nhold; k++)
-        if (hold[k] < 0 || hold[k] >= m->aside->whole->n)
+        if (hold[k] < 0 || hold[k] >= m->output_only->whole->n)
             return ns_sparse_fail(m, t0, NS_E_SIZE);
-    rest(m);
+    forget_past(m, NULL);
     const int status = operating_point(m, t0, nhold, hold, hold_x);
     if (status != NS_OK)
         return ns_sparse_fail(m, t0, status);
@@ -130,8 +106,8 @@ int ns_sparse_start_dc(ns_sparse *m, double t0, int nhold, const int *hold, cons
         m->w[i] = m->f->algebraic[i] ? 0 : ns_linalg_csc_dot(&m->f->Mt, i, m->v);
     ns_system_inputs(m->s, t0, NS_RIGHT, m->z);
     if (x)
-        ns_sparse_output_join(m->aside, m->v, m->z, x);
+        ns_sparse_output_join(m->output_only, m->v, m->z, x);
     for (int k = 0; x && k < nhold; k++)
         x[hold[k]] = hold_x[k];
-    return begin(m, t0);
+    return start_from_state(m, t0);
 }

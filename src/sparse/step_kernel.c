@@ -1,11 +1,11 @@
 /* src/sparse/step_kernel.c - one step in one mode, by solves with one factor of (P2): its stages, what
  * rounding left of them, and state and unknowns at any time in it. */
-#include "sparse_internal.h"
+#include "guards.h"
 
 #include <math.h>
 #include <string.h>
 
-/* What the state has to add to the control of a pair that slides, but for inputs. */
+/* The right-hand side of the row of a pair that slides, without inputs. */
 static double threshold(const ns_sparse *m, int j) {
     const ns_command *c = &m->s->command[m->f->command[j]];
     return c->on - c->g0;
@@ -48,8 +48,9 @@ static void rates(const ns_sparse *m, double g, const double *v, double *by) {
         by[i] = f->algebraic[i] ? 0 : g * (ns_linalg_csc_dot(&f->At, i, v) + m->rate[i]);
 }
 
-int ns_sparse_euler(ns_sparse *m, double t, double g, const double *w, int brief, double *v, double *by) {
-    const ns_kept_factors *k;
+int ns_sparse_step_euler(ns_sparse *m, double t, double g, const double *w, int brief, double *v,
+                         double *by) {
+    const ns_cached_factors *k;
     int status = ns_sparse_factors_factor(m->q, g, m->mode, brief, &k);
     if (status != NS_OK) {
         for (int i = 0; i < m->f->size; i++)
@@ -68,7 +69,7 @@ int ns_sparse_euler(ns_sparse *m, double t, double g, const double *w, int brief
     return status;
 }
 
-int ns_sparse_step_solve(ns_sparse *m, const ns_kept_factors *k, double t, double g, int i, const double *w,
+int ns_sparse_step_solve(ns_sparse *m, const ns_cached_factors *k, double t, double g, int i, const double *w,
                          double *z, double *v, double *by) {
     const int any = ns_inputs_stages_stage(m->in, t, g, i, z);
     ns_sparse_step_rhs(m, g, w, z, any, i == 0);
@@ -78,21 +79,21 @@ int ns_sparse_step_solve(ns_sparse *m, const ns_kept_factors *k, double t, doubl
     return status;
 }
 
-int ns_sparse_step_stage(ns_sparse *m, ns_dense_step *leg, const ns_kept_factors *k, int i) {
+int ns_sparse_step_stage(ns_sparse *m, ns_dense_step *step, const ns_cached_factors *k, int i) {
     const size_t n = (size_t)m->f->n, size = (size_t)m->f->size, nz = (size_t)m->f->nz;
-    double *w = leg->dw + (size_t)i * n;
-    return ns_sparse_step_solve(m, k, leg->t, leg->g, i, w, leg->z + (size_t)i * nz,
-                                leg->xi + (size_t)i * size, w + n);
+    double *w = step->powers + (size_t)i * n;
+    return ns_sparse_step_solve(m, k, step->t, step->g, i, w, step->z + (size_t)i * nz,
+                                step->images + (size_t)i * size, w + n);
 }
 
-int ns_sparse_step_residue(ns_sparse *m, const ns_dense_step *leg, double *sum) {
+int ns_sparse_step_residue(ns_sparse *m, const ns_dense_step *step, double *sum) {
     const size_t n = (size_t)m->f->n, size = (size_t)m->f->size;
-    const ns_kept_factors *k;
-    int status = ns_sparse_factors_factor(m->q, leg->g, m->mode, 0, &k);
-    for (int i = 0; i < leg->stages && status == NS_OK; i++) {
-        const int any = ns_inputs_stages_stage(m->in, leg->t, leg->g, i, m->z);
-        ns_sparse_step_rhs(m, leg->g, leg->dw + (size_t)i * n, m->z, any, i == 0);
-        ns_sparse_form_subtract(m->f, leg->g, m->mode, leg->xi + (size_t)i * size, m->r);
+    const ns_cached_factors *k;
+    int status = ns_sparse_factors_factor(m->q, step->g, m->mode, 0, &k);
+    for (int i = 0; i < step->stages && status == NS_OK; i++) {
+        const int any = ns_inputs_stages_stage(m->in, step->t, step->g, i, m->z);
+        ns_sparse_step_rhs(m, step->g, step->powers + (size_t)i * n, m->z, any, i == 0);
+        ns_sparse_form_subtract(m->f, step->g, m->mode, step->images + (size_t)i * size, m->r);
         status = ns_sparse_factors_solve(m->q, k, m->r, m->v);
         for (size_t j = 0; j < size; j++)
             sum[j] += i % 2 ? -m->v[j] : m->v[j];
@@ -100,31 +101,33 @@ int ns_sparse_step_residue(ns_sparse *m, const ns_dense_step *leg, double *sum) 
     return status == NS_E_SINGULAR ? NS_OK : status;
 }
 
-int ns_sparse_step_more(ns_sparse *m, ns_dense_step *leg) {
-    const ns_kept_factors *k;
-    if (leg->stages == NS_STAGES || leg->euler)
+int ns_sparse_step_more(ns_sparse *m, ns_dense_step *step) {
+    const ns_cached_factors *k;
+    if (step->stages == NS_STAGES || step->is_euler)
         return NS_OK;
-    memcpy(m->mode, leg->mode, (size_t)m->f->m);
-    ns_sparse_guard_bounds(m);
-    ns_inputs_stages_at(m->in, leg->t);
-    int status = ns_sparse_factors_factor(m->q, leg->g, m->mode, 0, &k);
+    ns_sparse_guard_set_mode(m, step->mode);
+    ns_inputs_stages_at(m->in, step->t);
+    int status = ns_sparse_factors_factor(m->q, step->g, m->mode, 0, &k);
     if (status == NS_OK)
-        status = ns_sparse_step_stage(m, leg, k, leg->stages);
-    if (status == NS_E_SINGULAR && leg->stages < NS_ORDER) { /* what little is left contradicts itself */
-        memset(leg->xi + (size_t)leg->stages * (size_t)m->f->size, 0, sizeof(double) * (size_t)m->f->size);
-        memset(leg->dw + (size_t)(leg->stages + 1) * (size_t)m->f->n, 0, sizeof(double) * (size_t)m->f->n);
+        status = ns_sparse_step_stage(m, step, k, step->stages);
+    if (status == NS_E_SINGULAR &&
+        step->stages < NS_ORDER) { /* this stage is rounding, and rounding contradicts the equations */
+        memset(step->images + (size_t)step->stages * (size_t)m->f->size, 0,
+               sizeof(double) * (size_t)m->f->size);
+        memset(step->powers + (size_t)(step->stages + 1) * (size_t)m->f->n, 0,
+               sizeof(double) * (size_t)m->f->n);
         status = NS_OK;
     }
     if (status == NS_OK)
-        leg->stages++;
+        step->stages++;
     return status;
 }
 
-double ns_sparse_step_past(const ns_dense_step *leg) {
-    return leg->time_lost + (leg->t - leg->end_t) + leg->end;
+double ns_sparse_step_time_lost(const ns_dense_step *step) {
+    return step->time_lost + (step->t - step->end_t) + step->length;
 }
 
-/* sum of coefficient i times a[i], vectors of count numbers */
+/* out = sum of coefficient i times a[i], vectors of count numbers. */
 static void combine(size_t count, int terms, const double *coefficient, const double *a, double *out) {
     for (size_t k = 0; k < count; k++)
         out[k] = coefficient[0] * a[k];
@@ -135,35 +138,35 @@ static void combine(size_t count, int terms, const double *coefficient, const do
     }
 }
 
-void ns_sparse_step_state(const ns_sparse *m, const ns_dense_step *leg, double tau, double *w) {
+void ns_sparse_step_state(const ns_sparse *m, const ns_dense_step *step, double tau, double *w) {
     const size_t n = (size_t)m->f->n;
     double b[NS_ORDER + 1];
-    if (leg->euler) {
+    if (step->is_euler) {
         for (size_t i = 0; i < n; i++)
-            w[i] = leg->dw[i] + tau / leg->g * leg->dw[n + i];
+            w[i] = step->powers[i] + tau / step->g * step->powers[n + i];
         return;
     }
-    ns_modes_laguerre_steps(tau / leg->g, b); /* (E2) */
-    /* small ones first: w itself last */
-    memcpy(w, leg->dw, sizeof(double) * n);
-    const int last = leg->stages < NS_ORDER ? leg->stages : NS_ORDER;
+    ns_modes_laguerre_steps(tau / step->g, b); /* (E2) */
+    /* the smallest terms first, w itself last */
+    memcpy(w, step->powers, sizeof(double) * n);
+    const int last = step->stages < NS_ORDER ? step->stages : NS_ORDER;
     for (size_t k = 0; k < n; k++) {
         double sum = 0;
         for (int i = last; i > 0; i--)
-            sum += b[i] * leg->dw[(size_t)i * n + k];
+            sum += b[i] * step->powers[(size_t)i * n + k];
         w[k] += sum;
     }
 }
 
-void ns_sparse_step_point(const ns_sparse *m, const ns_dense_step *leg, double tau, double *v) {
+void ns_sparse_step_point(const ns_sparse *m, const ns_dense_step *step, double tau, double *v) {
     double c[NS_STAGES], b[NS_ORDER + 1];
-    const double s = tau / leg->g;
-    if (leg->euler) {
-        memcpy(v, leg->xi, sizeof(double) * (size_t)m->f->size);
+    const double s = tau / step->g;
+    if (step->is_euler) {
+        memcpy(v, step->images, sizeof(double) * (size_t)m->f->size);
         return;
     }
     ns_modes_laguerre(s, c); /* (E1) */
     ns_modes_laguerre_steps(s, b);
     c[NS_ORDER] = b[NS_ORDER] - c[NS_ORDER - 1]; /* L_8 = b_8 + L_7 */
-    combine((size_t)m->f->size, leg->stages, c, leg->xi, v);
+    combine((size_t)m->f->size, step->stages, c, step->images, v);
 }

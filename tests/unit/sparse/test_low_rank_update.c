@@ -66,7 +66,7 @@ static void test_walk(void **state) {
     ns_system *s = line(0);
     ns_form *f;
     ns_mode_factors *q;
-    const ns_kept_factors *k;
+    const ns_cached_factors *k;
     assert_int_equal(ns_sparse_form_create(s, 0, &f), NS_OK);
     assert_int_equal(ns_sparse_factors_create(f, 1 << 26, &q), NS_OK);
     double *r = calloc(2 * (size_t)f->size, sizeof *r), *v = r + f->size;
@@ -103,7 +103,7 @@ static void test_loose(void **state) {
     ns_system *s = line(1);
     ns_form *f;
     ns_mode_factors *q;
-    const ns_kept_factors *k;
+    const ns_cached_factors *k;
     assert_int_equal(ns_sparse_form_create(s, 0, &f), NS_OK);
     assert_int_equal(ns_sparse_factors_create(f, 1 << 26, &q), NS_OK);
     double *r = calloc(2 * (size_t)f->size, sizeof *r), *v = r + f->size;
@@ -136,7 +136,7 @@ static void test_evicted(void **state) {
     ns_system *s = line(0);
     ns_form *f;
     ns_mode_factors *q;
-    const ns_kept_factors *k;
+    const ns_cached_factors *k;
     assert_int_equal(ns_sparse_form_create(s, 0, &f), NS_OK);
     assert_int_equal(ns_sparse_factors_create(f, 1, &q), NS_OK);
     assert_true(f->m > NS_UPDATE_MOST);
@@ -199,7 +199,7 @@ static void test_stand_in(void **state) {
     ns_mode_factors *q;
     ns_shared_branch *twin;
     int twins;
-    const ns_kept_factors *k;
+    const ns_cached_factors *k;
     assert_int_equal(ns_sparse_form_create(s, 0, &f), NS_OK);
     assert_int_equal(ns_sparse_factors_create(f, 1 << 26, &q), NS_OK);
     assert_int_equal(ns_sparse_shared_find(s, f, &twin, &twins), NS_OK);

@@ -1,0 +1,61 @@
+/* src/sparse/largest.c - the largest charges, fluxes, lambda and y so far. */
+#include "linalg/simd.h"
+#include "sparse_internal.h"
+
+#include <string.h>
+
+void ns_sparse_largest_reset(ns_sparse *m) {
+    double *const w = m->largest.w;
+    memset(w, 0, sizeof(double) * (size_t)m->f->n);
+    m->largest = (ns_sparse_largest){.w = w};
+}
+
+double ns_sparse_largest_w(ns_sparse *m, const ns_dense_step *step) {
+    const int n = m->f->n;
+    double *w = m->largest.w, largest = 0;
+    for (int i = 0; i < n; i++)
+        if (!m->f->algebraic[i]) {
+            w[i] = ns_higher(fabs(step->powers[n + i]), ns_higher(fabs(step->powers[i]), w[i]));
+            largest = ns_higher(w[i] / m->unit[i], largest);
+        }
+    return largest;
+}
+
+/* Of steps as long as this one, or longer: volts and amperes of a shorter one may be those of a transient. */
+static double largest_up_to(const double *of, int exponent) {
+    double largest = 0;
+    for (int k = 0; k <= exponent; k++)
+        largest = ns_higher(of[k], largest);
+    return largest;
+}
+
+void ns_sparse_largest_guards(ns_sparse *m, const double *v, int exponent) {
+    double lambda = largest_up_to(m->largest.lambda_of, exponent),
+           y = largest_up_to(m->largest.y_of, exponent);
+    for (int j = 0; j < m->f->m; j++) {
+        lambda = ns_higher(fabs(v[m->f->n + j]), lambda);
+        y = ns_higher(fabs(ns_linalg_csc_dot(&m->f->Ct, j, v)), y);
+    }
+    m->largest.lambda = lambda;
+    m->largest.y = y;
+}
+
+void ns_sparse_largest_accept(ns_sparse *m, int exponent) {
+    m->largest.lambda_of[exponent] = m->largest.lambda;
+    m->largest.y_of[exponent] = m->largest.y;
+}
+
+static void copy_largest(const ns_sparse *m, const ns_sparse_largest *from, ns_sparse_largest *to) {
+    double *const w = to->w;
+    memcpy(w, from->w, sizeof(double) * (size_t)m->f->n);
+    *to = *from;
+    to->w = w;
+}
+
+void ns_sparse_largest_save(ns_sparse *m) {
+    copy_largest(m, &m->largest, &m->saved_largest);
+}
+
+void ns_sparse_largest_restore(ns_sparse *m) {
+    copy_largest(m, &m->saved_largest, &m->largest);
+}
