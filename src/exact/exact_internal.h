@@ -15,7 +15,7 @@
 #include "inputs/time_events.h"
 #include "mode_kernel.h"
 #include "periodic_map.h"
-#include "reinit/jump.h"
+#include "reinit/impulse.h"
 
 #include <float.h>
 #include <math.h>

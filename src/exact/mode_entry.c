@@ -43,7 +43,7 @@ static double nothing(const ns_exact *f, const ns_mode_kernel *k) {
         double step = 0;
         for (int j = 0; j < k->q; j++)
             step += row[j * NS_ORDER * k->r] * f->next[j];
-        most = ns_higher(most, ns_reinit_jump_amount(f->s, i, ns_higher(f->most[i], fabs(step))));
+        most = ns_higher(most, ns_higher(f->most[i], fabs(step)) / f->s->unit[i]);
     }
     return still * most;
 }
@@ -56,7 +56,7 @@ static int moves_any(const ns_exact *f, const ns_mode_kernel *k) {
         if (!(fabs(f->gone[i]) > still * f->most[i]))
             continue;
         least = least < 0 ? nothing(f, k) : least;
-        if (ns_reinit_jump_amount(f->s, i, f->gone[i]) > least)
+        if (fabs(f->gone[i]) / f->s->unit[i] > least)
             return 1;
     }
     return 0;

@@ -3,7 +3,7 @@
  * (P1) at some small h proposes one; that both levels of it (order_expansion.c) satisfy (J4) proves it,
  * whatever that h was.
  */
-#include "nonsmooth/impulse.h"
+#include "impulse.h"
 
 #include <float.h>
 #include <math.h>

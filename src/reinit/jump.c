@@ -5,6 +5,7 @@
  * instant.
  */
 #include "jump.h"
+#include "impulse.h"
 
 #include <float.h>
 #include <math.h>
@@ -80,17 +81,10 @@ static int beyond_the_rounding(const ns_jump *j, const ns_theta *s, int i) {
     return fabs(j->last[i] - j->w[i]) > beyond_rounding * terms;
 }
 
-double ns_reinit_jump_amount(const ns_theta *s, int i, double w) {
-    double largest = 0;
-    for (int k = 0; k < s->s->n; k++)
-        largest = fmax(largest, fabs(s->M[i + k * s->s->n]));
-    return fabs(w) / sqrt(largest);
-}
-
 static double largest_amount(const ns_jump *j, const ns_theta *s) {
     double largest = 0;
     for (int i = 0; i < s->r; i++)
-        largest = fmax(largest, ns_reinit_jump_amount(s, i, fmax(fabs(j->w[i]), fabs(j->last[i]))));
+        largest = fmax(largest, fmax(fabs(j->w[i]), fabs(j->last[i])) / s->unit[i]);
     return largest;
 }
 
@@ -99,7 +93,7 @@ static int jumped(const ns_jump *j, const ns_theta *s, double t, int x_known) {
     const double largest = largest_amount(j, s);
     for (int i = 0; i < s->r && j->last_t > j->left.t; i++)
         if (beyond_the_rates(j, s, t, i) &&
-            ns_reinit_jump_amount(s, i, j->last[i] - j->w[i]) > beyond_rounding * largest &&
+            fabs(j->last[i] - j->w[i]) / s->unit[i] > beyond_rounding * largest &&
             (!x_known || beyond_the_rounding(j, s, i)))
             return 1;
     return 0;

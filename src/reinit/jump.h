@@ -34,7 +34,4 @@ void ns_reinit_jump_last_step(ns_jump *j, const ns_theta *s, double t);
  * steps stay.  h: longest step, s.  Errors: MEMORY. */
 int ns_reinit_jump_commit(ns_jump *j, ns_theta *s, double h, ns_clock *now, double *z);
 
-/* The square root of an energy that the charge or flux w of row i alone is. */
-double ns_reinit_jump_amount(const ns_theta *s, int i, double w);
-
 #endif

@@ -20,6 +20,7 @@ static int create_arrays(ns_theta *s) {
                 {&s->B, n * m},
                 {&s->b, n},
                 {&s->E, n * nz},
+                {&s->unit, n},
                 {&s->l, m},
                 {&s->u, m},
                 {&s->past.w, 3 * n + size},
@@ -100,6 +101,11 @@ static int split_system(ns_theta *s) {
     for (int j = 0; j < n; j++)
         for (int i = s->r; i < n; i++)
             s->M[i + j * n] = 0; /* exactly: rounding of T M is all that could be left */
+    for (int i = 0; i < s->r; i++) {
+        for (int j = 0; j < n; j++)
+            s->unit[i] = fmax(s->unit[i], fabs(s->M[i + j * n]));
+        s->unit[i] = sqrt(s->unit[i]);
+    }
     s->q = s->r + s->s->nz + 1;
     s->past.d = s->past.w + s->r;
     s->past.d_rounding = s->past.d + s->r;

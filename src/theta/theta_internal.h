@@ -78,6 +78,7 @@ struct ns_theta {
     double *T;              /* n*n: combines rows, ns_system_split() */
     double *M, *A, *B;      /* n*n, n*n, n*m: T times those of the system */
     double *b, *E;          /* n, n*nz: T times those of the system */
+    double *unit;           /* r: of a charge or flux, the square root of an energy: sqrt(max_k |M_ik|) */
     double *l, *u;          /* m: bounds of lambda, of commanded pairs those of their state */
     ns_shared_branch *twin; /* twins: pairs across commanded ones */
     int twins;              /* how many */
@@ -244,12 +245,5 @@ static inline void ns_theta_discard(ns_theta *s) {
     s->trial.has = 0;
     ns_theta_forget_failure(s);
 }
-
-/* --- reinit/impulse.c --- */
-
-/* ns_theta_impulse(), but what the laws do not determine of values is as near to `near` (n+m: x, lambda) as
- * it can be (NULL: to zero).  *jumps: there are impulses. */
-int ns_reinit_impulse_solve(ns_theta *s, const double *z, const double *slope, const double *near,
-                            const ns_impulse *out, int *jumps);
 
 #endif
