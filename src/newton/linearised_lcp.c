@@ -1,20 +1,20 @@
 /* src/newton/linearised_lcp.c - the linearised problem of one Newton iteration.
  *
- * Unreduced, with x as rows of equalities (dx = x+ - x, dl = lambda+ - lambda, and share = 1 for a full
+ * Unreduced, with x as rows of equalities (dx = x+ - x, dl = lambda+ - lambda, and fraction = 1 for a full
  * step):
  *
- *     0       = W dx - h gamma B dl + share R
- *     y+      = C dx +         D dl + y - share Ry,       -y+ in N_[l,u](lambda+)
+ *     0       = W dx - h gamma B dl + fraction R
+ *     y+      = C dx +         D dl + y - fraction Ry,       -y+ in N_[l,u](lambda+)
  *
  * Where W is regular it is reduced to the pairs by (T3), (T4), (T5): with V = W^-1 h gamma B
  *
- *     x_p     = x - W^-1 share R - V lambda
- *     y+      = y - share Ry + C (x_p - x) - D lambda + (D + C V) lambda+
+ *     x_p     = x - W^-1 fraction R - V lambda
+ *     y+      = y - fraction Ry + C (x_p - x) - D lambda + (D + C V) lambda+
  *
  * which is the form of the documents, for R - h gamma B lambda is the bracket of (T3) and y - Ry is h.  In
- * circuits whose devices all block W is singular and the whole is not.  Shares below 1 are points on the way
- * to the full step on which (S4) holds and the residuals are the rest, 1-share, to first order (Ralph's path
- * search): kinks on the way do not show.
+ * circuits whose devices all block W is singular and the whole is not.  Fractions below 1 are points on the
+ * way to the full step on which (S4) holds and the residuals are the rest, 1-fraction, to first order
+ * (Ralph's path search): kinks on the way do not show.
  */
 #include <float.h>
 #include <math.h>
@@ -24,11 +24,11 @@
 #include "newton_internal.h"
 #include "theta/name_fault.h"
 
-/* W is as good as its condition; the rest is up to the unreduced problem. */
+/* Below, W is not inverted: the unreduced problem loses fewer digits. */
 static const double rcond_min = 1e-6;
 /* Terms below this part of what the largest unknown could make of a row count as that: 1e-12 of it, the
  * tolerance, is then some eps of the largest unknown, which is what rounding leaves of one that is zero. */
-static const double floor_share = 1e-3;
+static const double floor_fraction = 1e-3;
 
 void ns_newton_form(ns_newton *s) {
     const int n = s->n, m = s->m, all = n + m;
@@ -51,43 +51,43 @@ void ns_newton_form(ns_newton *s) {
 }
 
 /* The terms that are no unknown's: of R and of Ry. */
-static void other_terms(ns_newton *s, const ns_iterate *at) {
+static void find_other_terms(ns_newton *s, const ns_iterate *at) {
     const int n = s->n;
     for (int i = 0; i < n; i++) {
         const int d = i < s->rank;
         double sum = (d ? s->ht : 1) * fabs(at->f[i]) + (d ? s->hg : 1) * fabs(at->g[i]);
         for (int j = 0; j < n && d; j++)
-            sum += fabs(s->M[i + j * n] * s->xk[j]);
+            sum += fabs(s->M[i + j * n] * s->from[j]);
         s->ext[i] = sum + (d ? fabs(s->past[i]) : 0);
     }
     for (int i = 0; i < s->m; i++)
         s->ext[n + i] = fabs(at->y[i]) + fabs(at->h[i]);
 }
 
-static double unknown(const ns_newton *s, const ns_iterate *at, int j) {
+static double value_of(const ns_newton *s, const ns_iterate *at, int j) {
     return j < s->n ? at->x[j] : at->lambda[j - s->n];
 }
 
-static double start(const ns_newton *s, int j) {
+static double start_value(const ns_newton *s, int j) {
     return j < s->n ? s->guess[j] : s->lk[j - s->n];
 }
 
 /* largest (n+m): of a row, what the largest unknown of its part of the system is there, a part being the rows
  * and columns that entries of G join: the units of another part say nothing.  Or of the whole system. */
-static void find_largest(const ns_newton *s, int whole, const double *size_of, const double *top,
-                         double *largest) {
+static void find_largest_terms(const ns_newton *s, int whole, const double *size_of, const double *top,
+                               double *largest) {
     const int all = s->n + s->m;
     memset(largest, 0, sizeof(double) * (size_t)all);
     for (int j = 0; j < all; j++) {
         const double *col = s->G + (size_t)j * (size_t)all;
-        double share = 0;
+        double fraction = 0;
         int in = 0;
         for (int i = 0; i < all; i++)
-            if (fabs(col[i]) > share * top[i]) {
-                share = fabs(col[i]) / top[i];
+            if (fabs(col[i]) > fraction * top[i]) {
+                fraction = fabs(col[i]) / top[i];
                 in = i;
             }
-        largest[in] = fmax(largest[in], share * size_of[j]);
+        largest[in] = fmax(largest[in], fraction * size_of[j]);
     }
     if (!whole)
         ns_linalg_spread(all, s->G, largest, s->bu);
@@ -100,9 +100,9 @@ static void find_largest(const ns_newton *s, int whole, const double *size_of, c
 void ns_newton_sizes(ns_newton *s, const ns_iterate *at, double of_start, int whole) {
     const int all = s->n + s->m;
     double *top = s->other, *size_of = s->sol, *largest = s->bl;
-    other_terms(s, at);
+    find_other_terms(s, at);
     for (int j = 0; j < all; j++)
-        size_of[j] = fmax(fabs(unknown(s, at, j)), of_start * fabs(start(s, j)));
+        size_of[j] = fmax(fabs(value_of(s, at, j)), of_start * fabs(start_value(s, j)));
     for (int i = 0; i < all; i++) {
         s->size[i] = s->ext[i];
         top[i] = 0;
@@ -112,9 +112,9 @@ void ns_newton_sizes(ns_newton *s, const ns_iterate *at, double of_start, int wh
             top[i] = fmax(top[i], entry);
         }
     }
-    find_largest(s, whole, size_of, top, largest);
+    find_largest_terms(s, whole, size_of, top, largest);
     for (int i = 0; i < all; i++) /* never infinite: all is small beside that */
-        s->size[i] = fmin(fmax(s->size[i], floor_share * largest[i] * top[i]), DBL_MAX);
+        s->size[i] = fmin(fmax(s->size[i], floor_fraction * largest[i] * top[i]), DBL_MAX);
 }
 
 int ns_newton_reduce(ns_newton *s) {
@@ -141,12 +141,12 @@ int ns_newton_reduce(ns_newton *s) {
 }
 
 /* The solver's indices are pairs, or (x, lambda), where s->lu is free for work. */
-static void name(ns_newton *s, const ns_mlcp *p, const ns_fault *from) {
+static void name_fault(ns_newton *s, const ns_mlcp *p, const ns_fault *from) {
     const ns_fault_context b = {p->m - s->m, s->m, s->rank, s->T, fmax(s->ht, s->hg)};
     ns_theta_name_fault(&b, p, s->mlcp, from, s->lu, &s->fault);
 }
 
-static int solve(ns_newton *s, const ns_mlcp *p, ns_mode *mode, double *lambda, double *y) {
+static int solve_lcp(ns_newton *s, const ns_mlcp *p, ns_mode *mode, double *lambda, double *y) {
     ns_mlcp_info info;
     memset(&info, 0, sizeof info);
     const int status = ns_mlcp_solve(s->mlcp, p, mode, lambda, y, &info);
@@ -154,25 +154,25 @@ static int solve(ns_newton *s, const ns_mlcp *p, ns_mode *mode, double *lambda, 
     s->counts.pivots += info.pivots;
     s->counts.factors += info.factors;
     if (status != NS_OK)
-        name(s, p, &info.fault);
+        name_fault(s, p, &info.fault);
     return status;
 }
 
-static int solve_reduced(ns_newton *s, double share, ns_mode *mode) {
+static int solve_reduced(ns_newton *s, double fraction, ns_mode *mode) {
     const int n = s->n, m = s->m;
     const ns_iterate *at = &s->at;
     double *dx = s->work, *moved = s->work + n;
     for (int i = 0; i < n; i++)
-        dx[i] = -share * at->R[i];
+        dx[i] = -fraction * at->R[i];
     ns_linalg_lu_solve(s->lu, 1, dx); /* (T3): x_p - x = dx - V lambda */
     for (int i = 0; i < n; i++)
         s->xr[i] = s->cx * dx[i];
     ns_linalg_matvec(m, m, s->Wm, at->lambda, moved);
     for (int i = 0; i < m; i++)
-        s->q[i] = at->y[i] - share * at->Ry[i] - moved[i];
+        s->q[i] = at->y[i] - fraction * at->Ry[i] - moved[i];
     ns_linalg_matvec_add(m, n, s->C, s->xr, s->q); /* (T5) */
     const ns_mlcp p = {.m = m, .W = s->Wm, .q = s->q, .l = s->model->l, .u = s->model->u};
-    const int status = solve(s, &p, mode, s->next.lambda, s->next.y);
+    const int status = solve_lcp(s, &p, mode, s->next.lambda, s->next.y);
     if (status != NS_OK)
         return status;
     for (int i = 0; i < m; i++)
@@ -183,20 +183,20 @@ static int solve_reduced(ns_newton *s, double share, ns_mode *mode) {
     return NS_OK;
 }
 
-static int solve_whole(ns_newton *s, double share, ns_mode *mode) {
+static int solve_whole(ns_newton *s, double fraction, ns_mode *mode) {
     const int n = s->n, m = s->m, all = n + m;
     for (int j = 0; j < all; j++)
-        s->other[j] = -unknown(s, &s->at, j);
+        s->other[j] = -value_of(s, &s->at, j);
     ns_linalg_matvec(all, all, s->G, s->other, s->sol);
     for (int i = 0; i < all; i++) {
         const int pair = i >= n;
-        s->sol[i] += pair ? s->at.y[i - n] - share * s->at.Ry[i - n] : share * s->at.R[i];
+        s->sol[i] += pair ? s->at.y[i - n] - fraction * s->at.Ry[i - n] : fraction * s->at.R[i];
         s->bl[i] = pair ? s->model->l[i - n] : -INFINITY;
         s->bu[i] = pair ? s->model->u[i - n] : INFINITY;
         s->all_mode[i] = pair ? mode[i - n] : NS_INSIDE;
     }
     const ns_mlcp p = {.m = all, .W = s->G, .q = s->sol, .l = s->bl, .u = s->bu};
-    const int status = solve(s, &p, s->all_mode, s->other, s->ext);
+    const int status = solve_lcp(s, &p, s->all_mode, s->other, s->ext);
     if (status != NS_OK)
         return status;
     memcpy(s->next.x, s->other, sizeof(double) * (size_t)n);
@@ -206,6 +206,6 @@ static int solve_whole(ns_newton *s, double share, ns_mode *mode) {
     return NS_OK;
 }
 
-int ns_newton_solve(ns_newton *s, double share, ns_mode *mode) {
-    return s->reduced ? solve_reduced(s, share, mode) : solve_whole(s, share, mode);
+int ns_newton_solve(ns_newton *s, double fraction, ns_mode *mode) {
+    return s->reduced ? solve_reduced(s, fraction, mode) : solve_whole(s, fraction, mode);
 }

@@ -4,48 +4,48 @@
 
 #include "newton_internal.h"
 
-/* A correction must take away at least this part of what its share promises. */
+/* A correction must take away at least this part of what its fraction promises. */
 static const double progress = 0.1;
 /* No unknown counts as less than this part of what it was at the step's start: rounding of that over the
  * tolerance that is the rule. */
 static const double of_start = 1e-3;
 /* An iteration that leaves no more than this part of the residuals does not count towards the bound: an
  * exponential comes down by a factor e each, and from exp(700) in 700.  So many bounds in all. */
-static const double at_work = 0.5;
+static const double slow = 0.5;
 enum { BOUNDS = 20 };
 /* Linearised problems without an answer, one after the other, before that counts for the step's own. */
 enum { NO_ANSWERS = 2 };
 
 /* The larger of both residuals, against the sizes of their terms. */
-static double measure(const ns_newton *s, const ns_iterate *at) {
-    double most = 0;
+static double relative_residual(const ns_newton *s, const ns_iterate *at) {
+    double largest = 0;
     for (int i = 0; i < s->n + s->m; i++) {
         const double r = fabs(i < s->n ? at->R[i] : at->Ry[i - s->n]);
-        if (!(r <= most * s->size[i]))
-            most = r / s->size[i];
+        if (!(r <= largest * s->size[i]))
+            largest = r / s->size[i];
     }
-    return most;
+    return largest;
 }
 
 /* The residuals at a point with y: where they overflow it is as good as outside a domain. */
-static int residuals(ns_newton *s, ns_iterate *at) {
+static int find_residuals(ns_newton *s, ns_iterate *at) {
     ns_newton_residuals(s, at);
     return ns_linalg_finite((size_t)s->n, at->R) && ns_linalg_finite((size_t)s->m, at->Ry) ? NS_OK
                                                                                            : NS_DIVERGED;
 }
 
-static int evaluate(ns_newton *s, ns_iterate *at) {
+static int evaluate_at(ns_newton *s, ns_iterate *at) {
     const int status = ns_newton_values(s, at);
-    return status == NS_OK ? residuals(s, at) : status;
+    return status == NS_OK ? find_residuals(s, at) : status;
 }
 
-static int finite(const ns_newton *s, const ns_iterate *at) {
+static int is_finite(const ns_newton *s, const ns_iterate *at) {
     const size_t n = (size_t)s->n, m = (size_t)s->m;
     return ns_linalg_finite(n, at->x) && ns_linalg_finite(m, at->lambda) && ns_linalg_finite(m, at->y);
 }
 
 /* (x_k, lambda_k), y as near to h as (S4) lets it be. */
-static int begin(ns_newton *s) {
+static int start_iterate(ns_newton *s) {
     ns_iterate *at = &s->at;
     memcpy(at->x, s->guess, sizeof(double) * (size_t)s->n);
     memcpy(at->lambda, s->lk, sizeof(double) * (size_t)s->m);
@@ -59,18 +59,18 @@ static int begin(ns_newton *s) {
                    : at->lambda[i] == u ? fmin(h, 0)
                                         : 0; /* (S4) */
     }
-    return residuals(s, at);
+    return find_residuals(s, at);
 }
 
-/* s->next by one share of the correction, its residuals and what they measure in the sizes of s->at. */
-static int look(ns_newton *s, double share, double *now) {
+/* s->next by a fraction of the correction; *now: its residuals against the sizes of s->at. */
+static int try_fraction(ns_newton *s, double fraction, double *now) {
     memcpy(s->next_mode, s->trial_mode, (size_t)s->m);
-    int status = ns_newton_solve(s, share, s->next_mode);
+    int status = ns_newton_solve(s, fraction, s->next_mode);
     if (status != NS_OK)
         return status;
-    if (!finite(s, &s->next) || evaluate(s, &s->next) != NS_OK)
+    if (!is_finite(s, &s->next) || evaluate_at(s, &s->next) != NS_OK)
         return NS_DIVERGED;
-    *now = measure(s, &s->next);
+    *now = relative_residual(s, &s->next);
     return NS_OK;
 }
 
@@ -79,7 +79,7 @@ static int look(ns_newton *s, double share, double *now) {
  * may be anything there, an exponential of what has not followed its source yet. */
 static int is_small(ns_newton *s, const ns_iterate *at, int whole) {
     ns_newton_sizes(s, at, of_start, whole);
-    return measure(s, at) <= s->o.tolerance;
+    return relative_residual(s, at) <= s->o.tolerance;
 }
 
 /* What a correction came to. */
@@ -93,11 +93,11 @@ typedef struct outcome {
  * first of its halves, quarters, ... that does.  Not damped: the first that can be taken. */
 static int correct(ns_newton *s, int damped, outcome *out) {
     ns_newton_sizes(s, &s->at, 0, 0);
-    const double before = measure(s, &s->at);
-    double share = 1, now = 0;
+    const double before = relative_residual(s, &s->at);
+    double fraction = 1, now = 0;
     out->full = NS_OK;
-    for (int k = 0; k <= s->o.halvings; k++, share /= 2) {
-        const int status = look(s, share, &now);
+    for (int k = 0; k <= s->o.halvings; k++, fraction /= 2) {
+        const int status = try_fraction(s, fraction, &now);
         s->counts.halvings += k > 0;
         if (k == 0)
             out->full = status;
@@ -105,7 +105,7 @@ static int correct(ns_newton *s, int damped, outcome *out) {
             continue;
         out->left = now / before;
         out->small = is_small(s, &s->next, 0);
-        if (out->small || !damped || now <= (1 - progress * share) * before)
+        if (out->small || !damped || now <= (1 - progress * fraction) * before)
             return NS_OK;
         ns_newton_sizes(s, &s->at, 0, 0);
     }
@@ -118,7 +118,7 @@ static int is_rounding(ns_newton *s, const outcome *out) {
     return out->full == NS_OK && is_small(s, &s->at, 1);
 }
 
-static void swap(ns_newton *s) {
+static void take_next(ns_newton *s) {
     const ns_iterate at = s->at;
     s->at = s->next;
     s->next = at;
@@ -141,19 +141,19 @@ static int verdict(const ns_newton *s, int status, int k, int refused) {
     return NS_DIVERGED;
 }
 
-static int loop(ns_newton *s, int damped) {
+static int iterate(ns_newton *s, int damped) {
     outcome out = {0, NS_OK, 1};
     int refused = 0, counted = 0;
-    int status = begin(s) == NS_OK ? NS_OK : NS_DIVERGED;
+    int status = start_iterate(s) == NS_OK ? NS_OK : NS_DIVERGED;
     for (int k = 0; status == NS_OK && !out.small && counted < s->o.iterations; k++) {
         s->counts.iterations++;
         status = linearise(s);
         if (status == NS_OK && (status = correct(s, damped, &out)) == NS_DIVERGED && is_rounding(s, &out))
             return NS_OK;
         refused = out.full < 0 ? refused + 1 : 0;
-        counted += out.left > at_work || k / BOUNDS >= s->o.iterations;
+        counted += out.left > slow || k / BOUNDS >= s->o.iterations;
         if (status == NS_OK)
-            swap(s);
+            take_next(s);
         if (status == NS_OK && !out.small && refused >= NO_ANSWERS)
             status = out.full;
         status = verdict(s, status, k, refused);
@@ -164,9 +164,9 @@ static int loop(ns_newton *s, int damped) {
 /* Where no shortened correction makes residuals smaller, full ones may still lead to an answer, over a hill:
  * a resistance that becomes a million times as large is multiplied, once, by the current that was. */
 int ns_newton_loop(ns_newton *s) {
-    const int status = loop(s, 1);
+    const int status = iterate(s, 1);
     if (status != NS_DIVERGED)
         return status;
     memcpy(s->trial_mode, s->mode, (size_t)s->m);
-    return loop(s, 0);
+    return iterate(s, 0);
 }

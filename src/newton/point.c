@@ -13,7 +13,7 @@
 #include "linalg/row_split.h"
 #include "newton_internal.h"
 
-static int ask(const ns_newton *s, ns_function f, const ns_point *at, size_t count, double *out) {
+static int evaluate(const ns_newton *s, ns_function f, const ns_point *at, size_t count, double *out) {
     if (f(at, s->model->data, out) != 0)
         return NS_DIVERGED;
     double sum = 0;
@@ -29,26 +29,26 @@ static ns_point end_point(const ns_newton *s, const ns_iterate *at) {
 
 static ns_point relation_point(ns_newton *s, const ns_iterate *at) {
     for (int i = 0; i < s->n; i++)
-        s->xr[i] = s->cx == 1 ? at->x[i] : s->xk[i] + s->cx * (at->x[i] - s->xk[i]);
+        s->xr[i] = s->cx == 1 ? at->x[i] : s->from[i] + s->cx * (at->x[i] - s->from[i]);
     return (ns_point){s->tr, s->xr, at->lambda, s->zr};
 }
 
-static int stands_apart(const ns_newton *s) {
+static int relation_is_elsewhere(const ns_newton *s) {
     return s->cx != 1 && s->rank < s->n;
 }
 
 /* out (n*columns) = T f, its algebraic rows from the relation's point. */
-static int ask_f(ns_newton *s, ns_function f, int columns, const ns_point *end, const ns_point *relation,
-                 double *out) {
+static int evaluate_f(ns_newton *s, ns_function f, int columns, const ns_point *end, const ns_point *relation,
+                      double *out) {
     const int n = s->n;
     const size_t count = (size_t)n * (size_t)columns;
-    int status = ask(s, f, end, count, s->work);
+    int status = evaluate(s, f, end, count, s->work);
     if (status != NS_OK)
         return status;
     ns_linalg_row_split_apply(n, columns, s->T, s->work, out);
-    if (!stands_apart(s))
+    if (!relation_is_elsewhere(s))
         return NS_OK;
-    if ((status = ask(s, f, relation, count, s->work)) != NS_OK)
+    if ((status = evaluate(s, f, relation, count, s->work)) != NS_OK)
         return status;
     double *row = s->work + count; /* n: one column, combined */
     for (int j = 0; j < columns; j++) {
@@ -64,33 +64,33 @@ int ns_newton_values(ns_newton *s, ns_iterate *at) {
     int status = NS_OK;
     if (n > 0) {
         s->counts.calls++;
-        status = ask_f(s, s->model->f, 1, &end, &relation, at->f);
+        status = evaluate_f(s, s->model->f, 1, &end, &relation, at->f);
     }
     memset(at->r, 0, sizeof(double) * n);
     memset(at->g, 0, sizeof(double) * n);
     if (status != NS_OK || s->m == 0)
         return status;
-    if ((status = ask(s, s->model->g, &relation, n, at->r)) != NS_OK) /* (S2) */
+    if ((status = evaluate(s, s->model->g, &relation, n, at->r)) != NS_OK) /* (S2) */
         return status;
     ns_linalg_row_split_apply(s->n, 1, s->T, at->r, at->g);
-    return ask(s, s->model->h, &relation, (size_t)s->m, at->h); /* (S3) */
+    return evaluate(s, s->model->h, &relation, (size_t)s->m, at->h); /* (S3) */
 }
 
 int ns_newton_jacobians(ns_newton *s, const ns_iterate *at) {
     const size_t n = (size_t)s->n, m = (size_t)s->m;
     const ns_point end = end_point(s, at), relation = relation_point(s, at);
-    int status = n > 0 ? ask_f(s, s->model->A, s->n, &end, &relation, s->A) : NS_OK;
+    int status = n > 0 ? evaluate_f(s, s->model->A, s->n, &end, &relation, s->A) : NS_OK;
     if (status != NS_OK || m == 0)
         return status;
-    if ((status = ask(s, s->model->B, &relation, n * m, s->work)) != NS_OK)
+    if ((status = evaluate(s, s->model->B, &relation, n * m, s->work)) != NS_OK)
         return status;
     ns_linalg_row_split_apply(s->n, s->m, s->T, s->work, s->B);
-    if (s->model->K && (status = ask(s, s->model->K, &relation, n * n, s->work)) == NS_OK)
+    if (s->model->K && (status = evaluate(s, s->model->K, &relation, n * n, s->work)) == NS_OK)
         ns_linalg_row_split_apply(s->n, s->n, s->T, s->work, s->K);
     if (status == NS_OK)
-        status = ask(s, s->model->C, &relation, m * n, s->C);
+        status = evaluate(s, s->model->C, &relation, m * n, s->C);
     if (status == NS_OK && s->model->D)
-        status = ask(s, s->model->D, &relation, m * m, s->D);
+        status = evaluate(s, s->model->D, &relation, m * m, s->D);
     return status;
 }
 
@@ -101,7 +101,7 @@ int ns_newton_slope(ns_newton *s) {
         s->z1[i] = ns_signal_value(&s->model->z[i], s->t, NS_RIGHT);
     const ns_point at = {s->t, s->xk, s->lk, s->z1};
     s->counts.calls++;
-    const int status = ask(s, s->model->f, &at, (size_t)s->n, s->work);
+    const int status = evaluate(s, s->model->f, &at, (size_t)s->n, s->work);
     if (status != NS_OK)
         return status;
     ns_linalg_row_split_apply(s->n, 1, s->T, s->work, s->fk);
@@ -114,7 +114,7 @@ void ns_newton_residuals(ns_newton *s, ns_iterate *at) {
     for (int i = 0; i < s->rank; i++) {
         double sum = -s->past[i] - s->ht * at->f[i] - s->hg * at->g[i];
         for (int j = 0; j < n; j++)
-            sum += s->M[i + j * n] * (at->x[j] - s->xk[j]);
+            sum += s->M[i + j * n] * (at->x[j] - s->from[j]);
         at->R[i] = sum; /* (T2) less h(1-gamma) r_k and h gamma g */
     }
     for (int i = s->rank; i < n; i++)

@@ -2,39 +2,14 @@
 #include <math.h>
 #include <string.h>
 
-#include "linalg/row_split.h"
 #include "newton_internal.h"
 
 enum { STEP_HALVINGS = 20 };
 
-void ns_newton_set(ns_newton *s, double h, double t1, const ns_newton_options *o, ns_side side) {
-    const int inside = o->relation == NS_RELATION_GAMMA && o->gamma < 1;
-    const double carried = inside ? 0 : h * (1 - o->gamma);
-    s->guess = s->xk;
-    s->t1 = t1;
-    s->tr = inside ? s->t + o->gamma * (t1 - s->t) : t1;
-    s->ht = h * o->theta;
-    s->hk = h * o->gamma;
-    s->hg = inside ? h : h * o->gamma; /* (T8), or (T3) */
-    s->cx = inside ? o->gamma : 1;
-    for (int i = 0; i < s->model->nz; i++) {
-        s->z1[i] = ns_signal_value(&s->model->z[i], t1, side);
-        s->zr[i] = ns_signal_value(&s->model->z[i], s->tr, side);
-    }
-    ns_linalg_row_split_apply(s->n, 1, s->T, s->rk, s->work);
-    for (int i = 0; i < s->rank; i++) {
-        s->past[i] = carried > 0 ? carried * s->work[i] : 0;
-        if (o->theta < 1)
-            s->past[i] += h * (1 - o->theta) * s->fk[i];
-    }
-}
-
 /* To t1 > t, by the length that t really moves by: t + h is a rounded one. */
 static int try_to(ns_newton *s, double t1) {
-    s->has_trial = 0;
+    ns_newton_begin_trial(s, t1);
     s->counts.trials++;
-    s->fault.t = t1;
-    s->fault.npairs = s->fault.nunknowns = 0;
     if (s->o.theta < 1 && ns_newton_slope(s) != NS_OK)
         return ns_newton_fail(s, NS_DIVERGED);
     ns_newton_set(s, t1 - s->t, t1, &s->o, NS_LEFT);
@@ -58,14 +33,15 @@ int ns_newton_try(ns_newton *s, double h) {
     return try_to(s, t1);
 }
 
-/* The end of the next step on the way to t, by equal ones of at most h: t grows, by its last bit at least. */
+/* The end of the next step towards t, which equal ones of at most h reach: t grows by its last bit at least.
+ */
 static double next_end(double now, double t, double h) {
     const double steps = ceil((t - now) / h * (1 - 1e-12));
     return steps > 1 ? fmin(fmax(now + (t - now) / steps, nextafter(now, t)), t) : t;
 }
 
-/* One accepted step towards t, of at most *h, which is halved until Newton's loop converges. */
-static int one_step(ns_newton *s, double t, double *h, double shortest) {
+/* Takes one step towards t, of at most *h, which is halved until Newton's loop converges. */
+static int step_towards(ns_newton *s, double t, double *h, double shortest) {
     for (;;) {
         const double t1 = next_end(s->t, t, *h);
         const int status = try_to(s, t1);
@@ -89,7 +65,7 @@ int ns_newton_advance(ns_newton *s, double t, double h) {
     double now = h;
     int status = NS_OK;
     while (status == NS_OK && s->t < t) {
-        status = one_step(s, t, &now, shortest);
+        status = step_towards(s, t, &now, shortest);
         now = fmin(h, 2 * now);
     }
     return status;

@@ -37,6 +37,42 @@ static void linearise_again(ns_newton *t, const double *x, int reduced) {
     ns_newton_residuals(t, &t->at);
 }
 
+/* The sizes of the residuals' terms, literally: of (T2) less g, of (S3); x_k and the past count too. */
+static void sizes_are_those_of_all_terms(void **state) {
+    (void)state;
+    for (int run = 0; run < 40; run++) {
+        double x[N], x0[N];
+        dice d = dice_make(7, (unsigned)run);
+        ns_system *s = formula_system(&d);
+        ns_model model;
+        assert_int_equal(ns_model_of_system(s, &model), NS_OK);
+        ns_newton *t = stepper(&model, 0.7, 0.6, NS_RELATION_END);
+        for (int i = 0; i < N; i++) {
+            x0[i] = 30 * dice_either(&d);
+            x[i] = 0.1 * dice_either(&d);
+        }
+        assert_int_equal(ns_newton_start(t, 0, x0, NULL), NS_OK);
+        assert_int_equal(ns_newton_try(t, 0.2), NS_OK);
+        linearise_again(t, x, 1);
+        ns_newton_form(t);
+        ns_newton_sizes(t, &t->at, 0, 0);
+        for (int i = 0; i < N; i++) {
+            double sum = t->ht * fabs(t->at.f[i]) + t->hg * fabs(t->at.g[i]) + fabs(t->past[i]);
+            for (int j = 0; j < N; j++)
+                sum += fabs(t->M[i + j * N] * x0[j]) + fabs(t->G[i + j * (N + P)] * x[j]);
+            assert_true(fabs(t->size[i] - sum) <= 1e-14 * sum);
+        }
+        for (int i = 0; i < P; i++) {
+            double sum = fabs(t->at.y[i]) + fabs(t->at.h[i]);
+            for (int j = 0; j < N; j++)
+                sum += fabs(s->C[i + j * P] * x[j]);
+            assert_true(fabs(t->size[N + i] - sum) <= 1e-14 * sum);
+        }
+        ns_newton_free(t);
+        ns_system_free(s);
+    }
+}
+
 /* The literal reduced form and the unreduced problem give one answer, and of either a share leaves exactly
  * the rest of the residuals, for all is linear: R+ = (1 - share) R, Ry+ = (1 - share) Ry. */
 static void reduced_and_whole_agree(void **state) {
@@ -270,6 +306,7 @@ static void algebraic_rows_hold_where_the_relation_is(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(sizes_are_those_of_all_terms),
         cmocka_unit_test(reduced_and_whole_agree),
         cmocka_unit_test(K_x_may_stand_in_g),
         cmocka_unit_test(a_singular_W_is_solved_whole),
