@@ -1,7 +1,7 @@
 /* bridge/abi.c - is the running ngspice the one whose headers this was compiled with?
  *
- * Nothing tells the version of the running ngspice to a code model, and its loader checks nothing.  So the
- * places that are read are looked at once: marks, list ends, ranges, and a number that is known twice. */
+ * A code model is not given the version of the running ngspice, and its loader checks nothing.  So the fields
+ * that are read are checked once: marks, list ends, ranges, and a number that is known twice. */
 #include "abi.h"
 
 #include <math.h>

@@ -66,7 +66,7 @@ void ns_bridge_analysis_explain(const ns_analysis *a, const ns_fault *fault, int
     }
 }
 
-static int build(CKTcircuit *ckt, ns_analysis *a) {
+static int build_march(CKTcircuit *ckt, ns_analysis *a) {
     const ns_march_options o = {.theta = a->ex.options.theta,
                                 .gamma = a->ex.options.gamma,
                                 .h = a->h = longest_step(a, ckt),
@@ -92,7 +92,7 @@ int ns_bridge_analysis_make(CKTcircuit *ckt, ns_extract_sources sources, ns_anal
     if (error) {
         ns_bridge_report_error("%s", a->ex.line);
     } else {
-        error = build(ckt, a);
+        error = build_march(ckt, a);
     }
     if (error) {
         ns_bridge_analysis_clear(a);

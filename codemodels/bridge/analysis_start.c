@@ -12,8 +12,8 @@
 /* --- checks --- */
 
 static int check_version(ns_session *s) {
-    const char *wrong = s->said.version ? NULL : ns_bridge_abi_check(s->ckt);
-    s->said.version = !wrong;
+    const char *wrong = s->once.version_checked ? NULL : ns_bridge_abi_check(s->ckt);
+    s->once.version_checked = !wrong;
     if (!wrong) {
         return OK;
     }
@@ -75,8 +75,8 @@ static int prepare_force(ns_session *s) {
     return error;
 }
 
-/* .tf goes on, and aborts ngspice, if it finds no operating point: it gets zeros. */
-static int refuse(ns_session *s) {
+/* Without an operating point .tf continues and aborts ngspice: it gets zeros. */
+static int refuse_analysis(ns_session *s) {
     const char *name = s->ckt->CKTcurJob->JOBname;
     ns_bridge_report_error("%s is not supported; .op, .dc and .tran are", name);
     if (strcmp(name, "Transfer Function") != 0) {
@@ -89,17 +89,17 @@ static int refuse(ns_session *s) {
     return error;
 }
 
-static void announce(ns_session *s) {
+static void announce_circuit(ns_session *s) {
     const ns_analysis *a = &s->analysis;
-    if (!s->said.circuit) {
+    if (!s->once.circuit_announced) {
         ns_bridge_report_note("simulates this circuit: %d unknown%s, %d ideal device%s", a->system->n,
                               a->system->n == 1 ? "" : "s", a->ex.ndevices, a->ex.ndevices == 1 ? "" : "s");
     }
-    s->said.circuit = 1;
-    if (a->ex.options.reltol > 0.0 && a->ex.options.method == NS_THETA && !s->said.no_reltol) {
+    s->once.circuit_announced = 1;
+    if (a->ex.options.reltol > 0.0 && a->ex.options.method == NS_THETA && !s->once.reltol_noted) {
         ns_bridge_report_note("reltol = %g has no effect: method \"theta\" uses steps of the fixed length h",
                               a->ex.options.reltol);
-        s->said.no_reltol = 1;
+        s->once.reltol_noted = 1;
     }
 }
 
@@ -125,7 +125,7 @@ static int start_march(ns_analysis *a, int tran, int uic) {
                : ns_march_start_dc(a->march, 0.0, tran ? a->held.n : 0, a->held.unknown, a->held.value, a->x);
 }
 
-static int start(ns_session *s) {
+static int start_analysis(ns_session *s) {
     const int tran = (s->ckt->CKTmode & MODETRANOP) != 0;
     const int uic = tran && (s->ckt->CKTmode & MODEUIC) != 0;
     ns_analysis *a = &s->analysis;
@@ -135,13 +135,13 @@ static int start(ns_session *s) {
     ns_bridge_trial_clear(s);
     s->refused = is_refused(s);
     if (s->refused) {
-        return refuse(s);
+        return refuse_analysis(s);
     }
     error = ns_bridge_analysis_make(s->ckt, tran ? SOURCES_TRAN : SOURCES_DC, a);
     if (error) {
         return error;
     }
-    announce(s);
+    announce_circuit(s);
     status = start_march(a, tran, uic);
     error = status ? ns_bridge_trial_fail(s, status) : prepare_force(s);
     if (error) {
@@ -163,7 +163,7 @@ static int start(ns_session *s) {
 
 int ns_bridge_analysis_start(ns_session *s) {
     const clock_t since = clock();
-    const int error = start(s);
+    const int error = start_analysis(s);
     s->start_cpu = clock() - since;
     return error;
 }

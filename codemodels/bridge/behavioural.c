@@ -115,7 +115,7 @@ static const char *why_not(const char *name) {
     return "a B source that is not linear in voltages and currents is not supported";
 }
 
-static int add(ns_extract_walk *w, GENinstance *inst, double *slopes, double *work, ns_term *terms) {
+static int add_linear(ns_extract_walk *w, GENinstance *inst, double *slopes, double *work, ns_term *terms) {
     const ASRCinstance *b = (const ASRCinstance *)inst;
     const double factor = factor_of(b);
     const ns_output kind = b->ASRCtype == ASRC_VOLTAGE ? NS_VOLTAGE : NS_CURRENT;
@@ -145,7 +145,7 @@ int ns_bridge_behavioural(ns_extract_walk *w, GENinstance *inst) {
     const size_t n = (size_t)b->ASRCtree->numVars + 1;
     double *numbers = calloc(3 * n, sizeof *numbers);
     ns_term *terms = calloc(n, sizeof *terms);
-    int status = numbers && terms ? add(w, inst, numbers, numbers + n, terms) : NS_E_MEMORY;
+    int status = numbers && terms ? add_linear(w, inst, numbers, numbers + n, terms) : NS_E_MEMORY;
     free(numbers);
     free(terms);
     return status;

@@ -27,10 +27,10 @@ static void write_head(FILE *file, const ns_analysis *a, const ns_mlcp *p, doubl
     } else {
         fputs("# an operating point\n", file);
     }
-    fprintf(file, "# its lambda: %d unknowns, %d pairs, %d nodes held\n", a->system->n, a->system->m,
-            p->m - a->system->n - a->system->m);
-    fputs("# its rows: of an unknown, KCL of its node or the law of its branch; of other unknowns where that "
-          "is said\n",
+    fprintf(file, "# lambda: %d unknowns, %d pairs, currents that hold %d nodes\n", a->system->n,
+            a->system->m, p->m - a->system->n - a->system->m);
+    fputs("# row of an unknown: KCL of its node or the law of its branch; else the unknowns whose rows it "
+          "sums\n",
           file);
 }
 

@@ -114,7 +114,7 @@ static int read_instance(ns_extract_walk *w, GENinstance *inst) {
 }
 
 /* Why a call of the library failed, in words. */
-static int fail(ns_extract_walk *w, const char *name, int status) {
+static int refuse_status(ns_extract_walk *w, const char *name, int status) {
     const char *message = w->ex->circuit ? ns_circuit_message(w->ex->circuit) : "";
     if (*message) {
         ns_bridge_extract_line(w->ex, ns_bridge_report_code(status), "", message);
@@ -125,7 +125,8 @@ static int fail(ns_extract_walk *w, const char *name, int status) {
 }
 
 /* One pass over all instances; *later counts those that wait, *waits names one of them. */
-static int pass(ns_extract_walk *w, unsigned char *done, int *read, int *later, const GENinstance **waits) {
+static int read_pass(ns_extract_walk *w, unsigned char *done, int *read, int *later,
+                     const GENinstance **waits) {
     int k = 0;
     *read = *later = 0;
     for (NGTABLEPTR box = w->ckt->DEVnameHash->thread; box; box = box->thread_next, k++) {
@@ -137,7 +138,7 @@ static int pass(ns_extract_walk *w, unsigned char *done, int *read, int *later, 
         } else if (status == EXTRACT_REFUSED) {
             return w->ex->error;
         } else if (status) {
-            return fail(w, inst->GENname, status);
+            return refuse_status(w, inst->GENname, status);
         } else {
             *read += !done[k];
             done[k] = 1;
@@ -154,10 +155,10 @@ static int read_all(ns_extract_walk *w) {
     int later = 1;
     int error = OK;
     if (!done) {
-        return fail(w, "", NS_E_MEMORY);
+        return refuse_status(w, "", NS_E_MEMORY);
     }
     while (!error && later > 0) { /* ends: each round reads one at least */
-        error = pass(w, done, &read, &later, &waits);
+        error = read_pass(w, done, &read, &later, &waits);
         if (!error && later > 0 && read == 0) {
             ns_bridge_extract_refuse(w, waits,
                                      "is controlled by, or coupled to, an element that does not exist");
@@ -181,13 +182,14 @@ static int read_nodes(ns_extract_walk *w) {
             status = ns_circuit_node_ic(w->ex->circuit, node->number, node->ic);
         }
         if (status && status != NS_E_SIZE) { /* SIZE: no element is there */
-            return fail(w, node->name, status);
+            return refuse_status(w, node->name, status);
         }
     }
     return OK;
 }
 
-/* That of .options counts where the model has none.  Nothing tells ngspice's default, 1e-3, from a choice. */
+/* reltol of .options, where the model has none.  ngspice's default, 1e-3, cannot be told from a choice of it.
+ */
 static void choose_reltol(ns_extract_walk *w) {
     const double global = w->ckt->CKTreltol;
     if (w->ex->options.reltol == 0.0 && global != 1e-3 && global > 0.0 && global < 1.0) {
@@ -211,7 +213,7 @@ int ns_bridge_extract_read(CKTcircuit *ckt, ns_extract_sources sources, ns_extra
     ex->element = malloc((size_t)ex->neq * sizeof *ex->element);
     status = ex->element ? ns_circuit_create(&ex->circuit) : NS_E_MEMORY;
     if (status) {
-        return fail(&w, "", status);
+        return refuse_status(&w, "", status);
     }
     for (int eq = 0; eq < ex->neq; eq++) {
         ex->element[eq] = -1;

@@ -24,9 +24,9 @@ typedef struct ns_extract {
     ns_extract_device *device; /* ndevices: our diodes and switches */
     ns_bridge_options options;
     const MIFinstance *options_inst; /* the instance of model nonsmooth; NULL: there is none */
-    unsigned long long hash;         /* of all that was read: tells whether something was altered since */
-    int error;                       /* a code of ngspice; OK if all was taken */
-    char line[320];                  /* why not, for a person */
+    unsigned long long hash; /* of all that was read: of two readings: equal if nothing was altered between */
+    int error;               /* a code of ngspice; OK if all was taken */
+    char line[320];          /* why not, for a person */
 } ns_extract;
 
 /* What sources stand for. */

@@ -51,7 +51,7 @@ static int take_diagonal(matching *g, int c) {
     return 0;
 }
 
-static int match(matching *g, unsigned char *served) {
+static int match_columns(matching *g, unsigned char *served) {
     for (int c = 1; c <= g->m->Size; c++) {
         served[c] = (unsigned char)take_diagonal(g, c);
     }
@@ -64,8 +64,8 @@ static int match(matching *g, unsigned char *served) {
     return OK;
 }
 
-static int choose(ns_force *f, matching *g, unsigned char *served) {
-    const int error = match(g, served);
+static int choose_entries(ns_force *f, matching *g, unsigned char *served) {
+    const int error = match_columns(g, served);
     for (int row = 1; row <= g->m->Size && !error; row++) {
         ElementPtr e = g->of_row[row];
         f->entry[row - 1] =
@@ -85,7 +85,7 @@ int ns_bridge_force_prepare(ns_force *f, SMPmatrix *matrix, int neq) {
     g.of_row = calloc(n + 1, sizeof(ElementPtr));
     g.seen = calloc(n + 1, sizeof *g.seen);
     if (f->entry && f->value && g.of_row && g.seen && served) {
-        error = choose(f, &g, served);
+        error = choose_entries(f, &g, served);
     }
     f->matrix = matrix;
     f->n = matrix->Size;

@@ -17,12 +17,12 @@ typedef struct ns_bridge {
     struct ns_bridge *next;
     ns_session session;
     int last_type;           /* the last of our device types in this circuit; 0: none is there */
-    const GENinstance *mark; /* one of our instances: when it goes, the circuit goes */
+    const GENinstance *mark; /* one of our instances: when it is deleted, the circuit is */
 } ns_bridge;
 
 static ns_bridge *bridges;
 
-static ns_bridge *find(const CKTcircuit *ckt) {
+static ns_bridge *find_bridge(const CKTcircuit *ckt) {
     ns_bridge *b = bridges;
     while (b && b->session.ckt != ckt) {
         b = b->next;
@@ -30,8 +30,8 @@ static ns_bridge *find(const CKTcircuit *ckt) {
     return b;
 }
 
-static ns_bridge *find_or_make(CKTcircuit *ckt) {
-    ns_bridge *b = find(ckt);
+static ns_bridge *find_or_make_bridge(CKTcircuit *ckt) {
+    ns_bridge *b = find_bridge(ckt);
     if (!b && (b = calloc(1, sizeof *b))) {
         b->session.ckt = ckt;
         b->next = bridges;
@@ -42,12 +42,12 @@ static ns_bridge *find_or_make(CKTcircuit *ckt) {
 
 /* The bridge of ckt if model is of the last of our types, else NULL. */
 static ns_session *at_last(const CKTcircuit *ckt, const GENmodel *model) {
-    ns_bridge *b = find(ckt);
+    ns_bridge *b = find_bridge(ckt);
     return b && b->last_type == model->GENmodType ? &b->session : NULL;
 }
 
-static int setup(model_kind kind, SMPmatrix *matrix, GENmodel *model, CKTcircuit *ckt, int *states) {
-    ns_bridge *b = find_or_make(ckt);
+static int setup_type(model_kind kind, SMPmatrix *matrix, GENmodel *model, CKTcircuit *ckt, int *states) {
+    ns_bridge *b = find_or_make_bridge(ckt);
     if (!b) {
         return E_NOMEM;
     }
@@ -60,33 +60,33 @@ static int setup(model_kind kind, SMPmatrix *matrix, GENmodel *model, CKTcircuit
 }
 
 static int setup_diode(SMPmatrix *matrix, GENmodel *model, CKTcircuit *ckt, int *states) {
-    return setup(KIND_DIODE, matrix, model, ckt, states);
+    return setup_type(KIND_DIODE, matrix, model, ckt, states);
 }
 
 static int setup_switch(SMPmatrix *matrix, GENmodel *model, CKTcircuit *ckt, int *states) {
-    return setup(KIND_SWITCH, matrix, model, ckt, states);
+    return setup_type(KIND_SWITCH, matrix, model, ckt, states);
 }
 
 static int setup_options(SMPmatrix *matrix, GENmodel *model, CKTcircuit *ckt, int *states) {
-    return setup(KIND_OPTIONS, matrix, model, ckt, states);
+    return setup_type(KIND_OPTIONS, matrix, model, ckt, states);
 }
 
-static int unsetup(GENmodel *model, CKTcircuit *ckt) {
-    ns_bridge *b = find(ckt);
+static int unsetup_type(GENmodel *model, CKTcircuit *ckt) {
+    ns_bridge *b = find_bridge(ckt);
     if (b) {
         ns_bridge_session_reset(&b->session);
     }
     return MIFunsetup(model, ckt);
 }
 
-/* Values are known from here on.  Only at the begin of an analysis: ngspice exits if this fails for an
+/* Values are known from here on.  Only before an analysis: ngspice exits if this fails for an
  * `altermod` between. */
-static int temperature(GENmodel *model, CKTcircuit *ckt) {
+static int check_circuit(GENmodel *model, CKTcircuit *ckt) {
     ns_session *s = at_last(ckt, model);
     return s && ckt->CKTtime == 0.0 ? ns_bridge_analysis_check(s) : OK;
 }
 
-static int load(GENmodel *model, CKTcircuit *ckt) {
+static int load_point(GENmodel *model, CKTcircuit *ckt) {
     ns_session *s = at_last(ckt, model);
     return s ? ns_bridge_session_load(s) : OK;
 }
@@ -97,16 +97,16 @@ static int accept_point(CKTcircuit *ckt, GENmodel *model) {
 }
 
 /* After a point is shown. */
-static void dumped(GENmodel *model, CKTcircuit *ckt) {
+static void arm_single_load(GENmodel *model, CKTcircuit *ckt) {
     ns_session *s = at_last(ckt, model);
     if (s) {
         ns_bridge_single_load_arm(s);
     }
 }
 
-/* The first of our types that is asked ends the analysis. */
-static int ac_load(GENmodel *model, CKTcircuit *ckt) {
-    const ns_bridge *b = find(ckt);
+/* An error ends the analysis. */
+static int refuse_ac(GENmodel *model, CKTcircuit *ckt) {
+    const ns_bridge *b = find_bridge(ckt);
     if (!b || !b->last_type) {
         return MIFload(model, ckt);
     }
@@ -115,15 +115,15 @@ static int ac_load(GENmodel *model, CKTcircuit *ckt) {
 }
 
 /* What a device shows is written when someone asks. */
-static int ask(CKTcircuit *ckt, GENinstance *inst, int which, IFvalue *value, IFvalue *select) {
-    ns_bridge *b = find(ckt);
+static int ask_instance(CKTcircuit *ckt, GENinstance *inst, int which, IFvalue *value, IFvalue *select) {
+    ns_bridge *b = find_bridge(ckt);
     if (b && b->session.analysis.march) {
         ns_bridge_show_devices(&b->session.analysis);
     }
     return MIFask(ckt, inst, which, value, select);
 }
 
-static int delete (GENinstance *inst) {
+static int delete_instance(GENinstance *inst) {
     for (ns_bridge **link = &bridges; *link; link = &(*link)->next) {
         ns_bridge *b = *link;
         if (b->mark == inst) {
@@ -136,8 +136,8 @@ static int delete (GENinstance *inst) {
     return MIFdelete(inst);
 }
 
-/* Takes back what the other devices wish: every point is right, jumps are not errors. */
-static int truncation(GENmodel *model, CKTcircuit *ckt, double *step) {
+/* Overrides the steps of the other devices: no point has an error, and jumps are none. */
+static int allow_any_step(GENmodel *model, CKTcircuit *ckt, double *step) {
     if (at_last(ckt, model)) {
         *step = 1e30;
     }
@@ -152,16 +152,16 @@ __attribute__((__constructor__)) static void install(void) {
                                       int *) = {setup_diode, setup_switch, setup_options};
     for (int k = 0; k < KINDS; k++) {
         ours[k]->DEVsetup = setups[k];
-        ours[k]->DEVunsetup = unsetup;
-        ours[k]->DEVtemperature = temperature;
-        ours[k]->DEVload = load;
+        ours[k]->DEVunsetup = unsetup_type;
+        ours[k]->DEVtemperature = check_circuit;
+        ours[k]->DEVload = load_point;
         ours[k]->DEVaccept = accept_point;
-        ours[k]->DEVacLoad = ac_load;
-        ours[k]->DEVdelete = delete;
-        ours[k]->DEVtrunc = truncation;
-        ours[k]->DEVask = ask;
+        ours[k]->DEVacLoad = refuse_ac;
+        ours[k]->DEVdelete = delete_instance;
+        ours[k]->DEVtrunc = allow_any_step;
+        ours[k]->DEVask = ask_instance;
 #ifdef CIDER /* else ngspice has no such call, and its points are loaded twice */
-        ours[k]->DEVdump = dumped;
+        ours[k]->DEVdump = arm_single_load;
 #endif
     }
     if (openblas_set_num_threads) { /* our matrices are small: threads only wait for each other, spinning */

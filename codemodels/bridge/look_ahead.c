@@ -15,7 +15,7 @@ static double next_point(ns_session *s) {
 /* The right side of an event that only bends waveforms needs no timepoint: it is accepted, and the devices
  * are shown as they are there.  *accepted: if so. */
 static int accept_bend(ns_session *s, int *accepted) {
-    static const double rounding = 1e-9; /* rounding is far below, what is seen above */
+    static const double rounding = 1e-9; /* rounding is far below, visible jumps far above */
     *accepted = 0;
     if (!s->trial.at_right_side) {
         return OK;
@@ -38,7 +38,7 @@ static int accept_bend(ns_session *s, int *accepted) {
  * The exact engine has an event there, others do not: their right side is tried.  *jumps: something does, and
  * the trial stays. */
 static int try_corner(ns_session *s, double t, int *jumps) {
-    static const double seen = 1e-4; /* far above what a steep waveform does meanwhile */
+    static const double seen = 1e-4; /* far above the change of a steep waveform in that time */
     ns_analysis *a = &s->analysis;
     int error = ns_bridge_trial_to(s, ns_bridge_trial_right_side(s, t), NS_TO_TIME);
     error = error ? error : ns_bridge_trial_read(s);
@@ -66,7 +66,8 @@ static int is_at_mere_corner(const ns_session *s) {
            ns_march_engine(march) != NS_EXACT && !ns_march_at_event(march);
 }
 
-/* Tries to go to the next event.  One that is closer than ngspice can step is accepted, and the next tried.
+/* Tries to integrate to the next event.  One that is closer than ngspice can step is accepted, and the next
+ * tried.
  */
 static int try_events(ns_session *s) {
     const double closeness = ns_bridge_timepoints_closeness(&s->loop.points);

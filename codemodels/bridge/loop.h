@@ -7,7 +7,7 @@
 
 typedef struct ns_loop {
     ns_timepoints points;
-    int max_order; /* ngspice's CKTmaxOrder while it is set to 1; else 0 */
+    int max_order; /* what ngspice's CKTmaxOrder was, if it is set to 1; else 0 */
 } ns_loop;
 
 /* No truncation errors, order 1, timepoints at_corners or on the grid alone.  For a start and, with

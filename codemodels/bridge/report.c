@@ -1,4 +1,4 @@
-/* bridge/report.c - what the bridge says on ngspice's console: one line a message. */
+/* bridge/report.c - messages on ngspice's console, one line each. */
 #include "report.h"
 
 #include <stdarg.h>
@@ -7,10 +7,10 @@
 #include "ngspice/cmproto.h"
 #include "nonsmooth/status.h"
 
-static void say(FILE *stream, FILE *instead, const char *format, va_list values) REPORT_PRINTF(3, 0);
+static void write_line(FILE *stream, FILE *instead, const char *format, va_list values) REPORT_PRINTF(3, 0);
 
 /* stream is NULL while ngspice has no console of its own yet. */
-static void say(FILE *stream, FILE *instead, const char *format, va_list values) {
+static void write_line(FILE *stream, FILE *instead, const char *format, va_list values) {
     stream = stream ? stream : instead;
     fputs("nonsmooth: ", stream);
     vfprintf(stream, format, values);
@@ -21,14 +21,14 @@ static void say(FILE *stream, FILE *instead, const char *format, va_list values)
 void ns_bridge_report_error(const char *format, ...) {
     va_list values;
     va_start(values, format);
-    say(cm_stream_err(), stderr, format, values);
+    write_line(cm_stream_err(), stderr, format, values);
     va_end(values);
 }
 
 void ns_bridge_report_note(const char *format, ...) {
     va_list values;
     va_start(values, format);
-    say(cm_stream_out(), stdout, format, values);
+    write_line(cm_stream_out(), stdout, format, values);
     va_end(values);
 }
 

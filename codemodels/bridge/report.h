@@ -1,4 +1,4 @@
-/* bridge/report.h - what the bridge says on ngspice's console: one line a message. */
+/* bridge/report.h - messages on ngspice's console, one line each. */
 #ifndef BRIDGE_REPORT_H
 #define BRIDGE_REPORT_H
 

@@ -1,8 +1,8 @@
 /* bridge/session.c - ngspice's loads and accepts.
  *
  * At every load the solution x(t) is asked of the marcher and forced, so that ngspice's solve returns it.
- * When ngspice accepts a point, the marcher accepts it too and tries to go to the next event or output time;
- * that is made ngspice's next timepoint. */
+ * When ngspice accepts a point, the marcher accepts it too and tries to integrate to the next event or output
+ * time; that is made ngspice's next timepoint. */
 #include "session.h"
 
 #include <string.h>
@@ -105,7 +105,8 @@ int ns_bridge_session_accept(ns_session *s) {
     if (ckt->CKTfinalTime - ckt->CKTtime < ckt->CKTminBreak) {
         end_analysis(s);
     } else {
-        s->failed = ns_bridge_look_ahead(s, first); /* ends the next accept: the present point is good */
+        s->failed = ns_bridge_look_ahead(
+            s, first); /* an error waits for the next accept: the present point is good */
     }
     return OK;
 }

@@ -25,10 +25,10 @@ typedef struct ns_session {
 
     /* --- once a circuit (analysis_start.c) --- */
     struct {
-        int version;   /* that ngspice is the one this was built for */
-        int circuit;   /* how large the circuit is */
-        int no_reltol; /* that reltol has no effect */
-    } said;
+        int version_checked;   /* ngspice is the one this was built for */
+        int circuit_announced; /* its size was written */
+        int reltol_noted;      /* that reltol has no effect was written */
+    } once;
 
     /* --- the analysis (analysis_start.c) --- */
     ns_analysis analysis; /* empty between analyses */
@@ -41,7 +41,7 @@ typedef struct ns_session {
     ns_bridge_trial trial;
     int failed; /* code that ends the analysis; its line was written.  session.c */
 
-    /* --- what is changed in ngspice for a while --- */
+    /* --- what is changed in ngspice until the next load --- */
     ns_dc_rows dc_rows;
     struct {
         int armed; /* the next point is to be loaded once */
@@ -66,21 +66,21 @@ void ns_bridge_session_clear(ns_session *s);
 
 /* --- analysis_start.c --- */
 
-/* Can the running ngspice, its options and all elements be dealt with? */
+/* Checks the version of ngspice, its options and all elements. */
 int ns_bridge_analysis_check(ns_session *s);
 
 /* Leaves the operating point, or the start from rest (uic), in s->force.value. */
 int ns_bridge_analysis_start(ns_session *s);
 
-/* After `resume`: if something was altered, goes on from the present charges and fluxes. */
+/* After `resume`: if something was altered, restarts from the present charges and fluxes. */
 int ns_bridge_analysis_resume(ns_session *s);
 
 void ns_bridge_analysis_end(ns_session *s);
 
 /* --- look_ahead.c --- */
 
-/* Tries to go to the next event or output time and sets ngspice's step to it.  first: the present point is
- * the start. */
+/* Tries to integrate to the next event or output time and sets ngspice's step to it.  first: the present
+ * point is the start. */
 int ns_bridge_look_ahead(ns_session *s, int first);
 
 /* --- trial.c: what the marcher is asked to try, and accepts --- */
@@ -91,7 +91,7 @@ void ns_bridge_trial_clear(ns_session *s);
 /* The marcher was started or restarted: reads its point and time. */
 int ns_bridge_trial_begin(ns_session *s);
 
-/* Tries to go on to time t, s. */
+/* Tries to integrate to time t, s. */
 int ns_bridge_trial_to(ns_session *s, double t, ns_until until);
 
 /* Reads the point of the trial, or the accepted one, into s->analysis; with _values also into s->force.value,
@@ -109,8 +109,8 @@ void ns_bridge_trial_drop(ns_session *s);
 /* ngspice accepted its point: accepts the trial if that was it.  1 at the first point of an analysis. */
 int ns_bridge_trial_accept_loaded(ns_session *s);
 
-/* When the right side of a jump at the accepted time is shown, on the way to t: ngspice's time must advance,
- * by well less than what is left to t. */
+/* The time, s, at which the right side of a jump at the accepted time is shown: later, as ngspice's time must
+ * advance, and well before t, the end of the trial. */
 double ns_bridge_trial_right_side(const ns_session *s, double t);
 
 /* Writes one line on why the marcher's last call failed; returns ngspice's code for status. */

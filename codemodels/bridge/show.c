@@ -33,7 +33,7 @@ void ns_bridge_show_devices(ns_analysis *a) {
 
 void ns_bridge_show_summary(const ns_analysis *a, double cpu) {
     const ns_counts *c = ns_march_counts(a->march);
-    char modes[40] = "", islands[40] = ""; /* of those who count them, where there are some */
+    char modes[40] = "", islands[40] = ""; /* if there are some */
     if (c->modes > 0) {
         snprintf(modes, sizeof modes, " %ld modes,", c->modes);
     }

@@ -1,14 +1,14 @@
 /* bridge/single_load.c - one load a timepoint.
  *
- * ngspice's Newton loop takes two rounds of load, factorisation and solve for the least, and a test.  Where
+ * ngspice's Newton loop takes two rounds of load, factorisation and solve at least, and a test.  Where
  * the mode says MODETRANOP and MODEUIC (its way to skip the operating point) it loads once and returns, and
  * what CKTrhsOld holds then is the solution.  So between a point that is shown and the next load the mode
  * says that; the load, ours as the last, takes it back and leaves the solution there.  What the loads of C
  * and L do for a solution in any other mode, the states behind @c1[i] and @l1[flux], is done here.
  *
- * The run may be stopped in between, and C shows no current in that mode.  Nothing tells of a stop; but
- * whoever asks for a device by its name, or alters one, looks it up in ngspice's table of names.  The table's
- * comparison of keys is ours meanwhile, which takes the mode back. */
+ * The run may be stopped in between, and C shows no current in that mode.  A code model is not informed of a
+ * stop; but every command that asks for a device by its name, or alters one, looks it up in ngspice's table
+ * of names. Until the next load the comparison of keys of this table is ours, and takes the mode back. */
 #include "session.h"
 
 #include <string.h>
@@ -18,7 +18,7 @@
 
 static const long skip = MODETRANOP | MODEUIC | MODEINITFLOAT; /* without MODETRAN C and L do not integrate */
 
-static ns_session *armed; /* whose next point is to be loaded once, NULL: nobody's */
+static ns_session *armed; /* the one whose next point is to be loaded once, or NULL */
 
 /* Keys are pointers: 0 for equal ones. */
 static int compare_keys(const void *key, const void *wanted) {
@@ -59,7 +59,7 @@ int ns_bridge_single_load_begin(ns_session *s) {
     return skips;
 }
 
-/* As integrated by backward Euler: CKTorder is 1 all the way. */
+/* As integrated by backward Euler: CKTorder is 1 throughout. */
 static void set_state(CKTcircuit *ckt, int at, double value) {
     ckt->CKTstate0[at] = value;
     ckt->CKTstate0[at + 1] = ckt->CKTag[0] * value + ckt->CKTag[1] * ckt->CKTstate1[at];

@@ -39,8 +39,8 @@ static int add_named(ns_extract_walk *w, const GENinstance *inst, ns_output kind
 }
 
 /* Adds the source from node p to n; branch is the equation of its current, 0 if it has none. */
-static int add(ns_extract_walk *w, GENinstance *inst, ns_output kind, int p, int n, ns_source *s,
-               int branch) {
+static int add_source(ns_extract_walk *w, GENinstance *inst, ns_output kind, int p, int n, ns_source *s,
+                      int branch) {
     ns_signal z;
     double *points;
     const char *why;
@@ -76,7 +76,7 @@ int ns_bridge_sources_vsource(ns_extract_walk *w, GENinstance *inst) {
         return ns_bridge_extract_refuse(w, inst, "an RF port is not supported");
     }
 #endif
-    return add(w, inst, NS_VOLTAGE, v->VSRCposNode, v->VSRCnegNode, &s, v->VSRCbranch);
+    return add_source(w, inst, NS_VOLTAGE, v->VSRCposNode, v->VSRCnegNode, &s, v->VSRCbranch);
 }
 
 int ns_bridge_sources_isource(ns_extract_walk *w, GENinstance *inst) {
@@ -89,5 +89,5 @@ int ns_bridge_sources_isource(ns_extract_walk *w, GENinstance *inst) {
                    .m = i->ISRCmGiven ? i->ISRCmValue : 1.0};
     w->ex->restless = w->ex->restless || i->ISRCfunctionType != 0;
     /* ngspice calls the second node of the line positive: it is where the current comes out */
-    return add(w, inst, NS_CURRENT, i->ISRCnegNode, i->ISRCposNode, &s, 0);
+    return add_source(w, inst, NS_CURRENT, i->ISRCnegNode, i->ISRCposNode, &s, 0);
 }

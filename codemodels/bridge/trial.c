@@ -35,7 +35,7 @@ double ns_bridge_trial_right_side(const ns_session *s, double t) {
 
 int ns_bridge_trial_to(ns_session *s, double t, ns_until until) {
     ns_bridge_trial *trial = &s->trial;
-    const int timed = s->analysis.ex.options.verbose; /* to ask for the time takes as long as a short step */
+    const int timed = s->analysis.ex.options.verbose; /* clock() takes as long as a short step */
     const clock_t since = timed ? clock() : 0;
     const int status = ns_march_try(s->analysis.march, t, until, &trial->t_end);
     trial->cpu += timed ? clock() - since : 0;
@@ -68,7 +68,7 @@ int ns_bridge_trial_load(ns_session *s, int anew) {
         return OK; /* ngspice solves twice at each point */
     }
     trial->loaded = 0;
-    /* what was accepted may lie a little later: a jump takes some time, and ngspice's times are rounded */
+    /* the accepted time may be slightly later: a jump takes some time, and ngspice's times are rounded */
     if (t <= trial->t || ns_bridge_timepoints_same(t, trial->t)) {
         return OK;
     }
