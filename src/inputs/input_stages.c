@@ -47,14 +47,14 @@ int ns_inputs_stages_create(const ns_system *s, ns_input_stages **out) {
     if (!in)
         return NS_E_MEMORY;
     in->s = s;
-    in->wave = calloc(nz, sizeof *in->wave);
+    in->sum = calloc(nz, sizeof *in->sum);
     in->term = calloc(nz, sizeof *in->term);
     in->term_wave = calloc(nz, sizeof *in->term_wave);
-    in->most = calloc(nz, sizeof *in->most);
+    in->max_abs = calloc(nz, sizeof *in->max_abs);
     in->terms = calloc(2 * nz, sizeof(int));
     in->closed = calloc((size_t)s->nc + 1, 1);
     in->enters = calloc(nz, 1);
-    const int made = in->wave && in->term && in->term_wave && in->most && in->terms && in->closed;
+    const int made = in->sum && in->term && in->term_wave && in->max_abs && in->terms && in->closed;
     if (!made || !in->enters || ns_inputs_events_create(s, NULL, &in->commands) != NS_OK) {
         ns_inputs_stages_free(in);
         return NS_E_MEMORY;
@@ -71,10 +71,10 @@ void ns_inputs_stages_free(ns_input_stages *in) {
     if (!in)
         return;
     ns_inputs_events_free(in->commands);
-    free(in->wave);
+    free(in->sum);
     free(in->term);
     free(in->term_wave);
-    free(in->most);
+    free(in->max_abs);
     free(in->terms);
     free(in->closed);
     free(in->enters);
@@ -83,7 +83,7 @@ void ns_inputs_stages_free(ns_input_stages *in) {
 
 void ns_inputs_stages_reset(ns_input_stages *in) {
     for (int k = 0; k < in->s->nz; k++)
-        in->wave[k].from = INFINITY;
+        in->sum[k].from = INFINITY;
     in->corner = in->first = -INFINITY;
 }
 
@@ -100,7 +100,7 @@ static void add_exponential(const ns_wave_term *x, const ns_wave *wave, double t
 
 static void expand_input(ns_input_stages *in, int k, double t) {
     const ns_signal *s = &in->s->z[k];
-    ns_exp_sum *w = &in->wave[k];
+    ns_exp_sum *w = &in->sum[k];
     *w = (ns_exp_sum){
         .from = t, .until = ns_signal_next_corner(s, t), .value = ns_signal_value(s, t, NS_RIGHT)};
     if (ns_signal_is_linear(s) && isfinite(w->until))
@@ -111,7 +111,7 @@ static void expand_input(ns_input_stages *in, int k, double t) {
 }
 
 /* The sum of the sizes of its exponentials. */
-static double size_of(const ns_exp_sum *w) {
+static double size_of_exponentials(const ns_exp_sum *w) {
     double size = 0;
     for (int e = 0; e < w->count; e++)
         size += hypot(w->c[e][0], w->c[e][1]);
@@ -122,7 +122,7 @@ void ns_inputs_stages_at(ns_input_stages *in, double t) {
     in->corner = INFINITY;
     in->ncurved = 0;
     for (int k = 0; k < in->s->nz; k++) {
-        ns_exp_sum *w = &in->wave[k];
+        ns_exp_sum *w = &in->sum[k];
         if (!(w->from <= t && t < w->until) || (w->count > 0 && w->from != t))
             expand_input(in, k, t);
         if (!in->enters[k])
@@ -131,12 +131,12 @@ void ns_inputs_stages_at(ns_input_stages *in, double t) {
         if (w->count > 0 || w->slope != 0)
             in->curved[in->ncurved++] = k;
         if (w->count > 0)
-            in->most[k] = fmax(in->most[k], fabs(w->value) + size_of(w));
+            in->max_abs[k] = fmax(in->max_abs[k], fabs(w->value) + size_of_exponentials(w));
     }
 }
 
 /* The share of exponential e in stage i: Re c u (g s u)^i with u = 1/(1 - g s). */
-static double decayed(const ns_exp_sum *w, int e, double g, int i) {
+static double stage_of_exponential(const ns_exp_sum *w, int e, double g, int i) {
     const double re = 1 - g * w->s[e][0], im = -g * w->s[e][1], of = re * re + im * im;
     const double u[2] = {re / of, -im / of};
     const double gs[2] = {g * w->s[e][0], g * w->s[e][1]};
@@ -153,21 +153,21 @@ static double decayed(const ns_exp_sum *w, int e, double g, int i) {
 double ns_inputs_stages_error(const ns_input_stages *in, double g, int order) {
     double worst = 0;
     for (int k = 0; k < in->ncurved; k++) {
-        const ns_exp_sum *w = &in->wave[in->curved[k]];
+        const ns_exp_sum *w = &in->sum[in->curved[k]];
         for (int e = 0; e < w->count; e++) { /* D = g s / (1 - g s) */
             const double re = g * w->s[e][0], im = g * w->s[e][1];
             const double d2 = (re * re + im * im) / ((1 - re) * (1 - re) + im * im);
-            const double of = hypot(w->c[e][0], w->c[e][1]) / in->most[in->curved[k]];
+            const double of = hypot(w->c[e][0], w->c[e][1]) / in->max_abs[in->curved[k]];
             worst = fmax(worst, of * pow(d2, 0.5 * (order + 1)));
         }
     }
     return worst;
 }
 
-static double in_stage(const ns_exp_sum *w, double t, double g, int i) {
+static double stage_of_input(const ns_exp_sum *w, double t, double g, int i) {
     double z = i == 0 ? w->value + w->slope * (t - w->from + g) : i == 1 ? w->slope * g : 0;
     for (int e = 0; e < w->count; e++)
-        z += decayed(w, e, g, i);
+        z += stage_of_exponential(w, e, g, i);
     return z;
 }
 
@@ -176,13 +176,13 @@ int ns_inputs_stages_stage(const ns_input_stages *in, double t, double g, int i,
     if (i > 0) {
         memset(z, 0, sizeof(double) * (size_t)in->s->nz);
         for (int k = 0; k < in->ncurved; k++) {
-            z[in->curved[k]] = in_stage(&in->wave[in->curved[k]], t, g, i);
+            z[in->curved[k]] = stage_of_input(&in->sum[in->curved[k]], t, g, i);
             any |= z[in->curved[k]] != 0;
         }
         return any;
     }
     for (int k = 0; k < in->s->nz; k++) {
-        z[k] = in_stage(&in->wave[k], t, g, 0);
+        z[k] = stage_of_input(&in->sum[k], t, g, 0);
         any |= z[k] != 0;
     }
     return any;

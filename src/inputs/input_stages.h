@@ -19,11 +19,11 @@ typedef struct ns_input_stages {
     ns_wave_term (*term)[NS_TERMS]; /* nz: these, */
     ns_wave (*term_wave)[NS_TERMS]; /* nz: and the wave of each */
     unsigned char *enters;          /* nz: more than commands of time depend on it */
-    double *most;                   /* nz: how large it ever was */
+    double *max_abs;                /* nz: how large it ever was */
     /* where they were last expanded */
-    ns_exp_sum *wave; /* nz */
-    double corner;    /* the first after it, of those that enter */
-    int *curved;      /* those that enter and have exponentials or slopes */
+    ns_exp_sum *sum; /* nz */
+    double corner;   /* the first after it, of those that enter */
+    int *curved;     /* those that enter and have exponentials or slopes */
     int ncurved;
     /* commands that depend on time only */
     ns_time_events *commands; /* their instants */
@@ -34,10 +34,10 @@ typedef struct ns_input_stages {
 int ns_inputs_stages_create(const ns_system *s, ns_input_stages **out); /* Errors: MEMORY */
 void ns_inputs_stages_free(ns_input_stages *in);                        /* NULL is allowed */
 
-/* Forgets what it knows of times; then everything is looked at again. */
+/* Expansions and instants are computed anew when next asked for: time goes back, or switches were set. */
 void ns_inputs_stages_reset(ns_input_stages *in);
 
-/* Waves at t, from its right side. */
+/* Expands the inputs at t, from its right side. */
 void ns_inputs_stages_at(ns_input_stages *in, double t);
 
 /* z (nz) of stage i of steps g that begin at t, the time of the last ns_inputs_stages_at(): D^i v put through

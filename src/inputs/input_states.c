@@ -50,14 +50,14 @@ static void add_term(ns_input_states *e, const ns_wave_term *x, const ns_wave *w
 }
 
 /* What is left beside its waves is constant once all have begun; until then it is a value. */
-static void add_curve(ns_input_states *e, const ns_time_events *schedule, int at) {
-    const int k = schedule->input[at];
-    double begins = -INFINITY, rest = schedule->base[at];
-    for (int i = 0; i < schedule->terms; i++) {
-        const ns_wave_term *x = &schedule->term[i];
+static void add_curve(ns_input_states *e, const ns_time_events *events, int at) {
+    const int k = events->input[at];
+    double begins = -INFINITY, rest = events->base[at];
+    for (int i = 0; i < events->terms; i++) {
+        const ns_wave_term *x = &events->term[i];
         if (x->input != k)
             continue;
-        add_term(e, x, &schedule->wave[x->wave]);
+        add_term(e, x, &events->wave[x->wave]);
         rest += x->after;
         begins = fmax(begins, x->from);
     }
@@ -79,17 +79,17 @@ static int drives(const ns_system *s, int k) {
     return 0;
 }
 
-static void list_mutes(ns_input_states *e, const ns_time_events *schedule) {
+static void list_mutes(ns_input_states *e, const ns_time_events *events) {
     for (int k = 0; k < e->s->nz; k++) {
         int enters = 0;
-        for (int i = 0; i < schedule->entering; i++)
-            enters |= schedule->input[i] == k;
+        for (int i = 0; i < events->entering; i++)
+            enters |= events->input[i] == k;
         if (!enters && drives(e->s, k))
             e->mute[e->mutes++] = k;
     }
 }
 
-int ns_inputs_states_create(const ns_system *s, const ns_time_events *schedule, ns_input_states **out) {
+int ns_inputs_states_create(const ns_system *s, const ns_time_events *events, ns_input_states **out) {
     ns_input_states *e = calloc(1, sizeof *e);
     const size_t nz = (size_t)s->nz, most = 4 * nz + 1;
     *out = NULL;
@@ -105,11 +105,11 @@ int ns_inputs_states_create(const ns_system *s, const ns_time_events *schedule, 
         return NS_E_MEMORY;
     }
     e->nv = 1; /* ONE */
-    for (int i = 0; i < schedule->lines; i++)
-        add_line(e, schedule->input[i], schedule->run[i].line);
-    for (int i = schedule->lines; i < schedule->entering; i++)
-        add_curve(e, schedule, i);
-    list_mutes(e, schedule);
+    for (int i = 0; i < events->lines; i++)
+        add_line(e, events->input[i], events->cursor[i].line);
+    for (int i = events->lines; i < events->entering; i++)
+        add_curve(e, events, i);
+    list_mutes(e, events);
     *out = e;
     return NS_OK;
 }

@@ -36,8 +36,8 @@ typedef struct ns_input_states {
     int *mute;             /* which */
 } ns_input_states;
 
-/* Of the inputs that enter the schedule.  Errors: MEMORY. */
-int ns_inputs_states_create(const ns_system *s, const ns_time_events *schedule, ns_input_states **out);
+/* Of the inputs whose events those are.  Errors: MEMORY. */
+int ns_inputs_states_create(const ns_system *s, const ns_time_events *events, ns_input_states **out);
 void ns_inputs_states_free(ns_input_states *e); /* NULL is allowed */
 
 /* v (nv) at t, from what ns_inputs_events_values() says there. */

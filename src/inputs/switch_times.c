@@ -1,4 +1,5 @@
-/* src/inputs/switch_times.c - commands that are functions of time only: made, and looked up piece by piece.
+/* src/inputs/switch_times.c - commands that depend on time only: made, and flips of a single line from a
+ * table.
  */
 #include "switch_times.h"
 
@@ -8,41 +9,41 @@
 
 /* --- the inputs that act on a command --- */
 
-static void widen(ns_switch_times *c, double a, double b) {
+static void widen_bounds(ns_switch_times *c, double a, double b) {
     c->least += fmin(a, b);
     c->most += fmax(a, b);
 }
 
-static void take_line(ns_switch_times *c, double factor, const ns_broken_line *p) {
+static void add_line(ns_switch_times *c, double gain, const ns_broken_line *p) {
     double low = INFINITY, high = -INFINITY;
     for (int i = 0; i <= p->n + 1; i++) {
         low = fmin(low, fmin(p->piece[i].v, p->piece[i].end));
         high = fmax(high, fmax(p->piece[i].v, p->piece[i].end));
     }
-    widen(c, factor * low, factor * high);
-    c->line[c->lines++] = (ns_switch_line){factor, {.line = p}};
+    widen_bounds(c, gain * low, gain * high);
+    c->line[c->lines++] = (ns_switch_line){gain, {.line = p}};
 }
 
-static void take_curve(ns_switch_times *c, double factor, const ns_signal *s) {
+static void add_curve(ns_switch_times *c, double gain, const ns_signal *s) {
     ns_wave_term term[NS_TERMS];
     ns_wave wave[NS_TERMS];
     double base;
     const int count = ns_inputs_wave_terms(s, term, wave, &base);
-    c->g0 += factor * base;
-    widen(c, factor * base, factor * base);
+    c->g0 += gain * base;
+    widen_bounds(c, gain * base, gain * base);
     for (int k = 0; k < count; k++) {
         ns_wave_term *x = &term[k];
-        x->before *= factor;
-        x->after *= factor;
-        x->cc *= factor;
-        x->cs *= factor;
+        x->before *= gain;
+        x->after *= gain;
+        x->cc *= gain;
+        x->cs *= gain;
         const double size = hypot(x->cc, x->cs), most = wave[k].theta < 0 ? INFINITY : size;
-        widen(c, fmin(x->before, x->after - most), fmax(x->before, x->after + most));
+        widen_bounds(c, fmin(x->before, x->after - most), fmax(x->before, x->after + most));
         c->term[c->terms++] = (ns_switch_term){*x, wave[k], size};
     }
 }
 
-static int allocate(ns_switch_times *c, int lines, int curves) {
+static int allocate_terms(ns_switch_times *c, int lines, int curves) {
     c->line = calloc((size_t)lines + 1, sizeof *c->line);
     c->term = calloc((size_t)curves * NS_TERMS + 1, sizeof *c->term);
     return c->line && c->term ? NS_OK : NS_E_MEMORY;
@@ -50,27 +51,27 @@ static int allocate(ns_switch_times *c, int lines, int curves) {
 
 /* --- the table of a single line --- */
 
-static double value_of(const ns_switch_times *c, double v, double *size) {
-    const double term = c->line->factor * v;
+static double control_at(const ns_switch_times *c, double v, double *size) {
+    const double term = c->line->gain * v;
     *size = fabs(c->g0) + fabs(term);
     return c->g0 + term;
 }
 
 /* Piece i of line p and a switch in this state. */
-static ns_switch_flip flip_in(const ns_switch_times *c, const ns_broken_line *p, int i, int closed) {
+static ns_switch_flip flip_in_piece(const ns_switch_times *c, const ns_broken_line *p, int i, int closed) {
     const ns_line_piece *a = &p->piece[i];
     double size_left, size_right;
-    const double left = ns_inputs_switch_excess(c, value_of(c, a->v, &size_left), closed);
-    const double right = ns_inputs_switch_excess(c, value_of(c, a->end, &size_right), closed);
+    const double left = ns_inputs_switch_excess(c, control_at(c, a->v, &size_left), closed);
+    const double right = ns_inputs_switch_excess(c, control_at(c, a->end, &size_right), closed);
     if (left > NS_CONTROL_TOL * size_left)
         return (ns_switch_flip){a->t, 0, 0};
     if (!(right > NS_CONTROL_TOL * size_right))
         return (ns_switch_flip){NAN, 0, 0};
-    const double rate = fabs(c->line->factor * a->slope);
+    const double rate = fabs(c->line->gain * a->slope);
     return (ns_switch_flip){a->t + fmax(0, -left) / rate, NS_CONTROL_TOL * size_right / rate, 0};
 }
 
-static int tabulate(ns_switch_times *c) {
+static int tabulate_flips(ns_switch_times *c) {
     const ns_broken_line *p = c->line->run.line;
     const size_t count = (size_t)p->n + 2;
     c->flip[0] = calloc(2 * count, sizeof *c->flip[0]);
@@ -81,7 +82,7 @@ static int tabulate(ns_switch_times *c) {
         ns_switch_flip *flip = c->flip[closed];
         int later = 0;
         for (int i = p->n + 1; i >= 0; i--) {
-            flip[i] = flip_in(c, p, i, closed);
+            flip[i] = flip_in_piece(c, p, i, closed);
             flip[i].later = later;
             if (i <= p->n && !isnan(flip[i].t))
                 later = i;
@@ -91,7 +92,7 @@ static int tabulate(ns_switch_times *c) {
 }
 
 /* To piece i of repetition k, which flips the switch. */
-static void at_piece(ns_switch_times *c, double k, int i) {
+static void set_next(ns_switch_times *c, double k, int i) {
     ns_line_cursor *r = &c->line->run;
     const ns_switch_flip *f = &c->flip[c->closed][i];
     r->k = k;
@@ -102,7 +103,7 @@ static void at_piece(ns_switch_times *c, double k, int i) {
 }
 
 /* To the next piece after the present one that flips the switch. */
-static void look_up(ns_switch_times *c) {
+static void find_later_flip(ns_switch_times *c) {
     const ns_line_cursor *r = &c->line->run;
     const ns_broken_line *p = r->line;
     const ns_switch_flip *flip = c->flip[c->closed];
@@ -110,46 +111,45 @@ static void look_up(ns_switch_times *c) {
     c->flips = 0;
     c->next = INFINITY;
     if (r->i <= p->n && flip[r->i].later > 0)
-        at_piece(c, r->k, flip[r->i].later);
+        set_next(c, r->k, flip[r->i].later);
     else if (r->i <= p->n && p->period > 0 && r->k + 1 < p->cycles && again > 0)
-        at_piece(c, r->k + 1, again);
+        set_next(c, r->k + 1, again);
     else if (r->i <= p->n && p->period > 0 && isfinite(p->cycles) && !isnan(flip[p->n + 1].t))
-        at_piece(c, p->cycles, p->n + 1);
+        set_next(c, p->cycles, p->n + 1);
 }
 
 /* In the rest of the present piece, or later. */
-static void look_from(ns_switch_times *c, double t) {
+static void find_flip(ns_switch_times *c, double t) {
     const ns_line_cursor *r = &c->line->run;
     const ns_switch_flip *f = &c->flip[c->closed][r->i];
     const double slack = ns_system_signal_slack(t, r->line->origin);
     const int inside = f->window > 0 || f->t > r->line->piece[r->i].t; /* not where the piece begins */
     if (inside || (!isnan(f->t) && r->t >= t - slack)) {
-        at_piece(c, r->k, r->i);
+        set_next(c, r->k, r->i);
         c->next = fmax(c->next, t);
     } else
-        look_up(c);
+        find_later_flip(c);
 }
 
 /* --- all of them --- */
 
-int ns_inputs_switch_create(const ns_system *s, int command, const ns_broken_line *pieces,
-                            ns_switch_times *c) {
+int ns_inputs_switch_create(const ns_system *s, int command, const ns_broken_line *line, ns_switch_times *c) {
     const ns_command *k = &s->command[command];
     const int gains = ns_inputs_gains(s, command);
     int curves = 0, input;
     *c = (ns_switch_times){.on = k->on, .off = k->off, .g0 = k->g0, .least = k->g0, .most = k->g0};
     for (int q = 0; q < gains; q++)
         curves += ns_inputs_gain(s, command, q, &input) != 0 && !ns_signal_is_linear(&s->z[input]);
-    if (allocate(c, gains, curves) != NS_OK)
+    if (allocate_terms(c, gains, curves) != NS_OK)
         return NS_E_MEMORY;
     for (int q = 0; q < gains; q++) {
         const double gain = ns_inputs_gain(s, command, q, &input);
         if (gain != 0 && ns_signal_is_linear(&s->z[input]))
-            take_line(c, gain, &pieces[input]);
+            add_line(c, gain, &line[input]);
         else if (gain != 0)
-            take_curve(c, gain, &s->z[input]);
+            add_curve(c, gain, &s->z[input]);
     }
-    return c->lines == 1 && c->terms == 0 && c->line->run.line ? tabulate(c) : NS_OK;
+    return c->lines == 1 && c->terms == 0 && c->line->run.line ? tabulate_flips(c) : NS_OK;
 }
 
 void ns_inputs_switch_free(ns_switch_times *c) {
@@ -160,13 +160,13 @@ void ns_inputs_switch_free(ns_switch_times *c) {
 }
 
 void ns_inputs_switch_seek(ns_switch_times *c, double t, ns_side side, int closed) {
-    const double a_bit = side == NS_LEFT ? -1 : 1;
-    c->t = t + a_bit * ns_system_signal_slack(t, t);
+    const double sign = side == NS_LEFT ? -1 : 1;
+    c->t = t + sign * ns_system_signal_slack(t, t);
     for (int i = 0; i < c->lines; i++) {
         ns_line_cursor *r = &c->line[i].run;
-        ns_system_line_seek(r, t + a_bit * ns_system_signal_slack(t, r->line->origin));
+        ns_system_line_seek(r, t + sign * ns_system_signal_slack(t, r->line->origin));
     }
-    const ns_switch_value v = ns_inputs_term_at(c, t, t);
+    const ns_switch_control v = ns_inputs_switch_control(c, t, t);
     const double rounding = NS_CONTROL_TOL * v.size + fabs(v.slope) * ns_system_signal_slack(t, t);
     if (closed < 0)
         closed = ns_inputs_switch_excess(c, v.g, 0) > rounding;
@@ -178,12 +178,12 @@ void ns_inputs_switch_seek(ns_switch_times *c, double t, ns_side side, int close
         c->next = t;
         c->flips = 1;
     } else if (c->flip[0])
-        look_from(c, t);
+        find_flip(c, t);
     else
         ns_inputs_switch_search(c);
 }
 
-void ns_inputs_switch_on(ns_switch_times *c) {
+void ns_inputs_switch_pass(ns_switch_times *c) {
     c->t = c->next;
     c->closed ^= c->flips;
     c->fresh = c->flips;
@@ -199,9 +199,9 @@ void ns_inputs_switch_on(ns_switch_times *c) {
     const ns_switch_flip *f = &c->flip[c->closed][c->line->run.i];
     const ns_broken_line *p = c->line->run.line;
     if (!isnan(f->t) && p->origin + (c->line->run.k * p->period + f->t) > c->t)
-        at_piece(c, c->line->run.k, c->line->run.i);
+        set_next(c, c->line->run.k, c->line->run.i);
     else
-        look_up(c);
+        find_later_flip(c);
 }
 
 const ns_line_cursor *ns_inputs_switch_repeats(const ns_switch_times *c) {
@@ -211,5 +211,5 @@ const ns_line_cursor *ns_inputs_switch_repeats(const ns_switch_times *c) {
 
 void ns_inputs_switch_skip(ns_switch_times *c, double repetitions) {
     ns_line_cursor *r = &c->line->run;
-    at_piece(c, r->k + repetitions, r->i);
+    set_next(c, r->k + repetitions, r->i);
 }

@@ -1,14 +1,16 @@
-/* src/inputs/time_events.h - what is known of a system ahead of time: when its inputs turn and jump, and when
- * the commands flip that are functions of time only.
+/* src/inputs/time_events.h - events that are known ahead of time: when inputs turn and jump, and when
+ * switches flip whose commands depend on time only.
  *
- * A schedule stands at the right side of some time (or, after a seek, at its left side) and is walked onward,
- * from instant to instant:
+ * An object stands at the right side of some time (or, after a seek, at its left side) and is moved from
+ * event to event:
  *
  *     ns_inputs_events_seek(s, 0, NS_RIGHT, NULL);
  *     while (ns_inputs_events_next(s, end) <= end) {
- *         const ns_time_event *what = ns_inputs_events_pass(s);
- *         ... inputs right of what->t: ns_inputs_events_values(s, what->t, z, dz) ...
+ *         const ns_time_event *event = ns_inputs_events_pass(s);
+ *         ... inputs right of event->t: ns_inputs_events_values(s, event->t, z, dz) ...
  *     }
+ *
+ * An input that does not enter, because it drives only commands of time, has no events of its own.
  */
 #ifndef NS_INPUTS_TIME_EVENTS_H
 #define NS_INPUTS_TIME_EVENTS_H
@@ -28,7 +30,7 @@ typedef struct ns_time_event {
     const int *flip;  /* in no order */
 } ns_time_event;
 
-/* s has to outlive the schedule and not to change.  acting (nz): the inputs that enter; NULL: none does.
+/* s must outlive it and not change.  acting (nz): the inputs that enter; NULL: none does.
  * Errors: NULL, MEMORY. */
 int ns_inputs_events_create(const ns_system *s, const unsigned char *acting, ns_time_events **out);
 void ns_inputs_events_free(ns_time_events *s); /* NULL is allowed */
@@ -37,31 +39,31 @@ void ns_inputs_events_free(ns_time_events *s); /* NULL is allowed */
  * flips at t, which is the first instant then.  NULL: as the controls say there, open between off and on. */
 void ns_inputs_events_seek(ns_time_events *s, double t, ns_side side, const unsigned char *closed);
 
-/* The first instant after where the schedule stands (at it, only after a seek: to the left side, or to a
- * contradiction); INFINITY if there is none up to `until`.  What is equal up to rounding is one instant. */
+/* The time of the first event after the present time (at it, only after a seek: to the left side, or to a
+ * contradiction); INFINITY: there is none up to `until`.  Times equal up to rounding are one event. */
 double ns_inputs_events_next(ns_time_events *s, double until);
 
-/* All that is to come repeats with this period, s, for ever; 0: it does not, or nothing is to come. */
+/* The period, s, with which all later events repeat for ever; 0: they do not, or there are none. */
 double ns_inputs_events_period(const ns_time_events *s);
 
-/* On by one such period, to t: nothing that lies between is told. */
+/* On by one such period, to t; the events between are skipped. */
 void ns_inputs_events_skip(ns_time_events *s, double t, double period);
 
-/* Whether that instant is more than a turn of inputs: a jump, or a flip. */
+/* Whether the next event is more than a turn of inputs: a jump, or a flip. */
 int ns_inputs_events_is_event(const ns_time_events *s);
 
-/* Goes to the right side of that instant.  What it tells holds until the next call of this or of seek. */
+/* To the right side of the next event.  *event is valid until the next call of this or of seek. */
 const ns_time_event *ns_inputs_events_pass(ns_time_events *s);
 
-/* The states of the commands where the schedule stands (nc; 0 where gx is not NULL). */
+/* The states of the switches there (nc; 0 of commands that depend on the state). */
 const unsigned char *ns_inputs_events_closed(const ns_time_events *s);
 
-/* The inputs that enter and their slopes at t, from where the schedule stands to the next instant; of a SIN
+/* The inputs that enter and their slopes at t, between the present time and the next event; of a SIN
  * or EXP all but the multiples of its waves.  z, dz: nz; of inputs that do not enter they are left alone. */
 void ns_inputs_events_values(const ns_time_events *s, double t, double *z, double *dz);
 
 /* The waves of the inputs that enter, each once, and the multiples of them, by input: a term counts from
- * `from` on, and ns_inputs_events_values() adds `before` or `after`, by where the schedule stands. */
+ * `from` on, and ns_inputs_events_values() adds `before` or `after`, by the present time. */
 int ns_inputs_events_waves(const ns_time_events *s, const ns_wave **wave);
 int ns_inputs_events_terms(const ns_time_events *s, const ns_wave_term **term);
 

@@ -1,10 +1,9 @@
-/* src/inputs/time_events_create.c - a schedule, made for a system: which inputs enter, what commands wait
- * for. */
+/* src/inputs/time_events_create.c - time events made for a system: inputs that enter, commands of time. */
 #include "time_events_internal.h"
 
 #include <stdlib.h>
 
-static int wave_of(ns_time_events *s, const ns_wave *w) {
+static int shared_wave(ns_time_events *s, const ns_wave *w) {
     int k = 0;
     while (k < s->waves &&
            !(s->wave[k].freq == w->freq && s->wave[k].theta == w->theta && s->wave[k].td == w->td))
@@ -14,51 +13,51 @@ static int wave_of(ns_time_events *s, const ns_wave *w) {
     return k;
 }
 
-static void take_curve(ns_time_events *s, int input) {
+static void add_curve(ns_time_events *s, int input) {
     ns_wave wave[NS_TERMS];
     const int count = ns_inputs_wave_terms(&s->s->z[input], s->term + s->terms, wave, &s->base[s->entering]);
     s->input[s->entering++] = input;
     for (int k = 0; k < count; k++) {
         ns_wave_term *x = &s->term[s->terms++];
         x->input = input;
-        x->wave = wave_of(s, &wave[k]);
+        x->wave = shared_wave(s, &wave[k]);
     }
 }
 
-static void take_inputs(ns_time_events *s, const unsigned char *acting) {
+static void add_inputs(ns_time_events *s, const unsigned char *acting) {
     for (int i = 0; i < s->s->nz; i++)
         if (ns_signal_is_linear(&s->s->z[i]) && acting && acting[i]) {
-            s->run[s->lines++].line = &s->pieces[i];
+            s->cursor[s->lines++].line = &s->line[i];
             s->input[s->entering++] = i;
         }
     for (int i = 0; i < s->s->nz; i++)
         if (!ns_signal_is_linear(&s->s->z[i]) && acting && acting[i])
-            take_curve(s, i);
+            add_curve(s, i);
 }
 
-static int cut_lines(ns_time_events *s) {
+static int create_lines(ns_time_events *s) {
     int status = NS_OK;
     for (int i = 0; i < s->s->nz && status == NS_OK; i++)
         if (ns_signal_is_linear(&s->s->z[i]))
-            status = ns_system_line_create(&s->s->z[i], &s->pieces[i]);
+            status = ns_system_line_create(&s->s->z[i], &s->line[i]);
     return status;
 }
 
-static int take_commands(ns_time_events *s) {
+static int add_commands(ns_time_events *s) {
     int status = NS_OK;
     for (int c = 0; c < s->s->nc && status == NS_OK; c++) {
         if (!ns_inputs_is_time_only(s->s, c))
             continue;
         s->command_index[s->commands] = c;
-        status = ns_inputs_switch_create(s->s, c, s->pieces, &s->command[s->commands++]);
+        status = ns_inputs_switch_create(s->s, c, s->line, &s->command[s->commands++]);
     }
     return status;
 }
 
-static int allocate(ns_time_events *s) {
+static int allocate_arrays(ns_time_events *s) {
     const size_t nz = (size_t)s->s->nz + 1, nc = (size_t)s->s->nc + 1;
-    s->pieces = calloc(nz, sizeof *s->pieces);
-    s->run = calloc(nz, sizeof *s->run);
+    s->line = calloc(nz, sizeof *s->line);
+    s->cursor = calloc(nz, sizeof *s->cursor);
     s->input = calloc(nz, sizeof *s->input);
     s->base = calloc(nz, sizeof *s->base);
     s->term = calloc(NS_TERMS * nz, sizeof *s->term);
@@ -66,14 +65,14 @@ static int allocate(ns_time_events *s) {
     s->wave = calloc(NS_TERMS * nz, sizeof *s->wave);
     s->command = calloc(nc, sizeof *s->command);
     s->command_index = calloc(nc, sizeof *s->command_index);
-    s->flipped = calloc(nc, sizeof *s->flipped);
+    s->flips = calloc(nc, sizeof *s->flips);
     s->touched = calloc(nc, sizeof *s->touched);
     s->heap = calloc((1 + NS_TERMS) * nz + nc, sizeof *s->heap);
     s->closed = calloc(nc, 1);
     s->changed = calloc((1 + NS_TERMS) * nz, sizeof *s->changed);
     s->flip = calloc(nc, sizeof *s->flip);
-    const int made = s->pieces && s->run && s->input && s->base && s->term && s->begun && s->wave;
-    return made && s->command && s->command_index && s->flipped && s->touched && s->heap && s->closed &&
+    const int made = s->line && s->cursor && s->input && s->base && s->term && s->begun && s->wave;
+    return made && s->command && s->command_index && s->flips && s->touched && s->heap && s->closed &&
                    s->changed && s->flip
                ? NS_OK
                : NS_E_MEMORY;
@@ -89,16 +88,16 @@ int ns_inputs_events_create(const ns_system *system, const unsigned char *acting
     if (!s)
         return NS_E_MEMORY;
     s->s = system;
-    int status = allocate(s);
+    int status = allocate_arrays(s);
     if (status == NS_OK)
-        status = cut_lines(s);
+        status = create_lines(s);
     if (status == NS_OK)
-        status = take_commands(s);
+        status = add_commands(s);
     if (status != NS_OK) {
         ns_inputs_events_free(s);
         return status;
     }
-    take_inputs(s, acting);
+    add_inputs(s, acting);
     s->count = s->lines + s->terms + s->commands;
     ns_inputs_events_seek(s, 0, NS_RIGHT, NULL);
     *out = s;
@@ -108,12 +107,12 @@ int ns_inputs_events_create(const ns_system *system, const unsigned char *acting
 void ns_inputs_events_free(ns_time_events *s) {
     if (!s)
         return;
-    for (int i = 0; s->pieces && i < s->s->nz; i++)
-        ns_system_line_free(&s->pieces[i]);
+    for (int i = 0; s->line && i < s->s->nz; i++)
+        ns_system_line_free(&s->line[i]);
     for (int c = 0; s->command && c < s->commands; c++)
         ns_inputs_switch_free(&s->command[c]);
-    free(s->pieces);
-    free(s->run);
+    free(s->line);
+    free(s->cursor);
     free(s->input);
     free(s->base);
     free(s->term);
@@ -121,7 +120,7 @@ void ns_inputs_events_free(ns_time_events *s) {
     free(s->wave);
     free(s->command);
     free(s->command_index);
-    free(s->flipped);
+    free(s->flips);
     free(s->touched);
     free(s->heap);
     free(s->closed);

@@ -128,7 +128,7 @@ int ns_sparse_event_at(const ns_sparse *m, double t) {
     if (m->in->first <= t)
         return 1;
     for (int k = 0; k < m->s->nz; k++)
-        if (m->in->wave[k].until == t &&
+        if (m->in->sum[k].until == t &&
             ns_signal_value(&m->s->z[k], t, NS_LEFT) != ns_signal_value(&m->s->z[k], t, NS_RIGHT))
             return 1;
     return 0;

@@ -64,7 +64,7 @@ static void set_inputs(ns_sparse *m, double t) {
     }
     for (int c = 0; c < m->in->ncurved; c++) {
         const int i = m->in->curved[c];
-        const ns_exp_sum *w = &m->in->wave[i];
+        const ns_exp_sum *w = &m->in->sum[i];
         k->z[i] =
             w->count > 0 ? ns_signal_value(&m->s->z[i], t, NS_LEFT) : w->value + w->slope * (t - w->from);
     }

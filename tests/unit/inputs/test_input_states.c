@@ -197,7 +197,7 @@ static void check_stage(const ns_input_stages *in, double t) {
         assert_near(z[k], ns_signal_value(&in->s->z[k], t, NS_RIGHT), tol);
     (void)ns_inputs_stages_stage(in, t, g, 0, z);
     for (int k = 0; k < INPUTS; k++) {
-        const ns_exp_sum *w = &in->wave[k];
+        const ns_exp_sum *w = &in->sum[k];
         const double rate = (expanded(w, t + h) - expanded(w, t - h)) / (2 * h);
         assert_near(z[k], expanded(w, t) + g * rate, 1e-3); /* (2 pi 2 Hz g)^2 of 2 V */
     }
@@ -215,7 +215,7 @@ static void expansions_are_the_signals(void **state) {
             check_stage(in, t);
             for (int i = 0; i < INPUTS; i++) {
                 const double at = t + (fmin(end, in->corner) - t) * dice_uniform(&d);
-                assert_near(expanded(&in->wave[i], at), ns_signal_value(&system->z[i], at, NS_LEFT), tol);
+                assert_near(expanded(&in->sum[i], at), ns_signal_value(&system->z[i], at, NS_LEFT), tol);
             }
         }
         ns_inputs_stages_free(in);
