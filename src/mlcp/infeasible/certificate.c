@@ -10,6 +10,7 @@
 #include <stddef.h>
 #include <stdlib.h>
 
+#include "certificate.h"
 #include "mlcp/verify/residual.h"
 
 /* An s_j this small against its terms is rounding, of the terms and of a v that was rounded too.  No more
@@ -23,16 +24,9 @@ static double least(double a, double lo, double hi) {
     return a > 0.0 ? a * lo : a * hi;
 }
 
-/* ... of v_i y_i. */
-static double least_of_y(const ns_mlcp *p, int i, double v) {
-    const int lower = isfinite(p->l[i]), upper = isfinite(p->u[i]);
-    if (!lower && !upper) /* an equality */
-        return 0.0;
-    return least(v, lower && !upper ? 0.0 : -INFINITY, upper && !lower ? 0.0 : INFINITY);
-}
-
 /* ... of -s_j lambda_j, column j of W being w. */
-static double least_of_column(const ns_mlcp *p, const double *v, int j, const double *w) {
+static double least_of_column(const ns_mlcp *p, int mode, const double *v, int j, const double *w) {
+    const double lo = mode == NS_UPPER ? p->u[j] : p->l[j], hi = mode == NS_LOWER ? p->l[j] : p->u[j];
     double s = 0.0, size = 0.0;
     int terms = 0;
     for (int i = 0; i < p->m; i++) {
@@ -40,23 +34,25 @@ static double least_of_column(const ns_mlcp *p, const double *v, int j, const do
         size += fabs(v[i] * w[i]);
         terms += v[i] != 0.0 && w[i] != 0.0;
     }
-    if (terms > 0 && size < DBL_MIN / CANCEL && (isinf(p->l[j]) || isinf(p->u[j])))
+    if (terms > 0 && size < DBL_MIN / CANCEL && (isinf(lo) || isinf(hi)))
         return -INFINITY; /* what underflowed is not 0 */
-    double part = least(-s, p->l[j], p->u[j]);
+    double part = least(-s, lo, hi);
     return isinf(part) && fabs(s) <= CANCEL * size ? 0.0 : part;
 }
 
-static double weigh(const ns_mlcp *p, const double *v, double *room) {
+static double weigh(const ns_mlcp *p, const ns_mode *mode, const double *v, double *room) {
     double sum = 0.0, size = 0.0;
     for (int i = 0; i < p->m; i++) {
-        double part = least_of_y(p, i, v[i]) - v[i] * p->q[i];
+        const int at = mode ? mode[i] : NS_OPEN;
+        double part = least(v[i], ns_mlcp_least_y(p, i, at), ns_mlcp_most_y(p, i, at)) - v[i] * p->q[i];
         sum += part;
         size += fabs(part);
     }
     for (int j = 0; j < p->m; j++) {
         if (!p->W && p->column(p->data, j, room) != 0)
             return NAN;
-        double part = least_of_column(p, v, j, p->W ? p->W + (size_t)j * (size_t)p->m : room);
+        double part =
+            least_of_column(p, mode ? mode[j] : NS_OPEN, v, j, p->W ? p->W + (size_t)j * (size_t)p->m : room);
         sum += part;
         size += fabs(part);
     }
@@ -65,15 +61,19 @@ static double weigh(const ns_mlcp *p, const double *v, double *room) {
     return isfinite(size) && sum > 0.0 ? sum / size : -1.0;
 }
 
-double ns_mlcp_certify(const ns_mlcp *p, const double *v) {
+double ns_mlcp_certify_modes(const ns_mlcp *p, const ns_mode *mode, const double *v) {
     enum { SMALL = 128 };
     double few[SMALL], *room = few;
     if (ns_mlcp_unsound(p, v))
         return NAN;
     if (!p->W && p->m > SMALL && !(room = malloc((size_t)p->m * sizeof *room)))
         return NAN;
-    double margin = weigh(p, v, room);
+    double margin = weigh(p, mode, v, room);
     if (room != few)
         free(room);
     return margin;
+}
+
+double ns_mlcp_certify(const ns_mlcp *p, const double *v) {
+    return ns_mlcp_certify_modes(p, NULL, v);
 }

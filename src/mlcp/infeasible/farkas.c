@@ -137,14 +137,16 @@ static void leave_out(ns_phase1 *z, const double *v) {
             continue;
         int r = careless(z, v, c);
         if (r >= 0)
-            ns_mlcp_phase1_exchange(z, r, c);
+            ns_mlcp_phase1_exchange_labels(z, r, c);
     }
 }
 
 /* Any v will do: what has a sign that y_i does not allow is left out. */
-static void mend(const ns_mlcp *p, double *v, double *rest) {
+static void drop_wrong_signs(const ns_phase1 *z, double *v, double *rest) {
+    const ns_mlcp *p = z->s->p;
     for (int i = 0; i < p->m; i++)
-        if ((v[i] < 0.0 && isfinite(p->l[i])) || (v[i] > 0.0 && isfinite(p->u[i])))
+        if ((v[i] < 0.0 && isinf(ns_mlcp_most_y(p, i, z->mode[i]))) ||
+            (v[i] > 0.0 && isinf(ns_mlcp_least_y(p, i, z->mode[i]))))
             v[i] = rest[i] = 0.0;
 }
 
@@ -178,42 +180,47 @@ static int refutes(const ns_mlcp_solver *s, const double *v, double *rest) {
     return sum < -NS_MLCP_ACCEPT * size;
 }
 
-static int good_enough(const ns_mlcp_solver *s, int effort, const double *v, double *rest) {
-    const double margin = ns_mlcp_certify(s->p, v);
+static int good_enough(const ns_mlcp_solver *s, int effort, const ns_mode *mode, const double *v,
+                       double *rest) {
+    const double margin = ns_mlcp_certify_modes(s->p, mode, v);
     return effort == NS_AGAINST ? margin > NS_MLCP_ACCEPT && refutes(s, v, rest) : margin > MARGIN;
 }
 
 static int two_rows_prove(ns_mlcp_solver *s, int effort, double *v) {
     memset(s->ray, 0, (size_t)s->m * sizeof *s->ray);
-    return ns_mlcp_parallel(s, v) && good_enough(s, effort, v, s->ray);
+    return ns_mlcp_parallel(s, v) && good_enough(s, effort, NULL, v, s->ray);
 }
 
-static int proves(ns_mlcp_solver *s, int effort, double floor, double near, double *v) {
-    ns_phase1 z;
-    if (!ns_mlcp_phase1_run(&z, s, floor, near))
-        return 0;
+int ns_mlcp_farkas_proves(ns_phase1 *z, int effort, double *v) {
+    ns_mlcp_solver *s = z->s;
     double *rest = s->ray;
     for (int round = 0; round < ROUNDS; round++) {
-        multipliers(&z, v);
+        multipliers(z, v);
         memset(rest, 0, (size_t)s->m * sizeof *rest);
         for (int k = 0; k < REFINEMENTS; k++)
-            refine(&z, v, rest, s->g);
-        drop_rounding(&z, v, rest);
-        mend(s->p, v, rest);
-        if (good_enough(s, effort, v, rest))
+            refine(z, v, rest, s->g);
+        drop_rounding(z, v, rest);
+        drop_wrong_signs(z, v, rest);
+        if (good_enough(s, effort, z->mode, v, rest))
             return 1;
-        leave_out(&z, v);
+        leave_out(z, v);
     }
     return 0;
+}
+
+static int phase1_proves(ns_mlcp_solver *s, int effort, double floor, double near) {
+    ns_phase1 z;
+    ns_mlcp_phase1_start(&z, s, 0, floor, near);
+    return ns_mlcp_phase1_run(&z) == NS_E_INFEASIBLE && ns_mlcp_farkas_proves(&z, effort, s->proof);
 }
 
 static int prove(ns_mlcp_solver *s, int effort) {
     ns_mlcp now = s->now;
     ns_mlcp_given(s);
     int proved = two_rows_prove(s, effort, s->proof) ||
-                 proves(s, effort, effort == NS_BOLD ? 0.0 : FLOOR, NEAR, s->proof);
+                 phase1_proves(s, effort, effort == NS_BOLD ? 0.0 : FLOOR, NEAR);
     if (!proved && effort == NS_BOLD) /* perhaps a row that was outside by rounding had its say */
-        proved = proves(s, effort, 0.0, COARSE, s->proof);
+        proved = phase1_proves(s, effort, 0.0, COARSE);
     if (proved)
         name(s, s->proof);
     s->now = now;

@@ -23,25 +23,25 @@ enum { NONE = -1, FLIP = -2 };
 enum { RENEW = 40 }; /* exchanges after which the tableau is made anew: entries lose a digit in some ten */
 
 static double lower(const ns_phase1 *z, int var) {
-    const ns_mlcp *p = z->s->p;
+    const int i = var / 2, mode = z->mode[i];
     if (var % 2 == 0)
-        return z->s->blo[var / 2];
-    return isinf(p->u[var / 2]) ? 0.0 : -INFINITY;
+        return mode == NS_UPPER ? z->s->bhi[i] : z->s->blo[i];
+    return ns_mlcp_least_y(z->s->p, i, mode);
 }
 
 static double upper(const ns_phase1 *z, int var) {
-    const ns_mlcp *p = z->s->p;
+    const int i = var / 2, mode = z->mode[i];
     if (var % 2 == 0)
-        return z->s->bhi[var / 2];
-    return isinf(p->l[var / 2]) ? 0.0 : INFINITY;
+        return mode == NS_LOWER ? z->s->blo[i] : z->s->bhi[i];
+    return ns_mlcp_most_y(z->s->p, i, mode);
 }
 
 /* Value of a nonbasic variable. */
 static double resting(const ns_phase1 *z, int var) {
-    double lo = lower(z, var), hi = upper(z, var);
+    const double lo = lower(z, var), hi = upper(z, var);
     if (var % 2 == 1 || (isinf(lo) && isinf(hi)))
         return 0.0;
-    return z->s->at_upper[var / 2] ? hi : lo;
+    return isinf(lo) || (z->s->at_upper[var / 2] && !isinf(hi)) ? hi : lo;
 }
 
 static void load_bounds(ns_phase1 *z) {
@@ -53,12 +53,12 @@ static void load_bounds(ns_phase1 *z) {
     }
 }
 
-/* y basic but for those of boxes and of fixed lambda, which may have any value. */
+/* y basic but for those that may have any value: of fixed lambda, and of boxes that no mode is asked of. */
 static void load(ns_phase1 *z) {
     ns_mlcp_solver *s = z->s;
     z->rows = z->cols = 0;
     for (int i = 0; i < s->m; i++) {
-        if (isinf(s->p->l[i]) || isinf(s->p->u[i]))
+        if (isinf(s->p->l[i]) || isinf(s->p->u[i]) || (z->boxes && s->p->l[i] != s->p->u[i]))
             s->rowvar[z->rows++] = 2 * i + 1;
         if (s->p->l[i] != s->p->u[i])
             s->colvar[z->cols++] = 2 * i;
@@ -108,7 +108,7 @@ static void follow(const ns_phase1 *z, int p, const double *e, const double *ema
     mag[p] = fmag;
 }
 
-void ns_mlcp_phase1_exchange(ns_phase1 *z, int p, int c) {
+static void exchange(ns_phase1 *z, int p, int c) {
     ns_mlcp_solver *s = z->s;
     const size_t m = (size_t)s->m;
     double *e = s->A + (size_t)c * m, *emag = s->mag + (size_t)c * m, pivot = e[p];
@@ -127,13 +127,18 @@ void ns_mlcp_phase1_exchange(ns_phase1 *z, int p, int c) {
     z->pivots++;
 }
 
+void ns_mlcp_phase1_exchange_labels(ns_phase1 *z, int p, int c) {
+    exchange(z, p, c);
+    z->pivots = RENEW;
+}
+
 /* Row p goes to `to` and out, column c comes in. */
 static void swap(ns_phase1 *z, int p, int c, double to) {
     const size_t k = (size_t)p + (size_t)c * (size_t)z->s->m;
     double by = (to - z->value[p]) / z->s->A[k];
     double value = resting(z, z->s->colvar[c]) + by, size = fmax(fabs(value), z->size[p] / fabs(z->s->A[k]));
     move(z, c, by);
-    ns_mlcp_phase1_exchange(z, p, c);
+    exchange(z, p, c);
     z->value[p] = value;
     z->size[p] = size;
 }
@@ -296,9 +301,16 @@ static int advance(ns_phase1 *z, int first) {
     return c >= 0;
 }
 
-static void start(ns_phase1 *z, ns_mlcp_solver *s, double floor, double near) {
-    *z = (ns_phase1){
-        .s = s, .near = near, .value = s->beta, .size = s->ysize, .side = s->lsize, .cost = s->cover};
+void ns_mlcp_phase1_start(ns_phase1 *z, ns_mlcp_solver *s, int boxes, double floor, double near) {
+    *z = (ns_phase1){.s = s,
+                     .boxes = boxes,
+                     .near = near,
+                     .mode = s->kept_mode,
+                     .value = s->beta,
+                     .size = s->ysize,
+                     .side = s->lsize,
+                     .cost = s->cover};
+    memset(z->mode, NS_OPEN, (size_t)s->m);
     ns_linalg_equilibrate(s->m, s->p->W, s->m, s->r, s->c, s->e);
     load_bounds(z);
     load(z);
@@ -310,12 +322,20 @@ static void start(ns_phase1 *z, ns_mlcp_solver *s, double floor, double near) {
     eliminate(z, s->rowdone, s->rowdone);
 }
 
-int ns_mlcp_phase1_run(ns_phase1 *z, ns_mlcp_solver *s, double floor, double near) {
-    start(z, s, floor, near);
+void ns_mlcp_phase1_put(ns_phase1 *z, int i, ns_mode mode) {
+    const double before = resting(z, 2 * i);
+    z->mode[i] = mode;
+    const double by = resting(z, 2 * i) - before;
+    for (int c = 0; c < z->cols; c++)
+        if (z->s->colvar[c] == 2 * i && by != 0.0)
+            move(z, c, by);
+}
+
+int ns_mlcp_phase1_run(ns_phase1 *z) {
     const int patience = z->rows + z->cols;
     int stalled = 0;
     double before = INFINITY, sum;
-    for (int it = 0; it < PIVOTS_FLAT + PIVOTS_PER_PAIR * s->m; it++) {
+    for (int it = 0; it < PIVOTS_FLAT + PIVOTS_PER_PAIR * z->s->m; it++) {
         if (z->pivots >= RENEW)
             refresh(z);
         int outside = look(z, &sum);
@@ -324,15 +344,32 @@ int ns_mlcp_phase1_run(ns_phase1 *z, ns_mlcp_solver *s, double floor, double nea
             outside = look(z, &sum);
         }
         if (outside == 0)
-            return 0;
+            return NS_OK;
         stalled = sum < before * (1.0 - STALL) ? 0 : stalled + 1;
         before = fmin(before, sum);
         price(z);
         int moved = advance(z, stalled > patience);
         if (!moved && z->pivots == 0)
-            return 1;
+            return NS_E_INFEASIBLE;
         if (!moved)
             refresh(z);
     }
-    return 0;
+    return NS_E_LIMIT;
+}
+
+void ns_mlcp_phase1_read(const ns_phase1 *z, double *value, int *basic) {
+    const ns_mlcp_solver *s = z->s;
+    for (int i = 0; i < s->m; i++) { /* fixed: lambda is in q */
+        value[2 * i] = value[2 * i + 1] = 0.0;
+        basic[2 * i] = 0;
+        basic[2 * i + 1] = 1;
+    }
+    for (int r = 0; r < z->rows; r++) {
+        value[s->rowvar[r]] = z->value[r];
+        basic[s->rowvar[r]] = 1;
+    }
+    for (int c = 0; c < z->cols; c++) {
+        value[s->colvar[c]] = resting(z, s->colvar[c]);
+        basic[s->colvar[c]] = 0;
+    }
 }

@@ -2,12 +2,16 @@
 #ifndef NS_MLCP_PHASE1_H
 #define NS_MLCP_PHASE1_H
 
+#include "certificate.h"
 #include "mlcp/mlcp_internal.h"
 
 /* basic = value + A nonbasic, in units of s->r, s->c.  The arrays are those of the solver: A, mag, rowvar,
  * colvar (lambda_j is 2j, y_j is 2j+1), blo and bhi (m: bounds of lambda_j), at_upper (m); work in xs. */
 typedef struct ns_phase1 {
     ns_mlcp_solver *s;
+    int boxes; /* y of boxes have rows */
+    ns_mode *
+        mode; /* m: that pair i is put into, or NS_OPEN: its bounds are those that it has whatever its mode */
     int rows, cols;
     double *value, *size; /* rows: of the basic variables, and of the terms they were summed from */
     double *side;         /* rows: -1 below the lower bound, 1 above the upper, 0 */
@@ -17,13 +21,28 @@ typedef struct ns_phase1 {
     int pivots;           /* since the tableau was made from W and q */
 } ns_phase1;
 
-/* 1: the constraints cannot be met, z holds the point where the violation is least; 0: they can, or it was
- * not found out.  Works on s->q and *s->p, whatever the mode.  Amounts are judged against the terms they come
- * from, which count as at least `floor` times the largest of the start; what is outside by less than `near`
- * of them is inside. */
-int ns_mlcp_phase1_run(ns_phase1 *z, ns_mlcp_solver *s, double floor, double near);
+/* Of s->q and *s->p, all pairs open.  boxes: pairs of two bounds may be put into modes.  Amounts are judged
+ * against the terms they come from, which count as at least `floor` times the largest of the start; what is
+ * outside by less than `near` of them is inside. */
+void ns_mlcp_phase1_start(ns_phase1 *z, ns_mlcp_solver *s, int boxes, double floor, double near);
 
-/* Basic variable of row p and nonbasic variable of column c change places; values and sides stay. */
-void ns_mlcp_phase1_exchange(ns_phase1 *z, int p, int c);
+/* Puts pair i into a mode: lambda_i is at that bound and y_i has the sign of it, or y_i is 0.  NS_OPEN: into
+ * none. */
+void ns_mlcp_phase1_put(ns_phase1 *z, int i, ns_mode mode);
+
+/* OK: the constraints are met.  INFEASIBLE: they cannot be, z holds the point where the violation is least.
+ * LIMIT: it was not found out. */
+int ns_mlcp_phase1_run(ns_phase1 *z);
+
+/* value (2m): of all variables; basic (2m): whether it is. */
+void ns_mlcp_phase1_read(const ns_phase1 *z, double *value, int *basic);
+
+/* Basic variable of row p and nonbasic variable of column c change places; values and sides stay, and are those
+ * of nothing: the next run makes the tableau anew. */
+void ns_mlcp_phase1_exchange_labels(ns_phase1 *z, int p, int c);
+
+/* farkas.c: whether v (m), from the costs and sides of a run that ended INFEASIBLE, proves that there is no
+ * solution in the modes of z.  effort: as of ns_mlcp_prove().  Uses ray, g and the tableau. */
+int ns_mlcp_farkas_proves(ns_phase1 *z, int effort, double *v);
 
 #endif
