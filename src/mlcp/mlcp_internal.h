@@ -27,121 +27,154 @@ static const double NS_MLCP_GOOD = 1e-13;   /* an answer of this residual is not
 /* Variables of the pairs: lambda_a is 2a, y_a is 2a+1, the covering variable t is 2 np. */
 enum { REFRESH = 25, PIVOTS_FLAT = 50, PIVOTS_PER_PAIR = 20 };
 
-struct ns_mlcp_solver {
-    int cap;
-    ns_mlcp_method use;
-    int same;  /* the caller's promise */
-    int known; /* Wown, lown, uown hold the last problem's */
+/* An answer, or a point that may become one. */
+typedef struct ns_mlcp_point {
+    double *lambda, *y; /* m */
+    ns_mode *mode;      /* m */
+    int method;         /* what found it */
+    double residual;
+} ns_mlcp_point;
 
-    /* the problem at hand (a regularised copy where the given one is singular) */
-    const ns_mlcp *p; /* &given */
-    ns_mlcp given;    /* as given, but for the arrays below in place of the caller's W, l and u */
-    double *Wown;     /* m*m: columns not asked for yet are zero (on demand) */
-    double *lown, *uown;
-    int on_demand;       /* its W was NULL */
-    int missing;         /* columns not asked for yet */
-    unsigned char *have; /* m: columns that are there */
-    int have_units;      /* rowmax, colunit are those of Wown */
-    int have_factors;    /* block.c: lu holds those of Wown with the lambda in factored[] basic, and of */
-    int factored_ridge;  /* ridge 2^this on its diagonal; 0: none */
-    int have_scale;      /* block.c: 2^(row_exp_i + col_exp_j) Wown_ij are about 1 */
-    double *centre;      /* m: what that ridge draws lambda to */
-    unsigned char *factored;
-    int *row_exp, *col_exp;
-    int *own_row, *own_col; /* m: rescaled.c: exponents, q in these units and as it was given */
-    double *qown;           /* m */
-    const double *written;
-
-    /* the principal pivot transform of Wown, of the pairs whose lambda is basic (transform.c) */
-    ns_nonzeros nonzeros; /* of Wown; none on demand */
-    int have_transform;
-    int carried;             /* lambda and y are those of mode, but for rounding; yterms and lterms as well */
-    int settled;             /* mode is that of an answer that pivot.c found last; P is of it */
-    int at_zero;             /* every finite bound is 0 */
-    int changes;             /* pivots since P was empty */
-    int nwho, *who, *at;     /* m: which pairs P is of, and the place of each among them */
-    double *P;               /* m columns, of m rounded up to a multiple of four */
-    unsigned char *in;       /* m: lambda_i is basic */
-    double *diag;            /* m: the largest term that each diagonal entry of P was summed from */
-    double *yterms, *lterms; /* m: sizes of the terms that y, and a basic lambda, was summed from */
-    double slack;            /* guards are read to this part of them */
-    ns_mlcp now;             /* what is being solved: *p, or a regularised copy */
-    const double *W;         /* now.W */
-    double *q;               /* m: now.q with the fixed lambda folded in */
-    double *Wreg;            /* m*m, qraw: m: the regularised copy */
-    double *qraw;
-    int *erow, *ecol; /* m: entries of its eps E */
-    double *eval;     /* m */
-    int m, nf, np, nx;
-    int *free, *pair, *fixed; /* nf, np, nx: indices of the problem */
-    int *part;                /* m: of row i, some number that the rows it is joined with share */
-    double *rowmax,
-        *colunit; /* m: largest |W_ij| of a row; unit of lambda_j in which it makes terms of that size */
-
-    /* the basis: mode of all m, and the equations picked from it */
-    ns_mode *mode;   /* m, working copy */
-    ns_mode *lowest; /* m: all at their lower bounds, mended */
-    int k;           /* size of G */
-    int *rows;       /* k: indices i whose y_i is nonbasic */
-    int *cols;       /* k: indices j whose lambda_j is basic; -1 stands for t */
-    double *G;       /* (m+1)^2 */
-    double *rhs;     /* (m+1)*(m+2) */
-    double *xs;      /* (m+1)*(m+2) */
-    int alike;       /* ns_mlcp_alike() */
-    int looked_at;   /* nodes of branch_and_bound.c since the last answer */
-    int as_given,
-        units_as_given; /* floors are taken in the columns' units of the problem (wanted, at hand) */
-    int careful;        /* refine the tableau as well */
-    ns_lu *lu;          /* of G */
-    double *lambda;     /* m */
-    double *y;          /* m */
-    double *ysize;      /* m: sizes of the terms summed in y_i */
-    double *lsize;      /* m: the change of lambda_i that some y_j notices in full; pairs only */
-    double *g;          /* m */
-
-    /* the canonical tableau: basic = beta + T nonbasic, in units of ysize and lsize */
+/* The canonical tableau: basic = beta + T nonbasic, in units of ysize and lsize (tableau.c, lemke.c). */
+typedef struct ns_mlcp_tableau {
     int ncol;               /* np, or np+1 with t */
     double *T;              /* np*(np+1), leading dimension np */
     double *beta;           /* np: values */
     int *rowvar, *colvar;   /* np, np+1 */
     int *where;             /* 2np+1: row, or -1-column, of a variable */
     double *unit;           /* 2np+1 */
-    double *blo, *bhi;      /* np: bounds of lambda_a in its unit */
+    double *lo, *hi;        /* np: bounds of lambda_a in its unit */
     signed char *at_upper;  /* np: nonbasic lambda_a is at u */
     double *cover;          /* m: column of t in y = W lambda + q + cover t */
     unsigned char *first_y; /* np: at the start y_a was basic (lexicographic order) */
-    double *ray;            /* m */
+    int refined;            /* its solutions are refined once */
+} ns_mlcp_tableau;
 
-    /* rank-revealing elimination */
-    double *A, *mag;                  /* m*m */
-    int *r, *c;                       /* m: exponents of the scaling */
-    short *e;                         /* m*m */
+/* The principal pivot transform of own.W, of the pairs whose lambda is basic (transform.c). */
+typedef struct ns_mlcp_transform {
+    int valid;
+    int changes;              /* pivots since P was empty */
+    int count, *pair, *place; /* m: which pairs P is of, and the place of each among them, or -1 */
+    double *P;                /* m columns, of m rounded up to a multiple of four */
+    double *largest;          /* m: the largest term that each diagonal entry of P was summed from */
+    unsigned char *basic;     /* m: lambda_i is basic */
+    double *yterms, *lterms;  /* m: sizes of the terms that y, and a basic lambda, was summed from */
+    double slack;             /* guards are read to this part of them */
+    int carried; /* lambda and y are those of mode, but for rounding; yterms and lterms as well */
+    int settled; /* mode is that of the answer that pivot.c found last; P is of it */
+} ns_mlcp_transform;
+
+/* Gaussian elimination (reveal.c, phase1.c). */
+typedef struct ns_mlcp_elimination {
+    double *A, *mag;                  /* m*m: scaled W, and the largest term that an entry was summed from */
+    int *row_exp, *col_exp;           /* m: exponents of the scaling */
+    short *e;                         /* m*m: work of ns_linalg_equilibrate() */
     unsigned char *rowdone, *coldone; /* m */
-    int *parent, *queue;              /* m */
-    int nstuck;
-    int *stuck_row, *stuck_col; /* m */
+    int *parent;                      /* m: the path to a row */
+    int nstuck, *stuck_row, *stuck_col; /* m: what no pivot was found for */
+} ns_mlcp_elimination;
 
-    double *kept_lambda, *kept_y; /* m: the best answer so far (proximal.c) */
-    ns_mode *kept_mode;           /* m */
+struct ns_mlcp_solver {
+    /* --- what the caller asked for --- */
+    int cap;            /* room for this many pairs */
+    ns_mlcp_method use; /* ns_mlcp_use() */
+    int same;           /* ns_mlcp_same() */
+    int alike;          /* ns_mlcp_alike() */
 
-    double *aside_lambda, *aside_y; /* m: the answer that solve.c may yet return */
-    ns_mode *aside_mode;            /* m */
-    int aside_method;
+    /* --- the problem (problem.c) --- */
+    const ns_mlcp *p; /* &given */
+    ns_mlcp given;    /* as given, but for own.W, own.l and own.u in place of the caller's */
+    struct {
+        double *W;            /* m*m: columns not asked for yet are zero (on demand) */
+        double *l, *u;        /* m */
+        ns_nonzeros nonzeros; /* of W; none on demand */
+        int known;            /* these are the last problem's */
+        int on_demand;        /* its W was NULL */
+        int missing;          /* columns not asked for yet */
+        unsigned char *have;  /* m: columns that are there */
+    } own;
+    int m, nf, np, nx;        /* indices: all, free, pairs, fixed */
+    int *free, *pair, *fixed; /* nf, np, nx: which */
+    int at_zero;              /* every finite bound is 0 */
+    ns_mode *lowest;          /* m: all at their lower bounds, as far as they have one */
 
-    double noted;             /* zeros.c: residual of the best point remembered; infinite: there is none */
-    double *noted_lambda;     /* m */
-    ns_mode *noted_mode;      /* m */
-    int noting, noted_method; /* points are remembered */
+    /* --- what is being solved: *p, or a regularised copy --- */
+    ns_mlcp now;
+    const double *W; /* now.W */
+    double *q;       /* m: now.q with the fixed lambda folded in */
 
-    double *proof; /* m: the certificate */
-    int proved;    /* it holds one */
-    int asked;     /* effort: how this solve has looked for one */
-    int method;    /* what gave the answer */
-    int agrees;    /* its y and mode are known to be those of lambda */
+    /* --- units in which sizes are compared (ns_mlcp_units()) --- */
+    int as_given; /* in those of the problem, not in those found from W: wanted */
+    struct {
+        int valid, as_given; /* of own.W; which */
+        int *part;           /* m: of row i, some number that the rows it is joined with share */
+        double *rowmax;      /* m: largest |W_ij| of a row */
+        double *column;      /* m: unit of lambda_j in which it makes terms of that size */
+    } units;
+
+    /* --- the point at hand --- */
+    ns_mode *mode;      /* m */
+    double *lambda, *y; /* m */
+    double *ysize;      /* m: sizes of the terms summed in y_i */
+    double *lsize;      /* m: the change of lambda_i that some y_j notices in full; pairs only */
+    int method;         /* what found it */
+    int agrees;         /* y and mode are known to be those of lambda */
+
+    /* --- the equations of a mode (basis.c) --- */
+    int k;     /* their number */
+    int *rows; /* k: indices i whose y_i is nonbasic */
+    int *cols; /* k: indices j whose lambda_j is basic; -1 stands for t */
+    double *G; /* (m+1)^2: W at these */
+    ns_lu *lu; /* of G */
+    struct {   /* block.c: what lu holds, if it is that of own.W */
+        int valid;
+        int ridge;             /* 2^this on its diagonal; 0: none */
+        unsigned char *inside; /* m: which lambda are basic */
+        double *centre;        /* m: what the ridge draws lambda to */
+    } factored;
+    struct { /* block.c: 2^(row_i + col_j) own.W_ij are about 1 */
+        int valid, *row, *col;
+    } scale;
+
+    /* --- what the methods work on --- */
+    ns_mlcp_transform transform;
+    ns_mlcp_tableau tab;
+    ns_mlcp_elimination elim;
+    struct {           /* proximal.c: W + eps E, q, and the entries of eps E */
+        double *W, *q; /* m*m, m */
+        int *row, *col;
+        double *value; /* m */
+    } regularised;
+    struct { /* rescaled.c: exponents of the problem's own units, q in them and as given */
+        int *row, *col;
+        double *q; /* m */
+        const double *given_q;
+    } rescaled;
+
+    /* --- points remembered --- */
+    ns_mlcp_point kept;  /* by one method, the best so far */
+    ns_mlcp_point aside; /* by solve.c, which may yet return it */
+    ns_mlcp_point noted; /* by zeros.c, the best that was refused; residual: infinite if there is none */
+    int noting;          /* points are noted */
+
+    /* --- what is said of the solve --- */
+    struct {
+        double *v;  /* m: the certificate */
+        int found;  /* v is one */
+        int effort; /* how this solve has looked for one */
+    } proof;
+    int nodes_alike; /* nodes of branch_and_bound.c since the last answer */
     long pivots, factors, iterations;
     ns_fault fault;
 
-    double *doubles; /* the blocks all of the above lie in */
+    /* --- work: of whoever runs, for as long as it runs --- */
+    double *rhs;     /* (m+1)*(m+2) + NS_MEASURE_WORK*m */
+    double *xs;      /* (m+1)*(m+2) */
+    double *g, *ray; /* m */
+    int *queue;      /* m */
+
+    /* --- memory, which all of the above lies in --- */
+    double *doubles;
     int *ints;
     unsigned char *bytes;
 };
@@ -209,16 +242,16 @@ static inline double ns_mlcp_tableau_lower(const ns_mlcp_solver *s, int var) {
     if (ns_is_t(s, var))
         return 0.0;
     if (ns_is_y(s, var))
-        return s->at_upper[var / 2] ? -INFINITY : 0.0;
-    return s->blo[var / 2];
+        return s->tab.at_upper[var / 2] ? -INFINITY : 0.0;
+    return s->tab.lo[var / 2];
 }
 
 static inline double ns_mlcp_tableau_upper(const ns_mlcp_solver *s, int var) {
     if (ns_is_t(s, var))
         return INFINITY;
     if (ns_is_y(s, var))
-        return s->at_upper[var / 2] ? 0.0 : INFINITY;
-    return s->bhi[var / 2];
+        return s->tab.at_upper[var / 2] ? 0.0 : INFINITY;
+    return s->tab.hi[var / 2];
 }
 
 /* lemke.c: from s->mode to the mode of a solution.  all: the covering vector acts on every guard, not on
@@ -226,7 +259,7 @@ static inline double ns_mlcp_tableau_upper(const ns_mlcp_solver *s, int var) {
  * OK; INFEASIBLE: a ray, in s->fault; LIMIT; SINGULAR: the tableau got lost. */
 int ns_mlcp_lemke(ns_mlcp_solver *s, int all, int patience);
 
-/* farkas.c: 1 if the bounds of lambda and y alone, without complementarity, contradict: s->proof, s->fault.
+/* farkas.c: 1 if the bounds of lambda and y alone, without complementarity, contradict: s->proof.v, s->fault.
  * s->now, s->p, s->q, s->lambda, s->y and s->mode stay, the rest of the workspace does not.
  * CAREFUL: not by an amount that rounding of the largest numbers of the problem may have left.  BOLD: where
  * nothing solved it.  AGAINST: that the answer in s->lambda is none, by as much as an answer may be wrong by
@@ -272,7 +305,8 @@ void ns_mlcp_name(ns_mlcp_solver *s, const double *weight, int n, const int *ind
 /* ... gets index[0..n-1]. */
 void ns_mlcp_list(ns_mlcp_solver *s, int n, const int *index);
 
-/* reveal.c: makes s->mode a nonsingular basis close to it.  SINGULAR: s->stuck_row, s->stuck_col. */
+/* reveal.c: makes s->mode a nonsingular basis close to it.  SINGULAR: s->elim.stuck_row, s->elim.stuck_col.
+ */
 int ns_mlcp_reveal(ns_mlcp_solver *s);
 
 /* proximal.c: after ns_mlcp_reveal() was stuck.  INFEASIBLE: the equations contradict; SINGULAR. */

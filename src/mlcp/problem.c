@@ -39,17 +39,17 @@ static void sort(ns_mlcp_solver *s) {
 
 static int same_bounds(const ns_mlcp_solver *s, const ns_mlcp *p) {
     const size_t m = (size_t)p->m;
-    return memcmp(p->l, s->lown, m * sizeof *p->l) == 0 && memcmp(p->u, s->uown, m * sizeof *p->u) == 0;
+    return memcmp(p->l, s->own.l, m * sizeof *p->l) == 0 && memcmp(p->u, s->own.u, m * sizeof *p->u) == 0;
 }
 
 /* Whether W, l and u are those of the last problem: promised, or seen. */
 static int known(const ns_mlcp_solver *s, const ns_mlcp *p) {
     const size_t m = (size_t)p->m;
-    if (!s->known || p->m != s->m || (!p->W) != s->on_demand)
+    if (!s->own.known || p->m != s->m || (!p->W) != s->own.on_demand)
         return 0;
     if (s->same)
         return 1;
-    return p->W && same_bounds(s, p) && memcmp(p->W, s->Wown, m * m * sizeof *p->W) == 0;
+    return p->W && same_bounds(s, p) && memcmp(p->W, s->own.W, m * m * sizeof *p->W) == 0;
 }
 
 /* Keeps l and u. */
@@ -58,8 +58,8 @@ static int learn_bounds(ns_mlcp_solver *s, const ns_mlcp *p) {
     const int status = bad_bounds(p);
     if (status != NS_OK)
         return status;
-    memcpy(s->lown, p->l, m * sizeof *p->l);
-    memcpy(s->uown, p->u, m * sizeof *p->u);
+    memcpy(s->own.l, p->l, m * sizeof *p->l);
+    memcpy(s->own.u, p->u, m * sizeof *p->u);
     s->given.m = p->m;
     sort(s);
     return NS_OK;
@@ -68,28 +68,29 @@ static int learn_bounds(ns_mlcp_solver *s, const ns_mlcp *p) {
 /* Keeps W, l and u. */
 static int learn(ns_mlcp_solver *s, const ns_mlcp *p) {
     const size_t m = (size_t)p->m;
-    const int alike = s->known && p->m == s->m, sorted = alike && same_bounds(s, p);
-    s->known = s->have_units = s->have_scale = s->have_transform = s->settled = s->have_factors = 0;
+    const int alike = s->own.known && p->m == s->m, sorted = alike && same_bounds(s, p);
+    s->own.known = s->units.valid = s->scale.valid = s->transform.valid = s->transform.settled =
+        s->factored.valid = 0;
     const int status = sorted ? NS_OK : learn_bounds(s, p);
     if (status != NS_OK)
         return status;
-    s->on_demand = !p->W;
-    s->nonzeros.few &= alike && p->W;
+    s->own.on_demand = !p->W;
+    s->own.nonzeros.few &= alike && p->W;
     if (p->W) {
         if (!ns_linalg_finite(m * m, p->W))
             return NS_E_NUMBER;
-        if (!s->nonzeros.few || !ns_mlcp_nonzeros_fit(p->m, p->W, &s->nonzeros))
-            ns_mlcp_nonzeros_find(p->m, p->W, &s->nonzeros);
-        memcpy(s->Wown, p->W, m * m * sizeof *p->W);
+        if (!s->own.nonzeros.few || !ns_mlcp_nonzeros_fit(p->m, p->W, &s->own.nonzeros))
+            ns_mlcp_nonzeros_find(p->m, p->W, &s->own.nonzeros);
+        memcpy(s->own.W, p->W, m * m * sizeof *p->W);
     }
-    memset(s->have, p->W != NULL, m);
-    s->missing = p->W ? 0 : p->m;
-    s->known = 1;
+    memset(s->own.have, p->W != NULL, m);
+    s->own.missing = p->W ? 0 : p->m;
+    s->own.known = 1;
     return NS_OK;
 }
 
 int ns_mlcp_load(ns_mlcp_solver *s, const ns_mlcp *p) {
-    s->proved = 0;
+    s->proof.found = 0;
     if (p->m < 0 || p->m > s->cap)
         return NS_E_SIZE;
     size_t m = (size_t)p->m;
@@ -97,35 +98,35 @@ int ns_mlcp_load(ns_mlcp_solver *s, const ns_mlcp *p) {
         return NS_E_NULL;
     if (!ns_linalg_finite(m, p->q))
         return NS_E_NUMBER;
-    s->given = (ns_mlcp){p->m, s->Wown, m > 0 ? p->q : s->q, s->lown, s->uown, p->column, p->data};
+    s->given = (ns_mlcp){p->m, s->own.W, m > 0 ? p->q : s->q, s->own.l, s->own.u, p->column, p->data};
     int status = m == 0 || known(s, p) ? NS_OK : learn(s, p);
     s->m = p->m;
     if (m == 0)
-        s->known = s->settled = s->nf = s->np = s->nx = 0;
+        s->own.known = s->transform.settled = s->nf = s->np = s->nx = 0;
     return status;
 }
 
 /* Column j of Wown.  Errors: NUMBER. */
 static int fetch(ns_mlcp_solver *s, int j) {
     const size_t m = (size_t)s->m;
-    double *w = s->Wown + (size_t)j * m;
-    if (s->have[j])
+    double *w = s->own.W + (size_t)j * m;
+    if (s->own.have[j])
         return NS_OK;
     if (s->given.column(s->given.data, j, w) != 0 || !ns_linalg_finite(m, w)) {
-        s->known = 0;
+        s->own.known = 0;
         return NS_E_NUMBER;
     }
-    s->have[j] = 1;
-    s->missing--;
-    s->have_units = s->have_scale = 0;
+    s->own.have[j] = 1;
+    s->own.missing--;
+    s->units.valid = s->scale.valid = 0;
     return NS_OK;
 }
 
 /* All but those of lambda given as 0, which are needed nowhere. */
 int ns_mlcp_fetch_all(ns_mlcp_solver *s) {
-    for (int j = 0; j < s->m && s->missing > 0; j++)
-        if (s->lown[j] == 0.0 && s->uown[j] == 0.0)
-            memset(s->Wown + (size_t)j * (size_t)s->m, 0, (size_t)s->m * sizeof *s->Wown);
+    for (int j = 0; j < s->m && s->own.missing > 0; j++)
+        if (s->own.l[j] == 0.0 && s->own.u[j] == 0.0)
+            memset(s->own.W + (size_t)j * (size_t)s->m, 0, (size_t)s->m * sizeof *s->own.W);
         else if (fetch(s, j) != NS_OK)
             return NS_E_NUMBER;
     return NS_OK;
@@ -137,32 +138,32 @@ static void parts(ns_mlcp_solver *s) {
         s->g[i] = i;
     ns_linalg_spread(s->m, s->p->W, s->g, s->rhs);
     for (int i = 0; i < s->m; i++)
-        s->part[i] = (int)s->g[i];
+        s->units.part[i] = (int)s->g[i];
 }
 
 /* part, rowmax and colunit: the units in which floors of sizes are taken (basis.c). */
 void ns_mlcp_units(ns_mlcp_solver *s) {
     int m = s->m;
-    if (s->have_units && s->units_as_given == s->as_given)
+    if (s->units.valid && s->units.as_given == s->as_given)
         return;
-    s->have_units = 1;
-    s->units_as_given = s->as_given;
+    s->units.valid = 1;
+    s->units.as_given = s->as_given;
     parts(s);
-    memset(s->rowmax, 0, (size_t)m * sizeof *s->rowmax);
+    memset(s->units.rowmax, 0, (size_t)m * sizeof *s->units.rowmax);
     if (s->as_given)
         for (int j = 0; j < m; j++)
-            s->colunit[j] = 1.0;
+            s->units.column[j] = 1.0;
     else
-        ns_linalg_column_scaling(m, s->p->W, s->colunit, s->rhs);
+        ns_linalg_column_scaling(m, s->p->W, s->units.column, s->rhs);
     for (int j = 0; j < m; j++) {
         const double *col = s->p->W + (size_t)j * (size_t)m;
         for (int i = 0; i < m; i++) {
-            double a = fabs(col[i]) * s->colunit[j];
-            s->rowmax[i] = a > s->rowmax[i] ? a : s->rowmax[i];
+            double a = fabs(col[i]) * s->units.column[j];
+            s->units.rowmax[i] = a > s->units.rowmax[i] ? a : s->units.rowmax[i];
         }
     }
     for (int i = 0; i < m; i++) /* as reciprocals for the loop below */
-        s->g[i] = s->rowmax[i] > 0.0 ? 1.0 / s->rowmax[i] : 0.0;
+        s->g[i] = s->units.rowmax[i] > 0.0 ? 1.0 / s->units.rowmax[i] : 0.0;
     for (int j = 0; j < m; j++) {
         const double *col = s->p->W + (size_t)j * (size_t)m;
         double top = 0.0;
@@ -170,13 +171,13 @@ void ns_mlcp_units(ns_mlcp_solver *s) {
             double a = fabs(col[i]) * s->g[i];
             top = a > top ? a : top;
         }
-        s->colunit[j] = top > 0.0 ? 1.0 / top : 1.0;
+        s->units.column[j] = top > 0.0 ? 1.0 / top : 1.0;
     }
 }
 
 void ns_mlcp_fold(ns_mlcp_solver *s) {
-    if (s->now.W != s->Wown)
-        s->have_factors = 0;
+    if (s->now.W != s->own.W)
+        s->factored.valid = 0;
     size_t m = (size_t)s->m;
     s->W = s->now.W;
     ns_linalg_copy(m, s->now.q, s->q);

@@ -18,14 +18,14 @@ static int exact(double v, int e) {
 /* All exponents, with the open factors from s->q. */
 static void choose(ns_mlcp_solver *s) {
     double *top = s->g;
-    int *r = s->own_row, *c = s->own_col, f;
-    ns_linalg_equilibrate(s->m, s->Wown, s->m, r, c, s->e);
+    int *r = s->rescaled.row, *c = s->rescaled.col, f;
+    ns_linalg_equilibrate(s->m, s->own.W, s->m, r, c, s->elim.e);
     for (int i = 0; i < s->m; i++)
         top[i] = 0.0;
     for (int i = 0; i < s->m; i++)
-        top[s->part[i]] = fmax(top[s->part[i]], fabs(ldexp(s->q[i], r[i])));
+        top[s->units.part[i]] = fmax(top[s->units.part[i]], fabs(ldexp(s->q[i], r[i])));
     for (int i = 0; i < s->m; i++) {
-        (void)frexp(top[s->part[i]], &f);
+        (void)frexp(top[s->units.part[i]], &f);
         r[i] -= f;
         (void)frexp(top[ns_mlcp_part_of(s, i)], &f);
         c[i] += f;
@@ -33,11 +33,11 @@ static void choose(ns_mlcp_solver *s) {
 }
 
 static int all_exact(const ns_mlcp_solver *s) {
-    const double *w = s->Wown;
-    const int *r = s->own_row, *c = s->own_col;
+    const double *w = s->own.W;
+    const int *r = s->rescaled.row, *c = s->rescaled.col;
     int rounded = 0;
     for (int j = 0; j < s->m; j++) {
-        rounded += !exact(s->given.q[j], r[j]) || !exact(s->lown[j], -c[j]) || !exact(s->uown[j], -c[j]);
+        rounded += !exact(s->given.q[j], r[j]) || !exact(s->own.l[j], -c[j]) || !exact(s->own.u[j], -c[j]);
         for (int i = 0; i < s->m; i++, w++)
             rounded += !exact(*w, r[i] + c[j]);
     }
@@ -46,14 +46,14 @@ static int all_exact(const ns_mlcp_solver *s) {
 
 /* way: 1 into these units, -1 back. */
 static void multiply(ns_mlcp_solver *s, int way) {
-    double *w = s->Wown;
+    double *w = s->own.W;
     for (int j = 0; j < s->m; j++) {
-        s->lown[j] = ldexp(s->lown[j], -way * s->own_col[j]);
-        s->uown[j] = ldexp(s->uown[j], -way * s->own_col[j]);
+        s->own.l[j] = ldexp(s->own.l[j], -way * s->rescaled.col[j]);
+        s->own.u[j] = ldexp(s->own.u[j], -way * s->rescaled.col[j]);
         for (int i = 0; i < s->m; i++, w++)
-            *w = ldexp(*w, way * (s->own_row[i] + s->own_col[j]));
+            *w = ldexp(*w, way * (s->rescaled.row[i] + s->rescaled.col[j]));
     }
-    s->have_units = s->have_scale = s->have_factors = s->have_transform = 0;
+    s->units.valid = s->scale.valid = s->factored.valid = s->transform.valid = 0;
 }
 
 int ns_mlcp_rescale(ns_mlcp_solver *s) {
@@ -62,18 +62,18 @@ int ns_mlcp_rescale(ns_mlcp_solver *s) {
     choose(s);
     if (!all_exact(s))
         return 0;
-    s->written = s->given.q;
+    s->rescaled.given_q = s->given.q;
     for (int i = 0; i < s->m; i++)
-        s->qown[i] = ldexp(s->written[i], s->own_row[i]);
-    s->given.q = s->qown;
+        s->rescaled.q[i] = ldexp(s->rescaled.given_q[i], s->rescaled.row[i]);
+    s->given.q = s->rescaled.q;
     multiply(s, 1);
     return 1;
 }
 
 void ns_mlcp_scale_back(ns_mlcp_solver *s) {
     multiply(s, -1);
-    s->given.q = s->written;
+    s->given.q = s->rescaled.given_q;
     ns_mlcp_given(s);
     for (int i = 0; i < s->m; i++)
-        s->lambda[i] = ldexp(s->lambda[i], s->own_col[i]);
+        s->lambda[i] = ldexp(s->lambda[i], s->rescaled.col[i]);
 }

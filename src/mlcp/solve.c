@@ -61,13 +61,13 @@ static int apply(ns_mlcp_solver *s, ns_mlcp_method method, const ns_mode *mode, 
         [NS_MLCP_ENUMERATE] = ns_mlcp_enumerate,
     };
     s->method = (int)method;
-    s->nstuck = s->settled = s->agrees = 0;
+    s->elim.nstuck = s->transform.settled = s->agrees = 0;
     ns_mlcp_units(s);
     ns_mlcp_given(s);
     if (method == NS_MLCP_LEMKE) {
         int status = ns_mlcp_lemke_starts(s, mode, residual);
         s->agrees = status == NS_OK && agrees(s);
-        if (status != NS_E_SINGULAR || s->nstuck == 0)
+        if (status != NS_E_SINGULAR || s->elim.nstuck == 0)
             return status;
         /* first: where equalities contradict each other, lambda grows until its size hides that */
         return ns_mlcp_prove(s, NS_CAREFUL) ? NS_E_INFEASIBLE : ns_mlcp_proximal(s, mode, residual);
@@ -93,7 +93,7 @@ static int verdict(ns_mlcp_solver *s, int status, double *residual) {
         status = NS_E_LIMIT;
     if (status == NS_OK || status == NS_E_SIZE)
         return status;
-    if (status == NS_E_INFEASIBLE && (s->proved || s->method == NS_MLCP_ENUMERATE))
+    if (status == NS_E_INFEASIBLE && (s->proof.found || s->method == NS_MLCP_ENUMERATE))
         return status;
     if (ns_mlcp_prove(s, NS_CAREFUL) || ns_mlcp_prove(s, NS_BOLD))
         return NS_E_INFEASIBLE;
@@ -138,15 +138,15 @@ static void reconsider(ns_mlcp_solver *s, int k, const ns_mode *mode, double *re
     if (s->m > NS_QUICK || !ns_mlcp_doubtful(s, LARGE))
         return;
     double broken = ns_mlcp_broken(s);
-    const int asked = s->asked;
+    const int asked = s->proof.effort;
     ns_mlcp_set_aside(s);
     s->noting = 0;
     while (broken > NS_MLCP_ACCEPT && ++k < ORDER)
         if (better(s, k, mode, &broken, residual))
             ns_mlcp_set_aside(s);
     ns_mlcp_bring_back(s);
-    s->asked = asked; /* proofs against methods that failed are none against the answer */
-    s->proved = 0;
+    s->proof.effort = asked; /* proofs against methods that failed are none against the answer */
+    s->proof.found = 0;
 }
 
 /* The methods in turn: an answer or a proof ends it. */
@@ -169,7 +169,7 @@ static int automatic(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
 static int plain(const ns_mlcp_solver *s) {
     int n = 0;
     for (int i = 0; i < s->m; i++)
-        n += s->yterms[i] > DOUBT * fabs(s->given.q[i]);
+        n += s->transform.yterms[i] > DOUBT * fabs(s->given.q[i]);
     return n == 0;
 }
 
@@ -232,12 +232,12 @@ static int disproved(ns_mlcp_solver *s, double residual) {
 /* Solves *p, whose arrays are sound. */
 static int solve(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mode, double *residual) {
     s->pivots = s->factors = s->iterations = 0;
-    s->asked = 0;
+    s->proof.effort = 0;
     s->noting = 1;
-    s->noted = INFINITY;
+    s->noted.residual = INFINITY;
     memset(&s->fault, 0, sizeof s->fault);
     s->p = p;
-    s->nstuck = 0;
+    s->elim.nstuck = 0;
     if (ns_mlcp_fetch_all(s) != NS_OK)
         return NS_E_NUMBER;
     if (quickly(s, mode, residual))
@@ -247,7 +247,7 @@ static int solve(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mode, doubl
     if (s->use == NS_MLCP_AUTO && status != NS_OK && status != NS_E_INFEASIBLE &&
         in_own_units(s, mode, residual) == NS_OK)
         status = NS_OK;
-    if (status != NS_OK && !s->proved && remembered(s, residual) == NS_OK)
+    if (status != NS_OK && !s->proof.found && remembered(s, residual) == NS_OK)
         status = NS_OK;
     if (status == NS_OK && disproved(s, *residual))
         return NS_E_INFEASIBLE;
@@ -266,7 +266,7 @@ int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *la
                   ns_mlcp_info *info) {
     double residual = NAN;
     if (s)
-        s->proved = 0;
+        s->proof.found = 0;
     int status = refuse(s, p, mode, lambda, y), tried = status == NS_OK;
     if (tried)
         status = solve(s, &s->given, mode, &residual);
@@ -277,7 +277,7 @@ int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *la
             info->factors = s->factors;
             info->iterations = s->iterations;
             info->method = s->method;
-            info->certified = status == NS_E_INFEASIBLE && s->proved;
+            info->certified = status == NS_E_INFEASIBLE && s->proof.found;
             info->fault = s->fault;
         }
         info->residual = residual;
@@ -287,7 +287,7 @@ int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *la
     if (status != NS_OK || p->m == 0)
         return status;
     size_t m = (size_t)p->m;
-    s->looked_at = 0;
+    s->nodes_alike = 0;
     memcpy(mode, s->mode, m * sizeof *mode);
     memcpy(lambda, s->lambda, m * sizeof *lambda);
     memcpy(y, s->y, m * sizeof *y);
@@ -295,5 +295,5 @@ int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *la
 }
 
 const double *ns_mlcp_certificate(const ns_mlcp_solver *s) {
-    return s && s->proved ? s->proof : NULL;
+    return s && s->proof.found ? s->proof.v : NULL;
 }

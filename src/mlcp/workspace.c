@@ -8,14 +8,35 @@
 
 static void carve_doubles(ns_mlcp_solver *s, size_t m) {
     double *d = s->doubles;
-    double **square[] = {&s->Wreg, &s->A, &s->mag, &s->Wown};
-    double **vector[] = {&s->q,      &s->qraw,         &s->eval,         &s->kept_lambda,
-                         &s->kept_y, &s->rowmax,       &s->colunit,      &s->lambda,
-                         &s->y,      &s->ysize,        &s->lsize,        &s->g,
-                         &s->beta,   &s->blo,          &s->bhi,          &s->cover,
-                         &s->ray,    &s->proof,        &s->lown,         &s->uown,
-                         &s->yterms, &s->lterms,       &s->diag,         &s->centre,
-                         &s->qown,   &s->noted_lambda, &s->aside_lambda, &s->aside_y};
+    double **square[] = {&s->regularised.W, &s->elim.A, &s->elim.mag, &s->own.W};
+    double **vector[] = {&s->q,
+                         &s->regularised.q,
+                         &s->regularised.value,
+                         &s->kept.lambda,
+                         &s->kept.y,
+                         &s->units.rowmax,
+                         &s->units.column,
+                         &s->lambda,
+                         &s->y,
+                         &s->ysize,
+                         &s->lsize,
+                         &s->g,
+                         &s->tab.beta,
+                         &s->tab.lo,
+                         &s->tab.hi,
+                         &s->tab.cover,
+                         &s->ray,
+                         &s->proof.v,
+                         &s->own.l,
+                         &s->own.u,
+                         &s->transform.yterms,
+                         &s->transform.lterms,
+                         &s->transform.largest,
+                         &s->factored.centre,
+                         &s->rescaled.q,
+                         &s->noted.lambda,
+                         &s->aside.lambda,
+                         &s->aside.y};
     for (size_t i = 0; i < sizeof square / sizeof *square; i++, d += m * m)
         *square[i] = d;
     for (size_t i = 0; i < sizeof vector / sizeof *vector; i++, d += m)
@@ -23,9 +44,9 @@ static void carve_doubles(ns_mlcp_solver *s, size_t m) {
     s->G = d;
     s->rhs = s->G + (m + 1) * (m + 1);
     s->xs = s->rhs + (m + 1) * (m + 2) + NS_MEASURE_WORK * m; /* small m: residual.c needs more */
-    s->T = s->xs + (m + 1) * (m + 2);
-    s->unit = s->T + m * (m + 1);
-    s->P = s->unit + 2 * m + 1;
+    s->tab.T = s->xs + (m + 1) * (m + 2);
+    s->tab.unit = s->tab.T + m * (m + 1);
+    s->transform.P = s->tab.unit + 2 * m + 1;
 }
 
 static size_t count_doubles(size_t m) {
@@ -35,13 +56,31 @@ static size_t count_doubles(size_t m) {
 
 static void carve_ints(ns_mlcp_solver *s, size_t m) {
     int *d = s->ints;
-    int **vector[] = {&s->free,    &s->pair,    &s->fixed,   &s->rows,   &s->cols,      &s->rowvar,
-                      &s->colvar,  &s->r,       &s->c,       &s->queue,  &s->stuck_row, &s->stuck_col,
-                      &s->parent,  &s->erow,    &s->ecol,    &s->part,   &s->who,       &s->at,
-                      &s->row_exp, &s->col_exp, &s->own_row, &s->own_col};
+    int **vector[] = {&s->free,
+                      &s->pair,
+                      &s->fixed,
+                      &s->rows,
+                      &s->cols,
+                      &s->tab.rowvar,
+                      &s->tab.colvar,
+                      &s->elim.row_exp,
+                      &s->elim.col_exp,
+                      &s->queue,
+                      &s->elim.stuck_row,
+                      &s->elim.stuck_col,
+                      &s->elim.parent,
+                      &s->regularised.row,
+                      &s->regularised.col,
+                      &s->units.part,
+                      &s->transform.pair,
+                      &s->transform.place,
+                      &s->scale.row,
+                      &s->scale.col,
+                      &s->rescaled.row,
+                      &s->rescaled.col};
     for (size_t i = 0; i < sizeof vector / sizeof *vector; i++, d += m + 1)
         *vector[i] = d;
-    s->where = d; /* 2m+1 */
+    s->tab.where = d; /* 2m+1 */
 }
 
 int ns_mlcp_create(int m, ns_mlcp_solver **out) {
@@ -64,20 +103,20 @@ int ns_mlcp_create(int m, ns_mlcp_solver **out) {
     }
     carve_doubles(s, k);
     carve_ints(s, k);
-    s->e = (short *)(void *)s->bytes; /* first: calloc aligns it */
+    s->elim.e = (short *)(void *)s->bytes; /* first: calloc aligns it */
     unsigned char *b = s->bytes + k * k * sizeof(short);
-    s->first_y = b;
-    s->rowdone = b + (k + 1);
-    s->coldone = b + 2 * (k + 1);
+    s->tab.first_y = b;
+    s->elim.rowdone = b + (k + 1);
+    s->elim.coldone = b + 2 * (k + 1);
     s->mode = (ns_mode *)(b + 3 * (k + 1));
-    s->at_upper = (signed char *)(b + 4 * (k + 1));
-    s->kept_mode = (ns_mode *)(b + 5 * (k + 1));
-    s->have = b + 6 * (k + 1);
-    s->in = b + 7 * (k + 1);
-    s->factored = b + 8 * (k + 1);
-    s->noted_mode = (ns_mode *)(b + 9 * (k + 1));
+    s->tab.at_upper = (signed char *)(b + 4 * (k + 1));
+    s->kept.mode = (ns_mode *)(b + 5 * (k + 1));
+    s->own.have = b + 6 * (k + 1);
+    s->transform.basic = b + 7 * (k + 1);
+    s->factored.inside = b + 8 * (k + 1);
+    s->noted.mode = (ns_mode *)(b + 9 * (k + 1));
     s->lowest = (ns_mode *)(b + 10 * (k + 1));
-    s->aside_mode = (ns_mode *)(b + 11 * (k + 1));
+    s->aside.mode = (ns_mode *)(b + 11 * (k + 1));
     *out = s;
     return NS_OK;
 }
@@ -100,19 +139,19 @@ static void copy(size_t m, double *lambda, double *y, ns_mode *mode, const doubl
 }
 
 void ns_mlcp_keep(ns_mlcp_solver *s) {
-    copy((size_t)s->m, s->kept_lambda, s->kept_y, s->kept_mode, s->lambda, s->y, s->mode);
+    copy((size_t)s->m, s->kept.lambda, s->kept.y, s->kept.mode, s->lambda, s->y, s->mode);
 }
 
 void ns_mlcp_give_back(ns_mlcp_solver *s) {
-    copy((size_t)s->m, s->lambda, s->y, s->mode, s->kept_lambda, s->kept_y, s->kept_mode);
+    copy((size_t)s->m, s->lambda, s->y, s->mode, s->kept.lambda, s->kept.y, s->kept.mode);
 }
 
 void ns_mlcp_set_aside(ns_mlcp_solver *s) {
-    copy((size_t)s->m, s->aside_lambda, s->aside_y, s->aside_mode, s->lambda, s->y, s->mode);
-    s->aside_method = s->method;
+    copy((size_t)s->m, s->aside.lambda, s->aside.y, s->aside.mode, s->lambda, s->y, s->mode);
+    s->aside.method = s->method;
 }
 
 void ns_mlcp_bring_back(ns_mlcp_solver *s) {
-    copy((size_t)s->m, s->lambda, s->y, s->mode, s->aside_lambda, s->aside_y, s->aside_mode);
-    s->method = s->aside_method;
+    copy((size_t)s->m, s->lambda, s->y, s->mode, s->aside.lambda, s->aside.y, s->aside.mode);
+    s->method = s->aside.method;
 }

@@ -20,17 +20,17 @@ static void sizes(ns_mlcp_solver *s) {
     double *size = s->ysize;
     memset(size, 0, (size_t)s->m * sizeof *size);
     for (int i = 0; i < s->m; i++) {
-        double *of_row = &size[s->part[i]], *of_column = &size[ns_mlcp_part_of(s, i)];
-        if (s->rowmax[i] > 0.0)
-            *of_row = fmax(*of_row, fabs(s->p->q[i]) / s->rowmax[i]);
-        *of_column = fmax(*of_column, fabs(s->lambda[i]) / s->colunit[i]);
+        double *of_row = &size[s->units.part[i]], *of_column = &size[ns_mlcp_part_of(s, i)];
+        if (s->units.rowmax[i] > 0.0)
+            *of_row = fmax(*of_row, fabs(s->p->q[i]) / s->units.rowmax[i]);
+        *of_column = fmax(*of_column, fabs(s->lambda[i]) / s->units.column[i]);
     }
 }
 
 /* lambda_i, or the 0 or the bound that it stands for. */
 static double mended(const ns_mlcp_solver *s, int i) {
     const double size = s->ysize[ns_mlcp_part_of(s, i)], v = s->lambda[i];
-    return fmin(fmax(fabs(v) / s->colunit[i] <= NOISE * size ? 0.0 : v, s->p->l[i]), s->p->u[i]);
+    return fmin(fmax(fabs(v) / s->units.column[i] <= NOISE * size ? 0.0 : v, s->p->l[i]), s->p->u[i]);
 }
 
 void ns_mlcp_note(ns_mlcp_solver *s) {
@@ -41,24 +41,24 @@ void ns_mlcp_note(ns_mlcp_solver *s) {
     for (int i = 0; i < s->m; i++)
         lambda[i] = mended(s, i);
     const double r = ns_mlcp_measure(s->p, lambda, s->alike, s->rhs, NULL);
-    if (!(r <= NS_MLCP_ACCEPT && r < s->noted))
+    if (!(r <= NS_MLCP_ACCEPT && r < s->noted.residual))
         return;
-    s->noted = r;
-    s->noted_method = s->method;
-    memcpy(s->noted_lambda, lambda, (size_t)s->m * sizeof *lambda);
+    s->noted.residual = r;
+    s->noted.method = s->method;
+    memcpy(s->noted.lambda, lambda, (size_t)s->m * sizeof *lambda);
     for (int i = 0; i < s->m; i++)
-        s->noted_mode[i] = ns_mlcp_mend(s, i,
+        s->noted.mode[i] = ns_mlcp_mend(s, i,
                                         lambda[i] == s->p->l[i]   ? NS_LOWER
                                         : lambda[i] == s->p->u[i] ? NS_UPPER
                                                                   : NS_INSIDE);
 }
 
 int ns_mlcp_recall(ns_mlcp_solver *s) {
-    if (isinf(s->noted))
+    if (isinf(s->noted.residual))
         return 0;
     ns_mlcp_given(s);
-    memcpy(s->lambda, s->noted_lambda, (size_t)s->m * sizeof *s->lambda);
-    memcpy(s->mode, s->noted_mode, (size_t)s->m * sizeof *s->mode);
-    s->method = s->noted_method;
+    memcpy(s->lambda, s->noted.lambda, (size_t)s->m * sizeof *s->lambda);
+    memcpy(s->mode, s->noted.mode, (size_t)s->m * sizeof *s->mode);
+    s->method = s->noted.method;
     return 1;
 }

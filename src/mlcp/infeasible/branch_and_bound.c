@@ -29,11 +29,11 @@ typedef struct search {
 } search;
 
 static double below(const search *b, int i) {
-    return b->value[2 * i] - b->s->blo[i];
+    return b->value[2 * i] - b->s->tab.lo[i];
 }
 
 static double above(const search *b, int i) {
-    return b->s->bhi[i] - b->value[2 * i];
+    return b->s->tab.hi[i] - b->value[2 * i];
 }
 
 /* Distance of lambda_i from the bound that y_i tells it to be at, or y_i, whichever is less. */
@@ -75,7 +75,7 @@ static int factor_basis(search *b) {
     int nr = 0, nc = 0;
     ns_mlcp_restart(s, NULL);
     for (int i = 0; i < s->m; i++) {
-        s->lambda[i] = fmin(fmax(ldexp(b->value[2 * i], s->c[i]), s->p->l[i]), s->p->u[i]);
+        s->lambda[i] = fmin(fmax(ldexp(b->value[2 * i], s->elim.col_exp[i]), s->p->l[i]), s->p->u[i]);
         if (!b->basic[2 * i + 1])
             s->rows[nr++] = i;
         if (b->basic[2 * i])
@@ -95,7 +95,7 @@ static int factor_basis(search *b) {
             s->G[(size_t)i + (size_t)j * (size_t)nc] =
                 s->W[(size_t)s->rows[i] + (size_t)s->cols[j] * (size_t)s->m];
     s->factors++;
-    s->have_factors = 0;
+    s->factored.valid = 0;
     return ns_linalg_lu_factor(s->lu, nc, s->G, NULL, NULL);
 }
 
@@ -139,12 +139,12 @@ static int split(search *b, int i) {
 static int is_cut(search *b, int status) {
     ns_mlcp_solver *s = b->s;
     double top = 0.0;
-    if (status != NS_E_INFEASIBLE || !ns_mlcp_farkas_proves(&b->lp, NS_BOLD, s->proof))
+    if (status != NS_E_INFEASIBLE || !ns_mlcp_farkas_proves(&b->lp, NS_BOLD, s->proof.v))
         return 0;
     for (int i = 0; i < s->m; i++)
-        top = fmax(top, ldexp(fabs(s->proof[i]), -s->r[i]));
+        top = fmax(top, ldexp(fabs(s->proof.v[i]), -s->elim.row_exp[i]));
     for (int i = 0; i < s->m && top > 0.0; i++)
-        b->weight[i] += ldexp(fabs(s->proof[i]), -s->r[i]) / top;
+        b->weight[i] += ldexp(fabs(s->proof.v[i]), -s->elim.row_exp[i]) / top;
     return 1;
 }
 
@@ -163,8 +163,8 @@ static int visit(search *b) {
 }
 
 int ns_mlcp_branch(ns_mlcp_solver *s) {
-    const int left = NODES_ALIKE - s->looked_at;
-    search b = {.s = s, .value = s->unit, .basic = s->where, .weight = s->T, .limit = NODES};
+    const int left = NODES_ALIKE - s->nodes_alike;
+    search b = {.s = s, .value = s->tab.unit, .basic = s->tab.where, .weight = s->tab.T, .limit = NODES};
     if (s->alike)
         b.limit = left > NODES_EACH ? left : NODES_EACH;
     if (s->np > NS_BRANCH_MAX)
@@ -173,12 +173,12 @@ int ns_mlcp_branch(ns_mlcp_solver *s) {
     ns_mlcp_phase1_start(&b.lp, s, 1, 0.0, NEAR);
     const int status = visit(&b);
     if (left > 0) /* or it counts for ever */
-        s->looked_at += b.nodes;
+        s->nodes_alike += b.nodes;
     if (status != NS_E_INFEASIBLE)
         return status;
     for (int i = 0; i < s->m; i++)
         s->queue[i] = i;
     ns_mlcp_name(s, b.weight, s->m, s->queue);
-    s->proved = b.nodes == 1; /* complementarity is not to blame */
+    s->proof.found = b.nodes == 1; /* complementarity is not to blame */
     return status;
 }

@@ -53,11 +53,11 @@ static void multipliers(const ns_phase1 *z, double *v) {
     const ns_mlcp_solver *s = z->s;
     memset(v, 0, (size_t)s->m * sizeof *v);
     for (int r = 0; r < z->rows; r++)
-        if (s->rowvar[r] % 2 == 1)
-            v[s->rowvar[r] / 2] = ldexp(-z->side[r], s->r[s->rowvar[r] / 2]);
+        if (s->tab.rowvar[r] % 2 == 1)
+            v[s->tab.rowvar[r] / 2] = ldexp(-z->side[r], s->elim.row_exp[s->tab.rowvar[r] / 2]);
     for (int c = 0; c < z->cols; c++)
-        if (s->colvar[c] % 2 == 1)
-            v[s->colvar[c] / 2] = ldexp(z->cost[c], s->r[s->colvar[c] / 2]);
+        if (s->tab.colvar[c] % 2 == 1)
+            v[s->tab.colvar[c] / 2] = ldexp(z->cost[c], s->elim.row_exp[s->tab.colvar[c] / 2]);
 }
 
 /* One refinement: the block of the tableau of basic lambda and nonbasic y is the inverse of that of W.  v is
@@ -65,19 +65,19 @@ static void multipliers(const ns_phase1 *z, double *v) {
 static void refine(const ns_phase1 *z, double *v, double *rest, double *error) {
     const ns_mlcp_solver *s = z->s;
     for (int r = 0; r < z->rows; r++) {
-        int j = s->rowvar[r] / 2;
-        double to = ldexp(z->side[r], -s->c[j]);
-        error[r] = s->rowvar[r] % 2 == 0 ? ldexp(combine(s, v, rest, j, to), s->c[j]) : 0.0;
+        int j = s->tab.rowvar[r] / 2;
+        double to = ldexp(z->side[r], -s->elim.col_exp[j]);
+        error[r] = s->tab.rowvar[r] % 2 == 0 ? ldexp(combine(s, v, rest, j, to), s->elim.col_exp[j]) : 0.0;
     }
     for (int c = 0; c < z->cols; c++) {
-        const double *a = s->A + (size_t)c * (size_t)s->m;
-        const int i = s->colvar[c] / 2;
+        const double *a = s->elim.A + (size_t)c * (size_t)s->m;
+        const int i = s->tab.colvar[c] / 2;
         double sum = 0.0;
-        if (s->colvar[c] % 2 == 0)
+        if (s->tab.colvar[c] % 2 == 0)
             continue;
         for (int r = 0; r < z->rows; r++)
             sum += a[r] * error[r];
-        double by = rest[i] - ldexp(sum, s->r[i]), whole = v[i] + by;
+        double by = rest[i] - ldexp(sum, s->elim.row_exp[i]), whole = v[i] + by;
         rest[i] = fabs(v[i]) > fabs(by) ? by - (whole - v[i]) : v[i] - (whole - by);
         v[i] = whole;
     }
@@ -88,8 +88,8 @@ static double largest(const ns_phase1 *z, const double *v) {
     const ns_mlcp_solver *s = z->s;
     double top = 1.0; /* the sides */
     for (int c = 0; c < z->cols; c++)
-        if (s->colvar[c] % 2 == 1)
-            top = fmax(top, ldexp(fabs(v[s->colvar[c] / 2]), -s->r[s->colvar[c] / 2]));
+        if (s->tab.colvar[c] % 2 == 1)
+            top = fmax(top, ldexp(fabs(v[s->tab.colvar[c] / 2]), -s->elim.row_exp[s->tab.colvar[c] / 2]));
     return top;
 }
 
@@ -98,8 +98,8 @@ static void drop_rounding(const ns_phase1 *z, double *v, double *rest) {
     const ns_mlcp_solver *s = z->s;
     const double top = largest(z, v);
     for (int c = 0; c < z->cols; c++) {
-        const int i = s->colvar[c] / 2;
-        if (s->colvar[c] % 2 == 1 && ldexp(fabs(v[i]), -s->r[i]) <= ROUNDING * top)
+        const int i = s->tab.colvar[c] / 2;
+        if (s->tab.colvar[c] % 2 == 1 && ldexp(fabs(v[i]), -s->elim.row_exp[i]) <= ROUNDING * top)
             v[i] = rest[i] = 0.0;
     }
 }
@@ -108,16 +108,16 @@ static void drop_rounding(const ns_phase1 *z, double *v, double *rest) {
  * is left out: its row, -1 if there is none. */
 static int careless(const ns_phase1 *z, const double *v, int c) {
     const ns_mlcp_solver *s = z->s;
-    const double *a = s->A + (size_t)c * (size_t)s->m;
+    const double *a = s->elim.A + (size_t)c * (size_t)s->m;
     double most = 0.0;
     int best = -1;
     for (int r = 0; r < z->rows; r++) {
-        const int j = s->rowvar[r] / 2;
+        const int j = s->tab.rowvar[r] / 2;
         double size;
-        if (s->rowvar[r] % 2 == 1 || z->side[r] != 0.0 || a[r] == 0.0)
+        if (s->tab.rowvar[r] % 2 == 1 || z->side[r] != 0.0 || a[r] == 0.0)
             continue;
         (void)slope(s, v, j, &size);
-        size = ldexp(fabs(a[r]) * size, s->c[j]);
+        size = ldexp(fabs(a[r]) * size, s->elim.col_exp[j]);
         if (size > most) {
             most = size;
             best = r;
@@ -132,8 +132,9 @@ static void leave_out(ns_phase1 *z, const double *v) {
     const ns_mlcp_solver *s = z->s;
     const double noise = NOISE * largest(z, v);
     for (int c = 0; c < z->cols; c++) {
-        const int i = s->colvar[c] / 2;
-        if (s->colvar[c] % 2 == 0 || z->cost[c] != 0.0 || v[i] == 0.0 || ldexp(fabs(v[i]), -s->r[i]) > noise)
+        const int i = s->tab.colvar[c] / 2;
+        if (s->tab.colvar[c] % 2 == 0 || z->cost[c] != 0.0 || v[i] == 0.0 ||
+            ldexp(fabs(v[i]), -s->elim.row_exp[i]) > noise)
             continue;
         int r = careless(z, v, c);
         if (r >= 0)
@@ -155,14 +156,14 @@ static void name(ns_mlcp_solver *s, const double *v) {
     for (int a = 0; a < s->np; a++) {
         int i = s->pair[a];
         double size, sum = slope(s, v, i, &size);
-        s->ray[a] =
-            fmax(ldexp(fabs(v[i]), -s->r[i]), fabs(sum) > CANCEL * size ? ldexp(fabs(sum), s->c[i]) : 0.0);
+        s->ray[a] = fmax(ldexp(fabs(v[i]), -s->elim.row_exp[i]),
+                         fabs(sum) > CANCEL * size ? ldexp(fabs(sum), s->elim.col_exp[i]) : 0.0);
     }
     ns_mlcp_name(s, s->ray, s->np, s->pair);
     if (s->fault.npairs > 0)
         return;
     for (int f = 0; f < s->nf; f++)
-        s->ray[f] = ldexp(fabs(v[s->free[f]]), -s->r[s->free[f]]);
+        s->ray[f] = ldexp(fabs(v[s->free[f]]), -s->elim.row_exp[s->free[f]]);
     ns_mlcp_name(s, s->ray, s->nf, s->free);
 }
 
@@ -211,27 +212,27 @@ int ns_mlcp_farkas_proves(ns_phase1 *z, int effort, double *v) {
 static int phase1_proves(ns_mlcp_solver *s, int effort, double floor, double near) {
     ns_phase1 z;
     ns_mlcp_phase1_start(&z, s, 0, floor, near);
-    return ns_mlcp_phase1_run(&z) == NS_E_INFEASIBLE && ns_mlcp_farkas_proves(&z, effort, s->proof);
+    return ns_mlcp_phase1_run(&z) == NS_E_INFEASIBLE && ns_mlcp_farkas_proves(&z, effort, s->proof.v);
 }
 
 static int prove(ns_mlcp_solver *s, int effort) {
     ns_mlcp now = s->now;
     ns_mlcp_given(s);
-    int proved = two_rows_prove(s, effort, s->proof) ||
+    int proved = two_rows_prove(s, effort, s->proof.v) ||
                  phase1_proves(s, effort, effort == NS_BOLD ? 0.0 : FLOOR, NEAR);
     if (!proved && effort == NS_BOLD) /* perhaps a row that was outside by rounding had its say */
         proved = phase1_proves(s, effort, 0.0, COARSE);
     if (proved)
-        name(s, s->proof);
+        name(s, s->proof.v);
     s->now = now;
     ns_mlcp_fold(s);
     return proved;
 }
 
 int ns_mlcp_prove(ns_mlcp_solver *s, int effort) {
-    if (s->asked < effort) {
-        s->asked = effort;
-        s->proved = prove(s, effort);
+    if (s->proof.effort < effort) {
+        s->proof.effort = effort;
+        s->proof.found = prove(s, effort);
     }
-    return s->proved;
+    return s->proof.found;
 }

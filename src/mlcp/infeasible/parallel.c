@@ -58,12 +58,12 @@ static void narrow(const ns_mlcp_solver *s, family *f, int i) {
     }
 }
 
-/* s->queue: first columns; s->rowdone: rows seen in a family. */
+/* s->queue: first columns; s->elim.rowdone: rows seen in a family. */
 static family gather(const ns_mlcp_solver *s, int first) {
     family f = {first, s->queue[first], -1, -1, -INFINITY, INFINITY};
     for (int i = first; f.column < s->m && i < s->m; i++)
         if (s->queue[i] == f.column && belongs(s, &f, i)) {
-            s->rowdone[i] = 1;
+            s->elim.rowdone[i] = 1;
             narrow(s, &f, i);
         }
     return f;
@@ -72,20 +72,20 @@ static family gather(const ns_mlcp_solver *s, int first) {
 int ns_mlcp_parallel(ns_mlcp_solver *s, double *v) {
     for (int i = 0; i < s->m; i++) {
         s->queue[i] = first_column(s, i);
-        s->rowdone[i] = 0;
+        s->elim.rowdone[i] = 0;
         v[i] = 0.0;
-        s->r[i] = s->c[i] = 0;
+        s->elim.row_exp[i] = s->elim.col_exp[i] = 0;
     }
     for (int first = 0; first < s->m; first++) {
-        if (s->rowdone[first])
+        if (s->elim.rowdone[first])
             continue;
         const family f = gather(s, first);
         if (f.below < 0 || f.above < 0 || !(f.lo > f.hi))
             continue;
         v[f.below] = 1.0 / ratio(s, &f, f.below);
         v[f.above] = -1.0 / ratio(s, &f, f.above);
-        s->r[f.below] = ilogb(v[f.below]); /* either weighs the same */
-        s->r[f.above] = ilogb(v[f.above]);
+        s->elim.row_exp[f.below] = ilogb(v[f.below]); /* either weighs the same */
+        s->elim.row_exp[f.above] = ilogb(v[f.above]);
         return 1;
     }
     return 0;

@@ -25,14 +25,14 @@ enum { RENEW = 40 }; /* exchanges after which the tableau is made anew: entries 
 static double lower(const ns_phase1 *z, int var) {
     const int i = var / 2, mode = z->mode[i];
     if (var % 2 == 0)
-        return mode == NS_UPPER ? z->s->bhi[i] : z->s->blo[i];
+        return mode == NS_UPPER ? z->s->tab.hi[i] : z->s->tab.lo[i];
     return ns_mlcp_least_y(z->s->p, i, mode);
 }
 
 static double upper(const ns_phase1 *z, int var) {
     const int i = var / 2, mode = z->mode[i];
     if (var % 2 == 0)
-        return mode == NS_LOWER ? z->s->blo[i] : z->s->bhi[i];
+        return mode == NS_LOWER ? z->s->tab.lo[i] : z->s->tab.hi[i];
     return ns_mlcp_most_y(z->s->p, i, mode);
 }
 
@@ -41,15 +41,15 @@ static double resting(const ns_phase1 *z, int var) {
     const double lo = lower(z, var), hi = upper(z, var);
     if (var % 2 == 1 || (isinf(lo) && isinf(hi)))
         return 0.0;
-    return isinf(lo) || (z->s->at_upper[var / 2] && !isinf(hi)) ? hi : lo;
+    return isinf(lo) || (z->s->tab.at_upper[var / 2] && !isinf(hi)) ? hi : lo;
 }
 
 static void load_bounds(ns_phase1 *z) {
     ns_mlcp_solver *s = z->s;
     for (int j = 0; j < s->m; j++) {
-        s->blo[j] = ldexp(s->p->l[j], -s->c[j]);
-        s->bhi[j] = ldexp(s->p->u[j], -s->c[j]);
-        s->at_upper[j] = fabs(s->bhi[j]) < fabs(s->blo[j]);
+        s->tab.lo[j] = ldexp(s->p->l[j], -s->elim.col_exp[j]);
+        s->tab.hi[j] = ldexp(s->p->u[j], -s->elim.col_exp[j]);
+        s->tab.at_upper[j] = fabs(s->tab.hi[j]) < fabs(s->tab.lo[j]);
     }
 }
 
@@ -59,24 +59,25 @@ static void load(ns_phase1 *z) {
     z->rows = z->cols = 0;
     for (int i = 0; i < s->m; i++) {
         if (isinf(s->p->l[i]) || isinf(s->p->u[i]) || (z->boxes && s->p->l[i] != s->p->u[i]))
-            s->rowvar[z->rows++] = 2 * i + 1;
+            s->tab.rowvar[z->rows++] = 2 * i + 1;
         if (s->p->l[i] != s->p->u[i])
-            s->colvar[z->cols++] = 2 * i;
+            s->tab.colvar[z->cols++] = 2 * i;
     }
     for (int r = 0; r < z->rows; r++) {
-        z->value[r] = ldexp(s->q[s->rowvar[r] / 2], s->r[s->rowvar[r] / 2]);
+        z->value[r] = ldexp(s->q[s->tab.rowvar[r] / 2], s->elim.row_exp[s->tab.rowvar[r] / 2]);
         z->size[r] = fabs(z->value[r]);
     }
     for (int c = 0; c < z->cols; c++) {
-        int j = s->colvar[c] / 2;
+        int j = s->tab.colvar[c] / 2;
         double rest = resting(z, 2 * j);
         for (int r = 0; r < z->rows; r++) {
-            int i = s->rowvar[r] / 2;
+            int i = s->tab.rowvar[r] / 2;
             size_t k = (size_t)r + (size_t)c * (size_t)s->m;
-            s->A[k] = ldexp(s->p->W[(size_t)i + (size_t)j * (size_t)s->m], s->r[i] + s->c[j]);
-            s->mag[k] = fabs(s->A[k]);
-            z->value[r] += s->A[k] * rest;
-            z->size[r] = fmax(z->size[r], s->mag[k] * fabs(rest));
+            s->elim.A[k] =
+                ldexp(s->p->W[(size_t)i + (size_t)j * (size_t)s->m], s->elim.row_exp[i] + s->elim.col_exp[j]);
+            s->elim.mag[k] = fabs(s->elim.A[k]);
+            z->value[r] += s->elim.A[k] * rest;
+            z->size[r] = fmax(z->size[r], s->elim.mag[k] * fabs(rest));
         }
     }
 }
@@ -84,7 +85,7 @@ static void load(ns_phase1 *z) {
 /* Moves nonbasic variable c: all basic values follow. */
 static void move(ns_phase1 *z, int c, double by) {
     const size_t k = (size_t)c * (size_t)z->s->m;
-    const double *a = z->s->A + k, *mag = z->s->mag + k;
+    const double *a = z->s->elim.A + k, *mag = z->s->elim.mag + k;
     for (int r = 0; r < z->rows; r++) {
         z->value[r] += a[r] * by;
         z->size[r] = fmax(z->size[r], mag[r] * fabs(by));
@@ -111,19 +112,19 @@ static void follow(const ns_phase1 *z, int p, const double *e, const double *ema
 static void exchange(ns_phase1 *z, int p, int c) {
     ns_mlcp_solver *s = z->s;
     const size_t m = (size_t)s->m;
-    double *e = s->A + (size_t)c * m, *emag = s->mag + (size_t)c * m, pivot = e[p];
+    double *e = s->elim.A + (size_t)c * m, *emag = s->elim.mag + (size_t)c * m, pivot = e[p];
     for (int k = 0; k < z->cols; k++)
         if (k != c)
-            follow(z, p, e, emag, pivot, s->A + (size_t)k * m, s->mag + (size_t)k * m);
+            follow(z, p, e, emag, pivot, s->elim.A + (size_t)k * m, s->elim.mag + (size_t)k * m);
     for (int r = 0; r < z->rows; r++) {
         e[r] /= pivot;
         emag[r] /= fabs(pivot);
     }
     e[p] = emag[p] = 1.0 / pivot;
     emag[p] = fabs(emag[p]);
-    int var = s->rowvar[p];
-    s->rowvar[p] = s->colvar[c];
-    s->colvar[c] = var;
+    int var = s->tab.rowvar[p];
+    s->tab.rowvar[p] = s->tab.colvar[c];
+    s->tab.colvar[c] = var;
     z->pivots++;
 }
 
@@ -135,8 +136,9 @@ void ns_mlcp_phase1_exchange_labels(ns_phase1 *z, int p, int c) {
 /* Row p goes to `to` and out, column c comes in. */
 static void swap(ns_phase1 *z, int p, int c, double to) {
     const size_t k = (size_t)p + (size_t)c * (size_t)z->s->m;
-    double by = (to - z->value[p]) / z->s->A[k];
-    double value = resting(z, z->s->colvar[c]) + by, size = fmax(fabs(value), z->size[p] / fabs(z->s->A[k]));
+    double by = (to - z->value[p]) / z->s->elim.A[k];
+    double value = resting(z, z->s->tab.colvar[c]) + by,
+           size = fmax(fabs(value), z->size[p] / fabs(z->s->elim.A[k]));
     move(z, c, by);
     exchange(z, p, c);
     z->value[p] = value;
@@ -150,12 +152,12 @@ static void eliminate(ns_phase1 *z, const unsigned char *leave, const unsigned c
         int bp = NONE, bc = NONE;
         double best = 0.0;
         for (int c = 0; c < z->cols; c++)
-            for (int r = 0; s->colvar[c] % 2 == 0 && enter[s->colvar[c] / 2] && r < z->rows; r++) {
+            for (int r = 0; s->tab.colvar[c] % 2 == 0 && enter[s->tab.colvar[c] / 2] && r < z->rows; r++) {
                 size_t k = (size_t)r + (size_t)c * (size_t)s->m;
-                if (s->rowvar[r] % 2 == 0 || !leave[s->rowvar[r] / 2] || !(fabs(s->A[k]) > best) ||
-                    !(fabs(s->A[k]) > SOUND * s->mag[k]))
+                if (s->tab.rowvar[r] % 2 == 0 || !leave[s->tab.rowvar[r] / 2] ||
+                    !(fabs(s->elim.A[k]) > best) || !(fabs(s->elim.A[k]) > SOUND * s->elim.mag[k]))
                     continue;
-                best = fabs(s->A[k]);
+                best = fabs(s->elim.A[k]);
                 bp = r;
                 bc = c;
             }
@@ -168,16 +170,16 @@ static void eliminate(ns_phase1 *z, const unsigned char *leave, const unsigned c
 /* The tableau of the same basis made anew from W and q. */
 static void refresh(ns_phase1 *z) {
     ns_mlcp_solver *s = z->s;
-    memset(s->rowdone, 0, (size_t)s->m);
-    memset(s->coldone, 0, (size_t)s->m);
+    memset(s->elim.rowdone, 0, (size_t)s->m);
+    memset(s->elim.coldone, 0, (size_t)s->m);
     for (int c = 0; c < z->cols; c++)
-        if (s->colvar[c] % 2 == 1)
-            s->rowdone[s->colvar[c] / 2] = 1;
+        if (s->tab.colvar[c] % 2 == 1)
+            s->elim.rowdone[s->tab.colvar[c] / 2] = 1;
     for (int r = 0; r < z->rows; r++)
-        if (s->rowvar[r] % 2 == 0)
-            s->coldone[s->rowvar[r] / 2] = 1;
+        if (s->tab.rowvar[r] % 2 == 0)
+            s->elim.coldone[s->tab.rowvar[r] / 2] = 1;
     load(z);
-    eliminate(z, s->rowdone, s->coldone);
+    eliminate(z, s->elim.rowdone, s->elim.coldone);
     z->pivots = 0;
 }
 
@@ -186,9 +188,10 @@ static int look(ns_phase1 *z, double *sum) {
     int count = 0;
     *sum = 0.0;
     for (int r = 0; r < z->rows; r++) {
-        double below = lower(z, z->s->rowvar[r]) - z->value[r];
-        double above = z->value[r] - upper(z, z->s->rowvar[r]);
-        int var = z->s->rowvar[r], empty = var % 2 == 1 && z->s->rowmax[var / 2] == 0.0; /* y = q: exact */
+        double below = lower(z, z->s->tab.rowvar[r]) - z->value[r];
+        double above = z->value[r] - upper(z, z->s->tab.rowvar[r]);
+        int var = z->s->tab.rowvar[r],
+            empty = var % 2 == 1 && z->s->units.rowmax[var / 2] == 0.0; /* y = q: exact */
         double near = z->near * (empty ? z->size[r] : fmax(z->size[r], z->least));
         z->side[r] = below > near ? -1.0 : above > near ? 1.0 : 0.0;
         count += z->side[r] != 0.0;
@@ -203,8 +206,8 @@ static double cost(const ns_phase1 *z, int c) {
     double sum = 0.0, size = 0.0;
     for (int r = 0; r < z->rows; r++)
         if (z->side[r] != 0.0) {
-            sum += z->side[r] * z->s->A[k + (size_t)r];
-            size += z->s->mag[k + (size_t)r];
+            sum += z->side[r] * z->s->elim.A[k + (size_t)r];
+            size += z->s->elim.mag[k + (size_t)r];
         }
     return fabs(sum) > DULL * size ? sum : 0.0;
 }
@@ -219,11 +222,11 @@ static int choose(const ns_phase1 *z, int first) {
     const ns_mlcp_solver *s = z->s;
     int best = NONE;
     for (int c = 0; c < z->cols; c++) {
-        int var = s->colvar[c];
+        int var = s->tab.colvar[c];
         double d = z->cost[c], rest = resting(z, var);
         if (d == 0.0 || (d < 0.0 ? upper(z, var) <= rest : lower(z, var) >= rest))
             continue;
-        if (best < 0 || (first ? var < s->colvar[best] : fabs(d) > fabs(z->cost[best])))
+        if (best < 0 || (first ? var < s->tab.colvar[best] : fabs(d) > fabs(z->cost[best])))
             best = c;
     }
     return best;
@@ -231,7 +234,8 @@ static int choose(const ns_phase1 *z, int first) {
 
 /* Where column c, moving by dir, takes row r past its bounds: at[0] lower, at[1] upper. */
 static void breaks(const ns_phase1 *z, int r, double rate, double *at) {
-    double lo = lower(z, z->s->rowvar[r]), hi = upper(z, z->s->rowvar[r]), way = rate > 0.0 ? 1.0 : -1.0;
+    double lo = lower(z, z->s->tab.rowvar[r]), hi = upper(z, z->s->tab.rowvar[r]),
+           way = rate > 0.0 ? 1.0 : -1.0;
     at[0] = at[1] = INFINITY;
     if (z->side[r] * way > 0.0 || rate == 0.0)
         return;
@@ -246,8 +250,8 @@ static void breaks(const ns_phase1 *z, int r, double rate, double *at) {
  * c's own other bound, NONE: nothing. */
 static int stop(ns_phase1 *z, int c, double dir, double slope, int *high) {
     const ns_mlcp_solver *s = z->s;
-    const double *e = s->A + (size_t)c * (size_t)s->m, *mag = s->mag + (size_t)c * (size_t)s->m;
-    double range = upper(z, s->colvar[c]) - lower(z, s->colvar[c]), most = 0.0, *at = s->xs;
+    const double *e = s->elim.A + (size_t)c * (size_t)s->m, *mag = s->elim.mag + (size_t)c * (size_t)s->m;
+    double range = upper(z, s->tab.colvar[c]) - lower(z, s->tab.colvar[c]), most = 0.0, *at = s->xs;
     int best = NONE;
     for (int r = 0; r < z->rows; r++)
         breaks(z, r, fabs(e[r]) > SOUND * mag[r] ? dir * e[r] : 0.0, at + (size_t)2 * (size_t)r);
@@ -271,19 +275,19 @@ static int stop(ns_phase1 *z, int c, double dir, double slope, int *high) {
 }
 
 static int step(ns_phase1 *z, int c) {
-    int var = z->s->colvar[c], high = 0;
+    int var = z->s->tab.colvar[c], high = 0;
     double dir = z->cost[c] < 0.0 ? 1.0 : -1.0;
     int r = stop(z, c, dir, -fabs(z->cost[c]), &high);
     if (r == NONE)
         return 0;
     if (r == FLIP) {
         move(z, c, dir * (upper(z, var) - lower(z, var)));
-        z->s->at_upper[var / 2] = (signed char)!z->s->at_upper[var / 2];
+        z->s->tab.at_upper[var / 2] = (signed char)!z->s->tab.at_upper[var / 2];
         return 1;
     }
-    int out = z->s->rowvar[r];
+    int out = z->s->tab.rowvar[r];
     if (out % 2 == 0)
-        z->s->at_upper[out / 2] = (signed char)high;
+        z->s->tab.at_upper[out / 2] = (signed char)high;
     swap(z, r, c, high ? upper(z, out) : lower(z, out));
     return 1;
 }
@@ -305,21 +309,21 @@ void ns_mlcp_phase1_start(ns_phase1 *z, ns_mlcp_solver *s, int boxes, double flo
     *z = (ns_phase1){.s = s,
                      .boxes = boxes,
                      .near = near,
-                     .mode = s->kept_mode,
-                     .value = s->beta,
+                     .mode = s->kept.mode,
+                     .value = s->tab.beta,
                      .size = s->ysize,
                      .side = s->lsize,
-                     .cost = s->cover};
+                     .cost = s->tab.cover};
     memset(z->mode, NS_OPEN, (size_t)s->m);
-    ns_linalg_equilibrate(s->m, s->p->W, s->m, s->r, s->c, s->e);
+    ns_linalg_equilibrate(s->m, s->p->W, s->m, s->elim.row_exp, s->elim.col_exp, s->elim.e);
     load_bounds(z);
     load(z);
     for (int r = 0; r < z->rows; r++)
-        z->least = fmax(z->least, s->rowmax[s->rowvar[r] / 2] > 0.0 ? floor * z->size[r] : 0.0);
-    memset(s->rowdone, 0, (size_t)s->m);
+        z->least = fmax(z->least, s->units.rowmax[s->tab.rowvar[r] / 2] > 0.0 ? floor * z->size[r] : 0.0);
+    memset(s->elim.rowdone, 0, (size_t)s->m);
     for (int f = 0; f < s->nf; f++)
-        s->rowdone[s->free[f]] = 1;
-    eliminate(z, s->rowdone, s->rowdone);
+        s->elim.rowdone[s->free[f]] = 1;
+    eliminate(z, s->elim.rowdone, s->elim.rowdone);
 }
 
 void ns_mlcp_phase1_put(ns_phase1 *z, int i, ns_mode mode) {
@@ -327,7 +331,7 @@ void ns_mlcp_phase1_put(ns_phase1 *z, int i, ns_mode mode) {
     z->mode[i] = mode;
     const double by = resting(z, 2 * i) - before;
     for (int c = 0; c < z->cols; c++)
-        if (z->s->colvar[c] == 2 * i && by != 0.0)
+        if (z->s->tab.colvar[c] == 2 * i && by != 0.0)
             move(z, c, by);
 }
 
@@ -365,11 +369,11 @@ void ns_mlcp_phase1_read(const ns_phase1 *z, double *value, int *basic) {
         basic[2 * i + 1] = 1;
     }
     for (int r = 0; r < z->rows; r++) {
-        value[s->rowvar[r]] = z->value[r];
-        basic[s->rowvar[r]] = 1;
+        value[s->tab.rowvar[r]] = z->value[r];
+        basic[s->tab.rowvar[r]] = 1;
     }
     for (int c = 0; c < z->cols; c++) {
-        value[s->colvar[c]] = resting(z, s->colvar[c]);
-        basic[s->colvar[c]] = 0;
+        value[s->tab.colvar[c]] = resting(z, s->tab.colvar[c]);
+        basic[s->tab.colvar[c]] = 0;
     }
 }

@@ -91,7 +91,7 @@ static int factor(ns_mlcp_solver *ws, const iterate *p, double ridge) {
             ws->G[i + j * m] = ws->G[j + i * m] = i == j ? 1.0 : 0.0;
     }
     ws->factors++;
-    ws->have_factors = 0;
+    ws->factored.valid = 0;
     double rcond;
     int status = ns_linalg_lu_factor(ws->lu, z->m, ws->G, &rcond, NULL);
     return status == NS_OK && ridge == 0.0 && !(rcond > RCOND) ? NS_E_SINGULAR : status;

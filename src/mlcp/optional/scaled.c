@@ -35,14 +35,14 @@ static void share_out(ns_mlcp_solver *s, ns_scaled *z) {
     for (size_t k = 0; k < sizeof in_xs / sizeof *in_xs; k++)
         *in_xs[k] = s->xs + k * m;
     z->m = s->m;
-    z->W = s->T;
-    z->rs = s->blo;
-    z->cs = s->bhi;
-    z->work[1] = s->beta;
-    z->work[2] = s->cover;
+    z->W = s->tab.T;
+    z->rs = s->tab.lo;
+    z->cs = s->tab.hi;
+    z->work[1] = s->tab.beta;
+    z->work[2] = s->tab.cover;
     z->work[3] = s->ray;
-    z->work[4] = s->unit;
-    z->work[5] = s->unit + m;
+    z->work[4] = s->tab.unit;
+    z->work[5] = s->tab.unit + m;
 }
 
 /* l, u, x in units of cs. */
@@ -58,12 +58,12 @@ static void scale_bounds(const ns_mlcp_solver *s, ns_scaled *z) {
 
 void ns_mlcp_scaled_load(ns_mlcp_solver *s, ns_scaled *z) {
     int m = s->m;
-    double *rs = s->blo, *cs = s->bhi, size = 0.0;
+    double *rs = s->tab.lo, *cs = s->tab.hi, size = 0.0;
     share_out(s, z);
-    ns_linalg_equilibrate(m, s->W, m, s->r, s->c, s->e);
+    ns_linalg_equilibrate(m, s->W, m, s->elim.row_exp, s->elim.col_exp, s->elim.e);
     for (int i = 0; i < m; i++) {
-        rs[i] = ldexp(1.0, s->r[i]);
-        cs[i] = ldexp(1.0, s->c[i]);
+        rs[i] = ldexp(1.0, s->elim.row_exp[i]);
+        cs[i] = ldexp(1.0, s->elim.col_exp[i]);
         z->q[i] = rs[i] * s->q[i];
     }
     for (int j = 0; j < m; j++)
@@ -163,7 +163,7 @@ static int factor_ridged(ns_mlcp_solver *s, const ns_scaled *z) {
             s->G[i + j * m] = (inside ? z->W[i + j * m] : 0.0) + (i == j ? (inside ? RIDGE : 1.0) : 0.0);
         }
     s->factors++;
-    s->have_factors = 0;
+    s->factored.valid = 0;
     return ns_linalg_lu_factor(s->lu, z->m, s->G, NULL, NULL);
 }
 

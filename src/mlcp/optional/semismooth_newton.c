@@ -141,10 +141,11 @@ static int levenberg(ns_mlcp_solver *s, const ns_scaled *z, const double *g, dou
     size_t m = (size_t)n;
     for (size_t j = 0; j < m; j++)
         for (size_t i = 0; i <= j; i++)
-            s->mag[i + j * m] = s->mag[j + i * m] = dot(n, s->G + i * m, s->G + j * m) + (i == j ? nu : 0.0);
+            s->elim.mag[i + j * m] = s->elim.mag[j + i * m] =
+                dot(n, s->G + i * m, s->G + j * m) + (i == j ? nu : 0.0);
     s->factors++;
-    s->have_factors = 0;
-    if (ns_linalg_lu_factor(s->lu, n, s->mag, NULL, NULL) != NS_OK)
+    s->factored.valid = 0;
+    if (ns_linalg_lu_factor(s->lu, n, s->elim.mag, NULL, NULL) != NS_OK)
         return 0;
     for (int i = 0; i < n; i++)
         d[i] = -g[i];
@@ -158,7 +159,7 @@ static void direction(ns_mlcp_solver *s, const ns_scaled *z, const double *Phi, 
     for (int i = 0; i < n; i++)
         d[i] = -Phi[i];
     s->factors++;
-    s->have_factors = 0;
+    s->factored.valid = 0;
     if (ns_linalg_lu_factor(s->lu, n, s->G, &rcond, NULL) == NS_OK && rcond > DBL_EPSILON) {
         ns_linalg_lu_solve(s->lu, 1, d);
         if (descends(n, d, g))
@@ -198,8 +199,8 @@ static int new_mode(ns_mlcp_solver *s, const ns_scaled *z) {
     ns_mlcp_scaled_mode(s, z, z->x, z->y);
     for (int i = 0; i < z->m; i++) {
         unsigned char mode = (unsigned char)(s->mode[i] + 1);
-        changed |= s->first_y[i] != mode;
-        s->first_y[i] = mode;
+        changed |= s->tab.first_y[i] != mode;
+        s->tab.first_y[i] = mode;
     }
     return changed;
 }
@@ -207,17 +208,17 @@ static int new_mode(ns_mlcp_solver *s, const ns_scaled *z) {
 static int iterate(ns_mlcp_solver *s, ns_scaled *z) {
     double *Phi = z->work[0], *g = z->work[1], *d = z->work[2], *da = z->work[3], *db = z->work[4];
     double f = merit(z, Phi);
-    memset(s->first_y, 0xff, (size_t)z->m);
+    memset(s->tab.first_y, 0xff, (size_t)z->m);
     for (int k = 0; k < STEPS; k++) {
         s->iterations++;
         double norm = sqrt(2.0 * f);
-        int fresh = new_mode(s, z), tried = s->first_y[z->m];
+        int fresh = new_mode(s, z), tried = s->tab.first_y[z->m];
         if (fresh)
-            s->first_y[z->m] = 0;
+            s->tab.first_y[z->m] = 0;
         if ((!fresh && !tried) || norm < CLOSE || norm < SMALL) {
             if (!tried && ns_mlcp_scaled_finish(s, z, z->x, z->y) == NS_OK)
                 return NS_OK;
-            s->first_y[z->m] = 1;
+            s->tab.first_y[z->m] = 1;
         }
         if (norm < SMALL || !isfinite(norm))
             break;

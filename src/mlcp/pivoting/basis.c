@@ -39,7 +39,7 @@ void ns_mlcp_basis_gather(ns_mlcp_solver *s) {
 }
 
 int ns_mlcp_basis_factor(ns_mlcp_solver *s, double *rcond) {
-    s->have_factors = 0;
+    s->factored.valid = 0;
     ns_mlcp_basis_pick(s);
     ns_mlcp_basis_gather(s);
     s->factors++;
@@ -95,7 +95,7 @@ int ns_mlcp_part_of(const ns_mlcp_solver *s, int j) {
     int i = 0;
     while (i < s->m - 1 && col[i] == 0.0)
         i++;
-    return s->part[col[i] != 0.0 ? i : 0];
+    return s->units.part[col[i] != 0.0 ? i : 0];
 }
 
 void ns_mlcp_basis_raise(ns_mlcp_solver *s) {
@@ -105,12 +105,13 @@ void ns_mlcp_basis_raise(ns_mlcp_solver *s) {
         if (s->lambda[j] == 0.0)
             continue;
         const int part = s->as_given ? 0 : ns_mlcp_part_of(s, j);
-        norm[part] = fmax(norm[part], fabs(s->lambda[j]) / s->colunit[j]);
+        norm[part] = fmax(norm[part], fabs(s->lambda[j]) / s->units.column[j]);
     }
     for (int i = 0; i < s->m; i++) {
-        s->ysize[i] = fmax(s->ysize[i], FLOOR * norm[s->as_given ? 0 : s->part[i]] * s->rowmax[i]);
+        s->ysize[i] =
+            fmax(s->ysize[i], FLOOR * norm[s->as_given ? 0 : s->units.part[i]] * s->units.rowmax[i]);
         if (!(s->ysize[i] > 0.0))
-            s->ysize[i] = s->rowmax[i] > 0.0 ? s->rowmax[i] : 1.0;
+            s->ysize[i] = s->units.rowmax[i] > 0.0 ? s->units.rowmax[i] : 1.0;
         s->g[i] = 1.0 / s->ysize[i];
     }
 }
@@ -193,12 +194,12 @@ void ns_mlcp_basis_rest(ns_mlcp_solver *s) {
         driven[i] = 0.0;
     for (int i = 0; i < s->m; i++) {
         if (s->q[i] != 0.0)
-            driven[s->part[i]] = 1.0;
+            driven[s->units.part[i]] = 1.0;
         if (drives(s, i))
             driven[ns_mlcp_part_of(s, i)] = 1.0;
     }
     for (int i = 0; i < s->m; i++) {
-        if (driven[s->part[i]] == 0.0)
+        if (driven[s->units.part[i]] == 0.0)
             s->y[i] = 0.0;
         if (s->lambda[i] != 0.0 && s->p->l[i] != s->p->u[i] && driven[ns_mlcp_part_of(s, i)] == 0.0)
             s->lambda[i] = 0.0;

@@ -36,16 +36,16 @@ typedef struct state {
 } state;
 
 static double ridge(const state *b, int i) {
-    return b->eps ? ldexp(1.0, b->eps - b->s->row_exp[i] - b->s->col_exp[i]) : 0.0;
+    return b->eps ? ldexp(1.0, b->eps - b->s->scale.row[i] - b->s->scale.col[i]) : 0.0;
 }
 
 /* --- the equations of a mode --- */
 
 static int factors_fit(const state *b) {
     const ns_mlcp_solver *s = b->s;
-    int same = s->have_factors && s->factored_ridge == b->eps;
+    int same = s->factored.valid && s->factored.ridge == b->eps;
     for (int i = 0; i < s->m && same; i++)
-        same = s->factored[i] == (s->mode[i] == NS_INSIDE);
+        same = s->factored.inside[i] == (s->mode[i] == NS_INSIDE);
     return same;
 }
 
@@ -56,13 +56,13 @@ static int factor(state *b) {
     ns_mlcp_basis_pick(s);
     if (factors_fit(b))
         return NS_OK;
-    if (!s->have_scale)
-        ns_linalg_equilibrate(s->m, s->W, s->m, s->row_exp, s->col_exp, s->e);
-    s->have_scale = 1;
-    s->have_factors = 0;
+    if (!s->scale.valid)
+        ns_linalg_equilibrate(s->m, s->W, s->m, s->scale.row, s->scale.col, s->elim.e);
+    s->scale.valid = 1;
+    s->factored.valid = 0;
     ns_mlcp_basis_gather(s);
     for (int j = 0; j < s->k; j++) {
-        s->queue[j] = s->col_exp[s->cols[j]];
+        s->queue[j] = s->scale.col[s->cols[j]];
         s->G[(size_t)j * (size_t)(s->k + 1)] += ridge(b, s->cols[j]);
     }
     s->factors++;
@@ -70,9 +70,9 @@ static int factor(state *b) {
     if (status != NS_OK || (!b->eps && rcond < RCOND))
         return NS_E_SINGULAR;
     for (int i = 0; i < s->m; i++)
-        s->factored[i] = s->mode[i] == NS_INSIDE;
-    s->factored_ridge = b->eps;
-    s->have_factors = 1;
+        s->factored.inside[i] = s->mode[i] == NS_INSIDE;
+    s->factored.ridge = b->eps;
+    s->factored.valid = 1;
     return NS_OK;
 }
 
@@ -82,7 +82,7 @@ static double look(const state *b) {
     double worst = 0.0;
     (void)ns_mlcp_quick_residual(&s->now, s->lambda, s->y, s->ysize);
     for (int i = 0; i < s->m && b->eps; i++)
-        s->y[i] += ridge(b, i) * (s->lambda[i] - s->centre[i]);
+        s->y[i] += ridge(b, i) * (s->lambda[i] - s->factored.centre[i]);
     for (int k = 0; k < s->k; k++) {
         const int i = s->rows[k];
         if (!(fabs(s->y[i]) <= worst * s->ysize[i]))
@@ -116,7 +116,7 @@ static void start(const state *b) {
     ns_mlcp_solver *s = b->s;
     for (int i = 0; i < s->m; i++)
         s->lambda[i] = s->mode[i] != NS_INSIDE ? ns_mlcp_bound(s, i, s->mode[i])
-                       : b->eps                ? s->centre[i]
+                       : b->eps                ? s->factored.centre[i]
                                                : 0.0;
     (void)look(b);
     correct(s);
@@ -197,9 +197,9 @@ static int settled(ns_mlcp_solver *s) {
     double norm = 0.0, most = 0.0;
     change(s);
     for (int i = 0; i < s->m; i++)
-        norm = fmax(norm, fabs(s->lambda[i]) / s->colunit[i]);
+        norm = fmax(norm, fabs(s->lambda[i]) / s->units.column[i]);
     for (int k = 0; k < s->k; k++)
-        most = fmax(most, fabs(s->rhs[k]) / s->colunit[s->cols[k]]);
+        most = fmax(most, fabs(s->rhs[k]) / s->units.column[s->cols[k]]);
     return most <= RUNAWAY * norm;
 }
 
@@ -231,7 +231,7 @@ static double polish(state *b) {
 
 /* The answer of the mode at hand if its factors are: no guard is asked where there is no residual. */
 static double again(state *b) {
-    b->eps = b->s->factored_ridge;
+    b->eps = b->s->factored.ridge;
     if (!factors_fit(b))
         return INFINITY;
     ns_mlcp_basis_pick(b->s);
@@ -266,10 +266,10 @@ static int point(state *b, double best, double *r) {
 /* Ever smaller ridges, from the answer of the one before; between, from there without one. */
 static double approach(state *b) {
     ns_mlcp_solver *s = b->s;
-    ns_mode *mode = s->at_upper, *best_mode = (ns_mode *)s->first_y;
-    double best = INFINITY, *best_lambda = s->cover, r;
+    ns_mode *mode = s->tab.at_upper, *best_mode = (ns_mode *)s->tab.first_y;
+    double best = INFINITY, *best_lambda = s->tab.cover, r;
     int status;
-    memset(s->centre, 0, (size_t)s->m * sizeof *s->centre);
+    memset(s->factored.centre, 0, (size_t)s->m * sizeof *s->factored.centre);
     for (int eps = FIRST; eps >= LAST; eps += STEP) {
         b->eps = eps;
         const int done = point(b, best, &r);
@@ -277,7 +277,7 @@ static double approach(state *b) {
             return r;
         if (done)
             break;
-        put(s, s->centre, mode);
+        put(s, s->factored.centre, mode);
         if (r < best) {
             put(s, best_lambda, best_mode);
             best = r;

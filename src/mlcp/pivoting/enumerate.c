@@ -35,14 +35,14 @@ static int two_bounds(const ns_mlcp_solver *s, int i) {
 static int plausible(const ns_mlcp_solver *s, double qtop) {
     double norm = 0.0;
     for (int j = 0; j < s->m; j++)
-        norm = fmax(norm, fabs(s->lambda[j]) / s->colunit[j]);
+        norm = fmax(norm, fabs(s->lambda[j]) / s->units.column[j]);
     norm *= s->m;
     for (int a = 0; a < s->np; a++) {
         int i = s->pair[a];
         double x = s->lambda[i], y = s->mode[i] == NS_LOWER ? -s->y[i] : s->y[i];
         double broken = s->mode[i] == NS_INSIDE ? fmax(s->p->l[i] - x, x - s->p->u[i]) : y;
-        double unit =
-            s->mode[i] == NS_INSIDE ? s->colunit[i] * (qtop + norm) : fabs(s->q[i]) + norm * s->rowmax[i];
+        double unit = s->mode[i] == NS_INSIDE ? s->units.column[i] * (qtop + norm)
+                                              : fabs(s->q[i]) + norm * s->units.rowmax[i];
         if (!(broken <= LOOSE * unit))
             return 0;
     }
@@ -75,8 +75,8 @@ static int judge(ns_mlcp_solver *s, tally *t, double rcond) {
     (void)ns_mlcp_mode_answer(s, &residual);
     if (residual < t->best) {
         t->best = residual;
-        memcpy(s->cover, s->lambda, (size_t)s->m * sizeof *s->cover);
-        memcpy(s->at_upper, s->mode, (size_t)s->m);
+        memcpy(s->tab.cover, s->lambda, (size_t)s->m * sizeof *s->tab.cover);
+        memcpy(s->tab.at_upper, s->mode, (size_t)s->m);
     }
     return residual <= NS_MLCP_ACCEPT && (residual <= GOOD || rcond >= RCOND);
 }
@@ -84,7 +84,7 @@ static int judge(ns_mlcp_solver *s, tally *t, double rcond) {
 /* What lambda and y change by when pair i goes from l to u, into columns c of T and mag. */
 static void step_columns(ns_mlcp_solver *s, int i, int c) {
     size_t m = (size_t)s->m;
-    double *dx = s->T + (size_t)c * m, *dy = s->mag + (size_t)c * m;
+    double *dx = s->tab.T + (size_t)c * m, *dy = s->elim.mag + (size_t)c * m;
     memset(dx, 0, m * sizeof *dx);
     memset(dy, 0, m * sizeof *dy);
     dx[i] = s->p->u[i] - s->p->l[i];
@@ -102,8 +102,8 @@ static void step_columns(ns_mlcp_solver *s, int i, int c) {
 static void change_bound(ns_mlcp_solver *s, int i, int c) {
     size_t m = (size_t)s->m;
     double by = s->mode[i] == NS_LOWER ? 1.0 : -1.0;
-    ns_linalg_matvec_add(s->m, 1, s->T + (size_t)c * m, &by, s->lambda);
-    ns_linalg_matvec_add(s->m, 1, s->mag + (size_t)c * m, &by, s->y);
+    ns_linalg_matvec_add(s->m, 1, s->tab.T + (size_t)c * m, &by, s->lambda);
+    ns_linalg_matvec_add(s->m, 1, s->elim.mag + (size_t)c * m, &by, s->y);
     s->mode[i] = (ns_mode)-s->mode[i];
     s->lambda[i] = ns_mlcp_bound(s, i, s->mode[i]);
 }
@@ -153,8 +153,8 @@ static int all_sets(ns_mlcp_solver *s, tally *t) {
             return NS_OK;
     if (!(t->best <= NS_MLCP_ACCEPT))
         return NS_E_INFEASIBLE;
-    memcpy(s->lambda, s->cover, (size_t)s->m * sizeof *s->lambda);
-    memcpy(s->mode, s->at_upper, (size_t)s->m);
+    memcpy(s->lambda, s->tab.cover, (size_t)s->m * sizeof *s->lambda);
+    memcpy(s->mode, s->tab.at_upper, (size_t)s->m);
     return NS_OK;
 }
 
@@ -170,8 +170,8 @@ int ns_mlcp_enumerate(ns_mlcp_solver *s) {
     if (s->np > NS_BRANCH_MAX)
         return NS_E_SIZE;
     for (int i = 0; i < s->m; i++)
-        if (s->rowmax[i] > 0.0)
-            t.qtop = fmax(t.qtop, fabs(s->q[i]) / s->rowmax[i]);
+        if (s->units.rowmax[i] > 0.0)
+            t.qtop = fmax(t.qtop, fabs(s->q[i]) / s->units.rowmax[i]);
     int cheap = cost(s) <= COSTLY;
     if (cheap && all_sets(s, &t) == NS_OK)
         return NS_OK;

@@ -26,14 +26,14 @@ enum { RAY = -1, FLIP = -2 };
 
 /* The variable that may move when var has stopped at a bound, and which way. */
 static int complement(const ns_mlcp_solver *s, int var, double *dir) {
-    *dir = s->at_upper[var / 2] ? -1.0 : 1.0;
+    *dir = s->tab.at_upper[var / 2] ? -1.0 : 1.0;
     return var ^ 1;
 }
 
 /* How far a basic variable is outside its bounds; *side gets +1 (below) or -1 (above). */
 static double outside(const ns_mlcp_solver *s, int r, double *side) {
-    double below = ns_mlcp_tableau_lower(s, s->rowvar[r]) - s->beta[r];
-    double above = s->beta[r] - ns_mlcp_tableau_upper(s, s->rowvar[r]);
+    double below = ns_mlcp_tableau_lower(s, s->tab.rowvar[r]) - s->tab.beta[r];
+    double above = s->tab.beta[r] - ns_mlcp_tableau_upper(s, s->tab.rowvar[r]);
     *side = below >= above ? 1.0 : -1.0;
     return below >= above ? below : above;
 }
@@ -41,11 +41,12 @@ static double outside(const ns_mlcp_solver *s, int r, double *side) {
 /* Values within rounding of a bound are put on it: a degenerate start is treated as one. */
 static void snap(ns_mlcp_solver *s) {
     for (int r = 0; r < s->np; r++) {
-        double lo = ns_mlcp_tableau_lower(s, s->rowvar[r]), hi = ns_mlcp_tableau_upper(s, s->rowvar[r]);
-        if (fabs(s->beta[r] - lo) <= TIE)
-            s->beta[r] = lo;
-        else if (fabs(s->beta[r] - hi) <= TIE)
-            s->beta[r] = hi;
+        double lo = ns_mlcp_tableau_lower(s, s->tab.rowvar[r]),
+               hi = ns_mlcp_tableau_upper(s, s->tab.rowvar[r]);
+        if (fabs(s->tab.beta[r] - lo) <= TIE)
+            s->tab.beta[r] = lo;
+        else if (fabs(s->tab.beta[r] - hi) <= TIE)
+            s->tab.beta[r] = hi;
     }
 }
 
@@ -55,35 +56,35 @@ static double weight(int r, int all) {
     return 1.0 + 9.0 * (x - floor(x));
 }
 
-/* Column of t: d in the units of the rows, and as s->cover in terms of W and q. */
+/* Column of t: d in the units of the rows, and as s->tab.cover in terms of W and q. */
 static void set_cover(ns_mlcp_solver *s, int all) {
     int n = s->np;
-    double *d = s->T + (size_t)n * (size_t)n;
-    s->colvar[n] = 2 * n;
-    s->ncol = n + 1;
-    memset(s->cover, 0, (size_t)s->m * sizeof *s->cover);
+    double *d = s->tab.T + (size_t)n * (size_t)n;
+    s->tab.colvar[n] = 2 * n;
+    s->tab.ncol = n + 1;
+    memset(s->tab.cover, 0, (size_t)s->m * sizeof *s->tab.cover);
     for (int r = 0; r < n; r++) {
         double side, v = outside(s, r, &side);
-        int two = s->rowvar[r] % 2 == 0 && isfinite(s->blo[r]) && isfinite(s->bhi[r]);
+        int two = s->tab.rowvar[r] % 2 == 0 && isfinite(s->tab.lo[r]) && isfinite(s->tab.hi[r]);
         d[r] = v > 0.0 || (all && !two) ? side : 0.0;
         if (all)
             d[r] *= weight(r, all);
-        double shift = d[r] * s->unit[s->rowvar[r]];
+        double shift = d[r] * s->tab.unit[s->tab.rowvar[r]];
         int i = s->pair[r];
         if (shift == 0.0)
             continue;
-        if (s->rowvar[r] % 2 == 1)
-            s->cover[i] += shift;
+        if (s->tab.rowvar[r] % 2 == 1)
+            s->tab.cover[i] += shift;
         else {
             shift = -shift;
-            ns_linalg_matvec_add(s->m, 1, s->W + (size_t)i * (size_t)s->m, &shift, s->cover);
+            ns_linalg_matvec_add(s->m, 1, s->W + (size_t)i * (size_t)s->m, &shift, s->tab.cover);
         }
     }
 }
 
 /* The row that needs the largest t; of equals, the one whose shift eps^k makes it need most. */
 static int first_row(const ns_mlcp_solver *s, double *t) {
-    const double *d = s->T + (size_t)s->np * (size_t)s->np;
+    const double *d = s->tab.T + (size_t)s->np * (size_t)s->np;
     int best = -1;
     *t = 0.0;
     for (int r = 0; r < s->np; r++) {
@@ -103,8 +104,8 @@ static int first_row(const ns_mlcp_solver *s, double *t) {
 static double shift_of(const ns_mlcp_solver *s, int r, int k, double way) {
     if (r == FLIP)
         return 0.0;
-    int at = s->where[2 * k + s->first_y[k]];
-    double c = at >= 0 ? (at == r ? 1.0 : 0.0) : -s->T[r + (-1 - at) * s->np];
+    int at = s->tab.where[2 * k + s->tab.first_y[k]];
+    double c = at >= 0 ? (at == r ? 1.0 : 0.0) : -s->tab.T[r + (-1 - at) * s->np];
     return way < 0.0 ? c : -c; /* moving down, the distance is beta - lower; up, upper - beta */
 }
 
@@ -119,8 +120,8 @@ static int stops_before(const ns_mlcp_solver *s, int r, double dr, int b, double
 }
 
 static double room(const ns_mlcp_solver *s, int r, double rate) {
-    double v = rate < 0.0 ? s->beta[r] - ns_mlcp_tableau_lower(s, s->rowvar[r])
-                          : ns_mlcp_tableau_upper(s, s->rowvar[r]) - s->beta[r];
+    double v = rate < 0.0 ? s->tab.beta[r] - ns_mlcp_tableau_lower(s, s->tab.rowvar[r])
+                          : ns_mlcp_tableau_upper(s, s->tab.rowvar[r]) - s->tab.beta[r];
     return v > 0.0 ? v : 0.0;
 }
 
@@ -136,7 +137,7 @@ static int leaving_row(const ns_mlcp_solver *s, const double *e, double dir, con
     for (int r = 0; r < s->np; r++) {
         if (e[r] == 0.0 || !(free[r] <= limit * fabs(e[r])))
             continue;
-        if (s->rowvar[r] == 2 * s->np && fabs(e[r]) > UNSAFE * big)
+        if (s->tab.rowvar[r] == 2 * s->np && fabs(e[r]) > UNSAFE * big)
             return r; /* t = 0 ends the search: it goes first */
         if (fabs(e[r]) < UNSAFE * big)
             continue;
@@ -151,7 +152,7 @@ static int leaving_row(const ns_mlcp_solver *s, const double *e, double dir, con
 /* Ratio test for column col moving in direction dir; range: how far the entering variable may go by itself.
  * Returns the row that stops it, FLIP, or RAY; *step gets the distance. */
 static int ratio_test(ns_mlcp_solver *s, int col, double dir, double range, double *step) {
-    const double *e = s->T + (size_t)col * (size_t)s->np;
+    const double *e = s->tab.T + (size_t)col * (size_t)s->np;
     double limit = range, *free = s->rhs; /* how far a row may go */
     for (int r = 0; r < s->np; r++)
         if (e[r] != 0.0) {
@@ -168,43 +169,43 @@ static int ratio_test(ns_mlcp_solver *s, int col, double dir, double range, doub
 
 /* Moves the entering variable: all basic values follow. */
 static void move(ns_mlcp_solver *s, int col, double by) {
-    const double *e = s->T + (size_t)col * (size_t)s->np;
+    const double *e = s->tab.T + (size_t)col * (size_t)s->np;
     for (int r = 0; r < s->np; r++)
-        s->beta[r] += e[r] * by;
+        s->tab.beta[r] += e[r] * by;
 }
 
 /* Value of a nonbasic variable in its unit. */
 static double resting(const ns_mlcp_solver *s, int var) {
     if (var == 2 * s->np || var % 2 == 1)
         return 0.0;
-    return s->at_upper[var / 2] ? s->bhi[var / 2] : s->blo[var / 2];
+    return s->tab.at_upper[var / 2] ? s->tab.hi[var / 2] : s->tab.lo[var / 2];
 }
 
 /* The pairs that move along a ray, largest first. */
 static void name_ray(ns_mlcp_solver *s, int col) {
-    const double *e = s->T + (size_t)col * (size_t)s->np;
+    const double *e = s->tab.T + (size_t)col * (size_t)s->np;
     memset(s->ray, 0, (size_t)s->np * sizeof *s->ray);
     for (int r = 0; r < s->np; r++)
-        if (s->rowvar[r] != 2 * s->np)
-            s->ray[s->rowvar[r] / 2] = fabs(e[r]);
-    s->ray[s->colvar[col] / 2] = fmax(1.0, s->ray[s->colvar[col] / 2]);
+        if (s->tab.rowvar[r] != 2 * s->np)
+            s->ray[s->tab.rowvar[r] / 2] = fabs(e[r]);
+    s->ray[s->tab.colvar[col] / 2] = fmax(1.0, s->ray[s->tab.colvar[col] / 2]);
     ns_mlcp_name(s, s->ray, s->np, s->pair);
 }
 
 static void read_mode(ns_mlcp_solver *s) {
     for (int a = 0; a < s->np; a++) {
-        ns_mode bound = s->at_upper[a] ? NS_UPPER : NS_LOWER;
-        s->mode[s->pair[a]] = s->where[2 * a] >= 0 ? NS_INSIDE : bound;
+        ns_mode bound = s->tab.at_upper[a] ? NS_UPPER : NS_LOWER;
+        s->mode[s->pair[a]] = s->tab.where[2 * a] >= 0 ? NS_INSIDE : bound;
     }
 }
 
 /* Row r stops at a bound: it leaves, column col enters with value. */
 static int leave(ns_mlcp_solver *s, int r, int col, double rate, double value) {
-    int out = s->rowvar[r];
+    int out = s->tab.rowvar[r];
     if (out % 2 == 0 && out != 2 * s->np)
-        s->at_upper[out / 2] = rate > 0.0;
+        s->tab.at_upper[out / 2] = rate > 0.0;
     ns_mlcp_tableau_exchange(s, r, col);
-    s->beta[r] = value;
+    s->tab.beta[r] = value;
     return out;
 }
 
@@ -218,21 +219,21 @@ int ns_mlcp_lemke(ns_mlcp_solver *s, int all, int patience) {
     if (r < 0)
         return NS_OK;
     move(s, n, t);
-    double rate = -s->T[r + n * n]; /* t falls from now on */
+    double rate = -s->tab.T[r + n * n]; /* t falls from now on */
     int enter = complement(s, leave(s, r, n, rate, t), &dir);
     for (int it = 1; it <= limit; it++) {
-        int col = -1 - s->where[enter], a = enter / 2;
-        double range = enter % 2 == 0 ? s->bhi[a] - s->blo[a] : INFINITY;
+        int col = -1 - s->tab.where[enter], a = enter / 2;
+        double range = enter % 2 == 0 ? s->tab.hi[a] - s->tab.lo[a] : INFINITY;
         r = ratio_test(s, col, dir, range, &step);
         if (r == RAY) {
             name_ray(s, col);
             return NS_E_INFEASIBLE;
         }
         s->pivots++;
-        rate = r >= 0 ? dir * s->T[r + col * n] : 0.0;
+        rate = r >= 0 ? dir * s->tab.T[r + col * n] : 0.0;
         move(s, col, dir * step);
         if (r == FLIP) {
-            s->at_upper[a] = (signed char)!s->at_upper[a];
+            s->tab.at_upper[a] = (signed char)!s->tab.at_upper[a];
             enter = complement(s, enter, &dir);
             continue;
         }

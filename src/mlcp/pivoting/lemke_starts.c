@@ -17,11 +17,11 @@ static int attempt(ns_mlcp_solver *s, int all, int patience, double *residual) {
             return NS_E_SINGULAR;
     }
     for (int round = 0; round < ROUNDS; round++) {
-        ns_mlcp_basis_values(s, s->careful);
+        ns_mlcp_basis_values(s, s->tab.refined);
         ns_mlcp_basis_sizes(s);
         double v = ns_mlcp_basis_violation(s);
         if (v > NS_MLCP_GUARD) {
-            ns_mlcp_basis_values(s, 1 + s->careful);
+            ns_mlcp_basis_values(s, 1 + s->tab.refined);
             v = ns_mlcp_basis_violation(s);
         }
         if (v > NS_MLCP_GUARD) {
@@ -51,13 +51,13 @@ int ns_mlcp_lemke_starts(ns_mlcp_solver *s, const ns_mode *mode, double *residua
     int first = NS_E_LIMIT;
     for (size_t k = 0; k < sizeof way / sizeof *way; k++) {
         ns_mlcp_restart(s, way[k].lower ? NULL : mode);
-        s->careful = k > 0;
+        s->tab.refined = k > 0;
         int status = attempt(s, way[k].all, way[k].patience, residual);
         if (status == NS_OK)
             return NS_OK;
         if (status == NS_E_INFEASIBLE && ns_mlcp_prove(s, NS_CAREFUL))
             return status;
-        if (s->nstuck > 0)
+        if (s->elim.nstuck > 0)
             return NS_E_SINGULAR; /* no start will do */
         if (k == 0 || (first == NS_E_LIMIT && status != NS_E_SINGULAR && status != NS_E_OVERFLOW))
             first = status;

@@ -28,23 +28,23 @@ static const double ROUNDING = 1e-10; /* of the terms of an y: as solve.c accept
 
 /* By how much the guard of pair i is broken, if that is above 0; *size: of the terms of its value. */
 static inline double breach(const ns_mlcp_solver *s, int i, double *size) {
-    if (s->in[i]) {
+    if (s->transform.basic[i]) {
         const double under = s->p->l[i] - s->lambda[i], over = s->lambda[i] - s->p->u[i];
-        *size = s->lterms[i];
+        *size = s->transform.lterms[i];
         return under > over ? under : over;
     }
-    *size = s->yterms[i];
+    *size = s->transform.yterms[i];
     return s->mode[i] == NS_LOWER ? -s->y[i] : s->y[i];
 }
 
 static inline int holds(const ns_mlcp_solver *s, int i) {
     double size;
-    return !(breach(s, i, &size) > s->slack * size);
+    return !(breach(s, i, &size) > s->transform.slack * size);
 }
 
 /* The mode that the guard of pair i, which is broken, asks for. */
 static ns_mode wanted(const ns_mlcp_solver *s, int i) {
-    if (!s->in[i])
+    if (!s->transform.basic[i])
         return NS_INSIDE;
     return s->lambda[i] < s->p->l[i] ? NS_LOWER : NS_UPPER;
 }
@@ -58,7 +58,7 @@ static int broken(const ns_mlcp_solver *s, int n, const int *from, int *list, in
         const int i = from[k];
         double size;
         const double by = breach(s, i, &size);
-        if (by > s->slack * size) {
+        if (by > s->transform.slack * size) {
             list[left++] = i;
             if (by > most * size) {
                 most = by / size;
@@ -75,12 +75,12 @@ static int broken(const ns_mlcp_solver *s, int n, const int *from, int *list, in
  * *anew from W.  0: an equality is left. */
 static int align(ns_mlcp_solver *s, int *anew) {
     int *list = s->queue, n = 0, inside = 0;
-    for (int i = 0; i < s->m && s->have_transform; i++) {
+    for (int i = 0; i < s->m && s->transform.valid; i++) {
         inside += s->mode[i] == NS_INSIDE;
-        if (s->in[i] != (s->mode[i] == NS_INSIDE))
+        if (s->transform.basic[i] != (s->mode[i] == NS_INSIDE))
             list[n++] = i;
     }
-    if (!s->have_transform || *anew || n > inside || (n > 0 && s->changes + n > CHANGES)) {
+    if (!s->transform.valid || *anew || n > inside || (n > 0 && s->transform.changes + n > CHANGES)) {
         ns_mlcp_transform_start(s);
         *anew = 1;
         s->factors++;
@@ -98,14 +98,14 @@ static int align(ns_mlcp_solver *s, int *anew) {
         int i = list[k];
         if (isinf(s->p->l[i]) && isinf(s->p->u[i]))
             return 0;
-        s->mode[i] = s->in[i] ? NS_INSIDE : ns_mlcp_mend(s, i, NS_LOWER);
+        s->mode[i] = s->transform.basic[i] ? NS_INSIDE : ns_mlcp_mend(s, i, NS_LOWER);
     }
     return 1;
 }
 
 /* How far pair i lets its value change at rate `slope` until its guard breaks. */
 static double room(const ns_mlcp_solver *s, int i, double slope) {
-    if (s->in[i])
+    if (s->transform.basic[i])
         return slope > 0.0 ? (s->p->u[i] - s->lambda[i]) / slope : (s->p->l[i] - s->lambda[i]) / slope;
     if (s->mode[i] == NS_LOWER)
         return slope < 0.0 ? -s->y[i] / slope : INFINITY;
@@ -132,8 +132,8 @@ static int first_to_break(ns_mlcp_solver *s, int k, double way, const double *ra
 /* Pair k, broken, whose diagonal entry is 0: with a partner, or from one bound to the other.  0: neither. */
 static int exchange_with_partner(ns_mlcp_solver *s, int k) {
     const ns_mode to = wanted(s, k);
-    const int up = s->in[k] ? to == NS_LOWER : s->mode[k] == NS_LOWER;
-    double far = s->in[k] ? INFINITY : s->p->u[k] - s->p->l[k], *rate = s->rhs;
+    const int up = s->transform.basic[k] ? to == NS_LOWER : s->mode[k] == NS_LOWER;
+    double far = s->transform.basic[k] ? INFINITY : s->p->u[k] - s->p->l[k], *rate = s->rhs;
     ns_mlcp_transform_column(s, k, rate);
     const int i = first_to_break(s, k, up ? 1.0 : -1.0, rate, &far);
     if (i < 0 && isinf(far))
@@ -143,7 +143,7 @@ static int exchange_with_partner(ns_mlcp_solver *s, int k) {
         return 1;
     }
     const double slope = up ? rate[i] : -rate[i];
-    s->mode[i] = !s->in[i] ? NS_INSIDE : slope < 0.0 ? NS_LOWER : NS_UPPER;
+    s->mode[i] = !s->transform.basic[i] ? NS_INSIDE : slope < 0.0 ? NS_LOWER : NS_UPPER;
     s->mode[k] = to;
     ns_mlcp_transform_pivot2(s, k, i);
     return 1;
@@ -152,7 +152,7 @@ static int exchange_with_partner(ns_mlcp_solver *s, int k) {
 /* Flips pair i.  0: neither its pivot nor one together with another pair can be trusted. */
 static int flip(ns_mlcp_solver *s, int i) {
     int done = 1;
-    s->carried = 0;
+    s->transform.carried = 0;
     if (ns_mlcp_transform_trust(s, i) < TRUST)
         done = exchange_with_partner(s, i);
     else {
@@ -172,7 +172,7 @@ static int flip_in_turn(ns_mlcp_solver *s, int i, int n, int *list) {
         s->mode[i] = wanted(s, i);
         ns_mlcp_transform_move(s, i, n, list);
         ns_mlcp_transform_pivot(s, i);
-        if (!s->in[i])
+        if (!s->transform.basic[i])
             ns_mlcp_transform_tidy(s);
         int left = 0;
         for (int k = 0; k < n; k++)
@@ -188,10 +188,10 @@ static int flip_in_turn(ns_mlcp_solver *s, int i, int n, int *list) {
 /* How well the equations of the pairs inside hold. */
 static double defect(const ns_mlcp_solver *s) {
     double most = 0.0;
-    for (int a = 0; a < s->nwho; a++) {
-        const int i = s->who[a];
-        if (!(fabs(s->y[i]) <= most * s->yterms[i]))
-            most = fabs(s->y[i]) / s->yterms[i];
+    for (int a = 0; a < s->transform.count; a++) {
+        const int i = s->transform.pair[a];
+        if (!(fabs(s->y[i]) <= most * s->transform.yterms[i]))
+            most = fabs(s->y[i]) / s->transform.yterms[i];
     }
     return most;
 }
@@ -200,15 +200,15 @@ static double defect(const ns_mlcp_solver *s) {
  * finely than the equations hold; where that leaves none broken, lambda is refined once. */
 static int look_at_guards(ns_mlcp_solver *s, int *list, int *worst) {
     ns_mlcp_transform_values(s);
-    ns_mlcp_terms(s->p, &s->nonzeros, s->lambda, s->y, s->yterms);
-    s->carried = 1;
-    s->slack = NS_MLCP_GUARD * fmax(1.0, defect(s) / FINE);
+    ns_mlcp_terms(s->p, &s->own.nonzeros, s->lambda, s->y, s->transform.yterms);
+    s->transform.carried = 1;
+    s->transform.slack = NS_MLCP_GUARD * fmax(1.0, defect(s) / FINE);
     int n = broken(s, s->np, s->pair, list, worst);
-    if (n > 0 || s->slack == NS_MLCP_GUARD)
+    if (n > 0 || s->transform.slack == NS_MLCP_GUARD)
         return n;
-    s->slack = NS_MLCP_GUARD;
+    s->transform.slack = NS_MLCP_GUARD;
     ns_mlcp_transform_correct(s);
-    ns_mlcp_terms(s->p, &s->nonzeros, s->lambda, s->y, s->yterms);
+    ns_mlcp_terms(s->p, &s->own.nonzeros, s->lambda, s->y, s->transform.yterms);
     return broken(s, s->np, s->pair, list, worst);
 }
 
@@ -216,9 +216,9 @@ static int look_at_guards(ns_mlcp_solver *s, int *list, int *worst) {
  * flips will do to find more to flip, as long as that goes well. */
 static int search(ns_mlcp_solver *s, int persist) {
     int *list = s->queue, best = s->np + 1, patience = PATIENCE, worst = 0;
-    s->carried = 0;
+    s->transform.carried = 0;
     for (int round = 0; round < ROUNDS + ROUNDS_PER_PAIR * s->np; round++) {
-        int n = s->carried && patience > PATIENCE / 2 ? broken(s, s->np, s->pair, list, &worst) : 0;
+        int n = s->transform.carried && patience > PATIENCE / 2 ? broken(s, s->np, s->pair, list, &worst) : 0;
         if (n == 0)
             n = look_at_guards(s, list, &worst);
         if (n == 0)
@@ -250,8 +250,8 @@ static int clamp_lambda(ns_mlcp_solver *s) {
 /* The residual of the answer, whose y is that of lambda before it was put into its bounds. */
 static double check(ns_mlcp_solver *s) {
     if (clamp_lambda(s))
-        ns_mlcp_terms(s->p, &s->nonzeros, s->lambda, s->y, s->yterms);
-    const double r = ns_mlcp_bound_residual(s->p, s->lambda, s->y, s->yterms);
+        ns_mlcp_terms(s->p, &s->own.nonzeros, s->lambda, s->y, s->transform.yterms);
+    const double r = ns_mlcp_bound_residual(s->p, s->lambda, s->y, s->transform.yterms);
     if (r <= NS_MLCP_GOOD)
         return r;
     const double full = ns_mlcp_measure(s->p, s->lambda, s->alike, s->rhs, NULL);
@@ -267,7 +267,7 @@ static int clamp_y(ns_mlcp_solver *s) {
         const int i = s->pair[a];
         const double y = s->y[i];
         if (s->mode[i] == NS_INSIDE || (s->mode[i] == NS_LOWER ? y < 0.0 : y > 0.0)) {
-            cut |= fabs(y) > ROUNDING * s->yterms[i];
+            cut |= fabs(y) > ROUNDING * s->transform.yterms[i];
             s->y[i] = 0.0;
         }
     }
@@ -286,8 +286,8 @@ static int all_lower(const ns_mlcp_solver *s, const ns_mode *mode) {
 /* From mode (NULL: all at the lower bounds), or near it. */
 static int attempt(ns_mlcp_solver *s, const ns_mode *mode, int *anew, double *residual) {
     *residual = INFINITY;
-    if (!s->settled || memcmp(mode, s->mode, (size_t)s->m) != 0) {
-        s->settled = 0;
+    if (!s->transform.settled || memcmp(mode, s->mode, (size_t)s->m) != 0) {
+        s->transform.settled = 0;
         ns_mlcp_restart(s, mode);
         if (!align(s, anew))
             return NS_E_SINGULAR;
@@ -303,16 +303,16 @@ static int attempt(ns_mlcp_solver *s, const ns_mode *mode, int *anew, double *re
 int ns_mlcp_quick(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     int anew = 0, status = NS_E_LIMIT;
     s->now = *s->p;
-    if (s->settled || !all_lower(s, mode))
+    if (s->transform.settled || !all_lower(s, mode))
         status = attempt(s, mode, &anew, residual);
     for (int k = anew || status == NS_E_LIMIT; k < 2 && status != NS_OK; k++) {
-        s->have_transform = s->settled = 0;
+        s->transform.valid = s->transform.settled = 0;
         anew = 1;
         status = attempt(s, k ? NULL : mode, &anew, residual);
     }
-    s->settled = s->have_transform = status == NS_OK;
+    s->transform.settled = s->transform.valid = status == NS_OK;
     if (status == NS_OK && clamp_y(s)) {
-        s->settled = 0; /* the mode may change */
+        s->transform.settled = 0; /* the mode may change */
         status = ns_mlcp_agree(s, residual) ? NS_OK : NS_E_RESIDUAL;
     }
     return status;
@@ -320,7 +320,7 @@ int ns_mlcp_quick(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
 
 int ns_mlcp_pivot(ns_mlcp_solver *s) {
     double residual;
-    ns_mode *start = s->at_upper; /* room of its own */
+    ns_mode *start = s->tab.at_upper; /* room of its own */
     for (int i = 0; i < s->m; i++)
         start[i] = s->mode[i];
     return ns_mlcp_quick(s, start, &residual);

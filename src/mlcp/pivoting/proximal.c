@@ -23,11 +23,12 @@ enum { STEPS = 8, HALVINGS = 44 }; /* 2^-43: NS_MLCP_GOOD */
 
 /* eps E as a list of entries; kind 0: diagonal, 1: left-over rows and columns. */
 static int choose(ns_mlcp_solver *s, int kind, int eps) {
-    int n = kind == 0 ? s->nf : s->nstuck;
+    int n = kind == 0 ? s->nf : s->elim.nstuck;
     for (int k = 0; k < n; k++) {
-        s->erow[k] = kind == 0 ? s->free[k] : s->stuck_row[k];
-        s->ecol[k] = kind == 0 ? s->free[k] : s->stuck_col[k];
-        s->eval[k] = ldexp(1.0, eps - s->r[s->erow[k]] - s->c[s->ecol[k]]);
+        s->regularised.row[k] = kind == 0 ? s->free[k] : s->elim.stuck_row[k];
+        s->regularised.col[k] = kind == 0 ? s->free[k] : s->elim.stuck_col[k];
+        s->regularised.value[k] =
+            ldexp(1.0, eps - s->elim.row_exp[s->regularised.row[k]] - s->elim.col_exp[s->regularised.col[k]]);
     }
     return n;
 }
@@ -35,16 +36,18 @@ static int choose(ns_mlcp_solver *s, int kind, int eps) {
 /* The problem with eps E added, x_k = lambda where from != 0, else 0. */
 static void regularise(ns_mlcp_solver *s, int n, int from) {
     size_t m = (size_t)s->m;
-    memcpy(s->Wreg, s->p->W, m * m * sizeof *s->Wreg);
-    memcpy(s->qraw, s->p->q, m * sizeof *s->qraw);
+    memcpy(s->regularised.W, s->p->W, m * m * sizeof *s->regularised.W);
+    memcpy(s->regularised.q, s->p->q, m * sizeof *s->regularised.q);
     for (int k = 0; k < n; k++) {
-        s->Wreg[(size_t)s->erow[k] + (size_t)s->ecol[k] * m] += s->eval[k];
+        s->regularised.W[(size_t)s->regularised.row[k] + (size_t)s->regularised.col[k] * m] +=
+            s->regularised.value[k];
         if (from)
-            s->qraw[s->erow[k]] -= s->eval[k] * s->lambda[s->ecol[k]];
+            s->regularised.q[s->regularised.row[k]] -=
+                s->regularised.value[k] * s->lambda[s->regularised.col[k]];
     }
-    s->nstuck = 0; /* nothing is known of the new matrix */
-    s->now.W = s->Wreg;
-    s->now.q = s->qraw;
+    s->elim.nstuck = 0; /* nothing is known of the new matrix */
+    s->now.W = s->regularised.W;
+    s->now.q = s->regularised.q;
     ns_mlcp_fold(s);
 }
 
@@ -101,7 +104,7 @@ static int iterate(ns_mlcp_solver *s, const ns_mode *mode, int n, double *residu
 int ns_mlcp_proximal(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     static const struct { int kind, eps; } way[] = {{0, -20}, {1, -20}, {0, -33}, {1, -33}};
     int first = NS_E_SINGULAR;
-    ns_mlcp_list(s, s->nstuck, s->stuck_row);
+    ns_mlcp_list(s, s->elim.nstuck, s->elim.stuck_row);
     ns_fault fault = s->fault;
     for (size_t k = 0; k < sizeof way / sizeof *way; k++) {
         ns_mlcp_given(s); /* scaling and left-over rows of the given problem */

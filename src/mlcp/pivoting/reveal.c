@@ -22,42 +22,42 @@ static const double BARELY = 16 * DBL_EPSILON; /* last resort before calling it 
 static const double PREFER = 1e3;              /* pairs that are inside already */
 
 static double *at(ns_mlcp_solver *s, int i, int j) {
-    return s->A + (size_t)i + (size_t)j * (size_t)s->m;
+    return s->elim.A + (size_t)i + (size_t)j * (size_t)s->m;
 }
 
 static int counts(const ns_mlcp_solver *s, int i, int j, double tol) {
     size_t k = (size_t)i + (size_t)j * (size_t)s->m;
-    return fabs(s->A[k]) > tol * s->mag[k];
+    return fabs(s->elim.A[k]) > tol * s->elim.mag[k];
 }
 
 static void load(ns_mlcp_solver *s) {
     int m = s->m;
-    ns_linalg_equilibrate(m, s->W, m, s->r, s->c, s->e);
+    ns_linalg_equilibrate(m, s->W, m, s->elim.row_exp, s->elim.col_exp, s->elim.e);
     for (int j = 0; j < m; j++)
         for (int i = 0; i < m; i++) {
             size_t k = (size_t)i + (size_t)j * (size_t)m;
-            s->A[k] = ldexp(s->W[k], s->r[i] + s->c[j]);
-            s->mag[k] = fabs(s->A[k]);
+            s->elim.A[k] = ldexp(s->W[k], s->elim.row_exp[i] + s->elim.col_exp[j]);
+            s->elim.mag[k] = fabs(s->elim.A[k]);
         }
-    memset(s->rowdone, 0, (size_t)m);
-    memset(s->coldone, 0, (size_t)m);
+    memset(s->elim.rowdone, 0, (size_t)m);
+    memset(s->elim.coldone, 0, (size_t)m);
     for (int k = 0; k < s->nx; k++)
-        s->rowdone[s->fixed[k]] = s->coldone[s->fixed[k]] = 1;
+        s->elim.rowdone[s->fixed[k]] = s->elim.coldone[s->fixed[k]] = 1;
 }
 
 /* y_i leaves, lambda_j enters: both are settled. */
 static void eliminate(ns_mlcp_solver *s, int i, int j) {
     double pivot = *at(s, i, j);
     size_t m = (size_t)s->m;
-    const double *e = s->A + (size_t)j * m, *emag = s->mag + (size_t)j * m;
-    s->rowdone[i] = s->coldone[j] = 1;
+    const double *e = s->elim.A + (size_t)j * m, *emag = s->elim.mag + (size_t)j * m;
+    s->elim.rowdone[i] = s->elim.coldone[j] = 1;
     for (int c = 0; c < s->m; c++) {
-        double *a = s->A + (size_t)c * m, *mag = s->mag + (size_t)c * m, f = a[i] / pivot;
-        if (s->coldone[c] || f == 0.0)
+        double *a = s->elim.A + (size_t)c * m, *mag = s->elim.mag + (size_t)c * m, f = a[i] / pivot;
+        if (s->elim.coldone[c] || f == 0.0)
             continue;
         double fmag = mag[i] / fabs(pivot);
         for (int r = 0; r < s->m; r++) {
-            if (s->rowdone[r] || e[r] == 0.0)
+            if (s->elim.rowdone[r] || e[r] == 0.0)
                 continue;
             a[r] -= e[r] * f;
             mag[r] = fmax(mag[r], fmax(emag[r] * fabs(f), fabs(e[r]) * fmag));
@@ -73,9 +73,9 @@ static void eliminate_free(ns_mlcp_solver *s, double tol) {
         int bi = -1, bj = -1;
         double best = 0.0;
         for (int b = 0; b < s->nf; b++)
-            for (int a = 0; a < s->nf && !s->coldone[s->free[b]]; a++) {
+            for (int a = 0; a < s->nf && !s->elim.coldone[s->free[b]]; a++) {
                 int i = s->free[a], j = s->free[b];
-                if (s->rowdone[i] || fabs(*at(s, i, j)) <= best || !counts(s, i, j, tol))
+                if (s->elim.rowdone[i] || fabs(*at(s, i, j)) <= best || !counts(s, i, j, tol))
                     continue;
                 best = fabs(*at(s, i, j));
                 bi = i;
@@ -92,7 +92,7 @@ static int target(ns_mlcp_solver *s, int i, double tol) {
     int best = -1;
     for (int f = 0; f < s->nf; f++) {
         int j = s->free[f];
-        if (!s->coldone[j] && counts(s, i, j, tol) &&
+        if (!s->elim.coldone[j] && counts(s, i, j, tol) &&
             (best < 0 || fabs(*at(s, i, j)) > fabs(*at(s, i, best))))
             best = j;
     }
@@ -100,7 +100,7 @@ static int target(ns_mlcp_solver *s, int i, double tol) {
 }
 
 /* Breadth first from row r over pairs that are out.  Returns the last row of the path and its column;
- * s->parent leads back.  -1: no path. */
+ * s->elim.parent leads back.  -1: no path. */
 static int find_path(ns_mlcp_solver *s, int r, double tol, int *column) {
     int head = 0, level = 0, tail = 0, found = target(s, r, tol);
     s->queue[tail++] = r;
@@ -109,16 +109,17 @@ static int find_path(ns_mlcp_solver *s, int r, double tol, int *column) {
         return r;
     }
     for (int i = 0; i < s->m; i++)
-        s->parent[i] = -1;
+        s->elim.parent[i] = -1;
     while (head < tail) {
         int best = -1;
         double most = 0.0;
         for (level = tail; head < level; head++)
             for (int a = 0; a < s->np; a++) {
                 int i = s->queue[head], j = s->pair[a];
-                if (s->rowdone[j] || s->coldone[j] || s->parent[j] >= 0 || j == r || !counts(s, i, j, tol))
+                if (s->elim.rowdone[j] || s->elim.coldone[j] || s->elim.parent[j] >= 0 || j == r ||
+                    !counts(s, i, j, tol))
                     continue;
-                s->parent[j] = i;
+                s->elim.parent[j] = i;
                 s->queue[tail++] = j;
                 int c = target(s, j, tol);
                 double v = c < 0 ? 0.0 : fmin(fabs(*at(s, i, j)), fabs(*at(s, j, c)));
@@ -143,7 +144,7 @@ static int join(ns_mlcp_solver *s, int r, double tol, int *left) {
         if (end < 0)
             return 0;
         s->queue[n++] = col; /* the columns to pivot on, last first */
-        for (int i = end; i != r; i = s->parent[i])
+        for (int i = end; i != r; i = s->elim.parent[i])
             s->queue[n++] = i;
         int row = r;
         while (n > 0 && counts(s, row, s->queue[n - 1], BARELY)) {
@@ -165,8 +166,8 @@ static int best_block(ns_mlcp_solver *s, int *ia, int *ib) {
     for (int b = 0; b < s->np; b++)
         for (int a = 0; a <= b; a++) {
             int i = s->pair[a], j = s->pair[b];
-            if (s->mode[i] != NS_INSIDE || s->mode[j] != NS_INSIDE || s->rowdone[i] || s->rowdone[j] ||
-                s->coldone[i] || s->coldone[j])
+            if (s->mode[i] != NS_INSIDE || s->mode[j] != NS_INSIDE || s->elim.rowdone[i] ||
+                s->elim.rowdone[j] || s->elim.coldone[i] || s->elim.coldone[j])
                 continue;
             double v = a == b ? 2.0 * fabs(*at(s, i, i)) : fmin(fabs(*at(s, i, j)), fabs(*at(s, j, i)));
             if (v <= best || !counts(s, i, j, SOUND) || !counts(s, j, i, SOUND))
@@ -191,30 +192,30 @@ static void eliminate_pairs(ns_mlcp_solver *s) {
 
 int ns_mlcp_reveal(ns_mlcp_solver *s) {
     load(s);
-    s->nstuck = 0;
+    s->elim.nstuck = 0;
     eliminate_free(s, SOUND);
     for (int f = 0; f < s->nf; f++) {
         int row = s->free[f], left = row;
-        if (s->rowdone[row] || join(s, row, SOUND, &left))
+        if (s->elim.rowdone[row] || join(s, row, SOUND, &left))
             continue;
-        s->stuck_row[s->nstuck++] = left;
+        s->elim.stuck_row[s->elim.nstuck++] = left;
     }
-    int open = s->nstuck;
-    s->nstuck = 0;
+    int open = s->elim.nstuck;
+    s->elim.nstuck = 0;
     for (int k = 0; k < open; k++) {
-        int left = s->stuck_row[k];
+        int left = s->elim.stuck_row[k];
         if (!join(s, left, BARELY, &left))
-            s->stuck_row[s->nstuck++] = left;
+            s->elim.stuck_row[s->elim.nstuck++] = left;
     }
     for (int f = 0, k = 0; f < s->nf; f++)
-        if (!s->coldone[s->free[f]])
-            s->stuck_col[k++] = s->free[f];
-    if (s->nstuck > 0)
+        if (!s->elim.coldone[s->free[f]])
+            s->elim.stuck_col[k++] = s->free[f];
+    if (s->elim.nstuck > 0)
         return NS_E_SINGULAR;
     eliminate_pairs(s);
     for (int a = 0; a < s->np; a++) {
         int i = s->pair[a];
-        if (s->coldone[i])
+        if (s->elim.coldone[i])
             s->mode[i] = NS_INSIDE;
         else if (s->mode[i] == NS_INSIDE)
             s->mode[i] = isinf(s->p->l[i]) ? NS_UPPER : NS_LOWER;

@@ -19,18 +19,18 @@ static void pick(ns_mlcp_solver *s) {
     memcpy(s->rows, s->free, (size_t)s->nf * sizeof *s->rows);
     memcpy(s->cols, s->free, (size_t)s->nf * sizeof *s->cols);
     for (int a = 0; a < s->np; a++) {
-        if (s->where[2 * a + 1] < 0)
+        if (s->tab.where[2 * a + 1] < 0)
             s->rows[nr++] = s->pair[a];
-        if (s->where[2 * a] >= 0)
+        if (s->tab.where[2 * a] >= 0)
             s->cols[nc++] = s->pair[a];
     }
-    if (s->where[2 * s->np] >= 0)
+    if (s->tab.where[2 * s->np] >= 0)
         s->cols[nc++] = -1;
     s->k = nc;
 }
 
 static const double *column(const ns_mlcp_solver *s, int j) {
-    return j < 0 ? s->cover : s->W + (size_t)j * (size_t)s->m;
+    return j < 0 ? s->tab.cover : s->W + (size_t)j * (size_t)s->m;
 }
 
 static int factor(ns_mlcp_solver *s) {
@@ -41,7 +41,7 @@ static int factor(ns_mlcp_solver *s) {
             s->G[(size_t)i + (size_t)j * (size_t)s->k] = col[s->rows[i]];
     }
     s->factors++;
-    s->have_factors = 0;
+    s->factored.valid = 0;
     return ns_linalg_lu_factor(s->lu, s->k, s->G, NULL, NULL);
 }
 
@@ -50,8 +50,8 @@ static void constant_part(ns_mlcp_solver *s) {
     memcpy(s->g, s->q, (size_t)s->m * sizeof *s->g);
     for (int a = 0; a < s->np; a++) {
         int i = s->pair[a];
-        double v = s->at_upper[a] ? s->p->u[i] : s->p->l[i];
-        if (s->where[2 * a] < 0 && v != 0.0)
+        double v = s->tab.at_upper[a] ? s->p->u[i] : s->p->l[i];
+        if (s->tab.where[2 * a] < 0 && v != 0.0)
             ns_linalg_matvec_add(s->m, 1, column(s, i), &v, s->g);
     }
 }
@@ -67,8 +67,8 @@ static void right_sides(ns_mlcp_solver *s) {
     double *b = s->rhs;
     for (int i = 0; i < k; i++)
         b[i] = -s->g[s->rows[i]];
-    for (int c = 0; c < s->ncol; c++) {
-        int var = s->colvar[c], j = index_of(s, var);
+    for (int c = 0; c < s->tab.ncol; c++) {
+        int var = s->tab.colvar[c], j = index_of(s, var);
         b += k;
         if (ns_is_y(s, var)) {
             for (int i = 0; i < k; i++)
@@ -86,7 +86,7 @@ static void y_row(ns_mlcp_solver *s, int r, int i) {
     double *w = s->ray; /* scratch: row i of W at cols */
     for (int j = 0; j < s->k; j++)
         w[j] = column(s, s->cols[j])[i];
-    for (int c = -1; c < s->ncol; c++) {
+    for (int c = -1; c < s->tab.ncol; c++) {
         const double *x = s->rhs + (size_t)(c + 1) * (size_t)s->k;
         double sum = 0.0, size = 0.0;
         for (int j = 0; j < s->k; j++) {
@@ -94,48 +94,48 @@ static void y_row(ns_mlcp_solver *s, int r, int i) {
             size += fabs(w[j] * x[j]);
         }
         if (c < 0)
-            s->beta[r] = s->g[i] + sum;
+            s->tab.beta[r] = s->g[i] + sum;
         else {
-            double own = ns_is_y(s, s->colvar[c]) ? 0.0 : column(s, index_of(s, s->colvar[c]))[i];
+            double own = ns_is_y(s, s->tab.colvar[c]) ? 0.0 : column(s, index_of(s, s->tab.colvar[c]))[i];
             int rounding = fabs(sum + own) <= CANCELLED * (size + fabs(own));
-            s->T[r + c * s->np] = rounding ? 0.0 : sum + own;
+            s->tab.T[r + c * s->np] = rounding ? 0.0 : sum + own;
         }
     }
 }
 
 /* Row r belongs to a basic lambda (or t): entry `at` of the solutions. */
 static void x_row(ns_mlcp_solver *s, int r, int at) {
-    s->beta[r] = s->rhs[at];
-    for (int c = 0; c < s->ncol; c++)
-        s->T[r + c * s->np] = s->rhs[(size_t)at + (size_t)(c + 1) * (size_t)s->k];
+    s->tab.beta[r] = s->rhs[at];
+    for (int c = 0; c < s->tab.ncol; c++)
+        s->tab.T[r + c * s->np] = s->rhs[(size_t)at + (size_t)(c + 1) * (size_t)s->k];
 }
 
 static void to_units(ns_mlcp_solver *s) {
-    for (int c = 0; c < s->ncol; c++) {
-        double *t = s->T + (size_t)c * (size_t)s->np, u = s->unit[s->colvar[c]];
+    for (int c = 0; c < s->tab.ncol; c++) {
+        double *t = s->tab.T + (size_t)c * (size_t)s->np, u = s->tab.unit[s->tab.colvar[c]];
         for (int r = 0; r < s->np; r++)
-            t[r] *= u / s->unit[s->rowvar[r]];
+            t[r] *= u / s->tab.unit[s->tab.rowvar[r]];
     }
     for (int r = 0; r < s->np; r++)
-        s->beta[r] /= s->unit[s->rowvar[r]];
+        s->tab.beta[r] /= s->tab.unit[s->tab.rowvar[r]];
 }
 
 /* One step of iterative refinement of all solutions: rhs (the right sides again) -= G x.  Entries that should
  * cancel to 0 then do so to the rounding of W's own entries. */
 static void refine(ns_mlcp_solver *s) {
-    size_t k = (size_t)s->k, n = k * (size_t)(1 + s->ncol);
+    size_t k = (size_t)s->k, n = k * (size_t)(1 + s->tab.ncol);
     memcpy(s->xs, s->rhs, n * sizeof *s->xs);
     right_sides(s);
     for (size_t j = 0; j < n; j++)
         s->xs[j] = -s->xs[j];
-    for (int c = 0; c <= s->ncol; c++)
+    for (int c = 0; c <= s->tab.ncol; c++)
         for (int j = 0; j < s->k; j++) {
             const double *col = column(s, s->cols[j]), v = s->xs[(size_t)j + (size_t)c * k];
             double *b = s->rhs + (size_t)c * k;
             for (int i = 0; i < s->k && v != 0.0; i++)
                 b[i] += col[s->rows[i]] * v;
         }
-    ns_linalg_lu_solve(s->lu, 1 + s->ncol, s->rhs);
+    ns_linalg_lu_solve(s->lu, 1 + s->tab.ncol, s->rhs);
     for (size_t j = 0; j < n; j++)
         s->rhs[j] -= s->xs[j];
 }
@@ -143,7 +143,7 @@ static void refine(ns_mlcp_solver *s) {
 /* Entries of solutions that are rounding against the rest of their column, in the units of the factors. */
 static void drop_rounding(ns_mlcp_solver *s) {
     const double *unit = ns_linalg_lu_units(s->lu);
-    for (int c = 1; c <= s->ncol; c++) {
+    for (int c = 1; c <= s->tab.ncol; c++) {
         double *x = s->rhs + (size_t)c * (size_t)s->k, top = 0.0;
         for (int j = 0; j < s->k; j++)
             top = fmax(top, fabs(x[j]) / unit[j]);
@@ -157,43 +157,43 @@ static void drop_rounding(ns_mlcp_solver *s) {
 static void fill(ns_mlcp_solver *s) {
     constant_part(s);
     right_sides(s);
-    ns_linalg_lu_solve(s->lu, 1 + s->ncol, s->rhs);
-    if (s->careful)
+    ns_linalg_lu_solve(s->lu, 1 + s->tab.ncol, s->rhs);
+    if (s->tab.refined)
         refine(s);
     drop_rounding(s);
     int at = s->nf;
     for (int a = 0; a < s->np; a++)
-        if (s->where[2 * a] >= 0)
-            x_row(s, s->where[2 * a], at++);
-    if (s->where[2 * s->np] >= 0)
-        x_row(s, s->where[2 * s->np], at);
+        if (s->tab.where[2 * a] >= 0)
+            x_row(s, s->tab.where[2 * a], at++);
+    if (s->tab.where[2 * s->np] >= 0)
+        x_row(s, s->tab.where[2 * s->np], at);
     for (int a = 0; a < s->np; a++)
-        if (s->where[2 * a + 1] >= 0)
-            y_row(s, s->where[2 * a + 1], s->pair[a]);
+        if (s->tab.where[2 * a + 1] >= 0)
+            y_row(s, s->tab.where[2 * a + 1], s->pair[a]);
     to_units(s);
 }
 
 void ns_mlcp_tableau_start(ns_mlcp_solver *s) {
     for (int a = 0; a < s->np; a++) {
         int i = s->pair[a], inside = s->mode[i] == NS_INSIDE;
-        s->rowvar[a] = inside ? 2 * a : 2 * a + 1;
-        s->colvar[a] = inside ? 2 * a + 1 : 2 * a;
-        s->where[2 * a] = inside ? a : -1 - a;
-        s->where[2 * a + 1] = inside ? -1 - a : a;
-        s->at_upper[a] = s->mode[i] == NS_UPPER;
-        s->first_y[a] = !inside;
-        s->unit[2 * a] = s->lsize[i];
-        s->unit[2 * a + 1] = s->ysize[i];
-        s->blo[a] = s->p->l[i] / s->lsize[i];
-        s->bhi[a] = s->p->u[i] / s->lsize[i];
+        s->tab.rowvar[a] = inside ? 2 * a : 2 * a + 1;
+        s->tab.colvar[a] = inside ? 2 * a + 1 : 2 * a;
+        s->tab.where[2 * a] = inside ? a : -1 - a;
+        s->tab.where[2 * a + 1] = inside ? -1 - a : a;
+        s->tab.at_upper[a] = s->mode[i] == NS_UPPER;
+        s->tab.first_y[a] = !inside;
+        s->tab.unit[2 * a] = s->lsize[i];
+        s->tab.unit[2 * a + 1] = s->ysize[i];
+        s->tab.lo[a] = s->p->l[i] / s->lsize[i];
+        s->tab.hi[a] = s->p->u[i] / s->lsize[i];
     }
-    s->unit[2 * s->np] = 1.0;
-    s->where[2 * s->np] = -1 - s->np;
-    s->ncol = s->np;
+    s->tab.unit[2 * s->np] = 1.0;
+    s->tab.where[2 * s->np] = -1 - s->np;
+    s->tab.ncol = s->np;
     fill(s);
     for (int a = 0; a < s->np; a++) { /* lambda and y are refined already */
         int i = s->pair[a];
-        s->beta[a] = s->first_y[a] ? s->y[i] / s->ysize[i] : s->lambda[i] / s->lsize[i];
+        s->tab.beta[a] = s->tab.first_y[a] ? s->y[i] / s->ysize[i] : s->lambda[i] / s->lsize[i];
     }
 }
 
@@ -205,10 +205,10 @@ int ns_mlcp_tableau_refresh(ns_mlcp_solver *s) {
 }
 
 void ns_mlcp_tableau_exchange(ns_mlcp_solver *s, int row, int col) {
-    const int in = s->colvar[col], out = s->rowvar[row];
-    ns_linalg_exchange(s->np, s->ncol, s->T, row, col, CANCELLED);
-    s->rowvar[row] = in;
-    s->colvar[col] = out;
-    s->where[in] = row;
-    s->where[out] = -1 - col;
+    const int in = s->tab.colvar[col], out = s->tab.rowvar[row];
+    ns_linalg_exchange(s->np, s->tab.ncol, s->tab.T, row, col, CANCELLED);
+    s->tab.rowvar[row] = in;
+    s->tab.colvar[col] = out;
+    s->tab.where[in] = row;
+    s->tab.where[out] = -1 - col;
 }

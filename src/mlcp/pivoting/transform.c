@@ -1,8 +1,8 @@
 /* src/mlcp/pivoting/transform.c - the principal pivot transform of W, of the pairs that are looked at:
  * exchanges, values.
  *
- * s->who[0..nwho-1] are those pairs, s->at[i] the place of pair i among them, -1 elsewhere.  P (leading
- * dimension stride()), diag, and all that is called a or b here are numbered by place.
+ * s->transform.pair[0..nwho-1] are those pairs, s->transform.place[i] the place of pair i among them, -1
+ * elsewhere.  P (leading dimension stride()), diag, and all that is called a or b here are numbered by place.
  */
 #include "transform.h"
 
@@ -16,12 +16,12 @@ static const double TRUST = 1e-8; /* a pivot must keep eight of sixteen digits; 
 static const double EASY = 0.1;   /* good enough not to look for a better one */
 
 void ns_mlcp_transform_start(ns_mlcp_solver *s) {
-    memset(s->in, 0, (size_t)s->m);
+    memset(s->transform.basic, 0, (size_t)s->m);
     for (int i = 0; i < s->m; i++)
-        s->at[i] = -1;
-    s->nwho = 0;
-    s->changes = 0;
-    s->have_transform = 1;
+        s->transform.place[i] = -1;
+    s->transform.count = 0;
+    s->transform.changes = 0;
+    s->transform.valid = 1;
 }
 
 /* --- which pairs --- */
@@ -31,7 +31,7 @@ static inline size_t stride(const ns_mlcp_solver *s) {
 }
 
 static inline double *column(const ns_mlcp_solver *s, int a) {
-    return s->P + (size_t)a * stride(s);
+    return s->transform.P + (size_t)a * stride(s);
 }
 
 /* y += v x for n entries of columns of P, and for what lies between the last and the next multiple of four,
@@ -47,23 +47,23 @@ static inline void add(int n, double v, const double *restrict x, double *restri
 static int look(ns_mlcp_solver *s, int i) {
     const size_t m = (size_t)s->m, ld = stride(s);
     const double *Wi = s->p->W + (size_t)i * m, own = Wi[i];
-    const int n = s->nwho;
-    if (s->at[i] >= 0)
-        return s->at[i];
-    double *new = column(s, n), *across = s->P + n, *row = s->g, size = fabs(own), sum = own;
-    int *held = s->parent, count = 0; /* where the row of W is not 0, and what it is */
+    const int n = s->transform.count;
+    if (s->transform.place[i] >= 0)
+        return s->transform.place[i];
+    double *new = column(s, n), *across = s->transform.P + n, *row = s->g, size = fabs(own), sum = own;
+    int *held = s->elim.parent, count = 0; /* where the row of W is not 0, and what it is */
     memset(new, 0, (size_t)n * sizeof *new);
     for (int b = 0; b < n; b++) {
-        const int j = s->who[b];
+        const int j = s->transform.pair[b];
         const double w = s->p->W[(size_t)i + (size_t)j * m];
-        across[(size_t)b * ld] = s->in[j] ? 0.0 : w;
-        if (!s->in[j])
+        across[(size_t)b * ld] = s->transform.basic[j] ? 0.0 : w;
+        if (!s->transform.basic[j])
             new[b] += Wi[j];
         else if (Wi[j] != 0.0)
             add(n, -Wi[j], column(s, b), new);
         held[count] = b;
         row[count] = w;
-        count += s->in[j] && w != 0.0;
+        count += s->transform.basic[j] && w != 0.0;
     }
     for (int b = 0; b < n; b++) {
         const double *col = column(s, b);
@@ -78,16 +78,16 @@ static int look(ns_mlcp_solver *s, int i) {
         size = fabs(term) > size ? fabs(term) : size;
     }
     new[n] = sum;
-    s->diag[n] = size;
-    s->who[n] = i;
-    s->at[i] = n;
-    return s->nwho++;
+    s->transform.largest[n] = size;
+    s->transform.pair[n] = i;
+    s->transform.place[i] = n;
+    return s->transform.count++;
 }
 
 /* The last comes into its place. */
 static void forget(ns_mlcp_solver *s, int a) {
-    const int last = --s->nwho;
-    s->at[s->who[a]] = -1;
+    const int last = --s->transform.count;
+    s->transform.place[s->transform.pair[a]] = -1;
     if (a == last)
         return;
     const double *from = column(s, last);
@@ -97,14 +97,14 @@ static void forget(ns_mlcp_solver *s, int a) {
         to[b] = from[b];
     }
     to[a] = from[last];
-    s->diag[a] = s->diag[last];
-    s->who[a] = s->who[last];
-    s->at[s->who[a]] = a;
+    s->transform.largest[a] = s->transform.largest[last];
+    s->transform.pair[a] = s->transform.pair[last];
+    s->transform.place[s->transform.pair[a]] = a;
 }
 
 void ns_mlcp_transform_tidy(ns_mlcp_solver *s) {
-    for (int a = s->nwho - 1; a >= 0; a--)
-        if (!s->in[s->who[a]])
+    for (int a = s->transform.count - 1; a >= 0; a--)
+        if (!s->transform.basic[s->transform.pair[a]])
             forget(s, a);
 }
 
@@ -113,49 +113,52 @@ void ns_mlcp_transform_tidy(ns_mlcp_solver *s) {
 double ns_mlcp_transform_trust(ns_mlcp_solver *s, int i) {
     const int a = look(s, i);
     const double p = fabs(column(s, a)[a]);
-    return p > 0.0 ? p / s->diag[a] : 0.0;
+    return p > 0.0 ? p / s->transform.largest[a] : 0.0;
 }
 
 double ns_mlcp_transform_trust2(ns_mlcp_solver *s, int i, int j) {
     const int a = look(s, i), b = look(s, j);
     const double across = column(s, b)[a] * column(s, a)[b];
     const double det = column(s, a)[a] * column(s, b)[b] - across;
-    const double terms = s->diag[a] * s->diag[b] + fabs(across);
+    const double terms = s->transform.largest[a] * s->transform.largest[b] + fabs(across);
     return det != 0.0 ? fabs(det) / terms : 0.0;
 }
 
 static void flipped(ns_mlcp_solver *s, int i) {
-    s->in[i] ^= 1;
-    s->changes++;
+    s->transform.basic[i] ^= 1;
+    s->transform.changes++;
     s->pivots++;
 }
 
 void ns_mlcp_transform_move(ns_mlcp_solver *s, int i, int n, const int *list) {
     const size_t m = (size_t)s->m;
-    const int k = s->at[i];
+    const int k = s->transform.place[i];
     const double *col = column(s, k),
-                 by = s->in[i] ? ns_mlcp_bound(s, i, s->mode[i]) - s->lambda[i] : -s->y[i];
+                 by = s->transform.basic[i] ? ns_mlcp_bound(s, i, s->mode[i]) - s->lambda[i] : -s->y[i];
     const double step = by / col[k];
-    if (!s->in[i] && s->nonzeros.few)
-        s->lterms[i] = fabs(s->lambda[i]);
-    for (int a = 0; a < s->nwho; a++) {
-        const int j = s->who[a];
-        const double change = j == i && !s->in[i] ? step : s->in[j] ? step * col[a] : 0.0;
+    if (!s->transform.basic[i] && s->own.nonzeros.few)
+        s->transform.lterms[i] = fabs(s->lambda[i]);
+    for (int a = 0; a < s->transform.count; a++) {
+        const int j = s->transform.pair[a];
+        const double change = j == i && !s->transform.basic[i] ? step
+                              : s->transform.basic[j]          ? step * col[a]
+                                                               : 0.0;
         s->lambda[j] += change;
-        s->lterms[j] += s->nonzeros.few ? fabs(change) : 0.0;
-        if (change != 0.0 && s->nonzeros.few)
-            ns_mlcp_nonzeros_add(&s->nonzeros, j, s->p->W + (size_t)j * m, change, s->y, s->yterms);
+        s->transform.lterms[j] += s->own.nonzeros.few ? fabs(change) : 0.0;
+        if (change != 0.0 && s->own.nonzeros.few)
+            ns_mlcp_nonzeros_add(&s->own.nonzeros, j, s->p->W + (size_t)j * m, change, s->y,
+                                 s->transform.yterms);
         else
             for (int b = 0; b < n && change != 0.0; b++)
                 s->y[list[b]] += s->p->W[(size_t)list[b] + (size_t)j * m] * change;
     }
-    s->carried &= s->nonzeros.few;
+    s->transform.carried &= s->own.nonzeros.few;
 }
 
 /* P_IJ -= c r_J / p for all columns but k, row k aside. */
 void ns_mlcp_transform_pivot(ns_mlcp_solver *s, int i) {
-    const int k = s->at[i], n = s->nwho;
-    double *restrict c = column(s, k), *restrict diag = s->diag;
+    const int k = s->transform.place[i], n = s->transform.count;
+    double *restrict c = column(s, k), *restrict diag = s->transform.largest;
     const double p = c[k], inverse = 1.0 / p;
     c[k] = 0.0; /* row k: set after the update */
     for (int b = 0; b < n; b++) {
@@ -175,7 +178,7 @@ void ns_mlcp_transform_pivot(ns_mlcp_solver *s, int i) {
 }
 
 void ns_mlcp_transform_pivot2(ns_mlcp_solver *s, int i, int j) {
-    const int a = s->at[i], b = s->at[j], n = s->nwho;
+    const int a = s->transform.place[i], b = s->transform.place[j], n = s->transform.count;
     double *ca = column(s, a), *cb = column(s, b);
     const double aa = ca[a], ba = ca[b], ab = cb[a], bb = cb[b], det = aa * bb - ab * ba;
     const double lost = 1.0 / ns_mlcp_transform_trust2(s, i, j);
@@ -189,7 +192,7 @@ void ns_mlcp_transform_pivot2(ns_mlcp_solver *s, int i, int j) {
             col[r] -= ca[r] * ra + cb[r] * rb;
         col[a] = -ra;
         col[b] = -rb;
-        s->diag[k] = fmax(s->diag[k], term);
+        s->transform.largest[k] = fmax(s->transform.largest[k], term);
     }
     for (int r = 0; r < n; r++) {
         const double x = ca[r], y = cb[r];
@@ -200,9 +203,9 @@ void ns_mlcp_transform_pivot2(ns_mlcp_solver *s, int i, int j) {
     ca[b] = -ba / det;
     cb[a] = -ab / det;
     cb[b] = aa / det;
-    const double da = s->diag[a];
-    s->diag[a] = lost * s->diag[b] / fabs(det);
-    s->diag[b] = lost * da / fabs(det);
+    const double da = s->transform.largest[a];
+    s->transform.largest[a] = lost * s->transform.largest[b] / fabs(det);
+    s->transform.largest[b] = lost * da / fabs(det);
     flipped(s, i);
     flipped(s, j);
 }
@@ -257,50 +260,50 @@ int ns_mlcp_transform_exchange(ns_mlcp_solver *s, int n, int *list) {
 void ns_mlcp_transform_column(ns_mlcp_solver *s, int i, double *rate) {
     const size_t m = (size_t)s->m;
     const double *col = column(s, look(s, i));
-    if (s->in[i])
+    if (s->transform.basic[i])
         memset(rate, 0, m * sizeof *rate);
     else
         memcpy(rate, s->p->W + (size_t)i * m, m * sizeof *rate);
-    for (int a = 0; a < s->nwho; a++)
-        if (s->in[s->who[a]])
-            ns_linalg_matvec_add(s->m, 1, s->p->W + (size_t)s->who[a] * m, col + a, rate);
-    for (int a = 0; a < s->nwho; a++)
-        rate[s->who[a]] = col[a];
+    for (int a = 0; a < s->transform.count; a++)
+        if (s->transform.basic[s->transform.pair[a]])
+            ns_linalg_matvec_add(s->m, 1, s->p->W + (size_t)s->transform.pair[a] * m, col + a, rate);
+    for (int a = 0; a < s->transform.count; a++)
+        rate[s->transform.pair[a]] = col[a];
 }
 
 void ns_mlcp_transform_values(ns_mlcp_solver *s) {
-    const int n = s->nwho, ld = (int)stride(s);
+    const int n = s->transform.count, ld = (int)stride(s);
     double *x = s->rhs, *sum = x + n, *terms = sum + n, *none = terms + n;
     int plain = 1; /* lambda at its bounds is 0 */
     memset(s->lambda, 0, (size_t)s->m * sizeof *s->lambda);
     for (int i = 0; i < s->m && !s->at_zero; i++)
-        if (!s->in[i]) {
+        if (!s->transform.basic[i]) {
             s->lambda[i] = ns_mlcp_bound(s, i, s->mode[i]);
             plain &= s->lambda[i] == 0.0;
         }
     if (!plain)
-        ns_mlcp_terms(s->p, &s->nonzeros, s->lambda, s->y, s->yterms);
+        ns_mlcp_terms(s->p, &s->own.nonzeros, s->lambda, s->y, s->transform.yterms);
     memset(sum, 0, 3 * (size_t)n * sizeof *sum);
     for (int a = 0; a < n; a++)
-        x[a] = -(plain ? s->p->q : s->y)[s->who[a]];
-    ns_linalg_abs_product_add(n, n, ld, s->P, x, sum, terms);
+        x[a] = -(plain ? s->p->q : s->y)[s->transform.pair[a]];
+    ns_linalg_abs_product_add(n, n, ld, s->transform.P, x, sum, terms);
     if (!plain) { /* the terms of y count, of which x may be a small difference */
         memset(terms, 0, (size_t)n * sizeof *terms);
         for (int a = 0; a < n; a++)
-            x[a] = s->yterms[s->who[a]];
-        ns_linalg_abs_product_add(n, n, ld, s->P, x, none, terms);
+            x[a] = s->transform.yterms[s->transform.pair[a]];
+        ns_linalg_abs_product_add(n, n, ld, s->transform.P, x, none, terms);
     }
     for (int a = 0; a < n; a++) {
-        s->lambda[s->who[a]] = sum[a];
-        s->lterms[s->who[a]] = terms[a];
+        s->lambda[s->transform.pair[a]] = sum[a];
+        s->transform.lterms[s->transform.pair[a]] = terms[a];
     }
 }
 
 void ns_mlcp_transform_correct(ns_mlcp_solver *s) {
-    const int n = s->nwho;
+    const int n = s->transform.count;
     memset(s->g, 0, (size_t)n * sizeof *s->g);
     for (int b = 0; b < n; b++)
-        ns_linalg_matvec_add(n, 1, column(s, b), s->y + s->who[b], s->g);
+        ns_linalg_matvec_add(n, 1, column(s, b), s->y + s->transform.pair[b], s->g);
     for (int a = 0; a < n; a++)
-        s->lambda[s->who[a]] -= s->g[a];
+        s->lambda[s->transform.pair[a]] -= s->g[a];
 }

@@ -29,8 +29,8 @@ static double extent(ns_mlcp_solver *s, double *data, int *largest) {
     *largest = -1;
     ns_mlcp_units(s);
     for (int i = 0; i < s->m; i++) {
-        const double size = fabs(s->lambda[i]) / s->colunit[i];
-        *data = fmax(*data, s->rowmax[i] > 0.0 ? fabs(s->given.q[i]) / s->rowmax[i] : 0.0);
+        const double size = fabs(s->lambda[i]) / s->units.column[i];
+        *data = fmax(*data, s->units.rowmax[i] > 0.0 ? fabs(s->given.q[i]) / s->units.rowmax[i] : 0.0);
         if (s->mode[i] != NS_INSIDE)
             *data = fmax(*data, size);
         else if (size > answer) {
@@ -50,7 +50,7 @@ int ns_mlcp_doubtful(ns_mlcp_solver *s, double doubt) {
 /* What is wrong with y in row i. */
 static double wrong(const ns_mlcp_solver *s, int i, double y, double near) {
     const double l = s->p->l[i], u = s->p->u[i], v = s->lambda[i];
-    const int lower = v - l <= near * s->colunit[i], upper = u - v <= near * s->colunit[i];
+    const int lower = v - l <= near * s->units.column[i], upper = u - v <= near * s->units.column[i];
     return lower && upper ? 0.0 : lower ? fmax(-y, 0.0) : upper ? fmax(y, 0.0) : fabs(y);
 }
 
@@ -63,7 +63,8 @@ static int breaks_a_row(const ns_mlcp_solver *s, double data) {
         q = fmax(q, fabs(s->given.q[i]));
     for (int i = 0; i < s->m; i++) {
         const double by = wrong(s, i, s->g[i], DATA * data);
-        n += by > BROKEN * s->ysize[i] && by > DATA * data * s->rowmax[i] && fabs(s->given.q[i]) > DATA * q;
+        n += by > BROKEN * s->ysize[i] && by > DATA * data * s->units.rowmax[i] &&
+             fabs(s->given.q[i]) > DATA * q;
     }
     return n > 0;
 }
@@ -97,7 +98,7 @@ double ns_mlcp_broken(ns_mlcp_solver *s) {
     (void)extent(s, &data, &largest);
     ns_mlcp_terms(s->p, NULL, s->lambda, s->g, s->ysize);
     for (int i = 0; i < s->m; i++)
-        if (s->ysize[i] > DATA * data * s->rowmax[i])
+        if (s->ysize[i] > DATA * data * s->units.rowmax[i])
             most = fmax(most, wrong(s, i, s->g[i], DATA * data) / s->ysize[i]);
     return most;
 }
