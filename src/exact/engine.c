@@ -154,8 +154,7 @@ static void trim(ns_exact *f) {
     ns_exact_mode_trim(f, f->at);
 }
 
-/* From the accepted point of the stepper. */
-static int load(ns_exact *f) {
+int ns_exact_place(ns_exact *f) {
     f->t = f->point->now.t;
     f->time_lost = f->point->now.lost;
     f->since = f->point->last_event_t;
@@ -169,13 +168,18 @@ static int load(ns_exact *f) {
     read_inputs(f);
     for (int i = 0; i < f->s->r; i++)
         f->most[i] = ns_higher(f->most[i], fabs(f->X[i]));
-    if (!f->point->at_event)
-        ns_exact_enter_consistent(f);
     return NS_OK;
 }
 
-/* x, lambda at X, and the inputs in f->z.  Errors: MEMORY. */
-static int read_point(ns_exact *f, double *x) {
+/* From the accepted point of the stepper. */
+static int load(ns_exact *f) {
+    const int status = ns_exact_place(f);
+    if (status == NS_OK && !f->point->at_event)
+        ns_exact_enter_consistent(f);
+    return status;
+}
+
+int ns_exact_output_at(ns_exact *f, double t, ns_side side, double *X, double *x) {
     double until;
     ns_mode_kernel *k = ns_exact_mode_time_scale(f, &until)->stage;
     const int all = f->system->n + f->system->m;
@@ -185,16 +189,16 @@ static int read_point(ns_exact *f, double *x) {
             return status;
         f->bytes += sizeof(double) * (size_t)all * (size_t)(k->q + f->exo->mutes);
     }
-    ns_system_inputs(f->system, f->t, f->point->at_event ? NS_LEFT : NS_RIGHT, f->z);
+    ns_system_inputs(f->system, t, side, f->z);
     for (int i = 0; i < f->exo->mutes; i++)
-        f->X[k->q + i] = f->z[f->exo->mute[i]];
-    ns_linalg_matvec(all, k->q + f->exo->mutes, k->now, f->X, x);
+        X[k->q + i] = f->z[f->exo->mute[i]];
+    ns_linalg_matvec(all, k->q + f->exo->mutes, k->now, X, x);
     return NS_OK;
 }
 
 /* The stepper's accepted point gets to be here. */
 static int deposit(ns_exact *f) {
-    const int status = read_point(f, f->to.x); /* and lambda */
+    const int status = ns_exact_output_at(f, f->t, f->point->at_event ? NS_LEFT : NS_RIGHT, f->X, f->to.x);
     if (status != NS_OK)
         return status;
     ns_theta_set_mode(f->s, f->at->mode);

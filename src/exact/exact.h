@@ -7,7 +7,7 @@
 #define NS_EXACT_H
 
 #include "engine/dense_point.h"
-#include "nonsmooth/march.h"
+#include "engine/kernel.h"
 
 typedef struct ns_exact ns_exact;
 
@@ -35,5 +35,8 @@ int ns_exact_failures(const ns_exact *f);
 /* 1 if every command is a function of time: no switch can chatter. */
 int ns_exact_timed(const ns_exact *f);
 long ns_exact_events(const ns_exact *f); /* passed so far */
+
+/* kernel.c: the engine's matrices as a kernel.  h: as above.  Errors: MEMORY, those of ns_theta_create(). */
+int ns_exact_kernel_create(const ns_system *s, double h, ns_kernel **out);
 
 #endif

@@ -203,6 +203,11 @@ double ns_exact_guard_rounding_at(const ns_exact *f, const ns_mode_kernel *k, in
  * them their rates; tol (rows).  Uses f->ahead. */
 void ns_exact_guard_values(ns_exact *f, const ns_mode_kernel *k, const double *X, double *value, double *tol);
 
+/* engine.c: to the point, in the stepper's mode, as it is.  Errors: SINGULAR, MEMORY, NUMBER.  x, lambda
+ * (n+m) at X, with the inputs of t on this side, which stay in f->z.  Errors: MEMORY. */
+int ns_exact_place(ns_exact *f);
+int ns_exact_output_at(ns_exact *f, double t, ns_side side, double *X, double *x);
+
 /* advance.c: one step, to t at the latest.  Errors: MEMORY; LIMIT: no budget. */
 int ns_exact_advance(ns_exact *f, double t, ns_exact_step *step);
 
