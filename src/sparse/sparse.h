@@ -3,6 +3,7 @@
 #define NS_SPARSE_H
 
 #include "engine/engine.h"
+#include "engine/kernel.h"
 
 typedef struct ns_sparse ns_sparse; /* begins with an ns_engine */
 
@@ -32,5 +33,8 @@ const ns_fault *ns_sparse_fault(const ns_sparse *m);
 
 /* table.c: as ns_sparse_create(), as an engine. */
 int ns_sparse_table_create(const ns_system *s, const ns_sparse_options *o, ns_engine **out, ns_fault *fault);
+
+/* kernel.c: the engine's steps as a kernel.  Errors: those of ns_sparse_create(). */
+int ns_sparse_kernel_create(const ns_system *s, const ns_sparse_options *o, ns_kernel **out);
 
 #endif
