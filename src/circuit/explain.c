@@ -140,9 +140,9 @@ static void put_cause(line_writer *w, const ns_circuit *c, const ns_fault *f) {
     written = put_unknowns(w, c, f, written, 1);
     put(w, "%s%s)", written ? ": " : "",
         f->status == NS_E_INFEASIBLE
-            ? "contradicts the sources, or an .ic; a loop without resistance, or a current with nowhere to "
-              "go?"
-            : "not determined; a node without a path to ground, or a loop without resistance?");
+            ? "conflict with sources or an .ic; look for a loop without resistance or a current without a "
+              "closed path"
+            : "not determined; look for a node without a path to ground or a loop without resistance");
 }
 
 static line_writer begin(char *line, size_t size) {

@@ -93,13 +93,13 @@ static void faults_have_names(void **state) {
     (void)state;
     assert_line(
         c, &f,
-        "d1, s1: at t = 0.00125 s: no solution exists (ideal diode d1, ideal switch s1: contradicts the "
-        "sources, or an .ic; a loop without resistance, or a current with nowhere to go?)");
+        "d1, s1: at t = 0.00125 s: no solution exists (ideal diode d1, ideal switch s1: conflict with "
+        "sources or an .ic; look for a loop without resistance or a current without a closed path)");
     f = (ns_fault){.status = NS_E_SINGULAR, .t = NAN, .nunknowns = 4, .unknown = {1, 2, 3, 4}};
     assert_line(c, &f,
                 "node out, node 3, l1, v1: the equations do not determine the answer (voltage of node out, "
-                "voltage of node 3, current of l1, current of v1: not determined; a node without a path to "
-                "ground, or a loop without resistance?)");
+                "voltage of node 3, current of l1, current of v1: not determined; look for a node without a "
+                "path to ground or a loop without resistance)");
     f = (ns_fault){.status = NS_E_LIMIT, .t = 2, .npairs = 1, .pair = {2}, .nunknowns = 1, .unknown = {0}};
     assert_line(c, &f, "s1, node 1: at t = 2 s: gave up: the iteration bound was met");
     f = (ns_fault){.status = NS_E_MEMORY, .t = NAN};
