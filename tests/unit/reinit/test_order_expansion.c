@@ -1,0 +1,219 @@
+/* tests/unit/reinit/test_order_expansion.c - the step of a mode by powers of h: against steps of small h, and
+ * what it does where equations leave something open or contradict each other.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <float.h>
+
+#include "dice.h"
+#include "net.h"
+#include "reinit/order_expansion.h"
+
+enum { NODES = 5, ELEMENTS = 9, MOST = 2 * NET_MOST };
+
+/* Resistors, capacitors, inductors and switches, open and closed: some jump. */
+static net random_net(dice *d) {
+    net k = net_begin();
+    net_voltage(&k, "v", 1, 0, 3);
+    for (int i = 0; i < ELEMENTS; i++) {
+        const int p = dice_below(d, NODES), n = (p + 1 + dice_below(d, NODES - 1)) % NODES;
+        char name[8] = {(char)('a' + i)};
+        const double size = dice_decades(d, -1, 1);
+        switch (i < 2 ? i : dice_below(d, 4)) {
+        case 0:
+            net_capacitor(&k, name, p, n, size, 5 * dice_either(d));
+            break;
+        case 1:
+            net_inductor(&k, name, p, n, size, dice_either(d));
+            break;
+        case 2:
+            net_contact(&k, name, p, n, dice_below(d, 2));
+            break;
+        default:
+            net_resistor(&k, name, p, n, size);
+        }
+    }
+    for (int p = 1; p < NODES; p++) {
+        const char name[3] = {'r', (char)('0' + p)};
+        net_resistor(&k, name, p, 0, 10);
+    }
+    net_prepare(&k);
+    return k;
+}
+
+/* (K0 + h K1) Z = R0 + h R1; 0 if that is singular. */
+static int solve_at(const ns_order_expansion *e, double h, double *Z) {
+    const int size = e->size;
+    double K[MOST * MOST], rcond;
+    ns_lu *lu;
+    for (int i = 0; i < size * size; i++)
+        K[i] = e->K0[i] + h * e->K1[i];
+    for (int i = 0; i < size; i++)
+        Z[i] = e->R0[i] + h * e->R1[i];
+    assert_int_equal(ns_linalg_lu_create(size, &lu), NS_OK);
+    const int status = ns_linalg_lu_factor(lu, size, K, &rcond, NULL);
+    if (status == NS_OK)
+        ns_linalg_lu_solve(lu, 1, Z);
+    ns_linalg_lu_free(lu);
+    return status == NS_OK && rcond > 1e-9;
+}
+
+/* How far Z1/h + Z0 + h Z2 is from the step, at most. */
+static double distance(const ns_order_expansion *e, double h, double *largest) {
+    double Z[MOST], worst = 0;
+    *largest = 1;
+    if (!solve_at(e, h, Z))
+        return -1;
+    for (int i = 0; i < e->size; i++) {
+        worst = fmax(worst, fabs(Z[i] - (e->Z1[i] / h + e->Z0[i] + h * e->Z2[i])));
+        *largest = fmax(*largest, fabs(Z[i]));
+    }
+    return worst;
+}
+
+/* What is left over goes with h^2: the ratio at h and h/2 is 4. */
+static void steps_tend_to_it(void **state) {
+    (void)state;
+    int compared = 0, jumped = 0;
+    for (int run = 0; run < 400; run++) {
+        dice d = dice_make(19, (unsigned)run);
+        net k = random_net(&d);
+        ns_order_expansion e;
+        assert_int_equal(ns_reinit_orders_create(k.step, k.step->past.w, &e), NS_OK);
+        memcpy(e.mode, ns_theta_mode(k.step), (size_t)k.s->m);
+        const int status = ns_reinit_orders_expand(&e, k.z, NULL);
+        if (status == NS_OK) {
+            const double rate = fmax(ns_reinit_orders_rate(&e), 1e-3);
+            memcpy(e.mode, ns_theta_mode(k.step), (size_t)k.s->m);
+            assert_int_equal(ns_reinit_orders_expand(&e, k.z, NULL), NS_OK);
+            double h = 1 / rate, largest, whole = distance(&e, h, &largest);
+            for (int i = 0; i < 30 && whole > 1e-5 * largest; i++) {
+                h /= 2;
+                whole = distance(&e, h, &largest);
+            }
+            const double half = distance(&e, h / 2, &largest);
+            if (whole > 1e-8 * largest && half > 0) {
+                assert_true(fabs(whole / half - 4) < 0.5);
+                compared++;
+                for (int i = 0; i < e.size; i++)
+                    if (e.Z1[i] != 0) {
+                        jumped++;
+                        break;
+                    }
+            }
+        } else {
+            assert_int_equal(status, NS_E_SINGULAR);
+        }
+        ns_reinit_orders_free(&e);
+        net_end(&k);
+    }
+    assert_true(compared >= 250 && jumped >= 100);
+}
+
+/* K0 Z1 = 0, K0 Z0 + K1 Z1 = R0, K0 Z2 + K1 Z0 = R1, to some eps of the terms, on the rows that have the next
+ * order. */
+static void levels_obey_their_equations(void **state) {
+    (void)state;
+    for (int run = 0; run < 200; run++) {
+        dice d = dice_make(23, (unsigned)run);
+        net k = random_net(&d);
+        ns_order_expansion e;
+        assert_int_equal(ns_reinit_orders_create(k.step, k.step->past.w, &e), NS_OK);
+        memcpy(e.mode, ns_theta_mode(k.step), (size_t)k.s->m);
+        if (ns_reinit_orders_expand(&e, k.z, NULL) == NS_OK)
+            for (int i = 0; i < e.size; i++) {
+                double none = 0, zero = -e.R0[i], none_terms = 1e-300, zero_terms = fabs(e.R0[i]) + 1e-300;
+                for (int j = 0; j < e.size; j++) {
+                    const double held = e.K0[i + j * e.size], moved = e.K1[i + j * e.size];
+                    none += held * e.Z1[j];
+                    none_terms += fabs(held) * (fabs(e.Z1[j]) + e.E1[j]);
+                    zero += held * e.Z0[j] + moved * e.Z1[j];
+                    zero_terms += fabs(held) * (fabs(e.Z0[j]) + e.E0[j] / DBL_EPSILON) +
+                                  fabs(moved) * (fabs(e.Z1[j]) + e.E1[j] / DBL_EPSILON);
+                }
+                assert_true(fabs(none) <= 64 * DBL_EPSILON * none_terms);
+                assert_true(fabs(zero) <= 64 * DBL_EPSILON * zero_terms);
+            }
+        ns_reinit_orders_free(&e);
+        net_end(&k);
+    }
+}
+
+static int expand(net *k, ns_order_expansion *e, const double *near) {
+    assert_int_equal(ns_reinit_orders_create(k->step, k->step->past.w, e), NS_OK);
+    memcpy(e->mode, ns_theta_mode(k->step), (size_t)k->s->m);
+    e->near = near;
+    return ns_reinit_orders_expand(e, k->z, NULL);
+}
+
+/* A capacitor of 2 F at 3 V, shorted by a switch: its charge, -6 C, and 0 V. */
+static void a_shorted_capacitor(void **state) {
+    (void)state;
+    net k = net_begin();
+    ns_order_expansion e;
+    net_capacitor(&k, "c", 1, 0, 2, 3);
+    const int contact = net_contact(&k, "s", 1, 0, 1);
+    net_prepare(&k);
+    assert_int_equal(expand(&k, &e, NULL), NS_OK);
+    assert_true(fabs(fabs(net_device_of(&k, e.at[NS_IMPULSE], e.at[NS_IMPULSE] + k.s->n, contact)) - 6) <
+                1e-14);
+    assert_true(net_voltage_of(&k, e.at[NS_VALUE], 1) == 0);
+    ns_reinit_orders_free(&e);
+    net_end(&k);
+}
+
+/* 1 A through two closed switches in parallel: halves, or what is nearest to what is given. */
+static void what_is_open_is_nearest(void **state) {
+    (void)state;
+    net k = net_begin();
+    ns_order_expansion e;
+    double near[MOST] = {0};
+    net_voltage(&k, "v", 1, 0, 1);
+    const int a = net_contact(&k, "a", 1, 2, 1), b = net_contact(&k, "b", 1, 2, 1);
+    net_resistor(&k, "r", 2, 0, 1);
+    net_prepare(&k);
+    for (int given = 0; given < 2; given++) {
+        near[k.s->n] = 0.9;
+        near[k.s->n + 1] = 0.1;
+        assert_int_equal(expand(&k, &e, given ? near : NULL), NS_OK);
+        const double *x = e.at[NS_VALUE], *lambda = x + k.s->n;
+        assert_true(fabs(fabs(lambda[0]) - (given ? 0.9 : 0.5)) < 1e-14);
+        assert_true(fabs(fabs(net_device_of(&k, x, lambda, a) + net_device_of(&k, x, lambda, b)) - 1) <
+                    1e-14);
+        ns_reinit_orders_free(&e);
+    }
+    net_end(&k);
+}
+
+/* 1 V and 2 V in parallel. */
+static void a_contradiction_is_singular(void **state) {
+    (void)state;
+    net k = net_begin();
+    ns_order_expansion e;
+    net_voltage(&k, "v", 1, 0, 1);
+    net_voltage(&k, "w", 2, 0, 2);
+    net_contact(&k, "s", 1, 2, 1);
+    net_prepare(&k);
+    assert_int_equal(expand(&k, &e, NULL), NS_E_SINGULAR);
+    ns_reinit_orders_free(&e);
+    net_end(&k);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(steps_tend_to_it),
+        cmocka_unit_test(levels_obey_their_equations),
+        cmocka_unit_test(a_shorted_capacitor),
+        cmocka_unit_test(what_is_open_is_nearest),
+        cmocka_unit_test(a_contradiction_is_singular),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,171 @@
+/* tests/unit/theta/test_guard_rounding.c - by how much guards and slopes of a map may be off: against the
+ * same equations solved in long double.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <float.h>
+
+#include "formula.h"
+#include "theta/theta_internal.h"
+
+enum { N = FORMULA_N, P = FORMULA_P, MOST = N + P };
+
+static ns_theta *stepper(const ns_system *s, double theta) {
+    const ns_theta_options o = {theta, theta, 0};
+    ns_theta *t;
+    const double w0[N] = {0};
+    assert_int_equal(ns_theta_create(s, &o, &t, NULL), NS_OK);
+    assert_int_equal(ns_theta_start(t, w0, NULL), NS_OK);
+    return t;
+}
+
+/* b = a^-1 b by elimination with the largest pivots. */
+static void solve_long(int n, long double a[MOST][MOST], long double *b) {
+    for (int k = 0; k < n; k++) {
+        int best = k;
+        for (int i = k; i < n; i++)
+            best = fabsl(a[i][k]) > fabsl(a[best][k]) ? i : best;
+        for (int j = 0; j < n; j++) {
+            const long double was = a[k][j];
+            a[k][j] = a[best][j];
+            a[best][j] = was;
+        }
+        const long double was = b[k];
+        b[k] = b[best];
+        b[best] = was;
+        for (int i = k + 1; i < n; i++) {
+            const long double by = a[i][k] / a[k][k];
+            for (int j = k; j < n; j++)
+                a[i][j] -= by * a[k][j];
+            b[i] -= by * b[k];
+        }
+    }
+    for (int k = n - 1; k >= 0; k--) {
+        for (int j = k + 1; j < n; j++)
+            b[k] -= a[k][j] * b[j];
+        b[k] /= a[k][k];
+    }
+}
+
+/* Column k of the map (one of eta): x, lambda_J in long double. */
+static int solve_column(ns_theta *t, double h, const ns_mode *mode, int k, long double *x) {
+    long double a[MOST][MOST];
+    const int nj = ns_theta_map_matrix(t, h, 1, mode), size = N + nj;
+    for (int i = 0; i < size; i++) {
+        x[i] = i == k;
+        for (int j = 0; j < size; j++)
+            a[i][j] = t->K[i + j * size];
+    }
+    solve_long(size, a, x);
+    return nj;
+}
+
+/* A circuit's numbers: unknowns and rows in units from 1e-6 to 1e6. */
+static void change_units(ns_system *s, dice *d) {
+    double row[N], unit[N];
+    for (int i = 0; i < N; i++) {
+        row[i] = pow(10, 6 * dice_either(d));
+        unit[i] = pow(10, 6 * dice_either(d));
+    }
+    double *M = (double *)(uintptr_t)s->M, *A = (double *)(uintptr_t)s->A, *B = (double *)(uintptr_t)s->B,
+           *C = (double *)(uintptr_t)s->C;
+    for (int j = 0; j < N; j++)
+        for (int i = 0; i < N; i++) {
+            M[i + j * N] *= row[i] * unit[j];
+            A[i + j * N] *= row[i] * unit[j];
+        }
+    for (int j = 0; j < P; j++)
+        for (int i = 0; i < N; i++) {
+            B[i + j * N] *= row[i];
+            C[j + i * P] *= unit[i];
+        }
+}
+
+/* Guards by eta, of pairs at their lower bound (y) and inside (lambda): what double arithmetic has lost is no
+ * more than the rounding says, and that is no excuse for everything: some units of eps of the terms. */
+static void what_is_lost_is_covered(void **state) {
+    (void)state;
+    for (int run = 0; run < 200; run++) {
+        dice d = dice_make(11, (unsigned)run);
+        ns_system *s = formula_system(&d);
+        change_units(s, &d);
+        ns_theta *t = stepper(s, 1);
+        ns_mode mode[P];
+        ns_map *map;
+        for (int j = 0; j < P; j++)
+            mode[j] = dice_below(&d, 2) ? NS_INSIDE : NS_LOWER;
+        assert_int_equal(ns_theta_map_build(t, 0.1, 1, mode, 0, &map), NS_OK);
+        for (int k = 0; k < t->r; k++) {
+            long double x[MOST];
+            const int nj = solve_column(t, 0.1, mode, k, x);
+            int g = 0;
+            for (int j = 0, in = 0; j < P; j++) {
+                long double guard = 0, terms = 0;
+                for (int i = 0; i < N + nj && mode[j] != NS_INSIDE; i++) {
+                    const double c = i < N ? s->C[j + i * P] : s->D[j + t->inside[i - N] * P];
+                    guard += c * x[i];
+                    terms += fabsl(c * x[i]);
+                }
+                if (mode[j] == NS_INSIDE) {
+                    guard = x[N + in++];
+                    terms = fabsl(guard);
+                }
+                for (int n = ns_theta_guards_of(t, mode, j); n > 0; n--, g++) {
+                    const double got = map->step[(map->guard + g) + k * map->p];
+                    const double rounding = map->rounding[g + k * map->guards];
+                    const double lost = (double)fminl(fabsl(got - guard), fabsl(got + guard));
+                    assert_true(lost <= 4 * DBL_EPSILON * rounding);
+                    assert_true(rounding >= (double)terms * (1 - 1e-9) && rounding <= 1e3 * (double)terms);
+                }
+            }
+        }
+        ns_theta_map_free(map);
+        ns_theta_free(t);
+        ns_system_free(s);
+    }
+}
+
+/* What d may be off by: that of each input times its size, and d is covered likewise. */
+static void slopes_sum_up_their_inputs(void **state) {
+    (void)state;
+    for (int run = 0; run < 20; run++) {
+        dice d = dice_make(13, (unsigned)run);
+        ns_system *s = formula_system(&d);
+        ns_theta *t = stepper(s, 0.5);
+        double w0[N], z[FORMULA_Z] = {0.5, -2}, rounding[N];
+        for (int i = 0; i < N; i++)
+            w0[i] = 3 * dice_either(&d);
+        assert_int_equal(ns_theta_start(t, w0, NULL), NS_OK);
+        assert_int_equal(ns_theta_try(t, 0.1, z, 1, NS_RESOLVE), NS_OK);
+        ns_theta_rate_rounding(t, t->trial.map, rounding);
+        for (int i = 0; i < t->r; i++) {
+            double sum = 0;
+            for (int k = 0; k < t->q; k++) {
+                const double input = k < t->r ? t->past.w[k] : k < t->q - 1 ? z[k - t->r] : 1;
+                const double by = t->trial.map->d_rounding[i + k * t->r];
+                const double entry = t->trial.map->step[(t->r + i) + k * t->trial.map->p];
+                assert_true(k >= t->r || by >= fabs(entry) * (1 - 1e-12));
+                sum += by * fabs(input);
+            }
+            assert_true(fabs(rounding[i] - sum) <= 1e-14 * sum);
+        }
+        ns_theta_free(t);
+        ns_system_free(s);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_lost_is_covered),
+        cmocka_unit_test(slopes_sum_up_their_inputs),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
