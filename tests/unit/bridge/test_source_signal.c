@@ -69,13 +69,17 @@ static void pulse_defaults(void **state) {
 
 static void pulses_are_counted_in_whole_numbers(void **state) {
     const ns_source part = SOURCE(SOURCE_PULSE, 1, 5, 3, 1, 1, 4, 9, 2.5);
+    const ns_source half = SOURCE(SOURCE_PULSE, 1, 5, 3, 1, 1, 4, 9, 0.5);
     const ns_source many = SOURCE(SOURCE_PULSE, 1, 5, 3, 1, 1, 4, 9, 2e9);
     const ns_source most = SOURCE(SOURCE_PULSE, 1, 5, 3, 1, 1, 4, 9, 1e9);
+    const ns_source one = SOURCE(SOURCE_PULSE, 1, 5, 3, 1, 1, 4, 9, 1);
     const ns_source negative = SOURCE(SOURCE_PULSE, 1, 5, 3, 1, 1, 4, 9, -2);
     (void)state;
     assert_refused(&part, "the number of pulses must be a whole number of at most 1e9");
+    assert_refused(&half, "the number of pulses must be a whole number of at most 1e9");
     assert_refused(&many, "the number of pulses must be a whole number of at most 1e9");
     assert_int_equal(signal_of(&most).u.pulse.cycles, 1000000000);
+    assert_int_equal(signal_of(&one).u.pulse.cycles, 1);
     assert_int_equal(signal_of(&negative).u.pulse.cycles, 0);
 }
 

@@ -78,6 +78,10 @@ static void a_break_just_behind_the_grid_replaces_it(void **state) {
     set_up(&r)->breaks[0] = 3.0011;
     assert_near(next_of(&r, 2.0), 3.0);
     tear_down(&r);
+    set_up(&r)->points.step = 2.0; /* then closer than 2 ms */
+    r.breaks[0] = 4.0015;
+    assert_near(next_of(&r, 2.0), 4.0015);
+    tear_down(&r);
 }
 
 static void breaks_that_are_reached_go(void **state) {
@@ -133,6 +137,17 @@ static void before_tstart_long_steps_that_meet_it(void **state) {
     tear_down(&r);
 }
 
+static void the_last_two_steps_before_tstart_are_equal(void **state) {
+    rig r;
+    (void)state;
+    set_up(&r)->points.start = 50.0; /* steps of 2 s */
+    assert_near(next_of(&r, 46.9), 48.9);
+    assert_near(next_of(&r, 47.1), 48.55);
+    assert_near(next_of(&r, 47.9), 48.95);
+    assert_near(next_of(&r, 48.1), 50.0);
+    tear_down(&r);
+}
+
 static void the_start_of_uic_is_shown_just_after_0(void **state) {
     rig r;
     (void)state;
@@ -174,6 +189,7 @@ int main(void) {
         cmocka_unit_test(breaks_that_are_reached_go),
         cmocka_unit_test(without_corners_the_grid_alone),
         cmocka_unit_test(before_tstart_long_steps_that_meet_it),
+        cmocka_unit_test(the_last_two_steps_before_tstart_are_equal),
         cmocka_unit_test(the_start_of_uic_is_shown_just_after_0),
         cmocka_unit_test(always_ahead_of_what_was_accepted),
         cmocka_unit_test(closeness_and_equality),
