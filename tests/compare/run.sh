@@ -80,7 +80,6 @@ differences() {
         $1 == "t[0]" {point++; t = $2}
         {
             size = $2 < 0 ? -$2 : $2; kind = $1; sub(/\[.*/, "", kind)
-            if (size > top[$1]) top[$1] = size
             if (size > all[kind]) all[kind] = size
         }
         file == 1 {name[FNR] = $1; value[FNR] = $2; next}
@@ -95,10 +94,9 @@ differences() {
             if (other) exit
             for (n in most) {
                 kind = n; sub(/\[.*/, "", kind)
-                size = top[n] > 1e-9 * all[kind] ? top[n] : 1e-9 * all[kind]
-                if (most[n] > worst * size) worst = most[n] / size
+                if (all[kind] > 0 && most[n] / all[kind] > worst) worst = most[n] / all[kind]
             }
-            if (first != "") printf "%s; at most %.1e%s", first, worst, counts == "" ? "" : "; "
+            if (first != "") printf "%s; at most %.1e of the largest%s", first, worst, counts == "" ? "" : "; "
             if (counts != "") printf "counters:%s", counts
             print ""
         }' "$1" "$2"
