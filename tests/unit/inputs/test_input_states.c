@@ -3,7 +3,7 @@
 #include "dice_signals.h"
 #include "inputs/input_stages.h"
 #include "inputs/input_states.h"
-#include "linalg/sparse.h"
+#include "large_copy.h"
 #include "schedules.h"
 #include "wrap_alloc.h"
 
@@ -224,26 +224,6 @@ static void expansions_are_the_signals(void **state) {
 }
 
 /* --- commands of a large system --- */
-
-static ns_system *large_copy(const ns_system *s) {
-    ns_system *to;
-    double *gz = calloc((size_t)s->nz * (size_t)s->nc + 1, sizeof *gz);
-    assert_non_null(gz);
-    assert_int_equal(ns_system_create_large(s->n, s->m, s->nz, s->nc, &to), NS_OK);
-    for (int c = 0; c < s->nc; c++) {
-        to->command[c] = s->command[c];
-        to->command[c].gz = NULL;
-        memcpy(gz + c * s->nz, s->command[c].gz, sizeof *gz * (size_t)s->nz);
-    }
-    for (int i = 0; i < s->nz; i++)
-        input(to, i, s->z[i]);
-    assert_int_equal(ns_linalg_csc_of_dense(s->nz, s->nc, gz, &to->large->gz), NS_OK);
-    assert_int_equal(ns_linalg_csc_of_dense(s->n, s->nc, NULL, &to->large->gx), NS_OK);
-    assert_int_equal(ns_linalg_csc_of_dense(s->n, s->nz, s->E, &to->large->E), NS_OK);
-    assert_int_equal(ns_linalg_csc_of_dense(s->m, s->nz, s->F, &to->large->F), NS_OK);
-    free(gz);
-    return to;
-}
 
 /* Steps of 0.3 s that flip what changes in them, against the schedule of the same system with arrays. */
 static void commands_of_large_systems(void **state) {
