@@ -86,7 +86,7 @@ int ns_exact_create(ns_theta *step, ns_dense_point *point, double h, ns_exact **
     forget_past(f);
     ns_exact_watch_pieces(NS_POLE, f->pieces);
     f->acting = calloc((size_t)f->system->nz + 1, 1);
-    int status = f->acting ? ns_system_acting(f->system, f->acting) : NS_E_MEMORY;
+    int status = f->acting ? ns_system_active_inputs(f->system, f->acting) : NS_E_MEMORY;
     if (status == NS_OK)
         status = ns_inputs_events_create(f->system, f->acting, &f->schedule);
     if (status == NS_OK)

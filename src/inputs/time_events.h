@@ -30,9 +30,9 @@ typedef struct ns_time_event {
     const int *flip;  /* in no order */
 } ns_time_event;
 
-/* s must outlive it and not change.  acting (nz): the inputs that enter; NULL: none does.
+/* s must outlive it and not change.  active (nz): the inputs that enter; NULL: none does.
  * Errors: NULL, MEMORY. */
-int ns_inputs_events_create(const ns_system *s, const unsigned char *acting, ns_time_events **out);
+int ns_inputs_events_create(const ns_system *s, const unsigned char *active, ns_time_events **out);
 void ns_inputs_events_free(ns_time_events *s); /* NULL is allowed */
 
 /* To one side of t.  closed (nc, or NULL): the states of the commands there; one that contradicts its control

@@ -24,14 +24,14 @@ static void add_curve(ns_time_events *s, int input) {
     }
 }
 
-static void add_inputs(ns_time_events *s, const unsigned char *acting) {
+static void add_inputs(ns_time_events *s, const unsigned char *active) {
     for (int i = 0; i < s->s->nz; i++)
-        if (ns_signal_is_linear(&s->s->z[i]) && acting && acting[i]) {
+        if (ns_signal_is_linear(&s->s->z[i]) && active && active[i]) {
             s->cursor[s->lines++].line = &s->line[i];
             s->input[s->entering++] = i;
         }
     for (int i = 0; i < s->s->nz; i++)
-        if (!ns_signal_is_linear(&s->s->z[i]) && acting && acting[i])
+        if (!ns_signal_is_linear(&s->s->z[i]) && active && active[i])
             add_curve(s, i);
 }
 
@@ -78,7 +78,7 @@ static int allocate_arrays(ns_time_events *s) {
                : NS_E_MEMORY;
 }
 
-int ns_inputs_events_create(const ns_system *system, const unsigned char *acting, ns_time_events **out) {
+int ns_inputs_events_create(const ns_system *system, const unsigned char *active, ns_time_events **out) {
     if (!out)
         return NS_E_NULL;
     *out = NULL;
@@ -97,7 +97,7 @@ int ns_inputs_events_create(const ns_system *system, const unsigned char *acting
         ns_inputs_events_free(s);
         return status;
     }
-    add_inputs(s, acting);
+    add_inputs(s, active);
     s->count = s->lines + s->terms + s->commands;
     ns_inputs_events_seek(s, 0, NS_RIGHT, NULL);
     *out = s;

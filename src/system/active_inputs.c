@@ -14,11 +14,11 @@ typedef struct islands {
     int *of; /* 2 (n+m) */
 } islands;
 
-static int island(const islands *a, int i) {
+static int top_of(const islands *a, int i) {
     return ns_system_union_top(a->of, i);
 }
 
-static void join(const islands *a, int row, int unknown) {
+static void join_unknown(const islands *a, int row, int unknown) {
     ns_system_union_join(a->of, row, a->n + a->m + unknown);
 }
 
@@ -27,18 +27,18 @@ static void join_entries(const islands *a, const double *e, int rows, int column
     for (int j = 0; j < columns; j++)
         for (int i = 0; i < rows; i++)
             if (e[i + j * rows] != 0)
-                join(a, first_row + i, first_column + j);
+                join_unknown(a, first_row + i, first_column + j);
 }
 
-static void mark(const islands *a, int node, unsigned char *alive) {
-    alive[island(a, node)] = 1;
+static void mark_alive(const islands *a, int node, unsigned char *alive) {
+    alive[top_of(a, node)] = 1;
 }
 
 static void mark_states(const islands *a, const ns_system *s, unsigned char *alive) {
     for (int j = 0; j < s->n; j++)
         for (int i = 0; i < s->n; i++)
             if (s->M[i + j * s->n] != 0)
-                mark(a, i, alive);
+                mark_alive(a, i, alive);
 }
 
 /* Pairs but those of commands by time; and what commands by the state look at. */
@@ -47,19 +47,19 @@ static void mark_laws(const islands *a, const ns_system *s, unsigned char *alive
         commanded[s->command[c].pair] = 1;
         for (int j = 0; s->command[c].gx && j < s->n; j++)
             if (s->command[c].gx[j] != 0)
-                mark(a, s->n + s->m + j, alive);
+                mark_alive(a, s->n + s->m + j, alive);
     }
     for (int j = 0; j < s->m; j++)
         if (!commanded[j])
-            mark(a, s->n + j, alive);
+            mark_alive(a, s->n + j, alive);
 }
 
-static int acts(const islands *a, const ns_system *s, const unsigned char *alive, int k) {
+static int is_active(const islands *a, const ns_system *s, const unsigned char *alive, int k) {
     for (int i = 0; i < s->n; i++)
-        if (s->E[i + k * s->n] != 0 && alive[island(a, i)])
+        if (s->E[i + k * s->n] != 0 && alive[top_of(a, i)])
             return 1;
     for (int j = 0; j < s->m; j++)
-        if (s->F[j + k * s->m] != 0 && alive[island(a, s->n + j)])
+        if (s->F[j + k * s->m] != 0 && alive[top_of(a, s->n + j)])
             return 1;
     for (int c = 0; c < s->nc; c++)
         if (s->command[c].gx && s->command[c].gz && s->command[c].gz[k] != 0)
@@ -67,7 +67,7 @@ static int acts(const islands *a, const ns_system *s, const unsigned char *alive
     return 0;
 }
 
-int ns_system_acting(const ns_system *s, unsigned char *acting) {
+int ns_system_active_inputs(const ns_system *s, unsigned char *active) {
     const int n = s->n, m = s->m;
     islands a = {n, m, malloc(sizeof(int) * 2 * ((size_t)n + (size_t)m + 1))};
     unsigned char *alive = calloc(2 * (size_t)n + 3 * (size_t)m + 1, 1);
@@ -85,7 +85,7 @@ int ns_system_acting(const ns_system *s, unsigned char *acting) {
     mark_states(&a, s, alive);
     mark_laws(&a, s, alive, alive + 2 * (n + m));
     for (int k = 0; k < s->nz; k++)
-        acting[k] = (unsigned char)acts(&a, s, alive, k);
+        active[k] = (unsigned char)is_active(&a, s, alive, k);
     free(a.of);
     free(alive);
     return NS_OK;

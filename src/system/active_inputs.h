@@ -4,8 +4,8 @@
 
 #include "nonsmooth/system.h"
 
-/* acting (nz): 1 for inputs that a state, a pair with a law of its own or a command by the state may depend
+/* active (nz): 1 for inputs that a state, a pair with a law of its own or a command by the state may depend
  * on; 0 for those that unknowns only follow, like the gate voltage of a switch.  Errors: MEMORY. */
-int ns_system_acting(const ns_system *s, unsigned char *acting);
+int ns_system_active_inputs(const ns_system *s, unsigned char *active);
 
 #endif

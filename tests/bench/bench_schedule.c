@@ -89,7 +89,7 @@ int main(void) {
     for (int i = 0; i < KINDS; i++) {
         system[i] = system_of(i);
         unsigned char *acting = room((size_t)system[i]->nz);
-        must(ns_system_acting(system[i], acting));
+        must(ns_system_active_inputs(system[i], acting));
         must(ns_inputs_events_create(system[i], acting, &s[i]));
         free(acting);
     }

@@ -53,12 +53,12 @@ static inline void thresholds(ns_system *s, int c, double on, double off) {
 }
 
 static inline ns_time_events *schedule(const ns_system *s) {
-    unsigned char *acting = calloc((size_t)s->nz + 1, 1);
+    unsigned char *active = calloc((size_t)s->nz + 1, 1);
     ns_time_events *made;
-    assert_non_null(acting);
-    assert_int_equal(ns_system_acting(s, acting), NS_OK);
-    assert_int_equal(ns_inputs_events_create(s, acting, &made), NS_OK);
-    free(acting);
+    assert_non_null(active);
+    assert_int_equal(ns_system_active_inputs(s, active), NS_OK);
+    assert_int_equal(ns_inputs_events_create(s, active, &made), NS_OK);
+    free(active);
     return made;
 }
 

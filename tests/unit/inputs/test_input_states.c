@@ -155,9 +155,9 @@ static void states_are_shared(void **state) {
     system->command[0].gz[5] = 1;
     for (int i = 0; i < 5; i++)
         system->E[i] = 1;
-    const unsigned char acting[] = {1, 1, 1, 1, 0, 0};
+    const unsigned char active[] = {1, 1, 1, 1, 0, 0};
     ns_time_events *s;
-    assert_int_equal(ns_inputs_events_create(system, acting, &s), NS_OK);
+    assert_int_equal(ns_inputs_events_create(system, active, &s), NS_OK);
     assert_int_equal(ns_inputs_states_create(system, s, &e), NS_OK);
     assert_int_equal(e->nv, 1 + 1 + 2);
     assert_int_equal(e->mutes, 1);

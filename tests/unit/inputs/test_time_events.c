@@ -216,11 +216,11 @@ static void no_memory(void **state) {
     thresholds(system, 0, 0.5, 0.5);
     thresholds(system, 1, 0.5, 0.5);
     system->command[0].gz[0] = system->command[1].gz[1] = system->E[2] = 1;
-    const unsigned char acting[] = {0, 0, 1};
+    const unsigned char active[] = {0, 0, 1};
     for (long k = 1;; ++k) {
         ns_time_events *s;
         fail_alloc_at(k);
-        const int status = ns_inputs_events_create(system, acting, &s);
+        const int status = ns_inputs_events_create(system, active, &s);
         const long made = allocs_made();
         fail_alloc_off();
         if (made < k) {

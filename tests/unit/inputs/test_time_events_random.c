@@ -49,10 +49,10 @@ static ns_system *a_system(dice *d, int curves) {
 }
 
 static ns_time_events *schedule_of(const ns_system *system) {
-    unsigned char acting[INPUTS];
+    unsigned char active[INPUTS];
     ns_time_events *s;
-    assert_int_equal(ns_system_acting(system, acting), NS_OK);
-    assert_int_equal(ns_inputs_events_create(system, acting, &s), NS_OK);
+    assert_int_equal(ns_system_active_inputs(system, active), NS_OK);
+    assert_int_equal(ns_inputs_events_create(system, active, &s), NS_OK);
     return s;
 }
 
