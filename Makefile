@@ -156,6 +156,7 @@ $(CM)/dstring.o: $(NG)/stamp $(B)/flags
 
 TEST_SRC := $(wildcard tests/unit/*/test_*.c tests/property/*.c tests/reference/*.c tests/fault/*.c)
 TEST_HELP := $(wildcard tests/rig/*.c)
+BENCH_OWN := $(filter-out tests/bench/bench_%,$(wildcard tests/bench/*.c))
 TEST_BIN := $(TEST_SRC:%.c=$(B)/%)
 WRAP := -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
 
@@ -165,6 +166,10 @@ units: $(TEST_BIN)
 $(B)/obj/tests/%.o: private ALL_CFLAGS += -Itests/rig -Icodemodels/bridge/pure
 
 $(filter $(B)/tests/unit/bridge/%,$(TEST_BIN)): $(BRIDGE_PURE:%.c=$(B)/obj/%.o)
+
+# The circuits of the benchmark and of `make compare`.
+$(B)/obj/tests/reference/test_effort.o $(B)/obj/tests/compare/%.o: private ALL_CFLAGS += -Itests/bench -Itests/compare
+$(B)/tests/reference/test_effort: $(B)/obj/tests/compare/circuits.o $(BENCH_OWN:%.c=$(B)/obj/%.o)
 
 TEST_LIB ?= $(B)/libnonsmooth.a
 $(TEST_BIN): $(B)/%: $(B)/obj/%.o $(TEST_HELP:%.c=$(B)/obj/%.o) $(TEST_LIB)
@@ -213,7 +218,6 @@ coverage: deps ## lines of src/ that the tests run, file by file
 # --- benchmarks: one program a file tests/bench/bench_*.c, with the files beside them ---------------------
 
 BENCH_BIN := $(patsubst %.c,$(B)/%,$(wildcard tests/bench/bench_*.c))
-BENCH_OWN := $(filter-out tests/bench/bench_%,$(wildcard tests/bench/*.c))
 BENCH_HELP := $(filter-out %/wrap_alloc.c %/trials.c %/net.c %/passive.c,$(TEST_HELP))# without cmocka
 
 .PHONY: bench bench-programs

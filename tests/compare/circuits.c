@@ -1,22 +1,17 @@
-/* tests/compare/circuits.c - the circuits of `make compare`, for whatever library this is linked with.
- *
- *     circuits list           the runs: circuit and engine, one a line
- *     circuits CIRCUIT ENGINE [FILE]
- *
- * A run goes through the circuit and writes to FILE, at POINTS instants, time, x, lambda and y to the last
- * bit, and the mode; then the counters.  It uses no more of the library than
- * include/. */
+/* tests/compare/circuits.c - the circuits and engines, and a run of one of them. */
 #include "timing.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "cases.h"
+#include "circuits.h"
 
 enum { POINTS = 25, BUCKS = 4 };
 
 typedef struct result {
+    ns_circuit *circuit;
     ns_system *own;
+    const ns_system *s; /* own, or the case's */
     ns_march *march;
     double *w0, *x, *lambda, *y;
 } result;
@@ -98,7 +93,11 @@ static const struct {
             {"chopper", "exact", case_chopper, 20e-3},
             {"bouncing", "auto", case_bouncing, 1.9999e-3}};
 
-enum { RUNS = sizeof runs / sizeof *runs };
+const char *circuits_name(int at, const char **engine) {
+    const int there = at >= 0 && (size_t)at < sizeof runs / sizeof *runs;
+    *engine = there ? runs[at].engine : NULL;
+    return there ? runs[at].name : NULL;
+}
 
 static ns_march_options options_of(const char *engine, double unit) {
     ns_march_options o = {.theta = 1, .gamma = 1, .h = unit / 64, .method = NS_AUTO, .reltol = 1e-6};
@@ -118,16 +117,24 @@ static void write_numbers(FILE *file, const char *what, int count, const double 
         fprintf(file, "%s[%d] %.17g\n", what, i, a[i]);
 }
 
-static void write_point(FILE *file, const result *r, const ns_system *s) {
+static void write_point(FILE *file, const result *r, double t) {
     const ns_mode *mode = ns_march_mode(r->march);
+    write_numbers(file, "t", 1, &t);
+    write_numbers(file, "x", r->s->n, r->x);
+    write_numbers(file, "lambda", r->s->m, r->lambda);
+    write_numbers(file, "y", r->s->m, r->y);
+    for (int i = 0; i < r->s->m; i++)
+        fprintf(file, "mode[%d] %d\n", i, (int)mode[i]);
+}
+
+/* The sum of sizes of x gets bigger by those here. */
+static void read_point(FILE *file, const result *r, double *sum) {
     double t;
     must(ns_march_read(r->march, &t, r->x, r->lambda, r->y));
-    write_numbers(file, "t", 1, &t);
-    write_numbers(file, "x", s->n, r->x);
-    write_numbers(file, "lambda", s->m, r->lambda);
-    write_numbers(file, "y", s->m, r->y);
-    for (int i = 0; i < s->m; i++)
-        fprintf(file, "mode[%d] %d\n", i, (int)mode[i]);
+    for (int i = 0; i < r->s->n; i++)
+        *sum += fabs(r->x[i]);
+    if (file)
+        write_point(file, r, t);
 }
 
 static void advance(ns_march *m, double t) {
@@ -154,56 +161,48 @@ static void write_counts(FILE *file, const ns_counts *c) {
         fprintf(file, "count:%s %ld\n", counts[i].name, counts[i].count);
 }
 
-static void run(const bench_case *c, const char *engine, double end, FILE *file) {
+static void make(const bench_case *c, const char *engine, result *r) {
     const ns_march_options o = options_of(engine, c->unit);
-    ns_circuit *circuit = NULL;
-    result r = {0};
     if (c->net) {
-        must(deck_circuit(c->net, &circuit));
-        must(ns_circuit_system(circuit, &r.own));
+        must(deck_circuit(c->net, &r->circuit));
+        must(ns_circuit_system(r->circuit, &r->own));
     }
-    const ns_system *s = c->net ? r.own : c->system;
-    r.w0 = room(sizeof(double) * (size_t)(s->n + 1));
-    r.x = room(sizeof(double) * (size_t)(s->n + 1));
-    r.lambda = room(sizeof(double) * (size_t)(s->m + 1));
-    r.y = room(sizeof(double) * (size_t)(s->m + 1));
+    r->s = c->net ? r->own : c->system;
+    r->w0 = room(sizeof(double) * (size_t)(r->s->n + 1));
+    r->x = room(sizeof(double) * (size_t)(r->s->n + 1));
+    r->lambda = room(sizeof(double) * (size_t)(r->s->m + 1));
+    r->y = room(sizeof(double) * (size_t)(r->s->m + 1));
     if (c->net)
-        must(ns_circuit_rest(circuit, r.w0));
-    must(ns_march_create(s, &o, &r.march, NULL));
-    must(ns_march_start(r.march, 0, r.w0));
-    write_point(file, &r, s);
-    for (int k = 1; k <= POINTS; k++) {
-        advance(r.march, end * k / POINTS);
-        write_point(file, &r, s);
-    }
-    write_counts(file, ns_march_counts(r.march));
-    ns_march_free(r.march);
-    ns_system_free(r.own);
-    ns_circuit_free(circuit);
-    free(r.w0);
-    free(r.x);
-    free(r.lambda);
-    free(r.y);
+        must(ns_circuit_rest(r->circuit, r->w0));
+    must(ns_march_create(r->s, &o, &r->march, NULL));
+    must(ns_march_start(r->march, 0, r->w0));
 }
 
-int main(int argc, char **argv) {
-    if (argc == 2 && strcmp(argv[1], "list") == 0) {
-        for (int i = 0; i < RUNS; i++)
-            printf("%s %s\n", runs[i].name, runs[i].engine);
-        return 0;
+static void drop(result *r) {
+    ns_march_free(r->march);
+    ns_system_free(r->own);
+    ns_circuit_free(r->circuit);
+    free(r->w0);
+    free(r->x);
+    free(r->lambda);
+    free(r->y);
+}
+
+double circuits_run(int at, FILE *file, ns_counts *counts) {
+    bench_case c = {.accumulates = NAN};
+    result r = {0};
+    double sum = 0;
+    runs[at].make(&c);
+    make(&c, runs[at].engine, &r);
+    read_point(file, &r, &sum);
+    for (int k = 1; k <= POINTS; k++) {
+        advance(r.march, runs[at].end * k / POINTS);
+        read_point(file, &r, &sum);
     }
-    for (int i = 0; i < RUNS && argc >= 3; i++) {
-        if (strcmp(argv[1], runs[i].name) != 0 || strcmp(argv[2], runs[i].engine) != 0)
-            continue;
-        FILE *file = argc > 3 ? fopen(argv[3], "w") : stdout;
-        bench_case c = {.accumulates = NAN};
-        if (!file)
-            must(NS_E_MEMORY);
-        runs[i].make(&c);
-        run(&c, argv[2], runs[i].end, file);
-        case_free(&c);
-        return fclose(file) != 0;
-    }
-    fprintf(stderr, "circuits list | CIRCUIT ENGINE [FILE]\n");
-    return 2;
+    *counts = *ns_march_counts(r.march);
+    if (file)
+        write_counts(file, counts);
+    drop(&r);
+    case_free(&c);
+    return sum;
 }

@@ -27,7 +27,7 @@ make -s -C "$tree" "-j$(nproc)" CC="${CC:-gcc}" CFLAGS="${CFLAGS:--O2 -g}" build
     exit 1
 }
 
-# What circuits.c names and older headers name otherwise: new=old.
+# What these name and older headers name otherwise: new=old.
 renamed='NS_EXACT=NS_FLIGHT jumps_by_steps=refused input_states=waves periods=laps predicted=settled'
 
 # program TREE NAME: the circuits by the library of TREE.
@@ -38,7 +38,7 @@ program() {
     done
     # shellcheck disable=SC2086 # options
     ${CC:-gcc} -std=c11 ${CFLAGS:--O2 -g} -ffunction-sections $names "-I$1/include" -Itests/rig -Itests/bench \
-        tests/compare/circuits.c tests/bench/cases*.c tests/bench/deck.c tests/bench/oracle.c tests/rig/lit*.c \
+        tests/compare/*.c tests/bench/cases*.c tests/bench/deck.c tests/bench/oracle.c tests/rig/lit*.c \
         -Wl,--gc-sections "$1/build/libnonsmooth.a" -o "$out/$2" ${LIBS:--llapacke -llapack -lblas -lklu -lm}
 }
 program "$tree" before &

@@ -1,0 +1,72 @@
+/* tests/reference/test_effort.c - the circuits of `make compare` give the results that they gave, with the
+ * effort that they took: steps, trials, events, (P1) solved, pivots, factorisations, step matrices; jumps,
+ * parts; modes, searches, states of inputs, whole periods, predicted events.
+ *
+ * Another BLAS rounds otherwise: counts may be off by 2 % and one, sums of sizes of x by 1e-9.  What is to
+ * change them brings a new table:  build/compare/after table. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "circuits.h"
+
+enum { COUNTS = 14 };
+
+static const struct {
+    const char *name, *engine;
+    double sum;
+    long counts[COUNTS];
+} known[] = {
+    {"lc_bridge", "exact", 33.5889779391, {623, 0, 127, 1, 1, 7, 15, 0, 0, 2, 128, 1, 0, 127}},
+    {"buck_ccm", "exact", 976.650783183, {2061, 0, 4000, 2, 0, 15, 36, 0, 0, 3, 1, 1, 1972, 3999}},
+    {"buck_ccm", "sparse", 978.123781602, {2001, 0, 2000, 3, 2, 13, 11, 0, 0, 0, 0, 0, 0, 0}},
+    {"buck_ccm", "theta", 982.685671173, {15602, 15602, 400, 399, 200, 1859, 65, 0, 0, 0, 0, 0, 0, 0}},
+    {"buck_dcm", "auto", 1544.23018011, {19821, 0, 14986, 2, 0, 15, 93, 0, 0, 3, 4987, 1, 4970, 14985}},
+    {"buck_sync", "exact", 976.650783183, {2056, 0, 4000, 1, 0, 6, 15, 0, 0, 2, 0, 1, 1972, 4000}},
+    {"six_pulse", "exact", 53600.6592004, {13198, 0, 2400, 1, 3, 28, 99, 0, 0, 12, 4801, 3, 0, 2400}},
+    {"six_pulse", "sparse", 55966.8265732, {360, 0, 240, 126, 4, 46, 45, 6, 0, 0, 0, 0, 0, 0}},
+    {"multiplier5", "exact", 103062.080902, {5083, 0, 1278, 13, 59, 52, 315, 0, 0, 44, 1882, 3, 0, 1266}},
+    {"multiplier20", "sparse", 444446.341593, {1499, 0, 1332, 138, 782, 179, 179, 91, 0, 0, 0, 0, 0, 0}},
+    {"literature", "auto", 78.0104040962, {65668, 0, 3113, 1, 6, 60, 237, 0, 0, 24, 3233, 5, 0, 3113}},
+    {"multilevel4", "auto", 121391.717286, {644, 0, 643, 32, 67, 59, 57, 0, 0, 0, 0, 0, 0, 0}},
+    {"multilevel10", "sparse", 283560.279354, {806, 0, 805, 25, 115, 65, 63, 8, 0, 0, 0, 0, 0, 0}},
+    {"ladder16", "theta", 2134.42970223, {255, 255, 32, 0, 0, 127, 127, 0, 0, 0, 0, 0, 0, 0}},
+    {"ladder320", "auto", 943.305160444, {328, 52, 192, 18, 0, 16, 16, 0, 0, 0, 0, 0, 0, 0}},
+    {"islands", "auto", 2903.17830854, {10654, 0, 8565, 8, 0, 56, 121, 0, 4, 12, 1774, 4, 3283, 8561}},
+    {"chopper", "exact", 1147.5, {140, 0, 1, 3, 0, 14, 30, 0, 0, 4, 1, 3, 0, 2}},
+    {"bouncing", "auto", 48.5774386648, {44, 0, 18, 1, 4, 36, 28, 0, 0, 12, 27, 1, 0, 18}},
+};
+
+static void results_and_effort_are_as_they_were(void **state) {
+    const char *engine, *name;
+    int at = 0;
+    (void)state;
+    for (; (name = circuits_name(at, &engine)); at++) {
+        ns_counts c;
+        const double sum = circuits_run(at, NULL, &c);
+        const long counts[COUNTS] = {c.steps,    c.trials,       c.events,  c.problems, c.pivots,
+                                     c.factors,  c.maps,         c.jumps,   c.islands,  c.modes,
+                                     c.searches, c.input_states, c.periods, c.predicted};
+        assert_true((size_t)at < sizeof known / sizeof *known);
+        assert_string_equal(name, known[at].name);
+        assert_string_equal(engine, known[at].engine);
+        if (!(fabs(sum - known[at].sum) <= 1e-9 * known[at].sum))
+            fail_msg("%s by %s: %.12g, not %.12g", name, engine, sum, known[at].sum);
+        for (int i = 0; i < COUNTS; i++)
+            if (labs(counts[i] - known[at].counts[i]) > 1 + known[at].counts[i] / 50)
+                fail_msg("%s by %s: count %d is %ld, not %ld", name, engine, i, counts[i],
+                         known[at].counts[i]);
+    }
+    assert_int_equal(at, sizeof known / sizeof *known);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(results_and_effort_are_as_they_were)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
