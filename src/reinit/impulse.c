@@ -160,7 +160,7 @@ static int find_mode(ns_order_expansion *k, const double *z, const double *slope
     return status;
 }
 
-static void copy(double *to, const double *from, int count) {
+static void copy_out(double *to, const double *from, int count) {
     if (to)
         memcpy(to, from, sizeof(double) * (size_t)count);
 }
@@ -170,8 +170,8 @@ static void copy_level(const ns_order_expansion *k, int level, const double *z, 
                        double *y) {
     const int n = k->s->s->n, m = k->s->s->m;
     double tol;
-    copy(x, k->at[level], n);
-    copy(lambda, k->at[level] + n, m);
+    copy_out(x, k->at[level], n);
+    copy_out(lambda, k->at[level] + n, m);
     for (int j = 0; y && j < m; j++)
         y[j] = y_of(k, j, level, z, &tol);
 }

@@ -1,8 +1,8 @@
 /* src/reinit/jump.c - where the state jumps: the impulse problem (J1)-(J4), in no time.
  *
- * The short steps that resolve an event or a start tend to it, but time goes by in them, and resistors carry
- * charge meanwhile.  They show whether the state jumps: then it does so again, from the left side, at that
- * instant.
+ * The short steps that resolve an event or a start converge to it, but they take time, in which resistors
+ * carry charge.  They show whether the state jumps: then the impulse problem is solved instead, from the left
+ * side, at that instant.
  */
 #include "jump.h"
 #include "impulse.h"

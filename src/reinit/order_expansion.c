@@ -58,7 +58,7 @@ void ns_reinit_orders_free(ns_order_expansion *k) {
 }
 
 /* One row of (P2) without its matrix: what is given of order 1, with the sizes of its terms. */
-static double given(const ns_order_expansion *k, int i, const double *z, double *terms) {
+static double given_in_row(const ns_order_expansion *k, int i, const double *z, double *terms) {
     const ns_theta *s = k->s;
     const int n = s->s->n, m = s->s->m, pair = i < n ? 0 : k->inside[i - n];
     double sum = i < n ? s->b[i] : -s->s->e[pair];
@@ -81,12 +81,12 @@ static double given(const ns_order_expansion *k, int i, const double *z, double 
 }
 
 /* What is given of order h: charge flows, sources move. */
-static double given_next(const ns_order_expansion *k, int i, const double *z, const double *slope) {
+static double given_next_in_row(const ns_order_expansion *k, int i, const double *z, const double *slope) {
     const ns_theta *s = k->s;
     const int n = s->s->n, m = s->s->m;
     double sum = 0;
     if (i < s->r)
-        return given(k, i, z, &sum);
+        return given_in_row(k, i, z, &sum);
     for (int c = 0; slope && c < s->s->nz; c++)
         sum += slope[c] * (i < n ? s->E[i + c * n] : -s->s->F[k->inside[i - n] + c * m]);
     return sum;
@@ -101,7 +101,7 @@ static double summed(const ns_theta *s, int i, const double *column) {
 }
 
 /* (P2) in k->mode, by powers of h. */
-static void form(ns_order_expansion *k, const double *z, const double *slope) {
+static void form_powers(ns_order_expansion *k, const double *z, const double *slope) {
     ns_theta *s = k->s;
     const int n = s->s->n, m = s->s->m, r = s->r;
     k->nj = 0;
@@ -128,15 +128,15 @@ static void form(ns_order_expansion *k, const double *z, const double *slope) {
                 j < n ? s->s->C[k->inside[i] + j * m] : s->s->D[k->inside[i] + pair * m];
     }
     for (int i = 0; i < size; i++) {
-        k->R0[i] = i < r ? (double)k->w[i] : given(k, i, z, &k->terms[i]);
+        k->R0[i] = i < r ? (double)k->w[i] : given_in_row(k, i, z, &k->terms[i]);
         if (i < r)
             k->terms[i] = k->terms_w[i];
-        k->R1[i] = given_next(k, i, z, slope);
+        k->R1[i] = given_next_in_row(k, i, z, slope);
     }
 }
 
 /* All levels with all pairs. */
-static void spread(ns_order_expansion *k) {
+static void spread_to_pairs(ns_order_expansion *k) {
     const ns_theta *s = k->s;
     const int n = s->s->n, m = s->s->m;
     const double *const from[] = {k->Z1, k->Z0, k->Z2, k->E1, k->E0, k->E2};
@@ -153,10 +153,10 @@ static void spread(ns_order_expansion *k) {
 }
 
 int ns_reinit_orders_expand(ns_order_expansion *k, const double *z, const double *slope) {
-    form(k, z, slope);
+    form_powers(k, z, slope);
     const int status = ns_reinit_orders_solve(k);
     if (status == NS_OK)
-        spread(k);
+        spread_to_pairs(k);
     return status;
 }
 
@@ -165,7 +165,7 @@ double ns_reinit_orders_rate(ns_order_expansion *k) {
     const int all = s->s->n + s->s->m;
     double rate = 0;
     memset(k->mode, NS_INSIDE, (size_t)s->s->m);
-    form(k, NULL, NULL);
+    form_powers(k, NULL, NULL);
     (void)ns_linalg_lu_factor(s->lu, all, k->K0, NULL, NULL); /* for its scaling */
     const double *rows = ns_linalg_lu_rows(s->lu), *units = ns_linalg_lu_units(s->lu);
     for (int j = 0; j < all; j++) {

@@ -66,7 +66,7 @@ static int add_null(ns_order_expansion *k, const double *b, const double *terms,
 
 /* rest = R - K1 Z, v: the sizes of its terms (from: of R's; NULL: R's).  What cancels in K1 Z is zero:
  * resistors carry no impulse, but the fluxes at their two ends leave rounding. */
-static void subtract(ns_order_expansion *k, const double *R, const double *from, const double *Z) {
+static void subtract_flow(ns_order_expansion *k, const double *R, const double *from, const double *Z) {
     for (int i = 0; i < k->size; i++) {
         double flow = 0, terms = 0;
         for (int j = 0; j < k->size; j++) {
@@ -80,22 +80,22 @@ static void subtract(ns_order_expansion *k, const double *R, const double *from,
 }
 
 /* Z1 = Q R0, Z0 = H R0 + Q R1; f (NULL: none): of K0 Z1.  0 if that is no solution. */
-static int solve(ns_order_expansion *k, const double *f, const double *R0, const double *from,
-                 const double *R1, double *Z1, double *Z0) {
+static int solve_levels(ns_order_expansion *k, const double *f, const double *R0, const double *from,
+                        const double *R1, double *Z1, double *Z0) {
     memset(Z1, 0, sizeof(double) * (size_t)k->size);
     if (f)
         ns_linalg_ranked_solve(k->zero, f, Z1);
-    subtract(k, R0, from, Z1);
+    subtract_flow(k, R0, from, Z1);
     const int impulses = add_null(k, k->rest, k->v, Z1);
-    subtract(k, R0, from, Z1);
+    subtract_flow(k, R0, from, Z1);
     ns_linalg_ranked_solve(k->zero, k->rest, Z0);
-    subtract(k, R1, NULL, Z0);
+    subtract_flow(k, R1, NULL, Z0);
     return add_null(k, k->rest, k->v, Z0) && impulses;
 }
 
 /* Row i of K Z, its terms in *terms; S: their sizes. */
-static long double product(int n, int i, const double *K, const double *S, const long double *Z,
-                           double *terms) {
+static long double row_product(int n, int i, const double *K, const double *S, const long double *Z,
+                               double *terms) {
     long double sum = 0;
     for (int j = 0; j < n; j++) {
         sum += K[i + j * n] * Z[j];
@@ -109,8 +109,8 @@ static long double product(int n, int i, const double *K, const double *S, const
 static double left_over(const ns_order_expansion *k, int i, long double given, const long double *one,
                         const long double *zero) {
     double flows = 0, holds = fabs((double)given);
-    long double flow = one ? product(k->size, i, k->K1, k->K1, one, &flows) : 0;
-    long double held = given - (zero ? product(k->size, i, k->K0, k->S0, zero, &holds) : 0);
+    long double flow = one ? row_product(k->size, i, k->K1, k->K1, one, &flows) : 0;
+    long double held = given - (zero ? row_product(k->size, i, k->K0, k->S0, zero, &holds) : 0);
     if (fabsl(flow) <= coefficient_eps * flows)
         flow = 0;
     if (flow == 0 && fabsl(held) <= coefficient_eps * holds)
@@ -121,8 +121,8 @@ static double left_over(const ns_order_expansion *k, int i, long double given, c
 /* (Z1, Z0) of (R0, R1) by residuals, in long double: a resistor between two fluxes takes their difference.
  * From a guess, which moves by what it does not fulfil and by no rounding beyond that.  What was left over
  * before the last round stays in work. */
-static void refine(ns_order_expansion *k, const long double *R0, const double *R1, long double *Z1,
-                   long double *Z0) {
+static void refine_levels(ns_order_expansion *k, const long double *R0, const double *R1, long double *Z1,
+                          long double *Z0) {
     const int size = k->size;
     double *f = k->work, *r0 = f + size, *r1 = r0 + size, *d1 = r1 + size, *d0 = d1 + size;
     for (int round = 0; round < 4; round++) {
@@ -131,7 +131,7 @@ static void refine(ns_order_expansion *k, const long double *R0, const double *R
             r0[i] = left_over(k, i, R0[i], Z1, Z0);
             r1[i] = left_over(k, i, R1[i], Z0, NULL);
         }
-        (void)solve(k, f, r0, NULL, r1, d1, d0);
+        (void)solve_levels(k, f, r0, NULL, r1, d1, d0);
         for (int i = 0; i < size; i++) {
             Z1[i] += d1[i];
             Z0[i] += d0[i];
@@ -148,7 +148,7 @@ static void impulses_and_values(ns_order_expansion *k) {
         Z0[i] = i < n ? k->guess[i] : 0;
         R0[i] = i < k->s->r ? k->w[i] : k->R0[i];
     }
-    refine(k, R0, k->R1, Z1, Z0);
+    refine_levels(k, R0, k->R1, Z1, Z0);
     for (int i = 0; i < size; i++) {
         k->Z1[i] = (double)Z1[i];
         k->Z0[i] = (double)Z0[i];
@@ -181,15 +181,15 @@ static void spread_over(int n, const double *A, const double *t, double *e) {
 
 /* E1, E0: by how much Z1 and Z0 may be off.  Q goes into V, H into H.
  */
-static void bound(ns_order_expansion *k) {
+static void bound_levels(ns_order_expansion *k) {
     const int size = k->size;
     double *t = k->work, *t0 = t + size, *t1 = t0 + size, *unit = t1 + size;
     double *none = unit + size;
     memset(unit, 0, sizeof(double) * 2 * (size_t)size);
     for (int j = 0; j < size; j++) {
         unit[j] = 1;
-        (void)solve(k, NULL, unit, NULL, none, k->V + (size_t)j * (size_t)size,
-                    k->H + (size_t)j * (size_t)size);
+        (void)solve_levels(k, NULL, unit, NULL, none, k->V + (size_t)j * (size_t)size,
+                           k->H + (size_t)j * (size_t)size);
         unit[j] = 0;
     }
     roundings(k, t, t0, t1);
@@ -222,7 +222,7 @@ static void bound_rates(ns_order_expansion *k, double *t, double *none) {
 }
 
 /* Z2 = H (R1 - K1 Z0), the part of x(h) that grows like h. */
-static void rates(ns_order_expansion *k) {
+static void find_rates(ns_order_expansion *k) {
     const int size = k->size;
     long double *Z0 = k->fine + size, *R0 = Z0 + size, *none = R0 + size, *Z2 = none + size;
     double *zero = k->Z2;
@@ -231,7 +231,7 @@ static void rates(ns_order_expansion *k) {
         R0[i] = left_over(k, i, k->R1[i], Z0, NULL);
         none[i] = Z2[i] = 0;
     }
-    refine(k, R0, zero, none, Z2);
+    refine_levels(k, R0, zero, none, Z2);
     for (int i = 0; i < size; i++) {
         k->Z2[i] = (double)Z2[i];
         k->work[i] = fabs(k->work[size + i]); /* left over of R0 */
@@ -239,28 +239,30 @@ static void rates(ns_order_expansion *k) {
     bound_rates(k, k->work, k->work + size);
 }
 
-static double dot(int n, const double *a, const double *b) {
+static double dot_product(int n, const double *a, const double *b) {
     double sum = 0;
     for (int i = 0; i < n; i++)
         sum += a[i] * b[i];
     return sum;
 }
 
-/* Takes out of Z what lies along v, but for what `keep` (NULL: none) has; E: bounds on Z (NULL: none). */
-static void project(int n, const double *v, const double *keep, double *Z, double *E) {
-    const double whole = dot(n, v, v), share = (dot(n, v, Z) - (keep ? dot(n, v, keep) : 0)) / whole;
+/* Takes the component along v out of Z, or (keep) replaces it by that of keep; E: bounds on Z.  Both may be
+ * NULL. */
+static void project_out(int n, const double *v, const double *keep, double *Z, double *E) {
+    const double whole = dot_product(n, v, v),
+                 along = (dot_product(n, v, Z) - (keep ? dot_product(n, v, keep) : 0)) / whole;
     double off = 0;
     for (int i = 0; i < n; i++) {
-        Z[i] -= share * v[i];
+        Z[i] -= along * v[i];
         off += E ? fabs(v[i]) * E[i] : 0;
     }
     for (int i = 0; E && i < n; i++)
         E[i] += fabs(v[i]) / whole * off;
 }
 
-/* Null vector o of K0 that G leaves open, too, into v.  0: K1 does not, which takes impulses of the next
- * order to settle. */
-static int open_vector(ns_order_expansion *k, int o, double *v) {
+/* Null vector o of K0 that G does not determine either, into v.  0: K1 does, and impulses of the next order
+ * were needed. */
+static int undetermined_vector(ns_order_expansion *k, int o, double *v) {
     const int size = k->size, gap = k->gap->n;
     memset(v, 0, sizeof(double) * (size_t)size);
     for (int i = 0; i < gap; i++)
@@ -277,21 +279,21 @@ static int open_vector(ns_order_expansion *k, int o, double *v) {
     return 1;
 }
 
-/* What the equations leave open is of least norm, of values as near to k->near as they can be. */
-static int close_open(ns_order_expansion *k) {
+/* What the equations do not determine is of least norm; of values, nearest to k->near. */
+static int choose_undetermined(ns_order_expansion *k) {
     const int size = k->size, n = k->s->s->n, open = k->gap->n - k->gap->rank;
     for (int i = 0; i < size && k->near; i++)
         k->rest[i] = k->near[i < n ? i : n + k->inside[i - n]];
     for (int o = 0; o < open; o++) {
         double *v = k->V + (size_t)o * (size_t)size;
-        if (!open_vector(k, o, v))
+        if (!undetermined_vector(k, o, v))
             return 0;
         for (int p = 0; p < o; p++)
-            project(size, k->V + (size_t)p * (size_t)size, NULL, v, NULL);
+            project_out(size, k->V + (size_t)p * (size_t)size, NULL, v, NULL);
     }
     for (int o = 0; o < open; o++) {
-        project(size, k->V + (size_t)o * (size_t)size, NULL, k->Z1, k->E1);
-        project(size, k->V + (size_t)o * (size_t)size, k->near ? k->rest : NULL, k->Z0, k->E0);
+        project_out(size, k->V + (size_t)o * (size_t)size, NULL, k->Z1, k->E1);
+        project_out(size, k->V + (size_t)o * (size_t)size, k->near ? k->rest : NULL, k->Z0, k->E0);
     }
     return 1;
 }
@@ -300,12 +302,12 @@ int ns_reinit_orders_solve(ns_order_expansion *k) {
     const int status = take_apart(k);
     if (status != NS_OK)
         return status;
-    if (!solve(k, NULL, k->R0, k->terms, k->R1, k->Z1, k->Z0))
+    if (!solve_levels(k, NULL, k->R0, k->terms, k->R1, k->Z1, k->Z0))
         return NS_E_SINGULAR;
     impulses_and_values(k);
-    bound(k);
-    rates(k);
-    if (!close_open(k))
+    bound_levels(k);
+    find_rates(k);
+    if (!choose_undetermined(k))
         return NS_E_SINGULAR;
     for (int i = 0; i < k->size; i++) {
         if (!isfinite(k->E1[i] + k->E0[i]))

@@ -10,7 +10,7 @@
 /* All arrays of numbers but K, one block; those of the accepted point follow one another. */
 static int create_arrays(ns_theta *s) {
     const size_t n = (size_t)s->s->n, m = (size_t)s->s->m, nz = (size_t)s->s->nz, nc = (size_t)s->s->nc;
-    const size_t size = n + m, all = size + n, q = n + nz + 1; /* at most: r = n, n holds */
+    const size_t size = n + m, all = size + n, q = n + nz + 1; /* at most: r = n, n unknowns held */
     const struct {
         double **array;
         size_t count;

@@ -3,12 +3,12 @@
  * Column k of the map is X_k, a solution of (P2), and guard g is a row c_g of it.  Summing it up costs some
  * eps of its terms; and X_k itself, which leaves R_k = rhs - K X_k over, is off by E_k = K^-1 R_k:
  *
- *     noise_gk = |c_g| |X_k| + |c_g E_k| / eps
+ *     rounding_gk = |c_g| |X_k| + |c_g E_k| / eps
  *
- * A bound, |c_g K^-1| |K| |X_k|, would be larger by as much as K is ill-conditioned: it excuses volts where
- * inductors alone carry the current of some node, as their L/h amplifies a current that is only rounding.
- * Where K is singular, K_g has leaks G (theta/regularise.h), and E = (1 - K_g^-1 G) K_g^-1 R is the error of
- * what is determined.
+ * A bound, |c_g K^-1| |K| |X_k|, would be larger by as much as K is ill-conditioned: it would allow volts
+ * where inductors alone carry the current of some node, as their L/h amplifies a current that is only
+ * rounding. Where K is singular, K_g has leaks G (theta/regularise.h), and E = (1 - K_g^-1 G) K_g^-1 R is the
+ * error of what is determined.
  */
 #include "regularise.h"
 
@@ -47,9 +47,10 @@ static int nonzeros(int count, const double *from, int step, int *list) {
     return found;
 }
 
-/* Guard g, c_g, in row g of the noise: |c_g| |X_k| and a share of the same with every X_ik as large as the
- * largest (largest, q), and what E says. */
-static void fill_row(const ns_theta *s, ns_map *map, int size, int g, double share, const double *largest) {
+/* Guard g, c_g, in row g of the rounding: |c_g| |X_k|, a fraction of the same with every X_ik as large as the
+ * largest (largest, q), and |c_g E_k|/eps. */
+static void fill_row(const ns_theta *s, ns_map *map, int size, int g, double fraction,
+                     const double *largest) {
     const double *c = s->Z + (size_t)g * (size_t)size, *unit = ns_linalg_lu_units(s->lu);
     const int count = nonzeros(size, c, 1, s->list);
     double units = 0;
@@ -63,12 +64,12 @@ static void fill_row(const ns_theta *s, ns_map *map, int size, int g, double sha
             sum += fabs(c[at] * x[at]);
             off += c[at] * e[at];
         }
-        map->rounding[g + k * map->guards] = sum + share * units * largest[k] + fabs(off) / DBL_EPSILON;
+        map->rounding[g + k * map->guards] = sum + fraction * units * largest[k] + fabs(off) / DBL_EPSILON;
     }
 }
 
 /* R = rhs - K X, summed up in long double. */
-static void residual(ns_theta *s, int size) {
+static void form_residual(ns_theta *s, int size) {
     for (int i = 0; i < size; i++) {
         const double *row = s->K + i;
         const int count = nonzeros(size, row, size, s->list);
@@ -84,9 +85,9 @@ static void residual(ns_theta *s, int size) {
 }
 
 /* R becomes E. */
-static void error(ns_theta *s, const ns_leaks *leaks, int size) {
+static void solve_for_error(ns_theta *s, const ns_leaks *leaks, int size) {
     double *more = s->R + (size_t)size * (size_t)s->q;
-    residual(s, size);
+    form_residual(s, size);
     ns_linalg_lu_solve(s->lu, s->q, s->R);
     for (int k = 0; leaks && k < s->q; k++) {
         double *e = s->R + (size_t)k * (size_t)size;
@@ -111,15 +112,15 @@ static double d_rounding(const ns_theta *s, int nj, int i, int k) {
     return sum + fabs(off) / DBL_EPSILON;
 }
 
-void ns_theta_map_rounding(ns_theta *s, ns_map *map, const ns_leaks *leaks, int nj, double share) {
+void ns_theta_map_rounding(ns_theta *s, ns_map *map, const ns_leaks *leaks, int nj, double fraction) {
     const int size = s->s->n + nj;
     double *largest = s->R + (size_t)size * (size_t)s->q; /* q */
     fill_functionals(s, map, nj);
-    error(s, leaks, size);
+    solve_for_error(s, leaks, size);
     for (int k = 0; k < s->q; k++)
         largest[k] = ns_linalg_lu_largest(s->lu, s->X + (size_t)k * (size_t)size);
     for (int g = 0; g < map->guards; g++)
-        fill_row(s, map, size, g, share, largest);
+        fill_row(s, map, size, g, fraction, largest);
     for (int k = 0; s->carry && k < s->q; k++)
         for (int i = 0; i < s->r; i++)
             map->d_rounding[i + k * s->r] = d_rounding(s, nj, i, k);

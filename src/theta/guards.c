@@ -33,7 +33,7 @@ void ns_theta_guard_fill(const ns_theta *s, ns_map *map, int k) {
     const double *lambda = map->full + (size_t)k * (size_t)(n + m) + n;
     double *row = map->step + (size_t)k * (size_t)map->p + map->guard;
     const int one = k == s->q - 1;
-    double *y = s->Z; /* which the noise of the map is made with, later */
+    double *y = s->Z; /* which the rounding of the map is found with, later */
     if (m == 0)
         return;
     fill_y(s, map, k, y);
@@ -49,9 +49,9 @@ void ns_theta_guard_fill(const ns_theta *s, ns_map *map, int k) {
     }
 }
 
-/* What d is off by may excuse that much of the terms of a guard, in eps, and no more: a start or an event
- * after which its rates were not read anew leaves a noise that would excuse anything. */
-static const double most_noise = 1e6;
+/* The rounding of d counts up to this many eps of the terms of a guard: after a start or an event whose rates
+ * were not probed it is so large that any guard would hold. */
+static const double max_d_rounding = 1e6;
 
 /* Of the terms of input k, eta = w + h d and what d may be off by. */
 double ns_theta_input_size(const ns_theta *s, const ns_map *map, int k) {
@@ -60,11 +60,11 @@ double ns_theta_input_size(const ns_theta *s, const ns_map *map, int k) {
     if (map->implicit)
         return fabs(s->past.w[k]);
     const double own = fabs(s->past.w[k]) + map->h * fabs(s->past.d[k]);
-    return own + fmin(map->h * s->past.d_rounding[k], most_noise * own);
+    return own + fmin(map->h * s->past.d_rounding[k], max_d_rounding * own);
 }
 
 /* Guard g is negative by more than rounding may be (or no number). */
-static int broke(const ns_theta *s, const ns_map *map, int g, double tol) {
+static int guard_broke(const ns_theta *s, const ns_map *map, int g, double tol) {
     const double guard = s->trial.out[map->guard + g];
     if (guard >= 0)
         return 0;
@@ -76,7 +76,7 @@ static int broke(const ns_theta *s, const ns_map *map, int g, double tol) {
 
 int ns_theta_guards_hold(const ns_theta *s, const ns_map *map, double tol) {
     for (int g = 0; g < map->guards; g++)
-        if (broke(s, map, g, tol))
+        if (guard_broke(s, map, g, tol))
             return 0;
     return 1;
 }
@@ -86,7 +86,7 @@ int ns_theta_guards_flip(const ns_theta *s, const ns_map *map, double tol, ns_mo
     for (int j = 0, g = 0; j < s->s->m; j++) {
         const int inside = map->mode[j] == NS_INSIDE, count = ns_theta_guards_of(s, map->mode, j);
         for (int k = 0; k < count; k++, g++) {
-            if (!broke(s, map, g, tol))
+            if (!guard_broke(s, map, g, tol))
                 continue;
             mode[j] = !inside ? NS_INSIDE : k == 0 && isfinite(s->l[j]) ? NS_LOWER : NS_UPPER;
             flipped = 1;

@@ -1,5 +1,5 @@
 /* src/theta/map_cache.c - kept maps: a hash table by (h, kind, mode) with a bound on memory.
- * The least recently used map goes first. */
+ * The least recently used map is dropped first. */
 #include "theta_internal.h"
 
 #include <stdint.h>
@@ -45,7 +45,7 @@ void ns_theta_cache_insert(ns_cache *c, ns_map *map, int m) {
     c->bytes += map->bytes;
 }
 
-static void drop(ns_cache *c, ns_map *map, int m) {
+static void drop_map(ns_cache *c, ns_map *map, int m) {
     ns_map **at = &c->bucket[bucket_of(map->h, map->implicit, map->mode, m)];
     while (*at != map)
         at = &(*at)->chain;
@@ -61,7 +61,7 @@ long ns_theta_cache_trim(ns_cache *c, int m, const ns_map *keep) {
     while (map && c->bytes > c->limit) {
         ns_map *next = map->newer;
         if (map != keep) {
-            drop(c, map, m);
+            drop_map(c, map, m);
             dropped++;
         }
         map = next;

@@ -8,17 +8,17 @@
 
 #include <math.h>
 
-static const double NONE = 1e-9; /* of the heaviest: rounding */
+static const double negligible = 1e-9; /* of the largest weight: rounding */
 
-static double entry(const ns_fault_context *b, int k, int i) {
+static double split_entry(const ns_fault_context *b, int k, int i) {
     return b->T[k + i * b->n];
 }
 
 /* Row i of the system is a differential row. */
-static int leads(const ns_fault_context *b, int i) {
+static int is_differential(const ns_fault_context *b, int i) {
     int found = 0;
     for (int k = 0; k < b->rank; k++)
-        found |= entry(b, k, i) != 0;
+        found |= split_entry(b, k, i) != 0;
     return found;
 }
 
@@ -26,42 +26,43 @@ static int leads(const ns_fault_context *b, int i) {
 static int row_of(const ns_fault_context *b, int k) {
     int before = k - b->rank;
     for (int i = 0; i < b->n; i++)
-        if (k < b->rank ? entry(b, k, i) != 0 : !leads(b, i) && before-- == 0)
+        if (k < b->rank ? split_entry(b, k, i) != 0 : !is_differential(b, i) && before-- == 0)
             return i;
     return k;
 }
 
-/* What the proof v owes to row i of the system: the heaviest of the rows it is in, less what cancels. */
-static double weight(const ns_fault_context *b, const double *v, const double *scale, int i) {
-    double sum = 0, size = 0, most = 0;
+/* The weight of row i of the system in the proof v: the largest among the rows it is in, less what cancels.
+ */
+static double weight_of_row(const ns_fault_context *b, const double *v, const double *scale, int i) {
+    double sum = 0, size = 0, largest = 0;
     for (int k = 0; k < b->n; k++) {
-        const double part = entry(b, k, i) * v[k] * (k < b->rank ? b->h : 1);
+        const double part = split_entry(b, k, i) * v[k] * (k < b->rank ? b->h : 1);
         sum += part;
         size += fabs(part);
-        most = part != 0 ? fmax(most, fabs(v[k]) / scale[k]) : most;
+        largest = part != 0 ? fmax(largest, fabs(v[k]) / scale[k]) : largest;
     }
-    return size > 0 ? most * fabs(sum) / size : 0;
+    return size > 0 ? largest * fabs(sum) / size : 0;
 }
 
-static int named(const ns_fault *f, int i) {
+static int is_named(const ns_fault *f, int i) {
     int found = 0;
     for (int k = 0; k < f->nunknowns; k++)
         found |= f->unknown[k] == i;
     return found;
 }
 
-/* The rows of the system that v rests on, the heaviest first. */
+/* Names the rows of the system with the largest weights in v, the largest first. */
 static void name_rows(const ns_fault_context *b, const double *v, const double *scale, ns_fault *to) {
     double top = 0;
     for (int k = 0; k < b->n + b->m; k++)
         top = fmax(top, fabs(v[k]) / scale[k]);
     while (to->nunknowns < NS_FAULT_MAX) {
-        double most = NONE * top;
+        double largest = negligible * top;
         int best = -1;
         for (int i = 0; i < b->n; i++) {
-            const double w = named(to, i) ? 0 : weight(b, v, scale, i);
-            if (w > most) {
-                most = w;
+            const double w = is_named(to, i) ? 0 : weight_of_row(b, v, scale, i);
+            if (w > largest) {
+                largest = w;
                 best = i;
             }
         }

@@ -1,13 +1,13 @@
-/* src/theta/regularise.c - what the ideal laws leave open, settled as the limit of real devices.
+/* src/theta/regularise.c - what the ideal laws do not determine, taken as the limit of real devices.
  *
- * Two closed ideal switches in parallel share a current in no particular way; a part of a circuit behind open
+ * How two closed ideal switches in parallel share a current is undetermined; a part of a circuit behind open
  * ones floats.  Real switches have a resistance and real open ones leak: with conductances g across the open
  * pairs and resistances rho in series with the others (P2) is regular, K_g, and
  *
  *     X <- X + K_g^-1 (rhs - K X),   from X = 0
  *
  * converges to a solution of K X = rhs, the limit g, rho -> 0: what is determined to rounding in a few
- * rounds, what is open as the leaks share it.
+ * rounds, what is undetermined as the leaks share it.
  */
 #include "regularise.h"
 
@@ -16,21 +16,21 @@
 #include <string.h>
 
 enum { ROUNDS = 30 };
-/* So many moves of about one size in a row: more of them would leave the last one above last_move. */
-enum { ALIKE = 5 };
-/* Leaks of this share leave K_g this much worse than the circuit is without what they settle. */
+/* So many moves of about one size in a row, and the rounds end: the last one would stay above last_move. */
+enum { EQUAL_MOVES = 5 };
+/* K_g with leaks of these fractions has a reciprocal condition above this, if the leaks determine all. */
 static const double rcond_min = 1e-15;
-/* Leaks take this share of what is there, or the next: small enough that each round gains digits of
+/* Leaks are this fraction of the entries of K, or the next: small enough that each round gains digits of
  * everything that matters more, large enough to leave K_g some digits.  Between a charge that hardly flows
- * in a step and a resistance of next to nothing that may be lost in one of the two: so the last is to be seen
- * in every row. */
+ * in a step and a negligible resistance a leak may be lost in one of two rows: the last ones are such that
+ * they count in every row. */
 enum { EVERYWHERE = 2 };
-static const double shares[] = {1e-10, 1e-13, 1e-10}, most = 1e-2;
+static const double fractions[] = {1e-10, 1e-13, 1e-10}, max_entry = 1e-2;
 
 /* The rounds end when a residual is some eps of the largest unknown, in the units of the factors, in every
- * term of its row.  They have converged if that came about, or if next to nothing of the right-hand side is
- * left over; and if the last round moved nothing any more: what contradicts itself grows by the same amount
- * in every round, to whatever size, and so do unknowns that matter less than the leaks. */
+ * term of its row.  They have converged if that came about, or if no more than left_over of the right-hand
+ * side remains; and if the last round moved nothing any more: what contradicts itself grows by the same
+ * amount in every round, to whatever size, and so do unknowns that matter less than the leaks. */
 static const double rounding = 1e-15, left_over = 1e-12, last_move = 1e-2;
 
 static double least_of(double a, double b) {
@@ -54,32 +54,32 @@ static double entry_across(const ns_theta *s, double ht, int j, double *least) {
     return high_row * high_column;
 }
 
-double ns_theta_leak_across(const ns_theta *s, double ht, int j, double share) {
+double ns_theta_leak_across(const ns_theta *s, double ht, int j, double fraction) {
     double least;
     const double entry = entry_across(s, ht, j, &least);
-    return entry > 0 && isfinite(share / entry) ? share / entry : 0;
+    return entry > 0 && isfinite(fraction / entry) ? fraction / entry : 0;
 }
 
-/* Of that share wherever it enters, where that is not more than `most` elsewhere. */
-static double leak_everywhere(const ns_theta *s, double ht, int j, double share) {
+/* Of that fraction wherever it enters, where that is not more than max_entry elsewhere. */
+static double leak_everywhere(const ns_theta *s, double ht, int j, double fraction) {
     double least;
-    const double entry = entry_across(s, ht, j, &least), leak = fmin(share / least, most / entry);
+    const double entry = entry_across(s, ht, j, &least), leak = fmin(fraction / least, max_entry / entry);
     return entry > 0 && isfinite(leak) ? leak : 0;
 }
 
-double ns_theta_leak_series(const ns_theta *s, int row, double share) {
-    return share / (ns_linalg_lu_rows(s->lu)[row] * ns_linalg_lu_units(s->lu)[row]);
+double ns_theta_leak_series(const ns_theta *s, int row, double fraction) {
+    return fraction / (ns_linalg_lu_rows(s->lu)[row] * ns_linalg_lu_units(s->lu)[row]);
 }
 
 static void find_leaks(const ns_theta *s, const ns_leaks *leaks, int attempt) {
-    const double share = shares[attempt];
+    const double fraction = fractions[attempt];
     for (int j = 0, row = s->s->n; j < s->s->m; j++)
         if (leaks->mode[j] == NS_INSIDE)
-            leaks->of[j] = ns_theta_leak_series(s, row++, share);
+            leaks->of[j] = ns_theta_leak_series(s, row++, fraction);
         else if (attempt == EVERYWHERE)
-            leaks->of[j] = leak_everywhere(s, leaks->ht, j, share);
+            leaks->of[j] = leak_everywhere(s, leaks->ht, j, fraction);
         else
-            leaks->of[j] = ns_theta_leak_across(s, leaks->ht, j, share);
+            leaks->of[j] = ns_theta_leak_across(s, leaks->ht, j, fraction);
 }
 
 /* s->K becomes K_g. */
@@ -131,7 +131,7 @@ void ns_theta_leak_times(const ns_theta *s, const ns_leaks *leaks, const double 
 static double residual_of(const ns_theta *s, int size, const double *K, const double *rhs, const double *X,
                           double *residual, double *left) {
     const double *rows = ns_linalg_lu_rows(s->lu), *unit = ns_linalg_lu_units(s->lu);
-    const double most = ns_linalg_lu_largest(s->lu, X);
+    const double largest = ns_linalg_lu_largest(s->lu, X);
     double worst = 0, given = 0, over = 0;
     for (int j = 0; j < size; j++)
         given = fmax(given, fabs(rhs[j]) * rows[j]);
@@ -139,7 +139,7 @@ static double residual_of(const ns_theta *s, int size, const double *K, const do
         double sum = rhs[i], terms = fabs(rhs[i]);
         for (int j = 0; j < size; j++) {
             sum -= K[i + j * size] * X[j];
-            terms += fabs(K[i + j * size]) * unit[j] * most;
+            terms += fabs(K[i + j * size]) * unit[j] * largest;
         }
         residual[i] = sum;
         over = fmax(over, fabs(sum) * rows[i]);
@@ -152,19 +152,19 @@ static double residual_of(const ns_theta *s, int size, const double *K, const do
 
 /* Rounds on column rhs, and one more when they have converged: X and the work vector step have size entries.
  */
-static int settle(ns_theta *s, int size, const double *K, const double *rhs, double *X, double *step) {
+static int iterate_leaks(ns_theta *s, int size, const double *K, const double *rhs, double *X, double *step) {
     double worst = INFINITY, left = 1, moved = 0;
-    int alike = 0;
+    int equal = 0;
     memset(X, 0, sizeof(double) * (size_t)size);
     memcpy(step, rhs, sizeof(double) * (size_t)size);
     for (int round = 0, last = 0; round < ROUNDS && !last; round++) {
         const double before = moved;
-        last = worst <= rounding || alike == ALIKE;
+        last = worst <= rounding || equal == EQUAL_MOVES;
         ns_linalg_lu_solve(s->lu, 1, step);
         for (int i = 0; i < size; i++)
             X[i] += step[i];
         moved = ns_linalg_lu_largest(s->lu, step);
-        alike = moved > 0.99 * before ? alike + 1 : 0;
+        equal = moved > 0.99 * before ? equal + 1 : 0;
         worst = residual_of(s, size, K, rhs, X, step, &left);
     }
     const int converged = worst <= 10 * rounding || left <= left_over;
@@ -177,7 +177,7 @@ static int solve_columns(ns_theta *s, int size, int nrhs, const double *K, doubl
     for (int k = 0; k < nrhs && status == NS_OK; k++) {
         double *X = s->X + (size_t)k * (size_t)size;
         memcpy(rhs, X, sizeof(double) * (size_t)size);
-        status = settle(s, size, K, rhs, X, step);
+        status = iterate_leaks(s, size, K, rhs, X, step);
     }
     return status;
 }

@@ -8,8 +8,9 @@
 #include <math.h>
 #include <string.h>
 
-/* The mode that stands for "nothing known": at the finite bound nearest to zero, inside if there is none. */
-static ns_mode resting_mode(double l, double u) {
+/* The mode of a pair before anything is known: at a finite bound, the lower one first; inside if there is
+ * none. */
+static ns_mode initial_mode(double l, double u) {
     if (isfinite(l))
         return NS_LOWER;
     return isfinite(u) ? NS_UPPER : NS_INSIDE;
@@ -30,7 +31,7 @@ int ns_theta_start(ns_theta *s, const double *w0, const unsigned char *closed) {
     for (int j = 0; j < s->s->m; j++) {
         s->l[j] = s->s->l[j];
         s->u[j] = s->s->u[j];
-        s->past.mode[j] = resting_mode(s->l[j], s->u[j]);
+        s->past.mode[j] = initial_mode(s->l[j], s->u[j]);
     }
     s->past.h = 0;
     s->past.jumped = 0;
@@ -183,8 +184,9 @@ double ns_theta_jump_w(const ns_theta *s, int i, const double *x, const double *
     return held_terms < moved_terms ? held : moved;
 }
 
-/* The accepted point gets to be that of s->past.w, with these x and lambda. */
-static void put(ns_theta *s, const double *x, const double *lambda, const ns_mode *mode, const double *z) {
+/* The accepted point becomes that of s->past.w, with these x and lambda. */
+static void put_point(ns_theta *s, const double *x, const double *lambda, const ns_mode *mode,
+                      const double *z) {
     const size_t n = (size_t)s->s->n, m = (size_t)s->s->m, r = (size_t)s->r;
     memcpy(s->past.x_lambda, x, sizeof(double) * n);
     memcpy(s->past.x_lambda + n, lambda, sizeof(double) * m);
@@ -202,12 +204,12 @@ static void put(ns_theta *s, const double *x, const double *lambda, const ns_mod
 void ns_theta_jump(ns_theta *s, const ns_impulse *jump, const double *z) {
     for (int i = 0; i < s->r; i++)
         s->past.w[i] = ns_theta_jump_w(s, i, jump->x, jump->X, jump->Lambda);
-    put(s, jump->x, jump->lambda, jump->mode, z);
+    put_point(s, jump->x, jump->lambda, jump->mode, z);
 }
 
 void ns_theta_put(ns_theta *s, const double *w, const double *at, const ns_mode *mode, const double *z) {
     memcpy(s->past.w, w, sizeof(double) * (size_t)s->r);
-    put(s, at, at + s->s->n, mode, z);
+    put_point(s, at, at + s->s->n, mode, z);
 }
 
 void ns_theta_set_controls(ns_theta *s, const double *x) {

@@ -6,9 +6,9 @@
 #include <math.h>
 #include <string.h>
 
-/* What a guard may be negative by, relative to the bound on its rounding (guard_rounding.c): a few eps while
- * the mode stands; after (P1) was solved, what its solver calls zero. */
-static const double while_it_stands = 4e-15, of_an_answer = 1e-11;
+/* What a guard may be negative by, relative to the bound on its rounding (guard_rounding.c): a few eps in
+ * the accepted mode; in the mode of an answer of (P1), what its solver takes for zero. */
+static const double tol_accepted = 4e-15, tol_answer = 1e-11;
 
 /* What is zero comes out, refined, far below eps of the largest unknown, and what (P1) leaves behind of a
  * charge that has gone is some eps of it. */
@@ -64,8 +64,8 @@ static int finite_state(const ns_theta *s) {
     return ns_sums_finite(s->s->nz, s->trial.in + s->r) && ns_sums_finite(s->r, s->trial.out);
 }
 
-/* The map is taken: its outputs become the trial if the guards hold.  OK or GUARD. */
-static int apply(ns_theta *s, ns_map *map, double tol) {
+/* The outputs of the map become the trial if the guards hold.  OK or GUARD. */
+static int apply_map(ns_theta *s, ns_map *map, double tol) {
     const double *from = map->implicit ? s->past.w : s->trial.in;
     ns_linalg_matvec_two(map->p, s->r, from, s->q - s->r, s->trial.in + s->r, map->step, s->trial.out);
     if (!ns_none_negative(map->guards, s->trial.out + map->guard) && !ns_theta_guards_hold(s, map, tol))
@@ -79,31 +79,32 @@ static int apply(ns_theta *s, ns_map *map, double tol) {
 
 /* (P1) at the end of the step, then the map of its answer, checked.  A map is the more exact of the two: what
  * (P1) took for zero it may see broken, and then that pair changes. */
-static int resolve_once(ns_theta *s, double h, int implicit, double share) {
+static int resolve_once(ns_theta *s, double h, int implicit, double fraction) {
     enum { FLIPS = 4 };
     ns_map *map;
-    int status = ns_theta_lcp_solve(s, h, implicit, share);
+    int status = ns_theta_lcp_solve(s, h, implicit, fraction);
     for (int round = 0; status == NS_OK; round++) {
         status = ns_theta_find_map(s, h, implicit, s->trial.mode, &map);
         if (status == NS_OK)
-            status = apply(s, map, of_an_answer);
+            status = apply_map(s, map, tol_answer);
         if (status != NS_GUARD)
             return status;
-        if (round == FLIPS || !ns_theta_guards_flip(s, map, of_an_answer, s->trial.mode))
+        if (round == FLIPS || !ns_theta_guards_flip(s, map, tol_answer, s->trial.mode))
             return NS_E_RESIDUAL;
         status = NS_OK;
     }
     return status;
 }
 
-/* Where the ideal laws leave something open, the answer with leaks picks the mode that goes with them. */
+/* (P1), and where the ideal laws leave something undetermined (P1) with leaks, whose answer has the mode of
+ * real devices. */
 static int resolve(ns_theta *s, double h, int implicit) {
-    static const double shares[] = {0, 1e-7, 1e-9};
+    static const double fractions[] = {0, 1e-7, 1e-9};
     int first = NS_OK;
     ns_fault fault = s->fault;
     for (int k = 0; k < 3; k++) {
         memcpy(s->trial.mode, s->past.mode, (size_t)s->s->m);
-        const int status = resolve_once(s, h, implicit, shares[k]);
+        const int status = resolve_once(s, h, implicit, fractions[k]);
         if (status == NS_OK || status == NS_E_MEMORY)
             return status;
         if (k == 0) {
@@ -131,7 +132,7 @@ int ns_theta_try(ns_theta *s, double h, const double *z, int implicit, ns_policy
     ns_map *map;
     int status = recent_map(s, h, implicit, &map);
     if (status == NS_OK)
-        status = apply(s, map, while_it_stands);
+        status = apply_map(s, map, tol_accepted);
     s->trial.same_mode = status == NS_OK;
     if (!s->trial.same_mode) {
         if (status != NS_GUARD && status != NS_E_SINGULAR)

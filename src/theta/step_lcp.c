@@ -13,7 +13,7 @@
 #include <math.h>
 #include <string.h>
 
-static void form(ns_theta *s, const double *M, double ht, double hg, const double *z, int size) {
+static void form_lcp(ns_theta *s, const double *M, double ht, double hg, const double *z, int size) {
     const int n = s->s->n, m = s->s->m, nz = s->s->nz;
     for (int j = 0; j < size; j++) {
         double *col = s->K + (size_t)j * (size_t)size;
@@ -45,8 +45,8 @@ static void form(ns_theta *s, const double *M, double ht, double hg, const doubl
     }
 }
 
-/* h: the length of the step, 1 at rest. */
-static int solve(ns_theta *s, double h, int size, ns_mode *mode) {
+/* h: the length of the step, 1 at the operating point. */
+static int solve_lcp(ns_theta *s, double h, int size, ns_mode *mode) {
     const int n = s->s->n, m = s->s->m;
     const ns_mlcp p = {.m = size, .W = s->K, .q = s->rhs, .l = s->bl, .u = s->bu};
     ns_mlcp_info info;
@@ -68,12 +68,12 @@ static int solve(ns_theta *s, double h, int size, ns_mode *mode) {
 /* The same problem with a leak across each pair and a resistance in series with it: lambda is replaced by
  * lambda - g (y - y0), y by y + rho (lambda - lambda0), where y0 and lambda0 are those of the solution in
  * s->resid and s->sol, or those without any voltage (y: vf) and current. */
-static void add_leaks(ns_theta *s, double ht, int size, double share, int around_last) {
+static void add_leaks(ns_theta *s, double ht, int size, double fraction, int around_last) {
     const int n = s->s->n, m = s->s->m;
     (void)ns_linalg_lu_factor(s->lu, size, s->K, NULL,
                               NULL); /* for its scaling: singular or not does not matter */
     for (int j = 0; j < m; j++) {
-        const double g = ns_theta_leak_across(s, ht, j, share);
+        const double g = ns_theta_leak_across(s, ht, j, fraction);
         const double off = around_last ? s->rhs[n + j] - s->resid[n + j] : 0;
         for (int i = 0; i < n; i++) {
             const double leak = (i < s->r ? ht : 1) * g * s->B[i + j * n];
@@ -85,15 +85,15 @@ static void add_leaks(ns_theta *s, double ht, int size, double share, int around
         }
     }
     for (int j = 0; j < m; j++) {
-        const double rho = ns_theta_leak_series(s, n + j, share);
+        const double rho = ns_theta_leak_series(s, n + j, fraction);
         s->K[(n + j) * (size + 1)] += rho;
         s->rhs[n + j] -= around_last ? rho * s->sol[n + j] : 0;
     }
 }
 
 static void form_step(ns_theta *s, double h, int implicit) {
-    form(s, s->M, implicit ? h : h * s->theta, implicit ? h : h * s->gamma, s->trial.in + s->r,
-         s->s->n + s->s->m);
+    form_lcp(s, s->M, implicit ? h : h * s->theta, implicit ? h : h * s->gamma, s->trial.in + s->r,
+             s->s->n + s->s->m);
     for (int i = 0; i < s->r; i++)
         s->rhs[i] -= s->trial.in[i]; /* eta of (T6) */
 }
@@ -103,7 +103,7 @@ static int solve_step(ns_theta *s, double h, int implicit, double fraction, ns_m
     form_step(s, h, implicit);
     if (fraction > 0)
         add_leaks(s, implicit ? h : h * s->theta, size, fraction, 0);
-    return solve(s, h, size, mode);
+    return solve_lcp(s, h, size, mode);
 }
 
 int ns_theta_lcp_solve(ns_theta *s, double h, int implicit, double fraction) {
@@ -139,7 +139,7 @@ int ns_theta_problem(const ns_theta *s, ns_mlcp *p, double *h) {
 /* Holding node voltage x_i takes one more unknown, the current that does it, in x_i's own KCL row. */
 static void form_dc(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x) {
     const int n = s->s->n, m = s->s->m, size = n + m + nhold;
-    form(s, NULL, 0, 0, z, size);
+    form_lcp(s, NULL, 0, 0, z, size);
     for (int k = 0; k < nhold; k++) {
         double *col = s->K + (size_t)(n + m + k) * (size_t)size;
         for (int i = 0; i < n; i++)
@@ -149,8 +149,8 @@ static void form_dc(ns_theta *s, const double *z, int nhold, const int *hold, co
     }
 }
 
-/* The answer with leaks is one of the exact problem; a current that is zero is left over as rounding, which a
- * row with nothing else in it tells from no other number. */
+/* 1 if the answer with leaks is one of the exact problem, if need be after what is rounding beside the
+ * largest unknown was set to zero: a row that has nothing else in it allows no rounding. */
 static int is_exact(ns_theta *s, int size) {
     static const double good = 1e-12, rounding = 1e-15;
     const ns_mlcp p = {.m = size, .W = s->K, .q = s->rhs, .l = s->bl, .u = s->bu};
@@ -164,19 +164,20 @@ static int is_exact(ns_theta *s, int size) {
     return ns_mlcp_residual(&p, s->sol, NULL) < good;
 }
 
-/* At rest an inductor is a short: how it shares a current with a closed switch is open, and all of it flows
- * in the inductor when the switch has any resistance.  So what the exact problem answers is asked again with
- * leaks, twice: around zero, which settles what is open, and around that answer, which leaves their share of
- * their share on the rest.  The exact answer stays where that finds none. */
-static int settle_dc(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
-                     ns_mode *mode) {
-    static const double share = 1e-8;
+/* At the operating point an inductor is a short: how it shares a current with a closed switch is
+ * undetermined, and all of it flows in the inductor when the switch has any resistance.  So the problem is
+ * solved again with leaks: around zero, which determines everything, then twice around the answer so far,
+ * which leaves the square and the cube of their fraction on the rest.  If there is no such answer the exact
+ * one is kept. */
+static int find_dc_of_leaks(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
+                            ns_mode *mode) {
+    static const double fraction = 1e-8;
     const int size = s->s->n + s->s->m + nhold;
     int status = NS_OK;
     for (int round = 0; round < 3 && status == NS_OK; round++) {
         form_dc(s, z, nhold, hold, hold_x);
-        add_leaks(s, 1, size, share, round > 0);
-        status = solve(s, 1, size, mode);
+        add_leaks(s, 1, size, fraction, round > 0);
+        status = solve_lcp(s, 1, size, mode);
     }
     if (status != NS_OK)
         return status;
@@ -191,7 +192,7 @@ int ns_theta_lcp_dc(ns_theta *s, const double *z, int nhold, const int *hold, co
     if (ns_theta_reserve(s, nhold) != NS_OK)
         return NS_E_MEMORY;
     form_dc(s, z, nhold, hold, hold_x);
-    const int status = solve(s, 1, size, mode);
+    const int status = solve_lcp(s, 1, size, mode);
     if (status != NS_OK) {
         s->failure.size = size;
         s->failure.h = 0;
@@ -199,7 +200,7 @@ int ns_theta_lcp_dc(ns_theta *s, const double *z, int nhold, const int *hold, co
     }
     memcpy(x, s->sol, sizeof(double) * (size_t)n);
     memcpy(s->trial.mode, mode, (size_t)s->s->m);
-    if (settle_dc(s, z, nhold, hold, hold_x, s->trial.mode) == NS_OK) {
+    if (find_dc_of_leaks(s, z, nhold, hold, hold_x, s->trial.mode) == NS_OK) {
         memcpy(x, s->sol, sizeof(double) * (size_t)n);
         memcpy(mode, s->trial.mode, (size_t)s->s->m);
     }

@@ -18,7 +18,7 @@
 /* What the second refinement may still move: far above rounding, far below what a pivot of rounding does. */
 static const double moved_max = 1e-10;
 /* Below, K may be singular but for rounding; with pivots that differ by less, what an estimate of the
- * condition could tell shows in the refinement too. */
+ * condition could show, the refinement shows too. */
 static const double rcond_min = 1e-14, pivots_min = 1e-6;
 
 static int list_inside(const ns_theta *s, const ns_mode *mode, int *inside) {
@@ -163,7 +163,7 @@ static ns_map *map_create(const ns_theta *s, const ns_mode *mode) {
  * largest number about, so that a voltage of zero beside one of 1 V comes out as zero.  Returns what the
  * second one still moved, relative to X: rounding if K is regular, everything if a pivot was only rounding.
  */
-static double refine(ns_theta *s, int size) {
+static double refine_columns(ns_theta *s, int size) {
     const size_t count = (size_t)size * (size_t)s->q;
     double *residual = s->R + count, moved = 0;
     for (int round = 0; round < 2; round++) {
@@ -190,13 +190,13 @@ static double refine(ns_theta *s, int size) {
 static int solve_factored(ns_theta *s, int size) {
     memcpy(s->X, s->R, sizeof(double) * (size_t)size * (size_t)s->q);
     ns_linalg_lu_solve(s->lu, s->q, s->X);
-    return refine(s, size) <= moved_max ? NS_OK : NS_E_SINGULAR;
+    return refine_columns(s, size) <= moved_max ? NS_OK : NS_E_SINGULAR;
 }
 
 /* X from the right-hand sides in R.  A pivot that is only rounding can pass for one, with an X of any size
- * along what is open; leaks tell, as they settle what is open and leave alone what is not.  *leaky: there
- * are leaks in the factors. */
-static int solve(ns_theta *s, const ns_leaks *leaks, int nj, int *leaky) {
+ * in the null space; leaks show it, as they determine what the null space does not and leave the rest alone.
+ * *leaky: there are leaks in the factors. */
+static int solve_columns(ns_theta *s, const ns_leaks *leaks, int nj, int *leaky) {
     const int size = s->s->n + nj;
     *leaky = 0;
     s->counts.factors++;
@@ -217,14 +217,15 @@ static int solve(ns_theta *s, const ns_leaks *leaks, int nj, int *leaky) {
     return solve_factored(s, size);
 }
 
-int ns_theta_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, double share, ns_map **out) {
+int ns_theta_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, double fraction,
+                       ns_map **out) {
     const int nj = ns_theta_map_matrix(s, h, implicit, mode);
     const ns_leaks leaks = {mode, implicit ? h : h * s->theta, s->leak};
     int leaky;
     *out = NULL;
     ns_theta_forget_failure(s); /* K is used */
     form_columns(s, h, implicit, mode, nj, s->R);
-    const int status = solve(s, &leaks, nj, &leaky);
+    const int status = solve_columns(s, &leaks, nj, &leaky);
     if (status != NS_OK)
         return status;
     ns_map *map = map_create(s, mode);
@@ -234,7 +235,7 @@ int ns_theta_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode,
     map->implicit = implicit;
     fill_full(s, map, nj);
     fill_step(s, map);
-    ns_theta_map_rounding(s, map, leaky ? &leaks : NULL, nj, share);
+    ns_theta_map_rounding(s, map, leaky ? &leaks : NULL, nj, fraction);
     s->counts.maps++;
     *out = map;
     return NS_OK;
