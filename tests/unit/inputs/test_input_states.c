@@ -124,6 +124,36 @@ static void states_are_the_signals(void **state) {
     }
 }
 
+static int kinds(const ns_input_states *e, ns_input_kind kind, int input) {
+    int count = 0;
+    for (int i = 0; i < e->nv; i++)
+        count += e->state[i].kind == kind && e->state[i].input == input;
+    return count;
+}
+
+/* Of three broken lines only those that rise somewhere have a slope: steps have none, the last piece counts.
+ */
+static void only_ramps_have_slopes(void **state) {
+    static double times[] = {0, 1, 1, 2}, steps[] = {0, 0, 1, 1}, late[] = {0, 0, 0, 1};
+    static const int slopes[] = {0, 1, 0};
+    ns_system *system = bare(3, 0);
+    ns_input_states *e;
+    (void)state;
+    input(system, 0, (ns_signal){.kind = NS_PWL, .u.pwl = {.n = 4, .t = times, .v = steps}});
+    input(system, 1, (ns_signal){.kind = NS_PWL, .u.pwl = {.n = 4, .t = times, .v = late}});
+    input(system, 2, dc(2));
+    for (int i = 0; i < 3; i++)
+        system->E[i] = 1;
+    ns_time_events *s = schedule(system);
+    assert_int_equal(ns_inputs_states_create(system, s, &e), NS_OK);
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(kinds(e, NS_STATE_SLOPE, i), slopes[i]);
+        assert_int_equal(kinds(e, NS_STATE_VALUE, i), i < 2);
+    }
+    ns_inputs_states_free(e);
+    done(s, system);
+}
+
 /* Nothing happens before td1, whatever td2 is: the second wave begins with the first. */
 static void an_exponential_ends_before_it_begins(void **state) {
     ns_system *system = bare(1, 0);
@@ -269,10 +299,10 @@ static void commands_of_large_systems(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(waves_are_the_signal),      cmocka_unit_test(constants_have_no_waves),
-        cmocka_unit_test(states_are_the_signals),    cmocka_unit_test(an_exponential_ends_before_it_begins),
-        cmocka_unit_test(states_are_shared),         cmocka_unit_test(expansions_are_the_signals),
-        cmocka_unit_test(commands_of_large_systems),
+        cmocka_unit_test(waves_are_the_signal),       cmocka_unit_test(constants_have_no_waves),
+        cmocka_unit_test(states_are_the_signals),     cmocka_unit_test(an_exponential_ends_before_it_begins),
+        cmocka_unit_test(only_ramps_have_slopes),     cmocka_unit_test(states_are_shared),
+        cmocka_unit_test(expansions_are_the_signals), cmocka_unit_test(commands_of_large_systems),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
