@@ -1,7 +1,7 @@
 #!/bin/sh
 # tests/run.sh - runs all that `make test` built, prints what failed and why, and the closing count.
 #
-#     tests/run.sh [all | sanitize | valgrind | tags | readmes]
+#     tests/run.sh [all | sanitize | valgrind | tags | readmes | rooms]
 #
 # Two sorts of tests: cmocka programs (counted by their TAP output) and scripts that print `ok NAME`,
 # `FAIL NAME reason` or `skip NAME reason` for each of their tests.  A program that crashes, hangs, or runs no
@@ -78,6 +78,7 @@ plain() {
     script install tests/install.sh
     script tags tests/tags.sh
     script readmes tests/readmes.sh
+    script rooms tests/rooms.sh
     script fuzz tests/fuzz.sh 8
 }
 
@@ -97,7 +98,7 @@ all) # two lanes side by side, for two cores
     wait
     ;;
 sanitize) sanitize ;;
-valgrind | tags | readmes) script "$1" "tests/$1.sh" ;;
+valgrind | tags | readmes | rooms) script "$1" "tests/$1.sh" ;;
 *) echo "tests/run.sh: no such part: $1" >&2 && exit 2 ;;
 esac
 
