@@ -19,9 +19,8 @@ static int nodes_fit(const CKTcircuit *ckt) {
     int n = 0;
     for (const CKTnode *node = ckt->CKTnodes; node && n <= ckt->CKTmaxEqNum; node = node->next, n++) {
         if (node->number < 0 || node->number >= ckt->CKTmaxEqNum ||
-            (node->type != SP_VOLTAGE && node->type != SP_CURRENT)) {
+            (node->type != SP_VOLTAGE && node->type != SP_CURRENT))
             return 0;
-        }
         last = node;
     }
     return n == ckt->CKTmaxEqNum && last == ckt->CKTlastNode;
@@ -39,9 +38,8 @@ static int instances_fit(const CKTcircuit *ckt) {
          box = box->thread_next, n++) {
         const GENinstance *inst = box->data;
         if (!inst || !inst->GENname || !inst->GENmodPtr || inst->GENmodPtr->GENmodType < 0 ||
-            ckt->CKThead[inst->GENmodPtr->GENmodType] == NULL) {
+            ckt->CKThead[inst->GENmodPtr->GENmodType] == NULL)
             return 0;
-        }
     }
     return n == names->num_entries;
 }
@@ -55,25 +53,20 @@ static int resistors_fit(const CKTcircuit *ckt) {
         if (ns_bridge_models_letter(inst) == 'r' && !r->REStc1Given && !r->REStc2Given && !r->REStceGiven &&
             model->REStempCoeff1 == 0.0 && model->REStempCoeff2 == 0.0 && !model->REStceGiven &&
             r->RESresist != 0.0 &&
-            !(fabs(r->RESconduct * r->RESresist * r->RESscale / r->RESm - 1.0) < 1e-9 /* rounding */)) {
+            !(fabs(r->RESconduct * r->RESresist * r->RESscale / r->RESm - 1.0) < 1e-9 /* rounding */))
             return 0;
-        }
     }
     return 1;
 }
 
 const char *ns_bridge_abi_check(CKTcircuit *ckt) {
-    if (!(ckt->CKTmaxEqNum > 0 && ckt->CKTmaxEqNum < EQUATIONS_MAX) || !nodes_fit(ckt)) {
+    if (!(ckt->CKTmaxEqNum > 0 && ckt->CKTmaxEqNum < EQUATIONS_MAX) || !nodes_fit(ckt))
         return "the list of nodes";
-    }
-    if (!(ckt->CKTtemp > 0.0 && ckt->CKTtemp < 1e4) || !ckt->enh || !ckt->CKThead || !ckt->DEVnameHash) {
+    if (!(ckt->CKTtemp > 0.0 && ckt->CKTtemp < 1e4) || !ckt->enh || !ckt->CKThead || !ckt->DEVnameHash)
         return "the circuit";
-    }
-    if (!matrix_fits(ckt)) {
+    if (!matrix_fits(ckt))
         return "the matrix";
-    }
-    if (!instances_fit(ckt)) {
+    if (!instances_fit(ckt))
         return "the table of instances";
-    }
     return resistors_fit(ckt) ? NULL : "a resistor";
 }

@@ -10,21 +10,18 @@ enum { STEPS_PER_POINT = 16 }; /* in ngspice's longest step, unless option h say
 enum { POINTS_PER_STEP = 4 };  /* of the sparse engine, which controls its error and knows what is between */
 
 static double longest_step(const ns_analysis *a, const CKTcircuit *ckt) {
-    if (a->ex.options.h > 0.0) {
+    if (a->ex.options.h > 0.0)
         return a->ex.options.h;
-    }
-    if (!(ckt->CKTmaxStep > 0.0)) { /* .op: any will do */
+    if (!(ckt->CKTmaxStep > 0.0)) /* .op: any will do */
         return 1e-6;
-    }
     return a->ex.options.method == NS_SPARSE ? POINTS_PER_STEP * ckt->CKTmaxStep
                                              : ckt->CKTmaxStep / STEPS_PER_POINT;
 }
 
 /* The unknown that equation eq stands for, or -1. */
 static int unknown_of(const ns_extract *ex, int eq) {
-    if (eq == 0) {
+    if (eq == 0)
         return -1;
-    }
     return ex->element[eq] >= 0 ? ns_circuit_current_unknown(ex->circuit, ex->element[eq])
                                 : ns_circuit_node_unknown(ex->circuit, eq);
 }
@@ -42,16 +39,14 @@ static int allocate_points(ns_analysis *a) {
 
 static int prepare_points(ns_analysis *a) {
     const int status = allocate_points(a);
-    if (status) {
+    if (status)
         return status;
-    }
     a->x = a->buffers;
     a->lambda = a->x + a->system->n;
     a->before = a->x + a->count;
     a->max_abs = a->before + a->count;
-    for (int eq = 0; eq < a->ex.neq; eq++) {
+    for (int eq = 0; eq < a->ex.neq; eq++)
         a->unknown[eq] = unknown_of(&a->ex, eq);
-    }
     a->held.n = ns_circuit_hold(a->ex.circuit, a->held.unknown, a->held.value);
     return NS_OK;
 }
@@ -59,11 +54,10 @@ static int prepare_points(ns_analysis *a) {
 void ns_bridge_analysis_explain(const ns_analysis *a, const ns_fault *fault, int status, char *line,
                                 size_t size) {
     const char *message = a->system ? "" : ns_circuit_message(a->ex.circuit);
-    if (fault && fault->status) {
+    if (fault && fault->status)
         ns_circuit_explain(a->ex.circuit, fault, line, size);
-    } else {
+    else
         snprintf(line, size, "%s", *message ? message : ns_status_text(status));
-    }
 }
 
 static int build_march(CKTcircuit *ckt, ns_analysis *a) {
@@ -77,9 +71,8 @@ static int build_march(CKTcircuit *ckt, ns_analysis *a) {
     int status = ns_circuit_system(a->ex.circuit, &a->system);
     status = status ? status : prepare_points(a);
     status = status ? status : ns_march_create(a->system, &o, &a->march, &fault);
-    if (!status) {
+    if (!status)
         return OK;
-    }
     ns_bridge_analysis_explain(a, &fault, status, line, sizeof line);
     ns_bridge_report_error("%s", line);
     return ns_bridge_report_code(status);
@@ -89,14 +82,12 @@ int ns_bridge_analysis_make(CKTcircuit *ckt, ns_extract_sources sources, ns_anal
     int error;
     memset(a, 0, sizeof *a);
     error = ns_bridge_extract_read(ckt, sources, &a->ex);
-    if (error) {
+    if (error)
         ns_bridge_report_error("%s", a->ex.line);
-    } else {
+    else
         error = build_march(ckt, a);
-    }
-    if (error) {
+    if (error)
         ns_bridge_analysis_clear(a);
-    }
     return error;
 }
 
@@ -128,17 +119,14 @@ int ns_bridge_analysis_read(ns_analysis *a, double *t) {
         a->max_abs[k] = fmax(a->max_abs[k], fabs(x[k]));
         status = isfinite(x[k]) ? NS_OK : NS_E_OVERFLOW; /* no number for ngspice */
     }
-    if (!status) {
+    if (!status)
         ns_bridge_analysis_unread(a); /* swaps the two */
-    }
     return status;
 }
 
 int ns_bridge_analysis_moved(const ns_analysis *a, double fraction) {
-    for (size_t k = 0; k < a->count; k++) {
-        if (fabs(a->x[k] - a->before[k]) > fraction * a->max_abs[k]) {
+    for (size_t k = 0; k < a->count; k++)
+        if (fabs(a->x[k] - a->before[k]) > fraction * a->max_abs[k])
             return 1;
-        }
-    }
     return 0;
 }

@@ -14,9 +14,8 @@
 static int check_version(ns_session *s) {
     const char *wrong = s->once.version_checked ? NULL : ns_bridge_abi_check(s->ckt);
     s->once.version_checked = !wrong;
-    if (!wrong) {
+    if (!wrong)
         return OK;
-    }
     ns_bridge_report_error(
         "this nonsmooth.cm was built for another version of ngspice: %s is not as expected", wrong);
     return E_UNSUPP;
@@ -37,13 +36,11 @@ int ns_bridge_analysis_check(ns_session *s) {
     ns_bridge_dc_rows_show(&s->dc_rows, s->ckt);
     error = check_version(s);
     error = error ? error : check_options(s);
-    if (error) {
+    if (error)
         return error;
-    }
     error = ns_bridge_extract_read(s->ckt, SOURCES_TRAN, &ex);
-    if (error) {
+    if (error)
         ns_bridge_report_error("%s", ex.line);
-    }
     ns_bridge_extract_clear(&ex);
     return error;
 }
@@ -54,11 +51,9 @@ static int is_refused(const ns_session *s) {
     static const char *const refused[] = {"Transfer Function", "Sensitivity Analysis", "Pole-Zero Analysis",
                                           "Noise Analysis", "Periodic Steady State Analysis"};
     const JOB *job = s->ckt->CKTcurJob;
-    for (size_t i = 0; job && job->JOBname && i < sizeof refused / sizeof refused[0]; i++) {
-        if (strcmp(job->JOBname, refused[i]) == 0) {
+    for (size_t i = 0; job && job->JOBname && i < sizeof refused / sizeof refused[0]; i++)
+        if (strcmp(job->JOBname, refused[i]) == 0)
             return 1;
-        }
-    }
     return 0;
 }
 
@@ -67,11 +62,10 @@ static int is_refused(const ns_session *s) {
 static int prepare_force(ns_session *s) {
     const int error =
         s->force.entry ? OK : ns_bridge_force_prepare(&s->force, s->ckt->CKTmatrix, s->ckt->CKTmaxEqNum);
-    if (error == E_NOMEM) {
+    if (error == E_NOMEM)
         ns_bridge_report_error("out of memory");
-    } else if (error) {
+    else if (error)
         ns_bridge_report_error("ngspice's matrix is structurally singular: is every node connected?");
-    }
     return error;
 }
 
@@ -79,13 +73,11 @@ static int prepare_force(ns_session *s) {
 static int refuse_analysis(ns_session *s) {
     const char *name = s->ckt->CKTcurJob->JOBname;
     ns_bridge_report_error("%s is not supported; .op, .dc and .tran are", name);
-    if (strcmp(name, "Transfer Function") != 0) {
+    if (strcmp(name, "Transfer Function") != 0)
         return E_UNSUPP;
-    }
     const int error = prepare_force(s);
-    if (!error) {
+    if (!error)
         memset(s->force.value, 0, (size_t)s->ckt->CKTmaxEqNum * sizeof *s->force.value);
-    }
     return error;
 }
 
@@ -108,11 +100,10 @@ static void announce_circuit(ns_session *s) {
 static int start_from_charges(ns_analysis *a, double t, const ns_system *s, const double *x) {
     double *w0 = calloc((size_t)a->system->n + 1, sizeof *w0);
     int status = w0 ? NS_OK : NS_E_MEMORY;
-    if (!status && s) {
+    if (!status && s)
         ns_system_charges(s, x, w0);
-    } else if (!status) {
+    else if (!status)
         status = ns_circuit_rest(a->ex.circuit, w0);
-    }
     status = status ? status : ns_march_start(a->march, t, w0);
     free(w0);
     return status;
@@ -134,30 +125,24 @@ static int start_analysis(ns_session *s) {
     ns_bridge_analysis_clear(a);
     ns_bridge_trial_clear(s);
     s->refused = is_refused(s);
-    if (s->refused) {
+    if (s->refused)
         return refuse_analysis(s);
-    }
     error = ns_bridge_analysis_make(s->ckt, tran ? SOURCES_TRAN : SOURCES_DC, a);
-    if (error) {
+    if (error)
         return error;
-    }
     announce_circuit(s);
     status = start_march(a, tran, uic);
     error = status ? ns_bridge_trial_fail(s, status) : prepare_force(s);
-    if (error) {
+    if (error)
         return error;
-    }
     ns_bridge_loop_take(s->ckt, &s->loop, a->ex.options.corners, 0);
-    if (!uic) {
+    if (!uic)
         ns_bridge_show_values(a, a->x, s->force.value);
-    }
     error = ns_bridge_trial_begin(s);
-    if (!error && uic) {
+    if (!error && uic)
         ns_bridge_show_values(a, a->x, s->force.value);
-    }
-    if (!error) {
+    if (!error)
         ns_bridge_show_later(a);
-    }
     return error;
 }
 
@@ -189,14 +174,12 @@ int ns_bridge_analysis_resume(ns_session *s) {
     ns_analysis *a = &s->analysis;
     ns_analysis now;
     int error = ns_bridge_analysis_make(s->ckt, SOURCES_TRAN, &now);
-    if (error) {
+    if (error)
         return error;
-    }
     a->ex.options = now.ex.options;
     ns_bridge_loop_take(s->ckt, &s->loop, now.ex.options.corners, 1);
-    if (now.ex.hash != a->ex.hash && now.system->n == a->system->n) {
+    if (now.ex.hash != a->ex.hash && now.system->n == a->system->n)
         return replace_analysis(s, &now);
-    }
     if (now.ex.hash != a->ex.hash) {
         ns_bridge_report_error("the altered circuit has %d unknowns, not %d: use run, it cannot be resumed",
                                now.system->n, a->system->n);

@@ -19,9 +19,8 @@ static ns_degree degree_of(const INPparseNode *node, int depth);
 
 static ns_degree degree_of_function(const INPparseNode *node, int depth) {
     const ns_degree argument = degree_of(node->left, depth);
-    if (node->funcnum == PTF_UMINUS) {
+    if (node->funcnum == PTF_UMINUS)
         return argument;
-    }
     return argument == DEGREE_CONSTANT && node->funcnum != PTF_DDT ? DEGREE_CONSTANT : DEGREE_OTHER;
 }
 
@@ -31,9 +30,8 @@ static ns_degree degree_of_operation(const INPparseNode *node, ns_operation oper
 
 /* How node depends on the variables. */
 static ns_degree degree_of(const INPparseNode *node, int depth) {
-    if (!node || depth++ > DEPTH_MAX) {
+    if (!node || depth++ > DEPTH_MAX)
         return DEGREE_OTHER;
-    }
     switch (node->type) {
     case PT_CONSTANT:
         return DEGREE_CONSTANT;
@@ -71,10 +69,10 @@ typedef struct parsed {
     double gmin;
 } parsed;
 
-static double evaluate(void *context, double *values, double *slopes) {
+static double evaluate(void *context, const double *values, double *slopes) {
     const parsed *p = context;
     double result = NAN;
-    return p->tree->IFeval(p->tree, p->gmin, &result, values, slopes) == OK ? result : NAN;
+    return p->tree->IFeval(p->tree, p->gmin, &result, (double *)values, slopes) == OK ? result : NAN;
 }
 
 /* constant and slopes (n) of a linear expression; 0: it is none.  work: 2n. */
@@ -93,9 +91,8 @@ static int make_terms(const ns_extract_walk *w, const ASRCinstance *b, const dou
         const int eq = b->ASRCvars[i];
         const int is_current = b->ASRCtree->varTypes[i] == IF_INSTANCE;
         const int of = is_current && eq > 0 && eq < w->ex->neq ? w->ex->element[eq] : -1;
-        if (is_current && of < 0) {
+        if (is_current && of < 0)
             return EXTRACT_LATER;
-        }
         terms[i] =
             (ns_term){.is_current = is_current, .of = is_current ? of : eq, .gain = factor * slopes[i]};
     }
@@ -122,17 +119,14 @@ static int add_linear(ns_extract_walk *w, GENinstance *inst, double *slopes, dou
     double constant;
     int id = -1;
     int status;
-    if (!read_linear(w, b->ASRCtree, &constant, slopes, work)) {
+    if (!read_linear(w, b->ASRCtree, &constant, slopes, work))
         return ns_bridge_extract_refuse(w, inst, why_not(inst->GENname));
-    }
     status = make_terms(w, b, slopes, factor, terms);
-    if (status) {
+    if (status)
         return status;
-    }
     constant *= factor;
-    for (int i = 0; i < b->ASRCtree->numVars; i++) {
+    for (int i = 0; i < b->ASRCtree->numVars; i++)
         ns_bridge_extract_mix(w, &terms[i].gain, sizeof terms[i].gain);
-    }
     ns_bridge_extract_mix(w, &constant, sizeof constant);
     status = ns_circuit_linear(w->ex->circuit, inst->GENname, kind, b->ASRCposNode, b->ASRCnegNode, constant,
                                b->ASRCtree->numVars, terms, &id);

@@ -5,9 +5,8 @@
 
 int ns_bridge_dc_rows_hide(ns_dc_rows *rows, CKTcircuit *ckt) {
     int k = 0;
-    if (!rows->flags && !(rows->flags = calloc((size_t)ckt->CKTmaxEqNum, 1))) {
+    if (!rows->flags && !(rows->flags = calloc((size_t)ckt->CKTmaxEqNum, 1)))
         return E_NOMEM;
-    }
     for (CKTnode *node = ckt->CKTnodes; node; node = node->next, k++) {
         rows->flags[k] = (unsigned char)(node->icGiven | (node->nsGiven << 1));
         node->icGiven = node->nsGiven = 0;

@@ -22,11 +22,10 @@ static void write_head(FILE *file, const ns_analysis *a, const ns_mlcp *p, doubl
     fprintf(file,
             "# nonsmooth " QUOTE_VALUE(NONSMOOTH_VERSION) ": a problem that failed, for nsc-mlcp\n# %s\n",
             line);
-    if (h > 0.0) {
+    if (h > 0.0)
         fprintf(file, "# a step of %.17g s\n", h);
-    } else {
+    else
         fputs("# an operating point\n", file);
-    }
     fprintf(file, "# lambda: %d unknowns, %d pairs, currents that hold %d nodes\n", a->system->n,
             a->system->m, p->m - a->system->n - a->system->m);
     fputs("# row of an unknown: KCL of its node or the law of its branch; else the unknowns whose rows it "
@@ -40,9 +39,8 @@ static void write_rows(FILE *file, const ns_analysis *a, const double *T, int k)
     const char *before = "; row of ";
     char name[160];
     int others = 0;
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         others += i != k && T[k + i * n] != 0.0;
-    }
     for (int i = 0; i < n && others > 0; i++) {
         if (T[k + i * n] != 0.0) {
             ns_circuit_name_unknown(a->ex.circuit, i, name, sizeof name);
@@ -59,15 +57,13 @@ static void write_names(FILE *file, const ns_analysis *a, const ns_mlcp *p, cons
     char name[160];
     for (int i = 0; i < p->m; i++) {
         const char *what = i < n + m ? "" : "current that holds the ";
-        if (i >= n && i < n + m) {
+        if (i >= n && i < n + m)
             ns_circuit_name_pair(a->ex.circuit, i - n, name, sizeof name);
-        } else {
+        else
             ns_circuit_name_unknown(a->ex.circuit, i < n ? i : a->held.unknown[i - n - m], name, sizeof name);
-        }
         fprintf(file, "# %d: %s%s", i + 1, what, name);
-        if (i < n) {
+        if (i < n)
             write_rows(file, a, T, i);
-        }
         fputc('\n', file);
     }
 }
@@ -75,9 +71,8 @@ static void write_names(FILE *file, const ns_analysis *a, const ns_mlcp *p, cons
 /* The problem as text, or NULL; the caller frees it. */
 static char *text_of(const ns_mlcp *p, size_t *length) {
     char *text = NULL;
-    if (!ns_mlcp_write(p, NULL, 0, length)) {
+    if (!ns_mlcp_write(p, NULL, 0, length))
         text = malloc(*length + 1);
-    }
     if (text && ns_mlcp_write(p, text, *length + 1, length)) {
         free(text);
         text = NULL;
@@ -127,17 +122,15 @@ void ns_bridge_dump_failed_step(const ns_analysis *a, char *more, size_t size) {
     double h = 0.0;
     ns_mlcp p;
     *more = '\0';
-    if (!name || !*name) {
+    if (!name || !*name)
         return;
-    }
     if (!a->march || ns_march_problem(a->march, &p, &h)) {
         snprintf(more, size, "; option dump writes no file: no problem (P1) failed");
         return;
     }
     const int error = write_file(name, a, &p, h);
-    if (error) {
+    if (error)
         snprintf(more, size, "; cannot write the problem to %.200s: %s", name, strerror(error));
-    } else {
+    else
         snprintf(more, size, "; the problem that failed is in %.200s", name);
-    }
 }

@@ -54,9 +54,8 @@ int ns_bridge_elements_coupling(ns_extract_walk *w, GENinstance *inst) {
     const int id2 = element_of(w, l2->INDbrEq);
     double coupling;
     w->ex->couplings = inst->GENmodPtr->GENmodType;
-    if (id1 < 0 || id2 < 0) {
+    if (id1 < 0 || id2 < 0)
         return EXTRACT_LATER;
-    }
     /* ngspice's mutual inductance does not know m */
     coupling = l1->INDm == 1.0 && l2->INDm == 1.0
                    ? k->MUTcoupling
@@ -86,9 +85,8 @@ int ns_bridge_elements_vccs(ns_extract_walk *w, GENinstance *inst) {
 int ns_bridge_elements_cccs(ns_extract_walk *w, GENinstance *inst) {
     const CCCSinstance *f = (const CCCSinstance *)inst;
     const int by = element_of(w, f->CCCScontBranch);
-    if (by < 0) {
+    if (by < 0)
         return EXTRACT_LATER;
-    }
     ns_bridge_extract_mix(w, &f->CCCScoeff, sizeof f->CCCScoeff);
     return ns_circuit_icontrolled(w->ex->circuit, inst->GENname, NS_CURRENT, f->CCCSposNode, f->CCCSnegNode,
                                   by, f->CCCScoeff, NULL);
@@ -99,9 +97,8 @@ int ns_bridge_elements_ccvs(ns_extract_walk *w, GENinstance *inst) {
     const int by = element_of(w, h->CCVScontBranch);
     int id = -1;
     int status;
-    if (by < 0) {
+    if (by < 0)
         return EXTRACT_LATER;
-    }
     status = ns_circuit_icontrolled(w->ex->circuit, inst->GENname, NS_VOLTAGE, h->CCVSposNode, h->CCVSnegNode,
                                     by, h->CCVScoeff, &id);
     ns_bridge_extract_mix(w, &h->CCVScoeff, sizeof h->CCVScoeff);

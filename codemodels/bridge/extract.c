@@ -12,9 +12,8 @@
 
 static int add_device(ns_extract_walk *w, MIFinstance *inst, int id) {
     ns_extract_device *more = realloc(w->ex->device, (size_t)(w->ex->ndevices + 1) * sizeof *more);
-    if (!more) {
+    if (!more)
         return NS_E_MEMORY;
-    }
     w->ex->device = more;
     w->ex->device[w->ex->ndevices++] = (ns_extract_device){inst, id};
     return NS_OK;
@@ -101,26 +100,21 @@ static const struct element_reader {
 static int read_instance(ns_extract_walk *w, GENinstance *inst) {
     const char letter = ns_bridge_models_letter(inst);
     char what[160];
-    for (size_t i = 0; i < sizeof readers / sizeof readers[0]; i++) {
-        if (readers[i].letter == letter) {
+    for (size_t i = 0; i < sizeof readers / sizeof readers[0]; i++)
+        if (readers[i].letter == letter)
             return readers[i].read(w, inst);
-        }
-    }
-    snprintf(
-        what, sizeof what,
-        "%c elements are not supported; R, C, L, K, V, I, E, F, G, H, linear B and the ideal devices are",
-        toupper((unsigned char)letter));
+    snprintf(what, sizeof what, "%c elements are not supported; %s and the ideal devices are",
+             toupper((unsigned char)letter), "R, C, L, K, V, I, E, F, G, H, linear B");
     return ns_bridge_extract_refuse(w, inst, what);
 }
 
 /* Why a call of the library failed, in words. */
 static int refuse_status(ns_extract_walk *w, const char *name, int status) {
     const char *message = w->ex->circuit ? ns_circuit_message(w->ex->circuit) : "";
-    if (*message) {
+    if (*message)
         ns_bridge_extract_line(w->ex, ns_bridge_report_code(status), "", message);
-    } else {
+    else
         ns_bridge_extract_line(w->ex, ns_bridge_report_code(status), name, ns_status_text(status));
-    }
     return w->ex->error;
 }
 
@@ -154,9 +148,8 @@ static int read_all(ns_extract_walk *w) {
     int read = 0;
     int later = 1;
     int error = OK;
-    if (!done) {
+    if (!done)
         return refuse_status(w, "", NS_E_MEMORY);
-    }
     while (!error && later > 0) { /* ends: each round reads one at least */
         error = read_pass(w, done, &read, &later, &waits);
         if (!error && later > 0 && read == 0) {
@@ -173,28 +166,25 @@ static int read_all(ns_extract_walk *w) {
 static int read_nodes(ns_extract_walk *w) {
     for (const CKTnode *node = w->ckt->CKTnodes; node; node = node->next) {
         int status = NS_OK;
-        if (node->type != SP_VOLTAGE || node->number <= 0) {
+        if (node->type != SP_VOLTAGE || node->number <= 0)
             continue;
-        }
         status = ns_circuit_name_node(w->ex->circuit, node->number, node->name);
         if (!status && node->icGiven) {
             ns_bridge_extract_mix(w, &node->ic, sizeof node->ic);
             status = ns_circuit_node_ic(w->ex->circuit, node->number, node->ic);
         }
-        if (status && status != NS_E_SIZE) { /* SIZE: no element is there */
+        if (status && status != NS_E_SIZE) /* SIZE: no element is there */
             return refuse_status(w, node->name, status);
-        }
     }
     return OK;
 }
 
-/* reltol of .options, where the model has none.  ngspice's default, 1e-3, cannot be told from a choice of it.
- */
+/* reltol of .options, where the model has none.  1e-3 is ngspice's default: it cannot be seen whether it was
+ * given. */
 static void choose_reltol(ns_extract_walk *w) {
     const double global = w->ckt->CKTreltol;
-    if (w->ex->options.reltol == 0.0 && global != 1e-3 && global > 0.0 && global < 1.0) {
+    if (w->ex->options.reltol == 0.0 && global != 1e-3 && global > 0.0 && global < 1.0)
         w->ex->options.reltol = global;
-    }
     ns_bridge_extract_mix(w, &w->ex->options.reltol, sizeof w->ex->options.reltol);
 }
 
@@ -212,15 +202,12 @@ int ns_bridge_extract_read(CKTcircuit *ckt, ns_extract_sources sources, ns_extra
     ex->capacitors = ex->inductors = ex->couplings = -1;
     ex->element = malloc((size_t)ex->neq * sizeof *ex->element);
     status = ex->element ? ns_circuit_create(&ex->circuit) : NS_E_MEMORY;
-    if (status) {
+    if (status)
         return refuse_status(&w, "", status);
-    }
-    for (int eq = 0; eq < ex->neq; eq++) {
+    for (int eq = 0; eq < ex->neq; eq++)
         ex->element[eq] = -1;
-    }
-    if (!read_all(&w) && !read_nodes(&w)) {
+    if (!read_all(&w) && !read_nodes(&w))
         choose_reltol(&w);
-    }
     return ex->error;
 }
 

@@ -12,14 +12,12 @@ int ns_bridge_extract_refuse(ns_extract_walk *w, const GENinstance *inst, const 
 }
 
 void ns_bridge_extract_current(ns_extract_walk *w, int eq, int id) {
-    if (eq > 0 && eq < w->ex->neq) {
+    if (eq > 0 && eq < w->ex->neq)
         w->ex->element[eq] = id;
-    }
 }
 
 void ns_bridge_extract_mix(ns_extract_walk *w, const void *bytes, size_t size) {
     const unsigned char *b = bytes;
-    for (size_t i = 0; i < size; i++) { /* FNV-1a */
+    for (size_t i = 0; i < size; i++) /* FNV-1a */
         w->ex->hash = (w->ex->hash ^ b[i]) * 1099511628211ULL;
-    }
 }

@@ -24,9 +24,8 @@ typedef struct matching {
 static int augment(matching *g, int c) {
     for (ElementPtr e = g->m->FirstInCol[c]; e; e = e->NextInCol) {
         const int row = e->Row;
-        if (g->seen[row] == g->search) {
+        if (g->seen[row] == g->search)
             continue;
-        }
         g->seen[row] = g->search;
         if (!g->of_row[row] || augment(g, g->of_row[row]->Col)) {
             g->of_row[row] = e;
@@ -52,14 +51,12 @@ static int take_diagonal(matching *g, int c) {
 }
 
 static int match_columns(matching *g, unsigned char *served) {
-    for (int c = 1; c <= g->m->Size; c++) {
+    for (int c = 1; c <= g->m->Size; c++)
         served[c] = (unsigned char)take_diagonal(g, c);
-    }
     for (int c = 1; c <= g->m->Size; c++) {
         g->search = c;
-        if (!served[c] && !augment(g, c)) {
+        if (!served[c] && !augment(g, c))
             return E_SINGULAR;
-        }
     }
     return OK;
 }
@@ -84,17 +81,15 @@ int ns_bridge_force_prepare(ns_force *f, SMPmatrix *matrix, int neq) {
     f->value = calloc((size_t)neq, sizeof *f->value);
     g.of_row = calloc(n + 1, sizeof(ElementPtr));
     g.seen = calloc(n + 1, sizeof *g.seen);
-    if (f->entry && f->value && g.of_row && g.seen && served) {
+    if (f->entry && f->value && g.of_row && g.seen && served)
         error = choose_entries(f, &g, served);
-    }
     f->matrix = matrix;
     f->n = matrix->Size;
     free(g.of_row);
     free(g.seen);
     free(served);
-    if (error) {
+    if (error)
         ns_bridge_force_clear(f);
-    }
     return error;
 }
 
@@ -105,14 +100,11 @@ void ns_bridge_force_clear(ns_force *f) {
 }
 
 void ns_bridge_force_apply(const ns_force *f, double pivot, double *rhs) {
-    for (int c = 1; c <= f->matrix->Size; c++) {
-        for (ElementPtr e = f->matrix->FirstInCol[c]; e; e = e->NextInCol) {
+    for (int c = 1; c <= f->matrix->Size; c++)
+        for (ElementPtr e = f->matrix->FirstInCol[c]; e; e = e->NextInCol)
             e->Real = 0.0;
-        }
-    }
-    for (int eq = 0; eq <= f->matrix->ExtSize; eq++) {
+    for (int eq = 0; eq <= f->matrix->ExtSize; eq++)
         rhs[eq] = 0.0;
-    }
     for (int i = 0; i < f->n; i++) {
         *f->entry[i].element = pivot;
         rhs[f->entry[i].row] = pivot * f->value[f->entry[i].column];

@@ -24,9 +24,8 @@ static ns_bridge *bridges;
 
 static ns_bridge *find_bridge(const CKTcircuit *ckt) {
     ns_bridge *b = bridges;
-    while (b && b->session.ckt != ckt) {
+    while (b && b->session.ckt != ckt)
         b = b->next;
-    }
     return b;
 }
 
@@ -48,13 +47,11 @@ static ns_session *at_last(const CKTcircuit *ckt, const GENmodel *model) {
 
 static int setup_type(model_kind kind, SMPmatrix *matrix, GENmodel *model, CKTcircuit *ckt, int *states) {
     ns_bridge *b = find_or_make_bridge(ckt);
-    if (!b) {
+    if (!b)
         return E_NOMEM;
-    }
     ns_bridge_models_set_type(kind, model->GENmodType);
-    if (kind != KIND_OPTIONS) { /* options alone leave the circuit to ngspice */
+    if (kind != KIND_OPTIONS) /* options alone leave the circuit to ngspice */
         b->last_type = model->GENmodType;
-    }
     b->mark = model->GENinstances ? model->GENinstances : b->mark;
     return MIFsetup(matrix, model, ckt, states);
 }
@@ -73,9 +70,8 @@ static int setup_options(SMPmatrix *matrix, GENmodel *model, CKTcircuit *ckt, in
 
 static int unsetup_type(GENmodel *model, CKTcircuit *ckt) {
     ns_bridge *b = find_bridge(ckt);
-    if (b) {
+    if (b)
         ns_bridge_session_reset(&b->session);
-    }
     return MIFunsetup(model, ckt);
 }
 
@@ -99,17 +95,15 @@ static int accept_point(CKTcircuit *ckt, GENmodel *model) {
 /* After a point is shown. */
 static void arm_single_load(GENmodel *model, CKTcircuit *ckt) {
     ns_session *s = at_last(ckt, model);
-    if (s) {
+    if (s)
         ns_bridge_single_load_arm(s);
-    }
 }
 
 /* An error ends the analysis. */
 static int refuse_ac(GENmodel *model, CKTcircuit *ckt) {
     const ns_bridge *b = find_bridge(ckt);
-    if (!b || !b->last_type) {
+    if (!b || !b->last_type)
         return MIFload(model, ckt);
-    }
     ns_bridge_report_error("%s is not supported; .op, .dc and .tran are", ckt->CKTcurJob->JOBname);
     return E_UNSUPP;
 }
@@ -117,9 +111,8 @@ static int refuse_ac(GENmodel *model, CKTcircuit *ckt) {
 /* What a device shows is written when someone asks. */
 static int ask_instance(CKTcircuit *ckt, GENinstance *inst, int which, IFvalue *value, IFvalue *select) {
     ns_bridge *b = find_bridge(ckt);
-    if (b && b->session.analysis.march) {
+    if (b && b->session.analysis.march)
         ns_bridge_show_devices(&b->session.analysis);
-    }
     return MIFask(ckt, inst, which, value, select);
 }
 
@@ -138,9 +131,8 @@ static int delete_instance(GENinstance *inst) {
 
 /* Overrides the steps of the other devices: no point has an error, and jumps are none. */
 static int allow_any_step(GENmodel *model, CKTcircuit *ckt, double *step) {
-    if (at_last(ckt, model)) {
+    if (at_last(ckt, model))
         *step = 1e30;
-    }
     return OK;
 }
 
@@ -164,7 +156,6 @@ __attribute__((__constructor__)) static void install(void) {
         ours[k]->DEVdump = arm_single_load;
 #endif
     }
-    if (openblas_set_num_threads) { /* our matrices are small: threads only wait for each other, spinning */
+    if (openblas_set_num_threads) /* our matrices are small: threads only wait for each other, spinning */
         openblas_set_num_threads(1);
-    }
 }

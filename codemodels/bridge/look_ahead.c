@@ -17,13 +17,11 @@ static double next_point(ns_session *s) {
 static int accept_bend(ns_session *s, int *accepted) {
     static const double rounding = 1e-9; /* rounding is far below, visible jumps far above */
     *accepted = 0;
-    if (!s->trial.at_right_side) {
+    if (!s->trial.at_right_side)
         return OK;
-    }
     const int error = ns_bridge_trial_read(s);
-    if (error) {
+    if (error)
         return error;
-    }
     if (ns_bridge_analysis_moved(&s->analysis, rounding)) {
         ns_bridge_analysis_unread(&s->analysis);
         return OK;
@@ -42,19 +40,16 @@ static int try_corner(ns_session *s, double t, int *jumps) {
     ns_analysis *a = &s->analysis;
     int error = ns_bridge_trial_to(s, ns_bridge_trial_right_side(s, t), NS_TO_TIME);
     error = error ? error : ns_bridge_trial_read(s);
-    if (error) {
+    if (error)
         return error;
-    }
     *jumps = ns_bridge_analysis_moved(a, seen);
-    if (*jumps) {
+    if (*jumps)
         return OK;
-    }
     ns_bridge_analysis_unread(a);
-    if (ns_march_engine(a->march) == NS_SPARSE) { /* its next step then begins at the corner */
+    if (ns_march_engine(a->march) == NS_SPARSE) /* its next step then begins at the corner */
         ns_bridge_trial_accept(s, s->trial.t);
-    } else {
+    else
         ns_bridge_trial_drop(s);
-    }
     return OK;
 }
 
@@ -66,24 +61,19 @@ static int is_at_mere_corner(const ns_session *s) {
            ns_march_engine(march) != NS_EXACT && !ns_march_at_event(march);
 }
 
-/* Tries to integrate to the next event.  One that is closer than ngspice can step is accepted, and the next
- * tried.
- */
+/* Tries to integrate to the next event.  Those that are closer than ngspice can step are accepted. */
 static int try_events(ns_session *s) {
     const double closeness = ns_bridge_timepoints_closeness(&s->loop.points);
     for (int k = 0; k < EVENTS_AT_A_POINT; k++) {
         int accepted;
         int error = ns_bridge_trial_to(s, next_point(s), NS_TO_EVENT);
         error = error ? error : accept_bend(s, &accepted);
-        if (error) {
+        if (error)
             return error;
-        }
-        if (!accepted && s->trial.t_end - s->ckt->CKTtime >= closeness) {
+        if (!accepted && s->trial.t_end - s->ckt->CKTtime >= closeness)
             return OK;
-        }
-        if (!accepted) {
+        if (!accepted)
             ns_bridge_trial_accept(s, s->trial.t_end);
-        }
     }
     return OK;
 }
@@ -91,15 +81,12 @@ static int try_events(ns_session *s) {
 static int try_next(ns_session *s, int first) {
     int jumps = 0;
     int error = OK;
-    if (!first && is_at_mere_corner(s)) {
+    if (!first && is_at_mere_corner(s))
         error = try_corner(s, next_point(s), &jumps);
-    }
-    if (error || jumps) {
+    if (error || jumps)
         return error;
-    }
-    if (ns_bridge_timepoints_at_events(&s->loop.points)) {
+    if (ns_bridge_timepoints_at_events(&s->loop.points))
         error = try_events(s);
-    }
     return error || s->trial.made ? error : ns_bridge_trial_to(s, next_point(s), NS_TO_TIME);
 }
 
@@ -109,12 +96,10 @@ int ns_bridge_look_ahead(ns_session *s, int first) {
     ns_bridge_loop_read(ckt, &s->loop, first);
     int error = try_next(s, first);
     if (!error && s->trial.t_end != stop &&
-        stop - s->trial.t_end < ns_bridge_timepoints_closeness(&s->loop.points)) {
+        stop - s->trial.t_end < ns_bridge_timepoints_closeness(&s->loop.points))
         error = ns_bridge_trial_to(s, stop, NS_TO_TIME);
-    }
-    if (!error) {
+    if (!error)
         ckt->CKTdelta = fmax(s->trial.t_end - ckt->CKTtime, 2.0 * ckt->CKTdelmin);
-    }
     ckt->CKTorder = 1; /* so that ngspice's own currents of capacitors do not ring after a jump */
     return error;
 }

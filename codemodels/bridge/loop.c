@@ -10,9 +10,8 @@ int ns_bridge_loop_began_anew(CKTcircuit *ckt) {
 }
 
 void ns_bridge_loop_take(CKTcircuit *ckt, ns_loop *loop, int at_corners, int resumed) {
-    if (resumed) { /* ngspice made it a part of the step */
+    if (resumed) /* ngspice made it a part of the step */
         ckt->CKTminBreak = loop->points.min_break;
-    }
     ckt->CKTtrtol = no_truncation_errors;
     loop->points = (ns_timepoints){.step = ckt->CKTmaxStep, .at_corners = at_corners};
     ns_bridge_loop_read(ckt, loop, 0);
@@ -23,9 +22,8 @@ void ns_bridge_loop_take(CKTcircuit *ckt, ns_loop *loop, int at_corners, int res
 }
 
 void ns_bridge_loop_release(CKTcircuit *ckt, ns_loop *loop) {
-    if (loop->max_order) { /* ngspice frees as many states as it allocated by it */
+    if (loop->max_order) /* ngspice frees as many states as it allocated by it */
         ckt->CKTmaxOrder = loop->max_order;
-    }
     loop->max_order = 0;
 }
 

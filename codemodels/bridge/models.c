@@ -11,11 +11,9 @@ void ns_bridge_models_set_type(model_kind kind, int type) {
 }
 
 model_kind ns_bridge_models_kind(const GENinstance *inst) {
-    for (int k = 0; k < KINDS; k++) {
-        if (inst->GENmodPtr->GENmodType == type_of[k]) {
+    for (int k = 0; k < KINDS; k++)
+        if (inst->GENmodPtr->GENmodType == type_of[k])
             return (model_kind)k;
-        }
-    }
     return KIND_FOREIGN;
 }
 

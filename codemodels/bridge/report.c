@@ -45,10 +45,8 @@ int ns_bridge_report_code(int status) {
                                    {NS_E_SINGULAR, E_SINGULAR},
                                    {NS_E_INFEASIBLE, E_SINGULAR},
                                    {NS_E_RESIDUAL, E_SINGULAR}};
-    for (size_t k = 0; k < sizeof codes / sizeof codes[0]; k++) {
-        if (codes[k][0] == status) {
+    for (size_t k = 0; k < sizeof codes / sizeof codes[0]; k++)
+        if (codes[k][0] == status)
             return codes[k][1];
-        }
-    }
     return E_UNSUPP;
 }

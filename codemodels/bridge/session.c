@@ -30,27 +30,24 @@ static void load_tran(ns_session *s) {
         resumed = 1;
         s->failed = ns_bridge_analysis_resume(s);
     }
-    if (!s->failed) {
+    if (!s->failed)
         s->failed = ns_bridge_trial_load(s, resumed);
-    }
 }
 
 static int load_dc(ns_session *s) {
     const int first = (s->ckt->CKTmode & (MODEINITJCT | MODEINITPRED)) != 0;
     int error = OK;
-    if (first || !(s->analysis.march || s->refused)) {
+    if (first || !(s->analysis.march || s->refused))
         error = s->failed = ns_bridge_analysis_start(s);
-    }
     return s->ckt->CKTmode & MODEUIC ? OK : error; /* with uic there is no solve: the first accept ends it */
 }
 
 static int load_values(ns_session *s) {
     int error = OK;
-    if (is_dc(s->ckt)) {
+    if (is_dc(s->ckt))
         error = load_dc(s);
-    } else if (s->analysis.march) {
+    else if (s->analysis.march)
         load_tran(s);
-    }
     return !error && !s->force.entry ? E_UNSUPP : error;
 }
 
@@ -63,12 +60,10 @@ int ns_bridge_session_load(ns_session *s) {
     }
     ns_bridge_dc_rows_show(&s->dc_rows, s->ckt);
     error = load_values(s);
-    if (!error && is_dc(s->ckt)) {
+    if (!error && is_dc(s->ckt))
         error = ns_bridge_dc_rows_hide(&s->dc_rows, s->ckt);
-    }
-    if (error) {
+    if (error)
         return end_dc(s->ckt, error);
-    }
     ns_bridge_force_apply(&s->force, s->refused ? 1e200 : 1.0, s->ckt->CKTrhs);
     return OK;
 }
@@ -78,29 +73,25 @@ int ns_bridge_session_load(ns_session *s) {
 /* The consistent start, in place of the operating point under .ic. */
 static int show_start(ns_session *s) {
     const int error = ns_bridge_trial_read_values(s);
-    if (!error) {
+    if (!error)
         memcpy(s->ckt->CKTrhsOld, s->force.value, (size_t)s->analysis.ex.neq * sizeof *s->force.value);
-    }
     return error;
 }
 
 static void end_analysis(ns_session *s) {
-    if (s->analysis.ex.options.verbose) {
+    if (s->analysis.ex.options.verbose)
         ns_bridge_show_summary(&s->analysis, (double)(s->start_cpu + s->trial.cpu) / CLOCKS_PER_SEC);
-    }
     ns_bridge_loop_release(s->ckt, &s->loop);
 }
 
 int ns_bridge_session_accept(ns_session *s) {
     CKTcircuit *ckt = s->ckt;
     /* without breakpoints: a search for an operating point */
-    if (s->failed || !s->analysis.march || is_dc(ckt) || !ckt->CKTbreaks) {
+    if (s->failed || !s->analysis.march || is_dc(ckt) || !ckt->CKTbreaks)
         return s->failed;
-    }
     const int first = ns_bridge_trial_accept_loaded(s);
-    if (first && (s->failed = show_start(s))) {
+    if (first && (s->failed = show_start(s)))
         return s->failed;
-    }
     ns_bridge_show_later(&s->analysis);
     if (ckt->CKTfinalTime - ckt->CKTtime < ckt->CKTminBreak) {
         end_analysis(s);

@@ -49,8 +49,8 @@ typedef struct ns_session {
     } single_load; /* single_load.c */
 } ns_session;
 
-/* Errors: all that return int, but for flags, return OK or a code of ngspice after one line on the console.
- */
+/* Functions that return int, but for those whose comment says 1, return OK or a code of ngspice after one
+ * line on the console. */
 
 /* --- session.c: what ngspice calls --- */
 

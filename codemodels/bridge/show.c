@@ -7,9 +7,8 @@
 #include "report.h"
 
 void ns_bridge_show_values(const ns_analysis *a, const double *x, double *value) {
-    for (int eq = 0; eq < a->ex.neq; eq++) {
+    for (int eq = 0; eq < a->ex.neq; eq++)
         value[eq] = a->unknown[eq] >= 0 ? x[a->unknown[eq]] : 0.0;
-    }
 }
 
 void ns_bridge_show_later(ns_analysis *a) {
@@ -34,12 +33,10 @@ void ns_bridge_show_devices(ns_analysis *a) {
 void ns_bridge_show_summary(const ns_analysis *a, double cpu) {
     const ns_counts *c = ns_march_counts(a->march);
     char modes[40] = "", islands[40] = ""; /* if there are some */
-    if (c->modes > 0) {
+    if (c->modes > 0)
         snprintf(modes, sizeof modes, " %ld modes,", c->modes);
-    }
-    if (c->islands > 0) {
+    if (c->islands > 0)
         snprintf(islands, sizeof islands, " %ld islands,", c->islands);
-    }
     ns_bridge_report_note(
         "%s: %ld steps, %ld events,%s %ld pivots, %ld factorisations, %ld step matrices,%s %.3g ms CPU time",
         ns_bridge_options_method(ns_march_engine(a->march)), c->steps, c->events, modes, c->pivots,

@@ -22,18 +22,16 @@ static ns_session *armed; /* the one whose next point is to be loaded once, or N
 
 /* Keys are pointers: 0 for equal ones. */
 static int compare_keys(const void *key, const void *wanted) {
-    if (armed) {
+    if (armed)
         ns_bridge_single_load_forget(armed);
-    }
     return key != wanted;
 }
 
 /* 1 if look-ups of devices are seen. */
 static int watch_names(const CKTcircuit *ckt) {
     NGHASHPTR names = ckt->DEVnameHash;
-    if (names->compare_func == NGHASH_DEF_CMP(NGHASH_FUNC_PTR)) {
+    if (names->compare_func == NGHASH_DEF_CMP(NGHASH_FUNC_PTR))
         names->compare_func = compare_keys;
-    }
     return names->compare_func == compare_keys;
 }
 
@@ -41,12 +39,10 @@ void ns_bridge_single_load_arm(ns_session *s) {
     CKTcircuit *ckt = s->ckt;
     /* at t = 0 the first load makes the matrix ready, and the states */
     if (!s->analysis.march || !s->trial.made || s->failed || s->analysis.ex.restless ||
-        !(ckt->CKTtime > 0.0) || !watch_names(ckt)) {
+        !(ckt->CKTtime > 0.0) || !watch_names(ckt))
         return;
-    }
-    if (armed) { /* another circuit, stopped */
+    if (armed) /* another circuit, stopped */
         ns_bridge_single_load_forget(armed);
-    }
     s->single_load.mode = ckt->CKTmode;
     s->single_load.armed = 1;
     armed = s;
@@ -66,31 +62,25 @@ static void set_state(CKTcircuit *ckt, int at, double value) {
 }
 
 static void set_charges(CKTcircuit *ckt, GENmodel *models, const double *x) {
-    for (CAPmodel *model = (CAPmodel *)models; model; model = CAPnextModel(model)) {
-        for (const CAPinstance *c = CAPinstances(model); c; c = CAPnextInstance(c)) {
+    for (CAPmodel *model = (CAPmodel *)models; model; model = CAPnextModel(model))
+        for (const CAPinstance *c = CAPinstances(model); c; c = CAPnextInstance(c))
             set_state(ckt, c->CAPqcap, c->CAPcapac * (x[c->CAPposNode] - x[c->CAPnegNode]));
-        }
-    }
 }
 
 static void set_fluxes(CKTcircuit *ckt, GENmodel *models, GENmodel *couplings, const double *x) {
     double *state = ckt->CKTstate0;
-    for (INDmodel *model = (INDmodel *)models; model; model = INDnextModel(model)) {
-        for (const INDinstance *l = INDinstances(model); l; l = INDnextInstance(l)) {
+    for (INDmodel *model = (INDmodel *)models; model; model = INDnextModel(model))
+        for (const INDinstance *l = INDinstances(model); l; l = INDnextInstance(l))
             state[l->INDflux] = l->INDinduct / l->INDm * x[l->INDbrEq];
-        }
-    }
     for (MUTmodel *model = (MUTmodel *)couplings; model; model = MUTnextModel(model)) {
         for (const MUTinstance *k = MUTinstances(model); k; k = MUTnextInstance(k)) {
             state[k->MUTind1->INDflux] += k->MUTfactor * x[k->MUTind2->INDbrEq];
             state[k->MUTind2->INDflux] += k->MUTfactor * x[k->MUTind1->INDbrEq];
         }
     }
-    for (INDmodel *model = (INDmodel *)models; model; model = INDnextModel(model)) {
-        for (const INDinstance *l = INDinstances(model); l; l = INDnextInstance(l)) {
+    for (INDmodel *model = (INDmodel *)models; model; model = INDnextModel(model))
+        for (const INDinstance *l = INDinstances(model); l; l = INDnextInstance(l))
             set_state(ckt, l->INDflux, state[l->INDflux]);
-        }
-    }
 }
 
 static GENmodel *models_of(const CKTcircuit *ckt, int type) {

@@ -50,9 +50,8 @@ static int add_source(ns_extract_walk *w, GENinstance *inst, ns_output kind, int
     s->tstep = w->tstep;
     s->tstop = w->tstop;
     why = ns_bridge_source_signal(s, &z, &points);
-    if (why) {
+    if (why)
         return ns_bridge_extract_refuse(w, inst, why);
-    }
     mix_signal(w, &z);
     status = add_named(w, inst, kind, p, n, &z, &id);
     ns_bridge_extract_current(w, branch, id);
@@ -72,9 +71,8 @@ int ns_bridge_sources_vsource(ns_extract_walk *w, GENinstance *inst) {
                    .repeat_index = v->VSRCrBreakpt,
                    .delay = v->VSRCrdelay};
 #ifdef RFSPICE
-    if (v->VSRCisPort) {
+    if (v->VSRCisPort)
         return ns_bridge_extract_refuse(w, inst, "an RF port is not supported");
-    }
 #endif
     return add_source(w, inst, NS_VOLTAGE, v->VSRCposNode, v->VSRCnegNode, &s, v->VSRCbranch);
 }

@@ -41,9 +41,8 @@ int ns_bridge_trial_to(ns_session *s, double t, ns_until until) {
     trial->cpu += timed ? clock() - since : 0;
     trial->made = !status;
     trial->at_right_side = trial->made && trial->t_end <= trial->t;
-    if (trial->at_right_side) {
+    if (trial->at_right_side)
         trial->t_end = ns_bridge_trial_right_side(s, t);
-    }
     return status ? ns_bridge_trial_fail(s, status) : OK;
 }
 
@@ -54,9 +53,8 @@ int ns_bridge_trial_read(ns_session *s) {
 
 int ns_bridge_trial_read_values(ns_session *s) {
     const int error = ns_bridge_trial_read(s);
-    if (!error) {
+    if (!error)
         ns_bridge_show_values(&s->analysis, s->analysis.x, s->force.value);
-    }
     return error;
 }
 
@@ -64,17 +62,14 @@ int ns_bridge_trial_load(ns_session *s, int anew) {
     ns_bridge_trial *trial = &s->trial;
     const double t = s->ckt->CKTtime;
     int error = OK;
-    if (trial->loaded && !anew && ns_bridge_timepoints_same(t, trial->t_end)) {
+    if (trial->loaded && !anew && ns_bridge_timepoints_same(t, trial->t_end))
         return OK; /* ngspice solves twice at each point */
-    }
     trial->loaded = 0;
     /* the accepted time may be slightly later: a jump takes some time, and ngspice's times are rounded */
-    if (t <= trial->t || ns_bridge_timepoints_same(t, trial->t)) {
+    if (t <= trial->t || ns_bridge_timepoints_same(t, trial->t))
         return OK;
-    }
-    if (!trial->made || !ns_bridge_timepoints_same(t, trial->t_end)) {
+    if (!trial->made || !ns_bridge_timepoints_same(t, trial->t_end))
         error = ns_bridge_trial_to(s, t, NS_TO_TIME);
-    }
     error = error ? error : ns_bridge_trial_read_values(s);
     trial->loaded = !error;
     return error;
@@ -93,9 +88,8 @@ void ns_bridge_trial_drop(ns_session *s) {
 int ns_bridge_trial_accept_loaded(ns_session *s) {
     const int first = !s->trial.start_accepted;
     s->trial.start_accepted = 1;
-    if (s->trial.loaded) {
+    if (s->trial.loaded)
         ns_bridge_trial_accept(s, s->trial.t_end);
-    }
     ns_bridge_trial_drop(s);
     return first;
 }

@@ -6,13 +6,11 @@
 #include <string.h>
 
 ns_degree ns_bridge_affine_degree(ns_operation operation, ns_degree left, ns_degree right) {
-    if (left == DEGREE_CONSTANT && right == DEGREE_CONSTANT) {
+    if (left == DEGREE_CONSTANT && right == DEGREE_CONSTANT)
         return DEGREE_CONSTANT;
-    }
     if (operation == OPERATION_SUM ||
-        (operation == OPERATION_PRODUCT && (left == DEGREE_CONSTANT || right == DEGREE_CONSTANT))) {
+        (operation == OPERATION_PRODUCT && (left == DEGREE_CONSTANT || right == DEGREE_CONSTANT)))
         return left > right ? left : right;
-    }
     return operation == OPERATION_QUOTIENT && right == DEGREE_CONSTANT ? left : DEGREE_OTHER;
 }
 

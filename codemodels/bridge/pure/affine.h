@@ -20,7 +20,7 @@ ns_degree ns_bridge_affine_degree(ns_operation operation, ns_degree left, ns_deg
  * derivatives; NAN if it has none there. */
 typedef struct ns_expression {
     int n;
-    double (*evaluate)(void *context, double *values, double *slopes);
+    double (*evaluate)(void *context, const double *values, double *slopes);
     void *context;
 } ns_expression;
 

@@ -17,9 +17,8 @@ const char *ns_bridge_options_method(ns_method method) {
 }
 
 static int read_method(const ns_options_given *given, ns_method *method, char *line, size_t size) {
-    if (!given->method) {
+    if (!given->method)
         return NS_OK;
-    }
     for (int k = 0; k < METHODS; k++) {
         if (strcmp(given->method, methods[k]) == 0) {
             *method = (ns_method)k;

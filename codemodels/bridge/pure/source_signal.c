@@ -22,9 +22,8 @@ static double number_or(const ns_source *s, int k, double instead) {
 
 static const char *make_pulse(const ns_source *s, ns_signal *z) {
     const double cycles = number(s, 7);
-    if (cycles > 0.0 && (cycles != floor(cycles) || cycles > 1e9)) {
+    if (cycles > 0.0 && (cycles != floor(cycles) || cycles > 1e9))
         return "the number of pulses must be a whole number of at most 1e9";
-    }
     z->kind = NS_PULSE;
     z->u.pulse.v1 = size(s, 0);
     z->u.pulse.v2 = size(s, 1);
@@ -62,9 +61,8 @@ static const char *make_exponential(const ns_source *s, ns_signal *z) {
 static const char *make_pwl(const ns_source *s, ns_signal *z, double **points) {
     const int n = s->order / 2;
     double *t = n > 0 ? malloc(2 * (size_t)n * sizeof *t) : NULL;
-    if (!t) {
+    if (!t)
         return n > 0 ? "out of memory" : "a PWL source needs at least one point";
-    }
     for (int i = 0; i < n; i++) {
         t[i] = s->coeffs[2 * i];
         t[n + i] = size(s, 2 * i + 1);
@@ -108,8 +106,7 @@ const char *ns_bridge_source_signal(const ns_source *s, ns_signal *z, double **p
     *points = NULL;
     memset(z, 0, sizeof *z);
     why = make_signal(s, z, points);
-    if (!why && s->as_dc && z->kind != NS_DC) { /* ngspice's DC value is the function's at t = 0 */
+    if (!why && s->as_dc && z->kind != NS_DC) /* ngspice's DC value is the function's at t = 0 */
         make_dc(ns_signal_value(z, 0.0, NS_LEFT), z);
-    }
     return why;
 }

@@ -29,9 +29,8 @@ static void remove_all_breaks(ns_timepoints *p) {
 /* ngspice would cut its step to a tenth after each breakpoint that is reached. */
 static void remove_reached_breaks(ns_timepoints *p) {
     int reached = 0;
-    while (reached < p->nbreaks - 1 && p->breaks[reached] <= p->t + ns_bridge_timepoints_closeness(p)) {
+    while (reached < p->nbreaks - 1 && p->breaks[reached] <= p->t + ns_bridge_timepoints_closeness(p))
         reached++;
-    }
     if (p->nbreaks - reached < 2) {
         remove_all_breaks(p);
     } else if (reached > 0) {
@@ -44,9 +43,8 @@ static void remove_reached_breaks(ns_timepoints *p) {
  * arrive at the one before, and for SIN and EXP never. */
 static double next_corner(const ns_system *s, double t) {
     double corner = INFINITY;
-    for (int i = 0; i < s->nz; i++) {
+    for (int i = 0; i < s->nz; i++)
         corner = fmin(corner, ns_signal_next_corner(&s->z[i], t));
-    }
     return corner;
 }
 
@@ -66,9 +64,8 @@ static double next_shown(ns_timepoints *p, const ns_system *s, double t_accepted
     double stop = p->stop;
     if (p->at_corners) {
         remove_reached_breaks(p);
-        if (!(p->next_corner > now)) {
+        if (!(p->next_corner > now))
             p->next_corner = next_corner(s, now);
-        }
         stop = fmin(p->breaks[0], p->next_corner);
     } else {
         remove_all_breaks(p);
@@ -79,12 +76,11 @@ static double next_shown(ns_timepoints *p, const ns_system *s, double t_accepted
 double ns_bridge_timepoints_next(ns_timepoints *p, const ns_system *s, double t_accepted) {
     double t;
     p->max_step = (1.0 + 2.0 * sliver) * p->step;
-    if (p->t < p->start) {
+    if (p->t < p->start)
         t = next_before_start(p);
-    } else if (p->skips_start) {
+    else if (p->skips_start)
         t = p->t + p->step / 1048576.0; /* shows 0+ in place of 0 */
-    } else {
+    else
         t = next_shown(p, s, t_accepted);
-    }
     return fmax(t, t_accepted + ns_bridge_timepoints_closeness(p)); /* ahead, whatever rounding did */
 }
