@@ -82,9 +82,6 @@ typedef struct ns_exact_step {
 
 enum { NS_EXACT_BUCKETS = 256 };
 
-/* The goal of a command that just changes. */
-enum { NS_TARGET_TOGGLE = 9 };
-
 /* What a exact remembers besides the stepper's past. */
 typedef struct ns_exact_past {
     double grounded; /* not before this time again, */

@@ -12,9 +12,6 @@
 #include "modes/laguerre.h"
 #include "theta/theta_internal.h"
 
-/* Modes of commanded pairs besides those of mlcp.h: the switch slides, its current going forward or back. */
-enum { NS_SLIDES = 2, NS_SLIDES_BACK = 3 };
-
 /* What it means that a guard breaks. */
 typedef struct ns_guard_row {
     int pair;    /* this pair goes */

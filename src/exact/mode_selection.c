@@ -60,7 +60,7 @@ static void command(ns_exact *f) {
     for (int c = 0; c < f->system->nc; c++) {
         ns_mode *at = &f->want[f->system->command[c].pair];
         if (f->point->flip[c])
-            *at = f->goal[c] != NS_TARGET_TOGGLE ? f->goal[c] : *at == NS_INSIDE ? NS_LOWER : NS_INSIDE;
+            *at = f->goal[c] != NS_TARGET_TOGGLE ? f->goal[c] : ns_mode_toggled(*at);
     }
 }
 
@@ -242,7 +242,7 @@ static ns_mode slide_of(const ns_exact *f, int pair) {
     double sum = 0;
     for (int j = 0; j < k->q; j++)
         sum += k->xi[(size_t)(n + pair) + (size_t)j * (size_t)all] * f->X[j];
-    return sum >= 0 ? NS_SLIDES : NS_SLIDES_BACK;
+    return sum >= 0 ? NS_SLIDES_UP : NS_SLIDES_DOWN;
 }
 
 /* Command c by the state changes; one that would at once change back, without a hysteresis, slides. */

@@ -112,7 +112,7 @@ void ns_exact_sliding_fill(const ns_theta *s, const ns_map *map, const ns_mode *
     for (int j = 0, g = 0; j < m; j++) {
         if (!ns_mode_slides(mode[j]))
             continue;
-        const double sign = mode[j] == NS_SLIDES ? 1 : -1;
+        const double sign = mode[j] == NS_SLIDES_UP ? 1 : -1;
         for (int k = 0; k < s->q; k++) {
             const double lambda = map->full[(size_t)k * (size_t)(n + m) + (size_t)(n + j)];
             row[g + k * rows] = sign * lambda;

@@ -4,10 +4,6 @@
 
 #include "mode_kernel.h"
 
-static inline int ns_mode_slides(ns_mode mode) {
-    return mode >= NS_SLIDES;
-}
-
 int ns_exact_sliding_count(const ns_mode *mode, int m);
 
 /* As ns_theta_map_build(), implicit; pairs may slide. */

@@ -43,21 +43,6 @@ static int is_commanded(const ns_system *s, int j) {
     return 0;
 }
 
-void ns_modes_shared_bound(const ns_system *s, const ns_shared_branch *twin, int count, ns_mode *mode,
-                           double *l, double *u) {
-    for (int c = 0; c < s->nc; c++) {
-        const int j = s->command[c].pair, closed = mode[j] == NS_INSIDE;
-        l[j] = closed ? -INFINITY : 0;
-        u[j] = closed ? INFINITY : 0;
-    }
-    for (int i = 0; i < count; i++) {
-        const int j = twin[i].pair, idle = mode[twin[i].of] == NS_INSIDE;
-        l[j] = idle ? 0 : s->l[j];
-        u[j] = idle ? 0 : s->u[j];
-    }
-    ns_modes_shared_rest(twin, count, mode);
-}
-
 int ns_modes_shared_find(const ns_system *s, ns_shared_branch **out, int *count) {
     *count = 0;
     *out = NULL;

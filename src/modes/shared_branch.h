@@ -15,10 +15,6 @@ typedef struct ns_shared_branch {
 /* All of them, *count in *out (owned by the caller; NULL: none).  Errors: MEMORY. */
 int ns_modes_shared_find(const ns_system *s, ns_shared_branch **out, int *count);
 
-/* l, u (m) of commanded pairs and of twins as the mode has the switches; twins of closed ones rest. */
-void ns_modes_shared_bound(const ns_system *s, const ns_shared_branch *twin, int count, ns_mode *mode,
-                           double *l, double *u);
-
 /* The same mode (m), with twins of closed switches idle. */
 static inline void ns_modes_shared_rest(const ns_shared_branch *twin, int count, ns_mode *mode) {
     for (int i = 0; i < count; i++)

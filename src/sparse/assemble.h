@@ -9,15 +9,8 @@
 #define NS_SPARSE_ASSEMBLE_H
 
 #include "linalg/sparse.h"
+#include "modes/mode.h"
 #include "nonsmooth/system.h"
-
-/* Modes of a switch that keeps its control at the threshold, with lambda and -y, the voltage across it, both
- * positive, or both negative. */
-enum { NS_SLIDES_UP = 2, NS_SLIDES_DOWN = 3 };
-
-static inline int ns_mode_slides(ns_mode mode) {
-    return mode >= NS_SLIDES_UP;
-}
 
 typedef struct ns_form {
     int n, m, nz, nc;

@@ -1,4 +1,4 @@
-/* src/sparse/factor_cache.h - (P2) of modes, factored, kept and solved. */
+/* src/sparse/factor_cache.h - factors of (P2), by mode and length of step. */
 #ifndef NS_SPARSE_FACTOR_CACHE_H
 #define NS_SPARSE_FACTOR_CACHE_H
 
@@ -6,55 +6,55 @@
 #include "equivalent_mode.h"
 #include "linalg/sparse_lu.h"
 #include "low_rank_update.h"
+#include "modes/mode_table.h"
 
-/* Of one mode and one length of implicit Euler step. */
-typedef struct ns_cached_factors ns_cached_factors;
-struct ns_cached_factors {
-    double g;
-    int leaky;     /* the matrix is singular, these are its factors with leaks, */
-    double *scale; /* 2 size: and what brings its rows, and unknowns, near 1 (NULL: never needed) */
-    unsigned long long key;
-    ns_mode *mode; /* m */
+/* Factors of (P2) in one mode, for one length h of implicit Euler steps. */
+typedef struct ns_cached_factors {
+    ns_mode_entry of; /* which mode and length */
     ns_factors *factors;
-    size_t bytes;
-    long used;               /* when */
-    ns_cached_factors *next; /* of its bucket */
-    ns_low_rank *update;     /* of a scratch one: the mode it serves may differ from its own */
-};
+    int has_leaks;       /* the matrix is singular: these are factors with leaks, */
+    double *scale;       /* 2 (n+m): what brings its rows and unknowns near 1; NULL: it never was singular */
+    ns_low_rank *update; /* of working factors: to the mode they serve now; NULL: they are kept */
+    long used;           /* of working factors: when, on the clock */
+} ns_cached_factors;
 
-enum { NS_CACHE_BUCKETS = 256, NS_SEEN = 4096, NS_SCRATCH = 3 };
+enum { NS_SEEN = 4096, NS_WORKING = 3 };
 
-/* Factors serve modes that differ in a few pairs as well (low_rank_update.h): a few scratch ones for short
- * steps, and for long ones, each of one length, are made over when too many differ; or, if the mode and the
- * length are asked for again, new ones are made for them and kept. */
+/* Factors serve modes that differ in a few pairs as well (low_rank_update.h).  So there are a few working
+ * factors, for short steps and for long ones, each of one length; new ones are made in their place when too
+ * many pairs differ. A mode and length that is asked for again and again gets factors of its own, which are
+ * kept. */
 typedef struct ns_mode_factors {
     const ns_form *f;
     ns_klu *klu;
-    double *value;  /* of K */
-    double *work;   /* 3 size */
-    int *row;       /* m: work */
-    double *seen_v; /* of it: how large the unknowns were of late */
-    ns_cached_factors *bucket[NS_CACHE_BUCKETS];
-    ns_cached_factors scratch[2][NS_SCRATCH];
-    ns_low_rank update[2][NS_SCRATCH];
-    ns_cached_factors *last[2];       /* of scratch: asked for last, or NULL */
-    ns_equivalents stand_ins;         /* of the mode asked for last */
-    unsigned long long seen[NS_SEEN]; /* what was asked for, */
-    unsigned char times[NS_SEEN];     /* and how often updates served it */
-    size_t bytes, limit;
-    int chosen; /* pivots for all modes were looked for */
+    int has_pivots; /* klu knows pivots for all modes */
+    /* factors */
+    ns_mode_table kept;
+    ns_cached_factors working[2][NS_WORKING]; /* of long, and of short steps */
+    ns_low_rank update[2][NS_WORKING];
+    ns_cached_factors *last[2]; /* of working: asked for last, or NULL */
+    ns_equivalents equivalents; /* of the mode asked for last */
+    /* what was asked for */
+    unsigned long long seen[NS_SEEN]; /* keys of modes and lengths, by their hash */
+    unsigned char times[NS_SEEN];     /* how often each, up to a bound */
+    double *seen_v;                   /* n+m: how large the unknowns were of late */
+    /* work */
+    double *value; /* of K */
+    double *work;  /* 2 (n+m) */
+    int *row;      /* m */
+    /* counts */
     long clock, made, evicted, updated;
 } ns_mode_factors;
 
 int ns_sparse_factors_create(const ns_form *f, size_t limit,
-                             ns_mode_factors **out); /* Errors: MEMORY, SINGULAR */
+                             ns_mode_factors **out); /* limit: bytes.  Errors: MEMORY, SINGULAR */
 void ns_sparse_factors_free(ns_mode_factors *q);     /* NULL is allowed */
 
-/* Pairs across switches, whose modes then share factors.  Errors: MEMORY. */
-int ns_sparse_factors_shared(ns_mode_factors *q, const ns_shared_branch *twin, int count);
+/* Modes that differ by pairs across switches (count) share factors from now on.  Errors: MEMORY. */
+int ns_sparse_factors_shared(ns_mode_factors *q, const ns_shared_branch *shared, int count);
 
-/* Factors of the mode asked for and this length, good until the next call; brief: 1 for short steps, that
- * pass by.  Errors: MEMORY, NUMBER, SINGULAR (even with leaks). */
+/* Factors of the mode asked for and the length g, valid until the next call; brief: 1 for steps of negligible
+ * length, 0 for long ones.  Errors: MEMORY, NUMBER, SINGULAR (even with leaks). */
 int ns_sparse_factors_factor(ns_mode_factors *q, double g, const ns_mode *asked, int brief,
                              const ns_cached_factors **out);
 

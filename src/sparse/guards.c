@@ -23,12 +23,11 @@ void ns_sparse_guard_reset_modes(ns_sparse *m, const unsigned char *closed) {
 }
 
 void ns_sparse_guard_set_mode(ns_sparse *m, const ns_mode *mode) {
-    memmove(m->mode, mode, (size_t)m->f->m);
-    ns_sparse_guard_bounds(m);
+    ns_modes_set(m->s, m->shared, m->shared_count, mode, m->mode, m->l, m->u);
 }
 
 void ns_sparse_guard_bounds(ns_sparse *m) {
-    ns_modes_shared_bound(m->s, m->shared, m->shared_count, m->mode, m->l, m->u);
+    ns_sparse_guard_set_mode(m, m->mode);
 }
 
 void ns_sparse_guard_leave(ns_sparse *m, int j, int upper) {

@@ -16,7 +16,7 @@ static inline void ns_sparse_guard_set_pair(ns_sparse *m, int j, ns_mode to) {
     m->mode[j] = to;
 }
 static inline void ns_sparse_guard_toggle(ns_sparse *m, int j) { /* a switch, open or closed */
-    ns_sparse_guard_set_pair(m, j, m->mode[j] == NS_INSIDE ? NS_LOWER : NS_INSIDE);
+    ns_sparse_guard_set_pair(m, j, ns_mode_toggled(m->mode[j]));
 }
 /* Pair j leaves its mode by the guard that broke: upper: of the upper bound of lambda. */
 void ns_sparse_guard_leave(ns_sparse *m, int j, int upper);

@@ -40,7 +40,7 @@ int ns_theta_start(ns_theta *s, const double *w0, const unsigned char *closed) {
 }
 
 void ns_theta_set_bounds(ns_theta *s) {
-    ns_modes_shared_bound(s->s, s->twin, s->twins, s->past.mode, s->l, s->u);
+    ns_theta_set_mode(s, s->past.mode);
 }
 
 int ns_theta_command(ns_theta *s, const unsigned char *closed) {
@@ -142,8 +142,7 @@ void ns_theta_restore(ns_theta *s, const double *past) {
 }
 
 void ns_theta_set_mode(ns_theta *s, const ns_mode *mode) {
-    memmove(s->past.mode, mode, (size_t)s->s->m);
-    ns_theta_set_bounds(s);
+    ns_modes_set(s->s, s->twin, s->twins, mode, s->past.mode, s->l, s->u);
 }
 
 void ns_theta_set_charges(ns_theta *s, const double *w) {

@@ -3,7 +3,7 @@
 #define NS_THETA_INTERNAL_H
 
 #include "linalg/dense.h"
-#include "modes/shared_branch.h"
+#include "modes/mode.h"
 #include "nonsmooth/impulse.h"
 
 /* The step of one mode and one length as a matrix.  It acts on the q inputs

@@ -119,7 +119,7 @@ static void test_loose(void **state) {
             r[i] = f->algebraic[i] ? f->b[i] : 1e-6 * i;
         assert_int_equal(ns_sparse_factors_factor(q, g, mode, 0, &k), NS_OK);
         assert_int_equal(ns_sparse_factors_solve(q, k, r, v), NS_OK);
-        assert_int_equal(k->leaky, loose);
+        assert_int_equal(k->has_leaks, loose);
         assert_true(rest(f, g, mode, r, v) < 1e-11);
     }
     free(r);

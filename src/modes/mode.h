@@ -1,0 +1,31 @@
+/* src/modes/mode.h - all values of a mode, and the one function that changes the mode of a system. */
+#ifndef NS_MODES_MODE_H
+#define NS_MODES_MODE_H
+
+#include "shared_branch.h"
+
+/* Besides NS_LOWER, NS_INSIDE and NS_UPPER (nonsmooth/mlcp.h), the modes that (P1) knows and that callers
+ * see: */
+enum {
+    /* A switch without hysteresis keeps its control at the threshold, by a lambda and a -y that are both
+     * positive (up), or both negative (down).  Callers see NS_INSIDE, as if it were closed. */
+    NS_SLIDES_UP = 2,
+    NS_SLIDES_DOWN = 3,
+    /* Not a mode but the target of a command: a closed switch opens, another one closes. */
+    NS_TARGET_TOGGLE = 9
+};
+
+static inline int ns_mode_slides(ns_mode mode) {
+    return mode == NS_SLIDES_UP || mode == NS_SLIDES_DOWN;
+}
+
+static inline ns_mode ns_mode_toggled(ns_mode mode) {
+    return mode == NS_INSIDE ? NS_LOWER : NS_INSIDE;
+}
+
+/* mode (m) = to (m; it may be mode itself), and what follows from it: pairs across closed switches are idle,
+ * l, u (m) are the bounds of commanded pairs, and of pairs across switches, as the mode has the switches. */
+void ns_modes_set(const ns_system *s, const ns_shared_branch *shared, int count, const ns_mode *to,
+                  ns_mode *mode, double *l, double *u);
+
+#endif
