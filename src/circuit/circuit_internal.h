@@ -19,23 +19,27 @@ typedef enum element_kind {
     SWITCH
 } element_kind;
 
-/* One element.  The numbers at the end are given when it is added; -1: none. */
+/* One element. */
 typedef struct element {
     element_kind kind;
-    char *name;
+    char *name; /* owned */
+    /* what it is connected to */
     int nnodes, node[4]; /* p n cp cn */
-    ns_output output;    /* of sources: what they put out */
-    double value, ic;    /* ohm, F, H, k, gain, constant; initial v or i, NAN */
     int by[2];           /* elements referred to: coupled inductors, controlling current */
-    int nterms;
+    /* its parameters */
+    ns_output output; /* of sources: voltage or current */
+    double value;     /* ohm, F, H, k, gain, constant */
+    double ic;        /* initial v or i, NAN: none */
+    int nterms;       /* of LINEAR: how many, */
     ns_term *terms;   /* nterms, owned */
-    ns_signal signal; /* PWL arrays owned */
-    ns_diode diode;
-    ns_switch sw;
-    int current; /* which of the currents among x */
+    ns_signal signal; /* of SOURCE; PWL arrays owned */
+    ns_diode diode;   /* of DIODE */
+    ns_switch sw;     /* of SWITCH */
+    /* its indices in the system, given when it is added; -1: none */
+    int current; /* among the currents in x */
     int pair;    /* the first of its pairs; a breakdown pair follows */
     int input;   /* z entry */
-    int command;
+    int command; /* of a switch */
 } element;
 
 /* How many unknowns, pairs, inputs, commands an element brings. */
@@ -58,12 +62,19 @@ typedef struct name_table {
 } name_table;
 
 struct ns_circuit {
+    /* elements, in the order in which they were added */
+    int nelements;
     element *element;
+    size_t element_room; /* allocated */
     name_table names;
-    node_info *node; /* by ascending number, without ground */
-    int nelements, nnodes;
-    size_t element_room, node_room;
-    int nused, ncurrents, npairs, ninputs, ncommands;
+    /* nodes, by ascending number, without ground */
+    int nnodes;
+    node_info *node;
+    size_t node_room; /* allocated */
+    /* what the system has of each */
+    int nused; /* nodes that elements name */
+    int ncurrents, npairs, ninputs, ncommands;
+    /* why the last call was refused */
     char message[256];
 };
 

@@ -1,4 +1,4 @@
-/* src/circuit/elements.c - elements are checked and added; what is refused leaves the circuit as it was. */
+/* src/circuit/elements.c - elements are checked and added; after a refusal the circuit is unchanged. */
 #include <math.h>
 #include <string.h>
 
@@ -30,8 +30,8 @@ static int check_nodes(ns_circuit *c, const element *e) {
 }
 
 /* A blank element of this kind; its name and its nodes (p n cp cn) are checked. */
-static int start(ns_circuit *c, element *e, element_kind kind, const char *name, int nnodes,
-                 const int *nodes) {
+static int start_element(ns_circuit *c, element *e, element_kind kind, const char *name, int nnodes,
+                         const int *nodes) {
     int status;
     memset(e, 0, sizeof *e);
     e->kind = kind;
@@ -47,7 +47,7 @@ static int start(ns_circuit *c, element *e, element_kind kind, const char *name,
     return status ? status : check_nodes(c, e);
 }
 
-static int refused(ns_circuit *c, const char *name, int status, const ns_refusal *why) {
+static int refuse_element(ns_circuit *c, const char *name, int status, const ns_refusal *why) {
     if (isnan(why->than)) {
         return ns_circuit_complain(c, status, "%.80s: %s = %g %s", name, why->parameter, why->value,
                                    why->must);
@@ -76,7 +76,7 @@ static int check_size(ns_circuit *c, const element *e, const char *parameter, in
 
 int ns_circuit_resistor(ns_circuit *c, const char *name, int p, int n, double ohms, int *id) {
     element e;
-    int status = start(c, &e, RESISTOR, name, 2, (int[]){p, n});
+    int status = start_element(c, &e, RESISTOR, name, 2, (int[]){p, n});
     e.value = ohms;
     if (status || (status = check_size(c, &e, "resistance", 1))) {
         return status;
@@ -90,7 +90,7 @@ int ns_circuit_resistor(ns_circuit *c, const char *name, int p, int n, double oh
 
 int ns_circuit_capacitor(ns_circuit *c, const char *name, int p, int n, double farads, double ic, int *id) {
     element e;
-    int status = start(c, &e, CAPACITOR, name, 2, (int[]){p, n});
+    int status = start_element(c, &e, CAPACITOR, name, 2, (int[]){p, n});
     e.value = farads;
     e.ic = ic;
     if (status || (status = check_size(c, &e, "capacitance", 0))) {
@@ -101,7 +101,7 @@ int ns_circuit_capacitor(ns_circuit *c, const char *name, int p, int n, double f
 
 int ns_circuit_inductor(ns_circuit *c, const char *name, int p, int n, double henries, double ic, int *id) {
     element e;
-    int status = start(c, &e, INDUCTOR, name, 2, (int[]){p, n});
+    int status = start_element(c, &e, INDUCTOR, name, 2, (int[]){p, n});
     e.value = henries;
     e.ic = ic;
     if (status || (status = check_size(c, &e, "inductance", 0))) {
@@ -137,7 +137,7 @@ static int check_current(ns_circuit *c, const char *name, int of) {
 
 int ns_circuit_coupling(ns_circuit *c, const char *name, int l1, int l2, double k, int *id) {
     element e;
-    int status = start(c, &e, COUPLING, name, 0, (int[]){0});
+    int status = start_element(c, &e, COUPLING, name, 0, (int[]){0});
     e.value = k;
     e.by[0] = l1;
     e.by[1] = l2;
@@ -165,7 +165,7 @@ int ns_circuit_source(ns_circuit *c, const char *name, ns_output kind, int p, in
                       int *id) {
     element e;
     ns_refusal why;
-    int status = start(c, &e, SOURCE, name, 2, (int[]){p, n});
+    int status = start_element(c, &e, SOURCE, name, 2, (int[]){p, n});
     if (status || (status = check_output(c, name, kind))) {
         return status;
     }
@@ -173,7 +173,7 @@ int ns_circuit_source(ns_circuit *c, const char *name, ns_output kind, int p, in
         return ns_circuit_complain(c, NS_E_NULL, "%.80s: its signal is missing", name);
     }
     if ((status = ns_system_signal_check_why(s, &why))) {
-        return refused(c, name, status, &why);
+        return refuse_element(c, name, status, &why);
     }
     e.output = kind;
     e.signal = *s;
@@ -184,7 +184,7 @@ int ns_circuit_source(ns_circuit *c, const char *name, ns_output kind, int p, in
 int ns_circuit_vcontrolled(ns_circuit *c, const char *name, ns_output kind, int p, int n, int cp, int cn,
                            double gain, int *id) {
     element e;
-    int status = start(c, &e, VCONTROLLED, name, 4, (int[]){p, n, cp, cn});
+    int status = start_element(c, &e, VCONTROLLED, name, 4, (int[]){p, n, cp, cn});
     if (status || (status = check_output(c, name, kind)) || (status = check_finite(c, name, "gain", gain))) {
         return status;
     }
@@ -196,7 +196,7 @@ int ns_circuit_vcontrolled(ns_circuit *c, const char *name, ns_output kind, int 
 int ns_circuit_icontrolled(ns_circuit *c, const char *name, ns_output kind, int p, int n, int by, double gain,
                            int *id) {
     element e;
-    int status = start(c, &e, ICONTROLLED, name, 2, (int[]){p, n});
+    int status = start_element(c, &e, ICONTROLLED, name, 2, (int[]){p, n});
     if (status || (status = check_output(c, name, kind)) || (status = check_current(c, name, by)) ||
         (status = check_finite(c, name, "gain", gain))) {
         return status;
@@ -223,7 +223,7 @@ static int check_term(ns_circuit *c, const char *name, const ns_term *t) {
 int ns_circuit_linear(ns_circuit *c, const char *name, ns_output kind, int p, int n, double constant,
                       int nterms, const ns_term *terms, int *id) {
     element e;
-    int status = start(c, &e, LINEAR, name, 2, (int[]){p, n});
+    int status = start_element(c, &e, LINEAR, name, 2, (int[]){p, n});
     if (status || (status = check_output(c, name, kind)) ||
         (status = check_finite(c, name, "constant", constant))) {
         return status;
@@ -302,7 +302,7 @@ static int check_diode(const ns_diode *d, ns_refusal *why) {
 int ns_circuit_diode(ns_circuit *c, const char *name, int anode, int cathode, const ns_diode *d, int *id) {
     element e;
     ns_refusal why;
-    int status = start(c, &e, DIODE, name, 2, (int[]){anode, cathode});
+    int status = start_element(c, &e, DIODE, name, 2, (int[]){anode, cathode});
     if (status) {
         return status;
     }
@@ -310,7 +310,7 @@ int ns_circuit_diode(ns_circuit *c, const char *name, int anode, int cathode, co
         return ns_circuit_complain(c, NS_E_NULL, "%.80s: its parameters are missing", name);
     }
     if ((status = check_diode(d, &why))) {
-        return refused(c, name, status, &why);
+        return refuse_element(c, name, status, &why);
     }
     e.diode = *d;
     return ns_circuit_add_element(c, &e, (needs){.pairs = isinf(d->vz) ? 1 : 2}, id);
@@ -333,7 +333,7 @@ int ns_circuit_switch(ns_circuit *c, const char *name, int p, int n, int cp, int
                       int *id) {
     element e;
     ns_refusal why;
-    int status = start(c, &e, SWITCH, name, 4, (int[]){p, n, cp, cn});
+    int status = start_element(c, &e, SWITCH, name, 4, (int[]){p, n, cp, cn});
     if (status) {
         return status;
     }
@@ -341,7 +341,7 @@ int ns_circuit_switch(ns_circuit *c, const char *name, int p, int n, int cp, int
         return ns_circuit_complain(c, NS_E_NULL, "%.80s: its parameters are missing", name);
     }
     if ((status = check_switch(s, &why))) {
-        return refused(c, name, status, &why);
+        return refuse_element(c, name, status, &why);
     }
     e.sw = *s;
     return ns_circuit_add_element(c, &e, (needs){.pairs = 1, .commands = 1}, id);

@@ -1,4 +1,4 @@
-/* src/circuit/explain.c - a fault of a system told in the names of the circuit, in one line. */
+/* src/circuit/explain.c - a fault of a system in the names of the circuit, as one line. */
 #include <limits.h>
 #include <math.h>
 #include <stdarg.h>
@@ -13,7 +13,7 @@ typedef struct line_writer {
     size_t size, len;
 } line_writer;
 
-static void put(line_writer *w, const char *format, ...) {
+static void write_text(line_writer *w, const char *format, ...) {
     va_list arguments;
     int wanted;
     size_t used = w->len < w->size ? w->len : w->size;
@@ -24,7 +24,7 @@ static void put(line_writer *w, const char *format, ...) {
 }
 
 /* Ends the line: "..." where it was cut, nothing that breaks a line. */
-static int finish(line_writer *w) {
+static int end_line(line_writer *w) {
     if (w->len >= w->size && w->size >= 4) {
         memcpy(w->line + w->size - 4, "...", 4);
     }
@@ -65,11 +65,11 @@ static const node_info *node_of_unknown(const ns_circuit *c, int unknown) {
     return NULL;
 }
 
-static void put_node(line_writer *w, const node_info *which) {
+static void write_node(line_writer *w, const node_info *which) {
     if (which->name) {
-        put(w, "node %s", which->name);
+        write_text(w, "node %s", which->name);
     } else {
-        put(w, "node %d", which->number);
+        write_text(w, "node %d", which->number);
     }
 }
 
@@ -87,65 +87,67 @@ static int named_before(const ns_circuit *c, const ns_fault *f, int i) {
     return 0;
 }
 
-static void put_pair(line_writer *w, const ns_circuit *c, int pair, int with_kind) {
+static void write_pair(line_writer *w, const ns_circuit *c, int pair, int with_kind) {
     const element *e = element_of_pair(c, pair);
     if (e) {
-        put(w, "%s%s", !with_kind ? "" : e->kind == DIODE ? "ideal diode " : "ideal switch ", e->name);
+        write_text(w, "%s%s", !with_kind ? "" : e->kind == DIODE ? "ideal diode " : "ideal switch ", e->name);
     } else {
-        put(w, "pair %d", pair);
+        write_text(w, "pair %d", pair);
     }
 }
 
-static void put_unknown(line_writer *w, const ns_circuit *c, int unknown, int with_kind) {
+static void write_unknown(line_writer *w, const ns_circuit *c, int unknown, int with_kind) {
     const element *e = element_of_current(c, unknown);
     const node_info *which = node_of_unknown(c, unknown);
     if (e) {
-        put(w, "%s%s", with_kind ? "current of " : "", e->name);
+        write_text(w, "%s%s", with_kind ? "current of " : "", e->name);
     } else if (which) {
-        put(w, "%s", with_kind ? "voltage of " : "");
-        put_node(w, which);
+        write_text(w, "%s", with_kind ? "voltage of " : "");
+        write_node(w, which);
     } else {
-        put(w, "unknown %d", unknown);
+        write_text(w, "unknown %d", unknown);
     }
 }
 
-/* The pairs' elements, comma by comma; with their kind if told. */
-static int put_pairs(line_writer *w, const ns_circuit *c, const ns_fault *f, int with_kind) {
+/* The names of the pairs' elements, with commas between; with_kind: "ideal diode d1". */
+static int write_pairs(line_writer *w, const ns_circuit *c, const ns_fault *f, int with_kind) {
     int written = 0;
     for (int i = 0; i < count_of(f->npairs); i++) {
         if (!named_before(c, f, i)) {
-            put(w, "%s", written++ ? ", " : "");
-            put_pair(w, c, f->pair[i], with_kind);
+            write_text(w, "%s", written++ ? ", " : "");
+            write_pair(w, c, f->pair[i], with_kind);
         }
     }
     return written;
 }
 
-static int put_unknowns(line_writer *w, const ns_circuit *c, const ns_fault *f, int written, int with_kind) {
+static int write_unknowns(line_writer *w, const ns_circuit *c, const ns_fault *f, int written,
+                          int with_kind) {
     for (int i = 0; i < count_of(f->nunknowns); i++) {
-        put(w, "%s", written++ ? ", " : "");
-        put_unknown(w, c, f->unknown[i], with_kind);
+        write_text(w, "%s", written++ ? ", " : "");
+        write_unknown(w, c, f->unknown[i], with_kind);
     }
     return written;
 }
 
-/* What usually is behind it. */
-static void put_cause(line_writer *w, const ns_circuit *c, const ns_fault *f) {
+/* The usual cause. */
+static void write_cause(line_writer *w, const ns_circuit *c, const ns_fault *f) {
     int written;
     if (f->status != NS_E_INFEASIBLE && f->status != NS_E_SINGULAR) {
         return;
     }
-    put(w, " (");
-    written = put_pairs(w, c, f, 1);
-    written = put_unknowns(w, c, f, written, 1);
-    put(w, "%s%s)", written ? ": " : "",
+    write_text(w, " (");
+    written = write_pairs(w, c, f, 1);
+    written = write_unknowns(w, c, f, written, 1);
+    write_text(
+        w, "%s%s)", written ? ": " : "",
         f->status == NS_E_INFEASIBLE
             ? "conflict with sources or an .ic; look for a loop without resistance or a current without a "
               "closed path"
             : "not determined; look for a node without a path to ground or a loop without resistance");
 }
 
-static line_writer begin(char *line, size_t size) {
+static line_writer begin_line(char *line, size_t size) {
     line_writer w = {line, line ? size : 0, 0};
     if (w.size > 0) {
         *line = '\0';
@@ -154,32 +156,32 @@ static line_writer begin(char *line, size_t size) {
 }
 
 int ns_circuit_name_unknown(const ns_circuit *c, int unknown, char *line, size_t size) {
-    line_writer w = begin(line, size);
-    put_unknown(&w, c, unknown, 1);
-    return finish(&w);
+    line_writer w = begin_line(line, size);
+    write_unknown(&w, c, unknown, 1);
+    return end_line(&w);
 }
 
 int ns_circuit_name_pair(const ns_circuit *c, int pair, char *line, size_t size) {
     const element *e = element_of_pair(c, pair);
-    line_writer w = begin(line, size);
-    put(&w, "%s", e && pair > e->pair ? "breakdown of " : "");
-    put_pair(&w, c, pair, 1);
-    return finish(&w);
+    line_writer w = begin_line(line, size);
+    write_text(&w, "%s", e && pair > e->pair ? "breakdown of " : "");
+    write_pair(&w, c, pair, 1);
+    return end_line(&w);
 }
 
 int ns_circuit_explain(const ns_circuit *c, const ns_fault *f, char *line, size_t size) {
-    line_writer w = begin(line, size);
+    line_writer w = begin_line(line, size);
     int written;
     if (!f) {
         return 0;
     }
-    written = put_pairs(&w, c, f, 0);
-    written = put_unknowns(&w, c, f, written, 0);
-    put(&w, "%s", written ? ": " : "");
+    written = write_pairs(&w, c, f, 0);
+    written = write_unknowns(&w, c, f, written, 0);
+    write_text(&w, "%s", written ? ": " : "");
     if (!isnan(f->t)) {
-        put(&w, "at t = %g s: ", f->t);
+        write_text(&w, "at t = %g s: ", f->t);
     }
-    put(&w, "%s", ns_status_text(f->status));
-    put_cause(&w, c, f);
-    return finish(&w);
+    write_text(&w, "%s", ns_status_text(f->status));
+    write_cause(&w, c, f);
+    return end_line(&w);
 }

@@ -4,8 +4,8 @@
  * Nothing determines the voltage of such a part as a whole, and no current can leave it; a conductance from
  * one of its nodes to ground therefore carries none, changes nothing, and puts that node at 0 V.  A node with
  * an .ic is taken first: while it is held, what the conductance draws comes from what holds it.  A node that
- * only controls something belongs to no part: leaving it open is a mistake that must show; so is a current
- * source that alone leads to ground.
+ * only controls something belongs to no part: an open control is a mistake that must be refused, and so is a
+ * part that only a current source connects to ground.
  */
 #include <math.h>
 #include <stdlib.h>

@@ -44,7 +44,7 @@ static int number_coupled(const ns_circuit *c, int *place) {
     return count;
 }
 
-static void fill(const ns_circuit *c, const int *place, int n, double *a) {
+static void fill_coupling_matrix(const ns_circuit *c, const int *place, int n, double *a) {
     for (int i = 0; i < n; i++) {
         a[ij(n, i, i)] = 1;
     }
@@ -101,7 +101,7 @@ static int indefinite_row(int n, double *a) {
     return -1;
 }
 
-static int check(ns_circuit *c, int *place) {
+static int check_couplings(ns_circuit *c, int *place) {
     int n = number_coupled(c, place), bad;
     double *a = n > 0 ? calloc((size_t)n * (size_t)n, sizeof *a) : NULL;
     if (n == 0) {
@@ -110,7 +110,7 @@ static int check(ns_circuit *c, int *place) {
     if (!a) {
         return ns_circuit_complain(c, NS_E_MEMORY, "out of memory");
     }
-    fill(c, place, n, a);
+    fill_coupling_matrix(c, place, n, a);
     bad = indefinite_row(n, a);
     free(a);
     for (int i = 0; bad >= 0 && i < c->nelements; i++) {
@@ -130,7 +130,7 @@ int ns_circuit_check_inductances(ns_circuit *c) {
     if (!place) {
         return ns_circuit_complain(c, NS_E_MEMORY, "out of memory");
     }
-    status = check(c, place);
+    status = check_couplings(c, place);
     free(place);
     return status;
 }

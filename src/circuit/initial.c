@@ -15,7 +15,7 @@ static double node_volts(const ns_circuit *c, int number) {
     return found && !isnan(c->node[place].ic) ? c->node[place].ic : 0;
 }
 
-static void add(double *w0, int row, double value) {
+static void add_at_row(double *w0, int row, double value) {
     if (row >= 0 && w0) {
         w0[row] += value;
     }
@@ -23,14 +23,14 @@ static void add(double *w0, int row, double value) {
 
 static void add_charge(const ns_circuit *c, const element *e, double *w0) {
     double v = isnan(e->ic) ? node_volts(c, e->node[0]) - node_volts(c, e->node[1]) : e->ic;
-    add(w0, ns_circuit_node_unknown(c, e->node[0]), e->value * v);
-    add(w0, ns_circuit_node_unknown(c, e->node[1]), -e->value * v);
+    add_at_row(w0, ns_circuit_node_unknown(c, e->node[0]), e->value * v);
+    add_at_row(w0, ns_circuit_node_unknown(c, e->node[1]), -e->value * v);
 }
 
 static void add_flux(void *data, int row, int column, double henries) {
     const fluxes *to = data;
     double i = to->c->element[column].ic;
-    add(to->w0, ns_circuit_current_unknown(to->c, row), isnan(i) ? 0 : henries * i);
+    add_at_row(to->w0, ns_circuit_current_unknown(to->c, row), isnan(i) ? 0 : henries * i);
 }
 
 int ns_circuit_rest(const ns_circuit *c, double *w0) {
@@ -51,7 +51,7 @@ int ns_circuit_rest(const ns_circuit *c, double *w0) {
 }
 
 /* Fills hold and hold_x where they are given. */
-static int each_held(const ns_circuit *c, int *hold, double *hold_x) {
+static int list_held_nodes(const ns_circuit *c, int *hold, double *hold_x) {
     int count = 0;
     for (int i = 0; i < c->nnodes; i++) {
         if (c->node[i].used && !isnan(c->node[i].ic)) {
@@ -68,9 +68,9 @@ static int each_held(const ns_circuit *c, int *hold, double *hold_x) {
 }
 
 int ns_circuit_node_ic_count(const ns_circuit *c) {
-    return c ? each_held(c, NULL, NULL) : 0;
+    return c ? list_held_nodes(c, NULL, NULL) : 0;
 }
 
 int ns_circuit_hold(const ns_circuit *c, int *hold, double *hold_x) {
-    return c ? each_held(c, hold, hold_x) : 0;
+    return c ? list_held_nodes(c, hold, hold_x) : 0;
 }

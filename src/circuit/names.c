@@ -1,4 +1,4 @@
-/* src/circuit/names.c - elements found by their names, in a time that does not grow with their number. */
+/* src/circuit/names.c - elements found by their names, by a hash table. */
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>

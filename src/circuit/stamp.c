@@ -17,7 +17,7 @@ static int row_of(const stamp *to, int number) {
 }
 
 /* Where entry (i,j) lies. */
-static double *place(const ns_system *s, matrix which, int i, int j) {
+static double *entry_of(const ns_system *s, matrix which, int i, int j) {
     const size_t of_n = (size_t)i + (size_t)j * (size_t)s->n, of_m = (size_t)i + (size_t)j * (size_t)s->m;
     switch (which) {
     case IN_M:
@@ -46,51 +46,51 @@ void ns_circuit_stamp_add(const stamp *to, matrix which, int i, int j, double va
     if (to->entries) {
         ns_linalg_entries_add(&to->entries[which], i, j, value);
     } else {
-        *place(to->s, which, i, j) += value;
+        *entry_of(to->s, which, i, j) += value;
     }
 }
 
 /* Rows p and n: `value` times column j of a matrix leaves p and enters n (it has the sign of A). */
-static void leaves(const stamp *to, const element *e, matrix a, int j, double value) {
+static void stamp_leaving(const stamp *to, const element *e, matrix a, int j, double value) {
     ns_circuit_stamp_add(to, a, row_of(to, e->node[0]), j, -value);
     ns_circuit_stamp_add(to, a, row_of(to, e->node[1]), j, value);
 }
 
-static void conductance(const stamp *to, const element *e, double siemens) {
-    leaves(to, e, IN_A, row_of(to, e->node[0]), siemens);
-    leaves(to, e, IN_A, row_of(to, e->node[1]), -siemens);
+static void stamp_conductance(const stamp *to, const element *e, double siemens) {
+    stamp_leaving(to, e, IN_A, row_of(to, e->node[0]), siemens);
+    stamp_leaving(to, e, IN_A, row_of(to, e->node[1]), -siemens);
 }
 
 /* v_p - v_n in a row; times gain. */
-static void difference(const stamp *to, matrix a, int row, int p, int n, double gain) {
+static void stamp_difference(const stamp *to, matrix a, int row, int p, int n, double gain) {
     ns_circuit_stamp_add(to, a, row, row_of(to, p), gain);
     ns_circuit_stamp_add(to, a, row, row_of(to, n), -gain);
 }
 
 /* An element with a current among x: the current in the rows of its nodes; returns its own row. */
-static int branch(const stamp *to, const element *e) {
+static int stamp_branch(const stamp *to, const element *e) {
     int row = to->c->nused + e->current;
-    leaves(to, e, IN_A, row, 1);
+    stamp_leaving(to, e, IN_A, row, 1);
     return row;
 }
 
 /* A voltage source of any kind: 0 = value - (v_p - v_n), of which the right part is stamped here. */
-static int voltage(const stamp *to, const element *e) {
-    int row = branch(to, e);
-    difference(to, IN_A, row, e->node[0], e->node[1], -1);
+static int stamp_voltage(const stamp *to, const element *e) {
+    int row = stamp_branch(to, e);
+    stamp_difference(to, IN_A, row, e->node[0], e->node[1], -1);
     return row;
 }
 
 /* Column j of matrix a, times gain, is put out as voltage or current; the same for a constant. */
-static void put_out(const stamp *to, const element *e, int row, matrix a, int j, double gain) {
+static void stamp_output(const stamp *to, const element *e, int row, matrix a, int j, double gain) {
     if (row >= 0) {
         ns_circuit_stamp_add(to, a, row, j, gain);
     } else {
-        leaves(to, e, a, j, gain);
+        stamp_leaving(to, e, a, j, gain);
     }
 }
 
-static void put_constant(const stamp *to, const element *e, int row, double value) {
+static void stamp_constant(const stamp *to, const element *e, int row, double value) {
     const int p = row_of(to, e->node[0]), n = row_of(to, e->node[1]);
     double *b = to->s->b;
     if (row >= 0) {
@@ -106,55 +106,55 @@ static void put_constant(const stamp *to, const element *e, int row, double valu
 }
 
 static void stamp_source(const stamp *to, const element *e) {
-    int row = e->output == NS_VOLTAGE ? voltage(to, e) : -1;
+    int row = e->output == NS_VOLTAGE ? stamp_voltage(to, e) : -1;
     if (e->input >= 0) {
-        put_out(to, e, row, IN_E, e->input, 1);
+        stamp_output(to, e, row, IN_E, e->input, 1);
     } else {
-        put_constant(to, e, row, e->signal.u.dc);
+        stamp_constant(to, e, row, e->signal.u.dc);
     }
 }
 
 static void stamp_controlled(const stamp *to, const element *e) {
     const ns_circuit *c = to->c;
-    int row = e->output == NS_VOLTAGE ? voltage(to, e) : -1;
+    int row = e->output == NS_VOLTAGE ? stamp_voltage(to, e) : -1;
     if (e->kind == VCONTROLLED) {
-        put_out(to, e, row, IN_A, row_of(to, e->node[2]), e->value);
-        put_out(to, e, row, IN_A, row_of(to, e->node[3]), -e->value);
+        stamp_output(to, e, row, IN_A, row_of(to, e->node[2]), e->value);
+        stamp_output(to, e, row, IN_A, row_of(to, e->node[3]), -e->value);
     } else if (e->kind == ICONTROLLED) {
-        put_out(to, e, row, IN_A, ns_circuit_current_unknown(c, e->by[0]), e->value);
+        stamp_output(to, e, row, IN_A, ns_circuit_current_unknown(c, e->by[0]), e->value);
     } else {
-        put_constant(to, e, row, e->value);
+        stamp_constant(to, e, row, e->value);
     }
     for (int i = 0; i < e->nterms; i++) {
         int of = e->terms[i].of;
         int column = e->terms[i].is_current ? ns_circuit_current_unknown(c, of) : row_of(to, of);
-        put_out(to, e, row, IN_A, column, e->terms[i].gain);
+        stamp_output(to, e, row, IN_A, column, e->terms[i].gain);
     }
 }
 
 static void stamp_resistor(const stamp *to, const element *e) {
     if (e->current < 0) {
-        conductance(to, e, 1 / e->value);
+        stamp_conductance(to, e, 1 / e->value);
     } else {
-        const int row = voltage(to, e);
+        const int row = stamp_voltage(to, e);
         ns_circuit_stamp_add(to, IN_A, row, row, e->value);
     }
 }
 
 static void stamp_capacitor(const stamp *to, const element *e) {
-    leaves(to, e, IN_M, row_of(to, e->node[0]), -e->value);
-    leaves(to, e, IN_M, row_of(to, e->node[1]), e->value);
+    stamp_leaving(to, e, IN_M, row_of(to, e->node[0]), -e->value);
+    stamp_leaving(to, e, IN_M, row_of(to, e->node[1]), e->value);
 }
 
 static void stamp_inductor(const stamp *to, const element *e) {
-    int row = branch(to, e);
-    difference(to, IN_A, row, e->node[0], e->node[1], 1);
+    int row = stamp_branch(to, e);
+    stamp_difference(to, IN_A, row, e->node[0], e->node[1], 1);
 }
 
 /* A pair whose lambda flows from p to n if sign is 1, from n to p if -1; y = kink + D lambda - sign v. */
 static void stamp_pair(const stamp *to, const element *e, int pair, double sign, double kink, double D) {
-    leaves(to, e, IN_B, pair, sign);
-    difference(to, IN_C, pair, e->node[0], e->node[1], -sign);
+    stamp_leaving(to, e, IN_B, pair, sign);
+    stamp_difference(to, IN_C, pair, e->node[0], e->node[1], -sign);
     ns_circuit_stamp_add(to, IN_D, pair, pair, D);
     to->s->e[pair] = kink;
 }
@@ -162,7 +162,7 @@ static void stamp_pair(const stamp *to, const element *e, int pair, double sign,
 static void stamp_diode(const stamp *to, const element *e) {
     const ns_diode *d = &e->diode;
     double on = ns_circuit_kink_factor(d->ron, d->roff), breakdown = ns_circuit_kink_factor(d->rz, d->roff);
-    conductance(to, e, 1 / d->roff);
+    stamp_conductance(to, e, 1 / d->roff);
     stamp_pair(to, e, e->pair, 1, d->vf * on, d->ron * on);
     if (!isinf(d->vz)) {
         stamp_pair(to, e, e->pair + 1, -1, d->vz * breakdown, d->rz * breakdown);
@@ -171,7 +171,7 @@ static void stamp_diode(const stamp *to, const element *e) {
 
 static void stamp_switch(const stamp *to, const element *e) {
     double on = ns_circuit_kink_factor(e->sw.ron, e->sw.roff);
-    conductance(to, e, 1 / e->sw.roff);
+    stamp_conductance(to, e, 1 / e->sw.roff);
     stamp_pair(to, e, e->pair, 1, 0, e->sw.ron * on);
 }
 

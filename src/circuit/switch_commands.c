@@ -8,34 +8,35 @@
 
 #include "circuit_internal.h"
 
-/* Inputs and their shares, by ascending input; nz stands for the constant 1. */
-typedef struct shares {
+/* The potential of a node: by how many volts each input counts in it, by ascending input; nz stands for the
+ * constant 1. */
+typedef struct potential {
     int count;
     int *of;
     double *volts;
-} shares;
+} potential;
 
 typedef struct potentials {
     const ns_circuit *c;
-    int count;     /* used nodes, then ground */
-    int nz;        /* inputs */
-    int *group;    /* count */
-    int *next;     /* count: the next node of the same group, round and round */
-    int *size;     /* count: of the group of this number */
-    shares *volts; /* count: against the group's own zero */
-    double *gap;   /* nz+1: v_p - v_n of a source, */
-    int *in_gap;   /* nz+1: the inputs it is made of, */
-    char *has;     /* nz+1: these, marked */
+    int count;        /* used nodes, then ground */
+    int nz;           /* inputs */
+    int *group;       /* count */
+    int *next;        /* count: the next node of the same group, in a ring */
+    int *size;        /* count: of the group of this number */
+    potential *volts; /* count: against the group's own zero */
+    double *gap;      /* nz+1: v_p - v_n of a source, */
+    int *in_gap;      /* nz+1: the inputs it is made of, */
+    char *has;        /* nz+1: these, marked */
     int in_gap_count;
     int failed; /* memory ran out */
 } potentials;
 
-static int place(const potentials *p, int number) {
+static int node_place(const potentials *p, int number) {
     return number == 0 ? p->count - 1 : ns_circuit_node_unknown(p->c, number);
 }
 
-/* The share of input k. */
-static double share_of(const shares *s, int k) {
+/* By how much input k counts. */
+static double volts_of(const potential *s, int k) {
     int low = 0, high = s->count;
     while (low < high) {
         const int middle = low + (high - low) / 2;
@@ -66,15 +67,15 @@ static void add_gap(potentials *p, int k, double volts) {
 
 /* gap += gain (v_p - v_n); 0 if they are of different groups. */
 static int add_difference(potentials *p, double gain, int at_p, int at_n) {
-    const shares *a = &p->volts[at_p], *b = &p->volts[at_n];
+    const potential *a = &p->volts[at_p], *b = &p->volts[at_n];
     if (p->group[at_p] != p->group[at_n]) {
         return 0;
     }
     for (int i = 0; i < a->count; i++) {
-        add_gap(p, a->of[i], gain * (a->volts[i] - share_of(b, a->of[i])));
+        add_gap(p, a->of[i], gain * (a->volts[i] - volts_of(b, a->of[i])));
     }
     for (int i = 0; i < b->count; i++) {
-        if (share_of(a, b->of[i]) == 0) {
+        if (volts_of(a, b->of[i]) == 0) {
             add_gap(p, b->of[i], gain * -b->volts[i]);
         }
     }
@@ -86,7 +87,7 @@ static int add_terms(potentials *p, const element *e) {
     int known = 1;
     for (int i = 0; i < e->nterms && known; i++) {
         known = !e->terms[i].is_current &&
-                add_difference(p, e->terms[i].gain, place(p, e->terms[i].of), place(p, 0));
+                add_difference(p, e->terms[i].gain, node_place(p, e->terms[i].of), node_place(p, 0));
     }
     return known;
 }
@@ -104,7 +105,7 @@ static int known_gap(potentials *p, const element *e) {
         add_gap(p, e->input >= 0 ? e->input : p->nz, e->input >= 0 ? 1 : e->signal.u.dc);
         return 1;
     case VCONTROLLED:
-        return add_difference(p, e->value, place(p, e->node[2]), place(p, e->node[3]));
+        return add_difference(p, e->value, node_place(p, e->node[2]), node_place(p, e->node[3]));
     case LINEAR:
         add_gap(p, p->nz, e->value);
         return add_terms(p, e);
@@ -118,7 +119,7 @@ static int by_number(const void *a, const void *b) {
 }
 
 /* A node's potential += the gap. */
-static void shift(potentials *p, shares *s) {
+static void shift_potential(potentials *p, potential *s) {
     const size_t room = (size_t)(s->count + p->in_gap_count) + 1;
     int *of = malloc(room * sizeof *of), count = 0, i = 0;
     double *volts = malloc(room * sizeof *volts);
@@ -137,14 +138,14 @@ static void shift(potentials *p, shares *s) {
     }
     free(s->of);
     free(s->volts);
-    *s = (shares){count, of, volts};
+    *s = (potential){count, of, volts};
 }
 
 /* Shifts the smaller of the two groups so that v_a - v_b = gap, and makes it the other's. */
-static void join(potentials *p, int a, int b) {
+static void join_groups(potentials *p, int a, int b) {
     const int flip = p->size[p->group[a]] < p->size[p->group[b]];
     const int kept = flip ? b : a, moved = flip ? a : b, to = p->group[kept], from = p->group[moved];
-    const shares *base = &p->volts[kept], *own = &p->volts[moved];
+    const potential *base = &p->volts[kept], *own = &p->volts[moved];
     for (int i = 0; i < p->in_gap_count && !flip; i++) {
         p->gap[p->in_gap[i]] = -p->gap[p->in_gap[i]];
     }
@@ -157,7 +158,7 @@ static void join(potentials *p, int a, int b) {
     qsort(p->in_gap, (size_t)p->in_gap_count, sizeof(int), by_number);
     int i = moved;
     do {
-        shift(p, &p->volts[i]);
+        shift_potential(p, &p->volts[i]);
         p->group[i] = to;
         i = p->next[i];
     } while (i != moved);
@@ -173,9 +174,9 @@ static int join_known(potentials *p) {
     for (int i = 0; i < p->c->nelements && !p->failed; i++) {
         const element *e = &p->c->element[i];
         if (known_gap(p, e)) {
-            int a = place(p, e->node[0]), b = place(p, e->node[1]);
+            int a = node_place(p, e->node[0]), b = node_place(p, e->node[1]);
             if (p->group[a] != p->group[b]) {
-                join(p, a, b);
+                join_groups(p, a, b);
                 joined++;
             }
         }
@@ -183,7 +184,7 @@ static int join_known(potentials *p) {
     return joined;
 }
 
-static int begin(potentials *p, const ns_circuit *c) {
+static int find_potentials(potentials *p, const ns_circuit *c) {
     size_t count = (size_t)c->nused + 1, width = (size_t)c->ninputs + 1;
     *p = (potentials){.c = c, .count = c->nused + 1, .nz = c->ninputs};
     p->group = calloc(3 * count, sizeof *p->group);
@@ -205,7 +206,7 @@ static int begin(potentials *p, const ns_circuit *c) {
     return !p->failed;
 }
 
-static void end(potentials *p) {
+static void free_potentials(potentials *p) {
     for (int i = 0; p->volts && i < p->count; i++) {
         free(p->volts[i].of);
         free(p->volts[i].volts);
@@ -218,7 +219,7 @@ static void end(potentials *p) {
 }
 
 /* Room for the control's entries, unless they go to lists. */
-static int make_room(const stamp *to, double **room, int count) {
+static int allocate_control(const stamp *to, double **room, int count) {
     if (to->entries) {
         return NS_OK;
     }
@@ -227,13 +228,13 @@ static int make_room(const stamp *to, double **room, int count) {
 }
 
 /* g = the known difference. */
-static int time_control(const stamp *to, const potentials *p, int command) {
+static int stamp_time_control(const stamp *to, const potentials *p, int command) {
     int any = 0, status;
     for (int i = 0; i < p->in_gap_count; i++) {
         any |= p->in_gap[i] < p->nz && p->gap[p->in_gap[i]] != 0;
     }
     to->s->command[command].g0 = p->gap[p->nz];
-    if (!any || (status = make_room(to, &to->s->command[command].gz, p->nz))) {
+    if (!any || (status = allocate_control(to, &to->s->command[command].gz, p->nz))) {
         return any ? status : NS_OK;
     }
     for (int i = 0; i < p->in_gap_count; i++) {
@@ -245,8 +246,8 @@ static int time_control(const stamp *to, const potentials *p, int command) {
 }
 
 /* g = v_cp - v_cn. */
-static int node_control(const stamp *to, const element *e) {
-    int status = make_room(to, &to->s->command[e->command].gx, to->s->n);
+static int stamp_node_control(const stamp *to, const element *e) {
+    int status = allocate_control(to, &to->s->command[e->command].gx, to->s->n);
     if (status) {
         return status;
     }
@@ -261,10 +262,10 @@ static int stamp_command(const stamp *to, potentials *p, const element *e) {
     command->on = e->sw.vt + e->sw.vh;
     command->off = e->sw.vt - e->sw.vh;
     clear_gap(p);
-    if (add_difference(p, 1, place(p, e->node[2]), place(p, e->node[3]))) {
-        return time_control(to, p, e->command);
+    if (add_difference(p, 1, node_place(p, e->node[2]), node_place(p, e->node[3]))) {
+        return stamp_time_control(to, p, e->command);
     }
-    return node_control(to, e);
+    return stamp_node_control(to, e);
 }
 
 int ns_circuit_stamp_commands(const stamp *to) {
@@ -274,7 +275,7 @@ int ns_circuit_stamp_commands(const stamp *to) {
     if (c->ncommands == 0) {
         return NS_OK;
     }
-    if (!begin(&p, c)) {
+    if (!find_potentials(&p, c)) {
         status = NS_E_MEMORY;
     }
     for (int i = 0; i < c->nelements && !status; i++) {
@@ -282,6 +283,6 @@ int ns_circuit_stamp_commands(const stamp *to) {
             status = stamp_command(to, &p, &c->element[i]);
         }
     }
-    end(&p);
+    free_potentials(&p);
     return status;
 }

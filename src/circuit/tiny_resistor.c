@@ -1,20 +1,19 @@
-/* src/circuit/tiny_resistor.c - resistors next to nothing beside what else is at their nodes.
+/* src/circuit/tiny_resistor.c - resistors that are tiny beside others at their nodes.
  *
- * A node's row sums up the conductances at it, in a double: of a leak of 1 Gohm beside 1 uohm hardly a digit
- * is left, and what floats behind open switches is held by nothing else; and what 1 nohm makes of the
- * rounding of its voltage are currents that others would need a volt for.  Such a resistor gets a row of its
- * own, 0 = R i - (v_p - v_n), and its current an unknown: then no row sums up the two.
+ * The row of a node sums the conductances at it.  Beside 1 uohm hardly a digit is left of a leak of 1 Gohm,
+ * which may be all that holds what floats behind open switches; and across 1 nohm the rounding of a voltage
+ * is a current for which other resistors need a volt.  A tiny resistor gets a row of its own, 0 = R i - (v_p
+ * - v_n), and its current is an unknown: then no row sums both.
  */
 #include <math.h>
 #include <stdlib.h>
 
 #include "circuit_internal.h"
 
-/* Conductances that far apart are not summed up; for leaks, which need not be known as well, that many times
- * as far. */
+/* Conductances with a larger ratio than `apart` are not summed; a leak, which need not be known as well, may
+ * be `leak` times smaller. */
 static const double apart = 1e6, leak = 1e6;
-/* Where one resistor is next to nothing, those of the like elsewhere, that many times as large at most, are.
- */
+/* Where one resistor is tiny, all others up to this many times its resistance count as tiny too. */
 static const double alike = 1e3;
 
 static double least_of_device(double ron, double roff) {

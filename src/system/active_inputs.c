@@ -8,7 +8,7 @@
 
 #include <stdlib.h>
 
-/* Nodes: n rows of (S1), m rows of (S3), n + m unknowns. */
+/* Elements of the union-find: n rows of (S1), m rows of (S3), n + m unknowns. */
 typedef struct islands {
     int n, m;
     int *of; /* 2 (n+m) */

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 /* From point i of g to the next; a slope too steep for a number is a jump. */
-static ns_line_piece piece_from(const ns_line *g, int i) {
+static ns_line_piece piece_from_point(const ns_line *g, int i) {
     ns_line_piece p = {g->t[i], g->v[i], 0, g->v[i]};
     const double slope = i + 1 < g->n ? (g->v[i + 1] - g->v[i]) / (g->t[i + 1] - g->t[i]) : 0;
     if (slope != 0 && isfinite(slope)) {
@@ -16,11 +16,11 @@ static ns_line_piece piece_from(const ns_line *g, int i) {
 }
 
 /* Of points at the same time the last counts; one at the end of the period is the first of the next. */
-static void cut(const ns_line *g, ns_broken_line *p) {
+static void fill_pieces(const ns_line *g, ns_broken_line *p) {
     for (int i = 0; i < g->n && !(g->t[i] - g->first >= g->last) && isfinite(g->t[i]); i++) {
         if (i + 1 < g->n && g->t[i + 1] == g->t[i])
             continue;
-        p->piece[++p->n] = piece_from(g, i);
+        p->piece[++p->n] = piece_from_point(g, i);
         if (p->from == 0 && g->t[i] >= g->first)
             p->from = p->n;
     }
@@ -29,7 +29,7 @@ static void cut(const ns_line *g, ns_broken_line *p) {
 }
 
 /* Whether anything happens in a repetition. */
-static int changes(const ns_broken_line *p) {
+static int has_events(const ns_broken_line *p) {
     for (int i = p->from; i <= p->n; i++) {
         const ns_line_piece *a = &p->piece[i], *b = &p->piece[i < p->n ? i + 1 : p->from];
         if (a->slope != b->slope || a->end != b->v)
@@ -47,8 +47,8 @@ int ns_system_line_create(const ns_signal *s, ns_broken_line *p) {
     p->piece = calloc((size_t)g.n + 2, sizeof *p->piece);
     if (!p->piece)
         return NS_E_MEMORY;
-    cut(&g, p);
-    if (isfinite(g.period) && changes(p))
+    fill_pieces(&g, p);
+    if (isfinite(g.period) && has_events(p))
         p->period = g.period;
     return NS_OK;
 }
@@ -59,7 +59,7 @@ void ns_system_line_free(ns_broken_line *p) {
 }
 
 /* Where piece i of repetition k begins. */
-static double begin_of(const ns_broken_line *p, double k, int i) {
+static double start_of_piece(const ns_broken_line *p, double k, int i) {
     return p->origin + (k * p->period + p->piece[i].t);
 }
 
@@ -74,23 +74,23 @@ int ns_system_line_following(const ns_line_cursor *r, double *k) {
     return *k < p->cycles ? p->from : p->n + 1;
 }
 
-static void look_ahead(ns_line_cursor *r) {
+static void find_next(ns_line_cursor *r) {
     double k;
     const int i = ns_system_line_following(r, &k);
-    r->next = i < 0 ? INFINITY : begin_of(r->line, k, i);
+    r->next = i < 0 ? INFINITY : start_of_piece(r->line, k, i);
 }
 
 /* To the next piece; there must be one. */
-static void step(ns_line_cursor *r) {
+static void step_to_next(ns_line_cursor *r) {
     r->i = ns_system_line_following(r, &r->k);
     r->t = r->next;
-    look_ahead(r);
+    find_next(r);
 }
 
 void ns_system_line_skip(ns_line_cursor *r, double repetitions) {
     r->k += repetitions;
-    r->t = begin_of(r->line, r->k, r->i);
-    look_ahead(r);
+    r->t = start_of_piece(r->line, r->k, r->i);
+    find_next(r);
 }
 
 /* The repetition that t lies in. */
@@ -98,9 +98,9 @@ static double repetition(const ns_broken_line *p, double t) {
     if (!(p->period > 0))
         return 0;
     double k = floor((t - p->origin - p->piece[p->from].t) / p->period);
-    if (begin_of(p, k, p->from) > t)
+    if (start_of_piece(p, k, p->from) > t)
         k -= 1;
-    else if (begin_of(p, k + 1, p->from) <= t)
+    else if (start_of_piece(p, k + 1, p->from) <= t)
         k += 1;
     return fmax(0, fmin(k, p->cycles));
 }
@@ -113,14 +113,14 @@ void ns_system_line_seek(ns_line_cursor *r, double t) {
         low = high = p->n + 1;
     while (low < high) {
         const int middle = low + (high - low + 1) / 2;
-        if (begin_of(p, r->k, middle) <= t)
+        if (start_of_piece(p, r->k, middle) <= t)
             low = middle;
         else
             high = middle - 1;
     }
     r->i = low;
-    r->t = begin_of(p, r->k, low);
-    look_ahead(r);
+    r->t = start_of_piece(p, r->k, low);
+    find_next(r);
     if (r->next <= t) /* periods too short to tell apart */
         r->next = t + 2 * ns_system_signal_slack(t, p->origin);
 }
@@ -131,6 +131,6 @@ void ns_system_line_pass(ns_line_cursor *r, double t) {
             ns_system_line_seek(r, t);
             return;
         }
-        step(r);
+        step_to_next(r);
     }
 }

@@ -5,7 +5,7 @@
 #include "nonsmooth/status.h"
 
 /* What a row or a column of an array belongs to. */
-typedef enum ns_owner { NS_EVIDENCE_NONE, NS_UNKNOWN, NS_PAIR } ns_owner;
+typedef enum ns_owner { NS_NOTHING, NS_UNKNOWN, NS_PAIR } ns_owner;
 
 /* Fills fault (may be NULL) with the status and one index, and returns the status. */
 int ns_system_blame(ns_fault *fault, int status, ns_owner who, int index);

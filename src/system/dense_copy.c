@@ -5,14 +5,14 @@
 
 #include <stdlib.h>
 
-static void write_out(const ns_csc *from, double *to) {
+static void copy_entries(const ns_csc *from, double *to) {
     for (int j = 0; j < from->columns; j++)
         for (int k = from->start[j]; k < from->start[j + 1]; k++)
             to[(size_t)from->row[k] + (size_t)j * (size_t)from->rows] = from->value[k];
 }
 
 /* Column c as an array; NULL where it is empty.  Errors: MEMORY. */
-static int write_column(const ns_csc *from, int c, double **to) {
+static int copy_column(const ns_csc *from, int c, double **to) {
     if (from->start[c + 1] == from->start[c])
         return NS_OK;
     *to = calloc((size_t)from->rows + 1, sizeof(double));
@@ -26,9 +26,9 @@ static int copy_commands(const ns_system *s, ns_system *to) {
     for (int c = 0; c < s->nc && status == NS_OK; c++) {
         to->command[c] = s->command[c];
         to->command[c].gx = to->command[c].gz = NULL;
-        status = write_column(&s->large->gx, c, &to->command[c].gx);
+        status = copy_column(&s->large->gx, c, &to->command[c].gx);
         if (status == NS_OK)
-            status = write_column(&s->large->gz, c, &to->command[c].gz);
+            status = copy_column(&s->large->gz, c, &to->command[c].gz);
     }
     return status;
 }
@@ -40,13 +40,13 @@ int ns_system_dense_copy(const ns_system *s, ns_system **out) {
     *out = NULL;
     if (status != NS_OK)
         return status;
-    write_out(&a->M, to->M);
-    write_out(&a->A, to->A);
-    write_out(&a->B, to->B);
-    write_out(&a->C, to->C);
-    write_out(&a->D, to->D);
-    write_out(&a->E, to->E);
-    write_out(&a->F, to->F);
+    copy_entries(&a->M, to->M);
+    copy_entries(&a->A, to->A);
+    copy_entries(&a->B, to->B);
+    copy_entries(&a->C, to->C);
+    copy_entries(&a->D, to->D);
+    copy_entries(&a->E, to->E);
+    copy_entries(&a->F, to->F);
     ns_linalg_copy((size_t)s->n, s->b, to->b);
     ns_linalg_copy((size_t)s->m, s->e, to->e);
     ns_linalg_copy((size_t)s->m, s->l, to->l);

@@ -18,15 +18,15 @@ static int check_bounds(double l, double u, int pair, ns_fault *fault) {
 
 int ns_model_check(const ns_model *model, ns_fault *fault) {
     if (!model)
-        return ns_system_blame(fault, NS_E_NULL, NS_EVIDENCE_NONE, 0);
+        return ns_system_blame(fault, NS_E_NULL, NS_NOTHING, 0);
     if (model->n < 0 || model->m < 0 || model->nz < 0)
-        return ns_system_blame(fault, NS_E_SIZE, NS_EVIDENCE_NONE, 0);
+        return ns_system_blame(fault, NS_E_SIZE, NS_NOTHING, 0);
     if (!required(model))
-        return ns_system_blame(fault, NS_E_NULL, NS_EVIDENCE_NONE, 0);
+        return ns_system_blame(fault, NS_E_NULL, NS_NOTHING, 0);
     int status = ns_system_check_array(model->M, model->n, model->n, NS_UNKNOWN, NS_UNKNOWN, fault);
     for (int i = 0; i < model->nz && status == NS_OK; i++)
         if ((status = ns_signal_check(&model->z[i])) != NS_OK)
-            ns_system_blame(fault, status, NS_EVIDENCE_NONE, 0);
+            ns_system_blame(fault, status, NS_NOTHING, 0);
     for (int i = 0; i < model->m && status == NS_OK; i++)
         status = check_bounds(model->l[i], model->u[i], i, fault);
     return status;

@@ -1,10 +1,11 @@
-/* src/system/partition.c - which unknowns and pairs go together, and what all of them see alike.
+/* src/system/partition.c - which unknowns and pairs belong to one island, and what all islands see.
  *
- * An unknown is known (K) where a row without charges and pairs has no other unknown but known ones: the node
- * of a source, by the law of its branch.  Index r of that row then is an unknown that must not matter to
- * anything but balances: rows j of the known unknowns, which say nothing but what r is.  Where it does (a
- * current that commands something, a capacitor from the supply into an island, whose charge could not be told
- * apart), j stays an unknown as any other.  All else is joined by the entries of the system (union-find).
+ * Unknown j is known as a function of time where a row r without charges and pairs (its law) contains no
+ * other unknown but known ones: the voltage of a supply, by the law of its branch.  Unknown r, the current of
+ * that branch, then is shared: row j, the balance at the node, determines it and nothing else, and each
+ * island has its part of it.  If r appears anywhere but in balances (it commands something), or a balance has
+ * a charge of an island (a capacitor from the supply), j is an unknown as any other.  All else is joined by
+ * the entries of the system (union-find).
  */
 #include "partition.h"
 
@@ -18,28 +19,28 @@ enum { PASSES = 8, TRIES = 8 };
 
 /* --- what is known --- */
 
-static void of_row(void *context, int row, int column, double value) {
+static void mark_lawless(void *context, int row, int column, double value) {
     ns_plan *p = context;
     (void)column;
     (void)value;
     p->lawless[row] = 1;
 }
 
-static void of_column(void *context, int row, int column, double value) {
+static void mark_mattering(void *context, int row, int column, double value) {
     ns_plan *p = context;
     (void)row;
     (void)value;
     p->matters[column] = 1;
 }
 
-static void of_charge(void *context, int row, int column, double value) {
-    of_row(context, row, column, value);
-    of_column(context, row, column, value);
+static void mark_charge(void *context, int row, int column, double value) {
+    mark_lawless(context, row, column, value);
+    mark_mattering(context, row, column, value);
 }
 
-static void of_control(void *context, int unknown, int command, double value) {
+static void mark_control(void *context, int unknown, int command, double value) {
     (void)value;
-    of_column(context, command, unknown, 1);
+    mark_mattering(context, command, unknown, 1);
 }
 
 /* Unknowns of a row that are not known: how many, and the last. */
@@ -52,8 +53,8 @@ static void count_unknown(void *context, int row, int column, double value) {
     }
 }
 
-/* The unknown that row r tells, and r as its share, if that is new. */
-static int settle(ns_plan *p, int r) {
+/* Makes the unknown that row r determines known, and r shared; 1 if that is new. */
+static int know_by_row(ns_plan *p, int r) {
     const int j = p->last[r];
     const int barred = p->lawless[r] || p->barred[r] || p->count[r] != 1 || p->role[r] != NS_OWN;
     if (barred || (j != r && p->role[j] != NS_OWN) || (j != r && p->matters[r]))
@@ -73,17 +74,18 @@ static void find_known(ns_plan *p) {
         ns_system_each_entry(s->A, NS_CSC_OF(s, A), s->n, s->n, count_unknown, p);
         found = 0;
         for (int r = 0; r < s->n; r++)
-            found += settle(p, r);
+            found += know_by_row(p, r);
     }
 }
 
-/* A share seen by a row that is no balance; a charge in a balance that an island has to do with. */
+/* Bars laws whose shared unknown a row sees that is no balance; laws whose balance has a charge of an island.
+ */
 static void bar_share(void *context, int row, int column, double value) {
     ns_plan *p = context;
     (void)value;
     if (p->role[column] == NS_SHARED && p->role[row] != NS_KNOWN) {
         p->barred[column] = 1;
-        p->again = 1;
+        p->retry = 1;
     }
 }
 
@@ -92,30 +94,30 @@ static void bar_charge(void *context, int row, int column, double value) {
     (void)value;
     if (p->role[row] == NS_KNOWN && p->role[column] == NS_OWN) {
         p->barred[p->law[row]] = 1;
-        p->again = 1;
+        p->retry = 1;
     }
 }
 
 static void find_shared(ns_plan *p) {
     const ns_system *s = p->s;
-    ns_system_each_entry(s->M, NS_CSC_OF(s, M), s->n, s->n, of_charge, p);
-    ns_system_each_entry(s->B, NS_CSC_OF(s, B), s->n, s->m, of_row, p);
-    ns_system_each_entry(s->C, NS_CSC_OF(s, C), s->m, s->n, of_column, p);
-    ns_system_each_control(s, of_control, p);
-    p->again = 1;
-    for (int k = 0; p->again && k < TRIES; k++) {
+    ns_system_each_entry(s->M, NS_CSC_OF(s, M), s->n, s->n, mark_charge, p);
+    ns_system_each_entry(s->B, NS_CSC_OF(s, B), s->n, s->m, mark_lawless, p);
+    ns_system_each_entry(s->C, NS_CSC_OF(s, C), s->m, s->n, mark_mattering, p);
+    ns_system_each_control(s, mark_control, p);
+    p->retry = 1;
+    for (int k = 0; p->retry && k < TRIES; k++) {
         find_known(p);
-        p->again = 0;
+        p->retry = 0;
         ns_system_each_entry(s->A, NS_CSC_OF(s, A), s->n, s->n, bar_share, p);
         ns_system_each_entry(s->M, NS_CSC_OF(s, M), s->n, s->n, bar_charge, p);
     }
-    if (p->again)
+    if (p->retry)
         memset(p->role, NS_OWN, (size_t)s->n);
 }
 
-/* --- what goes together --- */
+/* --- joined by entries --- */
 
-static void join(const ns_plan *p, int i, int j) {
+static void join_nodes(const ns_plan *p, int i, int j) {
     ns_system_union_join(p->of, i, j);
 }
 
@@ -124,14 +126,14 @@ static void join_unknowns(void *context, int row, int column, double value) {
     const ns_plan *p = context;
     (void)value;
     if ((p->role[row] == NS_OWN) == (p->role[column] == NS_OWN))
-        join(p, row, column);
+        join_nodes(p, row, column);
 }
 
 static void join_force(void *context, int row, int pair, double value) {
     const ns_plan *p = context;
     (void)value;
     if (p->role[row] == NS_OWN)
-        join(p, row, p->s->n + pair);
+        join_nodes(p, row, p->s->n + pair);
 }
 
 static void join_guard(void *context, int pair, int column, double value) {
@@ -141,7 +143,7 @@ static void join_guard(void *context, int pair, int column, double value) {
 static void join_pairs(void *context, int pair, int other, double value) {
     const ns_plan *p = context;
     (void)value;
-    join(p, p->s->n + pair, p->s->n + other);
+    join_nodes(p, p->s->n + pair, p->s->n + other);
 }
 
 static void join_control(void *context, int unknown, int command, double value) {
@@ -149,7 +151,7 @@ static void join_control(void *context, int unknown, int command, double value) 
     join_force(context, unknown, p->s->command[command].pair, value);
 }
 
-static void join_all(ns_plan *p) {
+static void join_system(ns_plan *p) {
     const ns_system *s = p->s;
     ns_system_union_begin(p->of, s->n + s->m);
     ns_system_each_entry(s->A, NS_CSC_OF(s, A), s->n, s->n, join_unknowns, p);
@@ -160,13 +162,13 @@ static void join_all(ns_plan *p) {
     ns_system_each_control(s, join_control, p);
     for (int j = 0; j < s->n; j++)
         if (p->role[j] == NS_KNOWN)
-            join(p, j, p->law[j]);
+            join_nodes(p, j, p->law[j]);
 }
 
 /* --- islands --- */
 
-/* Those with pairs in the order of their first pair, the rest behind them: p->number of each top.  Returns
- * how many there are, 0 where that is not worth it. */
+/* Numbers the tops: islands with pairs in the order of their first pair, all without pairs as one behind
+ * them. Returns how many islands there are, 0 where less than two or too many have pairs. */
 static int number_islands(ns_plan *p) {
     const int n = p->s->n, m = p->s->m;
     int islands = 0, rest = 0;
@@ -185,7 +187,7 @@ static int number_islands(ns_plan *p) {
     return islands + rest;
 }
 
-static int allocate(ns_plan *p) {
+static int allocate_plan(ns_plan *p) {
     const size_t n = (size_t)p->s->n, all = n + (size_t)p->s->m;
     p->bytes = calloc(4 * n + 1, 1);
     p->ints = calloc(3 * n + 2 * all + 1, sizeof(int));
@@ -219,10 +221,10 @@ int ns_system_partition(const ns_system *s, ns_islands *out) {
     *out = (ns_islands){0};
     if (s->m < 2)
         return NS_OK;
-    int status = allocate(&p);
+    int status = allocate_plan(&p);
     if (status == NS_OK) {
         find_shared(&p);
-        join_all(&p);
+        join_system(&p);
         const int count = number_islands(&p);
         if (count > 0)
             status = ns_system_partition_build(&p, count, out);

@@ -1,8 +1,8 @@
 /* src/system/partition_build.c - the system of each island.
  *
- * Rows of an island are its own, laws of the known unknowns that it sees, and its part of their balances: the
- * entries of its own unknowns and pairs, and its share.  What a balance has besides (a resistor from the
- * supply to ground) counts at home, in the first island that sees it.
+ * Rows of an island are its own, the laws of the known unknowns that it sees, and its part of their balances:
+ * the entries of its own unknowns and pairs, and its part of the shared unknown.  What else is in a balance
+ * (a resistor from the supply to ground) counts in one island, its home: the first that sees it.
  */
 #include <stdlib.h>
 
@@ -12,10 +12,10 @@
 /* Islands that are not larger get arrays, which dense engines take as they are. */
 enum { DENSE_MOST = 64 };
 
-typedef struct cut {
+typedef struct builder {
     const ns_plan *plan;
     const ns_system *s;
-    int count, c;            /* islands; the one that is cut */
+    int count, c;            /* islands; the one that is builder */
     unsigned char *sees;     /* count*n: island c sees the group of top i */
     int *home;               /* n: of a top */
     int *row, *pair, *input; /* n, m, nz: indices in the island, -1: not there */
@@ -23,32 +23,32 @@ typedef struct cut {
     double *dense; /* where entries go: here, */
     int rows;
     ns_entries entries; /* or here */
-} cut;
+} builder;
 
-/* --- who sees what --- */
+/* --- which islands see which known and shared unknowns --- */
 
-static void see(const cut *k, int island, int shared) {
+static void mark_seen(const builder *k, int island, int shared) {
     k->sees[(size_t)island * (size_t)k->s->n + (size_t)ns_system_plan_group(k->plan, shared)] = 1;
 }
 
-static int is_own(const cut *k, int i) {
+static int is_own(const builder *k, int i) {
     return k->plan->role[i] == NS_OWN;
 }
 
 static void see_entry(void *context, int row, int column, double value) {
-    const cut *k = context;
+    const builder *k = context;
     (void)value;
     if (is_own(k, row) && !is_own(k, column))
-        see(k, ns_system_plan_island(k->plan, row), column);
+        mark_seen(k, ns_system_plan_island(k->plan, row), column);
     if (!is_own(k, row) && is_own(k, column))
-        see(k, ns_system_plan_island(k->plan, column), row);
+        mark_seen(k, ns_system_plan_island(k->plan, column), row);
 }
 
 static void see_pair(void *context, int unknown, int pair, double value) {
-    const cut *k = context;
+    const builder *k = context;
     (void)value;
     if (!is_own(k, unknown))
-        see(k, ns_system_plan_island(k->plan, k->s->n + pair), unknown);
+        mark_seen(k, ns_system_plan_island(k->plan, k->s->n + pair), unknown);
 }
 
 static void see_guard(void *context, int pair, int unknown, double value) {
@@ -56,11 +56,11 @@ static void see_guard(void *context, int pair, int unknown, double value) {
 }
 
 static void see_control(void *context, int unknown, int command, double value) {
-    const cut *k = context;
+    const builder *k = context;
     see_pair(context, unknown, k->s->command[command].pair, value);
 }
 
-static void look_round(cut *k) {
+static void find_seen(builder *k) {
     const ns_system *s = k->s;
     ns_system_each_entry(s->A, NS_CSC_OF(s, A), s->n, s->n, see_entry, k);
     ns_system_each_entry(s->M, NS_CSC_OF(s, M), s->n, s->n, see_entry, k);
@@ -77,27 +77,27 @@ static void look_round(cut *k) {
     }
 }
 
-/* --- what of it is the island's --- */
+/* --- what belongs to the island --- */
 
-static int is_in(const cut *k, int i) {
+static int is_in(const builder *k, int i) {
     return is_own(k, i) ? ns_system_plan_island(k->plan, i) == k->c
                         : k->sees[k->c * k->s->n + ns_system_plan_group(k->plan, i)];
 }
 
-static int is_law(const cut *k, int row) {
+static int is_law(const builder *k, int row) {
     return k->plan->role[row] == NS_SHARED || k->plan->law[row] == row;
 }
 
-static int is_home(const cut *k, int i) {
+static int is_home(const builder *k, int i) {
     return k->home[ns_system_plan_group(k->plan, i)] == k->c;
 }
 
-/* What acts on a row from outside. */
-static int gets(const cut *k, int row) {
+/* Whether inputs and constants of a row count in this island. */
+static int acts_on(const builder *k, int row) {
     return is_own(k, row) || is_law(k, row) ? is_in(k, row) : is_home(k, row);
 }
 
-static int has_entry(const cut *k, int row, int column) {
+static int has_entry(const builder *k, int row, int column) {
     if (is_own(k, row) || is_law(k, row))
         return is_in(k, row);
     return k->plan->role[column] == NS_KNOWN ? is_home(k, row) : is_in(k, row) && is_in(k, column);
@@ -105,7 +105,7 @@ static int has_entry(const cut *k, int row, int column) {
 
 /* --- entries --- */
 
-static void put(cut *k, int row, int column, double value) {
+static void add_entry(builder *k, int row, int column, double value) {
     if (k->dense)
         k->dense[(size_t)row + (size_t)column * (size_t)k->rows] += value;
     else
@@ -113,44 +113,44 @@ static void put(cut *k, int row, int column, double value) {
 }
 
 static void put_unknown(void *context, int row, int column, double value) {
-    cut *k = context;
+    builder *k = context;
     if (has_entry(k, row, column))
-        put(k, k->row[row], k->row[column], value);
+        add_entry(k, k->row[row], k->row[column], value);
 }
 
 static void put_force(void *context, int row, int pair, double value) {
-    cut *k = context;
+    builder *k = context;
     if (k->pair[pair] >= 0)
-        put(k, k->row[row], k->pair[pair], value);
+        add_entry(k, k->row[row], k->pair[pair], value);
 }
 
 static void put_guard(void *context, int pair, int column, double value) {
-    cut *k = context;
+    builder *k = context;
     if (k->pair[pair] >= 0)
-        put(k, k->pair[pair], k->row[column], value);
+        add_entry(k, k->pair[pair], k->row[column], value);
 }
 
 static void put_pairs(void *context, int pair, int other, double value) {
-    cut *k = context;
+    builder *k = context;
     if (k->pair[pair] >= 0)
-        put(k, k->pair[pair], k->pair[other], value);
+        add_entry(k, k->pair[pair], k->pair[other], value);
 }
 
 static void put_source(void *context, int row, int input, double value) {
-    cut *k = context;
-    if (gets(k, row))
-        put(k, k->row[row], k->input[input], value);
+    builder *k = context;
+    if (acts_on(k, row))
+        add_entry(k, k->row[row], k->input[input], value);
 }
 
 static void put_source_of_pair(void *context, int pair, int input, double value) {
-    cut *k = context;
+    builder *k = context;
     if (k->pair[pair] >= 0)
-        put(k, k->pair[pair], k->input[input], value);
+        add_entry(k, k->pair[pair], k->input[input], value);
 }
 
 /* One matrix: into the island's array, or its sparse matrix. */
-static int fill(cut *k, const double *from, const ns_csc *sparse, int rows, int columns, ns_visit *visit,
-                double *dense, ns_csc *large, int to_rows, int to_columns) {
+static int copy_matrix(builder *k, const double *from, const ns_csc *sparse, int rows, int columns,
+                       ns_visit *visit, double *dense, ns_csc *large, int to_rows, int to_columns) {
     k->dense = dense;
     k->rows = to_rows;
     k->entries = (ns_entries){0};
@@ -162,26 +162,26 @@ static int fill(cut *k, const double *from, const ns_csc *sparse, int rows, int 
     return status;
 }
 
-#define FILL(which, rows, columns, visit)                                                                    \
-    fill(k, s->which, NS_CSC_OF(s, which), s->rows, s->columns, visit, to->which,                            \
-         to->large ? &to->large->which : NULL, to->rows, to->columns)
+#define COPY(which, rows, columns, visit)                                                                    \
+    copy_matrix(k, s->which, NS_CSC_OF(s, which), s->rows, s->columns, visit, to->which,                     \
+                to->large ? &to->large->which : NULL, to->rows, to->columns)
 
-static int fill_matrices(cut *k) {
+static int copy_matrices(builder *k) {
     const ns_system *s = k->s;
     ns_system *to = k->to;
-    int status = FILL(M, n, n, put_unknown);
-    status = status ? status : FILL(A, n, n, put_unknown);
-    status = status ? status : FILL(B, n, m, put_force);
-    status = status ? status : FILL(C, m, n, put_guard);
-    status = status ? status : FILL(D, m, m, put_pairs);
-    status = status ? status : FILL(E, n, nz, put_source);
-    return status ? status : FILL(F, m, nz, put_source_of_pair);
+    int status = COPY(M, n, n, put_unknown);
+    status = status ? status : COPY(A, n, n, put_unknown);
+    status = status ? status : COPY(B, n, m, put_force);
+    status = status ? status : COPY(C, m, n, put_guard);
+    status = status ? status : COPY(D, m, m, put_pairs);
+    status = status ? status : COPY(E, n, nz, put_source);
+    return status ? status : COPY(F, m, nz, put_source_of_pair);
 }
 
-static void fill_vectors(const cut *k) {
+static void copy_vectors(const builder *k) {
     const ns_system *s = k->s;
     for (int i = 0; i < s->n; i++)
-        if (k->row[i] >= 0 && gets(k, i))
+        if (k->row[i] >= 0 && acts_on(k, i))
             k->to->b[k->row[i]] = s->b[i];
     for (int i = 0; i < s->m; i++)
         if (k->pair[i] >= 0) {
@@ -194,8 +194,8 @@ static void fill_vectors(const cut *k) {
 /* --- commands --- */
 
 /* Entries of one control, as places in the island; an array of `size`, NULL where there are none. */
-static int gather(const double *dense, const ns_csc *sparse, int c, int rows, const int *place, int size,
-                  double **out) {
+static int copy_control(const double *dense, const ns_csc *sparse, int c, int rows, const int *place,
+                        int size, double **out) {
     int any = 0;
     double *to = calloc((size_t)size + 1, sizeof *to);
     if (!to)
@@ -223,14 +223,15 @@ static void add_control(ns_entries *to, const double *dense, int rows, int colum
             ns_linalg_entries_add(to, i, column, dense[i]);
 }
 
-static int fill_command(cut *k, int c, ns_command *into) {
+static int copy_command(builder *k, int c, ns_command *into) {
     const ns_system *s = k->s;
     const ns_command *from = &s->command[c];
     *into = *from;
     into->gx = into->gz = NULL;
     into->pair = k->pair[from->pair];
-    const int status = gather(from->gx, NS_CSC_OF(s, gx), c, s->n, k->row, k->to->n, &into->gx);
-    return status ? status : gather(from->gz, NS_CSC_OF(s, gz), c, s->nz, k->input, k->to->nz, &into->gz);
+    const int status = copy_control(from->gx, NS_CSC_OF(s, gx), c, s->n, k->row, k->to->n, &into->gx);
+    return status ? status
+                  : copy_control(from->gz, NS_CSC_OF(s, gz), c, s->nz, k->input, k->to->nz, &into->gz);
 }
 
 /* Controls as columns of sparse matrices, in place of arrays. */
@@ -252,36 +253,36 @@ static int pack_commands(ns_system *to) {
     return status;
 }
 
-static int fill_commands(cut *k) {
+static int copy_commands(builder *k) {
     int status = NS_OK;
     for (int c = 0, at = 0; c < k->s->nc && status == NS_OK; c++)
         if (k->pair[k->s->command[c].pair] >= 0)
-            status = fill_command(k, c, &k->to->command[at++]);
+            status = copy_command(k, c, &k->to->command[at++]);
     return status || !k->to->large ? status : pack_commands(k->to);
 }
 
 /* --- sizes --- */
 
-static void want_input(void *context, int row, int input, double value) {
-    const cut *k = context;
+static void mark_input(void *context, int row, int input, double value) {
+    const builder *k = context;
     (void)value;
-    if (gets(k, row))
+    if (acts_on(k, row))
         k->input[input] = 0;
 }
 
-static void want_input_of_pair(void *context, int pair, int input, double value) {
-    const cut *k = context;
+static void mark_input_of_pair(void *context, int pair, int input, double value) {
+    const builder *k = context;
     (void)value;
     if (k->pair[pair] >= 0)
         k->input[input] = 0;
 }
 
-static void want_inputs(cut *k) {
+static void mark_inputs(builder *k) {
     const ns_system *s = k->s;
     for (int i = 0; i < s->nz; i++)
         k->input[i] = -1;
-    ns_system_each_entry(s->E, NS_CSC_OF(s, E), s->n, s->nz, want_input, k);
-    ns_system_each_entry(s->F, NS_CSC_OF(s, F), s->m, s->nz, want_input_of_pair, k);
+    ns_system_each_entry(s->E, NS_CSC_OF(s, E), s->n, s->nz, mark_input, k);
+    ns_system_each_entry(s->F, NS_CSC_OF(s, F), s->m, s->nz, mark_input_of_pair, k);
     for (int c = 0; c < s->nc; c++) {
         if (k->pair[s->command[c].pair] < 0)
             continue;
@@ -293,14 +294,14 @@ static void want_inputs(cut *k) {
     }
 }
 
-static int number(int count, int *places) {
+static int number_marked(int count, int *places) {
     int n = 0;
     for (int i = 0; i < count; i++)
         places[i] = places[i] < 0 ? -1 : n++;
     return n;
 }
 
-static int copy_inputs(const cut *k) {
+static int copy_inputs(const builder *k) {
     int status = NS_OK;
     for (int i = 0; i < k->s->nz && status == NS_OK; i++)
         if (k->input[i] >= 0)
@@ -308,7 +309,7 @@ static int copy_inputs(const cut *k) {
     return status;
 }
 
-static int list(int count, const int *places, int size, int **out) {
+static int list_marked(int count, const int *places, int size, int **out) {
     *out = calloc((size_t)size + 1, sizeof **out);
     for (int i = 0; *out && i < count; i++)
         if (places[i] >= 0)
@@ -316,7 +317,7 @@ static int list(int count, const int *places, int size, int **out) {
     return *out ? NS_OK : NS_E_MEMORY;
 }
 
-static int cut_one(cut *k, ns_island *out) {
+static int build_island(builder *k, ns_island *out) {
     const ns_system *s = k->s;
     int nc = 0;
     for (int i = 0; i < s->n; i++)
@@ -325,21 +326,22 @@ static int cut_one(cut *k, ns_island *out) {
         k->pair[i] = ns_system_plan_island(k->plan, s->n + i) == k->c ? 0 : -1;
     for (int c = 0; c < s->nc; c++)
         nc += k->pair[s->command[c].pair] >= 0;
-    want_inputs(k);
-    const int n = number(s->n, k->row), m = number(s->m, k->pair), nz = number(s->nz, k->input);
+    mark_inputs(k);
+    const int n = number_marked(s->n, k->row), m = number_marked(s->m, k->pair),
+              nz = number_marked(s->nz, k->input);
     int status = s->large && n + m > DENSE_MOST ? ns_system_create_large(n, m, nz, nc, &out->s)
                                                 : ns_system_create(n, m, nz, nc, &out->s);
     k->to = out->s;
-    status = status ? status : list(s->n, k->row, n, &out->unknown);
-    status = status ? status : list(s->m, k->pair, m, &out->pair);
-    status = status ? status : fill_matrices(k);
+    status = status ? status : list_marked(s->n, k->row, n, &out->unknown);
+    status = status ? status : list_marked(s->m, k->pair, m, &out->pair);
+    status = status ? status : copy_matrices(k);
     if (status == NS_OK)
-        fill_vectors(k);
+        copy_vectors(k);
     status = status ? status : copy_inputs(k);
-    return status ? status : fill_commands(k);
+    return status ? status : copy_commands(k);
 }
 
-static int allocate(cut *k) {
+static int allocate_work(builder *k) {
     const size_t n = (size_t)k->s->n;
     k->sees = calloc((size_t)k->count * n + 1, 1);
     k->home = calloc(n + 1, sizeof *k->home);
@@ -353,17 +355,17 @@ static int allocate(cut *k) {
 
 int ns_system_partition_build(const ns_plan *p, int count, ns_islands *out) {
     const size_t n = (size_t)p->s->n;
-    cut k = {.plan = p, .s = p->s, .count = count};
+    builder k = {.plan = p, .s = p->s, .count = count};
     out->count = count;
     out->island = calloc((size_t)count, sizeof *out->island);
     out->shared = calloc(n + 1, 1);
-    int status = out->island && out->shared ? allocate(&k) : NS_E_MEMORY;
+    int status = out->island && out->shared ? allocate_work(&k) : NS_E_MEMORY;
     if (status == NS_OK)
-        look_round(&k);
+        find_seen(&k);
     for (size_t i = 0; status == NS_OK && i < n; i++)
         out->shared[i] = p->role[i] == NS_SHARED;
     for (k.c = 0; k.c < count && status == NS_OK; k.c++)
-        status = cut_one(&k, &out->island[k.c]);
+        status = build_island(&k, &out->island[k.c]);
     free(k.sees);
     free(k.home);
     free(k.row);

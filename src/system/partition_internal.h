@@ -1,6 +1,5 @@
-/* src/system/partition_internal.h - shared by partition.c (what goes together) and partition_build.c (their
- * systems).
- */
+/* src/system/partition_internal.h - shared by partition.c (which belong to one island) and partition_build.c
+ * (the islands' systems). */
 #ifndef NS_SYSTEM_PARTITION_INTERNAL_H
 #define NS_SYSTEM_PARTITION_INTERNAL_H
 
@@ -8,22 +7,29 @@
 #include "partition.h"
 #include "union_find.h"
 
-/* Of an unknown: of one island; known (its row a balance); the share of one in a balance (its row a law). */
+/* The role of an unknown: of one island; known as a function of time (its row is a balance); in a balance
+ * only, where each island has a part of it (its row is the law of a known one). */
 enum { NS_OWN, NS_KNOWN, NS_SHARED };
 
 typedef struct ns_plan {
     const ns_system *s;
-    unsigned char *bytes, *role; /* n */
-    unsigned char *lawless;      /* n: rows with charges or pairs */
-    unsigned char *matters;      /* n: unknowns with a charge, or that a guard or a control sees */
-    unsigned char *barred;       /* n: rows that are not taken for laws */
-    int *ints, *count, *last;    /* n: unknowns of a row that are not known, the last of them */
-    int *law;                    /* n: the row that tells a known one */
-    int *of, *number;            /* n+m: unknowns and pairs; the island of a top */
-    int again;
+    unsigned char *bytes; /* the block that the next four are in */
+    int *ints;            /* the block of those below */
+    /* of rows and unknowns, n each */
+    unsigned char *role;    /* NS_OWN, ... */
+    unsigned char *lawless; /* rows with charges or pairs */
+    unsigned char *matters; /* unknowns with a charge, or that a guard or a control sees */
+    unsigned char *barred;  /* rows that are not taken for laws */
+    int *count, *last;      /* of a row: how many unknowns are not known, and the last of them */
+    int *law;               /* of a known unknown: the row that determines it */
+    /* of unknowns and pairs, n+m each */
+    int *of;     /* union-find */
+    int *number; /* of a top: its island */
+    int retry;   /* rows were barred: roles are to be found anew */
 } ns_plan;
 
-/* The group that unknown i, or pair i - n, is in: what is known or shared together has one. */
+/* The group that unknown i, or pair i - n, is in: known and shared unknowns form groups of
+ * their own. */
 static inline int ns_system_plan_group(const ns_plan *p, int i) {
     return ns_system_union_top(p->of, i);
 }

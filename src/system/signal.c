@@ -2,7 +2,7 @@
  *
  * PULSE and PWL are both broken lines: points (t[i], v[i]), the value held before the first and after the
  * last, the points from `from` on repeated with a period.  Point i of repetition k lies at
- *     at(k,i) = origin + (k period + t[i]),
+ *     time_of_point(k,i) = origin + (k period + t[i]),
  * computed from k, so that nothing drifts.  Times within `slack` of a corner, a few roundings, count as the
  * corner itself: what a caller computes to be a corner is found to be one.
  */
@@ -76,13 +76,13 @@ static turn turn_of(const ns_line *g, double k) {
 }
 
 /* A point at the end of a period is the first of the next one, to the last bit. */
-static double at(const ns_line *g, turn r, int i) {
+static double time_of_point(const ns_line *g, turn r, int i) {
     double t = g->t[i];
     return g->origin + (t - g->first >= g->last ? r.next : r.here + t);
 }
 
 /* floor(x), which may be a call. */
-static double whole(double x) {
+static double floor_of(double x) {
     if (!(fabs(x) < 1e15)) {
         return floor(x);
     }
@@ -96,7 +96,7 @@ static double repetition(const ns_line *g, double t) {
     if (isinf(g->period)) {
         return 0;
     }
-    k = whole((t - g->origin - g->first) / g->period);
+    k = floor_of((t - g->origin - g->first) / g->period);
     if (g->origin + (k * g->period + g->first) > t) {
         k -= 1;
     } else if (g->origin + ((k + 1) * g->period + g->first) <= t) {
@@ -111,7 +111,7 @@ static int point_before(const ns_line *g, double k, turn r, double t) {
     int low = k > 0 ? g->from : 0, high = g->n;
     while (low < high) {
         int middle = low + (high - low) / 2;
-        if (at(g, r, middle) <= t) {
+        if (time_of_point(g, r, middle) <= t) {
             low = middle + 1;
         } else {
             high = middle;
@@ -131,7 +131,7 @@ static double line_value(const ns_line *g, double t, ns_side side) {
     if (i + 1 == g->n) {
         return g->v[i];
     }
-    return between(t, at(g, r, i), g->v[i], at(g, r, i + 1), g->v[i + 1]);
+    return between(t, time_of_point(g, r, i), g->v[i], time_of_point(g, r, i + 1), g->v[i + 1]);
 }
 
 static double line_next(const ns_line *g, double t) {
@@ -146,7 +146,7 @@ static double line_next(const ns_line *g, double t) {
         if (k > 0 && (isinf(g->period) || k >= g->cycles)) {
             return INFINITY;
         }
-        corner = at(g, turn_of(g, k), i);
+        corner = time_of_point(g, turn_of(g, k), i);
         if (corner > after) {
             return corner;
         }

@@ -12,7 +12,7 @@
 #include "signal_internal.h"
 
 /* A zeroed p*q array, NULL for none; *ok becomes 0 where memory ran out. */
-static void *make(int p, int q, size_t size, int *ok) {
+static void *allocate_array(int p, int q, size_t size, int *ok) {
     size_t count = (size_t)p * (size_t)q;
     void *made = NULL;
     if (count > 0 && *ok) {
@@ -21,33 +21,33 @@ static void *make(int p, int q, size_t size, int *ok) {
     return made;
 }
 
-static void make_matrices(ns_system *s, int n, int m, int nz, int *ok) {
-    s->M = make(n, n, sizeof(double), ok);
-    s->A = make(n, n, sizeof(double), ok);
-    s->B = make(n, m, sizeof(double), ok);
-    s->C = make(m, n, sizeof(double), ok);
-    s->D = make(m, m, sizeof(double), ok);
-    s->E = make(n, nz, sizeof(double), ok);
-    s->F = make(m, nz, sizeof(double), ok);
+static void allocate_matrices(ns_system *s, int n, int m, int nz, int *ok) {
+    s->M = allocate_array(n, n, sizeof(double), ok);
+    s->A = allocate_array(n, n, sizeof(double), ok);
+    s->B = allocate_array(n, m, sizeof(double), ok);
+    s->C = allocate_array(m, n, sizeof(double), ok);
+    s->D = allocate_array(m, m, sizeof(double), ok);
+    s->E = allocate_array(n, nz, sizeof(double), ok);
+    s->F = allocate_array(m, nz, sizeof(double), ok);
 }
 
-static int make_arrays(ns_system *s, int n, int m, int nz, int nc, int large) {
+static int allocate_arrays(ns_system *s, int n, int m, int nz, int nc, int large) {
     int ok = 1;
     if (large) {
-        s->large = make(1, 1, sizeof *s->large, &ok);
+        s->large = allocate_array(1, 1, sizeof *s->large, &ok);
     } else {
-        make_matrices(s, n, m, nz, &ok);
+        allocate_matrices(s, n, m, nz, &ok);
     }
-    s->b = make(n, 1, sizeof(double), &ok);
-    s->e = make(m, 1, sizeof(double), &ok);
-    s->l = make(m, 1, sizeof(double), &ok);
-    s->u = make(m, 1, sizeof(double), &ok);
-    s->z = make(nz, 1, sizeof(ns_signal), &ok);
-    s->command = make(nc, 1, sizeof(ns_command), &ok);
+    s->b = allocate_array(n, 1, sizeof(double), &ok);
+    s->e = allocate_array(m, 1, sizeof(double), &ok);
+    s->l = allocate_array(m, 1, sizeof(double), &ok);
+    s->u = allocate_array(m, 1, sizeof(double), &ok);
+    s->z = allocate_array(nz, 1, sizeof(ns_signal), &ok);
+    s->command = allocate_array(nc, 1, sizeof(ns_command), &ok);
     return ok;
 }
 
-static int create(int n, int m, int nz, int nc, int large, ns_system **out) {
+static int create_system(int n, int m, int nz, int nc, int large, ns_system **out) {
     ns_system *s;
     if (!out) {
         return NS_E_NULL;
@@ -57,7 +57,7 @@ static int create(int n, int m, int nz, int nc, int large, ns_system **out) {
         return NS_E_SIZE;
     }
     s = calloc(1, sizeof *s);
-    if (!s || !make_arrays(s, n, m, nz, nc, large)) {
+    if (!s || !allocate_arrays(s, n, m, nz, nc, large)) {
         ns_system_free(s);
         return NS_E_MEMORY;
     }
@@ -73,11 +73,11 @@ static int create(int n, int m, int nz, int nc, int large, ns_system **out) {
 }
 
 int ns_system_create(int n, int m, int nz, int nc, ns_system **out) {
-    return create(n, m, nz, nc, 0, out);
+    return create_system(n, m, nz, nc, 0, out);
 }
 
 int ns_system_create_large(int n, int m, int nz, int nc, ns_system **out) {
-    return create(n, m, nz, nc, 1, out);
+    return create_system(n, m, nz, nc, 1, out);
 }
 
 static void free_large(ns_large *a) {

@@ -1,4 +1,4 @@
-/* src/system/union_find.h - what goes together: sets that are united, each told by its least member. */
+/* src/system/union_find.h - sets of integers that are united; each set is represented by its least member. */
 #ifndef NS_SYSTEM_UNION_FIND_H
 #define NS_SYSTEM_UNION_FIND_H
 
