@@ -9,9 +9,10 @@
 #include "linalg/simd.h"
 
 enum { MOST = NS_UPDATE_MOST };
-/* What has to be left of the terms that the small matrix is summed from. */
-static const double least_share = 1e-6;
-/* How much larger than an unknown, as it was of late, its terms may be; how fast that is forgotten. */
+/* A pivot of the small matrix must be more than this fraction of its terms. */
+static const double least_pivot = 1e-6;
+/* The terms of an unknown may be so many times as large as it was of late; how much of that is kept a step.
+ */
 static const double most_terms = 1e3, forget = 0.9;
 
 int ns_sparse_update_create(const ns_form *f, ns_low_rank *u) {
@@ -38,20 +39,21 @@ static double law(const ns_form *f, ns_mode mode, int j, const double *v) {
                                 : v[f->n + j];
 }
 
-/* What lambda_j is left over from, in the equations it enters. */
+/* Of the rows that lambda_j enters: the largest sum of the sizes of their other terms, over its coefficient.
+ */
 static double terms_of_lambda(const ns_form *f, double g, int j, const double *v) {
-    double most = 0;
+    double max = 0;
     for (int k = f->K.start[f->n + j]; k < f->K.start[f->n + j + 1]; k++) {
         const int i = f->K.row[k];
         if (i >= f->n || f->KA[k] == 0)
             continue;
         const double charge = f->algebraic[i] ? 0 : ns_linalg_csc_size(&f->Mt, i, v) / g;
-        most = ns_higher(most, (charge + ns_linalg_csc_size(&f->At, i, v)) / fabs(f->KA[k]));
+        max = ns_higher(max, (charge + ns_linalg_csc_size(&f->At, i, v)) / fabs(f->KA[k]));
     }
-    return most;
+    return max;
 }
 
-/* What its law is summed from; of lambda alone, only rounding counts. */
+/* The sizes of the terms of its law; of lambda alone, only rounding counts. */
 static double law_size(const ns_form *f, double g, ns_mode mode, int j, const double *v) {
     return ns_mode_slides(mode) ? ns_linalg_csc_size(&f->gx, f->command[j], v)
            : mode == NS_INSIDE  ? ns_linalg_csc_size(&f->Ct, j, v)
@@ -59,7 +61,7 @@ static double law_size(const ns_form *f, double g, ns_mode mode, int j, const do
 }
 
 /* Two modes that have the same row of K. */
-static int alike(ns_mode a, ns_mode b) {
+static int have_same_row(ns_mode a, ns_mode b) {
     return a == b || (!ns_mode_slides(a) && !ns_mode_slides(b) && a != NS_INSIDE && b != NS_INSIDE) ||
            (ns_mode_slides(a) && ns_mode_slides(b));
 }
@@ -68,7 +70,7 @@ static int alike(ns_mode a, ns_mode b) {
 static int differences(ns_low_rank *u, const ns_mode *base, const ns_mode *mode) {
     u->count = 0;
     for (int j = 0; j < u->f->m; j++) {
-        if (base[j] == mode[j] || alike(base[j], mode[j]))
+        if (base[j] == mode[j] || have_same_row(base[j], mode[j]))
             continue;
         if (u->count == MOST)
             return 0;
@@ -84,27 +86,27 @@ static int column_of(const ns_low_rank *u, int pair) {
     return c;
 }
 
-static int asked(const ns_low_rank *u, int pair) {
+static int is_needed(const ns_low_rank *u, int pair) {
     for (int i = 0; i < u->count; i++)
         if (u->pair[i] == pair)
             return 1;
     return 0;
 }
 
-/* Where a new column goes: behind the others, or in place of one that is not asked for. */
+/* The place of a new column: behind the others, or that of one that is not needed now. */
 static int free_column(ns_low_rank *u) {
     if (u->columns < MOST)
         return u->columns++;
     int c = 0;
-    while (c < MOST - 1 && asked(u, u->known[c]))
+    while (c < MOST - 1 && is_needed(u, u->known[c]))
         c++;
     return c;
 }
 
-/* v: K^-1 of the unit vector in the row of pair j.  Where that row is lambda_j alone it is known, and what it
- * enters goes to the other side. */
-static void make_column(const ns_low_rank *u, ns_klu *klu, ns_factors *factors, double g, const ns_mode *base,
-                        int j, double *v) {
+/* v: K^-1 of the unit vector in the row of pair j.  Where that row is lambda_j alone, lambda_j is known, and
+ * its terms are moved to the right-hand side. */
+static void solve_column(const ns_low_rank *u, ns_klu *klu, ns_factors *factors, double g,
+                         const ns_mode *base, int j, double *v) {
     const ns_form *f = u->f;
     const int known = base[j] != NS_INSIDE && !ns_mode_slides(base[j]);
     memset(v, 0, sizeof(double) * (size_t)f->size);
@@ -122,7 +124,7 @@ static void make_column(const ns_low_rank *u, ns_klu *klu, ns_factors *factors, 
         v[f->n + j] = 1;
 }
 
-static int make_columns(ns_low_rank *u, ns_klu *klu, ns_factors *factors, double g, const ns_mode *base) {
+static int solve_columns(ns_low_rank *u, ns_klu *klu, ns_factors *factors, double g, const ns_mode *base) {
     const size_t size = (size_t)u->f->size;
     if (!u->v)
         u->v = calloc(MOST * size + 1, sizeof(double));
@@ -132,7 +134,7 @@ static int make_columns(ns_low_rank *u, ns_klu *klu, ns_factors *factors, double
         int c = column_of(u, u->pair[i]);
         if (c == u->columns) {
             c = free_column(u);
-            make_column(u, klu, factors, g, base, u->pair[i], u->v + (size_t)c * size);
+            solve_column(u, klu, factors, g, base, u->pair[i], u->v + (size_t)c * size);
             u->known[c] = u->pair[i];
             for (int k = 0; k < MOST; k++)
                 u->kind[c][k] = u->kind[k][c] = 0;
@@ -155,7 +157,7 @@ static int eliminate(ns_low_rank *u, const double *terms) {
         u->order[best] = u->order[p];
         u->order[p] = row;
         const double pivot = u->c[row * MOST + p];
-        if (!(fabs(pivot) > least_share * terms[row]) || !isfinite(pivot))
+        if (!(fabs(pivot) > least_pivot * terms[row]) || !isfinite(pivot))
             return 0;
         for (int i = p + 1; i < k; i++) {
             double *c = u->c + u->order[i] * MOST;
@@ -179,7 +181,7 @@ static void apply_law(ns_low_rank *u, double g, ns_mode mode, int j, int r, int 
 }
 
 /* The small matrix, in triangles. */
-static int make_small(ns_low_rank *u, double g, const ns_mode *mode) {
+static int form_small(ns_low_rank *u, double g, const ns_mode *mode) {
     double terms[MOST] = {0};
     for (int i = 0; i < u->count; i++) {
         const int r = u->of[i];
@@ -197,7 +199,7 @@ static int make_small(ns_low_rank *u, double g, const ns_mode *mode) {
 int ns_sparse_update_to(ns_low_rank *u, ns_klu *klu, ns_factors *factors, double g, const ns_mode *base,
                         const ns_mode *mode) {
     const int done =
-        differences(u, base, mode) && make_columns(u, klu, factors, g, base) && make_small(u, g, mode);
+        differences(u, base, mode) && solve_columns(u, klu, factors, g, base) && form_small(u, g, mode);
     u->count = done ? u->count : 0;
     u->checked = u->count == 0;
     u->served = 0;
@@ -205,8 +207,9 @@ int ns_sparse_update_to(ns_low_rank *u, ns_klu *klu, ns_factors *factors, double
     return done;
 }
 
-/* To mu: what makes v, whose right-hand sides were zero there, keep the laws that changed. */
-static void weigh(const ns_low_rank *u, const double *r, const double *v, double *mu) {
+/* mu (count): the weights with which v, whose right-hand sides were zero there, keeps the laws that changed.
+ */
+static void solve_small(const ns_low_rank *u, const double *r, const double *v, double *mu) {
     const ns_form *f = u->f;
     for (int p = 0; p < u->count; p++) {
         const int i = u->order[p], j = u->pair[i];
@@ -260,8 +263,8 @@ static void add_all(int size, int count, const double *const *column, const doub
     }
 }
 
-/* v += V mu from unknown i on; 0: unknowns are what is left of terms that are much larger than they ever
- * were. */
+/* v += V mu from unknown i on; 0: an unknown is the difference of terms that are far larger than it was of
+ * late. */
 ALWAYS_INLINE int check_from(int i, int size, int count, const double *const *column, const double *mu,
                              double *v, double *seen) {
     int good = 1;
@@ -292,11 +295,11 @@ NS_WIDE_TARGET static int check_wide(int size, int count, const double *const *c
             terms += NS_WIDE_SIZE(term);
         }
         const ns_simd_wide now = NS_WIDE_SIZE(sum), before = forget * *(const ns_simd_wide *)(seen + i),
-                           most = NS_WIDE_HIGHER(now, before), room = most_terms * most - terms;
+                           max = NS_WIDE_HIGHER(now, before), room = most_terms * max - terms;
         least = NS_WIDE_LOWER(least, room);
         no_number += terms - terms;
         *(ns_simd_wide *)(v + i) = sum;
-        *(ns_simd_wide *)(seen + i) = most;
+        *(ns_simd_wide *)(seen + i) = max;
     }
     const ns_simd_wide found = least + no_number;
     return check_from(i, size, count, column, mu, v, seen) && NS_WIDE_ABOVE(found, none - DBL_MIN);
@@ -316,7 +319,7 @@ int ns_sparse_update_solve(const ns_low_rank *u, ns_klu *klu, ns_factors *factor
     for (int i = 0; i < u->count; i++)
         v[f->n + u->pair[i]] = 0;
     ns_linalg_klu_solve(klu, factors, v);
-    weigh(u, r, v, mu);
+    solve_small(u, r, v, mu);
     list_columns(u, column, mu);
     if (seen)
         return (ns_simd_is_wide() ? check_wide : check_all)(f->size, u->count, column, mu, v, seen);

@@ -20,14 +20,14 @@ typedef struct ns_low_rank {
     double c[NS_UPDATE_MOST * NS_UPDATE_MOST]; /* their laws applied to these: its triangles, row by row, */
     int order[NS_UPDATE_MOST];                 /* of its rows */
     int columns, known[NS_UPDATE_MOST];        /* columns of V there are, and of which pairs */
-    /* Laws of these pairs applied to these columns, what they are summed from, and which laws (0: none yet).
+    /* Laws of these pairs applied to these columns, the sizes of their terms, and which laws (0: none yet).
      */
     double law[NS_UPDATE_MOST][NS_UPDATE_MOST], terms[NS_UPDATE_MOST][NS_UPDATE_MOST];
     unsigned char kind[NS_UPDATE_MOST][NS_UPDATE_MOST];
     double *v;     /* NS_UPDATE_MOST size; NULL: not needed yet */
     ns_mode *mode; /* m: that it serves */
     int checked;   /* a solution left no more than rounding */
-    int served;    /* how often it was asked for since it came to this mode */
+    int served;    /* how often it was asked for in this mode */
 } ns_low_rank;
 
 int ns_sparse_update_create(const ns_form *f, ns_low_rank *u); /* Errors: MEMORY */
@@ -37,12 +37,12 @@ void ns_sparse_update_free(ns_low_rank *u);
 void ns_sparse_update_reset(ns_low_rank *u, const ns_mode *mode);
 
 /* From factors of the mode `base` to `mode`.  0: it needs factors of its own, as too many pairs differ, or as
- * what little is left of large terms would decide. */
+ * large terms cancel. */
 int ns_sparse_update_to(ns_low_rank *u, ns_klu *klu, ns_factors *factors, double g, const ns_mode *base,
                         const ns_mode *mode);
 
-/* v = K^-1 r in the mode it serves.  seen (size), or NULL: how large unknowns were of late, for a check: 0 if
- * what was added cancels beyond that. */
+/* v = K^-1 r in the mode it serves.  seen (size), or NULL: how large unknowns were of late; then 0 is
+ * returned if terms far larger than that cancel. */
 int ns_sparse_update_solve(const ns_low_rank *u, ns_klu *klu, ns_factors *factors, const double *r, double *v,
                            double *seen);
 

@@ -1,4 +1,5 @@
-/* src/sparse/output_only.c - what only shows something is set aside. */
+/* src/sparse/output_only.c - unknowns that are only shown are left out of the system, and solved for when
+ * read. */
 #include "output_only.h"
 
 #include <stdlib.h>
@@ -20,25 +21,25 @@ static void join(const ns_csc *a, int *parent) {
 }
 
 /* Marks the parts in whose rows a has an entry. */
-static void mark(const ns_csc *a, int by_column, int *parent, unsigned char *used) {
+static void mark_used(const ns_csc *a, int by_column, int *parent, unsigned char *used) {
     for (int j = 0; j < a->columns; j++)
         for (int k = a->start[j]; k < a->start[j + 1]; k++)
             used[root(parent, by_column ? j : a->row[k])] = 1;
 }
 
-/* used (n): of each root whether its part takes part. */
+/* used (n): of each root whether its part stays. */
 static void find_parts(const ns_large *a, int n, int *parent, unsigned char *used) {
     for (int i = 0; i < n; i++)
         parent[i] = i;
     join(&a->M, parent);
     join(&a->A, parent);
-    mark(&a->M, 1, parent, used);
-    mark(&a->B, 0, parent, used);
-    mark(&a->C, 1, parent, used);
-    mark(&a->gx, 0, parent, used);
+    mark_used(&a->M, 1, parent, used);
+    mark_used(&a->B, 0, parent, used);
+    mark_used(&a->C, 1, parent, used);
+    mark_used(&a->gx, 0, parent, used);
 }
 
-static void choose(ns_output_only *a, int n, int *parent, const unsigned char *used) {
+static void choose_unknowns(ns_output_only *a, int n, int *parent, const unsigned char *used) {
     for (int i = 0; i < n; i++)
         if (used[root(parent, i)]) {
             a->place[i] = a->rest.n;
@@ -55,8 +56,8 @@ static int placed(const int *place, int i, int others) {
 }
 
 /* The rows and columns of from that stay, or (others) those that do not. */
-static int pick(const ns_csc *from, const int *row, const int *column, int rows, int columns, int others,
-                ns_csc *out) {
+static int pick_entries(const ns_csc *from, const int *row, const int *column, int rows, int columns,
+                        int others, ns_csc *out) {
     ns_entries e = {0};
     for (int j = 0; j < from->columns; j++)
         for (int k = from->start[j]; k < from->start[j + 1]; k++) {
@@ -69,31 +70,33 @@ static int pick(const ns_csc *from, const int *row, const int *column, int rows,
     return status;
 }
 
-static int take_rest(ns_output_only *a, const ns_large *all) {
+static int pick_rest(ns_output_only *a, const ns_large *all) {
     const ns_system *s = a->whole;
     const int *p = a->place, n = a->rest.n;
     int status;
-    (void)((status = pick(&all->M, p, p, n, n, 0, &a->large.M)) ||
-           (status = pick(&all->A, p, p, n, n, 0, &a->large.A)) ||
-           (status = pick(&all->B, p, NULL, n, s->m, 0, &a->large.B)) ||
-           (status = pick(&all->C, NULL, p, s->m, n, 0, &a->large.C)) ||
-           (status = pick(&all->D, NULL, NULL, s->m, s->m, 0, &a->large.D)) ||
-           (status = pick(&all->E, p, NULL, n, s->nz, 0, &a->large.E)) ||
-           (status = pick(&all->F, NULL, NULL, s->m, s->nz, 0, &a->large.F)) ||
-           (status = pick(&all->gx, p, NULL, n, s->nc, 0, &a->large.gx)) ||
-           (status = pick(&all->gz, NULL, NULL, s->nz, s->nc, 0, &a->large.gz)));
+    (void)((status = pick_entries(&all->M, p, p, n, n, 0, &a->large.M)) ||
+           (status = pick_entries(&all->A, p, p, n, n, 0, &a->large.A)) ||
+           (status = pick_entries(&all->B, p, NULL, n, s->m, 0, &a->large.B)) ||
+           (status = pick_entries(&all->C, NULL, p, s->m, n, 0, &a->large.C)) ||
+           (status = pick_entries(&all->D, NULL, NULL, s->m, s->m, 0, &a->large.D)) ||
+           (status = pick_entries(&all->E, p, NULL, n, s->nz, 0, &a->large.E)) ||
+           (status = pick_entries(&all->F, NULL, NULL, s->m, s->nz, 0, &a->large.F)) ||
+           (status = pick_entries(&all->gx, p, NULL, n, s->nc, 0, &a->large.gx)) ||
+           (status = pick_entries(&all->gz, NULL, NULL, s->nz, s->nc, 0, &a->large.gz)));
     for (int i = 0; i < n; i++)
         a->b[i] = s->b[a->stays[i]];
     return status;
 }
 
-/* The equations of those aside, factored.  Errors: those of ns_linalg_klu_create(), ns_linalg_klu_factor().
+/* The equations of those left out, factored.  Errors: those of ns_linalg_klu_create(),
+ * ns_linalg_klu_factor().
  */
-static int take_aside(ns_output_only *a, const ns_large *all) {
+static int factor_output(ns_output_only *a, const ns_large *all) {
     ns_csc E = {0};
-    int status = pick(&all->A, a->place, a->place, a->count, a->count, 1, &a->A);
+    int status = pick_entries(&all->A, a->place, a->place, a->count, a->count, 1, &a->A);
     if (status == NS_OK)
-        status = pick(&all->E, a->place, NULL, a->count, a->whole->nz, 1, &E); /* its columns: as they are */
+        status = pick_entries(&all->E, a->place, NULL, a->count, a->whole->nz, 1,
+                              &E); /* its columns: as they are */
     if (status == NS_OK)
         status = ns_linalg_csc_transpose(&E, &a->Et);
     ns_linalg_csc_free(&E);
@@ -102,8 +105,8 @@ static int take_aside(ns_output_only *a, const ns_large *all) {
     return status == NS_OK ? ns_linalg_klu_factor(a->klu, a->A.value, &a->factors) : status;
 }
 
-/* All stays. */
-static void none(ns_output_only *a) {
+/* Nothing is left out. */
+static void keep_all(ns_output_only *a) {
     ns_linalg_factors_free(a->klu, a->factors);
     ns_linalg_klu_free(a->klu);
     a->factors = NULL;
@@ -114,7 +117,7 @@ static void none(ns_output_only *a) {
         a->place[i] = a->stays[i] = i;
 }
 
-static int split(ns_output_only *a, const ns_large *all) {
+static int split_system(ns_output_only *a, const ns_large *all) {
     const int n = a->whole->n;
     int *parent = calloc((size_t)n + 1, sizeof *parent);
     unsigned char *used = calloc((size_t)n + 1, 1);
@@ -123,22 +126,22 @@ static int split(ns_output_only *a, const ns_large *all) {
         a->rest = *a->whole;
         a->rest.n = 0;
         find_parts(all, n, parent, used);
-        choose(a, n, parent, used);
+        choose_unknowns(a, n, parent, used);
     }
     free(parent);
     free(used);
     if (status == NS_OK && a->count > 0)
-        status = take_aside(a, all);
+        status = factor_output(a, all);
     if (status == NS_E_MEMORY)
         return status;
-    if (status != NS_OK || a->count == 0) { /* what is singular is for others to tell */
-        none(a);
+    if (status != NS_OK || a->count == 0) { /* a singular part is named by others */
+        keep_all(a);
         return NS_OK;
     }
     a->rest.large = &a->large; /* in place of arrays */
     a->rest.M = a->rest.A = a->rest.B = a->rest.C = a->rest.D = a->rest.E = a->rest.F = NULL;
     a->rest.b = a->b;
-    return take_rest(a, all);
+    return pick_rest(a, all);
 }
 
 int ns_sparse_output_create(const ns_system *s, ns_output_only **out) {
@@ -159,7 +162,7 @@ int ns_sparse_output_create(const ns_system *s, ns_output_only **out) {
         a->stays = a->place + n;
         a->unknown = a->stays + n;
         a->r = a->b + n;
-        status = split(a, s->large ? s->large : &own);
+        status = split_system(a, s->large ? s->large : &own);
     }
     ns_sparse_form_let_go(&own);
     if (status != NS_OK) {

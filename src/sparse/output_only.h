@@ -1,7 +1,7 @@
-/* src/sparse/output_only.h - unknowns that only show something: parts of the circuit that hold no charge, no
- * flux and no pair, and that nothing else looks at, as the sources of gates that commands read.
+/* src/sparse/output_only.h - unknowns that are only shown: parts of the circuit that hold no charge, no flux
+ * and no pair, and on which nothing else depends, as the sources of gates.
  *
- * They are left out of (P2), corners of their inputs end no step, and they are solved for when someone asks.
+ * They are left out of (P2), corners of their inputs end no step, and they are solved for when they are read.
  */
 #ifndef NS_SPARSE_OUTPUT_ONLY_H
 #define NS_SPARSE_OUTPUT_ONLY_H
@@ -13,7 +13,7 @@ typedef struct ns_output_only {
     const ns_system *whole;
     ns_system rest; /* what stays; all but its matrices and b are those of the whole */
     ns_large large;
-    int count;            /* unknowns that are aside */
+    int count;            /* unknowns that are left out */
     int *unknown, *stays; /* count; rest.n: which of the whole's these are */
     int *place;           /* n: of those that stay in rest, of the others in unknown, less one, negative */
     double *b, *r;        /* rest.n; count */

@@ -23,7 +23,7 @@ void ns_sparse_laws_free(ns_packed_laws *k) {
 }
 
 /* sign y_j; lambda_j stays at its bound.  0: too many terms. */
-static int take_voltage(const ns_form *f, int j, double sign, double bound, int *at, double *by,
+static int pack_voltage(const ns_form *f, int j, double sign, double bound, int *at, double *by,
                         double *constant) {
     int terms = 0;
     *constant = sign * f->e[j];
@@ -43,8 +43,8 @@ static int take_voltage(const ns_form *f, int j, double sign, double bound, int 
 }
 
 /* 0: it is one of the others. */
-static int take(const ns_form *f, ns_mode mode, int j, double l, double u, int *at, double *by,
-                double *constant) {
+static int pack_law(const ns_form *f, ns_mode mode, int j, double l, double u, int *at, double *by,
+                    double *constant) {
     if (ns_mode_slides(mode) || (mode == NS_INSIDE && isfinite(l) && isfinite(u)))
         return 0;
     if (mode == NS_INSIDE && (isfinite(l) || isfinite(u))) {
@@ -53,7 +53,7 @@ static int take(const ns_form *f, ns_mode mode, int j, double l, double u, int *
         *constant = isfinite(l) ? -l : u;
     } else if (mode != NS_INSIDE && l < u) {
         const double sign = mode == NS_LOWER ? 1 : -1;
-        return take_voltage(f, j, sign, mode == NS_LOWER ? l : u, at, by, constant);
+        return pack_voltage(f, j, sign, mode == NS_LOWER ? l : u, at, by, constant);
     }
     return 1;
 }
@@ -68,7 +68,7 @@ void ns_sparse_laws_set(ns_packed_laws *k, const ns_form *f, const ns_mode *mode
         int *at = k->at + NS_LAW_TERMS * j;
         double *by = k->by + NS_LAW_TERMS * j;
         k->constant[j] = 0;
-        if (take(f, mode[j], j, l[j], u[j], at, by, &k->constant[j]))
+        if (pack_law(f, mode[j], j, l[j], u[j], at, by, &k->constant[j]))
             continue;
         memset(by, 0, sizeof *by * NS_LAW_TERMS);
         k->constant[j] = 0;

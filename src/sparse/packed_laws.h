@@ -1,5 +1,4 @@
-/* src/sparse/packed_laws.h - the laws of all pairs in a mode, packed to be held against a solution in one
- * pass. */
+/* src/sparse/packed_laws.h - the laws of all pairs in a mode, packed to be checked in one pass. */
 #ifndef NS_SPARSE_PACKED_LAWS_H
 #define NS_SPARSE_PACKED_LAWS_H
 
@@ -7,8 +6,8 @@
 
 enum { NS_LAW_TERMS = 2 };
 
-/* Of pair j: constant + sum of by v[at] must not be negative.  What has more terms, or inputs, or two bounds,
- * is among the others. */
+/* Of pair j: constant + sum of by v[at] must not be negative.  Laws with more terms, with inputs or with two
+ * bounds are among the others. */
 typedef struct ns_packed_laws {
     int count;        /* pairs */
     int *at;          /* NS_LAW_TERMS count */
@@ -25,7 +24,7 @@ void ns_sparse_laws_free(ns_packed_laws *k);
 void ns_sparse_laws_set(ns_packed_laws *k, const ns_form *f, const ns_mode *mode, const double *l,
                         const double *u);
 
-/* 1 if none is negative at v; the others are not looked at. */
+/* 1 if none is negative at v; the others are not checked. */
 int ns_sparse_laws_hold(const ns_packed_laws *k, const double *v);
 
 #endif

@@ -1,11 +1,11 @@
-/* src/sparse/read.c - the point that the sparse marcher has come to, and what it cost. */
+/* src/sparse/read.c - the point of the trial, its mode, and the counts. */
 #include "sparse_internal.h"
 #include "theta/name_fault.h"
 
 #include <math.h>
 #include <string.h>
 
-/* What only follows from the state may overflow before it does: it is named, and read all the same. */
+/* Unknowns may overflow before the state does: they are named, and read all the same. */
 static int check_read(ns_sparse *m, double at, const double *x, const double *lambda, const double *y) {
     ns_fault found = {.status = NS_E_OVERFLOW, .t = at};
     found.nunknowns = ns_theta_name_infinite(m->output_only->whole->n, x, found.unknown);

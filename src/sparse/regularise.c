@@ -5,8 +5,9 @@
  *
  *     v <- v + K_g^-1 (r - K v),   from v = 0
  *
- * converges to a solution of K v = r: what is determined in a few rounds, what is open as the leaks share it;
- * Leaks are some share of what is around them, in units in which all entries of K are near 1.
+ * converges to a solution of K v = r: what is determined in a few rounds; what is open as the leaks divide
+ * it. Where parts are coupled by less than the leaks, rounds gain little each: a few Krylov cycles (GMRES)
+ * follow. Leaks are a fraction of the entries around them, in units in which all entries of K are near 1.
  */
 #include "regularise.h"
 #include "linalg/simd.h"
@@ -18,13 +19,17 @@
 #include <string.h>
 
 enum { SWEEPS = 24, PEAKS = 6, ROUNDS = 3, CYCLES = 3, KRYLOV = 12 };
-static const double leak_share = 1e-7;
-/* What is left of (P2), of the terms of its rows, where it holds; where it may still be said to, if rounds
- * gain no more. */
-static const double holds = 64 * DBL_EPSILON, may_hold = 1e-11, fell = 1e-3, far = 1e-3, little = 1e-7,
-                    least = 1e-9, grown = 1e3, beyond_count = 1e9;
+static const double leak_fraction = 1e-7;
+/* The residual of (P2), relative to the largest terms: rounds end below `holds`; (P2) is solved below
+ * `may_hold`. */
+static const double holds = 64 * DBL_EPSILON, may_hold = 1e-11;
+/* The equations contradict each other where the residual stays above `fell` of the right-hand side; or above
+ * `least` of it, if a current larger than `far` of the largest changed its sign and grew: to `grown` times
+ * the largest of the first rounds, or to `grown_far` times, if the residual is below `little`. */
+static const double fell = 1e-3, least = 1e-9, far = 1e-3, little = 1e-7, grown = 1e3, grown_far = 1e9;
 
-/* The mean of the exponents of rows and columns is brought to zero, in turns, then peaks are cut. */
+/* Exponents of scales: the mean exponent of rows and of columns is brought to zero in turns, then the largest
+ * of each is lowered. */
 static void find_units(const ns_csc *K, const int *exponent, double *row, double *column, double *count) {
     const int size = K->columns;
     memset(row, 0, sizeof(double) * (size_t)size);
@@ -102,7 +107,7 @@ int ns_sparse_leaks_find(const ns_form *f, const ns_mode *mode, const double *va
     for (int j = 0; j < f->m; j++) {
         const double at = mode[j] == NS_INSIDE ? -row[f->n + j] - column[f->n + j]
                                                : -enters(f, exponent, row, j) - leaves(f, column, j);
-        leak[j] = fabs(at) < 900 && !ns_mode_slides(mode[j]) ? leak_share * exp2(at) : 0;
+        leak[j] = fabs(at) < 900 && !ns_mode_slides(mode[j]) ? leak_fraction * exp2(at) : 0;
     }
     for (int i = 0; i < size; i++) {
         scale[i] = exp2(fmin(fmax(row[i], -450), 450));
@@ -170,16 +175,16 @@ static double dot(int size, const double *unit, const double *a, const double *b
 static void straighten(int size, const double *unit, int count, const double *Q, double *q, double *h) {
     for (int i = 0; i < count; i++) {
         const double *along = Q + (size_t)i * (size_t)size;
-        const double share = dot(size, unit, along, q);
-        h[i] += share;
+        const double weight = dot(size, unit, along, q);
+        h[i] += weight;
         for (int l = 0; l < size; l++)
-            q[l] -= share * along[l];
+            q[l] -= weight * along[l];
     }
 }
 
-/* The share (count) of each direction such that what they make is nearest to beta e_1: H is Hessenberg,
+/* The weight (count) of each direction such that what they make is nearest to beta e_1: H is Hessenberg,
  * column by column of KRYLOV + 1, and is rotated. */
-static void least_squares(int count, double beta, double (*H)[KRYLOV + 1], double *share) {
+static void least_squares(int count, double beta, double (*H)[KRYLOV + 1], double *weight) {
     double right[KRYLOV + 1] = {beta};
     for (int k = 0; k < count; k++) {
         const double size = hypot(H[k][k], H[k][k + 1]), c = size > 0 ? H[k][k] / size : 1,
@@ -195,17 +200,15 @@ static void least_squares(int count, double beta, double (*H)[KRYLOV + 1], doubl
     for (int k = count - 1; k >= 0; k--) {
         double sum = right[k];
         for (int j = k + 1; j < count; j++)
-            sum -= H[j][k] * share[j];
-        share[k] = fabs(H[k][k]) > DBL_EPSILON ? sum / H[k][k] : 0;
+            sum -= H[j][k] * weight[j];
+        weight[k] = fabs(H[k][k]) > DBL_EPSILON ? sum / H[k][k] : 0;
     }
 }
 
-/* v += what rounds make of rest, as if there were no end of them: where parts hang together by less than
- * leaks are, each round gains little, but all rounds are in few directions (GMRES).  Q: room for KRYLOV + 1
- * vectors. */
-static void many_rounds(const ns_sparse_leaks *k, const double *rest, double *v, double *Q) {
+/* v += K^-1 rest, by GMRES with K_g as preconditioner.  Q: room for KRYLOV + 1 vectors. */
+static void krylov_cycle(const ns_sparse_leaks *k, const double *rest, double *v, double *Q) {
     const int size = k->f->size;
-    double H[KRYLOV][KRYLOV + 1] = {{0}}, share[KRYLOV] = {0};
+    double H[KRYLOV][KRYLOV + 1] = {{0}}, weight[KRYLOV] = {0};
     int count = 0;
     memcpy(Q, rest, sizeof(double) * (size_t)size);
     ns_linalg_klu_solve(k->klu, k->factors, Q);
@@ -228,10 +231,10 @@ static void many_rounds(const ns_sparse_leaks *k, const double *rest, double *v,
         for (int i = 0; i < size; i++)
             next[i] /= h[count];
     }
-    least_squares(count, beta, H, share);
+    least_squares(count, beta, H, weight);
     for (int i = 0; i < count; i++)
         for (int l = 0; l < size; l++)
-            v[l] += share[i] * Q[(size_t)i * (size_t)size + (size_t)l];
+            v[l] += weight[i] * Q[(size_t)i * (size_t)size + (size_t)l];
 }
 
 static double largest(const ns_sparse_leaks *k, const double *rest) {
@@ -241,7 +244,7 @@ static double largest(const ns_sparse_leaks *k, const double *rest) {
     return most;
 }
 
-/* Laws of closed pairs are off by no dust of what the largest of them is summed from. */
+/* 1 if laws of closed pairs are violated by far more than rounding of their terms. */
 static int laws_contradict(const ns_sparse_leaks *k, const double *v, const double *rest) {
     double most = 0, off = 0;
     for (int j = 0; j < k->f->m; j++)
@@ -252,9 +255,9 @@ static int laws_contradict(const ns_sparse_leaks *k, const double *v, const doub
     return off > fell * most;
 }
 
-/* The current of a closed pair that leaks drive one way, in first rounds, goes the other way, and is so many
- * times as large. */
-static int any_turned(const ns_sparse_leaks *k, const double *first, const double *v, double times) {
+/* 1 if the current of a closed pair has another sign than after the first rounds, and is so many times as
+ * large as the largest was. */
+static int any_reversed(const ns_sparse_leaks *k, const double *first, const double *v, double times) {
     const double *was = first + k->f->n, *is = v + k->f->n;
     double most = 0;
     for (int j = 0; j < k->f->m; j++)
@@ -266,16 +269,16 @@ static int any_turned(const ns_sparse_leaks *k, const double *first, const doubl
     return 0;
 }
 
-/* Beside unknowns that grew beyond count a contradiction looks small: the smaller, the more they grew. */
+/* Relative to unknowns that grow a contradiction gets small. */
 static int contradicts(const ns_sparse_leaks *k, const double *r, const double *first, const double *v,
                        const double *rest) {
     const double now = largest(k, rest), all = largest(k, r);
-    const double times = now > little * all ? grown : beyond_count;
+    const double times = now > little * all ? grown : grown_far;
     return now > fell * all ||
-           (now > least * all && laws_contradict(k, v, rest) && any_turned(k, first, v, times));
+           (now > least * all && laws_contradict(k, v, rest) && any_reversed(k, first, v, times));
 }
 
-static int settle(const ns_sparse_leaks *k, const double *r, double *v, double *rest, double *Q) {
+static int solve_rounds(const ns_sparse_leaks *k, const double *r, double *v, double *rest, double *Q) {
     const size_t bytes = sizeof(double) * (size_t)k->f->size;
     double left = INFINITY, *first = Q + (KRYLOV + 1) * (size_t)k->f->size;
     memcpy(rest, r, bytes);
@@ -287,10 +290,10 @@ static int settle(const ns_sparse_leaks *k, const double *r, double *v, double *
         left = ns_sparse_leaks_left(k->f, k->g, k->mode, k->scale, r, v, NULL, rest);
     }
     memcpy(first, v, bytes);
-    /* what hardly hangs together is far off at little left over; at rest (g = 0) nothing tells a part that
-     * does from one that floats, which rounds to the last digit would take somewhere else */
+    /* weakly coupled parts are far off at a small residual; at rest (g = 0) they cannot be told from floating
+     * ones, which further rounds would take elsewhere */
     for (int cycle = 0; cycle < CYCLES && left > (cycle == 0 && k->g > 0 ? holds : may_hold); cycle++) {
-        many_rounds(k, rest, v, Q);
+        krylov_cycle(k, rest, v, Q);
         left = ns_sparse_leaks_left(k->f, k->g, k->mode, k->scale, r, v, NULL, rest);
     }
     return left <= may_hold && !contradicts(k, r, first, v, rest) ? NS_OK : NS_E_SINGULAR;
@@ -298,7 +301,7 @@ static int settle(const ns_sparse_leaks *k, const double *r, double *v, double *
 
 int ns_sparse_leaks_solve(const ns_sparse_leaks *k, const double *r, double *v, double *rest) {
     double *Q = calloc((KRYLOV + 2) * (size_t)k->f->size + 1, sizeof(double));
-    const int status = Q ? settle(k, r, v, rest, Q) : NS_E_MEMORY;
+    const int status = Q ? solve_rounds(k, r, v, rest, Q) : NS_E_MEMORY;
     free(Q);
     if (status == NS_E_SINGULAR) {
         memcpy(v, r, sizeof(double) * (size_t)k->f->size);

@@ -26,7 +26,7 @@ typedef struct ns_sparse_leaks {
 } ns_sparse_leaks;
 
 /* K v = r; rest: work (size).  Errors: SINGULAR (the equations contradict each other: v is then the answer
- * with leaks, which tells what pulls apart), MEMORY. */
+ * with leaks, whose largest currents are in the contradiction), MEMORY. */
 int ns_sparse_leaks_solve(const ns_sparse_leaks *k, const double *r, double *v, double *rest);
 
 #endif
