@@ -116,7 +116,7 @@ int ns_bridge_analysis_read(ns_analysis *a, double *t) {
     double *x = a->before;
     int status = ns_march_read(a->march, t, x, x + a->system->n, NULL);
     for (size_t k = 0; k < a->count && !status; k++) {
-        a->max_abs[k] = fmax(a->max_abs[k], fabs(x[k]));
+        a->max_abs[k] = fabs(x[k]) > a->max_abs[k] ? fabs(x[k]) : a->max_abs[k];
         status = isfinite(x[k]) ? NS_OK : NS_E_OVERFLOW; /* no number for ngspice */
     }
     if (!status)

@@ -8,18 +8,6 @@
 /* Part of a step: a timepoint that close to the next of the grid replaces it. */
 static const double sliver = 1e-3;
 
-double ns_bridge_timepoints_closeness(const ns_timepoints *p) {
-    return fmax(p->min_break, 200.0 * 2.3e-16 * p->stop);
-}
-
-int ns_bridge_timepoints_same(double t1, double t2) {
-    return fabs(t1 - t2) <= 4.0 * 2.3e-16 * fmax(fabs(t1), fabs(t2));
-}
-
-int ns_bridge_timepoints_at_events(const ns_timepoints *p) {
-    return p->at_corners && p->t >= p->start;
-}
-
 /* ngspice reads the first two. */
 static void remove_all_breaks(ns_timepoints *p) {
     p->breaks[0] = p->breaks[1] = p->stop;

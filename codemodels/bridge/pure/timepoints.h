@@ -2,6 +2,8 @@
 #ifndef BRIDGE_TIMEPOINTS_H
 #define BRIDGE_TIMEPOINTS_H
 
+#include <math.h>
+
 #include "nonsmooth/system.h"
 
 typedef struct ns_timepoints {
@@ -23,13 +25,19 @@ typedef struct ns_timepoints {
 } ns_timepoints;
 
 /* Times closer than this, s, are one to ngspice: it compares breakpoints to 100 ulps. */
-double ns_bridge_timepoints_closeness(const ns_timepoints *p);
+static inline double ns_bridge_timepoints_closeness(const ns_timepoints *p) {
+    return fmax(p->min_break, 200.0 * 2.3e-16 * p->stop);
+}
 
 /* 1 if t1 differs from t2 by no more than the rounding of a sum. */
-int ns_bridge_timepoints_same(double t1, double t2);
+static inline int ns_bridge_timepoints_same(double t1, double t2) {
+    return fabs(t1 - t2) <= 4.0 * 2.3e-16 * fmax(fabs(t1), fabs(t2));
+}
 
 /* 1 if events get timepoints at the present time. */
-int ns_bridge_timepoints_at_events(const ns_timepoints *p);
+static inline int ns_bridge_timepoints_at_events(const ns_timepoints *p) {
+    return p->at_corners && p->t >= p->start;
+}
 
 /* The next timepoint if no event comes before it: on the grid of p->step, at a breakpoint or at a corner of
  * the inputs of s; always after t_accepted.  Removes the breakpoints that are reached and those that get no
