@@ -12,4 +12,8 @@ const char *circuits_name(int at, const char **engine);
  * lambda and y to the last digit, and the mode; then the counters.  What fails ends the program. */
 double circuits_run(int at, FILE *file, ns_counts *counts);
 
+/* Twice, from its start, by one marcher: that sum of the second time, and the counters before and after it.
+ */
+double circuits_run_again(int at, ns_counts *before, ns_counts *after);
+
 #endif
