@@ -41,15 +41,17 @@ static void test_near_miss(void **state) {
     assert_true(fabs(ns_modes_curve_root(&c, at) - (0.25 - 1e-3)) < 1e-11);
 }
 
-/* -u: zero at the start, below at once; and 2 - u, which is zero after the leg. */
+/* -u: zero at the start, below at once; and 2 - u or (2 - u)/4, which are zero after the leg. */
 static void test_ends(void **state) {
     (void)state;
-    const double falls[] = {-1, -1}, stays[] = {1, -1};
+    const double falls[] = {-1, -1}, stays[] = {1, -1}, little[] = {0.25, -0.25};
     ns_curve c;
     ns_modes_curve_of(2, falls, 1, &c);
     assert_true(ns_modes_curve_root(&c, ns_modes_curve_below(&c, 1e-3)) < 1e-15);
     ns_modes_curve_of(2, stays, 1, &c);
     assert_true(isnan(ns_modes_curve_below(&c, 0)));
+    assert_true(ns_modes_curve_root(&c, 0.5) == INFINITY);
+    ns_modes_curve_of(2, little, 1, &c);
     assert_true(ns_modes_curve_root(&c, 0.5) == INFINITY);
 }
 
