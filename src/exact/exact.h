@@ -34,7 +34,7 @@ double ns_exact_fallback_until(const ns_exact *f);
 int ns_exact_failures(const ns_exact *f);
 /* 1 if every command is a function of time: no switch can chatter. */
 int ns_exact_timed(const ns_exact *f);
-long ns_exact_events(const ns_exact *f); /* passed so far */
+const ns_counts *ns_exact_counts(const ns_exact *f); /* what it cost so far; events: passed by it */
 
 /* kernel.c: the engine's matrices as a kernel.  h: as above.  Errors: MEMORY, those of ns_theta_create(). */
 int ns_exact_kernel_create(const ns_system *s, double h, ns_kernel **out);

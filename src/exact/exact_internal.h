@@ -1,12 +1,13 @@
-/* src/exact/exact_internal.h - the exact engine from inside: exact between events, by kept matrices.
+/* src/exact/exact_internal.h - the exact engine from inside.
  *
- *   engine.c          from event to event              advance.c         from one event to the next
+ *   engine.c          from event to event              advance.c         one step, to a guard that breaks
  *   mode_cache.c      modes met, with their matrices   mode_kernel.c     the matrices of one mode (E1), (E2)
  *   step_map.c        steps of one length, as matrices output_map.c      x, lambda of a point
  *   event_location.c  where a guard first breaks       guard_sign.c      whether a mode holds
- *   mode_selection.c  from one mode to the next        mode_entry.c      what jumps where a mode is entered
- *   guard_values.c    guards at a point, and their rounding
- *   periodic_map.c    a period of the sources, recorded and kept; periodic_replay.c: taken again
+ *   guard_values.c    guards and their rounding        mode_entry.c      what jumps where a mode is entered
+ *   mode_selection.c  which mode follows               periodic_map.c    records a period of the sources
+ *   periodic_replay.c repeats that period              sliding.c         modes in which a switch slides
+ *   create.c          this struct
  */
 #ifndef NS_EXACT_INTERNAL_H
 #define NS_EXACT_INTERNAL_H
@@ -21,171 +22,220 @@
 #include <math.h>
 #include <stdint.h>
 
-/* Samples of the guards in a leg, its longest length with guards and without, in h 2^k; legs of recurring
- * lengths that a level keeps; levels of a mode; modes that follow one. */
-enum { NS_SAMPLES = 8, NS_GUARDED = 5, NS_UNGUARDED = 40, NS_KEPT = 16, NS_LEVELS = 4, NS_SUCCESSORS = 8 };
-/* Where a stage is looked at. */
-enum { NS_PIECES = 4 };
+enum {
+    NS_SAMPLES = 8,              /* samples of the guards in a step, at most */
+    NS_MAX_GUARDED_EXPONENT = 5, /* longest step with guards: h 2^5 */
+    NS_MAX_EXPONENT = 40,        /* longest step without guards: h 2^40 */
+    NS_CACHED_STEPS = 16,        /* steps of recurring lengths that a time scale keeps */
+    NS_TIME_SCALES = 4,          /* of one mode, at most */
+    NS_SUCCESSORS = 8,           /* modes remembered as followers of one mode */
+    NS_INTERVALS = 4,            /* a guard over a short step is evaluated at the ends of so many intervals */
+    NS_EXACT_BUCKETS = 256
+};
 
 /* A step of one length inside a mode: P takes X to w, `advance` takes v to v, `sample` gives the guards at
  * 0, h/samples, ..., h. */
 struct ns_step_map {
-    double h;
-    int samples;
+    double h;        /* s */
+    int samples;     /* 0: no guards, or too long */
     double *P;       /* r*q */
     double *advance; /* nv*nv */
-    double *sample;  /* ((samples+1) rows)*q; NULL: it was not flown yet */
-    size_t bytes;
+    double *sample;  /* ((samples+1) rows)*q; NULL: not needed yet */
+    size_t bytes;    /* of all of it */
 };
 
-/* A length that was asked for; its leg is made when it is asked for again. */
+/* A length that was asked for; its step is made when it is asked for again. */
 typedef struct ns_cached_step {
-    double h;
-    ns_step_map *leg;
-    long used;
+    double h;         /* s */
+    ns_step_map *map; /* NULL: asked for once */
+    long last_used;   /* by cache.clock */
 } ns_cached_step;
 
-/* What is slow enough for the steps of one stage; good from `from` seconds after a discontinuity on. */
+/* Steps short enough for what has not died out `from` seconds after a discontinuity. */
 struct ns_time_scale {
-    double h, from;
-    ns_mode_kernel *stage;               /* NULL: never reached yet */
-    double looked;                       /* so many stages, one by one */
-    ns_step_map *rung[NS_UNGUARDED + 1]; /* h 2^k */
-    ns_cached_step kept[NS_KEPT];
-    int recent; /* the one asked for last */
+    double h, from;                            /* s */
+    ns_mode_kernel *kernel;                    /* NULL: not needed yet */
+    double searched_steps;                     /* short steps searched for events one by one */
+    ns_step_map *doubled[NS_MAX_EXPONENT + 1]; /* steps of h 2^k */
+    ns_cached_step cached[NS_CACHED_STEPS];    /* steps of other lengths */
+    int recent;                                /* the place in `cached` asked for last */
 };
 
-/* A mode that followed, and the guards (bits, of the first 64) that nothing told of while somebody said that
- * it holds. */
+/* A mode that followed once; the guards (bits, of the first 64) that were undecided when it was accepted. */
 typedef struct ns_successor {
     ns_exact_mode *mode;
-    uint64_t untold;
+    uint64_t undecided;
 } ns_successor;
 
+/* What is kept of a mode. */
 struct ns_exact_mode {
-    ns_mode *mode; /* m */
-    long used;     /* by the clock */
-    int status;    /* SINGULAR: it contradicts itself, and need not be tried again */
-    int levels;    /* the first resolves what is fastest */
-    int instant;   /* something in it dies out at once: what it is entered with may jump */
-    ns_time_scale level[NS_LEVELS];
-    ns_successor follower[NS_SUCCESSORS]; /* most recent first; NULL: no more */
-    ns_exact_mode *chain;
+    ns_mode *mode;                       /* m */
+    long last_used;                      /* by cache.clock */
+    int status;                          /* SINGULAR: the mode contradicts itself */
+    int scales;                          /* how many time scales; the first resolves what is fastest */
+    int has_instant;                     /* 1: a constraint or a rate beyond resolution: entering may jump */
+    ns_time_scale scale[NS_TIME_SCALES]; /* fastest first */
+    ns_successor successor[NS_SUCCESSORS]; /* most recent first; NULL: no more */
+    ns_exact_mode *next_in_bucket;
 };
 
 /* What one step of ns_exact_advance() did. */
-typedef struct ns_exact_step {
-    const ns_time_scale *level; /* NULL: X did not move */
-    const ns_step_map *leg;     /* it was this kept step as a whole; NULL: it was not */
-    int broke;                  /* 1: a guard breaks at its end */
-} ns_exact_step;
+struct ns_exact_step {
+    const ns_time_scale *scale; /* NULL: X did not move */
+    const ns_step_map *map;     /* it was this kept step as a whole; NULL: it was not */
+    int guard;                  /* the guard that breaks at its end; NS_GUARD_NONE */
+};
 
-enum { NS_EXACT_BUCKETS = 256 };
+/* In place of a guard. */
+enum { NS_GUARD_NONE = -1, NS_GUARD_UNKNOWN = -2 };
 
-/* What a exact remembers besides the stepper's past. */
+/* The point between events: saved and restored together by periodic_replay.c. */
+typedef struct ns_exact_state {
+    ns_exact_mode *mode;     /* NULL: no mode was found yet */
+    ns_clock now;            /* X is of now.t + now.lost */
+    double last_event_t;     /* s */
+    double event_time_error; /* s: how well the instant of that event is known */
+    long steps_left;         /* before the ladder has the rest */
+} ns_exact_state;
+
+/* What a trial changes, restored when it is dropped. */
 typedef struct ns_exact_past {
-    double grounded; /* not before this time again, */
-    double rest;     /* which is this much after it was stuck, */
-    int stuck;       /* so often */
-    int crowd;       /* so many events in a row came at once after another, */
-    double event_t;  /* the last one here */
-    long patience;   /* steps that may be wasted */
+    double fallback_until;   /* s: the ladder steps up to there */
+    double fallback_length;  /* s: of that stretch */
+    int failures;            /* events handed to the ladder, halved while all goes well */
+    int event_count;         /* events in a row, closer together than counts as simultaneous */
+    double previous_event_t; /* s: the last of them */
+    long extra_steps;        /* steps that a trial may take beyond what the ladder would */
 } ns_exact_past;
 
 struct ns_exact {
+    /* what it works on */
     const ns_system *system;
-    ns_theta *s;
-    ns_dense_point *point; /* of the run: where it is to go on from, and has come to */
-    double h;              /* s: longest step of the scheme */
-    long events;           /* passed so far */
-    ns_input_states *exo;
-    ns_time_events *schedule;
-    double from, to_t; /* what the schedule is good for */
-    ns_exact_mode *bucket[NS_EXACT_BUCKETS];
-    size_t bytes, limit;
-    long steps_dropped; /* so many kept steps were dropped: pointers to steps from before are void */
-    long clock;
-    double guess; /* h of the first level of the mode built last */
-    /* where it is */
-    ns_exact_mode *at;
-    double t, since;                /* since: the last discontinuity */
-    double time_lost;               /* what t lost in rounding: X is of t + time_lost */
-    int broken;                     /* the guard that broke last, -1: not known, */
-    double broken_t;                /* when */
-    const ns_exact_mode *broken_at; /* and of what mode; all its levels have the same guards */
-    int doubted; /* a guard that broke, which no other mode mended: it may be off by more, */
-    const ns_exact_mode *doubted_at; /* in this mode; NULL: there is none */
-    double slack;                    /* s: how well the instant of an event is known */
-    long budget;                     /* steps that are left */
-    double *X;                       /* q: w, v */
-    double *most;                    /* r: the largest |w| so far */
-    ns_period_record laps;
-    ns_exact_past past, kept; /* now; as it was accepted */
-    /* work */
-    double *next;                           /* q */
-    double *left;                           /* q */
-    double *ahead;                          /* q */
-    int status;                             /* of what was looked into beside */
-    uint64_t untold;                        /* guards of the mode that was asked last of which nothing told */
-    double *series, *gone;                  /* 8 r, r */
-    double *coef;                           /* 8 (2 m + nc) */
-    double *guards;                         /* (NS_SAMPLES+1) (2 m + nc) */
-    double *rate;                           /* 2 m + nc */
-    double *z, *slope;                      /* nz */
-    double pieces[NS_PIECES + 1][NS_ORDER]; /* coefficients of (E1) in a whole stage */
-    unsigned char *closed, *flip;           /* nc */
-    unsigned char *turns;                   /* nc: how often a command changed in this event, */
-    ns_mode *goal;                          /* nc: and to what it does next */
-    int timed;                              /* no command changes where the state likes: nothing chatters */
-    unsigned char *acting;                  /* nz: inputs that anything depends on */
-    ns_mode *want;                          /* m */
-    ns_impulse to;                          /* its arrays follow in one block */
-    double *block;
+    ns_theta *s;                   /* charges, mode and reading of the point; (P1) over a short step */
+    ns_dense_point *point;         /* of the run: where to start from, and what was reached */
+    double h;                      /* s: longest step of the ladder */
+    int timed;                     /* 1: every command is a function of time */
+    ns_input_states *inputs;       /* inputs as states of a linear system */
+    ns_time_events *events;        /* instants known ahead */
+    double events_from, events_to; /* s: no known instant in between */
+    unsigned char *acting;         /* nz: inputs that anything depends on */
+
+    /* modes met */
+    struct {
+        ns_exact_mode *bucket[NS_EXACT_BUCKETS]; /* chains of modes with the same hash */
+        size_t bytes, limit;                     /* of all that is kept; at most */
+        long clock;                              /* counts uses */
+        long steps_dropped; /* kept steps dropped so far: pointers to steps from before are void */
+        double first_h;     /* s: h of the first time scale of the mode built last */
+    } cache;
+
+    /* the point */
+    ns_exact_state state;         /* mode, time, last event */
+    double *X;                    /* q: charges and fluxes w, inputs v */
+    double *max_abs;              /* r: the largest |w| so far */
+    ns_exact_past past, accepted; /* of the trial; of the accepted point */
+    ns_counts counts;             /* what it cost so far */
+    int failed;                   /* MEMORY, met where no status is returned */
+
+    /* the event */
+    struct {
+        int guard;                 /* guard that broke last */
+        double t;                  /* s: when */
+        const ns_exact_mode *mode; /* in which mode; NULL: none did */
+    } broken;
+    struct {
+        int guard;                 /* guard that broke, and the same mode was selected again */
+        const ns_exact_mode *mode; /* that mode: there the guard's rounding counts 64 times; NULL: none */
+    } unmended;
+    int event_guard;         /* guard whose break is this event; NS_GUARD_NONE */
+    uint64_t undecided;      /* guards of the mode asked last whose sign is not known */
+    ns_mode *wanted;         /* m: the mode to be tried */
+    ns_mode *command_target; /* nc: mode a flipped command goes to */
+    unsigned char *flips;    /* nc: how often each command by the state flipped in this event */
+    ns_impulse impulse;      /* of the impulse problem */
+
+    /* a period of the sources */
+    ns_period_record record;
+
+    /* work: contents are nobody's between two calls */
+    double *X_next;   /* q: X after the step or the jump that is tried */
+    double *X_before; /* q: X before the event */
+    struct {
+        double *block;                               /* all arrays of numbers, X and max_abs too */
+        double *x_lambda;                            /* n+m: engine.c, the point as it is read */
+        double *z, *slope;                           /* nz: engine.c, inputs and slopes */
+        unsigned char *closed, *flip;                /* nc: engine.c */
+        double *powers, *sum;                        /* 8 r, r: step_map.c, D^i w and what a step adds */
+        double interval[NS_INTERVALS + 1][NS_ORDER]; /* event_location.c: (E1) over a whole kernel step */
+        double *coef;                                /* 8 rows: event_location.c, guards as series (E1) */
+        double *guards;                              /* (NS_SAMPLES+1) rows: event_location.c */
+        double *max_abs;                             /* q: guard_values.c, largest |X| */
+        double *X_ahead;                             /* q: guard_sign.c */
+        double *values;                              /* 3 rows: guard_sign.c, values, rates, tolerances */
+        double *jump_powers, *by,
+            *gone; /* 8 r, r, r: mode_entry.c, D^i w, w that one round and all take away */
+        double *impulse, *jump_x_lambda; /* rows, n+m: mode_entry.c */
+        ns_mode *mode;                   /* m: engine.c */
+        double *z_after, *slope_after;   /* nz: mode_selection.c, inputs and slopes right after the event */
+    } work;
 };
 
-/* Times this far apart are the same instant of a schedule. */
-static inline double ns_exact_period_slack(const ns_exact *f) {
-    return 8 * DBL_EPSILON * fabs(f->t);
+/* Times closer together than this are the same instant of a schedule. */
+static inline double ns_exact_same_instant(const ns_exact *f) {
+    return 8 * DBL_EPSILON * fabs(f->state.now.t);
 }
 
-/* mode_cache.c: the record of a mode, found or built (then the stepper's).  Errors: SINGULAR, MEMORY, NUMBER.
- */
+/* A new start: nothing failed yet (create.c, engine.c). */
+void ns_exact_reset_past(ns_exact *f);
+
+/* X becomes X_next; and counts among the largest. */
+static inline void ns_exact_take_next(ns_exact *f) {
+    double *X = f->X;
+    f->X = f->X_next;
+    f->X_next = X;
+}
+
+static inline void ns_exact_note_size(ns_exact *f) {
+    for (int i = 0; i < f->s->r; i++)
+        f->max_abs[i] = f->max_abs[i] > fabs(f->X[i]) ? f->max_abs[i] : fabs(f->X[i]);
+}
+
+/* mode_cache.c: what is kept of a mode, found or built (then it is the stepper's mode).  Errors: SINGULAR,
+ * MEMORY, NUMBER. */
 int ns_exact_mode_find(ns_exact *f, const ns_mode *mode, ns_exact_mode **out);
 void ns_exact_mode_forget_all(ns_exact *f);
-/* Drops the modes that were not flown for longest until all fit into three quarters of the limit; never keep.
- */
+/* Drops the modes not used for longest until all fit into three quarters of the limit; never `keep`. */
 void ns_exact_mode_trim(ns_exact *f, ns_exact_mode *keep);
-/* The level to fly on, and (in *until) for how long after the discontinuity. */
+/* The time scale to step on; *until: for how long after the discontinuity. */
 ns_time_scale *ns_exact_mode_time_scale(ns_exact *f, double *until);
-/* Level i of a mode with its stage; NULL: there is none to be had, what is before will do. */
+/* Time scale i of a mode with its kernel; NULL: it cannot be built, the one before will do. */
 ns_time_scale *ns_exact_mode_reach(ns_exact *f, ns_exact_mode *k, int i);
 
-/* exact/step_map.c: the leg of h 2^k, without samples; the leg of a length that recurs, NULL (and OK) if it
- * does not seem to; the samples of one that is flown.  Errors: MEMORY. */
-int ns_exact_step_of_length(ns_exact *f, ns_time_scale *level, int k, ns_step_map **out);
-int ns_exact_step_sample(ns_exact *f, ns_time_scale *level, ns_step_map *leg);
-int ns_exact_step_recurring(ns_exact *f, ns_time_scale *level, double h, ns_step_map **out);
-/* By how much lengths from t on may differ that count as one. */
-double ns_exact_step_slack(const ns_exact *f, double h);
-void ns_exact_step_free(ns_step_map *leg);
-/* X moves on by tau, unwatched.  Errors: MEMORY. */
-int ns_exact_step_advance(ns_exact *f, ns_time_scale *level, double tau);
-/* What X comes to by a leg; X moves there. */
-void ns_exact_step_apply(const ns_mode_kernel *k, const ns_step_map *leg, const double *X, double *then);
-void ns_exact_step_commit(ns_exact *f, const ns_time_scale *level, const ns_step_map *leg);
+/* step_map.c: the step of h 2^k, without samples; the kept step of a length that recurs, NULL (and OK) if it
+ * was never asked for; adds samples to a step.  Errors: MEMORY. */
+int ns_exact_step_of_length(ns_exact *f, ns_time_scale *scale, int k, ns_step_map **out);
+int ns_exact_step_recurring(ns_exact *f, ns_time_scale *scale, double h, ns_step_map **out);
+int ns_exact_step_sample(ns_exact *f, ns_time_scale *scale, ns_step_map *map);
+void ns_exact_step_free(ns_step_map *map);
+/* Lengths of steps from now on that differ by less than this (s) are the same. */
+double ns_exact_step_length_error(const ns_exact *f, double h);
+/* X moves on by tau; guards are not looked at.  Errors: MEMORY. */
+int ns_exact_step_advance(ns_exact *f, ns_time_scale *scale, double tau);
+/* then (q): X after a step; X moves there. */
+void ns_exact_step_apply(const ns_mode_kernel *k, const ns_step_map *map, const double *X, double *then);
+void ns_exact_step_commit(ns_exact *f, const ns_time_scale *scale, const ns_step_map *map);
 
-/* exact/event_location.c: the first interval between samples of a leg from X in which a guard may break, -1:
- * none; the part of that interval, from its begin, in which none does. */
-int ns_exact_watch_step(ns_exact *f, const ns_time_scale *level, const ns_step_map *leg, double *clear);
-/* Whether a guard breaks within tau <= h from X: 1, and *when; else 0.  Leaves series and coef. */
-int ns_exact_watch_near(ns_exact *f, const ns_time_scale *level, double tau, double *when);
-/* 1 if all guards (rows) hold at and between all samples ((samples+1) rows), with room to spare. */
-int ns_exact_watch_clear(const double *s, int rows, int samples);
-/* c: the coefficients of (E1) at i/NS_PIECES of a way of s Euler steps. */
-void ns_exact_watch_pieces(double s, double (*c)[NS_ORDER]);
+/* event_location.c: the first interval between samples of a step from X in which a guard may break, -1: none;
+ * *clear: the fraction of that interval, from its begin, in which none does. */
+int ns_exact_event_in_step(ns_exact *f, const ns_time_scale *scale, const ns_step_map *map, double *clear);
+/* The guard that breaks first within tau <= h from X, *when after X; NS_GUARD_NONE. */
+int ns_exact_event_within(ns_exact *f, const ns_time_scale *scale, double tau, double *when);
+/* 1 if all guards (rows) surely hold at and between all samples ((samples+1) rows). */
+int ns_exact_event_samples_hold(const double *s, int rows, int samples);
+/* c: the coefficients of (E1) at i/NS_INTERVALS of s Euler steps. */
+void ns_exact_event_intervals(double s, double (*c)[NS_ORDER]);
 
-/* guard_values.c */
-/* One of the matrices of guards (mode_kernel.h) at X: guard g. */
+/* guard_values.c: one of the matrices of guards (mode_kernel.h) at X: guard g. */
 static inline double ns_exact_guard_of(const ns_mode_kernel *k, const double *rows, int g, const double *X) {
     double sum = 0;
     for (int j = 0; j < k->q; j++)
@@ -193,31 +243,31 @@ static inline double ns_exact_guard_of(const ns_mode_kernel *k, const double *ro
     return sum;
 }
 
-/* What guard g may be off by at X; where its rate is known. */
+/* What guard g may be off by at f->X; at any X, its rate being known. */
 double ns_exact_guard_rounding(const ns_exact *f, const ns_mode_kernel *k, int g);
-double ns_exact_guard_rounding_at(const ns_exact *f, const ns_mode_kernel *k, int g, double rate);
-/* All guards at X, and what they may be off by, their instant being known to f->slack: value (2 rows), behind
- * them their rates; tol (rows).  Uses f->ahead. */
+double ns_exact_guard_rounding_at(const ns_exact *f, const ns_mode_kernel *k, int g, const double *X,
+                                  double rate);
+/* All guards at X: value (2 rows), behind them their rates; tol (rows): what they may be off by, with the
+ * error of the event's time. */
 void ns_exact_guard_values(ns_exact *f, const ns_mode_kernel *k, const double *X, double *value, double *tol);
 
-/* engine.c: to the point, in the stepper's mode, as it is.  Errors: SINGULAR, MEMORY, NUMBER.  x, lambda
- * (n+m) at X, with the inputs of t on this side, which stay in f->z.  Errors: MEMORY. */
+/* engine.c: the state is that of the run's point, in the stepper's mode, as it is.  Errors: SINGULAR, MEMORY,
+ * NUMBER.  x_lambda (n+m): x, lambda at X (q, and room for inputs that only outputs follow), with the inputs
+ * of t on this side, which stay in work.z.  Errors: MEMORY. */
 int ns_exact_place(ns_exact *f);
-int ns_exact_output_at(ns_exact *f, double t, ns_side side, double *X, double *x);
+int ns_exact_output_at(ns_exact *f, double t, ns_side side, double *X, double *x_lambda);
 
-/* advance.c: one step, to t at the latest.  Errors: MEMORY; LIMIT: no budget. */
+/* advance.c: one step, to t at the latest.  Errors: MEMORY; LIMIT: no steps are left. */
 int ns_exact_advance(ns_exact *f, double t, ns_exact_step *step);
 
-/* mode_selection.c: the mode from here on, where a guard broke (natural), or commands in point->flip (nc)
- * changed and inputs jumped or turned; X moves if the state jumps.  point->flip is cleared.  OK, GUARD: found
- * none, nothing is changed; MEMORY. */
-int ns_exact_select_mode(ns_exact *f, int natural);
-/* mode_selection.c: the first mode, from X at t with commands as in f->s; X moves if the state jumps.
- * Errors: those of the impulse problem. */
+/* mode_selection.c: the mode from here on, where this guard broke (it may be unknown), or (NS_GUARD_NONE)
+ * commands in point->flip (nc) changed and inputs jumped or turned; X moves if the state jumps.  point->flip
+ * is cleared.  OK, GUARD: found none, nothing is changed; MEMORY. */
+int ns_exact_select_mode(ns_exact *f, int guard);
+/* The first mode, from X at t with commands as in the stepper; X moves if the state jumps.  Errors: those of
+ * the impulse problem. */
 int ns_exact_select_start(ns_exact *f);
 /* mode_entry.c: X freed of what the constraints of its mode do not allow: rounding. */
 void ns_exact_enter_consistent(ns_exact *f);
-/* mode_selection.c: inputs at t+ into z, their slopes into slope. */
-void ns_exact_select_inputs(ns_exact *f);
 
 #endif

@@ -6,44 +6,47 @@
 #include <float.h>
 #include <math.h>
 
-/* Rounding of a guard, in eps of its terms. */
+/* Rounding of a guard, in units of the size of its terms. */
 static const double eps_of_terms = 64 * DBL_EPSILON;
 
-/* And of t, in its eps: what a guard does in that time no step can follow. */
+/* And of t: what a guard changes by in that time cannot be told from rounding. */
 static const double eps_of_time = 4 * DBL_EPSILON;
 
-double ns_exact_guard_rounding_at(const ns_exact *f, const ns_mode_kernel *k, int g, double rate) {
-    const double *noise = k->noise + g;
+double ns_exact_guard_rounding_at(const ns_exact *f, const ns_mode_kernel *k, int g, const double *X,
+                                  double rate) {
+    const double *noise = k->rounding + g;
     double size = 0;
     for (int j = 0; j < k->r; j++)
-        size += noise[j * k->rows] * f->most[j];
+        size += noise[j * k->rows] * f->max_abs[j];
     for (int j = k->r; j < k->q; j++)
-        size += noise[j * k->rows] * fabs(f->X[j]);
-    return eps_of_terms * size + eps_of_time * fabs(f->t * rate);
+        size += noise[j * k->rows] * fabs(X[j]);
+    return eps_of_terms * size + eps_of_time * fabs(f->state.now.t * rate);
 }
 
-/* So few numbers are summed up sooner than handed on. */
-enum { FEW = 32 };
+/* So few terms are summed faster here than by a call. */
+enum { FEW_TERMS = 32 };
 
 void ns_exact_guard_values(ns_exact *f, const ns_mode_kernel *k, const double *X, double *value,
                            double *tol) {
-    double *rate = value + k->rows, *size = f->ahead;
-    if (k->rows * k->q <= FEW) {
+    double *rate = value + k->rows, *size = f->work.max_abs;
+    if (k->rows * k->q <= FEW_TERMS) {
         for (int g = 0; g < k->rows; g++) {
             value[g] = ns_exact_guard_of(k, k->value, g, X);
             rate[g] = ns_exact_guard_of(k, k->rate, g, X);
-            tol[g] = ns_exact_guard_rounding_at(f, k, g, rate[g]) + fabs(rate[g]) * f->slack;
+            tol[g] =
+                ns_exact_guard_rounding_at(f, k, g, X, rate[g]) + fabs(rate[g]) * f->state.event_time_error;
         }
         return;
     }
     for (int j = 0; j < k->q; j++)
-        size[j] = j < k->r ? f->most[j] : fabs(f->X[j]);
-    ns_linalg_matvec(2 * k->rows, k->q, k->sight, X, value);
-    ns_linalg_matvec(k->rows, k->q, k->noise, size, tol);
+        size[j] = j < k->r ? f->max_abs[j] : fabs(X[j]);
+    ns_linalg_matvec(2 * k->rows, k->q, k->guard_values, X, value);
+    ns_linalg_matvec(k->rows, k->q, k->rounding, size, tol);
     for (int g = 0; g < k->rows; g++)
-        tol[g] = eps_of_terms * tol[g] + eps_of_time * fabs(f->t * rate[g]) + fabs(rate[g]) * f->slack;
+        tol[g] = eps_of_terms * tol[g] + eps_of_time * fabs(f->state.now.t * rate[g]) +
+                 fabs(rate[g]) * f->state.event_time_error;
 }
 
 double ns_exact_guard_rounding(const ns_exact *f, const ns_mode_kernel *k, int g) {
-    return ns_exact_guard_rounding_at(f, k, g, ns_exact_guard_of(k, k->rate, g, f->X));
+    return ns_exact_guard_rounding_at(f, k, g, f->X, ns_exact_guard_of(k, k->rate, g, f->X));
 }

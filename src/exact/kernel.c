@@ -15,6 +15,7 @@ typedef struct ns_exact_kernel {
     double *X, *P;            /* q: the state at tau; r*q: the step to there */
     double *before;           /* n: M x before make_consistent() */
     double *x;                /* n+m: x, lambda */
+    ns_counts counts;         /* as cost() shows them */
 } ns_exact_kernel;
 
 static ns_exact_kernel *kernel_of(ns_kernel *k) {
@@ -52,7 +53,7 @@ static int find_outputs(ns_exact_kernel *e, double tau) {
     ns_exact_kernel_step(e->at, tau, e->P);
     ns_linalg_matvec(r, e->at->q, e->P, f->X, e->X);
     memcpy(e->X + r, f->X + r, sizeof(double) * (size_t)e->at->nv);
-    ns_inputs_states_advance(f->exo, tau, e->X + r);
+    ns_inputs_states_advance(f->inputs, tau, e->X + r);
     return ns_exact_output_at(f, e->point.now.t + tau, tau > 0 ? NS_LEFT : NS_RIGHT, e->X, e->x);
 }
 
@@ -60,15 +61,16 @@ static int make_consistent(ns_kernel *k, double *moved, double *impulse, int *ju
     ns_exact_kernel *e = kernel_of(k);
     ns_exact *f = e->exact;
     const int n = k->s->n, all = n + k->s->m;
-    const ns_mode_kernel *fastest = f->at->level[0].stage;
-    *jumps = ns_exact_enter(f, f->at);
-    for (int j = 0; j < k->s->m;
-         j++) { /* lambda of the implicit step that takes away what went, times its length */
+    const ns_mode_kernel *fastest = f->state.mode->scale[0].kernel;
+    *jumps = ns_exact_enter(f, f->state.mode);
+    /* lambda of the Euler step that takes away what jumps, times its length */
+    for (int j = 0; j < k->s->m; j++) {
         impulse[j] = 0;
         for (int i = 0; i < fastest->r && *jumps; i++)
-            impulse[j] += fastest->g * fastest->xi[(size_t)(n + j) + (size_t)i * (size_t)all] * f->gone[i];
+            impulse[j] += fastest->g * fastest->step_x_lambda[(size_t)(n + j) + (size_t)i * (size_t)all] *
+                          f->work.gone[i];
     }
-    memcpy(f->X, f->next, sizeof(double) * (size_t)fastest->q);
+    memcpy(f->X, f->X_next, sizeof(double) * (size_t)fastest->q);
     e->at = fastest;
     const int status = find_outputs(e, 0);
     if (status != NS_OK)
@@ -82,8 +84,8 @@ static int make_consistent(ns_kernel *k, double *moved, double *impulse, int *ju
 static int prepare(ns_kernel *k, double h, double *ahead) {
     ns_exact_kernel *e = kernel_of(k);
     double until;
-    e->at = ns_exact_mode_time_scale(e->exact, &until)->stage;
-    const double t = e->point.now.t, known = ns_inputs_events_next(e->exact->schedule, t + h) - t;
+    e->at = ns_exact_mode_time_scale(e->exact, &until)->kernel;
+    const double t = e->point.now.t, known = ns_inputs_events_next(e->exact->events, t + h) - t;
     *ahead = fmin(fmin(h, e->at->h), fmin(known, until));
     return NS_OK;
 }
@@ -116,21 +118,23 @@ static int guards(ns_kernel *k, double tau, ns_guard *guard) {
     const int status = find_outputs(e, tau);
     for (int g = 0; g < 2 * k->s->m + k->s->nc; g++)
         guard[g] = (ns_guard){INFINITY, 0, 0, 0};
-    double *const X = e->exact->X;
-    e->exact->X = e->X; /* of which guards are rounded */
     for (int g = 0; g < e->at->rows && status == NS_OK; g++) {
         const double rate = ns_exact_guard_of(e->at, e->at->rate, g, e->X);
         guard[index_of(k->s, e->at, ns_theta_mode(e->step), g)] =
             (ns_guard){ns_exact_guard_of(e->at, e->at->value, g, e->X), rate,
-                       ns_exact_guard_of(e->at, e->at->bend, g, e->X),
-                       ns_exact_guard_rounding_at(e->exact, e->at, g, rate)};
+                       ns_exact_guard_of(e->at, e->at->second_rate, g, e->X),
+                       ns_exact_guard_rounding_at(e->exact, e->at, g, e->X, rate)};
     }
-    e->exact->X = X;
     return status;
 }
 
 static const ns_counts *cost(ns_kernel *k) {
-    return ns_theta_counts(kernel_of(k)->step);
+    ns_exact_kernel *e = kernel_of(k);
+    const ns_counts *kept = ns_exact_counts(e->exact);
+    e->counts = *ns_theta_counts(e->step);
+    e->counts.modes += kept->modes;
+    e->counts.maps += kept->maps;
+    return &e->counts;
 }
 
 static const ns_kernel_table table = {
@@ -153,7 +157,7 @@ static int make_parts(ns_exact_kernel *e, double h) {
     if (status != NS_OK)
         return status;
     const size_t n = (size_t)e->kernel.s->n, m = (size_t)e->kernel.s->m, r = (size_t)e->step->r;
-    const size_t q = r + (size_t)e->exact->exo->nv, mutes = (size_t)e->exact->exo->mutes;
+    const size_t q = r + (size_t)e->exact->inputs->nv, mutes = (size_t)e->exact->inputs->mutes;
     e->X = calloc(q + mutes + r * q + 2 * n + m + 1, sizeof *e->X);
     if (!e->X)
         return NS_E_MEMORY;

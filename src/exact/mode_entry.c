@@ -8,89 +8,89 @@
 #include <math.h>
 #include <string.h>
 
-/* What a charge or flux may move by without being called a jump, of the largest it ever was. */
-static const double still = 1e-12;
-/* D^8 beside D, of what is slow: far less. */
-static const double slow = 1e-6;
-/* An impulse of the wrong sign beside the largest. */
+/* A charge or flux that moves by less, relative to the largest it ever was, does not jump. */
+static const double min_jump = 1e-12;
+/* D^8 relative to D of what is slow is far less than this. */
+static const double slow_ratio = 1e-6;
+/* Rounding of an impulse relative to the largest. */
 static const double impulse_tol = 1e-9;
-/* One that adds less than this over the stage is none. */
-static const double matters = 1e-6;
+/* An impulse that adds less than this to its guard over the Euler step is none. */
+static const double min_impulse = 1e-6;
 
-/* D^8 of f->next from f->series, as the last of eight implicit steps has it: by the impulses of that step,
- * each where its element is, so that charges and fluxes go from one place to another and nowhere else. */
-static void impulses_of(ns_exact *f, const ns_mode_kernel *k, double *by) {
+/* D^8 X_next from work.jump_powers, as the last of eight implicit steps has it: by the impulses of that
+ * step, each in its own element, so that the sum of charges and fluxes stays. */
+static void apply_impulses(ns_exact *f, const ns_mode_kernel *k, double *by) {
     const ns_theta *s = f->s;
     const int n = s->s->n, m = s->s->m, r = k->r;
-    ns_linalg_matvec(n + m, r, k->xi, f->series + (NS_ORDER - 2) * r,
-                     f->to.x); /* and lambda; inputs do not jump */
+    ns_linalg_matvec(n + m, r, k->step_x_lambda, f->work.jump_powers + (NS_ORDER - 2) * r,
+                     f->work.jump_x_lambda); /* inputs do not jump */
     for (int i = 0; i < r; i++) {
         double sum = 0;
         for (int j = 0; j < n; j++)
-            sum += s->A[i + j * n] * f->to.x[j];
+            sum += s->A[i + j * n] * f->work.jump_x_lambda[j];
         for (int j = 0; j < m; j++)
-            sum += s->B[i + j * n] * f->to.lambda[j];
+            sum += s->B[i + j * n] * f->work.jump_x_lambda[n + j];
         by[i] = k->g * sum;
     }
 }
 
-/* What is next to nothing: of all that there ever was, and of what a step brings (at the start from rest
- * there was nothing).  A row of M may be what charges differ by, which was never more than rounding. */
-static double nothing(const ns_exact *f, const ns_mode_kernel *k) {
+/* The smallest jump: relative to the largest charges so far and to what a step adds (at a start from zero
+ * there are none yet), of all rows, as a row of M may be a difference of charges that is only rounding. */
+static double smallest_jump(const ns_exact *f, const ns_mode_kernel *k) {
     double most = 0;
     for (int i = 0; i < k->r; i++) {
-        const double *row = k->series + i;
+        const double *row = k->laguerre_powers + i;
         double step = 0;
         for (int j = 0; j < k->q; j++)
-            step += row[j * NS_ORDER * k->r] * f->next[j];
-        most = ns_higher(most, ns_higher(f->most[i], fabs(step)) / f->s->unit[i]);
+            step += row[j * NS_ORDER * k->r] * f->X_next[j];
+        most = ns_higher(most, ns_higher(f->max_abs[i], fabs(step)) / f->s->unit[i]);
     }
-    return still * most;
+    return min_jump * most;
 }
 
-/* 1 if D^8 moves any of f->next by more than rounding. */
+/* 1 if D^8 takes anything away from X_next, beyond rounding. */
 static int moves_any(const ns_exact *f, const ns_mode_kernel *k) {
     double least = -1;
-    ns_linalg_matvec(k->r, k->q, k->last, f->next, f->gone);
+    ns_linalg_matvec(k->r, k->q, k->D8, f->X_next, f->work.gone);
     for (int i = 0; i < k->r; i++) {
-        if (!(fabs(f->gone[i]) > still * f->most[i]))
+        if (!(fabs(f->work.gone[i]) > min_jump * f->max_abs[i]))
             continue;
-        least = least < 0 ? nothing(f, k) : least;
-        if (fabs(f->gone[i]) / f->s->unit[i] > least)
+        least = least < 0 ? smallest_jump(f, k) : least;
+        if (fabs(f->work.gone[i]) / f->s->unit[i] > least)
             return 1;
     }
     return 0;
 }
 
-/* f->next = X after the jump that the mode asks for: what its constraints leave, 1 - D^8, and that again
- * while it leaves anything of what is fast, not instantaneous.  A steep input moves by D^8 what is slow too:
- * only D^8 of that, as inputs stay, is against the constraints.  f->gone (r): the sum of what went.  1 if it
- * is one. */
-static int jump(ns_exact *f, const ns_mode_kernel *k) {
-    enum { AGAIN = 8 };
+/* X_next = X after the jump that the mode requires: (1 - D^8) X, repeated while D^8 still finds a fast part
+ * that is not instantaneous.  A steep input makes D^8 X of what is slow too: only D^8 of that, inputs being
+ * constant, violates the constraints.  work.gone (r): all that was taken away.  1: it is a jump. */
+static int take_jump(ns_exact *f, const ns_mode_kernel *k) {
+    enum { MAX_ROUNDS = 8 };
     const int r = k->r;
     int moves = 0, more = 1;
-    memcpy(f->next, f->X, sizeof(double) * (size_t)k->q);
+    memcpy(f->X_next, f->X, sizeof(double) * (size_t)k->q);
     if (!moves_any(f, k)) {
-        ns_linalg_matvec(r, r, k->last, f->gone, f->series);
+        ns_linalg_matvec(r, r, k->D8, f->work.gone, f->work.jump_powers);
         for (int i = 0; i < r; i++)
-            f->next[i] -= f->series[i];
+            f->X_next[i] -= f->work.jump_powers[i];
         return 0;
     }
-    memset(f->gone, 0, sizeof(double) * (size_t)r);
-    for (int round = 0; round < AGAIN && more; round++) {
-        double *by = f->series + (NS_ORDER - 1) * r;
-        ns_linalg_matvec(NS_ORDER * r, k->q, k->series, f->next, f->series);
-        memcpy(f->ahead, by, sizeof *by * (size_t)r);
-        ns_linalg_matvec(NS_ORDER * r, r, k->series, f->ahead, f->series);
+    memset(f->work.gone, 0, sizeof(double) * (size_t)r);
+    for (int round = 0; round < MAX_ROUNDS && more; round++) {
+        double *by = f->work.jump_powers + (NS_ORDER - 1) * r; /* D^8 */
+        ns_linalg_matvec(NS_ORDER * r, k->q, k->laguerre_powers, f->X_next, f->work.jump_powers);
+        memcpy(f->work.by, by, sizeof *by * (size_t)r);
+        ns_linalg_matvec(NS_ORDER * r, r, k->laguerre_powers, f->work.by, f->work.jump_powers);
         more = 0;
         for (int i = 0; i < r; i++)
-            more |= fabs(by[i]) > still * f->most[i] && fabs(by[i]) > slow * fabs(f->series[i]);
+            more |= fabs(by[i]) > min_jump * f->max_abs[i] &&
+                    fabs(by[i]) > slow_ratio * fabs(f->work.jump_powers[i]);
         if (more)
-            impulses_of(f, k, by);
+            apply_impulses(f, k, by);
         for (int i = 0; i < r; i++) {
-            f->next[i] -= by[i];
-            f->gone[i] += by[i];
+            f->X_next[i] -= by[i];
+            f->work.gone[i] += by[i];
         }
         moves |= more;
     }
@@ -98,39 +98,39 @@ static int jump(ns_exact *f, const ns_mode_kernel *k) {
 }
 
 int ns_exact_enter(ns_exact *f, const ns_exact_mode *k) {
-    if (k->instant)
-        return jump(f, k->level[0].stage);
-    memcpy(f->next, f->X, sizeof(double) * (size_t)k->level[0].stage->q);
+    if (k->has_instant)
+        return take_jump(f, k->scale[0].kernel);
+    memcpy(f->X_next, f->X, sizeof(double) * (size_t)k->scale[0].kernel->q);
     return 0;
 }
 
 void ns_exact_enter_consistent(ns_exact *f) {
-    double *X = f->X, until;
-    if (!f->at->instant)
+    double until;
+    if (!f->state.mode->has_instant)
         return;
-    (void)jump(f, ns_exact_mode_time_scale(f, &until)->stage);
-    f->X = f->next;
-    f->next = X;
+    (void)take_jump(f, ns_exact_mode_time_scale(f, &until)->kernel);
+    ns_exact_take_next(f);
 }
 
-/* The impulse of guard g over the stage: what it makes of the part that jumps. */
+/* The impulse of guard g over the Euler step, from the charges that jump. */
 static double impulse_of(const ns_exact *f, const ns_mode_kernel *k, int g) {
     double sum = 0;
     for (int i = 0; i < k->r; i++)
-        sum += k->coef[(size_t)g + (size_t)i * (size_t)(NS_ORDER * k->rows)] * f->gone[i];
+        sum += k->guard_powers[(size_t)g + (size_t)i * (size_t)(NS_ORDER * k->rows)] * f->work.gone[i];
     return sum;
 }
 
 int ns_exact_enter_fits(ns_exact *f, const ns_mode_kernel *k) {
     double most = 0;
     for (int g = 0; g < k->pair_rows; g++) {
-        f->rate[g] = impulse_of(f, k, g);
-        most = ns_higher(most, fabs(f->rate[g]));
+        f->work.impulse[g] = impulse_of(f, k, g);
+        most = ns_higher(most, fabs(f->work.impulse[g]));
     }
     for (int g = 0; g < k->pair_rows; g++)
-        if (f->rate[g] < -impulse_tol * most &&
-            f->rate[g] < -(impulse_tol * most + matters * fabs(ns_exact_guard_of(k, k->value, g, f->next)) +
-                           ns_exact_guard_rounding(f, k, g)))
+        if (f->work.impulse[g] < -impulse_tol * most &&
+            f->work.impulse[g] <
+                -(impulse_tol * most + min_impulse * fabs(ns_exact_guard_of(k, k->value, g, f->X_next)) +
+                  ns_exact_guard_rounding(f, k, g)))
             return 0;
     return 1;
 }
@@ -138,7 +138,7 @@ int ns_exact_enter_fits(ns_exact *f, const ns_mode_kernel *k) {
 int ns_exact_enter_worst(const ns_exact *f, const ns_mode_kernel *k) {
     int worst = 0;
     for (int g = 1; g < k->pair_rows; g++)
-        if (f->rate[g] < f->rate[worst])
+        if (f->work.impulse[g] < f->work.impulse[worst])
             worst = g;
     return worst;
 }

@@ -1,4 +1,4 @@
-/* src/exact/mode_kernel.c - one mode seen through an implicit Euler step: its matrices. */
+/* src/exact/mode_kernel.c - the matrices of one mode, made from an implicit Euler step. */
 #include "sliding.h"
 
 #include <float.h>
@@ -41,7 +41,7 @@ static void name_control_rows(const ns_theta *s, const ns_mode *mode, ns_guard_r
     }
 }
 
-static ns_mode_kernel *create(const ns_theta *s, const ns_input_states *e, const ns_mode *mode) {
+static ns_mode_kernel *allocate_kernel(const ns_theta *s, const ns_input_states *e, const ns_mode *mode) {
     ns_mode_kernel *k = calloc(1, sizeof *k);
     if (!k)
         return NULL;
@@ -54,21 +54,21 @@ static ns_mode_kernel *create(const ns_theta *s, const ns_input_states *e, const
     const size_t all = (size_t)s->s->n + (size_t)s->s->m;
     const size_t count = q * (all + (NS_ORDER + 2) * r + (NS_ORDER + 6) * rows) + all * (size_t)e->mutes;
     k->row = calloc(rows + 1, sizeof *k->row);
-    k->idle = calloc(rows + 1, 1);
-    k->xi = malloc((count + 1) * sizeof *k->xi); /* fill() writes all of it */
-    if (!k->row || !k->idle || !k->xi) {
+    k->always_zero = calloc(rows + 1, 1);
+    k->step_x_lambda = malloc((count + 1) * sizeof *k->step_x_lambda); /* fill_kernel() writes all of it */
+    if (!k->row || !k->always_zero || !k->step_x_lambda) {
         ns_exact_kernel_free(k);
         return NULL;
     }
-    k->series = k->xi + all * (q + (size_t)e->mutes);
-    k->coef = k->series + NS_ORDER * r * q;
-    k->value = k->coef + NS_ORDER * rows * q;
+    k->laguerre_powers = k->step_x_lambda + all * (q + (size_t)e->mutes);
+    k->guard_powers = k->laguerre_powers + NS_ORDER * r * q;
+    k->value = k->guard_powers + NS_ORDER * rows * q;
     k->rate = k->value + rows * q;
-    k->bend = k->rate + rows * q;
-    k->sight = k->bend + rows * q;
-    k->noise = k->sight + 2 * rows * q;
-    k->last = k->noise + rows * q;
-    k->step = k->last + r * q;
+    k->second_rate = k->rate + rows * q;
+    k->guard_values = k->second_rate + rows * q;
+    k->rounding = k->guard_values + 2 * rows * q;
+    k->D8 = k->rounding + rows * q;
+    k->step = k->D8 + r * q;
     k->bytes = sizeof *k + count * sizeof(double) + rows * sizeof *k->row;
     const int pairs = name_pair_rows(s, mode, k->row);
     (void)ns_exact_sliding_names(mode, s->s->m, k->row + pairs);
@@ -76,14 +76,14 @@ static ns_mode_kernel *create(const ns_theta *s, const ns_input_states *e, const
     return k;
 }
 
-void ns_exact_kernel_free(ns_mode_kernel *stage) {
-    if (!stage)
+void ns_exact_kernel_free(ns_mode_kernel *kernel) {
+    if (!kernel)
         return;
-    free(stage->row);
-    free(stage->idle);
-    free(stage->xi);
-    free(stage->now);
-    free(stage);
+    free(kernel->row);
+    free(kernel->always_zero);
+    free(kernel->step_x_lambda);
+    free(kernel->x_lambda_now);
+    free(kernel);
 }
 
 void ns_exact_input_matrix(const ns_input_states *e, double h, double *out) {
@@ -95,8 +95,8 @@ void ns_exact_input_matrix(const ns_input_states *e, double h, double *out) {
     }
 }
 
-/* What a build needs besides. */
-typedef struct ns_bench {
+/* Work of a build. */
+typedef struct ns_kernel_work {
     int inputs;    /* nz + 1 */
     double *in;    /* inputs*nv: z and 1 of the stage, by v; */
     double *size;  /* inputs*nv: of absolute values */
@@ -106,9 +106,9 @@ typedef struct ns_bench {
     double *rows;  /* rows*(r+inputs): guards by them, */
     double *noise; /* rows*(r+inputs): and their rounding */
     double *image; /* 2 q */
-} ns_bench;
+} ns_kernel_work;
 
-static int bench_create(const ns_mode_kernel *k, const ns_input_states *e, ns_bench *b) {
+static int allocate_work(const ns_mode_kernel *k, const ns_input_states *e, ns_kernel_work *b) {
     const size_t nv = (size_t)k->nv, inputs = (size_t)e->s->nz + 1, of = (size_t)k->r + inputs;
     b->inputs = (int)inputs;
     const size_t zeros = 2 * inputs * nv + nv * nv;
@@ -127,7 +127,7 @@ static int bench_create(const ns_mode_kernel *k, const ns_input_states *e, ns_be
     return NS_OK;
 }
 
-static void fill_inputs(const ns_input_states *e, double g, const ns_bench *b) {
+static void fill_inputs(const ns_input_states *e, double g, const ns_kernel_work *b) {
     const int nv = e->nv, nz = e->s->nz;
     for (int j = 0; j < nv; j++) {
         double *v = b->dv + j * nv, *in = b->in + j * b->inputs, *size = b->size + j * b->inputs;
@@ -144,7 +144,7 @@ static void fill_inputs(const ns_input_states *e, double g, const ns_bench *b) {
 }
 
 /* D w from rates: g (A x + B lambda + E z + b) on the differential rows. */
-static void fill_rates(const ns_theta *s, const ns_map *map, const ns_bench *b) {
+static void fill_rates(const ns_theta *s, const ns_map *map, const ns_kernel_work *b) {
     const int n = s->s->n, m = s->s->m, r = s->r;
     for (int k = 0; k < s->q; k++) {
         const double *x = map->full + (size_t)k * (size_t)(n + m);
@@ -164,7 +164,7 @@ static void fill_rates(const ns_theta *s, const ns_map *map, const ns_bench *b) 
     }
 }
 
-static void fill_pair_rows(const ns_theta *s, const ns_map *map, int rows, const ns_bench *b) {
+static void fill_pair_rows(const ns_theta *s, const ns_map *map, int rows, const ns_kernel_work *b) {
     for (int k = 0; k < s->q; k++)
         for (int g = 0; g < map->guards; g++) {
             b->rows[g + k * rows] = map->step[(map->guard + g) + k * map->p];
@@ -189,7 +189,7 @@ static double control_entry(const ns_theta *s, const ns_map *map, const ns_comma
 }
 
 static void fill_control_rows(const ns_theta *s, const ns_map *map, const ns_mode *mode, int first, int rows,
-                              const ns_bench *b) {
+                              const ns_kernel_work *b) {
     for (int c = 0, g = first; c < s->s->nc; c++) {
         const ns_command *of = &s->s->command[c];
         const int closed = map->mode[of->pair] == NS_INSIDE;
@@ -202,7 +202,7 @@ static void fill_control_rows(const ns_theta *s, const ns_map *map, const ns_mod
 }
 
 /* Column j of p rows given by the inputs of the map; in: b->in or b->size. */
-static void to_column(const ns_mode_kernel *k, const ns_bench *b, const double *in, int j, int p,
+static void to_column(const ns_mode_kernel *k, const ns_kernel_work *b, const double *in, int j, int p,
                       const double *from, double *to) {
     if (p == 0)
         return;
@@ -214,7 +214,7 @@ static void to_column(const ns_mode_kernel *k, const ns_bench *b, const double *
 }
 
 /* Images D^i of unit vector j: their part in w, and the guards of each. */
-static void fill_images(ns_mode_kernel *k, const ns_bench *b, const double *D, const double *G, int j) {
+static void fill_images(ns_mode_kernel *k, const ns_kernel_work *b, const double *D, const double *G, int j) {
     const int r = k->r, nv = k->nv, q = k->q, rows = k->rows;
     const int count = j < r ? r : q; /* of the states that are not zero: w does not move inputs */
     double *x = b->image, *next = x + q;
@@ -222,12 +222,13 @@ static void fill_images(ns_mode_kernel *k, const ns_bench *b, const double *D, c
     x[j] = 1;
     for (int i = 0; i <= NS_ORDER; i++) {
         if (i > 0)
-            memcpy(k->series + (i - 1) * r + (size_t)j * (size_t)(NS_ORDER * r), x,
+            memcpy(k->laguerre_powers + (i - 1) * r + (size_t)j * (size_t)(NS_ORDER * r), x,
                    sizeof(double) * (size_t)r);
         if (i == NS_ORDER)
-            memcpy(k->last + (size_t)j * (size_t)r, x, sizeof(double) * (size_t)r);
+            memcpy(k->D8 + (size_t)j * (size_t)r, x, sizeof(double) * (size_t)r);
         if (i < NS_ORDER) {
-            ns_linalg_matvec(rows, count, G, x, k->coef + i * rows + (size_t)j * (size_t)(NS_ORDER * rows));
+            ns_linalg_matvec(rows, count, G, x,
+                             k->guard_powers + i * rows + (size_t)j * (size_t)(NS_ORDER * rows));
             ns_linalg_matvec(r, count, D, x, next);
             if (j >= r)
                 ns_linalg_matvec(nv, nv, b->dv, x + r, next + r);
@@ -242,50 +243,50 @@ static void fill_images(ns_mode_kernel *k, const ns_bench *b, const double *D, c
 static void fill_guards_now(ns_mode_kernel *k) {
     for (int j = 0; j < k->q; j++)
         for (int g = 0; g < k->rows; g++) {
-            const double *c = k->coef + g + (size_t)j * (size_t)(NS_ORDER * k->rows);
-            double value = 0, rate = 0, bend = 0;
+            const double *c = k->guard_powers + g + (size_t)j * (size_t)(NS_ORDER * k->rows);
+            double value = 0, rate = 0, second_rate = 0;
             for (int i = NS_ORDER - 1; i >= 0; i--) {
                 const double term = i % 2 ? -c[i * k->rows] : c[i * k->rows];
                 value += term;
                 rate -= i * term;
-                bend += 0.5 * i * (i - 1) * term;
+                second_rate += 0.5 * i * (i - 1) * term;
             }
-            k->sight[g + 2 * j * k->rows] = k->value[j + g * k->q] = value;
-            k->sight[g + (2 * j + 1) * k->rows] = k->rate[j + g * k->q] = rate / k->g;
-            k->bend[j + g * k->q] = bend / (k->g * k->g);
+            k->guard_values[g + 2 * j * k->rows] = k->value[j + g * k->q] = value;
+            k->guard_values[g + (2 * j + 1) * k->rows] = k->rate[j + g * k->q] = rate / k->g;
+            k->second_rate[j + g * k->q] = second_rate / (k->g * k->g);
         }
 }
 
-/* own (rows*q): the rounding of the guards themselves; what is off in the charges, by the rounding of what
- * they are summed from, is off in them too. */
-static void fill_noise(ns_mode_kernel *k, const double *own, const double *terms) {
+/* own (rows*q): the rounding of the guards themselves.  That of the charges, from the terms they are summed
+ * from, is added. */
+static void fill_rounding(ns_mode_kernel *k, const double *own, const double *terms) {
     for (int g = 0; g < k->rows; g++)
         for (int j = 0; j < k->q; j++) {
             double sum = own[g + j * k->rows];
             for (int i = 0; i < k->r; i++)
                 sum += fabs(k->value[i + g * k->q]) * terms[i + j * k->r];
-            k->noise[g + j * k->rows] = sum;
+            k->rounding[g + j * k->rows] = sum;
         }
 }
 
-/* By value, rate and the rate of that, of any input. */
-static int is_idle(const ns_mode_kernel *k, int g) {
+/* 1 if value, rate and second rate are rounding for every input. */
+static int is_always_zero(const ns_mode_kernel *k, int g) {
     const double few = 64 * DBL_EPSILON;
     for (int j = 0; j < k->q; j++) {
         const int at = j + g * k->q;
-        const double size = fabs(k->value[at]) + k->g * (fabs(k->rate[at]) + k->g * fabs(k->bend[at]));
-        if (size > few * k->noise[g + j * k->rows])
+        const double size = fabs(k->value[at]) + k->g * (fabs(k->rate[at]) + k->g * fabs(k->second_rate[at]));
+        if (size > few * k->rounding[g + j * k->rows])
             return 0;
     }
     return 1;
 }
 
-static int fill(ns_theta *s, const ns_input_states *e, const ns_map *map, const ns_mode *mode,
-                ns_mode_kernel *k) {
+static int fill_kernel(ns_theta *s, const ns_input_states *e, const ns_map *map, const ns_mode *mode,
+                       ns_mode_kernel *k) {
     const size_t q = (size_t)k->q, all = (size_t)s->s->n + (size_t)s->s->m;
-    ns_bench b;
+    ns_kernel_work b;
     double *G = malloc((2 * ((size_t)k->rows + (size_t)k->r) * q + 1) * sizeof *G);
-    if (!G || bench_create(k, e, &b) != NS_OK) {
+    if (!G || allocate_work(k, e, &b) != NS_OK) {
         free(G);
         return NS_E_MEMORY;
     }
@@ -296,21 +297,21 @@ static int fill(ns_theta *s, const ns_input_states *e, const ns_map *map, const 
     ns_exact_sliding_fill(s, map, mode, k->rows, b.rows + map->guards, b.noise + map->guards);
     fill_control_rows(s, map, mode, k->pair_rows, k->rows, &b);
     for (int j = 0; j < k->q; j++) {
-        to_column(k, &b, b.in, j, (int)all, map->full, k->xi + (size_t)j * all);
+        to_column(k, &b, b.in, j, (int)all, map->full, k->step_x_lambda + (size_t)j * all);
         to_column(k, &b, b.in, j, k->r, b.rates, D + (size_t)j * (size_t)k->r);
         to_column(k, &b, b.size, j, k->r, b.terms, terms + (size_t)j * (size_t)k->r);
         to_column(k, &b, b.in, j, k->rows, b.rows, G + (size_t)j * (size_t)k->rows);
         to_column(k, &b, b.size, j, k->rows, b.noise, noise + (size_t)j * (size_t)k->rows);
     }
     for (int i = 0; i < e->mutes; i++)
-        memcpy(k->xi + (q + (size_t)i) * all, map->full + (size_t)(k->r + e->mute[i]) * all,
-               sizeof *k->xi * all);
+        memcpy(k->step_x_lambda + (q + (size_t)i) * all, map->full + (size_t)(k->r + e->mute[i]) * all,
+               sizeof *k->step_x_lambda * all);
     for (int j = 0; j < k->q; j++)
         fill_images(k, &b, D, G, j);
     fill_guards_now(k);
-    fill_noise(k, noise, terms);
+    fill_rounding(k, noise, terms);
     for (int g = 0; g < k->rows; g++)
-        k->idle[g] = (unsigned char)is_idle(k, g);
+        k->always_zero[g] = (unsigned char)is_always_zero(k, g);
     ns_exact_kernel_step(k, k->h, k->step);
     free(b.in);
     free(G);
@@ -324,12 +325,12 @@ int ns_exact_kernel_build(ns_theta *s, const ns_input_states *e, double g, const
     int status = ns_exact_sliding_map(s, g, mode, &map);
     if (status != NS_OK)
         return status;
-    ns_mode_kernel *k = create(s, e, mode);
+    ns_mode_kernel *k = allocate_kernel(s, e, mode);
     status = NS_E_MEMORY;
     if (k) {
         k->g = g;
         k->h = g * NS_POLE;
-        status = fill(s, e, map, mode, k);
+        status = fill_kernel(s, e, map, mode, k);
     }
     ns_theta_map_free(map);
     if (status != NS_OK) {
@@ -345,7 +346,7 @@ void ns_exact_kernel_step(const ns_mode_kernel *k, double tau, double *P) {
     ns_modes_laguerre_steps(tau / k->g, b);
     for (int j = 0; j < k->q; j++)
         for (int i = 0; i < k->r; i++) {
-            const double *D = k->series + i + (size_t)j * (size_t)(NS_ORDER * k->r);
+            const double *D = k->laguerre_powers + i + (size_t)j * (size_t)(NS_ORDER * k->r);
             double sum = 0;
             for (int order = NS_ORDER; order > 0; order--)
                 sum += b[order] * D[(order - 1) * k->r];
@@ -369,13 +370,13 @@ int ns_exact_kernel_rates(const ns_mode_kernel *k, double *re, double *im) {
     if (!D)
         return NS_E_MEMORY;
     for (int j = 0; j < r; j++)
-        memcpy(D + (size_t)j * (size_t)r, k->series + (size_t)j * (size_t)(NS_ORDER * r),
+        memcpy(D + (size_t)j * (size_t)r, k->laguerre_powers + (size_t)j * (size_t)(NS_ORDER * r),
                sizeof *D * (size_t)r);
     const int status = ns_linalg_eigenvalues(r, D, re, im);
     free(D);
     for (int i = 0; i < r && status == NS_OK; i++) {
         const double a = 1 + re[i], b = im[i], size = a * a + b * b;
-        if (size < 1e-15) { /* its rounding would give it any rate, of any sign */
+        if (size < 1e-15) { /* instantaneous: its rounding would give it any rate, of any sign */
             re[i] = -INFINITY;
             im[i] = 0;
             continue;

@@ -1,5 +1,5 @@
-/* src/exact/mode_kernel.h - one mode seen through an implicit Euler step of length g: all that steps,
- * readings and events of up to h = g/gamma inside that mode are made of (laguerre.h).
+/* src/exact/mode_kernel.h - one mode as matrices, made from an implicit Euler step of length g: all that
+ * steps up to h = g/gamma, outputs and guards in that mode are computed from (laguerre.h).
  *
  * X = (w (r), v (nv)) is the state: charges and fluxes, and the inputs as states (input_states.h); q = r +
  * nv.  Guards are rows that must not be negative: those of the pairs, then those of commands by the state (on
@@ -12,32 +12,36 @@
 #include "modes/laguerre.h"
 #include "theta/theta_internal.h"
 
-/* What it means that a guard breaks. */
+/* What follows when a guard breaks. */
 typedef struct ns_guard_row {
-    int pair;    /* this pair goes */
-    ns_mode to;  /* there, */
-    int command; /* or (-1: none) this command changes */
+    int pair;    /* this pair changes */
+    ns_mode to;  /* to this mode */
+    int command; /* or this command flips; -1: none */
 } ns_guard_row;
 
 typedef struct ns_mode_kernel {
-    double g, h;
-    int r, nv, q;
-    int rows, pair_rows;
-    ns_guard_row *row; /* rows */
-    double *xi;  /* (n+m)*(q+mutes): x, lambda of the implicit step; by inputs that act on nothing else too */
-    double *now; /* (n+m)*(q+mutes): x, lambda right here; NULL until asked for */
-    double *series; /* (8 r)*q: D^1 ... D^8, the part that acts on w */
-    double *coef;   /* (8 rows)*q: the guards of the images D^0 ... D^7 */
-    double *value;  /* q*rows, guard by guard: they now, (E1) at tau = 0, */
-    double *rate;   /* q*rows: their rates, */
-    double *bend;   /* q*rows: and the rates of those */
-    double *sight;  /* (2 rows)*q: values and rates of all guards again, input by input */
-    double *noise;  /* rows*q: their rounding, by input, in units of eps */
-    double *last;   /* r*q: D^8 again */
-    double *step;   /* r*q: X -> w after h */
-    unsigned char
-        *idle; /* rows: guards that are zero whatever X is, as that of a diode across a closed switch */
-    size_t bytes;
+    /* sizes */
+    double g, h;                /* s: length of the Euler step; longest step, g/gamma */
+    int r, nv, q;               /* charges and fluxes; inputs as states; r + nv */
+    int rows, pair_rows;        /* guards; those of pairs come first */
+    ns_guard_row *row;          /* rows: what each guard stands for */
+    unsigned char *always_zero; /* rows: 1: zero for all X, as the guard of a diode across a closed switch */
+    size_t bytes;               /* of all of it */
+
+    /* matrices that act on X, column by column */
+    double *step_x_lambda; /* (n+m)*(q+mutes): x, lambda of the Euler step; last by inputs of outputs only */
+    double *x_lambda_now;  /* (n+m)*(q+mutes): x, lambda at tau = 0; NULL until needed */
+    double *laguerre_powers; /* (8 r)*q: D^1 ... D^8, the part that acts on w */
+    double *D8;              /* r*q: D^8 again */
+    double *step;            /* r*q: X -> w after h */
+    double *guard_powers;    /* (8 rows)*q: guards of the images D^0 ... D^7 */
+    double *guard_values;    /* (2 rows)*q: guards at tau = 0 (E1), and their rates */
+    double *rounding;        /* rows*q: rounding of the guards, in units of eps */
+
+    /* the guards again, row by row */
+    double *value;       /* q*rows: at tau = 0 */
+    double *rate;        /* q*rows: their rates */
+    double *second_rate; /* q*rows: the rates of those */
 } ns_mode_kernel;
 
 /* Builds it for a mode (m) whose commanded pairs have their bounds in s.  Errors: SINGULAR, MEMORY, NUMBER.
@@ -46,7 +50,7 @@ int ns_exact_kernel_build(ns_theta *s, const ns_input_states *e, double g, const
                           ns_mode_kernel **out);
 /* output_map.c: makes `now`.  Errors: MEMORY. */
 int ns_exact_output_map(const ns_theta *s, const ns_input_states *e, ns_mode_kernel *k);
-void ns_exact_kernel_free(ns_mode_kernel *stage); /* NULL is allowed */
+void ns_exact_kernel_free(ns_mode_kernel *kernel); /* NULL is allowed */
 
 /* P (r*q): X -> w after tau <= h. */
 void ns_exact_kernel_step(const ns_mode_kernel *k, double tau, double *P);

@@ -1,23 +1,23 @@
-/* src/exact/mode_selection.h - from one mode to the next, from inside.
+/* src/exact/mode_selection.h - from one mode to the next.
  *
- *   mode_entry.c  what jumps where a mode is entered       guard_sign.c  whether it holds from there on
- *   mode_selection.c   which modes are asked
+ *   mode_entry.c  what jumps where a mode is entered       guard_sign.c  whether a mode holds from here on
+ *   mode_selection.c   which modes are tried
  */
 #ifndef NS_EXACT_MODE_SELECTION_H
 #define NS_EXACT_MODE_SELECTION_H
 
 #include "exact_internal.h"
 
-/* mode_entry.c: f->next = X, as the mode is entered with it; 1 if it jumps: then whether the impulses of the
- * pairs have the signs they may have, and if not the guard whose has it least. */
+/* mode_entry.c: X_next = X, as the mode is entered with it; 1 if it jumps.  Then: 1 if the impulses of all
+ * pairs have the signs they may have; the guard whose impulse violates that most. */
 int ns_exact_enter(ns_exact *f, const ns_exact_mode *k);
 int ns_exact_enter_fits(ns_exact *f, const ns_mode_kernel *k);
 int ns_exact_enter_worst(const ns_exact *f, const ns_mode_kernel *k);
 
 /* guard_sign.c */
-/* What guard g is about to do: as its value, rate and the rate of that say; as it seems from what it comes to
- * soon, unless that is rounding that has grown, or another event was in between. */
-enum { NS_SOON_RUNGS = 8 }; /* soon: so many doublings of a step away */
+/* What guard g is about to do.  HOLDS, BREAKS: by its value, rate and second rate; SEEMS_TO: by its value
+ * some steps ahead, which grown rounding, or another event in between, may have changed. */
+enum { NS_SOON_EXPONENT = 8 }; /* a guard is looked at up to h 2^8 ahead */
 typedef enum ns_guard_sign {
     NS_SIGN_HOLDS,
     NS_SIGN_SEEMS_TO_HOLD,
@@ -28,23 +28,23 @@ typedef enum ns_guard_sign {
 
 ns_guard_sign ns_exact_guard_sign(ns_exact *f, ns_exact_mode *mode, int g, const double *X);
 
-/* Who says that a mode holds: nobody, (P1) over a short step, the impulse problem. */
+/* What a mode was found by: neither of these, (P1) over a short step, the impulse problem. */
 typedef enum ns_evidence { NS_EVIDENCE_NONE, NS_EVIDENCE_STEP, NS_EVIDENCE_IMPULSES } ns_evidence;
 
 typedef enum ns_mode_verdict {
     NS_VERDICT_NO,
     NS_VERDICT_HOLDS,
     NS_VERDICT_JUMPS
-} ns_mode_verdict; /* JUMPS: at this instant, and no longer */
+} ns_mode_verdict; /* JUMPS: only for the jump at this instant */
 
-/* Whether the mode holds from here on.  Where nothing can tell, it does if somebody says so, or said so when
- * it came to the same (untold). */
-ns_mode_verdict ns_exact_mode_holds(ns_exact *f, ns_exact_mode *k, ns_evidence word, uint64_t untold);
-/* Whether nothing jumps and all guards are so far above zero that no more need be asked. */
+/* Whether the mode holds from here on.  A guard that is undecided holds if there is evidence for the mode, or
+ * there was when the same guard was undecided before (bits in undecided). */
+ns_mode_verdict ns_exact_mode_holds(ns_exact *f, ns_exact_mode *k, ns_evidence evidence, uint64_t undecided);
+/* 1 if nothing jumps and all guards are above zero by more than their rounding. */
 int ns_exact_mode_holds_clearly(ns_exact *f, ns_exact_mode *k);
 
-/* mode_selection.c: as ns_exact_select_mode(), to a mode that followed before: if it holds (1), and no
- * command by the state is there; else nothing is changed but what is known of guards. */
-int ns_exact_select_known(ns_exact *f, ns_exact_mode *to, int natural);
+/* mode_selection.c: as ns_exact_select_mode(), to a mode that followed before, if it holds: 1; no command
+ * depends on the state.  Else X and mode stay. */
+int ns_exact_select_known(ns_exact *f, ns_exact_mode *to, int guard);
 
 #endif

@@ -4,9 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Sum of (-1)^i D^i, i < 8, of unit vector j: its part in w, and (in v) what the inputs of the stage make of
- * theirs.  room: 2 nv. */
-static void fill_sum(const ns_mode_kernel *k, const ns_input_states *e, int j, double *sum, double *room) {
+/* Sum of (-1)^i D^i, i < 8, of unit vector j: its part in w, and (in v) those of inputs.  room: 2 nv. */
+static void sum_images(const ns_mode_kernel *k, const ns_input_states *e, int j, double *sum, double *room) {
     const int r = k->r, nv = k->nv;
     double *image = room, *v = sum + r;
     memset(sum, 0, sizeof(double) * (size_t)k->q);
@@ -16,7 +15,7 @@ static void fill_sum(const ns_mode_kernel *k, const ns_input_states *e, int j, d
         image[j - r] = 1;
     double sign = -1;
     for (int order = 1; order < NS_ORDER; order++, sign = -sign) {
-        const double *D = k->series + (order - 1) * r + (size_t)j * (size_t)(NS_ORDER * r);
+        const double *D = k->laguerre_powers + (order - 1) * r + (size_t)j * (size_t)(NS_ORDER * r);
         double *next = image + nv;
         for (int i = 0; i < r; i++)
             sum[i] += sign * D[i];
@@ -31,9 +30,9 @@ static void fill_sum(const ns_mode_kernel *k, const ns_input_states *e, int j, d
     }
 }
 
-/* What the differential rows of the stage lack at (x, lambda) = at, for this sum. */
-static void fill_lack(const ns_theta *s, const ns_input_states *e, double g, const double *sum,
-                      const double *at, double *lack, double *v) {
+/* The residual of the differential rows of the Euler step at (x, lambda) = at, for this sum. */
+static void find_residual(const ns_theta *s, const ns_input_states *e, double g, const double *sum,
+                          const double *at, double *residual, double *v) {
     const int n = s->s->n, m = s->s->m, nz = s->s->nz;
     memcpy(v, sum + s->r, sizeof(double) * (size_t)e->nv);
     ns_inputs_states_stage(e, g, v);
@@ -48,12 +47,12 @@ static void fill_lack(const ns_theta *s, const ns_input_states *e, double g, con
         }
         for (int j = 0; j < m; j++)
             rate += s->B[i + j * n] * at[n + j];
-        lack[i] = w + g * rate;
+        residual[i] = w + g * rate;
     }
 }
 
-/* The unit vectors of states that contradict each other have answers that are huge; their sum has not, and
- * gets rid of their rounding by one step of refinement. */
+/* Where the mode constrains the charges, unit vectors have huge answers that cancel in the sum: one step of
+ * refinement removes their rounding. */
 int ns_exact_output_map(const ns_theta *s, const ns_input_states *e, ns_mode_kernel *k) {
     const size_t all = (size_t)s->s->n + (size_t)s->s->m, q = (size_t)k->q, r = (size_t)k->r;
     double *now = calloc(all * (q + (size_t)e->mutes) + 1, sizeof *now);
@@ -64,15 +63,15 @@ int ns_exact_output_map(const ns_theta *s, const ns_input_states *e, ns_mode_ker
         return NS_E_MEMORY;
     }
     for (size_t j = 0; j < q; j++) {
-        double *at = now + j * all, *lack = sum + q;
-        fill_sum(k, e, (int)j, sum, lack + r);
-        ns_linalg_matvec((int)all, k->q, k->xi, sum, at);
-        fill_lack(s, e, k->g, sum, at, lack, lack + r);
-        ns_linalg_matvec_add((int)all, k->r, k->xi, lack, at);
+        double *at = now + j * all, *residual = sum + q;
+        sum_images(k, e, (int)j, sum, residual + r);
+        ns_linalg_matvec((int)all, k->q, k->step_x_lambda, sum, at);
+        find_residual(s, e, k->g, sum, at, residual, residual + r);
+        ns_linalg_matvec_add((int)all, k->r, k->step_x_lambda, residual, at);
     }
-    memcpy(now + q * all, k->xi + q * all, sizeof *now * all * (size_t)e->mutes);
+    memcpy(now + q * all, k->step_x_lambda + q * all, sizeof *now * all * (size_t)e->mutes);
     free(sum);
-    k->now = now;
+    k->x_lambda_now = now;
     k->bytes += sizeof *now * all * (q + (size_t)e->mutes);
     return NS_OK;
 }

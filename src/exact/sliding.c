@@ -16,15 +16,15 @@ int ns_exact_sliding_count(const ns_mode *mode, int m) {
     return count;
 }
 
-/* What stands in the place of the system while the map is built. */
-typedef struct ns_swap {
+/* The system with the rows of sliding pairs changed, while a map is built. */
+typedef struct ns_sliding_system {
     ns_system system;
     double *C, *D, *F, *e; /* of it */
     double *l, *u;         /* the stepper's, as they were */
     ns_mode *mode;
-} ns_swap;
+} ns_sliding_system;
 
-static void set_rows(const ns_theta *s, const ns_mode *mode, ns_swap *w) {
+static void set_rows(const ns_theta *s, const ns_mode *mode, ns_sliding_system *w) {
     const int n = s->s->n, m = s->s->m, nz = s->s->nz;
     for (int c = 0; c < s->s->nc; c++) {
         const ns_command *of = &s->s->command[c];
@@ -53,7 +53,7 @@ int ns_exact_sliding_map(ns_theta *s, double g, const ns_mode *mode, ns_map **ou
     if (ns_exact_sliding_count(mode, s->s->m) == 0)
         return ns_theta_map_build(s, g, 1, mode, of_largest, out);
     const ns_system *was = s->s;
-    ns_swap w = {.system = *was};
+    ns_sliding_system w = {.system = *was};
     *out = NULL;
     w.C = malloc(sizeof *w.C * (m * (n + m + nz + 3)));
     w.mode = malloc(m);

@@ -1,4 +1,4 @@
-/* src/exact/step_map.c - steps inside one mode, as matrices: made of its stage, kept while they recur. */
+/* src/exact/step_map.c - steps inside one mode, as matrices: made from its kernel, kept while they recur. */
 #include "exact_internal.h"
 
 #include <float.h>
@@ -6,70 +6,72 @@
 #include <stdlib.h>
 #include <string.h>
 
-static ns_step_map *create(const ns_mode_kernel *k, double h, int samples) {
+static ns_step_map *allocate_map(const ns_mode_kernel *k, double h, int samples) {
     const size_t q = (size_t)k->q, nv = (size_t)k->nv, r = (size_t)k->r;
     const size_t count = r * q + nv * nv;
     const size_t bytes = sizeof(ns_step_map) + count * sizeof(double);
-    ns_step_map *leg = calloc(1, bytes);
-    if (!leg)
+    ns_step_map *map = calloc(1, bytes);
+    if (!map)
         return NULL;
-    leg->h = h;
-    leg->samples = samples;
-    leg->P = (double *)(void *)(leg + 1);
-    leg->advance = leg->P + r * q;
-    leg->bytes = bytes;
-    return leg;
+    map->h = h;
+    map->samples = samples;
+    map->P = (double *)(void *)(map + 1);
+    map->advance = map->P + r * q;
+    map->bytes = bytes;
+    return map;
 }
 
-void ns_exact_step_free(ns_step_map *leg) {
-    if (leg)
-        free(leg->sample);
-    free(leg);
+void ns_exact_step_free(ns_step_map *map) {
+    if (map)
+        free(map->sample);
+    free(map);
 }
 
-/* So many that guards are smooth from one to the next: four stages apart at most, two pieces at least. */
+/* So many that guards are smooth from one to the next: four steps of the kernel apart at most, two intervals
+ * at least. */
 static int samples_for(const ns_mode_kernel *k, double h) {
     return k->rows == 0 ? 0 : (int)fmin(NS_SAMPLES, fmax(2, ceil(h / (4 * k->h) - 1e-9)));
 }
 
-/* P (r*q) of any length, from rungs and the rest; advance, room: nv*nv, r*q. */
-static int matrix_of(ns_exact *f, ns_time_scale *level, double h, double *P, double *advance, double *room) {
-    const ns_mode_kernel *k = level->stage;
+/* P (r*q) of any length h, from steps of the kernel's h 2^k and the rest; advance, room: nv*nv, r*q. */
+static int fill_matrix(ns_exact *f, ns_time_scale *scale, double h, double *P, double *advance,
+                       double *room) {
+    const ns_mode_kernel *k = scale->kernel;
     const size_t bytes = sizeof(double) * (size_t)k->r * (size_t)k->q;
     double count = floor(h / k->h), done = h - count * k->h;
     if (done >= k->h || done < 0)
         done = 0;
     if (done > 0 || count < 1)
         ns_exact_kernel_step(k, done, P);
-    for (int i = 0; count > 0 && i <= NS_UNGUARDED; i++, count = floor(count / 2)) {
-        ns_step_map *rung;
+    for (int i = 0; count > 0 && i <= NS_MAX_EXPONENT; i++, count = floor(count / 2)) {
+        ns_step_map *doubled;
         if (fmod(count, 2) == 0)
             continue;
-        const int status = ns_exact_step_of_length(f, level, i, &rung);
+        const int status = ns_exact_step_of_length(f, scale, i, &doubled);
         if (status != NS_OK)
             return status;
         if (done > 0) {
-            ns_exact_input_matrix(f->exo, done, advance);
-            ns_exact_kernel_compose(k, rung->P, P, advance, room);
+            ns_exact_input_matrix(f->inputs, done, advance);
+            ns_exact_kernel_compose(k, doubled->P, P, advance, room);
         }
-        memcpy(P, done > 0 ? room : rung->P, bytes);
-        done += rung->h;
+        memcpy(P, done > 0 ? room : doubled->P, bytes);
+        done += doubled->h;
     }
-    ns_exact_input_matrix(f->exo, h, advance);
+    ns_exact_input_matrix(f->inputs, h, advance);
     return NS_OK;
 }
 
 /* The guards every h/samples: S_0 = value, S_(i+1) = S_i after the step of that length; S, next: rows*q. */
 static void fill_samples(const ns_mode_kernel *k, const double *P, const double *advance, double *S,
-                         double *next, const ns_step_map *leg) {
-    const size_t rows = (size_t)k->rows, all = ((size_t)leg->samples + 1) * rows, r = (size_t)k->r;
+                         double *next, const ns_step_map *map) {
+    const size_t rows = (size_t)k->rows, all = ((size_t)map->samples + 1) * rows, r = (size_t)k->r;
     for (int j = 0; j < k->q; j++)
         for (int g = 0; g < k->rows; g++)
             S[g + j * k->rows] = k->value[j + g * k->q];
-    for (int i = 0; i <= leg->samples; i++) {
+    for (int i = 0; i <= map->samples; i++) {
         for (size_t j = 0; j < (size_t)k->q; j++) {
-            memcpy(leg->sample + (size_t)i * rows + j * all, S + j * rows, sizeof *S * rows);
-            if (i == leg->samples)
+            memcpy(map->sample + (size_t)i * rows + j * all, S + j * rows, sizeof *S * rows);
+            if (i == map->samples)
                 continue;
             ns_linalg_matvec(k->rows, k->r, S, P + j * r, next + j * rows);
             if (j >= r)
@@ -82,158 +84,159 @@ static void fill_samples(const ns_mode_kernel *k, const double *P, const double 
     }
 }
 
-int ns_exact_step_sample(ns_exact *f, ns_time_scale *level, ns_step_map *leg) {
-    const ns_mode_kernel *k = level->stage;
+int ns_exact_step_sample(ns_exact *f, ns_time_scale *scale, ns_step_map *map) {
+    const ns_mode_kernel *k = scale->kernel;
     const size_t size = (size_t)k->r * (size_t)k->q, nv = (size_t)k->nv, row = (size_t)k->rows * (size_t)k->q;
-    const size_t bytes = sizeof(double) * ((size_t)leg->samples + 1) * row;
-    if (leg->sample || leg->samples == 0)
+    const size_t bytes = sizeof(double) * ((size_t)map->samples + 1) * row;
+    if (map->sample || map->samples == 0)
         return NS_OK;
     double *P = malloc(sizeof *P * (2 * size + nv * nv + 2 * row + 1));
-    leg->sample = malloc(bytes);
-    int status = P && leg->sample ? NS_OK : NS_E_MEMORY;
+    map->sample = malloc(bytes);
+    int status = P && map->sample ? NS_OK : NS_E_MEMORY;
     if (status == NS_OK)
-        status = matrix_of(f, level, leg->h / leg->samples, P, P + 2 * size, P + size);
+        status = fill_matrix(f, scale, map->h / map->samples, P, P + 2 * size, P + size);
     if (status == NS_OK) {
         double *S = P + 2 * size + nv * nv;
-        fill_samples(k, P, P + 2 * size, S, S + row, leg);
-        leg->bytes += bytes;
-        f->bytes += bytes;
+        fill_samples(k, P, P + 2 * size, S, S + row, map);
+        map->bytes += bytes;
+        f->cache.bytes += bytes;
     } else {
-        free(leg->sample);
-        leg->sample = NULL;
+        free(map->sample);
+        map->sample = NULL;
     }
     free(P);
     return status;
 }
 
-/* Counts a leg that is made, or frees it. */
-static int finish(ns_exact *f, ns_step_map *leg, int status, ns_step_map **out) {
+/* Counts a map that is made, or frees it. */
+static int count_or_free(ns_exact *f, ns_step_map *map, int status, ns_step_map **out) {
     if (status != NS_OK) {
-        ns_exact_step_free(leg);
+        ns_exact_step_free(map);
         return status;
     }
-    f->bytes += leg->bytes;
-    f->s->counts.maps++;
-    *out = leg;
+    f->cache.bytes += map->bytes;
+    f->counts.maps++;
+    *out = map;
     return NS_OK;
 }
 
-static int build(ns_exact *f, ns_time_scale *level, double h, ns_step_map **out) {
-    const ns_mode_kernel *k = level->stage;
+static int build_map(ns_exact *f, ns_time_scale *scale, double h, ns_step_map **out) {
+    const ns_mode_kernel *k = scale->kernel;
     const size_t size = (size_t)k->r * (size_t)k->q;
-    ns_step_map *leg = create(k, h, h <= ldexp(k->h, NS_GUARDED) * 1.01 ? samples_for(k, h) : 0);
+    ns_step_map *map =
+        allocate_map(k, h, h <= ldexp(k->h, NS_MAX_GUARDED_EXPONENT) * 1.01 ? samples_for(k, h) : 0);
     double *room = malloc(sizeof *room * (size + 1));
-    int status = leg && room ? NS_OK : NS_E_MEMORY;
+    int status = map && room ? NS_OK : NS_E_MEMORY;
     if (status == NS_OK)
-        status = matrix_of(f, level, h, leg->P, leg->advance, room);
+        status = fill_matrix(f, scale, h, map->P, map->advance, room);
     free(room);
-    return finish(f, leg, status, out);
+    return count_or_free(f, map, status, out);
 }
 
-/* The rung's P by the one below, twice; the lowest is the stage's own. */
-static int build_rung(ns_exact *f, ns_time_scale *level, int k, ns_step_map **out) {
-    const ns_mode_kernel *stage = level->stage;
-    const double h = ldexp(stage->h, k);
-    ns_step_map *below = NULL, *leg = create(stage, h, k <= NS_GUARDED ? samples_for(stage, h) : 0);
-    int status = leg ? NS_OK : NS_E_MEMORY;
+/* The step of h 2^k as that of h 2^(k-1), twice; k = 0: the kernel's own. */
+static int build_doubled(ns_exact *f, ns_time_scale *scale, int k, ns_step_map **out) {
+    const ns_mode_kernel *kernel = scale->kernel;
+    const double h = ldexp(kernel->h, k);
+    ns_step_map *below = NULL,
+                *map = allocate_map(kernel, h, k <= NS_MAX_GUARDED_EXPONENT ? samples_for(kernel, h) : 0);
+    int status = map ? NS_OK : NS_E_MEMORY;
     if (status == NS_OK && k > 0)
-        status = ns_exact_step_of_length(f, level, k - 1, &below);
+        status = ns_exact_step_of_length(f, scale, k - 1, &below);
     if (status == NS_OK && below)
-        ns_exact_kernel_compose(stage, below->P, below->P, below->advance, leg->P);
+        ns_exact_kernel_compose(kernel, below->P, below->P, below->advance, map->P);
     else if (status == NS_OK)
-        memcpy(leg->P, stage->step, sizeof(double) * (size_t)stage->r * (size_t)stage->q);
+        memcpy(map->P, kernel->step, sizeof(double) * (size_t)kernel->r * (size_t)kernel->q);
     if (status == NS_OK)
-        ns_exact_input_matrix(f->exo, h, leg->advance);
-    return finish(f, leg, status, out);
+        ns_exact_input_matrix(f->inputs, h, map->advance);
+    return count_or_free(f, map, status, out);
 }
 
-int ns_exact_step_of_length(ns_exact *f, ns_time_scale *level, int k, ns_step_map **out) {
-    const int status = level->rung[k] ? NS_OK : build_rung(f, level, k, &level->rung[k]);
-    *out = level->rung[k];
+int ns_exact_step_of_length(ns_exact *f, ns_time_scale *scale, int k, ns_step_map **out) {
+    const int status = scale->doubled[k] ? NS_OK : build_doubled(f, scale, k, &scale->doubled[k]);
+    *out = scale->doubled[k];
     return status;
 }
 
-double ns_exact_step_slack(const ns_exact *f, double h) {
-    return 4 * DBL_EPSILON * fabs(f->t) + 1e-15 * h;
+double ns_exact_step_length_error(const ns_exact *f, double h) {
+    return 4 * DBL_EPSILON * fabs(f->state.now.t) + 1e-15 * h;
 }
 
-/* The place of a length; *known: it was asked for before.  If not it takes the place of the one that was not
- * asked for for longest. */
-static ns_cached_step *place_of(ns_exact *f, ns_time_scale *level, double h, int *known) {
-    const double slack = ns_exact_step_slack(f, h);
-    ns_cached_step *oldest = level->kept, *found = &level->kept[level->recent];
+/* The place of a length; *known: it was asked for before.  If not it takes the place of the least recently
+ * used one. */
+static ns_cached_step *find_place(ns_exact *f, ns_time_scale *scale, double h, int *known) {
+    const double slack = ns_exact_step_length_error(f, h);
+    ns_cached_step *oldest = scale->cached, *found = &scale->cached[scale->recent];
     *known = fabs(found->h - h) <= slack;
-    for (int i = 0; i < NS_KEPT && !*known; i++) {
-        found = &level->kept[i];
+    for (int i = 0; i < NS_CACHED_STEPS && !*known; i++) {
+        found = &scale->cached[i];
         *known = fabs(found->h - h) <= slack;
-        if (found->used < oldest->used)
+        if (found->last_used < oldest->last_used)
             oldest = found;
     }
-    level->recent = (int)((*known ? found : oldest) - level->kept);
+    scale->recent = (int)((*known ? found : oldest) - scale->cached);
     if (*known)
         return found;
-    if (oldest->leg) {
-        f->bytes -= oldest->leg->bytes;
-        f->steps_dropped++;
+    if (oldest->map) {
+        f->cache.bytes -= oldest->map->bytes;
+        f->cache.steps_dropped++;
     }
-    ns_exact_step_free(oldest->leg);
-    oldest->leg = NULL;
+    ns_exact_step_free(oldest->map);
+    oldest->map = NULL;
     oldest->h = h;
     return oldest;
 }
 
-int ns_exact_step_recurring(ns_exact *f, ns_time_scale *level, double h, ns_step_map **out) {
+int ns_exact_step_recurring(ns_exact *f, ns_time_scale *scale, double h, ns_step_map **out) {
     int known, status = NS_OK;
-    ns_cached_step *at = place_of(f, level, h, &known);
-    at->used = ++f->clock;
-    if (known && !at->leg)
-        status = build(f, level, at->h, &at->leg);
-    *out = at->leg;
+    ns_cached_step *at = find_place(f, scale, h, &known);
+    at->last_used = ++f->cache.clock;
+    if (known && !at->map)
+        status = build_map(f, scale, at->h, &at->map);
+    *out = at->map;
     return status;
 }
 
-void ns_exact_step_apply(const ns_mode_kernel *k, const ns_step_map *leg, const double *X, double *then) {
-    ns_linalg_matvec(k->r, k->q, leg->P, X, then);
-    ns_linalg_matvec(k->nv, k->nv, leg->advance, X + k->r, then + k->r);
+void ns_exact_step_apply(const ns_mode_kernel *k, const ns_step_map *map, const double *X, double *then) {
+    ns_linalg_matvec(k->r, k->q, map->P, X, then);
+    ns_linalg_matvec(k->nv, k->nv, map->advance, X + k->r, then + k->r);
 }
 
-void ns_exact_step_commit(ns_exact *f, const ns_time_scale *level, const ns_step_map *leg) {
-    double *X = f->X;
-    ns_exact_step_apply(level->stage, leg, X, f->next);
-    f->X = f->next;
-    f->next = X;
-    f->s->counts.steps++;
+void ns_exact_step_commit(ns_exact *f, const ns_time_scale *scale, const ns_step_map *map) {
+    ns_exact_step_apply(scale->kernel, map, f->X, f->X_next);
+    ns_exact_take_next(f);
+    f->counts.steps++;
 }
 
-/* tau <= h, by the series. */
-static void creep(ns_exact *f, const ns_mode_kernel *k, double tau) {
-    double b[NS_ORDER + 1], *last = f->gone;
-    ns_linalg_matvec(NS_ORDER * k->r, k->q, k->series, f->X, f->series);
+/* X moves on by tau <= h (E2). */
+static void add_powers(ns_exact *f, const ns_mode_kernel *k, double tau) {
+    double b[NS_ORDER + 1], *last = f->work.sum;
+    ns_linalg_matvec(NS_ORDER * k->r, k->q, k->laguerre_powers, f->X, f->work.powers);
     ns_modes_laguerre_steps(tau / k->g, b);
-    ns_linalg_matvec(k->r, NS_ORDER - 1, f->series + k->r, b + 2, last); /* what is small first */
+    ns_linalg_matvec(k->r, NS_ORDER - 1, f->work.powers + k->r, b + 2, last); /* small terms first */
     for (int i = 0; i < k->r; i++)
-        f->X[i] += last[i] + b[1] * f->series[i]; /* (E2) */
-    ns_inputs_states_advance(f->exo, tau, f->X + k->r);
-    f->s->counts.steps++;
+        f->X[i] += last[i] + b[1] * f->work.powers[i]; /* (E2) */
+    ns_inputs_states_advance(f->inputs, tau, f->X + k->r);
+    f->counts.steps++;
 }
 
-int ns_exact_step_advance(ns_exact *f, ns_time_scale *level, double tau) {
-    const ns_mode_kernel *k = level->stage;
+int ns_exact_step_advance(ns_exact *f, ns_time_scale *scale, double tau) {
+    const ns_mode_kernel *k = scale->kernel;
     double count = floor(tau / k->h);
     const double rest = tau - count * k->h;
     int i = 0;
     while (count > 0) {
-        ns_step_map *rung;
+        ns_step_map *doubled;
         const int odd = fmod(count, 2) != 0, at = i++;
         count = floor(count / 2);
         if (!odd)
             continue;
-        const int status = ns_exact_step_of_length(f, level, at < NS_UNGUARDED ? at : NS_UNGUARDED, &rung);
+        const int status =
+            ns_exact_step_of_length(f, scale, at < NS_MAX_EXPONENT ? at : NS_MAX_EXPONENT, &doubled);
         if (status != NS_OK)
             return status;
-        ns_exact_step_commit(f, level, rung);
+        ns_exact_step_commit(f, scale, doubled);
     }
     if (rest > 0)
-        creep(f, k, rest);
+        add_powers(f, k, rest);
     return NS_OK;
 }

@@ -1,6 +1,7 @@
 /* src/march/dense_run.c - one system by dense matrices: the exact engine, and the ladder where that cannot go
  * on. */
 #include "dense_internal.h"
+#include "march_internal.h"
 #include "nonsmooth/theta.h"
 
 #include <math.h>
@@ -142,8 +143,9 @@ static ns_method method(const ns_engine *e) {
 static const ns_counts *counts(ns_engine *e) {
     ns_dense_run *r = run_of(e);
     r->counts = *ns_theta_counts(r->step);
-    r->counts.events = r->exact ? ns_exact_events(r->exact) : 0;
-    r->counts.jumps = r->counts.jumps_by_steps = 0;
+    r->counts.events = r->counts.jumps = r->counts.jumps_by_steps = 0;
+    if (r->exact)
+        ns_march_add_counts(&r->counts, ns_exact_counts(r->exact));
     ns_ladder_counts(r->ladder, &r->counts);
     return &r->counts;
 }
