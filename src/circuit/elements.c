@@ -250,52 +250,36 @@ double ns_circuit_kink_factor(double r, double roff) {
 
 /* 0 <= r < roff, called r_name; 1/roff finite. */
 static int check_resistances(const char *r_name, double r, double roff, ns_refusal *why) {
-    if (!isfinite(r)) {
-        return ns_system_signal_refuse(why, NS_E_NUMBER, r_name, r, must_finite, NAN);
-    }
-    if (isnan(roff)) {
-        return ns_system_signal_refuse(why, NS_E_NUMBER, "roff", roff, must_number, NAN);
-    }
-    if (r < 0) {
-        return ns_system_signal_refuse(why, NS_E_RANGE, r_name, r, must_0, NAN);
-    }
-    if (!(roff > r)) {
-        return ns_system_signal_refuse(
-            why, NS_E_RANGE, "roff", roff,
-            strcmp(r_name, "ron") ? "must be larger than rz" : "must be larger than ron", r);
-    }
-    if (!isfinite(1 / roff)) {
-        return ns_system_signal_refuse(why, NS_E_RANGE, "roff", roff, "is too small to invert", NAN);
-    }
-    return NS_OK;
+    const char *larger = strcmp(r_name, "ron") ? "must be larger than rz" : "must be larger than ron";
+    const ns_rule rule[] = {{!isfinite(r), NS_E_NUMBER, {r_name, r, must_finite, NAN}},
+                            {isnan(roff), NS_E_NUMBER, {"roff", roff, must_number, NAN}},
+                            {r < 0, NS_E_RANGE, {r_name, r, must_0, NAN}},
+                            {!(roff > r), NS_E_RANGE, {"roff", roff, larger, r}},
+                            {!isfinite(1 / roff), NS_E_RANGE, {"roff", roff, "is too small to invert", NAN}}};
+    return ns_system_signal_check_rules(5, rule, why);
 }
 
 static int check_breakdown(const ns_diode *d, ns_refusal *why) {
-    int status;
-    if (isnan(d->vz)) {
-        return ns_system_signal_refuse(why, NS_E_NUMBER, "vz", d->vz, must_number, NAN);
+    const ns_rule rule[] = {{isnan(d->vz), NS_E_NUMBER, {"vz", d->vz, must_number, NAN}},
+                            {!(d->vz > 0), NS_E_RANGE, {"vz", d->vz, must_positive, NAN}}};
+    int status = ns_system_signal_check_rules(2, rule, why);
+    if (status || isinf(d->vz)) { /* then rz has no meaning */
+        return status;
     }
-    if (!(d->vz > 0)) {
-        return ns_system_signal_refuse(why, NS_E_RANGE, "vz", d->vz, must_positive, NAN);
-    }
-    if (isinf(d->vz)) {
-        return NS_OK; /* rz has no meaning */
-    }
+    const double breaks = -d->vz * ns_circuit_kink_factor(d->rz, d->roff),
+                 conducts = d->vf * ns_circuit_kink_factor(d->ron, d->roff);
+    const ns_rule apart = {
+        breaks >= conducts, NS_E_RANGE, {"vz", d->vz, "must keep breakdown below conduction at vf", d->vf}};
     status = check_resistances("rz", d->rz, d->roff, why);
-    if (!status &&
-        -d->vz * ns_circuit_kink_factor(d->rz, d->roff) >= d->vf * ns_circuit_kink_factor(d->ron, d->roff)) {
-        status = ns_system_signal_refuse(why, NS_E_RANGE, "vz", d->vz,
-                                         "must keep breakdown below conduction at vf", d->vf);
-    }
-    return status;
+    return status ? status : ns_system_signal_check_rules(1, &apart, why);
 }
 
 static int check_diode(const ns_diode *d, ns_refusal *why) {
-    int status;
-    if (!isfinite(d->vf)) {
-        return ns_system_signal_refuse(why, NS_E_NUMBER, "vf", d->vf, must_finite, NAN);
+    const ns_rule finite = {!isfinite(d->vf), NS_E_NUMBER, {"vf", d->vf, must_finite, NAN}};
+    int status = ns_system_signal_check_rules(1, &finite, why);
+    if (!status) {
+        status = check_resistances("ron", d->ron, d->roff, why);
     }
-    status = check_resistances("ron", d->ron, d->roff, why);
     return status ? status : check_breakdown(d, why);
 }
 
@@ -317,16 +301,11 @@ int ns_circuit_diode(ns_circuit *c, const char *name, int anode, int cathode, co
 }
 
 static int check_switch(const ns_switch *s, ns_refusal *why) {
-    if (!isfinite(s->vt)) {
-        return ns_system_signal_refuse(why, NS_E_NUMBER, "vt", s->vt, must_finite, NAN);
-    }
-    if (!isfinite(s->vh)) {
-        return ns_system_signal_refuse(why, NS_E_NUMBER, "vh", s->vh, must_finite, NAN);
-    }
-    if (s->vh < 0) {
-        return ns_system_signal_refuse(why, NS_E_RANGE, "vh", s->vh, must_0, NAN);
-    }
-    return check_resistances("ron", s->ron, s->roff, why);
+    const ns_rule rule[] = {{!isfinite(s->vt), NS_E_NUMBER, {"vt", s->vt, must_finite, NAN}},
+                            {!isfinite(s->vh), NS_E_NUMBER, {"vh", s->vh, must_finite, NAN}},
+                            {s->vh < 0, NS_E_RANGE, {"vh", s->vh, must_0, NAN}}};
+    const int status = ns_system_signal_check_rules(3, rule, why);
+    return status ? status : check_resistances("ron", s->ron, s->roff, why);
 }
 
 int ns_circuit_switch(ns_circuit *c, const char *name, int p, int n, int cp, int cn, const ns_switch *s,

@@ -4,53 +4,42 @@
 
 #include "signal_internal.h"
 
-static const char must_finite[] = "must be a finite number";
+static const char must_finite[] = "must be a finite number", must_number[] = "must be a number";
+static const char must_positive[] = "must be positive", must_0[] = "must be at least 0";
 
-int ns_system_signal_refuse(ns_refusal *why, int status, const char *parameter, double value,
-                            const char *must, double than) {
-    *why = (ns_refusal){parameter, value, must, than};
-    return status;
-}
-
-/* n named numbers, all finite. */
-static int finite_all(int n, const char *const *name, const double *value, ns_refusal *why) {
-    for (int i = 0; i < n; i++) {
-        if (!isfinite(value[i])) {
-            return ns_system_signal_refuse(why, NS_E_NUMBER, name[i], value[i], must_finite, NAN);
+int ns_system_signal_check_rules(int count, const ns_rule *rule, ns_refusal *why) {
+    for (int i = 0; i < count; i++) {
+        if (rule[i].broken) {
+            *why = rule[i].why;
+            return rule[i].status;
         }
     }
     return NS_OK;
 }
 
+/* n named numbers, all finite. */
+static int finite_all(int n, const char *const *name, const double *value, ns_refusal *why) {
+    int status = NS_OK;
+    for (int i = 0; i < n && !status; i++) {
+        const ns_rule finite = {!isfinite(value[i]), NS_E_NUMBER, {name[i], value[i], must_finite, NAN}};
+        status = ns_system_signal_check_rules(1, &finite, why);
+    }
+    return status;
+}
+
 static int check_pulse(const ns_signal *s, ns_refusal *why) {
     static const char *const name[] = {"v1", "v2", "td", "tr", "tf"};
-    static const char not_nan[] = "must be a number", positive[] = "must be at least 0";
-    double tr = s->u.pulse.tr, tf = s->u.pulse.tf, pw = s->u.pulse.pw, per = s->u.pulse.per;
-    double value[] = {s->u.pulse.v1, s->u.pulse.v2, s->u.pulse.td, tr, tf};
-    int status = finite_all(5, name, value, why);
-    if (status) {
-        return status;
-    }
-    if (isnan(pw)) {
-        return ns_system_signal_refuse(why, NS_E_NUMBER, "pw", pw, not_nan, NAN);
-    }
-    if (isnan(per)) {
-        return ns_system_signal_refuse(why, NS_E_NUMBER, "per", per, not_nan, NAN);
-    }
-    if (tr < 0 || tf < 0) {
-        return ns_system_signal_refuse(why, NS_E_RANGE, tr < 0 ? "tr" : "tf", tr < 0 ? tr : tf, positive,
-                                       NAN);
-    }
-    if (pw < 0) {
-        return ns_system_signal_refuse(why, NS_E_RANGE, "pw", pw, positive, NAN);
-    }
-    if (!(per > 0)) {
-        return ns_system_signal_refuse(why, NS_E_RANGE, "per", per, "must be positive", NAN);
-    }
-    if (s->u.pulse.cycles < 0) {
-        return ns_system_signal_refuse(why, NS_E_RANGE, "cycles", s->u.pulse.cycles, positive, NAN);
-    }
-    return NS_OK;
+    const double tr = s->u.pulse.tr, tf = s->u.pulse.tf, pw = s->u.pulse.pw, per = s->u.pulse.per;
+    const double value[] = {s->u.pulse.v1, s->u.pulse.v2, s->u.pulse.td, tr, tf};
+    const ns_rule rule[] = {{isnan(pw), NS_E_NUMBER, {"pw", pw, must_number, NAN}},
+                            {isnan(per), NS_E_NUMBER, {"per", per, must_number, NAN}},
+                            {tr < 0, NS_E_RANGE, {"tr", tr, must_0, NAN}},
+                            {tf < 0, NS_E_RANGE, {"tf", tf, must_0, NAN}},
+                            {pw < 0, NS_E_RANGE, {"pw", pw, must_0, NAN}},
+                            {!(per > 0), NS_E_RANGE, {"per", per, must_positive, NAN}},
+                            {s->u.pulse.cycles < 0, NS_E_RANGE, {"cycles", s->u.pulse.cycles, must_0, NAN}}};
+    const int status = finite_all(5, name, value, why);
+    return status ? status : ns_system_signal_check_rules(7, rule, why);
 }
 
 static int check_sin(const ns_signal *s, ns_refusal *why) {
@@ -61,58 +50,52 @@ static int check_sin(const ns_signal *s, ns_refusal *why) {
 
 static int check_exp(const ns_signal *s, ns_refusal *why) {
     static const char *const name[] = {"v1", "v2", "td1", "tau1", "td2", "tau2"};
-    double value[] = {s->u.exp.v1, s->u.exp.v2, s->u.exp.td1, s->u.exp.tau1, s->u.exp.td2, s->u.exp.tau2};
-    int status = finite_all(6, name, value, why);
-    for (int i = 3; i < 6 && !status; i += 2) {
-        if (!(value[i] > 0)) {
-            status = ns_system_signal_refuse(why, NS_E_RANGE, name[i], value[i], "must be positive", NAN);
-        }
+    const double tau1 = s->u.exp.tau1, tau2 = s->u.exp.tau2;
+    const double value[] = {s->u.exp.v1, s->u.exp.v2, s->u.exp.td1, tau1, s->u.exp.td2, tau2};
+    const ns_rule rule[] = {{!(tau1 > 0), NS_E_RANGE, {"tau1", tau1, must_positive, NAN}},
+                            {!(tau2 > 0), NS_E_RANGE, {"tau2", tau2, must_positive, NAN}}};
+    const int status = finite_all(6, name, value, why);
+    return status ? status : ns_system_signal_check_rules(2, rule, why);
+}
+
+static int check_pwl_points(int n, const double *t, const double *v, ns_refusal *why) {
+    int status = NS_OK;
+    for (int i = 0; i < n && !status; i++) {
+        const double before = i > 0 ? t[i - 1] : t[i];
+        const ns_rule rule[] = {{!isfinite(t[i]), NS_E_NUMBER, {"time of a point", t[i], must_finite, NAN}},
+                                {!isfinite(v[i]), NS_E_NUMBER, {"value of a point", v[i], must_finite, NAN}},
+                                {t[i] < before,
+                                 NS_E_RANGE,
+                                 {"time of a point", t[i], "lies before the point ahead of it", before}}};
+        status = ns_system_signal_check_rules(3, rule, why);
     }
     return status;
 }
 
-static int check_pwl_points(int n, const double *t, const double *v, ns_refusal *why) {
-    for (int i = 0; i < n; i++) {
-        if (!isfinite(t[i])) {
-            return ns_system_signal_refuse(why, NS_E_NUMBER, "time of a point", t[i], must_finite, NAN);
-        }
-        if (!isfinite(v[i])) {
-            return ns_system_signal_refuse(why, NS_E_NUMBER, "value of a point", v[i], must_finite, NAN);
-        }
-        if (i > 0 && t[i] < t[i - 1]) {
-            return ns_system_signal_refuse(why, NS_E_RANGE, "time of a point", t[i],
-                                           "lies before the point ahead of it", t[i - 1]);
+static int has_point_at(const ns_signal *s, double t) {
+    for (int i = 0; i < s->u.pwl.n; i++) {
+        if (s->u.pwl.t[i] == t) {
+            return 1;
         }
     }
-    return NS_OK;
+    return 0;
 }
 
 static int check_pwl(const ns_signal *s, ns_refusal *why) {
-    int n = s->u.pwl.n, status, found = 0;
-    const double *t = s->u.pwl.t;
-    double repeat = s->u.pwl.repeat;
-    if (n < 1) {
-        return ns_system_signal_refuse(why, NS_E_SIZE, "number of points", n, "must be at least 1", NAN);
+    const int n = s->u.pwl.n, missing = !s->u.pwl.t || !s->u.pwl.v;
+    const double repeat = s->u.pwl.repeat, td = s->u.pwl.td;
+    const ns_rule points[] = {{n < 1, NS_E_SIZE, {"number of points", n, "must be at least 1", NAN}},
+                              {missing, NS_E_NULL, {"number of points", n, "but there are none", NAN}}};
+    int status = ns_system_signal_check_rules(2, points, why);
+    if (status || (status = check_pwl_points(n, s->u.pwl.t, s->u.pwl.v, why))) {
+        return status;
     }
-    if (!t || !s->u.pwl.v) {
-        return ns_system_signal_refuse(why, NS_E_NULL, "number of points", n, "but there are none", NAN);
-    }
-    status = check_pwl_points(n, t, s->u.pwl.v, why);
-    if (status || !isfinite(s->u.pwl.td)) {
-        return status ? status
-                      : ns_system_signal_refuse(why, NS_E_NUMBER, "td", s->u.pwl.td, must_finite, NAN);
-    }
-    if (isnan(repeat)) {
-        return NS_OK;
-    }
-    for (int i = 0; i < n; i++) {
-        found |= t[i] == repeat;
-    }
-    if (!found || repeat >= t[n - 1]) {
-        return ns_system_signal_refuse(why, NS_E_RANGE, "r", repeat,
-                                       "must be the time of a point before the last", t[n - 1]);
-    }
-    return NS_OK;
+    const double last = s->u.pwl.t[n - 1];
+    const int wrong = !isnan(repeat) && (!has_point_at(s, repeat) || repeat >= last);
+    const ns_rule rule[] = {
+        {!isfinite(td), NS_E_NUMBER, {"td", td, must_finite, NAN}},
+        {wrong, NS_E_RANGE, {"r", repeat, "must be the time of a point before the last", last}}};
+    return ns_system_signal_check_rules(2, rule, why);
 }
 
 int ns_system_signal_check_why(const ns_signal *s, ns_refusal *why) {
@@ -129,7 +112,8 @@ int ns_system_signal_check_why(const ns_signal *s, ns_refusal *why) {
     case NS_PWL:
         return check_pwl(s, why);
     default:
-        return ns_system_signal_refuse(why, NS_E_RANGE, "kind of signal", (int)s->kind, "is unknown", NAN);
+        *why = (ns_refusal){"kind of signal", (int)s->kind, "is unknown", NAN};
+        return NS_E_RANGE;
     }
 }
 

@@ -41,9 +41,15 @@ typedef struct ns_refusal {
     double than;      /* NAN: none */
 } ns_refusal;
 
-/* Fills why and returns status. */
-int ns_system_signal_refuse(ns_refusal *why, int status, const char *parameter, double value,
-                            const char *must, double than);
+/* A parameter, refused with this status if broken. */
+typedef struct ns_rule {
+    int broken;
+    int status;
+    ns_refusal why;
+} ns_rule;
+
+/* The status of the first rule that is broken, and why; NS_OK: none is, and why is left alone. */
+int ns_system_signal_check_rules(int count, const ns_rule *rule, ns_refusal *why);
 
 /* ns_signal_check() that also says why; why is left alone on NS_OK. */
 int ns_system_signal_check_why(const ns_signal *s, ns_refusal *why);
