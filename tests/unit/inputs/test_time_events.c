@@ -205,6 +205,80 @@ static void periods_shorter_than_rounding(void **state) {
     done(s, system);
 }
 
+/* --- events that repeat --- */
+
+/* Two inputs that enter and a switch of a third: the period of all; 0 where they have none. */
+static void the_period_of_all(void **state) {
+    const double root = sqrt(2), ramp[] = {0, 1}, level[] = {0, 1};
+    const ns_signal once = {.kind = NS_PWL, .u.pwl = {2, ramp, level, NAN, 0}};
+    const struct {
+        ns_signal a, b, switching;
+        double period;
+    } of[] = {{pulse(0, 1, 0, 0, 0, 0.5, 1), pulse(0, 1, 0, 0, 0, 0.5, 3), dc(0), 3},
+              {pulse(0, 1, 0, 0, 0, 0.5, 1), pulse(0, 1, 0, 0, 0, 0.5, root), dc(0), 0},
+              {pulse(0, 1, 0, 0, 0, 0.5, 2), pulse(0, 1, 0, 0, 0, 0.5, 3), dc(0), 0},
+              {pulse(0, 1, 0, 0, 0, 0.5, 1), once, pulse(0, 1, 0, 1, 1, 0, 4), 4},
+              {pulse(0, 1, 0, 0, 0, 0.5, 1), dc(1), pulse(0, 1, 0, 1, 1, 0, root), 0},
+              {pulse(0, 1, 0, 0, 0, 0.5, 1), sine(0, 1, 1, 0, 0), dc(0), 0},
+              {once, dc(2), dc(0), 0}};
+    (void)state;
+    for (int k = 0; k < 7; k++) {
+        ns_system *system = bare(3, 1);
+        input(system, 0, of[k].a);
+        input(system, 1, of[k].b);
+        input(system, 2, of[k].switching);
+        system->E[0] = system->E[1] = system->command[0].gz[2] = 1;
+        thresholds(system, 0, 0.5, 0.5);
+        ns_time_events *s = schedule(system);
+        while (ns_inputs_events_next(s, 1.25) <= 1.25)
+            ns_inputs_events_pass(s);
+        assert_near(ns_inputs_events_period(s), of[k].period, 0);
+        done(s, system);
+    }
+}
+
+/* A thousand periods on, what comes next is what comes there. */
+static void skipped_periods(void **state) {
+    ns_system *system = bare(2, 1);
+    double z[2], dz[2];
+    (void)state;
+    input(system, 0, pulse(0, 1, 0, 1, 1, 1, 4));
+    input(system, 1, pulse(0, 1, 0, 1, 1, 0, 2));
+    system->E[0] = system->command[0].gz[1] = 1;
+    thresholds(system, 0, 0.5, 0.5);
+    ns_time_events *s = schedule(system);
+    expect(s, 0.5, 1e-15, 1);
+    expect(s, 1, 0, 0);
+    ns_inputs_events_skip(s, 4001, 4000);
+    ns_inputs_events_values(s, 4001.25, z, dz);
+    assert_near(z[0], 1, 0);
+    expect(s, 4001.5, 1e-12, 1);
+    expect(s, 4002, 0, 0);
+    expect(s, 4002.5, 1e-12, 1);
+    ns_inputs_events_values(s, 4002.75, z, dz);
+    assert_near(z[0], 0.25, 1e-12);
+    assert_near(dz[0], -1, 0);
+    done(s, system);
+}
+
+/* A turn is no event of the circuit; a jump is, and a flip, and both if they fall together with a turn. */
+static void turns_are_no_events(void **state) {
+    ns_system *system = bare(3, 1);
+    (void)state;
+    input(system, 0, pulse(0, 1, 1, 1, 1, 1, 10)); /* turns at 1, 2, 3, 4 */
+    input(system, 1, pulse(0, 1, 3, 0, 0, 2, 10)); /* jumps at 3, 5 */
+    input(system, 2, pulse(0, 1, 4, 0, 0, 2, 10)); /* flips at 4, 6 */
+    system->E[0] = system->E[1] = system->command[0].gz[2] = 1;
+    thresholds(system, 0, 0.5, 0.5);
+    ns_time_events *s = schedule(system);
+    for (int t = 1; t <= 6; t++) {
+        assert_near(ns_inputs_events_next(s, INFINITY), t, 0);
+        assert_int_equal(ns_inputs_events_is_event(s), t > 2);
+        ns_inputs_events_pass(s);
+    }
+    done(s, system);
+}
+
 /* --- no memory, nothing at all --- */
 
 static void no_memory(void **state) {
@@ -260,6 +334,9 @@ int main(void) {
         cmocka_unit_test(seek_to_where_a_control_falls_to_nothing),
         cmocka_unit_test(both_sides_of_a_jump),
         cmocka_unit_test(periods_shorter_than_rounding),
+        cmocka_unit_test(the_period_of_all),
+        cmocka_unit_test(skipped_periods),
+        cmocka_unit_test(turns_are_no_events),
         cmocka_unit_test(no_memory),
         cmocka_unit_test(an_empty_schedule),
     };
