@@ -64,6 +64,43 @@ static void by_sparse(void **state) {
     bucks_side_by_side(NS_SPARSE, NS_TO_EVENT, 1e-7);
 }
 
+/* A buck whose switch closes while its own output is 50 mV below v and opens 50 mV above. */
+static void hysteretic_buck(scene *z, const char *name, int node, double v, double load) {
+    const ns_switch contact = {0, 0.05, 0, INFINITY};
+    char part[16];
+    const int x = node, out = node + 1, reference = node + 2;
+    put(z, PART("v"), reference, 0, dc(v));
+    assert_int_equal(ns_circuit_switch(z->c, PART("s"), SUPPLY, x, reference, out, &contact, NULL), NS_OK);
+    assert_int_equal(ns_circuit_diode(z->c, PART("d"), 0, x, &ideal, NULL), NS_OK);
+    assert_int_equal(ns_circuit_inductor(z->c, PART("l"), x, out, 100e-6, NAN, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(z->c, PART("c"), out, 0, 22e-6, NAN, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(z->c, PART("r"), out, 0, load, NULL), NS_OK);
+}
+
+static void controlled_by_their_own_states(void **state) {
+    static const ns_method methods[] = {NS_EXACT, NS_SPARSE};
+    static const double tolerance[] = {1e-9, 1e-6};
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        scene both[2];
+        for (int whole = 0; whole < 2; whole++) {
+            both[whole] = supplied(dc(24));
+            hysteretic_buck(&both[whole], "1", FIRST, 12, 4);
+            hysteretic_buck(&both[whole], "2", FIRST + EACH, 7, 3);
+            begin(&both[whole], methods[k], whole);
+            assert_int_equal(islands(&both[whole]), whole ? 0 : 2);
+        }
+        for (int i = 1; i <= 50; i++) {
+            go_to(&both[0], i * 1.37e-5, NS_TO_TIME);
+            go_to(&both[1], i * 1.37e-5, NS_TO_TIME);
+            same_point(&both[0], &both[1], tolerance[k]);
+        }
+        assert_true(ns_march_counts(both[0].m)->events > 10);
+        end(&both[0]);
+        end(&both[1]);
+    }
+}
+
 /* From event to event: the same instants, the same values on both sides of each. */
 static void the_same_events(void **state) {
     (void)state;
@@ -249,6 +286,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(by_exact),
         cmocka_unit_test(by_sparse),
+        cmocka_unit_test(controlled_by_their_own_states),
         cmocka_unit_test(the_same_events),
         cmocka_unit_test(each_costs_what_it_costs_alone),
         cmocka_unit_test(events_of_others_are_not_searched_for),
