@@ -193,8 +193,8 @@ static double find_minimum(const ns_guard_series *w, double a, double b, double 
     return best;
 }
 
-/* The same where it falls from a value at a to one below zero at b; one that an event has just set off upward
- * from zero comes back to it later. */
+/* The root where the guard falls from `at` at a to `below` at b.  One that starts at zero and rises, as right
+ * after an event, comes back to zero later. */
 static double find_fall(const ns_guard_series *w, double a, double b, double at, double below, double tol) {
     double rate, top = b, from = a;
     if (at > tol)
@@ -216,8 +216,8 @@ void ns_exact_event_intervals(double s, double (*c)[NS_ORDER]) {
         ns_modes_laguerre(s * i / NS_INTERVALS, c[i]);
 }
 
-/* What passes below zero by less than rounding may be breaks here, and not where it is below by more, if it
- * is about to be and goes on: currents of the wrong sign would be handed on from diode to diode. */
+/* A guard below zero by less than its rounding breaks here, and not where it is below by more, if it keeps
+ * falling: else the next diode would start with a current of the wrong sign. */
 static int keeps_falling(ns_exact *f, const ns_mode_kernel *k, int g, double rate, double tol) {
     if (!(rate * k->h * (1 << NS_SOON_EXPONENT) < -4 * tol))
         return 0;
@@ -265,7 +265,7 @@ static double find_break(ns_exact *f, const ns_mode_kernel *k, int g, double tau
     return INFINITY;
 }
 
-/* What guards (rows) surely are above all through a stage; 1 if that is zero at least for all of them. */
+/* above (rows): a lower bound of each guard all through a short step; 1 if all are above zero. */
 static int all_surely_hold(const ns_mode_kernel *k, const double *coef, double *above) {
     const int rows = k->rows;
     int all = 1;
@@ -290,7 +290,7 @@ int ns_exact_event_within(ns_exact *f, const ns_time_scale *scale, double tau, d
     if (all_surely_hold(k, f->work.coef, above))
         return first;
     f->counts.searches++;
-    if (tau != k->h) /* not of the whole stage */
+    if (tau != k->h) /* shorter than the whole step */
         ns_exact_event_intervals(tau / k->g, at = c);
     for (int g = 0; g < k->rows; g++) {
         const double t = above[g] > 0 ? INFINITY : find_break(f, k, g, tau, at);

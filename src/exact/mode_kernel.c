@@ -98,7 +98,7 @@ void ns_exact_input_matrix(const ns_input_states *e, double h, double *out) {
 /* Work of a build. */
 typedef struct ns_kernel_work {
     int inputs;    /* nz + 1 */
-    double *in;    /* inputs*nv: z and 1 of the stage, by v; */
+    double *in;    /* inputs*nv: z and 1 at the end of the Euler step, by v */
     double *size;  /* inputs*nv: of absolute values */
     double *dv;    /* nv*nv: (1 - g S)^-1 - 1 */
     double *rates; /* r*(r+inputs): D w by the inputs of the map, */

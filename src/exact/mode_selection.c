@@ -54,7 +54,7 @@ static void want_commands(ns_exact *f) {
     }
 }
 
-/* The mode in f->wanted, if it holds.  *on: only for a jump, and the search goes on from the state after it.
+/* The mode in f->wanted, if it holds.  *on: for a jump only; another mode follows at once.
  */
 static int try_wanted(ns_exact *f, ns_evidence evidence, int *on) {
     ns_exact_mode *k;
