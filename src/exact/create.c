@@ -85,7 +85,7 @@ int ns_exact_create(ns_theta *step, ns_dense_point *point, double h, ns_exact **
     f->s = step;
     f->point = point;
     f->h = h;
-    f->cache.limit = step->cache.limit;
+    f->cache.limit = step->maps.limit;
     f->timed = all_timed(f->system);
     ns_exact_event_intervals(NS_POLE, f->work.interval);
     f->acting = calloc((size_t)f->system->nz + 1, 1);

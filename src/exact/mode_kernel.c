@@ -192,7 +192,7 @@ static void fill_control_rows(const ns_theta *s, const ns_map *map, const ns_mod
                               const ns_kernel_work *b) {
     for (int c = 0, g = first; c < s->s->nc; c++) {
         const ns_command *of = &s->s->command[c];
-        const int closed = map->mode[of->pair] == NS_INSIDE;
+        const int closed = map->entry.mode[of->pair] == NS_INSIDE;
         for (int k = 0; has_row(of, mode) && k < s->q; k++) {
             const double sum = control_entry(s, map, of, closed, k, &b->noise[g + k * rows]);
             b->rows[g + k * rows] = closed ? sum : -sum;

@@ -117,6 +117,11 @@ static int in_range(const ns_theta_options *o) {
     return o->theta >= 0 && o->theta <= 1 && o->gamma > 0 && o->gamma <= 1;
 }
 
+static void free_map(void *owner, ns_mode_entry *map) {
+    (void)owner;
+    ns_theta_map_free((ns_map *)map);
+}
+
 int ns_theta_create(const ns_system *system, const ns_theta_options *o, ns_theta **out, ns_fault *fault) {
     if (!out)
         return NS_E_NULL;
@@ -137,7 +142,9 @@ int ns_theta_create(const ns_system *system, const ns_theta_options *o, ns_theta
     s->theta = o->theta;
     s->gamma = o->gamma;
     s->carry = o->theta < 1 || o->gamma < 1;
-    s->cache.limit = o->map_bytes ? o->map_bytes : (size_t)32 << 20;
+    s->maps.m = system->m;
+    s->maps.limit = o->map_bytes ? o->map_bytes : (size_t)32 << 20;
+    s->maps.free_entry = free_map;
     s->fault.t = NAN;
     status = create_arrays(s);
     if (status == NS_OK)
@@ -164,7 +171,7 @@ void ns_theta_free(ns_theta *s) {
     free(s->past.mode);
     free(s->inside);
     free(s->twin);
-    ns_theta_cache_clear(&s->cache);
+    ns_modes_table_clear(&s->maps);
     ns_linalg_lu_free(s->lu);
     ns_mlcp_free(s->mlcp);
     free(s);

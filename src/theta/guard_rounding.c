@@ -22,9 +22,9 @@ static void fill_functionals(ns_theta *s, const ns_map *map, int nj) {
     int g = 0;
     memset(s->Z, 0, sizeof(double) * (size_t)size * (size_t)map->guards);
     for (int j = 0, inside = 0; j < m; j++) {
-        const int count = ns_theta_guards_of(s, map->mode, j);
+        const int count = ns_theta_guards_of(s, map->entry.mode, j);
         double *z = s->Z + (size_t)g * (size_t)size;
-        if (map->mode[j] == NS_INSIDE) {
+        if (map->entry.mode[j] == NS_INSIDE) {
             for (int k = 0; k < count; k++)
                 z[n + inside + k * size] = 1;
             inside++;

@@ -38,13 +38,13 @@ void ns_theta_guard_fill(const ns_theta *s, ns_map *map, int k) {
         return;
     fill_y(s, map, k, y);
     for (int j = 0; j < m; j++) {
-        if (map->mode[j] == NS_INSIDE) {
+        if (map->entry.mode[j] == NS_INSIDE) {
             if (isfinite(s->l[j]))
                 *row++ = lambda[j] - (one ? s->l[j] : 0);
             if (isfinite(s->u[j]))
                 *row++ = (one ? s->u[j] : 0) - lambda[j];
         } else if (s->l[j] < s->u[j]) {
-            *row++ = map->mode[j] == NS_LOWER ? y[j] : -y[j];
+            *row++ = map->entry.mode[j] == NS_LOWER ? y[j] : -y[j];
         }
     }
 }
@@ -84,7 +84,7 @@ int ns_theta_guards_hold(const ns_theta *s, const ns_map *map, double tol) {
 int ns_theta_guards_flip(const ns_theta *s, const ns_map *map, double tol, ns_mode *mode) {
     int flipped = 0;
     for (int j = 0, g = 0; j < s->s->m; j++) {
-        const int inside = map->mode[j] == NS_INSIDE, count = ns_theta_guards_of(s, map->mode, j);
+        const int inside = map->entry.mode[j] == NS_INSIDE, count = ns_theta_guards_of(s, map->entry.mode, j);
         for (int k = 0; k < count; k++, g++) {
             if (!guard_broke(s, map, g, tol))
                 continue;

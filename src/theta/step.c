@@ -20,14 +20,18 @@ void ns_theta_forget_recent(ns_theta *s) {
 }
 
 int ns_theta_find_map(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out) {
-    *out = ns_theta_cache_find(&s->cache, h, implicit, mode, s->s->m);
+    const double length = implicit ? -h : h;
+    const unsigned long long key = ns_modes_table_key(s->s->m, length, mode);
+    *out = (ns_map *)ns_modes_table_find(&s->maps, key, length, mode);
     if (*out)
         return NS_OK;
     const int status = ns_theta_map_build(s, h, implicit, mode, of_largest, out);
     if (status != NS_OK)
         return status;
-    ns_theta_cache_insert(&s->cache, *out, s->s->m);
-    const long dropped = ns_theta_cache_trim(&s->cache, s->s->m, *out);
+    (*out)->entry.h = length;
+    (*out)->entry.key = key;
+    ns_modes_table_insert(&s->maps, &(*out)->entry);
+    const long dropped = ns_modes_table_trim(&s->maps, &(*out)->entry);
     s->counts.evicted += dropped;
     if (dropped)
         ns_theta_forget_recent(s);

@@ -95,7 +95,8 @@ static void fill_full(const ns_theta *s, ns_map *map, int nj) {
         double *to = map->full + (size_t)k * (size_t)(n + m);
         memcpy(to, from, sizeof(double) * (size_t)n);
         for (int j = 0; j < m; j++)
-            to[n + j] = map->mode[j] != NS_INSIDE && k == s->q - 1 ? bound_of(s, map->mode, j) : 0;
+            to[n + j] =
+                map->entry.mode[j] != NS_INSIDE && k == s->q - 1 ? bound_of(s, map->entry.mode, j) : 0;
         for (int i = 0; i < nj; i++)
             to[n + s->inside[i]] = from[n + i];
     }
@@ -149,13 +150,13 @@ static ns_map *map_create(const ns_theta *s, const ns_mode *mode) {
     map->p = p;
     map->guards = guards;
     map->guard = guard;
-    map->bytes = bytes;
+    map->entry.bytes = bytes;
     map->step = (double *)(void *)(map + 1);
     map->full = map->step + (size_t)p * q;
     map->rounding = map->full + (n + m) * q;
     map->d_rounding = map->rounding + (size_t)guards * q;
-    map->mode = (ns_mode *)(map->d_rounding + rates * q);
-    memcpy(map->mode, mode, m);
+    map->entry.mode = (ns_mode *)(map->d_rounding + rates * q);
+    memcpy(map->entry.mode, mode, m);
     return map;
 }
 

@@ -3,6 +3,7 @@
 #define NS_THETA_INTERNAL_H
 
 #include "linalg/dense.h"
+#include "modes/mode_table.h"
 #include "modes/mode.h"
 #include "nonsmooth/impulse.h"
 
@@ -11,12 +12,11 @@
  * where w (r) are the rows of M x that differ from zero (charges, fluxes) and
  *   d = (1-theta) (A x + b + E z) + (1-gamma) B lambda
  * on the same rows at t_k.  See (T6): eta and z hold all that x_free needs. */
-typedef struct ns_map ns_map;
-struct ns_map {
+typedef struct ns_map {
     /* what it is the map of */
-    double h;      /* length of the step, s */
-    ns_mode *mode; /* m */
-    int implicit;  /* 1: theta = gamma = 1 */
+    ns_mode_entry entry; /* its place in the table, by mode and h; by -h if implicit */
+    double h;            /* length of the step, s */
+    int implicit;        /* 1: theta = gamma = 1 */
 
     /* the matrices, column by column */
     int p;        /* rows of step: w (r), d (r if carried), controls (nc), guards; zeros to a multiple of 4 */
@@ -26,21 +26,9 @@ struct ns_map {
     double *full; /* (n+m)*q: x, lambda */
     double *rounding;   /* guards*q: the rounding of each guard, by input, in units of eps */
     double *d_rounding; /* r*q if d is carried: the same of d */
+} ns_map;
 
-    /* its place in the cache */
-    size_t bytes;          /* of all of it */
-    ns_map *chain;         /* next in its bucket */
-    ns_map *older, *newer; /* by last use */
-};
-
-enum { NS_BUCKETS = 1024, NS_RECENT = 64 };
-
-/* Maps by (h, implicit, mode), the least recently used dropped when they need more than limit bytes. */
-typedef struct ns_cache {
-    ns_map *bucket[NS_BUCKETS]; /* chains of maps with the same hash */
-    ns_map *newest, *oldest;    /* ends of the list by last use */
-    size_t bytes, limit;        /* of all maps; at most, but for the newest */
-} ns_cache;
+enum { NS_RECENT = 64 };
 
 /* The accepted point: what is saved and restored together.  Written by state.c alone. */
 typedef struct ns_past {
@@ -94,7 +82,7 @@ struct ns_theta {
     ns_fault fault;   /* of the last call that failed */
 
     /* maps */
-    ns_cache cache;            /* all that are kept */
+    ns_mode_table maps;        /* all that are kept */
     ns_map *recent[NS_RECENT]; /* maps of the accepted mode by the exponent of h */
     ns_map *last;              /* map used last in the accepted mode; NULL: none */
 
@@ -151,14 +139,6 @@ int ns_theta_guards_flip(const ns_theta *s, const ns_map *map, double tol, ns_mo
 
 /* What d may be off by after the step of this map, in units of eps: r numbers. */
 void ns_theta_rate_rounding(const ns_theta *s, const ns_map *map, double *rounding);
-
-/* --- map_cache.c --- */
-
-ns_map *ns_theta_cache_find(ns_cache *c, double h, int implicit, const ns_mode *mode, int m);
-void ns_theta_cache_insert(ns_cache *c, ns_map *map, int m);
-/* Drops old maps until the limit holds; never `keep`.  Returns how many were dropped. */
-long ns_theta_cache_trim(ns_cache *c, int m, const ns_map *keep);
-void ns_theta_cache_clear(ns_cache *c);
 
 /* --- create.c --- */
 
