@@ -88,7 +88,7 @@ int ns_mlcp_alike(ns_mlcp_solver *s, int alike);
  * kept for the next solve with the same W; of more pairs, by blocks, with the factors of the last mode kept,
  * and by proximal points where blocks are singular.  Where that fails, pairs are exchanged until the starting
  * mode is a nonsingular basis; if its guards hold, no pivot is made, else Lemke's method starts there, with
- * lexicographic ties; then interior point, Newton, enumeration of few pairs, and all once more in units of
+ * lexicographic ties; then enumeration of few pairs, and all once more in units of
  * the problem's own. The solution is computed anew from W and q in its mode, refined, and its natural
  * residual is checked.
  *

@@ -39,6 +39,8 @@ int ns_mlcp_same(ns_mlcp_solver *s, int same) {
 int ns_mlcp_alike(ns_mlcp_solver *s, int alike) {
     if (!s)
         return NS_E_NULL;
-    s->alike = s->as_given = alike != 0;
+    if (s->alike != (alike != 0))
+        s->units.valid = 0;
+    s->alike = alike != 0;
     return NS_OK;
 }

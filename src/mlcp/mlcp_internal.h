@@ -104,12 +104,11 @@ struct ns_mlcp_solver {
     double *q;       /* m: now.q with the fixed lambda folded in */
 
     /* --- units in which sizes are compared (ns_mlcp_units()) --- */
-    int as_given; /* in those of the problem, not in those found from W: wanted */
     struct {
-        int valid, as_given; /* of own.W; which */
-        int *part;           /* m: of row i, some number that the rows it is joined with share */
-        double *rowmax;      /* m: largest |W_ij| of a row */
-        double *column;      /* m: unit of lambda_j in which it makes terms of that size */
+        int valid;      /* they are those of own.W */
+        int *part;      /* m: of row i, some number that the rows it is joined with share */
+        double *rowmax; /* m: largest |W_ij| of a row */
+        double *column; /* m: unit of lambda_j in which it makes terms of that size */
     } units;
 
     /* --- the point at hand --- */
@@ -182,18 +181,18 @@ struct ns_mlcp_solver {
 /* problem.c: makes s->given, and sorts the indices where it is not known already.  NULL, SIZE, NUMBER,
  * BOUNDS. */
 int ns_mlcp_load(ns_mlcp_solver *s, const ns_mlcp *p);
-int ns_mlcp_fetch_all(ns_mlcp_solver *s);                     /* Wown, if on demand.  NUMBER */
-void ns_mlcp_units(ns_mlcp_solver *s);                        /* rowmax, colunit */
-void ns_mlcp_given(ns_mlcp_solver *s);                        /* now = *p */
-void ns_mlcp_fold(ns_mlcp_solver *s);                         /* W, q of now */
-void ns_mlcp_restart(ns_mlcp_solver *s, const ns_mode *mode); /* s->mode = mode mended; NULL: all lower */
+int ns_mlcp_fetch_all(ns_mlcp_solver *s);                        /* Wown, if on demand.  NUMBER */
+void ns_mlcp_units(ns_mlcp_solver *s);                           /* rowmax, colunit */
+void ns_mlcp_take_given(ns_mlcp_solver *s);                      /* now = *p */
+void ns_mlcp_fold(ns_mlcp_solver *s);                            /* W, q of now */
+void ns_mlcp_start_from(ns_mlcp_solver *s, const ns_mode *mode); /* s->mode = mode mended; NULL: all lower */
 
 /* The lambda of a pair not inside. */
 static inline double ns_mlcp_bound(const ns_mlcp_solver *s, int i, ns_mode mode) {
     return mode == NS_UPPER ? s->p->u[i] : s->p->l[i];
 }
 
-static inline ns_mode ns_mlcp_mend(const ns_mlcp_solver *s, int i, ns_mode mode) {
+static inline ns_mode ns_mlcp_fit_mode(const ns_mlcp_solver *s, int i, ns_mode mode) {
     const double l = s->p->l[i], u = s->p->u[i];
     if (l == u)
         return NS_LOWER;
@@ -202,11 +201,9 @@ static inline ns_mode ns_mlcp_mend(const ns_mlcp_solver *s, int i, ns_mode mode)
     return isinf(l) || (mode == NS_UPPER && !isinf(u)) ? NS_UPPER : NS_LOWER;
 }
 
-/* workspace.c: lambda, y and mode put aside, and taken back. */
-void ns_mlcp_keep(ns_mlcp_solver *s);
-void ns_mlcp_give_back(ns_mlcp_solver *s);
-void ns_mlcp_set_aside(ns_mlcp_solver *s); /* the same and method; no method uses it */
-void ns_mlcp_bring_back(ns_mlcp_solver *s);
+/* workspace.c: lambda, y, mode and method put aside, and taken back. */
+void ns_mlcp_save(const ns_mlcp_solver *s, ns_mlcp_point *to);
+void ns_mlcp_restore(ns_mlcp_solver *s, const ns_mlcp_point *from);
 
 /* basis.c */
 void ns_mlcp_basis_pick(ns_mlcp_solver *s);                    /* rows, cols, k of s->mode */
@@ -215,13 +212,14 @@ int ns_mlcp_basis_factor(ns_mlcp_solver *s, double *rcond);    /* all that, and 
 void ns_mlcp_basis_values(ns_mlcp_solver *s, int refinements); /* lambda, y, from the factors */
 void ns_mlcp_basis_correct(ns_mlcp_solver *s); /* one refinement by the residual of W, q as they are now */
 void ns_mlcp_basis_sizes(ns_mlcp_solver *s);   /* ysize, lsize, at lambda */
-void ns_mlcp_basis_raise(ns_mlcp_solver *s);   /* ysize, from the sums of its terms; its reciprocals to g */
+void ns_mlcp_basis_floor_sizes(
+    ns_mlcp_solver *s); /* ysize, from the sums of its terms; its reciprocals to g */
 double ns_mlcp_basis_lambda_size(const ns_mlcp_solver *s, int i); /* lsize of a pair, from g */
 double ns_mlcp_basis_violation(const ns_mlcp_solver *s);          /* worst guard, in units of the sizes */
 ns_mode ns_mlcp_basis_wanted(const ns_mlcp_solver *s, int i);     /* that the guard of pair i asks for */
 int ns_mlcp_part_of(const ns_mlcp_solver *s, int j);              /* the part that column j is in */
 void ns_mlcp_basis_clamp(ns_mlcp_solver *s);                      /* lambda into its bounds, signs of y */
-void ns_mlcp_basis_rest(
+void ns_mlcp_basis_zero_undriven(
     ns_mlcp_solver *s); /* lambda and y are 0, not rounding, in parts of W that nothing drives */
 
 /* tableau.c */
@@ -259,12 +257,11 @@ static inline double ns_mlcp_tableau_upper(const ns_mlcp_solver *s, int var) {
  * OK; INFEASIBLE: a ray, in s->fault; LIMIT; SINGULAR: the tableau got lost. */
 int ns_mlcp_lemke(ns_mlcp_solver *s, int all, int patience);
 
-/* farkas.c: 1 if the bounds of lambda and y alone, without complementarity, contradict: s->proof.v, s->fault.
- * s->now, s->p, s->q, s->lambda, s->y and s->mode stay, the rest of the workspace does not.
- * CAREFUL: not by an amount that rounding of the largest numbers of the problem may have left.  BOLD: where
+/* farkas.c: 1 if the bounds of lambda and y alone, without complementarity, contradict: s->proof, s->fault.
+ * CAREFUL: by more than rounding of the largest numbers of the problem may have left.  BOLD: or not, where
  * nothing solved it.  AGAINST: that the answer in s->lambda is none, by as much as an answer may be wrong by
- * at least.  Each effort is made once a solve. */
-enum { NS_CAREFUL = 1, NS_BOLD, NS_AGAINST }; /* effort */
+ * at least. Each effort is made once a solve.  Uses elim, tab, ysize, lsize, kept, xs, ray, g, queue. */
+enum { NS_CAREFUL = 1, NS_BOLD, NS_AGAINST };
 int ns_mlcp_prove(ns_mlcp_solver *s, int effort);
 
 /* parallel.c: v (m) of two rows of W that are multiples of each other and ask the opposite; 0: there are
@@ -278,26 +275,26 @@ void ns_mlcp_scale_back(ns_mlcp_solver *s);
 
 /* zeros.c: s->lambda, which was refused, is remembered with zeros for rounding, if that makes it an answer
  * and the best so far.  Uses g, ysize, rhs.  Back into s->lambda and s->mode; 0 if there is none. */
-void ns_mlcp_note(ns_mlcp_solver *s);
-int ns_mlcp_recall(ns_mlcp_solver *s);
+void ns_mlcp_zeros_note(ns_mlcp_solver *s);
+int ns_mlcp_zeros_recall(ns_mlcp_solver *s);
 
 /* huge_multipliers.c: whether lambda is so large against q and the bounds, in units of W, that it may hide in
  * its rounding what q says; whether it does.  The latter uses g, ysize, rhs, and what ns_mlcp_basis_factor()
  * does. */
-int ns_mlcp_doubtful(ns_mlcp_solver *s, double doubt);
-int ns_mlcp_lost(ns_mlcp_solver *s, double doubt);
+int ns_mlcp_huge_multipliers(ns_mlcp_solver *s, double doubt);
+int ns_mlcp_huge_multipliers_fail(ns_mlcp_solver *s, double doubt);
 
 /* huge_multipliers.c: what is wrong with y in the worst row, of its own terms; rows of next to nothing left
  * aside.  Uses g, ysize. */
-double ns_mlcp_broken(ns_mlcp_solver *s);
+double ns_mlcp_worst_row(ns_mlcp_solver *s);
 
 /* consistent_answer.c: makes s->y and s->mode those of s->lambda, which goes from bound to bound of boxes
  * that are next to nothing; then *residual is that of the new one.  0: they cannot be had, or not with a
  * residual <= NS_MLCP_ACCEPT. Uses g, ray, rhs, ysize, queue. */
-int ns_mlcp_agree(ns_mlcp_solver *s, double *residual);
+int ns_mlcp_make_consistent(ns_mlcp_solver *s, double *residual);
 
 /* Whether s->y is not the y of lambda, whose terms are of the size given; equalities are left aside. */
-int ns_mlcp_differs(const ns_mlcp_solver *s, const double *y, const double *size);
+int ns_mlcp_is_inconsistent(const ns_mlcp_solver *s, const double *y, const double *size);
 
 /* fault.c: fault.pair gets index[k] of the largest weights, largest first. */
 void ns_mlcp_name(ns_mlcp_solver *s, const double *weight, int n, const int *index);
@@ -322,7 +319,7 @@ int ns_mlcp_projected(ns_mlcp_solver *s); /* projected.c */
 int ns_mlcp_pivot(ns_mlcp_solver *s);     /* pivot.c */
 /* The same in one, from mode, without units, sorting and scaling: what most problems need.  OK: s->lambda,
  * s->y, s->mode are an answer; else LIMIT, SINGULAR, RESIDUAL. */
-int ns_mlcp_quick(ns_mlcp_solver *s, const ns_mode *mode, double *residual);
+int ns_mlcp_pivot_from(ns_mlcp_solver *s, const ns_mode *mode, double *residual);
 /* block.c: for more; s->y as well.  OK, LIMIT, SINGULAR, RESIDUAL. */
 int ns_mlcp_block(ns_mlcp_solver *s, double *residual);
 /* enumerate.c.  INFEASIBLE: no mode that has an answer has a right one. SIZE: too many pairs. */

@@ -7,7 +7,7 @@
 #include "linalg/column_scaling.h"
 
 /* 0 times a finite number is 0, times NaN or infinity NaN. */
-static int bad_bounds(const ns_mlcp *p) {
+static int check_bounds(const ns_mlcp *p) {
     int status = NS_OK;
     for (int i = 0; i < p->m; i++) {
         if (isnan(p->l[i]) || isnan(p->u[i]))
@@ -19,7 +19,7 @@ static int bad_bounds(const ns_mlcp *p) {
 }
 
 /* Which index is what, from s->given. */
-static void sort(ns_mlcp_solver *s) {
+static void sort_indices(ns_mlcp_solver *s) {
     const ns_mlcp *p = &s->given;
     s->m = p->m;
     s->nf = s->np = s->nx = 0;
@@ -27,7 +27,7 @@ static void sort(ns_mlcp_solver *s) {
     s->p = p;
     for (int i = 0; i < p->m; i++) {
         s->at_zero &= (p->l[i] == 0.0 || isinf(p->l[i])) && (p->u[i] == 0.0 || isinf(p->u[i]));
-        s->lowest[i] = ns_mlcp_mend(s, i, NS_LOWER);
+        s->lowest[i] = ns_mlcp_fit_mode(s, i, NS_LOWER);
         if (p->l[i] == p->u[i])
             s->fixed[s->nx++] = i;
         else if (isinf(p->l[i]) && isinf(p->u[i]))
@@ -43,7 +43,7 @@ static int same_bounds(const ns_mlcp_solver *s, const ns_mlcp *p) {
 }
 
 /* Whether W, l and u are those of the last problem: promised, or seen. */
-static int known(const ns_mlcp_solver *s, const ns_mlcp *p) {
+static int is_known(const ns_mlcp_solver *s, const ns_mlcp *p) {
     const size_t m = (size_t)p->m;
     if (!s->own.known || p->m != s->m || (!p->W) != s->own.on_demand)
         return 0;
@@ -53,25 +53,25 @@ static int known(const ns_mlcp_solver *s, const ns_mlcp *p) {
 }
 
 /* Keeps l and u. */
-static int learn_bounds(ns_mlcp_solver *s, const ns_mlcp *p) {
+static int copy_bounds(ns_mlcp_solver *s, const ns_mlcp *p) {
     const size_t m = (size_t)p->m;
-    const int status = bad_bounds(p);
+    const int status = check_bounds(p);
     if (status != NS_OK)
         return status;
     memcpy(s->own.l, p->l, m * sizeof *p->l);
     memcpy(s->own.u, p->u, m * sizeof *p->u);
     s->given.m = p->m;
-    sort(s);
+    sort_indices(s);
     return NS_OK;
 }
 
 /* Keeps W, l and u. */
-static int learn(ns_mlcp_solver *s, const ns_mlcp *p) {
+static int copy_problem(ns_mlcp_solver *s, const ns_mlcp *p) {
     const size_t m = (size_t)p->m;
     const int alike = s->own.known && p->m == s->m, sorted = alike && same_bounds(s, p);
     s->own.known = s->units.valid = s->scale.valid = s->transform.valid = s->transform.settled =
         s->factored.valid = 0;
-    const int status = sorted ? NS_OK : learn_bounds(s, p);
+    const int status = sorted ? NS_OK : copy_bounds(s, p);
     if (status != NS_OK)
         return status;
     s->own.on_demand = !p->W;
@@ -99,7 +99,7 @@ int ns_mlcp_load(ns_mlcp_solver *s, const ns_mlcp *p) {
     if (!ns_linalg_finite(m, p->q))
         return NS_E_NUMBER;
     s->given = (ns_mlcp){p->m, s->own.W, m > 0 ? p->q : s->q, s->own.l, s->own.u, p->column, p->data};
-    int status = m == 0 || known(s, p) ? NS_OK : learn(s, p);
+    int status = m == 0 || is_known(s, p) ? NS_OK : copy_problem(s, p);
     s->m = p->m;
     if (m == 0)
         s->own.known = s->transform.settled = s->nf = s->np = s->nx = 0;
@@ -107,7 +107,7 @@ int ns_mlcp_load(ns_mlcp_solver *s, const ns_mlcp *p) {
 }
 
 /* Column j of Wown.  Errors: NUMBER. */
-static int fetch(ns_mlcp_solver *s, int j) {
+static int fetch_column(ns_mlcp_solver *s, int j) {
     const size_t m = (size_t)s->m;
     double *w = s->own.W + (size_t)j * m;
     if (s->own.have[j])
@@ -127,13 +127,13 @@ int ns_mlcp_fetch_all(ns_mlcp_solver *s) {
     for (int j = 0; j < s->m && s->own.missing > 0; j++)
         if (s->own.l[j] == 0.0 && s->own.u[j] == 0.0)
             memset(s->own.W + (size_t)j * (size_t)s->m, 0, (size_t)s->m * sizeof *s->own.W);
-        else if (fetch(s, j) != NS_OK)
+        else if (fetch_column(s, j) != NS_OK)
             return NS_E_NUMBER;
     return NS_OK;
 }
 
 /* Which rows are joined. */
-static void parts(ns_mlcp_solver *s) {
+static void find_parts(ns_mlcp_solver *s) {
     for (int i = 0; i < s->m; i++)
         s->g[i] = i;
     ns_linalg_spread(s->m, s->p->W, s->g, s->rhs);
@@ -144,13 +144,12 @@ static void parts(ns_mlcp_solver *s) {
 /* part, rowmax and colunit: the units in which floors of sizes are taken (basis.c). */
 void ns_mlcp_units(ns_mlcp_solver *s) {
     int m = s->m;
-    if (s->units.valid && s->units.as_given == s->as_given)
+    if (s->units.valid)
         return;
     s->units.valid = 1;
-    s->units.as_given = s->as_given;
-    parts(s);
+    find_parts(s);
     memset(s->units.rowmax, 0, (size_t)m * sizeof *s->units.rowmax);
-    if (s->as_given)
+    if (s->alike)
         for (int j = 0; j < m; j++)
             s->units.column[j] = 1.0;
     else
@@ -188,16 +187,16 @@ void ns_mlcp_fold(ns_mlcp_solver *s) {
     }
 }
 
-void ns_mlcp_given(ns_mlcp_solver *s) {
+void ns_mlcp_take_given(ns_mlcp_solver *s) {
     s->now = *s->p;
     ns_mlcp_fold(s);
 }
 
-void ns_mlcp_restart(ns_mlcp_solver *s, const ns_mode *mode) {
+void ns_mlcp_start_from(ns_mlcp_solver *s, const ns_mode *mode) {
     if (!mode || memcmp(mode, s->lowest, (size_t)s->m) == 0) {
         memcpy(s->mode, s->lowest, (size_t)s->m);
         return;
     }
     for (int i = 0; i < s->m; i++)
-        s->mode[i] = ns_mlcp_mend(s, i, mode[i]);
+        s->mode[i] = ns_mlcp_fit_mode(s, i, mode[i]);
 }

@@ -11,12 +11,12 @@
 #include <math.h>
 
 /* Whether v times 2^e is exact. */
-static int exact(double v, int e) {
+static int is_exact(double v, int e) {
     return isinf(v) || ldexp(ldexp(v, e), -e) == v;
 }
 
 /* All exponents, with the open factors from s->q. */
-static void choose(ns_mlcp_solver *s) {
+static void choose_exponents(ns_mlcp_solver *s) {
     double *top = s->g;
     int *r = s->rescaled.row, *c = s->rescaled.col, f;
     ns_linalg_equilibrate(s->m, s->own.W, s->m, r, c, s->elim.e);
@@ -37,15 +37,16 @@ static int all_exact(const ns_mlcp_solver *s) {
     const int *r = s->rescaled.row, *c = s->rescaled.col;
     int rounded = 0;
     for (int j = 0; j < s->m; j++) {
-        rounded += !exact(s->given.q[j], r[j]) || !exact(s->own.l[j], -c[j]) || !exact(s->own.u[j], -c[j]);
+        rounded +=
+            !is_exact(s->given.q[j], r[j]) || !is_exact(s->own.l[j], -c[j]) || !is_exact(s->own.u[j], -c[j]);
         for (int i = 0; i < s->m; i++, w++)
-            rounded += !exact(*w, r[i] + c[j]);
+            rounded += !is_exact(*w, r[i] + c[j]);
     }
     return rounded == 0;
 }
 
 /* way: 1 into these units, -1 back. */
-static void multiply(ns_mlcp_solver *s, int way) {
+static void multiply_problem(ns_mlcp_solver *s, int way) {
     double *w = s->own.W;
     for (int j = 0; j < s->m; j++) {
         s->own.l[j] = ldexp(s->own.l[j], -way * s->rescaled.col[j]);
@@ -58,22 +59,22 @@ static void multiply(ns_mlcp_solver *s, int way) {
 
 int ns_mlcp_rescale(ns_mlcp_solver *s) {
     ns_mlcp_units(s); /* for the parts */
-    ns_mlcp_given(s);
-    choose(s);
+    ns_mlcp_take_given(s);
+    choose_exponents(s);
     if (!all_exact(s))
         return 0;
     s->rescaled.given_q = s->given.q;
     for (int i = 0; i < s->m; i++)
         s->rescaled.q[i] = ldexp(s->rescaled.given_q[i], s->rescaled.row[i]);
     s->given.q = s->rescaled.q;
-    multiply(s, 1);
+    multiply_problem(s, 1);
     return 1;
 }
 
 void ns_mlcp_scale_back(ns_mlcp_solver *s) {
-    multiply(s, -1);
+    multiply_problem(s, -1);
     s->given.q = s->rescaled.given_q;
-    ns_mlcp_given(s);
+    ns_mlcp_take_given(s);
     for (int i = 0; i < s->m; i++)
         s->lambda[i] = ldexp(s->lambda[i], s->rescaled.col[i]);
 }

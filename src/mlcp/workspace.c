@@ -131,27 +131,18 @@ void ns_mlcp_free(ns_mlcp_solver *s) {
     free(s);
 }
 
-static void copy(size_t m, double *lambda, double *y, ns_mode *mode, const double *of_lambda,
-                 const double *of_y, const ns_mode *of_mode) {
-    memcpy(lambda, of_lambda, m * sizeof *lambda);
-    memcpy(y, of_y, m * sizeof *y);
-    memcpy(mode, of_mode, m * sizeof *mode);
+void ns_mlcp_save(const ns_mlcp_solver *s, ns_mlcp_point *to) {
+    const size_t m = (size_t)s->m;
+    memcpy(to->lambda, s->lambda, m * sizeof *to->lambda);
+    memcpy(to->y, s->y, m * sizeof *to->y);
+    memcpy(to->mode, s->mode, m * sizeof *to->mode);
+    to->method = s->method;
 }
 
-void ns_mlcp_keep(ns_mlcp_solver *s) {
-    copy((size_t)s->m, s->kept.lambda, s->kept.y, s->kept.mode, s->lambda, s->y, s->mode);
-}
-
-void ns_mlcp_give_back(ns_mlcp_solver *s) {
-    copy((size_t)s->m, s->lambda, s->y, s->mode, s->kept.lambda, s->kept.y, s->kept.mode);
-}
-
-void ns_mlcp_set_aside(ns_mlcp_solver *s) {
-    copy((size_t)s->m, s->aside.lambda, s->aside.y, s->aside.mode, s->lambda, s->y, s->mode);
-    s->aside.method = s->method;
-}
-
-void ns_mlcp_bring_back(ns_mlcp_solver *s) {
-    copy((size_t)s->m, s->lambda, s->y, s->mode, s->aside.lambda, s->aside.y, s->aside.mode);
-    s->method = s->aside.method;
+void ns_mlcp_restore(ns_mlcp_solver *s, const ns_mlcp_point *from) {
+    const size_t m = (size_t)s->m;
+    memcpy(s->lambda, from->lambda, m * sizeof *s->lambda);
+    memcpy(s->y, from->y, m * sizeof *s->y);
+    memcpy(s->mode, from->mode, m * sizeof *s->mode);
+    s->method = from->method;
 }

@@ -33,7 +33,7 @@ static double mended(const ns_mlcp_solver *s, int i) {
     return fmin(fmax(fabs(v) / s->units.column[i] <= NOISE * size ? 0.0 : v, s->p->l[i]), s->p->u[i]);
 }
 
-void ns_mlcp_note(ns_mlcp_solver *s) {
+void ns_mlcp_zeros_note(ns_mlcp_solver *s) {
     double *lambda = s->g;
     if (!s->noting || !ns_linalg_finite((size_t)s->m, s->lambda))
         return;
@@ -47,16 +47,16 @@ void ns_mlcp_note(ns_mlcp_solver *s) {
     s->noted.method = s->method;
     memcpy(s->noted.lambda, lambda, (size_t)s->m * sizeof *lambda);
     for (int i = 0; i < s->m; i++)
-        s->noted.mode[i] = ns_mlcp_mend(s, i,
-                                        lambda[i] == s->p->l[i]   ? NS_LOWER
-                                        : lambda[i] == s->p->u[i] ? NS_UPPER
-                                                                  : NS_INSIDE);
+        s->noted.mode[i] = ns_mlcp_fit_mode(s, i,
+                                            lambda[i] == s->p->l[i]   ? NS_LOWER
+                                            : lambda[i] == s->p->u[i] ? NS_UPPER
+                                                                      : NS_INSIDE);
 }
 
-int ns_mlcp_recall(ns_mlcp_solver *s) {
+int ns_mlcp_zeros_recall(ns_mlcp_solver *s) {
     if (isinf(s->noted.residual))
         return 0;
-    ns_mlcp_given(s);
+    ns_mlcp_take_given(s);
     memcpy(s->lambda, s->noted.lambda, (size_t)s->m * sizeof *s->lambda);
     memcpy(s->mode, s->noted.mode, (size_t)s->m * sizeof *s->mode);
     s->method = s->noted.method;

@@ -37,18 +37,18 @@ static double above(const search *b, int i) {
 }
 
 /* Distance of lambda_i from the bound that y_i tells it to be at, or y_i, whichever is less. */
-static double broken(const search *b, int i) {
+static double law_violation(const search *b, int i) {
     const double y = b->value[2 * i + 1];
     return fmin(fabs(y), y > 0.0 ? below(b, i) : above(b, i));
 }
 
 /* The open pair that breaks its law most, -1: none is open. */
-static int worst(const search *b) {
+static int most_violated_pair(const search *b) {
     int at = -1;
     double most = -INFINITY;
     for (int a = 0; a < b->s->np; a++) {
         const int i = b->s->pair[a];
-        const double v = broken(b, i);
+        const double v = law_violation(b, i);
         if (b->lp.mode[i] != NS_OPEN || !(v > most))
             continue;
         most = v;
@@ -73,7 +73,7 @@ static ns_mode read_mode(const search *b, int i) {
 static int factor_basis(search *b) {
     ns_mlcp_solver *s = b->s;
     int nr = 0, nc = 0;
-    ns_mlcp_restart(s, NULL);
+    ns_mlcp_start_from(s, NULL);
     for (int i = 0; i < s->m; i++) {
         s->lambda[i] = fmin(fmax(ldexp(b->value[2 * i], s->elim.col_exp[i]), s->p->l[i]), s->p->u[i]);
         if (!b->basic[2 * i + 1])
@@ -83,7 +83,7 @@ static int factor_basis(search *b) {
     }
     for (int a = 0; a < s->np; a++) {
         const int i = s->pair[a];
-        s->mode[i] = ns_mlcp_mend(s, i, read_mode(b, i));
+        s->mode[i] = ns_mlcp_fit_mode(s, i, read_mode(b, i));
         if (s->mode[i] != NS_INSIDE)
             s->lambda[i] = ns_mlcp_bound(s, i, s->mode[i]);
     }
@@ -100,7 +100,7 @@ static int factor_basis(search *b) {
 }
 
 /* OK if the simplex method's answer is one of the problem. */
-static int answers(search *b) {
+static int is_solution(search *b) {
     ns_mlcp_solver *s = b->s;
     const int refined = factor_basis(b) == NS_OK;
     for (int k = 0; k <= REFINEMENTS; k++) {
@@ -118,17 +118,17 @@ static int answers(search *b) {
     return NS_E_LIMIT;
 }
 
-static int visit(search *b);
+static int visit_node(search *b);
 
 /* Pair i in each of its modes, the one it is nearest to first. */
-static int split(search *b, int i) {
+static int split_on_pair(search *b, int i) {
     int verdict = NS_E_INFEASIBLE;
-    const ns_mode near = ns_mlcp_mend(b->s, i, b->value[2 * i + 1] > 0.0 ? NS_LOWER : NS_UPPER);
+    const ns_mode near = ns_mlcp_fit_mode(b->s, i, b->value[2 * i + 1] > 0.0 ? NS_LOWER : NS_UPPER);
     const ns_mode far = (ns_mode)-near, order[] = {near, NS_INSIDE, far};
-    const int n = ns_mlcp_mend(b->s, i, far) == far ? 3 : 2; /* or it has no such bound */
+    const int n = ns_mlcp_fit_mode(b->s, i, far) == far ? 3 : 2; /* or it has no such bound */
     for (int k = 0; k < n && verdict != NS_OK; k++) {
         ns_mlcp_phase1_put(&b->lp, i, order[k]);
-        const int status = visit(b);
+        const int status = visit_node(b);
         verdict = status == NS_E_INFEASIBLE ? verdict : status;
     }
     ns_mlcp_phase1_put(&b->lp, i, NS_OPEN);
@@ -139,7 +139,7 @@ static int split(search *b, int i) {
 static int is_cut(search *b, int status) {
     ns_mlcp_solver *s = b->s;
     double top = 0.0;
-    if (status != NS_E_INFEASIBLE || !ns_mlcp_farkas_proves(&b->lp, NS_BOLD, s->proof.v))
+    if (status != NS_E_INFEASIBLE || !ns_mlcp_farkas_proves(&b->lp, s->proof.v))
         return 0;
     for (int i = 0; i < s->m; i++)
         top = fmax(top, ldexp(fabs(s->proof.v[i]), -s->elim.row_exp[i]));
@@ -149,20 +149,20 @@ static int is_cut(search *b, int status) {
 }
 
 /* What the modes decided on allow: OK, INFEASIBLE, or LIMIT: not known. */
-static int visit(search *b) {
+static int visit_node(search *b) {
     if (b->nodes++ >= b->limit)
         return NS_E_LIMIT;
     const int status = ns_mlcp_phase1_run(&b->lp);
     if (is_cut(b, status))
         return NS_E_INFEASIBLE;
     ns_mlcp_phase1_read(&b->lp, b->value, b->basic);
-    if (status == NS_OK && answers(b) == NS_OK)
+    if (status == NS_OK && is_solution(b) == NS_OK)
         return NS_OK;
-    const int i = worst(b);
-    return i < 0 ? NS_E_LIMIT : split(b, i);
+    const int i = most_violated_pair(b);
+    return i < 0 ? NS_E_LIMIT : split_on_pair(b, i);
 }
 
-int ns_mlcp_branch(ns_mlcp_solver *s) {
+int ns_mlcp_branch_and_bound(ns_mlcp_solver *s) {
     const int left = NODES_ALIKE - s->nodes_alike;
     search b = {.s = s, .value = s->tab.unit, .basic = s->tab.where, .weight = s->tab.T, .limit = NODES};
     if (s->alike)
@@ -171,7 +171,7 @@ int ns_mlcp_branch(ns_mlcp_solver *s) {
         return NS_E_SIZE;
     memset(b.weight, 0, (size_t)s->m * sizeof *b.weight);
     ns_mlcp_phase1_start(&b.lp, s, 1, 0.0, NEAR);
-    const int status = visit(&b);
+    const int status = visit_node(&b);
     if (left > 0) /* or it counts for ever */
         s->nodes_alike += b.nodes;
     if (status != NS_E_INFEASIBLE)

@@ -10,6 +10,6 @@ enum { NS_BRANCH_MAX = 16 };
  * NS_MLCP_ACCEPT, s->mode is its mode.  INFEASIBLE: there is none, every mode has a proof; s->fault names
  * what they rest on; s->proof, s->proved where one proof holds for all.  LIMIT: not known.  SIZE: more than
  * NS_BRANCH_MAX pairs. */
-int ns_mlcp_branch(ns_mlcp_solver *s);
+int ns_mlcp_branch_and_bound(ns_mlcp_solver *s);
 
 #endif

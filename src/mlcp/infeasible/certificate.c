@@ -18,7 +18,7 @@
 static const double CANCEL = 1e-14;
 
 /* Least value of a x over lo <= x <= hi. */
-static double least(double a, double lo, double hi) {
+static double least_product(double a, double lo, double hi) {
     if (a == 0.0)
         return 0.0;
     return a > 0.0 ? a * lo : a * hi;
@@ -36,15 +36,16 @@ static double least_of_column(const ns_mlcp *p, int mode, const double *v, int j
     }
     if (terms > 0 && size < DBL_MIN / CANCEL && (isinf(lo) || isinf(hi)))
         return -INFINITY; /* what underflowed is not 0 */
-    double part = least(-s, lo, hi);
+    double part = least_product(-s, lo, hi);
     return isinf(part) && fabs(s) <= CANCEL * size ? 0.0 : part;
 }
 
-static double weigh(const ns_mlcp *p, const ns_mode *mode, const double *v, double *room) {
+static double margin_of_proof(const ns_mlcp *p, const ns_mode *mode, const double *v, double *room) {
     double sum = 0.0, size = 0.0;
     for (int i = 0; i < p->m; i++) {
         const int at = mode ? mode[i] : NS_OPEN;
-        double part = least(v[i], ns_mlcp_least_y(p, i, at), ns_mlcp_most_y(p, i, at)) - v[i] * p->q[i];
+        double part =
+            least_product(v[i], ns_mlcp_least_y(p, i, at), ns_mlcp_most_y(p, i, at)) - v[i] * p->q[i];
         sum += part;
         size += fabs(part);
     }
@@ -68,7 +69,7 @@ double ns_mlcp_certify_modes(const ns_mlcp *p, const ns_mode *mode, const double
         return NAN;
     if (!p->W && p->m > SMALL && !(room = malloc((size_t)p->m * sizeof *room)))
         return NAN;
-    double margin = weigh(p, mode, v, room);
+    double margin = margin_of_proof(p, mode, v, room);
     if (room != few)
         free(room);
     return margin;

@@ -18,14 +18,13 @@ static const double MARGIN = 1e-9;  /* of the terms, by which a proof must prove
 static const double CANCEL = 1e-14; /* sums that cancel this far are 0 (certificate.c) */
 static const double FLOOR =
     1e-6; /* a value's terms count as at least this part of the largest (residual.c) */
-static const double NEAR = 1e-12, COARSE = 1e-9; /* of a value's terms: inside its bounds */
-/* Of the largest multiplier, in the units of phase 1: */
-static const double ROUNDING = 1e-24; /* what twice the digits of a double leave */
-static const double NOISE = 1e-10;    /* may be 0, if its reduced cost is */
-enum { REFINEMENTS = 3, ROUNDS = 3 };
+static const double NEAR = 1e-12;     /* of a value's terms: inside its bounds */
+static const double ROUNDING = 1e-24; /* of the largest multiplier: what twice the digits of a double leave */
+enum { REFINEMENTS = 3 };
 
 /* s_j = sum_i (v_i + rest_i) W_ij less `to`, as if in twice the digits (Ogita, Rump and Oishi's Dot2). */
-static double combine(const ns_mlcp_solver *s, const double *v, const double *rest, int j, double to) {
+static double dot_in_twice_the_digits(const ns_mlcp_solver *s, const double *v, const double *rest, int j,
+                                      double to) {
     const double *col = s->p->W + (size_t)j * (size_t)s->m;
     double sum = -to, lost = 0.0;
     for (int i = 0; i < s->m; i++) {
@@ -39,7 +38,7 @@ static double combine(const ns_mlcp_solver *s, const double *v, const double *re
 }
 
 /* (W' v)_j; *size: its terms. */
-static double slope(const ns_mlcp_solver *s, const double *v, int j, double *size) {
+static double column_sum(const ns_mlcp_solver *s, const double *v, int j, double *size) {
     const double *col = s->p->W + (size_t)j * (size_t)s->m;
     double sum = *size = 0.0;
     for (int i = 0; i < s->m; i++) {
@@ -49,7 +48,7 @@ static double slope(const ns_mlcp_solver *s, const double *v, int j, double *siz
     return sum;
 }
 
-static void multipliers(const ns_phase1 *z, double *v) {
+static void read_multipliers(const ns_phase1 *z, double *v) {
     const ns_mlcp_solver *s = z->s;
     memset(v, 0, (size_t)s->m * sizeof *v);
     for (int r = 0; r < z->rows; r++)
@@ -62,12 +61,14 @@ static void multipliers(const ns_phase1 *z, double *v) {
 
 /* One refinement: the block of the tableau of basic lambda and nonbasic y is the inverse of that of W.  v is
  * v + rest: the rounding of v in one equation would be handed on to others, in which it is large. */
-static void refine(const ns_phase1 *z, double *v, double *rest, double *error) {
+static void refine_multipliers(const ns_phase1 *z, double *v, double *rest, double *error) {
     const ns_mlcp_solver *s = z->s;
     for (int r = 0; r < z->rows; r++) {
         int j = s->tab.rowvar[r] / 2;
         double to = ldexp(z->side[r], -s->elim.col_exp[j]);
-        error[r] = s->tab.rowvar[r] % 2 == 0 ? ldexp(combine(s, v, rest, j, to), s->elim.col_exp[j]) : 0.0;
+        error[r] = s->tab.rowvar[r] % 2 == 0
+                       ? ldexp(dot_in_twice_the_digits(s, v, rest, j, to), s->elim.col_exp[j])
+                       : 0.0;
     }
     for (int c = 0; c < z->cols; c++) {
         const double *a = s->elim.A + (size_t)c * (size_t)s->m;
@@ -84,7 +85,7 @@ static void refine(const ns_phase1 *z, double *v, double *rest, double *error) {
 }
 
 /* The largest multiplier, in the units of phase 1. */
-static double largest(const ns_phase1 *z, const double *v) {
+static double largest_multiplier(const ns_phase1 *z, const double *v) {
     const ns_mlcp_solver *s = z->s;
     double top = 1.0; /* the sides */
     for (int c = 0; c < z->cols; c++)
@@ -96,49 +97,11 @@ static double largest(const ns_phase1 *z, const double *v) {
 /* Multipliers that are 0 but for the rounding of rest. */
 static void drop_rounding(const ns_phase1 *z, double *v, double *rest) {
     const ns_mlcp_solver *s = z->s;
-    const double top = largest(z, v);
+    const double top = largest_multiplier(z, v);
     for (int c = 0; c < z->cols; c++) {
         const int i = s->tab.colvar[c] / 2;
         if (s->tab.colvar[c] % 2 == 1 && ldexp(fabs(v[i]), -s->elim.row_exp[i]) <= ROUNDING * top)
             v[i] = rest[i] = 0.0;
-    }
-}
-
-/* Of the equations (W' v)_j = 0, the one that notices least, beside its terms, if the multiplier of column c
- * is left out: its row, -1 if there is none. */
-static int careless(const ns_phase1 *z, const double *v, int c) {
-    const ns_mlcp_solver *s = z->s;
-    const double *a = s->elim.A + (size_t)c * (size_t)s->m;
-    double most = 0.0;
-    int best = -1;
-    for (int r = 0; r < z->rows; r++) {
-        const int j = s->tab.rowvar[r] / 2;
-        double size;
-        if (s->tab.rowvar[r] % 2 == 1 || z->side[r] != 0.0 || a[r] == 0.0)
-            continue;
-        (void)slope(s, v, j, &size);
-        size = ldexp(fabs(a[r]) * size, s->elim.col_exp[j]);
-        if (size > most) {
-            most = size;
-            best = r;
-        }
-    }
-    return best;
-}
-
-/* Multipliers that are 0 but for what W lost when it was rounded become 0.  Left out alone, others, of terms
- * far smaller perhaps, would be wrong by what they were to make up for: with each goes one equation. */
-static void leave_out(ns_phase1 *z, const double *v) {
-    const ns_mlcp_solver *s = z->s;
-    const double noise = NOISE * largest(z, v);
-    for (int c = 0; c < z->cols; c++) {
-        const int i = s->tab.colvar[c] / 2;
-        if (s->tab.colvar[c] % 2 == 0 || z->cost[c] != 0.0 || v[i] == 0.0 ||
-            ldexp(fabs(v[i]), -s->elim.row_exp[i]) > noise)
-            continue;
-        int r = careless(z, v, c);
-        if (r >= 0)
-            ns_mlcp_phase1_exchange_labels(z, r, c);
     }
 }
 
@@ -152,10 +115,10 @@ static void drop_wrong_signs(const ns_phase1 *z, double *v, double *rest) {
 }
 
 /* What the proof rests on: the pairs whose sign or bound it uses; where there is none, the equalities. */
-static void name(ns_mlcp_solver *s, const double *v) {
+static void name_pairs(ns_mlcp_solver *s, const double *v) {
     for (int a = 0; a < s->np; a++) {
         int i = s->pair[a];
-        double size, sum = slope(s, v, i, &size);
+        double size, sum = column_sum(s, v, i, &size);
         s->ray[a] = fmax(ldexp(fabs(v[i]), -s->elim.row_exp[i]),
                          fabs(sum) > CANCEL * size ? ldexp(fabs(sum), s->elim.col_exp[i]) : 0.0);
     }
@@ -170,69 +133,66 @@ static void name(ns_mlcp_solver *s, const double *v) {
 /* Whether v, which leaves sum_i v_i y_i >= 0 to every solution, finds that of the answer negative by more
  * than an answer may be wrong by.  Where its lambda are large, W' v must cancel further than certify() asks.
  */
-static int refutes(const ns_mlcp_solver *s, const double *v, double *rest) {
+static int refutes_answer(const ns_mlcp_solver *s, const double *v, double *rest) {
     double sum = 0.0, size = 0.0;
     memset(rest, 0, (size_t)s->m * sizeof *rest);
     for (int i = 0; i < s->m; i++) {
-        const double from_q = v[i] * s->p->q[i], from_lambda = combine(s, v, rest, i, 0.0) * s->lambda[i];
+        const double from_q = v[i] * s->p->q[i],
+                     from_lambda = dot_in_twice_the_digits(s, v, rest, i, 0.0) * s->lambda[i];
         sum += from_q + from_lambda;
         size += fabs(from_q) + fabs(from_lambda);
     }
     return sum < -NS_MLCP_ACCEPT * size;
 }
 
-static int good_enough(const ns_mlcp_solver *s, int effort, const ns_mode *mode, const double *v,
-                       double *rest) {
-    const double margin = ns_mlcp_certify_modes(s->p, mode, v);
-    return effort == NS_AGAINST ? margin > NS_MLCP_ACCEPT && refutes(s, v, rest) : margin > MARGIN;
-}
-
-static int two_rows_prove(ns_mlcp_solver *s, int effort, double *v) {
-    memset(s->ray, 0, (size_t)s->m * sizeof *s->ray);
-    return ns_mlcp_parallel(s, v) && good_enough(s, effort, NULL, v, s->ray);
-}
-
-int ns_mlcp_farkas_proves(ns_phase1 *z, int effort, double *v) {
+/* Multipliers v (m) of the point where phase 1 ended. */
+static void read_refined(const ns_phase1 *z, double *v) {
     ns_mlcp_solver *s = z->s;
     double *rest = s->ray;
-    for (int round = 0; round < ROUNDS; round++) {
-        multipliers(z, v);
-        memset(rest, 0, (size_t)s->m * sizeof *rest);
-        for (int k = 0; k < REFINEMENTS; k++)
-            refine(z, v, rest, s->g);
-        drop_rounding(z, v, rest);
-        drop_wrong_signs(z, v, rest);
-        if (good_enough(s, effort, z->mode, v, rest))
-            return 1;
-        leave_out(z, v);
-    }
-    return 0;
+    read_multipliers(z, v);
+    memset(rest, 0, (size_t)s->m * sizeof *rest);
+    for (int k = 0; k < REFINEMENTS; k++)
+        refine_multipliers(z, v, rest, s->g);
+    drop_rounding(z, v, rest);
+    drop_wrong_signs(z, v, rest);
 }
 
-static int phase1_proves(ns_mlcp_solver *s, int effort, double floor, double near) {
+int ns_mlcp_farkas_proves(const ns_phase1 *z, double *v) {
+    read_refined(z, v);
+    return ns_mlcp_certify_modes(z->s->p, z->mode, v) > NS_MLCP_ACCEPT;
+}
+
+static int phase1_ends_outside(ns_mlcp_solver *s, int effort, ns_phase1 *z) {
+    ns_mlcp_phase1_start(z, s, 0, effort == NS_BOLD ? 0.0 : FLOOR, NEAR);
+    return ns_mlcp_phase1_run(z) == NS_E_INFEASIBLE;
+}
+
+static int is_proof(const ns_mlcp_solver *s, int effort, const double *v) {
+    const double margin = ns_mlcp_certify(s->p, v);
+    return effort == NS_AGAINST ? margin > NS_MLCP_ACCEPT && refutes_answer(s, v, s->ray) : margin > MARGIN;
+}
+
+static int search_proof(ns_mlcp_solver *s, int effort) {
     ns_phase1 z;
-    ns_mlcp_phase1_start(&z, s, 0, floor, near);
-    return ns_mlcp_phase1_run(&z) == NS_E_INFEASIBLE && ns_mlcp_farkas_proves(&z, effort, s->proof.v);
-}
-
-static int prove(ns_mlcp_solver *s, int effort) {
-    ns_mlcp now = s->now;
-    ns_mlcp_given(s);
-    int proved = two_rows_prove(s, effort, s->proof.v) ||
-                 phase1_proves(s, effort, effort == NS_BOLD ? 0.0 : FLOOR, NEAR);
-    if (!proved && effort == NS_BOLD) /* perhaps a row that was outside by rounding had its say */
-        proved = phase1_proves(s, effort, 0.0, COARSE);
-    if (proved)
-        name(s, s->proof.v);
+    double *v = s->proof.v;
+    const ns_mlcp now = s->now;
+    ns_mlcp_take_given(s);
+    int found = ns_mlcp_parallel(s, v) && is_proof(s, effort, v);
+    if (!found && phase1_ends_outside(s, effort, &z)) {
+        read_refined(&z, v);
+        found = is_proof(s, effort, v);
+    }
+    if (found)
+        name_pairs(s, v);
     s->now = now;
     ns_mlcp_fold(s);
-    return proved;
+    return found;
 }
 
 int ns_mlcp_prove(ns_mlcp_solver *s, int effort) {
     if (s->proof.effort < effort) {
         s->proof.effort = effort;
-        s->proof.found = prove(s, effort);
+        s->proof.found = search_proof(s, effort);
     }
     return s->proof.found;
 }

@@ -32,7 +32,7 @@ static double ratio(const ns_mlcp_solver *s, const family *f, int i) {
     return entry(s, i, f->column) / entry(s, f->first, f->column);
 }
 
-static int belongs(const ns_mlcp_solver *s, const family *f, int i) {
+static int is_multiple(const ns_mlcp_solver *s, const family *f, int i) {
     const double r = ratio(s, f, i);
     if (!isnormal(r))
         return 0;
@@ -43,7 +43,7 @@ static int belongs(const ns_mlcp_solver *s, const family *f, int i) {
 }
 
 /* y = r a + q of row i has the sign that its bounds ask for: a >= -q/r, a <= -q/r or both. */
-static void narrow(const ns_mlcp_solver *s, family *f, int i) {
+static void narrow_range(const ns_mlcp_solver *s, family *f, int i) {
     const int lower = isfinite(s->p->l[i]), upper = isfinite(s->p->u[i]);
     const double r = ratio(s, f, i), at = -s->p->q[i] / r, sign = lower - upper;
     if ((lower && upper) || !isfinite(at)) /* any sign */
@@ -59,12 +59,12 @@ static void narrow(const ns_mlcp_solver *s, family *f, int i) {
 }
 
 /* s->queue: first columns; s->elim.rowdone: rows seen in a family. */
-static family gather(const ns_mlcp_solver *s, int first) {
+static family gather_family(const ns_mlcp_solver *s, int first) {
     family f = {first, s->queue[first], -1, -1, -INFINITY, INFINITY};
     for (int i = first; f.column < s->m && i < s->m; i++)
-        if (s->queue[i] == f.column && belongs(s, &f, i)) {
+        if (s->queue[i] == f.column && is_multiple(s, &f, i)) {
             s->elim.rowdone[i] = 1;
-            narrow(s, &f, i);
+            narrow_range(s, &f, i);
         }
     return f;
 }
@@ -79,7 +79,7 @@ int ns_mlcp_parallel(ns_mlcp_solver *s, double *v) {
     for (int first = 0; first < s->m; first++) {
         if (s->elim.rowdone[first])
             continue;
-        const family f = gather(s, first);
+        const family f = gather_family(s, first);
         if (f.below < 0 || f.above < 0 || !(f.lo > f.hi))
             continue;
         v[f.below] = 1.0 / ratio(s, &f, f.below);

@@ -37,7 +37,7 @@ static double upper(const ns_phase1 *z, int var) {
 }
 
 /* Value of a nonbasic variable. */
-static double resting(const ns_phase1 *z, int var) {
+static double nonbasic_value(const ns_phase1 *z, int var) {
     const double lo = lower(z, var), hi = upper(z, var);
     if (var % 2 == 1 || (isinf(lo) && isinf(hi)))
         return 0.0;
@@ -54,7 +54,7 @@ static void load_bounds(ns_phase1 *z) {
 }
 
 /* y basic but for those that may have any value: of fixed lambda, and of boxes that no mode is asked of. */
-static void load(ns_phase1 *z) {
+static void load_tableau(ns_phase1 *z) {
     ns_mlcp_solver *s = z->s;
     z->rows = z->cols = 0;
     for (int i = 0; i < s->m; i++) {
@@ -69,7 +69,7 @@ static void load(ns_phase1 *z) {
     }
     for (int c = 0; c < z->cols; c++) {
         int j = s->tab.colvar[c] / 2;
-        double rest = resting(z, 2 * j);
+        double rest = nonbasic_value(z, 2 * j);
         for (int r = 0; r < z->rows; r++) {
             int i = s->tab.rowvar[r] / 2;
             size_t k = (size_t)r + (size_t)c * (size_t)s->m;
@@ -83,7 +83,7 @@ static void load(ns_phase1 *z) {
 }
 
 /* Moves nonbasic variable c: all basic values follow. */
-static void move(ns_phase1 *z, int c, double by) {
+static void move_nonbasic(ns_phase1 *z, int c, double by) {
     const size_t k = (size_t)c * (size_t)z->s->m;
     const double *a = z->s->elim.A + k, *mag = z->s->elim.mag + k;
     for (int r = 0; r < z->rows; r++) {
@@ -93,8 +93,8 @@ static void move(ns_phase1 *z, int c, double by) {
 }
 
 /* One column of an exchange: entry p of it is divided, the others follow. */
-static void follow(const ns_phase1 *z, int p, const double *e, const double *emag, double pivot, double *a,
-                   double *mag) {
+static void update_column(const ns_phase1 *z, int p, const double *e, const double *emag, double pivot,
+                          double *a, double *mag) {
     double f = a[p] / pivot, fmag = mag[p] / fabs(pivot);
     if (f != 0.0)
         for (int r = 0; r < z->rows; r++) {
@@ -115,7 +115,7 @@ static void exchange(ns_phase1 *z, int p, int c) {
     double *e = s->elim.A + (size_t)c * m, *emag = s->elim.mag + (size_t)c * m, pivot = e[p];
     for (int k = 0; k < z->cols; k++)
         if (k != c)
-            follow(z, p, e, emag, pivot, s->elim.A + (size_t)k * m, s->elim.mag + (size_t)k * m);
+            update_column(z, p, e, emag, pivot, s->elim.A + (size_t)k * m, s->elim.mag + (size_t)k * m);
     for (int r = 0; r < z->rows; r++) {
         e[r] /= pivot;
         emag[r] /= fabs(pivot);
@@ -128,25 +128,20 @@ static void exchange(ns_phase1 *z, int p, int c) {
     z->pivots++;
 }
 
-void ns_mlcp_phase1_exchange_labels(ns_phase1 *z, int p, int c) {
-    exchange(z, p, c);
-    z->pivots = RENEW;
-}
-
 /* Row p goes to `to` and out, column c comes in. */
-static void swap(ns_phase1 *z, int p, int c, double to) {
+static void swap_row_and_column(ns_phase1 *z, int p, int c, double to) {
     const size_t k = (size_t)p + (size_t)c * (size_t)z->s->m;
     double by = (to - z->value[p]) / z->s->elim.A[k];
-    double value = resting(z, z->s->tab.colvar[c]) + by,
+    double value = nonbasic_value(z, z->s->tab.colvar[c]) + by,
            size = fmax(fabs(value), z->size[p] / fabs(z->s->elim.A[k]));
-    move(z, c, by);
+    move_nonbasic(z, c, by);
     exchange(z, p, c);
     z->value[p] = value;
     z->size[p] = size;
 }
 
 /* Brings lambda_j with enter[j] in for y_i with leave[i], largest pivots first, as many as there are. */
-static void eliminate(ns_phase1 *z, const unsigned char *leave, const unsigned char *enter) {
+static void bring_in(ns_phase1 *z, const unsigned char *leave, const unsigned char *enter) {
     const ns_mlcp_solver *s = z->s;
     for (int step = 0; step < z->rows; step++) {
         int bp = NONE, bc = NONE;
@@ -163,12 +158,12 @@ static void eliminate(ns_phase1 *z, const unsigned char *leave, const unsigned c
             }
         if (bp < 0)
             return;
-        swap(z, bp, bc, 0.0);
+        swap_row_and_column(z, bp, bc, 0.0);
     }
 }
 
 /* The tableau of the same basis made anew from W and q. */
-static void refresh(ns_phase1 *z) {
+static void remake_tableau(ns_phase1 *z) {
     ns_mlcp_solver *s = z->s;
     memset(s->elim.rowdone, 0, (size_t)s->m);
     memset(s->elim.coldone, 0, (size_t)s->m);
@@ -178,13 +173,13 @@ static void refresh(ns_phase1 *z) {
     for (int r = 0; r < z->rows; r++)
         if (s->tab.rowvar[r] % 2 == 0)
             s->elim.coldone[s->tab.rowvar[r] / 2] = 1;
-    load(z);
-    eliminate(z, s->elim.rowdone, s->elim.coldone);
+    load_tableau(z);
+    bring_in(z, s->elim.rowdone, s->elim.coldone);
     z->pivots = 0;
 }
 
 /* Which rows are outside, which way; how many, and by how much in all. */
-static int look(ns_phase1 *z, double *sum) {
+static int measure_violations(ns_phase1 *z, double *sum) {
     int count = 0;
     *sum = 0.0;
     for (int r = 0; r < z->rows; r++) {
@@ -201,7 +196,7 @@ static int look(ns_phase1 *z, double *sum) {
 }
 
 /* Reduced cost of column c, 0 where it is rounding. */
-static double cost(const ns_phase1 *z, int c) {
+static double reduced_cost(const ns_phase1 *z, int c) {
     const size_t k = (size_t)c * (size_t)z->s->m;
     double sum = 0.0, size = 0.0;
     for (int r = 0; r < z->rows; r++)
@@ -212,18 +207,18 @@ static double cost(const ns_phase1 *z, int c) {
     return fabs(sum) > DULL * size ? sum : 0.0;
 }
 
-static void price(ns_phase1 *z) {
+static void price_columns(ns_phase1 *z) {
     for (int c = 0; c < z->cols; c++)
-        z->cost[c] = cost(z, c);
+        z->cost[c] = reduced_cost(z, c);
 }
 
 /* The column by which the sum falls fastest (first: the one of least variable), NONE: it is least. */
-static int choose(const ns_phase1 *z, int first) {
+static int choose_column(const ns_phase1 *z, int first) {
     const ns_mlcp_solver *s = z->s;
     int best = NONE;
     for (int c = 0; c < z->cols; c++) {
         int var = s->tab.colvar[c];
-        double d = z->cost[c], rest = resting(z, var);
+        double d = z->cost[c], rest = nonbasic_value(z, var);
         if (d == 0.0 || (d < 0.0 ? upper(z, var) <= rest : lower(z, var) >= rest))
             continue;
         if (best < 0 || (first ? var < s->tab.colvar[best] : fabs(d) > fabs(z->cost[best])))
@@ -233,7 +228,7 @@ static int choose(const ns_phase1 *z, int first) {
 }
 
 /* Where column c, moving by dir, takes row r past its bounds: at[0] lower, at[1] upper. */
-static void breaks(const ns_phase1 *z, int r, double rate, double *at) {
+static void passed_bounds(const ns_phase1 *z, int r, double rate, double *at) {
     double lo = lower(z, z->s->tab.rowvar[r]), hi = upper(z, z->s->tab.rowvar[r]),
            way = rate > 0.0 ? 1.0 : -1.0;
     at[0] = at[1] = INFINITY;
@@ -248,13 +243,13 @@ static void breaks(const ns_phase1 *z, int r, double rate, double *at) {
 /* Along column c the sum falls at `slope`, less at every bound that is passed, as long as that is below 0.
  * Of the bounds passed, a late one with a sturdy pivot is where to stop.  Its row (*high: upper bound), FLIP:
  * c's own other bound, NONE: nothing. */
-static int stop(ns_phase1 *z, int c, double dir, double slope, int *high) {
+static int choose_row(ns_phase1 *z, int c, double dir, double slope, int *high) {
     const ns_mlcp_solver *s = z->s;
     const double *e = s->elim.A + (size_t)c * (size_t)s->m, *mag = s->elim.mag + (size_t)c * (size_t)s->m;
     double range = upper(z, s->tab.colvar[c]) - lower(z, s->tab.colvar[c]), most = 0.0, *at = s->xs;
     int best = NONE;
     for (int r = 0; r < z->rows; r++)
-        breaks(z, r, fabs(e[r]) > SOUND * mag[r] ? dir * e[r] : 0.0, at + (size_t)2 * (size_t)r);
+        passed_bounds(z, r, fabs(e[r]) > SOUND * mag[r] ? dir * e[r] : 0.0, at + (size_t)2 * (size_t)r);
     for (int pass = 0; pass < 2 * z->rows && slope < 0.0; pass++) {
         int k = 0;
         for (int i = 1; i < 2 * z->rows; i++)
@@ -274,33 +269,33 @@ static int stop(ns_phase1 *z, int c, double dir, double slope, int *high) {
     return best;
 }
 
-static int step(ns_phase1 *z, int c) {
+static int move_column(ns_phase1 *z, int c) {
     int var = z->s->tab.colvar[c], high = 0;
     double dir = z->cost[c] < 0.0 ? 1.0 : -1.0;
-    int r = stop(z, c, dir, -fabs(z->cost[c]), &high);
+    int r = choose_row(z, c, dir, -fabs(z->cost[c]), &high);
     if (r == NONE)
         return 0;
     if (r == FLIP) {
-        move(z, c, dir * (upper(z, var) - lower(z, var)));
+        move_nonbasic(z, c, dir * (upper(z, var) - lower(z, var)));
         z->s->tab.at_upper[var / 2] = (signed char)!z->s->tab.at_upper[var / 2];
         return 1;
     }
     int out = z->s->tab.rowvar[r];
     if (out % 2 == 0)
         z->s->tab.at_upper[out / 2] = (signed char)high;
-    swap(z, r, c, high ? upper(z, out) : lower(z, out));
+    swap_row_and_column(z, r, c, high ? upper(z, out) : lower(z, out));
     return 1;
 }
 
 /* One step; 0: the sum is least.  Where nothing would stop it the reduced cost is rounding, for the sum is
  * never below 0: of a tableau just made such a column is left, of one worn out nothing is believed. */
-static int advance(ns_phase1 *z, int first) {
-    int c = choose(z, first);
-    while (c >= 0 && !step(z, c)) {
+static int step_down(ns_phase1 *z, int first) {
+    int c = choose_column(z, first);
+    while (c >= 0 && !move_column(z, c)) {
         if (z->pivots > 0)
             return 0;
         z->cost[c] = 0.0;
-        c = choose(z, first);
+        c = choose_column(z, first);
     }
     return c >= 0;
 }
@@ -317,22 +312,22 @@ void ns_mlcp_phase1_start(ns_phase1 *z, ns_mlcp_solver *s, int boxes, double flo
     memset(z->mode, NS_OPEN, (size_t)s->m);
     ns_linalg_equilibrate(s->m, s->p->W, s->m, s->elim.row_exp, s->elim.col_exp, s->elim.e);
     load_bounds(z);
-    load(z);
+    load_tableau(z);
     for (int r = 0; r < z->rows; r++)
         z->least = fmax(z->least, s->units.rowmax[s->tab.rowvar[r] / 2] > 0.0 ? floor * z->size[r] : 0.0);
     memset(s->elim.rowdone, 0, (size_t)s->m);
     for (int f = 0; f < s->nf; f++)
         s->elim.rowdone[s->free[f]] = 1;
-    eliminate(z, s->elim.rowdone, s->elim.rowdone);
+    bring_in(z, s->elim.rowdone, s->elim.rowdone);
 }
 
 void ns_mlcp_phase1_put(ns_phase1 *z, int i, ns_mode mode) {
-    const double before = resting(z, 2 * i);
+    const double before = nonbasic_value(z, 2 * i);
     z->mode[i] = mode;
-    const double by = resting(z, 2 * i) - before;
+    const double by = nonbasic_value(z, 2 * i) - before;
     for (int c = 0; c < z->cols; c++)
         if (z->s->tab.colvar[c] == 2 * i && by != 0.0)
-            move(z, c, by);
+            move_nonbasic(z, c, by);
 }
 
 int ns_mlcp_phase1_run(ns_phase1 *z) {
@@ -341,22 +336,22 @@ int ns_mlcp_phase1_run(ns_phase1 *z) {
     double before = INFINITY, sum;
     for (int it = 0; it < PIVOTS_FLAT + PIVOTS_PER_PAIR * z->s->m; it++) {
         if (z->pivots >= RENEW)
-            refresh(z);
-        int outside = look(z, &sum);
+            remake_tableau(z);
+        int outside = measure_violations(z, &sum);
         if (outside == 0 && z->pivots > 0) { /* perhaps only beside values that lost their digits */
-            refresh(z);
-            outside = look(z, &sum);
+            remake_tableau(z);
+            outside = measure_violations(z, &sum);
         }
         if (outside == 0)
             return NS_OK;
         stalled = sum < before * (1.0 - STALL) ? 0 : stalled + 1;
         before = fmin(before, sum);
-        price(z);
-        int moved = advance(z, stalled > patience);
+        price_columns(z);
+        int moved = step_down(z, stalled > patience);
         if (!moved && z->pivots == 0)
             return NS_E_INFEASIBLE;
         if (!moved)
-            refresh(z);
+            remake_tableau(z);
     }
     return NS_E_LIMIT;
 }
@@ -373,7 +368,7 @@ void ns_mlcp_phase1_read(const ns_phase1 *z, double *value, int *basic) {
         basic[s->tab.rowvar[r]] = 1;
     }
     for (int c = 0; c < z->cols; c++) {
-        value[s->tab.colvar[c]] = resting(z, s->tab.colvar[c]);
+        value[s->tab.colvar[c]] = nonbasic_value(z, s->tab.colvar[c]);
         basic[s->tab.colvar[c]] = 0;
     }
 }

@@ -37,12 +37,8 @@ int ns_mlcp_phase1_run(ns_phase1 *z);
 /* value (2m): of all variables; basic (2m): whether it is. */
 void ns_mlcp_phase1_read(const ns_phase1 *z, double *value, int *basic);
 
-/* Basic variable of row p and nonbasic variable of column c change places; values and sides stay, and are
- * those of nothing: the next run makes the tableau anew. */
-void ns_mlcp_phase1_exchange_labels(ns_phase1 *z, int p, int c);
-
 /* farkas.c: whether v (m), from the costs and sides of a run that ended INFEASIBLE, proves that there is no
- * solution in the modes of z.  effort: as of ns_mlcp_prove().  Uses ray, g and the tableau. */
-int ns_mlcp_farkas_proves(ns_phase1 *z, int effort, double *v);
+ * solution in the modes of z.  Uses ray and g. */
+int ns_mlcp_farkas_proves(const ns_phase1 *z, double *v);
 
 #endif

@@ -14,7 +14,7 @@ static const double RCOND = 1e-13; /* a basis must keep three digits */
 /* Factors a basis of s->mode, or of one close to it; that costs more than all else, so it is
  * rarely done, and never for large problems: the iteration has an answer of its own for redundant equations.
  */
-static int factor(ns_mlcp_solver *s, int *reveals) {
+static int factor_or_reveal(ns_mlcp_solver *s, int *reveals) {
     double rcond;
     int status = ns_mlcp_basis_factor(s, &rcond);
     if (status == NS_OK && rcond >= RCOND)
@@ -25,7 +25,7 @@ static int factor(ns_mlcp_solver *s, int *reveals) {
 }
 
 /* Returns how many guards were broken. */
-static int flip(ns_mlcp_solver *s, int all) {
+static int flip_violated(ns_mlcp_solver *s, int all) {
     int broken = 0;
     for (int a = s->np - 1; a >= 0; a--) {
         int i = s->pair[a];
@@ -40,7 +40,7 @@ static int flip(ns_mlcp_solver *s, int all) {
 }
 
 /* The answer of the mode, refined as long as that helps. */
-static double answer(ns_mlcp_solver *s) {
+static double refine_answer(ns_mlcp_solver *s) {
     double best = INFINITY;
     for (int pass = 0; pass <= 3; pass++) {
         ns_mlcp_basis_values(s, pass);
@@ -58,7 +58,7 @@ static double answer(ns_mlcp_solver *s) {
 int ns_mlcp_crossover(ns_mlcp_solver *s) {
     int reveals = 0, least = s->np + 1, idle = 0;
     for (int round = 0; round < BLOCKS + SINGLES; round++) {
-        if (factor(s, &reveals) != NS_OK)
+        if (factor_or_reveal(s, &reveals) != NS_OK)
             return NS_E_SINGULAR;
         ns_mlcp_basis_values(s, 1);
         ns_mlcp_basis_sizes(s);
@@ -66,13 +66,13 @@ int ns_mlcp_crossover(ns_mlcp_solver *s) {
         if (isinf(v))
             return NS_E_SINGULAR;
         if (v <= NS_MLCP_ACCEPT) {
-            if (answer(s) <= NS_MLCP_ACCEPT)
+            if (refine_answer(s) <= NS_MLCP_ACCEPT)
                 return NS_OK;
             ns_mlcp_basis_values(s, 1);
         }
         if (v <= NS_MLCP_GUARD)
             return NS_E_LIMIT; /* right, but not to be had to the accuracy asked for */
-        int broken = flip(s, round < BLOCKS && idle == 0);
+        int broken = flip_violated(s, round < BLOCKS && idle == 0);
         idle = broken < least ? 0 : idle + 1;
         least = broken < least ? broken : least;
         if (idle > IDLE)

@@ -55,7 +55,7 @@ static void set_mu(iterate *p) {
 
 /* x at least 1 away from its bounds, or in the middle of a narrow box; multipliers as y has them, but at
  * least 1. */
-static void start(ns_mlcp_solver *ws, ns_scaled *z, iterate *p) {
+static void set_first_point(ns_mlcp_solver *ws, ns_scaled *z, iterate *p) {
     *p = (iterate){.z = z, .s = z->work[0], .t = z->work[1], .v = z->work[2], .w = z->work[3]};
     p->dx = ws->g;
     p->ds = ws->ysize;
@@ -78,7 +78,7 @@ static void start(ns_mlcp_solver *ws, ns_scaled *z, iterate *p) {
 }
 
 /* W + diag(v/s + w/t) into G, and its factors. */
-static int factor(ns_mlcp_solver *ws, const iterate *p, double ridge) {
+static int factor_system(ns_mlcp_solver *ws, const iterate *p, double ridge) {
     const ns_scaled *z = p->z;
     size_t m = (size_t)z->m;
     memcpy(ws->G, z->W, m * m * sizeof *ws->G);
@@ -98,7 +98,7 @@ static int factor(ns_mlcp_solver *ws, const iterate *p, double ridge) {
 }
 
 /* dx for s v = t w = target, the products of the predictor taken off where second. */
-static void direction(const ns_mlcp_solver *ws, iterate *p, double target, int second) {
+static void solve_direction(const ns_mlcp_solver *ws, iterate *p, double target, int second) {
     const ns_scaled *z = p->z;
     for (int i = 0; i < z->m; i++) {
         double b = -z->y[i];
@@ -120,28 +120,28 @@ static double change_w(const iterate *p, int i, double target, int second) {
     return (target - (second ? p->dt[i] : 0.0) + p->w[i] * p->dx[i]) / p->t[i] - p->w[i];
 }
 
-static double room(double value, double change, double most) {
+static double step_to_zero(double value, double change, double most) {
     return change < 0.0 ? fmin(most, -value / change) : most;
 }
 
 /* The longest step that keeps all positive; nothing asks for more than 2. */
-static double longest(const iterate *p, double target, int second) {
+static double longest_step(const iterate *p, double target, int second) {
     double most = 2.0;
     for (int i = 0; i < p->z->m; i++) {
         if (has_lower(p, i)) {
-            most = room(p->s[i], p->dx[i], most);
-            most = room(p->v[i], change_v(p, i, target, second), most);
+            most = step_to_zero(p->s[i], p->dx[i], most);
+            most = step_to_zero(p->v[i], change_v(p, i, target, second), most);
         }
         if (has_upper(p, i)) {
-            most = room(p->t[i], -p->dx[i], most);
-            most = room(p->w[i], change_w(p, i, target, second), most);
+            most = step_to_zero(p->t[i], -p->dx[i], most);
+            most = step_to_zero(p->w[i], change_w(p, i, target, second), most);
         }
     }
     return most;
 }
 
 /* mu after the whole predictor; its products into ds and dt. */
-static double foresee(iterate *p, double step) {
+static double predict_mu(iterate *p, double step) {
     double sum = 0.0;
     for (int i = 0; i < p->z->m; i++) {
         double dx = p->dx[i];
@@ -159,7 +159,7 @@ static double foresee(iterate *p, double step) {
     return p->n > 0 ? sum / p->n : 0.0;
 }
 
-static void move(iterate *p, double step, double target) {
+static void move_point(iterate *p, double step, double target) {
     ns_scaled *z = p->z;
     for (int i = 0; i < z->m; i++) {
         double dx = p->dx[i];
@@ -180,23 +180,23 @@ static void move(iterate *p, double step, double target) {
 }
 
 /* One step; its length, 0 where there is none. */
-static double advance(ns_mlcp_solver *ws, iterate *p) {
-    if (factor(ws, p, 0.0) != NS_OK && factor(ws, p, RIDGE) != NS_OK)
+static double take_step(ns_mlcp_solver *ws, iterate *p) {
+    if (factor_system(ws, p, 0.0) != NS_OK && factor_system(ws, p, RIDGE) != NS_OK)
         return 0.0;
-    direction(ws, p, 0.0, 0);
-    double step = fmin(1.0, longest(p, 0.0, 0)), ahead = foresee(p, step);
+    solve_direction(ws, p, 0.0, 0);
+    double step = fmin(1.0, longest_step(p, 0.0, 0)), ahead = predict_mu(p, step);
     double sigma = p->mu > 0.0 ? pow(fmin(ahead / p->mu, 1.0), 3.0) : 0.0;
     double target = sigma * p->mu;
-    direction(ws, p, target, 1);
-    step = fmin(1.0, KEEP * longest(p, target, 1));
+    solve_direction(ws, p, target, 1);
+    step = fmin(1.0, KEEP * longest_step(p, target, 1));
     if (!(step > 0.0))
         return 0.0;
-    move(p, step, target);
+    move_point(p, step, target);
     return step;
 }
 
 /* The mode that the iterate tends to: of slack and multiplier the smaller goes to 0. */
-static int finish(ns_mlcp_solver *ws, const iterate *p) {
+static int finish_in_mode(ns_mlcp_solver *ws, const iterate *p) {
     double *y = p->z->work[4];
     for (int i = 0; i < p->z->m; i++)
         y[i] = p->v[i] - p->w[i];
@@ -208,20 +208,20 @@ int ns_mlcp_interior(ns_mlcp_solver *s) {
     iterate p;
     int shorts = 0, status = NS_E_LIMIT;
     ns_mlcp_scaled_load(s, &z);
-    start(s, &z, &p);
+    set_first_point(s, &z, &p);
     double first = p.mu, next = CLOSE * first;
     for (int k = 0; k < STEPS; k++) {
-        double step = advance(s, &p);
+        double step = take_step(s, &p);
         s->iterations++;
         shorts = step < STUCK ? shorts + 1 : 0;
         if (shorts >= SHORTS || p.mu < DONE * first || !(step > 0.0) || !isfinite(p.mu) || p.mu > FAR * first)
             break;
         if (p.mu > next)
             continue;
-        status = finish(s, &p);
+        status = finish_in_mode(s, &p);
         if (status == NS_OK)
             return NS_OK;
         next = fmin(1e-2 * next, p.mu);
     }
-    return isfinite(p.mu) ? finish(s, &p) : NS_E_LIMIT;
+    return isfinite(p.mu) ? finish_in_mode(s, &p) : NS_E_LIMIT;
 }

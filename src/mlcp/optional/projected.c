@@ -35,7 +35,7 @@ static int diagonals(const ns_scaled *z, double *d) {
 }
 
 /* One sweep; the largest move. */
-static double sweep(ns_scaled *z, const double *d, double omega) {
+static double sweep_rows(ns_scaled *z, const double *d, double omega) {
     double most = 0.0;
     for (int i = 0; i < z->m; i++) {
         if (ns_mlcp_scaled_law(z, i) == NS_LAW_FIXED)
@@ -51,12 +51,12 @@ static double sweep(ns_scaled *z, const double *d, double omega) {
 }
 
 /* The best omega where Gauss-Seidel gains `rate` a sweep (Young, for consistently ordered matrices). */
-static double young(double rate) {
+static double young_omega(double rate) {
     return rate < 1.0 ? 2.0 / (1.0 + sqrt(1.0 - rate)) : 1.0;
 }
 
 /* omega after a window of sweeps in which moves shrank by `gain` in all. */
-static double adapt(double omega, double gain, int *tuned) {
+static double adapt_omega(double omega, double gain, int *tuned) {
     double rate = pow(gain, 1.0 / WINDOW);
     if (!(gain < 1.0)) {
         *tuned = 1;
@@ -65,7 +65,7 @@ static double adapt(double omega, double gain, int *tuned) {
     if (*tuned || rate < 0.5)
         return omega;
     *tuned = 1;
-    return young(rate);
+    return young_omega(rate);
 }
 
 static int moved_far(const ns_scaled *z) {
@@ -84,11 +84,11 @@ int ns_mlcp_projected(ns_mlcp_solver *s) {
         return NS_E_SINGULAR;
     (void)ns_mlcp_scaled_start(s, &z);
     for (int k = 1; k <= SWEEPS; k++) {
-        double most = sweep(&z, z.work[1], omega);
+        double most = sweep_rows(&z, z.work[1], omega);
         s->iterations++;
         if (k % WINDOW == 0) {
             if (before > 0.0)
-                omega = adapt(omega, most / before, &tuned);
+                omega = adapt_omega(omega, most / before, &tuned);
             before = most;
             ns_mlcp_scaled_product(&z); /* y anew: rounding does not add up */
         }

@@ -110,7 +110,7 @@ void ns_mlcp_scaled_mode(ns_mlcp_solver *s, const ns_scaled *z, const double *x,
             mode = NS_LOWER;
         else if (z->u[i] - x[i] < -y[i])
             mode = NS_UPPER;
-        s->mode[i] = ns_mlcp_mend(s, i, mode);
+        s->mode[i] = ns_mlcp_fit_mode(s, i, mode);
     }
 }
 
@@ -124,7 +124,7 @@ static void lambda_of(ns_mlcp_solver *s, const ns_scaled *z, const double *x) {
 }
 
 /* rhs = y of s->lambda, scaled. */
-static void residual(ns_mlcp_solver *s, const ns_scaled *z) {
+static void residual_scaled(ns_mlcp_solver *s, const ns_scaled *z) {
     ns_linalg_copy((size_t)z->m, s->q, s->rhs);
     for (int i = 0; i < z->m; i++)
         s->g[i] = z->l[i] == z->u[i] ? 0.0 : s->lambda[i];
@@ -137,7 +137,7 @@ static void residual(ns_mlcp_solver *s, const ns_scaled *z) {
  * an iteration that regularises them.  q is about 1. */
 static int ran_away(ns_mlcp_solver *s, const ns_scaled *z) {
     double top = 0.0, most = 0.0;
-    residual(s, z);
+    residual_scaled(s, z);
     for (int i = 0; i < z->m; i++) {
         if (z->l[i] == z->u[i])
             continue;
@@ -148,7 +148,7 @@ static int ran_away(ns_mlcp_solver *s, const ns_scaled *z) {
 }
 
 /* Natural residual of s->lambda; infinite where it is not to be believed. */
-static double measure(ns_mlcp_solver *s, const ns_scaled *z) {
+static double measure_scaled(ns_mlcp_solver *s, const ns_scaled *z) {
     if (ran_away(s, z))
         return INFINITY;
     return ns_mlcp_measure(&s->now, s->lambda, s->alike, s->rhs, NULL);
@@ -169,8 +169,8 @@ static int factor_ridged(ns_mlcp_solver *s, const ns_scaled *z) {
 
 /* lambda less (W + ridge)^-1 y: a step of the proximal point method, which redundant equations do not
  * disturb. */
-static void correct(ns_mlcp_solver *s, const ns_scaled *z) {
-    residual(s, z);
+static void correct_proximal(ns_mlcp_solver *s, const ns_scaled *z) {
+    residual_scaled(s, z);
     for (int i = 0; i < z->m; i++)
         s->rhs[i] *= s->mode[i] == NS_INSIDE ? 1.0 : 0.0;
     ns_linalg_lu_solve(s->lu, 1, s->rhs);
@@ -180,13 +180,13 @@ static void correct(ns_mlcp_solver *s, const ns_scaled *z) {
 }
 
 /* s->lambda and s->mode are those of x, or near it. */
-static int finish(ns_mlcp_solver *s, const ns_scaled *z, int status) {
-    double now = measure(s, z);
+static int finish_at_lambda(ns_mlcp_solver *s, const ns_scaled *z, int status) {
+    double now = measure_scaled(s, z);
     if (now <= NS_MLCP_ACCEPT || status != NS_E_SINGULAR || factor_ridged(s, z) != NS_OK)
         return now <= NS_MLCP_ACCEPT ? NS_OK : status;
     for (int k = 0; k < CORRECTIONS; k++) {
-        correct(s, z);
-        if (measure(s, z) <= NS_MLCP_ACCEPT)
+        correct_proximal(s, z);
+        if (measure_scaled(s, z) <= NS_MLCP_ACCEPT)
             return NS_OK;
     }
     return status;
@@ -199,8 +199,8 @@ int ns_mlcp_scaled_finish(ns_mlcp_solver *s, const ns_scaled *z, const double *x
         return NS_OK;
     ns_mlcp_scaled_mode(s, z, x, y);
     lambda_of(s, z, x);
-    status = finish(s, z, status);
+    status = finish_at_lambda(s, z, status);
     if (status != NS_OK)
-        ns_mlcp_note(s);
+        ns_mlcp_zeros_note(s);
     return status;
 }

@@ -44,7 +44,7 @@ static void slopes(double a, double b, double pa, double pb, double *da, double 
     *db = r > 0.0 ? 1.0 - b / r : 0.0;
 }
 
-static double value(const ns_scaled *z, int i) {
+static double phi_of_row(const ns_scaled *z, int i) {
     double a = z->x[i] - z->l[i], c = z->u[i] - z->x[i], y = z->y[i];
     switch (ns_mlcp_scaled_law(z, i)) {
     case NS_LAW_FIXED:
@@ -61,11 +61,11 @@ static double value(const ns_scaled *z, int i) {
 }
 
 /* Phi at x; returns 1/2 |Phi|^2. */
-static double merit(ns_scaled *z, double *Phi) {
+static double merit_at_x(ns_scaled *z, double *Phi) {
     double sum = 0.0;
     ns_mlcp_scaled_product(z);
     for (int i = 0; i < z->m; i++) {
-        Phi[i] = value(z, i);
+        Phi[i] = phi_of_row(z, i);
         sum += Phi[i] * Phi[i];
     }
     return 0.5 * sum;
@@ -94,7 +94,7 @@ static void row_slopes(const ns_scaled *z, int i, double py, double *da, double 
 }
 
 /* H into G, its diagonals into da and db. */
-static void jacobian(ns_mlcp_solver *s, const ns_scaled *z, double *da, double *db) {
+static void make_jacobian(ns_mlcp_solver *s, const ns_scaled *z, double *da, double *db) {
     size_t m = (size_t)z->m;
     double *kink = s->g, *py = s->ysize;
     for (int i = 0; i < z->m; i++)
@@ -112,7 +112,7 @@ static void jacobian(ns_mlcp_solver *s, const ns_scaled *z, double *da, double *
 }
 
 /* g = H' Phi */
-static void gradient(const ns_scaled *z, const double *G, const double *Phi, double *g) {
+static void merit_gradient(const ns_scaled *z, const double *G, const double *Phi, double *g) {
     size_t m = (size_t)z->m;
     for (size_t j = 0; j < m; j++) {
         double sum = 0.0;
@@ -153,7 +153,8 @@ static int levenberg(ns_mlcp_solver *s, const ns_scaled *z, const double *g, dou
     return descends(n, d, g);
 }
 
-static void direction(ns_mlcp_solver *s, const ns_scaled *z, const double *Phi, const double *g, double *d) {
+static void newton_direction(ns_mlcp_solver *s, const ns_scaled *z, const double *Phi, const double *g,
+                             double *d) {
     int n = z->m;
     double rcond;
     for (int i = 0; i < n; i++)
@@ -176,20 +177,20 @@ static void direction(ns_mlcp_solver *s, const ns_scaled *z, const double *Phi, 
 }
 
 /* x + t d with the first t = 1, 1/2, ... that lowers the merit enough; 0 if none does. */
-static int search(ns_scaled *z, const double *d, double slope, double *Phi, double *from, double *f) {
+static int line_search(ns_scaled *z, const double *d, double slope, double *Phi, double *from, double *f) {
     memcpy(from, z->x, (size_t)z->m * sizeof *from);
     double t = 1.0;
     for (int k = 0; k < HALVINGS; k++, t *= 0.5) {
         for (int i = 0; i < z->m; i++)
             z->x[i] = from[i] + t * d[i];
-        double now = merit(z, Phi);
+        double now = merit_at_x(z, Phi);
         if (now <= *f + DESCENT * t * slope) {
             *f = now;
             return 1;
         }
     }
     memcpy(z->x, from, (size_t)z->m * sizeof *from);
-    (void)merit(z, Phi);
+    (void)merit_at_x(z, Phi);
     return 0;
 }
 
@@ -205,9 +206,9 @@ static int new_mode(ns_mlcp_solver *s, const ns_scaled *z) {
     return changed;
 }
 
-static int iterate(ns_mlcp_solver *s, ns_scaled *z) {
+static int iterate_from(ns_mlcp_solver *s, ns_scaled *z) {
     double *Phi = z->work[0], *g = z->work[1], *d = z->work[2], *da = z->work[3], *db = z->work[4];
-    double f = merit(z, Phi);
+    double f = merit_at_x(z, Phi);
     memset(s->tab.first_y, 0xff, (size_t)z->m);
     for (int k = 0; k < STEPS; k++) {
         s->iterations++;
@@ -222,10 +223,10 @@ static int iterate(ns_mlcp_solver *s, ns_scaled *z) {
         }
         if (norm < SMALL || !isfinite(norm))
             break;
-        jacobian(s, z, da, db);
-        gradient(z, s->G, Phi, g);
-        direction(s, z, Phi, g, d);
-        if (!search(z, d, dot(z->m, d, g), Phi, z->work[5], &f))
+        make_jacobian(s, z, da, db);
+        merit_gradient(z, s->G, Phi, g);
+        newton_direction(s, z, Phi, g, d);
+        if (!line_search(z, d, dot(z->m, d, g), Phi, z->work[5], &f))
             break;
     }
     return ns_mlcp_scaled_finish(s, z, z->x, z->y);
@@ -243,7 +244,7 @@ int ns_mlcp_newton(ns_mlcp_solver *s) {
             double inside = start == 2 ? 1.0 : 0.0;
             z.x[i] = z.l[i] == z.u[i] ? 0.0 : fmin(fmax(inside, z.l[i]), z.u[i]);
         }
-        status = iterate(s, &z);
+        status = iterate_from(s, &z);
     }
     return status;
 }

@@ -28,14 +28,14 @@ void ns_mlcp_basis_pick(ns_mlcp_solver *s) {
 }
 
 /* out (k): entries `rows` of col (m). */
-static void gather(const ns_mlcp_solver *s, const double *col, double *out) {
+static void gather_rows(const ns_mlcp_solver *s, const double *col, double *out) {
     for (int i = 0; i < s->k; i++)
         out[i] = col[s->rows[i]];
 }
 
 void ns_mlcp_basis_gather(ns_mlcp_solver *s) {
     for (int j = 0; j < s->k; j++)
-        gather(s, s->W + (size_t)s->cols[j] * (size_t)s->m, s->G + (size_t)j * (size_t)s->k);
+        gather_rows(s, s->W + (size_t)s->cols[j] * (size_t)s->m, s->G + (size_t)j * (size_t)s->k);
 }
 
 int ns_mlcp_basis_factor(ns_mlcp_solver *s, double *rcond) {
@@ -47,7 +47,7 @@ int ns_mlcp_basis_factor(ns_mlcp_solver *s, double *rcond) {
 }
 
 /* y = W lambda + q for the present lambda; fixed ones are in q already. */
-static void multiply(ns_mlcp_solver *s) {
+static void evaluate_y(ns_mlcp_solver *s) {
     size_t m = (size_t)s->m;
     memcpy(s->y, s->q, m * sizeof *s->y);
     for (int j = 0; j < s->m; j++)
@@ -58,25 +58,25 @@ static void multiply(ns_mlcp_solver *s) {
 }
 
 /* lambda of the basis less G^-1 y; y is that of lambda, before and after. */
-static void correct(ns_mlcp_solver *s) {
-    gather(s, s->y, s->rhs);
+static void correct_lambda(ns_mlcp_solver *s) {
+    gather_rows(s, s->y, s->rhs);
     ns_linalg_lu_solve(s->lu, 1, s->rhs);
     for (int j = 0; j < s->k; j++)
         s->lambda[s->cols[j]] -= s->rhs[j];
-    multiply(s);
+    evaluate_y(s);
 }
 
 void ns_mlcp_basis_values(ns_mlcp_solver *s, int refinements) {
     for (int i = 0; i < s->m; i++)
         s->lambda[i] = s->mode[i] == NS_INSIDE ? 0.0 : ns_mlcp_bound(s, i, s->mode[i]);
-    multiply(s);
+    evaluate_y(s);
     for (int pass = 0; pass <= refinements && s->k > 0; pass++)
-        correct(s);
+        correct_lambda(s);
 }
 
 void ns_mlcp_basis_correct(ns_mlcp_solver *s) {
-    multiply(s);
-    correct(s);
+    evaluate_y(s);
+    correct_lambda(s);
 }
 
 static double column_max(const ns_mlcp_solver *s, int j, const double *weight) {
@@ -98,18 +98,17 @@ int ns_mlcp_part_of(const ns_mlcp_solver *s, int j) {
     return s->units.part[col[i] != 0.0 ? i : 0];
 }
 
-void ns_mlcp_basis_raise(ns_mlcp_solver *s) {
+void ns_mlcp_basis_floor_sizes(ns_mlcp_solver *s) {
     double *norm = s->rhs; /* of a part */
     memset(norm, 0, (size_t)s->m * sizeof *norm);
     for (int j = 0; j < s->m; j++) {
         if (s->lambda[j] == 0.0)
             continue;
-        const int part = s->as_given ? 0 : ns_mlcp_part_of(s, j);
+        const int part = s->alike ? 0 : ns_mlcp_part_of(s, j);
         norm[part] = fmax(norm[part], fabs(s->lambda[j]) / s->units.column[j]);
     }
     for (int i = 0; i < s->m; i++) {
-        s->ysize[i] =
-            fmax(s->ysize[i], FLOOR * norm[s->as_given ? 0 : s->units.part[i]] * s->units.rowmax[i]);
+        s->ysize[i] = fmax(s->ysize[i], FLOOR * norm[s->alike ? 0 : s->units.part[i]] * s->units.rowmax[i]);
         if (!(s->ysize[i] > 0.0))
             s->ysize[i] = s->units.rowmax[i] > 0.0 ? s->units.rowmax[i] : 1.0;
         s->g[i] = 1.0 / s->ysize[i];
@@ -129,7 +128,7 @@ void ns_mlcp_basis_sizes(ns_mlcp_solver *s) {
         for (int i = 0; i < s->m && v != 0.0; i++)
             s->ysize[i] += fabs(col[i]) * v;
     }
-    ns_mlcp_basis_raise(s);
+    ns_mlcp_basis_floor_sizes(s);
     for (int a = 0; a < s->np; a++)
         s->lsize[s->pair[a]] = ns_mlcp_basis_lambda_size(s, s->pair[a]);
 }
@@ -177,7 +176,7 @@ void ns_mlcp_basis_clamp(ns_mlcp_solver *s) {
 }
 
 /* lambda_j of a part that nothing drives may be 0 whatever the mode is. */
-static int drives(const ns_mlcp_solver *s, int j) {
+static int is_driven(const ns_mlcp_solver *s, int j) {
     const double l = s->p->l[j], u = s->p->u[j];
     if (l == u) /* it is in q */
         return 0;
@@ -186,7 +185,7 @@ static int drives(const ns_mlcp_solver *s, int j) {
     return l > 0.0 || u < 0.0;
 }
 
-void ns_mlcp_basis_rest(ns_mlcp_solver *s) {
+void ns_mlcp_basis_zero_undriven(ns_mlcp_solver *s) {
     double *driven = s->rhs;
     if (s->W != s->p->W) /* a copy whose parts are joined */
         return;
@@ -195,7 +194,7 @@ void ns_mlcp_basis_rest(ns_mlcp_solver *s) {
     for (int i = 0; i < s->m; i++) {
         if (s->q[i] != 0.0)
             driven[s->units.part[i]] = 1.0;
-        if (drives(s, i))
+        if (is_driven(s, i))
             driven[ns_mlcp_part_of(s, i)] = 1.0;
     }
     for (int i = 0; i < s->m; i++) {

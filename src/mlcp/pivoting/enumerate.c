@@ -32,7 +32,7 @@ static int two_bounds(const ns_mlcp_solver *s, int i) {
 
 /* 0 if a guard is broken by more than rounding could do.  Sizes are estimated from above, which
  * is cheap: |W_ij lambda_j| <= rowmax_i |lambda_j| / colunit_j. */
-static int plausible(const ns_mlcp_solver *s, double qtop) {
+static int is_plausible(const ns_mlcp_solver *s, double qtop) {
     double norm = 0.0;
     for (int j = 0; j < s->m; j++)
         norm = fmax(norm, fabs(s->lambda[j]) / s->units.column[j]);
@@ -50,7 +50,7 @@ static int plausible(const ns_mlcp_solver *s, double qtop) {
 }
 
 /* What is left of the equations may be there for lambda that underflowed. */
-static int underflows(const ns_mlcp_solver *s) {
+static int has_underflow(const ns_mlcp_solver *s) {
     int found = 0;
     for (int c = 0; c < s->k; c++) {
         const double *col = s->W + (size_t)s->cols[c] * (size_t)s->m;
@@ -65,12 +65,12 @@ static int underflows(const ns_mlcp_solver *s) {
 }
 
 /* The mode at hand has numbers: nothing else can be told of it. */
-static int finite(const ns_mlcp_solver *s) {
+static int is_finite(const ns_mlcp_solver *s) {
     return ns_linalg_finite((size_t)s->m, s->lambda) && ns_linalg_finite((size_t)s->m, s->y);
 }
 
 /* Judges the mode at hand, whose G is factored; 1 if that ends the search. */
-static int judge(ns_mlcp_solver *s, tally *t, double rcond) {
+static int judge_mode(ns_mlcp_solver *s, tally *t, double rcond) {
     double residual;
     (void)ns_mlcp_mode_answer(s, &residual);
     if (residual < t->best) {
@@ -109,7 +109,7 @@ static void change_bound(ns_mlcp_solver *s, int i, int c) {
 }
 
 /* All combinations of bounds of the pairs that are not inside; G is factored. */
-static int combinations(ns_mlcp_solver *s, tally *t, double rcond) {
+static int try_bounds(ns_mlcp_solver *s, tally *t, double rcond) {
     int box[NS_BRANCH_MAX], n = 0;
     for (int a = 0; a < s->np; a++)
         if (s->mode[s->pair[a]] != NS_INSIDE && two_bounds(s, s->pair[a]))
@@ -118,9 +118,9 @@ static int combinations(ns_mlcp_solver *s, tally *t, double rcond) {
     for (int c = 0; c < n; c++)
         step_columns(s, box[c], c);
     for (long k = 0;;) {
-        t->doubtful += !finite(s) || underflows(s);
-        if (finite(s) && plausible(s, t->qtop)) {
-            if (judge(s, t, rcond))
+        t->doubtful += !is_finite(s) || has_underflow(s);
+        if (is_finite(s) && is_plausible(s, t->qtop)) {
+            if (judge_mode(s, t, rcond))
                 return NS_OK;
             ns_mlcp_basis_values(s, 0);
         }
@@ -134,22 +134,22 @@ static int combinations(ns_mlcp_solver *s, tally *t, double rcond) {
 }
 
 /* The pairs of the set inside, the others at a bound. */
-static int subset(ns_mlcp_solver *s, unsigned set, tally *t) {
+static int try_subset(ns_mlcp_solver *s, unsigned set, tally *t) {
     double rcond;
     for (int a = 0; a < s->np; a++)
-        s->mode[s->pair[a]] = ns_mlcp_mend(s, s->pair[a], set >> a & 1 ? NS_INSIDE : NS_LOWER);
+        s->mode[s->pair[a]] = ns_mlcp_fit_mode(s, s->pair[a], set >> a & 1 ? NS_INSIDE : NS_LOWER);
     int status = ns_mlcp_basis_factor(s, &rcond), sound = status == NS_OK && rcond >= RCOND;
     t->doubtful += !sound;
-    return status == NS_OK && rcond > WORST ? combinations(s, t, rcond) : NS_E_INFEASIBLE;
+    return status == NS_OK && rcond > WORST ? try_bounds(s, t, rcond) : NS_E_INFEASIBLE;
 }
 
 /* All sets, the one of the start first.  OK, or INFEASIBLE: nothing seen. */
-static int all_sets(ns_mlcp_solver *s, tally *t) {
+static int try_all_sets(ns_mlcp_solver *s, tally *t) {
     unsigned start = 0;
     for (int a = 0; a < s->np; a++)
         start |= s->mode[s->pair[a]] == NS_INSIDE ? 1u << a : 0u;
     for (unsigned k = 0; k >> s->np == 0; k++)
-        if (subset(s, start ^ k ^ k >> 1, t) == NS_OK)
+        if (try_subset(s, start ^ k ^ k >> 1, t) == NS_OK)
             return NS_OK;
     if (!(t->best <= NS_MLCP_ACCEPT))
         return NS_E_INFEASIBLE;
@@ -158,7 +158,7 @@ static int all_sets(ns_mlcp_solver *s, tally *t) {
     return NS_OK;
 }
 
-static double cost(const ns_mlcp_solver *s) {
+static double multiplications(const ns_mlcp_solver *s) {
     double k = s->nf + 0.5 * s->np, m = s->m, modes = 1.0;
     for (int a = 0; a < s->np; a++)
         modes *= two_bounds(s, s->pair[a]) ? 3.0 : 2.0;
@@ -172,9 +172,9 @@ int ns_mlcp_enumerate(ns_mlcp_solver *s) {
     for (int i = 0; i < s->m; i++)
         if (s->units.rowmax[i] > 0.0)
             t.qtop = fmax(t.qtop, fabs(s->q[i]) / s->units.rowmax[i]);
-    int cheap = cost(s) <= COSTLY;
-    if (cheap && all_sets(s, &t) == NS_OK)
+    int cheap = multiplications(s) <= COSTLY;
+    if (cheap && try_all_sets(s, &t) == NS_OK)
         return NS_OK;
-    int status = ns_mlcp_branch(s);
+    int status = ns_mlcp_branch_and_bound(s);
     return status == NS_E_LIMIT && cheap && t.doubtful == 0 ? NS_E_INFEASIBLE : status;
 }

@@ -31,7 +31,7 @@ static int complement(const ns_mlcp_solver *s, int var, double *dir) {
 }
 
 /* How far a basic variable is outside its bounds; *side gets +1 (below) or -1 (above). */
-static double outside(const ns_mlcp_solver *s, int r, double *side) {
+static double amount_outside(const ns_mlcp_solver *s, int r, double *side) {
     double below = ns_mlcp_tableau_lower(s, s->tab.rowvar[r]) - s->tab.beta[r];
     double above = s->tab.beta[r] - ns_mlcp_tableau_upper(s, s->tab.rowvar[r]);
     *side = below >= above ? 1.0 : -1.0;
@@ -39,7 +39,7 @@ static double outside(const ns_mlcp_solver *s, int r, double *side) {
 }
 
 /* Values within rounding of a bound are put on it: a degenerate start is treated as one. */
-static void snap(ns_mlcp_solver *s) {
+static void snap_to_bounds(ns_mlcp_solver *s) {
     for (int r = 0; r < s->np; r++) {
         double lo = ns_mlcp_tableau_lower(s, s->tab.rowvar[r]),
                hi = ns_mlcp_tableau_upper(s, s->tab.rowvar[r]);
@@ -64,7 +64,7 @@ static void set_cover(ns_mlcp_solver *s, int all) {
     s->tab.ncol = n + 1;
     memset(s->tab.cover, 0, (size_t)s->m * sizeof *s->tab.cover);
     for (int r = 0; r < n; r++) {
-        double side, v = outside(s, r, &side);
+        double side, v = amount_outside(s, r, &side);
         int two = s->tab.rowvar[r] % 2 == 0 && isfinite(s->tab.lo[r]) && isfinite(s->tab.hi[r]);
         d[r] = v > 0.0 || (all && !two) ? side : 0.0;
         if (all)
@@ -88,7 +88,7 @@ static int first_row(const ns_mlcp_solver *s, double *t) {
     int best = -1;
     *t = 0.0;
     for (int r = 0; r < s->np; r++) {
-        double side, v = outside(s, r, &side);
+        double side, v = amount_outside(s, r, &side);
         if (!(v > 0.0))
             continue;
         v /= fabs(d[r]);
@@ -119,7 +119,7 @@ static int stops_before(const ns_mlcp_solver *s, int r, double dr, int b, double
     return 0;
 }
 
-static double room(const ns_mlcp_solver *s, int r, double rate) {
+static double room_to_bound(const ns_mlcp_solver *s, int r, double rate) {
     double v = rate < 0.0 ? s->tab.beta[r] - ns_mlcp_tableau_lower(s, s->tab.rowvar[r])
                           : ns_mlcp_tableau_upper(s, s->tab.rowvar[r]) - s->tab.beta[r];
     return v > 0.0 ? v : 0.0;
@@ -156,7 +156,7 @@ static int ratio_test(ns_mlcp_solver *s, int col, double dir, double range, doub
     double limit = range, *free = s->rhs; /* how far a row may go */
     for (int r = 0; r < s->np; r++)
         if (e[r] != 0.0) {
-            free[r] = room(s, r, dir * e[r]);
+            free[r] = room_to_bound(s, r, dir * e[r]);
             if (free[r] + TIE < limit * fabs(e[r]))
                 limit = (free[r] + TIE) / fabs(e[r]);
         }
@@ -168,14 +168,14 @@ static int ratio_test(ns_mlcp_solver *s, int col, double dir, double range, doub
 }
 
 /* Moves the entering variable: all basic values follow. */
-static void move(ns_mlcp_solver *s, int col, double by) {
+static void move_entering(ns_mlcp_solver *s, int col, double by) {
     const double *e = s->tab.T + (size_t)col * (size_t)s->np;
     for (int r = 0; r < s->np; r++)
         s->tab.beta[r] += e[r] * by;
 }
 
 /* Value of a nonbasic variable in its unit. */
-static double resting(const ns_mlcp_solver *s, int var) {
+static double nonbasic_value(const ns_mlcp_solver *s, int var) {
     if (var == 2 * s->np || var % 2 == 1)
         return 0.0;
     return s->tab.at_upper[var / 2] ? s->tab.hi[var / 2] : s->tab.lo[var / 2];
@@ -200,7 +200,7 @@ static void read_mode(ns_mlcp_solver *s) {
 }
 
 /* Row r stops at a bound: it leaves, column col enters with value. */
-static int leave(ns_mlcp_solver *s, int r, int col, double rate, double value) {
+static int exchange_leaving(ns_mlcp_solver *s, int r, int col, double rate, double value) {
     int out = s->tab.rowvar[r];
     if (out % 2 == 0 && out != 2 * s->np)
         s->tab.at_upper[out / 2] = rate > 0.0;
@@ -213,14 +213,14 @@ int ns_mlcp_lemke(ns_mlcp_solver *s, int all, int patience) {
     double t, dir, step;
     const int n = s->np, limit = patience * (PIVOTS_FLAT + PIVOTS_PER_PAIR * n);
     const int fresh = n <= NS_QUICK ? REFRESH : n; /* made anew it costs as much as some n exchanges */
-    snap(s);
+    snap_to_bounds(s);
     set_cover(s, all);
     int r = first_row(s, &t);
     if (r < 0)
         return NS_OK;
-    move(s, n, t);
+    move_entering(s, n, t);
     double rate = -s->tab.T[r + n * n]; /* t falls from now on */
-    int enter = complement(s, leave(s, r, n, rate, t), &dir);
+    int enter = complement(s, exchange_leaving(s, r, n, rate, t), &dir);
     for (int it = 1; it <= limit; it++) {
         int col = -1 - s->tab.where[enter], a = enter / 2;
         double range = enter % 2 == 0 ? s->tab.hi[a] - s->tab.lo[a] : INFINITY;
@@ -231,13 +231,13 @@ int ns_mlcp_lemke(ns_mlcp_solver *s, int all, int patience) {
         }
         s->pivots++;
         rate = r >= 0 ? dir * s->tab.T[r + col * n] : 0.0;
-        move(s, col, dir * step);
+        move_entering(s, col, dir * step);
         if (r == FLIP) {
             s->tab.at_upper[a] = (signed char)!s->tab.at_upper[a];
             enter = complement(s, enter, &dir);
             continue;
         }
-        int out = leave(s, r, col, rate, resting(s, enter) + dir * step);
+        int out = exchange_leaving(s, r, col, rate, nonbasic_value(s, enter) + dir * step);
         if (out == 2 * n) {
             read_mode(s);
             return NS_OK;

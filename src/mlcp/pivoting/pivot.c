@@ -27,7 +27,7 @@ static const double ROUNDING = 1e-10; /* of the terms of an y: as solve.c accept
 /* --- guards --- */
 
 /* By how much the guard of pair i is broken, if that is above 0; *size: of the terms of its value. */
-static inline double breach(const ns_mlcp_solver *s, int i, double *size) {
+static inline double violation(const ns_mlcp_solver *s, int i, double *size) {
     if (s->transform.basic[i]) {
         const double under = s->p->l[i] - s->lambda[i], over = s->lambda[i] - s->p->u[i];
         *size = s->transform.lterms[i];
@@ -37,13 +37,13 @@ static inline double breach(const ns_mlcp_solver *s, int i, double *size) {
     return s->mode[i] == NS_LOWER ? -s->y[i] : s->y[i];
 }
 
-static inline int holds(const ns_mlcp_solver *s, int i) {
+static inline int guard_holds(const ns_mlcp_solver *s, int i) {
     double size;
-    return !(breach(s, i, &size) > s->transform.slack * size);
+    return !(violation(s, i, &size) > s->transform.slack * size);
 }
 
 /* The mode that the guard of pair i, which is broken, asks for. */
-static ns_mode wanted(const ns_mlcp_solver *s, int i) {
+static ns_mode mode_wanted(const ns_mlcp_solver *s, int i) {
     if (!s->transform.basic[i])
         return NS_INSIDE;
     return s->lambda[i] < s->p->l[i] ? NS_LOWER : NS_UPPER;
@@ -51,13 +51,13 @@ static ns_mode wanted(const ns_mlcp_solver *s, int i) {
 
 /* list gets the pairs whose guard is broken, of n in from, which may be list; *worst: the pair most so, in
  * units of the terms of its value. */
-static int broken(const ns_mlcp_solver *s, int n, const int *from, int *list, int *worst) {
+static int list_violated(const ns_mlcp_solver *s, int n, const int *from, int *list, int *worst) {
     double most = 0.0;
     int left = 0;
     for (int k = 0; k < n; k++) {
         const int i = from[k];
         double size;
-        const double by = breach(s, i, &size);
+        const double by = violation(s, i, &size);
         if (by > s->transform.slack * size) {
             list[left++] = i;
             if (by > most * size) {
@@ -73,7 +73,7 @@ static int broken(const ns_mlcp_solver *s, int n, const int *from, int *list, in
 
 /* Makes the transform that of s->mode, or of one near it where that is singular: from the one there is, or
  * *anew from W.  0: an equality is left. */
-static int align(ns_mlcp_solver *s, int *anew) {
+static int align_transform(ns_mlcp_solver *s, int *anew) {
     int *list = s->queue, n = 0, inside = 0;
     for (int i = 0; i < s->m && s->transform.valid; i++) {
         inside += s->mode[i] == NS_INSIDE;
@@ -98,13 +98,13 @@ static int align(ns_mlcp_solver *s, int *anew) {
         int i = list[k];
         if (isinf(s->p->l[i]) && isinf(s->p->u[i]))
             return 0;
-        s->mode[i] = s->transform.basic[i] ? NS_INSIDE : ns_mlcp_mend(s, i, NS_LOWER);
+        s->mode[i] = s->transform.basic[i] ? NS_INSIDE : ns_mlcp_fit_mode(s, i, NS_LOWER);
     }
     return 1;
 }
 
 /* How far pair i lets its value change at rate `slope` until its guard breaks. */
-static double room(const ns_mlcp_solver *s, int i, double slope) {
+static double room_to_bound(const ns_mlcp_solver *s, int i, double slope) {
     if (s->transform.basic[i])
         return slope > 0.0 ? (s->p->u[i] - s->lambda[i]) / slope : (s->p->l[i] - s->lambda[i]) / slope;
     if (s->mode[i] == NS_LOWER)
@@ -118,9 +118,9 @@ static int first_to_break(ns_mlcp_solver *s, int k, double way, const double *ra
     for (int a = 0; a < s->np; a++) {
         const int i = s->pair[a];
         const double slope = way * rate[i];
-        if (i == k || slope == 0.0 || !holds(s, i))
+        if (i == k || slope == 0.0 || !guard_holds(s, i))
             continue;
-        const double t = fmax(room(s, i, slope), 0.0);
+        const double t = fmax(room_to_bound(s, i, slope), 0.0);
         if (t < *far && ns_mlcp_transform_trust2(s, k, i) >= TRUST) {
             *far = t;
             first = i;
@@ -131,7 +131,7 @@ static int first_to_break(ns_mlcp_solver *s, int k, double way, const double *ra
 
 /* Pair k, broken, whose diagonal entry is 0: with a partner, or from one bound to the other.  0: neither. */
 static int exchange_with_partner(ns_mlcp_solver *s, int k) {
-    const ns_mode to = wanted(s, k);
+    const ns_mode to = mode_wanted(s, k);
     const int up = s->transform.basic[k] ? to == NS_LOWER : s->mode[k] == NS_LOWER;
     double far = s->transform.basic[k] ? INFINITY : s->p->u[k] - s->p->l[k], *rate = s->rhs;
     ns_mlcp_transform_column(s, k, rate);
@@ -150,13 +150,13 @@ static int exchange_with_partner(ns_mlcp_solver *s, int k) {
 }
 
 /* Flips pair i.  0: neither its pivot nor one together with another pair can be trusted. */
-static int flip(ns_mlcp_solver *s, int i) {
+static int flip_pair(ns_mlcp_solver *s, int i) {
     int done = 1;
     s->transform.carried = 0;
     if (ns_mlcp_transform_trust(s, i) < TRUST)
         done = exchange_with_partner(s, i);
     else {
-        s->mode[i] = wanted(s, i);
+        s->mode[i] = mode_wanted(s, i);
         ns_mlcp_transform_pivot(s, i);
     }
     ns_mlcp_transform_tidy(s);
@@ -168,8 +168,8 @@ static int flip(ns_mlcp_solver *s, int i) {
 static int flip_in_turn(ns_mlcp_solver *s, int i, int n, int *list) {
     while (n > 0) {
         if (ns_mlcp_transform_trust(s, i) < TRUST)
-            return flip(s, i);
-        s->mode[i] = wanted(s, i);
+            return flip_pair(s, i);
+        s->mode[i] = mode_wanted(s, i);
         ns_mlcp_transform_move(s, i, n, list);
         ns_mlcp_transform_pivot(s, i);
         if (!s->transform.basic[i])
@@ -178,7 +178,7 @@ static int flip_in_turn(ns_mlcp_solver *s, int i, int n, int *list) {
         for (int k = 0; k < n; k++)
             if (list[k] != i)
                 list[left++] = list[k];
-        n = broken(s, left, list, list, &i);
+        n = list_violated(s, left, list, list, &i);
     }
     return 1;
 }
@@ -186,7 +186,7 @@ static int flip_in_turn(ns_mlcp_solver *s, int i, int n, int *list) {
 /* --- rounds --- */
 
 /* How well the equations of the pairs inside hold. */
-static double defect(const ns_mlcp_solver *s) {
+static double equation_error(const ns_mlcp_solver *s) {
     double most = 0.0;
     for (int a = 0; a < s->transform.count; a++) {
         const int i = s->transform.pair[a];
@@ -198,29 +198,31 @@ static double defect(const ns_mlcp_solver *s) {
 
 /* The pairs whose guard is broken, at lambda of s->mode and y from W and lambda.  A guard is not read more
  * finely than the equations hold; where that leaves none broken, lambda is refined once. */
-static int look_at_guards(ns_mlcp_solver *s, int *list, int *worst) {
+static int read_guards(ns_mlcp_solver *s, int *list, int *worst) {
     ns_mlcp_transform_values(s);
-    ns_mlcp_terms(s->p, &s->own.nonzeros, s->lambda, s->y, s->transform.yterms);
+    ns_mlcp_sum_terms(s->p, &s->own.nonzeros, s->lambda, s->y, s->transform.yterms);
     s->transform.carried = 1;
-    s->transform.slack = NS_MLCP_GUARD * fmax(1.0, defect(s) / FINE);
-    int n = broken(s, s->np, s->pair, list, worst);
+    s->transform.slack = NS_MLCP_GUARD * fmax(1.0, equation_error(s) / FINE);
+    int n = list_violated(s, s->np, s->pair, list, worst);
     if (n > 0 || s->transform.slack == NS_MLCP_GUARD)
         return n;
     s->transform.slack = NS_MLCP_GUARD;
     ns_mlcp_transform_correct(s);
-    ns_mlcp_terms(s->p, &s->own.nonzeros, s->lambda, s->y, s->transform.yterms);
-    return broken(s, s->np, s->pair, list, worst);
+    ns_mlcp_sum_terms(s->p, &s->own.nonzeros, s->lambda, s->y, s->transform.yterms);
+    return list_violated(s, s->np, s->pair, list, worst);
 }
 
 /* From s->mode to one whose guards hold.  persist: by least index too.  The values that came along with the
  * flips will do to find more to flip, as long as that goes well. */
-static int search(ns_mlcp_solver *s, int persist) {
+static int find_mode(ns_mlcp_solver *s, int persist) {
     int *list = s->queue, best = s->np + 1, patience = PATIENCE, worst = 0;
     s->transform.carried = 0;
     for (int round = 0; round < ROUNDS + ROUNDS_PER_PAIR * s->np; round++) {
-        int n = s->transform.carried && patience > PATIENCE / 2 ? broken(s, s->np, s->pair, list, &worst) : 0;
+        int n = s->transform.carried && patience > PATIENCE / 2
+                    ? list_violated(s, s->np, s->pair, list, &worst)
+                    : 0;
         if (n == 0)
-            n = look_at_guards(s, list, &worst);
+            n = read_guards(s, list, &worst);
         if (n == 0)
             return NS_OK;
         if (n < best) {
@@ -228,7 +230,7 @@ static int search(ns_mlcp_solver *s, int persist) {
             patience = PATIENCE + s->np / 4;
         } else if (--patience <= 0 && !persist)
             return NS_E_LIMIT;
-        if (!(patience > 0 ? flip_in_turn(s, worst, n, list) : flip(s, list[0])))
+        if (!(patience > 0 ? flip_in_turn(s, worst, n, list) : flip_pair(s, list[0])))
             return NS_E_LIMIT;
     }
     return NS_E_LIMIT;
@@ -248,10 +250,10 @@ static int clamp_lambda(ns_mlcp_solver *s) {
 }
 
 /* The residual of the answer, whose y is that of lambda before it was put into its bounds. */
-static double check(ns_mlcp_solver *s) {
+static double answer_residual(ns_mlcp_solver *s) {
     if (clamp_lambda(s))
-        ns_mlcp_terms(s->p, &s->own.nonzeros, s->lambda, s->y, s->transform.yterms);
-    const double r = ns_mlcp_bound_residual(s->p, s->lambda, s->y, s->transform.yterms);
+        ns_mlcp_sum_terms(s->p, &s->own.nonzeros, s->lambda, s->y, s->transform.yterms);
+    const double r = ns_mlcp_residual_bound_of(s->p, s->lambda, s->y, s->transform.yterms);
     if (r <= NS_MLCP_GOOD)
         return r;
     const double full = ns_mlcp_measure(s->p, s->lambda, s->alike, s->rhs, NULL);
@@ -274,46 +276,46 @@ static int clamp_y(ns_mlcp_solver *s) {
     return cut;
 }
 
-static int all_lower(const ns_mlcp_solver *s, const ns_mode *mode) {
+static int is_all_lower(const ns_mlcp_solver *s, const ns_mode *mode) {
     int n = 0;
     if (s->m == 0 || memcmp(mode, s->lowest, (size_t)s->m) == 0)
         return 1;
     for (int i = 0; i < s->m; i++)
-        n += ns_mlcp_mend(s, i, mode[i]) != ns_mlcp_mend(s, i, NS_LOWER);
+        n += ns_mlcp_fit_mode(s, i, mode[i]) != ns_mlcp_fit_mode(s, i, NS_LOWER);
     return n == 0;
 }
 
 /* From mode (NULL: all at the lower bounds), or near it. */
-static int attempt(ns_mlcp_solver *s, const ns_mode *mode, int *anew, double *residual) {
+static int solve_from(ns_mlcp_solver *s, const ns_mode *mode, int *anew, double *residual) {
     *residual = INFINITY;
     if (!s->transform.settled || memcmp(mode, s->mode, (size_t)s->m) != 0) {
         s->transform.settled = 0;
-        ns_mlcp_restart(s, mode);
-        if (!align(s, anew))
+        ns_mlcp_start_from(s, mode);
+        if (!align_transform(s, anew))
             return NS_E_SINGULAR;
     }
-    const int status = search(s, !mode);
+    const int status = find_mode(s, !mode);
     if (status != NS_OK)
         return status;
-    *residual = check(s);
+    *residual = answer_residual(s);
     return *residual <= NS_MLCP_ACCEPT ? NS_OK : NS_E_RESIDUAL;
 }
 
 /* From mode; where the transform may be at fault, from a new one; where the mode may, from another. */
-int ns_mlcp_quick(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
+int ns_mlcp_pivot_from(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     int anew = 0, status = NS_E_LIMIT;
     s->now = *s->p;
-    if (s->transform.settled || !all_lower(s, mode))
-        status = attempt(s, mode, &anew, residual);
+    if (s->transform.settled || !is_all_lower(s, mode))
+        status = solve_from(s, mode, &anew, residual);
     for (int k = anew || status == NS_E_LIMIT; k < 2 && status != NS_OK; k++) {
         s->transform.valid = s->transform.settled = 0;
         anew = 1;
-        status = attempt(s, k ? NULL : mode, &anew, residual);
+        status = solve_from(s, k ? NULL : mode, &anew, residual);
     }
     s->transform.settled = s->transform.valid = status == NS_OK;
     if (status == NS_OK && clamp_y(s)) {
         s->transform.settled = 0; /* the mode may change */
-        status = ns_mlcp_agree(s, residual) ? NS_OK : NS_E_RESIDUAL;
+        status = ns_mlcp_make_consistent(s, residual) ? NS_OK : NS_E_RESIDUAL;
     }
     return status;
 }
@@ -323,5 +325,5 @@ int ns_mlcp_pivot(ns_mlcp_solver *s) {
     ns_mode *start = s->tab.at_upper; /* room of its own */
     for (int i = 0; i < s->m; i++)
         start[i] = s->mode[i];
-    return ns_mlcp_quick(s, start, &residual);
+    return ns_mlcp_pivot_from(s, start, &residual);
 }

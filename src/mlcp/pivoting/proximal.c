@@ -22,7 +22,7 @@
 enum { STEPS = 8, HALVINGS = 44 }; /* 2^-43: NS_MLCP_GOOD */
 
 /* eps E as a list of entries; kind 0: diagonal, 1: left-over rows and columns. */
-static int choose(ns_mlcp_solver *s, int kind, int eps) {
+static int choose_entries(ns_mlcp_solver *s, int kind, int eps) {
     int n = kind == 0 ? s->nf : s->elim.nstuck;
     for (int k = 0; k < n; k++) {
         s->regularised.row[k] = kind == 0 ? s->free[k] : s->elim.stuck_row[k];
@@ -61,37 +61,37 @@ static void name_rows(ns_mlcp_solver *s) {
 
 /* Further proximal steps in the mode found, each as a correction of x_k by the residual of the given problem,
  * which rounds much less than solving for x_k+1 anew.  Keeps the best; returns its residual. */
-static double polish(ns_mlcp_solver *s) {
+static double refine_answer(ns_mlcp_solver *s) {
     double best = INFINITY;
-    ns_mlcp_given(s);
+    ns_mlcp_take_given(s);
     for (int k = 0; k < HALVINGS; k++) {
         double now = ns_mlcp_measure(s->p, s->lambda, s->alike, s->rhs, NULL), before = best;
         if (now < best) {
             best = now;
-            ns_mlcp_keep(s);
+            ns_mlcp_save(s, &s->kept);
         }
         if (best <= NS_MLCP_GOOD || !(now <= 0.5 * before))
             break;
         ns_mlcp_basis_correct(s);
         ns_mlcp_basis_clamp(s);
-        ns_mlcp_basis_rest(s);
+        ns_mlcp_basis_zero_undriven(s);
     }
-    ns_mlcp_give_back(s);
+    ns_mlcp_restore(s, &s->kept);
     return best;
 }
 
 /* The iteration with one E; INFEASIBLE: it ran away. */
-static int iterate(ns_mlcp_solver *s, const ns_mode *mode, int n, double *residual) {
+static int iterate_points(ns_mlcp_solver *s, const ns_mode *mode, int n, double *residual) {
     double before = INFINITY;
     for (int k = 0; k < STEPS; k++) {
         regularise(s, n, k > 0);
         int status = ns_mlcp_lemke_starts(s, k == 0 ? mode : s->mode, residual);
         if (status != NS_OK)
             return status;
-        *residual = polish(s);
+        *residual = refine_answer(s);
         if (*residual <= NS_MLCP_ACCEPT)
             return NS_OK;
-        ns_mlcp_note(s);
+        ns_mlcp_zeros_note(s);
         if (k >= 2 && !(*residual <= 0.5 * before))
             break;
         before = *residual;
@@ -107,10 +107,10 @@ int ns_mlcp_proximal(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     ns_mlcp_list(s, s->elim.nstuck, s->elim.stuck_row);
     ns_fault fault = s->fault;
     for (size_t k = 0; k < sizeof way / sizeof *way; k++) {
-        ns_mlcp_given(s); /* scaling and left-over rows of the given problem */
-        ns_mlcp_restart(s, mode);
+        ns_mlcp_take_given(s); /* scaling and left-over rows of the given problem */
+        ns_mlcp_start_from(s, mode);
         (void)ns_mlcp_reveal(s);
-        int status = iterate(s, mode, choose(s, way[k].kind, way[k].eps), residual);
+        int status = iterate_points(s, mode, choose_entries(s, way[k].kind, way[k].eps), residual);
         if (status == NS_OK)
             return NS_OK;
         if (first == NS_E_SINGULAR && status != NS_E_SINGULAR) {

@@ -21,16 +21,16 @@ static const double SOUND = 1e-10;             /* of the terms: ten of sixteen d
 static const double BARELY = 16 * DBL_EPSILON; /* last resort before calling it singular */
 static const double PREFER = 1e3;              /* pairs that are inside already */
 
-static double *at(ns_mlcp_solver *s, int i, int j) {
+static double *entry(ns_mlcp_solver *s, int i, int j) {
     return s->elim.A + (size_t)i + (size_t)j * (size_t)s->m;
 }
 
-static int counts(const ns_mlcp_solver *s, int i, int j, double tol) {
+static int is_significant(const ns_mlcp_solver *s, int i, int j, double tol) {
     size_t k = (size_t)i + (size_t)j * (size_t)s->m;
     return fabs(s->elim.A[k]) > tol * s->elim.mag[k];
 }
 
-static void load(ns_mlcp_solver *s) {
+static void load_scaled(ns_mlcp_solver *s) {
     int m = s->m;
     ns_linalg_equilibrate(m, s->W, m, s->elim.row_exp, s->elim.col_exp, s->elim.e);
     for (int j = 0; j < m; j++)
@@ -47,7 +47,7 @@ static void load(ns_mlcp_solver *s) {
 
 /* y_i leaves, lambda_j enters: both are settled. */
 static void eliminate(ns_mlcp_solver *s, int i, int j) {
-    double pivot = *at(s, i, j);
+    double pivot = *entry(s, i, j);
     size_t m = (size_t)s->m;
     const double *e = s->elim.A + (size_t)j * m, *emag = s->elim.mag + (size_t)j * m;
     s->elim.rowdone[i] = s->elim.coldone[j] = 1;
@@ -75,9 +75,9 @@ static void eliminate_free(ns_mlcp_solver *s, double tol) {
         for (int b = 0; b < s->nf; b++)
             for (int a = 0; a < s->nf && !s->elim.coldone[s->free[b]]; a++) {
                 int i = s->free[a], j = s->free[b];
-                if (s->elim.rowdone[i] || fabs(*at(s, i, j)) <= best || !counts(s, i, j, tol))
+                if (s->elim.rowdone[i] || fabs(*entry(s, i, j)) <= best || !is_significant(s, i, j, tol))
                     continue;
-                best = fabs(*at(s, i, j));
+                best = fabs(*entry(s, i, j));
                 bi = i;
                 bj = j;
             }
@@ -88,12 +88,12 @@ static void eliminate_free(ns_mlcp_solver *s, double tol) {
 }
 
 /* Largest entry of row i in the free columns left over; -1 if there is none. */
-static int target(ns_mlcp_solver *s, int i, double tol) {
+static int largest_free_column(ns_mlcp_solver *s, int i, double tol) {
     int best = -1;
     for (int f = 0; f < s->nf; f++) {
         int j = s->free[f];
-        if (!s->elim.coldone[j] && counts(s, i, j, tol) &&
-            (best < 0 || fabs(*at(s, i, j)) > fabs(*at(s, i, best))))
+        if (!s->elim.coldone[j] && is_significant(s, i, j, tol) &&
+            (best < 0 || fabs(*entry(s, i, j)) > fabs(*entry(s, i, best))))
             best = j;
     }
     return best;
@@ -102,7 +102,7 @@ static int target(ns_mlcp_solver *s, int i, double tol) {
 /* Breadth first from row r over pairs that are out.  Returns the last row of the path and its column;
  * s->elim.parent leads back.  -1: no path. */
 static int find_path(ns_mlcp_solver *s, int r, double tol, int *column) {
-    int head = 0, level = 0, tail = 0, found = target(s, r, tol);
+    int head = 0, level = 0, tail = 0, found = largest_free_column(s, r, tol);
     s->queue[tail++] = r;
     if (found >= 0) {
         *column = found;
@@ -117,12 +117,12 @@ static int find_path(ns_mlcp_solver *s, int r, double tol, int *column) {
             for (int a = 0; a < s->np; a++) {
                 int i = s->queue[head], j = s->pair[a];
                 if (s->elim.rowdone[j] || s->elim.coldone[j] || s->elim.parent[j] >= 0 || j == r ||
-                    !counts(s, i, j, tol))
+                    !is_significant(s, i, j, tol))
                     continue;
                 s->elim.parent[j] = i;
                 s->queue[tail++] = j;
-                int c = target(s, j, tol);
-                double v = c < 0 ? 0.0 : fmin(fabs(*at(s, i, j)), fabs(*at(s, j, c)));
+                int c = largest_free_column(s, j, tol);
+                double v = c < 0 ? 0.0 : fmin(fabs(*entry(s, i, j)), fabs(*entry(s, j, c)));
                 v *= s->mode[j] == NS_INSIDE ? PREFER : 1.0;
                 if (v > most) {
                     most = v;
@@ -137,7 +137,7 @@ static int find_path(ns_mlcp_solver *s, int r, double tol, int *column) {
 }
 
 /* 2.  Pivots along paths until row r is settled; 0 if it cannot be.  *left: the row that is open then. */
-static int join(ns_mlcp_solver *s, int r, double tol, int *left) {
+static int join_row(ns_mlcp_solver *s, int r, double tol, int *left) {
     for (int tries = 0; tries <= s->np; tries++) {
         int col = -1, end = find_path(s, r, tol, &col), n = 0;
         *left = r;
@@ -147,7 +147,7 @@ static int join(ns_mlcp_solver *s, int r, double tol, int *left) {
         for (int i = end; i != r; i = s->elim.parent[i])
             s->queue[n++] = i;
         int row = r;
-        while (n > 0 && counts(s, row, s->queue[n - 1], BARELY)) {
+        while (n > 0 && is_significant(s, row, s->queue[n - 1], BARELY)) {
             int j = s->queue[--n];
             eliminate(s, row, j);
             row = j;
@@ -169,10 +169,12 @@ static int best_block(ns_mlcp_solver *s, int *ia, int *ib) {
             if (s->mode[i] != NS_INSIDE || s->mode[j] != NS_INSIDE || s->elim.rowdone[i] ||
                 s->elim.rowdone[j] || s->elim.coldone[i] || s->elim.coldone[j])
                 continue;
-            double v = a == b ? 2.0 * fabs(*at(s, i, i)) : fmin(fabs(*at(s, i, j)), fabs(*at(s, j, i)));
-            if (v <= best || !counts(s, i, j, SOUND) || !counts(s, j, i, SOUND))
+            double v =
+                a == b ? 2.0 * fabs(*entry(s, i, i)) : fmin(fabs(*entry(s, i, j)), fabs(*entry(s, j, i)));
+            if (v <= best || !is_significant(s, i, j, SOUND) || !is_significant(s, j, i, SOUND))
                 continue;
-            if (a != b && fabs(*at(s, i, i) * *at(s, j, j)) > 0.5 * fabs(*at(s, i, j) * *at(s, j, i)))
+            if (a != b &&
+                fabs(*entry(s, i, i) * *entry(s, j, j)) > 0.5 * fabs(*entry(s, i, j) * *entry(s, j, i)))
                 continue; /* nearly singular as a block, or better done one by one */
             best = v;
             *ia = i;
@@ -191,12 +193,12 @@ static void eliminate_pairs(ns_mlcp_solver *s) {
 }
 
 int ns_mlcp_reveal(ns_mlcp_solver *s) {
-    load(s);
+    load_scaled(s);
     s->elim.nstuck = 0;
     eliminate_free(s, SOUND);
     for (int f = 0; f < s->nf; f++) {
         int row = s->free[f], left = row;
-        if (s->elim.rowdone[row] || join(s, row, SOUND, &left))
+        if (s->elim.rowdone[row] || join_row(s, row, SOUND, &left))
             continue;
         s->elim.stuck_row[s->elim.nstuck++] = left;
     }
@@ -204,7 +206,7 @@ int ns_mlcp_reveal(ns_mlcp_solver *s) {
     s->elim.nstuck = 0;
     for (int k = 0; k < open; k++) {
         int left = s->elim.stuck_row[k];
-        if (!join(s, left, BARELY, &left))
+        if (!join_row(s, left, BARELY, &left))
             s->elim.stuck_row[s->elim.nstuck++] = left;
     }
     for (int f = 0, k = 0; f < s->nf; f++)

@@ -14,7 +14,7 @@
 static const double CANCELLED = 1e-14; /* a sum this small against its terms is 0 */
 
 /* rows and cols of G as the labels of the tableau have it. */
-static void pick(ns_mlcp_solver *s) {
+static void pick_labels(ns_mlcp_solver *s) {
     int nr = s->nf, nc = nr;
     memcpy(s->rows, s->free, (size_t)s->nf * sizeof *s->rows);
     memcpy(s->cols, s->free, (size_t)s->nf * sizeof *s->cols);
@@ -33,8 +33,8 @@ static const double *column(const ns_mlcp_solver *s, int j) {
     return j < 0 ? s->tab.cover : s->W + (size_t)j * (size_t)s->m;
 }
 
-static int factor(ns_mlcp_solver *s) {
-    pick(s);
+static int factor_labels(ns_mlcp_solver *s) {
+    pick_labels(s);
     for (int j = 0; j < s->k; j++) {
         const double *col = column(s, s->cols[j]);
         for (int i = 0; i < s->k; i++)
@@ -122,7 +122,7 @@ static void to_units(ns_mlcp_solver *s) {
 
 /* One step of iterative refinement of all solutions: rhs (the right sides again) -= G x.  Entries that should
  * cancel to 0 then do so to the rounding of W's own entries. */
-static void refine(ns_mlcp_solver *s) {
+static void refine_solutions(ns_mlcp_solver *s) {
     size_t k = (size_t)s->k, n = k * (size_t)(1 + s->tab.ncol);
     memcpy(s->xs, s->rhs, n * sizeof *s->xs);
     right_sides(s);
@@ -154,12 +154,12 @@ static void drop_rounding(ns_mlcp_solver *s) {
 }
 
 /* Fills beta and T for the labels at hand; G is factored. */
-static void fill(ns_mlcp_solver *s) {
+static void fill_tableau(ns_mlcp_solver *s) {
     constant_part(s);
     right_sides(s);
     ns_linalg_lu_solve(s->lu, 1 + s->tab.ncol, s->rhs);
     if (s->tab.refined)
-        refine(s);
+        refine_solutions(s);
     drop_rounding(s);
     int at = s->nf;
     for (int a = 0; a < s->np; a++)
@@ -190,7 +190,7 @@ void ns_mlcp_tableau_start(ns_mlcp_solver *s) {
     s->tab.unit[2 * s->np] = 1.0;
     s->tab.where[2 * s->np] = -1 - s->np;
     s->tab.ncol = s->np;
-    fill(s);
+    fill_tableau(s);
     for (int a = 0; a < s->np; a++) { /* lambda and y are refined already */
         int i = s->pair[a];
         s->tab.beta[a] = s->tab.first_y[a] ? s->y[i] / s->ysize[i] : s->lambda[i] / s->lsize[i];
@@ -198,9 +198,9 @@ void ns_mlcp_tableau_start(ns_mlcp_solver *s) {
 }
 
 int ns_mlcp_tableau_refresh(ns_mlcp_solver *s) {
-    int status = factor(s);
+    int status = factor_labels(s);
     if (status == NS_OK)
-        fill(s);
+        fill_tableau(s);
     return status;
 }
 

@@ -36,7 +36,7 @@ static inline double *column(const ns_mlcp_solver *s, int a) {
 
 /* y += v x for n entries of columns of P, and for what lies between the last and the next multiple of four,
  * where nothing is ever read: short loops without rests. */
-static inline void add(int n, double v, const double *restrict x, double *restrict y) {
+static inline void add_multiple(int n, double v, const double *restrict x, double *restrict y) {
     for (int a = 0; a < n; a += 4)
         for (int k = a; k < a + 4; k++)
             y[k] += v * x[k];
@@ -44,7 +44,7 @@ static inline void add(int n, double v, const double *restrict x, double *restri
 
 /* Row and column of pair i, which is not basic, behind the others:
  *     P_ai = [W_ai] - sum_J P_aj W_ji,   P_ia = [W_ia] + sum_J W_ij P_ja,   [] where a is not basic. */
-static int look(ns_mlcp_solver *s, int i) {
+static int add_pair(ns_mlcp_solver *s, int i) {
     const size_t m = (size_t)s->m, ld = stride(s);
     const double *Wi = s->p->W + (size_t)i * m, own = Wi[i];
     const int n = s->transform.count;
@@ -60,7 +60,7 @@ static int look(ns_mlcp_solver *s, int i) {
         if (!s->transform.basic[j])
             new[b] += Wi[j];
         else if (Wi[j] != 0.0)
-            add(n, -Wi[j], column(s, b), new);
+            add_multiple(n, -Wi[j], column(s, b), new);
         held[count] = b;
         row[count] = w;
         count += s->transform.basic[j] && w != 0.0;
@@ -85,7 +85,7 @@ static int look(ns_mlcp_solver *s, int i) {
 }
 
 /* The last comes into its place. */
-static void forget(ns_mlcp_solver *s, int a) {
+static void drop_pair(ns_mlcp_solver *s, int a) {
     const int last = --s->transform.count;
     s->transform.place[s->transform.pair[a]] = -1;
     if (a == last)
@@ -105,26 +105,26 @@ static void forget(ns_mlcp_solver *s, int a) {
 void ns_mlcp_transform_tidy(ns_mlcp_solver *s) {
     for (int a = s->transform.count - 1; a >= 0; a--)
         if (!s->transform.basic[s->transform.pair[a]])
-            forget(s, a);
+            drop_pair(s, a);
 }
 
 /* --- exchanges --- */
 
 double ns_mlcp_transform_trust(ns_mlcp_solver *s, int i) {
-    const int a = look(s, i);
+    const int a = add_pair(s, i);
     const double p = fabs(column(s, a)[a]);
     return p > 0.0 ? p / s->transform.largest[a] : 0.0;
 }
 
 double ns_mlcp_transform_trust2(ns_mlcp_solver *s, int i, int j) {
-    const int a = look(s, i), b = look(s, j);
+    const int a = add_pair(s, i), b = add_pair(s, j);
     const double across = column(s, b)[a] * column(s, a)[b];
     const double det = column(s, a)[a] * column(s, b)[b] - across;
     const double terms = s->transform.largest[a] * s->transform.largest[b] + fabs(across);
     return det != 0.0 ? fabs(det) / terms : 0.0;
 }
 
-static void flipped(ns_mlcp_solver *s, int i) {
+static void count_exchange(ns_mlcp_solver *s, int i) {
     s->transform.basic[i] ^= 1;
     s->transform.changes++;
     s->pivots++;
@@ -166,7 +166,7 @@ void ns_mlcp_transform_pivot(ns_mlcp_solver *s, int i) {
         const double r = col[k] * inverse, term = fabs(c[b] * r);
         if (b == k || r == 0.0)
             continue;
-        add(n, -r, c, col);
+        add_multiple(n, -r, c, col);
         col[k] = -r;
         diag[b] = term > diag[b] ? term : diag[b];
     }
@@ -174,7 +174,7 @@ void ns_mlcp_transform_pivot(ns_mlcp_solver *s, int i) {
         c[a] *= inverse;
     c[k] = inverse;
     diag[k] *= inverse * inverse;
-    flipped(s, i);
+    count_exchange(s, i);
 }
 
 void ns_mlcp_transform_pivot2(ns_mlcp_solver *s, int i, int j) {
@@ -206,12 +206,12 @@ void ns_mlcp_transform_pivot2(ns_mlcp_solver *s, int i, int j) {
     const double da = s->transform.largest[a];
     s->transform.largest[a] = lost * s->transform.largest[b] / fabs(det);
     s->transform.largest[b] = lost * da / fabs(det);
-    flipped(s, i);
-    flipped(s, j);
+    count_exchange(s, i);
+    count_exchange(s, j);
 }
 
 /* The entry of list with the best pivot; the first easy one will do. */
-static int choose(ns_mlcp_solver *s, int n, const int *list, double *trust) {
+static int best_pivot(ns_mlcp_solver *s, int n, const int *list, double *trust) {
     int best = -1;
     *trust = 0.0;
     for (int a = 0; a < n && *trust < EASY; a++) {
@@ -225,7 +225,7 @@ static int choose(ns_mlcp_solver *s, int n, const int *list, double *trust) {
 }
 
 /* The best two of list; *first < *second. */
-static double choose2(ns_mlcp_solver *s, int n, const int *list, int *first, int *second) {
+static double best_pivot2(ns_mlcp_solver *s, int n, const int *list, int *first, int *second) {
     double best = 0.0;
     for (int a = 0; a < n; a++)
         for (int b = a + 1; b < n && best < EASY; b++) {
@@ -242,10 +242,10 @@ static double choose2(ns_mlcp_solver *s, int n, const int *list, int *first, int
 int ns_mlcp_transform_exchange(ns_mlcp_solver *s, int n, int *list) {
     while (n > 0) {
         double trust;
-        int a = choose(s, n, list, &trust), b = 0;
+        int a = best_pivot(s, n, list, &trust), b = 0;
         if (trust >= TRUST) {
             ns_mlcp_transform_pivot(s, list[a]);
-        } else if (choose2(s, n, list, &a, &b) >= TRUST) {
+        } else if (best_pivot2(s, n, list, &a, &b) >= TRUST) {
             ns_mlcp_transform_pivot2(s, list[a], list[b]);
             list[b] = list[--n];
         } else
@@ -259,7 +259,7 @@ int ns_mlcp_transform_exchange(ns_mlcp_solver *s, int n, int *list) {
 
 void ns_mlcp_transform_column(ns_mlcp_solver *s, int i, double *rate) {
     const size_t m = (size_t)s->m;
-    const double *col = column(s, look(s, i));
+    const double *col = column(s, add_pair(s, i));
     if (s->transform.basic[i])
         memset(rate, 0, m * sizeof *rate);
     else
@@ -282,7 +282,7 @@ void ns_mlcp_transform_values(ns_mlcp_solver *s) {
             plain &= s->lambda[i] == 0.0;
         }
     if (!plain)
-        ns_mlcp_terms(s->p, &s->own.nonzeros, s->lambda, s->y, s->transform.yterms);
+        ns_mlcp_sum_terms(s->p, &s->own.nonzeros, s->lambda, s->y, s->transform.yterms);
     memset(sum, 0, 3 * (size_t)n * sizeof *sum);
     for (int a = 0; a < n; a++)
         x[a] = -(plain ? s->p->q : s->y)[s->transform.pair[a]];

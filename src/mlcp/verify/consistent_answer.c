@@ -16,40 +16,40 @@
 enum { ROUNDS = 4 };
 
 /* Of equalities the residual says all. */
-static inline int differ(const ns_mlcp_solver *s, int i, double y, double size) {
+static inline int row_differs(const ns_mlcp_solver *s, int i, double y, double size) {
     const int equality = isinf(s->p->l[i]) && isinf(s->p->u[i]);
     return !equality && fabs(y - s->y[i]) > NS_MLCP_ACCEPT * size;
 }
 
 /* The pairs and given lambda whose y is not s->ray: list gets them. */
-static int differing(const ns_mlcp_solver *s, int *list) {
+static int list_differing(const ns_mlcp_solver *s, int *list) {
     int n = 0;
     for (int i = 0; i < s->m; i++)
-        if (differ(s, i, s->ray[i], s->ysize[i]))
+        if (row_differs(s, i, s->ray[i], s->ysize[i]))
             list[n++] = i;
     return n;
 }
 
-int ns_mlcp_differs(const ns_mlcp_solver *s, const double *y, const double *size) {
+int ns_mlcp_is_inconsistent(const ns_mlcp_solver *s, const double *y, const double *size) {
     int n = 0;
     for (int i = 0; i < s->m; i++)
-        n += differ(s, i, y[i], size[i]);
+        n += row_differs(s, i, y[i], size[i]);
     return n > 0;
 }
 
 /* The same with s->ray read anew; rows whose terms are all rounding differ in nothing. */
-static int look(ns_mlcp_solver *s, int *list) {
-    ns_mlcp_terms(s->p, NULL, s->lambda, s->ray, s->ysize);
-    const int n = differing(s, list);
+static int list_rows_that_differ(ns_mlcp_solver *s, int *list) {
+    ns_mlcp_sum_terms(s->p, NULL, s->lambda, s->ray, s->ysize);
+    const int n = list_differing(s, list);
     if (n == 0)
         return 0;
     ns_mlcp_units(s);
-    ns_mlcp_basis_raise(s);
-    return differing(s, list);
+    ns_mlcp_basis_floor_sizes(s);
+    return list_differing(s, list);
 }
 
 /* Lambda and mode of pair i, as its y asks for; of 0 it asks for nothing.  0: there is no such bound. */
-static int move(ns_mlcp_solver *s, int i) {
+static int move_to_bound(ns_mlcp_solver *s, int i) {
     if (fabs(s->ray[i]) <= NS_MLCP_ACCEPT * s->ysize[i])
         return 1;
     const ns_mode to = s->ray[i] > 0.0 ? NS_LOWER : NS_UPPER;
@@ -74,24 +74,24 @@ static void fit_modes(ns_mlcp_solver *s) {
     }
 }
 
-static int agree(ns_mlcp_solver *s, double *residual) {
-    int *list = s->queue, n = look(s, list);
+static int iterate_bounds(ns_mlcp_solver *s, double *residual) {
+    int *list = s->queue, n = list_rows_that_differ(s, list);
     if (n == 0)
         return 1;
     for (int round = 0; round < ROUNDS && n > 0; round++) {
         for (int k = 0; k < n; k++)
-            if (!move(s, list[k]))
+            if (!move_to_bound(s, list[k]))
                 return 0;
-        ns_mlcp_terms(s->p, NULL, s->lambda, s->y, s->ysize);
+        ns_mlcp_sum_terms(s->p, NULL, s->lambda, s->y, s->ysize);
         ns_mlcp_basis_clamp(s);
-        n = look(s, list);
+        n = list_rows_that_differ(s, list);
     }
     *residual = ns_mlcp_measure(s->p, s->lambda, s->alike, s->rhs, NULL);
     return n == 0 && *residual <= NS_MLCP_ACCEPT;
 }
 
-int ns_mlcp_agree(ns_mlcp_solver *s, double *residual) {
-    if (!agree(s, residual))
+int ns_mlcp_make_consistent(ns_mlcp_solver *s, double *residual) {
+    if (!iterate_bounds(s, residual))
         return 0;
     fit_modes(s);
     return 1;

@@ -23,7 +23,7 @@ static const double BROKEN = 1e-3; /* of a row's own terms */
 static const double DIGIT = 0.1;
 
 /* Sizes in units of W: the largest lambda that is solved for, and its index; the largest datum. */
-static double extent(ns_mlcp_solver *s, double *data, int *largest) {
+static double measure_sizes(ns_mlcp_solver *s, double *data, int *largest) {
     double answer = 0.0;
     *data = 0.0;
     *largest = -1;
@@ -41,14 +41,14 @@ static double extent(ns_mlcp_solver *s, double *data, int *largest) {
     return answer;
 }
 
-int ns_mlcp_doubtful(ns_mlcp_solver *s, double doubt) {
+int ns_mlcp_huge_multipliers(ns_mlcp_solver *s, double doubt) {
     int largest;
     double data;
-    return extent(s, &data, &largest) > doubt * data;
+    return measure_sizes(s, &data, &largest) > doubt * data;
 }
 
 /* What is wrong with y in row i. */
-static double wrong(const ns_mlcp_solver *s, int i, double y, double near) {
+static double row_violation(const ns_mlcp_solver *s, int i, double y, double near) {
     const double l = s->p->l[i], u = s->p->u[i], v = s->lambda[i];
     const int lower = v - l <= near * s->units.column[i], upper = u - v <= near * s->units.column[i];
     return lower && upper ? 0.0 : lower ? fmax(-y, 0.0) : upper ? fmax(y, 0.0) : fabs(y);
@@ -62,7 +62,7 @@ static int breaks_a_row(const ns_mlcp_solver *s, double data) {
     for (int i = 0; i < s->m; i++)
         q = fmax(q, fabs(s->given.q[i]));
     for (int i = 0; i < s->m; i++) {
-        const double by = wrong(s, i, s->g[i], DATA * data);
+        const double by = row_violation(s, i, s->g[i], DATA * data);
         n += by > BROKEN * s->ysize[i] && by > DATA * data * s->units.rowmax[i] &&
              fabs(s->given.q[i]) > DATA * q;
     }
@@ -72,7 +72,7 @@ static int breaks_a_row(const ns_mlcp_solver *s, double data) {
 /* Row i of A^-1 against the terms of the equations. */
 static int has_no_digit(ns_mlcp_solver *s, int i) {
     double sum = 0.0, *row = s->rhs;
-    ns_mlcp_given(s);
+    ns_mlcp_take_given(s);
     if (ns_mlcp_basis_factor(s, NULL) != NS_OK)
         return 0; /* what is redundant need not have to do with i */
     for (int k = 0; k < s->k; k++)
@@ -83,22 +83,22 @@ static int has_no_digit(ns_mlcp_solver *s, int i) {
     return !(DBL_EPSILON * sum < DIGIT * fabs(s->lambda[i]));
 }
 
-int ns_mlcp_lost(ns_mlcp_solver *s, double doubt) {
+int ns_mlcp_huge_multipliers_fail(ns_mlcp_solver *s, double doubt) {
     double data;
     int largest;
-    if (!(extent(s, &data, &largest) > doubt * data))
+    if (!(measure_sizes(s, &data, &largest) > doubt * data))
         return 0;
-    ns_mlcp_terms(s->p, NULL, s->lambda, s->g, s->ysize);
+    ns_mlcp_sum_terms(s->p, NULL, s->lambda, s->g, s->ysize);
     return breaks_a_row(s, data) || has_no_digit(s, largest);
 }
 
-double ns_mlcp_broken(ns_mlcp_solver *s) {
+double ns_mlcp_worst_row(ns_mlcp_solver *s) {
     double data, most = 0.0;
     int largest;
-    (void)extent(s, &data, &largest);
-    ns_mlcp_terms(s->p, NULL, s->lambda, s->g, s->ysize);
+    (void)measure_sizes(s, &data, &largest);
+    ns_mlcp_sum_terms(s->p, NULL, s->lambda, s->g, s->ysize);
     for (int i = 0; i < s->m; i++)
         if (s->ysize[i] > DATA * data * s->units.rowmax[i])
-            most = fmax(most, wrong(s, i, s->g[i], DATA * data) / s->ysize[i]);
+            most = fmax(most, row_violation(s, i, s->g[i], DATA * data) / s->ysize[i]);
     return most;
 }

@@ -72,8 +72,8 @@ static double weighted_max(const ns_mlcp *p, int j, const double *weight) {
 }
 
 /* Raises sizes to their floor.  unit, top: m each; work: NS_UNITS_WORK*m. */
-static void raise(const ns_mlcp *p, const double *lambda, int together, double *size, double *unit,
-                  double *top, double *work) {
+static void raise_to_floor(const ns_mlcp *p, const double *lambda, int together, double *size, double *unit,
+                           double *top, double *work) {
     double *norm = work + p->m;
     ns_linalg_column_scaling(p->m, p->W, unit, work);
     memset(top, 0, (size_t)p->m * sizeof *top);
@@ -112,8 +112,8 @@ static double row_residual(const ns_mlcp *p, int i, double lambda, double y, dou
 }
 
 /* The largest, with the sizes as they are; inverse (m) gets 1/Y.  NAN where terms are beyond a double. */
-static double largest(const ns_mlcp *p, const double *lambda, const double *y, const double *size,
-                      double *inverse, int *worst) {
+static double largest_row_residual(const ns_mlcp *p, const double *lambda, const double *y,
+                                   const double *size, double *inverse, int *worst) {
     double most = 0.0;
     for (int i = 0; i < p->m; i++)
         inverse[i] = size[i] > 0.0 ? 1.0 / size[i] : 0.0;
@@ -134,15 +134,15 @@ double ns_mlcp_measure(const ns_mlcp *p, const double *lambda, int together, dou
     size_t m = (size_t)p->m;
     double *y = work, *inverse = work + m, *size = work + 2 * m, *more = work + 3 * m;
     sum_rows(p, lambda, y, size);
-    double r = largest(p, lambda, y, size, inverse, worst);
+    double r = largest_row_residual(p, lambda, y, size, inverse, worst);
     if (r <= NO_DOUBT || isnan(r))
         return r;
-    raise(p, lambda, together, size, more, more + m, more + 2 * m);
-    return largest(p, lambda, y, size, inverse, worst);
+    raise_to_floor(p, lambda, together, size, more, more + m, more + 2 * m);
+    return largest_row_residual(p, lambda, y, size, inverse, worst);
 }
 
 /* The columns of a W on demand; NULL: no memory, or one could not be had. */
-static double *gather(const ns_mlcp *p) {
+static double *gather_columns(const ns_mlcp *p) {
     const size_t m = (size_t)p->m;
     double *W = malloc(m * m * sizeof *W);
     for (int j = 0; W && j < p->m; j++)
@@ -163,7 +163,7 @@ double ns_mlcp_residual(const ns_mlcp *p, const double *lambda, int *worst) {
     if (p->m == 0)
         return 0.0;
     ns_mlcp whole = *p;
-    double *own = p->W ? NULL : gather(p);
+    double *own = p->W ? NULL : gather_columns(p);
     double *work = p->m <= SMALL ? few : malloc(NS_MEASURE_WORK * (size_t)p->m * sizeof *work);
     whole.W = own ? own : p->W;
     if (work && whole.W)

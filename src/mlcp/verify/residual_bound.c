@@ -34,8 +34,8 @@ void ns_mlcp_nonzeros_find(int m, const double *W, ns_nonzeros *z) {
     z->few = m <= NS_QUICK && 3 * n <= m * m;
 }
 
-void ns_mlcp_terms(const ns_mlcp *p, const ns_nonzeros *z, const double *lambda, double *restrict y,
-                   double *restrict size) {
+void ns_mlcp_sum_terms(const ns_mlcp *p, const ns_nonzeros *z, const double *lambda, double *restrict y,
+                       double *restrict size) {
     const size_t m = (size_t)p->m;
     for (size_t i = 0; i < m; i++) {
         y[i] = p->q[i];
@@ -50,7 +50,8 @@ void ns_mlcp_terms(const ns_mlcp *p, const ns_nonzeros *z, const double *lambda,
             ns_mlcp_nonzeros_add(z, j, p->W + (size_t)j * m, lambda[j], y, size);
 }
 
-double ns_mlcp_bound_residual(const ns_mlcp *p, const double *lambda, const double *y, const double *size) {
+double ns_mlcp_residual_bound_of(const ns_mlcp *p, const double *lambda, const double *y,
+                                 const double *size) {
     const size_t m = (size_t)p->m;
     double most = 0.0, all = 0.0;
     for (size_t i = 0; i < m; i++) {
@@ -62,8 +63,8 @@ double ns_mlcp_bound_residual(const ns_mlcp *p, const double *lambda, const doub
     return isfinite(all) ? most : NAN;
 }
 
-double ns_mlcp_quick_residual(const ns_mlcp *p, const double *lambda, double *restrict y,
+double ns_mlcp_residual_bound(const ns_mlcp *p, const double *lambda, double *restrict y,
                               double *restrict size) {
-    ns_mlcp_terms(p, NULL, lambda, y, size);
-    return ns_mlcp_bound_residual(p, lambda, y, size);
+    ns_mlcp_sum_terms(p, NULL, lambda, y, size);
+    return ns_mlcp_residual_bound_of(p, lambda, y, size);
 }

@@ -32,16 +32,16 @@ static inline void ns_mlcp_nonzeros_add(const ns_nonzeros *z, int j, const doubl
 }
 
 /* y (m) gets W lambda + q, size (m) the sums of the sizes of their terms.  z: of W, or NULL. */
-void ns_mlcp_terms(const ns_mlcp *p, const ns_nonzeros *z, const double *lambda, double *restrict y,
-                   double *restrict size);
+void ns_mlcp_sum_terms(const ns_mlcp *p, const ns_nonzeros *z, const double *lambda, double *restrict y,
+                       double *restrict size);
 
 /* From these: rows as residual.c has them; one whose lambda is at the bound that the sign of y asks for
  * counts 0, any other |y_i| / size_i (the projection does not expand, and Y_i is not below size_i).  lambda
  * is within its bounds.  NAN where terms are beyond a double. */
-double ns_mlcp_bound_residual(const ns_mlcp *p, const double *lambda, const double *y, const double *size);
+double ns_mlcp_residual_bound_of(const ns_mlcp *p, const double *lambda, const double *y, const double *size);
 
 /* Both. */
-double ns_mlcp_quick_residual(const ns_mlcp *p, const double *lambda, double *restrict y,
+double ns_mlcp_residual_bound(const ns_mlcp *p, const double *lambda, double *restrict y,
                               double *restrict size);
 
 #endif
