@@ -159,6 +159,13 @@ static int problem(const ns_engine *e, ns_mlcp *p, double *h) {
     return r->fault.status == ns_theta_fault(r->step)->status ? ns_theta_problem(r->step, p, h) : NS_E_STATE;
 }
 
+ns_recurrence ns_march_dense_recurrence(const ns_engine *e) {
+    const ns_dense_run *r = run_in(e);
+    const ns_counts *exact = r->exact ? ns_exact_counts(r->exact) : NULL;
+    return (ns_recurrence){(exact ? exact->events : 0) + ns_ladder_events(r->ladder),
+                           exact ? exact->modes : 0};
+}
+
 int ns_march_dense_hands_over(const ns_engine *e) {
     return run_in(e)->hands_over;
 }

@@ -85,6 +85,7 @@ int ns_march_run_create(const ns_system *s, const ns_march_options *o, ns_engine
     r->s = s;
     r->options = *o;
     r->retry_sparse_at = INFINITY;
+    r->counts_modes = ns_march_counts_modes(s);
     const int status = ns_march_run_make_engine(r, fault);
     if (status != NS_OK) {
         free_run(&r->engine);

@@ -3,6 +3,7 @@
 #include "run_internal.h"
 #include "system/dense_copy.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 /* Systems that are large are written out first. */
@@ -93,14 +94,20 @@ static int leave_dense(ns_run *r) {
     return status;
 }
 
+static int modes_do_not_recur(ns_run *r) {
+    const ns_recurrence now = ns_march_dense_recurrence(r->at_work);
+    return r->counts_modes && ns_march_modes_do_not_recur(&now, &r->seen);
+}
+
 void ns_march_run_try_sparse(ns_run *r, int dense_failed) {
     ns_engine *e = r->at_work;
+    const int may_be_due = r->retry_sparse_at < INFINITY;
     double t;
-    if (r->options.method != NS_AUTO || !ns_march_dense_rests(e, &t))
+    if (r->options.method != NS_AUTO || !(may_be_due || dense_failed || r->counts_modes) ||
+        !ns_march_dense_rests(e, &t))
         return;
-    const int due = t >= r->retry_sparse_at, first = r->retry_interval == 0 && ns_march_dense_is_exact(e);
-    if (!due &&
-        !(first && (dense_failed || ns_march_modes_do_not_recur(r->s, e->table->counts(e), &r->seen))))
+    const int first = r->retry_interval == 0 && ns_march_dense_is_exact(e);
+    if (t < r->retry_sparse_at && !(first && (dense_failed || modes_do_not_recur(r))))
         return;
     if (leave_dense(r) != NS_OK)
         put_off_sparse(r, t);

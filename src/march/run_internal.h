@@ -17,7 +17,8 @@ typedef struct ns_run {
     /* the next hand-over to the sparse engine */
     double retry_sparse_at; /* s */
     double retry_interval;  /* s; 0: the dense engines were the first */
-    ns_recurrence seen;
+    int counts_modes;       /* it matters whether modes recur */
+    ns_recurrence seen;     /* when that was judged last */
     /* what is told */
     ns_counts before, sum; /* of the engines that were at work before; of all */
     ns_fault fault;        /* of dense engines that could not be made */

@@ -7,6 +7,8 @@
 enum { DENSE_FASTEST = 64 };
 /* Unknowns and pairs up to which large systems are also written out for the dense engines, which get slow. */
 enum { DENSE_MOST = 1500 };
+/* Unknowns and pairs from which on modes that do not recur are worth a change of engine. */
+enum { MODES_MATTER = 24 };
 /* h is what the scheme needs for its accuracy; steps of the sparse engine, which controls its error, may be
  * 2^6 times as long. */
 enum { LONGER_EXPONENT = 6 };
@@ -43,14 +45,18 @@ int ns_march_leaves_sparse(const ns_system *s, const ns_march_options *o, int st
     return refused && o->method != NS_SPARSE && !ns_march_too_large(s);
 }
 
+int ns_march_counts_modes(const ns_system *s) {
+    return s->n + s->m >= MODES_MATTER;
+}
+
 /* The first modes are new in any circuit: they do not count. */
-int ns_march_modes_do_not_recur(const ns_system *s, const ns_counts *c, ns_recurrence *seen) {
-    enum { ENOUGH = 64, FEW = 24 };
-    const long events = c->events - seen->events, modes = c->modes - seen->modes;
+int ns_march_modes_do_not_recur(const ns_recurrence *now, ns_recurrence *seen) {
+    enum { ENOUGH = 64 };
+    const long events = now->events - seen->events, modes = now->modes - seen->modes;
     const int first = seen->events == 0;
-    if (s->n + s->m < FEW || events < ENOUGH)
+    if (events < ENOUGH)
         return 0;
-    *seen = (ns_recurrence){c->events, c->modes};
+    *seen = *now;
     return !first && 2 * modes > events;
 }
 
