@@ -1,0 +1,201 @@
+/* tests/unit/sparse/test_event_parts.c - what an event is made of, below the engine: charges that jump, (P1)
+ * of a few pairs, counts of chatter, the largest values so far. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "nonsmooth.h"
+#include "sparse/guards.h"
+
+static const double h = 1e-6;
+
+typedef struct bench {
+    ns_circuit *c;
+    ns_system *s;
+    ns_sparse *m;
+} bench;
+
+static bench open_bench(void) {
+    bench b = {0};
+    assert_int_equal(ns_circuit_create(&b.c), NS_OK);
+    return b;
+}
+
+static void start_bench(bench *b) {
+    const ns_sparse_options o = {.h = h};
+    double w[32];
+    assert_int_equal(ns_circuit_system(b->c, &b->s), NS_OK);
+    assert_true(b->s->n <= 32);
+    assert_int_equal(ns_sparse_create(b->s, &o, &b->m, NULL), NS_OK);
+    assert_int_equal(ns_circuit_rest(b->c, w), NS_OK);
+    assert_int_equal(ns_sparse_start(b->m, 0, w), NS_OK);
+}
+
+static void close_bench(bench *b) {
+    ns_sparse_free(b->m);
+    ns_system_free(b->s);
+    ns_circuit_free(b->c);
+}
+
+static void add_source(bench *b, int p, double volts) {
+    const ns_signal dc = {.kind = NS_DC, .u.dc = volts};
+    assert_int_equal(ns_circuit_source(b->c, p == 9 ? "gate" : "v", NS_VOLTAGE, p, 0, &dc, NULL), NS_OK);
+}
+
+/* 1 nF at 3 V and 2 nF at 0 V, joined by an open switch and so many ohm. */
+static bench two_capacitors(double ohm) {
+    const ns_switch ideal = {0.5, 0, 0, INFINITY};
+    bench b = open_bench();
+    add_source(&b, 9, 0);
+    assert_int_equal(ns_circuit_capacitor(b.c, "c1", 1, 0, 1e-9, 3, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(b.c, "c2", 3, 0, 2e-9, 0, NULL), NS_OK);
+    assert_int_equal(ns_circuit_switch(b.c, "s", 1, ohm > 0 ? 2 : 3, 9, 0, &ideal, NULL), NS_OK);
+    if (ohm > 0)
+        assert_int_equal(ns_circuit_resistor(b.c, "r", 2, 3, ohm, NULL), NS_OK);
+    start_bench(&b);
+    return b;
+}
+
+/* The voltages of both after the switch closes, by steps of length g. */
+static ns_jump_kind close_switch(bench *b, double g, double *v1, double *v2) {
+    const ns_mode closed[1] = {NS_INSIDE};
+    ns_jump_kind jump;
+    ns_sparse_guard_set_mode(b->m, closed);
+    assert_int_equal(ns_sparse_project_consistent(b->m, 0, g, NULL, &jump), NS_OK);
+    assert_int_equal(ns_sparse_step_euler(b->m, 0, ldexp(g, -40), b->m->w, 1, b->m->v, NULL), NS_OK);
+    *v1 = b->m->v[ns_circuit_node_unknown(b->c, 1)];
+    *v2 = b->m->v[ns_circuit_node_unknown(b->c, 3)];
+    return jump;
+}
+
+/* Without a resistance their 3 nC spread over 3 nF: 1 V.  Once more nothing jumps. */
+static void charges_are_shared_at_once(void **state) {
+    bench b = two_capacitors(0);
+    double v1, v2;
+    (void)state;
+    assert_int_equal(close_switch(&b, ldexp(h, -16), &v1, &v2), NS_JUMPS);
+    assert_true(fabs(v1 - 1) < 1e-12 && fabs(v2 - 1) < 1e-12);
+    assert_int_equal(close_switch(&b, ldexp(h, -16), &v1, &v2), NS_NO_JUMP);
+    assert_true(fabs(v1 - 1) < 1e-12 && fabs(v2 - 1) < 1e-12);
+    close_bench(&b);
+}
+
+/* By 1.5e-4 ohm they take 1e-13 s for it: shorter than a step of h 2^-16, 1.5e-11 s, but not instantaneous.
+ */
+static void short_transients_last(void **state) {
+    bench b = two_capacitors(1.5e-4);
+    double v1, v2;
+    (void)state;
+    assert_int_equal(close_switch(&b, ldexp(h, -16), &v1, &v2), NS_LASTS);
+    assert_true(fabs(v1 - 3) < 1e-9 && fabs(v2) < 1e-9); /* as they were */
+    close_bench(&b);
+}
+
+/* 10 ohm: they take 7 ns, nothing jumps. */
+static void slow_charges_stay(void **state) {
+    bench b = two_capacitors(10);
+    double v1, v2;
+    (void)state;
+    assert_int_equal(close_switch(&b, ldexp(h, -16), &v1, &v2), NS_NO_JUMP);
+    assert_true(fabs(v1 - 3) < 1e-9 && fabs(v2) < 1e-9);
+    close_bench(&b);
+}
+
+/* 5 V through a bridge of diodes into 10 ohm: two of them conduct, from whatever mode it begins with. */
+static void a_local_problem_finds_the_mode(void **state) {
+    const ns_diode diode = {0, 0, INFINITY, INFINITY, 0};
+    const int from[] = {1, 0, 3, 3}, to[] = {2, 2, 1, 0};
+    const char *const names[] = {"d1", "d2", "d3", "d4"};
+    bench b = open_bench();
+    (void)state;
+    add_source(&b, 1, 5);
+    for (int k = 0; k < 4; k++)
+        assert_int_equal(ns_circuit_diode(b.c, names[k], from[k], to[k], &diode, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(b.c, "r", 2, 3, 10, NULL), NS_OK);
+    start_bench(&b);
+    for (int code = 0; code < 16; code++) {
+        ns_mode mode[4];
+        for (int j = 0; j < 4; j++)
+            mode[j] = code >> j & 1 ? NS_INSIDE : NS_LOWER;
+        ns_sparse_guard_set_mode(b.m, mode);
+        memset(b.m->touched, 0, 4);
+        assert_int_equal(ns_sparse_local_lcp(b.m, 0, 1e-9, b.m->w, b.m->v, NULL), NS_OK);
+        for (int j = 0; j < 4; j++)
+            assert_int_equal(b.m->mode[j], j == 0 || j == 3 ? NS_INSIDE : NS_LOWER);
+        assert_true(fabs(b.m->v[b.m->f->n] - 0.5) < 1e-12);
+    }
+    close_bench(&b);
+}
+
+/* A pair may change 1000 times within the length of a step, and 64 Euler steps may be taken; then it is
+ * chatter.  What is dropped does not count, later the count begins anew. */
+static void chatter_is_counted(void **state) {
+    bench b = two_capacitors(10);
+    ns_sparse *m = b.m;
+    ns_dense_step *step = m->trial.step;
+    const ns_mode closed[1] = {NS_INSIDE};
+    (void)state;
+    step->next_exponent = step->length_exponent = 3;
+    step->mode[0] = NS_LOWER;
+    ns_sparse_guard_set_mode(m, closed);
+    for (int round = 0; round < 2; round++) {
+        for (int k = 0; k < 1000; k++)
+            assert_int_equal(ns_sparse_chatter_event(m, step, 1e-3), NS_OK);
+        assert_int_equal(ns_sparse_chatter_event(m, step, 1e-3 + h / 8.1), NS_E_LIMIT);
+        ns_sparse_chatter_drop(m);
+    }
+    ns_sparse_chatter_reset(m);
+    for (int k = 0; k < 1000; k++)
+        assert_int_equal(ns_sparse_chatter_event(m, step, 1e-3), NS_OK);
+    ns_sparse_chatter_accept(m);
+    assert_int_equal(ns_sparse_chatter_event(m, step, 1e-3), NS_E_LIMIT);
+    assert_int_equal(ns_sparse_chatter_event(m, step, 1e-3 + h / 7.9), NS_OK);
+    step->mode[0] = NS_INSIDE; /* nothing changed: not counted */
+    for (int k = 0; k < 2000; k++)
+        assert_int_equal(ns_sparse_chatter_event(m, step, 2e-3), NS_OK);
+    for (int k = 0; k < 64; k++)
+        assert_int_equal(ns_sparse_chatter_euler(m, step, 1e-3), NS_OK);
+    assert_int_equal(ns_sparse_chatter_euler(m, step, 1e-3 + h / 8.1), NS_E_LIMIT);
+    assert_int_equal(ns_sparse_chatter_euler(m, step, 1e-3 + h / 7.9), NS_OK);
+    close_bench(&b);
+}
+
+/* lambda counts for steps as long as the one it was seen in, and shorter ones; a saved state comes back
+ * whole. */
+static void largest_values_by_length(void **state) {
+    bench b = two_capacitors(10);
+    ns_sparse *m = b.m;
+    double v[32] = {0};
+    (void)state;
+    assert_true(m->f->size <= 32);
+    ns_sparse_largest_reset(m);
+    v[m->f->n] = -7;
+    ns_sparse_largest_guards(m, v, 5);
+    assert_true(m->largest.lambda == 7);
+    ns_sparse_largest_accept(m, 5);
+    v[m->f->n] = 2;
+    ns_sparse_largest_save(m);
+    ns_sparse_largest_guards(m, v, 4); /* a longer step */
+    assert_true(m->largest.lambda == 2);
+    ns_sparse_largest_accept(m, 4);
+    ns_sparse_largest_guards(m, v, 5);
+    assert_true(m->largest.lambda == 7);
+    m->largest.w[0] = 3;
+    ns_sparse_largest_restore(m);
+    assert_true(m->largest.lambda == 7 && m->largest.lambda_of[4] == 0 && m->largest.w[0] == 0);
+    close_bench(&b);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(charges_are_shared_at_once), cmocka_unit_test(short_transients_last),
+        cmocka_unit_test(slow_charges_stay),          cmocka_unit_test(a_local_problem_finds_the_mode),
+        cmocka_unit_test(chatter_is_counted),         cmocka_unit_test(largest_values_by_length),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
