@@ -206,8 +206,10 @@ void ns_mlcp_save(const ns_mlcp_solver *s, ns_mlcp_point *to);
 void ns_mlcp_restore(ns_mlcp_solver *s, const ns_mlcp_point *from);
 
 /* basis.c */
-void ns_mlcp_basis_pick(ns_mlcp_solver *s);                    /* rows, cols, k of s->mode */
-void ns_mlcp_basis_gather(ns_mlcp_solver *s);                  /* G of them */
+void ns_mlcp_basis_pick(ns_mlcp_solver *s);   /* rows, cols, k of s->mode */
+void ns_mlcp_basis_gather(ns_mlcp_solver *s); /* G of them */
+/* Factors A (n*n) into s->lu. */
+int ns_mlcp_basis_factor_of(ns_mlcp_solver *s, int n, const double *A, double *rcond);
 int ns_mlcp_basis_factor(ns_mlcp_solver *s, double *rcond);    /* all that, and its factors */
 void ns_mlcp_basis_values(ns_mlcp_solver *s, int refinements); /* lambda, y, from the factors */
 void ns_mlcp_basis_correct(ns_mlcp_solver *s); /* one refinement by the residual of W, q as they are now */

@@ -94,9 +94,7 @@ static int factor_basis(search *b) {
         for (int i = 0; i < nc; i++)
             s->G[(size_t)i + (size_t)j * (size_t)nc] =
                 s->W[(size_t)s->rows[i] + (size_t)s->cols[j] * (size_t)s->m];
-    s->factors++;
-    s->factored.valid = 0;
-    return ns_linalg_lu_factor(s->lu, nc, s->G, NULL, NULL);
+    return ns_mlcp_basis_factor_of(s, nc, s->G, NULL);
 }
 
 /* OK if the simplex method's answer is one of the problem. */

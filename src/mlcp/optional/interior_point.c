@@ -90,10 +90,8 @@ static int factor_system(ns_mlcp_solver *ws, const iterate *p, double ridge) {
         for (size_t j = 0; j < m; j++)
             ws->G[i + j * m] = ws->G[j + i * m] = i == j ? 1.0 : 0.0;
     }
-    ws->factors++;
-    ws->factored.valid = 0;
     double rcond;
-    int status = ns_linalg_lu_factor(ws->lu, z->m, ws->G, &rcond, NULL);
+    int status = ns_mlcp_basis_factor_of(ws, z->m, ws->G, &rcond);
     return status == NS_OK && ridge == 0.0 && !(rcond > RCOND) ? NS_E_SINGULAR : status;
 }
 

@@ -162,9 +162,7 @@ static int factor_ridged(ns_mlcp_solver *s, const ns_scaled *z) {
             int inside = s->mode[i] == NS_INSIDE && s->mode[j] == NS_INSIDE;
             s->G[i + j * m] = (inside ? z->W[i + j * m] : 0.0) + (i == j ? (inside ? RIDGE : 1.0) : 0.0);
         }
-    s->factors++;
-    s->factored.valid = 0;
-    return ns_linalg_lu_factor(s->lu, z->m, s->G, NULL, NULL);
+    return ns_mlcp_basis_factor_of(s, z->m, s->G, NULL);
 }
 
 /* lambda less (W + ridge)^-1 y: a step of the proximal point method, which redundant equations do not

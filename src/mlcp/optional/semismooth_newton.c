@@ -143,9 +143,7 @@ static int levenberg(ns_mlcp_solver *s, const ns_scaled *z, const double *g, dou
         for (size_t i = 0; i <= j; i++)
             s->elim.mag[i + j * m] = s->elim.mag[j + i * m] =
                 dot(n, s->G + i * m, s->G + j * m) + (i == j ? nu : 0.0);
-    s->factors++;
-    s->factored.valid = 0;
-    if (ns_linalg_lu_factor(s->lu, n, s->elim.mag, NULL, NULL) != NS_OK)
+    if (ns_mlcp_basis_factor_of(s, n, s->elim.mag, NULL) != NS_OK)
         return 0;
     for (int i = 0; i < n; i++)
         d[i] = -g[i];
@@ -159,9 +157,7 @@ static void newton_direction(ns_mlcp_solver *s, const ns_scaled *z, const double
     double rcond;
     for (int i = 0; i < n; i++)
         d[i] = -Phi[i];
-    s->factors++;
-    s->factored.valid = 0;
-    if (ns_linalg_lu_factor(s->lu, n, s->G, &rcond, NULL) == NS_OK && rcond > DBL_EPSILON) {
+    if (ns_mlcp_basis_factor_of(s, n, s->G, &rcond) == NS_OK && rcond > DBL_EPSILON) {
         ns_linalg_lu_solve(s->lu, 1, d);
         if (descends(n, d, g))
             return;

@@ -38,12 +38,16 @@ void ns_mlcp_basis_gather(ns_mlcp_solver *s) {
         gather_rows(s, s->W + (size_t)s->cols[j] * (size_t)s->m, s->G + (size_t)j * (size_t)s->k);
 }
 
-int ns_mlcp_basis_factor(ns_mlcp_solver *s, double *rcond) {
+int ns_mlcp_basis_factor_of(ns_mlcp_solver *s, int n, const double *A, double *rcond) {
     s->factored.valid = 0;
+    s->factors++;
+    return ns_linalg_lu_factor(s->lu, n, A, rcond, NULL);
+}
+
+int ns_mlcp_basis_factor(ns_mlcp_solver *s, double *rcond) {
     ns_mlcp_basis_pick(s);
     ns_mlcp_basis_gather(s);
-    s->factors++;
-    return ns_linalg_lu_factor(s->lu, s->k, s->G, rcond, NULL);
+    return ns_mlcp_basis_factor_of(s, s->k, s->G, rcond);
 }
 
 /* y = W lambda + q for the present lambda; fixed ones are in q already. */

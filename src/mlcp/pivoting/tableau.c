@@ -40,9 +40,7 @@ static int factor_labels(ns_mlcp_solver *s) {
         for (int i = 0; i < s->k; i++)
             s->G[(size_t)i + (size_t)j * (size_t)s->k] = col[s->rows[i]];
     }
-    s->factors++;
-    s->factored.valid = 0;
-    return ns_linalg_lu_factor(s->lu, s->k, s->G, NULL, NULL);
+    return ns_mlcp_basis_factor_of(s, s->k, s->G, NULL);
 }
 
 /* g = q + W lambda of the nonbasic lambda that are not 0 (t is 0 where nonbasic). */
