@@ -11,8 +11,8 @@
 
 typedef struct ns_exact ns_exact;
 
-/* h: longest step of the scheme, s: what counts as simultaneous or as fast is measured by it.  Kept modes
- * take as much memory as the stepper's maps may.  Errors: MEMORY. */
+/* h: longest step of the ladder, s; times below h/2^20 count as simultaneous.  Kept matrices may take as much
+ * memory as the stepper's maps.  Errors: MEMORY. */
 int ns_exact_create(ns_theta *step, ns_dense_point *point, double h, ns_exact **out);
 void ns_exact_free(ns_exact *f);
 
@@ -20,10 +20,10 @@ void ns_exact_free(ns_exact *f);
  * far as it can: it stops before what it cannot resolve, and another engine has to go on until
  * ns_exact_fallback_until().  Errors: MEMORY. */
 int ns_exact_go(ns_exact *f, double accepted_t, double t, ns_until until);
-/* The consistent point, the stepper being just started: jumps included.  Errors: those of the impulse
- * problem. */
+/* The stepper has just been started: its point becomes consistent, by jumps where needed.  Errors: those of
+ * the impulse problem. */
 int ns_exact_find_consistent(ns_exact *f);
-/* The trial is accepted; it is dropped. */
+/* The trial is accepted, or dropped. */
 void ns_exact_accept(ns_exact *f);
 void ns_exact_drop(ns_exact *f);
 

@@ -19,8 +19,8 @@ int ns_exact_sliding_count(const ns_mode *mode, int m) {
 /* The system with the rows of sliding pairs changed, while a map is built. */
 typedef struct ns_sliding_system {
     ns_system system;
-    double *C, *D, *F, *e; /* of it */
-    double *l, *u;         /* the stepper's, as they were */
+    double *C, *D, *F, *e; /* its rows of pairs */
+    double *l, *u;         /* the stepper's bounds, to be restored */
     ns_mode *mode;
 } ns_sliding_system;
 
@@ -44,8 +44,9 @@ static void set_rows(const ns_theta *s, const ns_mode *mode, ns_sliding_system *
     }
 }
 
-/* Stages may be as short as ron C, and their largest unknowns, the currents of charges that go at once, 1e12
- * times those that are there: of what diodes at rest see, nearly nothing. */
+/* An Euler step may be as short as ron C.  Its largest unknowns, currents that recharge capacitors within it,
+ * are then 1e12 times the others: only this fraction of them counts as the size that rounding is relative to.
+ */
 static const double of_largest = 1e-9;
 
 int ns_exact_sliding_map(ns_theta *s, double g, const ns_mode *mode, ns_map **out) {
