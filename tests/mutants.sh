@@ -10,7 +10,7 @@
 # and the netlists through ngspice.  A program that takes ten times as long as it does fails.
 # Printed: each mutant that lives, and how many were noticed.  Those of tests/mutants/accepted, lines
 # "FILE | BEFORE | AFTER | REASON", are printed with their reason.  Status 0: 85 of 100 were noticed.
-# Environment: NETLISTS=no leaves out the netlists, of which each mutant that lives takes all.
+# Environment: QUICK=yes leaves out the netlists, valgrind, and programs of more than a second.
 cd "$(dirname "$0")/.." || exit 1
 export LC_ALL=C OPENBLAS_NUM_THREADS=1
 dir=build/mutants
@@ -61,8 +61,10 @@ noticed_by() {
     *) $CC -shared -Wl,-soname,libnonsmooth-test.so $WRAP $(objects "$1") -o "$at/libnonsmooth-test.so" $LIBS ;;
     esac
     while read -r _ seconds program; do
+        [ "${QUICK:-no}" = no ] || [ "$seconds" -lt 100 ] || continue
         LD_LIBRARY_PATH=$at limited $((10 * seconds / 100 + 5)) "$program" || { echo "$program" && return; }
     done <"$at/programs"
+    [ "${QUICK:-no}" = no ] || return
     head -n 4 "$at/programs" >"$at/few"
     while read -r _ seconds program; do
         [ "$seconds" -lt 100 ] || continue
@@ -74,7 +76,6 @@ noticed_by() {
     # shellcheck disable=SC2046,SC2086
     $CC $tool $(objects "$1") -o "$at/nsc-mlcp" $LIBS
     limited 60 tests/tool/run.sh "$at/nsc-mlcp" || { echo tests/tool/run.sh && return; }
-    [ "${NETLISTS:-yes}" = yes ] || return
     case $file in src/tool/*) return ;; esac
     # shellcheck disable=SC2046,SC2086
     $CC -shared -Wl,--version-script=codemodels/nonsmooth.map $CM_OBJ $(objects "$1") -o "$at/nonsmooth.cm" $CM_LIBS

@@ -58,7 +58,8 @@ done <"$tmp/quoted"
 # lines README MOST: it is there and has at most so many.
 lines() {
     if [ ! -f "$1" ]; then
-        echo "skip $1 is missing"
+        echo "FAIL $1 is missing"
+        status=1
     elif [ "$(wc -l <"$1")" -gt "$2" ]; then
         echo "FAIL $1 has $(wc -l <"$1") lines, more than $2"
         status=1

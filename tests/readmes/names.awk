@@ -86,6 +86,6 @@ columns == "models" && /^\| *`/ {
         target = substr(line, RSTART + 2, RLENGTH - 3)
         line = substr(line, RSTART + RLENGTH)
         sub(/#.*/, "", target)
-        if (target !~ /^[a-z]+:/) say("link", target)
+        if (target !~ /^[a-z]+:/ && target ~ /[.\/]/) say("link", target)
     }
 }
