@@ -12,7 +12,7 @@
  *   march.h    many steps: events located, jumps resolved, values on both sides of a jump
  *   model.h    (S1)-(S4) with nonlinear f, g, h and their Jacobians
  *   newton.h   one theta-gamma step of a model, (T1)-(T5) around (P1)
- *   circuit.h  R, L, C, K, sources, ideal diodes and switches -> (S1)-(S3)
+ *   circuit.h  R, L, C, K, sources, ideal diodes and switches -> (S1)-(S4)
  *
  * The library never prints, never exits, keeps no global state.  Matrices are dense, column by
  * column (entry (i,j) of a p-by-q matrix is at [i + j*p]), in SI units.  Functions that can fail

@@ -1,4 +1,4 @@
-/* nonsmooth/circuit.h - netlist elements -> (S1)-(S3) by modified nodal analysis.
+/* nonsmooth/circuit.h - netlist elements -> (S1)-(S4) by modified nodal analysis.
  *
  * Nodes are integers >= 0, 0 is ground; any node named by an element exists.  Elements are numbered from 0 in
  * the order they are added; *id (may be NULL) gets the number.  Names are copied, must be unique, and are

@@ -2,10 +2,10 @@
  *
  * An event is an instant at which a guard breaks, a control crosses its threshold, or a source commands a
  * switch.  Events of the first two kinds are located; instants of commands that depend on time only, and
- * corners of the inputs, are hit exactly.  At an event (P1) is solved over a step of negligible length with
- * theta = gamma = 1; where a charge or a flux jumps, the impulse problem (impulse.h) is solved at the instant
- * itself.  Where events follow each other too closely, event-capturing steps of the scheme are taken for a
- * while.
+ * corners of the inputs, are hit exactly.  At an event the mode that follows is found and the state made
+ * consistent with it: charges and fluxes jump at the instant itself.  How, depends on the engine (Method, in
+ * src/README.md).  Where events follow each other too closely, event-capturing steps of the scheme are taken
+ * for a while.
  */
 #ifndef NONSMOOTH_MARCH_H
 #define NONSMOOTH_MARCH_H

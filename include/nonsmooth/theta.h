@@ -45,11 +45,11 @@ typedef struct ns_counts {
     long evicted;  /* step matrices dropped for the memory bound */
 
     /* a marcher's */
-    long jumps;          /* resolved by the impulse problem */
+    long jumps;          /* of charges or fluxes, resolved in no time (NS_EXACT counts none) */
     long jumps_by_steps; /* resolved by short steps, because the impulse problem gave no answer */
     long islands;        /* parts that share nothing but stiff sources and are stepped apart; 0: one whole */
 
-    /* a marcher's exact engines (NS_EXACT, NS_SPARSE) */
+    /* a marcher's, with NS_EXACT or NS_SPARSE */
     long modes;        /* modes that matrices or factors were made for */
     long searches;     /* intervals in which a guard that may break was looked for */
     long input_states; /* states carried for the inputs: one constant, slopes, exponentials, two a sine */

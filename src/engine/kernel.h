@@ -1,14 +1,14 @@
 /* src/engine/kernel.h - what a kernel answers: the linear circuit inside one mode, from a point on.
  *
  * An engine keeps for each mode what its steps are made of: the exact engine matrices, the sparse engine one
- * factor. Whatever decides about events (where a guard breaks, which mode follows, what jumps) needs only
- * these answers, and need not know which of the two it asks.  A kernel is asked at one point at a time: time,
+ * factor.  Event logic (where a guard breaks, which mode follows, what jumps) can be written over the answers
+ * below alone, for both; so far each engine has its own.  A kernel is asked at one point at a time: time,
  * charges and mode.
  *
- *     place                     the point, in a mode
- *     make_consistent           charges and fluxes that the mode's constraints do not allow are taken away at
- * once prepare                   the circuit from the point on, for some time ahead, while the mode stands
- *     state, outputs, guards    at any instant in that time, in any order
+ *   place: sets the point, in a mode.
+ *   make_consistent: takes away at once the charges and fluxes that the mode's constraints do not allow.
+ *   prepare: computes the circuit from the point on, for some time ahead, while the mode stands.
+ *   state, outputs, guards: answer at any instant in that time, in any order.
  */
 #ifndef NS_ENGINE_KERNEL_H
 #define NS_ENGINE_KERNEL_H
