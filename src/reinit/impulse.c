@@ -14,7 +14,7 @@
 /* Steps that propose a mode: log2 of their lengths against the fastest time constant; the fractions of leaks
  * (theta/regularise.h) that each is tried with. */
 static const int length_exponents[] = {-20, -8, -36, -52};
-static const double fractions[] = {0, 1e-7, 1e-9};
+static const double fractions[] = {0, 1e-7};
 /* Rounding of a sum, of the sizes of its terms. */
 static const double sum_eps = 16 * DBL_EPSILON;
 

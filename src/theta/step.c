@@ -103,10 +103,10 @@ static int resolve_once(ns_theta *s, double h, int implicit, double fraction) {
 /* (P1), and where the ideal laws leave something undetermined (P1) with leaks, whose answer has the mode of
  * real devices. */
 static int resolve(ns_theta *s, double h, int implicit) {
-    static const double fractions[] = {0, 1e-7, 1e-9};
+    static const double fractions[] = {0, 1e-7};
     int first = NS_OK;
     ns_fault fault = s->fault;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 2; k++) {
         memcpy(s->trial.mode, s->past.mode, (size_t)s->s->m);
         const int status = resolve_once(s, h, implicit, fractions[k]);
         if (status == NS_OK || status == NS_E_MEMORY)

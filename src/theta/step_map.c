@@ -211,11 +211,7 @@ static int solve_columns(ns_theta *s, const ns_leaks *leaks, int nj, int *leaky)
     memcpy(s->X, s->R, sizeof(double) * (size_t)size * (size_t)s->q);
     const int status = ns_theta_leak_solve(s, leaks, nj, s->q);
     *leaky = status == NS_OK;
-    if (status != NS_E_SINGULAR || regular != NS_OK)
-        return status;
-    s->counts.factors++;
-    (void)ns_linalg_lu_factor(s->lu, size, s->K, NULL, NULL);
-    return solve_factored(s, size);
+    return status;
 }
 
 int ns_theta_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode, double fraction,
