@@ -45,13 +45,9 @@ const char *ns_circuit_message(const ns_circuit *c) {
 
 int ns_circuit_complain(ns_circuit *c, int status, const char *format, ...) {
     va_list arguments;
-    int wanted;
     va_start(arguments, format);
-    wanted = vsnprintf(c->message, sizeof c->message, format, arguments);
+    (void)vsnprintf(c->message, sizeof c->message, format, arguments); /* callers cut names to 80 letters */
     va_end(arguments);
-    if (wanted >= (int)sizeof c->message) {
-        memcpy(c->message + sizeof c->message - 4, "...", 4);
-    }
     for (char *p = c->message; *p; p++) {
         if ((unsigned char)*p < ' ') {
             *p = '?'; /* one line, whatever a name holds */

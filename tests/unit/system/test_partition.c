@@ -56,7 +56,7 @@ static ns_system *at_one_supply(int count) {
 /* Island k of at_one_supply(): v, its share of i, x_k. */
 static void check_island(const ns_island *a, int k) {
     ns_system *s = a->s;
-    const double home = k == 0;
+    const int home = k == 0;
     assert_int_equal(s->n, 3);
     assert_int_equal(s->m, 1);
     assert_int_equal(s->nz, 2);
