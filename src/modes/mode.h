@@ -8,7 +8,8 @@
  * see: */
 enum {
     /* A switch without hysteresis keeps its control at the threshold, by a lambda and a -y that are both
-     * positive (up), or both negative (down).  Callers see NS_INSIDE, as if it were closed. */
+     * positive (up), or both negative (down).  ns_march_mode() shows NS_INSIDE (sparse) or
+     * this value (exact). */
     NS_SLIDES_UP = 2,
     NS_SLIDES_DOWN = 3,
     /* Not a mode but the target of a command: a closed switch opens, another one closes. */
