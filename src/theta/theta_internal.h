@@ -3,8 +3,8 @@
 #define NS_THETA_INTERNAL_H
 
 #include "linalg/dense.h"
-#include "modes/mode_table.h"
 #include "modes/mode.h"
+#include "modes/mode_table.h"
 #include "nonsmooth/impulse.h"
 
 /* The step of one mode and one length as a matrix.  It acts on the q inputs
