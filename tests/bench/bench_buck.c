@@ -40,12 +40,12 @@ static double steps(ns_theta *t, const double *z) {
 /* As the steps do, each from what the one before gave. */
 static double products(const ns_theta *t) {
     static double in[64], out[256], a[64 * 256];
-    const ns_map *map = t->trial_map;
+    const ns_map *map = t->trial.map;
     const int p = map->p, q = t->q;
     for (int i = 0; i < p * q; i++)
         a[i] = map->step[i];
     for (int k = 0; k < q; k++)
-        in[k] = t->in[k];
+        in[k] = t->past.in[k];
     const double start = now();
     for (long k = 0; k < STEPS; k++) {
         ns_linalg_matvec(p, q, a, in, out);
@@ -80,7 +80,7 @@ int main(void) {
     }
     must(ns_theta_read(t, x, NULL, NULL));
     const ns_counts *c = ns_theta_counts(t);
-    const int p = t->trial_map->p;
+    const int p = t->trial.map->p;
     printf("buck, %d states, %d pairs, map %d x %d; %ld steps of 50 ps, v(200 us) = %.9f V\n", s->n, s->m, p,
            t->q, c->steps, x[LIT_BUCK_VOUT]);
     for (int i = 0; i < PARTS; i++)
