@@ -40,7 +40,7 @@ static void gate(rig *k, const char *name, int node, double from, double width, 
 static double doubled(int method, double esr, int inner, double roff, int n) {
     const ns_signal supply = dc(volts);
     const ns_march_options o = {
-        .theta = 1, .gamma = 1, .h = period / 9, .method = method, .whole = 1, .reltol = 1e-9};
+        .theta = 1, .gamma = 1, .h = period / 9, .method = (ns_method)method, .whole = 1, .reltol = 1e-9};
     rig k = begin();
     ok(ns_circuit_source(k.c, "v", NS_VOLTAGE, 1, 0, &supply, NULL));
     gate(&k, "g1", 9, 0, 0.45 * period, period);
@@ -100,7 +100,7 @@ static void held(int method, double esr, double roff) {
     const double farads = 1e-3 / roff;
     const ns_signal in = pulse(1, 0, 2e-3, 1e-9, 1e-9, 1, 2);
     const ns_march_options o = {
-        .theta = 1, .gamma = 1, .h = 1e-4, .method = method, .whole = 1, .reltol = 1e-9};
+        .theta = 1, .gamma = 1, .h = 1e-4, .method = (ns_method)method, .whole = 1, .reltol = 1e-9};
     rig k = begin();
     ok(ns_circuit_source(k.c, "v", NS_VOLTAGE, 1, 0, &in, NULL));
     gate(&k, "g", 9, 0, 1e-3, 1);
