@@ -28,7 +28,7 @@ typedef struct ns_engine_table {
     ns_method (*method)(const ns_engine *e); /* in use for the last trial */
     const ns_counts *(*counts)(ns_engine *e);
     const ns_fault *(*fault)(const ns_engine *e);
-    int (*problem)(const ns_engine *e, ns_mlcp *p, double *h);
+    int (*problem)(const ns_engine *e, ns_mlcp *p, double *h); /* NULL: STATE, it is never written out */
     /* The engine that answers drop, accept, read, mode, at_event, method, fault and problem; NULL: this one.
      */
     ns_engine *(*at_work)(const ns_engine *e);
@@ -73,7 +73,7 @@ static inline const ns_fault *ns_engine_fault(ns_engine *e) {
 }
 static inline int ns_engine_problem(ns_engine *e, ns_mlcp *p, double *h) {
     e = ns_engine_at_work(e);
-    return e->table->problem(e, p, h);
+    return e->table->problem ? e->table->problem(e, p, h) : NS_E_STATE;
 }
 
 #endif

@@ -19,11 +19,12 @@ static double *next_array(ns_array_block *b, size_t count) {
 
 /* Gives each array its place in the block from `start` on; how many numbers they need. */
 static size_t place_arrays(ns_exact *f, double *start) {
-    ns_array_block at = {start, 0};
+    ns_array_block at = {0};
     const ns_system *y = f->system;
     const size_t n = (size_t)y->n, m = (size_t)y->m, nz = (size_t)y->nz, r = (size_t)f->s->r;
     const size_t rows = 2 * m + (size_t)y->nc;
     const size_t q = r + (size_t)f->inputs->nv + (size_t)f->inputs->mutes;
+    at.start = start;
     f->X = next_array(&at, q);
     f->X_next = next_array(&at, q);
     f->X_before = next_array(&at, q);

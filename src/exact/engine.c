@@ -267,7 +267,8 @@ static int go_to_event(ns_exact *f, double accepted_t, double t, ns_until until,
 static double fallback_length(const ns_exact *f, double advanced) {
     enum { MANY_EXPONENT = 10, FAILURES = 64 };
     const double h = f->h, least = ldexp(h, 2 - NS_EVENT_EXPONENT), last = f->past.fallback_length;
-    const double few = f->timed ? ldexp(h, -MANY_EXPONENT) * (1 + f->past.failures / FAILURES) : h;
+    const int times = 1 + f->past.failures / FAILURES;
+    const double few = f->timed ? ldexp(h, -MANY_EXPONENT) * times : h;
     if (f->state.steps_left < 0)
         return h;
     return fmin(h, fmax(least, advanced < fmax(last, few) ? 4 * last : last / 4));

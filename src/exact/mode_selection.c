@@ -207,12 +207,11 @@ int ns_exact_select_start(ns_exact *f) {
 
 /* How well the instant is known at which a guard broke: its rounding divided by its rate. */
 static double event_time_error(ns_exact *f) {
-    const ns_mode_kernel *k = f->state.mode->scale[0].kernel;
     const double least = 4 * DBL_EPSILON * fabs(f->state.now.t);
     if (f->event_guard < 0)
         return least;
     double until;
-    k = ns_exact_mode_time_scale(f, &until)->kernel;
+    const ns_mode_kernel *k = ns_exact_mode_time_scale(f, &until)->kernel;
     const double noise = ns_exact_guard_rounding(f, k, f->event_guard);
     const double by_rate = noise / fabs(ns_exact_guard_of(k, k->rate, f->event_guard, f->X));
     const double by_second_rate =

@@ -125,7 +125,7 @@ static int start_dc(ns_engine *e, double t0, int nhold, const int *hold, const d
     if (!own || !own_x)
         status = ns_march_partition_fail_here(f, NS_E_MEMORY);
     memset(f->seen, 0, (size_t)f->s->n);
-    for (int k = 0; k < f->islands.count && status == NS_OK; k++) {
+    for (int k = 0; own && own_x && k < f->islands.count && status == NS_OK; k++) {
         const int n = holds_of(f->part[k].island, nhold, hold, hold_x, own, own_x);
         status = f->part[k].run->table->start_dc(f->part[k].run, t0, n, own, own_x, f->x);
         if (status != NS_OK)

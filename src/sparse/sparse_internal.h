@@ -285,8 +285,8 @@ void ns_sparse_predict_reset(ns_sparse *m);
 /* After ns_sparse_event_own_changes(): a step from t in the mode that events like this one led to before, or
  * that an Euler step as long as the last one finds.  0: none that holds, the mode is as it was. */
 int ns_sparse_predict_step(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step);
-/* m->mode is what the event at the end of `before` led to. */
-void ns_sparse_predict_learn(ns_sparse *m, const ns_dense_step *before);
+/* m->mode is what the event at the end of `step` led to. */
+void ns_sparse_predict_learn(ns_sparse *m, const ns_dense_step *step);
 
 /* event.c: 1 if an input jumps at t, or a command of time changes. */
 int ns_sparse_event_at(const ns_sparse *m, double t);

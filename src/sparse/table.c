@@ -57,14 +57,6 @@ static const ns_fault *fault(const ns_engine *e) {
     return ns_sparse_fault(sparse_in(e));
 }
 
-/* Its problems are never written out whole. */
-static int problem(const ns_engine *e, ns_mlcp *p, double *h) {
-    (void)e;
-    (void)p;
-    (void)h;
-    return NS_E_STATE;
-}
-
 static const ns_engine_table table = {
     .free = free_engine,
     .start = start,
@@ -78,7 +70,6 @@ static const ns_engine_table table = {
     .method = method,
     .counts = counts,
     .fault = fault,
-    .problem = problem,
 };
 
 int ns_sparse_table_create(const ns_system *s, const ns_sparse_options *o, ns_engine **out, ns_fault *fault) {

@@ -106,14 +106,14 @@ void ns_theta_take_rates(ns_theta *s) {
 size_t ns_theta_past_size(const ns_theta *s) {
     if (!s)
         return 0;
-    const size_t numbers = (size_t)(3 * s->r + s->s->n + s->s->m + s->q + 4);
+    const size_t numbers = 3 * (size_t)s->r + (size_t)s->s->n + (size_t)s->s->m + (size_t)s->q + 4;
     return numbers + ((size_t)s->s->m * sizeof *s->past.mode + sizeof(double) - 1) / sizeof(double);
 }
 
 void ns_theta_save(const ns_theta *s, double *past) {
     if (!s || !past)
         return;
-    const size_t point = (size_t)(3 * s->r + s->s->n + s->s->m), q = (size_t)s->q;
+    const size_t point = 3 * (size_t)s->r + (size_t)s->s->n + (size_t)s->s->m, q = (size_t)s->q;
     memcpy(past, s->past.w, sizeof *past * point);
     memcpy(past + point, s->past.in, sizeof *past * q);
     past += point + q;
@@ -127,7 +127,7 @@ void ns_theta_save(const ns_theta *s, double *past) {
 void ns_theta_restore(ns_theta *s, const double *past) {
     if (!s || !past)
         return;
-    const size_t point = (size_t)(3 * s->r + s->s->n + s->s->m), q = (size_t)s->q;
+    const size_t point = 3 * (size_t)s->r + (size_t)s->s->n + (size_t)s->s->m, q = (size_t)s->q;
     memcpy(s->past.w, past, sizeof *past * point);
     memcpy(s->past.in, past + point, sizeof *past * q);
     past += point + q;
@@ -206,9 +206,10 @@ void ns_theta_jump(ns_theta *s, const ns_impulse *jump, const double *z) {
     put_point(s, jump->x, jump->lambda, jump->mode, z);
 }
 
-void ns_theta_put(ns_theta *s, const double *w, const double *at, const ns_mode *mode, const double *z) {
+void ns_theta_put(ns_theta *s, const double *w, const double *x_lambda, const ns_mode *mode,
+                  const double *z) {
     memcpy(s->past.w, w, sizeof(double) * (size_t)s->r);
-    put_point(s, at, at + s->s->n, mode, z);
+    put_point(s, x_lambda, x_lambda + s->s->n, mode, z);
 }
 
 void ns_theta_set_controls(ns_theta *s, const double *x) {

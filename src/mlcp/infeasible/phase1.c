@@ -23,14 +23,16 @@ enum { NONE = -1, FLIP = -2 };
 enum { RENEW = 40 }; /* exchanges after which the tableau is made anew: entries lose a digit in some ten */
 
 static double lower(const ns_phase1 *z, int var) {
-    const int i = var / 2, mode = z->mode[i];
+    const int i = var / 2;
+    const ns_mode mode = z->mode[i];
     if (var % 2 == 0)
         return mode == NS_UPPER ? z->s->tab.hi[i] : z->s->tab.lo[i];
     return ns_mlcp_least_y(z->s->p, i, mode);
 }
 
 static double upper(const ns_phase1 *z, int var) {
-    const int i = var / 2, mode = z->mode[i];
+    const int i = var / 2;
+    const ns_mode mode = z->mode[i];
     if (var % 2 == 0)
         return mode == NS_LOWER ? z->s->tab.lo[i] : z->s->tab.hi[i];
     return ns_mlcp_most_y(z->s->p, i, mode);
