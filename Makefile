@@ -354,7 +354,7 @@ picture: deps # the drawing that README shows
 
 C_FILES := $(wildcard include/*.h include/*/*.h src/*/*.[ch] src/*/*/*.[ch] codemodels/bridge/*.[ch] codemodels/bridge/*/*.[ch] tests/*/*.[ch] tests/unit/*/*.[ch])
 TIDY_FILES := $(filter %.c,$(C_FILES))
-TIDY_FLAGS := -std=c11 -Iinclude -Isrc -Itests/rig -Itests/bench -Icodemodels/bridge/pure $(NG_INCLUDE)
+TIDY_FLAGS := -std=c11 -Iinclude -Isrc -Itests/rig -Itests/bench -Itests/compare -Icodemodels/bridge/pure $(NG_INCLUDE)
 
 .PHONY: lint
 lint: deps-lint ## clang-format, clang-tidy, cppcheck, shellcheck, and all of it built by clang and by gcc

@@ -37,7 +37,8 @@ static void charges(void **state) {
     const double pi = 3.14159265358979323846, volts = 10 * (1 + exp(-pi / (2 * quality)));
     const ns_march_options o = {.theta = 1, .gamma = 1, .h = h, .method = NS_EXACT, .whole = 1};
     (void)state;
-    for (double by = 1e2; by < 3e8; by *= 10) {
+    for (int exponent = 2; exponent <= 8; exponent++) {
+        const double by = pow(10, exponent);
         rig k = {.c = build(by / h)};
         make_by(&k, &o);
         start_at_rest(&k);

@@ -57,7 +57,7 @@ static void solve_long(int n, long double a[MOST][MOST], long double *b) {
 
 /* Column k of the map (one of eta): x, lambda_J in long double. */
 static int solve_column(ns_theta *t, double h, const ns_mode *mode, int k, long double *x) {
-    long double a[MOST][MOST];
+    long double a[MOST][MOST] = {{0}};
     const int nj = ns_theta_map_matrix(t, h, 1, mode), size = N + nj;
     for (int i = 0; i < size; i++) {
         x[i] = i == k;
@@ -75,8 +75,11 @@ static void change_units(ns_system *s, dice *d) {
         row[i] = pow(10, 6 * dice_either(d));
         unit[i] = pow(10, 6 * dice_either(d));
     }
-    double *M = (double *)(uintptr_t)s->M, *A = (double *)(uintptr_t)s->A, *B = (double *)(uintptr_t)s->B,
-           *C = (double *)(uintptr_t)s->C;
+    double *M, *A, *B, *C; /* the system is this test's own */
+    memcpy(&M, &s->M, sizeof M);
+    memcpy(&A, &s->A, sizeof A);
+    memcpy(&B, &s->B, sizeof B);
+    memcpy(&C, &s->C, sizeof C);
     for (int j = 0; j < N; j++)
         for (int i = 0; i < N; i++) {
             M[i + j * N] *= row[i] * unit[j];
@@ -104,7 +107,7 @@ static void what_is_lost_is_covered(void **state) {
             mode[j] = dice_below(&d, 2) ? NS_INSIDE : NS_LOWER;
         assert_int_equal(ns_theta_map_build(t, 0.1, 1, mode, 0, &map), NS_OK);
         for (int k = 0; k < t->r; k++) {
-            long double x[MOST];
+            long double x[MOST] = {0};
             const int nj = solve_column(t, 0.1, mode, k, x);
             int g = 0;
             for (int j = 0, in = 0; j < P; j++) {
