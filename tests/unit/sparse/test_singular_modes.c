@@ -67,8 +67,8 @@ static void fill_right(bench *b, const ns_mode *mode) {
         for (int p = b->f->E.start[k]; p < b->f->E.start[k + 1]; p++)
             b->r[b->f->E.row[p]] += ns_sparse_form_rate(b->f, g, b->f->E.row[p]) * b->f->E.value[p] * z[k];
     for (int j = 0; j < b->f->m; j++)
-        if (mode[j] ==
-            NS_INSIDE) /* NOLINT(clang-analyzer-core.UndefinedBinaryOperatorResult): m modes are there */
+        /* NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): m modes are there */
+        if (mode[j] == NS_INSIDE)
             b->r[b->f->n + j] = -b->f->e[j];
 }
 
