@@ -30,8 +30,9 @@ int ns_march_run_make_engine(ns_run *r, ns_fault *fault);
 int ns_march_run_use_dense(ns_run *r, double t);
 /* The dense engines go on from the accepted point of the sparse one.  Errors: also those of a start. */
 int ns_march_run_leave_sparse(ns_run *r);
-/* If it is time to, the sparse engine goes on from the accepted point of the dense ones, which may have
- * failed too often. */
+/* Starts the sparse engine from the accepted point of the dense ones if it is due (retry_sparse_at), if the
+ * exact engine failed too often (dense_failed: 1), or if most modes are new.  If it refuses, the dense
+ * engines go on, and it is asked again later. */
 void ns_march_run_try_sparse(ns_run *r, int dense_failed);
 
 #endif
