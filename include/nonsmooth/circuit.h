@@ -111,6 +111,24 @@ int ns_circuit_hold(const ns_circuit *c, int *hold, double *hold_x);
 int ns_circuit_device(const ns_circuit *c, int id, const double *x, const double *lambda, const ns_mode *mode,
                       double *i, double *v, int *on);
 
+/* A point of a solution: what ns_march_read() gives, and for the currents of capacitors the rates of x. */
+typedef struct ns_solution {
+    double t;             /* s */
+    ns_side side;         /* of t, where a source of current jumps */
+    const double *x;      /* n */
+    const double *lambda; /* m */
+    const double *rates;  /* n: dx/dt, 1/s of x; NULL: not known */
+} ns_solution;
+
+/* Voltage (V, of the first node against the second), current (A, from the first node through the element to
+ * the second) and power (W, taken in: v*i) of any element; v, i, p may be NULL.  A coupling has none: all are
+ * 0, its energy is in the inductors.  A capacitor's current without rates: NAN.  Errors: NULL, SIZE (id). */
+int ns_circuit_power(const ns_circuit *c, int id, const ns_solution *at, double *v, double *i, double *p);
+
+/* The energy (J) in each element (one each; NULL: not wanted) and in all (NULL: likewise): C v^2/2, L i^2/2;
+ * of a coupling half in either inductor, where it may be negative.  Others store none.  Errors: NULL. */
+int ns_circuit_stored(const ns_circuit *c, const double *x, double *each, double *all);
+
 /* What an unknown or a pair stands for: "voltage of node out", "current of l1", "ideal diode ad1" (its second
  * pair: "breakdown of ideal diode ad1"), "ideal switch as1"; "unknown 9", "pair 9" if c has none such.
  * Written into line (size bytes, always terminated).  Returns the length it wanted, like snprintf. */
