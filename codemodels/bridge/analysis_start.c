@@ -136,14 +136,17 @@ static int start_analysis(ns_session *s) {
     if (error)
         return error;
     ns_bridge_loop_take(s->ckt, &s->loop, a->ex.options.corners, 0);
-    if (!uic)
-        ns_bridge_show_values(a, a->x, s->force.value);
+    if (!uic) /* under .ic the march starts from other voltages */
+        ns_bridge_show_values(a, s->force.value);
     error = ns_bridge_trial_begin(s);
-    if (!error && uic)
-        ns_bridge_show_values(a, a->x, s->force.value);
-    if (!error)
-        ns_bridge_show_later(a);
-    return error;
+    if (error)
+        return error;
+    if (uic)
+        ns_bridge_show_values(a, s->force.value);
+    else
+        ns_bridge_show_currents(a, s->force.value);
+    ns_bridge_show_later(a);
+    return OK;
 }
 
 int ns_bridge_analysis_start(ns_session *s) {
@@ -164,7 +167,7 @@ static int replace_analysis(ns_session *s, ns_analysis *altered) {
     *a = *altered;
     error = status ? ns_bridge_trial_fail(s, status) : ns_bridge_trial_begin(s);
     if (!error) {
-        ns_bridge_show_values(a, a->x, s->force.value);
+        ns_bridge_show_values(a, s->force.value);
         ns_bridge_show_later(a);
     }
     return error;

@@ -3,6 +3,7 @@
  * The SPICEdev structs that cmpp makes are plain data: when the library is loaded, some of their functions
  * are replaced.  One bridge is kept a circuit.  ngspice runs device types by number, so the functions of the
  * last of our types see everything that came before: they do the work. */
+#include "branches.h"
 #include "models.h"
 #include "ngspice/jobdefs.h"
 #include "report.h"
@@ -70,6 +71,7 @@ static int setup_options(SMPmatrix *matrix, GENmodel *model, CKTcircuit *ckt, in
 
 static int unsetup_type(GENmodel *model, CKTcircuit *ckt) {
     ns_bridge *b = find_bridge(ckt);
+    ns_bridge_branches_rename(ckt, model, BRANCH_AS_MADE);
     if (b)
         ns_bridge_session_reset(&b->session);
     return MIFunsetup(model, ckt);
@@ -79,7 +81,11 @@ static int unsetup_type(GENmodel *model, CKTcircuit *ckt) {
  * `altermod` between. */
 static int check_circuit(GENmodel *model, CKTcircuit *ckt) {
     ns_session *s = at_last(ckt, model);
-    return s && ckt->CKTtime == 0.0 ? ns_bridge_analysis_check(s) : OK;
+    const int error = s && ckt->CKTtime == 0.0 ? ns_bridge_analysis_check(s) : OK;
+    for (int k = 0; s && !error && k < KINDS; k++)
+        if (ns_bridge_models_type(k) >= 0)
+            ns_bridge_branches_rename(ckt, ckt->CKThead[ns_bridge_models_type(k)], BRANCH_AS_OF_A_SOURCE);
+    return error;
 }
 
 static int load_point(GENmodel *model, CKTcircuit *ckt) {

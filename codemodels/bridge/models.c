@@ -10,6 +10,10 @@ void ns_bridge_models_set_type(model_kind kind, int type) {
     type_of[kind] = type;
 }
 
+int ns_bridge_models_type(model_kind kind) {
+    return type_of[kind];
+}
+
 model_kind ns_bridge_models_kind(const GENinstance *inst) {
     for (int k = 0; k < KINDS; k++)
         if (inst->GENmodPtr->GENmodType == type_of[k])
@@ -24,6 +28,10 @@ char ns_bridge_models_letter(const GENinstance *inst) {
 
 int ns_bridge_models_node(const MIFinstance *inst, int terminal) {
     return inst->conn[terminal]->port[0]->smp_data.pos_node;
+}
+
+int ns_bridge_models_branch(const MIFinstance *inst) {
+    return inst->conn[WITH_CURRENT]->port[0]->smp_data.branch;
 }
 
 double ns_bridge_models_real(const MIFinstance *inst, int parameter) {

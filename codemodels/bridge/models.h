@@ -9,6 +9,9 @@ typedef enum model_kind { KIND_FOREIGN = -1, KIND_DIODE, KIND_SWITCH, KIND_OPTIO
 
 enum { DIODE_ANODE, DIODE_CATHODE };
 enum { SWITCH_P, SWITCH_N, SWITCH_CP, SWITCH_CN };
+enum {
+    WITH_CURRENT = DIODE_CATHODE
+}; /* the terminal whose port type, h, makes ngspice add a branch current */
 
 enum { DIODE_VF, DIODE_RON, DIODE_ROFF, DIODE_VZ, DIODE_RZ };
 enum { SWITCH_VT, SWITCH_VH, SWITCH_RON, SWITCH_ROFF };
@@ -28,6 +31,9 @@ enum { SHOW_I, SHOW_V, SHOW_ON }; /* of the diode and the switch */
 /* Keeps the number that ngspice gave to one of our device types. */
 void ns_bridge_models_set_type(model_kind kind, int type);
 
+/* That number, or -1: it was not set. */
+int ns_bridge_models_type(model_kind kind);
+
 /* Which of our models an instance is of; KIND_FOREIGN: none. */
 model_kind ns_bridge_models_kind(const GENinstance *inst);
 
@@ -37,6 +43,9 @@ char ns_bridge_models_letter(const GENinstance *inst);
 
 /* The equation of a terminal's node. */
 int ns_bridge_models_node(const MIFinstance *inst, int terminal);
+
+/* The equation of a diode's or switch's branch current. */
+int ns_bridge_models_branch(const MIFinstance *inst);
 
 /* A parameter's value; infinite from 1e30 on; NAN if it was not given; its text, NULL if it was not given. */
 double ns_bridge_models_real(const MIFinstance *inst, int parameter);

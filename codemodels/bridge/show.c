@@ -1,4 +1,4 @@
-/* bridge/show.c - what a user sees of a point: node voltages, branch currents, @ad1[i], the summary. */
+/* bridge/show.c - what a user sees of a point: node voltages, branch currents, @ad1[on], the summary. */
 #include "show.h"
 
 #include <stdio.h>
@@ -6,9 +6,18 @@
 
 #include "report.h"
 
-void ns_bridge_show_values(const ns_analysis *a, const double *x, double *value) {
+void ns_bridge_show_currents(const ns_analysis *a, double *value) {
+    for (int k = 0; k < a->ex.ndevices; k++) {
+        const ns_extract_device *d = &a->ex.device[k];
+        ns_circuit_device(a->ex.circuit, d->id, a->x, a->lambda, a->mode,
+                          &value[ns_bridge_models_branch(d->inst)], NULL, NULL);
+    }
+}
+
+void ns_bridge_show_values(const ns_analysis *a, double *value) {
     for (int eq = 0; eq < a->ex.neq; eq++)
-        value[eq] = a->unknown[eq] >= 0 ? x[a->unknown[eq]] : 0.0;
+        value[eq] = a->unknown[eq] >= 0 ? a->x[a->unknown[eq]] : 0.0;
+    ns_bridge_show_currents(a, value);
 }
 
 void ns_bridge_show_later(ns_analysis *a) {

@@ -54,7 +54,7 @@ int ns_bridge_trial_read(ns_session *s) {
 int ns_bridge_trial_read_values(ns_session *s) {
     const int error = ns_bridge_trial_read(s);
     if (!error)
-        ns_bridge_show_values(&s->analysis, s->analysis.x, s->force.value);
+        ns_bridge_show_values(&s->analysis, s->force.value);
     return error;
 }
 
