@@ -195,6 +195,11 @@ netlists: deps ## every netlist by the exact engine and by the scheme, with its 
 	@$(MAKE) $(JOBS) cm
 	@tests/netlist/run.sh default fine
 
+.PHONY: waveforms
+waveforms: deps ## circuits with closed forms: what .meas gives of pulses, rings and jumps between coarse time points
+	@$(MAKE) $(JOBS) cm
+	@tests/waveform/run.sh
+
 reference: deps ## circuits and problems of the literature, orders, invariants: what these tests print
 	@$(MAKE) $(JOBS) units
 	@for program in $(B)/tests/reference/* $(B)/tests/property/*; do [ ! -x $$program ] || { \
