@@ -15,7 +15,8 @@
 /* Nothing is basic. */
 void ns_mlcp_transform_start(ns_mlcp_solver *s);
 
-/* How much of diagonal entry i is left of the terms it was summed from, 0..1: without units.  Looks at i. */
+/* How much of diagonal entry i is left of the largest term it was summed from: without units; 0: nothing.
+ * Looks at i. */
 double ns_mlcp_transform_trust(ns_mlcp_solver *s, int i);
 /* The same of the determinant of {i, j}. */
 double ns_mlcp_transform_trust2(ns_mlcp_solver *s, int i, int j);
