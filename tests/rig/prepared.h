@@ -78,4 +78,37 @@ static inline int solve(int n, long double A[MAX + 1][MAX + 1], long double *x) 
     return least > 1e-3L;
 }
 
+/* y = W lambda + q (NULL: 0) where lambda of `in` is solved for and the others are given, y of `held` is
+ * given: the rest of both is written.  0: nearly singular. */
+static inline int solve_for(int m, const double *W, const double *q, const unsigned char *in,
+                            const unsigned char *held, double *lambda, double *y) {
+    long double A[MAX + 1][MAX + 1], x[MAX + 1], sum[MAX];
+    int row[MAX], column[MAX], rows = 0, columns = 0;
+    for (int i = 0; i < m; i++) {
+        if (held[i])
+            row[rows++] = i;
+        if (in[i])
+            column[columns++] = i;
+        sum[i] = q ? q[i] : 0;
+        for (int j = 0; j < m; j++)
+            sum[i] += in[j] ? 0 : (long double)W[i + j * m] * lambda[j];
+    }
+    assert_int_equal(rows, columns);
+    for (int i = 0; i < rows; i++) {
+        x[i] = y[row[i]] - sum[row[i]];
+        for (int j = 0; j < rows; j++)
+            A[i][j] = W[row[i] + column[j] * m];
+    }
+    if (!solve(rows, A, x))
+        return 0;
+    for (int j = 0; j < rows; j++)
+        lambda[column[j]] = (double)x[j];
+    for (int i = 0; i < m; i++) {
+        for (int j = 0; j < rows; j++)
+            sum[i] += x[j] * W[i + column[j] * m];
+        y[i] = held[i] ? y[i] : (double)sum[i];
+    }
+    return 1;
+}
+
 #endif

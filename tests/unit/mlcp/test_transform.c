@@ -8,29 +8,12 @@ enum { PROBLEMS = 300, EXCHANGES = 12 };
 /* lambda of the basic pairs and y of all where y_i - q_i of the basic pair `one` is 1 (basic), or lambda_one
  * is 1 (else), and every other nonbasic variable is 0.  0: nearly singular. */
 static int expect(const ns_mlcp_solver *s, int one, double *lambda, double *y) {
-    const int m = s->m;
-    long double A[MAX + 1][MAX + 1], x[MAX + 1];
-    int basic[MAX], k = 0;
-    for (int i = 0; i < m; i++)
-        if (s->transform.basic[i])
-            basic[k++] = i;
-    for (int a = 0; a < k; a++) {
-        x[a] = s->transform.basic[one] ? (basic[a] == one) : -s->W[basic[a] + one * m];
-        for (int b = 0; b < k; b++)
-            A[a][b] = s->W[basic[a] + basic[b] * m];
+    const unsigned char *basic = s->transform.basic;
+    for (int i = 0; i < s->m; i++) {
+        lambda[i] = i == one;
+        y[i] = i == one;
     }
-    if (!solve(k, A, x))
-        return 0;
-    memset(lambda, 0, sizeof(double) * (size_t)m);
-    lambda[one] = 1;
-    for (int a = 0; a < k; a++)
-        lambda[basic[a]] = (double)x[a];
-    for (int i = 0; i < m; i++) {
-        y[i] = 0;
-        for (int j = 0; j < m; j++)
-            y[i] += s->W[i + j * m] * lambda[j];
-    }
-    return 1;
+    return solve_for(s->m, s->W, NULL, basic, basic, lambda, y);
 }
 
 /* Entries of pairs that are looked at.  Pivots above 1e-3 of entries below 8: errors below 1e-10. */
