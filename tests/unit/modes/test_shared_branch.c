@@ -11,7 +11,9 @@
 
 #include <cmocka.h>
 
+#include "modes/shared_branch.h"
 #include "nonsmooth.h"
+#include "sparse/sparse_internal.h"
 
 /* 10 V, 1 kohm, 100 uH, and from there to ground a switch without resistance, with a diode across it each
  * way of drawing it: pair 0 the switch, pair 1 the diode.  The gate closes the switch from 2 us to 6 us of 10
@@ -77,7 +79,79 @@ static void by_every_engine(void **state) {
         }
 }
 
+/* Pair 1 is commanded, pair 0 across it the other way round; pair 2 elsewhere. */
+static ns_system *twins(void) {
+    ns_system *s;
+    assert_int_equal(ns_system_create(3, 3, 1, 1, &s), NS_OK);
+    for (int i = 0; i < 3; i++) {
+        s->M[i + 3 * i] = 1;
+        s->A[i + 3 * i] = -1;
+    }
+    s->B[0 + 3] = 1, s->B[1 + 3] = -1;
+    s->B[0] = -1, s->B[1] = 1;
+    s->C[1] = 2, s->C[1 + 3] = 3;
+    s->C[0] = -2, s->C[0 + 3] = -3;
+    s->B[2 + 6] = s->C[2 + 6] = 1;
+    s->D[2 + 6] = 1;
+    s->command[0].pair = 1;
+    return s;
+}
+
+/* By either way of looking: how many pairs are across a switch; that one is pair 0. */
+static int found(const ns_system *s) {
+    ns_shared_branch *list[2];
+    ns_form *f;
+    int count[2];
+    assert_int_equal(ns_sparse_form_create(s, 0, &f), NS_OK);
+    assert_int_equal(ns_modes_shared_find(s, &list[0], &count[0]), NS_OK);
+    assert_int_equal(ns_sparse_shared_find(s, f, &list[1], &count[1]), NS_OK);
+    assert_int_equal(count[0], count[1]);
+    for (int k = 0; k < 2; k++) {
+        for (int i = 0; i < count[k]; i++) {
+            assert_true(list[k][i].pair == 0 && list[k][i].of == 1);
+            assert_int_equal(list[k][i].idle, s->l[0] == 0 ? NS_LOWER : NS_UPPER);
+        }
+        free(list[k]);
+    }
+    ns_sparse_form_free(f);
+    return count[0];
+}
+
+/* One number of the system changed at a time: what makes the two no twins, and what does not. */
+static void what_makes_a_twin(void **state) {
+    (void)state;
+    ns_system *s = twins();
+    assert_int_equal(found(s), 1);
+    const struct {
+        double *at, value;
+        int twins;
+    } change[] = {
+        {&s->l[0], -INFINITY, 0}, /* a bound of it must be 0 */
+        {&s->D[0], 1, 1},         /* a resistance of its own: then it is idle beside a switch without any */
+        {&s->D[1 + 3], 1, 0},     /* not one of the switch */
+        {&s->D[0 + 3], 1, 0},     /* nor one that both see */
+        {&s->D[1], 1, 0},         {&s->D[0 + 6], 1, 0}, {&s->D[2], 1, 0},     {&s->D[1 + 6], 1, 0},
+        {&s->D[2 + 3], 1, 0},     {&s->F[0], 1, 0},     {&s->F[1], 1, 0},     {&s->F[2], 1, 1},
+        {&s->e[0], 1, 0},         {&s->e[1], 1, 0},     {&s->e[2], 1, 1},     {&s->B[0], 1, 0},
+        {&s->B[0], -2, 0},        {&s->B[2], 1, 0},     {&s->B[2 + 3], 1, 0}, {&s->C[0], 2, 0},
+        {&s->C[0 + 3], -4, 0},    {&s->C[0 + 6], 1, 0}, {&s->C[1 + 6], 1, 0}, {&s->C[2], 1, 1},
+    };
+    for (size_t k = 0; k < sizeof change / sizeof *change; k++) {
+        const double was = *change[k].at;
+        *change[k].at = change[k].value;
+        if (found(s) != change[k].twins)
+            fail_msg("change %zu", k);
+        *change[k].at = was;
+    }
+    s->l[0] = -INFINITY, s->u[0] = 0; /* the other way round */
+    assert_int_equal(found(s), 1);
+    s->command[0].pair = 2; /* of a pair elsewhere */
+    assert_int_equal(found(s), 0);
+    ns_system_free(s);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(by_every_engine)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(what_makes_a_twin),
+                                       cmocka_unit_test(by_every_engine)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

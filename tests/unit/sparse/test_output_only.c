@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include "nonsmooth.h"
+#include "sparse/output_only.h"
 
 /* 1 V over a switch on 1 ohm and 4 F; its gate is a triangle between -1 and 1 of period 1, through a divider
  * of 1 ohm and 1 ohm: it closes, without hysteresis, at a quarter of each period and opens at three quarters.
@@ -118,8 +119,62 @@ static void test_dc(void **state) {
     end(&k);
 }
 
+static double at(const ns_csc *a, int i, int j) {
+    double sum = 0;
+    for (int k = a->start[j]; k < a->start[j + 1]; k++)
+        sum += a->row[k] == i ? a->value[k] : 0;
+    return sum;
+}
+
+/* x_0 and x_3 hold charges, x_1 and x_2 only show something: x_1 = 3 z_0 - 4, x_2 = x_1 / 2 - z_1 + 1.  What
+ * stays has all other entries, those of D and F among them. */
+static void test_what_stays(void **state) {
+    (void)state;
+    ns_system *s;
+    ns_output_only *a;
+    assert_int_equal(ns_system_create(4, 2, 2, 1, &s), NS_OK);
+    const int n = 4, m = 2;
+    s->M[0] = 1, s->M[3 + 3 * n] = 2, s->M[0 + 3 * n] = 0.5;
+    s->A[0] = -1, s->A[3 + 3 * n] = -2, s->A[3] = 7;
+    s->A[1 + 1 * n] = -1, s->E[1] = 3, s->b[1] = -4;
+    s->A[2 + 2 * n] = -2, s->A[2 + 1 * n] = 1, s->E[2 + 1 * n] = -2, s->b[2] = 2;
+    s->E[3 + 1 * n] = 11, s->b[0] = 12, s->b[3] = 13;
+    s->B[0 + 1 * n] = 5, s->B[3] = 6;
+    s->C[0 + 3 * m] = 8, s->C[1] = 9;
+    s->D[0] = 14, s->D[1] = 15, s->D[1 + m] = 16;
+    s->F[0 + 1 * m] = 17, s->F[1] = 18;
+    s->command[0] = (ns_command){.pair = 1, .gx = calloc(4, sizeof(double)), .gz = calloc(2, sizeof(double))};
+    s->command[0].gx[3] = 19, s->command[0].gz[1] = 20;
+    assert_int_equal(ns_sparse_output_create(s, &a), NS_OK);
+    assert_int_equal(a->count, 2);
+    assert_int_equal(a->rest.n, 2);
+    assert_true(a->unknown[0] == 1 && a->unknown[1] == 2 && a->stays[0] == 0 && a->stays[1] == 3);
+    const int stays[] = {0, 3};
+    const ns_large *l = &a->large;
+    for (int i = 0; i < 2; i++) {
+        assert_true(a->rest.b[i] == s->b[stays[i]]);
+        for (int j = 0; j < 2; j++) {
+            assert_true(at(&l->M, i, j) == s->M[stays[i] + stays[j] * n]);
+            assert_true(at(&l->A, i, j) == s->A[stays[i] + stays[j] * n]);
+            assert_true(at(&l->B, i, j) == s->B[stays[i] + j * n]);
+            assert_true(at(&l->C, i, j) == s->C[i + stays[j] * m]);
+            assert_true(at(&l->D, i, j) == s->D[i + j * m]);
+            assert_true(at(&l->E, i, j) == s->E[stays[i] + j * n]);
+            assert_true(at(&l->F, i, j) == s->F[i + j * m]);
+        }
+        assert_true(at(&l->gx, i, 0) == s->command[0].gx[stays[i]]);
+        assert_true(at(&l->gz, i, 0) == s->command[0].gz[i]);
+    }
+    const double rest[] = {21, 22}, z[] = {2, 5}; /* x_1 = 3*2 - 4 = 2, x_2 = 2/2 - 5 + 1 = -3 */
+    double x[4];
+    ns_sparse_output_join(a, rest, z, x);
+    assert_true(x[0] == 21 && x[1] == 2 && x[2] == -3 && x[3] == 22);
+    ns_sparse_output_free(a);
+    ns_system_free(s);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_gates),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_what_stays), cmocka_unit_test(test_gates),
                                        cmocka_unit_test(test_corners_end_nothing), cmocka_unit_test(test_dc)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

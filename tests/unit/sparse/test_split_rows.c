@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "parts.h"
+#include "sparse/assemble.h"
 
 enum { FIRST = 2, NODES = 60, POINTS = 20 };
 
@@ -55,8 +56,54 @@ static void a_long_chain_with_ground(void **state) {
     same_by_both(1);
 }
 
+/* T M of a chain of capacitors (1 uF each), of which the first row is their sum: zero without a capacitor to
+ * ground, that capacitor, however small beside the others, with one. */
+static void rows_of_a_chain(int nodes, double ground) {
+    ns_entries e = {0};
+    ns_csc M, Tt;
+    unsigned char algebraic[NODES] = {0};
+    double sum[NODES] = {0};
+    for (int i = 0; i + 1 < nodes; i++)
+        for (int k = 0; k < 4; k++)
+            ns_linalg_entries_add(&e, i + k % 2, i + k / 2, k == 0 || k == 3 ? 1e-6 : -1e-6);
+    ns_linalg_entries_add(&e, nodes / 2, nodes / 2, ground);
+    assert_int_equal(ns_linalg_csc_of_entries(nodes, nodes, &e, &M), NS_OK);
+    assert_int_equal(ns_sparse_split(&M, &Tt, algebraic), NS_OK);
+    int count = 0;
+    for (int i = 0; i < nodes; i++) { /* row i of T M */
+        double most = 0;
+        for (int j = 0; j < nodes; j++) {
+            double v = 0;
+            for (int k = Tt.start[i]; k < Tt.start[i + 1]; k++)
+                for (int l = M.start[j]; l < M.start[j + 1]; l++)
+                    v += Tt.row[k] == M.row[l] ? Tt.value[k] * M.value[l] : 0;
+            most = fmax(most, fabs(v));
+        }
+        count += algebraic[i];
+        assert_true(algebraic[i] ? most < 1e-20 : most > 1e-13);
+        for (int k = Tt.start[i]; k < Tt.start[i + 1]; k++)
+            sum[Tt.row[k]] += algebraic[i] ? Tt.value[k] : 0;
+    }
+    assert_int_equal(count, ground == 0);
+    for (int i = 0; i < nodes; i++) /* the sum of all rows, or nothing */
+        assert_true(fabs(sum[i] - (ground == 0) * sum[0]) < 1e-15 && (ground != 0 || sum[0] != 0));
+    ns_linalg_entries_free(&e);
+    ns_linalg_csc_free(&M);
+    ns_linalg_csc_free(&Tt);
+}
+
+static void one_row_of_a_chain_is_algebraic(void **state) {
+    (void)state;
+    for (int nodes = 2; nodes <= NODES; nodes += 29) { /* 2, 31: as dense ones; 60: as a network */
+        rows_of_a_chain(nodes, 0);
+        rows_of_a_chain(nodes, 1e-6);
+        rows_of_a_chain(nodes, 1e-12);
+    }
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_long_chain_that_floats),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(one_row_of_a_chain_is_algebraic),
+                                       cmocka_unit_test(a_long_chain_that_floats),
                                        cmocka_unit_test(a_long_chain_with_ground)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -14,6 +14,7 @@
 #include <float.h>
 
 #include "formula.h"
+#include "theta/regularise.h"
 #include "theta/theta_internal.h"
 
 enum { N = FORMULA_N, P = FORMULA_P, MOST = N + P };
@@ -165,10 +166,92 @@ static void slopes_sum_up_their_inputs(void **state) {
     }
 }
 
+/* A map's guards at some input are the distances of its own lambda and y from what the mode allows. */
+static void guards_are_distances(void **state) {
+    (void)state;
+    static const double bounds[][2] = {
+        {0, INFINITY}, {-INFINITY, 1}, {-1, 2}, {0.5, 0.5}, {-INFINITY, INFINITY}};
+    int seen = 0;
+    for (int run = 0; run < 300; run++) {
+        dice d = dice_make(14, (unsigned)run);
+        ns_system *s = formula_system(&d);
+        ns_mode mode[P];
+        for (int j = 0; j < P; j++) {
+            const double *b = bounds[dice_below(&d, 5)];
+            s->l[j] = b[0];
+            s->u[j] = b[1];
+            s->e[j] = dice_either(&d);
+            mode[j] = isinf(b[0]) ? NS_UPPER : NS_LOWER;
+            if (b[0] < b[1] && (dice_below(&d, 2) || (isinf(b[0]) && isinf(b[1]))))
+                mode[j] = NS_INSIDE;
+            else if (isfinite(b[0]) && isfinite(b[1]) && dice_below(&d, 2))
+                mode[j] = NS_UPPER;
+        }
+        ns_theta *t = stepper(s, 1);
+        ns_map *map;
+        double in[N + FORMULA_Z + 1], v[N + P] = {0};
+        assert_int_equal(ns_theta_map_build(t, 0.1, 1, mode, 0, &map), NS_OK);
+        for (int k = 0; k < t->q; k++)
+            in[k] = k == t->q - 1 ? 1 : dice_either(&d);
+        for (int k = 0; k < t->q; k++)
+            for (int i = 0; i < N + P; i++)
+                v[i] += map->full[i + k * (N + P)] * in[k];
+        for (int j = 0, g = 0; j < P; j++) {
+            double y = s->e[j], expected[2];
+            int count = 0;
+            for (int i = 0; i < N + P; i++)
+                y += (i < N ? s->C[j + i * P] : s->D[j + (i - N) * P]) * v[i];
+            for (int k = 0; k < FORMULA_Z; k++)
+                y += s->F[j + k * P] * in[t->r + k];
+            if (mode[j] == NS_INSIDE && isfinite(s->l[j]))
+                expected[count++] = v[N + j] - s->l[j];
+            if (mode[j] == NS_INSIDE && isfinite(s->u[j]))
+                expected[count++] = s->u[j] - v[N + j];
+            if (mode[j] == NS_INSIDE)
+                assert_true(fabs(y) < 1e-12); /* terms of about 1 */
+            else
+                assert_true(v[N + j] == (mode[j] == NS_LOWER ? s->l[j] : s->u[j]));
+            if (mode[j] != NS_INSIDE && s->l[j] < s->u[j])
+                expected[count++] = mode[j] == NS_LOWER ? y : -y;
+            assert_int_equal(ns_theta_guards_of(t, mode, j), count);
+            for (int k = 0; k < count; k++, g++, seen++) {
+                double got = 0;
+                for (int c = 0; c < t->q; c++)
+                    got += map->step[(map->guard + g) + c * map->p] * in[c];
+                assert_true(fabs(got - expected[k]) < 1e-12);
+            }
+            assert_true(j < P - 1 || g == ns_theta_guard_count(t, mode));
+        }
+        ns_theta_map_free(map);
+        ns_theta_free(t);
+        ns_system_free(s);
+    }
+    assert_true(seen > 600);
+}
+
+/* In the units of the factors it adds just that fraction. */
+static void leaks_in_series_are_fractions(void **state) {
+    (void)state;
+    dice d = dice_make(15, 0);
+    ns_system *s = formula_system(&d);
+    ns_theta *t = stepper(s, 1);
+    const double K[4] = {1e6, 0, 0, 1e-3};
+    assert_int_equal(ns_linalg_lu_factor(t->lu, 2, K, NULL, NULL), NS_OK);
+    for (int i = 0; i < 2; i++) {
+        const double scale = ns_linalg_lu_rows(t->lu)[i] * ns_linalg_lu_units(t->lu)[i];
+        assert_true(fabs(K[3 * i] * scale - 1) <= 0.75); /* powers of two */
+        assert_true(fabs(ns_theta_leak_series(t, i, 1e-10) * scale - 1e-10) < 1e-24);
+    }
+    ns_theta_free(t);
+    ns_system_free(s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_lost_is_covered),
         cmocka_unit_test(slopes_sum_up_their_inputs),
+        cmocka_unit_test(guards_are_distances),
+        cmocka_unit_test(leaks_in_series_are_fractions),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

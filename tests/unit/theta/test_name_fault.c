@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "nonsmooth.h"
+#include "theta/name_fault.h"
 
 static const ns_switch ideal = {0.5, 0, 0, INFINITY};
 
@@ -157,11 +158,25 @@ static void newton_names_rows_too(void **state) {
     ns_system_free(s);
 }
 
+/* Without a proof: row 0 of the split system is row 2 of the system, which is differential, row 1 is row 0,
+ * and row 2 is row 1 plus the differential one; 3 and 4 are pairs, 5 is neither. */
+static void rows_are_those_of_the_system(void **state) {
+    (void)state;
+    const double T[9] = {0, 1, 0, 0, 0, 1, 1, 0, -1};
+    const ns_fault from = {.npairs = 6, .pair = {0, 1, 2, 3, 4, 5}};
+    ns_fault to = {0};
+    ns_theta_name_fault(&(ns_fault_context){3, 2, 1, T, 0.5}, NULL, NULL, &from, NULL, &to);
+    assert_int_equal(to.nunknowns, 3);
+    assert_true(to.unknown[0] == 2 && to.unknown[1] == 0 && to.unknown[2] == 1);
+    assert_int_equal(to.npairs, 2);
+    assert_true(to.pair[0] == 0 && to.pair[1] == 1);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_loop_of_sources_and_switches), cmocka_unit_test(a_source_shorted),
         cmocka_unit_test(a_node_that_is_only_read),       cmocka_unit_test(an_island_of_two_nodes),
-        cmocka_unit_test(newton_names_rows_too),
+        cmocka_unit_test(newton_names_rows_too),          cmocka_unit_test(rows_are_those_of_the_system),
     };
     return cmocka_run_group_tests_name("blame", tests, NULL, NULL);
 }
