@@ -79,6 +79,13 @@ int ns_march_accept(ns_march *m);
  * lambda (m), y (m); any may be NULL.  Errors: STATE (not started), those of ns_theta_read(). */
 int ns_march_read(ns_march *m, double *t, double *x, double *lambda, double *y);
 
+/* What jumped in the same trial, which went from the left side of an event to its right side, or in the start
+ * if no trial was made since: the integrals of x (n: V s, A s) and lambda (m) over that instant, (J1); all
+ * zero where nothing jumps; either may be NULL.  Where the event took some steps of h/2^20 (ns_march_try()),
+ * over these.  Not meant for trials with NS_TO_TIME, which may pass events or not count them.  Errors: NULL,
+ * STATE (not started). */
+int ns_march_impulse(ns_march *m, double *x, double *lambda);
+
 /* The mode of the same point (m); owned by the marcher.  A switch that slides (holds its control at the
  * threshold) is NS_INSIDE, or 2 or 3 by the sign of its current. */
 const ns_mode *ns_march_mode(const ns_march *m);

@@ -8,6 +8,7 @@
 #define NS_ENGINE_DENSE_POINT_H
 
 #include "base/clock.h"
+#include "instant.h"
 
 /* Events are located to h 2^-NS_EVENT_EXPONENT, and those closer together than that count as simultaneous. */
 enum { NS_EVENT_EXPONENT = 20 };
@@ -18,6 +19,7 @@ typedef struct ns_dense_point {
     int at_event;        /* 1: this is the left side of an event that is not resolved yet, */
     int input_jumps;     /* and at it an input jumps */
     unsigned char *flip; /* nc: commands that change at this event */
+    ns_instant *instant; /* what jumped in this trial; NULL: not wanted */
 } ns_dense_point;
 
 #endif

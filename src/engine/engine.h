@@ -23,14 +23,15 @@ typedef struct ns_engine_table {
     void (*drop)(ns_engine *e); /* forgets the trial */
     int (*accept)(ns_engine *e);
     int (*read)(ns_engine *e, double *t, double *x, double *lambda, double *y);
+    int (*impulse)(ns_engine *e, double *x, double *lambda); /* arrays as of ns_march_impulse(), or NULL */
     const ns_mode *(*mode)(ns_engine *e);
     int (*at_event)(const ns_engine *e);
     ns_method (*method)(const ns_engine *e); /* in use for the last trial */
     const ns_counts *(*counts)(ns_engine *e);
     const ns_fault *(*fault)(const ns_engine *e);
     int (*problem)(const ns_engine *e, ns_mlcp *p, double *h); /* NULL: STATE, it is never written out */
-    /* The engine that answers drop, accept, read, mode, at_event, method, fault and problem; NULL: this one.
-     */
+    /* The engine that answers drop, accept, read, impulse, mode, at_event, method, fault and problem; NULL:
+     * this one. */
     ns_engine *(*at_work)(const ns_engine *e);
 } ns_engine_table;
 
@@ -54,6 +55,10 @@ static inline int ns_engine_accept(ns_engine *e) {
 static inline int ns_engine_read(ns_engine *e, double *t, double *x, double *lambda, double *y) {
     e = ns_engine_at_work(e);
     return e->table->read(e, t, x, lambda, y);
+}
+static inline int ns_engine_impulse(ns_engine *e, double *x, double *lambda) {
+    e = ns_engine_at_work(e);
+    return e->table->impulse(e, x, lambda);
 }
 static inline const ns_mode *ns_engine_mode(ns_engine *e) {
     e = ns_engine_at_work(e);

@@ -147,12 +147,13 @@ struct ns_exact {
         int guard;                 /* guard that broke, and the same mode was selected again */
         const ns_exact_mode *mode; /* that mode: there the guard's rounding counts 64 times; NULL: none */
     } unmended;
-    int event_guard;         /* guard whose break is this event; NS_GUARD_NONE */
-    uint64_t undecided;      /* guards of the mode asked last whose sign is not known */
-    ns_mode *wanted;         /* m: the mode to be tried */
-    ns_mode *command_target; /* nc: mode a flipped command goes to */
-    unsigned char *flips;    /* nc: how often each command by the state flipped in this event */
-    ns_impulse impulse;      /* of the impulse problem */
+    int event_guard;               /* guard whose break is this event; NS_GUARD_NONE */
+    uint64_t undecided;            /* guards of the mode asked last whose sign is not known */
+    ns_mode *wanted;               /* m: the mode to be tried */
+    ns_mode *command_target;       /* nc: mode a flipped command goes to */
+    unsigned char *flips;          /* nc: how often each command by the state flipped in this event */
+    ns_impulse impulse;            /* of the impulse problem */
+    const ns_mode_kernel *entered; /* of the mode entered last, if work.gone jumps; NULL: nothing does */
 
     /* a period of the sources */
     ns_period_record record;

@@ -98,10 +98,42 @@ static int take_jump(ns_exact *f, const ns_mode_kernel *k) {
 }
 
 int ns_exact_enter(ns_exact *f, const ns_exact_mode *k) {
-    if (k->has_instant)
-        return take_jump(f, k->scale[0].kernel);
-    memcpy(f->X_next, f->X, sizeof(double) * (size_t)k->scale[0].kernel->q);
-    return 0;
+    const ns_mode_kernel *kernel = k->scale[0].kernel;
+    f->entered = k->has_instant && take_jump(f, kernel) ? kernel : NULL;
+    if (!k->has_instant)
+        memcpy(f->X_next, f->X, sizeof(double) * (size_t)kernel->q);
+    return f->entered != NULL;
+}
+
+/* left (r) += D left: what an Euler step leaves of it; the largest of it, in units. */
+static double step_on(const ns_exact *f, const ns_mode_kernel *k, double *left, double *change) {
+    double most = 0;
+    ns_linalg_matvec(NS_ORDER * k->r, k->r, k->laguerre_powers, left, change);
+    for (int i = 0; i < k->r; i++) {
+        left[i] += change[i];
+        most = ns_higher(most, fabs(left[i]) / f->s->unit[i]);
+    }
+    return most;
+}
+
+/* Euler steps of length g that take work.gone away: their x and lambda, times g.  One is enough for what has
+ * no finite rate. */
+void ns_exact_enter_count(ns_exact *f) {
+    enum { MAX_STEPS = 8 };
+    const ns_mode_kernel *k = f->entered;
+    ns_instant *to = f->point->instant;
+    const int all = f->system->n + f->system->m;
+    double *left = f->work.by, most = INFINITY, least = 0;
+    if (!k || !to)
+        return;
+    memcpy(left, f->work.gone, sizeof *left * (size_t)k->r);
+    for (int i = 0; i < k->r; i++)
+        least = ns_higher(least, DBL_EPSILON * fabs(left[i]) / f->s->unit[i]);
+    for (int step = 0; step < MAX_STEPS && most > least; step++) {
+        ns_linalg_matvec(all, k->r, k->step_x_lambda, left, f->work.jump_x_lambda);
+        ns_instant_add(to, 0, all, k->g, f->work.jump_x_lambda);
+        most = step_on(f, k, left, f->work.jump_powers);
+    }
 }
 
 void ns_exact_enter_consistent(ns_exact *f) {

@@ -28,6 +28,7 @@ static void remember_successor(ns_exact_mode *from, ns_exact_mode *to, uint64_t 
 static void commit_mode(ns_exact *f, ns_exact_mode *k) {
     if (f->state.mode && f->state.mode != k)
         remember_successor(f->state.mode, k, f->undecided);
+    ns_exact_enter_count(f);
     ns_exact_take_next(f);
     f->state.mode = k;
     k->last_used = ++f->cache.clock;
@@ -171,7 +172,17 @@ static int solve_impulse(ns_exact *f) {
     status = try_wanted(f, NS_EVIDENCE_IMPULSES, &on);
     if (status != NS_OK)
         memcpy(f->X, s->past.w, bytes);
+    else if (jumps && f->point->instant) {
+        ns_instant_add(f->point->instant, 0, f->system->n, 1, f->impulse.X);
+        ns_instant_add(f->point->instant, f->system->n, f->system->m, 1, f->impulse.Lambda);
+    }
     return status;
+}
+
+/* No mode was found: what jumped on the way did not. */
+static void forget_jumps(const ns_exact *f) {
+    if (f->point->instant)
+        ns_instant_clear(f->point->instant);
 }
 
 static int try_candidates(ns_exact *f, int natural, int *on) {
@@ -202,7 +213,11 @@ int ns_exact_select_start(ns_exact *f) {
         if (status != NS_OK || !on)
             break;
     }
-    return status == NS_GUARD || on ? solve_impulse(f) : status;
+    if (status == NS_GUARD || on)
+        status = solve_impulse(f);
+    if (status != NS_OK)
+        forget_jumps(f);
+    return status;
 }
 
 /* How well the instant is known at which a guard broke: its rounding divided by its rate. */
@@ -337,6 +352,7 @@ int ns_exact_select_mode(ns_exact *f, int guard) {
     if (status != NS_OK) {
         memcpy(f->X, f->X_before, bytes);
         f->state.mode = before;
+        forget_jumps(f);
     }
     return status;
 }

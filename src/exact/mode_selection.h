@@ -13,6 +13,8 @@
 int ns_exact_enter(ns_exact *f, const ns_exact_mode *k);
 int ns_exact_enter_fits(ns_exact *f, const ns_mode_kernel *k);
 int ns_exact_enter_worst(const ns_exact *f, const ns_mode_kernel *k);
+/* What jumps counts among the integrals of the trial. */
+void ns_exact_enter_count(ns_exact *f);
 
 /* guard_sign.c */
 /* What guard g is about to do.  HOLDS, BREAKS: by its value, rate and second rate; SEEMS_TO: by its value

@@ -7,11 +7,12 @@
 
 static int allocate_arrays(ns_ladder *l) {
     const size_t nz = (size_t)l->s->nz, nc = (size_t)l->s->nc;
-    l->z = calloc(2 * nz + 1, sizeof(double));
+    l->z = calloc(2 * nz + (size_t)l->s->n + (size_t)l->s->m + 1, sizeof(double));
     l->due = calloc(3 * nc + 1, 1);
     if (!l->z || !l->due)
         return NS_E_MEMORY;
     l->z_left = l->z + nz;
+    l->instant = l->z_left + nz;
     l->crossed = l->due + nc;
     l->closed = l->crossed + nc;
     const int status = ns_inputs_events_create(l->s, NULL, &l->commands);
@@ -107,7 +108,7 @@ int ns_ladder_restart(ns_ladder *l, double t0, const double *w0) {
 
 int ns_ladder_start(ns_ladder *l, double t0, const double *w0, const unsigned char *closed) {
     const size_t nc = (size_t)l->s->nc;
-    *l->point = (ns_dense_point){.now = {t0, 0}, .flip = l->point->flip};
+    *l->point = (ns_dense_point){.now = {t0, 0}, .flip = l->point->flip, .instant = l->point->instant};
     l->window = (ns_event_window){0};
     l->corner = -INFINITY;
     l->limit = INFINITY;
@@ -129,12 +130,12 @@ int ns_ladder_start(ns_ladder *l, double t0, const double *w0, const unsigned ch
 
 int ns_ladder_find_consistent(ns_ladder *l) {
     const double h = ns_ladder_short_step(l);
-    ns_reinit_jump_begin(&l->jump, l->step, l->point->now);
+    ns_ladder_short_begin(l);
     int status = ns_ladder_short_try(l, h); /* the jump, */
     if (status == NS_OK)
         status = ns_ladder_short_settle(l, h); /* then algebraic unknowns free of it */
     if (status == NS_OK)
-        status = ns_reinit_jump_commit(&l->jump, l->step, l->h, &l->point->now, l->z);
+        status = ns_ladder_short_commit(l);
     return status;
 }
 

@@ -8,6 +8,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 /* A band between thresholds wider than this, relative to them, is a hysteresis: far above what a control
  * moves by in the steps of an event. */
@@ -31,14 +32,43 @@ double ns_ladder_next_corner(ns_ladder *l) {
     return l->corner;
 }
 
+/* The integrals of x and lambda over a step of length h count, by their values at its end. */
+static void count_step(ns_ladder *l, double h) {
+    ns_instant *to = l->point->instant;
+    double *x = l->jump.x;
+    if (to && ns_theta_read(l->step, x, x + l->s->n, NULL) == NS_OK)
+        ns_instant_add(to, 0, to->size, h, x);
+}
+
+void ns_ladder_short_begin(ns_ladder *l) {
+    const ns_instant *at = l->point->instant;
+    if (at)
+        memcpy(l->instant, at->sum, sizeof *at->sum * (size_t)at->size);
+    ns_reinit_jump_begin(&l->jump, l->step, l->point->now);
+}
+
+int ns_ladder_short_commit(ns_ladder *l) {
+    ns_instant *to = l->point->instant;
+    const long jumps = l->jump.jumps;
+    const int status = ns_reinit_jump_commit(&l->jump, l->step, l->h, &l->point->now, l->z);
+    if (to && l->jump.jumps > jumps) {
+        memcpy(to->sum, l->instant, sizeof *to->sum * (size_t)to->size);
+        ns_instant_add(to, 0, l->s->n, 1, l->jump.to.X);
+        ns_instant_add(to, l->s->n, l->s->m, 1, l->jump.to.Lambda);
+    }
+    return status;
+}
+
 static int try_implicit_step(ns_ladder *l, double h) {
     const double t = l->point->now.t + (l->point->now.lost + h);
     ns_system_inputs(l->s, t, NS_RIGHT, l->z);
     int status = ns_theta_try(l->step, h, l->z, 1, NS_RESOLVE);
     if (status == NS_OK)
         status = ns_theta_accept(l->step);
-    if (status == NS_OK)
+    if (status == NS_OK) {
         ns_clock_advance(&l->point->now, t, h);
+        count_step(l, h);
+    }
     return status;
 }
 
@@ -174,12 +204,12 @@ int ns_ladder_event_resolve(ns_ladder *l) {
         ns_ladder_switch_apply(l, l->point->flip);
         for (int c = 0; c < l->s->nc; c++)
             l->crossed[c] = (unsigned char)(l->crossed[c] + (l->point->flip[c] && l->crossed[c] < 2));
-        ns_reinit_jump_begin(&l->jump, l->step, l->point->now);
+        ns_ladder_short_begin(l);
         status = changed ? ns_ladder_short_try(l, h) : step_until_changed(l, &h);
         if (status == NS_OK)
             status = ns_ladder_short_settle(l, h);
         if (status == NS_OK)
-            status = ns_reinit_jump_commit(&l->jump, l->step, l->h, &l->point->now, l->z);
+            status = ns_ladder_short_commit(l);
         if (status != NS_OK || !(changed = ns_ladder_switch_by_state(l, l->z, l->point->flip)))
             break;
     }

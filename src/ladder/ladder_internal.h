@@ -50,6 +50,7 @@ struct ns_ladder {
     unsigned char *closed;  /* nc: switches as commanded last */
     /* events */
     ns_jump jump;
+    double *instant;   /* n+m: integrals of the trial before the short steps */
     int contradiction; /* the pair of a switch that contradicts itself, -1: none */
     long events;       /* resolved so far */
 };
@@ -71,6 +72,10 @@ double ns_ladder_next_corner(ns_ladder *l);
 /* The length of the steps at an event: h 2^-NS_EVENT_EXPONENT, or the next longer one that is visible in t.
  */
 double ns_ladder_short_step(const ns_ladder *l);
+/* The short steps of an event, or a start, begin; end, and if they showed a jump it is taken in their place.
+ */
+void ns_ladder_short_begin(ns_ladder *l);
+int ns_ladder_short_commit(ns_ladder *l);
 /* One implicit step of length h that resolves whatever breaks; such steps until the mode stays; rates freed
  * of their rounding (0: something happens right here); the event at the point resolved, to its right side. */
 int ns_ladder_short_try(ns_ladder *l, double h);

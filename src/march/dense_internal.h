@@ -16,7 +16,10 @@ typedef struct ns_dense_run {
     ns_exact *exact; /* NULL: all steps are the scheme's */
     /* the trial, and the accepted point; saved and restored together with the stepper's past */
     ns_dense_point trial, accepted;
-    double *past; /* the stepper's, at the accepted point */
+    double *past;       /* the stepper's, at the accepted point */
+    ns_instant instant; /* what jumped in the trial, or in the start */
+    double *carried;    /* n+m: what jumped in a start amid a trial, which counts with that; */
+    int carries;        /* 1: so it does; 2: until the next trial */
     /* the last trial */
     int started, has_trial;
     int moved;    /* the stepper and `trial` are not as they were accepted */
@@ -34,6 +37,9 @@ typedef struct ns_dense_run {
 int ns_march_dense_fail(ns_dense_run *r, int status);
 void ns_march_dense_drop(ns_dense_run *r);
 int ns_march_dense_accept(ns_dense_run *r);
+
+/* dense_run.c: nothing jumped. */
+void ns_march_dense_clear_instant(ns_dense_run *r);
 
 /* dense_start.c: start and start_dc of the table. */
 int ns_march_dense_start(ns_engine *e, double t0, const double *w0, const unsigned char *closed);

@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 static ns_dense_run *run_of(ns_engine *e) {
     return (ns_dense_run *)(void *)e;
@@ -23,17 +24,24 @@ static void free_run(ns_engine *e) {
     ns_ladder_free(r->ladder);
     ns_theta_free(r->step);
     free(r->past);
+    free(r->instant.sum);
     free(r->trial.flip);
     free(r->accepted.flip);
     free(r);
 }
 
 static int allocate_arrays(ns_dense_run *r) {
-    const size_t nc = (size_t)r->s->nc;
+    const size_t nc = (size_t)r->s->nc, size = (size_t)r->s->n + (size_t)r->s->m;
+    r->instant.size = r->s->n + r->s->m;
+    r->instant.sum = calloc(2 * size + 1, sizeof(double));
+    r->trial.instant = r->accepted.instant = &r->instant;
     r->past = calloc(ns_theta_past_size(r->step) + 1, sizeof(double));
     r->trial.flip = calloc(nc + 1, 1);
     r->accepted.flip = calloc(nc + 1, 1);
-    return r->past && r->trial.flip && r->accepted.flip ? NS_OK : NS_E_MEMORY;
+    if (!r->past || !r->trial.flip || !r->accepted.flip || !r->instant.sum)
+        return NS_E_MEMORY;
+    r->carried = r->instant.sum + size;
+    return NS_OK;
 }
 
 static int make_engines(ns_dense_run *r, ns_fault *fault) {
@@ -47,6 +55,32 @@ static int make_engines(ns_dense_run *r, ns_fault *fault) {
     if (status == NS_OK && o->method != NS_THETA)
         status = ns_exact_create(r->step, &r->trial, o->h, &r->exact);
     return status;
+}
+
+/* --- what jumps --- */
+
+void ns_march_dense_clear_instant(ns_dense_run *r) {
+    ns_instant_clear(&r->instant);
+    r->carries = r->carries == 1;
+}
+
+void ns_march_dense_carry_start(ns_engine *e) {
+    ns_dense_run *r = run_of(e);
+    memcpy(r->carried, r->instant.sum, sizeof *r->carried * (size_t)r->instant.size);
+    r->carries = r->instant.any;
+}
+
+static int impulse(ns_engine *e, double *x, double *lambda) {
+    const ns_dense_run *r = run_of(e);
+    const int n = r->s->n;
+    for (int i = 0; i < r->instant.size; i++) {
+        const double sum = r->instant.sum[i] + (r->carries ? r->carried[i] : 0);
+        if (i < n && x)
+            x[i] = sum;
+        else if (i >= n && lambda)
+            lambda[i - n] = sum;
+    }
+    return r->started ? NS_OK : NS_E_STATE;
 }
 
 /* --- a trial --- */
@@ -85,6 +119,11 @@ static int go_to(ns_dense_run *r, double t, ns_until until) {
     return status == NS_OK ? NS_OK : ns_march_dense_fail(r, status);
 }
 
+static void drop(ns_engine *e) {
+    ns_march_dense_drop(run_of(e));
+    ns_march_dense_clear_instant(run_of(e));
+}
+
 static int try_to(ns_engine *e, double t, ns_until until, double *reached) {
     ns_dense_run *r = run_of(e);
     r->hands_over = 0;
@@ -94,10 +133,10 @@ static int try_to(ns_engine *e, double t, ns_until until, double *reached) {
         return ns_march_dense_fail(r, NS_E_RANGE);
     const int again = r->has_trial && (t == r->trial.now.t || (t == r->asked && until == r->until));
     if (!again) {
-        ns_march_dense_drop(r);
+        drop(e);
         const int status = go_to(r, t, until);
         if (status != NS_OK) {
-            ns_march_dense_drop(r);
+            drop(e);
             return status;
         }
         r->has_trial = 1;
@@ -106,10 +145,6 @@ static int try_to(ns_engine *e, double t, ns_until until, double *reached) {
     }
     *reached = r->trial.now.t;
     return NS_OK;
-}
-
-static void drop(ns_engine *e) {
-    ns_march_dense_drop(run_of(e));
 }
 
 static int accept_trial(ns_engine *e) {
@@ -192,6 +227,7 @@ static const ns_engine_table table = {
     .drop = drop,
     .accept = accept_trial,
     .read = read_point,
+    .impulse = impulse,
     .mode = mode_of,
     .at_event = at_event,
     .method = method,

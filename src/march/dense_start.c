@@ -11,6 +11,7 @@ static ns_dense_run *run_of(ns_engine *e) {
 }
 
 static int find_consistent(ns_dense_run *r, double t0, const double *w0) {
+    ns_march_dense_clear_instant(r);
     int status = ns_ladder_restart(r->ladder, t0, w0);
     if (status != NS_OK)
         return status;
@@ -40,7 +41,7 @@ static int start_switches(ns_dense_run *r, double t0, const double *w0, const un
 int ns_march_dense_start(ns_engine *e, double t0, const double *w0, const unsigned char *closed) {
     ns_dense_run *r = run_of(e);
     r->trial.now.t = t0;
-    r->started = r->has_trial = 0;
+    r->started = r->has_trial = r->carries = 0;
     if (!isfinite(t0) || !(t0 + r->options.h > t0))
         return ns_march_dense_fail(r, NS_E_NUMBER);
     const int status = start_switches(r, t0, w0, closed);

@@ -44,6 +44,7 @@ int ns_march_dense_accept(ns_dense_run *r) {
     ns_ladder_accept(r->ladder);
     if (r->exact)
         ns_exact_accept(r->exact);
+    r->carries *= 2;
     r->moved = r->has_trial = 0;
     return NS_OK;
 }

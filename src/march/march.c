@@ -59,6 +59,10 @@ int ns_march_read(ns_march *m, double *t, double *x, double *lambda, double *y) 
     return m ? ns_engine_read(m->engine, t, x, lambda, y) : NS_E_NULL;
 }
 
+int ns_march_impulse(ns_march *m, double *x, double *lambda) {
+    return m ? ns_engine_impulse(m->engine, x, lambda) : NS_E_NULL;
+}
+
 const ns_mode *ns_march_mode(const ns_march *m) {
     return ns_engine_mode(m->engine);
 }

@@ -31,6 +31,8 @@ int ns_march_dense_create(const ns_system *s, const ns_march_options *o, ns_engi
  * the left side of an event. */
 void ns_march_dense_let_hand_over(ns_engine *e, int may);
 int ns_march_dense_hands_over(const ns_engine *e);
+/* The start made last was one amid a trial. */
+void ns_march_dense_carry_start(ns_engine *e);
 int ns_march_dense_is_exact(const ns_engine *e);
 int ns_march_dense_rests(const ns_engine *e, double *t);
 

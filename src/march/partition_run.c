@@ -171,6 +171,20 @@ static int read_point(ns_engine *e, double *t, double *x, double *lambda, double
     return status;
 }
 
+static int impulse(ns_engine *e, double *x, double *lambda) {
+    ns_partition_run *f = run_of(e);
+    memset(f->seen, 0, (size_t)f->s->n);
+    for (int k = 0; k < f->islands.count; k++) {
+        const int status = ns_engine_impulse(f->part[k].run, f->x, f->lambda);
+        if (status != NS_OK)
+            return status;
+        if (x)
+            put_unknowns(f, k, x);
+        put_pairs(f, k, lambda, NULL);
+    }
+    return NS_OK;
+}
+
 static const ns_mode *mode_of(ns_engine *e) {
     ns_partition_run *f = run_of(e);
     for (int k = 0; k < f->islands.count; k++) {
@@ -243,6 +257,7 @@ static const ns_engine_table table = {
     .drop = ns_march_partition_drop,
     .accept = ns_march_partition_accept,
     .read = read_point,
+    .impulse = impulse,
     .mode = mode_of,
     .at_event = at_event,
     .method = method,

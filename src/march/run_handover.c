@@ -69,6 +69,8 @@ int ns_march_run_leave_sparse(ns_run *r) {
         status = ns_march_run_use_dense(r, t);
     if (status == NS_OK)
         status = r->at_work->table->start(r->at_work, t, w, closed);
+    if (status == NS_OK)
+        ns_march_dense_carry_start(r->at_work);
     free(closed);
     free(w);
     return status;

@@ -33,6 +33,7 @@ void ns_sparse_rewind(ns_sparse *m, double t0) {
     enter_step(m, m->steps, t0);
     m->accepted = m->trial;
     m->started = m->has_trial = 0;
+    ns_instant_clear(&m->instant);
 }
 
 int ns_sparse_first_step(ns_sparse *m) {
@@ -75,6 +76,7 @@ static int step_from_event(ns_sparse *m, double t, const ns_dense_step *from, ns
     }
     if (is_refusal(status)) {
         leave_step(m, from);
+        ns_sparse_instant_restore(m);
         ns_sparse_guard_set_mode(m, m->commanded_mode);
     }
     return status == NS_OK ? ns_sparse_next_step(m, t, from, to) : status;
@@ -181,6 +183,7 @@ void ns_sparse_drop(ns_sparse *m) {
     }
     m->trial = m->accepted;
     m->has_trial = 0;
+    ns_instant_clear(&m->instant);
     ns_sparse_chatter_drop(m);
 }
 

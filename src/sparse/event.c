@@ -166,7 +166,10 @@ static int find_consistent(ns_sparse *m, double t, double g, ns_jump_kind *jump)
         status = ns_sparse_event_consistent(m, t, g, m->w, m->v, by);
         if (status == NS_OK)
             status = ns_sparse_project_consistent(m, t, g, by, jump);
-        m->counts.jumps += status == NS_OK && *jump == NS_JUMPS;
+        if (status == NS_OK && *jump == NS_JUMPS) {
+            m->counts.jumps++;
+            status = ns_sparse_instant_add(m, g, &m->instant);
+        }
     }
     return status;
 }
@@ -192,8 +195,10 @@ static int resolve_with(ns_sparse *m, const ns_dense_step *step, double t, doubl
             return status;
         if (round >= COMMAND_ROUNDS)
             return find_contradicting(m) ? NS_E_LIMIT : status;
-        if (!step)
+        if (!step) {
             memcpy(m->w, m->before_event.w, sizeof(double) * (size_t)m->f->n);
+            ns_sparse_instant_restore(m);
+        }
         status = move_to_thresholds(m, t, g, m->work.move);
         if (status != NS_OK)
             return status;
@@ -204,11 +209,13 @@ void ns_sparse_event_save(ns_sparse *m) {
     memcpy(m->before_event.w, m->w, sizeof(double) * (size_t)m->f->n);
     memcpy(m->before_event.mode, m->mode, (size_t)m->f->m);
     memcpy(m->before_event.changed, m->changed, (size_t)m->s->nc);
+    ns_sparse_instant_save(m);
 }
 
 void ns_sparse_event_restore(ns_sparse *m) {
     memcpy(m->w, m->before_event.w, sizeof(double) * (size_t)m->f->n);
     memcpy(m->changed, m->before_event.changed, (size_t)m->s->nc);
+    ns_sparse_instant_restore(m);
     ns_sparse_guard_set_mode(m, m->before_event.mode);
 }
 

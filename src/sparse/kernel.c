@@ -52,18 +52,6 @@ static void join(ns_sparse_kernel *e, const double *v, double tau) {
     ns_sparse_output_join(e->m->output_only, v, e->m->z, e->x);
 }
 
-/* lambda of the implicit step of length g that takes `removed` away, times its length. */
-static int find_impulse(ns_sparse *m, double g, double *impulse) {
-    const ns_cached_factors *k;
-    int status = ns_sparse_factors_factor(m->q, g, m->mode, 0, &k);
-    ns_sparse_step_rhs(m, g, m->work.removed, m->work.no_inputs, 0, 0);
-    if (status == NS_OK)
-        status = ns_sparse_factors_solve(m->q, k, m->r, m->v);
-    for (int j = 0; j < m->f->m && status == NS_OK; j++)
-        impulse[j] = g * m->v[m->f->n + j];
-    return status;
-}
-
 static int prepare(ns_kernel *k, double h, double *ahead) {
     ns_sparse_kernel *e = kernel_of(k);
     ns_sparse *m = e->m;
@@ -84,10 +72,10 @@ static int make_consistent(ns_kernel *k, double *moved, double *impulse, int *ju
     ns_jump_kind jump;
     int status = ns_sparse_project_consistent(m, e->t, g, NULL, &jump);
     *jumps = jump == NS_JUMPS;
-    for (int j = 0; j < m->f->m; j++)
-        impulse[j] = 0;
+    ns_instant_clear(&m->instant);
     if (status == NS_OK && *jumps)
-        status = find_impulse(m, g, impulse);
+        status = ns_sparse_instant_add(m, g, &m->instant);
+    memcpy(impulse, m->instant.sum + m->f->n, sizeof *impulse * (size_t)m->f->m);
     double ahead;
     if (status == NS_OK)
         status = prepare(k, m->o.h, &ahead);

@@ -11,6 +11,7 @@
 #include <math.h>
 
 #include "engine/engine.h"
+#include "engine/instant.h"
 #include "factor_cache.h"
 #include "inputs/input_stages.h"
 #include "modes/laguerre.h"
@@ -89,6 +90,7 @@ typedef struct ns_before_event {
     double *w;              /* n */
     ns_mode *mode;          /* m */
     unsigned char *changed; /* nc */
+    ns_instant instant;
 } ns_before_event;
 
 /* --- predictions of modes (mode_prediction.c) --- */
@@ -157,6 +159,7 @@ struct ns_sparse {
     ns_mode *commanded_mode; /* m: after what the event itself changes, and nothing that follows from it */
     int contradicting_pair;  /* the pair of a switch that can be neither open nor closed; -1: none */
     ns_before_event before_event; /* where its resolution began */
+    ns_instant instant;           /* what jumped in the trial, or in the start */
     ns_mode_predictions predict;  /* of its mode */
 
     /* what errors and chatter are judged by */
@@ -254,6 +257,13 @@ int ns_sparse_project_is_rounding(const ns_sparse *m, double g, const double *v,
 static inline double ns_sparse_finest(const ns_sparse *m) {
     return ldexp(m->o.h, -NS_FINEST - m->o.finer);
 }
+
+/* instant.c: adds to `to` (n+m) the integrals over the jump that ns_sparse_project_consistent() made with
+ * steps of length g.  Overwrites work.w, work.v.  Errors: MEMORY. */
+int ns_sparse_instant_add(ns_sparse *m, double g, ns_instant *to);
+/* m->instant is kept with the event; is as kept. */
+void ns_sparse_instant_save(ns_sparse *m);
+void ns_sparse_instant_restore(ns_sparse *m);
 
 /* shared_branch.c: as ns_modes_shared_find(). */
 int ns_sparse_shared_find(const ns_system *s, const ns_form *f, ns_shared_branch **out, int *count);

@@ -168,8 +168,10 @@ static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
         step->next_exponent = step->length_exponent;
         if (step->stages == NS_ORDER && error <= 1 && jump > 1 && !consistent) {
             consistent = 1;
-            status = ns_sparse_project_consistent(
-                m, step->t, length_of(m, step->length_exponent + NS_SHORT_EXPONENT), NULL, &jumped);
+            const double g = length_of(m, step->length_exponent + NS_SHORT_EXPONENT);
+            status = ns_sparse_project_consistent(m, step->t, g, NULL, &jumped);
+            if (status == NS_OK && jumped == NS_JUMPS)
+                status = ns_sparse_instant_add(m, g, &m->instant);
             if (status != NS_OK)
                 return status;
             memcpy(step->powers, m->w, sizeof(double) * (size_t)m->f->n);

@@ -37,6 +37,10 @@ static int read_point(ns_engine *e, double *t, double *x, double *lambda, double
     return ns_sparse_read(sparse_of(e), t, x, lambda, y);
 }
 
+static int impulse(ns_engine *e, double *x, double *lambda) {
+    return ns_sparse_impulse(sparse_of(e), x, lambda);
+}
+
 static const ns_mode *mode_of(ns_engine *e) {
     return ns_sparse_mode(sparse_of(e));
 }
@@ -65,6 +69,7 @@ static const ns_engine_table table = {
     .drop = drop,
     .accept = accept_trial,
     .read = read_point,
+    .impulse = impulse,
     .mode = mode_of,
     .at_event = at_event,
     .method = method,

@@ -1,0 +1,62 @@
+/* src/sparse/instant.c - the integrals of x and lambda over an instant: those of the implicit steps of
+ * negligible length that take away what jumps.
+ */
+#include "linalg/simd.h"
+#include "sparse_internal.h"
+
+#include <string.h>
+
+/* Steps: one is enough for what has no finite rate; what is left of it, in errors of a step, that counts as
+ * nothing: w has parts that no step takes away. */
+enum { MOST_STEPS = 4 };
+static const double nothing = 4;
+
+static double largest(const ns_sparse *m, const double *of) {
+    double max = 0;
+    for (int i = 0; i < m->f->n; i++)
+        if (!m->f->algebraic[i])
+            max = ns_higher(fabs(of[i]) / m->unit[i], max);
+    return max;
+}
+
+int ns_sparse_instant_add(ns_sparse *m, double g, ns_instant *to) {
+    const ns_cached_factors *k;
+    const int n = m->f->n;
+    double *left = m->work.w, *v = m->work.v;
+    memcpy(left, m->work.removed, sizeof *left * (size_t)n);
+    const double least = nothing * m->o.reltol * largest(m, left);
+    int status = ns_sparse_factors_factor(m->q, g, m->mode, 1, &k);
+    for (int step = 0; step < MOST_STEPS && status == NS_OK && largest(m, left) > least; step++) {
+        ns_sparse_step_rhs(m, g, left, m->work.no_inputs, 0, 0);
+        status = ns_sparse_factors_solve(m->q, k, m->r, v);
+        if (status != NS_OK && status != NS_E_SINGULAR) /* only rounding contradicts: it did not before */
+            return status;
+        ns_instant_add(to, 0, m->f->size, g, v);
+        for (int i = 0; i < n; i++)
+            left[i] = m->f->algebraic[i] ? 0 : ns_linalg_csc_dot(&m->f->Mt, i, v);
+    }
+    return status == NS_E_SINGULAR ? NS_OK : status;
+}
+
+void ns_sparse_instant_save(ns_sparse *m) {
+    m->before_event.instant.any = m->instant.any;
+    if (m->instant.any)
+        memcpy(m->before_event.instant.sum, m->instant.sum, sizeof(double) * (size_t)m->instant.size);
+}
+
+void ns_sparse_instant_restore(ns_sparse *m) {
+    ns_instant_clear(&m->instant);
+    if (m->before_event.instant.any)
+        ns_instant_add(&m->instant, 0, m->instant.size, 1, m->before_event.instant.sum);
+}
+
+int ns_sparse_impulse(ns_sparse *m, double *x, double *lambda) {
+    const ns_output_only *o = m->output_only;
+    for (int i = 0; x && i < o->whole->n; i++)
+        x[i] = 0; /* those left out hold nothing */
+    for (int i = 0; x && i < m->f->n; i++)
+        x[o->stays[i]] = m->instant.sum[i];
+    if (lambda)
+        memcpy(lambda, m->instant.sum + m->f->n, sizeof(double) * (size_t)m->f->m);
+    return m->started ? NS_OK : NS_E_STATE;
+}
