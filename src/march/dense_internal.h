@@ -36,10 +36,8 @@ typedef struct ns_dense_run {
  * back to the accepted point; the trial becomes the accepted point (STATE: there is none). */
 int ns_march_dense_fail(ns_dense_run *r, int status);
 void ns_march_dense_drop(ns_dense_run *r);
+void ns_march_dense_clear_instant(ns_dense_run *r); /* nothing jumped */
 int ns_march_dense_accept(ns_dense_run *r);
-
-/* dense_run.c: nothing jumped. */
-void ns_march_dense_clear_instant(ns_dense_run *r);
 
 /* dense_start.c: start and start_dc of the table. */
 int ns_march_dense_start(ns_engine *e, double t0, const double *w0, const unsigned char *closed);

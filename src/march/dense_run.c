@@ -59,11 +59,6 @@ static int make_engines(ns_dense_run *r, ns_fault *fault) {
 
 /* --- what jumps --- */
 
-void ns_march_dense_clear_instant(ns_dense_run *r) {
-    ns_instant_clear(&r->instant);
-    r->carries = r->carries == 1;
-}
-
 void ns_march_dense_carry_start(ns_engine *e) {
     ns_dense_run *r = run_of(e);
     memcpy(r->carried, r->instant.sum, sizeof *r->carried * (size_t)r->instant.size);

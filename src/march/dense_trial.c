@@ -18,6 +18,11 @@ int ns_march_dense_fail(ns_dense_run *r, int status) {
     return status;
 }
 
+void ns_march_dense_clear_instant(ns_dense_run *r) {
+    ns_instant_clear(&r->instant);
+    r->carries = r->carries == 1;
+}
+
 static void copy_point(ns_dense_point *to, const ns_dense_point *from, size_t nc) {
     unsigned char *flip = to->flip;
     memcpy(flip, from->flip, nc);
