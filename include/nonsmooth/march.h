@@ -60,9 +60,11 @@ int ns_march_start_dc(ns_march *m, double t0, int nhold, const int *hold, const 
 
 /* Where a trial may end. */
 typedef enum ns_until {
-    NS_TO_TIME, /* at the time asked for, through all events before it */
-    NS_TO_EVENT /* at the left side of the first event if one comes before; if the accepted point is the left
-                   side of an event, at its right side */
+    NS_TO_TIME,  /* at the time asked for, through all events before it */
+    NS_TO_EVENT, /* at the left side of the first event if one comes before; if the accepted point is the left
+                    side of an event, at its right side */
+    NS_TO_STEP   /* as NS_TO_EVENT, but it may end earlier: ns_march_sample() knows all between the accepted
+                    point and its end.  There no input has a corner, no event lies between. */
 } ns_until;
 
 /* Tries to integrate from the accepted point to time t (s, later than the accepted time).  *reached gets the
@@ -71,6 +73,19 @@ typedef enum ns_until {
  * unchanged: try again with any t.  A second call that asks for the end of the last trial costs nothing.
  * Errors: NULL, RANGE (t), those of ns_theta_try(), LIMIT. */
 int ns_march_try(ns_march *m, double t, ns_until until, double *reached);
+
+/* x (n), lambda (m) (either may be NULL) at time t, s: on the way of the last trial, which was made with
+ * NS_TO_STEP and ended after the accepted time; accepted time <= t <= its end (at the accepted time: what
+ * follows it, e.g. the right side of a corner; at the end: the left side of what is there).  The trial stays
+ * as it is, ns_march_read() still reads its end.  Errors: NULL, STATE, RANGE, MEMORY, OVERFLOW. */
+int ns_march_sample(ns_march *m, double t, double *x, double *lambda);
+
+/* s: of the same trial, from time t on: nothing changes in less time than this by more than a small part of
+ * itself (the fastest thing that has not died out at t; of a polynomial its length / 16; of a straight line
+ * INFINITY; NAN: there is no such trial, or t is not on its way).  *until (may be NULL): the time until which
+ * that holds, later than t, INFINITY: to the end.  A caller that looks at t + shortest, t + 2 shortest,
+ * t + 4 shortest, ... has seen all. */
+double ns_march_shortest(ns_march *m, double t, double *until);
 
 /* Makes the last successful trial the accepted point.  Errors: STATE. */
 int ns_march_accept(ns_march *m);

@@ -29,9 +29,11 @@ typedef struct ns_engine_table {
     ns_method (*method)(const ns_engine *e); /* in use for the last trial */
     const ns_counts *(*counts)(ns_engine *e);
     const ns_fault *(*fault)(const ns_engine *e);
+    int (*sample)(ns_engine *e, double t, double *x, double *lambda);
+    double (*shortest)(ns_engine *e, double t, double *until); /* until is not NULL */
     int (*problem)(const ns_engine *e, ns_mlcp *p, double *h); /* NULL: STATE, it is never written out */
-    /* The engine that answers drop, accept, read, impulse, mode, at_event, method, fault and problem; NULL:
-     * this one. */
+    /* The engine that answers drop, accept, read, impulse, mode, at_event, method, fault, sample, shortest
+     * and problem; NULL: this one. */
     ns_engine *(*at_work)(const ns_engine *e);
 } ns_engine_table;
 
@@ -75,6 +77,14 @@ static inline ns_method ns_engine_method(ns_engine *e) {
 static inline const ns_fault *ns_engine_fault(ns_engine *e) {
     e = ns_engine_at_work(e);
     return e->table->fault(e);
+}
+static inline int ns_engine_sample(ns_engine *e, double t, double *x, double *lambda) {
+    e = ns_engine_at_work(e);
+    return e->table->sample(e, t, x, lambda);
+}
+static inline double ns_engine_shortest(ns_engine *e, double t, double *until) {
+    e = ns_engine_at_work(e);
+    return e->table->shortest(e, t, until);
 }
 static inline int ns_engine_problem(ns_engine *e, ns_mlcp *p, double *h) {
     e = ns_engine_at_work(e);

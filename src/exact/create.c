@@ -28,6 +28,8 @@ static size_t place_arrays(ns_exact *f, double *start) {
     f->X = next_array(&at, q);
     f->X_next = next_array(&at, q);
     f->X_before = next_array(&at, q);
+    f->way.X_from = next_array(&at, q);
+    f->way.X = next_array(&at, q);
     f->max_abs = next_array(&at, r);
     f->work.x_lambda = next_array(&at, n + m);
     f->work.z = next_array(&at, nz);

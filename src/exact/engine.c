@@ -15,11 +15,13 @@ enum { NS_EXTRA_STEPS = 100000 };
 
 void ns_exact_accept(ns_exact *f) {
     f->accepted = f->past;
+    f->way.known = 0;
 }
 
 void ns_exact_drop(ns_exact *f) {
     f->past = f->accepted;
     f->unmended.mode = NULL;
+    f->way.known = 0;
 }
 
 void ns_exact_reset_past(ns_exact *f) {
@@ -112,20 +114,11 @@ static int load_point(ns_exact *f) {
 }
 
 int ns_exact_output_at(ns_exact *f, double t, ns_side side, double *X, double *x_lambda) {
-    double until;
-    ns_mode_kernel *k = ns_exact_mode_time_scale(f, &until)->kernel;
-    const int all = f->system->n + f->system->m;
-    if (!k->x_lambda_now) {
-        const int status = ns_exact_output_map(f->s, f->inputs, k);
-        if (status != NS_OK)
-            return status;
-        f->cache.bytes += sizeof(double) * (size_t)all * (size_t)(k->q + f->inputs->mutes);
-    }
+    const int q = f->s->r + f->inputs->nv;
     ns_system_inputs(f->system, t, side, f->work.z);
     for (int i = 0; i < f->inputs->mutes; i++)
-        X[k->q + i] = f->work.z[f->inputs->mute[i]];
-    ns_linalg_matvec(all, k->q + f->inputs->mutes, k->x_lambda_now, X, x_lambda);
-    return NS_OK;
+        X[q + i] = f->work.z[f->inputs->mute[i]];
+    return ns_exact_output_of(f, X, x_lambda);
 }
 
 /* The run's point is that of the state. */
@@ -249,8 +242,8 @@ static int go_to_event(ns_exact *f, double accepted_t, double t, ns_until until,
     *stop = status != NS_OK || !(guard >= 0 || timed);
     if (*stop)
         return status;
-    const int ends =
-        f->state.now.t >= t || (until == NS_TO_EVENT && (!timed || ns_inputs_events_is_event(f->events)));
+    const int ends = f->state.now.t >= t || until == NS_TO_STEP ||
+                     (until == NS_TO_EVENT && (!timed || ns_inputs_events_is_event(f->events)));
     *stop = ends;
     if (ends && f->state.now.t > accepted_t) {
         f->point->at_event = 1;
@@ -309,7 +302,7 @@ static int go_on(ns_exact *f, double accepted_t, double t, ns_until until, int *
     int status = NS_OK, stop = 0;
     if (f->point->at_event) {
         status = resolve_first_event(f, failed);
-        stop = until == NS_TO_EVENT;
+        stop = until != NS_TO_TIME;
     }
     /* each event takes a few steps; the ladder has what takes more of them than it would */
     f->state.steps_left = 4000 + f->past.extra_steps + (long)fmin(1e12, 4000 * (t - f->state.now.t) / f->h);
@@ -337,11 +330,15 @@ int ns_exact_go(ns_exact *f, double accepted_t, double t, ns_until until) {
         start_fallback(f);
         return status == NS_E_MEMORY ? status : NS_OK;
     }
+    if (until == NS_TO_STEP)
+        ns_exact_way_begin(f);
     status = go_on(f, accepted_t, t, until, &failed);
     if (status == NS_OK)
         status = store_point(f);
     else
         failed = 0;
+    if (until == NS_TO_STEP && status == NS_OK)
+        ns_exact_way_end(f);
     if (failed)
         start_fallback(f);
     return status;

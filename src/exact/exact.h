@@ -16,13 +16,18 @@ typedef struct ns_exact ns_exact;
 int ns_exact_create(ns_theta *step, ns_dense_point *point, double h, ns_exact **out);
 void ns_exact_free(ns_exact *f);
 
-/* From the point, accepted at accepted_t, to t, or with NS_TO_EVENT to the left side of the first event, as
- * far as it can: it stops before what it cannot resolve, and another engine has to go on until
- * ns_exact_fallback_until().  Errors: MEMORY. */
+/* From the point, accepted at accepted_t, to t, or with NS_TO_EVENT to the left side of the first event, with
+ * NS_TO_STEP to that of the first instant known ahead too, as far as it can: it stops before what it cannot
+ * resolve, and another engine has to go on until ns_exact_fallback_until().  Errors: MEMORY. */
 int ns_exact_go(ns_exact *f, double accepted_t, double t, ns_until until);
 /* The stepper has just been started: its point becomes consistent, by jumps where needed.  Errors: those of
  * the impulse problem. */
 int ns_exact_find_consistent(ns_exact *f);
+/* After ns_exact_go() with NS_TO_STEP that came later than where it began: x, lambda (n+m) at t, from there
+ * to where it came; valid until the next call.  Errors: STATE (any other trial), MEMORY. */
+int ns_exact_sample(ns_exact *f, double t, const double **x_lambda);
+/* As ns_march_shortest(), of the same. */
+double ns_exact_shortest(ns_exact *f, double t, double *until);
 /* The trial is accepted, or dropped. */
 void ns_exact_accept(ns_exact *f);
 void ns_exact_drop(ns_exact *f);

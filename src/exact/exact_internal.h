@@ -7,7 +7,7 @@
  *   guard_values.c    guards and their rounding        mode_entry.c      what jumps where a mode is entered
  *   mode_selection.c  which mode follows               periodic_map.c    records a period of the sources
  *   periodic_replay.c repeats that period              sliding.c         modes in which a switch slides
- *   create.c          this struct
+ *   sample.c          a point on the way of a trial    create.c          this struct
  */
 #ifndef NS_EXACT_INTERNAL_H
 #define NS_EXACT_INTERNAL_H
@@ -108,6 +108,14 @@ typedef struct ns_exact_past {
     long extra_steps;        /* steps that a trial may take beyond what the ladder would */
 } ns_exact_past;
 
+/* From the accepted point to the end of a trial in one mode, between corners of all inputs. */
+typedef struct ns_exact_way {
+    int known;               /* 1: there is one */
+    double end_t;            /* s */
+    ns_exact_state from, at; /* at its begin; where it was looked at last */
+    double *X_from, *X;      /* q: the same, with room for inputs that only outputs follow */
+} ns_exact_way;
+
 struct ns_exact {
     /* what it works on */
     const ns_system *system;
@@ -158,12 +166,15 @@ struct ns_exact {
     /* a period of the sources */
     ns_period_record record;
 
+    /* the trial */
+    ns_exact_way way;
+
     /* work: contents are nobody's between two calls */
     double *X_next;   /* q: X after the step or the jump that is tried */
     double *X_before; /* q: X before the event */
     struct {
         double *block;                               /* all arrays of numbers, X and max_abs too */
-        double *x_lambda;                            /* n+m: engine.c, the point as it is read */
+        double *x_lambda;                            /* n+m: engine.c, sample.c, a point as it is read */
         double *z, *slope;                           /* nz: engine.c, inputs and slopes */
         unsigned char *closed, *flip;                /* nc: engine.c */
         double *powers, *sum;                        /* 8 r, r: step_map.c, D^i w and what a step adds */
@@ -251,6 +262,13 @@ double ns_exact_guard_rounding_at(const ns_exact *f, const ns_mode_kernel *k, in
 /* All guards at X: value (2 rows), behind them their rates; tol (rows): what they may be off by, with the
  * error of the event's time. */
 void ns_exact_guard_values(ns_exact *f, const ns_mode_kernel *k, const double *X, double *value, double *tol);
+
+/* sample.c: the way of a trial begins at the state; ends at it, and is known. */
+void ns_exact_way_begin(ns_exact *f);
+void ns_exact_way_end(ns_exact *f);
+/* x_lambda (n+m): x, lambda at X (q, and inputs that only outputs follow), in the mode and at the time of the
+ * state.  Errors: MEMORY. */
+int ns_exact_output_of(ns_exact *f, const double *X, double *x_lambda);
 
 /* engine.c: the state is that of the run's point, in the stepper's mode, as it is.  Errors: SINGULAR, MEMORY,
  * NUMBER.  x_lambda (n+m): x, lambda at X (q, and room for inputs that only outputs follow), with the inputs

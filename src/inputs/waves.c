@@ -39,6 +39,16 @@ int ns_inputs_wave_terms(const ns_signal *s, ns_wave_term *term, ns_wave *wave, 
     return s->kind == NS_EXP ? exp_terms(s, term, wave, base) : 0;
 }
 
+double ns_inputs_wave_rate(const ns_signal *s) {
+    ns_wave_term term[NS_TERMS];
+    ns_wave wave[NS_TERMS];
+    double base, most = 0;
+    const int terms = ns_inputs_wave_terms(s, term, wave, &base);
+    for (int k = 0; k < terms; k++)
+        most = fmax(most, hypot(wave[k].theta, 2 * pi * wave[k].freq));
+    return most;
+}
+
 void ns_inputs_wave_at(const ns_wave *w, double t, double *c, double *s) {
     const double since = t - w->td, size = w->theta != 0 ? exp(-w->theta * since) : 1;
     *c = size;

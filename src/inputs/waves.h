@@ -26,6 +26,9 @@ enum { NS_TERMS = 2 }; /* of one signal, at most */
  * or constant but for *base. */
 int ns_inputs_wave_terms(const ns_signal *s, ns_wave_term *term, ns_wave *wave, double *base);
 
+/* The largest rate at which the waves of a signal change, 1/s; 0: it has none. */
+double ns_inputs_wave_rate(const ns_signal *s);
+
 /* c and s of a wave at t >= td. */
 void ns_inputs_wave_at(const ns_wave *w, double t, double *c, double *s);
 

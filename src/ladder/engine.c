@@ -91,12 +91,14 @@ int ns_ladder_go(ns_ladder *l, const ns_ladder_stop *stop, int *done) {
         *done = stop->from_event;
         return status;
     }
-    const int status =
-        ns_ladder_walk(l, stop->interrupt > p->now.t ? fmin(l->limit, stop->interrupt) : l->limit);
+    const double to = stop->interrupt > p->now.t ? fmin(l->limit, stop->interrupt) : l->limit;
+    l->one_step = stop->until == NS_TO_STEP;
+    const int status = ns_ladder_walk(l, to);
     if (status == NS_OK && !p->at_event && p->now.t == corner)
         look_at_corner(l);
-    *done = p->at_event && stop->until == NS_TO_EVENT;
-    if (*done && !(p->now.t > stop->accepted_t)) /* right where the trial began: on to its right side */
+    *done = stop->until == NS_TO_STEP || (p->at_event && stop->until == NS_TO_EVENT);
+    if (*done && p->at_event &&
+        !(p->now.t > stop->accepted_t)) /* right where the trial began: on to its right side */
         return ns_ladder_event_resolve(l);
     return status;
 }

@@ -99,20 +99,23 @@ static int try_step(ns_ladder *l, location *w, int *done) {
 int ns_ladder_walk(ns_ladder *l, double stop) {
     const double flips = ns_ladder_switch_by_time(l, stop, l->due);
     location w = {fmin(stop, flips), flips < stop, 0, 0};
-    int done = 0;
+    int done = 0, enough = 0;
     memset(l->point->flip, 0, (size_t)l->s->nc);
-    while (!done && time_left(l, &w) > shortest_rest(l)) {
+    while (!done && !enough && time_left(l, &w) > shortest_rest(l)) {
         if (l->budget-- <= 0)
             return NS_E_LIMIT;
         const int status = try_step(l, &w, &done);
         if (status != NS_OK)
             return status;
+        enough = l->one_step && !w.locating;
     }
+    l->point->at_event = l->point->input_jumps = 0;
+    if (enough && time_left(l, &w) > shortest_rest(l))
+        return NS_OK;
     if (!done)
         ns_clock_advance(&l->point->now, fmax(l->point->now.t, w.stop), 0);
     if (!done && w.commanded)
         memcpy(l->point->flip, l->due, (size_t)l->s->nc);
     l->point->at_event = done || w.commanded;
-    l->point->input_jumps = 0;
     return NS_OK;
 }

@@ -42,6 +42,7 @@ struct ns_ladder {
     double corner; /* s: the first corner of the inputs after point->now.t, if it is later than that */
     double limit;  /* s: the next event known ahead: no step of an event goes beyond */
     long budget;   /* steps that the trial may still take */
+    int one_step;  /* the trial ends after one step */
     /* inputs and commands */
     ns_time_events *commands; /* when those flip that depend on time only */
     double *z, *z_left;       /* nz */
@@ -64,7 +65,8 @@ int ns_ladder_switch_by_state(ns_ladder *l, const double *z, unsigned char *flip
 void ns_ladder_switch_apply(ns_ladder *l, const unsigned char *flip);
 
 /* ladder.c: from the point to stop (no corner of an input in between), or to the left side of an event:
- * point->at_event is set then. */
+ * point->at_event is set then.  If l->one_step is set: by one step at most, or by shorter ones to an event in
+ * it. */
 int ns_ladder_walk(ns_ladder *l, double stop);
 
 /* event.c: the first corner of the inputs after the point, s. */

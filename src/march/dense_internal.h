@@ -1,4 +1,4 @@
-/* src/march/dense_internal.h - shared by dense_run.c, dense_trial.c and dense_start.c. */
+/* src/march/dense_internal.h - shared by dense_run.c, dense_trial.c, dense_sample.c and dense_start.c. */
 #ifndef NS_MARCH_DENSE_INTERNAL_H
 #define NS_MARCH_DENSE_INTERNAL_H
 
@@ -25,8 +25,14 @@ typedef struct ns_dense_run {
     int moved;    /* the stepper and `trial` are not as they were accepted */
     double asked; /* s: what it was asked for */
     ns_until until;
-    int may_hand_over; /* a trial may end with LIMIT because the exact engine fails too often; */
-    int hands_over;    /* the last one did */
+    struct {
+        int is_line;              /* 1: a straight line, the ladder's; 0: the exact engine's */
+        int is_after_event;       /* 1: of that line only the end counts */
+        int end_known;            /* 1: `end` is */
+        double *begin, *end, *at; /* n+m: x, lambda at its ends, and between; NULL: not needed yet */
+    } way;                        /* from the accepted point to the end of a trial with NS_TO_STEP */
+    int may_hand_over;            /* a trial may end with LIMIT because the exact engine fails too often; */
+    int hands_over;               /* the last one did */
     /* what is told */
     ns_counts counts;
     ns_fault fault;
@@ -38,6 +44,12 @@ int ns_march_dense_fail(ns_dense_run *r, int status);
 void ns_march_dense_drop(ns_dense_run *r);
 void ns_march_dense_clear_instant(ns_dense_run *r); /* nothing jumped */
 int ns_march_dense_accept(ns_dense_run *r);
+
+/* dense_sample.c: the ladder begins a trial with NS_TO_STEP at the accepted point, from_event: at an event.
+ * Errors: MEMORY.  sample and shortest of the table. */
+int ns_march_dense_begin_line(ns_dense_run *r, int from_event);
+int ns_march_dense_sample(ns_engine *e, double t, double *x, double *lambda);
+double ns_march_dense_shortest(ns_engine *e, double t, double *until);
 
 /* dense_start.c: start and start_dc of the table. */
 int ns_march_dense_start(ns_engine *e, double t0, const double *w0, const unsigned char *closed);

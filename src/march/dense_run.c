@@ -25,6 +25,7 @@ static void free_run(ns_engine *e) {
     ns_theta_free(r->step);
     free(r->past);
     free(r->instant.sum);
+    free(r->way.begin);
     free(r->trial.flip);
     free(r->accepted.flip);
     free(r);
@@ -93,18 +94,22 @@ static int fails_often(const ns_dense_run *r) {
 
 static int go_to(ns_dense_run *r, double t, ns_until until) {
     const double accepted_t = r->accepted.now.t;
-    const int from_event = r->trial.at_event && until == NS_TO_EVENT;
+    const int from_event = r->trial.at_event && until != NS_TO_TIME;
     int status = NS_OK, done = 0;
     r->moved = 1;
+    r->way.is_line = 0;
     ns_ladder_begin_trial(r->ladder, t - r->trial.now.t);
     while (status == NS_OK && !done && r->trial.now.t < t) {
         if (exact_is_ready(r)) {
             status = ns_exact_go(r->exact, accepted_t, t, until);
             r->hands_over = status == NS_OK && fails_often(r);
             const int there = r->trial.at_event || r->trial.now.t == accepted_t;
-            done = r->hands_over || (until == NS_TO_EVENT && exact_is_ready(r) && (from_event || there));
+            done = r->hands_over || (until != NS_TO_TIME && exact_is_ready(r) && (from_event || there)) ||
+                   (until == NS_TO_STEP && r->trial.now.t > accepted_t);
             continue;
         }
+        if (until == NS_TO_STEP && (status = ns_march_dense_begin_line(r, from_event)) != NS_OK)
+            break;
         const double interrupt = r->exact ? ns_exact_fallback_until(r->exact) : INFINITY;
         const ns_ladder_stop stop = {t, until, from_event, accepted_t, interrupt};
         status = ns_ladder_go(r->ladder, &stop, &done);
@@ -126,7 +131,9 @@ static int try_to(ns_engine *e, double t, ns_until until, double *reached) {
         return ns_march_dense_fail(r, NS_E_STATE);
     if (!(t > r->accepted.now.t) || !isfinite(t))
         return ns_march_dense_fail(r, NS_E_RANGE);
-    const int again = r->has_trial && (t == r->trial.now.t || (t == r->asked && until == r->until));
+    const int same = until == r->until;
+    const int again =
+        r->has_trial && ((t == r->trial.now.t && (same || until != NS_TO_STEP)) || (t == r->asked && same));
     if (!again) {
         drop(e);
         const int status = go_to(r, t, until);
@@ -228,6 +235,8 @@ static const ns_engine_table table = {
     .method = method,
     .counts = counts,
     .fault = fault,
+    .sample = ns_march_dense_sample,
+    .shortest = ns_march_dense_shortest,
     .problem = problem,
 };
 

@@ -16,6 +16,10 @@
 struct ns_march {
     const ns_system *s;
     ns_engine *engine;
+    double accepted, reached; /* s: times of the accepted point and of the last trial */
+    double *corner;           /* nz: the first corner of each input after corners_from, s; */
+    double corners_from;      /* s; INFINITY: not known yet */
+    double first_corner;      /* s: the first of them */
 };
 
 /* partition_run.c: a run for each island.  NULL in *out where the system is one island.  run.c: one run for

@@ -123,7 +123,7 @@ static int go_to_time(ns_partition_run *f, double t) {
 static int go_to(ns_partition_run *f, double t, ns_until until) {
     for (int k = 0; k < f->islands.count; k++)
         f->part[k].tried = f->part[k].passes = 0;
-    const int status = until == NS_TO_EVENT ? go_to_event(f, t) : go_to_time(f, t);
+    const int status = until != NS_TO_TIME ? go_to_event(f, t) : go_to_time(f, t);
     return status == NS_OK ? come_together(f) : status;
 }
 

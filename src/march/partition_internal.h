@@ -45,6 +45,10 @@ void ns_march_partition_keep_fault(ns_partition_run *f, int part);
 int ns_march_partition_fail(ns_partition_run *f, int part, int status);
 int ns_march_partition_fail_here(ns_partition_run *f, int status);
 
+/* partition_sample.c: of the table. */
+int ns_march_partition_sample(ns_engine *e, double t, double *x, double *lambda);
+double ns_march_partition_shortest(ns_engine *e, double t, double *until);
+
 /* partition_advance.c: of the table. */
 int ns_march_partition_try(ns_engine *e, double t, ns_until until, double *reached);
 void ns_march_partition_drop(ns_engine *e);

@@ -263,6 +263,8 @@ static const ns_engine_table table = {
     .method = method,
     .counts = counts,
     .fault = fault,
+    .sample = ns_march_partition_sample,
+    .shortest = ns_march_partition_shortest,
     .problem = problem,
 };
 

@@ -141,7 +141,7 @@ static int step_of_scheme(ns_sparse *m) {
     const double t = from->end_t;
     if (!m->theta.running || m->theta.t != t)
         leave_step(m, from);
-    const int status = ns_sparse_theta_go(m, t, m->asked_t, to);
+    const int status = ns_sparse_theta_go(m, t, m->until == NS_TO_STEP ? t : m->asked_t, to);
     if (status == NS_OK)
         enter_step(m, to, t);
     return status;
@@ -160,9 +160,9 @@ static int pass_events(ns_sparse *m) {
 static int move_until(ns_sparse *m, double t, ns_until until) {
     const double from = m->trial.t;
     m->steps_left = FEWEST_STEPS + (long)fmin(1e12, STEPS_A_LENGTH * (t - from) / m->o.h);
-    if (until == NS_TO_EVENT && ns_sparse_at_event(m))
+    if (until != NS_TO_TIME && ns_sparse_at_event(m))
         return pass_events(m);
-    while (m->trial.t < t) {
+    while (m->trial.t < t && !(until == NS_TO_STEP && m->trial.t > from)) {
         if (m->trial.t < m->trial.step->end_t) {
             move_to(m, t);
         } else {
@@ -170,7 +170,7 @@ static int move_until(ns_sparse *m, double t, ns_until until) {
             if (status != NS_OK)
                 return status;
         }
-        if (until == NS_TO_EVENT && ns_sparse_at_event(m))
+        if (until != NS_TO_TIME && ns_sparse_at_event(m))
             return m->trial.t > from ? NS_OK : pass_events(m);
     }
     return NS_OK;
@@ -182,7 +182,7 @@ void ns_sparse_drop(ns_sparse *m) {
         ns_sparse_theta_stop(m);
     }
     m->trial = m->accepted;
-    m->has_trial = 0;
+    m->has_trial = m->way.stages = 0;
     ns_instant_clear(&m->instant);
     ns_sparse_chatter_drop(m);
 }
@@ -194,7 +194,9 @@ int ns_sparse_try(ns_sparse *m, double t, ns_until until, double *reached) {
         return ns_sparse_fail(m, t, NS_E_STATE);
     if (!(t > m->accepted.t) || !isfinite(t))
         return ns_sparse_fail(m, t, NS_E_RANGE);
-    if (!(m->has_trial && (t == m->trial.t || (t == m->asked_t && until == m->until)))) {
+    const int same = until == m->until;
+    if (!(m->has_trial &&
+          ((t == m->trial.t && (same || until != NS_TO_STEP)) || (t == m->asked_t && same)))) {
         ns_sparse_drop(m);
         m->asked_t = t;
         m->until = until;
@@ -216,7 +218,7 @@ int ns_sparse_accept(ns_sparse *m) {
     if (!m->has_trial)
         return NS_E_STATE;
     m->accepted = m->trial;
-    m->has_trial = 0;
+    m->has_trial = m->way.stages = 0;
     ns_sparse_chatter_accept(m);
     return NS_OK;
 }

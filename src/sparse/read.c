@@ -1,4 +1,4 @@
-/* src/sparse/read.c - the point of the trial, its mode, and the counts. */
+/* src/sparse/read.c - the point of the trial, points on the way to it, its mode, and the counts. */
 #include "sparse_internal.h"
 #include "theta/name_fault.h"
 
@@ -46,6 +46,91 @@ int ns_sparse_read(ns_sparse *m, double *t, double *x, double *lambda, double *y
     for (int j = 0; y && j < m->f->m; j++)
         y[j] = m->trial.step->mode[j] == NS_INSIDE ? 0 : ns_sparse_form_y(m->f, j, m->v, m->z, 1);
     return check_read(m, at, x, lambda, y);
+}
+
+/* --- on the way of the trial, which is inside one step --- */
+
+/* 1 if t is on the way of a trial with NS_TO_STEP, else *status. */
+static int is_on_way(const ns_sparse *m, double t, int *status) {
+    const double from = m->accepted.t, to = m->trial.t;
+    *status = !m->started || !m->has_trial || m->until != NS_TO_STEP || !(to > from) ? NS_E_STATE
+              : !(t >= from && t <= to)                                              ? NS_E_RANGE
+                                                                                     : NS_OK;
+    return *status == NS_OK;
+}
+
+/* x, lambda at the accepted point, where an Euler step begins. */
+static void begin_of_euler(ns_sparse *m, double *v) {
+    const ns_sparse_point *at = m->accepted.step == m->trial.step ? &m->trial : &m->accepted;
+    ns_sparse_step_point(m, at->step, at->tau, v);
+}
+
+/* What ns_sparse_step_point() needs between the ends of the step is solved for once, and the step stays as
+ * it is. */
+static int look_at_way(ns_sparse *m) {
+    ns_dense_step *step = m->trial.step;
+    const int stages = step->stages;
+    if (m->way.stages >= stages)
+        return NS_OK;
+    const int status = ns_sparse_step_more(m, step);
+    if (status == NS_OK)
+        m->way.stages = step->stages;
+    step->stages = stages;
+    if (step->is_euler)
+        begin_of_euler(m, m->way.begin);
+    return status;
+}
+
+/* m->v = x, lambda at t. */
+static int point_on_way(ns_sparse *m, double t) {
+    const ns_dense_step *step = m->trial.step;
+    const double tau = t >= step->end_t ? step->length : fmin(t - step->t - step->time_lost, step->length);
+    if (m->o.theta > 0)
+        return ns_sparse_theta_point(m, step, tau, m->v);
+    const int status = look_at_way(m);
+    if (status != NS_OK)
+        return status;
+    ns_dense_step shown = *step;
+    shown.stages = m->way.stages;
+    ns_sparse_step_point(m, &shown, tau, m->v);
+    const double part = (t - m->accepted.t) / (m->trial.t - m->accepted.t);
+    for (int i = 0; step->is_euler && i < m->f->size; i++)
+        m->v[i] = (1 - part) * m->way.begin[i] + part * m->v[i];
+    return NS_OK;
+}
+
+int ns_sparse_sample(ns_sparse *m, double t, double *x, double *lambda) {
+    int status;
+    if (is_on_way(m, t, &status))
+        status = point_on_way(m, t);
+    if (status != NS_OK)
+        return ns_sparse_fail(m, t, status);
+    for (int k = 0; k < m->f->nz; k++)
+        m->z[k] = ns_signal_value(&m->s->z[k], t, t > m->accepted.t ? NS_LEFT : NS_RIGHT);
+    if (x)
+        ns_sparse_output_join(m->output_only, m->v, m->z, x);
+    if (lambda)
+        memcpy(lambda, m->v + m->f->n, sizeof(double) * (size_t)m->f->m);
+    return check_read(m, t, x, lambda, NULL);
+}
+
+/* Inputs that no step looks at. */
+static double shortest_of_inputs(const ns_sparse *m) {
+    double shortest = INFINITY;
+    for (int k = 0; k < m->f->nz; k++)
+        if (!m->in->enters[k])
+            shortest = fmin(shortest, NS_REACH / ns_inputs_wave_rate(&m->s->z[k]));
+    return shortest;
+}
+
+double ns_sparse_shortest(ns_sparse *m, double t, double *until) {
+    enum { OF_LENGTH = 16 };
+    int status;
+    *until = INFINITY;
+    if (!is_on_way(m, t, &status))
+        return NAN;
+    return m->trial.step->is_euler ? INFINITY
+                                   : fmin((m->trial.t - m->accepted.t) / OF_LENGTH, shortest_of_inputs(m));
 }
 
 const ns_mode *ns_sparse_mode(const ns_sparse *m) {

@@ -27,6 +27,8 @@ void ns_sparse_drop(ns_sparse *m); /* the trial */
 int ns_sparse_accept(ns_sparse *m);
 int ns_sparse_read(ns_sparse *m, double *t, double *x, double *lambda, double *y);
 int ns_sparse_impulse(ns_sparse *m, double *x, double *lambda); /* arrays may be NULL */
+int ns_sparse_sample(ns_sparse *m, double t, double *x, double *lambda);
+double ns_sparse_shortest(ns_sparse *m, double t, double *until); /* until is not NULL */
 const ns_mode *ns_sparse_mode(const ns_sparse *m);
 int ns_sparse_at_event(const ns_sparse *m);
 const ns_counts *ns_sparse_counts(ns_sparse *m);

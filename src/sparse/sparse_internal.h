@@ -145,7 +145,11 @@ struct ns_sparse {
     double asked_t;           /* to where that trial was asked for, s */
     ns_until until;           /* and up to what */
     long steps_left;          /* until it is given up */
-    ns_sparse_theta theta;    /* steps of the theta scheme */
+    struct {
+        int stages;    /* of its step, known for points on the way to it; 0: not looked at yet */
+        double *begin; /* n+m: x, lambda where it begins, of an Euler step */
+    } way;
+    ns_sparse_theta theta; /* steps of the theta scheme */
 
     /* the state that the next step begins with */
     double *w;     /* n: charges and fluxes */

@@ -41,6 +41,14 @@ static int impulse(ns_engine *e, double *x, double *lambda) {
     return ns_sparse_impulse(sparse_of(e), x, lambda);
 }
 
+static int sample(ns_engine *e, double t, double *x, double *lambda) {
+    return ns_sparse_sample(sparse_of(e), t, x, lambda);
+}
+
+static double shortest(ns_engine *e, double t, double *until) {
+    return ns_sparse_shortest(sparse_of(e), t, until);
+}
+
 static const ns_mode *mode_of(ns_engine *e) {
     return ns_sparse_mode(sparse_of(e));
 }
@@ -75,6 +83,8 @@ static const ns_engine_table table = {
     .method = method,
     .counts = counts,
     .fault = fault,
+    .sample = sample,
+    .shortest = shortest,
 };
 
 int ns_sparse_table_create(const ns_system *s, const ns_sparse_options *o, ns_engine **out, ns_fault *fault) {

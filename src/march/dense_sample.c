@@ -1,0 +1,91 @@
+/* src/march/dense_sample.c - the point anywhere on the way of the dense engines' last trial: as the exact
+ * engine has it, or on a straight line along a step of the ladder. */
+#include "dense_internal.h"
+#include "linalg/simd.h"
+#include "theta/name_fault.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static ns_dense_run *run_of(ns_engine *e) {
+    return (ns_dense_run *)(void *)e;
+}
+
+static int read_at(ns_dense_run *r, double *x_lambda) {
+    const int status = ns_theta_read(r->step, x_lambda, x_lambda + r->s->n, NULL);
+    return status == NS_E_OVERFLOW ? NS_OK : status; /* it is written all the same */
+}
+
+/* Right after an event all of the (very short) way is as at its end. */
+int ns_march_dense_begin_line(ns_dense_run *r, int from_event) {
+    const size_t all = (size_t)r->s->n + (size_t)r->s->m;
+    if (!r->way.begin)
+        r->way.begin = calloc(3 * all + 1, sizeof *r->way.begin);
+    if (!r->way.begin)
+        return NS_E_MEMORY;
+    r->way.end = r->way.begin + all;
+    r->way.at = r->way.end + all;
+    r->way.is_line = 1;
+    r->way.is_after_event = from_event;
+    r->way.end_known = 0;
+    return from_event ? NS_OK : read_at(r, r->way.begin);
+}
+
+/* 1 if t is on the way of a trial with NS_TO_STEP, else *status. */
+static int is_on_way(const ns_dense_run *r, double t, int *status) {
+    const double from = r->accepted.now.t, to = r->trial.now.t;
+    *status = !r->has_trial || r->until != NS_TO_STEP || !(to > from) ? NS_E_STATE
+              : !(t >= from && t <= to)                               ? NS_E_RANGE
+                                                                      : NS_OK;
+    return *status == NS_OK;
+}
+
+/* r->way.at: between the two ends. */
+static int sample_line(ns_dense_run *r, double t) {
+    const int all = r->s->n + r->s->m, status = r->way.end_known ? NS_OK : read_at(r, r->way.end);
+    const double from = r->accepted.now.t, part = (t - from) / (r->trial.now.t - from);
+    const double *a = r->way.is_after_event ? r->way.end : r->way.begin, *b = r->way.end;
+    r->way.end_known = status == NS_OK;
+    for (int i = 0; i < all; i++)
+        r->way.at[i] = (1 - part) * a[i] + part * b[i];
+    return status;
+}
+
+/* x and lambda at t, x_lambda (n+m), are copied out; they may have overflowed before the charges. */
+static int give(ns_dense_run *r, double t, const double *x_lambda, double *x, double *lambda) {
+    const int n = r->s->n, m = r->s->m;
+    if (x)
+        memcpy(x, x_lambda, sizeof *x * (size_t)n);
+    if (lambda)
+        memcpy(lambda, x_lambda + n, sizeof *x * (size_t)m);
+    if (ns_sums_finite(n + m, x_lambda))
+        return NS_OK;
+    ns_fault found = {.status = NS_E_OVERFLOW, .t = t};
+    found.nunknowns = ns_theta_name_infinite(n, x_lambda, found.unknown);
+    found.npairs = ns_theta_name_infinite(m, x_lambda + n, found.pair);
+    if (found.nunknowns + found.npairs == 0)
+        return NS_OK;
+    r->fault = found;
+    return NS_E_OVERFLOW;
+}
+
+int ns_march_dense_sample(ns_engine *e, double t, double *x, double *lambda) {
+    ns_dense_run *r = run_of(e);
+    const double *x_lambda;
+    int status;
+    if (!is_on_way(r, t, &status))
+        return ns_march_dense_fail(r, status);
+    x_lambda = r->way.at;
+    status = r->way.is_line ? sample_line(r, t) : ns_exact_sample(r->exact, t, &x_lambda);
+    return status == NS_OK ? give(r, t, x_lambda, x, lambda) : ns_march_dense_fail(r, status);
+}
+
+double ns_march_dense_shortest(ns_engine *e, double t, double *until) {
+    ns_dense_run *r = run_of(e);
+    int status;
+    *until = INFINITY;
+    if (!is_on_way(r, t, &status))
+        return NAN;
+    return r->way.is_line ? INFINITY : ns_exact_shortest(r->exact, t, until);
+}
