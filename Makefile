@@ -37,13 +37,13 @@ help: ## this list
 
 # --- what it needs ---------------------------------------------------------------------------------------
 
-PACKAGES := build-essential clang libclang-rt-14-dev ngspice liblapacke-dev liblapack-dev libblas-dev libopenblas-dev \
+PACKAGES := build-essential clang libclang-rt-14-dev ngspice libngspice0-dev liblapacke-dev liblapack-dev libblas-dev libopenblas-dev \
     libsuitesparse-dev libcmocka-dev locales gnuplot-nox valgrind bison flex autoconf automake libtool pkgconf
 LINT_PACKAGES := clang-format clang-tidy cppcheck shellcheck
 
 .PHONY: deps deps-lint
 deps: ## what it needs from Debian, and the source of the installed ngspice
-	@codemodels/install-packages.sh $(if $(NGSPICE_SRC),$(filter-out ngspice,$(PACKAGES)),$(PACKAGES))
+	@codemodels/install-packages.sh $(if $(NGSPICE_SRC),$(filter-out ngspice libngspice0-dev,$(PACKAGES)),$(PACKAGES))
 	@codemodels/ngspice-source.sh $(NG)
 
 deps-lint: deps
@@ -184,9 +184,24 @@ ASAN := B=build/asan WARN=-w \
     CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined \
         -fsanitize-recover=address -fno-sanitize-recover=undefined'
 
+# A program that uses libngspice, if there is one of the same version as the program ngspice.
+HOST_PROGRAM := $(if $(NGSPICE_SRC),,$(if $(wildcard /usr/include/ngspice/sharedspice.h),$(B)/tests/host/host))
+
+$(B)/tests/host/host: tests/host/host.c $(B)/flags
+	@mkdir -p $(@D)
+	@echo "  LINK    $@"
+	$(Q)$(CC) -std=c11 -D_POSIX_C_SOURCE=200809L $(CFLAGS) $(WARN) $(LDFLAGS) $< -o $@ -lngspice
+
+.PHONY: host host-program
+host-program: $(HOST_PROGRAM)
+
+host: deps ## messages as a program that uses libngspice gets them: every line that ngspice -b prints
+	@$(MAKE) $(JOBS) cm host-program
+	@tests/host/run.sh
+
 .PHONY: test netlists reference sanitize valgrind tags coverage
 test: deps ## everything: unit tests, netlists, both again under sanitizers, one run under valgrind
-	@$(MAKE) $(JOBS) all units
+	@$(MAKE) $(JOBS) all units host-program
 	@$(MAKE) $(JOBS) $(ASAN) cm tool units
 	@$(MAKE) $(JOBS) $(FUZZ) fuzz-programs
 	@tests/run.sh

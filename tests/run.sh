@@ -74,6 +74,7 @@ script() {
 plain() {
     cmocka unit build
     script netlists tests/netlist/run.sh
+    script host tests/host/run.sh
     script tool tests/tool/run.sh
     script install tests/install.sh
     script tags tests/tags.sh

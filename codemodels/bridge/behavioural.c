@@ -109,7 +109,7 @@ static const char *why_not(const char *name) {
         return "made by .probe p(), it is not linear in voltages and currents and not supported: use let "
                "after the run instead";
     }
-    return "a B source that is not linear in voltages and currents is not supported";
+    return "an expression that is not linear in voltages and currents is not supported";
 }
 
 static int add_linear(ns_extract_walk *w, GENinstance *inst, double *slopes, double *work, ns_term *terms) {

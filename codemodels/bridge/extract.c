@@ -71,6 +71,16 @@ static int read_options(ns_extract_walk *w, MIFinstance *inst) {
     return ex->error ? EXTRACT_REFUSED : NS_OK;
 }
 
+/* A code model of another library, of which ngspice makes some itself. */
+static int refuse_foreign(ns_extract_walk *w, const GENinstance *inst) {
+    char name[EXTRACT_NAME];
+    ns_bridge_extract_users_name(w, inst, name, sizeof name);
+    return ns_bridge_extract_refuse(w, inst,
+                                    strcmp(name, inst->GENname) != 0
+                                        ? "POLY and TABLE are not supported"
+                                        : "a code model of another library is not supported");
+}
+
 static int read_ours(ns_extract_walk *w, GENinstance *inst) {
     MIFinstance *mif = (MIFinstance *)inst;
     switch (ns_bridge_models_kind(inst)) {
@@ -81,7 +91,7 @@ static int read_ours(ns_extract_walk *w, GENinstance *inst) {
     case KIND_OPTIONS:
         return read_options(w, mif);
     default:
-        return ns_bridge_extract_refuse(w, inst, "a code model of another library is not supported");
+        return refuse_foreign(w, inst);
     }
 }
 

@@ -20,6 +20,12 @@ typedef int ns_extract_reader(ns_extract_walk *w, GENinstance *inst);
 /* Keeps error and the line "<name>: <what>"; an empty name: "<what>". */
 void ns_bridge_extract_line(ns_extract *ex, int error, const char *name, const char *what);
 
+enum { EXTRACT_NAME = 160 }; /* room for the name of an element */
+
+/* The name of the element that the user wrote, where ngspice made inst of it: of E, F, G, H with POLY a code
+ * model a$poly$e1, of C, E, G, L with an expression or a table be1 or ae1, and nodes e1_int1, ... */
+void ns_bridge_extract_users_name(const ns_extract_walk *w, const GENinstance *inst, char *name, size_t size);
+
 /* Refuses inst: keeps the line "<name>: <what>".  EXTRACT_REFUSED. */
 int ns_bridge_extract_refuse(ns_extract_walk *w, const GENinstance *inst, const char *what);
 

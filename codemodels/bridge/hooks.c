@@ -41,9 +41,12 @@ static ns_bridge *find_or_make_bridge(CKTcircuit *ckt) {
 }
 
 /* The bridge of ckt if model is of the last of our types, else NULL. */
-static ns_session *at_last(const CKTcircuit *ckt, const GENmodel *model) {
+static ns_session *at_last(CKTcircuit *ckt, const GENmodel *model) {
     ns_bridge *b = find_bridge(ckt);
-    return b && b->last_type == model->GENmodType ? &b->session : NULL;
+    if (!b || b->last_type != model->GENmodType)
+        return NULL;
+    ns_bridge_report_about(ckt, b->last_type);
+    return &b->session;
 }
 
 static int setup_type(model_kind kind, SMPmatrix *matrix, GENmodel *model, CKTcircuit *ckt, int *states) {
@@ -110,6 +113,7 @@ static int refuse_ac(GENmodel *model, CKTcircuit *ckt) {
     const ns_bridge *b = find_bridge(ckt);
     if (!b || !b->last_type)
         return MIFload(model, ckt);
+    ns_bridge_report_about(ckt, b->last_type);
     ns_bridge_report_error("%s is not supported; .op, .dc and .tran are", ckt->CKTcurJob->JOBname);
     return E_UNSUPP;
 }
@@ -158,6 +162,7 @@ __attribute__((__constructor__)) static void install(void) {
         ours[k]->DEVdelete = delete_instance;
         ours[k]->DEVtrunc = allow_any_step;
         ours[k]->DEVask = ask_instance;
+        ours[k]->DEVpublic.cm_func = ns_bridge_report_cm_func;
 #ifdef CIDER /* else ngspice has no such call, and its points are loaded twice */
         ours[k]->DEVdump = arm_single_load;
 #endif

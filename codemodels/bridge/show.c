@@ -39,15 +39,23 @@ void ns_bridge_show_devices(ns_analysis *a) {
     a->devices_stale = 0;
 }
 
+static void add_count(char *line, size_t size, long n, const char *one, const char *many) {
+    const size_t length = strlen(line);
+    snprintf(line + length, size - length, " %ld %s,", n, n == 1 ? one : many);
+}
+
 void ns_bridge_show_summary(const ns_analysis *a, double cpu) {
     const ns_counts *c = ns_march_counts(a->march);
-    char modes[40] = "", islands[40] = ""; /* if there are some */
+    char line[300] = "";
+    add_count(line, sizeof line, c->steps, "step", "steps");
+    add_count(line, sizeof line, c->events, "event", "events");
     if (c->modes > 0)
-        snprintf(modes, sizeof modes, " %ld modes,", c->modes);
+        add_count(line, sizeof line, c->modes, "mode", "modes");
+    add_count(line, sizeof line, c->pivots, "pivot", "pivots");
+    add_count(line, sizeof line, c->factors, "factorisation", "factorisations");
+    add_count(line, sizeof line, c->maps, "step matrix", "step matrices");
     if (c->islands > 0)
-        snprintf(islands, sizeof islands, " %ld islands,", c->islands);
-    ns_bridge_report_note(
-        "%s: %ld steps, %ld events,%s %ld pivots, %ld factorisations, %ld step matrices,%s %.3g ms CPU time",
-        ns_bridge_options_method(ns_march_engine(a->march)), c->steps, c->events, modes, c->pivots,
-        c->factors, c->maps, islands, 1e3 * cpu);
+        add_count(line, sizeof line, c->islands, "island", "islands");
+    ns_bridge_report_note("%s:%s %.3g ms CPU time", ns_bridge_options_method(ns_march_engine(a->march)), line,
+                          1e3 * cpu);
 }

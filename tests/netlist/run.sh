@@ -13,7 +13,7 @@
 #                first line `* expect: ...`, and it judges what was kept; after a line `* dump: FILE STATUS REGEX`
 #                it has left FILE, which nsc-mlcp answers with STATUS and of which one line matches
 #   README       the netlist that README.md shows: its measurements are what the text below it says
-# All but errors/ also fail on a rejected time point and on "timestep too small" or "singular" in the output;
+# errors/ also fail if ngspice blames its matrix, all others on a rejected time point and on "timestep too small" or "singular" in the output;
 # everything fails on a sanitizer's or valgrind's finding, a crash, and after TIME_LIMIT seconds.
 # Environment: NONSMOOTH_CM (build/nonsmooth.cm; nsc-mlcp is beside it), NGSPICE (ngspice), TIME_LIMIT (60), JOBS (number of
 # processors), KEEP (a folder for the runs, to look at afterwards; else a temporary one).
@@ -123,6 +123,7 @@ judge() {
         if [ "$lines" != 1 ]; then
             echo "$lines lines match /$expect/; says: $(grep -m1 -i 'nonsmooth' "$1")"; return
         fi
+        found=$(grep -m1 -i -E 'matrix is singular|singular matrix' "$1") && { echo "blames the matrix: $found"; return; }
         dump=$(sed -n 's/^\* dump: //p' "$4")
         if [ -n "$dump" ]; then
             rest=${dump#* }
