@@ -29,7 +29,10 @@ static size_t place_arrays(ns_exact *f, double *start) {
     f->X_next = next_array(&at, q);
     f->X_before = next_array(&at, q);
     f->way.X_from = next_array(&at, q);
+    f->way.X_base = next_array(&at, q);
+    f->way.X_anchor = next_array(&at, q);
     f->way.X = next_array(&at, q);
+    f->way.powers = next_array(&at, NS_ORDER * r);
     f->max_abs = next_array(&at, r);
     f->work.x_lambda = next_array(&at, n + m);
     f->work.z = next_array(&at, nz);

@@ -114,11 +114,12 @@ static int load_point(ns_exact *f) {
 }
 
 int ns_exact_output_at(ns_exact *f, double t, ns_side side, double *X, double *x_lambda) {
-    const int q = f->s->r + f->inputs->nv;
+    double until;
+    ns_mode_kernel *k = ns_exact_mode_time_scale(f, &until)->kernel;
     ns_system_inputs(f->system, t, side, f->work.z);
     for (int i = 0; i < f->inputs->mutes; i++)
-        X[q + i] = f->work.z[f->inputs->mute[i]];
-    return ns_exact_output_of(f, X, x_lambda);
+        X[k->q + i] = f->work.z[f->inputs->mute[i]];
+    return ns_exact_output_of(f, k, X, x_lambda);
 }
 
 /* The run's point is that of the state. */

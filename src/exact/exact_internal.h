@@ -108,12 +108,19 @@ typedef struct ns_exact_past {
     long extra_steps;        /* steps that a trial may take beyond what the ladder would */
 } ns_exact_past;
 
-/* From the accepted point to the end of a trial in one mode, between corners of all inputs. */
+/* From the accepted point to the end of a trial in one mode, between corners of all inputs.  Points on it are
+ * series (E2) from an anchor: whole steps of the kernel after where its time scale comes into force. */
 typedef struct ns_exact_way {
-    int known;               /* 1: there is one */
-    double end_t;            /* s */
-    ns_exact_state from, at; /* at its begin; where it was looked at last */
-    double *X_from, *X;      /* q: the same, with room for inputs that only outputs follow */
+    int known;            /* 1: there is one */
+    double end_t;         /* s */
+    ns_exact_state from;  /* at its begin */
+    ns_exact_state base;  /* where the time scale in use comes into force */
+    ns_time_scale *scale; /* that one; NULL: nothing was looked at yet */
+    double room;          /* s from there: it is in force for so long */
+    double anchor;        /* how many steps of the kernel after that the anchor is; -1: there is none */
+    double *X_from, *X_base, *X_anchor; /* q: X there */
+    double *powers;                     /* 8 r: D^i w at the anchor */
+    double *X;                          /* q, and inputs that only outputs follow: what was looked at last */
 } ns_exact_way;
 
 struct ns_exact {
@@ -266,9 +273,8 @@ void ns_exact_guard_values(ns_exact *f, const ns_mode_kernel *k, const double *X
 /* sample.c: the way of a trial begins at the state; ends at it, and is known. */
 void ns_exact_way_begin(ns_exact *f);
 void ns_exact_way_end(ns_exact *f);
-/* x_lambda (n+m): x, lambda at X (q, and inputs that only outputs follow), in the mode and at the time of the
- * state.  Errors: MEMORY. */
-int ns_exact_output_of(ns_exact *f, const double *X, double *x_lambda);
+/* x_lambda (n+m): x, lambda at X (q, and inputs that only outputs follow).  Errors: MEMORY. */
+int ns_exact_output_of(ns_exact *f, ns_mode_kernel *k, const double *X, double *x_lambda);
 
 /* engine.c: the state is that of the run's point, in the stepper's mode, as it is.  Errors: SINGULAR, MEMORY,
  * NUMBER.  x_lambda (n+m): x, lambda at X (q, and room for inputs that only outputs follow), with the inputs

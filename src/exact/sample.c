@@ -1,7 +1,7 @@
 /* src/exact/sample.c - the point anywhere on the way of a trial, which stays as it is.
  *
- * The trial is one mode, between corners of all inputs.  Its begin is kept, and a second state goes on from
- * where it was asked for last, by the steps that the trial has made or others of the same kernels.
+ * The trial is one mode, between corners of all inputs.  Its begin is kept; from there the steps of its
+ * kernels lead to the same anchor for the same time, whatever was looked at before.
  */
 #include "exact_internal.h"
 
@@ -10,9 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-int ns_exact_output_of(ns_exact *f, const double *X, double *x_lambda) {
-    double until;
-    ns_mode_kernel *k = ns_exact_mode_time_scale(f, &until)->kernel;
+int ns_exact_output_of(ns_exact *f, ns_mode_kernel *k, const double *X, double *x_lambda) {
     const int all = f->system->n + f->system->m, columns = k->q + f->inputs->mutes;
     if (!k->x_lambda_now) {
         const int status = ns_exact_output_map(f->s, f->inputs, k);
@@ -24,19 +22,14 @@ int ns_exact_output_of(ns_exact *f, const double *X, double *x_lambda) {
     return NS_OK;
 }
 
-static size_t bytes_of_state(const ns_exact *f) {
-    return sizeof *f->X * ((size_t)f->s->r + (size_t)f->inputs->nv);
-}
-
-static void rewind_way(ns_exact *f) {
-    memcpy(f->way.X, f->way.X_from, bytes_of_state(f));
-    f->way.at = f->way.from;
+static void copy_state(const ns_exact *f, const double *from, double *to) {
+    memcpy(to, from, sizeof *to * ((size_t)f->s->r + (size_t)f->inputs->nv));
 }
 
 void ns_exact_way_begin(ns_exact *f) {
-    memcpy(f->way.X_from, f->X, bytes_of_state(f));
+    copy_state(f, f->X, f->way.X_from);
     f->way.from = f->state;
-    rewind_way(f);
+    f->way.scale = NULL;
 }
 
 /* An event that was resolved, or that could not be, at its begin leaves no way. */
@@ -45,23 +38,88 @@ void ns_exact_way_end(ns_exact *f) {
     f->way.end_t = f->state.now.t;
 }
 
-/* The state goes on to t in its mode, through its time scales. */
-static int go_on(ns_exact *f, double t) {
-    ns_exact_state *s = &f->state;
-    int status = NS_OK;
-    for (int i = 0; i <= NS_TIME_SCALES && status == NS_OK; i++) {
-        const double rest = t - s->now.t - s->now.lost;
-        double until;
-        if (!(rest > 0))
-            break;
-        ns_time_scale *scale = ns_exact_mode_time_scale(f, &until);
-        const double room = until - (s->now.t - s->last_event_t);
-        const int all = !(room > 0 && room < rest) || i == NS_TIME_SCALES;
-        const double part = all ? rest : room;
-        status = ns_exact_step_advance(f, scale, part);
-        ns_clock_advance(&s->now, all ? t : ns_lower(t, s->now.t + (s->now.lost + part)), part);
-    }
+/* *X moves on by tau; no step of the run is counted. */
+static int move(ns_exact *f, ns_time_scale *scale, double tau, double **X) {
+    const long steps = f->counts.steps;
+    double *kept = f->X;
+    f->X = *X;
+    const int status = ns_exact_step_advance(f, scale, tau);
+    *X = f->X;
+    f->X = kept;
+    f->counts.steps = steps;
     return status;
+}
+
+/* The time scale in force at the base.  Errors: MEMORY. */
+static int enter_scale(ns_exact *f) {
+    ns_exact_way *w = &f->way;
+    const ns_exact_state kept = f->state;
+    double until;
+    f->state = w->base;
+    w->scale = ns_exact_mode_time_scale(f, &until);
+    f->state = kept;
+    const double room = until - (w->base.now.t - w->base.last_event_t);
+    w->room = room > 0 ? room : INFINITY;
+    w->anchor = -1;
+    const int status = f->failed;
+    f->failed = NS_OK;
+    if (status != NS_OK)
+        w->scale = NULL;
+    return status;
+}
+
+static int rewind_way(ns_exact *f) {
+    copy_state(f, f->way.X_from, f->way.X_base);
+    f->way.base = f->way.from;
+    return enter_scale(f);
+}
+
+static double after_base(const ns_exact_way *w, double t) {
+    return ns_higher(t - w->base.now.t - w->base.now.lost, 0);
+}
+
+/* The base goes to where the time scale for t comes into force. */
+static int find_scale(ns_exact *f, double t) {
+    ns_exact_way *w = &f->way;
+    int status = !w->scale || t < w->base.now.t ? rewind_way(f) : NS_OK;
+    for (int i = 0; i < NS_TIME_SCALES && status == NS_OK && after_base(w, t) > w->room; i++) {
+        const double room = w->room;
+        status = move(f, w->scale, room, &w->X_base);
+        ns_clock_advance(&w->base.now, ns_lower(t, w->base.now.t + (w->base.now.lost + room)), room);
+        status = status == NS_OK ? enter_scale(f) : status;
+    }
+    if (status != NS_OK)
+        w->scale = NULL;
+    return status;
+}
+
+/* The anchor: so many steps after the base. */
+static int find_anchor(ns_exact *f, double count) {
+    ns_exact_way *w = &f->way;
+    const ns_mode_kernel *k = w->scale->kernel;
+    if (count == w->anchor)
+        return NS_OK;
+    w->anchor = -1;
+    copy_state(f, w->X_base, w->X_anchor);
+    const int status = count > 0 ? move(f, w->scale, count * k->h, &w->X_anchor) : NS_OK;
+    if (status != NS_OK)
+        return status;
+    ns_linalg_matvec(NS_ORDER * k->r, k->q, k->laguerre_powers, w->X_anchor, w->powers);
+    w->anchor = count;
+    return NS_OK;
+}
+
+/* w->X: tau after the anchor (E2). */
+static void sum_series(ns_exact *f, double tau) {
+    ns_exact_way *w = &f->way;
+    const ns_mode_kernel *k = w->scale->kernel;
+    double b[NS_ORDER + 1], *last = f->work.sum;
+    copy_state(f, w->X_anchor, w->X);
+    ns_modes_laguerre_steps(tau / k->g, b);
+    ns_linalg_matvec(k->r, NS_ORDER - 1, w->powers + k->r, b + 2, last); /* small terms first */
+    for (int i = 0; i < k->r; i++)
+        w->X[i] += last[i] + b[1] * w->powers[i];
+    ns_inputs_states_advance(f->inputs, tau, w->X + k->r);
 }
 
 /* Inputs that only outputs follow. */
@@ -71,38 +129,19 @@ static void put_mutes(const ns_exact *f, double t, double *X) {
         X[f->s->r + f->inputs->nv + i] = ns_signal_value(&f->system->z[f->inputs->mute[i]], t, side);
 }
 
-/* f->state, f->X are those of the way. */
-static int sample_here(ns_exact *f, double t) {
-    int status = go_on(f, t);
-    put_mutes(f, t, f->X);
-    if (status == NS_OK)
-        status = ns_exact_output_of(f, f->X, f->work.x_lambda);
-    if (f->failed != NS_OK)
-        status = f->failed;
-    f->failed = NS_OK;
-    return status;
-}
-
 int ns_exact_sample(ns_exact *f, double t, const double **x_lambda) {
-    const ns_exact_state state = f->state;
-    const long steps = f->counts.steps;
-    double *X = f->X;
+    ns_exact_way *w = &f->way;
+    int status = w->known ? find_scale(f, t) : NS_E_STATE;
     *x_lambda = f->work.x_lambda;
-    if (!f->way.known)
-        return NS_E_STATE;
-    if (t < f->way.at.now.t)
-        rewind_way(f);
-    f->state = f->way.at;
-    f->X = f->way.X;
-    const int status = sample_here(f, t);
-    f->way.at = f->state;
-    f->way.X = f->X;
-    f->state = state;
-    f->X = X;
-    f->counts.steps = steps;
     if (status != NS_OK)
-        rewind_way(f);
-    return status;
+        return status;
+    const double h = w->scale->kernel->h, rest = after_base(w, t), count = floor(rest / h);
+    status = find_anchor(f, count);
+    if (status != NS_OK)
+        return status;
+    sum_series(f, rest - count * h);
+    put_mutes(f, t, w->X);
+    return ns_exact_output_of(f, w->scale->kernel, w->X, f->work.x_lambda);
 }
 
 /* Of inputs that only outputs follow. */

@@ -1,19 +1,20 @@
-/* src/march/partition_advance.c - a run for each island: how far each goes at a time. */
+/* src/march/partition_advance.c - a run for each island: how far each goes at a time.
+ *
+ * With NS_TO_STEP a trial ends where that of the first island does.  The others keep theirs while the
+ * accepted point of the whole is on the way of it: their own accepted points lag behind.
+ */
 #include "partition_internal.h"
 
-#include <float.h>
 #include <math.h>
 
 /* Islands may end a little beyond what they are asked for; so often the others are asked to come after. */
 enum { ROUNDS = 4 };
-/* Events of islands that are not further apart than this, relative to their time, are one. */
-static const double same = 4 * DBL_EPSILON;
-
 static int try_one(ns_partition_run *f, int k, double t, ns_until until) {
     ns_part_run *s = &f->part[k];
     const double to = fmax(t, nextafter(s->accepted, INFINITY));
     const int status = s->run->table->try_to(s->run, to, until, &s->trial);
     s->tried = status == NS_OK;
+    s->is_step = until == NS_TO_STEP;
     return status == NS_OK ? NS_OK : ns_march_partition_fail(f, k, status);
 }
 
@@ -50,7 +51,7 @@ static int first_events(ns_partition_run *f, double t, double *first, int *passi
 static int go_there(ns_partition_run *f, double t) {
     for (int k = 0; k < f->islands.count; k++) {
         ns_part_run *s = &f->part[k];
-        const int event = s->event && s->seen - t <= same * fabs(t);
+        const int event = s->event && s->seen - t <= ns_march_partition_same * fabs(t);
         const double to = event ? s->seen : t;
         if (s->tried && s->trial == to && (!event || ns_engine_at_event(s->run)))
             continue;
@@ -90,7 +91,7 @@ static int come_together(ns_partition_run *f) {
             last = fmax(last, f->part[k].tried ? f->part[k].trial : f->part[k].accepted);
         for (int k = 0; k < f->islands.count; k++) {
             ns_part_run *s = &f->part[k];
-            if (last - (s->tried ? s->trial : s->accepted) <= same * fabs(last))
+            if (last - (s->tried ? s->trial : s->accepted) <= ns_march_partition_same * fabs(last))
                 continue;
             const int status = try_one(f, k, last, NS_TO_TIME);
             if (status != NS_OK)
@@ -113,6 +114,97 @@ static int go_to_event(ns_partition_run *f, double t) {
     return status == NS_OK && !passing ? go_there(f, first) : status;
 }
 
+/* --- to the end of a step --- */
+
+static int accept_one(ns_partition_run *f, int k) {
+    ns_part_run *s = &f->part[k];
+    const int status = ns_engine_accept(s->run);
+    if (status != NS_OK)
+        return ns_march_partition_fail(f, k, status);
+    s->accepted = s->trial;
+    s->at_event = ns_engine_at_event(s->run);
+    s->tried = s->lags = 0;
+    return NS_OK;
+}
+
+/* Islands that lag behind come to the accepted point of the whole, in between two events. */
+static int settle(ns_partition_run *f) {
+    int status = NS_OK;
+    for (int k = 0; k < f->islands.count && status == NS_OK; k++) {
+        ns_part_run *s = &f->part[k];
+        if (!s->lags)
+            continue;
+        s->seen = s->accepted;
+        status = try_one(f, k, f->accepted, NS_TO_TIME);
+        if (status == NS_OK)
+            status = accept_one(f, k);
+    }
+    return status;
+}
+
+static void drop_one(ns_part_run *s) {
+    ns_engine_drop(s->run);
+    s->tried = 0;
+}
+
+/* Where the first one ends, after the accepted point; trials from before serve again. */
+static int first_end(ns_partition_run *f, double t, double *end) {
+    *end = t;
+    for (int k = 0; k < f->islands.count; k++) {
+        ns_part_run *s = &f->part[k];
+        const int serves = s->tried && s->is_step && s->trial > f->accepted;
+        const int status = serves ? NS_OK : try_one(f, k, t, NS_TO_STEP);
+        if (status != NS_OK)
+            return status;
+        *end = fmin(*end, s->trial);
+    }
+    return NS_OK;
+}
+
+/* From the left sides of events to their right ones; *end: where the last one comes to.  The others stay. */
+static int pass_steps(ns_partition_run *f, double t, double *end) {
+    int status = NS_OK;
+    *end = f->accepted;
+    for (int k = 0; k < f->islands.count && status == NS_OK; k++) {
+        ns_part_run *s = &f->part[k];
+        if (s->at_event)
+            status = try_one(f, k, t, NS_TO_STEP);
+        else if (!s->lags)
+            drop_one(s);
+        if (s->at_event)
+            *end = fmax(*end, s->trial);
+    }
+    return status;
+}
+
+/* Those that end before it come to the end: what passed an event took some time. */
+static int come_to(ns_partition_run *f, double end) {
+    for (int k = 0; k < f->islands.count; k++) {
+        ns_part_run *s = &f->part[k];
+        const double at = s->tried ? s->trial : s->accepted;
+        const int status =
+            end - at > ns_march_partition_same * fabs(end) ? try_one(f, k, end, NS_TO_TIME) : NS_OK;
+        if (status != NS_OK)
+            return status;
+    }
+    return NS_OK;
+}
+
+static int go_to_step(ns_partition_run *f, double t) {
+    double end = t, last;
+    int status = f->at_event ? pass_steps(f, t, &end) : first_end(f, t, &end);
+    if (status == NS_OK && f->at_event)
+        status = come_to(f, end);
+    last = end;
+    for (int k = 0; k < f->islands.count; k++) /* together, but for rounding */
+        if (f->part[k].tried && f->part[k].trial - end <= ns_march_partition_same * fabs(end))
+            last = fmax(last, f->part[k].trial);
+    f->trial = last;
+    return status;
+}
+
+/* --- a trial --- */
+
 static int go_to_time(ns_partition_run *f, double t) {
     int status = NS_OK;
     for (int k = 0; k < f->islands.count && status == NS_OK; k++)
@@ -121,16 +213,21 @@ static int go_to_time(ns_partition_run *f, double t) {
 }
 
 static int go_to(ns_partition_run *f, double t, ns_until until) {
+    if (until == NS_TO_STEP)
+        return go_to_step(f, t);
+    int status = settle(f);
     for (int k = 0; k < f->islands.count; k++)
         f->part[k].tried = f->part[k].passes = 0;
-    const int status = until != NS_TO_TIME ? go_to_event(f, t) : go_to_time(f, t);
+    if (status == NS_OK)
+        status = until == NS_TO_EVENT ? go_to_event(f, t) : go_to_time(f, t);
     return status == NS_OK ? come_together(f) : status;
 }
 
 void ns_march_partition_drop(ns_engine *e) {
     ns_partition_run *f = (ns_partition_run *)(void *)e;
     for (int k = 0; k < f->islands.count; k++)
-        ns_engine_drop(f->part[k].run);
+        if (!f->part[k].lags)
+            drop_one(&f->part[k]);
     f->has_trial = 0;
 }
 
@@ -138,7 +235,9 @@ int ns_march_partition_try(ns_engine *e, double t, ns_until until, double *reach
     ns_partition_run *f = (ns_partition_run *)(void *)e;
     if (!f->started)
         return ns_march_partition_fail_here(f, NS_E_STATE);
-    const int again = f->has_trial && (t == f->trial || (t == f->asked && until == f->until));
+    const int same = until == f->until;
+    const int again =
+        f->has_trial && ((t == f->trial && (same || until != NS_TO_STEP)) || (t == f->asked && same));
     if (!(t > f->accepted) || !isfinite(t))
         return ns_march_partition_fail_here(f, NS_E_RANGE);
     if (!again) {
@@ -162,17 +261,14 @@ int ns_march_partition_accept(ns_engine *e) {
     f->at_event = 0;
     for (int k = 0; k < f->islands.count; k++) {
         ns_part_run *s = &f->part[k];
-        if (s->tried) {
-            const int status = ns_engine_accept(s->run);
-            if (status != NS_OK)
-                return ns_march_partition_fail(f, k, status);
-            s->accepted = s->trial;
-            s->at_event = ns_engine_at_event(s->run);
-        }
+        const int goes_on = ns_march_partition_is_on_way(s, f->trial);
+        const int status = s->tried && !goes_on ? accept_one(f, k) : NS_OK;
+        if (status != NS_OK)
+            return status;
+        s->lags = goes_on && s->accepted < f->trial;
         if (s->at_event || s->accepted > s->seen)
             s->event = 0;
         f->at_event |= s->at_event;
-        s->tried = 0;
     }
     f->accepted = f->trial;
     f->has_trial = 0;

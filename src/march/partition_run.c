@@ -1,4 +1,4 @@
-/* src/march/partition_run.c - a run for each island, as one: made, started, read. */
+/* src/march/partition_run.c - a run for each island, as one: made, started. */
 #include "partition_internal.h"
 
 #include <math.h>
@@ -21,7 +21,7 @@ static const ns_partition_run *run_in(const ns_engine *e) {
 static int allocate(ns_partition_run *f) {
     const size_t n = (size_t)f->s->n, m = (size_t)f->s->m;
     f->part = calloc((size_t)f->islands.count, sizeof *f->part);
-    f->numbers = calloc(n + 2 * m + 1, sizeof(double));
+    f->numbers = calloc(n + 2 * m + (size_t)f->s->nz + 1, sizeof(double));
     f->mode = calloc(m + 1, sizeof *f->mode);
     f->seen = calloc(n + 1, 1);
     if (!f->part || !f->numbers || !f->mode || !f->seen)
@@ -29,6 +29,7 @@ static int allocate(ns_partition_run *f) {
     f->x = f->numbers;
     f->lambda = f->x + n;
     f->y = f->lambda + m;
+    f->z = f->y + m;
     return NS_OK;
 }
 
@@ -58,7 +59,7 @@ static int begin_together(ns_partition_run *f) {
         if (status != NS_OK)
             return ns_march_partition_fail(f, k, status);
         s->trial = s->seen = s->accepted;
-        s->at_event = s->tried = s->event = 0;
+        s->at_event = s->tried = s->lags = s->event = 0;
         f->accepted = fmax(f->accepted, s->accepted);
     }
     f->trial = f->accepted;
@@ -89,15 +90,6 @@ static int start(ns_engine *e, double t0, const double *w0, const unsigned char 
             return ns_march_partition_fail(f, k, status);
     }
     return begin_together(f);
-}
-
-static void put_unknowns(ns_partition_run *f, int island, double *x) {
-    const ns_island *i = &f->islands.island[island];
-    for (int k = 0; k < i->s->n; k++) {
-        const int whole = i->unknown[k];
-        x[whole] = f->x[k] + (f->islands.shared[whole] && f->seen[whole] ? x[whole] : 0);
-        f->seen[whole] = 1;
-    }
 }
 
 /* The holds of an island, as its own. */
@@ -131,89 +123,11 @@ static int start_dc(ns_engine *e, double t0, int nhold, const int *hold, const d
         if (status != NS_OK)
             ns_march_partition_fail(f, k, status);
         else if (x)
-            put_unknowns(f, k, x);
+            ns_march_partition_put(f, k, x);
     }
     free(own);
     free(own_x);
     return status == NS_OK ? begin_together(f) : status;
-}
-
-/* --- read --- */
-
-static void put_pairs(const ns_partition_run *f, int island, double *lambda, double *y) {
-    const ns_island *i = &f->islands.island[island];
-    for (int j = 0; j < i->s->m; j++) {
-        if (lambda)
-            lambda[i->pair[j]] = f->lambda[j];
-        if (y)
-            y[i->pair[j]] = f->y[j];
-    }
-}
-
-static int read_point(ns_engine *e, double *t, double *x, double *lambda, double *y) {
-    ns_partition_run *f = run_of(e);
-    int status = NS_OK;
-    if (t)
-        *t = f->has_trial ? f->trial : f->accepted;
-    memset(f->seen, 0, (size_t)f->s->n);
-    for (int k = 0; k < f->islands.count; k++) {
-        const int read = ns_engine_read(f->part[k].run, NULL, f->x, f->lambda, f->y);
-        if (read != NS_OK) {
-            status = read;
-            ns_march_partition_keep_fault(f, k);
-        }
-        if (read != NS_OK && read != NS_E_OVERFLOW) /* which is written all the same */
-            return status;
-        if (x)
-            put_unknowns(f, k, x);
-        put_pairs(f, k, lambda, y);
-    }
-    return status;
-}
-
-static int impulse(ns_engine *e, double *x, double *lambda) {
-    ns_partition_run *f = run_of(e);
-    memset(f->seen, 0, (size_t)f->s->n);
-    for (int k = 0; k < f->islands.count; k++) {
-        const int status = ns_engine_impulse(f->part[k].run, f->x, f->lambda);
-        if (status != NS_OK)
-            return status;
-        if (x)
-            put_unknowns(f, k, x);
-        put_pairs(f, k, lambda, NULL);
-    }
-    return NS_OK;
-}
-
-static const ns_mode *mode_of(ns_engine *e) {
-    ns_partition_run *f = run_of(e);
-    for (int k = 0; k < f->islands.count; k++) {
-        const ns_island *i = f->part[k].island;
-        const ns_mode *mode = ns_engine_mode(f->part[k].run);
-        for (int j = 0; j < i->s->m; j++)
-            f->mode[i->pair[j]] = mode[j];
-    }
-    return f->mode;
-}
-
-static int at_event(const ns_engine *e) {
-    const ns_partition_run *f = run_in(e);
-    int any = 0;
-    for (int k = 0; k < f->islands.count; k++)
-        any |= ns_engine_at_event(f->part[k].run);
-    return any;
-}
-
-/* The least accurate one in use. */
-static ns_method method(const ns_engine *e) {
-    const ns_partition_run *f = run_in(e);
-    ns_method worst = NS_EXACT;
-    for (int k = 0; k < f->islands.count; k++) {
-        const ns_method engine = ns_engine_method(f->part[k].run);
-        if (engine == NS_THETA || worst == NS_EXACT)
-            worst = engine;
-    }
-    return worst;
 }
 
 static const ns_counts *counts(ns_engine *e) {
@@ -256,11 +170,11 @@ static const ns_engine_table table = {
     .try_to = ns_march_partition_try,
     .drop = ns_march_partition_drop,
     .accept = ns_march_partition_accept,
-    .read = read_point,
-    .impulse = impulse,
-    .mode = mode_of,
-    .at_event = at_event,
-    .method = method,
+    .read = ns_march_partition_read,
+    .impulse = ns_march_partition_impulse,
+    .mode = ns_march_partition_mode,
+    .at_event = ns_march_partition_at_event,
+    .method = ns_march_partition_method,
     .counts = counts,
     .fault = fault,
     .sample = ns_march_partition_sample,

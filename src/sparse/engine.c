@@ -182,7 +182,7 @@ void ns_sparse_drop(ns_sparse *m) {
         ns_sparse_theta_stop(m);
     }
     m->trial = m->accepted;
-    m->has_trial = m->way.stages = 0;
+    m->has_trial = 0;
     ns_instant_clear(&m->instant);
     ns_sparse_chatter_drop(m);
 }
@@ -218,7 +218,7 @@ int ns_sparse_accept(ns_sparse *m) {
     if (!m->has_trial)
         return NS_E_STATE;
     m->accepted = m->trial;
-    m->has_trial = m->way.stages = 0;
+    m->has_trial = 0;
     ns_sparse_chatter_accept(m);
     return NS_OK;
 }

@@ -26,7 +26,7 @@ static int euler_step(ns_sparse *m, ns_dense_step *step, double t, double limit,
     step->at_event = 0;
     step->pair = step->command = -1;
     step->is_euler = 1;
-    step->stages = 1;
+    step->stages = step->shown = 1;
     step->next_exponent = step->length_exponent;
     memcpy(step->powers, m->w, sizeof(double) * n);
     const int status = ns_sparse_event_consistent(m, t, g, m->w, step->images, NULL);

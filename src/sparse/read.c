@@ -26,11 +26,11 @@ int ns_sparse_read(ns_sparse *m, double *t, double *x, double *lambda, double *y
     const double at = m->trial.t;
     const int more =
         m->trial.t < m->trial.step->end_t || m->trial.step->at_event || m->trial.step->stages < NS_ORDER;
-    int status = more ? ns_sparse_step_more(m, m->trial.step) : NS_OK;
-    if (status != NS_OK)
-        return ns_sparse_fail(m, at, status);
+    int status = NS_OK;
     if (m->o.theta > 0)
         status = ns_sparse_theta_point(m, m->trial.step, m->trial.tau, m->v);
+    else if (more)
+        status = ns_sparse_step_shown(m, m->trial.step, m->trial.tau, m->v);
     else
         ns_sparse_step_point(m, m->trial.step, m->trial.tau, m->v);
     if (status != NS_OK)
@@ -59,44 +59,25 @@ static int is_on_way(const ns_sparse *m, double t, int *status) {
     return *status == NS_OK;
 }
 
-/* x, lambda at the accepted point, where an Euler step begins. */
-static void begin_of_euler(ns_sparse *m, double *v) {
-    const ns_sparse_point *at = m->accepted.step == m->trial.step ? &m->trial : &m->accepted;
-    ns_sparse_step_point(m, at->step, at->tau, v);
-}
-
-/* What ns_sparse_step_point() needs between the ends of the step is solved for once, and the step stays as
- * it is. */
-static int look_at_way(ns_sparse *m) {
-    ns_dense_step *step = m->trial.step;
-    const int stages = step->stages;
-    if (m->way.stages >= stages)
-        return NS_OK;
-    const int status = ns_sparse_step_more(m, step);
-    if (status == NS_OK)
-        m->way.stages = step->stages;
-    step->stages = stages;
-    if (step->is_euler)
-        begin_of_euler(m, m->way.begin);
-    return status;
+/* From m->v at the end of an Euler step to its value at t, on a straight line from the accepted point. */
+static void join_on_line(ns_sparse *m, double t) {
+    const ns_sparse_point *from = m->accepted.step == m->trial.step ? &m->trial : &m->accepted;
+    const double part = (t - m->accepted.t) / (m->trial.t - m->accepted.t);
+    ns_sparse_step_point(m, from->step, from->tau, m->work.v);
+    for (int i = 0; i < m->f->size; i++)
+        m->v[i] = (1 - part) * m->work.v[i] + part * m->v[i];
 }
 
 /* m->v = x, lambda at t. */
 static int point_on_way(ns_sparse *m, double t) {
-    const ns_dense_step *step = m->trial.step;
+    ns_dense_step *step = m->trial.step;
     const double tau = t >= step->end_t ? step->length : fmin(t - step->t - step->time_lost, step->length);
     if (m->o.theta > 0)
         return ns_sparse_theta_point(m, step, tau, m->v);
-    const int status = look_at_way(m);
-    if (status != NS_OK)
-        return status;
-    ns_dense_step shown = *step;
-    shown.stages = m->way.stages;
-    ns_sparse_step_point(m, &shown, tau, m->v);
-    const double part = (t - m->accepted.t) / (m->trial.t - m->accepted.t);
-    for (int i = 0; step->is_euler && i < m->f->size; i++)
-        m->v[i] = (1 - part) * m->way.begin[i] + part * m->v[i];
-    return NS_OK;
+    const int status = ns_sparse_step_shown(m, step, tau, m->v);
+    if (status == NS_OK && step->is_euler)
+        join_on_line(m, t);
+    return status;
 }
 
 int ns_sparse_sample(ns_sparse *m, double t, double *x, double *lambda) {

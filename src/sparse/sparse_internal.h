@@ -47,6 +47,7 @@ typedef struct ns_dense_step {
     int is_euler;  /* one implicit Euler step: only its end is known, by stage 0 */
     int is_smooth; /* of the theta scheme: the rates of the step before are known too */
     int stages;    /* how many are known */
+    int shown;     /* and how many for points that are read: one more, once there was one */
     int converged; /* D^i w vanish: nothing jumps, nothing stiff is excited */
     /* what ends it */
     int at_event;      /* an event ends it: */
@@ -145,11 +146,7 @@ struct ns_sparse {
     double asked_t;           /* to where that trial was asked for, s */
     ns_until until;           /* and up to what */
     long steps_left;          /* until it is given up */
-    struct {
-        int stages;    /* of its step, known for points on the way to it; 0: not looked at yet */
-        double *begin; /* n+m: x, lambda where it begins, of an Euler step */
-    } way;
-    ns_sparse_theta theta; /* steps of the theta scheme */
+    ns_sparse_theta theta;    /* steps of the theta scheme */
 
     /* the state that the next step begins with */
     double *w;     /* n: charges and fluxes */
@@ -232,6 +229,8 @@ int ns_sparse_step_more(ns_sparse *m, ns_dense_step *step);
 /* Dense output: w (n) by (E2), v = (x, lambda) by (E1), tau after its beginning. */
 void ns_sparse_step_state(const ns_sparse *m, const ns_dense_step *step, double tau, double *w);
 void ns_sparse_step_point(const ns_sparse *m, const ns_dense_step *step, double tau, double *v);
+/* The same as it is read, with one more stage, which the step goes on without.  Errors: those of a stage. */
+int ns_sparse_step_shown(ns_sparse *m, ns_dense_step *step, double tau, double *v);
 /* time_lost at the end of a step.  Steps of one length round t in the same direction each time, which would
  * add up. */
 double ns_sparse_step_time_lost(const ns_dense_step *step);

@@ -80,7 +80,7 @@ static int solve_stages(ns_sparse *m, ns_dense_step *step, double room) {
             status = NS_E_LIMIT;
         before = size;
     }
-    step->stages = i;
+    step->stages = step->shown = i;
     return status;
 }
 

@@ -170,3 +170,16 @@ void ns_sparse_step_point(const ns_sparse *m, const ns_dense_step *step, double 
     c[NS_ORDER] = b[NS_ORDER] - c[NS_ORDER - 1]; /* L_8 = b_8 + L_7 */
     combine((size_t)m->f->size, step->stages, c, step->images, v);
 }
+
+int ns_sparse_step_shown(ns_sparse *m, ns_dense_step *step, double tau, double *v) {
+    const int stages = step->stages;
+    int status = NS_OK;
+    if (step->shown <= stages) {
+        status = ns_sparse_step_more(m, step);
+        step->shown = step->stages;
+    }
+    step->stages = step->shown;
+    ns_sparse_step_point(m, step, tau, v);
+    step->stages = stages;
+    return status;
+}

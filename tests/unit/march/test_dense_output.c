@@ -67,7 +67,7 @@ static void any_order(scene *z, const way *w, dice *d) {
     for (int k = 0; k < SAMPLES; k++) {
         const int i = dice_below(d, SAMPLES);
         const point p = sampled(z, time_at(w, i));
-        assert_true(apart(z, &p, &w->p[i]) < 1e-12);
+        assert_true(apart(z, &p, &w->p[i]) == 0);
     }
 }
 
@@ -243,6 +243,12 @@ static void closed_forms_exact(void **state) {
         equals_closed_form(&forms[k], NS_EXACT, 1e-10);
 }
 
+static void closed_forms_sparse(void **state) {
+    (void)state;
+    for (size_t k = 0; k < sizeof forms / sizeof *forms; k++)
+        equals_closed_form(&forms[k], NS_SPARSE, 1e-8);
+}
+
 /* --- with events --- */
 
 static scene one_buck(void) {
@@ -291,7 +297,87 @@ static void events_exact(void **state) {
     equals_trials("chopper", chopper(), NS_EXACT, 1e-3, 1e-9);
 }
 
+static void events_sparse(void **state) {
+    (void)state;
+    equals_trials("buck", one_buck(), NS_SPARSE, 200e-6, 1e-7);
+    equals_trials("rectifier", rectifier(), NS_SPARSE, 5e-3, 1e-7);
+    equals_trials("chopper", chopper(), NS_SPARSE, 1e-4, 1e-7);
+}
+
+/* --- islands: each keeps its own trial, and the whole ends where the first one does --- */
+
+static scene three_islands(void) {
+    scene z = two_bucks();
+    detector(&z, "3", FIRST + 2 * EACH);
+    return z;
+}
+
+/* Another marcher, of the whole, comes to t: the largest difference of x, lambda (and y, if there is one). */
+static double apart_from(scene *z, const point *p, const double *y) {
+    point q = {0};
+    double own_y[PAIRS], reached, worst = 0;
+    ok(ns_march_try(z->m, p->t, NS_TO_TIME, &reached));
+    ok(ns_march_read(z->m, &q.t, q.x, q.lambda, own_y));
+    for (int j = 0; y && j < z->s->m; j++)
+        worst = fmax(worst, fabs(y[j] - own_y[j]) / 24);
+    return fmax(worst, apart(z, p, &q));
+}
+
+/* By trials with NS_TO_STEP alone, read before and after they are accepted, as the other marcher has it. */
+static void islands_by(ns_method method, double tolerance) {
+    scene z = three_islands(), other = three_islands();
+    double now = 0, reached, worst = 0, y[PAIRS];
+    long trials = 0;
+    begin(&z, method, 0);
+    begin(&other, NS_EXACT, 1);
+    assert_true(islands(&z) >= 3);
+    for (int k = 1; now < 200e-6; trials++) {
+        const double to = k * 3.7e-6;
+        ok(ns_march_try(z.m, to, NS_TO_STEP, &reached));
+        assert_true(reached >= now && reached <= to);
+        const point middle = reached > now ? sampled(&z, now + (reached - now) / 3) : (point){0};
+        const point end = shown(&z);
+        worst = fmax(worst, middle.t > now ? apart_from(&other, &middle, NULL) : 0);
+        const int between = reached > now && !ns_march_at_event(z.m);
+        ok(ns_march_accept(z.m));
+        point accepted = {0};
+        ok(ns_march_read(z.m, &accepted.t, accepted.x, accepted.lambda, y));
+        assert_true(accepted.t == reached && apart(&z, &accepted, &end) == 0);
+        worst = fmax(worst, between ? apart_from(&other, &accepted, y) : 0);
+        if (between && accepted.t < to) /* the next trial goes on from here */
+            assert_true(accepted.t > now);
+        now = reached;
+        k += reached >= to;
+    }
+    print_message("islands, method %d: %ld trials, %.1e from a marcher of the whole\n", (int)method, trials,
+                  worst);
+    assert_true(worst < tolerance);
+    end(&z);
+    end(&other);
+}
+
+static void islands_keep_their_trials(void **state) {
+    (void)state;
+    islands_by(NS_EXACT, 1e-9);
+    islands_by(NS_SPARSE, 1e-6);
+    islands_by(NS_AUTO, 1e-9);
+}
+
+static void islands_equal_trials(void **state) {
+    (void)state;
+    check c = {.unknown = -1, .as_trial = 1e-9};
+    scene z = three_islands();
+    begin(&z, NS_EXACT, 0);
+    walk(&z, &c, 100e-6);
+    end(&z);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(closed_forms_exact), cmocka_unit_test(events_exact)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(closed_forms_exact),
+                                       cmocka_unit_test(closed_forms_sparse),
+                                       cmocka_unit_test(events_exact),
+                                       cmocka_unit_test(events_sparse),
+                                       cmocka_unit_test(islands_keep_their_trials),
+                                       cmocka_unit_test(islands_equal_trials)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
