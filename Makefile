@@ -280,6 +280,12 @@ bench-run:
 	@[ '$(BENCH)' != full ] || cp build/bench/precision.svg netlists/precision.svg # the picture that README shows
 	@$(if $(filter netlists,$(BENCH)),,$(BENCH_GOALS))
 
+.PHONY: bench-points
+bench-points: deps ## the twenty netlists by points="auto" and "grid": rows, CPU time, errors of .meas (BENCH=netlists first, if it never ran)
+	@$(MAKE) $(JOBS) B=build/bench CFLAGS='-O3 -DNDEBUG' bench-programs cm
+	@[ -f build/bench/n_six_pulse.csv ] || BENCH=netlists build/bench/tests/bench/bench_cases
+	@build/bench/tests/bench/bench_points
+
 .PHONY: bench-siconos
 bench-siconos: deps ## the same beside Siconos, whose Debian packages it installs
 	@codemodels/install-packages.sh $(SICONOS_PACKAGES)

@@ -53,7 +53,8 @@ static void write_netlist(const bench_case *c, const rival_setting *s, int runs,
         c->netlist(&s->models, f);
     if (s->options)
         fprintf(f, "aopt 0 nsopt\n.model nsopt nonsmooth(%s)\n", s->options);
-    write_marks(c, f);
+    if (!s->unmarked)
+        write_marks(c, f);
     if (s->models.diode == DECK_SIDIODE)
         fprintf(f, ".options convstep=1e9 convabsstep=1e9 abstol=1e-6 vntol=1e-3 chgtol=1e-9\n");
     fprintf(f, ".options reltol=%g method=%s\n.save", s->reltol, s->gear ? "gear" : "trap");
@@ -147,20 +148,39 @@ static int read_head(const bench_case *c, FILE *f, long *points, int *columns, i
     return *points > 1;
 }
 
-/* On the straight line between the points around each time. */
-static int read_points(const bench_case *c, FILE *f, long points, int columns, const int *column,
-                       double *values) {
+/* The values at time k on the straight line between two points. */
+static void add_values(const bench_case *c, int k, const double *last, const double *row, const int *column,
+                       rival_result *r) {
+    const double share = fmin(1, (c->time[k] - last[0]) / (row[0] - last[0]));
+    for (int i = 0; i < c->unknowns; i++)
+        r->values[k * c->unknowns + i] = last[column[i]] + share * (row[column[i]] - last[column[i]]);
+}
+
+static void add_line(const bench_case *c, const double *last, const double *row, const int *column,
+                     rival_result *r) {
+    for (int i = 0; i < c->unknowns; i++) {
+        rival_shape *s = &r->shape[i];
+        const double x = last[column[i]], y = row[column[i]], part = (row[0] - last[0]) / c->end;
+        s->mean += part * (x + y) / 2;
+        s->size += part * (fabs(x) + fabs(y)) / 2;
+        s->most = fmax(s->most, y);
+        s->least = fmin(s->least, y);
+    }
+}
+
+static int read_points(const bench_case *c, FILE *f, int columns, const int *column, rival_result *r) {
     double *row = room(2 * (size_t)columns * sizeof *row), *last = row + columns;
     int k = 0;
-    for (long p = 0; p < points && k < c->times; p++) {
+    for (long p = 0; p < r->points; p++) {
         memcpy(last, row, (size_t)columns * sizeof *row);
         if (fread(row, sizeof *row, (size_t)columns, f) != (size_t)columns)
             break;
-        for (; k < c->times && p > 0 && row[0] >= c->time[k] * (1 - 1e-12); k++) {
-            const double share = fmin(1, (c->time[k] - last[0]) / (row[0] - last[0]));
-            for (int i = 0; i < c->unknowns; i++)
-                values[k * c->unknowns + i] = last[column[i]] + share * (row[column[i]] - last[column[i]]);
-        }
+        for (int i = 0; i < c->unknowns && p == 0; i++)
+            r->shape[i].most = r->shape[i].least = row[column[i]];
+        if (p > 0)
+            add_line(c, last, row, column, r);
+        for (; k < c->times && p > 0 && row[0] >= c->time[k] * (1 - 1e-12); k++)
+            add_values(c, k, last, row, column, r);
     }
     free(row);
     return k == c->times;
@@ -172,7 +192,7 @@ static int read_raw(const bench_case *c, rival_result *r) {
     if (!f)
         return 0;
     if (read_head(c, f, &r->points, &columns, column))
-        got = read_points(c, f, r->points, columns, column, r->values);
+        got = read_points(c, f, columns, column, r);
     fclose(f);
     return got;
 }

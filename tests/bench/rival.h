@@ -5,6 +5,7 @@
 #include "cases.h"
 
 typedef struct rival_setting {
+    int unmarked;     /* no time points of the times that are compared: `values` lie on straight lines */
     const char *name; /* of the models */
     deck_models models;
     int gear; /* else trap */
@@ -15,11 +16,17 @@ typedef struct rival_setting {
 
 typedef enum rival_end { RIVAL_DONE, RIVAL_ABORTED, RIVAL_TIMEOUT } rival_end;
 
+/* Of one unknown over the run, as .meas computes it: straight lines between the time points. */
+typedef struct rival_shape {
+    double mean, size, most, least; /* size: the mean of the absolute value at the points */
+} rival_shape;
+
 typedef struct rival_result {
     rival_end end;
     double process; /* s of CPU of the whole process, start and output included */
     long points, rejected;
     double values[CASE_VALUES];
+    rival_shape shape[CASE_UNKNOWNS];
 } rival_result;
 
 /* Where netlists are written and run; models: path of nonsmooth.cm.  Both are kept, not copied. */

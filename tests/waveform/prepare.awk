@@ -72,6 +72,23 @@ tolower($1) == ".param" {
     next
 }
 
+# NAME ; EXPRESSION of what was measured before ; EXPECTED ; SCALE
+/^\*! / {
+    if (split(substr($0, 4), field, " *; *") < 4) { print FILENAME ": " $0 > "/dev/stderr"; failed = 1; exit }
+    gsub(/ /, "", field[1])
+    printf "print \"let %s = \" %s \"\\nprint %s\" > meas\n", field[1], spliced(field[2]), field[1]
+    printf "printf \"%s %%.17g %%.17g\\n\", %s, %s > checks\n", field[1], field[3], field[4]
+    next
+}
+
+/^\*\. / {
+    line = substr($0, 4)
+    split(line, field, " *; *")
+    gsub(/ /, "", field[1])
+    printf "print \"meas tran %s \" %s > meas\n", field[1], spliced(field[2])
+    next
+}
+
 /^\*< / { printf "printf \"rows %%.17g 1\\n\", %s > checks\n", substr($0, 4); next }
 
 /^\*/ && FNR > 1 || tolower($1) == ".end" { next }

@@ -7,7 +7,8 @@
 #   auto     as it is: every check within 1e-3
 #   sparse   with method="sparse": the same
 #   fine     with lines=1e-5: every check within ten times that, 1e-4
-#   grid     with points="grid": only its rows (time points) are counted
+#   theta    with method="theta", only flood_*.cir: only its rows (time points) are judged
+#   grid     with points="grid": its rows are counted
 # One line a check: `ok` or `FAIL`, circuit, values varied, run, quantity, expected, got, error.  One line a circuit with
 # the rows of its runs; the last line counts the failures and names the worst error of every run.  Exit status 1 if one failed.
 # Environment: NONSMOOTH_CM (build/nonsmooth.cm), NGSPICE (ngspice), TIME_LIMIT (60 s a run), JOBS (number of processors),
@@ -27,6 +28,7 @@ option() {
     case $1 in
     sparse) echo 'method="sparse"' ;;
     fine) echo 'lines=1e-5' ;;
+    theta) echo 'method="theta"' ;;
     grid) echo 'points="grid"' ;;
     esac
 }
@@ -40,7 +42,7 @@ run_one() {
     {
         cat "$1/netlist"
         [ -z "$options" ] || printf 'AOPT 0 nsopt\n.model nsopt nonsmooth(%s)\n' "$options"
-        printf '.control\n'
+        printf '.control\nset numdgt=12\n'
         cat "$1/save"
         printf 'run\n'
         cat "$1/meas"
@@ -60,6 +62,10 @@ circuit() {
         echo "FAIL $label: its checks cannot be read"
         return
     fi
+    case $2 in
+    flood_*) RUNS="$RUNS theta" ;;
+    fine_*) RUNS=$(echo "$RUNS" | sed 's/grid//') ;; # it would take a minute
+    esac
     for run in $RUNS; do
         run_one "$dir" "$run"
         awk -v label="$label" -v run="$run" -f "$here/judge.awk" "$dir/checks" "$dir/$run/out"
