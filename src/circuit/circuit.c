@@ -96,6 +96,12 @@ static char *copy_text(const char *text) {
 
 int ns_circuit_find_node(const ns_circuit *c, int number, int *found) {
     int low = 0, high = c->nnodes;
+    /* where it is if no number is left out */
+    const int place = high > 0 && number > 0 ? number - c->node[0].number : -1;
+    if (place >= 0 && place < high && c->node[place].number == number) {
+        *found = 1;
+        return place;
+    }
     while (low < high) {
         int middle = low + (high - low) / 2;
         if (c->node[middle].number < number) {
