@@ -13,6 +13,7 @@
  *   model.h    (S1)-(S4) with nonlinear f, g, h and their Jacobians
  *   newton.h   one theta-gamma step of a model, (T1)-(T5) around (P1)
  *   circuit.h  R, L, C, K, sources, ideal diodes and switches -> (S1)-(S4)
+ *   energy.h   charge and energy that each element takes in over a run
  *
  * The library never prints, never exits, keeps no global state.  Matrices are dense, column by
  * column (entry (i,j) of a p-by-q matrix is at [i + j*p]), in SI units.  Functions that can fail
@@ -24,6 +25,7 @@
 
 #include "nonsmooth/circuit.h"
 #include "nonsmooth/csc.h"
+#include "nonsmooth/energy.h"
 #include "nonsmooth/impulse.h"
 #include "nonsmooth/march.h"
 #include "nonsmooth/mlcp.h"

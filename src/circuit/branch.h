@@ -23,8 +23,9 @@ typedef void ns_branch_visit(void *to, int index, double gain);
  * current.  To be called after ns_circuit_system(). */
 ns_branch ns_circuit_branch(const ns_circuit *c, int id, ns_branch_visit *visit, void *to);
 
-/* Unknowns; elements. */
+/* Unknowns; pairs; elements. */
 int ns_circuit_branch_unknowns(const ns_circuit *c);
+int ns_circuit_branch_pairs(const ns_circuit *c);
 int ns_circuit_branch_count(const ns_circuit *c);
 
 static inline double ns_branch_voltage(const ns_branch *b, const double *x) {

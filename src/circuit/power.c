@@ -8,6 +8,10 @@ int ns_circuit_branch_unknowns(const ns_circuit *c) {
     return c->nused + c->ncurrents;
 }
 
+int ns_circuit_branch_pairs(const ns_circuit *c) {
+    return c->npairs;
+}
+
 int ns_circuit_branch_count(const ns_circuit *c) {
     return c->nelements;
 }

@@ -1,0 +1,254 @@
+/* tests/unit/energy/test_energy.c - charge and energy by hand, jumps in closed form, refusals. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "nonsmooth.h"
+#include "signals.h"
+#include "wrap_alloc.h"
+
+enum { MOST = 16 };
+
+static const ns_diode diode = {0, 0, INFINITY, INFINITY, 0};
+static const ns_switch contact = {0.5, 0, 0, INFINITY};
+
+static void expect(const ns_energy *e, int k, double q, double joule, double off) {
+    double got_q, got_joule;
+    assert_int_equal(ns_energy_read(e, k, NULL, &got_q, &got_joule), NS_OK);
+    if (!(fabs(got_q - q) <= off * fabs(q) && fabs(got_joule - joule) <= off * fabs(joule)))
+        fail_msg("element %d: %.17g C, %.17g J in place of %.17g, %.17g", k, got_q, got_joule, q, joule);
+}
+
+/* 2 ohm and 3 F, and a current source that jumps from 1 A to 5 A at 1 s, from node 1 to ground.  Nodes of
+ * 0.25 s at 4 V and 0.5 s at 6 V: all numbers exact. */
+static void nodes_by_hand(void **state) {
+    (void)state;
+    ns_circuit *c;
+    ns_system *s;
+    ns_energy *e;
+    ns_signal i = pulse(1, 5, 1, 0, 0, 9, INFINITY);
+    const int ids[] = {0, 2, 1};
+    assert_int_equal(ns_circuit_create(&c), NS_OK);
+    assert_int_equal(ns_circuit_resistor(c, "r", 1, 0, 2, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(c, "c", 1, 0, 3, NAN, NULL), NS_OK);
+    assert_int_equal(ns_circuit_source(c, "i", NS_CURRENT, 1, 0, &i, NULL), NS_OK);
+    assert_int_equal(ns_circuit_system(c, &s), NS_OK);
+    assert_int_equal(ns_energy_create(c, 3, ids, &e), NS_OK);
+    assert_int_equal(ns_energy_count(e), 3);
+    double v = 4, rate = 0.5, p;
+    ns_solution at = {0, NS_RIGHT, &v, NULL, &rate};
+    for (int again = 0; again < 2; again++) { /* begins at zero again */
+        v = 4;
+        at.t = 0;
+        assert_int_equal(ns_energy_begin(e, &at), NS_OK);
+        assert_int_equal(ns_energy_add(e, 0.25, &at), NS_OK);
+        v = 6;
+        at.t = 1;
+        assert_int_equal(ns_energy_add(e, 0.5, &at), NS_OK);
+        assert_int_equal(ns_energy_point(e, &at), NS_OK);
+    }
+    expect(e, 0, 0.25 * 2 + 0.5 * 3, 0.25 * 8 + 0.5 * 18, 0);
+    expect(e, 1, 0.25 * 1 + 0.5 * 5, 0.25 * 4 + 0.5 * 30, 0);
+    expect(e, 2, 3 * 2, 3.0 / 2 * (36 - 16), 0);
+    assert_int_equal(ns_energy_read(e, 0, &p, NULL, NULL), NS_OK);
+    assert_true(p == 18);
+    assert_int_equal(ns_energy_read(e, 2, &p, NULL, NULL), NS_OK);
+    assert_true(p == 3 * 0.5 * 6);
+    at.rates = NULL;
+    assert_int_equal(ns_energy_point(e, &at), NS_OK);
+    assert_int_equal(ns_energy_read(e, 2, &p, NULL, NULL), NS_OK);
+    assert_true(isnan(p));
+    assert_int_equal(ns_energy_nodes(e), 4);
+    ns_energy_free(e);
+    ns_system_free(s);
+    ns_circuit_free(c);
+}
+
+typedef struct bench {
+    ns_circuit *c;
+    ns_system *s;
+    ns_march *m;
+    ns_energy *e;
+} bench;
+
+static bench open_bench(void) {
+    bench b = {0};
+    assert_int_equal(ns_circuit_create(&b.c), NS_OK);
+    return b;
+}
+
+static void run(bench *b, ns_method method) {
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-7, .method = method};
+    double w0[MOST];
+    assert_int_equal(ns_circuit_system(b->c, &b->s), NS_OK);
+    assert_true(b->s->n <= MOST);
+    assert_int_equal(ns_circuit_rest(b->c, w0), NS_OK);
+    assert_int_equal(ns_march_create(b->s, &o, &b->m, NULL), NS_OK);
+    assert_int_equal(ns_energy_create(b->c, 0, NULL, &b->e), NS_OK);
+    assert_int_equal(ns_energy_march(b->e, b->m, 1e-6), NS_E_STATE);
+    assert_int_equal(ns_march_start(b->m, 0, w0), NS_OK);
+    assert_int_equal(ns_energy_start(b->e, b->m), NS_OK);
+    assert_int_equal(ns_energy_march(b->e, b->m, 2e-6), NS_OK);
+}
+
+static void close_bench(bench *b) {
+    ns_energy_free(b->e);
+    ns_march_free(b->m);
+    ns_system_free(b->s);
+    ns_circuit_free(b->c);
+}
+
+static int gate(bench *b, double v1, double v2) {
+    const ns_signal s = pulse(v1, v2, 1e-6, 0, 0, 1, INFINITY);
+    int id;
+    assert_int_equal(ns_circuit_source(b->c, "vg", NS_VOLTAGE, 9, 0, &s, &id), NS_OK);
+    return id;
+}
+
+static const ns_method method[] = {NS_EXACT, NS_SPARSE, NS_THETA};
+enum { METHODS = 3 };
+
+/* 1 uF at 10 V onto 3 uF at 2 V: 6 uC, and 4 V mean of that, in the device: at a start, by a diode; later, by
+ * a switch. */
+static void two_capacitors(void **state) {
+    (void)state;
+    for (int k = 0; k < 2 * METHODS; k++) {
+        bench b = open_bench();
+        assert_int_equal(ns_circuit_capacitor(b.c, "c1", 1, 0, 1e-6, 10, NULL), NS_OK);
+        assert_int_equal(ns_circuit_capacitor(b.c, "c2", 2, 0, 3e-6, 2, NULL), NS_OK);
+        if (k < METHODS)
+            assert_int_equal(ns_circuit_diode(b.c, "d", 1, 2, &diode, NULL), NS_OK);
+        else
+            assert_int_equal(ns_circuit_switch(b.c, "s", 1, 2, 9, 0, &contact, NULL), NS_OK);
+        gate(&b, 0, 1);
+        run(&b, method[k % METHODS]);
+        expect(b.e, 0, -6e-6, 1e-6 / 2 * (16 - 100), 1e-12);
+        expect(b.e, 1, 6e-6, 3e-6 / 2 * (16 - 4), 1e-12);
+        expect(b.e, 2, 6e-6, 24e-6, 1e-11);
+        close_bench(&b);
+    }
+}
+
+/* 8 V jump behind 1 uF, which pushes 6 uC through a diode into 3 uF: at 8 V the source gives 48 uJ; the
+ * capacitors keep 18 uJ (1 uF at -6 V) and 6 uJ (3 uF at 2 V); the diode, at 8 V when it begins, takes 24 uJ.
+ * Another 1 uF right across the source follows it without loss: then sources are as before the jump, all at
+ * half the voltage. */
+static void a_source_that_jumps(void **state) {
+    (void)state;
+    for (int k = 0; k < METHODS; k++) {
+        bench b = open_bench();
+        const int v = gate(&b, 0, 8);
+        assert_int_equal(ns_circuit_capacitor(b.c, "c1", 2, 9, 1e-6, 0, NULL), NS_OK);
+        assert_int_equal(ns_circuit_diode(b.c, "d", 2, 3, &diode, NULL), NS_OK);
+        assert_int_equal(ns_circuit_capacitor(b.c, "c2", 3, 0, 3e-6, 0, NULL), NS_OK);
+        run(&b, method[k]);
+        expect(b.e, v, -6e-6, -48e-6, 1e-11);
+        expect(b.e, 1, -6e-6, 18e-6, 1e-11);
+        expect(b.e, 2, 6e-6, 24e-6, 1e-11);
+        expect(b.e, 3, 6e-6, 6e-6, 1e-11);
+        close_bench(&b);
+    }
+    for (int k = 0; k < METHODS; k++) {
+        bench b = open_bench();
+        const int v = gate(&b, 0, 8);
+        assert_int_equal(ns_circuit_capacitor(b.c, "c1", 9, 0, 1e-6, 0, NULL), NS_OK);
+        run(&b, method[k]);
+        expect(b.e, v, -8e-6, -32e-6, 1e-11);
+        expect(b.e, 1, 8e-6, 32e-6, 1e-11);
+        close_bench(&b);
+    }
+}
+
+/* 1 mH with 2 A is cut by a switch, and a diode leads into 3 mH: 0.5 A, flux 1.5 mWb across the switch, which
+ * takes 1 A of that: 1.5 mJ. */
+static void a_cut_inductor(void **state) {
+    (void)state;
+    for (int k = 0; k < METHODS; k++) {
+        bench b = open_bench();
+        double joule, left = 1e-3 / 2 * 4;
+        gate(&b, 1, 0);
+        assert_int_equal(ns_circuit_inductor(b.c, "l1", 0, 1, 1e-3, 2, NULL), NS_OK);
+        assert_int_equal(ns_circuit_switch(b.c, "s", 1, 0, 9, 0, &contact, NULL), NS_OK);
+        assert_int_equal(ns_circuit_diode(b.c, "d", 1, 2, &diode, NULL), NS_OK);
+        assert_int_equal(ns_circuit_inductor(b.c, "l2", 2, 0, 3e-3, 0, NULL), NS_OK);
+        run(&b, method[k]);
+        const double want[] = {0, 1e-3 / 2 * (0.25 - 4), 1.5e-3, 0, 3e-3 / 2 * 0.25};
+        for (int i = 0; i < 5; i++) {
+            assert_int_equal(ns_energy_read(b.e, i, NULL, NULL, &joule), NS_OK);
+            assert_true(fabs(joule - want[i]) <= 1e-11 * left);
+        }
+        close_bench(&b);
+    }
+}
+
+static void refusals(void **state) {
+    (void)state;
+    bench b = open_bench();
+    ns_energy *e = (ns_energy *)&b;
+    const int none = 1;
+    double p, x[MOST] = {0};
+    const ns_solution at = {0, NS_RIGHT, x, x, NULL};
+    assert_int_equal(ns_circuit_diode(b.c, "d", 1, 0, &diode, NULL), NS_OK);
+    assert_int_equal(ns_circuit_system(b.c, &b.s), NS_OK);
+    assert_int_equal(ns_energy_create(b.c, 1, NULL, NULL), NS_E_NULL);
+    assert_int_equal(ns_energy_create(NULL, 1, NULL, &e), NS_E_NULL);
+    assert_null(e);
+    assert_int_equal(ns_energy_create(b.c, 1, &none, &e), NS_E_SIZE);
+    assert_int_equal(ns_energy_create(b.c, -1, &none, &e), NS_E_SIZE);
+    assert_int_equal(ns_energy_create(b.c, 0, NULL, &e), NS_OK);
+    assert_int_equal(ns_energy_read(e, 1, &p, NULL, NULL), NS_E_SIZE);
+    assert_int_equal(ns_energy_read(e, -1, &p, NULL, NULL), NS_E_SIZE);
+    assert_int_equal(ns_energy_read(NULL, 0, &p, NULL, NULL), NS_E_NULL);
+    assert_int_equal(ns_energy_begin(NULL, &at), NS_E_NULL);
+    assert_int_equal(ns_energy_begin(e, NULL), NS_E_NULL);
+    assert_int_equal(ns_energy_add(e, 1, NULL), NS_E_NULL);
+    assert_int_equal(ns_energy_point(NULL, &at), NS_E_NULL);
+    assert_int_equal(ns_energy_jump(e, &at, NULL, x, x), NS_E_NULL);
+    assert_int_equal(ns_energy_start(e, NULL), NS_E_NULL);
+    assert_int_equal(ns_energy_march(e, NULL, 1), NS_E_NULL);
+    assert_int_equal(ns_energy_count(NULL), 0);
+    assert_int_equal(ns_energy_nodes(NULL), 0);
+    ns_energy_free(e);
+    ns_energy_free(NULL);
+    ns_system_free(b.s);
+    ns_circuit_free(b.c);
+}
+
+static void no_memory(void **state) {
+    (void)state;
+    bench b = open_bench();
+    gate(&b, 0, 1);
+    assert_int_equal(ns_circuit_capacitor(b.c, "c", 9, 0, 1e-6, 10, NULL), NS_OK);
+    run(&b, NS_EXACT);
+    for (long k = 1;; k++) {
+        ns_energy *e;
+        fail_alloc_at(k);
+        int status = ns_energy_create(b.c, 0, NULL, &e);
+        if (status == NS_OK)
+            status = ns_energy_start(e, b.m);
+        const long made = allocs_made();
+        fail_alloc_off();
+        ns_energy_free(e);
+        if (made < k)
+            break;
+        assert_int_equal(status, NS_E_MEMORY);
+    }
+    close_bench(&b);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(nodes_by_hand),
+        cmocka_unit_test(two_capacitors),
+        cmocka_unit_test(a_source_that_jumps),
+        cmocka_unit_test(a_cut_inductor),
+        cmocka_unit_test(refusals),
+        cmocka_unit_test(no_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
