@@ -42,6 +42,11 @@ int ns_energy_start(ns_energy *e, ns_march *m);
  * ns_march_try(). */
 int ns_energy_march(ns_energy *e, ns_march *m, double t);
 
+/* For those who move m themselves: takes in the trial that m made last (NS_TO_STEP), before it is accepted:
+ * up to t, in parts if t grows from call to call (a jump not before its end).  Every trial that is accepted
+ * must have been taken in up to its end, once.  Errors: as ns_energy_march(). */
+int ns_energy_take(ns_energy *e, ns_march *m, double t);
+
 /* Points looked at so far. */
 long ns_energy_nodes(const ns_energy *e);
 

@@ -53,7 +53,8 @@ struct ns_energy {
     double *point[2];     /* n+m each: x, lambda of the last point; of the next */
     double *between;      /* n+m: between them; the integrals over an instant */
     ns_part_sum *part;    /* count */
-    double t;             /* s: of the last point */
+    double t;             /* s: of the last point, or how far the way of the trial was taken */
+    int at_event;         /* the last point is the left side of an event */
     double joule, charge; /* of all absolute values so far */
 };
 

@@ -149,17 +149,40 @@ static int pass_jump(ns_energy *e, ns_march *m, double t) {
                            : status;
 }
 
-static int step(ns_energy *e, ns_march *m, double t, double *reached) {
-    const int from_event = ns_march_at_event(m);
-    int status = ns_march_try(m, t, NS_TO_STEP, reached);
-    if (status == NS_OK)
-        status = read_point(e, m, 1, reached);
+/* The end of a trial, at t, is the last point. */
+static void take_end(ns_energy *e, ns_march *m, double t) {
+    double *next = e->point[1];
+    e->point[1] = e->point[0];
+    e->point[0] = next;
+    e->t = t;
+    e->at_event = ns_march_at_event(m);
+}
+
+int ns_energy_take(ns_energy *e, ns_march *m, double t) {
+    if (!e || !m)
+        return NS_E_NULL;
+    if (!e->block)
+        return NS_E_STATE;
+    double end;
+    int status = read_point(e, m, 1, &end);
     if (status != NS_OK)
         return status;
-    if (from_event || !(*reached > e->t))
-        status = pass_jump(e, m, *reached);
-    else
-        status = integrate_way(e, m, e->t, *reached);
+    const int jumps = e->at_event || !(end > e->t), ends = !(t < end);
+    if (!jumps)
+        status = integrate_way(e, m, e->t, ends ? end : t);
+    else if (ends)
+        status = pass_jump(e, m, end);
+    if (status == NS_OK && ends)
+        take_end(e, m, end);
+    else if (status == NS_OK && !jumps)
+        e->t = fmax(e->t, t);
+    return status;
+}
+
+static int step(ns_energy *e, ns_march *m, double t, double *reached) {
+    int status = ns_march_try(m, t, NS_TO_STEP, reached);
+    if (status == NS_OK)
+        status = ns_energy_take(e, m, *reached);
     return status == NS_OK ? ns_march_accept(m) : status;
 }
 
@@ -168,20 +191,16 @@ int ns_energy_march(ns_energy *e, ns_march *m, double t) {
         return NS_E_NULL;
     if (!e->block)
         return NS_E_STATE;
-    int status = NS_OK;
-    for (int passes = 0; e->t < t && status == NS_OK && passes <= MOST_PASSES; passes++) {
-        double reached = e->t;
-        status = step(e, m, t, &reached);
+    for (int passes = 0; e->t < t && passes <= MOST_PASSES; passes++) {
+        const double from = e->t;
+        double reached;
+        const int status = step(e, m, t, &reached);
         if (status != NS_OK)
             return status;
-        double *next = e->point[1];
-        e->point[1] = e->point[0];
-        e->point[0] = next;
-        passes = reached > e->t ? 0 : passes;
-        e->t = reached;
+        passes = e->t > from ? 0 : passes;
     }
     const ns_solution last = solution(e, 0, e->t, NS_RIGHT);
-    status = ns_energy_point(e, &last);
+    const int status = ns_energy_point(e, &last);
     return e->t < t ? NS_E_LIMIT : status;
 }
 
@@ -221,6 +240,7 @@ int ns_energy_start(ns_energy *e, ns_march *m) {
         return status;
     e->nodes = 0;
     e->joule = e->charge = 0;
+    e->at_event = ns_march_at_event(m);
     const int jumps = any(e);
     const ns_solution first = solution(e, jumps ? 0 : 1, e->t, NS_LEFT);
     if (jumps) {

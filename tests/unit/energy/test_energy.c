@@ -186,6 +186,40 @@ static void a_cut_inductor(void **state) {
     }
 }
 
+/* 1 mF at 10 V and 1 ohm, at last short-circuited by a switch, taken in in seven parts of each way: as all at
+ * once. */
+static void a_way_in_parts(void **state) {
+    (void)state;
+    for (int k = 0; k < METHODS; k++) {
+        bench b = open_bench();
+        assert_int_equal(ns_circuit_capacitor(b.c, "c", 1, 0, 1e-3, 10, NULL), NS_OK);
+        assert_int_equal(ns_circuit_resistor(b.c, "r", 1, 0, 1, NULL), NS_OK);
+        assert_int_equal(ns_circuit_switch(b.c, "s", 1, 0, 9, 0, &contact, NULL), NS_OK);
+        gate(&b, 0, 1);
+        run(&b, method[k]);
+        double q, joule, through, lost, from = 0;
+        assert_int_equal(ns_energy_read(b.e, 1, NULL, &q, &joule), NS_OK);
+        assert_int_equal(ns_energy_read(b.e, 2, NULL, &through, &lost), NS_OK);
+        assert_true(q > 9.9e-6 && joule > 99e-6);
+        const double w0[MOST] = {1e-3 * 10};
+        assert_int_equal(ns_circuit_node_unknown(b.c, 1), 0);
+        assert_int_equal(ns_march_start(b.m, 0, w0), NS_OK);
+        assert_int_equal(ns_energy_start(b.e, b.m), NS_OK);
+        for (int trial = 0; from < 2e-6 && trial < 1000; trial++) {
+            double to;
+            assert_int_equal(ns_march_try(b.m, 2e-6, NS_TO_STEP, &to), NS_OK);
+            for (int part = to > from ? 1 : 7; part <= 7; part++)
+                assert_int_equal(ns_energy_take(b.e, b.m, part < 7 ? from + (to - from) * part / 7 : to),
+                                 NS_OK);
+            assert_int_equal(ns_march_accept(b.m), NS_OK);
+            from = to;
+        }
+        expect(b.e, 1, q, joule, 1e-12);
+        expect(b.e, 2, through, lost, 1e-12);
+        close_bench(&b);
+    }
+}
+
 static void refusals(void **state) {
     (void)state;
     bench b = open_bench();
@@ -243,11 +277,9 @@ static void no_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nodes_by_hand),
-        cmocka_unit_test(two_capacitors),
-        cmocka_unit_test(a_source_that_jumps),
-        cmocka_unit_test(a_cut_inductor),
-        cmocka_unit_test(refusals),
+        cmocka_unit_test(nodes_by_hand),       cmocka_unit_test(two_capacitors),
+        cmocka_unit_test(a_source_that_jumps), cmocka_unit_test(a_cut_inductor),
+        cmocka_unit_test(a_way_in_parts),      cmocka_unit_test(refusals),
         cmocka_unit_test(no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
