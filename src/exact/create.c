@@ -82,6 +82,13 @@ static int all_timed(const ns_system *s) {
     return 1;
 }
 
+static double shortest_of_mutes(const ns_exact *f) {
+    double most = 0;
+    for (int i = 0; i < f->inputs->mutes; i++)
+        most = fmax(most, ns_inputs_wave_rate(&f->system->z[f->inputs->mute[i]]));
+    return NS_REACH / most;
+}
+
 int ns_exact_create(ns_theta *step, ns_dense_point *point, double h, ns_exact **out) {
     ns_exact *f = calloc(1, sizeof *f);
     *out = NULL;
@@ -106,6 +113,7 @@ int ns_exact_create(ns_theta *step, ns_dense_point *point, double h, ns_exact **
         ns_exact_free(f);
         return status;
     }
+    f->mutes_shortest = shortest_of_mutes(f);
     f->counts.input_states = f->inputs->nv;
     ns_exact_reset_past(f);
     *out = f;

@@ -144,14 +144,6 @@ int ns_exact_sample(ns_exact *f, double t, const double **x_lambda) {
     return ns_exact_output_of(f, w->scale->kernel, w->X, f->work.x_lambda);
 }
 
-/* Of inputs that only outputs follow. */
-static double shortest_of_mutes(const ns_exact *f) {
-    double most = 0;
-    for (int i = 0; i < f->inputs->mutes; i++)
-        most = ns_higher(most, ns_inputs_wave_rate(&f->system->z[f->inputs->mute[i]]));
-    return NS_REACH / most;
-}
-
 /* Inputs and charges are straight lines. */
 static int is_straight(const ns_exact *f) {
     int straight = f->s->r == 0;
@@ -171,5 +163,7 @@ double ns_exact_shortest(ns_exact *f, double t, double *until) {
     if (i + 1 < k->scales)
         *until = ns_higher(f->way.from.last_event_t + k->scale[i + 1].from, nextafter(t, INFINITY));
     const double h = is_straight(f) ? INFINITY : ns_lower(k->scale[i].h, length / OF_LENGTH);
-    return ns_lower(h, shortest_of_mutes(f));
+    if (*until >= f->way.end_t)
+        *until = INFINITY;
+    return ns_lower(h, f->mutes_shortest);
 }

@@ -96,6 +96,15 @@ static void set_units(ns_sparse *m) {
     }
 }
 
+/* Inputs that no step looks at. */
+static double shortest_of_inputs(const ns_sparse *m) {
+    double most = 0;
+    for (int k = 0; k < m->f->nz; k++)
+        if (!m->in->enters[k])
+            most = fmax(most, ns_inputs_wave_rate(&m->s->z[k]));
+    return NS_REACH / most;
+}
+
 static int create_parts(ns_sparse *m, const ns_system *s) {
     int status = ns_sparse_output_create(s, &m->output_only);
     m->s = status == NS_OK ? &m->output_only->rest : s;
@@ -114,6 +123,7 @@ static int create_parts(ns_sparse *m, const ns_system *s) {
     if (status != NS_OK)
         return status;
     set_units(m);
+    m->inputs_shortest = shortest_of_inputs(m);
     return ns_sparse_theta_create(m);
 }
 

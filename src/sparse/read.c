@@ -95,15 +95,6 @@ int ns_sparse_sample(ns_sparse *m, double t, double *x, double *lambda) {
     return check_read(m, t, x, lambda, NULL);
 }
 
-/* Inputs that no step looks at. */
-static double shortest_of_inputs(const ns_sparse *m) {
-    double shortest = INFINITY;
-    for (int k = 0; k < m->f->nz; k++)
-        if (!m->in->enters[k])
-            shortest = fmin(shortest, NS_REACH / ns_inputs_wave_rate(&m->s->z[k]));
-    return shortest;
-}
-
 double ns_sparse_shortest(ns_sparse *m, double t, double *until) {
     enum { OF_LENGTH = 16 };
     int status;
@@ -111,7 +102,7 @@ double ns_sparse_shortest(ns_sparse *m, double t, double *until) {
     if (!is_on_way(m, t, &status))
         return NAN;
     return m->trial.step->is_euler ? INFINITY
-                                   : fmin((m->trial.t - m->accepted.t) / OF_LENGTH, shortest_of_inputs(m));
+                                   : fmin((m->trial.t - m->accepted.t) / OF_LENGTH, m->inputs_shortest);
 }
 
 const ns_mode *ns_sparse_mode(const ns_sparse *m) {

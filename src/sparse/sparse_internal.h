@@ -136,6 +136,7 @@ struct ns_sparse {
     ns_input_stages *in;         /* its inputs and commands of time */
     ns_shared_branch *shared;    /* pairs across switches */
     int shared_count;            /* entries of shared */
+    double inputs_shortest;      /* s: ns_sparse_shortest() of inputs that no step looks at */
     double *unit;                /* n: the square root of the largest entry of row i of M */
 
     /* steps and points in them */

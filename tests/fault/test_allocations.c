@@ -218,6 +218,39 @@ static void a_sparse_march(outcome *o) {
     march_by(o, NS_SPARSE, 1e-5, 6e-4);
 }
 
+/* By trials with NS_TO_STEP, looked at on their way. */
+static void steps_by(outcome *o, ns_method method, double h, double until) {
+    const ns_march_options options = {.theta = 0.5, .gamma = 0.5, .h = h, .method = method, .reltol = 1e-6};
+    double now = 0, reached, x[ROOM] = {0}, lambda[ROOM];
+    ns_march *m;
+    TRY(ns_march_create(subject, &options, &m, NULL));
+    TRY(ns_march_start(m, 0, x));
+    TRY(ns_march_read(m, &now, NULL, NULL, NULL));
+    while (now < until) {
+        TRY(ns_march_try(m, until, NS_TO_STEP, &reached));
+        if (reached > now)
+            TRY(ns_march_sample(m, now + (reached - now) / 3, x, lambda));
+        assert_int_equal(ns_march_accept(m), NS_OK);
+        TRY(ns_march_read(m, &now, NULL, NULL, NULL));
+    }
+    note(o, 1, &now);
+    note(o, subject->n, x);
+    note(o, subject->m, lambda);
+    ns_march_free(m);
+}
+
+static void exact_steps(outcome *o) {
+    steps_by(o, NS_EXACT, 1e-5, 6e-4);
+}
+
+static void sparse_steps(outcome *o) {
+    steps_by(o, NS_SPARSE, 1e-5, 3e-4);
+}
+
+static void ladder_steps(outcome *o) {
+    steps_by(o, NS_THETA, 1e-5, 1e-4);
+}
+
 static void an_operating_point(outcome *o) {
     const ns_march_options options = {.theta = 1, .gamma = 1, .h = 1e-5, .method = NS_THETA};
     const int hold = 4; /* node 5: the capacitor */
@@ -360,6 +393,15 @@ static void marches(void **state) {
     on(two_rectifiers(), a_sparse_march, 100);
 }
 
+static void steps(void **state) {
+    (void)state;
+    on(rectifier(), exact_steps, 50);
+    on(rectifier(), sparse_steps, 50);
+    on(rectifier(), ladder_steps, 39); /* one more than a march: x, lambda where a step begins */
+    on(two_rectifiers(), exact_steps, 100);
+    on(two_rectifiers(), sparse_steps, 100);
+}
+
 static void impulses(void **state) {
     (void)state;
     on(two_capacitors(), an_impulse, 30);
@@ -380,6 +422,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(circuits_and_systems),
         cmocka_unit_test(marches),
+        cmocka_unit_test(steps),
         cmocka_unit_test(impulses),
         cmocka_unit_test(newton),
         cmocka_unit_test(problems),
