@@ -26,11 +26,11 @@ int ns_sparse_read(ns_sparse *m, double *t, double *x, double *lambda, double *y
     const double at = m->trial.t;
     const int more =
         m->trial.t < m->trial.step->end_t || m->trial.step->at_event || m->trial.step->stages < NS_ORDER;
-    int status = NS_OK;
+    int status = more ? ns_sparse_step_more(m, m->trial.step) : NS_OK;
+    if (status != NS_OK)
+        return ns_sparse_fail(m, at, status);
     if (m->o.theta > 0)
         status = ns_sparse_theta_point(m, m->trial.step, m->trial.tau, m->v);
-    else if (more)
-        status = ns_sparse_step_shown(m, m->trial.step, m->trial.tau, m->v);
     else
         ns_sparse_step_point(m, m->trial.step, m->trial.tau, m->v);
     if (status != NS_OK)

@@ -47,7 +47,7 @@ typedef struct ns_dense_step {
     int is_euler;  /* one implicit Euler step: only its end is known, by stage 0 */
     int is_smooth; /* of the theta scheme: the rates of the step before are known too */
     int stages;    /* how many are known */
-    int shown;     /* and how many for points that are read: one more, once there was one */
+    int shown;     /* and how many for points on the way of a trial: one more, once there was one */
     int converged; /* D^i w vanish: nothing jumps, nothing stiff is excited */
     /* what ends it */
     int at_event;      /* an event ends it: */
@@ -230,7 +230,7 @@ int ns_sparse_step_more(ns_sparse *m, ns_dense_step *step);
 /* Dense output: w (n) by (E2), v = (x, lambda) by (E1), tau after its beginning. */
 void ns_sparse_step_state(const ns_sparse *m, const ns_dense_step *step, double tau, double *w);
 void ns_sparse_step_point(const ns_sparse *m, const ns_dense_step *step, double tau, double *v);
-/* The same as it is read, with one more stage, which the step goes on without.  Errors: those of a stage. */
+/* The same with one more stage, which the step goes on without.  Errors: those of a stage. */
 int ns_sparse_step_shown(ns_sparse *m, ns_dense_step *step, double tau, double *v);
 /* time_lost at the end of a step.  Steps of one length round t in the same direction each time, which would
  * add up. */

@@ -34,6 +34,13 @@ static inline point shown(scene *z) {
     return p;
 }
 
+/* The sparse engine adds a stage each time a point inside of a step is read, up to nine. */
+static inline point shown_at_last(scene *z) {
+    for (int i = 0; i < 9; i++)
+        (void)shown(z);
+    return shown(z);
+}
+
 /* The largest difference, relative to 1 and to the largest value of each kind. */
 static inline double apart(const scene *z, const point *a, const point *b) {
     double worst = 0, x = 1, lambda = 1;
@@ -107,7 +114,7 @@ typedef struct check {
 
 /* Where the same trial, made again, ends: the same but for rounding. */
 static inline double check_way(scene *z, check *c, double from, double to, double asked, dice *d) {
-    const point end = shown(z);
+    const point end = shown_at_last(z);
     const way w = look(z, from, to);
     double reached;
     any_order(z, &w, d);
@@ -119,7 +126,7 @@ static inline double check_way(scene *z, check *c, double from, double to, doubl
     c->worst_as_trial = fmax(c->worst_as_trial, apart_from_trials(z, &w));
     ok(ns_march_try(z->m, asked, NS_TO_STEP, &reached));
     const point again = shown(z);
-    assert_true(apart(z, &again, &end) < 1e-9 && fabs(reached - to) <= 1e-15 * to);
+    assert_true(apart(z, &again, &end) < c->as_trial && fabs(reached - to) <= 1e-15 * to);
     return reached;
 }
 

