@@ -10,6 +10,7 @@
  *   theta.h    one theta-gamma step (T1)(T6)(T7)(P1), tried and accepted
  *   impulse.h  the state after a jump (J1)-(J4)
  *   march.h    many steps: events located, jumps resolved, values on both sides of a jump
+ *   waveform.h the points of a march between which waveforms are straight lines
  *   model.h    (S1)-(S4) with nonlinear f, g, h and their Jacobians
  *   newton.h   one theta-gamma step of a model, (T1)-(T5) around (P1)
  *   circuit.h  R, L, C, K, sources, ideal diodes and switches -> (S1)-(S4)
@@ -36,5 +37,6 @@
 #include "nonsmooth/system.h"
 #include "nonsmooth/text.h"
 #include "nonsmooth/theta.h"
+#include "nonsmooth/waveform.h"
 
 #endif

@@ -4,18 +4,19 @@
 #include <math.h>
 #include <string.h>
 
+#include "pure/timepoints.h"
 #include "report.h"
 
-enum { STEPS_PER_POINT = 16 }; /* in ngspice's longest step, unless option h says otherwise */
-enum { POINTS_PER_STEP = 4 };  /* of the sparse engine, which controls its error and knows what is between */
+/* Steps of the sparse engine, which controls its error and knows what is between, in those of the scheme. */
+enum { SPARSE_STEP = 64 };
 
 static double longest_step(const ns_analysis *a, const CKTcircuit *ckt) {
     if (a->ex.options.h > 0.0)
         return a->ex.options.h;
-    if (!(ckt->CKTmaxStep > 0.0)) /* .op: any will do */
+    if (!(ckt->CKTfinalTime > 0.0)) /* .op: any will do */
         return 1e-6;
-    return a->ex.options.method == NS_SPARSE ? POINTS_PER_STEP * ckt->CKTmaxStep
-                                             : ckt->CKTmaxStep / STEPS_PER_POINT;
+    const double h = ns_bridge_timepoints_longest_step(a->system, ckt->CKTfinalTime);
+    return a->ex.options.method == NS_SPARSE ? SPARSE_STEP * h : h;
 }
 
 /* The unknown that equation eq stands for, or -1. */
@@ -60,17 +61,44 @@ void ns_bridge_analysis_explain(const ns_analysis *a, const ns_fault *fault, int
         snprintf(line, size, "%s", *message ? message : ns_status_text(status));
 }
 
-static int build_march(CKTcircuit *ckt, ns_analysis *a) {
+static int make_march(CKTcircuit *ckt, ns_analysis *a, ns_fault *fault) {
     const ns_march_options o = {.theta = a->ex.options.theta,
                                 .gamma = a->ex.options.gamma,
                                 .h = a->h = longest_step(a, ckt),
                                 .method = a->ex.options.method,
                                 .reltol = a->ex.options.reltol};
+    return ns_march_create(a->system, &o, &a->march, fault);
+}
+
+/* Voltages and currents that are shown, and currents of devices. */
+static int make_waveform(CKTcircuit *ckt, ns_analysis *a) {
+    enum { NOT_SHOWN, VOLTAGE, CURRENT };
+    unsigned char *kind = calloc(a->count + 1, 1);
+    const ns_waveform_options o = {.lines = a->ex.options.lines,
+                                   .longest = ns_bridge_timepoints_tmax(ckt->CKTmaxStep, ckt->CKTstep,
+                                                                        ckt->CKTinitTime, ckt->CKTfinalTime),
+                                   .every = ns_bridge_timepoints_round(ckt->CKTfinalTime),
+                                   .closest = ns_bridge_timepoints_closest(ckt->CKTfinalTime),
+                                   .noise = ns_march_engine(a->march) == NS_EXACT ? 1e-12 : 1e-9,
+                                   .kind = kind};
+    for (int eq = 0; kind && eq < a->ex.neq; eq++)
+        if (a->unknown[eq] >= 0)
+            kind[a->unknown[eq]] = a->ex.element[eq] >= 0 ? CURRENT : VOLTAGE;
+    for (size_t k = (size_t)a->system->n; kind && k < a->count; k++)
+        kind[k] = CURRENT;
+    const int status = kind ? ns_waveform_create(a->system, a->march, &o, &a->waveform) : NS_E_MEMORY;
+    free(kind);
+    return status;
+}
+
+static int build_march(CKTcircuit *ckt, ns_extract_sources sources, ns_analysis *a) {
     ns_fault fault = {.status = NS_OK};
     char line[320];
     int status = ns_circuit_system(a->ex.circuit, &a->system);
     status = status ? status : prepare_points(a);
-    status = status ? status : ns_march_create(a->system, &o, &a->march, &fault);
+    status = status ? status : make_march(ckt, a, &fault);
+    if (!status && sources == SOURCES_TRAN && !a->ex.options.grid)
+        status = make_waveform(ckt, a);
     if (!status)
         return OK;
     ns_bridge_analysis_explain(a, &fault, status, line, sizeof line);
@@ -85,13 +113,14 @@ int ns_bridge_analysis_make(CKTcircuit *ckt, ns_extract_sources sources, ns_anal
     if (error)
         ns_bridge_report_error("%s", a->ex.line);
     else
-        error = build_march(ckt, a);
+        error = build_march(ckt, sources, a);
     if (error)
         ns_bridge_analysis_clear(a);
     return error;
 }
 
 void ns_bridge_analysis_clear(ns_analysis *a) {
+    ns_waveform_free(a->waveform);
     ns_march_free(a->march);
     ns_system_free(a->system);
     ns_bridge_extract_clear(&a->ex);
@@ -122,6 +151,20 @@ int ns_bridge_analysis_read(ns_analysis *a, double *t) {
     if (!status)
         ns_bridge_analysis_unread(a); /* swaps the two */
     return status;
+}
+
+int ns_bridge_analysis_take(ns_analysis *a, const ns_waveform_point *p, double part) {
+    const size_t n = (size_t)a->system->n;
+    double *to = a->before;
+    for (size_t k = 0; k < a->count; k++) {
+        const double next = k < n ? p->x[k] : p->lambda[k - n];
+        to[k] = part < 1.0 ? a->x[k] + part * (next - a->x[k]) : next;
+        if (!isfinite(to[k]))
+            return NS_E_OVERFLOW;
+    }
+    memcpy(a->mode, p->mode, (size_t)a->system->m * sizeof *a->mode);
+    ns_bridge_analysis_unread(a);
+    return NS_OK;
 }
 
 int ns_bridge_analysis_moved(const ns_analysis *a, double fraction) {

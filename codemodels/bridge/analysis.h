@@ -4,15 +4,16 @@
 #define BRIDGE_ANALYSIS_H
 
 #include "extract.h"
-#include "nonsmooth/march.h"
+#include "nonsmooth/waveform.h"
 
 typedef struct ns_analysis {
     /* --- made once --- */
     ns_extract ex;
     ns_system *system;
-    ns_march *march; /* NULL: nothing is made */
-    double h;        /* the longest step of the scheme, s */
-    int *unknown;    /* ex.neq: the unknown that an equation stands for, -1: none */
+    ns_march *march;       /* NULL: nothing is made */
+    ns_waveform *waveform; /* chooses the timepoints; NULL: they are those of a grid, or there are none */
+    double h;              /* the longest step of the scheme, s */
+    int *unknown;          /* ex.neq: the unknown that an equation stands for, -1: none */
     struct {
         int n;
         int *unknown;  /* n: of the nodes with an .ic */
@@ -39,6 +40,10 @@ void ns_bridge_analysis_clear(ns_analysis *a);
  * time.  A status; after an error all is as it was. */
 int ns_bridge_analysis_read(ns_analysis *a, double *t);
 void ns_bridge_analysis_unread(ns_analysis *a); /* once: the point read before that */
+
+/* A point of the waveform in place of one of the marcher's, at part (0 to 1) of the way from the point read
+ * last; its mode is that of the devices. */
+int ns_bridge_analysis_take(ns_analysis *a, const ns_waveform_point *p, double part);
 
 /* 1 if the last two points read differ somewhere by more than `fraction` of the largest size there. */
 int ns_bridge_analysis_moved(const ns_analysis *a, double fraction);

@@ -139,6 +139,8 @@ static int start_analysis(ns_session *s) {
     if (!uic) /* under .ic the march starts from other voltages */
         ns_bridge_show_values(a, s->force.value);
     error = ns_bridge_trial_begin(s);
+    if (!error && a->waveform)
+        error = ns_bridge_waveform_begin(s, 0.0);
     if (error)
         return error;
     if (uic)
@@ -161,11 +163,14 @@ int ns_bridge_analysis_start(ns_session *s) {
 /* Puts `altered` in the place of the present analysis, at its charges and fluxes. */
 static int replace_analysis(ns_session *s, ns_analysis *altered) {
     ns_analysis *a = &s->analysis;
-    const int status = start_from_charges(altered, s->trial.t, a->system, a->x);
+    const double t = s->trial.t;
+    const int status = start_from_charges(altered, t, a->system, a->x);
     int error;
     ns_bridge_analysis_clear(a);
     *a = *altered;
     error = status ? ns_bridge_trial_fail(s, status) : ns_bridge_trial_begin(s);
+    if (!error && a->waveform)
+        error = ns_bridge_waveform_begin(s, t);
     if (!error) {
         ns_bridge_show_values(a, s->force.value);
         ns_bridge_show_later(a);
@@ -181,6 +186,8 @@ int ns_bridge_analysis_resume(ns_session *s) {
         return error;
     a->ex.options = now.ex.options;
     ns_bridge_loop_take(s->ckt, &s->loop, now.ex.options.corners, 1);
+    if (a->waveform)
+        ns_bridge_loop_take_close(s->ckt, &s->loop);
     if (now.ex.hash != a->ex.hash && now.system->n == a->system->n)
         return replace_analysis(s, &now);
     if (now.ex.hash != a->ex.hash) {

@@ -62,11 +62,14 @@ static int read_options(ns_extract_walk *w, MIFinstance *inst) {
                                     .theta = ns_bridge_models_real(inst, OPTION_THETA),
                                     .gamma = ns_bridge_models_real(inst, OPTION_GAMMA),
                                     .verbose = inst->param[OPTION_VERBOSE]->element[0].ivalue,
+                                    .points = ns_bridge_models_text(inst, OPTION_POINTS),
+                                    .lines = ns_bridge_models_real(inst, OPTION_LINES),
                                     .corners = inst->param[OPTION_CORNERS]->element[0].ivalue};
     ex->error =
         ns_bridge_report_code(ns_bridge_options_check(&given, &ex->options, ex->line, sizeof ex->line));
-    const double numbers[] = {ex->options.h, ex->options.theta, ex->options.gamma,
-                              (double)ex->options.method};
+    const double numbers[] = {ex->options.h,     ex->options.theta,
+                              ex->options.gamma, (double)ex->options.method,
+                              ex->options.lines, (double)ex->options.grid};
     ns_bridge_extract_mix(w, numbers, sizeof numbers);
     return ex->error ? EXTRACT_REFUSED : NS_OK;
 }

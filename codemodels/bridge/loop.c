@@ -21,6 +21,11 @@ void ns_bridge_loop_take(CKTcircuit *ckt, ns_loop *loop, int at_corners, int res
     }
 }
 
+void ns_bridge_loop_take_close(CKTcircuit *ckt, ns_loop *loop) {
+    ckt->CKTminBreak = ckt->CKTdelmin = 0.01 * ns_bridge_timepoints_closest(ckt->CKTfinalTime);
+    loop->points.min_break = ckt->CKTminBreak;
+}
+
 void ns_bridge_loop_release(CKTcircuit *ckt, ns_loop *loop) {
     if (loop->max_order) /* ngspice frees as many states as it allocated by it */
         ckt->CKTmaxOrder = loop->max_order;
@@ -40,6 +45,13 @@ void ns_bridge_loop_read(const CKTcircuit *ckt, ns_loop *loop, int first) {
 
 double ns_bridge_loop_next(CKTcircuit *ckt, ns_loop *loop, const ns_system *s, double t_accepted) {
     const double t = ns_bridge_timepoints_next(&loop->points, s, t_accepted);
+    ckt->CKTmaxStep = loop->points.max_step;
+    ckt->CKTbreakSize = loop->points.nbreaks;
+    return t;
+}
+
+double ns_bridge_loop_unchosen(CKTcircuit *ckt, ns_loop *loop) {
+    const double t = ns_bridge_timepoints_unchosen(&loop->points);
     ckt->CKTmaxStep = loop->points.max_step;
     ckt->CKTbreakSize = loop->points.nbreaks;
     return t;

@@ -13,6 +13,8 @@ typedef struct ns_loop {
 /* No truncation errors, order 1, timepoints at_corners or on the grid alone.  For a start and, with
  * `resumed`, after `resume`.  ns_bridge_loop_release() gives the order back. */
 void ns_bridge_loop_take(CKTcircuit *ckt, ns_loop *loop, int at_corners, int resumed);
+/* After that, where a waveform chooses the timepoints: they may be as close as they must. */
+void ns_bridge_loop_take_close(CKTcircuit *ckt, ns_loop *loop);
 void ns_bridge_loop_release(CKTcircuit *ckt, ns_loop *loop);
 
 /* 1 if an analysis or a `resume` began since the last call: both set CKTtrtol anew. */
@@ -22,6 +24,8 @@ int ns_bridge_loop_began_anew(CKTcircuit *ckt);
 void ns_bridge_loop_read(const CKTcircuit *ckt, ns_loop *loop, int first);
 
 /* The next timepoint, as ns_bridge_timepoints_next(). */
+/* The next timepoint, as ns_bridge_timepoints_unchosen(). */
+double ns_bridge_loop_unchosen(CKTcircuit *ckt, ns_loop *loop);
 double ns_bridge_loop_next(CKTcircuit *ckt, ns_loop *loop, const ns_system *s, double t_accepted);
 
 #endif

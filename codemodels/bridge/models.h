@@ -23,7 +23,9 @@ enum {
     OPTION_RELTOL,
     OPTION_VERBOSE,
     OPTION_DUMP,
-    OPTION_CORNERS
+    OPTION_CORNERS,
+    OPTION_LINES,
+    OPTION_POINTS
 };
 
 enum { SHOW_I, SHOW_V, SHOW_ON }; /* of the diode and the switch */

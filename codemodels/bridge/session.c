@@ -31,7 +31,7 @@ static void load_tran(ns_session *s) {
         s->failed = ns_bridge_analysis_resume(s);
     }
     if (!s->failed)
-        s->failed = ns_bridge_trial_load(s, resumed);
+        s->failed = s->analysis.waveform ? ns_bridge_waveform_load(s) : ns_bridge_trial_load(s, resumed);
 }
 
 static int load_dc(ns_session *s) {
@@ -96,8 +96,9 @@ int ns_bridge_session_accept(ns_session *s) {
     if (ckt->CKTfinalTime - ckt->CKTtime < ckt->CKTminBreak) {
         end_analysis(s);
     } else {
-        s->failed = ns_bridge_look_ahead(
-            s, first); /* an error waits for the next accept: the present point is good */
+        /* an error waits for the next accept: the present point is good */
+        s->failed =
+            s->analysis.waveform ? ns_bridge_waveform_look_ahead(s, first) : ns_bridge_look_ahead(s, first);
     }
     return OK;
 }

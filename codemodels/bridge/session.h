@@ -9,6 +9,12 @@
 #include "force.h"
 #include "loop.h"
 
+/* Of a waveform; written by waveform_points.c alone. */
+typedef struct ns_bridge_next {
+    int held;                /* there is a point that ngspice has not come to */
+    ns_waveform_point point; /* at its t */
+} ns_bridge_next;
+
 /* Written by trial.c alone. */
 typedef struct ns_bridge_trial {
     double t;           /* the accepted time, s: the marcher's, or when the right side of a jump is shown */
@@ -39,6 +45,7 @@ typedef struct ns_session {
 
     /* --- the present timepoint --- */
     ns_bridge_trial trial;
+    ns_bridge_next next;
     int failed; /* code that ends the analysis; its line was written.  session.c */
 
     /* --- what is changed in ngspice until the next load --- */
@@ -83,6 +90,17 @@ void ns_bridge_analysis_end(ns_session *s);
  * point is the start. */
 int ns_bridge_look_ahead(ns_session *s, int first);
 
+/* --- waveform_points.c: the same where the waveform chooses the timepoints --- */
+
+/* The marcher was started or restarted at t, s, and ns_bridge_trial_begin() was called. */
+int ns_bridge_waveform_begin(ns_session *s, double t);
+
+/* Chooses the next point and sets ngspice's step to it. */
+int ns_bridge_waveform_look_ahead(ns_session *s, int first);
+
+/* The values of ngspice's present timepoint into s->force.value. */
+int ns_bridge_waveform_load(ns_session *s);
+
 /* --- trial.c: what the marcher is asked to try, and accepts --- */
 
 /* Forgets all: an analysis begins. */
@@ -108,6 +126,9 @@ void ns_bridge_trial_drop(ns_session *s);
 
 /* ngspice accepted its point: accepts the trial if that was it.  1 at the first point of an analysis. */
 int ns_bridge_trial_accept_loaded(ns_session *s);
+
+/* The values that were loaded for time t, s, are shown: they are not the marcher's trial. */
+void ns_bridge_trial_show(ns_session *s, double t);
 
 /* The time, s, at which the right side of a jump at the accepted time is shown: later, as ngspice's time must
  * advance, and well before t, the end of the trial. */

@@ -21,7 +21,8 @@ void ns_bridge_show_values(const ns_analysis *a, double *value) {
 }
 
 void ns_bridge_show_later(ns_analysis *a) {
-    memcpy(a->mode, ns_march_mode(a->march), (size_t)a->system->m * sizeof *a->mode);
+    if (!a->waveform) /* else it came with the point */
+        memcpy(a->mode, ns_march_mode(a->march), (size_t)a->system->m * sizeof *a->mode);
     a->devices_stale = 1;
 }
 

@@ -88,8 +88,15 @@ void ns_bridge_trial_drop(ns_session *s) {
 int ns_bridge_trial_accept_loaded(ns_session *s) {
     const int first = !s->trial.start_accepted;
     s->trial.start_accepted = 1;
-    if (s->trial.loaded)
+    if (s->trial.loaded && s->analysis.waveform)
+        s->trial.t = s->trial.t_end;
+    else if (s->trial.loaded)
         ns_bridge_trial_accept(s, s->trial.t_end);
     ns_bridge_trial_drop(s);
     return first;
+}
+
+void ns_bridge_trial_show(ns_session *s, double t) {
+    s->trial.t_end = t;
+    s->trial.loaded = 1;
 }

@@ -6,7 +6,7 @@
 #include <string.h>
 
 const ns_bridge_options ns_bridge_options_default = {
-    .method = NS_AUTO, .theta = 1.0, .gamma = 1.0, .corners = 1};
+    .method = NS_AUTO, .theta = 1.0, .gamma = 1.0, .lines = 1e-4, .corners = 1};
 
 static const char *const methods[] = {
     [NS_AUTO] = "auto", [NS_THETA] = "theta", [NS_EXACT] = "exact", [NS_SPARSE] = "sparse"};
@@ -30,6 +30,14 @@ static int read_method(const ns_options_given *given, ns_method *method, char *l
     return NS_E_RANGE;
 }
 
+static int read_points(const ns_options_given *given, int *grid, char *line, size_t size) {
+    *grid = given->points && strcmp(given->points, "grid") == 0;
+    if (!given->points || *grid || strcmp(given->points, "auto") == 0)
+        return NS_OK;
+    snprintf(line, size, "%s: points = \"%s\" must be \"auto\" or \"grid\"", given->name, given->points);
+    return NS_E_RANGE;
+}
+
 static int check_numbers(const ns_options_given *g, char *line, size_t size) {
     static const char weight[] = "must be above 0 and at most 1", flag[] = "must be 0 or 1";
     const struct {
@@ -42,6 +50,7 @@ static int check_numbers(const ns_options_given *g, char *line, size_t size) {
                   {"gamma", g->gamma, g->gamma > 0.0 && g->gamma <= 1.0, weight},
                   {"verbose", g->verbose, g->verbose == 0 || g->verbose == 1, flag},
                   {"corners", g->corners, g->corners == 0 || g->corners == 1, flag},
+                  {"lines", g->lines, g->lines > 0.0 && g->lines <= 0.1, "must be above 0 and at most 0.1"},
                   {"reltol", g->reltol, isnan(g->reltol) || (g->reltol > 0.0 && g->reltol < 1.0),
                    "must be above 0 and below 1"}};
     for (size_t k = 0; k < sizeof checks / sizeof checks[0]; k++) {
@@ -54,12 +63,14 @@ static int check_numbers(const ns_options_given *g, char *line, size_t size) {
 }
 
 int ns_bridge_options_check(const ns_options_given *given, ns_bridge_options *o, char *line, size_t size) {
-    const int status = read_method(given, &o->method, line, size);
+    int status = read_method(given, &o->method, line, size);
+    status = status ? status : read_points(given, &o->grid, line, size);
     o->h = isnan(given->h) ? 0.0 : given->h;
     o->theta = given->theta;
     o->gamma = given->gamma;
     o->reltol = isnan(given->reltol) ? 0.0 : given->reltol;
     o->verbose = given->verbose;
     o->corners = given->corners;
+    o->lines = given->lines;
     return status ? status : check_numbers(given, line, size);
 }

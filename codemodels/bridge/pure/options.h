@@ -6,11 +6,13 @@
 
 typedef struct ns_bridge_options {
     ns_method method;
-    double h; /* s, 0: chosen by ngspice's longest step */
+    double h; /* s, 0: chosen by the sources and the run */
     double theta, gamma;
     double reltol; /* 0: not given */
     int verbose;
-    int corners; /* events and corners of sources get timepoints */
+    int grid;     /* timepoints are those of .tran; else where the waveform needs them: */
+    double lines; /* how far it may be from straight lines, of its largest value */
+    int corners;  /* of a grid: events and corners of sources get timepoints too */
 } ns_bridge_options;
 
 extern const ns_bridge_options ns_bridge_options_default;
@@ -19,7 +21,9 @@ extern const ns_bridge_options ns_bridge_options_default;
 typedef struct ns_options_given {
     const char *name;   /* the instance's */
     const char *method; /* NULL: not given */
-    double h, reltol;   /* NAN: not given */
+    const char *points; /* NULL: not given */
+    double lines;
+    double h, reltol; /* NAN: not given */
     double theta, gamma;
     int verbose, corners;
 } ns_options_given;

@@ -72,3 +72,58 @@ double ns_bridge_timepoints_next(ns_timepoints *p, const ns_system *s, double t_
         t = next_shown(p, s, t_accepted);
     return fmax(t, t_accepted + ns_bridge_timepoints_closeness(p)); /* ahead, whatever rounding did */
 }
+
+/* --- where a waveform chooses them --- */
+
+/* The period of a signal, s; INFINITY: it has none. */
+static double period_of(const ns_signal *z) {
+    switch (z->kind) {
+    case NS_PULSE:
+        return z->u.pulse.per > 0.0 ? z->u.pulse.per : INFINITY;
+    case NS_SIN:
+        return z->u.sin.freq > 0.0 ? 1.0 / z->u.sin.freq : INFINITY;
+    case NS_PWL:
+        return isnan(z->u.pwl.repeat) || z->u.pwl.n < 1 ? INFINITY
+                                                        : z->u.pwl.t[z->u.pwl.n - 1] - z->u.pwl.repeat;
+    default:
+        return INFINITY;
+    }
+}
+
+double ns_bridge_timepoints_longest_step(const ns_system *s, double stop) {
+    static const double of_period = 1.0 / 1024.0, of_run = 1.0 / 65536.0;
+    double step = of_run * stop;
+    for (int i = 0; i < s->nz; i++) {
+        const double period = period_of(&s->z[i]);
+        if (period > 0.0)
+            step = fmin(step, of_period * period);
+    }
+    return step;
+}
+
+double ns_bridge_timepoints_tmax(double max_step, double tstep, double start, double stop) {
+    static const double ngspice_own = 1.0 / 50.0; /* of the time shown, where tmax is not given */
+    return max_step < tstep && max_step != (stop - start) * ngspice_own && max_step != (stop - start) / 50.0
+               ? max_step
+               : 0.0;
+}
+
+double ns_bridge_timepoints_round(double stop) {
+    const double power = pow(10.0, floor(log10(stop / 50.0)));
+    return 5.0 * power <= stop / 50.0 ? 5.0 * power : 2.0 * power <= stop / 50.0 ? 2.0 * power : power;
+}
+
+double ns_bridge_timepoints_closest(double stop) {
+    return 200.0 * 2.3e-16 * stop; /* ngspice compares breakpoints to 100 ulps */
+}
+
+double ns_bridge_timepoints_unchosen(ns_timepoints *p) {
+    double t = 0.0;
+    if (p->t < p->start)
+        return next_before_start(p);
+    if (p->skips_start)
+        t = 0.5 * ns_bridge_timepoints_closest(p->stop); /* shows 0+ in place of 0 */
+    remove_all_breaks(p);
+    p->max_step = p->stop;
+    return t;
+}

@@ -44,4 +44,24 @@ static inline int ns_bridge_timepoints_at_events(const ns_timepoints *p) {
  * timepoint; sets the longest step. */
 double ns_bridge_timepoints_next(ns_timepoints *p, const ns_system *s, double t_accepted);
 
+/* --- where a waveform chooses them (nonsmooth/waveform.h) --- */
+
+/* The longest step of the scheme, s, in a run up to stop: a small part of the shortest period of the inputs
+ * of s, and of the run. */
+double ns_bridge_timepoints_longest_step(const ns_system *s, double stop);
+
+/* The tmax of .tran, s, from ngspice's longest step; 0: there is none, or it cannot be told from ngspice's
+ * own. */
+double ns_bridge_timepoints_tmax(double max_step, double tstep, double start, double stop);
+
+/* Points at all multiples of this time, s, at least: 1, 2 or 5 times a power of ten, fifty of them or more in
+ * a run up to stop.  .meas sees nothing between from= and to= but points. */
+double ns_bridge_timepoints_round(double stop);
+
+/* Two points of a run up to stop are further apart than this, s. */
+double ns_bridge_timepoints_closest(double stop);
+
+/* The timepoint before p->start, the first one that is not t = 0, or (0) one that the waveform chooses. */
+double ns_bridge_timepoints_unchosen(ns_timepoints *p);
+
 #endif

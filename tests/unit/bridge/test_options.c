@@ -12,8 +12,15 @@
 
 /* What ngspice has of a model without parameters. */
 static ns_options_given nothing_given(void) {
-    return (ns_options_given){
-        .name = "aopt", .method = "auto", .h = NAN, .reltol = NAN, .theta = 1.0, .gamma = 1.0, .corners = 1};
+    return (ns_options_given){.name = "aopt",
+                              .method = "auto",
+                              .h = NAN,
+                              .reltol = NAN,
+                              .theta = 1.0,
+                              .gamma = 1.0,
+                              .corners = 1,
+                              .points = "auto",
+                              .lines = 1e-4};
 }
 
 static void assert_refused(const ns_options_given *given, const char *wanted) {
@@ -38,9 +45,10 @@ static void no_parameters_are_the_defaults(void **state) {
     assert_taken(&given, &o);
     assert_int_equal(o.method, NS_AUTO);
     assert_true(o.h == 0.0 && o.reltol == 0.0 && o.theta == 1.0 && o.gamma == 1.0);
-    assert_true(o.verbose == 0 && o.corners == 1);
+    assert_true(o.verbose == 0 && o.corners == 1 && o.grid == 0 && o.lines == 1e-4);
     assert_true(o.method == d->method && o.h == d->h && o.theta == d->theta && o.gamma == d->gamma &&
-                o.reltol == d->reltol && o.verbose == d->verbose && o.corners == d->corners);
+                o.reltol == d->reltol && o.verbose == d->verbose && o.corners == d->corners &&
+                o.grid == d->grid && o.lines == d->lines);
 }
 
 static void all_parameters_are_taken(void **state) {
@@ -50,13 +58,15 @@ static void all_parameters_are_taken(void **state) {
                                     .reltol = 1e-4,
                                     .theta = 0.5,
                                     .gamma = 0.75,
+                                    .points = "grid",
+                                    .lines = 1e-3,
                                     .verbose = 1};
     ns_bridge_options o;
     (void)state;
     assert_taken(&given, &o);
     assert_int_equal(o.method, NS_THETA);
     assert_true(o.h == 1e-6 && o.reltol == 1e-4 && o.theta == 0.5 && o.gamma == 0.75);
-    assert_true(o.verbose == 1 && o.corners == 0);
+    assert_true(o.verbose == 1 && o.corners == 0 && o.grid == 1 && o.lines == 1e-3);
 }
 
 static void every_method_has_its_word(void **state) {
@@ -140,8 +150,21 @@ static void the_line_is_cut_at_its_size(void **state) {
     assert_string_equal(line, "aopt: metho");
 }
 
+static void points_and_lines_are_checked(void **state) {
+    ns_options_given given = nothing_given();
+    (void)state;
+    given.points = "few";
+    assert_refused(&given, "aopt: points = \"few\" must be \"auto\" or \"grid\"");
+    given = nothing_given();
+    given.lines = 0.0;
+    assert_refused(&given, "aopt: lines = 0 must be above 0 and at most 0.1");
+    given.lines = 0.2;
+    assert_refused(&given, "aopt: lines = 0.2 must be above 0 and at most 0.1");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(points_and_lines_are_checked),
         cmocka_unit_test(no_parameters_are_the_defaults),
         cmocka_unit_test(all_parameters_are_taken),
         cmocka_unit_test(every_method_has_its_word),

@@ -1,0 +1,86 @@
+/* bridge/waveform_points.c - timepoints that the waveform chooses (nonsmooth/waveform.h).
+ *
+ * The next point is computed when the one before it is accepted, and shown when ngspice comes to its time. At
+ * any time in between ngspice is given what lies on the straight line. */
+#include "session.h"
+
+#include <math.h>
+
+#include "report.h"
+#include "show.h"
+
+static int fail(const ns_session *s, int status) {
+    return status ? ns_bridge_trial_fail(s, status) : OK;
+}
+
+int ns_bridge_waveform_begin(ns_session *s, double t) {
+    s->next.held = 0;
+    s->trial.t = t; /* what is consistent may be some steps of h/2^20 later */
+    ns_bridge_loop_take_close(s->ckt, &s->loop);
+    int status = ns_waveform_start(s->analysis.waveform, &s->next.point);
+    status = status ? status : ns_bridge_analysis_take(&s->analysis, &s->next.point, 1.0);
+    return fail(s, status);
+}
+
+/* The point after the accepted one. */
+static int choose_next(ns_session *s) {
+    ns_waveform_point *p = &s->next.point;
+    ns_waveform *w = s->analysis.waveform;
+    const double t = ns_bridge_loop_unchosen(s->ckt, &s->loop);
+    int status = NS_OK;
+    if (s->next.held)
+        return OK;
+    if (s->loop.points.t < s->loop.points.start)
+        status = ns_waveform_skip(w, t, p);
+    else if (t > 0.0)
+        p->t = t; /* the start, which ngspice has not shown */
+    else
+        status = ns_waveform_next(w, s->ckt->CKTfinalTime, p);
+    s->next.held = !status;
+    return fail(s, status);
+}
+
+int ns_bridge_waveform_look_ahead(ns_session *s, int first) {
+    CKTcircuit *ckt = s->ckt;
+    ns_bridge_loop_read(ckt, &s->loop, first);
+    const clock_t since = s->analysis.ex.options.verbose ? clock() : 0;
+    const int error = choose_next(s);
+    s->trial.cpu += s->analysis.ex.options.verbose ? clock() - since : 0;
+    if (!error)
+        ckt->CKTdelta = fmax(s->next.point.t - ckt->CKTtime, 2.0 * ckt->CKTdelmin);
+    ckt->CKTorder = 1; /* so that ngspice's own currents of capacitors do not ring after a jump */
+    s->trial.made = !error;
+    return error;
+}
+
+/* The next point is at or after ngspice's time: it is before that only where ngspice has chosen its step
+ * itself, after `resume`. */
+static int come_to(ns_session *s, double t) {
+    int error = choose_next(s);
+    while (!error && s->next.point.t < t && !ns_bridge_timepoints_same(t, s->next.point.t)) {
+        error = fail(s, ns_bridge_analysis_take(&s->analysis, &s->next.point, 1.0));
+        s->trial.t = s->next.point.t;
+        s->next.held = 0;
+        error = error ? error : choose_next(s);
+    }
+    return error;
+}
+
+int ns_bridge_waveform_load(ns_session *s) {
+    const ns_waveform_point *p = &s->next.point;
+    const double t = s->ckt->CKTtime;
+    if (t <= s->trial.t || (s->trial.loaded && s->trial.t_end == t))
+        return OK; /* ngspice solves twice at each point */
+    const int error = come_to(s, t);
+    if (error)
+        return error;
+    const int there = ns_bridge_timepoints_same(t, p->t);
+    const double part = there ? 1.0 : (t - s->trial.t) / (p->t - s->trial.t);
+    const int status = ns_bridge_analysis_take(&s->analysis, p, part);
+    if (status)
+        return fail(s, status);
+    ns_bridge_show_values(&s->analysis, s->force.value);
+    ns_bridge_trial_show(s, t);
+    s->next.held = !there;
+    return OK;
+}

@@ -1,0 +1,71 @@
+/* nonsmooth/waveform.h - the points that a waveform needs: straight lines between them are the waveform.
+ *
+ * Between two points next to each other every x and lambda that is looked at stays within `lines` of the
+ * straight line, relative to its largest value so far, and from one event to the next the trapezoids below
+ * the lines add up to its integral within `lines` of the integral of its absolute value.  A waveform drives a
+ * marcher (nonsmooth/march.h): where nothing bends it has no points, however long that takes.
+ */
+#ifndef NONSMOOTH_WAVEFORM_H
+#define NONSMOOTH_WAVEFORM_H
+
+#include "nonsmooth/march.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct ns_waveform ns_waveform;
+
+enum { NS_WAVEFORM_KINDS = 4 };
+
+typedef struct ns_waveform_options {
+    double lines;   /* distance from the lines, relative to the largest value so far, in (0,1); 0: 1e-4 */
+    double longest; /* s between two points, at most; 0: no limit */
+    double every;   /* s: points at all multiples of it; 0: none */
+    double closest; /* s between two points, at least; the right side of a jump is shown so long after the
+                       left */
+    double noise;   /* relative to the largest value of its kind: values may be off by that; 0: 1e-12 */
+    /* n+m: x, then lambda: 0: not looked at; else its kind, 1 to NS_WAVEFORM_KINDS-1: values of one kind have
+     * the same unit.  NULL: all are looked at, as one kind. */
+    const unsigned char *kind;
+} ns_waveform_options;
+
+typedef struct ns_waveform_point {
+    double t;             /* s */
+    int after_jump;       /* 1: the right side of a jump */
+    const double *x;      /* n; these three are valid until the next call */
+    const double *lambda; /* m */
+    const ns_mode *mode;  /* m: on the way to this point */
+} ns_waveform_point;
+
+/* What was given out so far. */
+typedef struct ns_waveform_counts {
+    long points;  /* all of them */
+    long samples; /* looks at the exact waveform */
+    int busiest;  /* the x or (from n on) lambda that asked for most points; -1: none did */
+    double turns; /* 1/s: how often that one turned between events, over the time between these */
+} ns_waveform_counts;
+
+/* Makes a waveform of the marcher m of s; both must outlive it.  Errors: NULL, RANGE (lines, longest,
+ * closest, noise, kind), MEMORY. */
+int ns_waveform_create(const ns_system *s, ns_march *m, const ns_waveform_options *o, ns_waveform **out);
+void ns_waveform_free(ns_waveform *w);
+
+/* After the marcher was started: its accepted point is the first point.  Errors: those of ns_march_read(). */
+int ns_waveform_start(ns_waveform *w, ns_waveform_point *first);
+
+/* Integrates to t (s) without points; what is there is the next first point.  Errors: those of
+ * ns_march_try(). */
+int ns_waveform_skip(ns_waveform *w, double t, ns_waveform_point *first);
+
+/* The next point, at until (s) at the latest; the last one is there.  The marcher's accepted point is at most
+ * two events ahead.  Errors: STATE (not started), RANGE (until is not later than the last point), those of
+ * ns_march_try() and ns_march_sample(): what was computed before is given out first. */
+int ns_waveform_next(ns_waveform *w, double until, ns_waveform_point *next);
+
+ns_waveform_counts ns_waveform_read_counts(const ns_waveform *w);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,41 @@
+/* src/waveform/rows.c - values at one instant: taken, filled from the marcher, given back. */
+#include "waveform_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+double *ns_waveform_take_row(ns_waveform *w) {
+    return w->unused[--w->unused_count];
+}
+
+void ns_waveform_return_row(ns_waveform *w, double *row) {
+    w->unused[w->unused_count++] = row;
+}
+
+ns_mode *ns_waveform_mode_of(const ns_waveform *w, const double *row) {
+    return w->modes + (size_t)(row - w->rows) / (w->count + 1) * (size_t)w->s->m;
+}
+
+void ns_waveform_return_all_rows(ns_waveform *w) {
+    w->unused_count = 0;
+    for (size_t i = NS_ROWS; i > 0; i--)
+        ns_waveform_return_row(w, w->rows + (i - 1) * (w->count + 1));
+}
+
+int ns_waveform_sample(ns_waveform *w, double t, double **row) {
+    double *v = *row = ns_waveform_take_row(w);
+    const int status = ns_march_sample(w->march, t, v, v + w->s->n);
+    for (size_t k = 0; k < w->count && status == NS_OK; k++)
+        if (!isfinite(v[k])) {
+            ns_waveform_return_row(w, v);
+            return NS_E_OVERFLOW;
+        }
+    if (status != NS_OK) {
+        ns_waveform_return_row(w, v);
+        return status;
+    }
+    w->samples++;
+    memcpy(ns_waveform_mode_of(w, v), ns_march_mode(w->march), sizeof(ns_mode) * (size_t)w->s->m);
+    ns_waveform_note_size(w, v);
+    return NS_OK;
+}

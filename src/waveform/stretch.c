@@ -1,0 +1,71 @@
+/* src/waveform/stretch.c - the marcher's trials: smooth pieces of waveform, and jumps between them. */
+#include "waveform_internal.h"
+
+#include <math.h>
+
+/* The first instant after t at which an input has a corner. */
+static double next_corner(const ns_system *s, double t) {
+    double corner = INFINITY;
+    for (int i = 0; i < s->nz; i++)
+        corner = fmin(corner, ns_signal_next_corner(&s->z[i], t));
+    return corner;
+}
+
+/* One trial that ends after w->made begins, well enough for a point of its own; *passed: events on the way.
+ */
+static int try_stretch(ns_waveform *w, double until, int *passed) {
+    *passed = 0;
+    for (int count = 0; count < NS_CLOSE_EVENTS; count++) {
+        const double limit = fmin(until, next_corner(w->s, w->accepted_t));
+        const int status = ns_march_try(w->march, limit, NS_TO_STEP, &w->end);
+        if (status != NS_OK)
+            return status;
+        const int here = w->end <= w->accepted_t; /* the right side of an event */
+        if (!here && (w->end >= until || w->end - w->made.at[0].t > w->closest))
+            return NS_OK;
+        *passed |= here || ns_march_at_event(w->march);
+        const int accepted = ns_march_accept(w->march);
+        if (accepted != NS_OK)
+            return accepted;
+        w->accepted_t = w->end;
+    }
+    return NS_E_LIMIT;
+}
+
+/* w->made as the jump from where it begins to row. */
+static void make_jump(ns_waveform *w, double *row) {
+    ns_segment *g = &w->made;
+    const double t = g->at[0].t, room = w->end - t;
+    const double fast = fmin(ns_march_shortest(w->march, w->accepted_t, NULL), room);
+    const double later = fmin(fmax(2 * w->closest, 1e-5 * fast), room / 8);
+    g->at[++g->last] = (ns_probe){fmax(t, w->accepted_t) + later, row};
+    g->jumps = 1;
+}
+
+int ns_waveform_enter_stretch(ns_waveform *w, double until) {
+    double *row;
+    int passed, status = try_stretch(w, until, &passed);
+    if (status == NS_OK)
+        status = ns_waveform_sample(w, w->accepted_t, &row);
+    if (status != NS_OK)
+        return status;
+    w->in_stretch = w->fresh = 1;
+    w->made.from_event = passed || w->after_event;
+    w->after_event = 0;
+    if (w->made.from_event)
+        ns_waveform_begin_integrals(w, w->made.at[0].t);
+    w->made.smooth = !ns_waveform_differ(w, w->made.at[0].v, row);
+    if (w->made.smooth)
+        ns_waveform_return_row(w, row);
+    else
+        make_jump(w, row);
+    return NS_OK;
+}
+
+int ns_waveform_leave_stretch(ns_waveform *w) {
+    w->after_event = ns_march_at_event(w->march);
+    const int status = ns_march_accept(w->march);
+    w->accepted_t = w->end;
+    w->in_stretch = 0;
+    return status;
+}

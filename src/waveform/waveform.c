@@ -1,0 +1,219 @@
+/* src/waveform/waveform.c - points of a waveform: made, started, given out one by one. */
+#include "waveform_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --- made --- */
+
+static double positive_or(double given, double otherwise) {
+    return given > 0 ? given : otherwise;
+}
+
+static int check_options(const ns_system *s, const ns_waveform_options *o) {
+    const int numbers = o->lines >= 0 && o->lines < 1 && o->longest >= 0 && o->closest >= 0 &&
+                        o->noise >= 0 && o->every >= 0 && o->noise < 1 && isfinite(o->closest);
+    for (int k = 0; o->kind && k < s->n + s->m; k++)
+        if (o->kind[k] >= NS_WAVEFORM_KINDS)
+            return NS_E_RANGE;
+    return numbers ? NS_OK : NS_E_RANGE;
+}
+
+static int allocate(ns_waveform *w) {
+    const size_t count = w->count + 1, m = (size_t)w->s->m + 1;
+    w->rows = calloc(NS_ROWS * count, sizeof *w->rows);
+    w->modes = calloc(NS_ROWS * m, sizeof *w->modes);
+    w->signal = calloc(count, sizeof *w->signal);
+    w->kind = calloc(count, 1);
+    w->limits = calloc(2 * count, sizeof *w->limits);
+    w->largest = calloc(8 * count, sizeof *w->largest);
+    if (!w->rows || !w->modes || !w->signal || !w->kind || !w->limits || !w->largest)
+        return NS_E_MEMORY;
+    w->turned = w->limits + count;
+    w->per_tolerance = w->largest + count;
+    w->since_event = w->per_tolerance + count;
+    w->total = w->since_event + count;
+    w->error = w->total + count;
+    w->own = w->error + count;
+    w->own_error = w->own + count;
+    w->slope = w->own_error + count;
+    return NS_OK;
+}
+
+static void choose_signals(ns_waveform *w, const unsigned char *kind) {
+    for (int k = 0; k < (int)w->count; k++)
+        if (!kind || kind[k]) {
+            w->signal[w->looked] = k;
+            w->kind[w->looked++] = kind ? kind[k] : 1;
+        }
+}
+
+int ns_waveform_create(const ns_system *s, ns_march *m, const ns_waveform_options *o, ns_waveform **out) {
+    if (!out)
+        return NS_E_NULL;
+    *out = NULL;
+    if (!s || !m || !o)
+        return NS_E_NULL;
+    int status = check_options(s, o);
+    ns_waveform *w = status == NS_OK ? calloc(1, sizeof *w) : NULL;
+    if (!w)
+        return status == NS_OK ? NS_E_MEMORY : status;
+    w->s = s;
+    w->march = m;
+    w->lines = positive_or(o->lines, 1e-4);
+    w->longest = positive_or(o->longest, INFINITY);
+    w->every = positive_or(o->every, INFINITY);
+    w->closest = o->closest;
+    w->noise = positive_or(o->noise, 1e-12);
+    w->count = (size_t)s->n + (size_t)s->m;
+    status = allocate(w);
+    if (status != NS_OK) {
+        ns_waveform_free(w);
+        return status;
+    }
+    choose_signals(w, o->kind);
+    *out = w;
+    return NS_OK;
+}
+
+void ns_waveform_free(ns_waveform *w) {
+    if (!w)
+        return;
+    free(w->rows);
+    free(w->modes);
+    free(w->signal);
+    free(w->kind);
+    free(w->limits);
+    free(w->largest);
+    free(w);
+}
+
+/* --- started --- */
+
+static void give(ns_waveform *w, const ns_probe *p, int after_jump, ns_waveform_point *out) {
+    *out = (ns_waveform_point){.t = p->t,
+                               .after_jump = after_jump,
+                               .x = p->v,
+                               .lambda = p->v + w->s->n,
+                               .mode = ns_waveform_mode_of(w, p->v)};
+    w->points++;
+}
+
+/* The marcher's accepted point is the first one. */
+static int begin(ns_waveform *w, ns_waveform_point *first) {
+    ns_segment *g = &w->made;
+    ns_waveform_return_all_rows(w);
+    w->pending.last = g->last = 0;
+    w->started = w->in_stretch = w->after_event = 0;
+    w->failed = NS_OK;
+    double *row = g->at[0].v = ns_waveform_take_row(w);
+    const int status = ns_march_read(w->march, &w->accepted_t, row, row + w->s->n, NULL);
+    if (status != NS_OK)
+        return status;
+    memcpy(ns_waveform_mode_of(w, row), ns_march_mode(w->march), sizeof(ns_mode) * (size_t)w->s->m);
+    g->at[0].t = w->start_t = w->accepted_t;
+    ns_waveform_note_size(w, row);
+    ns_waveform_begin_integrals(w, w->accepted_t);
+    memset(w->total, 0, sizeof *w->total * (size_t)w->looked);
+    memset(w->slope, 0, sizeof *w->slope * (size_t)w->looked);
+    w->after_event = w->started = 1;
+    if (first)
+        give(w, &g->at[0], 0, first);
+    return NS_OK;
+}
+
+int ns_waveform_start(ns_waveform *w, ns_waveform_point *first) {
+    if (!w)
+        return NS_E_NULL;
+    memset(w->largest, 0, sizeof *w->largest * (size_t)w->looked);
+    memset(w->kind_largest, 0, sizeof w->kind_largest);
+    w->stale = 1;
+    return begin(w, first);
+}
+
+int ns_waveform_skip(ns_waveform *w, double t, ns_waveform_point *first) {
+    double reached;
+    if (!w || !w->started)
+        return w ? NS_E_STATE : NS_E_NULL;
+    int status = ns_march_try(w->march, t, NS_TO_TIME, &reached);
+    if (status == NS_OK)
+        status = ns_march_accept(w->march);
+    return status == NS_OK ? begin(w, first) : status;
+}
+
+/* --- the next point --- */
+
+/* The pending segment ends in the next point. */
+static void give_pending(ns_waveform *w, ns_waveform_point *out) {
+    ns_segment *p = &w->pending;
+    ns_waveform_note_given(w, p);
+    give(w, &p->at[p->last], p->jumps, out);
+    ns_waveform_drop_segment(w, p);
+}
+
+/* The segment that was made becomes the pending one; *given: the one before is given out. */
+static void take_made(ns_waveform *w, ns_waveform_point *out, int *given) {
+    ns_segment *g = &w->made;
+    const ns_probe end = g->at[g->last];
+    *given = 0;
+    if (w->pending.last > 0 && !ns_waveform_merge(w)) {
+        give_pending(w, out);
+        *given = 1;
+    }
+    if (g->last > 0)
+        w->pending = *g;
+    *g = (ns_segment){.at = {end}};
+}
+
+/* A segment that was not finished; where it begins stays. */
+static void drop_made(ns_waveform *w) {
+    while (w->made.last > 0)
+        ns_waveform_return_row(w, w->made.at[w->made.last--].v);
+}
+
+/* One more segment, to the end of the stretch at most. */
+static int make_segment(ns_waveform *w, double until) {
+    int status = w->in_stretch ? NS_OK : ns_waveform_enter_stretch(w, until);
+    if (status == NS_OK && !w->made.jumps)
+        status = ns_waveform_choose(w);
+    if (status == NS_OK && w->made.at[w->made.last].t >= w->end)
+        status = ns_waveform_leave_stretch(w);
+    return status;
+}
+
+int ns_waveform_next(ns_waveform *w, double until, ns_waveform_point *next) {
+    int given = 0;
+    if (!w || !next)
+        return NS_E_NULL;
+    if (!w->started)
+        return NS_E_STATE;
+    while (!given) {
+        const int done = w->failed != NS_OK || w->made.at[0].t >= until;
+        if (done && w->pending.last == 0)
+            return w->failed != NS_OK ? w->failed : NS_E_RANGE;
+        if (done) {
+            give_pending(w, next);
+            return NS_OK;
+        }
+        w->failed = make_segment(w, until);
+        if (w->failed != NS_OK)
+            drop_made(w);
+        else
+            take_made(w, next, &given);
+    }
+    return NS_OK;
+}
+
+ns_waveform_counts ns_waveform_read_counts(const ns_waveform *w) {
+    ns_waveform_counts c = {.points = w->points, .samples = w->samples, .busiest = -1};
+    int most = 0;
+    for (int i = 1; i < w->looked; i++)
+        most = w->limits[i] > w->limits[most] ? i : most;
+    if (w->looked > 0 && w->limits[most] > 0) {
+        const double time = w->made.at[0].t - w->start_t;
+        c.busiest = w->signal[most];
+        c.turns = time > 0 ? (double)w->turned[most] / time : 0;
+    }
+    return c;
+}
