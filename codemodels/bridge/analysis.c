@@ -6,6 +6,7 @@
 
 #include "pure/timepoints.h"
 #include "report.h"
+#include "taken.h"
 
 /* Steps of the sparse engine, which controls its error and knows what is between, in those of the scheme. */
 enum { SPARSE_STEP = 64 };
@@ -74,19 +75,23 @@ static int make_march(CKTcircuit *ckt, ns_analysis *a, ns_fault *fault) {
 static int make_waveform(CKTcircuit *ckt, ns_analysis *a) {
     enum { NOT_SHOWN, VOLTAGE, CURRENT };
     unsigned char *kind = calloc(a->count + 1, 1);
-    const ns_waveform_options o = {.lines = a->ex.options.lines,
-                                   .longest = ns_bridge_timepoints_tmax(ckt->CKTmaxStep, ckt->CKTstep,
-                                                                        ckt->CKTinitTime, ckt->CKTfinalTime),
-                                   .every = ns_bridge_timepoints_round(ckt->CKTfinalTime),
-                                   .closest = ns_bridge_timepoints_closest(ckt->CKTfinalTime),
-                                   .noise = ns_march_engine(a->march) == NS_EXACT ? 1e-12 : 1e-9,
-                                   .kind = kind};
+    ns_waveform_integrals taken = {0};
+    ns_waveform_options o = {.lines = a->ex.options.lines,
+                             .longest = ns_bridge_timepoints_tmax(ckt->CKTmaxStep, ckt->CKTstep,
+                                                                  ckt->CKTinitTime, ckt->CKTfinalTime),
+                             .every = ns_bridge_timepoints_round(ckt->CKTfinalTime),
+                             .closest = ns_bridge_timepoints_closest(ckt->CKTfinalTime),
+                             .noise = ns_march_engine(a->march) == NS_EXACT ? 1e-12 : 1e-9,
+                             .kind = kind};
     for (int eq = 0; kind && eq < a->ex.neq; eq++)
         if (a->unknown[eq] >= 0)
             kind[a->unknown[eq]] = a->ex.element[eq] >= 0 ? CURRENT : VOLTAGE;
     for (size_t k = (size_t)a->system->n; kind && k < a->count; k++)
         kind[k] = CURRENT;
-    const int status = kind ? ns_waveform_create(a->system, a->march, &o, &a->waveform) : NS_E_MEMORY;
+    int status = kind ? ns_bridge_taken_make(a, &taken) : NS_E_MEMORY;
+    o.integrals = &taken;
+    if (!status)
+        status = ns_waveform_create(a->system, a->march, &o, &a->waveform);
     free(kind);
     return status;
 }
@@ -121,6 +126,7 @@ int ns_bridge_analysis_make(CKTcircuit *ckt, ns_extract_sources sources, ns_anal
 
 void ns_bridge_analysis_clear(ns_analysis *a) {
     ns_waveform_free(a->waveform);
+    ns_bridge_taken_clear(a);
     ns_march_free(a->march);
     ns_system_free(a->system);
     ns_bridge_extract_clear(&a->ex);
@@ -163,6 +169,7 @@ int ns_bridge_analysis_take(ns_analysis *a, const ns_waveform_point *p, double p
             return NS_E_OVERFLOW;
     }
     memcpy(a->mode, p->mode, (size_t)a->system->m * sizeof *a->mode);
+    ns_bridge_taken_at(a, p->sums, part);
     ns_bridge_analysis_unread(a);
     return NS_OK;
 }

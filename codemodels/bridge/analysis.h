@@ -4,6 +4,7 @@
 #define BRIDGE_ANALYSIS_H
 
 #include "extract.h"
+#include "nonsmooth/energy.h"
 #include "nonsmooth/waveform.h"
 
 typedef struct ns_analysis {
@@ -28,7 +29,12 @@ typedef struct ns_analysis {
     double *max_abs;    /* count: their largest sizes so far */
 
     /* --- what the devices show of it (show.c) --- */
-    ns_mode *mode;     /* of the accepted point */
+    ns_mode *mode;         /* of the accepted point */
+    struct {               /* taken.c */
+        ns_energy *energy; /* NULL: nobody asks, or the waveform chooses no points */
+        double *sums;      /* 2 ex.ndevices: charge and energy of each at that point, C, J */
+        int shown, asked;  /* a point was shown; somebody asked */
+    } taken;
     int devices_stale; /* the devices' static variables are of an earlier point */
 } ns_analysis;
 

@@ -121,8 +121,11 @@ static int refuse_ac(GENmodel *model, CKTcircuit *ckt) {
 /* What a device shows is written when someone asks. */
 static int ask_instance(CKTcircuit *ckt, GENinstance *inst, int which, IFvalue *value, IFvalue *select) {
     ns_bridge *b = find_bridge(ckt);
-    if (b && b->session.analysis.march)
+    const int show = which - MIFmodPtr((MIFinstance *)inst)->num_param;
+    if (b && b->session.analysis.march) {
+        b->session.analysis.taken.asked |= show == SHOW_Q || show == SHOW_E;
         ns_bridge_show_devices(&b->session.analysis);
+    }
     return MIFask(ckt, inst, which, value, select);
 }
 

@@ -28,7 +28,7 @@ enum {
     OPTION_POINTS
 };
 
-enum { SHOW_I, SHOW_V, SHOW_ON }; /* of the diode and the switch */
+enum { SHOW_I, SHOW_V, SHOW_ON, SHOW_P, SHOW_Q, SHOW_E }; /* of the diode and the switch */
 
 /* Keeps the number that ngspice gave to one of our device types. */
 void ns_bridge_models_set_type(model_kind kind, int type);

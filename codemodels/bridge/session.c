@@ -9,6 +9,7 @@
 
 #include "report.h"
 #include "show.h"
+#include "taken.h"
 
 static int is_dc(const CKTcircuit *ckt) {
     return (ckt->CKTmode & MODEDC) != 0;
@@ -84,6 +85,11 @@ static void end_analysis(ns_session *s) {
     ns_bridge_loop_release(s->ckt, &s->loop);
 }
 
+/* ngspice writes the present point next; with uic it wrote the first one before it was accepted. */
+static int is_shown(const CKTcircuit *ckt) {
+    return ckt->CKTtime >= ckt->CKTinitTime && (ckt->CKTtime > 0.0 || !(ckt->CKTmode & MODEUIC));
+}
+
 int ns_bridge_session_accept(ns_session *s) {
     CKTcircuit *ckt = s->ckt;
     /* without breakpoints: a search for an operating point */
@@ -93,6 +99,7 @@ int ns_bridge_session_accept(ns_session *s) {
     if (first && (s->failed = show_start(s)))
         return s->failed;
     ns_bridge_show_later(&s->analysis);
+    ns_bridge_taken_accept(&s->analysis, is_shown(ckt));
     if (ckt->CKTfinalTime - ckt->CKTtime < ckt->CKTminBreak) {
         end_analysis(s);
     } else {

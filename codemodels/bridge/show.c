@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "report.h"
+#include "taken.h"
 
 void ns_bridge_show_currents(const ns_analysis *a, double *value) {
     for (int k = 0; k < a->ex.ndevices; k++) {
@@ -36,6 +37,8 @@ void ns_bridge_show_devices(ns_analysis *a) {
         show[SHOW_I]->element[0].rvalue = i;
         show[SHOW_V]->element[0].rvalue = v;
         show[SHOW_ON]->element[0].rvalue = on; /* ngspice saves reals only */
+        show[SHOW_P]->element[0].rvalue = v * i;
+        ns_bridge_taken_show(a, k, &show[SHOW_Q]->element[0].rvalue, &show[SHOW_E]->element[0].rvalue);
     }
     a->devices_stale = 0;
 }

@@ -36,6 +36,9 @@ int ns_energy_read(const ns_energy *e, int k, double *p, double *q, double *joul
  * those of ns_march_read(). */
 int ns_energy_start(ns_energy *e, ns_march *m);
 
+/* The same from the accepted point of m on, of which no trial was made. */
+int ns_energy_begin_at(ns_energy *e, ns_march *m);
+
 /* Goes on to t with m (NS_TO_STEP, accepting each trial).  Over each of its ways by a rule of 15 nodes on
  * parts whose lengths double, each halved until the rule's error is below 1e-12 of what is integrated.  To be
  * called after ns_energy_start(), and m moved by no one else.  Errors: NULL, STATE, MEMORY, those of

@@ -18,6 +18,17 @@ typedef struct ns_waveform ns_waveform;
 
 enum { NS_WAVEFORM_KINDS = 4 };
 
+/* Integrals along the waveform that somebody else takes (energy.h): numbers that every point has. */
+typedef struct ns_waveform_integrals {
+    int size;   /* numbers */
+    void *data; /* for the functions, which return a status */
+    /* All begin at the marcher's accepted point; starts: it was just started. */
+    int (*begin)(void *data, ns_march *m, int starts);
+    /* The trial that m made last, up to t, s; to its end before it is accepted. */
+    int (*take)(void *data, ns_march *m, double t);
+    void (*read)(void *data, double *sums); /* size: as they are there */
+} ns_waveform_integrals;
+
 typedef struct ns_waveform_options {
     double lines;   /* distance from the lines, relative to the largest value so far, in (0,1); 0: 1e-4 */
     double longest; /* s between two points, at most; 0: no limit */
@@ -28,6 +39,7 @@ typedef struct ns_waveform_options {
     /* n+m: x, then lambda: 0: not looked at; else its kind, 1 to NS_WAVEFORM_KINDS-1: values of one kind have
      * the same unit.  NULL: all are looked at, as one kind. */
     const unsigned char *kind;
+    const ns_waveform_integrals *integrals; /* NULL: none */
 } ns_waveform_options;
 
 typedef struct ns_waveform_point {
@@ -36,6 +48,7 @@ typedef struct ns_waveform_point {
     const double *x;      /* n; these three are valid until the next call */
     const double *lambda; /* m */
     const ns_mode *mode;  /* m: on the way to this point */
+    const double *sums;   /* integrals up to this point; NULL: none */
 } ns_waveform_point;
 
 /* What was given out so far. */
@@ -62,6 +75,9 @@ int ns_waveform_skip(ns_waveform *w, double t, ns_waveform_point *first);
  * two events ahead.  Errors: STATE (not started), RANGE (until is not later than the last point), those of
  * ns_march_try() and ns_march_sample(): what was computed before is given out first. */
 int ns_waveform_next(ns_waveform *w, double until, ns_waveform_point *next);
+
+/* From now on no integrals are taken, and points have none. */
+void ns_waveform_drop_integrals(ns_waveform *w);
 
 ns_waveform_counts ns_waveform_read_counts(const ns_waveform *w);
 

@@ -228,31 +228,42 @@ static int any(const ns_energy *e) {
     return 0;
 }
 
-int ns_energy_start(ns_energy *e, ns_march *m) {
-    if (!e || !m)
-        return NS_E_NULL;
+/* The marcher's point is the first one. */
+static int begin_here(ns_energy *e, ns_march *m) {
     int status = allocate(e);
     if (status == NS_OK)
-        status = read_point(e, m, 1, &e->t);
-    if (status == NS_OK)
-        status = ns_march_impulse(m, e->between, e->between + e->unknowns);
+        status = read_point(e, m, 0, &e->t);
     if (status != NS_OK)
         return status;
     e->nodes = 0;
     e->joule = e->charge = 0;
     e->at_event = ns_march_at_event(m);
-    const int jumps = any(e);
-    const ns_solution first = solution(e, jumps ? 0 : 1, e->t, NS_LEFT);
-    if (jumps) {
-        ns_energy_path_initial(e, e->t, e->point[0]);
-        memset(e->point[0] + e->unknowns, 0, sizeof(double) * (size_t)e->pairs);
-    }
-    status = ns_energy_begin(e, &first);
-    if (status == NS_OK && jumps)
+    const ns_solution now = solution(e, 0, e->t, NS_RIGHT);
+    return ns_energy_begin(e, &now);
+}
+
+int ns_energy_begin_at(ns_energy *e, ns_march *m) {
+    return e && m ? begin_here(e, m) : NS_E_NULL;
+}
+
+/* The jump of a start, to the point that is there. */
+static int take_start(ns_energy *e, ns_march *m) {
+    memcpy(e->point[1], e->point[0], sizeof(double) * (size_t)(e->unknowns + e->pairs));
+    memset(e->point[0], 0, sizeof(double) * (size_t)(e->unknowns + e->pairs));
+    ns_energy_path_initial(e, e->t, e->point[0]);
+    const ns_solution first = solution(e, 0, e->t, NS_LEFT), now = solution(e, 1, e->t, NS_RIGHT);
+    int status = ns_energy_begin(e, &first);
+    if (status == NS_OK)
         status = pass_jump(e, m, e->t);
-    const ns_solution now = solution(e, 1, e->t, NS_RIGHT);
     if (status == NS_OK)
         status = ns_energy_point(e, &now);
     memcpy(e->point[0], e->point[1], sizeof(double) * (size_t)(e->unknowns + e->pairs));
     return status;
+}
+
+int ns_energy_start(ns_energy *e, ns_march *m) {
+    int status = ns_energy_begin_at(e, m);
+    if (status == NS_OK)
+        status = ns_march_impulse(m, e->between, e->between + e->unknowns);
+    return status == NS_OK && any(e) ? take_start(e, m) : status;
 }

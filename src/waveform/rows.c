@@ -13,13 +13,13 @@ void ns_waveform_return_row(ns_waveform *w, double *row) {
 }
 
 ns_mode *ns_waveform_mode_of(const ns_waveform *w, const double *row) {
-    return w->modes + (size_t)(row - w->rows) / (w->count + 1) * (size_t)w->s->m;
+    return w->modes + (size_t)(row - w->rows) / w->row_size * (size_t)w->s->m;
 }
 
 void ns_waveform_return_all_rows(ns_waveform *w) {
     w->unused_count = 0;
     for (size_t i = NS_ROWS; i > 0; i--)
-        ns_waveform_return_row(w, w->rows + (i - 1) * (w->count + 1));
+        ns_waveform_return_row(w, w->rows + (i - 1) * w->row_size);
 }
 
 int ns_waveform_sample(ns_waveform *w, double t, double **row) {
@@ -38,4 +38,13 @@ int ns_waveform_sample(ns_waveform *w, double t, double **row) {
     memcpy(ns_waveform_mode_of(w, v), ns_march_mode(w->march), sizeof(ns_mode) * (size_t)w->s->m);
     ns_waveform_note_size(w, v);
     return NS_OK;
+}
+
+int ns_waveform_take_integrals(ns_waveform *w, double t) {
+    return w->taken.size > 0 ? w->taken.take(w->taken.data, w->march, t) : NS_OK;
+}
+
+void ns_waveform_put_integrals(ns_waveform *w, double *row) {
+    if (w->taken.size > 0)
+        w->taken.read(w->taken.data, row + w->count + 1);
 }

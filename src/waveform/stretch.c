@@ -24,6 +24,9 @@ static int try_stretch(ns_waveform *w, double until, int *passed) {
         if (!here && (w->end >= until || w->end - w->made.at[0].t > w->closest))
             return NS_OK;
         *passed |= here || ns_march_at_event(w->march);
+        const int taken = ns_waveform_take_integrals(w, w->end);
+        if (taken != NS_OK)
+            return taken;
         const int accepted = ns_march_accept(w->march);
         if (accepted != NS_OK)
             return accepted;
@@ -38,6 +41,7 @@ static void make_jump(ns_waveform *w, double *row) {
     const double t = g->at[0].t, room = w->end - t;
     const double fast = fmin(ns_march_shortest(w->march, w->accepted_t, NULL), room);
     const double later = fmin(fmax(2 * w->closest, 1e-5 * fast), room / 8);
+    ns_waveform_put_integrals(w, row);
     g->at[++g->last] = (ns_probe){fmax(t, w->accepted_t) + later, row};
     g->jumps = 1;
 }

@@ -22,7 +22,8 @@ static int check_options(const ns_system *s, const ns_waveform_options *o) {
 
 static int allocate(ns_waveform *w) {
     const size_t count = w->count + 1, m = (size_t)w->s->m + 1;
-    w->rows = calloc(NS_ROWS * count, sizeof *w->rows);
+    w->row_size = count + (size_t)w->taken.size;
+    w->rows = calloc(NS_ROWS * w->row_size, sizeof *w->rows);
     w->modes = calloc(NS_ROWS * m, sizeof *w->modes);
     w->signal = calloc(count, sizeof *w->signal);
     w->kind = calloc(count, 1);
@@ -67,6 +68,8 @@ int ns_waveform_create(const ns_system *s, ns_march *m, const ns_waveform_option
     w->closest = o->closest;
     w->noise = positive_or(o->noise, 1e-12);
     w->count = (size_t)s->n + (size_t)s->m;
+    if (o->integrals)
+        w->taken = *o->integrals;
     status = allocate(w);
     if (status != NS_OK) {
         ns_waveform_free(w);
@@ -96,21 +99,25 @@ static void give(ns_waveform *w, const ns_probe *p, int after_jump, ns_waveform_
                                .after_jump = after_jump,
                                .x = p->v,
                                .lambda = p->v + w->s->n,
-                               .mode = ns_waveform_mode_of(w, p->v)};
+                               .mode = ns_waveform_mode_of(w, p->v),
+                               .sums = w->taken.size > 0 ? p->v + w->count + 1 : NULL};
     w->points++;
 }
 
 /* The marcher's accepted point is the first one. */
-static int begin(ns_waveform *w, ns_waveform_point *first) {
+static int begin(ns_waveform *w, int starts, ns_waveform_point *first) {
     ns_segment *g = &w->made;
     ns_waveform_return_all_rows(w);
     w->pending.last = g->last = 0;
     w->started = w->in_stretch = w->after_event = 0;
     w->failed = NS_OK;
     double *row = g->at[0].v = ns_waveform_take_row(w);
-    const int status = ns_march_read(w->march, &w->accepted_t, row, row + w->s->n, NULL);
+    int status = ns_march_read(w->march, &w->accepted_t, row, row + w->s->n, NULL);
+    if (status == NS_OK && w->taken.size > 0)
+        status = w->taken.begin(w->taken.data, w->march, starts);
     if (status != NS_OK)
         return status;
+    ns_waveform_put_integrals(w, row);
     memcpy(ns_waveform_mode_of(w, row), ns_march_mode(w->march), sizeof(ns_mode) * (size_t)w->s->m);
     g->at[0].t = w->start_t = w->accepted_t;
     ns_waveform_note_size(w, row);
@@ -129,7 +136,7 @@ int ns_waveform_start(ns_waveform *w, ns_waveform_point *first) {
     memset(w->largest, 0, sizeof *w->largest * (size_t)w->looked);
     memset(w->kind_largest, 0, sizeof w->kind_largest);
     w->stale = 1;
-    return begin(w, first);
+    return begin(w, 1, first);
 }
 
 int ns_waveform_skip(ns_waveform *w, double t, ns_waveform_point *first) {
@@ -139,7 +146,7 @@ int ns_waveform_skip(ns_waveform *w, double t, ns_waveform_point *first) {
     int status = ns_march_try(w->march, t, NS_TO_TIME, &reached);
     if (status == NS_OK)
         status = ns_march_accept(w->march);
-    return status == NS_OK ? begin(w, first) : status;
+    return status == NS_OK ? begin(w, 0, first) : status;
 }
 
 /* --- the next point --- */
@@ -172,11 +179,21 @@ static void drop_made(ns_waveform *w) {
         ns_waveform_return_row(w, w->made.at[w->made.last--].v);
 }
 
+/* The integrals of others, to the end of a segment. */
+static int take_to_end(ns_waveform *w, const ns_probe *end) {
+    const int status = ns_waveform_take_integrals(w, end->t);
+    if (status == NS_OK)
+        ns_waveform_put_integrals(w, end->v);
+    return status;
+}
+
 /* One more segment, to the end of the stretch at most. */
 static int make_segment(ns_waveform *w, double until) {
     int status = w->in_stretch ? NS_OK : ns_waveform_enter_stretch(w, until);
     if (status == NS_OK && !w->made.jumps)
         status = ns_waveform_choose(w);
+    if (status == NS_OK && !w->made.jumps)
+        status = take_to_end(w, &w->made.at[w->made.last]);
     if (status == NS_OK && w->made.at[w->made.last].t >= w->end)
         status = ns_waveform_leave_stretch(w);
     return status;
@@ -203,6 +220,11 @@ int ns_waveform_next(ns_waveform *w, double until, ns_waveform_point *next) {
             take_made(w, next, &given);
     }
     return NS_OK;
+}
+
+void ns_waveform_drop_integrals(ns_waveform *w) {
+    if (w)
+        w->taken.size = 0;
 }
 
 ns_waveform_counts ns_waveform_read_counts(const ns_waveform *w) {

@@ -41,7 +41,8 @@ struct ns_waveform {
 
     /* rows */
     size_t count;            /* n + m */
-    double *rows;            /* NS_ROWS count */
+    size_t row_size;         /* of a row: x, lambda, one more, and integrals, where a segment ends */
+    double *rows;            /* NS_ROWS row_size */
     ns_mode *modes;          /* NS_ROWS m: of the same instants */
     double *unused[NS_ROWS]; /* rows that nobody has */
     int unused_count;        /* how many */
@@ -60,6 +61,8 @@ struct ns_waveform {
     double *error;               /* between trapezoids and waveform since the last event, summed up */
     double *own, *own_error;     /* of the segment integrated last: both */
     double event_t, start_t;     /* s: of the last event, of the start */
+
+    ns_waveform_integrals taken; /* of others; size 0: none */
 
     /* the stretch */
     int started, in_stretch;
@@ -90,6 +93,10 @@ ns_mode *ns_waveform_mode_of(const ns_waveform *w, const double *row);
 
 /* x, lambda and mode at t into a new row.  Errors: those of ns_march_sample(). */
 int ns_waveform_sample(ns_waveform *w, double t, double **row);
+
+/* The integrals of others: the last trial up to t is taken in; they are as at the end of that, at a row. */
+int ns_waveform_take_integrals(ns_waveform *w, double t);
+void ns_waveform_put_integrals(ns_waveform *w, double *row);
 
 /* deviation.c: takes in the size of a row. */
 void ns_waveform_note_size(ns_waveform *w, const double *row);
