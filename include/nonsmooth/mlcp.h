@@ -38,7 +38,7 @@ typedef enum ns_mlcp_method {
     NS_MLCP_NEWTON,   /* "newton"     semismooth Newton on the Fischer-Burmeister function, line search */
     NS_MLCP_INTERIOR, /* "interior"   primal-dual interior point */
     NS_MLCP_PROJECTED, /* "projected"  projected Gauss-Seidel, successive overrelaxation */
-    NS_MLCP_ENUMERATE, /* "enumerate"  every mode in turn, at most 16 pairs: the oracle */
+    NS_MLCP_ENUMERATE, /* "enumerate"  modes by branch and bound, at most 16 pairs: the oracle */
     NS_MLCP_METHODS
 } ns_mlcp_method;
 
@@ -88,7 +88,7 @@ int ns_mlcp_alike(ns_mlcp_solver *s, int alike);
  * kept for the next solve with the same W; of more pairs, by blocks, with the factors of the last mode kept,
  * and by proximal points where blocks are singular.  Where that fails, pairs are exchanged until the starting
  * mode is a nonsingular basis; if its guards hold, no pivot is made, else Lemke's method starts there, with
- * lexicographic ties; then enumeration of few pairs, and all once more in units of
+ * lexicographic ties; then branch and bound over few pairs, and all once more in units of
  * the problem's own. The solution is computed anew from W and q in its mode, refined, and its natural
  * residual is checked.
  *
@@ -97,8 +97,8 @@ int ns_mlcp_alike(ns_mlcp_solver *s, int alike);
  *
  * OK: every y and lambda satisfies its law but for 1e-10 of the terms it is summed from, among them the
  * rounding of the largest lambda of its part (a problem whose q lacks no more than that may count as solved).
- * INFEASIBLE: no solution exists, proved by a certificate (info->certified) or, for few pairs, by trying
- * every mode.  LIMIT: gave up, or the only lambda found has no digit that rounding of W leaves (nearly
+ * INFEASIBLE: no solution exists, proved by a certificate (info->certified) or, for few pairs, mode by
+ * mode.  LIMIT: gave up, or the only lambda found has no digit that rounding of W leaves (nearly
  * singular). SINGULAR: no basis holds all equalities, and no solution of least norm was found.  OVERFLOW: a
  * solution has numbers that no double holds.  Also RESIDUAL, NULL, SIZE (p->m larger than the workspace),
  * NUMBER, BOUNDS (l > u, or both the same infinity).

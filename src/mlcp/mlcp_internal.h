@@ -324,9 +324,6 @@ int ns_mlcp_pivot(ns_mlcp_solver *s);     /* pivot.c */
 int ns_mlcp_pivot_from(ns_mlcp_solver *s, const ns_mode *mode, double *residual);
 /* block.c: for more; s->y as well.  OK, LIMIT, SINGULAR, RESIDUAL. */
 int ns_mlcp_block(ns_mlcp_solver *s, double *residual);
-/* enumerate.c.  INFEASIBLE: no mode that has an answer has a right one. SIZE: too many pairs. */
-int ns_mlcp_enumerate(ns_mlcp_solver *s);
-
 /* mode_answer.c: the answer in s->mode, whose G is factored: clamped, refined, measured.  RESIDUAL: not
  * accepted. */
 int ns_mlcp_mode_answer(ns_mlcp_solver *s, double *residual);

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "mlcp/infeasible/branch_and_bound.h"
 #include "mlcp/verify/residual.h"
 
 /* Of the largest lambda against q and the bounds, in units of W: */
@@ -13,7 +14,7 @@ static const double DOUBT = 1e7; /* its residual says little */
 static const double HIDDEN =
     1e-11;                      /* of q, that a residual beside large lambda may hide: NS_MLCP_ACCEPT / 10 */
 static const double LESS = 0.1; /* of the worst row: another answer is taken */
-enum { FEW = 8 };               /* pairs: enumeration costs little */
+enum { FEW = 8 };               /* pairs: to enumerate costs little */
 static const double RCOND = 1e-13; /* a basis must keep three digits */
 
 /* The residual of s->lambda; y gets the sign that its mode asks for where it is rounding. */
@@ -49,9 +50,11 @@ static int agrees(ns_mlcp_solver *s) {
 /* One method, from a mode, on the problem as given. */
 static int apply(ns_mlcp_solver *s, ns_mlcp_method method, const ns_mode *mode, double *residual) {
     static int (*const solver[NS_MLCP_METHODS])(ns_mlcp_solver *) = {
-        [NS_MLCP_PIVOT] = ns_mlcp_pivot,         [NS_MLCP_NEWTON] = ns_mlcp_newton,
-        [NS_MLCP_INTERIOR] = ns_mlcp_interior,   [NS_MLCP_PROJECTED] = ns_mlcp_projected,
-        [NS_MLCP_ENUMERATE] = ns_mlcp_enumerate,
+        [NS_MLCP_PIVOT] = ns_mlcp_pivot,
+        [NS_MLCP_NEWTON] = ns_mlcp_newton,
+        [NS_MLCP_INTERIOR] = ns_mlcp_interior,
+        [NS_MLCP_PROJECTED] = ns_mlcp_projected,
+        [NS_MLCP_ENUMERATE] = ns_mlcp_branch_and_bound,
     };
     s->method = (int)method;
     s->elim.nstuck = s->transform.settled = s->agrees = 0;
@@ -91,9 +94,9 @@ static int verdict(ns_mlcp_solver *s, int status, double *residual) {
 }
 
 /* Pivoting takes half the time of Lemke's method or less, where it answers; that answers nearly all of the
- * rest (tests/bench/bench_mlcp.c).  Enumeration is for few pairs, and what the equations leave open does not
- * come out shortest there.  Interior point and Newton take two to ten times as long as Lemke's method, and
- * solved nothing of 5000 random problems (tests/stress) and of all circuits of the tests that this order
+ * rest (tests/bench/bench_mlcp.c).  Branch and bound is for few pairs, and what the equations leave open does
+ * not come out shortest there.  Interior point and Newton take two to ten times as long as Lemke's method,
+ * and solved nothing of 5000 random problems (tests/stress) and of all circuits of the tests that this order
  * leaves unsolved. */
 static const ns_mlcp_method order[] = {NS_MLCP_PIVOT, NS_MLCP_LEMKE, NS_MLCP_ENUMERATE};
 enum { ORDER = sizeof order / sizeof *order };

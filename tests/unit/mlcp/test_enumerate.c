@@ -1,4 +1,4 @@
-/* tests/unit/mlcp/test_enumerate.c - the oracle: every mode, singular ones included, and proofs that there is
+/* tests/unit/mlcp/test_enumerate.c - the oracle: all modes, singular ones included, and proofs that there is
  * no solution. */
 #include <math.h>
 #include <setjmp.h>
@@ -110,7 +110,7 @@ static void solutions_in_singular_modes(void **state) {
     assert_true(t.lambda[0] - t.lambda[1] >= 0.5 - 1e-14);
 }
 
-/* y = lambda - c in [0,1] each, coupled by 1e-3: all combinations of bounds are visited before c_i = 2 and -1
+/* y = lambda - c in [0,1] each, coupled by 1e-3: of all combinations of bounds one is right: c_i = 2 and -1
  * are found at their bounds.  lambda = (1,0,1,0,...): y_i = 1 + 1e-3 (n/2 - 1) - 2 < 0 and 1e-3 n/2 + 1 > 0.
  */
 static void bounds_by_columns(void **state) {
