@@ -47,7 +47,6 @@ typedef struct ns_mlcp_tableau {
     signed char *at_upper;  /* np: nonbasic lambda_a is at u */
     double *cover;          /* m: column of t in y = W lambda + q + cover t */
     unsigned char *first_y; /* np: at the start y_a was basic (lexicographic order) */
-    int refined;            /* its solutions are refined once */
 } ns_mlcp_tableau;
 
 /* The principal pivot transform of own.W, of the pairs whose lambda is basic (transform.c). */

@@ -38,18 +38,6 @@ static double amount_outside(const ns_mlcp_solver *s, int r, double *side) {
     return below >= above ? below : above;
 }
 
-/* Values within rounding of a bound are put on it: a degenerate start is treated as one. */
-static void snap_to_bounds(ns_mlcp_solver *s) {
-    for (int r = 0; r < s->np; r++) {
-        double lo = ns_mlcp_tableau_lower(s, s->tab.rowvar[r]),
-               hi = ns_mlcp_tableau_upper(s, s->tab.rowvar[r]);
-        if (fabs(s->tab.beta[r] - lo) <= TIE)
-            s->tab.beta[r] = lo;
-        else if (fabs(s->tab.beta[r] - hi) <= TIE)
-            s->tab.beta[r] = hi;
-    }
-}
-
 /* Of cover number `all`: any positive numbers will do, other ones lead another way. */
 static double weight(int r, int all) {
     const double golden = 0.6180339887498949, x = golden * (double)(r + 1) * (double)(all - 1);
@@ -213,7 +201,6 @@ int ns_mlcp_lemke(ns_mlcp_solver *s, int all, int patience) {
     double t, dir, step;
     const int n = s->np, limit = patience * (PIVOTS_FLAT + PIVOTS_PER_PAIR * n);
     const int fresh = n <= NS_QUICK ? REFRESH : n; /* made anew it costs as much as some n exchanges */
-    snap_to_bounds(s);
     set_cover(s, all);
     int r = first_row(s, &t);
     if (r < 0)

@@ -15,7 +15,7 @@ static int factor_or_reveal(ns_mlcp_solver *s) {
 
 /* From s->mode, whose G is factored, to that of a solution. */
 static int find_mode(ns_mlcp_solver *s, int all, int patience) {
-    ns_mlcp_basis_values(s, s->tab.refined);
+    ns_mlcp_basis_values(s, 0);
     ns_mlcp_basis_sizes(s);
     const double v = ns_mlcp_basis_violation(s);
     if (v <= NS_MLCP_GUARD)
@@ -48,7 +48,6 @@ int ns_mlcp_lemke_starts(ns_mlcp_solver *s, const ns_mode *mode, double *residua
     int first = NS_E_LIMIT;
     for (size_t k = 0; k < sizeof start / sizeof *start; k++) {
         ns_mlcp_start_from(s, start[k].lower ? NULL : mode);
-        s->tab.refined = k > 0;
         int status = solve_from_mode(s, start[k].all, start[k].patience, residual);
         if (status == NS_OK)
             return NS_OK;

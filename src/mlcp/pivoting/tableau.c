@@ -118,26 +118,6 @@ static void to_units(ns_mlcp_solver *s) {
         s->tab.beta[r] /= s->tab.unit[s->tab.rowvar[r]];
 }
 
-/* One step of iterative refinement of all solutions: rhs (the right sides again) -= G x.  Entries that should
- * cancel to 0 then do so to the rounding of W's own entries. */
-static void refine_solutions(ns_mlcp_solver *s) {
-    size_t k = (size_t)s->k, n = k * (size_t)(1 + s->tab.ncol);
-    memcpy(s->xs, s->rhs, n * sizeof *s->xs);
-    right_sides(s);
-    for (size_t j = 0; j < n; j++)
-        s->xs[j] = -s->xs[j];
-    for (int c = 0; c <= s->tab.ncol; c++)
-        for (int j = 0; j < s->k; j++) {
-            const double *col = column(s, s->cols[j]), v = s->xs[(size_t)j + (size_t)c * k];
-            double *b = s->rhs + (size_t)c * k;
-            for (int i = 0; i < s->k && v != 0.0; i++)
-                b[i] += col[s->rows[i]] * v;
-        }
-    ns_linalg_lu_solve(s->lu, 1 + s->tab.ncol, s->rhs);
-    for (size_t j = 0; j < n; j++)
-        s->rhs[j] -= s->xs[j];
-}
-
 /* Entries of solutions that are rounding against the rest of their column, in the units of the factors. */
 static void drop_rounding(ns_mlcp_solver *s) {
     const double *unit = ns_linalg_lu_units(s->lu);
@@ -156,8 +136,6 @@ static void fill_tableau(ns_mlcp_solver *s) {
     constant_part(s);
     right_sides(s);
     ns_linalg_lu_solve(s->lu, 1 + s->tab.ncol, s->rhs);
-    if (s->tab.refined)
-        refine_solutions(s);
     drop_rounding(s);
     int at = s->nf;
     for (int a = 0; a < s->np; a++)
@@ -189,10 +167,6 @@ void ns_mlcp_tableau_start(ns_mlcp_solver *s) {
     s->tab.where[2 * s->np] = -1 - s->np;
     s->tab.ncol = s->np;
     fill_tableau(s);
-    for (int a = 0; a < s->np; a++) { /* lambda and y are refined already */
-        int i = s->pair[a];
-        s->tab.beta[a] = s->tab.first_y[a] ? s->y[i] / s->ysize[i] : s->lambda[i] / s->lsize[i];
-    }
 }
 
 int ns_mlcp_tableau_refresh(ns_mlcp_solver *s) {

@@ -157,12 +157,25 @@ static void names_cannot_break_the_line(void **state) {
     ns_circuit_free(c);
 }
 
+/* The current of the element that came first. */
+static void the_first_element_has_a_name(void **state) {
+    ns_circuit *c = NULL;
+    ns_signal s = {.kind = NS_DC, .u.dc = 1};
+    ns_fault f = {.status = NS_E_MEMORY, .t = NAN, .nunknowns = 2, .unknown = {0, 1}};
+    (void)state;
+    assert_int_equal(ns_circuit_create(&c), NS_OK);
+    assert_int_equal(ns_circuit_source(c, "v1", NS_VOLTAGE, 7, 0, &s, NULL), NS_OK);
+    assert_line(c, &f, "node 7, v1: out of memory");
+    ns_circuit_free(c);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(diode_on_each_branch),
         cmocka_unit_test(switch_in_both_states),
         cmocka_unit_test(only_devices_are_read),
         cmocka_unit_test(faults_have_names),
+        cmocka_unit_test(the_first_element_has_a_name),
         cmocka_unit_test(strange_faults),
         cmocka_unit_test(long_lines_are_cut),
         cmocka_unit_test(names_cannot_break_the_line),
