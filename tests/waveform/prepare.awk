@@ -17,7 +17,7 @@ function spliced(text,    out, at) {
     gsub(/"/, "\\\"", text)
     out = ""
     while ((at = index(text, "{")) > 0) {
-        out = out "\"" substr(text, 1, at - 1) "\" sprintf(\"%.17g\", "
+        out = out "\"" substr(text, 1, at - 1) "\" sprintf(\"%.15g\", "
         text = substr(text, at + 1)
         at = index(text, "}")
         out = out substr(text, 1, at - 1) ") "
@@ -89,7 +89,8 @@ tolower($1) == ".param" {
     next
 }
 
-/^\*< / { printf "printf \"rows %%.17g 1\\n\", %s > checks\n", substr($0, 4); next }
+# besides, 100 regular points of the run
+/^\*< / { printf "printf \"rows %%.17g 1\\n\", 100 + %s > checks\n", substr($0, 4); next }
 
 /^\*/ && FNR > 1 || tolower($1) == ".end" { next }
 

@@ -52,12 +52,14 @@ run_one() {
     echo "status $?" >>"$at/out"
 }
 
-# circuit NUMBER FILE "NAME=VALUE...": all runs of one netlist with these values; one line a check.
+# circuit NUMBER FILE "NAME=VALUE... [; RUN...]": all runs, or of them those named, of one netlist with these values; one line a check.
 circuit() {
     dir=$SCRATCH/$(basename "$2" .cir).$1
     mkdir -p "$dir" || exit 2
-    label=$(basename "$2" .cir)${3:+ $3}
-    if ! awk -v vary="$3" -v folder="$dir" -v devices="$DEVICES" -f "$here/prepare.awk" "$2" >"$dir/formulas.awk" ||
+    values=${3%% ;*}
+    [ "$values" = "$3" ] || RUNS=$(for run in $RUNS; do case " ${3#*;} " in *" $run "*) echo "$run" ;; esac; done)
+    label=$(basename "$2" .cir)${values:+ $values}
+    if ! awk -v vary="$values" -v folder="$dir" -v devices="$DEVICES" -f "$here/prepare.awk" "$2" >"$dir/formulas.awk" ||
         ! awk -f "$dir/formulas.awk"; then
         echo "FAIL $label: its checks cannot be read"
         return
