@@ -115,7 +115,7 @@ static int create_parts(ns_sparse *m, const ns_system *s) {
     if (status == NS_OK)
         status = ns_inputs_stages_create(m->s, &m->in);
     if (status == NS_OK)
-        status = ns_sparse_shared_find(m->s, m->f, &m->shared, &m->shared_count);
+        status = ns_modes_shared_find(m->s, &m->shared, &m->shared_count);
     if (status == NS_OK)
         status = ns_sparse_factors_shared(m->q, m->shared, m->shared_count);
     if (status == NS_OK)

@@ -269,9 +269,6 @@ int ns_sparse_instant_add(ns_sparse *m, double g, ns_instant *to);
 void ns_sparse_instant_save(ns_sparse *m);
 void ns_sparse_instant_restore(ns_sparse *m);
 
-/* shared_branch.c: as ns_modes_shared_find(). */
-int ns_sparse_shared_find(const ns_system *s, const ns_form *f, ns_shared_branch **out, int *count);
-
 /* largest.c: nothing known; w and D w of a step taken in, returns the largest of all in units; lambda and y
  * at v of a step of that exponent taken in, then kept for later ones; saved, or restored. */
 void ns_sparse_largest_reset(ns_sparse *m);

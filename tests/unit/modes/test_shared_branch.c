@@ -13,7 +13,7 @@
 
 #include "modes/shared_branch.h"
 #include "nonsmooth.h"
-#include "sparse/sparse_internal.h"
+#include "sparse/assemble.h"
 
 /* 10 V, 1 kohm, 100 uH, and from there to ground a switch without resistance, with a diode across it each
  * way of drawing it: pair 0 the switch, pair 1 the diode.  The gate closes the switch from 2 us to 6 us of 10
@@ -97,24 +97,26 @@ static ns_system *twins(void) {
     return s;
 }
 
-/* By either way of looking: how many pairs are across a switch; that one is pair 0. */
+/* In dense and in sparse matrices: how many pairs are across a switch; that one is pair 0. */
 static int found(const ns_system *s) {
-    ns_shared_branch *list[2];
-    ns_form *f;
-    int count[2];
-    assert_int_equal(ns_sparse_form_create(s, 0, &f), NS_OK);
-    assert_int_equal(ns_modes_shared_find(s, &list[0], &count[0]), NS_OK);
-    assert_int_equal(ns_sparse_shared_find(s, f, &list[1], &count[1]), NS_OK);
-    assert_int_equal(count[0], count[1]);
+    ns_system sparse = *s;
+    ns_large large;
+    int counts[2];
+    assert_int_equal(ns_sparse_form_commit_dense(s, &large), NS_OK);
+    sparse.large = &large;
+    sparse.M = sparse.A = sparse.B = sparse.C = sparse.D = sparse.E = sparse.F = NULL;
     for (int k = 0; k < 2; k++) {
-        for (int i = 0; i < count[k]; i++) {
-            assert_true(list[k][i].pair == 0 && list[k][i].of == 1);
-            assert_int_equal(list[k][i].idle, s->l[0] == 0 ? NS_LOWER : NS_UPPER);
+        ns_shared_branch *list;
+        assert_int_equal(ns_modes_shared_find(k ? &sparse : s, &list, &counts[k]), NS_OK);
+        for (int i = 0; i < counts[k]; i++) {
+            assert_true(list[i].pair == 0 && list[i].of == 1);
+            assert_int_equal(list[i].idle, s->l[0] == 0 ? NS_LOWER : NS_UPPER);
         }
-        free(list[k]);
+        free(list);
     }
-    ns_sparse_form_free(f);
-    return count[0];
+    ns_sparse_form_let_go(&large);
+    assert_int_equal(counts[0], counts[1]);
+    return counts[0];
 }
 
 /* One number of the system changed at a time: what makes the two no twins, and what does not. */

@@ -202,7 +202,7 @@ static void test_stand_in(void **state) {
     const ns_cached_factors *k;
     assert_int_equal(ns_sparse_form_create(s, 0, &f), NS_OK);
     assert_int_equal(ns_sparse_factors_create(f, 1 << 26, &q), NS_OK);
-    assert_int_equal(ns_sparse_shared_find(s, f, &twin, &twins), NS_OK);
+    assert_int_equal(ns_modes_shared_find(s, &twin, &twins), NS_OK);
     assert_int_equal(ns_sparse_factors_shared(q, twin, twins), NS_OK);
     assert_int_equal(twins, CELLS);
     double *r = calloc(2 * (size_t)f->size, sizeof *r), *v = r + f->size;

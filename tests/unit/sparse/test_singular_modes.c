@@ -192,7 +192,7 @@ static void a_diode_carries_what_its_switch_did(void **state) {
         assert_int_equal(ns_circuit_diode(b.c, "d1", up ? 0 : 1, up ? 1 : 0, &diode, NULL), NS_OK);
         assert_int_equal(ns_circuit_resistor(b.c, "r", 1, 0, 2, NULL), NS_OK);
         form_bench(&b);
-        assert_int_equal(ns_sparse_shared_find(b.s, b.f, &shared, &count), NS_OK);
+        assert_int_equal(ns_modes_shared_find(b.s, &shared, &count), NS_OK);
         assert_true(count == 1 && shared->pair == 1 && shared->of == 0 && shared->idle == NS_LOWER);
         assert_int_equal(ns_sparse_factors_shared(b.q, shared, count), NS_OK);
         const ns_mode conducts[2] = {NS_LOWER, NS_INSIDE}, idle[2] = {NS_INSIDE, NS_LOWER};
