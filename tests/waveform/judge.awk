@@ -13,7 +13,7 @@ $2 == "=" && ($1 in expected) { got[$1] = $3 }
 
 END {
     if (why != "") verdict(0, why)
-    tolerance = run == "fine" ? 1e-4 : 1e-3
+    tolerance = run == "devices" ? 1e-5 : run == "fine" ? 1e-4 : 1e-3
     for (i = 1; i <= count; i++) {
         name = names[i]
         if (name == "rows") {

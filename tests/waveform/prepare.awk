@@ -1,6 +1,7 @@
 # prepare.awk - reads a netlist with checks (README.md): writes FOLDER/netlist, and to stdout an awk program that
 # computes the formulas and writes FOLDER/meas (the meas lines), FOLDER/save and FOLDER/checks (name, expected, scale).
-# -v vary="NAME=VALUE ...": instead of the .param line's; -v folder=FOLDER; -v devices=...: not empty: lines `*+` count.
+# -v vary="NAME=VALUE ...": instead of the .param line's; -v folder=FOLDER.
+# What lines `*+` check goes to FOLDER/meas.devices and FOLDER/checks.devices.
 
 function number(text,    value, unit) {
     value = text + 0
@@ -55,13 +56,14 @@ tolower($1) == ".param" {
 
 /^\*: / { print substr($0, 4); next }
 
-/^\*= / || (/^\*\+ / && devices != "") {
+/^\*[=+] / {
+    ending = substr($0, 2, 1) == "+" ? " \".devices\"" : ""
     line = substr($0, 4)
     parts = split(line, field, " *; *")
     if (parts < 3) { print FILENAME ": " $0 > "/dev/stderr"; failed = 1; exit }
     gsub(/ /, "", field[1])
-    printf "print \"meas tran %s \" %s > meas\n", field[1], spliced(field[2])
-    printf "printf \"%s %%.17g %%.17g\\n\", %s, %s > checks\n", field[1], field[3], (parts > 3 ? field[4] : field[3])
+    printf "print \"meas tran %s \" %s > (meas%s)\n", field[1], spliced(field[2]), ending
+    printf "printf \"%s %%.17g %%.17g\\n\", %s, %s > (checks%s)\n", field[1], field[3], (parts > 3 ? field[4] : field[3]), ending
     rest = field[2]
     while (match(rest, /@[a-z0-9.]+\[[a-z]+\]/)) {
         name = substr(rest, RSTART, RLENGTH)
@@ -101,5 +103,6 @@ END {
     for (name in given)
         if (!(name in used)) { print FILENAME ": no such .param: " name > "/dev/stderr"; exit 1 }
     if (kept != "save all") print kept > (folder "/save")
+    print "printf \"\" > (meas \".devices\"); printf \"\" > (checks \".devices\")"
     print "}"
 }

@@ -8,19 +8,19 @@
 #   sparse   with method="sparse": the same
 #   fine     with lines=1e-5: every check within ten times that, 1e-4
 #   theta    with method="theta", only flood_*.cir: only its rows (time points) are judged
+#   devices  with the charges @axx[q] and energies @axx[e] saved, which are exact whatever the points: 1e-5
 #   grid     with points="grid": its rows are counted
 # One line a check: `ok` or `FAIL`, circuit, values varied, run, quantity, expected, got, error.  One line a circuit with
 # the rows of its runs; the last line counts the failures and names the worst error of every run.  Exit status 1 if one failed.
 # Environment: NONSMOOTH_CM (build/nonsmooth.cm), NGSPICE (ngspice), TIME_LIMIT (60 s a run), JOBS (number of processors),
-# RUNS ("auto sparse fine grid"), DEVICES (anything: the checks of @axx[q] and @axx[e] too), KEEP (a folder for the runs).
+# RUNS ("auto sparse fine devices grid"), KEEP (a folder for the runs).
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
 top=$(cd "$here/../.." && pwd)
 CM=$(readlink -f "${NONSMOOTH_CM:-$top/build/nonsmooth.cm}") || exit 2
 NGSPICE=${NGSPICE:-ngspice}
 TIME_LIMIT=${TIME_LIMIT:-60}
-RUNS=${RUNS:-auto sparse fine grid}
-DEVICES=${DEVICES:-}
+RUNS=${RUNS:-auto sparse fine devices grid}
 export NGSPICE_MEAS_PRECISION=12
 
 # option RUN: what stands in .model nonsmooth(...).
@@ -43,9 +43,12 @@ run_one() {
         cat "$1/netlist"
         [ -z "$options" ] || printf 'AOPT 0 nsopt\n.model nsopt nonsmooth(%s)\n' "$options"
         printf '.control\nset numdgt=12\n'
-        cat "$1/save"
+        [ "$2" != devices ] || cat "$1/save"
         printf 'run\n'
-        cat "$1/meas"
+        case $2 in
+        devices) cat "$1/meas.devices" ;;
+        *) cat "$1/meas" ;;
+        esac
         printf 'quit 0\n.endc\n.end\n'
     } >"$at/run.cir"
     (cd "$at" && HOME=$at exec timeout -k 5 "$TIME_LIMIT" "$NGSPICE" -b run.cir >out 2>&1 </dev/null)
@@ -59,7 +62,7 @@ circuit() {
     values=${3%% ;*}
     [ "$values" = "$3" ] || RUNS=$(for run in $RUNS; do case " ${3#*;} " in *" $run "*) echo "$run" ;; esac; done)
     label=$(basename "$2" .cir)${values:+ $values}
-    if ! awk -v vary="$values" -v folder="$dir" -v devices="$DEVICES" -f "$here/prepare.awk" "$2" >"$dir/formulas.awk" ||
+    if ! awk -v vary="$values" -v folder="$dir" -f "$here/prepare.awk" "$2" >"$dir/formulas.awk" ||
         ! awk -f "$dir/formulas.awk"; then
         echo "FAIL $label: its checks cannot be read"
         return
@@ -68,9 +71,10 @@ circuit() {
     flood_*) RUNS="$RUNS theta" ;;
     fine_*) RUNS=$(echo "$RUNS" | sed 's/grid//') ;; # it would take a minute
     esac
+    [ -s "$dir/meas.devices" ] || RUNS=$(echo "$RUNS" | sed 's/devices//')
     for run in $RUNS; do
         run_one "$dir" "$run"
-        awk -v label="$label" -v run="$run" -f "$here/judge.awk" "$dir/checks" "$dir/$run/out"
+        awk -v label="$label" -v run="$run" -f "$here/judge.awk" "$dir/checks$(case $run in devices) echo .devices ;; esac)" "$dir/$run/out"
     done
     counts=
     for run in $RUNS; do counts="$counts $run $(sed -n 's/^No. of Data Rows : *//p' "$dir/$run/out" | tail -n 1)"; done
@@ -88,7 +92,7 @@ fi
 SCRATCH=${KEEP:-$(mktemp -d)} || exit 2
 mkdir -p "$SCRATCH" && SCRATCH=$(cd "$SCRATCH" && pwd) || exit 2
 [ -n "${KEEP:-}" ] || trap 'rm -rf "$SCRATCH"' EXIT
-export NONSMOOTH_CM="$CM" NGSPICE TIME_LIMIT RUNS DEVICES SCRATCH
+export NONSMOOTH_CM="$CM" NGSPICE TIME_LIMIT RUNS SCRATCH
 
 cd "$here" || exit 2
 for n in "$@"; do echo "$n"; done >"$SCRATCH/names"
