@@ -1,6 +1,8 @@
 /* bridge/loop.c - ngspice's transient loop, made to step to the timepoints that the bridge chooses. */
 #include "loop.h"
 
+#include <math.h>
+
 static const double no_truncation_errors = 1e30; /* of CKTtrtol */
 
 int ns_bridge_loop_began_anew(CKTcircuit *ckt) {
@@ -55,4 +57,14 @@ double ns_bridge_loop_unchosen(CKTcircuit *ckt, ns_loop *loop) {
     ckt->CKTmaxStep = loop->points.max_step;
     ckt->CKTbreakSize = loop->points.nbreaks;
     return t;
+}
+
+void ns_bridge_loop_step_to(CKTcircuit *ckt, ns_loop *loop, double t) {
+    const double step = ns_bridge_timepoints_step_to(&loop->points, t);
+    ckt->CKTdelta = fmax(step, 2.0 * ckt->CKTdelmin);
+    ckt->CKTmaxStep = loop->points.max_step;
+}
+
+void ns_bridge_loop_at_no_break(CKTcircuit *ckt) {
+    ckt->CKTbreak = 0;
 }

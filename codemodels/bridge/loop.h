@@ -24,8 +24,12 @@ int ns_bridge_loop_began_anew(CKTcircuit *ckt);
 void ns_bridge_loop_read(const CKTcircuit *ckt, ns_loop *loop, int first);
 
 /* The next timepoint, as ns_bridge_timepoints_next(). */
-/* The next timepoint, as ns_bridge_timepoints_unchosen(). */
-double ns_bridge_loop_unchosen(CKTcircuit *ckt, ns_loop *loop);
 double ns_bridge_loop_next(CKTcircuit *ckt, ns_loop *loop, const ns_system *s, double t_accepted);
+/* The next timepoint, as ns_bridge_timepoints_unchosen(); no breakpoint is left. */
+double ns_bridge_loop_unchosen(CKTcircuit *ckt, ns_loop *loop);
+/* After that: ngspice's next step ends at t, s. */
+void ns_bridge_loop_step_to(CKTcircuit *ckt, ns_loop *loop, double t);
+/* The present timepoint is a breakpoint of ours: sources set none of theirs when it is accepted. */
+void ns_bridge_loop_at_no_break(CKTcircuit *ckt);
 
 #endif

@@ -4,8 +4,6 @@
  * any time in between ngspice is given what lies on the straight line. */
 #include "session.h"
 
-#include <math.h>
-
 #include "report.h"
 #include "show.h"
 
@@ -47,7 +45,7 @@ int ns_bridge_waveform_look_ahead(ns_session *s, int first) {
     const int error = choose_next(s);
     s->trial.cpu += s->analysis.ex.options.verbose ? clock() - since : 0;
     if (!error)
-        ckt->CKTdelta = fmax(s->next.point.t - ckt->CKTtime, 2.0 * ckt->CKTdelmin);
+        ns_bridge_loop_step_to(ckt, &s->loop, s->next.point.t);
     ckt->CKTorder = 1; /* so that ngspice's own currents of capacitors do not ring after a jump */
     s->trial.made = !error;
     return error;
@@ -69,6 +67,7 @@ static int come_to(ns_session *s, double t) {
 int ns_bridge_waveform_load(ns_session *s) {
     const ns_waveform_point *p = &s->next.point;
     const double t = s->ckt->CKTtime;
+    ns_bridge_loop_at_no_break(s->ckt);
     if (t <= s->trial.t || (s->trial.loaded && s->trial.t_end == t))
         return OK; /* ngspice solves twice at each point */
     const int error = come_to(s, t);

@@ -127,3 +127,13 @@ double ns_bridge_timepoints_unchosen(ns_timepoints *p) {
     p->max_step = p->stop;
     return t;
 }
+
+double ns_bridge_timepoints_step_to(ns_timepoints *p, double t) {
+    static const double ulps = 4.4e-16; /* more than rounding takes away, less than _same() tells apart */
+    const double step = t * (1.0 + ulps) - p->t;
+    if (t - p->t < 0.5 * ns_bridge_timepoints_closeness(p))
+        return t - p->t; /* ngspice would take the breakpoint for the present time */
+    p->breaks[0] = t;
+    p->max_step = fmax(p->max_step, step);
+    return step;
+}

@@ -64,4 +64,9 @@ double ns_bridge_timepoints_closest(double stop);
 /* The timepoint before p->start, the first one that is not t = 0, or (0) one that the waveform chooses. */
 double ns_bridge_timepoints_unchosen(ns_timepoints *p);
 
+/* The step, s, by which ngspice comes to t, when no breakpoint but p->stop is left: t becomes the first one,
+ * and the step is longer by some rounding errors, so that ngspice cuts it.  From version 46 on it halves a
+ * step that ends in the second half of the way to a breakpoint, and not at it. */
+double ns_bridge_timepoints_step_to(ns_timepoints *p, double t);
+
 #endif

@@ -182,6 +182,145 @@ static void closeness_and_equality(void **state) {
     tear_down(&r);
 }
 
+/* --- where a waveform chooses them --- */
+
+static double longest_step_with(ns_signal z, double stop) {
+    ns_system *s;
+    assert_int_equal(ns_system_create(1, 0, 1, 0, &s), NS_OK);
+    assert_int_equal(ns_system_set_input(s, 0, &z), NS_OK);
+    const double step = ns_bridge_timepoints_longest_step(s, stop);
+    ns_system_free(s);
+    return step;
+}
+
+/* 1/1024 of a period, 1/65536 of the run: the shorter one. */
+static void the_longest_step_is_a_part_of_period_and_run(void **state) {
+    const double t[] = {1.0, 2.0, 4.0}, v[] = {0.0, 1.0, 0.0};
+    const ns_signal pulse = {.kind = NS_PULSE,
+                             .u.pulse = {.v2 = 1.0, .tr = 0.1, .tf = 0.1, .pw = 1.0, .per = 5.0}};
+    const ns_signal once = {.kind = NS_PULSE,
+                            .u.pulse = {.v2 = 1.0, .tr = 0.1, .tf = 0.1, .pw = 1.0, .per = INFINITY}};
+    const ns_signal sine = {.kind = NS_SIN, .u.sin = {.va = 1.0, .freq = 4.0}};
+    const ns_signal repeated = {.kind = NS_PWL, .u.pwl = {.n = 3, .t = t, .v = v, .repeat = 1.0}};
+    const ns_signal line = {.kind = NS_PWL, .u.pwl = {.n = 3, .t = t, .v = v, .repeat = NAN}};
+    const ns_signal constant = {.kind = NS_DC, .u.dc = 1.0};
+    (void)state;
+    assert_near(longest_step_with(pulse, 1e4), 5.0 / 1024.0);
+    assert_near(longest_step_with(sine, 1e4), 0.25 / 1024.0);
+    assert_near(longest_step_with(repeated, 1e4), 3.0 / 1024.0);
+    assert_near(longest_step_with(once, 1e4), 1e4 / 65536.0);
+    assert_near(longest_step_with(line, 1e4), 1e4 / 65536.0);
+    assert_near(longest_step_with(constant, 1e4), 1e4 / 65536.0);
+    assert_near(longest_step_with(pulse, 1.0), 1.0 / 65536.0);
+}
+
+/* As ngspice's traninit.c has it: without tmax the longest step is tstep, or a fiftieth of the time shown if
+ * that is shorter; nobody can tell a tmax of that size from it. */
+static void tmax_is_what_ngspice_did_not_choose_itself(void **state) {
+    (void)state;
+    assert_true(ns_bridge_timepoints_tmax(1e-6, 1e-6, 0.0, 1e-3) == 0.0);
+    assert_true(ns_bridge_timepoints_tmax((1e-3 - 0.4e-3) / 50.0, 1e-4, 0.4e-3, 1e-3) == 0.0);
+    assert_true(ns_bridge_timepoints_tmax(2e-5, 1e-4, 0.0, 1e-3) == 0.0); /* = 1 ms / 50 */
+    assert_true(ns_bridge_timepoints_tmax(3e-7, 1e-6, 0.0, 1e-3) == 3e-7);
+    assert_true(ns_bridge_timepoints_tmax(1e-5, 1e-4, 0.0, 1e-3) == 1e-5);
+    assert_true(ns_bridge_timepoints_tmax(1e-3, 1e-6, 0.0, 1e-3) == 0.0); /* longer than tstep */
+}
+
+/* 1, 2 or 5 times a power of ten; the largest of which fifty fit into the run. */
+static void round_times_fit_fifty_times(void **state) {
+    static const double stop_round[][2] = {{1.0, 0.02},    {2.4, 0.02},    {2.6, 0.05},    {5.1, 0.1},
+                                           {10.1, 0.2},    {9.9, 0.1},     {1e-3, 2e-5},   {1.22e-3, 2e-5},
+                                           {2.6e-7, 5e-9}, {1.9e4, 200.0}, {3.7e-9, 5e-11}};
+    (void)state;
+    for (size_t k = 0; k < sizeof stop_round / sizeof stop_round[0]; k++)
+        assert_near(ns_bridge_timepoints_round(stop_round[k][0]), stop_round[k][1]);
+}
+
+/* 100 units in the last place of a time up to stop are at most 100 * 2.2e-16 * stop. */
+static void the_closest_points_are_two_to_ngspice(void **state) {
+    (void)state;
+    for (double stop = 1e-9; stop < 1e9; stop *= 7.3) {
+        const double closest = ns_bridge_timepoints_closest(stop);
+        assert_true(closest > 100.0 * (nextafter(stop, INFINITY) - stop));
+        assert_true(closest < 1e-12 * stop);
+    }
+}
+
+static void a_point_that_the_waveform_does_not_choose(void **state) {
+    rig r;
+    (void)state;
+    set_up(&r)->points.start = 50.0;
+    r.points.t = 10.0;
+    assert_near(ns_bridge_timepoints_unchosen(&r.points), 12.0); /* a fiftieth of the run later */
+    r.points.t = 48.1;
+    assert_near(ns_bridge_timepoints_unchosen(&r.points), 50.0);
+    assert_int_equal(r.points.nbreaks, 2);
+    assert_near(r.points.max_step, 2.0);
+    r.points.t = 50.0;
+    assert_true(ns_bridge_timepoints_unchosen(&r.points) == 0.0);
+    assert_true(r.breaks[0] == 100.0 && r.breaks[1] == 100.0);
+    assert_near(r.points.max_step, 100.0);
+    tear_down(&r);
+    set_up(&r)->points.skips_start = 1;
+    assert_near(ns_bridge_timepoints_unchosen(&r.points), 0.5 * ns_bridge_timepoints_closest(100.0));
+    tear_down(&r);
+}
+
+/* ngspice's dctran.c after it accepted the point at time: where the next one will be.  From 46 on a step that
+ * does not reach the first breakpoint is halved if 1.9 steps would pass it. */
+static double ngspice_steps_to(const ns_timepoints *p, double time, double delta, int version) {
+    const double to_break = p->breaks[0] - time;
+    delta = fmin(delta, p->max_step);
+    assert_true(to_break > 100.0 * (nextafter(time, INFINITY) - time)); /* else it cuts the step to a tenth */
+    assert_true(p->breaks[0] > time + p->min_break || p->breaks[0] >= p->stop); /* else it removes it */
+    if (time + delta > p->breaks[0])
+        delta = to_break;
+    else if (version >= 46 && time + 1.9 * delta > p->breaks[0])
+        delta = 0.5 * to_break;
+    return time + delta;
+}
+
+/* Points all over the run, of any distance: ngspice comes to each, up to the rounding of one sum. */
+static void every_step_ends_where_the_waveform_wants_it(void **state) {
+    static const double length[] = {1.0, 0.6, 0.3, 1e-3, 1e-9, 1e-13};
+    enum { LENGTHS = sizeof length / sizeof length[0] };
+    rig r;
+    (void)state;
+    for (int k = 0; k < 4000; k++) {
+        set_up(&r)->points.min_break = 0.01 * ns_bridge_timepoints_closest(100.0);
+        const double t = k % 4 == 0 ? 0.0 : fmod(k * 61.8034, 100.0);
+        const double next =
+            fmin(100.0, t + fmax((100.0 - t) * length[k % LENGTHS], ns_bridge_timepoints_closest(100.0)));
+        r.points.t = t;
+        if (t == 0.0 && k % LENGTHS == 0)
+            r.points.start = 50.0; /* nothing is shown: the longest step is not that of the run */
+        const double unchosen = ns_bridge_timepoints_unchosen(&r.points);
+        const double wanted = unchosen > 0.0 ? unchosen : next;
+        const double step = ns_bridge_timepoints_step_to(&r.points, wanted);
+        for (int version = 39; version <= 46; version += 7) {
+            const double got = ngspice_steps_to(&r.points, t, step, version);
+            assert_true(ns_bridge_timepoints_same(got, wanted));
+        }
+        /* without the breakpoint, as after `resume`, still at the same time */
+        r.points.breaks[0] = r.points.stop;
+        assert_true(ns_bridge_timepoints_same(ngspice_steps_to(&r.points, t, step, 39), wanted));
+        tear_down(&r);
+    }
+}
+
+/* What rounding leaves of a step is no breakpoint. */
+static void a_step_of_rounding_sets_no_breakpoint(void **state) {
+    rig r;
+    (void)state;
+    set_up(&r)->points.min_break = 0.01 * ns_bridge_timepoints_closest(100.0);
+    r.points.t = 50.0;
+    ns_bridge_timepoints_unchosen(&r.points);
+    const double next = nextafter(nextafter(50.0, 100.0), 100.0);
+    assert_true(ns_bridge_timepoints_step_to(&r.points, next) == next - 50.0);
+    assert_true(r.breaks[0] == 100.0);
+    tear_down(&r);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_grid_corners_and_breakpoints),
@@ -193,6 +332,13 @@ int main(void) {
         cmocka_unit_test(the_start_of_uic_is_shown_just_after_0),
         cmocka_unit_test(always_ahead_of_what_was_accepted),
         cmocka_unit_test(closeness_and_equality),
+        cmocka_unit_test(the_longest_step_is_a_part_of_period_and_run),
+        cmocka_unit_test(tmax_is_what_ngspice_did_not_choose_itself),
+        cmocka_unit_test(round_times_fit_fifty_times),
+        cmocka_unit_test(the_closest_points_are_two_to_ngspice),
+        cmocka_unit_test(a_point_that_the_waveform_does_not_choose),
+        cmocka_unit_test(every_step_ends_where_the_waveform_wants_it),
+        cmocka_unit_test(a_step_of_rounding_sets_no_breakpoint),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
