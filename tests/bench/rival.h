@@ -5,10 +5,9 @@
 #include "cases.h"
 
 typedef struct rival_setting {
-    int unmarked;     /* no time points of the times that are compared: `values` lie on straight lines */
-    const char *name; /* of the models */
     deck_models models;
-    int gear; /* else trap */
+    int gear;     /* else trap */
+    int unmarked; /* no time points at the times that are compared: `values` lie on straight lines */
     double reltol;
     double step;         /* the longest, in units of the case */
     const char *options; /* of ours: what stands in .model nonsmooth(...); NULL: nothing */
