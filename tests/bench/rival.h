@@ -5,6 +5,7 @@
 #include "cases.h"
 
 typedef struct rival_setting {
+    const char *name; /* of the models */
     deck_models models;
     int gear;     /* else trap */
     int unmarked; /* no time points at the times that are compared: `values` lie on straight lines */
