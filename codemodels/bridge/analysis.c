@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "many_points.h"
 #include "pure/timepoints.h"
 #include "report.h"
 #include "taken.h"
@@ -127,6 +128,7 @@ int ns_bridge_analysis_make(CKTcircuit *ckt, ns_extract_sources sources, ns_anal
 void ns_bridge_analysis_clear(ns_analysis *a) {
     ns_waveform_free(a->waveform);
     ns_bridge_taken_clear(a);
+    ns_bridge_many_points_clear(a);
     ns_march_free(a->march);
     ns_system_free(a->system);
     ns_bridge_extract_clear(&a->ex);

@@ -6,6 +6,7 @@
 #include "extract.h"
 #include "nonsmooth/energy.h"
 #include "nonsmooth/waveform.h"
+#include "pure/ring.h"
 
 typedef struct ns_analysis {
     /* --- made once --- */
@@ -35,6 +36,13 @@ typedef struct ns_analysis {
         double *sums;      /* 2 ex.ndevices: charge and energy of each at that point, C, J */
         int shown, asked;  /* a point was shown; somebody asked */
     } taken;
+    struct {                       /* many_points.c: of the waveform */
+        long points, looked;       /* so far; when they were looked at last */
+        double looked_t, expected; /* s, then; points of the whole run */
+        int signal;                /* that asked for most: x or (from n on) lambda */
+        ns_ring *ring;             /* follows it; NULL: not wanted */
+        int said;
+    } many;
     int devices_stale; /* the devices' static variables are of an earlier point */
 } ns_analysis;
 

@@ -4,6 +4,7 @@
  * any time in between ngspice is given what lies on the straight line. */
 #include "session.h"
 
+#include "many_points.h"
 #include "report.h"
 #include "show.h"
 
@@ -35,6 +36,8 @@ static int choose_next(ns_session *s) {
     else
         status = ns_waveform_next(w, s->ckt->CKTfinalTime, p);
     s->next.held = !status;
+    if (s->next.held)
+        ns_bridge_many_points_count(&s->analysis, p, s->ckt->CKTfinalTime);
     return fail(s, status);
 }
 

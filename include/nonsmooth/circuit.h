@@ -129,6 +129,12 @@ int ns_circuit_power(const ns_circuit *c, int id, const ns_solution *at, double 
  * of a coupling half in either inductor, where it may be negative.  Others store none.  Errors: NULL. */
 int ns_circuit_stored(const ns_circuit *c, const double *x, double *each, double *all);
 
+/* The number of elements that were added: one more than the last of them; 0 if c is NULL. */
+int ns_circuit_count(const ns_circuit *c);
+
+/* The name of an element: "l1"; "element 9" if c has none such.  As ns_circuit_name_unknown(). */
+int ns_circuit_name_element(const ns_circuit *c, int id, char *line, size_t size);
+
 /* What an unknown or a pair stands for: "voltage of node out", "current of l1", "ideal diode ad1" (its second
  * pair: "breakdown of ideal diode ad1"), "ideal switch as1"; "unknown 9", "pair 9" if c has none such.
  * Written into line (size bytes, always terminated).  Returns the length it wanted, like snprintf. */

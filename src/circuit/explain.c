@@ -155,6 +155,20 @@ static line_writer begin_line(char *line, size_t size) {
     return w;
 }
 
+int ns_circuit_count(const ns_circuit *c) {
+    return c ? c->nelements : 0;
+}
+
+int ns_circuit_name_element(const ns_circuit *c, int id, char *line, size_t size) {
+    line_writer w = begin_line(line, size);
+    if (id >= 0 && id < ns_circuit_count(c)) {
+        write_text(&w, "%s", c->element[id].name);
+    } else {
+        write_text(&w, "element %d", id);
+    }
+    return end_line(&w);
+}
+
 int ns_circuit_name_unknown(const ns_circuit *c, int unknown, char *line, size_t size) {
     line_writer w = begin_line(line, size);
     write_unknown(&w, c, unknown, 1);
