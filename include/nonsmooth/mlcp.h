@@ -32,11 +32,11 @@ typedef struct ns_mlcp {
 
 /* The method.  AUTO tries several of the others, in the order that `make bench` shows to be fastest. */
 typedef enum ns_mlcp_method {
-    NS_MLCP_AUTO,     /* "auto" */
-    NS_MLCP_PIVOT,    /* "pivot"      principal pivoting: block flips, least-index flips as the finite rule */
-    NS_MLCP_LEMKE,    /* "lemke"      Lemke's method, lexicographic ties */
-    NS_MLCP_NEWTON,   /* "newton"     semismooth Newton on the Fischer-Burmeister function, line search */
-    NS_MLCP_INTERIOR, /* "interior"   primal-dual interior point */
+    NS_MLCP_AUTO,      /* "auto" */
+    NS_MLCP_PIVOT,     /* "pivot"      principal pivoting: the pair broken worst is flipped */
+    NS_MLCP_LEMKE,     /* "lemke"      Lemke's method, lexicographic ties */
+    NS_MLCP_NEWTON,    /* "newton"     semismooth Newton on the Fischer-Burmeister function, line search */
+    NS_MLCP_INTERIOR,  /* "interior"   primal-dual interior point */
     NS_MLCP_PROJECTED, /* "projected"  projected Gauss-Seidel, successive overrelaxation */
     NS_MLCP_ENUMERATE, /* "enumerate"  modes by branch and bound, at most 16 pairs: the oracle */
     NS_MLCP_METHODS

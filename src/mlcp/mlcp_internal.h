@@ -52,7 +52,6 @@ typedef struct ns_mlcp_tableau {
 /* The principal pivot transform of own.W, of the pairs whose lambda is basic (transform.c). */
 typedef struct ns_mlcp_transform {
     int valid;
-    int changes;              /* pivots since P was empty */
     int count, *pair, *place; /* m: which pairs P is of, and the place of each among them, or -1 */
     double *P;                /* m columns, of m rounded up to a multiple of four */
     double *largest;          /* m: the largest term that each diagonal entry of P was summed from */

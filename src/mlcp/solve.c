@@ -145,15 +145,6 @@ static int automatic(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     return first;
 }
 
-/* No lambda makes terms large against q: one whose terms in some row are below DOUBT |q| is below DOUBT in
- * the units of ns_mlcp_huge_multipliers().  yterms are those of the answer. */
-static int has_small_terms(const ns_mlcp_solver *s) {
-    int n = 0;
-    for (int i = 0; i < s->m; i++)
-        n += s->transform.yterms[i] > DOUBT * fabs(s->given.q[i]);
-    return n == 0;
-}
-
 /* Whether s->lambda is an answer of the problem as given. */
 static int is_answer(ns_mlcp_solver *s, double *residual) {
     double r = measure(s);
@@ -193,7 +184,7 @@ static int solve_otherwise(ns_mlcp_solver *s, int status, const ns_mode *mode, d
 static int solve_by_pivoting(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     if ((s->use != NS_MLCP_AUTO && s->use != NS_MLCP_PIVOT) || s->m > NS_QUICK ||
         ns_mlcp_pivot_from(s, mode, residual) != NS_OK ||
-        (s->pivots + s->factors > 0 && !has_small_terms(s) && ns_mlcp_huge_multipliers(s, DOUBT)))
+        (s->pivots + s->factors > 0 && ns_mlcp_huge_multipliers(s, DOUBT)))
         return 0;
     s->method = NS_MLCP_PIVOT;
     return 1;

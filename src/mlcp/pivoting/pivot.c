@@ -1,12 +1,12 @@
 /* src/mlcp/pivoting/pivot.c - principal pivoting on the transform of W, from the last mode.
  *
  * The pair whose guard is broken worst, in units of the terms of its value, is flipped, as long as that lets
- * the number of broken guards fall now and then; after that the one of least index, until the number is
- * smaller than it ever was (Murty's rule is finite on P-matrices; Judice and Pires combine rules so).  Blocks
- * of pairs flipped at once, block.c's way, cost more pivots here: half of them are flipped back.  Pairs that
- * are broken together follow each other without a look at all the others in between. A pair whose diagonal
- * entry is 0 is exchanged together with the first pair that its change would break (Keller's rule).  Whatever
- * does not come out so within its bounds is left to other methods.
+ * the number of broken guards fall now and then.  (Then other methods are quicker than flips by least index,
+ * Murty's rule, which is finite on P-matrices.)  Blocks of pairs flipped at once, block.c's way, cost more
+ * pivots here: half of them are flipped back.  Pairs that are broken together follow each other without a
+ * look at all the others in between.  A pair whose diagonal entry is 0 is exchanged together with the first
+ * pair that its change would break (Keller's rule).  Whatever does not come out so within its bounds is left
+ * to other methods.
  *
  * The transform is kept: a solve from the mode of the last one costs one product with the inverse of the
  * block of the pairs that are inside, and one with their columns of W, which reads the guards and checks the
@@ -19,7 +19,7 @@
 #include "mlcp/verify/residual_bound.h"
 #include "transform.h"
 
-enum { PATIENCE = 8, ROUNDS = 20, ROUNDS_PER_PAIR = 10, CHANGES = 64 };
+enum { PATIENCE = 8, ROUNDS = 20, ROUNDS_PER_PAIR = 10 };
 static const double FINE = 1e-14;     /* equations hold: a hundredth of what guards are read to */
 static const double TRUST = 1e-8;     /* as transform.c */
 static const double ROUNDING = 1e-10; /* of the terms of an y: as solve.c accepts an answer */
@@ -74,21 +74,15 @@ static int list_violated(const ns_mlcp_solver *s, int n, const int *from, int *l
 /* Makes the transform that of s->mode, or of one near it where that is singular: from the one there is, or
  * *anew from W.  0: an equality is left. */
 static int align_transform(ns_mlcp_solver *s, int *anew) {
-    int *list = s->queue, n = 0, inside = 0;
-    for (int i = 0; i < s->m && s->transform.valid; i++) {
-        inside += s->mode[i] == NS_INSIDE;
-        if (s->transform.basic[i] != (s->mode[i] == NS_INSIDE))
-            list[n++] = i;
-    }
-    if (!s->transform.valid || *anew || n > inside || (n > 0 && s->transform.changes + n > CHANGES)) {
+    int *list = s->queue, n = 0;
+    if (!s->transform.valid || *anew) {
         ns_mlcp_transform_start(s);
         *anew = 1;
         s->factors++;
-        n = 0;
-        for (int i = 0; i < s->m; i++)
-            if (s->mode[i] == NS_INSIDE)
-                list[n++] = i;
     }
+    for (int i = 0; i < s->m; i++)
+        if (s->transform.basic[i] != (s->mode[i] == NS_INSIDE))
+            list[n++] = i;
     const long before = s->pivots;
     n = ns_mlcp_transform_exchange(s, n, list);
     ns_mlcp_transform_tidy(s);
@@ -212,9 +206,9 @@ static int read_guards(ns_mlcp_solver *s, int *list, int *worst) {
     return list_violated(s, s->np, s->pair, list, worst);
 }
 
-/* From s->mode to one whose guards hold.  persist: by least index too.  The values that came along with the
- * flips will do to find more to flip, as long as that goes well. */
-static int find_mode(ns_mlcp_solver *s, int persist) {
+/* From s->mode to one whose guards hold.  The values that came along with the flips will do to find more to
+ * flip, as long as that goes well. */
+static int find_mode(ns_mlcp_solver *s) {
     int *list = s->queue, best = s->np + 1, patience = PATIENCE, worst = 0;
     s->transform.carried = 0;
     for (int round = 0; round < ROUNDS + ROUNDS_PER_PAIR * s->np; round++) {
@@ -228,9 +222,9 @@ static int find_mode(ns_mlcp_solver *s, int persist) {
         if (n < best) {
             best = n;
             patience = PATIENCE + s->np / 4;
-        } else if (--patience <= 0 && !persist)
+        } else if (--patience <= 0)
             return NS_E_LIMIT;
-        if (!(patience > 0 ? flip_in_turn(s, worst, n, list) : flip_pair(s, list[0])))
+        if (!flip_in_turn(s, worst, n, list))
             return NS_E_LIMIT;
     }
     return NS_E_LIMIT;
@@ -294,7 +288,7 @@ static int solve_from(ns_mlcp_solver *s, const ns_mode *mode, int *anew, double 
         if (!align_transform(s, anew))
             return NS_E_SINGULAR;
     }
-    const int status = find_mode(s, !mode);
+    const int status = find_mode(s);
     if (status != NS_OK)
         return status;
     *residual = answer_residual(s);

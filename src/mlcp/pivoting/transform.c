@@ -20,7 +20,6 @@ void ns_mlcp_transform_start(ns_mlcp_solver *s) {
     for (int i = 0; i < s->m; i++)
         s->transform.place[i] = -1;
     s->transform.count = 0;
-    s->transform.changes = 0;
     s->transform.valid = 1;
 }
 
@@ -126,7 +125,6 @@ double ns_mlcp_transform_trust2(ns_mlcp_solver *s, int i, int j) {
 
 static void count_exchange(ns_mlcp_solver *s, int i) {
     s->transform.basic[i] ^= 1;
-    s->transform.changes++;
     s->pivots++;
 }
 

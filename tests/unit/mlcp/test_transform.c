@@ -85,7 +85,6 @@ static void is_the_equations_solved(void **state) {
             assert_transform(s);
         }
         pivots += s->pivots;
-        assert_int_equal(s->pivots, s->transform.changes);
         ns_mlcp_free(s);
     }
     print_message("%ld exchanges\n", pivots);
