@@ -78,6 +78,7 @@ static int make_waveform(CKTcircuit *ckt, ns_analysis *a) {
     unsigned char *kind = calloc(a->count + 1, 1);
     ns_waveform_integrals taken = {0};
     ns_waveform_options o = {.lines = a->ex.options.lines,
+                             .squares = a->ex.options.squares,
                              .longest = ns_bridge_timepoints_tmax(ckt->CKTmaxStep, ckt->CKTstep,
                                                                   ckt->CKTinitTime, ckt->CKTfinalTime),
                              .every = ns_bridge_timepoints_round(ckt->CKTfinalTime),

@@ -64,12 +64,13 @@ static int read_options(ns_extract_walk *w, MIFinstance *inst) {
                                     .verbose = inst->param[OPTION_VERBOSE]->element[0].ivalue,
                                     .points = ns_bridge_models_text(inst, OPTION_POINTS),
                                     .lines = ns_bridge_models_real(inst, OPTION_LINES),
+                                    .squares = ns_bridge_models_real(inst, OPTION_SQUARES),
                                     .corners = inst->param[OPTION_CORNERS]->element[0].ivalue};
     ex->error =
         ns_bridge_report_code(ns_bridge_options_check(&given, &ex->options, ex->line, sizeof ex->line));
-    const double numbers[] = {ex->options.h,     ex->options.theta,
-                              ex->options.gamma, (double)ex->options.method,
-                              ex->options.lines, (double)ex->options.grid};
+    const double numbers[] = {
+        ex->options.h,     ex->options.theta,   ex->options.gamma,       (double)ex->options.method,
+        ex->options.lines, ex->options.squares, (double)ex->options.grid};
     ns_bridge_extract_mix(w, numbers, sizeof numbers);
     return ex->error ? EXTRACT_REFUSED : NS_OK;
 }

@@ -24,7 +24,9 @@ void ns_bridge_loop_take(CKTcircuit *ckt, ns_loop *loop, int at_corners, int res
 }
 
 void ns_bridge_loop_take_close(CKTcircuit *ckt, ns_loop *loop) {
-    ckt->CKTminBreak = ckt->CKTdelmin = 0.01 * ns_bridge_timepoints_closest(ckt->CKTfinalTime);
+    const double closest = ns_bridge_timepoints_closest(ckt->CKTfinalTime);
+    ckt->CKTminBreak = 0.5 * closest;
+    ckt->CKTdelmin = 0.01 * closest;
     loop->points.min_break = ckt->CKTminBreak;
 }
 

@@ -25,7 +25,8 @@ enum {
     OPTION_DUMP,
     OPTION_CORNERS,
     OPTION_LINES,
-    OPTION_POINTS
+    OPTION_POINTS,
+    OPTION_SQUARES
 };
 
 enum { SHOW_I, SHOW_V, SHOW_ON, SHOW_P, SHOW_Q, SHOW_E }; /* of the diode and the switch */

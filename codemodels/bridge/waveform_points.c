@@ -77,12 +77,14 @@ int ns_bridge_waveform_load(ns_session *s) {
     if (error)
         return error;
     const int there = ns_bridge_timepoints_same(t, p->t);
+    if (there) /* ngspice adds a step, and .meas compares times with from= and to= to the last digit */
+        s->ckt->CKTtime = p->t;
     const double part = there ? 1.0 : (t - s->trial.t) / (p->t - s->trial.t);
     const int status = ns_bridge_analysis_take(&s->analysis, p, part);
     if (status)
         return fail(s, status);
     ns_bridge_show_values(&s->analysis, s->force.value);
-    ns_bridge_trial_show(s, t);
+    ns_bridge_trial_show(s, s->ckt->CKTtime);
     s->next.held = !there;
     return OK;
 }

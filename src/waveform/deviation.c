@@ -90,7 +90,7 @@ static double excess(const ns_waveform *w, int i) {
 static double integral_distance(ns_waveform *w, const ns_segment *g) {
     static const double of_rest = 0.2;
     const double end = g->at[g->last].t, length = end - g->at[0].t, share = sqrt(w->lines) / 3;
-    const double time = (w->end - w->event_t) / fmax(end - w->start_t, length);
+    const double time = fmin(1, (w->end - w->event_t) / fmax(end - w->start_t, length));
     double most = 0;
     integrate(w, g);
     for (int i = 0; i < w->looked; i++) {
@@ -107,12 +107,52 @@ static double integral_distance(ns_waveform *w, const ns_segment *g) {
     return most;
 }
 
+/* By how much the trapezoid of the squares of a and b is larger than the integral of the square of the line.
+ */
+static double square_error(double a, double b, double length) {
+    return (b - a) * (b - a) / 6 * length;
+}
+
+static double square_between(double a, double b) {
+    return (a * a + a * b + b * b) / 3;
+}
+
+/* What a segment may add to that by the squares of its stretch or of the run, whichever is larger. */
+static double square_allowed(const ns_waveform *w, int i, double a, double t, double length) {
+    const double mean = t > w->start_t ? w->square[i] / (t - w->start_t) : 0;
+    return 0.5 * w->squares * length * fmax(square_between(a, w->end_values[w->signal[i]]), mean);
+}
+
+/* The distance of the integrals of squares, as a part of what is allowed; a ramp that takes no time borrows
+ * from the run.
+ */
+static double square_distance(ns_waveform *w, const ns_segment *g) {
+    static const double of_rest = 0.1;
+    const double *a = g->at[0].v, *b = g->at[g->last].v, t = g->at[0].t, length = g->at[g->last].t - t;
+    double most = 0;
+    for (int i = 0; i < w->looked; i++) {
+        const int at = w->signal[i];
+        const double noise = noise_of(w, i);
+        const double rest = fmax(0.5 * w->squares * w->square[i] - w->square_error[i], 0);
+        const double allowed =
+            square_allowed(w, i, a[at], t, length) + of_rest * rest + noise * noise * length;
+        const double error = square_error(a[at], b[at], length);
+        if (error > most * allowed) {
+            most = allowed > 0 ? error / allowed : INFINITY;
+            w->worst = i;
+        }
+    }
+    return most;
+}
+
 double ns_waveform_deviation(ns_waveform *w, const ns_segment *g) {
-    if (g->last < 2)
-        return 0;
+    double off = 0;
     update_tolerances(w);
-    const double off = distance(w, g);
-    return off > 1 ? off : fmax(off, integral_distance(w, g));
+    if (g->last >= 2)
+        off = distance(w, g);
+    if (g->last >= 2 && off <= 1)
+        off = fmax(off, integral_distance(w, g));
+    return w->squares > 0 && off <= 1 ? fmax(off, square_distance(w, g)) : off;
 }
 
 /* Where the parabola through a, v (at part of the way) and b turns, as a part of the way; 1: nowhere, or that
@@ -160,6 +200,11 @@ void ns_waveform_add_integrals(ns_waveform *w, const ns_segment *g, double sign)
     }
 }
 
+static void note_square(ns_waveform *w, int i, double a, double b, double t, double length) {
+    w->square_error[i] += fmax(square_error(a, b, length) - square_allowed(w, i, a, t, length), 0);
+    w->square[i] += square_between(a, b) * length;
+}
+
 void ns_waveform_note_given(ns_waveform *w, const ns_segment *g) {
     const double *a = g->at[0].v, *b = g->at[g->last].v, length = g->at[g->last].t - g->at[0].t;
     integrate(w, g);
@@ -167,6 +212,7 @@ void ns_waveform_note_given(ns_waveform *w, const ns_segment *g) {
         const double slope = (b[w->signal[i]] - a[w->signal[i]]) / length;
         w->turned[i] += !g->from_event && slope * w->slope[i] < 0;
         w->slope[i] = g->jumps ? 0 : slope;
+        note_square(w, i, a[w->signal[i]], b[w->signal[i]], g->at[0].t, length);
         w->total[i] += w->own[i];
     }
 }

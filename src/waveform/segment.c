@@ -41,7 +41,7 @@ static int add_end(ns_waveform *w, ns_segment *g, double t) {
     double *row;
     if (g->last == NS_PROBES - 1)
         thin(w, g);
-    const int status = ns_waveform_sample(w, t, &row);
+    const int status = ns_waveform_sample(w, w->end - t <= w->closest ? w->end : t, &row);
     if (status == NS_OK)
         g->at[++g->last] = (ns_probe){t, row};
     return status;
@@ -60,10 +60,25 @@ static double first_length(ns_waveform *w, double t) {
     return w->fresh ? least : fmax(first_part * w->proposal, w->closest);
 }
 
+/* The multiple of w->every that is nearest to t, as the number that a decimal in a netlist is read as. */
+static double round_time(const ns_waveform *w, double t) {
+    const double inverse = floor(1 / w->every + 0.5), k = floor(t / w->every + 0.5);
+    return w->every < 1 && fabs(inverse * w->every - 1) < 1e-9 ? k / inverse : k * w->every;
+}
+
+/* The first such multiple after t. */
+static double round_after(const ns_waveform *w, double t) {
+    const double near = round_time(w, t);
+    return near > t + w->closest ? near : round_time(w, t + w->every);
+}
+
 /* Where it ends at the latest: the end of the stretch, or a point that is asked for. */
 static double last_time(const ns_waveform *w, double base) {
     const double t = fmin(w->end, base + w->longest);
-    return w->every < INFINITY ? fmin(t, (floor(base / w->every + 1e-6) + 1) * w->every) : t;
+    if (!(w->every < INFINITY))
+        return t;
+    const double round = round_after(w, base);
+    return round < t + w->closest && fabs(round - w->until) > w->closest ? round : t;
 }
 
 /* Longer and longer, until the line is too far off; *off: how far it is. */
@@ -145,8 +160,9 @@ static void count_both(ns_waveform *w, const ns_segment *a, const ns_segment *b,
 
 int ns_waveform_merge(ns_waveform *w) {
     ns_segment *a = &w->pending, *b = &w->made, both;
-    const double t = b->at[0].t, round = floor(t / w->every + 0.5) * w->every;
-    if (!b->smooth || a->jumps || b->at[b->last].t - a->at[0].t > w->longest || t == round)
+    const double t = b->at[0].t;
+    const int asked_for = w->every < INFINITY && t == round_time(w, t);
+    if (!b->smooth || a->jumps || b->at[b->last].t - a->at[0].t > w->longest || asked_for)
         return 0;
     join(w, a, b, &both);
     count_both(w, a, b, -1);

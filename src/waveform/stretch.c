@@ -2,6 +2,7 @@
 #include "waveform_internal.h"
 
 #include <math.h>
+#include <string.h>
 
 /* The first instant after t at which an input has a corner. */
 static double next_corner(const ns_system *s, double t) {
@@ -40,17 +41,29 @@ static void make_jump(ns_waveform *w, double *row) {
     ns_segment *g = &w->made;
     const double t = g->at[0].t, room = w->end - t;
     const double fast = fmin(ns_march_shortest(w->march, w->accepted_t, NULL), room);
-    const double later = fmin(fmax(2 * w->closest, 1e-5 * fast), room / 8);
+    const double later = fmin(fmax(w->closest, 1e-7 * fmin(fast, w->before)), room / 8);
     ns_waveform_put_integrals(w, row);
     g->at[++g->last] = (ns_probe){fmax(t, w->accepted_t) + later, row};
     g->jumps = 1;
+}
+
+/* Values at both ends of the stretch.  A waveform that rises from zero is to be seen beside what it comes to.
+ */
+static int sample_ends(ns_waveform *w, double **row) {
+    double *end;
+    int status = ns_waveform_sample(w, w->end, &end);
+    if (status != NS_OK)
+        return status;
+    memcpy(w->end_values, end, sizeof *end * w->count);
+    ns_waveform_return_row(w, end);
+    return ns_waveform_sample(w, w->accepted_t, row);
 }
 
 int ns_waveform_enter_stretch(ns_waveform *w, double until) {
     double *row;
     int passed, status = try_stretch(w, until, &passed);
     if (status == NS_OK)
-        status = ns_waveform_sample(w, w->accepted_t, &row);
+        status = sample_ends(w, &row);
     if (status != NS_OK)
         return status;
     w->in_stretch = w->fresh = 1;
@@ -69,6 +82,7 @@ int ns_waveform_enter_stretch(ns_waveform *w, double until) {
 int ns_waveform_leave_stretch(ns_waveform *w) {
     w->after_event = ns_march_at_event(w->march);
     const int status = ns_march_accept(w->march);
+    w->before = w->end - w->accepted_t;
     w->accepted_t = w->end;
     w->in_stretch = 0;
     return status;

@@ -13,7 +13,8 @@ static double positive_or(double given, double otherwise) {
 
 static int check_options(const ns_system *s, const ns_waveform_options *o) {
     const int numbers = o->lines >= 0 && o->lines < 1 && o->longest >= 0 && o->closest >= 0 &&
-                        o->noise >= 0 && o->every >= 0 && o->noise < 1 && isfinite(o->closest);
+                        o->noise >= 0 && o->every >= 0 && o->squares >= 0 && o->squares < 1 && o->noise < 1 &&
+                        isfinite(o->closest);
     for (int k = 0; o->kind && k < s->n + s->m; k++)
         if (o->kind[k] >= NS_WAVEFORM_KINDS)
             return NS_E_RANGE;
@@ -28,7 +29,7 @@ static int allocate(ns_waveform *w) {
     w->signal = calloc(count, sizeof *w->signal);
     w->kind = calloc(count, 1);
     w->limits = calloc(2 * count, sizeof *w->limits);
-    w->largest = calloc(8 * count, sizeof *w->largest);
+    w->largest = calloc(11 * count, sizeof *w->largest);
     if (!w->rows || !w->modes || !w->signal || !w->kind || !w->limits || !w->largest)
         return NS_E_MEMORY;
     w->turned = w->limits + count;
@@ -39,6 +40,9 @@ static int allocate(ns_waveform *w) {
     w->own = w->error + count;
     w->own_error = w->own + count;
     w->slope = w->own_error + count;
+    w->end_values = w->slope + count;
+    w->square = w->end_values + count;
+    w->square_error = w->square + count;
     return NS_OK;
 }
 
@@ -66,6 +70,7 @@ int ns_waveform_create(const ns_system *s, ns_march *m, const ns_waveform_option
     w->longest = positive_or(o->longest, INFINITY);
     w->every = positive_or(o->every, INFINITY);
     w->closest = o->closest;
+    w->squares = o->squares;
     w->noise = positive_or(o->noise, 1e-12);
     w->count = (size_t)s->n + (size_t)s->m;
     if (o->integrals)
@@ -110,6 +115,7 @@ static int begin(ns_waveform *w, int starts, ns_waveform_point *first) {
     ns_waveform_return_all_rows(w);
     w->pending.last = g->last = 0;
     w->started = w->in_stretch = w->after_event = 0;
+    w->before = 0;
     w->failed = NS_OK;
     double *row = g->at[0].v = ns_waveform_take_row(w);
     int status = ns_march_read(w->march, &w->accepted_t, row, row + w->s->n, NULL);
@@ -123,6 +129,7 @@ static int begin(ns_waveform *w, int starts, ns_waveform_point *first) {
     ns_waveform_note_size(w, row);
     ns_waveform_begin_integrals(w, w->accepted_t);
     memset(w->total, 0, sizeof *w->total * (size_t)w->looked);
+    memset(w->square, 0, 2 * sizeof *w->square * (w->count + 1)); /* and their errors */
     memset(w->slope, 0, sizeof *w->slope * (size_t)w->looked);
     w->after_event = w->started = 1;
     if (first)
@@ -179,9 +186,14 @@ static void drop_made(ns_waveform *w) {
         ns_waveform_return_row(w, w->made.at[w->made.last--].v);
 }
 
+/* 1 if the segment ends where the stretch does; a round time that close is shown in place of it. */
+static int is_at_end(const ns_waveform *w) {
+    return w->end - w->made.at[w->made.last].t <= w->closest;
+}
+
 /* The integrals of others, to the end of a segment. */
 static int take_to_end(ns_waveform *w, const ns_probe *end) {
-    const int status = ns_waveform_take_integrals(w, end->t);
+    const int status = ns_waveform_take_integrals(w, is_at_end(w) ? w->end : end->t);
     if (status == NS_OK)
         ns_waveform_put_integrals(w, end->v);
     return status;
@@ -194,7 +206,7 @@ static int make_segment(ns_waveform *w, double until) {
         status = ns_waveform_choose(w);
     if (status == NS_OK && !w->made.jumps)
         status = take_to_end(w, &w->made.at[w->made.last]);
-    if (status == NS_OK && w->made.at[w->made.last].t >= w->end)
+    if (status == NS_OK && is_at_end(w))
         status = ns_waveform_leave_stretch(w);
     return status;
 }
@@ -205,6 +217,7 @@ int ns_waveform_next(ns_waveform *w, double until, ns_waveform_point *next) {
         return NS_E_NULL;
     if (!w->started)
         return NS_E_STATE;
+    w->until = until;
     while (!given) {
         const int done = w->failed != NS_OK || w->made.at[0].t >= until;
         if (done && w->pending.last == 0)

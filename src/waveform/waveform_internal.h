@@ -37,7 +37,7 @@ typedef struct ns_segment {
 struct ns_waveform {
     const ns_system *s;
     ns_march *march;
-    double lines, longest, every, closest, noise; /* options, defaults filled in */
+    double lines, squares, longest, every, closest, noise; /* options, defaults filled in */
 
     /* rows */
     size_t count;            /* n + m */
@@ -64,11 +64,18 @@ struct ns_waveform {
 
     ns_waveform_integrals taken; /* of others; size 0: none */
 
+    /* squares of each signal looked at, s times the square of its unit (unless option squares is 0) */
+    double *square,
+        *square_error; /* integral since the start; of the trapezoids, beyond what segments are allowed */
+
     /* the stretch */
+    double *end_values; /* count: at its end */
     int started, in_stretch;
     int fresh;         /* 1: no segment in it was chosen */
     int after_event;   /* 1: the one before ended at an event */
+    double until;      /* s: the last point */
     double end;        /* s: where it ends */
+    double before;     /* s: length of the one before; 0: there was none */
     double accepted_t; /* s: the marcher's accepted point */
     double proposal;   /* s: for the next segment */
     int failed;        /* the marcher's error, told after what was computed before */

@@ -51,6 +51,7 @@ static int check_numbers(const ns_options_given *g, char *line, size_t size) {
                   {"verbose", g->verbose, g->verbose == 0 || g->verbose == 1, flag},
                   {"corners", g->corners, g->corners == 0 || g->corners == 1, flag},
                   {"lines", g->lines, g->lines > 0.0 && g->lines <= 0.1, "must be above 0 and at most 0.1"},
+                  {"squares", g->squares, g->squares >= 0.0 && g->squares <= 0.1, "must be 0 to 0.1"},
                   {"reltol", g->reltol, isnan(g->reltol) || (g->reltol > 0.0 && g->reltol < 1.0),
                    "must be above 0 and below 1"}};
     for (size_t k = 0; k < sizeof checks / sizeof checks[0]; k++) {
@@ -72,5 +73,6 @@ int ns_bridge_options_check(const ns_options_given *given, ns_bridge_options *o,
     o->verbose = given->verbose;
     o->corners = given->corners;
     o->lines = given->lines;
+    o->squares = given->squares;
     return status ? status : check_numbers(given, line, size);
 }

@@ -10,9 +10,10 @@ typedef struct ns_bridge_options {
     double theta, gamma;
     double reltol; /* 0: not given */
     int verbose;
-    int grid;     /* timepoints are those of .tran; else where the waveform needs them: */
-    double lines; /* how far it may be from straight lines, of its largest value */
-    int corners;  /* of a grid: events and corners of sources get timepoints too */
+    int grid;       /* timepoints are those of .tran; else where the waveform needs them: */
+    double lines;   /* how far it may be from straight lines, of its largest value */
+    double squares; /* the same of integrals of squares; 0: no matter */
+    int corners;    /* of a grid: events and corners of sources get timepoints too */
 } ns_bridge_options;
 
 extern const ns_bridge_options ns_bridge_options_default;
@@ -22,7 +23,7 @@ typedef struct ns_options_given {
     const char *name;   /* the instance's */
     const char *method; /* NULL: not given */
     const char *points; /* NULL: not given */
-    double lines;
+    double lines, squares;
     double h, reltol; /* NAN: not given */
     double theta, gamma;
     int verbose, corners;

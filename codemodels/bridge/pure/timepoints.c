@@ -114,7 +114,7 @@ double ns_bridge_timepoints_round(double stop) {
 }
 
 double ns_bridge_timepoints_closest(double stop) {
-    return 200.0 * 2.3e-16 * stop; /* ngspice compares breakpoints to 100 ulps */
+    return 16.0 * 2.3e-16 * stop; /* times that differ by 4 ulps are the same */
 }
 
 double ns_bridge_timepoints_unchosen(ns_timepoints *p) {
@@ -122,7 +122,8 @@ double ns_bridge_timepoints_unchosen(ns_timepoints *p) {
     if (p->t < p->start)
         return next_before_start(p);
     if (p->skips_start)
-        t = 0.5 * ns_bridge_timepoints_closest(p->stop); /* shows 0+ in place of 0 */
+        t = 0.5 * ns_bridge_timepoints_closest(p->stop); /* shows 0+ in place of 0, once */
+    p->skips_start = 0;
     remove_all_breaks(p);
     p->max_step = p->stop;
     return t;

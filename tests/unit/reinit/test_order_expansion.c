@@ -14,7 +14,6 @@
 #include <float.h>
 
 #include "dice.h"
-#include "formula.h"
 #include "net.h"
 #include "reinit/order_expansion.h"
 
@@ -148,51 +147,6 @@ static void levels_obey_their_equations(void **state) {
     }
 }
 
-/* What is given in rows without a charge is linear in the inputs: where these move, its part of order h is
- * the difference that one unit of time makes; in the others it is what flows at the start. */
-static void moving_inputs_are_of_the_next_order(void **state) {
-    (void)state;
-    for (int run = 0; run < 50; run++) {
-        dice d = dice_make(29, (unsigned)run);
-        ns_system *s = formula_system(&d);
-        const ns_theta_options o = {1, 1, 0};
-        ns_theta *t;
-        ns_order_expansion e;
-        double w0[FORMULA_N] = {0}, z[FORMULA_Z], slope[FORMULA_Z], end[FORMULA_Z], first[MOST], second[MOST];
-        for (int i = 0; i < FORMULA_Z; i++) {
-            z[i] = dice_either(&d);
-            slope[i] = dice_either(&d);
-            end[i] = z[i] + slope[i];
-        }
-        assert_int_equal(ns_theta_create(s, &o, &t, NULL), NS_OK);
-        assert_int_equal(ns_theta_start(t, w0, NULL), NS_OK);
-        assert_int_equal(ns_reinit_orders_create(t, t->past.w, &e), NS_OK);
-        memset(e.mode, NS_INSIDE, FORMULA_P);
-        e.mode[run % FORMULA_P] = NS_LOWER;
-        (void)ns_reinit_orders_expand(&e, end, NULL);
-        memcpy(second, e.R0, sizeof(double) * (size_t)e.size);
-        for (int i = t->r; i < e.size; i++)
-            assert_true(e.R1[i] == 0);
-        (void)ns_reinit_orders_expand(&e, z, slope);
-        memcpy(first, e.R0, sizeof(double) * (size_t)e.size);
-        int moved = 0;
-        for (int i = t->r; i < e.size; i++) {
-            assert_true(fabs(e.R1[i] - (second[i] - first[i])) < 1e-14); /* of numbers of about 1 */
-            moved += e.R1[i] != 0;
-        }
-        assert_true(moved >= FORMULA_P - 1);
-        for (int i = 0; i < t->r; i++) {
-            double flow = t->b[i];
-            for (int k = 0; k < FORMULA_Z; k++)
-                flow += t->E[i + k * FORMULA_N] * z[k];
-            assert_true(fabs(e.R1[i] - flow) < 1e-14);
-        }
-        ns_reinit_orders_free(&e);
-        ns_theta_free(t);
-        ns_system_free(s);
-    }
-}
-
 static int expand(net *k, ns_order_expansion *e, const double *near) {
     assert_int_equal(ns_reinit_orders_create(k->step, k->step->past.w, e), NS_OK);
     memcpy(e->mode, ns_theta_mode(k->step), (size_t)k->s->m);
@@ -257,7 +211,6 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(steps_tend_to_it),
         cmocka_unit_test(levels_obey_their_equations),
-        cmocka_unit_test(moving_inputs_are_of_the_next_order),
         cmocka_unit_test(a_shorted_capacitor),
         cmocka_unit_test(what_is_open_is_nearest),
         cmocka_unit_test(a_contradiction_is_singular),

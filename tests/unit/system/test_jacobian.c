@@ -247,7 +247,6 @@ static void flat_far_out_and_domains(void **state) {
     ns_model model = {.n = 1, .M = M, .data = &factor, .f = saturated, .A = saturated_A};
     assert_int_equal(ns_model_check_jacobians(&model, 0, &x, NULL, &e), NS_OK);
     assert_true(e.error < 1e-8);
-    assert_int_equal(ns_model_check_jacobians(&model, 0, NULL, NULL, &e), NS_E_NULL);
     factor = 1.01;
     assert_int_equal(ns_model_check_jacobians(&model, 0, &x, NULL, &e), NS_OK);
     assert_true(fabs(e.error - 0.01 / 1.01) < 1e-6);
