@@ -56,8 +56,8 @@ tolower($1) == ".param" {
 
 /^\*: / { print substr($0, 4); next }
 
-/^\*[=+] / {
-    ending = substr($0, 2, 1) == "+" ? " \".devices\"" : ""
+/^\*[=+2] / {
+    ending = substr($0, 2, 1) == "+" ? " \".devices\"" : substr($0, 2, 1) == "2" ? " \".squares\"" : ""
     line = substr($0, 4)
     parts = split(line, field, " *; *")
     if (parts < 3) { print FILENAME ": " $0 > "/dev/stderr"; failed = 1; exit }
@@ -104,5 +104,6 @@ END {
         if (!(name in used)) { print FILENAME ": no such .param: " name > "/dev/stderr"; exit 1 }
     if (kept != "save all") print kept > (folder "/save")
     print "printf \"\" > (meas \".devices\"); printf \"\" > (checks \".devices\")"
+    print "printf \"\" > (meas \".squares\"); printf \"\" > (checks \".squares\")"
     print "}"
 }

@@ -8,19 +8,20 @@
 #   sparse   with method="sparse": the same
 #   fine     with lines=1e-5: every check within ten times that, 1e-4
 #   theta    with method="theta", only flood_*.cir: only its rows (time points) are judged
+#   squares  with squares=1e-3: effective values of straight ramps within 1e-3
 #   devices  with the charges @axx[q] and energies @axx[e] saved, which are exact whatever the points: 1e-5
 #   grid     with points="grid": its rows are counted
 # One line a check: `ok` or `FAIL`, circuit, values varied, run, quantity, expected, got, error.  One line a circuit with
 # the rows of its runs; the last line counts the failures and names the worst error of every run.  Exit status 1 if one failed.
 # Environment: NONSMOOTH_CM (build/nonsmooth.cm), NGSPICE (ngspice), TIME_LIMIT (60 s a run), JOBS (number of processors),
-# RUNS ("auto sparse fine devices grid"), KEEP (a folder for the runs).
+# RUNS ("auto sparse fine squares devices grid"), KEEP (a folder for the runs).
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
 top=$(cd "$here/../.." && pwd)
 CM=$(readlink -f "${NONSMOOTH_CM:-$top/build/nonsmooth.cm}") || exit 2
 NGSPICE=${NGSPICE:-ngspice}
 TIME_LIMIT=${TIME_LIMIT:-60}
-RUNS=${RUNS:-auto sparse fine devices grid}
+RUNS=${RUNS:-auto sparse fine squares devices grid}
 export NGSPICE_MEAS_PRECISION=12
 
 # option RUN: what stands in .model nonsmooth(...).
@@ -30,6 +31,7 @@ option() {
     fine) echo 'lines=1e-5' ;;
     theta) echo 'method="theta"' ;;
     grid) echo 'points="grid"' ;;
+    squares) echo 'squares=1e-3' ;;
     esac
 }
 
@@ -46,7 +48,7 @@ run_one() {
         [ "$2" != devices ] || cat "$1/save"
         printf 'run\n'
         case $2 in
-        devices) cat "$1/meas.devices" ;;
+        devices | squares) cat "$1/meas.$2" ;;
         *) cat "$1/meas" ;;
         esac
         printf 'quit 0\n.endc\n.end\n'
@@ -72,9 +74,10 @@ circuit() {
     fine_*) RUNS=$(echo "$RUNS" | sed 's/grid//') ;; # it would take a minute
     esac
     [ -s "$dir/meas.devices" ] || RUNS=$(echo "$RUNS" | sed 's/devices//')
+    [ -s "$dir/meas.squares" ] || RUNS=$(echo "$RUNS" | sed 's/squares//')
     for run in $RUNS; do
         run_one "$dir" "$run"
-        awk -v label="$label" -v run="$run" -f "$here/judge.awk" "$dir/checks$(case $run in devices) echo .devices ;; esac)" "$dir/$run/out"
+        awk -v label="$label" -v run="$run" -f "$here/judge.awk" "$dir/checks$(case $run in devices | squares) echo .$run ;; esac)" "$dir/$run/out"
     done
     counts=
     for run in $RUNS; do counts="$counts $run $(sed -n 's/^No. of Data Rows : *//p' "$dir/$run/out" | tail -n 1)"; done
