@@ -75,6 +75,7 @@ plain() {
     cmocka unit build
     script netlists tests/netlist/run.sh
     script host tests/host/run.sh
+    script waveforms env RUNS="auto squares devices" tests/waveform/run.sh
     script tool tests/tool/run.sh
     script install tests/install.sh
     script tags tests/tags.sh

@@ -83,7 +83,6 @@ static int make_waveform(CKTcircuit *ckt, ns_analysis *a) {
                                                                   ckt->CKTinitTime, ckt->CKTfinalTime),
                              .every = ns_bridge_timepoints_round(ckt->CKTfinalTime),
                              .closest = ns_bridge_timepoints_closest(ckt->CKTfinalTime),
-                             .noise = ns_march_engine(a->march) == NS_EXACT ? 1e-12 : 1e-9,
                              .kind = kind};
     for (int eq = 0; kind && eq < a->ex.neq; eq++)
         if (a->unknown[eq] >= 0)
