@@ -117,10 +117,11 @@ static double square_between(double a, double b) {
     return (a * a + a * b + b * b) / 3;
 }
 
-/* What a segment may add to that by the squares of its stretch or of the run, whichever is larger. */
+/* What a segment may add to that by the squares in the rest of its stretch, which along a ramp from zero add
+ * up to twice its own, or by the run's, whichever is larger. */
 static double square_allowed(const ns_waveform *w, int i, double a, double t, double length) {
     const double mean = t > w->start_t ? w->square[i] / (t - w->start_t) : 0;
-    return 0.5 * w->squares * length * fmax(square_between(a, w->end_values[w->signal[i]]), mean);
+    return 0.25 * w->squares * length * fmax(square_between(a, w->end_values[w->signal[i]]), mean);
 }
 
 /* The distance of the integrals of squares, as a part of what is allowed; a ramp that takes no time borrows

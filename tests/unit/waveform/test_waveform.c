@@ -180,6 +180,36 @@ static void straight_waveforms_have_corners_alone(void **state) {
     end(&r);
 }
 
+/* A triangle from 0 to 5 A and back has the mean square 25/3: trapezoids of squares at its corners give 25/2.
+ * A ramp in n parts is off by 1/(2 n^2): 1e-3 takes 23. */
+static void squares_are_right_on_request(void **state) {
+    (void)state;
+    for (int asked = 0; asked < 2; asked++) {
+        run r = begin();
+        int id;
+        const ns_signal square = {.kind = NS_PULSE, .u.pulse = {-1, 1, 0, 0, 0, 5e-6, 10e-6, 0}};
+        assert_int_equal(ns_circuit_source(r.c, "v", NS_VOLTAGE, 1, 0, &square, &id), NS_OK);
+        assert_int_equal(ns_circuit_inductor(r.c, "l", 1, 0, 1e-6, 0, &id), NS_OK);
+        prepare(&r, NS_EXACT, 1e-8, 0, 1e-3);
+        ns_waveform_free(r.w);
+        const ns_waveform_options look = {.squares = asked ? 1e-3 : 0, .closest = 1e-17};
+        assert_int_equal(ns_waveform_create(r.s, r.m, &look, &r.w), NS_OK);
+        r.unknown[r.signals++] = ns_circuit_current_unknown(r.c, id);
+        collect(&r, 1e-3);
+        double sum = 0;
+        for (int i = 1; i < r.count; i++)
+            sum += 0.5 * (r.t[i] - r.t[i - 1]) *
+                   (r.v[i * LOOKED] * r.v[i * LOOKED] + r.v[(i - 1) * LOOKED] * r.v[(i - 1) * LOOKED]);
+        const double off = sum / 1e-3 / (25.0 / 3) - 1;
+        print_message("mean square off by %.3g, %d points for 100 periods\n", off, r.count);
+        if (asked)
+            assert_true(fabs(off) < 1e-3 && r.count < 200 * (2 * 23 + 4));
+        else
+            assert_true(fabs(off - 0.5) < 1e-6);
+        end(&r);
+    }
+}
+
 /* An undamped LC circuit with 1 V: v = cos(t). */
 static void a_ring_is_shown(void **state) {
     (void)state;
@@ -207,6 +237,7 @@ int main(void) {
         cmocka_unit_test(a_charging_capacitor_is_within_its_lines),
         cmocka_unit_test(volt_seconds_of_a_spike_are_right),
         cmocka_unit_test(straight_waveforms_have_corners_alone),
+        cmocka_unit_test(squares_are_right_on_request),
         cmocka_unit_test(a_ring_is_shown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
