@@ -83,6 +83,7 @@ static int make_waveform(CKTcircuit *ckt, ns_analysis *a) {
                                                                   ckt->CKTinitTime, ckt->CKTfinalTime),
                              .every = ns_bridge_timepoints_round(ckt->CKTfinalTime),
                              .closest = ns_bridge_timepoints_closest(ckt->CKTfinalTime),
+                             .floor = {[VOLTAGE] = 1e-12, [CURRENT] = 1e-15},
                              .kind = kind};
     for (int eq = 0; kind && eq < a->ex.neq; eq++)
         if (a->unknown[eq] >= 0)

@@ -38,6 +38,7 @@ typedef struct ns_waveform_options {
     double closest; /* s between two points, at least; the right side of a jump is shown so long after the
                        left */
     double noise;   /* relative to the largest value of its kind: values may be off by that; 0: 1e-12 */
+    double floor[NS_WAVEFORM_KINDS]; /* of each kind: values may be off by that */
     /* n+m: x, then lambda: 0: not looked at; else its kind, 1 to NS_WAVEFORM_KINDS-1: values of one kind have
      * the same unit.  NULL: all are looked at, as one kind. */
     const unsigned char *kind;

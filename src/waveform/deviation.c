@@ -18,7 +18,7 @@ void ns_waveform_note_size(ns_waveform *w, const double *row) {
 
 /* What values of signal i may be off by: rounding. */
 static double noise_of(const ns_waveform *w, int i) {
-    return w->noise * w->kind_largest[w->kind[i]];
+    return fmax(w->noise * w->kind_largest[w->kind[i]], w->floor[w->kind[i]]);
 }
 
 static void update_tolerances(ns_waveform *w) {
@@ -121,7 +121,7 @@ static double square_between(double a, double b) {
  * up to twice its own, or by the run's, whichever is larger. */
 static double square_allowed(const ns_waveform *w, int i, double a, double t, double length) {
     const double mean = t > w->start_t ? w->square[i] / (t - w->start_t) : 0;
-    return 0.25 * w->squares * length * fmax(square_between(a, w->end_values[w->signal[i]]), mean);
+    return 0.25 * w->squares * length * fmax(square_between(fabs(a), w->end_values[w->signal[i]]), mean);
 }
 
 /* The distance of the integrals of squares, as a part of what is allowed; a ramp that takes no time borrows

@@ -25,7 +25,7 @@ static void drop_end(ns_waveform *w, ns_segment *g) {
 
 /* Probes closer together than a small part of its length are given back, but for its ends. */
 static void thin(ns_waveform *w, ns_segment *g) {
-    const double apart = (g->at[g->last].t - g->at[0].t) / (NS_PROBES / 3);
+    const double apart = (g->at[g->last].t - g->at[0].t) / (NS_PROBES / 3.0);
     int kept = 0;
     for (int i = 1; i < g->last; i++) {
         if (g->at[i].t - g->at[kept].t < apart)
@@ -95,8 +95,11 @@ static int grow(ns_waveform *w, ns_segment *g, double base, double last_t, doubl
             return status;
         const double now = ns_waveform_deviation(w, g);
         double next = fmin(reach(length, now), grows * length);
-        if (now <= 1) {
+        const int shortest = g->last == 1 && (shorter == SHORTER || length <= 4 * w->closest);
+        if (now <= 1 || shortest) { /* the shortest one is taken as it is: each call moves on */
             *off = now;
+            if (shortest && now > 1)
+                break;
             if (all || next < alike * length || next * alike > too_long)
                 break;
         } else {

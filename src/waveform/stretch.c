@@ -47,6 +47,18 @@ static void make_jump(ns_waveform *w, double *row) {
     g->jumps = 1;
 }
 
+/* What comes and goes in the stretch counts too among the values at its end. */
+static int look_at_middle(ns_waveform *w) {
+    double *middle;
+    const int status = ns_waveform_sample(w, 0.5 * (w->accepted_t + w->end), &middle);
+    if (status != NS_OK)
+        return status;
+    for (size_t k = 0; k < w->count; k++)
+        w->end_values[k] = fmax(fabs(w->end_values[k]), fabs(middle[k]));
+    ns_waveform_return_row(w, middle);
+    return NS_OK;
+}
+
 /* Values at both ends of the stretch.  A waveform that rises from zero is to be seen beside what it comes to.
  */
 static int sample_ends(ns_waveform *w, double **row) {
@@ -56,6 +68,10 @@ static int sample_ends(ns_waveform *w, double **row) {
         return status;
     memcpy(w->end_values, end, sizeof *end * w->count);
     ns_waveform_return_row(w, end);
+    if (w->squares > 0)
+        status = look_at_middle(w);
+    if (status != NS_OK)
+        return status;
     return ns_waveform_sample(w, w->accepted_t, row);
 }
 

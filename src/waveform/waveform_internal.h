@@ -52,6 +52,7 @@ struct ns_waveform {
     int *signal;                            /* looked: which x or lambda */
     unsigned char *kind;                    /* looked */
     double *largest;                        /* looked: absolute value so far */
+    double floor[NS_WAVEFORM_KINDS];        /* less does not matter */
     double kind_largest[NS_WAVEFORM_KINDS]; /* of all of a kind */
     double *per_tolerance;                  /* looked: 1 / distance allowed */
     int stale;                              /* 1: a largest value has grown since */
@@ -69,7 +70,7 @@ struct ns_waveform {
         *square_error; /* integral since the start; of the trapezoids, beyond what segments are allowed */
 
     /* the stretch */
-    double *end_values; /* count: at its end */
+    double *end_values; /* count: at its end; with squares: the size there or in its middle */
     int started, in_stretch;
     int fresh;         /* 1: no segment in it was chosen */
     int after_event;   /* 1: the one before ended at an event */

@@ -77,7 +77,7 @@ circuit() {
     [ -s "$dir/meas.squares" ] || RUNS=$(echo "$RUNS" | sed 's/squares//')
     for run in $RUNS; do
         run_one "$dir" "$run"
-        awk -v label="$label" -v run="$run" -f "$here/judge.awk" "$dir/checks$(case $run in devices | squares) echo .$run ;; esac)" "$dir/$run/out"
+        awk -v label="$label" -v run="$run" -f "$here/judge.awk" "$dir/checks$(case $run in devices | squares) echo ".$run" ;; esac)" "$dir/$run/out"
     done
     counts=
     for run in $RUNS; do counts="$counts $run $(sed -n 's/^No. of Data Rows : *//p' "$dir/$run/out" | tail -n 1)"; done
