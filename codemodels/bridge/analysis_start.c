@@ -5,7 +5,7 @@
 
 #include "abi.h"
 #include "ngspice/enh.h"
-#include "ngspice/jobdefs.h"
+#include "refused.h"
 #include "report.h"
 #include "show.h"
 
@@ -45,18 +45,6 @@ int ns_bridge_analysis_check(ns_session *s) {
     return error;
 }
 
-/* Analyses that solve with the matrix that we fill, and would show nonsense.  Those that load it anew for
- * small signals (.ac, .disto) are refused there. */
-static int is_refused(const ns_session *s) {
-    static const char *const refused[] = {"Transfer Function", "Sensitivity Analysis", "Pole-Zero Analysis",
-                                          "Noise Analysis", "Periodic Steady State Analysis"};
-    const JOB *job = s->ckt->CKTcurJob;
-    for (size_t i = 0; job && job->JOBname && i < sizeof refused / sizeof refused[0]; i++)
-        if (strcmp(job->JOBname, refused[i]) == 0)
-            return 1;
-    return 0;
-}
-
 /* --- starts --- */
 
 static int prepare_force(ns_session *s) {
@@ -66,18 +54,6 @@ static int prepare_force(ns_session *s) {
         ns_bridge_report_error("out of memory");
     else if (error)
         ns_bridge_report_error("ngspice's matrix is structurally singular: is every node connected?");
-    return error;
-}
-
-/* Without an operating point .tf continues and aborts ngspice: it gets zeros. */
-static int refuse_analysis(ns_session *s) {
-    const char *name = s->ckt->CKTcurJob->JOBname;
-    ns_bridge_report_error("%s is not supported; .op, .dc and .tran are", name);
-    if (strcmp(name, "Transfer Function") != 0)
-        return E_UNSUPP;
-    const int error = prepare_force(s);
-    if (!error)
-        memset(s->force.value, 0, (size_t)s->ckt->CKTmaxEqNum * sizeof *s->force.value);
     return error;
 }
 
@@ -124,9 +100,8 @@ static int start_analysis(ns_session *s) {
     int error;
     ns_bridge_analysis_clear(a);
     ns_bridge_trial_clear(s);
-    s->refused = is_refused(s);
-    if (s->refused)
-        return refuse_analysis(s);
+    if (ns_bridge_refused_is(s->ckt))
+        return ns_bridge_refused_end(s->ckt);
     error = ns_bridge_analysis_make(s->ckt, tran ? SOURCES_TRAN : SOURCES_DC, a);
     if (error)
         return error;

@@ -99,14 +99,14 @@ void ns_bridge_force_clear(ns_force *f) {
     memset(f, 0, sizeof *f);
 }
 
-void ns_bridge_force_apply(const ns_force *f, double pivot, double *rhs) {
+void ns_bridge_force_apply(const ns_force *f, double *rhs) {
     for (int c = 1; c <= f->matrix->Size; c++)
         for (ElementPtr e = f->matrix->FirstInCol[c]; e; e = e->NextInCol)
             e->Real = 0.0;
     for (int eq = 0; eq <= f->matrix->ExtSize; eq++)
         rhs[eq] = 0.0;
     for (int i = 0; i < f->n; i++) {
-        *f->entry[i].element = pivot;
-        rhs[f->entry[i].row] = pivot * f->value[f->entry[i].column];
+        *f->entry[i].element = 1.0;
+        rhs[f->entry[i].row] = f->value[f->entry[i].column];
     }
 }

@@ -22,8 +22,7 @@ typedef struct ns_force {
 int ns_bridge_force_prepare(ns_force *f, SMPmatrix *matrix, int neq);
 void ns_bridge_force_clear(ns_force *f);
 
-/* Makes the matrix a permutation, times pivot, and rhs such that the solution is f->value; all by equation
- * number.  pivot: 1, or huge, so that solutions for other right-hand sides vanish. */
-void ns_bridge_force_apply(const ns_force *f, double pivot, double *rhs);
+/* Makes the matrix a permutation, and rhs such that the solution is f->value; all by equation number. */
+void ns_bridge_force_apply(const ns_force *f, double *rhs);
 
 #endif

@@ -5,7 +5,7 @@
  * last of our types see everything that came before: they do the work. */
 #include "branches.h"
 #include "models.h"
-#include "ngspice/jobdefs.h"
+#include "refused.h"
 #include "report.h"
 #include "session.h"
 #include "show.h"
@@ -114,8 +114,7 @@ static int refuse_ac(GENmodel *model, CKTcircuit *ckt) {
     if (!b || !b->last_type)
         return MIFload(model, ckt);
     ns_bridge_report_about(ckt, b->last_type);
-    ns_bridge_report_error("%s is not supported; .op, .dc and .tran are", ckt->CKTcurJob->JOBname);
-    return E_UNSUPP;
+    return ns_bridge_refused_end(ckt);
 }
 
 /* What a device shows is written when someone asks. */

@@ -38,7 +38,7 @@ static void load_tran(ns_session *s) {
 static int load_dc(ns_session *s) {
     const int first = (s->ckt->CKTmode & (MODEINITJCT | MODEINITPRED)) != 0;
     int error = OK;
-    if (first || !(s->analysis.march || s->refused))
+    if (first || !s->analysis.march)
         error = s->failed = ns_bridge_analysis_start(s);
     return s->ckt->CKTmode & MODEUIC ? OK : error; /* with uic there is no solve: the first accept ends it */
 }
@@ -65,7 +65,7 @@ int ns_bridge_session_load(ns_session *s) {
         error = ns_bridge_dc_rows_hide(&s->dc_rows, s->ckt);
     if (error)
         return end_dc(s->ckt, error);
-    ns_bridge_force_apply(&s->force, s->refused ? 1e200 : 1.0, s->ckt->CKTrhs);
+    ns_bridge_force_apply(&s->force, s->ckt->CKTrhs);
     return OK;
 }
 

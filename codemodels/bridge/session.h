@@ -40,7 +40,6 @@ typedef struct ns_session {
     ns_analysis analysis; /* empty between analyses */
     ns_force force;       /* of the present matrix */
     ns_loop loop;
-    int refused;       /* it is of a kind that would show nonsense */
     clock_t start_cpu; /* of the start */
 
     /* --- the present timepoint --- */

@@ -57,8 +57,8 @@ cd "$top" || exit 2 # names in the list are without spaces, whatever stands befo
     ls tests/netlist/errors/*.cir
     grep -l 'verbose=1' tests/netlist/cases/*.cir
 } | grep -F "$(printf '%s\n' "${@:-/}")" | while read -r file; do
-    echo "$file source"
-    grep -q -E '^\.(op|dc|tran)( |$)' "$file" && printf '%s\n' "$file run" "$file bg_run"
+    grep -q '^\.control' "$file" && echo "$file source"
+    grep -q -E '^\.(op|dc|tran|tf|ac|noise|pz|sens|disto|pss)( |$)' "$file" && printf '%s\n' "$file run" "$file bg_run"
 done |
     xargs -P 4 -L1 tests/host/run.sh --one >"$SCRATCH/verdicts" # they sleep most of the time
 sort "$SCRATCH/verdicts"

@@ -11,7 +11,8 @@
 #   cases/X      tests/netlist/cases/X.cir, which judges itself; after a line `* says: REGEX` one line of output matches
 #   errors/X     tests/netlist/errors/X.cir: exactly one line of output matches the regular expression of its
 #                first line `* expect: ...`, and it judges what was kept; after a line `* dump: FILE STATUS REGEX`
-#                it has left FILE, which nsc-mlcp answers with STATUS and of which one line matches
+#                it has left FILE, which nsc-mlcp answers with STATUS and of which one line matches; after `* status: N`
+#                ngspice ends with N in place of 0, after `* never: REGEX` no line of output matches
 #   README       the netlist that README.md shows: its measurements are what the text below it says
 # errors/ also fail if ngspice blames its matrix, all others on a rejected time point and on "timestep too small" or "singular" in the output;
 # everything fails on a sanitizer's or valgrind's finding, a crash, and after TIME_LIMIT seconds.
@@ -124,6 +125,13 @@ judge() {
             echo "$lines lines match /$expect/; says: $(grep -m1 -i 'nonsmooth' "$1")"; return
         fi
         found=$(grep -m1 -i -E 'matrix is singular|singular matrix' "$1") && { echo "blames the matrix: $found"; return; }
+        never=$(sed -n 's/^\* never: //p' "$4")
+        found=$([ -n "$never" ] && grep -m1 -i -E -e "$never" "$1") && { echo "says: $found"; return; }
+        status=$(sed -n 's/^\* status: //p' "$4")
+        if [ -n "$status" ]; then
+            [ "$status" = "$2" ] || echo "ends with $2, not $status"
+            return
+        fi
         dump=$(sed -n 's/^\* dump: //p' "$4")
         if [ -n "$dump" ]; then
             rest=${dump#* }
