@@ -123,6 +123,15 @@ void ns_modes_curve_cut(const ns_curve *c, double end, ns_curve *part) {
     }
 }
 
+/* By Horner's rule, once for each coefficient. */
+void ns_modes_curve_rest(const ns_curve *c, double from, ns_curve *part) {
+    ns_curve moved = *c;
+    for (int k = 0; k < c->terms; k++)
+        for (int i = c->terms - 2; i >= k; i--)
+            moved.p[i] += from * moved.p[i + 1];
+    ns_modes_curve_cut(&moved, 1 - from, part);
+}
+
 /* Bernstein's coefficients. */
 static void to_bernstein(const ns_curve *c, double *b) {
     double p[TERMS];

@@ -15,8 +15,9 @@ typedef struct ns_curve {
 /* From the coefficients G of (-1)^i L_i(end u). */
 void ns_modes_curve_of(int terms, const double *G, double end, ns_curve *c);
 
-/* Its part up to share `end` of it, as a curve of its own. */
+/* Its part up to share `end` of it, or from share `from` on, as a curve of its own. */
 void ns_modes_curve_cut(const ns_curve *c, double end, ns_curve *part);
+void ns_modes_curve_rest(const ns_curve *c, double from, ns_curve *part);
 
 /* 1 if a bound tells that it is nowhere below -tol. */
 int ns_modes_curve_holds(const ns_curve *c, double tol);

@@ -19,9 +19,8 @@ enum { LOCALS = 2, JUMPS = 8, COMMAND_ROUNDS = 64 };
 enum { SHORTER = 24 };
 /* A bound broken by this fraction of its terms is far beyond rounding. */
 static const double far = 1e-6;
-/* How far from a threshold an event may leave w, in errors of a step; the scale of a small w_i, in the
- * largest. */
-static const double location_error = 16, least_scale = 1e-3;
+/* The scale of a small w_i, in the largest. */
+static const double least_scale = 1e-3;
 
 /* Changes the pairs whose guards are broken until none is.  Errors: SINGULAR, LIMIT (it does not end). */
 static int change_broken(ns_sparse *m, double t, double g, const double *w, double *v, double *by) {
@@ -81,7 +80,7 @@ static int is_within_location(const ns_sparse *m, const double *by) {
     const double size = ns_sparse_project_size(m);
     for (int i = 0; i < m->f->n; i++)
         if (!m->f->algebraic[i] &&
-            !(fabs(by[i]) <= location_error * m->o.reltol *
+            !(fabs(by[i]) <= NS_LOCATION_ERROR * m->o.reltol *
                                  fmax(fmax(fabs(m->w[i]), m->largest.w[i]), least_scale * size * m->unit[i])))
             return 0;
     return 1;

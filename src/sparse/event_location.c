@@ -17,6 +17,8 @@ static const double instant_fraction = 0.1;
 static const double below = 0.1;
 /* A guard below zero by less than this fraction of the largest unknown: perhaps by rounding. */
 static const double shallow = 1e-7;
+/* At the start of a step the error of a guard may be this multiple of the estimate. */
+static const double rise_cut = 4;
 
 /* 1 if a bound by the coefficients of guard k of pair j shows that it holds. */
 static int surely_holds(const ns_sparse *m, const ns_dense_step *step, int j, int k) {
@@ -66,6 +68,32 @@ static double cut_off(const double *G, int terms) {
     return last < before ? 2 * last * (last / before) : last;
 }
 
+/* Right after an event a guard that is below zero by no more than events are located to holds if it rises:
+ * the fraction of a curve at which it has risen to zero; NAN: it does not. */
+static double find_rise(const ns_sparse *m, const ns_dense_step *step, const found *f, const ns_curve *c,
+                        double cut) {
+    const double terms = f->pair >= 0 ? size_of(m, step, f->pair)
+                                      : ns_sparse_guard_control_terms(m, f->command, step->images, step->z);
+    ns_curve below_zero = {.terms = c->terms};
+    if (!step->after_event || !(ns_modes_curve_slope(c, 0) > 0) ||
+        !(c->p[0] >= -(rise_cut * cut + ns_sparse_guard_located(m, terms))))
+        return NAN;
+    for (int k = 0; k < c->terms; k++)
+        below_zero.p[k] = -c->p[k];
+    return ns_modes_curve_below(&below_zero, 0);
+}
+
+/* The fraction of a curve at which a guard breaks by more than tol; NAN: it does not. */
+static double find_fall(const ns_sparse *m, const ns_dense_step *step, const found *f, const ns_curve *c,
+                        double cut, double tol) {
+    const double at = ns_modes_curve_below(c, tol), from = at == 0 ? find_rise(m, step, f, c, cut) : NAN;
+    ns_curve rest;
+    if (isnan(from))
+        return at;
+    ns_modes_curve_rest(c, from, &rest);
+    return from + (1 - from) * ns_modes_curve_below(&rest, tol);
+}
+
 /* The fraction of the step, up to the fraction `before`, at which a guard breaks by the coefficients known;
  * NAN: it does not. */
 static double find_break(const ns_sparse *m, const ns_dense_step *step, int terms, const found *f,
@@ -76,18 +104,19 @@ static double find_break(const ns_sparse *m, const ns_dense_step *step, int term
     ns_modes_curve_of(terms, G, step->length / step->g, c);
     before = before < 1 ? before : 1;
     ns_modes_curve_cut(c, before, &part);
-    double tol = cut_off(G, terms);
+    const double cut = cut_off(G, terms);
+    double tol = cut;
     if (ns_modes_curve_holds(&part, tol))
         return NAN;
     tol += f->pair >= 0 ? below * m->o.reltol * size_of(m, step, f->pair) : 0;
     if (ns_modes_curve_holds(&part, tol))
         return NAN;
     return before *
-           ns_modes_curve_below(
-               &part,
-               tol + f->rounding +
-                   (f->pair >= 0 ? ns_sparse_guard_rounding(m, f->pair, step->images, step->powers, step->g)
-                                 : ns_sparse_guard_control_rounding(m, f->command, step->images, step->z)));
+           find_fall(m, step, f, &part, cut,
+                     tol + f->rounding +
+                         (f->pair >= 0
+                              ? ns_sparse_guard_rounding(m, f->pair, step->images, step->powers, step->g)
+                              : ns_sparse_guard_control_rounding(m, f->command, step->images, step->z)));
 }
 
 /* A guard that is below zero by so little, beside the largest unknown, may be so by the rounding of other

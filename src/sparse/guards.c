@@ -181,9 +181,13 @@ int ns_sparse_guard_enough(const ns_sparse *m, const ns_dense_step *step, int p)
 
 /* --- commands by the state --- */
 
+double ns_sparse_guard_control_terms(const ns_sparse *m, int c, const double *v, const double *z) {
+    return ns_linalg_csc_size(&m->f->gx, c, v) + ns_linalg_csc_size(&m->f->gz, c, z) +
+           fabs(m->s->command[c].g0);
+}
+
 double ns_sparse_guard_control_rounding(const ns_sparse *m, int c, const double *v, const double *z) {
-    return control_rounding * (ns_linalg_csc_size(&m->f->gx, c, v) + ns_linalg_csc_size(&m->f->gz, c, z) +
-                               fabs(m->s->command[c].g0));
+    return control_rounding * ns_sparse_guard_control_terms(m, c, v, z);
 }
 
 /* A switch whose control asks for the state that it has just left slides; pairs that are no switches then

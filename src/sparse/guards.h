@@ -43,6 +43,12 @@ double ns_sparse_guard_terms(const ns_sparse *m, int j, const double *v, const d
  * of command c. */
 double ns_sparse_guard_rounding(const ns_sparse *m, int j, const double *v, const double *w, double g);
 double ns_sparse_guard_control_rounding(const ns_sparse *m, int c, const double *v, const double *z);
+/* The size of the terms of that control; how far a guard whose terms have this size may be off where an event
+ * was located. */
+double ns_sparse_guard_control_terms(const ns_sparse *m, int c, const double *v, const double *z);
+static inline double ns_sparse_guard_located(const ns_sparse *m, double terms) {
+    return NS_LOCATION_ERROR * m->o.reltol * terms;
+}
 
 /* By how much v changes if w changes by its rounding, with random signs: to m->work.v.  brief: of
  * ns_sparse_factors_factor(). */

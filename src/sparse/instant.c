@@ -1,8 +1,8 @@
 /* src/sparse/instant.c - the integrals of x and lambda over an instant: those of the implicit steps of
  * negligible length that take away what jumps.
  */
+#include "guards.h"
 #include "linalg/simd.h"
-#include "sparse_internal.h"
 
 #include <string.h>
 
@@ -10,6 +10,8 @@
  * nothing: w has parts that no step takes away. */
 enum { MOST_STEPS = 4 };
 static const double nothing = 4;
+/* An impulse is none below these fractions of the largest one, and of the largest lambda or y so far. */
+static const double of_largest = 1e-6, of_usual = 1e-3;
 
 static double largest(const ns_sparse *m, const double *of) {
     double max = 0;
@@ -36,6 +38,45 @@ int ns_sparse_instant_add(ns_sparse *m, double g, ns_instant *to) {
             left[i] = m->f->algebraic[i] ? 0 : ns_linalg_csc_dot(&m->f->Mt, i, v);
     }
     return status == NS_E_SINGULAR ? NS_OK : status;
+}
+
+/* The largest y of pairs at a bound, and lambda of pairs inside, of v = (x, lambda). */
+static void largest_of_guards(const ns_sparse *m, const double *v, double *y, double *lambda) {
+    *y = *lambda = 0;
+    for (int j = 0; j < m->f->m; j++)
+        if (m->mode[j] == NS_INSIDE)
+            *lambda = ns_higher(*lambda, fabs(v[m->f->n + j]));
+        else
+            *y = ns_higher(*y, fabs(ns_sparse_form_y(m->f, j, v, m->work.no_inputs, 0)));
+}
+
+int ns_sparse_instant_misfit(ns_sparse *m, double g, int *pair, int *upper) {
+    const ns_cached_factors *k;
+    double *v = m->work.v, largest_y, largest_lambda, worst = 0;
+    *pair = -1;
+    int status = ns_sparse_factors_factor(m->q, g, m->mode, 1, &k);
+    if (status != NS_OK)
+        return status;
+    ns_sparse_step_rhs(m, g, m->work.removed, m->work.no_inputs, 0, 0);
+    status = ns_sparse_factors_solve(m->q, k, m->r, v);
+    if (status != NS_OK)
+        return status == NS_E_SINGULAR ? NS_OK : status;
+    largest_of_guards(m, v, &largest_y, &largest_lambda);
+    for (int j = 0; j < m->f->m; j++) {
+        const int inside = m->mode[j] == NS_INSIDE, guards = guards_of(m, j);
+        const double most = inside ? largest_lambda : largest_y,
+                     usual = inside ? m->largest.lambda : m->largest.y,
+                     rounding = ns_sparse_guard_rounding(m, j, v, m->work.removed, g);
+        for (int i = 0; i < guards && !ns_mode_slides(m->mode[j]); i++) {
+            const double of = guard(m, j, i, v, m->work.no_inputs, 0) + rounding;
+            if (of < -(of_largest * most + of_usual * usual) && of / most < worst) {
+                worst = of / most;
+                *pair = j;
+                *upper = is_upper(m, j, i);
+            }
+        }
+    }
+    return NS_OK;
 }
 
 void ns_sparse_instant_save(ns_sparse *m) {

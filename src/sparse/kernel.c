@@ -43,6 +43,7 @@ static int place(ns_kernel *k, double t, const double *w, const ns_mode *mode) {
     e->step = &m->steps[0];
     e->step->length_exponent = 0;
     e->step->time_lost = 0;
+    e->step->after_event = 0;
     return NS_OK;
 }
 

@@ -77,6 +77,7 @@ int ns_sparse_next_step(ns_sparse *m, double t, const ns_dense_step *before, ns_
     step->length_exponent = before ? before->next_exponent : 0;
     step->failures = before && before->at_event && !(before->length > tiny) ? before->failures + 1 : 0;
     step->time_lost = before ? ns_sparse_step_time_lost(before) : 0;
+    step->after_event = before && before->at_event;
     shorten_to_usual(m, before, step);
     const double limit = find_limit(m, t), h = ldexp(m->o.h, -step->length_exponent);
     int status;
@@ -98,7 +99,7 @@ int ns_sparse_next_captured(ns_sparse *m, double t, const ns_dense_step *before,
     for (int less = CAPTURE_FIRST; less >= CAPTURE_LAST && status != NS_OK; less -= CAPTURE_BY) {
         ns_sparse_event_restore(m);
         step->length_exponent = before->next_exponent;
-        step->failures = 0;
+        step->failures = step->after_event = 0;
         step->usual_length = before->usual_length;
         step->time_lost = ns_sparse_step_time_lost(before);
         status = counted_euler_step(m, step, t, limit, ldexp(m->o.h, -step->length_exponent - less));

@@ -32,6 +32,9 @@ enum {
     NS_EXPONENTS = NS_LEAST_EXPONENT + NS_MOST_FINER + 1
 };
 
+/* How far from where it breaks an event may be located, in errors of a step: of w, and of guards. */
+enum { NS_LOCATION_ERROR = 16 };
+
 /* --- one step --- */
 
 typedef struct ns_dense_step {
@@ -44,11 +47,12 @@ typedef struct ns_dense_step {
     int next_exponent;   /* to be tried for the next step */
     double usual_length; /* a mean of the lengths of the last steps, s */
     /* what it is */
-    int is_euler;  /* one implicit Euler step: only its end is known, by stage 0 */
-    int is_smooth; /* of the theta scheme: the rates of the step before are known too */
-    int stages;    /* how many are known */
-    int shown;     /* and how many for points on the way of a trial: one more, once there was one */
-    int converged; /* D^i w vanish: nothing jumps, nothing stiff is excited */
+    int is_euler;    /* one implicit Euler step: only its end is known, by stage 0 */
+    int is_smooth;   /* of the theta scheme: the rates of the step before are known too */
+    int after_event; /* it begins at an event */
+    int stages;      /* how many are known */
+    int shown;       /* and how many for points on the way of a trial: one more, once there was one */
+    int converged;   /* D^i w vanish: nothing jumps, nothing stiff is excited */
     /* what ends it */
     int at_event;      /* an event ends it: */
     int pair, command; /* of this guard; -1: not of a pair, not of a command by the state */
@@ -265,6 +269,9 @@ static inline double ns_sparse_finest(const ns_sparse *m) {
 /* instant.c: adds to `to` (n+m) the integrals over the jump that ns_sparse_project_consistent() made with
  * steps of length g.  Overwrites work.w, work.v.  Errors: MEMORY. */
 int ns_sparse_instant_add(ns_sparse *m, double g, ns_instant *to);
+/* The pair that could carry the impulse of that jump least, and if at the upper bound of lambda; -1: all can
+ * (J4).  Overwrites work.v.  Errors: MEMORY. */
+int ns_sparse_instant_misfit(ns_sparse *m, double g, int *pair, int *upper);
 /* m->instant is kept with the event; is as kept. */
 void ns_sparse_instant_save(ns_sparse *m);
 void ns_sparse_instant_restore(ns_sparse *m);

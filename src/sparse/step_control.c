@@ -148,9 +148,28 @@ static double inputs_error(const ns_sparse *m, int length_exponent) {
            (inputs_fraction * m->o.reltol);
 }
 
-/* A length for which the error until room is small enough, with its stages; the length of the next step. */
-static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
+/* w at the beginning of the step made consistent with its mode, if pairs of the mode can carry the impulses;
+ * else the worst of them is marked to break there. */
+static int remove_jump(ns_sparse *m, ns_dense_step *step) {
+    const size_t bytes = sizeof(double) * (size_t)m->f->n;
+    const double g = length_of(m, step->length_exponent + NS_SHORT_EXPONENT);
     ns_jump_kind jumped = NS_NO_JUMP;
+    int status = ns_sparse_project_consistent(m, step->t, g, NULL, &jumped);
+    if (status == NS_OK && jumped == NS_JUMPS)
+        status = ns_sparse_instant_misfit(m, g, &step->pair, &step->upper);
+    if (status == NS_OK && step->pair >= 0) {
+        memcpy(m->w, step->powers, bytes);
+        return status;
+    }
+    if (status == NS_OK && jumped == NS_JUMPS)
+        status = ns_sparse_instant_add(m, g, &m->instant);
+    memcpy(step->powers, m->w, bytes);
+    return status;
+}
+
+/* A length for which the error until room is small enough, with its stages; the length of the next step.  If
+ * pair >= 0 the mode does not hold where it begins. */
+static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
     int consistent = 0, most = MOST_DOUBLINGS;
     while (step->length_exponent < ns_sparse_least_exponent(m) && inputs_error(m, step->length_exponent) > 1)
         step->length_exponent++;
@@ -168,13 +187,9 @@ static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
         step->next_exponent = step->length_exponent;
         if (step->stages == NS_ORDER && error <= 1 && jump > 1 && !consistent) {
             consistent = 1;
-            const double g = length_of(m, step->length_exponent + NS_SHORT_EXPONENT);
-            status = ns_sparse_project_consistent(m, step->t, g, NULL, &jumped);
-            if (status == NS_OK && jumped == NS_JUMPS)
-                status = ns_sparse_instant_add(m, g, &m->instant);
-            if (status != NS_OK)
+            status = remove_jump(m, step);
+            if (status != NS_OK || step->pair >= 0)
                 return status;
-            memcpy(step->powers, m->w, sizeof(double) * (size_t)m->f->n);
             continue;
         }
         const int least = ns_sparse_least_exponent(m);
@@ -210,6 +225,12 @@ int ns_sparse_control_step(ns_sparse *m, ns_dense_step *step, double t, double l
     int status = choose_length(m, step, room);
     if (status != NS_OK)
         return status;
+    if (step->pair >= 0) {
+        step->at_event = 1;
+        step->length = 0;
+        step->end_t = t;
+        return NS_OK;
+    }
     ns_sparse_largest_accept(m, step->length_exponent);
     const double h = length_of(m, step->length_exponent);
     step->length = fmin(h, room);

@@ -55,11 +55,24 @@ static void test_ends(void **state) {
     assert_true(ns_modes_curve_root(&c, 0.5) == INFINITY);
 }
 
+/* (u - 1/4)^2 from u = 1/2 on, of the rest of the leg: (1/4 + v/2)^2. */
+static void test_rest(void **state) {
+    (void)state;
+    ns_curve c, rest;
+    near_miss(0, &c);
+    ns_modes_curve_rest(&c, 0.5, &rest);
+    assert_int_equal(rest.terms, 3);
+    assert_true(fabs(rest.p[0] - 1. / 16) < 1e-15);
+    assert_true(fabs(rest.p[1] - 0.25) < 1e-15);
+    assert_true(fabs(rest.p[2] - 0.25) < 1e-15);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_line),
         cmocka_unit_test(test_near_miss),
         cmocka_unit_test(test_ends),
+        cmocka_unit_test(test_rest),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
