@@ -63,39 +63,45 @@ void ns_bridge_analysis_explain(const ns_analysis *a, const ns_fault *fault, int
         snprintf(line, size, "%s", *message ? message : ns_status_text(status));
 }
 
-static int make_march(CKTcircuit *ckt, ns_analysis *a, ns_fault *fault) {
+static int make_march(const ns_analysis *a, ns_march **out, ns_fault *fault) {
     const ns_march_options o = {.theta = a->ex.options.theta,
                                 .gamma = a->ex.options.gamma,
-                                .h = a->h = longest_step(a, ckt),
+                                .h = a->h,
                                 .method = a->ex.options.method,
                                 .reltol = a->ex.options.reltol};
-    return ns_march_create(a->system, &o, &a->march, fault);
+    return ns_march_create(a->system, &o, out, fault);
 }
 
 /* Voltages and currents that are shown, and currents of devices. */
-static int make_waveform(CKTcircuit *ckt, ns_analysis *a) {
+static int make_waveform(CKTcircuit *ckt, ns_analysis *a, const ns_waveform_integrals *taken) {
     enum { NOT_SHOWN, VOLTAGE, CURRENT };
     unsigned char *kind = calloc(a->count + 1, 1);
-    ns_waveform_integrals taken = {0};
-    ns_waveform_options o = {.lines = a->ex.options.lines,
-                             .squares = a->ex.options.squares,
-                             .longest = ns_bridge_timepoints_tmax(ckt->CKTmaxStep, ckt->CKTstep,
-                                                                  ckt->CKTinitTime, ckt->CKTfinalTime),
-                             .every = ns_bridge_timepoints_round(ckt->CKTfinalTime),
-                             .closest = ns_bridge_timepoints_closest(ckt->CKTfinalTime),
-                             .floor = {[VOLTAGE] = 1e-12, [CURRENT] = 1e-15},
-                             .kind = kind};
+    const ns_waveform_options o = {.lines = a->ex.options.lines,
+                                   .squares = a->ex.options.squares,
+                                   .longest = ns_bridge_timepoints_tmax(ckt->CKTmaxStep, ckt->CKTstep,
+                                                                        ckt->CKTinitTime, ckt->CKTfinalTime),
+                                   .every = ns_bridge_timepoints_round(ckt->CKTfinalTime),
+                                   .closest = ns_bridge_timepoints_closest(ckt->CKTfinalTime),
+                                   .floor = {[VOLTAGE] = 1e-12, [CURRENT] = 1e-15},
+                                   .kind = kind,
+                                   .integrals = taken};
     for (int eq = 0; kind && eq < a->ex.neq; eq++)
         if (a->unknown[eq] >= 0)
             kind[a->unknown[eq]] = a->ex.element[eq] >= 0 ? CURRENT : VOLTAGE;
     for (size_t k = (size_t)a->system->n; kind && k < a->count; k++)
         kind[k] = CURRENT;
-    int status = kind ? ns_bridge_taken_make(a, &taken) : NS_E_MEMORY;
-    o.integrals = &taken;
-    if (!status)
-        status = ns_waveform_create(a->system, a->march, &o, &a->waveform);
+    const int status = kind ? ns_waveform_create(a->system, a->march, &o, &a->waveform) : NS_E_MEMORY;
     free(kind);
     return status;
+}
+
+static int make_tran(CKTcircuit *ckt, ns_analysis *a) {
+    ns_waveform_integrals taken;
+    ns_march *own = NULL;
+    int status = a->ex.options.grid ? make_march(a, &own, NULL) : NS_OK;
+    if (!status)
+        status = ns_bridge_taken_make(a, own, &taken);
+    return status || own ? status : make_waveform(ckt, a, &taken);
 }
 
 static int build_march(CKTcircuit *ckt, ns_extract_sources sources, ns_analysis *a) {
@@ -103,9 +109,12 @@ static int build_march(CKTcircuit *ckt, ns_extract_sources sources, ns_analysis 
     char line[320];
     int status = ns_circuit_system(a->ex.circuit, &a->system);
     status = status ? status : prepare_points(a);
-    status = status ? status : make_march(ckt, a, &fault);
-    if (!status && sources == SOURCES_TRAN && !a->ex.options.grid)
-        status = make_waveform(ckt, a);
+    if (!status) {
+        a->h = longest_step(a, ckt);
+        status = make_march(a, &a->march, &fault);
+    }
+    if (!status && sources == SOURCES_TRAN)
+        status = make_tran(ckt, a);
     if (!status)
         return OK;
     ns_bridge_analysis_explain(a, &fault, status, line, sizeof line);

@@ -8,6 +8,8 @@
 #include "nonsmooth/waveform.h"
 #include "pure/ring.h"
 
+typedef struct ns_taken ns_taken;
+
 typedef struct ns_analysis {
     /* --- made once --- */
     ns_extract ex;
@@ -30,12 +32,8 @@ typedef struct ns_analysis {
     double *max_abs;    /* count: their largest sizes so far */
 
     /* --- what the devices show of it (show.c) --- */
-    ns_mode *mode;         /* of the accepted point */
-    struct {               /* taken.c */
-        ns_energy *energy; /* NULL: nobody asks, or the waveform chooses no points */
-        double *sums;      /* 2 ex.ndevices: charge and energy of each at that point, C, J */
-        int shown, asked;  /* a point was shown; somebody asked */
-    } taken;
+    ns_mode *mode;                 /* of the accepted point */
+    ns_taken *taken;               /* charge and energy (taken.c); NULL: nobody asks */
     struct {                       /* many_points.c: of the waveform */
         long points, looked;       /* so far; when they were looked at last */
         double looked_t, expected; /* s, then; points of the whole run */

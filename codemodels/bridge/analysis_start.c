@@ -4,10 +4,12 @@
 #include <string.h>
 
 #include "abi.h"
+#include "many_points.h"
 #include "ngspice/enh.h"
 #include "refused.h"
 #include "report.h"
 #include "show.h"
+#include "taken.h"
 
 /* --- checks --- */
 
@@ -71,25 +73,30 @@ static void announce_circuit(ns_session *s) {
     }
 }
 
-/* Starts a at time t from the charges and fluxes of x of system s, or, without that, as SPICE's uic gives
- * them. */
-static int start_from_charges(ns_analysis *a, double t, const ns_system *s, const double *x) {
+/* Charges and fluxes of SPICE's uic. */
+static int start_from_rest(const ns_analysis *a, ns_march *march) {
     double *w0 = calloc((size_t)a->system->n + 1, sizeof *w0);
-    int status = w0 ? NS_OK : NS_E_MEMORY;
-    if (!status && s)
-        ns_system_charges(s, x, w0);
-    else if (!status)
-        status = ns_circuit_rest(a->ex.circuit, w0);
-    status = status ? status : ns_march_start(a->march, t, w0);
+    int status = w0 ? ns_circuit_rest(a->ex.circuit, w0) : NS_E_MEMORY;
+    status = status ? status : ns_march_start(march, 0.0, w0);
     free(w0);
     return status;
 }
 
 /* Charges and fluxes of uic, or the operating point (in .tran: under the .ic of nodes), which is left in
  * a->x. */
-static int start_march(ns_analysis *a, int tran, int uic) {
-    return uic ? start_from_charges(a, 0.0, NULL, NULL)
-               : ns_march_start_dc(a->march, 0.0, tran ? a->held.n : 0, a->held.unknown, a->held.value, a->x);
+static int start_march(ns_analysis *a, ns_march *march, int tran, int uic) {
+    return uic ? start_from_rest(a, march)
+               : ns_march_start_dc(march, 0.0, tran ? a->held.n : 0, a->held.unknown, a->held.value, a->x);
+}
+
+/* a->march, and the one that charges and energies of devices are integrated along. */
+static int start_marches(ns_session *s, int tran, int uic) {
+    ns_analysis *a = &s->analysis;
+    ns_march *taken = s->ckt->CKTinitTime > 0.0 ? NULL : ns_bridge_taken_march(a);
+    int status = start_march(a, a->march, tran, uic);
+    if (!status && taken)
+        status = start_march(a, taken, tran, uic);
+    return status || !taken ? status : ns_bridge_taken_begin(a);
 }
 
 static int start_analysis(ns_session *s) {
@@ -106,7 +113,7 @@ static int start_analysis(ns_session *s) {
     if (error)
         return error;
     announce_circuit(s);
-    status = start_march(a, tran, uic);
+    status = start_marches(s, tran, uic);
     error = status ? ns_bridge_trial_fail(s, status) : prepare_force(s);
     if (error)
         return error;
@@ -115,7 +122,7 @@ static int start_analysis(ns_session *s) {
         ns_bridge_show_values(a, s->force.value);
     error = ns_bridge_trial_begin(s);
     if (!error && a->waveform)
-        error = ns_bridge_waveform_begin(s, 0.0);
+        error = ns_bridge_waveform_begin(s, 0.0, NULL);
     if (error)
         return error;
     if (uic)
@@ -135,17 +142,40 @@ int ns_bridge_analysis_start(ns_session *s) {
 
 /* --- resumption --- */
 
-/* Puts `altered` in the place of the present analysis, at its charges and fluxes. */
-static int replace_analysis(ns_session *s, ns_analysis *altered) {
+/* Starts a where `from` is, at its charges and fluxes; switches are as they were. */
+static int start_from(ns_analysis *a, ns_march *march, double t, const ns_analysis *from) {
+    double *w0 = calloc((size_t)a->system->n + 1, sizeof *w0);
+    int status = w0 ? NS_OK : NS_E_MEMORY;
+    if (!status) {
+        ns_system_charges(from->system, from->x, w0);
+        status = ns_march_start_as(march, t, w0, a->system->m == from->system->m ? from->mode : NULL);
+    }
+    free(w0);
+    return status;
+}
+
+static int restart(ns_session *s, const ns_analysis *from) {
     ns_analysis *a = &s->analysis;
     const double t = s->trial.t;
-    const int status = start_from_charges(altered, t, a->system, a->x);
-    int error;
-    ns_bridge_analysis_clear(a);
+    ns_bridge_taken_continue(a, from);
+    ns_bridge_many_points_continue(a, from);
+    ns_march *taken = t < s->ckt->CKTinitTime ? NULL : ns_bridge_taken_march(a);
+    int status = start_from(a, a->march, t, from);
+    if (!status && taken)
+        status = start_from(a, taken, t, from);
+    if (!status && taken)
+        status = ns_bridge_taken_begin(a);
+    const int error = status ? ns_bridge_trial_fail(s, status) : ns_bridge_trial_begin(s);
+    return error || !a->waveform ? error : ns_bridge_waveform_begin(s, t, from->waveform);
+}
+
+/* Puts `altered` in the place of the present analysis. */
+static int replace_analysis(ns_session *s, const ns_analysis *altered) {
+    ns_analysis *a = &s->analysis;
+    ns_analysis before = *a;
     *a = *altered;
-    error = status ? ns_bridge_trial_fail(s, status) : ns_bridge_trial_begin(s);
-    if (!error && a->waveform)
-        error = ns_bridge_waveform_begin(s, t);
+    const int error = restart(s, &before);
+    ns_bridge_analysis_clear(&before);
     if (!error) {
         ns_bridge_show_values(a, s->force.value);
         ns_bridge_show_later(a);

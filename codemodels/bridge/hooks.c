@@ -9,6 +9,7 @@
 #include "report.h"
 #include "session.h"
 #include "show.h"
+#include "taken.h"
 
 extern SPICEdev cm_ideal_diode_info, cm_ideal_switch_info, cm_nonsmooth_info; /* made by cmpp */
 
@@ -122,7 +123,8 @@ static int ask_instance(CKTcircuit *ckt, GENinstance *inst, int which, IFvalue *
     ns_bridge *b = find_bridge(ckt);
     const int show = which - MIFmodPtr((MIFinstance *)inst)->num_param;
     if (b && b->session.analysis.march) {
-        b->session.analysis.taken.asked |= show == SHOW_Q || show == SHOW_E;
+        if (show == SHOW_Q || show == SHOW_E)
+            ns_bridge_taken_ask(&b->session.analysis);
         ns_bridge_show_devices(&b->session.analysis);
     }
     return MIFask(ckt, inst, which, value, select);

@@ -85,6 +85,11 @@ void ns_bridge_many_points_count(ns_analysis *a, const ns_waveform_point *p, dou
         look(a, p->t, stop);
 }
 
+void ns_bridge_many_points_continue(ns_analysis *a, const ns_analysis *from) {
+    a->many = from->many;
+    a->many.ring = NULL;
+}
+
 void ns_bridge_many_points_clear(ns_analysis *a) {
     ns_bridge_ring_free(a->many.ring);
 }

@@ -99,7 +99,7 @@ int ns_bridge_session_accept(ns_session *s) {
     if (first && (s->failed = show_start(s)))
         return s->failed;
     ns_bridge_show_later(&s->analysis);
-    ns_bridge_taken_accept(&s->analysis, is_shown(ckt));
+    ns_bridge_taken_accept(&s->analysis, s->trial.t, is_shown(ckt));
     if (ckt->CKTfinalTime - ckt->CKTtime < ckt->CKTminBreak) {
         end_analysis(s);
     } else {

@@ -91,8 +91,9 @@ int ns_bridge_look_ahead(ns_session *s, int first);
 
 /* --- waveform_points.c: the same where the waveform chooses the timepoints --- */
 
-/* The marcher was started or restarted at t, s, and ns_bridge_trial_begin() was called. */
-int ns_bridge_waveform_begin(ns_session *s, double t);
+/* The marcher was started or (from: the waveform until then) restarted at t, s, and ns_bridge_trial_begin()
+ * was called. */
+int ns_bridge_waveform_begin(ns_session *s, double t, const ns_waveform *from);
 
 /* Chooses the next point and sets ngspice's step to it. */
 int ns_bridge_waveform_look_ahead(ns_session *s, int first);

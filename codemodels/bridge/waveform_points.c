@@ -12,11 +12,11 @@ static int fail(const ns_session *s, int status) {
     return status ? ns_bridge_trial_fail(s, status) : OK;
 }
 
-int ns_bridge_waveform_begin(ns_session *s, double t) {
+int ns_bridge_waveform_begin(ns_session *s, double t, const ns_waveform *from) {
     s->next.held = 0;
     s->trial.t = t; /* what is consistent may be some steps of h/2^20 later */
     ns_bridge_loop_take_close(s->ckt, &s->loop);
-    int status = ns_waveform_start(s->analysis.waveform, &s->next.point);
+    int status = ns_waveform_continue(s->analysis.waveform, from, &s->next.point);
     status = status ? status : ns_bridge_analysis_take(&s->analysis, &s->next.point, 1.0);
     return fail(s, status);
 }

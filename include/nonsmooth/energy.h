@@ -36,6 +36,9 @@ int ns_energy_read(const ns_energy *e, int k, double *p, double *q, double *joul
  * those of ns_march_read(). */
 int ns_energy_start(ns_energy *e, ns_march *m);
 
+/* The same where another marcher was, at x (n) and lambda (m): what jumps begins there. */
+int ns_energy_start_from(ns_energy *e, ns_march *m, const double *x, const double *lambda);
+
 /* The same from the accepted point of m on, of which no trial was made. */
 int ns_energy_begin_at(ns_energy *e, ns_march *m);
 

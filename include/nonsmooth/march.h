@@ -52,6 +52,10 @@ void ns_march_free(ns_march *m);
  * NUMBER, those of ns_theta_try(), LIMIT (controls that contradict their switches). */
 int ns_march_start(ns_march *m, double t0, const double *w0);
 
+/* The same where another marcher was: commanded switches that its mode (m, as ns_march_mode(); NULL: none)
+ * has closed stay closed if their control is between off and on. */
+int ns_march_start_as(ns_march *m, double t0, const double *w0, const ns_mode *mode);
+
 /* Starts at the DC operating point at t0: M x' = 0, inputs at t0; then as ns_march_start() with its charges.
  * hold (nhold indices of x, values hold_x): unknowns forced, by whatever current it takes, while the
  * operating point is found (SPICE's .ic without uic: node voltages only).  x (n) may be NULL.

@@ -70,6 +70,10 @@ void ns_waveform_free(ns_waveform *w);
 /* After the marcher was started: its accepted point is the first point.  Errors: those of ns_march_read(). */
 int ns_waveform_start(ns_waveform *w, ns_waveform_point *first);
 
+/* The same in the place of `from`, which ends at that point: values and integrals that it has seen still
+ * count as such.  Of systems whose sizes or kinds differ they do not. */
+int ns_waveform_continue(ns_waveform *w, const ns_waveform *from, ns_waveform_point *first);
+
 /* Integrates to t (s) without points; what is there is the next first point.  Errors: those of
  * ns_march_try(). */
 int ns_waveform_skip(ns_waveform *w, double t, ns_waveform_point *first);

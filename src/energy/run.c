@@ -246,11 +246,22 @@ int ns_energy_begin_at(ns_energy *e, ns_march *m) {
     return e && m ? begin_here(e, m) : NS_E_NULL;
 }
 
-/* The jump of a start, to the point that is there. */
-static int take_start(ns_energy *e, ns_march *m) {
-    memcpy(e->point[1], e->point[0], sizeof(double) * (size_t)(e->unknowns + e->pairs));
+/* Where a start begins: at x, or (NULL) at the initial conditions. */
+static void put_first(ns_energy *e, const double *x, const double *lambda) {
     memset(e->point[0], 0, sizeof(double) * (size_t)(e->unknowns + e->pairs));
-    ns_energy_path_initial(e, e->t, e->point[0]);
+    if (!x) {
+        ns_energy_path_initial(e, e->t, e->point[0]);
+        return;
+    }
+    memcpy(e->point[0], x, sizeof *x * (size_t)e->unknowns);
+    if (lambda)
+        memcpy(e->point[0] + e->unknowns, lambda, sizeof *lambda * (size_t)e->pairs);
+}
+
+/* The jump of a start, to the point that is there. */
+static int take_start(ns_energy *e, ns_march *m, const double *x, const double *lambda) {
+    memcpy(e->point[1], e->point[0], sizeof(double) * (size_t)(e->unknowns + e->pairs));
+    put_first(e, x, lambda);
     const ns_solution first = solution(e, 0, e->t, NS_LEFT), now = solution(e, 1, e->t, NS_RIGHT);
     int status = ns_energy_begin(e, &first);
     if (status == NS_OK)
@@ -261,9 +272,17 @@ static int take_start(ns_energy *e, ns_march *m) {
     return status;
 }
 
-int ns_energy_start(ns_energy *e, ns_march *m) {
+static int start(ns_energy *e, ns_march *m, const double *x, const double *lambda) {
     int status = ns_energy_begin_at(e, m);
     if (status == NS_OK)
         status = ns_march_impulse(m, e->between, e->between + e->unknowns);
-    return status == NS_OK && any(e) ? take_start(e, m) : status;
+    return status == NS_OK && any(e) ? take_start(e, m, x, lambda) : status;
+}
+
+int ns_energy_start(ns_energy *e, ns_march *m) {
+    return start(e, m, NULL, NULL);
+}
+
+int ns_energy_start_from(ns_energy *e, ns_march *m, const double *x, const double *lambda) {
+    return x ? start(e, m, x, lambda) : NS_E_NULL;
 }

@@ -17,7 +17,8 @@ int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **ou
         return NS_E_MEMORY;
     m->s = s;
     m->corner = calloc((size_t)s->nz + 1, sizeof *m->corner);
-    int status = m->corner ? NS_OK : NS_E_MEMORY;
+    m->closed = calloc((size_t)s->nc + 1, sizeof *m->closed);
+    int status = m->corner && m->closed ? NS_OK : NS_E_MEMORY;
     if (status == NS_OK && !o->whole && o->method != NS_THETA)
         status = ns_march_partition_create(s, o, &m->engine, fault);
     if (status == NS_OK && !m->engine)
@@ -33,8 +34,10 @@ int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **ou
 void ns_march_free(ns_march *m) {
     if (m && m->engine)
         m->engine->table->free(m->engine);
-    if (m)
+    if (m) {
         free(m->corner);
+        free(m->closed);
+    }
     free(m);
 }
 
@@ -45,10 +48,16 @@ static void begin_at(ns_march *m, double t0) {
 }
 
 int ns_march_start(ns_march *m, double t0, const double *w0) {
+    return ns_march_start_as(m, t0, w0, NULL);
+}
+
+int ns_march_start_as(ns_march *m, double t0, const double *w0, const ns_mode *mode) {
     if (!m || (!w0 && m->s->n > 0))
         return NS_E_NULL;
     begin_at(m, t0);
-    return m->engine->table->start(m->engine, t0, w0, NULL);
+    for (int c = 0; mode && c < m->s->nc; c++)
+        m->closed[c] = mode[m->s->command[c].pair] == NS_INSIDE;
+    return m->engine->table->start(m->engine, t0, w0, mode ? m->closed : NULL);
 }
 
 int ns_march_start_dc(ns_march *m, double t0, int nhold, const int *hold, const double *hold_x, double *x) {

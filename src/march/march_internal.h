@@ -20,6 +20,7 @@ struct ns_march {
     double *corner;           /* nz: the first corner of each input after corners_from, s; */
     double corners_from;      /* s; INFINITY: not known yet */
     double first_corner;      /* s: the first of them */
+    unsigned char *closed;    /* nc: switches that are closed where it starts */
 };
 
 /* partition_run.c: a run for each island.  NULL in *out where the system is one island.  run.c: one run for

@@ -35,6 +35,7 @@ typedef struct ns_partition_run {
     double *numbers, *x, *lambda, *y, *z; /* the block; n, m, m, nz */
     ns_mode *mode;                        /* m */
     unsigned char *seen;                  /* n: unknowns written so far */
+    unsigned char *closed;                /* nc of an island: switches that are closed */
     /* the accepted point and the trial */
     double accepted, trial; /* s */
     int started, has_trial, at_event;

@@ -24,7 +24,8 @@ static int allocate(ns_partition_run *f) {
     f->numbers = calloc(n + 2 * m + (size_t)f->s->nz + 1, sizeof(double));
     f->mode = calloc(m + 1, sizeof *f->mode);
     f->seen = calloc(n + 1, 1);
-    if (!f->part || !f->numbers || !f->mode || !f->seen)
+    f->closed = calloc((size_t)f->s->nc + 1, 1);
+    if (!f->part || !f->numbers || !f->mode || !f->seen || !f->closed)
         return NS_E_MEMORY;
     f->x = f->numbers;
     f->lambda = f->x + n;
@@ -78,14 +79,24 @@ static void charges_of(ns_partition_run *f, int island, const double *w0) {
     }
 }
 
-/* Islands have no switches that were closed before: closed is not used. */
+/* The commanded switches of an island that are closed (nc of the whole), as its own. */
+static const unsigned char *closed_of(ns_partition_run *f, const ns_island *i, const unsigned char *closed) {
+    if (!closed)
+        return NULL;
+    for (int c = 0; c < f->s->nc; c++)
+        f->mode[f->s->command[c].pair] = closed[c] ? NS_INSIDE : NS_LOWER;
+    for (int c = 0; c < i->s->nc; c++)
+        f->closed[c] = f->mode[i->pair[i->s->command[c].pair]] == NS_INSIDE;
+    return f->closed;
+}
+
 static int start(ns_engine *e, double t0, const double *w0, const unsigned char *closed) {
     ns_partition_run *f = run_of(e);
-    (void)closed;
     memset(f->seen, 0, (size_t)f->s->n);
     for (int k = 0; k < f->islands.count; k++) {
         charges_of(f, k, w0);
-        const int status = f->part[k].run->table->start(f->part[k].run, t0, f->x, NULL);
+        const int status =
+            f->part[k].run->table->start(f->part[k].run, t0, f->x, closed_of(f, f->part[k].island, closed));
         if (status != NS_OK)
             return ns_march_partition_fail(f, k, status);
     }
@@ -160,6 +171,7 @@ static void free_run(ns_engine *e) {
     free(f->numbers);
     free(f->mode);
     free(f->seen);
+    free(f->closed);
     free(f);
 }
 

@@ -148,6 +148,34 @@ int ns_waveform_start(ns_waveform *w, ns_waveform_point *first) {
     return begin(w, 1, first);
 }
 
+/* 1 if both look at the same signals. */
+static int look_alike(const ns_waveform *a, const ns_waveform *b) {
+    return a->count == b->count && a->looked == b->looked &&
+           memcmp(a->signal, b->signal, sizeof *a->signal * (size_t)a->looked) == 0 &&
+           memcmp(a->kind, b->kind, (size_t)a->looked) == 0;
+}
+
+int ns_waveform_continue(ns_waveform *w, const ns_waveform *from, ns_waveform_point *first) {
+    const int status = ns_waveform_start(w, first);
+    if (status != NS_OK || !from || !look_alike(w, from))
+        return status;
+    /* as a part of what is allowed, which may have changed */
+    const double error_as_part = from->squares > 0 ? w->squares / from->squares : 0;
+    for (int i = 0; i < w->looked; i++) {
+        w->largest[i] = fmax(w->largest[i], from->largest[i]);
+        w->total[i] = from->total[i];
+        w->square[i] = from->square[i];
+        w->square_error[i] = error_as_part * from->square_error[i];
+        w->limits[i] = from->limits[i];
+        w->turned[i] = from->turned[i];
+    }
+    for (int k = 0; k < NS_WAVEFORM_KINDS; k++)
+        w->kind_largest[k] = fmax(w->kind_largest[k], from->kind_largest[k]);
+    w->start_t = from->start_t;
+    w->before = from->before;
+    return NS_OK;
+}
+
 int ns_waveform_skip(ns_waveform *w, double t, ns_waveform_point *first) {
     double reached;
     if (!w || !w->started)

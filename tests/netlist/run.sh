@@ -8,7 +8,8 @@
 #   X fine       by the scheme with h ten times smaller: `.model nsopt nonsmooth`, with parameters or none, gets
 #                method="theta" h=(.tran's step)/160, `set tol = 0.02` becomes 0.1
 #   X reversed   its elements in reverse order
-#   cases/X      tests/netlist/cases/X.cir, which judges itself; after a line `* says: REGEX` one line of output matches
+#   cases/X      tests/netlist/cases/X.cir, which judges itself; after a line `* says: REGEX` one line of output matches; for the N-th line
+#                `* again: SED` it runs once more, as XN, with what sed makes of it
 #   errors/X     tests/netlist/errors/X.cir: exactly one line of output matches the regular expression of its
 #                first line `* expect: ...`, and it judges what was kept; after a line `* dump: FILE STATUS REGEX`
 #                it has left FILE, which nsc-mlcp answers with STATUS and of which one line matches; after `* status: N`
@@ -63,7 +64,7 @@ worst() {
 one() {
     file=$1 variant=$2 base=$(basename "$1" .cir)
     case $file in
-    */cases/*) name=cases/$base kind=case ;;
+    */cases/*) name="cases/$base${variant#-}" kind=case ;;
     */errors/*) name=errors/$base kind=error ;;
     README.md) name=README kind=readme ;;
     *) name="$base $variant" kind=netlist ;;
@@ -76,6 +77,7 @@ one() {
     fine) fine "$file" ;;
     reversed) reversed "$file" ;;
     README) shown "$file" ;;
+    -[1-9]) sed "$(sed -n 's/^\* again: //p' "$file" | sed -n "${variant#-}p")" "$file" ;;
     *) cat "$file" ;;
     esac | sed 's/^run$/run\nrusage rejected/' >"$dir/$base.cir"
     (cd "$dir" && HOME=$dir exec timeout -k 5 "$TIME_LIMIT" "$NGSPICE" -b "$base.cir" >out 2>&1 </dev/null)
@@ -169,7 +171,11 @@ for f in netlists/*.cir; do
     for v in default fine reversed; do echo "$f $v $(basename "$f" .cir) $v"; done
 done >"$SCRATCH/list"
 for k in cases errors; do
-    for f in "tests/netlist/$k"/*.cir; do echo "$f - $k/$(basename "$f" .cir)"; done
+    for f in "tests/netlist/$k"/*.cir; do
+        echo "$f - $k/$(basename "$f" .cir)"
+        again=$(grep -c '^\* again: ' "$f")
+        for n in $(seq "$again"); do echo "$f -$n $k/$(basename "$f" .cir)"; done
+    done
 done >>"$SCRATCH/list"
 echo "README.md README README" >>"$SCRATCH/list"
 for n in "$@"; do echo "$n"; done >"$SCRATCH/names"

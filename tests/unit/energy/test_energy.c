@@ -186,6 +186,32 @@ static void a_cut_inductor(void **state) {
     }
 }
 
+/* 1 uF at 10 V and 3 uF at 2 V, as another marcher had them, joined by a diode: as two_capacitors(), though
+ * the initial conditions say 0 V. */
+static void where_another_was(void **state) {
+    (void)state;
+    for (int k = 0; k < METHODS; k++) {
+        bench b = open_bench();
+        assert_int_equal(ns_circuit_capacitor(b.c, "c1", 1, 0, 1e-6, 0, NULL), NS_OK);
+        assert_int_equal(ns_circuit_capacitor(b.c, "c2", 2, 0, 3e-6, 0, NULL), NS_OK);
+        assert_int_equal(ns_circuit_diode(b.c, "d", 1, 2, &diode, NULL), NS_OK);
+        run(&b, method[k]);
+        double x[MOST] = {0}, w[MOST];
+        const double lambda[MOST] = {0};
+        x[ns_circuit_node_unknown(b.c, 1)] = 10;
+        x[ns_circuit_node_unknown(b.c, 2)] = 2;
+        ns_system_charges(b.s, x, w);
+        assert_int_equal(ns_march_start(b.m, 1, w), NS_OK);
+        assert_int_equal(ns_energy_start_from(b.e, b.m, NULL, lambda), NS_E_NULL);
+        assert_int_equal(ns_energy_start_from(b.e, b.m, x, k ? lambda : NULL), NS_OK);
+        assert_int_equal(ns_energy_march(b.e, b.m, 1 + 1e-6), NS_OK);
+        expect(b.e, 0, -6e-6, 1e-6 / 2 * (16 - 100), 1e-12);
+        expect(b.e, 1, 6e-6, 3e-6 / 2 * (16 - 4), 1e-12);
+        expect(b.e, 2, 6e-6, 24e-6, 1e-11);
+        close_bench(&b);
+    }
+}
+
 /* 1 mF at 10 V and 1 ohm, at last short-circuited by a switch, taken in in seven parts of each way: as all at
  * once. */
 static void a_way_in_parts(void **state) {
@@ -277,9 +303,13 @@ static void no_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nodes_by_hand),       cmocka_unit_test(two_capacitors),
-        cmocka_unit_test(a_source_that_jumps), cmocka_unit_test(a_cut_inductor),
-        cmocka_unit_test(a_way_in_parts),      cmocka_unit_test(refusals),
+        cmocka_unit_test(nodes_by_hand),
+        cmocka_unit_test(two_capacitors),
+        cmocka_unit_test(a_source_that_jumps),
+        cmocka_unit_test(a_cut_inductor),
+        cmocka_unit_test(where_another_was),
+        cmocka_unit_test(a_way_in_parts),
+        cmocka_unit_test(refusals),
         cmocka_unit_test(no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
