@@ -301,6 +301,22 @@ static int flip_command_of_guard(ns_exact *f) {
     return 1;
 }
 
+/* Commands with a hysteresis whose threshold is met in the instant in which a guard breaks change with it, in
+ * whatever order they stand: after the first of them the control of the next may go back. */
+static int flip_commands_met(ns_exact *f) {
+    const ns_mode_kernel *k = f->state.mode->scale[0].kernel;
+    int count = 0;
+    for (int g = k->pair_rows; g < k->rows && f->event_guard >= 0; g++) {
+        const int c = k->row[g].command;
+        if (g == f->event_guard || !(f->system->command[c].on > f->system->command[c].off) ||
+            ns_exact_guard_sign(f, f->state.mode, g, f->X) != NS_SIGN_BREAKS)
+            continue;
+        flip_command(f, c);
+        count++;
+    }
+    return count;
+}
+
 int ns_exact_select_known(ns_exact *f, ns_exact_mode *to, int guard) {
     double until;
     f->event_guard = guard;
@@ -344,7 +360,9 @@ int ns_exact_select_mode(ns_exact *f, int guard) {
     for (int c = 0; c < f->system->nc; c++)
         f->command_target[c] = NS_TARGET_TOGGLE;
     memset(f->flips, 0, (size_t)f->system->nc);
-    const int by_command = f->event_guard >= 0 && flip_command_of_guard(f);
+    int by_command = f->event_guard >= 0 && flip_command_of_guard(f);
+    if (guard != NS_GUARD_NONE)
+        by_command |= flip_commands_met(f) > 0;
     int status = settle_modes(f, guard != NS_GUARD_NONE && !by_command);
     clear_flips(f);
     if (f->failed != NS_OK)

@@ -133,10 +133,25 @@ int ns_sparse_event_at(const ns_sparse *m, double t) {
     return 0;
 }
 
+/* Commands with a hysteresis whose threshold is met in the instant in which another guard breaks change with
+ * it, in whatever order they stand: after the first of them the control of the next may go back. */
+static void change_met_commands(ns_sparse *m, const ns_dense_step *step) {
+    for (int c = 0; c < m->s->nc; c++) {
+        const ns_command *k = &m->s->command[c];
+        if (c == step->command || k->pair == step->pair || !(k->on > k->off) || !of_state(m, c) ||
+            !ns_sparse_location_meets(m, step, c))
+            continue;
+        ns_sparse_guard_leave(m, k->pair, 0);
+        m->changed[c] = 1;
+    }
+}
+
 void ns_sparse_event_own_changes(ns_sparse *m, const ns_dense_step *step, double t) {
     ns_inputs_stages_at(m->in, t);
     m->contradicting_pair = -1;
     memset(m->changed, 0, (size_t)m->s->nc);
+    if (step && (step->pair >= 0 || step->command >= 0))
+        change_met_commands(m, step);
     if (step && step->pair >= 0)
         ns_sparse_guard_leave(m, step->pair, step->upper);
     if (step && step->command >= 0) {

@@ -17,6 +17,8 @@ static const double instant_fraction = 0.1;
 static const double below = 0.1;
 /* A guard below zero by less than this fraction of the largest unknown: perhaps by rounding. */
 static const double shallow = 1e-7;
+/* A threshold is met where the control is so many of its roundings from it. */
+static const double met = 16;
 /* At the start of a step the error of a guard may be this multiple of the estimate. */
 static const double rise_cut = 4;
 
@@ -179,6 +181,18 @@ static int search_guard(ns_sparse *m, ns_dense_step *step, found next, found *f)
     if (next.at < f->at)
         *f = next;
     return NS_OK;
+}
+
+int ns_sparse_location_meets(const ns_sparse *m, const ns_dense_step *step, int c) {
+    double G[NS_STAGES] = {0};
+    ns_curve curve;
+    find_coefficients(m, step, step->stages, -1, 0, c, G);
+    ns_modes_curve_of(step->stages, G, step->length / step->g, &curve);
+    double at_end = 0;
+    for (int k = curve.terms - 1; k >= 0; k--)
+        at_end += curve.p[k];
+    return ns_modes_curve_slope(&curve, 1) < 0 &&
+           at_end <= met * ns_sparse_guard_control_rounding(m, c, step->images, step->z);
 }
 
 int ns_sparse_location_first(ns_sparse *m, ns_dense_step *step) {

@@ -295,6 +295,8 @@ int ns_sparse_chatter_euler(ns_sparse *m, const ns_dense_step *step, double t);
 
 /* event_location.c: the first guard that breaks in a step ends it. */
 int ns_sparse_location_first(ns_sparse *m, ns_dense_step *step);
+/* 1 if, at the end of a step, command c has fallen to its threshold as well. */
+int ns_sparse_location_meets(const ns_sparse *m, const ns_dense_step *step, int c);
 
 /* mode_prediction.c: the table, empty; nothing learnt. */
 int ns_sparse_predict_create(ns_sparse *m); /* Errors: MEMORY */
