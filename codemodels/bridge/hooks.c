@@ -3,6 +3,8 @@
  * The SPICEdev structs that cmpp makes are plain data: when the library is loaded, some of their functions
  * are replaced.  One bridge is kept a circuit.  ngspice runs device types by number, so the functions of the
  * last of our types see everything that came before: they do the work. */
+#include <string.h>
+
 #include "branches.h"
 #include "models.h"
 #include "refused.h"
@@ -79,6 +81,22 @@ static int unsetup_type(GENmodel *model, CKTcircuit *ckt) {
     if (b)
         ns_bridge_session_reset(&b->session);
     return MIFunsetup(model, ckt);
+}
+
+/* F, H and W ask for the branch current of a device before it has one; ngspice then says that there is no
+ * such source. */
+static int find_branch(CKTcircuit *ckt, GENmodel *model, IFuid name) {
+    for (; model; model = model->GENnextModel) {
+        for (const GENinstance *inst = model->GENinstances; inst; inst = inst->GENnextInstance) {
+            if (strcmp(inst->GENname, name) != 0)
+                continue;
+            ns_bridge_report_about(ckt, model->GENmodType);
+            ns_bridge_report_error(
+                "%s: F, H and W cannot be controlled by its current: put a source of 0 V in series, or use B",
+                name);
+        }
+    }
+    return 0;
 }
 
 /* Values are known from here on.  Only before an analysis: ngspice exits if this fails for an
@@ -160,6 +178,7 @@ __attribute__((__constructor__)) static void install(void) {
         ours[k]->DEVsetup = setups[k];
         ours[k]->DEVunsetup = unsetup_type;
         ours[k]->DEVtemperature = check_circuit;
+        ours[k]->DEVfindBranch = find_branch;
         ours[k]->DEVload = load_point;
         ours[k]->DEVaccept = accept_point;
         ours[k]->DEVacLoad = refuse_ac;

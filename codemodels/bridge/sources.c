@@ -23,10 +23,9 @@ static void mix_signal(ns_extract_walk *w, const ns_signal *z) {
     ns_bridge_extract_mix(w, &plain, sizeof plain);
 }
 
-/* .probe's sources bear the name of what they measure: they get back the prefix that ngspice took away. */
-static int add_named(ns_extract_walk *w, const GENinstance *inst, ns_output kind, int p, int n,
-                     const ns_signal *z, int *id) {
-    const char *prefix = ns_bridge_models_letter(inst) == inst->GENname[0] ? "" : "vcurr_";
+/* The name of inst after prefix. */
+static int add_as(ns_extract_walk *w, const char *prefix, const GENinstance *inst, ns_output kind, int p,
+                  int n, const ns_signal *z, int *id) {
     const size_t size = strlen(prefix) + strlen(inst->GENname) + 1;
     char *name = malloc(size);
     int status = NS_E_MEMORY;
@@ -36,6 +35,16 @@ static int add_named(ns_extract_walk *w, const GENinstance *inst, ns_output kind
     }
     free(name);
     return status;
+}
+
+/* .probe's sources bear the name of what they measure, which may be a source too: they get back the prefix
+ * that ngspice took away. */
+static int add_named(ns_extract_walk *w, const GENinstance *inst, ns_output kind, int p, int n,
+                     const ns_signal *z, int *id) {
+    static const char of_probe[] = "vcurr_";
+    const int plain = ns_bridge_models_letter(inst) == inst->GENname[0];
+    const int status = add_as(w, plain ? "" : of_probe, inst, kind, p, n, z, id);
+    return plain && status == NS_E_NAME ? add_as(w, of_probe, inst, kind, p, n, z, id) : status;
 }
 
 /* Adds the source from node p to n; branch is the equation of its current, 0 if it has none. */
