@@ -44,15 +44,42 @@ static void describe(const ns_analysis *a, char *line, size_t size, const char *
     *remedy = "a resistor that damps it, ";
 }
 
+/* 1 if most of the points were asked for by option squares. */
+static int of_squares(const ns_analysis *a) {
+    const ns_waveform_counts c = ns_waveform_read_counts(a->waveform);
+    return 2 * c.by_squares > c.points;
+}
+
+/* Where they crowd at an instant nobody knows how many: "more than 1000". */
+static void count_expected(const ns_analysis *a, char *text, size_t size) {
+    static const double most = 1e9;
+    if (a->many.expected <= most)
+        snprintf(text, size, "some %.0f", 1e-6 * a->many.expected);
+    else
+        snprintf(text, size, "more than %.0f", 1e-6 * most);
+}
+
+/* "lines=0.001 or ", unless it is at its largest. */
+static void name_option(const ns_analysis *a, int squares, char *text, size_t size) {
+    static const double most = 0.1;
+    const double value = squares ? a->ex.options.squares : a->ex.options.lines;
+    *text = '\0';
+    if (value < most)
+        snprintf(text, size, "%s=%g or ", squares ? "squares" : "lines", fmin(10.0 * value, most));
+}
+
 static void say(ns_analysis *a) {
-    char signal[220], what[300];
+    char signal[220], what[300], expected[40], option[40];
     const char *remedy;
+    const int squares = of_squares(a);
+
     name_signal(a, a->many.signal, signal, sizeof signal);
     describe(a, what, sizeof what, &remedy);
-    ns_bridge_report_note("some %.0f million timepoints are to be expected, most of them for %s%s; "
-                          "%slines=%g or points=\"grid\" makes them fewer",
-                          1e-6 * a->many.expected, signal, what, remedy,
-                          fmin(10.0 * a->ex.options.lines, 0.1));
+    count_expected(a, expected, sizeof expected);
+    name_option(a, squares, option, sizeof option);
+    ns_bridge_report_note("%s million timepoints are to be expected, most of them for %s%s%s; "
+                          "%s%spoints=\"grid\" makes them fewer",
+                          expected, squares ? "the square of " : "", signal, what, remedy, option);
     ns_bridge_ring_free(a->many.ring);
     a->many.ring = NULL;
     a->many.said = 1;
@@ -62,7 +89,8 @@ static void say(ns_analysis *a) {
 static void look(ns_analysis *a, double t, double stop) {
     const double since = (double)(a->many.points - a->many.looked);
     const ns_waveform_counts c = ns_waveform_read_counts(a->waveform);
-    a->many.expected = (double)a->many.points + since * (stop - t) / (t - a->many.looked_t);
+    a->many.expected = (double)a->many.points +
+                       (t > a->many.looked_t ? since * (stop - t) / (t - a->many.looked_t) : INFINITY);
     const int judges = a->many.looked > 0 && a->many.expected > too_many && c.busiest >= 0;
     a->many.looked = a->many.points;
     a->many.looked_t = t;

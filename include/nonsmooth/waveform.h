@@ -56,10 +56,11 @@ typedef struct ns_waveform_point {
 
 /* What was given out so far. */
 typedef struct ns_waveform_counts {
-    long points;  /* all of them */
-    long samples; /* looks at the exact waveform */
-    int busiest;  /* the x or (from n on) lambda that asked for most points; -1: none did */
-    double turns; /* 1/s: how often that one turned between events, over the time between these */
+    long points;     /* all of them */
+    long samples;    /* looks at the exact waveform */
+    int busiest;     /* the x or (from n on) lambda that asked for most points; -1: none did */
+    long by_squares; /* points: squares asked for them */
+    double turns;    /* 1/s: how often that one turned between events, over the time between these */
 } ns_waveform_counts;
 
 /* Makes a waveform of the marcher m of s; both must outlive it.  Errors: NULL, RANGE (lines, longest,

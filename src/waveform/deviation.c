@@ -153,7 +153,12 @@ double ns_waveform_deviation(ns_waveform *w, const ns_segment *g) {
         off = distance(w, g);
     if (g->last >= 2 && off <= 1)
         off = fmax(off, integral_distance(w, g));
-    return w->squares > 0 && off <= 1 ? fmax(off, square_distance(w, g)) : off;
+    w->squares_decide = 0;
+    if (!(w->squares > 0 && off <= 1))
+        return off;
+    const double squares = square_distance(w, g);
+    w->squares_decide = squares > off;
+    return fmax(off, squares);
 }
 
 /* Where the parabola through a, v (at part of the way) and b turns, as a part of the way; 1: nowhere, or that
@@ -208,6 +213,7 @@ static void note_square(ns_waveform *w, int i, double a, double b, double t, dou
 
 void ns_waveform_note_given(ns_waveform *w, const ns_segment *g) {
     const double *a = g->at[0].v, *b = g->at[g->last].v, length = g->at[g->last].t - g->at[0].t;
+    w->by_squares += w->squares_decide;
     integrate(w, g);
     for (int i = 0; i < w->looked; i++) {
         const double slope = (b[w->signal[i]] - a[w->signal[i]]) / length;

@@ -271,7 +271,8 @@ void ns_waveform_drop_integrals(ns_waveform *w) {
 }
 
 ns_waveform_counts ns_waveform_read_counts(const ns_waveform *w) {
-    ns_waveform_counts c = {.points = w->points, .samples = w->samples, .busiest = -1};
+    ns_waveform_counts c = {
+        .points = w->points, .samples = w->samples, .by_squares = w->by_squares, .busiest = -1};
     int most = 0;
     for (int i = 1; i < w->looked; i++)
         most = w->limits[i] > w->limits[most] ? i : most;

@@ -85,11 +85,12 @@ struct ns_waveform {
     ns_segment made, pending;
 
     /* counts */
-    long points, samples;
-    long *limits;  /* looked: so often it was what ended a segment */
-    long *turned;  /* looked: so often it turned between two segments of a stretch */
-    double *slope; /* looked: of the segment before, its unit / s; 0: none */
-    int worst;     /* looked: the signal that was furthest off in the last look; -1: none */
+    long points, samples, by_squares;
+    long *limits;       /* looked: so often it was what ended a segment */
+    long *turned;       /* looked: so often it turned between two segments of a stretch */
+    double *slope;      /* looked: of the segment before, its unit / s; 0: none */
+    int worst;          /* looked: the signal that was furthest off in the last look; -1: none */
+    int squares_decide; /* in that look squares were furthest off */
 };
 
 /* rows.c: a row that nobody has; given back; all of them. */
