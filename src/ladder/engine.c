@@ -141,14 +141,20 @@ int ns_ladder_find_consistent(ns_ladder *l) {
     return status;
 }
 
-int ns_ladder_toggle(ns_ladder *l) {
+/* Commands that contradict their controls in x. */
+static int toggle(ns_ladder *l, const double *x) {
     const unsigned char *flip = l->point->flip;
-    const int flips = ns_ladder_switch_by_state(l, l->z, l->point->flip);
+    const int flips = ns_ladder_switch_at_start(l, x, l->z, l->point->flip);
     for (int c = 0; c < l->s->nc; c++) {
         l->closed[c] = (unsigned char)(l->closed[c] != flip[c]);
         l->crossed[c] = (unsigned char)(l->crossed[c] + (flip[c] && l->crossed[c] < 2));
     }
     return flips;
+}
+
+int ns_ladder_toggle(ns_ladder *l) {
+    double *x = l->jump.x;
+    return ns_theta_read(l->step, x, x + l->s->n, NULL) == NS_OK && toggle(l, x);
 }
 
 int ns_ladder_end_start(ns_ladder *l) {
@@ -171,7 +177,7 @@ int ns_ladder_operating_point(ns_ladder *l, double t0, int nhold, const int *hol
         if (status != NS_OK)
             return status;
         ns_theta_set_controls(l->step, x);
-        if (!ns_ladder_toggle(l))
+        if (!toggle(l, x))
             break;
     }
     return status;

@@ -62,6 +62,8 @@ double ns_ladder_switch_by_time(ns_ladder *l, double until, unsigned char *flip)
 /* Which commands that depend on the state contradict their switch, at inputs z, as the stepper's last trial
  * has it: marks them in flip (nc), returns how many. */
 int ns_ladder_switch_by_state(ns_ladder *l, const double *z, unsigned char *flip);
+/* The same at a start, where a control that is zero may be off by the rounding of the largest of x (n). */
+int ns_ladder_switch_at_start(ns_ladder *l, const double *x, const double *z, unsigned char *flip);
 void ns_ladder_switch_apply(ns_ladder *l, const unsigned char *flip);
 
 /* ladder.c: from the point to stop (no corner of an input in between), or to the left side of an event:

@@ -27,22 +27,39 @@ double ns_ladder_switch_by_time(ns_ladder *l, double until, unsigned char *flip)
 }
 
 /* By how much the control of command c is beyond the threshold that changes it (> 0: it has to change), but
- * for rounding. */
-static double excess(const ns_ladder *l, int c, double from_state, const double *z) {
+ * for rounding: of its terms, and of others (V). */
+static double excess(const ns_ladder *l, int c, double from_state, const double *z, double others) {
     const ns_command *k = &l->s->command[c];
     double g = k->g0 + from_state, size = fabs(k->g0) + fabs(from_state);
     for (int i = 0; k->gz && i < l->s->nz; i++) {
         g += k->gz[i] * z[i];
         size += fabs(k->gz[i] * z[i]);
     }
-    return (is_closed(l, c) ? k->off - g : g - k->on) - control_tol * size;
+    return (is_closed(l, c) ? k->off - g : g - k->on) - (control_tol * size + others);
 }
 
 int ns_ladder_switch_by_state(ns_ladder *l, const double *z, unsigned char *flip) {
     const double *from_state = ns_theta_controls(l->step);
     int count = 0;
     for (int c = 0; c < l->s->nc; c++) {
-        flip[c] = l->s->command[c].gx && excess(l, c, from_state[c], z) > 0;
+        flip[c] = l->s->command[c].gx && excess(l, c, from_state[c], z, 0) > 0;
+        count += flip[c];
+    }
+    return count;
+}
+
+int ns_ladder_switch_at_start(ns_ladder *l, const double *x, const double *z, unsigned char *flip) {
+    const double *from_state = ns_theta_controls(l->step);
+    double most = 0;
+    int count = 0;
+    for (int i = 0; i < l->s->n; i++)
+        most = fmax(most, fabs(x[i]));
+    for (int c = 0; c < l->s->nc; c++) {
+        const double *gx = l->s->command[c].gx;
+        double gain = 0;
+        for (int i = 0; gx && i < l->s->n; i++)
+            gain = fmax(gain, fabs(gx[i]));
+        flip[c] = gx && excess(l, c, from_state[c], z, control_tol * gain * most) > 0;
         count += flip[c];
     }
     return count;

@@ -206,12 +206,22 @@ static int let_slide(ns_sparse *m, int c, const double *v, const ns_dense_step *
     return 1;
 }
 
+/* At a start a control that is zero may be off by the rounding of the largest unknown. */
+static double rounding_at_start(const ns_sparse *m, const double *v) {
+    double most = 0;
+    for (int i = 0; i < m->f->n; i++)
+        most = fmax(most, fabs(v[i]));
+    return control_rounding * most;
+}
+
 int ns_sparse_guard_commands(ns_sparse *m, const double *v, const ns_dense_step *step,
                              unsigned char *changed) {
+    const double others = changed && !step ? rounding_at_start(m, v) : 0;
     int count = 0;
     for (int c = 0; c < m->s->nc; c++) {
         const int j = m->s->command[c].pair;
-        if (!of_state(m, c) || margin(m, c, v, m->z, 1) >= -ns_sparse_guard_control_rounding(m, c, v, m->z))
+        if (!of_state(m, c) ||
+            margin(m, c, v, m->z, 1) >= -(others + ns_sparse_guard_control_rounding(m, c, v, m->z)))
             continue;
         const int slides = changed && changed[c] && let_slide(m, c, v, step);
         if (!slides)
