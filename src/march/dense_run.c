@@ -100,6 +100,8 @@ static int go_to(ns_dense_run *r, double t, ns_until until) {
     r->way.is_line = 0;
     ns_ladder_begin_trial(r->ladder, t - r->trial.now.t);
     while (status == NS_OK && !done && r->trial.now.t < t) {
+        if (exact_is_ready(r) && r->way.is_line && r->trial.now.t > accepted_t)
+            break; /* a trial is read as a line, or as the exact engine has it, not as both */
         if (exact_is_ready(r)) {
             status = ns_exact_go(r->exact, accepted_t, t, until);
             r->hands_over = status == NS_OK && fails_often(r);

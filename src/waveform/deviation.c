@@ -18,7 +18,7 @@ void ns_waveform_note_size(ns_waveform *w, const double *row) {
 
 /* What values of signal i may be off by: rounding. */
 static double noise_of(const ns_waveform *w, int i) {
-    return fmax(w->noise * w->kind_largest[w->kind[i]], w->floor[w->kind[i]]);
+    return fmax(fmax(w->noise * w->kind_largest[w->kind[i]], w->floor[w->kind[i]]), w->rounding[i]);
 }
 
 static void update_tolerances(ns_waveform *w) {
@@ -187,7 +187,8 @@ double ns_waveform_first_turn(ns_waveform *w, const ns_segment *g) {
     for (int i = 0; i < w->looked; i++) {
         const int at = w->signal[i];
         if (w->per_tolerance[i] > 0)
-            first = fmin(first, turn(a[at], v[at], b[at], part, seen / w->per_tolerance[i]));
+            first = fmin(first,
+                         turn(a[at], v[at], b[at], part, fmax(seen / w->per_tolerance[i], w->rounding[i])));
     }
     return first < 1 && first * length > w->closest ? t0 + first * length : INFINITY;
 }

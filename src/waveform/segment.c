@@ -23,12 +23,17 @@ static void drop_end(ns_waveform *w, ns_segment *g) {
     ns_waveform_return_row(w, g->at[g->last--].v);
 }
 
+static void drop_probes(ns_waveform *w, ns_segment *g) {
+    while (g->last > 0)
+        drop_end(w, g);
+}
+
 /* Probes closer together than a small part of its length are given back, but for its ends. */
 static void thin(ns_waveform *w, ns_segment *g) {
     const double apart = (g->at[g->last].t - g->at[0].t) / (NS_PROBES / 3.0);
     int kept = 0;
     for (int i = 1; i < g->last; i++) {
-        if (g->at[i].t - g->at[kept].t < apart)
+        if (g->at[i].t - g->at[kept].t <= apart)
             ns_waveform_return_row(w, g->at[i].v);
         else
             g->at[++kept] = g->at[i];
@@ -81,45 +86,115 @@ static double last_time(const ns_waveform *w, double base) {
     return round < t + w->closest && fabs(round - w->until) > w->closest ? round : t;
 }
 
-/* Longer and longer, until the line is too far off; *off: how far it is. */
-static int grow(ns_waveform *w, ns_segment *g, double base, double last_t, double *off) {
-    enum { LOOKS = 400, SHORTER = 4 };
-    const double most = last_t - base, grows = w->fresh ? fresh_growth : growth;
-    double length = first_length(w, base), too_long = INFINITY;
-    int shorter = 0;
-    for (int look = 0; look < LOOKS; look++) {
-        const int all = length >= most - fmax(w->closest, 1e-3 * most);
-        length = all ? most : length;
-        const int status = add_end(w, g, all ? last_t : base + length);
-        if (status != NS_OK)
-            return status;
-        const double now = ns_waveform_deviation(w, g);
-        double next = fmin(reach(length, now), grows * length);
-        const int shortest = g->last == 1 && (shorter == SHORTER || length <= 4 * w->closest);
-        if (now <= 1 || shortest) { /* the shortest one is taken as it is: each call moves on */
-            *off = now;
-            if (shortest && now > 1)
-                break;
-            if (all || next < alike * length || next * alike > too_long)
-                break;
-        } else {
-            too_long = length;
-            drop_end(w, g);
-            next = fmax(reach(length, now), alike * (g->at[g->last].t - base));
-            if (++shorter > SHORTER || next * alike > too_long)
-                break;
-        }
-        length = next;
+/* The search for the length of one segment. */
+typedef struct ns_search {
+    double base, last_t; /* s: where it begins, where it ends at the latest */
+    double least;        /* s: it is never shorter */
+    double length;       /* s: looked at next */
+    double off;          /* of the line that was taken: how far off it is */
+    double too_long;     /* s: the last length that was too long; INFINITY: none */
+    double first_length; /* s: the first one that was; 0: none */
+    int shorter;         /* lengths that were too long */
+    int is_shortest;     /* 1: the next line is taken as it is */
+} ns_search;
+
+static void begin_search(ns_waveform *w, double base, ns_search *s) {
+    *s = (ns_search){.base = base, .last_t = last_time(w, base), .too_long = INFINITY};
+    s->least = fmax(w->closest, 2e-15 * fabs(base));
+    s->length = fmax(first_length(w, base), s->least);
+}
+
+/* The next length is looked at; *all: it is all the way. */
+static int look(ns_waveform *w, ns_segment *g, ns_search *s, int *all, double *off) {
+    const double most = s->last_t - s->base;
+    *all = s->length >= most - fmax(s->least, 1e-3 * most);
+    if (*all && g->last == 0 && !w->fresh && first_part * most > s->least) {
+        *all = 0; /* no line is taken unseen */
+        s->length = first_part * most;
     }
-    if (g->at[g->last].t < last_t && w->worst >= 0)
-        w->limits[w->worst]++;
-    return NS_OK;
+    s->length = *all ? most : s->length;
+    const int status = add_end(w, g, *all ? s->last_t : s->base + s->length);
+    *off = status == NS_OK ? ns_waveform_deviation(w, g) : 0;
+    return status;
+}
+
+/* The line is near enough: 1 if it is taken, 0: a longer one is looked at.  With one probe it was not seen
+ * yet.
+ */
+static int lengthen(const ns_waveform *w, const ns_segment *g, ns_search *s, double off) {
+    const double least = alike * s->length, most = (w->fresh ? fresh_growth : growth) * s->length;
+    double next = fmin(reach(s->length, off), most);
+    s->off = off;
+    if (g->last == 1)
+        next = fmin(fmax(next, least), aim * s->too_long);
+    else if (next * alike > s->too_long)
+        return 1;
+    s->length = fmax(next, least);
+    return next < least;
+}
+
+/* The line is too far off: 1 if the one before is taken, 0: a shorter one is looked at.  A probe that no line
+ * was seen to be near to goes too, unless it lies on the way of the next one. */
+static int shorten(ns_waveform *w, ns_segment *g, ns_search *s, double off) {
+    enum { SHORTER = 8 };
+    s->first_length = s->first_length > 0 ? s->first_length : s->length;
+    s->too_long = s->length;
+    s->shorter++;
+    drop_end(w, g);
+    const double next = reach(s->length, off), before = alike * (g->at[g->last].t - s->base);
+    s->length = fmax(next, before);
+    if (g->last > 1)
+        return s->length * alike > s->too_long || s->shorter > SHORTER;
+    if (g->last == 0 || next < before || s->length > s->too_long - s->least) {
+        drop_probes(w, g);
+        s->length = fmax(0.5 * next, s->least);
+        s->is_shortest = 0.5 * next <= s->least || s->shorter > SHORTER;
+    }
+    return 0;
+}
+
+/* A smooth curve is at most four times as far off where a line is twice as long. */
+static int is_suspect(const ns_waveform *w, const ns_search *s, double off) {
+    return s->shorter > 1 || (s->shorter > 0 && !w->fresh && off > 16);
+}
+
+/* Is it rounding that no line comes near to?  The search begins anew. */
+static int look_for_rounding(ns_waveform *w, ns_segment *g, ns_search *s) {
+    const int status = ns_waveform_measure_rounding(w, s->base, s->first_length);
+    drop_probes(w, g);
+    s->length = s->first_length;
+    s->too_long = INFINITY;
+    s->shorter = s->is_shortest = 0;
+    return status;
+}
+
+/* Longer and longer, until the line is too far off.  The shortest one is taken as it is: each call moves on.
+ */
+static int grow(ns_waveform *w, ns_segment *g, ns_search *s) {
+    enum { LOOKS = 400 };
+    int taken = 0, status = NS_OK;
+    for (int count = 0; count < LOOKS && !taken && status == NS_OK; count++) {
+        double off;
+        int all;
+        status = look(w, g, s, &all, &off);
+        if (status != NS_OK)
+            break;
+        if (s->is_shortest)
+            taken = 1;
+        else
+            taken = off <= 1 ? lengthen(w, g, s, off) || all : shorten(w, g, s, off);
+        if (is_suspect(w, s, off) && !w->rounding_known) {
+            status = look_for_rounding(w, g, s);
+            taken = 0;
+        }
+    }
+    return status;
 }
 
 /* The segment ends where a signal turns on its way, if one does: peaks and valleys are points. */
 static int end_at_turn(ns_waveform *w, ns_segment *g) {
     const double t = ns_waveform_first_turn(w, g);
-    if (!(t < g->at[g->last].t))
+    if (!(t < g->at[g->last].t - w->closest))
         return NS_OK;
     while (g->last > 0 && g->at[g->last].t >= t)
         drop_end(w, g);
@@ -128,15 +203,18 @@ static int end_at_turn(ns_waveform *w, ns_segment *g) {
 
 int ns_waveform_choose(ns_waveform *w) {
     ns_segment *g = &w->made;
-    const double base = fmax(g->at[0].t, w->accepted_t);
-    double off = 0;
-    int status = grow(w, g, base, last_time(w, base), &off);
-    const double chosen = g->at[g->last].t - base;
+    ns_search s;
+    ns_waveform_forget_rounding(w);
+    begin_search(w, fmax(g->at[0].t, w->accepted_t), &s);
+    int status = grow(w, g, &s);
+    const double chosen = g->at[g->last].t - s.base;
+    if (status == NS_OK && g->at[g->last].t < s.last_t && w->worst >= 0)
+        w->limits[w->worst]++;
     if (status == NS_OK)
         status = end_at_turn(w, g);
     if (status != NS_OK)
         return status;
-    w->proposal = fmin(fmax(reach(chosen, off), 0.5 * chosen), growth * chosen);
+    w->proposal = fmin(fmax(reach(chosen, s.off), 0.5 * chosen), growth * chosen);
     w->fresh = 0;
     ns_waveform_add_integrals(w, g, 1);
     return NS_OK;

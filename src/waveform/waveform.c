@@ -29,7 +29,7 @@ static int allocate(ns_waveform *w) {
     w->signal = calloc(count, sizeof *w->signal);
     w->kind = calloc(count, 1);
     w->limits = calloc(2 * count, sizeof *w->limits);
-    w->largest = calloc(11 * count, sizeof *w->largest);
+    w->largest = calloc(12 * count, sizeof *w->largest);
     if (!w->rows || !w->modes || !w->signal || !w->kind || !w->limits || !w->largest)
         return NS_E_MEMORY;
     w->turned = w->limits + count;
@@ -43,6 +43,7 @@ static int allocate(ns_waveform *w) {
     w->end_values = w->slope + count;
     w->square = w->end_values + count;
     w->square_error = w->square + count;
+    w->rounding = w->square_error + count;
     return NS_OK;
 }
 
@@ -133,6 +134,7 @@ static int begin(ns_waveform *w, int starts, ns_waveform_point *first) {
     memset(w->total, 0, sizeof *w->total * (size_t)w->looked);
     memset(w->square, 0, 2 * sizeof *w->square * (w->count + 1)); /* and their errors */
     memset(w->slope, 0, sizeof *w->slope * (size_t)w->looked);
+    ns_waveform_forget_rounding(w);
     w->after_event = w->started = 1;
     if (first)
         give(w, &g->at[0], 0, first);
@@ -144,7 +146,9 @@ int ns_waveform_start(ns_waveform *w, ns_waveform_point *first) {
         return NS_E_NULL;
     memset(w->largest, 0, sizeof *w->largest * (size_t)w->looked);
     memset(w->kind_largest, 0, sizeof w->kind_largest);
+    memset(w->limits, 0, 2 * sizeof *w->limits * (w->count + 1)); /* and turns */
     w->stale = 1;
+    w->worst = -1;
     return begin(w, 1, first);
 }
 

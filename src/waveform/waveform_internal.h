@@ -2,7 +2,7 @@
  *
  *   waveform.c   made, started; the next point          stretch.c   the marcher's trials: what is smooth
  *   segment.c    how far one straight line reaches      rows.c      values at one instant
- *   deviation.c how far the waveform is from it
+ *   deviation.c  how far the waveform is from it        rounding.c  what rounding makes of a signal
  *
  * A stretch is one trial of the marcher with NS_TO_STEP: a smooth piece of waveform that may be sampled
  * anywhere.  A segment is a straight line between two points with the samples that were looked at on its way
@@ -55,7 +55,9 @@ struct ns_waveform {
     double floor[NS_WAVEFORM_KINDS];        /* less does not matter */
     double kind_largest[NS_WAVEFORM_KINDS]; /* of all of a kind */
     double *per_tolerance;                  /* looked: 1 / distance allowed */
-    int stale;                              /* 1: a largest value has grown since */
+    int stale;                              /* 1: a largest value has grown since, or rounding */
+    double *rounding;                       /* looked: what it was measured to be off by; 0: not measured */
+    int rounding_known;                     /* 1: it was looked for */
 
     /* integrals of each signal looked at, s times its unit */
     double *since_event, *total; /* of its absolute value: since the last event, since the start */
@@ -121,6 +123,12 @@ void ns_waveform_begin_integrals(ns_waveform *w, double t);
 void ns_waveform_add_integrals(ns_waveform *w, const ns_segment *g, double sign);
 /* A segment is given out: its slopes, and the integrals since the start. */
 void ns_waveform_note_given(ns_waveform *w, const ns_segment *g);
+
+/* rounding.c: samples on the way of the stretch from t to t + most at most, so close together that nothing
+ * but rounding tells them from a parabola: what they differ by is allowed too, until it is forgotten. Errors:
+ * those of ns_march_sample(). */
+int ns_waveform_measure_rounding(ns_waveform *w, double t, double most);
+void ns_waveform_forget_rounding(ns_waveform *w);
 
 /* segment.c: the longest segment from w->made.at[0], to the end of the stretch at most.  Errors: those of
  * ns_march_sample(). */

@@ -1,0 +1,47 @@
+/* src/waveform/rounding.c - what rounding makes of a signal, measured. */
+#include "waveform_internal.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+enum { COUNT = 9 };
+
+/* The largest fourth difference of signal i: of rounding by +-r up to 16 r, of anything that lasts three
+ * times as long as the samples 2e-6 of its size. */
+static double fourth_difference(const ns_waveform *w, double *const *row, int i) {
+    const int at = w->signal[i];
+    double most = 0;
+    for (int j = 0; j + 4 < COUNT; j++)
+        most = fmax(most, fabs(row[j][at] - 4 * row[j + 1][at] + 6 * row[j + 2][at] - 4 * row[j + 3][at] +
+                               row[j + 4][at]));
+    return most;
+}
+
+int ns_waveform_measure_rounding(ns_waveform *w, double t, double most) {
+    double *row[COUNT];
+    const double shortest = ns_march_shortest(w->march, t, NULL), length = fmin(most, 0.3 * shortest);
+    int taken = 0, status = NS_OK;
+    w->rounding_known = 1;
+    if (!(length > 4 * COUNT * DBL_EPSILON * fabs(t)))
+        return NS_OK;
+    for (; taken < COUNT; taken++) {
+        status = ns_waveform_sample(w, fmin(t + taken * (length / (COUNT - 1)), w->end), &row[taken]);
+        if (status != NS_OK)
+            break;
+    }
+    for (int i = 0; i < w->looked && status == NS_OK; i++)
+        w->rounding[i] = fourth_difference(w, row, i);
+    while (taken > 0)
+        ns_waveform_return_row(w, row[--taken]);
+    w->stale = 1;
+    return status;
+}
+
+void ns_waveform_forget_rounding(ns_waveform *w) {
+    if (!w->rounding_known)
+        return;
+    memset(w->rounding, 0, sizeof *w->rounding * (size_t)w->looked);
+    w->rounding_known = 0;
+    w->stale = 1;
+}
