@@ -303,21 +303,23 @@ compare: deps ## circuits by the library of commit BASE and by this one: instruc
 
 # --- stress: what is too long for `make test` -------------------------------------------------------------
 
-STRESS_BIN := $(patsubst %.c,$(B)/%,$(wildcard tests/stress/*.c))
-STRESS_COUNT ?= 2000# random problems of each class
+STRESS_BIN := $(patsubst %.c,$(B)/%,$(wildcard tests/stress/stress_*.c))
+STRESS_MLCP ?= 2000# random problems (P1) of each class
+STRESS_SECONDS ?= 600# for circuits; STRESS_SEED, STRESS_COUNT, STRESS_CLASS and others: see tests/stress/README.md
+STRESS_OWN := $(filter-out tests/stress/stress_%,$(wildcard tests/stress/*.c))
 
 .PHONY: stress stress-programs
 stress-programs: $(STRESS_BIN)
 
-$(STRESS_BIN): $(B)/%: $(B)/obj/%.o $(BENCH_HELP:%.c=$(B)/obj/%.o) $(B)/libnonsmooth.a
+$(STRESS_BIN): $(B)/%: $(B)/obj/%.o $(STRESS_OWN:%.c=$(B)/obj/%.o) $(BENCH_HELP:%.c=$(B)/obj/%.o) $(B)/libnonsmooth.a
 	@mkdir -p $(@D)
 	@echo "  LINK    $@"
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $^ -o $@ $(LIBS)
 
-stress: deps ## random problems of every class, STRESS_COUNT of each, every answer judged
+stress: deps ## random problems, random converters and networks: every class, every answer judged (STRESS_SECONDS=600)
 	@$(MAKE) $(JOBS) B=build/bench CFLAGS='-O3 -DNDEBUG' stress-programs
-	@for program in build/bench/tests/stress/*; do \
-	    echo "== $$(basename $$program)"; OPENBLAS_NUM_THREADS=1 $$program $(STRESS_COUNT) || exit 1; done
+	@echo "== stress_mlcp"; OPENBLAS_NUM_THREADS=1 build/bench/tests/stress/stress_mlcp $(STRESS_MLCP)
+	@echo "== stress_circuits"; OPENBLAS_NUM_THREADS=1 STRESS_SECONDS=$(STRESS_SECONDS) build/bench/tests/stress/stress_circuits
 
 # --- mutants: would a test notice? ------------------------------------------------------------------------
 
