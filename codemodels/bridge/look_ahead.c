@@ -99,7 +99,7 @@ int ns_bridge_look_ahead(ns_session *s, int first) {
         stop - s->trial.t_end < ns_bridge_timepoints_closeness(&s->loop.points))
         error = ns_bridge_trial_to(s, stop, NS_TO_TIME);
     if (!error)
-        ckt->CKTdelta = fmax(s->trial.t_end - ckt->CKTtime, 2.0 * ckt->CKTdelmin);
+        ns_bridge_loop_step_to(ckt, &s->loop, s->trial.t_end);
     ckt->CKTorder = 1; /* so that ngspice's own currents of capacitors do not ring after a jump */
     return error;
 }

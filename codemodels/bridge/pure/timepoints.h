@@ -39,10 +39,14 @@ static inline int ns_bridge_timepoints_at_events(const ns_timepoints *p) {
     return p->at_corners && p->t >= p->start;
 }
 
-/* The next timepoint if no event comes before it: on the grid of p->step, at a breakpoint or at a corner of
- * the inputs of s; always after t_accepted.  Removes the breakpoints that are reached and those that get no
- * timepoint; sets the longest step. */
+/* The next timepoint if no event comes before it: on the grid of p->step, or at a corner of the inputs of s;
+ * always after t_accepted.  Removes ngspice's breakpoints; sets the longest step. */
 double ns_bridge_timepoints_next(ns_timepoints *p, const ns_system *s, double t_accepted);
+
+/* The step, s, by which ngspice comes to t, when no breakpoint but p->stop is left: t becomes the first one,
+ * and the step is longer by some rounding errors, so that ngspice cuts it.  From version 46 on it halves a
+ * step that ends in the second half of the way to a breakpoint, and not at it. */
+double ns_bridge_timepoints_step_to(ns_timepoints *p, double t);
 
 /* --- where a waveform chooses them (nonsmooth/waveform.h) --- */
 
@@ -63,10 +67,5 @@ double ns_bridge_timepoints_closest(double stop);
 
 /* The timepoint before p->start, the first one that is not t = 0, or (0) one that the waveform chooses. */
 double ns_bridge_timepoints_unchosen(ns_timepoints *p);
-
-/* The step, s, by which ngspice comes to t, when no breakpoint but p->stop is left: t becomes the first one,
- * and the step is longer by some rounding errors, so that ngspice cuts it.  From version 46 on it halves a
- * step that ends in the second half of the way to a breakpoint, and not at it. */
-double ns_bridge_timepoints_step_to(ns_timepoints *p, double t);
 
 #endif

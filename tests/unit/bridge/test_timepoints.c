@@ -11,8 +11,8 @@
 
 enum { BREAKS = 5 };
 
-/* A run of 100 s in steps of 1 s, with breakpoints at 10, 10.4, 20, 40 and the end, and one input whose
- * corners are at 5, 6, 15.5 and 16. */
+/* A run of 100 s in steps of 1 s, with breakpoints of ngspice at 10, 10.4, 20, 40 and the end, and one input
+ * whose corners are at 5, 6, 15.5 and 16. */
 typedef struct rig {
     double breaks[BREAKS];
     ns_timepoints points;
@@ -54,10 +54,10 @@ static void assert_near(double got, double wanted) {
     }
 }
 
-static void the_grid_corners_and_breakpoints(void **state) {
+static void the_grid_and_corners_but_no_breakpoints(void **state) {
     static const double from_to[][2] = {
         {0.0, 1.0},   {2.5, 3.0},   {3.9999, 5.0}, /* a sliver before the grid counts as there */
-        {5.0, 6.0},   {9.0, 10.0},  {10.0, 10.4},  {10.4, 11.0}, {15.0, 15.5},
+        {5.0, 6.0},   {9.0, 10.0},  {10.0, 11.0},  {10.4, 11.0}, {15.0, 15.5},
         {15.5, 16.0}, {16.0, 17.0}, {39.0, 40.0},  {99.5, 100.0}};
     rig r;
     (void)state;
@@ -69,36 +69,38 @@ static void the_grid_corners_and_breakpoints(void **state) {
     tear_down(&r);
 }
 
-static void a_break_just_behind_the_grid_replaces_it(void **state) {
+/* The first corner of the input at td. */
+static rig *set_up_corner(rig *r, double td) {
+    const ns_signal pulse = {.kind = NS_PULSE,
+                             .u.pulse = {.v2 = 1.0, .td = td, .tr = 1.0, .tf = 0.5, .pw = 9.5, .per = 1e3}};
+    assert_int_equal(ns_system_set_input(set_up(r)->system, 0, &pulse), NS_OK);
+    return r;
+}
+
+static void a_corner_just_behind_the_grid_replaces_it(void **state) {
     rig r;
     (void)state;
-    set_up(&r)->breaks[0] = 3.0009;
-    assert_near(next_of(&r, 2.0), 3.0009);
+    assert_near(next_of(set_up_corner(&r, 3.0009), 2.0), 3.0009);
     tear_down(&r);
-    set_up(&r)->breaks[0] = 3.0011;
-    assert_near(next_of(&r, 2.0), 3.0);
+    assert_near(next_of(set_up_corner(&r, 3.0011), 2.0), 3.0);
     tear_down(&r);
-    set_up(&r)->points.step = 2.0; /* then closer than 2 ms */
-    r.breaks[0] = 4.0015;
+    set_up_corner(&r, 4.0015)->points.step = 2.0; /* then closer than 2 ms */
     assert_near(next_of(&r, 2.0), 4.0015);
     tear_down(&r);
 }
 
-static void breaks_that_are_reached_go(void **state) {
+/* ngspice reads two. */
+static void only_the_end_of_the_step_and_of_the_run_are_breaks(void **state) {
     rig r;
     (void)state;
     set_up(&r);
-    next_of(&r, 9.9999);
-    assert_int_equal(r.points.nbreaks, 5);
-    next_of(&r, 9.99996); /* closer than the least distance of two */
-    assert_int_equal(r.points.nbreaks, 4);
-    assert_near(r.breaks[0], 10.4);
-    next_of(&r, 20.0);
-    assert_int_equal(r.points.nbreaks, 2);
-    assert_true(r.breaks[0] == 40.0 && r.breaks[1] == 100.0);
-    next_of(&r, 40.0); /* ngspice reads two */
+    const double t = next_of(&r, 9.0);
     assert_int_equal(r.points.nbreaks, 2);
     assert_true(r.breaks[0] == 100.0 && r.breaks[1] == 100.0);
+    const double step = ns_bridge_timepoints_step_to(&r.points, t);
+    assert_true(9.0 + step > 10.0 && step < 1.0 + 1e-12); /* a little longer: ngspice cuts it */
+    assert_int_equal(r.points.nbreaks, 2);
+    assert_true(r.breaks[0] == 10.0 && r.breaks[1] == 100.0);
     tear_down(&r);
 }
 
@@ -325,9 +327,9 @@ static void a_step_of_rounding_sets_no_breakpoint(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_grid_corners_and_breakpoints),
-        cmocka_unit_test(a_break_just_behind_the_grid_replaces_it),
-        cmocka_unit_test(breaks_that_are_reached_go),
+        cmocka_unit_test(the_grid_and_corners_but_no_breakpoints),
+        cmocka_unit_test(a_corner_just_behind_the_grid_replaces_it),
+        cmocka_unit_test(only_the_end_of_the_step_and_of_the_run_are_breaks),
         cmocka_unit_test(without_corners_the_grid_alone),
         cmocka_unit_test(before_tstart_long_steps_that_meet_it),
         cmocka_unit_test(the_last_two_steps_before_tstart_are_equal),
