@@ -1,0 +1,176 @@
+/* src/verify/event.c - from the left side of an event to its right side: what jumps is explained by impulses,
+ * or nothing jumps. */
+#include "verify_internal.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* What impulses may be off by, of the terms of their equations and of the largest of a kind; of the largest
+ * number in them.  Energy: of what there is. */
+static const double of_impulse = 1e-5, of_all = 1e-9, of_energy = 1e-5;
+/* So much larger than that an impulse is one. */
+static const double clearly = 1e3;
+
+/* A jump, judged. */
+typedef struct jump {
+    double seconds;          /* that it took */
+    double lambda_off, dust; /* what impulses of lambda, of all, may be off by */
+} jump;
+
+static double moved(const ns_verify *v, int i) {
+    return ns_verify_row(&v->charge, i, v->u).sum - ns_verify_row(&v->charge, i, v->u_left).sum;
+}
+
+/* Also what flows in the time that an event may take. */
+static double moved_off(const ns_verify *v, int i) {
+    return ns_verify_sizes_charge_off(v, i) + v->o.instant * ns_verify_row(&v->law, i, v->u).size;
+}
+
+/* 1 if a charge or a flux differs by more than rounding, between u_left and u. */
+static int any_jumps(const ns_verify *v) {
+    for (int k = 0; k < v->storeds; k++)
+        if (!(fabs(moved(v, v->stored[k])) <= moved_off(v, v->stored[k])))
+            return 1;
+    return 0;
+}
+
+/* v->v: X, Lambda, and the integrals of inputs and of 1 over the time that it took. */
+static void fill_impulse(ns_verify *v, double seconds, const double *X, const double *Lambda) {
+    const size_t n = (size_t)v->s->n, m = (size_t)v->s->m, known = (size_t)v->s->nz + 1;
+    memcpy(v->v, X, sizeof *X * n);
+    if (m > 0)
+        memcpy(v->v + n, Lambda, sizeof *X * m);
+    for (size_t k = 0; k < known; k++)
+        v->v[n + m + k] = seconds * v->u[n + m + k];
+}
+
+/* --- (J1), (J2): every row --- */
+
+static void judge_balance(const ns_verify *v, const jump *j, ns_verify_finding *worst) {
+    for (int i = 0; i < v->s->n; i++) {
+        const ns_verify_sum carried = ns_verify_row(&v->law, i, v->v);
+        const double rest = fabs(moved(v, i) - carried.sum);
+        const double off =
+            v->times * (of_impulse * carried.size + j->dust * v->law.size[i]) + moved_off(v, i);
+        if (!(rest <= off))
+            ns_verify_note(worst, NS_VERIFY_JUMP, -1, i, rest / off);
+    }
+}
+
+/* --- (J4) --- */
+
+/* A bound that an impulse obeys: none, or zero. */
+static double bound(double b) {
+    return isinf(b) ? b : 0;
+}
+
+/* What follows an impulse: y+ is zero after one of lambda, lambda+ at its bound after one of y. */
+static double after_error(const ns_verify *v, int i, double lambda_share, double y_share) {
+    const double y = ns_verify_row(&v->output, i, v->u).sum, lambda = v->u[v->s->n + i];
+    const double to_l = fabs(lambda - v->s->l[i]), to_u = fabs(v->s->u[i] - lambda);
+    const double off = ns_verify_sizes_lambda_off(v, i) + ns_verify_sizes_rounding_around(v, i);
+    if (lambda_share > clearly)
+        return fabs(y) / ns_verify_sizes_y_off(v, i);
+    return y_share > clearly ? (to_l < to_u ? to_l : to_u) / off : 0;
+}
+
+static double impulse_error(const ns_verify *v, int i, const jump *j) {
+    const double lambda = v->v[v->s->n + i];
+    const ns_verify_sum y = ns_verify_row(&v->output, i, v->v);
+    const double lambda_off = v->times * j->lambda_off + 2 * j->seconds * v->most_lambda[i],
+                 y_off = v->times * (of_impulse * y.size + j->dust * v->output.size[i]) +
+                         2 * j->seconds * v->most_y[i] + DBL_MIN;
+    const double lambda_share = fabs(lambda) / lambda_off, y_share = fabs(y.sum) / y_off;
+    if (v->command[i] >= 0) /* open or closed, before or after */
+        return lambda_share < y_share ? lambda_share : y_share;
+    const double error =
+        ns_verify_law_error(bound(v->s->l[i]), bound(v->s->u[i]), lambda, y.sum, lambda_off, y_off);
+    return j->seconds > 0 ? error : ns_verify_larger(after_error(v, i, lambda_share, y_share), error);
+}
+
+static void judge_pairs(const ns_verify *v, const jump *j, ns_verify_finding *worst) {
+    for (int i = 0; i < v->s->m; i++)
+        ns_verify_note(worst, NS_VERIFY_IMPULSE, i, -1, impulse_error(v, i, j));
+}
+
+/* --- energy --- */
+
+static double energy(const ns_verify *v, const double *u, double *size) {
+    double sum = 0;
+    for (int k = 0; k < v->storeds; k++) {
+        const int i = v->stored[k];
+        const ns_verify_sum w = ns_verify_row(&v->charge, i, u);
+        sum += v->sign[i] * u[i] * w.sum / 2;
+        *size += fabs(u[i]) * w.size / 2;
+    }
+    return sum;
+}
+
+/* The part of a row that inputs and constants are. */
+static double given(const ns_verify *v, const ns_verify_rows *r, int i) {
+    const int first = v->s->n + v->s->m;
+    double sum = 0;
+    for (int k = r->start[i]; k < r->start[i + 1]; k++)
+        if (r->column[k] >= first)
+            sum +=
+                fabs(r->value[k]) * ns_verify_larger(fabs(v->u[r->column[k]]), fabs(v->u_left[r->column[k]]));
+    return sum;
+}
+
+/* A bound on what sources put in. */
+static double put_in(const ns_verify *v) {
+    double sum = 0;
+    for (int i = 0; i < v->s->n; i++)
+        sum += fabs(v->v[i]) * given(v, &v->law, i);
+    for (int i = 0; i < v->s->m; i++)
+        sum += fabs(v->v[v->s->n + i]) * given(v, &v->output, i);
+    return sum;
+}
+
+/* What charges may be off by makes of it. */
+static double moved_energy_off(const ns_verify *v) {
+    double sum = DBL_MIN;
+    for (int k = 0; k < v->storeds; k++) {
+        const int i = v->stored[k];
+        sum += ns_verify_larger(fabs(v->u[i]), fabs(v->u_left[i])) * moved_off(v, i);
+    }
+    return sum;
+}
+
+static void judge_energy(const ns_verify *v, const jump *j, ns_verify_finding *worst) {
+    double size = 0;
+    if (!v->is_passive || j->seconds > 0)
+        return;
+    const double before = energy(v, v->u_left, &size), after = energy(v, v->u, &size);
+    const double off = v->times * of_energy * size + moved_energy_off(v), grown = after - before - put_in(v);
+    if (grown > off)
+        ns_verify_note(worst, NS_VERIFY_ENERGY, -1, v->stored[0], grown / off);
+}
+
+static double largest(size_t count, const double *a) {
+    double most = 0;
+    for (size_t i = 0; i < count; i++)
+        most = ns_verify_larger(fabs(a[i]), most);
+    return most;
+}
+
+int ns_verify_event(ns_verify *v, const ns_verify_state *left, const ns_verify_state *right, const double *X,
+                    const double *Lambda, ns_verify_finding *worst) {
+    const size_t n = (size_t)v->s->n, m = (size_t)v->s->m;
+    jump j = {.seconds = right->t - left->t};
+    *worst = ns_verify_nothing(right->t);
+    ns_verify_fill(v, left, v->u_left);
+    ns_verify_fill(v, right, v->u);
+    ns_verify_sizes_charges(v, v->u_left);
+    ns_verify_sizes_charges(v, v->u);
+    if (!any_jumps(v))
+        return 1;
+    fill_impulse(v, j.seconds, X, Lambda);
+    j.dust = of_all * largest(n + m, v->v);
+    j.lambda_off = of_impulse * largest(m, v->v + n) + j.dust + DBL_MIN;
+    judge_balance(v, &j, worst);
+    judge_pairs(v, &j, worst);
+    judge_energy(v, &j, worst);
+    return worst->cause == NS_VERIFY_RIGHT;
+}

@@ -1,0 +1,87 @@
+/* src/verify/verify.h - judges what an engine answers, by the system's own equations alone.
+ *
+ * Nothing here is shared with an engine: matrices are those of the system, row by row; inputs are evaluated
+ * at the time itself; a pair is judged by its law (S4), not by the mode that the engine believes in.
+ *
+ * Every error is measured as a multiple of what rounding and the error control of the engines leave, of the
+ * largest values of all points seen so far.
+ */
+#ifndef NS_VERIFY_H
+#define NS_VERIFY_H
+
+#include "nonsmooth/system.h"
+
+typedef struct ns_verify ns_verify;
+
+/* What is wrong. */
+typedef enum ns_verify_cause {
+    NS_VERIFY_RIGHT,   /* nothing */
+    NS_VERIFY_NUMBER,  /* a number that is not finite */
+    NS_VERIFY_ROW,     /* an algebraic row of (S1): a law of Kirchhoff or of an element */
+    NS_VERIFY_OUTPUT,  /* y is not that of (S3) */
+    NS_VERIFY_LAW,     /* (S4) of a pair */
+    NS_VERIFY_COMMAND, /* a switch is open or closed against its control */
+    NS_VERIFY_JUMP,    /* charges or fluxes jump, and no impulse explains it (J1), (J2) */
+    NS_VERIFY_IMPULSE, /* the impulse of a pair is not one that it can carry (J4) */
+    NS_VERIFY_ENERGY,  /* energy grows in a jump that no source has a part in */
+    NS_VERIFY_FLOW     /* charges or fluxes are not the integral of what charges them, a row of (S1) */
+} ns_verify_cause;
+
+/* Of an error: above 1 it is more than a right answer should have; above this many it is wrong. */
+static const double ns_verify_wrong = 1000;
+
+/* The worst that was found. */
+typedef struct ns_verify_finding {
+    ns_verify_cause cause;
+    int pair, unknown; /* which; -1: none; unknown: also the row of that index */
+    double t;          /* s */
+    double error;      /* of what is allowed */
+} ns_verify_finding;
+
+/* What engines may be off by. */
+typedef struct ns_verify_options {
+    double reltol;  /* errors of a step, of charges and fluxes */
+    double instant; /* s: the time that an event may take */
+} ns_verify_options;
+
+/* A point: x (n), lambda (m), y (m; NULL: not shown). */
+typedef struct ns_verify_state {
+    double t;
+    ns_side side; /* of the inputs */
+    const double *x, *lambda, *y;
+} ns_verify_state;
+
+/* For s, which must outlive it.  Errors: MEMORY. */
+int ns_verify_create(const ns_system *s, const ns_verify_options *o, ns_verify **out);
+void ns_verify_free(ns_verify *v); /* NULL is allowed */
+
+/* No point was seen yet. */
+void ns_verify_reset(ns_verify *v);
+
+/* From now on everything may be off by so many times what it may at first. */
+void ns_verify_allow(ns_verify *v, double times);
+
+/* What one point takes, in numbers multiplied. */
+double ns_verify_effort(const ns_verify *v);
+
+/* What is wrong, as a constant string. */
+const char *ns_verify_text(ns_verify_cause cause);
+
+/* Each of the following returns 1 if all is right; else *worst says what is not. */
+
+/* (S1), algebraic rows; (S2) to (S4); commands. */
+int ns_verify_point(ns_verify *v, const ns_verify_state *at, ns_verify_finding *worst);
+
+/* From the left side of an event to its right side, with the impulses X (n), Lambda (m) between, as
+ * ns_march_impulse().  Both points were judged before. */
+int ns_verify_event(ns_verify *v, const ns_verify_state *left, const ns_verify_state *right, const double *X,
+                    const double *Lambda, ns_verify_finding *worst);
+
+/* Points at which a way between events is looked at: times from a to b, the first is a, the last b. */
+enum { NS_VERIFY_NODES = 5 };
+void ns_verify_flow_times(double a, double b, double *t);
+/* The points at these times, which are judged as points too, and the integrals between.  xl: NS_VERIFY_NODES
+ * times x (n), lambda (m). */
+int ns_verify_flow(ns_verify *v, const double *t, const double *xl, ns_verify_finding *worst);
+
+#endif

@@ -1,0 +1,108 @@
+/* src/verify/verify_internal.h - the equations of a system as rows, and the sizes that errors are measured
+ * by.
+ *
+ *   rows.c    matrices row by row     create.c   the object       sizes.c   what may be off by how much
+ *   passive.c whether energy can be judged
+ *   point.c   (S1) to (S4)            event.c    (J1), (J2), (J4), energy   flow.c   integrals between events
+ */
+#ifndef NS_VERIFY_INTERNAL_H
+#define NS_VERIFY_INTERNAL_H
+
+#include <stddef.h>
+
+#include "verify.h"
+
+/* A matrix row by row.  Its columns are the entries of u: x (n), lambda (m), z (nz), 1. */
+typedef struct ns_verify_rows {
+    int count;
+    int *start; /* count+1 */
+    int *column;
+    double *value;
+    double *size; /* count: the sum of the sizes of the entries of a row, but for its constant */
+} ns_verify_rows;
+
+/* A sum, and the sum of the sizes of what it was summed from. */
+typedef struct ns_verify_sum {
+    double sum, size;
+} ns_verify_sum;
+
+struct ns_verify {
+    const ns_system *s;
+    ns_verify_options o;
+    /* the equations: A, B, E, b; C, D, F, e; M; gx, gz, g0 */
+    ns_verify_rows law, output, charge, control;
+    int *command;    /* m: that of a pair; -1: it has none */
+    int *algebraic;  /* n: which rows of M are zero, */
+    int algebraics;  /* and how many */
+    int *stored;     /* n: which are not */
+    int storeds;     /* and how many */
+    int is_passive;  /* x' S M x / 2 is an energy that only b, E, e and F add to, */
+    double *sign;    /* n: with these signs S */
+    double *unit;    /* n: the square root of the largest entry of row i of M: w_i / unit_i is that of an
+                        energy; 0: the row has none */
+    double *numbers; /* all arrays of numbers */
+    /* the largest so far, and what they may be off by */
+    double *most_law;                   /* n: terms of rows of (S1) */
+    double *most_w;                     /* n: terms of charges and fluxes */
+    double *most_lambda, *most_y;       /* m: of the values; of the terms */
+    double *most_control;               /* nc: of the terms */
+    double most_any_lambda, most_any_y; /* of all pairs */
+    double most_number;                 /* of x, lambda and z, whatever their units */
+    double most_energy;                 /* of most_w_i / unit_i */
+    double times;                       /* all may be off by so many times as much */
+    /* work, n+m+nz+1 each */
+    double *u, *u_left; /* points */
+    double *spread;     /* 0; by how much inputs differ around the time of u */
+    int spreads;        /* they do */
+    double *v;          /* NS_VERIFY_NODES: points; or an impulse */
+};
+
+static inline size_t ns_verify_columns(const ns_system *s) {
+    return (size_t)s->n + (size_t)s->m + (size_t)s->nz + 1;
+}
+
+static inline double ns_verify_larger(double a, double b) {
+    return a > b ? a : b;
+}
+
+/* rows.c: of dense arrays or, if large, sparse matrices.  Errors: MEMORY. */
+int ns_verify_rows_create(ns_verify *v);
+void ns_verify_rows_free(ns_verify *v);
+
+/* Row i times u. */
+static inline ns_verify_sum ns_verify_row(const ns_verify_rows *r, int i, const double *u) {
+    ns_verify_sum s = {0, 0};
+    for (int k = r->start[i]; k < r->start[i + 1]; k++) {
+        const double term = r->value[k] * u[r->column[k]];
+        s.sum += term;
+        s.size += term < 0 ? -term : term;
+    }
+    return s;
+}
+
+/* passive.c: v->sign, and whether energy can be judged. */
+int ns_verify_passive_find(const ns_verify *v);
+
+/* sizes.c: the largest numbers so far, u being a point; the largest charges. */
+void ns_verify_sizes_numbers(ns_verify *v, const double *u);
+void ns_verify_sizes_charges(ns_verify *v, const double *u);
+/* What may be off by how much: the charge of row i; row i of (S1); y of pair j, lambda of it, the latter also
+ * by what the rows around it may be off by. */
+double ns_verify_sizes_charge_off(const ns_verify *v, int i);
+double ns_verify_sizes_law_off(const ns_verify *v, int i);
+double ns_verify_sizes_y_off(const ns_verify *v, int j);
+double ns_verify_sizes_lambda_off(const ns_verify *v, int j);
+double ns_verify_sizes_rounding_around(const ns_verify *v, int j);
+/* What rounding of the largest numbers, and leaks that engines put where something floats, make of row i. */
+double ns_verify_sizes_leak(const ns_verify *v, const ns_verify_rows *r, int i);
+
+/* point.c: u of a point. */
+void ns_verify_fill(const ns_verify *v, const ns_verify_state *at, double *u);
+/* Nothing found so far at t. */
+ns_verify_finding ns_verify_nothing(double t);
+/* An error becomes the finding, if it is larger than 1 and than that of the one there. */
+void ns_verify_note(ns_verify_finding *worst, ns_verify_cause cause, int pair, int unknown, double error);
+/* How far (S4) with these bounds is from lambda, y, of what either may be off by. */
+double ns_verify_law_error(double l, double u, double lambda, double y, double lambda_off, double y_off);
+
+#endif
