@@ -147,7 +147,8 @@ static void follow(ns_analysis *a, double t) {
         read_sums(k, k->sums);
         return;
     }
-    ns_bridge_report_note("@...[q] and @...[e] are not known from %.6g s on: %s", t, ns_status_text(status));
+    if (k->asked)
+        ns_bridge_report_note("q and e of devices are nan from %.6g s on: %s", t, ns_status_text(status));
     stop(a);
 }
 
