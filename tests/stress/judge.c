@@ -13,6 +13,7 @@ static const double FLOOR =
 static const run_setting settings[J_RUNS] = {
     [J_AUTO] = {.name = "auto", .method = NS_AUTO},
     [J_SHUFFLED] = {.name = "auto-shuffled", .method = NS_AUTO, .on_grid = 1, .shuffle = SHUFFLE},
+    [J_SPICE] = {.name = "ngspice"},
     [J_EXACT] = {.name = "exact", .method = NS_EXACT},
     [J_SPARSE] = {.name = "sparse", .method = NS_SPARSE},
     [J_TIGHT] = {.name = "sparse-1e-12", .method = NS_SPARSE, .reltol = 1e-12},
@@ -22,6 +23,7 @@ static const run_setting settings[J_RUNS] = {
 };
 
 static plan p;
+static const netlist *text;
 static run_result *result[J_RUNS];
 static double scale[PLAN_PROBES];
 
@@ -98,7 +100,10 @@ static int agree(int a, int b) {
 static void start_run(int which, const judge_options *o) {
     run_setting s = settings[which];
     s.limit = which >= J_CANDIDATES ? 4 * o->limit : o->limit;
-    run(&p, &s, result[which]);
+    if (which == J_SPICE)
+        spice_run(text, &p, &o->spice, s.limit, result[which]);
+    else
+        run(&p, &s, result[which]);
     if (o->verbose)
         printf("  %-14s %s %.3f s, %ld steps, %ld events, %ld pivots; %s\n", s.name,
                (const char *[]){"not", "done", "refused", "slow", "crashed"}[result[which]->end],
@@ -166,7 +171,8 @@ static void say(judge_finding *f, judge_verdict v, int who, const char *kind) {
 
 static void say_difference(judge_finding *f, int who, int from) {
     char name[80];
-    const difference d = between(who, from);
+    const difference there = between(who, from), back = between(from, who);
+    const difference d = there.most > back.most ? there : back;
     plan_probe_name(&p, d.probe, name, sizeof name);
     snprintf(f->line, sizeof f->line,
              "%s: %s at %.9g s is %.6g, by %s %.6g (off by %.2g of the largest, %.6g)", settings[who].name,
@@ -213,7 +219,7 @@ static void judge_differing(judge_finding *f, const judge_options *o) {
     for (int run = J_CANDIDATES - 1; run >= 0; run--)
         if (done(run) && !agree(run, right)) {
             say_difference(f, run, right);
-            say(f, run <= J_SHUFFLED ? JUDGE_WRONG_AUTO : JUDGE_WRONG_KERNEL, run, "");
+            say(f, run <= J_SPICE ? JUDGE_WRONG_AUTO : JUDGE_WRONG_KERNEL, run, "");
             snprintf(f->kind, sizeof f->kind, "%s wrong", settings[run].name);
         }
 }
@@ -224,7 +230,7 @@ static int judge_signs(judge_finding *f) {
         const run_result *r = result[run];
         if (!done(run) || r->wrong_sign <= JUDGE_WRONG)
             continue;
-        say(f, run <= J_SHUFFLED ? JUDGE_WRONG_AUTO : JUDGE_WRONG_KERNEL, run, "");
+        say(f, run <= J_SPICE ? JUDGE_WRONG_AUTO : JUDGE_WRONG_KERNEL, run, "");
         snprintf(f->kind, sizeof f->kind, "%s breaks (S4)", settings[run].name);
         snprintf(f->line, sizeof f->line, "%s: %s breaks its law at %.9g s by %.2g of the largest",
                  settings[run].name, p.part[r->wrong_part].name, r->wrong_t, r->wrong_sign);
@@ -239,7 +245,7 @@ static int judge_ends(judge_finding *f) {
     for (int e = 0; e < 3; e++)
         for (int run = 0; run < J_CANDIDATES; run++) {
             const run_result *r = result[run];
-            const int by_default = run <= J_SHUFFLED;
+            const int by_default = run <= J_SPICE;
             if (r->end != order[e] || (e == 2 && !by_default))
                 continue;
             say(f,
@@ -312,6 +318,7 @@ static void judge_by_theta(judge_finding *f, const judge_options *o) {
 judge_finding judge(const netlist *n, const judge_options *o) {
     judge_finding f = {.verdict = JUDGE_RIGHT, .culprit = NOBODY};
     const char *bad = plan_read(n, &p);
+    text = n;
     if (bad) {
         say(&f, JUDGE_CRASHED, NOBODY, "not read");
         snprintf(f.line, sizeof f.line, "the harness does not understand: %s", bad);
@@ -323,7 +330,7 @@ judge_finding judge(const netlist *n, const judge_options *o) {
         result[run]->end = RUN_NOT;
     }
     for (int run = 0; run < J_CANDIDATES; run++)
-        if (!o->runs || o->runs >> run & 1)
+        if ((!o->runs || o->runs >> run & 1) && (run != J_SPICE || o->spice.models))
             start_run(run, o);
     f.seconds = result[J_AUTO]->seconds;
     find_scales();

@@ -9,7 +9,7 @@
 #ifndef NONSMOOTH_TESTS_JUDGE_H
 #define NONSMOOTH_TESTS_JUDGE_H
 
-#include "run.h"
+#include "spice.h"
 
 #define JUDGE_WRONG 1e-3
 
@@ -29,6 +29,7 @@ typedef enum judge_verdict {
 enum {
     J_AUTO,
     J_SHUFFLED,
+    J_SPICE, /* "auto" in ngspice, if options.spice.models says where our code models are */
     J_EXACT,
     J_SPARSE,
     J_CANDIDATES,
@@ -44,6 +45,7 @@ typedef struct judge_options {
     int theta;     /* 1: the theta scheme even if all agree */
     unsigned runs; /* bits: candidates that are run; 0: all */
     int verbose;
+    spice_home spice;
 } judge_options;
 
 typedef struct judge_finding {

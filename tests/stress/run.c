@@ -21,6 +21,10 @@ double run_time(const plan *p, int k) {
     return p->stop * (k + 0.2 + 0.6 * (golden - floor(golden))) / RUN_TIMES;
 }
 
+double run_band_time(const plan *p, int at) {
+    return run_time(p, at / RUN_BAND) + (at % RUN_BAND - 1) * RUN_ASIDE * p->step;
+}
+
 run_result *run_room(void) {
     void *r = mmap(NULL, sizeof(run_result), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (r == MAP_FAILED)
@@ -113,10 +117,6 @@ static void note_values(way *w, int at) {
     }
 }
 
-static double band_time(const plan *p, int at) {
-    return run_time(p, at / RUN_BAND) + (at % RUN_BAND - 1) * RUN_ASIDE * p->step;
-}
-
 /* From trial to trial as a waveform does, values on the way. */
 static int go_by_steps(way *w) {
     double t = 0, reached;
@@ -125,12 +125,12 @@ static int go_by_steps(way *w) {
         status = ns_march_try(w->march, w->p->stop, NS_TO_STEP, &reached);
         if (status != NS_OK)
             return status;
-        for (; at < RUN_TIMES * RUN_BAND && band_time(w->p, at) <= reached && reached > t; at++) {
-            status = ns_march_sample(w->march, fmax(t, band_time(w->p, at)), w->x, w->lambda);
+        for (; at < RUN_TIMES * RUN_BAND && run_band_time(w->p, at) <= reached && reached > t; at++) {
+            status = ns_march_sample(w->march, fmax(t, run_band_time(w->p, at)), w->x, w->lambda);
             if (status != NS_OK)
                 return status;
             note_values(w, at);
-            note_devices(w, band_time(w->p, at));
+            note_devices(w, run_band_time(w->p, at));
         }
         /* points that last for no time, as the right side of an event, are passed over */
         if (reached - t > BRIEF * w->p->step && ns_march_read(w->march, NULL, w->x, w->lambda, NULL) == NS_OK)
@@ -143,8 +143,8 @@ static int go_by_steps(way *w) {
 
 static int go_on_grid(way *w) {
     for (int at = 0; at < RUN_TIMES * RUN_BAND; at++) {
-        while (w->r->t < band_time(w->p, at)) {
-            int status = ns_march_try(w->march, band_time(w->p, at), NS_TO_TIME, &w->r->t);
+        while (w->r->t < run_band_time(w->p, at)) {
+            int status = ns_march_try(w->march, run_band_time(w->p, at), NS_TO_TIME, &w->r->t);
             if (status == NS_OK)
                 status = ns_march_accept(w->march);
             if (status != NS_OK)

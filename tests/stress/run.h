@@ -39,8 +39,9 @@ typedef struct run_result {
     double value[RUN_TIMES * RUN_BAND * PLAN_PROBES]; /* by time, place in the band, probe */
 } run_result;
 
-/* The k-th instant. */
+/* The k-th instant; of value[at * probes]. */
 double run_time(const plan *p, int k);
+double run_band_time(const plan *p, int at);
 
 /* A result that a child can write to; never freed. */
 run_result *run_room(void);

@@ -108,7 +108,8 @@ static void note(const char *name, unsigned long long number, netlist *n, judge_
     snprintf(path, sizeof path, "%s/%s.cir", folder, at);
     save(path, n, f);
     printf("%-14s %-28s %s\n    %s\n", judge_name(f->verdict), at, f->kind, f->line);
-    if (before < SMALL_OF_A_KIND && f->verdict != JUDGE_UNDECIDED && number_of("STRESS_SHRINK", 30) > 0) {
+    if (before < SMALL_OF_A_KIND && f->verdict != JUDGE_UNDECIDED && f->verdict != JUDGE_SLOW &&
+        number_of("STRESS_SHRINK", 30) > 0) {
         shrink(n, f, &options, number_of("STRESS_SHRINK", 30));
         snprintf(path, sizeof path, "%s/%s.small.cir", folder, at);
         save(path, n, f);
@@ -136,6 +137,9 @@ static void one(int at, unsigned long long k) {
 /* Every jobs-th circuit from `mine` on, class by class in turn. */
 static void work(long mine, long jobs, long count, double until) {
     long at = 0;
+    static char home[256];
+    snprintf(home, sizeof home, "%s/ngspice.%ld", folder, mine);
+    options.spice.folder = home;
     for (long k = 0; k < count; k++)
         for (int i = 0; i < nfamilies; i++, at++)
             if (at % jobs == mine && now() < until)
@@ -209,7 +213,8 @@ static int judge_file(const char *path, int small) {
 int main(int argc, char **argv) {
     int bad = 0;
     folder = getenv("STRESS_FOLDER") ? getenv("STRESS_FOLDER") : "build/stress";
-    options = (judge_options){.limit = number_of("STRESS_LIMIT", 5)};
+    options =
+        (judge_options){.limit = number_of("STRESS_LIMIT", 5), .spice = {getenv("STRESS_NGSPICE"), "/tmp"}};
     collect();
     if (argc == 4 && strcmp(argv[1], "print") == 0) {
         netlist n = {0};
