@@ -48,7 +48,7 @@ int ns_bridge_refused_end(const CKTcircuit *ckt) {
     const JOB *job = ckt->CKTcurJob;
     ns_bridge_report_error("%s is not supported; .op, .dc and .tran are%s",
                            job && job->JOBname ? job->JOBname : a->name, a->instead);
-    if (a->name == transfer)
+    if (job && a->name == transfer)
         hide_source((TFan *)ckt->CKTcurJob);
     return E_UNSUPP;
 }
