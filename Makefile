@@ -286,6 +286,12 @@ bench-points: deps ## the twenty netlists by points="auto" and "grid": rows, CPU
 	@[ -f build/bench/n_six_pulse.csv ] || BENCH=netlists build/bench/tests/bench/bench_cases
 	@build/bench/tests/bench/bench_points
 
+.PHONY: bench-periods
+bench-periods: deps ## the twenty netlists over a thousand periods: CPU beside ngspice's best settings at their error (BENCH=netlists first, if it never ran)
+	@$(MAKE) $(JOBS) B=build/bench CFLAGS='-O3 -DNDEBUG' bench-programs cm
+	@[ -f build/bench/n_six_pulse.csv ] || BENCH=netlists build/bench/tests/bench/bench_cases
+	@build/bench/tests/bench/bench_periods
+
 .PHONY: bench-siconos
 bench-siconos: deps ## the same beside Siconos, whose Debian packages it installs
 	@codemodels/install-packages.sh $(SICONOS_PACKAGES)

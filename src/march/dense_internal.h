@@ -45,7 +45,7 @@ void ns_march_dense_drop(ns_dense_run *r);
 void ns_march_dense_clear_instant(ns_dense_run *r); /* nothing jumped */
 int ns_march_dense_accept(ns_dense_run *r);
 
-/* dense_sample.c: the ladder begins a trial with NS_TO_STEP at the accepted point, from_event: at an event.
+/* dense_sample.c: the ladder goes on with a trial with NS_TO_STEP, from_event: an event is resolved first.
  * Errors: MEMORY.  sample and shortest of the table. */
 int ns_march_dense_begin_line(ns_dense_run *r, int from_event);
 int ns_march_dense_sample(ns_engine *e, double t, double *x, double *lambda);

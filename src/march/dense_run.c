@@ -110,7 +110,7 @@ static int go_to(ns_dense_run *r, double t, ns_until until) {
                    (until == NS_TO_STEP && r->trial.now.t > accepted_t);
             continue;
         }
-        if (until == NS_TO_STEP && (status = ns_march_dense_begin_line(r, from_event)) != NS_OK)
+        if (until == NS_TO_STEP && (status = ns_march_dense_begin_line(r, r->trial.at_event)) != NS_OK)
             break;
         const double interrupt = r->exact ? ns_exact_fallback_until(r->exact) : INFINITY;
         const ns_ladder_stop stop = {t, until, from_event, accepted_t, interrupt};

@@ -16,88 +16,17 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "results.h"
-#include "rival.h"
+#include "ways.h"
 
-enum { RUNS = 3, WAYS = 6 };
+enum { WAYS = 6 };
 static const char *const runs = "build/bench/run";
-
-typedef struct way { /* one way to run a case, with what came of it */
-    char name[96];
-    rival_setting setting;
-    rival_result result;
-    double seconds;
-} way;
-
-typedef struct errors {
-    double mean, extreme;
-} errors;
-
-static void run_way(const bench_case *c, double limit, int count, way *w) {
-    double seconds[RUNS];
-    for (int k = 0; k < count; k++) {
-        rival_run(c, &w->setting, 1, limit, &w->result);
-        seconds[k] = w->result.process;
-    }
-    w->seconds = median(count, seconds);
-}
-
-static way ours(const char *name, double step, const char *options) {
-    way w = {.setting = {.unmarked = 1,
-                         .name = "nonsmooth.cm",
-                         .models = {.diode = DECK_IDEAL},
-                         .reltol = 1e-3,
-                         .step = step,
-                         .options = options}};
-    snprintf(w.name, sizeof w.name, "%s", name);
-    return w;
-}
-
-/* The setting of a row of bench_cases; 0: none. */
-static int theirs(const bench_case *c, way *w) {
-    static results all;
-    static const rival_setting kinds[] = {{.name = "sidiode 1m", .models = {DECK_SIDIODE, 0, 1e-3, 1e6, 0}},
-                                          {.name = "sidiode 1u", .models = {DECK_SIDIODE, 0, 1e-6, 1e9, 0}},
-                                          {.name = "D n=0.01", .models = {DECK_D, 0.01, 1e-3, 1e6, 0}},
-                                          {.name = "D n=1", .models = {DECK_D, 1, 1e-3, 1e6, 0}}};
-    results_read(c->name, &all);
-    const result_row *r = results_fastest(&all, ROW_RIVAL, NULL, 1e-2);
-    r = r ? r : results_best(&all, ROW_RIVAL, NULL);
-    for (size_t k = 0; r && k < sizeof kinds / sizeof *kinds; k++)
-        if (strncmp(r->series, kinds[k].name, strlen(kinds[k].name)) == 0) {
-            const char *vh = strstr(r->series, "vh=");
-            double parts = 0;
-            w->setting = kinds[k];
-            w->setting.unmarked = 1;
-            w->setting.gear = strstr(r->series, "gear") != NULL;
-            w->setting.models.vh = vh ? strtod(vh + 3, NULL) : 0;
-            if (sscanf(r->setting, "reltol %lf unit/%lf", &w->setting.reltol, &parts) != 2)
-                return 0;
-            w->setting.step = 1 / parts;
-            snprintf(w->name, sizeof w->name, "%.39s %.39s", r->series, r->setting);
-            return 1;
-        }
-    return 0;
-}
-
-/* NAN where there is no value. */
-static errors errors_of(const bench_case *c, const rival_result *got, const rival_result *right) {
-    errors e = {0, 0};
-    for (int i = 0; i < c->unknowns; i++) {
-        const rival_shape *a = &got->shape[i], *b = &right->shape[i];
-        const double largest = fmax(fabs(b->most), fabs(b->least));
-        e.mean = fmax(e.mean, fabs(a->mean - b->mean) / b->size);
-        e.extreme = fmax(e.extreme, fmax(fabs(a->most - b->most), fabs(a->least - b->least)) / largest);
-    }
-    return e;
-}
 
 static void print_way(const bench_case *c, const way *w, const rival_result *right) {
     if (w->result.end != RIVAL_DONE) {
         printf("  %-44s %s\n", w->name, w->result.end == RIVAL_TIMEOUT ? "over its time" : "aborted");
         return;
     }
-    const errors e = errors_of(c, &w->result, right);
+    const way_errors e = way_errors_of(c, &w->result, right);
     printf("  %-44s %9ld %9.1f %10.2e %10.2e\n", w->name, w->result.points, w->seconds * 1e3, e.mean,
            e.extreme);
 }
@@ -110,7 +39,7 @@ static const rival_result *print_reference(const bench_case *c, const way *lines
                                                : "took too long, a fine grid instead");
         return lines->result.end == RIVAL_DONE ? &lines->result : &grid->result;
     }
-    const errors e = errors_of(c, &grid->result, &lines->result);
+    const way_errors e = way_errors_of(c, &grid->result, &lines->result);
     printf("  %-44s %9ld rows, a grid of %ld apart: mean %.2e, extremes %.2e\n", "reference",
            lines->result.points, grid->result.points, e.mean, e.extreme);
     return &lines->result;
@@ -118,20 +47,20 @@ static const rival_result *print_reference(const bench_case *c, const way *lines
 
 /* Returns how many times less CPU time auto takes than the grid of unit/20; 0: one of them failed. */
 static double run_case(const bench_case *c) {
-    way lines = ours("", 1, "lines=1e-8"), fine = ours("", 1 / 2000.0, "points=\"grid\"");
-    way all[WAYS] = {ours("points=\"auto\" .tran unit", 1, "points=\"auto\""),
-                     ours("points=\"auto\" .tran unit/20", 1 / 20.0, "points=\"auto\""),
-                     ours("points=\"grid\" .tran unit", 1, "points=\"grid\""),
-                     ours("points=\"grid\" .tran unit/20", 1 / 20.0, "points=\"grid\""),
-                     ours("points=\"grid\" .tran unit/200", 1 / 200.0, "points=\"grid\"")};
-    const int count = theirs(c, &all[WAYS - 1]) ? WAYS : WAYS - 1;
+    way lines = way_ours("", 1, "lines=1e-8"), fine = way_ours("", 1 / 2000.0, "points=\"grid\"");
+    way all[WAYS] = {way_ours("points=\"auto\" .tran unit", 1, "points=\"auto\""),
+                     way_ours("points=\"auto\" .tran unit/20", 1 / 20.0, "points=\"auto\""),
+                     way_ours("points=\"grid\" .tran unit", 1, "points=\"grid\""),
+                     way_ours("points=\"grid\" .tran unit/20", 1 / 20.0, "points=\"grid\""),
+                     way_ours("points=\"grid\" .tran unit/200", 1 / 200.0, "points=\"grid\"")};
+    const int count = way_theirs(c, 1e-2, &all[WAYS - 1]) ? WAYS : WAYS - 1;
     printf("\n== %s: %s (%g s, unit %g s)\n", c->name, c->title, c->end, c->unit);
     printf("  %-44s %9s %9s %10s %10s\n", "", "rows", "ms CPU", "mean", "extremes");
-    run_way(c, 60, 1, &lines);
-    run_way(c, 60, 1, &fine);
+    way_run(c, 60, 1, &lines);
+    way_run(c, 60, 1, &fine);
     const rival_result *right = print_reference(c, &lines, &fine);
     for (int k = 0; k < count; k++) {
-        run_way(c, 20, RUNS, &all[k]);
+        way_run(c, 20, WAY_RUNS, &all[k]);
         print_way(c, &all[k], right);
     }
     fflush(stdout);
@@ -150,12 +79,12 @@ static void fine_netlist(const deck_models *m, FILE *f) {
 
 static int run_fine(void) {
     bench_case c = {.name = "fine", .end = 10e-3, .unit = 1e-9, .times = 1, .unknowns = 2};
-    way w = ours("20 kHz converter, .tran 1n 10m", 1, NULL);
+    way w = way_ours("20 kHz converter, .tran 1n 10m", 1, NULL);
     c.netlist = fine_netlist;
     c.time[0] = c.end;
     snprintf(c.unknown[0].vector, sizeof c.unknown->vector, "v(out)");
     snprintf(c.unknown[1].vector, sizeof c.unknown->vector, "i(l1)");
-    run_way(&c, 20, 1, &w);
+    way_run(&c, 20, 1, &w);
     const int good = w.result.end == RIVAL_DONE && w.seconds < 1;
     printf("\n%s: %ld rows, %.3f s of CPU, goal 1 s: %s\n", w.name, w.result.points, w.seconds,
            good ? "reached" : "not reached");
