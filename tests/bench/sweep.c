@@ -86,25 +86,32 @@ static double grid_of(const bench_case *c) {
     return 0;
 }
 
-/* Through ngspice: with points at corners (the default), and on a grid alone. */
+/* Through ngspice: on grids, and with points chosen by lines. */
 static void put_ours(list *l, const plan *p, const bench_case *c) {
     static const double steps[] = {1, 1 / 20.0, 1 / 200.0};
+    static const char *const lines[] = {"lines=1e-2", "lines=1e-3", "lines=1e-4"};
     const double grid = grid_of(c);
     int before = -1;
     todo t = {.rival = {.name = "nonsmooth.cm", .models = {.diode = DECK_IDEAL}, .reltol = 1e-3},
               .coarser = -1};
     t.rival.step = grid / c->unit;
-    snprintf(t.options, sizeof t.options, "corners=0");
+    snprintf(t.options, sizeof t.options, "points=\"grid\" corners=0");
     if (grid > 0) {
         const int at = put(l, ROW_OURS, "nonsmooth.cm grid alone", t);
         snprintf(l->row[at].setting, sizeof l->row->setting, "corners=0 unit/%.3g", 1 / t.rival.step);
     }
-    t.options[0] = 0;
+    snprintf(t.options, sizeof t.options, "points=\"grid\"");
     for (int k = 0; k < (p->quick ? 2 : 3); k++) {
         t.rival.step = steps[k];
         t.coarser = before;
-        before = put(l, ROW_OURS, t.rival.name, t);
-        snprintf(l->row[before].setting, sizeof l->row->setting, "step unit/%.0f", 1 / t.rival.step);
+        before = put(l, ROW_OURS, "nonsmooth.cm grid", t);
+        snprintf(l->row[before].setting, sizeof l->row->setting, "grid unit/%.0f", 1 / t.rival.step);
+    }
+    t.rival.step = 1;
+    t.coarser = -1;
+    for (int k = 0; k < 3; k++) {
+        snprintf(t.options, sizeof t.options, "%s", lines[k]);
+        snprintf(l->row[put(l, ROW_OURS, "nonsmooth.cm", t)].setting, sizeof l->row->setting, "%s", lines[k]);
     }
 }
 
