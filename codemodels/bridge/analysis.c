@@ -7,6 +7,7 @@
 #include "many_points.h"
 #include "pure/timepoints.h"
 #include "report.h"
+#include "shown.h"
 #include "taken.h"
 
 /* Steps of the sparse engine, which controls its error and knows what is between, in those of the scheme. */
@@ -72,9 +73,27 @@ static int make_march(const ns_analysis *a, ns_march **out, ns_fault *fault) {
     return ns_march_create(a->system, &o, out, fault);
 }
 
-/* Voltages and currents that are shown, and currents of devices. */
+enum { NOT_SHOWN, VOLTAGE, CURRENT };
+
+/* Voltages and currents that are in the plot; of devices all currents, if one is. */
+static int choose_shown(const CKTcircuit *ckt, const ns_analysis *a, unsigned char *kind) {
+    unsigned char *shown = calloc((size_t)a->ex.neq + 1, 1);
+    if (!shown)
+        return NS_E_MEMORY;
+    const int known = ns_bridge_shown_read(ckt, a->ex.neq, shown);
+    int devices = !known;
+    for (int eq = 0; eq < a->ex.neq; eq++)
+        if (a->unknown[eq] >= 0 && (!known || shown[eq]))
+            kind[a->unknown[eq]] = a->ex.element[eq] >= 0 ? CURRENT : VOLTAGE;
+    for (int k = 0; k < a->ex.ndevices; k++)
+        devices |= shown[ns_bridge_models_branch(a->ex.device[k].inst)];
+    for (size_t k = (size_t)a->system->n; devices && k < a->count; k++)
+        kind[k] = CURRENT;
+    free(shown);
+    return NS_OK;
+}
+
 static int make_waveform(CKTcircuit *ckt, ns_analysis *a, const ns_waveform_integrals *taken) {
-    enum { NOT_SHOWN, VOLTAGE, CURRENT };
     unsigned char *kind = calloc(a->count + 1, 1);
     const ns_waveform_options o = {.lines = a->ex.options.lines,
                                    .squares = a->ex.options.squares,
@@ -85,12 +104,8 @@ static int make_waveform(CKTcircuit *ckt, ns_analysis *a, const ns_waveform_inte
                                    .floor = {[VOLTAGE] = 1e-12, [CURRENT] = 1e-15},
                                    .kind = kind,
                                    .integrals = taken};
-    for (int eq = 0; kind && eq < a->ex.neq; eq++)
-        if (a->unknown[eq] >= 0)
-            kind[a->unknown[eq]] = a->ex.element[eq] >= 0 ? CURRENT : VOLTAGE;
-    for (size_t k = (size_t)a->system->n; kind && k < a->count; k++)
-        kind[k] = CURRENT;
-    const int status = kind ? ns_waveform_create(a->system, a->march, &o, &a->waveform) : NS_E_MEMORY;
+    int status = kind ? choose_shown(ckt, a, kind) : NS_E_MEMORY;
+    status = status ? status : ns_waveform_create(a->system, a->march, &o, &a->waveform);
     free(kind);
     return status;
 }

@@ -1,0 +1,12 @@
+/* bridge/shown.h - which signals are in the plot of this run. */
+#ifndef BRIDGE_SHOWN_H
+#define BRIDGE_SHOWN_H
+
+#include "ngspice.h"
+
+/* During a transient analysis: shown[eq] (neq of ngspice's equations) becomes 1 where .save, .print and the
+ * like put the voltage or current of equation eq into the plot.  0: that is not known, as where a device's
+ * parameter (@r1[i]) is saved too, which depends on others. */
+int ns_bridge_shown_read(const CKTcircuit *ckt, int neq, unsigned char *shown);
+
+#endif
