@@ -231,6 +231,10 @@ int ns_sparse_step_euler(ns_sparse *m, double t, double g, const double *w, int 
 /* Stage i of a step; the next one, if it has not all of them. */
 int ns_sparse_step_stage(ns_sparse *m, ns_dense_step *step, const ns_cached_factors *k, int i);
 int ns_sparse_step_more(ns_sparse *m, ns_dense_step *step);
+/* 1 if the last stage leaves more of (P2) than rounding of its terms; then all stages again, each solution
+ * corrected once. */
+int ns_sparse_step_digits_lost(ns_sparse *m, const ns_dense_step *step);
+int ns_sparse_step_refine(ns_sparse *m, ns_dense_step *step);
 /* Dense output: w (n) by (E2), v = (x, lambda) by (E1), tau after its beginning. */
 void ns_sparse_step_state(const ns_sparse *m, const ns_dense_step *step, double tau, double *w);
 void ns_sparse_step_point(const ns_sparse *m, const ns_dense_step *step, double tau, double *v);

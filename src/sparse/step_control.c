@@ -148,6 +148,15 @@ static double inputs_error(const ns_sparse *m, int length_exponent) {
            (inputs_fraction * m->o.reltol);
 }
 
+/* What looks like a fast transient may be lost digits: the stages of all orders with corrected solutions. */
+static int refine_stages(ns_sparse *m, ns_dense_step *step, double fraction) {
+    const int status = ns_sparse_step_refine(m, step);
+    if (status == NS_OK)
+        step->converged =
+            are_enough(m, step, NS_ORDER, all_stages_fraction * fraction, size_of_power(m, step, NS_ORDER));
+    return status;
+}
+
 /* w at the beginning of the step made consistent with its mode, if pairs of the mode can carry the impulses;
  * else the worst of them is marked to break there. */
 static int remove_jump(ns_sparse *m, ns_dense_step *step) {
@@ -181,9 +190,16 @@ static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
         int status = solve_stages(m, step, room);
         if (status != NS_OK)
             return status;
-        double ratio = 1, jump = 0, time = 0;
-        const double whole = error_of(m, step, &ratio, &jump, &time),
-                     fraction = fmin(1, room / step->g / ERROR), error = whole * fraction;
+        double ratio = 1, jump = 0, time = 0, whole = error_of(m, step, &ratio, &jump, &time);
+        const double fraction = fmin(1, room / step->g / ERROR);
+        if (step->stages == NS_ORDER && (jump > 1 || (whole * fraction > 1 && ratio > decays)) &&
+            ns_sparse_step_digits_lost(m, step)) {
+            status = refine_stages(m, step, fraction);
+            if (status != NS_OK)
+                return status;
+            whole = error_of(m, step, &ratio, &jump, &time);
+        }
+        const double error = whole * fraction;
         step->next_exponent = step->length_exponent;
         if (step->stages == NS_ORDER && error <= 1 && jump > 1 && !consistent) {
             consistent = 1;

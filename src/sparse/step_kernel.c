@@ -1,9 +1,13 @@
 /* src/sparse/step_kernel.c - one step in one mode, by solves with one factor of (P2): its stages, what
  * rounding left of them, and state and unknowns at any time in it. */
 #include "guards.h"
+#include "regularise.h"
 
 #include <math.h>
 #include <string.h>
+
+/* Solutions that leave more of (P2) than this fraction of its terms have lost digits. */
+static const double accurate = 1e-10;
 
 /* The right-hand side of the row of a pair that slides, without inputs. */
 static double threshold(const ns_sparse *m, int j) {
@@ -84,6 +88,35 @@ int ns_sparse_step_stage(ns_sparse *m, ns_dense_step *step, const ns_cached_fact
     double *w = step->powers + (size_t)i * n;
     return ns_sparse_step_solve(m, k, step->t, step->g, i, w, step->z + (size_t)i * nz,
                                 step->images + (size_t)i * size, w + n);
+}
+
+int ns_sparse_step_digits_lost(ns_sparse *m, const ns_dense_step *step) {
+    const size_t i = (size_t)step->stages - 1, n = (size_t)m->f->n;
+    const ns_cached_factors *k;
+    if (ns_sparse_factors_factor(m->q, step->g, m->mode, 0, &k) != NS_OK || k->has_leaks)
+        return 0; /* with leaks solutions are corrected */
+    const int any = ns_inputs_stages_stage(m->in, step->t, step->g, (int)i, m->z);
+    ns_sparse_step_rhs(m, step->g, step->powers + i * n, m->z, any, i == 0);
+    return !(ns_sparse_leaks_left(m->f, step->g, m->mode, NULL, m->r, step->images + i * (size_t)m->f->size,
+                                  NULL, m->work.residual) <= accurate);
+}
+
+int ns_sparse_step_refine(ns_sparse *m, ns_dense_step *step) {
+    const ns_cached_factors *k;
+    int status = ns_sparse_factors_factor(m->q, step->g, m->mode, 0, &k);
+    for (int i = 0; i < step->stages && status == NS_OK; i++) {
+        double *v = step->images + (size_t)i * (size_t)m->f->size;
+        status = ns_sparse_step_stage(m, step, k, i);
+        if (status != NS_OK)
+            return status;
+        ns_sparse_form_subtract(m->f, step->g, m->mode, v, m->r);
+        if (ns_sparse_factors_solve(m->q, k, m->r, m->work.v) != NS_OK)
+            continue;
+        for (int a = 0; a < m->f->size; a++)
+            v[a] += m->work.v[a];
+        rates(m, step->g, v, step->powers + (size_t)(i + 1) * (size_t)m->f->n);
+    }
+    return status;
 }
 
 int ns_sparse_step_residue(ns_sparse *m, const ns_dense_step *step, double *sum) {
