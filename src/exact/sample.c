@@ -162,7 +162,11 @@ double ns_exact_shortest(ns_exact *f, double t, double *until) {
         i++;
     if (i + 1 < k->scales)
         *until = ns_higher(f->way.from.last_event_t + k->scale[i + 1].from, nextafter(t, INFINITY));
-    const double h = is_straight(f) ? INFINITY : ns_lower(k->scale[i].h, length / OF_LENGTH);
+    double h = k->scale[i].h; /* the kernel's step: a part of the fastest time constant */
+    if (h < length)
+        h = ns_lower(h, length / OF_LENGTH);
+    if (is_straight(f))
+        h = INFINITY;
     if (*until >= f->way.end_t)
         *until = INFINITY;
     return ns_lower(h, f->mutes_shortest);

@@ -108,7 +108,7 @@ static void begin_search(ns_waveform *w, double base, ns_search *s) {
 static int look(ns_waveform *w, ns_segment *g, ns_search *s, int *all, double *off) {
     const double most = s->last_t - s->base;
     *all = s->length >= most - fmax(s->least, 1e-3 * most);
-    if (*all && g->last == 0 && !w->fresh && first_part * most > s->least) {
+    if (*all && g->last == 0 && first_part * most > s->least) {
         *all = 0; /* no line is taken unseen */
         s->length = first_part * most;
     }
