@@ -121,18 +121,72 @@ static int write_pairs(line_writer *w, const ns_circuit *c, const ns_fault *f, i
     return written;
 }
 
+static int is_current_source(const element *e) {
+    return e->output == NS_CURRENT &&
+           (e->kind == SOURCE || e->kind == VCONTROLLED || e->kind == ICONTROLLED || e->kind == LINEAR);
+}
+
+static int is_device(const element *e) {
+    return e->kind == DIODE || e->kind == SWITCH;
+}
+
+/* The next element from i on, of this sort, that ends at a node; -1: none. */
+static int next_at(const ns_circuit *c, const node_info *at, int (*sort)(const element *e), int i) {
+    for (; c && at && i < c->nelements; i++) {
+        if (sort(&c->element[i]) &&
+            (c->element[i].node[0] == at->number || c->element[i].node[1] == at->number)) {
+            return i;
+        }
+    }
+    return -1;
+}
+
+/* At a node whose voltage has no solution: the sources whose currents have no path, and the devices that
+ * could carry them. */
+static int write_interrupted(line_writer *w, const ns_circuit *c, const ns_fault *f, int unknown, int written,
+                             int with_kind) {
+    const node_info *at = node_of_unknown(c, unknown);
+    int named = 0, i;
+    if (f->status != NS_E_INFEASIBLE || f->npairs > 0 || next_at(c, at, is_current_source, 0) < 0) {
+        return written;
+    }
+    for (i = -1; (i = next_at(c, at, is_current_source, i + 1)) >= 0 && named++ < NS_FAULT_MAX;) {
+        write_text(w, "%s%s%s", written++ ? ", " : "", with_kind ? "current of " : "", c->element[i].name);
+    }
+    for (i = -1; (i = next_at(c, at, is_device, i + 1)) >= 0 && named++ < NS_FAULT_MAX;) {
+        write_text(w, "%s", written++ ? ", " : "");
+        write_pair(w, c, c->element[i].pair, with_kind);
+    }
+    return written;
+}
+
 static int write_unknowns(line_writer *w, const ns_circuit *c, const ns_fault *f, int written,
                           int with_kind) {
     for (int i = 0; i < count_of(f->nunknowns); i++) {
+        written = write_interrupted(w, c, f, f->unknown[i], written, with_kind);
         write_text(w, "%s", written++ ? ", " : "");
         write_unknown(w, c, f->unknown[i], with_kind);
     }
     return written;
 }
 
+/* The first pair given up at is a switch with hysteresis: what it does, and what helps. */
+static void write_contradiction(line_writer *w, const ns_circuit *c, const ns_fault *f) {
+    const element *e = count_of(f->npairs) > 0 ? element_of_pair(c, f->pair[0]) : NULL;
+    if (e && e->kind == SWITCH && e->sw.vh > 0) {
+        write_text(w,
+                   " (ideal switch %s: if it moves its own control past both thresholds at once, it can be "
+                   "neither open nor closed; give it a larger vh, or delay its control by R and C)",
+                   e->name);
+    }
+}
+
 /* The usual cause. */
 static void write_cause(line_writer *w, const ns_circuit *c, const ns_fault *f) {
     int written;
+    if (f->status == NS_E_LIMIT) {
+        write_contradiction(w, c, f);
+    }
     if (f->status != NS_E_INFEASIBLE && f->status != NS_E_SINGULAR) {
         return;
     }

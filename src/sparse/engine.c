@@ -97,7 +97,7 @@ static int name_fault(ns_sparse *m, const ns_dense_step *step, int status) {
                      : step->pair >= 0          ? step->pair
                      : step->command >= 0       ? m->s->command[step->command].pair
                                                 : -1;
-    if (status != NS_E_LIMIT)
+    if (status != NS_E_LIMIT && (status != NS_E_INFEASIBLE || m->fault.npairs > 0))
         return status;
     m->fault.npairs = pair >= 0;
     if (pair >= 0)
@@ -105,6 +105,11 @@ static int name_fault(ns_sparse *m, const ns_dense_step *step, int status) {
     else if (step->at_event)
         name_commands(m, step);
     return status;
+}
+
+/* Of two refusals the one that says most: that there is no solution. */
+static int worst_of(int first, int second) {
+    return first == NS_E_INFEASIBLE ? first : second;
 }
 
 /* The step after that of the trial. */
@@ -126,10 +131,11 @@ static int step_of_high_order(ns_sparse *m) {
         ns_inputs_stages_find_command(m->in, from->t, m->o.h, from->mode);
     }
     status = from->at_event ? step_from_event(m, t, from, to) : ns_sparse_next_step(m, t, from, to);
-    if (is_refusal(status) && m->contradicting_pair < 0)
+    const int refused = status;
+    if (is_refusal(refused) && m->contradicting_pair < 0)
         status = ns_sparse_next_captured(m, t, from, to);
     if (status != NS_OK)
-        return name_fault(m, from, status);
+        return name_fault(m, from, status == NS_E_MEMORY ? status : worst_of(refused, status));
     enter_step(m, to, t);
     return NS_OK;
 }

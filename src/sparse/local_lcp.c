@@ -154,8 +154,8 @@ static int name_loop(ns_sparse *m, const double *v) {
 int ns_sparse_local_lcp(ns_sparse *m, double t, double g, const double *w, double *v, double *by) {
     for (int round = 0; round < ROUNDS; round++) {
         const int count = choose_pairs(m);
-        if (count == 0 || count > MOST)
-            return NS_E_LIMIT;
+        if (count == 0 || count > MOST) /* none: the equations contradict each other, whatever pairs do */
+            return count == 0 ? NS_E_INFEASIBLE : NS_E_LIMIT;
         int status = solve_once(m, count, t, g, w, v, by);
         if (status != NS_OK)
             return status;

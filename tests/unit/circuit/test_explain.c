@@ -157,6 +157,34 @@ static void names_cannot_break_the_line(void **state) {
     ns_circuit_free(c);
 }
 
+/* A source of current at a node that has no voltage: the switch there opened.  A switch with hysteresis. */
+static void causes_have_names(void **state) {
+    const ns_switch plain = {0.5, 0, 0, INFINITY}, band = {0.5, 0.1, 0, INFINITY};
+    const ns_signal one = {.kind = NS_DC, .u.dc = 1};
+    ns_circuit *c;
+    ns_fault f = {.status = NS_E_INFEASIBLE, .t = NAN, .nunknowns = 1, .unknown = {1}};
+    (void)state;
+    assert_int_equal(ns_circuit_create(&c), NS_OK);
+    assert_int_equal(ns_circuit_resistor(c, "r1", 1, 0, 1, NULL), NS_OK);
+    assert_int_equal(ns_circuit_source(c, "i1", NS_CURRENT, 0, 2, &one, NULL), NS_OK);
+    assert_int_equal(ns_circuit_switch(c, "s1", 2, 0, 1, 0, &plain, NULL), NS_OK);
+    assert_int_equal(ns_circuit_switch(c, "s2", 1, 0, 1, 0, &band, NULL), NS_OK);
+    assert_line(c, &f,
+                "i1, s1, node 2: no solution exists (current of i1, ideal switch s1, voltage of node 2: "
+                "conflict with sources or an .ic; look for a loop without resistance or a current without a "
+                "closed path)");
+    f.unknown[0] = 0;
+    assert_line(c, &f,
+                "node 1: no solution exists (voltage of node 1: conflict with sources or an .ic; look for a "
+                "loop without resistance or a current without a closed path)");
+    f = (ns_fault){.status = NS_E_LIMIT, .t = NAN, .npairs = 1, .pair = {1}};
+    assert_line(c, &f,
+                "s2: gave up: the iteration bound was met (ideal switch s2: if it moves its own control past "
+                "both thresholds at once, it can be neither open nor closed; give it a larger vh, or delay "
+                "its control by R and C)");
+    ns_circuit_free(c);
+}
+
 /* The current of the element that came first. */
 static void the_first_element_has_a_name(void **state) {
     ns_circuit *c = NULL;
@@ -175,6 +203,7 @@ int main(void) {
         cmocka_unit_test(switch_in_both_states),
         cmocka_unit_test(only_devices_are_read),
         cmocka_unit_test(faults_have_names),
+        cmocka_unit_test(causes_have_names),
         cmocka_unit_test(the_first_element_has_a_name),
         cmocka_unit_test(strange_faults),
         cmocka_unit_test(long_lines_are_cut),
