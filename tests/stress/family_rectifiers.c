@@ -254,9 +254,10 @@ static void boost_pfc(maker *m) {
 static void synchronous_rectifier(maker *m) {
     const point w = begin(m, 8);
     m->gate_rc = 0;
-    line(m, &w, "a", "b", 0);
-    gate_compare(m, "g1", "a", "b", w.V * 0.05, w.V * 0.03);
-    gate_compare(m, "g2", "b", "a", w.V * 0.05, w.V * 0.03);
+    sine(m, "s", "b", w.V, w.f, 0);
+    inductor(m, "s", "a", w.Ls, 0);
+    gate_compare(m, "g1", "s", "b", w.V * 0.05, w.V * 0.03);
+    gate_compare(m, "g2", "b", "s", w.V * 0.05, w.V * 0.03);
     mosfet(m, "p", "a", "g1");
     mosfet(m, "b", "0", "g1");
     mosfet(m, "p", "b", "g2");

@@ -14,6 +14,7 @@
 
 static const rlim_t MEMORY = (rlim_t)3 << 30;
 static const int TRIALS = 20000000;
+static const double LEAK = 1e-7;  /* V, A, and A for each V: below it all is rounding */
 static const double BRIEF = 1e-4; /* of a step of .tran */
 
 double run_time(const plan *p, int k) {
@@ -96,7 +97,9 @@ static void note_devices(way *w, double t) {
 }
 
 static void sum_up_signs(way *w) {
-    const double v = w->wrong_v / fmax(w->largest_v, 1e-300), i = w->wrong_i / fmax(w->largest_i, 1e-300);
+    const double largest_v = fmax(w->largest_v, LEAK * w->largest_i),
+                 largest_i = fmax(w->largest_i, LEAK * w->largest_v);
+    const double v = w->wrong_v / fmax(largest_v, LEAK), i = w->wrong_i / fmax(largest_i, LEAK);
     w->r->wrong_sign = fmax(v, i);
     w->r->wrong_t = v > i ? w->wrong_vt : w->wrong_it;
     w->r->wrong_part = v > i ? w->part_v : w->part_i;

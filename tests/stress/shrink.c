@@ -159,7 +159,8 @@ static void shorten(search *s) {
             char text[1024], *word[WORDS], stop[32];
             snprintf(text, sizeof text, "%s", c.line[i]);
             const int count = cut(text, word);
-            if (count < 3 || strcmp(word[0], ".tran") != 0)
+            if (count < 3 || strcmp(word[0], ".tran") != 0 ||
+                strtod(word[2], NULL) < 4 * strtod(word[1], NULL))
                 continue;
             snprintf(stop, sizeof stop, "%.4g", factors[k] * strtod(word[2], NULL));
             word[2] = stop;
@@ -199,9 +200,21 @@ static void round_numbers(search *s, const char *format) {
     }
 }
 
+/* Only the runs that show it. */
+static void choose_runs(judge_options *o, const judge_finding *f) {
+    const int alone = f->culprit >= 0 && (strstr(f->kind, "(S4)") || strstr(f->kind, "NS_E_") ||
+                                          f->verdict == JUDGE_CRASHED || f->verdict == JUDGE_SLOW);
+    o->verbose = 0;
+    o->theta = strstr(f->kind, "theta") != NULL;
+    if (alone)
+        o->runs = 1u << f->culprit;
+    else if (f->culprit >= 0)
+        o->runs = 1u << f->culprit | 1u << J_EXACT | 1u << J_SPARSE;
+}
+
 void shrink(netlist *n, judge_finding *f, const judge_options *o, double seconds) {
-    search s = {n, f, *o, now() + seconds, 1};
-    s.o.verbose = 0;
+    search s = {n, f, *o, now() + seconds, f->verdict != JUDGE_RIGHT};
+    choose_runs(&s.o, f);
     while (s.gained && now() < s.until) {
         s.gained = 0;
         shorten(&s);
