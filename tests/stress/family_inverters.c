@@ -283,7 +283,7 @@ static void matrix_row(maker *m) {
     for (int i = 0; i < 3; i++) {
         const char *a = indexed("a", i), *y = indexed("y", i), *g = indexed("g", i);
         sine(m, a, "0", w.V, w.f, -120 * i);
-        gate(m, g, i / 3.0, 1.0 / 3);
+        gate(m, g, i / 3.0, 1.0 / 3 - 0.01);
         if (chance(m, 0.5)) {
             contact(m, a, y, g, "0");
             resistor(m, y, "x", 1e-3 * w.V / w.I);

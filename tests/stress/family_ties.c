@@ -29,8 +29,9 @@ static void complementary(maker *m) {
     m->edge = chance(m, 0.5) ? 1e-9 : m->T * 0.01;
     supply(m, "in", "0", V);
     m->gate_rc = 0;
-    gate(m, "ga", 0, D);
-    gate(m, "gb", D, 1 - D);
+    for (int i = 0; i < 2; i++) /* of the same corners */
+        netlist_put(m->n, "V%d g%c 0 PULSE(%d %d 0 %.4g %.4g %.9g %.9g)", ++m->ids, 'a' + i, i, 1 - i,
+                    m->edge, m->edge, D * m->T - m->edge, m->T);
     mosfet(m, "in", "x", "ga");
     mosfet(m, "x", "0", "gb");
     inductor(m, "x", "out", fit_l(m, V, I), 0);

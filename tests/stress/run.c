@@ -23,7 +23,7 @@ double run_time(const plan *p, int k) {
 }
 
 double run_band_time(const plan *p, int at) {
-    return run_time(p, at / RUN_BAND) + (at % RUN_BAND - 1) * RUN_ASIDE * p->step;
+    return run_time(p, at / RUN_BAND) + (at % RUN_BAND - 1) * RUN_ASIDE * fmin(p->step, p->stop / RUN_TIMES);
 }
 
 run_result *run_room(void) {
@@ -125,7 +125,7 @@ static int go_by_steps(way *w) {
     double t = 0, reached;
     int at = 0, status = NS_OK;
     for (int k = 0; k < TRIALS && at < RUN_TIMES * RUN_BAND; k++) {
-        status = ns_march_try(w->march, w->p->stop, NS_TO_STEP, &reached);
+        status = ns_march_try(w->march, w->p->stop + w->p->step, NS_TO_STEP, &reached);
         if (status != NS_OK)
             return status;
         for (; at < RUN_TIMES * RUN_BAND && run_band_time(w->p, at) <= reached && reached > t; at++) {

@@ -6,7 +6,7 @@
 #include "plan.h"
 
 /* Compared are RUN_TIMES instants; for those whose events are a little early or late a run also has the
- * values at RUN_ASIDE steps of .tran before and after each. */
+ * values at RUN_ASIDE steps of .tran (of a 160th of the run, if that is less) before and after each. */
 enum { RUN_TIMES = 160, RUN_BAND = 3, RUN_LINE = 200 };
 #define RUN_ASIDE 0.1
 
