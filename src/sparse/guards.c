@@ -161,6 +161,15 @@ int ns_sparse_guard_flip(ns_sparse *m, const double *v, const double *w, double 
     return count;
 }
 
+void ns_sparse_guard_largest(const ns_sparse *m, const double *v, double *y, double *lambda) {
+    *y = *lambda = 0;
+    for (int j = 0; j < m->f->m; j++)
+        if (m->mode[j] == NS_INSIDE)
+            *lambda = ns_higher(*lambda, fabs(v[m->f->n + j]));
+        else
+            *y = ns_higher(*y, fabs(ns_sparse_form_y(m->f, j, v, m->work.no_inputs, 0)));
+}
+
 int ns_sparse_guard_enough(const ns_sparse *m, const ns_dense_step *step, int p) {
     const size_t last = (size_t)p - 1;
     const double *v = step->images + last * (size_t)m->f->size, *z = step->z + last * (size_t)m->f->nz,

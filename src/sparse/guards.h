@@ -29,6 +29,9 @@ int ns_sparse_guard_flip(ns_sparse *m, const double *v, const double *w, double 
  * (nc), or NULL), their switch slides from the mode of that step on. */
 int ns_sparse_guard_commands(ns_sparse *m, const double *v, const ns_dense_step *step,
                              unsigned char *changed);
+/* The largest y of pairs at a bound, and lambda of pairs inside, of a change v of (x, lambda). work.no_inputs
+ * is zero. */
+void ns_sparse_guard_largest(const ns_sparse *m, const double *v, double *y, double *lambda);
 /* 1 if pair j keeps its law at v, to the last bit. */
 int ns_sparse_guard_holds(const ns_sparse *m, int j, const double *v);
 /* 1 if lambda, y and controls of the last of p stages are so small that no further stages are needed. */

@@ -40,16 +40,6 @@ int ns_sparse_instant_add(ns_sparse *m, double g, ns_instant *to) {
     return status == NS_E_SINGULAR ? NS_OK : status;
 }
 
-/* The largest y of pairs at a bound, and lambda of pairs inside, of v = (x, lambda). */
-static void largest_of_guards(const ns_sparse *m, const double *v, double *y, double *lambda) {
-    *y = *lambda = 0;
-    for (int j = 0; j < m->f->m; j++)
-        if (m->mode[j] == NS_INSIDE)
-            *lambda = ns_higher(*lambda, fabs(v[m->f->n + j]));
-        else
-            *y = ns_higher(*y, fabs(ns_sparse_form_y(m->f, j, v, m->work.no_inputs, 0)));
-}
-
 int ns_sparse_instant_misfit(ns_sparse *m, double g, int *pair, int *upper) {
     const ns_cached_factors *k;
     double *v = m->work.v, largest_y, largest_lambda, worst = 0;
@@ -61,7 +51,7 @@ int ns_sparse_instant_misfit(ns_sparse *m, double g, int *pair, int *upper) {
     status = ns_sparse_factors_solve(m->q, k, m->r, v);
     if (status != NS_OK)
         return status == NS_E_SINGULAR ? NS_OK : status;
-    largest_of_guards(m, v, &largest_y, &largest_lambda);
+    ns_sparse_guard_largest(m, v, &largest_y, &largest_lambda);
     for (int j = 0; j < m->f->m; j++) {
         const int inside = m->mode[j] == NS_INSIDE, guards = guards_of(m, j);
         const double most = inside ? largest_lambda : largest_y,

@@ -193,6 +193,7 @@ struct ns_sparse {
         long double *exact;         /* n+m: in more digits */
         double *no_inputs;          /* nz: zero */
         ns_mode *mode;              /* m */
+        ns_mode *tried_mode;        /* m: where a search for a mode began */
     } work;
 
     /* what the caller sees */
