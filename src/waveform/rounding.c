@@ -18,11 +18,13 @@ static double fourth_difference(const ns_waveform *w, double *const *row, int i)
     return most;
 }
 
-int ns_waveform_measure_rounding(ns_waveform *w, double t, double most) {
+int ns_waveform_measure_rounding(ns_waveform *w, double t, double most, int *matters) {
+    static const double small = 0.1; /* of what is allowed */
     double *row[COUNT];
     const double shortest = ns_march_shortest(w->march, t, NULL), length = fmin(most, 0.3 * shortest);
     int taken = 0, status = NS_OK;
     w->rounding_known = 1;
+    *matters = 0;
     if (!(length > 4 * COUNT * DBL_EPSILON * fabs(t)))
         return NS_OK;
     for (; taken < COUNT; taken++) {
@@ -30,8 +32,10 @@ int ns_waveform_measure_rounding(ns_waveform *w, double t, double most) {
         if (status != NS_OK)
             break;
     }
-    for (int i = 0; i < w->looked && status == NS_OK; i++)
+    for (int i = 0; i < w->looked && status == NS_OK; i++) {
         w->rounding[i] = fourth_difference(w, row, i);
+        *matters |= w->rounding[i] * w->per_tolerance[i] > small;
+    }
     while (taken > 0)
         ns_waveform_return_row(w, row[--taken]);
     w->stale = 1;

@@ -125,7 +125,9 @@ static int lengthen(const ns_waveform *w, const ns_segment *g, ns_search *s, dou
     const double least = alike * s->length, most = (w->fresh ? fresh_growth : growth) * s->length;
     double next = fmin(reach(s->length, off), most);
     s->off = off;
-    if (g->last == 1)
+    if (g->last == 1 && !w->fresh && s->too_long == INFINITY)
+        next = fmax(w->proposal, least);
+    else if (g->last == 1)
         next = fmin(fmax(next, least), aim * s->too_long);
     else if (next * alike > s->too_long)
         return 1;
@@ -155,12 +157,14 @@ static int shorten(ns_waveform *w, ns_segment *g, ns_search *s, double off) {
 
 /* A smooth curve is at most four times as far off where a line is twice as long. */
 static int is_suspect(const ns_waveform *w, const ns_search *s, double off) {
-    return s->shorter > 1 || (s->shorter > 0 && !w->fresh && off > 16);
+    return s->shorter > 2 || (s->shorter > 0 && !w->fresh && off > 16);
 }
 
-/* Is it rounding that no line comes near to?  The search begins anew. */
-static int look_for_rounding(ns_waveform *w, ns_segment *g, ns_search *s) {
-    const int status = ns_waveform_measure_rounding(w, s->base, s->first_length);
+/* Is it rounding that no line comes near to?  If it is, the search begins anew: *again. */
+static int look_for_rounding(ns_waveform *w, ns_segment *g, ns_search *s, int *again) {
+    const int status = ns_waveform_measure_rounding(w, s->base, s->first_length, again);
+    if (!*again)
+        return status;
     drop_probes(w, g);
     s->length = s->first_length;
     s->too_long = INFINITY;
@@ -184,8 +188,9 @@ static int grow(ns_waveform *w, ns_segment *g, ns_search *s) {
         else
             taken = off <= 1 ? lengthen(w, g, s, off) || all : shorten(w, g, s, off);
         if (is_suspect(w, s, off) && !w->rounding_known) {
-            status = look_for_rounding(w, g, s);
-            taken = 0;
+            int again;
+            status = look_for_rounding(w, g, s, &again);
+            taken = taken && !again;
         }
     }
     return status;

@@ -127,7 +127,7 @@ void ns_waveform_note_given(ns_waveform *w, const ns_segment *g);
 /* rounding.c: samples on the way of the stretch from t to t + most at most, so close together that nothing
  * but rounding tells them from a parabola: what they differ by is allowed too, until it is forgotten. Errors:
  * those of ns_march_sample(). */
-int ns_waveform_measure_rounding(ns_waveform *w, double t, double most);
+int ns_waveform_measure_rounding(ns_waveform *w, double t, double most, int *matters);
 void ns_waveform_forget_rounding(ns_waveform *w);
 
 /* segment.c: the longest segment from w->made.at[0], to the end of the stretch at most.  Errors: those of
