@@ -104,7 +104,10 @@ CM_OBJ := $(MODELS:%=$(CM)/%/ifspec.o) $(MODELS:%=$(CM)/%/cfunc.o) $(BRIDGE:%.c=
     $(CM)/dlmain.o $(CM)/dstring.o
 CM_LISTS := $(addprefix $(CM)/,cmextrn.h cminfo.h udnextrn.h udninfo.h)
 # ngspice's headers and what cmpp makes of ours are not written for our warnings.
-NG_INCLUDE := -isystem $(NG)/tree/src/include -isystem $(NG)/tree/src
+# 39 of 39.3; a tree between releases, 46+, counts as the next one.
+NG_MAJOR = $(eval NG_MAJOR := $$(shell awk -F'"' '/define PACKAGE_VERSION/ { print int($$$$2) + ($$$$2 ~ /[+]/) }' \
+    $(NG)/tree/src/include/ngspice/config.h))$(NG_MAJOR)
+NG_INCLUDE = -isystem $(NG)/tree/src/include -isystem $(NG)/tree/src -DNGSPICE_MAJOR=$(NG_MAJOR)
 CM_CFLAGS = -std=gnu11 $(CFLAGS) -w -fPIC -MMD -MP -Iinclude -Icodemodels/bridge -I$(CM) $(NG_INCLUDE)
 
 # LAPACK, BLAS and KLU come from archives where there are some: to load the shared ones takes longer than ngspice's
@@ -116,7 +119,8 @@ CM_LIBS = $(if $(filter $(words $(CM_ARCHIVES)),$(words $(CM_FOUND))),$(CM_FOUND
 cm: $(B)/nonsmooth.cm
 .SECONDARY: $(MODELS:%=$(CM)/%/ifspec.c) $(MODELS:%=$(CM)/%/cfunc.c)
 
-$(B)/nonsmooth.cm: $(CM_OBJ) $(B)/libnonsmooth.a codemodels/nonsmooth.map
+CM_LIB ?= $(B)/libnonsmooth.a
+$(B)/nonsmooth.cm: $(CM_OBJ) $(CM_LIB) codemodels/nonsmooth.map
 	@echo "  LINK    $@"
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,--version-script=codemodels/nonsmooth.map -Wl,--no-undefined \
 	    $(filter %.o %.a,$^) -o $@ $(CM_LIBS)
@@ -388,7 +392,7 @@ picture: deps # the drawing that README shows
 
 C_FILES := $(wildcard include/*.h include/*/*.h src/*/*.[ch] src/*/*/*.[ch] codemodels/bridge/*.[ch] codemodels/bridge/*/*.[ch] tests/*/*.[ch] tests/unit/*/*.[ch])
 TIDY_FILES := $(filter %.c,$(C_FILES))
-TIDY_FLAGS := -std=c11 -Iinclude -Isrc -Itests/rig -Itests/bench -Itests/compare -Icodemodels/bridge/pure $(NG_INCLUDE)
+TIDY_FLAGS = -std=c11 -Iinclude -Isrc -Itests/rig -Itests/bench -Itests/compare -Icodemodels/bridge/pure $(NG_INCLUDE)
 
 .PHONY: lint
 lint: deps-lint ## clang-format, clang-tidy, cppcheck, shellcheck, and all of it built by clang and by gcc

@@ -7,9 +7,8 @@
 #include <math.h>
 
 #include "models.h"
-#include "ngspice/spmatrix.h"
+#include "versions.h"
 
-#include "maths/sparse/spdefs.h"
 #include "spicelib/devices/res/resdefs.h"
 
 enum { EQUATIONS_MAX = 10000000 };
@@ -27,7 +26,12 @@ static int nodes_fit(const CKTcircuit *ckt) {
 }
 
 static int matrix_fits(const CKTcircuit *ckt) {
-    const struct MatrixFrame *m = ckt->CKTmatrix;
+    ns_versions_klu klu;
+    if (!ckt->CKTmatrix)
+        return 0;
+    if (ns_bridge_versions_klu(ckt->CKTmatrix, &klu))
+        return klu.n > 0 && klu.n < ckt->CKTmaxEqNum && klu.column && klu.row && klu.element && klu.number;
+    const struct MatrixFrame *m = ns_bridge_versions_sparse(ckt->CKTmatrix);
     return m && m->ID == SPARSE_ID && m->Size > 0 && m->Size <= m->ExtSize && m->ExtSize < ckt->CKTmaxEqNum;
 }
 

@@ -3,58 +3,56 @@
  * After all devices have loaded the matrix, it is cleared and ones are put on elements that make up a
  * permutation; the right-hand side is the solution, permuted.  The solve is exact then, whatever the
  * elements and the time step are, and no pivot can be chosen other than the ones.  The elements are a
- * perfect matching of rows and columns, diagonal ones first (they give little fill-in). */
+ * perfect matching of rows and columns, diagonal ones first (they give little fill-in).  KLU factors blocks
+ * of the matrix, which were chosen by its structure: all elements of a perfect matching lie inside them. */
 #include "force.h"
 
 #include <string.h>
 
-#include "ngspice/spmatrix.h"
-
-#include "maths/sparse/spdefs.h"
-
-/* A matching in the making; indices are the matrix's internal ones at that time, 1..n. */
+/* A matching in the making. */
 typedef struct matching {
-    const struct MatrixFrame *m;
-    ElementPtr *of_row; /* the element chosen in a row */
-    int *seen;          /* of a row: the last search that met it */
+    const ns_matrix_columns *m;
+    int *of_row;    /* the element chosen in a row, -1: none */
+    int *column_of; /* the column of that element */
+    int *seen;      /* of a row: the last search that met it, from 1 on */
     int search;
 } matching;
 
+static int choose(matching *g, int k, int column) {
+    const int row = g->m->element[k].row;
+    g->of_row[row] = k;
+    g->column_of[row] = column;
+    return 1;
+}
+
 /* Finds a row for column c, sending other columns elsewhere where that helps. */
 static int augment(matching *g, int c) {
-    for (ElementPtr e = g->m->FirstInCol[c]; e; e = e->NextInCol) {
-        const int row = e->Row;
+    for (int k = g->m->begin[c]; k < g->m->begin[c + 1]; k++) {
+        const int row = g->m->element[k].row;
         if (g->seen[row] == g->search)
             continue;
         g->seen[row] = g->search;
-        if (!g->of_row[row] || augment(g, g->of_row[row]->Col)) {
-            g->of_row[row] = e;
-            return 1;
-        }
+        if (g->of_row[row] < 0 || augment(g, g->column_of[row]))
+            return choose(g, k, c);
     }
     return 0;
-}
-
-static int is_diagonal(const struct MatrixFrame *m, ElementPtr e, int c) {
-    return m->IntToExtRowMap[e->Row] == m->IntToExtColMap[c];
 }
 
 /* 1 if column c is served by its diagonal. */
 static int take_diagonal(matching *g, int c) {
-    for (ElementPtr e = g->m->FirstInCol[c]; e; e = e->NextInCol) {
-        if (is_diagonal(g->m, e, c)) {
-            g->of_row[e->Row] = e;
-            return 1;
-        }
-    }
+    for (int k = g->m->begin[c]; k < g->m->begin[c + 1]; k++)
+        if (g->m->row_number[g->m->element[k].row] == g->m->column_number[c])
+            return choose(g, k, c);
     return 0;
 }
 
 static int match_columns(matching *g, unsigned char *served) {
-    for (int c = 1; c <= g->m->Size; c++)
+    for (int c = 0; c < g->m->n; c++)
+        g->of_row[c] = -1;
+    for (int c = 0; c < g->m->n; c++)
         served[c] = (unsigned char)take_diagonal(g, c);
-    for (int c = 1; c <= g->m->Size; c++) {
-        g->search = c;
+    for (int c = 0; c < g->m->n; c++) {
+        g->search = c + 1;
         if (!served[c] && !augment(g, c))
             return E_SINGULAR;
     }
@@ -63,49 +61,55 @@ static int match_columns(matching *g, unsigned char *served) {
 
 static int choose_entries(ns_force *f, matching *g, unsigned char *served) {
     const int error = match_columns(g, served);
-    for (int row = 1; row <= g->m->Size && !error; row++) {
-        ElementPtr e = g->of_row[row];
-        f->entry[row - 1] =
-            (ns_force_entry){&e->Real, g->m->IntToExtRowMap[row], g->m->IntToExtColMap[e->Col]};
-    }
+    for (int row = 0; row < g->m->n && !error; row++)
+        f->entry[row] = (ns_force_entry){g->m->element[g->of_row[row]].value, g->m->row_number[row],
+                                         g->m->column_number[g->column_of[row]]};
     return error;
 }
 
-int ns_bridge_force_prepare(ns_force *f, SMPmatrix *matrix, int neq) {
-    const size_t n = (size_t)matrix->Size;
-    matching g = {.m = matrix};
+static int match(ns_force *f) {
+    const size_t n = (size_t)f->columns.n;
+    matching g = {.m = &f->columns};
     unsigned char *served = calloc(n + 1, 1);
     int error = E_NOMEM;
-    ns_bridge_force_clear(f);
-    f->entry = calloc(n, sizeof *f->entry);
-    f->value = calloc((size_t)neq, sizeof *f->value);
-    g.of_row = calloc(n + 1, sizeof(ElementPtr));
+    f->entry = calloc(n + 1, sizeof *f->entry);
+    g.of_row = calloc(n + 1, sizeof *g.of_row);
+    g.column_of = calloc(n + 1, sizeof *g.column_of);
     g.seen = calloc(n + 1, sizeof *g.seen);
-    if (f->entry && f->value && g.of_row && g.seen && served)
+    if (f->entry && g.of_row && g.column_of && g.seen && served)
         error = choose_entries(f, &g, served);
-    f->matrix = matrix;
-    f->n = matrix->Size;
     free(g.of_row);
+    free(g.column_of);
     free(g.seen);
     free(served);
+    return error;
+}
+
+int ns_bridge_force_prepare(ns_force *f, const SMPmatrix *matrix, int neq) {
+    int error;
+    ns_bridge_force_clear(f);
+    error = ns_bridge_matrix_columns_read(&f->columns, matrix);
+    if (!error)
+        f->value = calloc((size_t)neq, sizeof *f->value);
+    error = error ? error : f->value ? match(f) : E_NOMEM;
     if (error)
         ns_bridge_force_clear(f);
     return error;
 }
 
 void ns_bridge_force_clear(ns_force *f) {
+    ns_bridge_matrix_columns_clear(&f->columns);
     free(f->entry);
     free(f->value);
     memset(f, 0, sizeof *f);
 }
 
 void ns_bridge_force_apply(const ns_force *f, double *rhs) {
-    for (int c = 1; c <= f->matrix->Size; c++)
-        for (ElementPtr e = f->matrix->FirstInCol[c]; e; e = e->NextInCol)
-            e->Real = 0.0;
-    for (int eq = 0; eq <= f->matrix->ExtSize; eq++)
-        rhs[eq] = 0.0;
-    for (int i = 0; i < f->n; i++) {
+    const ns_matrix_columns *m = &f->columns;
+    for (int k = 0; k < m->begin[m->n]; k++) /* fill-in is zero: ngspice cleared it, and no device loads it */
+        *m->element[k].value = 0.0;
+    rhs[0] = 0.0;
+    for (int i = 0; i < m->n; i++) {
         *f->entry[i].element = 1.0;
         rhs[f->entry[i].row] = f->value[f->entry[i].column];
     }

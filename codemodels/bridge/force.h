@@ -2,7 +2,7 @@
 #ifndef BRIDGE_FORCE_H
 #define BRIDGE_FORCE_H
 
-#include "ngspice.h"
+#include "matrix_columns.h"
 
 typedef struct ns_force_entry {
     double *element; /* of the matrix */
@@ -11,15 +11,14 @@ typedef struct ns_force_entry {
 
 /* One element in each row and each column of a matrix. */
 typedef struct ns_force {
-    SMPmatrix *matrix;
-    int n;
-    ns_force_entry *entry; /* n; NULL: not prepared */
+    ns_matrix_columns columns;
+    ns_force_entry *entry; /* columns.n; NULL: not prepared */
     double *value;         /* by equation number: the solution to be returned */
 } ns_force;
 
 /* Chooses the elements; neq: equations of ngspice, whose values are 0 at first.  Returns OK, E_NOMEM, or
  * E_SINGULAR (there is no such choice). */
-int ns_bridge_force_prepare(ns_force *f, SMPmatrix *matrix, int neq);
+int ns_bridge_force_prepare(ns_force *f, const SMPmatrix *matrix, int neq);
 void ns_bridge_force_clear(ns_force *f);
 
 /* Makes the matrix a permutation, and rhs such that the solution is f->value; all by equation number. */

@@ -12,6 +12,7 @@
 #include "session.h"
 #include "show.h"
 #include "taken.h"
+#include "versions.h"
 
 extern SPICEdev cm_ideal_diode_info, cm_ideal_switch_info, cm_nonsmooth_info; /* made by cmpp */
 
@@ -186,9 +187,7 @@ __attribute__((__constructor__)) static void install(void) {
         ours[k]->DEVtrunc = allow_any_step;
         ours[k]->DEVask = ask_instance;
         ours[k]->DEVpublic.cm_func = ns_bridge_report_cm_func;
-#ifdef CIDER /* else ngspice has no such call, and its points are loaded twice */
-        ours[k]->DEVdump = arm_single_load;
-#endif
+        ns_bridge_versions_hook_shown(ours[k], arm_single_load);
     }
     if (openblas_set_num_threads) /* our matrices are small: threads only wait for each other, spinning */
         openblas_set_num_threads(1);

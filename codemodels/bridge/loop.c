@@ -3,11 +3,14 @@
 
 #include <math.h>
 
+#include "versions.h"
+
 static const double no_truncation_errors = 1e30; /* of CKTtrtol */
 
 int ns_bridge_loop_began_anew(CKTcircuit *ckt) {
     const int anew = ckt->CKTtrtol != no_truncation_errors;
     ckt->CKTtrtol = no_truncation_errors;
+    ns_bridge_versions_no_newtrunc(ckt);
     return anew;
 }
 
@@ -15,6 +18,7 @@ void ns_bridge_loop_take(CKTcircuit *ckt, ns_loop *loop, int at_corners, int res
     if (resumed) /* ngspice made it a part of the step */
         ckt->CKTminBreak = loop->points.min_break;
     ckt->CKTtrtol = no_truncation_errors;
+    ns_bridge_versions_no_newtrunc(ckt);
     loop->points = (ns_timepoints){.step = ckt->CKTmaxStep, .at_corners = at_corners};
     ns_bridge_loop_read(ckt, loop, 0);
     if (ckt->CKTmaxOrder == 2) { /* else ngspice asks twice a point for its truncation error */

@@ -13,6 +13,8 @@
 
 #include <string.h>
 
+#include "versions.h"
+
 #include "spicelib/devices/cap/capdefs.h"
 #include "spicelib/devices/ind/inddefs.h"
 
@@ -20,17 +22,17 @@ static const long skip = MODETRANOP | MODEUIC | MODEINITFLOAT; /* without MODETR
 
 static ns_session *armed; /* the one whose next point is to be loaded once, or NULL */
 
-/* Keys are pointers: 0 for equal ones. */
+/* 0 for the same names. */
 static int compare_keys(const void *key, const void *wanted) {
     if (armed)
         ns_bridge_single_load_forget(armed);
-    return key != wanted;
+    return ns_bridge_versions_names_differ(key, wanted);
 }
 
 /* 1 if look-ups of devices are seen. */
 static int watch_names(const CKTcircuit *ckt) {
     NGHASHPTR names = ckt->DEVnameHash;
-    if (names->compare_func == NGHASH_DEF_CMP(NGHASH_FUNC_PTR))
+    if (names->compare_func == ns_bridge_versions_compare_names())
         names->compare_func = compare_keys;
     return names->compare_func == compare_keys;
 }

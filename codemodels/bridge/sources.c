@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "pure/source_signal.h"
+#include "versions.h"
 
-#include "spicelib/devices/isrc/isrcdefs.h"
 #include "spicelib/devices/vsrc/vsrcdefs.h"
 
 _Static_assert((int)SOURCE_PULSE == PULSE && (int)SOURCE_SINE == SINE && (int)SOURCE_EXP == EXP &&
@@ -76,6 +76,7 @@ int ns_bridge_sources_vsource(ns_extract_walk *w, GENinstance *inst) {
                    .dc_given = v->VSRCdcGiven,
                    .dc = v->VSRCdcValue,
                    .m = 1.0,
+                   .pulse = ns_bridge_versions_pulse(0),
                    .repeats = v->VSRCrGiven,
                    .repeat_index = v->VSRCrBreakpt,
                    .delay = v->VSRCrdelay};
@@ -93,7 +94,9 @@ int ns_bridge_sources_isource(ns_extract_walk *w, GENinstance *inst) {
                    .coeffs = i->ISRCcoeffs,
                    .dc_given = i->ISRCdcGiven,
                    .dc = i->ISRCdcValue,
-                   .m = i->ISRCmGiven ? i->ISRCmValue : 1.0};
+                   .m = i->ISRCmGiven ? i->ISRCmValue : 1.0,
+                   .pulse = ns_bridge_versions_pulse(1)};
+    ns_bridge_versions_pwl_of_current(i, &s);
     w->ex->restless = w->ex->restless || i->ISRCfunctionType != 0;
     /* ngspice calls the second node of the line positive: it is where the current comes out */
     return add_source(w, inst, NS_CURRENT, i->ISRCnegNode, i->ISRCposNode, &s, 0);

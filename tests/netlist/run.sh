@@ -18,7 +18,7 @@
 # errors/ also fail if ngspice blames its matrix, all others on a rejected time point and on "timestep too small" or "singular" in the output;
 # everything fails on a sanitizer's or valgrind's finding, a crash, and after TIME_LIMIT seconds.
 # Environment: NONSMOOTH_CM (build/nonsmooth.cm; nsc-mlcp is beside it), NGSPICE (ngspice), TIME_LIMIT (60), JOBS (number of
-# processors), KEEP (a folder for the runs, to look at afterwards; else a temporary one).
+# processors), LINE (a line that every netlist gets after its title: ".options klu"), KEEP (a folder for the runs, to look at afterwards; else a temporary one).
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
 top=$(cd "$here/../.." && pwd)
@@ -79,7 +79,7 @@ one() {
     README) shown "$file" ;;
     -[1-9]) sed "$(sed -n 's/^\* again: //p' "$file" | sed -n "${variant#-}p")" "$file" ;;
     *) cat "$file" ;;
-    esac | sed 's/^run$/run\nrusage rejected/' >"$dir/$base.cir"
+    esac | sed -e 's/^run$/run\nrusage rejected/' ${LINE:+-e "1a $LINE"} >"$dir/$base.cir"
     (cd "$dir" && HOME=$dir exec timeout -k 5 "$TIME_LIMIT" "$NGSPICE" -b "$base.cir" >out 2>&1 </dev/null)
     rc=$?
     reason=$(judge "$dir/out" $rc $kind "$file")

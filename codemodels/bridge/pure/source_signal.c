@@ -20,6 +20,35 @@ static double number_or(const ns_source *s, int k, double instead) {
     return number(s, k) != 0.0 ? number(s, k) : instead;
 }
 
+static double positive_or(const ns_source *s, int k, double instead) {
+    return number(s, k) > 0.0 ? number(s, k) : instead;
+}
+
+/* Parameter k, a time that may be 0. */
+static double not_negative_or(const ns_source *s, int k, double instead) {
+    return k < s->order && s->coeffs[k] >= 0.0 ? s->coeffs[k] : instead;
+}
+
+static void time_pulse(const ns_source *s, ns_signal *z) {
+    enum { TO_FALL = 5 }; /* parameters */
+    double width = s->tstop, period = s->tstop;
+    if (s->pulse == PULSE_OF_39) {
+        z->u.pulse.tr = number_or(s, 3, s->tstep);
+        z->u.pulse.tf = number_or(s, 4, s->tstep);
+        z->u.pulse.pw = number_or(s, 5, width);
+        z->u.pulse.per = number_or(s, 6, period);
+        return;
+    }
+    if (s->pulse == PULSE_OF_46 || s->order == TO_FALL)
+        width = 0.0;
+    z->u.pulse.tr = positive_or(s, 3, s->tstep);
+    z->u.pulse.tf = positive_or(s, 4, s->tstep);
+    z->u.pulse.pw = not_negative_or(s, 5, width);
+    if (s->pulse == PULSE_OF_46)
+        period = z->u.pulse.tr + z->u.pulse.pw + z->u.pulse.tf;
+    z->u.pulse.per = positive_or(s, 6, period);
+}
+
 static const char *make_pulse(const ns_source *s, ns_signal *z) {
     const double cycles = number(s, 7);
     if (cycles > 0.0 && (cycles != floor(cycles) || cycles > 1e9))
@@ -28,10 +57,7 @@ static const char *make_pulse(const ns_source *s, ns_signal *z) {
     z->u.pulse.v1 = size(s, 0);
     z->u.pulse.v2 = size(s, 1);
     z->u.pulse.td = number(s, 2);
-    z->u.pulse.tr = number_or(s, 3, s->tstep);
-    z->u.pulse.tf = number_or(s, 4, s->tstep);
-    z->u.pulse.pw = number_or(s, 5, s->tstop);
-    z->u.pulse.per = number_or(s, 6, s->tstop);
+    time_pulse(s, z);
     z->u.pulse.cycles = cycles > 0.0 ? (int)cycles : 0;
     return NULL;
 }

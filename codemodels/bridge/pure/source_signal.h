@@ -13,6 +13,14 @@ typedef enum ns_source_function {
     SOURCE_PWL = 5
 } ns_source_function;
 
+/* What PULSE takes for a time that is missing or not positive. */
+typedef enum ns_source_pulse {
+    PULSE_OF_39, /* where 0 or missing: rise and fall tstep, width and period tstop */
+    PULSE_OF_46, /* where not positive or missing: rise and fall tstep, width 0, period that of one pulse */
+    PULSE_OF_47 /* where not positive or missing: rise and fall tstep, period tstop; width: 0 is 0, tstop, but
+                 * 0 after a fall that is the last parameter */
+} ns_source_pulse;
+
 typedef struct ns_source {
     int function; /* an ns_source_function, or another number of ngspice's */
     int order;
@@ -21,6 +29,7 @@ typedef struct ns_source {
     double dc;
     double m; /* so many equal sources side by side; of voltages 1 */
 
+    ns_source_pulse pulse;
     int repeats;      /* PWL: r= was given */
     int repeat_index; /* in coeffs, of the time to go back to */
     double delay;     /* PWL: td=, s */

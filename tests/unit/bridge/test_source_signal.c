@@ -67,6 +67,34 @@ static void pulse_defaults(void **state) {
     }
 }
 
+/* vsrcload.c and isrcload.c of ngspice 46 and 47: what they take for the times that are missing or not
+ * positive. */
+static void pulse_defaults_of_later_versions(void **state) {
+    const struct {
+        ns_source source;
+        ns_source_pulse pulse;
+        double tr, tf, pw, per;
+    } cases[] = {{SOURCE(SOURCE_PULSE, 0, 1), PULSE_OF_46, TSTEP, TSTEP, 0, 2 * TSTEP},
+                 {SOURCE(SOURCE_PULSE, 0, 1, 3, 0.5, 0.25), PULSE_OF_46, 0.5, 0.25, 0, 0.75},
+                 {SOURCE(SOURCE_PULSE, 0, 1, 3, 0.5, 0.25, 4), PULSE_OF_46, 0.5, 0.25, 4, 4.75},
+                 {SOURCE(SOURCE_PULSE, 0, 1, 3, -1, -1, -1, -1), PULSE_OF_46, TSTEP, TSTEP, 0, 2 * TSTEP},
+                 {SOURCE(SOURCE_PULSE, 0, 1, 3, 1, 1, 4, 9), PULSE_OF_46, 1, 1, 4, 9},
+                 {SOURCE(SOURCE_PULSE, 0, 1), PULSE_OF_47, TSTEP, TSTEP, TSTOP, TSTOP},
+                 {SOURCE(SOURCE_PULSE, 0, 1, 3, 0.5), PULSE_OF_47, 0.5, TSTEP, TSTOP, TSTOP},
+                 {SOURCE(SOURCE_PULSE, 0, 1, 3, 0.5, 0.25), PULSE_OF_47, 0.5, 0.25, 0, TSTOP},
+                 {SOURCE(SOURCE_PULSE, 0, 1, 3, 0.5, 0.25, 0), PULSE_OF_47, 0.5, 0.25, 0, TSTOP},
+                 {SOURCE(SOURCE_PULSE, 0, 1, 3, -1, -1, -1, -1), PULSE_OF_47, TSTEP, TSTEP, TSTOP, TSTOP},
+                 {SOURCE(SOURCE_PULSE, 0, 1, 3, 1, 1, 4, 9), PULSE_OF_47, 1, 1, 4, 9}};
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        ns_source s = cases[k].source;
+        s.pulse = cases[k].pulse;
+        const ns_signal z = signal_of(&s);
+        assert_true(z.u.pulse.tr == cases[k].tr && z.u.pulse.tf == cases[k].tf);
+        assert_true(z.u.pulse.pw == cases[k].pw && z.u.pulse.per == cases[k].per);
+    }
+}
+
 static void pulses_are_counted_in_whole_numbers(void **state) {
     const ns_source part = SOURCE(SOURCE_PULSE, 1, 5, 3, 1, 1, 4, 9, 2.5);
     const ns_source half = SOURCE(SOURCE_PULSE, 1, 5, 3, 1, 1, 4, 9, 0.5);
@@ -187,6 +215,7 @@ int main(void) {
         cmocka_unit_test(dc_is_a_constant),
         cmocka_unit_test(pulse_as_written),
         cmocka_unit_test(pulse_defaults),
+        cmocka_unit_test(pulse_defaults_of_later_versions),
         cmocka_unit_test(pulses_are_counted_in_whole_numbers),
         cmocka_unit_test(sine_and_its_defaults),
         cmocka_unit_test(exponential_and_its_defaults),
