@@ -284,6 +284,24 @@ void ns_sparse_event_restore(ns_sparse *m) {
     ns_sparse_guard_set_mode(m, m->before_event.mode);
 }
 
+/* Steps of length g would lose a transient: shorter ones, until nothing lasts.  Where digits do not suffice
+ * for these, the mode is that of the longest, nothing jumps, and the steps that follow resolve the transient.
+ */
+static void resolve_transient(ns_sparse *m, const ns_dense_step *step, double t, double g) {
+    ns_jump_kind jump = NS_LASTS;
+    int status = NS_OK;
+    memcpy(m->work.lasting_mode, m->mode, (size_t)m->f->m);
+    while (status == NS_OK && jump == NS_LASTS) {
+        g = fmax(ldexp(g, -NS_FINER), ns_sparse_finest(m));
+        ns_sparse_event_restore(m);
+        status = resolve_with(m, step, t, g, &jump);
+    }
+    if (status == NS_OK)
+        return;
+    ns_sparse_event_restore(m);
+    ns_sparse_guard_set_mode(m, m->work.lasting_mode);
+}
+
 int ns_sparse_event_resolve(ns_sparse *m, const ns_dense_step *step, double t) {
     const int failures = step ? step->failures : 0;
     const double least = ldexp(m->o.h, -NS_EVENT_LEAST_EXPONENT - m->o.finer);
@@ -294,11 +312,8 @@ int ns_sparse_event_resolve(ns_sparse *m, const ns_dense_step *step, double t) {
         begin_with_longer_step(m, t, ldexp(g, 5 * failures), m->work.move);
     ns_sparse_event_save(m);
     int status = resolve_with(m, step, t, g, &jump);
-    while (status == NS_OK && jump == NS_LASTS) {
-        g = fmax(ldexp(g, -NS_FINER), ns_sparse_finest(m));
-        ns_sparse_event_restore(m);
-        status = resolve_with(m, step, t, g, &jump);
-    }
+    if (status == NS_OK && jump == NS_LASTS)
+        resolve_transient(m, step, t, g);
     m->counts.events++;
     return status;
 }

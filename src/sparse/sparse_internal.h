@@ -194,6 +194,7 @@ struct ns_sparse {
         double *no_inputs;          /* nz: zero */
         ns_mode *mode;              /* m */
         ns_mode *tried_mode;        /* m: where a search for a mode began */
+        ns_mode *lasting_mode;      /* m: of a step that is longer than a transient */
     } work;
 
     /* what the caller sees */

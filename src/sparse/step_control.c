@@ -16,6 +16,8 @@ static const double wiped_out = 1e-2;
 static const double stages_fraction = 0.1, all_stages_fraction = 0.1;
 /* What has a finite rate is less than this fraction of itself after D. */
 static const double decays = 0.7;
+/* D^i w up to this multiple of what rounding does to one solution is rounding. */
+static const double most_noise = 16;
 /* Inputs may have this fraction of the error. */
 static const double inputs_fraction = 0.1;
 /* The largest |b_9| in a step; longer steps are taken where they promise this fraction of the error allowed.
@@ -157,6 +159,19 @@ static int refine_stages(ns_sparse *m, ns_dense_step *step, double fraction) {
     return status;
 }
 
+/* 1 if the last D^i w are what rounding of w and of the terms of (P2) may do to them: one solution shows how
+ * much that is.  A capacitor between nodes at high voltages carries the rounding of these, over the step. */
+static int are_rounding(ns_sparse *m, const ns_dense_step *step) {
+    double noise = 0;
+    if (ns_sparse_guard_perturb(m, step->images, step->powers, step->g, 0) != NS_OK)
+        return 0;
+    for (int i = 0; i < m->f->n; i++)
+        if (!m->f->algebraic[i])
+            noise = ns_higher(noise, step->g * fabs(ns_linalg_csc_dot(&m->f->At, i, m->work.v)) *
+                                         m->inverse_scale[i]);
+    return size_of_power(m, step, step->stages) <= most_noise * noise;
+}
+
 /* w at the beginning of the step made consistent with its mode, if pairs of the mode can carry the impulses;
  * else the worst of them is marked to break there. */
 static int remove_jump(ns_sparse *m, ns_dense_step *step) {
@@ -199,6 +214,9 @@ static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
                 return status;
             whole = error_of(m, step, &ratio, &jump, &time);
         }
+        if (step->stages == NS_ORDER && (jump > 1 || (whole * fraction > 1 && ratio > decays)) &&
+            are_rounding(m, step))
+            whole = jump = 0;
         const double error = whole * fraction;
         step->next_exponent = step->length_exponent;
         if (step->stages == NS_ORDER && error <= 1 && jump > 1 && !consistent) {
