@@ -49,6 +49,7 @@ typedef struct ns_fault {
     int nunknowns;             /* how many entries of unknown[] hold */
     int unknown[NS_FAULT_MAX]; /* unknowns (entries of x) that are not determined; rows of the system that
                                   contradict, by the unknown of their index: a node's KCL, a branch's law */
+    const char *why;           /* constant string: what is wrong with an answer; NULL: nothing is said */
 } ns_fault;
 
 #ifdef __cplusplus

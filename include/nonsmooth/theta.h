@@ -48,6 +48,8 @@ typedef struct ns_counts {
     long jumps;          /* of charges or fluxes, resolved in no time (NS_EXACT counts none) */
     long jumps_by_steps; /* resolved by short steps, because the impulse problem gave no answer */
     long islands;        /* parts that share nothing but stiff sources and are stepped apart; 0: one whole */
+    long checks;         /* points, events and ways between that were judged by the circuit's laws alone */
+    long retries;        /* of them wrong, and gone again by another engine */
 
     /* a marcher's, with NS_EXACT or NS_SPARSE */
     long modes;        /* modes that matrices or factors were made for */

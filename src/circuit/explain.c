@@ -250,6 +250,8 @@ int ns_circuit_explain(const ns_circuit *c, const ns_fault *f, char *line, size_
         write_text(&w, "at t = %g s: ", f->t);
     }
     write_text(&w, "%s", ns_status_text(f->status));
+    if (f->why)
+        write_text(&w, " (%s)", f->why);
     write_cause(&w, c, f);
     return end_line(&w);
 }

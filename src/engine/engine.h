@@ -9,6 +9,7 @@
 #define NS_ENGINE_H
 
 #include "nonsmooth/march.h"
+#include "watch.h"
 
 typedef struct ns_engine ns_engine;
 
@@ -32,8 +33,9 @@ typedef struct ns_engine_table {
     int (*sample)(ns_engine *e, double t, double *x, double *lambda);
     double (*shortest)(ns_engine *e, double t, double *until); /* until is not NULL */
     int (*problem)(const ns_engine *e, ns_mlcp *p, double *h); /* NULL: STATE, it is never written out */
+    void (*watch)(ns_engine *e, const ns_watch *w); /* w outlives e, or NULL; NULL: nothing is shown */
     /* The engine that answers drop, accept, read, impulse, mode, at_event, method, fault, sample, shortest
-     * and problem; NULL: this one. */
+     * and problem, those of them that the table has not; NULL: this one. */
     ns_engine *(*at_work)(const ns_engine *e);
 } ns_engine_table;
 
@@ -42,53 +44,55 @@ struct ns_engine {
     const ns_engine_table *table;
 };
 
-/* The calls that the engine at work answers. */
-static inline ns_engine *ns_engine_at_work(ns_engine *e) {
-    return e->table->at_work ? e->table->at_work(e) : e;
-}
+/* The engine that answers a call: this one, if its table has it, else the one at work. */
+#define NS_ENGINE_FOR(e, call) ((e)->table->call || !(e)->table->at_work ? (e) : (e)->table->at_work(e))
 static inline void ns_engine_drop(ns_engine *e) {
-    e = ns_engine_at_work(e);
+    e = NS_ENGINE_FOR(e, drop);
     e->table->drop(e);
 }
 static inline int ns_engine_accept(ns_engine *e) {
-    e = ns_engine_at_work(e);
+    e = NS_ENGINE_FOR(e, accept);
     return e->table->accept(e);
 }
 static inline int ns_engine_read(ns_engine *e, double *t, double *x, double *lambda, double *y) {
-    e = ns_engine_at_work(e);
+    e = NS_ENGINE_FOR(e, read);
     return e->table->read(e, t, x, lambda, y);
 }
 static inline int ns_engine_impulse(ns_engine *e, double *x, double *lambda) {
-    e = ns_engine_at_work(e);
+    e = NS_ENGINE_FOR(e, impulse);
     return e->table->impulse(e, x, lambda);
 }
 static inline const ns_mode *ns_engine_mode(ns_engine *e) {
-    e = ns_engine_at_work(e);
+    e = NS_ENGINE_FOR(e, mode);
     return e->table->mode(e);
 }
 static inline int ns_engine_at_event(ns_engine *e) {
-    e = ns_engine_at_work(e);
+    e = NS_ENGINE_FOR(e, at_event);
     return e->table->at_event(e);
 }
 static inline ns_method ns_engine_method(ns_engine *e) {
-    e = ns_engine_at_work(e);
+    e = NS_ENGINE_FOR(e, method);
     return e->table->method(e);
 }
 static inline const ns_fault *ns_engine_fault(ns_engine *e) {
-    e = ns_engine_at_work(e);
+    e = NS_ENGINE_FOR(e, fault);
     return e->table->fault(e);
 }
 static inline int ns_engine_sample(ns_engine *e, double t, double *x, double *lambda) {
-    e = ns_engine_at_work(e);
+    e = NS_ENGINE_FOR(e, sample);
     return e->table->sample(e, t, x, lambda);
 }
 static inline double ns_engine_shortest(ns_engine *e, double t, double *until) {
-    e = ns_engine_at_work(e);
+    e = NS_ENGINE_FOR(e, shortest);
     return e->table->shortest(e, t, until);
 }
 static inline int ns_engine_problem(ns_engine *e, ns_mlcp *p, double *h) {
-    e = ns_engine_at_work(e);
+    e = NS_ENGINE_FOR(e, problem);
     return e->table->problem ? e->table->problem(e, p, h) : NS_E_STATE;
+}
+static inline void ns_engine_watch(ns_engine *e, const ns_watch *w) {
+    if (e->table->watch)
+        e->table->watch(e, w);
 }
 
 #endif

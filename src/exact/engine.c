@@ -167,6 +167,47 @@ static void count_event(ns_exact *f) {
     f->past.previous_event_t = f->state.now.t;
 }
 
+void ns_exact_watch(ns_exact *f, const ns_watch *w) {
+    f->watch = w;
+}
+
+/* What jumped so far, and that the point is there. */
+static int tell(const ns_exact *f, ns_watch_side side) {
+    const ns_watch *w = f->watch;
+    const size_t n = (size_t)f->system->n, m = (size_t)f->system->m;
+    const double *jumped = f->point->instant ? f->point->instant->sum : NULL;
+    for (size_t i = 0; jumped && i < n; i++)
+        w->X[i] = jumped[i];
+    for (size_t i = 0; jumped && i < m; i++)
+        w->Lambda[i] = jumped[n + i];
+    return w->sees(w->data, side, f->state.now.t);
+}
+
+/* The point is shown to who wants to see it. */
+static int show(ns_exact *f, ns_watch_side side) {
+    const ns_watch *w = f->watch;
+    const size_t n = (size_t)f->system->n, m = (size_t)f->system->m;
+    if (!ns_watch_wants(w, side, f->state.mode->mode))
+        return NS_OK;
+    const int status = ns_exact_output_at(f, f->state.now.t, side == NS_WATCH_LEFT ? NS_LEFT : NS_RIGHT, f->X,
+                                          f->work.x_lambda);
+    if (status != NS_OK)
+        return status;
+    memcpy(w->x, f->work.x_lambda, sizeof *w->x * n);
+    memcpy(w->lambda, f->work.x_lambda + n, sizeof *w->x * m);
+    return tell(f, side);
+}
+
+/* The same, where the run's point is the left side of an event: inputs may stand on its right side already.
+ */
+static int show_first(ns_exact *f) {
+    const ns_watch *w = f->watch;
+    if (!ns_watch_wants(w, NS_WATCH_LEFT, f->state.mode->mode))
+        return NS_OK;
+    const int status = ns_theta_read(f->s, w->x, w->lambda, NULL);
+    return status == NS_OK ? tell(f, NS_WATCH_LEFT) : status;
+}
+
 /* The event here is resolved: guard broke, or (NS_GUARD_NONE) an instant known ahead was passed.  *failed: it
  * is left to the ladder, which gets point->flip. */
 static int resolve_event(ns_exact *f, int guard, int *failed) {
@@ -184,7 +225,9 @@ static int resolve_event(ns_exact *f, int guard, int *failed) {
     f->unmended.mode = guard >= 0 && f->state.mode == was ? was : NULL;
     f->unmended.guard = guard;
     f->point->at_event = *failed;
-    return *failed ? NS_OK : status;
+    if (*failed || status != NS_OK)
+        return *failed ? NS_OK : status;
+    return show(f, NS_WATCH_RIGHT);
 }
 
 /* The event that the accepted point is the left side of. */
@@ -192,6 +235,9 @@ static int resolve_first_event(ns_exact *f, int *failed) {
     const double t = f->state.now.t, near = t + ns_system_signal_slack(t, t);
     const int timed = ns_inputs_events_next(f->events, near) <= near;
     const int known = f->broken.t == t && f->broken.mode == f->state.mode;
+    const int status = show_first(f);
+    if (status != NS_OK)
+        return status;
     memset(f->point->flip, 0, (size_t)f->system->nc);
     if (timed)
         pass_time_event(f);
@@ -220,10 +266,13 @@ static int advance_to(ns_exact *f, double t, int *guard) {
 /* The event ahead is resolved, and recorded as part of a period. */
 static int pass_event(ns_exact *f, int guard, ns_until until, int *failed) {
     const ns_exact_mode *was = f->state.mode;
-    memset(f->point->flip, 0, (size_t)f->system->nc);
-    if (guard < 0)
-        pass_time_event(f);
-    const int status = resolve_event(f, guard, failed);
+    int status = show(f, NS_WATCH_LEFT);
+    if (status == NS_OK) {
+        memset(f->point->flip, 0, (size_t)f->system->nc);
+        if (guard < 0)
+            pass_time_event(f);
+        status = resolve_event(f, guard, failed);
+    }
     if (status != NS_OK || *failed || until != NS_TO_TIME)
         ns_exact_period_abort(f);
     else if (guard < 0)
@@ -309,8 +358,10 @@ static int go_on(ns_exact *f, double accepted_t, double t, ns_until until, int *
     f->state.steps_left = 4000 + f->past.extra_steps + (long)fmin(1e12, 4000 * (t - f->state.now.t) / f->h);
     ns_exact_period_abort(f);
     while (status == NS_OK && !*failed && !stop && f->state.now.t < t) {
-        if (until == NS_TO_TIME && repeat_period(f, t))
+        if (until == NS_TO_TIME && repeat_period(f, t)) {
+            status = show(f, NS_WATCH_PERIOD);
             continue;
+        }
         status = go_to_event(f, accepted_t, t, until, failed, &stop);
         trim_cache(f);
     }

@@ -8,6 +8,7 @@
 
 #include "engine/dense_point.h"
 #include "engine/kernel.h"
+#include "engine/watch.h"
 
 typedef struct ns_exact ns_exact;
 
@@ -23,6 +24,8 @@ int ns_exact_go(ns_exact *f, double accepted_t, double t, ns_until until);
 /* The stepper has just been started: its point becomes consistent, by jumps where needed.  Errors: those of
  * the impulse problem. */
 int ns_exact_find_consistent(ns_exact *f);
+/* Events and periods are shown to w; NULL: to nobody. */
+void ns_exact_watch(ns_exact *f, const ns_watch *w);
 /* After ns_exact_go() with NS_TO_STEP that came later than where it began: x, lambda (n+m) at t, from there
  * to where it came; valid until the next call.  Errors: STATE (any other trial), MEMORY. */
 int ns_exact_sample(ns_exact *f, double t, const double **x_lambda);

@@ -154,6 +154,7 @@ struct ns_exact {
     int failed;                   /* MEMORY, met where no status is returned */
 
     /* the event */
+    const ns_watch *watch; /* who looks at it; NULL: nobody */
     struct {
         int guard;                 /* guard that broke last */
         double t;                  /* s: when */

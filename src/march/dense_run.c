@@ -223,6 +223,11 @@ int ns_march_dense_rests(const ns_engine *e, double *t) {
     return r->started && !r->has_trial && !r->accepted.at_event;
 }
 
+static void watch(ns_engine *e, const ns_watch *w) {
+    if (run_of(e)->exact)
+        ns_exact_watch(run_of(e)->exact, w);
+}
+
 static const ns_engine_table table = {
     .free = free_run,
     .start = ns_march_dense_start,
@@ -240,6 +245,7 @@ static const ns_engine_table table = {
     .sample = ns_march_dense_sample,
     .shortest = ns_march_dense_shortest,
     .problem = problem,
+    .watch = watch,
 };
 
 int ns_march_dense_create(const ns_system *s, const ns_march_options *o, ns_engine **out, ns_fault *fault) {

@@ -16,8 +16,14 @@ static int leaves_sparse(const ns_run *r, int status) {
     return !r->is_dense && ns_march_leaves_sparse(r->s, &r->options, status);
 }
 
+static void begin_start(ns_run *r) {
+    r->refused = r->trial_is_start = 0;
+    ns_march_check_reset(r);
+}
+
 static int start(ns_engine *e, double t0, const double *w0, const unsigned char *closed) {
     ns_run *r = run_of(e);
+    begin_start(r);
     int status = r->at_work->table->start(r->at_work, t0, w0, closed);
     if (leaves_sparse(r, status) && (status = ns_march_run_use_dense(r, t0)) == NS_OK)
         status = r->at_work->table->start(r->at_work, t0, w0, closed);
@@ -26,19 +32,25 @@ static int start(ns_engine *e, double t0, const double *w0, const unsigned char 
 
 static int start_dc(ns_engine *e, double t0, int nhold, const int *hold, const double *hold_x, double *x) {
     ns_run *r = run_of(e);
+    begin_start(r);
     int status = r->at_work->table->start_dc(r->at_work, t0, nhold, hold, hold_x, x);
     if (leaves_sparse(r, status) && (status = ns_march_run_use_dense(r, t0)) == NS_OK)
         status = r->at_work->table->start_dc(r->at_work, t0, nhold, hold, hold_x, x);
     return status;
 }
 
-/* At most two rounds: the dense engines hand over once. */
-static int try_to(ns_engine *e, double t, ns_until until, double *reached) {
-    ns_run *r = run_of(e);
+/* By the engine at work, or by another one if it refuses.  At most two rounds: the dense engines hand over
+ * once.  What is found wrong in the trial ends it. */
+static int try_engines(ns_run *r, double t, ns_until until, double *reached) {
     for (int round = 0;; round++) {
         if (r->is_dense)
             ns_march_run_try_sparse(r, round > 0);
-        int status = r->at_work->table->try_to(r->at_work, t, until, reached);
+        const double to = ns_march_check_begin(r, t, until);
+        if (r->check.found)
+            return NS_E_RESIDUAL;
+        int status = r->at_work->table->try_to(r->at_work, to, until, reached);
+        if (r->check.found)
+            return status;
         if (leaves_sparse(r, status) && (status = ns_march_run_leave_sparse(r)) == NS_OK)
             status = r->at_work->table->try_to(r->at_work, t, until, reached);
         if (status == NS_OK || !r->is_dense || round > 0 || !ns_march_dense_hands_over(r->at_work))
@@ -46,11 +58,49 @@ static int try_to(ns_engine *e, double t, ns_until until, double *reached) {
     }
 }
 
+static int try_to(ns_engine *e, double t, ns_until until, double *reached) {
+    ns_run *r = run_of(e);
+    r->refused = 0;
+    if (r->trial_is_start && until != NS_TO_TIME)
+        return ns_engine_read(r->at_work, reached, NULL, NULL, NULL);
+    r->trial_is_start = 0;
+    ns_march_run_return(r);
+    const int status = try_engines(r, t, until, reached);
+    if (r->check.found || (status == NS_OK && !ns_march_check_end(r, t, until, *reached)))
+        return ns_march_run_again(r, t, until, reached);
+    return status;
+}
+
+static int accept_trial(ns_engine *e) {
+    ns_run *r = run_of(e);
+    const int is_start = r->trial_is_start;
+    r->check.is_old = r->trial_is_start = 0;
+    return is_start ? NS_OK : ns_engine_accept(r->at_work);
+}
+
+static void drop(ns_engine *e) {
+    ns_run *r = run_of(e);
+    r->check.is_old = r->trial_is_start = 0;
+    ns_engine_drop(r->at_work);
+}
+
 static const ns_counts *counts(ns_engine *e) {
     ns_run *r = run_of(e);
     r->sum = *r->at_work->table->counts(r->at_work);
     ns_march_add_counts(&r->sum, &r->before);
+    r->sum.checks = r->check.checks;
+    r->sum.retries = r->check.retries;
     return &r->sum;
+}
+
+static const ns_fault *fault(const ns_engine *e) {
+    const ns_run *r = (const ns_run *)(const void *)e;
+    return r->refused ? &r->fault : ns_engine_fault(r->at_work);
+}
+
+static int problem(const ns_engine *e, ns_mlcp *p, double *h) {
+    const ns_run *r = (const ns_run *)(const void *)e;
+    return r->refused ? NS_E_STATE : ns_engine_problem(r->at_work, p, h);
 }
 
 static ns_engine *at_work(const ns_engine *e) {
@@ -63,6 +113,7 @@ static void free_run(ns_engine *e) {
         return;
     if (r->at_work)
         r->at_work->table->free(r->at_work);
+    ns_march_check_free(r);
     ns_system_free(r->dense_copy);
     free(r);
 }
@@ -72,7 +123,11 @@ static const ns_engine_table table = {
     .start = start,
     .start_dc = start_dc,
     .try_to = try_to,
+    .drop = drop,
+    .accept = accept_trial,
     .counts = counts,
+    .fault = fault,
+    .problem = problem,
     .at_work = at_work,
 };
 
@@ -84,9 +139,11 @@ int ns_march_run_create(const ns_system *s, const ns_march_options *o, ns_engine
     r->engine.table = &table;
     r->s = s;
     r->options = *o;
-    r->retry_sparse_at = INFINITY;
+    r->retry_sparse_at = r->back_at = INFINITY;
     r->counts_modes = ns_march_counts_modes(s);
-    const int status = ns_march_run_make_engine(r, fault);
+    int status = ns_march_run_make_engine(r, fault);
+    if (status == NS_OK)
+        status = ns_march_check_create(r);
     if (status != NS_OK) {
         free_run(&r->engine);
         return status;

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 /* Systems that are large are written out first. */
-static int make_dense(ns_run *r, ns_engine **out, ns_fault *fault) {
+static int make_dense(ns_run *r, const ns_march_options *o, ns_engine **out, ns_fault *fault) {
     int status = ns_march_too_large(r->s) ? NS_E_SIZE : NS_OK;
     *out = NULL;
     if (status == NS_OK && r->s->large)
@@ -16,15 +16,26 @@ static int make_dense(ns_run *r, ns_engine **out, ns_fault *fault) {
         status = ns_system_dense_copy(r->s, &r->dense_copy);
     if (r->dense_copy)
         r->s = r->dense_copy;
-    return status == NS_OK ? ns_march_dense_create(r->s, &r->options, out, fault) : status;
+    return status == NS_OK ? ns_march_dense_create(r->s, o, out, fault) : status;
 }
 
-static void replace_engine(ns_run *r, ns_engine *by, int is_dense) {
-    r->before = *r->engine.table->counts(&r->engine);
+void ns_march_run_put_to_work(ns_run *r, ns_engine *e, ns_run_kind kind) {
     r->seen = (ns_recurrence){0};
-    r->at_work->table->free(r->at_work);
-    r->at_work = by;
-    r->is_dense = is_dense;
+    r->at_work = e;
+    r->kind = kind;
+    r->is_dense = kind == NS_RUN_DENSE || (kind == NS_RUN_SCHEME && !ns_march_too_large(r->s));
+    ns_march_check_attach(r);
+}
+
+void ns_march_run_dismiss(ns_run *r, ns_engine *was) {
+    ns_march_add_counts(&r->before, was->table->counts(was));
+    was->table->free(was);
+}
+
+static void replace_engine(ns_run *r, ns_engine *by, ns_run_kind kind) {
+    ns_engine *was = r->at_work;
+    ns_march_run_put_to_work(r, by, kind);
+    ns_march_run_dismiss(r, was);
 }
 
 /* The sparse engine is not asked again for a while from t on. */
@@ -37,17 +48,15 @@ static void put_off_sparse(ns_run *r, double t) {
 
 int ns_march_run_use_dense(ns_run *r, double t) {
     ns_engine *dense;
-    const int status = make_dense(r, &dense, &r->fault);
+    const int status = make_dense(r, &r->options, &dense, &r->fault);
     if (status != NS_OK)
         return status;
-    replace_engine(r, dense, 1);
+    replace_engine(r, dense, NS_RUN_DENSE);
     put_off_sparse(r, t);
     return NS_OK;
 }
 
-/* The accepted point, as charges and fluxes w (n) and commanded switches that are closed (nc).  The caller
- * frees both, also after an error. */
-static int read_accepted(ns_run *r, double *t, double **w, unsigned char **closed) {
+int ns_march_run_read_accepted(ns_run *r, double *t, double **w, unsigned char **closed) {
     const size_t n = (size_t)r->s->n;
     ns_engine *e = r->at_work;
     double *x = calloc(2 * n + 1, sizeof *x);
@@ -64,7 +73,7 @@ static int read_accepted(ns_run *r, double *t, double **w, unsigned char **close
 int ns_march_run_leave_sparse(ns_run *r) {
     double t, *w;
     unsigned char *closed;
-    int status = read_accepted(r, &t, &w, &closed);
+    int status = ns_march_run_read_accepted(r, &t, &w, &closed);
     if (status == NS_OK)
         status = ns_march_run_use_dense(r, t);
     if (status == NS_OK)
@@ -76,25 +85,82 @@ int ns_march_run_leave_sparse(ns_run *r) {
     return status;
 }
 
-/* To the sparse engine, which may refuse. */
-static int leave_dense(ns_run *r) {
-    const ns_sparse_options options = ns_march_sparse_options(&r->options);
+/* Dense engines, or if there are too many unknowns steps by sparse factors, of a scheme. */
+static int make_scheme(ns_run *r, ns_engine **out) {
+    enum { SMALLER_EXPONENT = -4 };
+    ns_march_options o = r->options;
+    o.method = NS_THETA;
+    if (!(o.theta > 0 && o.gamma > 0)) /* they are not given for other methods */
+        o.theta = o.gamma = 1;
+    o.h = ldexp(o.h, SMALLER_EXPONENT);
+    if (!ns_march_too_large(r->s))
+        return make_dense(r, &o, out, NULL);
+    ns_sparse_options sparse = ns_march_sparse_options(&o);
+    sparse.theta = 1;
+    sparse.reltol = 0;
+    return ns_sparse_table_create(r->s, &sparse, out, NULL);
+}
+
+int ns_march_run_make(ns_run *r, ns_run_kind kind, ns_engine **out) {
+    ns_march_options o = r->options;
+    *out = NULL;
+    if (kind == NS_RUN_SCHEME)
+        return make_scheme(r, out);
+    if (o.method == NS_THETA)
+        o.method = NS_EXACT;
+    if (!(o.gamma > 0))
+        o.theta = o.gamma = 1;
+    if (kind == NS_RUN_DENSE)
+        return make_dense(r, &o, out, NULL);
+    const ns_sparse_options sparse = ns_march_sparse_options(&o);
+    return ns_sparse_table_create(r->s, &sparse, out, NULL);
+}
+
+/* To another engine, which may refuse. */
+static int leave_for(ns_run *r, ns_run_kind kind) {
     double t, *w;
     unsigned char *closed;
-    ns_engine *sparse = NULL;
-    int status = read_accepted(r, &t, &w, &closed);
+    ns_engine *other = NULL;
+    int status = ns_march_run_read_accepted(r, &t, &w, &closed);
     if (status == NS_OK)
-        status = ns_sparse_table_create(r->s, &options, &sparse, NULL);
+        status = ns_march_run_make(r, kind, &other);
     if (status == NS_OK)
-        status = sparse->table->start(sparse, t, w, closed);
+        status = other->table->start(other, t, w, closed);
     free(closed);
     free(w);
     if (status == NS_OK)
-        replace_engine(r, sparse, 0);
-    else if (sparse)
-        sparse->table->free(sparse);
+        replace_engine(r, other, kind);
+    else if (other)
+        other->table->free(other);
     return status;
 }
+
+/* --- back to an engine that was found wrong --- */
+
+void ns_march_run_leave_for_now(ns_run *r, double t, ns_run_kind was) {
+    const int away = r->back_at < INFINITY;
+    r->retry_sparse_at = INFINITY;
+    r->back_interval = ns_march_retry_interval(&r->options, r->back_interval);
+    r->back_to = away ? r->back_to : was;
+    r->back_at = r->kind == r->back_to ? INFINITY : t + r->back_interval;
+}
+
+void ns_march_run_return(ns_run *r) {
+    double t;
+    if (r->back_at == INFINITY || r->check.is_old || r->trial_is_start || ns_engine_at_event(r->at_work) ||
+        ns_engine_read(r->at_work, &t, NULL, NULL, NULL) != NS_OK || t < r->back_at)
+        return;
+    r->back_at = INFINITY;
+    if (leave_for(r, r->back_to) == NS_OK) {
+        if (r->kind == NS_RUN_DENSE)
+            ns_march_dense_let_hand_over(r->at_work, r->options.method == NS_AUTO);
+        return;
+    }
+    r->back_interval = ns_march_retry_interval(&r->options, r->back_interval);
+    r->back_at = t + r->back_interval;
+}
+
+/* --- back to the sparse engine, which refused --- */
 
 static int modes_do_not_recur(ns_run *r) {
     const ns_recurrence now = ns_march_dense_recurrence(r->at_work);
@@ -111,15 +177,18 @@ void ns_march_run_try_sparse(ns_run *r, int dense_failed) {
     const int first = r->retry_interval == 0 && ns_march_dense_is_exact(e);
     if (t < r->retry_sparse_at && !(first && (dense_failed || modes_do_not_recur(r))))
         return;
-    if (leave_dense(r) != NS_OK)
+    if (leave_for(r, NS_RUN_SPARSE) != NS_OK)
         put_off_sparse(r, t);
 }
 
 int ns_march_run_make_engine(ns_run *r, ns_fault *fault) {
+    const int is_scheme = r->options.method == NS_THETA;
     ns_sparse_options options;
+    r->kind = is_scheme ? NS_RUN_SCHEME : NS_RUN_SPARSE;
     if (ns_march_begins_sparse(r->s, &r->options, &options))
         return ns_sparse_table_create(r->s, &options, &r->at_work, fault);
-    const int status = make_dense(r, &r->at_work, fault);
+    const int status = make_dense(r, &r->options, &r->at_work, fault);
+    r->kind = is_scheme ? NS_RUN_SCHEME : NS_RUN_DENSE;
     r->is_dense = 1;
     if (status == NS_OK)
         ns_march_dense_let_hand_over(r->at_work, r->options.method == NS_AUTO);

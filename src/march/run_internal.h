@@ -1,9 +1,13 @@
-/* src/march/run_internal.h - shared by run.c and run_handover.c. */
+/* src/march/run_internal.h - shared by run.c, run_handover.c, run_check.c and run_again.c. */
 #ifndef NS_MARCH_RUN_INTERNAL_H
 #define NS_MARCH_RUN_INTERNAL_H
 
 #include "march_internal.h"
+#include "run_check.h"
 #include "select.h"
+
+/* What an engine of a run is: the exact one with the ladder; the sparse one; steps of the theta scheme. */
+typedef enum ns_run_kind { NS_RUN_DENSE, NS_RUN_SPARSE, NS_RUN_SCHEME } ns_run_kind;
 
 typedef struct ns_run {
     ns_engine engine;
@@ -13,15 +17,23 @@ typedef struct ns_run {
     ns_march_options options;
     /* by what */
     ns_engine *at_work;
-    int is_dense; /* which of the two kinds that is */
+    ns_run_kind kind;
+    int is_dense;       /* it is a dense run */
+    int trial_is_start; /* the trial is the start of the engine at work */
     /* the next hand-over to the sparse engine */
     double retry_sparse_at; /* s */
     double retry_interval;  /* s; 0: the dense engines were the first */
     int counts_modes;       /* it matters whether modes recur */
     ns_recurrence seen;     /* when that was judged last */
+    /* back to the engine that was found wrong */
+    double back_at;       /* s; INFINITY: it is at work, or the sparse one is tried as above */
+    double back_interval; /* s */
+    ns_run_kind back_to;
     /* what is told */
     ns_counts before, sum; /* of the engines that were at work before; of all */
-    ns_fault fault;        /* of dense engines that could not be made */
+    ns_fault fault;        /* of dense engines that could not be made; of what no engine does right: */
+    int refused;           /* 1: the last call failed with that */
+    ns_run_check check;
 } ns_run;
 
 /* run_handover.c: the engine that the options ask for is made.  Errors: as ns_march_create(). */
@@ -34,5 +46,34 @@ int ns_march_run_leave_sparse(ns_run *r);
  * exact engine failed too often (dense_failed: 1), or if most modes are new.  If it refuses, the dense
  * engines go on, and it is asked again later. */
 void ns_march_run_try_sparse(ns_run *r, int dense_failed);
+/* The accepted point, as charges and fluxes w (n) and commanded switches that are closed (nc).  The caller
+ * frees both, also after an error.  Errors: MEMORY, those of ns_engine_read(). */
+int ns_march_run_read_accepted(ns_run *r, double *t, double **w, unsigned char **closed);
+/* An engine of a kind, not at work.  Errors: as ns_march_create(). */
+int ns_march_run_make(ns_run *r, ns_run_kind kind, ns_engine **out);
+void ns_march_run_put_to_work(ns_run *r, ns_engine *e, ns_run_kind kind);
+/* An engine that was at work is freed; what it did counts. */
+void ns_march_run_dismiss(ns_run *r, ns_engine *was);
+/* The engine that was at work until t, of this kind, was found wrong: it is asked again later. */
+void ns_march_run_leave_for_now(ns_run *r, double t, ns_run_kind was);
+/* That is due: it goes on from the accepted point, if it starts there. */
+void ns_march_run_return(ns_run *r);
+
+/* run_check.c: Errors: MEMORY. */
+int ns_march_check_create(ns_run *r);
+void ns_march_check_free(ns_run *r);
+void ns_march_check_attach(ns_run *r); /* another engine is at work */
+void ns_march_check_reset(ns_run *r);  /* before a start */
+/* Before a trial to t.  Returns to where it is to go: to t, or to the event before it.  r->check.found: what
+ * was looked at on the way is wrong. */
+double ns_march_check_begin(ns_run *r, double t, ns_until until);
+/* After it.  1: it is right, as far as it was looked at; else r->check.finding. */
+int ns_march_check_end(ns_run *r, double t, ns_until until, double reached);
+/* r->check.here as a point; from that of ns_verify_left() to it by r->check.impulse.  1: it is right. */
+int ns_march_check_point(ns_run *r, double t, ns_side side);
+int ns_march_check_event(ns_run *r);
+
+/* run_again.c: a trial that was found wrong, by other engines.  Errors: RESIDUAL (all are wrong), MEMORY. */
+int ns_march_run_again(ns_run *r, double t, ns_until until, double *reached);
 
 #endif

@@ -52,6 +52,8 @@ static void place_numbers(ns_sparse *m, double *left) {
     m->work.projected = next_array(&left, size);
     m->z = next_array(&left, nz);
     m->work.no_inputs = next_array(&left, nz);
+    m->inside.v = next_array(&left, size);
+    m->inside.z = next_array(&left, nz);
     m->instant = (ns_instant){size, 0, next_array(&left, size)};
     m->before_event.instant = (ns_instant){size, 0, next_array(&left, size)};
 }
@@ -73,7 +75,7 @@ static void place_modes(ns_sparse *m) {
 static int allocate_state(ns_sparse *m) {
     const size_t n = (size_t)m->f->n, pairs = (size_t)m->f->m, size = (size_t)m->f->size,
                  nz = (size_t)m->f->nz;
-    double *numbers = calloc(14 * n + 4 * pairs + 7 * size + 2 * nz + 1, sizeof(double));
+    double *numbers = calloc(14 * n + 4 * pairs + 8 * size + 3 * nz + 1, sizeof(double));
     m->w = numbers;
     m->mode = calloc(9 * pairs + 2 * (size_t)m->s->nc + 1, 1);
     m->chatter.flips = calloc(2 * pairs + 1, sizeof(int));

@@ -159,6 +159,7 @@ struct ns_sparse {
     double *l, *u; /* m: bounds, of commanded pairs as commanded */
 
     /* an event */
+    const ns_watch *watch;   /* who looks at it; NULL: nobody */
     unsigned char *touched;  /* m: pairs that changed in the search for a mode */
     unsigned char *flip;     /* m: broken guards: 1 the only one, 2 the upper bound of lambda */
     unsigned char *changed;  /* nc: 1 commands that changed at this event, 2 that begin to slide */
@@ -197,6 +198,11 @@ struct ns_sparse {
         ns_mode *lasting_mode;      /* m: of a step that is longer than a transient */
     } work;
 
+    /* read.c: a point that is read while a trial is made, when the above is not to be touched */
+    struct {
+        double *v, *z; /* n+m; nz */
+    } inside;
+
     /* what the caller sees */
     ns_mode *shown_mode; /* m: of the trial, switches that slide count as closed */
     ns_counts counts;
@@ -209,6 +215,11 @@ struct ns_sparse {
 int ns_sparse_fail(ns_sparse *m, double t, int status); /* keeps both in the fault; returns the status */
 void ns_sparse_rewind(ns_sparse *m, double t0);         /* not started; all points at t0, */
 int ns_sparse_first_step(ns_sparse *m); /* the step from there, by m->w and m->mode: started */
+
+/* read.c: x, lambda of the trial while it is made.  By the stages that its step has, and of x all but what is
+ * output_only; by one more, as ns_sparse_read(). */
+void ns_sparse_read_pairs(ns_sparse *m, double *x, double *lambda);
+int ns_sparse_read_inside(ns_sparse *m, ns_side side, double *x, double *lambda);
 
 /* next_step.c: a step from m->w, m->mode at t, after the step `before` (NULL: the first). */
 int ns_sparse_next_step(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step);

@@ -69,6 +69,10 @@ static const ns_fault *fault(const ns_engine *e) {
     return ns_sparse_fault(sparse_in(e));
 }
 
+static void watch(ns_engine *e, const ns_watch *w) {
+    sparse_of(e)->watch = w;
+}
+
 static const ns_engine_table table = {
     .free = free_engine,
     .start = start,
@@ -85,6 +89,7 @@ static const ns_engine_table table = {
     .fault = fault,
     .sample = sample,
     .shortest = shortest,
+    .watch = watch,
 };
 
 int ns_sparse_table_create(const ns_system *s, const ns_sparse_options *o, ns_engine **out, ns_fault *fault) {

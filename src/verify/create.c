@@ -30,21 +30,27 @@ static double peak(const ns_signal *s) {
 
 static int allocate(ns_verify *v) {
     const ns_system *s = v->s;
-    const size_t n = (size_t)s->n, m = (size_t)s->m, nc = (size_t)s->nc, all = ns_verify_columns(s);
-    v->numbers = calloc(4 * n + 2 * m + nc + (3 + NS_VERIFY_NODES) * all, sizeof(double));
+    const size_t n = (size_t)s->n, m = (size_t)s->m, all = ns_verify_columns(s);
+    v->numbers = calloc(3 * n + m + 2 * ns_verify_sizes(s) + (3 + NS_VERIFY_NODES) * all, sizeof(double));
     v->command = calloc(2 * n + m + 1, sizeof *v->command);
-    if (!v->numbers || !v->command)
+    v->scan = calloc(m + 1, sizeof *v->scan);
+    v->piece = calloc((size_t)s->nz + 1, sizeof *v->piece);
+    if (!v->numbers || !v->command || !v->piece || !v->scan)
         return NS_E_MEMORY;
     v->algebraic = v->command + m;
     v->stored = v->algebraic + n;
     v->unit = v->numbers;
     v->sign = v->unit + n;
-    v->most_law = v->sign + n;
+    v->times_row = v->sign + n;
+    v->times_pair = v->times_row + n;
+    v->most_law = v->times_pair + m;
     v->most_w = v->most_law + n;
     v->most_lambda = v->most_w + n;
     v->most_y = v->most_lambda + m;
     v->most_control = v->most_y + m;
-    v->u = v->most_control + nc;
+    v->most_any = v->most_control + (size_t)s->nc;
+    v->kept = v->most_any + NS_VERIFY_ANY;
+    v->u = v->kept + ns_verify_sizes(s);
     v->u_left = v->u + all;
     v->spread = v->u_left + all;
     v->v = v->spread + all;
@@ -71,6 +77,9 @@ static void find_rows(ns_verify *v) {
         v->command[j] = -1;
     for (int c = 0; c < s->nc; c++)
         v->command[s->command[c].pair] = c;
+    v->scan_known = 1;
+    for (int k = 0; k < v->output.start[s->m]; k++)
+        v->scan_known &= v->output.column[k] < s->n + s->m || v->output.column[k] == s->n + s->m + s->nz;
     v->is_passive = ns_verify_passive_find(v);
 }
 
@@ -101,21 +110,35 @@ void ns_verify_free(ns_verify *v) {
     ns_verify_rows_free(v);
     free(v->numbers);
     free(v->command);
+    free(v->piece);
+    free(v->scan);
     free(v);
 }
 
 void ns_verify_reset(ns_verify *v) {
     const ns_system *s = v->s;
-    const size_t sizes = 2 * (size_t)s->n + 2 * (size_t)s->m + (size_t)s->nc;
-    memset(v->most_law, 0, sizeof *v->most_law * sizes);
-    v->most_any_lambda = v->most_any_y = v->most_energy = 0;
-    v->most_number = least_number;
+    memset(v->most_law, 0, sizeof *v->most_law * ns_verify_sizes(s));
+    for (int i = 0; i < s->n; i++)
+        v->times_row[i] = 1;
+    for (int j = 0; j < s->m; j++)
+        v->times_pair[j] = 1;
+    double *most = &v->most_any[NS_VERIFY_ANY_NUMBER];
+    *most = least_number;
     for (int k = 0; k < s->nz; k++)
-        v->most_number = fmax(v->most_number, peak(&s->z[k]));
+        *most = fmax(*most, peak(&s->z[k]));
+    v->grew = 1;
+    (void)ns_verify_sizes_end(v, 1);
 }
 
-void ns_verify_allow(ns_verify *v, double times) {
+void ns_verify_scale(ns_verify *v, double times) {
     v->times = times;
+}
+
+void ns_verify_allow(ns_verify *v, const ns_verify_finding *f) {
+    if (f->pair >= 0)
+        v->times_pair[f->pair] = ns_verify_wrong;
+    if (f->unknown >= 0)
+        v->times_row[f->unknown] = ns_verify_wrong;
 }
 
 double ns_verify_effort(const ns_verify *v) {

@@ -9,6 +9,8 @@
 /* What impulses may be off by, of the terms of their equations and of the largest of a kind; of the largest
  * number in them.  Energy: of what there is. */
 static const double of_impulse = 1e-5, of_all = 1e-9, of_energy = 1e-5;
+/* What does not count as a move, of a charge's terms. */
+static const double rounding = 1e-9;
 /* So much larger than that an impulse is one. */
 static const double clearly = 1e3;
 
@@ -28,11 +30,17 @@ static double moved_off(const ns_verify *v, int i) {
 }
 
 /* 1 if a charge or a flux differs by more than rounding, between u_left and u. */
-static int any_jumps(const ns_verify *v) {
-    for (int k = 0; k < v->storeds; k++)
-        if (!(fabs(moved(v, v->stored[k])) <= moved_off(v, v->stored[k])))
-            return 1;
-    return 0;
+static int any_jumps(ns_verify *v) {
+    int any = 0;
+    for (int k = 0; k < v->storeds; k++) {
+        const int i = v->stored[k];
+        const ns_verify_sum from = ns_verify_row(&v->charge, i, v->u_left),
+                            to = ns_verify_row(&v->charge, i, v->u);
+        const double move = fabs(to.sum - from.sum);
+        ns_verify_sizes_charge(v, i, ns_verify_larger(from.size, to.size));
+        any |= !(move <= rounding * to.size) && !(move <= moved_off(v, i));
+    }
+    return any;
 }
 
 /* v->v: X, Lambda, and the integrals of inputs and of 1 over the time that it took. */
@@ -52,7 +60,8 @@ static void judge_balance(const ns_verify *v, const jump *j, ns_verify_finding *
         const ns_verify_sum carried = ns_verify_row(&v->law, i, v->v);
         const double rest = fabs(moved(v, i) - carried.sum);
         const double off =
-            v->times * (of_impulse * carried.size + j->dust * v->law.size[i]) + moved_off(v, i);
+            v->times * v->times_row[i] * (of_impulse * carried.size + j->dust * v->law.size[i]) +
+            moved_off(v, i);
         if (!(rest <= off))
             ns_verify_note(worst, NS_VERIFY_JUMP, -1, i, rest / off);
     }
@@ -78,8 +87,9 @@ static double after_error(const ns_verify *v, int i, double lambda_share, double
 static double impulse_error(const ns_verify *v, int i, const jump *j) {
     const double lambda = v->v[v->s->n + i];
     const ns_verify_sum y = ns_verify_row(&v->output, i, v->v);
-    const double lambda_off = v->times * j->lambda_off + 2 * j->seconds * v->most_lambda[i],
-                 y_off = v->times * (of_impulse * y.size + j->dust * v->output.size[i]) +
+    const double times = v->times * v->times_pair[i],
+                 lambda_off = times * j->lambda_off + 2 * j->seconds * v->most_lambda[i],
+                 y_off = times * (of_impulse * y.size + j->dust * v->output.size[i]) +
                          2 * j->seconds * v->most_y[i] + DBL_MIN;
     const double lambda_share = fabs(lambda) / lambda_off, y_share = fabs(y.sum) / y_off;
     if (v->command[i] >= 0) /* open or closed, before or after */
@@ -155,22 +165,22 @@ static double largest(size_t count, const double *a) {
     return most;
 }
 
-int ns_verify_event(ns_verify *v, const ns_verify_state *left, const ns_verify_state *right, const double *X,
-                    const double *Lambda, ns_verify_finding *worst) {
+void ns_verify_left(ns_verify *v) {
+    memcpy(v->u_left, v->u, sizeof *v->u * ns_verify_columns(v->s));
+    v->t_left = v->t;
+}
+
+int ns_verify_event(ns_verify *v, const double *X, const double *Lambda, ns_verify_finding *worst) {
     const size_t n = (size_t)v->s->n, m = (size_t)v->s->m;
-    jump j = {.seconds = right->t - left->t};
-    *worst = ns_verify_nothing(right->t);
-    ns_verify_fill(v, left, v->u_left);
-    ns_verify_fill(v, right, v->u);
-    ns_verify_sizes_charges(v, v->u_left);
-    ns_verify_sizes_charges(v, v->u);
+    jump j = {.seconds = v->t - v->t_left};
+    *worst = ns_verify_nothing(v->t);
     if (!any_jumps(v))
-        return 1;
+        return ns_verify_sizes_end(v, 1);
     fill_impulse(v, j.seconds, X, Lambda);
     j.dust = of_all * largest(n + m, v->v);
     j.lambda_off = of_impulse * largest(m, v->v + n) + j.dust + DBL_MIN;
     judge_balance(v, &j, worst);
     judge_pairs(v, &j, worst);
     judge_energy(v, &j, worst);
-    return worst->cause == NS_VERIFY_RIGHT;
+    return ns_verify_sizes_end(v, worst->cause == NS_VERIFY_RIGHT);
 }

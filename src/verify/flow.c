@@ -36,16 +36,17 @@ static double integral(const ns_verify *v, int i, double half, double *off) {
         size += lobatto[k] * s.size;
     }
     const double rounding = of_terms * size + 2 * ns_verify_sizes_leak(v, &v->law, i);
-    *off = half * (fabs(sum - other) + v->times * rounding);
+    *off = half * (fabs(sum - other) + v->times * v->times_row[i] * rounding);
     return half * sum;
 }
 
-static void judge_row(const ns_verify *v, int i, double half, ns_verify_finding *worst) {
+static void judge_row(ns_verify *v, int i, double half, ns_verify_finding *worst) {
     const size_t all = ns_verify_columns(v->s);
-    const double from = ns_verify_row(&v->charge, i, v->v).sum,
-                 to = ns_verify_row(&v->charge, i, v->v + (NS_VERIFY_NODES - 1) * all).sum;
+    const ns_verify_sum from = ns_verify_row(&v->charge, i, v->v),
+                        to = ns_verify_row(&v->charge, i, v->v + (NS_VERIFY_NODES - 1) * all);
     double off;
-    const double charged = integral(v, i, half, &off), rest = fabs(to - from - charged);
+    const double charged = integral(v, i, half, &off), rest = fabs(to.sum - from.sum - charged);
+    ns_verify_sizes_charge(v, i, ns_verify_larger(from.size, to.size));
     off += ns_verify_sizes_charge_off(v, i);
     if (!(rest <= off))
         ns_verify_note(worst, NS_VERIFY_FLOW, -1, i, rest / off);
@@ -59,10 +60,9 @@ int ns_verify_flow(ns_verify *v, const double *t, const double *xl, ns_verify_fi
         if (!ns_verify_point(v, &at, worst))
             return 0;
         memcpy(v->v + k * all, v->u, sizeof *v->u * all);
-        ns_verify_sizes_charges(v, v->u);
     }
     *worst = ns_verify_nothing(t[NS_VERIFY_NODES - 1]);
     for (int k = 0; k < v->storeds; k++)
         judge_row(v, v->stored[k], (t[NS_VERIFY_NODES - 1] - t[0]) / 2, worst);
-    return worst->cause == NS_VERIFY_RIGHT;
+    return ns_verify_sizes_end(v, worst->cause == NS_VERIFY_RIGHT);
 }

@@ -8,6 +8,8 @@
 /* What a control may be beyond its threshold, of the largest that it was: events close together count as one.
  */
 static const double of_control = 1e-3;
+/* What rounding leaves of the terms of y. */
+static const double digits = 1e-13;
 /* Inputs are known at a time that is rounded, in units of eps. */
 static const double roundings = 64;
 
@@ -54,30 +56,24 @@ const char *ns_verify_text(ns_verify_cause cause) {
 
 /* --- the point --- */
 
-static void fill_inputs(const ns_verify *v, double t, ns_side side, double *z) {
-    for (int k = 0; k < v->s->nz; k++)
-        z[k] = ns_signal_value(&v->s->z[k], t, side);
-}
-
-void ns_verify_fill(const ns_verify *v, const ns_verify_state *at, double *u) {
+static void fill(ns_verify *v, const ns_verify_state *at) {
     const size_t n = (size_t)v->s->n, m = (size_t)v->s->m;
-    memcpy(u, at->x, sizeof *u * n);
+    v->t = at->t;
+    memcpy(v->u, at->x, sizeof *v->u * n);
     if (m > 0)
-        memcpy(u + n, at->lambda, sizeof *u * m);
-    fill_inputs(v, at->t, at->side, u + n + m);
-    u[n + m + (size_t)v->s->nz] = 1;
+        memcpy(v->u + n, at->lambda, sizeof *v->u * m);
+    ns_verify_inputs(v, at->t, at->side, v->u + n + m);
+    v->u[n + m + (size_t)v->s->nz] = 1;
 }
 
 /* By how much inputs differ around t; 0: not at all. */
 static int find_spread(ns_verify *v, double t) {
-    const int first = v->s->n + v->s->m;
     const double near = roundings * DBL_EPSILON * fabs(t);
-    double *before = v->u_left + first, *spread = v->spread + first;
+    double *spread = v->spread + v->s->n + v->s->m;
     int any = 0;
-    fill_inputs(v, t - near, NS_LEFT, before);
-    fill_inputs(v, t + near, NS_RIGHT, spread);
     for (int k = 0; k < v->s->nz; k++) {
-        spread[k] = fabs(spread[k] - before[k]);
+        const ns_signal *s = &v->s->z[k];
+        spread[k] = fabs(ns_signal_value(s, t + near, NS_RIGHT) - ns_signal_value(s, t - near, NS_LEFT));
         any |= spread[k] > 0;
     }
     return any;
@@ -105,7 +101,9 @@ static void judge_rows(ns_verify *v, ns_verify_finding *worst) {
     for (int k = 0; k < v->algebraics; k++) {
         const int i = v->algebraic[k];
         const ns_verify_sum s = ns_verify_row(&v->law, i, v->u);
-        v->most_law[i] = ns_verify_larger(s.size, v->most_law[i]);
+        ns_verify_grow(v, &v->most_law[i], s.size);
+        if (fabs(s.sum) <= digits * s.size)
+            continue;
         const double off = ns_verify_sizes_law_off(v, i);
         if (!(fabs(s.sum) <= off))
             ns_verify_note(worst, NS_VERIFY_ROW, -1, i, fabs(s.sum) / (off + spread_of(v, &v->law, i)));
@@ -120,60 +118,87 @@ double ns_verify_law_error(double l, double u, double lambda, double y, double l
     return ns_verify_larger(out, bound < law ? bound : law);
 }
 
-/* A pair as it is, what it may be off by, and what its control wants. */
+/* A pair as it is, what it may be off by, and its control. */
 typedef struct pair_values {
     double lambda, y, lambda_off, y_off;
-    int wanted; /* of a switch: 1 closed, -1 open, 0 either */
-    int slides; /* of a switch: its control is at the threshold, and it may be between */
+    double g, g_off; /* of a switch */
 } pair_values;
 
-/* How far a pair is from its law. */
-static double pair_error(const ns_verify *v, int j, const pair_values *p) {
+/* How far a pair without a control is from its law. */
+static double law_error(const ns_verify *v, int j, const pair_values *p) {
+    return ns_verify_law_error(v->s->l[j], v->s->u[j], p->lambda, p->y, p->lambda_off, p->y_off);
+}
+
+/* How far a switch is from being open, closed, whichever is nearer. */
+static double switch_error(const pair_values *p) {
     const double open = fabs(p->lambda) / p->lambda_off, shut = fabs(p->y) / p->y_off;
-    if (v->command[j] < 0)
-        return ns_verify_law_error(v->s->l[j], v->s->u[j], p->lambda, p->y, p->lambda_off, p->y_off);
-    if (p->slides)
+    return open < shut ? open : shut;
+}
+
+/* The same for what its control wants.  At the threshold it may slide, between open and closed. */
+static double command_error(const ns_command *k, const pair_values *p) {
+    if (p->g > k->on + p->g_off)
+        return fabs(p->y) / p->y_off;
+    if (p->g < k->off - p->g_off)
+        return fabs(p->lambda) / p->lambda_off;
+    return k->on == k->off ? 0 : switch_error(p);
+}
+
+/* 1 if all is as it should be to the last digit or so. */
+static int is_clearly_right(const ns_verify *v, int j, const pair_values *p, double y_size) {
+    const int c = v->command[j], is_shut = fabs(p->y) <= digits * y_size;
+    if (c >= 0)
+        return (is_shut && p->g > v->s->command[c].on) || (p->lambda == 0 && p->g < v->s->command[c].off);
+    if (!(p->lambda >= v->s->l[j] && p->lambda <= v->s->u[j]))
         return 0;
-    return p->wanted > 0 ? shut : p->wanted < 0 ? open : open < shut ? open : shut;
+    return is_shut || (p->y > 0 ? p->lambda == v->s->l[j] : p->lambda == v->s->u[j]);
 }
 
+/* g is the control; what it may be off by is found where it matters. */
 static void read_control(ns_verify *v, int c, pair_values *p) {
-    const ns_command *k = &v->s->command[c];
     const ns_verify_sum g = ns_verify_row(&v->control, c, v->u);
-    v->most_control[c] = ns_verify_larger(g.size, v->most_control[c]);
-    const double threshold = ns_verify_larger(fabs(k->on), fabs(k->off)),
-                 off = of_control * ns_verify_larger(v->most_control[c], threshold) +
-                       spread_of(v, &v->control, c);
-    p->slides = k->on == k->off && fabs(g.sum - k->on) <= off;
-    p->wanted = g.sum > k->on + off ? 1 : g.sum < k->off - off ? -1 : 0;
+    ns_verify_grow(v, &v->most_control[c], g.size);
+    p->g = g.sum;
 }
 
-static pair_values read_pair(ns_verify *v, int j, const ns_verify_sum *y) {
-    pair_values p = {.lambda = v->u[v->s->n + j], .y = y->sum};
-    v->most_lambda[j] = ns_verify_larger(fabs(p.lambda), v->most_lambda[j]);
-    v->most_y[j] = ns_verify_larger(y->size, v->most_y[j]);
-    v->most_any_lambda = ns_verify_larger(fabs(p.lambda), v->most_any_lambda);
-    v->most_any_y = ns_verify_larger(y->size, v->most_any_y);
-    p.lambda_off = ns_verify_sizes_lambda_off(v, j);
-    p.y_off = ns_verify_sizes_y_off(v, j) + spread_of(v, &v->output, j);
-    if (v->command[j] >= 0)
-        read_control(v, v->command[j], &p);
-    return p;
+static void find_offs(const ns_verify *v, int j, pair_values *p) {
+    const int c = v->command[j];
+    p->lambda_off = ns_verify_sizes_lambda_off(v, j);
+    p->y_off = ns_verify_sizes_y_off(v, j) + spread_of(v, &v->output, j);
+    if (c < 0)
+        return;
+    const ns_command *k = &v->s->command[c];
+    const double threshold = ns_verify_larger(fabs(k->on), fabs(k->off));
+    p->g_off = of_control * ns_verify_larger(v->most_control[c], threshold) + spread_of(v, &v->control, c);
+}
+
+static void judge_closely(const ns_verify *v, int j, pair_values *p, ns_verify_finding *worst) {
+    const int c = v->command[j];
+    double error = c < 0 ? law_error(v, j, p) : command_error(&v->s->command[c], p);
+    if (error <= 1)
+        return;
+    p->lambda_off += ns_verify_sizes_rounding_around(v, j);
+    error = c < 0 ? law_error(v, j, p) : command_error(&v->s->command[c], p);
+    const int is_command = c >= 0 && switch_error(p) <= 1;
+    ns_verify_note(worst, is_command ? NS_VERIFY_COMMAND : NS_VERIFY_LAW, j, -1, error);
 }
 
 static void judge_pair(ns_verify *v, int j, const double *y_shown, ns_verify_finding *worst) {
     const ns_verify_sum y = ns_verify_row(&v->output, j, v->u);
-    pair_values p = read_pair(v, j, &y);
-    if (y_shown && !(fabs(y_shown[j] - y.sum) <= p.y_off))
-        ns_verify_note(worst, NS_VERIFY_OUTPUT, j, -1, fabs(y_shown[j] - y.sum) / p.y_off);
-    if (pair_error(v, j, &p) <= 1)
+    pair_values p = {.lambda = v->u[v->s->n + j], .y = y.sum};
+    ns_verify_grow(v, &v->most_lambda[j], fabs(p.lambda));
+    ns_verify_grow(v, &v->most_y[j], y.size);
+    ns_verify_grow(v, &v->most_any[NS_VERIFY_ANY_LAMBDA], fabs(p.lambda));
+    ns_verify_grow(v, &v->most_any[NS_VERIFY_ANY_Y], y.size);
+    if (v->command[j] >= 0)
+        read_control(v, v->command[j], &p);
+    const double differs = y_shown ? fabs(y_shown[j] - y.sum) : 0;
+    if (is_clearly_right(v, j, &p, y.size) && differs <= digits * y.size)
         return;
-    p.lambda_off += ns_verify_sizes_rounding_around(v, j);
-    const double error = pair_error(v, j, &p);
-    const int wanted = p.wanted;
-    p.wanted = 0;
-    ns_verify_note(worst, wanted && pair_error(v, j, &p) <= 1 ? NS_VERIFY_COMMAND : NS_VERIFY_LAW, j, -1,
-                   error);
+    find_offs(v, j, &p);
+    if (!(differs <= p.y_off))
+        ns_verify_note(worst, NS_VERIFY_OUTPUT, j, -1, differs / p.y_off);
+    judge_closely(v, j, &p, worst);
 }
 
 static int judge(ns_verify *v, const ns_verify_state *at, ns_verify_finding *worst) {
@@ -186,14 +211,14 @@ static int judge(ns_verify *v, const ns_verify_state *at, ns_verify_finding *wor
 
 int ns_verify_point(ns_verify *v, const ns_verify_state *at, ns_verify_finding *worst) {
     *worst = ns_verify_nothing(at->t);
-    ns_verify_fill(v, at, v->u);
+    fill(v, at);
     if (!numbers_are_finite(v, worst))
         return 0;
     ns_verify_sizes_numbers(v, v->u);
     if (judge(v, at, worst))
-        return 1;
+        return ns_verify_sizes_end(v, 1);
     v->spreads = find_spread(v, at->t); /* rare: an input jumps, or is steep */
     const int right = v->spreads && judge(v, at, worst);
     v->spreads = 0;
-    return right;
+    return ns_verify_sizes_end(v, right);
 }

@@ -28,7 +28,7 @@ typedef enum ns_verify_cause {
 } ns_verify_cause;
 
 /* Of an error: above 1 it is more than a right answer should have; above this many it is wrong. */
-static const double ns_verify_wrong = 1000;
+static const double ns_verify_wrong = 100;
 
 /* The worst that was found. */
 typedef struct ns_verify_finding {
@@ -58,8 +58,10 @@ void ns_verify_free(ns_verify *v); /* NULL is allowed */
 /* No point was seen yet. */
 void ns_verify_reset(ns_verify *v);
 
-/* From now on everything may be off by so many times what it may at first. */
-void ns_verify_allow(ns_verify *v, double times);
+/* All may be off by so many times as much; 1 at first. */
+void ns_verify_scale(ns_verify *v, double times);
+/* From now on what was found may be off by ns_verify_wrong times as much. */
+void ns_verify_allow(ns_verify *v, const ns_verify_finding *f);
 
 /* What one point takes, in numbers multiplied. */
 double ns_verify_effort(const ns_verify *v);
@@ -72,10 +74,14 @@ const char *ns_verify_text(ns_verify_cause cause);
 /* (S1), algebraic rows; (S2) to (S4); commands. */
 int ns_verify_point(ns_verify *v, const ns_verify_state *at, ns_verify_finding *worst);
 
-/* From the left side of an event to its right side, with the impulses X (n), Lambda (m) between, as
- * ns_march_impulse().  Both points were judged before. */
-int ns_verify_event(ns_verify *v, const ns_verify_state *left, const ns_verify_state *right, const double *X,
-                    const double *Lambda, ns_verify_finding *worst);
+/* Pairs alone, in a hurry, by what was learnt from points before; nothing is learnt.  x: at least the
+ * unknowns that pairs depend on.  0: it may be wrong, or not. */
+int ns_verify_scan(ns_verify *v, const double *x, const double *lambda);
+
+/* The point that was judged last is the left side of an event; then, from there to the point that was judged
+ * last, with the impulses X (n), Lambda (m) between, as ns_march_impulse(). */
+void ns_verify_left(ns_verify *v);
+int ns_verify_event(ns_verify *v, const double *X, const double *Lambda, ns_verify_finding *worst);
 
 /* Points at which a way between events is looked at: times from a to b, the first is a, the last b. */
 enum { NS_VERIFY_NODES = 5 };

@@ -1,6 +1,7 @@
 /* src/verify/verify_internal.h - the equations of a system as rows, and the sizes that errors are measured
  * by.
  *
+ *   scan.c    pairs of a point in a hurry      inputs.c  of the system
  *   rows.c    matrices row by row     create.c   the object       sizes.c   what may be off by how much
  *   passive.c whether energy can be judged
  *   point.c   (S1) to (S4)            event.c    (J1), (J2), (J4), energy   flow.c   integrals between events
@@ -26,6 +27,16 @@ typedef struct ns_verify_sum {
     double sum, size;
 } ns_verify_sum;
 
+/* A piece of an input that is a straight line, after `from` and before `to` (s). */
+typedef struct ns_verify_piece {
+    double from, to, value, slope;
+} ns_verify_piece;
+
+/* What a pair may be off by, after the last point that was judged. */
+typedef struct ns_verify_scan_off {
+    double y_off, lambda_off;
+} ns_verify_scan_off;
+
 struct ns_verify {
     const ns_system *s;
     ns_verify_options o;
@@ -41,15 +52,21 @@ struct ns_verify {
     double *unit;    /* n: the square root of the largest entry of row i of M: w_i / unit_i is that of an
                         energy; 0: the row has none */
     double *numbers; /* all arrays of numbers */
-    /* the largest so far, and what they may be off by */
-    double *most_law;                   /* n: terms of rows of (S1) */
-    double *most_w;                     /* n: terms of charges and fluxes */
-    double *most_lambda, *most_y;       /* m: of the values; of the terms */
-    double *most_control;               /* nc: of the terms */
-    double most_any_lambda, most_any_y; /* of all pairs */
-    double most_number;                 /* of x, lambda and z, whatever their units */
-    double most_energy;                 /* of most_w_i / unit_i */
-    double times;                       /* all may be off by so many times as much */
+    /* the largest so far, of points that were right */
+    double *most_law;               /* n: terms of rows of (S1) */
+    double *most_w;                 /* n: terms of charges and fluxes */
+    double *most_lambda, *most_y;   /* m: of the values; of the terms */
+    double *most_control;           /* nc: of the terms */
+    double *most_any;               /* NS_VERIFY_ANY: */
+    double *kept;                   /* all of these after the last point that was right */
+    int grew;                       /* they are not those that are kept */
+    double times;                   /* all may be off by so many times as much, */
+    double *times_row, *times_pair; /* n, m: and rows of (S1), pairs by so many times that */
+    ns_verify_scan_off *scan;       /* m */
+    int scan_is_old;                /* scan is that of an earlier point */
+    int scan_known;                 /* no input acts on y of a pair */
+    ns_verify_piece *piece;         /* nz: that was looked at last */
+    double t, t_left;               /* s: of u, u_left */
     /* work, n+m+nz+1 each */
     double *u, *u_left; /* points */
     double *spread;     /* 0; by how much inputs differ around the time of u */
@@ -57,8 +74,23 @@ struct ns_verify {
     double *v;          /* NS_VERIFY_NODES: points; or an impulse */
 };
 
+/* The largest of all: lambda, y (terms); x, lambda or z, whatever its units; most_w_i / unit_i. */
+enum { NS_VERIFY_ANY_LAMBDA, NS_VERIFY_ANY_Y, NS_VERIFY_ANY_NUMBER, NS_VERIFY_ANY_ENERGY, NS_VERIFY_ANY };
+
 static inline size_t ns_verify_columns(const ns_system *s) {
     return (size_t)s->n + (size_t)s->m + (size_t)s->nz + 1;
+}
+
+static inline size_t ns_verify_sizes(const ns_system *s) {
+    return 2 * (size_t)s->n + 2 * (size_t)s->m + (size_t)s->nc + NS_VERIFY_ANY;
+}
+
+/* A quarter more, so that what grows slowly is not kept again each time. */
+static inline void ns_verify_grow(ns_verify *v, double *most, double size) {
+    if (size > *most) {
+        *most = 1.25 * size;
+        v->grew = 1;
+    }
 }
 
 static inline double ns_verify_larger(double a, double b) {
@@ -83,9 +115,12 @@ static inline ns_verify_sum ns_verify_row(const ns_verify_rows *r, int i, const 
 /* passive.c: v->sign, and whether energy can be judged. */
 int ns_verify_passive_find(const ns_verify *v);
 
-/* sizes.c: the largest numbers so far, u being a point; the largest charges. */
+/* sizes.c: the largest numbers so far, u being a point; the largest terms of a charge. */
 void ns_verify_sizes_numbers(ns_verify *v, const double *u);
-void ns_verify_sizes_charges(ns_verify *v, const double *u);
+void ns_verify_sizes_charge(ns_verify *v, int i, double size);
+/* A point was right, or not: the sizes are kept, or those that are kept are in force again.  Returns right.
+ */
+int ns_verify_sizes_end(ns_verify *v, int right);
 /* What may be off by how much: the charge of row i; row i of (S1); y of pair j, lambda of it, the latter also
  * by what the rows around it may be off by. */
 double ns_verify_sizes_charge_off(const ns_verify *v, int i);
@@ -96,9 +131,10 @@ double ns_verify_sizes_rounding_around(const ns_verify *v, int j);
 /* What rounding of the largest numbers, and leaks that engines put where something floats, make of row i. */
 double ns_verify_sizes_leak(const ns_verify *v, const ns_verify_rows *r, int i);
 
-/* point.c: u of a point. */
-void ns_verify_fill(const ns_verify *v, const ns_verify_state *at, double *u);
-/* Nothing found so far at t. */
+/* inputs.c: z (nz). */
+void ns_verify_inputs(ns_verify *v, double t, ns_side side, double *z);
+
+/* point.c. Nothing found so far at t. */
 ns_verify_finding ns_verify_nothing(double t);
 /* An error becomes the finding, if it is larger than 1 and than that of the one there. */
 void ns_verify_note(ns_verify_finding *worst, ns_verify_cause cause, int pair, int unknown, double error);

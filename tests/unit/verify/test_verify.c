@@ -101,7 +101,11 @@ static event next_event(bench *b) {
 
 static int event_judged(bench *b, const event *e) {
     const ns_verify_state left = state_of(&e->left), right = state_of(&e->right);
-    return ns_verify_event(b->v, &left, &right, e->X, e->Lambda, &b->f);
+    ns_verify_finding f;
+    (void)ns_verify_point(b->v, &left, &f);
+    ns_verify_left(b->v);
+    (void)ns_verify_point(b->v, &right, &f);
+    return ns_verify_event(b->v, e->X, e->Lambda, &b->f);
 }
 
 /* A way on from the accepted point, looked at between parts `from` and `to` of it. */
@@ -138,7 +142,7 @@ static void right_answers(void **state) {
 static void right_answers_of_the_scheme(void **state) {
     (void)state;
     bench b = open_bench(NS_THETA);
-    ns_verify_allow(b.v, ns_verify_wrong);
+    ns_verify_scale(b.v, ns_verify_wrong);
     for (int i = 1; i < 200; i++) {
         point p;
         go(&b.k, 1.03e-7 * i);

@@ -1,0 +1,149 @@
+/* src/march/run_again.c - a trial that was found wrong is gone again from the accepted point: by the other
+ * kernel, then by the theta scheme with smaller steps.
+ */
+#include "run_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The accepted point, and what is asked for. */
+typedef struct again {
+    double t, *w;  /* n: charges and fluxes */
+    double *point; /* n+m: x, lambda */
+    unsigned char *closed;
+    int from_event; /* it is the left side of an event */
+    double asked;
+    ns_until until;
+} again;
+
+static const ns_run_kind others[] = {NS_RUN_DENSE, NS_RUN_SPARSE, NS_RUN_SCHEME};
+
+/* --- the accepted point --- */
+
+static int begin_again(ns_run *r, again *a) {
+    ns_engine_drop(r->at_work);
+    a->from_event = ns_engine_at_event(r->at_work);
+    const int status = ns_march_run_read_accepted(r, &a->t, &a->w, &a->closed);
+    if (status != NS_OK)
+        return status;
+    a->point = calloc((size_t)r->s->n + (size_t)r->s->m + 1, sizeof *a->point);
+    return a->point ? ns_engine_read(r->at_work, NULL, a->point, a->point + r->s->n, NULL) : NS_E_MEMORY;
+}
+
+/* --- one engine --- */
+
+/* From the accepted point on by a start there. */
+static int start_is_right(ns_run *r, const again *a) {
+    const size_t n = (size_t)r->s->n, all = n + (size_t)r->s->m;
+    ns_run_check *k = &r->check;
+    double t;
+    k->found = 0;
+    memcpy(k->here, a->point, sizeof *k->here * all);
+    (void)ns_march_check_point(r, a->t, a->from_event ? NS_LEFT : NS_RIGHT);
+    ns_verify_left(k->verify);
+    k->found = 0;
+    if (ns_engine_read(r->at_work, &t, k->here, k->here + n, NULL) != NS_OK ||
+        ns_engine_impulse(r->at_work, k->impulse, k->impulse + n) != NS_OK)
+        return 0;
+    return ns_march_check_point(r, t, NS_RIGHT) && ns_march_check_event(r);
+}
+
+/* 1 if the start is all that the trial asks for. */
+static int ends_at_start(ns_run *r, const again *a) {
+    double t;
+    return a->from_event && a->until != NS_TO_TIME &&
+           ns_engine_read(r->at_work, &t, NULL, NULL, NULL) == NS_OK && t == a->t;
+}
+
+/* The trial by the engine at work, judged whole. */
+static int try_judged(ns_run *r, const again *a, double *reached) {
+    ns_run_check *k = &r->check;
+    k->found = k->is_old = 0;
+    k->credit = INFINITY; /* every event, and the end */
+    k->way_next = 0;
+    const int status = r->at_work->table->try_to(r->at_work, a->asked, a->until, reached);
+    const int right = status == NS_OK && ns_march_check_end(r, a->asked, a->until, *reached);
+    k->credit = 0;
+    return right;
+}
+
+static int start_judged(ns_run *r, const again *a, double *reached) {
+    if (r->at_work->table->start(r->at_work, a->t, a->w, a->closed) != NS_OK || !start_is_right(r, a))
+        return 0;
+    r->trial_is_start = ends_at_start(r, a);
+    *reached = a->t;
+    if (r->trial_is_start)
+        return 1;
+    if (r->is_dense)
+        ns_march_dense_carry_start(r->at_work);
+    return try_judged(r, a, reached);
+}
+
+/* By another engine, which stays at work if it is right. */
+static int go_by(ns_run *r, ns_run_kind kind, const again *a, double *reached) {
+    ns_engine *was = r->at_work, *other;
+    const ns_run_kind was_kind = r->kind;
+    if (ns_march_run_make(r, kind, &other) != NS_OK)
+        return 0;
+    ns_march_run_put_to_work(r, other, kind);
+    if (start_judged(r, a, reached)) {
+        ns_march_run_dismiss(r, was);
+        return 1;
+    }
+    ns_march_run_put_to_work(r, was, was_kind);
+    other->table->free(other);
+    return 0;
+}
+
+/* --- all of them --- */
+
+static int go_by_others(ns_run *r, const again *a, double *reached) {
+    const ns_run_kind own = r->kind;
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (others[i] != own && go_by(r, others[i], a, reached)) {
+            ns_march_run_leave_for_now(r, a->t, own);
+            return 1;
+        }
+    return 0;
+}
+
+/* What no engine does without an error may be rounding. */
+static int go_with_allowance(ns_run *r, const again *a, const ns_verify_finding *f, double *reached) {
+    if (f->error > ns_verify_wrong)
+        return 0;
+    ns_verify_allow(r->check.verify, f);
+    return try_judged(r, a, reached);
+}
+
+/* No engine is right. */
+static int refuse(ns_run *r, const ns_verify_finding *f) {
+    r->fault = (ns_fault){.status = NS_E_RESIDUAL, .t = f->t, .why = ns_verify_text(f->cause)};
+    if (f->pair >= 0)
+        r->fault.pair[r->fault.npairs++] = f->pair;
+    if (f->unknown >= 0)
+        r->fault.unknown[r->fault.nunknowns++] = f->unknown;
+    r->refused = 1;
+    return NS_E_RESIDUAL;
+}
+
+int ns_march_run_again(ns_run *r, double t, ns_until until, double *reached) {
+    ns_run_check *k = &r->check;
+    const ns_verify_finding first = k->finding;
+    again a = {.asked = t, .until = until};
+    int status = begin_again(r, &a), right = 0;
+    k->retries++;
+    if (status == NS_OK) {
+        right = go_by_others(r, &a, reached) || go_with_allowance(r, &a, &first, reached);
+        k->is_old = right;
+        k->asked = t;
+        k->until = (int)until;
+        if (!right)
+            ns_engine_drop(r->at_work);
+    }
+    free(a.point);
+    free(a.w);
+    free(a.closed);
+    k->found = 0;
+    return right ? NS_OK : status != NS_OK ? status : refuse(r, &first);
+}
