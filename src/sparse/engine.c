@@ -117,24 +117,6 @@ static int takes_time(const ns_dense_step *step) {
     return step->end_t > step->t;
 }
 
-/* The point of the trial is shown to who wants to see it. */
-static int show(ns_sparse *m, ns_watch_side side) {
-    const ns_watch *w = m->watch;
-    const ns_watch_part part = ns_watch_wants(w, side, m->trial.step->mode);
-    if (part == NS_WATCH_NOTHING)
-        return NS_OK;
-    if (part == NS_WATCH_PAIRS) {
-        ns_sparse_read_pairs(m, w->x, w->lambda);
-        const int seen = w->sees(w->data, side, m->trial.t);
-        if (seen != NS_GUARD)
-            return seen;
-    }
-    int status = ns_sparse_read_inside(m, side == NS_WATCH_LEFT ? NS_LEFT : NS_RIGHT, w->x, w->lambda);
-    if (status == NS_OK)
-        status = ns_sparse_impulse(m, w->X, w->Lambda);
-    return status == NS_OK ? w->sees(w->data, side, m->trial.t) : status;
-}
-
 /* The step after that of the trial. */
 static int step_of_high_order(ns_sparse *m) {
     ns_dense_step *from = m->trial.step, *to = unused_step(m);
@@ -142,7 +124,7 @@ static int step_of_high_order(ns_sparse *m) {
     int status;
     if (m->steps_left-- <= 0)
         return name_fault(m, from, NS_E_LIMIT);
-    if (from->at_event && takes_time(from) && (status = show(m, NS_WATCH_LEFT)) != NS_OK)
+    if (from->at_event && takes_time(from) && (status = ns_sparse_watch_show(m, NS_WATCH_LEFT)) != NS_OK)
         return status;
     leave_step(m, from);
     m->contradicting_pair = -1;
@@ -163,7 +145,7 @@ static int step_of_high_order(ns_sparse *m) {
         return name_fault(m, from, status == NS_E_MEMORY ? status : worst_of(refused, status));
     const int is_event = from->at_event; /* the next step may take the place of this one */
     enter_step(m, to, t);
-    return is_event && (takes_time(to) || !to->at_event) ? show(m, NS_WATCH_RIGHT) : NS_OK;
+    return is_event && (takes_time(to) || !to->at_event) ? ns_sparse_watch_show(m, NS_WATCH_RIGHT) : NS_OK;
 }
 
 /* The same by steps of the theta scheme. */

@@ -48,44 +48,6 @@ int ns_sparse_read(ns_sparse *m, double *t, double *x, double *lambda, double *y
     return check_read(m, at, x, lambda, y);
 }
 
-/* v (n+m) where a step begins: all Laguerre's polynomials are 1 (E1). */
-static void point_at_begin(const ns_sparse *m, const ns_dense_step *step, double *v) {
-    const int stages = step->stages < NS_ORDER ? step->stages : NS_ORDER, size = m->f->size;
-    memcpy(v, step->images, sizeof *v * (size_t)size);
-    for (int i = 1; i < stages; i++) {
-        const double *image = step->images + (size_t)i * (size_t)size;
-        if (i % 2)
-            for (int k = 0; k < size; k++)
-                v[k] -= image[k];
-        else
-            for (int k = 0; k < size; k++)
-                v[k] += image[k];
-    }
-}
-
-void ns_sparse_read_pairs(ns_sparse *m, double *x, double *lambda) {
-    const ns_output_only *o = m->output_only;
-    if (m->trial.tau == 0 && !m->trial.step->is_euler)
-        point_at_begin(m, m->trial.step, m->inside.v);
-    else
-        ns_sparse_step_point(m, m->trial.step, m->trial.tau, m->inside.v);
-    for (int i = 0; i < m->f->n; i++)
-        x[o->stays[i]] = m->inside.v[i];
-    memcpy(lambda, m->inside.v + m->f->n, sizeof *lambda * (size_t)m->f->m);
-}
-
-int ns_sparse_read_inside(ns_sparse *m, ns_side side, double *x, double *lambda) {
-    const ns_sparse_point *at = &m->trial;
-    const int status = ns_sparse_step_shown(m, at->step, at->tau, m->inside.v);
-    if (status != NS_OK)
-        return status;
-    for (int k = 0; k < m->f->nz; k++)
-        m->inside.z[k] = ns_signal_value(&m->s->z[k], at->t, side);
-    ns_sparse_output_join(m->output_only, m->inside.v, m->inside.z, x);
-    memcpy(lambda, m->inside.v + m->f->n, sizeof(double) * (size_t)m->f->m);
-    return NS_OK;
-}
-
 /* --- on the way of the trial, which is inside one step --- */
 
 /* 1 if t is on the way of a trial with NS_TO_STEP, else *status. */

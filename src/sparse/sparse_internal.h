@@ -198,7 +198,7 @@ struct ns_sparse {
         ns_mode *lasting_mode;      /* m: of a step that is longer than a transient */
     } work;
 
-    /* read.c: a point that is read while a trial is made, when the above is not to be touched */
+    /* watch.c: a point that is read while a trial is made, when the above is not to be touched */
     struct {
         double *v, *z; /* n+m; nz */
     } inside;
@@ -216,10 +216,9 @@ int ns_sparse_fail(ns_sparse *m, double t, int status); /* keeps both in the fau
 void ns_sparse_rewind(ns_sparse *m, double t0);         /* not started; all points at t0, */
 int ns_sparse_first_step(ns_sparse *m); /* the step from there, by m->w and m->mode: started */
 
-/* read.c: x, lambda of the trial while it is made.  By the stages that its step has, and of x all but what is
- * output_only; by one more, as ns_sparse_read(). */
-void ns_sparse_read_pairs(ns_sparse *m, double *x, double *lambda);
-int ns_sparse_read_inside(ns_sparse *m, ns_side side, double *x, double *lambda);
+/* watch.c: the point of the trial while it is made, to m->watch if it wants it.  Errors: what that answers.
+ */
+int ns_sparse_watch_show(ns_sparse *m, ns_watch_side side);
 
 /* next_step.c: a step from m->w, m->mode at t, after the step `before` (NULL: the first). */
 int ns_sparse_next_step(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step);

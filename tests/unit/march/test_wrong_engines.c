@@ -1,0 +1,242 @@
+/* tests/unit/march/test_wrong_engines.c - each kind of wrong answer, planted in each engine, is caught.
+ *
+ * An engine of a run is replaced by one that asks it and changes once what it answers.  What follows has to
+ * be as if nothing had been changed; where all engines are wrong, the run is refused.
+ */
+#include "rig.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "march/run_internal.h"
+#include "signals.h"
+
+enum { UNKNOWNS = 16 };
+static const double period = 10e-6;
+
+/* What is changed: lambda of a diode; a node's voltage; a current; a charge that jumps; a number; points on a
+ * way. */
+typedef enum lie { LAMBDA, VOLTAGE, CURRENT, LOST_CHARGE, LOST_FLUX, NOT_A_NUMBER, DRIFT, LIES } lie;
+
+typedef struct liar {
+    ns_engine engine;
+    ns_engine *inner;
+    const ns_watch *real;
+    ns_watch watch;
+    lie what;
+    int unknown, told, rights; /* rights: right sides of events so far */
+    double from;               /* s: of a way */
+} liar;
+
+static liar *liar_of(ns_engine *e) {
+    return (liar *)(void *)e;
+}
+
+static const liar *liar_in(const ns_engine *e) {
+    return (const liar *)(const void *)e;
+}
+
+/* --- the engine inside --- */
+
+static void free_liar(ns_engine *e) {
+    liar *l = liar_of(e);
+    l->inner->table->free(l->inner);
+    free(l);
+}
+static int try_to(ns_engine *e, double t, ns_until until, double *reached) {
+    return liar_of(e)->inner->table->try_to(liar_of(e)->inner, t, until, reached);
+}
+static void drop(ns_engine *e) {
+    ns_engine_drop(liar_of(e)->inner);
+}
+static int accept_trial(ns_engine *e) {
+    return ns_engine_accept(liar_of(e)->inner);
+}
+static int read_point(ns_engine *e, double *t, double *x, double *lambda, double *y) {
+    return ns_engine_read(liar_of(e)->inner, t, x, lambda, y);
+}
+static int impulse(ns_engine *e, double *x, double *lambda) {
+    return ns_engine_impulse(liar_of(e)->inner, x, lambda);
+}
+static const ns_mode *mode(ns_engine *e) {
+    return ns_engine_mode(liar_of(e)->inner);
+}
+static int at_event(const ns_engine *e) {
+    return ns_engine_at_event(liar_in(e)->inner);
+}
+static ns_method method(const ns_engine *e) {
+    return ns_engine_method(liar_in(e)->inner);
+}
+static const ns_counts *counts(ns_engine *e) {
+    return liar_of(e)->inner->table->counts(liar_of(e)->inner);
+}
+static const ns_fault *fault(const ns_engine *e) {
+    return ns_engine_fault(liar_in(e)->inner);
+}
+static double shortest(ns_engine *e, double t, double *until) {
+    return ns_engine_shortest(liar_of(e)->inner, t, until);
+}
+
+/* A voltage that grows by 1 % over 1 ns, of which nothing flows. */
+static int sample(ns_engine *e, double t, double *x, double *lambda) {
+    liar *l = liar_of(e);
+    const int status = ns_engine_sample(l->inner, t, x, lambda);
+    if (l->what == DRIFT && l->rights >= 4 && x) {
+        if (!l->told++)
+            l->from = t;
+        x[l->unknown] *= 1 + 0.01 * (t - l->from) / 1e-9;
+    }
+    return status;
+}
+
+static ns_watch_part wants(void *data, ns_watch_side side, const ns_mode *m) {
+    const liar *l = data;
+    return l->real->wants(l->real->data, side, m);
+}
+
+/* The right side of the fifth event, and a point is changed. */
+static int sees(void *data, ns_watch_side side, double t) {
+    liar *l = data;
+    l->rights += side == NS_WATCH_RIGHT;
+    if (side == NS_WATCH_RIGHT && l->rights >= 5 && l->told < 3) { /* all parts of it */
+        l->told++;
+        if (l->what == LAMBDA)
+            l->real->lambda[1] = -1;
+        else if (l->what == VOLTAGE || l->what == CURRENT)
+            l->real->x[l->unknown] += l->what == VOLTAGE ? -2.6e6 : 2;
+        else if (l->what == LOST_CHARGE || l->what == LOST_FLUX)
+            l->real->x[l->unknown] = 0;
+        else if (l->what == NOT_A_NUMBER)
+            l->real->lambda[0] = NAN;
+    }
+    return l->real->sees(l->real->data, side, t);
+}
+
+static void watch(ns_engine *e, const ns_watch *w) {
+    liar *l = liar_of(e);
+    l->real = w;
+    l->watch = *w;
+    l->watch.data = l;
+    l->watch.wants = wants;
+    l->watch.sees = sees;
+    ns_engine_watch(l->inner, &l->watch);
+}
+
+static const ns_engine_table table = {.free = free_liar,
+                                      .try_to = try_to,
+                                      .drop = drop,
+                                      .accept = accept_trial,
+                                      .read = read_point,
+                                      .impulse = impulse,
+                                      .mode = mode,
+                                      .at_event = at_event,
+                                      .method = method,
+                                      .counts = counts,
+                                      .fault = fault,
+                                      .sample = sample,
+                                      .shortest = shortest,
+                                      .watch = watch};
+
+/* --- a buck converter --- */
+
+static int l1;
+
+static rig buck(ns_method by, double volts) {
+    rig k = begin();
+    const ns_switch contact = {.vt = 0.5, .vh = 0, .ron = 0, .roff = INFINITY};
+    const ns_diode d = {0, 0, INFINITY, INFINITY, 0};
+    const ns_signal supply = dc(volts), gate = pulse(0, 1, 2e-6, 10e-9, 10e-9, 4e-6, period);
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-7, .method = by, .reltol = 1e-9, .whole = 1};
+    assert_int_equal(ns_circuit_source(k.c, "v1", NS_VOLTAGE, 1, 0, &supply, NULL), NS_OK);
+    assert_int_equal(ns_circuit_source(k.c, "vg", NS_VOLTAGE, 2, 0, &gate, NULL), NS_OK);
+    assert_int_equal(ns_circuit_switch(k.c, "as1", 1, 3, 2, 0, &contact, NULL), NS_OK);
+    assert_int_equal(ns_circuit_diode(k.c, "ad1", 0, 3, &d, NULL), NS_OK);
+    assert_int_equal(ns_circuit_inductor(k.c, "l1", 3, 4, 100e-6, 1, &l1), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(k.c, "c1", 4, 0, 22e-6, 5, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(k.c, "r1", 4, 0, 5, NULL), NS_OK);
+    make_by(&k, &o);
+    assert_true(k.s->n <= UNKNOWNS);
+    start_at_rest(&k);
+    return k;
+}
+
+static ns_run *run_of(const rig *k) {
+    return (ns_run *)(void *)k->m->engine;
+}
+
+static liar *plant(const rig *k, lie what) {
+    ns_run *r = run_of(k);
+    liar *l = calloc(1, sizeof *l);
+    assert_non_null(l);
+    l->engine.table = &table;
+    l->inner = r->at_work;
+    l->what = what;
+    l->unknown = what == VOLTAGE                        ? ns_circuit_node_unknown(k->c, 3)
+                 : what == LOST_CHARGE || what == DRIFT ? ns_circuit_node_unknown(k->c, 4)
+                                                        : ns_circuit_current_unknown(k->c, l1);
+    r->at_work = &l->engine;
+    watch(&l->engine, &r->check.watch);
+    return l;
+}
+
+static int status_of(rig *k, double end) {
+    double t = 0;
+    while (t < end) {
+        run_of(k)->check.credit = 1e9; /* everything is looked at */
+        const int status = ns_march_try(k->m, end, t > end / 2 ? NS_TO_STEP : NS_TO_EVENT, &t);
+        if (status != NS_OK)
+            return status;
+        assert_int_equal(ns_march_accept(k->m), NS_OK);
+    }
+    return ns_march_read(k->m, NULL, k->x, NULL, NULL);
+}
+
+static void planted_lies_are_caught(void **state) {
+    (void)state;
+    static const ns_method methods[] = {NS_EXACT, NS_SPARSE};
+    for (int by = 0; by < 2; by++)
+        for (int what = 0; what < LIES; what++) {
+            rig honest = buck(methods[by], 12), k = buck(methods[by], 12);
+            assert_int_equal(status_of(&honest, 10.3 * period), NS_OK);
+            assert_int_equal(ns_march_counts(honest.m)->retries, 0);
+            assert_true(ns_march_counts(honest.m)->checks > 20);
+            plant(&k, (lie)what);
+            assert_int_equal(status_of(&k, 10.3 * period), NS_OK);
+            if (ns_march_counts(k.m)->retries != 1)
+                fail_msg("engine %d, lie %d: %ld retries", by, what, ns_march_counts(k.m)->retries);
+            for (int i = 0; i < k.s->n; i++)
+                if (!(fabs(k.x[i] - honest.x[i]) <= 1e-6 * (1 + fabs(honest.x[i]))))
+                    fail_msg("engine %d, lie %d: x[%d] = %g, not %g", by, what, i, k.x[i], honest.x[i]);
+            end(&honest);
+            end(&k);
+        }
+}
+
+/* The supply has 12 V for the engines, 24 V for who judges them: no engine is right. */
+static void where_no_engine_is_right_the_run_is_refused(void **state) {
+    (void)state;
+    static const ns_method methods[] = {NS_EXACT, NS_SPARSE};
+    for (int by = 0; by < 2; by++) {
+        rig k = buck(methods[by], 12), other = buck(methods[by], 24);
+        const ns_verify_options o = {.reltol = 1e-9, .instant = 1e-11};
+        char line[200];
+        ns_verify **judge = &run_of(&k)->check.verify;
+        ns_verify_free(*judge);
+        assert_int_equal(ns_verify_create(other.s, &o, judge), NS_OK);
+        assert_int_equal(status_of(&k, 10.3 * period), NS_E_RESIDUAL);
+        ns_circuit_explain(k.c, ns_march_fault(k.m), line, sizeof line);
+        print_message("%s\n", line);
+        assert_non_null(strstr(line, "v1: at t = "));
+        assert_non_null(strstr(line, "do not add up"));
+        end(&other);
+        end(&k);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(planted_lies_are_caught),
+        cmocka_unit_test(where_no_engine_is_right_the_run_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
