@@ -239,28 +239,36 @@ static int judge_signs(judge_finding *f) {
     return 0;
 }
 
+/* What the theta scheme says to a circuit that "auto" refused. */
+static const char *ask_theta(const judge_options *o) {
+    start_run(J_THETA, o);
+    return done(J_THETA) ? ", theta goes on" : result[J_THETA]->end == RUN_REFUSED ? ", theta too" : "";
+}
+
+static void say_end(judge_finding *f, int run, const judge_options *o) {
+    const run_result *r = result[run];
+    const int by_default = run <= J_SPICE;
+    if (r->end == RUN_REFUSED) {
+        say(f, by_default ? JUDGE_REFUSED : JUDGE_REFUSED_KERNEL, run, "");
+        snprintf(f->kind, sizeof f->kind, "%s %s%s%s", settings[run].name, ns_status_name(r->status),
+                 r->t > 0 ? "" : " at the start", by_default ? ask_theta(o) : "");
+    } else {
+        say(f, r->end == RUN_SLOW ? JUDGE_SLOW : JUDGE_CRASHED, run, "");
+        snprintf(f->kind, sizeof f->kind, "%s %s", settings[run].name,
+                 r->end == RUN_SLOW ? "slow" : "crashed");
+    }
+    snprintf(f->line, sizeof f->line, "%s: %s (at %.6g s)", settings[run].name, r->line, r->t);
+}
+
 /* Those that did not arrive.  Only "auto" counts as slow: the kernels are for some sizes only. */
-static int judge_ends(judge_finding *f) {
+static int judge_ends(judge_finding *f, const judge_options *o) {
     static const run_end order[] = {RUN_CRASHED, RUN_REFUSED, RUN_SLOW};
     for (int e = 0; e < 3; e++)
-        for (int run = 0; run < J_CANDIDATES; run++) {
-            const run_result *r = result[run];
-            const int by_default = run <= J_SPICE;
-            if (r->end != order[e] || (e == 2 && !by_default))
-                continue;
-            say(f,
-                e == 0       ? JUDGE_CRASHED
-                : e == 2     ? JUDGE_SLOW
-                : by_default ? JUDGE_REFUSED
-                             : JUDGE_REFUSED_KERNEL,
-                run, "");
-            snprintf(f->kind, sizeof f->kind, "%s %s", settings[run].name,
-                     e == 0   ? "crashed"
-                     : e == 2 ? "slow"
-                              : ns_status_name(r->status));
-            snprintf(f->line, sizeof f->line, "%s: %s (at %.6g s)", settings[run].name, r->line, r->t);
-            return 1;
-        }
+        for (int run = 0; run < J_CANDIDATES; run++)
+            if (result[run]->end == order[e] && (order[e] != RUN_SLOW || run <= J_SPICE)) {
+                say_end(f, run, o);
+                return 1;
+            }
     return 0;
 }
 
@@ -342,7 +350,7 @@ judge_finding judge(const netlist *n, const judge_options *o) {
             return f;
     }
     const judge_finding differing = f;
-    if (judge_ends(&f) || differing.verdict == JUDGE_UNDECIDED)
+    if (judge_ends(&f, o) || differing.verdict == JUDGE_UNDECIDED)
         return f;
     if (o->theta)
         judge_by_theta(&f, o);
