@@ -35,9 +35,6 @@ typedef enum ns_mlcp_method {
     NS_MLCP_AUTO,      /* "auto" */
     NS_MLCP_PIVOT,     /* "pivot"      principal pivoting: the pair broken worst is flipped */
     NS_MLCP_LEMKE,     /* "lemke"      Lemke's method, lexicographic ties */
-    NS_MLCP_NEWTON,    /* "newton"     semismooth Newton on the Fischer-Burmeister function, line search */
-    NS_MLCP_INTERIOR,  /* "interior"   primal-dual interior point */
-    NS_MLCP_PROJECTED, /* "projected"  projected Gauss-Seidel, successive overrelaxation */
     NS_MLCP_ENUMERATE, /* "enumerate"  modes by branch and bound, at most 16 pairs: the oracle */
     NS_MLCP_METHODS
 } ns_mlcp_method;
@@ -51,7 +48,6 @@ int ns_mlcp_method_of(const char *name);
 typedef struct ns_mlcp_info {
     long pivots;     /* exchanges of one pair */
     long factors;    /* m*m factorisations */
-    long iterations; /* of the iterative methods, summed */
     int method;      /* ns_mlcp_method that gave the answer or the proof */
     int certified;   /* INFEASIBLE: ns_mlcp_certificate() holds a proof */
     double residual; /* of the answer: ns_mlcp_residual(), or an upper bound of it that is below 1e-13 */

@@ -4,8 +4,9 @@
 #include <string.h>
 
 static const char *const names[NS_MLCP_METHODS] = {
-    [NS_MLCP_AUTO] = "auto",           [NS_MLCP_PIVOT] = "pivot",       [NS_MLCP_LEMKE] = "lemke",
-    [NS_MLCP_NEWTON] = "newton",       [NS_MLCP_INTERIOR] = "interior", [NS_MLCP_PROJECTED] = "projected",
+    [NS_MLCP_AUTO] = "auto",
+    [NS_MLCP_PIVOT] = "pivot",
+    [NS_MLCP_LEMKE] = "lemke",
     [NS_MLCP_ENUMERATE] = "enumerate",
 };
 

@@ -161,7 +161,7 @@ struct ns_mlcp_solver {
         int effort; /* how this solve has looked for one */
     } proof;
     int nodes_alike; /* nodes of branch_and_bound.c since the last answer */
-    long pivots, factors, iterations;
+    long pivots, factors;
     ns_fault fault;
 
     /* --- work: of whoever runs, for as long as it runs --- */
@@ -313,10 +313,7 @@ int ns_mlcp_proximal(ns_mlcp_solver *s, const ns_mode *mode, double *residual);
  * are folded into s->q; each may use A, mag, G, rhs, xs, T, Wreg and the vectors named as work in its file.
  * OK: s->lambda is an answer of natural residual <= NS_MLCP_ACCEPT, and s->mode the mode it suggests: the
  * driver computes the answer of that mode and takes the better of the two.  LIMIT, SINGULAR: gave up. */
-int ns_mlcp_newton(ns_mlcp_solver *s);    /* newton.c */
-int ns_mlcp_interior(ns_mlcp_solver *s);  /* interior_point.c */
-int ns_mlcp_projected(ns_mlcp_solver *s); /* projected.c */
-int ns_mlcp_pivot(ns_mlcp_solver *s);     /* pivot.c */
+int ns_mlcp_pivot(ns_mlcp_solver *s); /* pivot.c */
 /* The same in one, from mode, without units, sorting and scaling: what most problems need.  OK: s->lambda,
  * s->y, s->mode are an answer; else LIMIT, SINGULAR, RESIDUAL. */
 int ns_mlcp_pivot_from(ns_mlcp_solver *s, const ns_mode *mode, double *residual);

@@ -25,8 +25,8 @@ static double measure(ns_mlcp_solver *s) {
     return ns_mlcp_measure(&s->now, s->lambda, s->alike, s->rhs, NULL);
 }
 
-/* After an iterative method: its lambda, or what its mode gives exactly, whichever is better. */
-static int settle(ns_mlcp_solver *s, double *residual) {
+/* After branch and bound: its lambda, or the answer of its mode, whichever has the smaller residual. */
+static int choose_nearer(ns_mlcp_solver *s, double *residual) {
     double exact = INFINITY, rcond;
     *residual = measure(s);
     ns_mlcp_save(s, &s->kept);
@@ -49,13 +49,6 @@ static int agrees(ns_mlcp_solver *s) {
 
 /* One method, from a mode, on the problem as given. */
 static int apply(ns_mlcp_solver *s, ns_mlcp_method method, const ns_mode *mode, double *residual) {
-    static int (*const solver[NS_MLCP_METHODS])(ns_mlcp_solver *) = {
-        [NS_MLCP_PIVOT] = ns_mlcp_pivot,
-        [NS_MLCP_NEWTON] = ns_mlcp_newton,
-        [NS_MLCP_INTERIOR] = ns_mlcp_interior,
-        [NS_MLCP_PROJECTED] = ns_mlcp_projected,
-        [NS_MLCP_ENUMERATE] = ns_mlcp_branch_and_bound,
-    };
     s->method = (int)method;
     s->elim.nstuck = s->transform.settled = s->agrees = 0;
     ns_mlcp_units(s);
@@ -68,13 +61,14 @@ static int apply(ns_mlcp_solver *s, ns_mlcp_method method, const ns_mode *mode, 
     ns_mlcp_start_from(s, mode);
     if (method == NS_MLCP_PIVOT && s->m > NS_QUICK)
         return ns_mlcp_block(s, residual);
-    int status = solver[method](s);
-    if (status == NS_OK && method == NS_MLCP_PIVOT) { /* exact already */
-        *residual = measure(s);
-        s->agrees = agrees(s);
-        return *residual <= NS_MLCP_ACCEPT ? NS_OK : NS_E_RESIDUAL;
-    }
-    return status == NS_OK ? settle(s, residual) : status;
+    const int status = method == NS_MLCP_PIVOT ? ns_mlcp_pivot(s) : ns_mlcp_branch_and_bound(s);
+    if (status != NS_OK)
+        return status;
+    if (method == NS_MLCP_ENUMERATE)
+        return choose_nearer(s, residual);
+    *residual = measure(s);
+    s->agrees = agrees(s);
+    return *residual <= NS_MLCP_ACCEPT ? NS_OK : NS_E_RESIDUAL;
 }
 
 /* A ray or a runaway alone proves nothing, neither does an answer that has run away; a method may give up
@@ -95,9 +89,7 @@ static int verdict(ns_mlcp_solver *s, int status, double *residual) {
 
 /* Pivoting takes half the time of Lemke's method or less, where it answers; that answers nearly all of the
  * rest (tests/bench/bench_mlcp.c).  Branch and bound is for few pairs, and what the equations leave open does
- * not come out shortest there.  Interior point and Newton take two to ten times as long as Lemke's method,
- * and solved nothing of 5000 random problems (tests/stress) and of all circuits of the tests that this order
- * leaves unsolved. */
+ * not come out shortest there. */
 static const ns_mlcp_method order[] = {NS_MLCP_PIVOT, NS_MLCP_LEMKE, NS_MLCP_ENUMERATE};
 enum { ORDER = sizeof order / sizeof *order };
 
@@ -199,7 +191,7 @@ static int is_disproved(ns_mlcp_solver *s, double residual) {
 
 /* Solves *p, whose arrays are sound. */
 static int solve_problem(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mode, double *residual) {
-    s->pivots = s->factors = s->iterations = 0;
+    s->pivots = s->factors = 0;
     s->proof.effort = 0;
     s->noting = 1;
     s->noted.residual = INFINITY;
@@ -240,7 +232,6 @@ int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *la
         if (tried) {
             info->pivots = s->pivots;
             info->factors = s->factors;
-            info->iterations = s->iterations;
             info->method = s->method;
             info->certified = status == NS_E_INFEASIBLE && s->proof.found;
             info->fault = s->fault;

@@ -131,16 +131,14 @@ static int print_no_solution(const ns_mlcp *p, const double *certificate, int me
     return NO_SOLUTION;
 }
 
-static const char *why(int status, int method) {
+static const char *why(int status) {
     static const char already[] = "gave up: "; /* what `status gave-up` says */
     const char *text = ns_status_text(status);
-    if (status == NS_E_SINGULAR && method == NS_MLCP_PROJECTED)
-        return "this method needs a diagonal of W without zeros, positive for pairs";
     return strncmp(text, already, strlen(already)) == 0 ? text + strlen(already) : text;
 }
 
 static int print_gave_up(int status, int method) {
-    printf("status gave-up\nsolver %s\nwhy %s\n", ns_mlcp_method_name(method), why(status, method));
+    printf("status gave-up\nsolver %s\nwhy %s\n", ns_mlcp_method_name(method), why(status));
     return GAVE_UP;
 }
 

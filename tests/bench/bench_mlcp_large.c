@@ -32,7 +32,7 @@ static ns_mode mode[MAX];
 typedef struct tally {
     double time[TIMED][SAMPLES];
     int n, failed;
-    long pivots, factors, iterations, method[NS_MLCP_METHODS];
+    long pivots, factors, method[NS_MLCP_METHODS];
     double residual;
 } tally;
 
@@ -86,7 +86,6 @@ static double solve(tally *t, int which, const ns_mlcp *p) {
         return took;
     t->pivots += info.pivots;
     t->factors += info.factors;
-    t->iterations += info.iterations;
     t->method[info.method]++;
     return took;
 }
@@ -108,8 +107,7 @@ static void print(const char *name, int m, tally *t) {
     printf("%-16s %5d %8.3f %8.3f %8.2f | %8.1f %8.1f  %8.3f %8.3f %6.2f |", name, m, ms[PRODUCT],
            ms[RESIDUAL], ms[FACTOR], ms[COLD], 1e3 * t->time[COLD][t->n - 1], ms[WARM], ms[COMPARED],
            ms[WARM] / ms[RESIDUAL]);
-    printf(" %7.1f %7.1f %6.1f  ", (double)t->pivots / t->n, (double)t->factors / t->n,
-           (double)t->iterations / t->n);
+    printf(" %7.1f %7.1f  ", (double)t->pivots / t->n, (double)t->factors / t->n);
     for (int k = 0; k < NS_MLCP_METHODS; k++)
         if (t->method[k] > 0)
             printf("%s ", ns_mlcp_method_name(k));

@@ -174,6 +174,37 @@ static void what_has_no_answer_gets_none(void **state) {
     assert_int_equal(solve(NS_MLCP_AUTO, 0), NS_E_INFEASIBLE);
 }
 
+/* W = tridiag(-1, 2.1, -1) + skew part, so x'Wx >= 0.1 x'x: monotone, one answer, of which q is made; a third
+ * of the pairs conducts, a third blocks, a third does neither nor (both 0).  Condition below 50, 300 terms of
+ * size 1. */
+static void three_hundred_pairs(void **state) {
+    enum { M = 300 };
+    static double A[M * M], b[M], l[M], u[M], x[M], z[M];
+    static ns_mode start[M];
+    const ns_mlcp p = {.m = M, .W = A, .q = b, .l = l, .u = u};
+    ns_mlcp_solver *large;
+    (void)state;
+    for (int i = 0; i < M; i++) {
+        A[i + i * M] = 2.1;
+        if (i > 0)
+            A[i + (i - 1) * M] = A[i - 1 + i * M] = -1;
+        if (i >= 7) {
+            A[i + (i - 7) * M] = 0.5;
+            A[i - 7 + i * M] = -0.5;
+        }
+        u[i] = INFINITY;
+        b[i] = i % 3 == 1 ? 1 : 0;
+    }
+    for (int j = 0; j < M; j += 3)
+        for (int i = 0; i < M; i++)
+            b[i] -= A[i + j * M];
+    assert_int_equal(ns_mlcp_create(M, &large), NS_OK);
+    assert_int_equal(ns_mlcp_solve(large, &p, start, x, z, &info), NS_OK);
+    for (int i = 0; i < M; i++)
+        assert_true(fabs(x[i] - (i % 3 == 0)) <= 1e-12);
+    ns_mlcp_free(large);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(networks_need_no_other_method),
@@ -183,6 +214,7 @@ int main(void) {
         cmocka_unit_test(contradictions_are_not_solved),
         cmocka_unit_test(large_amounts_do_not_hide_contradictions),
         cmocka_unit_test(what_has_no_answer_gets_none),
+        cmocka_unit_test(three_hundred_pairs),
     };
     return cmocka_run_group_tests(tests, make_room, free_room);
 }

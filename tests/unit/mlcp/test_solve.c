@@ -220,6 +220,42 @@ static void more_than_one_solution(void **state) {
     }
 }
 
+/* y = (l2 - 1, 1 - l1): l = (1,1) only, as l2 = 0 makes y1 = -1.  Each y depends on the other pair alone. */
+static void a_skew_matrix(void **state) {
+    (void)state;
+    trial t = {.m = 2, .rows = {0, 1, -1, 0}, .q = {-1, 1}};
+    trial_complementary(&t);
+    assert_int_equal(run(&t), NS_OK);
+    assert_true(fabs(t.lambda[0] - 1) < 1e-14 && fabs(t.lambda[1] - 1) < 1e-14);
+}
+
+/* W = I, q = (0, 0, -1): two pairs have lambda = y = 0, at the start and in the answer. */
+static void a_start_at_the_kink(void **state) {
+    (void)state;
+    trial t = {.m = 3, .rows = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .q = {0, 0, -1}};
+    trial_complementary(&t);
+    t.u[1] = 1;
+    assert_int_equal(run(&t), NS_OK);
+    assert_true(t.lambda[0] == 0 && t.lambda[1] == 0 && t.lambda[2] == 1);
+}
+
+/* The discrete Laplacian of n points between walls, pushed by q = -1: W = tridiag(-1, 2, -1), lambda_i =
+ * i (n+1-i) / 2 > 0. */
+static void obstacle(void **state) {
+    (void)state;
+    trial t = {.m = 19};
+    for (int i = 0; i < t.m; i++) {
+        t.q[i] = -1;
+        t.rows[i * t.m + i] = 2;
+        if (i > 0)
+            t.rows[i * t.m + i - 1] = t.rows[(i - 1) * t.m + i] = -1;
+    }
+    trial_complementary(&t);
+    assert_int_equal(run(&t), NS_OK);
+    for (int i = 0; i < t.m; i++) /* 50: the largest; condition 160 */
+        assert_true(fabs(t.lambda[i] - (i + 1) * (t.m - i) / 2.0) <= 50 * 160 * 1e-15);
+}
+
 static void nothing_to_solve(void **state) {
     (void)state;
     trial t = {.m = 0};
@@ -242,6 +278,9 @@ int main(void) {
         cmocka_unit_test(diode_across_a_source),
         cmocka_unit_test(no_complementary_solution),
         cmocka_unit_test(more_than_one_solution),
+        cmocka_unit_test(a_skew_matrix),
+        cmocka_unit_test(a_start_at_the_kink),
+        cmocka_unit_test(obstacle),
         cmocka_unit_test(nothing_to_solve),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

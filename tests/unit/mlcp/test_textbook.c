@@ -21,11 +21,12 @@
 
 /* What a method may take, whether it answers or not.  Paths are 2^20 and 2^100 long here. */
 static const struct {
-    long pivots, factors, iterations; /* pivots: a pair */
+    long pivots, factors; /* pivots: a pair */
 } most[NS_MLCP_METHODS] = {
-    [NS_MLCP_AUTO] = {200, 300, 0},     [NS_MLCP_PIVOT] = {10, 100, 0},   [NS_MLCP_LEMKE] = {200, 300, 0},
-    [NS_MLCP_NEWTON] = {0, 100, 100},   [NS_MLCP_INTERIOR] = {0, 50, 50}, [NS_MLCP_PROJECTED] = {0, 64, 64},
-    [NS_MLCP_ENUMERATE] = {0, 4096, 0}, /* 2^12 */
+    [NS_MLCP_AUTO] = {200, 300},
+    [NS_MLCP_PIVOT] = {10, 100},
+    [NS_MLCP_LEMKE] = {200, 300},
+    [NS_MLCP_ENUMERATE] = {0, 4096}, /* 2^12 */
 };
 
 typedef void maker(trial *t);
@@ -180,13 +181,12 @@ static int run(int k, ns_mlcp_method method, ns_mode start, trial *t) {
     prepare(k, t);
     memset(t->mode, start, sizeof t->mode);
     const int status = trial_run(t, method);
-    print_message("%-17s %3d  %-10s %-7s %-10s %5ld pivots %3ld factors %4ld iterations\n", problem[k].name,
-                  t->m, ns_mlcp_method_name((int)method), start == NS_LOWER ? "lower" : "inside",
-                  ns_status_name(status), t->info.pivots, t->info.factors, t->info.iterations);
+    print_message("%-17s %3d  %-10s %-7s %-10s %5ld pivots %3ld factors\n", problem[k].name, t->m,
+                  ns_mlcp_method_name((int)method), start == NS_LOWER ? "lower" : "inside",
+                  ns_status_name(status), t->info.pivots, t->info.factors);
     assert_int_not_equal(status, NS_E_INFEASIBLE);
     assert_true(t->info.pivots <= most[method].pivots * t->m);
     assert_true(t->info.factors <= most[method].factors);
-    assert_true(t->info.iterations <= most[method].iterations);
     if (status == NS_OK)
         problem[k].is_right(t);
     return status;
