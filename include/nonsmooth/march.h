@@ -94,6 +94,36 @@ double ns_march_shortest(ns_march *m, double t, double *until);
 /* Makes the last successful trial the accepted point.  Errors: STATE. */
 int ns_march_accept(ns_march *m);
 
+/* Replaces an input from the accepted time on (E in (S1), F in (S3), gz of commands): the trial is dropped,
+ * and the next one begins with what the signal does there: it may jump (then the accepted point is the left
+ * side of an event) or turn.  Both signals are NS_PWL, in the unit of the input (V or A; times in s); the
+ * left value of the new one at the accepted time is that of the old one.  If the new one has ramps, the one
+ * that the marcher was made with has to have one too, if long past: the exact engine has a state for its
+ * slope or none.  The input of the system itself is replaced too (copies are made of the arrays): every other
+ * marcher of that system is to be told the same way, before it goes on.  After MEMORY it has to be started
+ * anew. Errors: NULL, SIZE, RANGE (kind, left value, ramps), those of ns_signal_check(), STATE (not started;
+ * steps with `capture`), MEMORY. */
+int ns_march_set_input(ns_march *m, int input, const ns_signal *signal);
+
+/* A threshold that is watched: of the control x[p] - x[n] (-1: ground, zero), V or A. */
+typedef struct ns_threshold {
+    int p, n;
+    double value; /* in the unit of the control */
+    int above;    /* the side where the control is: 1: at value or above, 0: at value or below */
+} ns_threshold;
+
+/* Watches so many thresholds (0: none), in place of those before.  A trial then ends at the first instant at
+ * which a control goes beyond its threshold to the other side, by more than rounding; it is located by
+ * samples of the trial, so all trials are as with NS_TO_STEP and may end earlier.  Nothing changes there in
+ * the system; what may follow is the caller's: once that point is accepted, ns_march_try() is refused (STATE)
+ * until this is called again.  A start ends the watch.  A control that is beyond already crosses at the
+ * accepted point.  Errors: NULL, SIZE, NUMBER, STATE (not started), MEMORY, those of ns_march_read(). */
+int ns_march_watch(ns_march *m, int count, const ns_threshold *threshold);
+
+/* Which of them (count) are crossed at the point of the last trial, or at the accepted one: 1 each; NULL:
+ * none is. */
+const unsigned char *ns_march_crossed(const ns_march *m);
+
 /* The point of the last successful trial, or the accepted one if none was made since: time, x (n),
  * lambda (m), y (m); any may be NULL.  Errors: STATE (not started), those of ns_theta_read(). */
 int ns_march_read(ns_march *m, double *t, double *x, double *lambda, double *y);

@@ -84,6 +84,10 @@ int ns_waveform_skip(ns_waveform *w, double t, ns_waveform_point *first);
  * ns_march_try() and ns_march_sample(): what was computed before is given out first. */
 int ns_waveform_next(ns_waveform *w, double until, ns_waveform_point *next);
 
+/* After the marcher refused to go on at a threshold that it watches, or an input of it was replaced at the
+ * end of the last point asked for: the next points go on from there.  Errors: NULL, STATE (not started). */
+int ns_waveform_resume(ns_waveform *w);
+
 /* From now on no integrals are taken, and points have none. */
 void ns_waveform_drop_integrals(ns_waveform *w);
 

@@ -34,6 +34,9 @@ typedef struct ns_engine_table {
     double (*shortest)(ns_engine *e, double t, double *until); /* until is not NULL */
     int (*problem)(const ns_engine *e, ns_mlcp *p, double *h); /* NULL: STATE, it is never written out */
     void (*watch)(ns_engine *e, const ns_watch *w); /* w outlives e, or NULL; NULL: nothing is shown */
+    /* As ns_march_set_input(), whose checks were made; the engine's system has the signal already, copies of
+     * that system have not. */
+    int (*set_input)(ns_engine *e, int input, const ns_signal *signal);
     /* The engine that answers drop, accept, read, impulse, mode, at_event, method, fault, sample, shortest
      * and problem, those of them that the table has not; NULL: this one. */
     ns_engine *(*at_work)(const ns_engine *e);

@@ -21,6 +21,9 @@ void ns_exact_free(ns_exact *f);
  * NS_TO_STEP to that of the first instant known ahead too, as far as it can: it stops before what it cannot
  * resolve, and another engine has to go on until ns_exact_fallback_until().  Errors: MEMORY. */
 int ns_exact_go(ns_exact *f, double accepted_t, double t, ns_until until);
+/* An input of the system was replaced at the accepted point, where that begins to count.  Errors: RANGE (it
+ * has ramps, the one before had none), MEMORY. */
+int ns_exact_set_input(ns_exact *f, int input);
 /* The stepper has just been started: its point becomes consistent, by jumps where needed.  Errors: those of
  * the impulse problem. */
 int ns_exact_find_consistent(ns_exact *f);

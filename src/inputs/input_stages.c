@@ -87,6 +87,11 @@ void ns_inputs_stages_reset(ns_input_stages *in) {
     in->corner = in->first = -INFINITY;
 }
 
+int ns_inputs_stages_renew(ns_input_stages *in) {
+    ns_inputs_stages_reset(in);
+    return ns_inputs_events_renew(NULL, &in->commands);
+}
+
 /* Adds the exponential of a term that has begun: (cc - i cs) (c + i s) at t. */
 static void add_exponential(const ns_wave_term *x, const ns_wave *wave, double t, ns_exp_sum *w) {
     double c, s;

@@ -37,6 +37,9 @@ void ns_inputs_stages_free(ns_input_stages *in);                        /* NULL 
 /* Expansions and instants are computed anew when next asked for: time goes back, or switches were set. */
 void ns_inputs_stages_reset(ns_input_stages *in);
 
+/* An input of the system was replaced by another broken line.  Errors: MEMORY. */
+int ns_inputs_stages_renew(ns_input_stages *in);
+
 /* Expands the inputs at t, from its right side. */
 void ns_inputs_stages_at(ns_input_stages *in, double t);
 

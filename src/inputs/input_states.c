@@ -69,6 +69,22 @@ static void add_curve(ns_input_states *e, const ns_time_events *events, int at) 
     }
 }
 
+static int has_ramp_signal(const ns_signal *s) {
+    for (int i = 1; i < s->u.pwl.n; i++)
+        if (s->u.pwl.v[i] != s->u.pwl.v[i - 1] && s->u.pwl.t[i] != s->u.pwl.t[i - 1])
+            return 1;
+    return 0;
+}
+
+int ns_inputs_states_can_be(const ns_input_states *e, int input) {
+    int value = 0, slope = 0;
+    for (int i = 0; i < e->nv; i++) {
+        value |= e->state[i].kind == NS_STATE_VALUE && e->state[i].input == input;
+        slope |= e->state[i].kind == NS_STATE_SLOPE && e->state[i].input == input;
+    }
+    return slope || !value || !has_ramp_signal(&e->s->z[input]);
+}
+
 static int drives(const ns_system *s, int k) {
     for (int i = 0; i < s->n; i++)
         if (s->E[i + k * s->n] != 0)

@@ -40,6 +40,10 @@ typedef struct ns_input_states {
 int ns_inputs_states_create(const ns_system *s, const ns_time_events *events, ns_input_states **out);
 void ns_inputs_states_free(ns_input_states *e); /* NULL is allowed */
 
+/* 1 if the input, as it is in the system now, can be one of these states: its slope is one, or it has none.
+ */
+int ns_inputs_states_can_be(const ns_input_states *e, int input);
+
 /* v (nv) at t, from what ns_inputs_events_values() says there. */
 void ns_inputs_states_at(const ns_input_states *e, double t, const double *z, const double *dz, double *v);
 

@@ -104,6 +104,16 @@ int ns_inputs_events_create(const ns_system *system, const unsigned char *active
     return NS_OK;
 }
 
+int ns_inputs_events_renew(const unsigned char *active, ns_time_events **s) {
+    ns_time_events *now;
+    const int status = ns_inputs_events_create((*s)->s, active, &now);
+    if (status != NS_OK)
+        return status;
+    ns_inputs_events_free(*s);
+    *s = now;
+    return NS_OK;
+}
+
 void ns_inputs_events_free(ns_time_events *s) {
     if (!s)
         return;

@@ -80,6 +80,14 @@ static void look_at_corner(ns_ladder *l) {
     l->point->at_event = l->point->input_jumps = 1;
 }
 
+int ns_ladder_set_input(ns_ladder *l) {
+    l->corner = -INFINITY;
+    const int status = ns_inputs_events_renew(NULL, &l->commands);
+    if (status == NS_OK && !l->point->at_event)
+        look_at_corner(l);
+    return status;
+}
+
 int ns_ladder_go(ns_ladder *l, const ns_ladder_stop *stop, int *done) {
     ns_dense_point *p = l->point;
     const double corner = ns_ladder_next_corner(l);

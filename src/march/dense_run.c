@@ -223,6 +223,22 @@ int ns_march_dense_rests(const ns_engine *e, double *t) {
     return r->started && !r->has_trial && !r->accepted.at_event;
 }
 
+/* The exact engine looks for itself what the input does at the left side of an event; so it gets one. */
+static int set_input(ns_engine *e, int input, const ns_signal *signal) {
+    ns_dense_run *r = run_of(e);
+    (void)signal;
+    drop(e);
+    int status = ns_ladder_set_input(r->ladder);
+    if (status == NS_OK && r->exact)
+        status = ns_exact_set_input(r->exact, input);
+    if (status != NS_OK)
+        return ns_march_dense_fail(r, status);
+    if (exact_is_ready(r) && !r->trial.at_event)
+        r->trial.at_event = r->trial.input_jumps = 1;
+    r->has_trial = 1;
+    return ns_march_dense_accept(r);
+}
+
 static void watch(ns_engine *e, const ns_watch *w) {
     if (run_of(e)->exact)
         ns_exact_watch(run_of(e)->exact, w);
@@ -246,6 +262,7 @@ static const ns_engine_table table = {
     .shortest = ns_march_dense_shortest,
     .problem = problem,
     .watch = watch,
+    .set_input = set_input,
 };
 
 int ns_march_dense_create(const ns_system *s, const ns_march_options *o, ns_engine **out, ns_fault *fault) {

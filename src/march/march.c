@@ -35,6 +35,7 @@ void ns_march_free(ns_march *m) {
     if (m && m->engine)
         m->engine->table->free(m->engine);
     if (m) {
+        ns_march_watched_free(m);
         free(m->corner);
         free(m->closed);
     }
@@ -45,6 +46,7 @@ void ns_march_free(ns_march *m) {
 static void begin_at(ns_march *m, double t0) {
     m->accepted = t0;
     m->corners_from = INFINITY;
+    ns_march_watched_free(m);
 }
 
 int ns_march_start(ns_march *m, double t0, const double *w0) {
@@ -67,51 +69,48 @@ int ns_march_start_dc(ns_march *m, double t0, int nhold, const int *hold, const 
     return m->engine->table->start_dc(m->engine, t0, nhold, hold, hold_x, x);
 }
 
-/* The first corner of any input after the accepted point. */
-static double find_corner(ns_march *m) {
-    if (m->accepted >= m->corners_from && m->accepted < m->first_corner)
-        return m->first_corner;
-    const int anew = !(m->accepted >= m->corners_from);
-    m->first_corner = INFINITY;
-    for (int k = 0; k < m->s->nz; k++) {
-        if (anew || m->corner[k] <= m->accepted)
-            m->corner[k] = ns_signal_next_corner(&m->s->z[k], m->accepted);
-        m->first_corner = fmin(m->first_corner, m->corner[k]);
-    }
-    m->corners_from = m->accepted;
-    return m->first_corner;
-}
-
-/* A start may end some steps of h/2^20 after t0, beyond a corner: that one does not count then. */
-static int try_step(ns_march *m, double t, double *reached) {
-    enum { MOST = 4 };
-    int status = NS_E_RANGE;
-    for (int k = 0; k < MOST && status == NS_E_RANGE; k++) {
-        const double corner = find_corner(m);
-        status = m->engine->table->try_to(m->engine, fmin(t, corner), NS_TO_STEP, reached);
-        if (!(corner < t))
-            break;
-        if (status == NS_E_RANGE)
-            m->accepted = corner;
-    }
-    return status;
-}
-
 int ns_march_try(ns_march *m, double t, ns_until until, double *reached) {
     if (!m || !reached)
         return NS_E_NULL;
-    const int status = until == NS_TO_STEP && t > m->accepted
-                           ? try_step(m, t, reached)
-                           : m->engine->table->try_to(m->engine, t, until, reached);
-    if (status == NS_OK)
-        m->reached = *reached;
-    return status;
+    return m->watched ? ns_march_watched_try(m, t, until, reached)
+                      : ns_march_try_unwatched(m, t, until, reached);
 }
 
 int ns_march_accept(ns_march *m) {
     const int status = m ? ns_engine_accept(m->engine) : NS_E_NULL;
     if (status == NS_OK)
         m->accepted = m->reached;
+    if (status == NS_OK && m->watched)
+        ns_march_watched_accept(m);
+    return status;
+}
+
+/* Left of t both signals are alike, but for rounding. */
+static int joins(const ns_signal *was, const ns_signal *now, double t) {
+    const double a = ns_signal_value(was, t, NS_LEFT), b = ns_signal_value(now, t, NS_LEFT);
+    return fabs(a - b) <= 1e-9 * fmax(fabs(a), fabs(b));
+}
+
+int ns_march_set_input(ns_march *m, int input, const ns_signal *signal) {
+    double t;
+    if (!m || !signal)
+        return NS_E_NULL;
+    if (input < 0 || input >= m->s->nz)
+        return NS_E_SIZE;
+    int status = ns_signal_check(signal);
+    if (status != NS_OK)
+        return status;
+    ns_engine_drop(m->engine);
+    status = ns_engine_read(m->engine, &t, NULL, NULL, NULL);
+    if (status != NS_OK)
+        return status;
+    m->accepted = t;
+    if (signal->kind != NS_PWL || m->s->z[input].kind != NS_PWL || !joins(&m->s->z[input], signal, t))
+        return NS_E_RANGE;
+    status = ns_system_set_input((ns_system *)m->s, input, signal);
+    if (status == NS_OK)
+        status = m->engine->table->set_input(m->engine, input, signal);
+    m->corners_from = INFINITY;
     return status;
 }
 

@@ -1,9 +1,9 @@
 /* src/march/march_internal.h - runs: what integrates one system, or one system an island.
  *
- *   march.c     the public calls       partition_run.c, partition_advance.c   a run for each island
- *   run.c, run_handover.c   one system: sparse or dense engines, and the hand-over between them
- *   select.c    which of them          dense_run.c, dense_start.c   the exact engine, and the ladder for the
- * rest
+ *   march.c     the public calls (watched.c: with thresholds that are watched)       partition_run.c,
+ * partition_advance.c   a run for each island run.c, run_handover.c   one system: sparse or dense engines,
+ * and the hand-over between them select.c    which of them          dense_run.c, dense_start.c   the exact
+ * engine, and the ladder for the rest
  *
  * Each of them is an engine (engine/engine.h).
  */
@@ -12,16 +12,28 @@
 
 #include "engine/engine.h"
 
+typedef struct ns_watched_thresholds ns_watched_thresholds;
+
 /* The public object: one run, or one for each island. */
 struct ns_march {
     const ns_system *s;
     ns_engine *engine;
-    double accepted, reached; /* s: times of the accepted point and of the last trial */
-    double *corner;           /* nz: the first corner of each input after corners_from, s; */
-    double corners_from;      /* s; INFINITY: not known yet */
-    double first_corner;      /* s: the first of them */
-    unsigned char *closed;    /* nc: switches that are closed where it starts */
+    double accepted, reached;       /* s: times of the accepted point and of the last trial */
+    double *corner;                 /* nz: the first corner of each input after corners_from, s; */
+    double corners_from;            /* s; INFINITY: not known yet */
+    double first_corner;            /* s: the first of them */
+    unsigned char *closed;          /* nc: switches that are closed where it starts */
+    ns_watched_thresholds *watched; /* thresholds; NULL: none was ever watched */
 };
+
+/* unwatched.c: as ns_march_try(), whatever is watched. */
+int ns_march_try_unwatched(ns_march *m, double t, ns_until until, double *reached);
+
+/* watched.c: a trial that ends where a threshold is crossed, if one is watched; it became the accepted point;
+ * the marcher starts.  Errors of the first: those of ns_march_try() and ns_march_sample(). */
+int ns_march_watched_try(ns_march *m, double t, ns_until until, double *reached);
+void ns_march_watched_accept(ns_march *m);
+void ns_march_watched_free(ns_march *m);
 
 /* partition_run.c: a run for each island.  NULL in *out where the system is one island.  run.c: one run for
  * the whole system.  dense_run.c: the engines with dense matrices; s is not large (system.h).  Arguments and

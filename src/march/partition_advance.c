@@ -274,3 +274,29 @@ int ns_march_partition_accept(ns_engine *e) {
     f->has_trial = 0;
     return NS_OK;
 }
+
+/* The part, which is at the accepted point, has its copy of the input replaced. */
+static int set_input_of(ns_partition_run *f, int part, int own, const ns_signal *signal) {
+    ns_part_run *s = &f->part[part];
+    int status = ns_system_set_input(s->island->s, own, signal);
+    if (status == NS_OK)
+        status = s->run->table->set_input(s->run, own, signal);
+    s->at_event = ns_engine_at_event(s->run);
+    f->at_event |= s->at_event;
+    return status == NS_OK ? NS_OK : ns_march_partition_fail(f, part, status);
+}
+
+int ns_march_partition_set_input(ns_engine *e, int input, const ns_signal *signal) {
+    ns_partition_run *f = (ns_partition_run *)(void *)e;
+    int status = settle(f);
+    ns_march_partition_drop(e);
+    for (int k = 0; k < f->islands.count && status == NS_OK; k++) {
+        const ns_island *i = f->part[k].island;
+        f->part[k].seen = f->part[k].accepted;
+        f->part[k].event = 0;
+        for (int own = 0; own < i->s->nz && status == NS_OK; own++)
+            if (i->input[own] == input)
+                status = set_input_of(f, k, own, signal);
+    }
+    return status;
+}

@@ -74,5 +74,6 @@ double ns_march_partition_shortest(ns_engine *e, double t, double *until);
 int ns_march_partition_try(ns_engine *e, double t, ns_until until, double *reached);
 void ns_march_partition_drop(ns_engine *e);
 int ns_march_partition_accept(ns_engine *e);
+int ns_march_partition_set_input(ns_engine *e, int input, const ns_signal *signal);
 
 #endif

@@ -192,6 +192,7 @@ static const ns_engine_table table = {
     .sample = ns_march_partition_sample,
     .shortest = ns_march_partition_shortest,
     .problem = problem,
+    .set_input = ns_march_partition_set_input,
 };
 
 int ns_march_partition_create(const ns_system *s, const ns_march_options *o, ns_engine **out,

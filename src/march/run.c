@@ -84,6 +84,14 @@ static void drop(ns_engine *e) {
     ns_engine_drop(r->at_work);
 }
 
+static int set_input(ns_engine *e, int input, const ns_signal *signal) {
+    ns_run *r = run_of(e);
+    drop(e);
+    ns_march_check_renew(r);
+    const int status = r->dense_copy ? ns_system_set_input(r->dense_copy, input, signal) : NS_OK;
+    return status == NS_OK ? r->at_work->table->set_input(r->at_work, input, signal) : status;
+}
+
 static const ns_counts *counts(ns_engine *e) {
     ns_run *r = run_of(e);
     r->sum = *r->at_work->table->counts(r->at_work);
@@ -128,6 +136,7 @@ static const ns_engine_table table = {
     .counts = counts,
     .fault = fault,
     .problem = problem,
+    .set_input = set_input,
     .at_work = at_work,
 };
 

@@ -92,6 +92,11 @@ void ns_march_check_reset(ns_run *r) {
     k->dice = 1;
 }
 
+void ns_march_check_renew(ns_run *r) {
+    ns_verify_renew(r->check.verify);
+    r->check.is_old = r->check.has_left = r->check.found = 0;
+}
+
 /* --- judged --- */
 
 static ns_verify_state state_of(const ns_run *r, double t, ns_side side, const double *xl, const double *y) {

@@ -64,6 +64,7 @@ int ns_march_check_create(ns_run *r);
 void ns_march_check_free(ns_run *r);
 void ns_march_check_attach(ns_run *r); /* another engine is at work */
 void ns_march_check_reset(ns_run *r);  /* before a start */
+void ns_march_check_renew(ns_run *r);  /* an input was replaced */
 /* Before a trial to t.  Returns to where it is to go: to t, or to the event before it.  r->check.found: what
  * was looked at on the way is wrong. */
 double ns_march_check_begin(ns_run *r, double t, ns_until until);

@@ -33,6 +33,7 @@ void ns_sparse_rewind(ns_sparse *m, double t0) {
     enter_step(m, m->steps, t0);
     m->accepted = m->trial;
     m->started = m->has_trial = 0;
+    m->inputs_from = -INFINITY;
     ns_instant_clear(&m->instant);
 }
 
@@ -134,8 +135,9 @@ static int step_of_high_order(ns_sparse *m) {
     }
     if (m->in->first ==
         -INFINITY) { /* a trial was dropped: the instants of commands are not known any more */
-        ns_inputs_stages_at(m->in, from->t);
-        ns_inputs_stages_find_command(m->in, from->t, m->o.h, from->mode);
+        const double known = fmax(from->t, m->inputs_from);
+        ns_inputs_stages_at(m->in, known);
+        ns_inputs_stages_find_command(m->in, known, m->o.h, from->mode);
     }
     status = from->at_event ? step_from_event(m, t, from, to) : ns_sparse_next_step(m, t, from, to);
     const int refused = status;
@@ -199,6 +201,27 @@ void ns_sparse_drop(ns_sparse *m) {
     m->has_trial = 0;
     ns_instant_clear(&m->instant);
     ns_sparse_chatter_drop(m);
+}
+
+int ns_sparse_set_input(ns_sparse *m) {
+    ns_sparse_drop(m);
+    const int status = m->o.theta > 0 ? NS_E_STATE : ns_inputs_stages_renew(m->in);
+    if (status != NS_OK)
+        return ns_sparse_fail(m, m->accepted.t, status);
+    ns_dense_step *step = m->accepted.step;
+    if (m->accepted.t < step->end_t) { /* what comes after it was with the input before */
+        step->end_t = m->accepted.t;
+        step->length = m->accepted.tau;
+        step->at_event = 0;
+    }
+    m->inputs_from = step->end_t;
+    if (!step->at_event && ns_sparse_event_input_at(m, step)) {
+        step->at_event = 1;
+        step->pair = step->command = -1;
+    }
+    ns_inputs_stages_reset(m->in);
+    ns_sparse_theta_stop(m);
+    return NS_OK;
 }
 
 int ns_sparse_try(ns_sparse *m, double t, ns_until until, double *reached) {

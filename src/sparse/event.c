@@ -184,6 +184,16 @@ int ns_sparse_event_at(const ns_sparse *m, double t) {
     return 0;
 }
 
+int ns_sparse_event_input_at(ns_sparse *m, const ns_dense_step *step) {
+    const double t = step->end_t;
+    ns_inputs_stages_reset(m->in);
+    ns_inputs_stages_find_command(m->in, t, m->o.h, step->mode);
+    int any = m->in->first <= t;
+    for (int k = 0; k < m->s->nz; k++)
+        any |= ns_signal_value(&m->s->z[k], t, NS_LEFT) != ns_signal_value(&m->s->z[k], t, NS_RIGHT);
+    return any;
+}
+
 /* Commands with a hysteresis whose threshold is met in the instant in which another guard breaks change with
  * it, in whatever order they stand: after the first of them the control of the next may go back. */
 static void change_met_commands(ns_sparse *m, const ns_dense_step *step) {

@@ -25,6 +25,8 @@ int ns_sparse_start_dc(ns_sparse *m, double t0, int nhold, const int *hold, cons
 int ns_sparse_try(ns_sparse *m, double t, ns_until until, double *reached);
 void ns_sparse_drop(ns_sparse *m); /* the trial */
 int ns_sparse_accept(ns_sparse *m);
+/* An input of the system was replaced at the accepted point.  Errors: MEMORY, STATE (steps of the scheme). */
+int ns_sparse_set_input(ns_sparse *m);
 int ns_sparse_read(ns_sparse *m, double *t, double *x, double *lambda, double *y);
 int ns_sparse_impulse(ns_sparse *m, double *x, double *lambda); /* arrays may be NULL */
 int ns_sparse_sample(ns_sparse *m, double t, double *x, double *lambda);

@@ -164,6 +164,7 @@ struct ns_sparse {
     unsigned char *flip;     /* m: broken guards: 1 the only one, 2 the upper bound of lambda */
     unsigned char *changed;  /* nc: 1 commands that changed at this event, 2 that begin to slide */
     ns_mode *commanded_mode; /* m: after what the event itself changes, and nothing that follows from it */
+    double inputs_from;     /* s: an input was replaced then; -INFINITY: none was */
     int contradicting_pair;  /* the pair of a switch that can be neither open nor closed; -1: none */
     ns_before_event before_event; /* where its resolution began */
     ns_instant instant;           /* what jumped in the trial, or in the start */
@@ -326,6 +327,8 @@ void ns_sparse_predict_learn(ns_sparse *m, const ns_dense_step *step);
 
 /* event.c: 1 if an input jumps at t, or a command of time changes. */
 int ns_sparse_event_at(const ns_sparse *m, double t);
+/* The same at the end of a step, with inputs that were replaced there. */
+int ns_sparse_event_input_at(ns_sparse *m, const ns_dense_step *step);
 /* Commands of time that change at t, or have to, do so. */
 void ns_sparse_event_time_commands(ns_sparse *m, double t);
 /* Keeps m->w, m->mode and the commands that changed; they are again as kept. */

@@ -73,6 +73,12 @@ static void watch(ns_engine *e, const ns_watch *w) {
     sparse_of(e)->watch = w;
 }
 
+static int set_input(ns_engine *e, int input, const ns_signal *signal) {
+    (void)input;
+    (void)signal;
+    return ns_sparse_set_input(sparse_of(e));
+}
+
 static const ns_engine_table table = {
     .free = free_engine,
     .start = start,
@@ -90,6 +96,7 @@ static const ns_engine_table table = {
     .sample = sample,
     .shortest = shortest,
     .watch = watch,
+    .set_input = set_input,
 };
 
 int ns_sparse_table_create(const ns_system *s, const ns_sparse_options *o, ns_engine **out, ns_fault *fault) {

@@ -210,6 +210,7 @@ void ns_system_partition_free(ns_islands *a) {
         ns_system_free(a->island[c].s);
         free(a->island[c].unknown);
         free(a->island[c].pair);
+        free(a->island[c].input);
     }
     free(a->island);
     free(a->shared);

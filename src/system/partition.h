@@ -14,6 +14,7 @@ typedef struct ns_island {
     ns_system *s;
     int *unknown; /* s->n; rows of (S1) likewise */
     int *pair;    /* s->m */
+    int *input;   /* s->nz */
 } ns_island;
 
 typedef struct ns_islands {

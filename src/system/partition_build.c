@@ -334,6 +334,7 @@ static int build_island(builder *k, ns_island *out) {
     k->to = out->s;
     status = status ? status : list_marked(s->n, k->row, n, &out->unknown);
     status = status ? status : list_marked(s->m, k->pair, m, &out->pair);
+    status = status ? status : list_marked(s->nz, k->input, nz, &out->input);
     status = status ? status : copy_matrices(k);
     if (status == NS_OK)
         copy_vectors(k);

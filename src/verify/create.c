@@ -115,6 +115,14 @@ void ns_verify_free(ns_verify *v) {
     free(v);
 }
 
+void ns_verify_renew(ns_verify *v) {
+    const ns_system *s = v->s;
+    double *most = &v->most_any[NS_VERIFY_ANY_NUMBER];
+    memset(v->piece, 0, sizeof *v->piece * (size_t)s->nz);
+    for (int k = 0; k < s->nz; k++)
+        *most = fmax(*most, peak(&s->z[k]));
+}
+
 void ns_verify_reset(ns_verify *v) {
     const ns_system *s = v->s;
     memset(v->most_law, 0, sizeof *v->most_law * ns_verify_sizes(s));
@@ -122,10 +130,8 @@ void ns_verify_reset(ns_verify *v) {
         v->times_row[i] = 1;
     for (int j = 0; j < s->m; j++)
         v->times_pair[j] = 1;
-    double *most = &v->most_any[NS_VERIFY_ANY_NUMBER];
-    *most = least_number;
-    for (int k = 0; k < s->nz; k++)
-        *most = fmax(*most, peak(&s->z[k]));
+    v->most_any[NS_VERIFY_ANY_NUMBER] = least_number;
+    ns_verify_renew(v);
     v->grew = 1;
     (void)ns_verify_sizes_end(v, 1);
 }

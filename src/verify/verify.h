@@ -57,6 +57,8 @@ void ns_verify_free(ns_verify *v); /* NULL is allowed */
 
 /* No point was seen yet. */
 void ns_verify_reset(ns_verify *v);
+/* An input of the system was replaced. */
+void ns_verify_renew(ns_verify *v);
 
 /* All may be off by so many times as much; 1 at first. */
 void ns_verify_scale(ns_verify *v, double times);

@@ -269,6 +269,15 @@ int ns_waveform_next(ns_waveform *w, double until, ns_waveform_point *next) {
     return NS_OK;
 }
 
+int ns_waveform_resume(ns_waveform *w) {
+    if (!w || !w->started)
+        return w ? NS_E_STATE : NS_E_NULL;
+    w->failed = NS_OK;
+    w->in_stretch = 0;
+    w->after_event = 1;
+    return NS_OK;
+}
+
 void ns_waveform_drop_integrals(ns_waveform *w) {
     if (w)
         w->taken.size = 0;

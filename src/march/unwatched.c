@@ -1,0 +1,43 @@
+/* src/march/unwatched.c - a trial, whatever thresholds are watched: steps end at corners of inputs. */
+#include "march_internal.h"
+
+#include <math.h>
+
+/* The first corner of any input after the accepted point. */
+static double find_corner(ns_march *m) {
+    if (m->accepted >= m->corners_from && m->accepted < m->first_corner)
+        return m->first_corner;
+    const int anew = !(m->accepted >= m->corners_from);
+    m->first_corner = INFINITY;
+    for (int k = 0; k < m->s->nz; k++) {
+        if (anew || m->corner[k] <= m->accepted)
+            m->corner[k] = ns_signal_next_corner(&m->s->z[k], m->accepted);
+        m->first_corner = fmin(m->first_corner, m->corner[k]);
+    }
+    m->corners_from = m->accepted;
+    return m->first_corner;
+}
+
+/* A start may end some steps of h/2^20 after t0, beyond a corner: that one does not count then. */
+static int try_step(ns_march *m, double t, double *reached) {
+    enum { MOST = 4 };
+    int status = NS_E_RANGE;
+    for (int k = 0; k < MOST && status == NS_E_RANGE; k++) {
+        const double corner = find_corner(m);
+        status = m->engine->table->try_to(m->engine, fmin(t, corner), NS_TO_STEP, reached);
+        if (!(corner < t))
+            break;
+        if (status == NS_E_RANGE)
+            m->accepted = corner;
+    }
+    return status;
+}
+
+int ns_march_try_unwatched(ns_march *m, double t, ns_until until, double *reached) {
+    const int status = until == NS_TO_STEP && t > m->accepted
+                           ? try_step(m, t, reached)
+                           : m->engine->table->try_to(m->engine, t, until, reached);
+    if (status == NS_OK)
+        m->reached = *reached;
+    return status;
+}

@@ -1,0 +1,133 @@
+/* tests/unit/march/test_watched.c - thresholds that a marcher watches (ns_march_watch()): found at the
+ * instants of their closed forms, by every engine. */
+#include "march_bench.h"
+
+/* An RC of 1 us that 1 V charges from t = 0 on: v = 1 - exp(-t/RC). */
+static bench rc(ns_method method) {
+    bench b = open_bench();
+    const ns_march_options o = {.theta = 0.5, .gamma = 0.5, .h = 1e-8, .method = method};
+    add_dc(&b, "v", 1, 0, 1, NULL);
+    assert_int_equal(ns_circuit_resistor(b.c, "r", 1, 2, 1e3, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(b.c, "c", 2, 0, 1e-9, NAN, NULL), NS_OK);
+    assert_int_equal(ns_circuit_system(b.c, &b.s), NS_OK);
+    assert_int_equal(ns_march_create(b.s, &o, &b.m, NULL), NS_OK);
+    start_at_rest(&b);
+    return b;
+}
+
+/* To t, or to where something is crossed: 1. */
+static int go_until_crossed(ns_march *m, double t, double *reached) {
+    *reached = 0;
+    while (*reached < t && !ns_march_crossed(m)) {
+        assert_int_equal(ns_march_try(m, t, NS_TO_TIME, reached), NS_OK);
+        assert_int_equal(ns_march_accept(m), NS_OK);
+    }
+    return ns_march_crossed(m) != NULL;
+}
+
+static void rc_crosses(ns_method method, double tolerance) {
+    bench b = rc(method);
+    const int v2 = ns_circuit_node_unknown(b.c, 2);
+    double reached;
+    for (int k = 1; k < 10; k++) {
+        const ns_threshold at[2] = {{v2, -1, 0.1 * k, 0}, {-1, v2, -2, 1}}; /* the other is never met */
+        assert_int_equal(ns_march_watch(b.m, 2, at), NS_OK);
+        assert_int_equal(go_until_crossed(b.m, 1e-5, &reached), 1);
+        assert_int_equal(ns_march_crossed(b.m)[0], 1);
+        assert_int_equal(ns_march_crossed(b.m)[1], 0);
+        assert_true(fabs(reached - -1e-6 * log(1 - 0.1 * k)) < tolerance);
+        double t;
+        assert_int_equal(ns_march_try(b.m, 1e-5, NS_TO_TIME, &t), NS_E_STATE);
+    }
+    assert_int_equal(ns_march_watch(b.m, 0, NULL), NS_OK);
+    assert_int_equal(go_until_crossed(b.m, 1e-5, &reached), 0);
+    assert_true(fabs(unknown(b.m, v2) - (1 - exp(-10))) < 1e-4);
+    close_bench(&b);
+}
+
+static void of_an_rc(void **state) {
+    (void)state;
+    rc_crosses(NS_EXACT, 1e-18); /* beyond by 4e-14 of 1 V, at a slope of 0.1 V/us */
+    rc_crosses(NS_AUTO, 1e-18);
+    rc_crosses(NS_SPARSE, 1e-14); /* reltol 1e-9 of 1 us */
+    rc_crosses(NS_THETA, 1e-8);   /* within a step */
+}
+
+/* LC of 1 us/(2 pi) from 1 V: cos(2 pi t/us); peaks reach 0.9999 but for a few ns, from far between samples.
+ */
+static void of_a_ring(void **state) {
+    (void)state;
+    bench b = open_bench();
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-7, .method = NS_EXACT};
+    const double us = 1e-6 / (2 * pi);
+    assert_int_equal(ns_circuit_capacitor(b.c, "c", 1, 0, us, 1, NULL), NS_OK);
+    assert_int_equal(ns_circuit_inductor(b.c, "l", 1, 0, us, 0, NULL), NS_OK);
+    assert_int_equal(ns_circuit_system(b.c, &b.s), NS_OK);
+    assert_int_equal(ns_march_create(b.s, &o, &b.m, NULL), NS_OK);
+    start_at_rest(&b);
+    const int v1 = ns_circuit_node_unknown(b.c, 1);
+    const double level = 0.9999, from_peak = 1e-6 * acos(level) / (2 * pi);
+    for (int k = 0; k < 40; k++) { /* down after the peak, up before the next */
+        const ns_threshold at = {v1, -1, level, k % 2 == 0};
+        const double expected = 1e-6 * ((k + 1) / 2) + (k % 2 ? -from_peak : from_peak);
+        double reached;
+        assert_int_equal(ns_march_watch(b.m, 1, &at), NS_OK);
+        assert_int_equal(go_until_crossed(b.m, 1e-3, &reached), 1);
+        assert_true(fabs(reached - expected) < 1e-15); /* level is off by 1e-14, at a slope of 0.09 / us */
+    }
+    close_bench(&b);
+}
+
+/* A source that jumps over the threshold: crossed at that instant, on its right side. */
+static void of_a_jump(void **state) {
+    (void)state;
+    for (int method = NS_AUTO; method <= NS_SPARSE; method++) {
+        bench b = open_bench();
+        const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-7, .method = (ns_method)method};
+        add_step(&b, "v", 1, 0, 0, 3, 1e-6);
+        assert_int_equal(ns_circuit_resistor(b.c, "r", 1, 2, 1, NULL), NS_OK);
+        assert_int_equal(ns_circuit_diode(b.c, "d", 2, 0, &ideal_diode, NULL), NS_OK);
+        assert_int_equal(ns_circuit_capacitor(b.c, "c", 1, 0, 1e-9, NAN, NULL), NS_OK);
+        assert_int_equal(ns_circuit_system(b.c, &b.s), NS_OK);
+        assert_int_equal(ns_march_create(b.s, &o, &b.m, NULL), NS_OK);
+        start_at_rest(&b);
+        const ns_threshold at = {ns_circuit_node_unknown(b.c, 1), -1, 1, 0};
+        double reached;
+        assert_int_equal(ns_march_watch(b.m, 1, &at), NS_OK);
+        assert_int_equal(go_until_crossed(b.m, 2e-6, &reached), 1);
+        assert_true(fabs(reached - 1e-6) < 1e-12); /* h/2^20 */
+        close_bench(&b);
+    }
+}
+
+static void bad_calls(void **state) {
+    (void)state;
+    bench b = rc(NS_EXACT);
+    const ns_threshold low = {-2, -1, 0, 0}, high = {0, b.s->n, 0, 0}, none = {0, -1, NAN, 0};
+    const ns_threshold beyond = {0, -1, 0.5, 0}; /* v(1) is 1 V */
+    double reached;
+    assert_int_equal(ns_march_watch(NULL, 0, NULL), NS_E_NULL);
+    assert_int_equal(ns_march_watch(b.m, 1, NULL), NS_E_NULL);
+    assert_int_equal(ns_march_watch(b.m, -1, &low), NS_E_SIZE);
+    assert_int_equal(ns_march_watch(b.m, 1, &low), NS_E_SIZE);
+    assert_int_equal(ns_march_watch(b.m, 1, &high), NS_E_SIZE);
+    assert_int_equal(ns_march_watch(b.m, 1, &none), NS_E_NUMBER);
+    assert_null(ns_march_crossed(b.m));
+    assert_int_equal(ns_march_watch(b.m, 1, &beyond), NS_OK);
+    assert_non_null(ns_march_crossed(b.m));
+    assert_int_equal(ns_march_try(b.m, 1e-6, NS_TO_TIME, &reached), NS_E_STATE);
+    start_at_rest(&b);
+    assert_null(ns_march_crossed(b.m));
+    assert_int_equal(ns_march_try(b.m, 1e-6, NS_TO_TIME, &reached), NS_OK);
+    close_bench(&b);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(of_an_rc),
+        cmocka_unit_test(of_a_ring),
+        cmocka_unit_test(of_a_jump),
+        cmocka_unit_test(bad_calls),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
