@@ -48,8 +48,8 @@ void ns_march_free(ns_march *m);
 
 /* Puts the accepted point at t0 (s).  w0 (n): M x(t0-), the charges and fluxes before.  Finds the consistent
  * state at t0: jumps are resolved with charge and flux conserved (if nothing jumps, the state is the one some
- * steps of h/2^20 later), and commands are set by their controls (between off and on: open).  Errors: NULL,
- * NUMBER, those of ns_theta_try(), LIMIT (controls that contradict their switches). */
+ * steps of h/2^20 later), and commands are set by their controls (between off and on: as their `closed`
+ * says).  Errors: NULL, NUMBER, those of ns_theta_try(), LIMIT (controls that contradict their switches). */
 int ns_march_start(ns_march *m, double t0, const double *w0);
 
 /* The same where another marcher was: commanded switches that its mode (m, as ns_march_mode(); NULL: none)

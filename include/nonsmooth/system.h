@@ -28,6 +28,7 @@ typedef struct ns_command {
     double g0;  /* constant part of g */
     double *gx; /* n; NULL: g is a function of time only, and its instants are hit exactly */
     double *gz; /* nz; NULL: no input acts on g directly */
+    int closed; /* 1: at a start it is closed where g is between off and on; 0: open */
 } ns_command;
 
 /* The matrices of a large system; the controls of its commands are the columns of gx and gz. */

@@ -34,7 +34,8 @@ typedef struct element {
     ns_term *terms;   /* nterms, owned */
     ns_signal signal; /* of SOURCE; PWL arrays owned */
     ns_diode diode;   /* of DIODE */
-    ns_switch sw;     /* of SWITCH */
+    ns_switch sw;     /* of SWITCH, commanded by two nodes, or by the current of by[0] */
+    int closed;       /* of SWITCH: 1: closed at a start where its control does not say */
     /* its indices in the system, given when it is added; -1: none */
     int current; /* among the currents in x */
     int pair;    /* the first of its pairs; a breakdown pair follows */

@@ -308,20 +308,45 @@ static int check_switch(const ns_switch *s, ns_refusal *why) {
     return status ? status : check_resistances("ron", s->ron, s->roff, why);
 }
 
+/* A switch whose element is begun. */
+static int add_switch(ns_circuit *c, element *e, const ns_switch *s, int *id) {
+    ns_refusal why;
+    int status;
+    if (!s) {
+        return ns_circuit_complain(c, NS_E_NULL, "%.80s: its parameters are missing", e->name);
+    }
+    if ((status = check_switch(s, &why))) {
+        return refuse_element(c, e->name, status, &why);
+    }
+    e->sw = *s;
+    return ns_circuit_add_element(c, e, (needs){.pairs = 1, .commands = 1}, id);
+}
+
 int ns_circuit_switch(ns_circuit *c, const char *name, int p, int n, int cp, int cn, const ns_switch *s,
                       int *id) {
     element e;
-    ns_refusal why;
-    int status = start_element(c, &e, SWITCH, name, 4, (int[]){p, n, cp, cn});
-    if (status) {
+    const int status = start_element(c, &e, SWITCH, name, 4, (int[]){p, n, cp, cn});
+    return status ? status : add_switch(c, &e, s, id);
+}
+
+int ns_circuit_switch_by_current(ns_circuit *c, const char *name, int p, int n, int by, const ns_switch *s,
+                                 int *id) {
+    element e;
+    int status = start_element(c, &e, SWITCH, name, 2, (int[]){p, n});
+    if (status || (status = check_current(c, name, by))) {
         return status;
     }
-    if (!s) {
-        return ns_circuit_complain(c, NS_E_NULL, "%.80s: its parameters are missing", name);
+    e.by[0] = by;
+    return add_switch(c, &e, s, id);
+}
+
+int ns_circuit_switch_initially(ns_circuit *c, int id, int closed) {
+    if (!c) {
+        return NS_E_NULL;
     }
-    if ((status = check_switch(s, &why))) {
-        return refuse_element(c, name, status, &why);
+    if (id < 0 || id >= c->nelements || c->element[id].kind != SWITCH) {
+        return ns_circuit_complain(c, NS_E_SIZE, "there is no switch %d", id);
     }
-    e.sw = *s;
-    return ns_circuit_add_element(c, &e, (needs){.pairs = 1, .commands = 1}, id);
+    c->element[id].closed = closed != 0;
+    return NS_OK;
 }

@@ -245,11 +245,15 @@ static int stamp_time_control(const stamp *to, const potentials *p, int command)
     return NS_OK;
 }
 
-/* g = v_cp - v_cn. */
-static int stamp_node_control(const stamp *to, const element *e) {
+/* g = v_cp - v_cn, or the current of an element. */
+static int stamp_state_control(const stamp *to, const element *e) {
     int status = allocate_control(to, &to->s->command[e->command].gx, to->s->n);
     if (status) {
         return status;
+    }
+    if (e->by[0] >= 0) {
+        ns_circuit_stamp_add(to, IN_GX, ns_circuit_current_unknown(to->c, e->by[0]), e->command, 1);
+        return NS_OK;
     }
     ns_circuit_stamp_add(to, IN_GX, ns_circuit_node_unknown(to->c, e->node[2]), e->command, 1);
     ns_circuit_stamp_add(to, IN_GX, ns_circuit_node_unknown(to->c, e->node[3]), e->command, -1);
@@ -261,11 +265,12 @@ static int stamp_command(const stamp *to, potentials *p, const element *e) {
     command->pair = e->pair;
     command->on = e->sw.vt + e->sw.vh;
     command->off = e->sw.vt - e->sw.vh;
+    command->closed = e->closed;
     clear_gap(p);
-    if (add_difference(p, 1, node_place(p, e->node[2]), node_place(p, e->node[3]))) {
+    if (e->by[0] < 0 && add_difference(p, 1, node_place(p, e->node[2]), node_place(p, e->node[3]))) {
         return stamp_time_control(to, p, e->command);
     }
-    return stamp_node_control(to, e);
+    return stamp_state_control(to, e);
 }
 
 int ns_circuit_stamp_commands(const stamp *to) {

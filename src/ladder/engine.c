@@ -123,9 +123,8 @@ int ns_ladder_start(ns_ladder *l, double t0, const double *w0, const unsigned ch
     l->corner = -INFINITY;
     l->limit = INFINITY;
     l->contradiction = -1;
-    memset(l->closed, 0, nc);
-    for (size_t c = 0; closed && c < nc; c++)
-        l->closed[c] = closed[c];
+    for (size_t c = 0; c < nc; c++)
+        l->closed[c] = closed ? closed[c] : l->s->command[c].closed != 0;
     const int status = ns_theta_start(l->step, w0, l->closed);
     if (status != NS_OK)
         return status;

@@ -18,7 +18,8 @@ void ns_sparse_guard_reset_modes(ns_sparse *m, const unsigned char *closed) {
         m->mode[j] = isfinite(m->l[j]) ? NS_LOWER : isfinite(m->u[j]) ? NS_UPPER : NS_INSIDE;
     }
     for (int c = 0; c < m->s->nc; c++)
-        m->mode[m->s->command[c].pair] = closed && closed[c] ? NS_INSIDE : NS_LOWER;
+        m->mode[m->s->command[c].pair] =
+            (closed ? closed[c] : m->s->command[c].closed) ? NS_INSIDE : NS_LOWER;
     ns_sparse_guard_bounds(m);
 }
 

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Nothing known; switches open, or as in closed (nc), other pairs at a bound. */
+/* Nothing known; switches as in closed (nc; NULL: as their commands say), other pairs at a bound. */
 static void forget_past(ns_sparse *m, const unsigned char *closed) {
     ns_sparse_guard_reset_modes(m, closed);
     ns_sparse_chatter_reset(m);
