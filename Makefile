@@ -116,7 +116,7 @@ CM_ARCHIVES := liblapacke.a liblapack_pic.a blas/libblas.a libklu.a libbtf.a lib
 CM_FOUND = $(filter /%,$(foreach archive,$(CM_ARCHIVES),$(shell $(CC) -print-file-name=$(archive))))
 CM_LIBS = $(if $(filter $(words $(CM_ARCHIVES)),$(words $(CM_FOUND))),$(CM_FOUND) -lm,$(LIBS))
 
-cm: $(B)/nonsmooth.cm
+cm: $(B)/nonsmooth.cm $(B)/nonsmooth.inc
 .SECONDARY: $(MODELS:%=$(CM)/%/ifspec.c) $(MODELS:%=$(CM)/%/cfunc.c)
 
 CM_LIB ?= $(B)/libnonsmooth.a
@@ -124,6 +124,10 @@ $(B)/nonsmooth.cm: $(CM_OBJ) $(CM_LIB) codemodels/nonsmooth.map
 	@echo "  LINK    $@"
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,--version-script=codemodels/nonsmooth.map -Wl,--no-undefined \
 	    $(filter %.o %.a,$^) -o $@ $(CM_LIBS)
+
+$(B)/nonsmooth.inc: codemodels/nonsmooth.inc
+	@mkdir -p $(B)
+	@cp $< $@
 
 $(BRIDGE:%.c=$(B)/obj/%.o): private ALL_CFLAGS += $(NG_INCLUDE) -DNONSMOOTH_VERSION=$(VERSION)
 $(BRIDGE:%.c=$(B)/obj/%.o): $(NG)/stamp
@@ -431,8 +435,10 @@ install: all ## into PREFIX (/usr/local), below DESTDIR if given
 	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' src/nonsmooth.pc.in > $(TO)/lib/pkgconfig/nonsmooth.pc
 	install -m 755 $(B)/nsc-mlcp $(TO)/bin
 	install -m 755 $(B)/nonsmooth.cm $(TO)/lib/ngspice
+	install -m 644 $(B)/nonsmooth.inc $(TO)/lib/ngspice
 	install -m 644 netlists/lib/nonsmooth.lib $(TO)/share/nonsmooth
-	echo "codemodel '$(PREFIX)/lib/ngspice/nonsmooth.cm'" > $(TO)/share/nonsmooth/spiceinit
+	printf '%s\n' "codemodel '$(PREFIX)/lib/ngspice/nonsmooth.cm'" \
+	    "setcs sourcepath = ( \$$sourcepath '$(PREFIX)/lib/ngspice' )" > $(TO)/share/nonsmooth/spiceinit
 	@if [ -z '$(DESTDIR)' ] && [ -w /etc/ld.so.cache ]; then /sbin/ldconfig; fi # programs find the library now
 	@echo "To load the code models in every session: cat '$(PREFIX)/share/nonsmooth/spiceinit' >> ~/.spiceinit"
 
@@ -440,7 +446,7 @@ install: all ## into PREFIX (/usr/local), below DESTDIR if given
 uninstall: ## takes out what install put there, at the same PREFIX and DESTDIR
 	rm -f $(addprefix $(TO)/,lib/libnonsmooth.a lib/libnonsmooth.so lib/libnonsmooth.so.$(SOVERSION) \
 	    lib/libnonsmooth.so.$(VERSION) include/nonsmooth.h lib/pkgconfig/nonsmooth.pc bin/nsc-mlcp \
-	    lib/ngspice/nonsmooth.cm)
+	    lib/ngspice/nonsmooth.cm lib/ngspice/nonsmooth.inc)
 	rm -rf $(TO)/include/nonsmooth $(TO)/share/nonsmooth
 
 # --- clean -----------------------------------------------------------------------------------------------

@@ -20,7 +20,7 @@ check() {
 
 check 'make install' make install PREFIX="$dest"
 for file in bin/nsc-mlcp lib/libnonsmooth.a lib/libnonsmooth.so include/nonsmooth.h include/nonsmooth/status.h \
-    lib/pkgconfig/nonsmooth.pc lib/ngspice/nonsmooth.cm share/nonsmooth/nonsmooth.lib share/nonsmooth/spiceinit; do
+    lib/pkgconfig/nonsmooth.pc lib/ngspice/nonsmooth.cm lib/ngspice/nonsmooth.inc share/nonsmooth/nonsmooth.lib share/nonsmooth/spiceinit; do
     check "$file is there" test -s "$dest/$file"
 done
 
@@ -67,6 +67,25 @@ example spice README.md >"$dest/buck.cir"
 check "README's netlist measures what README says" sh -c \
     "cd '$dest' && ngspice -b buck.cir | awk '/^vout/ {v = \$3} /^ripple/ {r = \$3}
      END {exit !(v > 4.7995 && v < 4.8005 && r > 0.28855 && r < 0.28865)}'"
+cat >"$dest/own.cir" <<'C'
+* the same with ngspice's own diode, found as installed
+.include nonsmooth.inc
+V1 in 0 10
+D1 in out dmod
+R1 out 0 1k
+.model dmod d(is=1e-12 n=1)
+.control
+op
+* 0.1 A flow through 1e-12 A at vt = 25.864917 mV (300.15 K) at 0.655118 V
+let e = abs(v(out) - 10 + 0.655118)
+if e le 2e-6
+  quit 0
+end
+quit 1
+.endc
+.end
+C
+check 'ngspice finds the installed nonsmooth.inc' sh -c "cd '$dest' && ngspice -b own.cir"
 check 'make uninstall' make uninstall PREFIX="$dest"
 check 'nothing of it is left' sh -c "cd '$dest' && ! find . ! -type d | grep -E 'nonsmooth|nsc-mlcp'"
 exit $status

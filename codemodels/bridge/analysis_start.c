@@ -6,6 +6,7 @@
 #include "abi.h"
 #include "many_points.h"
 #include "ngspice/enh.h"
+#include "own_show.h"
 #include "refused.h"
 #include "report.h"
 #include "show.h"
@@ -62,8 +63,10 @@ static int prepare_force(ns_session *s) {
 static void announce_circuit(ns_session *s) {
     const ns_analysis *a = &s->analysis;
     if (!s->once.circuit_announced) {
+        const int devices = a->ex.ndevices + a->ex.nowns;
+        ns_bridge_own_announce(a);
         ns_bridge_report_note("simulates this circuit: %d unknown%s, %d ideal device%s", a->system->n,
-                              a->system->n == 1 ? "" : "s", a->ex.ndevices, a->ex.ndevices == 1 ? "" : "s");
+                              a->system->n == 1 ? "" : "s", devices, devices == 1 ? "" : "s");
     }
     s->once.circuit_announced = 1;
     if (a->ex.options.reltol > 0.0 && a->ex.options.method == NS_THETA && !s->once.reltol_noted) {

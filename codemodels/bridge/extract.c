@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "elements.h"
+#include "own_elements.h"
 #include "report.h"
 
 /* --- our own --- */
@@ -65,6 +66,10 @@ static int read_options(ns_extract_walk *w, MIFinstance *inst) {
                                     .points = ns_bridge_models_text(inst, OPTION_POINTS),
                                     .lines = ns_bridge_models_real(inst, OPTION_LINES),
                                     .squares = ns_bridge_models_real(inst, OPTION_SQUARES),
+                                    .take = ns_bridge_models_text(inst, OPTION_TAKE),
+                                    .diode = ns_bridge_models_text(inst, OPTION_DIODE),
+                                    .id = ns_bridge_models_real(inst, OPTION_ID),
+                                    .cjo = inst->param[OPTION_CJO]->element[0].ivalue,
                                     .corners = inst->param[OPTION_CORNERS]->element[0].ivalue};
     ex->error =
         ns_bridge_report_code(ns_bridge_options_check(&given, &ex->options, ex->line, sizeof ex->line));
@@ -93,7 +98,7 @@ static int read_ours(ns_extract_walk *w, GENinstance *inst) {
     case KIND_SWITCH:
         return read_switch(w, mif);
     case KIND_OPTIONS:
-        return read_options(w, mif);
+        return NS_OK; /* was read first */
     default:
         return refuse_foreign(w, inst);
     }
@@ -109,7 +114,9 @@ static const struct element_reader {
                {'v', ns_bridge_sources_vsource},   {'i', ns_bridge_sources_isource},
                {'e', ns_bridge_elements_vcvs},     {'g', ns_bridge_elements_vccs},
                {'f', ns_bridge_elements_cccs},     {'h', ns_bridge_elements_ccvs},
-               {'b', ns_bridge_behavioural},       {'a', read_ours}};
+               {'b', ns_bridge_behavioural},       {'a', read_ours},
+               {'d', ns_bridge_own_diode},         {'s', ns_bridge_own_switch},
+               {'w', ns_bridge_own_current_switch}};
 
 static int read_instance(ns_extract_walk *w, GENinstance *inst) {
     const char letter = ns_bridge_models_letter(inst);
@@ -152,6 +159,14 @@ static int read_pass(ns_extract_walk *w, unsigned char *done, int *read, int *la
             done[k] = 1;
         }
     }
+    return OK;
+}
+
+/* Options say which elements are taken, so they are read before all others. */
+static int read_all_options(ns_extract_walk *w) {
+    for (NGTABLEPTR box = w->ckt->DEVnameHash->thread; box; box = box->thread_next)
+        if (ns_bridge_models_kind(box->data) == KIND_OPTIONS && read_options(w, box->data) != NS_OK)
+            return w->ex->error;
     return OK;
 }
 
@@ -220,7 +235,7 @@ int ns_bridge_extract_read(CKTcircuit *ckt, ns_extract_sources sources, ns_extra
         return refuse_status(&w, "", status);
     for (int eq = 0; eq < ex->neq; eq++)
         ex->element[eq] = -1;
-    if (!read_all(&w) && !read_nodes(&w))
+    if (!read_all_options(&w) && !read_all(&w) && !read_nodes(&w))
         choose_reltol(&w);
     return ex->error;
 }
@@ -229,5 +244,6 @@ void ns_bridge_extract_clear(ns_extract *ex) {
     ns_circuit_free(ex->circuit);
     free(ex->element);
     free(ex->device);
+    free(ex->own);
     memset(ex, 0, sizeof *ex);
 }

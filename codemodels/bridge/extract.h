@@ -14,6 +14,18 @@ typedef struct ns_extract_device {
     int id; /* the element in the circuit */
 } ns_extract_device;
 
+/* One of ngspice's own devices, taken as ideal. */
+typedef struct ns_own_taken {
+    GENinstance *inst;
+    int id;         /* the element in the circuit; -1: a mere resistor */
+    int inverted;   /* the element is closed where the device is off */
+    int is_diode;   /* of a diode: */
+    ns_diode diode; /* what it was taken for */
+    int anode;      /* equation */
+    int inside;     /* equation of its node behind rs; 0: there is none */
+    double rs;      /* ohm */
+} ns_own_taken;
+
 typedef struct ns_extract {
     ns_circuit *circuit;
     int neq;      /* equations of ngspice, with ground */
@@ -22,6 +34,8 @@ typedef struct ns_extract {
     int restless;                         /* there is a current source that is not DC */
     int ndevices;
     ns_extract_device *device; /* ndevices: our diodes and switches */
+    int nowns;
+    ns_own_taken *own; /* nowns: D, S, W of ngspice that were taken */
     ns_bridge_options options;
     const MIFinstance *options_inst; /* the instance of model nonsmooth; NULL: there is none */
     unsigned long long hash; /* of all that was read: of two readings: equal if nothing was altered between */

@@ -53,15 +53,28 @@ static ns_session *at_last(CKTcircuit *ckt, const GENmodel *model) {
     return &b->session;
 }
 
+/* 1 if an option says that ngspice's own devices are taken. */
+static int takes_any(const GENmodel *model) {
+    for (; model; model = model->GENnextModel) {
+        for (const GENinstance *inst = model->GENinstances; inst; inst = inst->GENnextInstance) {
+            const char *take = ns_bridge_models_text((const MIFinstance *)inst, OPTION_TAKE);
+            if (take && strcmp(take, "none") != 0)
+                return 1;
+        }
+    }
+    return 0;
+}
+
 static int setup_type(model_kind kind, SMPmatrix *matrix, GENmodel *model, CKTcircuit *ckt, int *states) {
     ns_bridge *b = find_or_make_bridge(ckt);
     if (!b)
         return E_NOMEM;
     ns_bridge_models_set_type(kind, model->GENmodType);
-    if (kind != KIND_OPTIONS) /* options alone leave the circuit to ngspice */
-        b->last_type = model->GENmodType;
     b->mark = model->GENinstances ? model->GENinstances : b->mark;
-    return MIFsetup(matrix, model, ckt, states);
+    const int error = MIFsetup(matrix, model, ckt, states);
+    if (kind != KIND_OPTIONS || (!error && takes_any(model))) /* other options leave the circuit to ngspice */
+        b->last_type = model->GENmodType;
+    return error;
 }
 
 static int setup_diode(SMPmatrix *matrix, GENmodel *model, CKTcircuit *ckt, int *states) {

@@ -26,7 +26,11 @@ enum {
     OPTION_CORNERS,
     OPTION_LINES,
     OPTION_POINTS,
-    OPTION_SQUARES
+    OPTION_SQUARES,
+    OPTION_TAKE,
+    OPTION_DIODE,
+    OPTION_ID,
+    OPTION_CJO
 };
 
 enum { SHOW_I, SHOW_V, SHOW_ON, SHOW_P, SHOW_Q, SHOW_E }; /* of the diode and the switch */

@@ -7,6 +7,7 @@
 
 #include <string.h>
 
+#include "own_show.h"
 #include "report.h"
 #include "show.h"
 #include "taken.h"
@@ -52,6 +53,14 @@ static int load_values(ns_session *s) {
     return !error && !s->force.entry ? E_UNSUPP : error;
 }
 
+/* D, S and W, which loaded before, may have found that their states do not fit yet. */
+static void take_back_doubts(ns_session *s) {
+    if (s->analysis.ex.nowns == 0 || !s->analysis.march)
+        return;
+    ns_bridge_own_show_states(&s->analysis, s->ckt);
+    s->ckt->CKTnoncon = 0;
+}
+
 int ns_bridge_session_load(ns_session *s) {
     int error;
     if (ns_bridge_single_load_begin(s)) {
@@ -66,6 +75,7 @@ int ns_bridge_session_load(ns_session *s) {
     if (error)
         return end_dc(s->ckt, error);
     ns_bridge_force_apply(&s->force, s->ckt->CKTrhs);
+    take_back_doubts(s);
     return OK;
 }
 
@@ -99,6 +109,7 @@ int ns_bridge_session_accept(ns_session *s) {
     if (first && (s->failed = show_start(s)))
         return s->failed;
     ns_bridge_show_later(&s->analysis);
+    ns_bridge_own_show_states(&s->analysis, ckt);
     ns_bridge_taken_accept(&s->analysis, s->trial.t, is_shown(ckt));
     if (ckt->CKTfinalTime - ckt->CKTtime < ckt->CKTminBreak) {
         end_analysis(s);

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "own_show.h"
 #include "report.h"
 #include "taken.h"
 
@@ -13,6 +14,7 @@ void ns_bridge_show_currents(const ns_analysis *a, double *value) {
         ns_circuit_device(a->ex.circuit, d->id, a->x, a->lambda, a->mode,
                           &value[ns_bridge_models_branch(d->inst)], NULL, NULL);
     }
+    ns_bridge_own_show_values(a, value);
 }
 
 void ns_bridge_show_values(const ns_analysis *a, double *value) {

@@ -18,6 +18,10 @@
 #error "NGSPICE_MAJOR is not defined: the Makefile reads it from ngspice's config.h"
 #endif
 
+/* --- the numbers of ngspice's own device types, which are their places in the table of its dev.c --- */
+
+enum ns_versions_type { TYPE_CSW = 21, TYPE_DIO = 22, TYPE_MOS1 = 37, TYPE_SW = 44, TYPE_VDMOS = 51 };
+
 /* --- with CIDER: a call after each point that is shown; without, points are loaded twice --- */
 
 static inline void ns_bridge_versions_hook_shown(SPICEdev *type, void (*shown)(GENmodel *, CKTcircuit *)) {

@@ -72,7 +72,7 @@ one() {
     dir=$SCRATCH/$(echo "$name" | tr ' /' '__')
     mkdir -p "$dir" || exit 2
     ln -sfn "$top/netlists/lib" "$dir/lib"
-    echo "codemodel '$CM'" >"$dir/.spiceinit"
+    printf '%s\n' "codemodel '$CM'" "setcs sourcepath = ( \$sourcepath '$(dirname "$CM")' )" >"$dir/.spiceinit"
     case $variant in
     fine) fine "$file" ;;
     reversed) reversed "$file" ;;

@@ -6,7 +6,7 @@
 #include <string.h>
 
 const ns_bridge_options ns_bridge_options_default = {
-    .method = NS_AUTO, .theta = 1.0, .gamma = 1.0, .lines = 1e-4, .corners = 1};
+    .method = NS_AUTO, .theta = 1.0, .gamma = 1.0, .lines = 1e-4, .corners = 1, .id = 0.1};
 
 static const char *const methods[] = {
     [NS_AUTO] = "auto", [NS_THETA] = "theta", [NS_EXACT] = "exact", [NS_SPARSE] = "sparse"};
@@ -38,6 +38,28 @@ static int read_points(const ns_options_given *given, int *grid, char *line, siz
     return NS_E_RANGE;
 }
 
+static int read_take(const ns_options_given *given, ns_bridge_options *o, char *line, size_t size) {
+    static const char *const words[] = {"none", "switches", "diodes", "all"};
+    for (int k = 0; k < 4; k++) {
+        if (strcmp(given->take ? given->take : "none", words[k]) == 0) {
+            o->take_switches = k & 1;
+            o->take_diodes = k >= 2;
+            return NS_OK;
+        }
+    }
+    snprintf(line, size, "%s: take = \"%s\" must be \"none\", \"switches\", \"diodes\" or \"all\"",
+             given->name, given->take);
+    return NS_E_RANGE;
+}
+
+static int read_diode(const ns_options_given *given, ns_bridge_options *o, char *line, size_t size) {
+    o->zero_diodes = given->diode && strcmp(given->diode, "zero") == 0;
+    if (!given->diode || o->zero_diodes || strcmp(given->diode, "model") == 0)
+        return NS_OK;
+    snprintf(line, size, "%s: diode = \"%s\" must be \"model\" or \"zero\"", given->name, given->diode);
+    return NS_E_RANGE;
+}
+
 static int check_numbers(const ns_options_given *g, char *line, size_t size) {
     static const char weight[] = "must be above 0 and at most 1", flag[] = "must be 0 or 1";
     const struct {
@@ -51,6 +73,8 @@ static int check_numbers(const ns_options_given *g, char *line, size_t size) {
                   {"verbose", g->verbose, g->verbose == 0 || g->verbose == 1, flag},
                   {"corners", g->corners, g->corners == 0 || g->corners == 1, flag},
                   {"lines", g->lines, g->lines > 0.0 && g->lines <= 0.1, "must be above 0 and at most 0.1"},
+                  {"id", g->id, g->id > 0.0 && isfinite(g->id), "A must be above 0"},
+                  {"cjo", g->cjo, g->cjo == 0 || g->cjo == 1, flag},
                   {"squares", g->squares, g->squares >= 0.0 && g->squares <= 0.1, "must be 0 to 0.1"},
                   {"reltol", g->reltol, isnan(g->reltol) || (g->reltol > 0.0 && g->reltol < 1.0),
                    "must be above 0 and below 1"}};
@@ -66,12 +90,16 @@ static int check_numbers(const ns_options_given *g, char *line, size_t size) {
 int ns_bridge_options_check(const ns_options_given *given, ns_bridge_options *o, char *line, size_t size) {
     int status = read_method(given, &o->method, line, size);
     status = status ? status : read_points(given, &o->grid, line, size);
+    status = status ? status : read_take(given, o, line, size);
+    status = status ? status : read_diode(given, o, line, size);
     o->h = isnan(given->h) ? 0.0 : given->h;
     o->theta = given->theta;
     o->gamma = given->gamma;
     o->reltol = isnan(given->reltol) ? 0.0 : given->reltol;
     o->verbose = given->verbose;
     o->corners = given->corners;
+    o->id = given->id;
+    o->cjo = given->cjo;
     o->lines = given->lines;
     o->squares = given->squares;
     return status ? status : check_numbers(given, line, size);

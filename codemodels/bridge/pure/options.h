@@ -10,23 +10,28 @@ typedef struct ns_bridge_options {
     double theta, gamma;
     double reltol; /* 0: not given */
     int verbose;
-    int grid;       /* timepoints are those of .tran; else where the waveform needs them: */
-    double lines;   /* how far it may be from straight lines, of its largest value */
-    double squares; /* the same of integrals of squares; 0: no matter */
-    int corners;    /* of a grid: events and corners of sources get timepoints too */
+    int grid;                       /* timepoints are those of .tran; else where the waveform needs them: */
+    double lines;                   /* how far it may be from straight lines, of its largest value */
+    double squares;                 /* the same of integrals of squares; 0: no matter */
+    int corners;                    /* of a grid: events and corners of sources get timepoints too */
+    int take_switches, take_diodes; /* ngspice's own S and W, D, as ideal ones */
+    int zero_diodes;                /* D without vf and ron; else its own: */
+    double id;                      /* A: where its vf is read */
+    int cjo;                        /* junction capacitances of D are taken */
 } ns_bridge_options;
 
 extern const ns_bridge_options ns_bridge_options_default;
 
 /* The parameters of an instance of model nonsmooth. */
 typedef struct ns_options_given {
-    const char *name;   /* the instance's */
-    const char *method; /* NULL: not given */
-    const char *points; /* NULL: not given */
-    double lines, squares;
+    const char *name;         /* the instance's */
+    const char *method;       /* NULL: not given */
+    const char *points;       /* NULL: not given */
+    const char *take, *diode; /* NULL: not given */
+    double lines, squares, id;
     double h, reltol; /* NAN: not given */
     double theta, gamma;
-    int verbose, corners;
+    int verbose, corners, cjo;
 } ns_options_given;
 
 /* OK, or NS_E_RANGE and in line (size bytes) which parameter is wrong. */

@@ -20,7 +20,8 @@ static ns_options_given nothing_given(void) {
                               .gamma = 1.0,
                               .corners = 1,
                               .points = "auto",
-                              .lines = 1e-4};
+                              .lines = 1e-4,
+                              .id = 0.1};
 }
 
 static void assert_refused(const ns_options_given *given, const char *wanted) {
@@ -48,7 +49,8 @@ static void no_parameters_are_the_defaults(void **state) {
     assert_true(o.verbose == 0 && o.corners == 1 && o.grid == 0 && o.lines == 1e-4);
     assert_true(o.method == d->method && o.h == d->h && o.theta == d->theta && o.gamma == d->gamma &&
                 o.reltol == d->reltol && o.verbose == d->verbose && o.corners == d->corners &&
-                o.grid == d->grid && o.lines == d->lines);
+                o.grid == d->grid && o.lines == d->lines && o.id == d->id && o.cjo == d->cjo);
+    assert_true(!o.take_switches && !o.take_diodes && !o.zero_diodes);
 }
 
 static void all_parameters_are_taken(void **state) {
@@ -60,6 +62,10 @@ static void all_parameters_are_taken(void **state) {
                                     .gamma = 0.75,
                                     .points = "grid",
                                     .lines = 1e-3,
+                                    .take = "all",
+                                    .diode = "zero",
+                                    .id = 2,
+                                    .cjo = 1,
                                     .verbose = 1};
     ns_bridge_options o;
     (void)state;
@@ -67,6 +73,24 @@ static void all_parameters_are_taken(void **state) {
     assert_int_equal(o.method, NS_THETA);
     assert_true(o.h == 1e-6 && o.reltol == 1e-4 && o.theta == 0.5 && o.gamma == 0.75);
     assert_true(o.verbose == 1 && o.corners == 0 && o.grid == 1 && o.lines == 1e-3);
+    assert_true(o.take_switches && o.take_diodes && o.zero_diodes && o.id == 2 && o.cjo == 1);
+}
+
+static void part_of_the_devices_is_taken(void **state) {
+    static const char *const words[] = {"none", "switches", "diodes", "all"};
+    ns_options_given given = nothing_given();
+    ns_bridge_options o;
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        given.take = words[k];
+        assert_taken(&given, &o);
+        assert_true(o.take_switches == (k == 1 || k == 3) && o.take_diodes == (k >= 2));
+    }
+    given.take = "most";
+    assert_refused(&given, "aopt: take = \"most\" must be \"none\", \"switches\", \"diodes\" or \"all\"");
+    given.take = NULL;
+    given.diode = "ideal";
+    assert_refused(&given, "aopt: diode = \"ideal\" must be \"model\" or \"zero\"");
 }
 
 static void every_method_has_its_word(void **state) {
@@ -126,6 +150,8 @@ static void numbers_have_ranges(void **state) {
     assert_number(&g, &g.reltol, 0.0, "aopt: reltol = 0 must be above 0 and below 1");
     assert_number(&g, &g.reltol, 1.0, "aopt: reltol = 1 must be above 0 and below 1");
     assert_number(&g, &g.reltol, nextafter(1.0, 0.0), NULL);
+    assert_number(&g, &g.id, 0.0, "aopt: id = 0 A must be above 0");
+    assert_number(&g, &g.id, INFINITY, "aopt: id = inf A must be above 0");
 }
 
 static void flags_are_0_or_1(void **state) {
@@ -138,6 +164,9 @@ static void flags_are_0_or_1(void **state) {
     assert_taken(&given, &o);
     given.corners = -1;
     assert_refused(&given, "aopt: corners = -1 must be 0 or 1");
+    given.corners = 1;
+    given.cjo = 2;
+    assert_refused(&given, "aopt: cjo = 2 must be 0 or 1");
 }
 
 static void the_line_is_cut_at_its_size(void **state) {
@@ -164,13 +193,10 @@ static void points_and_lines_are_checked(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(points_and_lines_are_checked),
-        cmocka_unit_test(no_parameters_are_the_defaults),
-        cmocka_unit_test(all_parameters_are_taken),
-        cmocka_unit_test(every_method_has_its_word),
-        cmocka_unit_test(unknown_methods_are_refused),
-        cmocka_unit_test(numbers_have_ranges),
-        cmocka_unit_test(flags_are_0_or_1),
+        cmocka_unit_test(points_and_lines_are_checked), cmocka_unit_test(no_parameters_are_the_defaults),
+        cmocka_unit_test(all_parameters_are_taken),     cmocka_unit_test(part_of_the_devices_is_taken),
+        cmocka_unit_test(every_method_has_its_word),    cmocka_unit_test(unknown_methods_are_refused),
+        cmocka_unit_test(numbers_have_ranges),          cmocka_unit_test(flags_are_0_or_1),
         cmocka_unit_test(the_line_is_cut_at_its_size),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

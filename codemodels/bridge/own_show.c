@@ -1,0 +1,86 @@
+/* bridge/own_show.c - ngspice's own devices that were taken: what they show of a point, and what they were
+ * taken for. */
+#include "own_show.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <string.h>
+
+#include "own_structs.h"
+#include "report.h"
+
+static void read_device(const ns_analysis *a, const ns_own_taken *o, double *i, double *v, int *on) {
+    *i = *v = 0.0;
+    *on = 0;
+    if (o->id >= 0)
+        ns_circuit_device(a->ex.circuit, o->id, a->x, a->lambda, a->mode, i, v, on);
+}
+
+void ns_bridge_own_show_values(const ns_analysis *a, double *value) {
+    double i, v;
+    int on;
+    for (int k = 0; k < a->ex.nowns; k++) {
+        const ns_own_taken *o = &a->ex.own[k];
+        if (!o->inside)
+            continue;
+        read_device(a, o, &i, &v, &on);
+        value[o->inside] = value[o->anode] - o->rs * i;
+    }
+}
+
+void ns_bridge_own_show_states(const ns_analysis *a, CKTcircuit *ckt) {
+    double i, v;
+    int on;
+    for (int k = 0; k < a->ex.nowns; k++) {
+        const ns_own_taken *o = &a->ex.own[k];
+        if (o->id < 0)
+            continue;
+        read_device(a, o, &i, &v, &on);
+        if (o->is_diode)
+            ns_bridge_own_write_diode(o->inst, ckt, v - (o->inside ? o->rs * i : 0.0), i);
+        else
+            ns_bridge_own_write_switch(o->inst, ckt, v, i, on != o->inverted);
+    }
+}
+
+/* --- what was taken, once --- */
+
+static int are_alike(const ns_own_taken *a, const ns_own_taken *b) {
+    return a->inst->GENmodPtr == b->inst->GENmodPtr && memcmp(&a->diode, &b->diode, sizeof a->diode) == 0;
+}
+
+/* How many are like the k-th; 0: one before it is. */
+static int count_alike(const ns_extract *ex, int k) {
+    int count = 0;
+    for (int other = 0; other < ex->nowns; other++) {
+        const int alike = are_alike(&ex->own[k], &ex->own[other]);
+        if (alike && other < k)
+            return 0;
+        count += alike;
+    }
+    return count;
+}
+
+static void announce_diodes(const ns_analysis *a, const ns_own_taken *o, int count) {
+    const ns_diode *d = &o->diode;
+    char breakdown[60] = "", at[60] = "";
+    if (isfinite(d->vz))
+        snprintf(breakdown, sizeof breakdown, ", breakdown at %.4g V", d->vz);
+    if (!a->ex.options.zero_diodes)
+        snprintf(at, sizeof at, " (that of its model at %.4g A)", a->ex.options.id);
+    ns_bridge_report_note("D of model %s: %d taken as ideal, vf = %.4g V%s, ron = %.4g ohm%s",
+                          o->inst->GENmodPtr->GENmodName, count, d->vf, at, d->ron, breakdown);
+}
+
+void ns_bridge_own_announce(const ns_analysis *a) {
+    for (int k = 0; k < a->ex.nowns; k++) {
+        const ns_own_taken *o = &a->ex.own[k];
+        const int count = count_alike(&a->ex, k);
+        if (count > 0 && o->is_diode)
+            announce_diodes(a, o, count);
+        else if (count > 0)
+            ns_bridge_report_note("%c of model %s: %d taken as %s",
+                                  toupper((unsigned char)o->inst->GENname[0]), o->inst->GENmodPtr->GENmodName,
+                                  count, count == 1 ? "it is" : "they are");
+    }
+}

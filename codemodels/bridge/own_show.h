@@ -1,0 +1,17 @@
+/* bridge/own_show.h - ngspice's own devices that were taken: what they show of a point, and what they were
+ * taken for. */
+#ifndef BRIDGE_OWN_SHOW_H
+#define BRIDGE_OWN_SHOW_H
+
+#include "analysis.h"
+
+/* Node voltages inside D at a->x, a->lambda -> value (neq). */
+void ns_bridge_own_show_values(const ns_analysis *a, double *value);
+
+/* What @d1[id] and @s1[i] show, at the same point. */
+void ns_bridge_own_show_states(const ns_analysis *a, CKTcircuit *ckt);
+
+/* One line for each kind of device. */
+void ns_bridge_own_announce(const ns_analysis *a);
+
+#endif

@@ -1,0 +1,122 @@
+/* bridge/own_structs.c - ngspice's own D, S and W as plain numbers: the only file that sees their structs. */
+#include "own_structs.h"
+
+#include <math.h>
+
+#include "models.h"
+#include "ngspice/const.h"
+#include "versions.h"
+
+#include "spicelib/devices/csw/cswdefs.h"
+#include "spicelib/devices/dio/diodefs.h"
+#include "spicelib/devices/sw/swdefs.h"
+
+ns_own_kind ns_bridge_own_kind(const GENinstance *inst) {
+    static const struct {
+        char letter;
+        int first, last;
+        ns_own_kind kind;
+    } types[] = {{'d', TYPE_DIO, TYPE_DIO, OWN_DIODE},
+                 {'s', TYPE_SW, TYPE_SW, OWN_SWITCH},
+                 {'w', TYPE_CSW, TYPE_CSW, OWN_CURRENT_SWITCH},
+                 {'m', TYPE_MOS1, TYPE_MOS1, OWN_MOSFET},
+                 {'m', TYPE_VDMOS, TYPE_VDMOS, OWN_MOSFET}};
+    const char letter = ns_bridge_models_letter(inst);
+    const int type = inst->GENmodPtr->GENmodType;
+    for (size_t k = 0; k < sizeof types / sizeof types[0]; k++)
+        if (types[k].letter == letter && type >= types[k].first && type <= types[k].last)
+            return types[k].kind;
+    return OWN_NONE;
+}
+
+static double ohms_of(double siemens) {
+    return isinf(siemens) ? 0.0 : siemens > 0.0 ? 1.0 / siemens : INFINITY;
+}
+
+void ns_bridge_own_read_switch(const GENinstance *inst, ns_own_switch *s) {
+    const SWinstance *sw = (const SWinstance *)inst;
+    const SWmodel *model = SWmodPtr(sw);
+    *s = (ns_own_switch){.p = sw->SWposNode,
+                         .n = sw->SWnegNode,
+                         .cp = sw->SWposCntrlNode,
+                         .cn = sw->SWnegCntrlNode,
+                         .vt = model->SWvThreshold,
+                         .vh = model->SWvHysteresis,
+                         .ron = ohms_of(model->SWonConduct),
+                         .roff = ohms_of(model->SWoffConduct),
+                         .closed = sw->SWzero_stateGiven};
+}
+
+void ns_bridge_own_read_current_switch(const GENinstance *inst, ns_own_switch *s) {
+    const CSWinstance *w = (const CSWinstance *)inst;
+    const CSWmodel *model = CSWmodPtr(w);
+    *s = (ns_own_switch){.p = w->CSWposNode,
+                         .n = w->CSWnegNode,
+                         .branch = w->CSWcontBranch,
+                         .vt = model->CSWiThreshold,
+                         .vh = model->CSWiHysteresis,
+                         .ron = ohms_of(model->CSWonConduct),
+                         .roff = ohms_of(model->CSWoffConduct),
+                         .closed = w->CSWzero_stateGiven};
+}
+
+/* As in ngspice's load: the sidewall has a law of its own only if its emission coefficient was given. */
+static void read_law(const DIOinstance *d, const DIOmodel *model, ns_diode_law *law) {
+    const double vt = CONSTboltz / CHARGE * d->DIOtemp;
+    *law = (ns_diode_law){.bottom = {d->DIOtSatCur, model->DIOemissionCoeff * vt},
+                          .knee = model->DIOforwardKneeCurrentGiven ? d->DIOforwardKneeCurrent : 0.0};
+    if (model->DIOsatSWCurGiven && model->DIOswEmissionCoeffGiven)
+        law->side = (ns_diode_exponential){d->DIOtSatSWCur, model->DIOswEmissionCoeff * vt};
+    else if (model->DIOsatSWCurGiven)
+        law->bottom.amperes += d->DIOtSatSWCur;
+    if (model->DIOrecSatCurGiven) {
+        law->recombination = (ns_diode_exponential){d->DIOtRecSatCur, model->DIOrecEmissionCoeff * vt};
+        law->vj = d->DIOtJctPot;
+        law->m = d->DIOtGradingCoeff;
+    }
+}
+
+/* DIOtBrkdwnV is shifted by IBV, so the given voltage is taken to the temperature here. */
+static double breakdown_of(const DIOinstance *d, const DIOmodel *model) {
+    const double dt = d->DIOtemp - model->DIOnomTemp;
+    if (!model->DIObreakdownVoltageGiven)
+        return INFINITY;
+    return model->DIOtlev == 0 ? model->DIObreakdownVoltage - model->DIOtcv * dt
+                               : model->DIObreakdownVoltage * (1.0 - model->DIOtcv * dt);
+}
+
+void ns_bridge_own_read_diode(const GENinstance *inst, ns_own_diode *d) {
+    const DIOinstance *dio = (const DIOinstance *)inst;
+    const DIOmodel *model = DIOmodPtr(dio);
+    *d = (ns_own_diode){.anode = dio->DIOposNode,
+                        .cathode = dio->DIOnegNode,
+                        .inside = dio->DIOposPrimeNode,
+                        .rs = dio->DIOtConductance > 0.0 ? 1.0 / dio->DIOtConductance : 0.0,
+                        .bv = breakdown_of(dio, model),
+                        .farads = dio->DIOtJctCap + dio->DIOtJctSWCap,
+                        .heats = dio->DIOtempNode > 0 && dio->DIOthermal && model->DIOrth0Given};
+    read_law(dio, model, &d->law);
+}
+
+static double conductance_at(double v, double i, double on, double off, int is_on) {
+    const double siemens = i / v;
+    return siemens > 0.0 && isfinite(siemens) ? siemens : is_on && isfinite(on) ? on : off;
+}
+
+void ns_bridge_own_write_switch(GENinstance *inst, CKTcircuit *ckt, double v, double i, int on) {
+    if (ns_bridge_own_kind(inst) == OWN_SWITCH) {
+        SWinstance *s = (SWinstance *)inst;
+        s->SWcond = conductance_at(v, i, SWmodPtr(s)->SWonConduct, SWmodPtr(s)->SWoffConduct, on);
+        ckt->CKTstate0[s->SWswitchstate] = on;
+    } else {
+        CSWinstance *w = (CSWinstance *)inst;
+        w->CSWcond = conductance_at(v, i, CSWmodPtr(w)->CSWonConduct, CSWmodPtr(w)->CSWoffConduct, on);
+        ckt->CKTstate0[w->CSWswitchstate] = on;
+    }
+}
+
+void ns_bridge_own_write_diode(GENinstance *inst, CKTcircuit *ckt, double v, double i) {
+    const DIOinstance *d = (const DIOinstance *)inst;
+    ckt->CKTstate0[d->DIOvoltage] = v;
+    ckt->CKTstate0[d->DIOcurrent] = i;
+}

@@ -1,0 +1,44 @@
+/* bridge/own_structs.h - ngspice's own D, S, W and M as plain numbers.
+ *
+ * Their structs are seen by own_structs.c and own_mosfet.c alone. */
+#ifndef BRIDGE_OWN_STRUCTS_H
+#define BRIDGE_OWN_STRUCTS_H
+
+#include "ngspice.h"
+#include "pure/diode_law.h"
+
+typedef enum ns_own_kind { OWN_NONE, OWN_DIODE, OWN_SWITCH, OWN_CURRENT_SWITCH, OWN_MOSFET } ns_own_kind;
+
+/* OWN_NONE: of a type that is not read (a D of CIDER). */
+ns_own_kind ns_bridge_own_kind(const GENinstance *inst);
+
+typedef struct ns_own_switch {
+    int p, n;         /* equations of its nodes */
+    int cp, cn;       /* of its control, of S */
+    int branch;       /* of the current that controls it, of W */
+    double vt, vh;    /* V or A */
+    double ron, roff; /* ohm */
+    int closed;       /* ON was given */
+} ns_own_switch;
+
+void ns_bridge_own_read_switch(const GENinstance *inst, ns_own_switch *s);
+void ns_bridge_own_read_current_switch(const GENinstance *inst, ns_own_switch *s);
+
+typedef struct ns_own_diode {
+    int anode, cathode;
+    int inside;       /* behind the series resistance; the anode, if there is none */
+    double rs;        /* ohm */
+    double bv;        /* V, INFINITY: none */
+    double farads;    /* of the junction at 0 V */
+    int heats;        /* its temperature follows its losses */
+    ns_diode_law law; /* of the junction */
+} ns_own_diode;
+
+void ns_bridge_own_read_diode(const GENinstance *inst, ns_own_diode *d);
+
+/* A point as a device shows it: @s1[i], @d1[id], and so that ngspice's own load finds nothing to limit.
+ * v: of the switch, of the diode's junction, V; i: A. */
+void ns_bridge_own_write_switch(GENinstance *inst, CKTcircuit *ckt, double v, double i, int on);
+void ns_bridge_own_write_diode(GENinstance *inst, CKTcircuit *ckt, double v, double i);
+
+#endif

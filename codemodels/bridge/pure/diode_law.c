@@ -1,0 +1,34 @@
+/* bridge/pure/diode_law.c - the forward current of ngspice's D, and the voltage at which it flows. */
+#include "diode_law.h"
+
+#include <math.h>
+
+static double exponential(const ns_diode_exponential *e, double v) {
+    return e->volts > 0.0 ? e->amperes * expm1(v / e->volts) : 0.0;
+}
+
+double ns_bridge_diode_law_current(const ns_diode_law *law, double v) {
+    double i = exponential(&law->bottom, v) + exponential(&law->side, v);
+    if (law->recombination.volts > 0.0) {
+        const double part = 1.0 - v / law->vj;
+        i += exponential(&law->recombination, v) * pow(part * part + 0.005, 0.5 * law->m);
+    }
+    return law->knee > 0.0 && i > 0.0 ? i / (1.0 + sqrt(i / law->knee)) : i;
+}
+
+double ns_bridge_diode_law_voltage(const ns_diode_law *law, double amperes) {
+    enum { HALVINGS = 200 }; /* far more than the digits of a number */
+    double low = 0.0, high = 0.01;
+    while (high < 100.0 && ns_bridge_diode_law_current(law, high) < amperes)
+        high *= 2.0;
+    if (!(ns_bridge_diode_law_current(law, high) >= amperes))
+        return NAN;
+    for (int k = 0; k < HALVINGS && high - low > 1e-15 * high; k++) {
+        const double middle = 0.5 * (low + high);
+        if (ns_bridge_diode_law_current(law, middle) < amperes)
+            low = middle;
+        else
+            high = middle;
+    }
+    return 0.5 * (low + high);
+}

@@ -1,0 +1,23 @@
+/* bridge/pure/diode_law.h - the forward current of ngspice's D, and the voltage at which it flows. */
+#ifndef BRIDGE_DIODE_LAW_H
+#define BRIDGE_DIODE_LAW_H
+
+/* One exponential: amperes (exp(v/volts) - 1).  volts 0: there is none. */
+typedef struct ns_diode_exponential {
+    double amperes, volts;
+} ns_diode_exponential;
+
+/* The junction of a diode, after area, multiplier and temperature. */
+typedef struct ns_diode_law {
+    ns_diode_exponential bottom, side, recombination;
+    double vj, m; /* of the factor on the recombination current */
+    double knee;  /* A, of high injection; 0: none */
+} ns_diode_law;
+
+/* The current (A) at v >= 0 (V), as ngspice's load of D computes it, without gmin and tunnelling. */
+double ns_bridge_diode_law_current(const ns_diode_law *law, double v);
+
+/* The voltage (V) at which the current is `amperes` > 0; NAN: the law has no such voltage below 100 V. */
+double ns_bridge_diode_law_voltage(const ns_diode_law *law, double amperes);
+
+#endif

@@ -1,0 +1,57 @@
+/* tests/unit/bridge/test_diode_law.c - the voltage of ngspice's D at a current. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "diode_law.h"
+
+static const double vt = 0.0258649; /* V, at 300 K */
+
+/* v = n vt ln(1 + i/is). */
+static void of_one_exponential(void **unused) {
+    (void)unused;
+    static const double is[] = {1e-14, 1e-9, 1e-3}, n[] = {1, 2, 1.05}, i[] = {1e-4, 0.1, 5};
+    for (int k = 0; k < 3; k++) {
+        const ns_diode_law law = {.bottom = {is[k], n[k] * vt}};
+        const double expected = n[k] * vt * log1p(i[k] / is[k]);
+        assert_true(fabs(ns_bridge_diode_law_voltage(&law, i[k]) - expected) < 1e-12);
+    }
+}
+
+/* High injection: i/(1 + sqrt(i/knee)) = knee/2 where i = knee, so v = vt ln(1 + knee/is). */
+static void of_high_injection(void **unused) {
+    (void)unused;
+    const ns_diode_law law = {.bottom = {1e-12, vt}, .knee = 2};
+    assert_true(fabs(ns_bridge_diode_law_voltage(&law, 1) - vt * log1p(2e12)) < 1e-12);
+}
+
+/* Two exponentials of the same voltage add up; recombination with vj so high that its factor is that at 0 V:
+ * (1 + 0.005)^(m/2). */
+static void of_sums(void **unused) {
+    (void)unused;
+    const ns_diode_law two = {.bottom = {1e-12, vt}, .side = {3e-12, vt}};
+    const ns_diode_law recombines = {
+        .bottom = {0, vt}, .recombination = {1e-9, 2 * vt}, .vj = 1e12, .m = 0.5};
+    assert_true(fabs(ns_bridge_diode_law_voltage(&two, 1) - vt * log1p(1 / 4e-12)) < 1e-12);
+    assert_true(fabs(ns_bridge_diode_law_voltage(&recombines, 1) -
+                     2 * vt * log1p(1 / (1e-9 * pow(1.005, 0.25)))) < 1e-9);
+}
+
+static void none(void **unused) {
+    (void)unused;
+    const ns_diode_law nothing = {.bottom = {0, vt}}, slow = {.bottom = {1e-14, 100}};
+    assert_true(isnan(ns_bridge_diode_law_voltage(&nothing, 0.1)));
+    assert_true(isnan(ns_bridge_diode_law_voltage(&slow, 0.1)));
+    assert_true(ns_bridge_diode_law_current(&nothing, 1) == 0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(of_one_exponential),
+                                       cmocka_unit_test(of_high_injection), cmocka_unit_test(of_sums),
+                                       cmocka_unit_test(none)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
