@@ -19,8 +19,9 @@ extern "C" {
 
 typedef struct ns_energy ns_energy;
 
-/* For so many elements of c, whose numbers are id (NULL: all, in their order), after ns_circuit_system(); c
- * must outlive it and must not change.  Errors: NULL, SIZE (no such element), MEMORY. */
+/* For so many elements of c, whose numbers are id (NULL: all, in their order; the array is copied), after
+ * ns_circuit_system(); c must outlive it and must not change.  On failure *out is NULL.  Errors: NULL, SIZE
+ * (no such element), MEMORY. */
 int ns_energy_create(const ns_circuit *c, int count, const int *id, ns_energy **out);
 void ns_energy_free(ns_energy *e);       /* NULL is allowed */
 int ns_energy_count(const ns_energy *e); /* elements */
@@ -36,10 +37,12 @@ int ns_energy_read(const ns_energy *e, int k, double *p, double *q, double *joul
  * those of ns_march_read(). */
 int ns_energy_start(ns_energy *e, ns_march *m);
 
-/* The same where another marcher was, at x (n) and lambda (m): what jumps begins there. */
+/* The same where another marcher was, at x (n) and lambda (m): what jumps begins there.  lambda
+ * may be NULL (0).  Errors: as ns_energy_start(). */
 int ns_energy_start_from(ns_energy *e, ns_march *m, const double *x, const double *lambda);
 
-/* The same from the accepted point of m on, of which no trial was made. */
+/* The same from the accepted point of m on, of which no trial was made; nothing jumps there.  Errors: as
+ * ns_energy_start(). */
 int ns_energy_begin_at(ns_energy *e, ns_march *m);
 
 /* Goes on to t with m (NS_TO_STEP, accepting each trial).  Over each of its ways by a rule of 15 nodes on

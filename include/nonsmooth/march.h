@@ -44,7 +44,7 @@ typedef struct ns_march_options {
  * be NULL) says where.  Errors: those of ns_theta_create(), RANGE (h, reltol), SIZE (more than 1500 unknowns
  * and pairs with NS_EXACT, or with NS_THETA where theta = 0 or theta differs from gamma). */
 int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **out, ns_fault *fault);
-void ns_march_free(ns_march *m);
+void ns_march_free(ns_march *m); /* NULL is allowed */
 
 /* Puts the accepted point at t0 (s).  w0 (n): M x(t0-), the charges and fluxes before.  Finds the consistent
  * state at t0: jumps are resolved with charge and flux conserved (if nothing jumps, the state is the one some
@@ -53,7 +53,7 @@ void ns_march_free(ns_march *m);
 int ns_march_start(ns_march *m, double t0, const double *w0);
 
 /* The same where another marcher was: commanded switches that its mode (m, as ns_march_mode(); NULL: none)
- * has closed stay closed if their control is between off and on. */
+ * has closed stay closed if their control is between off and on.  Errors: as ns_march_start(). */
 int ns_march_start_as(ns_march *m, double t0, const double *w0, const ns_mode *mode);
 
 /* Starts at the DC operating point at t0: M x' = 0, inputs at t0; then as ns_march_start() with its charges.
@@ -145,8 +145,10 @@ int ns_march_at_event(const ns_march *m);
 /* The engine that the marcher was made with or, with NS_AUTO, the one that made the last trial. */
 ns_method ns_march_engine(const ns_march *m);
 
+/* What was done since ns_march_create(), and the last call that failed, with its time t; both owned by the
+ * marcher. */
 const ns_counts *ns_march_counts(ns_march *m);
-const ns_fault *ns_march_fault(const ns_march *m); /* of the last call that failed; its t is set */
+const ns_fault *ns_march_fault(const ns_march *m);
 
 /* The problem (P1) at which the last call failed, as ns_theta_problem().  *h gets the length of the step (s),
  * or 0 for an operating point, whose problem has one more row for each unknown held: the current that holds

@@ -38,7 +38,7 @@ typedef struct ns_waveform_options {
     double closest; /* s between two points, at least; the right side of a jump is shown so long after the
                        left */
     double noise;   /* relative to the largest value of its kind: values may be off by that; 0: 1e-12 */
-    double floor[NS_WAVEFORM_KINDS]; /* of each kind: values may be off by that */
+    double floor[NS_WAVEFORM_KINDS]; /* in the unit of each kind (V, A): values may be off by that; 0: none */
     /* n+m: x, then lambda: 0: not looked at; else its kind, 1 to NS_WAVEFORM_KINDS-1: values of one kind have
      * the same unit.  NULL: all are looked at, as one kind. */
     const unsigned char *kind;
@@ -63,16 +63,19 @@ typedef struct ns_waveform_counts {
     double turns;    /* 1/s: how often that one turned between events, over the time between these */
 } ns_waveform_counts;
 
-/* Makes a waveform of the marcher m of s; both must outlive it.  Errors: NULL, RANGE (lines, longest,
- * closest, noise, kind), MEMORY. */
+/* Makes a waveform of the marcher m of s; both must outlive it, and so must integrals->data; the rest of the
+ * options is copied.  On failure *out is NULL.  Errors: NULL, RANGE (lines, longest, closest, noise, kind),
+ * MEMORY. */
 int ns_waveform_create(const ns_system *s, ns_march *m, const ns_waveform_options *o, ns_waveform **out);
-void ns_waveform_free(ns_waveform *w);
+void ns_waveform_free(ns_waveform *w); /* NULL is allowed */
 
-/* After the marcher was started: its accepted point is the first point.  Errors: those of ns_march_read(). */
+/* After the marcher was started: its accepted point is the first point.  Errors: NULL, those of
+ * ns_march_read() and of integrals->begin(). */
 int ns_waveform_start(ns_waveform *w, ns_waveform_point *first);
 
 /* The same in the place of `from`, which ends at that point: values and integrals that it has seen still
- * count as such.  Of systems whose sizes or kinds differ they do not. */
+ * count as such.  Of systems whose sizes or kinds differ they do not.  `from` may be freed afterwards.
+ * Errors: as ns_waveform_start(). */
 int ns_waveform_continue(ns_waveform *w, const ns_waveform *from, ns_waveform_point *first);
 
 /* Integrates to t (s) without points; what is there is the next first point.  Errors: those of
@@ -88,7 +91,7 @@ int ns_waveform_next(ns_waveform *w, double until, ns_waveform_point *next);
  * end of the last point asked for: the next points go on from there.  Errors: NULL, STATE (not started). */
 int ns_waveform_resume(ns_waveform *w);
 
-/* From now on no integrals are taken, and points have none. */
+/* From now on no integrals are taken, and points have none (sums is NULL). */
 void ns_waveform_drop_integrals(ns_waveform *w);
 
 ns_waveform_counts ns_waveform_read_counts(const ns_waveform *w);

@@ -108,22 +108,27 @@ ns_branch ns_circuit_branch(const ns_circuit *c, int id, ns_branch_visit *visit,
     return b;
 }
 
+/* An array of no numbers may be NULL. */
+static const double *array(const double *numbers) {
+    static const double none;
+    return numbers ? numbers : &none;
+}
+
 /* --- at a point --- */
 
 typedef struct term_sum {
-    const ns_solution *at;
+    const double *x, *lambda;
     int unknowns;
     double sum;
 } term_sum;
 
 static void add_term(void *to, int index, double gain) {
     term_sum *s = to;
-    const ns_solution *at = s->at;
-    s->sum += gain * (index < s->unknowns ? at->x[index] : at->lambda[index - s->unknowns]);
+    s->sum += gain * (index < s->unknowns ? s->x[index] : s->lambda[index - s->unknowns]);
 }
 
 static double current_of(const ns_branch *b, const ns_solution *at, double terms) {
-    double sum = terms + b->siemens * ns_branch_voltage(b, at->x) + b->amperes;
+    double sum = terms + b->siemens * ns_branch_voltage(b, array(at->x)) + b->amperes;
     if (b->signal) {
         sum += ns_signal_value(b->signal, at->t, at->side);
     }
@@ -143,9 +148,9 @@ int ns_circuit_power(const ns_circuit *c, int id, const ns_solution *at, double 
     if ((!at->x && ns_circuit_branch_unknowns(c) > 0) || (!at->lambda && c->npairs > 0)) {
         return NS_E_NULL;
     }
-    term_sum terms = {at, ns_circuit_branch_unknowns(c), 0};
+    term_sum terms = {array(at->x), array(at->lambda), ns_circuit_branch_unknowns(c), 0};
     const ns_branch b = ns_circuit_branch(c, id, add_term, &terms);
-    const double across = ns_branch_voltage(&b, at->x), through = current_of(&b, at, terms.sum);
+    const double across = ns_branch_voltage(&b, terms.x), through = current_of(&b, at, terms.sum);
     if (v) {
         *v = across;
     }
@@ -183,7 +188,7 @@ int ns_circuit_stored(const ns_circuit *c, const double *x, double *each, double
     if (!c || (!x && ns_circuit_branch_unknowns(c) > 0)) {
         return NS_E_NULL;
     }
-    stored to = {c, x, each, 0};
+    stored to = {c, array(x), each, 0};
     for (int k = 0; k < c->nelements; k++) {
         const element *e = &c->element[k];
         if (each) {
@@ -191,7 +196,7 @@ int ns_circuit_stored(const ns_circuit *c, const double *x, double *each, double
         }
         if (e->kind == CAPACITOR) {
             const int p = ns_circuit_node_unknown(c, e->node[0]), n = ns_circuit_node_unknown(c, e->node[1]);
-            const double v = (p < 0 ? 0 : x[p]) - (n < 0 ? 0 : x[n]);
+            const double v = (p < 0 ? 0 : to.x[p]) - (n < 0 ? 0 : to.x[n]);
             add_stored(&to, k, e->value * v * v / 2);
         }
     }

@@ -109,10 +109,10 @@ static void balances_close(void **state) {
 }
 
 int main(void) {
-    static const ns_method exact = NS_EXACT, sparse = NS_SPARSE;
+    static ns_method exact = NS_EXACT, sparse = NS_SPARSE;
     const struct CMUnitTest tests[] = {
-        {"exact", balances_close, NULL, NULL, (void *)(uintptr_t)&exact},
-        {"sparse", balances_close, NULL, NULL, (void *)(uintptr_t)&sparse},
+        {"exact", balances_close, NULL, NULL, &exact},
+        {"sparse", balances_close, NULL, NULL, &sparse},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

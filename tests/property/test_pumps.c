@@ -136,7 +136,7 @@ static void pumps(void **state) {
     for (unsigned long long seed = 1; seed <= RUNS; seed++) {
         static const ns_method methods[] = {NS_EXACT, NS_AUTO};
         const pump k = draw(seed);
-        double got[2 * INSTANTS], judge[2 * INSTANTS];
+        double got[2 * INSTANTS] = {0}, judge[2 * INSTANTS] = {0};
         if (run(&k, NS_SPARSE, k.h / 100, 0, judge, &more) != NS_OK)
             assert_int_equal(run(&k, NS_EXACT, k.h / 100, 0, judge, &more), NS_OK);
         else

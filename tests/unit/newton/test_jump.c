@@ -91,6 +91,39 @@ static void late_jumps_are_no_others(void **state) {
     }
 }
 
+/* Other units of unknowns, rows and time, by powers of two: the same jump.  As above, with R C = 1 s / rate.
+ */
+static void units_change_nothing(void **state) {
+    (void)state;
+    static const int unit[][4] = {/* exponents: unknowns, rows */
+                                  {0, 0, 0, 0},    {30, -30, 0, 0},   {-30, 30, 0, 0}, {0, 0, 30, -30},
+                                  {0, 0, -30, 30}, {20, 20, -40, 10}, {40, 5, 5, 40},  {-40, -5, -5, -40}};
+    for (size_t k = 0; k < sizeof unit / sizeof *unit; k++)
+        for (int rate = -40; rate <= 40; rate += 20) {
+            const double R = ldexp(1, -rate), v = (2 * 5.0 + 1) / 3;
+            ns_system *s = two_capacitors(2, R, 1, R);
+            ns_model model;
+            double x[2], lambda, y;
+            for (int j = 0; j < 2; j++) {
+                for (int i = 0; i < 2; i++) {
+                    s->M[i + 2 * j] = ldexp(s->M[i + 2 * j], unit[k][j] + unit[k][2 + i]);
+                    s->A[i + 2 * j] = ldexp(s->A[i + 2 * j], unit[k][j] + unit[k][2 + i]);
+                }
+                s->B[j] = ldexp(s->B[j], unit[k][2 + j]);
+                s->C[j] = ldexp(s->C[j], unit[k][j]);
+            }
+            assert_int_equal(ns_model_of_system(s, &model), NS_OK);
+            const double x0[2] = {ldexp(5, -unit[k][0]), ldexp(1, -unit[k][1])};
+            ns_newton *t = start(&model, x0);
+            jump(t, x, &lambda, &y);
+            for (int j = 0; j < 2; j++)
+                assert_true(fabs(ldexp(x[j], unit[k][j]) - v) < 1e-13 * v);
+            assert_true(fabs(lambda * R - v / 3) < 1e-6 * v && y == 0); /* as above */
+            ns_newton_free(t);
+            ns_system_free(s);
+        }
+}
+
 /* R1 C1 = R2 C2: both go down alike whether the diode conducts 0 or blocks, and it is rounding that says
  * which, of each length by itself. */
 static void a_diode_that_may_or_may_not(void **state) {
@@ -373,6 +406,7 @@ static void a_jump_that_fails_leaves_the_past(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(charge_is_shared),
+        cmocka_unit_test(units_change_nothing),
         cmocka_unit_test(what_is_consistent_stays),
         cmocka_unit_test(a_capacitor_on_a_source),
         cmocka_unit_test(late_jumps_are_no_others),

@@ -80,6 +80,29 @@ static void seek_and_skip(void **state) {
     assert_true(repeating > LINES);
 }
 
+/* A cursor that is sent to the very time of a corner, or to the number before it, is where one is that went
+ * there corner by corner: periods of a third and a tenth have no exact multiples. */
+static void seek_to_corners(void **state) {
+    (void)state;
+    const ns_signal tenth = pulse(0, 4, 0.3, 0.01, 0.02, 0.03, 0.1),
+                    third = pulse(0, 4, 0, 0.1, 0.1, 0.05, 1.0 / 3), *signal[] = {&tenth, &third};
+    for (int s = 0; s < 2; s++) {
+        ns_broken_line p = line_of(signal[s]);
+        ns_line_cursor r = {.line = &p}, at = r;
+        ns_system_line_seek(&r, 0);
+        for (int k = 0; k < 4000; k++) {
+            const ns_line_cursor before = r;
+            ns_system_line_pass(&r, r.next);
+            ns_system_line_seek(&at, r.t);
+            assert_true(at.k == r.k && at.i == r.i && at.t == r.t && at.next == r.next);
+            ns_system_line_seek(&at, nextafter(r.t, 0));
+            assert_true(at.k == before.k && at.i == before.i && at.next == r.t);
+        }
+        assert_true(r.k > 900); /* four corners a period */
+        ns_system_line_free(&p);
+    }
+}
+
 /* The last period ends with the value of its last point. */
 static void a_counted_pulse(void **state) {
     ns_signal s = pulse(0, 4, 1, 1, 1, 1, 5);
@@ -130,9 +153,8 @@ static void constants_and_jumps(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_line_is_its_signal),
-        cmocka_unit_test(seek_and_skip),
-        cmocka_unit_test(a_counted_pulse),
+        cmocka_unit_test(a_line_is_its_signal), cmocka_unit_test(seek_and_skip),
+        cmocka_unit_test(seek_to_corners),      cmocka_unit_test(a_counted_pulse),
         cmocka_unit_test(constants_and_jumps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
