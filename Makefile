@@ -116,7 +116,7 @@ CM_ARCHIVES := liblapacke.a liblapack_pic.a blas/libblas.a libklu.a libbtf.a lib
 CM_FOUND = $(filter /%,$(foreach archive,$(CM_ARCHIVES),$(shell $(CC) -print-file-name=$(archive))))
 CM_LIBS = $(if $(filter $(words $(CM_ARCHIVES)),$(words $(CM_FOUND))),$(CM_FOUND) -lm,$(LIBS))
 
-cm: $(B)/nonsmooth.cm $(B)/nonsmooth.inc
+cm: $(B)/nonsmooth.cm $(B)/nonsmooth.inc $(B)/chooser/nonsmooth.cm
 .SECONDARY: $(MODELS:%=$(CM)/%/ifspec.c) $(MODELS:%=$(CM)/%/cfunc.c)
 
 CM_LIB ?= $(B)/libnonsmooth.a
@@ -128,6 +128,17 @@ $(B)/nonsmooth.cm: $(CM_OBJ) $(CM_LIB) codemodels/nonsmooth.map
 $(B)/nonsmooth.inc: codemodels/nonsmooth.inc
 	@mkdir -p $(B)
 	@cp $< $@
+
+# What is installed as nonsmooth.cm: takes the nonsmooth-NN.cm beside it that the running ngspice needs.
+CHOOSER_OBJ := $(B)/obj/codemodels/chooser/chooser.o $(B)/obj/codemodels/bridge/module_memory.o \
+    $(B)/obj/codemodels/bridge/pure/version_text.o
+$(B)/obj/codemodels/chooser/%.o: private ALL_CFLAGS += -Icodemodels/bridge
+
+$(B)/chooser/nonsmooth.cm: $(CHOOSER_OBJ) codemodels/nonsmooth.map
+	@mkdir -p $(@D)
+	@echo "  LINK    $@"
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,--version-script=codemodels/nonsmooth.map -Wl,--no-undefined \
+	    $(CHOOSER_OBJ) -o $@ -ldl
 
 $(BRIDGE:%.c=$(B)/obj/%.o): private ALL_CFLAGS += $(NG_INCLUDE) -DNONSMOOTH_VERSION=$(VERSION)
 $(BRIDGE:%.c=$(B)/obj/%.o): $(NG)/stamp
@@ -151,9 +162,9 @@ $(CM)/%.o: $(CM)/%.c $(B)/flags
 	@echo "  CC      $@"
 	$(Q)$(CC) $(CM_CFLAGS) -c $< -o $@
 
-$(CM)/dlmain.o: $(CM_LISTS) $(B)/flags
+$(CM)/dlmain.o: $(CM_LISTS) $(B)/flags Makefile
 	@echo "  CC      $@"
-	$(Q)$(CC) $(CM_CFLAGS) -c $(NG)/tree/src/xspice/icm/dlmain.c -o $@
+	$(Q)$(CC) $(CM_CFLAGS) -DCMgetCoreItfPtr=ns_bridge_dlmain_core -c $(NG)/tree/src/xspice/icm/dlmain.c -o $@
 
 $(CM)/dstring.o: $(NG)/stamp $(B)/flags
 	@mkdir -p $(@D)
@@ -394,9 +405,9 @@ picture: deps # the drawing that README shows
 
 # --- style -----------------------------------------------------------------------------------------------
 
-C_FILES := $(wildcard include/*.h include/*/*.h src/*/*.[ch] src/*/*/*.[ch] codemodels/bridge/*.[ch] codemodels/bridge/*/*.[ch] tests/*/*.[ch] tests/unit/*/*.[ch])
+C_FILES := $(wildcard include/*.h include/*/*.h src/*/*.[ch] src/*/*/*.[ch] codemodels/bridge/*.[ch] codemodels/bridge/*/*.[ch] codemodels/chooser/*.c tests/*/*.[ch] tests/unit/*/*.[ch])
 TIDY_FILES := $(filter %.c,$(C_FILES))
-TIDY_FLAGS = -std=c11 -Iinclude -Isrc -Itests/rig -Itests/bench -Itests/compare -Icodemodels/bridge/pure $(NG_INCLUDE)
+TIDY_FLAGS = -std=c11 -Iinclude -Isrc -Itests/rig -Itests/bench -Itests/compare -Icodemodels/bridge -Icodemodels/bridge/pure $(NG_INCLUDE)
 
 .PHONY: lint
 lint: deps-lint ## clang-format, clang-tidy, cppcheck, shellcheck, and all of it built by clang and by gcc
@@ -409,7 +420,7 @@ lint: deps-lint ## clang-format, clang-tidy, cppcheck, shellcheck, and all of it
 	printf '%s\n' $(TIDY_FILES) | xargs -P$(shell nproc) -n4 \
 	    sh -c 'said=$$(clang-tidy --quiet "$$@" -- $(TIDY_FLAGS) 2>&1) || { echo "$$said"; exit 1; }' tidy
 	cppcheck --quiet --std=c11 --enable=warning,performance,portability --inline-suppr --error-exitcode=1 \
-	    --suppress=uninitvar --suppress=objectIndex -Iinclude -Isrc -Itests/rig src tests codemodels/bridge
+	    --suppress=uninitvar --suppress=objectIndex -Iinclude -Isrc -Itests/rig src tests codemodels
 	shellcheck .ci/run codemodels/*.sh tests/*.sh $(wildcard tests/*/*.sh netlists/*.sh)
 
 .PHONY: rooms
@@ -434,7 +445,8 @@ install: all ## into PREFIX (/usr/local), below DESTDIR if given
 	install -m 644 include/nonsmooth/*.h $(TO)/include/nonsmooth
 	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' src/nonsmooth.pc.in > $(TO)/lib/pkgconfig/nonsmooth.pc
 	install -m 755 $(B)/nsc-mlcp $(TO)/bin
-	install -m 755 $(B)/nonsmooth.cm $(TO)/lib/ngspice
+	install -m 755 $(B)/chooser/nonsmooth.cm $(TO)/lib/ngspice
+	install -m 755 $(B)/nonsmooth.cm $(TO)/lib/ngspice/nonsmooth-$(NG_MAJOR).cm
 	install -m 644 $(B)/nonsmooth.inc $(TO)/lib/ngspice
 	install -m 644 netlists/lib/nonsmooth.lib $(TO)/share/nonsmooth
 	printf '%s\n' "codemodel '$(PREFIX)/lib/ngspice/nonsmooth.cm'" \
@@ -447,6 +459,7 @@ uninstall: ## takes out what install put there, at the same PREFIX and DESTDIR
 	rm -f $(addprefix $(TO)/,lib/libnonsmooth.a lib/libnonsmooth.so lib/libnonsmooth.so.$(SOVERSION) \
 	    lib/libnonsmooth.so.$(VERSION) include/nonsmooth.h lib/pkgconfig/nonsmooth.pc bin/nsc-mlcp \
 	    lib/ngspice/nonsmooth.cm lib/ngspice/nonsmooth.inc)
+	rm -f $(TO)/lib/ngspice/nonsmooth-[0-9]*.cm
 	rm -rf $(TO)/include/nonsmooth $(TO)/share/nonsmooth
 
 # --- clean -----------------------------------------------------------------------------------------------

@@ -18,9 +18,10 @@ check() {
     fi
 }
 
+major=$(sed -n 's/^#define PACKAGE_VERSION "\([0-9]*\).*/\1/p' build/ngspice-src/tree/src/include/ngspice/config.h)
 check 'make install' make install PREFIX="$dest"
 for file in bin/nsc-mlcp lib/libnonsmooth.a lib/libnonsmooth.so include/nonsmooth.h include/nonsmooth/status.h \
-    lib/pkgconfig/nonsmooth.pc lib/ngspice/nonsmooth.cm lib/ngspice/nonsmooth.inc share/nonsmooth/nonsmooth.lib share/nonsmooth/spiceinit; do
+    lib/pkgconfig/nonsmooth.pc lib/ngspice/nonsmooth.cm lib/ngspice/nonsmooth.inc "lib/ngspice/nonsmooth-$major.cm" share/nonsmooth/nonsmooth.lib share/nonsmooth/spiceinit; do
     check "$file is there" test -s "$dest/$file"
 done
 
@@ -63,6 +64,10 @@ quit 1
 C
 cp "$dest/share/nonsmooth/spiceinit" "$dest/.spiceinit"
 check 'ngspice loads the installed code models' sh -c "cd '$dest' && ngspice -b user.cir"
+check 'without the models of its version ngspice says so in one line' sh -c \
+    "cd '$dest' && mv lib/ngspice/nonsmooth-$major.cm lib/ngspice/nonsmooth-38.cm && ngspice -b user.cir 2>&1 |
+     grep -c '^nonsmooth: no code models for this ngspice, version $major' | grep -qx 1"
+mv "$dest/lib/ngspice/nonsmooth-38.cm" "$dest/lib/ngspice/nonsmooth-$major.cm"
 example spice README.md >"$dest/buck.cir"
 check "README's netlist measures what README says" sh -c \
     "cd '$dest' && ngspice -b buck.cir | awk '/^vout/ {v = \$3} /^ripple/ {r = \$3}

@@ -63,14 +63,19 @@ static int resistors_fit(const CKTcircuit *ckt) {
     return 1;
 }
 
-const char *ns_bridge_abi_check(CKTcircuit *ckt) {
+const char *ns_bridge_abi_check_setup(const CKTcircuit *ckt) {
     if (!(ckt->CKTmaxEqNum > 0 && ckt->CKTmaxEqNum < EQUATIONS_MAX) || !nodes_fit(ckt))
         return "the list of nodes";
     if (!(ckt->CKTtemp > 0.0 && ckt->CKTtemp < 1e4) || !ckt->enh || !ckt->CKThead || !ckt->DEVnameHash)
         return "the circuit";
+    return instances_fit(ckt) ? NULL : "the table of instances";
+}
+
+const char *ns_bridge_abi_check(const CKTcircuit *ckt) {
+    const char *wrong = ns_bridge_abi_check_setup(ckt);
+    if (wrong)
+        return wrong;
     if (!matrix_fits(ckt))
         return "the matrix";
-    if (!instances_fit(ckt))
-        return "the table of instances";
     return resistors_fit(ckt) ? NULL : "a resistor";
 }

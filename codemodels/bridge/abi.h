@@ -4,7 +4,9 @@
 
 #include "ngspice.h"
 
-/* NULL if what is read of ckt is what it should be, else what is not. */
-const char *ns_bridge_abi_check(CKTcircuit *ckt);
+/* NULL if what is read of ckt is what it should be, else what is not: before a setup of one of our types, and
+ * when the matrix and all values are there. */
+const char *ns_bridge_abi_check_setup(const CKTcircuit *ckt);
+const char *ns_bridge_abi_check(const CKTcircuit *ckt);
 
 #endif

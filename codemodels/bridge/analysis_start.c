@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "abi.h"
+#include "loaded.h"
 #include "many_points.h"
 #include "ngspice/enh.h"
 #include "own_show.h"
@@ -14,14 +15,23 @@
 
 /* --- checks --- */
 
-static int check_version(ns_session *s) {
-    const char *wrong = s->once.version_checked ? NULL : ns_bridge_abi_check(s->ckt);
-    s->once.version_checked = !wrong;
+static int refuse_version(const char *wrong) {
     if (!wrong)
         return OK;
-    ns_bridge_report_error(
-        "this nonsmooth.cm was built for another version of ngspice: %s is not as expected", wrong);
+    ns_bridge_report_error("nonsmooth.cm was loaded by another ngspice than it was made for: %s is not as "
+                           "expected; see codemodels/README.md",
+                           wrong);
     return E_UNSUPP;
+}
+
+int ns_bridge_analysis_check_setup(const CKTcircuit *ckt) {
+    return ns_bridge_loaded_is_other() ? E_UNSUPP : refuse_version(ns_bridge_abi_check_setup(ckt));
+}
+
+static int check_version(ns_session *s) {
+    const int error = s->once.version_checked ? OK : refuse_version(ns_bridge_abi_check(s->ckt));
+    s->once.version_checked = !error;
+    return error;
 }
 
 /* ngspice would add these conductances to the matrix that we fill. */

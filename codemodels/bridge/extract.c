@@ -218,11 +218,7 @@ static void choose_reltol(ns_extract_walk *w) {
 }
 
 int ns_bridge_extract_read(CKTcircuit *ckt, ns_extract_sources sources, ns_extract *ex) {
-    ns_extract_walk w = {.ckt = ckt,
-                         .ex = ex,
-                         .dc = sources == SOURCES_DC,
-                         .tstep = ckt->CKTstep > 0.0 ? ckt->CKTstep : 1.0, /* before the first .tran: any */
-                         .tstop = ckt->CKTfinalTime > 0.0 ? ckt->CKTfinalTime : 1.0};
+    ns_extract_walk w = {.ckt = ckt, .ex = ex, .dc = sources == SOURCES_DC};
     int status;
     memset(ex, 0, sizeof *ex);
     ex->options = ns_bridge_options_default;

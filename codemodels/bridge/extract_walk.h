@@ -9,8 +9,7 @@ enum { EXTRACT_LATER = 1000, EXTRACT_REFUSED = 1001 }; /* besides the statuses o
 typedef struct ns_extract_walk {
     CKTcircuit *ckt;
     ns_extract *ex;
-    int dc;              /* sources stand for their DC values */
-    double tstep, tstop; /* of .tran, for the defaults of sources, s */
+    int dc; /* sources stand for their DC values */
 } ns_extract_walk;
 
 /* Reads one instance: NS_OK, EXTRACT_LATER (an element it refers to was not read yet), EXTRACT_REFUSED

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "branches.h"
+#include "loaded.h"
 #include "models.h"
 #include "refused.h"
 #include "report.h"
@@ -16,7 +17,7 @@
 
 extern SPICEdev cm_ideal_diode_info, cm_ideal_switch_info, cm_nonsmooth_info; /* made by cmpp */
 
-static SPICEdev *const ours[KINDS] = {&cm_ideal_diode_info, &cm_ideal_switch_info, &cm_nonsmooth_info};
+static SPICEdev *ours[KINDS] = {&cm_ideal_diode_info, &cm_ideal_switch_info, &cm_nonsmooth_info};
 
 typedef struct ns_bridge {
     struct ns_bridge *next;
@@ -66,12 +67,14 @@ static int takes_any(const GENmodel *model) {
 }
 
 static int setup_type(model_kind kind, SMPmatrix *matrix, GENmodel *model, CKTcircuit *ckt, int *states) {
-    ns_bridge *b = find_or_make_bridge(ckt);
+    ns_bridge_report_about(ckt, model->GENmodType);
+    int error = ns_bridge_analysis_check_setup(ckt);
+    ns_bridge *b = error ? NULL : find_or_make_bridge(ckt);
     if (!b)
-        return E_NOMEM;
+        return error ? error : E_NOMEM;
     ns_bridge_models_set_type(kind, model->GENmodType);
     b->mark = model->GENinstances ? model->GENinstances : b->mark;
-    const int error = MIFsetup(matrix, model, ckt, states);
+    error = MIFsetup(matrix, model, ckt, states);
     if (kind != KIND_OPTIONS || (!error && takes_any(model))) /* other options leave the circuit to ngspice */
         b->last_type = model->GENmodType;
     return error;
@@ -202,6 +205,7 @@ __attribute__((__constructor__)) static void install(void) {
         ours[k]->DEVpublic.cm_func = ns_bridge_report_cm_func;
         ns_bridge_versions_hook_shown(ours[k], arm_single_load);
     }
+    ns_bridge_loaded_prepare(ours, KINDS);
     if (openblas_set_num_threads) /* our matrices are small: threads only wait for each other, spinning */
         openblas_set_num_threads(1);
 }

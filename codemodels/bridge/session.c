@@ -30,6 +30,7 @@ static void load_tran(ns_session *s) {
     int resumed = 0;
     if (!s->failed && ns_bridge_loop_began_anew(s->ckt)) {
         resumed = 1;
+        s->source_check.pending = 1;
         s->failed = ns_bridge_analysis_resume(s);
     }
     if (!s->failed)
@@ -39,8 +40,11 @@ static void load_tran(ns_session *s) {
 static int load_dc(ns_session *s) {
     const int first = (s->ckt->CKTmode & (MODEINITJCT | MODEINITPRED)) != 0;
     int error = OK;
-    if (first || !s->analysis.march)
-        error = s->failed = ns_bridge_analysis_start(s);
+    if (first || !s->analysis.march) {
+        error = ns_bridge_analysis_start(s);
+        error = s->failed = error ? error : ns_bridge_source_check_dc(s->ckt);
+        s->source_check.pending = 1;
+    }
     return s->ckt->CKTmode & MODEUIC ? OK : error; /* with uic there is no solve: the first accept ends it */
 }
 
@@ -61,11 +65,26 @@ static void take_back_doubts(ns_session *s) {
     s->ckt->CKTnoncon = 0;
 }
 
+/* The sources of .tran are compared in further loads of its first timepoint, which leave the solution. */
+static void check_sources(ns_session *s) {
+    ns_source_check *check = &s->source_check;
+    if (ns_bridge_source_check_is_on(check)) {
+        s->failed = ns_bridge_source_check_load(check, s->ckt);
+    } else if (check->pending && !s->failed && s->analysis.march && !is_dc(s->ckt)) {
+        s->failed = ns_bridge_source_check_begin(check, s->ckt);
+    }
+}
+
 int ns_bridge_session_load(ns_session *s) {
     int error;
     if (ns_bridge_single_load_begin(s)) {
         load_tran(s);
         ns_bridge_single_load_end(s);
+        return OK;
+    }
+    if (ns_bridge_source_check_is_on(&s->source_check)) {
+        check_sources(s);
+        ns_bridge_force_apply(&s->force, s->ckt->CKTrhs);
         return OK;
     }
     ns_bridge_dc_rows_show(&s->dc_rows, s->ckt);
@@ -74,8 +93,9 @@ int ns_bridge_session_load(ns_session *s) {
         error = ns_bridge_dc_rows_hide(&s->dc_rows, s->ckt);
     if (error)
         return end_dc(s->ckt, error);
-    ns_bridge_force_apply(&s->force, s->ckt->CKTrhs);
     take_back_doubts(s);
+    check_sources(s);
+    ns_bridge_force_apply(&s->force, s->ckt->CKTrhs);
     return OK;
 }
 
@@ -125,6 +145,7 @@ void ns_bridge_session_reset(ns_session *s) {
     ns_bridge_dc_rows_show(&s->dc_rows, s->ckt);
     ns_bridge_dc_rows_clear(&s->dc_rows);
     ns_bridge_single_load_forget(s);
+    ns_bridge_source_check_clear(&s->source_check);
     ns_bridge_analysis_end(s);
     s->failed = OK;
 }

@@ -8,6 +8,7 @@
 #include "dc_rows.h"
 #include "force.h"
 #include "loop.h"
+#include "source_check.h"
 
 /* Of a waveform; written by waveform_points.c alone. */
 typedef struct ns_bridge_next {
@@ -41,6 +42,7 @@ typedef struct ns_session {
     ns_force force;       /* of the present matrix */
     ns_loop loop;
     clock_t start_cpu; /* of the start */
+    ns_source_check source_check;
 
     /* --- the present timepoint --- */
     ns_bridge_trial trial;
@@ -71,6 +73,10 @@ void ns_bridge_session_reset(ns_session *s);
 void ns_bridge_session_clear(ns_session *s);
 
 /* --- analysis_start.c --- */
+
+/* Before a setup of one of our types: is this the version of ngspice, and the configuration, that this was
+ * made for? */
+int ns_bridge_analysis_check_setup(const CKTcircuit *ckt);
 
 /* Checks the version of ngspice, its options and all elements. */
 int ns_bridge_analysis_check(ns_session *s);

@@ -1,9 +1,9 @@
-/* bridge/sources.c - V and I of ngspice.  */
-#include "elements.h"
+/* bridge/sources.c - V and I of ngspice. */
+#include "sources.h"
 
 #include <string.h>
 
-#include "pure/source_signal.h"
+#include "elements.h"
 #include "versions.h"
 
 #include "spicelib/devices/vsrc/vsrcdefs.h"
@@ -47,18 +47,48 @@ static int add_named(ns_extract_walk *w, const GENinstance *inst, ns_output kind
     return plain && status == NS_E_NAME ? add_as(w, of_probe, inst, kind, p, n, z, id) : status;
 }
 
+static ns_source read_vsource(const VSRCinstance *v) {
+    return (ns_source){.function = v->VSRCfunctionType,
+                       .order = v->VSRCfunctionOrder,
+                       .coeffs = v->VSRCcoeffs,
+                       .dc_given = v->VSRCdcGiven,
+                       .dc = v->VSRCdcValue,
+                       .m = 1.0,
+                       .pulse = ns_bridge_versions_pulse(0),
+                       .repeats = v->VSRCrGiven,
+                       .repeat_index = v->VSRCrBreakpt,
+                       .delay = v->VSRCrdelay};
+}
+
+static ns_source read_isource(const ISRCinstance *i) {
+    ns_source s = {.function = i->ISRCfunctionType,
+                   .order = i->ISRCfunctionOrder,
+                   .coeffs = i->ISRCcoeffs,
+                   .dc_given = i->ISRCdcGiven,
+                   .dc = i->ISRCdcValue,
+                   .m = i->ISRCmGiven ? i->ISRCmValue : 1.0,
+                   .pulse = ns_bridge_versions_pulse(1)};
+    ns_bridge_versions_pwl_of_current(i, &s);
+    return s;
+}
+
+const char *ns_bridge_sources_signal(const CKTcircuit *ckt, const GENinstance *inst, int as_dc, ns_signal *z,
+                                     double **points) {
+    ns_source s = ns_bridge_models_letter(inst) == 'v' ? read_vsource((const VSRCinstance *)inst)
+                                                       : read_isource((const ISRCinstance *)inst);
+    s.as_dc = as_dc;
+    s.tstep = ckt->CKTstep > 0.0 ? ckt->CKTstep : 1.0; /* before the first .tran: any */
+    s.tstop = ckt->CKTfinalTime > 0.0 ? ckt->CKTfinalTime : 1.0;
+    return ns_bridge_source_signal(&s, z, points);
+}
+
 /* Adds the source from node p to n; branch is the equation of its current, 0 if it has none. */
-static int add_source(ns_extract_walk *w, GENinstance *inst, ns_output kind, int p, int n, ns_source *s,
-                      int branch) {
+static int add_source(ns_extract_walk *w, GENinstance *inst, ns_output kind, int p, int n, int branch) {
     ns_signal z;
     double *points;
-    const char *why;
     int id = -1;
     int status;
-    s->as_dc = w->dc;
-    s->tstep = w->tstep;
-    s->tstop = w->tstop;
-    why = ns_bridge_source_signal(s, &z, &points);
+    const char *why = ns_bridge_sources_signal(w->ckt, inst, w->dc, &z, &points);
     if (why)
         return ns_bridge_extract_refuse(w, inst, why);
     mix_signal(w, &z);
@@ -70,34 +100,16 @@ static int add_source(ns_extract_walk *w, GENinstance *inst, ns_output kind, int
 
 int ns_bridge_sources_vsource(ns_extract_walk *w, GENinstance *inst) {
     const VSRCinstance *v = (const VSRCinstance *)inst;
-    ns_source s = {.function = v->VSRCfunctionType,
-                   .order = v->VSRCfunctionOrder,
-                   .coeffs = v->VSRCcoeffs,
-                   .dc_given = v->VSRCdcGiven,
-                   .dc = v->VSRCdcValue,
-                   .m = 1.0,
-                   .pulse = ns_bridge_versions_pulse(0),
-                   .repeats = v->VSRCrGiven,
-                   .repeat_index = v->VSRCrBreakpt,
-                   .delay = v->VSRCrdelay};
 #ifdef RFSPICE
     if (v->VSRCisPort)
         return ns_bridge_extract_refuse(w, inst, "an RF port is not supported");
 #endif
-    return add_source(w, inst, NS_VOLTAGE, v->VSRCposNode, v->VSRCnegNode, &s, v->VSRCbranch);
+    return add_source(w, inst, NS_VOLTAGE, v->VSRCposNode, v->VSRCnegNode, v->VSRCbranch);
 }
 
 int ns_bridge_sources_isource(ns_extract_walk *w, GENinstance *inst) {
     const ISRCinstance *i = (const ISRCinstance *)inst;
-    ns_source s = {.function = i->ISRCfunctionType,
-                   .order = i->ISRCfunctionOrder,
-                   .coeffs = i->ISRCcoeffs,
-                   .dc_given = i->ISRCdcGiven,
-                   .dc = i->ISRCdcValue,
-                   .m = i->ISRCmGiven ? i->ISRCmValue : 1.0,
-                   .pulse = ns_bridge_versions_pulse(1)};
-    ns_bridge_versions_pwl_of_current(i, &s);
     w->ex->restless = w->ex->restless || i->ISRCfunctionType != 0;
     /* ngspice calls the second node of the line positive: it is where the current comes out */
-    return add_source(w, inst, NS_CURRENT, i->ISRCnegNode, i->ISRCposNode, &s, 0);
+    return add_source(w, inst, NS_CURRENT, i->ISRCnegNode, i->ISRCposNode, 0);
 }
