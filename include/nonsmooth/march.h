@@ -68,7 +68,8 @@ typedef enum ns_until {
     NS_TO_EVENT, /* at the left side of the first event if one comes before; if the accepted point is the left
                     side of an event, at its right side */
     NS_TO_STEP   /* as NS_TO_EVENT, but it may end earlier: ns_march_sample() knows all between the accepted
-                    point and its end.  There no input has a corner, no event lies between. */
+                    point and its end.  There no input that is looked at (ns_march_look_at()) has a corner,
+                    no event lies between. */
 } ns_until;
 
 /* Tries to integrate from the accepted point to time t (s, later than the accepted time).  *reached gets the
@@ -77,6 +78,11 @@ typedef enum ns_until {
  * unchanged: try again with any t.  A second call that asks for the end of the last trial costs nothing.
  * Errors: NULL, RANGE (t), those of ns_theta_try(), LIMIT. */
 int ns_march_try(ns_march *m, double t, ns_until until, double *reached);
+
+/* What is looked at between events: looked (n+m: x, lambda) is not 0 there; NULL: all, as at first.  Trials
+ * with NS_TO_STEP end at the corners of no input that only other unknowns follow, such as the gate of a
+ * switch. Errors: NULL, MEMORY (inputs are as before, or all count). */
+int ns_march_look_at(ns_march *m, const unsigned char *looked);
 
 /* x (n), lambda (m) (either may be NULL) at time t, s: on the way of the last trial, which was made with
  * NS_TO_STEP and ended after the accepted time; accepted time <= t <= its end (at the accepted time: what

@@ -1,8 +1,10 @@
 /* src/march/march.c - the public calls: of one run, or of one for each island. */
 #include "march_internal.h"
+#include "system/active_inputs.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **out, ns_fault *fault) {
     if (!out)
@@ -18,7 +20,10 @@ int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **ou
     m->s = s;
     m->corner = calloc((size_t)s->nz + 1, sizeof *m->corner);
     m->closed = calloc((size_t)s->nc + 1, sizeof *m->closed);
-    int status = m->corner && m->closed ? NS_OK : NS_E_MEMORY;
+    m->followed = calloc((size_t)s->nz + 1, 1);
+    int status = m->corner && m->closed && m->followed ? NS_OK : NS_E_MEMORY;
+    if (status == NS_OK)
+        memset(m->followed, 1, (size_t)s->nz);
     if (status == NS_OK && !o->whole && o->method != NS_THETA)
         status = ns_march_partition_create(s, o, &m->engine, fault);
     if (status == NS_OK && !m->engine)
@@ -38,8 +43,19 @@ void ns_march_free(ns_march *m) {
         ns_march_watched_free(m);
         free(m->corner);
         free(m->closed);
+        free(m->followed);
     }
     free(m);
+}
+
+int ns_march_look_at(ns_march *m, const unsigned char *looked) {
+    if (!m)
+        return NS_E_NULL;
+    m->corners_from = INFINITY;
+    if (looked)
+        return ns_system_followed_inputs(m->s, looked, m->followed);
+    memset(m->followed, 1, (size_t)m->s->nz);
+    return NS_OK;
 }
 
 /* No corner of an input is known, and t0 is where it starts, or a little before. */

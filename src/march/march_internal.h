@@ -22,6 +22,7 @@ struct ns_march {
     double *corner;                 /* nz: the first corner of each input after corners_from, s; */
     double corners_from;            /* s; INFINITY: not known yet */
     double first_corner;            /* s: the first of them */
+    unsigned char *followed;        /* nz: 1: corners of this input end trials with NS_TO_STEP */
     unsigned char *closed;          /* nc: switches that are closed where it starts */
     ns_watched_thresholds *watched; /* thresholds; NULL: none was ever watched */
 };

@@ -3,7 +3,12 @@
 
 #include <math.h>
 
-/* The first corner of any input after the accepted point. */
+/* Of the inputs that what is looked at follows; a threshold may look at any. */
+static double corner_of(const ns_march *m, int k) {
+    return m->followed[k] || m->watched ? ns_signal_next_corner(&m->s->z[k], m->accepted) : INFINITY;
+}
+
+/* The first of these after the accepted point. */
 static double find_corner(ns_march *m) {
     if (m->accepted >= m->corners_from && m->accepted < m->first_corner)
         return m->first_corner;
@@ -11,7 +16,7 @@ static double find_corner(ns_march *m) {
     m->first_corner = INFINITY;
     for (int k = 0; k < m->s->nz; k++) {
         if (anew || m->corner[k] <= m->accepted)
-            m->corner[k] = ns_signal_next_corner(&m->s->z[k], m->accepted);
+            m->corner[k] = corner_of(m, k);
         m->first_corner = fmin(m->first_corner, m->corner[k]);
     }
     m->corners_from = m->accepted;

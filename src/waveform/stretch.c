@@ -4,21 +4,12 @@
 #include <math.h>
 #include <string.h>
 
-/* The first instant after t at which an input has a corner. */
-static double next_corner(const ns_system *s, double t) {
-    double corner = INFINITY;
-    for (int i = 0; i < s->nz; i++)
-        corner = fmin(corner, ns_signal_next_corner(&s->z[i], t));
-    return corner;
-}
-
 /* One trial that ends after w->made begins, well enough for a point of its own; *passed: events on the way.
  */
 static int try_stretch(ns_waveform *w, double until, int *passed) {
     *passed = 0;
     for (int count = 0; count < NS_CLOSE_EVENTS; count++) {
-        const double limit = fmin(until, next_corner(w->s, w->accepted_t));
-        const int status = ns_march_try(w->march, limit, NS_TO_STEP, &w->end);
+        const int status = ns_march_try(w->march, until, NS_TO_STEP, &w->end);
         if (status != NS_OK)
             return status;
         const int here = w->end <= w->accepted_t; /* the right side of an event */

@@ -55,6 +55,16 @@ static void choose_signals(ns_waveform *w, const unsigned char *kind) {
         }
 }
 
+/* Which corners matter; integrals of others may be of anything.  Errors: MEMORY: all matter. */
+static int tell_marcher(const ns_waveform *w) {
+    unsigned char *looked = w->taken.size > 0 ? NULL : calloc(w->count + 1, 1);
+    for (int i = 0; looked && i < w->looked; i++)
+        looked[w->signal[i]] = 1;
+    const int status = ns_march_look_at(w->march, looked);
+    free(looked);
+    return status;
+}
+
 int ns_waveform_create(const ns_system *s, ns_march *m, const ns_waveform_options *o, ns_waveform **out) {
     if (!out)
         return NS_E_NULL;
@@ -79,11 +89,14 @@ int ns_waveform_create(const ns_system *s, ns_march *m, const ns_waveform_option
     if (o->integrals)
         w->taken = *o->integrals;
     status = allocate(w);
+    if (status == NS_OK) {
+        choose_signals(w, o->kind);
+        status = tell_marcher(w);
+    }
     if (status != NS_OK) {
         ns_waveform_free(w);
         return status;
     }
-    choose_signals(w, o->kind);
     *out = w;
     return NS_OK;
 }
@@ -279,8 +292,10 @@ int ns_waveform_resume(ns_waveform *w) {
 }
 
 void ns_waveform_drop_integrals(ns_waveform *w) {
-    if (w)
-        w->taken.size = 0;
+    if (!w)
+        return;
+    w->taken.size = 0;
+    (void)tell_marcher(w); /* if it fails, there are more points than needed */
 }
 
 ns_waveform_counts ns_waveform_read_counts(const ns_waveform *w) {

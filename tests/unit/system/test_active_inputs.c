@@ -101,11 +101,38 @@ static void by_commands(void **state) {
     expect(s, 1);
 }
 
+/* x0 follows the input, x1 is a state of its own. */
+static void by_looks(void **state) {
+    (void)state;
+    static const struct {
+        unsigned char looked[3], followed;
+    } cases[] = {{{0, 0, 0}, 0}, {{0, 1, 1}, 0}, {{1, 0, 0}, 1}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        ns_system *s = bare(0);
+        unsigned char is = 7;
+        s->E[0] = s->M[3] = 1;
+        assert_int_equal(ns_system_followed_inputs(s, cases[k].looked, &is), NS_OK);
+        assert_int_equal(is, cases[k].followed);
+        s->A[1] = 1; /* x0 acts on the state: it is followed, whatever is looked at */
+        assert_int_equal(ns_system_followed_inputs(s, cases[k].looked, &is), NS_OK);
+        assert_int_equal(is, 1);
+        ns_system_free(s);
+    }
+    /* lambda of a switch that time commands: y is that of the input */
+    const unsigned char looked[3] = {0, 0, 1};
+    ns_system *s = bare(1);
+    unsigned char is = 7;
+    s->F[0] = 1;
+    assert_int_equal(ns_system_followed_inputs(s, looked, &is), NS_OK);
+    assert_int_equal(is, 1);
+    ns_system_free(s);
+}
+
 static void no_memory(void **state) {
     ns_system *s = bare(0);
     unsigned char is;
     (void)state;
-    for (long k = 1; k <= 2; k++) {
+    for (long k = 1; k <= 3; k++) {
         fail_alloc_at(k);
         assert_int_equal(ns_system_active_inputs(s, &is), NS_E_MEMORY);
         fail_alloc_off();
@@ -115,10 +142,8 @@ static void no_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(by_states),
-        cmocka_unit_test(by_pairs),
-        cmocka_unit_test(by_commands),
-        cmocka_unit_test(no_memory),
+        cmocka_unit_test(by_states), cmocka_unit_test(by_pairs),  cmocka_unit_test(by_commands),
+        cmocka_unit_test(by_looks),  cmocka_unit_test(no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -75,10 +75,60 @@ static void rounding_takes_few_points(void **state) {
     assert_true(most < 1000); /* 51 are asked for */
 }
 
+/* --- gates --- */
+
+/* 1 V, a switch that is closed for 0.25 <= t - k < 0.75 (its gate crosses 0.5 V amid edges of 0.1 s), 1 H. */
+static double current(double t) {
+    const double k = floor(t), rest = t - k;
+    return 0.5 * k + fmin(fmax(rest - 0.25, 0), 0.5);
+}
+
+static int points_with_gate(ns_method method, int gate_too, long *samples) {
+    const ns_signal supply = dc(1), gate = pulse(0, 1, 0.2, 0.1, 0.1, 0.4, 1);
+    const ns_switch contact = {.vt = 0.5, .roff = INFINITY};
+    const ns_diode freewheel = {.roff = INFINITY, .vz = INFINITY};
+    unsigned char kind[16] = {0};
+    const ns_waveform_options o = {.closest = 1e-13, .kind = kind};
+    rig r = rig_begin();
+    int id;
+    assert_int_equal(ns_circuit_source(r.c, "v", NS_VOLTAGE, 1, 0, &supply, NULL), NS_OK);
+    assert_int_equal(ns_circuit_source(r.c, "vg", NS_VOLTAGE, 3, 0, &gate, NULL), NS_OK);
+    assert_int_equal(ns_circuit_switch(r.c, "s", 1, 2, 3, 0, &contact, NULL), NS_OK);
+    assert_int_equal(ns_circuit_diode(r.c, "d", 0, 2, &freewheel, NULL), NS_OK);
+    assert_int_equal(ns_circuit_inductor(r.c, "l", 2, 0, 1, 0, &id), NS_OK);
+    r.unknown = ns_circuit_current_unknown(r.c, id);
+    kind[r.unknown] = 1;
+    if (gate_too)
+        kind[ns_circuit_node_unknown(r.c, 3)] = 2;
+    assert_int_equal(rig_prepare(&r, method, 1.0 / 1024, &o), NS_OK);
+    assert_int_equal(rig_run(&r, 20), NS_OK);
+    assert_true(rig_off(&r, current) < 1e-4 * 10);
+    *samples = ns_waveform_read_counts(r.w).samples;
+    const int count = r.count;
+    rig_end(&r);
+    return count;
+}
+
+/* A gate that nobody looks at costs nothing: its four corners a period are neither points nor sampled. */
+static void gates_ask_for_points_where_they_are_shown(void **state) {
+    (void)state;
+    for (int sparse = 0; sparse < 2; sparse++) {
+        long alone, both;
+        const ns_method method = sparse ? NS_SPARSE : NS_EXACT;
+        const int points = points_with_gate(method, 0, &alone), more = points_with_gate(method, 1, &both);
+        print_message("%s: %d points, %ld samples; with the gate %d, %ld\n", sparse ? "sparse" : "exact",
+                      points, alone, more, both);
+        assert_true(points <= 2 * 20 + 2); /* where the current turns, and the ends */
+        assert_true(more >= 6 * 20);       /* and the gate's corners */
+        assert_true(sparse || alone < 0.6 * (double)both);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sines_are_as_near_as_lines_say),
         cmocka_unit_test(rounding_takes_few_points),
+        cmocka_unit_test(gates_ask_for_points_where_they_are_shown),
     };
     return cmocka_run_group_tests_name("lines", tests, NULL, NULL);
 }
