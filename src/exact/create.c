@@ -30,7 +30,7 @@ static size_t place_arrays(ns_exact *f, double *start) {
     f->X_before = next_array(&at, q);
     f->way.X_from = next_array(&at, q);
     f->way.X_base = next_array(&at, q);
-    f->way.X_anchor = next_array(&at, q);
+    f->way.X_prefix = next_array(&at, NS_PREFIXES * q);
     f->way.X = next_array(&at, q);
     f->way.powers = next_array(&at, NS_ORDER * r);
     f->max_abs = next_array(&at, r);

@@ -26,6 +26,7 @@ enum {
     NS_SAMPLES = 8,              /* samples of the guards in a step, at most */
     NS_MAX_GUARDED_EXPONENT = 5, /* longest step with guards: h 2^5 */
     NS_MAX_EXPONENT = 40,        /* longest step without guards: h 2^40 */
+    NS_PREFIXES = 12,            /* points that are kept on the way to an anchor */
     NS_CACHED_STEPS = 16,        /* steps of recurring lengths that a time scale keeps */
     NS_TIME_SCALES = 4,          /* of one mode, at most */
     NS_SUCCESSORS = 8,           /* modes remembered as followers of one mode */
@@ -108,6 +109,12 @@ typedef struct ns_exact_past {
     long extra_steps;        /* steps that a trial may take beyond what the ladder would */
 } ns_exact_past;
 
+/* A point on the way to an anchor. */
+typedef struct ns_exact_prefix {
+    double count; /* steps of the kernel after the base */
+    double last;  /* how many of these were the last step: no more may follow */
+} ns_exact_prefix;
+
 /* From the accepted point to the end of a trial in one mode, between corners of all inputs.  Points on it are
  * series (E2) from an anchor: whole steps of the kernel after where its time scale comes into force. */
 typedef struct ns_exact_way {
@@ -118,9 +125,12 @@ typedef struct ns_exact_way {
     ns_time_scale *scale; /* that one; NULL: nothing was looked at yet */
     double room;          /* s from there: it is in force for so long */
     double anchor;        /* how many steps of the kernel after that the anchor is; -1: there is none */
-    double *X_from, *X_base, *X_anchor; /* q: X there */
-    double *powers;                     /* 8 r: D^i w at the anchor */
-    double *X;                          /* q, and inputs that only outputs follow: what was looked at last */
+    int prefixes;         /* on the way to it by steps of h 2^k, longest first: points that are kept */
+    ns_exact_prefix prefix[NS_PREFIXES];
+    double *X_from, *X_base; /* q: X there */
+    double *X_prefix;        /* NS_PREFIXES rows of q */
+    double *powers;          /* 8 r: D^i w at the anchor */
+    double *X;               /* q, and inputs that only outputs follow: what was looked at last */
 } ns_exact_way;
 
 struct ns_exact {

@@ -61,6 +61,7 @@ static int enter_scale(ns_exact *f) {
     const double room = until - (w->base.now.t - w->base.last_event_t);
     w->room = room > 0 ? room : INFINITY;
     w->anchor = -1;
+    w->prefixes = 0;
     const int status = f->failed;
     f->failed = NS_OK;
     if (status != NS_OK)
@@ -93,18 +94,56 @@ static int find_scale(ns_exact *f, double t) {
     return status;
 }
 
-/* The anchor: so many steps after the base. */
+/* X after so many of the prefixes. */
+static double *prefix_row(const ns_exact *f, int prefixes) {
+    const size_t q = (size_t)f->s->r + (size_t)f->inputs->nv + (size_t)f->inputs->mutes;
+    return prefixes > 0 ? f->way.X_prefix + (size_t)(prefixes - 1) * q : f->way.X_base;
+}
+
+/* Drops the prefixes that are not on the way to `count` steps; how many steps the last one that stays is. */
+static double keep_prefixes(ns_exact_way *w, double count) {
+    const ns_exact_prefix *p = w->prefix;
+    int n = w->prefixes;
+    while (n > 0 && !(count >= p[n - 1].count && count - p[n - 1].count < p[n - 1].last))
+        n--;
+    w->prefixes = n;
+    return n > 0 ? p[n - 1].count : 0;
+}
+
+/* One step of h 2^k = `length` h from the last prefix is the next one; the last one makes room for it if
+ * there is none. */
+static int add_prefix(ns_exact *f, int k, double length, double done) {
+    ns_exact_way *w = &f->way;
+    ns_step_map *map;
+    const int status = ns_exact_step_of_length(f, w->scale, k, &map);
+    if (status != NS_OK)
+        return status;
+    ns_exact_step_apply(w->scale->kernel, map, prefix_row(f, w->prefixes), w->X);
+    w->prefixes += w->prefixes < NS_PREFIXES;
+    copy_state(f, w->X, prefix_row(f, w->prefixes));
+    w->prefix[w->prefixes - 1] = (ns_exact_prefix){done + length, length};
+    return NS_OK;
+}
+
+/* The anchor: so many steps after the base, by the same steps whatever was looked at before. */
 static int find_anchor(ns_exact *f, double count) {
     ns_exact_way *w = &f->way;
     const ns_mode_kernel *k = w->scale->kernel;
     if (count == w->anchor)
         return NS_OK;
     w->anchor = -1;
-    copy_state(f, w->X_base, w->X_anchor);
-    const int status = count > 0 ? move(f, w->scale, count * k->h, &w->X_anchor) : NS_OK;
-    if (status != NS_OK)
-        return status;
-    ns_linalg_matvec(NS_ORDER * k->r, k->q, k->laguerre_powers, w->X_anchor, w->powers);
+    double done = keep_prefixes(w, count);
+    while (done < count) {
+        double length = 1;
+        int i = 0;
+        for (; i < NS_MAX_EXPONENT && 2 * length <= count - done; i++)
+            length *= 2;
+        const int status = add_prefix(f, i, length, done);
+        if (status != NS_OK)
+            return status;
+        done += length;
+    }
+    ns_linalg_matvec(NS_ORDER * k->r, k->q, k->laguerre_powers, prefix_row(f, w->prefixes), w->powers);
     w->anchor = count;
     return NS_OK;
 }
@@ -114,7 +153,7 @@ static void sum_series(ns_exact *f, double tau) {
     ns_exact_way *w = &f->way;
     const ns_mode_kernel *k = w->scale->kernel;
     double b[NS_ORDER + 1], *last = f->work.sum;
-    copy_state(f, w->X_anchor, w->X);
+    copy_state(f, prefix_row(f, w->prefixes), w->X);
     ns_modes_laguerre_steps(tau / k->g, b);
     ns_linalg_matvec(k->r, NS_ORDER - 1, w->powers + k->r, b + 2, last); /* small terms first */
     for (int i = 0; i < k->r; i++)

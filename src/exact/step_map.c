@@ -33,6 +33,11 @@ static int samples_for(const ns_mode_kernel *k, double h) {
     return k->rows == 0 ? 0 : (int)fmin(NS_SAMPLES, fmax(2, ceil(h / (4 * k->h) - 1e-9)));
 }
 
+/* count: a whole number >= 0.  fmod() takes as long as a step. */
+static int is_odd(double count) {
+    return count - 2 * floor(0.5 * count) != 0;
+}
+
 /* P (r*q) of any length h, from steps of the kernel's h 2^k and the rest; advance, room: nv*nv, r*q. */
 static int fill_matrix(ns_exact *f, ns_time_scale *scale, double h, double *P, double *advance,
                        double *room) {
@@ -45,7 +50,7 @@ static int fill_matrix(ns_exact *f, ns_time_scale *scale, double h, double *P, d
         ns_exact_kernel_step(k, done, P);
     for (int i = 0; count > 0 && i <= NS_MAX_EXPONENT; i++, count = floor(count / 2)) {
         ns_step_map *doubled;
-        if (fmod(count, 2) == 0)
+        if (!is_odd(count))
             continue;
         const int status = ns_exact_step_of_length(f, scale, i, &doubled);
         if (status != NS_OK)
@@ -226,7 +231,7 @@ int ns_exact_step_advance(ns_exact *f, ns_time_scale *scale, double tau) {
     int i = 0;
     while (count > 0) {
         ns_step_map *doubled;
-        const int odd = fmod(count, 2) != 0, at = i++;
+        const int odd = is_odd(count), at = i++;
         count = floor(count / 2);
         if (!odd)
             continue;
