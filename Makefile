@@ -116,7 +116,7 @@ CM_ARCHIVES := liblapacke.a liblapack_pic.a blas/libblas.a libklu.a libbtf.a lib
 CM_FOUND = $(filter /%,$(foreach archive,$(CM_ARCHIVES),$(shell $(CC) -print-file-name=$(archive))))
 CM_LIBS = $(if $(filter $(words $(CM_ARCHIVES)),$(words $(CM_FOUND))),$(CM_FOUND) -lm,$(LIBS))
 
-cm: $(B)/nonsmooth.cm $(B)/nonsmooth.inc $(B)/chooser/nonsmooth.cm
+cm: $(B)/nonsmooth.cm $(B)/nonsmooth.inc $(B)/nonsmooth_mosfet.inc $(B)/chooser/nonsmooth.cm
 .SECONDARY: $(MODELS:%=$(CM)/%/ifspec.c) $(MODELS:%=$(CM)/%/cfunc.c)
 
 CM_LIB ?= $(B)/libnonsmooth.a
@@ -125,7 +125,7 @@ $(B)/nonsmooth.cm: $(CM_OBJ) $(CM_LIB) codemodels/nonsmooth.map
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,--version-script=codemodels/nonsmooth.map -Wl,--no-undefined \
 	    $(filter %.o %.a,$^) -o $@ $(CM_LIBS)
 
-$(B)/nonsmooth.inc: codemodels/nonsmooth.inc
+$(B)/%.inc: codemodels/%.inc
 	@mkdir -p $(B)
 	@cp $< $@
 
@@ -447,7 +447,7 @@ install: all ## into PREFIX (/usr/local), below DESTDIR if given
 	install -m 755 $(B)/nsc-mlcp $(TO)/bin
 	install -m 755 $(B)/chooser/nonsmooth.cm $(TO)/lib/ngspice
 	install -m 755 $(B)/nonsmooth.cm $(TO)/lib/ngspice/nonsmooth-$(NG_MAJOR).cm
-	install -m 644 $(B)/nonsmooth.inc $(TO)/lib/ngspice
+	install -m 644 $(B)/nonsmooth.inc $(B)/nonsmooth_mosfet.inc $(TO)/lib/ngspice
 	install -m 644 netlists/lib/nonsmooth.lib $(TO)/share/nonsmooth
 	printf '%s\n' "codemodel '$(PREFIX)/lib/ngspice/nonsmooth.cm'" \
 	    "setcs sourcepath = ( \$$sourcepath '$(PREFIX)/lib/ngspice' )" > $(TO)/share/nonsmooth/spiceinit
@@ -458,7 +458,7 @@ install: all ## into PREFIX (/usr/local), below DESTDIR if given
 uninstall: ## takes out what install put there, at the same PREFIX and DESTDIR
 	rm -f $(addprefix $(TO)/,lib/libnonsmooth.a lib/libnonsmooth.so lib/libnonsmooth.so.$(SOVERSION) \
 	    lib/libnonsmooth.so.$(VERSION) include/nonsmooth.h lib/pkgconfig/nonsmooth.pc bin/nsc-mlcp \
-	    lib/ngspice/nonsmooth.cm lib/ngspice/nonsmooth.inc)
+	    lib/ngspice/nonsmooth.cm lib/ngspice/nonsmooth.inc lib/ngspice/nonsmooth_mosfet.inc)
 	rm -f $(TO)/lib/ngspice/nonsmooth-[0-9]*.cm
 	rm -rf $(TO)/include/nonsmooth $(TO)/share/nonsmooth
 

@@ -69,6 +69,8 @@ static int read_options(ns_extract_walk *w, MIFinstance *inst) {
                                     .take = ns_bridge_models_text(inst, OPTION_TAKE),
                                     .diode = ns_bridge_models_text(inst, OPTION_DIODE),
                                     .id = ns_bridge_models_real(inst, OPTION_ID),
+                                    .mosfet = ns_bridge_models_text(inst, OPTION_MOSFET),
+                                    .vgs = ns_bridge_models_given(inst, OPTION_VGS),
                                     .cjo = inst->param[OPTION_CJO]->element[0].ivalue,
                                     .corners = inst->param[OPTION_CORNERS]->element[0].ivalue};
     ex->error =
@@ -109,14 +111,14 @@ static int read_ours(ns_extract_walk *w, GENinstance *inst) {
 static const struct element_reader {
     char letter;
     ns_extract_reader *read;
-} readers[] = {{'r', ns_bridge_elements_resistor}, {'c', ns_bridge_elements_capacitor},
-               {'l', ns_bridge_elements_inductor}, {'k', ns_bridge_elements_coupling},
-               {'v', ns_bridge_sources_vsource},   {'i', ns_bridge_sources_isource},
-               {'e', ns_bridge_elements_vcvs},     {'g', ns_bridge_elements_vccs},
-               {'f', ns_bridge_elements_cccs},     {'h', ns_bridge_elements_ccvs},
-               {'b', ns_bridge_behavioural},       {'a', read_ours},
-               {'d', ns_bridge_own_diode},         {'s', ns_bridge_own_switch},
-               {'w', ns_bridge_own_current_switch}};
+} readers[] = {{'r', ns_bridge_elements_resistor},  {'c', ns_bridge_elements_capacitor},
+               {'l', ns_bridge_elements_inductor},  {'k', ns_bridge_elements_coupling},
+               {'v', ns_bridge_sources_vsource},    {'i', ns_bridge_sources_isource},
+               {'e', ns_bridge_elements_vcvs},      {'g', ns_bridge_elements_vccs},
+               {'f', ns_bridge_elements_cccs},      {'h', ns_bridge_elements_ccvs},
+               {'b', ns_bridge_behavioural},        {'a', read_ours},
+               {'d', ns_bridge_own_diode},          {'s', ns_bridge_own_switch},
+               {'w', ns_bridge_own_current_switch}, {'m', ns_bridge_own_mosfet}};
 
 static int read_instance(ns_extract_walk *w, GENinstance *inst) {
     const char letter = ns_bridge_models_letter(inst);

@@ -7,6 +7,7 @@
 
 #include "models.h"
 #include "nonsmooth/circuit.h"
+#include "own_mosfet.h"
 #include "pure/options.h"
 
 typedef struct ns_extract_device {
@@ -17,13 +18,19 @@ typedef struct ns_extract_device {
 /* One of ngspice's own devices, taken as ideal. */
 typedef struct ns_own_taken {
     GENinstance *inst;
-    int id;         /* the element in the circuit; -1: a mere resistor */
-    int inverted;   /* the element is closed where the device is off */
-    int is_diode;   /* of a diode: */
+    ns_own_kind kind;
+    int id;       /* the element in the circuit; -1: a mere resistor */
+    int inverted; /* the element is closed where the device is off */
+    /* of D, and the body diode of M: */
     ns_diode diode; /* what it was taken for */
     int anode;      /* equation */
     int inside;     /* equation of its node behind rs; 0: there is none */
     double rs;      /* ohm */
+    /* of M: */
+    ns_own_mosfet mosfet;
+    int body;     /* the element of its body diode */
+    double drive; /* V, that ron belongs to */
+    double ron;   /* ohm */
 } ns_own_taken;
 
 typedef struct ns_extract {

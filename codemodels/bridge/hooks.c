@@ -59,7 +59,8 @@ static int takes_any(const GENmodel *model) {
     for (; model; model = model->GENnextModel) {
         for (const GENinstance *inst = model->GENinstances; inst; inst = inst->GENnextInstance) {
             const char *take = ns_bridge_models_text((const MIFinstance *)inst, OPTION_TAKE);
-            if (take && strcmp(take, "none") != 0)
+            const char *mosfet = ns_bridge_models_text((const MIFinstance *)inst, OPTION_MOSFET);
+            if ((take && strcmp(take, "none") != 0) || (mosfet && strcmp(mosfet, "none") != 0))
                 return 1;
         }
     }

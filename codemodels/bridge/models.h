@@ -30,7 +30,9 @@ enum {
     OPTION_TAKE,
     OPTION_DIODE,
     OPTION_ID,
-    OPTION_CJO
+    OPTION_CJO,
+    OPTION_MOSFET,
+    OPTION_VGS
 };
 
 enum { SHOW_I, SHOW_V, SHOW_ON, SHOW_P, SHOW_Q, SHOW_E }; /* of the diode and the switch */

@@ -34,8 +34,15 @@ static int keep(ns_extract_walk *w, const ns_own_taken *taken) {
 
 /* --- D --- */
 
-static double voltage_of(const ns_own_diode *d, const ns_bridge_options *o) {
-    return o->zero_diodes ? 0.0 : ns_bridge_diode_law_voltage(&d->law, o->id);
+/* The line through the diode's own curve at id and 100 id; by its series resistance alone one without it
+ * would be none, and contradict every source across it. */
+static void read_line(const ns_own_diode *d, double id, double *vf, double *ron) {
+    enum { FAR = 100 };
+    const double v = ns_bridge_diode_law_voltage(&d->law, id);
+    const double slope = (ns_bridge_diode_law_voltage(&d->law, FAR * id) - v) / ((FAR - 1) * id);
+    const double rise = isnan(slope) ? 0.0 : slope;
+    *ron = d->rs + rise;
+    *vf = v - rise * id;
 }
 
 static int add_junction_capacitor(ns_extract_walk *w, const GENinstance *inst, const ns_own_diode *d) {
@@ -55,12 +62,21 @@ static int add_diode(ns_extract_walk *w, GENinstance *inst, const ns_own_diode *
         return status;
     const int hidden = d->inside != d->anode;
     return keep(w, &(ns_own_taken){.inst = inst,
+                                   .kind = OWN_DIODE,
                                    .id = id,
-                                   .is_diode = 1,
                                    .diode = *ideal,
                                    .anode = d->anode,
                                    .inside = hidden ? d->inside : 0,
                                    .rs = d->rs});
+}
+
+static ns_diode ideal_of(const ns_extract_walk *w, const ns_own_diode *d, double vf, double ron) {
+    const double gmin = w->ckt->CKTgmin;
+    return (ns_diode){.vf = vf,
+                      .ron = ron,
+                      .roff = gmin > 0.0 ? 1.0 / gmin : INFINITY,
+                      .vz = d->bv,
+                      .rz = w->ex->options.zero_diodes ? 0.0 : d->rs};
 }
 
 int ns_bridge_own_diode(ns_extract_walk *w, GENinstance *inst) {
@@ -73,15 +89,12 @@ int ns_bridge_own_diode(ns_extract_walk *w, GENinstance *inst) {
     ns_bridge_own_read_diode(inst, &d);
     if (d.heats)
         return ns_bridge_extract_refuse(w, inst, "a D with self-heating (thermal) is not taken");
-    const double vf = voltage_of(&d, o);
+    double vf = 0.0, ron = 0.0;
+    if (!o->zero_diodes)
+        read_line(&d, o->id, &vf, &ron);
     if (isnan(vf))
         return refuse_value(w, inst, "id", o->id, "A does not flow through this D below 100 V: give id");
-    const double gmin = w->ckt->CKTgmin;
-    const ns_diode ideal = {.vf = vf,
-                            .ron = o->zero_diodes ? 0.0 : d.rs,
-                            .roff = gmin > 0.0 ? 1.0 / gmin : INFINITY,
-                            .vz = d.bv,
-                            .rz = o->zero_diodes ? 0.0 : d.rs};
+    const ns_diode ideal = ideal_of(w, &d, vf, ron);
     return add_diode(w, inst, &d, &ideal);
 }
 
@@ -91,11 +104,17 @@ static int add_resistor(const ns_extract_walk *w, const GENinstance *inst, const
     return ns_circuit_resistor(w->ex->circuit, inst->GENname, s->p, s->n, s->ron, id);
 }
 
+/* ngspice's S and W without hysteresis are open where the control is at the threshold, as a PULSE that comes
+ * back to 0 with vt = 0; ours stay as they are there.  This is above what is rounding of a control. */
+static double threshold_of(const ns_own_switch *s) {
+    return s->vh > 0.0 ? s->vt : s->vt + 1e-9 * fmax(fabs(s->vt), 1e-3);
+}
+
 /* A switch of ron > roff is one that opens where the control rises. */
 static int add_voltage_switch(const ns_extract_walk *w, const GENinstance *inst, const ns_own_switch *s,
                               int *id) {
     const int opens = s->ron > s->roff;
-    const ns_switch ideal = {.vt = opens ? -s->vt : s->vt,
+    const ns_switch ideal = {.vt = opens ? -threshold_of(s) : threshold_of(s),
                              .vh = s->vh,
                              .ron = opens ? s->roff : s->ron,
                              .roff = opens ? s->ron : s->roff};
@@ -105,7 +124,7 @@ static int add_voltage_switch(const ns_extract_walk *w, const GENinstance *inst,
 }
 
 static int add_current_switch(ns_extract_walk *w, const GENinstance *inst, const ns_own_switch *s, int *id) {
-    const ns_switch ideal = {.vt = s->vt, .vh = s->vh, .ron = s->ron, .roff = s->roff};
+    const ns_switch ideal = {.vt = threshold_of(s), .vh = s->vh, .ron = s->ron, .roff = s->roff};
     const int eq = s->branch;
     const int by = eq > 0 && eq < w->ex->neq ? w->ex->element[eq] : -1;
     if (by < 0)
@@ -153,4 +172,68 @@ int ns_bridge_own_current_switch(ns_extract_walk *w, GENinstance *inst) {
         return ns_bridge_extract_refuse(w, inst, "only W elements of a model of type CSW are taken");
     ns_bridge_own_read_current_switch(inst, &s);
     return take_switch(w, inst, &s, 1);
+}
+
+/* --- M --- */
+
+/* What the netlist drives the gate with, or option vgs. */
+static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_mosfet *m, double *drive) {
+    static const char too_low[] =
+        "V is the highest of v(gate,source), and not above the threshold: this M is no "
+        "switch, or give vgs";
+    *drive = w->ex->options.vgs;
+    if (isnan(*drive))
+        *drive = ns_bridge_own_drive(w->ckt, m);
+    if (isnan(*drive))
+        return ns_bridge_extract_refuse(
+            w, inst, "sources do not say how its gate is driven: give vgs, V, in the model nonsmooth");
+    return *drive > m->vth ? NS_OK : refuse_value(w, inst, "drive", *drive, too_low);
+}
+
+static int add_body_diode(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken) {
+    const ns_own_diode *d = &taken->mosfet.body;
+    char name[EXTRACT_NAME];
+    double vf = 0.0, ron = 0.0;
+    if (!w->ex->options.zero_diodes)
+        read_line(d, w->ex->options.id, &vf, &ron);
+    if (isnan(vf))
+        return refuse_value(w, inst, "id", w->ex->options.id,
+                            "A does not flow through its body diode below 100 V");
+    snprintf(name, sizeof name, "%.140s#body", inst->GENname);
+    taken->diode = ideal_of(w, d, vf, ron);
+    ns_bridge_extract_mix(w, &taken->diode, sizeof taken->diode);
+    return ns_circuit_diode(w->ex->circuit, name, d->anode, d->cathode, &taken->diode, &taken->body);
+}
+
+static int add_channel(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken) {
+    const ns_own_mosfet *m = &taken->mosfet;
+    const double gmin = w->ckt->CKTgmin;
+    const double leak = fmin(m->leak, gmin > 0.0 ? 1.0 / gmin : INFINITY);
+    const ns_switch ideal = {.vt = m->vth, .ron = taken->ron, .roff = leak};
+    const int cp = m->sign > 0 ? m->gate : m->source, cn = m->sign > 0 ? m->source : m->gate;
+    ns_bridge_extract_mix(w, &ideal, sizeof ideal);
+    return ns_circuit_switch(w->ex->circuit, inst->GENname, m->drain, m->source, cp, cn, &ideal, &taken->id);
+}
+
+int ns_bridge_own_mosfet(ns_extract_walk *w, GENinstance *inst) {
+    ns_own_taken taken = {.inst = inst, .kind = OWN_MOSFET, .id = -1, .body = -1};
+    const ns_own_mosfet *m = &taken.mosfet;
+    if (!w->ex->options.mosfets)
+        return ns_bridge_extract_refuse(
+            w, inst,
+            "M elements are taken, as switches, only with mosfet=\"switch\" in a model "
+            "nonsmooth, as .include nonsmooth_mosfet.inc sets it");
+    if (ns_bridge_own_kind(inst) != OWN_MOSFET)
+        return ns_bridge_extract_refuse(
+            w, inst, "only M elements of a model VDMOS or of level 1 are taken as switches");
+    ns_bridge_own_read_mosfet(inst, &taken.mosfet);
+    if (m->heats)
+        return ns_bridge_extract_refuse(w, inst, "an M with self-heating (thermal) is not taken");
+    int status = find_drive(w, inst, m, &taken.drive);
+    if (status)
+        return status;
+    taken.ron = m->series + 1.0 / (m->beta * (taken.drive - m->vth));
+    status = add_channel(w, inst, &taken);
+    status = status ? status : add_body_diode(w, inst, &taken);
+    return status ? status : keep(w, &taken);
 }

@@ -4,6 +4,7 @@
 
 #include "extract_walk.h"
 
-ns_extract_reader ns_bridge_own_diode, ns_bridge_own_switch, ns_bridge_own_current_switch;
+ns_extract_reader ns_bridge_own_diode, ns_bridge_own_switch, ns_bridge_own_current_switch,
+    ns_bridge_own_mosfet;
 
 #endif

@@ -21,11 +21,21 @@ void ns_bridge_own_show_values(const ns_analysis *a, double *value) {
     int on;
     for (int k = 0; k < a->ex.nowns; k++) {
         const ns_own_taken *o = &a->ex.own[k];
+        for (int h = 0; h < OWN_HIDDEN && o->kind == OWN_MOSFET; h++)
+            if (o->mosfet.hidden[h].inside)
+                value[o->mosfet.hidden[h].inside] = value[o->mosfet.hidden[h].outside];
         if (!o->inside)
             continue;
         read_device(a, o, &i, &v, &on);
         value[o->inside] = value[o->anode] - o->rs * i;
     }
+}
+
+/* The current into the drain: of the channel, less that of an n channel's body diode. */
+static void show_mosfet(const ns_analysis *a, const ns_own_taken *o, CKTcircuit *ckt, double i) {
+    double body = 0.0;
+    ns_circuit_device(a->ex.circuit, o->body, a->x, a->lambda, a->mode, &body, NULL, NULL);
+    ns_bridge_own_write_mosfet(o->inst, ckt, i - o->mosfet.sign * body, ckt->CKTrhsOld);
 }
 
 void ns_bridge_own_show_states(const ns_analysis *a, CKTcircuit *ckt) {
@@ -36,7 +46,9 @@ void ns_bridge_own_show_states(const ns_analysis *a, CKTcircuit *ckt) {
         if (o->id < 0)
             continue;
         read_device(a, o, &i, &v, &on);
-        if (o->is_diode)
+        if (o->kind == OWN_MOSFET)
+            show_mosfet(a, o, ckt, i);
+        else if (o->kind == OWN_DIODE)
             ns_bridge_own_write_diode(o->inst, ckt, v - (o->inside ? o->rs * i : 0.0), i);
         else
             ns_bridge_own_write_switch(o->inst, ckt, v, i, on != o->inverted);
@@ -46,7 +58,9 @@ void ns_bridge_own_show_states(const ns_analysis *a, CKTcircuit *ckt) {
 /* --- what was taken, once --- */
 
 static int are_alike(const ns_own_taken *a, const ns_own_taken *b) {
-    return a->inst->GENmodPtr == b->inst->GENmodPtr && memcmp(&a->diode, &b->diode, sizeof a->diode) == 0;
+    return a == b ||
+           ((a->kind != OWN_MOSFET || a->ron == b->ron) && a->inst->GENmodPtr == b->inst->GENmodPtr &&
+            memcmp(&a->diode, &b->diode, sizeof a->diode) == 0);
 }
 
 /* How many are like the k-th; 0: one before it is. */
@@ -72,11 +86,21 @@ static void announce_diodes(const ns_analysis *a, const ns_own_taken *o, int cou
                           o->inst->GENmodPtr->GENmodName, count, d->vf, at, d->ron, breakdown);
 }
 
+static void announce_mosfets(const ns_own_taken *o, int count) {
+    ns_bridge_report_note(
+        "%s of model %s%s: taken as a switch, closed above %.4g V with ron = %.4g ohm (of its "
+        "model at %.4g V), and a body diode, vf = %.4g V, ron = %.4g ohm",
+        o->inst->GENname, o->inst->GENmodPtr->GENmodName, count > 1 ? " and others of it" : "", o->mosfet.vth,
+        o->ron, o->drive, o->diode.vf, o->diode.ron);
+}
+
 void ns_bridge_own_announce(const ns_analysis *a) {
     for (int k = 0; k < a->ex.nowns; k++) {
         const ns_own_taken *o = &a->ex.own[k];
         const int count = count_alike(&a->ex, k);
-        if (count > 0 && o->is_diode)
+        if (count > 0 && o->kind == OWN_MOSFET)
+            announce_mosfets(o, count);
+        else if (count > 0 && o->kind == OWN_DIODE)
             announce_diodes(a, o, count);
         else if (count > 0)
             ns_bridge_report_note("%c of model %s: %d taken as %s",

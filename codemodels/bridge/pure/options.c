@@ -6,7 +6,7 @@
 #include <string.h>
 
 const ns_bridge_options ns_bridge_options_default = {
-    .method = NS_AUTO, .theta = 1.0, .gamma = 1.0, .lines = 1e-4, .corners = 1, .id = 0.1};
+    .method = NS_AUTO, .theta = 1.0, .gamma = 1.0, .lines = 1e-4, .corners = 1, .id = 0.1, .vgs = NAN};
 
 static const char *const methods[] = {
     [NS_AUTO] = "auto", [NS_THETA] = "theta", [NS_EXACT] = "exact", [NS_SPARSE] = "sparse"};
@@ -60,6 +60,14 @@ static int read_diode(const ns_options_given *given, ns_bridge_options *o, char 
     return NS_E_RANGE;
 }
 
+static int read_mosfet(const ns_options_given *given, ns_bridge_options *o, char *line, size_t size) {
+    o->mosfets = given->mosfet && strcmp(given->mosfet, "switch") == 0;
+    if (!given->mosfet || o->mosfets || strcmp(given->mosfet, "none") == 0)
+        return NS_OK;
+    snprintf(line, size, "%s: mosfet = \"%s\" must be \"none\" or \"switch\"", given->name, given->mosfet);
+    return NS_E_RANGE;
+}
+
 static int check_numbers(const ns_options_given *g, char *line, size_t size) {
     static const char weight[] = "must be above 0 and at most 1", flag[] = "must be 0 or 1";
     const struct {
@@ -74,6 +82,7 @@ static int check_numbers(const ns_options_given *g, char *line, size_t size) {
                   {"corners", g->corners, g->corners == 0 || g->corners == 1, flag},
                   {"lines", g->lines, g->lines > 0.0 && g->lines <= 0.1, "must be above 0 and at most 0.1"},
                   {"id", g->id, g->id > 0.0 && isfinite(g->id), "A must be above 0"},
+                  {"vgs", g->vgs, isnan(g->vgs) || (g->vgs > 0.0 && isfinite(g->vgs)), "V must be above 0"},
                   {"cjo", g->cjo, g->cjo == 0 || g->cjo == 1, flag},
                   {"squares", g->squares, g->squares >= 0.0 && g->squares <= 0.1, "must be 0 to 0.1"},
                   {"reltol", g->reltol, isnan(g->reltol) || (g->reltol > 0.0 && g->reltol < 1.0),
@@ -92,6 +101,7 @@ int ns_bridge_options_check(const ns_options_given *given, ns_bridge_options *o,
     status = status ? status : read_points(given, &o->grid, line, size);
     status = status ? status : read_take(given, o, line, size);
     status = status ? status : read_diode(given, o, line, size);
+    status = status ? status : read_mosfet(given, o, line, size);
     o->h = isnan(given->h) ? 0.0 : given->h;
     o->theta = given->theta;
     o->gamma = given->gamma;
@@ -99,6 +109,7 @@ int ns_bridge_options_check(const ns_options_given *given, ns_bridge_options *o,
     o->verbose = given->verbose;
     o->corners = given->corners;
     o->id = given->id;
+    o->vgs = given->vgs;
     o->cjo = given->cjo;
     o->lines = given->lines;
     o->squares = given->squares;

@@ -17,6 +17,8 @@ typedef struct ns_bridge_options {
     int take_switches, take_diodes; /* ngspice's own S and W, D, as ideal ones */
     int zero_diodes;                /* D without vf and ron; else its own: */
     double id;                      /* A: where its vf is read */
+    int mosfets;                    /* M too, as switches */
+    double vgs;                     /* V, of their drive; NAN: as the netlist drives them */
     int cjo;                        /* junction capacitances of D are taken */
 } ns_bridge_options;
 
@@ -24,11 +26,12 @@ extern const ns_bridge_options ns_bridge_options_default;
 
 /* The parameters of an instance of model nonsmooth. */
 typedef struct ns_options_given {
-    const char *name;         /* the instance's */
-    const char *method;       /* NULL: not given */
-    const char *points;       /* NULL: not given */
-    const char *take, *diode; /* NULL: not given */
+    const char *name;                  /* the instance's */
+    const char *method;                /* NULL: not given */
+    const char *points;                /* NULL: not given */
+    const char *take, *diode, *mosfet; /* NULL: not given */
     double lines, squares, id;
+    double vgs;       /* NAN: not given */
     double h, reltol; /* NAN: not given */
     double theta, gamma;
     int verbose, corners, cjo;

@@ -21,7 +21,8 @@ static ns_options_given nothing_given(void) {
                               .corners = 1,
                               .points = "auto",
                               .lines = 1e-4,
-                              .id = 0.1};
+                              .id = 0.1,
+                              .vgs = NAN};
 }
 
 static void assert_refused(const ns_options_given *given, const char *wanted) {
@@ -66,6 +67,8 @@ static void all_parameters_are_taken(void **state) {
                                     .diode = "zero",
                                     .id = 2,
                                     .cjo = 1,
+                                    .mosfet = "switch",
+                                    .vgs = 5,
                                     .verbose = 1};
     ns_bridge_options o;
     (void)state;
@@ -74,6 +77,7 @@ static void all_parameters_are_taken(void **state) {
     assert_true(o.h == 1e-6 && o.reltol == 1e-4 && o.theta == 0.5 && o.gamma == 0.75);
     assert_true(o.verbose == 1 && o.corners == 0 && o.grid == 1 && o.lines == 1e-3);
     assert_true(o.take_switches && o.take_diodes && o.zero_diodes && o.id == 2 && o.cjo == 1);
+    assert_true(o.mosfets && o.vgs == 5);
 }
 
 static void part_of_the_devices_is_taken(void **state) {
@@ -91,6 +95,12 @@ static void part_of_the_devices_is_taken(void **state) {
     given.take = NULL;
     given.diode = "ideal";
     assert_refused(&given, "aopt: diode = \"ideal\" must be \"model\" or \"zero\"");
+    given.diode = NULL;
+    given.mosfet = "none";
+    assert_taken(&given, &o);
+    assert_true(!o.mosfets && isnan(o.vgs));
+    given.mosfet = "on";
+    assert_refused(&given, "aopt: mosfet = \"on\" must be \"none\" or \"switch\"");
 }
 
 static void every_method_has_its_word(void **state) {
@@ -151,6 +161,7 @@ static void numbers_have_ranges(void **state) {
     assert_number(&g, &g.reltol, 1.0, "aopt: reltol = 1 must be above 0 and below 1");
     assert_number(&g, &g.reltol, nextafter(1.0, 0.0), NULL);
     assert_number(&g, &g.id, 0.0, "aopt: id = 0 A must be above 0");
+    assert_number(&g, &g.vgs, 0.0, "aopt: vgs = 0 V must be above 0");
     assert_number(&g, &g.id, INFINITY, "aopt: id = inf A must be above 0");
 }
 

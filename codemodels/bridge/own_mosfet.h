@@ -1,0 +1,34 @@
+/* bridge/own_mosfet.h - ngspice's own M, of a model VDMOS or of level 1, as plain numbers. */
+#ifndef BRIDGE_OWN_MOSFET_H
+#define BRIDGE_OWN_MOSFET_H
+
+#include "own_structs.h"
+
+enum { OWN_HIDDEN = 4 }; /* nodes of a device that ngspice has added, at most */
+
+typedef struct ns_own_mosfet {
+    int sign;                      /* 1: n channel, -1: p channel */
+    int drain, gate, source, bulk; /* equations; bulk is the source where there is none */
+    double vth;                    /* V, of v(gate,source) times sign */
+    double beta;                   /* A/V^2, multiplier and size included */
+    double series;                 /* ohm, of drain and source */
+    double leak;                   /* ohm beside the channel; INFINITY: none */
+    ns_own_diode body;             /* from source (or bulk) to drain, of an n channel */
+    struct {
+        int inside, outside; /* equations; 0: none */
+    } hidden[OWN_HIDDEN];
+    int heats;
+} ns_own_mosfet;
+
+void ns_bridge_own_read_mosfet(const GENinstance *inst, ns_own_mosfet *m);
+
+/* @m1[id] at a point, and so that ngspice's own convergence test finds nothing.  amperes: into the drain.
+ * value: by equation. */
+void ns_bridge_own_write_mosfet(GENinstance *inst, CKTcircuit *ckt, double amperes, const double *value);
+
+/* The highest voltage of v(gate,source) times sign, V, as sources give it: what V and R connect the gate
+ * with, against what V, R and L connect the source with.  NAN: that leads to neither ground nor each other.
+ */
+double ns_bridge_own_drive(const CKTcircuit *ckt, const ns_own_mosfet *m);
+
+#endif

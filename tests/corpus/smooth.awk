@@ -1,0 +1,51 @@
+# tests/corpus/smooth.awk - the netlist with each D as ngspice's smooth model of the vf, ron and breakdown that it was taken with.
+#
+#     awk -f smooth.awk OUTPUT NETLIST    OUTPUT: of the native run, which says them for each model
+
+function value(word,    k) {
+    word = tolower(word)
+    if (!match(word, /^[0-9.]+(e[-+]?[0-9]+)?/))
+        return 0
+    k = substr(word, RSTART + RLENGTH, 3)
+    return substr(word, 1, RLENGTH) * (k == "meg" ? 1e6 : k ~ /^g/ ? 1e9 : k ~ /^k/ ? 1e3 : k ~ /^m/ ? 1e-3 : k ~ /^u/ ? 1e-6 : k ~ /^n/ ? 1e-9 : k ~ /^p/ ? 1e-12 : 1)
+}
+
+FNR == NR {
+    if ($1 == "nonsmooth:" && $2 == "D" && $3 == "of" && $4 == "model") {
+        name = $5
+        sub(/:$/, "", name)
+        sub(/.*:/, "", name) # of a subcircuit: x1:dm
+        for (i = 6; i < NF; i++) {
+            if ($i == "vf" && !(name in vf)) vf[name] = $(i + 2)
+            if ($i == "ron" && !(name in ron)) ron[name] = $(i + 2) < 1e-3 ? 1e-3 : $(i + 2)
+            if ($i == "breakdown" && !(name in vz)) vz[name] = $(i + 2)
+        }
+    }
+    next
+}
+
+# 5000 steps at least, so that the reference is one
+tolower($1) == ".tran" {
+    line = $0
+    sub(/;.*/, "", line)
+    n = split(line, w, /[ \t]+/)
+    if (w[n] ~ /^[uU][iI][cC]$/) { uic = " uic"; n-- }
+    most = value(w[3]) / 5000
+    if (value(w[2]) && n >= 3 && w[3] ~ /^[0-9.]/) {
+        if (n >= 5 && value(w[5]) < most) most = value(w[5])
+        print ".tran", w[2], w[3], n >= 4 ? w[4] : 0, most uic
+        next
+    }
+}
+
+{ name = tolower($2); sub(/\(.*/, "", name) }
+
+tolower($1) == ".model" && name in vf {
+    printf ".model %s sidiode(vfwd=%s ron=%s roff=1e12%s)\n", $2, vf[name], ron[name],
+        name in vz ? " vrev=" vz[name] " rrev=" ron[name] : ""
+    next
+}
+
+tolower($1) ~ /^d/ && tolower($4) in vf { print "a" $1, $2, $3, $4; next }
+
+{ print }
