@@ -113,6 +113,10 @@ static int make_waveform(CKTcircuit *ckt, ns_analysis *a, const ns_waveform_inte
 static int make_tran(CKTcircuit *ckt, ns_analysis *a) {
     ns_waveform_integrals taken;
     ns_march *own = NULL;
+    if (ns_bridge_digital_is(&a->ex.digital) && a->ex.options.grid) {
+        ns_bridge_report_note("points = \"grid\" has no effect on a circuit with XSPICE's digital parts");
+        a->ex.options.grid = 0;
+    }
     int status = a->ex.options.grid ? make_march(a, &own, NULL) : NS_OK;
     if (!status)
         status = ns_bridge_taken_make(a, own, &taken);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "abi.h"
+#include "digital_run.h"
 #include "loaded.h"
 #include "many_points.h"
 #include "ngspice/enh.h"
@@ -143,7 +144,8 @@ static int start_analysis(ns_session *s) {
     else
         ns_bridge_show_currents(a, s->force.value);
     ns_bridge_show_later(a);
-    return OK;
+    status = ns_bridge_digital_begin(s);
+    return status ? ns_bridge_trial_fail(s, status) : OK;
 }
 
 int ns_bridge_analysis_start(ns_session *s) {
@@ -178,7 +180,9 @@ static int restart(ns_session *s, const ns_analysis *from) {
         status = start_from(a, taken, t, from);
     if (!status && taken)
         status = ns_bridge_taken_begin(a);
-    const int error = status ? ns_bridge_trial_fail(s, status) : ns_bridge_trial_begin(s);
+    int error = status ? ns_bridge_trial_fail(s, status) : ns_bridge_trial_begin(s);
+    if (!error && (status = ns_bridge_digital_begin(s)))
+        error = ns_bridge_trial_fail(s, status);
     return error || !a->waveform ? error : ns_bridge_waveform_begin(s, t, from->waveform);
 }
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "elements.h"
+#include "foreign.h"
 #include "own_elements.h"
 #include "report.h"
 
@@ -92,6 +93,20 @@ static int refuse_foreign(ns_extract_walk *w, const GENinstance *inst) {
                                         : "a code model of another library is not supported");
 }
 
+static int read_foreign(ns_extract_walk *w, GENinstance *inst) {
+    MIFinstance *mif = (MIFinstance *)inst;
+    if (!mif->event_driven)
+        return refuse_foreign(w, inst);
+    const char *model = ns_bridge_foreign_model(mif);
+    if (!model)
+        return ns_bridge_extract_refuse(w, inst, "is of a code model that is not known to this ngspice");
+    if (mif->analog && inst->GENmodPtr->GENmodType > ns_bridge_models_any(NULL))
+        return ns_bridge_extract_refuse(
+            w, inst,
+            "its code models were loaded after nonsmooth.cm: put the line codemodel .../nonsmooth.cm last");
+    return ns_bridge_digital_read(w, mif, model);
+}
+
 static int read_ours(ns_extract_walk *w, GENinstance *inst) {
     MIFinstance *mif = (MIFinstance *)inst;
     switch (ns_bridge_models_kind(inst)) {
@@ -102,7 +117,7 @@ static int read_ours(ns_extract_walk *w, GENinstance *inst) {
     case KIND_OPTIONS:
         return NS_OK; /* was read first */
     default:
-        return refuse_foreign(w, inst);
+        return read_foreign(w, inst);
     }
 }
 
@@ -243,5 +258,6 @@ void ns_bridge_extract_clear(ns_extract *ex) {
     free(ex->element);
     free(ex->device);
     free(ex->own);
+    ns_bridge_digital_clear(&ex->digital);
     memset(ex, 0, sizeof *ex);
 }

@@ -5,6 +5,7 @@
 #ifndef BRIDGE_EXTRACT_H
 #define BRIDGE_EXTRACT_H
 
+#include "digital.h"
 #include "models.h"
 #include "nonsmooth/circuit.h"
 #include "own_mosfet.h"
@@ -42,7 +43,8 @@ typedef struct ns_extract {
     int ndevices;
     ns_extract_device *device; /* ndevices: our diodes and switches */
     int nowns;
-    ns_own_taken *own; /* nowns: D, S, W of ngspice that were taken */
+    ns_own_taken *own;  /* nowns: D, S, W of ngspice that were taken */
+    ns_digital digital; /* XSPICE's digital parts (digital_read.c; digital.c while the analysis runs) */
     ns_bridge_options options;
     const MIFinstance *options_inst; /* the instance of model nonsmooth; NULL: there is none */
     unsigned long long hash; /* of all that was read: of two readings: equal if nothing was altered between */

@@ -59,6 +59,8 @@ double ns_bridge_loop_next(CKTcircuit *ckt, ns_loop *loop, const ns_system *s, d
 }
 
 double ns_bridge_loop_unchosen(CKTcircuit *ckt, ns_loop *loop) {
+    loop->points.breaks = ckt->CKTbreaks; /* a dac_bridge may have set some in a load */
+    loop->points.nbreaks = ckt->CKTbreakSize;
     const double t = ns_bridge_timepoints_unchosen(&loop->points);
     ckt->CKTmaxStep = loop->points.max_step;
     ckt->CKTbreakSize = loop->points.nbreaks;

@@ -14,6 +14,18 @@ int ns_bridge_models_type(model_kind kind) {
     return type_of[kind];
 }
 
+extern SPICEdev cm_ideal_diode_info, cm_ideal_switch_info, cm_nonsmooth_info; /* made by cmpp */
+
+int ns_bridge_models_any(const SPICEdev **model) {
+    const SPICEdev *const table[KINDS] = {&cm_ideal_diode_info, &cm_ideal_switch_info, &cm_nonsmooth_info};
+    int k = 0;
+    while (k + 1 < KINDS && type_of[k] < 0)
+        k++;
+    if (model)
+        *model = type_of[k] < 0 ? NULL : table[k];
+    return type_of[k];
+}
+
 model_kind ns_bridge_models_kind(const GENinstance *inst) {
     for (int k = 0; k < KINDS; k++)
         if (inst->GENmodPtr->GENmodType == type_of[k])

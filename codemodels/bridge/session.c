@@ -7,6 +7,7 @@
 
 #include <string.h>
 
+#include "digital_run.h"
 #include "own_show.h"
 #include "report.h"
 #include "show.h"
@@ -40,7 +41,7 @@ static void load_tran(ns_session *s) {
 static int load_dc(ns_session *s) {
     const int first = (s->ckt->CKTmode & (MODEINITJCT | MODEINITPRED)) != 0;
     int error = OK;
-    if (first || !s->analysis.march) {
+    if (first || !s->analysis.march || ns_bridge_digital_is_stale(s)) {
         error = ns_bridge_analysis_start(s);
         error = s->failed = error ? error : ns_bridge_source_check_dc(s->ckt);
         s->source_check.pending = 1;
@@ -95,6 +96,8 @@ int ns_bridge_session_load(ns_session *s) {
         return end_dc(s->ckt, error);
     take_back_doubts(s);
     check_sources(s);
+    if (s->analysis.march && ns_bridge_digital_is(&s->analysis.ex.digital))
+        ns_bridge_digital_load(s);
     ns_bridge_force_apply(&s->force, s->ckt->CKTrhs);
     return OK;
 }
@@ -135,8 +138,12 @@ int ns_bridge_session_accept(ns_session *s) {
         end_analysis(s);
     } else {
         /* an error waits for the next accept: the present point is good */
-        s->failed =
-            s->analysis.waveform ? ns_bridge_waveform_look_ahead(s, first) : ns_bridge_look_ahead(s, first);
+        const int status = ns_bridge_digital_accept(s);
+        if (status)
+            s->failed = ns_bridge_trial_fail(s, status);
+        else
+            s->failed = s->analysis.waveform ? ns_bridge_waveform_look_ahead(s, first)
+                                             : ns_bridge_look_ahead(s, first);
     }
     return OK;
 }

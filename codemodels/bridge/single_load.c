@@ -41,7 +41,8 @@ void ns_bridge_single_load_arm(ns_session *s) {
     CKTcircuit *ckt = s->ckt;
     /* at t = 0 the first load makes the matrix ready, and the states */
     if (!s->analysis.march || !s->trial.made || s->failed || s->analysis.ex.restless ||
-        s->source_check.pending || !(ckt->CKTtime > 0.0) || !watch_names(ckt))
+        ns_bridge_digital_is(&s->analysis.ex.digital) || s->source_check.pending || !(ckt->CKTtime > 0.0) ||
+        !watch_names(ckt))
         return;
     if (armed) /* another circuit, stopped */
         ns_bridge_single_load_forget(armed);

@@ -4,6 +4,7 @@
  * any time in between ngspice is given what lies on the straight line. */
 #include "session.h"
 
+#include "digital_run.h"
 #include "many_points.h"
 #include "report.h"
 #include "show.h"
@@ -21,6 +22,20 @@ int ns_bridge_waveform_begin(ns_session *s, double t, const ns_waveform *from) {
     return fail(s, status);
 }
 
+/* The next point, where an event of ngspice's queue is one. */
+static int next_of_digital(ns_session *s, ns_waveform_point *p) {
+    enum { MOST = 64 }; /* thresholds crossed right after one another */
+    const double closest = ns_bridge_timepoints_closest(s->ckt->CKTfinalTime);
+    int status = NS_E_LIMIT;
+    for (int k = 0; k < MOST; k++) {
+        const double until = ns_bridge_digital_until(s, s->ckt->CKTfinalTime, closest);
+        status = ns_waveform_next(s->analysis.waveform, until, p);
+        if (status == NS_OK || !ns_bridge_digital_goes_on(s))
+            return status;
+    }
+    return status;
+}
+
 /* The point after the accepted one. */
 static int choose_next(ns_session *s) {
     ns_waveform_point *p = &s->next.point;
@@ -29,10 +44,13 @@ static int choose_next(ns_session *s) {
     int status = NS_OK;
     if (s->next.held)
         return OK;
-    if (s->loop.points.t < s->loop.points.start)
+    const int digital = ns_bridge_digital_is(&s->analysis.ex.digital);
+    if (s->loop.points.t < s->loop.points.start && !digital)
         status = ns_waveform_skip(w, t, p);
-    else if (t > 0.0)
+    else if (t > 0.0 && !(s->loop.points.t < s->loop.points.start))
         p->t = t; /* the start, which ngspice has not shown */
+    else if (digital)
+        status = next_of_digital(s, p);
     else
         status = ns_waveform_next(w, s->ckt->CKTfinalTime, p);
     s->next.held = !status;

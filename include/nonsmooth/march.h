@@ -115,11 +115,12 @@ int ns_march_set_input(ns_march *m, int input, const ns_signal *signal);
 typedef struct ns_threshold {
     int p, n;
     double value; /* in the unit of the control */
-    int above;    /* the side where the control is: 1: at value or above, 0: at value or below */
+    int above;    /* 1: the control is above it, 0: below */
+    int includes; /* 1: the value itself counts as above, 0: as below; but for rounding */
 } ns_threshold;
 
 /* Watches so many thresholds (0: none), in place of those before.  A trial then ends at the first instant at
- * which a control goes beyond its threshold to the other side, by more than rounding; it is located by
+ * which a control comes to the other side of its threshold; it is located by
  * samples of the trial, so all trials are as with NS_TO_STEP and may end earlier.  Nothing changes there in
  * the system; what may follow is the caller's: once that point is accepted, ns_march_try() is refused (STATE)
  * until this is called again.  A start ends the watch.  A control that is beyond already crosses at the

@@ -246,6 +246,10 @@ int ns_circuit_node_unknown(const ns_circuit *c, int node) {
     return found && c->node[place].used ? c->node[place].unknown : -1;
 }
 
+int ns_circuit_input(const ns_circuit *c, int id) {
+    return c && id >= 0 && id < c->nelements ? c->element[id].input : -1;
+}
+
 int ns_circuit_current_unknown(const ns_circuit *c, int id) {
     if (!c || id < 0 || id >= c->nelements || c->element[id].current < 0) {
         return -1;

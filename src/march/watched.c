@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A control beyond its threshold by less than this, relative to its terms, has not crossed it: rounding. */
+/* A control nearer to its threshold than this, relative to its terms, is at it. */
 static const double rounding = 4e-14;
 
 struct ns_watched_thresholds {
@@ -39,8 +39,11 @@ static void measure(const ns_watched_thresholds *w, double *to) {
     for (int k = 0; k < w->count; k++) {
         const ns_threshold *h = &w->threshold[k];
         const double p = h->p < 0 ? 0 : w->x[h->p], n = h->n < 0 ? 0 : w->x[h->n];
-        const double above = p - n - h->value;
-        to[k] = (h->above ? above : -above) + rounding * (fabs(p) + fabs(n) + fabs(h->value));
+        const double at = rounding * (fabs(p) + fabs(n) + fabs(h->value));
+        const double border =
+            h->includes ? -at : at; /* half of that for what comes to the value to stay there */
+        const double above = p - n - h->value - (h->above == h->includes ? border : 0.5 * border);
+        to[k] = h->above ? above : -above;
     }
 }
 

@@ -10,6 +10,7 @@
 #   X reversed   its elements in reverse order
 #   cases/X      tests/netlist/cases/X.cir, which judges itself; after a line `* says: REGEX` one line of output matches; for the N-th line
 #                `* again: SED` it runs once more, as XN, with what sed makes of it
+#   cookbook/X   netlists/cookbook/X.cir, in the same way
 #   errors/X     tests/netlist/errors/X.cir: exactly one line of output matches the regular expression of its
 #                first line `* expect: ...`, and it judges what was kept; after a line `* dump: FILE STATUS REGEX`
 #                it has left FILE, which nsc-mlcp answers with STATUS and of which one line matches; after `* status: N`
@@ -65,6 +66,7 @@ one() {
     file=$1 variant=$2 base=$(basename "$1" .cir)
     case $file in
     */cases/*) name="cases/$base${variant#-}" kind=case ;;
+    */cookbook/*) name="cookbook/$base${variant#-}" kind=case ;;
     */errors/*) name=errors/$base kind=error ;;
     README.md) name=README kind=readme ;;
     *) name="$base $variant" kind=netlist ;;
@@ -170,8 +172,9 @@ cd "$top" || exit 2 # names in the list are without spaces, whatever stands befo
 for f in netlists/*.cir; do
     for v in default fine reversed; do echo "$f $v $(basename "$f" .cir) $v"; done
 done >"$SCRATCH/list"
-for k in cases errors; do
-    for f in "tests/netlist/$k"/*.cir; do
+for k in cases errors cookbook; do
+    for f in "tests/netlist/$k"/*.cir "netlists/$k"/*.cir; do
+        [ -f "$f" ] || continue
         echo "$f - $k/$(basename "$f" .cir)"
         again=$(grep -c '^\* again: ' "$f")
         for n in $(seq "$again"); do echo "$f -$n $k/$(basename "$f" .cir)"; done

@@ -30,7 +30,7 @@ static void rc_crosses(ns_method method, double tolerance) {
     const int v2 = ns_circuit_node_unknown(b.c, 2);
     double reached;
     for (int k = 1; k < 10; k++) {
-        const ns_threshold at[2] = {{v2, -1, 0.1 * k, 0}, {-1, v2, -2, 1}}; /* the other is never met */
+        const ns_threshold at[2] = {{v2, -1, 0.1 * k, 0, 0}, {-1, v2, -2, 1, 1}}; /* the other is never met */
         assert_int_equal(ns_march_watch(b.m, 2, at), NS_OK);
         assert_int_equal(go_until_crossed(b.m, 1e-5, &reached), 1);
         assert_int_equal(ns_march_crossed(b.m)[0], 1);
@@ -68,7 +68,7 @@ static void of_a_ring(void **state) {
     const int v1 = ns_circuit_node_unknown(b.c, 1);
     const double level = 0.9999, from_peak = 1e-6 * acos(level) / (2 * pi);
     for (int k = 0; k < 40; k++) { /* down after the peak, up before the next */
-        const ns_threshold at = {v1, -1, level, k % 2 == 0};
+        const ns_threshold at = {v1, -1, level, k % 2 == 0, 0};
         const double expected = 1e-6 * ((k + 1) / 2) + (k % 2 ? -from_peak : from_peak);
         double reached;
         assert_int_equal(ns_march_watch(b.m, 1, &at), NS_OK);
@@ -91,7 +91,7 @@ static void of_a_jump(void **state) {
         assert_int_equal(ns_circuit_system(b.c, &b.s), NS_OK);
         assert_int_equal(ns_march_create(b.s, &o, &b.m, NULL), NS_OK);
         start_at_rest(&b);
-        const ns_threshold at = {ns_circuit_node_unknown(b.c, 1), -1, 1, 0};
+        const ns_threshold at = {ns_circuit_node_unknown(b.c, 1), -1, 1, 0, 1};
         double reached;
         assert_int_equal(ns_march_watch(b.m, 1, &at), NS_OK);
         assert_int_equal(go_until_crossed(b.m, 2e-6, &reached), 1);
@@ -100,11 +100,46 @@ static void of_a_jump(void **state) {
     }
 }
 
+/* A pulse from 0 to 1 V and back: its ends are at the thresholds, which they belong to or not. */
+static void of_what_comes_to_rest(void **state) {
+    (void)state;
+    const double us = 1e-6, t[4] = {us, 2 * us, 3 * us, 4 * us}, v[4] = {0, 1, 1, 0};
+    const struct {
+        double value;
+        int includes;
+        double up, down; /* s */
+    } cases[] = {{0, 0, us, 4 * us}, {1, 1, 2 * us, 3 * us}, {0.25, 0, 1.25 * us, 3.75 * us}};
+    for (int k = 0; k < 3; k++) {
+        bench b = open_bench();
+        ns_signal s = {.kind = NS_PWL};
+        const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-7, .method = NS_EXACT};
+        s.u.pwl.n = 4;
+        s.u.pwl.t = t;
+        s.u.pwl.v = v;
+        s.u.pwl.repeat = NAN;
+        assert_int_equal(ns_circuit_source(b.c, "v", NS_VOLTAGE, 1, 0, &s, NULL), NS_OK);
+        assert_int_equal(ns_circuit_resistor(b.c, "r", 1, 2, 1, NULL), NS_OK);
+        assert_int_equal(ns_circuit_capacitor(b.c, "c", 2, 0, 1e-7, NAN, NULL), NS_OK);
+        assert_int_equal(ns_circuit_system(b.c, &b.s), NS_OK);
+        assert_int_equal(ns_march_create(b.s, &o, &b.m, NULL), NS_OK);
+        start_at_rest(&b);
+        ns_threshold at = {ns_circuit_node_unknown(b.c, 1), -1, cases[k].value, 0, cases[k].includes};
+        for (int half = 0; half < 2; half++) {
+            double reached;
+            assert_int_equal(ns_march_watch(b.m, 1, &at), NS_OK);
+            assert_int_equal(go_until_crossed(b.m, 10 * us, &reached), 1);
+            assert_true(fabs(reached - (half ? cases[k].down : cases[k].up)) < 1e-18); /* 4e-14 of 1 V / us */
+            at.above = 1;
+        }
+        close_bench(&b);
+    }
+}
+
 static void bad_calls(void **state) {
     (void)state;
     bench b = rc(NS_EXACT);
-    const ns_threshold low = {-2, -1, 0, 0}, high = {0, b.s->n, 0, 0}, none = {0, -1, NAN, 0};
-    const ns_threshold beyond = {0, -1, 0.5, 0}; /* v(1) is 1 V */
+    const ns_threshold low = {-2, -1, 0, 0, 0}, high = {0, b.s->n, 0, 0, 0}, none = {0, -1, NAN, 0, 0};
+    const ns_threshold beyond = {0, -1, 0.5, 0, 0}; /* v(1) is 1 V */
     double reached;
     assert_int_equal(ns_march_watch(NULL, 0, NULL), NS_E_NULL);
     assert_int_equal(ns_march_watch(b.m, 1, NULL), NS_E_NULL);
@@ -124,9 +159,8 @@ static void bad_calls(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(of_an_rc),
-        cmocka_unit_test(of_a_ring),
-        cmocka_unit_test(of_a_jump),
+        cmocka_unit_test(of_an_rc),  cmocka_unit_test(of_a_ring),
+        cmocka_unit_test(of_a_jump), cmocka_unit_test(of_what_comes_to_rest),
         cmocka_unit_test(bad_calls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,195 @@
+/* bridge/digital.c - XSPICE's digital parts while an analysis runs. */
+#include "digital_run.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "ngspice/cmtypes.h"
+#include "ngspice/evt.h"
+
+static ns_digital *digital_of(ns_session *s) {
+    return &s->analysis.ex.digital;
+}
+
+/* --- thresholds --- */
+
+static int unknown_at(const ns_analysis *a, int eq) {
+    return eq > 0 ? a->unknown[eq] : -1;
+}
+
+/* Tells the marcher on which side of its thresholds each adc_bridge is. */
+static int watch(ns_session *s) {
+    ns_digital *d = digital_of(s);
+    int count = 0;
+    for (int k = 0; k < d->ninputs; k++) {
+        const ns_digital_input *in = &d->input[k];
+        if (!in->is_bridge)
+            continue;
+        const int p = unknown_at(&s->analysis, in->p), n = unknown_at(&s->analysis, in->n);
+        d->threshold[count++] = (ns_threshold){p, n, in->low, in->above_low, 0};
+        d->threshold[count++] = (ns_threshold){p, n, in->high, in->above_high, in->high > in->low};
+    }
+    return ns_march_watch(s->analysis.march, count, d->threshold);
+}
+
+/* What was crossed changes sides. */
+static void change_sides(ns_digital *d, const unsigned char *crossed) {
+    for (int k = 0, at = 0; k < d->ninputs; k++) {
+        ns_digital_input *in = &d->input[k];
+        if (!in->is_bridge)
+            continue;
+        in->above_low ^= crossed[at++];
+        in->above_high ^= crossed[at++];
+    }
+}
+
+/* The value of an input at force.value, at the right side of its thresholds, where rounding decides nothing.
+ */
+static double value_of(const ns_session *s, const ns_digital_input *in) {
+    const double *value = s->force.value;
+    double v = (in->p > 0 ? value[in->p] : 0.0) - (in->n > 0 ? value[in->n] : 0.0);
+    if (!in->is_bridge)
+        return v;
+    v = in->above_low ? fmax(v, nextafter(in->low, INFINITY)) : fmin(v, in->low);
+    return in->above_high ? fmax(v, fmax(in->high, nextafter(in->low, INFINITY)))
+                          : fmin(v, nextafter(in->high, -INFINITY));
+}
+
+/* --- start --- */
+
+int ns_bridge_digital_begin(ns_session *s) {
+    static const double near = 1e-13; /* rounding */
+    ns_digital *d = digital_of(s);
+    if (!ns_bridge_digital_is(d))
+        return NS_OK;
+    ns_bridge_digital_take(d);
+    if (!d->threshold && !(d->threshold = calloc(2 * (size_t)d->ninputs + 1, sizeof *d->threshold)))
+        return NS_E_MEMORY;
+    for (int k = 0; k < d->ninputs; k++) {
+        ns_digital_input *in = &d->input[k];
+        const double v = ns_bridge_digital_plain(s, in);
+        in->above_low = v > in->low + near * fabs(in->low);
+        in->above_high = in->above_low && v >= in->high - near * fabs(in->high);
+    }
+    return watch(s);
+}
+
+double ns_bridge_digital_plain(const ns_session *s, const ns_digital_input *in) {
+    const ns_analysis *a = &s->analysis;
+    const int p = unknown_at(a, in->p), n = unknown_at(a, in->n);
+    return (p >= 0 ? a->x[p] : 0.0) - (n >= 0 ? a->x[n] : 0.0);
+}
+
+int ns_bridge_digital_is_stale(const ns_session *s) {
+    const ns_digital *d = &s->analysis.ex.digital;
+    for (int k = 0; k < d->noutputs; k++)
+        if (ns_bridge_digital_state(d->output[k].port) != d->output[k].state)
+            return 1;
+    return 0;
+}
+
+/* --- loads --- */
+
+void ns_bridge_digital_load(ns_session *s) {
+    ns_digital *d = digital_of(s);
+    double t = 0.0;
+    const unsigned char *crossed = ns_march_crossed(s->analysis.march);
+    if (crossed && !d->crossed && ns_march_read(s->analysis.march, &t, NULL, NULL, NULL) == NS_OK &&
+        (s->ckt->CKTtime >= t || ns_bridge_timepoints_same(s->ckt->CKTtime, t))) {
+        change_sides(d, crossed);
+        d->crossed = 1;
+    }
+    for (int k = 0; k < d->ninputs; k++) {
+        ns_digital_input *in = &d->input[k];
+        in->port->input.rvalue = value_of(s, in);
+    }
+    s->ckt->CKTnoncon = 0;
+}
+
+/* --- accepts --- */
+
+/* The output goes to the level of a state from the time t on, at which it is at v. */
+static int set_output(ns_session *s, ns_digital_output *o, int state, double t) {
+    const double v = ns_signal_value(&s->analysis.system->z[o->input], t, NS_LEFT), to = o->level[state];
+    const double swing = o->level[ONE] - o->level[ZERO];
+    const int rises = state == ONE || (state == UNKNOWN && (to - v) * swing > 0.0);
+    const double length = swing != 0.0 ? fabs((to - v) / swing) * (rises ? o->rise : o->fall) : 0.0;
+    const double time[2] = {t, t + length}, level[2] = {v, to};
+    ns_signal z = {.kind = NS_PWL};
+    z.u.pwl.n = 2;
+    z.u.pwl.t = time;
+    z.u.pwl.v = level;
+    z.u.pwl.repeat = NAN;
+    o->state = state;
+    return ns_march_set_input(s->analysis.march, o->input, &z);
+}
+
+/* Outputs whose event came are set; *any: some are. */
+static int set_outputs(ns_session *s, int *any) {
+    ns_digital *d = digital_of(s);
+    double t;
+    int status = NS_OK;
+    *any = 0;
+    for (int k = 0; k < d->noutputs && status == NS_OK; k++) {
+        ns_digital_output *o = &d->output[k];
+        const int state = ns_bridge_digital_state(o->port);
+        if (state == o->state)
+            continue;
+        *any = 1;
+        status = ns_march_read(s->analysis.march, &t, NULL, NULL, NULL);
+        if (status == NS_OK &&
+            t - s->ckt->CKTtime > 16.0 * ns_bridge_timepoints_closest(s->ckt->CKTfinalTime))
+            status = NS_E_STATE; /* the marcher is beyond the event */
+        if (status == NS_OK)
+            status = set_output(s, o, state, t);
+    }
+    return status;
+}
+
+int ns_bridge_digital_accept(ns_session *s) {
+    ns_digital *d = digital_of(s);
+    int any, status;
+    if (!ns_bridge_digital_is(d))
+        return NS_OK;
+    status = set_outputs(s, &any);
+    if (status == NS_OK && (any || d->crossed)) {
+        status = watch(s);
+        if (status == NS_OK)
+            status = ns_waveform_resume(s->analysis.waveform);
+    }
+    d->crossed = 0;
+    return status;
+}
+
+int ns_bridge_digital_goes_on(ns_session *s) {
+    ns_digital *d = digital_of(s);
+    const unsigned char *crossed = ns_march_crossed(s->analysis.march);
+    if (!ns_bridge_digital_is(d) || !crossed)
+        return 0;
+    change_sides(d, crossed);
+    d->hurries = watch(s) == NS_OK && ns_waveform_resume(s->analysis.waveform) == NS_OK;
+    return d->hurries;
+}
+
+/* --- ngspice's queue of events --- */
+
+static double next_event(const CKTcircuit *ckt) {
+    const Evt_Queue_t *q = &ckt->evt->queue;
+    double t = INFINITY;
+    if (q->inst.num_pending > 0)
+        t = fmin(t, q->inst.next_time);
+    if (q->output.num_pending > 0)
+        t = fmin(t, q->output.next_time);
+    return t;
+}
+
+double ns_bridge_digital_until(ns_session *s, double until, double closest) {
+    ns_digital *d = digital_of(s);
+    const double t = s->ckt->CKTtime;
+    if (!ns_bridge_digital_is(d))
+        return until;
+    if (d->hurries)
+        until = fmin(until, t + 4.0 * closest);
+    d->hurries = 0;
+    return fmin(until, fmax(next_event(s->ckt), t + closest));
+}

@@ -1,0 +1,57 @@
+/* bridge/digital.h - XSPICE's digital parts: ngspice's event code runs as it is, and this is where it meets
+ * the marcher.
+ *
+ * Thresholds of adc_bridge are watched by the marcher (ns_march_watch()); outputs of dac_bridge are inputs
+ * that are replaced when their event comes (ns_march_set_input()); an event of ngspice's queue is a
+ * timepoint. */
+#ifndef BRIDGE_DIGITAL_H
+#define BRIDGE_DIGITAL_H
+
+#include "models.h"
+#include "nonsmooth/march.h"
+
+struct ns_extract_walk;
+
+/* An analog input of an instance that puts out digital ones. */
+typedef struct ns_digital_input {
+    MIFinstance *inst;
+    Mif_Port_Data_t *port;
+    int p, n;                  /* equations whose difference it is; 0: none */
+    int is_bridge;             /* of an adc_bridge: */
+    double low, high;          /* V or A: 0 up to low, 1 from high on, between them unknown */
+    int above_low, above_high; /* the sides on which it is */
+} ns_digital_input;
+
+/* An output of a dac_bridge. */
+typedef struct ns_digital_output {
+    const Mif_Port_Data_t *port; /* the digital input that commands it */
+    int input;                   /* of the system */
+    int state;                   /* that it goes to, or has */
+    double level[3];             /* V or A: of 0, 1 and unknown */
+    double rise, fall;           /* s: from the level of 0 to that of 1, and back */
+} ns_digital_output;
+
+typedef struct ns_digital {
+    int ninputs, noutputs;
+    ns_digital_input *input;   /* ninputs */
+    ns_digital_output *output; /* noutputs */
+    ns_threshold *threshold;   /* 2 ninputs: work */
+    int nhybrids, taken;
+    MIFinstance **hybrid; /* nhybrids: instances that ngspice does not load meanwhile */
+    int crossed;          /* a threshold was crossed at ngspice's present point */
+    int hurries;          /* or so shortly after it that the next point has to come at once */
+} ns_digital;
+
+/* Reads an instance of a code model of this name that has digital terminals; EXTRACT_REFUSED. */
+int ns_bridge_digital_read(struct ns_extract_walk *w, MIFinstance *inst, const char *model);
+/* 0, 1 or 2 (unknown) at a digital input. */
+int ns_bridge_digital_state(const Mif_Port_Data_t *port);
+/* Hybrid instances are left out of ngspice's loads, whose matrix is ours: there they would ask for timepoints
+ * of their own; until clear. */
+void ns_bridge_digital_take(ns_digital *d);
+void ns_bridge_digital_clear(ns_digital *d);
+static inline int ns_bridge_digital_is(const ns_digital *d) {
+    return d->ninputs > 0 || d->noutputs > 0;
+}
+
+#endif
