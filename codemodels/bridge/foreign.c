@@ -7,14 +7,21 @@
 #define _GNU_SOURCE /* dl_iterate_phdr() */
 #include "foreign.h"
 
+#include <string.h>
+
+#if defined(_WIN32) || defined(__APPLE__)
+#define HAS_NO_LIST_OF_LIBRARIES
+#else
 #include <dlfcn.h>
 #include <link.h>
+#endif
 
 #include "ngspice/mifparse.h"
 
 #include "models.h"
 
 typedef void *table_function(void);
+extern table_function CMdevs; /* of our own library */
 
 enum { LIBRARIES = 64 };
 
@@ -28,6 +35,7 @@ typedef struct libraries {
     library of[LIBRARIES]; /* in the order in which they were loaded */
 } libraries;
 
+#ifndef HAS_NO_LIST_OF_LIBRARIES
 /* Of one shared object: keeps its models, if it is a library of code models. */
 static int look_into(struct dl_phdr_info *info, size_t size, void *data) {
     libraries *all = data;
@@ -45,24 +53,33 @@ static int look_into(struct dl_phdr_info *info, size_t size, void *data) {
     return 0;
 }
 
-static int place_in(const library *l, const SPICEdev *model) {
+static void list_libraries(libraries *all) {
+    (void)dl_iterate_phdr(look_into, all);
+}
+#else
+static void list_libraries(libraries *all) {
+    (void)all;
+}
+#endif
+
+static int place_in(const library *l, const char *name) {
     for (int i = 0; i < l->count; i++)
-        if (l->model[i] == model)
+        if (strcmp(l->model[i]->DEVpublic.name, name) == 0)
             return i;
     return -1;
 }
 
 /* The number of the first type of each library, by that of one of ours; 0: ours was not found. */
 static int number_types(const libraries *all, int *first) {
-    const SPICEdev *ours;
+    const char *ours;
     const int type = ns_bridge_models_any(&ours);
     int at = 0, found = 0;
     for (int k = 0; k < all->count; k++) {
         first[k] = at;
         at += all->of[k].count;
     }
-    for (int k = 0; k < all->count && !found; k++) {
-        const int place = ours ? place_in(&all->of[k], ours) : -1;
+    for (int k = 0; k < all->count && !found && type >= 0; k++) {
+        const int place = all->of[k].model == CMdevs() ? place_in(&all->of[k], ours) : -1;
         const int shift = type - place - first[k];
         for (int i = 0; i < all->count && place >= 0; i++)
             first[i] += shift;
@@ -85,7 +102,7 @@ const char *ns_bridge_foreign_model(const MIFinstance *inst) {
     libraries all = {0};
     int first[LIBRARIES];
     const int type = inst->gen.GENmodPtr->GENmodType;
-    (void)dl_iterate_phdr(look_into, &all);
+    list_libraries(&all);
     if (!number_types(&all, first))
         return NULL;
     for (int k = 0; k < all.count; k++) {

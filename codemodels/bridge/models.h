@@ -43,8 +43,8 @@ void ns_bridge_models_set_type(model_kind kind, int type);
 /* That number, or -1: it was not set. */
 int ns_bridge_models_type(model_kind kind);
 
-/* The number of one of our types that was set, and (unless NULL) its table; -1, NULL: none was. */
-int ns_bridge_models_any(const SPICEdev **model);
+/* The number of one of our types that was set, and (unless NULL) its name; -1: none was. */
+int ns_bridge_models_any(const char **name);
 
 /* Which of our models an instance is of; KIND_FOREIGN: none. */
 model_kind ns_bridge_models_kind(const GENinstance *inst);
