@@ -8,6 +8,7 @@
 #include "elements.h"
 #include "foreign.h"
 #include "own_elements.h"
+#include "own_models.h"
 #include "report.h"
 
 /* --- our own --- */
@@ -95,9 +96,12 @@ static int refuse_foreign(ns_extract_walk *w, const GENinstance *inst) {
 
 static int read_foreign(ns_extract_walk *w, GENinstance *inst) {
     MIFinstance *mif = (MIFinstance *)inst;
+    const char *model = ns_bridge_foreign_model(mif);
+    int status;
+    if (model && ns_bridge_own_models(w, mif, model, &status))
+        return status;
     if (!mif->event_driven)
         return refuse_foreign(w, inst);
-    const char *model = ns_bridge_foreign_model(mif);
     if (!model)
         return ns_bridge_extract_refuse(w, inst, "is of a code model that is not known to this ngspice");
     if (mif->analog && inst->GENmodPtr->GENmodType > ns_bridge_models_any(NULL))

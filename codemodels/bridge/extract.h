@@ -27,6 +27,8 @@ typedef struct ns_own_taken {
     int anode;      /* equation */
     int inside;     /* equation of its node behind rs; 0: there is none */
     double rs;      /* ohm */
+    /* of a switch with VON, VOFF: */
+    double vt;
     /* of M: */
     ns_own_mosfet mosfet;
     int body;     /* the element of its body diode */

@@ -23,7 +23,7 @@ static int refuse_value(ns_extract_walk *w, const GENinstance *inst, const char 
     return ns_bridge_extract_refuse(w, inst, what);
 }
 
-static int keep(ns_extract_walk *w, const ns_own_taken *taken) {
+int ns_bridge_own_keep(ns_extract_walk *w, const ns_own_taken *taken) {
     ns_own_taken *more = realloc(w->ex->own, (size_t)(w->ex->nowns + 1) * sizeof *more);
     if (!more)
         return NS_E_MEMORY;
@@ -34,10 +34,11 @@ static int keep(ns_extract_walk *w, const ns_own_taken *taken) {
 
 /* --- D --- */
 
-/* The line through the diode's own curve at id and 100 id; by its series resistance alone one without it
- * would be none, and contradict every source across it. */
+/* The line through the diode's own curve at id and 1e6 id.  By its series resistance alone, one without it
+ * would contradict every source across it; a nearer point would give it more resistance than a clamp of an
+ * amplifier with a large transconductance stands. */
 static void read_line(const ns_own_diode *d, double id, double *vf, double *ron) {
-    enum { FAR = 100 };
+    enum { FAR = 1000000 };
     const double v = ns_bridge_diode_law_voltage(&d->law, id);
     const double slope = (ns_bridge_diode_law_voltage(&d->law, FAR * id) - v) / ((FAR - 1) * id);
     const double rise = isnan(slope) ? 0.0 : slope;
@@ -61,13 +62,13 @@ static int add_diode(ns_extract_walk *w, GENinstance *inst, const ns_own_diode *
     if (status)
         return status;
     const int hidden = d->inside != d->anode;
-    return keep(w, &(ns_own_taken){.inst = inst,
-                                   .kind = OWN_DIODE,
-                                   .id = id,
-                                   .diode = *ideal,
-                                   .anode = d->anode,
-                                   .inside = hidden ? d->inside : 0,
-                                   .rs = d->rs});
+    return ns_bridge_own_keep(w, &(ns_own_taken){.inst = inst,
+                                                 .kind = OWN_DIODE,
+                                                 .id = id,
+                                                 .diode = *ideal,
+                                                 .anode = d->anode,
+                                                 .inside = hidden ? d->inside : 0,
+                                                 .rs = d->rs});
 }
 
 static ns_diode ideal_of(const ns_extract_walk *w, const ns_own_diode *d, double vf, double ron) {
@@ -154,8 +155,10 @@ static int take_switch(ns_extract_walk *w, GENinstance *inst, const ns_own_switc
     if (status)
         return status;
     ns_bridge_extract_mix(w, numbers, sizeof numbers);
-    return keep(
-        w, &(ns_own_taken){.inst = inst, .id = s->ron == s->roff ? -1 : id, .inverted = s->ron > s->roff});
+    return ns_bridge_own_keep(w, &(ns_own_taken){.inst = inst,
+                                                 .kind = by_current ? OWN_CURRENT_SWITCH : OWN_SWITCH,
+                                                 .id = s->ron == s->roff ? -1 : id,
+                                                 .inverted = s->ron > s->roff});
 }
 
 int ns_bridge_own_switch(ns_extract_walk *w, GENinstance *inst) {
@@ -235,5 +238,5 @@ int ns_bridge_own_mosfet(ns_extract_walk *w, GENinstance *inst) {
     taken.ron = m->series + 1.0 / (m->beta * (taken.drive - m->vth));
     status = add_channel(w, inst, &taken);
     status = status ? status : add_body_diode(w, inst, &taken);
-    return status ? status : keep(w, &taken);
+    return status ? status : ns_bridge_own_keep(w, &taken);
 }

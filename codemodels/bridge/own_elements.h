@@ -7,4 +7,7 @@
 ns_extract_reader ns_bridge_own_diode, ns_bridge_own_switch, ns_bridge_own_current_switch,
     ns_bridge_own_mosfet;
 
+/* Notes what was taken.  A status. */
+int ns_bridge_own_keep(ns_extract_walk *w, const ns_own_taken *taken);
+
 #endif

@@ -43,7 +43,7 @@ void ns_bridge_own_show_states(const ns_analysis *a, CKTcircuit *ckt) {
     int on;
     for (int k = 0; k < a->ex.nowns; k++) {
         const ns_own_taken *o = &a->ex.own[k];
-        if (o->id < 0)
+        if (o->id < 0 || o->kind == OWN_SIDIODE || o->kind == OWN_PSWITCH) /* they show nothing */
             continue;
         read_device(a, o, &i, &v, &on);
         if (o->kind == OWN_MOSFET)
@@ -59,8 +59,8 @@ void ns_bridge_own_show_states(const ns_analysis *a, CKTcircuit *ckt) {
 
 static int are_alike(const ns_own_taken *a, const ns_own_taken *b) {
     return a == b ||
-           ((a->kind != OWN_MOSFET || a->ron == b->ron) && a->inst->GENmodPtr == b->inst->GENmodPtr &&
-            memcmp(&a->diode, &b->diode, sizeof a->diode) == 0);
+           ((a->kind != OWN_MOSFET || a->ron == b->ron) && a->vt == b->vt &&
+            a->inst->GENmodPtr == b->inst->GENmodPtr && memcmp(&a->diode, &b->diode, sizeof a->diode) == 0);
 }
 
 /* How many are like the k-th; 0: one before it is. */
@@ -75,15 +75,22 @@ static int count_alike(const ns_extract *ex, int k) {
     return count;
 }
 
+/* As the user wrote it: ngspice puts an `a` before the names of models that it made code models of. */
+static const char *model_name(const ns_own_taken *o) {
+    const char *name = o->inst->GENmodPtr->GENmodName;
+    const int made = o->kind == OWN_SIDIODE || o->kind == OWN_PSWITCH;
+    return made && name[0] == 'a' && name[1] ? name + 1 : name;
+}
+
 static void announce_diodes(const ns_analysis *a, const ns_own_taken *o, int count) {
     const ns_diode *d = &o->diode;
     char breakdown[60] = "", at[60] = "";
     if (isfinite(d->vz))
         snprintf(breakdown, sizeof breakdown, ", breakdown at %.4g V", d->vz);
-    if (!a->ex.options.zero_diodes)
+    if (o->kind == OWN_DIODE && !a->ex.options.zero_diodes)
         snprintf(at, sizeof at, " (that of its model at %.4g A)", a->ex.options.id);
-    ns_bridge_report_note("D of model %s: %d taken as ideal, vf = %.4g V%s, ron = %.4g ohm%s",
-                          o->inst->GENmodPtr->GENmodName, count, d->vf, at, d->ron, breakdown);
+    ns_bridge_report_note("D of model %s: %d taken as ideal, vf = %.4g V%s, ron = %.4g ohm%s", model_name(o),
+                          count, d->vf, at, d->ron, breakdown);
 }
 
 static void announce_mosfets(const ns_own_taken *o, int count) {
@@ -100,8 +107,12 @@ void ns_bridge_own_announce(const ns_analysis *a) {
         const int count = count_alike(&a->ex, k);
         if (count > 0 && o->kind == OWN_MOSFET)
             announce_mosfets(o, count);
-        else if (count > 0 && o->kind == OWN_DIODE)
+        else if (count > 0 && (o->kind == OWN_DIODE || o->kind == OWN_SIDIODE))
             announce_diodes(a, o, count);
+        else if (count > 0 && o->kind == OWN_PSWITCH)
+            ns_bridge_report_note(
+                "switch of model %s: %d taken as ideal, changing at %.4g, the middle of on and off",
+                model_name(o), count, o->vt);
         else if (count > 0)
             ns_bridge_report_note("%c of model %s: %d taken as %s",
                                   toupper((unsigned char)o->inst->GENname[0]), o->inst->GENmodPtr->GENmodName,

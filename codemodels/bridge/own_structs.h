@@ -7,7 +7,15 @@
 #include "ngspice.h"
 #include "pure/diode_law.h"
 
-typedef enum ns_own_kind { OWN_NONE, OWN_DIODE, OWN_SWITCH, OWN_CURRENT_SWITCH, OWN_MOSFET } ns_own_kind;
+typedef enum ns_own_kind {
+    OWN_NONE,
+    OWN_DIODE,
+    OWN_SWITCH,
+    OWN_CURRENT_SWITCH,
+    OWN_MOSFET,
+    OWN_SIDIODE,
+    OWN_PSWITCH
+} ns_own_kind;
 
 /* OWN_NONE: of a type that is not read (a D of CIDER). */
 ns_own_kind ns_bridge_own_kind(const GENinstance *inst);

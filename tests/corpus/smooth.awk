@@ -2,7 +2,7 @@
 #
 #     awk -f smooth.awk OUTPUT NETLIST    OUTPUT: of the native run, which says them for each model
 
-function value(word,    k) {
+function seconds(word,    k) {
     word = tolower(word)
     if (!match(word, /^[0-9.]+(e[-+]?[0-9]+)?/))
         return 0
@@ -30,10 +30,10 @@ tolower($1) == ".tran" {
     sub(/;.*/, "", line)
     n = split(line, w, /[ \t]+/)
     if (w[n] ~ /^[uU][iI][cC]$/) { uic = " uic"; n-- }
-    most = value(w[3]) / 5000
-    if (value(w[2]) && n >= 3 && w[3] ~ /^[0-9.]/) {
-        if (n >= 5 && value(w[5]) < most) most = value(w[5])
-        print ".tran", w[2], w[3], n >= 4 ? w[4] : 0, most uic
+    most = seconds(w[3]) / 5000
+    if (seconds(w[2]) && n >= 3 && w[3] ~ /^[.0-9]/) {
+        if (n >= 5 && seconds(w[5]) < most) most = seconds(w[5])
+        print ".tran", w[2], w[3], (n >= 4 ? w[4] : 0), most uic
         next
     }
 }
