@@ -185,7 +185,7 @@ static int solve_by_pivoting(ns_mlcp_solver *s, const ns_mode *mode, double *res
 /* Whether there is a proof against an answer of large lambda: its residual is small beside them, which may be
  * much against q. */
 static int is_disproved(ns_mlcp_solver *s, double residual) {
-    return ns_mlcp_huge_multipliers(s, fmax(LARGE, HIDDEN / fmax(residual, DBL_EPSILON))) &&
+    return ns_mlcp_huge_in_a_part(s, fmax(LARGE, HIDDEN / fmax(residual, DBL_EPSILON))) &&
            ns_mlcp_prove(s, NS_AGAINST);
 }
 

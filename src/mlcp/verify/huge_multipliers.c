@@ -47,6 +47,27 @@ int ns_mlcp_huge_multipliers(ns_mlcp_solver *s, double doubt) {
     return measure_sizes(s, &data, &largest) > doubt * data;
 }
 
+int ns_mlcp_huge_in_a_part(ns_mlcp_solver *s, double doubt) {
+    double *data = s->ysize, *answer = s->g; /* of each part */
+    if (s->alike)
+        return ns_mlcp_huge_multipliers(s, doubt);
+    ns_mlcp_units(s);
+    for (int i = 0; i < s->m; i++)
+        data[i] = answer[i] = 0.0;
+    for (int i = 0; i < s->m; i++) {
+        const int row = s->units.part[i], column = ns_mlcp_part_of(s, i);
+        const double size = fabs(s->lambda[i]) / s->units.column[i];
+        if (s->units.rowmax[i] > 0.0)
+            data[row] = fmax(data[row], fabs(s->given.q[i]) / s->units.rowmax[i]);
+        double *to = s->mode[i] == NS_INSIDE ? answer : data;
+        to[column] = fmax(to[column], size);
+    }
+    for (int i = 0; i < s->m; i++)
+        if (answer[i] > doubt * data[i])
+            return 1;
+    return 0;
+}
+
 /* What is wrong with y in row i. */
 static double row_violation(const ns_mlcp_solver *s, int i, double y, double near) {
     const double l = s->p->l[i], u = s->p->u[i], v = s->lambda[i];
