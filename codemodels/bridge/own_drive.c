@@ -13,6 +13,7 @@ enum { DEEPEST = 12 }; /* elements in series */
 
 typedef struct range {
     double low, high; /* V */
+    int switches;     /* a PULSE or PWL is in it */
 } range;
 
 /* A way that is being tried: from a node to `goal` or ground. */
@@ -31,17 +32,17 @@ static void extend(range *r, double value) {
 
 static range range_of(const VSRCinstance *v) {
     const double *c = v->VSRCcoeffs;
-    range r = {v->VSRCdcValue, v->VSRCdcValue};
+    range r = {v->VSRCdcValue, v->VSRCdcValue, 0};
     if (!v->VSRCcoeffsGiven || v->VSRCfunctionOrder < 2)
         return r;
     switch (v->VSRCfunctionType) {
     case PULSE:
     case EXP:
-        return (range){fmin(c[0], c[1]), fmax(c[0], c[1])};
+        return (range){fmin(c[0], c[1]), fmax(c[0], c[1]), v->VSRCfunctionType == PULSE};
     case SINE:
-        return (range){c[0] - fabs(c[1]), c[0] + fabs(c[1])};
+        return (range){c[0] - fabs(c[1]), c[0] + fabs(c[1]), 0};
     case PWL:
-        r = (range){c[1], c[1]};
+        r = (range){c[1], c[1], 1};
         for (int k = 3; k < v->VSRCfunctionOrder; k += 2)
             extend(&r, c[k]);
         return r;
@@ -52,7 +53,7 @@ static range range_of(const VSRCinstance *v) {
 
 /* The nodes of inst, and by how much the first is above the second; 0: it is no wire. */
 static int read_wire(const way *w, const GENinstance *inst, int *p, int *n, range *gap) {
-    *gap = (range){0.0, 0.0};
+    *gap = (range){0.0, 0.0, 0};
     switch (ns_bridge_models_letter(inst)) {
     case 'v': {
         const VSRCinstance *v = (const VSRCinstance *)inst;
@@ -102,8 +103,9 @@ static int go_on(way *w, range *r) {
         const range before = *r;
         if (is_on_way(w, other))
             continue;
-        *r = p == here ? (range){r->low + gap.low, r->high + gap.high}
-                       : (range){r->low - gap.high, r->high - gap.low};
+        r->switches |= gap.switches;
+        r->low += p == here ? gap.low : -gap.high;
+        r->high += p == here ? gap.high : -gap.low;
         w->node[w->count++] = other;
         if (go_on(w, r))
             return 1;
@@ -113,13 +115,15 @@ static int go_on(way *w, range *r) {
     return 0;
 }
 
-double ns_bridge_own_drive(const CKTcircuit *ckt, const ns_own_mosfet *m) {
+int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
     way of_gate = {.ckt = ckt, .goal = m->source, .node = {m->gate}, .count = 1};
     way of_source = {.ckt = ckt, .goal = 0, .along_l = 1, .node = {m->source}, .count = 1};
-    range gate = {0.0, 0.0}, source = {0.0, 0.0};
+    range gate = {0.0, 0.0, 0}, source = {0.0, 0.0, 0};
     if (!go_on(&of_gate, &gate))
-        return NAN;
+        return 0;
     if (of_gate.met == 0 && m->source != 0 && !go_on(&of_source, &source))
-        return NAN;
-    return m->sign > 0 ? gate.high - source.low : source.high - gate.low;
+        return 0;
+    *drive = m->sign > 0 ? (ns_own_drive){gate.low - source.high, gate.high - source.low, gate.switches}
+                         : (ns_own_drive){source.low - gate.high, source.high - gate.low, gate.switches};
+    return 1;
 }

@@ -180,17 +180,24 @@ int ns_bridge_own_current_switch(ns_extract_walk *w, GENinstance *inst) {
 /* --- M --- */
 
 /* What the netlist drives the gate with, or option vgs. */
-static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_mosfet *m, double *drive) {
+static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_mosfet *m, double *volts) {
     static const char too_low[] =
-        "V is the highest of v(gate,source), and not above the threshold: this M is no "
-        "switch, or give vgs";
-    *drive = w->ex->options.vgs;
-    if (isnan(*drive))
-        *drive = ns_bridge_own_drive(w->ckt, m);
-    if (isnan(*drive))
+        "V is the highest of v(gate,source), and not above the threshold: this M is no switch, or give vgs";
+    const ns_bridge_options *o = &w->ex->options;
+    ns_own_drive drive = {NAN, NAN, 0};
+    const int known = ns_bridge_own_find_drive(w->ckt, m, &drive);
+    if (o->mosfets == NS_MOSFETS_DRIVEN &&
+        !(known && drive.switches && drive.low < m->vth && drive.high > m->vth))
+        return ns_bridge_extract_refuse(
+            w, inst,
+            "this M is not plainly a switch: no PULSE or PWL drives its gate, along V and R, from below to "
+            "above its "
+            "threshold; .include nonsmooth_mosfet.inc (mosfet=\"switch\") takes every M as a switch");
+    *volts = isnan(o->vgs) ? drive.high : o->vgs;
+    if (isnan(*volts))
         return ns_bridge_extract_refuse(
             w, inst, "sources do not say how its gate is driven: give vgs, V, in the model nonsmooth");
-    return *drive > m->vth ? NS_OK : refuse_value(w, inst, "drive", *drive, too_low);
+    return *volts > m->vth ? NS_OK : refuse_value(w, inst, "drive", *volts, too_low);
 }
 
 static int add_body_diode(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken) {
@@ -222,10 +229,10 @@ int ns_bridge_own_mosfet(ns_extract_walk *w, GENinstance *inst) {
     ns_own_taken taken = {.inst = inst, .kind = OWN_MOSFET, .id = -1, .body = -1};
     const ns_own_mosfet *m = &taken.mosfet;
     if (!w->ex->options.mosfets)
-        return ns_bridge_extract_refuse(
-            w, inst,
-            "M elements are taken, as switches, only with mosfet=\"switch\" in a model "
-            "nonsmooth, as .include nonsmooth_mosfet.inc sets it");
+        return ns_bridge_extract_refuse(w, inst,
+                                        "M elements are taken, as switches, only with mosfet=\"driven\" or "
+                                        "\"switch\" in a model nonsmooth, as "
+                                        ".include nonsmooth.inc sets it");
     if (ns_bridge_own_kind(inst) != OWN_MOSFET)
         return ns_bridge_extract_refuse(
             w, inst, "only M elements of a model VDMOS or of level 1 are taken as switches");

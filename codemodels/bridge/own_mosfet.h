@@ -26,9 +26,14 @@ void ns_bridge_own_read_mosfet(const GENinstance *inst, ns_own_mosfet *m);
  * value: by equation. */
 void ns_bridge_own_write_mosfet(GENinstance *inst, CKTcircuit *ckt, double amperes, const double *value);
 
-/* The highest voltage of v(gate,source) times sign, V, as sources give it: what V and R connect the gate
- * with, against what V, R and L connect the source with.  NAN: that leads to neither ground nor each other.
- */
-double ns_bridge_own_drive(const CKTcircuit *ckt, const ns_own_mosfet *m);
+/* Of v(gate,source) times sign. */
+typedef struct ns_own_drive {
+    double low, high; /* V */
+    int switches;     /* PULSE or PWL drives it */
+} ns_own_drive;
+
+/* What sources drive the gate with: what V and R connect it with, against what V, R and L connect the source
+ * with.  0: that leads to neither ground nor each other. */
+int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive);
 
 #endif

@@ -61,10 +61,16 @@ static int read_diode(const ns_options_given *given, ns_bridge_options *o, char 
 }
 
 static int read_mosfet(const ns_options_given *given, ns_bridge_options *o, char *line, size_t size) {
-    o->mosfets = given->mosfet && strcmp(given->mosfet, "switch") == 0;
-    if (!given->mosfet || o->mosfets || strcmp(given->mosfet, "none") == 0)
-        return NS_OK;
-    snprintf(line, size, "%s: mosfet = \"%s\" must be \"none\" or \"switch\"", given->name, given->mosfet);
+    static const char *const words[] = {
+        [NS_MOSFETS_NONE] = "none", [NS_MOSFETS_DRIVEN] = "driven", [NS_MOSFETS_ALL] = "switch"};
+    for (int k = 0; k < 3; k++) {
+        if (strcmp(given->mosfet ? given->mosfet : "none", words[k]) == 0) {
+            o->mosfets = (ns_mosfets)k;
+            return NS_OK;
+        }
+    }
+    snprintf(line, size, "%s: mosfet = \"%s\" must be \"none\", \"driven\" or \"switch\"", given->name,
+             given->mosfet);
     return NS_E_RANGE;
 }
 

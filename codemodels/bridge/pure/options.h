@@ -4,6 +4,13 @@
 
 #include "nonsmooth/march.h"
 
+/* Which M are taken, as switches. */
+typedef enum ns_mosfets {
+    NS_MOSFETS_NONE,
+    NS_MOSFETS_DRIVEN, /* that sources switch on and off */
+    NS_MOSFETS_ALL
+} ns_mosfets;
+
 typedef struct ns_bridge_options {
     ns_method method;
     double h; /* s, 0: chosen by the sources and the run */
@@ -17,7 +24,7 @@ typedef struct ns_bridge_options {
     int take_switches, take_diodes; /* ngspice's own S and W, D, as ideal ones */
     int zero_diodes;                /* D without vf and ron; else its own: */
     double id;                      /* A: where its vf is read */
-    int mosfets;                    /* M too, as switches */
+    ns_mosfets mosfets;             /* M too, as switches */
     double vgs;                     /* V, of their drive; NAN: as the netlist drives them */
     int cjo;                        /* junction capacitances of D are taken */
 } ns_bridge_options;

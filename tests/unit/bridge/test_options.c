@@ -77,7 +77,7 @@ static void all_parameters_are_taken(void **state) {
     assert_true(o.h == 1e-6 && o.reltol == 1e-4 && o.theta == 0.5 && o.gamma == 0.75);
     assert_true(o.verbose == 1 && o.corners == 0 && o.grid == 1 && o.lines == 1e-3);
     assert_true(o.take_switches && o.take_diodes && o.zero_diodes && o.id == 2 && o.cjo == 1);
-    assert_true(o.mosfets && o.vgs == 5);
+    assert_true(o.mosfets == NS_MOSFETS_ALL && o.vgs == 5);
 }
 
 static void part_of_the_devices_is_taken(void **state) {
@@ -98,9 +98,12 @@ static void part_of_the_devices_is_taken(void **state) {
     given.diode = NULL;
     given.mosfet = "none";
     assert_taken(&given, &o);
-    assert_true(!o.mosfets && isnan(o.vgs));
+    assert_true(o.mosfets == NS_MOSFETS_NONE && isnan(o.vgs));
+    given.mosfet = "driven";
+    assert_taken(&given, &o);
+    assert_true(o.mosfets == NS_MOSFETS_DRIVEN);
     given.mosfet = "on";
-    assert_refused(&given, "aopt: mosfet = \"on\" must be \"none\" or \"switch\"");
+    assert_refused(&given, "aopt: mosfet = \"on\" must be \"none\", \"driven\" or \"switch\"");
 }
 
 static void every_method_has_its_word(void **state) {
