@@ -11,11 +11,6 @@
 #include "spicelib/devices/vccs/vccsdefs.h"
 #include "spicelib/devices/vcvs/vcvsdefs.h"
 
-/* The element whose current equation eq stands for, -1 if it was not read (yet). */
-static int element_of(const ns_extract_walk *w, int eq) {
-    return eq > 0 && eq < w->ex->neq ? w->ex->element[eq] : -1;
-}
-
 int ns_bridge_elements_resistor(ns_extract_walk *w, GENinstance *inst) {
     const RESinstance *r = (const RESinstance *)inst;
     const double ohms = 1.0 / r->RESconduct; /* m, scale and temperature are in it */
@@ -50,8 +45,8 @@ int ns_bridge_elements_coupling(ns_extract_walk *w, GENinstance *inst) {
     const MUTinstance *k = (const MUTinstance *)inst;
     const INDinstance *l1 = k->MUTind1;
     const INDinstance *l2 = k->MUTind2;
-    const int id1 = element_of(w, l1->INDbrEq);
-    const int id2 = element_of(w, l2->INDbrEq);
+    const int id1 = ns_bridge_extract_element(w, l1->INDbrEq);
+    const int id2 = ns_bridge_extract_element(w, l2->INDbrEq);
     double coupling;
     w->ex->couplings = inst->GENmodPtr->GENmodType;
     if (id1 < 0 || id2 < 0)
@@ -84,7 +79,7 @@ int ns_bridge_elements_vccs(ns_extract_walk *w, GENinstance *inst) {
 
 int ns_bridge_elements_cccs(ns_extract_walk *w, GENinstance *inst) {
     const CCCSinstance *f = (const CCCSinstance *)inst;
-    const int by = element_of(w, f->CCCScontBranch);
+    const int by = ns_bridge_extract_element(w, f->CCCScontBranch);
     if (by < 0)
         return EXTRACT_LATER;
     ns_bridge_extract_mix(w, &f->CCCScoeff, sizeof f->CCCScoeff);
@@ -94,7 +89,7 @@ int ns_bridge_elements_cccs(ns_extract_walk *w, GENinstance *inst) {
 
 int ns_bridge_elements_ccvs(ns_extract_walk *w, GENinstance *inst) {
     const CCVSinstance *h = (const CCVSinstance *)inst;
-    const int by = element_of(w, h->CCVScontBranch);
+    const int by = ns_bridge_extract_element(w, h->CCVScontBranch);
     int id = -1;
     int status;
     if (by < 0)

@@ -40,6 +40,10 @@ int ns_bridge_extract_refuse(ns_extract_walk *w, const GENinstance *inst, const 
     return EXTRACT_REFUSED;
 }
 
+int ns_bridge_extract_element(const ns_extract_walk *w, int eq) {
+    return eq > 0 && eq < w->ex->neq ? w->ex->element[eq] : -1;
+}
+
 void ns_bridge_extract_current(ns_extract_walk *w, int eq, int id) {
     if (eq > 0 && eq < w->ex->neq)
         w->ex->element[eq] = id;

@@ -28,6 +28,9 @@ void ns_bridge_extract_users_name(const ns_extract_walk *w, const GENinstance *i
 /* Refuses inst: keeps the line "<name>: <what>".  EXTRACT_REFUSED. */
 int ns_bridge_extract_refuse(ns_extract_walk *w, const GENinstance *inst, const char *what);
 
+/* The element whose current equation eq stands for, -1: none, or it was not read yet. */
+int ns_bridge_extract_element(const ns_extract_walk *w, int eq);
+
 /* Notes that equation eq (0: none) stands for the current of element id. */
 void ns_bridge_extract_current(ns_extract_walk *w, int eq, int id);
 

@@ -125,17 +125,18 @@ static int add_voltage_switch(const ns_extract_walk *w, const GENinstance *inst,
 }
 
 static int add_current_switch(ns_extract_walk *w, const GENinstance *inst, const ns_own_switch *s, int *id) {
-    const ns_switch ideal = {.vt = threshold_of(s), .vh = s->vh, .ron = s->ron, .roff = s->roff};
-    const int eq = s->branch;
-    const int by = eq > 0 && eq < w->ex->neq ? w->ex->element[eq] : -1;
+    const int opens = s->ron > s->roff;
+    const double gain = opens ? -1.0 : 1.0;
+    const ns_switch ideal = {.vt = gain * threshold_of(s),
+                             .vh = s->vh,
+                             .ron = fmin(s->ron, s->roff),
+                             .roff = fmax(s->ron, s->roff)};
+    const int by = ns_bridge_extract_element(w, s->branch);
     if (by < 0)
         return EXTRACT_LATER;
-    if (s->ron > s->roff)
-        return refuse_value(w, inst, "ron", s->ron,
-                            "above roff is not supported for W: exchange them and its control");
     const int status =
-        ns_circuit_switch_by_current(w->ex->circuit, inst->GENname, s->p, s->n, by, &ideal, id);
-    return status ? status : ns_circuit_switch_initially(w->ex->circuit, *id, s->closed);
+        ns_circuit_switch_by_current(w->ex->circuit, inst->GENname, s->p, s->n, by, gain, &ideal, id);
+    return status ? status : ns_circuit_switch_initially(w->ex->circuit, *id, opens != s->closed);
 }
 
 static int take_switch(ns_extract_walk *w, GENinstance *inst, const ns_own_switch *s, int by_current) {

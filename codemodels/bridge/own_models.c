@@ -68,13 +68,14 @@ static int read_sidiode(ns_extract_walk *w, MIFinstance *inst) {
 /* --- pswitch, aswitch --- */
 
 /* It has some resistance in between, on a scale of logarithms or of ohms; as ideal it changes in the middle.
- */
-static ns_switch read_values(const MIFinstance *inst) {
-    const double on = ns_bridge_models_real(inst, SWITCH_ON_AT),
-                 off = ns_bridge_models_real(inst, SWITCH_OFF_AT);
-    return (ns_switch){.vt = 0.5 * (on + off),
-                       .ron = ns_bridge_models_real(inst, SWITCH_R_ON),
-                       .roff = ns_bridge_models_ohms(inst, SWITCH_R_OFF)};
+ * *opens: where the control rises. */
+static ns_switch read_values(const MIFinstance *inst, int *opens) {
+    const double on_at = ns_bridge_models_real(inst, SWITCH_ON_AT);
+    const double off_at = ns_bridge_models_real(inst, SWITCH_OFF_AT);
+    const double on = ns_bridge_models_real(inst, SWITCH_R_ON),
+                 off = ns_bridge_models_ohms(inst, SWITCH_R_OFF);
+    *opens = (on_at < off_at) != (on > off);
+    return (ns_switch){.vt = 0.5 * (on_at + off_at), .ron = fmin(on, off), .roff = fmax(on, off)};
 }
 
 static int add_by_voltage(const ns_extract_walk *w, const MIFinstance *inst, ns_switch *s, int opens,
@@ -86,23 +87,22 @@ static int add_by_voltage(const ns_extract_walk *w, const MIFinstance *inst, ns_
                              opens ? control->pos_node : control->neg_node, s, id);
 }
 
-static int add_by_current(ns_extract_walk *w, const MIFinstance *inst, const ns_switch *s, int opens,
-                          int *id) {
+static int add_by_current(ns_extract_walk *w, const MIFinstance *inst, ns_switch *s, int opens, int *id) {
     const Mif_Smp_Ptr_t *at = port_of(inst, OUTPUT);
-    const int eq = port_of(inst, CONTROL)->ibranch;
-    const int by = eq > 0 && eq < w->ex->neq ? w->ex->element[eq] : -1;
-    if (opens)
-        return refuse(w, inst, "a W with ION below IOFF is not supported: exchange the nodes of its source");
+    const int by = ns_bridge_extract_element(w, port_of(inst, CONTROL)->ibranch);
+    s->vt = opens ? -s->vt : s->vt;
     if (by < 0)
         return EXTRACT_LATER;
-    return ns_circuit_switch_by_current(w->ex->circuit, inst->MIFname, at->pos_node, at->neg_node, by, s, id);
+    return ns_circuit_switch_by_current(w->ex->circuit, inst->MIFname, at->pos_node, at->neg_node, by,
+                                        opens ? -1.0 : 1.0, s, id);
 }
 
 static int read_switch(ns_extract_walk *w, MIFinstance *inst) {
     const Mif_Port_Type_t control = inst->conn[CONTROL]->port[0]->type;
     const int by_current = control == MIF_VSOURCE_CURRENT;
-    const int opens = ns_bridge_models_real(inst, SWITCH_ON_AT) < ns_bridge_models_real(inst, SWITCH_OFF_AT);
-    ns_switch s = read_values(inst);
+    int opens;
+    ns_switch s = read_values(inst, &opens);
+    const double middle = s.vt;
     int id = -1;
     if (!w->ex->options.take_switches)
         return refuse(
@@ -112,13 +112,14 @@ static int read_switch(ns_extract_walk *w, MIFinstance *inst) {
     if (control == MIF_CURRENT || control == MIF_DIFF_CURRENT)
         return refuse(w, inst, "a switch controlled by a current of its own is not supported: use %vnam");
     ns_bridge_extract_mix(w, &s, sizeof s);
+    if (s.ron == s.roff)
+        return ns_circuit_resistor(w->ex->circuit, inst->MIFname, port_of(inst, OUTPUT)->pos_node,
+                                   port_of(inst, OUTPUT)->neg_node, s.ron, NULL);
     const int status =
         by_current ? add_by_current(w, inst, &s, opens, &id) : add_by_voltage(w, inst, &s, opens, &id);
     return status ? status
-                  : ns_bridge_own_keep(w, &(ns_own_taken){.inst = &inst->gen,
-                                                          .kind = OWN_PSWITCH,
-                                                          .id = id,
-                                                          .vt = opens && !by_current ? -s.vt : s.vt});
+                  : ns_bridge_own_keep(
+                        w, &(ns_own_taken){.inst = &inst->gen, .kind = OWN_PSWITCH, .id = id, .vt = middle});
 }
 
 int ns_bridge_own_models(ns_extract_walk *w, MIFinstance *inst, const char *model, int *status) {

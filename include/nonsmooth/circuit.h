@@ -76,9 +76,10 @@ int ns_circuit_linear(ns_circuit *c, const char *name, ns_output kind, int p, in
 int ns_circuit_diode(ns_circuit *c, const char *name, int anode, int cathode, const ns_diode *d, int *id);
 int ns_circuit_switch(ns_circuit *c, const char *name, int p, int n, int cp, int cn, const ns_switch *s,
                       int *id);
-/* Its control is the current (A) of element `by`, which has a current unknown; vt and vh of *s are in A. */
-int ns_circuit_switch_by_current(ns_circuit *c, const char *name, int p, int n, int by, const ns_switch *s,
-                                 int *id);
+/* Its control is gain times the current (A) of element `by`, which has a current unknown; vt and vh of *s are
+ * in A. */
+int ns_circuit_switch_by_current(ns_circuit *c, const char *name, int p, int n, int by, double gain,
+                                 const ns_switch *s, int *id);
 /* At a start, a switch whose control is between vt-vh and vt+vh is closed (1) or open (0, the default).
  * Errors: NULL, SIZE (id is no switch). */
 int ns_circuit_switch_initially(ns_circuit *c, int id, int closed);

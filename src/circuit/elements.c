@@ -329,14 +329,15 @@ int ns_circuit_switch(ns_circuit *c, const char *name, int p, int n, int cp, int
     return status ? status : add_switch(c, &e, s, id);
 }
 
-int ns_circuit_switch_by_current(ns_circuit *c, const char *name, int p, int n, int by, const ns_switch *s,
-                                 int *id) {
+int ns_circuit_switch_by_current(ns_circuit *c, const char *name, int p, int n, int by, double gain,
+                                 const ns_switch *s, int *id) {
     element e;
     int status = start_element(c, &e, SWITCH, name, 2, (int[]){p, n});
-    if (status || (status = check_current(c, name, by))) {
+    if (status || (status = check_current(c, name, by)) || (status = check_finite(c, name, "gain", gain))) {
         return status;
     }
     e.by[0] = by;
+    e.value = gain;
     return add_switch(c, &e, s, id);
 }
 

@@ -252,7 +252,7 @@ static int stamp_state_control(const stamp *to, const element *e) {
         return status;
     }
     if (e->by[0] >= 0) {
-        ns_circuit_stamp_add(to, IN_GX, ns_circuit_current_unknown(to->c, e->by[0]), e->command, 1);
+        ns_circuit_stamp_add(to, IN_GX, ns_circuit_current_unknown(to->c, e->by[0]), e->command, e->value);
         return NS_OK;
     }
     ns_circuit_stamp_add(to, IN_GX, ns_circuit_node_unknown(to->c, e->node[2]), e->command, 1);

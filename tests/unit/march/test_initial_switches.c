@@ -93,20 +93,24 @@ static void refused(void **unused) {
     assert_int_equal(ns_circuit_switch_initially(NULL, 0, 1), NS_E_NULL);
     assert_int_equal(ns_circuit_switch_initially(c, 0, 1), NS_E_SIZE);
     assert_int_equal(ns_circuit_switch_initially(c, 99, 1), NS_E_SIZE);
-    assert_int_equal(ns_circuit_switch_by_current(c, "w1", 1, 2, 99, &s, NULL), NS_E_SIZE);
-    assert_int_equal(ns_circuit_switch_by_current(c, "w1", 1, 2, 2, &s, NULL),
+    assert_int_equal(ns_circuit_switch_by_current(c, "w1", 1, 2, 99, 1, &s, NULL), NS_E_SIZE);
+    assert_int_equal(ns_circuit_switch_by_current(c, "w1", 1, 2, 2, 1, &s, NULL),
                      NS_E_SIZE); /* r2: no unknown */
-    assert_int_equal(ns_circuit_switch_by_current(c, "w1", 1, 2, 0, NULL, NULL), NS_E_NULL);
+    assert_int_equal(ns_circuit_switch_by_current(c, "w1", 1, 2, 0, 1, NULL, NULL), NS_E_NULL);
+    assert_int_equal(ns_circuit_switch_by_current(c, "w1", 1, 2, 0, NAN, &s, NULL), NS_E_NUMBER);
     ns_circuit_free(c);
 }
 
-/* 1 V onto 1 mH: a current of 1 A/ms through v1.  The switch closes at 3 A and pulls node 2 from 6 V to 3 V.
+/* 1 V onto 1 mH: a current of 1 A/ms through v1, forwards or (with gain -1) backwards.  The switch closes at
+ * 3 A and pulls node 2 from 6 V to 3 V.
  */
 static void by_current(void **unused) {
     (void)unused;
-    const ns_signal one = {.kind = NS_DC, .u.dc = -1}, supply = {.kind = NS_DC, .u.dc = 6};
+    const ns_signal supply = {.kind = NS_DC, .u.dc = 6};
     const ns_switch s = {2, 1, 1, INFINITY};
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 8; k++) {
+        const int sign = k >= 4 ? -1 : 1;
+        const ns_signal one = {.kind = NS_DC, .u.dc = -sign};
         bench b;
         ns_circuit *c;
         int v1;
@@ -115,12 +119,12 @@ static void by_current(void **unused) {
         assert_int_equal(ns_circuit_inductor(c, "l1", 1, 0, 1e-3, NAN, NULL), NS_OK);
         assert_int_equal(ns_circuit_source(c, "v2", NS_VOLTAGE, 3, 0, &supply, NULL), NS_OK);
         assert_int_equal(ns_circuit_resistor(c, "r1", 3, 2, 1, NULL), NS_OK);
-        assert_int_equal(ns_circuit_switch_by_current(c, "w1", 2, 0, v1, &s, NULL), NS_OK);
-        make(&b, c, methods[k]);
+        assert_int_equal(ns_circuit_switch_by_current(c, "w1", 2, 0, v1, sign, &s, NULL), NS_OK);
+        make(&b, c, methods[k % 4]);
         start(&b, 1);
         const double early = volts_at(&b, 2, 2.999e-3), late = volts_at(&b, 2, 3.001e-3);
         if (!(fabs(early - 6) < 1e-9) || !(fabs(late - 3) < 1e-9))
-            fail_msg("method %d: %g V, then %g V", (int)methods[k], early, late);
+            fail_msg("method %d: %g V, then %g V", (int)methods[k % 4], early, late);
         clear(&b);
     }
 }
