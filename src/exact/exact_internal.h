@@ -8,6 +8,7 @@
  *   mode_selection.c  which mode follows               periodic_map.c    records a period of the sources
  *   periodic_replay.c repeats that period              sliding.c         modes in which a switch slides
  *   sample.c          a point on the way of a trial    create.c          this struct
+ *   charge_rates.c    what an Euler step adds to the charges
  */
 #ifndef NS_EXACT_INTERNAL_H
 #define NS_EXACT_INTERNAL_H

@@ -143,27 +143,6 @@ static void fill_inputs(const ns_input_states *e, double g, const ns_kernel_work
     }
 }
 
-/* D w from rates: g (A x + B lambda + E z + b) on the differential rows. */
-static void fill_rates(const ns_theta *s, const ns_map *map, const ns_kernel_work *b) {
-    const int n = s->s->n, m = s->s->m, r = s->r;
-    for (int k = 0; k < s->q; k++) {
-        const double *x = map->full + (size_t)k * (size_t)(n + m);
-        for (int i = 0; i < r; i++) {
-            double sum = k == s->q - 1 ? s->b[i] : k >= r ? s->E[i + (k - r) * n] : 0, terms = fabs(sum);
-            for (int j = 0; j < n; j++) {
-                sum += s->A[i + j * n] * x[j];
-                terms += fabs(s->A[i + j * n] * x[j]);
-            }
-            for (int j = 0; j < m; j++) {
-                sum += s->B[i + j * n] * x[n + j];
-                terms += fabs(s->B[i + j * n] * x[n + j]);
-            }
-            b->rates[i + k * r] = map->h * sum;
-            b->terms[i + k * r] = map->h * terms;
-        }
-    }
-}
-
 static void fill_pair_rows(const ns_theta *s, const ns_map *map, int rows, const ns_kernel_work *b) {
     for (int k = 0; k < s->q; k++)
         for (int g = 0; g < map->guards; g++) {
@@ -292,7 +271,7 @@ static int fill_kernel(ns_theta *s, const ns_input_states *e, const ns_map *map,
     }
     double *D = G + (size_t)k->rows * q, *terms = D + (size_t)k->r * q, *noise = terms + (size_t)k->r * q;
     fill_inputs(e, k->g, &b);
-    fill_rates(s, map, &b);
+    ns_exact_kernel_charge_rates(s, map, b.rates, b.terms);
     fill_pair_rows(s, map, k->rows, &b);
     ns_exact_sliding_fill(s, map, mode, k->rows, b.rows + map->guards, b.noise + map->guards);
     fill_control_rows(s, map, mode, k->pair_rows, k->rows, &b);

@@ -48,6 +48,9 @@ typedef struct ns_mode_kernel {
  */
 int ns_exact_kernel_build(ns_theta *s, const ns_input_states *e, double g, const ns_mode *mode,
                           ns_mode_kernel **out);
+/* charge_rates.c: D w of an Euler step by the inputs of its map: rates, and size: of the terms they are
+ * summed from (r*q of the map, each). */
+void ns_exact_kernel_charge_rates(const ns_theta *s, const ns_map *map, double *rates, double *size);
 /* output_map.c: makes `now`.  Errors: MEMORY. */
 int ns_exact_output_map(const ns_theta *s, const ns_input_states *e, ns_mode_kernel *k);
 void ns_exact_kernel_free(ns_mode_kernel *kernel); /* NULL is allowed */

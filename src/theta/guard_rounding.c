@@ -38,21 +38,12 @@ static void fill_functionals(ns_theta *s, const ns_map *map, int nj) {
     }
 }
 
-/* The places of what is not zero, every `step` numbers, into list; how many. */
-static int nonzeros(int count, const double *from, int step, int *list) {
-    int found = 0;
-    for (int i = 0; i < count; i++)
-        if (from[(size_t)i * (size_t)step] != 0)
-            list[found++] = i;
-    return found;
-}
-
 /* Guard g, c_g, in row g of the rounding: |c_g| |X_k|, a fraction of the same with every X_ik as large as the
  * largest (largest, q), and |c_g E_k|/eps. */
 static void fill_row(const ns_theta *s, ns_map *map, int size, int g, double fraction,
                      const double *largest) {
     const double *c = s->Z + (size_t)g * (size_t)size, *unit = ns_linalg_lu_units(s->lu);
-    const int count = nonzeros(size, c, 1, s->list);
+    const int count = ns_theta_refine_nonzeros(size, c, 1, s->list);
     double units = 0;
     for (int i = 0; i < count; i++)
         units += fabs(c[s->list[i]]) * unit[s->list[i]];
@@ -68,26 +59,10 @@ static void fill_row(const ns_theta *s, ns_map *map, int size, int g, double fra
     }
 }
 
-/* R = rhs - K X, summed up in long double. */
-static void form_residual(ns_theta *s, int size) {
-    for (int i = 0; i < size; i++) {
-        const double *row = s->K + i;
-        const int count = nonzeros(size, row, size, s->list);
-        for (int k = 0; k < s->q; k++) {
-            const double *x = s->X + (size_t)k * (size_t)size;
-            double *r = s->R + (size_t)i + (size_t)k * (size_t)size;
-            long double sum = *r;
-            for (int j = 0; j < count; j++)
-                sum -= (long double)row[(size_t)s->list[j] * (size_t)size] * x[s->list[j]];
-            *r = (double)sum;
-        }
-    }
-}
-
 /* R becomes E. */
-static void solve_for_error(ns_theta *s, const ns_leaks *leaks, int size) {
+static void solve_for_error(ns_theta *s, const ns_leaks *leaks, int size, int exactly) {
     double *more = s->R + (size_t)size * (size_t)s->q;
-    form_residual(s, size);
+    ns_theta_refine_residual(s, size, exactly, s->R);
     ns_linalg_lu_solve(s->lu, s->q, s->R);
     for (int k = 0; leaks && k < s->q; k++) {
         double *e = s->R + (size_t)k * (size_t)size;
@@ -112,11 +87,12 @@ static double d_rounding(const ns_theta *s, int nj, int i, int k) {
     return sum + fabs(off) / DBL_EPSILON;
 }
 
-void ns_theta_map_rounding(ns_theta *s, ns_map *map, const ns_leaks *leaks, int nj, double fraction) {
+void ns_theta_map_rounding(ns_theta *s, ns_map *map, const ns_leaks *leaks, int nj, int exactly,
+                           double fraction) {
     const int size = s->s->n + nj;
     double *largest = s->R + (size_t)size * (size_t)s->q; /* q */
     fill_functionals(s, map, nj);
-    solve_for_error(s, leaks, size);
+    solve_for_error(s, leaks, size, exactly);
     for (int k = 0; k < s->q; k++)
         largest[k] = ns_linalg_lu_largest(s->lu, s->X + (size_t)k * (size_t)size);
     for (int g = 0; g < map->guards; g++)

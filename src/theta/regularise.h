@@ -27,7 +27,9 @@ int ns_theta_leak_solve(ns_theta *s, const ns_leaks *leaks, int nj, int nrhs);
 void ns_theta_leak_times(const ns_theta *s, const ns_leaks *leaks, const double *x, double *out);
 
 /* guard_rounding.c: the rounding of a map, after (P2) was solved: s->K, s->X and the factors; s->R holds the
- * right-hand sides; leaks: NULL, or those in the factors; fraction: see ns_theta_map_build(). */
-void ns_theta_map_rounding(ns_theta *s, ns_map *map, const ns_leaks *leaks, int nj, double fraction);
+ * right-hand sides; leaks: NULL, or those in the factors; exactly: as ns_theta_refine_residual(); fraction:
+ * see ns_theta_map_build(). */
+void ns_theta_map_rounding(ns_theta *s, ns_map *map, const ns_leaks *leaks, int nj, int exactly,
+                           double fraction);
 
 #endif

@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What the second refinement may still move: far above rounding, far below what a pivot of rounding does. */
+/* What the last refinement may still move: far above rounding, far below what a pivot of rounding does. */
 static const double moved_max = 1e-10;
 /* Below, K may be singular but for rounding; with pivots that differ by less, what an estimate of the
  * condition could show, the refinement shows too. */
@@ -160,57 +160,33 @@ static ns_map *map_create(const ns_theta *s, const ns_mode *mode) {
     return map;
 }
 
-/* Two steps of refinement: errors of X become small against the terms of each row rather than against the
- * largest number about, so that a voltage of zero beside one of 1 V comes out as zero.  Returns what the
- * second one still moved, relative to X: rounding if K is regular, everything if a pivot was only rounding.
- */
-static double refine_columns(ns_theta *s, int size) {
-    const size_t count = (size_t)size * (size_t)s->q;
-    double *residual = s->R + count, moved = 0;
-    for (int round = 0; round < 2; round++) {
-        for (size_t i = 0; i < count; i++)
-            residual[i] = -s->R[i];
-        for (int k = 0; k < s->q; k++)
-            ns_linalg_matvec_add(size, size, s->K, s->X + (size_t)k * (size_t)size,
-                                 residual + (size_t)k * (size_t)size);
-        ns_linalg_lu_solve(s->lu, s->q, residual);
-        for (size_t i = 0; i < count; i++)
-            s->X[i] -= residual[i];
-    }
-    for (int k = 0; k < s->q; k++) {
-        const double of = ns_linalg_lu_largest(s->lu, s->X + (size_t)k * (size_t)size);
-        const double by = ns_linalg_lu_largest(s->lu, residual + (size_t)k * (size_t)size);
-        if (!(by <= moved * of))
-            moved = by / of;
-    }
-    return moved;
-}
-
 /* X from the right-hand sides in R.  K's condition is that of its scaling; whether its factors are good for
  * anything shows in the refinement. */
-static int solve_factored(ns_theta *s, int size) {
+static int solve_factored(ns_theta *s, int size, int *exactly) {
     memcpy(s->X, s->R, sizeof(double) * (size_t)size * (size_t)s->q);
     ns_linalg_lu_solve(s->lu, s->q, s->X);
-    return refine_columns(s, size) <= moved_max ? NS_OK : NS_E_SINGULAR;
+    return ns_theta_refine(s, size, exactly) <= moved_max ? NS_OK : NS_E_SINGULAR;
 }
 
 /* X from the right-hand sides in R.  A pivot that is only rounding can pass for one, with an X of any size
  * in the null space; leaks show it, as they determine what the null space does not and leave the rest alone.
  * *leaky: there are leaks in the factors. */
-static int solve_columns(ns_theta *s, const ns_leaks *leaks, int nj, int *leaky) {
+static int solve_columns(ns_theta *s, const ns_leaks *leaks, int nj, int *leaky, int *exactly) {
     const int size = s->s->n + nj;
-    *leaky = 0;
+    *leaky = *exactly = 0;
     s->counts.factors++;
     const int regular = ns_linalg_lu_factor(s->lu, size, s->K, NULL, NULL);
     if (regular != NS_OK && regular != NS_E_SINGULAR)
         return regular;
     if (regular == NS_OK &&
         (ns_linalg_lu_pivots(s->lu) >= pivots_min || ns_linalg_lu_rcond(s->lu) >= rcond_min) &&
-        solve_factored(s, size) == NS_OK)
+        solve_factored(s, size, exactly) == NS_OK)
         return NS_OK;
     memcpy(s->X, s->R, sizeof(double) * (size_t)size * (size_t)s->q);
     const int status = ns_theta_leak_solve(s, leaks, nj, s->q);
-    *leaky = status == NS_OK;
+    *leaky = *exactly = status == NS_OK;
+    if (*leaky)
+        (void)ns_theta_refine_exactly(s, size);
     return status;
 }
 
@@ -218,11 +194,11 @@ int ns_theta_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode,
                        ns_map **out) {
     const int nj = ns_theta_map_matrix(s, h, implicit, mode);
     const ns_leaks leaks = {mode, implicit ? h : h * s->theta, s->leak};
-    int leaky;
+    int leaky, exactly;
     *out = NULL;
     ns_theta_forget_failure(s); /* K is used */
     form_columns(s, h, implicit, mode, nj, s->R);
-    const int status = solve_columns(s, &leaks, nj, &leaky);
+    const int status = solve_columns(s, &leaks, nj, &leaky, &exactly);
     if (status != NS_OK)
         return status;
     ns_map *map = map_create(s, mode);
@@ -232,7 +208,7 @@ int ns_theta_map_build(ns_theta *s, double h, int implicit, const ns_mode *mode,
     map->implicit = implicit;
     fill_full(s, map, nj);
     fill_step(s, map);
-    ns_theta_map_rounding(s, map, leaky ? &leaks : NULL, nj, fraction);
+    ns_theta_map_rounding(s, map, leaky ? &leaks : NULL, nj, exactly, fraction);
     s->counts.maps++;
     *out = map;
     return NS_OK;

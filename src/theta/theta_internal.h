@@ -117,6 +117,25 @@ void ns_theta_map_free(ns_map *map);
 /* K of (P2) in s->K, the pairs inside in s->inside; their number. */
 int ns_theta_map_matrix(ns_theta *s, double h, int implicit, const ns_mode *mode);
 
+/* --- refine.c: K of (P2) in s->K, its factors, right-hand sides in s->R, solutions in s->X --- */
+
+/* Two steps of refinement: errors of X become small against the terms of each row rather than against the
+ * largest number about, so that a voltage of zero beside one of 1 V comes out as zero.  Where the first one
+ * shows that digits are lost (*exactly), steps as below.  Returns what the last step still moved, relative to
+ * X: rounding if K is regular, everything if a pivot was only rounding. */
+double ns_theta_refine(ns_theta *s, int size, int *exactly);
+
+/* Steps with exact residuals, one, and more while they converge: errors become rounding of each unknown, so
+ * that a capacitor of 1 pF in series with 100 uF has the voltage of its own charge. */
+double ns_theta_refine_exactly(ns_theta *s, int size);
+
+/* The places of what is not zero, every `step` numbers, into list; how many. */
+int ns_theta_refine_nonzeros(int count, const double *from, int step, int *list);
+
+/* residual ((n+nj)*q): right-hand sides, which become rhs - K X; summed up in long double, or (exactly) with
+ * twice the digits of a double.  Uses s->list. */
+void ns_theta_refine_residual(ns_theta *s, int size, int exactly, double *residual);
+
 /* --- guards.c --- */
 
 /* How many guards pair j has in a mode; how many the mode has. */
