@@ -346,6 +346,15 @@ stress: deps ## random problems, random converters and networks: every class, ev
 	@echo "== stress_mlcp"; OPENBLAS_NUM_THREADS=1 build/bench/tests/stress/stress_mlcp $(STRESS_MLCP)
 	@echo "== stress_circuits"; OPENBLAS_NUM_THREADS=1 STRESS_SECONDS=$(STRESS_SECONDS) build/bench/tests/stress/stress_circuits
 
+# --- corpus: real netlists, fetched by whoever has them ----------------------------------------------------
+
+CORPUS ?=# a folder with OWNER/NAME/PATH of the netlists that tests/corpus/list names
+
+.PHONY: corpus
+corpus: deps ## netlists of public repositories with one line more, beside ngspice's own models (CORPUS=folder; see tests/corpus/README.md)
+	@$(MAKE) $(JOBS) cm
+	@tests/corpus/run.sh '$(CORPUS)'
+
 # --- mutants: would a test notice? ------------------------------------------------------------------------
 
 RECORDER :=# given to the build whose library records the functions that a program calls

@@ -188,7 +188,7 @@ static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_
     ns_own_drive drive = {NAN, NAN, 0};
     const int known = ns_bridge_own_find_drive(w->ckt, m, &drive);
     if (o->mosfets == NS_MOSFETS_DRIVEN &&
-        !(known && drive.switches && drive.low < m->vth && drive.high > m->vth))
+        !(known && drive.switches && drive.low <= m->vth && drive.high > m->vth))
         return ns_bridge_extract_refuse(
             w, inst,
             "this M is not plainly a switch: no PULSE or PWL drives its gate, along V and R, from below to "

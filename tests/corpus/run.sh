@@ -52,7 +52,7 @@ one() {
         set -- $(against smooth.means) $(against own.means)
         echo "native $name $1 $3 $(cat native.cpu) $([ -s own.means ] && cat own.cpu || echo -) $2"
     elif grep -q '^nonsmooth: ' native.out; then
-        echo "$(grep -q 'analysis not run\|aborted' native.out && echo refused || echo failed) $name: $(grep '^nonsmooth: ' native.out | grep -v 'taken as' | head -n 1)"
+        echo "$(grep -q 'analysis not run\|aborted' native.out && echo refused || echo failed) $name: $(grep '^nonsmooth: ' native.out | grep -vE ': ([0-9]+ )?taken as (a switch|it is|they are|ideal)' | head -n 1)"
     else
         echo "failed $name: $(grep -iE 'error|fatal|unable|could not' native.out | head -n 1)"
     fi

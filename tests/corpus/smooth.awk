@@ -17,7 +17,7 @@ FNR == NR {
         sub(/.*:/, "", name) # of a subcircuit: x1:dm
         for (i = 6; i < NF; i++) {
             if ($i == "vf" && !(name in vf)) vf[name] = $(i + 2)
-            if ($i == "ron" && !(name in ron)) ron[name] = $(i + 2) < 1e-3 ? 1e-3 : $(i + 2)
+            if ($i == "ron" && !(name in ron)) ron[name] = $(i + 2) < 1e-6 ? 1e-6 : $(i + 2)
             if ($i == "breakdown" && !(name in vz)) vz[name] = $(i + 2)
         }
     }
