@@ -49,8 +49,9 @@ one() {
     if simulate native.cir native && grep -q '^nonsmooth: simulates' native.out; then
         awk -f "$here/smooth.awk" native.out own.cir >smooth.cir
         simulate smooth.cir smooth
-        set -- $(against smooth.means) $(against own.means)
-        echo "native $name $1 $3 $(cat native.cpu) $([ -s own.means ] && cat own.cpu || echo -) $2"
+        smooth=$(against smooth.means)
+        own=$(against own.means)
+        echo "native $name ${smooth% *} ${own% *} $(cat native.cpu) $(if [ -s own.means ]; then cat own.cpu; else echo -; fi) ${smooth#* }"
     elif grep -q '^nonsmooth: ' native.out; then
         echo "$(grep -q 'analysis not run\|aborted' native.out && echo refused || echo failed) $name: $(grep '^nonsmooth: ' native.out | grep -vE ': ([0-9]+ )?taken as (a switch|it is|they are|ideal)' | head -n 1)"
     else
@@ -62,7 +63,10 @@ if [ "${1:-}" = --one ]; then
     one "$2" "$3" "${4:-}"
     exit
 fi
-[ $# -ge 1 ] && [ -d "$1" ] || { echo "run.sh: give the folder of fetched files" >&2; exit 2; }
+if ! [ -d "${1:-}" ]; then
+    echo "run.sh: give the folder of fetched files" >&2
+    exit 2
+fi
 FOLDER=$(cd "$1" && pwd)
 SCRATCH=${KEEP:-$(mktemp -d)}
 mkdir -p "$SCRATCH" && SCRATCH=$(cd "$SCRATCH" && pwd) || exit 2
