@@ -39,9 +39,10 @@ typedef struct ns_switch {
     double roff; /* ohm, > ron, INFINITY allowed */
 } ns_switch;
 
-/* One term of a linear behavioural source. */
+/* One term of an affine expression: of a linear behavioural source, a kink or a choice. */
 typedef struct ns_term {
-    int is_current; /* 0: voltage of node `of`; 1: current of element `of` (one that has a current unknown) */
+    int is_current; /* 0: voltage of node `of`; 1: current of element `of` (one that has a current unknown);
+                       2: value of element `of` (a kink or a choice) */
     int of;
     double gain;
 } ns_term;
@@ -83,6 +84,22 @@ int ns_circuit_switch_by_current(ns_circuit *c, const char *name, int p, int n, 
 /* At a start, a switch whose control is between vt-vh and vt+vh is closed (1) or open (0, the default).
  * Errors: NULL, SIZE (id is no switch). */
 int ns_circuit_switch_initially(ns_circuit *c, int id, int closed);
+
+/* An affine expression: constant + sum gain * what each term stands for, V or A. */
+typedef struct ns_affine {
+    double constant;
+    int nterms;
+    const ns_term *terms; /* nterms; copied */
+} ns_affine;
+
+/* Two elements without nodes and without unknowns: values that terms of other elements may stand for.  Each
+ * is one pair, in the rows of (S3): kink:    the value is max(u, 0):      lambda = value,  y = lambda - u,  0
+ * <= y _|_ lambda >= 0 choice:  the value is u where the control rises above `threshold`, 0 where it falls
+ * below it: the pair of a command,  y = lambda - u,  closed: y = 0,  open: lambda = 0 Terms of the control of
+ * a choice are voltages and currents.  Errors: as of all elements. */
+int ns_circuit_kink(ns_circuit *c, const char *name, const ns_affine *u, int *id);
+int ns_circuit_choice(ns_circuit *c, const char *name, const ns_affine *control, double threshold,
+                      const ns_affine *u, int *id);
 
 /* SPICE's .ic v(node)=volts.  Errors: NULL, SIZE, NUMBER, MEMORY. */
 int ns_circuit_node_ic(ns_circuit *c, int node, double volts);

@@ -16,7 +16,9 @@ typedef enum element_kind {
     ICONTROLLED,
     LINEAR,
     DIODE,
-    SWITCH
+    SWITCH,
+    KINK,
+    CHOICE
 } element_kind;
 
 /* One element. */
@@ -30,7 +32,9 @@ typedef struct element {
     ns_output output; /* of sources: voltage or current */
     double value;     /* ohm, F, H, k, gain, constant */
     double ic;        /* initial v or i, NAN: none */
-    int nterms;       /* of LINEAR: how many, */
+    double control;   /* of CHOICE: constant of its control, */
+    int ncontrol;     /* whose terms are the first of all: how many */
+    int nterms;       /* of LINEAR, KINK, CHOICE: how many, */
     ns_term *terms;   /* nterms, owned */
     ns_signal signal; /* of SOURCE; PWL arrays owned */
     ns_diode diode;   /* of DIODE */
@@ -85,6 +89,13 @@ int ns_circuit_complain(ns_circuit *c, int status, const char *format, ...);
 /* Adds a copy of *e, which must be right; its pointers stay the caller's.  Errors: MEMORY. */
 int ns_circuit_add_element(ns_circuit *c, const element *e, needs wants, int *id);
 
+/* elements.c: a blank element of this kind, its name and its nodes (p n cp cn) checked; a parameter of the
+ * element `name` is a finite number; a term of it refers to what there is.  Statuses, with a message. */
+int ns_circuit_start_element(ns_circuit *c, element *e, element_kind kind, const char *name, int nnodes,
+                             const int *nodes);
+int ns_circuit_check_finite(ns_circuit *c, const char *name, const char *parameter, double value);
+int ns_circuit_check_term(ns_circuit *c, const char *name, const ns_term *t);
+
 /* The place of a node in c->node, or where it would have to be. */
 int ns_circuit_find_node(const ns_circuit *c, int number, int *found);
 
@@ -115,6 +126,10 @@ typedef struct stamp {
 /* Entry (i,j) += value; ground (-1) has neither row nor column.  IN_GX, IN_GZ: of command j, whose arrays are
  * there. */
 void ns_circuit_stamp_add(const stamp *to, matrix which, int i, int j, double value);
+
+/* The unknown, or the pair, that a term stands for; -1: it is not one. */
+int ns_circuit_term_unknown(const ns_circuit *c, const ns_term *t);
+int ns_circuit_term_pair(const ns_circuit *c, const ns_term *t);
 
 /* What one element adds to the system; of coupled inductors nothing (inductance.c). */
 void ns_circuit_stamp_element(const stamp *to, const element *e);

@@ -10,7 +10,7 @@ int ns_circuit_device(const ns_circuit *c, int id, const double *x, const double
     if (!c) {
         return NS_E_NULL;
     }
-    if (id < 0 || id >= c->nelements || c->element[id].pair < 0) {
+    if (id < 0 || id >= c->nelements || c->element[id].pair < 0 || c->element[id].nnodes == 0) {
         return NS_E_SIZE;
     }
     const element *e = &c->element[id];

@@ -30,8 +30,8 @@ static int check_nodes(ns_circuit *c, const element *e) {
 }
 
 /* A blank element of this kind; its name and its nodes (p n cp cn) are checked. */
-static int start_element(ns_circuit *c, element *e, element_kind kind, const char *name, int nnodes,
-                         const int *nodes) {
+int ns_circuit_start_element(ns_circuit *c, element *e, element_kind kind, const char *name, int nnodes,
+                             const int *nodes) {
     int status;
     memset(e, 0, sizeof *e);
     e->kind = kind;
@@ -56,7 +56,7 @@ static int refuse_element(ns_circuit *c, const char *name, int status, const ns_
                                why->must, why->than);
 }
 
-static int check_finite(ns_circuit *c, const char *name, const char *parameter, double value) {
+int ns_circuit_check_finite(ns_circuit *c, const char *name, const char *parameter, double value) {
     return isfinite(value) ? NS_OK
                            : ns_circuit_complain(c, NS_E_NUMBER, "%.80s: %s = %g %s", name, parameter, value,
                                                  must_finite);
@@ -64,19 +64,19 @@ static int check_finite(ns_circuit *c, const char *name, const char *parameter, 
 
 /* A size of a resistor, capacitor or inductor, and its initial condition. */
 static int check_size(ns_circuit *c, const element *e, const char *parameter, int negative_too) {
-    int status = check_finite(c, e->name, parameter, e->value);
+    int status = ns_circuit_check_finite(c, e->name, parameter, e->value);
     if (status) {
         return status;
     }
     if (e->value < 0 && !negative_too) {
         return ns_circuit_complain(c, NS_E_RANGE, "%.80s: %s = %g %s", e->name, parameter, e->value, must_0);
     }
-    return isnan(e->ic) ? NS_OK : check_finite(c, e->name, "ic", e->ic);
+    return isnan(e->ic) ? NS_OK : ns_circuit_check_finite(c, e->name, "ic", e->ic);
 }
 
 int ns_circuit_resistor(ns_circuit *c, const char *name, int p, int n, double ohms, int *id) {
     element e;
-    int status = start_element(c, &e, RESISTOR, name, 2, (int[]){p, n});
+    int status = ns_circuit_start_element(c, &e, RESISTOR, name, 2, (int[]){p, n});
     e.value = ohms;
     if (status || (status = check_size(c, &e, "resistance", 1))) {
         return status;
@@ -90,7 +90,7 @@ int ns_circuit_resistor(ns_circuit *c, const char *name, int p, int n, double oh
 
 int ns_circuit_capacitor(ns_circuit *c, const char *name, int p, int n, double farads, double ic, int *id) {
     element e;
-    int status = start_element(c, &e, CAPACITOR, name, 2, (int[]){p, n});
+    int status = ns_circuit_start_element(c, &e, CAPACITOR, name, 2, (int[]){p, n});
     e.value = farads;
     e.ic = ic;
     if (status || (status = check_size(c, &e, "capacitance", 0))) {
@@ -101,7 +101,7 @@ int ns_circuit_capacitor(ns_circuit *c, const char *name, int p, int n, double f
 
 int ns_circuit_inductor(ns_circuit *c, const char *name, int p, int n, double henries, double ic, int *id) {
     element e;
-    int status = start_element(c, &e, INDUCTOR, name, 2, (int[]){p, n});
+    int status = ns_circuit_start_element(c, &e, INDUCTOR, name, 2, (int[]){p, n});
     e.value = henries;
     e.ic = ic;
     if (status || (status = check_size(c, &e, "inductance", 0))) {
@@ -137,12 +137,12 @@ static int check_current(ns_circuit *c, const char *name, int of) {
 
 int ns_circuit_coupling(ns_circuit *c, const char *name, int l1, int l2, double k, int *id) {
     element e;
-    int status = start_element(c, &e, COUPLING, name, 0, (int[]){0});
+    int status = ns_circuit_start_element(c, &e, COUPLING, name, 0, (int[]){0});
     e.value = k;
     e.by[0] = l1;
     e.by[1] = l2;
     if (status || (status = check_inductor(c, name, l1)) || (status = check_inductor(c, name, l2)) ||
-        (status = check_finite(c, name, "coupling", k))) {
+        (status = ns_circuit_check_finite(c, name, "coupling", k))) {
         return status;
     }
     if (l1 == l2) {
@@ -165,7 +165,7 @@ int ns_circuit_source(ns_circuit *c, const char *name, ns_output kind, int p, in
                       int *id) {
     element e;
     ns_refusal why;
-    int status = start_element(c, &e, SOURCE, name, 2, (int[]){p, n});
+    int status = ns_circuit_start_element(c, &e, SOURCE, name, 2, (int[]){p, n});
     if (status || (status = check_output(c, name, kind))) {
         return status;
     }
@@ -184,8 +184,9 @@ int ns_circuit_source(ns_circuit *c, const char *name, ns_output kind, int p, in
 int ns_circuit_vcontrolled(ns_circuit *c, const char *name, ns_output kind, int p, int n, int cp, int cn,
                            double gain, int *id) {
     element e;
-    int status = start_element(c, &e, VCONTROLLED, name, 4, (int[]){p, n, cp, cn});
-    if (status || (status = check_output(c, name, kind)) || (status = check_finite(c, name, "gain", gain))) {
+    int status = ns_circuit_start_element(c, &e, VCONTROLLED, name, 4, (int[]){p, n, cp, cn});
+    if (status || (status = check_output(c, name, kind)) ||
+        (status = ns_circuit_check_finite(c, name, "gain", gain))) {
         return status;
     }
     e.output = kind;
@@ -196,9 +197,9 @@ int ns_circuit_vcontrolled(ns_circuit *c, const char *name, ns_output kind, int 
 int ns_circuit_icontrolled(ns_circuit *c, const char *name, ns_output kind, int p, int n, int by, double gain,
                            int *id) {
     element e;
-    int status = start_element(c, &e, ICONTROLLED, name, 2, (int[]){p, n});
+    int status = ns_circuit_start_element(c, &e, ICONTROLLED, name, 2, (int[]){p, n});
     if (status || (status = check_output(c, name, kind)) || (status = check_current(c, name, by)) ||
-        (status = check_finite(c, name, "gain", gain))) {
+        (status = ns_circuit_check_finite(c, name, "gain", gain))) {
         return status;
     }
     e.output = kind;
@@ -207,13 +208,23 @@ int ns_circuit_icontrolled(ns_circuit *c, const char *name, ns_output kind, int 
     return ns_circuit_add_element(c, &e, (needs){.currents = kind == NS_VOLTAGE}, id);
 }
 
-static int check_term(ns_circuit *c, const char *name, const ns_term *t) {
-    int status = check_finite(c, name, "gain", t->gain);
+int ns_circuit_check_term(ns_circuit *c, const char *name, const ns_term *t) {
+    int status = ns_circuit_check_finite(c, name, "gain", t->gain);
     if (status) {
         return status;
     }
-    if (t->is_current) {
+    if (t->is_current == 1) {
         return check_current(c, name, t->of);
+    }
+    if (t->is_current == 2) {
+        status = check_element(c, name, t->of);
+        return status || c->element[t->of].kind >= KINK
+                   ? status
+                   : ns_circuit_complain(c, NS_E_SIZE, "%.80s: %.80s is no kink and no choice", name,
+                                         c->element[t->of].name);
+    }
+    if (t->is_current) {
+        return ns_circuit_complain(c, NS_E_RANGE, "%.80s: kind of term = %d is unknown", name, t->is_current);
     }
     return t->of >= 0
                ? NS_OK
@@ -223,9 +234,9 @@ static int check_term(ns_circuit *c, const char *name, const ns_term *t) {
 int ns_circuit_linear(ns_circuit *c, const char *name, ns_output kind, int p, int n, double constant,
                       int nterms, const ns_term *terms, int *id) {
     element e;
-    int status = start_element(c, &e, LINEAR, name, 2, (int[]){p, n});
+    int status = ns_circuit_start_element(c, &e, LINEAR, name, 2, (int[]){p, n});
     if (status || (status = check_output(c, name, kind)) ||
-        (status = check_finite(c, name, "constant", constant))) {
+        (status = ns_circuit_check_finite(c, name, "constant", constant))) {
         return status;
     }
     if (nterms < 0 || (nterms > 0 && !terms)) {
@@ -233,7 +244,7 @@ int ns_circuit_linear(ns_circuit *c, const char *name, ns_output kind, int p, in
                                    name, nterms);
     }
     for (int i = 0; i < nterms; i++) {
-        if ((status = check_term(c, name, &terms[i]))) {
+        if ((status = ns_circuit_check_term(c, name, &terms[i]))) {
             return status;
         }
     }
@@ -286,7 +297,7 @@ static int check_diode(const ns_diode *d, ns_refusal *why) {
 int ns_circuit_diode(ns_circuit *c, const char *name, int anode, int cathode, const ns_diode *d, int *id) {
     element e;
     ns_refusal why;
-    int status = start_element(c, &e, DIODE, name, 2, (int[]){anode, cathode});
+    int status = ns_circuit_start_element(c, &e, DIODE, name, 2, (int[]){anode, cathode});
     if (status) {
         return status;
     }
@@ -325,15 +336,15 @@ static int add_switch(ns_circuit *c, element *e, const ns_switch *s, int *id) {
 int ns_circuit_switch(ns_circuit *c, const char *name, int p, int n, int cp, int cn, const ns_switch *s,
                       int *id) {
     element e;
-    const int status = start_element(c, &e, SWITCH, name, 4, (int[]){p, n, cp, cn});
+    const int status = ns_circuit_start_element(c, &e, SWITCH, name, 4, (int[]){p, n, cp, cn});
     return status ? status : add_switch(c, &e, s, id);
 }
 
 int ns_circuit_switch_by_current(ns_circuit *c, const char *name, int p, int n, int by, double gain,
                                  const ns_switch *s, int *id) {
     element e;
-    int status = start_element(c, &e, SWITCH, name, 2, (int[]){p, n});
-    if (status || (status = check_current(c, name, by)) || (status = check_finite(c, name, "gain", gain))) {
+    int status = ns_circuit_start_element(c, &e, SWITCH, name, 2, (int[]){p, n});
+    if (status || (status = check_current(c, name, by)) || (status = ns_circuit_check_finite(c, name, "gain", gain))) {
         return status;
     }
     e.by[0] = by;

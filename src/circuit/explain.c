@@ -90,7 +90,13 @@ static int named_before(const ns_circuit *c, const ns_fault *f, int i) {
 static void write_pair(line_writer *w, const ns_circuit *c, int pair, int with_kind) {
     const element *e = element_of_pair(c, pair);
     if (e) {
-        write_text(w, "%s%s", !with_kind ? "" : e->kind == DIODE ? "ideal diode " : "ideal switch ", e->name);
+        write_text(w, "%s%s",
+                   !with_kind          ? ""
+                   : e->kind == DIODE  ? "ideal diode "
+                   : e->kind == SWITCH ? "ideal switch "
+                   : e->kind == KINK   ? "corner of "
+                                       : "choice of ",
+                   e->name);
     } else {
         write_text(w, "pair %d", pair);
     }

@@ -25,7 +25,7 @@ static void find_parts(const ns_circuit *c, int *part, unsigned char *floating) 
     ns_system_union_begin(part, c->nused + 1);
     for (int k = 0; k < c->nelements; k++) {
         const element *e = &c->element[k];
-        if (e->kind != COUPLING) {
+        if (e->nnodes > 0) {
             const int p = row_or_ground(c, e->node[0]), n = row_or_ground(c, e->node[1]);
             floating[p] = floating[n] = 1;
             ns_system_union_join(part, p, n);

@@ -38,9 +38,9 @@ static void visit_controlled(const ns_circuit *c, const element *e, const visito
     }
     for (int k = 0; k < e->nterms; k++) {
         const ns_term *t = &e->terms[k];
-        visit_unknown(
-            to, t->is_current ? ns_circuit_current_unknown(c, t->of) : ns_circuit_node_unknown(c, t->of),
-            t->gain);
+        const int pair = ns_circuit_term_pair(c, t);
+        visit_unknown(to, pair >= 0 ? ns_circuit_branch_unknowns(c) + pair : ns_circuit_term_unknown(c, t),
+                      t->gain);
     }
 }
 
@@ -87,6 +87,8 @@ static void fill_current(const ns_circuit *c, const element *e, const visitor *t
         break;
     case INDUCTOR: /* its current is an unknown */
     case COUPLING:
+    case KINK: /* it has none */
+    case CHOICE:
         break;
     }
 }

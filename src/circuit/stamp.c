@@ -126,9 +126,13 @@ static void stamp_controlled(const stamp *to, const element *e) {
         stamp_constant(to, e, row, e->value);
     }
     for (int i = 0; i < e->nterms; i++) {
-        int of = e->terms[i].of;
-        int column = e->terms[i].is_current ? ns_circuit_current_unknown(c, of) : row_of(to, of);
-        stamp_output(to, e, row, IN_A, column, e->terms[i].gain);
+        const ns_term *t = &e->terms[i];
+        const int pair = ns_circuit_term_pair(c, t);
+        if (pair >= 0) {
+            stamp_output(to, e, row, IN_B, pair, t->gain);
+        } else {
+            stamp_output(to, e, row, IN_A, ns_circuit_term_unknown(c, t), t->gain);
+        }
     }
 }
 
@@ -175,6 +179,27 @@ static void stamp_switch(const stamp *to, const element *e) {
     stamp_pair(to, e, e->pair, 1, 0, e->sw.ron * on);
 }
 
+int ns_circuit_term_unknown(const ns_circuit *c, const ns_term *t) {
+    return t->is_current == 1   ? ns_circuit_current_unknown(c, t->of)
+           : t->is_current == 0 ? ns_circuit_node_unknown(c, t->of)
+                                : -1;
+}
+
+int ns_circuit_term_pair(const ns_circuit *c, const ns_term *t) {
+    return t->is_current == 2 ? c->element[t->of].pair : -1;
+}
+
+/* y = lambda - u. */
+static void stamp_value(const stamp *to, const element *e) {
+    ns_circuit_stamp_add(to, IN_D, e->pair, e->pair, 1);
+    to->s->e[e->pair] = -e->value;
+    for (int i = e->ncontrol; i < e->nterms; i++) {
+        const ns_term *t = &e->terms[i];
+        ns_circuit_stamp_add(to, IN_C, e->pair, ns_circuit_term_unknown(to->c, t), -t->gain);
+        ns_circuit_stamp_add(to, IN_D, e->pair, ns_circuit_term_pair(to->c, t), -t->gain);
+    }
+}
+
 void ns_circuit_stamp_element(const stamp *to, const element *e) {
     switch (e->kind) {
     case RESISTOR:
@@ -201,6 +226,10 @@ void ns_circuit_stamp_element(const stamp *to, const element *e) {
         break;
     case SWITCH:
         stamp_switch(to, e);
+        break;
+    case KINK:
+    case CHOICE:
+        stamp_value(to, e);
         break;
     }
 }

@@ -82,10 +82,10 @@ static int add_difference(potentials *p, double gain, int at_p, int at_n) {
     return 1;
 }
 
-/* The terms of a behavioural source: each node must be known against ground. */
-static int add_terms(potentials *p, const element *e) {
+/* The first terms of an element: each node must be known against ground. */
+static int add_terms(potentials *p, const element *e, int count) {
     int known = 1;
-    for (int i = 0; i < e->nterms && known; i++) {
+    for (int i = 0; i < count && known; i++) {
         known = !e->terms[i].is_current &&
                 add_difference(p, e->terms[i].gain, node_place(p, e->terms[i].of), node_place(p, 0));
     }
@@ -108,7 +108,7 @@ static int known_gap(potentials *p, const element *e) {
         return add_difference(p, e->value, node_place(p, e->node[2]), node_place(p, e->node[3]));
     case LINEAR:
         add_gap(p, p->nz, e->value);
-        return add_terms(p, e);
+        return add_terms(p, e, e->nterms);
     default:
         return 0;
     }
@@ -260,6 +260,22 @@ static int stamp_state_control(const stamp *to, const element *e) {
     return NS_OK;
 }
 
+/* Of a choice. */
+static int stamp_affine_control(const stamp *to, const element *e) {
+    const int status = allocate_control(to, &to->s->command[e->command].gx, to->s->n);
+    to->s->command[e->command].g0 = e->control;
+    for (int i = 0; i < e->ncontrol && status == NS_OK; i++) {
+        ns_circuit_stamp_add(to, IN_GX, ns_circuit_term_unknown(to->c, &e->terms[i]), e->command,
+                             e->terms[i].gain);
+    }
+    return status;
+}
+
+static int stamp_control_of_choice(const stamp *to, potentials *p, const element *e) {
+    add_gap(p, p->nz, e->control);
+    return add_terms(p, e, e->ncontrol) ? stamp_time_control(to, p, e->command) : stamp_affine_control(to, e);
+}
+
 static int stamp_command(const stamp *to, potentials *p, const element *e) {
     ns_command *command = &to->s->command[e->command];
     command->pair = e->pair;
@@ -267,6 +283,9 @@ static int stamp_command(const stamp *to, potentials *p, const element *e) {
     command->off = e->sw.vt - e->sw.vh;
     command->closed = e->closed;
     clear_gap(p);
+    if (e->kind == CHOICE) {
+        return stamp_control_of_choice(to, p, e);
+    }
     if (e->by[0] < 0 && add_difference(p, 1, node_place(p, e->node[2]), node_place(p, e->node[3]))) {
         return stamp_time_control(to, p, e->command);
     }
@@ -284,7 +303,7 @@ int ns_circuit_stamp_commands(const stamp *to) {
         status = NS_E_MEMORY;
     }
     for (int i = 0; i < c->nelements && !status; i++) {
-        if (c->element[i].kind == SWITCH) {
+        if (c->element[i].command >= 0) {
             status = stamp_command(to, &p, &c->element[i]);
         }
     }
