@@ -194,7 +194,7 @@ TEST_LIB ?= $(B)/libnonsmooth.a
 $(TEST_BIN): $(B)/%: $(B)/obj/%.o $(TEST_HELP:%.c=$(B)/obj/%.o) $(TEST_LIB)
 	@mkdir -p $(@D)
 	@echo "  LINK    $@"
-	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) $^ -o $@ -lcmocka $(LIBS) -lsuitesparseconfig
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) $^ $(TEST_LIB) -o $@ -lcmocka $(LIBS) -lsuitesparseconfig
 
 # --- test ------------------------------------------------------------------------------------------------
 

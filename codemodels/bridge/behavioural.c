@@ -4,6 +4,7 @@
  * temperature and functions of a variable are not.  Numbers come from evaluating the expression at zero and
  * are checked at two other points. */
 #include "elements.h"
+#include "expression.h"
 
 #include <math.h>
 #include <string.h>
@@ -99,7 +100,7 @@ static int make_terms(const ns_extract_walk *w, const ASRCinstance *b, const dou
     return NS_OK;
 }
 
-/* ngspice makes B sources of its own, where a user wrote none. */
+/* ngspice makes B sources of its own, where a user wrote none; NULL: it is none of these. */
 static const char *why_not(const char *name) {
     if (strncmp(name, "bpa_", 4) == 0) {
         return "made by par() of .meas, .print or .plot, it is not linear in voltages and currents and not "
@@ -109,7 +110,7 @@ static const char *why_not(const char *name) {
         return "made by .probe p(), it is not linear in voltages and currents and not supported: use let "
                "after the run instead";
     }
-    return "an expression that is not linear in voltages and currents is not supported";
+    return NULL;
 }
 
 static int add_linear(ns_extract_walk *w, GENinstance *inst, double *slopes, double *work, ns_term *terms) {
@@ -120,7 +121,8 @@ static int add_linear(ns_extract_walk *w, GENinstance *inst, double *slopes, dou
     int id = -1;
     int status;
     if (!read_linear(w, b->ASRCtree, &constant, slopes, work))
-        return ns_bridge_extract_refuse(w, inst, why_not(inst->GENname));
+        return why_not(inst->GENname) ? ns_bridge_extract_refuse(w, inst, why_not(inst->GENname))
+                                      : ns_bridge_expression_add(w, inst, factor);
     status = make_terms(w, b, slopes, factor, terms);
     if (status)
         return status;

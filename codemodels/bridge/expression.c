@@ -1,0 +1,366 @@
+/* bridge/expression.c - the parse tree of a B source read as a piecewise linear expression. */
+#include "expression.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "ngspice/inpptree.h"
+
+enum { DEPTH_MAX = 1000, TEXT = 100 };
+
+static const double two_pi = 6.283185307179586476925286766559;
+
+typedef struct reader {
+    ns_extract_walk *w;
+    const ASRCinstance *b;
+    ns_piecewise p;
+    const INPparseNode *at; /* the innermost node that failed; NULL: none did */
+    const char *instead;    /* what to do then; NULL: the usual */
+    int depth;
+} reader;
+
+static ns_piecewise_value *read_node(reader *r, const INPparseNode *node);
+
+/* Of the run, s. */
+static double stop_of(const ns_extract_walk *w) {
+    return w->ckt->CKTfinalTime > 0.0 ? w->ckt->CKTfinalTime : 1.0;
+}
+
+/* --- leaves --- */
+
+static ns_piecewise_value *constant(reader *r, double value) {
+    return ns_bridge_piecewise_constant(&r->p, value);
+}
+
+static ns_piecewise_value *read_variable(reader *r, int index) {
+    const int eq = r->b->ASRCvars[index];
+    const int is_current = r->b->ASRCtree->varTypes[index] == IF_INSTANCE;
+    if (!is_current && eq == 0)
+        return constant(r, 0.0);
+    return ns_bridge_piecewise_term(&r->p,
+                                    (ns_term){is_current, is_current ? r->w->ex->element[eq] : eq, 1.0});
+}
+
+static ns_piecewise_value *read_source(reader *r, int status, int node) {
+    if (status == NS_OK)
+        return ns_bridge_piecewise_term(&r->p, (ns_term){0, node, 1.0});
+    r->p.status = r->p.status ? r->p.status : status;
+    return NULL;
+}
+
+static ns_piecewise_value *read_time(reader *r) {
+    int node = 0;
+    const int status = ns_bridge_expression_time(r->w, &node);
+    r->p.time_node = node;
+    return read_source(r, status, node);
+}
+
+static ns_piecewise_value *refuse(reader *r, const char *why, const char *instead) {
+    if (r->p.status == NS_OK) {
+        r->p.status = NS_E_RANGE;
+        r->p.why = why;
+        r->instead = instead;
+    }
+    return NULL;
+}
+
+/* --- functions --- */
+
+/* a = slope time + constant, and nothing else. */
+static int is_of_time(const reader *r, const ns_piecewise_value *a, double *slope, double *offset) {
+    ns_affine u;
+    if (ns_bridge_piecewise_is_discrete(a) || !ns_bridge_piecewise_affine((ns_piecewise *)&r->p, a, &u))
+        return 0;
+    *offset = u.constant;
+    *slope = u.nterms == 1 ? u.terms[0].gain : 0.0;
+    return u.nterms == 1 && u.terms[0].is_current == 0 && r->p.time_node > 0 &&
+           u.terms[0].of == r->p.time_node;
+}
+
+/* sin(slope time + offset), or its cosine. */
+static ns_piecewise_value *read_sine(reader *r, const INPparseNode *node, const ns_piecewise_value *a) {
+    double slope, offset;
+    int at;
+    if (ns_bridge_piecewise_is_discrete(a))
+        return ns_bridge_piecewise_map(&r->p, PTunary(node->function), a);
+    if (!is_of_time(r, a, &slope, &offset))
+        return refuse(r, "a sine of a signal", "sines of k*time+phi are known, with numbers k and phi");
+    ns_signal s = {.kind = NS_SIN};
+    s.u.sin.va = slope < 0.0 && node->funcnum == PTF_SIN ? -1.0 : 1.0; /* sin(-x) = -sin x, cos(-x) = cos x */
+    s.u.sin.freq = fabs(slope) / two_pi;
+    s.u.sin.phase =
+        360.0 * (slope < 0.0 ? -offset : offset) / two_pi + (node->funcnum == PTF_COS ? 90.0 : 0.0);
+    const int status = ns_bridge_expression_sine(r->w, &s, &at);
+    return read_source(r, status, at);
+}
+
+static ns_piecewise_value *difference(reader *r, const ns_piecewise_value *a, const ns_piecewise_value *b) {
+    return ns_bridge_piecewise_sum(&r->p, 1.0, a, -1.0, b);
+}
+
+static ns_piecewise_value *negative(reader *r, const ns_piecewise_value *a) {
+    return ns_bridge_piecewise_sum(&r->p, -1.0, a, 0.0, a);
+}
+
+/* 1 where a < 0. */
+static ns_piecewise_value *below(reader *r, const ns_piecewise_value *a) {
+    return ns_bridge_piecewise_above(&r->p, negative(r, a));
+}
+
+static ns_piecewise_value *one_minus(reader *r, const ns_piecewise_value *a) {
+    return difference(r, constant(r, 1.0), a);
+}
+
+/* The broken line of pwl(). */
+static ns_piecewise_value *read_line(reader *r, const INPparseNode *node, const ns_piecewise_value *a) {
+    const struct pwldata {
+        int n;
+        double *vals;
+    } *line = node->data;
+    int ascending = line->n >= 4;
+    for (int k = 2; k + 1 < line->n; k += 2)
+        ascending &= line->vals[k] > line->vals[k - 2];
+    if (!ascending)
+        return refuse(r, "the x of pwl() do not ascend", "give at least two points, by ascending x");
+    return ns_bridge_piecewise_line(&r->p, a, line->n / 2, line->vals, 0);
+}
+
+/* Functions with corners or jumps. */
+static ns_piecewise_value *read_cornered(reader *r, const INPparseNode *node, const ns_piecewise_value *a) {
+    ns_piecewise *p = &r->p;
+    switch (node->funcnum) {
+    case PTF_UMINUS:
+        return negative(r, a);
+    case PTF_ABS:
+        return ns_bridge_piecewise_sum(p, 2.0, ns_bridge_piecewise_positive(p, a), -1.0, a);
+    case PTF_URAMP:
+        return ns_bridge_piecewise_positive(p, a);
+    case PTF_USTEP2: /* between 0 and 1 */
+        return difference(r, ns_bridge_piecewise_positive(p, a),
+                          ns_bridge_piecewise_positive(p, difference(r, a, constant(r, 1.0))));
+    case PTF_SGN:
+        return difference(r, ns_bridge_piecewise_above(p, a), below(r, a));
+    case PTF_USTEP:
+    case PTF_GT0:
+        return ns_bridge_piecewise_above(p, a);
+    case PTF_LT0:
+        return below(r, a);
+    case PTF_GE0:
+        return one_minus(r, below(r, a));
+    case PTF_LE0:
+        return one_minus(r, ns_bridge_piecewise_above(p, a));
+    case PTF_NE0:
+        return ns_bridge_piecewise_sum(p, 1.0, ns_bridge_piecewise_above(p, a), 1.0, below(r, a));
+    case PTF_EQ0:
+        return one_minus(r,
+                         ns_bridge_piecewise_sum(p, 1.0, ns_bridge_piecewise_above(p, a), 1.0, below(r, a)));
+    default:
+        return NULL;
+    }
+}
+
+static int is_binary(const INPparseNode *node) {
+    return node->funcnum == PTF_POW || node->funcnum == PTF_PWR || node->funcnum == PTF_MIN ||
+           node->funcnum == PTF_MAX;
+}
+
+/* max(a,b) = b + max(a-b, 0), min(a,b) = a - max(a-b, 0); powers of what is discrete, and first powers. */
+static ns_piecewise_value *read_binary(reader *r, const INPparseNode *node, const ns_piecewise_value *a,
+                                       const ns_piecewise_value *b) {
+    double n;
+    if (!a || !b)
+        return NULL;
+    if (ns_bridge_piecewise_is_discrete(a) && ns_bridge_piecewise_is_discrete(b))
+        return ns_bridge_piecewise_map2(&r->p, PTbinary(node->function), a, b);
+    if (node->type == PT_POWER || node->funcnum == PTF_POW || node->funcnum == PTF_PWR)
+        return ns_bridge_piecewise_is_constant(b, &n) && n == 1.0
+                   ? (ns_piecewise_value *)a
+                   : refuse(r, "a power of a signal", "use pwl(x, x1, y1, x2, y2, ...)");
+    ns_piecewise_value *more = ns_bridge_piecewise_positive(&r->p, difference(r, a, b));
+    return node->funcnum == PTF_MAX ? ns_bridge_piecewise_sum(&r->p, 1.0, b, 1.0, more)
+                                    : difference(r, a, more);
+}
+
+static ns_piecewise_value *read_function(reader *r, const INPparseNode *node) {
+    if (is_binary(node))
+        return read_binary(r, node, read_node(r, node->left->left), read_node(r, node->left->right));
+    const ns_piecewise_value *a = read_node(r, node->left);
+    if (!a)
+        return NULL;
+    if (node->funcnum == PTF_SIN || node->funcnum == PTF_COS)
+        return read_sine(r, node, a);
+    if (node->funcnum == PTF_PWL)
+        return read_line(r, node, a);
+    if (node->funcnum == PTF_DDT)
+        return refuse(r, "a rate", "use a capacitor and the current of a source of 0 V in series");
+    ns_piecewise_value *v = read_cornered(r, node, a);
+    if (v || r->p.status)
+        return v;
+    if (ns_bridge_piecewise_is_discrete(a) && !node->data)
+        return ns_bridge_piecewise_map(&r->p, PTunary(node->function), a);
+    return refuse(r, "a function of a signal that is not piecewise linear",
+                  "use pwl(x, x1, y1, x2, y2, ...)");
+}
+
+/* --- operations --- */
+
+static ns_piecewise_value *read_operation(reader *r, const INPparseNode *node) {
+    const ns_piecewise_value *a = read_node(r, node->left), *b = a ? read_node(r, node->right) : NULL;
+    switch (node->type) {
+    case PT_PLUS:
+        return ns_bridge_piecewise_sum(&r->p, 1.0, a, 1.0, b);
+    case PT_MINUS:
+        return difference(r, a, b);
+    case PT_TIMES:
+        return ns_bridge_piecewise_product(&r->p, a, b);
+    case PT_DIVIDE:
+        return ns_bridge_piecewise_quotient(&r->p, a, b);
+    default:
+        return read_binary(r, node, a, b);
+    }
+}
+
+static ns_piecewise_value *read_kind(reader *r, const INPparseNode *node) {
+    switch (node->type) {
+    case PT_CONSTANT:
+        return constant(r, node->constant);
+    case PT_VAR:
+        return read_variable(r, node->valueIndex);
+    case PT_TIME:
+        return read_time(r);
+    case PT_TEMPERATURE: /* in degrees Celsius */
+        return constant(r, r->w->ckt->CKTtemp - 273.15);
+    case PT_FUNCTION:
+        return read_function(r, node);
+    case PT_TERN: {
+        const ns_piecewise_value *condition = read_node(r, node->left);
+        const ns_piecewise_value *a = condition ? read_node(r, node->right->left) : NULL;
+        return ns_bridge_piecewise_choose(&r->p, condition, a, a ? read_node(r, node->right->right) : NULL);
+    }
+    case PT_PLUS:
+    case PT_MINUS:
+    case PT_TIMES:
+    case PT_DIVIDE:
+    case PT_POWER:
+        return read_operation(r, node);
+    default:
+        return refuse(r, "hertz", "it has no meaning in .tran");
+    }
+}
+
+static ns_piecewise_value *read_node(reader *r, const INPparseNode *node) {
+    ns_piecewise_value *v = NULL;
+    if (!node || r->depth >= DEPTH_MAX)
+        return refuse(r, "it is nested too deeply", "split it");
+    r->depth++;
+    v = read_kind(r, node);
+    r->depth--;
+    if (!v && !r->at)
+        r->at = node;
+    return v;
+}
+
+/* --- the source --- */
+
+static int refuse_node(reader *r, GENinstance *inst) {
+    char text[TEXT], what[256];
+    if (!r->p.why)
+        return r->p.status;
+    ns_bridge_expression_text(r->b->ASRCtree, r->at, text, sizeof text);
+    snprintf(what, sizeof what, "%s is not supported: %s: %s", text, r->p.why,
+             r->instead
+                 ? r->instead
+                 : "one factor has to be a number or a comparison; pwl(x, x1, y1, ...) approximates a curve");
+    return ns_bridge_extract_refuse(r->w, inst, what);
+}
+
+static int add_source(reader *r, GENinstance *inst, const ns_affine *u, double factor) {
+    const ASRCinstance *b = r->b;
+    const ns_output kind = b->ASRCtype == ASRC_VOLTAGE ? NS_VOLTAGE : NS_CURRENT;
+    ns_term *terms = calloc((size_t)u->nterms + 1, sizeof *terms);
+    int id = -1, status = terms ? NS_OK : NS_E_MEMORY;
+    for (int i = 0; terms && i < u->nterms; i++)
+        terms[i] = (ns_term){u->terms[i].is_current, u->terms[i].of, factor * u->terms[i].gain};
+    status = status ? status
+                    : ns_circuit_linear(r->w->ex->circuit, inst->GENname, kind, b->ASRCposNode,
+                                        b->ASRCnegNode, factor * u->constant, u->nterms, terms, &id);
+    ns_bridge_extract_current(r->w, kind == NS_VOLTAGE ? b->ASRCbranch : 0, id);
+    free(terms);
+    return status;
+}
+
+/* Numbers of the expression as they are now. */
+static void mix_node(ns_extract_walk *w, const INPparseNode *node, int depth) {
+    if (!node || depth > DEPTH_MAX)
+        return;
+    ns_bridge_extract_mix(w, &node->type, sizeof node->type);
+    if (node->type == PT_CONSTANT)
+        ns_bridge_extract_mix(w, &node->constant, sizeof node->constant);
+    if (node->type == PT_CONSTANT || node->type == PT_VAR)
+        return;
+    mix_node(w, node->left, depth + 1);
+    mix_node(w, node->right, depth + 1);
+}
+
+/* 1 if all currents in it are known. */
+static int is_ready(const ns_extract_walk *w, const ASRCinstance *b) {
+    for (int i = 0; i < b->ASRCtree->numVars; i++)
+        if (b->ASRCtree->varTypes[i] == IF_INSTANCE &&
+            !(b->ASRCvars[i] > 0 && b->ASRCvars[i] < w->ex->neq && w->ex->element[b->ASRCvars[i]] >= 0))
+            return 0;
+    return 1;
+}
+
+int ns_bridge_expression_add(ns_extract_walk *w, GENinstance *inst, double factor) {
+    char name[EXTRACT_NAME];
+    const ASRCinstance *b = (const ASRCinstance *)inst;
+    const INPparseNode *root = ((const INPparseTree *)b->ASRCtree)->tree;
+    ns_affine u;
+    if (!is_ready(w, b))
+        return EXTRACT_LATER;
+    if (w->next_node <= w->ex->neq)
+        w->next_node = w->ex->neq + 1;
+    ns_bridge_extract_users_name(w, inst, name, sizeof name);
+    reader r = {.w = w,
+                .b = b,
+                .p = {.circuit = w->ex->circuit,
+                      .name = name,
+                      .next_node = &w->next_node,
+                      .time_node = w->time_node,
+                      .time_scale = stop_of(w)}};
+    const ns_piecewise_value *v = read_node(&r, root);
+    int status = v && ns_bridge_piecewise_affine(&r.p, v, &u) ? add_source(&r, inst, &u, factor)
+                                                              : refuse_node(&r, inst);
+    mix_node(w, root, 0);
+    ns_bridge_extract_mix(w, &factor, sizeof factor);
+    ns_bridge_piecewise_free(&r.p);
+    return status;
+}
+
+/* --- sources that expressions share --- */
+
+static int add_hidden(ns_extract_walk *w, const char *kind, const ns_signal *z, int *node) {
+    char name[EXTRACT_NAME];
+    const ns_signal dc = {.kind = NS_DC, .u.dc = ns_signal_value(z, 0.0, NS_RIGHT)};
+    if (w->next_node <= w->ex->neq)
+        w->next_node = w->ex->neq + 1;
+    *node = w->next_node++;
+    snprintf(name, sizeof name, "%s (%d)", kind, *node);
+    const int status = ns_circuit_source(w->ex->circuit, name, NS_VOLTAGE, *node, 0, w->dc ? &dc : z, NULL);
+    return status ? status : ns_circuit_name_node(w->ex->circuit, *node, name);
+}
+
+int ns_bridge_expression_time(ns_extract_walk *w, int *node) {
+    const double t[2] = {0.0, 2.0 * stop_of(w)};
+    ns_signal z = {.kind = NS_PWL};
+    z.u.pwl.n = 2;
+    z.u.pwl.t = z.u.pwl.v = t;
+    z.u.pwl.repeat = NAN;
+    const int status = w->time_node > 0 ? NS_OK : add_hidden(w, "time", &z, &w->time_node);
+    *node = w->time_node;
+    return status;
+}
+
+int ns_bridge_expression_sine(ns_extract_walk *w, const ns_signal *sine, int *node) {
+    return add_hidden(w, "sine", sine, node);
+}

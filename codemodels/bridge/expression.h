@@ -1,0 +1,23 @@
+/* bridge/expression.h - the expression of a B source, read as a piecewise linear one. */
+#ifndef BRIDGE_EXPRESSION_H
+#define BRIDGE_EXPRESSION_H
+
+#include "extract_walk.h"
+#include "pure/piecewise.h"
+
+#include "spicelib/devices/asrc/asrcdefs.h"
+
+/* Adds the source with all the kinks and choices that it takes.  Statuses of a reader; factor: on all of it.
+ */
+int ns_bridge_expression_add(ns_extract_walk *w, GENinstance *inst, double factor);
+
+/* expression_text.c: the expression below a node as a user would write it, cut to size. */
+struct INPparseNode;
+void ns_bridge_expression_text(const IFparseTree *tree, const struct INPparseNode *node, char *text,
+                               size_t size);
+
+/* A node whose voltage is the time, s, or that of a sine; made when it is asked for first.  Statuses. */
+int ns_bridge_expression_time(ns_extract_walk *w, int *node);
+int ns_bridge_expression_sine(ns_extract_walk *w, const ns_signal *sine, int *node);
+
+#endif
