@@ -10,16 +10,16 @@ enum { DEPTH_MAX = 1000, TEXT = 100 };
 
 static const double two_pi = 6.283185307179586476925286766559;
 
-typedef struct reader {
+typedef struct expression_reader {
     ns_extract_walk *w;
     const ASRCinstance *b;
     ns_piecewise p;
     const INPparseNode *at; /* the innermost node that failed; NULL: none did */
     const char *instead;    /* what to do then; NULL: the usual */
     int depth;
-} reader;
+} expression_reader;
 
-static ns_piecewise_value *read_node(reader *r, const INPparseNode *node);
+static ns_piecewise_value *read_node(expression_reader *r, const INPparseNode *node);
 
 /* Of the run, s. */
 static double stop_of(const ns_extract_walk *w) {
@@ -28,11 +28,11 @@ static double stop_of(const ns_extract_walk *w) {
 
 /* --- leaves --- */
 
-static ns_piecewise_value *constant(reader *r, double value) {
+static ns_piecewise_value *constant(expression_reader *r, double value) {
     return ns_bridge_piecewise_constant(&r->p, value);
 }
 
-static ns_piecewise_value *read_variable(reader *r, int index) {
+static ns_piecewise_value *read_variable(expression_reader *r, int index) {
     const int eq = r->b->ASRCvars[index];
     const int is_current = r->b->ASRCtree->varTypes[index] == IF_INSTANCE;
     if (!is_current && eq == 0)
@@ -41,21 +41,21 @@ static ns_piecewise_value *read_variable(reader *r, int index) {
                                     (ns_term){is_current, is_current ? r->w->ex->element[eq] : eq, 1.0});
 }
 
-static ns_piecewise_value *read_source(reader *r, int status, int node) {
+static ns_piecewise_value *read_source(expression_reader *r, int status, int node) {
     if (status == NS_OK)
         return ns_bridge_piecewise_term(&r->p, (ns_term){0, node, 1.0});
     r->p.status = r->p.status ? r->p.status : status;
     return NULL;
 }
 
-static ns_piecewise_value *read_time(reader *r) {
+static ns_piecewise_value *read_time(expression_reader *r) {
     int node = 0;
     const int status = ns_bridge_expression_time(r->w, &node);
     r->p.time_node = node;
     return read_source(r, status, node);
 }
 
-static ns_piecewise_value *refuse(reader *r, const char *why, const char *instead) {
+static ns_piecewise_value *refuse(expression_reader *r, const char *why, const char *instead) {
     if (r->p.status == NS_OK) {
         r->p.status = NS_E_RANGE;
         r->p.why = why;
@@ -67,7 +67,8 @@ static ns_piecewise_value *refuse(reader *r, const char *why, const char *instea
 /* --- functions --- */
 
 /* a = slope time + constant, and nothing else. */
-static int is_of_time(const reader *r, const ns_piecewise_value *a, double *slope, double *offset) {
+static int is_of_time(const expression_reader *r, const ns_piecewise_value *a, double *slope,
+                      double *offset) {
     ns_affine u;
     if (ns_bridge_piecewise_is_discrete(a) || !ns_bridge_piecewise_affine((ns_piecewise *)&r->p, a, &u))
         return 0;
@@ -78,7 +79,8 @@ static int is_of_time(const reader *r, const ns_piecewise_value *a, double *slop
 }
 
 /* sin(slope time + offset), or its cosine. */
-static ns_piecewise_value *read_sine(reader *r, const INPparseNode *node, const ns_piecewise_value *a) {
+static ns_piecewise_value *read_sine(expression_reader *r, const INPparseNode *node,
+                                     const ns_piecewise_value *a) {
     double slope, offset;
     int at;
     if (ns_bridge_piecewise_is_discrete(a))
@@ -94,25 +96,27 @@ static ns_piecewise_value *read_sine(reader *r, const INPparseNode *node, const 
     return read_source(r, status, at);
 }
 
-static ns_piecewise_value *difference(reader *r, const ns_piecewise_value *a, const ns_piecewise_value *b) {
+static ns_piecewise_value *difference(expression_reader *r, const ns_piecewise_value *a,
+                                      const ns_piecewise_value *b) {
     return ns_bridge_piecewise_sum(&r->p, 1.0, a, -1.0, b);
 }
 
-static ns_piecewise_value *negative(reader *r, const ns_piecewise_value *a) {
+static ns_piecewise_value *negative(expression_reader *r, const ns_piecewise_value *a) {
     return ns_bridge_piecewise_sum(&r->p, -1.0, a, 0.0, a);
 }
 
 /* 1 where a < 0. */
-static ns_piecewise_value *below(reader *r, const ns_piecewise_value *a) {
+static ns_piecewise_value *below(expression_reader *r, const ns_piecewise_value *a) {
     return ns_bridge_piecewise_above(&r->p, negative(r, a));
 }
 
-static ns_piecewise_value *one_minus(reader *r, const ns_piecewise_value *a) {
+static ns_piecewise_value *one_minus(expression_reader *r, const ns_piecewise_value *a) {
     return difference(r, constant(r, 1.0), a);
 }
 
 /* The broken line of pwl(). */
-static ns_piecewise_value *read_line(reader *r, const INPparseNode *node, const ns_piecewise_value *a) {
+static ns_piecewise_value *read_line(expression_reader *r, const INPparseNode *node,
+                                     const ns_piecewise_value *a) {
     const struct pwldata {
         int n;
         double *vals;
@@ -126,7 +130,8 @@ static ns_piecewise_value *read_line(reader *r, const INPparseNode *node, const 
 }
 
 /* Functions with corners or jumps. */
-static ns_piecewise_value *read_cornered(reader *r, const INPparseNode *node, const ns_piecewise_value *a) {
+static ns_piecewise_value *read_cornered(expression_reader *r, const INPparseNode *node,
+                                         const ns_piecewise_value *a) {
     ns_piecewise *p = &r->p;
     switch (node->funcnum) {
     case PTF_UMINUS:
@@ -165,8 +170,8 @@ static int is_binary(const INPparseNode *node) {
 }
 
 /* max(a,b) = b + max(a-b, 0), min(a,b) = a - max(a-b, 0); powers of what is discrete, and first powers. */
-static ns_piecewise_value *read_binary(reader *r, const INPparseNode *node, const ns_piecewise_value *a,
-                                       const ns_piecewise_value *b) {
+static ns_piecewise_value *read_binary(expression_reader *r, const INPparseNode *node,
+                                       const ns_piecewise_value *a, const ns_piecewise_value *b) {
     double n;
     if (!a || !b)
         return NULL;
@@ -181,7 +186,7 @@ static ns_piecewise_value *read_binary(reader *r, const INPparseNode *node, cons
                                     : difference(r, a, more);
 }
 
-static ns_piecewise_value *read_function(reader *r, const INPparseNode *node) {
+static ns_piecewise_value *read_function(expression_reader *r, const INPparseNode *node) {
     if (is_binary(node))
         return read_binary(r, node, read_node(r, node->left->left), read_node(r, node->left->right));
     const ns_piecewise_value *a = read_node(r, node->left);
@@ -204,7 +209,7 @@ static ns_piecewise_value *read_function(reader *r, const INPparseNode *node) {
 
 /* --- operations --- */
 
-static ns_piecewise_value *read_operation(reader *r, const INPparseNode *node) {
+static ns_piecewise_value *read_operation(expression_reader *r, const INPparseNode *node) {
     const ns_piecewise_value *a = read_node(r, node->left), *b = a ? read_node(r, node->right) : NULL;
     switch (node->type) {
     case PT_PLUS:
@@ -220,7 +225,7 @@ static ns_piecewise_value *read_operation(reader *r, const INPparseNode *node) {
     }
 }
 
-static ns_piecewise_value *read_kind(reader *r, const INPparseNode *node) {
+static ns_piecewise_value *read_kind(expression_reader *r, const INPparseNode *node) {
     switch (node->type) {
     case PT_CONSTANT:
         return constant(r, node->constant);
@@ -248,7 +253,7 @@ static ns_piecewise_value *read_kind(reader *r, const INPparseNode *node) {
     }
 }
 
-static ns_piecewise_value *read_node(reader *r, const INPparseNode *node) {
+static ns_piecewise_value *read_node(expression_reader *r, const INPparseNode *node) {
     ns_piecewise_value *v = NULL;
     if (!node || r->depth >= DEPTH_MAX)
         return refuse(r, "it is nested too deeply", "split it");
@@ -262,7 +267,7 @@ static ns_piecewise_value *read_node(reader *r, const INPparseNode *node) {
 
 /* --- the source --- */
 
-static int refuse_node(reader *r, GENinstance *inst) {
+static int refuse_node(expression_reader *r, GENinstance *inst) {
     char text[TEXT], what[256];
     if (!r->p.why)
         return r->p.status;
@@ -274,7 +279,7 @@ static int refuse_node(reader *r, GENinstance *inst) {
     return ns_bridge_extract_refuse(r->w, inst, what);
 }
 
-static int add_source(reader *r, GENinstance *inst, const ns_affine *u, double factor) {
+static int add_source(expression_reader *r, GENinstance *inst, const ns_affine *u, double factor) {
     const ASRCinstance *b = r->b;
     const ns_output kind = b->ASRCtype == ASRC_VOLTAGE ? NS_VOLTAGE : NS_CURRENT;
     ns_term *terms = calloc((size_t)u->nterms + 1, sizeof *terms);
@@ -321,13 +326,13 @@ int ns_bridge_expression_add(ns_extract_walk *w, GENinstance *inst, double facto
     if (w->next_node <= w->ex->neq)
         w->next_node = w->ex->neq + 1;
     ns_bridge_extract_users_name(w, inst, name, sizeof name);
-    reader r = {.w = w,
-                .b = b,
-                .p = {.circuit = w->ex->circuit,
-                      .name = name,
-                      .next_node = &w->next_node,
-                      .time_node = w->time_node,
-                      .time_scale = stop_of(w)}};
+    expression_reader r = {.w = w,
+                           .b = b,
+                           .p = {.circuit = w->ex->circuit,
+                                 .name = name,
+                                 .next_node = &w->next_node,
+                                 .time_node = w->time_node,
+                                 .time_scale = stop_of(w)}};
     const ns_piecewise_value *v = read_node(&r, root);
     int status = v && ns_bridge_piecewise_affine(&r.p, v, &u) ? add_source(&r, inst, &u, factor)
                                                               : refuse_node(&r, inst);

@@ -10,14 +10,14 @@
 
 enum { DEPTH = 24 };
 
-typedef struct writer {
+typedef struct text_writer {
     char *text;
     size_t size;
     const IFparseTree *tree;
     int depth;
-} writer;
+} text_writer;
 
-static void put(writer *w, const char *text) {
+static void put(text_writer *w, const char *text) {
     const size_t length = strlen(w->text);
     if (length + strlen(text) + 4 < w->size)
         strcat(w->text, text);
@@ -25,15 +25,15 @@ static void put(writer *w, const char *text) {
         strcat(w->text, "...");
 }
 
-static void write_node(writer *w, const INPparseNode *node);
+static void write_node(text_writer *w, const INPparseNode *node);
 
-static void write_number(writer *w, double value) {
+static void write_number(text_writer *w, double value) {
     char number[32];
     snprintf(number, sizeof number, "%g", value);
     put(w, number);
 }
 
-static void write_variable(writer *w, int index) {
+static void write_variable(text_writer *w, int index) {
     const IFvalue *v = &w->tree->vars[index];
     const int is_current = w->tree->varTypes[index] == IF_INSTANCE;
     const CKTnode *node = is_current ? NULL : (const CKTnode *)v->nValue;
@@ -42,7 +42,7 @@ static void write_variable(writer *w, int index) {
     put(w, ")");
 }
 
-static void write_pair(writer *w, const char *open, const INPparseNode *a, const char *between,
+static void write_pair(text_writer *w, const char *open, const INPparseNode *a, const char *between,
                        const INPparseNode *b) {
     put(w, open);
     write_node(w, a);
@@ -52,7 +52,7 @@ static void write_pair(writer *w, const char *open, const INPparseNode *a, const
 }
 
 /* gt0(a-b) as (a>b). */
-static int write_comparison(writer *w, const INPparseNode *node) {
+static int write_comparison(text_writer *w, const INPparseNode *node) {
     static const struct {
         int function;
         const char *sign;
@@ -66,7 +66,7 @@ static int write_comparison(writer *w, const INPparseNode *node) {
     return 0;
 }
 
-static void write_function(writer *w, const INPparseNode *node) {
+static void write_function(text_writer *w, const INPparseNode *node) {
     if (write_comparison(w, node))
         return;
     put(w, node->funcnum == PTF_UMINUS ? "-" : node->funcname ? node->funcname : "?");
@@ -79,7 +79,7 @@ static void write_function(writer *w, const INPparseNode *node) {
     put(w, node->funcnum == PTF_PWL ? ",...)" : ")");
 }
 
-static void write_node(writer *w, const INPparseNode *node) {
+static void write_node(text_writer *w, const INPparseNode *node) {
     static const char *const signs[] = {
         [PT_PLUS] = "+", [PT_MINUS] = "-", [PT_TIMES] = "*", [PT_DIVIDE] = "/", [PT_POWER] = "^"};
     if (!node || w->depth >= DEPTH) {
@@ -106,7 +106,7 @@ static void write_node(writer *w, const INPparseNode *node) {
 
 void ns_bridge_expression_text(const IFparseTree *tree, const struct INPparseNode *node, char *text,
                                size_t size) {
-    writer w = {text, size, tree, 0};
+    text_writer w = {text, size, tree, 0};
     text[0] = '\0';
     write_node(&w, node);
 }

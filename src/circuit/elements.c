@@ -344,7 +344,8 @@ int ns_circuit_switch_by_current(ns_circuit *c, const char *name, int p, int n, 
                                  const ns_switch *s, int *id) {
     element e;
     int status = ns_circuit_start_element(c, &e, SWITCH, name, 2, (int[]){p, n});
-    if (status || (status = check_current(c, name, by)) || (status = ns_circuit_check_finite(c, name, "gain", gain))) {
+    if (status || (status = check_current(c, name, by)) ||
+        (status = ns_circuit_check_finite(c, name, "gain", gain))) {
         return status;
     }
     e.by[0] = by;
