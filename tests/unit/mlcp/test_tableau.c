@@ -14,7 +14,7 @@ static const double *column_of(const ns_mlcp_solver *s, int var) {
  * its bound, y and t at 0.  0: the equations are nearly singular. */
 static int expect(const ns_mlcp_solver *s, int one, double *out) {
     const int n = s->np;
-    long double y[MAX], A[MAX + 1][MAX + 1], x[MAX + 1], zero[MAX] = {0};
+    long double y[MAX], A[MAX + 1][MAX + 1], x[MAX + 1] = {0}, zero[MAX] = {0};
     int var[MAX + 1], row[MAX + 1], k = 0, rows = 0;
     for (int i = 0; i < s->m; i++)
         y[i] = s->q[i];
@@ -58,7 +58,7 @@ static int expect(const ns_mlcp_solver *s, int one, double *out) {
  * arithmetic is 0. */
 static int assert_tableau(const ns_mlcp_solver *s, int with_values) {
     const ns_mlcp_tableau *t = &s->tab;
-    double rest[MAX + 1], moved[MAX + 1];
+    double rest[MAX + 1] = {0}, moved[MAX + 1] = {0};
     if (!expect(s, -1, rest))
         return 0;
     for (int r = 0; r < s->np && with_values; r++)

@@ -20,7 +20,7 @@ static int expect(const ns_mlcp_solver *s, int one, double *lambda, double *y) {
 static void assert_transform(ns_mlcp_solver *s) {
     const ns_mlcp_transform *t = &s->transform;
     const size_t ld = ((size_t)s->m + 3) / 4 * 4;
-    double lambda[MAX], y[MAX], rate[MAX];
+    double lambda[MAX] = {0}, y[MAX] = {0}, rate[MAX];
     for (int b = 0; b < t->count; b++) {
         assert_int_equal(t->place[t->pair[b]], b);
         if (!expect(s, t->pair[b], lambda, y))
