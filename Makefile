@@ -107,7 +107,9 @@ CM_LISTS := $(addprefix $(CM)/,cmextrn.h cminfo.h udnextrn.h udninfo.h)
 # 39 of 39.3; a tree between releases, 46+, counts as the next one.
 NG_MAJOR = $(eval NG_MAJOR := $$(shell awk -F'"' '/define PACKAGE_VERSION/ { print int($$$$2) + ($$$$2 ~ /[+]/) }' \
     $(NG)/tree/src/include/ngspice/config.h))$(NG_MAJOR)
-NG_INCLUDE = -isystem $(NG)/tree/src/include -isystem $(NG)/tree/src -DNGSPICE_MAJOR=$(NG_MAJOR)
+NG_INCLUDE = -isystem $(NG)/tree/src/include -isystem $(NG)/tree/src -DNGSPICE_MAJOR=$(NG_MAJOR) \
+    $(if $(PULSE_OF),-DPULSE_OF=$(PULSE_OF))
+PULSE_OF :=# for make test-versions: the version whose PULSE is expected, in place of the one that it is built for
 CM_CFLAGS = -std=gnu11 $(CFLAGS) -w -fPIC -MMD -MP -Iinclude -Icodemodels/bridge -I$(CM) $(NG_INCLUDE)
 
 # LAPACK, BLAS and KLU come from archives where there are some: to load the shared ones takes longer than ngspice's
@@ -228,6 +230,13 @@ test: deps ## everything: unit tests, netlists, both again under sanitizers, one
 netlists: deps ## every netlist by the exact engine and by the scheme, with its largest error
 	@$(MAKE) $(JOBS) cm
 	@tests/netlist/run.sh default fine
+
+VERSIONS ?=# folders of ngspices: see below
+.PHONY: test-versions
+test-versions: deps ## the code models on every ngspice of VERSIONS="FOLDER..." (it says how to get them)
+	@[ -n '$(VERSIONS)' ] || { sed -n "s/^# *how: //p" tests/versions/run.sh >&2; exit 2; }
+	@$(MAKE) $(JOBS) all
+	@tests/versions/run.sh $(VERSIONS)
 
 .PHONY: waveforms
 waveforms: deps ## circuits with closed forms: what .meas gives of pulses, rings and jumps between coarse time points

@@ -91,8 +91,12 @@ static inline void ns_bridge_versions_no_newtrunc(CKTcircuit *ckt) {
 
 /* --- 46, 47: what PULSE takes for parameters that are missing, zero or negative --- */
 
+#ifndef PULSE_OF
+#define PULSE_OF NGSPICE_MAJOR /* a test builds with another one: the difference must be seen */
+#endif
+
 static inline ns_source_pulse ns_bridge_versions_pulse(int is_current) {
-    return NGSPICE_MAJOR >= 47 ? PULSE_OF_47 : NGSPICE_MAJOR == 46 && !is_current ? PULSE_OF_46 : PULSE_OF_39;
+    return PULSE_OF >= 47 ? PULSE_OF_47 : PULSE_OF == 46 && !is_current ? PULSE_OF_46 : PULSE_OF_39;
 }
 
 /* --- 47: I has r= and td= of PWL --- */
