@@ -206,17 +206,17 @@ ASAN := B=build/asan WARN=-w \
         -fsanitize-recover=address -fno-sanitize-recover=undefined'
 
 # A program that uses libngspice, if there is one of the same version as the program ngspice.
-HOST_PROGRAM := $(if $(NGSPICE_SRC),,$(if $(wildcard /usr/include/ngspice/sharedspice.h),$(B)/tests/host/host))
+HOST_PROGRAM := $(if $(NGSPICE_SRC),,$(if $(wildcard /usr/include/ngspice/sharedspice.h),$(B)/tests/host/host $(B)/tests/host/session))
 
-$(B)/tests/host/host: tests/host/host.c $(B)/flags
+$(B)/tests/host/%: tests/host/%.c $(B)/flags
 	@mkdir -p $(@D)
 	@echo "  LINK    $@"
-	$(Q)$(CC) -std=c11 -D_POSIX_C_SOURCE=200809L $(CFLAGS) $(WARN) $(LDFLAGS) $< -o $@ -lngspice
+	$(Q)$(CC) -std=c11 -D_POSIX_C_SOURCE=200809L $(CFLAGS) $(WARN) $(LDFLAGS) $< -o $@ -lngspice -lm
 
 .PHONY: host host-program
 host-program: $(HOST_PROGRAM)
 
-host: deps ## messages as a program that uses libngspice gets them: every line that ngspice -b prints
+host: deps ## programs that use libngspice: they get every line that ngspice -b prints, and run, stop, alter, resume, reset
 	@$(MAKE) $(JOBS) cm host-program
 	@tests/host/run.sh
 
@@ -235,7 +235,7 @@ VERSIONS ?=# folders of ngspices: see below
 .PHONY: test-versions
 test-versions: deps ## the code models on every ngspice of VERSIONS="FOLDER..." (it says how to get them)
 	@[ -n '$(VERSIONS)' ] || { sed -n "s/^# *how: //p" tests/versions/run.sh >&2; exit 2; }
-	@$(MAKE) $(JOBS) all
+	@$(MAKE) $(JOBS) all host-program
 	@tests/versions/run.sh $(VERSIONS)
 
 .PHONY: waveforms

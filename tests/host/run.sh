@@ -1,7 +1,7 @@
 #!/bin/sh
 # tests/host/run.sh - a program that uses libngspice gets every line of ours, whole and on a line of its own.
 #
-#     tests/host/run.sh [name...]      name: part of a netlist's name; none: all that make us write
+#     tests/host/run.sh [name...]      name: part of a netlist's name; none: all that make us write, and a session (session.c)
 #
 # Each netlist of tests/netlist/errors, and those of cases that set `verbose`, run in ngspice -b and in build/tests/host/host:
 # with their .control sections (source); those with an analysis also without, by `run` and by `bg_run`.  What ngspice -b prints after "nonsmooth: " and what the host is given after
@@ -61,5 +61,10 @@ cd "$top" || exit 2 # names in the list are without spaces, whatever stands befo
     grep -q -E '^\.(op|dc|tran|tf|ac|noise|pz|sens|disto|pss)( |$)' "$file" && printf '%s\n' "$file run" "$file bg_run"
 done |
     xargs -P 4 -L1 tests/host/run.sh --one >"$SCRATCH/verdicts" # they sleep most of the time
+if [ $# = 0 ]; then
+    (cd "$SCRATCH" && HOME=$SCRATCH exec timeout 300 "$top/build/tests/host/session" "$CM") >"$SCRATCH/session" 2>"$SCRATCH/session.err" </dev/null ||
+        echo "FAIL host_session ended with $?" >>"$SCRATCH/session"
+    grep -E '^(ok|FAIL) ' "$SCRATCH/session" >>"$SCRATCH/verdicts"
+fi
 sort "$SCRATCH/verdicts"
 ! grep -q '^FAIL' "$SCRATCH/verdicts" && grep -q '^ok' "$SCRATCH/verdicts"

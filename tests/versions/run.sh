@@ -11,6 +11,7 @@
 #   versions/V points            each of netlists/*.cir takes as many timepoints as on the first ngspice
 #   versions/V cpu               the CPU time of a long run over that of a plain RC circuit with as many points, at most 10 %
 #                                more than on the first ngspice (the least of several runs each)
+#   versions/V host              tests/host/session.c with the library of that version
 #   versions/V sources           built with another version's PULSE, it refuses a source whose meaning has changed
 #   versions/A into B            models of A loaded into B: one line, no crash; also of the same version with another KLU,
 #                                CIDER or OSDI
@@ -19,6 +20,7 @@
 # how:     ngspice.sourceforge.io, how they are built stands in their INSTALL (--enable-xspice is needed)
 # how:   a folder that holds `ngspice`, a program or a script that runs it, and `source`, a tree (or a link to one) configured as
 # how:     it was: for a package of another release of the system, unpacked by dpkg -x, with the source package of that version
+# how:     and, for libngspice, `with-library`, a script that runs its arguments with that version's libngspice.so.0
 # Environment: JOBS, TIME_LIMIT (as tests/netlist/run.sh), ONLY (verdicts whose name has this, "netlists"), CPU_RUNS (5).
 set -u
 cd "$(dirname "$0")/../.." || exit 2
@@ -167,6 +169,19 @@ cpu() {
         'BEGIN { if (!(r > 0 && f > 0 && r <= 1.1 * f)) print "ratio " r ", on the first ngspice " f }')"
 }
 
+# The program of libngspice, with the library of this version.
+host() {
+    name="$1 host"
+    wanted "$name" && [ -x "$top/build/tests/host/session" ] || return
+    if [ "$1" = "$first" ]; then with=env; else with=$(dirname "$2")/with-library; fi
+    [ "$with" = env ] || [ -x "$with" ] || return
+    dir=$made/$1/host
+    mkdir -p "$dir"
+    (cd "$dir" && HOME=$dir timeout 600 "$with" "$top/build/tests/host/session" "$made/$1/nonsmooth.cm" >out 2>err </dev/null)
+    rc=$?
+    verdict "$name" "$([ $rc = 0 ] && [ "$(grep -c '^ok' "$dir/out")" = 10 ] || echo "status $rc: $dir/out")"
+}
+
 # A pulse whose width is not given, by models that were built for the PULSE of another version.
 sources() {
     name="$1 sources"
@@ -281,6 +296,7 @@ while read -r v p tree; do
         compare_points "$v" klu
     fi
     cpu "$v" "$p"
+    host "$v" "$p"
     sources "$v" "$p"
     for feature in KLU CIDER OSDI WITH_PSS RFSPICE; do other_choice "$v" "$p" $feature; done
 done <"$made/list"
