@@ -16,6 +16,7 @@ NGSPICE ?= ngspice
 B := build# where everything is made; other builds (sanitizers, coverage, clang) set it to a folder below
 NG := build/ngspice-src# see codemodels/ngspice-source.sh
 export NGSPICE NGSPICE_SRC
+OWN_NGSPICE = $(NGSPICE_SRC)$(filter-out ngspice,$(NGSPICE))# not empty: not the one of the system's package
 
 WARN := -Wall -Wextra -Wpedantic -Wconversion -Werror
 LIBS := -llapacke -llapack -lblas -lklu -lm
@@ -37,13 +38,13 @@ help: ## this list
 
 # --- what it needs ---------------------------------------------------------------------------------------
 
-PACKAGES := build-essential clang libclang-rt-14-dev ngspice libngspice0-dev liblapacke-dev liblapack-dev libblas-dev libopenblas-dev \
+PACKAGES := build-essential clang libclang-rt-dev ngspice libngspice0-dev liblapacke-dev liblapack-dev libblas-dev libopenblas-dev \
     libsuitesparse-dev libcmocka-dev locales gnuplot-nox valgrind bison flex autoconf automake libtool pkgconf
 LINT_PACKAGES := clang-format clang-tidy cppcheck shellcheck
 
 .PHONY: deps deps-lint
 deps: ## what it needs from Debian, and the source of the installed ngspice
-	@codemodels/install-packages.sh $(if $(NGSPICE_SRC),$(filter-out ngspice libngspice0-dev,$(PACKAGES)),$(PACKAGES))
+	@codemodels/install-packages.sh $(if $(OWN_NGSPICE),$(filter-out ngspice libngspice0-dev,$(PACKAGES)),$(PACKAGES))
 	@codemodels/ngspice-source.sh $(NG)
 
 deps-lint: deps
@@ -206,7 +207,7 @@ ASAN := B=build/asan WARN=-w \
         -fsanitize-recover=address -fno-sanitize-recover=undefined'
 
 # A program that uses libngspice, if there is one of the same version as the program ngspice.
-HOST_PROGRAM := $(if $(NGSPICE_SRC),,$(if $(wildcard /usr/include/ngspice/sharedspice.h),$(B)/tests/host/host $(B)/tests/host/session))
+HOST_PROGRAM := $(if $(OWN_NGSPICE),,$(if $(wildcard /usr/include/ngspice/sharedspice.h),$(B)/tests/host/host $(B)/tests/host/session))
 
 $(B)/tests/host/%: tests/host/%.c $(B)/flags
 	@mkdir -p $(@D)

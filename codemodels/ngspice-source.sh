@@ -6,8 +6,9 @@
 # Leaves in DIR/tree a configured tree with cmpp built, and DIR/stamp when all of it is there.  The source
 # package is fetched by an apt of its own (its state in DIR/apt, its sources made from the system's), so the
 # system's package lists stay as they are and nobody needs to be root.
-# NGSPICE_SRC=tree takes a copy of that tree instead; one that is configured is used as it is.
-# NGSPICE names the binary (default: ngspice).
+# NGSPICE names the binary (default: ngspice).  One that lies where it was built, in src of its tree, is taken with
+# that tree; NGSPICE_SRC=tree says which one otherwise.  A copy is taken; a tree that is configured is used as it
+# is, one that was configured in a folder of its own (there is a Makefile, but no source) with its source.
 set -eu
 
 dir=$1
@@ -38,7 +39,7 @@ installed_version() {
     command -v "$ngspice" >/dev/null 2>&1 || die "no $ngspice on the PATH: run 'make deps'"
     package=$(dpkg-query -S "$(command -v "$ngspice")" 2>/dev/null | cut -d: -f1) || true
     [ -n "$package" ] ||
-        die "$(command -v "$ngspice") is of no Debian package: give the tree it was made from as NGSPICE_SRC=dir"
+        die "$(command -v "$ngspice") is of no package, and not where it was built: give the tree it was made from as NGSPICE_SRC=dir"
     dpkg-query -W -f '${source:Package} ${source:Version}' "$package"
 }
 
@@ -80,12 +81,32 @@ fetch() {
     rm -rf "$apt" "$dir"/*.orig*.tar.*
 }
 
+# The tree that the binary was built in, "" if it is not in one.
+tree_around() {
+    tree=$(cd "$(dirname "$(command -v "$ngspice")")/.." 2>/dev/null && pwd -P) || return 0
+    [ ! -f "$tree/src/include/ngspice/config.h" ] || [ ! -f "$tree/config.status" ] || echo "$tree"
+}
+
+# Copies the files of $1 that are no results of a compiler to $dir/tree.
+copy_from() {
+    (cd "$1" && tar -cf - --exclude=.git --exclude='*.o' --exclude='*.a' --exclude='*.lo' --exclude='.libs' ${2:+"--exclude=$2"} .) |
+        (cd "$dir/tree" && tar -xf -)
+}
+
 # Copies the user's tree to $dir/tree.
 copy() {
-    [ -f "$src/src/xspice/icm/dlmain.c" ] || die "NGSPICE_SRC=$src holds no src/xspice/icm/dlmain.c"
+    [ -d "$src" ] || die "NGSPICE_SRC=$src is no folder"
+    code=$src
+    [ -f "$src/src/xspice/icm/dlmain.c" ] ||
+        code=$(cd "$src" && cd "$(sed -n 's/^top_srcdir = //p' Makefile 2>/dev/null | head -n 1)" 2>/dev/null && pwd -P) || code=$src
+    [ -f "$code/src/xspice/icm/dlmain.c" ] || die "NGSPICE_SRC=$src holds no src/xspice/icm/dlmain.c"
     say "copying $src"
     mkdir -p "$dir/tree"
-    (cd "$src" && tar -cf - --exclude=.git --exclude='*.o' --exclude='*.a' .) | (cd "$dir/tree" && tar -xf -)
+    if [ "$code" != "$src" ]; then
+        [ -f "$src/src/include/ngspice/config.h" ] || die "NGSPICE_SRC=$src is not configured"
+        copy_from "$code" "./$(basename "$src")"
+    fi
+    copy_from "$src"
 }
 
 # The package's own configure flags, less those of its user interface, which no header of ours depends on.
@@ -123,6 +144,7 @@ check_version() {
         die "the source is ngspice $headers but $(command -v "$ngspice") is ngspice $binary: they must be the same"
 }
 
+[ -n "$src" ] || src=$(tree_around)
 if [ -n "$src" ]; then
     wanted=$src
 else

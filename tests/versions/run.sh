@@ -173,7 +173,7 @@ cpu() {
 host() {
     name="$1 host"
     wanted "$name" && [ -x "$top/build/tests/host/session" ] || return
-    if [ "$1" = "$first" ]; then with=env; else with=$(dirname "$2")/with-library; fi
+    if [ "$1" = "$first" ]; then with='env'; else with=$(dirname "$2")/with-library; fi
     [ "$with" = env ] || [ -x "$with" ] || return
     dir=$made/$1/host
     mkdir -p "$dir"
@@ -190,7 +190,9 @@ sources() {
     other=39
     [ "$major" -lt 46 ] && other=47
     dir=$made/$1/sources
-    mkdir -p "$dir"
+    rm -rf "$dir" && mkdir -p "$dir"
+    cp -al "$made/$1/obj" "$made/$1/cm" "$made/$1/flags" "$dir"
+    rm -f "$dir/obj/codemodels/bridge/sources.o"
     make --no-print-directory -s B="build/versions/$1/sources" NG="build/versions/$1/ngspice-src" CM_LIB=build/libnonsmooth.a \
         PULSE_OF="$other" "build/versions/$1/sources/nonsmooth.cm" >"$dir/log" 2>&1 || { verdict "$name" "not built: $dir/log"; return; }
     cat >"$dir/run.cir" <<'END'
@@ -200,6 +202,10 @@ AD1 a b dmod
 R1 b 0 1k
 .model dmod ideal_diode
 .tran 1u 100u
+.control
+run
+quit 0
+.endc
 .end
 END
     echo "codemodel '$dir/nonsmooth.cm'" >"$dir/.spiceinit"
