@@ -23,12 +23,13 @@ one() {
     name="host/$(basename "$1" .cir) $2"
     dir=$SCRATCH/$(basename "$1" .cir).$2
     mkdir -p "$dir" && cd "$dir" || exit 2
-    echo "codemodel '$CM'" >.spiceinit
+    beside="setcs sourcepath = ( \$sourcepath '$(dirname "$CM")' )" # nonsmooth.inc
+    printf '%s\n' "codemodel '$CM'" "$beside" >.spiceinit
     if [ "$2" = source ]; then cat "$1"; else
         sed -e '/^\.control/,/^\.endc/d' -e 's/^\.end$/.control\nrun\nquit\n.endc\n.end/' "$1"
     fi >netlist.cir
     HOME=$dir timeout 60 "$NGSPICE" -b netlist.cir >printed 2>&1 </dev/null
-    rm .spiceinit
+    echo "$beside" >.spiceinit
     HOME=$dir timeout 60 "$PROGRAM" "$CM" netlist.cir "$2" given >raw 2>&1 </dev/null
     rc=$?
     lines 'nonsmooth: ' printed >expected
