@@ -32,7 +32,8 @@ typedef struct ns_own_drive {
     int switches;     /* PULSE or PWL drives it */
 } ns_own_drive;
 
-/* What sources drive the gate with: what V and R connect it with, against what V, R and L connect the source
+/* What sources drive the gate with: what V, R and an E of known control connect it
+ * with, against what V, R and L connect the source
  * with.  0: that leads to neither ground nor each other. */
 int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive);
 

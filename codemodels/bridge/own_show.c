@@ -57,10 +57,14 @@ void ns_bridge_own_show_states(const ns_analysis *a, CKTcircuit *ckt) {
 
 /* --- what was taken, once --- */
 
+static int are_same_diode(const ns_diode *a, const ns_diode *b) {
+    return a->vf == b->vf && a->ron == b->ron && a->vz == b->vz;
+}
+
+/* Of one model, and taken for the same. */
 static int are_alike(const ns_own_taken *a, const ns_own_taken *b) {
-    return a == b ||
-           ((a->kind != OWN_MOSFET || a->ron == b->ron) && a->vt == b->vt &&
-            a->inst->GENmodPtr == b->inst->GENmodPtr && memcmp(&a->diode, &b->diode, sizeof a->diode) == 0);
+    return a->inst->GENmodPtr == b->inst->GENmodPtr && a->ron == b->ron && a->vt == b->vt &&
+           are_same_diode(&a->diode, &b->diode);
 }
 
 /* How many are like the k-th; 0: one before it is. */
