@@ -79,6 +79,9 @@ static void announce_circuit(ns_session *s) {
         ns_bridge_report_note("simulates this circuit: %d unknown%s, %d ideal device%s", a->system->n,
                               a->system->n == 1 ? "" : "s", devices, devices == 1 ? "" : "s");
     }
+    if (!s->once.circuit_announced && *a->ex.sharp.name)
+        ns_bridge_report_note("%s: corners are sharp, %s is left out; so it is in the other code models",
+                              a->ex.sharp.name, a->ex.sharp.what);
     s->once.circuit_announced = 1;
     if (a->ex.options.reltol > 0.0 && a->ex.options.method == NS_THETA && !s->once.reltol_noted) {
         ns_bridge_report_note("reltol = %g has no effect: method \"theta\" uses steps of the fixed length h",

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "analog.h"
 #include "elements.h"
 #include "foreign.h"
 #include "own_elements.h"
@@ -84,31 +85,19 @@ static int read_options(ns_extract_walk *w, MIFinstance *inst) {
     return ex->error ? EXTRACT_REFUSED : NS_OK;
 }
 
-/* A code model of another library, of which ngspice makes some itself. */
-static int refuse_foreign(ns_extract_walk *w, const GENinstance *inst) {
-    char name[EXTRACT_NAME];
-    ns_bridge_extract_users_name(w, inst, name, sizeof name);
-    return ns_bridge_extract_refuse(w, inst,
-                                    strcmp(name, inst->GENname) != 0
-                                        ? "POLY and TABLE are not supported"
-                                        : "a code model of another library is not supported");
-}
-
 static int read_foreign(ns_extract_walk *w, GENinstance *inst) {
     MIFinstance *mif = (MIFinstance *)inst;
     const char *model = ns_bridge_foreign_model(mif);
     int status;
     if (model && ns_bridge_own_models(w, mif, model, &status))
         return status;
-    if (!mif->event_driven)
-        return refuse_foreign(w, inst);
     if (!model)
         return ns_bridge_extract_refuse(w, inst, "is of a code model that is not known to this ngspice");
     if (mif->analog && inst->GENmodPtr->GENmodType > ns_bridge_models_any(NULL))
         return ns_bridge_extract_refuse(
             w, inst,
             "its code models were loaded after nonsmooth.cm: put the line codemodel .../nonsmooth.cm last");
-    return ns_bridge_digital_read(w, mif, model);
+    return mif->event_driven ? ns_bridge_digital_read(w, mif, model) : ns_bridge_analog_read(w, mif, model);
 }
 
 static int read_ours(ns_extract_walk *w, GENinstance *inst) {

@@ -45,8 +45,12 @@ typedef struct ns_extract {
     int ndevices;
     ns_extract_device *device; /* ndevices: our diodes and switches */
     int nowns;
-    ns_own_taken *own;  /* nowns: D, S, W of ngspice that were taken */
-    ns_digital digital; /* XSPICE's digital parts (digital_read.c; digital.c while the analysis runs) */
+    ns_own_taken *own;    /* nowns: D, S, W of ngspice that were taken */
+    ns_digital digital;   /* XSPICE's digital parts (digital_read.c; digital.c while the analysis runs) */
+    struct {              /* the first code model whose corners are sharp here: */
+        char name[80];    /* empty: there is none */
+        const char *what; /* the parameter that smooths them */
+    } sharp;
     ns_bridge_options options;
     const MIFinstance *options_inst; /* the instance of model nonsmooth; NULL: there is none */
     unsigned long long hash; /* of all that was read: of two readings: equal if nothing was altered between */
