@@ -336,6 +336,11 @@ compare: deps ## circuits by the library of commit BASE and by this one: instruc
 	@$(MAKE) $(JOBS) $(B)/libnonsmooth.a
 	@CC='$(CC)' CFLAGS='$(CFLAGS)' LIBS='$(LIBS)' tests/compare/run.sh '$(BASE)' $(CIRCUITS)
 
+.PHONY: check-cost
+check-cost: deps ## what judging the engines costs: instructions of each circuit of `make compare` with and without it
+	@$(MAKE) $(JOBS) $(B)/libnonsmooth.a
+	@CC='$(CC)' CFLAGS='$(CFLAGS)' LIBS='$(LIBS)' tests/compare/cost.sh $(CIRCUITS)
+
 # --- stress: what is too long for `make test` -------------------------------------------------------------
 
 STRESS_BIN := $(patsubst %.c,$(B)/%,$(wildcard tests/stress/stress_*.c))

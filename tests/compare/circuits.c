@@ -156,7 +156,8 @@ static void write_counts(FILE *file, const ns_counts *c) {
                   {"jumps", c->jumps},       {"jumps_by_steps", c->jumps_by_steps},
                   {"islands", c->islands},   {"modes", c->modes},
                   {"searches", c->searches}, {"input_states", c->input_states},
-                  {"periods", c->periods},   {"predicted", c->predicted}};
+                  {"periods", c->periods},   {"predicted", c->predicted},
+                  {"checks", c->checks},     {"retries", c->retries}};
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         fprintf(file, "count:%s %ld\n", counts[i].name, counts[i].count);
 }

@@ -28,7 +28,7 @@ make -s -C "$tree" "-j$(nproc)" CC="${CC:-gcc}" CFLAGS="${CFLAGS:--O2 -g}" build
 }
 
 # What these name and older headers name otherwise: new=old.
-renamed='NS_EXACT=NS_FLIGHT jumps_by_steps=refused input_states=waves periods=laps predicted=settled'
+renamed='NS_EXACT=NS_FLIGHT jumps_by_steps=refused input_states=waves periods=laps predicted=settled checks=predicted retries=predicted'
 
 # program TREE NAME: the circuits by the library of TREE.
 program() {

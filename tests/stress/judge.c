@@ -105,10 +105,11 @@ static void start_run(int which, const judge_options *o) {
     else
         run(&p, &s, result[which]);
     if (o->verbose)
-        printf("  %-14s %s %.3f s, %ld steps, %ld events, %ld pivots; %s\n", s.name,
+        printf("  %-14s %s %.3f s, %ld steps, %ld events, %ld pivots, %ld checks, %ld retries; %s\n", s.name,
                (const char *[]){"not", "done", "refused", "slow", "crashed"}[result[which]->end],
                result[which]->seconds, result[which]->counts.steps, result[which]->counts.events,
-               result[which]->counts.pivots, result[which]->line);
+               result[which]->counts.pivots, result[which]->counts.checks, result[which]->counts.retries,
+               result[which]->line);
 }
 
 /* --- the theta scheme --- */
