@@ -33,6 +33,9 @@ typedef struct ns_engine_table {
     int (*sample)(ns_engine *e, double t, double *x, double *lambda);
     double (*shortest)(ns_engine *e, double t, double *until); /* until is not NULL */
     int (*problem)(const ns_engine *e, ns_mlcp *p, double *h); /* NULL: STATE, it is never written out */
+    /* The point of the trial as it is at hand: x (n) of the unknowns that charges and devices depend on,
+     * lambda (m). Nothing changes by it.  NULL, or STATE: read() is to be asked. */
+    int (*peek)(ns_engine *e, double *x, double *lambda);
     void (*watch)(ns_engine *e, const ns_watch *w); /* w outlives e, or NULL; NULL: nothing is shown */
     /* As ns_march_set_input(), whose checks were made; the engine's system has the signal already, copies of
      * that system have not. */
@@ -92,6 +95,9 @@ static inline double ns_engine_shortest(ns_engine *e, double t, double *until) {
 static inline int ns_engine_problem(ns_engine *e, ns_mlcp *p, double *h) {
     e = NS_ENGINE_FOR(e, problem);
     return e->table->problem ? e->table->problem(e, p, h) : NS_E_STATE;
+}
+static inline int ns_engine_peek(ns_engine *e, double *x, double *lambda) {
+    return e->table->peek ? e->table->peek(e, x, lambda) : NS_E_STATE;
 }
 static inline void ns_engine_watch(ns_engine *e, const ns_watch *w) {
     if (e->table->watch)

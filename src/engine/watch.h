@@ -13,18 +13,20 @@ typedef enum ns_watch_side {
     NS_WATCH_PERIOD /* the end of a period that was taken as the one before */
 } ns_watch_side;
 
-/* What is looked at: nothing; x of the unknowns that pairs depend on, and lambda; x, lambda, and what jumped.
- */
-typedef enum ns_watch_part { NS_WATCH_NOTHING, NS_WATCH_PAIRS, NS_WATCH_ALL } ns_watch_part;
+/* What is looked at: nothing; x of the unknowns that charges and devices depend on, and lambda, as they are
+ * at hand; x, lambda as they are shown. */
+typedef enum ns_watch_part { NS_WATCH_NOTHING, NS_WATCH_SOME, NS_WATCH_ALL } ns_watch_part;
 
 typedef struct ns_watch {
     void *data;
     /* What is looked at of a point in this mode (m). */
     ns_watch_part (*wants)(void *data, ns_watch_side side, const ns_mode *mode);
-    /* Then the engine writes that: x (n), lambda (m), and what jumped in the trial so far, X (n), Lambda (m),
-     * as ns_march_impulse(); */
+    /* Then the engine writes that: x (n), lambda (m), and if anything jumped in the trial so far (*jumped:
+     * 1), X (n), Lambda (m), as ns_march_impulse(); */
     double *x, *lambda, *X, *Lambda;
-    /* and asks what is to be done.  NS_GUARD: after NS_WATCH_PAIRS, all is to be shown.  Any other but NS_OK:
+    int *jumped;
+    int *periods; /* how many ends of periods are passed over before one is shown; the engine counts down */
+    /* and asks what is to be done.  NS_GUARD: after NS_WATCH_SOME, all is to be shown.  Any other but NS_OK:
      * the trial ends with that. */
     int (*sees)(void *data, ns_watch_side side, double t);
 } ns_watch;

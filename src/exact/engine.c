@@ -184,11 +184,12 @@ void ns_exact_watch(ns_exact *f, const ns_watch *w) {
 static int tell(const ns_exact *f, ns_watch_side side) {
     const ns_watch *w = f->watch;
     const size_t n = (size_t)f->system->n, m = (size_t)f->system->m;
-    const double *jumped = f->point->instant ? f->point->instant->sum : NULL;
-    for (size_t i = 0; jumped && i < n; i++)
-        w->X[i] = jumped[i];
-    for (size_t i = 0; jumped && i < m; i++)
-        w->Lambda[i] = jumped[n + i];
+    const ns_instant *jumped = f->point->instant;
+    *w->jumped = jumped && jumped->any;
+    if (*w->jumped) {
+        memcpy(w->X, jumped->sum, sizeof *w->X * n);
+        memcpy(w->Lambda, jumped->sum + n, sizeof *w->Lambda * m);
+    }
     return w->sees(w->data, side, f->state.now.t);
 }
 
@@ -368,7 +369,7 @@ static int go_on(ns_exact *f, double accepted_t, double t, ns_until until, int *
     ns_exact_period_abort(f);
     while (status == NS_OK && !*failed && !stop && f->state.now.t < t) {
         if (until == NS_TO_TIME && repeat_period(f, t)) {
-            status = show(f, NS_WATCH_PERIOD);
+            status = f->watch && --*f->watch->periods < 0 ? show(f, NS_WATCH_PERIOD) : NS_OK;
             continue;
         }
         status = go_to_event(f, accepted_t, t, until, failed, &stop);

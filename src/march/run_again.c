@@ -108,9 +108,9 @@ static int go_by_others(ns_run *r, const again *a, double *reached) {
     return 0;
 }
 
-/* What no engine does without an error may be rounding. */
+/* A small error that no engine is without is that of the problem. */
 static int go_with_allowance(ns_run *r, const again *a, const ns_verify_finding *f, double *reached) {
-    if (f->error > ns_verify_wrong)
+    if (f->error > ns_verify_wrong * ns_verify_wrong)
         return 0;
     ns_verify_allow(r->check.verify, f);
     return try_judged(r, a, reached);

@@ -1,4 +1,5 @@
-/* src/march/run_check.h - what a run knows of its checks: run_check.c judges, run_again.c goes again. */
+/* src/march/run_check.h - what a run knows of its checks: run_check.c, run_watch.c judge, run_again.c goes
+ * again. */
 #ifndef NS_MARCH_RUN_CHECK_H
 #define NS_MARCH_RUN_CHECK_H
 
@@ -20,17 +21,19 @@ typedef struct ns_run_check {
     double *nodes;   /* NS_VERIFY_NODES (n+m) */
     double *y;       /* m */
     double from;     /* s: of the accepted point, where the way of a trial begins */
-    int doubts;      /* how often the sparse engine had errors that may be rounding */
     /* the trial */
     int is_old;                /* 1: it was judged */
     double asked;              /* s: what it was asked for, */
     int until;                 /* and how */
     int found;                 /* 1: something is wrong, */
     ns_verify_finding finding; /* namely */
-    ns_watch_part looks_at;    /* of the right side of an event */
-    int has_left;              /* 1: left is the left side of the event that is resolved now */
+    ns_watch_part left, right; /* how much is looked at of the sides of the event that is resolved now */
+    long looks;                /* at events so far */
+    int has_all;               /* 1: all of the point is known now, as it is shown */
+    int jumped, jumped_before; /* 1: something did, by now; left of it */
     /* how often, in instructions or so: spent on a point, on a way, earned by a trial, by an event */
-    double point_cost, event_cost, way_cost, trial_gain, event_gain, period_gain;
+    double point_cost, event_cost, way_cost, quick_cost, map_cost, trial_cost, trial_gain, event_gain;
+    int periods, periods_rest;  /* that are repeated before one is looked at: from now on, in turn */
     double credit;              /* what may be spent */
     int way_next;               /* 1: the next thing looked at is a way */
     unsigned long long dice;    /* where on it */

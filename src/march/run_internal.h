@@ -1,4 +1,4 @@
-/* src/march/run_internal.h - shared by run.c, run_handover.c, run_check.c and run_again.c. */
+/* src/march/run_internal.h - shared by run.c, run_handover.c, run_check.c, run_watch.c, run_again.c. */
 #ifndef NS_MARCH_RUN_INTERNAL_H
 #define NS_MARCH_RUN_INTERNAL_H
 
@@ -59,20 +59,30 @@ void ns_march_run_leave_for_now(ns_run *r, double t, ns_run_kind was);
 /* That is due: it goes on from the accepted point, if it starts there. */
 void ns_march_run_return(ns_run *r);
 
-/* run_check.c: Errors: MEMORY. */
+/* run_check_create.c: Errors: MEMORY. */
 int ns_march_check_create(ns_run *r);
 void ns_march_check_free(ns_run *r);
 void ns_march_check_attach(ns_run *r); /* another engine is at work */
 void ns_march_check_reset(ns_run *r);  /* before a start */
 void ns_march_check_renew(ns_run *r);  /* an input was replaced */
-/* Before a trial to t.  Returns to where it is to go: to t, or to the event before it.  r->check.found: what
- * was looked at on the way is wrong. */
+/* run_check.c: Before a trial to t.  Returns to where it is to go: to t, or to the event before it.
+ * r->check.found: what was looked at on the way is wrong. */
 double ns_march_check_begin(ns_run *r, double t, ns_until until);
 /* After it.  1: it is right, as far as it was looked at; else r->check.finding. */
 int ns_march_check_end(ns_run *r, double t, ns_until until, double reached);
 /* r->check.here as a point; from that of ns_verify_left() to it by r->check.impulse.  1: it is right. */
 int ns_march_check_point(ns_run *r, double t, ns_side side);
 int ns_march_check_event(ns_run *r);
+
+/* For run_watch.c: more may be spent; r->check.here as a point; errors of the engine at work are measured; a
+ * point that is judged in a hurry, and in full if it is not clearly right then. */
+void ns_march_check_earn(ns_run_check *k, double gain);
+ns_verify_state ns_march_check_state(const ns_run *r, double t, ns_side side, const double *y);
+int ns_march_check_quickly(ns_run *r, double t, ns_side side, const double *y);
+
+/* run_watch.c: of r->check.watch; data: the run. */
+ns_watch_part ns_march_watch_wants(void *data, ns_watch_side side, const ns_mode *mode);
+int ns_march_watch_sees(void *data, ns_watch_side side, double t);
 
 /* run_again.c: a trial that was found wrong, by other engines.  Errors: RESIDUAL (all are wrong), MEMORY. */
 int ns_march_run_again(ns_run *r, double t, ns_until until, double *reached);

@@ -220,6 +220,8 @@ int ns_sparse_first_step(ns_sparse *m); /* the step from there, by m->w and m->m
 /* watch.c: the point of the trial while it is made, to m->watch if it wants it.  Errors: what that answers.
  */
 int ns_sparse_watch_show(ns_sparse *m, ns_watch_side side);
+/* As engine.h says. */
+int ns_sparse_peek(ns_sparse *m, double *x, double *lambda);
 
 /* next_step.c: a step from m->w, m->mode at t, after the step `before` (NULL: the first). */
 int ns_sparse_next_step(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step);

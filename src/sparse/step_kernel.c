@@ -1,6 +1,7 @@
 /* src/sparse/step_kernel.c - one step in one mode, by solves with one factor of (P2): its stages, what
  * rounding left of them, and state and unknowns at any time in it. */
 #include "guards.h"
+#include "linalg/simd.h"
 #include "regularise.h"
 
 #include <math.h>
@@ -160,15 +161,62 @@ double ns_sparse_step_time_lost(const ns_dense_step *step) {
     return step->time_lost + (step->t - step->end_t) + step->length;
 }
 
-/* out = sum of coefficient i times a[i], vectors of count numbers. */
-static void combine(size_t count, int terms, const double *coefficient, const double *a, double *out) {
-    for (size_t k = 0; k < count; k++)
-        out[k] = coefficient[0] * a[k];
-    for (int i = 1; i < terms; i++) {
-        const double c = coefficient[i], *of = a + (size_t)i * count;
-        for (size_t k = 0; k < count; k++)
-            out[k] += c * of[k];
+/* out = sum of coefficient i times a[i], vectors of count numbers, `terms` of them: entries k to before end.
+ */
+static void combine_few(size_t count, int terms, const double *coefficient, const double *a, double *out,
+                        size_t k) {
+    for (; k < count; k++) {
+        double sum = coefficient[0] * a[k];
+        for (int i = 1; i < terms; i++)
+            sum += coefficient[i] * a[(size_t)i * count + k];
+        out[k] = sum;
     }
+}
+
+/* The same of whole blocks of registers; returns where they end. */
+static size_t combine_blocks(size_t count, int terms, const double *coefficient, const double *a,
+                             double *out) {
+    enum { BLOCK = 2 * NS_LANES };
+    size_t k = 0;
+    for (; k + BLOCK <= count; k += BLOCK) {
+        const double *of = a + k;
+        ns_simd low = coefficient[0] * *(const ns_simd *)of,
+                high = coefficient[0] * *(const ns_simd *)(of + NS_LANES);
+        for (int i = 1; i < terms; i++) {
+            of += count;
+            low += coefficient[i] * *(const ns_simd *)of;
+            high += coefficient[i] * *(const ns_simd *)(of + NS_LANES);
+        }
+        *(ns_simd *)(out + k) = low;
+        *(ns_simd *)(out + k + NS_LANES) = high;
+    }
+    return k;
+}
+
+NS_WIDE_TARGET
+static size_t combine_wide_blocks(size_t count, int terms, const double *coefficient, const double *a,
+                                  double *out) {
+    enum { BLOCK = 2 * NS_WIDE };
+    size_t k = 0;
+    for (; k + BLOCK <= count; k += BLOCK) {
+        const double *of = a + k;
+        ns_simd_wide low = coefficient[0] * *(const ns_simd_wide *)of,
+                     high = coefficient[0] * *(const ns_simd_wide *)(of + NS_WIDE);
+        for (int i = 1; i < terms; i++) {
+            of += count;
+            low += coefficient[i] * *(const ns_simd_wide *)of;
+            high += coefficient[i] * *(const ns_simd_wide *)(of + NS_WIDE);
+        }
+        *(ns_simd_wide *)(out + k) = low;
+        *(ns_simd_wide *)(out + k + NS_WIDE) = high;
+    }
+    return k;
+}
+
+static void combine(size_t count, int terms, const double *coefficient, const double *a, double *out) {
+    const size_t k = ns_simd_is_wide() ? combine_wide_blocks(count, terms, coefficient, a, out)
+                                       : combine_blocks(count, terms, coefficient, a, out);
+    combine_few(count, terms, coefficient, a, out, k);
 }
 
 void ns_sparse_step_state(const ns_sparse *m, const ns_dense_step *step, double tau, double *w) {
@@ -199,8 +247,10 @@ void ns_sparse_step_point(const ns_sparse *m, const ns_dense_step *step, double 
         return;
     }
     ns_modes_laguerre(s, c); /* (E1) */
-    ns_modes_laguerre_steps(s, b);
-    c[NS_ORDER] = b[NS_ORDER] - c[NS_ORDER - 1]; /* L_8 = b_8 + L_7 */
+    if (step->stages > NS_ORDER) {
+        ns_modes_laguerre_steps(s, b);
+        c[NS_ORDER] = b[NS_ORDER] - c[NS_ORDER - 1]; /* L_8 = b_8 + L_7 */
+    }
     combine((size_t)m->f->size, step->stages, c, step->images, v);
 }
 

@@ -69,6 +69,10 @@ static const ns_fault *fault(const ns_engine *e) {
     return ns_sparse_fault(sparse_in(e));
 }
 
+static int peek(ns_engine *e, double *x, double *lambda) {
+    return ns_sparse_peek(sparse_of(e), x, lambda);
+}
+
 static void watch(ns_engine *e, const ns_watch *w) {
     sparse_of(e)->watch = w;
 }
@@ -95,6 +99,7 @@ static const ns_engine_table table = {
     .fault = fault,
     .sample = sample,
     .shortest = shortest,
+    .peek = peek,
     .watch = watch,
     .set_input = set_input,
 };

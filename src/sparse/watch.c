@@ -3,29 +3,13 @@
 
 #include <string.h>
 
-/* v (n+m) where a step begins: all Laguerre's polynomials are 1 (E1). */
-static void point_at_begin(const ns_sparse *m, const ns_dense_step *step, double *v) {
-    const int stages = step->stages < NS_ORDER ? step->stages : NS_ORDER, size = m->f->size;
-    memcpy(v, step->images, sizeof *v * (size_t)size);
-    for (int i = 1; i < stages; i++) {
-        const double *image = step->images + (size_t)i * (size_t)size;
-        if (i % 2)
-            for (int k = 0; k < size; k++)
-                v[k] -= image[k];
-        else
-            for (int k = 0; k < size; k++)
-                v[k] += image[k];
-    }
-}
-
 /* By the stages that the step has; not what is output_only. */
-static void read_pairs(ns_sparse *m, double *x, double *lambda) {
+static void read_some(ns_sparse *m, double *x, double *lambda) {
     const ns_output_only *o = m->output_only;
-    if (m->trial.tau == 0 && !m->trial.step->is_euler)
-        point_at_begin(m, m->trial.step, m->inside.v);
-    else
-        ns_sparse_step_point(m, m->trial.step, m->trial.tau, m->inside.v);
-    for (int i = 0; i < m->f->n; i++)
+    ns_sparse_step_point(m, m->trial.step, m->trial.tau, m->inside.v);
+    if (o->count == 0)
+        memcpy(x, m->inside.v, sizeof *x * (size_t)m->f->n);
+    for (int i = 0; o->count > 0 && i < m->f->n; i++)
         x[o->stays[i]] = m->inside.v[i];
     memcpy(lambda, m->inside.v + m->f->n, sizeof *lambda * (size_t)m->f->m);
 }
@@ -43,19 +27,33 @@ static int read_all(ns_sparse *m, ns_side side, double *x, double *lambda) {
     return NS_OK;
 }
 
+int ns_sparse_peek(ns_sparse *m, double *x, double *lambda) {
+    if (!m->started || m->o.theta > 0)
+        return NS_E_STATE;
+    read_some(m, x, lambda);
+    return NS_OK;
+}
+
+/* What jumped so far. */
+static int tell(ns_sparse *m, ns_watch_side side) {
+    const ns_watch *w = m->watch;
+    *w->jumped = m->instant.any;
+    if (*w->jumped)
+        (void)ns_sparse_impulse(m, w->X, w->Lambda);
+    return w->sees(w->data, side, m->trial.t);
+}
+
 int ns_sparse_watch_show(ns_sparse *m, ns_watch_side side) {
     const ns_watch *w = m->watch;
     const ns_watch_part part = ns_watch_wants(w, side, m->trial.step->mode);
     if (part == NS_WATCH_NOTHING)
         return NS_OK;
-    if (part == NS_WATCH_PAIRS) {
-        read_pairs(m, w->x, w->lambda);
-        const int seen = w->sees(w->data, side, m->trial.t);
+    if (part == NS_WATCH_SOME) {
+        read_some(m, w->x, w->lambda);
+        const int seen = tell(m, side);
         if (seen != NS_GUARD)
             return seen;
     }
-    int status = read_all(m, side == NS_WATCH_LEFT ? NS_LEFT : NS_RIGHT, w->x, w->lambda);
-    if (status == NS_OK)
-        status = ns_sparse_impulse(m, w->X, w->Lambda);
-    return status == NS_OK ? w->sees(w->data, side, m->trial.t) : status;
+    const int status = read_all(m, side == NS_WATCH_LEFT ? NS_LEFT : NS_RIGHT, w->x, w->lambda);
+    return status == NS_OK ? tell(m, side) : status;
 }

@@ -31,14 +31,21 @@ static double peak(const ns_signal *s) {
 static int allocate(ns_verify *v) {
     const ns_system *s = v->s;
     const size_t n = (size_t)s->n, m = (size_t)s->m, all = ns_verify_columns(s);
-    v->numbers = calloc(3 * n + m + 2 * ns_verify_sizes(s) + (3 + NS_VERIFY_NODES) * all, sizeof(double));
-    v->command = calloc(2 * n + m + 1, sizeof *v->command);
-    v->scan = calloc(m + 1, sizeof *v->scan);
-    v->piece = calloc((size_t)s->nz + 1, sizeof *v->piece);
-    if (!v->numbers || !v->command || !v->piece || !v->scan)
+    v->numbers =
+        calloc(3 * n + m + 2 * ns_verify_sizes(s) + (5 + NS_VERIFY_NODES) * (all + 1), sizeof(double));
+    v->command = calloc(4 * n + 4 * m + (size_t)s->nz + 1, sizeof *v->command);
+    v->quick.pair = calloc(m + 1, sizeof *v->quick.pair);
+    v->inputs.piece = calloc((size_t)s->nz + 1, sizeof *v->inputs.piece);
+    if (!v->numbers || !v->command || !v->inputs.piece || !v->quick.pair)
         return NS_E_MEMORY;
     v->algebraic = v->command + m;
     v->stored = v->algebraic + n;
+    v->is_aside = v->stored + n;
+    v->quick.plain = v->is_aside + n;
+    v->quick.other = v->quick.plain + m;
+    v->is_loose_row = v->quick.other + m;
+    v->is_loose_pair = v->is_loose_row + n;
+    v->inputs.moving = v->is_loose_pair + m;
     v->unit = v->numbers;
     v->sign = v->unit + n;
     v->times_row = v->sign + n;
@@ -51,9 +58,11 @@ static int allocate(ns_verify *v) {
     v->most_any = v->most_control + (size_t)s->nc;
     v->kept = v->most_any + NS_VERIFY_ANY;
     v->u = v->kept + ns_verify_sizes(s);
-    v->u_left = v->u + all;
-    v->spread = v->u_left + all;
-    v->v = v->spread + all;
+    v->u_left = v->u + all + 1;
+    v->spread = v->u_left + all + 1;
+    v->quick.row = v->spread + all + 1;
+    v->quick.charge = v->quick.row + all + 1;
+    v->v = v->quick.charge + all + 1;
     return NS_OK;
 }
 
@@ -77,10 +86,8 @@ static void find_rows(ns_verify *v) {
         v->command[j] = -1;
     for (int c = 0; c < s->nc; c++)
         v->command[s->command[c].pair] = c;
-    v->scan_known = 1;
-    for (int k = 0; k < v->output.start[s->m]; k++)
-        v->scan_known &= v->output.column[k] < s->n + s->m || v->output.column[k] == s->n + s->m + s->nz;
     v->is_passive = ns_verify_passive_find(v);
+    ns_verify_quick_find(v);
 }
 
 int ns_verify_create(const ns_system *s, const ns_verify_options *o, ns_verify **out) {
@@ -99,6 +106,11 @@ int ns_verify_create(const ns_system *s, const ns_verify_options *o, ns_verify *
         return status;
     }
     find_rows(v);
+    status = ns_verify_aside_find(v);
+    if (status != NS_OK) {
+        ns_verify_free(v);
+        return status;
+    }
     ns_verify_reset(v);
     *out = v;
     return NS_OK;
@@ -110,17 +122,40 @@ void ns_verify_free(ns_verify *v) {
     ns_verify_rows_free(v);
     free(v->numbers);
     free(v->command);
-    free(v->piece);
-    free(v->scan);
+    free(v->inputs.piece);
+    free(v->quick.pair);
     free(v);
+}
+
+/* What sources may make of the terms of rows: where they begin at zero, nothing else tells. */
+static void grow_by_sources(const ns_verify *v, const ns_verify_rows *r, double *most) {
+    const int first = v->s->n + v->s->m;
+    for (int i = 0; i < r->count; i++) {
+        double size = 0;
+        for (int k = r->start[i]; k < r->start[i + 1]; k++)
+            if (r->column[k] >= first)
+                size += fabs(r->value[k]) * v->spread[r->column[k]];
+        most[i] = fmax(most[i], size);
+    }
 }
 
 void ns_verify_renew(ns_verify *v) {
     const ns_system *s = v->s;
-    double *most = &v->most_any[NS_VERIFY_ANY_NUMBER];
-    memset(v->piece, 0, sizeof *v->piece * (size_t)s->nz);
-    for (int k = 0; k < s->nz; k++)
-        *most = fmax(*most, peak(&s->z[k]));
+    double *source = v->spread + s->n + s->m, *most = &v->most_any[NS_VERIFY_ANY_NUMBER];
+    ns_verify_finding none = ns_verify_nothing(0);
+    for (int k = 0; k < s->nz; k++) {
+        source[k] = peak(&s->z[k]);
+        *most = fmax(*most, source[k]);
+    }
+    source[s->nz] = 1;
+    grow_by_sources(v, &v->law, v->most_law);
+    grow_by_sources(v, &v->output, v->most_y);
+    grow_by_sources(v, &v->control, v->most_control);
+    memset(source, 0, sizeof *source * ((size_t)s->nz + 1));
+    memset(v->inputs.piece, 0, sizeof *v->inputs.piece * (size_t)s->nz);
+    v->inputs.from = INFINITY;
+    v->grew = 1;
+    (void)ns_verify_sizes_end(v, &none);
 }
 
 void ns_verify_reset(ns_verify *v) {
@@ -130,13 +165,16 @@ void ns_verify_reset(ns_verify *v) {
         v->times_row[i] = 1;
     for (int j = 0; j < s->m; j++)
         v->times_pair[j] = 1;
+    memset(v->is_loose_row, 0, sizeof *v->is_loose_row * (size_t)s->n);
+    memset(v->is_loose_pair, 0, sizeof *v->is_loose_pair * (size_t)s->m);
     v->most_any[NS_VERIFY_ANY_NUMBER] = least_number;
+    v->quick.is_ready = 0;
     ns_verify_renew(v);
-    v->grew = 1;
-    (void)ns_verify_sizes_end(v, 1);
 }
 
 void ns_verify_scale(ns_verify *v, double times) {
+    if (v->times != times)
+        v->quick.is_ready = 0;
     v->times = times;
 }
 
@@ -145,6 +183,7 @@ void ns_verify_allow(ns_verify *v, const ns_verify_finding *f) {
         v->times_pair[f->pair] = ns_verify_wrong;
     if (f->unknown >= 0)
         v->times_row[f->unknown] = ns_verify_wrong;
+    v->quick.is_old = 1;
 }
 
 double ns_verify_effort(const ns_verify *v) {

@@ -170,17 +170,25 @@ void ns_verify_left(ns_verify *v) {
     v->t_left = v->t;
 }
 
+int ns_verify_left_in_full(ns_verify *v, ns_verify_finding *worst) {
+    const double *x = v->u_left;
+    const ns_verify_state at = {v->t_left, NS_LEFT, x, x + v->s->n, NULL, 1};
+    const int right = ns_verify_point(v, &at, worst);
+    ns_verify_left(v);
+    return right;
+}
+
 int ns_verify_event(ns_verify *v, const double *X, const double *Lambda, ns_verify_finding *worst) {
     const size_t n = (size_t)v->s->n, m = (size_t)v->s->m;
     jump j = {.seconds = v->t - v->t_left};
     *worst = ns_verify_nothing(v->t);
     if (!any_jumps(v))
-        return ns_verify_sizes_end(v, 1);
+        return ns_verify_sizes_end(v, worst);
     fill_impulse(v, j.seconds, X, Lambda);
     j.dust = of_all * largest(n + m, v->v);
     j.lambda_off = of_impulse * largest(m, v->v + n) + j.dust + DBL_MIN;
     judge_balance(v, &j, worst);
     judge_pairs(v, &j, worst);
     judge_energy(v, &j, worst);
-    return ns_verify_sizes_end(v, worst->cause == NS_VERIFY_RIGHT);
+    return ns_verify_sizes_end(v, worst);
 }

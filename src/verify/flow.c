@@ -56,7 +56,7 @@ int ns_verify_flow(ns_verify *v, const double *t, const double *xl, ns_verify_fi
     const size_t n = (size_t)v->s->n, m = (size_t)v->s->m, all = ns_verify_columns(v->s);
     for (size_t k = 0; k < NS_VERIFY_NODES; k++) {
         const double *x = xl + k * (n + m);
-        const ns_verify_state at = {t[k], k == 0 ? NS_RIGHT : NS_LEFT, x, x + n, NULL};
+        const ns_verify_state at = {t[k], k == 0 ? NS_RIGHT : NS_LEFT, x, x + n, NULL, 0};
         if (!ns_verify_point(v, &at, worst))
             return 0;
         memcpy(v->v + k * all, v->u, sizeof *v->u * all);
@@ -64,5 +64,5 @@ int ns_verify_flow(ns_verify *v, const double *t, const double *xl, ns_verify_fi
     *worst = ns_verify_nothing(t[NS_VERIFY_NODES - 1]);
     for (int k = 0; k < v->storeds; k++)
         judge_row(v, v->stored[k], (t[NS_VERIFY_NODES - 1] - t[0]) / 2, worst);
-    return ns_verify_sizes_end(v, worst->cause == NS_VERIFY_RIGHT);
+    return ns_verify_sizes_end(v, worst);
 }

@@ -5,19 +5,12 @@
 #include <math.h>
 #include <string.h>
 
-/* What a control may be beyond its threshold, of the largest that it was: events close together count as one.
- */
-static const double of_control = 1e-3;
 /* What rounding leaves of the terms of y. */
 static const double digits = 1e-13;
 /* Inputs are known at a time that is rounded, in units of eps. */
 static const double roundings = 64;
 
 /* --- findings --- */
-
-ns_verify_finding ns_verify_nothing(double t) {
-    return (ns_verify_finding){NS_VERIFY_RIGHT, -1, -1, t, 1};
-}
 
 void ns_verify_note(ns_verify_finding *worst, ns_verify_cause cause, int pair, int unknown, double error) {
     if (error <= worst->error)
@@ -56,13 +49,13 @@ const char *ns_verify_text(ns_verify_cause cause) {
 
 /* --- the point --- */
 
-static void fill(ns_verify *v, const ns_verify_state *at) {
+void ns_verify_fill(ns_verify *v, const ns_verify_state *at) {
     const size_t n = (size_t)v->s->n, m = (size_t)v->s->m;
     v->t = at->t;
     memcpy(v->u, at->x, sizeof *v->u * n);
     if (m > 0)
         memcpy(v->u + n, at->lambda, sizeof *v->u * m);
-    ns_verify_inputs(v, at->t, at->side, v->u + n + m);
+    ns_verify_inputs_at(v, at->t, at->side, v->u + n + m);
     v->u[n + m + (size_t)v->s->nz] = 1;
 }
 
@@ -97,9 +90,11 @@ static int numbers_are_finite(const ns_verify *v, ns_verify_finding *worst) {
 
 /* --- Kirchhoff's laws and those of elements without charge --- */
 
-static void judge_rows(ns_verify *v, ns_verify_finding *worst) {
+static void judge_rows(ns_verify *v, int is_some, ns_verify_finding *worst) {
     for (int k = 0; k < v->algebraics; k++) {
         const int i = v->algebraic[k];
+        if (is_some && v->is_aside[i])
+            continue;
         const ns_verify_sum s = ns_verify_row(&v->law, i, v->u);
         ns_verify_grow(v, &v->most_law[i], s.size);
         if (fabs(s.sum) <= digits * s.size)
@@ -167,9 +162,18 @@ static void find_offs(const ns_verify *v, int j, pair_values *p) {
     p->y_off = ns_verify_sizes_y_off(v, j) + spread_of(v, &v->output, j);
     if (c < 0)
         return;
-    const ns_command *k = &v->s->command[c];
-    const double threshold = ns_verify_larger(fabs(k->on), fabs(k->off));
-    p->g_off = of_control * ns_verify_larger(v->most_control[c], threshold) + spread_of(v, &v->control, c);
+    p->g_off = ns_verify_sizes_control_off(v, c) + spread_of(v, &v->control, c);
+}
+
+/* What edges of sources make of a control in the time that an event may take. */
+static double edge_of(const ns_verify *v, int c) {
+    const double t = v->t, near = v->o.instant;
+    double sum = 0;
+    for (int k = 0; k < v->s->nz; k++) {
+        const ns_signal *s = &v->s->z[k];
+        sum += fabs(ns_signal_value(s, t + near, NS_RIGHT) - ns_signal_value(s, t - near, NS_LEFT));
+    }
+    return sum * v->control.size[c];
 }
 
 static void judge_closely(const ns_verify *v, int j, pair_values *p, ns_verify_finding *worst) {
@@ -178,6 +182,8 @@ static void judge_closely(const ns_verify *v, int j, pair_values *p, ns_verify_f
     if (error <= 1)
         return;
     p->lambda_off += ns_verify_sizes_rounding_around(v, j);
+    if (c >= 0)
+        p->g_off += edge_of(v, c);
     error = c < 0 ? law_error(v, j, p) : command_error(&v->s->command[c], p);
     const int is_command = c >= 0 && switch_error(p) <= 1;
     ns_verify_note(worst, is_command ? NS_VERIFY_COMMAND : NS_VERIFY_LAW, j, -1, error);
@@ -203,7 +209,7 @@ static void judge_pair(ns_verify *v, int j, const double *y_shown, ns_verify_fin
 
 static int judge(ns_verify *v, const ns_verify_state *at, ns_verify_finding *worst) {
     *worst = ns_verify_nothing(at->t);
-    judge_rows(v, worst);
+    judge_rows(v, at->is_some, worst);
     for (int j = 0; j < v->s->m; j++)
         judge_pair(v, j, at->y, worst);
     return worst->cause == NS_VERIFY_RIGHT;
@@ -211,14 +217,15 @@ static int judge(ns_verify *v, const ns_verify_state *at, ns_verify_finding *wor
 
 int ns_verify_point(ns_verify *v, const ns_verify_state *at, ns_verify_finding *worst) {
     *worst = ns_verify_nothing(at->t);
-    fill(v, at);
+    ns_verify_fill(v, at);
     if (!numbers_are_finite(v, worst))
         return 0;
     ns_verify_sizes_numbers(v, v->u);
     if (judge(v, at, worst))
-        return ns_verify_sizes_end(v, 1);
+        return ns_verify_sizes_end(v, worst);
     v->spreads = find_spread(v, at->t); /* rare: an input jumps, or is steep */
-    const int right = v->spreads && judge(v, at, worst);
+    if (v->spreads)
+        (void)judge(v, at, worst);
     v->spreads = 0;
-    return ns_verify_sizes_end(v, right);
+    return ns_verify_sizes_end(v, worst);
 }

@@ -7,11 +7,14 @@
 
 /* y and lambda: of the largest that they had, and of the largest of all pairs. */
 static const double of_largest = 1e-4, of_all = 1e-5;
+/* What a control may be beyond its threshold, of the largest that it was: events close together count as one.
+ */
+static const double of_control = 1e-3;
 /* What nobody looks at: V, A. */
 static const double least_y = 1e-12, least_lambda = 1e-15;
 /* Rows of (S1): what solvers leave of their terms.  Of the largest number that there is: its rounding, and
  * leaks. */
-static const double of_law = 1e-6, of_number = 1e-12, leaks = 1e-10;
+static const double of_law = 1e-5, of_number = 1e-12, leaks = 1e-10;
 /* Charges and fluxes: of their largest terms; of the one of the largest energy; errors of so many steps. */
 static const double of_charge = 1e-5, of_energy = 1e-9, steps = 100;
 
@@ -30,10 +33,22 @@ void ns_verify_sizes_charge(ns_verify *v, int i, double size) {
     ns_verify_grow(v, &v->most_any[NS_VERIFY_ANY_ENERGY], size / v->unit[i]);
 }
 
-int ns_verify_sizes_end(ns_verify *v, int right) {
+static void loosen(ns_verify *v, ns_verify_finding *f) {
+    if (f->pair >= 0)
+        v->is_loose_pair[f->pair] = 1;
+    if (f->unknown >= 0)
+        v->is_loose_row[f->unknown] = 1;
+    v->quick.is_old = 1;
+    *f = ns_verify_nothing(f->t);
+}
+
+int ns_verify_sizes_end(ns_verify *v, ns_verify_finding *worst) {
+    if (worst->cause != NS_VERIFY_RIGHT && worst->error <= ns_verify_wrong)
+        loosen(v, worst);
+    const int right = worst->cause == NS_VERIFY_RIGHT;
     if (v->grew && right) {
         memcpy(v->kept, v->most_law, sizeof *v->kept * ns_verify_sizes(v->s));
-        v->scan_is_old = 1;
+        v->quick.is_old = 1;
     } else if (v->grew)
         memcpy(v->most_law, v->kept, sizeof *v->kept * ns_verify_sizes(v->s));
     v->grew = 0;
@@ -76,4 +91,9 @@ double ns_verify_sizes_rounding_around(const ns_verify *v, int j) {
             if (v->law.column[k] == v->s->n + j)
                 most = ns_verify_larger(ns_verify_sizes_leak(v, &v->law, i) / fabs(v->law.value[k]), most);
     return v->times * v->times_pair[j] * most;
+}
+
+double ns_verify_sizes_control_off(const ns_verify *v, int c) {
+    const ns_command *k = &v->s->command[c];
+    return of_control * ns_verify_larger(v->most_control[c], ns_verify_larger(fabs(k->on), fabs(k->off)));
 }

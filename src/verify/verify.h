@@ -15,7 +15,7 @@ typedef struct ns_verify ns_verify;
 
 /* What is wrong. */
 typedef enum ns_verify_cause {
-    NS_VERIFY_RIGHT,   /* nothing */
+    NS_VERIFY_RIGHT,   /* nothing, or what may be rounding */
     NS_VERIFY_NUMBER,  /* a number that is not finite */
     NS_VERIFY_ROW,     /* an algebraic row of (S1): a law of Kirchhoff or of an element */
     NS_VERIFY_OUTPUT,  /* y is not that of (S3) */
@@ -27,8 +27,10 @@ typedef enum ns_verify_cause {
     NS_VERIFY_FLOW     /* charges or fluxes are not the integral of what charges them, a row of (S1) */
 } ns_verify_cause;
 
-/* Of an error: above 1 it is more than a right answer should have; above this many it is wrong. */
-static const double ns_verify_wrong = 100;
+/* Of an error: above 1 it is more than a right answer should have, and may be rounding; above this many it is
+ * wrong.
+ */
+static const double ns_verify_wrong = 10;
 
 /* The worst that was found. */
 typedef struct ns_verify_finding {
@@ -44,11 +46,13 @@ typedef struct ns_verify_options {
     double instant; /* s: the time that an event may take */
 } ns_verify_options;
 
-/* A point: x (n), lambda (m), y (m; NULL: not shown). */
+/* A point: x (n), lambda (m), y (m; NULL: not shown).  is_some: 1: of x only the unknowns that charges and
+ * devices depend on. */
 typedef struct ns_verify_state {
     double t;
     ns_side side; /* of the inputs */
     const double *x, *lambda, *y;
+    int is_some;
 } ns_verify_state;
 
 /* For s, which must outlive it.  Errors: MEMORY. */
@@ -71,14 +75,20 @@ double ns_verify_effort(const ns_verify *v);
 /* What is wrong, as a constant string. */
 const char *ns_verify_text(ns_verify_cause cause);
 
-/* Each of the following returns 1 if all is right; else *worst says what is not. */
+/* Each of the following returns 0 if something is wrong, which *worst says. */
 
 /* (S1), algebraic rows; (S2) to (S4); commands. */
 int ns_verify_point(ns_verify *v, const ns_verify_state *at, ns_verify_finding *worst);
 
-/* Pairs alone, in a hurry, by what was learnt from points before; nothing is learnt.  x: at least the
- * unknowns that pairs depend on.  0: it may be wrong, or not. */
-int ns_verify_scan(ns_verify *v, const double *x, const double *lambda);
+/* The same in a hurry, by what was learnt from points before; nothing is learnt.  x: at least the unknowns
+ * that devices and charges depend on.  0: it may be wrong, or not. */
+int ns_verify_quick_point(ns_verify *v, const ns_verify_state *at);
+/* The left side of an event, which is not judged; */
+void ns_verify_quick_left(ns_verify *v, const ns_verify_state *at);
+/* and from there to the last point nothing jumps. */
+int ns_verify_quick_stays(ns_verify *v);
+/* That left side in full, as the left side of an event. */
+int ns_verify_left_in_full(ns_verify *v, ns_verify_finding *worst);
 
 /* The point that was judged last is the left side of an event; then, from there to the point that was judged
  * last, with the impulses X (n), Lambda (m) between, as ns_march_impulse(). */

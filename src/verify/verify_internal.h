@@ -1,9 +1,9 @@
 /* src/verify/verify_internal.h - the equations of a system as rows, and the sizes that errors are measured
  * by.
  *
- *   scan.c    pairs of a point in a hurry      inputs.c  of the system
+ *   quick.c   a point in a hurry      inputs.c  of the system
  *   rows.c    matrices row by row     create.c   the object       sizes.c   what may be off by how much
- *   passive.c whether energy can be judged
+ *   passive.c whether energy can be judged     aside.c  what is not looked at in a hurry
  *   point.c   (S1) to (S4)            event.c    (J1), (J2), (J4), energy   flow.c   integrals between events
  */
 #ifndef NS_VERIFY_INTERNAL_H
@@ -32,10 +32,36 @@ typedef struct ns_verify_piece {
     double from, to, value, slope;
 } ns_verify_piece;
 
-/* What a pair may be off by, after the last point that was judged. */
-typedef struct ns_verify_scan_off {
+/* Inputs at the time that was looked at last. */
+typedef struct ns_verify_inputs {
+    ns_verify_piece *piece; /* nz */
+    int *moving, movings;   /* nz: which are not constant on their piece */
+    double from, to;        /* s: where those that are, are */
+} ns_verify_inputs;
+
+/* Most rows of (S3) and most controls: u[plus] - u[minus] + own lambda + constant. */
+typedef struct ns_verify_difference {
+    int is_one; /* 0: the row is not of this kind */
+    int plus, minus;
+    double own, constant;
+} ns_verify_difference;
+
+/* A pair in a hurry: what it may be off by, by what was learnt when that was prepared. */
+typedef struct ns_verify_quick_pair {
+    ns_verify_difference y, control;
     double y_off, lambda_off;
-} ns_verify_scan_off;
+    double on, off; /* above, below: the switch is closed, open */
+} ns_verify_quick_pair;
+
+typedef struct ns_verify_quick {
+    int *plain, plains;         /* m: pairs of 0 <= lambda, y a difference, */
+    int *other, others;         /* m: and of other kinds */
+    double *row;                /* columns: all algebraic rows that are looked at, weighted and added up */
+    double *charge;             /* columns: the same of all charges and fluxes */
+    ns_verify_quick_pair *pair; /* m */
+    int is_old;                 /* more was learnt since */
+    int is_ready;               /* it is prepared, by no larger sizes than those that are right */
+} ns_verify_quick;
 
 struct ns_verify {
     const ns_system *s;
@@ -45,6 +71,7 @@ struct ns_verify {
     int *command;    /* m: that of a pair; -1: it has none */
     int *algebraic;  /* n: which rows of M are zero, */
     int algebraics;  /* and how many */
+    int *is_aside;   /* n: row and unknown of that index depend on inputs alone, and no device on them */
     int *stored;     /* n: which are not */
     int storeds;     /* and how many */
     int is_passive;  /* x' S M x / 2 is an energy that only b, E, e and F add to, */
@@ -53,22 +80,21 @@ struct ns_verify {
                         energy; 0: the row has none */
     double *numbers; /* all arrays of numbers */
     /* the largest so far, of points that were right */
-    double *most_law;               /* n: terms of rows of (S1) */
-    double *most_w;                 /* n: terms of charges and fluxes */
-    double *most_lambda, *most_y;   /* m: of the values; of the terms */
-    double *most_control;           /* nc: of the terms */
-    double *most_any;               /* NS_VERIFY_ANY: */
-    double *kept;                   /* all of these after the last point that was right */
-    int grew;                       /* they are not those that are kept */
-    double times;                   /* all may be off by so many times as much, */
-    double *times_row, *times_pair; /* n, m: and rows of (S1), pairs by so many times that */
-    ns_verify_scan_off *scan;       /* m */
-    int scan_is_old;                /* scan is that of an earlier point */
-    int scan_known;                 /* no input acts on y of a pair */
-    ns_verify_piece *piece;         /* nz: that was looked at last */
-    double t, t_left;               /* s: of u, u_left */
+    double *most_law;                  /* n: terms of rows of (S1) */
+    double *most_w;                    /* n: terms of charges and fluxes */
+    double *most_lambda, *most_y;      /* m: of the values; of the terms */
+    double *most_control;              /* nc: of the terms */
+    double *most_any;                  /* NS_VERIFY_ANY: */
+    double *kept;                      /* all of these after the last point that was right */
+    int grew;                          /* they are not those that are kept */
+    int *is_loose_row, *is_loose_pair; /* n, m: had errors that may be rounding */
+    double times;                      /* all may be off by so many times as much, */
+    double *times_row, *times_pair;    /* n, m: rows of (S1), pairs may be off by so many times as much */
+    ns_verify_quick quick;
+    ns_verify_inputs inputs;
+    double t, t_left; /* s: of u, u_left */
     /* work, n+m+nz+1 each */
-    double *u, *u_left; /* points */
+    double *u, *u_left; /* points; one more number, which is 0 */
     double *spread;     /* 0; by how much inputs differ around the time of u */
     int spreads;        /* they do */
     double *v;          /* NS_VERIFY_NODES: points; or an impulse */
@@ -83,6 +109,11 @@ static inline size_t ns_verify_columns(const ns_system *s) {
 
 static inline size_t ns_verify_sizes(const ns_system *s) {
     return 2 * (size_t)s->n + 2 * (size_t)s->m + (size_t)s->nc + NS_VERIFY_ANY;
+}
+
+/* Nothing found so far at t. */
+static inline ns_verify_finding ns_verify_nothing(double t) {
+    return (ns_verify_finding){NS_VERIFY_RIGHT, -1, -1, t, 1};
 }
 
 /* A quarter more, so that what grows slowly is not kept again each time. */
@@ -118,24 +149,32 @@ int ns_verify_passive_find(const ns_verify *v);
 /* sizes.c: the largest numbers so far, u being a point; the largest terms of a charge. */
 void ns_verify_sizes_numbers(ns_verify *v, const double *u);
 void ns_verify_sizes_charge(ns_verify *v, int i, double size);
-/* A point was right, or not: the sizes are kept, or those that are kept are in force again.  Returns right.
+/* What was judged is right, or not: the sizes are kept, or those that are kept are in force again.  An error
+ * that may be rounding is none: where it was, what is looked at in a hurry may be off by more from now on.
+ * Returns 1: right.
  */
-int ns_verify_sizes_end(ns_verify *v, int right);
+int ns_verify_sizes_end(ns_verify *v, ns_verify_finding *worst);
 /* What may be off by how much: the charge of row i; row i of (S1); y of pair j, lambda of it, the latter also
  * by what the rows around it may be off by. */
 double ns_verify_sizes_charge_off(const ns_verify *v, int i);
 double ns_verify_sizes_law_off(const ns_verify *v, int i);
 double ns_verify_sizes_y_off(const ns_verify *v, int j);
 double ns_verify_sizes_lambda_off(const ns_verify *v, int j);
+double ns_verify_sizes_control_off(const ns_verify *v, int c);
 double ns_verify_sizes_rounding_around(const ns_verify *v, int j);
 /* What rounding of the largest numbers, and leaks that engines put where something floats, make of row i. */
 double ns_verify_sizes_leak(const ns_verify *v, const ns_verify_rows *r, int i);
 
-/* inputs.c: z (nz). */
-void ns_verify_inputs(ns_verify *v, double t, ns_side side, double *z);
+/* inputs.c: z (nz), which keeps what it was at the last call. */
+void ns_verify_inputs_at(ns_verify *v, double t, ns_side side, double *z);
 
-/* point.c. Nothing found so far at t. */
-ns_verify_finding ns_verify_nothing(double t);
+/* quick.c: the shape of pairs. */
+void ns_verify_quick_find(ns_verify *v);
+/* aside.c: v->is_aside.  Errors: MEMORY. */
+int ns_verify_aside_find(ns_verify *v);
+
+/* point.c: v->u is this point. */
+void ns_verify_fill(ns_verify *v, const ns_verify_state *at);
 /* An error becomes the finding, if it is larger than 1 and than that of the one there. */
 void ns_verify_note(ns_verify_finding *worst, ns_verify_cause cause, int pair, int unknown, double error);
 /* How far (S4) with these bounds is from lambda, y, of what either may be off by. */

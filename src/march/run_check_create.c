@@ -1,0 +1,96 @@
+/* src/march/run_check_create.c - the check of a run: made, attached to an engine, and what it costs. */
+#include "run_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --- what it costs: estimates in instructions --- */
+
+/* The theta scheme may be off by so many times as much. */
+static const double of_scheme = 1000;
+/* Checks may take this part of what is earned. */
+static const double share = 0.025;
+
+static void estimate_costs(ns_run *r) {
+    ns_run_check *k = &r->check;
+    const double effort = ns_verify_effort(k->verify), size = (double)r->s->n + (double)r->s->m;
+    k->point_cost = 1000 + 30 * effort + 300 * (double)r->s->nz;
+    k->event_cost = 300 + 5 * effort;
+    k->way_cost = NS_VERIFY_NODES * (k->point_cost + 300) + 40 * effort;
+    k->quick_cost = 1500 + 10 * effort + 12 * (double)r->s->nz + (r->is_dense ? 2 * size * size : 16 * size);
+    if (r->is_dense) {
+        k->trial_gain = share * (400 + 4 * size * size);
+        k->event_gain = share * (1000 + 40 * size * size);
+        k->periods_rest = (int)fmin(1e6, k->quick_cost / (share * (250 + 5 * size * size)));
+    } else {
+        k->trial_gain = share * 1000;
+        k->event_gain = share * (4000 + 120 * effort);
+    }
+    k->trial_cost = k->trial_gain / share;
+    k->map_cost = r->is_dense ? 3 * size * size * size : 0;
+    k->periods = k->periods_rest;
+}
+
+/* --- made --- */
+
+int ns_march_check_create(ns_run *r) {
+    enum { INSTANT_EXPONENT = -11 }; /* with the sparse engine, src/README.md */
+    ns_run_check *k = &r->check;
+    const size_t n = (size_t)r->s->n, m = (size_t)r->s->m, all = n + m;
+    const ns_verify_options o = {.reltol = r->options.method == NS_EXACT ? 0 : r->options.reltol,
+                                 .instant = ldexp(r->options.h, INSTANT_EXPONENT)};
+    k->numbers = calloc((3 + NS_VERIFY_NODES) * all + m + 1, sizeof *k->numbers);
+    if (!k->numbers)
+        return NS_E_MEMORY;
+    k->here = k->numbers;
+    k->before = k->here + all;
+    k->impulse = k->before + all;
+    k->nodes = k->impulse + all;
+    k->y = k->nodes + NS_VERIFY_NODES * all;
+    const int status = ns_verify_create(r->s, &o, &k->verify);
+    if (status != NS_OK)
+        return status;
+    k->watch = (ns_watch){.data = r,
+                          .wants = ns_march_watch_wants,
+                          .sees = ns_march_watch_sees,
+                          .x = k->here,
+                          .lambda = k->here + n,
+                          .X = k->impulse,
+                          .Lambda = k->impulse + n,
+                          .jumped = &k->jumped,
+                          .periods = &k->periods};
+    ns_march_check_attach(r);
+    return NS_OK;
+}
+
+void ns_march_check_free(ns_run *r) {
+    free(r->check.numbers);
+    ns_verify_free(r->check.verify);
+}
+
+void ns_march_check_attach(ns_run *r) {
+    r->check.is_old = 0;
+    r->check.left = NS_WATCH_NOTHING;
+    estimate_costs(r);
+    ns_engine_watch(r->at_work, &r->check.watch);
+    /* With gamma below 1 what decays fast rings, and devices are off their laws. */
+    ns_verify_scale(r->check.verify, r->kind == NS_RUN_SCHEME ? of_scheme : 1);
+}
+
+void ns_march_check_reset(ns_run *r) {
+    ns_run_check *k = &r->check;
+    ns_verify_reset(k->verify);
+    memset(k->seen, 0, sizeof k->seen);
+    k->is_old = k->found = 0;
+    k->left = NS_WATCH_NOTHING;
+    k->credit = 0;
+    k->looks = 0;
+    k->dice = 1;
+}
+
+void ns_march_check_renew(ns_run *r) {
+    ns_verify_renew(r->check.verify);
+    r->check.is_old = r->check.found = 0;
+    r->check.left = NS_WATCH_NOTHING;
+}

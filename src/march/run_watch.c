@@ -1,0 +1,158 @@
+/* src/march/run_watch.c - events and ends of repeated periods, judged while a trial is made (engine/watch.h).
+ */
+#include "run_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static uint64_t hash(uint64_t key, size_t count, const ns_mode *mode) {
+    uint64_t word;
+    for (; count >= sizeof word; count -= sizeof word, mode += sizeof word) {
+        memcpy(&word, mode, sizeof word);
+        key = (key ^ word) * 0x9e3779b97f4a7c15u;
+    }
+    word = 0;
+    memcpy(&word, mode, count);
+    key = (key ^ word) * 0x9e3779b97f4a7c15u;
+    return key ^ (key >> 32);
+}
+
+/* 1 if a key was not seen before; then it was. */
+static int is_new(ns_run_check *k, uint64_t key) {
+    uint64_t *place = &k->seen[(key >> 7) % NS_RUN_SEEN];
+    const int differs = *place != key;
+    *place = key;
+    return differs;
+}
+
+/* What was not seen before is looked at on credit. */
+static int may_spend(const ns_run *r, int is_unseen, double cost) {
+    enum { DEBT = 16 };
+    return r->check.credit >= (is_unseen ? -DEBT * cost : cost);
+}
+
+/* As much as may be spent, less for what was seen before. */
+static ns_watch_part afford(const ns_run *r, int is_unseen) {
+    const ns_run_check *k = &r->check;
+    return may_spend(r, is_unseen, 2 * k->point_cost + k->event_cost) ? NS_WATCH_ALL
+           : is_unseen || k->credit >= k->quick_cost                  ? NS_WATCH_SOME
+                                                                      : NS_WATCH_NOTHING;
+}
+
+static ns_watch_part wants_left(ns_run *r, const ns_mode *mode) {
+    ns_run_check *k = &r->check;
+    ns_march_check_earn(k, k->event_gain);
+    k->left_key = hash(1, (size_t)r->s->m, mode);
+    return k->left = afford(r, is_new(k, k->left_key));
+}
+
+static ns_watch_part wants_right(ns_run *r, const ns_mode *mode) {
+    ns_run_check *k = &r->check;
+    const int is_unseen = is_new(k, hash(k->left_key, (size_t)r->s->m, mode));
+    k->right = k->left;
+    if (is_unseen && k->right == NS_WATCH_NOTHING)
+        k->right = afford(r, 1);
+    if (is_unseen && k->right != NS_WATCH_NOTHING)
+        k->credit -= k->map_cost;
+    return k->right;
+}
+
+ns_watch_part ns_march_watch_wants(void *data, ns_watch_side side, const ns_mode *mode) {
+    ns_run *r = data;
+    ns_run_check *k = &r->check;
+    k->has_all = r->is_dense;
+    if (side == NS_WATCH_PERIOD) {
+        k->periods = k->periods_rest;
+        return NS_WATCH_SOME;
+    }
+    const ns_watch_part part = side == NS_WATCH_LEFT ? wants_left(r, mode) : wants_right(r, mode);
+    return part == NS_WATCH_NOTHING ? part : NS_WATCH_SOME;
+}
+
+/* k->impulse, less what jumped before. */
+static void take_impulse(ns_run *r) {
+    ns_run_check *k = &r->check;
+    const size_t all = (size_t)r->s->n + (size_t)r->s->m;
+    if (!k->jumped)
+        memset(k->impulse, 0, sizeof *k->impulse * all);
+    for (size_t i = 0; i < all && k->jumped_before; i++)
+        k->impulse[i] -= k->before[i];
+}
+
+/* The sparse engine shows at first what is at hand: what is wrong then is shown once more, to the last digit.
+ */
+static int asks_for_all(ns_run_check *k) {
+    k->has_all = 1;
+    return NS_GUARD;
+}
+
+/* In full, of what is at hand. */
+static int some_is_right(ns_run *r, double t, ns_side side) {
+    ns_run_check *k = &r->check;
+    ns_verify_state at = ns_march_check_state(r, t, side, NULL);
+    ns_verify_finding f;
+    at.is_some = 1;
+    k->credit -= k->point_cost;
+    return ns_verify_point(k->verify, &at, &f);
+}
+
+static int sees_left(ns_run *r, double t) {
+    ns_run_check *k = &r->check;
+    const ns_verify_state at = ns_march_check_state(r, t, NS_LEFT, NULL);
+    k->jumped_before = k->jumped;
+    if (k->jumped)
+        memcpy(k->before, k->impulse, sizeof *k->before * ((size_t)r->s->n + (size_t)r->s->m));
+    if (k->left == NS_WATCH_SOME) {
+        ns_verify_quick_left(k->verify, &at);
+        return NS_OK;
+    }
+    if (!(k->has_all ? ns_march_check_point(r, t, NS_LEFT) : some_is_right(r, t, NS_LEFT)))
+        return k->has_all ? NS_E_RESIDUAL : asks_for_all(k);
+    ns_verify_left(k->verify);
+    return NS_OK;
+}
+
+/* The right side, and how the left side led to it. */
+static int change_is_right(ns_run *r, double t) {
+    ns_run_check *k = &r->check;
+    ns_verify_finding f;
+    if (k->left == NS_WATCH_SOME)
+        (void)ns_verify_left_in_full(k->verify, &f);
+    if (!(k->has_all ? ns_march_check_point(r, t, NS_RIGHT) : some_is_right(r, t, NS_RIGHT)))
+        return 0;
+    if (k->left == NS_WATCH_NOTHING)
+        return 1;
+    take_impulse(r);
+    return k->has_all ? ns_march_check_event(r)
+                      : ns_verify_event(k->verify, k->impulse, k->impulse + r->s->n, &f);
+}
+
+static int is_quickly_right(ns_run *r, double t) {
+    ns_run_check *k = &r->check;
+    const ns_verify_state at = ns_march_check_state(r, t, NS_RIGHT, NULL);
+    k->checks++;
+    k->credit -= k->quick_cost;
+    return ns_verify_quick_point(k->verify, &at) &&
+           (k->left == NS_WATCH_NOTHING || ns_verify_quick_stays(k->verify));
+}
+
+static int sees_right(ns_run *r, double t) {
+    ns_run_check *k = &r->check;
+    if ((k->right == NS_WATCH_SOME && is_quickly_right(r, t)) || change_is_right(r, t))
+        return NS_OK;
+    k->right = NS_WATCH_ALL;
+    return k->has_all ? NS_E_RESIDUAL : asks_for_all(k);
+}
+
+/* k->here and k->impulse are the point and what jumped so far. */
+int ns_march_watch_sees(void *data, ns_watch_side side, double t) {
+    ns_run *r = data;
+    if (side == NS_WATCH_LEFT)
+        return sees_left(r, t);
+    const int status = side == NS_WATCH_RIGHT                         ? sees_right(r, t)
+                       : ns_march_check_quickly(r, t, NS_RIGHT, NULL) ? NS_OK
+                                                                      : NS_E_RESIDUAL;
+    if (status != NS_GUARD)
+        r->check.left = NS_WATCH_NOTHING;
+    return status;
+}
