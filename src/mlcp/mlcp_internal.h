@@ -284,9 +284,9 @@ int ns_mlcp_zeros_recall(ns_mlcp_solver *s);
 int ns_mlcp_huge_multipliers(ns_mlcp_solver *s, double doubt);
 int ns_mlcp_huge_multipliers_fail(ns_mlcp_solver *s, double doubt);
 
-/* The same as the first, for each part of W by its own q: one part is no measure of another, whose units may
- * be any.  Uses g, ysize. */
-int ns_mlcp_huge_in_a_part(ns_mlcp_solver *s, double doubt);
+/* Whether a row is broken by as much as its own q, or not much less, or may be by rounding: then lambda
+ * satisfies the row whatever q says.  Uses g, ysize. */
+int ns_mlcp_breaks_a_datum(ns_mlcp_solver *s);
 
 /* huge_multipliers.c: what is wrong with y in the worst row, of its own terms; rows of next to nothing left
  * aside.  Uses g, ysize. */

@@ -19,7 +19,7 @@
 #include "residual_bound.h"
 
 static const double DATA = 1e-6;   /* of the largest datum, in units of rows and columns: not noise */
-static const double BROKEN = 1e-3; /* of a row's own terms */
+static const double BROKEN = 1e-3; /* of a row's own terms, or of its q */
 static const double DIGIT = 0.1;
 
 /* Sizes in units of W: the largest lambda that is solved for, and its index; the largest datum. */
@@ -47,27 +47,6 @@ int ns_mlcp_huge_multipliers(ns_mlcp_solver *s, double doubt) {
     return measure_sizes(s, &data, &largest) > doubt * data;
 }
 
-int ns_mlcp_huge_in_a_part(ns_mlcp_solver *s, double doubt) {
-    double *data = s->ysize, *answer = s->g; /* of each part */
-    if (s->alike)
-        return ns_mlcp_huge_multipliers(s, doubt);
-    ns_mlcp_units(s);
-    for (int i = 0; i < s->m; i++)
-        data[i] = answer[i] = 0.0;
-    for (int i = 0; i < s->m; i++) {
-        const int row = s->units.part[i], column = ns_mlcp_part_of(s, i);
-        const double size = fabs(s->lambda[i]) / s->units.column[i];
-        if (s->units.rowmax[i] > 0.0)
-            data[row] = fmax(data[row], fabs(s->given.q[i]) / s->units.rowmax[i]);
-        double *to = s->mode[i] == NS_INSIDE ? answer : data;
-        to[column] = fmax(to[column], size);
-    }
-    for (int i = 0; i < s->m; i++)
-        if (answer[i] > doubt * data[i])
-            return 1;
-    return 0;
-}
-
 /* What is wrong with y in row i. */
 static double row_violation(const ns_mlcp_solver *s, int i, double y, double near) {
     const double l = s->p->l[i], u = s->p->u[i], v = s->lambda[i];
@@ -88,6 +67,16 @@ static int breaks_a_row(const ns_mlcp_solver *s, double data) {
              fabs(s->given.q[i]) > DATA * q;
     }
     return n > 0;
+}
+
+int ns_mlcp_breaks_a_datum(ns_mlcp_solver *s) {
+    ns_mlcp_sum_terms(s->p, NULL, s->lambda, s->g, s->ysize);
+    for (int i = 0; i < s->m; i++) {
+        const double q = fabs(s->given.q[i]), rounding = DBL_EPSILON * s->ysize[i];
+        if (q != 0.0 && row_violation(s, i, s->g[i], 0.0) + rounding > BROKEN * q)
+            return 1;
+    }
+    return 0;
 }
 
 /* Row i of A^-1 against the terms of the equations. */

@@ -67,12 +67,21 @@ static void refused(const hard *h) {
                  ns_status_name(status), h->needs);
 }
 
-/* What is large in one part of W is no measure of another: rows that contradict by 2 % of a small q were
- * called solved with lambda 2e8 times what that q asks for, beside a part with large numbers. */
+/* What is large in one row is no measure of another: rows that contradict by 2 % of a small q were called
+ * solved with lambda 2e8 times what that q asks for, beside rows with large numbers. */
 static void without_a_solution(void **state) {
     static const hard all[] = {
-        {"lambda compared part by part", CLASS_INFEASIBLE, 8970, 12},
-        {"lambda compared part by part", CLASS_INFEASIBLE, 9005, 12},
+        {"lambda compared with the q of each row", CLASS_INFEASIBLE, 8970, 12},
+        {"lambda compared with the q of each row", CLASS_INFEASIBLE, 9005, 12},
+        {"lambda compared with the q of each row", CLASS_INFEASIBLE, 40981, 10},
+        {"lambda compared with the q of each row", CLASS_INFEASIBLE, 29778, 20},
+        {"lambda compared with the q of each row", CLASS_INFEASIBLE, 30141, 10},
+        {"lambda compared with the q of each row", CLASS_INFEASIBLE, 71210, 10},
+        {"two rows that are one", CLASS_INFEASIBLE, 9323, 12},
+        {"two rows that are one", CLASS_INFEASIBLE, 1871, 24},
+        {"a tableau made anew after some pivots", CLASS_INFEASIBLE, 539, 48},
+        {"a tableau made anew after some pivots", CLASS_NEAR, 2755, 48},
+        {"reduced costs that are rounding left aside", CLASS_INFEASIBLE, 268, 24},
     };
     (void)state;
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
