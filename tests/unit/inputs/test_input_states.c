@@ -172,6 +172,28 @@ static void an_exponential_ends_before_it_begins(void **state) {
     done(s, system);
 }
 
+/* Mute is what an unknown or a pair follows and no event does: input 0 enters the events, 1 drives the last
+ * row of x, 2 the last pair, 3 nothing. */
+static void what_is_followed_is_mute(void **state) {
+    ns_system *system;
+    ns_input_states *e;
+    ns_time_events *s;
+    (void)state;
+    assert_int_equal(ns_system_create(3, 2, 4, 0, &system), NS_OK);
+    for (int i = 0; i < 4; i++)
+        input(system, i, pulse(0, 1, 0, 1, 1, 1, 5 + i));
+    system->E[0 + 0 * 3] = system->E[2 + 1 * 3] = 1;
+    system->F[1 + 2 * 2] = 1;
+    const unsigned char active[] = {1, 0, 0, 0};
+    assert_int_equal(ns_inputs_events_create(system, active, &s), NS_OK);
+    assert_int_equal(ns_inputs_states_create(system, s, &e), NS_OK);
+    assert_int_equal(e->mutes, 2);
+    assert_int_equal(e->mute[0], 1);
+    assert_int_equal(e->mute[1], 2);
+    ns_inputs_states_free(e);
+    done(s, system);
+}
+
 /* Three phases are one pair; what only a command of time sees has no state; a mute one is listed. */
 static void states_are_shared(void **state) {
     ns_system *system = bare(6, 1);
@@ -301,10 +323,11 @@ static void commands_of_large_systems(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(waves_are_the_signal),       cmocka_unit_test(constants_have_no_waves),
-        cmocka_unit_test(states_are_the_signals),     cmocka_unit_test(an_exponential_ends_before_it_begins),
-        cmocka_unit_test(only_ramps_have_slopes),     cmocka_unit_test(states_are_shared),
-        cmocka_unit_test(expansions_are_the_signals), cmocka_unit_test(commands_of_large_systems),
+        cmocka_unit_test(waves_are_the_signal),      cmocka_unit_test(constants_have_no_waves),
+        cmocka_unit_test(states_are_the_signals),    cmocka_unit_test(an_exponential_ends_before_it_begins),
+        cmocka_unit_test(only_ramps_have_slopes),    cmocka_unit_test(what_is_followed_is_mute),
+        cmocka_unit_test(states_are_shared),         cmocka_unit_test(expansions_are_the_signals),
+        cmocka_unit_test(commands_of_large_systems),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

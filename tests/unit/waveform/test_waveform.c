@@ -135,6 +135,28 @@ static void a_charging_capacitor_is_within_its_lines(void **state) {
         }
 }
 
+/* 1 uF charged to 1 V rings with 1 mH: it turns twice in each period of 2 pi sqrt(L C) = 0.2 ms, and is what
+ * asks for the points; a capacitor at rest asks for none. */
+static void turns_of_a_ring_are_counted(void **state) {
+    (void)state;
+    for (int method = NS_EXACT; method <= NS_SPARSE; method++)
+        for (int charged = 0; charged < 2; charged++) {
+            run r = begin();
+            int id;
+            assert_int_equal(ns_circuit_capacitor(r.c, "c", 1, 0, 1e-6, charged, &id), NS_OK);
+            assert_int_equal(ns_circuit_inductor(r.c, "l", 1, 0, 1e-3, 0, &id), NS_OK);
+            prepare(&r, (ns_method)method, 1e-6, 1e-4, 1e-2);
+            r.unknown[r.signals++] = ns_circuit_node_unknown(r.c, 1);
+            collect(&r, 1e-2);
+            const ns_waveform_counts c = ns_waveform_read_counts(r.w);
+            const double period = 2 * acos(-1) * sqrt(1e-6 * 1e-3);
+            assert_int_equal(c.points, r.count);
+            assert_int_equal(c.busiest >= 0, charged);
+            assert_true(fabs(c.turns - charged * 2 / period) <= 2 / 1e-2 * charged); /* two, at the ends */
+            end(&r);
+        }
+}
+
 /* Volt-seconds: an inductor of 10 uH is cut off from 24 V by a switch with roff = 1 Mohm for 12 of 20 us: the
  * mean over each period at the switch is 24 V when the current begins and ends the same; the spike decays in
  * 10 ps. */
@@ -237,6 +259,7 @@ static void a_ring_is_shown(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_charging_capacitor_is_within_its_lines),
+        cmocka_unit_test(turns_of_a_ring_are_counted),
         cmocka_unit_test(volt_seconds_of_a_spike_are_right),
         cmocka_unit_test(straight_waveforms_have_corners_alone),
         cmocka_unit_test(squares_are_right_on_request),
