@@ -10,6 +10,7 @@
 #   X reversed   its elements in reverse order
 #   cases/X      tests/netlist/cases/X.cir, which judges itself; after a line `* says: REGEX` one line of output matches; for the N-th line
 #                `* again: SED` it runs once more, as XN, with what sed makes of it
+#   own_X, errors/own_X (of ngspice's own devices) run once more as X@psa, X@ltpsa, X@hsa: with these values of ngbehavior
 #   cookbook/X   netlists/cookbook/X.cir, in the same way
 #   errors/X     tests/netlist/errors/X.cir: exactly one line of output matches the regular expression of its
 #                first line `* expect: ...`, and it judges what was kept; after a line `* dump: FILE STATUS REGEX`
@@ -67,7 +68,7 @@ one() {
     case $file in
     */cases/*) name="cases/$base${variant#-}" kind=case ;;
     */cookbook/*) name="cookbook/$base${variant#-}" kind=case ;;
-    */errors/*) name=errors/$base kind=error ;;
+    */errors/*) name=errors/$base${variant#-} kind=error ;;
     README.md) name=README kind=readme ;;
     *) name="$base $variant" kind=netlist ;;
     esac
@@ -75,6 +76,7 @@ one() {
     mkdir -p "$dir" || exit 2
     ln -sfn "$top/netlists/lib" "$dir/lib"
     printf '%s\n' "codemodel '$CM'" "setcs sourcepath = ( \$sourcepath '$(dirname "$CM")' )" >"$dir/.spiceinit"
+    case $variant in @*) echo "set ngbehavior=${variant#@}" >>"$dir/.spiceinit" ;; esac
     case $variant in
     fine) fine "$file" ;;
     reversed) reversed "$file" ;;
@@ -176,6 +178,7 @@ for k in cases errors cookbook; do
     for f in "tests/netlist/$k"/*.cir "netlists/$k"/*.cir; do
         [ -f "$f" ] || continue
         echo "$f - $k/$(basename "$f" .cir)"
+        case $f in */own_*) for b in psa ltpsa hsa; do echo "$f @$b $k/$(basename "$f" .cir)@$b"; done ;; esac
         again=$(grep -c '^\* again: ' "$f")
         for n in $(seq "$again"); do echo "$f -$n $k/$(basename "$f" .cir)"; done
     done
