@@ -34,18 +34,6 @@ int ns_bridge_own_keep(ns_extract_walk *w, const ns_own_taken *taken) {
 
 /* --- D --- */
 
-/* The line through the diode's own curve at id and 1e6 id.  By its series resistance alone, one without it
- * would contradict every source across it; a nearer point would give it more resistance than a clamp of an
- * amplifier with a large transconductance stands. */
-static void read_line(const ns_own_diode *d, double id, double *vf, double *ron) {
-    enum { FAR = 1000000 };
-    const double v = ns_bridge_diode_law_voltage(&d->law, id);
-    const double slope = (ns_bridge_diode_law_voltage(&d->law, FAR * id) - v) / ((FAR - 1) * id);
-    const double rise = isnan(slope) ? 0.0 : slope;
-    *ron = d->rs + rise;
-    *vf = v - rise * id;
-}
-
 static int add_junction_capacitor(ns_extract_walk *w, const GENinstance *inst, const ns_own_diode *d) {
     char name[EXTRACT_NAME];
     snprintf(name, sizeof name, "%.140s#cjo", inst->GENname);
@@ -71,13 +59,11 @@ static int add_diode(ns_extract_walk *w, GENinstance *inst, const ns_own_diode *
                                                  .rs = d->rs});
 }
 
-static ns_diode ideal_of(const ns_extract_walk *w, const ns_own_diode *d, double vf, double ron) {
-    const double gmin = w->ckt->CKTgmin;
-    return (ns_diode){.vf = vf,
-                      .ron = ron,
-                      .roff = gmin > 0.0 ? 1.0 / gmin : INFINITY,
-                      .vz = d->bv,
-                      .rz = w->ex->options.zero_diodes ? 0.0 : d->rs};
+/* Its series resistance is its ron, none if it has none: a resistance of microohms would be worse than none.
+ */
+static ns_diode ideal_of(const ns_extract_walk *w, const ns_own_diode *d, double vf) {
+    const double gmin = w->ckt->CKTgmin, rs = w->ex->options.zero_diodes ? 0.0 : d->rs;
+    return (ns_diode){.vf = vf, .ron = rs, .roff = gmin > 0.0 ? 1.0 / gmin : INFINITY, .vz = d->bv, .rz = rs};
 }
 
 int ns_bridge_own_diode(ns_extract_walk *w, GENinstance *inst) {
@@ -90,12 +76,10 @@ int ns_bridge_own_diode(ns_extract_walk *w, GENinstance *inst) {
     ns_bridge_own_read_diode(inst, &d);
     if (d.heats)
         return ns_bridge_extract_refuse(w, inst, "a D with self-heating (thermal) is not taken");
-    double vf = 0.0, ron = 0.0;
-    if (!o->zero_diodes)
-        read_line(&d, o->id, &vf, &ron);
+    const double vf = o->zero_diodes ? 0.0 : ns_bridge_diode_law_voltage(&d.law, o->id);
     if (isnan(vf))
         return refuse_value(w, inst, "id", o->id, "A does not flow through this D below 100 V: give id");
-    const ns_diode ideal = ideal_of(w, &d, vf, ron);
+    const ns_diode ideal = ideal_of(w, &d, vf);
     return add_diode(w, inst, &d, &ideal);
 }
 
@@ -204,14 +188,13 @@ static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_
 static int add_body_diode(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken) {
     const ns_own_diode *d = &taken->mosfet.body;
     char name[EXTRACT_NAME];
-    double vf = 0.0, ron = 0.0;
-    if (!w->ex->options.zero_diodes)
-        read_line(d, w->ex->options.id, &vf, &ron);
+    const double vf =
+        w->ex->options.zero_diodes ? 0.0 : ns_bridge_diode_law_voltage(&d->law, w->ex->options.id);
     if (isnan(vf))
         return refuse_value(w, inst, "id", w->ex->options.id,
                             "A does not flow through its body diode below 100 V");
     snprintf(name, sizeof name, "%.140s#body", inst->GENname);
-    taken->diode = ideal_of(w, d, vf, ron);
+    taken->diode = ideal_of(w, d, vf);
     ns_bridge_extract_mix(w, &taken->diode, sizeof taken->diode);
     return ns_circuit_diode(w->ex->circuit, name, d->anode, d->cathode, &taken->diode, &taken->body);
 }
