@@ -37,7 +37,7 @@ typedef struct ns_digital {
     ns_digital_output *output; /* noutputs */
     ns_threshold *threshold;   /* 2 ninputs: work */
     int nhybrids, taken;
-    MIFinstance **hybrid; /* nhybrids: instances that ngspice does not load meanwhile */
+    MIFinstance **hybrid; /* nhybrids: bridges, which ngspice does not load meanwhile */
     int crossed;          /* a threshold was crossed at ngspice's present point */
     int hurries;          /* or so shortly after it that the next point has to come at once */
 } ns_digital;
@@ -46,7 +46,7 @@ typedef struct ns_digital {
 int ns_bridge_digital_read(struct ns_extract_walk *w, MIFinstance *inst, const char *model);
 /* 0, 1 or 2 (unknown) at a digital input. */
 int ns_bridge_digital_state(const Mif_Port_Data_t *port);
-/* Hybrid instances are left out of ngspice's loads, whose matrix is ours: there they would ask for timepoints
+/* Bridges are left out of ngspice's loads, whose matrix is ours: there they would ask for timepoints
  * of their own; until clear. */
 void ns_bridge_digital_take(ns_digital *d);
 void ns_bridge_digital_clear(ns_digital *d);

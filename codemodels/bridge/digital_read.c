@@ -172,7 +172,8 @@ int ns_bridge_digital_read(ns_extract_walk *w, MIFinstance *inst, const char *mo
     int status;
     if (!has_analog(inst, 0)) /* events alone: ngspice has them all */
         return NS_OK;
-    status = keep_hybrid(&w->ex->digital, inst);
+    const int is_bridge = strcmp(model, "adc_bridge") == 0 || strcmp(model, "dac_bridge") == 0;
+    status = is_bridge ? keep_hybrid(&w->ex->digital, inst) : NS_OK; /* d_osc counts its time in loads */
     if (strcmp(model, "dac_bridge") == 0) {
         for (int k = 0; k < inst->conn[0]->size && status == NS_OK; k++)
             status = add_output(w, inst, k);
