@@ -108,7 +108,7 @@ CM_LISTS := $(addprefix $(CM)/,cmextrn.h cminfo.h udnextrn.h udninfo.h)
 # 39 of 39.3; a tree between releases, 46+, counts as the next one.
 NG_MAJOR = $(eval NG_MAJOR := $$(shell awk -F'"' '/define PACKAGE_VERSION/ { print int($$$$2) + ($$$$2 ~ /[+]/) }' \
     $(NG)/tree/src/include/ngspice/config.h))$(NG_MAJOR)
-NG_INCLUDE = -isystem $(NG)/tree/src/include -isystem $(NG)/tree/src -DNGSPICE_MAJOR=$(NG_MAJOR) \
+NG_INCLUDE = $(NG_BEFORE) -isystem $(NG)/tree/src/include -isystem $(NG)/tree/src -DNGSPICE_MAJOR=$(NG_MAJOR) \
     $(if $(PULSE_OF),-DPULSE_OF=$(PULSE_OF))
 PULSE_OF :=# for make test-versions: the version whose PULSE is expected, in place of the one that it is built for
 CM_CFLAGS = -std=gnu11 $(CFLAGS) -w -fPIC -MMD -MP -Iinclude -Icodemodels/bridge -I$(CM) $(NG_INCLUDE)
@@ -141,7 +141,7 @@ $(B)/chooser/nonsmooth.cm: $(CHOOSER_OBJ) codemodels/nonsmooth.map
 	@mkdir -p $(@D)
 	@echo "  LINK    $@"
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,--version-script=codemodels/nonsmooth.map -Wl,--no-undefined \
-	    $(CHOOSER_OBJ) -o $@ -ldl
+	    $(CHOOSER_OBJ) -o $@ $(if $(findstring mingw,$(CC)),,-ldl)
 
 $(BRIDGE:%.c=$(B)/obj/%.o): private ALL_CFLAGS += $(NG_INCLUDE) -DNONSMOOTH_VERSION=$(VERSION)
 $(BRIDGE:%.c=$(B)/obj/%.o): $(NG)/stamp
@@ -453,6 +453,36 @@ rooms: deps ## the rooms of src/: who uses whom, the rules between them, lines, 
 	@tests/rooms.sh graph
 	@tests/rooms.sh figures '$(BASE)'
 	@tests/rooms.sh check
+
+# --- Windows: cross-compiled by MinGW ------------------------------------------------------------------------
+
+MINGW_PACKAGES := gcc-mingw-w64-x86-64-posix gfortran-mingw-w64-x86-64-posix
+MINGW_ROUTINES := LAPACKE_dgetrs_work LAPACKE_dgetrf_work LAPACKE_dgesvd LAPACKE_dgeev LAPACKE_dgecon_work# of LAPACK
+W := build/mingw
+IN_MINGW = B=$(W) CC=x86_64-w64-mingw32-gcc AR=x86_64-w64-mingw32-ar CFLAGS='-O2 -g -D__USE_MINGW_ANSI_STDIO=1 -D__printf__=__gnu_printf__' LDFLAGS=-static-libgcc \
+    LIBS='$(W)/numeric/libnumeric.a -lm' WARN='-Wall -Wextra -Wpedantic -Werror -isystem $(W)/numeric/include' CM_ARCHIVES=none.a \
+    NG_BEFORE='-isystem $(W)/ngspice'
+
+# Its isfinite() converts to float: -Wconversion is for other compilers.  Windows' own printf() knows no %zu: MinGW's does.
+# ngspice's configuration without what only Unix has, as its configure for Windows would leave it.
+$(W)/ngspice/ngspice/config.h: $(NG)/stamp
+	@mkdir -p $(@D)
+	@sed -E '/define HAVE_/{/define HAVE_(STD|STRING_H|MEMORY_H|INTTYPES_H|LIMITS_H|FLOAT_H|MATH_H|CTYPE_H|ISNAN|ISINF|FINITE|LOGB|ERFC|ASINH|DECL_)/!d}' \
+	    $(NG)/tree/src/include/ngspice/config.h > $@
+
+.PHONY: mingw mingw-library
+mingw: deps ## for Windows, by MinGW: library, nsc-mlcp.exe, code models; nsc-mlcp.exe runs its tests if wine is there
+	@codemodels/install-packages.sh $(MINGW_PACKAGES)
+	@codemodels/mingw-libraries.sh $(W)/numeric $(MINGW_ROUTINES)
+	@$(MAKE) $(JOBS) $(W)/ngspice/ngspice/config.h
+	@$(MAKE) $(JOBS) $(IN_MINGW) mingw-library
+	@tests/mingw.sh $(W)
+
+mingw-library: $(B)/libnonsmooth.a $(B)/nonsmooth.dll $(B)/nsc-mlcp $(B)/nonsmooth.cm $(B)/chooser/nonsmooth.cm
+
+$(B)/nonsmooth.dll: $(OBJ) $(B)/exports.map
+	@echo "  LINK    $@"
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,--version-script=$(B)/exports.map $(filter %.o,$^) -o $@ $(LIBS)
 
 # --- install ---------------------------------------------------------------------------------------------
 

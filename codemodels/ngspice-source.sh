@@ -3,9 +3,8 @@
 #
 #     codemodels/ngspice-source.sh DIR
 #
-# Leaves in DIR/tree a configured tree with cmpp built, and DIR/stamp when all of it is there.  The source
-# package is fetched by an apt of its own (its state in DIR/apt, its sources made from the system's), so the
-# system's package lists stay as they are and nobody needs to be root.
+# Leaves in DIR/tree a configured tree with cmpp built, and DIR/stamp when all of it is there.  It is that of the
+# source package (source-package.sh).
 # NGSPICE names the binary (default: ngspice).  One that lies where it was built, in src of its tree, is taken with
 # that tree; NGSPICE_SRC=tree says which one otherwise.  A copy is taken; a tree that is configured is used as it
 # is, one that was configured in a folder of its own (there is a Makefile, but no source) with its source.
@@ -43,42 +42,10 @@ installed_version() {
     dpkg-query -W -f '${source:Package} ${source:Version}' "$package"
 }
 
-# /etc/apt's sources with deb-src in place of deb, in both formats.
-write_sources() {
-    parts=$1
-    for file in /etc/apt/sources.list /etc/apt/sources.list.d/*.list; do
-        [ -f "$file" ] || continue
-        sed -n 's/^[[:space:]]*deb\(-src\)\{0,1\}[[:space:]]\{1,\}/deb-src /p' "$file" |
-            grep -v 'cdrom:' | sort -u >"$parts/$(basename "$file")" || true
-    done
-    for file in /etc/apt/sources.list.d/*.sources; do
-        [ -f "$file" ] || continue
-        sed 's/^[Tt]ypes:.*/Types: deb-src/' "$file" >"$parts/$(basename "$file")"
-    done
-}
-
 # Fetches source $1, version $2, and unpacks it into $dir/tree.
 fetch() {
-    apt=$(cd "$dir" && pwd)/apt
-    rm -rf "$apt"
-    mkdir -p "$apt/parts" "$apt/lists/partial" "$apt/cache/archives/partial" "$apt/get"
-    write_sources "$apt/parts"
-    set -- "$1" "$2" -q -o Dir::Etc::sourcelist=/dev/null -o "Dir::Etc::sourceparts=$apt/parts" \
-        -o "Dir::State::lists=$apt/lists" -o "Dir::Cache=$apt/cache" -o "APT::Sandbox::User=$(id -un)" \
-        -o APT::Update::Post-Invoke-Success::= -o APT::Update::Post-Invoke::=
-    name=$1 version=$2
-    shift 2
-    say "fetching the source package $name $version"
-    # One source without a deb-src half must not stop the others: what counts is whether the version is found.
-    apt-get "$@" update >"$dir/update.log" 2>&1 </dev/null || true
-    (cd "$apt/get" && apt-get "$@" source --download-only "$name=$version" >"$apt/get.log" 2>&1 </dev/null) || {
-        tail -n 5 "$dir/update.log" "$apt/get.log" >&2
-        die "apt has no source of $name $version: give its tree as NGSPICE_SRC=dir"
-    }
-    quietly unpack dpkg-source --no-check -x "$apt"/get/*.dsc "$dir/tree"
-    [ "$(dpkg-parsechangelog -l "$dir/tree/debian/changelog" -S Version)" = "$version" ] ||
-        die "what was fetched is not version $version"
-    rm -rf "$apt" "$dir"/*.orig*.tar.*
+    said=$("$(dirname "$0")/source-package.sh" "$dir" "$1" "$2") || die "give the tree of $1 $2 as NGSPICE_SRC=dir"
+    say "$said"
 }
 
 # The tree that the binary was built in, "" if it is not in one.

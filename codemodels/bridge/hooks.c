@@ -186,8 +186,18 @@ static int allow_any_step(GENmodel *model, CKTcircuit *ckt, double *step) {
     return OK;
 }
 
-/* Of OpenBLAS; another BLAS has none. */
+/* Our matrices are small: OpenBLAS's threads only wait for each other, spinning.  Another BLAS has no such
+ * function; that it need not be there can be said to ELF alone. */
+#ifdef __ELF__
 extern void openblas_set_num_threads(int n) __attribute__((weak));
+#endif
+
+static void use_one_thread(void) {
+#ifdef __ELF__
+    if (openblas_set_num_threads)
+        openblas_set_num_threads(1);
+#endif
+}
 
 __attribute__((__constructor__)) static void install(void) {
     static int (*const setups[KINDS])(SMPmatrix *, GENmodel *, CKTcircuit *,
@@ -207,6 +217,5 @@ __attribute__((__constructor__)) static void install(void) {
         ns_bridge_versions_hook_shown(ours[k], arm_single_load);
     }
     ns_bridge_loaded_prepare(ours, KINDS);
-    if (openblas_set_num_threads) /* our matrices are small: threads only wait for each other, spinning */
-        openblas_set_num_threads(1);
+    use_one_thread();
 }

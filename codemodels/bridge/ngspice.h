@@ -8,6 +8,9 @@
 
 #include "ngspice/ngspice.h"
 
+/* On Windows that header puts a function in its place, which ngspice's binary does not export. */
+#undef fopen
+
 #include "ngspice/cktdefs.h"
 #include "ngspice/devdefs.h"
 #include "ngspice/mifdefs.h"

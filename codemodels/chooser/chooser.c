@@ -73,7 +73,7 @@ static const char *why_not(void) {
 
 static getter *function(const char *name) {
 #ifdef _WIN32
-    return (getter *)(void *)GetProcAddress((HMODULE)models, name);
+    return (getter *)(uintptr_t)GetProcAddress((HMODULE)models, name);
 #else
     return (getter *)(uintptr_t)dlsym(models, name);
 #endif

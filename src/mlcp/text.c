@@ -11,11 +11,42 @@
 #include <stdlib.h>
 #include <string.h>
 
+#ifdef __APPLE__
+#include <xlocale.h>
+#endif
+
 /* The longest decimal that a double can have in full takes 767 digits and a point. */
 enum { TOKEN_MAX = 1000, SHOWN_MAX = 24, FIRST_ROOM = 64 };
 
 /* --- the locale of the calling thread, put away while numbers are read or written --- */
 
+#ifdef _WIN32
+typedef struct c_locale {
+    int per_thread; /* whether the thread had a locale of its own */
+    char *before;
+} c_locale;
+
+static int enter_c_locale(c_locale *l) {
+    l->per_thread = _configthreadlocale(_ENABLE_PER_THREAD_LOCALE);
+    const char *now = setlocale(LC_ALL, NULL);
+    const size_t size = now ? strlen(now) + 1 : 0;
+    l->before = malloc(size + 1);
+    if (!l->before) {
+        _configthreadlocale(l->per_thread);
+        return NS_E_MEMORY;
+    }
+    memcpy(l->before, now ? now : "", size);
+    l->before[size] = '\0';
+    setlocale(LC_ALL, "C");
+    return NS_OK;
+}
+
+static void leave_c_locale(const c_locale *l) {
+    setlocale(LC_ALL, l->before);
+    _configthreadlocale(l->per_thread);
+    free(l->before);
+}
+#else
 typedef struct c_locale {
     locale_t c, before;
 } c_locale;
@@ -32,6 +63,7 @@ static void leave_c_locale(const c_locale *l) {
     uselocale(l->before);
     freelocale(l->c);
 }
+#endif
 
 /* --- the reader --- */
 
