@@ -160,6 +160,7 @@ static int read_inputs(ns_extract_walk *w, MIFinstance *inst, int is_bridge) {
 
 /* Keeps an instance, if it is a hybrid. */
 static int keep_hybrid(ns_digital *d, MIFinstance *inst) {
+    /* NOLINTNEXTLINE(bugprone-sizeof-expression): an array of pointers */
     MIFinstance **more = realloc(d->hybrid, (size_t)(d->nhybrids + 1) * sizeof *more);
     if (!more)
         return NS_E_MEMORY;

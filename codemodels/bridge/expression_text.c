@@ -18,11 +18,11 @@ typedef struct text_writer {
 } text_writer;
 
 static void put(text_writer *w, const char *text) {
-    const size_t length = strlen(w->text);
-    if (length + strlen(text) + 4 < w->size)
-        strcat(w->text, text);
+    const size_t length = strlen(w->text), more = strlen(text);
+    if (length + more + 4 < w->size)
+        memcpy(w->text + length, text, more + 1);
     else if (length + 4 < w->size && !strstr(w->text, "..."))
-        strcat(w->text, "...");
+        memcpy(w->text + length, "...", 4);
 }
 
 static void write_node(text_writer *w, const INPparseNode *node);

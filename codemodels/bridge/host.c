@@ -15,8 +15,11 @@ extern struct coreInfo_t *coreitf; /* dlmain.c: functions of ngspice */
 int ns_bridge_host_is_ngspice(void) {
     Dl_info ngspice;
     Dl_info program;
-    return dladdr((const void *)(uintptr_t)coreitf->dllitf_cm_message_send, &ngspice) != 0 &&
-           dladdr((const void *)(uintptr_t)getauxval(AT_ENTRY), &program) != 0 &&
+    /* NOLINTNEXTLINE(performance-no-int-to-ptr): addresses of code */
+    const void *known = (const void *)(uintptr_t)coreitf->dllitf_cm_message_send;
+    /* NOLINTNEXTLINE(performance-no-int-to-ptr) */
+    const void *entry = (const void *)(uintptr_t)getauxval(AT_ENTRY);
+    return dladdr(known, &ngspice) != 0 && dladdr(entry, &program) != 0 &&
            ngspice.dli_fbase == program.dli_fbase;
 }
 

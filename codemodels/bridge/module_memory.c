@@ -87,7 +87,7 @@ static int look_at(struct dl_phdr_info *module, size_t size, void *argument) {
     return holds; /* ends the iteration */
 }
 
-static int find_segment(const void *address, ElfW(Word) flags, ns_module_memory *found) {
+static int find_segment(const void *address, uint32_t flags, ns_module_memory *found) {
     wanted_segment wanted = {address, flags, {NULL, 0}};
     dl_iterate_phdr(look_at, &wanted);
     *found = wanted.found;

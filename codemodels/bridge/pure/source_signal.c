@@ -31,7 +31,7 @@ static double not_negative_or(const ns_source *s, int k, double instead) {
 
 static void time_pulse(const ns_source *s, ns_signal *z) {
     enum { TO_FALL = 5 }; /* parameters */
-    double width = s->tstop, period = s->tstop;
+    double width = s->tstop, period = width;
     if (s->pulse == PULSE_OF_39) {
         z->u.pulse.tr = number_or(s, 3, s->tstep);
         z->u.pulse.tf = number_or(s, 4, s->tstep);
