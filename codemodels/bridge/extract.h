@@ -27,6 +27,7 @@ typedef struct ns_own_taken {
     int anode;      /* equation */
     int inside;     /* equation of its node behind rs; 0: there is none */
     double rs;      /* ohm */
+    int smoothed;   /* it had an epsilon, which was left out */
     /* of a switch with VON, VOFF: */
     double vt;
     /* of M: */

@@ -11,7 +11,7 @@
 
 /* In the order of their ifspec.ifs. */
 enum { SIDIODE_RON, SIDIODE_ROFF, SIDIODE_VFWD, SIDIODE_VREV, SIDIODE_ILIMIT, SIDIODE_REVILIMIT };
-enum { SIDIODE_RREV = SIDIODE_REVILIMIT + 3 }; /* after epsilon, revepsilon */
+enum { SIDIODE_EPSILON = SIDIODE_REVILIMIT + 1, SIDIODE_REVEPSILON, SIDIODE_RREV };
 enum { SWITCH_OFF_AT, SWITCH_ON_AT, SWITCH_LOG, SWITCH_R_OFF, SWITCH_R_ON };
 enum { CONTROL, OUTPUT };
 
@@ -62,7 +62,12 @@ static int read_sidiode(ns_extract_walk *w, MIFinstance *inst) {
     ns_bridge_extract_mix(w, &d, sizeof d);
     return status ? status
                   : ns_bridge_own_keep(
-                        w, &(ns_own_taken){.inst = &inst->gen, .kind = OWN_SIDIODE, .id = id, .diode = d});
+                        w, &(ns_own_taken){.inst = &inst->gen,
+                                           .smoothed = ns_bridge_models_real(inst, SIDIODE_EPSILON) > 0.0 ||
+                                                       ns_bridge_models_real(inst, SIDIODE_REVEPSILON) > 0.0,
+                                           .kind = OWN_SIDIODE,
+                                           .id = id,
+                                           .diode = d});
 }
 
 /* --- pswitch, aswitch --- */

@@ -93,8 +93,9 @@ static void announce_diodes(const ns_analysis *a, const ns_own_taken *o, int cou
         snprintf(breakdown, sizeof breakdown, ", breakdown at %.4g V", d->vz);
     if (o->kind == OWN_DIODE && !a->ex.options.zero_diodes)
         snprintf(at, sizeof at, " (that of its model at %.4g A)", a->ex.options.id);
-    ns_bridge_report_note("D of model %s: %d taken as ideal, vf = %.4g V%s, ron = %.4g ohm%s", model_name(o),
-                          count, d->vf, at, d->ron, breakdown);
+    ns_bridge_report_note("D of model %s: %d taken as ideal, vf = %.4g V%s, ron = %.4g ohm%s%s",
+                          model_name(o), count, d->vf, at, d->ron, breakdown,
+                          o->smoothed ? ", its epsilon left out" : "");
 }
 
 static void announce_mosfets(const ns_own_taken *o, int count) {
