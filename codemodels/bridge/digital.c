@@ -62,7 +62,6 @@ int ns_bridge_digital_begin(ns_session *s) {
     ns_digital *d = digital_of(s);
     if (!ns_bridge_digital_is(d))
         return NS_OK;
-    ns_bridge_digital_take(d);
     if (!d->threshold && !(d->threshold = calloc(2 * (size_t)d->ninputs + 1, sizeof *d->threshold)))
         return NS_E_MEMORY;
     for (int k = 0; k < d->ninputs; k++) {

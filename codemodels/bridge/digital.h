@@ -36,19 +36,14 @@ typedef struct ns_digital {
     ns_digital_input *input;   /* ninputs */
     ns_digital_output *output; /* noutputs */
     ns_threshold *threshold;   /* 2 ninputs: work */
-    int nhybrids, taken;
-    MIFinstance **hybrid; /* nhybrids: bridges, which ngspice does not load meanwhile */
-    int crossed;          /* a threshold was crossed at ngspice's present point */
-    int hurries;          /* or so shortly after it that the next point has to come at once */
+    int crossed;               /* a threshold was crossed at ngspice's present point */
+    int hurries;               /* or so shortly after it that the next point has to come at once */
 } ns_digital;
 
 /* Reads an instance of a code model of this name that has digital terminals; EXTRACT_REFUSED. */
 int ns_bridge_digital_read(struct ns_extract_walk *w, MIFinstance *inst, const char *model);
 /* 0, 1 or 2 (unknown) at a digital input. */
 int ns_bridge_digital_state(const Mif_Port_Data_t *port);
-/* Bridges are left out of ngspice's loads, whose matrix is ours: there they would ask for timepoints
- * of their own; until clear. */
-void ns_bridge_digital_take(ns_digital *d);
 void ns_bridge_digital_clear(ns_digital *d);
 static inline int ns_bridge_digital_is(const ns_digital *d) {
     return d->ninputs > 0 || d->noutputs > 0;

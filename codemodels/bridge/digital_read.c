@@ -158,23 +158,10 @@ static int read_inputs(ns_extract_walk *w, MIFinstance *inst, int is_bridge) {
     return status;
 }
 
-/* Keeps an instance, if it is a hybrid. */
-static int keep_hybrid(ns_digital *d, MIFinstance *inst) {
-    /* NOLINTNEXTLINE(bugprone-sizeof-expression): an array of pointers */
-    MIFinstance **more = realloc(d->hybrid, (size_t)(d->nhybrids + 1) * sizeof *more);
-    if (!more)
-        return NS_E_MEMORY;
-    d->hybrid = more;
-    d->hybrid[d->nhybrids++] = inst;
-    return NS_OK;
-}
-
 int ns_bridge_digital_read(ns_extract_walk *w, MIFinstance *inst, const char *model) {
-    int status;
+    int status = NS_OK;
     if (!has_analog(inst, 0)) /* events alone: ngspice has them all */
         return NS_OK;
-    const int is_bridge = strcmp(model, "adc_bridge") == 0 || strcmp(model, "dac_bridge") == 0;
-    status = is_bridge ? keep_hybrid(&w->ex->digital, inst) : NS_OK; /* d_osc counts its time in loads */
     if (strcmp(model, "dac_bridge") == 0) {
         for (int k = 0; k < inst->conn[0]->size && status == NS_OK; k++)
             status = add_output(w, inst, k);
@@ -191,16 +178,7 @@ int ns_bridge_digital_state(const Mif_Port_Data_t *port) {
     return value && value->state >= ZERO && value->state <= UNKNOWN ? (int)value->state : (int)UNKNOWN;
 }
 
-void ns_bridge_digital_take(ns_digital *d) {
-    for (int k = 0; k < d->nhybrids; k++)
-        d->hybrid[k]->analog = MIF_FALSE;
-    d->taken = 1;
-}
-
 void ns_bridge_digital_clear(ns_digital *d) {
-    for (int k = 0; d->taken && k < d->nhybrids; k++)
-        d->hybrid[k]->analog = MIF_TRUE;
-    free(d->hybrid);
     free(d->input);
     free(d->output);
     free(d->threshold);
