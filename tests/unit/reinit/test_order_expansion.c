@@ -193,6 +193,48 @@ static void what_is_open_is_nearest(void **state) {
     net_end(&k);
 }
 
+/* A pair at a bound that is not 0 enters the rows of x and those of pairs inside:  2 x1' = -x1 + 3 lambda0,
+ * 0 = -x2 + 5 lambda0,  0 = y1 = 4 x1 + 7 lambda0 + lambda1,  lambda0 in [-1,2]. */
+static void bounds_enter_all_rows(void **state) {
+    (void)state;
+    for (int upper = 0; upper < 2; upper++) {
+        const ns_theta_options o = {1, 1, 0};
+        const double x1 = 0.75, w0[2] = {2 * x1, 0}, lambda0 = upper ? 2 : -1;
+        ns_order_expansion e;
+        ns_theta *t;
+        ns_system *s;
+        assert_int_equal(ns_system_create(2, 2, 0, 0, &s), NS_OK);
+        s->M[0] = 2;
+        s->A[0] = s->A[3] = -1;
+        s->B[0] = 3;
+        s->B[1] = 5;
+        s->C[1] = 4;
+        s->D[1] = 7;
+        s->D[3] = 1;
+        s->l[0] = -1;
+        s->u[0] = 2;
+        s->l[1] = -INFINITY;
+        s->u[1] = INFINITY;
+        assert_int_equal(ns_theta_create(s, &o, &t, NULL), NS_OK);
+        assert_int_equal(ns_theta_start(t, w0, NULL), NS_OK);
+        assert_int_equal(ns_reinit_orders_create(t, t->past.w, &e), NS_OK);
+        e.mode[0] = upper ? NS_UPPER : NS_LOWER;
+        e.mode[1] = NS_INSIDE;
+        assert_int_equal(ns_reinit_orders_expand(&e, NULL, NULL), NS_OK);
+        assert_int_equal(e.size, 3);
+        for (int i = 0; i < 3; i++)
+            assert_true(e.Z1[i] == 0);
+        assert_true(fabs(e.Z0[0] - x1) < 1e-15);
+        assert_true(fabs(e.Z0[1] - 5 * lambda0) < 1e-14);
+        assert_true(fabs(e.Z0[2] + 4 * x1 + 7 * lambda0) < 1e-14);
+        assert_true(fabs(e.Z2[0] - (3 * lambda0 - x1) / 2) < 1e-14);
+        assert_true(fabs(e.Z2[2] + 4 * e.Z2[0]) < 1e-14);
+        ns_reinit_orders_free(&e);
+        ns_theta_free(t);
+        ns_system_free(s);
+    }
+}
+
 /* 1 V and 2 V in parallel. */
 static void a_contradiction_is_singular(void **state) {
     (void)state;
@@ -209,11 +251,9 @@ static void a_contradiction_is_singular(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(steps_tend_to_it),
-        cmocka_unit_test(levels_obey_their_equations),
-        cmocka_unit_test(a_shorted_capacitor),
-        cmocka_unit_test(what_is_open_is_nearest),
-        cmocka_unit_test(a_contradiction_is_singular),
+        cmocka_unit_test(steps_tend_to_it),      cmocka_unit_test(levels_obey_their_equations),
+        cmocka_unit_test(a_shorted_capacitor),   cmocka_unit_test(what_is_open_is_nearest),
+        cmocka_unit_test(bounds_enter_all_rows), cmocka_unit_test(a_contradiction_is_singular),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
