@@ -56,6 +56,15 @@ static void solved(const hard *h) {
         !(sample_residual(&s, lambda) < 1e-10))
         fail_msg("%s %d of at most %d: %s, needs %s", generator_name(h->class), h->number, h->most,
                  ns_status_name(status), h->needs);
+    if (!s.unique)
+        return;
+    /* rounding of the data and of m sums, or what the residual leaves, times the condition */
+    double condition;
+    const double error = sample_error(&s, lambda, mode, &condition),
+                 left = fmax(1e-15 * s.m, ns_mlcp_residual(&p, lambda, NULL));
+    if (!(error <= 10 * condition * left))
+        fail_msg("%s %d of at most %d: off by %g, needs %s", generator_name(h->class), h->number, h->most,
+                 error, h->needs);
 }
 
 static void refused(const hard *h) {
@@ -91,6 +100,9 @@ static void without_a_solution(void **state) {
 static void with_a_solution(void **state) {
     static const hard all[] = {
         {"t = 0 before other pivots", CLASS_BOXES, 4338, 40},
+        {"t = 0 before other pivots", CLASS_BOXES, 2436, 24},
+        {"lambda refined where equations hold too coarsely for guards", CLASS_P, 13206, 12},
+        {"Lemke's method in units of the problem's own", CLASS_PASSIVE, 17, 48},
     };
     (void)state;
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
