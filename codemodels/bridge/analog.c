@@ -167,6 +167,34 @@ static int read_d_dt(ns_analog *a) {
                                    ns_bridge_analog_limited(a, v, limit_of(a, LOWER), limit_of(a, UPPER)));
 }
 
+/* The rate of the output lies between two bounds: as far up as allowed while it is below the input, as far
+ * down while it is above.  A start without uic begins at the input. */
+static int read_slew(ns_analog *a) {
+    enum { RISE, FALL };
+    static const double farads = 1e-6;
+    ns_circuit *c = a->w->ex->circuit;
+    const int node = ns_bridge_analog_node(a);
+    const double rise = number(a, RISE), fall = number(a, FALL);
+    char name[EXTRACT_NAME];
+    ns_affine y;
+    int id = -1;
+    value *in = ns_bridge_analog_input(a, 0, 0), *out = ns_bridge_analog_voltage(a, node);
+    if (!(rise > 0.0 && fall > 0.0))
+        return refuse(a, "rise_slope and fall_slope have to be above 0 (V/s)");
+    if (a->w->dc)
+        return a->p.status ? a->p.status : ns_bridge_analog_output(a, 1, in);
+    if (!ns_bridge_piecewise_affine(&a->p, ns_bridge_piecewise_sum(&a->p, 1.0, out, -1.0, in), &y))
+        return a->p.status;
+    snprintf(name, sizeof name, "%.100s: slope %d", a->name, node);
+    int status = ns_circuit_box(c, name, -fall * farads, rise * farads, &y, &id);
+    snprintf(name, sizeof name, "%.100s: state %d", a->name, node);
+    status = status ? status : ns_circuit_capacitor(c, name, node, 0, farads, NAN, NULL);
+    snprintf(name, sizeof name, "%.100s: rate %d", a->name, node);
+    status = status ? status
+                    : ns_circuit_linear(c, name, NS_CURRENT, 0, node, 0.0, 1, &(ns_term){2, id, 1.0}, NULL);
+    return status ? status : ns_bridge_analog_output(a, 1, out);
+}
+
 /* --- s_xfer: sum b_i s^i / sum a_i s^i by states x_i, the i-th derivative of the lowest one --- */
 
 enum { ORDER_MAX = 20 };
@@ -295,6 +323,7 @@ static const struct model {
               {"spice2poly", read_poly, NULL},
               {"int", read_int, "limit_range"},
               {"d_dt", read_d_dt, "limit_range"},
+              {"slew", read_slew, NULL},
               {"s_xfer", read_s_xfer, NULL},
               {"hyst", read_hyst, "input_domain"}};
 
@@ -323,6 +352,6 @@ int ns_bridge_analog_read(ns_extract_walk *w, MIFinstance *inst, const char *mod
         if (strcmp(models[k].name, model) == 0)
             return read_as(w, inst, &models[k]);
     snprintf(what, sizeof what, "code model %.40s is not supported: of the analog ones, %s are", model,
-             "gain, summer, limit, climit, pwl, int, d_dt, s_xfer, hyst and POLY of degree one");
+             "gain, summer, limit, climit, pwl, int, d_dt, slew, s_xfer, hyst and POLY of degree one");
     return ns_bridge_extract_refuse(w, &inst->gen, what);
 }

@@ -92,14 +92,18 @@ typedef struct ns_affine {
     const ns_term *terms; /* nterms; copied */
 } ns_affine;
 
-/* Two elements without nodes and without unknowns: values that terms of other elements may stand for.  Each
- * is one pair, in the rows of (S3): kink:    the value is max(u, 0):      lambda = value,  y = lambda - u,  0
- * <= y _|_ lambda >= 0 choice:  the value is u where the control rises above `threshold`, 0 where it falls
- * below it: the pair of a command,  y = lambda - u,  closed: y = 0,  open: lambda = 0 Terms of the control of
- * a choice are voltages and currents.  Errors: as of all elements. */
+/* Elements without nodes and without unknowns: values that terms of other elements may stand for.  Each is
+ * one pair in the rows of (S3), and lambda is the value.  Errors: as of all elements.
+ *
+ * kink: max(u, 0).  y = lambda - u, 0 <= y _|_ lambda >= 0. */
 int ns_circuit_kink(ns_circuit *c, const char *name, const ns_affine *u, int *id);
+/* choice: u where the control rises above `threshold`, 0 where it falls below it; the pair of a command, with
+ * y = lambda - u: closed y = 0, open lambda = 0.  Terms of the control are voltages and currents. */
 int ns_circuit_choice(ns_circuit *c, const char *name, const ns_affine *control, double threshold,
                       const ns_affine *u, int *id);
+/* box: high where y < 0, low where y > 0, between them where y = 0: -y in N_[low,high](lambda).  RANGE: low
+ * is not below high. */
+int ns_circuit_box(ns_circuit *c, const char *name, double low, double high, const ns_affine *y, int *id);
 
 /* SPICE's .ic v(node)=volts.  Errors: NULL, SIZE, NUMBER, MEMORY. */
 int ns_circuit_node_ic(ns_circuit *c, int node, double volts);

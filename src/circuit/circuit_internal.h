@@ -18,7 +18,8 @@ typedef enum element_kind {
     DIODE,
     SWITCH,
     KINK,
-    CHOICE
+    CHOICE,
+    BOX
 } element_kind;
 
 /* One element. */
@@ -32,6 +33,7 @@ typedef struct element {
     ns_output output; /* of sources: voltage or current */
     double value;     /* ohm, F, H, k, gain, constant */
     double ic;        /* initial v or i, NAN: none */
+    double low, high; /* of BOX: bounds of its value */
     double control;   /* of CHOICE: constant of its control, */
     int ncontrol;     /* whose terms are the first of all: how many */
     int nterms;       /* of LINEAR, KINK, CHOICE: how many, */

@@ -95,6 +95,7 @@ static void write_pair(line_writer *w, const ns_circuit *c, int pair, int with_k
                    : e->kind == DIODE  ? "ideal diode "
                    : e->kind == SWITCH ? "ideal switch "
                    : e->kind == KINK   ? "corner of "
+                   : e->kind == BOX    ? "limits of "
                                        : "choice of ",
                    e->name);
     } else {

@@ -89,6 +89,7 @@ static void fill_current(const ns_circuit *c, const element *e, const visitor *t
     case COUPLING:
     case KINK: /* it has none */
     case CHOICE:
+    case BOX:
         break;
     }
 }

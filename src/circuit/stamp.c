@@ -189,14 +189,20 @@ int ns_circuit_term_pair(const ns_circuit *c, const ns_term *t) {
     return t->is_current == 2 ? c->element[t->of].pair : -1;
 }
 
-/* y = lambda - u. */
+/* y = lambda - u; of a box y alone is given. */
 static void stamp_value(const stamp *to, const element *e) {
-    ns_circuit_stamp_add(to, IN_D, e->pair, e->pair, 1);
-    to->s->e[e->pair] = -e->value;
+    const double sign = e->kind == BOX ? 1 : -1;
+    if (e->kind == BOX) {
+        to->s->l[e->pair] = e->low;
+        to->s->u[e->pair] = e->high;
+    } else {
+        ns_circuit_stamp_add(to, IN_D, e->pair, e->pair, 1);
+    }
+    to->s->e[e->pair] = sign * e->value;
     for (int i = e->ncontrol; i < e->nterms; i++) {
         const ns_term *t = &e->terms[i];
-        ns_circuit_stamp_add(to, IN_C, e->pair, ns_circuit_term_unknown(to->c, t), -t->gain);
-        ns_circuit_stamp_add(to, IN_D, e->pair, ns_circuit_term_pair(to->c, t), -t->gain);
+        ns_circuit_stamp_add(to, IN_C, e->pair, ns_circuit_term_unknown(to->c, t), sign * t->gain);
+        ns_circuit_stamp_add(to, IN_D, e->pair, ns_circuit_term_pair(to->c, t), sign * t->gain);
     }
 }
 
@@ -229,6 +235,7 @@ void ns_circuit_stamp_element(const stamp *to, const element *e) {
         break;
     case KINK:
     case CHOICE:
+    case BOX:
         stamp_value(to, e);
         break;
     }

@@ -32,6 +32,25 @@ int ns_circuit_kink(ns_circuit *c, const char *name, const ns_affine *u, int *id
     return ns_circuit_add_element(c, &e, (needs){.pairs = 1}, id);
 }
 
+int ns_circuit_box(ns_circuit *c, const char *name, double low, double high, const ns_affine *y, int *id) {
+    element e;
+    int status = ns_circuit_start_element(c, &e, BOX, name, 0, (int[]){0});
+    if (status || (status = check_affine(c, name, y)) ||
+        (status = ns_circuit_check_finite(c, name, "low", low)) ||
+        (status = ns_circuit_check_finite(c, name, "high", high))) {
+        return status;
+    }
+    if (!(low < high)) {
+        return ns_circuit_complain(c, NS_E_RANGE, "%.80s: low = %g must be below high = %g", name, low, high);
+    }
+    e.low = low;
+    e.high = high;
+    e.value = y->constant;
+    e.nterms = y->nterms;
+    e.terms = (ns_term *)y->terms; /* copied */
+    return ns_circuit_add_element(c, &e, (needs){.pairs = 1}, id);
+}
+
 /* The terms of both, those of the control first. */
 static int join_terms(ns_circuit *c, element *e, const ns_affine *control, const ns_affine *u) {
     e->ncontrol = control->nterms;

@@ -124,6 +124,44 @@ static void commands(void **state) {
     ns_circuit_free(b.c);
 }
 
+/* 1 uF that a current of -2 to 1 uA drives towards a triangle of 3 V/s up and down: it follows at 1 V/s up,
+ * 2 V/s down, and on it where that is slower.  v' = 1 from 0, against 3 t up to 1 s: at 1 s 1 V; then the
+ * triangle falls from 3 V at 3 V/s and is met at 1 + t = 3 - 3 t, t = 0.5 s, 1.5 V; from there -2 V/s. */
+static void box_limits_a_rate(void **state) {
+    (void)state;
+    for (int method = NS_AUTO; method <= NS_SPARSE; method++) {
+        if (method == NS_THETA)
+            continue;
+        bench b = open_bench();
+        const double t[3] = {0, 1, 2}, v[3] = {0, 3, 0};
+        ns_signal s = {.kind = NS_PWL};
+        int id;
+        s.u.pwl.n = 3;
+        s.u.pwl.t = t;
+        s.u.pwl.v = v;
+        s.u.pwl.repeat = NAN;
+        assert_int_equal(ns_circuit_source(b.c, "v", NS_VOLTAGE, 1, 0, &s, NULL), NS_OK);
+        assert_int_equal(ns_circuit_capacitor(b.c, "c", 2, 0, 1e-6, 0, NULL), NS_OK);
+        const ns_affine y = {0, 2, (ns_term[]){{0, 2, 1}, {0, 1, -1}}};
+        assert_int_equal(ns_circuit_box(b.c, "box", -2e-6, 1e-6, &y, &id), NS_OK);
+        assert_int_equal(ns_circuit_linear(b.c, "i", NS_CURRENT, 0, 2, 0, 1, (ns_term[]){{2, id, 1}}, NULL),
+                         NS_OK);
+        const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-2, .method = (ns_method)method};
+        assert_int_equal(ns_circuit_system(b.c, &b.s), NS_OK);
+        assert_int_equal(ns_march_create(b.s, &o, &b.m, NULL), NS_OK);
+        start_at_rest(&b);
+        go(b.m, 1);
+        assert_true(fabs(v_of(&b, 2) - 1) < 1e-8);
+        go(b.m, 1.75);
+        assert_true(fabs(v_of(&b, 2) - (1.5 - 2 * 0.25)) < 1e-8);
+        go(b.m, 2.25);
+        assert_true(fabs(v_of(&b, 2)) < 1e-8); /* at 2 s 0.5 V above, met at 2.25 s */
+        go(b.m, 3);
+        assert_true(fabs(v_of(&b, 2)) < 1e-8); /* on it */
+        close_bench(&b);
+    }
+}
+
 static void bad_calls(void **state) {
     (void)state;
     bench b = open_bench();
@@ -146,6 +184,9 @@ static void bad_calls(void **state) {
     assert_int_equal(ns_circuit_choice(b.c, "c", &one, 0, &of_99, NULL), NS_E_SIZE);
     assert_int_equal(ns_circuit_kink(b.c, "c", &kind_3, NULL), NS_E_RANGE);
     assert_int_equal(ns_circuit_choice(b.c, "c", &one, 0, &of_k, &c), NS_OK);
+    assert_int_equal(ns_circuit_box(b.c, "x", 1, 1, &one, NULL), NS_E_RANGE);
+    assert_int_equal(ns_circuit_box(b.c, "x", NAN, 1, &one, NULL), NS_E_NUMBER);
+    assert_int_equal(ns_circuit_box(b.c, "x", 0, 1, NULL, NULL), NS_E_NULL);
     char line[80];
     assert_int_equal(ns_circuit_name_pair(b.c, 0, line, sizeof line), strlen("corner of k"));
     assert_string_equal(line, "corner of k");
@@ -160,6 +201,7 @@ int main(void) {
         cmocka_unit_test(formulas_in_every_engine),
         cmocka_unit_test(corner_is_an_event),
         cmocka_unit_test(commands),
+        cmocka_unit_test(box_limits_a_rate),
         cmocka_unit_test(bad_calls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
