@@ -19,6 +19,9 @@ static const double below = 0.1;
 static const double shallow = 1e-7;
 /* A threshold is met where the control is so many of its roundings from it. */
 static const double met = 16;
+/* Of a transient far faster than the step, with coefficients 1, -1, 1, ..., of which nothing is left within
+ * the step, (E1) makes down to -2.69: the least sum of eight or nine of Laguerre's polynomials. */
+static const double unresolved = 2.7;
 /* At the start of a step the error of a guard may be this multiple of the estimate. */
 static const double rise_cut = 4;
 
@@ -64,21 +67,22 @@ typedef struct found {
     int perturbed; /* m->work.v is what rounding may do to unknowns of the step; -1: it could not be found */
 } found;
 
-/* The error of a guard at the start of a step: the next coefficient, estimated from the last two. */
+/* The error of a guard: the next coefficient, estimated from the last two, times unresolved. */
 static double cut_off(const double *G, int terms) {
     const double last = fabs(G[terms - 1]), before = fabs(G[terms - 2]);
-    return last < before ? 2 * last * (last / before) : last;
+    return unresolved * (last < before ? last * (last / before) : last);
 }
 
-/* Right after an event a guard that is below zero by no more than events are located to holds if it rises:
- * the fraction of a curve at which it has risen to zero; NAN: it does not. */
+/* At the start of a step a guard that is below zero by no more than its error there holds if it rises; right
+ * after an event, by no more than events are located to: the fraction of a curve at which it has risen to
+ * zero; NAN: it does not. */
 static double find_rise(const ns_sparse *m, const ns_dense_step *step, const found *f, const ns_curve *c,
                         double cut) {
     const double terms = f->pair >= 0 ? size_of(m, step, f->pair)
                                       : ns_sparse_guard_control_terms(m, f->command, step->images, step->z);
     ns_curve below_zero = {.terms = c->terms};
-    if (!step->after_event || !(ns_modes_curve_slope(c, 0) > 0) ||
-        !(c->p[0] >= -(rise_cut * cut + ns_sparse_guard_located(m, terms))))
+    const double located = step->after_event ? ns_sparse_guard_located(m, terms) : 0;
+    if (!(ns_modes_curve_slope(c, 0) > 0) || !(c->p[0] >= -(rise_cut * cut + located)))
         return NAN;
     for (int k = 0; k < c->terms; k++)
         below_zero.p[k] = -c->p[k];

@@ -10,6 +10,9 @@
 enum { LONG_SERVED = 16, OFTEN = 6 };
 /* The largest residual of (P2) that a solution may leave, relative to the terms of its rows. */
 static const double poor = 1e-8;
+/* Leaks that leave the matrix singular are made so many times as large, so often. */
+enum { LARGER_LEAKS = 3 };
+static const double larger_leaks = 1e3;
 /* Resistance of each pair while pivots are chosen, where the entries of its law are about 1. */
 static const double tiny_resistance = 1e-9;
 
@@ -83,6 +86,20 @@ static int is_of(const ns_mode_factors *q, const ns_cached_factors *k, double g,
     return k->factors && k->of.h == g && memcmp(k->of.mode, mode, (size_t)q->f->m) == 0;
 }
 
+/* With the leaks in q->work; where they are but rounding of what is rigid in a floating part, with larger
+ * ones.
+ */
+static int factor_leaks(ns_mode_factors *q, ns_cached_factors *k) {
+    int status = NS_E_SINGULAR;
+    for (int larger = 0; larger <= LARGER_LEAKS && status == NS_E_SINGULAR; larger++) {
+        for (int j = 0; j < q->f->m && larger > 0; j++)
+            q->work[j] *= larger_leaks;
+        ns_sparse_form_values(q->f, k->of.h, k->of.mode, q->work, q->value);
+        status = ns_linalg_klu_factor(q->klu, q->value, &k->factors);
+    }
+    return status;
+}
+
 static int factor_with_leaks(ns_mode_factors *q, ns_cached_factors *k) {
     const size_t size = (size_t)q->f->size;
     k->has_leaks = 1;
@@ -92,10 +109,7 @@ static int factor_with_leaks(ns_mode_factors *q, ns_cached_factors *k) {
     const int status =
         k->scale ? ns_sparse_leaks_find(q->f, k->of.mode, q->value, q->work, k->scale, k->scale + size)
                  : NS_E_MEMORY;
-    if (status != NS_OK)
-        return status;
-    ns_sparse_form_values(q->f, k->of.h, k->of.mode, q->work, q->value);
-    return ns_linalg_klu_factor(q->klu, q->value, &k->factors);
+    return status == NS_OK ? factor_leaks(q, k) : status;
 }
 
 /* Pivots for all modes: those of the one in which all pairs conduct, with a tiny resistance each. */
