@@ -135,3 +135,18 @@ void ns_exact_free(ns_exact *f) {
     free(f->wanted);
     free(f);
 }
+
+/* --- an input is replaced --- */
+
+int ns_exact_input_matters(const ns_exact *f, int input) {
+    return ns_inputs_states_has(f->inputs, input);
+}
+
+int ns_exact_set_input(ns_exact *f, int input) {
+    int status = ns_inputs_states_can_be(f->inputs, input) ? NS_OK : NS_E_RANGE;
+    if (status == NS_OK)
+        status = ns_inputs_events_renew(f->acting, &f->events);
+    f->events_from = f->events_to = -INFINITY; /* seek_events() has to seek */
+    ns_exact_period_drop(f);
+    return status;
+}

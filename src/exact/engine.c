@@ -149,15 +149,6 @@ int ns_exact_find_consistent(ns_exact *f) {
     return status == NS_OK ? store_point(f) : status;
 }
 
-int ns_exact_set_input(ns_exact *f, int input) {
-    int status = ns_inputs_states_can_be(f->inputs, input) ? NS_OK : NS_E_RANGE;
-    if (status == NS_OK)
-        status = ns_inputs_events_renew(f->acting, &f->events);
-    f->events_from = f->events_to = -INFINITY; /* seek_events() has to seek */
-    ns_exact_period_drop(f);
-    return status;
-}
-
 /* --- events --- */
 
 /* The instant known ahead is passed: commands flip, inputs jump or turn. */

@@ -24,6 +24,8 @@ int ns_exact_go(ns_exact *f, double accepted_t, double t, ns_until until);
 /* An input of the system was replaced at the accepted point, where that begins to count.  Errors: RANGE (it
  * has ramps, the one before had none), MEMORY. */
 int ns_exact_set_input(ns_exact *f, int input);
+/* 1 if the way goes another way with it: it is more than shown, and more than a command of time. */
+int ns_exact_input_matters(const ns_exact *f, int input);
 /* The stepper has just been started: its point becomes consistent, by jumps where needed.  Errors: those of
  * the impulse problem. */
 int ns_exact_find_consistent(ns_exact *f);

@@ -76,6 +76,14 @@ static int has_ramp_signal(const ns_signal *s) {
     return 0;
 }
 
+int ns_inputs_states_has(const ns_input_states *e, int input) {
+    for (int i = 0; i < e->nv; i++)
+        if ((e->state[i].kind == NS_STATE_VALUE || e->state[i].kind == NS_STATE_SLOPE) &&
+            e->state[i].input == input)
+            return 1;
+    return 0;
+}
+
 int ns_inputs_states_can_be(const ns_input_states *e, int input) {
     int value = 0, slope = 0;
     for (int i = 0; i < e->nv; i++) {

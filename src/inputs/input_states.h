@@ -44,6 +44,9 @@ void ns_inputs_states_free(ns_input_states *e); /* NULL is allowed */
  */
 int ns_inputs_states_can_be(const ns_input_states *e, int input);
 
+/* 1 if the input is one of these states: charges or guards may depend on it. */
+int ns_inputs_states_has(const ns_input_states *e, int input);
+
 /* v (nv) at t, from what ns_inputs_events_values() says there. */
 void ns_inputs_states_at(const ns_input_states *e, double t, const double *z, const double *dz, double *v);
 

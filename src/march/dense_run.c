@@ -233,7 +233,7 @@ static int set_input(ns_engine *e, int input, const ns_signal *signal) {
         status = ns_exact_set_input(r->exact, input);
     if (status != NS_OK)
         return ns_march_dense_fail(r, status);
-    if (exact_is_ready(r) && !r->trial.at_event)
+    if (exact_is_ready(r) && !r->trial.at_event && ns_exact_input_matters(r->exact, input))
         r->trial.at_event = r->trial.input_jumps = 1;
     r->has_trial = 1;
     return ns_march_dense_accept(r);
