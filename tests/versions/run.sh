@@ -26,9 +26,10 @@ set -u
 cd "$(dirname "$0")/../.." || exit 2
 top=$PWD
 made=$top/build/versions
-tables=$made/tables
 ONLY=${ONLY:-}
-mkdir -p "$made" && rm -f "$tables".* || exit 2
+mkdir -p "$made" && this=$(mktemp -d "$made/run.XXXXXX") || exit 2
+trap 'rm -rf "$this"' EXIT
+tables=$this/tables
 status=0
 
 # wanted NAME: 1 if the verdict is asked for.
@@ -99,15 +100,15 @@ points() {
 compare_points() {
     name="$1 points${2:+ ($2)}"
     wanted "$name" && [ -d "$made/$1/netlists$2.runs" ] && [ -d "$made/$first/netlists.runs" ] || return
-    points "$first" '' >"$made/points.first"
-    points "$1" "$2" >"$made/points.this"
-    verdict "$name" "$([ -s "$made/points.first" ] || echo 'no points'
-        diff "$made/points.first" "$made/points.this" | grep '^[<>]' | head -n 4 | tr '\n' ' ')"
+    points "$first" '' >"$this/points.first"
+    points "$1" "$2" >"$this/points.this"
+    verdict "$name" "$([ -s "$this/points.first" ] || echo 'no points'
+        diff "$this/points.first" "$this/points.this" | grep '^[<>]' | head -n 4 | tr '\n' ' ')"
 }
 
 # Both have 200,000 points.
 write_long_runs() {
-    cat >"$made/rc.cir" <<'END'
+    cat >"$this/rc.cir" <<'END'
 * a plain RC circuit
 V1 a 0 sin(0 10 50)
 R1 a b 1k
@@ -120,7 +121,7 @@ quit 0
 .endc
 .end
 END
-    cat >"$made/ours.cir" <<'END'
+    cat >"$this/ours.cir" <<'END'
 * a rectifier on the same grid
 V1 a 0 sin(0 10 50)
 R1 a b 1k
@@ -155,7 +156,7 @@ ratio() {
     echo "codemodel '$made/$1/nonsmooth.cm'" >"$dir/.spiceinit"
     # shellcheck disable=SC2034 # counts
     for k in $(seq "${CPU_RUNS:-5}"); do
-        echo "$(seconds "$2" "$made/ours.cir" "$dir") $(seconds "$2" "$made/rc.cir" "$dir")"
+        echo "$(seconds "$2" "$this/ours.cir" "$dir") $(seconds "$2" "$this/rc.cir" "$dir")"
     done | awk '{ if (NR == 1 || $1 < a) a = $1; if (NR == 1 || $2 < b) b = $2 } END { printf "%.3f %.2f %.2f\n", a / b, a, b }'
 }
 
@@ -220,7 +221,7 @@ END
 into() {
     name="$2 into $3"
     wanted "$name" || return
-    dir=$made/into
+    dir=$this/into
     rm -rf "$dir" && mkdir -p "$dir"
     cat >"$dir/run.cir" <<'END'
 * models of another version
@@ -271,11 +272,11 @@ other_choice() {
 
 # --- all ---
 
-: >"$made/list"
+: >"$this/list"
 installed=$(command -v ngspice)
 first=$(version_of "${installed:-false}")
 if [ -n "$first" ]; then
-    echo "$first $installed $top/build/ngspice-src/tree" >>"$made/list"
+    echo "$first $installed $top/build/ngspice-src/tree" >>"$this/list"
 fi
 for folder; do
     p=$(program "$folder")
@@ -283,7 +284,7 @@ for folder; do
     if [ -z "$v" ]; then
         verdict "$folder" "no ngspice there: neither $folder/ngspice nor $folder/src/ngspice runs"
     else
-        echo "$v $p $(source_tree "$folder")" >>"$made/list"
+        echo "$v $p $(source_tree "$folder")" >>"$this/list"
     fi
 done
 
@@ -305,7 +306,7 @@ while read -r v p tree; do
     host "$v" "$p"
     sources "$v" "$p"
     for feature in KLU CIDER OSDI WITH_PSS RFSPICE; do other_choice "$v" "$p" $feature; done
-done <"$made/list"
+done <"$this/list"
 while read -r a _; do
     while read -r b p; do
         [ "$a" = "$b" ] || into "$made/$a/nonsmooth.cm" "$a" "$b" "$p"
