@@ -17,6 +17,9 @@
 
 /* What the last refinement may still move: far above rounding, far below what a pivot of rounding does. */
 static const double moved_max = 1e-10;
+/* What leaks leave to refine if they determine only what K does not: rounding of 1e-16 by leaks of 1e-10, or
+ * less. */
+static const double leaks_matter = 1e-4;
 /* Below, K may be singular but for rounding; with pivots that differ by less, what an estimate of the
  * condition could show, the refinement shows too. */
 static const double rcond_min = 1e-14, pivots_min = 1e-6;
@@ -168,11 +171,31 @@ static int solve_factored(ns_theta *s, int size, int *exactly) {
     return ns_theta_refine(s, size, exactly) <= moved_max ? NS_OK : NS_E_SINGULAR;
 }
 
+/* The same by leaks (ns_theta_leak_solve()): X and the factors K_g.  *moved: what the refinement with K_g
+ * still moved, relative to X. */
+static int solve_with_leaks(ns_theta *s, const ns_leaks *leaks, int nj, double *moved) {
+    const int size = s->s->n + nj;
+    memcpy(s->X, s->R, sizeof(double) * (size_t)size * (size_t)s->q);
+    const int status = ns_theta_leak_solve(s, leaks, nj, s->q);
+    if (status == NS_OK)
+        *moved = ns_theta_refine_exactly(s, size);
+    return status;
+}
+
+/* X by K as it is, whatever its condition, if that converges. */
+static int solve_as_it_is(ns_theta *s, int size, int *exactly) {
+    s->counts.factors++;
+    const int status = ns_linalg_lu_factor(s->lu, size, s->K, NULL, NULL);
+    return status == NS_OK ? solve_factored(s, size, exactly) : status;
+}
+
 /* X from the right-hand sides in R.  A pivot that is only rounding can pass for one, with an X of any size
  * in the null space; leaks show it, as they determine what the null space does not and leave the rest alone.
- * *leaky: there are leaks in the factors. */
+ * Where they do not, as they are more than what determines the rest, K is regular after all, of a condition
+ * near 1e15.  *leaky: there are leaks in the factors. */
 static int solve_columns(ns_theta *s, const ns_leaks *leaks, int nj, int *leaky, int *exactly) {
     const int size = s->s->n + nj;
+    double moved = 0;
     *leaky = *exactly = 0;
     s->counts.factors++;
     const int regular = ns_linalg_lu_factor(s->lu, size, s->K, NULL, NULL);
@@ -182,11 +205,13 @@ static int solve_columns(ns_theta *s, const ns_leaks *leaks, int nj, int *leaky,
         (ns_linalg_lu_pivots(s->lu) >= pivots_min || ns_linalg_lu_rcond(s->lu) >= rcond_min) &&
         solve_factored(s, size, exactly) == NS_OK)
         return NS_OK;
-    memcpy(s->X, s->R, sizeof(double) * (size_t)size * (size_t)s->q);
-    const int status = ns_theta_leak_solve(s, leaks, nj, s->q);
+    int status = solve_with_leaks(s, leaks, nj, &moved);
+    if (regular == NS_OK && status == NS_OK && moved > leaks_matter) {
+        if (solve_as_it_is(s, size, exactly) == NS_OK)
+            return NS_OK;
+        status = solve_with_leaks(s, leaks, nj, &moved);
+    }
     *leaky = *exactly = status == NS_OK;
-    if (*leaky)
-        (void)ns_theta_refine_exactly(s, size);
     return status;
 }
 
