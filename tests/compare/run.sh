@@ -38,7 +38,8 @@ program() {
     done
     # shellcheck disable=SC2086 # options
     ${CC:-gcc} -std=c11 ${CFLAGS:--O2 -g} -ffunction-sections $names "-I$1/include" -Itests/rig -Itests/bench \
-        tests/compare/*.c tests/bench/cases*.c tests/bench/deck.c tests/bench/oracle.c tests/rig/lit*.c \
+        tests/compare/main.c tests/compare/circuits.c tests/bench/cases*.c tests/bench/deck.c \
+        tests/bench/oracle.c tests/rig/lit*.c \
         -Wl,--gc-sections "$1/build/libnonsmooth.a" -o "$out/$2" ${LIBS:--llapacke -llapack -lblas -lklu -lm}
 }
 program "$tree" before &
