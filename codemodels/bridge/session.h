@@ -14,7 +14,12 @@
 typedef struct ns_bridge_next {
     int held;                /* there is a point that ngspice has not come to */
     ns_waveform_point point; /* at its t */
+    int shown;               /* points that ngspice wrote, counted to NS_SHOWN_ENOUGH */
+    int interpolated;        /* it does not write them but what lies between, at multiples of tstep */
 } ns_bridge_next;
+
+/* So many are written before it is known whether they are interpolated. */
+enum { NS_SHOWN_ENOUGH = 2 };
 
 /* Written by trial.c alone. */
 typedef struct ns_bridge_trial {

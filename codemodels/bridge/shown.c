@@ -44,3 +44,8 @@ int ns_bridge_shown_read(const CKTcircuit *ckt, int neq, unsigned char *shown) {
     free(names);
     return known;
 }
+
+int ns_bridge_shown_interpolated(const CKTcircuit *ckt, int given) {
+    const runDesc *run = plot_of(ckt);
+    return run && run->pointCount < given;
+}

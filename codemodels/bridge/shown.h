@@ -9,4 +9,8 @@
  * parameter (@r1[i]) is saved too, which depends on others. */
 int ns_bridge_shown_read(const CKTcircuit *ckt, int neq, unsigned char *shown);
 
+/* 1 if ngspice was given so many points of this run and left some out: with `.options interp` it writes one
+ * value for each multiple of tstep, and at most one for each point that it is given. */
+int ns_bridge_shown_interpolated(const CKTcircuit *ckt, int given);
+
 #endif

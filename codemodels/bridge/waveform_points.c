@@ -8,6 +8,9 @@
 #include "many_points.h"
 #include "report.h"
 #include "show.h"
+#include "shown.h"
+
+#include <math.h>
 
 static int fail(const ns_session *s, int status) {
     return status ? ns_bridge_trial_fail(s, status) : OK;
@@ -22,13 +25,39 @@ int ns_bridge_waveform_begin(ns_session *s, double t, const ns_waveform *from) {
     return fail(s, status);
 }
 
+/* Where ngspice interpolates, every second point at most is at or after a multiple of tstep: it writes one
+ * value for a point, however many multiples lie before it, and takes a line from the last one that it did not
+ * write for.  To know whether it does, two points have to be given that way. */
+static double find_latest(const ns_session *s) {
+    const double start = s->ckt->CKTinitTime, stop = s->ckt->CKTfinalTime, half = 0.5 * s->ckt->CKTstep;
+    const double sliver = 1e-3; /* of a half: what rounding leaves is no step */
+    const double t = start + half * (floor((s->ckt->CKTtime - start) / half + sliver) + 1.0);
+    const int any = !s->next.interpolated && s->next.shown >= NS_SHOWN_ENOUGH;
+    const double tmax = ns_bridge_timepoints_tmax(s->loop.points.step, s->ckt->CKTstep, start, stop);
+    const int is_fine = (tmax > 0.0 && tmax <= half) || half < 4.0 * ns_bridge_timepoints_closest(stop);
+    return any || is_fine || t > stop - sliver * half ? stop : t;
+}
+
+/* A point was accepted; ngspice writes it next.  Those near the start do not count: 0+ may stand for 0 there.
+ */
+static void count_shown(ns_session *s, int first) {
+    if (first)
+        s->next.shown = s->next.interpolated = 0;
+    else if (s->next.shown < NS_SHOWN_ENOUGH &&
+             s->loop.points.t > s->loop.points.start + 0.25 * s->ckt->CKTstep) {
+        s->next.shown++;
+        if (s->next.shown == NS_SHOWN_ENOUGH)
+            s->next.interpolated = ns_bridge_shown_interpolated(s->ckt, NS_SHOWN_ENOUGH);
+    }
+}
+
 /* The next point, where an event of ngspice's queue is one. */
 static int next_of_digital(ns_session *s, ns_waveform_point *p) {
     enum { MOST = 64 }; /* thresholds crossed right after one another */
     const double closest = ns_bridge_timepoints_closest(s->ckt->CKTfinalTime);
     int status = NS_E_LIMIT;
     for (int k = 0; k < MOST; k++) {
-        const double until = ns_bridge_digital_until(s, s->ckt->CKTfinalTime, closest);
+        const double until = ns_bridge_digital_until(s, find_latest(s), closest);
         status = ns_waveform_next(s->analysis.waveform, until, p);
         if (status == NS_OK || !ns_bridge_digital_goes_on(s))
             return status;
@@ -52,7 +81,7 @@ static int choose_next(ns_session *s) {
     else if (digital)
         status = next_of_digital(s, p);
     else
-        status = ns_waveform_next(w, s->ckt->CKTfinalTime, p);
+        status = ns_waveform_next(w, find_latest(s), p);
     s->next.held = !status;
     if (s->next.held)
         ns_bridge_many_points_count(&s->analysis, p, s->ckt->CKTfinalTime);
@@ -62,6 +91,7 @@ static int choose_next(ns_session *s) {
 int ns_bridge_waveform_look_ahead(ns_session *s, int first) {
     CKTcircuit *ckt = s->ckt;
     ns_bridge_loop_read(ckt, &s->loop, first);
+    count_shown(s, first);
     const clock_t since = s->analysis.ex.options.verbose ? clock() : 0;
     const int error = choose_next(s);
     s->trial.cpu += s->analysis.ex.options.verbose ? clock() - since : 0;
