@@ -23,11 +23,12 @@ typedef struct ns_own_taken {
     int id;       /* the element in the circuit; -1: a mere resistor */
     int inverted; /* the element is closed where the device is off */
     /* of D, and the body diode of M: */
-    ns_diode diode; /* what it was taken for */
-    int anode;      /* equation */
-    int inside;     /* equation of its node behind rs; 0: there is none */
-    double rs;      /* ohm */
-    int smoothed;   /* it had an epsilon, which was left out */
+    ns_diode diode;        /* what it was taken for */
+    int anode;             /* equation */
+    int inside;            /* equation of its node behind rs; 0: there is none */
+    double rs;             /* ohm */
+    int smoothed;          /* it had an epsilon, which was left out */
+    double most_i, most_v; /* A, V: forwards, and of either sign, in the points of .tran so far */
     /* of a switch with VON, VOFF: */
     double vt;
     /* of M: */

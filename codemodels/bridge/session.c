@@ -113,6 +113,7 @@ static int show_start(ns_session *s) {
 }
 
 static void end_analysis(ns_session *s) {
+    s->once.curve_noted = s->once.curve_noted || ns_bridge_own_note_curve(&s->analysis);
     if (s->analysis.ex.options.verbose)
         ns_bridge_show_summary(&s->analysis, (double)(s->start_cpu + s->trial.cpu) / CLOCKS_PER_SEC);
     ns_bridge_loop_release(s->ckt, &s->loop);
@@ -133,6 +134,7 @@ int ns_bridge_session_accept(ns_session *s) {
         return s->failed;
     ns_bridge_show_later(&s->analysis);
     ns_bridge_own_show_states(&s->analysis, ckt);
+    ns_bridge_own_count_point(&s->analysis);
     ns_bridge_taken_accept(&s->analysis, s->trial.t, is_shown(ckt));
     if (ckt->CKTfinalTime - ckt->CKTtime < ckt->CKTminBreak) {
         end_analysis(s);

@@ -39,6 +39,7 @@ typedef struct ns_session {
     struct {
         int version_checked;   /* ngspice is the one this was built for */
         int circuit_announced; /* its size was written */
+        int curve_noted;       /* that a D is far from its own curve was written */
         int reltol_noted;      /* that reltol has no effect was written */
     } once;
 
