@@ -120,7 +120,7 @@ static void gates_ask_for_points_where_they_are_shown(void **state) {
                       points, alone, more, both);
         assert_true(points <= 2 * 20 + 2); /* where the current turns, and the ends */
         assert_true(more >= 6 * 20);       /* and the gate's corners */
-        assert_true(sparse || alone < 0.6 * (double)both);
+        assert_true(sparse || (double)alone < 0.6 * (double)both);
     }
 }
 

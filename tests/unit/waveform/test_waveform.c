@@ -225,7 +225,7 @@ static void squares_are_right_on_request(void **state) {
         const double off = sum / 1e-3 / (25.0 / 3) - 1;
         print_message("mean square off by %.3g, %d points for 100 periods\n", off, r.count);
         const long by_squares = ns_waveform_read_counts(r.w).by_squares; /* not the two corners of a period */
-        assert_true(asked ? by_squares > 0.9 * r.count && by_squares < r.count : by_squares == 0);
+        assert_true(asked ? (double)by_squares > 0.9 * r.count && by_squares < r.count : by_squares == 0);
         if (asked)
             assert_true(fabs(off) < 1e-3 && r.count < 200 * (2 * 23 + 4));
         else
