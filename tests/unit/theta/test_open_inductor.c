@@ -86,8 +86,9 @@ static void what_is_interrupted_is_zero(void **state) {
     const int current = ns_circuit_current_unknown(c, l);
     assert_non_null(w0);
     ok(ns_theta_create(system, &o, &s, NULL));
-    for (double h = 1e-6; h > 7e-18; h /= 2) {
-        ok(ns_theta_start(s, w0, closed)); /* both diodes are off */
+    for (int halvings = 0; halvings < 38; halvings++) {
+        const double h = ldexp(1e-6, -halvings); /* to 7.3e-18 s */
+        ok(ns_theta_start(s, w0, closed));       /* both diodes are off */
         ok(ns_theta_map_build(s, h, 1, s->past.mode, 1e-9, &map));
         for (int k = 0; k < s->r; k++) {
             const double i = map->full[current + k * (system->n + system->m)];
