@@ -67,7 +67,7 @@ models() {
     shift 3
     NGSPICE=$ngspice NGSPICE_SRC=$tree codemodels/ngspice-source.sh "$at/ngspice-src" >"$at.log" 2>&1 &&
         make --no-print-directory -s B="$at" NG="$at/ngspice-src" CM_LIB=build/libnonsmooth.a NGSPICE="$ngspice" NGSPICE_SRC="$tree" \
-            "$@" cm >>"$at.log" 2>&1 && cp build/nsc-mlcp codemodels/nonsmooth.inc "$at"
+            "$@" cm >>"$at.log" 2>&1 && cp build/nsc-mlcp codemodels/*.inc "$at"
 }
 
 has() {
