@@ -131,9 +131,11 @@ static double dot(size_t count, const double *a, const double *b) {
     }
     for (; i < count; i++)
         rest += a[i] * b[i];
-    const ns_simd both[1] = {sum + other};
+    double both[NS_LANES];
+    sum += other;
+    memcpy(both, &sum, sizeof both);
     for (int k = 0; k < NS_LANES; k++)
-        rest += ((const double *)both)[k];
+        rest += both[k];
     return rest;
 }
 

@@ -1,6 +1,7 @@
 /* tests/compare/unchecked.c - linked with --wrap of these four, a library that judges nothing (cost.sh). */
 #include "march/run_internal.h"
 
+/* NOLINTBEGIN(bugprone-reserved-identifier): the linker's names */
 int __real_ns_march_check_create(ns_run *r);
 int __wrap_ns_march_check_create(ns_run *r);
 void __wrap_ns_march_check_attach(ns_run *r);
@@ -30,3 +31,4 @@ int __wrap_ns_march_check_end(ns_run *r, double t, ns_until until, double reache
     (void)reached;
     return 1;
 }
+/* NOLINTEND(bugprone-reserved-identifier) */
