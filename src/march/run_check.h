@@ -31,8 +31,9 @@ typedef struct ns_run_check {
     long looks;                /* at events so far */
     int has_all;               /* 1: all of the point is known now, as it is shown */
     int jumped, jumped_before; /* 1: something did, by now; left of it */
-    /* how often, in instructions or so: spent on a point, on a way, earned by a trial, by an event */
-    double point_cost, event_cost, way_cost, quick_cost, map_cost, trial_cost, trial_gain, event_gain;
+    /* how often, in instructions or so: spent on a point, on a way, earned by a trial, by an event, by a mode
+     */
+    double point_cost, event_cost, way_cost, quick_cost, trial_cost, trial_gain, event_gain, mode_gain;
     int periods, periods_rest;  /* that are repeated before one is looked at: from now on, in turn */
     double credit;              /* what may be spent */
     int way_next;               /* 1: the next thing looked at is a way */

@@ -18,7 +18,7 @@ static void estimate_costs(ns_run *r) {
     k->point_cost = 1000 + 30 * effort + 300 * (double)r->s->nz;
     k->event_cost = 300 + 5 * effort;
     k->way_cost = NS_VERIFY_NODES * (k->point_cost + 300) + 40 * effort;
-    k->quick_cost = 1500 + 10 * effort + 12 * (double)r->s->nz + (r->is_dense ? 2 * size * size : 16 * size);
+    k->quick_cost = 1500 + 10 * effort + 12 * (double)r->s->nz + (r->is_dense ? 5 * size * size : 16 * size);
     if (r->is_dense) {
         k->trial_gain = share * (400 + 4 * size * size);
         k->event_gain = share * (1000 + 40 * size * size);
@@ -28,7 +28,7 @@ static void estimate_costs(ns_run *r) {
         k->event_gain = share * (4000 + 120 * effort);
     }
     k->trial_cost = k->trial_gain / share;
-    k->map_cost = r->is_dense ? 3 * size * size * size : 0;
+    k->mode_gain = r->is_dense ? share * 6 * size * size * size : 0;
     k->periods = k->periods_rest;
 }
 

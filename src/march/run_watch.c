@@ -31,12 +31,17 @@ static int may_spend(const ns_run *r, int is_unseen, double cost) {
     return r->check.credit >= (is_unseen ? -DEBT * cost : cost);
 }
 
-/* As much as may be spent, less for what was seen before. */
-static ns_watch_part afford(const ns_run *r, int is_unseen) {
-    const ns_run_check *k = &r->check;
-    return may_spend(r, is_unseen, 2 * k->point_cost + k->event_cost) ? NS_WATCH_ALL
-           : is_unseen || k->credit >= k->quick_cost                  ? NS_WATCH_SOME
-                                                                      : NS_WATCH_NOTHING;
+/* As much as may be spent: in full the first events, from which sizes are learnt, and then a few.  What was
+ * not seen before is looked at on credit; of the sparse engine, whose looks are cheap, always. */
+static ns_watch_part afford(ns_run *r, int is_unseen) {
+    enum { FIRST = 8, EVERY = 64, DEBT = 64 };
+    ns_run_check *k = &r->check;
+    const double owes = !is_unseen ? 0 : r->is_dense ? DEBT * k->quick_cost : INFINITY;
+    if (k->credit + owes < k->quick_cost)
+        return NS_WATCH_NOTHING;
+    const int is_full = k->looks++ < FIRST || k->looks % EVERY == 0;
+    return is_full && may_spend(r, is_unseen, 2 * k->point_cost + k->event_cost) ? NS_WATCH_ALL
+                                                                                 : NS_WATCH_SOME;
 }
 
 static ns_watch_part wants_left(ns_run *r, const ns_mode *mode) {
@@ -50,10 +55,10 @@ static ns_watch_part wants_right(ns_run *r, const ns_mode *mode) {
     ns_run_check *k = &r->check;
     const int is_unseen = is_new(k, hash(k->left_key, (size_t)r->s->m, mode));
     k->right = k->left;
+    if (is_unseen)
+        ns_march_check_earn(k, k->mode_gain);
     if (is_unseen && k->right == NS_WATCH_NOTHING)
         k->right = afford(r, 1);
-    if (is_unseen && k->right != NS_WATCH_NOTHING)
-        k->credit -= k->map_cost;
     return k->right;
 }
 
