@@ -152,6 +152,12 @@ static double impulse_of(const ns_exact *f, const ns_mode_kernel *k, int g) {
     return sum;
 }
 
+/* What the impulse of guard g may be off by.  The rate is that after the jump: before it, in a kernel of
+ * 1e-17 s, the rounding of the time alone would allow any impulse. */
+static double impulse_rounding(const ns_exact *f, const ns_mode_kernel *k, int g) {
+    return ns_exact_guard_rounding_at(f, k, g, f->X_next, ns_exact_guard_of(k, k->rate, g, f->X_next));
+}
+
 int ns_exact_enter_fits(ns_exact *f, const ns_mode_kernel *k) {
     double most = 0;
     for (int g = 0; g < k->pair_rows; g++) {
@@ -162,7 +168,7 @@ int ns_exact_enter_fits(ns_exact *f, const ns_mode_kernel *k) {
         if (f->work.impulse[g] < -impulse_tol * most &&
             f->work.impulse[g] <
                 -(impulse_tol * most + min_impulse * fabs(ns_exact_guard_of(k, k->value, g, f->X_next)) +
-                  ns_exact_guard_rounding(f, k, g)))
+                  impulse_rounding(f, k, g)))
             return 0;
     return 1;
 }
