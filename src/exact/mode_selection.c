@@ -301,15 +301,39 @@ static int flip_command_of_guard(ns_exact *f) {
     return 1;
 }
 
-/* Commands with a hysteresis whose threshold is met in the instant in which a guard breaks change with it, in
- * whatever order they stand: after the first of them the control of the next may go back. */
+/* 1 if guard g is that of the event but for a factor, so that both break in one instant wherever they do: of
+ * two switches with mirrored controls. */
+static int is_guard_of_event(const ns_exact *f, const ns_mode_kernel *k, int g) {
+    static const double alike = 1e-9;
+    const double *a = k->value + (size_t)g * (size_t)k->q;
+    const double *b = k->value + (size_t)f->event_guard * (size_t)k->q;
+    double largest = 0, factor = 0, off = 0;
+    if (f->event_guard < k->pair_rows)
+        return 0;
+    for (int j = 0; j < k->q; j++) {
+        const double size = j < k->r ? fmax(f->max_abs[j], fabs(f->X[j])) : 1;
+        if (fabs(b[j]) * size > largest) {
+            largest = fabs(b[j]) * size;
+            factor = a[j] / b[j];
+        }
+    }
+    for (int j = 0; j < k->q; j++)
+        off = fmax(off, fabs(a[j] - factor * b[j]) * (j < k->r ? fmax(f->max_abs[j], fabs(f->X[j])) : 1));
+    return factor > 0 && off <= alike * factor * largest;
+}
+
+/* Commands that change with the guard that breaks, in whatever order they stand: those with a hysteresis
+ * whose threshold is met in the same instant, as after the first of them the control of the next may go back,
+ * and those whose control is that of the event. */
 static int flip_commands_met(ns_exact *f) {
     const ns_mode_kernel *k = f->state.mode->scale[0].kernel;
     int count = 0;
     for (int g = k->pair_rows; g < k->rows && f->event_guard >= 0; g++) {
         const int c = k->row[g].command;
-        if (g == f->event_guard || !(f->system->command[c].on > f->system->command[c].off) ||
-            ns_exact_guard_sign(f, f->state.mode, g, f->X) != NS_SIGN_BREAKS)
+        const int lasts = f->system->command[c].on > f->system->command[c].off;
+        if (g == f->event_guard || ns_mode_slides(f->state.mode->mode[f->system->command[c].pair]) ||
+            !(lasts ? ns_exact_guard_sign(f, f->state.mode, g, f->X) == NS_SIGN_BREAKS
+                    : is_guard_of_event(f, k, g)))
             continue;
         flip_command(f, c);
         count++;

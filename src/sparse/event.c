@@ -194,13 +194,15 @@ int ns_sparse_event_input_at(ns_sparse *m, const ns_dense_step *step) {
     return any;
 }
 
-/* Commands with a hysteresis whose threshold is met in the instant in which another guard breaks change with
- * it, in whatever order they stand: after the first of them the control of the next may go back. */
+/* Commands that change with the guard that breaks, in whatever order they stand: those with a hysteresis
+ * whose threshold is met in the same instant, as after the first of them the control of the next may go back,
+ * and those whose control is that of the event but for a factor. */
 static void change_met_commands(ns_sparse *m, const ns_dense_step *step) {
     for (int c = 0; c < m->s->nc; c++) {
         const ns_command *k = &m->s->command[c];
-        if (c == step->command || k->pair == step->pair || !(k->on > k->off) || !of_state(m, c) ||
-            !ns_sparse_location_meets(m, step, c))
+        if (c == step->command || k->pair == step->pair || !of_state(m, c) ||
+            ns_mode_slides(m->mode[k->pair]) ||
+            !(k->on > k->off ? ns_sparse_location_meets(m, step, c) : ns_sparse_location_is_same(m, step, c)))
             continue;
         ns_sparse_guard_leave(m, k->pair, 0);
         m->changed[c] = 1;

@@ -164,7 +164,7 @@ struct ns_sparse {
     unsigned char *flip;     /* m: broken guards: 1 the only one, 2 the upper bound of lambda */
     unsigned char *changed;  /* nc: 1 commands that changed at this event, 2 that begin to slide */
     ns_mode *commanded_mode; /* m: after what the event itself changes, and nothing that follows from it */
-    double inputs_from;     /* s: an input was replaced then; -INFINITY: none was */
+    double inputs_from;      /* s: an input was replaced then; -INFINITY: none was */
     int contradicting_pair;  /* the pair of a switch that can be neither open nor closed; -1: none */
     ns_before_event before_event; /* where its resolution began */
     ns_instant instant;           /* what jumped in the trial, or in the start */
@@ -316,6 +316,8 @@ int ns_sparse_chatter_euler(ns_sparse *m, const ns_dense_step *step, double t);
 int ns_sparse_location_first(ns_sparse *m, ns_dense_step *step);
 /* 1 if, at the end of a step, command c has fallen to its threshold as well. */
 int ns_sparse_location_meets(const ns_sparse *m, const ns_dense_step *step, int c);
+/* 1 if the control of c is that of the command whose guard ended the step, all along it, but for a factor. */
+int ns_sparse_location_is_same(const ns_sparse *m, const ns_dense_step *step, int c);
 
 /* mode_prediction.c: the table, empty; nothing learnt. */
 int ns_sparse_predict_create(ns_sparse *m); /* Errors: MEMORY */

@@ -1,5 +1,5 @@
-/* tests/property/test_ties.c - two switches with hysteresis that the same control commands, mirrored: both
- * thresholds are met in one instant, and both change, in whatever order they stand.
+/* tests/property/test_ties.c - two switches, with hysteresis and without, that the same control commands,
+ * mirrored: both thresholds are met in one instant, and both change, in whatever order they stand.
  *
  *     +V --S1-- x --L-- R -- 0      h = r - i;  S1: on above vh, off below -vh, by h; S2: the same by -h
  *     -V --S2-- x
@@ -104,7 +104,62 @@ static void both_change(void **state) {
                 check(methods[k], variant & 1, variant >> 1, 1.5 + 0.25 * i, 0.11 + 0.0371 * i);
 }
 
+/* The same two switches without hysteresis, commanded by +- the voltage of a capacitor that 1 A charges from
+ * -1 V on: S1 closes where S2 opens, at `crossing`.  The current of L: exponentials to -V/R, then to V/R. */
+static void add_mirrored(ns_circuit *c, int upper, int through, double vt) {
+    const ns_switch law = {.vt = upper ? vt : -vt, .roff = INFINITY};
+    const int from = upper ? P : X, to = upper ? X : N;
+    const int cp = upper ? H : through ? MINUS : 0, cn = upper || through ? 0 : H;
+    assert_int_equal(ns_circuit_switch(c, upper ? "s1" : "s2", from, to, cp, cn, &law, NULL), NS_OK);
+}
+
+static void check_without_hysteresis(ns_method method, int first, int through, double vt) {
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-3, .method = method};
+    const ns_signal up = {.kind = NS_DC, .u.dc = V}, down = {.kind = NS_DC, .u.dc = -V},
+                    one = {.kind = NS_DC, .u.dc = 1};
+    bridge b;
+    double w0[20], x[20], t = 0;
+    int coil;
+    assert_int_equal(ns_circuit_create(&b.c), NS_OK);
+    assert_int_equal(ns_circuit_source(b.c, "vp", NS_VOLTAGE, P, 0, &up, NULL), NS_OK);
+    assert_int_equal(ns_circuit_source(b.c, "vn", NS_VOLTAGE, N, 0, &down, NULL), NS_OK);
+    add_mirrored(b.c, first, through, vt);
+    assert_int_equal(ns_circuit_inductor(b.c, "l1", X, Y, 1, 0, &coil), NS_OK);
+    assert_int_equal(ns_circuit_resistor(b.c, "r1", Y, 0, R, NULL), NS_OK);
+    assert_int_equal(ns_circuit_source(b.c, "i1", NS_CURRENT, 0, H, &one, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(b.c, "c1", H, 0, 1, -1, NULL), NS_OK);
+    if (through)
+        assert_int_equal(ns_circuit_vcontrolled(b.c, "e2", NS_VOLTAGE, MINUS, 0, 0, H, 1, NULL), NS_OK);
+    add_mirrored(b.c, !first, through, vt);
+    assert_int_equal(ns_circuit_system(b.c, &b.s), NS_OK);
+    assert_int_equal(ns_circuit_rest(b.c, w0), NS_OK);
+    assert_int_equal(ns_march_create(b.s, &o, &b.m, NULL), NS_OK);
+    assert_int_equal(ns_march_start(b.m, 0, w0), NS_OK);
+    while (t < 2) {
+        assert_int_equal(ns_march_try(b.m, 2, NS_TO_TIME, &t), NS_OK);
+        assert_int_equal(ns_march_accept(b.m), NS_OK);
+    }
+    assert_int_equal(ns_march_read(b.m, &t, x, NULL, NULL), NS_OK);
+    const double crossing = 1 + vt, there = -V / R * (1 - exp(-R * crossing));
+    const double right = V / R + (there - V / R) * exp(-R * (2 - crossing));
+    const double got = x[ns_circuit_current_unknown(b.c, coil)];
+    if (!(fabs(got - right) < 1e-6 * V / R))
+        fail_msg("method %d, order %d, control %d, vt %g: %.9g A, expected %.9g A", method, first, through,
+                 vt, got, right);
+    drop(b);
+}
+
+static void both_change_without_hysteresis(void **state) {
+    static const ns_method methods[] = {NS_EXACT, NS_SPARSE, NS_AUTO};
+    (void)state;
+    for (int k = 0; k < 3; k++)
+        for (int variant = 0; variant < 4; variant++)
+            for (int i = 0; i < 9; i++)
+                check_without_hysteresis(methods[k], variant & 1, variant >> 1, -0.8 + 0.2 * i);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(both_change)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(both_change),
+                                       cmocka_unit_test(both_change_without_hysteresis)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
