@@ -99,7 +99,8 @@ int ns_march_watch(ns_march *m, int count, const ns_threshold *threshold) {
         w->count = count;
     }
     ns_watched_thresholds *w = m->watched;
-    memcpy(w->threshold, threshold, (size_t)count * sizeof *threshold);
+    if (count > 0)
+        memcpy(w->threshold, threshold, (size_t)count * sizeof *threshold);
     ns_engine_drop(m->engine);
     m->corners_from = INFINITY; /* from now on all of them count */
     status = ns_engine_read(m->engine, &m->accepted, w->x, NULL, NULL);
