@@ -62,9 +62,13 @@ static int try_judged(ns_run *r, const again *a, double *reached) {
     k->found = k->is_old = 0;
     k->credit = INFINITY; /* every event, and the end */
     k->way_next = 0;
+    k->again_events = 1;
+    k->again_from = a->t;
+    k->again_to = a->asked;
     const int status = r->at_work->table->try_to(r->at_work, a->asked, a->until, reached);
     const int right = status == NS_OK && ns_march_check_end(r, a->asked, a->until, *reached);
     k->credit = 0;
+    k->again_events = 0;
     return right;
 }
 

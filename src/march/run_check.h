@@ -40,6 +40,9 @@ typedef struct ns_run_check {
     unsigned long long dice;    /* where on it */
     uint64_t left_key;          /* of the mode on the left of an event */
     uint64_t seen[NS_RUN_SEEN]; /* hashes */
+    /* a trial that is gone again */
+    long again_events;           /* so far, and one; 0: there is none */
+    double again_from, again_to; /* s: from where, to what is asked for */
     /* what is told */
     long checks, retries;
 } ns_run_check;

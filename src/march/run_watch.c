@@ -101,8 +101,20 @@ static int some_is_right(ns_run *r, double t, ns_side side) {
     return ns_verify_point(k->verify, &at, &f);
 }
 
+/* 1 if an engine that goes again would take a million events to come to where it is asked for. */
+static int crawls(ns_run_check *k, double t) {
+    static const double look_after = 5e3, most = 1e6;
+    if (k->again_events == 0)
+        return 0;
+    const double events = (double)k->again_events++,
+                 part = (t - k->again_from) / (k->again_to - k->again_from);
+    return events > look_after && part * most < events;
+}
+
 static int sees_left(ns_run *r, double t) {
     ns_run_check *k = &r->check;
+    if (crawls(k, t))
+        return NS_E_LIMIT;
     const ns_verify_state at = ns_march_check_state(r, t, NS_LEFT, NULL);
     k->jumped_before = k->jumped;
     if (k->jumped)
