@@ -209,7 +209,7 @@ ASAN := B=build/asan WARN=-w \
 # A program that uses libngspice, if there is one of the same version as the program ngspice.
 HOST_PROGRAM := $(if $(OWN_NGSPICE),,$(if $(wildcard /usr/include/ngspice/sharedspice.h),$(B)/tests/host/host $(B)/tests/host/session))
 
-$(B)/tests/host/%: tests/host/%.c $(B)/flags
+$(B)/tests/host/%: tests/host/%.c tests/host/callbacks.h $(B)/flags
 	@mkdir -p $(@D)
 	@echo "  LINK    $@"
 	$(Q)$(CC) -std=c11 -D_POSIX_C_SOURCE=200809L $(CFLAGS) $(WARN) $(LDFLAGS) $< -o $@ -lngspice -lm

@@ -8,6 +8,7 @@
 #include "sliding.h"
 
 #include "linalg/simd.h"
+#include "modes/multiple.h"
 
 #include <float.h>
 #include <math.h>
@@ -303,23 +304,13 @@ static int flip_command_of_guard(ns_exact *f) {
 
 /* 1 if guard g is that of the event but for a factor, so that both break in one instant wherever they do: of
  * two switches with mirrored controls. */
-static int is_guard_of_event(const ns_exact *f, const ns_mode_kernel *k, int g) {
-    static const double alike = 1e-9;
-    const double *a = k->value + (size_t)g * (size_t)k->q;
-    const double *b = k->value + (size_t)f->event_guard * (size_t)k->q;
-    double largest = 0, factor = 0, off = 0;
-    if (f->event_guard < k->pair_rows)
-        return 0;
-    for (int j = 0; j < k->q; j++) {
-        const double size = j < k->r ? fmax(f->max_abs[j], fabs(f->X[j])) : 1;
-        if (fabs(b[j]) * size > largest) {
-            largest = fabs(b[j]) * size;
-            factor = a[j] / b[j];
-        }
-    }
+static int is_guard_of_event(ns_exact *f, const ns_mode_kernel *k, int g) {
+    const size_t q = (size_t)k->q;
+    double *size = f->work.max_abs;
     for (int j = 0; j < k->q; j++)
-        off = fmax(off, fabs(a[j] - factor * b[j]) * (j < k->r ? fmax(f->max_abs[j], fabs(f->X[j])) : 1));
-    return factor > 0 && off <= alike * factor * largest;
+        size[j] = j < k->r ? f->max_abs[j] : 1; /* X is among the largest */
+    return f->event_guard >= k->pair_rows &&
+           ns_modes_is_multiple(k->q, k->value + (size_t)g * q, k->value + (size_t)f->event_guard * q, size);
 }
 
 /* Commands that change with the guard that breaks, in whatever order they stand: those with a hysteresis

@@ -6,6 +6,7 @@
 #include "guards.h"
 #include "linalg/simd.h"
 #include "modes/bernstein_root.h"
+#include "modes/multiple.h"
 
 #include <math.h>
 #include <string.h>
@@ -200,20 +201,12 @@ int ns_sparse_location_meets(const ns_sparse *m, const ns_dense_step *step, int 
 }
 
 int ns_sparse_location_is_same(const ns_sparse *m, const ns_dense_step *step, int c) {
-    static const double alike = 1e-9;
-    double a[NS_STAGES] = {0}, b[NS_STAGES] = {0}, factor = 0, largest = 0, off = 0;
+    double a[NS_STAGES] = {0}, b[NS_STAGES] = {0};
     if (step->command < 0)
         return 0;
     find_coefficients(m, step, step->stages, -1, 0, c, a);
     find_coefficients(m, step, step->stages, -1, 0, step->command, b);
-    for (int k = 0; k < step->stages; k++)
-        if (fabs(b[k]) > largest) {
-            largest = fabs(b[k]);
-            factor = a[k] / b[k];
-        }
-    for (int k = 0; k < step->stages; k++)
-        off = fmax(off, fabs(a[k] - factor * b[k]));
-    return factor > 0 && off <= alike * factor * largest;
+    return ns_modes_is_multiple(step->stages, a, b, NULL);
 }
 
 int ns_sparse_location_first(ns_sparse *m, ns_dense_step *step) {

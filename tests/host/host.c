@@ -5,13 +5,11 @@
  * Loads the code models and the netlist, whose .control section ngspice runs; without one, runs the analyses
  * of the netlist, in the background (bg_run) or not.  OUT gets each string that ngspice gives to the callback
  * SendChar, one a line, in brackets.  Exit status 0, or 1 after a line on stderr. */
-#include <stdbool.h> /* before the next, which needs it */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
-#include <ngspice/sharedspice.h>
+#include "callbacks.h"
 
 enum { LINES_MAX = 1000, LINE_SIZE = 1000 };
 
@@ -24,35 +22,10 @@ static int send_char(char *text, int id, void *user) {
     return 0;
 }
 
-/* NOLINTNEXTLINE(readability-non-const-parameter): the type is that of ngSpice_Init() */
-static int send_stat(char *text, int id, void *user) {
-    (void)text, (void)id, (void)user;
-    return 0;
-}
-
 /* Of `quit`: ngspice asks to be left. */
 static int controlled_exit(int status, NG_BOOL now, NG_BOOL by_quit, int id, void *user) {
     (void)status, (void)now, (void)by_quit, (void)id, (void)user;
     return 0;
-}
-
-static int send_data(pvecvaluesall values, int count, int id, void *user) {
-    (void)values, (void)count, (void)id, (void)user;
-    return 0;
-}
-
-static int send_init_data(pvecinfoall info, int id, void *user) {
-    (void)info, (void)id, (void)user;
-    return 0;
-}
-
-static int thread_runs(NG_BOOL not_running, int id, void *user) {
-    (void)not_running, (void)id, (void)user;
-    return 0;
-}
-
-static void pause_ms(long ms) {
-    nanosleep(&(struct timespec){.tv_nsec = ms * 1000000}, NULL);
 }
 
 static void command(const char *word, const char *rest) {

@@ -9,12 +9,10 @@
  * time with another circuit.  Prints `ok NAME` or `FAIL NAME reason` for each step; exit status 1 if one
  * failed. */
 #include <math.h>
-#include <stdbool.h> /* before the next, which needs it */
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 
-#include <ngspice/sharedspice.h>
+#include "callbacks.h"
 
 static int failed;
 static char said[1000]; /* by the models */
@@ -27,36 +25,11 @@ static int send_char(char *text, int id, void *user) {
     return 0;
 }
 
-/* NOLINTNEXTLINE(readability-non-const-parameter): the type is that of ngSpice_Init() */
-static int send_stat(char *text, int id, void *user) {
-    (void)text, (void)id, (void)user;
-    return 0;
-}
-
 static int controlled_exit(int status, NG_BOOL now, NG_BOOL by_quit, int id, void *user) {
     (void)now, (void)by_quit, (void)id, (void)user;
     printf("FAIL host_session ngspice wants to end with %d\n", status);
     failed = 1;
     return 0;
-}
-
-static int send_data(pvecvaluesall values, int count, int id, void *user) {
-    (void)values, (void)count, (void)id, (void)user;
-    return 0;
-}
-
-static int send_init_data(pvecinfoall info, int id, void *user) {
-    (void)info, (void)id, (void)user;
-    return 0;
-}
-
-static int thread_runs(NG_BOOL not_running, int id, void *user) {
-    (void)not_running, (void)id, (void)user;
-    return 0;
-}
-
-static void pause_ms(long ms) {
-    nanosleep(&(struct timespec){.tv_nsec = ms * 1000000}, NULL);
 }
 
 static int command(const char *text) {
