@@ -1,6 +1,7 @@
 /* src/theta/create.c - the theta-gamma stepper: made and freed. */
 #include "theta_internal.h"
 
+#include "linalg/cut_sets.h"
 #include "linalg/row_split.h"
 
 #include <math.h>
@@ -90,10 +91,13 @@ int ns_theta_reserve(ns_theta *s, int holds) {
 /* The system's rows, differential ones first. */
 static int split_system(ns_theta *s) {
     const int n = s->s->n;
-    const int status = ns_system_split(s->s, s->T, &s->r);
+    int status = ns_system_split(s->s, s->T, &s->r);
     if (status != NS_OK)
         return status;
     ns_linalg_row_split_apply(n, n, s->T, s->s->M, s->M);
+    status = ns_linalg_cut_sets(n, s->s->M, s->r, s->T, s->M);
+    if (status != NS_OK)
+        return status;
     ns_linalg_row_split_apply(n, n, s->T, s->s->A, s->A);
     ns_linalg_row_split_apply(n, s->s->m, s->T, s->s->B, s->B);
     ns_linalg_row_split_apply(n, s->s->nz, s->T, s->s->E, s->E);

@@ -1,8 +1,8 @@
 /* src/theta/name_fault.c - what a failed problem names: unknowns and pairs of the system.
  *
  * Row k of the split system is no matter of unknown k: differential rows come first, each a row of the system
- * as it is, and an algebraic one is a row of the system plus multiples of differential ones (row_split.c).  A
- * proof v of the split rows is T' v of those of the system.
+ * plus other differential ones (cut_sets.c), and an algebraic one is a row of the system plus multiples of
+ * differential ones (row_split.c).  A proof v of the split rows is T' v of those of the system.
  */
 #include "name_fault.h"
 
@@ -22,11 +22,13 @@ static int is_differential(const ns_fault_context *b, int i) {
     return found;
 }
 
-/* The row of the system that row k is, but for differential ones. */
+/* The row of the system that row k is, but for differential ones: both kinds stand in the order of the
+ * system.
+ */
 static int row_of(const ns_fault_context *b, int k) {
-    int before = k - b->rank;
+    int before = k < b->rank ? k : k - b->rank;
     for (int i = 0; i < b->n; i++)
-        if (k < b->rank ? split_entry(b, k, i) != 0 : !is_differential(b, i) && before-- == 0)
+        if (is_differential(b, i) == (k < b->rank) && before-- == 0)
             return i;
     return k;
 }
