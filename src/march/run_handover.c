@@ -98,7 +98,7 @@ static int make_scheme(ns_run *r, ns_engine **out) {
     ns_sparse_options sparse = ns_march_sparse_options(&o);
     sparse.theta = 1;
     sparse.reltol = 0;
-    return ns_sparse_table_create(r->s, &sparse, out, NULL);
+    return ns_sparse_create(r->s, &sparse, out, NULL);
 }
 
 int ns_march_run_make(ns_run *r, ns_run_kind kind, ns_engine **out) {
@@ -113,7 +113,7 @@ int ns_march_run_make(ns_run *r, ns_run_kind kind, ns_engine **out) {
     if (kind == NS_RUN_DENSE)
         return make_dense(r, &o, out, NULL);
     const ns_sparse_options sparse = ns_march_sparse_options(&o);
-    return ns_sparse_table_create(r->s, &sparse, out, NULL);
+    return ns_sparse_create(r->s, &sparse, out, NULL);
 }
 
 /* To another engine, which may refuse. */
@@ -186,7 +186,7 @@ int ns_march_run_make_engine(ns_run *r, ns_fault *fault) {
     ns_sparse_options options;
     r->kind = is_scheme ? NS_RUN_SCHEME : NS_RUN_SPARSE;
     if (ns_march_begins_sparse(r->s, &r->options, &options))
-        return ns_sparse_table_create(r->s, &options, &r->at_work, fault);
+        return ns_sparse_create(r->s, &options, &r->at_work, fault);
     const int status = make_dense(r, &r->options, &r->at_work, fault);
     r->kind = is_scheme ? NS_RUN_SCHEME : NS_RUN_DENSE;
     r->is_dense = 1;

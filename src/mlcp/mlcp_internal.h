@@ -176,6 +176,8 @@ struct ns_mlcp_solver {
     unsigned char *bytes;
 };
 
+int ns_mlcp_check_bounds(const ns_mlcp *p); /* problem.c: of lambda.  NUMBER, BOUNDS */
+
 /* problem.c: makes s->given, and sorts the indices where it is not known already.  NULL, SIZE, NUMBER,
  * BOUNDS. */
 int ns_mlcp_load(ns_mlcp_solver *s, const ns_mlcp *p);

@@ -6,8 +6,7 @@
 
 #include "linalg/column_scaling.h"
 
-/* 0 times a finite number is 0, times NaN or infinity NaN. */
-static int check_bounds(const ns_mlcp *p) {
+int ns_mlcp_check_bounds(const ns_mlcp *p) {
     int status = NS_OK;
     for (int i = 0; i < p->m; i++) {
         if (isnan(p->l[i]) || isnan(p->u[i]))
@@ -55,7 +54,7 @@ static int is_known(const ns_mlcp_solver *s, const ns_mlcp *p) {
 /* Keeps l and u. */
 static int copy_bounds(ns_mlcp_solver *s, const ns_mlcp *p) {
     const size_t m = (size_t)p->m;
-    const int status = check_bounds(p);
+    const int status = ns_mlcp_check_bounds(p);
     if (status != NS_OK)
         return status;
     memcpy(s->own.l, p->l, m * sizeof *p->l);

@@ -1,6 +1,7 @@
 /* src/mlcp/text.c - a problem as plain text: the reader, the writer. */
 #define _POSIX_C_SOURCE 200809L /* newlocale(), uselocale() */
 #include "nonsmooth/text.h"
+#include "mlcp_internal.h"
 
 #include <limits.h>
 #include <locale.h>
@@ -133,32 +134,24 @@ static const char *name_of(const reader *r, uint64_t k, char out[48]) {
     return out;
 }
 
-static const char *digits(const char *s) {
-    while (*s >= '0' && *s <= '9')
-        s++;
-    return s;
-}
-
 /* A decimal number of C, with a sign or without: what strtod() takes besides is not for us. */
 static int is_decimal(const char *s) {
+    static const char digits[] = "0123456789";
     s += *s == '-' || *s == '+';
-    const char *after = digits(s);
-    long before_point = after - s, behind = 0;
-    if (*after == '.') {
-        s = after + 1;
-        after = digits(s);
-        behind = after - s;
+    size_t count = strspn(s, digits);
+    s += count;
+    if (*s == '.') {
+        const size_t behind = strspn(++s, digits);
+        s += behind;
+        count += behind;
     }
-    if (before_point + behind == 0)
-        return 0;
-    if (*after == 'e' || *after == 'E') {
-        s = after + 1;
+    if (count > 0 && (*s == 'e' || *s == 'E')) {
+        s++;
         s += *s == '-' || *s == '+';
-        after = digits(s);
-        if (after == s)
-            return 0;
+        count = strspn(s, digits);
+        s += count;
     }
-    return *after == '\0';
+    return count > 0 && *s == '\0';
 }
 
 static int equal_letters(const char *s, const char *lower) {
@@ -231,7 +224,7 @@ static int make_room(reader *r) {
         room = (size_t)r->wanted;
     double *more = room <= SIZE_MAX / sizeof *more ? realloc(r->number, room * sizeof *more) : NULL;
     if (!more)
-        return refuse(r, NS_E_MEMORY, "%s", ns_status_text(NS_E_MEMORY));
+        return NS_E_MEMORY;
     r->number = more;
     r->room = room;
     return NS_OK;
@@ -370,16 +363,7 @@ static void put_line(writer *w, int n, const double *v, size_t stride) {
 
 static int check(const ns_mlcp *p) {
     const size_t m = (size_t)p->m;
-    for (size_t k = 0; k < m * m; k++)
-        if (!isfinite(p->W[k]))
-            return NS_E_NUMBER;
-    for (size_t i = 0; i < m; i++) {
-        if (!isfinite(p->q[i]) || isnan(p->l[i]) || isnan(p->u[i]))
-            return NS_E_NUMBER;
-        if (p->l[i] > p->u[i] || (p->l[i] == p->u[i] && isinf(p->l[i])))
-            return NS_E_BOUNDS;
-    }
-    return NS_OK;
+    return ns_linalg_finite(m * m, p->W) && ns_linalg_finite(m, p->q) ? ns_mlcp_check_bounds(p) : NS_E_NUMBER;
 }
 
 /* NOLINTNEXTLINE(readability-non-const-parameter): written through w */

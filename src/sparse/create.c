@@ -131,7 +131,32 @@ static int create_parts(ns_sparse *m, const ns_system *s) {
     return ns_sparse_theta_create(m);
 }
 
-int ns_sparse_create(const ns_system *s, const ns_sparse_options *o, ns_sparse **out, ns_fault *fault) {
+static ns_method method(const ns_engine *e) {
+    return ((const ns_sparse *)(const void *)e)->o.theta > 0 ? NS_THETA : NS_SPARSE;
+}
+
+static const ns_engine_table table = {
+    .free = ns_sparse_free,
+    .start = ns_sparse_start,
+    .start_dc = ns_sparse_start_dc,
+    .try_to = ns_sparse_try,
+    .drop = ns_sparse_drop,
+    .accept = ns_sparse_accept,
+    .read = ns_sparse_read,
+    .impulse = ns_sparse_impulse,
+    .mode = ns_sparse_mode,
+    .at_event = ns_sparse_at_event,
+    .method = method,
+    .counts = ns_sparse_counts,
+    .fault = ns_sparse_fault,
+    .sample = ns_sparse_sample,
+    .shortest = ns_sparse_shortest,
+    .peek = ns_sparse_peek,
+    .watch = ns_sparse_watch,
+    .set_input = ns_sparse_set_input,
+};
+
+int ns_sparse_create(const ns_system *s, const ns_sparse_options *o, ns_engine **out, ns_fault *fault) {
     if (!out)
         return NS_E_NULL;
     *out = NULL;
@@ -146,20 +171,22 @@ int ns_sparse_create(const ns_system *s, const ns_sparse_options *o, ns_sparse *
     ns_sparse *m = calloc(1, sizeof *m);
     if (!m)
         return NS_E_MEMORY;
+    m->engine.table = &table;
     m->o = *o;
     m->o.reltol = o->reltol > 0 ? o->reltol : default_reltol;
     m->o.bytes = o->bytes ? o->bytes : default_bytes;
     m->fault.t = NAN;
     status = create_parts(m, s);
     if (status != NS_OK) {
-        ns_sparse_free(m);
+        ns_sparse_free(&m->engine);
         return status;
     }
-    *out = m;
+    *out = &m->engine;
     return NS_OK;
 }
 
-void ns_sparse_free(ns_sparse *m) {
+void ns_sparse_free(ns_engine *e) {
+    ns_sparse *m = ns_sparse_of(e);
     if (!m)
         return;
     for (int i = 0; i < STEPS; i++) {

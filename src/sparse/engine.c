@@ -43,8 +43,12 @@ int ns_sparse_first_step(ns_sparse *m) {
     return status;
 }
 
-int ns_sparse_at_event(const ns_sparse *m) {
+static int is_at_event(const ns_sparse *m) {
     return m->started && m->trial.step->at_event && m->trial.t >= m->trial.step->end_t;
+}
+
+int ns_sparse_at_event(const ns_engine *e) {
+    return is_at_event((const ns_sparse *)(const void *)e);
 }
 
 /* m->w and m->mode at the end of a step. */
@@ -169,14 +173,14 @@ static int pass_events(ns_sparse *m) {
     int status = NS_OK;
     do
         status = step_of_high_order(m);
-    while (status == NS_OK && m->trial.t == t && ns_sparse_at_event(m));
+    while (status == NS_OK && m->trial.t == t && is_at_event(m));
     return status;
 }
 
 static int move_until(ns_sparse *m, double t, ns_until until) {
     const double from = m->trial.t;
     m->steps_left = FEWEST_STEPS + (long)fmin(1e12, STEPS_A_LENGTH * (t - from) / m->o.h);
-    if (until != NS_TO_TIME && ns_sparse_at_event(m))
+    if (until != NS_TO_TIME && is_at_event(m))
         return pass_events(m);
     while (m->trial.t < t && !(until == NS_TO_STEP && m->trial.t > from)) {
         if (m->trial.t < m->trial.step->end_t) {
@@ -186,13 +190,14 @@ static int move_until(ns_sparse *m, double t, ns_until until) {
             if (status != NS_OK)
                 return status;
         }
-        if (until != NS_TO_TIME && ns_sparse_at_event(m))
+        if (until != NS_TO_TIME && is_at_event(m))
             return m->trial.t > from ? NS_OK : pass_events(m);
     }
     return NS_OK;
 }
 
-void ns_sparse_drop(ns_sparse *m) {
+void ns_sparse_drop(ns_engine *e) {
+    ns_sparse *m = ns_sparse_of(e);
     if (m->trial.step != m->accepted.step || m->trial.t != m->accepted.t) {
         ns_inputs_stages_reset(m->in);
         ns_sparse_theta_stop(m);
@@ -203,8 +208,11 @@ void ns_sparse_drop(ns_sparse *m) {
     ns_sparse_chatter_drop(m);
 }
 
-int ns_sparse_set_input(ns_sparse *m) {
-    ns_sparse_drop(m);
+int ns_sparse_set_input(ns_engine *e, int input, const ns_signal *signal) {
+    ns_sparse *m = ns_sparse_of(e);
+    (void)input;
+    (void)signal;
+    ns_sparse_drop(e);
     const int status = m->o.theta > 0 ? NS_E_STATE : ns_inputs_stages_renew(m->in);
     if (status != NS_OK)
         return ns_sparse_fail(m, m->accepted.t, status);
@@ -215,7 +223,9 @@ int ns_sparse_set_input(ns_sparse *m) {
         step->at_event = 0;
     }
     m->inputs_from = step->end_t;
-    if (!step->at_event && ns_sparse_event_input_at(m, step)) {
+    ns_inputs_stages_reset(m->in);
+    ns_inputs_stages_find_command(m->in, step->end_t, m->o.h, step->mode);
+    if (!step->at_event && ns_sparse_event_at(m, step->end_t)) {
         step->at_event = 1;
         step->pair = step->command = -1;
     }
@@ -224,9 +234,8 @@ int ns_sparse_set_input(ns_sparse *m) {
     return NS_OK;
 }
 
-int ns_sparse_try(ns_sparse *m, double t, ns_until until, double *reached) {
-    if (!m || !reached)
-        return NS_E_NULL;
+int ns_sparse_try(ns_engine *e, double t, ns_until until, double *reached) {
+    ns_sparse *m = ns_sparse_of(e);
     if (!m->started)
         return ns_sparse_fail(m, t, NS_E_STATE);
     if (!(t > m->accepted.t) || !isfinite(t))
@@ -234,13 +243,13 @@ int ns_sparse_try(ns_sparse *m, double t, ns_until until, double *reached) {
     const int same = until == m->until;
     if (!(m->has_trial &&
           ((t == m->trial.t && (same || until != NS_TO_STEP)) || (t == m->asked_t && same)))) {
-        ns_sparse_drop(m);
+        ns_sparse_drop(e);
         m->asked_t = t;
         m->until = until;
         const int status = move_until(m, t, until);
         if (status != NS_OK) {
             const double at = m->trial.t;
-            ns_sparse_drop(m);
+            ns_sparse_drop(e);
             return ns_sparse_fail(m, at, status);
         }
         m->has_trial = 1;
@@ -249,9 +258,8 @@ int ns_sparse_try(ns_sparse *m, double t, ns_until until, double *reached) {
     return NS_OK;
 }
 
-int ns_sparse_accept(ns_sparse *m) {
-    if (!m)
-        return NS_E_NULL;
+int ns_sparse_accept(ns_engine *e) {
+    ns_sparse *m = ns_sparse_of(e);
     if (!m->has_trial)
         return NS_E_STATE;
     m->accepted = m->trial;

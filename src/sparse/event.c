@@ -178,20 +178,9 @@ int ns_sparse_event_at(const ns_sparse *m, double t) {
     if (m->in->first <= t)
         return 1;
     for (int k = 0; k < m->s->nz; k++)
-        if (m->in->sum[k].until == t &&
-            ns_signal_value(&m->s->z[k], t, NS_LEFT) != ns_signal_value(&m->s->z[k], t, NS_RIGHT))
+        if (ns_signal_value(&m->s->z[k], t, NS_LEFT) != ns_signal_value(&m->s->z[k], t, NS_RIGHT))
             return 1;
     return 0;
-}
-
-int ns_sparse_event_input_at(ns_sparse *m, const ns_dense_step *step) {
-    const double t = step->end_t;
-    ns_inputs_stages_reset(m->in);
-    ns_inputs_stages_find_command(m->in, t, m->o.h, step->mode);
-    int any = m->in->first <= t;
-    for (int k = 0; k < m->s->nz; k++)
-        any |= ns_signal_value(&m->s->z[k], t, NS_LEFT) != ns_signal_value(&m->s->z[k], t, NS_RIGHT);
-    return any;
 }
 
 /* Commands that change with the guard that breaks, in whatever order they stand: those with a hysteresis

@@ -81,7 +81,8 @@ void ns_sparse_instant_restore(ns_sparse *m) {
         ns_instant_add(&m->instant, 0, m->instant.size, 1, m->before_event.instant.sum);
 }
 
-int ns_sparse_impulse(ns_sparse *m, double *x, double *lambda) {
+int ns_sparse_impulse(ns_engine *e, double *x, double *lambda) {
+    const ns_sparse *m = ns_sparse_of(e);
     const ns_output_only *o = m->output_only;
     for (int i = 0; x && i < o->whole->n; i++)
         x[i] = 0; /* those left out hold nothing */

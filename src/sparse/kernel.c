@@ -21,7 +21,8 @@ static ns_sparse_kernel *kernel_of(ns_kernel *k) {
 
 static void free_kernel(ns_kernel *k) {
     ns_sparse_kernel *e = kernel_of(k);
-    ns_sparse_free(e->m);
+    if (e->m)
+        ns_sparse_free(&e->m->engine);
     free(e->before);
     free(e);
 }
@@ -157,7 +158,7 @@ static int guards(ns_kernel *k, double tau, ns_guard *of) {
 }
 
 static const ns_counts *cost(ns_kernel *k) {
-    return ns_sparse_counts(kernel_of(k)->m);
+    return ns_sparse_counts(&kernel_of(k)->m->engine);
 }
 
 static const ns_kernel_table table = {
@@ -172,7 +173,9 @@ static const ns_kernel_table table = {
 };
 
 static int make_parts(ns_sparse_kernel *e, const ns_sparse_options *o) {
-    const int status = ns_sparse_create(e->kernel.s, o, &e->m, NULL);
+    ns_engine *engine;
+    const int status = ns_sparse_create(e->kernel.s, o, &engine, NULL);
+    e->m = ns_sparse_of(engine);
     if (status != NS_OK)
         return status;
     const size_t n = (size_t)e->kernel.s->n, size = (size_t)e->m->f->size, nz = (size_t)e->m->f->nz;

@@ -18,9 +18,8 @@ static int check_read(ns_sparse *m, double at, const double *x, const double *la
     return NS_E_OVERFLOW;
 }
 
-int ns_sparse_read(ns_sparse *m, double *t, double *x, double *lambda, double *y) {
-    if (!m)
-        return NS_E_NULL;
+int ns_sparse_read(ns_engine *e, double *t, double *x, double *lambda, double *y) {
+    ns_sparse *m = ns_sparse_of(e);
     if (!m->started)
         return ns_sparse_fail(m, NAN, NS_E_STATE);
     const double at = m->trial.t;
@@ -80,7 +79,8 @@ static int point_on_way(ns_sparse *m, double t) {
     return status;
 }
 
-int ns_sparse_sample(ns_sparse *m, double t, double *x, double *lambda) {
+int ns_sparse_sample(ns_engine *e, double t, double *x, double *lambda) {
+    ns_sparse *m = ns_sparse_of(e);
     int status;
     if (is_on_way(m, t, &status))
         status = point_on_way(m, t);
@@ -95,8 +95,9 @@ int ns_sparse_sample(ns_sparse *m, double t, double *x, double *lambda) {
     return check_read(m, t, x, lambda, NULL);
 }
 
-double ns_sparse_shortest(ns_sparse *m, double t, double *until) {
+double ns_sparse_shortest(ns_engine *e, double t, double *until) {
     enum { OF_LENGTH = 16 };
+    const ns_sparse *m = ns_sparse_of(e);
     int status;
     *until = INFINITY;
     if (!is_on_way(m, t, &status))
@@ -105,20 +106,22 @@ double ns_sparse_shortest(ns_sparse *m, double t, double *until) {
                                    : fmin((m->trial.t - m->accepted.t) / OF_LENGTH, m->inputs_shortest);
 }
 
-const ns_mode *ns_sparse_mode(const ns_sparse *m) {
+const ns_mode *ns_sparse_mode(ns_engine *e) {
+    const ns_sparse *m = ns_sparse_of(e);
     const ns_mode *mode = m->trial.step ? m->trial.step->mode : m->mode;
     for (int j = 0; j < m->f->m; j++)
         m->shown_mode[j] = ns_mode_slides(mode[j]) ? NS_INSIDE : mode[j];
     return m->shown_mode;
 }
 
-const ns_counts *ns_sparse_counts(ns_sparse *m) {
+const ns_counts *ns_sparse_counts(ns_engine *e) {
+    ns_sparse *m = ns_sparse_of(e);
     m->counts.factors = ns_linalg_klu_fresh(m->q->klu) + ns_linalg_klu_refactor(m->q->klu);
     m->counts.maps = m->q->made;
     m->counts.evicted = m->q->evicted;
     return &m->counts;
 }
 
-const ns_fault *ns_sparse_fault(const ns_sparse *m) {
-    return &m->fault;
+const ns_fault *ns_sparse_fault(const ns_engine *e) {
+    return &((const ns_sparse *)(const void *)e)->fault;
 }

@@ -128,8 +128,8 @@ typedef struct ns_mode_predictions {
 
 /* --- the engine --- */
 
-struct ns_sparse {
-    ns_engine engine; /* table.c */
+typedef struct ns_sparse {
+    ns_engine engine;
 
     /* the system */
     const ns_system *s;          /* without the unknowns of output_only */
@@ -208,9 +208,33 @@ struct ns_sparse {
     ns_mode *shown_mode; /* m: of the trial, switches that slide count as closed */
     ns_counts counts;
     ns_fault fault;
-};
+} ns_sparse;
 
 /* --- functions, by file; m: the engine, step: one of its steps, t, g: s --- */
+
+/* What the table of the engine holds, as engine/engine.h says: create.c, start.c, engine.c, read.c,
+ * instant.c, watch.c. */
+void ns_sparse_free(ns_engine *e);
+int ns_sparse_start(ns_engine *e, double t0, const double *w0, const unsigned char *closed);
+int ns_sparse_start_dc(ns_engine *e, double t0, int nhold, const int *hold, const double *hold_x, double *x);
+int ns_sparse_try(ns_engine *e, double t, ns_until until, double *reached);
+void ns_sparse_drop(ns_engine *e);
+int ns_sparse_accept(ns_engine *e);
+int ns_sparse_at_event(const ns_engine *e);
+int ns_sparse_set_input(ns_engine *e, int input, const ns_signal *signal);
+int ns_sparse_read(ns_engine *e, double *t, double *x, double *lambda, double *y);
+int ns_sparse_sample(ns_engine *e, double t, double *x, double *lambda);
+double ns_sparse_shortest(ns_engine *e, double t, double *until);
+const ns_mode *ns_sparse_mode(ns_engine *e);
+const ns_counts *ns_sparse_counts(ns_engine *e);
+const ns_fault *ns_sparse_fault(const ns_engine *e);
+int ns_sparse_impulse(ns_engine *e, double *x, double *lambda);
+int ns_sparse_peek(ns_engine *e, double *x, double *lambda);
+void ns_sparse_watch(ns_engine *e, const ns_watch *w);
+
+static inline ns_sparse *ns_sparse_of(ns_engine *e) {
+    return (ns_sparse *)(void *)e;
+}
 
 /* engine.c */
 int ns_sparse_fail(ns_sparse *m, double t, int status); /* keeps both in the fault; returns the status */
@@ -220,8 +244,6 @@ int ns_sparse_first_step(ns_sparse *m); /* the step from there, by m->w and m->m
 /* watch.c: the point of the trial while it is made, to m->watch if it wants it.  Errors: what that answers.
  */
 int ns_sparse_watch_show(ns_sparse *m, ns_watch_side side);
-/* As engine.h says. */
-int ns_sparse_peek(ns_sparse *m, double *x, double *lambda);
 
 /* next_step.c: a step from m->w, m->mode at t, after the step `before` (NULL: the first). */
 int ns_sparse_next_step(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step);
@@ -331,8 +353,6 @@ void ns_sparse_predict_learn(ns_sparse *m, const ns_dense_step *step);
 
 /* event.c: 1 if an input jumps at t, or a command of time changes. */
 int ns_sparse_event_at(const ns_sparse *m, double t);
-/* The same at the end of a step, with inputs that were replaced there. */
-int ns_sparse_event_input_at(ns_sparse *m, const ns_dense_step *step);
 /* Commands of time that change at t, or have to, do so. */
 void ns_sparse_event_time_commands(ns_sparse *m, double t);
 /* Keeps m->w, m->mode and the commands that changed; they are again as kept. */

@@ -33,12 +33,9 @@ static int can_start_at(const ns_sparse *m, double t0) {
     return isfinite(t0) && t0 + m->o.h > t0;
 }
 
-int ns_sparse_start(ns_sparse *m, double t0, const double *w0) {
-    return ns_sparse_start_as(m, t0, w0, NULL);
-}
-
-int ns_sparse_start_as(ns_sparse *m, double t0, const double *w0, const unsigned char *closed) {
-    if (!m || (!w0 && m->output_only->whole->n > 0))
+int ns_sparse_start(ns_engine *e, double t0, const double *w0, const unsigned char *closed) {
+    ns_sparse *m = ns_sparse_of(e);
+    if (!w0 && m->output_only->whole->n > 0)
         return NS_E_NULL;
     ns_sparse_rewind(m, t0);
     if (!can_start_at(m, t0))
@@ -87,8 +84,9 @@ static int operating_point(ns_sparse *m, double t0, int nhold, const int *hold, 
     return status;
 }
 
-int ns_sparse_start_dc(ns_sparse *m, double t0, int nhold, const int *hold, const double *hold_x, double *x) {
-    if (!m || (nhold > 0 && (!hold || !hold_x)))
+int ns_sparse_start_dc(ns_engine *e, double t0, int nhold, const int *hold, const double *hold_x, double *x) {
+    ns_sparse *m = ns_sparse_of(e);
+    if (nhold > 0 && (!hold || !hold_x))
         return NS_E_NULL;
     ns_sparse_rewind(m, t0);
     if (!can_start_at(m, t0))

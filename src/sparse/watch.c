@@ -27,11 +27,16 @@ static int read_all(ns_sparse *m, ns_side side, double *x, double *lambda) {
     return NS_OK;
 }
 
-int ns_sparse_peek(ns_sparse *m, double *x, double *lambda) {
+int ns_sparse_peek(ns_engine *e, double *x, double *lambda) {
+    ns_sparse *m = ns_sparse_of(e);
     if (!m->started || m->o.theta > 0)
         return NS_E_STATE;
     read_some(m, x, lambda);
     return NS_OK;
+}
+
+void ns_sparse_watch(ns_engine *e, const ns_watch *w) {
+    ns_sparse_of(e)->watch = w;
 }
 
 /* What jumped so far. */
@@ -39,7 +44,7 @@ static int tell(ns_sparse *m, ns_watch_side side) {
     const ns_watch *w = m->watch;
     *w->jumped = m->instant.any;
     if (*w->jumped)
-        (void)ns_sparse_impulse(m, w->X, w->Lambda);
+        (void)ns_sparse_impulse(&m->engine, w->X, w->Lambda);
     return w->sees(w->data, side, m->trial.t);
 }
 

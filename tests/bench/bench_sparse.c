@@ -111,7 +111,7 @@ typedef struct cost {
 
 static cost run(const char *what, ns_circuit *c, int devices, double h, double reltol, double end) {
     ns_system *s;
-    ns_sparse *m;
+    ns_engine *m;
     double reached;
     const ns_sparse_options o = {.h = h, .reltol = reltol};
     const double t0 = now(), before = megabytes();
@@ -121,11 +121,11 @@ static cost run(const char *what, ns_circuit *c, int devices, double h, double r
     double *w0 = room(sizeof(double) * (size_t)s->n);
     must(ns_circuit_rest(c, w0));
     const double t2 = now();
-    must(ns_sparse_start(m, 0, w0));
+    must(m->table->start(m, 0, w0, NULL));
     const double t3 = now();
-    const int status = ns_sparse_try(m, end, NS_TO_TIME, &reached);
+    const int status = m->table->try_to(m, end, NS_TO_TIME, &reached);
     const double t4 = now();
-    const ns_counts *k = ns_sparse_counts(m);
+    const ns_counts *k = m->table->counts(m);
     printf("%-7s %6d devices %6d unknowns: %8.2f ms netlist, %8.2f ms set up, %8.2f ms start, %9.2f ms run, "
            "%6ld legs, %6ld events, %6ld pivots, %6ld factors, %4ld trials, %7.2f us/leg/device, %7.1f "
            "MiB%s%s\n",
@@ -133,7 +133,7 @@ static cost run(const char *what, ns_circuit *c, int devices, double h, double r
            k->events, k->pivots, k->factors, k->trials, 1e6 * (t4 - t3) / (double)k->steps / devices,
            megabytes() - before, status ? ": " : "", status ? ns_status_text(status) : "");
     const cost costs = {(t4 - t3) / (double)k->steps, (megabytes() - before) * 1048576};
-    ns_sparse_free(m);
+    m->table->free(m);
     ns_system_free(s);
     ns_circuit_free(c);
     free(w0);

@@ -52,7 +52,7 @@ static ns_circuit *circuit(void) {
 static void scenario(double theta, double *out) {
     ns_circuit *c = circuit();
     ns_system *s;
-    ns_sparse *m;
+    ns_engine *m;
     double x[8], w0[8], reached;
     /* hardly any memory for factors: they come and go */
     const ns_sparse_options o = {.h = theta > 0 ? 1e-6 : 1e-5, .reltol = 1e-9, .bytes = 1, .theta = theta};
@@ -60,15 +60,15 @@ static void scenario(double theta, double *out) {
     assert_true(s->n <= 8);
     TRY(ns_sparse_create(s, &o, &m, NULL));
     TRY(ns_circuit_rest(c, w0));
-    TRY(ns_sparse_start_dc(m, 0, 0, NULL, NULL, NULL));
-    TRY(ns_sparse_start(m, 0, w0));
+    TRY(m->table->start_dc(m, 0, 0, NULL, NULL, NULL));
+    TRY(m->table->start(m, 0, w0, NULL));
     for (int i = 0; i < READINGS; i++) {
-        TRY(ns_sparse_try(m, 1.2e-5 * (i + 1), NS_TO_TIME, &reached));
-        TRY(ns_sparse_accept(m));
-        TRY(ns_sparse_read(m, NULL, x, NULL, NULL));
+        TRY(m->table->try_to(m, 1.2e-5 * (i + 1), NS_TO_TIME, &reached));
+        TRY(ns_engine_accept(m));
+        TRY(ns_engine_read(m, NULL, x, NULL, NULL));
         out[i] = x[ns_circuit_node_unknown(c, 4)];
     }
-    ns_sparse_free(m);
+    m->table->free(m);
     ns_system_free(s);
     ns_circuit_free(c);
 }

@@ -23,7 +23,7 @@ static double worst_of(lit_rectifier which, int by_hand, double h, double reltol
     double w0[LIT_X] = {0}, x[LIT_X], out[LIT_OUT], reached, worst = 0;
     ns_circuit *c = NULL;
     ns_system *s = NULL;
-    ns_sparse *m;
+    ns_engine *m;
     assert_non_null(exact);
     lit_exact(which, exact);
     if (by_hand) {
@@ -35,13 +35,13 @@ static double worst_of(lit_rectifier which, int by_hand, double h, double reltol
     }
     const ns_sparse_options o = {.h = h, .reltol = reltol};
     assert_int_equal(ns_sparse_create(s, &o, &m, NULL), NS_OK);
-    assert_int_equal(ns_sparse_start(m, 0, w0), NS_OK);
+    assert_int_equal(m->table->start(m, 0, w0, NULL), NS_OK);
     for (int i = 1; i <= run->samples; i++) {
-        const int status = ns_sparse_try(m, i * run->every, NS_TO_TIME, &reached);
+        const int status = m->table->try_to(m, i * run->every, NS_TO_TIME, &reached);
         if (status != NS_OK)
-            fail_msg("%s: %s at %g", run->name, ns_status_text(status), ns_sparse_fault(m)->t);
-        assert_int_equal(ns_sparse_accept(m), NS_OK);
-        assert_int_equal(ns_sparse_read(m, NULL, x, NULL, NULL), NS_OK);
+            fail_msg("%s: %s at %g", run->name, ns_status_text(status), ns_engine_fault(m)->t);
+        assert_int_equal(ns_engine_accept(m), NS_OK);
+        assert_int_equal(ns_engine_read(m, NULL, x, NULL, NULL), NS_OK);
         if (by_hand)
             lit_hand_out(which, x, out);
         else
@@ -49,11 +49,11 @@ static double worst_of(lit_rectifier which, int by_hand, double h, double reltol
         for (int k = 0; k < run->out; k++)
             worst = fmax(worst, fabs(out[k] - exact[(i - 1) * LIT_OUT + k]) / run->scale[k]);
     }
-    const ns_counts *n = ns_sparse_counts(m);
+    const ns_counts *n = m->table->counts(m);
     print_message("%-20s %-8s error %.1e, %ld legs, %ld events, %ld factors\n", run->name,
                   by_hand ? "by hand" : "netlist", worst, n->steps, n->events, n->factors);
     *legs = n->steps;
-    ns_sparse_free(m);
+    m->table->free(m);
     ns_system_free(s);
     ns_circuit_free(c);
     free(exact);

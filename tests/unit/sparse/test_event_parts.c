@@ -31,13 +31,15 @@ static void start_bench(bench *b) {
     double w[32];
     assert_int_equal(ns_circuit_system(b->c, &b->s), NS_OK);
     assert_true(b->s->n <= 32);
-    assert_int_equal(ns_sparse_create(b->s, &o, &b->m, NULL), NS_OK);
+    ns_engine *e;
+    assert_int_equal(ns_sparse_create(b->s, &o, &e, NULL), NS_OK);
+    b->m = ns_sparse_of(e);
     assert_int_equal(ns_circuit_rest(b->c, w), NS_OK);
-    assert_int_equal(ns_sparse_start(b->m, 0, w), NS_OK);
+    assert_int_equal(ns_sparse_start(e, 0, w, NULL), NS_OK);
 }
 
 static void close_bench(bench *b) {
-    ns_sparse_free(b->m);
+    ns_sparse_free(&b->m->engine);
     ns_system_free(b->s);
     ns_circuit_free(b->c);
 }
