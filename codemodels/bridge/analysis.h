@@ -45,7 +45,8 @@ typedef struct ns_analysis {
 } ns_analysis;
 
 /* OK, or a code after one line. */
-int ns_bridge_analysis_make(CKTcircuit *ckt, ns_extract_sources sources, ns_analysis *a);
+int ns_bridge_analysis_make(CKTcircuit *ckt, ns_extract_sources sources, const ns_own_currents *currents,
+                            ns_analysis *a);
 void ns_bridge_analysis_clear(ns_analysis *a);
 
 /* The point of the marcher's last trial, or the accepted one, into x and lambda; *t (may be NULL) gets its

@@ -1,6 +1,7 @@
 /* bridge/analysis_start.c - the start of an analysis, its resumption, its end. */
 #include "session.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "abi.h"
@@ -8,6 +9,7 @@
 #include "loaded.h"
 #include "many_points.h"
 #include "ngspice/enh.h"
+#include "own_current.h"
 #include "own_show.h"
 #include "refused.h"
 #include "report.h"
@@ -52,7 +54,7 @@ int ns_bridge_analysis_check(ns_session *s) {
     error = error ? error : check_options(s);
     if (error)
         return error;
-    error = ns_bridge_extract_read(s->ckt, SOURCES_TRAN, &ex);
+    error = ns_bridge_extract_read(s->ckt, SOURCES_TRAN, NULL, &ex);
     if (error)
         ns_bridge_report_error("%s", ex.line);
     ns_bridge_extract_clear(&ex);
@@ -73,9 +75,11 @@ static int prepare_force(ns_session *s) {
 
 static void announce_circuit(ns_session *s) {
     const ns_analysis *a = &s->analysis;
+    if (!s->once.circuit_announced || (s->currents.count > 0 && !s->once.currents_announced))
+        ns_bridge_own_announce(a);
+    s->once.currents_announced |= s->currents.count > 0;
     if (!s->once.circuit_announced) {
         const int devices = a->ex.ndevices + a->ex.nowns;
-        ns_bridge_own_announce(a);
         ns_bridge_report_note("simulates this circuit: %d unknown%s, %d ideal device%s", a->system->n,
                               a->system->n == 1 ? "" : "s", devices, devices == 1 ? "" : "s");
     }
@@ -116,6 +120,24 @@ static int start_marches(ns_session *s, int tran, int uic) {
     return status || !taken ? status : ns_bridge_taken_begin(a);
 }
 
+/* Makes the analysis; a first pass finds at which current the curve of each D is to be read. */
+static int make_analysis(ns_session *s, int tran, int uic) {
+    static const double first_id = 1e-3; /* A: so that D of small currents conduct too */
+    ns_analysis *a = &s->analysis;
+    ns_bridge_own_forget_currents(&s->currents);
+    s->currents.otherwise = tran ? first_id : NS_OWN_CURRENT;
+    int error = ns_bridge_analysis_make(s->ckt, tran ? SOURCES_TRAN : SOURCES_DC, &s->currents, a);
+    const int known = !tran || !isnan(a->ex.options.id) || a->ex.nowns == 0;
+    s->currents.otherwise = NS_OWN_CURRENT;
+    if (error || known)
+        return error;
+    if (ns_bridge_own_wants_currents(a) && start_march(a, a->march, tran, uic) == NS_OK &&
+        ns_bridge_own_find_currents(a, s->ckt->CKTfinalTime, &s->currents) == NS_E_MEMORY)
+        return ns_bridge_trial_fail(s, NS_E_MEMORY);
+    ns_bridge_analysis_clear(a);
+    return ns_bridge_analysis_make(s->ckt, SOURCES_TRAN, &s->currents, a);
+}
+
 static int start_analysis(ns_session *s) {
     const int tran = (s->ckt->CKTmode & MODETRANOP) != 0;
     const int uic = tran && (s->ckt->CKTmode & MODEUIC) != 0;
@@ -126,7 +148,7 @@ static int start_analysis(ns_session *s) {
     ns_bridge_trial_clear(s);
     if (ns_bridge_refused_is(s->ckt))
         return ns_bridge_refused_end(s->ckt);
-    error = ns_bridge_analysis_make(s->ckt, tran ? SOURCES_TRAN : SOURCES_DC, a);
+    error = make_analysis(s, tran, uic);
     if (error)
         return error;
     announce_circuit(s);
@@ -206,7 +228,7 @@ static int replace_analysis(ns_session *s, const ns_analysis *altered) {
 int ns_bridge_analysis_resume(ns_session *s) {
     ns_analysis *a = &s->analysis;
     ns_analysis now;
-    int error = ns_bridge_analysis_make(s->ckt, SOURCES_TRAN, &now);
+    int error = ns_bridge_analysis_make(s->ckt, SOURCES_TRAN, &s->currents, &now);
     if (error)
         return error;
     a->ex.options = now.ex.options;
@@ -226,6 +248,7 @@ int ns_bridge_analysis_resume(ns_session *s) {
 
 void ns_bridge_analysis_end(ns_session *s) {
     ns_bridge_loop_release(s->ckt, &s->loop);
+    ns_bridge_own_forget_currents(&s->currents);
     ns_bridge_analysis_clear(&s->analysis);
     ns_bridge_trial_clear(s);
     ns_bridge_force_clear(&s->force);

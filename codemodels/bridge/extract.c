@@ -71,7 +71,7 @@ static int read_options(ns_extract_walk *w, MIFinstance *inst) {
                                     .squares = ns_bridge_models_real(inst, OPTION_SQUARES),
                                     .take = ns_bridge_models_text(inst, OPTION_TAKE),
                                     .diode = ns_bridge_models_text(inst, OPTION_DIODE),
-                                    .id = ns_bridge_models_real(inst, OPTION_ID),
+                                    .id = ns_bridge_models_given(inst, OPTION_ID),
                                     .mosfet = ns_bridge_models_text(inst, OPTION_MOSFET),
                                     .vgs = ns_bridge_models_given(inst, OPTION_VGS),
                                     .cjo = inst->param[OPTION_CJO]->element[0].ivalue,
@@ -227,8 +227,9 @@ static void choose_reltol(ns_extract_walk *w) {
     ns_bridge_extract_mix(w, &w->ex->options.reltol, sizeof w->ex->options.reltol);
 }
 
-int ns_bridge_extract_read(CKTcircuit *ckt, ns_extract_sources sources, ns_extract *ex) {
-    ns_extract_walk w = {.ckt = ckt, .ex = ex, .dc = sources == SOURCES_DC};
+int ns_bridge_extract_read(CKTcircuit *ckt, ns_extract_sources sources, const ns_own_currents *currents,
+                           ns_extract *ex) {
+    ns_extract_walk w = {.ckt = ckt, .ex = ex, .currents = currents, .dc = sources == SOURCES_DC};
     int status;
     memset(ex, 0, sizeof *ex);
     ex->options = ns_bridge_options_default;

@@ -16,6 +16,20 @@ typedef struct ns_extract_device {
     int id; /* the element in the circuit */
 } ns_extract_device;
 
+/* The current, A, at which the curve of each D is read where option id is not given. */
+typedef struct ns_own_current {
+    const GENinstance *inst; /* a D, or an M with its body diode */
+    double id;
+} ns_own_current;
+
+typedef struct ns_own_currents {
+    int count;
+    ns_own_current *of; /* count */
+    double otherwise;   /* of all others */
+} ns_own_currents;
+
+#define NS_OWN_CURRENT 0.1 /* where nothing is known */
+
 /* One of ngspice's own devices, taken as ideal. */
 typedef struct ns_own_taken {
     GENinstance *inst;
@@ -23,12 +37,17 @@ typedef struct ns_own_taken {
     int id;       /* the element in the circuit; -1: a mere resistor */
     int inverted; /* the element is closed where the device is off */
     /* of D, and the body diode of M: */
-    ns_diode diode;        /* what it was taken for */
-    int anode;             /* equation */
-    int inside;            /* equation of its node behind rs; 0: there is none */
-    double rs;             /* ohm */
-    int smoothed;          /* it had an epsilon, which was left out */
-    double most_i, most_v; /* A, V: forwards, and of either sign, in the points of .tran so far */
+    ns_diode diode; /* what it was taken for */
+    double at;      /* A: vf is that of its curve there */
+    int anode;      /* equation */
+    int inside;     /* equation of its node behind rs; 0: there is none */
+    double rs;      /* ohm */
+    int smoothed;   /* it had an epsilon, which was left out */
+    struct {        /* in the points of .tran so far: */
+        ns_log_mean current;
+        double t, i;   /* s, A: the point before */
+        double most_v; /* V: the largest voltage across it, of either sign */
+    } seen;
     /* of a switch with VON, VOFF: */
     double vt;
     /* of M: */
@@ -63,8 +82,10 @@ typedef struct ns_extract {
 /* What sources stand for. */
 typedef enum ns_extract_sources { SOURCES_TRAN, SOURCES_DC } ns_extract_sources;
 
-/* Reads ckt.  Returns ex->error; ns_bridge_extract_clear() frees what was read, after an error too. */
-int ns_bridge_extract_read(CKTcircuit *ckt, ns_extract_sources sources, ns_extract *ex);
+/* Reads ckt; currents: of its D (NULL: none is known).  Returns ex->error; ns_bridge_extract_clear() frees
+ * what was read, after an error too. */
+int ns_bridge_extract_read(CKTcircuit *ckt, ns_extract_sources sources, const ns_own_currents *currents,
+                           ns_extract *ex);
 void ns_bridge_extract_clear(ns_extract *ex);
 
 #endif

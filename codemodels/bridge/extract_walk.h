@@ -9,7 +9,8 @@ enum { EXTRACT_LATER = 1000, EXTRACT_REFUSED = 1001 }; /* besides the statuses o
 typedef struct ns_extract_walk {
     CKTcircuit *ckt;
     ns_extract *ex;
-    int dc;        /* sources stand for their DC values */
+    const ns_own_currents *currents; /* NULL: none is known */
+    int dc;                          /* sources stand for their DC values */
     int next_node; /* from neq + 1 on: the first number for a node that ngspice has not; 0: neq + 1 */
     int time_node; /* whose voltage is the time (expression.c); 0: there is none */
 } ns_extract_walk;

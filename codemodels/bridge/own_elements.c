@@ -41,6 +41,17 @@ static int add_junction_capacitor(ns_extract_walk *w, const GENinstance *inst, c
     return ns_circuit_capacitor(w->ex->circuit, name, d->anode, d->cathode, d->farads, NAN, NULL);
 }
 
+/* The current at which its curve is read. */
+static double current_of(const ns_extract_walk *w, const GENinstance *inst) {
+    const ns_own_currents *c = w->currents;
+    if (!isnan(w->ex->options.id))
+        return w->ex->options.id;
+    for (int k = 0; c && k < c->count; k++)
+        if (c->of[k].inst == inst)
+            return c->of[k].id;
+    return c ? c->otherwise : NS_OWN_CURRENT;
+}
+
 static int add_diode(ns_extract_walk *w, GENinstance *inst, const ns_own_diode *d, const ns_diode *ideal) {
     int id = -1;
     int status = ns_circuit_diode(w->ex->circuit, inst->GENname, d->anode, d->cathode, ideal, &id);
@@ -54,6 +65,7 @@ static int add_diode(ns_extract_walk *w, GENinstance *inst, const ns_own_diode *
                                                  .kind = OWN_DIODE,
                                                  .id = id,
                                                  .diode = *ideal,
+                                                 .at = current_of(w, inst),
                                                  .anode = d->anode,
                                                  .inside = hidden ? d->inside : 0,
                                                  .rs = d->rs});
@@ -76,9 +88,10 @@ int ns_bridge_own_diode(ns_extract_walk *w, GENinstance *inst) {
     ns_bridge_own_read_diode(inst, &d);
     if (d.heats)
         return ns_bridge_extract_refuse(w, inst, "a D with self-heating (thermal) is not taken");
-    const double vf = o->zero_diodes ? 0.0 : ns_bridge_diode_law_voltage(&d.law, o->id);
+    const double at = current_of(w, inst),
+                 vf = o->zero_diodes ? 0.0 : ns_bridge_diode_law_voltage(&d.law, at);
     if (isnan(vf))
-        return refuse_value(w, inst, "id", o->id, "A does not flow through this D below 100 V: give id");
+        return refuse_value(w, inst, "id", at, "A does not flow through this D below 100 V: give id");
     const ns_diode ideal = ideal_of(w, &d, vf);
     return add_diode(w, inst, &d, &ideal);
 }
@@ -188,13 +201,13 @@ static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_
 static int add_body_diode(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken) {
     const ns_own_diode *d = &taken->mosfet.body;
     char name[EXTRACT_NAME];
-    const double vf =
-        w->ex->options.zero_diodes ? 0.0 : ns_bridge_diode_law_voltage(&d->law, w->ex->options.id);
+    const double at = current_of(w, inst);
+    const double vf = w->ex->options.zero_diodes ? 0.0 : ns_bridge_diode_law_voltage(&d->law, at);
     if (isnan(vf))
-        return refuse_value(w, inst, "id", w->ex->options.id,
-                            "A does not flow through its body diode below 100 V");
+        return refuse_value(w, inst, "id", at, "A does not flow through its body diode below 100 V");
     snprintf(name, sizeof name, "%.140s#body", inst->GENname);
     taken->diode = ideal_of(w, d, vf);
+    taken->at = at;
     ns_bridge_extract_mix(w, &taken->diode, sizeof taken->diode);
     return ns_circuit_diode(w->ex->circuit, name, d->anode, d->cathode, &taken->diode, &taken->body);
 }

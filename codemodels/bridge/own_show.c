@@ -86,15 +86,40 @@ static const char *model_name(const ns_own_taken *o) {
     return made && name[0] == 'a' && name[1] ? name + 1 : name;
 }
 
+static int are_of_one_model(const ns_own_taken *a, const ns_own_taken *b) {
+    return a->inst->GENmodPtr == b->inst->GENmodPtr;
+}
+
+/* Those of a model: how many, or their names, where others of it were taken otherwise. */
+static void name_diodes(const ns_extract *ex, const ns_own_taken *o, int count, char *names, size_t size) {
+    int others = 0;
+    size_t used = 0;
+    for (int k = 0; k < ex->nowns; k++)
+        others |= are_of_one_model(&ex->own[k], o) && !are_alike(&ex->own[k], o);
+    snprintf(names, size, "%d", count);
+    for (int k = 0; others && k < ex->nowns; k++) {
+        const char *name = ex->own[k].inst->GENname;
+        if (!are_alike(&ex->own[k], o))
+            continue;
+        if (used + strlen(name) + 40 > size) {
+            snprintf(names + used, size - used, " and %d more", count);
+            return;
+        }
+        used += (size_t)snprintf(names + used, size - used, "%s%s", used > 0 ? ", " : "", name);
+        count--;
+    }
+}
+
 static void announce_diodes(const ns_analysis *a, const ns_own_taken *o, int count) {
     const ns_diode *d = &o->diode;
-    char breakdown[60] = "", at[60] = "";
+    char breakdown[60] = "", at[60] = "", names[120];
+    name_diodes(&a->ex, o, count, names, sizeof names);
     if (isfinite(d->vz))
         snprintf(breakdown, sizeof breakdown, ", breakdown at %.4g V", d->vz);
     if (o->kind == OWN_DIODE && !a->ex.options.zero_diodes)
-        snprintf(at, sizeof at, " (that of its model at %.4g A)", a->ex.options.id);
-    ns_bridge_report_note("D of model %s: %d taken as ideal, vf = %.4g V%s, ron = %.4g ohm%s%s",
-                          model_name(o), count, d->vf, at, d->ron, breakdown,
+        snprintf(at, sizeof at, " (that of its model at %.4g A)", o->at);
+    ns_bridge_report_note("D of model %s: %s taken as ideal, vf = %.4g V%s, ron = %.4g ohm%s%s",
+                          model_name(o), names, d->vf, at, d->ron, breakdown,
                           o->smoothed ? ", its epsilon left out" : "");
 }
 

@@ -37,15 +37,17 @@ typedef struct ns_session {
 
     /* --- once a circuit (analysis_start.c) --- */
     struct {
-        int version_checked;   /* ngspice is the one this was built for */
-        int circuit_announced; /* its size was written */
-        int curve_noted;       /* that a D is far from its own curve was written */
-        int reltol_noted;      /* that reltol has no effect was written */
+        int version_checked;    /* ngspice is the one this was built for */
+        int circuit_announced;  /* its size was written */
+        int currents_announced; /* the vf of D at currents of their own were written */
+        int curve_noted;        /* that a D is far from its own curve was written */
+        int reltol_noted;       /* that reltol has no effect was written */
     } once;
 
     /* --- the analysis (analysis_start.c) --- */
-    ns_analysis analysis; /* empty between analyses */
-    ns_force force;       /* of the present matrix */
+    ns_analysis analysis;     /* empty between analyses */
+    ns_own_currents currents; /* of D, found by the first pass of .tran */
+    ns_force force;           /* of the present matrix */
     ns_loop loop;
     clock_t start_cpu; /* of the start */
     ns_source_check source_check;

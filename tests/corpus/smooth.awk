@@ -10,16 +10,31 @@ function seconds(word,    k) {
     return substr(word, 1, RLENGTH) * (k == "meg" ? 1e6 : k ~ /^g/ ? 1e9 : k ~ /^k/ ? 1e3 : k ~ /^m/ ? 1e-3 : k ~ /^u/ ? 1e-6 : k ~ /^n/ ? 1e-9 : k ~ /^p/ ? 1e-12 : 1)
 }
 
+# vf, ron, vz of the words from the i-th on; of the first line of a model, if there are several
+function remember(name, i) {
+    for (; i < NF; i++) {
+        if ($i == "vf" && !(name in vf)) vf[name] = $(i + 2)
+        if ($i == "ron" && !(name in ron)) ron[name] = $(i + 2) < 1e-6 ? 1e-6 : $(i + 2)
+        if ($i == "breakdown" && !(name in vz)) vz[name] = $(i + 2)
+    }
+}
+
+function write_model(word, name) {
+    printf ".model %s sidiode(vfwd=%s ron=%s roff=1e12%s)\n", word, vf[name], ron[name],
+        name in vz ? " vrev=" vz[name] " rrev=" ron[name] : ""
+}
+
 FNR == NR {
     if ($1 == "nonsmooth:" && $2 == "D" && $3 == "of" && $4 == "model") {
         name = $5
         sub(/:$/, "", name)
         sub(/.*:/, "", name) # of a subcircuit: x1:dm
-        for (i = 6; i < NF; i++) {
-            if ($i == "vf" && !(name in vf)) vf[name] = $(i + 2)
-            if ($i == "ron" && !(name in ron)) ron[name] = $(i + 2) < 1e-6 ? 1e-6 : $(i + 2)
-            if ($i == "breakdown" && !(name in vz)) vz[name] = $(i + 2)
+        for (i = 6; i < NF && $i != "taken"; i++) { # names of D, or how many
+            gsub(/,/, "", $i)
+            if ($i ~ /^d/) model_of[$i] = name "_" NR
         }
+        remember(name, i)
+        remember(name "_" NR, i)
     }
     next
 }
@@ -41,8 +56,14 @@ tolower($1) == ".tran" {
 { name = tolower($2); sub(/\(.*/, "", name) }
 
 tolower($1) == ".model" && name in vf {
-    printf ".model %s sidiode(vfwd=%s ron=%s roff=1e12%s)\n", $2, vf[name], ron[name],
-        name in vz ? " vrev=" vz[name] " rrev=" ron[name] : ""
+    write_model($2, name)
+    next
+}
+
+tolower($1) ~ /^d/ && tolower($1) in model_of && tolower($4) in vf {
+    own = "own_" tolower($1)
+    print "a" $1, $2, $3, own
+    write_model(own, model_of[tolower($1)])
     next
 }
 

@@ -32,3 +32,15 @@ double ns_bridge_diode_law_voltage(const ns_diode_law *law, double amperes) {
     }
     return 0.5 * (low + high);
 }
+
+void ns_bridge_log_mean_add(ns_log_mean *mean, double amperes, double seconds) {
+    static const double least = 1e-9; /* A: what a D that is off may leak */
+    if (!(amperes > least) || !(seconds > 0.0) || !isfinite(amperes))
+        return;
+    mean->seconds += seconds;
+    mean->sum += log(amperes) * seconds;
+}
+
+double ns_bridge_log_mean_read(const ns_log_mean *mean) {
+    return mean->seconds > 0.0 ? exp(mean->sum / mean->seconds) : 0.0;
+}

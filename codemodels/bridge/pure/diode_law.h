@@ -20,4 +20,15 @@ double ns_bridge_diode_law_current(const ns_diode_law *law, double v);
 /* The voltage (V) at which the current is `amperes` > 0; NAN: the law has no such voltage below 100 V. */
 double ns_bridge_diode_law_voltage(const ns_diode_law *law, double amperes);
 
+/* The mean of the logarithm of a forward current, over the time in which it flows. */
+typedef struct ns_log_mean {
+    double seconds, sum;
+} ns_log_mean;
+
+/* Currents below 1 nA do not count. */
+void ns_bridge_log_mean_add(ns_log_mean *mean, double amperes, double seconds);
+
+/* A; 0: nothing flowed. */
+double ns_bridge_log_mean_read(const ns_log_mean *mean);
+
 #endif

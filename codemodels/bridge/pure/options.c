@@ -6,7 +6,7 @@
 #include <string.h>
 
 const ns_bridge_options ns_bridge_options_default = {
-    .method = NS_AUTO, .theta = 1.0, .gamma = 1.0, .lines = 1e-4, .corners = 1, .id = 0.1, .vgs = NAN};
+    .method = NS_AUTO, .theta = 1.0, .gamma = 1.0, .lines = 1e-4, .corners = 1, .id = NAN, .vgs = NAN};
 
 static const char *const methods[] = {
     [NS_AUTO] = "auto", [NS_THETA] = "theta", [NS_EXACT] = "exact", [NS_SPARSE] = "sparse"};
@@ -87,7 +87,7 @@ static int check_numbers(const ns_options_given *g, char *line, size_t size) {
                   {"verbose", g->verbose, g->verbose == 0 || g->verbose == 1, flag},
                   {"corners", g->corners, g->corners == 0 || g->corners == 1, flag},
                   {"lines", g->lines, g->lines > 0.0 && g->lines <= 0.1, "must be above 0 and at most 0.1"},
-                  {"id", g->id, g->id > 0.0 && isfinite(g->id), "A must be above 0"},
+                  {"id", g->id, isnan(g->id) || (g->id > 0.0 && isfinite(g->id)), "A must be above 0"},
                   {"vgs", g->vgs, isnan(g->vgs) || (g->vgs > 0.0 && isfinite(g->vgs)), "V must be above 0"},
                   {"cjo", g->cjo, g->cjo == 0 || g->cjo == 1, flag},
                   {"squares", g->squares, g->squares >= 0.0 && g->squares <= 0.1, "must be 0 to 0.1"},

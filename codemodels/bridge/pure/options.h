@@ -23,7 +23,7 @@ typedef struct ns_bridge_options {
     int corners;                    /* of a grid: events and corners of sources get timepoints too */
     int take_switches, take_diodes; /* ngspice's own S and W, D, as ideal ones */
     int zero_diodes;                /* D without vf and ron; else its own: */
-    double id;                      /* A: where its vf is read */
+    double id;                      /* A: where its vf is read; NAN: not given */
     ns_mosfets mosfets;             /* M too, as switches */
     double vgs;                     /* V, of their drive; NAN: as the netlist drives them */
     int cjo;                        /* junction capacitances of D are taken */
@@ -37,8 +37,8 @@ typedef struct ns_options_given {
     const char *method;                /* NULL: not given */
     const char *points;                /* NULL: not given */
     const char *take, *diode, *mosfet; /* NULL: not given */
-    double lines, squares, id;
-    double vgs;       /* NAN: not given */
+    double lines, squares;
+    double id, vgs;   /* NAN: not given */
     double h, reltol; /* NAN: not given */
     double theta, gamma;
     int verbose, corners, cjo;

@@ -49,9 +49,22 @@ static void none(void **unused) {
     assert_true(ns_bridge_diode_law_current(&nothing, 1) == 0);
 }
 
+/* 1 A for 1 s and 4 A for 1 s: 2 A; what is below 1 nA, and no time, do not count. */
+static void mean_of_logarithms(void **unused) {
+    (void)unused;
+    ns_log_mean mean = {0, 0};
+    assert_true(ns_bridge_log_mean_read(&mean) == 0);
+    ns_bridge_log_mean_add(&mean, 1, 1);
+    ns_bridge_log_mean_add(&mean, 4, 1);
+    ns_bridge_log_mean_add(&mean, 1e-10, 5);
+    ns_bridge_log_mean_add(&mean, 1, 0);
+    ns_bridge_log_mean_add(&mean, INFINITY, 1);
+    assert_true(fabs(ns_bridge_log_mean_read(&mean) - 2) < 1e-15);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(of_one_exponential),
                                        cmocka_unit_test(of_high_injection), cmocka_unit_test(of_sums),
-                                       cmocka_unit_test(none)};
+                                       cmocka_unit_test(none), cmocka_unit_test(mean_of_logarithms)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

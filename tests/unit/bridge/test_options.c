@@ -21,7 +21,7 @@ static ns_options_given nothing_given(void) {
                               .corners = 1,
                               .points = "auto",
                               .lines = 1e-4,
-                              .id = 0.1,
+                              .id = NAN,
                               .vgs = NAN};
 }
 
@@ -50,7 +50,7 @@ static void no_parameters_are_the_defaults(void **state) {
     assert_true(o.verbose == 0 && o.corners == 1 && o.grid == 0 && o.lines == 1e-4);
     assert_true(o.method == d->method && o.h == d->h && o.theta == d->theta && o.gamma == d->gamma &&
                 o.reltol == d->reltol && o.verbose == d->verbose && o.corners == d->corners &&
-                o.grid == d->grid && o.lines == d->lines && o.id == d->id && o.cjo == d->cjo);
+                o.grid == d->grid && o.lines == d->lines && isnan(o.id) && isnan(d->id) && o.cjo == d->cjo);
     assert_true(!o.take_switches && !o.take_diodes && !o.zero_diodes);
 }
 

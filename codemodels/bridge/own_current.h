@@ -1,0 +1,19 @@
+/* bridge/own_current.h - the current at which the curve of each D is read where option id is not given: its
+ * own, as a first pass along the run finds it. */
+#ifndef BRIDGE_OWN_CURRENT_H
+#define BRIDGE_OWN_CURRENT_H
+
+#include "analysis.h"
+
+/* The D of an element that was taken: in the circuit, -1: it has none. */
+int ns_bridge_own_diode_element(const ns_own_taken *o);
+
+/* 1 if the analysis, which is of .tran, has a D whose current is to be found. */
+int ns_bridge_own_wants_currents(const ns_analysis *a);
+
+/* Integrates the march of a, which was started, to the time stop, s, or as far as is worth it. Failures end
+ * the pass; errors: MEMORY. */
+int ns_bridge_own_find_currents(ns_analysis *a, double stop, ns_own_currents *currents);
+void ns_bridge_own_forget_currents(ns_own_currents *currents);
+
+#endif
