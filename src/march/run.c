@@ -12,31 +12,14 @@ static ns_run *run_of(ns_engine *e) {
     return (ns_run *)(void *)e;
 }
 
-static int leaves_sparse(const ns_run *r, int status) {
-    return !r->is_dense && ns_march_leaves_sparse(r->s, &r->options, status);
-}
-
-static void begin_start(ns_run *r) {
-    r->refused = r->trial_is_start = 0;
-    ns_march_check_reset(r);
-}
-
 static int start(ns_engine *e, double t0, const double *w0, const unsigned char *closed) {
-    ns_run *r = run_of(e);
-    begin_start(r);
-    int status = r->at_work->table->start(r->at_work, t0, w0, closed);
-    if (leaves_sparse(r, status) && (status = ns_march_run_use_dense(r, t0)) == NS_OK)
-        status = r->at_work->table->start(r->at_work, t0, w0, closed);
-    return status;
+    const ns_run_start s = {.t = t0, .w = w0, .closed = closed};
+    return ns_march_run_start(run_of(e), &s);
 }
 
 static int start_dc(ns_engine *e, double t0, int nhold, const int *hold, const double *hold_x, double *x) {
-    ns_run *r = run_of(e);
-    begin_start(r);
-    int status = r->at_work->table->start_dc(r->at_work, t0, nhold, hold, hold_x, x);
-    if (leaves_sparse(r, status) && (status = ns_march_run_use_dense(r, t0)) == NS_OK)
-        status = r->at_work->table->start_dc(r->at_work, t0, nhold, hold, hold_x, x);
-    return status;
+    const ns_run_start s = {.t = t0, .is_dc = 1, .nhold = nhold, .hold = hold, .hold_x = hold_x, .x = x};
+    return ns_march_run_start(run_of(e), &s);
 }
 
 /* By the engine at work, or by another one if it refuses.  At most two rounds: the dense engines hand over
@@ -51,7 +34,7 @@ static int try_engines(ns_run *r, double t, ns_until until, double *reached) {
         int status = r->at_work->table->try_to(r->at_work, to, until, reached);
         if (r->check.found)
             return status;
-        if (leaves_sparse(r, status) && (status = ns_march_run_leave_sparse(r)) == NS_OK)
+        if (ns_march_run_sparse_failed(r, status) && (status = ns_march_run_leave_sparse(r)) == NS_OK)
             status = r->at_work->table->try_to(r->at_work, t, until, reached);
         if (status == NS_OK || !r->is_dense || round > 0 || !ns_march_dense_hands_over(r->at_work))
             return status;

@@ -112,16 +112,14 @@ static int go_by_others(ns_run *r, const again *a, double *reached) {
     return 0;
 }
 
-/* A small error that no engine is without is that of the problem. */
-static int go_with_allowance(ns_run *r, const again *a, const ns_verify_finding *f, double *reached) {
+int ns_march_run_allows(ns_run *r, const ns_verify_finding *f) {
     if (f->error > ns_verify_wrong * ns_verify_wrong)
         return 0;
     ns_verify_allow(r->check.verify, f);
-    return try_judged(r, a, reached);
+    return 1;
 }
 
-/* No engine is right. */
-static int refuse(ns_run *r, const ns_verify_finding *f) {
+int ns_march_run_refuse(ns_run *r, const ns_verify_finding *f) {
     r->fault = (ns_fault){.status = NS_E_RESIDUAL, .t = f->t, .why = ns_verify_text(f->cause)};
     if (f->pair >= 0)
         r->fault.pair[r->fault.npairs++] = f->pair;
@@ -138,7 +136,8 @@ int ns_march_run_again(ns_run *r, double t, ns_until until, double *reached) {
     int status = begin_again(r, &a), right = 0;
     k->retries++;
     if (status == NS_OK) {
-        right = go_by_others(r, &a, reached) || go_with_allowance(r, &a, &first, reached);
+        right =
+            go_by_others(r, &a, reached) || (ns_march_run_allows(r, &first) && try_judged(r, &a, reached));
         k->is_old = right;
         k->asked = t;
         k->until = (int)until;
@@ -149,5 +148,5 @@ int ns_march_run_again(ns_run *r, double t, ns_until until, double *reached) {
     free(a.w);
     free(a.closed);
     k->found = 0;
-    return right ? NS_OK : status != NS_OK ? status : refuse(r, &first);
+    return right ? NS_OK : status != NS_OK ? status : ns_march_run_refuse(r, &first);
 }

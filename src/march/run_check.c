@@ -33,14 +33,14 @@ static int take(ns_run *r, double cost, int right) {
     return right;
 }
 
-static int judge_point(ns_run *r, double t, ns_side side, const double *y) {
+int ns_march_check_shown(ns_run *r, double t, ns_side side, const double *y) {
     ns_run_check *k = &r->check;
     const ns_verify_state at = ns_march_check_state(r, t, side, y);
     return take(r, k->point_cost, ns_verify_point(k->verify, &at, &k->finding));
 }
 
 int ns_march_check_point(ns_run *r, double t, ns_side side) {
-    return judge_point(r, t, side, NULL);
+    return ns_march_check_shown(r, t, side, NULL);
 }
 
 /* In a hurry; what is not clearly right is judged in full. */
@@ -48,7 +48,7 @@ int ns_march_check_quickly(ns_run *r, double t, ns_side side, const double *y) {
     ns_run_check *k = &r->check;
     const ns_verify_state at = ns_march_check_state(r, t, side, y);
     if (!ns_verify_quick_point(k->verify, &at))
-        return judge_point(r, t, side, y);
+        return ns_march_check_shown(r, t, side, y);
     k->checks++;
     return 1;
 }

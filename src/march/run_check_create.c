@@ -7,8 +7,12 @@
 
 /* --- what it costs: estimates in instructions --- */
 
-/* The theta scheme may be off by so many times as much. */
+/* The theta scheme may be off by so many times as much: with gamma below 1 what decays fast rings, and
+ * devices are off their laws. */
 static const double of_scheme = 1000;
+/* A start as well: sizes are those of one point, and the largest of a start at rest is rounding.  Its first
+ * steps are implicit, but for those that locate no event. */
+static const double of_start = 10;
 /* Checks may take this part of what is earned. */
 static const double share = 0.025;
 
@@ -32,14 +36,20 @@ static void estimate_costs(ns_run *r) {
     k->periods = k->periods_rest;
 }
 
+/* What an event may take, s: with the sparse engine, src/README.md; of steps that locate none a step. */
+static double instant_of(const ns_run *r) {
+    enum { INSTANT_EXPONENT = -11 };
+    const int locates = r->kind != NS_RUN_SCHEME || r->is_dense;
+    return locates ? ldexp(r->options.h, INSTANT_EXPONENT) : r->options.h;
+}
+
 /* --- made --- */
 
 int ns_march_check_create(ns_run *r) {
-    enum { INSTANT_EXPONENT = -11 }; /* with the sparse engine, src/README.md */
     ns_run_check *k = &r->check;
     const size_t n = (size_t)r->s->n, m = (size_t)r->s->m, all = n + m;
     const ns_verify_options o = {.reltol = r->options.method == NS_EXACT ? 0 : r->options.reltol,
-                                 .instant = ldexp(r->options.h, INSTANT_EXPONENT)};
+                                 .instant = instant_of(r)};
     k->numbers = calloc((3 + NS_VERIFY_NODES) * all + m + 1, sizeof *k->numbers);
     if (!k->numbers)
         return NS_E_MEMORY;
@@ -74,8 +84,16 @@ void ns_march_check_attach(ns_run *r) {
     r->check.left = NS_WATCH_NOTHING;
     estimate_costs(r);
     ns_engine_watch(r->at_work, &r->check.watch);
-    /* With gamma below 1 what decays fast rings, and devices are off their laws. */
-    ns_verify_scale(r->check.verify, r->kind == NS_RUN_SCHEME ? of_scheme : 1);
+    ns_march_check_scale(r);
+}
+
+void ns_march_check_scale(ns_run *r) {
+    ns_verify_scale(r->check.verify, r->kind == NS_RUN_SCHEME ? of_scheme : 1, instant_of(r));
+}
+
+void ns_march_check_scale_start(ns_run *r) {
+    const int is_captured = r->kind == NS_RUN_SCHEME && !r->is_dense;
+    ns_verify_scale(r->check.verify, is_captured ? of_scheme : of_start, instant_of(r));
 }
 
 void ns_march_check_reset(ns_run *r) {

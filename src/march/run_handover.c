@@ -19,11 +19,35 @@ static int make_dense(ns_run *r, const ns_march_options *o, ns_engine **out, ns_
     return status == NS_OK ? ns_march_dense_create(r->s, o, out, fault) : status;
 }
 
+int ns_march_run_sparse_failed(const ns_run *r, int status) {
+    return !r->is_dense && ns_march_leaves_sparse(r->s, &r->options, status);
+}
+
+/* Of the scheme that was asked for, or in place of another engine with shorter steps. */
+static ns_march_options scheme_options(const ns_run *r) {
+    enum { SMALLER_EXPONENT = -4 };
+    ns_march_options o = r->options;
+    if (o.method == NS_THETA)
+        return o;
+    o.method = NS_THETA;
+    o.theta = o.gamma = 1; /* they may not be given for other methods */
+    o.capture = 0;
+    o.h = ldexp(o.h, SMALLER_EXPONENT);
+    return o;
+}
+
+/* By dense matrices, or if that is asked for or there are too many unknowns by sparse factors. */
+static int scheme_is_dense(const ns_run *r) {
+    const ns_march_options o = scheme_options(r);
+    ns_sparse_options sparse;
+    return !ns_march_begins_sparse(r->s, &o, &sparse);
+}
+
 void ns_march_run_put_to_work(ns_run *r, ns_engine *e, ns_run_kind kind) {
     r->seen = (ns_recurrence){0};
     r->at_work = e;
     r->kind = kind;
-    r->is_dense = kind == NS_RUN_DENSE || (kind == NS_RUN_SCHEME && !ns_march_too_large(r->s));
+    r->is_dense = kind == NS_RUN_DENSE || (kind == NS_RUN_SCHEME && scheme_is_dense(r));
     ns_march_check_attach(r);
 }
 
@@ -70,35 +94,11 @@ int ns_march_run_read_accepted(ns_run *r, double *t, double **w, unsigned char *
     return status;
 }
 
-int ns_march_run_leave_sparse(ns_run *r) {
-    double t, *w;
-    unsigned char *closed;
-    int status = ns_march_run_read_accepted(r, &t, &w, &closed);
-    if (status == NS_OK)
-        status = ns_march_run_use_dense(r, t);
-    if (status == NS_OK)
-        status = r->at_work->table->start(r->at_work, t, w, closed);
-    if (status == NS_OK)
-        ns_march_dense_carry_start(r->at_work);
-    free(closed);
-    free(w);
-    return status;
-}
-
-/* Dense engines, or if there are too many unknowns steps by sparse factors, of a scheme. */
 static int make_scheme(ns_run *r, ns_engine **out) {
-    enum { SMALLER_EXPONENT = -4 };
-    ns_march_options o = r->options;
-    o.method = NS_THETA;
-    if (!(o.theta > 0 && o.gamma > 0)) /* they are not given for other methods */
-        o.theta = o.gamma = 1;
-    o.h = ldexp(o.h, SMALLER_EXPONENT);
-    if (!ns_march_too_large(r->s))
-        return make_dense(r, &o, out, NULL);
-    ns_sparse_options sparse = ns_march_sparse_options(&o);
-    sparse.theta = 1;
-    sparse.reltol = 0;
-    return ns_sparse_create(r->s, &sparse, out, NULL);
+    const ns_march_options o = scheme_options(r);
+    ns_sparse_options sparse;
+    return ns_march_begins_sparse(r->s, &o, &sparse) ? ns_sparse_create(r->s, &sparse, out, NULL)
+                                                     : make_dense(r, &o, out, NULL);
 }
 
 int ns_march_run_make(ns_run *r, ns_run_kind kind, ns_engine **out) {
@@ -116,22 +116,64 @@ int ns_march_run_make(ns_run *r, ns_run_kind kind, ns_engine **out) {
     return ns_sparse_create(r->s, &sparse, out, NULL);
 }
 
-/* To another engine, which may refuse. */
+/* --- from the accepted point on by another engine --- */
+
+/* By the engine at work; it is judged.  Errors: those of a start, RESIDUAL (it is wrong: r->refused). */
+static int start_at_accepted(ns_run *r, double t, const double *w, const unsigned char *closed) {
+    const ns_run_start s = {.t = t, .w = w, .closed = closed};
+    const int status = r->at_work->table->start(r->at_work, t, w, closed);
+    if (status != NS_OK || ns_march_check_start(r, &s))
+        return status;
+    r->check.found = 0;
+    r->check.retries++;
+    return ns_march_run_refuse(r, &r->check.finding);
+}
+
+/* To another engine, which may refuse: then the one at work stays. */
+static int start_other(ns_run *r, ns_run_kind kind, double t, const double *w, const unsigned char *closed) {
+    ns_engine *const was = r->at_work, *other = NULL;
+    const ns_run_kind was_kind = r->kind;
+    int status = ns_march_run_make(r, kind, &other);
+    if (status != NS_OK)
+        return status;
+    ns_march_run_put_to_work(r, other, kind);
+    status = start_at_accepted(r, t, w, closed);
+    if (status == NS_OK) {
+        r->refused = 0;
+        ns_march_run_dismiss(r, was);
+        return NS_OK;
+    }
+    ns_march_run_put_to_work(r, was, was_kind);
+    other->table->free(other);
+    return status;
+}
+
 static int leave_for(ns_run *r, ns_run_kind kind) {
     double t, *w;
     unsigned char *closed;
-    ns_engine *other = NULL;
     int status = ns_march_run_read_accepted(r, &t, &w, &closed);
     if (status == NS_OK)
-        status = ns_march_run_make(r, kind, &other);
-    if (status == NS_OK)
-        status = other->table->start(other, t, w, closed);
+        status = start_other(r, kind, t, w, closed);
+    r->refused = 0; /* the one at work goes on */
     free(closed);
     free(w);
+    return status;
+}
+
+int ns_march_run_leave_sparse(ns_run *r) {
+    double t, *w;
+    unsigned char *closed;
+    int status = ns_march_run_read_accepted(r, &t, &w, &closed);
     if (status == NS_OK)
-        replace_engine(r, other, kind);
-    else if (other)
-        other->table->free(other);
+        status = ns_march_run_use_dense(r, t);
+    if (status == NS_OK)
+        status = start_at_accepted(r, t, w, closed);
+    if (r->refused && start_other(r, NS_RUN_SCHEME, t, w, closed) == NS_OK)
+        status = NS_OK;
+    if (status == NS_OK && r->is_dense)
+        ns_march_dense_carry_start(r->at_work);
+    free(closed);
+    free(w);
     return status;
 }
 
@@ -143,6 +185,12 @@ void ns_march_run_leave_for_now(ns_run *r, double t, ns_run_kind was) {
     r->back_interval = ns_march_retry_interval(&r->options, r->back_interval);
     r->back_to = away ? r->back_to : was;
     r->back_at = r->kind == r->back_to ? INFINITY : t + r->back_interval;
+}
+
+void ns_march_run_leave_for_the_start(ns_run *r, double t, ns_run_kind was) {
+    r->retry_sparse_at = INFINITY;
+    r->back_to = was;
+    r->back_at = t;
 }
 
 void ns_march_run_return(ns_run *r) {

@@ -1,4 +1,5 @@
-/* src/march/run_internal.h - shared by run.c, run_handover.c, run_check.c, run_watch.c, run_again.c. */
+/* src/march/run_internal.h - shared by run.c, run_handover.c, run_check.c, run_watch.c, run_again.c,
+ * run_start.c. */
 #ifndef NS_MARCH_RUN_INTERNAL_H
 #define NS_MARCH_RUN_INTERNAL_H
 
@@ -36,6 +37,26 @@ typedef struct ns_run {
     ns_run_check check;
 } ns_run;
 
+/* What a start begins with. */
+typedef struct ns_run_start {
+    double t; /* s */
+    int is_dc;
+    /* either charges and fluxes (n), and switches that are closed (nc, or NULL); */
+    const double *w;
+    const unsigned char *closed;
+    /* or an operating point, with some unknowns held; x (n, or NULL) gets it */
+    int nhold;
+    const int *hold;
+    const double *hold_x;
+    double *x;
+} ns_run_start;
+
+/* run_start.c: by the engine at work, or if that is wrong by another one.  Errors: those of a start, RESIDUAL
+ * (all are wrong). */
+int ns_march_run_start(ns_run *r, const ns_run_start *asked);
+/* What the engine at work answers after a start; x is not NULL.  1: it is right. */
+int ns_march_check_start(ns_run *r, const ns_run_start *s);
+
 /* run_handover.c: the engine that the options ask for is made.  Errors: as ns_march_create(). */
 int ns_march_run_make_engine(ns_run *r, ns_fault *fault);
 /* The dense engines in place of the sparse one, before a start at t.  Errors: as ns_march_create(). */
@@ -51,11 +72,16 @@ void ns_march_run_try_sparse(ns_run *r, int dense_failed);
 int ns_march_run_read_accepted(ns_run *r, double *t, double **w, unsigned char **closed);
 /* An engine of a kind, not at work.  Errors: as ns_march_create(). */
 int ns_march_run_make(ns_run *r, ns_run_kind kind, ns_engine **out);
+/* 1 if the engine at work is the sparse one, and the dense ones may do what it returned this status of. */
+int ns_march_run_sparse_failed(const ns_run *r, int status);
 void ns_march_run_put_to_work(ns_run *r, ns_engine *e, ns_run_kind kind);
 /* An engine that was at work is freed; what it did counts. */
 void ns_march_run_dismiss(ns_run *r, ns_engine *was);
 /* The engine that was at work until t, of this kind, was found wrong: it is asked again later. */
 void ns_march_run_leave_for_now(ns_run *r, double t, ns_run_kind was);
+/* The same of a start at t: it is asked again when a trial goes on from there, where nothing jumps any more.
+ */
+void ns_march_run_leave_for_the_start(ns_run *r, double t, ns_run_kind was);
 /* That is due: it goes on from the accepted point, if it starts there. */
 void ns_march_run_return(ns_run *r);
 
@@ -63,8 +89,11 @@ void ns_march_run_return(ns_run *r);
 int ns_march_check_create(ns_run *r);
 void ns_march_check_free(ns_run *r);
 void ns_march_check_attach(ns_run *r); /* another engine is at work */
-void ns_march_check_reset(ns_run *r);  /* before a start */
-void ns_march_check_renew(ns_run *r);  /* an input was replaced */
+/* What it answers may be off by: in its steps; at a start. */
+void ns_march_check_scale(ns_run *r);
+void ns_march_check_scale_start(ns_run *r);
+void ns_march_check_reset(ns_run *r); /* before a start */
+void ns_march_check_renew(ns_run *r); /* an input was replaced */
 /* run_check.c: Before a trial to t.  Returns to where it is to go: to t, or to the event before it.
  * r->check.found: what was looked at on the way is wrong. */
 double ns_march_check_begin(ns_run *r, double t, ns_until until);
@@ -72,6 +101,7 @@ double ns_march_check_begin(ns_run *r, double t, ns_until until);
 int ns_march_check_end(ns_run *r, double t, ns_until until, double reached);
 /* r->check.here as a point; from that of ns_verify_left() to it by r->check.impulse.  1: it is right. */
 int ns_march_check_point(ns_run *r, double t, ns_side side);
+int ns_march_check_shown(ns_run *r, double t, ns_side side, const double *y); /* y (m, or NULL) too */
 int ns_march_check_event(ns_run *r);
 
 /* For run_watch.c: more may be spent; r->check.here as a point; errors of the engine at work are measured; a
@@ -86,5 +116,9 @@ int ns_march_watch_sees(void *data, ns_watch_side side, double t);
 
 /* run_again.c: a trial that was found wrong, by other engines.  Errors: RESIDUAL (all are wrong), MEMORY. */
 int ns_march_run_again(ns_run *r, double t, ns_until until, double *reached);
+/* A small error that no engine is without: 1: such errors are allowed from now on.  What no engine does right
+ * is refused: RESIDUAL. */
+int ns_march_run_allows(ns_run *r, const ns_verify_finding *f);
+int ns_march_run_refuse(ns_run *r, const ns_verify_finding *f);
 
 #endif

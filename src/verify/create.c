@@ -32,7 +32,7 @@ static int allocate(ns_verify *v) {
     const ns_system *s = v->s;
     const size_t n = (size_t)s->n, m = (size_t)s->m, all = ns_verify_columns(s);
     v->numbers =
-        calloc(3 * n + m + 2 * ns_verify_sizes(s) + (5 + NS_VERIFY_NODES) * (all + 1), sizeof(double));
+        calloc(4 * n + m + 2 * ns_verify_sizes(s) + (5 + NS_VERIFY_NODES) * (all + 1), sizeof(double));
     v->command = calloc(4 * n + 4 * m + (size_t)s->nz + 1, sizeof *v->command);
     v->quick.pair = calloc(m + 1, sizeof *v->quick.pair);
     v->inputs.piece = calloc((size_t)s->nz + 1, sizeof *v->inputs.piece);
@@ -48,7 +48,8 @@ static int allocate(ns_verify *v) {
     v->inputs.moving = v->is_loose_pair + m;
     v->unit = v->numbers;
     v->sign = v->unit + n;
-    v->times_row = v->sign + n;
+    v->w_left = v->sign + n;
+    v->times_row = v->w_left + n;
     v->times_pair = v->times_row + n;
     v->most_law = v->times_pair + m;
     v->most_w = v->most_law + n;
@@ -172,10 +173,11 @@ void ns_verify_reset(ns_verify *v) {
     ns_verify_renew(v);
 }
 
-void ns_verify_scale(ns_verify *v, double times) {
+void ns_verify_scale(ns_verify *v, double times, double instant) {
     if (v->times != times)
         v->quick.is_ready = 0;
     v->times = times;
+    v->o.instant = instant;
 }
 
 void ns_verify_allow(ns_verify *v, const ns_verify_finding *f) {

@@ -20,8 +20,13 @@ typedef struct jump {
     double lambda_off, dust; /* what impulses of lambda, of all, may be off by */
 } jump;
 
+static ns_verify_sum charge_left(const ns_verify *v, int i) {
+    return v->has_w_left ? (ns_verify_sum){v->w_left[i], fabs(v->w_left[i])}
+                         : ns_verify_row(&v->charge, i, v->u_left);
+}
+
 static double moved(const ns_verify *v, int i) {
-    return ns_verify_row(&v->charge, i, v->u).sum - ns_verify_row(&v->charge, i, v->u_left).sum;
+    return ns_verify_row(&v->charge, i, v->u).sum - charge_left(v, i).sum;
 }
 
 /* Also what flows in the time that an event may take. */
@@ -34,8 +39,7 @@ static int any_jumps(ns_verify *v) {
     int any = 0;
     for (int k = 0; k < v->storeds; k++) {
         const int i = v->stored[k];
-        const ns_verify_sum from = ns_verify_row(&v->charge, i, v->u_left),
-                            to = ns_verify_row(&v->charge, i, v->u);
+        const ns_verify_sum from = charge_left(v, i), to = ns_verify_row(&v->charge, i, v->u);
         const double move = fabs(to.sum - from.sum);
         ns_verify_sizes_charge(v, i, ns_verify_larger(from.size, to.size));
         any |= !(move <= rounding * to.size) && !(move <= moved_off(v, i));
@@ -150,7 +154,7 @@ static double moved_energy_off(const ns_verify *v) {
 
 static void judge_energy(const ns_verify *v, const jump *j, ns_verify_finding *worst) {
     double size = 0;
-    if (!v->is_passive || j->seconds > 0)
+    if (!v->is_passive || j->seconds > 0 || v->has_w_left)
         return;
     const double before = energy(v, v->u_left, &size), after = energy(v, v->u, &size);
     const double off = v->times * of_energy * size + moved_energy_off(v), grown = after - before - put_in(v);
@@ -168,6 +172,14 @@ static double largest(size_t count, const double *a) {
 void ns_verify_left(ns_verify *v) {
     memcpy(v->u_left, v->u, sizeof *v->u * ns_verify_columns(v->s));
     v->t_left = v->t;
+    v->has_w_left = 0;
+}
+
+void ns_verify_left_charges(ns_verify *v, double t, const double *w) {
+    for (int i = 0; i < v->s->n; i++)
+        v->w_left[i] = v->unit[i] > 0 ? w[i] : 0;
+    v->t_left = t;
+    v->has_w_left = 1;
 }
 
 int ns_verify_left_in_full(ns_verify *v, ns_verify_finding *worst) {

@@ -66,3 +66,47 @@ int ns_verify_flow(ns_verify *v, const double *t, const double *xl, ns_verify_fi
         judge_row(v, v->stored[k], (t[NS_VERIFY_NODES - 1] - t[0]) / 2, worst);
     return ns_verify_sizes_end(v, worst);
 }
+
+/* --- at rest --- */
+
+/* 1 if no source moves right after the point: else currents of capacitors do not vanish there. */
+static int inputs_rest(const ns_verify *v) {
+    int rest = 1;
+    for (int k = 0; k < v->s->nz; k++) {
+        const ns_signal *s = &v->s->z[k];
+        rest &= ns_signal_value(s, v->t, NS_RIGHT) == ns_signal_value(s, v->t + v->o.instant, NS_LEFT);
+    }
+    return rest;
+}
+
+/* 1 if a switch depends on the state: a comparator that oscillates has no operating point. */
+static int any_control_by_state(const ns_verify *v) {
+    int any = 0;
+    for (int k = 0; k < v->control.start[v->s->nc]; k++)
+        any |= v->control.column[k] < v->s->n + v->s->m;
+    return any;
+}
+
+static void judge_rest(ns_verify *v, ns_verify_finding *worst) {
+    for (int k = 0; k < v->storeds; k++) {
+        const int i = v->stored[k];
+        const ns_verify_sum s = ns_verify_row(&v->law, i, v->u);
+        ns_verify_grow(v, &v->most_law[i], s.size);
+        const double off = ns_verify_sizes_law_off(v, i) + ns_verify_sizes_leak(v, &v->law, i);
+        if (!(fabs(s.sum) <= off))
+            ns_verify_note(worst, NS_VERIFY_FLOW, -1, i, fabs(s.sum) / off);
+    }
+}
+
+int ns_verify_operating_point(ns_verify *v, const double *x, int nhold, const int *hold, const double *hold_x,
+                              ns_verify_finding *worst) {
+    *worst = ns_verify_nothing(v->t);
+    for (int k = 0; k < nhold; k++) {
+        const double off = ns_verify_sizes_held_off(v, hold_x[k]), differs = fabs(x[hold[k]] - hold_x[k]);
+        if (!(differs <= off))
+            ns_verify_note(worst, NS_VERIFY_ROW, -1, hold[k], differs / off);
+    }
+    if (nhold == 0 && inputs_rest(v) && !any_control_by_state(v))
+        judge_rest(v, worst);
+    return ns_verify_sizes_end(v, worst);
+}

@@ -214,6 +214,7 @@ void ns_verify_quick_left(ns_verify *v, const ns_verify_state *at) {
     if (m > 0)
         memcpy(v->u_left + n, at->lambda, sizeof *v->u_left * m);
     v->t_left = at->t;
+    v->has_w_left = 0;
 }
 
 static int charges_stay(const ns_verify *v) {

@@ -69,6 +69,10 @@ double ns_verify_sizes_law_off(const ns_verify *v, int i) {
            DBL_MIN;
 }
 
+double ns_verify_sizes_held_off(const ns_verify *v, double value) {
+    return of_law * fabs(value) + of_number * v->most_any[NS_VERIFY_ANY_NUMBER];
+}
+
 double ns_verify_sizes_y_off(const ns_verify *v, int j) {
     return v->times * v->times_pair[j] *
            (of_largest * v->most_y[j] + of_all * v->most_any[NS_VERIFY_ANY_Y] +

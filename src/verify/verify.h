@@ -64,8 +64,8 @@ void ns_verify_reset(ns_verify *v);
 /* An input of the system was replaced. */
 void ns_verify_renew(ns_verify *v);
 
-/* All may be off by so many times as much; 1 at first. */
-void ns_verify_scale(ns_verify *v, double times);
+/* All may be off by so many times as much, 1 at first; an event may take so long (s). */
+void ns_verify_scale(ns_verify *v, double times, double instant);
 /* From now on what was found may be off by ns_verify_wrong times as much. */
 void ns_verify_allow(ns_verify *v, const ns_verify_finding *f);
 
@@ -93,7 +93,15 @@ int ns_verify_left_in_full(ns_verify *v, ns_verify_finding *worst);
 /* The point that was judged last is the left side of an event; then, from there to the point that was judged
  * last, with the impulses X (n), Lambda (m) between, as ns_march_impulse(). */
 void ns_verify_left(ns_verify *v);
+/* A start: in place of a left side, charges and fluxes w (n) at t (s). */
+void ns_verify_left_charges(ns_verify *v, double t, const double *w);
 int ns_verify_event(ns_verify *v, const double *X, const double *Lambda, ns_verify_finding *worst);
+
+/* An operating point x (n), from whose charges the point that was judged last started: it has what unknowns
+ * were to be held at; where none was, no source moves and
+ * no switch depends on the state, nothing charges anything at that point. */
+int ns_verify_operating_point(ns_verify *v, const double *x, int nhold, const int *hold, const double *hold_x,
+                              ns_verify_finding *worst);
 
 /* Points at which a way between events is looked at: times from a to b, the first is a, the last b. */
 enum { NS_VERIFY_NODES = 5 };

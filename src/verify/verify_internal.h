@@ -95,6 +95,8 @@ struct ns_verify {
     double t, t_left; /* s: of u, u_left */
     /* work, n+m+nz+1 each */
     double *u, *u_left; /* points; one more number, which is 0 */
+    double *w_left;     /* n: charges and fluxes, */
+    int has_w_left;     /* where they are known in place of u_left */
     double *spread;     /* 0; by how much inputs differ around the time of u */
     int spreads;        /* they do */
     double *v;          /* NS_VERIFY_NODES: points; or an impulse */
@@ -158,6 +160,7 @@ int ns_verify_sizes_end(ns_verify *v, ns_verify_finding *worst);
  * by what the rows around it may be off by. */
 double ns_verify_sizes_charge_off(const ns_verify *v, int i);
 double ns_verify_sizes_law_off(const ns_verify *v, int i);
+double ns_verify_sizes_held_off(const ns_verify *v, double value); /* an unknown that is held */
 double ns_verify_sizes_y_off(const ns_verify *v, int j);
 double ns_verify_sizes_lambda_off(const ns_verify *v, int j);
 double ns_verify_sizes_control_off(const ns_verify *v, int c);
