@@ -70,6 +70,22 @@ static double break_tolerance(const ns_exact *f, const ns_mode_kernel *k, int g)
     return (unmended ? UNMENDED : 1) * ns_exact_guard_rounding(f, k, g);
 }
 
+/* 1 if guard g was looked at ahead of here already, and stays near zero. */
+static int is_quiet(const ns_exact *f, int g) {
+    const ns_exact_quiet *q = &f->past.quiet;
+    const double t = f->state.now.t;
+    return q->mode == f->state.mode && q->event_t == f->state.last_event_t && t >= q->from && t < q->until &&
+           (q->guards & ns_exact_bit_of(g)) != 0;
+}
+
+static void note_quiet(ns_exact *f, const ns_mode_kernel *k, int g) {
+    ns_exact_quiet *q = &f->past.quiet;
+    const double t = f->state.now.t;
+    if (!(q->mode == f->state.mode && q->event_t == f->state.last_event_t && t >= q->from && t < q->until))
+        *q = (ns_exact_quiet){f->state.mode, f->state.last_event_t, t, t + ldexp(k->h, NS_SOON_EXPONENT), 0};
+    q->guards |= ns_exact_bit_of(g);
+}
+
 /* The first interval in which the guard of these samples may break, and the part of it in which it does not.
  */
 static int may_break_in(const ns_exact *f, const ns_mode_kernel *k, int g, const double *s, int samples,
@@ -85,7 +101,7 @@ static int may_break_in(const ns_exact *f, const ns_mode_kernel *k, int g, const
         if (tol < 0)
             tol = break_tolerance(f, k, g);
         const int straight = fabs(b - a) > curvature || curvature / 4 <= tol;
-        const int sinks = b < 0 && (b - a) * (1 << NS_SOON_EXPONENT) < -4 * tol;
+        const int sinks = b < 0 && (b - a) * (1 << NS_SOON_EXPONENT) < -4 * tol && !is_quiet(f, g);
         if (!(straight && low >= -tol) || sinks) {
             *clear = a > curvature / 4 && b < a ? (a - curvature / 4) / (a - b) : 0;
             return i;
@@ -221,8 +237,14 @@ void ns_exact_event_intervals(double s, double (*c)[NS_ORDER]) {
 static int keeps_falling(ns_exact *f, const ns_mode_kernel *k, int g, double rate, double tol) {
     if (!(rate * k->h * (1 << NS_SOON_EXPONENT) < -4 * tol))
         return 0;
-    return ns_exact_guard_of(k, k->value, g, f->X) > tol ||
-           ns_exact_guard_sign(f, f->state.mode, g, f->X) >= NS_SIGN_SEEMS_TO_BREAK;
+    if (ns_exact_guard_of(k, k->value, g, f->X) > tol)
+        return 1;
+    if (is_quiet(f, g))
+        return 0;
+    const ns_guard_sign sign = ns_exact_guard_sign(f, f->state.mode, g, f->X);
+    if (sign == NS_UNDECIDED)
+        note_quiet(f, k, g);
+    return sign >= NS_SIGN_SEEMS_TO_BREAK;
 }
 
 /* When guard g breaks, INFINITY: it does not. */

@@ -100,8 +100,18 @@ typedef struct ns_exact_state {
     long steps_left;         /* before the ladder has the rest */
 } ns_exact_state;
 
+/* Guards within their rounding of zero that were looked at h 2^8 ahead: until then they stay about as close.
+ */
+typedef struct ns_exact_quiet {
+    const ns_exact_mode *mode; /* in this mode; NULL: none were */
+    double event_t;            /* s: entered here */
+    double from, until;        /* s */
+    uint64_t guards;           /* bits, of the first 64 */
+} ns_exact_quiet;
+
 /* What a trial changes, restored when it is dropped. */
 typedef struct ns_exact_past {
+    ns_exact_quiet quiet;    /* nobody looks ahead again where this holds */
     double fallback_until;   /* s: the ladder steps up to there */
     double fallback_length;  /* s: of that stretch */
     int failures;            /* events handed to the ladder, halved while all goes well */
@@ -256,6 +266,11 @@ int ns_exact_step_advance(ns_exact *f, ns_time_scale *scale, double tau);
 /* then (q): X after a step; X moves there. */
 void ns_exact_step_apply(const ns_mode_kernel *k, const ns_step_map *map, const double *X, double *then);
 void ns_exact_step_commit(ns_exact *f, const ns_time_scale *scale, const ns_step_map *map);
+
+/* A guard as one of a set of bits, of the first 64; 0: it is none of these. */
+static inline uint64_t ns_exact_bit_of(int g) {
+    return g < 64 ? (uint64_t)1 << g : 0;
+}
 
 /* event_location.c: the first interval between samples of a step from X in which a guard may break, -1: none;
  * *clear: the fraction of that interval, from its begin, in which none does. */

@@ -51,10 +51,6 @@ ns_guard_sign ns_exact_guard_sign(ns_exact *f, ns_exact_mode *mode, int g, const
     return NS_UNDECIDED;
 }
 
-static uint64_t bit_of(int g) {
-    return g < 64 ? (uint64_t)1 << g : 0;
-}
-
 ns_mode_verdict ns_exact_mode_holds(ns_exact *f, ns_exact_mode *k, ns_evidence evidence, uint64_t undecided) {
     const ns_mode_kernel *kernel = k->scale[0].kernel;
     double *value = f->work.values, *tol = value + 2 * kernel->rows;
@@ -69,8 +65,8 @@ ns_mode_verdict ns_exact_mode_holds(ns_exact *f, ns_exact_mode *k, ns_evidence e
         const ns_guard_sign sign = ns_exact_guard_sign(f, k, g, f->X_next);
         const int sure =
             evidence == NS_EVIDENCE_NONE || (k == f->state.mode && g == f->event_guard); /* it did break */
-        const int assumed = evidence != NS_EVIDENCE_NONE || (undecided & bit_of(g));
-        f->undecided |= sign == NS_UNDECIDED ? bit_of(g) : 0;
+        const int assumed = evidence != NS_EVIDENCE_NONE || (undecided & ns_exact_bit_of(g));
+        f->undecided |= sign == NS_UNDECIDED ? ns_exact_bit_of(g) : 0;
         if (sign == NS_SIGN_BREAKS || (sign == NS_SIGN_SEEMS_TO_BREAK && sure) ||
             (sign == NS_UNDECIDED && !assumed))
             return jumps && evidence == NS_EVIDENCE_STEP ? NS_VERDICT_JUMPS : NS_VERDICT_NO;
