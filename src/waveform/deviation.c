@@ -84,20 +84,31 @@ static double excess(const ns_waveform *w, int i) {
     return error > allowed ? error - allowed : error < -allowed ? error + allowed : 0;
 }
 
+/* Of the half that is shared out since the last event, what a line of signal i of this length may take: an
+ * even part of the 3 / sqrt(lines) lines that a decay takes at best; or what the line would have of its own
+ * if the signal were there what it is at the next event: what does not decay to zero needs no even parts.
+ * since: the integral since the event; rest: of that half. */
+static double shared_out(const ns_waveform *w, int i, double length, double since, double rest) {
+    static const double of_rest = 0.2, kept = 0.1;
+    const double most = w->lines * since, even = fmin(sqrt(w->lines) / 3 * most, of_rest * rest);
+    if (!w->is_first)
+        return even;
+    const double as_at_end = w->lines * fabs(w->at_end[w->signal[i]]) * length;
+    return fmax(even, fmin(as_at_end, of_rest * (rest - kept * most)));
+}
+
 /* The distance of integrals since the last event, as a part of what is allowed: half of it by the segment's
- * own integral.  The other half, by the integral since the event, is shared out evenly to the 3 / sqrt(lines)
- * segments that a decay takes at best, or while it lasts. */
+ * own integral; the other half, by the integral since the event or while it lasts, is shared out. */
 static double integral_distance(ns_waveform *w, const ns_segment *g) {
-    static const double of_rest = 0.2;
-    const double end = g->at[g->last].t, length = end - g->at[0].t, share = sqrt(w->lines) / 3;
+    const double end = g->at[g->last].t, length = end - g->at[0].t;
     const double time = fmin(1, (w->end - w->event_t) / fmax(end - w->start_t, length));
     double most = 0;
     integrate(w, g);
     for (int i = 0; i < w->looked; i++) {
         const double since = fmax(w->since_event[i] + w->own[i], (w->total[i] + w->own[i]) * time);
         const double rest = fmax(0.5 * w->lines * since - fabs(w->error[i]), 0);
-        const double allowed = 0.5 * w->lines * w->own[i] + fmin(share * w->lines * since, of_rest * rest) +
-                               noise_of(w, i) * length;
+        const double allowed =
+            0.5 * w->lines * w->own[i] + shared_out(w, i, length, since, rest) + noise_of(w, i) * length;
         const double error = fabs(w->own_error[i]);
         if (error > most * allowed) {
             most = allowed > 0 ? error / allowed : INFINITY;
@@ -173,7 +184,7 @@ static double turn(double a, double v, double b, double part, double seen) {
 }
 
 double ns_waveform_first_turn(ns_waveform *w, const ns_segment *g) {
-    static const double seen = 0.02; /* of what a waveform may be off */
+    static const double seen = 0.019; /* of what a waveform may be off; a parabola is not all of it */
     const double t0 = g->at[0].t, length = g->at[g->last].t - t0;
     double first = 1;
     int middle = 1;

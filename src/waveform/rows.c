@@ -40,6 +40,13 @@ int ns_waveform_sample(ns_waveform *w, double t, double **row) {
     return NS_OK;
 }
 
+int ns_waveform_sample_end(ns_waveform *w, double **row) {
+    double *v = *row = ns_waveform_take_row(w);
+    memcpy(v, w->at_end, sizeof *v * w->count);
+    memcpy(ns_waveform_mode_of(w, v), ns_march_mode(w->march), sizeof(ns_mode) * (size_t)w->s->m);
+    return NS_OK;
+}
+
 int ns_waveform_take_integrals(ns_waveform *w, double t) {
     return w->taken.size > 0 ? w->taken.take(w->taken.data, w->march, t) : NS_OK;
 }

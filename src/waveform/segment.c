@@ -10,6 +10,8 @@ static const double fresh_growth = 4, growth = 2;
 static const double aim = 0.97;
 /* Lengths that differ by less are not worth a look. */
 static const double alike = 1.08;
+/* A line that is as far off as this is long enough; looked for is one that is as far off as that. */
+static const double enough = 0.8, wanted = 0.9;
 /* A look on the way to a proposed length; not its middle, where an S would not be seen. */
 static const double first_part = 0.45;
 
@@ -46,7 +48,8 @@ static int add_end(ns_waveform *w, ns_segment *g, double t) {
     double *row;
     if (g->last == NS_PROBES - 1)
         thin(w, g);
-    const int status = ns_waveform_sample(w, w->end - t <= w->closest ? w->end : t, &row);
+    const int status =
+        w->end - t <= w->closest ? ns_waveform_sample_end(w, &row) : ns_waveform_sample(w, t, &row);
     if (status == NS_OK)
         g->at[++g->last] = (ns_probe){t, row};
     return status;
@@ -59,8 +62,9 @@ static double reach(double length, double off) {
 
 /* Where the next segment will be looked at first. */
 static double first_length(ns_waveform *w, double t) {
-    /* a curve that changes by a twentieth in the shortest time is as far off as allowed where part is 50 */
-    const double part = fmin(0.5, 20 * sqrt(w->lines));
+    /* a curve that changes by a twentieth in the shortest time is as far off as allowed at 57 sqrt(lines) of
+     * it, and by two fifths where part is 8 */
+    const double part = fmin(8, 40 * sqrt(w->lines));
     const double least = fmax(part * ns_march_shortest(w->march, t, NULL), w->closest);
     return w->fresh ? least : fmax(first_part * w->proposal, w->closest);
 }
@@ -88,11 +92,13 @@ static double last_time(const ns_waveform *w, double base) {
 
 /* The search for the length of one segment. */
 typedef struct ns_search {
-    double base, last_t; /* s: where it begins, where it ends at the latest */
-    double least;        /* s: it is never shorter */
-    double length;       /* s: looked at next */
-    double off;          /* of the line that was taken: how far off it is */
-    double too_long;     /* s: the last length that was too long; INFINITY: none */
+    double base, last_t;         /* s: where it begins, where it ends at the latest */
+    double least;                /* s: it is never shorter */
+    double length;               /* s: looked at next */
+    double off;                  /* of the line that was taken: how far off it is */
+    double too_long, too_far;    /* s: the last length that was too long, INFINITY: none; how far off it is */
+    double near_enough, near_by; /* s: the longest length seen that was not, 0: none; how far off it is */
+    double aimed;        /* s: the length that too_long says is right, where no probe is left; 0: none */
     double first_length; /* s: the first one that was; 0: none */
     int shorter;         /* lengths that were too long */
     int is_shortest;     /* 1: the next line is taken as it is */
@@ -118,19 +124,36 @@ static int look(ns_waveform *w, ns_segment *g, ns_search *s, int *all, double *o
     return status;
 }
 
+/* 1 if the longest line that is near enough is long enough, beside one that is too long. */
+static int is_found(const ns_search *s) {
+    return s->near_by > enough || s->near_enough * alike * alike > s->too_long;
+}
+
+/* Between these two: where a power of the length that goes through both is what is wanted. */
+static double length_between(const ns_search *s) {
+    const double least = 1e-3; /* below that rounding counts */
+    const double ratio = s->too_long / s->near_enough, by = fmax(s->near_by, least);
+    const double part = log(wanted / by) / log(s->too_far / by);
+    return s->near_enough * fmin(fmax(pow(ratio, part), alike), ratio / alike);
+}
+
 /* The line is near enough: 1 if it is taken, 0: a longer one is looked at.  With one probe it was not seen
- * yet.
- */
+ * yet. */
 static int lengthen(const ns_waveform *w, const ns_segment *g, ns_search *s, double off) {
     const double least = alike * s->length, most = (w->fresh ? fresh_growth : growth) * s->length;
     double next = fmin(reach(s->length, off), most);
     s->off = off;
-    if (g->last == 1 && !w->fresh && s->too_long == INFINITY)
-        next = fmax(w->proposal, least);
-    else if (g->last == 1)
-        next = fmin(fmax(next, least), aim * s->too_long);
-    else if (next * alike > s->too_long)
-        return 1;
+    if (g->last == 1) {
+        const double right = s->aimed > 0 ? s->aimed : w->fresh ? next : w->proposal;
+        s->length = fmax(right, least);
+        return 0;
+    }
+    s->near_enough = s->length;
+    s->near_by = off;
+    if (s->too_long < INFINITY) {
+        s->length = length_between(s);
+        return is_found(s);
+    }
     s->length = fmax(next, least);
     return next < least;
 }
@@ -139,19 +162,24 @@ static int lengthen(const ns_waveform *w, const ns_segment *g, ns_search *s, dou
  * was seen to be near to goes too, unless it lies on the way of the next one. */
 static int shorten(ns_waveform *w, ns_segment *g, ns_search *s, double off) {
     enum { SHORTER = 8 };
+    const double next = reach(s->length, off);
     s->first_length = s->first_length > 0 ? s->first_length : s->length;
     s->too_long = s->length;
+    s->too_far = off;
     s->shorter++;
     drop_end(w, g);
-    const double next = reach(s->length, off), before = alike * (g->at[g->last].t - s->base);
-    s->length = fmax(next, before);
-    if (g->last > 1)
-        return s->length * alike > s->too_long || s->shorter > SHORTER;
-    if (g->last == 0 || next < before || s->length > s->too_long - s->least) {
-        drop_probes(w, g);
-        s->length = fmax(0.5 * next, s->least);
-        s->is_shortest = 0.5 * next <= s->least || s->shorter > SHORTER;
+    if (g->last > 1) {
+        s->length = length_between(s);
+        return is_found(s) || s->shorter > SHORTER;
     }
+    if (g->last == 1 && next > alike * (g->at[1].t - s->base) && next < s->too_long - s->least) {
+        s->length = next;
+        return 0;
+    }
+    drop_probes(w, g);
+    s->aimed = next;
+    s->length = fmax(first_part * next, s->least);
+    s->is_shortest = s->length <= s->least || s->shorter > SHORTER;
     return 0;
 }
 
@@ -168,6 +196,7 @@ static int look_for_rounding(ns_waveform *w, ns_segment *g, ns_search *s, int *a
     drop_probes(w, g);
     s->length = s->first_length;
     s->too_long = INFINITY;
+    s->aimed = 0;
     s->shorter = s->is_shortest = 0;
     return status;
 }

@@ -57,6 +57,7 @@ static int sample_ends(ns_waveform *w, double **row) {
     int status = ns_waveform_sample(w, w->end, &end);
     if (status != NS_OK)
         return status;
+    memcpy(w->at_end, end, sizeof *end * w->count);
     memcpy(w->end_values, end, sizeof *end * w->count);
     ns_waveform_return_row(w, end);
     if (w->squares > 0)
@@ -76,6 +77,7 @@ int ns_waveform_enter_stretch(ns_waveform *w, double until) {
     w->in_stretch = w->fresh = 1;
     w->made.from_event = passed || w->after_event;
     w->after_event = 0;
+    w->is_first = w->made.from_event;
     if (w->made.from_event)
         ns_waveform_begin_integrals(w, w->made.at[0].t);
     w->made.smooth = !ns_waveform_differ(w, w->made.at[0].v, row);

@@ -29,7 +29,7 @@ static int allocate(ns_waveform *w) {
     w->signal = calloc(count, sizeof *w->signal);
     w->kind = calloc(count, 1);
     w->limits = calloc(2 * count, sizeof *w->limits);
-    w->largest = calloc(12 * count, sizeof *w->largest);
+    w->largest = calloc(13 * count, sizeof *w->largest);
     if (!w->rows || !w->modes || !w->signal || !w->kind || !w->limits || !w->largest)
         return NS_E_MEMORY;
     w->turned = w->limits + count;
@@ -41,7 +41,8 @@ static int allocate(ns_waveform *w) {
     w->own_error = w->own + count;
     w->slope = w->own_error + count;
     w->end_values = w->slope + count;
-    w->square = w->end_values + count;
+    w->at_end = w->end_values + count;
+    w->square = w->at_end + count;
     w->square_error = w->square + count;
     w->rounding = w->square_error + count;
     return NS_OK;

@@ -72,9 +72,11 @@ struct ns_waveform {
         *square_error; /* integral since the start; of the trapezoids, beyond what segments are allowed */
 
     /* the stretch */
-    double *end_values; /* count: at its end; with squares: the size there or in its middle */
+    double *at_end;     /* count: values at its end */
+    double *end_values; /* count: the same; with squares: the size there or in its middle */
     int started, in_stretch;
     int fresh;         /* 1: no segment in it was chosen */
+    int is_first;      /* 1: it begins at the last event */
     int after_event;   /* 1: the one before ended at an event */
     double until;      /* s: the last point */
     double end;        /* s: where it ends */
@@ -104,6 +106,9 @@ ns_mode *ns_waveform_mode_of(const ns_waveform *w, const double *row);
 
 /* x, lambda and mode at t into a new row.  Errors: those of ns_march_sample(). */
 int ns_waveform_sample(ns_waveform *w, double t, double **row);
+
+/* The same at the end of the stretch, which is known. */
+int ns_waveform_sample_end(ns_waveform *w, double **row);
 
 /* The integrals of others: the last trial up to t is taken in; they are as at the end of that, at a row. */
 int ns_waveform_take_integrals(ns_waveform *w, double t);
