@@ -14,6 +14,10 @@ int ns_circuit_device(const ns_circuit *c, int id, const double *x, const double
         return NS_E_SIZE;
     }
     const element *e = &c->element[id];
+    if (mode && lambda && i && !v && !on && isinf(e->kind == DIODE ? e->diode.roff : e->sw.roff)) {
+        *i = lambda[e->pair] - (e->kind == DIODE && !isinf(e->diode.vz) ? lambda[e->pair + 1] : 0);
+        return NS_OK;
+    }
     const int status = mode ? ns_circuit_power(c, id, &at, v, i, NULL) : NS_E_NULL;
     if (status != NS_OK || !on) {
         return status;

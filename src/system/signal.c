@@ -187,13 +187,41 @@ static double first_after(double t, double a, double b) {
     return c > t + ns_system_signal_slack(t, c) ? c : INFINITY;
 }
 
+/* 1 if t is far from all corners of a pulse that repeats for ever: *value, as line_value() has it to the last
+ * bit. */
+static int is_inside_piece(const ns_signal *s, double t, double *value) {
+    const double per = s->u.pulse.per, td = s->u.pulse.td, since = t - td, margin = 1e-6 * per;
+    const double v1 = s->u.pulse.v1, v2 = s->u.pulse.v2;
+    const double top = s->u.pulse.tr, fall = top + s->u.pulse.pw, end = fall + s->u.pulse.tf;
+    if (!(since > 0 && fabs(t) < 1e8 * per && end <= per && s->u.pulse.cycles == 0 && per < INFINITY)) {
+        return 0;
+    }
+    const double here = (double)(long long)(since / per) * per, at = since - here;
+    if (at < margin || at > per - margin || fabs(at - top) < margin || fabs(at - fall) < margin ||
+        fabs(at - end) < margin) {
+        return 0;
+    }
+    if (at < top) {
+        *value = between(t, td + here, v1, td + (here + top), v2);
+    } else if (at > fall && at < end) {
+        *value = between(t, td + (here + fall), v2, td + (here + end), v1);
+    } else {
+        *value = at < fall ? v2 : v1;
+    }
+    return 1;
+}
+
 double ns_signal_value(const ns_signal *s, double t, ns_side side) {
     ns_pulse_points p;
     ns_line g;
+    double value;
     switch (s ? (int)s->kind : -1) {
     case NS_DC:
         return s->u.dc;
     case NS_PULSE:
+        if (is_inside_piece(s, t, &value)) {
+            return value;
+        }
         g = pulse_line(s, &p);
         return line_value(&g, t, side);
     case NS_PWL:

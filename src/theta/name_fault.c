@@ -6,6 +6,8 @@
  */
 #include "name_fault.h"
 
+#include "linalg/simd.h"
+
 #include <math.h>
 
 static const double negligible = 1e-9; /* of the largest weight: rounding */
@@ -95,7 +97,9 @@ void ns_theta_name_fault(const ns_fault_context *b, const ns_mlcp *p, const ns_m
 
 int ns_theta_name_infinite(int n, const double *v, int *index) {
     int count = 0;
-    for (int i = 0; v && i < n && count < NS_FAULT_MAX; i++)
+    if (!v || ns_sums_finite(n, v))
+        return 0;
+    for (int i = 0; i < n && count < NS_FAULT_MAX; i++)
         if (!isfinite(v[i]))
             index[count++] = i;
     return count;

@@ -317,6 +317,26 @@ static void bad_parameters_are_refused(void **state) {
     assert_int_equal(ns_signal_check(&s), NS_OK);
 }
 
+/* Values inside its pieces are found another way where a pulse repeats for ever: to the last bit the same. */
+static void for_ever_is_as_many_times(void **state) {
+    (void)state;
+    uint32_t random = 7;
+    for (int k = 0; k < 200000; k++) {
+        double part[6];
+        for (int i = 0; i < 6; i++)
+            part[i] = (random = random * 1664525u + 1013904223u) / 4294967296.0;
+        const double per = 1e-5, tr = k % 3 ? part[0] * per / 3 : 0, tf = k % 2 ? part[1] * per / 3 : 1e-9;
+        ns_signal s = {.kind = NS_PULSE,
+                       .u.pulse = {-1, 2, part[2] * per, tr, tf, part[3] * per / 4, per, 0}};
+        const double turns = floor(part[4] * pow(10, k % 9)), at = part[5] * per;
+        const double t = s.u.pulse.td + turns * per + (k % 5 ? at : k % 7 ? tr : tr + s.u.pulse.pw);
+        const ns_side side = k % 11 < 5 ? NS_LEFT : NS_RIGHT;
+        const double for_ever = ns_signal_value(&s, t, side);
+        s.u.pulse.cycles = 2000000000;
+        assert_true(for_ever == ns_signal_value(&s, t, side));
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(dc_is_constant),
@@ -330,6 +350,7 @@ int main(void) {
         cmocka_unit_test(pulse_longer_than_its_period),
         cmocka_unit_test(pulse_cut_while_it_rises),
         cmocka_unit_test(value_and_corner_agree),
+        cmocka_unit_test(for_ever_is_as_many_times),
         cmocka_unit_test(sine),
         cmocka_unit_test(exponential),
         cmocka_unit_test(pwl_holds_jumps_and_shifts),
