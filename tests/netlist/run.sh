@@ -10,12 +10,12 @@
 #   X reversed   its elements in reverse order
 #   cases/X      tests/netlist/cases/X.cir, which judges itself; after a line `* says: REGEX` one line of output matches; for the N-th line
 #                `* again: SED` it runs once more, as XN, with what sed makes of it
-#   own_X, errors/own_X (of ngspice's own devices) run once more as X@psa, X@ltpsa, X@hsa: with these values of ngbehavior
+#   cases/own_X (of ngspice's own devices) and errors/X run once more as X@psa, X@ltpsa, X@hsa: with these values of ngbehavior
 #   cookbook/X   netlists/cookbook/X.cir, in the same way
 #   errors/X     tests/netlist/errors/X.cir: exactly one line of output matches the regular expression of its
 #                first line `* expect: ...`, and it judges what was kept; after a line `* dump: FILE STATUS REGEX`
 #                it has left FILE, which nsc-mlcp answers with STATUS and of which one line matches; after `* status: N`
-#                ngspice ends with N in place of 0, after `* never: REGEX` no line of output matches
+#                ngspice ends with N in place of 0; with `* alone: FILE` ngspice begins without code models, and its FILE lies there, after `* never: REGEX` no line of output matches
 #   README       the netlist that README.md shows: its measurements are what the text below it says
 # errors/ also fail if ngspice blames its matrix, all others on a rejected time point and on "timestep too small" or "singular" in the output;
 # everything fails on a sanitizer's or valgrind's finding, a crash, and after TIME_LIMIT seconds.
@@ -62,6 +62,15 @@ worst() {
          END { if (n) printf "  largest error %.4f %%%s", m, r }' "$1"
 }
 
+# alone FOLDER FILE: ngspice is to load no code models of its own; FILE, one of them, is put there.
+# shellcheck disable=SC2016 # ngspice expands it
+alone() {
+    printf '%s\n' '* where' .control 'echo path $sourcepath' 'quit 0' .endc .end >"$1/where.cir"
+    scripts=$("$NGSPICE" -n -b "$1/where.cir" 2>&1 </dev/null | sed -n 's/^path \. //p')
+    ln -sfn "$(sed -n "s,^ *codemodel *\(.*/$2\) *\$,\1,p" "$scripts/spinit")" "$1/$2"
+    mkdir -p "$1/scripts" && : >"$1/scripts/spinit"
+}
+
 # one FILE VARIANT: runs it in a folder of its own and prints the verdict.
 one() {
     file=$1 variant=$2 base=$(basename "$1" .cir)
@@ -84,7 +93,9 @@ one() {
     -[1-9]) sed "$(sed -n 's/^\* again: //p' "$file" | sed -n "${variant#-}p")" "$file" ;;
     *) cat "$file" ;;
     esac | sed -e 's/^run$/run\nrusage rejected/' ${LINE:+-e "1a $LINE"} >"$dir/$base.cir"
-    (cd "$dir" && HOME=$dir exec timeout -k 5 "$TIME_LIMIT" "$NGSPICE" -b "$base.cir" >out 2>&1 </dev/null)
+    wanted=$(sed -n 's/^\* alone: //p' "$file")
+    [ -z "$wanted" ] || alone "$dir" "$wanted"
+    (cd "$dir" && HOME=$dir exec env ${wanted:+"SPICE_SCRIPTS=$dir/scripts"} timeout -k 5 "$TIME_LIMIT" "$NGSPICE" -b "$base.cir" >out 2>&1 </dev/null)
     rc=$?
     reason=$(judge "$dir/out" $rc $kind "$file")
     if [ -z "$reason" ]; then echo "ok netlist/$name$(worst "$dir/out")"; else echo "FAIL netlist/$name $reason"; fi
@@ -178,7 +189,7 @@ for k in cases errors cookbook; do
     for f in "tests/netlist/$k"/*.cir "netlists/$k"/*.cir; do
         [ -f "$f" ] || continue
         echo "$f - $k/$(basename "$f" .cir)"
-        case $f in */own_*) for b in psa ltpsa hsa; do echo "$f @$b $k/$(basename "$f" .cir)@$b"; done ;; esac
+        case $f in */own_* | */errors/*) for b in psa ltpsa hsa; do echo "$f @$b $k/$(basename "$f" .cir)@$b"; done ;; esac
         again=$(grep -c '^\* again: ' "$f")
         for n in $(seq "$again"); do echo "$f -$n $k/$(basename "$f" .cir)"; done
     done
