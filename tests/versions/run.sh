@@ -21,12 +21,13 @@
 # how:   a folder that holds `ngspice`, a program or a script that runs it, and `source`, a tree (or a link to one) configured as
 # how:     it was: for a package of another release of the system, unpacked by dpkg -x, with the source package of that version
 # how:     and, for libngspice, `with-library`, a script that runs its arguments with that version's libngspice.so.0
-# Environment: JOBS, TIME_LIMIT (as tests/netlist/run.sh), ONLY (verdicts whose name has this, "netlists"), CPU_RUNS (5).
+# Environment: JOBS, TIME_LIMIT (as tests/netlist/run.sh), ONLY (verdicts whose name has this, "netlists"), CPU_RUNS (5),
+# NAMES (of tests/netlist/run.sh, "default cases/ errors/ cookbook/ README"; none: all).
 set -u
 cd "$(dirname "$0")/../.." || exit 2
 top=$PWD
 made=$top/build/versions
-ONLY=${ONLY:-}
+ONLY=${ONLY:-} NAMES=${NAMES:-}
 mkdir -p "$made" && this=$(mktemp -d "$made/run.XXXXXX") || exit 2
 trap 'rm -rf "$this"' EXIT
 tables=$this/tables
@@ -82,7 +83,8 @@ netlists() {
     wanted "$name" || return
     log=$made/$1/netlists$(echo "$3" | tr -d ' ')
     rm -rf "$log.runs"
-    NONSMOOTH_CM=$made/$1/nonsmooth.cm NGSPICE=$2 LINE=${4:-} KEEP=$log.runs tests/netlist/run.sh >"$log" 2>&1
+    # shellcheck disable=SC2086 # words
+    NONSMOOTH_CM=$made/$1/nonsmooth.cm NGSPICE=$2 LINE=${4:-} KEEP=$log.runs tests/netlist/run.sh $NAMES >"$log" 2>&1
     passed=$(grep -c '^ok' "$log") failed=$(grep -c '^FAIL' "$log")
     grep '^FAIL' "$log"
     echo "$1$3 $passed $failed" >>"$tables.netlists"
