@@ -25,7 +25,7 @@ static const double NS_MLCP_ACCEPT = 1e-10; /* natural residual of an answer, at
 static const double NS_MLCP_GOOD = 1e-13;   /* an answer of this residual is not refined further */
 
 /* Variables of the pairs: lambda_a is 2a, y_a is 2a+1, the covering variable t is 2 np. */
-enum { REFRESH = 25, PIVOTS_FLAT = 50, PIVOTS_PER_PAIR = 20 };
+enum { PIVOTS_FLAT = 50, PIVOTS_PER_PAIR = 20 };
 
 /* An answer, or a point that may become one. */
 typedef struct ns_mlcp_point {
@@ -45,7 +45,7 @@ typedef struct ns_mlcp_tableau {
     double *unit;           /* 2np+1 */
     double *lo, *hi;        /* np: bounds of lambda_a in its unit */
     signed char *at_upper;  /* np: nonbasic lambda_a is at u */
-    double *cover;          /* m: column of t in y = W lambda + q + cover t */
+    double *cost;           /* m: phase1.c */
     unsigned char *first_y; /* np: at the start y_a was basic (lexicographic order) */
 } ns_mlcp_tableau;
 
@@ -142,17 +142,10 @@ struct ns_mlcp_solver {
         int *row, *col;
         double *value; /* m */
     } regularised;
-    struct { /* rescaled.c: exponents of the problem's own units, q in them and as given */
-        int *row, *col;
-        double *q; /* m */
-        const double *given_q;
-    } rescaled;
 
     /* --- points remembered --- */
     ns_mlcp_point kept;  /* by one method, the best so far */
-    ns_mlcp_point aside; /* by solve.c, which may yet return it */
     ns_mlcp_point noted; /* by zeros.c, the best that was refused; residual: infinite if there is none */
-    int noting;          /* points are noted */
 
     /* --- what is said of the solve --- */
     struct {
@@ -226,7 +219,6 @@ void ns_mlcp_basis_zero_undriven(
 
 /* tableau.c */
 void ns_mlcp_tableau_start(ns_mlcp_solver *s); /* of s->mode, whose G is factored and whose sizes are known */
-int ns_mlcp_tableau_refresh(ns_mlcp_solver *s); /* from W and q anew, t included.  SINGULAR */
 void ns_mlcp_tableau_exchange(ns_mlcp_solver *s, int row, int col);
 
 static inline int ns_is_t(const ns_mlcp_solver *s, int var) {
@@ -256,24 +248,19 @@ static inline double ns_mlcp_tableau_upper(const ns_mlcp_solver *s, int var) {
 
 /* lemke.c: from s->mode to the mode of a solution.  all: the covering vector acts on every guard, not on
  * the broken ones only; which one.  patience: how many times the pivots that most problems need may be made.
- * OK; INFEASIBLE: a ray, in s->fault; LIMIT; SINGULAR: the tableau got lost. */
+ * OK; INFEASIBLE: a ray, in s->fault; LIMIT. */
 int ns_mlcp_lemke(ns_mlcp_solver *s, int all, int patience);
 
 /* farkas.c: 1 if the bounds of lambda and y alone, without complementarity, contradict: s->proof, s->fault.
- * CAREFUL: by more than rounding of the largest numbers of the problem may have left.  BOLD: or not, where
- * nothing solved it.  AGAINST: that the answer in s->lambda is none, by as much as an answer may be wrong by
- * at least. Each effort is made once a solve.  Uses elim, tab, ysize, lsize, kept, xs, ray, g, queue. */
-enum { NS_CAREFUL = 1, NS_BOLD, NS_AGAINST };
+ * CAREFUL: by more than rounding of the largest numbers of the problem may have left.  AGAINST: that the
+ * answer in s->lambda is none, by as much as an answer may be wrong by at least. Each effort is made once a
+ * solve.  Uses elim, tab, ysize, lsize, kept, xs, ray, g, queue. */
+enum { NS_CAREFUL = 1, NS_AGAINST };
 int ns_mlcp_prove(ns_mlcp_solver *s, int effort);
 
 /* parallel.c: v (m) of two rows of W that are multiples of each other and ask the opposite; 0: there are
  * none. v is not judged.  Uses r, c (exponents of units of the rows and columns), queue, rowdone. */
 int ns_mlcp_parallel(ns_mlcp_solver *s, double *v);
-
-/* rescaled.c: s->given and its W, l, u in units in which all is about 1; 0: that would round, nothing is
- * changed.  And back, with lambda. */
-int ns_mlcp_rescale(ns_mlcp_solver *s);
-void ns_mlcp_scale_back(ns_mlcp_solver *s);
 
 /* zeros.c: s->lambda, which was refused, is remembered with zeros for rounding, if that makes it an answer
  * and the best so far.  Uses g, ysize, rhs.  Back into s->lambda and s->mode; 0 if there is none. */
@@ -289,10 +276,6 @@ int ns_mlcp_huge_multipliers_fail(ns_mlcp_solver *s, double doubt);
 /* Whether a row is broken by as much as its own q, or not much less, or may be by rounding: then lambda
  * satisfies the row whatever q says.  Uses g, ysize. */
 int ns_mlcp_breaks_a_datum(ns_mlcp_solver *s);
-
-/* huge_multipliers.c: what is wrong with y in the worst row, of its own terms; rows of next to nothing left
- * aside.  Uses g, ysize. */
-double ns_mlcp_worst_row(ns_mlcp_solver *s);
 
 /* consistent_answer.c: makes s->y and s->mode those of s->lambda, which goes from bound to bound of boxes
  * that are next to nothing; then *residual is that of the new one.  0: they cannot be had, or not with a

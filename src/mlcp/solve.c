@@ -9,12 +9,10 @@
 #include "mlcp/verify/residual.h"
 
 /* Of the largest lambda against q and the bounds, in units of W: */
-static const double LARGE = 1e2; /* an answer with rows broken by their own terms is compared with others */
+static const double LARGE = 1e2; /* a proof is looked for that speaks against the answer */
 static const double DOUBT = 1e7; /* its residual says little */
 static const double HIDDEN =
-    1e-11;                      /* of q, that a residual beside large lambda may hide: NS_MLCP_ACCEPT / 10 */
-static const double LESS = 0.1; /* of the worst row: another answer is taken */
-enum { FEW = 8 };               /* pairs: to enumerate costs little */
+    1e-11; /* of q, that a residual beside large lambda may hide: NS_MLCP_ACCEPT / 10 */
 static const double RCOND = 1e-13; /* a basis must keep three digits */
 
 /* The residual of s->lambda; y gets the sign that its mode asks for where it is rounding. */
@@ -82,7 +80,7 @@ static int verdict(ns_mlcp_solver *s, int status, double *residual) {
         return status;
     if (status == NS_E_INFEASIBLE && (s->proof.found || s->method == NS_MLCP_ENUMERATE))
         return status;
-    if (ns_mlcp_prove(s, NS_CAREFUL) || ns_mlcp_prove(s, NS_BOLD))
+    if (ns_mlcp_prove(s, NS_CAREFUL))
         return NS_E_INFEASIBLE;
     return status == NS_E_INFEASIBLE ? NS_E_LIMIT : status;
 }
@@ -93,42 +91,11 @@ static int verdict(ns_mlcp_solver *s, int status, double *residual) {
 static const ns_mlcp_method order[] = {NS_MLCP_PIVOT, NS_MLCP_LEMKE, NS_MLCP_ENUMERATE};
 enum { ORDER = sizeof order / sizeof *order };
 
-/* Whether method k has an answer whose worst row is violated less than by *violation. */
-static int is_better(ns_mlcp_solver *s, int k, const ns_mode *mode, double *violation, double *residual) {
-    double r;
-    if ((order[k] == NS_MLCP_ENUMERATE && s->np > FEW) || apply(s, order[k], mode, &r) != NS_OK ||
-        (!s->agrees && !ns_mlcp_make_consistent(s, &r)) || ns_mlcp_huge_multipliers_fail(s, DOUBT))
-        return 0;
-    const double now = ns_mlcp_worst_row(s);
-    if (!(now <= LESS * *violation))
-        return 0;
-    *violation = now;
-    *residual = r;
-    return 1;
-}
-
-/* The answer of method k, or of one behind it in the order: where rows are broken by their own terms, which
- * passed as a lambda that has no part in them is large, another may have kept that small. */
-static void reconsider(ns_mlcp_solver *s, int k, const ns_mode *mode, double *residual) {
-    if (s->m > NS_QUICK || !ns_mlcp_huge_multipliers(s, LARGE))
-        return;
-    double violation = ns_mlcp_worst_row(s);
-    ns_mlcp_save(s, &s->aside);
-    s->noting = 0;
-    while (violation > NS_MLCP_ACCEPT && ++k < ORDER)
-        if (is_better(s, k, mode, &violation, residual))
-            ns_mlcp_save(s, &s->aside);
-    ns_mlcp_restore(s, &s->aside);
-    s->proof.effort = s->proof.found = 0; /* what failed methods led to is no proof against the answer */
-}
-
 /* The methods in turn: an answer or a proof ends it. */
 static int automatic(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     int first = NS_OK;
     for (int k = s->m <= NS_QUICK; k < ORDER; k++) {
         const int status = verdict(s, apply(s, order[k], mode, residual), residual);
-        if (status == NS_OK)
-            reconsider(s, k, mode, residual);
         if (status == NS_OK || status == NS_E_INFEASIBLE)
             return status;
         if (order[k] != NS_MLCP_PIVOT && first == NS_OK)
@@ -146,25 +113,11 @@ static int is_answer(ns_mlcp_solver *s, double *residual) {
     return 1;
 }
 
-/* The problem in units of its own. */
-static int solve_in_own_units(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
-    double r;
-    if (!ns_mlcp_rescale(s))
-        return 0;
-    s->noting = 0; /* its lambda are in other units */
-    const int solved =
-        apply(s, NS_MLCP_PIVOT, mode, &r) == NS_OK || apply(s, NS_MLCP_LEMKE, mode, &r) == NS_OK;
-    ns_mlcp_scale_back(s);
-    return solved && is_answer(s, residual);
-}
-
-/* What is tried last: the problem in units of its own; a point whose rounding was all that was wrong with it.
- * fault and method stay those of what failed before, unless there is an answer. */
-static int solve_otherwise(ns_mlcp_solver *s, int status, const ns_mode *mode, double *residual) {
+/* What is tried last: a point whose rounding was all that was wrong with it.  fault and method stay those of
+ * what failed before, unless there is an answer. */
+static int solve_otherwise(ns_mlcp_solver *s, double *residual) {
     const ns_fault fault = s->fault;
     const int method = s->method;
-    if (s->use == NS_MLCP_AUTO && status != NS_E_INFEASIBLE && solve_in_own_units(s, mode, residual))
-        return 1;
     if (ns_mlcp_zeros_recall(s) && is_answer(s, residual))
         return 1;
     s->fault = fault;
@@ -175,9 +128,12 @@ static int solve_otherwise(ns_mlcp_solver *s, int status, const ns_mode *mode, d
 /* Where pivoting answers, no unit, proof or other method is needed, unless lambda of a new mode is huge. */
 static int solve_by_pivoting(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     if ((s->use != NS_MLCP_AUTO && s->use != NS_MLCP_PIVOT) || s->m > NS_QUICK ||
-        ns_mlcp_pivot_from(s, mode, residual) != NS_OK ||
-        (s->pivots + s->factors > 0 && ns_mlcp_huge_multipliers(s, DOUBT)))
+        ns_mlcp_pivot_from(s, mode, residual) != NS_OK)
         return 0;
+    if (s->pivots + s->factors > 0 && ns_mlcp_huge_multipliers(s, DOUBT)) {
+        s->transform.valid = 0; /* or its mode would not be new any more */
+        return 0;
+    }
     s->method = NS_MLCP_PIVOT;
     return 1;
 }
@@ -194,7 +150,6 @@ static int is_disproved(ns_mlcp_solver *s, double residual) {
 static int solve_problem(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mode, double *residual) {
     s->pivots = s->factors = 0;
     s->proof.effort = 0;
-    s->noting = 1;
     s->noted.residual = INFINITY;
     memset(&s->fault, 0, sizeof s->fault);
     s->p = p;
@@ -205,12 +160,14 @@ static int solve_problem(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mod
         return NS_OK;
     int status = s->use == NS_MLCP_AUTO ? automatic(s, mode, residual)
                                         : verdict(s, apply(s, s->use, mode, residual), residual);
-    if (status != NS_OK && !s->proof.found && solve_otherwise(s, status, mode, residual))
+    if (status != NS_OK && !s->proof.found && solve_otherwise(s, residual))
         status = NS_OK;
     if (status == NS_OK && is_disproved(s, *residual))
-        return NS_E_INFEASIBLE;
+        status = NS_E_INFEASIBLE;
     if (status == NS_OK)
         s->fault.npairs = 0;
+    else
+        s->transform.valid = s->transform.settled = 0; /* asked once more, the answer is the same */
     return status;
 }
 

@@ -24,7 +24,7 @@ static void carve_doubles(ns_mlcp_solver *s, size_t m) {
                          &s->tab.beta,
                          &s->tab.lo,
                          &s->tab.hi,
-                         &s->tab.cover,
+                         &s->tab.cost,
                          &s->ray,
                          &s->proof.v,
                          &s->own.l,
@@ -33,10 +33,7 @@ static void carve_doubles(ns_mlcp_solver *s, size_t m) {
                          &s->transform.lterms,
                          &s->transform.largest,
                          &s->factored.centre,
-                         &s->rescaled.q,
-                         &s->noted.lambda,
-                         &s->aside.lambda,
-                         &s->aside.y};
+                         &s->noted.lambda};
     for (size_t i = 0; i < sizeof square / sizeof *square; i++, d += m * m)
         *square[i] = d;
     for (size_t i = 0; i < sizeof vector / sizeof *vector; i++, d += m)
@@ -50,7 +47,7 @@ static void carve_doubles(ns_mlcp_solver *s, size_t m) {
 }
 
 static size_t count_doubles(size_t m) {
-    return 4 * m * m + 28 * m + (m + 1) * (m + 1) + 2 * (m + 1) * (m + 2) + NS_MEASURE_WORK * m +
+    return 4 * m * m + 25 * m + (m + 1) * (m + 1) + 2 * (m + 1) * (m + 2) + NS_MEASURE_WORK * m +
            m * (m + 1) + 2 * m + 1 + m * (m + 3);
 }
 
@@ -75,9 +72,7 @@ static void carve_ints(ns_mlcp_solver *s, size_t m) {
                       &s->transform.pair,
                       &s->transform.place,
                       &s->scale.row,
-                      &s->scale.col,
-                      &s->rescaled.row,
-                      &s->rescaled.col};
+                      &s->scale.col};
     for (size_t i = 0; i < sizeof vector / sizeof *vector; i++, d += m + 1)
         *vector[i] = d;
     s->tab.where = d; /* 2m+1 */
@@ -95,8 +90,8 @@ int ns_mlcp_create(int m, ns_mlcp_solver **out) {
     size_t k = (size_t)m;
     s->cap = m;
     s->doubles = calloc(count_doubles(k), sizeof *s->doubles);
-    s->ints = calloc(22 * (k + 1) + 2 * k + 1, sizeof *s->ints);
-    s->bytes = calloc(k * k * sizeof(short) + 12 * (k + 1), 1);
+    s->ints = calloc(20 * (k + 1) + 2 * k + 1, sizeof *s->ints);
+    s->bytes = calloc(k * k * sizeof(short) + 11 * (k + 1), 1);
     if (!s->doubles || !s->ints || !s->bytes || ns_linalg_lu_create(m + 1, &s->lu) != NS_OK) {
         ns_mlcp_free(s);
         return NS_E_MEMORY;
@@ -116,7 +111,6 @@ int ns_mlcp_create(int m, ns_mlcp_solver **out) {
     s->factored.inside = b + 8 * (k + 1);
     s->noted.mode = (ns_mode *)(b + 9 * (k + 1));
     s->lowest = (ns_mode *)(b + 10 * (k + 1));
-    s->aside.mode = (ns_mode *)(b + 11 * (k + 1));
     *out = s;
     return NS_OK;
 }

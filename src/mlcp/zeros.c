@@ -35,7 +35,7 @@ static double mended(const ns_mlcp_solver *s, int i) {
 
 void ns_mlcp_zeros_note(ns_mlcp_solver *s) {
     double *lambda = s->g;
-    if (!s->noting || !ns_linalg_finite((size_t)s->m, s->lambda))
+    if (!ns_linalg_finite((size_t)s->m, s->lambda))
         return;
     sizes(s);
     for (int i = 0; i < s->m; i++)

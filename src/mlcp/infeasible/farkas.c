@@ -20,7 +20,6 @@ static const double FLOOR =
     1e-6; /* a value's terms count as at least this part of the largest (residual.c) */
 static const double NEAR = 1e-12;     /* of a value's terms: inside its bounds */
 static const double ROUNDING = 1e-24; /* of the largest multiplier: what twice the digits of a double leave */
-enum { REFINEMENTS = 3 };
 
 /* s_j = sum_i (v_i + rest_i) W_ij less `to`, as if in twice the digits (Ogita, Rump and Oishi's Dot2). */
 static double dot_in_twice_the_digits(const ns_mlcp_solver *s, const double *v, const double *rest, int j,
@@ -105,15 +104,6 @@ static void drop_rounding(const ns_phase1 *z, double *v, double *rest) {
     }
 }
 
-/* Any v will do: what has a sign that y_i does not allow is left out. */
-static void drop_wrong_signs(const ns_phase1 *z, double *v, double *rest) {
-    const ns_mlcp *p = z->s->p;
-    for (int i = 0; i < p->m; i++)
-        if ((v[i] < 0.0 && isinf(ns_mlcp_most_y(p, i, z->mode[i]))) ||
-            (v[i] > 0.0 && isinf(ns_mlcp_least_y(p, i, z->mode[i]))))
-            v[i] = rest[i] = 0.0;
-}
-
 /* What the proof rests on: the pairs whose sign or bound it uses; where there is none, the equalities. */
 static void name_pairs(ns_mlcp_solver *s, const double *v) {
     for (int a = 0; a < s->np; a++) {
@@ -151,10 +141,8 @@ static void read_refined(const ns_phase1 *z, double *v) {
     double *rest = s->ray;
     read_multipliers(z, v);
     memset(rest, 0, (size_t)s->m * sizeof *rest);
-    for (int k = 0; k < REFINEMENTS; k++)
-        refine_multipliers(z, v, rest, s->g);
+    refine_multipliers(z, v, rest, s->g);
     drop_rounding(z, v, rest);
-    drop_wrong_signs(z, v, rest);
 }
 
 int ns_mlcp_farkas_proves(const ns_phase1 *z, double *v) {
@@ -162,8 +150,8 @@ int ns_mlcp_farkas_proves(const ns_phase1 *z, double *v) {
     return ns_mlcp_certify_modes(z->s->p, z->mode, v) > NS_MLCP_ACCEPT;
 }
 
-static int phase1_ends_outside(ns_mlcp_solver *s, int effort, ns_phase1 *z) {
-    ns_mlcp_phase1_start(z, s, 0, effort == NS_BOLD ? 0.0 : FLOOR, NEAR);
+static int phase1_ends_outside(ns_mlcp_solver *s, ns_phase1 *z) {
+    ns_mlcp_phase1_start(z, s, 0, FLOOR, NEAR);
     return ns_mlcp_phase1_run(z) == NS_E_INFEASIBLE;
 }
 
@@ -178,7 +166,7 @@ static int search_proof(ns_mlcp_solver *s, int effort) {
     const ns_mlcp now = s->now;
     ns_mlcp_take_given(s);
     int found = ns_mlcp_parallel(s, v) && is_proof(s, effort, v);
-    if (!found && phase1_ends_outside(s, effort, &z)) {
+    if (!found && phase1_ends_outside(s, &z)) {
         read_refined(&z, v);
         found = is_proof(s, effort, v);
     }

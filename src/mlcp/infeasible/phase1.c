@@ -17,8 +17,6 @@
 
 static const double SOUND = 1e-10; /* a pivot, of the terms it came from */
 static const double DULL = 1e-12;  /* a reduced cost below this part of its terms is 0 */
-static const double STALL = 1e-12; /* the sum falls by less than this part: it stalls */
-static const double STURDY = 0.1;  /* of the largest pivot that a step passes */
 enum { NONE = -1, FLIP = -2 };
 enum { RENEW = 40 }; /* exchanges after which the tableau is made anew: entries lose a digit in some ten */
 
@@ -180,10 +178,9 @@ static void remake_tableau(ns_phase1 *z) {
     z->pivots = 0;
 }
 
-/* Which rows are outside, which way; how many, and by how much in all. */
-static int measure_violations(ns_phase1 *z, double *sum) {
+/* Which rows are outside, which way; how many. */
+static int measure_violations(ns_phase1 *z) {
     int count = 0;
-    *sum = 0.0;
     for (int r = 0; r < z->rows; r++) {
         double below = lower(z, z->s->tab.rowvar[r]) - z->value[r];
         double above = z->value[r] - upper(z, z->s->tab.rowvar[r]);
@@ -192,7 +189,6 @@ static int measure_violations(ns_phase1 *z, double *sum) {
         double near = z->near * (empty ? z->size[r] : fmax(z->size[r], z->least));
         z->side[r] = below > near ? -1.0 : above > near ? 1.0 : 0.0;
         count += z->side[r] != 0.0;
-        *sum += z->side[r] < 0.0 ? below : z->side[r] > 0.0 ? above : 0.0;
     }
     return count;
 }
@@ -214,8 +210,8 @@ static void price_columns(ns_phase1 *z) {
         z->cost[c] = reduced_cost(z, c);
 }
 
-/* The column by which the sum falls fastest (first: the one of least variable), NONE: it is least. */
-static int choose_column(const ns_phase1 *z, int first) {
+/* The column by which the sum falls fastest, NONE: it is least. */
+static int choose_column(const ns_phase1 *z) {
     const ns_mlcp_solver *s = z->s;
     int best = NONE;
     for (int c = 0; c < z->cols; c++) {
@@ -223,7 +219,7 @@ static int choose_column(const ns_phase1 *z, int first) {
         double d = z->cost[c], rest = nonbasic_value(z, var);
         if (d == 0.0 || (d < 0.0 ? upper(z, var) <= rest : lower(z, var) >= rest))
             continue;
-        if (best < 0 || (first ? var < s->tab.colvar[best] : fabs(d) > fabs(z->cost[best])))
+        if (best < 0 || fabs(d) > fabs(z->cost[best]))
             best = c;
     }
     return best;
@@ -243,12 +239,12 @@ static void passed_bounds(const ns_phase1 *z, int r, double rate, double *at) {
 }
 
 /* Along column c the sum falls at `slope`, less at every bound that is passed, as long as that is below 0.
- * Of the bounds passed, a late one with a sturdy pivot is where to stop.  Its row (*high: upper bound), FLIP:
- * c's own other bound, NONE: nothing. */
+ * The last bound passed is where to stop.  Its row (*high: upper bound), FLIP: c's own other bound, NONE:
+ * nothing. */
 static int choose_row(ns_phase1 *z, int c, double dir, double slope, int *high) {
     const ns_mlcp_solver *s = z->s;
     const double *e = s->elim.A + (size_t)c * (size_t)s->m, *mag = s->elim.mag + (size_t)c * (size_t)s->m;
-    double range = upper(z, s->tab.colvar[c]) - lower(z, s->tab.colvar[c]), most = 0.0, *at = s->xs;
+    double range = upper(z, s->tab.colvar[c]) - lower(z, s->tab.colvar[c]), *at = s->xs;
     int best = NONE;
     for (int r = 0; r < z->rows; r++)
         passed_bounds(z, r, fabs(e[r]) > SOUND * mag[r] ? dir * e[r] : 0.0, at + (size_t)2 * (size_t)r);
@@ -259,14 +255,10 @@ static int choose_row(ns_phase1 *z, int c, double dir, double slope, int *high) 
                 k = i;
         if (!(at[k] < range))
             return isfinite(range) ? FLIP : best;
-        double a = fabs(e[k / 2]);
         at[k] = INFINITY;
-        slope += a;
-        most = fmax(most, a);
-        if (a >= STURDY * most) {
-            best = k / 2;
-            *high = k % 2;
-        }
+        slope += fabs(e[k / 2]);
+        best = k / 2;
+        *high = k % 2;
     }
     return best;
 }
@@ -290,16 +282,10 @@ static int move_column(ns_phase1 *z, int c) {
 }
 
 /* One step; 0: the sum is least.  Where nothing would stop it the reduced cost is rounding, for the sum is
- * never below 0: of a tableau just made such a column is left, of one worn out nothing is believed. */
-static int step_down(ns_phase1 *z, int first) {
-    int c = choose_column(z, first);
-    while (c >= 0 && !move_column(z, c)) {
-        if (z->pivots > 0)
-            return 0;
-        z->cost[c] = 0.0;
-        c = choose_column(z, first);
-    }
-    return c >= 0;
+ * never below 0. */
+static int step_down(ns_phase1 *z) {
+    const int c = choose_column(z);
+    return c >= 0 && move_column(z, c);
 }
 
 void ns_mlcp_phase1_start(ns_phase1 *z, ns_mlcp_solver *s, int boxes, double floor, double near) {
@@ -310,7 +296,7 @@ void ns_mlcp_phase1_start(ns_phase1 *z, ns_mlcp_solver *s, int boxes, double flo
                      .value = s->tab.beta,
                      .size = s->ysize,
                      .side = s->lsize,
-                     .cost = s->tab.cover};
+                     .cost = s->tab.cost};
     memset(z->mode, NS_OPEN, (size_t)s->m);
     ns_linalg_equilibrate(s->m, s->p->W, s->m, s->elim.row_exp, s->elim.col_exp, s->elim.e);
     load_bounds(z);
@@ -333,23 +319,13 @@ void ns_mlcp_phase1_put(ns_phase1 *z, int i, ns_mode mode) {
 }
 
 int ns_mlcp_phase1_run(ns_phase1 *z) {
-    const int patience = z->rows + z->cols;
-    int stalled = 0;
-    double before = INFINITY, sum;
     for (int it = 0; it < PIVOTS_FLAT + PIVOTS_PER_PAIR * z->s->m; it++) {
         if (z->pivots >= RENEW)
             remake_tableau(z);
-        int outside = measure_violations(z, &sum);
-        if (outside == 0 && z->pivots > 0) { /* perhaps only beside values that lost their digits */
-            remake_tableau(z);
-            outside = measure_violations(z, &sum);
-        }
-        if (outside == 0)
+        if (measure_violations(z) == 0)
             return NS_OK;
-        stalled = sum < before * (1.0 - STALL) ? 0 : stalled + 1;
-        before = fmin(before, sum);
         price_columns(z);
-        int moved = step_down(z, stalled > patience);
+        int moved = step_down(z);
         if (!moved && z->pivots == 0)
             return NS_E_INFEASIBLE;
         if (!moved)

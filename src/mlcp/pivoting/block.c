@@ -1,8 +1,7 @@
 /* src/mlcp/pivoting/block.c - principal pivoting by blocks, for many pairs.
  *
  * Every round factors W_JJ of the mode (J: the equalities and the pairs inside) and flips all pairs whose
- * guard is broken, as long as that lets their number fall every few rounds; after that one at a time
- * (Judice and Pires; Murty's rule).
+ * guard is broken, as long as that lets their number fall every few rounds (Judice and Pires).
  * Where W_JJ is singular (loops of ideal diodes, redundant equalities), proximal points take over:
  *
  *     y = W lambda + q + ridge (lambda - x),     ridge_i = eps in units in which the entries of W are about 1
@@ -20,7 +19,7 @@
 #include "mlcp/verify/residual.h"
 #include "mlcp/verify/residual_bound.h"
 
-enum { ROUNDS = 100, PATIENCE = 3, IDLE = 15, REFINEMENTS = 8 };
+enum { ROUNDS = 100, IDLE = 15, REFINEMENTS = 8 };
 enum { FIRST = -20, LAST = -50, STEP = -6 }; /* exponents of eps */
 static const double RCOND = 1e-13;           /* a basis must keep three digits */
 
@@ -124,8 +123,8 @@ static ns_mode mode_wanted(ns_mlcp_solver *s, int i) {
     return ns_mlcp_basis_wanted(s, i);
 }
 
-/* Flips all whose guards are broken, or only the last of them; returns how many are broken. */
-static int flip_violated(state *b, int all) {
+/* Flips all whose guards are broken; returns how many. */
+static int flip_violated(state *b) {
     ns_mlcp_solver *s = b->s;
     int n = 0;
     ns_mlcp_basis_floor_sizes(s);
@@ -134,10 +133,8 @@ static int flip_violated(state *b, int all) {
         const ns_mode to = mode_wanted(s, i);
         if (to == s->mode[i])
             continue;
-        if (all || n == 0) {
-            s->mode[i] = to;
-            s->pivots++;
-        }
+        s->mode[i] = to;
+        s->pivots++;
         n++;
     }
     return n;
@@ -149,7 +146,7 @@ static int find_mode(state *b) {
     for (int round = 0; round < ROUNDS && idle < IDLE; round++) {
         if (factor_mode(b) != NS_OK || solve_mode(b) != NS_OK)
             return NS_E_SINGULAR;
-        const int n = flip_violated(b, idle < PATIENCE);
+        const int n = flip_violated(b);
         if (n == 0)
             return NS_OK;
         idle = n < best ? 0 : idle + 1;
@@ -185,7 +182,6 @@ static double refine_answer(state *b) {
     ns_mlcp_restore(s, &s->kept);
     if (best <= NS_MLCP_GOOD)
         return best;
-    ns_mlcp_basis_zero_undriven(s);
     const double full = ns_mlcp_measure(&s->now, s->lambda, s->alike, s->rhs, NULL);
     return isnan(full) ? full : fmin(best, full);
 }
@@ -222,29 +218,16 @@ static int solve_point(state *b, double *r) {
 /* Ever smaller ridges, from the answer of the one before. */
 static double solve_proximal_points(state *b) {
     ns_mlcp_solver *s = b->s;
-    ns_mode *best_mode = (ns_mode *)s->tab.first_y;
-    double best = INFINITY, *best_lambda = s->tab.cover, r;
+    double r = INFINITY;
     memset(s->factored.centre, 0, (size_t)s->m * sizeof *s->factored.centre);
     for (int eps = FIRST; eps >= LAST; eps += STEP) {
         b->eps = eps;
         const int done = solve_point(b, &r);
-        if (done && r < INFINITY)
-            return r;
         if (done)
-            break;
+            return r;
         memcpy(s->factored.centre, s->lambda, (size_t)s->m * sizeof *s->lambda);
-        if (r < best) {
-            memcpy(best_lambda, s->lambda, (size_t)s->m * sizeof *best_lambda);
-            memcpy(best_mode, s->mode, (size_t)s->m * sizeof *best_mode);
-            best = r;
-        }
     }
-    if (isinf(best))
-        return best;
-    memcpy(s->lambda, best_lambda, (size_t)s->m * sizeof *best_lambda);
-    memcpy(s->mode, best_mode, (size_t)s->m * sizeof *best_mode);
-    (void)clamp_and_bound(s);
-    return best;
+    return r;
 }
 
 int ns_mlcp_block(ns_mlcp_solver *s, double *residual) {

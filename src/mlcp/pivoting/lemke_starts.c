@@ -2,7 +2,7 @@
  * vectors, until one of them answers. */
 #include "mlcp/mlcp_internal.h"
 
-enum { ROUNDS = 3 }; /* runs of Lemke's method, each from the mode of the last (stress: mixed 359) */
+enum { ROUNDS = 2 }; /* runs of Lemke's method, each from the mode of the last (stress: mixed 359) */
 static const double RCOND = 1e-13; /* a starting basis must keep three digits */
 
 /* Factors a basis of s->mode, or of one near it. */

@@ -13,7 +13,6 @@ static double try_answer(ns_mlcp_solver *s, int refinements) {
         if (!isfinite(s->lambda[i]) || !isfinite(s->y[i]))
             return INFINITY;
     ns_mlcp_basis_clamp(s);
-    ns_mlcp_basis_zero_undriven(s);
     return ns_mlcp_measure(&s->now, s->lambda, s->alike, s->rhs, NULL);
 }
 

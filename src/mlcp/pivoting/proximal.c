@@ -19,16 +19,16 @@
 
 #include "mlcp/verify/residual.h"
 
-enum { STEPS = 8, HALVINGS = 44 }; /* 2^-43: NS_MLCP_GOOD */
+enum { EPS = -20, STEPS = 8, HALVINGS = 44 }; /* 2^-43: NS_MLCP_GOOD */
 
 /* eps E as a list of entries; kind 0: diagonal, 1: left-over rows and columns. */
-static int choose_entries(ns_mlcp_solver *s, int kind, int eps) {
+static int choose_entries(ns_mlcp_solver *s, int kind) {
     int n = kind == 0 ? s->nf : s->elim.nstuck;
     for (int k = 0; k < n; k++) {
         s->regularised.row[k] = kind == 0 ? s->free[k] : s->elim.stuck_row[k];
         s->regularised.col[k] = kind == 0 ? s->free[k] : s->elim.stuck_col[k];
         s->regularised.value[k] =
-            ldexp(1.0, eps - s->elim.row_exp[s->regularised.row[k]] - s->elim.col_exp[s->regularised.col[k]]);
+            ldexp(1.0, EPS - s->elim.row_exp[s->regularised.row[k]] - s->elim.col_exp[s->regularised.col[k]]);
     }
     return n;
 }
@@ -102,15 +102,14 @@ static int iterate_points(ns_mlcp_solver *s, const ns_mode *mode, int n, double 
 }
 
 int ns_mlcp_proximal(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
-    static const struct { int kind, eps; } way[] = {{0, -20}, {1, -20}, {0, -33}, {1, -33}};
     int first = NS_E_SINGULAR;
     ns_mlcp_list(s, s->elim.nstuck, s->elim.stuck_row);
     ns_fault fault = s->fault;
-    for (size_t k = 0; k < sizeof way / sizeof *way; k++) {
+    for (int kind = 0; kind < 2; kind++) {
         ns_mlcp_take_given(s); /* scaling and left-over rows of the given problem */
         ns_mlcp_start_from(s, mode);
         (void)ns_mlcp_reveal(s);
-        int status = iterate_points(s, mode, choose_entries(s, way[k].kind, way[k].eps), residual);
+        int status = iterate_points(s, mode, choose_entries(s, kind), residual);
         if (status == NS_OK)
             return NS_OK;
         if (first == NS_E_SINGULAR && status != NS_E_SINGULAR) {

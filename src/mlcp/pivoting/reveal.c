@@ -5,8 +5,7 @@
  *      free columns left over: these equations leave a free lambda open (a node that floats).
  *   2. such a row r is joined to such a column c by pairs a, b, ... whose lambda come into the basis:
  *      pivots (r,lambda_a), (y_a,lambda_b), ..., (y_z,c).  Mostly one pair does: its current enters
- *      the node's equation and its voltage depends on the node.  The path is found breadth first, pairs that
- *      are inside already preferred.
+ *      the node's equation and its voltage depends on the node.  The path is found breadth first.
  *   3. pairs that are inside, by pivots on the diagonal or on a two by two block, as long as they are sound.
  * With each entry goes the largest term it was ever summed from: cancellation to rounding is told from
  * an entry that is small in its own right.
@@ -19,7 +18,6 @@
 
 static const double SOUND = 1e-10;             /* of the terms: ten of sixteen digits may be lost */
 static const double BARELY = 16 * DBL_EPSILON; /* last resort before calling it singular */
-static const double PREFER = 1e3;              /* pairs that are inside already */
 
 static double *entry(ns_mlcp_solver *s, int i, int j) {
     return s->elim.A + (size_t)i + (size_t)j * (size_t)s->m;
@@ -68,14 +66,14 @@ static void eliminate(ns_mlcp_solver *s, int i, int j) {
 }
 
 /* 1. */
-static void eliminate_free(ns_mlcp_solver *s, double tol) {
+static void eliminate_free(ns_mlcp_solver *s) {
     for (int step = 0; step < s->nf; step++) {
         int bi = -1, bj = -1;
         double best = 0.0;
         for (int b = 0; b < s->nf; b++)
             for (int a = 0; a < s->nf && !s->elim.coldone[s->free[b]]; a++) {
                 int i = s->free[a], j = s->free[b];
-                if (s->elim.rowdone[i] || fabs(*entry(s, i, j)) <= best || !is_significant(s, i, j, tol))
+                if (s->elim.rowdone[i] || fabs(*entry(s, i, j)) <= best || !is_significant(s, i, j, SOUND))
                     continue;
                 best = fabs(*entry(s, i, j));
                 bi = i;
@@ -88,11 +86,11 @@ static void eliminate_free(ns_mlcp_solver *s, double tol) {
 }
 
 /* Largest entry of row i in the free columns left over; -1 if there is none. */
-static int largest_free_column(ns_mlcp_solver *s, int i, double tol) {
+static int largest_free_column(ns_mlcp_solver *s, int i) {
     int best = -1;
     for (int f = 0; f < s->nf; f++) {
         int j = s->free[f];
-        if (!s->elim.coldone[j] && is_significant(s, i, j, tol) &&
+        if (!s->elim.coldone[j] && is_significant(s, i, j, SOUND) &&
             (best < 0 || fabs(*entry(s, i, j)) > fabs(*entry(s, i, best))))
             best = j;
     }
@@ -101,8 +99,8 @@ static int largest_free_column(ns_mlcp_solver *s, int i, double tol) {
 
 /* Breadth first from row r over pairs that are out.  Returns the last row of the path and its column;
  * s->elim.parent leads back.  -1: no path. */
-static int find_path(ns_mlcp_solver *s, int r, double tol, int *column) {
-    int head = 0, level = 0, tail = 0, found = largest_free_column(s, r, tol);
+static int find_path(ns_mlcp_solver *s, int r, int *column) {
+    int head = 0, level = 0, tail = 0, found = largest_free_column(s, r);
     s->queue[tail++] = r;
     if (found >= 0) {
         *column = found;
@@ -117,13 +115,12 @@ static int find_path(ns_mlcp_solver *s, int r, double tol, int *column) {
             for (int a = 0; a < s->np; a++) {
                 int i = s->queue[head], j = s->pair[a];
                 if (s->elim.rowdone[j] || s->elim.coldone[j] || s->elim.parent[j] >= 0 || j == r ||
-                    !is_significant(s, i, j, tol))
+                    !is_significant(s, i, j, SOUND))
                     continue;
                 s->elim.parent[j] = i;
                 s->queue[tail++] = j;
-                int c = largest_free_column(s, j, tol);
+                int c = largest_free_column(s, j);
                 double v = c < 0 ? 0.0 : fmin(fabs(*entry(s, i, j)), fabs(*entry(s, j, c)));
-                v *= s->mode[j] == NS_INSIDE ? PREFER : 1.0;
                 if (v > most) {
                     most = v;
                     best = j;
@@ -137,9 +134,9 @@ static int find_path(ns_mlcp_solver *s, int r, double tol, int *column) {
 }
 
 /* 2.  Pivots along paths until row r is settled; 0 if it cannot be.  *left: the row that is open then. */
-static int join_row(ns_mlcp_solver *s, int r, double tol, int *left) {
+static int join_row(ns_mlcp_solver *s, int r, int *left) {
     for (int tries = 0; tries <= s->np; tries++) {
-        int col = -1, end = find_path(s, r, tol, &col), n = 0;
+        int col = -1, end = find_path(s, r, &col), n = 0;
         *left = r;
         if (end < 0)
             return 0;
@@ -195,19 +192,12 @@ static void eliminate_pairs(ns_mlcp_solver *s) {
 int ns_mlcp_reveal(ns_mlcp_solver *s) {
     load_scaled(s);
     s->elim.nstuck = 0;
-    eliminate_free(s, SOUND);
+    eliminate_free(s);
     for (int f = 0; f < s->nf; f++) {
         int row = s->free[f], left = row;
-        if (s->elim.rowdone[row] || join_row(s, row, SOUND, &left))
+        if (s->elim.rowdone[row] || join_row(s, row, &left))
             continue;
         s->elim.stuck_row[s->elim.nstuck++] = left;
-    }
-    int open = s->elim.nstuck;
-    s->elim.nstuck = 0;
-    for (int k = 0; k < open; k++) {
-        int left = s->elim.stuck_row[k];
-        if (!join_row(s, left, BARELY, &left))
-            s->elim.stuck_row[s->elim.nstuck++] = left;
     }
     for (int f = 0, k = 0; f < s->nf; f++)
         if (!s->elim.coldone[s->free[f]])

@@ -101,14 +101,3 @@ int ns_mlcp_huge_multipliers_fail(ns_mlcp_solver *s, double doubt) {
     ns_mlcp_sum_terms(s->p, NULL, s->lambda, s->g, s->ysize);
     return breaks_a_row(s, data) || has_no_digit(s, largest);
 }
-
-double ns_mlcp_worst_row(ns_mlcp_solver *s) {
-    double data, most = 0.0;
-    int largest;
-    (void)measure_sizes(s, &data, &largest);
-    ns_mlcp_sum_terms(s->p, NULL, s->lambda, s->g, s->ysize);
-    for (int i = 0; i < s->m; i++)
-        if (s->ysize[i] > DATA * data * s->units.rowmax[i])
-            most = fmax(most, row_violation(s, i, s->g[i], DATA * data) / s->ysize[i]);
-    return most;
-}
