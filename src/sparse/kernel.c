@@ -58,11 +58,7 @@ static int prepare(ns_kernel *k, double h, double *ahead) {
     ns_sparse_kernel *e = kernel_of(k);
     ns_sparse *m = e->m;
     const double known = fmin(m->in->corner, m->in->first), limit = fmin(e->t + h, known);
-    int status = ns_sparse_control_step(m, e->step, e->t, limit), stages = -1;
-    while (status == NS_OK && e->step->stages < NS_ORDER && e->step->stages > stages) {
-        stages = e->step->stages;
-        status = ns_sparse_step_more(m, e->step);
-    }
+    const int status = ns_sparse_control_step(m, e->step, e->t, limit);
     *ahead = fmin(NS_POLE * e->step->g, limit - e->t);
     return status;
 }

@@ -156,8 +156,57 @@ static void a_jump(void **state) {
     end(&k);
 }
 
+/* 1 V to 1.5 ms, then up by 2 V a ms, charges 1 uF through 1 kohm: at 1 ms the answers hold to the corner at
+ * most, and to their end; a longer time does not make them hold longer.  A switch to ground, off above 4 V,
+ * looks at the capacitor. */
+static void until_what_is_known_ahead(void **state) {
+    (void)state;
+    rig k = begin();
+    const double at[] = {0, 1.5e-3, 2.5e-3}, volts[] = {1, 1, 3}, v0 = 0.25;
+    const ns_signal ramp = {.kind = NS_PWL, .u.pwl = {.n = 3, .t = at, .v = volts, .repeat = NAN}};
+    const ns_switch s = {.vt = 3, .vh = 1, .ron = 0, .roff = INFINITY};
+    const ns_mode open = NS_LOWER;
+    assert_int_equal(ns_circuit_source(k.c, "v", NS_VOLTAGE, 1, 0, &ramp, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(k.c, "r", 1, 3, ohms, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(k.c, "c", 3, 0, farads, NAN, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(k.c, "r2", 1, 4, ohms, NULL), NS_OK);
+    assert_int_equal(ns_circuit_switch(k.c, "s", 4, 0, 3, 0, &s, NULL), NS_OK);
+    assert_int_equal(ns_circuit_system(k.c, &k.s), NS_OK);
+    for (int which = 0; which < 2; which++) {
+        ns_kernel *q = make_kernel(k.s, which);
+        double w[8], x[8], lambda[1], ahead;
+        ns_guard g[3];
+        charged(&k, v0, w);
+        const double from[] = {1e-3, 1.4999e-3,
+                               1.6e-3}; /* s; the corner is 0.5 ms and 0.1 us ahead, and past */
+        for (int i = 0; i < 3; i++) {
+            assert_int_equal(q->table->place(q, from[i], w, &open), NS_OK);
+            assert_int_equal(q->table->prepare(q, 1e-8, &ahead), NS_OK);
+            assert_true(ahead > 0 && ahead <= 1e-8 * (1 + 1e-6));
+            assert_int_equal(q->table->place(q, from[i], w, &open), NS_OK);
+            assert_int_equal(q->table->prepare(q, 1, &ahead), NS_OK);
+            if (i == 1)
+                close_to(ahead, 1e-7, 1e-12);
+            for (int part = 0; part <= 2; part++) { /* C v' = (u - v)/R, u = u0 + slope t */
+                const double t = ahead * part / 2, slope = i == 2 ? 2e3 : 0, u0 = i == 2 ? 1.2 : 1;
+                const double v = u0 - slope * tau + slope * t + (v0 - u0 + slope * tau) * exp(-t / tau);
+                assert_int_equal(q->table->outputs(q, t, x, lambda), NS_OK);
+                close_to(x[ns_circuit_node_unknown(k.c, 3)], v, 1e-9);
+                close_to(x[ns_circuit_node_unknown(k.c, 1)], u0 + slope * t, 1e-12);
+                assert_int_equal(q->table->guards(q, t, g), NS_OK);
+                close_to(g[2].value, 4 - v, 1e-9);
+                close_to(g[2].rate, -(u0 + slope * t - v) / tau, 1e-4);
+                assert_true(g[0].value == INFINITY && g[1].value == INFINITY);
+            }
+        }
+        q->table->free(q);
+    }
+    end(&k);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(a_conducting_diode),
-                                       cmocka_unit_test(a_blocking_diode), cmocka_unit_test(a_jump)};
+                                       cmocka_unit_test(a_blocking_diode), cmocka_unit_test(a_jump),
+                                       cmocka_unit_test(until_what_is_known_ahead)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

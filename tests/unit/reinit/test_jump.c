@@ -156,6 +156,23 @@ static void what_matters_beside_others(void **state) {
     }
 }
 
+/* 1 nF from a source of 1 GV, or 1 V, to each of two nodes, at 0 and 0.1 mV; joined they share 0.1 pC. Beside
+ * 2 C, which their charges are the difference of, that is rounding. */
+static void what_matters_beside_its_terms(void **state) {
+    const double volts[] = {1, 1e9};
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        event e = {.k = net_begin()};
+        net_voltage(&e.k, "v", 1, 0, volts[i]);
+        net_capacitor(&e.k, "c1", 1, 2, 1e-9, 0);
+        net_capacitor(&e.k, "c2", 1, 3, 1e-9, 1e-4);
+        net_contact(&e.k, "s", 2, 3, 1);
+        ready(&e);
+        assert_int_equal(two_steps(&e, 1e-12), i == 0);
+        leave(&e);
+    }
+}
+
 /* A source across 1 nF, which is at 0 V: 1 V at t = 0 and rising.  On the right side of the jump its current
  * is C dv/dt, by the slope there: of a line to rounding, of a sine by two points 2^-14 and 2^-13 of the
  * longest step away. */
@@ -183,9 +200,10 @@ static void slopes_are_those_on_the_right(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(charges_are_shared),         cmocka_unit_test(the_time_goes_back),
-        cmocka_unit_test(what_takes_time_is_no_jump), cmocka_unit_test(a_short_transient_stays),
-        cmocka_unit_test(rates_before_explain),       cmocka_unit_test(rounding_is_no_jump),
-        cmocka_unit_test(what_matters_beside_others), cmocka_unit_test(slopes_are_those_on_the_right)};
+        cmocka_unit_test(charges_are_shared),           cmocka_unit_test(the_time_goes_back),
+        cmocka_unit_test(what_takes_time_is_no_jump),   cmocka_unit_test(a_short_transient_stays),
+        cmocka_unit_test(rates_before_explain),         cmocka_unit_test(rounding_is_no_jump),
+        cmocka_unit_test(what_matters_beside_others),   cmocka_unit_test(what_matters_beside_its_terms),
+        cmocka_unit_test(slopes_are_those_on_the_right)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

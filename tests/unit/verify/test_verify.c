@@ -276,6 +276,31 @@ static void joined_capacitors(void **state) {
     close_bench(&b);
 }
 
+/* A switch joins 1 uF at 0 V to a source of 10 V, the first of the inputs: 50 uJ more are there after it, and
+ * right. Of 10.5 V there would be 55 uJ. */
+static void what_a_source_puts_in(void **state) {
+    (void)state;
+    bench b = {.k = begin()};
+    const ns_switch contact = {.vt = 0.5, .vh = 0, .ron = 0, .roff = INFINITY};
+    const ns_signal supply = pulse(10, 11, 5e-6, 1e-6, 1e-6, 1e-6, period),
+                    gate = pulse(0, 1, 2e-6, 10e-9, 10e-9, 4e-6, period);
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-7, .method = NS_EXACT, .reltol = 1e-9};
+    const ns_verify_options vo = {.reltol = 1e-9, .instant = 1e-11};
+    assert_int_equal(ns_circuit_source(b.k.c, "v1", NS_VOLTAGE, 1, 0, &supply, NULL), NS_OK);
+    assert_int_equal(ns_circuit_source(b.k.c, "vg", NS_VOLTAGE, 2, 0, &gate, NULL), NS_OK);
+    assert_int_equal(ns_circuit_switch(b.k.c, "as1", 1, 3, 2, 0, &contact, &b.as1), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(b.k.c, "c1", 3, 0, 1e-6, 0, &b.c1), NS_OK);
+    make_by(&b.k, &o);
+    assert_int_equal(ns_verify_create(b.k.s, &vo, &b.v), NS_OK);
+    start_at_rest(&b.k);
+    event e = next_event(&b);
+    assert_true(fabs(e.right.x[ns_circuit_node_unknown(b.k.c, 3)] - 10) < 1e-12);
+    assert_true(judged(&b, &e.left) && judged(&b, &e.right) && event_judged(&b, &e));
+    e.right.x[ns_circuit_node_unknown(b.k.c, 3)] = 10.5;
+    assert_false(event_judged(&b, &e));
+    close_bench(&b);
+}
+
 /* The diode carries charge backwards. */
 static void an_impulse_of_the_wrong_sign(void **state) {
     (void)state;
@@ -349,6 +374,7 @@ int main(void) {
         cmocka_unit_test(a_switch_against_its_control),
         cmocka_unit_test(a_charge_that_is_lost),
         cmocka_unit_test(joined_capacitors),
+        cmocka_unit_test(what_a_source_puts_in),
         cmocka_unit_test(an_impulse_of_the_wrong_sign),
         cmocka_unit_test(a_way_that_is_not_the_integral),
         cmocka_unit_test(energy_of_a_controlled_source),
