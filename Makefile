@@ -372,23 +372,20 @@ corpus: deps ## netlists of public repositories with one line more, beside ngspi
 
 # --- mutants: would a test notice? ------------------------------------------------------------------------
 
-RECORDER :=# given to the build whose library records the functions that a program calls
 # All of the library in a shared object that shows everything, so that one changed file needs no other link.
-$(B)/libnonsmooth-test.so: $(OBJ) $(RECORDER)
+$(B)/libnonsmooth-test.so: $(OBJ)
 	@echo "  LINK    $@"
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-soname,libnonsmooth-test.so $(WRAP) $^ -o $@ $(LIBS)
 
 MUTANTS ?= 200# how many
 MUTANTS_SEED ?= 1
 IN_MUTANTS := B=build/mutants WARN=-w CFLAGS=-O1 TEST_LIB=build/mutants/libnonsmooth-test.so
-IN_CALLS := B=build/mutants/calls WARN=-w CFLAGS='-O1 -g1 -fno-inline -finstrument-functions' \
-    RECORDER=build/mutants/record.o
+IN_LINES := B=build/mutants/lines WARN=-w CFLAGS='-O1 -g1 -fno-inline --coverage'
 
 .PHONY: mutants mutants-run
 mutants: deps ## random small changes to src/, MUTANTS of them by MUTANTS_SEED: which ones no test notices (an hour)
 	@$(MAKE) $(JOBS) $(IN_MUTANTS) all units
-	@$(CC) -O1 -fPIC -c tests/mutants/record.c -o build/mutants/record.o
-	@$(MAKE) $(JOBS) $(IN_CALLS) build/mutants/calls/libnonsmooth-test.so
+	@$(MAKE) $(JOBS) $(IN_LINES) build/mutants/lines/libnonsmooth-test.so
 	@$(MAKE) --no-print-directory $(IN_MUTANTS) mutants-run
 
 mutants-run:

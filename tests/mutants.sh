@@ -3,17 +3,21 @@
 #
 #     tests/mutants.sh COUNT SEED
 #
-# `make mutants` calls it, with everything built in build/mutants.  COUNT mutants, picked by SEED among all candidates
-# (tests/mutants/candidates.awk); those that do not compile, or to the same object, are replaced by others.  For each
-# one its file is compiled and the library linked anew.  Then run, until one fails: the test programs that call the
-# changed function, of its room first, the quickest first; a few of them again under valgrind; the tests of nsc-mlcp
-# and the netlists through ngspice.  A program that takes ten times as long as it does fails.
-# Printed: each mutant that lives, and how many were noticed.  Those of tests/mutants/accepted, lines
-# "FILE | BEFORE | AFTER | REASON", are printed with their reason.  Status 0: 85 of 100 were noticed.
-# Environment: QUICK=yes leaves out the netlists, valgrind, and programs of more than a second.
+# `make mutants` calls it, with everything built in build/mutants, and once more with gcov's counters in
+# build/mutants/lines.  COUNT mutants, picked by SEED among all candidates (tests/mutants/candidates.awk); those that do
+# not compile, or to the same object, are replaced by others.  Each test (a program, or a netlist through ngspice) runs
+# once with the counters.  For each mutant its file is compiled and the library linked anew.  Then the tests that execute
+# the changed line run, until one fails: the quickest first, those of its room's folder as if they took a quarter of
+# their time; then a few programs under valgrind, and the tests of nsc-mlcp.  A test that takes ten times as long as it
+# does fails.
+# Printed: each mutant that lives, with the number of tests that execute its line, and how many were noticed.  Those of
+# tests/mutants/accepted, lines "FILE | BEFORE | AFTER | REASON", are printed with their reason.  Status 0: 85 of 100
+# were noticed.
+# Environment: QUICK=yes leaves out netlists, valgrind, and programs of more than a second; MUTANTS_IN: folders or files to
+# change, in place of src; JOBS: so many side by side (number of processors).
 cd "$(dirname "$0")/.." || exit 1
-export LC_ALL=C OPENBLAS_NUM_THREADS=1
-dir=build/mutants
+export LC_ALL=C OPENBLAS_NUM_THREADS=1 TIME_LIMIT=600
+dir=$PWD/build/mutants
 made=$dir/made
 tab=$(printf '\t')
 
@@ -38,90 +42,155 @@ compile() {
     rm -f "$copy"
 }
 
+# link_models FOLDER OBJECT...: the code models, and what netlists need beside them.
+link_models() {
+    to=$1
+    shift
+    # shellcheck disable=SC2086 # objects, options
+    $CC -shared -Wl,--version-script=codemodels/nonsmooth.map $CM_OBJ "$@" -o "$to/nonsmooth.cm" $CM_LIBS
+    ln -sf "$dir"/nonsmooth*.inc "$dir/nsc-mlcp" "$to"
+}
+
 # limited SECONDS COMMAND...: with so much CPU time.
 # shellcheck disable=SC3045 # dash and bash have these
 limited() (
     ulimit -t "$1"
     ulimit -v 4000000
     shift
-    timeout 600 "$@" >/dev/null 2>&1 </dev/null
+    timeout 1200 "$@" >/dev/null 2>&1 </dev/null
 )
+
+# netlist FOLDER FILE VARIANT: runs it there with nonsmooth.cm.  NGSPICE: the program.
+netlist() {
+    mkdir -p "$1"
+    SCRATCH=$1 tests/netlist/run.sh --one "$2" "$3"
+}
+
+# record NUMBER: the test of that line of $dir/test.list, with counters; its CPU time, in 1/100 s, or none where it fails.
+record() {
+    test=$(sed -n "${1}p" "$dir/test.list")
+    at=$dir/runs/$1
+    rm -rf "$at"
+    mkdir -p "$at"
+    # shellcheck disable=SC2086 # words
+    (
+        case $test in
+        netlist*) NGSPICE=$dir/ngspice NONSMOOTH_CM=$dir/lines/nonsmooth.cm netlist "$at" ${test#netlist} ;;
+        *) GCOV_PREFIX=$at LD_LIBRARY_PATH=$dir/lines "$test" ;;
+        esac >"$at/out" 2>&1 </dev/null && times >"$at/times"
+    )
+    if [ -s "$at/times" ]; then
+        awk -v n="$1" 'NR == 2 {split($1, t, /[ms]/); print n, int(100 * (60 * t[1] + t[2])) + 1}' "$at/times" >"$at/time"
+    else
+        echo "mutants: $test fails without any change, and is left out" >&2
+        tail -n 2 "$at/out" >&2
+    fi
+    find "$at" -name '*.gcda' | while read -r file; do
+        part=${file#*/obj/src/}
+        mkdir -p "$at/src/$(dirname "$part")"
+        mv "$file" "$at/src/$part"
+        ln -sf "$dir/lines/obj/src/${part%.gcda}.gcno" "$at/src/${part%.gcda}.gcno"
+    done
+}
+
+# executes NUMBER FILE LINE: whether that test executes the line; of one without code of its own, the line before it.
+executes() {
+    data=$dir/runs/$1/${2%.c}.gcda
+    [ -f "$data" ] || return 1
+    [ -f "$data.lines" ] || { gcov -t "$data" 2>/dev/null | awk -v file="$2" '
+        / 0:Source:/ {sub(/.*0:Source:/, ""); ours = $0 == file; ran = 0; next}
+        ours {
+            split($0, part, ":")
+            if (part[1] ~ /[0-9#]/) ran = part[1] ~ /[0-9]/
+            if (substr($0, length(part[1]) + length(part[2]) + 3) ~ /^}/) ran = 0
+            if (ran) print part[2] + 0
+        }' >"$data.$$" && mv "$data.$$" "$data.lines"
+    } # others may read it
+    grep -qx "$3" "$data.lines"
+}
 
 # noticed_by MUTANT: prints what notices it, or nothing.
 noticed_by() {
     at=$made/$1
-    file=$(cut -f2 "$at/change") function=$(cut -f4 "$at/change")
+    file=$(cut -f2 "$at/change") line=$(cut -f3 "$at/change")
     room=$(echo "$file" | cut -d/ -f2)
-    awk -F'\t' -v file="$file" -v f="$function" '$1 == file && $2 == f {print $3}' "$dir/calls.list" >"$at/calling"
-    awk -v room="/unit/$room/" 'NR == FNR {calls[$1] = 1; next} $1 in calls {print !index($1, room), $2, $1}' \
-        "$at/calling" "$dir/times" | sort -k1,1n -k2,2n >"$at/programs"
-    # shellcheck disable=SC2046,SC2086 # objects, options
-    case $file in
-    src/tool/*) ;;
-    *) $CC -shared -Wl,-soname,libnonsmooth-test.so $WRAP $(objects "$1") -o "$at/libnonsmooth-test.so" $LIBS ;;
-    esac
-    while read -r _ seconds program; do
-        [ "${QUICK:-no}" = no ] || [ "$seconds" -lt 100 ] || continue
-        LD_LIBRARY_PATH=$at limited $((10 * seconds / 100 + 5)) "$program" || { echo "$program" && return; }
-    done <"$at/programs"
+    : >"$at/executing"
+    awk -v room="/unit/$room/" '
+        FILENAME ~ /times$/ {time[$1] = $2; next}
+        FNR in time {print time[FNR] / (index($0, room) ? 4 : 1), time[FNR], FNR, $0}' "$dir/times" "$dir/test.list" |
+        sort -n >"$at/tests"
+    while read -r _ spent number test; do
+        executes "$number" "$file" "$line" || continue
+        echo "$spent $test" >>"$at/executing"
+        case $test in
+        netlist*)
+            [ "${QUICK:-no}" = no ] || continue
+            # shellcheck disable=SC2046 # objects
+            [ -f "$at/nonsmooth.cm" ] || link_models "$at" $(objects "$1")
+            export NONSMOOTH_CM="$at/nonsmooth.cm"
+            # shellcheck disable=SC2086 # words
+            limited $((spent / 10 + 5)) "$0" --netlist "$at/netlist" ${test#netlist} || { echo "$test" && return; }
+            ;;
+        *)
+            [ "${QUICK:-no}" = no ] || [ "$spent" -lt 100 ] || continue
+            # shellcheck disable=SC2046,SC2086 # objects, options
+            [ -f "$at/libnonsmooth-test.so" ] ||
+                $CC -shared -Wl,-soname,libnonsmooth-test.so $WRAP $(objects "$1") -o "$at/libnonsmooth-test.so" $LIBS
+            LD_LIBRARY_PATH=$at limited $((spent / 10 + 5)) "$test" || { echo "$test" && return; }
+            ;;
+        esac
+    done <"$at/tests"
     [ "${QUICK:-no}" = no ] || return
-    head -n 4 "$at/programs" >"$at/few"
-    while read -r _ seconds program; do
-        [ "$seconds" -lt 100 ] || continue
-        LD_LIBRARY_PATH=$at limited $((seconds + 60)) valgrind -q --leak-check=full --errors-for-leak-kinds=definite \
-            --error-exitcode=9 "$program" || { echo "valgrind $program" && return; }
+    grep -v ' netlist ' "$at/executing" | head -n 4 >"$at/few"
+    while read -r spent test; do
+        [ "$spent" -lt 100 ] || continue
+        LD_LIBRARY_PATH=$at limited $((spent + 60)) valgrind -q --leak-check=full --errors-for-leak-kinds=definite \
+            --error-exitcode=9 "$test" || { echo "valgrind $test" && return; }
     done <"$at/few"
+    case $room in linalg | mlcp | tool) ;; *) return ;; esac
     tool=$dir/obj/src/tool/nsc_mlcp.o
     case $file in src/tool/*) tool=$at/mutant.o ;; esac
     # shellcheck disable=SC2046,SC2086
-    $CC $tool $(objects "$1") -o "$at/nsc-mlcp" $LIBS
-    limited 60 tests/tool/run.sh "$at/nsc-mlcp" || { echo tests/tool/run.sh && return; }
-    case $file in src/tool/*) return ;; esac
-    # shellcheck disable=SC2046,SC2086
-    $CC -shared -Wl,--version-script=codemodels/nonsmooth.map $CM_OBJ $(objects "$1") -o "$at/nonsmooth.cm" $CM_LIBS
-    NONSMOOTH_CM=$at/nonsmooth.cm JOBS=1 tests/netlist/run.sh >"$at/netlists" 2>&1 ||
-        echo "netlists: $(grep -m1 '^FAIL' "$at/netlists")"
+    $CC $tool $(objects "$1") -o "$at/tool" $LIBS
+    limited 60 tests/tool/run.sh "$at/tool" || echo tests/tool/run.sh
 }
 
 case $1 in
 --compile) compile "$2" && exit ;;
+--netlist) netlist "$2" "$3" "$4" && exit ;;
+--record) record "$2" && exit ;;
 --run)
     noticed_by "$2" >"$made/$2/noticed"
-    rm -f "$made/$2/libnonsmooth-test.so" "$made/$2/nonsmooth.cm" "$made/$2/nsc-mlcp"
+    rm -rf "$made/$2/libnonsmooth-test.so" "$made/$2/nonsmooth.cm" "$made/$2/tool" "$made/$2/netlist"
     exit
     ;;
 esac
 most=$1 seed=$2
 rm -rf "$made"
-mkdir -p "$made" "$dir/called"
+mkdir -p "$made"
 
-# What each program calls, and how long it takes, in 1/100 s of CPU time.
-for program in "$dir"/tests/unit/*/* "$dir"/tests/property/* "$dir"/tests/reference/* "$dir"/tests/fault/*; do
-    [ -x "$program" ] || continue
-    name=$(echo "${program#"$dir"/tests/}" | tr / .)
-    log=$dir/called/$name
-    [ -z "$(find "$log.time" -newer "$program" -newer "$dir/calls/libnonsmooth-test.so" 2>/dev/null)" ] || continue
-    rm -f "$log.time"
-    if (CALLS=$log LD_LIBRARY_PATH=$dir/calls "$program" >/dev/null 2>&1 </dev/null && times >"$log.times"); then
-        awk -v program="$program" 'NR == 2 {split($1, t, /[ms]/); print program, int(100 * (60 * t[1] + t[2])) + 1}' \
-            "$log.times" >"$log.time"
-    else
-        echo "mutants: $program fails without any change, and is left out" >&2
-    fi
-done
-cat "$dir"/called/*.time >"$dir/times"
-cat "$dir"/called/*.time | while read -r program _; do
-    name=$(echo "${program#"$dir"/tests/}" | tr / .)
-    sed "s|\$| $program|" "$dir/called/$name"
-done >"$dir/called.all"
-cut -d' ' -f1 "$dir/called.all" | sort -u >"$dir/offsets"
-addr2line -f -e "$dir/calls/libnonsmooth-test.so" <"$dir/offsets" | paste - - >"$dir/functions"
-paste "$dir/offsets" "$dir/functions" |
-    awk -F'\t' -v OFS='\t' '
-        NR == FNR {sub(/.*\/src\//, "src/", $3); sub(/:.*/, "", $3); sub(/\..*/, "", $2); at[$1] = $3 OFS $2; next}
-        {split($0, part, " "); print at[part[1]], part[2]}' - "$dir/called.all" >"$dir/calls.list"
+# The tests, and which lines each of them executes: anew where the library or the tests were built anew.
+if [ -n "$(find "$dir/lines/libnonsmooth-test.so" "$dir"/tests -newer "$dir/recorded" 2>/dev/null)" ] || [ ! -f "$dir/recorded" ]; then
+    rm -rf "$dir/runs"
+    for program in "$dir"/tests/unit/*/* "$dir"/tests/property/* "$dir"/tests/reference/* "$dir"/tests/fault/*; do
+        [ ! -x "$program" ] || echo "$program"
+    done >"$dir/list"
+    tests/netlist/run.sh --list | sed 's/^/netlist /' | cut -d' ' -f1-3 >>"$dir/list"
+    mv "$dir/list" "$dir/test.list"
+    # shellcheck disable=SC2046 # objects
+    link_models "$dir/lines" $(find "$dir/lines/obj/src" -name '*.o' ! -path '*/tool/*') -lgcov
+    # shellcheck disable=SC2016 # the script's
+    printf '#!/bin/sh\nGCOV_PREFIX=$PWD exec %s "$@"\n' "${NGSPICE:-ngspice}" >"$dir/ngspice"
+    GCOV_PREFIX_STRIP=$(echo "$dir/lines" | tr -cd / | wc -c)
+    export GCOV_PREFIX_STRIP
+    chmod +x "$dir/ngspice"
+    seq "$(wc -l <"$dir/test.list")" | xargs -P "${JOBS:-$(nproc)}" -n1 "$0" --record
+    cat "$dir"/runs/*/time >"$dir/times"
+    touch "$dir/recorded"
+fi
 
-find src -name '*.c' | sort | xargs awk -f tests/mutants/candidates.awk >"$dir/candidates"
+# shellcheck disable=SC2086 # folders
+find ${MUTANTS_IN:-src} -name "*.c" | sort | xargs awk -f tests/mutants/candidates.awk >"$dir/candidates"
 awk -v seed="$seed" -v most=$((2 * most + 20)) -f tests/mutants/pick.awk "$dir/candidates" >"$dir/picked"
 echo "seed $seed, $(wc -l <"$dir/candidates") candidates"
 
@@ -137,12 +206,12 @@ while [ "$valid" -lt "$most" ] && [ $next -lt "$(wc -l <"$dir/picked")" ]; do
         echo $next
     done >"$dir/batch"
     next=$last
-    xargs -P "$(nproc)" -n1 "$0" --compile <"$dir/batch"
+    xargs -P "${JOBS:-$(nproc)}" -n1 "$0" --compile <"$dir/batch"
     while read -r k; do [ ! -f "$made/$k/mutant.o" ] || echo "$k"; done <"$dir/batch" >>"$dir/valid"
     valid=$(wc -l <"$dir/valid")
 done
 
-xargs -P "$(nproc)" -n1 "$0" --run <"$dir/valid"
+xargs -P "${JOBS:-$(nproc)}" -n1 "$0" --run <"$dir/valid"
 
 while read -r k; do
     IFS=$tab read -r _ file line function before after <"$made/$k/change"
@@ -155,7 +224,8 @@ while read -r k; do
         $1 == ENVIRON["FILE"] && $2 == ENVIRON["BEFORE"] && $3 == ENVIRON["AFTER"] {print $4; exit}' \
         tests/mutants/accepted)
     echo lives
-    printf '%s:%s %s\n    %s\n    %s\n%s' "$file" "$line" "$function" "$before" "$after" "${reason:+    because: $reason
+    printf '%s:%s %s, executed by %s tests\n    %s\n    %s\n%s' "$file" "$line" "$function" \
+        "$(wc -l <"$made/$k/executing")" "$before" "$after" "${reason:+    because: $reason
 }" >&2
 done <"$dir/valid" 2>"$dir/living" >"$dir/verdicts"
 cat "$dir/living"

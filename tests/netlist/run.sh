@@ -2,6 +2,7 @@
 # tests/netlist/run.sh - netlists through the installed ngspice with nonsmooth.cm, one verdict line each.
 #
 #     tests/netlist/run.sh [name...]      name: part of a verdict's name ("buck_ccm", "errors/"); none: all
+#     tests/netlist/run.sh --list         lines "FILE VARIANT NAME" of all
 #
 # Verdicts `ok netlist/NAME` and `FAIL netlist/NAME reason`; exit status 1 if one failed.  NAME is
 #   X default    netlists/X.cir as it is (it judges itself to 0.02 %: what .meas does between points, and digits not written)
@@ -168,6 +169,27 @@ judge() {
     fi
 }
 
+# list: what there is to run.
+list() {
+    for f in netlists/*.cir; do
+        for v in default fine reversed; do echo "$f $v $(basename "$f" .cir) $v"; done
+    done
+    for k in cases errors cookbook; do
+        for f in "tests/netlist/$k"/*.cir "netlists/$k"/*.cir; do
+            [ -f "$f" ] || continue
+            echo "$f - $k/$(basename "$f" .cir)"
+            case $f in */own_* | */errors/*) for b in psa ltpsa hsa; do echo "$f @$b $k/$(basename "$f" .cir)@$b"; done ;; esac
+            again=$(grep -c '^\* again: ' "$f")
+            for n in $(seq "$again"); do echo "$f -$n $k/$(basename "$f" .cir)"; done
+        done
+    done
+    echo "README.md README README"
+}
+
+if [ "${1:-}" = --list ]; then
+    cd "$top" && list
+    exit
+fi
 if [ "${1:-}" = --one ]; then
     one "$2" "$3"
     exit
@@ -182,19 +204,7 @@ mkdir -p "$SCRATCH" && SCRATCH=$(cd "$SCRATCH" && pwd) || exit 2
 export NONSMOOTH_CM="$CM" NGSPICE TIME_LIMIT SCRATCH
 
 cd "$top" || exit 2 # names in the list are without spaces, whatever stands before them
-for f in netlists/*.cir; do
-    for v in default fine reversed; do echo "$f $v $(basename "$f" .cir) $v"; done
-done >"$SCRATCH/list"
-for k in cases errors cookbook; do
-    for f in "tests/netlist/$k"/*.cir "netlists/$k"/*.cir; do
-        [ -f "$f" ] || continue
-        echo "$f - $k/$(basename "$f" .cir)"
-        case $f in */own_* | */errors/*) for b in psa ltpsa hsa; do echo "$f @$b $k/$(basename "$f" .cir)@$b"; done ;; esac
-        again=$(grep -c '^\* again: ' "$f")
-        for n in $(seq "$again"); do echo "$f -$n $k/$(basename "$f" .cir)"; done
-    done
-done >>"$SCRATCH/list"
-echo "README.md README README" >>"$SCRATCH/list"
+list >"$SCRATCH/list"
 for n in "$@"; do echo "$n"; done >"$SCRATCH/names"
 [ $# -eq 0 ] && echo >"$SCRATCH/names"
 : >"$SCRATCH/verdicts"
