@@ -99,5 +99,6 @@ double ns_verify_sizes_rounding_around(const ns_verify *v, int j) {
 
 double ns_verify_sizes_control_off(const ns_verify *v, int c) {
     const ns_command *k = &v->s->command[c];
-    return of_control * ns_verify_larger(v->most_control[c], ns_verify_larger(fabs(k->on), fabs(k->off)));
+    return of_control * ns_verify_larger(v->most_control[c], ns_verify_larger(fabs(k->on), fabs(k->off))) +
+           of_number * v->most_any[NS_VERIFY_ANY_NUMBER] * v->control.size[c];
 }

@@ -158,8 +158,59 @@ static void both_change_without_hysteresis(void **state) {
                 check_without_hysteresis(methods[k], variant & 1, variant >> 1, -0.8 + 0.2 * i);
 }
 
+/* S2 by -gain times the control of S1, which starts on its threshold and leaves it by `slope`: the coil gets
+ * +-V from the first instant on.  Nobody retries: the control that is zero but for a rounding of V is no
+ * contradiction. */
+static void check_start_on_threshold(ns_method method, double gain, double vt, double slope, double coil) {
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1.5e-8, .method = method};
+    const ns_signal up = {.kind = NS_DC, .u.dc = V}, down = {.kind = NS_DC, .u.dc = -V},
+                    by = {.kind = NS_DC, .u.dc = slope};
+    const ns_switch s1 = {.vt = vt, .roff = INFINITY}, s2 = {.vt = -vt * gain, .roff = INFINITY};
+    const double first = 1e-9;
+    bridge b;
+    double x[20], t = 0;
+    int l;
+    assert_int_equal(ns_circuit_create(&b.c), NS_OK);
+    assert_int_equal(ns_circuit_source(b.c, "vp", NS_VOLTAGE, P, 0, &up, NULL), NS_OK);
+    assert_int_equal(ns_circuit_source(b.c, "vn", NS_VOLTAGE, N, 0, &down, NULL), NS_OK);
+    assert_int_equal(ns_circuit_source(b.c, "i1", NS_CURRENT, 0, H, &by, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(b.c, "c1", H, 0, 1e-3, vt, NULL), NS_OK);
+    assert_int_equal(ns_circuit_vcontrolled(b.c, "e1", NS_VOLTAGE, MINUS, 0, 0, H, gain, NULL), NS_OK);
+    assert_int_equal(ns_circuit_switch(b.c, "s1", P, X, H, 0, &s1, NULL), NS_OK);
+    assert_int_equal(ns_circuit_switch(b.c, "s2", X, N, MINUS, 0, &s2, NULL), NS_OK);
+    assert_int_equal(ns_circuit_inductor(b.c, "l1", X, Y, coil, 0, &l), NS_OK);
+    assert_int_equal(ns_circuit_resistor(b.c, "r1", Y, 0, R, NULL), NS_OK);
+    assert_int_equal(ns_circuit_system(b.c, &b.s), NS_OK);
+    assert_int_equal(ns_circuit_rest(b.c, x), NS_OK);
+    assert_int_equal(ns_march_create(b.s, &o, &b.m, NULL), NS_OK);
+    assert_int_equal(ns_march_start(b.m, 0, x), NS_OK);
+    while (t < first) {
+        assert_int_equal(ns_march_try(b.m, first, NS_TO_TIME, &t), NS_OK);
+        assert_int_equal(ns_march_accept(b.m), NS_OK);
+    }
+    assert_int_equal(ns_march_read(b.m, &t, x, NULL, NULL), NS_OK);
+    const double right = copysign(V, slope) / R * -expm1(-first * R / coil);
+    const double got = x[ns_circuit_current_unknown(b.c, l)];
+    if (!(fabs(got - right) < 1e-8 * fabs(right)) || ns_march_counts(b.m)->retries > 0)
+        fail_msg("method %d, gain %g, vt %g, slope %g, L %g: %.12g A, expected %.12g A, %ld retries", method,
+                 gain, vt, slope, coil, got, right, ns_march_counts(b.m)->retries);
+    drop(b);
+}
+
+static void controls_start_on_their_thresholds(void **state) {
+    static const ns_method methods[] = {NS_EXACT, NS_SPARSE, NS_AUTO};
+    static const double gains[] = {0.05, 0.2, 0.3, 1, 3, 7}, thresholds[] = {0, 0.1, 1, -0.3},
+                        slopes[] = {1, -1, 0.03}, coils[] = {1e-6, 1e-4, 1e-2};
+    (void)state;
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 6 * 4 * 3 * 3; i++)
+            check_start_on_threshold(methods[k], gains[i % 6], thresholds[i / 6 % 4], slopes[i / 24 % 3],
+                                     coils[i / 72]);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(both_change),
-                                       cmocka_unit_test(both_change_without_hysteresis)};
+                                       cmocka_unit_test(both_change_without_hysteresis),
+                                       cmocka_unit_test(controls_start_on_their_thresholds)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
