@@ -87,7 +87,8 @@ int ns_bridge_report_code(int status) {
         {NS_E_OVERFLOW, E_MAGEXCEEDED},
         {NS_E_SINGULAR, E_NOTFOUND}, /* not E_SINGULAR: ngspice would blame its matrix */
         {NS_E_INFEASIBLE, E_NOTFOUND},
-        {NS_E_RESIDUAL, E_NOTFOUND}};
+        {NS_E_RESIDUAL, E_NOTFOUND},
+        {NS_E_CHATTER, E_NOTFOUND}};
     for (size_t k = 0; k < sizeof codes / sizeof codes[0]; k++)
         if (codes[k][0] == status)
             return codes[k][1];

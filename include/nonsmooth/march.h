@@ -76,7 +76,8 @@ typedef enum ns_until {
  * time at which the trial ended: later than the accepted time (equal to it: the right side of a jump), and at
  * most some steps of h/2^20 after t (two for each switch that changes at t).  The accepted point is
  * unchanged: try again with any t.  A second call that asks for the end of the last trial costs nothing.
- * Errors: NULL, RANGE (t), those of ns_theta_try(), LIMIT. */
+ * Errors: NULL, RANGE (t), those of ns_theta_try(), LIMIT, CHATTER (not with NS_THETA: a switch without
+ * hysteresis stays at its threshold, and another device changes with each of its switchings). */
 int ns_march_try(ns_march *m, double t, ns_until until, double *reached);
 
 /* What is looked at between events: looked (n+m: x, lambda) is not 0 there; NULL: all, as at first.  Trials

@@ -23,7 +23,8 @@ extern "C" {
     X(NS_E_RESIDUAL, -10, "the answer found does not satisfy the equations")                                 \
     X(NS_E_OVERFLOW, -11, "the solution grew beyond what a double can hold")                                 \
     X(NS_E_STATE, -12, "this call does not fit the state of the object")                                     \
-    X(NS_E_NAME, -13, "a name is unknown or given twice")
+    X(NS_E_NAME, -13, "a name is unknown or given twice")                                                    \
+    X(NS_E_CHATTER, -14, "a switch without hysteresis opens and closes infinitely fast")
 
 typedef enum ns_status {
 #define NS_STATUS_ENUM(name, value, text) name = value,

@@ -188,11 +188,28 @@ static void write_contradiction(line_writer *w, const ns_circuit *c, const ns_fa
     }
 }
 
+/* The first pair opens and closes infinitely fast, and the second one changes each time: what helps. */
+static void write_chatter(line_writer *w, const ns_circuit *c, const ns_fault *f) {
+    const element *e = count_of(f->npairs) > 1 ? element_of_pair(c, f->pair[0]) : NULL;
+    if (!e) {
+        return;
+    }
+    write_text(w, " (");
+    write_pair(w, c, f->pair[1], 1);
+    write_text(w, " changes with each switching of ");
+    write_pair(w, c, f->pair[0], 1);
+    write_text(w, e->kind == SWITCH ? "; give its model a vh above 0)"
+                                    : "; let a switch with a vh above 0 make this comparison)");
+}
+
 /* The usual cause. */
 static void write_cause(line_writer *w, const ns_circuit *c, const ns_fault *f) {
     int written;
     if (f->status == NS_E_LIMIT) {
         write_contradiction(w, c, f);
+    }
+    if (f->status == NS_E_CHATTER) {
+        write_chatter(w, c, f);
     }
     if (f->status != NS_E_INFEASIBLE && f->status != NS_E_SINGULAR) {
         return;

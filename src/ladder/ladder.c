@@ -40,18 +40,18 @@ static double choose_step(const ns_ladder *l, location *w, double rest) {
     }
 }
 
-/* Where events are many (accumulation, chatter) none is located: (P1) is solved at the end of the step. */
-static int step_capturing(ns_ladder *l, double h, double t) {
+/* Where events are many (accumulation, chatter) none is located: (P1) is solved at the end of the step.
+ * *done: there switches change, l->point->flip tells which.  Events stay many while some do. */
+static int step_capturing(ns_ladder *l, double h, double t, int *done) {
     int status = ns_theta_try(l->step, h, l->z, 0, NS_RESOLVE);
     if (status != NS_OK)
         return status;
-    const int flips = ns_ladder_switch_by_state(l, l->z, l->point->flip);
+    *done = ns_ladder_switch_by_state(l, l->z, l->point->flip) > 0;
     status = ns_theta_accept(l->step);
     ns_clock_advance(&l->point->now, t, h);
-    if (flips)
-        ns_ladder_switch_apply(l, l->point->flip);
-    memset(l->point->flip, 0, (size_t)l->s->nc);
-    if (t - l->window.from > l->h)
+    if (*done)
+        l->window.from = t;
+    else if (t - l->window.from > l->h)
         l->window.events = 0;
     return status;
 }
@@ -85,7 +85,7 @@ static int try_step(ns_ladder *l, location *w, int *done) {
     const double t = h >= rest * (1 - 1e-9) ? w->stop : l->point->now.t + (l->point->now.lost + h);
     ns_system_inputs(l->s, t, NS_LEFT, l->z);
     if (crowding)
-        return step_capturing(l, h, t);
+        return step_capturing(l, h, t, done);
     int broke = 0;
     const int status = step_locating(l, h, t, &broke);
     if (status != NS_OK)
@@ -107,7 +107,7 @@ int ns_ladder_walk(ns_ladder *l, double stop) {
         const int status = try_step(l, &w, &done);
         if (status != NS_OK)
             return status;
-        enough = l->one_step && !w.locating;
+        enough = l->one_step && !w.locating && !done;
     }
     l->point->at_event = l->point->input_jumps = 0;
     if (enough && time_left(l, &w) > shortest_rest(l))

@@ -36,7 +36,7 @@ int ns_march_dense_begin_line(ns_dense_run *r, int from_event) {
 static int is_on_way(const ns_dense_run *r, double t, int *status) {
     const double from = r->accepted.now.t, to = r->trial.now.t;
     *status = !r->has_trial || r->until != NS_TO_STEP || !(to > from) ? NS_E_STATE
-              : !(t >= from && t <= to)                               ? NS_E_RANGE
+              : !(t >= r->way_from && t <= to)                        ? NS_E_RANGE
                                                                       : NS_OK;
     return *status == NS_OK;
 }
@@ -76,6 +76,7 @@ int ns_march_dense_sample(ns_engine *e, double t, double *x, double *lambda) {
     int status;
     if (!is_on_way(r, t, &status))
         return ns_march_dense_fail(r, status);
+    t = fmax(t, r->accepted.now.t);
     x_lambda = r->way.at;
     status = r->way.is_line ? sample_line(r, t) : ns_exact_sample(r->exact, t, &x_lambda);
     return status == NS_OK ? give(r, t, x_lambda, x, lambda) : ns_march_dense_fail(r, status);
@@ -87,5 +88,6 @@ double ns_march_dense_shortest(ns_engine *e, double t, double *until) {
     *until = INFINITY;
     if (!is_on_way(r, t, &status))
         return NAN;
+    t = fmax(t, r->accepted.now.t);
     return r->way.is_line ? INFINITY : ns_exact_shortest(r->exact, t, until);
 }

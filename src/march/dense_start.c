@@ -48,7 +48,9 @@ int ns_march_dense_start(ns_engine *e, double t0, const double *w0, const unsign
     if (status != NS_OK)
         return ns_march_dense_fail(r, status);
     r->started = r->has_trial = 1;
-    return ns_march_dense_accept(r);
+    const int accepted = ns_march_dense_accept(r);
+    r->way_from = t0;
+    return accepted;
 }
 
 static int start_dc(ns_dense_run *r, double t0, int nhold, const int *hold, const double *hold_x, double *x,

@@ -104,7 +104,7 @@ static int go_by(ns_run *r, ns_run_kind kind, const again *a, double *reached) {
 
 static int go_by_others(ns_run *r, const again *a, double *reached) {
     const ns_run_kind own = r->kind;
-    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+    for (size_t i = 0; i < sizeof others / sizeof *others && !ns_march_sliding_is_cause(r); i++)
         if (others[i] != own && go_by(r, others[i], a, reached)) {
             ns_march_run_leave_for_now(r, a->t, own);
             return 1;
@@ -120,6 +120,8 @@ int ns_march_run_allows(ns_run *r, const ns_verify_finding *f) {
 }
 
 int ns_march_run_refuse(ns_run *r, const ns_verify_finding *f) {
+    if (f->cause == NS_VERIFY_CHATTER)
+        return ns_march_sliding_refuse(r, f);
     r->fault = (ns_fault){.status = NS_E_RESIDUAL, .t = f->t, .why = ns_verify_text(f->cause)};
     if (f->pair >= 0)
         r->fault.pair[r->fault.npairs++] = f->pair;
@@ -132,12 +134,16 @@ int ns_march_run_refuse(ns_run *r, const ns_verify_finding *f) {
 int ns_march_run_again(ns_run *r, double t, ns_until until, double *reached) {
     ns_run_check *k = &r->check;
     const ns_verify_finding first = k->finding;
+    ns_verify_finding last = first;
     again a = {.asked = t, .until = until};
-    int status = begin_again(r, &a), right = 0;
+    int status = begin_again(r, &a), right = 0, chatters = 0;
     k->retries++;
+    k->found = 0;
     if (status == NS_OK) {
-        right =
-            go_by_others(r, &a, reached) || (ns_march_run_allows(r, &first) && try_judged(r, &a, reached));
+        right = go_by_others(r, &a, reached);
+        last = k->finding;
+        chatters = !right && ns_march_sliding_is_cause(r);
+        right = right || (!chatters && ns_march_run_allows(r, &first) && try_judged(r, &a, reached));
         k->is_old = right;
         k->asked = t;
         k->until = (int)until;
@@ -148,5 +154,7 @@ int ns_march_run_again(ns_run *r, double t, ns_until until, double *reached) {
     free(a.w);
     free(a.closed);
     k->found = 0;
-    return right ? NS_OK : status != NS_OK ? status : ns_march_run_refuse(r, &first);
+    if (right || status != NS_OK)
+        return right ? NS_OK : status;
+    return ns_march_run_refuse(r, chatters ? &last : &first);
 }

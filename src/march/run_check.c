@@ -36,7 +36,8 @@ static int take(ns_run *r, double cost, int right) {
 int ns_march_check_shown(ns_run *r, double t, ns_side side, const double *y) {
     ns_run_check *k = &r->check;
     const ns_verify_state at = ns_march_check_state(r, t, side, y);
-    return take(r, k->point_cost, ns_verify_point(k->verify, &at, &k->finding));
+    return take(r, k->point_cost,
+                ns_verify_point(k->verify, &at, &k->finding) && ns_march_sliding_is_limit(r, &at));
 }
 
 int ns_march_check_point(ns_run *r, double t, ns_side side) {

@@ -5,6 +5,7 @@
 
 #include <stdint.h>
 
+#include "engine/kernel.h"
 #include "engine/watch.h"
 #include "verify/verify.h"
 
@@ -43,6 +44,14 @@ typedef struct ns_run_check {
     /* a trial that is gone again */
     long again_events;           /* so far, and one; 0: there is none */
     double again_from, again_to; /* s: from where, to what is asked for */
+    /* switches that slide */
+    const ns_mode *shown_mode; /* m: of the point that an engine shows now; NULL: that of the engine */
+    ns_kernel *ends;           /* the circuit with one of them open, or closed; NULL: none slid so far */
+    ns_guard *end_guards;      /* 2m+nc */
+    unsigned char *end_broken; /* 2m+nc */
+    double *end_w;             /* n */
+    ns_mode *sliding_mode, *end_mode; /* m */
+    int changes_too;                  /* the pair that changes with the one in finding */
     /* what is told */
     long checks, retries;
 } ns_run_check;

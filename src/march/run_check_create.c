@@ -76,6 +76,7 @@ int ns_march_check_create(ns_run *r) {
 
 void ns_march_check_free(ns_run *r) {
     free(r->check.numbers);
+    ns_march_sliding_free(&r->check);
     ns_verify_free(r->check.verify);
 }
 

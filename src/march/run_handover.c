@@ -168,7 +168,7 @@ int ns_march_run_leave_sparse(ns_run *r) {
         status = ns_march_run_use_dense(r, t);
     if (status == NS_OK)
         status = start_at_accepted(r, t, w, closed);
-    if (r->refused && start_other(r, NS_RUN_SCHEME, t, w, closed) == NS_OK)
+    if (r->refused && status == NS_E_RESIDUAL && start_other(r, NS_RUN_SCHEME, t, w, closed) == NS_OK)
         status = NS_OK;
     if (status == NS_OK && r->is_dense)
         ns_march_dense_carry_start(r->at_work);

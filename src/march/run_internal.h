@@ -104,6 +104,16 @@ int ns_march_check_point(ns_run *r, double t, ns_side side);
 int ns_march_check_shown(ns_run *r, double t, ns_side side, const double *y); /* y (m, or NULL) too */
 int ns_march_check_event(ns_run *r);
 
+/* run_sliding.c: the point that was judged last, a right one.  0: a switch slides there although another
+ * device is not the same while it is open and while it is closed; r->check.finding.  The fault of a run that
+ * ends there. */
+int ns_march_sliding_is_limit(ns_run *r, const ns_verify_state *at);
+int ns_march_sliding_refuse(ns_run *r, const ns_verify_finding *f);
+static inline int ns_march_sliding_is_cause(const ns_run *r) {
+    return r->check.found && r->check.finding.cause == NS_VERIFY_CHATTER;
+}
+void ns_march_sliding_free(ns_run_check *k);
+
 /* For run_watch.c: more may be spent; r->check.here as a point; errors of the engine at work are measured; a
  * point that is judged in a hurry, and in full if it is not clearly right then. */
 void ns_march_check_earn(ns_run_check *k, double gain);

@@ -80,7 +80,8 @@ int ns_march_run_start(ns_run *r, const ns_run_start *asked) {
         (status = ns_march_run_use_dense(r, s.t)) == NS_OK)
         status = start_judged(r, &s);
     if (r->check.found)
-        status = start_again(r, &s);
+        status =
+            ns_march_sliding_is_cause(r) ? ns_march_run_refuse(r, &r->check.finding) : start_again(r, &s);
     r->check.found = 0;
     return status;
 }

@@ -71,6 +71,7 @@ ns_watch_part ns_march_watch_wants(void *data, ns_watch_side side, const ns_mode
         return NS_WATCH_SOME;
     }
     const ns_watch_part part = side == NS_WATCH_LEFT ? wants_left(r, mode) : wants_right(r, mode);
+    k->shown_mode = part == NS_WATCH_NOTHING ? NULL : mode;
     return part == NS_WATCH_NOTHING ? part : NS_WATCH_SOME;
 }
 
@@ -98,7 +99,7 @@ static int some_is_right(ns_run *r, double t, ns_side side) {
     ns_verify_finding f;
     at.is_some = 1;
     k->credit -= k->point_cost;
-    return ns_verify_point(k->verify, &at, &f);
+    return ns_verify_point(k->verify, &at, &f) && ns_march_sliding_is_limit(r, &at);
 }
 
 /* 1 if an engine that goes again would take a million events to come to where it is asked for. */
@@ -164,11 +165,14 @@ static int sees_right(ns_run *r, double t) {
 /* k->here and k->impulse are the point and what jumped so far. */
 int ns_march_watch_sees(void *data, ns_watch_side side, double t) {
     ns_run *r = data;
-    if (side == NS_WATCH_LEFT)
-        return sees_left(r, t);
-    const int status = side == NS_WATCH_RIGHT                         ? sees_right(r, t)
+    const int status = side == NS_WATCH_LEFT                          ? sees_left(r, t)
+                       : side == NS_WATCH_RIGHT                       ? sees_right(r, t)
                        : ns_march_check_quickly(r, t, NS_RIGHT, NULL) ? NS_OK
                                                                       : NS_E_RESIDUAL;
+    if (status != NS_GUARD)
+        r->check.shown_mode = NULL;
+    if (side == NS_WATCH_LEFT)
+        return status;
     if (status != NS_GUARD)
         r->check.left = NS_WATCH_NOTHING;
     return status;

@@ -36,7 +36,8 @@ static int allocate(ns_verify *v) {
     v->command = calloc(4 * n + 4 * m + (size_t)s->nz + 1, sizeof *v->command);
     v->quick.pair = calloc(m + 1, sizeof *v->quick.pair);
     v->inputs.piece = calloc((size_t)s->nz + 1, sizeof *v->inputs.piece);
-    if (!v->numbers || !v->command || !v->inputs.piece || !v->quick.pair)
+    v->slides = calloc(m + 1, 1);
+    if (!v->slides || !v->numbers || !v->command || !v->inputs.piece || !v->quick.pair)
         return NS_E_MEMORY;
     v->algebraic = v->command + m;
     v->stored = v->algebraic + n;
@@ -123,6 +124,7 @@ void ns_verify_free(ns_verify *v) {
     ns_verify_rows_free(v);
     free(v->numbers);
     free(v->command);
+    free(v->slides);
     free(v->inputs.piece);
     free(v->quick.pair);
     free(v);

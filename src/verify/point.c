@@ -39,6 +39,8 @@ const char *ns_verify_text(ns_verify_cause cause) {
         return "an impulse has the wrong sign";
     case NS_VERIFY_ENERGY:
         return "energy grows in a jump";
+    case NS_VERIFY_CHATTER:
+        return "another device changes with each switching";
     case NS_VERIFY_FLOW:
         return "a charge or a flux is not the integral of what flows";
     case NS_VERIFY_RIGHT:
@@ -176,6 +178,12 @@ static double edge_of(const ns_verify *v, int c) {
     return sum * v->control.size[c];
 }
 
+/* A switch that is neither open nor closed: if that is right it slides. */
+static void note_sliding(ns_verify *v, int j, const pair_values *p) {
+    v->slides[j] = switch_error(p) > ns_verify_wrong;
+    v->slidings += v->slides[j];
+}
+
 static void judge_closely(const ns_verify *v, int j, pair_values *p, ns_verify_finding *worst) {
     const int c = v->command[j];
     double error = c < 0 ? law_error(v, j, p) : command_error(&v->s->command[c], p);
@@ -204,11 +212,15 @@ static void judge_pair(ns_verify *v, int j, const double *y_shown, ns_verify_fin
     find_offs(v, j, &p);
     if (!(differs <= p.y_off))
         ns_verify_note(worst, NS_VERIFY_OUTPUT, j, -1, differs / p.y_off);
+    if (v->command[j] >= 0)
+        note_sliding(v, j, &p);
     judge_closely(v, j, &p, worst);
 }
 
 static int judge(ns_verify *v, const ns_verify_state *at, ns_verify_finding *worst) {
     *worst = ns_verify_nothing(at->t);
+    memset(v->slides, 0, (size_t)v->s->m);
+    v->slidings = 0;
     judge_rows(v, at->is_some, worst);
     for (int j = 0; j < v->s->m; j++)
         judge_pair(v, j, at->y, worst);
@@ -228,4 +240,24 @@ int ns_verify_point(ns_verify *v, const ns_verify_state *at, ns_verify_finding *
         (void)judge(v, at, worst);
     v->spreads = 0;
     return ns_verify_sizes_end(v, worst);
+}
+
+int ns_verify_slides(const ns_verify *v, int j) {
+    return v->slides[j];
+}
+
+int ns_verify_slidings(const ns_verify *v) {
+    return v->slidings;
+}
+
+double ns_verify_off_lambda(const ns_verify *v, int j) {
+    return ns_verify_sizes_lambda_off(v, j);
+}
+
+double ns_verify_off_y(const ns_verify *v, int j) {
+    return ns_verify_sizes_y_off(v, j);
+}
+
+double ns_verify_off_control(const ns_verify *v, int j) {
+    return ns_verify_sizes_control_off(v, v->command[j]);
 }

@@ -24,6 +24,7 @@ typedef enum ns_verify_cause {
     NS_VERIFY_JUMP,    /* charges or fluxes jump, and no impulse explains it (J1), (J2) */
     NS_VERIFY_IMPULSE, /* the impulse of a pair is not one that it can carry (J4) */
     NS_VERIFY_ENERGY,  /* energy grows in a jump that no source has a part in */
+    NS_VERIFY_CHATTER, /* a switch slides, and another device changes with it (found by its caller) */
     NS_VERIFY_FLOW     /* charges or fluxes are not the integral of what charges them, a row of (S1) */
 } ns_verify_cause;
 
@@ -79,6 +80,14 @@ const char *ns_verify_text(ns_verify_cause cause);
 
 /* (S1), algebraic rows; (S2) to (S4); commands. */
 int ns_verify_point(ns_verify *v, const ns_verify_state *at, ns_verify_finding *worst);
+
+/* Of the point that was judged last: 1 if pair j is a switch without hysteresis that is neither open nor
+ * closed: it slides.  How many do.  What lambda or y of pair j, or its control, may be off by. */
+int ns_verify_slides(const ns_verify *v, int j);
+int ns_verify_slidings(const ns_verify *v);
+double ns_verify_off_lambda(const ns_verify *v, int j);
+double ns_verify_off_y(const ns_verify *v, int j);
+double ns_verify_off_control(const ns_verify *v, int j);
 
 /* The same in a hurry, by what was learnt from points before; nothing is learnt.  x: at least the unknowns
  * that devices and charges depend on.  0: it may be wrong, or not. */

@@ -88,6 +88,8 @@ struct ns_verify {
     double *kept;                      /* all of these after the last point that was right */
     int grew;                          /* they are not those that are kept */
     int *is_loose_row, *is_loose_pair; /* n, m: had errors that may be rounding */
+    unsigned char *slides;             /* m: of the point judged last: the switch slides; */
+    int slidings;                      /* how many do */
     double times;                      /* all may be off by so many times as much, */
     double *times_row, *times_pair;    /* n, m: rows of (S1), pairs may be off by so many times as much */
     ns_verify_quick quick;

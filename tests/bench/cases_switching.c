@@ -1,9 +1,10 @@
 /* tests/bench/cases_switching.c - events without end: sliding, and bouncing.
  *
  * Sliding chopper: a 20 V source, a switch that closes while ref > out, ref = 7.5 + 2 sin(2 pi 1k t), a
- * freewheel diode, 100 uH, 10 ohm, no hysteresis.  Closed at first, out = 20 (1 - e^(-t R/L)), until it meets
- * ref; from then on it slides, out = ref, for that asks of the coil no more than it can: |L/R ref'| = 0.13 V
- * lies well inside [-ref, 20 - ref].
+ * freewheel resistor of 2.5 ohm (with a diode, which would change each time, it is refused), 100 uH, 10 ohm,
+ * no hysteresis.  Closed at first, out = 20 (1 - e^(-t R/L)), until it meets ref; from then on it slides, out
+ * = ref, for that asks of the coil no more than it can: |L/R ref'| = 0.13 V lies well inside [-5/4 ref, 20 -
+ * ref].
  *
  * Bouncing (the "twisting" of sliding mode control): with Sgn the set-valued sign, T = 1 ms,
  *
@@ -54,7 +55,7 @@ void case_chopper(bench_case *c) {
     deck_v(d, IN, 0, deck_dc(20));
     deck_v(d, REF, 0, deck_sine(7.5, 2, 1e3, 0));
     deck_s(d, IN, X, REF, OUT, 0);
-    deck_d(d, 0, X);
+    deck_r(d, X, 0, 2.5);
     deck_l(d, X, OUT, 100e-6, 0);
     deck_r(d, OUT, 0, 10);
     case_voltage(c, OUT);

@@ -225,16 +225,21 @@ static void pfc_average(maker *m) {
     load(m, "out", "0", 2.4 * V / I);
 }
 
-/* Without hysteresis: the switch slides or chatters. */
+/* With a diode, which changes with each switching, and a hysteresis; or with neither: the switch slides. */
 static void bang_bang(maker *m) {
     const point w = begin(m);
+    const int slides = chance(m, 0.5);
     m->gate_rc = 0;
     m->coss = 0;
     netlist_put(m->n, "Vr ref 0 %.4g", w.out);
-    netlist_put(m->n, ".model mb ideal_switch(vt=0%s)", chance(m, 0.5) ? " ron=1m" : "");
+    netlist_put(m->n, ".model mb ideal_switch(vt=0 vh=%.4g%s)", slides ? 0 : 0.01 * w.out,
+                chance(m, 0.5) ? " ron=1m" : "");
     netlist_put(m->n, "V%d in 0 %.4g", ++m->ids, w.V);
     netlist_put(m->n, "AS1 in x ref out mb");
-    netlist_put(m->n, "AD1 0 x md");
+    if (slides)
+        resistor(m, "x", "0", w.out / w.I * draw(m, 0.1, 1));
+    else
+        netlist_put(m->n, "AD1 0 x md");
     inductor(m, "x", "l", w.out * m->T / w.I, 0);
     resistor(m, "l", "out", w.out / w.I * 0.01);
     resistor(m, "out", "oc", w.out / w.I * draw(m, 0.01, 0.5));

@@ -94,6 +94,26 @@ static void other_trials_have_no_way(void **state) {
     end(&z);
 }
 
+/* A start of the ladder ends some steps of h/2^20 after the time it is asked for.  The way of the next trial
+ * begins at that time all the same: whoever replaces one engine by another reads the accepted point there. */
+static void the_way_begins_at_the_start(void **state) {
+    (void)state;
+    scene z = one_buck();
+    double reached, t, x[16];
+    assert_true(z.c != NULL);
+    begin(&z, NS_THETA, 1);
+    ok(ns_march_read(z.m, &t, NULL, NULL, NULL));
+    assert_true(t > 0);
+    ok(ns_march_try(z.m, 1e-5, NS_TO_STEP, &reached));
+    assert_true(reached > t && z.s->n <= 16);
+    ok(ns_march_sample(z.m, 0, x, NULL));
+    assert_int_equal(ns_march_sample(z.m, -1e-9, x, NULL), NS_E_RANGE);
+    ok(ns_march_accept(z.m));
+    ok(ns_march_try(z.m, 1e-5, NS_TO_STEP, &t));
+    assert_int_equal(ns_march_sample(z.m, 0, x, NULL), NS_E_RANGE);
+    end(&z);
+}
+
 /* Every corner of every input ends one, of those that drive only a switch too: of a pulse of 10 us with edges
  * four a period. */
 static void corners_end_trials(void **state) {
@@ -137,7 +157,7 @@ static void shortest_follows_what_dies_out(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_step_of_the_ladder_is_a_chord), cmocka_unit_test(a_step_of_the_captured_scheme),
-        cmocka_unit_test(other_trials_have_no_way), cmocka_unit_test(corners_end_trials),
-        cmocka_unit_test(shortest_follows_what_dies_out)};
+        cmocka_unit_test(other_trials_have_no_way),        cmocka_unit_test(corners_end_trials),
+        cmocka_unit_test(the_way_begins_at_the_start),     cmocka_unit_test(shortest_follows_what_dies_out)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
