@@ -18,20 +18,45 @@ static ns_piecewise_value *where_all_hold(ns_piecewise *p, const ns_piecewise_va
 
 /* --- discrete values --- */
 
+/* 1 if a holds wherever b does: they have the same terms, and a is the weaker one. */
+static int follows(const ns_piecewise_condition *a, const ns_piecewise_condition *b) {
+    int same = a->nterms == b->nterms && a->constant - a->threshold >= b->constant - b->threshold;
+    for (int k = 0; k < a->nterms && same; k++)
+        same = a->term[k].is_current == b->term[k].is_current && a->term[k].of == b->term[k].of &&
+               a->term[k].gain == b->term[k].gain;
+    return same;
+}
+
+/* The set without the conditions that others of it imply: a value that is compared with eight numbers is in
+ * nine ranges, not in 256. */
+static int shorten(const ns_piecewise *p, const ns_piecewise_value *v, int set) {
+    for (int i = 0; i < v->nconditions; i++)
+        for (int k = 0; k < v->nconditions && set >> i & 1; k++)
+            if (k != i && set >> k & 1 &&
+                follows(&p->condition[v->condition[i]], &p->condition[v->condition[k]]))
+                set &= ~(1 << i);
+    return set;
+}
+
 /* The table as a sum: of each set of conditions what is added where all of them hold. */
-static void table_to_sum(const ns_piecewise_value *v, double *sum) {
+static void table_to_sum(const ns_piecewise *p, const ns_piecewise_value *v, double *sum) {
     const int size = 1 << v->nconditions;
     memcpy(sum, v->table, (size_t)size * sizeof *sum);
     for (int k = 0; k < v->nconditions; k++)
         for (int set = 0; set < size; set++)
             if (set & (1 << k))
                 sum[set] -= sum[set & ~(1 << k)];
+    for (int set = size - 1; set > 0; set--) {
+        const int same = shorten(p, v, set);
+        sum[same] += same != set ? sum[set] : 0.0;
+        sum[set] = same != set ? 0.0 : sum[set];
+    }
 }
 
 /* a times a discrete value. */
 static ns_piecewise_value *times_table(ns_piecewise *p, ns_piecewise_value *a, const ns_piecewise_value *v) {
     double sum[1 << PIECEWISE_CONDITIONS];
-    table_to_sum(v, sum);
+    table_to_sum(p, v, sum);
     ns_piecewise_value *total = ns_bridge_piecewise_sum(p, sum[0], a, 0.0, a);
     for (int set = 1; set < 1 << v->nconditions && total; set++)
         if (sum[set] != 0.0)
