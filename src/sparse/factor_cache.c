@@ -27,11 +27,18 @@ static int create_working(ns_mode_factors *q) {
     return NS_OK;
 }
 
+static void free_of_mode(ns_cached_factors *k) {
+    if (k->null)
+        ns_sparse_null_free(k->null->space);
+    free(k->null);
+    free(k->of.mode);
+    free(k->scale);
+}
+
 static void free_cached(void *owner, ns_mode_entry *e) {
     ns_cached_factors *k = (ns_cached_factors *)(void *)e;
     ns_linalg_factors_free(((ns_mode_factors *)owner)->klu, k->factors);
-    free(k->of.mode);
-    free(k->scale);
+    free_of_mode(k);
     free(k);
 }
 
@@ -70,12 +77,12 @@ void ns_sparse_factors_free(ns_mode_factors *q) {
         ns_cached_factors *k = &q->working[0][0] + i;
         if (q->klu)
             ns_linalg_factors_free(q->klu, k->factors);
-        free(k->of.mode);
-        free(k->scale);
+        free_of_mode(k);
         ns_sparse_update_free(&q->update[0][0] + i);
     }
     ns_sparse_equivalent_free(&q->equivalents);
     ns_linalg_klu_free(q->klu);
+    ns_sparse_null_search_free(q->search);
     free(q->value);
     free(q->work);
     free(q->row);
@@ -86,15 +93,16 @@ static int is_of(const ns_mode_factors *q, const ns_cached_factors *k, double g,
     return k->factors && k->of.h == g && memcmp(k->of.mode, mode, (size_t)q->f->m) == 0;
 }
 
-/* With the leaks in q->work; where they are but rounding of what is rigid in a floating part, with larger
+/* With the leaks in k->scale; where they are but rounding of what is rigid in a floating part, with larger
  * ones.
  */
 static int factor_leaks(ns_mode_factors *q, ns_cached_factors *k) {
+    double *leak = k->scale + 2 * q->f->size;
     int status = NS_E_SINGULAR;
     for (int larger = 0; larger <= LARGER_LEAKS && status == NS_E_SINGULAR; larger++) {
         for (int j = 0; j < q->f->m && larger > 0; j++)
-            q->work[j] *= larger_leaks;
-        ns_sparse_form_values(q->f, k->of.h, k->of.mode, q->work, q->value);
+            leak[j] *= larger_leaks;
+        ns_sparse_form_values(q->f, k->of.h, k->of.mode, leak, q->value);
         status = ns_linalg_klu_factor(q->klu, q->value, &k->factors);
     }
     return status;
@@ -104,11 +112,17 @@ static int factor_with_leaks(ns_mode_factors *q, ns_cached_factors *k) {
     const size_t size = (size_t)q->f->size;
     k->has_leaks = 1;
     ns_sparse_form_values(q->f, k->of.h, k->of.mode, NULL, q->value);
+    if (!k->null)
+        k->null = calloc(1, sizeof *k->null);
+    if (!k->null)
+        return NS_E_MEMORY;
+    ns_sparse_null_free(k->null->space);
+    *k->null = (ns_null_known){.search = &q->search};
     if (!k->scale)
-        k->scale = calloc(2 * size + 1, sizeof(double));
-    const int status =
-        k->scale ? ns_sparse_leaks_find(q->f, k->of.mode, q->value, q->work, k->scale, k->scale + size)
-                 : NS_E_MEMORY;
+        k->scale = calloc(2 * size + (size_t)q->f->m + 1, sizeof(double));
+    const int status = k->scale ? ns_sparse_leaks_find(q->f, k->of.mode, q->value, k->scale + 2 * size,
+                                                       k->scale, k->scale + size)
+                                : NS_E_MEMORY;
     return status == NS_OK ? factor_leaks(q, k) : status;
 }
 
@@ -142,7 +156,7 @@ static int factor_mode(ns_mode_factors *q, ns_cached_factors *k) {
 /* New factors of their own for a mode and a length. */
 static int make_kept(ns_mode_factors *q, unsigned long long key, double g, const ns_mode *mode,
                      ns_cached_factors **out) {
-    const size_t m = (size_t)q->f->m, scales = 2 * sizeof(double) * (size_t)q->f->size;
+    const size_t m = (size_t)q->f->m, scales = sizeof(double) * (2 * (size_t)q->f->size + m);
     ns_cached_factors *k = calloc(1, sizeof *k);
     ns_mode *copy = calloc(m + 1, 1);
     if (!k || !copy) {
@@ -259,10 +273,12 @@ int ns_sparse_factors_factor(ns_mode_factors *q, double g, const ns_mode *asked,
     return NS_OK;
 }
 
-static int solve_factored(ns_mode_factors *q, const ns_cached_factors *k, const double *r, double *v);
+static int solve_factored(ns_mode_factors *q, const ns_cached_factors *k, int residual, const double *r,
+                          double *v);
 
 /* By an update, if the first solution confirms it; else the factors are made anew. */
-static int solve_updated(ns_mode_factors *q, const ns_cached_factors *k, const double *r, double *v) {
+static int solve_updated(ns_mode_factors *q, const ns_cached_factors *k, int residual, const double *r,
+                         double *v) {
     ns_low_rank *u = k->update;
     const int good = ns_sparse_update_solve(u, q->klu, k->factors, r, v, u->checked ? NULL : q->seen_v);
     if (good && (u->checked ||
@@ -273,27 +289,39 @@ static int solve_updated(ns_mode_factors *q, const ns_cached_factors *k, const d
     ns_cached_factors *own =
         &q->working[0][0] + (k - &q->working[0][0]); /* only working factors have updates */
     const int status = remake_working(q, own, k->of.h, u->mode);
-    return status == NS_OK ? solve_factored(q, k, r, v) : status;
+    return status == NS_OK ? solve_factored(q, k, residual, r, v) : status;
 }
 
-static int solve_with_leaks(ns_mode_factors *q, const ns_cached_factors *k, const double *r, double *v) {
-    const ns_sparse_leaks with = {q->f,   k->of.h,   k->of.mode, k->scale, k->scale + q->f->size,
-                                  q->klu, k->factors};
-    return ns_sparse_leaks_solve(&with, r, v, q->work);
+/* What is known of the null space is kept with the factors. */
+static int solve_with_leaks(ns_mode_factors *q, const ns_cached_factors *k, int residual, const double *r,
+                            double *v) {
+    const double *scale = k->scale;
+    const ns_sparse_leaks with = {
+        q->f, k->of.h, k->of.mode, scale, scale + q->f->size, scale + 2 * q->f->size, q->klu, k->factors};
+    return ns_sparse_leaks_solve(&with, k->null, residual, r, v, q->work);
 }
 
-static int solve_factored(ns_mode_factors *q, const ns_cached_factors *k, const double *r, double *v) {
+static int solve_factored(ns_mode_factors *q, const ns_cached_factors *k, int residual, const double *r,
+                          double *v) {
     if (k->has_leaks)
-        return solve_with_leaks(q, k, r, v);
+        return solve_with_leaks(q, k, residual, r, v);
     if (k->update && k->update->count > 0)
-        return solve_updated(q, k, r, v);
+        return solve_updated(q, k, residual, r, v);
     memcpy(v, r, sizeof(double) * (size_t)q->f->size);
     ns_linalg_klu_solve(q->klu, k->factors, v);
     return NS_OK;
 }
 
-int ns_sparse_factors_solve(ns_mode_factors *q, const ns_cached_factors *k, const double *r, double *v) {
-    const int status = solve_factored(q, k, ns_sparse_equivalent_right(&q->equivalents, r), v);
+static int solve(ns_mode_factors *q, const ns_cached_factors *k, int residual, const double *r, double *v) {
+    const int status = solve_factored(q, k, residual, ns_sparse_equivalent_right(&q->equivalents, r), v);
     ns_sparse_equivalent_back(&q->equivalents, v);
     return status;
+}
+
+int ns_sparse_factors_solve(ns_mode_factors *q, const ns_cached_factors *k, const double *r, double *v) {
+    return solve(q, k, 0, r, v);
+}
+
+int ns_sparse_factors_correct(ns_mode_factors *q, const ns_cached_factors *k, const double *rest, double *v) {
+    return solve(q, k, 1, rest, v);
 }

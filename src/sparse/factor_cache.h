@@ -7,13 +7,16 @@
 #include "linalg/sparse_lu.h"
 #include "low_rank_update.h"
 #include "modes/mode_table.h"
+#include "regularise.h"
 
 /* Factors of (P2) in one mode, for one length h of implicit Euler steps. */
 typedef struct ns_cached_factors {
     ns_mode_entry of; /* which mode and length */
     ns_factors *factors;
-    int has_leaks;       /* the matrix is singular: these are factors with leaks, */
-    double *scale;       /* 2 (n+m): what brings its rows and unknowns near 1; NULL: it never was singular */
+    int has_leaks; /* the matrix is singular: these are factors with leaks, */
+    double *scale; /* 2 (n+m): what brings its rows and unknowns near 1, and m: the leaks; NULL: it never
+                      was singular */
+    ns_null_known *null; /* what is known of its null space, or NULL */
     ns_low_rank *update; /* of working factors: to the mode they serve now; NULL: they are kept */
     long used;           /* of working factors: when, on the clock */
 } ns_cached_factors;
@@ -39,9 +42,10 @@ typedef struct ns_mode_factors {
     unsigned char times[NS_SEEN];     /* how often each, up to a bound */
     double *seen_v;                   /* n+m: how large the unknowns were of late */
     /* work */
-    double *value; /* of K */
-    double *work;  /* 2 (n+m) */
-    int *row;      /* m */
+    double *value;          /* of K */
+    double *work;           /* 2 (n+m) */
+    ns_null_search *search; /* of null spaces, or NULL */
+    int *row;               /* m */
     /* counts */
     long clock, made, evicted, updated;
 } ns_mode_factors;
@@ -61,5 +65,9 @@ int ns_sparse_factors_factor(ns_mode_factors *q, double g, const ns_mode *asked,
 /* v = K^-1 r.  Where K is singular: the limit of vanishing leaks.  Errors: SINGULAR (the equations contradict
  * each other; v is then what small leaks make of them). */
 int ns_sparse_factors_solve(ns_mode_factors *q, const ns_cached_factors *k, const double *r, double *v);
+
+/* The same of what rounding left of a right-hand side: what contradicts the equations in it is rounding too.
+ */
+int ns_sparse_factors_correct(ns_mode_factors *q, const ns_cached_factors *k, const double *rest, double *v);
 
 #endif

@@ -90,7 +90,7 @@ int ns_sparse_guard_perturb(ns_sparse *m, const double *v, const double *w, doub
                                           : fabs(w[i]) + ns_linalg_csc_size(&f->Mt, i, v);
         m->r[i] = (random & 1024 ? 4 : -4) * DBL_EPSILON * of;
     }
-    (void)ns_sparse_factors_solve(m->q, k, m->r, m->work.v);
+    (void)ns_sparse_factors_correct(m->q, k, m->r, m->work.v);
     return NS_OK;
 }
 

@@ -109,7 +109,7 @@ static int correct(ns_sparse *m, double g, const ns_cached_factors *k, double si
         m->work.exact[i] = v[i];
     for (int round = 0; round < CORRECTIONS && moved > corrected * size; round++) {
         residual(m, g, m->work.exact, m->work.residual);
-        status = ns_sparse_factors_solve(m->q, k, m->work.residual, m->work.v);
+        status = ns_sparse_factors_correct(m->q, k, m->work.residual, m->work.v);
         if (status == NS_E_SINGULAR && contradicts(m, g, k))
             return status;
         if (status == NS_E_SINGULAR) /* only rounding contradicts */

@@ -206,7 +206,8 @@ static void least_squares(int count, double beta, double (*H)[KRYLOV + 1], doubl
 }
 
 /* v += K^-1 rest, by GMRES with K_g as preconditioner.  Q: room for KRYLOV + 1 vectors. */
-static void krylov_cycle(const ns_sparse_leaks *k, const double *rest, double *v, double *Q) {
+static void krylov_cycle(const ns_sparse_leaks *k, const ns_null_space *z, const double *rest, double *v,
+                         double *Q) {
     const int size = k->f->size;
     double H[KRYLOV][KRYLOV + 1] = {{0}}, weight[KRYLOV] = {0};
     int count = 0;
@@ -221,6 +222,8 @@ static void krylov_cycle(const ns_sparse_leaks *k, const double *rest, double *v
         ns_sparse_form_subtract(k->f, k->g, k->mode, q, next);
         for (int i = 0; i < size; i++)
             next[i] = -next[i];
+        if (z)
+            ns_sparse_null_make_solvable(k, z, next);
         ns_linalg_klu_solve(k->klu, k->factors, next);
         count++;
         straighten(size, k->unit, count, Q, next, h);
@@ -278,30 +281,93 @@ static int contradicts(const ns_sparse_leaks *k, const double *r, const double *
            (now > least * all && laws_contradict(k, v, rest) && any_reversed(k, first, v, times));
 }
 
-static int solve_rounds(const ns_sparse_leaks *k, const double *r, double *v, double *rest, double *Q) {
+/* Rounds by the factors with leaks, from v = 0; z: the null space, of which right is free, or NULL.  Returns
+ * what is left. */
+static double go_rounds(const ns_sparse_leaks *k, const ns_null_space *z, const double *right, double *v,
+                        double *rest) {
     const size_t bytes = sizeof(double) * (size_t)k->f->size;
-    double left = INFINITY, *first = Q + (KRYLOV + 1) * (size_t)k->f->size;
-    memcpy(rest, r, bytes);
+    double left = INFINITY;
+    memcpy(rest, right, bytes);
     memset(v, 0, bytes);
     for (int round = 0; round < ROUNDS && left > holds; round++) {
+        if (z) {
+            ns_sparse_null_make_solvable(k, z, rest);
+        }
         ns_linalg_klu_solve(k->klu, k->factors, rest);
         for (int i = 0; i < k->f->size; i++)
             v[i] += rest[i];
-        left = ns_sparse_leaks_left(k->f, k->g, k->mode, k->scale, r, v, NULL, rest);
+        left = ns_sparse_leaks_left(k->f, k->g, k->mode, k->scale, right, v, NULL, rest);
     }
-    memcpy(first, v, bytes);
+    return left;
+}
+
+/* Then Krylov cycles. */
+static double go_on(const ns_sparse_leaks *k, const ns_null_space *z, const double *right, double left,
+                    double *v, double *rest, double *Q) {
     /* weakly coupled parts are far off at a small residual; at rest (g = 0) they cannot be told from floating
      * ones, which further rounds would take elsewhere */
     for (int cycle = 0; cycle < CYCLES && left > (cycle == 0 && k->g > 0 ? holds : may_hold); cycle++) {
-        krylov_cycle(k, rest, v, Q);
-        left = ns_sparse_leaks_left(k->f, k->g, k->mode, k->scale, r, v, NULL, rest);
+        if (z)
+            ns_sparse_null_make_solvable(k, z, rest);
+        krylov_cycle(k, z, rest, v, Q);
+        left = ns_sparse_leaks_left(k->f, k->g, k->mode, k->scale, right, v, NULL, rest);
     }
-    return left <= may_hold && !contradicts(k, r, first, v, rest) ? NS_OK : NS_E_SINGULAR;
+    return left;
 }
 
-int ns_sparse_leaks_solve(const ns_sparse_leaks *k, const double *r, double *v, double *rest) {
+/* The null space; NULL: there is none, or it cannot be found. */
+static const ns_null_space *null_of(const ns_sparse_leaks *k, ns_null_known *null) {
+    if (!null->sought && (*null->search || ns_sparse_null_search_create(k->f, null->search) == NS_OK))
+        (void)ns_sparse_null_find(*null->search, k, &null->space);
+    null->sought = 1;
+    return null->space && null->space->count > 0 ? null->space : NULL;
+}
+
+/* Krylov cycles make of rounding what they like where K leaves v open: that is as the leaks make it, unless
+ * more is left then. */
+static void settle(const ns_sparse_leaks *k, ns_null_known *null, const double *r, double left, double *v,
+                   double *rest, double *kept) {
+    const size_t bytes = sizeof(double) * (size_t)k->f->size;
+    const ns_null_space *z = null_of(k, null);
+    if (!z)
+        return;
+    memcpy(kept, v, bytes);
+    ns_sparse_null_settle(k, z, v);
+    if (!(ns_sparse_leaks_left(k->f, k->g, k->mode, k->scale, r, v, NULL, rest) <= fmax(holds, left)))
+        memcpy(v, kept, bytes);
+}
+
+/* r is what rounding left: it is made solvable first. */
+static int solve_residual(const ns_sparse_leaks *k, const ns_null_space *z, const double *r, double *v,
+                          double *rest, double *Q) {
+    double *right = Q + (KRYLOV + 1) * (size_t)k->f->size;
+    memcpy(right, r, sizeof(double) * (size_t)k->f->size);
+    ns_sparse_null_make_solvable(k, z, right);
+    const double left = go_on(k, z, right, go_rounds(k, z, right, v, rest), v, rest, Q);
+    if (!(left <= may_hold))
+        return NS_E_SINGULAR;
+    ns_sparse_null_settle(k, z, v);
+    return NS_OK;
+}
+
+static int solve_rounds(const ns_sparse_leaks *k, ns_null_known *null, int residual, const double *r,
+                        double *v, double *rest, double *Q) {
+    double *first = Q + (KRYLOV + 1) * (size_t)k->f->size, before = go_rounds(k, NULL, r, v, rest);
+    memcpy(first, v, sizeof(double) * (size_t)k->f->size);
+    const double left = go_on(k, NULL, r, before, v, rest, Q);
+    if (left <= may_hold && !contradicts(k, r, first, v, rest)) {
+        if (left != before)
+            settle(k, null, r, left, v, rest, first);
+        return NS_OK;
+    }
+    const ns_null_space *z = residual ? null_of(k, null) : NULL;
+    return z ? solve_residual(k, z, r, v, rest, Q) : NS_E_SINGULAR;
+}
+
+int ns_sparse_leaks_solve(const ns_sparse_leaks *k, ns_null_known *null, int residual, const double *r,
+                          double *v, double *rest) {
     double *Q = calloc((KRYLOV + 2) * (size_t)k->f->size + 1, sizeof(double));
-    const int status = Q ? solve_rounds(k, r, v, rest, Q) : NS_E_MEMORY;
+    const int status = Q ? solve_rounds(k, null, residual, r, v, rest, Q) : NS_E_MEMORY;
     free(Q);
     if (status == NS_E_SINGULAR) {
         memcpy(v, r, sizeof(double) * (size_t)k->f->size);

@@ -26,6 +26,10 @@ static const double inputs_fraction = 0.1;
 #define GROWTH 0.3
 /* The next step is at most 2^MOST_DOUBLINGS times as long; the fewest stages of a step. */
 enum { MOST_DOUBLINGS = 4, FEWEST_STAGES = 2 };
+/* A step so short that its matrix holds no digit of what it couples is made so many times as long, so often:
+ * 2^-8 of the step that follows still takes no time in it. */
+static const double much_longer = 16;
+enum { LONGER = 2 };
 
 /* The scale of w_i, where the largest of all is `largest` units; 0: row i is algebraic. */
 static double scale_of(const ns_sparse *m, size_t i, double largest) {
@@ -176,9 +180,14 @@ static int are_rounding(ns_sparse *m, const ns_dense_step *step) {
  * else the worst of them is marked to break there. */
 static int remove_jump(ns_sparse *m, ns_dense_step *step) {
     const size_t bytes = sizeof(double) * (size_t)m->f->n;
-    const double g = length_of(m, step->length_exponent + NS_SHORT_EXPONENT);
+    double g = length_of(m, step->length_exponent + NS_SHORT_EXPONENT);
     ns_jump_kind jumped = NS_NO_JUMP;
     int status = ns_sparse_project_consistent(m, step->t, g, NULL, &jumped);
+    for (int longer = 0; longer < LONGER && status == NS_E_SINGULAR; longer++) {
+        memcpy(m->w, step->powers, bytes);
+        g *= much_longer;
+        status = ns_sparse_project_consistent(m, step->t, g, NULL, &jumped);
+    }
     if (status == NS_OK && jumped == NS_JUMPS)
         status = ns_sparse_instant_misfit(m, g, &step->pair, &step->upper);
     if (status == NS_OK && step->pair >= 0) {
