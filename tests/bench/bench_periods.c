@@ -5,11 +5,11 @@
  *     bench_periods [NAME...]      cases by part of their name; none: all
  *
  * A case is run by ngspice's fastest setting whose error was at most 1e-2, and 1e-3, and by nonsmooth.cm with
- * lines=0.1 to 1e-5.  Errors are those of .meas: of means and of extremes (ways.h); the reference
- * has lines=1e-6. A setting of ngspice is compared with the fastest of ours that is at most as far off in
- * both. "floor" is what that ratio would be if ours took nothing for its points but what ngspice itself takes
- * for a point of a plain RC circuit.  Environment: NONSMOOTH_CM (build/bench/nonsmooth.cm), NGSPICE.  Reads
- * build/bench/NAME.csv of bench_cases.
+ * lines=0.1 to 1e-5, three in each decade: by two, rows would differ by 1.8 from one to the next.  Errors are
+ * those of .meas: of means and of extremes (ways.h); the reference has lines=1e-6. A setting of ngspice is
+ * compared with the fastest of ours that is at most as far off in both. "floor" is what that ratio would be
+ * if ours took nothing for its points but what ngspice itself takes for a point of a plain RC circuit.
+ * Environment: NONSMOOTH_CM (build/bench/nonsmooth.cm), NGSPICE.  Reads build/bench/NAME.csv of bench_cases.
  */
 #define _DEFAULT_SOURCE
 #include "timing.h"
@@ -20,11 +20,12 @@
 
 #include "ways.h"
 
-enum { PERIODS = 1000, LINES = 8, THEIRS = 2 };
+enum { PERIODS = 1000, LINES = 11, THEIRS = 2 };
 
 static const char *const runs = "build/bench/run";
-static const char *const lines[LINES] = {"lines=0.1",  "lines=0.03", "lines=1e-2", "lines=3e-3",
-                                         "lines=1e-3", "lines=3e-4", "lines=1e-4", "lines=1e-5"};
+static const char *const lines[LINES] = {"lines=0.1",  "lines=0.05", "lines=0.02", "lines=1e-2",
+                                         "lines=5e-3", "lines=2e-3", "lines=1e-3", "lines=5e-4",
+                                         "lines=2e-4", "lines=1e-4", "lines=1e-5"};
 static const double level[THEIRS] = {1e-2, 1e-3};
 
 static double row_seconds; /* of ngspice alone, for one point of a plain RC circuit */
