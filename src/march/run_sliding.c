@@ -7,9 +7,10 @@
  * have it.  If another device changes with each switching, it is not: rates of the mean are products of the
  * weight and of charges, which no linear mode has, and the engines' switch would take power that none takes.
  *
- * Whether another device changes: the circuit is followed with the switch open, and with it closed, for a
- * small part of h.  A guard that breaks in one of them, and that does not break soon while the switch
- * slides, belongs to such a device.
+ * Whether another device changes: the circuit is looked at right after the switch is opened, and closed, with
+ * the charges and fluxes of the point.  A guard that breaks in one of them, and not while the switch slides,
+ * belongs to such a device.  What a capacitor holds for some time is the same in
+ * both.
  */
 #include "run_internal.h"
 
@@ -19,30 +20,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* For how long the switch is held open, or closed: h 2^-this.  While it slides guards that break within 2^6
- * times that are events of their own. */
-enum { HELD_EXPONENT = 4, SOON_EXPONENT = 6 };
+/* What happens right after takes h 2^-this; soon, for controls that are on their threshold: h 2^-this.
+ */
+enum { AT_ONCE_EXPONENT = 14, SOON_EXPONENT = 4 };
 /* A control that is that of the switch, but for a factor, stands on its threshold too, to this fraction of
  * what may be an error. */
 static const double of_control = 1e-3;
-/* At most so many steps of a kernel for that. */
-enum { MOST_STEPS = 64 };
-
-static int allocate(ns_run *r) {
-    ns_run_check *k = &r->check;
-    const size_t n = (size_t)r->s->n, m = (size_t)r->s->m, guards = 2 * m + (size_t)r->s->nc;
-    const ns_sparse_options o = ns_march_sparse_options(&r->options);
-    if (k->ends)
-        return NS_OK;
-    k->end_guards = calloc(guards + 1, sizeof *k->end_guards);
-    k->end_broken = calloc(guards + 1, 1);
-    k->end_w = calloc(2 * n + 1, sizeof *k->end_w);
-    k->sliding_mode = calloc(2 * m + 1, sizeof *k->sliding_mode);
-    if (!k->end_guards || !k->end_broken || !k->end_w || !k->sliding_mode)
-        return NS_E_MEMORY;
-    k->end_mode = k->sliding_mode + m;
-    return ns_sparse_kernel_create(r->s, &o, &k->ends);
-}
 
 void ns_march_sliding_free(ns_run_check *k) {
     if (k->ends)
@@ -51,45 +34,64 @@ void ns_march_sliding_free(ns_run_check *k) {
     free(k->end_broken);
     free(k->end_w);
     free(k->sliding_mode);
+    k->ends = NULL;
+    k->end_guards = NULL;
+    k->end_broken = NULL;
+    k->end_w = NULL;
+    k->sliding_mode = NULL;
 }
 
-/* Marks guards that are negative by more than what may be an error; 1 if there is one. */
-static int mark_broken(ns_run_check *k, const ns_system *s, const ns_mode *mode) {
-    int any = 0;
+static int allocate_all(ns_run *r) {
+    ns_run_check *k = &r->check;
+    const size_t n = (size_t)r->s->n, m = (size_t)r->s->m, guards = 2 * m + (size_t)r->s->nc;
+    ns_sparse_options o = ns_march_sparse_options(&r->options);
+    k->end_guards = calloc(guards + 1, sizeof *k->end_guards);
+    k->end_broken = calloc(guards + 1, 1);
+    k->end_w = calloc(n + 1, sizeof *k->end_w);
+    k->sliding_mode = calloc(2 * m + 1, sizeof *k->sliding_mode);
+    if (!k->end_guards || !k->end_broken || !k->end_w || !k->sliding_mode)
+        return NS_E_MEMORY;
+    k->end_mode = k->sliding_mode + m;
+    o.h = ldexp(r->options.h, -AT_ONCE_EXPONENT);
+    o.finer = 0;
+    return ns_sparse_kernel_create(r->s, &o, &k->ends);
+}
+
+static int allocate(ns_run *r) {
+    const int status = r->check.ends ? NS_OK : allocate_all(r);
+    if (status != NS_OK)
+        ns_march_sliding_free(&r->check);
+    return status;
+}
+
+/* Marks guards that are negative by more than what may be an error, those of controls soon. */
+static void mark_broken(ns_run_check *k, const ns_system *s, const ns_mode *mode, double soon) {
     for (int g = 0; g < 2 * s->m + s->nc; g++) {
         const int j = g < 2 * s->m ? g / 2 : s->command[g - 2 * s->m].pair;
-        if (!(k->end_guards[g].value < 0))
+        const ns_guard *of = &k->end_guards[g];
+        const double value = g < 2 * s->m ? of->value : of->value + soon * of->rate;
+        if (!(value < 0))
             continue;
         const double off = g >= 2 * s->m          ? of_control * ns_verify_off_control(k->verify, j)
-                           : mode[j] == NS_INSIDE ? ns_verify_off_lambda(k->verify, j)
-                                                  : ns_verify_off_y(k->verify, j);
-        k->end_broken[g] |= k->end_guards[g].value < -(off + k->end_guards[g].rounding);
-        any |= k->end_broken[g];
+                           : mode[j] == NS_INSIDE ? ns_verify_wrong * ns_verify_off_lambda(k->verify, j)
+                                                  : ns_verify_wrong * ns_verify_off_y(k->verify, j);
+        k->end_broken[g] |= value < -(off + of->rounding);
     }
-    return any;
 }
 
-/* k->end_broken: guards that break within `time` (s) after the point in a mode, the first of them.  Errors:
- * those of the kernel. */
-static int follow(ns_run *r, double t, const double *w, const ns_mode *mode, double time) {
+/* k->end_broken: guards that are broken in a mode with these charges and fluxes.  Errors: the kernel's. */
+static int look_at(ns_run *r, double t, const double *w, const ns_mode *mode) {
     ns_run_check *k = &r->check;
     const ns_kernel_table *of = k->ends->table;
-    double rest = time, ahead;
-    int status = NS_OK;
+    double ahead;
+    int status = of->place(k->ends, t, w, mode);
     memset(k->end_broken, 0, 2 * (size_t)r->s->m + (size_t)r->s->nc);
-    for (int step = 0; step < MOST_STEPS && rest > 1e-3 * time; step++) {
-        status = of->place(k->ends, t, w, mode);
-        if (status == NS_OK)
-            status = of->prepare(k->ends, rest, &ahead);
-        if (status == NS_OK)
-            status = of->guards(k->ends, ahead, k->end_guards);
-        if (status != NS_OK || !(ahead > 0) || mark_broken(k, r->s, mode))
-            return status;
-        status = of->state(k->ends, ahead, k->end_w);
-        w = k->end_w;
-        t += ahead;
-        rest -= ahead;
-    }
+    if (status == NS_OK)
+        status = of->prepare(k->ends, ldexp(r->options.h, -AT_ONCE_EXPONENT), &ahead);
+    if (status == NS_OK)
+        status = of->guards(k->ends, 0, k->end_guards);
+    if (status == NS_OK)
+        mark_broken(k, r->s, mode, ldexp(r->options.h, -SOON_EXPONENT));
     return status;
 }
 
@@ -116,15 +118,14 @@ static void read_mode(ns_run *r, const ns_verify_state *at) {
 static int changes_with(ns_run *r, double t, const double *w, int j) {
     static const ns_mode ends[] = {NS_LOWER, NS_INSIDE};
     ns_run_check *k = &r->check;
-    const double held = ldexp(r->options.h, -HELD_EXPONENT);
     int pair = -1;
     for (int i = 0; i < 2 && pair < 0; i++) {
         memcpy(k->end_mode, k->sliding_mode, (size_t)r->s->m);
         k->end_mode[j] = ends[i];
-        if (follow(r, t, w, k->end_mode, held) == NS_OK)
+        if (look_at(r, t, w, k->end_mode) == NS_OK)
             pair = broken_pair(r, j);
     }
-    if (pair < 0 || follow(r, t, w, k->sliding_mode, ldexp(held, SOON_EXPONENT)) != NS_OK)
+    if (pair < 0 || look_at(r, t, w, k->sliding_mode) != NS_OK)
         return -1;
     return broken_pair(r, -1) < 0 ? pair : -1;
 }
@@ -133,7 +134,7 @@ int ns_march_sliding_is_limit(ns_run *r, const ns_verify_state *at) {
     ns_run_check *k = &r->check;
     if (ns_verify_slidings(k->verify) == 0 || allocate(r) != NS_OK)
         return 1;
-    double *w = k->end_w + r->s->n;
+    double *w = k->end_w;
     ns_system_charges(r->s, at->x, w);
     read_mode(r, at);
     for (int j = 0; j < r->s->m; j++) {

@@ -72,12 +72,6 @@ static void buck_boost(rig *k) {
     add_resistor(k, "r1", OUT, 0, ohm);
 }
 
-/* With a capacitor at its switch, which the open switch charges in 0.8 ns. */
-static void boost_with_capacitor(rig *k) {
-    boost(k);
-    assert_int_equal(ns_circuit_capacitor(k->c, "cx", X, 0, 100e-12, 0, NULL), NS_OK);
-}
-
 /* Two switches, each closed while the other is open. */
 static void leg(rig *k) {
     dc(k, "v1", IN, vin);
@@ -143,7 +137,6 @@ static void converters_are_refused(void **state) {
     for (size_t i = 0; i < sizeof circuits / sizeof *circuits; i++)
         for (size_t q = 0; q < sizeof methods / sizeof *methods; q++)
             is_refused(circuits[i], methods[q]);
-    is_refused(boost_with_capacitor, NS_SPARSE); /* the exact engine follows the nanoseconds */
 }
 
 /* One of two switches would slide while the other one stays as it is: refused; or both are followed by steps.
