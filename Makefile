@@ -25,7 +25,7 @@ ALL_CFLAGS = -std=c11 $(CFLAGS) $(WARN) -fPIC -MMD -MP -Iinclude -Isrc
 Q := $(if $(V),,@)# make V=1 shows the commands
 
 # For the makes called below: all cores, unless the caller said -j.
-JOBS = --no-print-directory $(if $(V),,-s) $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc))
+PARALLEL = --no-print-directory $(if $(V),,-s) $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc))
 
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := all
@@ -218,50 +218,50 @@ $(B)/tests/host/%: tests/host/%.c tests/host/callbacks.h $(B)/flags
 host-program: $(HOST_PROGRAM)
 
 host: deps ## programs that use libngspice: they get every line that ngspice -b prints, and run, stop, alter, resume, reset
-	@$(MAKE) $(JOBS) cm host-program
+	@$(MAKE) $(PARALLEL) cm host-program
 	@tests/host/run.sh
 
 .PHONY: test netlists reference sanitize valgrind tags coverage
 test: deps ## everything: unit tests, netlists, both again under sanitizers, one run under valgrind
-	@$(MAKE) $(JOBS) all units host-program
-	@$(MAKE) $(JOBS) $(ASAN) cm tool units
-	@$(MAKE) $(JOBS) $(FUZZ) fuzz-programs
+	@$(MAKE) $(PARALLEL) all units host-program
+	@$(MAKE) $(PARALLEL) $(ASAN) cm tool units
+	@$(MAKE) $(PARALLEL) $(FUZZ) fuzz-programs
 	@tests/run.sh
 
 netlists: deps ## every netlist by the exact engine and by the scheme, with its largest error
-	@$(MAKE) $(JOBS) cm
+	@$(MAKE) $(PARALLEL) cm
 	@tests/netlist/run.sh default fine
 
 VERSIONS ?=# folders of ngspices: see below
 .PHONY: test-versions
 test-versions: deps ## the code models on every ngspice of VERSIONS="FOLDER..." (it says how to get them)
 	@[ -n '$(VERSIONS)' ] || { sed -n "s/^# *how: //p" tests/versions/run.sh >&2; exit 2; }
-	@$(MAKE) $(JOBS) all host-program
+	@$(MAKE) $(PARALLEL) all host-program
 	@tests/versions/run.sh $(VERSIONS)
 
 .PHONY: waveforms
 waveforms: deps ## circuits with closed forms: what .meas gives of pulses, rings and jumps between coarse time points
-	@$(MAKE) $(JOBS) cm
+	@$(MAKE) $(PARALLEL) cm
 	@tests/waveform/run.sh
 
 reference: deps ## circuits and problems of the literature, orders, invariants: what these tests print
-	@$(MAKE) $(JOBS) units
+	@$(MAKE) $(PARALLEL) units
 	@for program in $(B)/tests/reference/* $(B)/tests/property/*; do [ ! -x $$program ] || { \
 	    echo "== $$(basename $$program)"; OPENBLAS_NUM_THREADS=1 $$program || exit 1; }; done
 
 sanitize: deps ## only the tests under the address and undefined-behaviour sanitizers
-	@$(MAKE) $(JOBS) $(ASAN) cm tool units
+	@$(MAKE) $(PARALLEL) $(ASAN) cm tool units
 	@tests/run.sh sanitize
 
 valgrind: deps ## only the run under valgrind
-	@$(MAKE) $(JOBS) all
+	@$(MAKE) $(PARALLEL) all
 	@tests/run.sh valgrind
 
 tags: ## equation tags: every one cited is defined in src/README.md, and the reverse
 	@tests/run.sh tags
 
 coverage: deps ## lines of src/ that the tests run, file by file
-	@$(MAKE) $(JOBS) B=build/coverage WARN=-w CFLAGS='-O0 -g --coverage' units tool
+	@$(MAKE) $(PARALLEL) B=build/coverage WARN=-w CFLAGS='-O0 -g --coverage' units tool
 	@tests/coverage.sh build/coverage
 
 # --- benchmarks: one program a file tests/bench/bench_*.c, with the files beside them ---------------------
@@ -296,7 +296,7 @@ BENCH_netlists = build/bench/tests/bench/bench_cases
 BENCH_RUN = $(BENCH_quick) $(filter-out $(BENCH_GOALS) $(BENCH_quick),$(wildcard build/bench/tests/bench/bench_*))
 bench: deps ## circuits by every engine, beside ngspice: build/bench/*.csv, *.png (10 minutes; BENCH=quick: 2; BENCH=netlists: 5)
 	@case '$(BENCH)' in full|quick|netlists) ;; *) echo 'bench: BENCH=$(BENCH)? full, quick and netlists are there' >&2; exit 2;; esac
-	@$(MAKE) $(JOBS) B=build/bench CFLAGS='-O3 -DNDEBUG' bench-programs cm \
+	@$(MAKE) $(PARALLEL) B=build/bench CFLAGS='-O3 -DNDEBUG' bench-programs cm \
 	    $(if $(wildcard $(SICONOS)/include/siconos/kernel/SiconosKernel.hpp),build/bench/siconos)
 	@rm -f build/bench/*.csv build/bench/*.dat build/bench/*.gp build/bench/*.png build/bench/*.svg
 	@$(MAKE) --no-print-directory bench-run BENCH=$(BENCH)
@@ -311,20 +311,20 @@ bench-run:
 
 .PHONY: bench-points
 bench-points: deps ## the twenty netlists by points="auto" and "grid": rows, CPU time, errors of .meas (BENCH=netlists first, if it never ran)
-	@$(MAKE) $(JOBS) B=build/bench CFLAGS='-O3 -DNDEBUG' bench-programs cm
+	@$(MAKE) $(PARALLEL) B=build/bench CFLAGS='-O3 -DNDEBUG' bench-programs cm
 	@[ -f build/bench/n_six_pulse.csv ] || BENCH=netlists build/bench/tests/bench/bench_cases
 	@build/bench/tests/bench/bench_points
 
 .PHONY: bench-periods
 bench-periods: deps ## the twenty netlists over a thousand periods: CPU beside ngspice's best settings at their error (BENCH=netlists first, if it never ran)
-	@$(MAKE) $(JOBS) B=build/bench CFLAGS='-O3 -DNDEBUG' bench-programs cm
+	@$(MAKE) $(PARALLEL) B=build/bench CFLAGS='-O3 -DNDEBUG' bench-programs cm
 	@[ -f build/bench/n_six_pulse.csv ] || BENCH=netlists build/bench/tests/bench/bench_cases
 	@build/bench/tests/bench/bench_periods
 
 .PHONY: bench-siconos
 bench-siconos: deps ## the same beside Siconos, whose Debian packages it installs
 	@codemodels/install-packages.sh $(SICONOS_PACKAGES)
-	@$(MAKE) $(JOBS) bench BENCH=$(BENCH)
+	@$(MAKE) $(PARALLEL) bench BENCH=$(BENCH)
 
 # --- compare: before and after --------------------------------------------------------------------------------
 
@@ -333,12 +333,12 @@ CIRCUITS ?=# names of those to run, from the first column; none: all
 
 .PHONY: compare
 compare: deps ## circuits by the library of commit BASE and by this one: instructions, and whether results are the same
-	@$(MAKE) $(JOBS) $(B)/libnonsmooth.a
+	@$(MAKE) $(PARALLEL) $(B)/libnonsmooth.a
 	@CC='$(CC)' CFLAGS='$(CFLAGS)' LIBS='$(LIBS)' tests/compare/run.sh '$(BASE)' $(CIRCUITS)
 
 .PHONY: check-cost
 check-cost: deps ## what judging the engines costs: instructions of each circuit of `make compare` with and without it
-	@$(MAKE) $(JOBS) $(B)/libnonsmooth.a
+	@$(MAKE) $(PARALLEL) $(B)/libnonsmooth.a
 	@CC='$(CC)' CFLAGS='$(CFLAGS)' LIBS='$(LIBS)' tests/compare/cost.sh $(CIRCUITS)
 
 # --- stress: what is too long for `make test` -------------------------------------------------------------
@@ -357,7 +357,7 @@ $(STRESS_BIN): $(B)/%: $(B)/obj/%.o $(STRESS_OWN:%.c=$(B)/obj/%.o) $(BENCH_HELP:
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $^ -o $@ $(LIBS)
 
 stress: deps ## random problems, random converters and networks: every class, every answer judged (STRESS_SECONDS=600)
-	@$(MAKE) $(JOBS) B=build/bench CFLAGS='-O3 -DNDEBUG' stress-programs
+	@$(MAKE) $(PARALLEL) B=build/bench CFLAGS='-O3 -DNDEBUG' stress-programs
 	@echo "== stress_mlcp"; OPENBLAS_NUM_THREADS=1 build/bench/tests/stress/stress_mlcp $(STRESS_MLCP)
 	@echo "== stress_circuits"; OPENBLAS_NUM_THREADS=1 STRESS_SECONDS=$(STRESS_SECONDS) build/bench/tests/stress/stress_circuits
 
@@ -367,7 +367,7 @@ CORPUS ?=# a folder with OWNER/NAME/PATH of the netlists that tests/corpus/list 
 
 .PHONY: corpus
 corpus: deps ## netlists of public repositories with one line more, beside ngspice's own models (CORPUS=folder; see tests/corpus/README.md)
-	@$(MAKE) $(JOBS) cm
+	@$(MAKE) $(PARALLEL) cm
 	@tests/corpus/run.sh '$(CORPUS)'
 
 # --- mutants: would a test notice? ------------------------------------------------------------------------
@@ -384,8 +384,8 @@ IN_LINES := B=build/mutants/lines WARN=-w CFLAGS='-O1 -g1 -fno-inline --coverage
 
 .PHONY: mutants mutants-run
 mutants: deps ## random small changes to src/, MUTANTS of them by MUTANTS_SEED: which ones no test notices (an hour)
-	@$(MAKE) $(JOBS) $(IN_MUTANTS) all units
-	@$(MAKE) $(JOBS) $(IN_LINES) build/mutants/lines/libnonsmooth-test.so
+	@$(MAKE) $(PARALLEL) $(IN_MUTANTS) all units
+	@$(MAKE) $(PARALLEL) $(IN_LINES) build/mutants/lines/libnonsmooth-test.so
 	@$(MAKE) --no-print-directory $(IN_MUTANTS) mutants-run
 
 mutants-run:
@@ -410,18 +410,18 @@ $(FUZZ_BIN): $(B)/%: $(B)/obj/%.o $(B)/libnonsmooth.a
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) -fsanitize=fuzzer $^ -o $@ $(LIBS)
 
 fuzz: deps ## libFuzzer on the text reader and on random small systems, side by side, FUZZ_SECONDS long (3600)
-	@$(MAKE) $(JOBS) $(FUZZ) fuzz-programs
+	@$(MAKE) $(PARALLEL) $(FUZZ) fuzz-programs
 	@tests/fuzz.sh $(FUZZ_SECONDS) $(FUZZ_TIMEOUT)
 
 # --- demo ------------------------------------------------------------------------------------------------
 
 .PHONY: demo picture
 demo: deps ## a buck converter in the stock ngspice, and its waveforms in build/demo.png
-	@$(MAKE) $(JOBS) cm
+	@$(MAKE) $(PARALLEL) cm
 	@netlists/demo.sh build/demo.png
 
 picture: deps # the drawing that README shows
-	@$(MAKE) $(JOBS) cm
+	@$(MAKE) $(PARALLEL) cm
 	@netlists/demo.sh netlists/demo.svg
 
 # --- style -----------------------------------------------------------------------------------------------
@@ -433,8 +433,8 @@ TIDY_FLAGS = -std=c11 -Iinclude -Isrc -Itests/rig -Itests/bench -Itests/compare 
 .PHONY: lint
 lint: deps-lint ## clang-format, clang-tidy, cppcheck, shellcheck, and all of it built by clang and by gcc
 	clang-format --dry-run -Werror $(C_FILES)
-	@$(MAKE) $(JOBS) all units bench-programs stress-programs
-	@$(MAKE) $(JOBS) CC=clang B=build/clang all units bench-programs stress-programs
+	@$(MAKE) $(PARALLEL) all units bench-programs stress-programs
+	@$(MAKE) $(PARALLEL) CC=clang B=build/clang all units bench-programs stress-programs
 	@tests/rooms.sh graph
 	@tests/rooms.sh check
 	$(CC) -x c++ -Wall -Wextra -Wpedantic -Werror -Iinclude -fsyntax-only include/nonsmooth.h
@@ -446,7 +446,7 @@ lint: deps-lint ## clang-format, clang-tidy, cppcheck, shellcheck, and all of it
 
 .PHONY: rooms
 rooms: deps ## the rooms of src/: who uses whom, the rules between them, lines, lengths of functions; of commit BASE too
-	@$(MAKE) $(JOBS) all
+	@$(MAKE) $(PARALLEL) all
 	@tests/rooms.sh graph
 	@tests/rooms.sh figures '$(BASE)'
 	@tests/rooms.sh check
@@ -471,8 +471,8 @@ $(W)/ngspice/ngspice/config.h: $(NG)/stamp
 mingw: deps ## for Windows, by MinGW: library, nsc-mlcp.exe, code models; nsc-mlcp.exe runs its tests if wine is there
 	@codemodels/install-packages.sh $(MINGW_PACKAGES)
 	@codemodels/mingw-libraries.sh $(W)/numeric $(MINGW_ROUTINES)
-	@$(MAKE) $(JOBS) $(W)/ngspice/ngspice/config.h
-	@$(MAKE) $(JOBS) $(IN_MINGW) mingw-library
+	@$(MAKE) $(PARALLEL) $(W)/ngspice/ngspice/config.h
+	@$(MAKE) $(PARALLEL) $(IN_MINGW) mingw-library
 	@tests/mingw.sh $(W)
 
 mingw-library: $(B)/libnonsmooth.a $(B)/nonsmooth.dll $(B)/nsc-mlcp $(B)/nonsmooth.cm $(B)/chooser/nonsmooth.cm

@@ -66,10 +66,11 @@ worst() {
 # alone FOLDER FILE: ngspice is to load no code models of its own; FILE, one of them, is put there.
 # shellcheck disable=SC2016 # ngspice expands it
 alone() {
-    printf '%s\n' '* where' .control 'echo path $sourcepath' 'quit 0' .endc .end >"$1/where.cir"
-    scripts=$("$NGSPICE" -n -b "$1/where.cir" 2>&1 </dev/null | sed -n 's/^path \. //p')
+    mkdir -p "$1/scripts"
+    printf '%s\n' '* where' .control 'echo path $sourcepath' 'quit 0' .endc .end >"$1/scripts/where.cir"
+    scripts=$("$NGSPICE" -n -b "$1/scripts/where.cir" 2>&1 </dev/null | sed -n 's/^path \. \([^ ]*\).*/\1/p')
     ln -sfn "$(sed -n "s,^ *codemodel *\(.*/$2\) *\$,\1,p" "$scripts/spinit")" "$1/$2"
-    mkdir -p "$1/scripts" && : >"$1/scripts/spinit"
+    : >"$1/scripts/spinit"
 }
 
 # one FILE VARIANT: runs it in a folder of its own and prints the verdict.
