@@ -9,6 +9,8 @@
 
 /* Solutions that leave more of (P2) than this fraction of its terms have lost digits. */
 static const double accurate = 1e-10;
+/* Rounding of the first stage below this fraction of the error allowed does not count. */
+static const double rough = 0.1;
 
 /* The right-hand side of the row of a pair that slides, without inputs. */
 static double threshold(const ns_sparse *m, int j) {
@@ -93,6 +95,27 @@ int ns_sparse_step_stage(ns_sparse *m, ns_dense_step *step, const ns_cached_fact
                                 step->images + (size_t)i * size, w + n);
 }
 
+/* m->work.v: K^-1 of what stage i leaves of (P2), which stays in m->r.  0: it is not known. */
+static int correction_of(ns_sparse *m, const ns_dense_step *step, const ns_cached_factors *k, int i) {
+    const size_t n = (size_t)m->f->n, at = (size_t)i;
+    const int any = ns_inputs_stages_stage(m->in, step->t, step->g, i, m->z);
+    ns_sparse_step_rhs(m, step->g, step->powers + at * n, m->z, any, i == 0);
+    ns_sparse_form_subtract(m->f, step->g, m->mode, step->images + at * (size_t)m->f->size, m->r);
+    return ns_sparse_factors_solve(m->q, k, m->r, m->work.v) == NS_OK;
+}
+
+/* 1 if the rounding of the first stage, in which all of w is, moves D w by more than errors may: later stages
+ * cannot tell that from a fast transient. */
+static int first_stage_is_rough(ns_sparse *m, const ns_dense_step *step, const ns_cached_factors *k) {
+    double most = 0;
+    if (!correction_of(m, step, k, 0))
+        return 0;
+    for (int i = 0; i < m->f->n; i++)
+        if (!m->f->algebraic[i])
+            most = ns_higher(fabs(ns_linalg_csc_dot(&m->f->At, i, m->work.v)) * m->inverse_scale[i], most);
+    return step->g * most > rough * m->o.reltol;
+}
+
 int ns_sparse_step_digits_lost(ns_sparse *m, const ns_dense_step *step) {
     const size_t i = (size_t)step->stages - 1, n = (size_t)m->f->n;
     const ns_cached_factors *k;
@@ -101,7 +124,8 @@ int ns_sparse_step_digits_lost(ns_sparse *m, const ns_dense_step *step) {
     const int any = ns_inputs_stages_stage(m->in, step->t, step->g, (int)i, m->z);
     ns_sparse_step_rhs(m, step->g, step->powers + i * n, m->z, any, i == 0);
     return !(ns_sparse_leaks_left(m->f, step->g, m->mode, NULL, m->r, step->images + i * (size_t)m->f->size,
-                                  NULL, m->work.residual) <= accurate);
+                                  NULL, m->work.residual) <= accurate) ||
+           first_stage_is_rough(m, step, k);
 }
 
 int ns_sparse_step_refine(ns_sparse *m, ns_dense_step *step) {
