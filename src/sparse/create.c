@@ -86,6 +86,8 @@ static int allocate_state(ns_sparse *m) {
     place_modes(m);
     m->accepted_chatter.flips = m->chatter.flips + pairs;
     int status = ns_sparse_predict_create(m);
+    if (status == NS_OK)
+        status = ns_sparse_transient_create(m);
     for (int i = 0; i < STEPS && status == NS_OK; i++)
         status = allocate_step(m->f, &m->steps[i]);
     return status;
@@ -199,6 +201,7 @@ void ns_sparse_free(ns_engine *e) {
     free(m->shared);
     free(m->work.exact);
     ns_sparse_predict_free(m);
+    ns_sparse_transient_free(m);
     ns_sparse_theta_free(m);
     ns_inputs_stages_free(m->in);
     ns_sparse_factors_free(m->q);

@@ -19,7 +19,7 @@ int ns_sparse_fail(ns_sparse *m, double t, int status) {
 /* The trial as far into its step as t is. */
 static void move_to(ns_sparse *m, double t) {
     const ns_dense_step *step = m->trial.step;
-    const int whole = t >= step->end_t || (step->is_euler && !(m->o.theta > 0));
+    const int whole = t >= step->end_t || (step->is_euler && step->stages == 1 && !(m->o.theta > 0));
     m->trial.tau = whole ? step->length : fmin(t - step->t - step->time_lost, step->length);
     m->trial.t = whole ? step->end_t : t;
 }
@@ -38,7 +38,12 @@ void ns_sparse_rewind(ns_sparse *m, double t0) {
 }
 
 int ns_sparse_first_step(ns_sparse *m) {
+    ns_sparse_event_save(m);
     const int status = ns_sparse_next_step(m, m->trial.t, NULL, m->trial.step);
+    if (status == NS_OK && ns_sparse_transient_is_due(m, m->trial.step)) {
+        ns_sparse_event_restore(m);
+        (void)ns_sparse_transient_pass(m, m->trial.t, NULL, m->trial.step);
+    }
     m->started = status == NS_OK;
     return status;
 }
@@ -70,7 +75,7 @@ static ns_dense_step *unused_step(ns_sparse *m) {
 }
 
 /* The event at the end of a step, and the next step. */
-static int step_from_event(ns_sparse *m, double t, const ns_dense_step *from, ns_dense_step *to) {
+static int step_after_event(ns_sparse *m, double t, const ns_dense_step *from, ns_dense_step *to) {
     ns_sparse_event_own_changes(m, from, t);
     if (ns_sparse_predict_step(m, t, from, to))
         return ns_sparse_chatter_event(m, from, t);
@@ -85,6 +90,18 @@ static int step_from_event(ns_sparse *m, double t, const ns_dense_step *from, ns
         ns_sparse_guard_set_mode(m, m->commanded_mode);
     }
     return status == NS_OK ? ns_sparse_next_step(m, t, from, to) : status;
+}
+
+/* The same; where events crowd, the transient that makes them is passed. */
+static int step_from_event(ns_sparse *m, double t, const ns_dense_step *from, ns_dense_step *to) {
+    const long jumps = m->counts.jumps;
+    const int status = step_after_event(m, t, from, to);
+    if (status != NS_OK || m->counts.jumps != jumps || !ns_sparse_transient_is_due(m, to))
+        return status;
+    leave_step(m, from);
+    ns_sparse_guard_set_mode(m, m->commanded_mode);
+    (void)ns_sparse_transient_pass(m, t, from, to);
+    return NS_OK;
 }
 
 /* Names the switches that time or the state changed at the end of a step. */

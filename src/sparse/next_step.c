@@ -65,8 +65,7 @@ static int euler_exponent(const ns_sparse *m, double t, double h) {
     return before * BY < FIRST - LAST ? FIRST - before * BY : LAST;
 }
 
-/* The first corner, or change of a command by time, after t. */
-static double find_limit(ns_sparse *m, double t) {
+double ns_sparse_next_limit(ns_sparse *m, double t) {
     ns_inputs_stages_at(m->in, t);
     ns_inputs_stages_find_command(m->in, t, m->o.h, m->mode);
     return fmax(fmin(m->in->corner, m->in->first), nextafter(t, INFINITY));
@@ -79,7 +78,7 @@ int ns_sparse_next_step(ns_sparse *m, double t, const ns_dense_step *before, ns_
     step->time_lost = before ? ns_sparse_step_time_lost(before) : 0;
     step->after_event = before && before->at_event;
     shorten_to_usual(m, before, step);
-    const double limit = find_limit(m, t), h = ldexp(m->o.h, -step->length_exponent);
+    const double limit = ns_sparse_next_limit(m, t), h = ldexp(m->o.h, -step->length_exponent);
     int status;
     if (m->o.theta > 0)
         return ns_sparse_theta_go(m, t, t, step);
@@ -93,7 +92,7 @@ int ns_sparse_next_step(ns_sparse *m, double t, const ns_dense_step *before, ns_
 }
 
 int ns_sparse_next_captured(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step) {
-    const double limit = find_limit(m, t);
+    const double limit = ns_sparse_next_limit(m, t);
     int status = NS_E_LIMIT;
     ns_sparse_event_save(m);
     for (int less = CAPTURE_FIRST; less >= CAPTURE_LAST && status != NS_OK; less -= CAPTURE_BY) {

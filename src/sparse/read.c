@@ -74,7 +74,7 @@ static int point_on_way(ns_sparse *m, double t) {
     if (m->o.theta > 0)
         return ns_sparse_theta_point(m, step, tau, m->v);
     const int status = ns_sparse_step_shown(m, step, tau, m->v);
-    if (status == NS_OK && step->is_euler)
+    if (status == NS_OK && step->is_euler && step->stages == 1)
         join_on_line(m, t);
     return status;
 }

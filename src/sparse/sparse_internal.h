@@ -47,7 +47,8 @@ typedef struct ns_dense_step {
     int next_exponent;   /* to be tried for the next step */
     double usual_length; /* a mean of the lengths of the last steps, s */
     /* what it is */
-    int is_euler;    /* one implicit Euler step: only its end is known, by stage 0 */
+    int is_euler;    /* one implicit Euler step: only its end is known, by stage 0; of two stages: several of
+                        them, stage 1 is where x, lambda come from on straight lines */
     int is_smooth;   /* of the theta scheme: the rates of the step before are known too */
     int after_event; /* it begins at an event */
     int stages;      /* how many are known */
@@ -126,6 +127,17 @@ typedef struct ns_mode_predictions {
     int sought;                /* above zero: searches by long Euler steps succeed */
 } ns_mode_predictions;
 
+/* --- a transient that is passed (transient.c) --- */
+
+typedef struct ns_sparse_transient {
+    int runs;             /* Euler steps are those of a stretch: inputs are those at their ends */
+    double *w[4];         /* n each: T11, T21, T31, T33 */
+    double *v;            /* n+m: x, lambda of an Euler step, */
+    double *middle, *end; /* of the middle of the last G, of its end */
+    ns_mode *mode;        /* m: where the next G begins, */
+    ns_mode *mode_middle; /* and in its middle */
+} ns_sparse_transient;
+
 /* --- the engine --- */
 
 typedef struct ns_sparse {
@@ -166,9 +178,10 @@ typedef struct ns_sparse {
     ns_mode *commanded_mode; /* m: after what the event itself changes, and nothing that follows from it */
     double inputs_from;      /* s: an input was replaced then; -INFINITY: none was */
     int contradicting_pair;  /* the pair of a switch that can be neither open nor closed; -1: none */
-    ns_before_event before_event; /* where its resolution began */
-    ns_instant instant;           /* what jumped in the trial, or in the start */
-    ns_mode_predictions predict;  /* of its mode */
+    ns_before_event before_event;  /* where its resolution began */
+    ns_instant instant;            /* what jumped in the trial, or in the start */
+    ns_mode_predictions predict;   /* of its mode */
+    ns_sparse_transient transient; /* after it */
 
     /* what errors and chatter are judged by */
     ns_sparse_largest largest, saved_largest;    /* so far; before a prediction was tried */
@@ -249,6 +262,17 @@ int ns_sparse_watch_show(ns_sparse *m, ns_watch_side side);
 int ns_sparse_next_step(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step);
 /* The same, where no mode was found: an implicit Euler step of a good part of the length. */
 int ns_sparse_next_captured(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step);
+
+/* The first corner, or change of a command by time, after t. */
+double ns_sparse_next_limit(ns_sparse *m, double t);
+
+/* transient.c: what it needs; 1 if a step resolves a fast transient, an event ends it, and the transient is
+ * to be passed; the step that does so in place of that one, from m->w, m->mode at t, after the step `before`
+ * (NULL: the first); 0: it stays. */
+int ns_sparse_transient_create(ns_sparse *m); /* Errors: MEMORY */
+void ns_sparse_transient_free(ns_sparse *m);
+int ns_sparse_transient_is_due(const ns_sparse *m, const ns_dense_step *step);
+int ns_sparse_transient_pass(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step);
 
 /* step_control.c: a step from m->w, m->mode at t until limit at most, ended by the first event in it. */
 int ns_sparse_control_step(ns_sparse *m, ns_dense_step *step, double t, double limit);

@@ -65,8 +65,8 @@ int ns_sparse_step_euler(ns_sparse *m, double t, double g, const double *w, int 
         return status;
     }
     int any = 1;
-    if (m->o.theta > 0)
-        ns_system_inputs(m->s, t + g, NS_RIGHT, m->z);
+    if (m->o.theta > 0 || m->transient.runs)
+        ns_system_inputs(m->s, t + g, m->transient.runs ? NS_LEFT : NS_RIGHT, m->z);
     else
         any = ns_inputs_stages_stage(m->in, t, g, 0, m->z);
     ns_sparse_step_rhs(m, g, w, m->z, any, 1);
@@ -270,6 +270,8 @@ void ns_sparse_step_point(const ns_sparse *m, const ns_dense_step *step, double 
     const double s = tau / step->g;
     if (step->is_euler) {
         memcpy(v, step->images, sizeof(double) * (size_t)m->f->size);
+        for (int i = 0; step->stages == 2 && i < m->f->size; i++)
+            v[i] += (1 - tau / step->length) * (step->images[m->f->size + i] - v[i]);
         return;
     }
     ns_modes_laguerre(s, c); /* (E1) */
