@@ -77,20 +77,39 @@ static int find_part(ns_run *r, double end, double *a, double *b) {
     return *b - *a > 1e-12 * fabs(*b); /* not where times are rounding */
 }
 
+/* Points of the way at these times, to k->nodes. */
+static int sample_way(ns_run *r, int count, const double *t) {
+    const size_t n = (size_t)r->s->n, all = n + (size_t)r->s->m;
+    for (int i = 0; i < count; i++) {
+        double *x = r->check.nodes + (size_t)i * all;
+        if (ns_engine_sample(r->at_work, t[i], x, x + n) != NS_OK)
+            return 0;
+    }
+    return 1;
+}
+
+/* Steps that locate no event jump on the way: they are not judged. */
+static int judge_step(ns_run *r, double end) {
+    ns_run_check *k = &r->check;
+    const double t[] = {k->from, end}, *to = k->nodes + r->s->n + r->s->m;
+    if (!r->is_dense || !sample_way(r, 2, t))
+        return 1;
+    const ns_verify_state first = {t[0], NS_RIGHT, k->nodes, k->nodes + r->s->n, NULL, 0},
+                          last = {end, NS_LEFT, to, to + r->s->n, NULL, 0};
+    return take(r, k->event_cost, ns_verify_step(k->verify, &first, &last, &k->finding));
+}
+
 /* Of a trial with NS_TO_STEP from k->from to end; 1 if it is right, or cannot be judged. */
 static int judge_way(ns_run *r, double end) {
     ns_run_check *k = &r->check;
-    const size_t n = (size_t)r->s->n, all = n + (size_t)r->s->m;
     double t[NS_VERIFY_NODES], a, b;
-    if (ns_engine_method(r->at_work) == NS_THETA || !find_part(r, end, &a, &b))
+    if (ns_engine_method(r->at_work) == NS_THETA)
+        return judge_step(r, end);
+    if (!find_part(r, end, &a, &b))
         return 1;
     ns_verify_flow_times(a, b, t);
-    for (size_t i = 0; i < NS_VERIFY_NODES; i++) {
-        double *x = k->nodes + i * all;
-        if (ns_engine_sample(r->at_work, t[i], x, x + n) != NS_OK)
-            return 1;
-    }
-    return take(r, k->way_cost, ns_verify_flow(k->verify, t, k->nodes, &k->finding));
+    return !sample_way(r, NS_VERIFY_NODES, t) ||
+           take(r, k->way_cost, ns_verify_flow(k->verify, t, k->nodes, &k->finding));
 }
 
 /* --- a trial --- */
@@ -138,14 +157,42 @@ static double probe(ns_run *r, double t, ns_until until) {
     return t;
 }
 
+/* A trial that goes from the left side of an event to its right side by steps of the scheme: nobody shows
+ * these sides to r->check.watch. */
+static void begin_event(ns_run *r) {
+    ns_run_check *k = &r->check;
+    double t;
+    ns_march_check_earn(k, k->event_gain);
+    if (k->credit < 2 * k->point_cost + k->event_cost)
+        return;
+    ns_engine_drop(r->at_work);
+    if (!ns_engine_at_event(r->at_work) ||
+        ns_engine_read(r->at_work, &t, k->here, k->here + r->s->n, NULL) != NS_OK)
+        return;
+    k->knows_left = ns_march_check_point(r, t, NS_LEFT);
+    k->found = 0; /* it was accepted */
+    ns_verify_left(k->verify);
+}
+
+static int judge_event(ns_run *r, double reached) {
+    ns_run_check *k = &r->check;
+    k->knows_left = 0;
+    if (ns_engine_read(r->at_work, NULL, k->here, k->here + r->s->n, NULL) != NS_OK ||
+        ns_engine_impulse(r->at_work, k->impulse, k->impulse + r->s->n) != NS_OK)
+        return 1;
+    return ns_march_check_point(r, reached, NS_RIGHT) && ns_march_check_event(r);
+}
+
 double ns_march_check_begin(ns_run *r, double t, ns_until until) {
     ns_run_check *k = &r->check;
     k->found = 0;
     if (is_same(k, t, until))
         return t;
-    k->is_old = 0;
+    k->is_old = k->knows_left = 0;
     k->left = NS_WATCH_NOTHING;
     ns_march_check_earn(k, k->trial_gain);
+    if (until != NS_TO_TIME && ns_engine_method(r->at_work) == NS_THETA && ns_engine_at_event(r->at_work))
+        begin_event(r);
     if (!k->way_next || k->credit < k->way_cost + k->trial_cost)
         return t;
     ns_engine_drop(r->at_work);
@@ -185,6 +232,8 @@ int ns_march_check_end(ns_run *r, double t, ns_until until, double reached) {
     k->until = (int)until;
     const int looks_at_way =
         k->way_next && until == NS_TO_STEP && k->credit >= k->way_cost && reached > k->from;
+    if (k->knows_left)
+        return judge_event(r, reached);
     if (!judge_end(r, reached) || !looks_at_way)
         return !k->found;
     k->way_next = 0;

@@ -22,6 +22,7 @@ typedef struct ns_run_check {
     double *nodes;   /* NS_VERIFY_NODES (n+m) */
     double *y;       /* m */
     double from;     /* s: of the accepted point, where the way of a trial begins */
+    int knows_left;  /* 1: the trial goes from the left side of an event of the ladder, which is known */
     /* the trial */
     int is_old;                /* 1: it was judged */
     double asked;              /* s: what it was asked for, */

@@ -7,9 +7,9 @@
 
 /* --- what it costs: estimates in instructions --- */
 
-/* The theta scheme may be off by so many times as much: with gamma below 1 what decays fast rings, and
- * devices are off their laws. */
-static const double of_scheme = 1000;
+/* The theta scheme may be off by so many times as much; with gamma below 1, where what decays fast rings, and
+ * where it locates no event, devices are off their laws. */
+static const double of_scheme = 10, of_rough_scheme = 1000;
 /* A start as well: sizes are those of one point, and the largest of a start at rest is rounding.  Its first
  * steps are implicit, but for those that locate no event. */
 static const double of_start = 10;
@@ -88,13 +88,18 @@ void ns_march_check_attach(ns_run *r) {
     ns_march_check_scale(r);
 }
 
+static double allowance_of(const ns_run *r) {
+    const int is_rough = !r->is_dense || (r->options.method == NS_THETA && r->options.gamma < 1);
+    return r->kind != NS_RUN_SCHEME ? 1 : is_rough ? of_rough_scheme : of_scheme;
+}
+
 void ns_march_check_scale(ns_run *r) {
-    ns_verify_scale(r->check.verify, r->kind == NS_RUN_SCHEME ? of_scheme : 1, instant_of(r));
+    ns_verify_scale(r->check.verify, allowance_of(r), instant_of(r));
 }
 
 void ns_march_check_scale_start(ns_run *r) {
     const int is_captured = r->kind == NS_RUN_SCHEME && !r->is_dense;
-    ns_verify_scale(r->check.verify, is_captured ? of_scheme : of_start, instant_of(r));
+    ns_verify_scale(r->check.verify, is_captured ? of_rough_scheme : of_start, instant_of(r));
 }
 
 void ns_march_check_reset(ns_run *r) {

@@ -152,14 +152,20 @@ static double moved_energy_off(const ns_verify *v) {
     return sum;
 }
 
-static void judge_energy(const ns_verify *v, const jump *j, ns_verify_finding *worst) {
+static void judge_energy(const ns_verify *v, ns_verify_finding *worst) {
     double size = 0;
-    if (!v->is_passive || j->seconds > 0 || v->has_w_left)
+    if (!v->is_passive || v->has_w_left)
         return;
     const double before = energy(v, v->u_left, &size), after = energy(v, v->u, &size);
     const double off = v->times * of_energy * size + moved_energy_off(v), grown = after - before - put_in(v);
     if (grown > off)
         ns_verify_note(worst, NS_VERIFY_ENERGY, -1, v->stored[0], grown / off);
+}
+
+void ns_verify_energy_over(ns_verify *v, double seconds, ns_verify_finding *worst) {
+    for (int i = 0; i < v->s->n + v->s->m; i++)
+        v->v[i] = seconds * ns_verify_larger(fabs(v->u[i]), fabs(v->u_left[i]));
+    judge_energy(v, worst);
 }
 
 static double largest(size_t count, const double *a) {
@@ -201,6 +207,6 @@ int ns_verify_event(ns_verify *v, const double *X, const double *Lambda, ns_veri
     j.lambda_off = of_impulse * largest(m, v->v + n) + j.dust + DBL_MIN;
     judge_balance(v, &j, worst);
     judge_pairs(v, &j, worst);
-    judge_energy(v, &j, worst);
+    judge_energy(v, worst);
     return ns_verify_sizes_end(v, worst);
 }

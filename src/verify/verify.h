@@ -106,6 +106,10 @@ void ns_verify_left(ns_verify *v);
 void ns_verify_left_charges(ns_verify *v, double t, const double *w);
 int ns_verify_event(ns_verify *v, const double *X, const double *Lambda, ns_verify_finding *worst);
 
+/* A step of the theta scheme, from one point to the other, neither of which is judged. */
+int ns_verify_step(ns_verify *v, const ns_verify_state *from, const ns_verify_state *to,
+                   ns_verify_finding *worst);
+
 /* An operating point x (n), from whose charges the point that was judged last started: it has what unknowns
  * were to be held at; where none was, no source moves and
  * no switch depends on the state, nothing charges anything at that point. */

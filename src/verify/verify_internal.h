@@ -5,6 +5,7 @@
  *   rows.c    matrices row by row     create.c   the object       sizes.c   what may be off by how much
  *   passive.c whether energy can be judged     aside.c  what is not looked at in a hurry
  *   point.c   (S1) to (S4)            event.c    (J1), (J2), (J4), energy   flow.c   integrals between events
+ *   step.c    a step of the theta scheme
  */
 #ifndef NS_VERIFY_INTERNAL_H
 #define NS_VERIFY_INTERNAL_H
@@ -177,6 +178,9 @@ void ns_verify_inputs_at(ns_verify *v, double t, ns_side side, double *z);
 void ns_verify_quick_find(ns_verify *v);
 /* aside.c: v->is_aside.  Errors: MEMORY. */
 int ns_verify_aside_find(ns_verify *v);
+
+/* event.c: the energy of u is at most that of u_left and what sources may put in in so many seconds. */
+void ns_verify_energy_over(ns_verify *v, double seconds, ns_verify_finding *worst);
 
 /* point.c: v->u is this point. */
 void ns_verify_fill(ns_verify *v, const ns_verify_state *at);
