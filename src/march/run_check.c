@@ -183,6 +183,16 @@ static int judge_event(ns_run *r, double reached) {
     return ns_march_check_point(r, reached, NS_RIGHT) && ns_march_check_event(r);
 }
 
+/* How many steps the engine took since this was asked last; others than the scheme take few in a trial. */
+static double steps_since(ns_run *r) {
+    ns_run_check *k = &r->check;
+    if (r->kind != NS_RUN_SCHEME)
+        return 1;
+    const long now = r->at_work->table->counts(r->at_work)->steps, since = now - k->steps;
+    k->steps = now;
+    return fmax((double)since, 1);
+}
+
 double ns_march_check_begin(ns_run *r, double t, ns_until until) {
     ns_run_check *k = &r->check;
     k->found = 0;
@@ -190,7 +200,7 @@ double ns_march_check_begin(ns_run *r, double t, ns_until until) {
         return t;
     k->is_old = k->knows_left = 0;
     k->left = NS_WATCH_NOTHING;
-    ns_march_check_earn(k, k->trial_gain);
+    ns_march_check_earn(k, k->trial_gain * steps_since(r));
     if (until != NS_TO_TIME && ns_engine_method(r->at_work) == NS_THETA && ns_engine_at_event(r->at_work))
         begin_event(r);
     if (!k->way_next || k->credit < k->way_cost + k->trial_cost)

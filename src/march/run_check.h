@@ -37,6 +37,7 @@ typedef struct ns_run_check {
      */
     double point_cost, event_cost, way_cost, quick_cost, trial_cost, trial_gain, event_gain, mode_gain;
     int periods, periods_rest;  /* that are repeated before one is looked at: from now on, in turn */
+    long steps;                 /* of the scheme, that were paid for */
     double credit;              /* what may be spent */
     int way_next;               /* 1: the next thing looked at is a way */
     unsigned long long dice;    /* where on it */

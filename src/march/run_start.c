@@ -24,6 +24,7 @@ static int operating_point_is_right(ns_run *r, const ns_run_start *s) {
 }
 
 int ns_march_check_start(ns_run *r, const ns_run_start *s) {
+    ns_verify_start_switches(r->check.verify, s->t, s->closed);
     ns_march_check_scale_start(r);
     const int right = s->is_dc ? operating_point_is_right(r, s) : start_is_right(r, s->t, s->w);
     ns_march_check_scale(r);

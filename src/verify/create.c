@@ -37,7 +37,8 @@ static int allocate(ns_verify *v) {
     v->quick.pair = calloc(m + 1, sizeof *v->quick.pair);
     v->inputs.piece = calloc((size_t)s->nz + 1, sizeof *v->inputs.piece);
     v->slides = calloc(m + 1, 1);
-    if (!v->slides || !v->numbers || !v->command || !v->inputs.piece || !v->quick.pair)
+    v->memory = calloc((size_t)s->nc + 1, sizeof *v->memory);
+    if (!v->slides || !v->memory || !v->numbers || !v->command || !v->inputs.piece || !v->quick.pair)
         return NS_E_MEMORY;
     v->algebraic = v->command + m;
     v->stored = v->algebraic + n;
@@ -126,6 +127,7 @@ void ns_verify_free(ns_verify *v) {
     free(v->command);
     free(v->slides);
     free(v->inputs.piece);
+    free(v->memory);
     free(v->quick.pair);
     free(v);
 }
@@ -157,6 +159,7 @@ void ns_verify_renew(ns_verify *v) {
     memset(source, 0, sizeof *source * ((size_t)s->nz + 1));
     memset(v->inputs.piece, 0, sizeof *v->inputs.piece * (size_t)s->nz);
     v->inputs.from = INFINITY;
+    ns_verify_memory_reset(v);
     v->grew = 1;
     (void)ns_verify_sizes_end(v, &none);
 }

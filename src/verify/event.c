@@ -200,6 +200,7 @@ int ns_verify_event(ns_verify *v, const double *X, const double *Lambda, ns_veri
     const size_t n = (size_t)v->s->n, m = (size_t)v->s->m;
     jump j = {.seconds = v->t - v->t_left};
     *worst = ns_verify_nothing(v->t);
+    ns_verify_memory_event(v, worst);
     if (!any_jumps(v))
         return ns_verify_sizes_end(v, worst);
     fill_impulse(v, j.seconds, X, Lambda);

@@ -119,6 +119,7 @@ double ns_verify_law_error(double l, double u, double lambda, double y, double l
 typedef struct pair_values {
     double lambda, y, lambda_off, y_off;
     double g, g_off; /* of a switch */
+    int closed;      /* it is, it is not, -1: it is not known */
 } pair_values;
 
 /* How far a pair without a control is from its law. */
@@ -138,6 +139,8 @@ static double command_error(const ns_command *k, const pair_values *p) {
         return fabs(p->y) / p->y_off;
     if (p->g < k->off - p->g_off)
         return fabs(p->lambda) / p->lambda_off;
+    if (p->closed >= 0 && p->g < k->on - p->g_off && p->g > k->off + p->g_off)
+        return p->closed ? fabs(p->y) / p->y_off : fabs(p->lambda) / p->lambda_off;
     return k->on == k->off ? 0 : switch_error(p);
 }
 
@@ -156,6 +159,7 @@ static void read_control(ns_verify *v, int c, pair_values *p) {
     const ns_verify_sum g = ns_verify_row(&v->control, c, v->u);
     ns_verify_grow(v, &v->most_control[c], g.size);
     p->g = g.sum;
+    p->closed = ns_verify_memory_at(v, c, p->g);
 }
 
 static void find_offs(const ns_verify *v, int j, pair_values *p) {

@@ -140,7 +140,7 @@ static double dot(size_t count, const double *a, const double *b) {
 }
 
 /* Open or closed, as its control says. */
-static int switch_holds(const ns_verify *v, int j, double lambda, double y) {
+static int switch_holds(ns_verify *v, int j, double lambda, double y) {
     const ns_verify_quick_pair *p = &v->quick.pair[j];
     const int c = v->command[j], shut = fabs(y) <= p->y_off, open = fabs(lambda) <= p->lambda_off;
     const double g = value_of(&p->control, &v->control, c, 0, v->u);
@@ -148,10 +148,11 @@ static int switch_holds(const ns_verify *v, int j, double lambda, double y) {
         return shut;
     if (g < p->off)
         return open;
-    return shut || open; /* one that slides is looked at in full */
+    const int closed = ns_verify_memory_at(v, c, g);
+    return closed < 0 ? shut || open : closed ? shut : open; /* one that slides is looked at in full */
 }
 
-static int pair_holds(const ns_verify *v, int j, const double *shown) {
+static int pair_holds(ns_verify *v, int j, const double *shown) {
     const ns_verify_quick_pair *p = &v->quick.pair[j];
     const double lambda = v->u[v->s->n + j], y = value_of(&p->y, &v->output, j, lambda, v->u);
     if (shown && !(fabs(shown[j] - y) <= p->y_off))
@@ -163,7 +164,7 @@ static int pair_holds(const ns_verify *v, int j, const double *shown) {
            (fabs(y) <= p->y_off || (y > 0 ? above : below) <= p->lambda_off);
 }
 
-static int plain_as_shown(const ns_verify *v, const double *shown) {
+static int plain_as_shown(ns_verify *v, const double *shown) {
     for (int k = 0; k < v->quick.plains; k++)
         if (!pair_holds(v, v->quick.plain[k], shown))
             return 0;
@@ -184,7 +185,7 @@ static int plain_hold(const ns_verify *v) {
     return least >= 0 && most <= 0;
 }
 
-static int pairs_hold(const ns_verify *v, const double *shown) {
+static int pairs_hold(ns_verify *v, const double *shown) {
     const ns_verify_quick *q = &v->quick;
     for (int k = 0; k < q->others; k++)
         if (!pair_holds(v, q->other[k], shown))

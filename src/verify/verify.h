@@ -104,6 +104,8 @@ int ns_verify_left_in_full(ns_verify *v, ns_verify_finding *worst);
 void ns_verify_left(ns_verify *v);
 /* A start: in place of a left side, charges and fluxes w (n) at t (s). */
 void ns_verify_left_charges(ns_verify *v, double t, const double *w);
+/* and switches that are closed before (nc; NULL: as their commands say). */
+void ns_verify_start_switches(ns_verify *v, double t, const unsigned char *closed);
 int ns_verify_event(ns_verify *v, const double *X, const double *Lambda, ns_verify_finding *worst);
 
 /* A step of the theta scheme, from one point to the other, neither of which is judged. */

@@ -5,7 +5,7 @@
  *   rows.c    matrices row by row     create.c   the object       sizes.c   what may be off by how much
  *   passive.c whether energy can be judged     aside.c  what is not looked at in a hurry
  *   point.c   (S1) to (S4)            event.c    (J1), (J2), (J4), energy   flow.c   integrals between events
- *   step.c    a step of the theta scheme
+ *   step.c    a step of the theta scheme          memory.c   switches with hysteresis
  */
 #ifndef NS_VERIFY_INTERNAL_H
 #define NS_VERIFY_INTERNAL_H
@@ -64,6 +64,13 @@ typedef struct ns_verify_quick {
     int is_ready;               /* it is prepared, by no larger sizes than those that are right */
 } ns_verify_quick;
 
+/* Whether a switch with hysteresis is closed at t, which sources alone control. */
+typedef struct ns_verify_memory {
+    int is_known_by_sources;
+    int closed;       /* -1: it is not known */
+    double t, corner; /* s; the next corner of these sources */
+} ns_verify_memory;
+
 struct ns_verify {
     const ns_system *s;
     ns_verify_options o;
@@ -95,7 +102,8 @@ struct ns_verify {
     double *times_row, *times_pair;    /* n, m: rows of (S1), pairs may be off by so many times as much */
     ns_verify_quick quick;
     ns_verify_inputs inputs;
-    double t, t_left; /* s: of u, u_left */
+    ns_verify_memory *memory; /* nc */
+    double t, t_left;         /* s: of u, u_left */
     /* work, n+m+nz+1 each */
     double *u, *u_left; /* points; one more number, which is 0 */
     double *w_left;     /* n: charges and fluxes, */
@@ -181,6 +189,12 @@ int ns_verify_aside_find(ns_verify *v);
 
 /* event.c: the energy of u is at most that of u_left and what sources may put in in so many seconds. */
 void ns_verify_energy_over(ns_verify *v, double seconds, ns_verify_finding *worst);
+
+/* memory.c: nothing is known; 1: closed, 0: open, -1: either, at v->t where its control is g; a switch that
+ * changed in an event had to. */
+void ns_verify_memory_reset(ns_verify *v);
+int ns_verify_memory_at(ns_verify *v, int c, double g);
+void ns_verify_memory_event(const ns_verify *v, ns_verify_finding *worst);
 
 /* point.c: v->u is this point. */
 void ns_verify_fill(ns_verify *v, const ns_verify_state *at);

@@ -1,0 +1,144 @@
+/* src/verify/memory.c - whether a switch with hysteresis is closed between its thresholds: by what happened
+ * before.
+ *
+ * Where sources alone control it, that is known at every instant, from the corners of these sources.  Where
+ * the state does, a switch that changes alone, at an instant at which no source jumps, does so at a
+ * threshold.
+ */
+#include "verify_internal.h"
+
+#include <math.h>
+
+/* Corners that are passed in one go; after more than these nothing is known. */
+enum { MOST_CORNERS = 4096 };
+
+/* --- by sources --- */
+
+/* Of their inputs; the constant counts too. */
+static double control_at(const ns_verify *v, int c, double t, ns_side side) {
+    const ns_verify_rows *r = &v->control;
+    const int first = v->s->n + v->s->m;
+    double sum = 0;
+    for (int k = r->start[c]; k < r->start[c + 1]; k++) {
+        const int input = r->column[k] - first;
+        sum += r->value[k] * (input < v->s->nz ? ns_signal_value(&v->s->z[input], t, side) : 1);
+    }
+    return sum;
+}
+
+static double next_corner(const ns_verify *v, int c, double t) {
+    const ns_verify_rows *r = &v->control;
+    double next = INFINITY;
+    for (int k = r->start[c]; k < r->start[c + 1]; k++) {
+        const int input = r->column[k] - v->s->n - v->s->m;
+        if (input < v->s->nz)
+            next = fmin(next, ns_signal_next_corner(&v->s->z[input], t));
+    }
+    return next;
+}
+
+static int is_by_sources(const ns_verify *v, int c) {
+    const ns_verify_rows *r = &v->control;
+    const int first = v->s->n + v->s->m;
+    for (int k = r->start[c]; k < r->start[c + 1]; k++) {
+        const int input = r->column[k] - first;
+        if (input < 0 || (input < v->s->nz && !ns_signal_is_linear(&v->s->z[input])))
+            return 0;
+    }
+    return 1;
+}
+
+/* A control that comes near a threshold, and not clearly beyond it, leaves open what it does. */
+static void learn(const ns_verify *v, int c, double g, ns_verify_memory *m) {
+    const ns_command *k = &v->s->command[c];
+    const double off = ns_verify_sizes_control_off(v, c);
+    if (g > k->on + off)
+        m->closed = 1;
+    else if (g < k->off - off)
+        m->closed = 0;
+    else if ((g > k->on - off && m->closed == 0) || (g < k->off + off && m->closed == 1))
+        m->closed = -1;
+}
+
+void ns_verify_memory_reset(ns_verify *v) {
+    for (int c = 0; c < v->s->nc; c++) {
+        const ns_command *k = &v->s->command[c];
+        v->memory[c] = (ns_verify_memory){k->on > k->off && is_by_sources(v, c), -1, -INFINITY, -INFINITY};
+    }
+}
+
+void ns_verify_start_switches(ns_verify *v, double t, const unsigned char *closed) {
+    for (int c = 0; c < v->s->nc; c++) {
+        ns_verify_memory *m = &v->memory[c];
+        if (!m->is_known_by_sources)
+            continue;
+        m->closed = closed ? closed[c] != 0 : v->s->command[c].closed != 0;
+        m->t = t;
+        m->corner = next_corner(v, c, t);
+        learn(v, c, control_at(v, c, t, NS_RIGHT), m);
+    }
+}
+
+int ns_verify_memory_at(ns_verify *v, int c, double g) {
+    ns_verify_memory *m = &v->memory[c];
+    if (!m->is_known_by_sources)
+        return -1;
+    if (v->t < m->t || m->corner == -INFINITY) { /* a trial that was dropped went further */
+        m->closed = -1;
+        m->corner = next_corner(v, c, v->t);
+    }
+    for (int k = 0; m->corner < v->t; k++) {
+        if (k == MOST_CORNERS) {
+            m->closed = -1;
+            m->corner = next_corner(v, c, v->t);
+            break;
+        }
+        learn(v, c, control_at(v, c, m->corner, NS_LEFT), m);
+        learn(v, c, control_at(v, c, m->corner, NS_RIGHT), m);
+        m->corner = next_corner(v, c, m->corner);
+    }
+    m->t = v->t;
+    learn(v, c, g, m);
+    return m->closed;
+}
+
+/* --- by the state --- */
+
+/* 1: closed; 0: open; -1: it carries and blocks nothing. */
+static int state_in(const ns_verify *v, int j, const double *u) {
+    const double lambda = fabs(u[v->s->n + j]), y = fabs(ns_verify_row(&v->output, j, u).sum);
+    const int carries = lambda > ns_verify_sizes_lambda_off(v, j), blocks = y > ns_verify_sizes_y_off(v, j);
+    return carries == blocks ? -1 : carries;
+}
+
+static int sources_stay(const ns_verify *v) {
+    const int first = v->s->n + v->s->m;
+    int stay = 1;
+    for (int k = first; k < first + v->s->nz; k++)
+        stay &= v->u[k] == v->u_left[k];
+    return stay;
+}
+
+/* By how much a control is short of the threshold at which its switch changes, of what it may be off by. */
+static double short_of(const ns_verify *v, int c, int closes) {
+    const ns_command *k = &v->s->command[c];
+    const double g = ns_verify_row(&v->control, c, v->u_left).sum;
+    return (closes ? k->on - g : g - k->off) / ns_verify_sizes_control_off(v, c);
+}
+
+void ns_verify_memory_event(const ns_verify *v, ns_verify_finding *worst) {
+    double least = INFINITY;
+    int pair = -1;
+    if (v->has_w_left || v->t != v->t_left || !sources_stay(v))
+        return;
+    for (int c = 0; c < v->s->nc; c++) {
+        const int j = v->s->command[c].pair, before = state_in(v, j, v->u_left), after = state_in(v, j, v->u);
+        if (before == after || before < 0 || after < 0)
+            continue;
+        if (short_of(v, c, after) < least)
+            pair = j;
+        least = fmin(least, short_of(v, c, after));
+    }
+    if (pair >= 0) /* one of them is the first: its control is there */
+        ns_verify_note(worst, NS_VERIFY_COMMAND, pair, -1, least);
+}

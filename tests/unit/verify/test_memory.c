@@ -1,0 +1,126 @@
+/* tests/unit/verify/test_memory.c - a switch with hysteresis between its thresholds is as what happened
+ * before says. */
+#include "rig.h"
+
+#include <string.h>
+
+#include "signals.h"
+#include "verify/verify.h"
+
+enum { MOST = 16 };
+
+/* 12 V through a switch into 5 ohm.  Its control is node 3: a source that comes to 0.5 V at 1 us, from
+ * `before`, or the voltage of 1 uF behind 1 kohm at 1 V.  It closes at 0.6 V and opens at 0.4 V. */
+typedef struct scene {
+    rig k;
+    ns_verify *v;
+    double t, x[MOST], lambda[MOST], y[MOST];
+    int pair;
+} scene;
+
+static scene begin_scene(int by_source, double before) {
+    static double t[] = {0, 1e-6}, v[4][2];
+    static int used;
+    scene z = {.k = begin()};
+    ns_circuit *c = z.k.c;
+    const ns_switch contact = {.vt = 0.5, .vh = 0.1, .ron = 0, .roff = INFINITY};
+    const ns_signal supply = dc(12), one = dc(1);
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-7, .method = NS_EXACT, .reltol = 1e-9};
+    const ns_verify_options vo = {.reltol = 1e-9, .instant = 1e-11};
+    double *values = v[used++ % 4];
+    values[0] = before;
+    values[1] = 0.5;
+    const ns_signal gate = {.kind = NS_PWL, .u.pwl = {.n = 2, .t = t, .v = values, .repeat = NAN}};
+    assert_int_equal(ns_circuit_source(c, "v1", NS_VOLTAGE, 1, 0, &supply, NULL), NS_OK);
+    assert_int_equal(ns_circuit_switch(c, "as1", 1, 2, 3, 0, &contact, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(c, "r1", 2, 0, 5, NULL), NS_OK);
+    if (by_source)
+        assert_int_equal(ns_circuit_source(c, "v3", NS_VOLTAGE, 3, 0, &gate, NULL), NS_OK);
+    else {
+        assert_int_equal(ns_circuit_source(c, "v4", NS_VOLTAGE, 4, 0, &one, NULL), NS_OK);
+        assert_int_equal(ns_circuit_resistor(c, "r4", 4, 3, 1e3, NULL), NS_OK);
+        assert_int_equal(ns_circuit_capacitor(c, "c3", 3, 0, 1e-6, before, NULL), NS_OK);
+    }
+    make_by(&z.k, &o);
+    assert_true(z.k.s->n <= MOST && z.k.s->m <= MOST && z.k.s->nc == 1);
+    z.pair = z.k.s->command[0].pair;
+    assert_int_equal(ns_verify_create(z.k.s, &vo, &z.v), NS_OK);
+    ns_verify_start_switches(z.v, 0, NULL);
+    return z;
+}
+
+static void end_scene(scene *z) {
+    ns_verify_free(z->v);
+    end(&z->k);
+}
+
+static void look(scene *z) {
+    assert_int_equal(ns_march_read(z->k.m, &z->t, z->x, z->lambda, z->y), NS_OK);
+}
+
+/* In a hurry, then in full; what passes in a hurry is right. */
+static int is_right(const scene *judge, const scene *shown, ns_verify_finding *f) {
+    const ns_verify_state at = {shown->t, NS_RIGHT, shown->x, shown->lambda, shown->y, 0};
+    const int quickly = ns_verify_quick_point(judge->v, &at), right = ns_verify_point(judge->v, &at, f);
+    assert_true(right || !quickly);
+    return right;
+}
+
+static void sources_decide(void **state) {
+    scene was_open = begin_scene(1, 0), was_closed = begin_scene(1, 1), *both[] = {&was_open, &was_closed};
+    ns_verify_finding f;
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        start_at_rest(&both[k]->k);
+        look(both[k]);
+        assert_true(is_right(both[k], both[k], &f));
+        go(&both[k]->k, 2e-6);
+        look(both[k]);
+    }
+    assert_true(was_open.lambda[was_open.pair] == 0 &&
+                was_closed.lambda[was_closed.pair] > 2.3); /* 12 V / 5 ohm */
+    for (int k = 0; k < 2; k++) {
+        assert_true(is_right(both[k], both[k], &f));
+        assert_false(is_right(both[k], both[1 - k], &f)); /* its control is the same 0.5 V */
+        assert_int_equal(f.cause, NS_VERIFY_COMMAND);
+        assert_int_equal(f.pair, both[k]->pair);
+    }
+    end_scene(&was_open);
+    end_scene(&was_closed);
+}
+
+/* From open to closed, while the capacitor stays at v. */
+static int change_is_right(double v, ns_verify_finding *f) {
+    scene z = begin_scene(0, v);
+    static const double nothing[MOST];
+    ns_mode closed[MOST] = {0};
+    start_at_rest(&z.k);
+    look(&z);
+    assert_true(is_right(&z, &z, f));
+    ns_verify_left(z.v);
+    closed[z.pair] = NS_INSIDE;
+    assert_int_equal(ns_circuit_rest(z.k.c, z.k.x), NS_OK);
+    assert_int_equal(ns_march_start_as(z.k.m, 0, z.k.x, closed), NS_OK);
+    look(&z);
+    assert_true(z.lambda[z.pair] > 2.3);
+    assert_true(is_right(&z, &z, f)); /* either is right */
+    const int right = ns_verify_event(z.v, nothing, nothing, f);
+    end_scene(&z);
+    return right;
+}
+
+static void a_change_has_a_cause(void **state) {
+    ns_verify_finding f;
+    (void)state;
+    assert_true(change_is_right(0.5999999, &f));
+    assert_false(change_is_right(0.5, &f));
+    assert_int_equal(f.cause, NS_VERIFY_COMMAND);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(sources_decide),
+        cmocka_unit_test(a_change_has_a_cause),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
