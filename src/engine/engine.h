@@ -16,8 +16,8 @@ typedef struct ns_engine ns_engine;
 /* Each function does what the call of nonsmooth/march.h of the same name does, for this engine. */
 typedef struct ns_engine_table {
     void (*free)(ns_engine *e);
-    /* As ns_march_start(), with commanded switches closed as in closed (nc; NULL: as the commands say), as far as their
-     * controls allow it. */
+    /* As ns_march_start(), with commanded switches closed as in closed (nc; NULL: as the commands say), as
+     * far as their controls allow it. */
     int (*start)(ns_engine *e, double t0, const double *w0, const unsigned char *closed);
     int (*start_dc)(ns_engine *e, double t0, int nhold, const int *hold, const double *hold_x, double *x);
     int (*try_to)(ns_engine *e, double t, ns_until until, double *reached);
