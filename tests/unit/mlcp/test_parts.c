@@ -106,11 +106,33 @@ static void huge_against_the_data(void **state) {
     }
 }
 
+/* Bounds 1 and 2, sizes 0.5 of lambda and 4 of y: how far each guard is broken, in these units. */
+static void guards_broken_by_so_much(void **state) {
+    (void)state;
+    static const struct {
+        ns_mode mode;
+        double lambda, y, broken;
+    } c[] = {{NS_INSIDE, 0.5, 0, 1}, {NS_INSIDE, 1.5, 0, 0}, {NS_INSIDE, 3, 0, 2}, {NS_LOWER, 1, -2, 0.5},
+             {NS_LOWER, 1, 2, 0},    {NS_UPPER, 2, 2, 0.5},  {NS_UPPER, 2, -2, 0}};
+    for (size_t k = 0; k < sizeof c / sizeof *c; k++) {
+        rig r = {.m = 1, .W = {1}, .q = {-5}, .l = {1}, .u = {2}};
+        ns_mlcp_solver *s = begin(&r);
+        s->mode[0] = c[k].mode;
+        s->lambda[0] = c[k].lambda;
+        s->y[0] = c[k].y;
+        s->lsize[0] = 0.5;
+        s->ysize[0] = 4;
+        assert_true(ns_mlcp_basis_violation(s) == c[k].broken);
+        ns_mlcp_free(s);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(two_rows_that_are_one),
         cmocka_unit_test(nonzeros_are_listed),
         cmocka_unit_test(huge_against_the_data),
+        cmocka_unit_test(guards_broken_by_so_much),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

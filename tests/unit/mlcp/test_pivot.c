@@ -44,6 +44,26 @@ static void a_zero_on_the_diagonal_takes_a_partner(void **state) {
     ns_mlcp_free(r.s);
 }
 
+/* y1 = l1 + l2 - 3, y2 = l1 + l2 - 1, l2 inside [0, 2] at 1: y1 = -2 whatever l1 is, until l2 is at its bound
+ * 0: l1 = 3, by one exchange of both.  With the sign of l2 turned its bound is the upper one. */
+static void a_partner_stops_at_the_bound_it_moves_to(void **state) {
+    (void)state;
+    for (int sign = 1; sign >= -1; sign -= 2) {
+        const double W[] = {1, sign, sign, 1}, q[] = {-3, -sign};
+        const double l[] = {0, sign > 0 ? 0 : -2}, u[] = {INF, sign > 0 ? 2 : 0};
+        const ns_mlcp p = {.m = 2, .W = W, .q = q, .l = l, .u = u};
+        rig r;
+        begin(&r, 2, NS_MLCP_PIVOT);
+        r.mode[0] = NS_LOWER;
+        r.mode[1] = NS_INSIDE;
+        assert_int_equal(run(&r, &p), NS_OK);
+        assert_true(fabs(r.lambda[0] - 3) < 1e-14 && r.lambda[1] == 0);
+        assert_int_equal(r.mode[1], sign > 0 ? NS_LOWER : NS_UPPER);
+        assert_int_equal(r.info.pivots, 2);
+        ns_mlcp_free(r.s);
+    }
+}
+
 /* y = lambda + q in a box [-1, 2]: lambda = -q put into it. */
 static void boxes_have_three_modes(void **state) {
     (void)state;
@@ -110,6 +130,7 @@ static void warm_large(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_zero_on_the_diagonal_takes_a_partner),
+        cmocka_unit_test(a_partner_stops_at_the_bound_it_moves_to),
         cmocka_unit_test(boxes_have_three_modes),
         cmocka_unit_test(a_pivot_of_rounding_is_refused),
         cmocka_unit_test(warm_small),

@@ -109,24 +109,28 @@ static void test_order(void **state) {
     assert_true(closing_error(0.5, 0.05e-3) < 5e-3);
 }
 
-/* RC = 1 us in steps of 1 ms: what a switch connects to 10 V is there at the next step, and does not ring. */
+/* RC = 1 us in steps of 1 ms: what a switch connects to 10 V is there at the next step, and does not ring,
+ * whichever unknown it is. */
 static void test_rings_not(void **state) {
     (void)state;
-    rig k = begin();
-    constant(&k, "vin", 1, 10);
-    pulse(&k, "vg", 2, 3.3e-3, 1, 2);
-    contact(&k, 1, 3, 2, 0.5, 0);
-    resistor(&k, 3, 4, 1);
-    capacitor(&k, 4, 0, 1e-6, 0);
-    ready(&k, 0.5, 1e-3);
-    for (int i = 1; i <= 40; i++) {
-        step_to(&k, 0.25e-3 * i);
-        if (i < 12)
-            near(voltage(&k, 4), 0, 1e-12);
-        if (i > 20)
-            near(voltage(&k, 4), 10, 0.1);
+    for (int node = 1; node <= 4; node += 3) {
+        const int supply = 5 - node;
+        rig k = begin();
+        constant(&k, "vin", supply, 10);
+        pulse(&k, "vg", 2, 3.3e-3, 1, 2);
+        contact(&k, supply, 3, 2, 0.5, 0);
+        resistor(&k, 3, node, 1);
+        capacitor(&k, node, 0, 1e-6, 0);
+        ready(&k, 0.5, 1e-3);
+        for (int i = 1; i <= 40; i++) {
+            step_to(&k, 0.25e-3 * i);
+            if (i < 12)
+                near(voltage(&k, node), 0, 1e-12);
+            if (i > 20)
+                near(voltage(&k, node), 10, 0.1);
+        }
+        end(&k);
     }
-    end(&k);
 }
 
 /* 10 V, switched on for 2 of 10 us, through 10 uH into 6 V: up at 0.4 A/us to 0.8 A, down at 0.6 A/us; zero
