@@ -1,5 +1,5 @@
 /* src/march/run_internal.h - shared by run.c, run_handover.c, run_check.c, run_watch.c, run_again.c,
- * run_start.c. */
+ * run_refuse.c, run_start.c, run_check_start.c. */
 #ifndef NS_MARCH_RUN_INTERNAL_H
 #define NS_MARCH_RUN_INTERNAL_H
 
@@ -54,7 +54,7 @@ typedef struct ns_run_start {
 /* run_start.c: by the engine at work, or if that is wrong by another one.  Errors: those of a start, RESIDUAL
  * (all are wrong). */
 int ns_march_run_start(ns_run *r, const ns_run_start *asked);
-/* What the engine at work answers after a start; x is not NULL.  1: it is right. */
+/* run_check_start.c: what the engine at work answers after a start; x is not NULL.  1: it is right. */
 int ns_march_check_start(ns_run *r, const ns_run_start *s);
 
 /* run_handover.c: the engine that the options ask for is made.  Errors: as ns_march_create(). */
@@ -126,8 +126,8 @@ int ns_march_watch_sees(void *data, ns_watch_side side, double t);
 
 /* run_again.c: a trial that was found wrong, by other engines.  Errors: RESIDUAL (all are wrong), MEMORY. */
 int ns_march_run_again(ns_run *r, double t, ns_until until, double *reached);
-/* A small error that no engine is without: 1: such errors are allowed from now on.  What no engine does right
- * is refused: RESIDUAL. */
+/* run_refuse.c: a small error that no engine is without: 1: such errors are allowed from now on.  What no
+ * engine does right is refused: RESIDUAL. */
 int ns_march_run_allows(ns_run *r, const ns_verify_finding *f);
 int ns_march_run_refuse(ns_run *r, const ns_verify_finding *f);
 

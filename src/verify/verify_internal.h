@@ -5,7 +5,8 @@
  *   rows.c    matrices row by row     create.c   the object       sizes.c   what may be off by how much
  *   passive.c whether energy can be judged     aside.c  what is not looked at in a hurry
  *   point.c   (S1) to (S4)            event.c    (J1), (J2), (J4), energy   flow.c   integrals between events
- *   step.c    a step of the theta scheme          memory.c   switches with hysteresis
+ *   step.c    a step of the theta scheme          memory.c   switches with hysteresis   finding.c  the worst
+ * so far
  */
 #ifndef NS_VERIFY_INTERNAL_H
 #define NS_VERIFY_INTERNAL_H
@@ -196,10 +197,11 @@ void ns_verify_memory_reset(ns_verify *v);
 int ns_verify_memory_at(ns_verify *v, int c, double g);
 void ns_verify_memory_event(const ns_verify *v, ns_verify_finding *worst);
 
+/* finding.c: an error becomes the finding, if it is larger than 1 and than that of the one there. */
+void ns_verify_note(ns_verify_finding *worst, ns_verify_cause cause, int pair, int unknown, double error);
+
 /* point.c: v->u is this point. */
 void ns_verify_fill(ns_verify *v, const ns_verify_state *at);
-/* An error becomes the finding, if it is larger than 1 and than that of the one there. */
-void ns_verify_note(ns_verify_finding *worst, ns_verify_cause cause, int pair, int unknown, double error);
 /* How far (S4) with these bounds is from lambda, y, of what either may be off by. */
 double ns_verify_law_error(double l, double u, double lambda, double y, double lambda_off, double y_off);
 
