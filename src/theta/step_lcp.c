@@ -7,6 +7,7 @@
  *
  * Reduced to lambda this is y = W_mlcp lambda + q.  Whole, it can be solved where W is singular.
  */
+#include "floating_dc.h"
 #include "name_fault.h"
 #include "regularise.h"
 
@@ -164,11 +165,17 @@ static int is_exact(ns_theta *s, int size) {
     return ns_mlcp_residual(&p, s->sol, NULL) < good;
 }
 
+static int leaves_open(ns_theta *s, int size) {
+    static const double least = 1e-13;
+    double rcond;
+    return ns_linalg_lu_factor(s->lu, size, s->K, &rcond, NULL) != NS_OK || rcond < least;
+}
+
 /* At the operating point an inductor is a short: how it shares a current with a closed switch is
  * undetermined, and all of it flows in the inductor when the switch has any resistance.  So the problem is
  * solved again with leaks: around zero, which determines everything, then twice around the answer so far,
- * which leaves the square and the cube of their fraction on the rest.  If there is no such answer the exact
- * one is kept. */
+ * which leaves the square and the cube of their fraction on the rest.  What leaks leave open too floats.  If
+ * there is no such answer the exact one is kept. */
 static int find_dc_of_leaks(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
                             ns_mode *mode) {
     static const double fraction = 1e-8;
@@ -177,7 +184,10 @@ static int find_dc_of_leaks(ns_theta *s, const double *z, int nhold, const int *
     for (int round = 0; round < 3 && status == NS_OK; round++) {
         form_dc(s, z, nhold, hold, hold_x);
         add_leaks(s, 1, size, fraction, round > 0);
-        status = solve_lcp(s, 1, size, mode);
+        if (leaves_open(s, size))
+            status = ns_theta_floating_dc(s, nhold, hold);
+        if (status == NS_OK)
+            status = solve_lcp(s, 1, size, mode);
     }
     if (status != NS_OK)
         return status;

@@ -93,12 +93,47 @@ static void parallel_switches_share(void **state) {
     close_bench(&b);
 }
 
+/* What only capacitors tie to the rest has no charge: 5 V over 1 nF, and 4, 5 and 10 nF to ground, joined by
+ * a resistor and a closed switch, give 5/(1+4+5+10) V; 1 nF, a diode either way round and 3 nF give 5/4 V.
+ * The flux in a loop of 1 mH and 3 mH is zero: they share 1 A as 3 to 1. */
+static void what_floats_has_no_charge(void **state) {
+    (void)state;
+    const double to_ground[] = {4e-9, 5e-9, 10e-9};
+    const char *const name[] = {"c2", "c3", "c4"};
+    for (int reversed = 0; reversed < 2; reversed++) {
+        bench b = open_bench();
+        int l1, l2;
+        double x[32];
+        add_dc(&b, "v1", 1, 0, 5, NULL);
+        assert_int_equal(ns_circuit_capacitor(b.c, "c1", 1, 2, 1e-9, NAN, NULL), NS_OK);
+        for (int k = 0; k < 3; k++)
+            assert_int_equal(ns_circuit_capacitor(b.c, name[k], 2 + k, 0, to_ground[k], NAN, NULL), NS_OK);
+        assert_int_equal(ns_circuit_resistor(b.c, "r1", 2, 3, 1e3, NULL), NS_OK);
+        assert_int_equal(ns_circuit_switch(b.c, "s1", 3, 4, 1, 0, &ideal_switch, NULL), NS_OK);
+        assert_int_equal(ns_circuit_capacitor(b.c, "c5", 1, 5, 1e-9, NAN, NULL), NS_OK);
+        assert_int_equal(ns_circuit_diode(b.c, "d1", 5 + reversed, 6 - reversed, &ideal_diode, NULL), NS_OK);
+        assert_int_equal(ns_circuit_capacitor(b.c, "c6", 6, 0, 3e-9, NAN, NULL), NS_OK);
+        assert_int_equal(ns_circuit_inductor(b.c, "l1", 1, 7, 1e-3, NAN, &l1), NS_OK);
+        assert_int_equal(ns_circuit_inductor(b.c, "l2", 1, 7, 3e-3, NAN, &l2), NS_OK);
+        assert_int_equal(ns_circuit_resistor(b.c, "r2", 7, 0, 5, NULL), NS_OK);
+        build(&b, 1e-7);
+        assert_int_equal(ns_march_start_dc(b.m, 0, 0, NULL, NULL, x), NS_OK);
+        go(b.m, 1e-6);
+        for (int node = 2; node <= 4; node++)
+            assert_true(fabs(v_of(&b, node) - 0.25) < 1e-12);
+        assert_true(fabs(v_of(&b, 5) - 1.25) < 1e-12 && fabs(v_of(&b, 6) - 1.25) < 1e-12);
+        assert_true(fabs(i_of(&b, l1) - 0.75) < 1e-12 && fabs(i_of(&b, l2) - 0.25) < 1e-12);
+        close_bench(&b);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(operating_point_is_found_and_kept),
         cmocka_unit_test(a_short_through_a_diode_is_told),
         cmocka_unit_test(sources_in_a_loop_must_agree),
         cmocka_unit_test(parallel_switches_share),
+        cmocka_unit_test(what_floats_has_no_charge),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
