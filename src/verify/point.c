@@ -143,9 +143,18 @@ static double edge_of(const ns_verify *v, int c) {
     return sum * v->control.size[c];
 }
 
+/* Without hysteresis, by the state. */
+static int can_slide(const ns_verify *v, int c) {
+    const ns_verify_rows *r = &v->control;
+    int by_state = 0;
+    for (int k = r->start[c]; k < r->start[c + 1]; k++)
+        by_state |= r->column[k] < v->s->n;
+    return by_state && v->s->command[c].on == v->s->command[c].off;
+}
+
 /* A switch that is neither open nor closed: if that is right it slides. */
 static void note_sliding(ns_verify *v, int j, const pair_values *p) {
-    v->slides[j] = switch_error(p) > ns_verify_wrong;
+    v->slides[j] = switch_error(p) > ns_verify_wrong && can_slide(v, v->command[j]);
     v->slidings += v->slides[j];
 }
 
