@@ -17,6 +17,7 @@ static int start(ns_engine *e, double t0, const double *w0, const unsigned char 
     return ns_march_run_start(run_of(e), &s);
 }
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): x is written to through s */
 static int start_dc(ns_engine *e, double t0, int nhold, const int *hold, const double *hold_x, double *x) {
     const ns_run_start s = {.t = t0, .is_dc = 1, .nhold = nhold, .hold = hold, .hold_x = hold_x, .x = x};
     return ns_march_run_start(run_of(e), &s);

@@ -89,10 +89,11 @@ static void take_places(ns_theta *s, int size, const double *T, int rank, double
 int ns_theta_floating_dc(ns_theta *s, int nhold, const int *hold) {
     const int n = s->s->n;
     const size_t square = (size_t)n * (size_t)n;
-    double *a = malloc((3 * square + 2 * (size_t)n + 1) * sizeof *a), *T = a + 2 * square;
+    double *a = calloc(3 * square + 2 * (size_t)n + 1, sizeof *a);
     int rank;
     if (!a)
         return NS_E_MEMORY;
+    double *T = a + 2 * square;
     join(s, nhold, hold, a, a + square);
     const int status = ns_linalg_row_split_rows(n, a, a + square, T, &rank);
     if (status == NS_OK)
