@@ -45,7 +45,7 @@ typedef struct ns_mlcp_tableau {
     double *unit;           /* 2np+1 */
     double *lo, *hi;        /* np: bounds of lambda_a in its unit */
     signed char *at_upper;  /* np: nonbasic lambda_a is at u */
-    double *cost;           /* m: phase1.c */
+    double *cover;          /* m: column of t in y = W lambda + q + cover t; as work phase1.c */
     unsigned char *first_y; /* np: at the start y_a was basic (lexicographic order) */
 } ns_mlcp_tableau;
 
@@ -219,6 +219,7 @@ void ns_mlcp_basis_zero_undriven(
 
 /* tableau.c */
 void ns_mlcp_tableau_start(ns_mlcp_solver *s); /* of s->mode, whose G is factored and whose sizes are known */
+int ns_mlcp_tableau_refresh(ns_mlcp_solver *s); /* from W and q anew, t included.  SINGULAR */
 void ns_mlcp_tableau_exchange(ns_mlcp_solver *s, int row, int col);
 
 static inline int ns_is_t(const ns_mlcp_solver *s, int var) {
@@ -248,7 +249,7 @@ static inline double ns_mlcp_tableau_upper(const ns_mlcp_solver *s, int var) {
 
 /* lemke.c: from s->mode to the mode of a solution.  all: the covering vector acts on every guard, not on
  * the broken ones only; which one.  patience: how many times the pivots that most problems need may be made.
- * OK; INFEASIBLE: a ray, in s->fault; LIMIT. */
+ * OK; INFEASIBLE: a ray, in s->fault; LIMIT; SINGULAR: the tableau got lost. */
 int ns_mlcp_lemke(ns_mlcp_solver *s, int all, int patience);
 
 /* farkas.c: 1 if the bounds of lambda and y alone, without complementarity, contradict: s->proof, s->fault.

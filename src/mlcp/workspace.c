@@ -24,7 +24,7 @@ static void carve_doubles(ns_mlcp_solver *s, size_t m) {
                          &s->tab.beta,
                          &s->tab.lo,
                          &s->tab.hi,
-                         &s->tab.cost,
+                         &s->tab.cover,
                          &s->ray,
                          &s->proof.v,
                          &s->own.l,

@@ -296,7 +296,7 @@ void ns_mlcp_phase1_start(ns_phase1 *z, ns_mlcp_solver *s, int boxes, double flo
                      .value = s->tab.beta,
                      .size = s->ysize,
                      .side = s->lsize,
-                     .cost = s->tab.cost};
+                     .cost = s->tab.cover};
     memset(z->mode, NS_OPEN, (size_t)s->m);
     ns_linalg_equilibrate(s->m, s->p->W, s->m, s->elim.row_exp, s->elim.col_exp, s->elim.e);
     load_bounds(z);

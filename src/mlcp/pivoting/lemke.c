@@ -44,18 +44,29 @@ static double weight(int r, int all) {
     return 1.0 + 9.0 * (x - floor(x));
 }
 
-/* Column of t: d, in the units of the rows. */
+/* Column of t: d in the units of the rows, and as s->tab.cover in terms of W and q. */
 static void set_cover(ns_mlcp_solver *s, int all) {
     int n = s->np;
     double *d = s->tab.T + (size_t)n * (size_t)n;
     s->tab.colvar[n] = 2 * n;
     s->tab.ncol = n + 1;
+    memset(s->tab.cover, 0, (size_t)s->m * sizeof *s->tab.cover);
     for (int r = 0; r < n; r++) {
         double side, v = amount_outside(s, r, &side);
         int two = s->tab.rowvar[r] % 2 == 0 && isfinite(s->tab.lo[r]) && isfinite(s->tab.hi[r]);
         d[r] = v > 0.0 || (all && !two) ? side : 0.0;
         if (all)
             d[r] *= weight(r, all);
+        double shift = d[r] * s->tab.unit[s->tab.rowvar[r]];
+        int i = s->pair[r];
+        if (shift == 0.0)
+            continue;
+        if (s->tab.rowvar[r] % 2 == 1)
+            s->tab.cover[i] += shift;
+        else {
+            shift = -shift;
+            ns_linalg_matvec_add(s->m, 1, s->W + (size_t)i * (size_t)s->m, &shift, s->tab.cover);
+        }
     }
 }
 
@@ -189,6 +200,7 @@ static int exchange_leaving(ns_mlcp_solver *s, int r, int col, double rate, doub
 int ns_mlcp_lemke(ns_mlcp_solver *s, int all, int patience) {
     double t, dir, step;
     const int n = s->np, limit = patience * (PIVOTS_FLAT + PIVOTS_PER_PAIR * n);
+    const int fresh = n > NS_QUICK ? n : NS_QUICK; /* made anew it costs as much as some n exchanges */
     set_cover(s, all);
     int r = first_row(s, &t);
     if (r < 0)
@@ -218,6 +230,8 @@ int ns_mlcp_lemke(ns_mlcp_solver *s, int all, int patience) {
             return NS_OK;
         }
         enter = complement(s, out, &dir);
+        if (it % fresh == 0 && ns_mlcp_tableau_refresh(s) != NS_OK)
+            return NS_E_SINGULAR;
     }
     return NS_E_LIMIT;
 }

@@ -13,11 +13,37 @@
 
 static const double CANCELLED = 1e-14; /* a sum this small against its terms is 0 */
 
-static const double *column(const ns_mlcp_solver *s, int j) {
-    return s->W + (size_t)j * (size_t)s->m;
+/* rows and cols of G as the labels of the tableau have it. */
+static void pick_labels(ns_mlcp_solver *s) {
+    int nr = s->nf, nc = nr;
+    memcpy(s->rows, s->free, (size_t)s->nf * sizeof *s->rows);
+    memcpy(s->cols, s->free, (size_t)s->nf * sizeof *s->cols);
+    for (int a = 0; a < s->np; a++) {
+        if (s->tab.where[2 * a + 1] < 0)
+            s->rows[nr++] = s->pair[a];
+        if (s->tab.where[2 * a] >= 0)
+            s->cols[nc++] = s->pair[a];
+    }
+    if (s->tab.where[2 * s->np] >= 0)
+        s->cols[nc++] = -1;
+    s->k = nc;
 }
 
-/* g = q + W lambda of the nonbasic lambda that are not 0. */
+static const double *column(const ns_mlcp_solver *s, int j) {
+    return j < 0 ? s->tab.cover : s->W + (size_t)j * (size_t)s->m;
+}
+
+static int factor_labels(ns_mlcp_solver *s) {
+    pick_labels(s);
+    for (int j = 0; j < s->k; j++) {
+        const double *col = column(s, s->cols[j]);
+        for (int i = 0; i < s->k; i++)
+            s->G[(size_t)i + (size_t)j * (size_t)s->k] = col[s->rows[i]];
+    }
+    return ns_mlcp_basis_factor_of(s, s->k, s->G, NULL);
+}
+
+/* g = q + W lambda of the nonbasic lambda that are not 0 (t is 0 where nonbasic). */
 static void constant_part(ns_mlcp_solver *s) {
     memcpy(s->g, s->q, (size_t)s->m * sizeof *s->g);
     for (int a = 0; a < s->np; a++) {
@@ -28,6 +54,11 @@ static void constant_part(ns_mlcp_solver *s) {
     }
 }
 
+/* Problem index whose column of W a nonbasic variable has; -1 for t. */
+static int index_of(const ns_mlcp_solver *s, int var) {
+    return ns_is_t(s, var) ? -1 : s->pair[var / 2];
+}
+
 /* Right-hand sides: the constant part, then one column a nonbasic variable. */
 static void right_sides(ns_mlcp_solver *s) {
     int k = s->k;
@@ -35,7 +66,7 @@ static void right_sides(ns_mlcp_solver *s) {
     for (int i = 0; i < k; i++)
         b[i] = -s->g[s->rows[i]];
     for (int c = 0; c < s->tab.ncol; c++) {
-        int var = s->tab.colvar[c], j = s->pair[var / 2];
+        int var = s->tab.colvar[c], j = index_of(s, var);
         b += k;
         if (ns_is_y(s, var)) {
             for (int i = 0; i < k; i++)
@@ -63,14 +94,14 @@ static void y_row(ns_mlcp_solver *s, int r, int i) {
         if (c < 0)
             s->tab.beta[r] = s->g[i] + sum;
         else {
-            double own = ns_is_y(s, s->tab.colvar[c]) ? 0.0 : column(s, s->pair[s->tab.colvar[c] / 2])[i];
+            double own = ns_is_y(s, s->tab.colvar[c]) ? 0.0 : column(s, index_of(s, s->tab.colvar[c]))[i];
             int rounding = fabs(sum + own) <= CANCELLED * (size + fabs(own));
             s->tab.T[r + c * s->np] = rounding ? 0.0 : sum + own;
         }
     }
 }
 
-/* Row r belongs to a basic lambda: entry `at` of the solutions. */
+/* Row r belongs to a basic lambda (or t): entry `at` of the solutions. */
 static void x_row(ns_mlcp_solver *s, int r, int at) {
     s->tab.beta[r] = s->rhs[at];
     for (int c = 0; c < s->tab.ncol; c++)
@@ -110,6 +141,8 @@ static void fill_tableau(ns_mlcp_solver *s) {
     for (int a = 0; a < s->np; a++)
         if (s->tab.where[2 * a] >= 0)
             x_row(s, s->tab.where[2 * a], at++);
+    if (s->tab.where[2 * s->np] >= 0)
+        x_row(s, s->tab.where[2 * s->np], at);
     for (int a = 0; a < s->np; a++)
         if (s->tab.where[2 * a + 1] >= 0)
             y_row(s, s->tab.where[2 * a + 1], s->pair[a]);
@@ -134,6 +167,13 @@ void ns_mlcp_tableau_start(ns_mlcp_solver *s) {
     s->tab.where[2 * s->np] = -1 - s->np;
     s->tab.ncol = s->np;
     fill_tableau(s);
+}
+
+int ns_mlcp_tableau_refresh(ns_mlcp_solver *s) {
+    int status = factor_labels(s);
+    if (status == NS_OK)
+        fill_tableau(s);
+    return status;
 }
 
 void ns_mlcp_tableau_exchange(ns_mlcp_solver *s, int row, int col) {

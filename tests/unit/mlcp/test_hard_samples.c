@@ -113,6 +113,8 @@ static void with_a_solution(void **state) {
         {"elimination on pairs that are inside", CLASS_MIXED, 2247, 48},
         {"covering vectors of other weights", CLASS_EQUALITIES, 3867, 48},
         {"starts of Lemke's method behind the sixth", CLASS_DEGENERATE, 81, 200},
+        {"a tableau of Lemke's method made anew after many exchanges", CLASS_MIXED, 1391, 200},
+        {"a tableau of Lemke's method made anew after many exchanges", CLASS_MIXED, 1791, 200},
     };
     (void)state;
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
