@@ -17,10 +17,9 @@
 #ifndef NGSPICE_MAJOR
 #error "NGSPICE_MAJOR is not defined: the Makefile reads it from ngspice's config.h"
 #endif
-
-/* --- the numbers of ngspice's own device types, which are their places in the table of its dev.c --- */
-
-enum ns_versions_type { TYPE_CSW = 21, TYPE_DIO = 22, TYPE_MOS1 = 37, TYPE_SW = 44, TYPE_VDMOS = 51 };
+#if !defined TYPE_CSW || !defined TYPE_DIO || !defined TYPE_MOS1 || !defined TYPE_SW || !defined TYPE_VDMOS
+#error "TYPE_DIO and others are not defined: the Makefile reads them from ngspice's dev.c"
+#endif
 
 /* --- with CIDER: a call after each point that is shown; without, points are loaded twice --- */
 
