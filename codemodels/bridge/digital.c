@@ -59,6 +59,7 @@ static double value_of(const ns_session *s, const ns_digital_input *in) {
 
 int ns_bridge_digital_begin(ns_session *s) {
     static const double near = 1e-13; /* rounding */
+    enum { FIRST_POINTS = 2 }; /* from 42 on ngspice does not show the first one to its parts */
     ns_digital *d = digital_of(s);
     if (!ns_bridge_digital_is(d))
         return NS_OK;
@@ -70,6 +71,7 @@ int ns_bridge_digital_begin(ns_session *s) {
         in->above_low = v > in->low + near * fabs(in->low);
         in->above_high = in->above_low && v >= in->high - near * fabs(in->high);
     }
+    d->short_steps = FIRST_POINTS;
     return watch(s);
 }
 
@@ -166,8 +168,10 @@ int ns_bridge_digital_goes_on(ns_session *s) {
     if (!ns_bridge_digital_is(d) || !crossed)
         return 0;
     change_sides(d, crossed);
-    d->hurries = watch(s) == NS_OK && ns_waveform_resume(s->analysis.waveform) == NS_OK;
-    return d->hurries;
+    if (watch(s) != NS_OK || ns_waveform_resume(s->analysis.waveform) != NS_OK)
+        return 0;
+    d->short_steps = d->short_steps > 0 ? d->short_steps : 1;
+    return 1;
 }
 
 /* --- ngspice's queue of events --- */
@@ -187,8 +191,9 @@ double ns_bridge_digital_until(ns_session *s, double until, double closest) {
     const double t = s->ckt->CKTtime;
     if (!ns_bridge_digital_is(d))
         return until;
-    if (d->hurries)
+    if (d->short_steps > 0) {
         until = fmin(until, t + 4.0 * closest);
-    d->hurries = 0;
+        d->short_steps--;
+    }
     return fmin(until, fmax(next_event(s->ckt), t + closest));
 }

@@ -37,7 +37,7 @@ typedef struct ns_digital {
     ns_digital_output *output; /* noutputs */
     ns_threshold *threshold;   /* 2 ninputs: work */
     int crossed;               /* a threshold was crossed at ngspice's present point */
-    int hurries;               /* or so shortly after it that the next point has to come at once */
+    int short_steps;           /* how many points come at once: at the start, after a crossing beside another */
 } ns_digital;
 
 /* Reads an instance of a code model of this name that has digital terminals; EXTRACT_REFUSED. */
