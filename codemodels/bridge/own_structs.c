@@ -85,13 +85,19 @@ static double breakdown_of(const DIOinstance *d, const DIOmodel *model) {
                                : model->DIObreakdownVoltage * (1.0 - model->DIOtcv * dt);
 }
 
+/* At its temperature.  Where none is given, 42 and others take one that only helps them converge. */
+static double series_of(const DIOinstance *d, const DIOmodel *model) {
+    const int given = model->DIOresistGiven && model->DIOresist > 0.0;
+    return given && d->DIOtConductance > 0.0 ? 1.0 / d->DIOtConductance : 0.0;
+}
+
 void ns_bridge_own_read_diode(const GENinstance *inst, ns_own_diode *d) {
     const DIOinstance *dio = (const DIOinstance *)inst;
     const DIOmodel *model = DIOmodPtr(dio);
     *d = (ns_own_diode){.anode = dio->DIOposNode,
                         .cathode = dio->DIOnegNode,
                         .inside = dio->DIOposPrimeNode,
-                        .rs = dio->DIOtConductance > 0.0 ? 1.0 / dio->DIOtConductance : 0.0,
+                        .rs = series_of(dio, model),
                         .bv = breakdown_of(dio, model),
                         .farads = dio->DIOtJctCap + dio->DIOtJctSWCap,
                         .heats = dio->DIOtempNode > 0 && dio->DIOthermal && model->DIOrth0Given};
