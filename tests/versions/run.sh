@@ -143,6 +143,16 @@ quit 0
 END
 }
 
+# load_in DIR MODELS: makes the folder new, with a .spiceinit that loads MODELS.
+load_in() {
+    rm -rf "$1" && mkdir -p "$1" && echo "codemodel '$2'" >"$1/.spiceinit"
+}
+
+# run_in DIR PROGRAM: run.cir there, its text in out.
+run_in() {
+    (cd "$1" && HOME=$1 exec timeout 60 "$2" -b run.cir >out 2>&1 </dev/null)
+}
+
 # seconds PROGRAM NETLIST FOLDER: CPU time of the user's side of one run.
 seconds() {
     (cd "$3" && {
@@ -154,8 +164,7 @@ seconds() {
 # ratio VERSION PROGRAM: of the least times.
 ratio() {
     dir=$made/$1/cpu
-    mkdir -p "$dir"
-    echo "codemodel '$made/$1/nonsmooth.cm'" >"$dir/.spiceinit"
+    load_in "$dir" "$made/$1/nonsmooth.cm"
     # shellcheck disable=SC2034 # counts
     for k in $(seq "${CPU_RUNS:-5}"); do
         echo "$(seconds "$2" "$this/ours.cir" "$dir") $(seconds "$2" "$this/rc.cir" "$dir")"
@@ -212,7 +221,7 @@ quit 0
 .end
 END
     echo "codemodel '$dir/nonsmooth.cm'" >"$dir/.spiceinit"
-    (cd "$dir" && HOME=$dir timeout 60 "$2" -b run.cir >out 2>&1 </dev/null)
+    run_in "$dir" "$2"
     n=$(grep -c '^nonsmooth: vp: at t = .* s ngspice gives this source .* expected ' "$dir/out")
     verdict "$name" "$([ "$n" = 1 ] || echo "$n lines name the source: $dir/out")"
 }
@@ -224,7 +233,7 @@ into() {
     name="$2 into $3"
     wanted "$name" || return
     dir=$this/into
-    rm -rf "$dir" && mkdir -p "$dir"
+    load_in "$dir" "$1"
     cat >"$dir/run.cir" <<'END'
 * models of another version
 VP a 0 1
@@ -240,8 +249,7 @@ quit 0
 .endc
 .end
 END
-    echo "codemodel '$1'" >"$dir/.spiceinit"
-    (cd "$dir" && HOME=$dir exec timeout 60 "$4" -b run.cir >out 2>&1 </dev/null)
+    run_in "$dir" "$4"
     rc=$?
     n=$(grep -c '^nonsmooth: ' "$dir/out")
     said=$(grep -c '^nonsmooth: nonsmooth.cm.* was loaded by an' "$dir/out")
