@@ -384,7 +384,7 @@ $(B)/libnonsmooth-test.so: $(OBJ)
 
 MUTANTS ?= 200# how many
 MUTANTS_SEED ?= 1
-IN_MUTANTS := B=build/mutants WARN=-w CFLAGS=-O1 TEST_LIB=build/mutants/libnonsmooth-test.so
+IN_MUTANTS := B=build/mutants WARN=-w CFLAGS=-O2 TEST_LIB=build/mutants/libnonsmooth-test.so
 IN_LINES := B=build/mutants/lines WARN=-w CFLAGS='-O1 -g1 -fno-inline --coverage'
 
 .PHONY: mutants mutants-run

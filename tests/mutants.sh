@@ -5,16 +5,18 @@
 #
 # `make mutants` calls it, with everything built in build/mutants, and once more with gcov's counters in
 # build/mutants/lines.  COUNT mutants, picked by SEED among all candidates (tests/mutants/candidates.awk); those that do
-# not compile, or to the same object, are replaced by others.  Each test (a program, or a netlist through ngspice) runs
-# once with the counters.  For each mutant its file is compiled and the library linked anew.  Then the tests that execute
-# the changed line run, until one fails: the quickest first, those of its room's folder as if they took a quarter of
-# their time; then a few programs under valgrind, and the tests of nsc-mlcp.  A test that takes ten times as long as it
-# does fails.
-# Printed: each mutant that lives, with the number of tests that execute its line, and how many were noticed.  Those of
-# tests/mutants/accepted, lines "FILE | BEFORE | AFTER | REASON", are printed with their reason.  Status 0: 85 of 100
-# were noticed.
+# not compile, or to the same object by -O2, are replaced by others.  Each test (a program, or a netlist through ngspice,
+# but not its repetitions in other values of ngbehavior) runs once with the counters.  For each mutant its file is
+# compiled and the library linked anew.  Then the tests that execute the changed line run, until one fails: the quickest
+# first, those of its room's folder as if they took a quarter of their time; then a few programs under valgrind, the
+# tests of nsc-mlcp and of waveforms.  A test that takes ten times as long as it does, and 5 s, fails.  After SECONDS_EACH
+# of netlists the mutant lives: more of them could only raise the rate.
+# Printed, each as soon as it is known: what noticed a mutant, or that it lives, with the number of tests that execute its
+# line; at the end how many were noticed.  For those of tests/mutants/accepted, lines "FILE | BEFORE | AFTER | REASON",
+# the reason.  Run again with the same seed, sources and tests, it goes on where it was ended.  Status 0: 85 of 100 were
+# noticed.
 # Environment: QUICK=yes leaves out netlists, valgrind, and programs of more than a second; MUTANTS_IN: folders or files to
-# change, in place of src; JOBS: so many side by side (number of processors).
+# change, in place of src; JOBS: so many side by side (number of processors); SECONDS_EACH: 120.
 cd "$(dirname "$0")/.." || exit 1
 export LC_ALL=C OPENBLAS_NUM_THREADS=1 TIME_LIMIT=600
 dir=$PWD/build/mutants
@@ -112,7 +114,7 @@ executes() {
 # noticed_by MUTANT: prints what notices it, or nothing.
 noticed_by() {
     at=$made/$1
-    file=$(cut -f2 "$at/change") line=$(cut -f3 "$at/change")
+    file=$(cut -f2 "$at/change") line=$(cut -f3 "$at/change") netlists_end=
     room=$(echo "$file" | cut -d/ -f2)
     : >"$at/executing"
     awk -v room="/unit/$room/" '
@@ -125,6 +127,8 @@ noticed_by() {
         case $test in
         netlist*)
             [ "${QUICK:-no}" = no ] || continue
+            [ -n "$netlists_end" ] || netlists_end=$(($(date +%s) + ${SECONDS_EACH:-120}))
+            [ "$(date +%s)" -lt "$netlists_end" ] || continue
             # shellcheck disable=SC2046 # objects
             [ -f "$at/nonsmooth.cm" ] || link_models "$at" $(objects "$1")
             export NONSMOOTH_CM="$at/nonsmooth.cm"
@@ -147,7 +151,17 @@ noticed_by() {
         LD_LIBRARY_PATH=$at limited $((spent + 60)) valgrind -q --leak-check=full --errors-for-leak-kinds=definite \
             --error-exitcode=9 "$test" || { echo "valgrind $test" && return; }
     done <"$at/few"
-    case $room in linalg | mlcp | tool) ;; *) return ;; esac
+    case $room in
+    linalg | mlcp | tool) ;;
+    waveform)
+        # shellcheck disable=SC2046 # objects
+        [ -f "$at/nonsmooth.cm" ] || link_models "$at" $(objects "$1")
+        NONSMOOTH_CM=$at/nonsmooth.cm RUNS="auto squares devices" JOBS=1 limited 300 tests/waveform/run.sh ||
+            echo tests/waveform/run.sh
+        return
+        ;;
+    *) return ;;
+    esac
     tool=$dir/obj/src/tool/nsc_mlcp.o
     case $file in src/tool/*) tool=$at/mutant.o ;; esac
     # shellcheck disable=SC2046,SC2086
@@ -155,27 +169,47 @@ noticed_by() {
     limited 60 tests/tool/run.sh "$at/tool" || echo tests/tool/run.sh
 }
 
+# judge MUTANT: prints and keeps the verdict: noticed, lives, or no mutant (it does not compile, or to the same).
+judge() {
+    at=$made/$1
+    [ ! -f "$at/verdict" ] || { cat "$at/verdict" && return; }
+    [ "$(cat "$made"/*/verdict 2>/dev/null | grep -c '^[nl]')" -lt "$2" ] || return
+    mkdir -p "$at"
+    sed -n "${1}p" "$dir/picked" >"$at/change"
+    compile "$1"
+    IFS=$tab read -r _ file line function before after <"$at/change"
+    if [ ! -f "$at/mutant.o" ]; then
+        verdict="same $file:$line"
+    else
+        by=$(noticed_by "$1")
+        verdict="noticed $file:$line $function, by $(echo "${by#"$dir/tests/"}" | sed "s|$dir/||g")"
+        [ -n "$by" ] || verdict="lives $file:$line $function, executed by $(wc -l <"$at/executing") tests
+    $before
+    $after"
+        reason=$(FILE=$file BEFORE=$before AFTER=$after awk -F' [|] ' '
+            $1 == ENVIRON["FILE"] && $2 == ENVIRON["BEFORE"] && $3 == ENVIRON["AFTER"] {print "    because: " $4; exit}' \
+            tests/mutants/accepted)
+        [ -n "$by" ] || verdict="$verdict${reason:+
+$reason}"
+    fi
+    find "$at" -mindepth 1 ! -name change ! -name executing -delete
+    echo "$verdict" | tee "$at/verdict.part"
+    mv "$at/verdict.part" "$at/verdict"
+}
+
 case $1 in
---compile) compile "$2" && exit ;;
 --netlist) netlist "$2" "$3" "$4" && exit ;;
 --record) record "$2" && exit ;;
---run)
-    noticed_by "$2" >"$made/$2/noticed"
-    rm -rf "$made/$2/libnonsmooth-test.so" "$made/$2/nonsmooth.cm" "$made/$2/tool" "$made/$2/netlist"
-    exit
-    ;;
+--judge) judge "$2" "$3" && exit ;;
 esac
 most=$1 seed=$2
-rm -rf "$made"
-mkdir -p "$made"
-
 # The tests, and which lines each of them executes: anew where the library or the tests were built anew.
 if [ -n "$(find "$dir/lines/libnonsmooth-test.so" "$dir"/tests -newer "$dir/recorded" 2>/dev/null)" ] || [ ! -f "$dir/recorded" ]; then
-    rm -rf "$dir/runs"
+    rm -rf "$dir/runs" "$made"
     for program in "$dir"/tests/unit/*/* "$dir"/tests/property/* "$dir"/tests/reference/* "$dir"/tests/fault/*; do
         [ ! -x "$program" ] || echo "$program"
     done >"$dir/list"
-    tests/netlist/run.sh --list | sed 's/^/netlist /' | cut -d' ' -f1-3 >>"$dir/list"
+    tests/netlist/run.sh --list | grep -v ' @' | sed 's/^/netlist /' | cut -d' ' -f1-3 >>"$dir/list"
     mv "$dir/list" "$dir/test.list"
     # shellcheck disable=SC2046 # objects
     link_models "$dir/lines" $(find "$dir/lines/obj/src" -name '*.o' ! -path '*/tool/*') -lgcov
@@ -191,42 +225,14 @@ fi
 
 # shellcheck disable=SC2086 # folders
 find ${MUTANTS_IN:-src} -name "*.c" | sort | xargs awk -f tests/mutants/candidates.awk >"$dir/candidates"
-awk -v seed="$seed" -v most=$((2 * most + 20)) -f tests/mutants/pick.awk "$dir/candidates" >"$dir/picked"
+awk -v seed="$seed" -v most=$((2 * most + 20)) -f tests/mutants/pick.awk "$dir/candidates" >"$dir/picked.new"
+cmp -s "$dir/picked.new" "$dir/picked" || rm -rf "$made"
+mv "$dir/picked.new" "$dir/picked"
+mkdir -p "$made"
 echo "seed $seed, $(wc -l <"$dir/candidates") candidates"
 
-# Compiled until there are enough.
-valid=0 next=0
-: >"$dir/valid"
-while [ "$valid" -lt "$most" ] && [ $next -lt "$(wc -l <"$dir/picked")" ]; do
-    last=$((next + most - valid))
-    while [ $next -lt $last ]; do
-        next=$((next + 1))
-        mkdir -p "$made/$next"
-        sed -n "${next}p" "$dir/picked" >"$made/$next/change"
-        echo $next
-    done >"$dir/batch"
-    next=$last
-    xargs -P "${JOBS:-$(nproc)}" -n1 "$0" --compile <"$dir/batch"
-    while read -r k; do [ ! -f "$made/$k/mutant.o" ] || echo "$k"; done <"$dir/batch" >>"$dir/valid"
-    valid=$(wc -l <"$dir/valid")
-done
-
-xargs -P "${JOBS:-$(nproc)}" -n1 "$0" --run <"$dir/valid"
-
-while read -r k; do
-    IFS=$tab read -r _ file line function before after <"$made/$k/change"
-    if [ -s "$made/$k/noticed" ]; then
-        echo noticed
-        continue
-    fi
-    reason=
-    [ ! -f tests/mutants/accepted ] || reason=$(FILE=$file BEFORE=$before AFTER=$after awk -F' [|] ' '
-        $1 == ENVIRON["FILE"] && $2 == ENVIRON["BEFORE"] && $3 == ENVIRON["AFTER"] {print $4; exit}' \
-        tests/mutants/accepted)
-    echo lives
-    printf '%s:%s %s, executed by %s tests\n    %s\n    %s\n%s' "$file" "$line" "$function" \
-        "$(wc -l <"$made/$k/executing")" "$before" "$after" "${reason:+    because: $reason
-}" >&2
-done <"$dir/valid" 2>"$dir/living" >"$dir/verdicts"
-cat "$dir/living"
-awk '/noticed/ {n++} END {print n + 0 " of " NR " noticed"; exit !(NR && n >= 0.85 * NR)}' "$dir/verdicts"
+seq "$(wc -l <"$dir/picked")" | xargs -P "${JOBS:-$(nproc)}" -I{} "$0" --judge {} "$most"
+cat "$made"/*/verdict | awk '
+    /^noticed/ {n++}
+    /^[nl]/ {all++}
+    END {print n + 0 " of " all + 0 " noticed"; exit !(all && n >= 0.85 * all)}'

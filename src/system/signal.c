@@ -201,13 +201,8 @@ static int is_inside_piece(const ns_signal *s, double t, double *value) {
         fabs(at - end) < margin) {
         return 0;
     }
-    if (at < top) {
-        *value = between(t, td + here, v1, td + (here + top), v2);
-    } else if (at > fall && at < end) {
-        *value = between(t, td + (here + fall), v2, td + (here + end), v1);
-    } else {
-        *value = at < fall ? v2 : v1;
-    }
+    *value = at < top ? between(t, td + here, v1, td + (here + top), v2)
+                      : between(t, td + (here + fall), v2, td + (here + end), v1);
     return 1;
 }
 

@@ -204,8 +204,48 @@ static void until_what_is_known_ahead(void **state) {
     end(&k);
 }
 
+/* Three pairs with lambda in [-1, 1]: x1' = lambda1, y1 = x1 at the upper bound; x2' = 2 lambda2, y2 = x2 at
+ * the lower one; x3' = lambda3, y3 = x3 + lambda3 inside.  So x1 = -1 + t, x2 = 3 - 2 t, x3 = 0.5 exp(-t). */
+static void bounds_on_both_sides(void **state) {
+    (void)state;
+    ns_system *s;
+    const ns_mode mode[] = {NS_UPPER, NS_LOWER, NS_INSIDE};
+    const double w[] = {-1, 3, 0.5}, gain[] = {1, 2, 1};
+    assert_int_equal(ns_system_create(3, 3, 0, 0, &s), NS_OK);
+    for (int i = 0; i < 3; i++) {
+        s->M[4 * i] = s->C[4 * i] = 1;
+        s->B[4 * i] = gain[i];
+        s->l[i] = -1;
+        s->u[i] = 1;
+    }
+    s->D[8] = 1;
+    for (int which = 0; which < 2; which++) {
+        ns_kernel *q = make_kernel(s, which);
+        double ahead;
+        ns_guard g[6];
+        assert_int_equal(q->table->place(q, 0, w, mode), NS_OK);
+        assert_int_equal(q->table->prepare(q, 1e-5, &ahead), NS_OK);
+        for (int i = 0; i <= 2; i++) {
+            const double t = i * ahead / 2, x3 = 0.5 * exp(-t);
+            const double value[] = {INFINITY, 1 - t, 3 - 2 * t, INFINITY, 1 - x3, 1 + x3};
+            const double rate[] = {0, -1, -2, 0, x3, -x3};
+            assert_int_equal(q->table->guards(q, t, g), NS_OK);
+            for (int k = 0; k < 6; k++)
+                if (isinf(value[k]))
+                    assert_true(g[k].value == INFINITY);
+                else {
+                    close_to(g[k].value, value[k], 1e-12);
+                    close_to(g[k].rate, rate[k], 1e-7);
+                }
+        }
+        q->table->free(q);
+    }
+    ns_system_free(s);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_conducting_diode),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(bounds_on_both_sides),
+                                       cmocka_unit_test(a_conducting_diode),
                                        cmocka_unit_test(a_blocking_diode), cmocka_unit_test(a_jump),
                                        cmocka_unit_test(until_what_is_known_ahead)};
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -55,6 +55,41 @@ static void memory_is_bounded(void **state) {
     ns_system_free(s);
 }
 
+/* How many modes are dropped from 15 to 20 ms and from 40 to 45 ms, by so much room. */
+static void dropped_early_and_late(const ns_system *s, size_t room, long dropped[2]) {
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-6, .method = NS_EXACT, .map_bytes = room};
+    const double w0[2] = {1e-6 * 10, 0};
+    ns_march *m;
+    double reached;
+    long at[10];
+    assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_OK);
+    assert_int_equal(ns_march_start(m, 0, w0), NS_OK);
+    for (int k = 1; k <= 9; k++) {
+        assert_int_equal(ns_march_try(m, 5e-3 * k, NS_TO_TIME, &reached), NS_OK);
+        assert_int_equal(ns_march_accept(m), NS_OK);
+        at[k] = ns_march_counts(m)->evicted;
+    }
+    dropped[0] = at[4] - at[3];
+    dropped[1] = at[9] - at[8];
+    ns_march_free(m);
+}
+
+/* The bridge comes through the same modes again and again: where some of them have room, and others not, no
+ * more are dropped after 40 ms than after 15 ms, for what a dropped mode took is free again. */
+static void room_is_given_back(void **state) {
+    (void)state;
+    ns_system *s = system_lc_bridge();
+    int some = 0;
+    for (size_t room = 1000; room < 40000; room += room / 16) {
+        long dropped[2];
+        dropped_early_and_late(s, room, dropped);
+        some += dropped[0] > 2 && dropped[0] < 14; /* of 16 */
+        assert_true(dropped[1] <= dropped[0] + 2);
+    }
+    assert_true(some > 0);
+    ns_system_free(s);
+}
+
 /* What a scene does not need is not done: no sine, one state for the inputs (the constant); a mode met
  * before, no factor and no problem; guards that stay away, no search. */
 static void what_is_not_needed_is_skipped(void **state) {
@@ -210,6 +245,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_lc_bridge_is_right_to_rounding),
         cmocka_unit_test(memory_is_bounded),
+        cmocka_unit_test(room_is_given_back),
         cmocka_unit_test(without_guards_there_is_nothing_to_stop_for),
         cmocka_unit_test(what_is_not_needed_is_skipped),
         cmocka_unit_test(sines_and_exponentials_are_exact),

@@ -44,13 +44,14 @@ static void a_zero_on_the_diagonal_takes_a_partner(void **state) {
     ns_mlcp_free(r.s);
 }
 
-/* y1 = l1 + l2 - 3, y2 = l1 + l2 - 1, l2 inside [0, 2] at 1: y1 = -2 whatever l1 is, until l2 is at its bound
- * 0: l1 = 3, by one exchange of both.  With the sign of l2 turned its bound is the upper one. */
+/* y1 = l1 + a l2 - 3, y2 = a (l1 + a l2 - 1), l2 inside at 1/a: y1 = -2 whatever l1 is, until l2 is at its
+ * bound 0: l1 = 3, by one exchange of both.  Where a is negative 0 is the upper bound. */
 static void a_partner_stops_at_the_bound_it_moves_to(void **state) {
     (void)state;
-    for (int sign = 1; sign >= -1; sign -= 2) {
-        const double W[] = {1, sign, sign, 1}, q[] = {-3, -sign};
-        const double l[] = {0, sign > 0 ? 0 : -2}, u[] = {INF, sign > 0 ? 2 : 0};
+    const double factor[] = {1, -1, 0.25, -0.25, 4, -4};
+    for (int k = 0; k < 6; k++) {
+        const double a = factor[k], W[] = {1, a, a, a * a}, q[] = {-3, -a};
+        const double l[] = {0, a > 0 ? 0 : -INF}, u[] = {INF, a > 0 ? INF : 0};
         const ns_mlcp p = {.m = 2, .W = W, .q = q, .l = l, .u = u};
         rig r;
         begin(&r, 2, NS_MLCP_PIVOT);
@@ -58,8 +59,9 @@ static void a_partner_stops_at_the_bound_it_moves_to(void **state) {
         r.mode[1] = NS_INSIDE;
         assert_int_equal(run(&r, &p), NS_OK);
         assert_true(fabs(r.lambda[0] - 3) < 1e-14 && r.lambda[1] == 0);
-        assert_int_equal(r.mode[1], sign > 0 ? NS_LOWER : NS_UPPER);
+        assert_int_equal(r.mode[1], a > 0 ? NS_LOWER : NS_UPPER);
         assert_int_equal(r.info.pivots, 2);
+        assert_int_equal(r.info.factors, 1); /* it does not begin anew */
         ns_mlcp_free(r.s);
     }
 }
