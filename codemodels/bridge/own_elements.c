@@ -102,38 +102,37 @@ static int add_resistor(const ns_extract_walk *w, const GENinstance *inst, const
     return ns_circuit_resistor(w->ex->circuit, inst->GENname, s->p, s->n, s->ron, id);
 }
 
-/* ngspice's S and W without hysteresis are open where the control is at the threshold, as a PULSE that comes
- * back to 0 with vt = 0; ours stay as they are there.  This is above what is rounding of a control. */
-static double threshold_of(const ns_own_switch *s) {
-    return s->vh > 0.0 ? s->vt : s->vt + 1e-9 * fmax(fabs(s->vt), 1e-3);
+/* A switch is taken: its state where the control does not say; without hysteresis it has its roff where the
+ * control comes back to the threshold, as a PULSE does with vt = 0. */
+static int set_states(const ns_extract_walk *w, int id, const ns_own_switch *s, int opens) {
+    const int status = ns_circuit_switch_initially(w->ex->circuit, id, opens != s->closed);
+    return status ? status : ns_circuit_switch_at_rest(w->ex->circuit, id, opens);
 }
 
 /* A switch of ron > roff is one that opens where the control rises. */
 static int add_voltage_switch(const ns_extract_walk *w, const GENinstance *inst, const ns_own_switch *s,
                               int *id) {
     const int opens = s->ron > s->roff;
-    const ns_switch ideal = {.vt = opens ? -threshold_of(s) : threshold_of(s),
+    const ns_switch ideal = {.vt = opens ? -s->vt : s->vt,
                              .vh = s->vh,
                              .ron = opens ? s->roff : s->ron,
                              .roff = opens ? s->ron : s->roff};
     const int status = ns_circuit_switch(w->ex->circuit, inst->GENname, s->p, s->n, opens ? s->cn : s->cp,
                                          opens ? s->cp : s->cn, &ideal, id);
-    return status ? status : ns_circuit_switch_initially(w->ex->circuit, *id, opens != s->closed);
+    return status ? status : set_states(w, *id, s, opens);
 }
 
 static int add_current_switch(ns_extract_walk *w, const GENinstance *inst, const ns_own_switch *s, int *id) {
     const int opens = s->ron > s->roff;
     const double gain = opens ? -1.0 : 1.0;
-    const ns_switch ideal = {.vt = gain * threshold_of(s),
-                             .vh = s->vh,
-                             .ron = fmin(s->ron, s->roff),
-                             .roff = fmax(s->ron, s->roff)};
+    const ns_switch ideal = {
+        .vt = gain * s->vt, .vh = s->vh, .ron = fmin(s->ron, s->roff), .roff = fmax(s->ron, s->roff)};
     const int by = ns_bridge_extract_element(w, s->branch);
     if (by < 0)
         return EXTRACT_LATER;
     const int status =
         ns_circuit_switch_by_current(w->ex->circuit, inst->GENname, s->p, s->n, by, gain, &ideal, id);
-    return status ? status : ns_circuit_switch_initially(w->ex->circuit, *id, opens != s->closed);
+    return status ? status : set_states(w, *id, s, opens);
 }
 
 static int take_switch(ns_extract_walk *w, GENinstance *inst, const ns_own_switch *s, int by_current) {

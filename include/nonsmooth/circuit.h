@@ -84,6 +84,9 @@ int ns_circuit_switch_by_current(ns_circuit *c, const char *name, int p, int n, 
 /* At a start, a switch whose control is between vt-vh and vt+vh is closed (1) or open (0, the default).
  * Errors: NULL, SIZE (id is no switch). */
 int ns_circuit_switch_initially(ns_circuit *c, int id, int closed);
+/* A switch of vh = 0 whose control comes back to vt and rests there stays as it is (closed < 0, the default),
+ * or is closed (1) or open (0).  Errors: NULL, SIZE (id is no switch). */
+int ns_circuit_switch_at_rest(ns_circuit *c, int id, int closed);
 
 /* An affine expression: constant + sum gain * what each term stands for, V or A. */
 typedef struct ns_affine {

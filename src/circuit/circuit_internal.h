@@ -42,6 +42,7 @@ typedef struct element {
     ns_diode diode;   /* of DIODE */
     ns_switch sw;     /* of SWITCH, commanded by two nodes, or by the current of by[0] */
     int closed;       /* of SWITCH: 1: closed at a start where its control does not say */
+    int at_rest;      /* of SWITCH of vh = 0, with its control at vt: 1: open, -1: closed, 0: as it was */
     /* its indices in the system, given when it is added; -1: none */
     int current; /* among the currents in x */
     int pair;    /* the first of its pairs; a breakdown pair follows */
@@ -135,6 +136,18 @@ int ns_circuit_term_pair(const ns_circuit *c, const ns_term *t);
 
 /* What one element adds to the system; of coupled inductors nothing (inductance.c). */
 void ns_circuit_stamp_element(const stamp *to, const element *e);
+
+/* By how much an input counts in a control. */
+typedef struct ns_input_gain {
+    const ns_signal *z;
+    double gain;
+} ns_input_gain;
+
+/* resting_control.c: by how much the thresholds of a switch are shifted for its at_rest: where its control is
+ * constant + sum of count terms, and where it is anything else.  Errors: MEMORY. */
+int ns_circuit_shift_known(const element *e, double constant, const ns_input_gain *term, int count,
+                           double *shift);
+double ns_circuit_shift_unknown(const ns_circuit *c, const element *e);
 
 /* The commands of all switches (switch_commands.c).  Errors: MEMORY. */
 int ns_circuit_stamp_commands(const stamp *to);

@@ -353,13 +353,28 @@ int ns_circuit_switch_by_current(ns_circuit *c, const char *name, int p, int n, 
     return add_switch(c, &e, s, id);
 }
 
-int ns_circuit_switch_initially(ns_circuit *c, int id, int closed) {
+static int check_is_switch(ns_circuit *c, int id) {
     if (!c) {
         return NS_E_NULL;
     }
     if (id < 0 || id >= c->nelements || c->element[id].kind != SWITCH) {
         return ns_circuit_complain(c, NS_E_SIZE, "there is no switch %d", id);
     }
-    c->element[id].closed = closed != 0;
     return NS_OK;
+}
+
+int ns_circuit_switch_initially(ns_circuit *c, int id, int closed) {
+    const int status = check_is_switch(c, id);
+    if (status == NS_OK) {
+        c->element[id].closed = closed != 0;
+    }
+    return status;
+}
+
+int ns_circuit_switch_at_rest(ns_circuit *c, int id, int closed) {
+    const int status = check_is_switch(c, id);
+    if (status == NS_OK && c->element[id].sw.vh == 0) {
+        c->element[id].at_rest = (closed == 0) - (closed > 0);
+    }
+    return status;
 }

@@ -18,15 +18,16 @@ typedef struct potential {
 
 typedef struct potentials {
     const ns_circuit *c;
-    int count;        /* used nodes, then ground */
-    int nz;           /* inputs */
-    int *group;       /* count */
-    int *next;        /* count: the next node of the same group, in a ring */
-    int *size;        /* count: of the group of this number */
-    potential *volts; /* count: against the group's own zero */
-    double *gap;      /* nz+1: v_p - v_n of a source, */
-    int *in_gap;      /* nz+1: the inputs it is made of, */
-    char *has;        /* nz+1: these, marked */
+    int count;                /* used nodes, then ground */
+    int nz;                   /* inputs */
+    int *group;               /* count */
+    int *next;                /* count: the next node of the same group, in a ring */
+    int *size;                /* count: of the group of this number */
+    potential *volts;         /* count: against the group's own zero */
+    double *gap;              /* nz+1: v_p - v_n of a source, */
+    int *in_gap;              /* nz+1: the inputs it is made of, */
+    char *has;                /* nz+1: these, marked */
+    const ns_signal **signal; /* nz+1: of each input */
     int in_gap_count;
     int failed; /* memory ran out */
 } potentials;
@@ -192,8 +193,14 @@ static int find_potentials(potentials *p, const ns_circuit *c) {
     p->gap = calloc(width, sizeof *p->gap);
     p->in_gap = calloc(width, sizeof *p->in_gap);
     p->has = calloc(width, 1);
-    if (!p->group || !p->volts || !p->gap || !p->in_gap || !p->has) {
+    p->signal = calloc(width, sizeof *p->signal);
+    if (!p->group || !p->volts || !p->gap || !p->in_gap || !p->has || !p->signal) {
         return 0;
+    }
+    for (int i = 0; i < c->nelements; i++) {
+        if (c->element[i].input >= 0) {
+            p->signal[c->element[i].input] = &c->element[i].signal;
+        }
     }
     p->next = p->group + count;
     p->size = p->next + count;
@@ -216,6 +223,7 @@ static void free_potentials(potentials *p) {
     free(p->gap);
     free(p->in_gap);
     free(p->has);
+    free(p->signal);
 }
 
 /* Room for the control's entries, unless they go to lists. */
@@ -243,6 +251,28 @@ static int stamp_time_control(const stamp *to, const potentials *p, int command)
         }
     }
     return NS_OK;
+}
+
+/* Its threshold, of a known difference, is where at_rest wants it. */
+static int shift_threshold(const stamp *to, const potentials *p, const element *e) {
+    ns_command *command = &to->s->command[e->command];
+    ns_input_gain *term = calloc((size_t)p->in_gap_count + 1, sizeof *term);
+    double shift = 0;
+    int count = 0;
+    if (!term) {
+        return NS_E_MEMORY;
+    }
+    for (int i = 0; i < p->in_gap_count; i++) {
+        const int input = p->in_gap[i];
+        if (input < p->nz && p->gap[input] != 0) {
+            term[count++] = (ns_input_gain){p->signal[input], p->gap[input]};
+        }
+    }
+    const int status = ns_circuit_shift_known(e, p->gap[p->nz], term, count, &shift);
+    command->on += shift;
+    command->off += shift;
+    free(term);
+    return status;
 }
 
 /* g = v_cp - v_cn, or the current of an element. */
@@ -287,8 +317,12 @@ static int stamp_command(const stamp *to, potentials *p, const element *e) {
         return stamp_control_of_choice(to, p, e);
     }
     if (e->by[0] < 0 && add_difference(p, 1, node_place(p, e->node[2]), node_place(p, e->node[3]))) {
-        return stamp_time_control(to, p, e->command);
+        const int status = e->at_rest ? shift_threshold(to, p, e) : NS_OK;
+        return status ? status : stamp_time_control(to, p, e->command);
     }
+    const double shift = ns_circuit_shift_unknown(to->c, e);
+    command->on += shift;
+    command->off += shift;
     return stamp_state_control(to, e);
 }
 

@@ -1,0 +1,133 @@
+/* tests/unit/circuit/test_resting_control.c - thresholds of switches whose control may rest there: shifted by
+ * 1e-9 of the threshold, or of 1 mV, and only where it may. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "nonsmooth/circuit.h"
+
+static ns_circuit *made;
+static int switches;
+
+static ns_signal pulse(double v1, double v2) {
+    return (ns_signal){.kind = NS_PULSE, .u.pulse = {v1, v2, 0, 1e-8, 1e-8, 1e-6, 5e-6, 0}};
+}
+
+static ns_signal sine(double td) {
+    return (ns_signal){.kind = NS_SIN, .u.sin = {0, 1, 1e3, td, 0, 0}};
+}
+
+static void begin(void) {
+    assert_int_equal(ns_circuit_create(&made), NS_OK);
+    switches = 0;
+}
+
+static void source(const char *name, int p, int n, ns_signal s) {
+    int id;
+    assert_int_equal(ns_circuit_source(made, name, NS_VOLTAGE, p, n, &s, &id), NS_OK);
+}
+
+/* From node 9 to ground, by nodes cp and cn; open (0) or closed (1) at rest. */
+static void add_switch(const char *name, int cp, int cn, double vt, int closed) {
+    const ns_switch sw = {.vt = vt, .ron = 1, .roff = INFINITY};
+    int id;
+    assert_int_equal(ns_circuit_switch(made, name, 9, 0, cp, cn, &sw, &id), NS_OK);
+    assert_int_equal(ns_circuit_switch_at_rest(made, id, closed), NS_OK);
+    switches++;
+}
+
+/* The thresholds of the switches, less vt; then the circuit is freed. */
+static void end_with(const double *vt, const double *shift) {
+    ns_system *s;
+    int id;
+    assert_int_equal(ns_circuit_resistor(made, "r9", 9, 0, 1, &id), NS_OK);
+    assert_int_equal(ns_circuit_system(made, &s), NS_OK);
+    assert_int_equal(s->nc, switches);
+    for (int i = 0; i < switches; i++) {
+        assert_true(fabs(s->command[i].on - vt[i] - shift[i]) <= 1e-15);
+        assert_true(s->command[i].off == s->command[i].on);
+    }
+    ns_system_free(s);
+    ns_circuit_free(made);
+}
+
+/* A pulse rests at its two values; half way it does not. */
+static void by_a_pulse(void **state) {
+    (void)state;
+    begin();
+    source("v1", 1, 0, pulse(0, 1));
+    add_switch("s1", 1, 0, 0, 0);
+    add_switch("s2", 1, 0, 0.5, 0);
+    add_switch("s3", 1, 0, 1, 0);
+    add_switch("s4", 0, 1, 0, 1);
+    add_switch("s5", 1, 0, 0, -1);
+    end_with((double[]){0, 0.5, 1, 0, 0}, (double[]){1e-12, 0, 1e-9, -1e-12, 0});
+}
+
+/* A sum rests where each of its inputs rests. */
+static void by_a_sum(void **state) {
+    (void)state;
+    begin();
+    source("v1", 1, 0, pulse(-1, 1));
+    source("v2", 2, 0, pulse(0, 2));
+    source("v3", 3, 0, sine(0));
+    source("v4", 4, 0, sine(1e-3)); /* 0 V for 1 ms */
+    add_switch("s1", 1, 2, 1, 0);   /* 1 V less 0 V */
+    add_switch("s2", 1, 2, 0.5, 0);
+    add_switch("s3", 1, 3, 0, 0);
+    add_switch("s4", 1, 4, 1, 0);
+    end_with((double[]){1, 0.5, 0, 1}, (double[]){1e-9, 0, 0, 1e-9});
+}
+
+/* A line that is over before the run begins may be set later; what is no function of time may rest at 0 V;
+ * complements change in the same instant. */
+static void by_what_is_not_known(void **state) {
+    static const double t[] = {-2, -1}, v[] = {0, 5};
+    int id;
+    (void)state;
+    begin();
+    source("v1", 1, 0, (ns_signal){.kind = NS_PWL, .u.pwl = {2, t, v, NAN, 0}});
+    assert_int_equal(ns_circuit_resistor(made, "r1", 1, 2, 1, &id), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(made, "c1", 2, 0, 1, NAN, &id), NS_OK);
+    add_switch("s1", 1, 0, 0, 0);
+    add_switch("s2", 1, 0, 5, 0);
+    add_switch("s3", 2, 0, 0, 0);
+    add_switch("s4", 2, 0, 1, 0);
+    add_switch("s5", 2, 1, 0, 0);
+    add_switch("s6", 1, 2, 0, 0);
+    end_with((double[]){0, 5, 0, 1, 0, 0}, (double[]){1e-12, 0, 1e-12, 0, 0, 0});
+}
+
+static void refused(void **state) {
+    const ns_switch sw = {.vt = 1, .vh = 0.5, .ron = 1, .roff = INFINITY};
+    int id;
+    (void)state;
+    assert_int_equal(ns_circuit_switch_at_rest(NULL, 0, 0), NS_E_NULL);
+    begin();
+    assert_int_equal(ns_circuit_switch_at_rest(made, 0, 0), NS_E_SIZE);
+    source("v1", 1, 0, pulse(0, 1));
+    assert_int_equal(ns_circuit_switch_at_rest(made, 0, 0), NS_E_SIZE);
+    /* with hysteresis there is nothing to say */
+    assert_int_equal(ns_circuit_switch(made, "s1", 9, 0, 1, 0, &sw, &id), NS_OK);
+    assert_int_equal(ns_circuit_switch_at_rest(made, id, 0), NS_OK);
+    ns_system *s;
+    assert_int_equal(ns_circuit_resistor(made, "r9", 9, 0, 1, &id), NS_OK);
+    assert_int_equal(ns_circuit_system(made, &s), NS_OK);
+    assert_true(s->command[0].on == 1.5 && s->command[0].off == 0.5);
+    ns_system_free(s);
+    ns_circuit_free(made);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(by_a_pulse),
+        cmocka_unit_test(by_a_sum),
+        cmocka_unit_test(by_what_is_not_known),
+        cmocka_unit_test(refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
