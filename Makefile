@@ -366,6 +366,12 @@ stress: deps ## random problems, random converters and networks: every class, ev
 	@echo "== stress_mlcp"; OPENBLAS_NUM_THREADS=1 build/bench/tests/stress/stress_mlcp $(STRESS_MLCP)
 	@echo "== stress_circuits"; OPENBLAS_NUM_THREADS=1 STRESS_SECONDS=$(STRESS_SECONDS) build/bench/tests/stress/stress_circuits
 
+.PHONY: sweep
+sweep: deps ## devices from ideal to poor (ron, roff): what each circuit costs beside the ideal one; build/stress/ideality.png
+	@$(MAKE) $(PARALLEL) B=build/bench CFLAGS='-O3 -DNDEBUG' stress-programs
+	@OPENBLAS_NUM_THREADS=1 build/bench/tests/stress/stress_ideality netlists/*.cir; \
+	    status=$$?; gnuplot build/stress/ideality.gp && echo "Picture   build/stress/ideality.png"; exit $$status
+
 # --- corpus: real netlists, fetched by whoever has them ----------------------------------------------------
 
 CORPUS ?=# a folder with OWNER/NAME/PATH of the netlists that tests/corpus/list names
