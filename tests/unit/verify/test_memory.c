@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "signals.h"
-#include "verify/verify.h"
+#include "verify/verify_internal.h"
 
 enum { MOST = 16 };
 
@@ -117,9 +117,68 @@ static void a_change_has_a_cause(void **state) {
     assert_int_equal(f.cause, NS_VERIFY_COMMAND);
 }
 
+/* What is known at t where the control is g: -1 nothing, 0 open, 1 closed. */
+static int known_at(ns_verify *v, double t, double g) {
+    v->t = t;
+    return ns_verify_memory_at(v, 0, g);
+}
+
+/* A gate of 1 us that is 0.5 V, between the thresholds, and 1 V from 0.25 to 0.5 us: open until the first of
+ * these, then closed for ever.  Of a point before the last one, and after more corners than are looked at,
+ * one cannot tell until the control is beyond a threshold again. */
+static void sources_with_many_corners(void **state) {
+    rig k = begin();
+    ns_verify *v;
+    const double us = 1e-6;
+    const ns_switch contact = {.vt = 0.5, .vh = 0.1, .ron = 0, .roff = INFINITY};
+    const ns_signal gate = pulse(0.5, 1, 0.25 * us, 0.01 * us, 0.01 * us, 0.24 * us, us);
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-7, .method = NS_EXACT, .reltol = 1e-9};
+    const ns_verify_options vo = {.reltol = 1e-9, .instant = 1e-11};
+    (void)state;
+    assert_int_equal(ns_circuit_source(k.c, "vg", NS_VOLTAGE, 1, 0, &gate, NULL), NS_OK);
+    assert_int_equal(ns_circuit_switch(k.c, "as1", 1, 2, 1, 0, &contact, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(k.c, "r1", 2, 0, 5, NULL), NS_OK);
+    make_by(&k, &o);
+    assert_int_equal(ns_verify_create(k.s, &vo, &v), NS_OK);
+    ns_verify_start_switches(v, 0, NULL);
+    assert_int_equal(known_at(v, 0.1 * us, 0.5), 0);
+    assert_int_equal(known_at(v, 0.2 * us, 0.5), 0);
+    assert_int_equal(known_at(v, 0.9 * us, 0.5), 1);
+    assert_int_equal(known_at(v, 99.9 * us, 0.5), 1);
+    assert_int_equal(known_at(v, 1e4 * us + 0.1 * us, 0.5), -1);
+    assert_int_equal(known_at(v, 1e4 * us + 0.4 * us, 1), 1);
+    assert_int_equal(known_at(v, 1e4 * us + 0.9 * us, 0.5), 1);
+    assert_int_equal(known_at(v, 1e4 * us + 0.1 * us, 0.5), -1);
+    assert_int_equal(known_at(v, 1e4 * us + 1.1 * us, 0.5), 1);
+    ns_verify_free(v);
+    end(&k);
+}
+
+/* Energy is judged where M is symmetric but for signs of rows and its own entries say the signs: of two
+ * charges, each by the other's unknown alone, none does. */
+static void energy_needs_signs(void **state) {
+    const double all[][4] = {{2, 1, 1, 2}, {2, 1, -1, -2}, {0, 1, 1, 0}, {-2, 1, 1, 0}, {2, 1, 0, 2}};
+    const int judged[] = {1, 1, 0, 0, 0};
+    const ns_verify_options vo = {.reltol = 1e-9, .instant = 1e-11};
+    (void)state;
+    for (int k = 0; k < 5; k++) {
+        ns_system *s;
+        ns_verify *v;
+        assert_int_equal(ns_system_create(2, 0, 0, 0, &s), NS_OK);
+        memcpy(s->M, all[k], sizeof all[k]);
+        s->A[0] = s->A[3] = -1;
+        assert_int_equal(ns_verify_create(s, &vo, &v), NS_OK);
+        assert_int_equal(v->is_passive, judged[k]);
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sources_decide),
+        cmocka_unit_test(sources_with_many_corners),
+        cmocka_unit_test(energy_needs_signs),
         cmocka_unit_test(a_change_has_a_cause),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
