@@ -20,8 +20,6 @@
 
 static const double TIE =
     1e-12; /* of a size: rounding of a sum is 1e-16 of it times some hundred operations */
-static const double UNSAFE =
-    1e-7; /* of rows that tie, pivots this much smaller than the largest are passed over */
 enum { RAY = -1, FLIP = -2 };
 
 /* The variable that may move when var has stopped at a bound, and which way. */
@@ -113,22 +111,16 @@ static double room_to_bound(const ns_mlcp_solver *s, int r, double rate) {
     return v > 0.0 ? v : 0.0;
 }
 
-/* Of the rows that reach a bound within limit the one that leaves: of those whose pivot is safe, the first in
- * the shifted problem.  free (np): how far each may go.  FLIP: the entering variable's own other bound, RAY:
- * none. */
+/* Of the rows that reach a bound within limit the one that leaves: the first in the shifted problem.  free
+ * (np): how far each may go.  FLIP: the entering variable's own other bound, RAY: none. */
 static int leaving_row(const ns_mlcp_solver *s, const double *e, double dir, const double *free, double limit,
                        int best) {
-    double big = 0.0, rate = 1.0;
-    for (int r = 0; r < s->np; r++)
-        if (e[r] != 0.0 && free[r] <= limit * fabs(e[r]))
-            big = fmax(big, fabs(e[r]));
+    double rate = 1.0;
     for (int r = 0; r < s->np; r++) {
         if (e[r] == 0.0 || !(free[r] <= limit * fabs(e[r])))
             continue;
-        if (s->tab.rowvar[r] == 2 * s->np && fabs(e[r]) > UNSAFE * big)
+        if (s->tab.rowvar[r] == 2 * s->np)
             return r; /* t = 0 ends the search: it goes first */
-        if (fabs(e[r]) < UNSAFE * big)
-            continue;
         if (best == RAY || stops_before(s, r, dir * e[r], best, rate)) {
             best = r;
             rate = dir * e[r];

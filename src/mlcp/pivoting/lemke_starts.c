@@ -53,8 +53,6 @@ int ns_mlcp_lemke_starts(ns_mlcp_solver *s, const ns_mode *mode, double *residua
             return NS_OK;
         if (status == NS_E_INFEASIBLE && ns_mlcp_prove(s, NS_CAREFUL))
             return status;
-        if (s->elim.nstuck > 0)
-            return NS_E_SINGULAR; /* no start will do */
         if (k == 0)
             first = status;
     }

@@ -207,14 +207,12 @@ static int read_guards(ns_mlcp_solver *s, int *list, int *worst) {
 }
 
 /* From s->mode to one whose guards hold.  The values that came along with the flips will do to find more to
- * flip, as long as that goes well. */
+ * flip. */
 static int find_mode(ns_mlcp_solver *s) {
     int *list = s->queue, best = s->np + 1, patience = PATIENCE, worst = 0;
     s->transform.carried = 0;
     for (int round = 0; round < ROUNDS + ROUNDS_PER_PAIR * s->np; round++) {
-        int n = s->transform.carried && patience > PATIENCE / 2
-                    ? list_violated(s, s->np, s->pair, list, &worst)
-                    : 0;
+        int n = s->transform.carried ? list_violated(s, s->np, s->pair, list, &worst) : 0;
         if (n == 0)
             n = read_guards(s, list, &worst);
         if (n == 0)

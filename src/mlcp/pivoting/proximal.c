@@ -51,14 +51,6 @@ static void regularise(ns_mlcp_solver *s, int n, int from) {
     ns_mlcp_fold(s);
 }
 
-static void name_rows(ns_mlcp_solver *s) {
-    for (int i = 0; i < s->m; i++) { /* measure() left y and 1/Y of the given problem in rhs */
-        s->ray[i] = s->mode[i] == NS_INSIDE ? fabs(s->rhs[i]) * s->rhs[s->m + i] : 0.0;
-        s->rows[i] = i;
-    }
-    ns_mlcp_name(s, s->ray, s->m, s->rows);
-}
-
 /* Further proximal steps in the mode found, each as a correction of x_k by the residual of the given problem,
  * which rounds much less than solving for x_k+1 anew.  Keeps the best; returns its residual. */
 static double refine_answer(ns_mlcp_solver *s) {
@@ -96,8 +88,6 @@ static int iterate_points(ns_mlcp_solver *s, const ns_mode *mode, int n, double 
             break;
         before = *residual;
     }
-    (void)ns_mlcp_measure(s->p, s->lambda, s->alike, s->rhs, NULL);
-    name_rows(s);
     return NS_E_INFEASIBLE;
 }
 
