@@ -44,8 +44,8 @@ typedef struct ns_own_diode {
 
 void ns_bridge_own_read_diode(const GENinstance *inst, ns_own_diode *d);
 
-/* A point as a device shows it: @s1[i], @d1[id], and so that ngspice's own load finds nothing to limit.
- * v: of the switch, of the diode's junction, V; i: A. */
+/* Writes v and i where ngspice shows them (@s1[i], @d1[id]) and where its own load starts from, so that it
+ * limits nothing.  v: of the switch, of the diode's junction, V; i: A. */
 void ns_bridge_own_write_switch(GENinstance *inst, CKTcircuit *ckt, double v, double i, int on);
 void ns_bridge_own_write_diode(GENinstance *inst, CKTcircuit *ckt, double v, double i);
 

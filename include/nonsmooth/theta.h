@@ -37,7 +37,7 @@ typedef struct ns_counts {
     /* every stepper and marcher */
     long steps;    /* accepted */
     long trials;   /* steps tried */
-    long events;   /* accepted steps that changed the mode */
+    long events;   /* a stepper: accepted steps that changed the mode; a marcher: events resolved */
     long problems; /* (P1) solved by the MLCP solver */
     long pivots;   /* inside these problems */
     long factors;  /* factorisations, those of the solver included */

@@ -62,8 +62,8 @@ int ns_exact_event_samples_hold(const double *s, int rows, int samples) {
     return 1;
 }
 
-/* The same; more for a guard that broke while the mode selected was the one it broke in: so close to zero
- * rounding decides, and either mode is right. */
+/* What guard g may be off by; 64 times that where it broke in this mode and the same mode was selected again:
+ * rounding decides then, and either mode is right. */
 static double break_tolerance(const ns_exact *f, const ns_mode_kernel *k, int g) {
     enum { UNMENDED = 64 };
     const int unmended = f->unmended.mode == f->state.mode && f->unmended.guard == g;

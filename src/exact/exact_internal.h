@@ -168,7 +168,7 @@ struct ns_exact {
 
     /* the point */
     ns_exact_state state;         /* mode, time, last event */
-    double *X;                    /* q: charges and fluxes w, inputs v */
+    double *X;                    /* q: charges and fluxes w, then inputs v; not the impulse X of (J1) */
     double *max_abs;              /* r: the largest |w| so far */
     ns_exact_past past, accepted; /* of the trial; of the accepted point */
     ns_counts counts;             /* what it cost so far */

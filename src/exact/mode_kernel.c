@@ -127,6 +127,7 @@ static int allocate_work(const ns_mode_kernel *k, const ns_input_states *e, ns_k
     return NS_OK;
 }
 
+/* b->dv, in, size: one implicit Euler step of length g of the inputs, from each unit vector of v. */
 static void fill_inputs(const ns_input_states *e, double g, const ns_kernel_work *b) {
     const int nv = e->nv, nz = e->s->nz;
     for (int j = 0; j < nv; j++) {

@@ -56,9 +56,8 @@ static void want_commands(ns_exact *f) {
     }
 }
 
-/* The mode in f->wanted, if it holds.  *on: for a jump only; another mode follows at once.
- */
-static int try_wanted(ns_exact *f, ns_evidence evidence, int *on) {
+/* The mode in f->wanted, if it holds.  *goes_on: 1: for its jump only, another mode follows at once. */
+static int try_wanted(ns_exact *f, ns_evidence evidence, int *goes_on) {
     ns_exact_mode *k;
     ns_modes_shared_rest(f->s->twin, f->s->twins, f->wanted);
     const int status = ns_exact_mode_find(f, f->wanted, &k);
@@ -68,7 +67,7 @@ static int try_wanted(ns_exact *f, ns_evidence evidence, int *on) {
     if (verdict == NS_VERDICT_NO)
         return NS_GUARD;
     commit_mode(f, k);
-    *on = verdict == NS_VERDICT_JUMPS;
+    *goes_on = verdict == NS_VERDICT_JUMPS;
     return NS_OK;
 }
 
@@ -130,16 +129,16 @@ static int flip_violated(ns_exact *f) {
 }
 
 /* The mode in f->wanted, or with violated pairs flipped: (P1) over a short step may have several answers. */
-static int try_with_violated_flipped(ns_exact *f, ns_evidence evidence, int *on) {
+static int try_with_violated_flipped(ns_exact *f, ns_evidence evidence, int *goes_on) {
     enum { MAX_ROUNDS = 4 };
-    int status = try_wanted(f, evidence, on);
+    int status = try_wanted(f, evidence, goes_on);
     for (int round = 0; round < MAX_ROUNDS && status == NS_GUARD && flip_violated(f); round++)
-        status = try_wanted(f, evidence, on);
+        status = try_wanted(f, evidence, goes_on);
     return status;
 }
 
 /* Tries the answers of (P1) over steps of three lengths. */
-static int solve_lcp_proposals(ns_exact *f, int *on) {
+static int solve_lcp_proposals(ns_exact *f, int *goes_on) {
     static const int exponents[] = {-NS_EVENT_EXPONENT, -10, -30};
     if (f->state.mode)
         ns_theta_set_mode(f->s, f->wanted);
@@ -151,7 +150,7 @@ static int solve_lcp_proposals(ns_exact *f, int *on) {
         if (status == NS_E_SINGULAR && !f->state.mode)
             return status;
         if (status == NS_OK)
-            status = try_with_violated_flipped(f, NS_EVIDENCE_STEP, on);
+            status = try_with_violated_flipped(f, NS_EVIDENCE_STEP, goes_on);
         if (status == NS_OK || status == NS_E_MEMORY)
             return status;
     }
@@ -162,7 +161,7 @@ static int solve_lcp_proposals(ns_exact *f, int *on) {
 static int solve_impulse(ns_exact *f) {
     ns_theta *s = f->s;
     const size_t bytes = sizeof(double) * (size_t)s->r;
-    int jumps, on;
+    int jumps, goes_on;
     ns_theta_set_charges(s, f->X);
     int status = ns_reinit_impulse_solve(s, f->work.z_after, f->work.slope_after, NULL, &f->impulse, &jumps);
     if (status != NS_OK)
@@ -170,7 +169,7 @@ static int solve_impulse(ns_exact *f) {
     for (int i = 0; jumps && i < s->r; i++)
         f->X[i] = ns_theta_jump_w(s, i, f->impulse.x, f->impulse.X, f->impulse.Lambda);
     memcpy(f->wanted, f->impulse.mode, (size_t)f->system->m);
-    status = try_wanted(f, NS_EVIDENCE_IMPULSES, &on);
+    status = try_wanted(f, NS_EVIDENCE_IMPULSES, &goes_on);
     if (status != NS_OK)
         memcpy(f->X, s->past.w, bytes);
     else if (jumps && f->point->instant) {
@@ -186,35 +185,37 @@ static void forget_jumps(const ns_exact *f) {
         ns_instant_clear(f->point->instant);
 }
 
-static int try_candidates(ns_exact *f, int natural, int *on) {
-    *on = 0;
+/* by_guard: 1: a pair's guard broke, or the mode held for its jump only, so that another mode must follow; 0:
+ * inputs or commands changed. */
+static int try_candidates(ns_exact *f, int by_guard, int *goes_on) {
+    *goes_on = 0;
     want_commands(f);
     int status = try_successors(f);
-    if (status == NS_GUARD && !natural) /* inputs and commands changed, maybe nothing else */
-        status = try_wanted(f, NS_EVIDENCE_NONE, on);
-    if (status == NS_GUARD && (flip_broken(f) || !natural))
-        status = try_with_violated_flipped(f, NS_EVIDENCE_NONE, on);
+    if (status == NS_GUARD && !by_guard) /* inputs and commands changed, maybe nothing else */
+        status = try_wanted(f, NS_EVIDENCE_NONE, goes_on);
+    if (status == NS_GUARD && (flip_broken(f) || !by_guard))
+        status = try_with_violated_flipped(f, NS_EVIDENCE_NONE, goes_on);
     f->s->counts.predicted += status == NS_OK;
     if (status != NS_GUARD)
         return status;
     want_commands(f);
     read_inputs_after(f);
-    status = solve_lcp_proposals(f, on);
+    status = solve_lcp_proposals(f, goes_on);
     return status == NS_GUARD ? solve_impulse(f) : status;
 }
 
 int ns_exact_select_start(ns_exact *f) {
-    int on = 0, status = NS_OK;
+    int goes_on = 0, status = NS_OK;
     f->state.mode = NULL;
     f->state.event_time_error = 0;
     f->event_guard = -1;
     read_inputs_after(f);
     for (int round = 0; round < 4; round++) {
-        status = solve_lcp_proposals(f, &on);
-        if (status != NS_OK || !on)
+        status = solve_lcp_proposals(f, &goes_on);
+        if (status != NS_OK || !goes_on)
             break;
     }
-    if (status == NS_GUARD || on)
+    if (status == NS_GUARD || goes_on)
         status = solve_impulse(f);
     if (status != NS_OK)
         forget_jumps(f);
@@ -348,18 +349,18 @@ int ns_exact_select_known(ns_exact *f, ns_exact_mode *to, int guard) {
 }
 
 /* Modes one after another, until no jump and no command leads on. */
-static int settle_modes(ns_exact *f, int natural) {
+static int settle_modes(ns_exact *f, int by_guard) {
     enum { MAX_JUMPS = 4 };
-    int on = 0;
+    int goes_on = 0;
     for (int round = 0; round <= 2 * f->system->nc + MAX_JUMPS; round++) {
-        const int status = try_candidates(f, natural || on, &on);
+        const int status = try_candidates(f, by_guard || goes_on, &goes_on);
         if (status != NS_OK)
             return status;
-        if (on)
+        if (goes_on)
             clear_flips(f);
         else if (!flip_contradicted_commands(f))
             return NS_OK;
-        natural = 0;
+        by_guard = 0;
     }
     return NS_GUARD; /* the ladder has those that never settle */
 }

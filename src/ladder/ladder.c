@@ -56,9 +56,8 @@ static int step_capturing(ns_ladder *l, double h, double t, int *done) {
     return status;
 }
 
-/* Tries the step; accepts it unless a guard breaks or a control crosses: then *broke, and l->point->flip
- * tells
- * which controls. */
+/* Tries the step.  If a guard breaks or a control crosses: *broke, and l->point->flip says which controls;
+ * else accepts it. */
 static int step_locating(ns_ladder *l, double h, double t, int *broke) {
     int status = ns_theta_try(l->step, h, l->z, 0, NS_HOLD);
     if (status < 0)

@@ -98,10 +98,12 @@ static int list_part(cut_network *c, int first) {
     return all_nodes ? count : 0;
 }
 
-/* Of a part: the node whose row is not among those that T keeps, -1: all are, as capacitors lead to ground;
- * -2: this is no such part. */
+enum { ROOT_IS_GROUND = -1, NO_TREE = -2 };
+
+/* Of a part: the node whose row is not among those that T keeps; ROOT_IS_GROUND: all are, as capacitors lead
+ * to ground; NO_TREE: this is no such part. */
 static int root_of(const cut_network *c, int count) {
-    int missing = 0, root = -1, grounded = 0;
+    int missing = 0, root = ROOT_IS_GROUND, grounded = 0;
     for (int k = 0; k < count; k++) {
         const int i = c->order[k];
         grounded |= c->ground[i] > 0;
@@ -110,7 +112,7 @@ static int root_of(const cut_network *c, int count) {
             root = i;
         }
     }
-    return missing == !grounded ? root : -2;
+    return missing == !grounded ? root : NO_TREE;
 }
 
 /* Of the nodes from `from` on the one with the largest capacitor to the tree is put there. */
@@ -128,7 +130,7 @@ static void put_next(cut_network *c, int from, int count) {
 static void grow_tree(cut_network *c, int count, int root) {
     for (int k = 0; k < count; k++) {
         const int i = c->order[k];
-        c->edge[i] = i == root ? INFINITY : root < 0 ? c->ground[i] : 0;
+        c->edge[i] = i == root ? INFINITY : root == ROOT_IS_GROUND ? c->ground[i] : 0;
         c->parent[i] = -1;
     }
     for (int at = 0; at < count; at++) {
@@ -184,7 +186,7 @@ int ns_linalg_cut_sets(int n, const double *M, int rank, double *T, double *TM) 
         find_places(&c, rank, T);
     for (int first = 0; first < n && status == NS_OK; first++) {
         const int count = c.reached[first] ? 0 : list_part(&c, first), root = root_of(&c, count);
-        if (count < 2 || root == -2)
+        if (count < 2 || root == NO_TREE)
             continue;
         grow_tree(&c, count, root);
         for (int at = 0; at < count; at++)

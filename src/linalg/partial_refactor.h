@@ -25,6 +25,6 @@ int ns_linalg_partial_factor(ns_partial_lu *s, const double *value, ns_packed_tr
 int ns_linalg_partial_change(ns_partial_lu *s, const double *value, int rows, const int *row,
                              ns_packed_triangular **sweep);
 
-size_t ns_linalg_partial_bytes(const ns_partial_lu *s); /* of factors */
+size_t ns_linalg_partial_bytes(const ns_partial_lu *s); /* memory of one set of factors */
 
 #endif

@@ -1,4 +1,4 @@
-/* src/modes/bernstein_root.c - the first root of a guard over a leg: bounded by Bernstein's form, which is
+/* src/modes/bernstein_root.c - the first root of a guard over a step: bounded by Bernstein's form, which is
  * halved until it tells, then closed in. */
 #include "bernstein_root.h"
 
@@ -174,6 +174,6 @@ double ns_modes_curve_root(const ns_curve *c, double at) {
         for (; high < 1 && value(c, high) >= 0; step *= 4)
             high = high + step < 1 ? high + step : 1;
     if (value(c, low) < 0 || value(c, high) >= 0)
-        return low <= 0 ? 0 : INFINITY; /* after the leg */
+        return low <= 0 ? 0 : INFINITY; /* after the step */
     return close_in(c, low, high);
 }

@@ -1,4 +1,4 @@
-/* src/modes/bernstein_root.h - where in a leg a guard breaks: polynomials by Laguerre's (E1). */
+/* src/modes/bernstein_root.h - where in a step a guard breaks: polynomials by Laguerre's (E1). */
 #ifndef NS_MODES_BERNSTEIN_ROOT_H
 #define NS_MODES_BERNSTEIN_ROOT_H
 
@@ -6,7 +6,7 @@
 
 enum { NS_SEARCH_TERMS = NS_ORDER + 1 };
 
-/* A guard over a leg as a polynomial of the share u of it, in [0, 1]: p[0] + p[1] u + ... */
+/* A guard over a step as a polynomial of the share u of it, in [0, 1]: p[0] + p[1] u + ... */
 typedef struct ns_curve {
     int terms;
     double p[NS_SEARCH_TERMS];
@@ -25,7 +25,7 @@ int ns_modes_curve_holds(const ns_curve *c, double tol);
 /* The first share from which on it is below -tol; NAN: it never is. */
 double ns_modes_curve_below(const ns_curve *c, double tol);
 
-/* The last share before a root near `at`, where it is about to be below zero; INFINITY: after the leg. */
+/* The last share before a root near `at`, where it is about to be below zero; INFINITY: after the step. */
 double ns_modes_curve_root(const ns_curve *c, double at);
 
 double ns_modes_curve_slope(const ns_curve *c, double u);

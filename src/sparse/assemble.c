@@ -199,7 +199,7 @@ static int split_rows(ns_form *f, const ns_csc *M, int at_rest) {
     return identity(f->n, &f->Tt);
 }
 
-/* Rows of T M that are rounding are zero. */
+/* Drops the algebraic rows of T M: they are zero but for rounding. */
 static void drop_algebraic(ns_form *f) {
     for (int i = 0, to = 0, from = 0; i < f->n; i++) {
         for (const int end = f->Mt.start[i + 1]; from < end; from++)

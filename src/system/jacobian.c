@@ -20,7 +20,7 @@
 enum { RUNG_LOW = -80, RUNG_HIGH = 44, RUNG = 2 };
 /* This much worse than the best rung so far: beyond the range in which the function is smooth. */
 static const double gone_wrong = 1e4;
-/* What a disagreement must exceed of the trust to count: the trust is an estimate. */
+/* A difference counts above this multiple of the estimated error, b->trust. */
 static const double margin = 10;
 
 typedef struct bench {

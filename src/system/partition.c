@@ -78,8 +78,7 @@ static void find_known(ns_plan *p) {
     }
 }
 
-/* Bars laws whose shared unknown a row sees that is no balance; laws whose balance has a charge of an island.
- */
+/* Bars a known voltage's law if its current (shared) enters a row other than the balance of such a node. */
 static void bar_share(void *context, int row, int column, double value) {
     ns_plan *p = context;
     (void)value;
@@ -89,6 +88,7 @@ static void bar_share(void *context, int row, int column, double value) {
     }
 }
 
+/* Bars it if that balance holds a charge of an island. */
 static void bar_charge(void *context, int row, int column, double value) {
     ns_plan *p = context;
     (void)value;

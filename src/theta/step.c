@@ -20,7 +20,7 @@ void ns_theta_forget_recent(ns_theta *s) {
 }
 
 int ns_theta_find_map(ns_theta *s, double h, int implicit, const ns_mode *mode, ns_map **out) {
-    const double length = implicit ? -h : h;
+    const double length = implicit ? -h : h; /* in the table's key a negative length: an implicit step */
     const unsigned long long key = ns_modes_table_key(s->s->m, length, mode);
     *out = (ns_map *)ns_modes_table_find(&s->maps, key, length, mode);
     if (*out)

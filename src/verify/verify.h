@@ -99,13 +99,14 @@ int ns_verify_quick_stays(ns_verify *v);
 /* That left side in full, as the left side of an event. */
 int ns_verify_left_in_full(ns_verify *v, ns_verify_finding *worst);
 
-/* The point that was judged last is the left side of an event; then, from there to the point that was judged
- * last, with the impulses X (n), Lambda (m) between, as ns_march_impulse(). */
+/* The point judged last is the left side of an event. */
 void ns_verify_left(ns_verify *v);
 /* A start: in place of a left side, charges and fluxes w (n) at t (s). */
 void ns_verify_left_charges(ns_verify *v, double t, const double *w);
 /* and switches that are closed before (nc; NULL: as their commands say). */
 void ns_verify_start_switches(ns_verify *v, double t, const unsigned char *closed);
+/* Judges the event from that left side to the point judged last, with impulses X (n), Lambda (m) as
+ * ns_march_impulse(). */
 int ns_verify_event(ns_verify *v, const double *X, const double *Lambda, ns_verify_finding *worst);
 
 /* A step of the theta scheme, from one point to the other, neither of which is judged. */

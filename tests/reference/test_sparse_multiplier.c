@@ -1,7 +1,7 @@
 /* tests/reference/test_sparse_multiplier.c - an ideal Cockcroft-Walton multiplier by the sparse engine,
  * against the exact engine, which shares none of its steps.
  *
- * It has modes whose state the sine does not reach, so that guards alone see how long a leg may be, loops of
+ * It has modes whose state the sine does not reach, so that guards alone see how long a step may be, loops of
  * capacitors and the source that a cut-off sine contradicts, and at each crest currents that reach zero
  * together.  The exact engine's own error is below 1e-12 of closed forms in other tests. */
 #include <math.h>
@@ -61,7 +61,7 @@ static void run(ns_method method, double h, double reltol, double *values) {
             values[i * NODES + k - 1] = x[ns_circuit_node_unknown(c, k)];
     }
     const ns_counts *n = ns_march_counts(m);
-    print_message("h %g reltol %g: %ld legs, %ld events, %ld factors\n", h, reltol, n->steps, n->events,
+    print_message("h %g reltol %g: %ld steps, %ld events, %ld factors\n", h, reltol, n->steps, n->events,
                   n->factors);
     free(x);
     ns_march_free(m);

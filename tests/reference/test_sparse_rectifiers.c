@@ -16,8 +16,8 @@
 /* Steps are good to 1e-11 of the largest charge; the exact ones are good to 1e-10 or so. */
 static const double close_enough = 1e-8;
 
-/* Legs of h at most; *legs gets their number. */
-static double worst_of(lit_rectifier which, int by_hand, double h, double reltol, long *legs) {
+/* Steps of h at most; *steps gets their number. */
+static double worst_of(lit_rectifier which, int by_hand, double h, double reltol, long *steps) {
     const lit_run *run = lit_run_of(which);
     double *exact = calloc((size_t)run->samples * LIT_OUT, sizeof *exact);
     double w0[LIT_X] = {0}, x[LIT_X], out[LIT_OUT], reached, worst = 0;
@@ -50,9 +50,9 @@ static double worst_of(lit_rectifier which, int by_hand, double h, double reltol
             worst = fmax(worst, fabs(out[k] - exact[(i - 1) * LIT_OUT + k]) / run->scale[k]);
     }
     const ns_counts *n = m->table->counts(m);
-    print_message("%-20s %-8s error %.1e, %ld legs, %ld events, %ld factors\n", run->name,
+    print_message("%-20s %-8s error %.1e, %ld steps, %ld events, %ld factors\n", run->name,
                   by_hand ? "by hand" : "netlist", worst, n->steps, n->events, n->factors);
-    *legs = n->steps;
+    *steps = n->steps;
     m->table->free(m);
     ns_system_free(s);
     ns_circuit_free(c);
@@ -62,11 +62,11 @@ static double worst_of(lit_rectifier which, int by_hand, double h, double reltol
 
 static void test_all(void **state) {
     (void)state;
-    long legs;
+    long steps;
     for (int which = 0; which < LIT_RECTIFIERS; which++)
         for (int by_hand = 0; by_hand < 2; by_hand++) {
             const double h = lit_run_of((lit_rectifier)which)->every;
-            assert_true(worst_of((lit_rectifier)which, by_hand, h, 1e-11, &legs) < close_enough);
+            assert_true(worst_of((lit_rectifier)which, by_hand, h, 1e-11, &steps) < close_enough);
         }
 }
 
@@ -77,14 +77,14 @@ static void test_reltol(void **state) {
     static const lit_rectifier circuits[] = {LIT_RLCD, LIT_BRIDGE, LIT_RESONANT};
     for (int k = 0; k < 3; k++) {
         const double h = 50 * lit_run_of(circuits[k])->every;
-        long rough = 0, legs = 0;
+        long rough = 0, steps = 0;
         for (int digits = 4; digits <= 11; digits++) {
-            const double reltol = pow(10, -digits), error = worst_of(circuits[k], 0, h, reltol, &legs);
+            const double reltol = pow(10, -digits), error = worst_of(circuits[k], 0, h, reltol, &steps);
             assert_true(error < 10 * reltol + 1e-10);
             if (digits == 4)
-                rough = legs;
+                rough = steps;
         }
-        assert_true(legs > 2 * rough);
+        assert_true(steps > 2 * rough);
     }
 }
 

@@ -1,7 +1,9 @@
 /* src/mlcp/pivoting/transform.h - the principal pivot transform P of W, of some pairs only.
  *
- *     basic = P nonbasic,   pair by pair  basic, nonbasic = lambda_i, y_i - q_i  where lambda_i is basic
- * (in[i]), y_i - q_i, lambda_i  elsewhere
+ *     basic = P nonbasic
+ *
+ * with basic_i = lambda_i and nonbasic_i = y_i - q_i where lambda_i is basic (in[i]); the other way round
+ * elsewhere.
  *
  * Of the pairs whose lambda is basic P is the inverse of their block of W; that is what is kept.  Others are
  * looked at when an exchange of theirs is asked for, and forgotten after it.  Each exchange is one rank-one

@@ -1,4 +1,4 @@
-/* tests/unit/modes/test_bernstein_root.c - roots of guards over a leg. */
+/* tests/unit/modes/test_bernstein_root.c - roots of guards over a step. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -9,7 +9,7 @@
 
 #include "modes/bernstein_root.h"
 
-/* 1/4 - u over a leg of 2 g, s = 2 u: L_1 = 1 - s, so that it is -1/4 + L_1/2.  Below -1/10 from 0.35 on. */
+/* 1/4 - u over a step of 2 g, s = 2 u: L_1 = 1 - s, so that it is -1/4 + L_1/2.  Below -1/10 from 0.35 on. */
 static void test_line(void **state) {
     (void)state;
     const double G[] = {-0.25, -0.5};
@@ -21,7 +21,7 @@ static void test_line(void **state) {
     assert_true(isnan(ns_modes_curve_below(&c, 0.76))); /* -3/4 at its end */
 }
 
-/* (u - 1/4)^2 + off over a leg of g: u^2 = 2 L_2 - 4 L_1 + 2, u = 1 - L_1. */
+/* (u - 1/4)^2 + off over a step of g: u^2 = 2 L_2 - 4 L_1 + 2, u = 1 - L_1. */
 static void near_miss(double off, ns_curve *c) {
     const double G[] = {2 - 0.5 + 0.0625 + off, 4 - 0.5, 2};
     ns_modes_curve_of(3, G, 1, c);
@@ -41,7 +41,7 @@ static void test_near_miss(void **state) {
     assert_true(fabs(ns_modes_curve_root(&c, at) - (0.25 - 1e-3)) < 1e-11);
 }
 
-/* -u: zero at the start, below at once; and 2 - u or (2 - u)/4, which are zero after the leg. */
+/* -u: zero at the start, below at once; and 2 - u or (2 - u)/4, which are zero after the step. */
 static void test_ends(void **state) {
     (void)state;
     const double falls[] = {-1, -1}, stays[] = {1, -1}, little[] = {0.25, -0.25};
@@ -55,7 +55,7 @@ static void test_ends(void **state) {
     assert_true(ns_modes_curve_root(&c, 0.5) == INFINITY);
 }
 
-/* (u - 1/4)^2 from u = 1/2 on, of the rest of the leg: (1/4 + v/2)^2. */
+/* (u - 1/4)^2 from u = 1/2 on, of the rest of the step: (1/4 + v/2)^2. */
 static void test_rest(void **state) {
     (void)state;
     ns_curve c, rest;

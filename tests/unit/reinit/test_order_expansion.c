@@ -170,7 +170,7 @@ static void a_shorted_capacitor(void **state) {
     net_end(&k);
 }
 
-/* 1 A through two closed switches in parallel: halves, or what is nearest to what is given. */
+/* 1 A through two closed switches in parallel: 0.5 A each, or the shares nearest to those given. */
 static void what_is_open_is_nearest(void **state) {
     (void)state;
     net k = net_begin();

@@ -118,7 +118,7 @@ static void by_looks(void **state) {
         assert_int_equal(is, 1);
         ns_system_free(s);
     }
-    /* lambda of a switch that time commands: y is that of the input */
+    /* looked at: lambda of a switch commanded by time; its y contains the input (F): the input is followed */
     const unsigned char looked[3] = {0, 0, 1};
     ns_system *s = bare(1);
     unsigned char is = 7;
