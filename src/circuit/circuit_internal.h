@@ -45,7 +45,7 @@ typedef struct element {
     int at_rest;      /* of SWITCH of vh = 0, with its control at vt: 1: open, -1: closed, 0: as it was */
     /* its indices in the system, given when it is added; -1: none */
     int current; /* among the currents in x */
-    int pair;    /* the first of its pairs; a breakdown pair follows */
+    int pair;    /* the first of its ns_circuit_pairs_of() */
     int input;   /* z entry */
     int command; /* of a switch */
 } element;
@@ -104,6 +104,9 @@ int ns_circuit_find_node(const ns_circuit *c, int number, int *found);
 
 /* 1/(1 - r/roff): a branch i = lambda + v/roff follows v = vk + r i as v = (vk + r lambda) times this. */
 double ns_circuit_kink_factor(double r, double roff);
+
+/* How many pairs a device has: of a diode a second one if it breaks down, else one. */
+int ns_circuit_pairs_of(const element *e);
 
 /* Calls visit for every nonzero entry of the inductance matrix; row, column: numbers of inductors. */
 void ns_circuit_each_inductance(const ns_circuit *c,

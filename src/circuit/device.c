@@ -15,7 +15,7 @@ int ns_circuit_device(const ns_circuit *c, int id, const double *x, const double
     }
     const element *e = &c->element[id];
     if (mode && lambda && i && !v && !on && isinf(e->kind == DIODE ? e->diode.roff : e->sw.roff)) {
-        *i = lambda[e->pair] - (e->kind == DIODE && !isinf(e->diode.vz) ? lambda[e->pair + 1] : 0);
+        *i = lambda[e->pair] - (ns_circuit_pairs_of(e) == 2 ? lambda[e->pair + 1] : 0);
         return NS_OK;
     }
     const int status = mode ? ns_circuit_power(c, id, &at, v, i, NULL) : NS_E_NULL;
@@ -23,7 +23,7 @@ int ns_circuit_device(const ns_circuit *c, int id, const double *x, const double
         return status;
     }
     *on = mode[e->pair] == NS_INSIDE || mode[e->pair] > NS_UPPER; /* or it slides */
-    if (!*on && e->kind == DIODE && !isinf(e->diode.vz)) {
+    if (!*on && ns_circuit_pairs_of(e) == 2) {
         *on = -(mode[e->pair + 1] == NS_INSIDE);
     }
     return NS_OK;

@@ -259,6 +259,10 @@ double ns_circuit_kink_factor(double r, double roff) {
     return isinf(roff) ? 1 : roff / (roff - r);
 }
 
+int ns_circuit_pairs_of(const element *e) {
+    return e->kind == DIODE && !isinf(e->diode.vz) ? 2 : 1;
+}
+
 /* 0 <= r < roff, called r_name; 1/roff finite. */
 static int check_resistances(const char *r_name, double r, double roff, ns_refusal *why) {
     const char *larger = strcmp(r_name, "ron") ? "must be larger than rz" : "must be larger than ron";
@@ -308,7 +312,7 @@ int ns_circuit_diode(ns_circuit *c, const char *name, int anode, int cathode, co
         return refuse_element(c, name, status, &why);
     }
     e.diode = *d;
-    return ns_circuit_add_element(c, &e, (needs){.pairs = isinf(d->vz) ? 1 : 2}, id);
+    return ns_circuit_add_element(c, &e, (needs){.pairs = ns_circuit_pairs_of(&e)}, id);
 }
 
 static int check_switch(const ns_switch *s, ns_refusal *why) {

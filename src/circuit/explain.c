@@ -39,8 +39,7 @@ static int end_line(line_writer *w) {
 static const element *element_of_pair(const ns_circuit *c, int pair) {
     for (int i = 0; c && pair >= 0 && i < c->nelements; i++) {
         const element *e = &c->element[i];
-        int count = e->kind == DIODE && !isinf(e->diode.vz) ? 2 : 1;
-        if (e->pair >= 0 && pair >= e->pair && pair < e->pair + count) {
+        if (e->pair >= 0 && pair >= e->pair && pair < e->pair + ns_circuit_pairs_of(e)) {
             return e;
         }
     }

@@ -56,7 +56,7 @@ static void fill_device(const ns_circuit *c, const element *e, const visitor *to
     const int lambda = ns_circuit_branch_unknowns(c) + e->pair;
     b->siemens = 1 / (e->kind == DIODE ? e->diode.roff : e->sw.roff);
     to->visit(to->to, lambda, 1);
-    if (e->kind == DIODE && !isinf(e->diode.vz)) {
+    if (ns_circuit_pairs_of(e) == 2) {
         to->visit(to->to, lambda + 1, -1);
     }
 }

@@ -8,8 +8,6 @@
  *     i = lambda + v/roff,    y = (vf + ron lambda)/(1 - ron/roff) - v >= 0,
  * so v = vf + ron i where it conducts, and the line has a kink and no jump; breakdown is a second pair.
  */
-#include <math.h>
-
 #include "circuit_internal.h"
 
 static int row_of(const stamp *to, int number) {
@@ -168,7 +166,7 @@ static void stamp_diode(const stamp *to, const element *e) {
     double on = ns_circuit_kink_factor(d->ron, d->roff), breakdown = ns_circuit_kink_factor(d->rz, d->roff);
     stamp_conductance(to, e, 1 / d->roff);
     stamp_pair(to, e, e->pair, 1, d->vf * on, d->ron * on);
-    if (!isinf(d->vz)) {
+    if (ns_circuit_pairs_of(e) == 2) {
         stamp_pair(to, e, e->pair + 1, -1, d->vz * breakdown, d->rz * breakdown);
     }
 }
