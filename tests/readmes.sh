@@ -55,6 +55,12 @@ while read -r line; do
     status=1
 done <"$tmp/quoted"
 
+awk '/^    [0-9.]+ .s +exact:/ {sub(/.*exact:/, "* says: exact:"); print $0 ","}' src/README.md >"$tmp/counts"
+awk '/^\* says: /' tests/netlist/cases/tour.cir | cmp -s - "$tmp/counts" || {
+    echo "FAIL src/README.md shows other counts than tests/netlist/cases/tour.cir expects"
+    status=1
+}
+
 # lines README MOST: it is there and has at most so many.
 lines() {
     if [ ! -f "$1" ]; then

@@ -9,7 +9,7 @@
 #   X fine       by the scheme with h ten times smaller: `.model nsopt nonsmooth`, with parameters or none, gets
 #                method="theta" h=(.tran's step)/160, `set tol = 0.02` becomes 0.1
 #   X reversed   its elements in reverse order
-#   cases/X      tests/netlist/cases/X.cir, which judges itself; after a line `* says: REGEX` one line of output matches; for the N-th line
+#   cases/X      tests/netlist/cases/X.cir, which judges itself; of each line `* says: REGEX` one line of output matches; for the N-th line
 #                `* again: SED` it runs once more, as XN, with what sed makes of it
 #   cases/own_X (of ngspice's own devices) and errors/X run once more as X@psa, X@ltpsa, X@hsa: with these values of ngbehavior
 #   cookbook/X   netlists/cookbook/X.cir, in the same way
@@ -160,8 +160,10 @@ judge() {
     else
         found=$(grep -m1 -i -E 'timestep too small|singular' "$1") && { echo "$found"; return; }
         found=$(grep -m1 -E 'ejected timepoints = [1-9]' "$1") && { echo "$found"; return; }
-        says=$(sed -n 's/^\* says: //p' "$4")
-        if [ -n "$says" ] && [ "$(grep -c -E -e "$says" "$1")" != 1 ]; then echo "no line, or many, match /$says/"; return; fi
+        found=$(sed -n 's/^\* says: //p' "$4" | while read -r says; do
+            [ "$(grep -c -E -e "$says" "$1")" = 1 ] || echo "no line, or many, match /$says/"
+        done | head -n 1)
+        [ -z "$found" ] || { echo "$found"; return; }
     fi
     if [ "$2" != 0 ]; then
         outside "$1" || grep '^nonsmooth: ' "$1" | grep -v 'simulates this circuit: ' | grep -m1 . || grep expected "$1" | tr '\n' ' ' | grep . || echo "status $2"
