@@ -165,7 +165,7 @@ int ns_newton_jump(ns_newton *s) {
     if (ns_newton_jacobians(s, &s->at) != NS_OK)
         return ns_newton_fail(s, NS_DIVERGED);
     const double rate = fastest_rate(s);
-    int status = jump_in_two_steps(s, rate > 0 && isfinite(1 / rate) ? 1 / rate : 1);
+    int status = jump_in_two_steps(s, isfinite(1 / rate) ? 1 / rate : 1);
     ns_newton_set(s, 0, s->t, &implicit, NS_RIGHT);
     if (status == NS_OK && ns_newton_values(s, &s->at) != NS_OK) /* r */
         status = NS_DIVERGED;

@@ -71,6 +71,24 @@ static void charge_is_shared(void **state) {
     }
 }
 
+/* 1 F that a source of 1 A charges has no time constant: it keeps its charge. */
+static void without_a_time_constant(void **state) {
+    (void)state;
+    ns_system *s;
+    ns_model model;
+    double x, lambda, y;
+    const ns_signal ampere = {.kind = NS_DC, .u.dc = 1};
+    assert_int_equal(ns_system_create(1, 0, 1, 0, &s), NS_OK);
+    assert_int_equal(ns_system_set_input(s, 0, &ampere), NS_OK);
+    s->M[0] = s->E[0] = 1;
+    assert_int_equal(ns_model_of_system(s, &model), NS_OK);
+    ns_newton *t = start(&model, &(double){5});
+    jump(t, &x, &lambda, &y);
+    assert_true(fabs(x - 5) < 1e-13);
+    ns_newton_free(t);
+    ns_system_free(s);
+}
+
 /* Where t has no digits for the time constant RC: as at t = 0.  From (5,1) both go to 3, (1,2) stays. */
 static void late_jumps_are_no_others(void **state) {
     (void)state;
@@ -406,6 +424,7 @@ static void a_jump_that_fails_leaves_the_past(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(charge_is_shared),
+        cmocka_unit_test(without_a_time_constant),
         cmocka_unit_test(units_change_nothing),
         cmocka_unit_test(what_is_consistent_stays),
         cmocka_unit_test(a_capacitor_on_a_source),

@@ -87,11 +87,25 @@ static void the_voltage_of_a_loop_is_open(void **state) {
     drop_bridge(&b);
 }
 
+/* Vectors of a null space are of length 1 and at right angles. */
+static void are_orthonormal(const bridge *b, const double *v) {
+    const int size = b->f->size;
+    for (int i = 0; i < b->z->count; i++)
+        for (int j = 0; j < b->z->count; j++) {
+            double sum = 0;
+            for (int k = 0; k < size; k++)
+                sum += v[i * size + k] * v[j * size + k];
+            near(sum, i == j, 1);
+        }
+}
+
 static void each_floating_part_is_open_by_itself(void **state) {
     bridge b = {0};
     (void)state;
     make_bridge(&b, 1);
     assert_int_equal(b.z->count, 2);
+    are_orthonormal(&b, b.z->right);
+    are_orthonormal(&b, b.z->left);
     drop_bridge(&b);
 }
 
