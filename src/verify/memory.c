@@ -126,18 +126,31 @@ static double short_of(const ns_verify *v, int c, int closes) {
     return (closes ? k->on - g : g - k->off) / ns_verify_sizes_control_off(v, c);
 }
 
+/* The same for a switch that carries and blocks nothing on one side: it may have changed.  Where that is the
+ * left side, it did only if its control is at a threshold, not beyond. */
+static double may_be_short_of(const ns_verify *v, int c, int before) {
+    if (before >= 0)
+        return short_of(v, c, !before);
+    const double on = fabs(short_of(v, c, 1)), off = fabs(short_of(v, c, 0));
+    return on < off ? on : off;
+}
+
 void ns_verify_memory_event(const ns_verify *v, ns_verify_finding *worst) {
-    double least = INFINITY;
+    double least = INFINITY, least_known = INFINITY;
     int pair = -1;
     if (v->has_w_left || v->t != v->t_left || !sources_stay(v))
         return;
     for (int c = 0; c < v->s->nc; c++) {
         const int j = v->s->command[c].pair, before = state_in(v, j, v->u_left), after = state_in(v, j, v->u);
-        if (before == after || before < 0 || after < 0)
+        if (before == after && before >= 0)
             continue;
-        if (short_of(v, c, after) < least)
+        const int is_known = before >= 0 && after >= 0;
+        const double lacks = is_known ? short_of(v, c, after) : may_be_short_of(v, c, before);
+        if (is_known && lacks < least_known) {
             pair = j;
-        least = fmin(least, short_of(v, c, after));
+            least_known = lacks;
+        }
+        least = fmin(least, lacks);
     }
     if (pair >= 0) /* one of them is the first: its control is there */
         ns_verify_note(worst, NS_VERIFY_COMMAND, pair, -1, least);

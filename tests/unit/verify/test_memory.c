@@ -174,12 +174,50 @@ static void energy_needs_signs(void **state) {
     }
 }
 
+static double voltage(const rig *z, int node) {
+    double x[MOST];
+    assert_int_equal(ns_march_read(z->m, NULL, x, NULL, NULL), NS_OK);
+    return x[ns_circuit_node_unknown(z->c, node)];
+}
+
+/* A switch that closes across a charged capacitor, and carries nothing after that, opens the switch that the
+ * capacitor controls: no control of the latter comes to its threshold.  The gate of the first one is 1 V
+ * behind 1 kohm and 1 uF, so that it closes at 0.6 V. */
+static void an_unloaded_switch_may_be_the_cause(void **state) {
+    static const ns_method methods[] = {NS_EXACT, NS_SPARSE};
+    const ns_switch contact = {.vt = 0.5, .vh = 0.1, .ron = 0, .roff = INFINITY};
+    const ns_signal supply = dc(12), one = dc(1);
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-6, .method = methods[k], .reltol = 1e-9};
+        rig z = begin();
+        int power;
+        assert_int_equal(ns_circuit_source(z.c, "v1", NS_VOLTAGE, 1, 0, &supply, NULL), NS_OK);
+        assert_int_equal(ns_circuit_switch(z.c, "as1", 1, 2, 3, 0, &contact, &power), NS_OK);
+        assert_int_equal(ns_circuit_resistor(z.c, "r1", 2, 0, 5, NULL), NS_OK);
+        assert_int_equal(ns_circuit_capacitor(z.c, "c3", 3, 0, 1e-6, 1, NULL), NS_OK);
+        assert_int_equal(ns_circuit_switch(z.c, "as2", 3, 0, 5, 0, &contact, NULL), NS_OK);
+        assert_int_equal(ns_circuit_source(z.c, "v4", NS_VOLTAGE, 4, 0, &one, NULL), NS_OK);
+        assert_int_equal(ns_circuit_resistor(z.c, "r4", 4, 5, 1e3, NULL), NS_OK);
+        assert_int_equal(ns_circuit_capacitor(z.c, "c5", 5, 0, 1e-6, 0, NULL), NS_OK);
+        make_by(&z, &o);
+        start_at_rest(&z);
+        go(&z, 0.9e-3); /* 1 ms ln(1 / (1 - 0.6)) = 0.916 ms */
+        assert_true(fabs(voltage(&z, 2) - 12) < 1e-9);
+        go(&z, 0.93e-3);
+        assert_true(fabs(voltage(&z, 2)) < 1e-9);
+        assert_int_equal(ns_march_counts(z.m)->retries, 0);
+        end(&z);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sources_decide),
         cmocka_unit_test(sources_with_many_corners),
         cmocka_unit_test(energy_needs_signs),
         cmocka_unit_test(a_change_has_a_cause),
+        cmocka_unit_test(an_unloaded_switch_may_be_the_cause),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
