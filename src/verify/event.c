@@ -175,7 +175,25 @@ static double largest(size_t count, const double *a) {
     return most;
 }
 
+/* A number of which not even `hopeless` is as small as all numbers before the event leaves no digit of what
+ * was there: each law holds to the rounding of its terms then, whatever they are. */
+static void judge_largest(const ns_verify *v, ns_verify_finding *worst) {
+    static const double hopeless = 1e-18;
+    const int n = v->s->n;
+    int at = -1;
+    double most = 0;
+    for (int i = 0; i < n + v->s->m; i++)
+        if (fabs(v->u[i]) > most) {
+            most = fabs(v->u[i]);
+            at = i;
+        }
+    if (!v->has_w_left && v->most_left > 0 && at >= 0)
+        ns_verify_note(worst, NS_VERIFY_NUMBER, at < n ? -1 : at - n, at < n ? at : -1,
+                       hopeless * most / v->most_left);
+}
+
 void ns_verify_left(ns_verify *v) {
+    v->most_left = v->most_any[NS_VERIFY_ANY_NUMBER];
     memcpy(v->u_left, v->u, sizeof *v->u * ns_verify_columns(v->s));
     v->t_left = v->t;
     v->has_w_left = 0;
@@ -200,6 +218,7 @@ int ns_verify_event(ns_verify *v, const double *X, const double *Lambda, ns_veri
     const size_t n = (size_t)v->s->n, m = (size_t)v->s->m;
     jump j = {.seconds = v->t - v->t_left};
     *worst = ns_verify_nothing(v->t);
+    judge_largest(v, worst);
     ns_verify_memory_event(v, worst);
     if (!any_jumps(v))
         return ns_verify_sizes_end(v, worst);

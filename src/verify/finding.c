@@ -15,7 +15,7 @@ void ns_verify_note(ns_verify_finding *worst, ns_verify_cause cause, int pair, i
 const char *ns_verify_text(ns_verify_cause cause) {
     switch (cause) {
     case NS_VERIFY_NUMBER:
-        return "a number is not finite";
+        return "a number is not finite, or too large for any other to count";
     case NS_VERIFY_ROW:
         return "currents or voltages do not add up";
     case NS_VERIFY_OUTPUT:

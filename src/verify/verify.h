@@ -16,7 +16,7 @@ typedef struct ns_verify ns_verify;
 /* What is wrong. */
 typedef enum ns_verify_cause {
     NS_VERIFY_RIGHT,   /* nothing, or what may be rounding */
-    NS_VERIFY_NUMBER,  /* a number that is not finite */
+    NS_VERIFY_NUMBER,  /* a number that is not finite, or so large that no digit of others is left */
     NS_VERIFY_ROW,     /* an algebraic row of (S1): a law of Kirchhoff or of an element */
     NS_VERIFY_OUTPUT,  /* y is not that of (S3) */
     NS_VERIFY_LAW,     /* (S4) of a pair */

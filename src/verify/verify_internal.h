@@ -105,6 +105,7 @@ struct ns_verify {
     ns_verify_inputs inputs;
     ns_verify_memory *memory; /* nc */
     double t, t_left;         /* s: of u, u_left */
+    double most_left;         /* the largest number up to u_left */
     /* work, n+m+nz+1 each */
     double *u, *u_left; /* points; one more number, which is 0 */
     double *w_left;     /* n: charges and fluxes, */

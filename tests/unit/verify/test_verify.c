@@ -220,6 +220,19 @@ static void a_number_that_is_not_finite(void **state) {
     close_bench(&b);
 }
 
+/* Each law holds to the rounding of its terms: of 1e28 V that is more than all there was.  Right after an
+ * event that is wrong; on a way numbers may grow so far. */
+static void a_number_that_hides_all_others(void **state) {
+    (void)state;
+    bench b = open_bench(NS_EXACT);
+    event e = next_event(&b);
+    assert_true(event_judged(&b, &e));
+    e.right.x[ns_circuit_node_unknown(b.k.c, 3)] = 1e28;
+    expect(&b, event_judged(&b, &e), NS_VERIFY_NUMBER);
+    assert_int_equal(b.f.unknown, ns_circuit_node_unknown(b.k.c, 3));
+    close_bench(&b);
+}
+
 /* The left side of an event shown as the right side a little later: the gate is high, the switch is open. */
 static void a_switch_against_its_control(void **state) {
     (void)state;
@@ -371,6 +384,7 @@ int main(void) {
         cmocka_unit_test(kirchhoffs_law),
         cmocka_unit_test(a_voltage_that_is_not_that_of_the_nodes),
         cmocka_unit_test(a_number_that_is_not_finite),
+        cmocka_unit_test(a_number_that_hides_all_others),
         cmocka_unit_test(a_switch_against_its_control),
         cmocka_unit_test(a_charge_that_is_lost),
         cmocka_unit_test(joined_capacitors),
