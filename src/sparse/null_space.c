@@ -349,13 +349,26 @@ void ns_sparse_null_free(ns_null_space *z) {
     free(z);
 }
 
+/* What r has along direction c, which no v gives. */
+static double along_left(const ns_sparse_leaks *k, const ns_null_space *z, int c, const double *r) {
+    const double *l = z->left + (size_t)c * (size_t)k->f->size;
+    double off = 0;
+    for (int i = 0; i < k->f->size; i++)
+        off += l[i] * (r[i] * k->scale[i]);
+    return off;
+}
+
+double ns_sparse_null_lacks(const ns_sparse_leaks *k, const ns_null_space *z, const double *r) {
+    double most = 0;
+    for (int c = 0; c < z->count; c++)
+        most = fmax(most, fabs(along_left(k, z, c, r)));
+    return most;
+}
+
 void ns_sparse_null_make_solvable(const ns_sparse_leaks *k, const ns_null_space *z, double *r) {
     const int size = k->f->size;
     for (int c = 0; c < z->count; c++) {
-        const double *l = z->left + (size_t)c * (size_t)size;
-        double off = 0;
-        for (int i = 0; i < size; i++)
-            off += l[i] * (r[i] * k->scale[i]);
+        const double *l = z->left + (size_t)c * (size_t)size, off = along_left(k, z, c, r);
         for (int i = 0; i < size; i++)
             r[i] -= off * l[i] / k->scale[i];
     }

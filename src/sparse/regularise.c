@@ -337,6 +337,20 @@ static void settle(const ns_sparse_leaks *k, ns_null_known *null, const double *
         memcpy(v, kept, bytes);
 }
 
+/* 1 if unknowns grew, and of what no v gives v has given nothing: beside what grew it is too small to show in
+ * the residual. */
+static int grew_in_vain(const ns_sparse_leaks *k, ns_null_known *null, const double *r, const double *first,
+                        const double *v, const double *rest) {
+    double was = 0, is = 0;
+    for (int i = 0; i < k->f->size; i++) {
+        was = ns_higher(was, fabs(first[i] * k->unit[i]));
+        is = ns_higher(is, fabs(v[i] * k->unit[i]));
+    }
+    const ns_null_space *z = is > grown * was ? null_of(k, null) : NULL;
+    const double lacks = z ? ns_sparse_null_lacks(k, z, r) : 0;
+    return lacks > least * largest(k, r) && ns_sparse_null_lacks(k, z, rest) > lacks / 2;
+}
+
 /* r is what rounding left: it is made solvable first. */
 static int solve_residual(const ns_sparse_leaks *k, const ns_null_space *z, const double *r, double *v,
                           double *rest, double *Q) {
@@ -355,7 +369,7 @@ static int solve_rounds(const ns_sparse_leaks *k, ns_null_known *null, int resid
     double *first = Q + (KRYLOV + 1) * (size_t)k->f->size, before = go_rounds(k, NULL, r, v, rest);
     memcpy(first, v, sizeof(double) * (size_t)k->f->size);
     const double left = go_on(k, NULL, r, before, v, rest, Q);
-    if (left <= may_hold && !contradicts(k, r, first, v, rest)) {
+    if (left <= may_hold && !contradicts(k, r, first, v, rest) && !grew_in_vain(k, null, r, first, v, rest)) {
         if (left != before)
             settle(k, null, r, left, v, rest, first);
         return NS_OK;

@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 
+#include "dice.h"
 #include "nonsmooth.h"
 #include "sparse/factor_cache.h"
 #include "sparse/packed_laws.h"
@@ -150,6 +151,39 @@ static void contradictions_are_errors(void **state) {
     close_bench(&b);
 }
 
+/* A switch across a diode that conducts with a forward voltage: no current makes that right, whatever the
+ * circuit around them is, and however short the step.  Rounding does not hide it. */
+static void no_current_closes_a_loop_of_voltages(void **state) {
+    const ns_diode drops = {.vf = 0.864, .ron = 0, .roff = INFINITY, .vz = INFINITY};
+    const ns_mode mode[4] = {NS_INSIDE, NS_INSIDE, NS_LOWER, NS_LOWER};
+    (void)state;
+    for (unsigned trial = 0; trial < 300; trial++) {
+        dice d = dice_make(7100, trial);
+        const double length = dice_decades(&d, -15, -6);
+        const ns_cached_factors *k;
+        bench b = open_bench();
+        (void)add_switch(&b, "s1", 1, 2);
+        assert_int_equal(ns_circuit_diode(b.c, "d1", 2, 1, &drops, NULL), NS_OK);
+        (void)add_switch(&b, "s2", 2, 3);
+        assert_int_equal(ns_circuit_diode(b.c, "d2", 3, 2, &drops, NULL), NS_OK);
+        assert_int_equal(ns_circuit_capacitor(b.c, "c1", 1, 3, dice_decades(&d, -9, -3), 0, NULL), NS_OK);
+        assert_int_equal(ns_circuit_resistor(b.c, "r1", 3, 0, dice_decades(&d, -1, 5), NULL), NS_OK);
+        assert_int_equal(ns_circuit_resistor(b.c, "r2", 2, 4, dice_decades(&d, -1, 4), NULL), NS_OK);
+        assert_int_equal(ns_circuit_capacitor(b.c, "c2", 4, 3, dice_decades(&d, -12, -8), 0, NULL), NS_OK);
+        assert_int_equal(ns_circuit_inductor(b.c, "l1", 2, 5, dice_decades(&d, -6, -2), 0, NULL), NS_OK);
+        assert_int_equal(ns_circuit_resistor(b.c, "r3", 5, 3, dice_decades(&d, -1, 3), NULL), NS_OK);
+        form_bench(&b);
+        for (int i = 0; i < b.f->n; i++)
+            b.r[i] = b.f->algebraic[i] ? 0 : dice_either(&d) * dice_decades(&d, -9, -4);
+        for (int j = 0; j < b.f->m; j++)
+            b.r[b.f->n + j] = mode[j] == NS_INSIDE ? -b.f->e[j] : 0;
+        assert_int_equal(ns_sparse_factors_factor(b.q, length, mode, 0, &k), NS_OK);
+        if (ns_sparse_factors_solve(b.q, k, b.r, b.v) != NS_E_SINGULAR)
+            fail_msg("trial %u, step of %g s", trial, length);
+        close_bench(&b);
+    }
+}
+
 /* A chain of islands, 100 ohm within each, behind open switches: the leaks between them settle it, rounds
  * alone would gain little.  Each island is at one voltage, and none of them carries a current. */
 static void chains_of_islands_float(void **state) {
@@ -268,6 +302,7 @@ int main(void) {
         cmocka_unit_test(parallel_switches_share),
         cmocka_unit_test(floating_parts_are_between),
         cmocka_unit_test(contradictions_are_errors),
+        cmocka_unit_test(no_current_closes_a_loop_of_voltages),
         cmocka_unit_test(chains_of_islands_float),
         cmocka_unit_test(a_diode_carries_what_its_switch_did),
         cmocka_unit_test(packed_laws_are_the_laws),
