@@ -372,6 +372,13 @@ sweep: deps ## devices from ideal to poor (ron, roff): what each circuit costs b
 	@OPENBLAS_NUM_THREADS=1 build/bench/tests/stress/stress_ideality netlists/*.cir; \
 	    status=$$?; gnuplot build/stress/ideality.gp && echo "Picture   build/stress/ideality.png"; exit $$status
 
+STRESS_KINDS ?= 200# circuits of each kind; STRESS_SEED, STRESS_SECONDS
+.PHONY: stress-kinds
+stress-kinds: deps $(B)/nonsmooth.cm ## circuits that came out wrong once, each varied STRESS_KINDS=200 times in values, size, order, names and steps
+	@$(MAKE) $(PARALLEL) B=build/bench CFLAGS='-O3 -DNDEBUG' stress-programs
+	@OPENBLAS_NUM_THREADS=1 STRESS_COUNT=$(STRESS_KINDS) STRESS_NGSPICE=$(abspath $(B)/nonsmooth.cm) \
+	    build/bench/tests/stress/stress_circuits vary tests/stress/kinds/*.cir
+
 # --- corpus: real netlists, fetched by whoever has them ----------------------------------------------------
 
 CORPUS ?=# a folder with OWNER/NAME/PATH of the netlists that tests/corpus/list names

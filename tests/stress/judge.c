@@ -85,11 +85,18 @@ static double outside(int b, int k, int i, double v) {
     return isnan(v) || isnan(low) || isnan(high) ? INFINITY : fmax(0, out);
 }
 
+/* ngspice's straight lines between points are within `lines` of the largest value that it shows, which may
+ * lie between the instants that are compared. */
+static double size_of(int a, int b, int i) {
+    const run_shown *s = &result[J_SPICE]->shown[i];
+    return a == J_SPICE || b == J_SPICE ? fmax(scale[i], fmax(fabs(s->low), fabs(s->high))) : scale[i];
+}
+
 static difference between(int a, int b) {
     difference d = {0, 0, 0};
     for (int k = 0; k < RUN_TIMES; k++)
         for (int i = 0; i < p.probes; i++) {
-            const double far = outside(b, k, i, *value_of(a, k, 1, i)) / scale[i];
+            const double far = outside(b, k, i, *value_of(a, k, 1, i)) / size_of(a, b, i);
             if (far > d.most)
                 d = (difference){far, i, k};
         }

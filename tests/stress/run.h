@@ -24,6 +24,12 @@ typedef struct run_setting {
 
 typedef enum run_end { RUN_NOT, RUN_DONE, RUN_REFUSED, RUN_SLOW, RUN_CRASHED } run_end;
 
+/* A probe on the straight lines between all points that ngspice shows. */
+typedef struct run_shown {
+    double integral, of_abs; /* of it, of its absolute value, from the first point to the last */
+    double low, high, first, last;
+} run_shown;
+
 typedef struct run_result {
     run_end end;
     int status;          /* of the library, where it refused */
@@ -37,6 +43,7 @@ typedef struct run_result {
     double wrong_sign, wrong_t;
     int wrong_part;
     double value[RUN_TIMES * RUN_BAND * PLAN_PROBES]; /* by time, place in the band, probe */
+    run_shown shown[PLAN_PROBES];                     /* only by ngspice */
 } run_result;
 
 /* The k-th instant; of value[at * probes]. */

@@ -115,10 +115,26 @@ static double on_line(const double *last, const double *row, int column, double 
     return column < 0 ? 0 : last[column] + part * (row[column] - last[column]);
 }
 
+static void note_shown(const plan *p, const raw *w, const double *last, const double *row, run_result *r) {
+    for (int i = 0; i < p->probes; i++) {
+        run_shown *s = &r->shown[i];
+        const double a = on_line(last, row, w->plus[i], last[0]) - on_line(last, row, w->minus[i], last[0]),
+                     b = on_line(last, row, w->plus[i], row[0]) - on_line(last, row, w->minus[i], row[0]);
+        if (r->counts.steps == 0)
+            *s = (run_shown){0, 0, a, a, a, a};
+        s->integral += 0.5 * (a + b) * (row[0] - last[0]);
+        s->of_abs += 0.5 * (fabs(a) + fabs(b)) * (row[0] - last[0]);
+        s->low = fmin(s->low, b);
+        s->high = fmax(s->high, b);
+        s->last = b;
+    }
+    r->counts.steps++;
+}
+
 static int read_points(const plan *p, const raw *w, run_result *r) {
     double rows[2][4 * COLUMNS] = {{0}};
     int at = 0;
-    for (long k = 0; k < w->points && at < RUN_TIMES * RUN_BAND; k++) {
+    for (long k = 0; k < w->points; k++) {
         double *row = rows[k % 2];
         const double *last = rows[(k + 1) % 2];
         if (fread(row, sizeof *row, (size_t)w->columns, w->file) != (size_t)w->columns)
@@ -127,9 +143,10 @@ static int read_points(const plan *p, const raw *w, run_result *r) {
             for (int i = 0; i < p->probes; i++)
                 r->value[at * p->probes + i] = on_line(last, row, w->plus[i], run_band_time(p, at)) -
                                                on_line(last, row, w->minus[i], run_band_time(p, at));
+        if (k > 0)
+            note_shown(p, w, last, row, r);
         r->t = row[0];
     }
-    r->counts.steps = w->points;
     return at == RUN_TIMES * RUN_BAND;
 }
 

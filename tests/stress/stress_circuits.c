@@ -5,6 +5,8 @@
  *     stress_circuits FILE...         judges these netlists and says what each run did
  *     stress_circuits shrink FILE     makes a netlist small, and writes it
  *     stress_circuits print CLASS N   writes a netlist of a class
+ *     stress_circuits vary FILE...    other circuits of the kind of each of these
+ *     stress_circuits varied FILE N   writes one of them
  *
  * STRESS_SEED (else from the clock), STRESS_COUNT circuits of each class (20), STRESS_SECONDS for all (none),
  * STRESS_CLASS (a part of the names), STRESS_LIMIT s of CPU for a run (5), STRESS_SHRINK s for making a find
@@ -22,7 +24,9 @@
 #include <unistd.h>
 
 #include "maker.h"
+#include "shown.h"
 #include "shrink.h"
+#include "vary.h"
 
 enum { FAMILIES = 160, KINDS = 60, SMALL_OF_A_KIND = 2 };
 
@@ -118,13 +122,21 @@ static void note(const char *name, unsigned long long number, netlist *n, judge_
     fflush(stdout);
 }
 
+/* A circuit of a class, or of the kind of a file. */
+static netlist kinds[FAMILIES];
+
 static void one(int at, unsigned long long k) {
     const unsigned long long number = seed * 1000000 + k;
     netlist n = {0};
-    make(&families[at], number, &n);
+    if (kinds[at].count > 0)
+        vary(&kinds[at], number, &n);
+    else
+        make(&families[at], number, &n);
     judge_options o = options;
     o.theta = (double)((number * 2654435761u) % 1000) < 1000 * number_of("STRESS_THETA", 0.5);
     judge_finding f = judge(&n, &o);
+    if (kinds[at].count > 0 && f.verdict == JUDGE_RIGHT && o.spice.models)
+        f = shown(&n, &o);
     __atomic_fetch_add(&all->run[at], 1, __ATOMIC_RELAXED);
     __atomic_fetch_add(&all->of[at][f.verdict], 1, __ATOMIC_RELAXED);
     if (f.seconds > all->slowest[at])
@@ -210,6 +222,20 @@ static int judge_file(const char *path, int small) {
     return f.verdict != JUDGE_RIGHT;
 }
 
+/* Files, as classes. */
+static int collect_files(int count, char **path) {
+    nfamilies = 0;
+    for (int i = 0; i < count && i < FAMILIES; i++) {
+        const char *name = strrchr(path[i], '/');
+        FILE *file = fopen(path[i], "r");
+        if (!file || netlist_read(&kinds[i], file))
+            return fprintf(stderr, "%s: cannot be read\n", path[i]), 0;
+        fclose(file);
+        families[nfamilies++].name = name ? name + 1 : path[i];
+    }
+    return 1;
+}
+
 int main(int argc, char **argv) {
     int bad = 0;
     folder = getenv("STRESS_FOLDER") ? getenv("STRESS_FOLDER") : "build/stress";
@@ -225,6 +251,14 @@ int main(int argc, char **argv) {
             }
         return n.count == 0;
     }
+    if (argc == 4 && strcmp(argv[1], "varied") == 0 && collect_files(1, argv + 2)) {
+        netlist n = {0};
+        vary(&kinds[0], strtoull(argv[3], NULL, 10), &n);
+        netlist_write(&n, stdout);
+        return 0;
+    }
+    if (argc > 2 && strcmp(argv[1], "vary") == 0)
+        return collect_files(argc - 2, argv + 2) ? stress() : 2;
     if (argc == 3 && strcmp(argv[1], "shrink") == 0)
         return judge_file(argv[2], 1);
     for (int i = 1; i < argc; i++)
