@@ -1,15 +1,15 @@
-/* bridge/own_curve.c - D that were taken, after .tran: were they far from their own curve? */
+/* bridge/own_curve.c - D and M that were taken, after .tran: were they far from their own curves? */
 #include <math.h>
 
 #include "own_show.h"
 #include "own_structs.h"
 #include "report.h"
 
-/* A difference that counts, of the largest voltage across the D. */
+/* A difference that counts, of the largest voltage across the device. */
 static const double much = 0.05;
 
 static int is_judged(const ns_analysis *a, const ns_own_taken *o) {
-    return o->kind == OWN_DIODE && o->id >= 0 && !a->ex.options.zero_diodes;
+    return o->id >= 0 && (o->kind == OWN_MOSFET || (o->kind == OWN_DIODE && !a->ex.options.zero_diodes));
 }
 
 void ns_bridge_own_count_point(const ns_analysis *a, double t) {
@@ -19,6 +19,7 @@ void ns_bridge_own_count_point(const ns_analysis *a, double t) {
         if (!is_judged(a, o) ||
             ns_circuit_device(a->ex.circuit, o->id, a->x, a->lambda, a->mode, &i, &v, NULL) != NS_OK)
             continue;
+        i = o->kind == OWN_MOSFET ? o->mosfet.sign * i : i;
         ns_bridge_log_mean_add(&o->seen.current, 0.5 * (fmax(i, 0.0) + o->seen.i), t - o->seen.t);
         o->seen.t = t;
         o->seen.i = fmax(i, 0.0);
@@ -30,15 +31,23 @@ static double own_current(const ns_own_taken *o) {
     return ns_bridge_log_mean_read(&o->seen.current);
 }
 
+/* V: the voltage of its channel at a current, by the square law; INFINITY: it carries less. */
+static double channel_voltage(const ns_own_taken *o, double amperes) {
+    const double above = o->drive - o->mosfet.vth, rest = above * above - 2.0 * amperes / o->mosfet.beta;
+    return rest < 0.0 ? INFINITY : above - sqrt(rest) + o->mosfet.series * amperes;
+}
+
 /* V: the voltage of its own curve there, with rs; NAN: unknown. */
 static double own_voltage(const ns_own_taken *o) {
     ns_own_diode d;
+    if (o->kind == OWN_MOSFET)
+        return channel_voltage(o, own_current(o));
     ns_bridge_own_read_diode(o->inst, &d);
     return ns_bridge_diode_law_voltage(&d.law, own_current(o)) + o->rs * own_current(o);
 }
 
 static double taken_voltage(const ns_own_taken *o) {
-    return o->diode.vf + o->diode.ron * own_current(o);
+    return o->kind == OWN_MOSFET ? o->ron * own_current(o) : o->diode.vf + o->diode.ron * own_current(o);
 }
 
 /* How far that is from what it was taken for, of the largest voltage across it. */
@@ -46,6 +55,23 @@ static double difference(const ns_analysis *a, const ns_own_taken *o) {
     if (!is_judged(a, o) || !(own_current(o) > 0.0))
         return 0.0;
     return fabs(taken_voltage(o) - own_voltage(o)) / o->seen.most_v;
+}
+
+static void note(const ns_own_taken *o) {
+    const double amperes = own_current(o), volts = own_voltage(o);
+    if (isinf(volts))
+        ns_bridge_report_note("%s carried %.2g A, more than its own model carries at %.4g V: it is no switch "
+                              "there, the result is wrong",
+                              o->inst->GENname, amperes, o->drive);
+    else if (o->kind == OWN_MOSFET)
+        ns_bridge_report_note("%s carried %.2g A, where the channel of its own model has %.3g V, not %.3g V: "
+                              "as a switch it has too small a ron there",
+                              o->inst->GENname, amperes, volts, taken_voltage(o));
+    else
+        ns_bridge_report_note(
+            "%s carried %.2g A, where its own voltage is %.3g V, not %.3g V: with id=%.1g in the "
+            "model nonsmooth, vf is that of this current",
+            o->inst->GENname, amperes, volts, taken_voltage(o), amperes);
 }
 
 int ns_bridge_own_note_curve(const ns_analysis *a) {
@@ -58,12 +84,7 @@ int ns_bridge_own_note_curve(const ns_analysis *a) {
         most = differs;
         worst = &a->ex.own[k];
     }
-    if (!worst)
-        return 0;
-    ns_bridge_report_note(
-        "%s carried %.2g A, where its own voltage is %.3g V, not %.3g V: with id=%.1g in the "
-        "model nonsmooth, vf is that of this current",
-        worst->inst->GENname, own_current(worst), own_voltage(worst), taken_voltage(worst),
-        own_current(worst));
-    return 1;
+    if (worst)
+        note(worst);
+    return worst != NULL;
 }
