@@ -353,6 +353,14 @@ STRESS_MLCP ?= 2000# random problems (P1) of each class
 STRESS_SECONDS ?= 600# for circuits; STRESS_SEED, STRESS_COUNT, STRESS_CLASS and others: see tests/stress/README.md
 STRESS_OWN := $(filter-out tests/stress/stress_%,$(wildcard tests/stress/*.c))
 
+$(B)/obj/tests/stress/stress_engines.o: private ALL_CFLAGS += -Itests/bench
+$(B)/tests/stress/stress_engines: $(BENCH_OWN:%.c=$(B)/obj/%.o)
+
+.PHONY: compare-engines
+compare-engines: deps ## what method="auto" costs beside the better engine: benchmark, netlists/, random circuits (STRESS_SEED, STRESS_COUNT)
+	@$(MAKE) $(PARALLEL) B=build/bench CFLAGS='-O3 -DNDEBUG' build/bench/tests/stress/stress_engines
+	@OPENBLAS_NUM_THREADS=1 build/bench/tests/stress/stress_engines netlists/*.cir
+
 .PHONY: stress stress-programs
 stress-programs: $(STRESS_BIN)
 

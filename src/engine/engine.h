@@ -13,6 +13,13 @@
 
 typedef struct ns_engine ns_engine;
 
+/* What an engine did since it was made: about as many instructions, the same on every machine. */
+typedef struct ns_work {
+    double all;  /* of that, */
+    double once; /* matrices and factors of modes, which are kept */
+    double events;
+} ns_work;
+
 /* Each function does what the call of nonsmooth/march.h of the same name does, for this engine. */
 typedef struct ns_engine_table {
     void (*free)(ns_engine *e);
@@ -29,6 +36,7 @@ typedef struct ns_engine_table {
     int (*at_event)(const ns_engine *e);
     ns_method (*method)(const ns_engine *e); /* in use for the last trial */
     const ns_counts *(*counts)(ns_engine *e);
+    ns_work (*work)(ns_engine *e); /* estimated from counts alone; NULL: not known */
     const ns_fault *(*fault)(const ns_engine *e);
     int (*sample)(ns_engine *e, double t, double *x, double *lambda);
     double (*shortest)(ns_engine *e, double t, double *until); /* until is not NULL */
@@ -48,6 +56,8 @@ typedef struct ns_engine_table {
 /* The first member of every engine's struct. */
 struct ns_engine {
     const ns_engine_table *table;
+    double
+        most_work; /* a trial that would make work() more than this fails with LIMIT; 0: there is no bound */
 };
 
 /* The engine that answers a call: this one, if its table has it, else the one at work. */
@@ -102,6 +112,14 @@ static inline int ns_engine_peek(ns_engine *e, double *x, double *lambda) {
 static inline void ns_engine_watch(ns_engine *e, const ns_watch *w) {
     if (e->table->watch)
         e->table->watch(e, w);
+}
+
+static inline ns_work ns_engine_work(ns_engine *e) {
+    return e->table->work ? e->table->work(e) : (ns_work){0, 0, 0};
+}
+/* 1 if an engine that is at work itself has passed its bound. */
+static inline int ns_engine_is_over(ns_engine *e) {
+    return e->most_work > 0 && ns_engine_work(e).all > e->most_work;
 }
 
 #endif

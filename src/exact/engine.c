@@ -47,6 +47,10 @@ int ns_exact_timed(const ns_exact *f) {
     return f->timed;
 }
 
+long ns_exact_replayed(const ns_exact *f) {
+    return f->replayed;
+}
+
 const ns_counts *ns_exact_counts(const ns_exact *f) {
     return &f->counts;
 }

@@ -48,6 +48,7 @@ int ns_exact_failures(const ns_exact *f);
 /* 1 if every command is a function of time: no switch can chatter. */
 int ns_exact_timed(const ns_exact *f);
 const ns_counts *ns_exact_counts(const ns_exact *f); /* what it cost so far; events: passed by it */
+long ns_exact_replayed(const ns_exact *f);           /* events of them, in periods that were repeated */
 
 /* kernel.c: the engine's matrices as a kernel.  h: as above.  Errors: MEMORY, those of ns_theta_create(). */
 int ns_exact_kernel_create(const ns_system *s, double h, ns_kernel **out);

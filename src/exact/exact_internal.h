@@ -172,6 +172,7 @@ struct ns_exact {
     double *max_abs;              /* r: the largest |w| so far */
     ns_exact_past past, accepted; /* of the trial; of the accepted point */
     ns_counts counts;             /* what it cost so far */
+    long replayed;                /* events in periods that were repeated */
     int failed;                   /* MEMORY, met where no status is returned */
 
     /* the event */

@@ -118,6 +118,7 @@ int ns_exact_period_replay(ns_exact *f, double t) {
     ns_inputs_events_skip(f->events, end, period->duration);
     f->counts.events += period->events;
     f->counts.predicted += period->events;
+    f->replayed += period->events;
     f->counts.periods++;
     return 1;
 }

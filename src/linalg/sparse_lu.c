@@ -27,7 +27,7 @@ struct ns_klu {
     klu_common common;
     klu_symbolic *symbolic;
     int fills; /* factors of the shared pattern do */
-    long fresh, again;
+    long fresh, again, solves;
     ns_partial_lu *steady; /* pivots for all matrices, NULL: none */
     long served, stuck;    /* so many, and for so many they were not good enough */
 };
@@ -368,6 +368,7 @@ void ns_linalg_klu_often_zero(ns_klu *k, int from) {
 void ns_linalg_klu_solve(ns_klu *k, ns_factors *f, double *b) {
     if (k->n == 0)
         return;
+    k->solves++;
     if (!f->packed && ++f->solved == WORTH_PACKING)
         f->packed = pack(k, f);
     if (f->packed && ns_linalg_packed_solve(f->packed, b, k->x))
@@ -387,4 +388,8 @@ long ns_linalg_klu_fresh(const ns_klu *k) {
 
 long ns_linalg_klu_refactor(const ns_klu *k) {
     return k->again;
+}
+
+long ns_linalg_klu_solves(const ns_klu *k) {
+    return k->solves;
 }

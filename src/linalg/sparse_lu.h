@@ -38,5 +38,7 @@ void ns_linalg_klu_solve(ns_klu *k, ns_factors *f, double *b);
 /* How many times it factored from scratch, and with old pivots. */
 long ns_linalg_klu_fresh(const ns_klu *k);
 long ns_linalg_klu_refactor(const ns_klu *k);
+/* How many times it solved. */
+long ns_linalg_klu_solves(const ns_klu *k);
 
 #endif

@@ -54,12 +54,6 @@ void ns_march_dense_carry_start(ns_engine *e);
 int ns_march_dense_is_exact(const ns_engine *e);
 int ns_march_dense_rests(const ns_engine *e, double *t);
 
-/* Events so far, and modes that matrices were made for. */
-typedef struct ns_recurrence {
-    long events, modes;
-} ns_recurrence;
-ns_recurrence ns_march_dense_recurrence(const ns_engine *e);
-
 /* counts.c: sum += counts, each field. */
 void ns_march_add_counts(ns_counts *sum, const ns_counts *counts);
 

@@ -23,23 +23,21 @@ static int start_dc(ns_engine *e, double t0, int nhold, const int *hold, const d
     return ns_march_run_start(run_of(e), &s);
 }
 
-/* By the engine at work, or by another one if it refuses.  At most two rounds: the dense engines hand over
- * once.  What is found wrong in the trial ends it. */
+/* By the engine at work, or by another one if it refuses.  What is found wrong in the trial ends it. */
 static int try_engines(ns_run *r, double t, ns_until until, double *reached) {
-    for (int round = 0;; round++) {
-        if (r->is_dense)
-            ns_march_run_try_sparse(r, round > 0);
-        const double to = ns_march_check_begin(r, t, until);
+    enum { ROUNDS = 3 };
+    int status = NS_OK;
+    for (int round = 0; round < ROUNDS; round++) {
+        const double to = round == 0 ? ns_march_check_begin(r, t, until) : t;
         if (r->check.found)
             return NS_E_RESIDUAL;
-        int status = r->at_work->table->try_to(r->at_work, to, until, reached);
-        if (r->check.found)
+        status = r->at_work->table->try_to(r->at_work, to, until, reached);
+        if (r->check.found || status == NS_OK || !ns_march_run_hand_over(r, until, reached, &status))
             return status;
-        if (ns_march_run_sparse_failed(r, status) && (status = ns_march_run_leave_sparse(r)) == NS_OK)
-            status = r->at_work->table->try_to(r->at_work, t, until, reached);
-        if (status == NS_OK || !r->is_dense || round > 0 || !ns_march_dense_hands_over(r->at_work))
-            return status;
+        if (r->trial_is_start)
+            return NS_OK;
     }
+    return status;
 }
 
 static int try_to(ns_engine *e, double t, ns_until until, double *reached) {
@@ -49,7 +47,10 @@ static int try_to(ns_engine *e, double t, ns_until until, double *reached) {
         return ns_engine_read(r->at_work, reached, NULL, NULL, NULL);
     r->trial_is_start = 0;
     ns_march_run_return(r);
+    ns_march_run_choose(r, until);
     const int status = try_engines(r, t, until, reached);
+    if (r->trial_is_start)
+        return NS_OK;
     if (r->check.found || (status == NS_OK && !ns_march_check_end(r, t, until, *reached)))
         return ns_march_sliding_is_cause(r) ? ns_march_run_refuse(r, &r->check.finding)
                                             : ns_march_run_again(r, t, until, reached);
@@ -72,6 +73,8 @@ static void drop(ns_engine *e) {
 static int set_input(ns_engine *e, int input, const ns_signal *signal) {
     ns_run *r = run_of(e);
     drop(e);
+    ns_march_run_forget(r, r->aside);
+    r->aside = NULL;
     ns_march_check_renew(r);
     const int status = r->dense_copy ? ns_system_set_input(r->dense_copy, input, signal) : NS_OK;
     return status == NS_OK ? r->at_work->table->set_input(r->at_work, input, signal) : status;
@@ -81,6 +84,8 @@ static const ns_counts *counts(ns_engine *e) {
     ns_run *r = run_of(e);
     r->sum = *r->at_work->table->counts(r->at_work);
     ns_march_add_counts(&r->sum, &r->before);
+    if (r->aside)
+        ns_march_add_counts(&r->sum, r->aside->table->counts(r->aside));
     r->sum.checks = r->check.checks;
     r->sum.retries = r->check.retries;
     return &r->sum;
@@ -106,6 +111,8 @@ static void free_run(ns_engine *e) {
         return;
     if (r->at_work)
         r->at_work->table->free(r->at_work);
+    if (r->aside)
+        r->aside->table->free(r->aside);
     ns_march_check_free(r);
     ns_system_free(r->dense_copy);
     free(r);
@@ -133,8 +140,8 @@ int ns_march_run_create(const ns_system *s, const ns_march_options *o, ns_engine
     r->engine.table = &table;
     r->s = s;
     r->options = *o;
-    r->retry_sparse_at = r->back_at = INFINITY;
-    r->counts_modes = ns_march_counts_modes(s);
+    r->back_at = INFINITY;
+    r->chooses = ns_march_chooses(s, o);
     int status = ns_march_run_make_engine(r, fault);
     if (status == NS_OK)
         status = ns_march_check_create(r);

@@ -84,29 +84,25 @@ static int start_judged(ns_run *r, const again *a, double *reached) {
     return try_judged(r, a, reached);
 }
 
-/* By another engine, which stays at work if it is right. */
-static int go_by(ns_run *r, ns_run_kind kind, const again *a, double *reached) {
-    ns_engine *was = r->at_work, *other;
-    const ns_run_kind was_kind = r->kind;
-    if (ns_march_run_make(r, kind, &other) != NS_OK)
-        return 0;
-    ns_march_run_put_to_work(r, other, kind);
-    if (start_judged(r, a, reached)) {
-        ns_march_run_dismiss(r, was);
-        return 1;
-    }
-    ns_march_run_put_to_work(r, was, was_kind);
-    other->table->free(other);
-    return 0;
+typedef struct attempt {
+    const again *from;
+    double *reached;
+} attempt;
+
+static int begin_attempt(ns_run *r, const void *data) {
+    const attempt *a = data;
+    return start_judged(r, a->from, a->reached) ? NS_OK : NS_E_RESIDUAL;
 }
 
 /* --- all of them --- */
 
 static int go_by_others(ns_run *r, const again *a, double *reached) {
     const ns_run_kind own = r->kind;
+    const attempt by = {a, reached};
+    const ns_run_change how = {begin_attempt, &by, 0};
     for (size_t i = 0; i < sizeof others / sizeof *others && !ns_march_sliding_is_cause(r); i++)
-        if (others[i] != own && go_by(r, others[i], a, reached)) {
-            ns_march_run_leave_for_now(r, a->t, own);
+        if (others[i] != own && ns_march_run_change(r, others[i], &how) == NS_OK) {
+            ns_march_run_was_wrong(r, a->t, own);
             return 1;
         }
     return 0;

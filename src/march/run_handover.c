@@ -44,7 +44,6 @@ static int scheme_is_dense(const ns_run *r) {
 }
 
 void ns_march_run_put_to_work(ns_run *r, ns_engine *e, ns_run_kind kind) {
-    r->seen = (ns_recurrence){0};
     r->at_work = e;
     r->kind = kind;
     r->is_dense = kind == NS_RUN_DENSE || (kind == NS_RUN_SCHEME && scheme_is_dense(r));
@@ -53,21 +52,53 @@ void ns_march_run_put_to_work(ns_run *r, ns_engine *e, ns_run_kind kind) {
 
 void ns_march_run_dismiss(ns_run *r, ns_engine *was) {
     ns_march_add_counts(&r->before, was->table->counts(was));
-    was->table->free(was);
+    ns_march_run_forget(r, was);
 }
 
-static void replace_engine(ns_run *r, ns_engine *by, ns_run_kind kind) {
-    ns_engine *was = r->at_work;
-    ns_march_run_put_to_work(r, by, kind);
-    ns_march_run_dismiss(r, was);
+void ns_march_run_forget(ns_run *r, ns_engine *e) {
+    if (!e)
+        return;
+    const ns_work work = ns_engine_work(e);
+    r->work_before.all += work.all;
+    r->work_before.once += work.once;
+    r->work_before.events += work.events;
+    e->table->free(e);
 }
 
-/* The sparse engine is not asked again for a while from t on. */
-static void put_off_sparse(ns_run *r, double t) {
-    r->retry_interval = ns_march_retry_interval(&r->options, r->retry_interval);
-    r->retry_sparse_at = t + r->retry_interval;
-    if (r->is_dense)
-        ns_march_dense_let_hand_over(r->at_work, 0);
+/* The one put aside, or a new one, which counts for nothing before it began. */
+static int take_engine(ns_run *r, ns_run_kind kind, ns_engine **out, int *is_new) {
+    *is_new = !r->aside || r->aside_kind != kind;
+    if (*is_new)
+        return ns_march_run_make(r, kind, out);
+    *out = r->aside;
+    r->aside = NULL;
+    return NS_OK;
+}
+
+/* What it learnt is of use when it is at work again. */
+static void put_aside(ns_run *r, ns_engine *e, ns_run_kind kind) {
+    if (r->aside)
+        ns_march_run_dismiss(r, r->aside);
+    r->aside = e;
+    r->aside_kind = kind;
+}
+
+int ns_march_run_change(ns_run *r, ns_run_kind kind, const ns_run_change *how) {
+    ns_engine *const was = r->at_work, *other;
+    const ns_run_kind was_kind = r->kind;
+    int is_new, status = take_engine(r, kind, &other, &is_new);
+    if (status != NS_OK)
+        return status;
+    ns_march_run_put_to_work(r, other, kind);
+    status = how->begin(r, how->data);
+    if (status != NS_OK) {
+        ns_march_run_put_to_work(r, was, was_kind);
+        (is_new ? ns_march_run_forget : ns_march_run_dismiss)(r, other);
+    } else if (how->keeps)
+        put_aside(r, was, was_kind);
+    else
+        ns_march_run_dismiss(r, was);
+    return status;
 }
 
 int ns_march_run_use_dense(ns_run *r, double t) {
@@ -75,8 +106,10 @@ int ns_march_run_use_dense(ns_run *r, double t) {
     const int status = make_dense(r, &r->options, &dense, &r->fault);
     if (status != NS_OK)
         return status;
-    replace_engine(r, dense, NS_RUN_DENSE);
-    put_off_sparse(r, t);
+    ns_engine *const was = r->at_work;
+    ns_march_run_put_to_work(r, dense, NS_RUN_DENSE);
+    ns_march_run_dismiss(r, was);
+    ns_march_run_leave_for_now(r, t, NS_RUN_SPARSE);
     return NS_OK;
 }
 
@@ -118,115 +151,86 @@ int ns_march_run_make(ns_run *r, ns_run_kind kind, ns_engine **out) {
 
 /* --- from the accepted point on by another engine --- */
 
-/* By the engine at work; it is judged.  Errors: those of a start, RESIDUAL (it is wrong: r->refused). */
-static int start_at_accepted(ns_run *r, double t, const double *w, const unsigned char *closed) {
-    const ns_run_start s = {.t = t, .w = w, .closed = closed};
-    const int status = r->at_work->table->start(r->at_work, t, w, closed);
-    if (status != NS_OK || ns_march_check_start(r, &s))
-        return status;
-    r->check.found = 0;
-    r->check.retries++;
-    return ns_march_run_refuse(r, &r->check.finding);
-}
+typedef struct accepted {
+    double t, *w;
+    unsigned char *closed;
+} accepted;
 
-/* To another engine, which may refuse: then the one at work stays. */
-static int start_other(ns_run *r, ns_run_kind kind, double t, const double *w, const unsigned char *closed) {
-    ns_engine *const was = r->at_work, *other = NULL;
-    const ns_run_kind was_kind = r->kind;
-    int status = ns_march_run_make(r, kind, &other);
-    if (status != NS_OK)
-        return status;
-    ns_march_run_put_to_work(r, other, kind);
-    status = start_at_accepted(r, t, w, closed);
-    if (status == NS_OK) {
-        r->refused = 0;
-        ns_march_run_dismiss(r, was);
-        return NS_OK;
+/* By the engine at work; it is judged.  Errors: those of a start, RESIDUAL (it is wrong: r->refused). */
+static int start_at_accepted(ns_run *r, const void *data) {
+    const accepted *a = data;
+    const ns_run_start s = {.t = a->t, .w = a->w, .closed = a->closed};
+    const int status = r->at_work->table->start(r->at_work, a->t, a->w, a->closed);
+    if (status == NS_OK && !ns_march_check_start(r, &s)) {
+        r->check.found = 0;
+        r->check.retries++;
+        return ns_march_run_refuse(r, &r->check.finding);
     }
-    ns_march_run_put_to_work(r, was, was_kind);
-    other->table->free(other);
+    if (status == NS_OK)
+        r->refused = 0;
     return status;
 }
 
-static int leave_for(ns_run *r, ns_run_kind kind) {
-    double t, *w;
-    unsigned char *closed;
-    int status = ns_march_run_read_accepted(r, &t, &w, &closed);
+int ns_march_run_leave_for(ns_run *r, ns_run_kind kind, int keeps) {
+    accepted a;
+    const ns_run_change how = {start_at_accepted, &a, keeps};
+    int status = ns_march_run_read_accepted(r, &a.t, &a.w, &a.closed);
     if (status == NS_OK)
-        status = start_other(r, kind, t, w, closed);
+        status = ns_march_run_change(r, kind, &how);
     r->refused = 0; /* the one at work goes on */
-    free(closed);
-    free(w);
+    free(a.closed);
+    free(a.w);
     return status;
 }
 
 int ns_march_run_leave_sparse(ns_run *r) {
-    double t, *w;
-    unsigned char *closed;
-    int status = ns_march_run_read_accepted(r, &t, &w, &closed);
+    accepted a;
+    const ns_run_change by_scheme = {start_at_accepted, &a, 0};
+    int status = ns_march_run_read_accepted(r, &a.t, &a.w, &a.closed);
     if (status == NS_OK)
-        status = ns_march_run_use_dense(r, t);
+        status = ns_march_run_use_dense(r, a.t);
     if (status == NS_OK)
-        status = start_at_accepted(r, t, w, closed);
-    if (r->refused && status == NS_E_RESIDUAL && start_other(r, NS_RUN_SCHEME, t, w, closed) == NS_OK)
-        status = NS_OK;
+        status = start_at_accepted(r, &a);
+    if (r->refused && status == NS_E_RESIDUAL)
+        status = ns_march_run_change(r, NS_RUN_SCHEME, &by_scheme);
     if (status == NS_OK && r->is_dense)
         ns_march_dense_carry_start(r->at_work);
-    free(closed);
-    free(w);
+    free(a.closed);
+    free(a.w);
     return status;
 }
 
-/* --- back to an engine that was found wrong --- */
+/* --- back to an engine that failed, or was found wrong --- */
 
 void ns_march_run_leave_for_now(ns_run *r, double t, ns_run_kind was) {
     const int away = r->back_at < INFINITY;
-    r->retry_sparse_at = INFINITY;
     r->back_interval = ns_march_retry_interval(&r->options, r->back_interval);
     r->back_to = away ? r->back_to : was;
     r->back_at = r->kind == r->back_to ? INFINITY : t + r->back_interval;
 }
 
 void ns_march_run_leave_for_the_start(ns_run *r, double t, ns_run_kind was) {
-    r->retry_sparse_at = INFINITY;
     r->back_to = was;
     r->back_at = t;
 }
 
+int ns_march_run_rests(ns_run *r, double *t) {
+    return !r->check.is_old && !r->trial_is_start && !ns_engine_at_event(r->at_work) &&
+           ns_engine_read(r->at_work, t, NULL, NULL, NULL) == NS_OK;
+}
+
 void ns_march_run_return(ns_run *r) {
     double t;
-    if (r->back_at == INFINITY || r->check.is_old || r->trial_is_start || ns_engine_at_event(r->at_work) ||
-        ns_engine_read(r->at_work, &t, NULL, NULL, NULL) != NS_OK || t < r->back_at)
+    if (r->back_at == INFINITY || !ns_march_run_rests(r, &t) || t < r->back_at)
         return;
     r->back_at = INFINITY;
-    if (leave_for(r, r->back_to) == NS_OK) {
+    if (ns_march_run_leave_for(r, r->back_to, 0) == NS_OK) {
         if (r->kind == NS_RUN_DENSE)
             ns_march_dense_let_hand_over(r->at_work, r->options.method == NS_AUTO);
         return;
     }
     r->back_interval = ns_march_retry_interval(&r->options, r->back_interval);
     r->back_at = t + r->back_interval;
-}
-
-/* --- back to the sparse engine, which refused --- */
-
-static int modes_do_not_recur(ns_run *r) {
-    const ns_recurrence now = ns_march_dense_recurrence(r->at_work);
-    return r->counts_modes && ns_march_modes_do_not_recur(&now, &r->seen);
-}
-
-void ns_march_run_try_sparse(ns_run *r, int dense_failed) {
-    ns_engine *e = r->at_work;
-    const int may_be_due = r->retry_sparse_at < INFINITY;
-    double t;
-    if (r->options.method != NS_AUTO || !(may_be_due || dense_failed || r->counts_modes) ||
-        !ns_march_dense_rests(e, &t))
-        return;
-    const int first = r->retry_interval == 0 && ns_march_dense_is_exact(e);
-    if (t < r->retry_sparse_at && !(first && (dense_failed || modes_do_not_recur(r))))
-        return;
-    if (leave_for(r, NS_RUN_SPARSE) != NS_OK)
-        put_off_sparse(r, t);
 }
 
 int ns_march_run_make_engine(ns_run *r, ns_fault *fault) {

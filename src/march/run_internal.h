@@ -1,8 +1,9 @@
-/* src/march/run_internal.h - shared by run.c, run_handover.c, run_check.c, run_watch.c, run_again.c,
- * run_refuse.c, run_start.c, run_check_start.c. */
+/* src/march/run_internal.h - shared by run.c, run_handover.c, run_choose.c, run_check.c, run_watch.c,
+ * run_again.c, run_refuse.c, run_start.c, run_check_start.c. */
 #ifndef NS_MARCH_RUN_INTERNAL_H
 #define NS_MARCH_RUN_INTERNAL_H
 
+#include "choice.h"
 #include "march_internal.h"
 #include "run_check.h"
 #include "select.h"
@@ -21,15 +22,17 @@ typedef struct ns_run {
     ns_run_kind kind;
     int is_dense;       /* it is a dense run */
     int trial_is_start; /* the trial is the start of the engine at work */
-    /* the next hand-over to the sparse engine */
-    double retry_sparse_at; /* s */
-    double retry_interval;  /* s; 0: the dense engines were the first */
-    int counts_modes;       /* it matters whether modes recur */
-    ns_recurrence seen;     /* when that was judged last */
-    /* back to the engine that was found wrong */
-    double back_at;       /* s; INFINITY: it is at work, or the sparse one is tried as above */
+    ns_engine *aside;   /* NULL, or one that was at work and may be again */
+    ns_run_kind aside_kind;
+    /* back to the engine that failed, or was found wrong */
+    double back_at;       /* s; INFINITY: it is at work */
     double back_interval; /* s */
     ns_run_kind back_to;
+    /* which engine costs less */
+    ns_choice choice;
+    int chooses;         /* 1: there are two to choose from */
+    long trials;         /* so far */
+    ns_work work_before; /* of engines that are gone */
     /* what is told */
     ns_counts before, sum; /* of the engines that were at work before; of all */
     ns_fault fault;        /* of dense engines that could not be made; of what no engine does right: */
@@ -63,10 +66,19 @@ int ns_march_run_make_engine(ns_run *r, ns_fault *fault);
 int ns_march_run_use_dense(ns_run *r, double t);
 /* The dense engines go on from the accepted point of the sparse one.  Errors: also those of a start. */
 int ns_march_run_leave_sparse(ns_run *r);
-/* Starts the sparse engine from the accepted point of the dense ones if it is due (retry_sparse_at), if the
- * exact engine failed too often (dense_failed: 1), or if most modes are new.  If it refuses, the dense
- * engines go on, and it is asked again later. */
-void ns_march_run_try_sparse(ns_run *r, int dense_failed);
+/* How another engine begins: by begin, of data; the one that was at work is kept aside, or freed. */
+typedef struct ns_run_change {
+    int (*begin)(ns_run *r, const void *data);
+    const void *data;
+    int keeps;
+} ns_run_change;
+/* An engine of a kind is put to work and begins; if it fails, the one that was at work is so again.  Errors:
+ * as ns_march_create(), those of begin. */
+int ns_march_run_change(ns_run *r, ns_run_kind kind, const ns_run_change *how);
+/* The same from the accepted point on.  Errors: as ns_march_create(), those of a start, RESIDUAL. */
+int ns_march_run_leave_for(ns_run *r, ns_run_kind kind, int keeps);
+/* 1 if the point of *t is accepted, no trial is known, and nothing happens there: engines may change. */
+int ns_march_run_rests(ns_run *r, double *t);
 /* The accepted point, as charges and fluxes w (n) and commanded switches that are closed (nc).  The caller
  * frees both, also after an error.  Errors: MEMORY, those of ns_engine_read(). */
 int ns_march_run_read_accepted(ns_run *r, double *t, double **w, unsigned char **closed);
@@ -77,13 +89,24 @@ int ns_march_run_sparse_failed(const ns_run *r, int status);
 void ns_march_run_put_to_work(ns_run *r, ns_engine *e, ns_run_kind kind);
 /* An engine that was at work is freed; what it did counts. */
 void ns_march_run_dismiss(ns_run *r, ns_engine *was);
-/* The engine that was at work until t, of this kind, was found wrong: it is asked again later. */
+void ns_march_run_forget(ns_run *r, ns_engine *e); /* the same, but for what is told; NULL is allowed */
+/* The engine that was at work until t, of this kind, failed or was found wrong: it is asked again later. */
 void ns_march_run_leave_for_now(ns_run *r, double t, ns_run_kind was);
 /* The same of a start at t: it is asked again when a trial goes on from there, where nothing jumps any more.
  */
 void ns_march_run_leave_for_the_start(ns_run *r, double t, ns_run_kind was);
 /* That is due: it goes on from the accepted point, if it starts there. */
 void ns_march_run_return(ns_run *r);
+
+/* run_choose.c: where one starts, at t. */
+void ns_march_run_begin_choice(ns_run *r, double t);
+/* Before a trial: the other engine goes on if it is to be asked, or to stay. */
+void ns_march_run_choose(ns_run *r, ns_until until);
+/* A trial failed.  1: another engine is at work, at the accepted point, or (r->trial_is_start) at *reached,
+ * where the trial ends; else *status may be another one. */
+int ns_march_run_hand_over(ns_run *r, ns_until until, double *reached, int *status);
+/* The engine that was at work until t was found wrong; another one is at work. */
+void ns_march_run_was_wrong(ns_run *r, double t, ns_run_kind was);
 
 /* run_check_create.c: Errors: MEMORY. */
 int ns_march_check_create(ns_run *r);

@@ -11,28 +11,18 @@ static int start_judged(ns_run *r, const ns_run_start *s) {
     return status != NS_OK || ns_march_check_start(r, s) ? status : NS_E_RESIDUAL;
 }
 
-static int start_by(ns_run *r, ns_run_kind kind, const ns_run_start *s) {
-    ns_engine *was = r->at_work, *other;
-    const ns_run_kind was_kind = r->kind;
-    if (ns_march_run_make(r, kind, &other) != NS_OK)
-        return 0;
-    ns_march_run_put_to_work(r, other, kind);
-    if (start_judged(r, s) == NS_OK) {
-        ns_march_run_dismiss(r, was);
-        return 1;
-    }
-    ns_march_run_put_to_work(r, was, was_kind);
-    other->table->free(other);
-    return 0;
+static int begin(ns_run *r, const void *data) {
+    return start_judged(r, data);
 }
 
 /* A start that was found wrong; a small error that no engine is without is that of the problem. */
 static int start_again(ns_run *r, const ns_run_start *s) {
     const ns_verify_finding first = r->check.finding;
     const ns_run_kind own = r->kind;
+    const ns_run_change how = {begin, s, 0};
     r->check.retries++;
     for (int kind = NS_RUN_DENSE; kind <= NS_RUN_SCHEME; kind++)
-        if (kind != (int)own && start_by(r, (ns_run_kind)kind, s)) {
+        if (kind != (int)own && ns_march_run_change(r, (ns_run_kind)kind, &how) == NS_OK) {
             ns_march_run_leave_for_the_start(r, s->t, own);
             return NS_OK;
         }
@@ -54,5 +44,7 @@ int ns_march_run_start(ns_run *r, const ns_run_start *asked) {
         status =
             ns_march_sliding_is_cause(r) ? ns_march_run_refuse(r, &r->check.finding) : start_again(r, &s);
     r->check.found = 0;
+    if (status == NS_OK)
+        ns_march_run_begin_choice(r, s.t);
     return status;
 }

@@ -16,13 +16,16 @@ ns_sparse_options ns_march_sparse_options(const ns_march_options *o);
 /* 1 if what the sparse engine failed with is worth a try by the dense engines. */
 int ns_march_leaves_sparse(const ns_system *s, const ns_march_options *o, int status);
 
-/* 1 if the system is so large that it matters whether its modes recur. */
-int ns_march_counts_modes(const ns_system *s);
-/* 1 if of the events since *seen most came to modes that matrices had to be made for; then, or after enough
- * events, *seen becomes now. */
-int ns_march_modes_do_not_recur(const ns_recurrence *now, ns_recurrence *seen);
+/* 1 if there are two engines of which the one is taken that costs less. */
+int ns_march_chooses(const ns_system *s, const ns_march_options *o);
+/* After how much work (ns_work) the second one is asked; is_dense: the first one is dense. */
+double ns_march_first_question(const ns_system *s, int is_dense);
 
-/* How long the sparse engine is not tried again, after it was left (before: 0 or what this returned last), s.
+/* Work that the sparse (by_sparse: 1) or the dense engines need for an event, at least. */
+double ns_march_least_of_event(const ns_system *s, int by_sparse);
+
+/* How long an engine is not tried again, after it failed or was wrong (before: 0 or what this returned last),
+ * s.
  */
 double ns_march_retry_interval(const ns_march_options *o, double before);
 

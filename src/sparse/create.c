@@ -150,6 +150,7 @@ static const ns_engine_table table = {
     .at_event = ns_sparse_at_event,
     .method = method,
     .counts = ns_sparse_counts,
+    .work = ns_sparse_work,
     .fault = ns_sparse_fault,
     .sample = ns_sparse_sample,
     .shortest = ns_sparse_shortest,

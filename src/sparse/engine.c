@@ -200,6 +200,8 @@ static int move_until(ns_sparse *m, double t, ns_until until) {
     if (until != NS_TO_TIME && is_at_event(m))
         return pass_events(m);
     while (m->trial.t < t && !(until == NS_TO_STEP && m->trial.t > from)) {
+        if (ns_engine_is_over(&m->engine))
+            return NS_E_LIMIT;
         if (m->trial.t < m->trial.step->end_t) {
             move_to(m, t);
         } else {

@@ -240,6 +240,7 @@ int ns_sparse_sample(ns_engine *e, double t, double *x, double *lambda);
 double ns_sparse_shortest(ns_engine *e, double t, double *until);
 const ns_mode *ns_sparse_mode(ns_engine *e);
 const ns_counts *ns_sparse_counts(ns_engine *e);
+ns_work ns_sparse_work(ns_engine *e);
 const ns_fault *ns_sparse_fault(const ns_engine *e);
 int ns_sparse_impulse(ns_engine *e, double *x, double *lambda);
 int ns_sparse_peek(ns_engine *e, double *x, double *lambda);

@@ -367,3 +367,29 @@ judge_finding judge(const netlist *n, const judge_options *o) {
         judge_by_theta(&f, o);
     return f;
 }
+
+int judge_engines(const netlist *n, double limit, judge_cost cost[JUDGE_ENGINES]) {
+    static const int runs[JUDGE_ENGINES] = {J_AUTO, J_EXACT, J_SPARSE};
+    int first = NOBODY;
+    if (plan_read(n, &p))
+        return 0;
+    for (int run = 0; run < J_RUNS; run++) {
+        if (!result[run])
+            result[run] = run_room();
+        result[run]->end = RUN_NOT;
+    }
+    for (int i = 0; i < JUDGE_ENGINES; i++) {
+        run_setting s = settings[runs[i]];
+        s.limit = i == 0 ? 4 * limit : limit;
+        s.longer = runs[i] == J_SPARSE ? 64 : 1;
+        run(&p, &s, result[runs[i]]);
+    }
+    find_scales();
+    for (int i = 0; i < JUDGE_ENGINES; i++) {
+        const run_result *r = result[runs[i]];
+        first = first == NOBODY && done(runs[i]) ? runs[i] : first;
+        cost[i] = (judge_cost){settings[runs[i]].name, r->end, done(runs[i]) && agree(first, runs[i]),
+                               r->seconds, r->effort};
+    }
+    return 1;
+}

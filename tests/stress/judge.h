@@ -58,6 +58,19 @@ typedef struct judge_finding {
 
 judge_finding judge(const netlist *n, const judge_options *o);
 
+/* What an engine needed. */
+typedef struct judge_cost {
+    const char *name;
+    run_end end;
+    int agrees; /* 1: it is done, and its results are those of the first of these that is done */
+    double seconds, effort;
+} judge_cost;
+
+/* "auto", "exact" and "sparse" with its steps of 64 h, each within `limit` s of CPU (auto: four times that).
+ * 0: the netlist is not understood. */
+enum { JUDGE_ENGINES = 3 };
+int judge_engines(const netlist *n, double limit, judge_cost cost[JUDGE_ENGINES]);
+
 const char *judge_name(judge_verdict v);
 
 #endif

@@ -2,6 +2,8 @@
 #define _DEFAULT_SOURCE
 #include "run.h"
 
+#include "effort.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -186,7 +188,8 @@ static int start(way *w) {
 static int go(way *w, const run_setting *s, ns_fault *fault) {
     const ns_march_options o = {.theta = s->theta > 0 ? s->theta : 1,
                                 .gamma = s->gamma > 0 ? s->gamma : 1,
-                                .h = s->h > 0 ? s->h * w->p->step : default_h(w->p),
+                                .h = (s->h > 0 ? s->h * w->p->step : default_h(w->p)) *
+                                     (s->longer > 0 ? s->longer : 1),
                                 .method = s->method,
                                 .reltol = s->reltol};
     int status = plan_build(w->p, s->shuffle, s->vary, &w->built);
@@ -222,9 +225,10 @@ void run_here(const plan *p, const run_setting *s, run_result *r) {
     way w = {.p = p, .r = r};
     ns_fault fault = {0};
     memset(r, 0, sizeof *r);
-    const double began = now();
+    const double began = now(), effort = effort_so_far();
     r->status = go(&w, s, &fault);
     r->seconds = now() - began;
+    r->effort = effort_so_far() - effort;
     if (w.march) {
         r->counts = *ns_march_counts(w.march);
         r->engine = (int)ns_march_engine(w.march);

@@ -14,6 +14,7 @@ typedef struct run_setting {
     const char *name;
     double reltol;              /* 0: the default */
     double h;                   /* in steps of .tran; 0: the default of ngspice's code models */
+    double longer;              /* times h; 0: 1 */
     double theta, gamma;        /* 0: 1 */
     unsigned long long shuffle; /* as plan_build() */
     double vary;
@@ -32,10 +33,10 @@ typedef struct run_shown {
 
 typedef struct run_result {
     run_end end;
-    int status;          /* of the library, where it refused */
-    char line[RUN_LINE]; /* what it said, or the signal that ended it */
-    double t;            /* where it is, or stopped */
-    double seconds;
+    int status;             /* of the library, where it refused */
+    char line[RUN_LINE];    /* what it said, or the signal that ended it */
+    double t;               /* where it is, or stopped */
+    double seconds, effort; /* CPU; effort_so_far() of the run */
     ns_counts counts;
     int engine;
     /* (S4) at all points: the largest wrong sign of a device, relative to the largest current or voltage of

@@ -160,7 +160,7 @@ static void modes_that_do_not_recur(void **state) {
         assert_int_equal(ns_march_create(s, &o, &m[k], NULL), NS_OK);
         assert_int_equal(ns_march_start(m[k], 0, w0), NS_OK);
         assert_int_equal(ns_march_engine(m[k]), NS_EXACT);
-        for (int i = 1; i <= 20; i++) /* 8 events each */
+        for (int i = 1; i <= 80; i++) /* 8 events each */
             go(m[k], i * 20e-6);
         assert_int_equal(ns_march_read(m[k], NULL, x[k], NULL, NULL), NS_OK);
     }

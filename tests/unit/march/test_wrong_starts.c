@@ -141,7 +141,7 @@ static void plant(const rig *k, lie what, int unknown) {
     ns_run *r = (ns_run *)(void *)k->m->engine;
     liar *l = calloc(1, sizeof *l);
     assert_non_null(l);
-    *l = (liar){{&table}, r->at_work, k->s, what, unknown};
+    *l = (liar){{.table = &table}, r->at_work, k->s, what, unknown};
     r->at_work = &l->engine;
 }
 

@@ -1,0 +1,84 @@
+/* src/march/choice.c - which of two engines costs less. */
+#include "choice.h"
+
+#include <math.h>
+
+/* An engine is asked over the time that took the other one this part of the work between two questions, so
+ * that busy and quiet times are in it. */
+static const double part = 1.0 / 8;
+/* It stays if it needs less than this of the other one's work. */
+static const double clearly = 0.7;
+/* It is left before that time is over if it has spent a quarter of that part and needs so many times as much;
+ * but not, up to half of all work between two questions, if that is for matrices which are kept. */
+static const double hopeless = 4, much = 0.5;
+/* After a question that was answered no, it is this many times as long until the next; after a failure. */
+static const double later = 2, much_later = 8;
+/* Matrices that are kept may come to this many times the first interval before they count. */
+static const double patience = 4;
+/* An engine crawls that needs so many times the work that it needed when it was chosen: the other one is
+ * asked at once, if this part of the usual interval has passed. */
+static const double crawls = 4, soon = 0.5;
+
+static void wait(ns_choice *c, double t, ns_work work, double times) {
+    c->asks = 0;
+    c->interval *= times;
+    c->from = (ns_choice_mark){t, work};
+}
+
+void ns_march_choice_begin(ns_choice *c, double t, ns_work work, double first) {
+    if (!(c->interval > 0))
+        *c = (ns_choice){.interval = first, .usual = NAN, .patience = patience * first};
+    if (c->asks)
+        c->from = (ns_choice_mark){t, work};
+    else
+        wait(c, t, work, 1);
+}
+
+static ns_choice_answer look_at_chosen(ns_choice *c, double t, ns_work work, double least) {
+    const double spent = work.all - c->from.work.all, gained = t - c->from.t;
+    const int is_slow = spent > soon * c->interval && spent > crawls * c->usual * gained;
+    if ((spent < c->interval && !is_slow) || !(gained > 0))
+        return NS_CHOICE_STAY;
+    const double once = work.once < c->patience ? work.once - c->from.work.once : 0;
+    c->usual = spent / gained;
+    c->rate = (spent - once) / gained;
+    if (clearly * spent >= least * (work.events - c->from.work.events))
+        return NS_CHOICE_CHANGE;
+    wait(c, t, work, 1);
+    return NS_CHOICE_STAY;
+}
+
+static ns_choice_answer look_at_asked(ns_choice *c, double t, ns_work work) {
+    const double spent = work.all - c->from.work.all, once = work.once - c->from.work.once,
+                 other = c->rate * (t - c->from.t), /* what the one before would have spent */
+        whole = part * c->interval;
+    if (other >= whole && spent < clearly * other) {
+        c->usual = clearly * c->rate;
+        wait(c, t, work, 1);
+        return NS_CHOICE_STAY;
+    }
+    const int is_hopeful = spent - once < clearly * other && spent < much * c->interval;
+    const int is_over = spent > whole || (spent > whole / 4 && spent > hopeless * other);
+    return is_over && !is_hopeful ? NS_CHOICE_CHANGE : NS_CHOICE_STAY;
+}
+
+ns_choice_answer ns_march_choice_look(ns_choice *c, double t, ns_work work, double least) {
+    return c->asks ? look_at_asked(c, t, work) : look_at_chosen(c, t, work, least);
+}
+
+void ns_march_choice_changed(ns_choice *c, double t, ns_work work) {
+    if (c->asks) {
+        wait(c, t, work, later);
+        return;
+    }
+    c->from = (ns_choice_mark){t, work};
+    c->asks = 1;
+}
+
+void ns_march_choice_failed(ns_choice *c, double t, ns_work work) {
+    wait(c, t, work, much_later);
+}
+
+double ns_march_choice_limit(const ns_choice *c) {
+    return c->asks ? c->from.work.all + 2 * much * c->interval : INFINITY;
+}

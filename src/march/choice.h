@@ -1,0 +1,46 @@
+/* src/march/choice.h - which of two engines costs less: decided by the work that each needs for a second of
+ * the circuit's time.
+ *
+ * One engine is at work, the other one is asked now and then: it goes on for a while, and stays if it needs
+ * less.  What it is asked costs a small part of all work, as the work between two questions doubles each time
+ * the answer was no.  Decisions only: nothing here runs an engine.
+ */
+#ifndef NS_MARCH_CHOICE_H
+#define NS_MARCH_CHOICE_H
+
+#include "engine/engine.h"
+
+typedef enum ns_choice_answer {
+    NS_CHOICE_STAY,   /* the engine at work goes on */
+    NS_CHOICE_CHANGE, /* the other one goes on from here: asked, or asked and found more expensive */
+} ns_choice_answer;
+
+/* An instant of the circuit's time, and the work until then. */
+typedef struct ns_choice_mark {
+    double t; /* s */
+    ns_work work;
+} ns_choice_mark;
+
+typedef struct ns_choice {
+    int asks;            /* 1: the engine at work is the one that is asked */
+    double rate;         /* work a second: of the one before, without what it did but once */
+    double patience;     /* until so much was; then with that */
+    double usual;        /* work a second of the one at work when it was chosen; NAN: not known */
+    double interval;     /* work between two questions */
+    ns_choice_mark from; /* where the engine at work began, or was chosen */
+} ns_choice;
+
+/* At a start; first: work after which the other engine is asked for the first time.  What was learnt of the
+ * run before remains: c is zero at the first start. */
+void ns_march_choice_begin(ns_choice *c, double t, ns_work work, double first);
+/* At t; work: of all engines so far; least: what the other one needs for an event at least: it is not asked
+ * if that is more than the one at work needs.  What is to be done; CHANGE: the caller calls
+ * ns_march_choice_changed() when that is done, or ns_march_choice_failed(). */
+ns_choice_answer ns_march_choice_look(ns_choice *c, double t, ns_work work, double least);
+void ns_march_choice_changed(ns_choice *c, double t, ns_work work);
+/* The engine that is asked failed, or could not begin: the other one is at work (again). */
+void ns_march_choice_failed(ns_choice *c, double t, ns_work work);
+/* How much all engines may have done at most before the one that is asked has to have answered. */
+double ns_march_choice_limit(const ns_choice *c);
+
+#endif

@@ -1,0 +1,107 @@
+/* src/march/run_choose.c - the engine that costs less is at work (choice.h); one that fails leaves to the
+ * other.
+ */
+#include "run_internal.h"
+
+#include <math.h>
+
+static ns_run_kind other_kind(const ns_run *r) {
+    return r->kind == NS_RUN_DENSE ? NS_RUN_SPARSE : NS_RUN_DENSE;
+}
+
+static void add_work(ns_work *sum, ns_engine *e) {
+    if (!e)
+        return;
+    const ns_work work = ns_engine_work(e);
+    sum->all += work.all;
+    sum->once += work.once;
+    sum->events += work.events;
+}
+
+/* Of all engines. */
+static ns_work work_of(ns_run *r) {
+    ns_work sum = r->work_before;
+    add_work(&sum, r->at_work);
+    add_work(&sum, r->aside);
+    return sum;
+}
+
+void ns_march_run_begin_choice(ns_run *r, double t) {
+    ns_march_choice_begin(&r->choice, t, work_of(r), ns_march_first_question(r->s, r->is_dense));
+}
+
+static int change(ns_run *r) {
+    const int status = ns_march_run_leave_for(r, other_kind(r), 1);
+    if (status == NS_OK && r->kind == NS_RUN_DENSE)
+        ns_march_dense_let_hand_over(r->at_work, 1);
+    return status;
+}
+
+/* An engine that is asked ends with LIMIT if it needs too much. */
+static void bound_work(ns_run *r) {
+    ns_engine *e = r->at_work;
+    e->most_work =
+        r->choice.asks ? ns_engine_work(e).all + ns_march_choice_limit(&r->choice) - work_of(r).all : 0;
+}
+
+/* Short trials are many. */
+static int is_to_look(ns_run *r, ns_until until) {
+    enum { EVERY = 8 };
+    return until == NS_TO_TIME || r->choice.asks || ++r->trials % EVERY == 0;
+}
+
+void ns_march_run_choose(ns_run *r, ns_until until) {
+    double now;
+    if (!r->chooses || !is_to_look(r, until) || r->back_at < INFINITY || r->kind == NS_RUN_SCHEME ||
+        !ns_march_run_rests(r, &now))
+        return;
+    const ns_choice_answer answer = ns_march_choice_look(
+        &r->choice, now, work_of(r), ns_march_least_of_event(r->s, r->kind == NS_RUN_DENSE));
+    if (answer == NS_CHOICE_CHANGE) {
+        if (change(r) == NS_OK)
+            ns_march_choice_changed(&r->choice, now, work_of(r));
+        else
+            ns_march_choice_failed(&r->choice, now, work_of(r));
+    }
+    bound_work(r);
+}
+
+void ns_march_run_was_wrong(ns_run *r, double t, ns_run_kind was) {
+    if (!r->choice.asks) {
+        ns_march_run_leave_for_now(r, t, was);
+        return;
+    }
+    ns_march_choice_failed(&r->choice, t, work_of(r));
+    if (r->kind == NS_RUN_SCHEME)
+        ns_march_run_leave_for_now(r, t, was == NS_RUN_DENSE ? NS_RUN_SPARSE : NS_RUN_DENSE);
+}
+
+/* The other one goes on from the accepted point, and this one is not asked soon.  At the left side of an
+ * event its start may be all that the trial asks for: *reached. */
+static int fail_and_change(ns_run *r, ns_until until, double *reached) {
+    const int ends = ns_engine_at_event(r->at_work) && until != NS_TO_TIME;
+    double now, begun;
+    if (ns_engine_read(r->at_work, &now, NULL, NULL, NULL) != NS_OK || change(r) != NS_OK)
+        return 0;
+    ns_march_choice_failed(&r->choice, now, work_of(r));
+    r->trial_is_start = ends && ns_engine_read(r->at_work, &begun, NULL, NULL, NULL) == NS_OK && begun == now;
+    if (r->trial_is_start)
+        *reached = now;
+    else if (r->is_dense)
+        ns_march_dense_carry_start(r->at_work);
+    return 1;
+}
+
+int ns_march_run_hand_over(ns_run *r, ns_until until, double *reached, int *status) {
+    if (r->chooses && r->choice.asks && *status != NS_E_MEMORY && fail_and_change(r, until, reached))
+        return 1;
+    if (ns_march_run_sparse_failed(r, *status)) {
+        *status = ns_march_run_leave_sparse(r);
+        return *status == NS_OK;
+    }
+    if (r->kind != NS_RUN_DENSE || !ns_march_dense_hands_over(r->at_work))
+        return 0;
+    if (!fail_and_change(r, until, reached))
+        ns_march_dense_let_hand_over(r->at_work, 0);
+    return 1;
+}
