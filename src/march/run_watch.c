@@ -25,6 +25,14 @@ static int is_new(ns_run_check *k, uint64_t key) {
     return differs;
 }
 
+/* 1 if what comes back was not looked at for so many times. */
+static int is_due(ns_run_check *k, uint64_t key) {
+    enum { EVERY = 16 };
+    unsigned char *times = &k->times[(key >> 7) % NS_RUN_SEEN];
+    *times = (unsigned char)((*times + 1) % EVERY);
+    return *times == 0;
+}
+
 /* What was not seen before is looked at on credit. */
 static int may_spend(const ns_run *r, int is_unseen, double cost) {
     enum { DEBT = 16 };
@@ -48,7 +56,7 @@ static ns_watch_part wants_left(ns_run *r, const ns_mode *mode) {
     ns_run_check *k = &r->check;
     ns_march_check_earn(k, k->event_gain);
     k->left_key = hash(1, (size_t)r->s->m, mode);
-    return k->left = afford(r, is_new(k, k->left_key));
+    return k->left = afford(r, is_new(k, k->left_key) || is_due(k, k->left_key));
 }
 
 static ns_watch_part wants_right(ns_run *r, const ns_mode *mode) {
