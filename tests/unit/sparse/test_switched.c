@@ -296,13 +296,44 @@ static void test_trials(void **state) {
     end(&k);
 }
 
+/* y = z and nothing else, by (S3): y falls from 1 to -1 in 1 s, so lambda, 0 until 0.5 s, is 2 (t - 0.5)
+ * then, as D = 1.  The charge follows: w' = lambda. */
+static void a_source_alone_breaks_a_guard(void **state) {
+    (void)state;
+    const double t[] = {0, 1}, v[] = {1, -1};
+    const ns_signal ramp = {.kind = NS_PWL, .u.pwl = {.n = 2, .t = t, .v = v, .repeat = NAN}};
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-2, .method = NS_SPARSE, .reltol = 1e-9};
+    ns_system *s;
+    ns_march *m;
+    double reached, x, lambda;
+    const double w0 = 0;
+    assert_int_equal(ns_system_create(1, 1, 1, 0, &s), NS_OK);
+    assert_int_equal(ns_system_set_input(s, 0, &ramp), NS_OK);
+    s->M[0] = s->B[0] = s->D[0] = s->F[0] = 1;
+    s->l[0] = 0;
+    s->u[0] = INFINITY;
+    assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_OK);
+    assert_int_equal(ns_march_start(m, 0, &w0), NS_OK);
+    assert_int_equal(ns_march_try(m, 1, NS_TO_EVENT, &reached), NS_OK);
+    near(reached, 0.5, 1);
+    assert_int_equal(ns_march_accept(m), NS_OK);
+    assert_int_equal(ns_march_try(m, 1, NS_TO_TIME, &reached), NS_OK);
+    assert_int_equal(ns_march_accept(m), NS_OK);
+    assert_int_equal(ns_march_read(m, NULL, &x, &lambda, NULL), NS_OK);
+    near(lambda, 1, 1);
+    near(x, 0.25, 1);
+    ns_march_free(m);
+    ns_system_free(s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_chopper),       cmocka_unit_test(test_many_choppers),
-        cmocka_unit_test(test_some_choppers), cmocka_unit_test(test_discontinuous),
-        cmocka_unit_test(test_slides),        cmocka_unit_test(test_slides_again),
-        cmocka_unit_test(test_relaxation),    cmocka_unit_test(test_jump),
-        cmocka_unit_test(test_redundant),     cmocka_unit_test(test_trials),
+        cmocka_unit_test(test_chopper),       cmocka_unit_test(a_source_alone_breaks_a_guard),
+        cmocka_unit_test(test_many_choppers), cmocka_unit_test(test_some_choppers),
+        cmocka_unit_test(test_discontinuous), cmocka_unit_test(test_slides),
+        cmocka_unit_test(test_slides_again),  cmocka_unit_test(test_relaxation),
+        cmocka_unit_test(test_jump),          cmocka_unit_test(test_redundant),
+        cmocka_unit_test(test_trials),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -78,6 +78,33 @@ static void an_operating_point_by_hand(void **state) {
     net_end(&k);
 }
 
+/* 10 V through 1 uF to a node with 1 uF to ground: by itself it has no charge, so 5 V; held at 3 V, 3 V.
+ * Either way 10 A beside it flow in the inductor, not in the closed switch across it, and another such node,
+ * with 3 uF to ground, is at 2.5 V. */
+static void a_part_without_ground_is_held(void **state) {
+    (void)state;
+    net k = net_begin();
+    net_voltage(&k, "v", 1, 0, 10);
+    net_capacitor(&k, "c1", 1, 2, 1e-6, 0);
+    net_capacitor(&k, "c2", 2, 0, 1e-6, 0);
+    net_resistor(&k, "r", 1, 3, 1);
+    net_contact(&k, "s", 3, 0, 1);
+    const int coil = net_inductor(&k, "l", 3, 0, 1e-3, 0);
+    net_capacitor(&k, "c3", 1, 4, 1e-6, 0);
+    net_capacitor(&k, "c4", 4, 0, 3e-6, 0);
+    net_prepare(&k);
+    assert_int_equal(operating_point(&k, 0, NULL, NULL), NS_OK);
+    assert_true(fabs(net_voltage_of(&k, k.x, 2) - 5) < 1e-12);
+    assert_true(fabs(net_current_of(&k, k.x, coil) - 10) < 1e-11);
+    const int hold = unknown_of(&k, 2);
+    const double volts = 3;
+    assert_int_equal(operating_point(&k, 1, &hold, &volts), NS_OK);
+    assert_true(fabs(net_voltage_of(&k, k.x, 2) - 3) < 1e-12);
+    assert_true(fabs(net_voltage_of(&k, k.x, 4) - 2.5) < 1e-12);
+    assert_true(fabs(net_current_of(&k, k.x, coil) - 10) < 1e-11);
+    net_end(&k);
+}
+
 /* 1 A beside a closed switch and an inductor, in parallel: at rest any share of each obeys the laws, and that
  * of real switches is taken: all of it in the inductor. */
 static void an_inductor_carries_all_beside_a_switch(void **state) {
@@ -171,6 +198,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(proposals_are_modes_of_steps),
         cmocka_unit_test(an_operating_point_by_hand),
+        cmocka_unit_test(a_part_without_ground_is_held),
         cmocka_unit_test(an_inductor_carries_all_beside_a_switch),
         cmocka_unit_test(a_contradiction_is_kept),
         cmocka_unit_test(switches_in_parallel_are_named),
