@@ -4,13 +4,14 @@
  *     stress_engines [FILE...]    circuits of the benchmark, these netlists, and random circuits
  *
  * STRESS_SEED (1), STRESS_COUNT random circuits of each class (1), STRESS_CLASS (a part of the names),
- * STRESS_LIMIT s of CPU for one engine (5; auto gets four times that).  Compared are instructions, or CPU
- * time where the kernel does not count them.  An engine counts if it is done and right: its results are those
- * of auto, or, where auto is not done, of the other one.
+ * STRESS_SECONDS for all (none), STRESS_LIMIT s of CPU for one engine (5; auto gets four times that).
+ * Compared are instructions, or CPU time where the kernel does not count them.  An engine counts if it is
+ * done and right: its results are those of auto, or, where auto is not done, of the other one.
  */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "cases.h"
 #include "judge.h"
@@ -30,6 +31,7 @@ typedef struct row {
 static row rows[MOST];
 static int count, unread, without;
 static double limit;
+static time_t until; /* no circuit is begun after it */
 
 static double number_of(const char *name, double without_it) {
     const char *s = getenv(name);
@@ -43,6 +45,8 @@ static double cost_of(const judge_cost *c) {
 static void measure(const char *name, const netlist *n) {
     judge_cost c[JUDGE_ENGINES];
     const judge_cost *best = NULL;
+    if (time(NULL) >= until)
+        return;
     if (!judge_engines(n, limit, c)) {
         unread++;
         return;
@@ -159,6 +163,7 @@ static int print_table(void) {
 
 int main(int argc, char **argv) {
     limit = number_of("STRESS_LIMIT", 5);
+    until = time(NULL) + (time_t)number_of("STRESS_SECONDS", 1e9);
     for (int i = 1; i < argc; i++)
         measure_file(argv[i]);
     if (!getenv("STRESS_CLASS"))
