@@ -44,9 +44,9 @@ static void bound_work(ns_run *r) {
         r->choice.asks ? ns_engine_work(e).all + ns_march_choice_limit(&r->choice) - work_of(r).all : 0;
 }
 
-/* Short trials are many. */
+/* Short trials are many, and one may be long. */
 static int is_to_look(ns_run *r, ns_until until) {
-    enum { EVERY = 8 };
+    enum { EVERY = 2 };
     return until == NS_TO_TIME || r->choice.asks || ++r->trials % EVERY == 0;
 }
 
