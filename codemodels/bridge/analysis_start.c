@@ -75,9 +75,9 @@ static int prepare_force(ns_session *s) {
 
 static void announce_circuit(ns_session *s) {
     const ns_analysis *a = &s->analysis;
-    if (!s->once.circuit_announced || (s->currents.count > 0 && !s->once.currents_announced))
+    if (!s->once.circuit_announced || (s->currents.seconds > 0.0 && !s->once.currents_announced))
         ns_bridge_own_announce(a);
-    s->once.currents_announced |= s->currents.count > 0;
+    s->once.currents_announced |= s->currents.seconds > 0.0;
     if (!s->once.circuit_announced) {
         const int devices = a->ex.ndevices + a->ex.nowns;
         ns_bridge_report_note("simulates this circuit: %d unknown%s, %d ideal device%s", a->system->n,
@@ -120,6 +120,16 @@ static int start_marches(ns_session *s, int tran, int uic) {
     return status || !taken ? status : ns_bridge_taken_begin(a);
 }
 
+static int find_currents(ns_session *s, int uic) {
+    ns_analysis *a = &s->analysis;
+    ns_march *march = NULL;
+    int status = ns_bridge_own_pass_march(a, s->ckt->CKTfinalTime, &march);
+    status = status ? status : start_march(a, march, 1, uic);
+    status = status ? status : ns_bridge_own_find_currents(a, march, s->ckt->CKTfinalTime, &s->currents);
+    ns_march_free(march);
+    return status;
+}
+
 /* Makes the analysis; a first pass finds at which current the curve of each D is to be read. */
 static int make_analysis(ns_session *s, int tran, int uic) {
     static const double first_id = 1e-3; /* A: so that D of small currents conduct too */
@@ -131,9 +141,10 @@ static int make_analysis(ns_session *s, int tran, int uic) {
     s->currents.otherwise = NS_OWN_CURRENT;
     if (error || known)
         return error;
-    if (ns_bridge_own_wants_currents(a) && start_march(a, a->march, tran, uic) == NS_OK &&
-        ns_bridge_own_find_currents(a, s->ckt->CKTfinalTime, &s->currents) == NS_E_MEMORY)
-        return ns_bridge_trial_fail(s, NS_E_MEMORY);
+    if (ns_bridge_own_wants_currents(a) && find_currents(s, uic) == NS_E_MEMORY) {
+        ns_bridge_report_error("out of memory");
+        return E_NOMEM;
+    }
     ns_bridge_analysis_clear(a);
     return ns_bridge_analysis_make(s->ckt, SOURCES_TRAN, &s->currents, a);
 }

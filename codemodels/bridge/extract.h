@@ -26,6 +26,8 @@ typedef struct ns_own_currents {
     int count;
     ns_own_current *of; /* count */
     double otherwise;   /* of all others */
+    double seconds;     /* of the pass that found them, from 0 on; 0: there was none */
+    int whole;          /* that was all of .tran */
 } ns_own_currents;
 
 #define NS_OWN_CURRENT 0.1 /* where nothing is known */
@@ -37,13 +39,18 @@ typedef struct ns_own_taken {
     int id;       /* the element in the circuit; -1: a mere resistor */
     int inverted; /* the element is closed where the device is off */
     /* of D, and the body diode of M: */
-    ns_diode diode; /* what it was taken for */
-    double at;      /* A: vf is that of its curve there */
-    int anode;      /* equation */
-    int inside;     /* equation of its node behind rs; 0: there is none */
-    double rs;      /* ohm */
-    int smoothed;   /* it had an epsilon, which was left out */
-    struct {        /* in the points of .tran so far: */
+    ns_diode diode;     /* what it was taken for */
+    double at;          /* A: vf is that of its curve there */
+    struct {            /* the pass that found this current: */
+        double seconds; /* 0: there was none */
+        int whole;      /* it was all of .tran */
+        int idle;       /* the D did not conduct in it */
+    } pass;
+    int anode;    /* equation */
+    int inside;   /* equation of its node behind rs; 0: there is none */
+    double rs;    /* ohm */
+    int smoothed; /* it had an epsilon, which was left out */
+    struct {      /* in the points of .tran so far: */
         ns_log_mean current;
         double t, i;   /* s, A: the point before */
         double most_v; /* V: the largest voltage across it, of either sign */

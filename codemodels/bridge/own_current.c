@@ -1,18 +1,22 @@
 /* bridge/own_current.c - the first pass: the current that each D of ngspice carries.
  *
- * vf goes with the logarithm of the current, so it is the mean of that over the time in which the D conducts:
- * then vf is the mean of its voltage.  The pass takes every D for its curve at 1 mA, and its points are few.
+ * The voltage of its curve goes with the logarithm of the current, so that is the mean of the logarithm over
+ * the charge: then vf times the charge is the integral of voltage times current, the energy lost.  The pass
+ * takes every D for its curve at 1 mA, and its points are few.
  */
 #include "own_current.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
-enum { LEAST_STEPS = 200, MOST_WORK = 30000 }; /* steps; steps times unknowns and devices */
+#include "pure/timepoints.h"
 
-/* A step is read in the middle of these parts of it: what is fast is fast at its begin. */
-static const double border[] = {0.0, 1.0 / 64, 1.0 / 16, 0.25, 0.5, 0.75, 1.0};
-enum { PARTS = sizeof border / sizeof border[0] - 1 };
+/* Steps; and, in steps times unknowns and devices, how far it goes beyond the slowest period of a source, and
+ * how far to come to its end. */
+enum { LEAST_STEPS = 200, CHEAP_WORK = 300000, MOST_WORK = 3000000 };
+
+enum { PARTS = 4 }; /* equal ones of a step, each read in its middle */
 
 int ns_bridge_own_diode_element(const ns_own_taken *o) {
     return o->kind == OWN_DIODE ? o->id : o->kind == OWN_MOSFET ? o->body : -1;
@@ -27,9 +31,24 @@ int ns_bridge_own_wants_currents(const ns_analysis *a) {
     return 0;
 }
 
+int ns_bridge_own_pass_march(const ns_analysis *a, double stop, ns_march **march) {
+    const ns_march_options o = {.theta = 1.0,
+                                .gamma = 1.0,
+                                .h = ns_bridge_timepoints_longest_step(a->system, stop),
+                                .method = NS_AUTO};
+    return ns_march_create(a->system, &o, march, NULL);
+}
+
+typedef struct own_pass {
+    ns_analysis *a; /* its point is that of the pass */
+    ns_march *march;
+    ns_log_mean *mean; /* of the taken, in their order */
+} own_pass;
+
 /* The march was sampled in the middle of some seconds. */
-static void add_part(const ns_analysis *a, double seconds, ns_log_mean *mean) {
-    const ns_mode *mode = ns_march_mode(a->march);
+static void add_part(const own_pass *p, double seconds) {
+    const ns_analysis *a = p->a;
+    const ns_mode *mode = ns_march_mode(p->march);
     for (int k = 0; k < a->ex.nowns; k++) {
         const int element = ns_bridge_own_diode_element(&a->ex.own[k]);
         double i;
@@ -37,33 +56,55 @@ static void add_part(const ns_analysis *a, double seconds, ns_log_mean *mean) {
         if (element >= 0 &&
             ns_circuit_device(a->ex.circuit, element, a->x, a->lambda, mode, &i, NULL, &on) == NS_OK &&
             on > 0)
-            ns_bridge_log_mean_add(&mean[k], i, seconds);
+            ns_bridge_log_mean_add(&p->mean[k], i, seconds);
     }
 }
 
-/* The trial from the accepted time `from` to its end. */
-static int add_step(ns_analysis *a, double from, double end, ns_log_mean *mean) {
+/* The last trial, from one time to another, s. */
+static int add_between(const own_pass *p, double from, double end) {
+    const int status = ns_march_sample(p->march, 0.5 * (from + end), p->a->x, p->a->lambda);
+    if (status == NS_OK)
+        add_part(p, end - from);
+    return status;
+}
+
+/* The trial from the accepted time `from` to its end: what is fast is fast at its begin, and is read in parts
+ * that double. */
+static int add_step(const own_pass *p, double from, double end) {
+    const double part = (end - from) / PARTS, shortest = ns_march_shortest(p->march, from, NULL);
+    double since = from;
     int status = NS_OK;
-    for (int k = 0; k < PARTS && status == NS_OK; k++) {
-        const double middle = 0.5 * (border[k] + border[k + 1]);
-        status = ns_march_sample(a->march, from + middle * (end - from), a->x, a->lambda);
-        if (status == NS_OK)
-            add_part(a, (border[k + 1] - border[k]) * (end - from), mean);
+    for (double to = shortest; to < part && to > part * DBL_EPSILON && status == NS_OK; to *= 2.0) {
+        status = add_between(p, since, from + to);
+        since = from + to;
+    }
+    for (int k = 1; k <= PARTS && status == NS_OK; k++) {
+        const double to = k < PARTS ? from + k * part : end;
+        status = add_between(p, since, to);
+        since = to;
     }
     return status;
 }
 
-static void pass(ns_analysis *a, double stop, ns_log_mean *mean) {
-    const int work = (int)(MOST_WORK / (a->count + 1));
-    double t, end;
-    int status = ns_march_read(a->march, &t, NULL, NULL, NULL);
-    for (int k = 0; k < (work > LEAST_STEPS ? work : LEAST_STEPS) && status == NS_OK && t < stop; k++) {
-        status = ns_march_try(a->march, stop, NS_TO_STEP, &end);
-        if (status == NS_OK && end > t)
-            status = add_step(a, t, end, mean);
+/* How far it goes is the same for every run of this circuit. */
+static int is_long_enough(const own_pass *p, int steps, double t, double stop) {
+    const double work = (double)steps * (double)(p->a->count + 1);
+    const double least = ns_bridge_timepoints_slowest(p->a->system, stop);
+    return t >= stop || (steps >= LEAST_STEPS && work >= (t < least ? MOST_WORK : CHEAP_WORK));
+}
+
+/* *t: how far it came, s. */
+static void pass(const own_pass *p, double stop, double *t) {
+    double end;
+    int status = ns_march_read(p->march, t, NULL, NULL, NULL);
+    for (int k = 0; status == NS_OK && !is_long_enough(p, k, *t, stop); k++) {
+        status = ns_march_try(p->march, stop, NS_TO_STEP, &end);
+        if (status == NS_OK && end > *t)
+            status = add_step(p, *t, end);
         if (status == NS_OK)
-            status = ns_march_accept(a->march);
-        t = end;
+            status = ns_march_accept(p->march);
+        if (status == NS_OK)
+            *t = end;
     }
 }
 
@@ -78,23 +119,24 @@ static double round_current(double amperes) {
     return best;
 }
 
-int ns_bridge_own_find_currents(ns_analysis *a, double stop, ns_own_currents *currents) {
-    ns_log_mean *mean = calloc((size_t)a->ex.nowns + 1, sizeof *mean);
+int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double stop, ns_own_currents *currents) {
+    const own_pass p = {a, march, calloc((size_t)a->ex.nowns + 1, sizeof *p.mean)};
     currents->of = calloc((size_t)a->ex.nowns + 1, sizeof *currents->of);
-    if (!mean || !currents->of) {
-        free(mean);
+    if (!p.mean || !currents->of) {
+        free(p.mean);
         return NS_E_MEMORY;
     }
-    pass(a, stop, mean);
+    pass(&p, stop, &currents->seconds);
+    currents->whole = currents->seconds >= stop;
     for (int k = 0; k < a->ex.nowns; k++)
-        if (mean[k].seconds > 0.0)
+        if (p.mean[k].coulombs > 0.0)
             currents->of[currents->count++] =
-                (ns_own_current){a->ex.own[k].inst, round_current(ns_bridge_log_mean_read(&mean[k]))};
-    free(mean);
+                (ns_own_current){a->ex.own[k].inst, round_current(ns_bridge_log_mean_read(&p.mean[k]))};
+    free(p.mean);
     return NS_OK;
 }
 
 void ns_bridge_own_forget_currents(ns_own_currents *currents) {
     free(currents->of);
-    *currents = (ns_own_currents){0, NULL, NS_OWN_CURRENT};
+    *currents = (ns_own_currents){.otherwise = NS_OWN_CURRENT};
 }

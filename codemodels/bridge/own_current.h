@@ -11,9 +11,12 @@ int ns_bridge_own_diode_element(const ns_own_taken *o);
 /* 1 if the analysis, which is of .tran, has a D whose current is to be found. */
 int ns_bridge_own_wants_currents(const ns_analysis *a);
 
-/* Integrates the march of a, which was started, to the time stop, s, or as far as is worth it. Failures end
- * the pass; errors: MEMORY. */
-int ns_bridge_own_find_currents(ns_analysis *a, double stop, ns_own_currents *currents);
+/* The march of the pass, of a run up to stop, s: by the default engine, whichever the options ask for. */
+int ns_bridge_own_pass_march(const ns_analysis *a, double stop, ns_march **march);
+
+/* Integrates that march, which was started, to the time stop, s, or as far as is worth it. Failures end the
+ * pass; errors: MEMORY. */
+int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double stop, ns_own_currents *currents);
 void ns_bridge_own_forget_currents(ns_own_currents *currents);
 
 #endif

@@ -12,7 +12,7 @@ static int is_judged(const ns_analysis *a, const ns_own_taken *o) {
     return o->id >= 0 && (o->kind == OWN_MOSFET || (o->kind == OWN_DIODE && !a->ex.options.zero_diodes));
 }
 
-void ns_bridge_own_count_point(const ns_analysis *a, double t) {
+void ns_bridge_own_count_point(const ns_analysis *a, double since, double t) {
     for (int k = 0; k < a->ex.nowns; k++) {
         ns_own_taken *o = &a->ex.own[k];
         double i, v;
@@ -20,7 +20,8 @@ void ns_bridge_own_count_point(const ns_analysis *a, double t) {
             ns_circuit_device(a->ex.circuit, o->id, a->x, a->lambda, a->mode, &i, &v, NULL) != NS_OK)
             continue;
         i = o->kind == OWN_MOSFET ? o->mosfet.sign * i : i;
-        ns_bridge_log_mean_add(&o->seen.current, 0.5 * (fmax(i, 0.0) + o->seen.i), t - o->seen.t);
+        if (o->seen.t >= since)
+            ns_bridge_log_mean_add(&o->seen.current, 0.5 * (fmax(i, 0.0) + o->seen.i), t - o->seen.t);
         o->seen.t = t;
         o->seen.i = fmax(i, 0.0);
         o->seen.most_v = fmax(o->seen.most_v, fabs(v));

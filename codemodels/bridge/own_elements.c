@@ -41,15 +41,29 @@ static int add_junction_capacitor(ns_extract_walk *w, const GENinstance *inst, c
     return ns_circuit_capacitor(w->ex->circuit, name, d->anode, d->cathode, d->farads, NAN, NULL);
 }
 
-/* The current at which its curve is read. */
-static double current_of(const ns_extract_walk *w, const GENinstance *inst) {
+/* NULL: it was not found. */
+static const ns_own_current *found_current(const ns_extract_walk *w, const GENinstance *inst) {
     const ns_own_currents *c = w->currents;
-    if (!isnan(w->ex->options.id))
-        return w->ex->options.id;
     for (int k = 0; c && k < c->count; k++)
         if (c->of[k].inst == inst)
-            return c->of[k].id;
-    return c ? c->otherwise : NS_OWN_CURRENT;
+            return &c->of[k];
+    return NULL;
+}
+
+/* The current at which its curve is read. */
+static double current_of(const ns_extract_walk *w, const GENinstance *inst) {
+    const ns_own_current *found = found_current(w, inst);
+    if (!isnan(w->ex->options.id))
+        return w->ex->options.id;
+    return found ? found->id : w->currents ? w->currents->otherwise : NS_OWN_CURRENT;
+}
+
+static void note_pass(const ns_extract_walk *w, ns_own_taken *taken) {
+    if (!w->currents || !isnan(w->ex->options.id))
+        return;
+    taken->pass.seconds = w->currents->seconds;
+    taken->pass.whole = w->currents->whole;
+    taken->pass.idle = !found_current(w, taken->inst);
 }
 
 static int add_diode(ns_extract_walk *w, GENinstance *inst, const ns_own_diode *d, const ns_diode *ideal) {
@@ -61,14 +75,16 @@ static int add_diode(ns_extract_walk *w, GENinstance *inst, const ns_own_diode *
     if (status)
         return status;
     const int hidden = d->inside != d->anode;
-    return ns_bridge_own_keep(w, &(ns_own_taken){.inst = inst,
-                                                 .kind = OWN_DIODE,
-                                                 .id = id,
-                                                 .diode = *ideal,
-                                                 .at = current_of(w, inst),
-                                                 .anode = d->anode,
-                                                 .inside = hidden ? d->inside : 0,
-                                                 .rs = d->rs});
+    ns_own_taken taken = {.inst = inst,
+                          .kind = OWN_DIODE,
+                          .id = id,
+                          .diode = *ideal,
+                          .at = current_of(w, inst),
+                          .anode = d->anode,
+                          .inside = hidden ? d->inside : 0,
+                          .rs = d->rs};
+    note_pass(w, &taken);
+    return ns_bridge_own_keep(w, &taken);
 }
 
 /* Its series resistance is its ron, none if it has none: a resistance of microohms would be worse than none.

@@ -64,7 +64,7 @@ static int are_same_diode(const ns_diode *a, const ns_diode *b) {
 /* Of one model, and taken for the same. */
 static int are_alike(const ns_own_taken *a, const ns_own_taken *b) {
     return a->inst->GENmodPtr == b->inst->GENmodPtr && a->ron == b->ron && a->vt == b->vt &&
-           are_same_diode(&a->diode, &b->diode);
+           are_same_diode(&a->diode, &b->diode) && a->pass.idle == b->pass.idle;
 }
 
 /* How many are like the k-th; 0: one before it is. */
@@ -110,14 +110,24 @@ static void name_diodes(const ns_extract *ex, const ns_own_taken *o, int count, 
     }
 }
 
+/* Where its vf comes from. */
+static void write_at(const ns_own_taken *o, char *line, size_t size) {
+    const char *how = o->pass.idle ? ": it did not conduct in" : ", its current in";
+    const size_t used = (size_t)snprintf(line, size, " (that of its model at %.4g A", o->at);
+    if (o->pass.seconds > 0.0 && (o->pass.idle || !o->pass.whole))
+        snprintf(line + used, size - used, "%s the first %.4g s)", how, o->pass.seconds);
+    else
+        snprintf(line + used, size - used, ")");
+}
+
 static void announce_diodes(const ns_analysis *a, const ns_own_taken *o, int count) {
     const ns_diode *d = &o->diode;
-    char breakdown[60] = "", at[60] = "", names[120];
+    char breakdown[60] = "", at[120] = "", names[120];
     name_diodes(&a->ex, o, count, names, sizeof names);
     if (isfinite(d->vz))
         snprintf(breakdown, sizeof breakdown, ", breakdown at %.4g V", d->vz);
     if (o->kind == OWN_DIODE && !a->ex.options.zero_diodes)
-        snprintf(at, sizeof at, " (that of its model at %.4g A)", o->at);
+        write_at(o, at, sizeof at);
     ns_bridge_report_note("D of model %s: %s taken as ideal, vf = %.4g V%s, ron = %.4g ohm%s%s",
                           model_name(o), names, d->vf, at, d->ron, breakdown,
                           o->smoothed ? ", its epsilon left out" : "");

@@ -11,8 +11,9 @@ void ns_bridge_own_show_values(const ns_analysis *a, double *value);
 /* What @d1[id] and @s1[i] show, at the same point. */
 void ns_bridge_own_show_states(const ns_analysis *a, CKTcircuit *ckt);
 
-/* The accepted point of .tran, at t, s, counts for ns_bridge_own_note_curve(). */
-void ns_bridge_own_count_point(const ns_analysis *a, double t);
+/* The accepted point of .tran, at t, s, counts for ns_bridge_own_note_curve(); what is between points counts
+ * from `since` on, s: before, they are far apart. */
+void ns_bridge_own_count_point(const ns_analysis *a, double since, double t);
 
 /* At the end of .tran, one line about the D, if any, whose own voltage at the current that it carried is far
  * from the one it was taken for, beside the voltages it blocks.  1 if it was written. */

@@ -134,7 +134,7 @@ int ns_bridge_session_accept(ns_session *s) {
         return s->failed;
     ns_bridge_show_later(&s->analysis);
     ns_bridge_own_show_states(&s->analysis, ckt);
-    ns_bridge_own_count_point(&s->analysis, ckt->CKTtime);
+    ns_bridge_own_count_point(&s->analysis, ckt->CKTinitTime, ckt->CKTtime);
     ns_bridge_taken_accept(&s->analysis, s->trial.t, is_shown(ckt));
     if (ckt->CKTfinalTime - ckt->CKTtime < ckt->CKTminBreak) {
         end_analysis(s);

@@ -37,10 +37,10 @@ void ns_bridge_log_mean_add(ns_log_mean *mean, double amperes, double seconds) {
     static const double least = 1e-9; /* A: what a D that is off may leak */
     if (!(amperes > least) || !(seconds > 0.0) || !isfinite(amperes))
         return;
-    mean->seconds += seconds;
-    mean->sum += log(amperes) * seconds;
+    mean->coulombs += amperes * seconds;
+    mean->sum += log(amperes) * amperes * seconds;
 }
 
 double ns_bridge_log_mean_read(const ns_log_mean *mean) {
-    return mean->seconds > 0.0 ? exp(mean->sum / mean->seconds) : 0.0;
+    return mean->coulombs > 0.0 ? exp(mean->sum / mean->coulombs) : 0.0;
 }

@@ -20,9 +20,10 @@ double ns_bridge_diode_law_current(const ns_diode_law *law, double v);
 /* The voltage (V) at which the current is `amperes` > 0; NAN: the law has no such voltage below 100 V. */
 double ns_bridge_diode_law_voltage(const ns_diode_law *law, double amperes);
 
-/* The mean of the logarithm of a forward current, over the time in which it flows. */
+/* The mean of the logarithm of a forward current, over the charge: where the voltage goes with the logarithm,
+ * the mean current's voltage times the charge is the energy lost. */
 typedef struct ns_log_mean {
-    double seconds, sum;
+    double coulombs, sum;
 } ns_log_mean;
 
 /* Currents below 1 nA do not count. */

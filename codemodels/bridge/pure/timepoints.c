@@ -83,6 +83,20 @@ double ns_bridge_timepoints_longest_step(const ns_system *s, double stop) {
     return step;
 }
 
+static double delay_of(const ns_signal *z) {
+    return z->kind == NS_PULSE ? z->u.pulse.td : z->kind == NS_SIN ? z->u.sin.td : z->u.pwl.td;
+}
+
+double ns_bridge_timepoints_slowest(const ns_system *s, double stop) {
+    double slowest = 0.0;
+    for (int i = 0; i < s->nz; i++) {
+        const double period = period_of(&s->z[i]);
+        if (isfinite(period)) /* so it is a PULSE, SIN or PWL */
+            slowest = fmax(slowest, period + fmax(delay_of(&s->z[i]), 0.0));
+    }
+    return fmin(slowest, stop);
+}
+
 double ns_bridge_timepoints_tmax(double max_step, double tstep, double start, double stop) {
     static const double ngspice_own = 1.0 / 50.0; /* of the time shown, where tmax is not given */
     return max_step < tstep && max_step != (stop - start) * ngspice_own && max_step != (stop - start) / 50.0

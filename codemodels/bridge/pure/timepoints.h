@@ -54,6 +54,9 @@ double ns_bridge_timepoints_step_to(ns_timepoints *p, double t);
  * of s, and of the run. */
 double ns_bridge_timepoints_longest_step(const ns_system *s, double stop);
 
+/* The time, s, in which every input of s that repeats itself has done so once; stop, if that is less. */
+double ns_bridge_timepoints_slowest(const ns_system *s, double stop);
+
 /* The tmax of .tran, s, from ngspice's longest step; 0: there is none, or it cannot be told from ngspice's
  * own. */
 double ns_bridge_timepoints_tmax(double max_step, double tstep, double start, double stop);

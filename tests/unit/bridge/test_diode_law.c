@@ -49,17 +49,20 @@ static void none(void **unused) {
     assert_true(ns_bridge_diode_law_current(&nothing, 1) == 0);
 }
 
-/* 1 A for 1 s and 4 A for 1 s: 2 A; what is below 1 nA, and no time, do not count. */
+/* 1 A for 4 s and 4 A for 1 s carry 4 C each: 2 A; 1 A for 16 s more: (4 ln 4)/(4 + 20) is the logarithm of
+ * 4^(1/6) A; what is below 1 nA, and no time, do not count. */
 static void mean_of_logarithms(void **unused) {
     (void)unused;
     ns_log_mean mean = {0, 0};
     assert_true(ns_bridge_log_mean_read(&mean) == 0);
-    ns_bridge_log_mean_add(&mean, 1, 1);
+    ns_bridge_log_mean_add(&mean, 1, 4);
     ns_bridge_log_mean_add(&mean, 4, 1);
     ns_bridge_log_mean_add(&mean, 1e-10, 5);
     ns_bridge_log_mean_add(&mean, 1, 0);
     ns_bridge_log_mean_add(&mean, INFINITY, 1);
     assert_true(fabs(ns_bridge_log_mean_read(&mean) - 2) < 1e-15);
+    ns_bridge_log_mean_add(&mean, 1, 16);
+    assert_true(fabs(ns_bridge_log_mean_read(&mean) - pow(4, 1.0 / 6)) < 1e-15);
 }
 
 int main(void) {

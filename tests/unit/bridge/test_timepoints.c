@@ -216,6 +216,34 @@ static void the_longest_step_is_a_part_of_period_and_run(void **state) {
     assert_near(longest_step_with(pulse, 1.0), 1.0 / 65536.0);
 }
 
+static double slowest_of(const ns_signal *z, int count, double stop) {
+    ns_system *s;
+    assert_int_equal(ns_system_create(1, 0, count, 0, &s), NS_OK);
+    for (int i = 0; i < count; i++)
+        assert_int_equal(ns_system_set_input(s, i, &z[i]), NS_OK);
+    const double slowest = ns_bridge_timepoints_slowest(s, stop);
+    ns_system_free(s);
+    return slowest;
+}
+
+/* A SIN of 4 Hz from 0.5 s on has repeated itself at 0.75 s, a PULSE of 5 s from 2 s on at 7 s, the points of
+ * PWL from 1 s to 4 s, later by 6 s, at 3 s + 6 s; DC and what comes once does not count. */
+static void the_slowest_source_has_come_once(void **state) {
+    const double t[] = {1.0, 2.0, 4.0}, v[] = {0.0, 1.0, 0.0};
+    const ns_signal z[] = {
+        {.kind = NS_DC, .u.dc = 1.0},
+        {.kind = NS_PULSE, .u.pulse = {.v2 = 1.0, .tr = 0.1, .tf = 0.1, .pw = 1.0, .per = INFINITY}},
+        {.kind = NS_SIN, .u.sin = {.va = 1.0, .freq = 4.0, .td = 0.5}},
+        {.kind = NS_PULSE, .u.pulse = {.v2 = 1.0, .td = 2.0, .tr = 0.1, .tf = 0.1, .pw = 1.0, .per = 5.0}},
+        {.kind = NS_PWL, .u.pwl = {.n = 3, .t = t, .v = v, .repeat = 1.0, .td = 6.0}}};
+    (void)state;
+    assert_near(slowest_of(z, 2, 100.0), 0.0);
+    assert_near(slowest_of(z, 3, 100.0), 0.75);
+    assert_near(slowest_of(z, 4, 100.0), 7.0);
+    assert_near(slowest_of(z, 5, 100.0), 9.0);
+    assert_near(slowest_of(z, 5, 8.0), 8.0);
+}
+
 /* As ngspice's traninit.c has it: without tmax the longest step is tstep, or a fiftieth of the time shown if
  * that is shorter; nobody can tell a tmax of that size from it. */
 static void tmax_is_what_ngspice_did_not_choose_itself(void **state) {
@@ -337,6 +365,7 @@ int main(void) {
         cmocka_unit_test(always_ahead_of_what_was_accepted),
         cmocka_unit_test(closeness_and_equality),
         cmocka_unit_test(the_longest_step_is_a_part_of_period_and_run),
+        cmocka_unit_test(the_slowest_source_has_come_once),
         cmocka_unit_test(tmax_is_what_ngspice_did_not_choose_itself),
         cmocka_unit_test(round_times_fit_fifty_times),
         cmocka_unit_test(the_closest_points_are_two),
