@@ -14,7 +14,7 @@
 
 /* Steps; and, in steps times unknowns and devices, how far it goes beyond the slowest period of a source, and
  * how far to come to its end. */
-enum { LEAST_STEPS = 200, CHEAP_WORK = 300000, MOST_WORK = 3000000 };
+enum { LEAST_STEPS = 200, CHEAP_WORK = 300000, MOST_WORK = 30000000 };
 
 enum { PARTS = 4 }; /* equal ones of a step, each read in its middle */
 

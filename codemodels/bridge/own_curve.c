@@ -70,7 +70,7 @@ static void note(const ns_own_taken *o) {
                               o->inst->GENname, amperes, volts, taken_voltage(o));
     else
         ns_bridge_report_note(
-            "%s carried %.2g A, where its own voltage is %.3g V, not %.3g V: with id=%.1g in the "
+            "%s carried %.2g A, where its own voltage is %.3g V, not %.3g V: with id=%.2g in the "
             "model nonsmooth, vf is that of this current",
             o->inst->GENname, amperes, volts, taken_voltage(o), amperes);
 }
