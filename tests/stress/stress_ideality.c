@@ -110,17 +110,32 @@ static void run_cell(const plan *ideal, int cell, double limit, run_result *r) {
     r->seconds = least;
 }
 
-/* The largest difference of a signal, relative to its largest value, at the middle of each band. */
+/* The largest value of probe i; of all of its kind, voltages or currents. */
+static double size_of(const plan *p, const run_result *r, int i) {
+    double size = 0;
+    for (int k = 0; k < RUN_TIMES * RUN_BAND; k++)
+        size = fmax(size, fabs(r->value[k * p->probes + i]));
+    return size;
+}
+
+static double size_of_kind(const plan *p, const run_result *r, int i) {
+    double size = 0;
+    for (int j = 0; j < p->probes; j++)
+        if ((p->probe[j].part < 0) == (p->probe[i].part < 0))
+            size = fmax(size, size_of(p, r, j));
+    return size;
+}
+
+/* The largest difference of a signal at the middle of each band, relative to its largest value or to 1e-5 of
+ * the largest of all, as judge.c has it. */
 static double difference(const plan *p, const run_result *a, const run_result *b) {
     double worst = 0;
     for (int i = 0; i < p->probes; i++) {
-        double size = 0, off = 0;
-        for (int k = 0; k < RUN_TIMES; k++) {
+        const double size = fmax(size_of(p, b, i), 1e-5 * size_of_kind(p, b, i));
+        for (int k = 0; k < RUN_TIMES && size > 0; k++) {
             const int at = (k * RUN_BAND + 1) * p->probes + i;
-            size = fmax(size, fabs(b->value[at]));
-            off = fmax(off, fabs(a->value[at] - b->value[at]));
+            worst = fmax(worst, fabs(a->value[at] - b->value[at]) / size);
         }
-        worst = size > 0 ? fmax(worst, off / size) : worst;
     }
     return worst;
 }
