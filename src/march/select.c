@@ -52,7 +52,7 @@ int ns_march_chooses(const ns_system *s, const ns_march_options *o) {
 double ns_march_first_question(const ns_system *s, int is_dense) {
     static const double least = 2e7;
     const double size = (double)s->n + (double)s->m;
-    return least + (is_dense ? 60 : 1200) * size * size * size;
+    return least + (is_dense ? 60 : 800) * size * size * size;
 }
 
 /* Of 91 circuits of tests/stress none needed less: a prediction and a step of exact, 20 solutions by factors.
