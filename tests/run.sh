@@ -9,8 +9,6 @@
 set -u
 cd "$(dirname "$0")/.." || exit 1
 log=$PWD/build/log
-rm -rf "$log"
-mkdir -p "$log"
 export OPENBLAS_NUM_THREADS=1 # one thread a process: the matrices are small
 export UBSAN_OPTIONS=print_stacktrace=1
 
@@ -43,20 +41,15 @@ count() {
     grep -c -E "$1" "$2" || true
 }
 
-# cmocka LABEL BUILD: each program by itself.
+# cmocka LABEL PROGRAM
 cmocka() {
-    label=$1
-    for program in "$2"/tests/unit/*/* "$2"/tests/property/* "$2"/tests/reference/* "$2"/tests/fault/*; do
-        [ -x "$program" ] || continue
-        name=${program#"$2"/tests/}
-        file=$log/$label.$(echo "$name" | tr / .).log
-        CMOCKA_MESSAGE_OUTPUT=TAP timeout 300 "$program" >"$file" 2>&1 </dev/null
-        status=$?
-        skipped=$(count '^not ok .*# SKIP' "$file")
-        failed=$(count '^not ok ' "$file")
-        verdict "$label: $name" "$file" $status "$(count '^ok ' "$file")" \
-            $((failed - skipped)) "$skipped"
-    done
+    name=${2#*/tests/}
+    file=$log/$1.$(echo "$name" | tr / .).log
+    CMOCKA_MESSAGE_OUTPUT=TAP timeout 300 "$2" >"$file" 2>&1 </dev/null
+    status=$?
+    skipped=$(count '^not ok .*# SKIP' "$file")
+    failed=$(count '^not ok ' "$file")
+    verdict "$1: $name" "$file" $status "$(count '^ok ' "$file")" $((failed - skipped)) "$skipped"
 }
 
 # script LABEL COMMAND...
@@ -71,38 +64,60 @@ script() {
     verdict "$label" "$file" $status "$(count '^ok ' "$file")" "$(count '^FAIL ' "$file")" "$(count '^skip ' "$file")"
 }
 
+# programs LABEL BUILD: a line for each.
+programs() {
+    for program in "$2"/tests/property/* "$2"/tests/reference/* "$2"/tests/fault/* "$2"/tests/unit/*/*; do
+        [ ! -x "$program" ] || echo "cmocka $1 $program"
+    done
+}
+
 plain() {
-    cmocka unit build
-    script netlists tests/netlist/run.sh
-    script host tests/host/run.sh
-    script waveforms env RUNS="auto squares devices" tests/waveform/run.sh
-    script tool tests/tool/run.sh
-    script install tests/install.sh
-    script tags tests/tags.sh
-    script readmes tests/readmes.sh
-    script rooms tests/rooms.sh
-    script fuzz tests/fuzz.sh 8
+    cat <<END
+script netlists tests/netlist/run.sh
+script host tests/host/run.sh
+script waveforms env RUNS="auto squares devices" tests/waveform/run.sh
+script tool tests/tool/run.sh
+script install tests/install.sh
+script tags tests/tags.sh
+script readmes tests/readmes.sh
+script rooms tests/rooms.sh
+script fuzz tests/fuzz.sh 8
+END
+    programs unit build
 }
 
+# Every value of ngbehavior takes the same way through the code; the plain run has them all.
 sanitize() {
-    cmocka unit-asan build/asan
-    script tool-asan tests/tool/run.sh build/asan/nsc-mlcp
-    script netlists-asan env NONSMOOTH_CM="$PWD/build/asan/nonsmooth.cm" NGSPICE="$PWD/tests/ngspice-asan.sh" \
-        tests/netlist/run.sh default cases/ errors/
+    # shellcheck disable=SC2016 # the job expands it
+    asan='env BEHAVIORS= NONSMOOTH_CM=build/asan/nonsmooth.cm NGSPICE="$PWD/tests/ngspice-asan.sh" tests/netlist/run.sh'
+    cat <<END
+script netlists-asan $asan default cases/
+script errors-asan $asan errors/
+script tool-asan tests/tool/run.sh build/asan/nsc-mlcp
+END
+    programs unit-asan build/asan
 }
 
-case ${1:-all} in
-all) # two lanes side by side, for two cores
-    export JOBS=1
-    plain &
-    sanitize
-    script valgrind tests/valgrind.sh
-    wait
-    ;;
-sanitize) sanitize ;;
-valgrind | tags | readmes | rooms) script "$1" "tests/$1.sh" ;;
-*) echo "tests/run.sh: no such part: $1" >&2 && exit 2 ;;
-esac
+# What there is to run, a line each: what takes long is begun first.
+jobs() {
+    case $1 in
+    all) sanitize && echo script valgrind tests/valgrind.sh && plain ;;
+    sanitize) sanitize ;;
+    valgrind | tags | readmes | rooms) echo "script $1 tests/$1.sh" ;;
+    *) echo "tests/run.sh: no such part: $1" >&2 && return 2 ;;
+    esac
+}
+
+if [ "${1:-}" = --job ]; then
+    said=$(eval "$2") # all its lines at once
+    echo "$said"
+    exit
+fi
+jobs=$(jobs "${1:-all}") || exit
+rm -rf "$log"
+mkdir -p "$log"
+export JOBS=1
+echo "$jobs" | xargs -d '\n' -n1 -P "${AT_ONCE:-$(nproc)}" "$0" --job
 
 # shellcheck disable=SC2046 # three numbers
 set -- $(cat "$log"/*.count | awk '{p += $1; f += $2; s += $3} END {print p + 0, f + 0, s + 0}')

@@ -11,7 +11,7 @@
 #   X reversed   its elements in reverse order
 #   cases/X      tests/netlist/cases/X.cir, which judges itself; of each line `* says: REGEX` one line of output matches; for the N-th line
 #                `* again: SED` it runs once more, as XN, with what sed makes of it
-#   cases/own_X (of ngspice's own devices) and errors/X run once more as X@psa, X@ltpsa, X@hsa: with these values of ngbehavior
+#   cases/own_X (of ngspice's own devices) and errors/X run once more as X@psa, X@ltpsa, X@hsa: with these values of ngbehavior, or those of BEHAVIORS
 #   cookbook/X   netlists/cookbook/X.cir, in the same way
 #   errors/X     tests/netlist/errors/X.cir: exactly one line of output matches the regular expression of its
 #                first line `* expect: ...`, and it judges what was kept; after a line `* dump: FILE STATUS REGEX`
@@ -181,7 +181,7 @@ list() {
         for f in "tests/netlist/$k"/*.cir "netlists/$k"/*.cir; do
             [ -f "$f" ] || continue
             echo "$f - $k/$(basename "$f" .cir)"
-            case $f in */own_* | */errors/*) for b in psa ltpsa hsa; do echo "$f @$b $k/$(basename "$f" .cir)@$b"; done ;; esac
+            case $f in */own_* | */errors/*) for b in ${BEHAVIORS-psa ltpsa hsa}; do echo "$f @$b $k/$(basename "$f" .cir)@$b"; done ;; esac
             again=$(grep -c '^\* again: ' "$f")
             for n in $(seq "$again"); do echo "$f -$n $k/$(basename "$f" .cir)"; done
         done

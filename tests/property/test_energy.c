@@ -17,9 +17,10 @@
 #include <cmocka.h>
 
 #include "nonsmooth.h"
+#include "runs.h"
 #include "signals.h"
 
-enum { MOST = 40, PERIODS = 1000 };
+enum { MOST = 40, PERIODS = FEWER_IF_SANITIZED(1000) };
 
 static const double closes = 1e-9; /* of all that was taken in or given out */
 

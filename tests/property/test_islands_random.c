@@ -16,8 +16,9 @@
 #include <cmocka.h>
 
 #include "passive.h"
+#include "runs.h"
 
-enum { PARTS = 3, ALL = PARTS * ELEMENTS, STEPS = 40, RUNS = 200, SUPPLY = 90 };
+enum { PARTS = 3, ALL = PARTS * ELEMENTS, STEPS = 40, RUNS = FEWER_IF_SANITIZED(200), SUPPLY = 90 };
 
 typedef struct scene {
     ns_circuit *c;

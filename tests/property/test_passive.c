@@ -18,8 +18,9 @@
 #include <cmocka.h>
 
 #include "passive.h"
+#include "runs.h"
 
-enum { RUNS = 600, STEPS = 60, REFUSED = RUNS / 100 };
+enum { RUNS = FEWER_IF_SANITIZED(600), STEPS = 60, REFUSED = RUNS / 100 };
 
 /* A kind of run: roff, who goes, and what in how many networks is looked at as growth. */
 typedef struct way {

@@ -10,9 +10,10 @@
 
 #include "dice.h"
 #include "rig.h"
+#include "runs.h"
 #include "signals.h"
 
-enum { RUNS = 70, STAGES = 12, INSTANTS = 6 };
+enum { RUNS = FEWER_IF_SANITIZED(70), STAGES = 12, INSTANTS = 6 };
 enum { SUPPLY = 1, CLOCK, OTHER, DRIVEN, DRIVEN_TOO, FIRST };
 
 typedef struct pump {
