@@ -33,9 +33,28 @@ quietly() {
     }
 }
 
+# The version that the binary names, "39" for example.
+binary_version() {
+    [ ! -d "$ngspice" ] || die "NGSPICE=$ngspice is a folder: give the program in it, $ngspice/src/ngspice for example"
+    command -v "$ngspice" >/dev/null 2>&1 || die "there is no program $ngspice: NGSPICE=FILE names one"
+    said=$("$ngspice" --version 2>/dev/null </dev/null | sed -n 's/^\*\* ngspice-\([^ ]*\).*/\1/p')
+    [ -n "$said" ] || die "$(command -v "$ngspice") is no ngspice: its --version names none"
+    echo "$said"
+}
+
+# The version of the headers of the tree $1, "" if it is not configured.
+headers_version() {
+    sed -n 's/^#define PACKAGE_VERSION "\(.*\)"/\1/p' "$1/src/include/ngspice/config.h" 2>/dev/null || true
+}
+
+check_version() {
+    headers=$(headers_version "$1")
+    [ "$headers" = "$binary" ] ||
+        die "the source is ngspice $headers but $(command -v "$ngspice") is ngspice $binary: they must be the same"
+}
+
 # The Debian version of the source that the installed binary was made from.
 installed_version() {
-    command -v "$ngspice" >/dev/null 2>&1 || die "no $ngspice on the PATH: run 'make deps'"
     package=$(dpkg-query -S "$(command -v "$ngspice")" 2>/dev/null | cut -d: -f1) || true
     [ -n "$package" ] ||
         die "$(command -v "$ngspice") is of no package, and not where it was built: give the tree it was made from as NGSPICE_SRC=dir"
@@ -60,17 +79,27 @@ copy_from() {
         (cd "$dir/tree" && tar -xf -)
 }
 
-# Copies the user's tree to $dir/tree.
-copy() {
+# Is the user's tree one, and of the version of the binary?  Sets code, where its source is.
+check_tree() {
     [ -d "$src" ] || die "NGSPICE_SRC=$src is no folder"
     code=$src
     [ -f "$src/src/xspice/icm/dlmain.c" ] ||
         code=$(cd "$src" && cd "$(sed -n 's/^top_srcdir = //p' Makefile 2>/dev/null | head -n 1)" 2>/dev/null && pwd -P) || code=$src
     [ -f "$code/src/xspice/icm/dlmain.c" ] || die "NGSPICE_SRC=$src holds no src/xspice/icm/dlmain.c"
+    config=$src/src/include/ngspice/config.h
+    if [ ! -f "$config" ]; then
+        [ "$code" = "$src" ] || die "NGSPICE_SRC=$src is not configured"
+        return
+    fi
+    check_version "$src"
+    grep -q '^#define XSPICE' "$config" || die "$src was configured without --enable-xspice: that ngspice takes no code models"
+}
+
+# Copies the user's tree to $dir/tree.
+copy() {
     say "copying $src"
     mkdir -p "$dir/tree"
     if [ "$code" != "$src" ]; then
-        [ -f "$src/src/include/ngspice/config.h" ] || die "NGSPICE_SRC=$src is not configured"
         copy_from "$code" "./$(basename "$src")"
     fi
     copy_from "$src"
@@ -103,17 +132,12 @@ configure() {
     [ -x src/xspice/cmpp/cmpp ] || quietly cmpp make -C src/xspice/cmpp
 }
 
-# "39" of both the headers and the binary, or a refusal.
-check_version() {
-    headers=$(sed -n 's/^#define PACKAGE_VERSION "\(.*\)"/\1/p' "$1/tree/src/include/ngspice/config.h")
-    binary=$("$ngspice" --version 2>/dev/null </dev/null | sed -n 's/^\*\* ngspice-\([^ ]*\).*/\1/p')
-    [ "$headers" = "$binary" ] ||
-        die "the source is ngspice $headers but $(command -v "$ngspice") is ngspice $binary: they must be the same"
-}
-
+binary=$(binary_version)
 [ -n "$src" ] || src=$(tree_around)
 if [ -n "$src" ]; then
-    wanted=$src
+    check_tree
+    # Its configuration may change while its name stays.
+    wanted="$src $(cksum <"$config" 2>/dev/null || true)"
 else
     wanted=$(installed_version)
 fi
@@ -128,6 +152,6 @@ else
     fetch $wanted
 fi
 (configure)
-check_version "$dir"
+check_version "$dir/tree"
 echo "$wanted" >"$dir/stamp"
 say "ready in $dir/tree"

@@ -77,6 +77,7 @@ script netlists tests/netlist/run.sh
 script host tests/host/run.sh
 script waveforms env RUNS="auto squares devices" tests/waveform/run.sh
 script tool tests/tool/run.sh
+script source tests/source.sh
 script install tests/install.sh
 script tags tests/tags.sh
 script readmes tests/readmes.sh
