@@ -15,6 +15,11 @@ PREFIX ?= /usr/local
 NGSPICE ?= ngspice
 B := build# where everything is made; other builds (sanitizers, coverage, clang) set it to a folder below
 NG := build/ngspice-src# see codemodels/ngspice-source.sh
+ifneq ($(findstring /,$(NGSPICE)),)
+ifeq ($(filter /% ~%,$(firstword $(NGSPICE))),)
+override NGSPICE := $(CURDIR)/$(NGSPICE)# tests run it from other folders
+endif
+endif
 export NGSPICE NGSPICE_SRC
 OWN_NGSPICE = $(NGSPICE_SRC)$(filter-out ngspice,$(NGSPICE))# not empty: not the one of the system's package
 

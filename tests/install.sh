@@ -1,9 +1,11 @@
 #!/bin/sh
 # tests/install.sh - `make install` puts everything where it belongs, and what it put there works.
+# NGSPICE names the program that loads it (default: ngspice).
 cd "$(dirname "$0")/.." || exit 1
 dest=$PWD/build/installed
 rm -rf "$dest"
 status=0
+export NGSPICE="${NGSPICE:-ngspice}"
 
 # check NAME COMMAND...
 check() {
@@ -18,7 +20,7 @@ check() {
     fi
 }
 
-major=$(sed -n 's/^#define PACKAGE_VERSION "\([0-9]*\).*/\1/p' build/ngspice-src/tree/src/include/ngspice/config.h)
+major=$(sed -n 's|^#define PACKAGE_VERSION "\([0-9]*\).*|\1|p' build/ngspice-src/tree/src/include/ngspice/config.h)
 check 'make install' make install PREFIX="$dest"
 for file in bin/nsc-mlcp lib/libnonsmooth.a lib/libnonsmooth.so include/nonsmooth.h include/nonsmooth/status.h \
     lib/pkgconfig/nonsmooth.pc lib/ngspice/nonsmooth.cm lib/ngspice/nonsmooth.inc "lib/ngspice/nonsmooth-$major.cm" share/nonsmooth/nonsmooth.lib share/nonsmooth/spiceinit; do
@@ -63,14 +65,14 @@ quit 1
 .end
 C
 cp "$dest/share/nonsmooth/spiceinit" "$dest/.spiceinit"
-check 'ngspice loads the installed code models' sh -c "cd '$dest' && ngspice -b user.cir"
+check 'ngspice loads the installed code models' sh -c "cd '$dest' && \"\$NGSPICE\" -b user.cir"
 check 'without the models of its version ngspice says so in one line' sh -c \
-    "cd '$dest' && mv lib/ngspice/nonsmooth-$major.cm lib/ngspice/nonsmooth-38.cm && ngspice -b user.cir 2>&1 |
+    "cd '$dest' && mv lib/ngspice/nonsmooth-$major.cm lib/ngspice/nonsmooth-38.cm && \"\$NGSPICE\" -b user.cir 2>&1 |
      grep -c '^nonsmooth: no code models for this ngspice, version $major' | grep -qx 1"
 mv "$dest/lib/ngspice/nonsmooth-38.cm" "$dest/lib/ngspice/nonsmooth-$major.cm"
 example spice README.md >"$dest/buck.cir"
 check "README's netlist measures what README says" sh -c \
-    "cd '$dest' && ngspice -b buck.cir | awk '/^vout/ {v = \$3} /^ripple/ {r = \$3}
+    "cd '$dest' && \"\$NGSPICE\" -b buck.cir | awk '/^vout/ {v = \$3} /^ripple/ {r = \$3}
      END {exit !(v > 4.7995 && v < 4.8005 && r > 0.28855 && r < 0.28865)}'"
 cat >"$dest/own.cir" <<'C'
 * the same with ngspice's own diode, found as installed
@@ -90,7 +92,7 @@ quit 1
 .endc
 .end
 C
-check 'ngspice finds the installed nonsmooth.inc' sh -c "cd '$dest' && ngspice -b own.cir"
+check 'ngspice finds the installed nonsmooth.inc' sh -c "cd '$dest' && \"\$NGSPICE\" -b own.cir"
 check 'make uninstall' make uninstall PREFIX="$dest"
 check 'nothing of it is left' sh -c "cd '$dest' && ! find . ! -type d | grep -E 'nonsmooth|nsc-mlcp'"
 exit $status

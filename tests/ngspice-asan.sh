@@ -3,13 +3,13 @@
 # built with it can be loaded.
 #
 # Shows only reports with a frame in our code model, and crashes: ngspice reads past ends by itself (its parser
-# of B sources, for one).  Leaks are not looked for: it has many.
+# of B sources, for one).  Leaks are not looked for: it has many.  PLAIN_NGSPICE names the program (default: ngspice).
 reports=$(mktemp -d) || exit 2
 trap 'rm -rf "$reports"' EXIT
 
 LD_PRELOAD="$(gcc -print-file-name=libasan.so) $(gcc -print-file-name=libubsan.so)" \
     ASAN_OPTIONS="detect_leaks=0:halt_on_error=0:log_path=$reports/asan:stack_trace_format='    #%n %f %L (%m)'" \
-    UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 ngspice "$@"
+    UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 "${PLAIN_NGSPICE:-ngspice}" "$@"
 status=$?
 
 for report in "$reports"/*; do

@@ -90,7 +90,7 @@ END
 # Every value of ngbehavior takes the same way through the code; the plain run has them all.
 sanitize() {
     # shellcheck disable=SC2016 # the job expands it
-    asan='env BEHAVIORS= NONSMOOTH_CM=build/asan/nonsmooth.cm NGSPICE="$PWD/tests/ngspice-asan.sh" tests/netlist/run.sh'
+    asan='env BEHAVIORS= NONSMOOTH_CM=build/asan/nonsmooth.cm PLAIN_NGSPICE="${NGSPICE:-ngspice}" NGSPICE="$PWD/tests/ngspice-asan.sh" tests/netlist/run.sh'
     cat <<END
 script netlists-asan $asan default cases/
 script errors-asan $asan errors/

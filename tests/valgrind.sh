@@ -4,6 +4,7 @@
 #     tests/valgrind.sh [netlist]
 #
 # Counts only errors and definite leaks whose stack goes through our code model; ngspice has its own.
+# NGSPICE names the program (default: ngspice).
 cd "$(dirname "$0")/.." || exit 1
 netlist=$PWD/${1:-netlists/halfwave_rc.cir}
 out=$PWD/build/valgrind
@@ -14,7 +15,7 @@ echo "codemodel '$PWD/build/nonsmooth.cm'" >"$out/.spiceinit"
 
 cd "$out" || exit 1
 timeout 200 valgrind --quiet --leak-check=full --show-leak-kinds=definite --num-callers=40 --xml=yes \
-    --xml-file=report.xml ngspice -b "$netlist" >ngspice.log 2>&1 </dev/null
+    --xml-file=report.xml "${NGSPICE:-ngspice}" -b "$netlist" >ngspice.log 2>&1 </dev/null
 status=$?
 if [ $status != 0 ]; then
     echo "FAIL $name: ngspice under valgrind ended with $status"

@@ -46,6 +46,10 @@ if [ "${1:-}" = --one ]; then
     one "$top/$2" "$3"
     exit
 fi
+if [ "$NGSPICE${NGSPICE_SRC:-}" != ngspice ]; then
+    echo "skip host another ngspice than the system's: the libngspice of that version is not known"
+    exit
+fi
 if [ ! -x "$PROGRAM" ]; then
     echo "skip host there is no $PROGRAM: libngspice0-dev is not installed"
     exit
