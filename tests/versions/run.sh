@@ -3,9 +3,10 @@
 #
 #     tests/versions/run.sh FOLDER...
 #
-# FOLDER is one of ngspice: either the tree in which it was configured and built (program src/ngspice), or one that holds
-# `ngspice`, the program or a script that runs it, and `source`, the tree that was configured as it was.  Each gets models of
-# its own in build/versions/VERSION.  The installed ngspice is the first one, and the one that others are compared with.
+# FOLDER is one of ngspice: either the tree in which it was configured and built (program src/ngspice; it gets the code
+# models that were built there), or one that holds `ngspice`, the program or a script that runs it, and `source`, the tree
+# that was configured as it was.  Each gets models of its own in build/versions/VERSION.  The installed ngspice is the first
+# one, and the one that others are compared with.
 # Verdicts as tests/netlist/run.sh, then tables:
 #   versions/V netlists (klu)    the whole of tests/netlist/run.sh; where KLU was configured, a second time with .options klu
 #   versions/V points            each of netlists/*.cir takes as many timepoints as on the first ngspice
@@ -58,8 +59,22 @@ program() {
     if [ -x "$1/ngspice" ]; then echo "$1/ngspice"; else echo "$1/src/ngspice"; fi
 }
 
+# program_of_tree VERSION TREE: a script that runs it, which is not installed, with ngspice's own code models built beside it.
+# shellcheck disable=SC2016 # for the script
+program_of_tree() {
+    at=$made/$1/program
+    mkdir -p "$at/scripts"
+    sed -e "s|^\( *codemodel \).*/\(.*\)\.cm\$|\1$2/src/xspice/icm/\2/\2.cm|" -e '/^ *osdi /d' "$2/src/spinit" >"$at/scripts/spinit"
+    {
+        printf '#!/bin/sh\n: "${SPICE_SCRIPTS:=%s}"\nexport SPICE_SCRIPTS\n' "$at/scripts"
+        printf "exec '%s' \"\$@\"\n" "$2/src/ngspice"
+    } >"$at/ngspice"
+    chmod +x "$at/ngspice"
+    echo "$at/ngspice"
+}
+
 source_tree() {
-    if [ -d "$1/source" ]; then (cd "$1/source" && pwd -P); else echo "$1"; fi
+    (cd "$1/source" 2>/dev/null || cd "$1" && pwd -P)
 }
 
 # models VERSION PROGRAM SOURCE [MAKE'S VARIABLE...]: builds build/versions/VERSION/nonsmooth.cm.
@@ -283,17 +298,20 @@ other_choice() {
 # --- all ---
 
 : >"$this/list"
+: >"$tables.built"
 installed=$(command -v ngspice)
 first=$(version_of "${installed:-false}")
 if [ -n "$first" ]; then
     echo "$first $installed $top/build/ngspice-src/tree" >>"$this/list"
 fi
 for folder; do
+    folder=$(cd "$folder" 2>/dev/null && pwd -P || echo "$folder")
     p=$(program "$folder")
     v=$(version_of "$p")
     if [ -z "$v" ]; then
         verdict "$folder" "no ngspice there: neither $folder/ngspice nor $folder/src/ngspice runs"
     else
+        [ "$p" = "$folder/ngspice" ] || p=$(program_of_tree "$v" "$folder")
         echo "$v $p $(source_tree "$folder")" >>"$this/list"
     fi
 done
