@@ -124,10 +124,11 @@ PULSE_OF :=# for make test-versions: the version whose PULSE is expected, in pla
 CM_CFLAGS = -std=gnu11 $(CFLAGS) -w -fPIC -MMD -MP -Iinclude -Icodemodels/bridge -I$(CM) $(NG_INCLUDE)
 
 # LAPACK, BLAS and KLU come from archives where there are some: to load the shared ones takes longer than ngspice's
-# whole start.
+# whole start.  From SuiteSparse 7 on (Debian 13) they ask for the clock of libgomp.
 CM_ARCHIVES := liblapacke.a liblapack_pic.a blas/libblas.a libklu.a libbtf.a libamd.a libcolamd.a libsuitesparseconfig.a
 CM_FOUND = $(filter /%,$(foreach archive,$(CM_ARCHIVES),$(shell $(CC) -print-file-name=$(archive))))
-CM_LIBS = $(if $(filter $(words $(CM_ARCHIVES)),$(words $(CM_FOUND))),$(CM_FOUND) -lm,$(LIBS))
+CM_LIBS = $(if $(filter $(words $(CM_ARCHIVES)),$(words $(CM_FOUND))),$(CM_FOUND) -lm -Wl$(comma)--as-needed -lgomp,$(LIBS))
+comma := ,
 
 cm: $(B)/nonsmooth.cm $(B)/nonsmooth.inc $(B)/nonsmooth_mosfet.inc $(B)/chooser/nonsmooth.cm
 .SECONDARY: $(MODELS:%=$(CM)/%/ifspec.c) $(MODELS:%=$(CM)/%/cfunc.c)
