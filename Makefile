@@ -155,19 +155,24 @@ $(B)/chooser/nonsmooth.cm: $(CHOOSER_OBJ) codemodels/nonsmooth.map
 	    $(CHOOSER_OBJ) -o $@ $(if $(findstring mingw,$(CC)),,-ldl)
 
 $(BRIDGE:%.c=$(B)/obj/%.o): private ALL_CFLAGS += $(NG_INCLUDE) -DNONSMOOTH_VERSION=$(VERSION)
-$(BRIDGE:%.c=$(B)/obj/%.o): $(NG)/stamp
+$(BRIDGE:%.c=$(B)/obj/%.o): $(CM)/ngspice
 
-$(CM_LISTS) &: codemodels/modpath.lst codemodels/udnpath.lst $(wildcard codemodels/*/ifspec.ifs) $(NG)/stamp
+# Changes when another ngspice does, so that what was made for the one before is made anew.
+$(CM)/ngspice: $(NG)/stamp FORCE
+	@mkdir -p $(@D)
+	@echo '$(NG)' | cat - $< | cmp -s - $@ || echo '$(NG)' | cat - $< > $@
+
+$(CM_LISTS) &: codemodels/modpath.lst codemodels/udnpath.lst $(wildcard codemodels/*/ifspec.ifs) $(CM)/ngspice
 	@mkdir -p $(CM)
 	@echo "  CMPP    $@"
 	$(Q)CMPP_IDIR=codemodels CMPP_ODIR=$(CM) $(CMPP) -lst
 
-$(CM)/%/ifspec.c: codemodels/%/ifspec.ifs $(NG)/stamp
+$(CM)/%/ifspec.c: codemodels/%/ifspec.ifs $(CM)/ngspice
 	@mkdir -p $(@D)
 	@echo "  CMPP    $@"
 	$(Q)CMPP_IDIR=$(<D) CMPP_ODIR=$(@D) $(CMPP) -ifs
 
-$(CM)/%/cfunc.c: codemodels/%/cfunc.mod $(NG)/stamp
+$(CM)/%/cfunc.c: codemodels/%/cfunc.mod $(CM)/ngspice
 	@mkdir -p $(@D)
 	@echo "  CMPP    $@"
 	$(Q)CMPP_IDIR=$(<D) CMPP_ODIR=$(@D) $(CMPP) -mod
@@ -180,7 +185,7 @@ $(CM)/dlmain.o: $(CM_LISTS) $(B)/flags Makefile
 	@echo "  CC      $@"
 	$(Q)$(CC) $(CM_CFLAGS) -DCMgetCoreItfPtr=ns_bridge_dlmain_core -c $(NG)/tree/src/xspice/icm/dlmain.c -o $@
 
-$(CM)/dstring.o: $(NG)/stamp $(B)/flags
+$(CM)/dstring.o: $(CM)/ngspice $(B)/flags
 	@mkdir -p $(@D)
 	@echo "  CC      $@"
 	$(Q)$(CC) $(CM_CFLAGS) -c $(NG)/tree/src/misc/dstring.c -o $@
