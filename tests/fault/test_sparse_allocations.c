@@ -10,18 +10,12 @@
 
 #include <cmocka.h>
 
-#include <suitesparse/SuiteSparse_config.h>
-
 #include "nonsmooth.h"
 #include "retry.h"
 #include "sparse/sparse_internal.h"
 #include "wrap_alloc.h"
 
 enum { TIMES_MAX = 4000, READINGS = 4 };
-
-static void *refusing(size_t bytes) {
-    return malloc(bytes); /* wrapped */
-}
 
 /* A gated switch and a diode onto an inductor, a capacitor taken down by a switch of its own voltage. */
 static ns_circuit *circuit(void) {
@@ -77,8 +71,7 @@ static void scenario(double theta, double *out) {
 static void test_each(void **state) {
     const double theta = *(double *)*state;
     double whole[READINGS], now[READINGS];
-    void *(*const own)(size_t) = SuiteSparse_config.malloc_func;
-    SuiteSparse_config.malloc_func = refusing;
+    fail_alloc_in_suitesparse(1);
     fails = 0;
     scenario(theta, whole);
     assert_int_equal(fails, 0);
@@ -96,7 +89,7 @@ static void test_each(void **state) {
             assert_true(fabs(now[i] - whole[i]) <= 1e-7 * 10);
         assert_true(k < TIMES_MAX);
     }
-    SuiteSparse_config.malloc_func = own;
+    fail_alloc_in_suitesparse(0);
 }
 
 int main(void) {

@@ -3,6 +3,8 @@
 
 #include <stdlib.h>
 
+#include <suitesparse/SuiteSparse_config.h>
+
 /* The linker makes these names: __real_f is libc's f, and every call of f becomes one of __wrap_f. */
 void *__real_malloc(size_t size);
 void *__real_calloc(size_t n, size_t size);
@@ -46,4 +48,13 @@ void *__wrap_calloc(size_t n, size_t size) {
 
 void *__wrap_realloc(void *p, size_t size) {
     return must_fail() ? NULL : __real_realloc(p, size);
+}
+
+void fail_alloc_in_suitesparse(int yes) {
+    void *(*const function)(size_t) = yes ? __wrap_malloc : __real_malloc;
+#if SUITESPARSE_MAIN_VERSION >= 7
+    SuiteSparse_config_malloc_func_set(function);
+#else
+    SuiteSparse_config.malloc_func = function;
+#endif
 }

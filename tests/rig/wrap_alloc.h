@@ -24,4 +24,7 @@ long allocs_made(void);
 /* Stops counting and failing. */
 void fail_alloc_off(void);
 
+/* 1: allocations of SuiteSparse count too; 0: no longer. */
+void fail_alloc_in_suitesparse(int yes);
+
 #endif

@@ -9,8 +9,6 @@
 
 #include <cmocka.h>
 
-#include <suitesparse/SuiteSparse_config.h>
-
 #include "dice.h"
 #include "linalg/sparse.h"
 #include "linalg/sparse_lu.h"
@@ -254,11 +252,7 @@ static void test_structure(void **state) {
     ns_linalg_klu_free(k);
 }
 
-/* KLU takes its memory here: the k-th time there is none. */
-static void *refusing(size_t bytes) {
-    return malloc(bytes); /* wrapped */
-}
-
+/* All that takes memory, KLU included. */
 static int all_of_it(void) {
     ns_entries e = {0};
     ns_csc a = {0};
@@ -280,8 +274,7 @@ static int all_of_it(void) {
 
 static void test_memory(void **state) {
     (void)state;
-    void *(*const own)(size_t) = SuiteSparse_config.malloc_func;
-    SuiteSparse_config.malloc_func = refusing;
+    fail_alloc_in_suitesparse(1);
     for (long k = 1;; k++) {
         fail_alloc_at(k);
         const int status = all_of_it();
@@ -294,7 +287,7 @@ static void test_memory(void **state) {
         }
         assert_int_equal(status, NS_E_MEMORY);
     }
-    SuiteSparse_config.malloc_func = own;
+    fail_alloc_in_suitesparse(0);
 }
 
 int main(void) {
