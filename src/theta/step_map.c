@@ -11,6 +11,7 @@
  */
 #include "regularise.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -189,10 +190,57 @@ static int solve_as_it_is(ns_theta *s, int size, int *exactly) {
     return status == NS_OK ? solve_factored(s, size, exactly) : status;
 }
 
+/* K, each entry changed by some units of its rounding. */
+static void round_entries(double *K, size_t count) {
+    unsigned dice = 1;
+    for (size_t i = 0; i < count; i++) {
+        dice = dice * 1664525u + 1013904223u;
+        K[i] *= 1 + (dice >> 31 ? 4 : -4) * DBL_EPSILON;
+    }
+}
+
+/* 1 if X is that of `before` but for its rounding. */
+static int is_same_solution(ns_theta *s, int size, const double *before) {
+    static const double same = 1e-8;
+    double *change = s->R + (size_t)size * (size_t)s->q;
+    for (int k = 0; k < s->q; k++) {
+        const double *x = s->X + (size_t)k * (size_t)size, *was = before + (size_t)k * (size_t)size;
+        for (int i = 0; i < size; i++)
+            change[i] = x[i] - was[i];
+        if (!(ns_linalg_lu_largest(s->lu, change) <= same * ns_linalg_lu_largest(s->lu, x)))
+            return 0;
+    }
+    return 1;
+}
+
+/* The same where leaks fail: of a singular K, the factors of another matrix, which differs from it by
+ * rounding, lead to another X in the null space. */
+static int solve_if_regular(ns_theta *s, int size, int *exactly) {
+    const size_t square = (size_t)size * (size_t)size, count = (size_t)size * (size_t)s->q;
+    double *K = malloc(sizeof *K * (square + count + 1));
+    if (!K)
+        return NS_E_MEMORY;
+    double *const X = K + square;
+    memcpy(K, s->K, sizeof *K * square);
+    round_entries(s->K, square);
+    s->counts.factors++;
+    int status = ns_linalg_lu_factor(s->lu, size, s->K, NULL, NULL);
+    memcpy(s->K, K, sizeof *K * square);
+    if (status == NS_OK)
+        status = solve_factored(s, size, exactly);
+    memcpy(X, s->X, sizeof *X * count);
+    if (status == NS_OK)
+        status = solve_as_it_is(s, size, exactly);
+    if (status == NS_OK && !is_same_solution(s, size, X))
+        status = NS_E_SINGULAR;
+    free(K);
+    return status;
+}
+
 /* X from the right-hand sides in R.  A pivot that is only rounding can pass for one, with an X of any size
  * in the null space; leaks show it, as they determine what the null space does not and leave the rest alone.
  * Where they do not, as they are more than what determines the rest, K is regular after all, of a condition
- * near 1e15.  *leaky: there are leaks in the factors. */
+ * near 1e15 or above.  *leaky: there are leaks in the factors. */
 static int solve_columns(ns_theta *s, const ns_leaks *leaks, int nj, int *leaky, int *exactly) {
     const int size = s->s->n + nj;
     double moved = 0;
@@ -211,6 +259,8 @@ static int solve_columns(ns_theta *s, const ns_leaks *leaks, int nj, int *leaky,
             return NS_OK;
         status = solve_with_leaks(s, leaks, nj, &moved);
     }
+    if (regular == NS_OK && status == NS_E_SINGULAR)
+        return solve_if_regular(s, size, exactly);
     *leaky = *exactly = status == NS_OK;
     return status;
 }

@@ -49,7 +49,42 @@ static void charges(void **state) {
     }
 }
 
+/* A switch of 1 mohm closes across 80 pF: 8e-14 s.  10 V drive a current through 1 mH, 1 mohm, 1 mH and 5 nF:
+ * i = 10 V / (L omega) e^(-alpha t) sin(omega t) with L = 2 mH, alpha = R / 2 L, omega^2 = 1 / L C - alpha^2.
+ * The two nodes between the coils are held by nothing but these, so that in a step of 1e-15 s their matrix
+ * has a condition of some 1e15; it is regular all the same.
+ *
+ * Up to issue 20 it was called singular, and steps of first order went on for as long as the switch was
+ * closed: the current was 1e-3 too small. */
+static void a_mode_of_a_bad_condition_is_exact(void **state) {
+    const double last = 5e-6, length = 4e-9, L = 2e-3, C = 5e-9, R = 1e-3;
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = length, .method = NS_EXACT, .whole = 1};
+    const ns_signal supply = dc(10), gate = pulse(0, 1, 0.1e-6, 0, 0, 1, 2);
+    const ns_switch contact = {.vt = 0.5, .vh = 0, .ron = 1e-3, .roff = INFINITY};
+    ns_circuit *c = NULL;
+    int coil;
+    (void)state;
+    ok(ns_circuit_create(&c));
+    ok(ns_circuit_source(c, "g", NS_VOLTAGE, 9, 0, &gate, NULL));
+    ok(ns_circuit_capacitor(c, "c1", 1, 0, 80e-12, 25, NULL));
+    ok(ns_circuit_switch(c, "s", 1, 0, 9, 0, &contact, NULL));
+    ok(ns_circuit_source(c, "v", NS_VOLTAGE, 2, 0, &supply, NULL));
+    ok(ns_circuit_inductor(c, "l1", 2, 3, L / 2, 0, &coil));
+    ok(ns_circuit_resistor(c, "r", 3, 4, R, NULL));
+    ok(ns_circuit_inductor(c, "l2", 4, 5, L / 2, 0, NULL));
+    ok(ns_circuit_capacitor(c, "c2", 5, 0, C, 0, NULL));
+    rig k = {.c = c};
+    make_by(&k, &o);
+    start_at_rest(&k);
+    go(&k, last);
+    const double alpha = R / (2 * L), omega = sqrt(1 / (L * C) - alpha * alpha);
+    const double amperes = 10 / (L * omega) * exp(-alpha * last) * sin(omega * last);
+    assert_true(fabs(k.x[ns_circuit_current_unknown(c, coil)] - amperes) < 1e-9 * amperes);
+    end(&k);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(charges)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(charges),
+                                       cmocka_unit_test(a_mode_of_a_bad_condition_is_exact)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
