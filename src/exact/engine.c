@@ -31,18 +31,6 @@ void ns_exact_reset_past(ns_exact *f) {
     ns_exact_drop(f);
 }
 
-int ns_exact_in_fallback(const ns_exact *f) {
-    return f->point->now.t < ns_exact_fallback_until(f);
-}
-
-double ns_exact_fallback_until(const ns_exact *f) {
-    return fmax(f->past.fallback_until, f->inputs->from);
-}
-
-int ns_exact_failures(const ns_exact *f) {
-    return f->past.failures;
-}
-
 int ns_exact_timed(const ns_exact *f) {
     return f->timed;
 }
@@ -308,39 +296,6 @@ static int go_to_event(ns_exact *f, double accepted_t, double t, ns_until until,
     return pass_event(f, guard, until, failed);
 }
 
-/* --- fallback to the ladder --- */
-
-/* For how long: four times the last stretch if the exact engine came less far since than that, or than a
- * thousandth of h (h where switches may chatter; the more failures, the more); else a quarter of it. */
-static double fallback_length(const ns_exact *f, double advanced) {
-    enum { MANY_EXPONENT = 10, FAILURES = 64 };
-    const double h = f->h, least = ldexp(h, 2 - NS_EVENT_EXPONENT), last = f->past.fallback_length;
-    const int times = 1 + f->past.failures / FAILURES;
-    const double few = f->timed ? ldexp(h, -MANY_EXPONENT) * times : h;
-    if (f->state.steps_left < 0)
-        return h;
-    return fmin(h, fmax(least, advanced < fmax(last, few) ? 4 * last : last / 4));
-}
-
-/* The ladder has the next event, and what follows for some time. */
-static void start_fallback(ns_exact *f) {
-    enum { LONG_EXPONENT = 6, LONG_COUNTS = 64 };
-    const double advanced = f->state.now.t - f->past.fallback_until;
-    if (advanced > f->h)
-        f->past.failures /= 2;
-    f->past.fallback_length = fallback_length(f, advanced);
-    f->past.failures += f->past.fallback_length > ldexp(f->h, -LONG_EXPONENT) ? LONG_COUNTS : 1;
-    f->past.fallback_until = f->state.now.t + f->past.fallback_length;
-    f->past.event_count = 0;
-    memcpy(f->work.mode, ns_theta_mode(f->s), (size_t)f->system->m);
-    for (int c = 0; c < f->system->nc; c++) { /* the ladder has no switches that slide */
-        ns_mode *mode = &f->work.mode[f->system->command[c].pair];
-        if (ns_mode_slides(*mode))
-            *mode = NS_LOWER;
-    }
-    ns_theta_set_mode(f->s, f->work.mode);
-}
-
 /* --- a trial --- */
 
 /* A period as the one before, where one begins: 1. */
@@ -382,9 +337,10 @@ static int go_on(ns_exact *f, double accepted_t, double t, ns_until until, int *
 
 int ns_exact_go(ns_exact *f, double accepted_t, double t, ns_until until) {
     int failed = 0, status = load_point(f);
+    f->past.has_no_matrices = status != NS_OK;
     if (status != NS_OK) {
         f->state.steps_left = 0;
-        start_fallback(f);
+        ns_exact_fallback_start(f);
         return status == NS_E_MEMORY ? status : NS_OK;
     }
     if (until == NS_TO_STEP)
@@ -397,6 +353,6 @@ int ns_exact_go(ns_exact *f, double accepted_t, double t, ns_until until) {
     if (until == NS_TO_STEP && status == NS_OK)
         ns_exact_way_end(f);
     if (failed)
-        start_fallback(f);
+        ns_exact_fallback_start(f);
     return status;
 }

@@ -45,6 +45,8 @@ void ns_exact_drop(ns_exact *f);
 int ns_exact_in_fallback(const ns_exact *f);
 double ns_exact_fallback_until(const ns_exact *f);
 int ns_exact_failures(const ns_exact *f);
+/* 1 if that is because the mode that the last ns_exact_go() began in cannot be built: it may last. */
+int ns_exact_has_no_matrices(const ns_exact *f);
 /* 1 if every command is a function of time: no switch can chatter. */
 int ns_exact_timed(const ns_exact *f);
 const ns_counts *ns_exact_counts(const ns_exact *f); /* what it cost so far; events: passed by it */

@@ -9,6 +9,7 @@
  *   periodic_replay.c repeats that period              sliding.c         modes in which a switch slides
  *   sample.c          a point on the way of a trial    create.c          this struct
  *   charge_rates.c    what an Euler step adds to the charges
+ *   fallback.c        for how long the ladder goes on instead
  */
 #ifndef NS_EXACT_INTERNAL_H
 #define NS_EXACT_INTERNAL_H
@@ -114,6 +115,7 @@ typedef struct ns_exact_past {
     ns_exact_quiet quiet;    /* nobody looks ahead again where this holds */
     double fallback_until;   /* s: the ladder steps up to there */
     double fallback_length;  /* s: of that stretch */
+    int has_no_matrices;     /* 1: the mode of the point cannot be built */
     int failures;            /* events handed to the ladder, halved while all goes well */
     int event_count;         /* events in a row, closer together than counts as simultaneous */
     double previous_event_t; /* s: the last of them */
@@ -310,6 +312,9 @@ int ns_exact_output_of(ns_exact *f, ns_mode_kernel *k, const double *X, double *
  * of t on this side, which stay in work.z.  Errors: MEMORY. */
 int ns_exact_place(ns_exact *f);
 int ns_exact_output_at(ns_exact *f, double t, ns_side side, double *X, double *x_lambda);
+
+/* fallback.c: the ladder has the next event, and what follows for some time. */
+void ns_exact_fallback_start(ns_exact *f);
 
 /* advance.c: one step, to t at the latest.  Errors: MEMORY; LIMIT: no steps are left. */
 int ns_exact_advance(ns_exact *f, double t, ns_exact_step *step);

@@ -33,8 +33,8 @@ typedef struct ns_dense_run {
         int end_known;            /* 1: `end` is */
         double *begin, *end, *at; /* n+m: x, lambda at its ends, and between; NULL: not needed yet */
     } way;                        /* from the accepted point to the end of a trial with NS_TO_STEP */
-    int may_hand_over;            /* a trial may end with LIMIT because the exact engine fails too often; */
-    int hands_over;               /* the last one did */
+    ns_dense_handover may_hand_over;
+    int hands_over; /* the last trial ended with LIMIT by that */
     /* what is told */
     ns_counts counts;
     ns_fault fault;

@@ -85,11 +85,14 @@ static int exact_is_ready(const ns_dense_run *r) {
     return r->exact && !ns_exact_in_fallback(r->exact);
 }
 
-/* The exact engine fails often, and no switch chatters. */
-static int fails_often(const ns_dense_run *r) {
+/* The exact engine fails often and no switch chatters, or it has no matrices for a mode, which may last:
+ * steps of first order would go on without a bound of their error. */
+static int fails(const ns_dense_run *r) {
     enum { OFTEN = 64 };
-    return r->may_hand_over && !r->accepted.at_event && ns_exact_timed(r->exact) &&
-           ns_exact_failures(r->exact) >= OFTEN;
+    const int often = ns_exact_timed(r->exact) && ns_exact_failures(r->exact) >= OFTEN;
+    return !r->accepted.at_event &&
+           ((r->may_hand_over >= NS_HANDS_OVER_OFTEN && often) ||
+            (r->may_hand_over >= NS_HANDS_OVER_MODES && ns_exact_has_no_matrices(r->exact)));
 }
 
 /* Where the exact engine is to stop: at t, or where work is bounded at parts of the way, each twice as long.
@@ -119,7 +122,7 @@ static int go_to(ns_dense_run *r, double t, ns_until until) {
                 break;
             }
             status = ns_exact_go(r->exact, accepted_t, next_stop(r, t, until, &part), until);
-            r->hands_over = status == NS_OK && fails_often(r);
+            r->hands_over = status == NS_OK && fails(r);
             const int there = r->trial.at_event || r->trial.now.t == accepted_t;
             done = r->hands_over || (until != NS_TO_TIME && exact_is_ready(r) && (from_event || there)) ||
                    (until == NS_TO_STEP && r->trial.now.t > accepted_t);
@@ -231,7 +234,7 @@ int ns_march_dense_hands_over(const ns_engine *e) {
     return run_in(e)->hands_over;
 }
 
-void ns_march_dense_let_hand_over(ns_engine *e, int may) {
+void ns_march_dense_let_hand_over(ns_engine *e, ns_dense_handover may) {
     run_of(e)->may_hand_over = may;
 }
 

@@ -44,10 +44,16 @@ int ns_march_partition_create(const ns_system *s, const ns_march_options *o, ns_
 int ns_march_run_create(const ns_system *s, const ns_march_options *o, ns_engine **out, ns_fault *fault);
 int ns_march_dense_create(const ns_system *s, const ns_march_options *o, ns_engine **out, ns_fault *fault);
 
-/* dense_run.c: whether trials may end with LIMIT because the exact engine fails too often; 1 if the last one
- * did; 1 if there is an exact engine; 1 if it is started, has no trial, and its accepted point, of *t, is not
- * the left side of an event. */
-void ns_march_dense_let_hand_over(ns_engine *e, int may);
+/* When trials of the dense engines may end with LIMIT. */
+typedef enum ns_dense_handover {
+    NS_HANDS_OVER_NEVER,
+    NS_HANDS_OVER_MODES, /* where the exact engine cannot build a mode */
+    NS_HANDS_OVER_OFTEN  /* there, and where it fails too often */
+} ns_dense_handover;
+
+/* dense_run.c: whether trials may end with LIMIT; 1 if the last one did; 1 if there is an exact engine; 1 if
+ * it is started, has no trial, and its accepted point, of *t, is not the left side of an event. */
+void ns_march_dense_let_hand_over(ns_engine *e, ns_dense_handover may);
 int ns_march_dense_hands_over(const ns_engine *e);
 /* The start made last was one amid a trial. */
 void ns_march_dense_carry_start(ns_engine *e);

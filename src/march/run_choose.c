@@ -33,7 +33,7 @@ void ns_march_run_begin_choice(ns_run *r, double t) {
 static int change(ns_run *r) {
     const int status = ns_march_run_leave_for(r, other_kind(r), 1);
     if (status == NS_OK && r->kind == NS_RUN_DENSE)
-        ns_march_dense_let_hand_over(r->at_work, 1);
+        ns_march_dense_let_hand_over(r->at_work, NS_HANDS_OVER_OFTEN);
     return status;
 }
 
@@ -84,7 +84,10 @@ static int fail_and_change(ns_run *r, ns_until until, double *reached) {
     double now, begun;
     if (ns_engine_read(r->at_work, &now, NULL, NULL, NULL) != NS_OK || change(r) != NS_OK)
         return 0;
-    ns_march_choice_failed(&r->choice, now, work_of(r));
+    if (r->chooses)
+        ns_march_choice_failed(&r->choice, now, work_of(r));
+    else
+        ns_march_run_leave_for_now(r, now, NS_RUN_DENSE);
     r->trial_is_start = ends && ns_engine_read(r->at_work, &begun, NULL, NULL, NULL) == NS_OK && begun == now;
     if (r->trial_is_start)
         *reached = now;
@@ -103,6 +106,6 @@ int ns_march_run_hand_over(ns_run *r, ns_until until, double *reached, int *stat
     if (r->kind != NS_RUN_DENSE || !ns_march_dense_hands_over(r->at_work))
         return 0;
     if (!fail_and_change(r, until, reached))
-        ns_march_dense_let_hand_over(r->at_work, 0);
+        ns_march_dense_let_hand_over(r->at_work, NS_HANDS_OVER_NEVER);
     return 1;
 }

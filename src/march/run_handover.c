@@ -219,6 +219,10 @@ int ns_march_run_rests(ns_run *r, double *t) {
            ns_engine_read(r->at_work, t, NULL, NULL, NULL) == NS_OK;
 }
 
+static ns_dense_handover handover_of(const ns_run *r) {
+    return r->options.method == NS_AUTO ? NS_HANDS_OVER_OFTEN : NS_HANDS_OVER_MODES;
+}
+
 void ns_march_run_return(ns_run *r) {
     double t;
     if (r->back_at == INFINITY || !ns_march_run_rests(r, &t) || t < r->back_at)
@@ -226,7 +230,7 @@ void ns_march_run_return(ns_run *r) {
     r->back_at = INFINITY;
     if (ns_march_run_leave_for(r, r->back_to, 0) == NS_OK) {
         if (r->kind == NS_RUN_DENSE)
-            ns_march_dense_let_hand_over(r->at_work, r->options.method == NS_AUTO);
+            ns_march_dense_let_hand_over(r->at_work, handover_of(r));
         return;
     }
     r->back_interval = ns_march_retry_interval(&r->options, r->back_interval);
@@ -243,6 +247,6 @@ int ns_march_run_make_engine(ns_run *r, ns_fault *fault) {
     r->kind = is_scheme ? NS_RUN_SCHEME : NS_RUN_DENSE;
     r->is_dense = 1;
     if (status == NS_OK)
-        ns_march_dense_let_hand_over(r->at_work, r->options.method == NS_AUTO);
+        ns_march_dense_let_hand_over(r->at_work, handover_of(r));
     return status;
 }
