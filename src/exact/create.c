@@ -39,6 +39,7 @@ static size_t place_arrays(ns_exact *f, double *start) {
     f->work.slope = next_array(&at, nz);
     f->work.powers = next_array(&at, NS_ORDER * r);
     f->work.sum = next_array(&at, r);
+    f->work.flows = next_array(&at, (NS_ORDER + 1) * (n + m + nz + 1));
     f->work.coef = next_array(&at, NS_ORDER * rows);
     f->work.guards = next_array(&at, (NS_SAMPLES + 1) * rows);
     f->work.max_abs = next_array(&at, q);

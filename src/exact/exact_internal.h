@@ -37,11 +37,12 @@ enum {
 };
 
 /* A step of one length inside a mode: P takes X to w, `advance` takes v to v, `sample` gives the guards at
- * 0, h/samples, ..., h. */
+ * 0, h/samples, ..., h; J gives the flows, of which w is summed. */
 struct ns_step_map {
     double h;        /* s */
     int samples;     /* 0: no guards, or too long */
-    double *P;       /* r*q */
+    double *P;       /* r*q; with J: what is added to w */
+    double *J;       /* flows*q, behind P; NULL: the kernel has no flows */
     double *advance; /* nv*nv */
     double *sample;  /* ((samples+1) rows)*q; NULL: not needed yet */
     size_t bytes;    /* of all of it */
@@ -211,6 +212,7 @@ struct ns_exact {
         double *z, *slope;                           /* nz: engine.c, inputs and slopes */
         unsigned char *closed, *flip;                /* nc: engine.c */
         double *powers, *sum;                        /* 8 r, r: step_map.c, D^i w and what a step adds */
+        double *flows;                               /* 9 (n+m+nz+1): step_map.c, flows and their sum */
         double interval[NS_INTERVALS + 1][NS_ORDER]; /* event_location.c: (E1) over a whole kernel step */
         double *coef;                                /* 8 rows: event_location.c, guards as series (E1) */
         double *guards;                              /* (NS_SAMPLES+1) rows: event_location.c */
@@ -267,7 +269,8 @@ double ns_exact_step_length_error(const ns_exact *f, double h);
 /* X moves on by tau; guards are not looked at.  Errors: MEMORY. */
 int ns_exact_step_advance(ns_exact *f, ns_time_scale *scale, double tau);
 /* then (q): X after a step; X moves there. */
-void ns_exact_step_apply(const ns_mode_kernel *k, const ns_step_map *map, const double *X, double *then);
+void ns_exact_step_apply(ns_exact *f, const ns_mode_kernel *k, const ns_step_map *map, const double *X,
+                         double *then);
 void ns_exact_step_commit(ns_exact *f, const ns_time_scale *scale, const ns_step_map *map);
 
 /* A guard as one of a set of bits, of the first 64; 0: it is none of these. */

@@ -12,7 +12,7 @@ static int step_ahead(ns_exact *f, ns_time_scale *scale, int k, const double *X)
         f->failed = status;
         return status;
     }
-    ns_exact_step_apply(kernel, map, X, f->work.X_ahead);
+    ns_exact_step_apply(f, kernel, map, X, f->work.X_ahead);
     return NS_OK;
 }
 

@@ -137,15 +137,29 @@ static double length_for(const ns_exact *f, double rate) {
     return ldexp(f->h, (int)floor(log2(NS_REACH / rate / f->h)));
 }
 
+/* Where many short steps follow each other their rounding must not add up: on scales much faster than the
+ * ladder, but the last. */
+static int fill_flows(ns_exact *f, const ns_exact_mode *k, int i) {
+    enum { MUCH_FASTER = 16 };
+    const ns_time_scale *scale = &k->scale[i];
+    return i + 1 < k->scales && scale->h < f->h / MUCH_FASTER
+               ? ns_exact_kernel_flows(f->s, f->inputs, scale->kernel)
+               : NS_OK;
+}
+
 ns_time_scale *ns_exact_mode_reach(ns_exact *f, ns_exact_mode *k, int i) {
     ns_time_scale *scale = &k->scale[i];
     if (scale->kernel)
         return scale;
     ns_theta_set_mode(f->s, k->mode);
-    const int status = ns_exact_kernel_build(f->s, f->inputs, scale->h / NS_POLE, k->mode, &scale->kernel);
+    int status = ns_exact_kernel_build(f->s, f->inputs, scale->h / NS_POLE, k->mode, &scale->kernel);
+    if (status == NS_OK)
+        status = fill_flows(f, k, i);
     if (status != NS_OK) {
         if (status == NS_E_MEMORY)
             f->failed = status;
+        ns_exact_kernel_free(scale->kernel);
+        scale->kernel = NULL;
         k->scales = i; /* shorter steps cost more, and are right too */
         return NULL;
     }
@@ -184,14 +198,15 @@ static int build_mode(ns_exact *f, ns_exact_mode *k) {
         list_time_scales(f, k, rate, count);
     if (status == NS_OK && k->scale[0].h == guess) {
         k->scale[0].kernel = probe;
-        f->cache.bytes += probe->bytes;
         probe = NULL;
     } else if (status == NS_OK) {
         status =
             ns_exact_kernel_build(f->s, f->inputs, k->scale[0].h / NS_POLE, k->mode, &k->scale[0].kernel);
         f->cache.first_h = k->scale[0].h;
-        f->cache.bytes += status == NS_OK ? k->scale[0].kernel->bytes : 0;
     }
+    if (status == NS_OK)
+        status = fill_flows(f, k, 0);
+    f->cache.bytes += status == NS_OK ? k->scale[0].kernel->bytes : 0;
     ns_exact_kernel_free(probe);
     free(room);
     free(rate);

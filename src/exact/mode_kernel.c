@@ -83,6 +83,7 @@ void ns_exact_kernel_free(ns_mode_kernel *kernel) {
     free(kernel->always_zero);
     free(kernel->step_x_lambda);
     free(kernel->x_lambda_now);
+    free(kernel->flow_powers);
     free(kernel);
 }
 

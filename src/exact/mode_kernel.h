@@ -42,6 +42,11 @@ typedef struct ns_mode_kernel {
     double *value;       /* q*rows: at tau = 0 */
     double *rate;        /* q*rows: their rates */
     double *second_rate; /* q*rows: the rates of those */
+
+    /* flows.c: flows that the charges are summed from; NULL: step and D are used as they are */
+    int flows;           /* how many */
+    double *flow_powers; /* (8 flows)*q: of the Euler steps from the images D^0 ... D^7 */
+    double *flow_into;   /* r*flows: what each adds to the charges over the Euler step */
 } ns_mode_kernel;
 
 /* Builds it for a mode (m) whose commanded pairs have their bounds in s.  Errors: SINGULAR, MEMORY, NUMBER.
@@ -61,6 +66,14 @@ void ns_exact_kernel_step(const ns_mode_kernel *k, double tau, double *P);
 /* P <- P2 after P1, both r*q; advance (nv*nv): exp(h1 S), h1 the time of P1.  P may be neither. */
 void ns_exact_kernel_compose(const ns_mode_kernel *k, const double *P2, const double *P1,
                              const double *advance, double *P);
+
+/* flows.c.  The flows of a kernel, unless they are much larger than what they move.  Errors: MEMORY. */
+int ns_exact_kernel_flows(const ns_theta *s, const ns_input_states *e, ns_mode_kernel *k);
+/* As ns_exact_kernel_step() and _compose(), by flows: P (r*q) is X -> what is added to w, and behind it
+ * stands X -> the flows that this is (flows*q), flow_powers summed over the step. */
+void ns_exact_kernel_flows_step(const ns_mode_kernel *k, double tau, double *P);
+void ns_exact_kernel_flows_compose(const ns_mode_kernel *k, const double *P2, const double *P1,
+                                   const double *advance, double *P);
 
 /* exp(h S), nv*nv. */
 void ns_exact_input_matrix(const ns_input_states *e, double h, double *out);

@@ -177,7 +177,8 @@ static void multiply_steps(const ns_exact *f, ns_period *period, double *room) {
         at += all;
         period->part[period->parts++] = (ns_period_part){rows, s->map->samples};
         apply_after_product(period, r, nv, s->map->P, v, r, room, room + size);
-        memcpy(period->P, room, sizeof *room * (size + (size_t)r)); /* and c */
+        for (size_t j = 0; j < size + (size_t)r; j++) /* and c */
+            period->P[j] = room[j] + (s->map->J ? period->P[j] : 0);
         period->steps_length += s->map->h;
     }
 }

@@ -118,7 +118,7 @@ static int add_prefix(ns_exact *f, int k, double length, double done) {
     const int status = ns_exact_step_of_length(f, w->scale, k, &map);
     if (status != NS_OK)
         return status;
-    ns_exact_step_apply(w->scale->kernel, map, prefix_row(f, w->prefixes), w->X);
+    ns_exact_step_apply(f, w->scale->kernel, map, prefix_row(f, w->prefixes), w->X);
     w->prefixes += w->prefixes < NS_PREFIXES;
     copy_state(f, w->X, prefix_row(f, w->prefixes));
     w->prefix[w->prefixes - 1] = (ns_exact_prefix){done + length, length};

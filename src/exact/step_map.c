@@ -8,7 +8,7 @@
 
 static ns_step_map *allocate_map(const ns_mode_kernel *k, double h, int samples) {
     const size_t q = (size_t)k->q, nv = (size_t)k->nv, r = (size_t)k->r;
-    const size_t count = r * q + nv * nv;
+    const size_t flows = k->flow_powers ? (size_t)k->flows : 0, count = (r + flows) * q + nv * nv;
     const size_t bytes = sizeof(ns_step_map) + count * sizeof(double);
     ns_step_map *map = calloc(1, bytes);
     if (!map)
@@ -16,7 +16,8 @@ static ns_step_map *allocate_map(const ns_mode_kernel *k, double h, int samples)
     map->h = h;
     map->samples = samples;
     map->P = (double *)(void *)(map + 1);
-    map->advance = map->P + r * q;
+    map->J = flows > 0 ? map->P + r * q : NULL;
+    map->advance = map->P + (r + flows) * q;
     map->bytes = bytes;
     return map;
 }
@@ -38,16 +39,36 @@ static int is_odd(double count) {
     return count - 2 * floor(0.5 * count) != 0;
 }
 
-/* P (r*q) of any length h, from steps of the kernel's h 2^k and the rest; advance, room: nv*nv, r*q. */
+/* How many numbers P is, with the flows behind it. */
+static size_t size_of(const ns_mode_kernel *k) {
+    return ((size_t)k->r + (k->flow_powers ? (size_t)k->flows : 0)) * (size_t)k->q;
+}
+
+static void fill_short(const ns_mode_kernel *k, double tau, double *P) {
+    if (k->flow_powers)
+        ns_exact_kernel_flows_step(k, tau, P);
+    else
+        ns_exact_kernel_step(k, tau, P);
+}
+
+static void compose(const ns_mode_kernel *k, const double *P2, const double *P1, const double *advance,
+                    double *P) {
+    if (k->flow_powers)
+        ns_exact_kernel_flows_compose(k, P2, P1, advance, P);
+    else
+        ns_exact_kernel_compose(k, P2, P1, advance, P);
+}
+
+/* P of any length h, from steps of the kernel's h 2^k and the rest; advance, room: nv*nv, as P. */
 static int fill_matrix(ns_exact *f, ns_time_scale *scale, double h, double *P, double *advance,
                        double *room) {
     const ns_mode_kernel *k = scale->kernel;
-    const size_t bytes = sizeof(double) * (size_t)k->r * (size_t)k->q;
+    const size_t bytes = size_of(k) * sizeof *P;
     double count = floor(h / k->h), done = h - count * k->h;
     if (done >= k->h || done < 0)
         done = 0;
     if (done > 0 || count < 1)
-        ns_exact_kernel_step(k, done, P);
+        fill_short(k, done, P);
     for (int i = 0; count > 0 && i <= NS_MAX_EXPONENT; i++, count = floor(count / 2)) {
         ns_step_map *doubled;
         if (!is_odd(count))
@@ -57,7 +78,7 @@ static int fill_matrix(ns_exact *f, ns_time_scale *scale, double h, double *P, d
             return status;
         if (done > 0) {
             ns_exact_input_matrix(f->inputs, done, advance);
-            ns_exact_kernel_compose(k, doubled->P, P, advance, room);
+            compose(k, doubled->P, P, advance, room);
         }
         memcpy(P, done > 0 ? room : doubled->P, bytes);
         done += doubled->h;
@@ -79,6 +100,8 @@ static void fill_samples(const ns_mode_kernel *k, const double *P, const double 
             if (i == map->samples)
                 continue;
             ns_linalg_matvec(k->rows, k->r, S, P + j * r, next + j * rows);
+            for (size_t g = 0; g < rows && k->flow_powers && j < r; g++)
+                next[g + j * rows] += S[g + j * rows]; /* P is what is added */
             if (j >= r)
                 ns_linalg_matvec_add(k->rows, k->nv, S + r * rows, advance + (j - r) * (size_t)k->nv,
                                      next + j * rows);
@@ -91,7 +114,7 @@ static void fill_samples(const ns_mode_kernel *k, const double *P, const double 
 
 int ns_exact_step_sample(ns_exact *f, ns_time_scale *scale, ns_step_map *map) {
     const ns_mode_kernel *k = scale->kernel;
-    const size_t size = (size_t)k->r * (size_t)k->q, nv = (size_t)k->nv, row = (size_t)k->rows * (size_t)k->q;
+    const size_t size = size_of(k), nv = (size_t)k->nv, row = (size_t)k->rows * (size_t)k->q;
     const size_t bytes = sizeof(double) * ((size_t)map->samples + 1) * row;
     if (map->sample || map->samples == 0)
         return NS_OK;
@@ -127,10 +150,9 @@ static int count_or_free(ns_exact *f, ns_step_map *map, int status, ns_step_map 
 
 static int build_map(ns_exact *f, ns_time_scale *scale, double h, ns_step_map **out) {
     const ns_mode_kernel *k = scale->kernel;
-    const size_t size = (size_t)k->r * (size_t)k->q;
     ns_step_map *map =
         allocate_map(k, h, h <= ldexp(k->h, NS_MAX_GUARDED_EXPONENT) * 1.01 ? samples_for(k, h) : 0);
-    double *room = malloc(sizeof *room * (size + 1));
+    double *room = malloc(sizeof *room * (size_of(k) + 1));
     int status = map && room ? NS_OK : NS_E_MEMORY;
     if (status == NS_OK)
         status = fill_matrix(f, scale, h, map->P, map->advance, room);
@@ -148,7 +170,9 @@ static int build_doubled(ns_exact *f, ns_time_scale *scale, int k, ns_step_map *
     if (status == NS_OK && k > 0)
         status = ns_exact_step_of_length(f, scale, k - 1, &below);
     if (status == NS_OK && below)
-        ns_exact_kernel_compose(kernel, below->P, below->P, below->advance, map->P);
+        compose(kernel, below->P, below->P, below->advance, map->P);
+    else if (status == NS_OK && map->J)
+        ns_exact_kernel_flows_step(kernel, h, map->P);
     else if (status == NS_OK)
         memcpy(map->P, kernel->step, sizeof(double) * (size_t)kernel->r * (size_t)kernel->q);
     if (status == NS_OK)
@@ -201,18 +225,37 @@ int ns_exact_step_recurring(ns_exact *f, ns_time_scale *scale, double h, ns_step
     return status;
 }
 
-void ns_exact_step_apply(const ns_mode_kernel *k, const ns_step_map *map, const double *X, double *then) {
-    ns_linalg_matvec(k->r, k->q, map->P, X, then);
+void ns_exact_step_apply(ns_exact *f, const ns_mode_kernel *k, const ns_step_map *map, const double *X,
+                         double *then) {
+    if (map->J) {
+        double *flows = f->work.flows;
+        ns_linalg_matvec(k->flows, k->q, map->J, X, flows);
+        ns_linalg_matvec(k->r, k->flows, k->flow_into, flows, then);
+        for (int i = 0; i < k->r; i++)
+            then[i] += X[i];
+    } else {
+        ns_linalg_matvec(k->r, k->q, map->P, X, then);
+    }
     ns_linalg_matvec(k->nv, k->nv, map->advance, X + k->r, then + k->r);
 }
 
 void ns_exact_step_commit(ns_exact *f, const ns_time_scale *scale, const ns_step_map *map) {
-    ns_exact_step_apply(scale->kernel, map, f->X, f->X_next);
+    ns_exact_step_apply(f, scale->kernel, map, f->X, f->X_next);
     ns_exact_take_next(f);
     f->counts.steps++;
 }
 
-/* X moves on by tau <= h (E2). */
+/* X moves on by tau <= h (E2), summed from flows. */
+static void add_flows(ns_exact *f, const ns_mode_kernel *k, double tau) {
+    const int count = k->flows;
+    double b[NS_ORDER + 1], *powers = f->work.flows, *sum = powers + NS_ORDER * count;
+    ns_linalg_matvec(NS_ORDER * count, k->q, k->flow_powers, f->X, powers);
+    ns_modes_laguerre_steps(tau / k->g, b);
+    ns_linalg_matvec(count, NS_ORDER, powers, b + 1, sum);
+    ns_linalg_matvec_add(k->r, count, k->flow_into, sum, f->X);
+}
+
+/* The same, by D^i. */
 static void add_powers(ns_exact *f, const ns_mode_kernel *k, double tau) {
     double b[NS_ORDER + 1], *last = f->work.sum;
     ns_linalg_matvec(NS_ORDER * k->r, k->q, k->laguerre_powers, f->X, f->work.powers);
@@ -220,8 +263,6 @@ static void add_powers(ns_exact *f, const ns_mode_kernel *k, double tau) {
     ns_linalg_matvec(k->r, NS_ORDER - 1, f->work.powers + k->r, b + 2, last); /* small terms first */
     for (int i = 0; i < k->r; i++)
         f->X[i] += last[i] + b[1] * f->work.powers[i]; /* (E2) */
-    ns_inputs_states_advance(f->inputs, tau, f->X + k->r);
-    f->counts.steps++;
 }
 
 int ns_exact_step_advance(ns_exact *f, ns_time_scale *scale, double tau) {
@@ -241,7 +282,10 @@ int ns_exact_step_advance(ns_exact *f, ns_time_scale *scale, double tau) {
             return status;
         ns_exact_step_commit(f, scale, doubled);
     }
-    if (rest > 0)
-        add_powers(f, k, rest);
+    if (rest > 0) {
+        (k->flow_powers ? add_flows : add_powers)(f, k, rest);
+        ns_inputs_states_advance(f->inputs, rest, f->X + k->r);
+        f->counts.steps++;
+    }
     return NS_OK;
 }
