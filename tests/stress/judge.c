@@ -53,7 +53,9 @@ static int is_voltage(int probe) {
     return p.probe[probe].part < 0;
 }
 
-/* The largest value of each signal; the median of the runs, so that one that is out by decades does not hide.
+/* The largest value of each signal, which may lie between the instants that are compared: a ring that decays
+ * between two of them is not to be right to 1e-3 of what is left of it.  The median of the runs, so that one
+ * that is out by decades does not hide.
  */
 static void find_scales(void) {
     double largest[2] = {0, 0};
@@ -61,7 +63,7 @@ static void find_scales(void) {
         double of[J_CANDIDATES];
         int count = 0;
         for (int run = 0; run < J_CANDIDATES; run++) {
-            double most = 0;
+            double most = result[run]->most[i];
             for (int k = 0; k < RUN_TIMES && done(run); k++)
                 most = fmax(most, fabs(*value_of(run, k, 1, i)));
             int at = done(run) ? count++ : -1;

@@ -113,13 +113,21 @@ static double voltage(const way *w, int node) {
     return node == 0 ? 0 : w->x[ns_circuit_node_unknown(w->built.circuit, w->built.node[node])];
 }
 
+static double value_of(const way *w, const plan_probe *q) {
+    return q->part >= 0 ? w->x[ns_circuit_current_unknown(w->built.circuit, w->built.id[q->part])]
+                        : voltage(w, q->node[0]) - voltage(w, q->node[1]);
+}
+
+static void note_largest(way *w) {
+    for (int i = 0; i < w->p->probes; i++)
+        w->r->most[i] = fmax(w->r->most[i], fabs(value_of(w, &w->p->probe[i])));
+}
+
 static void note_values(way *w, int at) {
     double *value = w->r->value + at * w->p->probes;
-    for (int i = 0; i < w->p->probes; i++) {
-        const plan_probe *q = &w->p->probe[i];
-        value[i] = q->part >= 0 ? w->x[ns_circuit_current_unknown(w->built.circuit, w->built.id[q->part])]
-                                : voltage(w, q->node[0]) - voltage(w, q->node[1]);
-    }
+    for (int i = 0; i < w->p->probes; i++)
+        value[i] = value_of(w, &w->p->probe[i]);
+    note_largest(w);
 }
 
 /* From trial to trial as a waveform does, values on the way. */
@@ -138,8 +146,11 @@ static int go_by_steps(way *w) {
             note_devices(w, run_band_time(w->p, at));
         }
         /* points that last for no time, as the right side of an event, are passed over */
-        if (reached - t > BRIEF * w->p->step && ns_march_read(w->march, NULL, w->x, w->lambda, NULL) == NS_OK)
-            note_devices(w, reached);
+        if (ns_march_read(w->march, NULL, w->x, w->lambda, NULL) == NS_OK) {
+            note_largest(w);
+            if (reached - t > BRIEF * w->p->step)
+                note_devices(w, reached);
+        }
         ns_march_accept(w->march);
         w->r->t = t = reached;
     }

@@ -44,6 +44,7 @@ typedef struct run_result {
     double wrong_sign, wrong_t;
     int wrong_part;
     double value[RUN_TIMES * RUN_BAND * PLAN_PROBES]; /* by time, place in the band, probe */
+    double most[PLAN_PROBES];                         /* of each probe, at these and where trials ended */
     run_shown shown[PLAN_PROBES];                     /* only by ngspice */
 } run_result;
 
