@@ -173,26 +173,29 @@ static int leaves_open(ns_theta *s, int size) {
 
 /* At the operating point an inductor is a short: how it shares a current with a closed switch is
  * undetermined, and all of it flows in the inductor when the switch has any resistance.  So the problem is
- * solved again with leaks: around zero, which determines everything, then twice around the answer so far,
- * which leaves the square and the cube of their fraction on the rest.  What leaks leave open too floats.  If
- * there is no such answer the exact one is kept. */
+ * solved again with leaks: around zero, which determines everything, then twice or more around the answer so
+ * far, which leaves the square, the cube, and so on, of their fraction on the rest.  What leaks leave open
+ * too floats.  If there is no such answer the exact one is kept. */
 static int find_dc_of_leaks(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
                             ns_mode *mode) {
+    enum { LEAST_ROUNDS = 3, MOST_ROUNDS = 6 };
     static const double fraction = 1e-8;
     const int size = s->s->n + s->s->m + nhold;
-    int status = NS_OK;
-    for (int round = 0; round < 3 && status == NS_OK; round++) {
+    for (int round = 1; round <= MOST_ROUNDS; round++) {
+        int status = NS_OK;
         form_dc(s, z, nhold, hold, hold_x);
-        add_leaks(s, 1, size, fraction, round > 0);
+        add_leaks(s, 1, size, fraction, round > 1);
         if (leaves_open(s, size))
             status = ns_theta_floating_dc(s, nhold, hold);
         if (status == NS_OK)
             status = solve_lcp(s, 1, size, mode);
+        if (status != NS_OK)
+            return status;
+        form_dc(s, z, nhold, hold, hold_x);
+        if (round >= LEAST_ROUNDS && is_exact(s, size))
+            return NS_OK;
     }
-    if (status != NS_OK)
-        return status;
-    form_dc(s, z, nhold, hold, hold_x);
-    return is_exact(s, size) ? NS_OK : NS_E_RESIDUAL;
+    return NS_E_RESIDUAL;
 }
 
 int ns_theta_lcp_dc(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
