@@ -54,6 +54,13 @@ two_meanings() {
     find src codemodels include -name '*.[ch]' | sort | xargs awk -f tests/rooms/tags.awk
 }
 
+# A function that only its own definition names.
+unused() {
+    symbols src | awk '$3 == "T" {print $2}' | sort >"$tmp/functions"
+    find src codemodels tests -name '*.c' | xargs grep -owhE 'ns_[a-z0-9_]+' | sort | uniq -c | awk '$1 == 1 {print $2}' |
+        comm -12 - "$tmp/functions"
+}
+
 check() {
     rule 'rooms use only rooms below them, engines never each other' read_symbols arrows src
     rule 'no circle of files inside a room' read_symbols circles src
@@ -62,6 +69,7 @@ check() {
     rule 'no file includes a header of a room above it' read_includes
     rule 'nothing in src/ includes a header of ngspice' ngspice_in_src
     rule 'a tag or a type has one meaning' two_meanings
+    rule 'every external function is called' unused
 }
 
 # figures_of TREE: "WHAT: NUMBER" lines.  The paths of tests come from $tmp/renamed: OLD NEW, where a file moved.

@@ -194,10 +194,6 @@ int ns_ladder_contradiction(const ns_ladder *l) {
     return l->contradiction;
 }
 
-long ns_ladder_events(const ns_ladder *l) {
-    return l->events;
-}
-
 void ns_ladder_counts(const ns_ladder *l, ns_counts *counts) {
     counts->events += l->events;
     counts->jumps += l->jump.jumps;

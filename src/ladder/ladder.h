@@ -54,7 +54,6 @@ int ns_ladder_operating_point(ns_ladder *l, double t0, int nhold, const int *hol
 
 /* The pair whose switch contradicted itself when the last call failed with LIMIT, else -1. */
 int ns_ladder_contradiction(const ns_ladder *l);
-long ns_ladder_events(const ns_ladder *l); /* resolved so far */
 /* Adds to counts: events resolved, jumps taken, and jumps that the impulse problem had no answer for, so far.
  */
 void ns_ladder_counts(const ns_ladder *l, ns_counts *counts);

@@ -238,16 +238,6 @@ void ns_march_dense_let_hand_over(ns_engine *e, ns_dense_handover may) {
     run_of(e)->may_hand_over = may;
 }
 
-int ns_march_dense_is_exact(const ns_engine *e) {
-    return run_in(e)->exact != NULL;
-}
-
-int ns_march_dense_rests(const ns_engine *e, double *t) {
-    const ns_dense_run *r = run_in(e);
-    *t = r->accepted.now.t;
-    return r->started && !r->has_trial && !r->accepted.at_event;
-}
-
 /* The exact engine looks for itself what the input does at the left side of an event; so it gets one. */
 static int set_input(ns_engine *e, int input, const ns_signal *signal) {
     ns_dense_run *r = run_of(e);

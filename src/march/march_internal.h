@@ -51,14 +51,11 @@ typedef enum ns_dense_handover {
     NS_HANDS_OVER_OFTEN  /* there, and where it fails too often */
 } ns_dense_handover;
 
-/* dense_run.c: whether trials may end with LIMIT; 1 if the last one did; 1 if there is an exact engine; 1 if
- * it is started, has no trial, and its accepted point, of *t, is not the left side of an event. */
+/* dense_run.c: when trials may end with LIMIT; 1 if the last one did. */
 void ns_march_dense_let_hand_over(ns_engine *e, ns_dense_handover may);
 int ns_march_dense_hands_over(const ns_engine *e);
 /* The start made last was one amid a trial. */
 void ns_march_dense_carry_start(ns_engine *e);
-int ns_march_dense_is_exact(const ns_engine *e);
-int ns_march_dense_rests(const ns_engine *e, double *t);
 
 /* counts.c: sum += counts, each field. */
 void ns_march_add_counts(ns_counts *sum, const ns_counts *counts);
