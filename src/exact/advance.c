@@ -89,10 +89,14 @@ static int take_step(ns_exact *f, double rest, double *done, ns_exact_step *step
     ns_step_map *map;
     ns_time_scale *scale = ns_exact_mode_time_scale(f, &until);
     const double room = until - (f->state.now.t - f->state.last_event_t);
-    const int status = choose_step(f, scale, room > 0 && room < rest ? room : rest, &map, &h);
+    double most = room > 0 && room < rest ? room : rest;
+    step->scale = scale;
+    int status = scale->kernel->rows > 0 ? ns_exact_long_step(f, scale, &most, done) : NS_OK;
+    if (status != NS_OK || *done > 0)
+        return status;
+    status = choose_step(f, scale, most, &map, &h);
     if (status != NS_OK)
         return status;
-    step->scale = scale;
     if (map)
         return take_kept_step(f, scale, map, done, step);
     if (scale->kernel->rows > 0)

@@ -62,6 +62,18 @@ int ns_exact_event_samples_hold(const double *s, int rows, int samples) {
     return 1;
 }
 
+int ns_exact_event_samples_above(const ns_mode_kernel *k, const double *s, int samples, const double *bound) {
+    for (int g = 0; g < k->rows; g++) {
+        double curvature, least = s[g + samples * k->rows];
+        (void)is_clear(s + g, k->rows, samples, &curvature);
+        for (int i = 0; i < samples; i++)
+            least = ns_lower(least, s[g + i * k->rows]);
+        if (!k->always_zero[g] && !(least - bound[g] > curvature / 4))
+            return 0;
+    }
+    return 1;
+}
+
 /* What guard g may be off by; 64 times that where it broke in this mode and the same mode was selected again:
  * rounding decides then, and either mode is right. */
 static double break_tolerance(const ns_exact *f, const ns_mode_kernel *k, int g) {

@@ -10,11 +10,13 @@
  *   sample.c          a point on the way of a trial    create.c          this struct
  *   charge_rates.c    what an Euler step adds to the charges
  *   fallback.c        for how long the ladder goes on instead
+ *   fast_parts.c      what rings, as parts of X   long_steps.c      steps longer than a ring
  */
 #ifndef NS_EXACT_INTERNAL_H
 #define NS_EXACT_INTERNAL_H
 
 #include "exact.h"
+#include "fast_parts.h"
 #include "inputs/time_events.h"
 #include "mode_kernel.h"
 #include "periodic_map.h"
@@ -58,11 +60,13 @@ typedef struct ns_cached_step {
 /* Steps short enough for what has not died out `from` seconds after a discontinuity. */
 struct ns_time_scale {
     double h, from;                            /* s */
+    int rings;                                 /* 1: what is fast rings; 0: it dies, and is soon over */
     ns_mode_kernel *kernel;                    /* NULL: not needed yet */
     double searched_steps;                     /* short steps searched for events one by one */
     ns_step_map *doubled[NS_MAX_EXPONENT + 1]; /* steps of h 2^k */
     ns_cached_step cached[NS_CACHED_STEPS];    /* steps of other lengths */
     int recent;                                /* the place in `cached` asked for last */
+    ns_fast_parts *fast;                       /* NULL: not needed yet */
 };
 
 /* A mode that followed once; the guards (bits, of the first 64) that were undecided when it was accepted. */
@@ -111,9 +115,18 @@ typedef struct ns_exact_quiet {
     uint64_t guards;           /* bits, of the first 64 */
 } ns_exact_quiet;
 
+/* Steps longer than their samples (long_steps.c): which to try next. */
+typedef struct ns_exact_long {
+    const ns_time_scale *scale; /* on this time scale; NULL: on none yet */
+    double event_t;             /* s: since this event */
+    int exponent;               /* of the step to try next */
+    int wait, misses;           /* so many steps not to try; in a row */
+} ns_exact_long;
+
 /* What a trial changes, restored when it is dropped. */
 typedef struct ns_exact_past {
     ns_exact_quiet quiet;    /* nobody looks ahead again where this holds */
+    ns_exact_long longer;    /* steps longer than their samples */
     double fallback_until;   /* s: the ladder steps up to there */
     double fallback_length;  /* s: of that stretch */
     int has_no_matrices;     /* 1: the mode of the point cannot be built */
@@ -261,6 +274,8 @@ ns_time_scale *ns_exact_mode_reach(ns_exact *f, ns_exact_mode *k, int i);
 /* step_map.c: the step of h 2^k, without samples; the kept step of a length that recurs, NULL (and OK) if it
  * was never asked for; adds samples to a step.  Errors: MEMORY. */
 int ns_exact_step_of_length(ns_exact *f, ns_time_scale *scale, int k, ns_step_map **out);
+/* The step of h 2^k, with samples for kernel steps of `spacing`, anew. */
+int ns_exact_step_spaced(ns_exact *f, ns_time_scale *scale, int k, double spacing, ns_step_map **out);
 int ns_exact_step_recurring(ns_exact *f, ns_time_scale *scale, double h, ns_step_map **out);
 int ns_exact_step_sample(ns_exact *f, ns_time_scale *scale, ns_step_map *map);
 void ns_exact_step_free(ns_step_map *map);
@@ -285,6 +300,8 @@ int ns_exact_event_in_step(ns_exact *f, const ns_time_scale *scale, const ns_ste
 int ns_exact_event_within(ns_exact *f, const ns_time_scale *scale, double tau, double *when);
 /* 1 if all guards (rows) surely hold at and between all samples ((samples+1) rows). */
 int ns_exact_event_samples_hold(const double *s, int rows, int samples);
+/* 1 if all guards but those that are always zero stay above a bound (rows) of each. */
+int ns_exact_event_samples_above(const ns_mode_kernel *k, const double *s, int samples, const double *bound);
 /* c: the coefficients of (E1) at i/NS_INTERVALS of s Euler steps. */
 void ns_exact_event_intervals(double s, double (*c)[NS_ORDER]);
 
@@ -318,6 +335,11 @@ int ns_exact_output_at(ns_exact *f, double t, ns_side side, double *X, double *x
 
 /* fallback.c: the ladder has the next event, and what follows for some time. */
 void ns_exact_fallback_start(ns_exact *f);
+
+/* long_steps.c: a step of one time scale that is longer than its samples, of at most *rest: *done is how far
+ * X moved; 0: no such step is worth it, or guards come near zero; then *rest is how long others may be.
+ * Errors: MEMORY. */
+int ns_exact_long_step(ns_exact *f, ns_time_scale *scale, double *rest, double *done);
 
 /* advance.c: one step, to t at the latest.  Errors: MEMORY; LIMIT: no steps are left. */
 int ns_exact_advance(ns_exact *f, double t, ns_exact_step *step);

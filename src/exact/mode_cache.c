@@ -14,6 +14,9 @@
 /* A rate a has died out after 40/a: exp(-40) is rounding.  Rates of two time scales differ by 16 at least. */
 static const double DIES_OUT = 40, MIN_RATIO = 16;
 
+/* A rate rings if it is so many times its real part. */
+static const double RINGING = 4;
+
 static unsigned hash_of(const ns_mode *mode, int m) {
     unsigned hash = 2166136261u; /* FNV-1a */
     for (int j = 0; j < m; j++)
@@ -23,6 +26,7 @@ static unsigned hash_of(const ns_mode *mode, int m) {
 
 static void free_time_scale(ns_time_scale *scale) {
     ns_exact_kernel_free(scale->kernel);
+    ns_exact_fast_free(scale->fast);
     for (int k = 0; k <= NS_MAX_EXPONENT; k++)
         ns_exact_step_free(scale->doubled[k]);
     for (int k = 0; k < NS_CACHED_STEPS; k++)
@@ -51,7 +55,7 @@ static size_t bytes_of(const ns_exact *f, const ns_exact_mode *k) {
     size_t sum = sizeof *k + (size_t)f->system->m;
     for (int i = 0; i < NS_TIME_SCALES; i++) {
         const ns_time_scale *scale = &k->scale[i];
-        sum += scale->kernel ? scale->kernel->bytes : 0;
+        sum += (scale->kernel ? scale->kernel->bytes : 0) + ns_exact_fast_bytes(scale->fast);
         for (int j = 0; j <= NS_MAX_EXPONENT; j++)
             sum += scale->doubled[j] ? scale->doubled[j]->bytes : 0;
         for (int j = 0; j < NS_CACHED_STEPS; j++)
@@ -129,14 +133,6 @@ static int list_rates(const ns_exact *f, const ns_mode_kernel *kernel, ns_mode_r
     return count;
 }
 
-/* h of a kernel for this rate: the ladder's h times a power of two. */
-static double length_for(const ns_exact *f, double rate) {
-    const double longest = 256 * f->h;
-    if (!(rate > 0) || NS_REACH / rate >= longest)
-        return longest;
-    return ldexp(f->h, (int)floor(log2(NS_REACH / rate / f->h)));
-}
-
 /* Where many short steps follow each other their rounding must not add up: on scales much faster than the
  * ladder, but the last. */
 static int fill_flows(ns_exact *f, const ns_exact_mode *k, int i) {
@@ -174,8 +170,9 @@ static void list_time_scales(const ns_exact *f, ns_exact_mode *k, const ns_mode_
     while (k->scales < NS_TIME_SCALES) {
         const double size = i < count ? rate[i].size : 0;
         k->scale[k->scales].from = from;
-        k->scale[k->scales++].h = length_for(f, size);
+        k->scale[k->scales++].h = ns_exact_kernel_length(f->h, size);
         while (i < count && rate[i].size * MIN_RATIO > size) { /* these are one time scale */
+            k->scale[k->scales - 1].rings |= rate[i].size * rate[i].dies > RINGING * DIES_OUT;
             from = fmax(from, rate[i].dies);
             i++;
         }

@@ -368,3 +368,10 @@ int ns_exact_kernel_rates(const ns_mode_kernel *k, double *re, double *im) {
     }
     return status;
 }
+
+double ns_exact_kernel_length(double h, double rate) {
+    const double longest = 256 * h;
+    if (!(rate > 0) || NS_REACH / rate >= longest)
+        return longest;
+    return ldexp(h, (int)floor(log2(NS_REACH / rate / h)));
+}

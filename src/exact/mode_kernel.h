@@ -78,6 +78,9 @@ void ns_exact_kernel_flows_compose(const ns_mode_kernel *k, const double *P2, co
 /* exp(h S), nv*nv. */
 void ns_exact_input_matrix(const ns_input_states *e, double h, double *out);
 
+/* Longest step of a kernel for rates (1/s) up to this: h, the ladder's, times a power of two. */
+double ns_exact_kernel_length(double h, double rate);
+
 /* The rates of the mode, 1/s: re, im (r each); infinite ones are -INFINITY, 0.  Errors: MEMORY, NUMBER. */
 int ns_exact_kernel_rates(const ns_mode_kernel *k, double *re, double *im);
 

@@ -28,10 +28,10 @@ void ns_exact_step_free(ns_step_map *map) {
     free(map);
 }
 
-/* So many that guards are smooth from one to the next: four steps of the kernel apart at most, two intervals
+/* So many that guards are smooth from one to the next: four steps of a kernel apart at most, two intervals
  * at least. */
-static int samples_for(const ns_mode_kernel *k, double h) {
-    return k->rows == 0 ? 0 : (int)fmin(NS_SAMPLES, fmax(2, ceil(h / (4 * k->h) - 1e-9)));
+static int samples_for(const ns_mode_kernel *k, double step, double h) {
+    return k->rows == 0 ? 0 : (int)fmin(NS_SAMPLES, fmax(2, ceil(h / (4 * step) - 1e-9)));
 }
 
 /* count: a whole number >= 0.  fmod() takes as long as a step. */
@@ -151,7 +151,7 @@ static int count_or_free(ns_exact *f, ns_step_map *map, int status, ns_step_map 
 static int build_map(ns_exact *f, ns_time_scale *scale, double h, ns_step_map **out) {
     const ns_mode_kernel *k = scale->kernel;
     ns_step_map *map =
-        allocate_map(k, h, h <= ldexp(k->h, NS_MAX_GUARDED_EXPONENT) * 1.01 ? samples_for(k, h) : 0);
+        allocate_map(k, h, h <= ldexp(k->h, NS_MAX_GUARDED_EXPONENT) * 1.01 ? samples_for(k, k->h, h) : 0);
     double *room = malloc(sizeof *room * (size_of(k) + 1));
     int status = map && room ? NS_OK : NS_E_MEMORY;
     if (status == NS_OK)
@@ -165,7 +165,8 @@ static int build_doubled(ns_exact *f, ns_time_scale *scale, int k, ns_step_map *
     const ns_mode_kernel *kernel = scale->kernel;
     const double h = ldexp(kernel->h, k);
     ns_step_map *below = NULL,
-                *map = allocate_map(kernel, h, k <= NS_MAX_GUARDED_EXPONENT ? samples_for(kernel, h) : 0);
+                *map = allocate_map(kernel, h,
+                                    k <= NS_MAX_GUARDED_EXPONENT ? samples_for(kernel, kernel->h, h) : 0);
     int status = map ? NS_OK : NS_E_MEMORY;
     if (status == NS_OK && k > 0)
         status = ns_exact_step_of_length(f, scale, k - 1, &below);
@@ -177,6 +178,19 @@ static int build_doubled(ns_exact *f, ns_time_scale *scale, int k, ns_step_map *
         memcpy(map->P, kernel->step, sizeof(double) * (size_t)kernel->r * (size_t)kernel->q);
     if (status == NS_OK)
         ns_exact_input_matrix(f->inputs, h, map->advance);
+    return count_or_free(f, map, status, out);
+}
+
+int ns_exact_step_spaced(ns_exact *f, ns_time_scale *scale, int k, double spacing, ns_step_map **out) {
+    const ns_mode_kernel *kernel = scale->kernel;
+    const double h = ldexp(kernel->h, k);
+    ns_step_map *same;
+    const int status = ns_exact_step_of_length(f, scale, k, &same);
+    ns_step_map *map = status == NS_OK ? allocate_map(kernel, h, samples_for(kernel, spacing, h)) : NULL;
+    if (!map)
+        return status == NS_OK ? NS_E_MEMORY : status;
+    memcpy(map->P, same->P, sizeof(double) * size_of(kernel));
+    memcpy(map->advance, same->advance, sizeof(double) * (size_t)kernel->nv * (size_t)kernel->nv);
     return count_or_free(f, map, status, out);
 }
 

@@ -288,6 +288,17 @@ int ns_linalg_eigenvalues(int n, double *a, double *re, double *im) {
     return info == 0 ? NS_OK : NS_E_NUMBER;
 }
 
+int ns_linalg_eigenvectors(int n, double *a, double *re, double *im, double *left, double *right) {
+    if (n == 0)
+        return NS_OK;
+    if (!ns_linalg_finite((size_t)n * (size_t)n, a))
+        return NS_E_NUMBER;
+    const lapack_int info = LAPACKE_dgeev(LAPACK_COL_MAJOR, 'V', 'V', n, a, n, re, im, left, n, right, n);
+    if (info == LAPACK_WORK_MEMORY_ERROR)
+        return NS_E_MEMORY;
+    return info == 0 ? NS_OK : NS_E_NUMBER;
+}
+
 void ns_linalg_exchange(int p, int q, double *T, int row, int col, double cancelled) {
     double *e = T + (size_t)col * (size_t)p;
     const double pivot = e[row];

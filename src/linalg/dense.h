@@ -56,6 +56,10 @@ int ns_linalg_finite(size_t n, const double *x);
  * convergence). */
 int ns_linalg_eigenvalues(int n, double *a, double *re, double *im);
 
+/* The same with left and right eigenvectors (n*n each), the real and the imaginary part of a pair in two
+ * columns: u conjugated times a is the eigenvalue times u conjugated. */
+int ns_linalg_eigenvectors(int n, double *a, double *re, double *im, double *left, double *right);
+
 /* y = T x, p*q with leading dimension p, solved for x_col in its row: the table after y_row and x_col have
  * changed places.  A sum within cancelled of its first term becomes 0. */
 void ns_linalg_exchange(int p, int q, double *T, int row, int col, double cancelled);
