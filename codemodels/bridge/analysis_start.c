@@ -37,10 +37,11 @@ static int check_version(ns_session *s) {
     return error;
 }
 
-/* ngspice would add these conductances to the matrix that we fill. */
+/* ngspice would add this conductance to the matrix that we fill. */
 static int check_options(const ns_session *s) {
-    if (s->ckt->enh->rshunt_data.enabled || s->ckt->CKTgshunt != 0.0) {
-        ns_bridge_report_error("options rshunt and gshunt are not supported");
+    if (s->ckt->CKTgshunt != 0.0) {
+        ns_bridge_report_error("option gshunt = %g is not supported: write rshunt = %g", s->ckt->CKTgshunt,
+                               1.0 / s->ckt->CKTgshunt);
         return E_UNSUPP;
     }
     return OK;

@@ -5,6 +5,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "ngspice/enh.h"
+
 #include "analog.h"
 #include "elements.h"
 #include "foreign.h"
@@ -218,6 +220,26 @@ static int read_nodes(ns_extract_walk *w) {
     return OK;
 }
 
+/* .options rshunt: a resistor from each node to ground.  ngspice would add them to the matrix that we fill;
+ * it keeps their conductance where it is told not to. */
+static int read_shunts(ns_extract_walk *w) {
+    CKTcircuit *ckt = w->ckt;
+    char name[160];
+    int status = NS_OK;
+    ckt->enh->rshunt_data.enabled = MIF_FALSE;
+    if (!(ckt->enh->rshunt_data.gshunt > 0.0))
+        return OK;
+    for (const CKTnode *node = ckt->CKTnodes; node && !status; node = node->next) {
+        if (node->type != SP_VOLTAGE || ns_circuit_node_unknown(w->ex->circuit, node->number) < 0)
+            continue;
+        snprintf(name, sizeof name, "rshunt of node %.120s", node->name);
+        status = ns_circuit_resistor(w->ex->circuit, name, node->number, 0,
+                                     1.0 / ckt->enh->rshunt_data.gshunt, NULL);
+    }
+    ns_bridge_extract_mix(w, &ckt->enh->rshunt_data.gshunt, sizeof ckt->enh->rshunt_data.gshunt);
+    return status ? refuse_status(w, "rshunt", status) : OK;
+}
+
 /* reltol of .options, where the model has none.  1e-3 is ngspice's default: it cannot be seen whether it was
  * given. */
 static void choose_reltol(ns_extract_walk *w) {
@@ -242,7 +264,7 @@ int ns_bridge_extract_read(CKTcircuit *ckt, ns_extract_sources sources, const ns
         return refuse_status(&w, "", status);
     for (int eq = 0; eq < ex->neq; eq++)
         ex->element[eq] = -1;
-    if (!read_all_options(&w) && !read_all(&w) && !read_nodes(&w))
+    if (!read_all_options(&w) && !read_all(&w) && !read_nodes(&w) && !read_shunts(&w))
         choose_reltol(&w);
     return ex->error;
 }

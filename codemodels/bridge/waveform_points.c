@@ -65,6 +65,13 @@ static int next_of_digital(ns_session *s, ns_waveform_point *p) {
     return status;
 }
 
+/* A point that ngspice cannot tell from the end is the end: from there it would make steps of length 0. */
+static void end_at_stop(const ns_session *s, ns_waveform_point *p) {
+    const double stop = s->ckt->CKTfinalTime;
+    if (stop - p->t < 0.5 * ns_bridge_timepoints_closeness(&s->loop.points))
+        p->t = stop;
+}
+
 /* The point after the accepted one. */
 static int choose_next(ns_session *s) {
     ns_waveform_point *p = &s->next.point;
@@ -83,8 +90,10 @@ static int choose_next(ns_session *s) {
     else
         status = ns_waveform_next(w, find_latest(s), p);
     s->next.held = !status;
-    if (s->next.held)
+    if (s->next.held) {
+        end_at_stop(s, p);
         ns_bridge_many_points_count(&s->analysis, p, s->ckt->CKTfinalTime);
+    }
     return fail(s, status);
 }
 
