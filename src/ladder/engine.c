@@ -111,9 +111,21 @@ int ns_ladder_go(ns_ladder *l, const ns_ladder_stop *stop, int *done) {
     return status;
 }
 
-int ns_ladder_restart(ns_ladder *l, double t0, const double *w0) {
+/* Commands in the guess become those of the start. */
+static void set_guess(ns_ladder *l, ns_mode *guess) {
+    for (int c = 0; c < l->s->nc; c++) {
+        const int pair = l->s->command[c].pair;
+        guess[pair] = ns_theta_mode(l->step)[pair];
+    }
+    ns_theta_set_mode(l->step, guess);
+}
+
+int ns_ladder_restart(ns_ladder *l, double t0, const double *w0, ns_mode *guess) {
     l->point->now = (ns_clock){t0, 0};
-    return ns_theta_start(l->step, w0, l->closed);
+    const int status = ns_theta_start(l->step, w0, l->closed);
+    if (status == NS_OK && guess)
+        set_guess(l, guess);
+    return status;
 }
 
 int ns_ladder_start(ns_ladder *l, double t0, const double *w0, const unsigned char *closed) {

@@ -39,8 +39,9 @@ int ns_ladder_go(ns_ladder *l, const ns_ladder_stop *stop, int *done);
 /* A start at t0 from charges and fluxes w0 (n): commanded switches as in closed (nc; NULL: open) but for
  * those that a function of time changes.  Errors: NULL, NUMBER. */
 int ns_ladder_start(ns_ladder *l, double t0, const double *w0, const unsigned char *closed);
-/* The same start again, with the switches as ns_ladder_toggle() left them. */
-int ns_ladder_restart(ns_ladder *l, double t0, const double *w0);
+/* The same start again, with the switches as ns_ladder_toggle() left them, in the mode guess (m; NULL: none)
+ * but for these. */
+int ns_ladder_restart(ns_ladder *l, double t0, const double *w0, ns_mode *guess);
 /* The consistent point there, by short steps and the impulse problem. */
 int ns_ladder_find_consistent(ns_ladder *l);
 /* Switches that the state contradicts change; returns how many. */

@@ -10,12 +10,12 @@ static ns_dense_run *run_of(ns_engine *e) {
     return (ns_dense_run *)(void *)e;
 }
 
-static int find_consistent(ns_dense_run *r, double t0, const double *w0) {
+static int find_consistent(ns_dense_run *r, double t0, const double *w0, ns_mode *guess) {
     ns_march_dense_clear_instant(r);
-    int status = ns_ladder_restart(r->ladder, t0, w0);
+    int status = ns_ladder_restart(r->ladder, t0, w0, guess);
     if (status != NS_OK)
         return status;
-    status = r->exact ? ns_exact_find_consistent(r->exact) : NS_E_STATE;
+    status = r->exact ? ns_exact_find_consistent(r->exact, guess != NULL) : NS_E_STATE;
     if (status == NS_OK || status == NS_E_MEMORY)
         return status;
     return ns_ladder_find_consistent(r->ladder);
@@ -24,11 +24,12 @@ static int find_consistent(ns_dense_run *r, double t0, const double *w0) {
 /* Commanded switches that the state contradicts change, and the start is made again from the same w0.  A set
  * of switches that does not come to an end chatters: it is left to the steps, unless one with hysteresis
  * contradicts itself (LIMIT). */
-static int start_switches(ns_dense_run *r, double t0, const double *w0, const unsigned char *closed) {
+static int start_switches(ns_dense_run *r, double t0, const double *w0, const unsigned char *closed,
+                          ns_mode *guess) {
     int status = ns_ladder_start(r->ladder, t0, w0, closed);
     for (int round = 0; status == NS_OK && round <= 2 * r->s->nc + 1; round++) {
         memset(r->trial.flip, 0, (size_t)r->s->nc);
-        status = find_consistent(r, t0, w0);
+        status = find_consistent(r, t0, w0, guess);
         if (status == NS_OK && !ns_ladder_toggle(r->ladder))
             break;
     }
@@ -38,19 +39,23 @@ static int start_switches(ns_dense_run *r, double t0, const double *w0, const un
     return status;
 }
 
-int ns_march_dense_start(ns_engine *e, double t0, const double *w0, const unsigned char *closed) {
-    ns_dense_run *r = run_of(e);
+/* guess (m): a mode that is kept if it holds, NULL: none. */
+static int start(ns_dense_run *r, double t0, const double *w0, const unsigned char *closed, ns_mode *guess) {
     r->trial.now.t = t0;
     r->started = r->has_trial = r->carries = 0;
     if (!isfinite(t0) || !(t0 + r->options.h > t0))
         return ns_march_dense_fail(r, NS_E_NUMBER);
-    const int status = start_switches(r, t0, w0, closed);
+    const int status = start_switches(r, t0, w0, closed, guess);
     if (status != NS_OK)
         return ns_march_dense_fail(r, status);
     r->started = r->has_trial = 1;
     const int accepted = ns_march_dense_accept(r);
     r->way_from = t0;
     return accepted;
+}
+
+int ns_march_dense_start(ns_engine *e, double t0, const double *w0, const unsigned char *closed) {
+    return start(run_of(e), t0, w0, closed, NULL);
 }
 
 static int start_dc(ns_dense_run *r, double t0, int nhold, const int *hold, const double *hold_x, double *x,
@@ -61,7 +66,8 @@ static int start_dc(ns_dense_run *r, double t0, int nhold, const int *hold, cons
     if (status != NS_OK)
         return ns_march_dense_fail(r, status);
     ns_system_charges(r->s, x, w0);
-    return ns_march_dense_start(&r->engine, t0, w0, NULL);
+    return start(r, t0, w0, NULL,
+                 mode); /* where several modes hold, as in a latch, that of the operating point */
 }
 
 int ns_march_dense_start_dc(ns_engine *e, double t0, int nhold, const int *hold, const double *hold_x,
