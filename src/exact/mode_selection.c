@@ -204,18 +204,17 @@ static int try_candidates(ns_exact *f, int by_guard, int *goes_on) {
     return status == NS_GUARD ? solve_impulse(f) : status;
 }
 
-int ns_exact_select_start(ns_exact *f, int has_guess) {
-    int goes_on = 0, status = NS_GUARD;
+int ns_exact_select_start(ns_exact *f) {
+    int goes_on = 0, status = NS_OK;
     f->state.mode = NULL;
     f->state.event_time_error = 0;
     f->event_guard = -1;
     read_inputs_after(f);
-    if (has_guess) { /* of several modes that hold, the one */
-        memcpy(f->wanted, ns_theta_mode(f->s), (size_t)f->system->m);
-        status = try_wanted(f, NS_EVIDENCE_NONE, &goes_on);
-    }
-    for (int round = 0; round < 4 && (status == NS_OK ? goes_on : round == 0 && status == NS_GUARD); round++)
+    for (int round = 0; round < 4; round++) {
         status = solve_lcp_proposals(f, &goes_on);
+        if (status != NS_OK || !goes_on)
+            break;
+    }
     if (status == NS_GUARD || goes_on)
         status = solve_impulse(f);
     if (status != NS_OK)

@@ -15,7 +15,7 @@ static int find_consistent(ns_dense_run *r, double t0, const double *w0, ns_mode
     int status = ns_ladder_restart(r->ladder, t0, w0, guess);
     if (status != NS_OK)
         return status;
-    status = r->exact ? ns_exact_find_consistent(r->exact, guess != NULL) : NS_E_STATE;
+    status = r->exact ? ns_exact_find_consistent(r->exact) : NS_E_STATE;
     if (status == NS_OK || status == NS_E_MEMORY)
         return status;
     return ns_ladder_find_consistent(r->ladder);
