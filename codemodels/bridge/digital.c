@@ -59,7 +59,7 @@ static double value_of(const ns_session *s, const ns_digital_input *in) {
 
 int ns_bridge_digital_begin(ns_session *s) {
     static const double near = 1e-13; /* rounding */
-    enum { FIRST_POINTS = 2 }; /* from 42 on ngspice does not show the first one to its parts */
+    enum { FIRST_POINTS = 2 };        /* from 42 on ngspice does not show the first one to its parts */
     ns_digital *d = digital_of(s);
     if (!ns_bridge_digital_is(d))
         return NS_OK;
@@ -94,6 +94,8 @@ int ns_bridge_digital_is_stale(const ns_session *s) {
 void ns_bridge_digital_load(ns_session *s) {
     ns_digital *d = digital_of(s);
     double t = 0.0;
+    if (!ns_bridge_digital_is(d))
+        return;
     const unsigned char *crossed = ns_march_crossed(s->analysis.march);
     if (crossed && !d->crossed && ns_march_read(s->analysis.march, &t, NULL, NULL, NULL) == NS_OK &&
         (s->ckt->CKTtime >= t || ns_bridge_timepoints_same(s->ckt->CKTtime, t))) {

@@ -37,7 +37,7 @@ typedef struct ns_digital {
     ns_digital_output *output; /* noutputs */
     ns_threshold *threshold;   /* 2 ninputs: work */
     int crossed;               /* a threshold was crossed at ngspice's present point */
-    int short_steps;           /* how many points come at once: at the start, after a crossing beside another */
+    int short_steps; /* how many points come at once: at the start, after a crossing beside another */
 } ns_digital;
 
 /* Reads an instance of a code model of this name that has digital terminals; EXTRACT_REFUSED. */
@@ -48,5 +48,7 @@ void ns_bridge_digital_clear(ns_digital *d);
 static inline int ns_bridge_digital_is(const ns_digital *d) {
     return d->ninputs > 0 || d->noutputs > 0;
 }
+/* 1 if something else than an adc_bridge has an analog input: d_osc, for example. */
+int ns_bridge_digital_has_others(const ns_digital *d);
 
 #endif

@@ -178,6 +178,13 @@ int ns_bridge_digital_state(const Mif_Port_Data_t *port) {
     return value && value->state >= ZERO && value->state <= UNKNOWN ? (int)value->state : (int)UNKNOWN;
 }
 
+int ns_bridge_digital_has_others(const ns_digital *d) {
+    int others = 0;
+    for (int k = 0; k < d->ninputs; k++)
+        others = others || !d->input[k].is_bridge;
+    return others;
+}
+
 void ns_bridge_digital_clear(ns_digital *d) {
     free(d->input);
     free(d->output);

@@ -80,6 +80,7 @@ int ns_bridge_session_load(ns_session *s) {
     int error;
     if (ns_bridge_single_load_begin(s)) {
         load_tran(s);
+        ns_bridge_digital_load(s);
         ns_bridge_single_load_end(s);
         return OK;
     }
@@ -96,7 +97,7 @@ int ns_bridge_session_load(ns_session *s) {
         return end_dc(s->ckt, error);
     take_back_doubts(s);
     check_sources(s);
-    if (s->analysis.march && ns_bridge_digital_is(&s->analysis.ex.digital))
+    if (s->analysis.march)
         ns_bridge_digital_load(s);
     ns_bridge_force_apply(&s->force, s->ckt->CKTrhs);
     return OK;

@@ -37,12 +37,19 @@ static int watch_names(const CKTcircuit *ckt) {
     return names->compare_func == compare_keys;
 }
 
+/* In that mode a code model finds in its new states not those of the point before, as it should at the first
+ * load of a point, but those that stood there last.  ngspice rotates them before it loads. */
+static void keep_states(const CKTcircuit *ckt) {
+    memcpy(ckt->CKTstates[ckt->CKTmaxOrder + 1], ckt->CKTstate0,
+           (size_t)ckt->CKTnumStates * sizeof *ckt->CKTstate0);
+}
+
 void ns_bridge_single_load_arm(ns_session *s) {
     CKTcircuit *ckt = s->ckt;
     /* at t = 0 the first load makes the matrix ready, and the states */
     if (!s->analysis.march || !s->trial.made || s->failed || s->analysis.ex.restless ||
-        ns_bridge_digital_is(&s->analysis.ex.digital) || s->source_check.pending || !(ckt->CKTtime > 0.0) ||
-        !watch_names(ckt))
+        ns_bridge_digital_has_others(&s->analysis.ex.digital) || s->source_check.pending ||
+        !(ckt->CKTtime > 0.0) || !watch_names(ckt))
         return;
     if (armed) /* another circuit, stopped */
         ns_bridge_single_load_forget(armed);
@@ -50,6 +57,8 @@ void ns_bridge_single_load_arm(ns_session *s) {
     s->single_load.armed = 1;
     armed = s;
     ckt->CKTmode = skip;
+    if (ns_bridge_digital_is(&s->analysis.ex.digital))
+        keep_states(ckt);
 }
 
 int ns_bridge_single_load_begin(ns_session *s) {
