@@ -1,13 +1,28 @@
 /* src/waveform/deviation.c - how far the waveform is from the straight line of a segment, and its integral
- * from the trapezoid below that line. */
+ * from the trapezoid below that line.
+ *
+ * The values that are looked at lie one after another in a row (ns_waveform_seen()), and so do all numbers
+ * about them, with zeros to the next multiple of NS_WIDE behind the last: loops take NS_WIDE at once. */
+#include "linalg/simd.h"
 #include "waveform_internal.h"
 
 #include <math.h>
 #include <string.h>
 
+#define WIDE(p, i) (*(ns_simd_wide *)((p) + (i)))
+#define CONST_WIDE(p, i) (*(const ns_simd_wide *)((p) + (i)))
+
+void ns_waveform_note_row(ns_waveform *w, double *row) {
+    double *seen = row + w->seen_at;
+    for (int i = 0; i < w->looked; i++)
+        seen[i] = row[w->signal[i]];
+    w->integrated = 0;
+}
+
 void ns_waveform_note_size(ns_waveform *w, const double *row) {
+    const double *seen = ns_waveform_seen(w, row);
     for (int i = 0; i < w->looked; i++) {
-        const double size = fabs(row[w->signal[i]]);
+        const double size = fabs(seen[i]);
         if (size <= w->largest[i])
             continue;
         w->largest[i] = size;
@@ -18,7 +33,7 @@ void ns_waveform_note_size(ns_waveform *w, const double *row) {
 
 /* What values of signal i may be off by: rounding. */
 static double noise_of(const ns_waveform *w, int i) {
-    return fmax(fmax(w->noise * w->kind_largest[w->kind[i]], w->floor[w->kind[i]]), w->rounding[i]);
+    return ns_higher(ns_higher(w->noise * w->kind_largest[w->kind[i]], w->floor[w->kind[i]]), w->rounding[i]);
 }
 
 static void update_tolerances(ns_waveform *w) {
@@ -30,58 +45,80 @@ static void update_tolerances(ns_waveform *w) {
 }
 
 int ns_waveform_differ(ns_waveform *w, const double *a, const double *b) {
+    const double *left = ns_waveform_seen(w, a), *right = ns_waveform_seen(w, b);
     update_tolerances(w);
     for (int i = 0; i < w->looked; i++)
-        if (fabs(a[w->signal[i]] - b[w->signal[i]]) * w->per_tolerance[i] > 0.1)
+        if (fabs(left[i] - right[i]) * w->per_tolerance[i] > 0.1)
             return 1;
     return 0;
+}
+
+/* The signal of which off (NS_WIDE, from signal i on) is the largest of all, if that is above *most. */
+static void take_most(ns_waveform *w, int i, const double *off, double *most) {
+    for (int k = 0; k < NS_WIDE; k++)
+        if (off[k] > *most) {
+            *most = off[k];
+            w->worst = i + k;
+        }
 }
 
 /* The largest distance at the probes, as a part of what is allowed; of a parabola, whose middle may lie
  * between them, the largest of all. */
 static double distance(ns_waveform *w, const ns_segment *g) {
-    const double *a = g->at[0].v, *b = g->at[g->last].v;
+    const double *a = ns_waveform_seen(w, g->at[0].v), *b = ns_waveform_seen(w, g->at[g->last].v);
     const double t0 = g->at[0].t, length = g->at[g->last].t - t0;
     double most = 0, parabola = 0.25;
     for (int j = 1; j < g->last; j++) {
-        const double *v = g->at[j].v, part = (g->at[j].t - t0) / length;
+        const double *v = ns_waveform_seen(w, g->at[j].v), part = (g->at[j].t - t0) / length;
         parabola = fmax(parabola, 4 * part * (1 - part));
-        for (int i = 0; i < w->looked; i++) {
-            const int at = w->signal[i];
-            const double off = fabs(v[at] - a[at] - part * (b[at] - a[at])) * w->per_tolerance[i];
-            if (off > most) {
-                most = off;
-                w->worst = i;
-            }
+        for (int i = 0; i < w->looked; i += NS_WIDE) {
+            const ns_simd_wide from = CONST_WIDE(a, i), over = CONST_WIDE(v, i) - from;
+            const ns_simd_wide off =
+                (over - part * (CONST_WIDE(b, i) - from)) * CONST_WIDE(w->per_tolerance, i);
+            double size[NS_WIDE];
+            WIDE(size, 0) = NS_WIDE_SIZE(off);
+            take_most(w, i, size, &most);
         }
     }
     return most / parabola;
 }
 
+/* 1 if w->own and w->own_error are those of g. */
+static int is_integrated(const ns_waveform *w, const ns_segment *g) {
+    int same = w->integrated == g->last;
+    for (int j = 0; same && j <= g->last; j++)
+        same = w->integrated_row[j] == g->at[j].v && w->integrated_t[j] == g->at[j].t;
+    return same;
+}
+
 /* Integrals over a segment of the absolute value (w->own) and of the distance from the line (w->own_error),
  * by trapezoids between the probes. */
 static void integrate(ns_waveform *w, const ns_segment *g) {
-    const double *a = g->at[0].v, *b = g->at[g->last].v;
+    const double *v[NS_PROBES];
+    double part[NS_PROBES], weight[NS_PROBES];
     const double t0 = g->at[0].t, per_length = 1 / (g->at[g->last].t - t0);
-    memset(w->own, 0, sizeof *w->own * (size_t)w->looked);
-    memset(w->own_error, 0, sizeof *w->own_error * (size_t)w->looked);
+    if (is_integrated(w, g))
+        return;
     for (int j = 0; j <= g->last; j++) {
-        const double *v = g->at[j].v, part = (g->at[j].t - t0) * per_length;
         const double before = j > 0 ? g->at[j - 1].t : t0, after = g->at[j < g->last ? j + 1 : j].t;
-        const double weight = 0.5 * (after - before);
-        for (int i = 0; i < w->looked; i++) {
-            const int at = w->signal[i];
-            w->own[i] += weight * fabs(v[at]);
-            w->own_error[i] += weight * (v[at] - a[at] - part * (b[at] - a[at]));
-        }
+        v[j] = ns_waveform_seen(w, g->at[j].v);
+        part[j] = (g->at[j].t - t0) * per_length;
+        weight[j] = 0.5 * (after - before);
+        w->integrated_row[j] = g->at[j].v;
+        w->integrated_t[j] = g->at[j].t;
     }
-}
-
-/* What a segment adds to the distance of integrals beyond half of what its own integral allows; with its
- * sign: over a ring these cancel. */
-static double excess(const ns_waveform *w, int i) {
-    const double allowed = 0.5 * w->lines * w->own[i], error = w->own_error[i];
-    return error > allowed ? error - allowed : error < -allowed ? error + allowed : 0;
+    w->integrated = g->last;
+    for (int i = 0; i < w->looked; i += NS_WIDE) {
+        const ns_simd_wide from = CONST_WIDE(v[0], i), rise = CONST_WIDE(v[g->last], i) - from;
+        ns_simd_wide own = {0}, error = {0};
+        for (int j = 0; j <= g->last; j++) {
+            const ns_simd_wide value = CONST_WIDE(v[j], i);
+            own += weight[j] * NS_WIDE_SIZE(value);
+            error += weight[j] * (value - from - part[j] * rise);
+        }
+        WIDE(w->own, i) = own;
+        WIDE(w->own_error, i) = error;
+    }
 }
 
 /* Of the half that is shared out since the last event, what a line of signal i of this length may take: an
@@ -90,23 +127,26 @@ static double excess(const ns_waveform *w, int i) {
  * since: the integral since the event; rest: of that half. */
 static double shared_out(const ns_waveform *w, int i, double length, double since, double rest) {
     static const double of_rest = 0.2, kept = 0.1;
-    const double most = w->lines * since, even = fmin(sqrt(w->lines) / 3 * most, of_rest * rest);
+    const double most = w->lines * since, even = ns_lower(sqrt(w->lines) / 3 * most, of_rest * rest);
     if (!w->is_first)
         return even;
     const double as_at_end = w->lines * fabs(w->at_end[w->signal[i]]) * length;
-    return fmax(even, fmin(as_at_end, of_rest * (rest - kept * most)));
+    return ns_higher(even, ns_lower(as_at_end, of_rest * (rest - kept * most)));
 }
 
 /* The distance of integrals since the last event, as a part of what is allowed: half of it by the segment's
  * own integral; the other half, by the integral since the event or while it lasts, is shared out. */
 static double integral_distance(ns_waveform *w, const ns_segment *g) {
+    static const double least = 1e-6; /* less is not told apart */
     const double end = g->at[g->last].t, length = end - g->at[0].t;
     const double time = fmin(1, (w->end - w->event_t) / fmax(end - w->start_t, length));
-    double most = 0;
+    double most = least;
     integrate(w, g);
     for (int i = 0; i < w->looked; i++) {
-        const double since = fmax(w->since_event[i] + w->own[i], (w->total[i] + w->own[i]) * time);
-        const double rest = fmax(0.5 * w->lines * since - fabs(w->error[i]), 0);
+        if (fabs(w->own_error[i]) <= least * 0.5 * w->lines * w->own[i])
+            continue;
+        const double since = ns_higher(w->since_event[i] + w->own[i], (w->total[i] + w->own[i]) * time);
+        const double rest = ns_higher(0.5 * w->lines * since - fabs(w->error[i]), 0);
         const double allowed =
             0.5 * w->lines * w->own[i] + shared_out(w, i, length, since, rest) + noise_of(w, i) * length;
         const double error = fabs(w->own_error[i]);
@@ -140,15 +180,15 @@ static double square_allowed(const ns_waveform *w, int i, double a, double t, do
  */
 static double square_distance(ns_waveform *w, const ns_segment *g) {
     static const double of_rest = 0.1;
-    const double *a = g->at[0].v, *b = g->at[g->last].v, t = g->at[0].t, length = g->at[g->last].t - t;
+    const double *a = ns_waveform_seen(w, g->at[0].v), *b = ns_waveform_seen(w, g->at[g->last].v);
+    const double t = g->at[0].t, length = g->at[g->last].t - t;
     double most = 0;
     for (int i = 0; i < w->looked; i++) {
-        const int at = w->signal[i];
         const double noise = noise_of(w, i);
         const double rest = fmax(0.5 * w->squares * w->square[i] - w->square_error[i], 0);
         const double allowed =
-            square_allowed(w, i, a[at], t, length) + of_rest * rest + noise * noise * length;
-        const double error = square_error(a[at], b[at], length);
+            square_allowed(w, i, a[i], t, length) + of_rest * rest + noise * noise * length;
+        const double error = square_error(a[i], b[i], length);
         if (error > most * allowed) {
             most = allowed > 0 ? error / allowed : INFINITY;
             w->worst = i;
@@ -172,8 +212,13 @@ double ns_waveform_deviation(ns_waveform *w, const ns_segment *g) {
     return fmax(off, squares);
 }
 
-/* Where the parabola through a, v (at part of the way) and b turns, as a part of the way; 1: nowhere, or that
- * is not seen: it comes out by less than `seen` beyond both ends. */
+/* 1 if the parabola through a, v (at part of the way) and b turns on the way. */
+static int turns(double a, double v, double b, double part) {
+    return fabs(b - a) * (part * (1 - part)) < fabs(v - a - part * (b - a));
+}
+
+/* Where, as a part of the way; 1: nowhere, or that is not seen: it comes out by less than `seen` beyond both
+ * ends. */
 static double turn(double a, double v, double b, double part, double seen) {
     const double bend = (v - a - part * (b - a)) / (part * (part - 1)); /* a + (b-a) s + bend s (s-1) */
     const double at = 0.5 - 0.5 * (b - a) / bend;
@@ -192,15 +237,14 @@ double ns_waveform_first_turn(ns_waveform *w, const ns_segment *g) {
         return INFINITY;
     while (middle + 1 < g->last && g->at[middle + 1].t - t0 <= 0.5 * length)
         middle++;
-    const double *a = g->at[0].v, *v = g->at[middle].v, *b = g->at[g->last].v;
+    const double *a = ns_waveform_seen(w, g->at[0].v), *v = ns_waveform_seen(w, g->at[middle].v);
+    const double *b = ns_waveform_seen(w, g->at[g->last].v);
     const double part = (g->at[middle].t - t0) / length;
     update_tolerances(w);
-    for (int i = 0; i < w->looked; i++) {
-        const int at = w->signal[i];
-        if (w->per_tolerance[i] > 0)
-            first = fmin(first,
-                         turn(a[at], v[at], b[at], part, fmax(seen / w->per_tolerance[i], w->rounding[i])));
-    }
+    for (int i = 0; i < w->looked; i++)
+        if (turns(a[i], v[i], b[i], part) && w->per_tolerance[i] > 0)
+            first =
+                fmin(first, turn(a[i], v[i], b[i], part, fmax(seen / w->per_tolerance[i], w->rounding[i])));
     return first < 1 && first * length > w->closest ? t0 + first * length : INFINITY;
 }
 
@@ -210,28 +254,39 @@ void ns_waveform_begin_integrals(ns_waveform *w, double t) {
     memset(w->error, 0, sizeof *w->error * (size_t)w->looked);
 }
 
+/* What it adds to the distance of integrals is what is beyond half of what its own integral allows; with its
+ * sign: over a ring these cancel. */
 void ns_waveform_add_integrals(ns_waveform *w, const ns_segment *g, double sign) {
     integrate(w, g);
-    for (int i = 0; i < w->looked; i++) {
-        w->since_event[i] += sign * w->own[i];
-        w->error[i] += sign * excess(w, i);
+    for (int i = 0; i < w->looked; i += NS_WIDE) {
+        const ns_simd_wide own = CONST_WIDE(w->own, i), error = CONST_WIDE(w->own_error, i);
+        const ns_simd_wide allowed = 0.5 * w->lines * own, below = NS_WIDE_LOWER(error, allowed);
+        const ns_simd_wide within = NS_WIDE_HIGHER(below, -allowed);
+        WIDE(w->since_event, i) += sign * own;
+        WIDE(w->error, i) += sign * (error - within);
     }
 }
 
-static void note_square(ns_waveform *w, int i, double a, double b, double t, double length) {
-    w->square_error[i] += fmax(square_error(a, b, length) - square_allowed(w, i, a, t, length), 0);
-    w->square[i] += square_between(a, b) * length;
+static void note_squares(ns_waveform *w, const ns_segment *g, const double *a, const double *b) {
+    const double t = g->at[0].t, length = g->at[g->last].t - t;
+    for (int i = 0; i < w->looked; i++) {
+        w->square_error[i] +=
+            fmax(square_error(a[i], b[i], length) - square_allowed(w, i, a[i], t, length), 0);
+        w->square[i] += square_between(a[i], b[i]) * length;
+    }
 }
 
 void ns_waveform_note_given(ns_waveform *w, const ns_segment *g) {
-    const double *a = g->at[0].v, *b = g->at[g->last].v, length = g->at[g->last].t - g->at[0].t;
+    const double *a = ns_waveform_seen(w, g->at[0].v), *b = ns_waveform_seen(w, g->at[g->last].v);
+    const double length = g->at[g->last].t - g->at[0].t;
     w->by_squares += w->squares_decide;
     integrate(w, g);
     for (int i = 0; i < w->looked; i++) {
-        const double slope = (b[w->signal[i]] - a[w->signal[i]]) / length;
+        const double slope = (b[i] - a[i]) / length;
         w->turned[i] += !g->from_event && slope * w->slope[i] < 0;
         w->slope[i] = g->jumps ? 0 : slope;
-        note_square(w, i, a[w->signal[i]], b[w->signal[i]], g->at[0].t, length);
         w->total[i] += w->own[i];
     }
+    if (w->squares > 0)
+        note_squares(w, g, a, b);
 }

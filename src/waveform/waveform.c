@@ -1,4 +1,5 @@
 /* src/waveform/waveform.c - points of a waveform: made, started, given out one by one. */
+#include "linalg/simd.h"
 #include "waveform_internal.h"
 
 #include <math.h>
@@ -22,8 +23,9 @@ static int check_options(const ns_system *s, const ns_waveform_options *o) {
 }
 
 static int allocate(ns_waveform *w) {
-    const size_t count = w->count + 1, m = (size_t)w->s->m + 1;
-    w->row_size = count + (size_t)w->taken.size;
+    const size_t count = w->count + NS_WIDE, m = (size_t)w->s->m + 1;
+    w->seen_at = w->count + 1 + (size_t)w->taken.size;
+    w->row_size = w->seen_at + count;
     w->rows = calloc(NS_ROWS * w->row_size, sizeof *w->rows);
     w->modes = calloc(NS_ROWS * m, sizeof *w->modes);
     w->signal = calloc(count, sizeof *w->signal);
@@ -142,11 +144,13 @@ static int begin(ns_waveform *w, int starts, ns_waveform_point *first) {
         return status;
     ns_waveform_put_integrals(w, row);
     memcpy(ns_waveform_mode_of(w, row), ns_march_mode(w->march), sizeof(ns_mode) * (size_t)w->s->m);
+    ns_waveform_note_row(w, row);
     g->at[0].t = w->start_t = w->accepted_t;
     ns_waveform_note_size(w, row);
     ns_waveform_begin_integrals(w, w->accepted_t);
     memset(w->total, 0, sizeof *w->total * (size_t)w->looked);
-    memset(w->square, 0, 2 * sizeof *w->square * (w->count + 1)); /* and their errors */
+    memset(w->square, 0, sizeof *w->square * (size_t)w->looked);
+    memset(w->square_error, 0, sizeof *w->square_error * (size_t)w->looked);
     memset(w->slope, 0, sizeof *w->slope * (size_t)w->looked);
     ns_waveform_forget_rounding(w);
     w->after_event = w->started = 1;
@@ -160,7 +164,8 @@ int ns_waveform_start(ns_waveform *w, ns_waveform_point *first) {
         return NS_E_NULL;
     memset(w->largest, 0, sizeof *w->largest * (size_t)w->looked);
     memset(w->kind_largest, 0, sizeof w->kind_largest);
-    memset(w->limits, 0, 2 * sizeof *w->limits * (w->count + 1)); /* and turns */
+    memset(w->limits, 0, sizeof *w->limits * (size_t)w->looked);
+    memset(w->turned, 0, sizeof *w->turned * (size_t)w->looked);
     w->stale = 1;
     w->worst = -1;
     return begin(w, 1, first);

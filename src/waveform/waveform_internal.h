@@ -40,10 +40,11 @@ struct ns_waveform {
     double lines, squares, longest, every, closest, noise; /* options, defaults filled in */
 
     /* rows */
-    size_t count;            /* n + m */
-    size_t row_size;         /* of a row: x, lambda, one more, and integrals, where a segment ends */
-    double *rows;            /* NS_ROWS row_size */
-    ns_mode *modes;          /* NS_ROWS m: of the same instants */
+    size_t count;    /* n + m */
+    size_t row_size; /* of a row: x, lambda, one more, integrals, where a segment ends, and what is seen: */
+    size_t seen_at;  /* where in it the values that are looked at lie, one after another */
+    double *rows;    /* NS_ROWS row_size */
+    ns_mode *modes;  /* NS_ROWS m: of the same instants */
     double *unused[NS_ROWS]; /* rows that nobody has */
     int unused_count;        /* how many */
 
@@ -63,7 +64,10 @@ struct ns_waveform {
     double *since_event, *total; /* of its absolute value: since the last event, since the start */
     double *error;               /* between trapezoids and waveform since the last event, summed up */
     double *own, *own_error;     /* of the segment integrated last: both */
-    double event_t, start_t;     /* s: of the last event, of the start */
+    int integrated;              /* its probes, but for the first; 0: another one was filled since */
+    const double *integrated_row[NS_PROBES];
+    double integrated_t[NS_PROBES];
+    double event_t, start_t; /* s: of the last event, of the start */
 
     ns_waveform_integrals taken; /* of others; size 0: none */
 
@@ -114,7 +118,13 @@ int ns_waveform_sample_end(ns_waveform *w, double **row);
 int ns_waveform_take_integrals(ns_waveform *w, double t);
 void ns_waveform_put_integrals(ns_waveform *w, double *row);
 
-/* deviation.c: takes in the size of a row. */
+/* The values of a row that are looked at (looked, and zeros to a multiple of NS_WIDE). */
+static inline const double *ns_waveform_seen(const ns_waveform *w, const double *row) {
+    return row + w->seen_at;
+}
+
+/* deviation.c: what is seen of a row that was filled is put together; takes in the size of a row. */
+void ns_waveform_note_row(ns_waveform *w, double *row);
 void ns_waveform_note_size(ns_waveform *w, const double *row);
 /* How far the waveform is from the line of g, and its integral from the trapezoid: 1: as far as allowed. */
 double ns_waveform_deviation(ns_waveform *w, const ns_segment *g);
