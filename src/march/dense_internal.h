@@ -33,6 +33,10 @@ typedef struct ns_dense_run {
         int end_known;            /* 1: `end` is */
         double *begin, *end, *at; /* n+m: x, lambda at its ends, and between; NULL: not needed yet */
     } way;                        /* from the accepted point to the end of a trial with NS_TO_STEP */
+    struct {
+        int known;  /* 1: of the last trial, by the exact engine */
+        double *at; /* n+m: x, lambda */
+    } sampled[2];   /* at its begin and its end, which are asked for more than once */
     ns_dense_handover may_hand_over;
     int hands_over; /* the last trial ended with LIMIT by that */
     /* what is told */

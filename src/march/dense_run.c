@@ -34,7 +34,7 @@ static void free_run(ns_engine *e) {
 static int allocate_arrays(ns_dense_run *r) {
     const size_t nc = (size_t)r->s->nc, size = (size_t)r->s->n + (size_t)r->s->m;
     r->instant.size = r->s->n + r->s->m;
-    r->instant.sum = calloc(2 * size + 1, sizeof(double));
+    r->instant.sum = calloc(4 * size + 1, sizeof(double));
     r->trial.instant = r->accepted.instant = &r->instant;
     r->past = calloc(ns_theta_past_size(r->step) + 1, sizeof(double));
     r->trial.flip = calloc(nc + 1, 1);
@@ -42,6 +42,8 @@ static int allocate_arrays(ns_dense_run *r) {
     if (!r->past || !r->trial.flip || !r->accepted.flip || !r->instant.sum)
         return NS_E_MEMORY;
     r->carried = r->instant.sum + size;
+    r->sampled[0].at = r->carried + size;
+    r->sampled[1].at = r->sampled[0].at + size;
     return NS_OK;
 }
 
@@ -112,6 +114,7 @@ static int go_to(ns_dense_run *r, double t, ns_until until) {
     int status = NS_OK, done = 0;
     r->moved = 1;
     r->way.is_line = 0;
+    r->sampled[0].known = r->sampled[1].known = 0;
     ns_ladder_begin_trial(r->ladder, t - r->trial.now.t);
     while (status == NS_OK && !done && r->trial.now.t < t) {
         if (exact_is_ready(r) && r->way.is_line && r->trial.now.t > accepted_t)
@@ -243,7 +246,7 @@ static int set_input(ns_engine *e, int input, const ns_signal *signal) {
     ns_dense_run *r = run_of(e);
     (void)signal;
     drop(e);
-    int status = ns_ladder_set_input(r->ladder);
+    int status = ns_ladder_set_input(r->ladder, input);
     if (status == NS_OK && r->exact)
         status = ns_exact_set_input(r->exact, input);
     if (status != NS_OK)

@@ -70,6 +70,21 @@ static int give(ns_dense_run *r, double t, const double *x_lambda, double *x, do
     return NS_E_OVERFLOW;
 }
 
+/* As the exact engine has it; at both ends from its second answer on as it was told. */
+static int sample_exact(ns_dense_run *r, double t, const double **x_lambda) {
+    const int end = t == r->trial.now.t, is_end = end || t == r->accepted.now.t;
+    if (is_end && r->sampled[end].known) {
+        *x_lambda = r->sampled[end].at;
+        return NS_OK;
+    }
+    const int status = ns_exact_sample(r->exact, t, x_lambda);
+    if (is_end && status == NS_OK) {
+        memcpy(r->sampled[end].at, *x_lambda, sizeof(double) * ((size_t)r->s->n + (size_t)r->s->m));
+        r->sampled[end].known = 1;
+    }
+    return status;
+}
+
 int ns_march_dense_sample(ns_engine *e, double t, double *x, double *lambda) {
     ns_dense_run *r = run_of(e);
     const double *x_lambda;
@@ -78,7 +93,7 @@ int ns_march_dense_sample(ns_engine *e, double t, double *x, double *lambda) {
         return ns_march_dense_fail(r, status);
     t = fmax(t, r->accepted.now.t);
     x_lambda = r->way.at;
-    status = r->way.is_line ? sample_line(r, t) : ns_exact_sample(r->exact, t, &x_lambda);
+    status = r->way.is_line ? sample_line(r, t) : sample_exact(r, t, &x_lambda);
     return status == NS_OK ? give(r, t, x_lambda, x, lambda) : ns_march_dense_fail(r, status);
 }
 
