@@ -87,9 +87,9 @@ void ns_inputs_stages_reset(ns_input_stages *in) {
     in->corner = in->first = -INFINITY;
 }
 
-int ns_inputs_stages_renew(ns_input_stages *in) {
+int ns_inputs_stages_renew(ns_input_stages *in, int input) {
     ns_inputs_stages_reset(in);
-    return ns_inputs_events_renew(NULL, &in->commands);
+    return ns_inputs_events_renew(NULL, input, &in->commands);
 }
 
 /* Adds the exponential of a term that has begun: (cc - i cs) (c + i s) at t. */

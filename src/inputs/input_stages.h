@@ -38,7 +38,7 @@ void ns_inputs_stages_free(ns_input_stages *in);                        /* NULL 
 void ns_inputs_stages_reset(ns_input_stages *in);
 
 /* An input of the system was replaced by another broken line.  Errors: MEMORY. */
-int ns_inputs_stages_renew(ns_input_stages *in);
+int ns_inputs_stages_renew(ns_input_stages *in, int input);
 
 /* Expands the inputs at t, from its right side. */
 void ns_inputs_stages_at(ns_input_stages *in, double t);

@@ -35,9 +35,10 @@ typedef struct ns_time_event {
 int ns_inputs_events_create(const ns_system *s, const unsigned char *active, ns_time_events **out);
 void ns_inputs_events_free(ns_time_events *s); /* NULL is allowed */
 
-/* An input of the system was replaced: *s is made anew, to be put where it is needed by a seek.  After an
- * error *s is as it was.  Errors: MEMORY. */
-int ns_inputs_events_renew(const unsigned char *active, ns_time_events **s);
+/* This input of the system was replaced: what depends on it is made anew (*s as a whole, unless it was a
+ * broken line and is one), to be put where it is needed by a seek.  After an error *s is as it was.  Errors:
+ * MEMORY. */
+int ns_inputs_events_renew(const unsigned char *active, int input, ns_time_events **s);
 
 /* To one side of t.  closed (nc, or NULL): the states of the commands there; one that contradicts its control
  * flips at t, which is the first instant then.  NULL: as the controls say there, open between off and on. */

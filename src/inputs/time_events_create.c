@@ -104,8 +104,68 @@ int ns_inputs_events_create(const ns_system *system, const unsigned char *active
     return NS_OK;
 }
 
-int ns_inputs_events_renew(const unsigned char *active, ns_time_events **s) {
+/* --- an input that is replaced --- */
+
+static void swap_lines(ns_broken_line *a, ns_broken_line *b) {
+    const ns_broken_line kept = *a;
+    *a = *b;
+    *b = kept;
+}
+
+/* 1 if an input acts on command c of the system. */
+static int acts_on(const ns_system *s, int input, int c) {
+    int acts = 0, at;
+    for (int q = 0; q < ns_inputs_gains(s, c); q++)
+        acts |= ns_inputs_gain(s, c, q, &at) != 0 && at == input;
+    return acts;
+}
+
+/* The commands on which the input acts, made anew: in made (commands), others stay zero. */
+static int create_commands(const ns_time_events *s, int input, ns_switch_times *made) {
+    int status = NS_OK;
+    for (int k = 0; k < s->commands && status == NS_OK; k++)
+        if (acts_on(s->s, input, s->command_index[k]))
+            status = ns_inputs_switch_create(s->s, s->command_index[k], s->line, &made[k]);
+    return status;
+}
+
+static void swap_commands(ns_time_events *s, ns_switch_times *made) {
+    for (int k = 0; k < s->commands; k++) {
+        const ns_switch_times old = s->command[k];
+        if (!made[k].line)
+            continue;
+        s->command[k] = made[k];
+        made[k] = old;
+    }
+}
+
+/* A broken line in place of another one: what does not depend on it stays. */
+static int renew_line(ns_time_events *s, int input) {
+    ns_switch_times *made = calloc((size_t)s->commands + 1, sizeof *made);
+    ns_broken_line old = s->line[input];
+    int status = made ? ns_system_line_create(&s->s->z[input], &s->line[input]) : NS_E_MEMORY;
+    if (status == NS_OK) {
+        status = create_commands(s, input, made);
+        if (status == NS_OK)
+            swap_commands(s, made);
+        else
+            swap_lines(&s->line[input], &old);
+        ns_system_line_free(&old);
+    } else {
+        s->line[input] = old;
+    }
+    for (int k = 0; made && k < s->commands; k++)
+        ns_inputs_switch_free(&made[k]);
+    free(made);
+    if (status == NS_OK)
+        ns_inputs_events_seek(s, 0, NS_RIGHT, NULL);
+    return status;
+}
+
+int ns_inputs_events_renew(const unsigned char *active, int input, ns_time_events **s) {
     ns_time_events *now;
+    if ((*s)->line[input].piece && ns_signal_is_linear(&(*s)->s->z[input]))
+        return renew_line(*s, input);
     const int status = ns_inputs_events_create((*s)->s, active, &now);
     if (status != NS_OK)
         return status;

@@ -80,9 +80,9 @@ static void look_at_corner(ns_ladder *l) {
     l->point->at_event = l->point->input_jumps = 1;
 }
 
-int ns_ladder_set_input(ns_ladder *l) {
+int ns_ladder_set_input(ns_ladder *l, int input) {
     l->corner = -INFINITY;
-    const int status = ns_inputs_events_renew(NULL, &l->commands);
+    const int status = ns_inputs_events_renew(NULL, input, &l->commands);
     if (status == NS_OK && !l->point->at_event)
         look_at_corner(l);
     return status;

@@ -16,7 +16,7 @@ void ns_ladder_free(ns_ladder *l);
 
 /* An input of the system was replaced at the point, where that begins to count.  If it jumps there, or
  * switches a command, the point is the left side of an event.  Errors: MEMORY. */
-int ns_ladder_set_input(ns_ladder *l);
+int ns_ladder_set_input(ns_ladder *l, int input);
 
 /* A trial begins, which may take as many steps as its length dt (s) allows; it is accepted; it is dropped. */
 void ns_ladder_begin_trial(ns_ladder *l, double dt);

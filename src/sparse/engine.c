@@ -232,7 +232,7 @@ int ns_sparse_set_input(ns_engine *e, int input, const ns_signal *signal) {
     (void)input;
     (void)signal;
     ns_sparse_drop(e);
-    const int status = m->o.theta > 0 ? NS_E_STATE : ns_inputs_stages_renew(m->in);
+    const int status = m->o.theta > 0 ? NS_E_STATE : ns_inputs_stages_renew(m->in, input);
     if (status != NS_OK)
         return ns_sparse_fail(m, m->accepted.t, status);
     ns_dense_step *step = m->accepted.step;
