@@ -154,6 +154,12 @@ static double line_next(const ns_line *g, double t) {
     return t + 2 * ns_system_signal_slack(t, g->origin); /* periods too short to tell apart */
 }
 
+/* 1 if t is beyond all points of a PWL that is not repeated: it stays at the last one. */
+static int is_over(const ns_signal *s, double t) {
+    const double end = s->u.pwl.td + s->u.pwl.t[s->u.pwl.n - 1];
+    return isnan(s->u.pwl.repeat) && t - ns_system_signal_slack(t, s->u.pwl.td) >= end;
+}
+
 static double sin_value(const ns_signal *s, double t) {
     static const double pi = 3.14159265358979323846;
     double since = fmax(0, t - s->u.sin.td), turns = s->u.sin.freq * since + s->u.sin.phase / 360;
@@ -220,6 +226,9 @@ double ns_signal_value(const ns_signal *s, double t, ns_side side) {
         g = pulse_line(s, &p);
         return line_value(&g, t, side);
     case NS_PWL:
+        if (is_over(s, t)) {
+            return s->u.pwl.v[s->u.pwl.n - 1];
+        }
         g = pwl_line(s);
         return line_value(&g, t, side);
     case NS_SIN:
