@@ -14,6 +14,14 @@ here=$(cd "$(dirname "$0")" && pwd)
 CM=$(readlink -f "${NONSMOOTH_CM:-$here/../../build/nonsmooth.cm}") || exit 2
 NGSPICE=${NGSPICE:-ngspice} TIME_LIMIT=${TIME_LIMIT:-30}
 
+# text_of RAW: the header of a binary raw file, and its numbers as text.
+text_of() {
+    LC_ALL=C sed '/^Binary:/q' "$1"
+    begin=$(LC_ALL=C grep -abo -m1 '^Binary:' "$1" | cut -d: -f1)
+    count=$(LC_ALL=C sed -n 's/^No. Variables: *//p;/^Binary:/q' "$1")
+    tail -c "+$((begin + 9))" "$1" | od -A n -v -t f8 -w$((8 * count))
+}
+
 # simulate NETLIST NAME: NAME.out, NAME.cpu (s, its start included), NAME.means; fails if it did not get to its end.
 simulate() {
     rm -f "$2.raw" "$2.means"
@@ -23,7 +31,7 @@ simulate() {
     )
     tail -n 1 "$2.times" | tr 'ms' '  ' | awk '{ printf "%.2f\n", 60 * ($1 + $3) + $2 + $4 }' >"$2.cpu"
     [ -s "$2.raw" ] && grep -q '^No. of Data Rows' "$2.out" && ! grep -qi 'aborted' "$2.out" || return 1
-    LC_ALL=C awk -f "$here/means.awk" "$2.raw" >"$2.means"
+    text_of "$2.raw" | LC_ALL=C awk -f "$here/means.awk" >"$2.means"
     rm -f "$2.raw"
     [ -s "$2.means" ]
 }
@@ -40,7 +48,7 @@ one() {
     if [ ! -f "$file" ]; then echo "absent $name"; return; fi
     dir=$SCRATCH/$(echo "$name" | tr '/ #' '___')
     mkdir -p "$dir" && cd "$dir" || exit 2
-    printf '%s\n' "codemodel '$CM'" "setcs sourcepath = ( \$sourcepath '$(dirname "$CM")' )" 'set filetype=ascii' 'set norefvalue' \
+    printf '%s\n' "codemodel '$CM'" "setcs sourcepath = ( \$sourcepath '$(dirname "$CM")' )" 'set norefvalue' \
         ${3:+"set ngbehavior=$3"} >.spiceinit
     LC_ALL=C awk -v "block=$block" -f "$here/flatten.awk" "$file" >own.cir
     echo .end >>own.cir
