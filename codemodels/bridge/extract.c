@@ -220,13 +220,14 @@ static int read_nodes(ns_extract_walk *w) {
     return OK;
 }
 
-/* .options rshunt: a resistor from each node to ground.  ngspice would add them to the matrix that we fill;
- * it keeps their conductance where it is told not to. */
+/* .options rshunt: a resistor from each node to ground.  ngspice would add them to the matrix that we fill,
+ * were there nodes to do so.  It counts the nodes anew before each analysis, unless there is no option: then
+ * KLU looks for what the last count left. */
 static int read_shunts(ns_extract_walk *w) {
     CKTcircuit *ckt = w->ckt;
     char name[160];
     int status = NS_OK;
-    ckt->enh->rshunt_data.enabled = MIF_FALSE;
+    ckt->enh->rshunt_data.num_nodes = 0;
     if (!(ckt->enh->rshunt_data.gshunt > 0.0))
         return OK;
     for (const CKTnode *node = ckt->CKTnodes; node && !status; node = node->next) {
