@@ -59,7 +59,7 @@ static double value_of(const ns_session *s, const ns_digital_input *in) {
 
 int ns_bridge_digital_begin(ns_session *s) {
     static const double near = 1e-13; /* rounding */
-    enum { FIRST_POINTS = 2 };        /* from 42 on ngspice does not show the first one to its parts */
+    enum { FIRST_POINTS = 2 };        /* some versions of ngspice do not show the first one to its parts */
     ns_digital *d = digital_of(s);
     if (!ns_bridge_digital_is(d))
         return NS_OK;

@@ -136,13 +136,8 @@ static int count_functions(void) {
 
 /* What follows the table may look like a function: only KLU's three count. */
 static int table_differs(void) {
-    enum { OF_KLU = 3 };
     const int more = count_functions() - CORE_FUNCTIONS;
-#ifdef KLU
-    return more < 0;
-#else
-    return more < 0 || (NGSPICE_MAJOR >= 42 && more == OF_KLU);
-#endif
+    return more < 0 || ns_bridge_versions_more_of_klu(more);
 }
 
 int ns_bridge_loaded_is_other(void) {

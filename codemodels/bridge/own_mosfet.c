@@ -82,7 +82,7 @@ static void write_vdmos(VDMOSinstance *v, CKTcircuit *ckt, double amperes, const
     double *state = ckt->CKTstate0;
     state[v->VDMOSvgs] = sign * (value[v->VDMOSgNode] - value[v->VDMOSsNode]);
     state[v->VDMOSvds] = sign * (value[v->VDMOSdNode] - value[v->VDMOSsNode]);
-    state[v->VDIOvoltage] = sign * (value[v->VDMOSsNode] - value[v->VDMOSdNode]); /* 47 asks for it */
+    state[v->VDIOvoltage] = sign * (value[v->VDMOSsNode] - value[v->VDMOSdNode]); /* some ngspices ask */
     v->VDMOScd = sign * amperes;
 }
 

@@ -85,7 +85,7 @@ static double breakdown_of(const DIOinstance *d, const DIOmodel *model) {
                                : model->DIObreakdownVoltage * (1.0 - model->DIOtcv * dt);
 }
 
-/* At its temperature.  Where none is given, 42 and others take one that only helps them converge. */
+/* At its temperature.  Where none is given, some versions take one that only helps them converge. */
 static double series_of(const DIOinstance *d, const DIOmodel *model) {
     const int given = model->DIOresistGiven && model->DIOresist > 0.0;
     return given && d->DIOtConductance > 0.0 ? 1.0 / d->DIOtConductance : 0.0;

@@ -11,7 +11,9 @@
 #include "own_show.h"
 #include "report.h"
 #include "show.h"
+#include "shown.h"
 #include "taken.h"
+#include "versions.h"
 
 static int is_dc(const CKTcircuit *ckt) {
     return (ckt->CKTmode & MODEDC) != 0;
@@ -147,6 +149,9 @@ int ns_bridge_session_accept(ns_session *s) {
         else
             s->failed = s->analysis.waveform ? ns_bridge_waveform_look_ahead(s, first)
                                              : ns_bridge_look_ahead(s, first);
+        if (!ns_bridge_versions_hooks_shown() &&
+            (!ckt->CKThead[TYPE_MOS1] || ns_bridge_shown_no_parameters(ckt)))
+            ns_bridge_single_load_arm(s);
     }
     return OK;
 }

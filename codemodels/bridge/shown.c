@@ -45,6 +45,14 @@ int ns_bridge_shown_read(const CKTcircuit *ckt, int neq, unsigned char *shown) {
     return known;
 }
 
+int ns_bridge_shown_no_parameters(const CKTcircuit *ckt) {
+    const runDesc *run = plot_of(ckt);
+    int none = run != NULL;
+    for (int i = 0; none && i < run->numData; i++)
+        none = run->data[i].regular;
+    return none;
+}
+
 int ns_bridge_shown_interpolated(const CKTcircuit *ckt, int given) {
     const runDesc *run = plot_of(ckt);
     return run && run->pointCount < given;

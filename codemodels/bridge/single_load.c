@@ -6,6 +6,10 @@
  * says that; the load, ours as the last, takes it back and leaves the solution there.  What the loads of C
  * and L do for a solution in any other mode, the states behind @c1[i] and @l1[flux], is done here.
  *
+ * Without CIDER ngspice does not say when a point was shown: then it is made ready at the accept before. What
+ * is shown is read in between.  C and M have a current in any mode, if the analysis is not said to be .tran;
+ * a MOS1 whose parameters are shown has none of its gate then, and is loaded twice.
+ *
  * The run may be stopped in between, and C shows no current in that mode.  A code model is not informed of a
  * stop; but every command that asks for a device by its name, or alters one, looks it up in ngspice's table
  * of names. Until the next load the comparison of keys of this table is ours, and takes the mode back. */
@@ -57,6 +61,8 @@ void ns_bridge_single_load_arm(ns_session *s) {
     s->single_load.armed = 1;
     armed = s;
     ckt->CKTmode = skip;
+    if (!ns_bridge_versions_hooks_shown())
+        ckt->CKTcurrentAnalysis = 0; /* ngspice sets it before the next load */
     if (ns_bridge_digital_is(&s->analysis.ex.digital))
         keep_states(ckt);
 }
@@ -112,6 +118,8 @@ void ns_bridge_single_load_end(ns_session *s) {
 void ns_bridge_single_load_forget(ns_session *s) {
     if (s->single_load.armed) {
         s->ckt->CKTmode = s->single_load.mode;
+        if (!s->ckt->CKTcurrentAnalysis)
+            s->ckt->CKTcurrentAnalysis = DOING_TRAN;
         armed = NULL;
     }
     s->single_load.armed = 0;

@@ -100,10 +100,8 @@ static int add_source(ns_extract_walk *w, GENinstance *inst, ns_output kind, int
 
 int ns_bridge_sources_vsource(ns_extract_walk *w, GENinstance *inst) {
     const VSRCinstance *v = (const VSRCinstance *)inst;
-#ifdef RFSPICE
-    if (v->VSRCisPort)
+    if (ns_bridge_versions_is_port(v))
         return ns_bridge_extract_refuse(w, inst, "an RF port is not supported");
-#endif
     return add_source(w, inst, NS_VOLTAGE, v->VSRCposNode, v->VSRCnegNode, v->VSRCbranch);
 }
 

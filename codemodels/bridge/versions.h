@@ -13,6 +13,7 @@
 
 #include "maths/sparse/spdefs.h"
 #include "spicelib/devices/isrc/isrcdefs.h"
+#include "spicelib/devices/vsrc/vsrcdefs.h"
 
 #ifndef NGSPICE_MAJOR
 #error "NGSPICE_MAJOR is not defined: the Makefile reads it from ngspice's config.h"
@@ -21,7 +22,7 @@
 #error "TYPE_DIO and others are not defined: the Makefile reads them from ngspice's dev.c"
 #endif
 
-/* --- with CIDER: a call after each point that is shown; without, points are loaded twice --- */
+/* --- with CIDER: a call after each point that is shown; without, the accept before it is the last one --- */
 
 static inline void ns_bridge_versions_hook_shown(SPICEdev *type, void (*shown)(GENmodel *, CKTcircuit *)) {
 #ifdef CIDER
@@ -32,6 +33,14 @@ static inline void ns_bridge_versions_hook_shown(SPICEdev *type, void (*shown)(G
 #endif
 }
 
+static inline int ns_bridge_versions_hooks_shown(void) {
+#ifdef CIDER
+    return 1;
+#else
+    return 0;
+#endif
+}
+
 /* --- 42: SMPmatrix is a struct with the matrix of Sparse and, where KLU was configured, that of KLU --- */
 
 static inline const struct MatrixFrame *ns_bridge_versions_sparse(const SMPmatrix *matrix) {
@@ -39,6 +48,18 @@ static inline const struct MatrixFrame *ns_bridge_versions_sparse(const SMPmatri
     return matrix->SPmatrix;
 #else
     return matrix;
+#endif
+}
+
+/* 1 if that many functions in ngspice's table for code models, beyond those of the headers, are what KLU adds
+ * to it, which the headers do not have. */
+static inline int ns_bridge_versions_more_of_klu(int more) {
+#ifdef KLU
+    (void)more;
+    return 0;
+#else
+    enum { OF_KLU = 3 };
+    return NGSPICE_MAJOR >= 42 && more == OF_KLU;
 #endif
 }
 
@@ -63,6 +84,17 @@ static inline int ns_bridge_versions_klu(const SMPmatrix *matrix, ns_versions_kl
 #else
     (void)matrix;
     (void)klu;
+    return 0;
+#endif
+}
+
+/* --- with RFSPICE: V may be a port --- */
+
+static inline int ns_bridge_versions_is_port(const VSRCinstance *v) {
+#ifdef RFSPICE
+    return v->VSRCisPort;
+#else
+    (void)v;
     return 0;
 #endif
 }
