@@ -137,7 +137,7 @@ binary=$(binary_version)
 if [ -n "$src" ]; then
     check_tree
     # Its configuration may change while its name stays.
-    wanted="$src $(cksum <"$config" 2>/dev/null || true)"
+    wanted="$src $(cksum 2>/dev/null <"$config" || true)"
 else
     wanted=$(installed_version)
 fi

@@ -10,8 +10,8 @@
 # Verdicts as tests/netlist/run.sh, then tables:
 #   versions/V netlists (klu)    the whole of tests/netlist/run.sh; where KLU was configured, a second time with .options klu
 #   versions/V points            each of netlists/*.cir takes as many timepoints as on the first ngspice
-#   versions/V cpu               the instructions of a long run (where perf does not count them: its CPU time) over those of a
-#                                plain RC circuit with as many points, at most 10 % more than on the first ngspice (least of several runs)
+#   versions/V cpu               the instructions of a timepoint over those of a timepoint of a plain RC circuit, at most 10 %
+#                                more than on the first ngspice; counted by valgrind
 #   versions/V host              tests/host/session.c with the library of that version
 #   versions/V sources           built with another version's PULSE, it refuses a source whose meaning has changed
 #   versions/A into B            models of A loaded into B: one line, no crash; also of the same version with another KLU,
@@ -24,6 +24,7 @@
 # how:     and, for libngspice, `with-library`, a script that runs its arguments with that version's libngspice.so.0
 # Environment: JOBS, TIME_LIMIT (as tests/netlist/run.sh), ONLY (verdicts whose name has this, "netlists"), CPU_RUNS (5),
 # NAMES (of tests/netlist/run.sh, "default cases/ errors/ cookbook/ README"; none: all).
+# At the end a table of all of it, one line for each version.  It takes five minutes on two processors for each version.
 set -u
 cd "$(dirname "$0")/../.." || exit 2
 top=$PWD
@@ -32,6 +33,7 @@ ONLY=${ONLY:-} NAMES=${NAMES:-}
 mkdir -p "$made" && this=$(mktemp -d "$made/run.XXXXXX") || exit 2
 trap 'rm -rf "$this"' EXIT
 tables=$this/tables
+make="make --no-print-directory -s -j$(nproc)"
 status=0
 
 # wanted NAME: 1 if the verdict is asked for.
@@ -82,8 +84,8 @@ models() {
     at=build/versions/$1 ngspice=$2 tree=$3
     shift 3
     NGSPICE=$ngspice NGSPICE_SRC=$tree codemodels/ngspice-source.sh "$at/ngspice-src" >"$at.log" 2>&1 &&
-        make --no-print-directory -s B="$at" NG="$at/ngspice-src" CM_LIB=build/libnonsmooth.a NGSPICE="$ngspice" NGSPICE_SRC="$tree" \
-            "$@" cm >>"$at.log" 2>&1 && cp build/nsc-mlcp codemodels/*.inc "$at"
+        $make B="$at" NG="$at/ngspice-src" CM_LIB=build/libnonsmooth.a NGSPICE="$ngspice" NGSPICE_SRC="$tree" "$@" cm >>"$at.log" 2>&1 &&
+        cp build/nsc-mlcp codemodels/*.inc "$at"
 }
 
 has() {
@@ -102,7 +104,7 @@ netlists() {
     NONSMOOTH_CM=$made/$1/nonsmooth.cm NGSPICE=$2 LINE=${4:-} KEEP=$log.runs tests/netlist/run.sh $NAMES >"$log" 2>&1
     passed=$(grep -c '^ok' "$log") failed=$(grep -c '^FAIL' "$log")
     grep '^FAIL' "$log"
-    echo "$1$3 $passed $failed" >>"$tables.netlists"
+    echo "$1 $(echo "${3:-sparse}" | tr -d ' ') $passed $failed" >>"$tables.netlists"
     verdict "$name" "$([ "$failed" = 0 ] && [ "$passed" -gt 0 ] || echo "$failed of $((passed + failed)) failed: $log")"
 }
 
@@ -119,18 +121,22 @@ compare_points() {
     wanted "$name" && [ -d "$made/$1/netlists$2.runs" ] && [ -d "$made/$first/netlists.runs" ] || return
     points "$first" '' >"$this/points.first"
     points "$1" "$2" >"$this/points.this"
-    verdict "$name" "$([ -s "$this/points.first" ] || echo 'no points'
-        diff "$this/points.first" "$this/points.this" | grep '^[<>]' | head -n 4 | tr '\n' ' ')"
+    why=$([ -s "$this/points.first" ] || echo 'no points'
+        diff "$this/points.first" "$this/points.this" | grep '^[<>]' | head -n 4 | tr '\n' ' ')
+    echo "$1 $([ -z "$why" ] && echo same || echo DIFFER)" >>"$tables.points"
+    verdict "$name" "$why"
 }
 
-# Both have 200,000 points.
+# rc.cir and ours.cir, with SHORT and LONG microseconds and as many points; TIMED for CPU times.
+SHORT=5000 LONG=25000 TIMED=200000
 write_long_runs() {
-    cat >"$this/rc.cir" <<'END'
+    for us in $SHORT $LONG $TIMED; do
+        cat >"$this/rc$us.cir" <<END
 * a plain RC circuit
 V1 a 0 sin(0 10 50)
 R1 a b 1k
 C1 b 0 1u
-.tran 1u 200m 0 1u
+.tran 1u ${us}u 0 1u
 .control
 save v(b)
 run
@@ -138,7 +144,7 @@ quit 0
 .endc
 .end
 END
-    cat >"$this/ours.cir" <<'END'
+        cat >"$this/ours$us.cir" <<END
 * a rectifier on the same grid
 V1 a 0 sin(0 10 50)
 R1 a b 1k
@@ -148,7 +154,7 @@ R2 c 0 10k
 AOPT 0 opts
 .model dmod ideal_diode
 .model opts nonsmooth(points="grid" corners=0)
-.tran 1u 200m 0 1u
+.tran 1u ${us}u 0 1u
 .control
 save v(c)
 run
@@ -156,6 +162,7 @@ quit 0
 .endc
 .end
 END
+    done
 }
 
 # load_in DIR MODELS: makes the folder new, with a .spiceinit that loads MODELS.
@@ -168,52 +175,62 @@ run_in() {
     (cd "$1" && HOME=$1 exec timeout 60 "$2" -b run.cir >out 2>&1 </dev/null)
 }
 
-# spent PROGRAM NETLIST FOLDER: CPU time of the user's side of one run, s, and its instructions, 1 where perf cannot count them.
+# spent PROGRAM NETLIST FOLDER: CPU time of the user's side of one run, s.
 spent() {
-    cd "$3" || return
-    rm -f counted
-    # shellcheck disable=SC2086 # words
-    { (HOME=$3 exec $counter "$1" -b "$2" >out 2>&1 </dev/null) && times; } | tail -n 1 | sed 's/[ms]/ /g' | awk '{ printf "%s ", 60 * $1 + $2 }'
-    { cat counted 2>/dev/null && echo 1,,instructions; } | sed -n 's/,.*instructions.*//p' | head -n 1
+    cd "$3" && { (HOME=$3 exec "$1" -b "$2" >out 2>&1 </dev/null) && times; } | tail -n 1 | sed 's/[ms]/ /g' | awk '{ print 60 * $1 + $2 }'
 }
 
-# ratios VERSION PROGRAM: of the least times, those times, ratio of the least instructions.
-ratios() {
-    dir=$made/$1/cpu
-    load_in "$dir" "$made/$1/nonsmooth.cm"
+# counted PROGRAM NETLIST FOLDER: instructions of one run.
+counted() {
+    (cd "$3" && HOME=$3 exec valgrind --tool=callgrind --callgrind-out-file=/dev/null --trace-children=yes "$1" -b "$2" 2>&1 </dev/null) |
+        sed -n 's/^==[0-9]*== Collected : //p' | tail -n 1
+}
+
+# instructions PROGRAM FOLDER: of a timepoint of ours, of one of RC: what the longer run takes more than the shorter one, so without ngspice's start.
+instructions() {
+    for circuit in ours rc; do
+        for us in $LONG $SHORT; do counted "$1" "$this/$circuit$us.cir" "$2"; done
+    done | awk -v points=$((LONG - SHORT)) '{ n[NR] = $1 } END { print (n[1] - n[2]) / points, (n[3] - n[4]) / points }'
+}
+
+# seconds PROGRAM FOLDER: least CPU times of ours and of RC.
+seconds() {
     # shellcheck disable=SC2034 # counts
-    for k in $(seq "${CPU_RUNS:-5}"); do
-        echo "$(spent "$2" "$this/ours.cir" "$dir") $(spent "$2" "$this/rc.cir" "$dir")"
-    done | awk '{ for (k = 1; k <= 4; k++) if (NR == 1 || $k < least[k]) least[k] = $k }
-        END { printf "%.3f %.2f %.2f %.3f\n", least[1] / least[3], least[1], least[3], least[2] / least[4] }'
+    for k in $(seq "${CPU_RUNS:-3}"); do
+        echo "$(spent "$1" "$this/ours$TIMED.cir" "$2") $(spent "$1" "$this/rc$TIMED.cir" "$2")"
+    done | awk '{ for (k = 1; k <= 2; k++) if (NR == 1 || $k < least[k]) least[k] = $k } END { print least[1], least[2] }'
 }
 
-# Instructions decide where they can be counted: times of a busy machine differ by more than 10 %.
+# Instructions decide: each run has the same number of them, on any processor and beside any other program.  CPU times
+# of one binary differ by more than 10 % from run to run; they are printed, and decide nothing.
 cpu() {
     name="$1 cpu"
     wanted "$name" || return
-    counter=
-    perf stat -e instructions:u true >/dev/null 2>&1 && counter='perf stat -x, -o counted -e instructions:u'
-    found=$(ratios "$1" "$2")
-    decides=${found%% *}
-    [ -z "$counter" ] || decides=${found##* }
-    [ "$1" != "$first" ] || first_ratio=$decides
-    echo "$1 $found" >>"$tables.cpu"
-    verdict "$name" "$(awk -v r="$decides" -v f="${first_ratio:-0}" \
-        'BEGIN { if (!(r > 0 && f > 0 && r <= 1.1 * f)) print "ratio " r ", on the first ngspice " f }')"
+    dir=$made/$1/cpu
+    load_in "$dir" "$made/$1/nonsmooth.cm"
+    found="$(instructions "$2" "$dir") $(seconds "$2" "$dir")"
+    ratio=$(echo "$found" | awk '{ printf "%.3f", ($2 > 0 ? $1 / $2 : 0) }')
+    [ "$1" != "$first" ] || first_ratio=$ratio
+    echo "$1 $ratio $found" >>"$tables.cpu"
+    verdict "$name" "$(awk -v r="$ratio" -v f="${first_ratio:-0}" \
+        'BEGIN { if (!(r > 0 && f > 0 && r <= 1.1 * f)) print "ratio of instructions " r ", on the first ngspice " f }')"
 }
 
-# The program of libngspice, with the library of this version.
+# host VERSION PROGRAM FOLDER: the program of libngspice, with the library of this version.
 host() {
     name="$1 host"
     wanted "$name" && [ -x "$top/build/tests/host/session" ] || return
-    if [ "$1" = "$first" ]; then with='env'; else with=$(dirname "$2")/with-library; fi
+    if [ "$1" = "$first" ]; then with='env'; else with=$3/with-library; fi
     [ "$with" = env ] || [ -x "$with" ] || return
     dir=$made/$1/host
     mkdir -p "$dir"
     (cd "$dir" && HOME=$dir timeout 600 "$with" "$top/build/tests/host/session" "$made/$1/nonsmooth.cm" >out 2>err </dev/null)
     rc=$?
-    verdict "$name" "$([ $rc = 0 ] && [ "$(grep -c '^ok' "$dir/out")" = 10 ] || echo "status $rc: $dir/out")"
+    good=$(grep -c '^ok' "$dir/out")
+    why=
+    [ $rc = 0 ] && [ "$good" = 10 ] || why="status $rc, $good of 10 steps: $dir/out"
+    echo "$1 $([ -z "$why" ] && echo yes || echo FAILED)" >>"$tables.host"
+    verdict "$name" "$why"
 }
 
 # A pulse whose width is not given, by models that were built for the PULSE of another version.
@@ -227,7 +244,7 @@ sources() {
     rm -rf "$dir" && mkdir -p "$dir"
     cp -al "$made/$1/obj" "$made/$1/cm" "$made/$1/flags" "$dir"
     rm -f "$dir/obj/codemodels/bridge/sources.o"
-    make --no-print-directory -s B="build/versions/$1/sources" NG="build/versions/$1/ngspice-src" CM_LIB=build/libnonsmooth.a \
+    $make B="build/versions/$1/sources" NG="build/versions/$1/ngspice-src" CM_LIB=build/libnonsmooth.a \
         PULSE_OF="$other" "build/versions/$1/sources/nonsmooth.cm" >"$dir/log" 2>&1 || { verdict "$name" "not built: $dir/log"; return; }
     cat >"$dir/run.cir" <<'END'
 * pulse without width
@@ -293,7 +310,7 @@ other_choice() {
     config=src/include/ngspice/config.h
     rm -f "$at/ngspice-src/tree/$config"
     sed "s/^#define $3[[:space:]].*/\\/* no $3 *\\//" "$made/$1/ngspice-src/tree/$config" >"$at/ngspice-src/tree/$config"
-    make --no-print-directory -s B="build/versions/$1/without-$3" NG="build/versions/$1/without-$3/ngspice-src" \
+    $make CFLAGS=-O0 B="build/versions/$1/without-$3" NG="build/versions/$1/without-$3/ngspice-src" \
         CM_LIB=build/libnonsmooth.a "build/versions/$1/without-$3/nonsmooth.cm" >"$at/log" 2>&1 || {
         verdict "$1 without $3 into $1" "not built: $at/log"
         return
@@ -309,7 +326,7 @@ other_choice() {
 installed=$(command -v ngspice)
 first=$(version_of "${installed:-false}")
 if [ -n "$first" ]; then
-    echo "$first $installed $top/build/ngspice-src/tree" >>"$this/list"
+    echo "$first $installed $top/build/ngspice-src/tree -" >>"$this/list"
 fi
 for folder; do
     folder=$(cd "$folder" 2>/dev/null && pwd -P || echo "$folder")
@@ -319,12 +336,12 @@ for folder; do
         verdict "$folder" "no ngspice there: neither $folder/ngspice nor $folder/src/ngspice runs"
     else
         [ "$p" = "$folder/ngspice" ] || p=$(program_of_tree "$v" "$folder")
-        echo "$v $p $(source_tree "$folder")" >>"$this/list"
+        echo "$v $p $(source_tree "$folder") $folder" >>"$this/list"
     fi
 done
 
 write_long_runs
-while read -r v p tree; do
+while read -r v p tree folder; do
     mkdir -p "$made/$v"
     models "$v" "$p" "$tree" || {
         verdict "$v" "models are not built: $made/$v.log"
@@ -338,7 +355,7 @@ while read -r v p tree; do
         compare_points "$v" klu
     fi
     cpu "$v" "$p"
-    host "$v" "$p"
+    host "$v" "$p" "$folder"
     sources "$v" "$p"
     for feature in KLU CIDER OSDI WITH_PSS RFSPICE; do other_choice "$v" "$p" $feature; done
 done <"$this/list"
@@ -348,8 +365,33 @@ while read -r a _; do
     done <"$tables.built"
 done <"$tables.built"
 
+# cell FILE VERSION: the last words of its lines for VERSION, each once; without one, "-".
+cell() {
+    awk -v version="$2" '$1 == version && !seen[$NF]++ { words = words (words ? "," : "") $NF } END { print words ? words : "-" }' "$1" 2>/dev/null
+}
+
+# netlists_cell FILE VERSION SOLVER
+netlists_cell() {
+    awk -v version="$2" -v solver="$3" '$1 == version && $2 == solver { said = $3 " passed, " $4 " failed" } END { print said ? said : "-" }' "$1"
+}
+
+# Of what was not asked for (ONLY), or is not there (KLU before 42), "-".
+touch "$tables.netlists" "$tables.points" "$tables.cpu" "$tables.host" "$tables.into"
+# row VERSION SPARSE KLU POINTS RATIO SHARE HOST INTO
+row() {
+    printf '%-8s %-23s %-23s %-7s %-13s %-15s %-11s %s\n' "$@"
+}
+
 echo
-[ ! -f "$tables.netlists" ] || awk 'BEGIN { print "netlists      passed  failed" } { f = $NF; p = $(NF - 1); printf "%-13s %6d %7d\n", NF == 4 ? $1 " " $2 : $1, p, f }' "$tables.netlists"
-[ ! -f "$tables.cpu" ] || awk 'BEGIN { print "\nCPU time      ratio    ours      RC  ratio of instructions (1: not counted)" } { printf "%-13s %5.2f %5.2f s %5.2f s %5.3f\n", $1, $2, $3, $4, $5 }' "$tables.cpu"
-[ ! -f "$tables.into" ] || awk 'BEGIN { print "\nmodels        loaded into" } { printf "%s\n", $0 }' "$tables.into"
+row version Sparse KLU points 'instructions' "of first's" libngspice 'its models in others,'
+row '' '' '' '' 'over RC' '' '' 'or in its other choices'
+while read -r v _; do
+    ratio=$(awk -v v="$v" '$1 == v { print $2 }' "$tables.cpu")
+    row "$v" "$(netlists_cell "$tables.netlists" "$v" sparse)" "$(netlists_cell "$tables.netlists" "$v" klu)" "$(cell "$tables.points" "$v")" "${ratio:--}" \
+        "$(echo "${ratio:-0} ${first_ratio:-0}" | awk '{ if ($1 * $2 > 0) printf "%.1f %%\n", 100 * $1 / $2; else print "-" }')" "$(cell "$tables.host" "$v")" \
+        "$(awk -v v="$v" '$1 == v { n++; refused += $NF == "refused" } END { print n ? refused " of " n " refused" : "-" }' "$tables.into")"
+done <"$tables.built"
+awk 'NR == 1 { print "\nversion  instructions of a timepoint, ours and RC; CPU time of 200,000 points, ours and RC" }
+    { printf "%-8s %9.0f %9.0f %9.2f s %9.2f s\n", $1, $3, $4, $5, $6 }' "$tables.cpu"
+grep -v 'refused$' "$tables.into"
 exit $status
