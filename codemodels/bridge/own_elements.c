@@ -118,23 +118,25 @@ static int add_resistor(const ns_extract_walk *w, const GENinstance *inst, const
     return ns_circuit_resistor(w->ex->circuit, inst->GENname, s->p, s->n, s->ron, id);
 }
 
-/* A switch is taken: its state where the control does not say; without hysteresis it has its roff where the
- * control comes back to the threshold, as a PULSE does with vt = 0. */
+/* A switch is taken: its state where the control does not say; without hysteresis ngspice changes it where
+ * the control comes to the threshold from either side, and has it closed where that is all it ever is. */
 static int set_states(const ns_extract_walk *w, int id, const ns_own_switch *s, int opens) {
+    const int closed = ns_bridge_own_is_closed_at_rest(w, s);
     const int status = ns_circuit_switch_initially(w->ex->circuit, id, opens != s->closed);
-    return status ? status : ns_circuit_switch_at_rest(w->ex->circuit, id, opens);
+    return status ? status : ns_circuit_switch_as_it_came(w->ex->circuit, id, opens != closed, opens);
 }
 
 /* A switch of ron > roff is one that opens where the control rises. */
-static int add_voltage_switch(const ns_extract_walk *w, const GENinstance *inst, const ns_own_switch *s,
-                              int *id) {
+static int add_voltage_switch(ns_extract_walk *w, const GENinstance *inst, const ns_own_switch *s, int *id) {
     const int opens = s->ron > s->roff;
     const ns_switch ideal = {.vt = opens ? -s->vt : s->vt,
                              .vh = s->vh,
                              .ron = opens ? s->roff : s->ron,
                              .roff = opens ? s->ron : s->roff};
-    const int status = ns_circuit_switch(w->ex->circuit, inst->GENname, s->p, s->n, opens ? s->cn : s->cp,
-                                         opens ? s->cp : s->cn, &ideal, id);
+    int cp = opens ? s->cn : s->cp, status = ns_bridge_own_hold_start(w, s, opens, &cp);
+    if (status == NS_OK)
+        status = ns_circuit_switch(w->ex->circuit, inst->GENname, s->p, s->n, cp, opens ? s->cp : s->cn,
+                                   &ideal, id);
     return status ? status : set_states(w, *id, s, opens);
 }
 

@@ -87,6 +87,12 @@ int ns_circuit_switch_initially(ns_circuit *c, int id, int closed);
 /* A switch of vh = 0 whose control comes back to vt and rests there stays as it is (closed < 0, the default),
  * or is closed (1) or open (0).  Errors: NULL, SIZE (id is no switch). */
 int ns_circuit_switch_at_rest(ns_circuit *c, int id, int closed);
+/* A switch of vh = 0 whose control, a sum of sources, comes to vt and rests there: closed, if it is never
+ * above vt, else open; where it never leaves vt, closed (1) or open (0); with any other control, as by
+ * at_rest(id, other). Errors: NULL, SIZE (id is no switch). */
+int ns_circuit_switch_as_it_came(ns_circuit *c, int id, int closed, int other);
+/* By how much (V or A) the threshold vt is shifted for either. */
+double ns_circuit_switch_shift(double vt);
 
 /* An affine expression: constant + sum gain * what each term stands for, V or A. */
 typedef struct ns_affine {

@@ -382,3 +382,13 @@ int ns_circuit_switch_at_rest(ns_circuit *c, int id, int closed) {
     }
     return status;
 }
+
+int ns_circuit_switch_as_it_came(ns_circuit *c, int id, int closed, int other) {
+    const int status = check_is_switch(c, id);
+    if (status == NS_OK && c->element[id].sw.vh == 0) {
+        c->element[id].at_rest = NS_RESTS_AS_IT_CAME;
+        c->element[id].at_constant = closed ? -1 : 1;
+        c->element[id].at_any = other ? -1 : 1;
+    }
+    return status;
+}

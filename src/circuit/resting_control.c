@@ -13,8 +13,8 @@
 
 enum { MOST_SUMS = 4096 }; /* of levels; more are not tried */
 
-static double shift_of(const element *e) {
-    return e->at_rest * 1e-9 * fmax(fabs(e->sw.vt), 1e-3);
+double ns_circuit_switch_shift(double vt) {
+    return 1e-9 * fmax(fabs(vt), 1e-3);
 }
 
 /* --- a control that is a sum of inputs --- */
@@ -24,6 +24,7 @@ typedef struct level_sums {
     const ns_input_gain *term; /* count */
     int count;
     double threshold, tolerance;
+    double highest, lowest; /* bounds of the sum */
     int tried;
     int status;
 } level_sums;
@@ -70,12 +71,52 @@ static int all_have_their_levels(const level_sums *s) {
     return 1;
 }
 
+/* Of a control of which nothing is known: most come back from where the switch is on. */
+static int way_of_any(const element *e) {
+    return e->at_rest == NS_RESTS_AS_IT_CAME ? e->at_any : e->at_rest;
+}
+
+/* Bounds of a term. */
+static void add_bounds(level_sums *s, const ns_input_gain *term) {
+    const ns_signal *z = term->z;
+    ns_broken_line line;
+    double high = -INFINITY, low = INFINITY;
+    if (!ns_signal_is_linear(z)) {
+        const double middle = z->kind == NS_SIN ? z->u.sin.vo : z->u.exp.v1;
+        const double reach = z->kind == NS_SIN ? z->u.sin.va : z->u.exp.v2 - z->u.exp.v1;
+        high = middle + fabs(reach);
+        low = middle - fabs(reach);
+    } else if ((s->status = ns_system_line_create(z, &line)) == NS_OK) {
+        for (int i = 0; i <= line.n + 1; i++) {
+            high = fmax(high, fmax(line.piece[i].v, line.piece[i].end));
+            low = fmin(low, fmin(line.piece[i].v, line.piece[i].end));
+        }
+        ns_system_line_free(&line);
+    }
+    s->highest += fmax(term->gain * high, term->gain * low);
+    s->lowest += fmin(term->gain * high, term->gain * low);
+}
+
+/* Which way the threshold is shifted: 1: open there.  What comes to it from below is closed there, if that is
+ * asked for; what is never anywhere else, as it was asked for. */
+static int way_of_shift(const element *e, const level_sums *s) {
+    if (e->at_rest != NS_RESTS_AS_IT_CAME)
+        return e->at_rest;
+    if (!(s->lowest < s->threshold - s->tolerance || s->highest > s->threshold + s->tolerance))
+        return e->at_constant;
+    return s->highest > s->threshold + s->tolerance ? 1 : -1;
+}
+
 int ns_circuit_shift_known(const element *e, double constant, const ns_input_gain *term, int count,
                            double *shift) {
-    level_sums s = {.term = term, .count = count, .threshold = e->sw.vt};
-    s.tolerance = 2 * fabs(shift_of(e));
-    const int rests = all_have_their_levels(&s) ? any_level(&s, 0, constant) : e->sw.vt == 0;
-    *shift = rests ? shift_of(e) : 0;
+    const double size = ns_circuit_switch_shift(e->sw.vt);
+    level_sums s = {
+        .term = term, .count = count, .threshold = e->sw.vt, .tolerance = 2 * size, .highest = constant};
+    s.lowest = constant;
+    const int known = all_have_their_levels(&s), rests = known ? any_level(&s, 0, constant) : e->sw.vt == 0;
+    for (int k = 0; known && rests && k < count && s.status == NS_OK; k++)
+        add_bounds(&s, &term[k]);
+    *shift = (rests ? known ? way_of_shift(e, &s) : way_of_any(e) : 0) * size;
     return s.status;
 }
 
@@ -96,5 +137,5 @@ double ns_circuit_shift_unknown(const ns_circuit *c, const element *e) {
     for (int i = 0; i < c->nelements; i++)
         if (are_complements(e, &c->element[i]))
             return 0;
-    return shift_of(e);
+    return way_of_any(e) * ns_circuit_switch_shift(e->sw.vt);
 }
