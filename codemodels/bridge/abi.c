@@ -29,6 +29,8 @@ static int matrix_fits(const CKTcircuit *ckt) {
     ns_versions_klu klu;
     if (!ckt->CKTmatrix)
         return 0;
+    if (ckt->CKTmaxEqNum == 1)
+        return 1; /* ground alone: it is empty */
     if (ns_bridge_versions_klu(ckt->CKTmatrix, &klu))
         return klu.n > 0 && klu.n < ckt->CKTmaxEqNum && klu.column && klu.row && klu.element && klu.number;
     const struct MatrixFrame *m = ns_bridge_versions_sparse(ckt->CKTmatrix);

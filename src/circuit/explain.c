@@ -197,8 +197,9 @@ static void write_chatter(line_writer *w, const ns_circuit *c, const ns_fault *f
     write_pair(w, c, f->pair[1], 1);
     write_text(w, " changes with each switching of ");
     write_pair(w, c, f->pair[0], 1);
-    write_text(w, e->kind == SWITCH ? "; give its model a vh above 0)"
-                                    : "; let a switch with a vh above 0 make this comparison)");
+    write_text(w, e->kind == SWITCH
+                      ? "; give its model a vh above 0; the gate of an M: drive it against its source)"
+                      : "; let a switch with a vh above 0 make this comparison)");
 }
 
 /* The usual cause. */
