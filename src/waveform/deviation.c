@@ -158,21 +158,18 @@ static double integral_distance(ns_waveform *w, const ns_segment *g) {
     return most;
 }
 
-/* By how much the trapezoid of the squares of a and b is larger than the integral of the square of the line.
- */
-static double square_error(double a, double b, double length) {
-    return (b - a) * (b - a) / 6 * length;
-}
-
-static double square_between(double a, double b) {
-    return (a * a + a * b + b * b) / 3;
-}
-
-/* What a segment may add to that by the squares in the rest of its stretch, which along a ramp from zero add
- * up to twice its own, or by the run's, whichever is larger. */
-static double square_allowed(const ns_waveform *w, int i, double a, double t, double length) {
-    const double mean = t > w->start_t ? w->square[i] / (t - w->start_t) : 0;
-    return 0.25 * w->squares * length * fmax(square_between(fabs(a), w->end_values[w->signal[i]]), mean);
+/* Of NS_WIDE signals from i on, over a segment from a to b: by how much the trapezoid of the square is larger
+ * than the integral of the square of the line; and what it may add to that by the squares in the rest of its
+ * stretch, which along a ramp from zero add up to twice its own, or by the run's, whichever is larger. */
+static void square_errors(const ns_waveform *w, const ns_segment *g, int i, double *error, double *allowed) {
+    const double *a = ns_waveform_seen(w, g->at[0].v), *b = ns_waveform_seen(w, g->at[g->last].v);
+    const double t = g->at[0].t, length = g->at[g->last].t - t;
+    const double per_time = t > w->start_t ? 1 / (t - w->start_t) : 0;
+    const ns_simd_wide from = CONST_WIDE(a, i), rise = CONST_WIDE(b, i) - from, size = NS_WIDE_SIZE(from);
+    const ns_simd_wide end = CONST_WIDE(w->end_values, i), mean = CONST_WIDE(w->square, i) * per_time;
+    const ns_simd_wide between = (size * size + size * end + end * end) / 3;
+    WIDE(error, 0) = rise * rise * (length / 6);
+    WIDE(allowed, 0) = NS_WIDE_HIGHER(between, mean) * (0.25 * w->squares * length);
 }
 
 /* The distance of the integrals of squares, as a part of what is allowed; a ramp that takes no time borrows
@@ -180,18 +177,21 @@ static double square_allowed(const ns_waveform *w, int i, double a, double t, do
  */
 static double square_distance(ns_waveform *w, const ns_segment *g) {
     static const double of_rest = 0.1;
-    const double *a = ns_waveform_seen(w, g->at[0].v), *b = ns_waveform_seen(w, g->at[g->last].v);
-    const double t = g->at[0].t, length = g->at[g->last].t - t;
+    const double length = g->at[g->last].t - g->at[0].t;
     double most = 0;
-    for (int i = 0; i < w->looked; i++) {
-        const double noise = noise_of(w, i);
-        const double rest = fmax(0.5 * w->squares * w->square[i] - w->square_error[i], 0);
-        const double allowed =
-            square_allowed(w, i, a[i], t, length) + of_rest * rest + noise * noise * length;
-        const double error = square_error(a[i], b[i], length);
-        if (error > most * allowed) {
-            most = allowed > 0 ? error / allowed : INFINITY;
-            w->worst = i;
+    for (int i = 0; i < w->looked; i += NS_WIDE) {
+        double error[NS_WIDE], allowed[NS_WIDE];
+        square_errors(w, g, i, error, allowed);
+        for (int k = 0; k < NS_WIDE && i + k < w->looked; k++) {
+            if (error[k] <= most * allowed[k])
+                continue;
+            const double noise = noise_of(w, i + k);
+            const double rest = fmax(0.5 * w->squares * w->square[i + k] - w->square_error[i + k], 0);
+            const double all = allowed[k] + of_rest * rest + noise * noise * length;
+            if (error[k] > most * all) {
+                most = all > 0 ? error[k] / all : INFINITY;
+                w->worst = i + k;
+            }
         }
     }
     return most;
@@ -267,12 +267,16 @@ void ns_waveform_add_integrals(ns_waveform *w, const ns_segment *g, double sign)
     }
 }
 
-static void note_squares(ns_waveform *w, const ns_segment *g, const double *a, const double *b) {
-    const double t = g->at[0].t, length = g->at[g->last].t - t;
-    for (int i = 0; i < w->looked; i++) {
-        w->square_error[i] +=
-            fmax(square_error(a[i], b[i], length) - square_allowed(w, i, a[i], t, length), 0);
-        w->square[i] += square_between(a[i], b[i]) * length;
+static void note_squares(ns_waveform *w, const ns_segment *g) {
+    const double *a = ns_waveform_seen(w, g->at[0].v), *b = ns_waveform_seen(w, g->at[g->last].v);
+    const double length = g->at[g->last].t - g->at[0].t;
+    for (int i = 0; i < w->looked; i += NS_WIDE) {
+        double error[NS_WIDE], allowed[NS_WIDE];
+        const ns_simd_wide left = CONST_WIDE(a, i), right = CONST_WIDE(b, i), none = {0};
+        square_errors(w, g, i, error, allowed);
+        const ns_simd_wide beyond = WIDE(error, 0) - WIDE(allowed, 0);
+        WIDE(w->square_error, i) += NS_WIDE_HIGHER(beyond, none);
+        WIDE(w->square, i) += (left * left + left * right + right * right) * (length / 3);
     }
 }
 
@@ -288,5 +292,5 @@ void ns_waveform_note_given(ns_waveform *w, const ns_segment *g) {
         w->total[i] += w->own[i];
     }
     if (w->squares > 0)
-        note_squares(w, g, a, b);
+        note_squares(w, g);
 }

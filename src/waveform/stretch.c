@@ -44,8 +44,8 @@ static int look_at_middle(ns_waveform *w) {
     const int status = ns_waveform_sample(w, 0.5 * (w->accepted_t + w->end), &middle);
     if (status != NS_OK)
         return status;
-    for (size_t k = 0; k < w->count; k++)
-        w->end_values[k] = fmax(fabs(w->end_values[k]), fabs(middle[k]));
+    for (int i = 0; i < w->looked; i++)
+        w->end_values[i] = fmax(fabs(w->end_values[i]), fabs(ns_waveform_seen(w, middle)[i]));
     ns_waveform_return_row(w, middle);
     return NS_OK;
 }
@@ -58,7 +58,7 @@ static int sample_ends(ns_waveform *w, double **row) {
     if (status != NS_OK)
         return status;
     memcpy(w->at_end, end, sizeof *end * w->count);
-    memcpy(w->end_values, end, sizeof *end * w->count);
+    memcpy(w->end_values, ns_waveform_seen(w, end), sizeof *end * (size_t)w->looked);
     ns_waveform_return_row(w, end);
     if (w->squares > 0)
         status = look_at_middle(w);
