@@ -215,8 +215,9 @@ void ns_sparse_event_own_changes(ns_sparse *m, const ns_dense_step *step, double
     memcpy(m->commanded_mode, m->mode, (size_t)m->f->m);
 }
 
-/* Where the step after the last event ended at once, what broke it was hidden by rounding: the search begins
- * with the mode that a longer step finds. */
+/* Where the step after the last event ended at once, what broke it was hidden by rounding, or by what is left
+ * of a transient that no step resolves: the search begins with the mode that a longer step finds, and guards
+ * that this mode breaks by no more than events are located to hold. */
 static void begin_with_longer_step(ns_sparse *m, double t, double g, double *by) {
     memcpy(m->work.mode, m->mode, (size_t)m->f->m);
     if (ns_sparse_event_consistent(m, t, g, m->w, m->v, by) != NS_OK)
@@ -312,9 +313,11 @@ int ns_sparse_event_resolve(ns_sparse *m, const ns_dense_step *step, double t) {
     if (failures == 1 || failures == 2)
         begin_with_longer_step(m, t, ldexp(g, 5 * failures), m->work.move);
     ns_sparse_event_save(m);
+    m->is_near = failures == 1 || failures == 2;
     int status = resolve_with(m, step, t, g, &jump);
     if (status == NS_OK && jump == NS_LASTS)
         resolve_transient(m, step, t, g);
+    m->is_near = 0;
     m->counts.events++;
     return status;
 }

@@ -119,11 +119,12 @@ static double find_break(const ns_sparse *m, const ns_dense_step *step, int term
     if (ns_modes_curve_holds(&part, tol))
         return NAN;
     return before *
-           find_fall(m, step, f, &part, cut,
-                     tol + f->rounding +
-                         (f->pair >= 0
-                              ? ns_sparse_guard_rounding(m, f->pair, step->images, step->powers, step->g)
-                              : ns_sparse_guard_control_rounding(m, f->command, step->images, step->z)));
+           find_fall(
+               m, step, f, &part, cut,
+               tol + f->rounding +
+                   (f->pair >= 0
+                        ? ns_sparse_guard_least_rounding(m, f->pair, step->images, step->powers, step->g)
+                        : ns_sparse_guard_control_rounding(m, f->command, step->images, step->z)));
 }
 
 /* A guard that is below zero by so little, beside the largest unknown, may be so by the rounding of other
@@ -132,7 +133,10 @@ static void find_rounding(ns_sparse *m, const ns_dense_step *step, const ns_curv
     double largest = 0;
     for (int i = 0; i < m->f->size; i++)
         largest = ns_higher(largest, fabs(step->images[i]));
-    if (next->pair < 0 || !ns_modes_curve_holds(c, shallow * largest))
+    if (next->pair < 0)
+        return;
+    const double rounding = ns_sparse_guard_rounding(m, next->pair, step->images, step->powers, step->g);
+    if (!ns_modes_curve_holds(c, ns_higher(shallow * largest, rounding)))
         return;
     if (!f->perturbed)
         f->perturbed = ns_sparse_guard_perturb(m, step->images, step->powers, step->g, 0) == NS_OK &&

@@ -44,11 +44,13 @@ static double sizes_of_y(const ns_sparse *m, int j, const double *v) {
     return ns_linalg_csc_size(&m->f->Ct, j, v) + fabs(m->f->e[j]);
 }
 
-/* Of the rows that lambda_j enters: the largest sum of the sizes of their other terms, over its coefficient.
- */
-static double sizes_of_lambda(const ns_sparse *m, int j, const double *v, const double *w, double g) {
+/* Of the rows that lambda_j enters: the largest sum of the sizes of their other terms, over its coefficient;
+ * *least: the smallest one. */
+static double sizes_of_lambda(const ns_sparse *m, int j, const double *v, const double *w, double g,
+                              double *least) {
     const ns_form *f = m->f;
     double largest = 0;
+    *least = INFINITY;
     for (int k = f->K.start[f->n + j]; k < f->K.start[f->n + j + 1]; k++) {
         const int i = f->K.row[k];
         if (i >= f->n || f->KA[k] == 0)
@@ -57,14 +59,24 @@ static double sizes_of_lambda(const ns_sparse *m, int j, const double *v, const 
         if (!f->algebraic[i])
             terms += (ns_linalg_csc_size(&f->Mt, i, v) + fabs(w[i])) / g;
         largest = fmax(largest, terms / fabs(f->KA[k]));
+        *least = fmin(*least, terms / fabs(f->KA[k]));
     }
     return largest;
 }
 
 double ns_sparse_guard_terms(const ns_sparse *m, int j, const double *v, const double *w, double g) {
+    double least;
     if (m->mode[j] == NS_INSIDE)
-        return sizes_of_lambda(m, j, v, w, g);
-    return sizes_of_y(m, j, v) + (ns_mode_slides(m->mode[j]) ? sizes_of_lambda(m, j, v, w, g) : 0);
+        return sizes_of_lambda(m, j, v, w, g, &least);
+    return sizes_of_y(m, j, v) + (ns_mode_slides(m->mode[j]) ? sizes_of_lambda(m, j, v, w, g, &least) : 0);
+}
+
+double ns_sparse_guard_least_rounding(const ns_sparse *m, int j, const double *v, const double *w, double g) {
+    double least;
+    if (m->mode[j] != NS_INSIDE)
+        return ns_sparse_guard_rounding(m, j, v, w, g);
+    (void)sizes_of_lambda(m, j, v, w, g, &least);
+    return (least < INFINITY ? rounding * least : 0) + DBL_EPSILON * m->largest.lambda;
 }
 
 double ns_sparse_guard_rounding(const ns_sparse *m, int j, const double *v, const double *w, double g) {
@@ -112,12 +124,19 @@ int ns_sparse_guard_holds(const ns_sparse *m, int j, const double *v) {
     return holds(m, j, v, m->f->Ft.start[m->f->m] > 0);
 }
 
+/* What a guard of pair j may be off by where an event was located, if that counts. */
+static double located(const ns_sparse *m, int j, const double *v) {
+    if (!m->is_near)
+        return 0;
+    return ns_sparse_guard_located(m, m->mode[j] == NS_INSIDE ? fabs(v[m->f->n + j]) : sizes_of_y(m, j, v));
+}
+
 /* 1 if a guard of pair j is negative by more than the rounding of its terms: marks it in m->flip. */
 static int is_broken(ns_sparse *m, int j, const double *v, const double *w, double g) {
     const int guards = guards_of(m, j);
     for (int k = 0; k < guards; k++) {
         const double value = guard(m, j, k, v, m->z, 1);
-        if (!(value < 0) || value >= -ns_sparse_guard_rounding(m, j, v, w, g))
+        if (!(value < 0) || value >= -(ns_sparse_guard_least_rounding(m, j, v, w, g) + located(m, j, v)))
             continue;
         m->flip[j] = (unsigned char)(1 + is_upper(m, j, k));
         return 1;
@@ -145,7 +164,7 @@ int ns_sparse_guard_broken(ns_sparse *m, const double *v, const double *w, doubl
         if (!m->flip[j])
             continue;
         const double by = fabs(guard(m, j, k, m->work.v, m->work.no_inputs, 0));
-        if (guard(m, j, k, v, m->z, 1) >= -(ns_sparse_guard_rounding(m, j, v, w, g) + 16 * by))
+        if (guard(m, j, k, v, m->z, 1) >= -(ns_sparse_guard_least_rounding(m, j, v, w, g) + 16 * by))
             m->flip[j] = 0;
         count += m->flip[j] != 0;
     }

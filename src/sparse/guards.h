@@ -46,6 +46,9 @@ double ns_sparse_guard_terms(const ns_sparse *m, int j, const double *v, const d
  * of command c. */
 double ns_sparse_guard_rounding(const ns_sparse *m, int j, const double *v, const double *w, double g);
 double ns_sparse_guard_control_rounding(const ns_sparse *m, int c, const double *v, const double *z);
+/* The same, but of lambda in that row it enters where this is least: not without ns_sparse_guard_perturb().
+ */
+double ns_sparse_guard_least_rounding(const ns_sparse *m, int j, const double *v, const double *w, double g);
 /* The size of the terms of that control; how far a guard whose terms have this size may be off where an event
  * was located. */
 double ns_sparse_guard_control_terms(const ns_sparse *m, int c, const double *v, const double *z);

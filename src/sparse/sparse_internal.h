@@ -176,6 +176,7 @@ typedef struct ns_sparse {
     unsigned char *flip;     /* m: broken guards: 1 the only one, 2 the upper bound of lambda */
     unsigned char *changed;  /* nc: 1 commands that changed at this event, 2 that begin to slide */
     ns_mode *commanded_mode; /* m: after what the event itself changes, and nothing that follows from it */
+    int is_near;             /* guards that are broken by what events are located to hold */
     double inputs_from;      /* s: an input was replaced then; -INFINITY: none was */
     int contradicting_pair;  /* the pair of a switch that can be neither open nor closed; -1: none */
     ns_before_event before_event;  /* where its resolution began */
