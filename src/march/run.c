@@ -23,21 +23,23 @@ static int start_dc(ns_engine *e, double t0, int nhold, const int *hold, const d
     return ns_march_run_start(run_of(e), &s);
 }
 
-/* By the engine at work, or by another one if it refuses.  What is found wrong in the trial ends it. */
+/* By the engine at work, or by another one if it refuses.  What is found wrong in the trial ends it.  Where
+ * engines hand it to one another, the last one goes on as well as it can. */
 static int try_engines(ns_run *r, double t, ns_until until, double *reached) {
     enum { ROUNDS = 3 };
-    int status = NS_OK;
     for (int round = 0; round < ROUNDS; round++) {
         const double to = round == 0 ? ns_march_check_begin(r, t, until) : t;
         if (r->check.found)
             return NS_E_RESIDUAL;
-        status = r->at_work->table->try_to(r->at_work, to, until, reached);
+        int status = r->at_work->table->try_to(r->at_work, to, until, reached);
         if (r->check.found || status == NS_OK || !ns_march_run_hand_over(r, until, reached, &status))
             return status;
         if (r->trial_is_start)
             return NS_OK;
     }
-    return status;
+    if (r->kind == NS_RUN_DENSE)
+        ns_march_dense_let_hand_over(r->at_work, NS_HANDS_OVER_NEVER);
+    return r->at_work->table->try_to(r->at_work, t, until, reached);
 }
 
 static int try_to(ns_engine *e, double t, ns_until until, double *reached) {

@@ -23,7 +23,7 @@ const char *ns_verify_text(ns_verify_cause cause) {
     case NS_VERIFY_LAW:
         return "voltage and current have the wrong signs";
     case NS_VERIFY_COMMAND:
-        return "the switch is not as its control says";
+        return "the switch is not as its control says; if it moves that, delay its control by R and C";
     case NS_VERIFY_JUMP:
         return "a charge or a flux jumps without a cause";
     case NS_VERIFY_IMPULSE:

@@ -163,7 +163,19 @@ static void pumps(void **state) {
            RUNS, judged, worst[0], problems[0], worst[1], problems[1]);
 }
 
+/* A pump that sparse hands to the dense engines, these to sparse, and so on, in one trial, by a quarter of
+ * its h: such a trial ended as if it were done, "at t = -inf". */
+static void handed_round(void **state) {
+    const pump k = draw(4);
+    double got[2 * INSTANTS] = {0}, judge[2 * INSTANTS] = {0};
+    long more = 0;
+    (void)state;
+    assert_int_equal(run(&k, NS_SPARSE, k.h / 100, 0, judge, &more), NS_OK);
+    assert_int_equal(run(&k, NS_AUTO, k.h / 4, 0, got, &more), NS_OK);
+    assert_true(apart(2 * INSTANTS, got, judge) < 1e-4);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(pumps)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(pumps), cmocka_unit_test(handed_round)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
