@@ -63,7 +63,7 @@ installed_version() {
 
 # Fetches source $1, version $2, and unpacks it into $dir/tree.
 fetch() {
-    said=$("$(dirname "$0")/source-package.sh" "$dir" "$1" "$2") || die "give the tree of $1 $2 as NGSPICE_SRC=dir"
+    said=$("$(dirname "$0")/source-package.sh" "$dir" "$1" "$2") || die "get the source of $1 $2 yourself, and give its folder: make deps NGSPICE_SRC=DIR (and so for make, make demo, make test)"
     say "$said"
 }
 

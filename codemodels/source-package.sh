@@ -40,8 +40,9 @@ echo "fetching the source package $name${version:+ $version}"
 # One source without a deb-src half must not stop the others: what counts is whether the version is found.
 apt-get "$@" update >"$dir/update.log" 2>&1 </dev/null || true
 (cd "$apt/get" && apt-get "$@" source --download-only "$name${version:+=$version}" >"$apt/get.log" 2>&1 </dev/null) || {
-    tail -n 5 "$dir/update.log" "$apt/get.log" >&2
-    die "apt has no source of $name${version:+ $version}"
+    # apt-get says the cause first, or that its lists lack the package, which an error of update explains.
+    why=$(sed -n 's/^E: //p' "$apt/get.log" "$dir/update.log" | head -n 1)
+    die "apt has no source of $name${version:+ $version}: $why (all of it in $apt/get.log, $dir/update.log)"
 }
 dpkg-source --no-check -x "$apt"/get/*.dsc "$dir/tree" >"$dir/unpack.log" 2>&1 </dev/null || {
     tail -n 20 "$dir/unpack.log" >&2

@@ -88,5 +88,18 @@ taken 'the tree around a program' "$made/45/src/ngspice" '' '"45.2"'
 program "$made/bin/ngspice" 46
 printf '%s\n' '#define PACKAGE_VERSION "46"' '#define XSPICE 1 /* beside */' >"$made/out/src/include/ngspice/config.h"
 taken 'a tree configured beside its source' "$made/bin/ngspice" "$made/out" beside
+# As it was released: its configure writes config.h.
+tree "$made/fresh" 46
+mv "$made/fresh/src/include/ngspice/config.h" "$made/fresh/config"
+printf '#!/bin/sh\ncp config src/include/ngspice/config.h\n' >"$made/fresh/configure" && chmod +x "$made/fresh/configure"
+taken 'a tree that is not configured' "$made/bin/ngspice" "$made/fresh" '"46"'
+verdict 'nothing fails on the way' "$(grep -v '^ngspice source: ' "$made/said")"
+# A mirror without source packages: an apt-get that says so.
+printf '%s\n' '#!/bin/sh' 'case "$*" in *source*) echo "E: Failed to fetch ngspice.dsc  404" >&2; exit 100 ;; esac' >"$made/bin/apt-get" && chmod +x "$made/bin/apt-get"
+PATH=$made/bin:$PATH codemodels/source-package.sh "$made/package" ngspice 46 >"$made/said" 2>&1 </dev/null
+got=$?
+verdict 'refused: no source package' "$([ $got = 1 ] || echo "status $got, expected 1"
+    [ "$(grep -c . "$made/said")" = 2 ] || echo 'not two lines'
+    grep -q '^source package: apt has no source of ngspice 46: Failed to fetch ngspice.dsc  404 (' "$made/said" || echo 'the cause is not said')"
 rm -rf "$made"
 exit $status
