@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "ngspice/cmtypes.h"
-#include "ngspice/evt.h"
 
 static ns_digital *digital_of(ns_session *s) {
     return &s->analysis.ex.digital;
@@ -72,7 +71,8 @@ int ns_bridge_digital_begin(ns_session *s) {
         in->above_high = in->above_low && v >= in->high - near * fabs(in->high);
     }
     d->short_steps = FIRST_POINTS;
-    return watch(s);
+    const int status = ns_bridge_digital_look_ahead(d, s->ckt);
+    return status ? status : watch(s);
 }
 
 double ns_bridge_digital_plain(const ns_session *s, const ns_digital_input *in) {
@@ -178,16 +178,6 @@ int ns_bridge_digital_goes_on(ns_session *s) {
 
 /* --- ngspice's queue of events --- */
 
-static double next_event(const CKTcircuit *ckt) {
-    const Evt_Queue_t *q = &ckt->evt->queue;
-    double t = INFINITY;
-    if (q->inst.num_pending > 0)
-        t = fmin(t, q->inst.next_time);
-    if (q->output.num_pending > 0)
-        t = fmin(t, q->output.next_time);
-    return t;
-}
-
 double ns_bridge_digital_until(ns_session *s, double until, double closest) {
     ns_digital *d = digital_of(s);
     const double t = s->ckt->CKTtime;
@@ -197,5 +187,5 @@ double ns_bridge_digital_until(ns_session *s, double until, double closest) {
         until = fmin(until, t + 4.0 * closest);
         d->short_steps--;
     }
-    return fmin(until, fmax(next_event(s->ckt), t + closest));
+    return fmin(until, fmax(ns_bridge_digital_next_event(d, s->ckt), t + closest));
 }

@@ -31,17 +31,34 @@ typedef struct ns_digital_output {
     double rise, fall;           /* s: from the level of 0 to that of 1, and back */
 } ns_digital_output;
 
+/* An instance of events alone whose delays are known. */
+typedef struct ns_digital_part {
+    MIFinstance *inst;
+    double seconds; /* the shortest one, above 0 */
+} ns_digital_part;
+
+/* How long an event at a node takes to reach an instance whose delays are not, a dac_bridge for example. */
+typedef struct ns_digital_lag {
+    double seconds; /* INFINITY: it never does */
+    int by_several; /* the sum of delays of several parts */
+} ns_digital_lag;
+
 typedef struct ns_digital {
     int ninputs, noutputs;
     ns_digital_input *input;   /* ninputs */
     ns_digital_output *output; /* noutputs */
     ns_threshold *threshold;   /* 2 ninputs: work */
+    int nparts, nlags;
+    ns_digital_part *part;     /* nparts */
+    ns_digital_lag *lag;       /* nlags: of each node of ngspice's event code */
     int crossed;               /* a threshold was crossed at ngspice's present point */
     int short_steps; /* how many points come at once: at the start, after a crossing beside another */
 } ns_digital;
 
 /* Reads an instance of a code model of this name that has digital terminals; EXTRACT_REFUSED. */
 int ns_bridge_digital_read(struct ns_extract_walk *w, MIFinstance *inst, const char *model);
+/* Notes the delay of an instance of events alone; a status of the library. */
+int ns_bridge_digital_note_delay(ns_digital *d, MIFinstance *inst, const char *model);
 /* 0, 1 or 2 (unknown) at a digital input. */
 int ns_bridge_digital_state(const Mif_Port_Data_t *port);
 void ns_bridge_digital_clear(ns_digital *d);

@@ -161,7 +161,7 @@ static int read_inputs(ns_extract_walk *w, MIFinstance *inst, int is_bridge) {
 int ns_bridge_digital_read(ns_extract_walk *w, MIFinstance *inst, const char *model) {
     int status = NS_OK;
     if (!has_analog(inst, 0)) /* events alone: ngspice has them all */
-        return NS_OK;
+        return ns_bridge_digital_note_delay(&w->ex->digital, inst, model);
     if (strcmp(model, "dac_bridge") == 0) {
         for (int k = 0; k < inst->conn[0]->size && status == NS_OK; k++)
             status = add_output(w, inst, k);
@@ -189,5 +189,7 @@ void ns_bridge_digital_clear(ns_digital *d) {
     free(d->input);
     free(d->output);
     free(d->threshold);
+    free(d->part);
+    free(d->lag);
     memset(d, 0, sizeof *d);
 }

@@ -98,7 +98,7 @@ static int fits(const SPICEdev *model, const MIFinstance *inst) {
     return 1;
 }
 
-const char *ns_bridge_foreign_model(const MIFinstance *inst) {
+const IFdevice *ns_bridge_foreign_type(const MIFinstance *inst) {
     libraries all = {0};
     int first[LIBRARIES];
     const int type = inst->gen.GENmodPtr->GENmodType;
@@ -108,7 +108,12 @@ const char *ns_bridge_foreign_model(const MIFinstance *inst) {
     for (int k = 0; k < all.count; k++) {
         const int place = type - first[k];
         if (place >= 0 && place < all.of[k].count && fits(all.of[k].model[place], inst))
-            return all.of[k].model[place]->DEVpublic.name;
+            return &all.of[k].model[place]->DEVpublic;
     }
     return NULL;
+}
+
+const char *ns_bridge_foreign_model(const MIFinstance *inst) {
+    const IFdevice *type = ns_bridge_foreign_type(inst);
+    return type ? type->name : NULL;
 }
