@@ -49,10 +49,10 @@ typedef struct ns_digital {
     ns_digital_output *output; /* noutputs */
     ns_threshold *threshold;   /* 2 ninputs: work */
     int nparts, nlags;
-    ns_digital_part *part;     /* nparts */
-    ns_digital_lag *lag;       /* nlags: of each node of ngspice's event code */
-    int crossed;               /* a threshold was crossed at ngspice's present point */
-    int short_steps; /* how many points come at once: at the start, after a crossing beside another */
+    ns_digital_part *part; /* nparts */
+    ns_digital_lag *lag;   /* nlags: of each node of ngspice's event code */
+    int crossed;           /* a threshold was crossed at ngspice's present point */
+    int short_steps;       /* how many points come at once: at the start, after a crossing beside another */
 } ns_digital;
 
 /* Reads an instance of a code model of this name that has digital terminals; EXTRACT_REFUSED. */

@@ -1,8 +1,9 @@
-/* bridge/digital_ahead.c - how long after an event of ngspice's queue a dac_bridge may change at the earliest.
+/* bridge/digital_ahead.c - how long after an event of ngspice's queue a dac_bridge may change at the
+ * earliest.
  *
- * ngspice itself takes the events on its way to the next timepoint, each at its time.  So a timepoint is needed
- * only where the circuit may change: an event at a node from which no dac_bridge is reached but through parts
- * with delays needs none for as long as the shortest way takes. */
+ * ngspice itself takes the events on its way to the next timepoint, each at its time.  So a timepoint is
+ * needed only where the circuit may change: an event at a node from which no dac_bridge is reached but
+ * through parts with delays needs none for as long as the shortest way takes. */
 #include "digital_run.h"
 #include "foreign.h"
 
@@ -22,8 +23,8 @@ static int ends_with(const char *text, const char *end) {
     return length >= of_end && strcmp(text + length - of_end, end) == 0;
 }
 
-/* The shortest time from an input to an output of an instance of this model: the shortest of its edges, and of
- * what comes before; 0: it is not known. */
+/* The shortest time from an input to an output of an instance of this model: the shortest of its edges, and
+ * of what comes before; 0: it is not known. */
 static double delay_of(const MIFinstance *inst, const char *model) {
     double edge = INFINITY, before = INFINITY;
     size_t k = 0;

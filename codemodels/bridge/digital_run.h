@@ -27,8 +27,8 @@ int ns_bridge_digital_goes_on(ns_session *s);
 /* The time, s, of the next point at the latest: an event of ngspice's queue. */
 double ns_bridge_digital_until(ns_session *s, double until, double closest);
 
-/* digital_ahead.c: once, how long an event at each node takes to reach a dac_bridge; then the time, s, at which
- * an event of ngspice's queue may matter to the circuit. */
+/* digital_ahead.c: once, how long an event at each node takes to reach a dac_bridge; then the time, s, at
+ * which an event of ngspice's queue may matter to the circuit. */
 int ns_bridge_digital_look_ahead(ns_digital *d, const CKTcircuit *ckt);
 double ns_bridge_digital_next_event(const ns_digital *d, const CKTcircuit *ckt);
 

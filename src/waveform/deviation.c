@@ -197,11 +197,13 @@ static double square_distance(ns_waveform *w, const ns_segment *g) {
     return most;
 }
 
-double ns_waveform_deviation(ns_waveform *w, const ns_segment *g) {
-    double off = 0;
+double ns_waveform_distance(ns_waveform *w, const ns_segment *g) {
     update_tolerances(w);
-    if (g->last >= 2)
-        off = distance(w, g);
+    return g->last >= 2 ? distance(w, g) : 0;
+}
+
+double ns_waveform_deviation(ns_waveform *w, const ns_segment *g) {
+    double off = ns_waveform_distance(w, g);
     if (g->last >= 2 && off <= 1)
         off = fmax(off, integral_distance(w, g));
     w->squares_decide = 0;

@@ -280,6 +280,8 @@ int ns_waveform_merge(ns_waveform *w) {
     if (!b->smooth || a->jumps || b->at[b->last].t - a->at[0].t > w->longest || asked_for)
         return 0;
     join(w, a, b, &both);
+    if (ns_waveform_distance(w, &both) > 1)
+        return 0;
     count_both(w, a, b, -1);
     const int fits = ns_waveform_deviation(w, &both) <= 1 && ns_waveform_first_turn(w, &both) == INFINITY;
     if (fits) {

@@ -126,7 +126,9 @@ static inline const double *ns_waveform_seen(const ns_waveform *w, const double 
 /* deviation.c: what is seen of a row that was filled is put together; takes in the size of a row. */
 void ns_waveform_note_row(ns_waveform *w, double *row);
 void ns_waveform_note_size(ns_waveform *w, const double *row);
-/* How far the waveform is from the line of g, and its integral from the trapezoid: 1: as far as allowed. */
+/* How far the waveform is from the line of g: 1: as far as allowed. */
+double ns_waveform_distance(ns_waveform *w, const ns_segment *g);
+/* The same, and its integral from the trapezoid: 1: as far as allowed. */
 double ns_waveform_deviation(ns_waveform *w, const ns_segment *g);
 /* The first time at which a signal turns on the way of g: has a peak or a valley that no line shows;
  * INFINITY: none. */
