@@ -6,6 +6,8 @@
 
 #include "ngspice/cmtypes.h"
 
+static const double short_step = 4.0; /* of what ngspice can tell apart */
+
 static ns_digital *digital_of(ns_session *s) {
     return &s->analysis.ex.digital;
 }
@@ -71,6 +73,7 @@ int ns_bridge_digital_begin(ns_session *s) {
         in->above_high = in->above_low && v >= in->high - near * fabs(in->high);
     }
     d->short_steps = FIRST_POINTS;
+    d->reach = short_step;
     const int status = ns_bridge_digital_look_ahead(d, s->ckt);
     return status ? status : watch(s);
 }
@@ -161,14 +164,29 @@ int ns_bridge_digital_accept(ns_session *s) {
             status = ns_waveform_resume(s->analysis.waveform);
     }
     d->crossed = 0;
+    d->reach = short_step;
     return status;
 }
 
-int ns_bridge_digital_goes_on(ns_session *s) {
+/* The marcher may be later than ngspice by more than a short step, after a jump: a longer one is asked for.
+ */
+static int ask_for_more(ns_session *s) {
+    static const double most = 1e6;
+    ns_digital *d = digital_of(s);
+    if (!(d->reach < most) || ns_waveform_resume(s->analysis.waveform) != NS_OK)
+        return 0;
+    d->reach *= 4.0;
+    d->short_steps = 1;
+    return 1;
+}
+
+int ns_bridge_digital_goes_on(ns_session *s, int status) {
     ns_digital *d = digital_of(s);
     const unsigned char *crossed = ns_march_crossed(s->analysis.march);
-    if (!ns_bridge_digital_is(d) || !crossed)
+    if (!ns_bridge_digital_is(d))
         return 0;
+    if (!crossed)
+        return status == NS_E_RANGE && ask_for_more(s);
     change_sides(d, crossed);
     if (watch(s) != NS_OK || ns_waveform_resume(s->analysis.waveform) != NS_OK)
         return 0;
@@ -184,7 +202,7 @@ double ns_bridge_digital_until(ns_session *s, double until, double closest) {
     if (!ns_bridge_digital_is(d))
         return until;
     if (d->short_steps > 0) {
-        until = fmin(until, t + 4.0 * closest);
+        until = fmin(until, t + d->reach * closest);
         d->short_steps--;
     }
     return fmin(until, fmax(ns_bridge_digital_next_event(d, s->ckt), t + closest));

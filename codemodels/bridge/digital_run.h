@@ -20,9 +20,9 @@ void ns_bridge_digital_load(ns_session *s);
 /* ngspice accepted its point, where the waveform ends: outputs are set, thresholds are watched anew. */
 int ns_bridge_digital_accept(ns_session *s);
 
-/* The waveform was refused its next point: 1 if that was for a threshold crossed right after the last one,
- * and it may be asked again. */
-int ns_bridge_digital_goes_on(ns_session *s);
+/* The waveform was refused its next point, with this status: 1 if that was for a threshold crossed right
+ * after the last one, or since it is beyond that time, and it may be asked again. */
+int ns_bridge_digital_goes_on(ns_session *s, int status);
 
 /* The time, s, of the next point at the latest: an event of ngspice's queue. */
 double ns_bridge_digital_until(ns_session *s, double until, double closest);

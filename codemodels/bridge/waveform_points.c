@@ -59,7 +59,7 @@ static int next_of_digital(ns_session *s, ns_waveform_point *p) {
     for (int k = 0; k < MOST; k++) {
         const double until = ns_bridge_digital_until(s, find_latest(s), closest);
         status = ns_waveform_next(s->analysis.waveform, until, p);
-        if (status == NS_OK || !ns_bridge_digital_goes_on(s))
+        if (status == NS_OK || !ns_bridge_digital_goes_on(s, status))
             return status;
     }
     return status;
