@@ -32,7 +32,7 @@ static ns_march_options scheme_options(const ns_run *r) {
     o.method = NS_THETA;
     o.theta = o.gamma = 1; /* they may not be given for other methods */
     o.capture = 0;
-    o.h = ldexp(o.h, SMALLER_EXPONENT);
+    o.h = ldexp(o.h, SMALLER_EXPONENT - r->finer_scheme);
     return o;
 }
 

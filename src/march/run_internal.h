@@ -21,6 +21,7 @@ typedef struct ns_run {
     ns_engine *at_work;
     ns_run_kind kind;
     int is_dense;       /* it is a dense run */
+    int finer_scheme;   /* the scheme in place of another engine is made with steps shorter by 2^-this */
     int trial_is_start; /* the trial is the start of the engine at work */
     ns_engine *aside;   /* NULL, or one that was at work and may be again */
     ns_run_kind aside_kind;

@@ -33,6 +33,10 @@ void ns_verify_sizes_charge(ns_verify *v, int i, double size) {
     ns_verify_grow(v, &v->most_any[NS_VERIFY_ANY_ENERGY], size / v->unit[i]);
 }
 
+double ns_verify_most_charge(const ns_verify *v, int i) {
+    return v->most_w[i];
+}
+
 static void loosen(ns_verify *v, ns_verify_finding *f) {
     if (f->pair >= 0)
         v->is_loose_pair[f->pair] = 1;

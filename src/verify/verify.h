@@ -89,6 +89,9 @@ double ns_verify_off_lambda(const ns_verify *v, int j);
 double ns_verify_off_y(const ns_verify *v, int j);
 double ns_verify_off_control(const ns_verify *v, int j);
 
+/* The largest terms that charge or flux i had. */
+double ns_verify_most_charge(const ns_verify *v, int i);
+
 /* The same in a hurry, by what was learnt from points before; nothing is learnt.  x: at least the unknowns
  * that devices and charges depend on.  0: it may be wrong, or not. */
 int ns_verify_quick_point(ns_verify *v, const ns_verify_state *at);
