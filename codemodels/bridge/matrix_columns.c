@@ -36,7 +36,8 @@ static int read_sparse(ns_matrix_columns *c, const struct MatrixFrame *m) {
 }
 
 static int read_klu(ns_matrix_columns *c, const ns_versions_klu *m) {
-    const int error = allocate(c, m->n, m->column[m->n]);
+    /* KLU sets nothing of a matrix of size 0 */
+    const int error = allocate(c, m->n, m->n > 0 ? m->column[m->n] : 0);
     for (int k = 0; k < m->n && !error; k++) {
         c->begin[k + 1] = m->column[k + 1];
         c->row_number[k] = c->column_number[k] = (int)m->number[k + 1];
