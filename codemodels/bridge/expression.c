@@ -96,6 +96,22 @@ static ns_piecewise_value *read_sine(expression_reader *r, const INPparseNode *n
     return read_source(r, status, at);
 }
 
+/* floor(u) = u - frac(u), ceil(u) = u + frac(-u), nint(u) = floor(u + 1/2), u = slope time + offset: frac is
+ * a sawtooth. */
+static ns_piecewise_value *read_floor(expression_reader *r, const INPparseNode *node,
+                                      const ns_piecewise_value *a) {
+    double slope, offset;
+    int at;
+    if (!is_of_time(r, a, &slope, &offset))
+        return refuse(r, "steps of a signal", "those of k*time+c are known, with numbers k and c");
+    const double up = node->funcnum == PTF_CEIL ? -1.0 : 1.0;
+    offset += node->funcnum == PTF_NINT ? 0.5 : 0.0;
+    const int status = ns_bridge_expression_sawtooth(r->w, up * slope, up * offset, &at);
+    const ns_piecewise_value *u =
+        node->funcnum == PTF_NINT ? ns_bridge_piecewise_sum(&r->p, 1.0, a, 0.5, constant(r, 1.0)) : a;
+    return ns_bridge_piecewise_sum(&r->p, 1.0, u, -up, read_source(r, status, at));
+}
+
 static ns_piecewise_value *difference(expression_reader *r, const ns_piecewise_value *a,
                                       const ns_piecewise_value *b) {
     return ns_bridge_piecewise_sum(&r->p, 1.0, a, -1.0, b);
@@ -186,7 +202,12 @@ static ns_piecewise_value *read_binary(expression_reader *r, const INPparseNode 
                                     : difference(r, a, more);
 }
 
+static int is_stepped(const INPparseNode *node) {
+    return node->funcnum == PTF_FLOOR || node->funcnum == PTF_CEIL || node->funcnum == PTF_NINT;
+}
+
 static ns_piecewise_value *read_function(expression_reader *r, const INPparseNode *node) {
+    double slope, offset;
     if (is_binary(node))
         return read_binary(r, node, read_node(r, node->left->left), read_node(r, node->left->right));
     const ns_piecewise_value *a = read_node(r, node->left);
@@ -203,6 +224,11 @@ static ns_piecewise_value *read_function(expression_reader *r, const INPparseNod
         return v;
     if (ns_bridge_piecewise_is_discrete(a) && !node->data)
         return ns_bridge_piecewise_map(&r->p, PTunary(node->function), a);
+    if (is_stepped(node))
+        return read_floor(r, node, a);
+    if (is_of_time(r, a, &slope, &offset))
+        return refuse(r, "a function of time that is not piecewise linear",
+                      "use a V element with PULSE, PWL, SIN or EXP");
     return refuse(r, "a function of a signal that is not piecewise linear",
                   "use pwl(x, x1, y1, x2, y2, ...)");
 }
@@ -273,9 +299,9 @@ static int refuse_node(expression_reader *r, GENinstance *inst) {
         return r->p.status;
     ns_bridge_expression_text(r->b->ASRCtree, r->at, text, sizeof text);
     snprintf(what, sizeof what, "%s is not supported: %s: %s", text, r->p.why,
-             r->instead
-                 ? r->instead
-                 : "one factor has to be a number or a comparison; pwl(x, x1, y1, ...) approximates a curve");
+             r->instead ? r->instead
+                        : "one factor has to be a number, a {parameter} or a comparison; pwl(x, x1, y1, ...) "
+                          "approximates a curve");
     return ns_bridge_extract_refuse(r->w, inst, what);
 }
 
@@ -340,32 +366,4 @@ int ns_bridge_expression_add(ns_extract_walk *w, GENinstance *inst, double facto
     ns_bridge_extract_mix(w, &factor, sizeof factor);
     ns_bridge_piecewise_free(&r.p);
     return status;
-}
-
-/* --- sources that expressions share --- */
-
-static int add_hidden(ns_extract_walk *w, const char *kind, const ns_signal *z, int *node) {
-    char name[EXTRACT_NAME];
-    const ns_signal dc = {.kind = NS_DC, .u.dc = ns_signal_value(z, 0.0, NS_RIGHT)};
-    if (w->next_node <= w->ex->neq)
-        w->next_node = w->ex->neq + 1;
-    *node = w->next_node++;
-    snprintf(name, sizeof name, "%s (%d)", kind, *node);
-    const int status = ns_circuit_source(w->ex->circuit, name, NS_VOLTAGE, *node, 0, w->dc ? &dc : z, NULL);
-    return status ? status : ns_circuit_name_node(w->ex->circuit, *node, name);
-}
-
-int ns_bridge_expression_time(ns_extract_walk *w, int *node) {
-    const double t[2] = {0.0, 2.0 * stop_of(w)};
-    ns_signal z = {.kind = NS_PWL};
-    z.u.pwl.n = 2;
-    z.u.pwl.t = z.u.pwl.v = t;
-    z.u.pwl.repeat = NAN;
-    const int status = w->time_node > 0 ? NS_OK : add_hidden(w, "time", &z, &w->time_node);
-    *node = w->time_node;
-    return status;
-}
-
-int ns_bridge_expression_sine(ns_extract_walk *w, const ns_signal *sine, int *node) {
-    return add_hidden(w, "sine", sine, node);
 }

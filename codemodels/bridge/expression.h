@@ -16,8 +16,10 @@ struct INPparseNode;
 void ns_bridge_expression_text(const IFparseTree *tree, const struct INPparseNode *node, char *text,
                                size_t size);
 
-/* A node whose voltage is the time, s, or that of a sine; made when it is asked for first.  Statuses. */
+/* expression_sources.c: a node whose voltage is the time, s (made when it is asked for first), that of a
+ * sine, or slope t + offset less the integer below it (slope: not 0, 1/s).  Statuses. */
 int ns_bridge_expression_time(ns_extract_walk *w, int *node);
 int ns_bridge_expression_sine(ns_extract_walk *w, const ns_signal *sine, int *node);
+int ns_bridge_expression_sawtooth(ns_extract_walk *w, double slope, double offset, int *node);
 
 #endif

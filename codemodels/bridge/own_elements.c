@@ -211,7 +211,10 @@ static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_
     *volts = isnan(o->vgs) ? drive.high : o->vgs;
     if (isnan(*volts))
         return ns_bridge_extract_refuse(
-            w, inst, "sources do not say how its gate is driven: give vgs, V, in the model nonsmooth");
+            w, inst,
+            "sources do not say how its gate is driven: give that voltage as vgs, in place of the .include "
+            "by lines "
+            "AOPT 0 opts and .model opts nonsmooth(take=\"all\" mosfet=\"switch\" vgs=10)");
     return *volts > m->vth ? NS_OK : refuse_value(w, inst, "drive", *volts, too_low);
 }
 
