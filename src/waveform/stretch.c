@@ -1,6 +1,7 @@
 /* src/waveform/stretch.c - the marcher's trials: smooth pieces of waveform, and jumps between them. */
 #include "waveform_internal.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -27,15 +28,32 @@ static int try_stretch(ns_waveform *w, double until, int *passed) {
     return NS_E_LIMIT;
 }
 
-/* w->made as the jump from where it begins to row. */
-static void make_jump(ns_waveform *w, double *row) {
+/* How far from an event values are taken that are shown at its two sides: a value that is at a threshold to
+ * the last digit counts as two crossings in .meas. */
+static double beside_event(const ns_waveform *w) {
+    static const double of_length = 1e-12, of_time = 16 * DBL_EPSILON;
+    const double length = w->end - w->accepted_t;
+    return fmin(fmax(of_length * length, of_time * w->end), 0.5 * length);
+}
+
+/* w->made as the jump from where it begins to the right side of the event, row.  What decays at once is shown
+ * as it begins. */
+static int make_jump(ns_waveform *w, double *row) {
+    static const double decayed = 1e-4;
     ns_segment *g = &w->made;
-    const double t = g->at[0].t, room = w->end - t;
+    const double t = g->at[0].t, room = w->end - t, beside = beside_event(w);
     const double fast = fmin(ns_march_shortest(w->march, w->accepted_t, NULL), room);
     const double later = fmin(fmax(w->closest, 1e-7 * fmin(fast, w->before)), room / 8);
+    if (beside <= decayed * fast) {
+        ns_waveform_return_row(w, row);
+        const int status = ns_waveform_sample(w, w->accepted_t + beside, &row);
+        if (status != NS_OK)
+            return status;
+    }
     ns_waveform_put_integrals(w, row);
     g->at[++g->last] = (ns_probe){fmax(t, w->accepted_t) + later, row};
     g->jumps = 1;
+    return NS_OK;
 }
 
 /* What comes and goes in the stretch counts too among the values at its end. */
@@ -54,7 +72,7 @@ static int look_at_middle(ns_waveform *w) {
  */
 static int sample_ends(ns_waveform *w, double **row) {
     double *end;
-    int status = ns_waveform_sample(w, w->end, &end);
+    int status = ns_waveform_sample(w, w->end - (ns_march_at_event(w->march) ? beside_event(w) : 0), &end);
     if (status != NS_OK)
         return status;
     memcpy(w->at_end, end, sizeof *end * w->count);
@@ -81,10 +99,9 @@ int ns_waveform_enter_stretch(ns_waveform *w, double until) {
     if (w->made.from_event)
         ns_waveform_begin_integrals(w, w->made.at[0].t);
     w->made.smooth = !ns_waveform_differ(w, w->made.at[0].v, row);
-    if (w->made.smooth)
-        ns_waveform_return_row(w, row);
-    else
-        make_jump(w, row);
+    if (!w->made.smooth)
+        return make_jump(w, row);
+    ns_waveform_return_row(w, row);
     return NS_OK;
 }
 
