@@ -1,6 +1,9 @@
 /* bridge/own_drive.c - the voltage at which a netlist drives the gate of a MOSFET: potentials of gate and
- * source, along V and R (of the source along L too), as ranges. */
+ * source, as ranges.  That of the gate is the one of the network of V and R around it, dividers included;
+ * that of the source is the one that the first way along V, R and L leads to. */
+#include <lapacke.h>
 #include <math.h>
+#include <stdlib.h>
 
 #include "models.h"
 #include "own_mosfet.h"
@@ -10,7 +13,7 @@
 #include "spicelib/devices/vcvs/vcvsdefs.h"
 #include "spicelib/devices/vsrc/vsrcdefs.h"
 
-enum { MOST_NODES = 60 }; /* that are tried */
+enum { MOST_NODES = 60, MOST_TERMS = 240 }; /* that are tried */
 
 typedef struct range {
     double low, high; /* V */
@@ -21,11 +24,10 @@ typedef struct range {
 /* A search from a node to `goal` or ground. */
 typedef struct way {
     const CKTcircuit *ckt;
-    int goal;        /* equation */
-    int along_l;     /* inductors count as wires */
-    int is_control;  /* it is that of the control of an E: no further E is looked into */
-    int by_a_source; /* a way of resistors alone, as one that keeps a gate low, does not count */
-    int met;         /* the equation that was met: goal, or 0 */
+    int goal;       /* equation */
+    int along_r;    /* resistors and inductors count as wires */
+    int is_control; /* it is that of the control of an E: no further E is looked into */
+    int met;        /* the equation that was met: goal, or 0 */
     int node[MOST_NODES], count;
 } way;
 
@@ -55,13 +57,12 @@ static range range_of(const VSRCinstance *v) {
     }
 }
 
-static int go_on(way *w, int here, range *r);
+static int find_voltage(const CKTcircuit *ckt, int p, int m, int is_control, range *r);
 
 /* By how much an E raises its first node, as V and R drive its control; 0: they do not. */
 static int read_vcvs(const way *w, const VCVSinstance *e, range *gap) {
-    way control = {.ckt = w->ckt, .goal = e->VCVScontNegNode, .is_control = 1, .by_a_source = 1};
     range r = {0};
-    if (w->is_control || !go_on(&control, e->VCVScontPosNode, &r) || control.met != e->VCVScontNegNode)
+    if (w->is_control || !find_voltage(w->ckt, e->VCVScontPosNode, e->VCVScontNegNode, 1, &r))
         return 0;
     const double low = e->VCVScoeff * r.low, high = e->VCVScoeff * r.high;
     *gap = (range){fmin(low, high), fmax(low, high), r.switches, 1};
@@ -84,13 +85,13 @@ static int read_wire(const way *w, const GENinstance *inst, int here, int *p, in
         const RESinstance *r = (const RESinstance *)inst;
         *p = r->RESposNode;
         *n = r->RESnegNode;
-        return 1;
+        return w->along_r;
     }
     case 'l': {
         const INDinstance *l = (const INDinstance *)inst;
         *p = l->INDposNode;
         *n = l->INDnegNode;
-        return w->along_l;
+        return w->along_r;
     }
     case 'e': {
         const VCVSinstance *e = (const VCVSinstance *)inst;
@@ -123,7 +124,7 @@ static range add_gap(range r, range gap, int forwards) {
 static int go_on(way *w, int here, range *r) {
     if (here == w->goal || here == 0) {
         w->met = here;
-        return r->sources || !w->by_a_source;
+        return 1;
     }
     if (was_tried(w, here) || w->count == MOST_NODES)
         return 0;
@@ -142,15 +143,172 @@ static int go_on(way *w, int here, range *r) {
     return 0;
 }
 
+/* --- the network of V and R around a gate --- */
+
+/* A known part of an equation of the network. */
+typedef struct term {
+    int row;
+    double weight;
+    range volts;
+    int of_goal; /* beside that the voltage of the goal */
+} term;
+
+/* Its unknowns: voltages of nodes that no V ties to the goal or to ground, then currents of the V between
+ * them.  Its matrix is symmetric. */
+typedef struct network {
+    way wires; /* what it consists of */
+    int node[MOST_NODES], nodes, rows, terms;
+    double a[MOST_NODES * MOST_NODES];
+    term term[MOST_TERMS];
+    int is_full; /* there is more than it can hold */
+} network;
+
+static int place_of(const network *n, int node) {
+    for (int k = 0; k < n->nodes; k++)
+        if (n->node[k] == node)
+            return k;
+    return -1;
+}
+
+/* 1 if V tie it to the goal or to ground; *volts: by how much it is above *met. */
+static int is_tied(const network *n, int node, range *volts, int *met) {
+    way w = {.ckt = n->wires.ckt, .goal = n->wires.goal, .is_control = n->wires.is_control};
+    *volts = (range){0};
+    const int tied = go_on(&w, node, volts);
+    *met = w.met;
+    return tied;
+}
+
+static void add_node(network *n, int node) {
+    range volts;
+    int met;
+    if (place_of(n, node) >= 0 || is_tied(n, node, &volts, &met))
+        return;
+    if (n->nodes == MOST_NODES)
+        n->is_full = 1;
+    else
+        n->node[n->nodes++] = node;
+}
+
+static void add_term(network *n, int row, double weight, range volts, int of_goal) {
+    if (n->terms == MOST_TERMS)
+        n->is_full = 1;
+    else
+        n->term[n->terms++] = (term){row, weight, volts, of_goal};
+}
+
+static void add_at(network *n, int row, int column, double value) {
+    n->a[row * MOST_NODES + column] += value;
+}
+
+/* A resistor in the row of one of its ends. */
+static void add_resistor(network *n, int row, int other, double siemens) {
+    const int column = place_of(n, other);
+    range volts;
+    int met;
+    add_at(n, row, row, siemens);
+    if (column >= 0)
+        add_at(n, row, column, -siemens);
+    else if (is_tied(n, other, &volts, &met))
+        add_term(n, row, siemens, volts, met == n->wires.goal);
+}
+
+/* A V whose first end is the node of this row; the other one is among the nodes too. */
+static void add_source(network *n, int row, int other, range gap) {
+    const int current = n->rows, column = place_of(n, other);
+    if (current == MOST_NODES || column < 0) {
+        n->is_full = 1;
+        return;
+    }
+    n->rows++;
+    add_at(n, row, current, 1.0);
+    add_at(n, current, row, 1.0);
+    add_at(n, column, current, -1.0);
+    add_at(n, current, column, -1.0);
+    add_term(n, current, 1.0, gap, 0);
+}
+
+/* Each element at the k-th node: its other node, or what it says. */
+static void visit(network *n, int k, int adds_nodes) {
+    const int here = n->node[k];
+    for (NGTABLEPTR box = n->wires.ckt->DEVnameHash->thread; box; box = box->thread_next) {
+        const GENinstance *inst = box->data;
+        const char letter = ns_bridge_models_letter(inst);
+        range gap;
+        int p, m;
+        if (letter == 'l' || !read_wire(&n->wires, inst, here, &p, &m, &gap) || (p != here && m != here) ||
+            p == m)
+            continue;
+        if (adds_nodes)
+            add_node(n, p == here ? m : p);
+        else if (letter == 'r')
+            add_resistor(n, k, p == here ? m : p, ((const RESinstance *)inst)->RESconduct);
+        else if (p == here)
+            add_source(n, k, m, gap);
+    }
+}
+
+/* *share: of the voltage of the goal in that of the first node; *r: what sources add.  0: it is not known. */
+static int solve(network *n, range *r, double *share) {
+    double y[MOST_NODES] = {1.0}; /* the first column of the inverse */
+    lapack_int pivot[MOST_NODES];
+    if (LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n->rows, n->rows, n->a, MOST_NODES, pivot) != 0 ||
+        LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, 'N', n->rows, 1, n->a, MOST_NODES, pivot, y, MOST_NODES) != 0)
+        return 0;
+    *share = 0.0;
+    for (int k = 0; k < n->terms; k++) {
+        const term *t = &n->term[k];
+        const double part = y[t->row] * t->weight;
+        const double low = part * t->volts.low, high = part * t->volts.high;
+        *r = add_gap(*r, (range){fmin(low, high), fmax(low, high), t->volts.switches, t->volts.sources}, 1);
+        *share += t->of_goal ? part : 0.0;
+    }
+    return isfinite(r->low) && isfinite(r->high);
+}
+
+/* The voltage of a node, as sources drive it: *r + *share times that of the goal. */
+static int find_potential(network *n, int node, range *r, double *share) {
+    int met;
+    if (is_tied(n, node, r, &met)) {
+        *share = met == n->wires.goal;
+        return r->sources;
+    }
+    add_node(n, node);
+    for (int k = 0; k < n->nodes; k++)
+        visit(n, k, 1);
+    n->rows = n->nodes;
+    for (int k = 0; k < n->nodes; k++)
+        visit(n, k, 0);
+    *r = (range){0};
+    return !n->is_full && solve(n, r, share) && r->sources;
+}
+
+/* v(p,m), as sources drive it; 0: they do not say. */
+static int find_voltage(const CKTcircuit *ckt, int p, int m, int is_control, range *r) {
+    static const double nearly_all = 0.95; /* what pulls a gate that follows its source to ground is weak */
+    way of_goal = {.ckt = ckt, .along_r = 1};
+    range goal = {0};
+    network *n = calloc(1, sizeof *n);
+    double share = 0.0;
+    if (!n)
+        return 0;
+    n->wires = (way){.ckt = ckt, .goal = m, .along_r = 1, .is_control = is_control};
+    const int known = find_potential(n, p, r, &share);
+    free(n);
+    if (!known || m == 0 || share > 1.0 - 1e-12)
+        return known;
+    if (is_control || !go_on(&of_goal, m, &goal))
+        return share > nearly_all;
+    r->low -= (1.0 - share) * goal.high;
+    r->high -= (1.0 - share) * goal.low;
+    return 1;
+}
+
 int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
-    way of_gate = {.ckt = ckt, .goal = m->source, .by_a_source = 1};
-    way of_source = {.ckt = ckt, .along_l = 1};
-    range gate = {0}, source = {0};
-    if (!go_on(&of_gate, m->gate, &gate))
+    range r = {0};
+    if (!find_voltage(ckt, m->gate, m->source, 0, &r))
         return 0;
-    if (of_gate.met == 0 && m->source != 0 && !go_on(&of_source, m->source, &source))
-        return 0;
-    *drive = m->sign > 0 ? (ns_own_drive){gate.low - source.high, gate.high - source.low, gate.switches}
-                         : (ns_own_drive){source.low - gate.high, source.high - gate.low, gate.switches};
+    *drive =
+        m->sign > 0 ? (ns_own_drive){r.low, r.high, r.switches} : (ns_own_drive){-r.high, -r.low, r.switches};
     return 1;
 }

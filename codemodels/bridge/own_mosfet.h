@@ -32,9 +32,9 @@ typedef struct ns_own_drive {
     int switches;     /* PULSE or PWL drives it */
 } ns_own_drive;
 
-/* What sources drive the gate with: what V, R and an E of known control connect it
- * with, against what V, R and L connect the source
- * with.  0: that leads to neither ground nor each other. */
+/* What sources drive the gate with: the voltage that the network of V, R and an E of known control around it
+ * gives it, against what V, R and L connect the source with.  0: that leads to neither ground nor each other.
+ */
 int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive);
 
 #endif
