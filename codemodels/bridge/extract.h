@@ -20,6 +20,7 @@ typedef struct ns_extract_device {
 typedef struct ns_own_current {
     const GENinstance *inst; /* a D, or an M with its body diode */
     double id;
+    int faint; /* what it carried in the pass was a leak, and is not id */
 } ns_own_current;
 
 typedef struct ns_own_currents {
@@ -45,6 +46,7 @@ typedef struct ns_own_taken {
         double seconds; /* 0: there was none */
         int whole;      /* it was all of .tran */
         int idle;       /* the D did not conduct in it */
+        int faint;      /* it carried no more than a leak */
     } pass;
     int anode;    /* equation */
     int inside;   /* equation of its node behind rs; 0: there is none */

@@ -56,7 +56,7 @@ static void add_part(const own_pass *p, double seconds) {
         if (element >= 0 &&
             ns_circuit_device(a->ex.circuit, element, a->x, a->lambda, mode, &i, NULL, &on) == NS_OK &&
             on > 0)
-            ns_bridge_log_mean_add(&p->mean[k], i, seconds);
+            ns_bridge_log_mean_add(&p->mean[k], i, seconds, 0.0);
     }
 }
 
@@ -119,6 +119,13 @@ static double round_current(double amperes) {
     return best;
 }
 
+/* One that carried no more than a leak, as far as the pass came, may do so because it did not begin yet. */
+static ns_own_current current_of(const own_pass *p, int k, int whole) {
+    const double amperes = ns_bridge_log_mean_read(&p->mean[k]);
+    const int faint = !whole && amperes < NS_LEAK;
+    return (ns_own_current){p->a->ex.own[k].inst, faint ? NS_OWN_CURRENT : round_current(amperes), faint};
+}
+
 int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double stop, ns_own_currents *currents) {
     const own_pass p = {a, march, calloc((size_t)a->ex.nowns + 1, sizeof *p.mean)};
     currents->of = calloc((size_t)a->ex.nowns + 1, sizeof *currents->of);
@@ -130,8 +137,7 @@ int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double stop, ns
     currents->whole = currents->seconds >= stop;
     for (int k = 0; k < a->ex.nowns; k++)
         if (p.mean[k].coulombs > 0.0)
-            currents->of[currents->count++] =
-                (ns_own_current){a->ex.own[k].inst, round_current(ns_bridge_log_mean_read(&p.mean[k]))};
+            currents->of[currents->count++] = current_of(&p, k, currents->whole);
     free(p.mean);
     return NS_OK;
 }

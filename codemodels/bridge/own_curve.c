@@ -21,7 +21,8 @@ void ns_bridge_own_count_point(const ns_analysis *a, double since, double t) {
             continue;
         i = o->kind == OWN_MOSFET ? o->mosfet.sign * i : i;
         if (o->seen.t >= since)
-            ns_bridge_log_mean_add(&o->seen.current, 0.5 * (fmax(i, 0.0) + o->seen.i), t - o->seen.t);
+            ns_bridge_log_mean_add(&o->seen.current, 0.5 * (fmax(i, 0.0) + o->seen.i), t - o->seen.t,
+                                   NS_LEAK);
         o->seen.t = t;
         o->seen.i = fmax(i, 0.0);
         o->seen.most_v = fmax(o->seen.most_v, fabs(v));

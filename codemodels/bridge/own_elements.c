@@ -59,11 +59,13 @@ static double current_of(const ns_extract_walk *w, const GENinstance *inst) {
 }
 
 static void note_pass(const ns_extract_walk *w, ns_own_taken *taken) {
+    const ns_own_current *found = found_current(w, taken->inst);
     if (!w->currents || !isnan(w->ex->options.id))
         return;
     taken->pass.seconds = w->currents->seconds;
     taken->pass.whole = w->currents->whole;
-    taken->pass.idle = !found_current(w, taken->inst);
+    taken->pass.idle = !found;
+    taken->pass.faint = found && found->faint;
 }
 
 static int add_diode(ns_extract_walk *w, GENinstance *inst, const ns_own_diode *d, const ns_diode *ideal) {

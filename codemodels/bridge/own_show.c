@@ -64,7 +64,8 @@ static int are_same_diode(const ns_diode *a, const ns_diode *b) {
 /* Of one model, and taken for the same. */
 static int are_alike(const ns_own_taken *a, const ns_own_taken *b) {
     return a->inst->GENmodPtr == b->inst->GENmodPtr && a->ron == b->ron && a->vt == b->vt &&
-           are_same_diode(&a->diode, &b->diode) && a->pass.idle == b->pass.idle;
+           are_same_diode(&a->diode, &b->diode) && a->pass.idle == b->pass.idle &&
+           a->pass.faint == b->pass.faint;
 }
 
 /* How many are like the k-th; 0: one before it is. */
@@ -112,7 +113,9 @@ static void name_diodes(const ns_extract *ex, const ns_own_taken *o, int count, 
 
 /* Where its vf comes from. */
 static void write_at(const ns_own_taken *o, char *line, size_t size) {
-    const char *how = o->pass.idle ? ": it did not conduct in" : ", its current in";
+    const char *how = o->pass.idle    ? ": it did not conduct in"
+                      : o->pass.faint ? ": it carried less than 1 nA in"
+                                      : ", its current in";
     const size_t used = (size_t)snprintf(line, size, " (that of its model at %.4g A", o->at);
     if (o->pass.seconds > 0.0 && (o->pass.idle || !o->pass.whole))
         snprintf(line + used, size - used, "%s the first %.4g s)", how, o->pass.seconds);

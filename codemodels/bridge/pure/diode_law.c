@@ -33,8 +33,7 @@ double ns_bridge_diode_law_voltage(const ns_diode_law *law, double amperes) {
     return 0.5 * (low + high);
 }
 
-void ns_bridge_log_mean_add(ns_log_mean *mean, double amperes, double seconds) {
-    static const double least = 1e-9; /* A: what a D that is off may leak */
+void ns_bridge_log_mean_add(ns_log_mean *mean, double amperes, double seconds, double least) {
     if (!(amperes > least) || !(seconds > 0.0) || !isfinite(amperes))
         return;
     mean->coulombs += amperes * seconds;

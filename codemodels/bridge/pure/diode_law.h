@@ -26,8 +26,11 @@ typedef struct ns_log_mean {
     double coulombs, sum;
 } ns_log_mean;
 
-/* Currents below 1 nA do not count. */
-void ns_bridge_log_mean_add(ns_log_mean *mean, double amperes, double seconds);
+/* A: what a D that is off may leak, at most. */
+#define NS_LEAK 1e-9
+
+/* Currents up to `least` (A) do not count. */
+void ns_bridge_log_mean_add(ns_log_mean *mean, double amperes, double seconds, double least);
 
 /* A; 0: nothing flowed. */
 double ns_bridge_log_mean_read(const ns_log_mean *mean);

@@ -55,13 +55,13 @@ static void mean_of_logarithms(void **unused) {
     (void)unused;
     ns_log_mean mean = {0, 0};
     assert_true(ns_bridge_log_mean_read(&mean) == 0);
-    ns_bridge_log_mean_add(&mean, 1, 4);
-    ns_bridge_log_mean_add(&mean, 4, 1);
-    ns_bridge_log_mean_add(&mean, 1e-10, 5);
-    ns_bridge_log_mean_add(&mean, 1, 0);
-    ns_bridge_log_mean_add(&mean, INFINITY, 1);
+    ns_bridge_log_mean_add(&mean, 1, 4, 1e-9);
+    ns_bridge_log_mean_add(&mean, 4, 1, 1e-9);
+    ns_bridge_log_mean_add(&mean, 1e-10, 5, 1e-9);
+    ns_bridge_log_mean_add(&mean, 1, 0, 1e-9);
+    ns_bridge_log_mean_add(&mean, INFINITY, 1, 1e-9);
     assert_true(fabs(ns_bridge_log_mean_read(&mean) - 2) < 1e-15);
-    ns_bridge_log_mean_add(&mean, 1, 16);
+    ns_bridge_log_mean_add(&mean, 1, 16, 1e-9);
     assert_true(fabs(ns_bridge_log_mean_read(&mean) - pow(4, 1.0 / 6)) < 1e-15);
 }
 
