@@ -24,6 +24,7 @@ typedef struct ns_bridge {
     ns_session session;
     int last_type;           /* the last of our device types in this circuit; 0: none is there */
     const GENinstance *mark; /* one of our instances: when it is deleted, the circuit is */
+    int left_noted;          /* that nothing is ours was said */
 } ns_bridge;
 
 static ns_bridge *bridges;
@@ -67,6 +68,14 @@ static int takes_any(const GENmodel *model) {
     return 0;
 }
 
+/* Options alone leave the circuit to ngspice. */
+static void note_left(ns_bridge *b) {
+    if (b->last_type || b->left_noted)
+        return;
+    b->left_noted = 1;
+    ns_bridge_report_note("no ideal device and no take=...: ngspice itself simulates this circuit");
+}
+
 static int setup_type(model_kind kind, SMPmatrix *matrix, GENmodel *model, CKTcircuit *ckt, int *states) {
     ns_bridge_report_about(ckt, model->GENmodType);
     int error = ns_bridge_analysis_check_setup(ckt);
@@ -76,8 +85,10 @@ static int setup_type(model_kind kind, SMPmatrix *matrix, GENmodel *model, CKTci
     ns_bridge_models_set_type(kind, model->GENmodType);
     b->mark = model->GENinstances ? model->GENinstances : b->mark;
     error = MIFsetup(matrix, model, ckt, states);
-    if (kind != KIND_OPTIONS || (!error && takes_any(model))) /* other options leave the circuit to ngspice */
+    if (kind != KIND_OPTIONS || (!error && takes_any(model)))
         b->last_type = model->GENmodType;
+    else if (!error)
+        note_left(b);
     return error;
 }
 
