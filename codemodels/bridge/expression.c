@@ -121,6 +121,10 @@ static ns_piecewise_value *negative(expression_reader *r, const ns_piecewise_val
     return ns_bridge_piecewise_sum(&r->p, -1.0, a, 0.0, a);
 }
 
+static ns_piecewise_value *absolute(expression_reader *r, const ns_piecewise_value *a) {
+    return ns_bridge_piecewise_sum(&r->p, 2.0, ns_bridge_piecewise_positive(&r->p, a), -1.0, a);
+}
+
 /* 1 where a < 0. */
 static ns_piecewise_value *below(expression_reader *r, const ns_piecewise_value *a) {
     return ns_bridge_piecewise_above(&r->p, negative(r, a));
@@ -153,7 +157,7 @@ static ns_piecewise_value *read_cornered(expression_reader *r, const INPparseNod
     case PTF_UMINUS:
         return negative(r, a);
     case PTF_ABS:
-        return ns_bridge_piecewise_sum(p, 2.0, ns_bridge_piecewise_positive(p, a), -1.0, a);
+        return absolute(r, a);
     case PTF_URAMP:
         return ns_bridge_piecewise_positive(p, a);
     case PTF_USTEP2: /* between 0 and 1 */
@@ -185,18 +189,24 @@ static int is_binary(const INPparseNode *node) {
            node->funcnum == PTF_MAX;
 }
 
+/* a to the power of 1: ngspice's powers are of |a|, or keep its sign, by their names and by ngbehavior. */
+static ns_piecewise_value *read_power(expression_reader *r, const INPparseNode *node,
+                                      const ns_piecewise_value *a, const ns_piecewise_value *b) {
+    double n;
+    if (!ns_bridge_piecewise_is_constant(b, &n) || n != 1.0)
+        return refuse(r, "a power of a signal", "use pwl(x, x1, y1, x2, y2, ...)");
+    return PTbinary(node->function)(-1.0, 1.0) < 0.0 ? (ns_piecewise_value *)a : absolute(r, a);
+}
+
 /* max(a,b) = b + max(a-b, 0), min(a,b) = a - max(a-b, 0); powers of what is discrete, and first powers. */
 static ns_piecewise_value *read_binary(expression_reader *r, const INPparseNode *node,
                                        const ns_piecewise_value *a, const ns_piecewise_value *b) {
-    double n;
     if (!a || !b)
         return NULL;
     if (ns_bridge_piecewise_is_discrete(a) && ns_bridge_piecewise_is_discrete(b))
         return ns_bridge_piecewise_map2(&r->p, PTbinary(node->function), a, b);
     if (node->type == PT_POWER || node->funcnum == PTF_POW || node->funcnum == PTF_PWR)
-        return ns_bridge_piecewise_is_constant(b, &n) && n == 1.0
-                   ? (ns_piecewise_value *)a
-                   : refuse(r, "a power of a signal", "use pwl(x, x1, y1, x2, y2, ...)");
+        return read_power(r, node, a, b);
     ns_piecewise_value *more = ns_bridge_piecewise_positive(&r->p, difference(r, a, b));
     return node->funcnum == PTF_MAX ? ns_bridge_piecewise_sum(&r->p, 1.0, b, 1.0, more)
                                     : difference(r, a, more);
