@@ -15,7 +15,6 @@ typedef struct expression_reader {
     const ASRCinstance *b;
     ns_piecewise p;
     const INPparseNode *at; /* the innermost node that failed; NULL: none did */
-    const char *instead;    /* what to do then; NULL: the usual */
     int depth;
 } expression_reader;
 
@@ -59,7 +58,7 @@ static ns_piecewise_value *refuse(expression_reader *r, const char *why, const c
     if (r->p.status == NS_OK) {
         r->p.status = NS_E_RANGE;
         r->p.why = why;
-        r->instead = instead;
+        r->p.instead = instead;
     }
     return NULL;
 }
@@ -134,18 +133,23 @@ static ns_piecewise_value *one_minus(expression_reader *r, const ns_piecewise_va
     return difference(r, constant(r, 1.0), a);
 }
 
-/* The broken line of pwl(). */
+/* The broken line of pwl(): of the time a source, exact however steep it is. */
 static ns_piecewise_value *read_line(expression_reader *r, const INPparseNode *node,
                                      const ns_piecewise_value *a) {
     const struct pwldata {
         int n;
         double *vals;
     } *line = node->data;
-    int ascending = line->n >= 4;
+    double slope, offset;
+    int at, ascending = line->n >= 4;
     for (int k = 2; k + 1 < line->n; k += 2)
         ascending &= line->vals[k] > line->vals[k - 2];
     if (!ascending)
         return refuse(r, "the x of pwl() do not ascend", "give at least two points, by ascending x");
+    if (is_of_time(r, a, &slope, &offset)) {
+        const int status = ns_bridge_expression_line(r->w, slope, offset, line->n / 2, line->vals, &at);
+        return read_source(r, status, at);
+    }
     return ns_bridge_piecewise_line(&r->p, a, line->n / 2, line->vals, 0);
 }
 
@@ -229,11 +233,11 @@ static ns_piecewise_value *read_function(expression_reader *r, const INPparseNod
         return read_line(r, node, a);
     if (node->funcnum == PTF_DDT)
         return refuse(r, "a rate", "use a capacitor and the current of a source of 0 V in series");
+    if (ns_bridge_piecewise_is_discrete(a) && !node->data) /* with ngspice's values at a jump, too */
+        return ns_bridge_piecewise_map(&r->p, PTunary(node->function), a);
     ns_piecewise_value *v = read_cornered(r, node, a);
     if (v || r->p.status)
         return v;
-    if (ns_bridge_piecewise_is_discrete(a) && !node->data)
-        return ns_bridge_piecewise_map(&r->p, PTunary(node->function), a);
     if (is_stepped(node))
         return read_floor(r, node, a);
     if (is_of_time(r, a, &slope, &offset))
@@ -309,9 +313,10 @@ static int refuse_node(expression_reader *r, GENinstance *inst) {
         return r->p.status;
     ns_bridge_expression_text(r->b->ASRCtree, r->at, text, sizeof text);
     snprintf(what, sizeof what, "%s is not supported: %s: %s", text, r->p.why,
-             r->instead ? r->instead
-                        : "one factor has to be a number, a {parameter} or a comparison; pwl(x, x1, y1, ...) "
-                          "approximates a curve");
+             r->p.instead
+                 ? r->p.instead
+                 : "one factor has to be a number, a {parameter} or a comparison; pwl(x, x1, y1, ...) "
+                   "approximates a curve");
     return ns_bridge_extract_refuse(r->w, inst, what);
 }
 

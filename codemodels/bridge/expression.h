@@ -21,5 +21,8 @@ void ns_bridge_expression_text(const IFparseTree *tree, const struct INPparseNod
 int ns_bridge_expression_time(ns_extract_walk *w, int *node);
 int ns_bridge_expression_sine(ns_extract_walk *w, const ns_signal *sine, int *node);
 int ns_bridge_expression_sawtooth(ns_extract_walk *w, double slope, double offset, int *node);
+/* The broken line through n points (x, y in turns, x ascending), x = slope t + offset. */
+int ns_bridge_expression_line(ns_extract_walk *w, double slope, double offset, int n, const double *xy,
+                              int *node);
 
 #endif

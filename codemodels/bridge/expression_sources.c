@@ -2,6 +2,7 @@
 #include "expression.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 /* Of the run, s. */
 static double stop_of(const ns_extract_walk *w) {
@@ -43,4 +44,51 @@ int ns_bridge_expression_sawtooth(ns_extract_walk *w, double slope, double offse
     z.u.pulse.tf = period - z.u.pulse.tr;
     z.u.pulse.per = period;
     return add_hidden(w, "sawtooth", &z, node);
+}
+
+/* y(x) on the line through points a and b (x, y each). */
+static double on_line(const double *a, const double *b, double x) {
+    return a[1] + (b[1] - a[1]) * ((x - a[0]) / (b[0] - a[0]));
+}
+
+/* The first and the last piece go on for ever. */
+static double line_at(int n, const double *xy, double x) {
+    int k = 0;
+    while (k + 2 < n && x >= xy[2 * (k + 1)])
+        k++;
+    return on_line(xy + 2 * k, xy + 2 * (k + 1), x);
+}
+
+/* The corners between t = 0 and the end, by ascending t; t[0] and the last one are 0 and the end. */
+static int line_points(double slope, double offset, int n, const double *xy, double end, double *t,
+                       double *v) {
+    int m = 0;
+    t[m] = 0.0;
+    v[m++] = line_at(n, xy, offset);
+    for (int k = 0; k < n; k++) {
+        const double *at = xy + 2 * (slope > 0.0 ? k : n - 1 - k);
+        const double when = (at[0] - offset) / slope;
+        if (when > 0.0 && when < end) {
+            t[m] = when;
+            v[m++] = at[1];
+        }
+    }
+    t[m] = end;
+    v[m++] = line_at(n, xy, slope * end + offset);
+    return m;
+}
+
+int ns_bridge_expression_line(ns_extract_walk *w, double slope, double offset, int n, const double *xy,
+                              int *node) {
+    double *t = calloc(2 * ((size_t)n + 2), sizeof *t);
+    ns_signal z = {.kind = NS_PWL};
+    if (!t)
+        return NS_E_MEMORY;
+    z.u.pwl.n = line_points(slope, offset, n, xy, 2.0 * stop_of(w), t, t + n + 2);
+    z.u.pwl.t = t;
+    z.u.pwl.v = t + n + 2;
+    z.u.pwl.repeat = NAN;
+    const int status = add_hidden(w, "line", &z, node);
+    free(t);
+    return status;
 }

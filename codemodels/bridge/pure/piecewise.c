@@ -7,56 +7,24 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* --- discrete values --- */
+
 /* u where all these conditions hold, else 0. */
 static ns_piecewise_value *where_all_hold(ns_piecewise *p, const ns_piecewise_value *of, int set,
-                                          ns_piecewise_value *u) {
+                                          const ns_piecewise_value *u) {
     for (int k = 0; k < of->nconditions && u; k++)
         if (set & (1 << k))
             u = ns_bridge_piecewise_add_choice(p, of->condition[k], u);
-    return u;
-}
-
-/* --- discrete values --- */
-
-/* 1 if a holds wherever b does: they have the same terms, and a is the weaker one. */
-static int follows(const ns_piecewise_condition *a, const ns_piecewise_condition *b) {
-    int same = a->nterms == b->nterms && a->constant - a->threshold >= b->constant - b->threshold;
-    for (int k = 0; k < a->nterms && same; k++)
-        same = a->term[k].is_current == b->term[k].is_current && a->term[k].of == b->term[k].of &&
-               a->term[k].gain == b->term[k].gain;
-    return same;
-}
-
-/* The set without the conditions that others of it imply: a value that is compared with eight numbers is in
- * nine ranges, not in 256. */
-static int shorten(const ns_piecewise *p, const ns_piecewise_value *v, int set) {
-    for (int i = 0; i < v->nconditions; i++)
-        for (int k = 0; k < v->nconditions && set >> i & 1; k++)
-            if (k != i && set >> k & 1 &&
-                follows(&p->condition[v->condition[i]], &p->condition[v->condition[k]]))
-                set &= ~(1 << i);
-    return set;
-}
-
-/* The table as a sum: of each set of conditions what is added where all of them hold. */
-static void table_to_sum(const ns_piecewise *p, const ns_piecewise_value *v, double *sum) {
-    const int size = 1 << v->nconditions;
-    memcpy(sum, v->table, (size_t)size * sizeof *sum);
-    for (int k = 0; k < v->nconditions; k++)
-        for (int set = 0; set < size; set++)
-            if (set & (1 << k))
-                sum[set] -= sum[set & ~(1 << k)];
-    for (int set = size - 1; set > 0; set--) {
-        const int same = shorten(p, v, set);
-        sum[same] += same != set ? sum[set] : 0.0;
-        sum[set] = same != set ? 0.0 : sum[set];
-    }
+    return (ns_piecewise_value *)u;
 }
 
 /* a times a discrete value. */
-static ns_piecewise_value *times_table(ns_piecewise *p, ns_piecewise_value *a, const ns_piecewise_value *v) {
-    double sum[1 << PIECEWISE_CONDITIONS];
-    table_to_sum(p, v, sum);
+static ns_piecewise_value *times_table(ns_piecewise *p, const ns_piecewise_value *a,
+                                       const ns_piecewise_value *v) {
+    double sum[PIECEWISE_TABLE];
+    v = a ? ns_bridge_piecewise_table_sum(p, v, ns_bridge_piecewise_size(p, a), sum) : NULL;
+    if (!v)
+        return NULL;
     ns_piecewise_value *total = ns_bridge_piecewise_sum(p, sum[0], a, 0.0, a);
     for (int set = 1; set < 1 << v->nconditions && total; set++)
         if (sum[set] != 0.0)
@@ -283,6 +251,11 @@ static double is_not_zero(double a) {
     return a != 0.0;
 }
 
+static double is_zero(double a) {
+    return a == 0.0;
+}
+
+/* base + (other - base) where it holds: the smaller one is the base, if the other would lose it. */
 ns_piecewise_value *ns_bridge_piecewise_choose(ns_piecewise *p, const ns_piecewise_value *condition,
                                                const ns_piecewise_value *a, const ns_piecewise_value *b) {
     if (!condition || !a || !b)
@@ -296,21 +269,73 @@ ns_piecewise_value *ns_bridge_piecewise_choose(ns_piecewise *p, const ns_piecewi
     if (a->is_discrete && b->is_discrete &&
         a->nconditions + b->nconditions + condition->nconditions <= PIECEWISE_CONDITIONS)
         return combine(p, plus, a, b, condition);
-    const ns_piecewise_value *by = ns_bridge_piecewise_map(p, is_not_zero, condition);
-    ns_piecewise_value *difference = ns_bridge_piecewise_sum(p, 1.0, a, -1.0, b);
-    return ns_bridge_piecewise_sum(p, 1.0, b, 1.0, ns_bridge_piecewise_product(p, difference, by));
+    const ns_piecewise_value *by = ns_bridge_piecewise_map(p, is_not_zero, condition), *base = b, *other = a;
+    if (ns_bridge_piecewise_beside(p, b, a) > PIECEWISE_SPREAD_KEPT &&
+        ns_bridge_piecewise_beside(p, a, b) < ns_bridge_piecewise_beside(p, b, a)) {
+        by = ns_bridge_piecewise_map(p, is_zero, condition);
+        base = a;
+        other = b;
+    }
+    if (ns_bridge_piecewise_beside(p, base, other) > PIECEWISE_SPREAD_MAX)
+        return ns_bridge_piecewise_fail_spread(p);
+    ns_piecewise_value *difference = ns_bridge_piecewise_sum(p, 1.0, other, -1.0, base);
+    return ns_bridge_piecewise_sum(p, 1.0, base, 1.0, ns_bridge_piecewise_product(p, difference, by));
+}
+
+static double slope_of(const double *v, int k) {
+    return (v[2 * k + 3] - v[2 * k + 1]) / (v[2 * k + 2] - v[2 * k]);
+}
+
+/* a - x */
+static ns_piecewise_value *less(ns_piecewise *p, const ns_piecewise_value *a, double x) {
+    return ns_bridge_piecewise_sum(p, 1.0, a, -x, ns_bridge_piecewise_constant(p, 1.0));
+}
+
+/* 1 if the ramps of a line that bends at its corners are so large, 1 V or the width of the line beyond them,
+ * that their rounding is one of the values. */
+static int is_steep(int n, const double *v, int ends_level) {
+    double ramps = 0.0, largest = 0.0, before = ends_level ? 0.0 : slope_of(v, 0);
+    for (int k = 0; k < n; k++) {
+        const double after = k + 1 < n ? slope_of(v, k) : ends_level ? 0.0 : before;
+        ramps += fabs(after - before) * fmax(1.0, v[2 * n - 2] - v[2 * k]);
+        largest = fmax(largest, fabs(v[2 * k + 1]));
+        before = after;
+    }
+    return ramps > PIECEWISE_SPREAD_KEPT * largest;
+}
+
+/* The line as what each of its pieces adds, which stays exactly what it is beyond the piece: w - max(w - x,
+ * 0) of a piece of width w.  Twice as many kinks. */
+static ns_piecewise_value *steep_line(ns_piecewise *p, const ns_piecewise_value *a, int n, const double *v,
+                                      int ends_level) {
+    ns_piecewise_value *y = ns_bridge_piecewise_constant(p, v[1]);
+    for (int k = 0; k + 1 < n && y; k++) {
+        const double width = v[2 * k + 2] - v[2 * k];
+        ns_piecewise_value *x = less(p, a, v[2 * k]);
+        if (v[2 * k + 3] == v[2 * k + 1])
+            continue;
+        x = k > 0 || ends_level ? ns_bridge_piecewise_positive(p, x) : x;
+        if (k + 2 < n || ends_level) {
+            ns_piecewise_value *left = ns_bridge_piecewise_sum(p, -1.0, less(p, x, width), 0.0, x);
+            x = ns_bridge_piecewise_sum(p, -1.0, less(p, ns_bridge_piecewise_positive(p, left), width), 0.0,
+                                        x);
+        }
+        y = ns_bridge_piecewise_sum(p, 1.0, y, slope_of(v, k), x);
+    }
+    return y;
 }
 
 ns_piecewise_value *ns_bridge_piecewise_line(ns_piecewise *p, const ns_piecewise_value *a, int n,
                                              const double *v, int ends_level) {
-    double before = ends_level ? 0.0 : (v[3] - v[1]) / (v[2] - v[0]);
-    ns_piecewise_value *at = ns_bridge_piecewise_sum(p, 1.0, a, -v[0], ns_bridge_piecewise_constant(p, 1.0));
+    double before = ends_level ? 0.0 : slope_of(v, 0);
+    if (is_steep(n, v, ends_level))
+        return steep_line(p, a, n, v, ends_level);
+    ns_piecewise_value *at = less(p, a, v[0]);
     ns_piecewise_value *y =
         ns_bridge_piecewise_sum(p, before, at, v[1], ns_bridge_piecewise_constant(p, 1.0));
     for (int k = ends_level ? 0 : 1; k < (ends_level ? n : n - 1) && y; k++) {
-        const double *x = v + 2 * k;
-        const double after = k + 1 < n ? (x[3] - x[1]) / (x[2] - x[0]) : 0.0;
-        at = ns_bridge_piecewise_sum(p, 1.0, a, -x[0], ns_bridge_piecewise_constant(p, 1.0));
+        const double after = k + 1 < n ? slope_of(v, k) : 0.0;
+        at = less(p, a, v[2 * k]);
         if (after != before)
             y = ns_bridge_piecewise_sum(p, 1.0, y, after - before, ns_bridge_piecewise_positive(p, at));
         before = after;

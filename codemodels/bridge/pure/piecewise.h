@@ -21,9 +21,10 @@ typedef struct ns_piecewise {
     int time_node;       /* node whose voltage is the time; 0: there is none */
     double time_scale;   /* s: how large times are */
     /* --- kept --- */
-    int status;      /* of the library, when a function returned NULL: */
-    const char *why; /* NULL: it is status; else what was asked for is not piecewise linear */
-    int elements;    /* made so far */
+    int status;          /* of the library, when a function returned NULL: */
+    const char *why;     /* NULL: it is status; else what was asked for is not piecewise linear */
+    const char *instead; /* what to do then; NULL: the usual */
+    int elements;        /* made so far */
     int nconditions;
     ns_piecewise_condition *condition;
     ns_piecewise_value *values; /* all that were made */

@@ -53,8 +53,7 @@ ns_piecewise_value *ns_bridge_piecewise_at_a_node(ns_piecewise *p, const ns_piec
                   : ns_bridge_piecewise_term(p, (ns_term){0, node, 1.0});
 }
 
-/* How large the terms of a condition are: volts and amperes count as 1, times by their scale. */
-static double size_of(const ns_piecewise *p, const ns_piecewise_value *a) {
+double ns_bridge_piecewise_size(const ns_piecewise *p, const ns_piecewise_value *a) {
     double size = fabs(a->table[0]);
     for (int k = 0; k < a->nterms; k++) {
         const int is_time = a->term[k].is_current == 0 && p->time_node > 0 && a->term[k].of == p->time_node;
@@ -63,30 +62,47 @@ static double size_of(const ns_piecewise *p, const ns_piecewise_value *a) {
     return size;
 }
 
-static int is_condition(const ns_piecewise_condition *c, const ns_piecewise_value *a) {
-    int same = c->constant == a->table[0] && c->nterms == a->nterms;
+static int is_condition(const ns_piecewise_condition *c, const ns_piecewise_condition *a) {
+    int same = c->constant == a->constant && c->nterms == a->nterms && c->threshold == a->threshold;
     for (int k = 0; k < a->nterms && same; k++)
         same = c->term[k].is_current == a->term[k].is_current && c->term[k].of == a->term[k].of &&
                c->term[k].gain == a->term[k].gain;
     return same;
 }
 
-/* The number of the condition a > 0, which may be there already; -1: p->status. */
-int ns_bridge_piecewise_find_condition(ns_piecewise *p, const ns_piecewise_value *a) {
-    static const double at_zero = 1e-13; /* of its terms: rounding */
-    for (int k = 0; k < p->nconditions; k++)
-        if (is_condition(&p->condition[k], a))
-            return k;
+/* The number of the condition that is `sign` times this one, which may be there already; -1: p->status. */
+static int keep_condition(ns_piecewise *p, ns_piecewise_condition of, double sign) {
+    ns_term *terms = calloc((size_t)of.nterms + 1, sizeof *terms);
+    for (int k = 0; terms && k < of.nterms; k++)
+        terms[k] = (ns_term){of.term[k].is_current, of.term[k].of, sign * of.term[k].gain};
+    const ns_piecewise_condition c = {sign * of.constant, of.nterms, terms, sign * of.threshold};
+    int at = 0;
+    while (terms && at < p->nconditions && !is_condition(&p->condition[at], &c))
+        at++;
+    if (terms && at < p->nconditions) {
+        free(terms);
+        return at;
+    }
     ns_piecewise_condition *more = realloc(p->condition, (size_t)(p->nconditions + 1) * sizeof *more);
-    ns_term *terms = calloc((size_t)a->nterms + 1, sizeof *terms);
     p->condition = more ? more : p->condition;
     if (!more || !terms) {
         free(terms);
         ns_bridge_piecewise_fail(p, NS_E_MEMORY, NULL);
         return -1;
     }
-    memcpy(terms, a->term, (size_t)a->nterms * sizeof *terms);
-    p->condition[p->nconditions] =
-        (ns_piecewise_condition){a->table[0], a->nterms, terms, at_zero * size_of(p, a)};
+    p->condition[p->nconditions] = c;
     return p->nconditions++;
+}
+
+/* The number of the condition a > 0, which may be there already; -1: p->status. */
+int ns_bridge_piecewise_find_condition(ns_piecewise *p, const ns_piecewise_value *a) {
+    static const double at_zero = 1e-13; /* of its terms: rounding */
+    return keep_condition(
+        p,
+        (ns_piecewise_condition){a->table[0], a->nterms, a->term, at_zero * ns_bridge_piecewise_size(p, a)},
+        1.0);
+}
+
+int ns_bridge_piecewise_negated(ns_piecewise *p, int condition) {
+    return keep_condition(p, p->condition[condition], -1.0);
 }

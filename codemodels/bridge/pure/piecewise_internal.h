@@ -4,7 +4,12 @@
 
 #include "piecewise.h"
 
-enum { PIECEWISE_NAME = 160 };
+enum { PIECEWISE_NAME = 160, PIECEWISE_TABLE = 1 << PIECEWISE_CONDITIONS };
+
+/* How many times as large as a value the terms of its sum may be: rounding of them is an error of it.  Above
+ * the first another sum is looked for, above the second the value is refused. */
+#define PIECEWISE_SPREAD_KEPT 1e8
+#define PIECEWISE_SPREAD_MAX 1e9
 
 struct ns_piecewise_value {
     ns_piecewise_value *next; /* made before it */
@@ -38,5 +43,19 @@ ns_piecewise_value *ns_bridge_piecewise_add_choice(ns_piecewise *p, int conditio
 ns_piecewise_value *ns_bridge_piecewise_at_a_node(ns_piecewise *p, const ns_piecewise_value *a);
 /* The number of the condition a > 0, which may be there already; -1: kept. */
 int ns_bridge_piecewise_find_condition(ns_piecewise *p, const ns_piecewise_value *a);
+/* The number of the condition that holds where this one does not; -1: kept. */
+int ns_bridge_piecewise_negated(ns_piecewise *p, int condition);
+/* How large the terms of a are: volts and amperes count as 1, times by their scale. */
+double ns_bridge_piecewise_size(const ns_piecewise *p, const ns_piecewise_value *a);
+
+/* piecewise_table.c: a discrete value v as a sum: of each set of its conditions what is added where all of
+ * them hold.  Returns v, or where values would be lost in its sum the same with some conditions negated;
+ * size: of what it is multiplied by. */
+const ns_piecewise_value *ns_bridge_piecewise_table_sum(ns_piecewise *p, const ns_piecewise_value *v,
+                                                        double size, double *sum);
+/* How many times as large as the smallest of `other` the largest of `base` is; zeros are not counted. */
+double ns_bridge_piecewise_beside(const ns_piecewise *p, const ns_piecewise_value *base,
+                                  const ns_piecewise_value *other);
+ns_piecewise_value *ns_bridge_piecewise_fail_spread(ns_piecewise *p);
 
 #endif

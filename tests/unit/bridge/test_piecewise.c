@@ -4,6 +4,7 @@
 #include "march_bench.h"
 
 #include <stdio.h>
+#include <string.h>
 
 #include "dice.h"
 #include "piecewise.h"
@@ -264,6 +265,79 @@ static void as_evaluated(void **state) {
     assert_true(jumps < compared / 100);
 }
 
+enum { TABLES = 40, FAR_POINTS = 200 };
+
+/* Four values of either sign, 1e-6 to 1e12 and some 0, by two conditions. */
+static ns_piecewise_value *far_table(ns_piecewise *p, double *number) {
+    ns_piecewise_value *k[4];
+    for (int i = 0; i < 4; i++) {
+        number[i] = between(0, 1) < 0.2 ? 0 : (between(-1, 1) > 0 ? 1 : -1) * pow(10, between(-6, 12));
+        k[i] = ns_bridge_piecewise_constant(p, number[i]);
+    }
+    ns_piecewise_value *one = ns_bridge_piecewise_above(p, ns_bridge_piecewise_term(p, (ns_term){0, 1, 1}));
+    ns_piecewise_value *two = ns_bridge_piecewise_above(p, ns_bridge_piecewise_term(p, (ns_term){0, 2, 1}));
+    return ns_bridge_piecewise_choose(p, one, ns_bridge_piecewise_choose(p, two, k[3], k[2]),
+                                      ns_bridge_piecewise_choose(p, two, k[1], k[0]));
+}
+
+/* Adds the table as node 4; 0: it was refused, for its spread. */
+static int add_table(bench *b, double *number) {
+    ns_affine u;
+    int next_node = 1000;
+    ns_piecewise p = {.circuit = b->c, .name = "b", .next_node = &next_node};
+    const int taken = ns_bridge_piecewise_affine(&p, far_table(&p, number), &u);
+    if (taken)
+        assert_int_equal(ns_circuit_linear(b->c, "b", NS_VOLTAGE, 4, 0, u.constant, u.nterms, u.terms, NULL),
+                         NS_OK);
+    else
+        assert_non_null(strstr(p.why, "more than 1e9 times as large"));
+    ns_bridge_piecewise_free(&p);
+    return taken;
+}
+
+/* The largest error of a value that is not 0, relative to it. */
+static double table_error(bench *b, const double *number) {
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-5, .method = NS_EXACT};
+    double worst = 0;
+    assert_int_equal(ns_circuit_system(b->c, &b->s), NS_OK);
+    assert_int_equal(ns_march_create(b->s, &o, &b->m, NULL), NS_OK);
+    double *x = calloc((size_t)b->s->n + 1, sizeof *x);
+    assert_int_equal(ns_march_start(b->m, 0, x), NS_OK);
+    for (int i = 1; i <= FAR_POINTS; i++) {
+        double v[3], reached;
+        const double t = 3.7e-3 * i / FAR_POINTS;
+        signals_at(t, v);
+        const double expected = number[(v[0] > 0) + (v[0] > 0) + (v[1] > 0)];
+        assert_int_equal(ns_march_try(b->m, t, NS_TO_TIME, &reached), NS_OK);
+        assert_int_equal(ns_march_accept(b->m), NS_OK);
+        assert_int_equal(ns_march_read(b->m, NULL, x, NULL, NULL), NS_OK);
+        if (expected != 0 && fmin(fabs(v[0]), fabs(v[1])) > 1e-9)
+            worst = fmax(worst, fabs(x[ns_circuit_node_unknown(b->c, 4)] / expected - 1));
+    }
+    free(x);
+    return worst;
+}
+
+/* A table with values far apart is right in each of them, or refused. */
+static void far_apart(void **state) {
+    (void)state;
+    int taken = 0;
+    double worst = 0;
+    die = dice_make(2, 7);
+    for (int k = 0; k < TABLES; k++) {
+        double number[4];
+        bench b = sources();
+        if (add_table(&b, number)) {
+            taken++;
+            worst = fmax(worst, table_error(&b, number));
+        }
+        close_bench(&b);
+    }
+    print_message("%d of %d tables taken, largest relative error %.1e\n", taken, TABLES, worst);
+    assert_true(worst <= 1e-6);
+    assert_in_range(taken, TABLES / 2, TABLES - 1);
+}
+
 static void refused(void **state) {
     (void)state;
     bench b = sources();
@@ -298,6 +372,7 @@ static void refused(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(as_evaluated),
+        cmocka_unit_test(far_apart),
         cmocka_unit_test(refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
