@@ -92,6 +92,7 @@ int ns_ladder_go(ns_ladder *l, const ns_ladder_stop *stop, int *done) {
     ns_dense_point *p = l->point;
     const double corner = ns_ladder_next_corner(l);
     l->limit = fmin(stop->t, corner);
+    l->until = stop->interrupt > p->now.t ? fmin(l->limit, stop->interrupt) : l->limit;
     *done = 0;
     if (p->at_event) {
         const int status = ns_ladder_event_resolve(l);
@@ -99,9 +100,8 @@ int ns_ladder_go(ns_ladder *l, const ns_ladder_stop *stop, int *done) {
         *done = stop->from_event;
         return status;
     }
-    const double to = stop->interrupt > p->now.t ? fmin(l->limit, stop->interrupt) : l->limit;
     l->one_step = stop->until == NS_TO_STEP;
-    const int status = ns_ladder_walk(l, to);
+    const int status = ns_ladder_walk(l, l->until);
     if (status == NS_OK && !p->at_event && p->now.t == corner)
         look_at_corner(l);
     *done = stop->until == NS_TO_STEP || (p->at_event && stop->until == NS_TO_EVENT);
@@ -133,7 +133,7 @@ int ns_ladder_start(ns_ladder *l, double t0, const double *w0, const unsigned ch
     *l->point = (ns_dense_point){.now = {t0, 0}, .flip = l->point->flip, .instant = l->point->instant};
     l->window = (ns_event_window){0};
     l->corner = -INFINITY;
-    l->limit = INFINITY;
+    l->limit = l->until = INFINITY;
     l->contradiction = -1;
     for (size_t c = 0; c < nc; c++)
         l->closed[c] = closed ? closed[c] : l->s->command[c].closed != 0;

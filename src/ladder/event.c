@@ -108,14 +108,14 @@ static void count_event(ns_ladder *l) {
 
 /* The guard that broke was found by a step of the scheme.  An implicit one of the same length may not break
  * it, or (P1) may find that it held after all.  Longer ones are tried, up to a length at which nothing is
- * skipped; if none changes the mode, steps go on as before, and where such events are many, they are
- * captured. */
+ * skipped, and while the exact engine is not to be asked again, as nothing bounds their error; if none
+ * changes the mode, steps go on as before, and where such events are many, they are captured. */
 static int step_until_changed(ns_ladder *l, double *h) {
     const long before = ns_theta_counts(l->step)->events;
     const double longest = ldexp(l->h, -NS_SPURIOUS_EXPONENT);
     int status = ns_ladder_short_try(l, *h);
     while (status == NS_OK && ns_theta_counts(l->step)->events == before && 2 * *h <= longest &&
-           l->point->now.t + 4 * *h < l->limit) {
+           l->point->now.t + 4 * *h < l->until) {
         *h *= 2;
         status = ns_ladder_short_try(l, *h);
     }

@@ -41,6 +41,7 @@ struct ns_ladder {
     /* bounds of what is tried */
     double corner; /* s: the first corner of the inputs after point->now.t, if it is later than that */
     double limit;  /* s: the next event known ahead: no step of an event goes beyond */
+    double until;  /* s: limit, or the time before it at which the exact engine is asked again */
     long budget;   /* steps that the trial may still take */
     int one_step;  /* the trial ends after one step */
     /* inputs and commands */
