@@ -182,7 +182,7 @@ int ns_bridge_own_switch(ns_extract_walk *w, GENinstance *inst) {
     ns_own_switch s;
     if (ns_bridge_own_kind(inst) != OWN_SWITCH)
         return ns_bridge_extract_refuse(w, inst, "only S elements of a model of type SW are taken");
-    ns_bridge_own_read_switch(inst, &s);
+    ns_bridge_own_read_switch(inst, w->dc ? w->ckt : NULL, &s);
     return take_switch(w, inst, &s, 0);
 }
 
@@ -190,7 +190,7 @@ int ns_bridge_own_current_switch(ns_extract_walk *w, GENinstance *inst) {
     ns_own_switch s;
     if (ns_bridge_own_kind(inst) != OWN_CURRENT_SWITCH)
         return ns_bridge_extract_refuse(w, inst, "only W elements of a model of type CSW are taken");
-    ns_bridge_own_read_current_switch(inst, &s);
+    ns_bridge_own_read_current_switch(inst, w->dc ? w->ckt : NULL, &s);
     return take_switch(w, inst, &s, 1);
 }
 

@@ -33,7 +33,15 @@ static double ohms_of(double siemens) {
     return isinf(siemens) ? 0.0 : siemens > 0.0 ? 1.0 / siemens : INFINITY;
 }
 
-void ns_bridge_own_read_switch(const GENinstance *inst, ns_own_switch *s) {
+/* As ngspice's load has it where the control lies inside the hysteresis; its state is 1 or 3 if closed. */
+static int is_closed_inside(const CKTcircuit *dc, int state, int given) {
+    if (!dc || !(dc->CKTmode & MODEDCTRANCURVE) || (dc->CKTmode & (MODEINITJCT | MODEINITFIX)))
+        return given;
+    const double *from = dc->CKTmode & MODEINITPRED ? dc->CKTstate1 : dc->CKTstate0;
+    return from[state] == 1.0 || from[state] == 3.0;
+}
+
+void ns_bridge_own_read_switch(const GENinstance *inst, const CKTcircuit *dc, ns_own_switch *s) {
     const SWinstance *sw = (const SWinstance *)inst;
     const SWmodel *model = SWmodPtr(sw);
     *s = (ns_own_switch){.p = sw->SWposNode,
@@ -44,10 +52,10 @@ void ns_bridge_own_read_switch(const GENinstance *inst, ns_own_switch *s) {
                          .vh = model->SWvHysteresis,
                          .ron = ohms_of(model->SWonConduct),
                          .roff = ohms_of(model->SWoffConduct),
-                         .closed = sw->SWzero_stateGiven};
+                         .closed = is_closed_inside(dc, sw->SWswitchstate, sw->SWzero_stateGiven)};
 }
 
-void ns_bridge_own_read_current_switch(const GENinstance *inst, ns_own_switch *s) {
+void ns_bridge_own_read_current_switch(const GENinstance *inst, const CKTcircuit *dc, ns_own_switch *s) {
     const CSWinstance *w = (const CSWinstance *)inst;
     const CSWmodel *model = CSWmodPtr(w);
     *s = (ns_own_switch){.p = w->CSWposNode,
@@ -57,7 +65,7 @@ void ns_bridge_own_read_current_switch(const GENinstance *inst, ns_own_switch *s
                          .vh = model->CSWiHysteresis,
                          .ron = ohms_of(model->CSWonConduct),
                          .roff = ohms_of(model->CSWoffConduct),
-                         .closed = w->CSWzero_stateGiven};
+                         .closed = is_closed_inside(dc, w->CSWswitchstate, w->CSWzero_stateGiven)};
 }
 
 /* As in ngspice's load: the sidewall has a law of its own only if its emission coefficient was given. */
