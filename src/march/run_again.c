@@ -119,7 +119,8 @@ static int is_believed(ns_run *r, const again *a) {
     const int n = r->s->n;
     if (a->until != NS_TO_TIME || r->kind != NS_RUN_SCHEME)
         return 1;
-    double *x = calloc(3 * (size_t)n + 1, sizeof *x), *w = x + n, *finer = w + n, most = INFINITY;
+    double *x = calloc(3 * (size_t)n + 1, sizeof *x), *w = x ? x + n : NULL, *finer = x ? w + n : NULL,
+           most = INFINITY;
     if (x && read_charges(r, r->at_work, x, w) == NS_OK && read_finer(r, a, x, finer) == NS_OK) {
         most = 0;
         for (int i = 0; i < n; i++)

@@ -124,7 +124,8 @@ static void is_refused(build *circuit, ns_method method) {
     const double t = ns_march_fault(k.m)->t;
     assert_true(t > 12.4e-6 && t < 20e-6);
     says(&k, "s1, d1: at t = 1");
-    says(&k, "(ideal diode d1 changes with each switching of ideal switch s1; give its model a vh above 0; the gate of an M: "
+    says(&k, "(ideal diode d1 changes with each switching of ideal switch s1; give its model a vh above 0; "
+             "the gate of an M: "
              "drive it against its source)");
     double reached; /* what was accepted stays, and is refused again */
     assert_int_equal(ns_march_try(k.m, 100e-6, NS_TO_TIME, &reached), NS_E_CHATTER);
