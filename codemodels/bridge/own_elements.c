@@ -124,7 +124,8 @@ static int add_resistor(const ns_extract_walk *w, const GENinstance *inst, const
  * the control comes to the threshold from either side, and has it closed where that is all it ever is. */
 static int set_states(const ns_extract_walk *w, int id, const ns_own_switch *s, int opens) {
     const int closed = ns_bridge_own_is_closed_at_rest(w, s);
-    const int status = ns_circuit_switch_initially(w->ex->circuit, id, opens != s->closed);
+    const int status =
+        ns_circuit_switch_initially(w->ex->circuit, id, opens != ns_bridge_own_is_closed_inside(w, s));
     return status ? status : ns_circuit_switch_as_it_came(w->ex->circuit, id, opens != closed, opens);
 }
 

@@ -14,6 +14,9 @@ int ns_bridge_own_keep(ns_extract_walk *w, const ns_own_taken *taken);
 /* own_start.c: 1 if ngspice has an S of vh = 0 closed whose control is at its threshold from the start on,
  * and never anywhere else. */
 int ns_bridge_own_is_closed_at_rest(const ns_extract_walk *w, const ns_own_switch *s);
+/* own_start.c: 1 if ngspice has it closed whose control is inside the hysteresis from the start on: by ON or
+ * OFF; with uic the control of an S comes from its .ic, or from 0. */
+int ns_bridge_own_is_closed_inside(const ns_extract_walk *w, const ns_own_switch *s);
 
 /* An S that is closed at the start so, and whose control leaves the threshold later: *cp, the first node of
  * the control (of ron > roff, opens: the second one), becomes a node that stands for it.  Statuses of the

@@ -13,11 +13,31 @@
 
 enum { MOST_CORNERS = 10000 }; /* at which the control stays */
 
+/* V: the control with which ngspice begins under uic. */
+static double control_of_uic(const ns_extract_walk *w, const ns_own_switch *s) {
+    double volts = 0.0;
+    for (const CKTnode *node = w->ckt->CKTnodes; node; node = node->next)
+        if (node->icGiven)
+            volts += (node->number == s->cp ? node->ic : 0.0) - (node->number == s->cn ? node->ic : 0.0);
+    return volts;
+}
+
+static int is_uic(const ns_extract_walk *w) {
+    return !w->dc && (w->ckt->CKTmode & MODEUIC) != 0;
+}
+
 int ns_bridge_own_is_closed_at_rest(const ns_extract_walk *w, const ns_own_switch *s) {
-    const int uic = !w->dc && (w->ckt->CKTmode & MODEUIC) != 0;
-    if (!uic)
+    const double begins = control_of_uic(w, s);
+    if (!is_uic(w))
         return 1;
-    return s->vt == 0.0 ? s->closed : s->vt > 0.0; /* with uic ngspice begins with a control of 0 */
+    return s->vt == begins ? s->closed : s->vt > begins;
+}
+
+int ns_bridge_own_is_closed_inside(const ns_extract_walk *w, const ns_own_switch *s) {
+    const double begins = control_of_uic(w, s);
+    if (!is_uic(w) || s->vh == 0.0 || s->branch > 0 || (begins >= s->vt - s->vh && begins <= s->vt + s->vh))
+        return s->closed;
+    return begins > s->vt;
 }
 
 /* The V between the nodes of the control, NULL: there is none; *sign: of its value in the control. */
