@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "analog_ports.h"
+#include "climits.h"
 
 typedef ns_piecewise_value value;
 
@@ -63,15 +64,15 @@ static int read_limit(ns_analog *a) {
 }
 
 static int read_climit(ns_analog *a) {
-    enum { IN_OFFSET, GAIN, UPPER_DELTA, LOWER_DELTA };
-    enum { IN, UPPER, LOWER, OUT };
-    value *v =
-        ns_bridge_analog_scaled(a, number(a, GAIN), ns_bridge_analog_input(a, IN, 0), number(a, IN_OFFSET));
-    value *high =
-        ns_bridge_analog_scaled(a, 1.0, ns_bridge_analog_input(a, UPPER, 0), -number(a, UPPER_DELTA));
-    value *low = ns_bridge_analog_scaled(a, 1.0, ns_bridge_analog_input(a, LOWER, 0), number(a, LOWER_DELTA));
-    return a->p.status ? a->p.status
-                       : ns_bridge_analog_output(a, OUT, ns_bridge_analog_limited(a, v, low, high));
+    value *v = ns_bridge_analog_scaled(a, number(a, CLIMIT_GAIN), ns_bridge_analog_input(a, CLIMIT_IN, 0),
+                                       number(a, CLIMIT_IN_OFFSET));
+    value *high = ns_bridge_analog_scaled(a, 1.0, ns_bridge_analog_input(a, CLIMIT_UPPER, 0),
+                                          -number(a, CLIMIT_UPPER_DELTA));
+    value *low = ns_bridge_analog_scaled(a, 1.0, ns_bridge_analog_input(a, CLIMIT_LOWER, 0),
+                                         number(a, CLIMIT_LOWER_DELTA));
+    const int status = a->p.status ? a->p.status : ns_bridge_climits_keep(a->w->ex, a->inst);
+    return status ? status
+                  : ns_bridge_analog_output(a, CLIMIT_OUT, ns_bridge_analog_limited(a, v, low, high));
 }
 
 static int read_pwl(ns_analog *a) {

@@ -275,6 +275,7 @@ void ns_bridge_extract_clear(ns_extract *ex) {
     free(ex->element);
     free(ex->device);
     free(ex->own);
+    free(ex->climit);
     ns_bridge_digital_clear(&ex->digital);
     memset(ex, 0, sizeof *ex);
 }

@@ -16,6 +16,11 @@ typedef struct ns_extract_device {
     int id; /* the element in the circuit */
 } ns_extract_device;
 
+/* A code model climit. */
+typedef struct ns_extract_climit {
+    const MIFinstance *inst;
+} ns_extract_climit;
+
 /* The current, A, at which the curve of each D is read where option id is not given. */
 typedef struct ns_own_current {
     const GENinstance *inst; /* a D, or an M with its body diode */
@@ -75,7 +80,9 @@ typedef struct ns_extract {
     int ndevices;
     ns_extract_device *device; /* ndevices: our diodes and switches */
     int nowns;
-    ns_own_taken *own;    /* nowns: D, S, W of ngspice that were taken */
+    ns_own_taken *own; /* nowns: D, S, W of ngspice that were taken */
+    int nclimits;
+    ns_extract_climit *climit; /* nclimits: code models whose limits are to be watched (climits.c) */
     ns_digital digital;   /* XSPICE's digital parts (digital_read.c; digital.c while the analysis runs) */
     struct {              /* the first code model whose corners are sharp here: */
         char name[80];    /* empty: there is none */

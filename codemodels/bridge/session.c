@@ -7,6 +7,7 @@
 
 #include <string.h>
 
+#include "climits.h"
 #include "digital_run.h"
 #include "own_show.h"
 #include "report.h"
@@ -45,7 +46,8 @@ static int load_dc(ns_session *s) {
     int error = OK;
     if (first || !s->analysis.march || ns_bridge_digital_is_stale(s)) {
         error = ns_bridge_analysis_start(s);
-        error = s->failed = error ? error : ns_bridge_source_check_dc(s->ckt);
+        error = error ? error : ns_bridge_source_check_dc(s->ckt);
+        error = s->failed = error ? error : ns_bridge_climits_check(&s->analysis.ex, s->force.value);
         s->source_check.pending = 1;
     }
     return s->ckt->CKTmode & MODEUIC ? OK : error; /* with uic there is no solve: the first accept ends it */
@@ -133,7 +135,9 @@ int ns_bridge_session_accept(ns_session *s) {
     if (s->failed || !s->analysis.march || is_dc(ckt) || !ckt->CKTbreaks)
         return s->failed;
     const int first = ns_bridge_trial_accept_loaded(s);
-    if (first && (s->failed = show_start(s)))
+    s->failed = first ? show_start(s) : OK;
+    s->failed = s->failed ? s->failed : ns_bridge_climits_check(&s->analysis.ex, s->force.value);
+    if (s->failed)
         return s->failed;
     ns_bridge_show_later(&s->analysis);
     ns_bridge_own_show_states(&s->analysis, ckt);
