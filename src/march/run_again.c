@@ -143,6 +143,7 @@ static int begin_attempt(ns_run *r, const void *data) {
 
 /* --- all of them --- */
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): written to through by */
 static int go_by_others(ns_run *r, const again *a, double *reached) {
     const ns_run_kind own = r->kind;
     const attempt by = {a, reached};

@@ -94,7 +94,7 @@ static int is_integrated(const ns_waveform *w, const ns_segment *g) {
 /* Integrals over a segment of the absolute value (w->own) and of the distance from the line (w->own_error),
  * by trapezoids between the probes. */
 static void integrate(ns_waveform *w, const ns_segment *g) {
-    const double *v[NS_PROBES];
+    const double *v[NS_PROBES] = {ns_waveform_seen(w, g->at[0].v)};
     double part[NS_PROBES], weight[NS_PROBES];
     const double t0 = g->at[0].t, per_length = 1 / (g->at[g->last].t - t0);
     if (is_integrated(w, g))
