@@ -1,8 +1,10 @@
-/* bridge/own_start.c - an S without hysteresis whose control rests at its threshold when .tran starts.
+/* bridge/own_start.c - the state of an S at the start of .tran where its control does not say it, as in
+ * ngspice.
  *
- * ngspice has it closed in the operating point, until the control leaves the threshold.  The library's switch
- * is open or closed at its threshold throughout: so a voltage is put in series with the control until that
- * leaves, which is more than the threshold is shifted by (ns_circuit_switch_as_it_came). */
+ * Without hysteresis and with its control exactly at the threshold, ngspice has it closed in the operating
+ * point and until the control first leaves the threshold.  The library's switch is in one state at its
+ * threshold throughout, so a voltage source is put in series with the control until the control leaves.  It
+ * is 1.5 times what ns_circuit_switch_as_it_came() shifts the threshold by. */
 #include <math.h>
 #include <stdlib.h>
 

@@ -219,8 +219,8 @@ static int turns(double a, double v, double b, double part) {
     return fabs(b - a) * (part * (1 - part)) < fabs(v - a - part * (b - a));
 }
 
-/* Where, as a part of the way; 1: nowhere, or that is not seen: it comes out by less than `seen` beyond both
- * ends. */
+/* Where that parabola turns, as a part of the way; 1: nowhere, or it turns unseen, by less than `seen` beyond
+ * both ends. */
 static double turn(double a, double v, double b, double part, double seen) {
     const double bend = (v - a - part * (b - a)) / (part * (part - 1)); /* a + (b-a) s + bend s (s-1) */
     const double at = 0.5 - 0.5 * (b - a) / bend;
@@ -256,8 +256,8 @@ void ns_waveform_begin_integrals(ns_waveform *w, double t) {
     memset(w->error, 0, sizeof *w->error * (size_t)w->looked);
 }
 
-/* What it adds to the distance of integrals is what is beyond half of what its own integral allows; with its
- * sign: over a ring these cancel. */
+/* A segment may be wrong by half of `lines` of its own integral; what its integral is wrong by beyond that is
+ * added to w->error, with its sign: over a ring these cancel. */
 void ns_waveform_add_integrals(ns_waveform *w, const ns_segment *g, double sign) {
     integrate(w, g);
     for (int i = 0; i < w->looked; i += NS_WIDE) {
