@@ -13,8 +13,8 @@ typedef long long ns_simd_wide_flags __attribute__((vector_size(32)));
 static inline int ns_simd_all(ns_simd_flags f) {
     return (f[0] & f[1]) != 0;
 }
-/* The lower and the higher one of two, |a|, whether a > b everywhere; no functions, as some have no such
- * registers to pass. */
+/* The lower and the higher one of two, |a|, whether a > b or a <= b everywhere; no functions, as some have no
+ * such registers to pass. */
 #define NS_WIDE_IF(c, a, b)                                                                                  \
     ((ns_simd_wide)(((ns_simd_wide_flags)(a) & (c)) | ((ns_simd_wide_flags)(b) & ~(c))))
 #define NS_WIDE_LOWER(a, b) NS_WIDE_IF((a) < (b), a, b)
@@ -22,6 +22,7 @@ static inline int ns_simd_all(ns_simd_flags f) {
 #define NS_WIDE_SIZE(a)                                                                                      \
     ((ns_simd_wide)((ns_simd_wide_flags)(a) & ~(ns_simd_wide_flags)(ns_simd_wide){-0.0, -0.0, -0.0, -0.0}))
 #define NS_WIDE_ABOVE(a, b) ns_simd_wide_all((ns_simd_wide_flags[1]){(a) > (b)})
+#define NS_WIDE_BELOW_OR_AT(a, b) ns_simd_wide_all((ns_simd_wide_flags[1]){(a) <= (b)})
 static inline int ns_simd_wide_all(const ns_simd_wide_flags *f) {
     return (f[0][0] & f[0][1] & f[0][2] & f[0][3]) != 0;
 }
@@ -30,6 +31,7 @@ static inline int ns_simd_wide_all(const ns_simd_wide_flags *f) {
 #define NS_WIDE_HIGHER(a, b) ((a) > (b) ? (a) : (b))
 #define NS_WIDE_SIZE(a) ((a) < 0 ? -(a) : (a))
 #define NS_WIDE_ABOVE(a, b) ((a) > (b))
+#define NS_WIDE_BELOW_OR_AT(a, b) ((a) <= (b))
 typedef double ns_simd, ns_simd_wide;
 #define ALWAYS_INLINE static inline
 typedef int ns_simd_flags;

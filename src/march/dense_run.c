@@ -188,6 +188,12 @@ static int read_point(ns_engine *e, double *t, double *x, double *lambda, double
     return status == NS_OK ? NS_OK : ns_march_dense_fail(r, status);
 }
 
+/* Without y, which takes as long as all the rest; of the scheme's steps it is not known before it is read. */
+static int peek(ns_engine *e, double *x, double *lambda) {
+    ns_dense_run *r = run_of(e);
+    return r->started && exact_is_ready(r) ? ns_theta_read(r->step, x, lambda, NULL) : NS_E_STATE;
+}
+
 static const ns_mode *mode_of(ns_engine *e) {
     return ns_theta_mode(run_of(e)->step);
 }
@@ -280,6 +286,7 @@ static const ns_engine_table table = {
     .sample = ns_march_dense_sample,
     .shortest = ns_march_dense_shortest,
     .problem = problem,
+    .peek = peek,
     .watch = watch,
     .set_input = set_input,
 };

@@ -19,15 +19,22 @@ void ns_waveform_note_row(ns_waveform *w, double *row) {
     w->integrated = 0;
 }
 
+static void note_largest(ns_waveform *w, int i, double size) {
+    if (size <= w->largest[i])
+        return;
+    w->largest[i] = size;
+    w->kind_largest[w->kind[i]] = fmax(w->kind_largest[w->kind[i]], size);
+    w->stale = 1;
+}
+
 void ns_waveform_note_size(ns_waveform *w, const double *row) {
     const double *seen = ns_waveform_seen(w, row);
-    for (int i = 0; i < w->looked; i++) {
-        const double size = fabs(seen[i]);
-        if (size <= w->largest[i])
+    for (int i = 0; i < w->looked; i += NS_WIDE) {
+        const ns_simd_wide size = NS_WIDE_SIZE(CONST_WIDE(seen, i));
+        if (NS_WIDE_BELOW_OR_AT(size, CONST_WIDE(w->largest, i)))
             continue;
-        w->largest[i] = size;
-        w->kind_largest[w->kind[i]] = fmax(w->kind_largest[w->kind[i]], size);
-        w->stale = 1;
+        for (int k = i; k < i + NS_WIDE && k < w->looked; k++)
+            note_largest(w, k, fabs(seen[k]));
     }
 }
 
@@ -91,34 +98,53 @@ static int is_integrated(const ns_waveform *w, const ns_segment *g) {
     return same;
 }
 
+/* Probes of a segment: values, parts of the way, and lengths for which each of them stands. */
+typedef struct trapezoids {
+    int last;
+    const double *v[NS_PROBES];
+    double part[NS_PROBES], weight[NS_PROBES];
+} ns_trapezoids;
+
+ALWAYS_INLINE void sum_trapezoids(const ns_trapezoids *z, int count, double *own, double *error) {
+    for (int i = 0; i < count; i += NS_WIDE) {
+        const ns_simd_wide from = CONST_WIDE(z->v[0], i), rise = CONST_WIDE(z->v[z->last], i) - from;
+        ns_simd_wide size = {0}, off = {0};
+        for (int j = 0; j <= z->last; j++) {
+            const ns_simd_wide value = CONST_WIDE(z->v[j], i);
+            size += z->weight[j] * NS_WIDE_SIZE(value);
+            off += z->weight[j] * (value - from - z->part[j] * rise);
+        }
+        WIDE(own, i) = size;
+        WIDE(error, i) = off;
+    }
+}
+
+static void sum_narrow(const ns_trapezoids *z, int count, double *own, double *error) {
+    sum_trapezoids(z, count, own, error);
+}
+
+NS_WIDE_TARGET static void sum_wide(const ns_trapezoids *z, int count, double *own, double *error) {
+    sum_trapezoids(z, count, own, error);
+}
+
 /* Integrals over a segment of the absolute value (w->own) and of the distance from the line (w->own_error),
  * by trapezoids between the probes. */
 static void integrate(ns_waveform *w, const ns_segment *g) {
-    const double *v[NS_PROBES] = {ns_waveform_seen(w, g->at[0].v)};
-    double part[NS_PROBES], weight[NS_PROBES];
-    const double t0 = g->at[0].t, per_length = 1 / (g->at[g->last].t - t0);
     if (is_integrated(w, g))
         return;
+    ns_trapezoids z;
+    const double t0 = g->at[0].t, per_length = 1 / (g->at[g->last].t - t0);
+    z.last = w->integrated = g->last;
+    z.v[0] = ns_waveform_seen(w, g->at[0].v);
     for (int j = 0; j <= g->last; j++) {
         const double before = j > 0 ? g->at[j - 1].t : t0, after = g->at[j < g->last ? j + 1 : j].t;
-        v[j] = ns_waveform_seen(w, g->at[j].v);
-        part[j] = (g->at[j].t - t0) * per_length;
-        weight[j] = 0.5 * (after - before);
+        z.v[j] = ns_waveform_seen(w, g->at[j].v);
+        z.part[j] = (g->at[j].t - t0) * per_length;
+        z.weight[j] = 0.5 * (after - before);
         w->integrated_row[j] = g->at[j].v;
         w->integrated_t[j] = g->at[j].t;
     }
-    w->integrated = g->last;
-    for (int i = 0; i < w->looked; i += NS_WIDE) {
-        const ns_simd_wide from = CONST_WIDE(v[0], i), rise = CONST_WIDE(v[g->last], i) - from;
-        ns_simd_wide own = {0}, error = {0};
-        for (int j = 0; j <= g->last; j++) {
-            const ns_simd_wide value = CONST_WIDE(v[j], i);
-            own += weight[j] * NS_WIDE_SIZE(value);
-            error += weight[j] * (value - from - part[j] * rise);
-        }
-        WIDE(w->own, i) = own;
-        WIDE(w->own_error, i) = error;
-    }
+    (ns_simd_is_wide() ? sum_wide : sum_narrow)(&z, w->looked, w->own, w->own_error);
 }
 
 /* Of the half that is shared out since the last event, what a line of signal i of this length may take: an
@@ -134,26 +160,38 @@ static double shared_out(const ns_waveform *w, int i, double length, double sinc
     return ns_higher(even, ns_lower(as_at_end, of_rest * (rest - kept * most)));
 }
 
-/* The distance of integrals since the last event, as a part of what is allowed: half of it by the segment's
- * own integral; the other half, by the integral since the event or while it lasts, is shared out. */
+/* 1 if the integrals of NS_WIDE signals from i on are off by no more than this part of those of their
+ * absolute values. */
+static int are_exact(const ns_waveform *w, int i, double part) {
+    return NS_WIDE_BELOW_OR_AT(NS_WIDE_SIZE(CONST_WIDE(w->own_error, i)), part * CONST_WIDE(w->own, i));
+}
+
+/* The distance of the integral of signal i since the last event, as a part of what is allowed: half of it by
+ * the segment's own integral; the other half, by the integral since the event or while it lasts, is shared
+ * out. time: what the time between two events is of the run. */
+static void take_integral(ns_waveform *w, int i, double length, double time, double *most) {
+    const double since = ns_higher(w->since_event[i] + w->own[i], (w->total[i] + w->own[i]) * time);
+    const double rest = ns_higher(0.5 * w->lines * since - fabs(w->error[i]), 0);
+    const double allowed =
+        0.5 * w->lines * w->own[i] + shared_out(w, i, length, since, rest) + noise_of(w, i) * length;
+    const double error = fabs(w->own_error[i]);
+    if (!(error > *most * allowed))
+        return;
+    *most = allowed > 0 ? error / allowed : INFINITY;
+    w->worst = i;
+}
+
 static double integral_distance(ns_waveform *w, const ns_segment *g) {
     static const double least = 1e-6; /* less is not told apart */
     const double end = g->at[g->last].t, length = end - g->at[0].t;
     const double time = fmin(1, (w->end - w->event_t) / fmax(end - w->start_t, length));
     double most = least;
     integrate(w, g);
-    for (int i = 0; i < w->looked; i++) {
-        if (fabs(w->own_error[i]) <= least * 0.5 * w->lines * w->own[i])
+    for (int i = 0; i < w->looked; i += NS_WIDE) {
+        if (are_exact(w, i, least * 0.5 * w->lines))
             continue;
-        const double since = ns_higher(w->since_event[i] + w->own[i], (w->total[i] + w->own[i]) * time);
-        const double rest = ns_higher(0.5 * w->lines * since - fabs(w->error[i]), 0);
-        const double allowed =
-            0.5 * w->lines * w->own[i] + shared_out(w, i, length, since, rest) + noise_of(w, i) * length;
-        const double error = fabs(w->own_error[i]);
-        if (error > most * allowed) {
-            most = allowed > 0 ? error / allowed : INFINITY;
-            w->worst = i;
-        }
+        for (int k = i; k < i + NS_WIDE && k < w->looked; k++)
+            take_integral(w, k, length, time, &most);
     }
     return most;
 }

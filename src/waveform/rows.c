@@ -1,4 +1,5 @@
 /* src/waveform/rows.c - values at one instant: taken, filled from the marcher, given back. */
+#include "linalg/simd.h"
 #include "waveform_internal.h"
 
 #include <math.h>
@@ -22,14 +23,20 @@ void ns_waveform_return_all_rows(ns_waveform *w) {
         ns_waveform_return_row(w, w->rows + (i - 1) * w->row_size);
 }
 
+static int is_finite(const ns_waveform *w, const double *v) {
+    if (ns_sums_finite((int)w->count, v))
+        return 1;
+    for (size_t k = 0; k < w->count; k++)
+        if (!isfinite(v[k]))
+            return 0;
+    return 1;
+}
+
 int ns_waveform_sample(ns_waveform *w, double t, double **row) {
     double *v = *row = ns_waveform_take_row(w);
-    const int status = ns_march_sample(w->march, t, v, v + w->s->n);
-    for (size_t k = 0; k < w->count && status == NS_OK; k++)
-        if (!isfinite(v[k])) {
-            ns_waveform_return_row(w, v);
-            return NS_E_OVERFLOW;
-        }
+    int status = ns_march_sample(w->march, t, v, v + w->s->n);
+    if (status == NS_OK && !is_finite(w, v))
+        status = NS_E_OVERFLOW;
     if (status != NS_OK) {
         ns_waveform_return_row(w, v);
         return status;
