@@ -108,9 +108,7 @@ int ns_bridge_analog_given(const ns_analog *a, int parameter) {
 /* --- states --- */
 
 int ns_bridge_analog_node(ns_analog *a) {
-    if (a->w->next_node <= a->w->ex->neq)
-        a->w->next_node = a->w->ex->neq + 1;
-    return a->w->next_node++;
+    return ns_bridge_extract_new_node(a->w);
 }
 
 /* In .op and .dc a state is where it starts. */

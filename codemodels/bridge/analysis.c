@@ -141,11 +141,11 @@ static int build_march(CKTcircuit *ckt, ns_extract_sources sources, ns_analysis 
     return ns_bridge_report_code(status);
 }
 
-int ns_bridge_analysis_make(CKTcircuit *ckt, ns_extract_sources sources, const ns_own_currents *currents,
+int ns_bridge_analysis_make(CKTcircuit *ckt, ns_extract_sources sources, const ns_own_found *found,
                             ns_analysis *a) {
     int error;
     memset(a, 0, sizeof *a);
-    error = ns_bridge_extract_read(ckt, sources, currents, &a->ex);
+    error = ns_bridge_extract_read(ckt, sources, found, &a->ex);
     if (error)
         ns_bridge_report_error("%s", a->ex.line);
     else

@@ -45,7 +45,7 @@ typedef struct ns_analysis {
 } ns_analysis;
 
 /* OK, or a code after one line. */
-int ns_bridge_analysis_make(CKTcircuit *ckt, ns_extract_sources sources, const ns_own_currents *currents,
+int ns_bridge_analysis_make(CKTcircuit *ckt, ns_extract_sources sources, const ns_own_found *found,
                             ns_analysis *a);
 void ns_bridge_analysis_clear(ns_analysis *a);
 

@@ -10,6 +10,7 @@
 #include "many_points.h"
 #include "ngspice/enh.h"
 #include "own_current.h"
+#include "own_rest.h"
 #include "own_show.h"
 #include "refused.h"
 #include "report.h"
@@ -76,9 +77,9 @@ static int prepare_force(ns_session *s) {
 
 static void announce_circuit(ns_session *s) {
     const ns_analysis *a = &s->analysis;
-    if (!s->once.circuit_announced || (s->currents.seconds > 0.0 && !s->once.currents_announced))
+    if (!s->once.circuit_announced || (s->found.seconds > 0.0 && !s->once.currents_announced))
         ns_bridge_own_announce(a);
-    s->once.currents_announced |= s->currents.seconds > 0.0;
+    s->once.currents_announced |= s->found.seconds > 0.0;
     if (!s->once.circuit_announced) {
         const int devices = a->ex.ndevices + a->ex.nowns;
         ns_bridge_report_note("simulates this circuit: %d unknown%s, %d ideal device%s", a->system->n,
@@ -126,7 +127,7 @@ static int find_currents(ns_session *s, int uic) {
     ns_march *march = NULL;
     int status = ns_bridge_own_pass_march(a, s->ckt->CKTfinalTime, &march);
     status = status ? status : start_march(a, march, 1, uic);
-    status = status ? status : ns_bridge_own_find_currents(a, march, s->ckt->CKTfinalTime, &s->currents);
+    status = status ? status : ns_bridge_own_find_currents(a, march, s->ckt->CKTfinalTime, &s->found);
     ns_march_free(march);
     return status;
 }
@@ -135,11 +136,11 @@ static int find_currents(ns_session *s, int uic) {
 static int make_analysis(ns_session *s, int tran, int uic) {
     static const double first_id = 1e-3; /* A: so that D of small currents conduct too */
     ns_analysis *a = &s->analysis;
-    ns_bridge_own_forget_currents(&s->currents);
-    s->currents.otherwise = tran ? first_id : NS_OWN_CURRENT;
-    int error = ns_bridge_analysis_make(s->ckt, tran ? SOURCES_TRAN : SOURCES_DC, &s->currents, a);
+    ns_bridge_own_forget_currents(&s->found);
+    s->found.otherwise = tran ? first_id : NS_OWN_CURRENT;
+    int error = ns_bridge_analysis_make(s->ckt, tran ? SOURCES_TRAN : SOURCES_DC, &s->found, a);
     const int known = !tran || !isnan(a->ex.options.id) || a->ex.nowns == 0;
-    s->currents.otherwise = NS_OWN_CURRENT;
+    s->found.otherwise = NS_OWN_CURRENT;
     if (error || known)
         return error;
     if (ns_bridge_own_wants_currents(a) && find_currents(s, uic) == NS_E_MEMORY) {
@@ -147,7 +148,38 @@ static int make_analysis(ns_session *s, int tran, int uic) {
         return E_NOMEM;
     }
     ns_bridge_analysis_clear(a);
-    return ns_bridge_analysis_make(s->ckt, SOURCES_TRAN, &s->currents, a);
+    return ns_bridge_analysis_make(s->ckt, SOURCES_TRAN, &s->found, a);
+}
+
+/* Where S or W are held at the start: the analysis is made anew, with them. */
+static int hold_resting(ns_session *s, int uic) {
+    ns_analysis *a = &s->analysis;
+    ns_march *march = NULL;
+    const double stop = s->ckt->CKTfinalTime;
+    ns_bridge_analysis_clear(a);
+    int error = ns_bridge_analysis_make(s->ckt, SOURCES_TRAN, &s->found, a);
+    if (error)
+        return error;
+    int status = ns_bridge_own_pass_march(a, stop, &march);
+    status = status ? status : start_march(a, march, 1, uic);
+    status = status ? status : ns_bridge_own_find_leaving(a, march, stop, &s->found);
+    ns_march_free(march);
+    if (status)
+        return ns_bridge_trial_fail(s, status);
+    ns_bridge_analysis_clear(a);
+    error = ns_bridge_analysis_make(s->ckt, SOURCES_TRAN, &s->found, a);
+    status = error ? NS_OK : start_marches(s, 1, uic);
+    return status ? ns_bridge_trial_fail(s, status) : error;
+}
+
+/* Starts it; S and W that rest at their threshold are as ngspice has them there. */
+static int start_all(ns_session *s, int tran, int uic) {
+    int any = 0, status = start_marches(s, tran, uic);
+    if (!status && tran)
+        status = ns_bridge_own_find_resting(s->ckt, &s->analysis, &s->found, &any);
+    if (status)
+        return ns_bridge_trial_fail(s, status);
+    return any ? hold_resting(s, uic) : OK;
 }
 
 static int start_analysis(ns_session *s) {
@@ -164,8 +196,8 @@ static int start_analysis(ns_session *s) {
     if (error)
         return error;
     announce_circuit(s);
-    status = start_marches(s, tran, uic);
-    error = status ? ns_bridge_trial_fail(s, status) : prepare_force(s);
+    error = start_all(s, tran, uic);
+    error = error ? error : prepare_force(s);
     if (error)
         return error;
     ns_bridge_loop_take(s->ckt, &s->loop, a->ex.options.corners, 0);
@@ -240,7 +272,7 @@ static int replace_analysis(ns_session *s, const ns_analysis *altered) {
 int ns_bridge_analysis_resume(ns_session *s) {
     ns_analysis *a = &s->analysis;
     ns_analysis now;
-    int error = ns_bridge_analysis_make(s->ckt, SOURCES_TRAN, &s->currents, &now);
+    int error = ns_bridge_analysis_make(s->ckt, SOURCES_TRAN, &s->found, &now);
     if (error)
         return error;
     a->ex.options = now.ex.options;
@@ -260,7 +292,7 @@ int ns_bridge_analysis_resume(ns_session *s) {
 
 void ns_bridge_analysis_end(ns_session *s) {
     ns_bridge_loop_release(s->ckt, &s->loop);
-    ns_bridge_own_forget_currents(&s->currents);
+    ns_bridge_own_forget_currents(&s->found);
     ns_bridge_analysis_clear(&s->analysis);
     ns_bridge_trial_clear(s);
     ns_bridge_force_clear(&s->force);

@@ -12,9 +12,7 @@ static double stop_of(const ns_extract_walk *w) {
 static int add_hidden(ns_extract_walk *w, const char *kind, const ns_signal *z, int *node) {
     char name[EXTRACT_NAME];
     const ns_signal dc = {.kind = NS_DC, .u.dc = ns_signal_value(z, 0.0, NS_RIGHT)};
-    if (w->next_node <= w->ex->neq)
-        w->next_node = w->ex->neq + 1;
-    *node = w->next_node++;
+    *node = ns_bridge_extract_new_node(w);
     snprintf(name, sizeof name, "%s (%d)", kind, *node);
     const int status = ns_circuit_source(w->ex->circuit, name, NS_VOLTAGE, *node, 0, w->dc ? &dc : z, NULL);
     return status ? status : ns_circuit_name_node(w->ex->circuit, *node, name);

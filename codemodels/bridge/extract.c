@@ -250,9 +250,9 @@ static void choose_reltol(ns_extract_walk *w) {
     ns_bridge_extract_mix(w, &w->ex->options.reltol, sizeof w->ex->options.reltol);
 }
 
-int ns_bridge_extract_read(CKTcircuit *ckt, ns_extract_sources sources, const ns_own_currents *currents,
+int ns_bridge_extract_read(CKTcircuit *ckt, ns_extract_sources sources, const ns_own_found *found,
                            ns_extract *ex) {
-    ns_extract_walk w = {.ckt = ckt, .ex = ex, .currents = currents, .dc = sources == SOURCES_DC};
+    ns_extract_walk w = {.ckt = ckt, .ex = ex, .found = found, .dc = sources == SOURCES_DC};
     int status;
     memset(ex, 0, sizeof *ex);
     ex->options = ns_bridge_options_default;

@@ -28,13 +28,24 @@ typedef struct ns_own_current {
     int faint; /* what it carried in the pass was a leak, and is not id */
 } ns_own_current;
 
-typedef struct ns_own_currents {
+/* An S or W of vh = 0 whose control is at its threshold from the start on: ngspice has it closed, or not. */
+typedef struct ns_own_start {
+    const GENinstance *inst;
+    int closed;
+    int falls;       /* it leaves downwards: it comes back from below, then */
+    double until[2]; /* s: it stays so up to the first; control alone decides from the second on */
+} ns_own_start;
+
+/* What earlier passes over the same .tran found. */
+typedef struct ns_own_found {
     int count;
     ns_own_current *of; /* count */
     double otherwise;   /* of all others */
     double seconds;     /* of the pass that found them, from 0 on; 0: there was none */
     int whole;          /* that was all of .tran */
-} ns_own_currents;
+    int nstarts;
+    ns_own_start *start; /* nstarts (own_rest.c) */
+} ns_own_found;
 
 #define NS_OWN_CURRENT 0.1 /* where nothing is known */
 
@@ -62,8 +73,8 @@ typedef struct ns_own_taken {
         double t, i;   /* s, A: the point before */
         double most_v; /* V: the largest voltage across it, of either sign */
     } seen;
-    /* of a switch with VON, VOFF: */
-    double vt;
+    double vt;        /* of a switch with VON, VOFF */
+    ns_own_switch sw; /* of S, W */
     /* of M: */
     ns_own_mosfet mosfet;
     int body;     /* the element of its body diode */
@@ -98,9 +109,9 @@ typedef struct ns_extract {
 /* What sources stand for. */
 typedef enum ns_extract_sources { SOURCES_TRAN, SOURCES_DC } ns_extract_sources;
 
-/* Reads ckt; currents: of its D (NULL: none is known).  Returns ex->error; ns_bridge_extract_clear() frees
+/* Reads ckt; found: by earlier passes (NULL: nothing).  Returns ex->error; ns_bridge_extract_clear() frees
  * what was read, after an error too. */
-int ns_bridge_extract_read(CKTcircuit *ckt, ns_extract_sources sources, const ns_own_currents *currents,
+int ns_bridge_extract_read(CKTcircuit *ckt, ns_extract_sources sources, const ns_own_found *found,
                            ns_extract *ex);
 void ns_bridge_extract_clear(ns_extract *ex);
 

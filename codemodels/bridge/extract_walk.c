@@ -49,6 +49,12 @@ void ns_bridge_extract_current(ns_extract_walk *w, int eq, int id) {
         w->ex->element[eq] = id;
 }
 
+int ns_bridge_extract_new_node(ns_extract_walk *w) {
+    if (w->next_node <= w->ex->neq)
+        w->next_node = w->ex->neq + 1;
+    return w->next_node++;
+}
+
 void ns_bridge_extract_mix(ns_extract_walk *w, const void *bytes, size_t size) {
     const unsigned char *b = bytes;
     for (size_t i = 0; i < size; i++) /* FNV-1a */

@@ -9,8 +9,8 @@ enum { EXTRACT_LATER = 1000, EXTRACT_REFUSED = 1001 }; /* besides the statuses o
 typedef struct ns_extract_walk {
     CKTcircuit *ckt;
     ns_extract *ex;
-    const ns_own_currents *currents; /* NULL: none is known */
-    int dc;                          /* sources stand for their DC values */
+    const ns_own_found *found; /* NULL: nothing is known */
+    int dc;                    /* sources stand for their DC values */
     int next_node; /* from neq + 1 on: the first number for a node that ngspice has not; 0: neq + 1 */
     int time_node; /* whose voltage is the time (expression.c); 0: there is none */
 } ns_extract_walk;
@@ -36,6 +36,9 @@ int ns_bridge_extract_element(const ns_extract_walk *w, int eq);
 
 /* Notes that equation eq (0: none) stands for the current of element id. */
 void ns_bridge_extract_current(ns_extract_walk *w, int eq, int id);
+
+/* The number of a node that ngspice has not. */
+int ns_bridge_extract_new_node(ns_extract_walk *w);
 
 /* Mixes bytes into the hash. */
 void ns_bridge_extract_mix(ns_extract_walk *w, const void *bytes, size_t size);

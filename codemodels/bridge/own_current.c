@@ -126,7 +126,7 @@ static ns_own_current current_of(const own_pass *p, int k, int whole) {
     return (ns_own_current){p->a->ex.own[k].inst, faint ? NS_OWN_CURRENT : round_current(amperes), faint};
 }
 
-int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double stop, ns_own_currents *currents) {
+int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double stop, ns_own_found *currents) {
     const own_pass p = {a, march, calloc((size_t)a->ex.nowns + 1, sizeof *p.mean)};
     currents->of = calloc((size_t)a->ex.nowns + 1, sizeof *currents->of);
     if (!p.mean || !currents->of) {
@@ -142,7 +142,8 @@ int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double stop, ns
     return NS_OK;
 }
 
-void ns_bridge_own_forget_currents(ns_own_currents *currents) {
+void ns_bridge_own_forget_currents(ns_own_found *currents) {
     free(currents->of);
-    *currents = (ns_own_currents){.otherwise = NS_OWN_CURRENT};
+    free(currents->start);
+    *currents = (ns_own_found){.otherwise = NS_OWN_CURRENT};
 }

@@ -16,7 +16,7 @@ int ns_bridge_own_pass_march(const ns_analysis *a, double stop, ns_march **march
 
 /* Integrates that march, which was started, to the time stop, s, or as far as is worth it. Failures end the
  * pass; errors: MEMORY. */
-int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double stop, ns_own_currents *currents);
-void ns_bridge_own_forget_currents(ns_own_currents *currents);
+int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double stop, ns_own_found *currents);
+void ns_bridge_own_forget_currents(ns_own_found *currents);
 
 #endif

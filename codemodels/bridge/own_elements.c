@@ -43,7 +43,7 @@ static int add_junction_capacitor(ns_extract_walk *w, const GENinstance *inst, c
 
 /* NULL: it was not found. */
 static const ns_own_current *found_current(const ns_extract_walk *w, const GENinstance *inst) {
-    const ns_own_currents *c = w->currents;
+    const ns_own_found *c = w->found;
     for (int k = 0; c && k < c->count; k++)
         if (c->of[k].inst == inst)
             return &c->of[k];
@@ -55,15 +55,15 @@ static double current_of(const ns_extract_walk *w, const GENinstance *inst) {
     const ns_own_current *found = found_current(w, inst);
     if (!isnan(w->ex->options.id))
         return w->ex->options.id;
-    return found ? found->id : w->currents ? w->currents->otherwise : NS_OWN_CURRENT;
+    return found ? found->id : w->found ? w->found->otherwise : NS_OWN_CURRENT;
 }
 
 static void note_pass(const ns_extract_walk *w, ns_own_taken *taken) {
     const ns_own_current *found = found_current(w, taken->inst);
-    if (!w->currents || !isnan(w->ex->options.id))
+    if (!w->found || !isnan(w->ex->options.id))
         return;
-    taken->pass.seconds = w->currents->seconds;
-    taken->pass.whole = w->currents->whole;
+    taken->pass.seconds = w->found->seconds;
+    taken->pass.whole = w->found->whole;
     taken->pass.idle = !found;
     taken->pass.faint = found && found->faint;
 }
@@ -122,25 +122,35 @@ static int add_resistor(const ns_extract_walk *w, const GENinstance *inst, const
 
 /* A switch is taken: its state where the control does not say; without hysteresis ngspice changes it where
  * the control comes to the threshold from either side, and has it closed where that is all it ever is. */
-static int set_states(const ns_extract_walk *w, int id, const ns_own_switch *s, int opens) {
-    const int closed = ns_bridge_own_is_closed_at_rest(w, s);
-    const int status =
-        ns_circuit_switch_initially(w->ex->circuit, id, opens != ns_bridge_own_is_closed_inside(w, s));
-    return status ? status : ns_circuit_switch_as_it_came(w->ex->circuit, id, opens != closed, opens);
+static int set_states(const ns_extract_walk *w, int id, const ns_own_switch *s, int opens,
+                      const ns_own_start *start) {
+    const int uic = !w->dc && (w->ckt->CKTmode & MODEUIC) != 0;
+    const int closed = opens != ns_bridge_own_is_closed_at_rest(w->ckt, uic, s);
+    const int begins = s->vh == 0.0 ? closed : opens != ns_bridge_own_is_closed_inside(w, s);
+    const int comes_back = opens != (start && start->falls);
+    ns_circuit *c = w->ex->circuit;
+    int status = ns_circuit_switch_initially(c, id, begins);
+    if (status == NS_OK && start)
+        status = ns_circuit_switch_rests(c, id);
+    return status ? status : ns_circuit_switch_as_it_came(c, id, closed, w->dc ? closed : comes_back);
 }
 
 /* A switch of ron > roff is one that opens where the control rises. */
-static int add_voltage_switch(ns_extract_walk *w, const GENinstance *inst, const ns_own_switch *s, int *id) {
+static int add_voltage_switch(ns_extract_walk *w, const GENinstance *inst, ns_own_switch *s, int *id) {
     const int opens = s->ron > s->roff;
     const ns_switch ideal = {.vt = opens ? -s->vt : s->vt,
                              .vh = s->vh,
                              .ron = opens ? s->roff : s->ron,
                              .roff = opens ? s->ron : s->roff};
-    int cp = opens ? s->cn : s->cp, status = ns_bridge_own_hold_start(w, s, opens, &cp);
+    const ns_own_start *start = ns_bridge_own_found_start(w, inst);
+    const int first = opens ? s->cn : s->cp;
+    int cp = first,
+        status = start ? ns_bridge_own_hold_found(w, s, start, &cp) : ns_bridge_own_hold_start(w, s, &cp);
+    s->held = cp != first;
     if (status == NS_OK)
         status = ns_circuit_switch(w->ex->circuit, inst->GENname, s->p, s->n, cp, opens ? s->cp : s->cn,
                                    &ideal, id);
-    return status ? status : set_states(w, *id, s, opens);
+    return status ? status : set_states(w, *id, s, opens, start);
 }
 
 static int add_current_switch(ns_extract_walk *w, const GENinstance *inst, const ns_own_switch *s, int *id) {
@@ -149,14 +159,23 @@ static int add_current_switch(ns_extract_walk *w, const GENinstance *inst, const
     const ns_switch ideal = {
         .vt = gain * s->vt, .vh = s->vh, .ron = fmin(s->ron, s->roff), .roff = fmax(s->ron, s->roff)};
     const int by = ns_bridge_extract_element(w, s->branch);
+    const ns_own_start *start = ns_bridge_own_found_start(w, inst);
+    int status, cp = 0;
     if (by < 0)
         return EXTRACT_LATER;
-    const int status =
-        ns_circuit_switch_by_current(w->ex->circuit, inst->GENname, s->p, s->n, by, gain, &ideal, id);
-    return status ? status : set_states(w, *id, s, opens);
+    if (start) {
+        status = ns_bridge_own_current_node(w, inst, by, gain, &cp);
+        status = status ? status : ns_bridge_own_hold_found(w, s, start, &cp);
+        status =
+            status ? status : ns_circuit_switch(w->ex->circuit, inst->GENname, s->p, s->n, cp, 0, &ideal, id);
+    } else {
+        status =
+            ns_circuit_switch_by_current(w->ex->circuit, inst->GENname, s->p, s->n, by, gain, &ideal, id);
+    }
+    return status ? status : set_states(w, *id, s, opens, start);
 }
 
-static int take_switch(ns_extract_walk *w, GENinstance *inst, const ns_own_switch *s, int by_current) {
+static int take_switch(ns_extract_walk *w, GENinstance *inst, ns_own_switch *s, int by_current) {
     int id = -1;
     int status;
     if (!w->ex->options.take_switches)
@@ -176,6 +195,7 @@ static int take_switch(ns_extract_walk *w, GENinstance *inst, const ns_own_switc
     return ns_bridge_own_keep(w, &(ns_own_taken){.inst = inst,
                                                  .kind = by_current ? OWN_CURRENT_SWITCH : OWN_SWITCH,
                                                  .id = s->ron == s->roff ? -1 : id,
+                                                 .sw = *s,
                                                  .inverted = s->ron > s->roff});
 }
 

@@ -11,16 +11,24 @@ ns_extract_reader ns_bridge_own_diode, ns_bridge_own_switch, ns_bridge_own_curre
 /* Notes what was taken.  A status. */
 int ns_bridge_own_keep(ns_extract_walk *w, const ns_own_taken *taken);
 
-/* own_start.c: 1 if ngspice has an S of vh = 0 closed whose control is at its threshold from the start on,
- * and never anywhere else. */
-int ns_bridge_own_is_closed_at_rest(const ns_extract_walk *w, const ns_own_switch *s);
-/* own_start.c: 1 if ngspice has it closed whose control is inside the hysteresis from the start on: by ON or
+/* own_start.c. */
+
+/* 1 if ngspice has an S or W of vh = 0 closed whose control is at its threshold from the start on. */
+int ns_bridge_own_is_closed_at_rest(const CKTcircuit *ckt, int uic, const ns_own_switch *s);
+/* 1 if ngspice has it closed whose control is inside the hysteresis from the start on: by ON or
  * OFF; with uic the control of an S comes from its .ic, or from 0. */
 int ns_bridge_own_is_closed_inside(const ns_extract_walk *w, const ns_own_switch *s);
 
-/* An S that is closed at the start so, and whose control leaves the threshold later: *cp, the first node of
- * the control (of ron > roff, opens: the second one), becomes a node that stands for it.  Statuses of the
- * library. */
-int ns_bridge_own_hold_start(ns_extract_walk *w, const ns_own_switch *s, int opens, int *cp);
+/* *cp, the first node of the control of an S (the second one, if ron > roff), becomes a node that stands for
+ * it and keeps the switch so until the control leaves the threshold, if that is known of it; _found: in any
+ * case.  Statuses of the library. */
+int ns_bridge_own_hold_start(ns_extract_walk *w, const ns_own_switch *s, int *cp);
+int ns_bridge_own_hold_found(ns_extract_walk *w, const ns_own_switch *s, const ns_own_start *start, int *cp);
+
+/* NULL: no pass found that it is to be held. */
+const ns_own_start *ns_bridge_own_found_start(const ns_extract_walk *w, const GENinstance *inst);
+
+/* *node: a new node, whose voltage is gain times the current of element `by`. */
+int ns_bridge_own_current_node(ns_extract_walk *w, const GENinstance *inst, int by, double gain, int *node);
 
 #endif

@@ -27,6 +27,7 @@ typedef struct ns_own_switch {
     double vt, vh;    /* V or A */
     double ron, roff; /* ohm */
     int closed;       /* where the control does not say: ON was given */
+    int held;         /* at its threshold, at the start (own_start.c) */
 } ns_own_switch;
 
 /* dc: in .op or .dc, where such a switch is closed from the second point on if it was in the point before;

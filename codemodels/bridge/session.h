@@ -46,7 +46,7 @@ typedef struct ns_session {
 
     /* --- the analysis (analysis_start.c) --- */
     ns_analysis analysis;     /* empty between analyses */
-    ns_own_currents currents; /* of D, found by the first pass of .tran */
+    ns_own_found found; /* by earlier passes of .tran */
     ns_force force;           /* of the present matrix */
     ns_loop loop;
     clock_t start_cpu; /* of the start */

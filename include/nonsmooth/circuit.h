@@ -91,6 +91,8 @@ int ns_circuit_switch_at_rest(ns_circuit *c, int id, int closed);
  * above vt, else open; where it never leaves vt, closed (1) or open (0); with any other control, as by
  * at_rest(id, other). Errors: NULL, SIZE (id is no switch). */
 int ns_circuit_switch_as_it_came(ns_circuit *c, int id, int closed, int other);
+/* Such a control rests at vt also where that is not 0 (elsewhere it is at vt by rounding, if at all). */
+int ns_circuit_switch_rests(ns_circuit *c, int id);
 /* By how much (V or A) the threshold vt is shifted for either. */
 double ns_circuit_switch_shift(double vt);
 

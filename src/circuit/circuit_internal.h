@@ -43,6 +43,7 @@ typedef struct element {
     ns_switch sw;     /* of SWITCH, commanded by two nodes, or by the current of by[0] */
     int closed;       /* of SWITCH: 1: closed at a start where its control does not say */
     int at_rest;      /* of SWITCH of vh = 0, with its control at vt: 1: open, -1: closed, 0: as it was, or */
+    int rests;        /* at vt, also where that is not 0 */
     int at_constant, at_any; /* NS_RESTS_AS_IT_CAME, and these where it is constant, or no sum of sources */
     /* its indices in the system, given when it is added; -1: none */
     int current; /* among the currents in x */

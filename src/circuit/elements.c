@@ -383,6 +383,14 @@ int ns_circuit_switch_at_rest(ns_circuit *c, int id, int closed) {
     return status;
 }
 
+int ns_circuit_switch_rests(ns_circuit *c, int id) {
+    const int status = check_is_switch(c, id);
+    if (status == NS_OK) {
+        c->element[id].rests = 1;
+    }
+    return status;
+}
+
 int ns_circuit_switch_as_it_came(ns_circuit *c, int id, int closed, int other) {
     const int status = check_is_switch(c, id);
     if (status == NS_OK && c->element[id].sw.vh == 0) {

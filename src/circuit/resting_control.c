@@ -132,7 +132,7 @@ static int are_complements(const element *a, const element *b) {
 }
 
 double ns_circuit_shift_unknown(const ns_circuit *c, const element *e) {
-    if (e->at_rest == 0 || e->sw.vt != 0)
+    if (e->at_rest == 0 || (e->sw.vt != 0 && !e->rests))
         return 0; /* an expression or a current rests at 0, if anywhere */
     for (int i = 0; i < c->nelements; i++)
         if (are_complements(e, &c->element[i]))

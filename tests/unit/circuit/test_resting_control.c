@@ -99,7 +99,9 @@ static void by_what_is_not_known(void **state) {
     add_switch("s4", 2, 0, 1, 0);
     add_switch("s5", 2, 1, 0, 0);
     add_switch("s6", 1, 2, 0, 0);
-    end_with((double[]){0, 5, 0, 1, 0, 0}, (double[]){1e-12, 0, 1e-12, 0, 0, 0});
+    add_switch("s7", 2, 0, 1, 0); /* at 1 V, as the caller knows */
+    assert_int_equal(ns_circuit_switch_rests(made, id + 7), NS_OK);
+    end_with((double[]){0, 5, 0, 1, 0, 0, 1}, (double[]){1e-12, 0, 1e-12, 0, 0, 0, 1e-9});
 }
 
 static void refused(void **state) {
@@ -107,6 +109,7 @@ static void refused(void **state) {
     int id;
     (void)state;
     assert_int_equal(ns_circuit_switch_at_rest(NULL, 0, 0), NS_E_NULL);
+    assert_int_equal(ns_circuit_switch_rests(NULL, 0), NS_E_NULL);
     begin();
     assert_int_equal(ns_circuit_switch_at_rest(made, 0, 0), NS_E_SIZE);
     source("v1", 1, 0, pulse(0, 1));

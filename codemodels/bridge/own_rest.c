@@ -1,0 +1,108 @@
+/* bridge/own_rest.c - S and W of vh = 0 whose control is at its threshold from the start on.
+ *
+ * ngspice's swload.c and cswload.c have them closed in the operating point (with uic: as they came there) and
+ * until the control first leaves.  Where that is known of a source, own_start.c holds them; the others are
+ * found here, by a pass that goes on until all have left.
+ */
+#include "own_rest.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "own_elements.h"
+
+/* In steps times unknowns and devices: how far the pass goes. */
+static const double most_work = 30e6;
+
+static double at(const ns_analysis *a, const double *x, int eq) {
+    return eq > 0 && a->unknown[eq] >= 0 ? x[a->unknown[eq]] : 0.0;
+}
+
+/* V or A: how far its control is above its threshold. */
+static double above(const ns_analysis *a, const double *x, const ns_own_switch *s) {
+    return (s->branch > 0 ? at(a, x, s->branch) : at(a, x, s->cp) - at(a, x, s->cn)) - s->vt;
+}
+
+static int is_at_threshold(const ns_analysis *a, const double *x, const ns_own_switch *s) {
+    static const double rounding = 0.25; /* less than what own_start.c holds it by */
+    return fabs(above(a, x, s)) <= rounding * ns_circuit_switch_shift(s->vt);
+}
+
+/* Its state at its threshold is not known yet. */
+static int is_open_question(const ns_own_taken *o) {
+    return (o->kind == OWN_SWITCH || o->kind == OWN_CURRENT_SWITCH) && o->id >= 0 && o->sw.vh == 0.0 &&
+           !o->sw.held;
+}
+
+static int find(const CKTcircuit *ckt, const ns_analysis *a, const double *x, ns_own_found *found) {
+    const int uic = (ckt->CKTmode & MODEUIC) != 0;
+    found->start = calloc((size_t)a->ex.nowns + 1, sizeof *found->start);
+    if (!found->start)
+        return NS_E_MEMORY;
+    for (int k = 0; k < a->ex.nowns; k++) {
+        const ns_own_taken *o = &a->ex.own[k];
+        if (is_open_question(o) && is_at_threshold(a, x, &o->sw))
+            found->start[found->nstarts++] =
+                (ns_own_start){.inst = o->inst,
+                               .closed = ns_bridge_own_is_closed_at_rest(ckt, uic, &o->sw),
+                               .until = {INFINITY, INFINITY}};
+    }
+    return NS_OK;
+}
+
+int ns_bridge_own_find_resting(const CKTcircuit *ckt, const ns_analysis *a, ns_own_found *found, int *any) {
+    int count = 0;
+    for (int k = 0; k < a->ex.nowns && !ns_bridge_digital_is(&a->ex.digital); k++)
+        count += is_open_question(&a->ex.own[k]);
+    *any = 0;
+    if (count == 0 || found->start)
+        return NS_OK;
+    double *x = calloc(a->count + 1, sizeof *x);
+    int status = x ? ns_march_read(a->march, NULL, x, NULL, NULL) : NS_E_MEMORY;
+    status = status ? status : find(ckt, a, x, found);
+    *any = found->nstarts > 0;
+    free(x);
+    return status;
+}
+
+static const ns_own_switch *switch_of(const ns_analysis *a, const GENinstance *inst) {
+    for (int k = 0; k < a->ex.nowns; k++)
+        if (a->ex.own[k].inst == inst)
+            return &a->ex.own[k].sw;
+    return NULL;
+}
+
+/* At x, from the accepted time t to t_end: those that left since are marked.  The number of the others. */
+static int mark(const ns_analysis *a, const double *x, double t, double t_end, ns_own_found *found) {
+    int resting = 0;
+    for (int k = 0; k < found->nstarts; k++) {
+        ns_own_start *start = &found->start[k];
+        const ns_own_switch *s = switch_of(a, start->inst);
+        if (!s || isfinite(start->until[1]))
+            continue;
+        if (is_at_threshold(a, x, s)) {
+            resting++;
+            continue;
+        }
+        start->falls = above(a, x, s) < 0.0;
+        start->until[0] = t;
+        start->until[1] = fmax(t_end, nextafter(t, INFINITY));
+    }
+    return resting;
+}
+
+int ns_bridge_own_find_leaving(const ns_analysis *a, ns_march *march, double stop, ns_own_found *found) {
+    double *x = calloc(a->count + 1, sizeof *x), t = 0.0, t_end = 0.0;
+    int status = x ? NS_OK : NS_E_MEMORY, resting = found->nstarts;
+    for (double work = 0.0; status == NS_OK && resting > 0 && t < stop && work < most_work;
+         work += (double)a->count + 1.0) {
+        status = ns_march_try(march, stop, NS_TO_STEP, &t_end);
+        status = status ? status : ns_march_read(march, &t_end, x, NULL, NULL);
+        if (status == NS_OK)
+            resting = mark(a, x, t, t_end, found);
+        status = status ? status : ns_march_accept(march);
+        t = t_end;
+    }
+    free(x);
+    return status == NS_E_MEMORY ? status : NS_OK;
+}

@@ -1,0 +1,16 @@
+/* bridge/own_rest.h - S and W of vh = 0 whose control is at its threshold from the start on. */
+#ifndef BRIDGE_OWN_REST_H
+#define BRIDGE_OWN_REST_H
+
+#include "analysis.h"
+
+/* a->march was started, for .tran: the S and W that rest at their threshold and are not held there go into
+ * found->start, to be held as long as .tran lasts; *any: there are some.  Not beside digital parts.  A
+ * status. */
+int ns_bridge_own_find_resting(const CKTcircuit *ckt, const ns_analysis *a, ns_own_found *found, int *any);
+
+/* The march, of such a circuit with these held, was started: goes on to where the last of them leaves its
+ * threshold, and sets found->start.until; failures end that.  Errors: MEMORY. */
+int ns_bridge_own_find_leaving(const ns_analysis *a, ns_march *march, double stop, ns_own_found *found);
+
+#endif
