@@ -69,7 +69,9 @@ ns_mode_verdict ns_exact_mode_holds(ns_exact *f, ns_exact_mode *k, ns_evidence e
         f->undecided |= sign == NS_UNDECIDED ? ns_exact_bit_of(g) : 0;
         if (sign == NS_SIGN_BREAKS || (sign == NS_SIGN_SEEMS_TO_BREAK && sure) ||
             (sign == NS_UNDECIDED && !assumed))
-            return jumps && evidence == NS_EVIDENCE_STEP ? NS_VERDICT_JUMPS : NS_VERDICT_NO;
+            return jumps && evidence == NS_EVIDENCE_STEP && ns_exact_enter_carries(f, kernel, g)
+                       ? NS_VERDICT_JUMPS
+                       : NS_VERDICT_NO;
     }
     return NS_VERDICT_HOLDS;
 }

@@ -158,19 +158,31 @@ static double impulse_rounding(const ns_exact *f, const ns_mode_kernel *k, int g
     return ns_exact_guard_rounding_at(f, k, g, f->X_next, ns_exact_guard_of(k, k->rate, g, f->X_next));
 }
 
-int ns_exact_enter_fits(ns_exact *f, const ns_mode_kernel *k) {
+static double largest_impulse(const ns_exact *f, const ns_mode_kernel *k) {
     double most = 0;
-    for (int g = 0; g < k->pair_rows; g++) {
-        f->work.impulse[g] = impulse_of(f, k, g);
-        most = ns_higher(most, fabs(f->work.impulse[g]));
-    }
     for (int g = 0; g < k->pair_rows; g++)
-        if (f->work.impulse[g] < -impulse_tol * most &&
-            f->work.impulse[g] <
-                -(impulse_tol * most + min_impulse * fabs(ns_exact_guard_of(k, k->value, g, f->X_next)) +
-                  impulse_rounding(f, k, g)))
+        most = ns_higher(most, fabs(f->work.impulse[g]));
+    return most;
+}
+
+/* An impulse of guard g below this is none. */
+static double least_impulse(const ns_exact *f, const ns_mode_kernel *k, int g, double most) {
+    return impulse_tol * most + min_impulse * fabs(ns_exact_guard_of(k, k->value, g, f->X_next)) +
+           impulse_rounding(f, k, g);
+}
+
+int ns_exact_enter_fits(ns_exact *f, const ns_mode_kernel *k) {
+    for (int g = 0; g < k->pair_rows; g++)
+        f->work.impulse[g] = impulse_of(f, k, g);
+    const double most = largest_impulse(f, k);
+    for (int g = 0; g < k->pair_rows; g++)
+        if (f->work.impulse[g] < -impulse_tol * most && f->work.impulse[g] < -least_impulse(f, k, g, most))
             return 0;
     return 1;
+}
+
+int ns_exact_enter_carries(const ns_exact *f, const ns_mode_kernel *k, int g) {
+    return f->work.impulse[g] > least_impulse(f, k, g, largest_impulse(f, k));
 }
 
 int ns_exact_enter_worst(const ns_exact *f, const ns_mode_kernel *k) {

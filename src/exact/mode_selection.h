@@ -13,6 +13,9 @@
 int ns_exact_enter(ns_exact *f, const ns_exact_mode *k);
 int ns_exact_enter_fits(ns_exact *f, const ns_mode_kernel *k);
 int ns_exact_enter_worst(const ns_exact *f, const ns_mode_kernel *k);
+/* Then: 1 if guard g has an impulse above zero, so that after it the guard may be below zero: a diode that
+ * carries charge and then blocks.  A guard without one breaks on the way: the jump does not end there. */
+int ns_exact_enter_carries(const ns_exact *f, const ns_mode_kernel *k, int g);
 /* What jumps counts among the integrals of the trial. */
 void ns_exact_enter_count(ns_exact *f);
 
