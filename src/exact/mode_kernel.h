@@ -31,6 +31,7 @@ typedef struct ns_mode_kernel {
     /* matrices that act on X, column by column */
     double *step_x_lambda; /* (n+m)*(q+mutes): x, lambda of the Euler step; last by inputs of outputs only */
     double *x_lambda_now;  /* (n+m)*(q+mutes): x, lambda at tau = 0; NULL until needed */
+    int output_cancels;    /* 1: its columns are so large that M x differs from w by their rounding */
     double *laguerre_powers; /* (8 r)*q: D^1 ... D^8, the part that acts on w */
     double *D8;              /* r*q: D^8 again */
     double *step;            /* r*q: X -> w after h */
@@ -58,6 +59,9 @@ int ns_exact_kernel_build(ns_theta *s, const ns_input_states *e, double g, const
 void ns_exact_kernel_charge_rates(const ns_theta *s, const ns_map *map, double *rates, double *size);
 /* output_map.c: makes `now`.  Errors: MEMORY. */
 int ns_exact_output_map(const ns_theta *s, const ns_input_states *e, ns_mode_kernel *k);
+/* x_lambda (n+m): x, lambda at X, by it; residual: r, work. */
+void ns_exact_output_map_apply(const ns_theta *s, const ns_input_states *e, const ns_mode_kernel *k,
+                               const double *X, double *x_lambda, double *residual);
 void ns_exact_kernel_free(ns_mode_kernel *kernel); /* NULL is allowed */
 
 /* P (r*q): X -> w after tau <= h. */

@@ -1,6 +1,7 @@
 /* src/exact/output_map.c - x and lambda of a state, (E1) at tau = 0, as one matrix. */
 #include "mode_kernel.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -51,6 +52,41 @@ static void find_residual(const ns_theta *s, const ns_input_states *e, double g,
     }
 }
 
+/* rest (r) -= M x */
+static void take_charges(const ns_theta *s, const double *x, double *rest) {
+    const int n = s->s->n;
+    for (int j = 0; j < n; j++)
+        for (int i = 0; i < s->r && x[j] != 0; i++)
+            rest[i] -= s->M[i + j * n] * x[j];
+}
+
+/* 1 if M times a column is not the unit vector that it belongs to, as where k is almost 1: currents of 1e6 A
+ * for 1 Wb cancel in the flux. */
+static int columns_cancel(const ns_theta *s, const ns_mode_kernel *k, double *rest) {
+    static const double few = 1e-13;
+    const size_t all = (size_t)s->s->n + (size_t)s->s->m;
+    for (int j = 0; j < k->r; j++) {
+        memset(rest, 0, sizeof *rest * (size_t)k->r);
+        rest[j] = 1;
+        take_charges(s, k->x_lambda_now + (size_t)j * all, rest);
+        for (int i = 0; i < k->r; i++)
+            if (fabs(rest[i]) * s->unit[j] > few * s->unit[i])
+                return 1;
+    }
+    return 0;
+}
+
+void ns_exact_output_map_apply(const ns_theta *s, const ns_input_states *e, const ns_mode_kernel *k,
+                               const double *X, double *x_lambda, double *residual) {
+    const int all = s->s->n + s->s->m;
+    ns_linalg_matvec(all, k->q + e->mutes, k->x_lambda_now, X, x_lambda);
+    if (!k->output_cancels)
+        return;
+    memcpy(residual, X, sizeof *residual * (size_t)k->r);
+    take_charges(s, x_lambda, residual);
+    ns_linalg_matvec_add(all, k->r, k->x_lambda_now, residual, x_lambda);
+}
+
 /* Where the mode constrains the charges, unit vectors have huge answers that cancel in the sum: one step of
  * refinement removes their rounding. */
 int ns_exact_output_map(const ns_theta *s, const ns_input_states *e, ns_mode_kernel *k) {
@@ -70,8 +106,9 @@ int ns_exact_output_map(const ns_theta *s, const ns_input_states *e, ns_mode_ker
         ns_linalg_matvec_add((int)all, k->r, k->step_x_lambda, residual, at);
     }
     memcpy(now + q * all, k->step_x_lambda + q * all, sizeof *now * all * (size_t)e->mutes);
-    free(sum);
     k->x_lambda_now = now;
+    k->output_cancels = columns_cancel(s, k, sum);
+    free(sum);
     k->bytes += sizeof *now * all * (q + (size_t)e->mutes);
     return NS_OK;
 }

@@ -18,7 +18,7 @@ int ns_exact_output_of(ns_exact *f, ns_mode_kernel *k, const double *X, double *
             return status;
         f->cache.bytes += sizeof(double) * (size_t)all * (size_t)columns;
     }
-    ns_linalg_matvec(all, columns, k->x_lambda_now, X, x_lambda);
+    ns_exact_output_map_apply(f->s, f->inputs, k, X, x_lambda, f->work.sum);
     return NS_OK;
 }
 
