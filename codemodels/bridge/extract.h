@@ -62,6 +62,7 @@ typedef struct ns_own_taken {
         double seconds; /* 0: there was none */
         int whole;      /* it was all of .tran */
         int idle;       /* the D did not conduct in it */
+        int tangent;    /* vf and ron are those of its curve there, rs added */
         int faint;      /* it carried no more than a leak */
     } pass;
     int anode;    /* equation */

@@ -65,6 +65,7 @@ static void note_pass(const ns_extract_walk *w, ns_own_taken *taken) {
     taken->pass.seconds = w->found->seconds;
     taken->pass.whole = w->found->whole;
     taken->pass.idle = !found;
+    taken->pass.tangent = found && !found->faint;
     taken->pass.faint = found && found->faint;
 }
 
@@ -89,11 +90,20 @@ static int add_diode(ns_extract_walk *w, GENinstance *inst, const ns_own_diode *
     return ns_bridge_own_keep(w, &taken);
 }
 
-/* Its series resistance is its ron, none if it has none: a resistance of microohms would be worse than none.
- */
-static ns_diode ideal_of(const ns_extract_walk *w, const ns_own_diode *d, double vf) {
+/* A line for its curve, vf its voltage at a current.  Where that is the current that it carries the line is
+ * the tangent there; where it is a guess, vf is the same for all currents: a tangent would be far off at
+ * larger ones.  The series resistance is added; none, if it has none: one of microohms would be worse. */
+static ns_diode ideal_of(const ns_extract_walk *w, const GENinstance *inst, const ns_own_diode *d,
+                         double vf) {
     const double gmin = w->ckt->CKTgmin, rs = w->ex->options.zero_diodes ? 0.0 : d->rs;
-    return (ns_diode){.vf = vf, .ron = rs, .roff = gmin > 0.0 ? 1.0 / gmin : INFINITY, .vz = d->bv, .rz = rs};
+    const ns_own_current *found = isnan(w->ex->options.id) ? found_current(w, inst) : NULL;
+    const int is_known = found && !found->faint && !w->ex->options.zero_diodes;
+    const double slope = is_known ? ns_bridge_diode_law_slope(&d->law, found->id) : 0.0;
+    return (ns_diode){.vf = is_known ? vf - slope * found->id : vf,
+                      .ron = rs + slope,
+                      .roff = gmin > 0.0 ? 1.0 / gmin : INFINITY,
+                      .vz = d->bv,
+                      .rz = rs};
 }
 
 int ns_bridge_own_diode(ns_extract_walk *w, GENinstance *inst) {
@@ -110,7 +120,7 @@ int ns_bridge_own_diode(ns_extract_walk *w, GENinstance *inst) {
                  vf = o->zero_diodes ? 0.0 : ns_bridge_diode_law_voltage(&d.law, at);
     if (isnan(vf))
         return refuse_value(w, inst, "id", at, "A does not flow through this D below 100 V: give id");
-    const ns_diode ideal = ideal_of(w, &d, vf);
+    const ns_diode ideal = ideal_of(w, inst, &d, vf);
     return add_diode(w, inst, &d, &ideal);
 }
 
@@ -249,7 +259,7 @@ static int add_body_diode(ns_extract_walk *w, const GENinstance *inst, ns_own_ta
     if (isnan(vf))
         return refuse_value(w, inst, "id", at, "A does not flow through its body diode below 100 V");
     snprintf(name, sizeof name, "%.140s#body", inst->GENname);
-    taken->diode = ideal_of(w, d, vf);
+    taken->diode = ideal_of(w, inst, d, vf);
     taken->at = at;
     ns_bridge_extract_mix(w, &taken->diode, sizeof taken->diode);
     return ns_circuit_diode(w->ex->circuit, name, d->anode, d->cathode, &taken->diode, &taken->body);

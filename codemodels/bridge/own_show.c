@@ -116,7 +116,8 @@ static void write_at(const ns_own_taken *o, char *line, size_t size) {
     const char *how = o->pass.idle    ? ": it did not conduct in"
                       : o->pass.faint ? ": it carried less than 1 nA in"
                                       : ", its current in";
-    const size_t used = (size_t)snprintf(line, size, " (that of its model at %.4g A", o->at);
+    const char *what = o->pass.tangent ? "the tangent" : "that";
+    const size_t used = (size_t)snprintf(line, size, " (%s of its model at %.4g A", what, o->at);
     if (o->pass.seconds > 0.0 && (o->pass.idle || !o->pass.whole))
         snprintf(line + used, size - used, "%s the first %.4g s)", how, o->pass.seconds);
     else
@@ -131,9 +132,9 @@ static void announce_diodes(const ns_analysis *a, const ns_own_taken *o, int cou
         snprintf(breakdown, sizeof breakdown, ", breakdown at %.4g V", d->vz);
     if (o->kind == OWN_DIODE && !a->ex.options.zero_diodes)
         write_at(o, at, sizeof at);
-    ns_bridge_report_note("D of model %s: %s taken as ideal, vf = %.4g V%s, ron = %.4g ohm%s%s",
-                          model_name(o), names, d->vf, at, d->ron, breakdown,
-                          o->smoothed ? ", its epsilon left out" : "");
+    ns_bridge_report_note("D of model %s: %s taken as ideal, vf = %.4g V%s, ron = %.4g ohm%s%s%s",
+                          model_name(o), names, d->vf, o->pass.tangent ? "" : at, d->ron,
+                          o->pass.tangent ? at : "", breakdown, o->smoothed ? ", its epsilon left out" : "");
 }
 
 static void announce_mosfets(const ns_own_taken *o, int count) {

@@ -33,6 +33,13 @@ double ns_bridge_diode_law_voltage(const ns_diode_law *law, double amperes) {
     return 0.5 * (low + high);
 }
 
+double ns_bridge_diode_law_slope(const ns_diode_law *law, double amperes) {
+    static const double part = 1e-3; /* of the current */
+    return (ns_bridge_diode_law_voltage(law, (1.0 + part) * amperes) -
+            ns_bridge_diode_law_voltage(law, (1.0 - part) * amperes)) /
+           (2.0 * part * amperes);
+}
+
 void ns_bridge_log_mean_add(ns_log_mean *mean, double amperes, double seconds, double least) {
     if (!(amperes > least) || !(seconds > 0.0) || !isfinite(amperes))
         return;

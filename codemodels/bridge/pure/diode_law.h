@@ -20,6 +20,9 @@ double ns_bridge_diode_law_current(const ns_diode_law *law, double v);
 /* The voltage (V) at which the current is `amperes` > 0; NAN: the law has no such voltage below 100 V. */
 double ns_bridge_diode_law_voltage(const ns_diode_law *law, double amperes);
 
+/* The slope of the voltage there, ohm; NAN: likewise. */
+double ns_bridge_diode_law_slope(const ns_diode_law *law, double amperes);
+
 /* The mean of the logarithm of a forward current, over the charge: where the voltage goes with the logarithm,
  * the mean current's voltage times the charge is the energy lost. */
 typedef struct ns_log_mean {

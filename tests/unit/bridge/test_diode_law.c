@@ -19,6 +19,8 @@ static void of_one_exponential(void **unused) {
         const ns_diode_law law = {.bottom = {is[k], n[k] * vt}};
         const double expected = n[k] * vt * log1p(i[k] / is[k]);
         assert_true(fabs(ns_bridge_diode_law_voltage(&law, i[k]) - expected) < 1e-12);
+        const double slope = n[k] * vt / (i[k] + is[k]); /* of n vt ln(1 + i/is) */
+        assert_true(fabs(ns_bridge_diode_law_slope(&law, i[k]) / slope - 1) < 1e-5);
     }
 }
 
