@@ -53,6 +53,8 @@ static int is_to_look(ns_run *r, ns_until until) {
 
 void ns_march_run_choose(ns_run *r, ns_until until) {
     double now;
+    if (!r->choice.asks)
+        r->at_work->most_work = 0; /* it was asked once, and is at work for another reason */
     if (!r->chooses || !is_to_look(r, until) || r->back_at < INFINITY || r->kind == NS_RUN_SCHEME ||
         !ns_march_run_rests(r, &now))
         return;
@@ -103,8 +105,11 @@ int ns_march_run_hand_over(ns_run *r, ns_until until, double *reached, int *stat
         *status = ns_march_run_leave_sparse(r);
         return *status == NS_OK;
     }
-    if (r->kind != NS_RUN_DENSE || !ns_march_dense_hands_over(r->at_work))
+    if (r->kind != NS_RUN_DENSE)
         return 0;
+    if (!ns_march_dense_hands_over(r->at_work)) /* once: sparse was not left a short while ago */
+        return r->back_at == INFINITY && ns_march_leaves_dense(&r->options, *status) &&
+               fail_and_change(r, until, reached);
     if (!fail_and_change(r, until, reached))
         ns_march_dense_let_hand_over(r->at_work, NS_HANDS_OVER_NEVER);
     return 1;

@@ -46,6 +46,7 @@ static int scheme_is_dense(const ns_run *r) {
 void ns_march_run_put_to_work(ns_run *r, ns_engine *e, ns_run_kind kind) {
     r->at_work = e;
     r->kind = kind;
+    e->most_work = 0; /* one that was put aside may have been bounded */
     r->is_dense = kind == NS_RUN_DENSE || (kind == NS_RUN_SCHEME && scheme_is_dense(r));
     ns_march_check_attach(r);
 }

@@ -37,10 +37,17 @@ int ns_march_begins_sparse(const ns_system *s, const ns_march_options *o, ns_spa
     return o->method == NS_SPARSE || (o->method == NS_AUTO && large) || theta;
 }
 
+static int is_refusal(int status) {
+    return status == NS_E_SINGULAR || status == NS_E_INFEASIBLE || status == NS_E_LIMIT ||
+           status == NS_E_RESIDUAL || status == NS_E_OVERFLOW;
+}
+
 int ns_march_leaves_sparse(const ns_system *s, const ns_march_options *o, int status) {
-    const int refused = status == NS_E_SINGULAR || status == NS_E_INFEASIBLE || status == NS_E_LIMIT ||
-                        status == NS_E_RESIDUAL || status == NS_E_OVERFLOW;
-    return refused && o->method != NS_SPARSE && !ns_march_too_large(s);
+    return is_refusal(status) && o->method != NS_SPARSE && !ns_march_too_large(s);
+}
+
+int ns_march_leaves_dense(const ns_march_options *o, int status) {
+    return is_refusal(status) && o->method == NS_AUTO;
 }
 
 int ns_march_chooses(const ns_system *s, const ns_march_options *o) {

@@ -15,6 +15,8 @@ ns_sparse_options ns_march_sparse_options(const ns_march_options *o);
 
 /* 1 if what the sparse engine failed with is worth a try by the dense engines. */
 int ns_march_leaves_sparse(const ns_system *s, const ns_march_options *o, int status);
+/* 1 if what the dense engines failed with is worth a try by the sparse one. */
+int ns_march_leaves_dense(const ns_march_options *o, int status);
 
 /* 1 if there are two engines of which the one is taken that costs less. */
 int ns_march_chooses(const ns_system *s, const ns_march_options *o);

@@ -350,6 +350,20 @@ static void what_comes_back_is_looked_at(void **state) {
         }
 }
 
+/* An engine that was asked what it costs, and was to end after so much work, is at work for another reason:
+ * it goes on without that bound. */
+static void the_bound_of_a_question_ends_with_it(void **state) {
+    (void)state;
+    rig honest = buck(NS_EXACT, 12, 1e-7), k = buck(NS_EXACT, 12, 1e-7);
+    assert_int_equal(status_of(&honest, 10.3 * period), NS_OK);
+    run_of(&k)->at_work->most_work = 1;
+    assert_int_equal(status_of(&k, 10.3 * period), NS_OK);
+    for (int i = 0; i < k.s->n; i++)
+        assert_true(fabs(k.x[i] - honest.x[i]) <= error_of(NS_EXACT, &honest, i));
+    end(&honest);
+    end(&k);
+}
+
 /* The supply has 12 V for the engines, 24 V for who judges them: no engine is right. */
 static void where_no_engine_is_right_the_run_is_refused(void **state) {
     (void)state;
@@ -375,6 +389,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(planted_lies_are_caught),
         cmocka_unit_test(what_comes_back_is_looked_at),
+        cmocka_unit_test(the_bound_of_a_question_ends_with_it),
         cmocka_unit_test(where_no_engine_is_right_the_run_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
