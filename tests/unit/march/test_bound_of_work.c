@@ -1,0 +1,43 @@
+/* tests/unit/march/test_bound_of_work.c - an engine that was asked what it costs is not bound by that for
+ * good.
+ *
+ * From circuit cascaded 24001000002 of the stress set: refused with "the iteration bound was met", as the
+ * engine put aside came back to work in place of one that was found wrong, with the bound of a question long
+ * past.
+ */
+#include "rig.h"
+
+#include "march/run_internal.h"
+#include "signals.h"
+
+/* 12 V, 5 ohm, 22 uF with 5 V: v(t) = 12 V - 7 V exp(-t/110 us). */
+static void work_is_bound_in_questions_only(void **state) {
+    rig k = begin();
+    const ns_signal supply = dc(12);
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-7, .method = NS_AUTO, .whole = 1};
+    const ns_diode d = {0, 0, INFINITY, INFINITY, 0};
+    double t;
+    (void)state;
+    assert_int_equal(ns_circuit_source(k.c, "v1", NS_VOLTAGE, 1, 0, &supply, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(k.c, "r1", 1, 2, 5, NULL), NS_OK);
+    assert_int_equal(ns_circuit_diode(k.c, "d1", 2, 3, &d, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(k.c, "c1", 3, 0, 22e-6, 5, NULL), NS_OK);
+    make_by(&k, &o);
+    start_at_rest(&k);
+    ns_run *r = (ns_run *)(void *)k.m->engine;
+    assert_int_equal(r->kind, NS_RUN_DENSE);
+    r->at_work->most_work = 1; /* instructions: it needs more, as it did to start */
+    assert_int_equal(ns_march_run_leave_for(r, NS_RUN_SPARSE, 1), NS_OK);
+    assert_int_equal(ns_march_run_leave_for(r, NS_RUN_DENSE, 0), NS_OK);
+    ns_march_run_leave_for_now(r, 0, NS_RUN_SPARSE); /* which was found wrong: no questions for 64 h */
+    assert_int_equal(ns_march_try(k.m, 5e-6, NS_TO_TIME, &t), NS_OK);
+    assert_int_equal(ns_march_accept(k.m), NS_OK);
+    assert_int_equal(ns_march_read(k.m, NULL, k.x, NULL, NULL), NS_OK);
+    assert_true(fabs(k.x[ns_circuit_node_unknown(k.c, 3)] - (12 - 7 * exp(-5.0 / 110))) < 1e-9);
+    end(&k);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(work_is_bound_in_questions_only)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
