@@ -91,10 +91,10 @@ static double after_error(const ns_verify *v, int i, double lambda_share, double
 static double impulse_error(const ns_verify *v, int i, const jump *j) {
     const double lambda = v->v[v->s->n + i];
     const ns_verify_sum y = ns_verify_row(&v->output, i, v->v);
-    const double times = v->times * v->times_pair[i],
-                 lambda_off = times * j->lambda_off + 2 * j->seconds * v->most_lambda[i],
+    const double times = v->times * v->times_pair[i], seconds = j->seconds + v->o.instant,
+                 lambda_off = times * j->lambda_off + 2 * seconds * v->most_lambda[i],
                  y_off = times * (of_impulse * y.size + j->dust * v->output.size[i]) +
-                         2 * j->seconds * v->most_y[i] + DBL_MIN;
+                         2 * seconds * v->most_y[i] + DBL_MIN;
     const double lambda_share = fabs(lambda) / lambda_off, y_share = fabs(y.sum) / y_off;
     if (v->command[i] >= 0) /* open or closed, before or after */
         return lambda_share < y_share ? lambda_share : y_share;
