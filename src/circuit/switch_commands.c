@@ -100,8 +100,8 @@ static int known_gap(potentials *p, const element *e) {
         return 0;
     }
     switch (e->kind) {
-    case RESISTOR:
-        return 1;
+    case RESISTOR: /* others have a current too (tiny_resistor.c) */
+        return e->value == 0;
     case SOURCE:
         add_gap(p, e->input >= 0 ? e->input : p->nz, e->input >= 0 ? 1 : e->signal.u.dc);
         return 1;

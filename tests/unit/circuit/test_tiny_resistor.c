@@ -98,6 +98,35 @@ static void beside_devices(void **state) {
     }
 }
 
+/* Tiny is not zero: the gate behind 1 ohm follows its driver by 1 us (R C), and a pull-down of 1 ohm at the
+ * driver does not hold it at 0 V. */
+static void is_no_short_to_a_control(void **state) {
+    static const ns_switch contact = {0.5, 0, 0, INFINITY};
+    const ns_signal pulse = {.kind = NS_PULSE, .u.pulse = {0, 1, 0, 1e-6, 1e-6, 4e-6, 1e-5, 0}};
+    (void)state;
+    for (int order = 0; order < 2; order++) {
+        ns_system *s;
+        begin();
+        for (int k = 0; k < 2; k++)
+            if (k == order)
+                assert_int_equal(ns_circuit_source(made, "v1", NS_VOLTAGE, 1, 0, &pulse, NULL), NS_OK);
+            else
+                (void)resistor("r1", 1, 0, 1);
+        (void)resistor("r2", 1, 2, 1);
+        (void)resistor("r3", 3, 4, 1e-3);
+        (void)resistor("r4", 4, 0, 1e6);
+        assert_int_equal(ns_circuit_capacitor(made, "c1", 2, 0, 1e-6, 0, NULL), NS_OK);
+        assert_int_equal(ns_circuit_switch(made, "as1", 3, 0, 1, 0, &contact, NULL), NS_OK);
+        assert_int_equal(ns_circuit_switch(made, "as2", 3, 0, 2, 0, &contact, NULL), NS_OK);
+        assert_int_equal(ns_circuit_system(made, &s), NS_OK);
+        assert_int_equal(s->n, 4 + 1 + 3); /* nodes, v1, tiny resistors */
+        assert_true(!s->command[0].gx && s->command[0].gz && s->command[0].gz[0] == 1);
+        assert_true(s->command[1].gx && s->command[1].gx[1] == 1 && !s->command[1].gz);
+        ns_system_free(s);
+        end();
+    }
+}
+
 static void no_memory(void **state) {
     ns_system *s;
     (void)state;
@@ -121,11 +150,9 @@ static void no_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(beside_another_resistor),
-        cmocka_unit_test(at_one_end),
-        cmocka_unit_test(others_of_that_size),
-        cmocka_unit_test(beside_devices),
-        cmocka_unit_test(no_memory),
+        cmocka_unit_test(beside_another_resistor),  cmocka_unit_test(at_one_end),
+        cmocka_unit_test(others_of_that_size),      cmocka_unit_test(beside_devices),
+        cmocka_unit_test(is_no_short_to_a_control), cmocka_unit_test(no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
