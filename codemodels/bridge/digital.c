@@ -130,10 +130,22 @@ static int set_output(ns_session *s, ns_digital_output *o, int state, double t) 
     return ns_march_set_input(s->analysis.march, o->input, &z);
 }
 
+/* The march is at t, beyond ngspice's time, and an output changes at that.  An event of d_osc or d_pwm moves
+ * as their inputs do, and may come earlier than it was to come when the march was sent there: then the output
+ * changes at t, if that is hardly later. */
+static int is_too_late(const ns_session *s, double t) {
+    static const double hardly = 0.01; /* of the time since an output changed */
+    const ns_digital *d = &s->analysis.ex.digital;
+    const double late = t - s->ckt->CKTtime;
+    if (late <= 16.0 * ns_bridge_timepoints_closest(s->ckt->CKTfinalTime))
+        return 0;
+    return !ns_bridge_digital_has_others(d) || late > hardly * (t - d->changed);
+}
+
 /* Outputs whose event came are set; *any: some are. */
 static int set_outputs(ns_session *s, int *any) {
     ns_digital *d = digital_of(s);
-    double t;
+    double t = 0.0;
     int status = NS_OK;
     *any = 0;
     for (int k = 0; k < d->noutputs && status == NS_OK; k++) {
@@ -143,12 +155,13 @@ static int set_outputs(ns_session *s, int *any) {
             continue;
         *any = 1;
         status = ns_march_read(s->analysis.march, &t, NULL, NULL, NULL);
-        if (status == NS_OK &&
-            t - s->ckt->CKTtime > 16.0 * ns_bridge_timepoints_closest(s->ckt->CKTfinalTime))
-            status = NS_E_STATE; /* the marcher is beyond the event */
+        if (status == NS_OK && is_too_late(s, t))
+            status = NS_E_STATE;
         if (status == NS_OK)
             status = set_output(s, o, state, t);
     }
+    if (*any && status == NS_OK)
+        d->changed = t;
     return status;
 }
 

@@ -52,6 +52,7 @@ typedef struct ns_digital {
     ns_digital_part *part; /* nparts */
     ns_digital_lag *lag;   /* nlags: of each node of ngspice's event code */
     int crossed;           /* a threshold was crossed at ngspice's present point */
+    double changed;        /* s: when an output changed last */
     double reach;          /* of a short step, in what ngspice can tell apart */
     int short_steps;       /* how many points come at once: at the start, after a crossing beside another */
 } ns_digital;
