@@ -1,13 +1,16 @@
 /* bridge/own_drive.c - the voltage at which a netlist drives the gate of a MOSFET: potentials of gate and
- * source, as ranges.  That of the gate is the one of the network of V and R around it, dividers included;
- * that of the source is the one that the first way along V, R and L leads to. */
+ * source, as ranges, of V, B, E and digital parts.  That of the gate is the one of the network of V and R
+ * around it, dividers included; that of the source is the one that the first way along V, R and L leads to.
+ */
 #include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
 
 #include "models.h"
+#include "own_drive.h"
 #include "own_mosfet.h"
 
+#include "spicelib/devices/asrc/asrcdefs.h"
 #include "spicelib/devices/ind/inddefs.h"
 #include "spicelib/devices/res/resdefs.h"
 #include "spicelib/devices/vcvs/vcvsdefs.h"
@@ -15,40 +18,35 @@
 
 enum { MOST_NODES = 60, MOST_TERMS = 240 }; /* that are tried */
 
-typedef struct range {
-    double low, high; /* V */
-    int switches;     /* a PULSE or PWL is in it */
-    int sources;      /* any V is */
-} range;
-
 /* A search from a node to `goal` or ground. */
 typedef struct way {
     const CKTcircuit *ckt;
     int goal;       /* equation */
     int along_r;    /* resistors and inductors count as wires */
     int is_control; /* it is that of the control of an E: no further E is looked into */
+    int inside_b;   /* it is that of a node in a B source: no further B is looked into */
     int met;        /* the equation that was met: goal, or 0 */
     int node[MOST_NODES], count;
 } way;
 
-static void extend(range *r, double value) {
+static void extend(ns_own_range *r, double value) {
     r->low = fmin(r->low, value);
     r->high = fmax(r->high, value);
 }
 
-static range range_of(const VSRCinstance *v) {
+static ns_own_range range_of(const VSRCinstance *v) {
     const double *c = v->VSRCcoeffs;
-    range r = {v->VSRCdcValue, v->VSRCdcValue, 0, 1};
+    ns_own_range r = {v->VSRCdcValue, v->VSRCdcValue, 0, 1};
     if (!v->VSRCcoeffsGiven || v->VSRCfunctionOrder < 2)
         return r;
     switch (v->VSRCfunctionType) {
     case PULSE:
     case EXP:
-        return (range){fmin(c[0], c[1]), fmax(c[0], c[1]), v->VSRCfunctionType == PULSE, 1};
+        return (ns_own_range){fmin(c[0], c[1]), fmax(c[0], c[1]), v->VSRCfunctionType == PULSE, 1};
     case SINE:
-        return (range){c[0] - fabs(c[1]), c[0] + fabs(c[1]), 0, 1};
+        return (ns_own_range){c[0] - fabs(c[1]), c[0] + fabs(c[1]), 0, 1};
     case PWL:
-        r = (range){c[1], c[1], 1, 1};
+        r = (ns_own_range){c[1], c[1], 1, 1};
         for (int k = 3; k < v->VSRCfunctionOrder; k += 2)
             extend(&r, c[k]);
         return r;
@@ -57,22 +55,29 @@ static range range_of(const VSRCinstance *v) {
     }
 }
 
-static int find_voltage(const CKTcircuit *ckt, int p, int m, int is_control, range *r);
+static int find_voltage(const CKTcircuit *ckt, int p, int m, int is_control, ns_own_range *r);
+static int go_on(way *w, int here, ns_own_range *r);
+
+static int range_at(const CKTcircuit *ckt, int eq, ns_own_range *r) {
+    way w = {.ckt = ckt, .is_control = 1, .inside_b = 1};
+    *r = (ns_own_range){0};
+    return go_on(&w, eq, r);
+}
 
 /* By how much an E raises its first node, as V and R drive its control; 0: they do not. */
-static int read_vcvs(const way *w, const VCVSinstance *e, range *gap) {
-    range r = {0};
+static int read_vcvs(const way *w, const VCVSinstance *e, ns_own_range *gap) {
+    ns_own_range r = {0};
     if (w->is_control || !find_voltage(w->ckt, e->VCVScontPosNode, e->VCVScontNegNode, 1, &r))
         return 0;
     const double low = e->VCVScoeff * r.low, high = e->VCVScoeff * r.high;
-    *gap = (range){fmin(low, high), fmax(low, high), r.switches, 1};
+    *gap = (ns_own_range){fmin(low, high), fmax(low, high), r.switches, 1};
     return 1;
 }
 
 /* The nodes of inst, and by how much the first is above the second; 0: it is no wire.  here: one of them, or
  * it is no matter. */
-static int read_wire(const way *w, const GENinstance *inst, int here, int *p, int *n, range *gap) {
-    *gap = (range){0};
+static int read_wire(const way *w, const GENinstance *inst, int here, int *p, int *n, ns_own_range *gap) {
+    *gap = (ns_own_range){0};
     switch (ns_bridge_models_letter(inst)) {
     case 'v': {
         const VSRCinstance *v = (const VSRCinstance *)inst;
@@ -99,6 +104,15 @@ static int read_wire(const way *w, const GENinstance *inst, int here, int *p, in
         *n = e->VCVSnegNode;
         return (*p == here || *n == here) && read_vcvs(w, e, gap);
     }
+    case 'b': {
+        const ASRCinstance *b = (const ASRCinstance *)inst;
+        *p = b->ASRCposNode;
+        *n = b->ASRCnegNode;
+        return (*p == here || *n == here) && !w->inside_b &&
+               ns_bridge_own_range_of_b(w->ckt, inst, range_at, gap);
+    }
+    case 'a':
+        return ns_bridge_own_range_of_bridge(inst, here, p, n, gap);
     default:
         return 0;
     }
@@ -111,7 +125,7 @@ static int was_tried(const way *w, int node) {
     return 0;
 }
 
-static range add_gap(range r, range gap, int forwards) {
+static ns_own_range add_gap(ns_own_range r, ns_own_range gap, int forwards) {
     r.low += forwards ? gap.low : -gap.high;
     r.high += forwards ? gap.high : -gap.low;
     r.switches |= gap.switches;
@@ -121,7 +135,7 @@ static range add_gap(range r, range gap, int forwards) {
 
 /* 1 if ways from `here`, which is *r below the beginning, lead to the goal or to ground; *r: by how much the
  * beginning is above what was met. */
-static int go_on(way *w, int here, range *r) {
+static int go_on(way *w, int here, ns_own_range *r) {
     if (here == w->goal || here == 0) {
         w->met = here;
         return 1;
@@ -130,11 +144,11 @@ static int go_on(way *w, int here, range *r) {
         return 0;
     w->node[w->count++] = here;
     for (NGTABLEPTR box = w->ckt->DEVnameHash->thread; box; box = box->thread_next) {
-        range gap;
+        ns_own_range gap;
         int p, n;
         if (!read_wire(w, box->data, here, &p, &n, &gap) || (p != here && n != here) || p == n)
             continue;
-        range further = add_gap(*r, gap, p == here);
+        ns_own_range further = add_gap(*r, gap, p == here);
         if (go_on(w, p == here ? n : p, &further)) {
             *r = further;
             return 1;
@@ -149,7 +163,7 @@ static int go_on(way *w, int here, range *r) {
 typedef struct term {
     int row;
     double weight;
-    range volts;
+    ns_own_range volts;
     int of_goal; /* beside that the voltage of the goal */
 } term;
 
@@ -171,16 +185,19 @@ static int place_of(const network *n, int node) {
 }
 
 /* 1 if V tie it to the goal or to ground; *volts: by how much it is above *met. */
-static int is_tied(const network *n, int node, range *volts, int *met) {
-    way w = {.ckt = n->wires.ckt, .goal = n->wires.goal, .is_control = n->wires.is_control};
-    *volts = (range){0};
+static int is_tied(const network *n, int node, ns_own_range *volts, int *met) {
+    way w = {.ckt = n->wires.ckt,
+             .goal = n->wires.goal,
+             .is_control = n->wires.is_control,
+             .inside_b = n->wires.inside_b};
+    *volts = (ns_own_range){0};
     const int tied = go_on(&w, node, volts);
     *met = w.met;
     return tied;
 }
 
 static void add_node(network *n, int node) {
-    range volts;
+    ns_own_range volts;
     int met;
     if (place_of(n, node) >= 0 || is_tied(n, node, &volts, &met))
         return;
@@ -190,7 +207,7 @@ static void add_node(network *n, int node) {
         n->node[n->nodes++] = node;
 }
 
-static void add_term(network *n, int row, double weight, range volts, int of_goal) {
+static void add_term(network *n, int row, double weight, ns_own_range volts, int of_goal) {
     if (n->terms == MOST_TERMS)
         n->is_full = 1;
     else
@@ -204,7 +221,7 @@ static void add_at(network *n, int row, int column, double value) {
 /* A resistor in the row of one of its ends. */
 static void add_resistor(network *n, int row, int other, double siemens) {
     const int column = place_of(n, other);
-    range volts;
+    ns_own_range volts;
     int met;
     add_at(n, row, row, siemens);
     if (column >= 0)
@@ -214,7 +231,7 @@ static void add_resistor(network *n, int row, int other, double siemens) {
 }
 
 /* A V whose first end is the node of this row; the other one is among the nodes too. */
-static void add_source(network *n, int row, int other, range gap) {
+static void add_source(network *n, int row, int other, ns_own_range gap) {
     const int current = n->rows, column = place_of(n, other);
     if (current == MOST_NODES || column < 0) {
         n->is_full = 1;
@@ -234,7 +251,7 @@ static void visit(network *n, int k, int adds_nodes) {
     for (NGTABLEPTR box = n->wires.ckt->DEVnameHash->thread; box; box = box->thread_next) {
         const GENinstance *inst = box->data;
         const char letter = ns_bridge_models_letter(inst);
-        range gap;
+        ns_own_range gap;
         int p, m;
         if (letter == 'l' || !read_wire(&n->wires, inst, here, &p, &m, &gap) || (p != here && m != here) ||
             p == m)
@@ -249,7 +266,7 @@ static void visit(network *n, int k, int adds_nodes) {
 }
 
 /* *share: of the voltage of the goal in that of the first node; *r: what sources add.  0: it is not known. */
-static int solve(network *n, range *r, double *share) {
+static int solve(network *n, ns_own_range *r, double *share) {
     double y[MOST_NODES] = {1.0}; /* the first column of the inverse */
     lapack_int pivot[MOST_NODES];
     if (LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n->rows, n->rows, n->a, MOST_NODES, pivot) != 0 ||
@@ -260,14 +277,15 @@ static int solve(network *n, range *r, double *share) {
         const term *t = &n->term[k];
         const double part = y[t->row] * t->weight;
         const double low = part * t->volts.low, high = part * t->volts.high;
-        *r = add_gap(*r, (range){fmin(low, high), fmax(low, high), t->volts.switches, t->volts.sources}, 1);
+        *r = add_gap(
+            *r, (ns_own_range){fmin(low, high), fmax(low, high), t->volts.switches, t->volts.sources}, 1);
         *share += t->of_goal ? part : 0.0;
     }
     return isfinite(r->low) && isfinite(r->high);
 }
 
 /* The voltage of a node, as sources drive it: *r + *share times that of the goal. */
-static int find_potential(network *n, int node, range *r, double *share) {
+static int find_potential(network *n, int node, ns_own_range *r, double *share) {
     int met;
     if (is_tied(n, node, r, &met)) {
         *share = met == n->wires.goal;
@@ -279,15 +297,15 @@ static int find_potential(network *n, int node, range *r, double *share) {
     n->rows = n->nodes;
     for (int k = 0; k < n->nodes; k++)
         visit(n, k, 0);
-    *r = (range){0};
+    *r = (ns_own_range){0};
     return !n->is_full && solve(n, r, share) && r->sources;
 }
 
 /* v(p,m), as sources drive it; 0: they do not say. */
-static int find_voltage(const CKTcircuit *ckt, int p, int m, int is_control, range *r) {
+static int find_voltage(const CKTcircuit *ckt, int p, int m, int is_control, ns_own_range *r) {
     static const double nearly_all = 0.95; /* what pulls a gate that follows its source to ground is weak */
     way of_goal = {.ckt = ckt, .along_r = 1};
-    range goal = {0};
+    ns_own_range goal = {0};
     network *n = calloc(1, sizeof *n);
     double share = 0.0;
     if (!n)
@@ -305,7 +323,7 @@ static int find_voltage(const CKTcircuit *ckt, int p, int m, int is_control, ran
 }
 
 int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
-    range r = {0};
+    ns_own_range r = {0};
     if (!find_voltage(ckt, m->gate, m->source, 0, &r))
         return 0;
     *drive =

@@ -29,7 +29,7 @@ void ns_bridge_own_write_mosfet(GENinstance *inst, CKTcircuit *ckt, double amper
 /* Of v(gate,source) times sign. */
 typedef struct ns_own_drive {
     double low, high; /* V */
-    int switches;     /* PULSE or PWL drives it */
+    int switches;     /* PULSE, PWL, a choice of a B source or a digital part drives it */
 } ns_own_drive;
 
 /* What sources drive the gate with: the voltage that the network of V, R and an E of known control around it

@@ -1,0 +1,24 @@
+/* bridge/own_drive.h - the ranges of what sources put out, of which the drive of a gate is made. */
+#ifndef BRIDGE_OWN_DRIVE_H
+#define BRIDGE_OWN_DRIVE_H
+
+#include "models.h"
+
+typedef struct ns_own_range {
+    double low, high; /* V */
+    int switches;     /* it goes from one to the other in steps: PULSE, PWL, a choice, a digital part */
+    int sources;      /* any source is in it */
+} ns_own_range;
+
+/* The range of the voltage at an equation, as V alone set it; 0: they do not. */
+typedef int ns_own_range_at(const CKTcircuit *ckt, int eq, ns_own_range *r);
+
+/* Of a B source of voltage; nodes in it have the range that `at` gives.  0: it has none, or it is infinite.
+ */
+int ns_bridge_own_range_of_b(const CKTcircuit *ckt, const GENinstance *inst, ns_own_range_at *at,
+                             ns_own_range *r);
+
+/* Of the output of a dac_bridge at this equation: its nodes, and the range between them.  0: it has none. */
+int ns_bridge_own_range_of_bridge(const GENinstance *inst, int here, int *p, int *n, ns_own_range *r);
+
+#endif
