@@ -198,11 +198,12 @@ static double integral_distance(ns_waveform *w, const ns_segment *g) {
 
 /* Of NS_WIDE signals from i on, over a segment from a to b: by how much the trapezoid of the square is larger
  * than the integral of the square of the line; and what it may add to that by the squares in the rest of its
- * stretch, which along a ramp from zero add up to twice its own, or by the run's, whichever is larger. */
+ * stretch, which along a ramp from zero add up to twice its own, or by the run's of late, whichever is
+ * larger. */
 static void square_errors(const ns_waveform *w, const ns_segment *g, int i, double *error, double *allowed) {
     const double *a = ns_waveform_seen(w, g->at[0].v), *b = ns_waveform_seen(w, g->at[g->last].v);
-    const double t = g->at[0].t, length = g->at[g->last].t - t;
-    const double per_time = t > w->start_t ? 1 / (t - w->start_t) : 0;
+    const double length = g->at[g->last].t - g->at[0].t;
+    const double per_time = w->square_time > 0 ? 1 / w->square_time : 0;
     const ns_simd_wide from = CONST_WIDE(a, i), rise = CONST_WIDE(b, i) - from, size = NS_WIDE_SIZE(from);
     const ns_simd_wide end = CONST_WIDE(w->end_values, i), mean = CONST_WIDE(w->square, i) * per_time;
     const ns_simd_wide between = (size * size + size * end + end * end) / 3;
@@ -307,16 +308,22 @@ void ns_waveform_add_integrals(ns_waveform *w, const ns_segment *g, double sign)
     }
 }
 
+/* What was before fades, so that a large start does not hide what is small later: by 1/e in the time since
+ * the start over `fades`. */
 static void note_squares(ns_waveform *w, const ns_segment *g) {
+    static const double fades = 16;
     const double *a = ns_waveform_seen(w, g->at[0].v), *b = ns_waveform_seen(w, g->at[g->last].v);
-    const double length = g->at[g->last].t - g->at[0].t;
+    const double length = g->at[g->last].t - g->at[0].t, before = g->at[0].t - w->start_t;
+    const double left_over = before > 0 ? before / (before + fades * length) : 0;
+    w->square_time = left_over * w->square_time + length;
     for (int i = 0; i < w->looked; i += NS_WIDE) {
         double error[NS_WIDE], allowed[NS_WIDE];
         const ns_simd_wide left = CONST_WIDE(a, i), right = CONST_WIDE(b, i), none = {0};
         square_errors(w, g, i, error, allowed);
         const ns_simd_wide beyond = WIDE(error, 0) - WIDE(allowed, 0);
-        WIDE(w->square_error, i) += NS_WIDE_HIGHER(beyond, none);
-        WIDE(w->square, i) += (left * left + left * right + right * right) * (length / 3);
+        WIDE(w->square_error, i) = left_over * WIDE(w->square_error, i) + NS_WIDE_HIGHER(beyond, none);
+        WIDE(w->square, i) =
+            left_over * WIDE(w->square, i) + (left * left + left * right + right * right) * (length / 3);
     }
 }
 

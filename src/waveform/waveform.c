@@ -151,6 +151,7 @@ static int begin(ns_waveform *w, int starts, ns_waveform_point *first) {
     memset(w->total, 0, sizeof *w->total * (size_t)w->looked);
     memset(w->square, 0, sizeof *w->square * (size_t)w->looked);
     memset(w->square_error, 0, sizeof *w->square_error * (size_t)w->looked);
+    w->square_time = 0;
     memset(w->slope, 0, sizeof *w->slope * (size_t)w->looked);
     ns_waveform_forget_rounding(w);
     w->after_event = w->started = 1;
@@ -195,6 +196,7 @@ int ns_waveform_continue(ns_waveform *w, const ns_waveform *from, ns_waveform_po
     for (int k = 0; k < NS_WAVEFORM_KINDS; k++)
         w->kind_largest[k] = fmax(w->kind_largest[k], from->kind_largest[k]);
     w->start_t = from->start_t;
+    w->square_time = from->square_time;
     w->before = from->before;
     return NS_OK;
 }

@@ -72,8 +72,9 @@ struct ns_waveform {
     ns_waveform_integrals taken; /* of others; size 0: none */
 
     /* squares of each signal looked at, s times the square of its unit (unless option squares is 0) */
-    double *square,
-        *square_error; /* integral since the start; of the trapezoids, beyond what segments are allowed */
+    double *square, *square_error; /* integral, of which what was before fades; of the trapezoids, beyond what
+                                      segments are allowed */
+    double square_time;            /* s: the integral of 1, likewise */
 
     /* the stretch */
     double *at_end;     /* count: values at its end */

@@ -61,7 +61,7 @@ one() {
         own=$(against own.means)
         echo "native $name ${smooth% *} ${own% *} $(cat native.cpu) $(if [ -s own.means ]; then cat own.cpu; else echo -; fi) ${smooth#* }"
     elif grep -q '^nonsmooth: ' native.out; then
-        echo "$(grep -q 'analysis not run\|aborted' native.out && echo refused || echo failed) $name: $(grep '^nonsmooth: ' native.out | grep -vE ': ([0-9]+ )?taken as (a switch|it is|they are|ideal)' | head -n 1)"
+        echo "$(grep -q 'analysis not run\|aborted' native.out && echo refused || echo failed) $name: $(grep '^nonsmooth: ' native.out | grep -vE ' taken as (a switch|it is|they are|ideal)|: simulates this circuit' | head -n 1)"
     else
         echo "failed $name: $(grep -iE 'error|fatal|unable|could not' native.out | head -n 1)"
     fi
