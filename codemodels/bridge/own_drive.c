@@ -1,7 +1,6 @@
 /* bridge/own_drive.c - the voltage at which a netlist drives the gate of a MOSFET: potentials of gate and
- * source, as ranges, of V, B, E and digital parts.  That of the gate is the one of the network of V and R
- * around it, dividers included; that of the source is the one that the first way along V, R and L leads to.
- */
+ * source, as ranges.  That of the gate is the one of the network of V and R around it, dividers included;
+ * that of the source is the one that the first way along V, R and L leads to. */
 #include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
@@ -24,6 +23,7 @@ typedef struct way {
     int goal;       /* equation */
     int along_r;    /* resistors and inductors count as wires */
     int is_control; /* it is that of the control of an E: no further E is looked into */
+    int along_d;    /* so do D */
     int inside_b;   /* it is that of a node in a B source: no further B is looked into */
     int met;        /* the equation that was met: goal, or 0 */
     int node[MOST_NODES], count;
@@ -66,11 +66,12 @@ static int range_at(const CKTcircuit *ckt, int eq, ns_own_range *r) {
 
 /* By how much an E raises its first node, as V and R drive its control; 0: they do not. */
 static int read_vcvs(const way *w, const VCVSinstance *e, ns_own_range *gap) {
+    const double gain = e->VCVScoeff;
     ns_own_range r = {0};
     if (w->is_control || !find_voltage(w->ckt, e->VCVScontPosNode, e->VCVScontNegNode, 1, &r))
         return 0;
-    const double low = e->VCVScoeff * r.low, high = e->VCVScoeff * r.high;
-    *gap = (ns_own_range){fmin(low, high), fmax(low, high), r.switches, 1};
+    *gap =
+        (ns_own_range){fmin(gain * r.low, gain * r.high), fmax(gain * r.low, gain * r.high), r.switches, 1};
     return 1;
 }
 
@@ -113,6 +114,14 @@ static int read_wire(const way *w, const GENinstance *inst, int here, int *p, in
     }
     case 'a':
         return ns_bridge_own_range_of_bridge(inst, here, p, n, gap);
+    case 'd': {
+        ns_own_diode d = {0};
+        if (w->along_d && ns_bridge_own_kind(inst) == OWN_DIODE)
+            ns_bridge_own_read_diode(inst, &d);
+        *p = d.cathode;
+        *n = d.anode;
+        return d.cathode > 0 && d.cathode == here;
+    }
     default:
         return 0;
     }
@@ -322,10 +331,69 @@ static int find_voltage(const CKTcircuit *ckt, int p, int m, int is_control, ns_
     return 1;
 }
 
+/* --- a gate that switches connect with its source and with a supply --- */
+
+/* The other end of a switch of which one is at this node; -1: it is none. */
+static int beyond_switch(const GENinstance *inst, int here) {
+    const ns_own_kind kind = ns_bridge_own_kind(inst);
+    ns_own_switch s = {.p = -1, .n = -1};
+    if (kind == OWN_SWITCH)
+        ns_bridge_own_read_switch(inst, NULL, &s);
+    else if (kind == OWN_CURRENT_SWITCH)
+        ns_bridge_own_read_current_switch(inst, NULL, &s);
+    else if (ns_bridge_models_kind(inst) == KIND_SWITCH)
+        s = (ns_own_switch){.p = ns_bridge_models_node((const MIFinstance *)inst, SWITCH_P),
+                            .n = ns_bridge_models_node((const MIFinstance *)inst, SWITCH_N)};
+    return s.p == here ? s.n : s.n == here ? s.p : -1;
+}
+
+/* The voltage of `node` above the source of m, along V, R, L and D, is added to *r. */
+static void add_end(const CKTcircuit *ckt, int source, int node, ns_own_range *r) {
+    way w = {.ckt = ckt, .goal = source, .along_r = 1, .along_d = 1};
+    way of_goal = {.ckt = ckt, .along_r = 1};
+    ns_own_range end = {0}, goal = {0};
+    if (!go_on(&w, node, &end))
+        return;
+    if (w.met != source && go_on(&of_goal, source, &goal))
+        end = add_gap(end, goal, 0);
+    extend(r, end.low);
+    extend(r, end.high);
+}
+
+/* From a gate along R; *r: of the ends beyond all switches, and of those without one. */
+static void visit_ends(way *w, int here, ns_own_range *r) {
+    ns_own_range volts = {0};
+    way by_v = {.ckt = w->ckt, .goal = w->goal};
+    if (was_tried(w, here) || w->count == MOST_NODES)
+        return;
+    w->node[w->count++] = here;
+    if (go_on(&by_v, here, &volts)) {
+        add_end(w->ckt, w->goal, here, r);
+        return;
+    }
+    for (NGTABLEPTR box = w->ckt->DEVnameHash->thread; box; box = box->thread_next) {
+        const GENinstance *inst = box->data;
+        const int end = beyond_switch(inst, here);
+        int p, n;
+        if (end >= 0) {
+            add_end(w->ckt, w->goal, end, r);
+            r->switches = 1;
+        } else if (ns_bridge_models_letter(inst) == 'r' && read_wire(w, inst, here, &p, &n, &volts) &&
+                   (p == here || n == here)) {
+            visit_ends(w, p == here ? n : p, r);
+        }
+    }
+}
+
 int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
     ns_own_range r = {0};
-    if (!find_voltage(ckt, m->gate, m->source, 0, &r))
-        return 0;
+    if (!find_voltage(ckt, m->gate, m->source, 0, &r)) {
+        way ends = {.ckt = ckt, .goal = m->source, .along_r = 1};
+        r = (ns_own_range){INFINITY, -INFINITY, 0, 1};
+        visit_ends(&ends, m->gate, &r);
+        if (!r.switches || !(r.low < r.high))
+            return 0;
+    }
     *drive =
         m->sign > 0 ? (ns_own_drive){r.low, r.high, r.switches} : (ns_own_drive){-r.high, -r.low, r.switches};
     return 1;
