@@ -44,7 +44,6 @@ static int scheme_is_dense(const ns_run *r) {
 }
 
 void ns_march_run_put_to_work(ns_run *r, ns_engine *e, ns_run_kind kind) {
-    e->most_work = 0; /* a question that it was asked before is answered */
     r->at_work = e;
     r->kind = kind;
     e->most_work = 0; /* one that was put aside may have been bounded */
