@@ -31,6 +31,9 @@ typedef struct ns_engine_table {
     void (*drop)(ns_engine *e); /* forgets the trial */
     int (*accept)(ns_engine *e);
     int (*read)(ns_engine *e, double *t, double *x, double *lambda, double *y);
+    /* w (n) holds M x of read(); becomes the charges and fluxes of the point where these are others.  NULL:
+     * they never are. */
+    int (*charges)(ns_engine *e, double *w);
     int (*impulse)(ns_engine *e, double *x, double *lambda); /* arrays as of ns_march_impulse(), or NULL */
     const ns_mode *(*mode)(ns_engine *e);
     int (*at_event)(const ns_engine *e);
@@ -73,6 +76,10 @@ static inline int ns_engine_accept(ns_engine *e) {
 static inline int ns_engine_read(ns_engine *e, double *t, double *x, double *lambda, double *y) {
     e = NS_ENGINE_FOR(e, read);
     return e->table->read(e, t, x, lambda, y);
+}
+static inline int ns_engine_charges(ns_engine *e, double *w) {
+    e = NS_ENGINE_FOR(e, charges);
+    return e->table->charges ? e->table->charges(e, w) : NS_OK;
 }
 static inline int ns_engine_impulse(ns_engine *e, double *x, double *lambda) {
     e = NS_ENGINE_FOR(e, impulse);

@@ -13,6 +13,7 @@ typedef struct again {
     double *point; /* n+m: x, lambda */
     unsigned char *closed;
     int from_event; /* it is the left side of an event */
+    int own_w;      /* w is not M x of the point */
     double asked;
     ns_until until;
 } again;
@@ -28,7 +29,12 @@ static int begin_again(ns_run *r, again *a) {
     if (status != NS_OK)
         return status;
     a->point = calloc((size_t)r->s->n + (size_t)r->s->m + 1, sizeof *a->point);
-    return a->point ? ns_engine_read(r->at_work, NULL, a->point, a->point + r->s->n, NULL) : NS_E_MEMORY;
+    if (!a->point)
+        return NS_E_MEMORY;
+    const int read = ns_engine_read(r->at_work, NULL, a->point, a->point + r->s->n, NULL);
+    ns_system_charges(r->s, a->point, r->check.before);
+    a->own_w = memcmp(r->check.before, a->w, sizeof *a->w * (size_t)r->s->n) != 0;
+    return read;
 }
 
 /* --- one engine --- */
@@ -42,6 +48,8 @@ static int start_is_right(ns_run *r, const again *a) {
     memcpy(k->here, a->point, sizeof *k->here * all);
     (void)ns_march_check_point(r, a->t, a->from_event ? NS_LEFT : NS_RIGHT);
     ns_verify_left(k->verify);
+    if (a->own_w)
+        ns_verify_left_charges(k->verify, a->t, a->w);
     k->found = 0;
     if (ns_engine_read(r->at_work, &t, k->here, k->here + n, NULL) != NS_OK ||
         ns_engine_impulse(r->at_work, k->impulse, k->impulse + n) != NS_OK)
