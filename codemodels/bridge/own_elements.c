@@ -237,8 +237,8 @@ static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_
     if (o->mosfets == NS_MOSFETS_DRIVEN &&
         !(known && drive.switches && drive.low <= m->vth && drive.high > m->vth))
         return ns_bridge_extract_refuse(w, inst,
-                                        "this M is not plainly a switch: no PULSE, PWL, B source or digital "
-                                        "part drives its gate, along V "
+                                        "this M is not plainly a switch: no PULSE, PWL, B source, "
+                                        "digital part or switch drives its gate, along V "
                                         "and R, from below to above its threshold; .include "
                                         "nonsmooth_mosfet.inc (mosfet=\"switch\") takes every M as a switch");
     *volts = isnan(o->vgs) ? drive.high : o->vgs;
