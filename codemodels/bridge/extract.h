@@ -78,6 +78,7 @@ typedef struct ns_own_taken {
     ns_own_switch sw; /* of S, W */
     /* of M: */
     ns_own_mosfet mosfet;
+    int follows;  /* its channel is a diode behind a source follower, not a switch */
     int body;     /* the element of its body diode */
     double drive; /* V, that ron belongs to */
     double ron;   /* ohm */

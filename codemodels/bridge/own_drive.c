@@ -29,33 +29,7 @@ typedef struct way {
     int node[MOST_NODES], count;
 } way;
 
-static void extend(ns_own_range *r, double value) {
-    r->low = fmin(r->low, value);
-    r->high = fmax(r->high, value);
-}
-
-static ns_own_range range_of(const VSRCinstance *v) {
-    const double *c = v->VSRCcoeffs;
-    ns_own_range r = {v->VSRCdcValue, v->VSRCdcValue, 0, 1};
-    if (!v->VSRCcoeffsGiven || v->VSRCfunctionOrder < 2)
-        return r;
-    switch (v->VSRCfunctionType) {
-    case PULSE:
-    case EXP:
-        return (ns_own_range){fmin(c[0], c[1]), fmax(c[0], c[1]), v->VSRCfunctionType == PULSE, 1};
-    case SINE:
-        return (ns_own_range){c[0] - fabs(c[1]), c[0] + fabs(c[1]), 0, 1};
-    case PWL:
-        r = (ns_own_range){c[1], c[1], 1, 1};
-        for (int k = 3; k < v->VSRCfunctionOrder; k += 2)
-            extend(&r, c[k]);
-        return r;
-    default:
-        return r;
-    }
-}
-
-static int find_voltage(const CKTcircuit *ckt, int p, int m, int is_control, ns_own_range *r);
+static int find_voltage(const CKTcircuit *ckt, int p, int m, int is_control, ns_own_range *r, double *share);
 static int go_on(way *w, int here, ns_own_range *r);
 
 static int range_at(const CKTcircuit *ckt, int eq, ns_own_range *r) {
@@ -67,8 +41,9 @@ static int range_at(const CKTcircuit *ckt, int eq, ns_own_range *r) {
 /* By how much an E raises its first node, as V and R drive its control; 0: they do not. */
 static int read_vcvs(const way *w, const VCVSinstance *e, ns_own_range *gap) {
     const double gain = e->VCVScoeff;
+    double share;
     ns_own_range r = {0};
-    if (w->is_control || !find_voltage(w->ckt, e->VCVScontPosNode, e->VCVScontNegNode, 1, &r))
+    if (w->is_control || !find_voltage(w->ckt, e->VCVScontPosNode, e->VCVScontNegNode, 1, &r, &share))
         return 0;
     *gap =
         (ns_own_range){fmin(gain * r.low, gain * r.high), fmax(gain * r.low, gain * r.high), r.switches, 1};
@@ -84,7 +59,7 @@ static int read_wire(const way *w, const GENinstance *inst, int here, int *p, in
         const VSRCinstance *v = (const VSRCinstance *)inst;
         *p = v->VSRCposNode;
         *n = v->VSRCnegNode;
-        *gap = range_of(v);
+        *gap = ns_bridge_own_range_of_v(v);
         return 1;
     }
     case 'r': {
@@ -311,23 +286,23 @@ static int find_potential(network *n, int node, ns_own_range *r, double *share) 
 }
 
 /* v(p,m), as sources drive it; 0: they do not say. */
-static int find_voltage(const CKTcircuit *ckt, int p, int m, int is_control, ns_own_range *r) {
+static int find_voltage(const CKTcircuit *ckt, int p, int m, int is_control, ns_own_range *r, double *share) {
     static const double nearly_all = 0.95; /* what pulls a gate that follows its source to ground is weak */
     way of_goal = {.ckt = ckt, .along_r = 1};
     ns_own_range goal = {0};
     network *n = calloc(1, sizeof *n);
-    double share = 0.0;
+    *share = 0.0;
     if (!n)
         return 0;
     n->wires = (way){.ckt = ckt, .goal = m, .along_r = 1, .is_control = is_control};
-    const int known = find_potential(n, p, r, &share);
+    const int known = find_potential(n, p, r, share);
     free(n);
-    if (!known || m == 0 || share > 1.0 - 1e-12)
+    if (!known || m == 0 || *share > 1.0 - 1e-12)
         return known;
     if (is_control || !go_on(&of_goal, m, &goal))
-        return share > nearly_all;
-    r->low -= (1.0 - share) * goal.high;
-    r->high -= (1.0 - share) * goal.low;
+        return *share > nearly_all;
+    r->low -= (1.0 - *share) * goal.high;
+    r->high -= (1.0 - *share) * goal.low;
     return 1;
 }
 
@@ -356,8 +331,8 @@ static void add_end(const CKTcircuit *ckt, int source, int node, ns_own_range *r
         return;
     if (w.met != source && go_on(&of_goal, source, &goal))
         end = add_gap(end, goal, 0);
-    extend(r, end.low);
-    extend(r, end.high);
+    ns_bridge_own_extend(r, end.low);
+    ns_bridge_own_extend(r, end.high);
 }
 
 /* From a gate along R; *r: of the ends beyond all switches, and of those without one. */
@@ -387,14 +362,19 @@ static void visit_ends(way *w, int here, ns_own_range *r) {
 
 int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
     ns_own_range r = {0};
-    if (!find_voltage(ckt, m->gate, m->source, 0, &r)) {
+    double share;
+    if (!find_voltage(ckt, m->gate, m->source, 0, &r, &share)) {
         way ends = {.ckt = ckt, .goal = m->source, .along_r = 1};
         r = (ns_own_range){INFINITY, -INFINITY, 0, 1};
+        share = 1.0;
         visit_ends(&ends, m->gate, &r);
         if (!r.switches || !(r.low < r.high))
             return 0;
     }
-    *drive =
-        m->sign > 0 ? (ns_own_drive){r.low, r.high, r.switches} : (ns_own_drive){-r.high, -r.low, r.switches};
+    way to_ground = {.ckt = ckt};
+    ns_own_range source = {0};
+    *drive = m->sign > 0 ? (ns_own_drive){r.low, r.high, r.switches, 0}
+                         : (ns_own_drive){-r.high, -r.low, r.switches, 0};
+    drive->follows = m->sign > 0 && share < 0.5 && !go_on(&to_ground, m->source, &source);
     return 1;
 }

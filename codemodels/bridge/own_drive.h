@@ -4,11 +4,16 @@
 
 #include "models.h"
 
+#include "spicelib/devices/vsrc/vsrcdefs.h"
+
 typedef struct ns_own_range {
     double low, high; /* V */
     int switches;     /* it goes from one to the other in steps: PULSE, PWL, a choice, a digital part */
     int sources;      /* any source is in it */
 } ns_own_range;
+
+void ns_bridge_own_extend(ns_own_range *r, double value);
+ns_own_range ns_bridge_own_range_of_v(const VSRCinstance *v);
 
 /* The range of the voltage at an equation, as V alone set it; 0: they do not. */
 typedef int ns_own_range_at(const CKTcircuit *ckt, int eq, ns_own_range *r);

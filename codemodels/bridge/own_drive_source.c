@@ -1,4 +1,4 @@
-/* bridge/own_drive_source.c - the ranges of B sources and of outputs of digital parts. */
+/* bridge/own_drive_source.c - the ranges of V and B sources and of outputs of digital parts. */
 #include "own_drive.h"
 
 #include <math.h>
@@ -185,4 +185,30 @@ int ns_bridge_own_range_of_bridge(const GENinstance *inst, int here, int *p, int
             return 1;
     }
     return 0;
+}
+
+void ns_bridge_own_extend(ns_own_range *r, double value) {
+    r->low = fmin(r->low, value);
+    r->high = fmax(r->high, value);
+}
+
+ns_own_range ns_bridge_own_range_of_v(const VSRCinstance *v) {
+    const double *c = v->VSRCcoeffs;
+    ns_own_range r = {v->VSRCdcValue, v->VSRCdcValue, 0, 1};
+    if (!v->VSRCcoeffsGiven || v->VSRCfunctionOrder < 2)
+        return r;
+    switch (v->VSRCfunctionType) {
+    case PULSE:
+    case EXP:
+        return (ns_own_range){fmin(c[0], c[1]), fmax(c[0], c[1]), v->VSRCfunctionType == PULSE, 1};
+    case SINE:
+        return (ns_own_range){c[0] - fabs(c[1]), c[0] + fabs(c[1]), 0, 1};
+    case PWL:
+        r = (ns_own_range){c[1], c[1], 1, 1};
+        for (int k = 3; k < v->VSRCfunctionOrder; k += 2)
+            ns_bridge_own_extend(&r, c[k]);
+        return r;
+    default:
+        return r;
+    }
 }

@@ -228,12 +228,14 @@ int ns_bridge_own_current_switch(ns_extract_walk *w, GENinstance *inst) {
 /* --- M --- */
 
 /* What the netlist drives the gate with, or option vgs. */
-static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_mosfet *m, double *volts) {
+static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_mosfet *m, double *volts,
+                      int *follows) {
     static const char too_low[] =
         "V is the highest of v(gate,source), and not above the threshold: this M is no switch, or give vgs";
     const ns_bridge_options *o = &w->ex->options;
-    ns_own_drive drive = {NAN, NAN, 0};
+    ns_own_drive drive = {NAN, NAN, 0, 0};
     const int known = ns_bridge_own_find_drive(w->ckt, m, &drive);
+    *follows = drive.follows;
     if (o->mosfets == NS_MOSFETS_DRIVEN &&
         !(known && drive.switches && drive.low <= m->vth && drive.high > m->vth))
         return ns_bridge_extract_refuse(w, inst,
@@ -265,6 +267,28 @@ static int add_body_diode(ns_extract_walk *w, const GENinstance *inst, ns_own_ta
     return ns_circuit_diode(w->ex->circuit, name, d->anode, d->cathode, &taken->diode, &taken->body);
 }
 
+/* An n channel as a source follower, where a switch would open and close infinitely fast: behind ron its
+ * source is no higher than the gate less vto, and it carries no current backwards. */
+static int add_follower(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken, double leak) {
+    const ns_own_mosfet *m = &taken->mosfet;
+    ns_circuit *c = w->ex->circuit;
+    char name[EXTRACT_NAME];
+    const int behind = ns_bridge_extract_new_node(w), follows = ns_bridge_extract_new_node(w);
+    const ns_term above[2] = {{0, behind, 1.0}, {0, m->gate, -1.0}};
+    const ns_affine u = {m->vth, 2, above};
+    const ns_diode forwards = {.roff = leak, .vz = INFINITY};
+    int kink;
+    snprintf(name, sizeof name, "%.140s#ron", inst->GENname);
+    int status = ns_circuit_resistor(c, name, m->drain, behind, taken->ron, NULL);
+    snprintf(name, sizeof name, "%.140s#follower", inst->GENname);
+    status = status ? status : ns_circuit_kink(c, name, &u, &kink);
+    if (status)
+        return status;
+    snprintf(name, sizeof name, "%.140s#gate", inst->GENname);
+    status = ns_circuit_linear(c, name, NS_VOLTAGE, behind, follows, 0.0, 1, &(ns_term){2, kink, 1.0}, NULL);
+    return status ? status : ns_circuit_diode(c, inst->GENname, follows, m->source, &forwards, &taken->id);
+}
+
 static int add_channel(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken) {
     const ns_own_mosfet *m = &taken->mosfet;
     const double gmin = w->ckt->CKTgmin;
@@ -272,6 +296,8 @@ static int add_channel(ns_extract_walk *w, const GENinstance *inst, ns_own_taken
     const ns_switch ideal = {.vt = m->vth, .ron = taken->ron, .roff = leak};
     const int cp = m->sign > 0 ? m->gate : m->source, cn = m->sign > 0 ? m->source : m->gate;
     ns_bridge_extract_mix(w, &ideal, sizeof ideal);
+    if (taken->follows)
+        return add_follower(w, inst, taken, leak);
     return ns_circuit_switch(w->ex->circuit, inst->GENname, m->drain, m->source, cp, cn, &ideal, &taken->id);
 }
 
@@ -289,7 +315,7 @@ int ns_bridge_own_mosfet(ns_extract_walk *w, GENinstance *inst) {
     ns_bridge_own_read_mosfet(inst, &taken.mosfet);
     if (m->heats)
         return ns_bridge_extract_refuse(w, inst, "an M with self-heating (thermal) is not taken");
-    int status = find_drive(w, inst, m, &taken.drive);
+    int status = find_drive(w, inst, m, &taken.drive, &taken.follows);
     if (status)
         return status;
     taken.ron = m->series + 1.0 / (m->beta * (taken.drive - m->vth));

@@ -30,6 +30,7 @@ void ns_bridge_own_write_mosfet(GENinstance *inst, CKTcircuit *ckt, double amper
 typedef struct ns_own_drive {
     double low, high; /* V */
     int switches;     /* PULSE, PWL, a choice of a B source or a digital part drives it */
+    int follows;      /* an n channel's gate is driven against ground, its source is not tied to that */
 } ns_own_drive;
 
 /* What sources drive the gate with: the voltage that the network of V, R and an E of known control around it

@@ -140,9 +140,10 @@ static void announce_diodes(const ns_analysis *a, const ns_own_taken *o, int cou
 static void announce_mosfets(const ns_own_taken *o, int count) {
     ns_bridge_report_note(
         "%s of model %s%s: taken as a switch, closed above %.4g V with ron = %.4g ohm (of its "
-        "model at %.4g V), and a body diode, vf = %.4g V, ron = %.4g ohm",
+        "model at %.4g V)%s, and a body diode, vf = %.4g V, ron = %.4g ohm",
         o->inst->GENname, o->inst->GENmodPtr->GENmodName, count > 1 ? " and others of it" : "", o->mosfet.vth,
-        o->ron, o->drive, o->diode.vf, o->diode.ron);
+        o->ron, o->drive, o->follows ? ", as a source follower where its gate is lower" : "", o->diode.vf,
+        o->diode.ron);
 }
 
 void ns_bridge_own_announce(const ns_analysis *a) {
