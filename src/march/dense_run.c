@@ -136,6 +136,7 @@ static int go_to(ns_dense_run *r, double t, ns_until until) {
         const double interrupt = r->exact ? ns_exact_fallback_until(r->exact) : INFINITY;
         const ns_ladder_stop stop = {t, until, from_event, accepted_t, interrupt};
         status = ns_ladder_go(r->ladder, &stop, &done);
+        r->trial.last_event_t = r->trial.now.t; /* modes may change on its way */
     }
     if (status == NS_OK && r->hands_over)
         return NS_E_LIMIT;
