@@ -45,9 +45,9 @@ typedef struct ns_session {
     } once;
 
     /* --- the analysis (analysis_start.c) --- */
-    ns_analysis analysis;     /* empty between analyses */
-    ns_own_found found; /* by earlier passes of .tran */
-    ns_force force;           /* of the present matrix */
+    ns_analysis analysis; /* empty between analyses */
+    ns_own_found found;   /* by earlier passes of .tran */
+    ns_force force;       /* of the present matrix */
     ns_loop loop;
     clock_t start_cpu; /* of the start */
     ns_source_check source_check;
