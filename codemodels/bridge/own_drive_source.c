@@ -12,16 +12,16 @@
 enum { DEPTH_MAX = 200 };
 enum { DAC_LOW, DAC_HIGH };
 
-typedef struct reader {
+typedef struct range_reader {
     const CKTcircuit *ckt;
     const ASRCinstance *b;
     ns_own_range_at *at;
     int depth;
-} reader;
+} range_reader;
 
 static const ns_own_range any = {-INFINITY, INFINITY, 0, 0};
 
-static ns_own_range range_of(reader *r, const INPparseNode *node);
+static ns_own_range range_of(range_reader *r, const INPparseNode *node);
 
 static ns_own_range steps(double low, double high) {
     return (ns_own_range){low, high, 1, 1};
@@ -49,7 +49,7 @@ static ns_own_range product(const ns_own_range *a, const ns_own_range *b) {
                           a->switches || b->switches, 1};
 }
 
-static ns_own_range operation(reader *r, const INPparseNode *node) {
+static ns_own_range operation(range_reader *r, const INPparseNode *node) {
     const ns_own_range a = range_of(r, node->left), b = range_of(r, node->right);
     const int both = a.switches || b.switches;
     switch (node->type) {
@@ -92,7 +92,7 @@ static ns_own_range negative(const ns_own_range *a) {
     return (ns_own_range){-a->high, -a->low, a->switches, 1};
 }
 
-static ns_own_range function(reader *r, const INPparseNode *node) {
+static ns_own_range function(range_reader *r, const INPparseNode *node) {
     if (node->funcnum == PTF_MIN || node->funcnum == PTF_MAX) {
         const ns_own_range a = range_of(r, node->left->left), b = range_of(r, node->left->right);
         return node->funcnum == PTF_MIN ? smaller(&a, &b) : larger(&a, &b);
@@ -128,7 +128,7 @@ static ns_own_range function(reader *r, const INPparseNode *node) {
     }
 }
 
-static ns_own_range variable(const reader *r, int index) {
+static ns_own_range variable(const range_reader *r, int index) {
     ns_own_range a;
     if (r->b->ASRCtree->varTypes[index] != IF_NODE || !r->at(r->ckt, r->b->ASRCvars[index], &a))
         return any;
@@ -136,12 +136,12 @@ static ns_own_range variable(const reader *r, int index) {
 }
 
 /* One of two. */
-static ns_own_range choice(reader *r, const INPparseNode *node) {
+static ns_own_range choice(range_reader *r, const INPparseNode *node) {
     const ns_own_range a = range_of(r, node->right->left), b = range_of(r, node->right->right);
     return steps(fmin(a.low, b.low), fmax(a.high, b.high));
 }
 
-static ns_own_range range_of(reader *r, const INPparseNode *node) {
+static ns_own_range range_of(range_reader *r, const INPparseNode *node) {
     ns_own_range found = any;
     if (!node || r->depth >= DEPTH_MAX)
         return any;
@@ -163,7 +163,7 @@ static ns_own_range range_of(reader *r, const INPparseNode *node) {
 int ns_bridge_own_range_of_b(const CKTcircuit *ckt, const GENinstance *inst, ns_own_range_at *at,
                              ns_own_range *r) {
     const ASRCinstance *b = (const ASRCinstance *)inst;
-    reader reads = {.ckt = ckt, .b = b, .at = at};
+    range_reader reads = {.ckt = ckt, .b = b, .at = at};
     if (b->ASRCtype != ASRC_VOLTAGE)
         return 0;
     *r = range_of(&reads, ((const INPparseTree *)b->ASRCtree)->tree);

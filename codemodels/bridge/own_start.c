@@ -76,12 +76,20 @@ static int begins_at(const ns_signal *z, double value, double *leaves) {
     return 0;
 }
 
-/* volts up to until[0] and none from until[1] on, or for ever, are added to the control at *cp. */
+/* A source z is added to the control at *cp. */
+static int add_held(ns_extract_walk *w, const ns_signal *z, int *cp) {
+    char name[EXTRACT_NAME];
+    const int node = ns_bridge_extract_new_node(w);
+    snprintf(name, sizeof name, "start (%d)", node);
+    const int status = ns_circuit_source(w->ex->circuit, name, NS_VOLTAGE, node, *cp, z, NULL);
+    *cp = node;
+    return status ? status : ns_circuit_name_node(w->ex->circuit, node, name);
+}
+
+/* volts up to until[0] and none from until[1] on, or for ever, are added. */
 static int add_series(ns_extract_walk *w, const double *until, double volts, int *cp) {
     const double level[2] = {volts, 0.0};
     ns_signal z = {.kind = isfinite(until[1]) ? NS_PWL : NS_DC};
-    char name[EXTRACT_NAME];
-    const int node = ns_bridge_extract_new_node(w);
     if (z.kind == NS_DC) {
         z.u.dc = volts;
     } else {
@@ -90,16 +98,43 @@ static int add_series(ns_extract_walk *w, const double *until, double volts, int
         z.u.pwl.v = level;
         z.u.pwl.repeat = NAN;
     }
-    snprintf(name, sizeof name, "start (%d)", node);
-    const int status = ns_circuit_source(w->ex->circuit, name, NS_VOLTAGE, node, *cp, &z, NULL);
     ns_bridge_extract_mix(w, until, 2 * sizeof *until);
-    *cp = node;
-    return status ? status : ns_circuit_name_node(w->ex->circuit, node, name);
+    return add_held(w, &z, cp);
 }
 
 /* V: what holds it in that state. */
 static double hold_of(const ns_own_switch *s, int closed) {
     return (closed != (s->ron > s->roff) ? hold : -hold) * ns_circuit_switch_shift(s->vt);
+}
+
+/* 1 if a line of points is at value, and above, and below it. */
+static int rests_between(const ns_signal *z, double value) {
+    int sides[3] = {0};
+    for (int k = 0; z->kind == NS_PWL && isnan(z->u.pwl.repeat) && k < z->u.pwl.n; k++)
+        sides[(z->u.pwl.v[k] > value) - (z->u.pwl.v[k] < value) + 1] = 1;
+    return sides[0] && sides[1] && sides[2];
+}
+
+/* A control that comes to the threshold from either side and rests there: closed if it came from below, open
+ * if from above, all along the line, whose points get what holds it so; between them it changes while the
+ * control is away. */
+static int hold_between(ns_extract_walk *w, const ns_own_switch *s, const ns_signal *z, double sign,
+                        int closed, int *cp) {
+    const int n = z->u.pwl.n;
+    double *level = calloc((size_t)n, sizeof *level);
+    ns_signal held = *z;
+    if (!level)
+        return NS_E_MEMORY;
+    level[0] = hold_of(s, closed);
+    for (int k = 1; k < n; k++) {
+        const double before = z->u.pwl.v[k - 1] - sign * s->vt;
+        const int arrives = z->u.pwl.v[k] == sign * s->vt && before != 0.0;
+        level[k] = arrives ? hold_of(s, sign * before < 0.0) : level[k - 1];
+    }
+    held.u.pwl.v = level;
+    const int status = add_held(w, &held, cp);
+    free(level);
+    return status;
 }
 
 int ns_bridge_own_hold_start(ns_extract_walk *w, const ns_own_switch *s, int *cp) {
@@ -108,10 +143,14 @@ int ns_bridge_own_hold_start(ns_extract_walk *w, const ns_own_switch *s, int *cp
     const GENinstance *v = !w->dc && s->vh == 0.0 ? source_of(w, s, &sign) : NULL;
     if (!v || ns_bridge_sources_signal(w->ckt, v, 0, &z, &points)) /* what it cannot read is refused there */
         return NS_OK;
-    const int begins = begins_at(&z, sign * s->vt, leaves);
     const int closed = ns_bridge_own_is_closed_at_rest(w->ckt, is_uic(w), s);
+    int status = NS_OK;
+    if (rests_between(&z, sign * s->vt))
+        status = hold_between(w, s, &z, sign, closed, cp);
+    else if (begins_at(&z, sign * s->vt, leaves))
+        status = add_series(w, leaves, hold_of(s, closed), cp);
     free(points);
-    return begins ? add_series(w, leaves, hold_of(s, closed), cp) : NS_OK;
+    return status;
 }
 
 int ns_bridge_own_hold_found(ns_extract_walk *w, const ns_own_switch *s, const ns_own_start *start, int *cp) {
