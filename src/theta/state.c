@@ -186,12 +186,10 @@ double ns_theta_jump_w(const ns_theta *s, int i, const double *x, const double *
 /* The accepted point becomes that of s->past.w, with these x and lambda. */
 static void put_point(ns_theta *s, const double *x, const double *lambda, const ns_mode *mode,
                       const double *z) {
-    const size_t n = (size_t)s->s->n, m = (size_t)s->s->m, r = (size_t)s->r;
+    const size_t n = (size_t)s->s->n, m = (size_t)s->s->m;
     memcpy(s->past.x_lambda, x, sizeof(double) * n);
     memcpy(s->past.x_lambda + n, lambda, sizeof(double) * m);
-    memcpy(s->past.in, s->past.w, sizeof(double) * r);
-    ns_linalg_copy((size_t)s->s->nz, z, s->past.in + r);
-    s->past.in[s->q - 1] = 1;
+    ns_linalg_copy((size_t)s->s->nz, z, s->past.in + s->r); /* of the rest only a step's is read */
     if (s->carry)
         jump_rates(s, x, lambda, z);
     memcpy(s->past.mode, mode, m);

@@ -154,6 +154,35 @@ static void only_ramps_have_slopes(void **state) {
     done(s, system);
 }
 
+/* Of a step, a sine, a constant and a ramp the first has a value of its own, the last a value and a slope.
+ * What has a value alone can become a broken line that jumps, and none that rises, wherever it does. */
+static void only_lines_have_states_of_their_own(void **state) {
+    static double times[] = {0, 1, 2, 3}, jump[] = {0, 1, 1, 2}, rise[] = {0, 0, 0, 1}, step[] = {0, 0, 1, 1};
+    static double lines[][4] = {{0, 1, 1, 1}, {0, 0, 0, 1}, {5, 5, 5, 5}};
+    ns_system *system = bare(4, 0);
+    ns_input_states *e;
+    (void)state;
+    input(system, 0, (ns_signal){.kind = NS_PWL, .u.pwl = {.n = 4, .t = jump, .v = step}});
+    input(system, 1, sine(0, 1, 50, 0, 0));
+    input(system, 2, dc(2));
+    input(system, 3, (ns_signal){.kind = NS_PWL, .u.pwl = {.n = 4, .t = times, .v = rise}});
+    for (int i = 0; i < 4; i++)
+        system->E[i] = 1;
+    ns_time_events *s = schedule(system);
+    assert_int_equal(ns_inputs_states_create(system, s, &e), NS_OK);
+    for (int i = 0; i < 4; i++)
+        assert_int_equal(ns_inputs_states_has(e, i), i == 0 || i == 3);
+    for (int i = 0; i < 4; i++) {
+        assert_true(ns_inputs_states_can_be(e, i)); /* what it is */
+        for (int k = 0; k < 3; k++) {
+            input(system, i, (ns_signal){.kind = NS_PWL, .u.pwl = {.n = 4, .t = times, .v = lines[k]}});
+            assert_int_equal(ns_inputs_states_can_be(e, i), i != 0 || k == 2);
+        }
+    }
+    ns_inputs_states_free(e);
+    done(s, system);
+}
+
 /* Nothing happens before td1, whatever td2 is: the second wave begins with the first. */
 static void an_exponential_ends_before_it_begins(void **state) {
     ns_system *system = bare(1, 0);
@@ -327,7 +356,7 @@ int main(void) {
         cmocka_unit_test(states_are_the_signals),    cmocka_unit_test(an_exponential_ends_before_it_begins),
         cmocka_unit_test(only_ramps_have_slopes),    cmocka_unit_test(what_is_followed_is_mute),
         cmocka_unit_test(states_are_shared),         cmocka_unit_test(expansions_are_the_signals),
-        cmocka_unit_test(commands_of_large_systems),
+        cmocka_unit_test(commands_of_large_systems), cmocka_unit_test(only_lines_have_states_of_their_own),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,6 +2,8 @@
  * one (option `whole`), to what both promise, and at the cost of each alone.
  */
 #include "converters.h"
+#include "large_copy.h"
+#include "linalg/sparse.h"
 
 static double go(scene *z, double t, ns_until until) {
     double reached;
@@ -282,6 +284,62 @@ static void large_ones(void **state) {
     end(&b);
 }
 
+/* Of large ones at the end of each step of one of them, while the other is beyond it and read on its way: y
+ * is that of (S3). */
+static void outputs_on_the_way_of_large_ones(void **state) {
+    (void)state;
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-6, .method = NS_SPARSE, .reltol = 1e-9};
+    scene z = two_chains();
+    ns_system *arrays;
+    assert_int_equal(ns_circuit_system(z.c, &arrays), NS_OK);
+    z.s = large_copy(arrays);
+    ns_system_free(arrays);
+    assert_int_equal(ns_circuit_rest(z.c, z.w0), NS_OK);
+    assert_int_equal(ns_march_create(z.s, &o, &z.m, NULL), NS_OK);
+    assert_int_equal(ns_march_start(z.m, 0, z.w0), NS_OK);
+    assert_int_equal(islands(&z), 2);
+    go_to(&z, 40e-6, NS_TO_TIME); /* the sine falls: diodes block */
+    for (int k = 0; k < 60; k++) {
+        double x[MOST], lambda[MOST], y[MOST], expected[MOST], in[1], t;
+        (void)go(&z, 1, NS_TO_STEP);
+        assert_int_equal(ns_march_read(z.m, &t, x, lambda, y), NS_OK);
+        ns_system_inputs(z.s, t, NS_LEFT, in);
+        memcpy(expected, z.s->e, sizeof(double) * (size_t)z.s->m);
+        ns_linalg_csc_times_add(&z.s->large->C, x, expected);
+        ns_linalg_csc_times_add(&z.s->large->D, lambda, expected);
+        ns_linalg_csc_times_add(&z.s->large->F, in, expected);
+        same_values(z.s->m, y, expected, 1e-12);
+    }
+    end(&z);
+}
+
+/* A supply of three sources, one on top of the other and named from the top: each gives the next its node. */
+static void at_stacked_sources(void **state) {
+    enum { MIDDLE = 20, LOW };
+    scene z = {0};
+    (void)state;
+    assert_int_equal(ns_circuit_create(&z.c), NS_OK);
+    put(&z, "top", SUPPLY, MIDDLE, dc(8));
+    put(&z, "middle", MIDDLE, LOW, dc(9));
+    put(&z, "low", LOW, 0, dc(7));
+    buck(&z, "1", FIRST, 10e-6, 4);
+    buck(&z, "2", FIRST + EACH, 7.3e-6, 300);
+    begin(&z, NS_EXACT, 0);
+    assert_int_equal(islands(&z), 2);
+    scene same = two_bucks(); /* at 24 V */
+    begin(&same, NS_EXACT, 0);
+    go_to(&z, 1e-4, NS_TO_TIME);
+    go_to(&same, 1e-4, NS_TO_TIME);
+    double x[2][MOST];
+    assert_int_equal(ns_march_read(z.m, NULL, x[0], NULL, NULL), NS_OK);
+    assert_int_equal(ns_march_read(same.m, NULL, x[1], NULL, NULL), NS_OK);
+    for (int node = FIRST; node < FIRST + 2 * EACH; node++)
+        assert_true(fabs(x[0][ns_circuit_node_unknown(z.c, node)] -
+                         x[1][ns_circuit_node_unknown(same.c, node)]) < 24e-12);
+    end(&z);
+    end(&same);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(by_exact),
@@ -295,6 +353,8 @@ int main(void) {
         cmocka_unit_test(tied_together),
         cmocka_unit_test(trials_are_forgotten),
         cmocka_unit_test(large_ones),
+        cmocka_unit_test(outputs_on_the_way_of_large_ones),
+        cmocka_unit_test(at_stacked_sources),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
