@@ -24,6 +24,7 @@ typedef struct way {
     int along_r;    /* resistors and inductors count as wires */
     int is_control; /* it is that of the control of an E: no further E is looked into */
     int along_d;    /* so do D */
+    double shunt;   /* ohm: so do resistors below it */
     int inside_b;   /* it is that of a node in a B source: no further B is looked into */
     int met;        /* the equation that was met: goal, or 0 */
     int node[MOST_NODES], count;
@@ -66,7 +67,7 @@ static int read_wire(const way *w, const GENinstance *inst, int here, int *p, in
         const RESinstance *r = (const RESinstance *)inst;
         *p = r->RESposNode;
         *n = r->RESnegNode;
-        return w->along_r;
+        return w->along_r || r->RESconduct * w->shunt > 1.0;
     }
     case 'l': {
         const INDinstance *l = (const INDinstance *)inst;
@@ -371,7 +372,7 @@ int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_o
         if (!r.switches || !(r.low < r.high))
             return 0;
     }
-    way to_ground = {.ckt = ckt};
+    way to_ground = {.ckt = ckt, .shunt = 1.0}; /* ohm: more than most shunts that sense a current */
     ns_own_range source = {0};
     *drive = m->sign > 0 ? (ns_own_drive){r.low, r.high, r.switches, 0}
                          : (ns_own_drive){-r.high, -r.low, r.switches, 0};
