@@ -1,0 +1,212 @@
+/* tests/unit/sparse/test_event_location.c - the first guard that breaks in a step, of steps written by hand
+ * whose guards are known polynomials: the sum of (-1)^i L_i(x) G_i, x = tau/g, L_i those of Laguerre. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "nonsmooth.h"
+#include "sparse/guards.h"
+
+static const double h = 1e-6;
+/* Large enough that what it allows is no rounding: these steps do not solve the circuit. */
+static const double reltol = 1e-6;
+
+typedef struct bench {
+    ns_circuit *c;
+    ns_system *s;
+    ns_sparse *m;
+    ns_dense_step *step;
+    size_t place; /* of the guard in the images */
+} bench;
+
+/* A diode from ground to 1 ohm: while it blocks its guard is the voltage of its cathode, while it conducts
+ * its current.  The step from 0 to h holds zeros. */
+static bench open_bench(ns_mode mode) {
+    const ns_diode ideal = {0, 0, INFINITY, INFINITY, 0};
+    const ns_signal volt = {.kind = NS_DC, .u.dc = 1};
+    const ns_sparse_options o = {.h = h, .reltol = reltol};
+    double w[32] = {0};
+    bench b = {0};
+    ns_engine *e;
+    assert_int_equal(ns_circuit_create(&b.c), NS_OK);
+    assert_int_equal(ns_circuit_source(b.c, "v", NS_VOLTAGE, 1, 0, &volt, NULL), NS_OK);
+    assert_int_equal(ns_circuit_diode(b.c, "d", 0, 2, &ideal, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(b.c, "r", 2, 0, 1, NULL), NS_OK);
+    assert_int_equal(ns_circuit_system(b.c, &b.s), NS_OK);
+    assert_int_equal(ns_sparse_create(b.s, &o, &e, NULL), NS_OK);
+    b.m = ns_sparse_of(e);
+    assert_int_equal(ns_sparse_start(e, 0, w, NULL), NS_OK);
+    ns_dense_step *step = b.step = &b.m->steps[1];
+    const size_t n = (size_t)b.m->f->n, size = (size_t)b.m->f->size;
+    ns_sparse_guard_set_mode(b.m, &mode);
+    step->mode[0] = mode;
+    b.place = mode == NS_INSIDE ? n : (size_t)b.m->output_only->place[ns_circuit_node_unknown(b.c, 2)];
+    memset(step->images, 0, sizeof(double) * NS_STAGES * size);
+    memset(step->powers, 0, sizeof(double) * (NS_STAGES + 1) * n);
+    memset(step->z, 0, sizeof(double) * NS_STAGES * (size_t)b.m->f->nz);
+    step->t = step->time_lost = 0;
+    step->end_t = step->length = h;
+    step->g = h / NS_POLE;
+    step->stages = step->shown = NS_ORDER;
+    step->at_event = step->after_event = step->is_euler = 0;
+    step->pair = step->command = -1;
+    b.m->largest.y = b.m->largest.lambda = 1;
+    return b;
+}
+
+static void close_bench(bench *b) {
+    ns_sparse_free(&b->m->engine);
+    ns_system_free(b->s);
+    ns_circuit_free(b->c);
+}
+
+static void set(const bench *b, int i, double G) {
+    b->step->images[(size_t)i * (size_t)b->m->f->size + b->place] = G;
+}
+
+static void locate(const bench *b) {
+    assert_int_equal(ns_sparse_location_first(b->m, b->step), NS_OK);
+}
+
+/* In both modes: G_0 = 1 and one other.  At x (below NS_POLE, the end of the step) there is an event; 0:
+ * there is none. */
+static void breaks_at(int i, double G, double x) {
+    static const ns_mode modes[] = {NS_LOWER, NS_INSIDE};
+    for (int k = 0; k < 2; k++) {
+        bench b = open_bench(modes[k]);
+        set(&b, 0, 1);
+        set(&b, i, G);
+        locate(&b);
+        assert_int_equal(b.step->at_event, x > 0);
+        assert_int_equal(b.step->pair, x > 0 ? 0 : -1);
+        assert_int_equal(b.step->command, -1);
+        const double length = x > 0 ? x / NS_POLE * h : h;
+        assert_true(fabs(b.step->length - length) < 4 * reltol * h);
+        assert_true(fabs(b.step->end_t - length) < 4 * reltol * h);
+        close_bench(&b);
+    }
+}
+
+/* 1 - (1 - x) G, which is 1 - G at first and 1 + 3.2667 G at the end. */
+static void straight_lines(void **state) {
+    (void)state;
+    breaks_at(1, -0.6, 1 + 1 / 0.6);
+    breaks_at(1, -0.31, 1 + 1 / 0.31);
+    breaks_at(1, -0.30, 0); /* 0.02 at the end */
+    breaks_at(1, 0.99, 0);
+    breaks_at(1, 0, 0);
+}
+
+/* 1 + (1 - 2 x + x^2/2) G, least at x = 2: 1 - G; at the end 1 + 1.569 G. */
+static void parabolas(void **state) {
+    (void)state;
+    breaks_at(2, 1.1, 2 - sqrt(4 - 2 * (1 + 1 / 1.1)));
+    breaks_at(2, 1.001, 2 - sqrt(4 - 2 * (1 + 1 / 1.001)));
+    breaks_at(2, 0.999, 0);
+    breaks_at(2, -0.63, 0);
+    breaks_at(2, -0.65, 2 + sqrt(4 - 2 * (1 - 1 / 0.65)));
+    breaks_at(2, -0.9, 2 + sqrt(4 - 2 * (1 - 1 / 0.9)));
+}
+
+/* 1 - L_3(x) G with L_3 = 1 - 3 x + 3 x^2/2 - x^3/6, least where its slope is zero, largest at the end of the
+ * step. */
+static void cubics(void **state) {
+    static const double top = 3 - 1.7320508075688772; /* L_3' = 0: x^2 - 6 x + 6 = 0 */
+    (void)state;
+    const double least = 1 - 3 * top + 1.5 * top * top - top * top * top / 6;
+    const double end = 1 - 3 * NS_POLE + 1.5 * NS_POLE * NS_POLE - NS_POLE * NS_POLE * NS_POLE / 6;
+    assert_true(least < 0 && end > 0);
+    breaks_at(3, 1 / least * 0.999, 0);
+    for (double G = -1.001 / -least;; G = 1.001 / end) { /* 1 - L_3 G = 0 by bisection, before the extreme */
+        double low = G < 0 ? 0 : top, high = G < 0 ? top : NS_POLE;
+        for (int k = 0; k < 100; k++) {
+            const double x = (low + high) / 2, L = 1 - 3 * x + 1.5 * x * x - x * x * x / 6;
+            *(1 - L * G > 0 ? &low : &high) = x;
+        }
+        if (G < 1)
+            breaks_at(3, G, low);
+        if (G > 0)
+            break;
+    }
+}
+
+/* The sum at x, by the recurrence of Laguerre's polynomials. */
+static double sum_at(const double *G, double x) {
+    double before = 1, L = 1 - x, sum = G[0] - L * G[1];
+    for (int i = 1; i + 1 < NS_ORDER; i++) {
+        const double next = ((2 * i + 1 - x) * L - i * before) / (i + 1);
+        before = L;
+        L = next;
+        sum += i % 2 ? L * G[i + 1] : -L * G[i + 1];
+    }
+    return sum;
+}
+
+/* All coefficients, large and small in V and A: the root is that of the sum; a fifth of what moves breaks
+ * nothing. */
+static void all_coefficients(void **state) {
+    static const double part[NS_ORDER] = {1, -0.6, 0.05, 0.04, -0.03, 0.02, -0.002, 1e-4};
+    static const ns_mode modes[] = {NS_LOWER, NS_INSIDE};
+    (void)state;
+    for (int k = 0; k < 2; k++)
+        for (int exponent = -6; exponent <= 6; exponent += 12)
+            for (int less = 0; less < 2; less++) {
+                double G[NS_ORDER], low = 0, high = NS_POLE;
+                bench b = open_bench(modes[k]);
+                for (int i = 0; i < NS_ORDER; i++) {
+                    G[i] = pow(10, exponent) * part[i] * (less && i > 0 ? 0.2 : 1);
+                    set(&b, i, G[i]);
+                }
+                b.m->largest.y = b.m->largest.lambda = G[0];
+                assert_true((sum_at(G, high) < 0) == !less);
+                for (int round = 0; round < 100; round++) {
+                    const double x = (low + high) / 2;
+                    *(sum_at(G, x) > 0 ? &low : &high) = x;
+                }
+                locate(&b);
+                assert_int_equal(b.step->at_event, !less);
+                const double length = less ? h : low / NS_POLE * h;
+                assert_true(fabs(b.step->length - length) < 4 * reltol * h);
+                close_bench(&b);
+            }
+}
+
+/* x - a: below zero at first, and it rises.  1 if an event ends the step there. */
+static int breaks_at_once(double a, int after_event) {
+    bench b = open_bench(NS_LOWER);
+    set(&b, 0, 1 - a);
+    set(&b, 1, 1);
+    b.step->after_event = after_event;
+    locate(&b);
+    const int breaks = b.step->at_event;
+    assert_true(!breaks || b.step->length == 0);
+    close_bench(&b);
+    return breaks;
+}
+
+/* Right after an event that may be off by as much as events are located to, 16 reltol of the terms (1 V
+ * here); elsewhere a guard may be below zero by a small part of reltol alone. */
+static void what_rises_after_an_event_holds(void **state) {
+    (void)state;
+    assert_false(breaks_at_once(0.9 * NS_LOCATION_ERROR * reltol, 1));
+    assert_true(breaks_at_once(1.1 * NS_LOCATION_ERROR * reltol, 1));
+    assert_true(breaks_at_once(0.9 * NS_LOCATION_ERROR * reltol, 0));
+    assert_true(breaks_at_once(0.3 * reltol, 0));
+    assert_false(breaks_at_once(0.03 * reltol, 0));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(straight_lines),
+        cmocka_unit_test(parabolas),
+        cmocka_unit_test(cubics),
+        cmocka_unit_test(all_coefficients),
+        cmocka_unit_test(what_rises_after_an_event_holds),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
