@@ -1,5 +1,6 @@
 /* tests/unit/sparse/test_event_location.c - the first guard that breaks in a step, of steps written by hand
  * whose guards are known polynomials: the sum of (-1)^i L_i(x) G_i, x = tau/g, L_i those of Laguerre. */
+#include <float.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -200,12 +201,38 @@ static void what_rises_after_an_event_holds(void **state) {
     assert_false(breaks_at_once(0.03 * reltol, 0));
 }
 
+/* With v(2) = 3 V, a current of -5 A and 2 V elsewhere: blocking, y = v(2) is one term of 3.  Conducting, the
+ * current's row, the only one, has 3 A through 1 ohm and its own 5 A.  64 eps of that and eps of the largest
+ * so far are rounding. */
+static void rounding_of_a_guard(void **state) {
+    static const ns_mode modes[] = {NS_LOWER, NS_INSIDE};
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        bench b = open_bench(modes[k]);
+        double v[32], w[32] = {0};
+        for (int i = 0; i < b.m->f->n; i++)
+            v[i] = 2;
+        v[b.m->output_only->place[ns_circuit_node_unknown(b.c, 2)]] = 3;
+        v[b.m->f->n] = -5;
+        b.m->largest.y = 700;
+        b.m->largest.lambda = 1100;
+        const double terms = ns_sparse_guard_terms(b.m, 0, v, w, 1e-9);
+        const double largest = modes[k] == NS_INSIDE ? 1100 : 700;
+        assert_true(fabs(terms - (modes[k] == NS_INSIDE ? 3 + 5 : 3)) < 1e-12);
+        const double rounding = DBL_EPSILON * (64 * terms + largest);
+        assert_true(fabs(ns_sparse_guard_rounding(b.m, 0, v, w, 1e-9) - rounding) < 1e-12 * rounding);
+        assert_true(fabs(ns_sparse_guard_least_rounding(b.m, 0, v, w, 1e-9) - rounding) < 1e-12 * rounding);
+        close_bench(&b);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(straight_lines),
         cmocka_unit_test(parabolas),
         cmocka_unit_test(cubics),
         cmocka_unit_test(all_coefficients),
+        cmocka_unit_test(rounding_of_a_guard),
         cmocka_unit_test(what_rises_after_an_event_holds),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
