@@ -236,6 +236,11 @@ static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_
     ns_own_drive drive = {NAN, NAN, 0, 0};
     const int known = ns_bridge_own_find_drive(w->ckt, m, &drive);
     *follows = drive.follows;
+    if (o->mosfets == NS_MOSFETS_DRIVEN && m->bulk != m->source)
+        return ns_bridge_extract_refuse(
+            w, inst,
+            "this M is not plainly a switch: its bulk is not its source; .include nonsmooth_mosfet.inc "
+            "(mosfet=\"switch\") takes every M as a switch");
     if (o->mosfets == NS_MOSFETS_DRIVEN &&
         !(known && drive.switches && drive.low <= m->vth && drive.high > m->vth))
         return ns_bridge_extract_refuse(w, inst,
