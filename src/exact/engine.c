@@ -10,8 +10,9 @@
 /* More events in a row than this, each within h 2^-20 of the one before: they accumulate, or a switch
  * chatters. */
 enum { NS_MAX_EVENT_COUNT = 40 };
-/* Steps that a trial may take beyond what the ladder would; halved each time they were used up. */
-enum { NS_EXTRA_STEPS = 100000 };
+/* Steps that a trial may take beyond what the ladder would; halved each time they were used up.  And those
+ * between events of diodes alone, which a ring may make many of: the ladder damps that. */
+enum { NS_EXTRA_STEPS = 100000, NS_DIODE_STEPS = 5000000 };
 
 void ns_exact_accept(ns_exact *f) {
     f->accepted = f->past;
@@ -307,9 +308,32 @@ static int repeat_period(ns_exact *f, double t) {
     return 1;
 }
 
+/* 1 if the last event was the break of a diode's guard: no switch changed, so none chatters. */
+static int was_of_diode(const ns_exact *f) {
+    const ns_exact_mode *in = f->broken.mode;
+    if (!in || f->state.last_event_t != f->broken.t)
+        return 0;
+    const ns_guard_row *row = &in->scale[0].kernel->row[f->broken.guard];
+    return row->command < 0 && !ns_mode_slides(in->mode[row->pair]);
+}
+
+/* The next event, as go_to_event(); steps to one of a diode count for nothing, as long as *spare lasts. */
+static int go_to_next(ns_exact *f, double accepted_t, double t, ns_until until, long *spare, int *failed,
+                      int *stop) {
+    const long before = f->state.steps_left;
+    const int status = go_to_event(f, accepted_t, t, until, failed, stop);
+    const long used = before - f->state.steps_left;
+    if (status == NS_OK && used <= *spare && was_of_diode(f)) {
+        *spare -= used;
+        f->state.steps_left = before;
+    }
+    return status;
+}
+
 /* From the state to t, or to the first event; *failed: to an event that is left to the ladder. */
 static int go_on(ns_exact *f, double accepted_t, double t, ns_until until, int *failed) {
     int status = NS_OK, stop = 0;
+    long spare = NS_DIODE_STEPS;
     if (f->point->at_event) {
         status = resolve_first_event(f, failed);
         stop = until != NS_TO_TIME;
@@ -322,7 +346,7 @@ static int go_on(ns_exact *f, double accepted_t, double t, ns_until until, int *
             status = f->watch && --*f->watch->periods < 0 ? show(f, NS_WATCH_PERIOD) : NS_OK;
             continue;
         }
-        status = go_to_event(f, accepted_t, t, until, failed, &stop);
+        status = go_to_next(f, accepted_t, t, until, &spare, failed, &stop);
         trim_cache(f);
     }
     if (f->failed != NS_OK)
