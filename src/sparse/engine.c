@@ -96,10 +96,21 @@ static int step_after_event(ns_sparse *m, double t, const ns_dense_step *from, n
 static int step_from_event(ns_sparse *m, double t, const ns_dense_step *from, ns_dense_step *to) {
     const long jumps = m->counts.jumps;
     const int status = step_after_event(m, t, from, to);
-    if (status != NS_OK || m->counts.jumps != jumps || !ns_sparse_transient_is_due(m, to))
+    if (status != NS_OK || m->counts.jumps != jumps ||
+        !(ns_sparse_transient_is_due(m, to) || ns_sparse_transient_is_left(m, to)))
         return status;
     leave_step(m, from);
     ns_sparse_guard_set_mode(m, m->commanded_mode);
+    (void)ns_sparse_transient_pass(m, t, from, to);
+    return NS_OK;
+}
+
+/* The same where there is no event. */
+static int step_on(ns_sparse *m, double t, const ns_dense_step *from, ns_dense_step *to) {
+    const int status = ns_sparse_next_step(m, t, from, to);
+    if (status != NS_OK || !ns_sparse_transient_is_left(m, to))
+        return status;
+    leave_step(m, from);
     (void)ns_sparse_transient_pass(m, t, from, to);
     return NS_OK;
 }
@@ -160,7 +171,7 @@ static int step_of_high_order(ns_sparse *m) {
         ns_inputs_stages_at(m->in, known);
         ns_inputs_stages_find_command(m->in, known, m->o.h, from->mode);
     }
-    status = from->at_event ? step_from_event(m, t, from, to) : ns_sparse_next_step(m, t, from, to);
+    status = from->at_event ? step_from_event(m, t, from, to) : step_on(m, t, from, to);
     const int refused = status;
     if (is_refusal(refused) && m->contradicting_pair < 0)
         status = ns_sparse_next_captured(m, t, from, to);

@@ -275,6 +275,8 @@ double ns_sparse_next_limit(ns_sparse *m, double t);
 int ns_sparse_transient_create(ns_sparse *m); /* Errors: MEMORY */
 void ns_sparse_transient_free(ns_sparse *m);
 int ns_sparse_transient_is_due(const ns_sparse *m, const ns_dense_step *step);
+/* 1 if it is to be passed because a step over it ends with currents of the wrong sign. */
+int ns_sparse_transient_is_left(const ns_sparse *m, const ns_dense_step *step);
 int ns_sparse_transient_pass(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step);
 
 /* step_control.c: a step from m->w, m->mode at t until limit at most, ended by the first event in it. */

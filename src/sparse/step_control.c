@@ -16,8 +16,9 @@ static const double wiped_out = 1e-2;
 static const double stages_fraction = 0.1, all_stages_fraction = 0.1;
 /* What has a finite rate is less than this fraction of itself after D. */
 static const double decays = 0.7;
-/* D^i w up to this multiple of what rounding does to one solution is rounding. */
-static const double most_noise = 16;
+/* D^i w up to this multiple of what rounding does to one solution is rounding: D^i w has that of i solutions,
+ * and leaves b_i of it in the w that the next step begins with; the sum of i |b_i| at the end of a step. */
+static const double most_noise = 56;
 /* Inputs may have this fraction of the error. */
 static const double inputs_fraction = 0.1;
 /* The largest |b_9| in a step; longer steps are taken where they promise this fraction of the error allowed.
@@ -223,7 +224,8 @@ static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
                 return status;
             whole = error_of(m, step, &ratio, &jump, &time);
         }
-        if (step->stages == NS_ORDER && (jump > 1 || (whole * fraction > 1 && ratio > decays)) &&
+        if (step->stages == NS_ORDER &&
+            (jump > 1 || (ratio > decays && count_doublings(whole * fraction, ratio, 1) == 0)) &&
             are_rounding(m, step))
             whole = jump = 0;
         const double error = whole * fraction;

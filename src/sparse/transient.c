@@ -32,9 +32,10 @@ enum { MOST = 48, MOST_FAILED = 8, QUIET = 4 };
 enum { MOST_DOUBLINGS = 2 };
 /* Straight lines go on for so many halves of the last G. */
 static const double most_on = 4;
-/* Signs of what is shown may be wrong by this part of the largest. */
-static const double little = 1e-6;
+/* Signs of what is shown may be wrong by this part of the largest; at the end of a step by that part. */
+static const double little = 1e-6, wrong = 1e-5;
 static const double promised = 0.3;
+
 typedef struct stretch {
     double t, room;  /* it begins at t and may last so long, s */
     double shortest; /* Euler steps below that cannot tell lambda from rounding, s */
@@ -85,6 +86,29 @@ int ns_sparse_transient_is_due(const ns_sparse *m, const ns_dense_step *step) {
         !(ldexp(m->o.h, -step->length_exponent) < crowded * step->usual_length))
         return 0;
     return step == m->trial.step || step->failures > 1 || step->length < shortest_step(m, step->images);
+}
+
+/* 1 if a conducting pair has the wrong sign at the end of a step, by more than a point that is shown may
+ * have: what a series leaves there of a transient that it does not resolve.  It is passed by Euler steps. */
+int ns_sparse_transient_is_left(const ns_sparse *m, const ns_dense_step *step) {
+    double c[NS_STAGES] = {0}, b[NS_ORDER + 1];
+    const double allowed = wrong * m->largest.lambda;
+    const size_t size = (size_t)m->f->size;
+    if (m->f->gx.start[m->f->nc] > 0 || step->is_euler || !(step->length > 0))
+        return 0;
+    ns_modes_laguerre(step->length / step->g, c);
+    ns_modes_laguerre_steps(step->length / step->g, b);
+    c[NS_ORDER] = b[NS_ORDER] - c[NS_ORDER - 1]; /* L_8 = b_8 + L_7 */
+    for (int j = 0; j < m->f->m; j++) {
+        double lambda = 0;
+        if (step->mode[j] != NS_INSIDE)
+            continue;
+        for (int i = step->stages - 1; i >= 0; i--)
+            lambda += c[i] * step->images[(size_t)i * size + (size_t)(m->f->n + j)];
+        if (lambda < m->l[j] - allowed || lambda > m->u[j] + allowed)
+            return 1;
+    }
+    return 0;
 }
 
 static double length_of(const ns_sparse *m, int exponent) {
