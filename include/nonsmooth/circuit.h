@@ -112,6 +112,10 @@ int ns_circuit_kink(ns_circuit *c, const char *name, const ns_affine *u, int *id
  * y = lambda - u: closed y = 0, open lambda = 0.  Terms of the control are voltages and currents. */
 int ns_circuit_choice(ns_circuit *c, const char *name, const ns_affine *control, double threshold,
                       const ns_affine *u, int *id);
+/* A choice whose control comes to `threshold` and rests there: u (1) or 0 (0); without this call, and where
+ * only a choice of another group has the opposite control and that is no sum of sources, it stays as it is.
+ * Errors: NULL, SIZE (id is no choice). */
+int ns_circuit_choice_at_rest(ns_circuit *c, int id, int holds, int group);
 /* box: high where y < 0, low where y > 0, between them where y = 0: -y in N_[low,high](lambda).  RANGE: low
  * is not below high. */
 int ns_circuit_box(ns_circuit *c, const char *name, double low, double high, const ns_affine *y, int *id);

@@ -42,8 +42,10 @@ typedef struct element {
     ns_diode diode;   /* of DIODE */
     ns_switch sw;     /* of SWITCH, commanded by two nodes, or by the current of by[0] */
     int closed;       /* of SWITCH: 1: closed at a start where its control does not say */
-    int at_rest;      /* of SWITCH of vh = 0, with its control at vt: 1: open, -1: closed, 0: as it was, or */
-    int rests;        /* at vt, also where that is not 0 */
+    int at_rest; /* of SWITCH of vh = 0, CHOICE, with its control at vt: 1: open, -1: closed, 0: as it was, or
+                  */
+    int rests;   /* at vt, also where that is not 0 */
+    int group;   /* of CHOICE: its expression */
     int at_constant, at_any; /* NS_RESTS_AS_IT_CAME, and these where it is constant, or no sum of sources */
     /* its indices in the system, given when it is added; -1: none */
     int current; /* among the currents in x */
@@ -155,6 +157,11 @@ typedef struct ns_input_gain {
 int ns_circuit_shift_known(const element *e, double constant, const ns_input_gain *term, int count,
                            double *shift);
 double ns_circuit_shift_unknown(const ns_circuit *c, const element *e);
+/* Of a choice whose control is as large as this, and no sum of sources. */
+double ns_circuit_choice_shift_unknown(const ns_circuit *c, const element *e, double size);
+/* The largest voltage of a V; how large constant + sum of count terms is, at most.  Errors: MEMORY. */
+int ns_circuit_largest_source(const ns_circuit *c, double *volts);
+int ns_circuit_largest_sum(double constant, const ns_input_gain *term, int count, double *largest);
 
 /* The commands of all switches (switch_commands.c).  Errors: MEMORY. */
 int ns_circuit_stamp_commands(const stamp *to);

@@ -11,7 +11,7 @@
 #include "circuit_internal.h"
 #include "system/broken_line.h"
 
-enum { MOST_SUMS = 4096 }; /* of levels; more are not tried */
+enum { MOST_SUMS = 4096, MOST_CORNERS = 4096 }; /* of levels, of inputs; more are not tried */
 
 double ns_circuit_switch_shift(double vt) {
     return 1e-9 * fmax(fabs(vt), 1e-3);
@@ -97,6 +97,72 @@ static void add_bounds(level_sums *s, const ns_input_gain *term) {
     s->lowest += fmin(term->gain * high, term->gain * low);
 }
 
+int ns_circuit_largest_sum(double constant, const ns_input_gain *term, int count, double *largest) {
+    *largest = fabs(constant);
+    for (int k = 0; k < count; k++) {
+        level_sums s = {0};
+        add_bounds(&s, &term[k]);
+        const double most = fmax(fabs(s.lowest), fabs(s.highest));
+        *largest += isfinite(most) ? most : 0;
+        if (s.status != NS_OK)
+            return s.status;
+    }
+    return NS_OK;
+}
+
+int ns_circuit_largest_source(const ns_circuit *c, double *volts) {
+    int status = NS_OK;
+    *volts = 1;
+    for (int i = 0; i < c->nelements && status == NS_OK; i++) {
+        const element *e = &c->element[i];
+        double own = 0;
+        if (e->kind == SOURCE && e->output == NS_VOLTAGE)
+            status = ns_circuit_largest_sum(0, &(ns_input_gain){&e->signal, 1}, 1, &own);
+        *volts = fmax(*volts, own);
+    }
+    return status;
+}
+
+/* More than what counts as rounding of a control (1e-12 of its size). */
+static double choice_shift(double size) {
+    return 4e-12 * size;
+}
+
+static int shift_of_known_choice(double constant, const ns_input_gain *term, int count, double *shift) {
+    double size;
+    const int status = ns_circuit_largest_sum(constant, term, count, &size);
+    *shift = choice_shift(size);
+    return status;
+}
+
+/* 1 if the sum is at the threshold throughout this interval. */
+static int stays_within(const level_sums *s, double constant, double t, double end) {
+    int stays = 1;
+    for (int i = 1; i < 4 && stays; i++) {
+        double sum = constant;
+        for (int k = 0; k < s->count; k++)
+            sum += s->term[k].gain * ns_signal_value(s->term[k].z, t + i * 0.25 * (end - t), NS_RIGHT);
+        stays = fabs(sum - s->threshold) <= s->tolerance;
+    }
+    return stays;
+}
+
+/* 1 if the sum is at the threshold between two corners of its terms.  Two levels that add up to it may never
+ * be there at one time. */
+static int ever_rests(const level_sums *s, double constant) {
+    static const double sliver = 1e-12; /* of the time: rounding of a corner */
+    int rests = 0;
+    double t = 0;
+    for (int k = 0; k < MOST_CORNERS && isfinite(t) && !rests; k++) {
+        double next = INFINITY;
+        for (int i = 0; i < s->count; i++)
+            next = fmin(next, ns_signal_next_corner(s->term[i].z, t));
+        rests = next - t > sliver * t && stays_within(s, constant, t, isfinite(next) ? next : 2 * t + 1);
+        t = next;
+    }
+    return rests;
+}
+
 /* Which way the threshold is shifted: 1: open there.  What comes to it from below is closed there, if that is
  * asked for; what is never anywhere else, as it was asked for. */
 static int way_of_shift(const element *e, const level_sums *s) {
@@ -109,11 +175,15 @@ static int way_of_shift(const element *e, const level_sums *s) {
 
 int ns_circuit_shift_known(const element *e, double constant, const ns_input_gain *term, int count,
                            double *shift) {
-    const double size = ns_circuit_switch_shift(e->sw.vt);
+    double size = ns_circuit_switch_shift(e->sw.vt);
+    const int status = e->kind == CHOICE ? shift_of_known_choice(constant, term, count, &size) : NS_OK;
     level_sums s = {
         .term = term, .count = count, .threshold = e->sw.vt, .tolerance = 2 * size, .highest = constant};
     s.lowest = constant;
-    const int known = all_have_their_levels(&s), rests = known ? any_level(&s, 0, constant) : e->sw.vt == 0;
+    s.status = status;
+    const int known = all_have_their_levels(&s);
+    int rests = known ? any_level(&s, 0, constant) : e->kind == CHOICE || e->sw.vt == 0;
+    rests = rests && (e->kind != CHOICE || !known || ever_rests(&s, constant));
     for (int k = 0; known && rests && k < count && s.status == NS_OK; k++)
         add_bounds(&s, &term[k]);
     *shift = (rests ? known ? way_of_shift(e, &s) : way_of_any(e) : 0) * size;
@@ -138,4 +208,42 @@ double ns_circuit_shift_unknown(const ns_circuit *c, const element *e) {
         if (are_complements(e, &c->element[i]))
             return 0;
     return way_of_any(e) * ns_circuit_switch_shift(e->sw.vt);
+}
+
+static int has_term(const element *b, double sign, const ns_term *t) {
+    int has = 0;
+    for (int k = 0; k < b->ncontrol && !has; k++)
+        has = b->terms[k].is_current == t->is_current && b->terms[k].of == t->of &&
+              b->terms[k].gain == sign * t->gain;
+    return has;
+}
+
+/* 1 if b is a choice whose control is sign times that of a. */
+static int has_control(const element *b, double sign, const element *a) {
+    int same = b->kind == CHOICE && b->ncontrol == a->ncontrol && b->control == sign * a->control;
+    for (int k = 0; same && k < a->ncontrol; k++)
+        same = has_term(b, sign, &a->terms[k]);
+    return same;
+}
+
+static int group_has(const ns_circuit *c, int group, double sign, const element *a) {
+    int has = 0;
+    for (int i = 0; i < c->nelements && !has; i++)
+        has = c->element[i].group == group && has_control(&c->element[i], sign, a);
+    return has;
+}
+
+/* 1 if another group has its opposite and nothing like it: what they choose changes in one instant.  (A sign
+ * has both.) */
+static int is_opposed(const ns_circuit *c, const element *e) {
+    int opposed = 0;
+    for (int i = 0; i < c->nelements && !opposed; i++) {
+        const element *b = &c->element[i];
+        opposed = b->group != e->group && has_control(b, -1, e) && !group_has(c, b->group, 1, e);
+    }
+    return opposed && !group_has(c, e->group, -1, e);
+}
+
+double ns_circuit_choice_shift_unknown(const ns_circuit *c, const element *e, double size) {
+    return is_opposed(c, e) ? 0 : e->at_rest * choice_shift(size);
 }

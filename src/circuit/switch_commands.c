@@ -4,6 +4,7 @@
  * ones whose control is itself known) form groups; inside a group every difference of potentials is
  *     a sum over few inputs, and a constant.
  */
+#include <math.h>
 #include <stdlib.h>
 
 #include "circuit_internal.h"
@@ -253,24 +254,39 @@ static int stamp_time_control(const stamp *to, const potentials *p, int command)
     return NS_OK;
 }
 
-/* Its threshold, of a known difference, is where at_rest wants it. */
-static int shift_threshold(const stamp *to, const potentials *p, const element *e) {
-    ns_command *command = &to->s->command[e->command];
+static void shift_command(const stamp *to, const element *e, double shift) {
+    to->s->command[e->command].on += shift;
+    to->s->command[e->command].off += shift;
+}
+
+/* The known difference as a sum of inputs; NULL: no memory. */
+static ns_input_gain *terms_of_gap(const potentials *p, int *count) {
     ns_input_gain *term = calloc((size_t)p->in_gap_count + 1, sizeof *term);
-    double shift = 0;
-    int count = 0;
-    if (!term) {
-        return NS_E_MEMORY;
-    }
-    for (int i = 0; i < p->in_gap_count; i++) {
+    *count = 0;
+    for (int i = 0; term && i < p->in_gap_count; i++) {
         const int input = p->in_gap[i];
         if (input < p->nz && p->gap[input] != 0) {
-            term[count++] = (ns_input_gain){p->signal[input], p->gap[input]};
+            term[(*count)++] = (ns_input_gain){p->signal[input], p->gap[input]};
         }
     }
-    const int status = ns_circuit_shift_known(e, p->gap[p->nz], term, count, &shift);
-    command->on += shift;
-    command->off += shift;
+    return term;
+}
+
+/* Its threshold, of a known difference, is where at_rest wants it. */
+static int shift_threshold(const stamp *to, const potentials *p, const element *e) {
+    double shift = 0;
+    int count;
+    ns_input_gain *term = terms_of_gap(p, &count);
+    const int status = term ? ns_circuit_shift_known(e, p->gap[p->nz], term, count, &shift) : NS_E_MEMORY;
+    shift_command(to, e, shift);
+    free(term);
+    return status;
+}
+
+static int largest_gap(const potentials *p, double *volts) {
+    int count;
+    ns_input_gain *term = terms_of_gap(p, &count);
+    const int status = term ? ns_circuit_largest_sum(p->gap[p->nz], term, count, volts) : NS_E_MEMORY;
     free(term);
     return status;
 }
@@ -290,6 +306,23 @@ static int stamp_state_control(const stamp *to, const element *e) {
     return NS_OK;
 }
 
+/* How large the control of a choice can be: terms that are not known are as large as the largest source, or
+ * 1 A. */
+static int size_of_control(potentials *p, const element *e, double *size) {
+    double volts;
+    int status = ns_circuit_largest_source(p->c, &volts);
+    *size = fabs(e->control);
+    for (int i = 0; i < e->ncontrol && status == NS_OK; i++) {
+        const ns_term *t = &e->terms[i];
+        double own = t->is_current ? 1 : volts;
+        clear_gap(p);
+        if (!t->is_current && add_difference(p, 1, node_place(p, t->of), node_place(p, 0)))
+            status = largest_gap(p, &own);
+        *size += fabs(t->gain) * own;
+    }
+    return status;
+}
+
 /* Of a choice. */
 static int stamp_affine_control(const stamp *to, const element *e) {
     const int status = allocate_control(to, &to->s->command[e->command].gx, to->s->n);
@@ -302,8 +335,16 @@ static int stamp_affine_control(const stamp *to, const element *e) {
 }
 
 static int stamp_control_of_choice(const stamp *to, potentials *p, const element *e) {
+    double size = 0;
+    int status;
     add_gap(p, p->nz, e->control);
-    return add_terms(p, e, e->ncontrol) ? stamp_time_control(to, p, e->command) : stamp_affine_control(to, e);
+    if (add_terms(p, e, e->ncontrol)) {
+        status = e->at_rest ? shift_threshold(to, p, e) : NS_OK;
+        return status ? status : stamp_time_control(to, p, e->command);
+    }
+    status = e->at_rest ? size_of_control(p, e, &size) : NS_OK;
+    shift_command(to, e, ns_circuit_choice_shift_unknown(p->c, e, size));
+    return status ? status : stamp_affine_control(to, e);
 }
 
 static int stamp_command(const stamp *to, potentials *p, const element *e) {
@@ -320,9 +361,7 @@ static int stamp_command(const stamp *to, potentials *p, const element *e) {
         const int status = e->at_rest ? shift_threshold(to, p, e) : NS_OK;
         return status ? status : stamp_time_control(to, p, e->command);
     }
-    const double shift = ns_circuit_shift_unknown(to->c, e);
-    command->on += shift;
-    command->off += shift;
+    shift_command(to, e, ns_circuit_shift_unknown(to->c, e));
     return stamp_state_control(to, e);
 }
 

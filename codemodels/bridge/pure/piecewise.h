@@ -25,6 +25,7 @@ typedef struct ns_piecewise {
     const char *why;     /* NULL: it is status; else what was asked for is not piecewise linear */
     const char *instead; /* what to do then; NULL: the usual */
     int elements;        /* made so far */
+    int group;           /* of its choices; 0: there is none yet */
     int nconditions;
     ns_piecewise_condition *condition;
     ns_piecewise_value *values; /* all that were made */

@@ -37,7 +37,9 @@ ns_piecewise_value *ns_bridge_piecewise_add_choice(ns_piecewise *p, int conditio
     char name[PIECEWISE_NAME];
     int id = -1;
     name_element(p, name, sizeof name);
-    const int status = ns_circuit_choice(p->circuit, name, &control, c->threshold, &a, &id);
+    int status = ns_circuit_choice(p->circuit, name, &control, c->threshold, &a, &id);
+    p->group = p->group ? p->group : id + 1; /* of no other expression */
+    status = status ? status : ns_circuit_choice_at_rest(p->circuit, id, c->is_negated, p->group);
     return value_of_element(p, status, id);
 }
 
@@ -63,7 +65,8 @@ double ns_bridge_piecewise_size(const ns_piecewise *p, const ns_piecewise_value 
 }
 
 static int is_condition(const ns_piecewise_condition *c, const ns_piecewise_condition *a) {
-    int same = c->constant == a->constant && c->nterms == a->nterms && c->threshold == a->threshold;
+    int same = c->constant == a->constant && c->nterms == a->nterms && c->threshold == a->threshold &&
+               c->is_negated == a->is_negated;
     for (int k = 0; k < a->nterms && same; k++)
         same = c->term[k].is_current == a->term[k].is_current && c->term[k].of == a->term[k].of &&
                c->term[k].gain == a->term[k].gain;
@@ -75,7 +78,8 @@ static int keep_condition(ns_piecewise *p, ns_piecewise_condition of, double sig
     ns_term *terms = calloc((size_t)of.nterms + 1, sizeof *terms);
     for (int k = 0; terms && k < of.nterms; k++)
         terms[k] = (ns_term){of.term[k].is_current, of.term[k].of, sign * of.term[k].gain};
-    const ns_piecewise_condition c = {sign * of.constant, of.nterms, terms, sign * of.threshold};
+    const ns_piecewise_condition c = {sign * of.constant, of.nterms, terms, sign * of.threshold,
+                                      of.is_negated != (sign < 0.0)};
     int at = 0;
     while (terms && at < p->nconditions && !is_condition(&p->condition[at], &c))
         at++;
@@ -97,10 +101,10 @@ static int keep_condition(ns_piecewise *p, ns_piecewise_condition of, double sig
 /* The number of the condition a > 0, which may be there already; -1: p->status. */
 int ns_bridge_piecewise_find_condition(ns_piecewise *p, const ns_piecewise_value *a) {
     static const double at_zero = 1e-13; /* of its terms: rounding */
-    return keep_condition(
-        p,
-        (ns_piecewise_condition){a->table[0], a->nterms, a->term, at_zero * ns_bridge_piecewise_size(p, a)},
-        1.0);
+    return keep_condition(p,
+                          (ns_piecewise_condition){a->table[0], a->nterms, a->term,
+                                                   at_zero * ns_bridge_piecewise_size(p, a), 0},
+                          1.0);
 }
 
 int ns_bridge_piecewise_negated(ns_piecewise *p, int condition) {

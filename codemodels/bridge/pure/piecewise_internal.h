@@ -29,6 +29,7 @@ struct ns_piecewise_condition {
     int nterms;
     ns_term *term; /* nterms */
     double threshold;
+    int is_negated; /* it holds where that is 0 */
 };
 
 /* A value over conditions (-1: an affine one with room for terms), all zero; keeps the failure, NULL. */

@@ -1,5 +1,6 @@
-/* tests/unit/circuit/test_resting_control.c - thresholds of switches whose control may rest there: shifted by
- * 1e-9 of the threshold, or of 1 mV, and only where it may. */
+/* tests/unit/circuit/test_resting_control.c - thresholds of switches and choices whose control may rest
+ * there: shifted by 1e-9 of the threshold, or of 1 mV (choices: by 4e-12 of the control), and only where it
+ * may. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -104,16 +105,63 @@ static void by_what_is_not_known(void **state) {
     end_with((double[]){0, 5, 0, 1, 0, 0, 1}, (double[]){1e-12, 0, 1e-12, 0, 0, 0, 1e-9});
 }
 
+/* Of v(p) - v(n), 1 where it is above 0; at 0: `holds`. */
+static void add_choice(const char *name, int p, int n, int holds, int group) {
+    const ns_affine control = {0, 2, (ns_term[]){{0, p, 1}, {0, n, -1}}}, one = {1, 0, NULL};
+    int id;
+    assert_int_equal(ns_circuit_choice(made, name, &control, 0, &one, &id), NS_OK);
+    assert_int_equal(ns_circuit_choice_at_rest(made, id, holds, group), NS_OK);
+    switches++;
+}
+
+/* By 4e-12 of what the terms are at most, 3 V and 1 V: at equality from 4 us on each period; those in
+ * antiphase have equal levels, but never at one time. */
+static void choice_by_time(void **state) {
+    ns_signal late = pulse(0, 3), opposite = pulse(1, 0);
+    (void)state;
+    late.u.pulse.td = 2e-6;
+    begin();
+    source("v1", 1, 0, pulse(0, 1));
+    source("v2", 2, 0, late);
+    source("v3", 3, 0, opposite);
+    add_choice("c1", 1, 2, 0, 1);
+    add_choice("c2", 2, 1, 1, 2);
+    add_choice("c3", 1, 3, 0, 3);
+    end_with((double[]){0, 0, 0}, (double[]){16e-12, -16e-12, 0});
+}
+
+/* By 4e-12 of twice the largest source, 3 V; opposite ones of two groups change in one instant, those of one
+ * group (a sign) need not. */
+static void choice_by_state(void **state) {
+    int id;
+    (void)state;
+    begin();
+    source("v1", 1, 0, pulse(0, 3));
+    for (int node = 2; node < 6; node++) {
+        const char *const name[] = {"r2", "r3", "r4", "r5"};
+        assert_int_equal(ns_circuit_resistor(made, name[node - 2], node - 1, node, 1, &id), NS_OK);
+    }
+    add_choice("c1", 2, 3, 0, 1);
+    add_choice("c2", 3, 4, 0, 2);
+    add_choice("c3", 4, 3, 0, 3);
+    add_choice("c4", 4, 5, 1, 4);
+    add_choice("c5", 5, 4, 1, 4);
+    end_with((double[]){0, 0, 0, 0, 0}, (double[]){24e-12, 0, 0, -24e-12, -24e-12});
+}
+
 static void refused(void **state) {
     const ns_switch sw = {.vt = 1, .vh = 0.5, .ron = 1, .roff = INFINITY};
     int id;
     (void)state;
     assert_int_equal(ns_circuit_switch_at_rest(NULL, 0, 0), NS_E_NULL);
     assert_int_equal(ns_circuit_switch_rests(NULL, 0), NS_E_NULL);
+    assert_int_equal(ns_circuit_choice_at_rest(NULL, 0, 0, 1), NS_E_NULL);
     begin();
     assert_int_equal(ns_circuit_switch_at_rest(made, 0, 0), NS_E_SIZE);
+    assert_int_equal(ns_circuit_choice_at_rest(made, 0, 0, 1), NS_E_SIZE);
     source("v1", 1, 0, pulse(0, 1));
     assert_int_equal(ns_circuit_switch_at_rest(made, 0, 0), NS_E_SIZE);
+    assert_int_equal(ns_circuit_choice_at_rest(made, 0, 0, 1), NS_E_SIZE);
     /* with hysteresis there is nothing to say */
     assert_int_equal(ns_circuit_switch(made, "s1", 9, 0, 1, 0, &sw, &id), NS_OK);
     assert_int_equal(ns_circuit_switch_at_rest(made, id, 0), NS_OK);
@@ -127,10 +175,9 @@ static void refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(by_a_pulse),
-        cmocka_unit_test(by_a_sum),
-        cmocka_unit_test(by_what_is_not_known),
-        cmocka_unit_test(refused),
+        cmocka_unit_test(by_a_pulse),           cmocka_unit_test(by_a_sum),
+        cmocka_unit_test(by_what_is_not_known), cmocka_unit_test(choice_by_time),
+        cmocka_unit_test(choice_by_state),      cmocka_unit_test(refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
