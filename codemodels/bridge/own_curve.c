@@ -35,7 +35,11 @@ static double own_current(const ns_own_taken *o) {
 
 /* V: the voltage of its channel at a current, by the square law; INFINITY: it carries less. */
 static double channel_voltage(const ns_own_taken *o, double amperes) {
-    const double above = o->drive - o->mosfet.vth, rest = above * above - 2.0 * amperes / o->mosfet.beta;
+    const double above = o->drive - o->mosfet.vth;
+    if (o->follows ==
+        FOLLOWS_AND_CLOSES) /* v(gate,drain) is fixed, v(gate,source) larger by what it returns */
+        return sqrt(above * above + 2.0 * amperes / o->mosfet.beta) - above + o->mosfet.series * amperes;
+    const double rest = above * above - 2.0 * amperes / o->mosfet.beta;
     return rest < 0.0 ? INFINITY : above - sqrt(rest) + o->mosfet.series * amperes;
 }
 
@@ -67,8 +71,9 @@ static void note(const ns_own_taken *o) {
                               o->inst->GENname, amperes, o->drive);
     else if (o->kind == OWN_MOSFET)
         ns_bridge_report_note("%s carried %.2g A, where the channel of its own model has %.3g V, not %.3g V: "
-                              "as a switch it has too small a ron there",
-                              o->inst->GENname, amperes, volts, taken_voltage(o));
+                              "as a switch it has too %s a ron there",
+                              o->inst->GENname, amperes, volts, taken_voltage(o),
+                              volts > taken_voltage(o) ? "small" : "large");
     else
         ns_bridge_report_note(
             "%s carried %.2g A, where its own voltage is %.3g V, not %.3g V: with id=%.2g in the "

@@ -16,7 +16,6 @@
 #include "spicelib/devices/vsrc/vsrcdefs.h"
 
 enum { MOST_NODES = 60, MOST_TERMS = 240 }; /* that are tried */
-
 /* A search from a node to `goal` or ground. */
 typedef struct way {
     const CKTcircuit *ckt;
@@ -46,13 +45,16 @@ static int read_vcvs(const way *w, const VCVSinstance *e, ns_own_range *gap) {
     ns_own_range r = {0};
     if (w->is_control || !find_voltage(w->ckt, e->VCVScontPosNode, e->VCVScontNegNode, 1, &r, &share))
         return 0;
-    *gap =
-        (ns_own_range){fmin(gain * r.low, gain * r.high), fmax(gain * r.low, gain * r.high), r.switches, 1};
+    *gap = (ns_own_range){fmin(gain * r.low, gain * r.high),
+                          fmax(gain * r.low, gain * r.high),
+                          r.switches,
+                          1,
+                          0.0,
+                          r.amplifies};
     return 1;
 }
 
-/* The nodes of inst, and by how much the first is above the second; 0: it is no wire.  here: one of them, or
- * it is no matter. */
+/* The nodes of inst, one of them `here`, and by how much the first is above the second; 0: it is no wire. */
 static int read_wire(const way *w, const GENinstance *inst, int here, int *p, int *n, ns_own_range *gap) {
     *gap = (ns_own_range){0};
     switch (ns_bridge_models_letter(inst)) {
@@ -115,11 +117,12 @@ static ns_own_range add_gap(ns_own_range r, ns_own_range gap, int forwards) {
     r.high += forwards ? gap.high : -gap.low;
     r.switches |= gap.switches;
     r.sources |= gap.sources;
+    r.amplifies |= gap.amplifies;
     return r;
 }
 
-/* 1 if ways from `here`, which is *r below the beginning, lead to the goal or to ground; *r: by how much the
- * beginning is above what was met. */
+/* 1 if ways from `here`, *r below the beginning, lead to the goal or ground; *r: by how much it is above
+ * that. */
 static int go_on(way *w, int here, ns_own_range *r) {
     if (here == w->goal || here == 0) {
         w->met = here;
@@ -262,8 +265,10 @@ static int solve(network *n, ns_own_range *r, double *share) {
         const term *t = &n->term[k];
         const double part = y[t->row] * t->weight;
         const double low = part * t->volts.low, high = part * t->volts.high;
-        *r = add_gap(
-            *r, (ns_own_range){fmin(low, high), fmax(low, high), t->volts.switches, t->volts.sources}, 1);
+        *r = add_gap(*r,
+                     (ns_own_range){fmin(low, high), fmax(low, high), t->volts.switches, t->volts.sources,
+                                    0.0, t->volts.amplifies},
+                     1);
         *share += t->of_goal ? part : 0.0;
     }
     return isfinite(r->low) && isfinite(r->high);
@@ -361,12 +366,25 @@ static void visit_ends(way *w, int here, ns_own_range *r) {
     }
 }
 
+/* An M that closes while its gate is driven against ground has its source where its drain is.  0: where is
+ * that?
+ */
+static int lower_when_closed(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
+    way to_supply = {.ckt = ckt}, along_r = {.ckt = ckt, .along_r = 1};
+    ns_own_range drain = {0};
+    const int known = go_on(&to_supply, m->drain, &drain) || go_on(&along_r, m->drain, &drain);
+    const double left = known ? drive->high - drain.high : NAN;
+    drive->follows = left > m->vth ? FOLLOWS_AND_CLOSES : 1;
+    drive->high = left <= m->vth ? drive->high : left;
+    return known;
+}
+
 int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
     ns_own_range r = {0};
     double share;
     if (!find_voltage(ckt, m->gate, m->source, 0, &r, &share)) {
         way ends = {.ckt = ckt, .goal = m->source, .along_r = 1};
-        r = (ns_own_range){INFINITY, -INFINITY, 0, 1};
+        r = (ns_own_range){INFINITY, -INFINITY, 0, 1, 0.0, 0};
         share = 1.0;
         visit_ends(&ends, m->gate, &r);
         if (!r.switches || !(r.low < r.high))
@@ -374,8 +392,8 @@ int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_o
     }
     way to_ground = {.ckt = ckt, .shunt = 1.0}; /* ohm: more than most shunts that sense a current */
     ns_own_range source = {0};
-    *drive = m->sign > 0 ? (ns_own_drive){r.low, r.high, r.switches, 0}
-                         : (ns_own_drive){-r.high, -r.low, r.switches, 0};
-    drive->follows = m->sign > 0 && share < 0.5 && !go_on(&to_ground, m->source, &source);
-    return 1;
+    *drive = m->sign > 0 ? (ns_own_drive){r.low, r.high, r.switches && !r.amplifies, 0}
+                         : (ns_own_drive){-r.high, -r.low, r.switches && !r.amplifies, 0};
+    return m->sign < 0 || share >= 0.5 || go_on(&to_ground, m->source, &source) ||
+           lower_when_closed(ckt, m, drive);
 }

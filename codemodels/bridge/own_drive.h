@@ -10,6 +10,8 @@ typedef struct ns_own_range {
     double low, high; /* V */
     int switches;     /* it goes from one to the other in steps: PULSE, PWL, a choice, a digital part */
     int sources;      /* any source is in it */
+    double slope;     /* of B: with signals that are not known, at most */
+    int amplifies;    /* that is no comparator's */
 } ns_own_range;
 
 void ns_bridge_own_extend(ns_own_range *r, double value);

@@ -19,110 +19,178 @@ typedef struct range_reader {
     int depth;
 } range_reader;
 
-static const ns_own_range any = {-INFINITY, INFINITY, 0, 0};
+/* From this slope on, of a voltage by another, a level goes to the next one in a step: a comparator.  Below
+ * it is an amplifier, whose gate may rest between them. */
+static const double steep = 1e3;
+
+static const ns_own_range any = {-INFINITY, INFINITY, 0, 0, 1.0, 0};
 
 static ns_own_range range_of(range_reader *r, const INPparseNode *node);
 
 static ns_own_range steps(double low, double high) {
-    return (ns_own_range){low, high, 1, 1};
+    return (ns_own_range){low, high, 1, 1, 0.0, 0};
 }
 
 static int is_finite(const ns_own_range *a) {
     return isfinite(a->low) && isfinite(a->high);
 }
 
-/* What was infinite and is cut off steps: a comparator of large gain. */
-static ns_own_range cut(ns_own_range r, const ns_own_range *a, const ns_own_range *b) {
-    r.switches = a->switches || b->switches || (is_finite(&r) && !(is_finite(a) && is_finite(b)));
-    r.sources = 1;
-    return r;
+/* Of a and b, cut off or added. */
+static ns_own_range joined(double low, double high, const ns_own_range *a, const ns_own_range *b) {
+    return (ns_own_range){low, high, a->switches || b->switches, 1, fmax(a->slope, b->slope), 0};
 }
 
 static double times(double a, double b) {
     return a == 0.0 || b == 0.0 ? 0.0 : a * b;
 }
 
+/* As a factor of the other's slope; of what is not known, 1. */
+static double size_of(const ns_own_range *a) {
+    return is_finite(a) ? fmax(fabs(a->low), fabs(a->high)) : 1.0;
+}
+
 static ns_own_range product(const ns_own_range *a, const ns_own_range *b) {
     const double p = times(a->low, b->low), q = times(a->low, b->high), s = times(a->high, b->low),
                  t = times(a->high, b->high);
-    return (ns_own_range){fmin(fmin(p, q), fmin(s, t)), fmax(fmax(p, q), fmax(s, t)),
-                          a->switches || b->switches, 1};
+    return (ns_own_range){fmin(fmin(p, q), fmin(s, t)),
+                          fmax(fmax(p, q), fmax(s, t)),
+                          a->switches || b->switches,
+                          1,
+                          a->slope * size_of(b) + b->slope * size_of(a),
+                          0};
 }
 
-static ns_own_range operation(range_reader *r, const INPparseNode *node) {
-    const ns_own_range a = range_of(r, node->left), b = range_of(r, node->right);
-    const int both = a.switches || b.switches;
-    switch (node->type) {
-    case PT_PLUS:
-        return (ns_own_range){a.low + b.low, a.high + b.high, both, 1};
-    case PT_MINUS:
-        return (ns_own_range){a.low - b.high, a.high - b.low, both, 1};
-    case PT_TIMES:
-        return product(&a, &b);
-    case PT_DIVIDE:
-        return b.low == b.high && b.low != 0.0 ? product(&a, &(ns_own_range){1.0 / b.low, 1.0 / b.low, 0, 1})
-                                               : any;
-    default:
-        return any;
-    }
-}
+/* --- one signal in both operands: its range is not that of two signals --- */
 
-static ns_own_range line(const INPparseNode *node) {
-    const struct {
-        int n;
-        double *vals;
-    } *points = node->data;
-    ns_own_range r = steps(INFINITY, -INFINITY);
-    for (int k = 1; k < points->n; k += 2) {
-        r.low = fmin(r.low, points->vals[k]);
-        r.high = fmax(r.high, points->vals[k]);
-    }
-    return r;
-}
-
-static ns_own_range smaller(const ns_own_range *a, const ns_own_range *b) {
-    return cut((ns_own_range){.low = fmin(a->low, b->low), .high = fmin(a->high, b->high)}, a, b);
-}
-
-static ns_own_range larger(const ns_own_range *a, const ns_own_range *b) {
-    return cut((ns_own_range){.low = fmax(a->low, b->low), .high = fmax(a->high, b->high)}, a, b);
-}
-
-static ns_own_range negative(const ns_own_range *a) {
-    return (ns_own_range){-a->high, -a->low, a->switches, 1};
-}
-
-static ns_own_range function(range_reader *r, const INPparseNode *node) {
-    if (node->funcnum == PTF_MIN || node->funcnum == PTF_MAX) {
-        const ns_own_range a = range_of(r, node->left->left), b = range_of(r, node->left->right);
-        return node->funcnum == PTF_MIN ? smaller(&a, &b) : larger(&a, &b);
-    }
-    if (node->funcnum == PTF_POW || node->funcnum == PTF_PWR)
-        return any;
-    const ns_own_range a = range_of(r, node->left), minus = negative(&a), none = {0.0, 0.0, 0, 1};
+static int is_stepped(const INPparseNode *node) {
     switch (node->funcnum) {
-    case PTF_UMINUS:
-        return minus;
-    case PTF_URAMP:
-        return larger(&a, &none);
-    case PTF_ABS:
-        return larger(&a, &minus);
-    case PTF_PWL:
-        return line(node);
-    case PTF_SGN:
-        return steps(-1.0, 1.0);
-    case PTF_SIN:
-    case PTF_COS:
-        return (ns_own_range){-1.0, 1.0, 0, 1};
     case PTF_USTEP:
-    case PTF_USTEP2:
+    case PTF_SGN:
     case PTF_EQ0:
     case PTF_NE0:
     case PTF_GT0:
     case PTF_LT0:
     case PTF_GE0:
     case PTF_LE0:
-        return steps(0.0, 1.0);
+        return 1;
+    default:
+        return 0;
+    }
+}
+
+/* Signals of an expression, as bits; also those that are only compared. */
+static unsigned long long signals_of(const INPparseNode *node, int compared, int depth) {
+    if (!node || node->type == PT_CONSTANT)
+        return 0;
+    if (depth > DEPTH_MAX || (node->type == PT_VAR && node->valueIndex >= 64))
+        return ~0ULL;
+    if (node->type == PT_VAR)
+        return 1ULL << node->valueIndex;
+    if (node->type == PT_FUNCTION && is_stepped(node) && !compared)
+        return 0;
+    if (node->type == PT_TERN)
+        return (compared ? signals_of(node->left, 1, depth + 1) : 0) |
+               signals_of(node->right->left, compared, depth + 1) |
+               signals_of(node->right->right, compared, depth + 1);
+    return signals_of(node->left, compared, depth + 1) | signals_of(node->right, compared, depth + 1);
+}
+
+static int share_a_signal(const INPparseNode *a, const INPparseNode *b, int compared) {
+    return (signals_of(a, compared, 0) & signals_of(b, compared, 0)) != 0;
+}
+
+static ns_own_range operation(range_reader *r, const INPparseNode *node) {
+    const ns_own_range a = range_of(r, node->left), b = range_of(r, node->right);
+    const int adds = node->type == PT_PLUS || node->type == PT_MINUS;
+    ns_own_range found = any;
+    switch (node->type) {
+    case PT_PLUS:
+        found = joined(a.low + b.low, a.high + b.high, &a, &b);
+        break;
+    case PT_MINUS:
+        found = joined(a.low - b.high, a.high - b.low, &a, &b);
+        break;
+    case PT_TIMES:
+        found = product(&a, &b);
+        break;
+    case PT_DIVIDE:
+        if (b.low == b.high && b.low != 0.0)
+            found = product(&a, &(ns_own_range){1.0 / b.low, 1.0 / b.low, 0, 1, 0.0, 0});
+        break;
+    default:
+        break;
+    }
+    found.slope = adds ? a.slope + b.slope : found.slope;
+    if (share_a_signal(node->left, node->right, adds)) {
+        found.low = -INFINITY;
+        found.high = INFINITY;
+    }
+    return found;
+}
+
+/* Of pwl(), whose first and last pieces go on for ever, as ngspice has them. */
+static ns_own_range line(const INPparseNode *node, const ns_own_range *a) {
+    const struct {
+        int n;
+        double *vals;
+    } *points = node->data;
+    const double *v = points->vals;
+    ns_own_range r = {INFINITY, -INFINITY, 0, 1, 0.0, 0};
+    double most = 0.0;
+    for (int k = 0; k + 3 < points->n; k += 2) {
+        const double slope = (v[k + 3] - v[k + 1]) / (v[k + 2] - v[k]);
+        const double from = k == 0 ? a->low : fmax(a->low, v[k]);
+        const double to = k + 5 >= points->n ? a->high : fmin(a->high, v[k + 2]);
+        if (!(from <= to))
+            continue;
+        ns_bridge_own_extend(&r, v[k + 1] + times(slope, from - v[k]));
+        ns_bridge_own_extend(&r, v[k + 1] + times(slope, to - v[k]));
+        most = fmax(most, fabs(slope));
+    }
+    r.slope = times(most, a->slope);
+    r.switches = a->switches;
+    return r;
+}
+
+static ns_own_range smaller(const ns_own_range *a, const ns_own_range *b) {
+    return joined(fmin(a->low, b->low), fmin(a->high, b->high), a, b);
+}
+
+static ns_own_range larger(const ns_own_range *a, const ns_own_range *b) {
+    return joined(fmax(a->low, b->low), fmax(a->high, b->high), a, b);
+}
+
+static ns_own_range negative(const ns_own_range *a) {
+    return (ns_own_range){-a->high, -a->low, a->switches, 1, a->slope, 0};
+}
+
+static ns_own_range function(range_reader *r, const INPparseNode *node) {
+    if (node->funcnum == PTF_MIN || node->funcnum == PTF_MAX) {
+        const ns_own_range a = range_of(r, node->left->left), b = range_of(r, node->left->right);
+        if (share_a_signal(node->left->left, node->left->right, 0))
+            return any;
+        return node->funcnum == PTF_MIN ? smaller(&a, &b) : larger(&a, &b);
+    }
+    if (node->funcnum == PTF_POW || node->funcnum == PTF_PWR)
+        return any;
+    if (is_stepped(node))
+        return node->funcnum == PTF_SGN ? steps(-1.0, 1.0) : steps(0.0, 1.0);
+    const ns_own_range a = range_of(r, node->left), minus = negative(&a), none = {0.0, 0.0, 0, 1, 0.0, 0},
+                       one = {1.0, 1.0, 0, 1, 0.0, 0}, above = larger(&a, &none);
+    switch (node->funcnum) {
+    case PTF_UMINUS:
+        return minus;
+    case PTF_URAMP:
+        return above;
+    case PTF_ABS:
+        return larger(&a, &minus);
+    case PTF_PWL:
+        return line(node, &a);
+    case PTF_USTEP2:
+        return smaller(&above, &one);
+    case PTF_SIN:
+    case PTF_COS:
+        return (ns_own_range){-1.0, 1.0, 0, 1, a.slope, 0};
     default:
         return any;
     }
@@ -138,7 +206,9 @@ static ns_own_range variable(const range_reader *r, int index) {
 /* One of two. */
 static ns_own_range choice(range_reader *r, const INPparseNode *node) {
     const ns_own_range a = range_of(r, node->right->left), b = range_of(r, node->right->right);
-    return steps(fmin(a.low, b.low), fmax(a.high, b.high));
+    ns_own_range found = joined(fmin(a.low, b.low), fmax(a.high, b.high), &a, &b);
+    found.switches = 1;
+    return found;
 }
 
 static ns_own_range range_of(range_reader *r, const INPparseNode *node) {
@@ -147,14 +217,16 @@ static ns_own_range range_of(range_reader *r, const INPparseNode *node) {
         return any;
     r->depth++;
     if (node->type == PT_CONSTANT)
-        found = (ns_own_range){node->constant, node->constant, 0, 1};
+        found = (ns_own_range){node->constant, node->constant, 0, 1, 0.0, 0};
     else if (node->type == PT_VAR)
         found = variable(r, node->valueIndex);
     else if (node->type == PT_FUNCTION)
         found = function(r, node);
     else if (node->type == PT_TERN)
         found = choice(r, node);
-    else if (node->type != PT_TIME && node->type != PT_TEMPERATURE && node->type != PT_FREQUENCY)
+    else if (node->type == PT_TIME)
+        found = (ns_own_range){0.0, r->ckt->CKTfinalTime, 1, 1, 0.0, 0};
+    else if (node->type != PT_TEMPERATURE && node->type != PT_FREQUENCY)
         found = operation(r, node);
     r->depth--;
     return isnan(found.low) || isnan(found.high) ? any : found;
@@ -167,6 +239,8 @@ int ns_bridge_own_range_of_b(const CKTcircuit *ckt, const GENinstance *inst, ns_
     if (b->ASRCtype != ASRC_VOLTAGE)
         return 0;
     *r = range_of(&reads, ((const INPparseTree *)b->ASRCtree)->tree);
+    r->amplifies = r->slope > 0.0 && r->slope < steep;
+    r->switches |= r->slope >= steep;
     return is_finite(r);
 }
 
@@ -194,17 +268,17 @@ void ns_bridge_own_extend(ns_own_range *r, double value) {
 
 ns_own_range ns_bridge_own_range_of_v(const VSRCinstance *v) {
     const double *c = v->VSRCcoeffs;
-    ns_own_range r = {v->VSRCdcValue, v->VSRCdcValue, 0, 1};
+    ns_own_range r = {v->VSRCdcValue, v->VSRCdcValue, 0, 1, 0.0, 0};
     if (!v->VSRCcoeffsGiven || v->VSRCfunctionOrder < 2)
         return r;
     switch (v->VSRCfunctionType) {
     case PULSE:
     case EXP:
-        return (ns_own_range){fmin(c[0], c[1]), fmax(c[0], c[1]), v->VSRCfunctionType == PULSE, 1};
+        return (ns_own_range){fmin(c[0], c[1]), fmax(c[0], c[1]), v->VSRCfunctionType == PULSE, 1, 0.0, 0};
     case SINE:
-        return (ns_own_range){c[0] - fabs(c[1]), c[0] + fabs(c[1]), 0, 1};
+        return (ns_own_range){c[0] - fabs(c[1]), c[0] + fabs(c[1]), 0, 1, 0.0, 0};
     case PWL:
-        r = (ns_own_range){c[1], c[1], 1, 1};
+        r = (ns_own_range){c[1], c[1], 1, 1, 0.0, 0};
         for (int k = 3; k < v->VSRCfunctionOrder; k += 2)
             ns_bridge_own_extend(&r, c[k]);
         return r;

@@ -235,7 +235,7 @@ static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_
     const ns_bridge_options *o = &w->ex->options;
     ns_own_drive drive = {NAN, NAN, 0, 0};
     const int known = ns_bridge_own_find_drive(w->ckt, m, &drive);
-    *follows = drive.follows;
+    *follows = isnan(o->vgs) ? drive.follows : drive.follows > 0;
     if (o->mosfets == NS_MOSFETS_DRIVEN && m->bulk != m->source)
         return ns_bridge_extract_refuse(
             w, inst,

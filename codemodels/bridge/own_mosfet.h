@@ -30,8 +30,9 @@ void ns_bridge_own_write_mosfet(GENinstance *inst, CKTcircuit *ckt, double amper
 typedef struct ns_own_drive {
     double low, high; /* V */
     int switches;     /* PULSE, PWL, a choice of a B source or a digital part drives it */
-    int follows;      /* an n channel's gate is driven against ground, its source is not tied to that */
+    int follows;      /* an n channel's gate is driven against ground, its source is not tied to that; */
 } ns_own_drive;
+enum { FOLLOWS_AND_CLOSES = 2 }; /* of that: high is of v(gate,drain), from which on it is closed */
 
 /* What sources drive the gate with: the voltage that the network of V, R and an E of known control around it
  * gives it, against what V, R and L connect the source with.  0: that leads to neither ground nor each other.
