@@ -130,7 +130,7 @@ enum { NS_RESTS_AS_IT_CAME = 2 }; /* of element.at_rest */
 
 typedef enum matrix { IN_M, IN_A, IN_B, IN_C, IN_D, IN_E, IN_GX, IN_GZ, MATRICES } matrix;
 typedef struct stamp {
-    const ns_circuit *c;
+    ns_circuit *c;
     ns_system *s;
     ns_entries *entries; /* MATRICES lists, NULL: s is not large */
 } stamp;
@@ -157,6 +157,9 @@ typedef struct ns_input_gain {
 int ns_circuit_shift_known(const element *e, double constant, const ns_input_gain *term, int count,
                            double *shift);
 double ns_circuit_shift_unknown(const ns_circuit *c, const element *e);
+/* 1 if it is to be open where it comes to its threshold from above, closed where from below, and does both.
+ */
+int ns_circuit_rests_both_ways(const element *e, double constant, const ns_input_gain *term, int count);
 /* Of a choice whose control is as large as this, and no sum of sources. */
 double ns_circuit_choice_shift_unknown(const ns_circuit *c, const element *e, double size);
 /* The largest voltage of a V; how large constant + sum of count terms is, at most.  Errors: MEMORY. */

@@ -135,32 +135,42 @@ static int shift_of_known_choice(double constant, const ns_input_gain *term, int
     return status;
 }
 
+/* How far the sum is above the threshold. */
+static double above(const level_sums *s, double constant, double t) {
+    double sum = constant - s->threshold;
+    for (int k = 0; k < s->count; k++)
+        sum += s->term[k].gain * ns_signal_value(s->term[k].z, t, NS_RIGHT);
+    return sum;
+}
+
 /* 1 if the sum is at the threshold throughout this interval. */
 static int stays_within(const level_sums *s, double constant, double t, double end) {
     int stays = 1;
-    for (int i = 1; i < 4 && stays; i++) {
-        double sum = constant;
-        for (int k = 0; k < s->count; k++)
-            sum += s->term[k].gain * ns_signal_value(s->term[k].z, t + i * 0.25 * (end - t), NS_RIGHT);
-        stays = fabs(sum - s->threshold) <= s->tolerance;
-    }
+    for (int i = 1; i < 4 && stays; i++)
+        stays = fabs(above(s, constant, t + i * 0.25 * (end - t))) <= s->tolerance;
     return stays;
 }
 
-/* 1 if the sum is at the threshold between two corners of its terms.  Two levels that add up to it may never
- * be there at one time. */
-static int ever_rests(const level_sums *s, double constant) {
+/* Whether the sum is at the threshold between two corners of its terms, and where it comes from: bits.  Two
+ * levels that add up to it may never be there at one time. */
+enum { RESTS = 1, FROM_ABOVE = 2, FROM_BELOW = 4 };
+
+static int ways_to_rest(const level_sums *s, double constant) {
     static const double sliver = 1e-12; /* of the time: rounding of a corner */
-    int rests = 0;
+    int ways = 0, from = 0;
     double t = 0;
-    for (int k = 0; k < MOST_CORNERS && isfinite(t) && !rests; k++) {
+    for (int k = 0; k < MOST_CORNERS && isfinite(t); k++) {
         double next = INFINITY;
         for (int i = 0; i < s->count; i++)
             next = fmin(next, ns_signal_next_corner(s->term[i].z, t));
-        rests = next - t > sliver * t && stays_within(s, constant, t, isfinite(next) ? next : 2 * t + 1);
+        const double end = isfinite(next) ? next : 2 * t + 1;
+        const int is_wide = end - t > sliver * t, rests = is_wide && stays_within(s, constant, t, end);
+        ways |= rests ? RESTS | from : 0;
+        if (is_wide && !rests)
+            from = above(s, constant, t + 0.75 * (end - t)) > 0 ? FROM_ABOVE : FROM_BELOW;
         t = next;
     }
-    return rests;
+    return ways;
 }
 
 /* Which way the threshold is shifted: 1: open there.  What comes to it from below is closed there, if that is
@@ -173,6 +183,21 @@ static int way_of_shift(const element *e, const level_sums *s) {
     return s->highest > s->threshold + s->tolerance ? 1 : -1;
 }
 
+/* Where a control that is to be as it came comes from: bits. */
+static int ways_of_switch(const element *e, double constant, const ns_input_gain *term, int count) {
+    static const double exact = 0.75; /* less than what a bridge holds a control beside its threshold by */
+    const level_sums s = {.term = term,
+                          .count = count,
+                          .threshold = e->sw.vt,
+                          .tolerance = exact * ns_circuit_switch_shift(e->sw.vt)};
+    const int asked = e->at_rest == NS_RESTS_AS_IT_CAME && count > 0 && all_have_their_levels(&s);
+    return asked ? ways_to_rest(&s, constant) & (FROM_ABOVE | FROM_BELOW) : 0;
+}
+
+int ns_circuit_rests_both_ways(const element *e, double constant, const ns_input_gain *term, int count) {
+    return ways_of_switch(e, constant, term, count) == (FROM_ABOVE | FROM_BELOW);
+}
+
 int ns_circuit_shift_known(const element *e, double constant, const ns_input_gain *term, int count,
                            double *shift) {
     double size = ns_circuit_switch_shift(e->sw.vt);
@@ -183,10 +208,14 @@ int ns_circuit_shift_known(const element *e, double constant, const ns_input_gai
     s.status = status;
     const int known = all_have_their_levels(&s);
     int rests = known ? any_level(&s, 0, constant) : e->kind == CHOICE || e->sw.vt == 0;
-    rests = rests && (e->kind != CHOICE || !known || ever_rests(&s, constant));
+    rests = rests && (e->kind != CHOICE || !known || ways_to_rest(&s, constant) != 0);
     for (int k = 0; known && rests && k < count && s.status == NS_OK; k++)
         add_bounds(&s, &term[k]);
-    *shift = (rests ? known ? way_of_shift(e, &s) : way_of_any(e) : 0) * size;
+    int way = rests ? known ? way_of_shift(e, &s) : way_of_any(e) : 0;
+    const int ways = rests && known && e->kind != CHOICE ? ways_of_switch(e, constant, term, count) : 0;
+    if (ways == FROM_ABOVE || ways == FROM_BELOW)
+        way = ways == FROM_ABOVE ? 1 : -1;
+    *shift = way * size;
     return s.status;
 }
 

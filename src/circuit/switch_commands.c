@@ -277,7 +277,14 @@ static int shift_threshold(const stamp *to, const potentials *p, const element *
     double shift = 0;
     int count;
     ns_input_gain *term = terms_of_gap(p, &count);
-    const int status = term ? ns_circuit_shift_known(e, p->gap[p->nz], term, count, &shift) : NS_E_MEMORY;
+    int status = term ? ns_circuit_shift_known(e, p->gap[p->nz], term, count, &shift) : NS_E_MEMORY;
+    if (status == NS_OK && ns_circuit_rests_both_ways(e, p->gap[p->nz], term, count)) {
+        status = ns_circuit_complain(to->c, NS_E_RANGE,
+                                     "%.80s: its control rests at its threshold, %g V, coming from above and "
+                                     "from below: one that opens there and closes there is not supported; "
+                                     "shift vt by a little, or use one PWL source",
+                                     e->name, e->sw.vt);
+    }
     shift_command(to, e, shift);
     free(term);
     return status;

@@ -41,7 +41,7 @@ static int sum_entries(ns_system *s, const ns_entries *from) {
     return status;
 }
 
-static int create_large(const ns_circuit *c, ns_system **s) {
+static int create_large(ns_circuit *c, ns_system **s) {
     ns_entries entries[MATRICES] = {{0}};
     int status = ns_system_create_large(c->nused + c->ncurrents, c->npairs, c->ninputs, c->ncommands, s);
     if (!status) {
@@ -56,7 +56,7 @@ static int create_large(const ns_circuit *c, ns_system **s) {
     return status;
 }
 
-static int create(const ns_circuit *c, ns_system **s) {
+static int create(ns_circuit *c, ns_system **s) {
     if (c->nused + c->ncurrents + c->npairs > LARGE) {
         return create_large(c, s);
     }
@@ -81,12 +81,16 @@ int ns_circuit_system(ns_circuit *c, ns_system **out) {
     if ((status = ns_circuit_tiny_resistors(c))) {
         return ns_circuit_complain(c, status, "%s", ns_status_text(status));
     }
+    *c->message = '\0';
     if ((status = create(c, &s)) || (status = ns_system_check(s, &fault))) {
         char where[160] = "";
         if (fault.status) {
             (void)ns_circuit_explain(c, &fault, where, sizeof where);
         }
         ns_system_free(s);
+        if (*c->message) {
+            return status;
+        }
         return ns_circuit_complain(c, status, "%s", *where ? where : ns_status_text(status));
     }
     *out = s;
