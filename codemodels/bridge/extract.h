@@ -25,7 +25,8 @@ typedef struct ns_extract_climit {
 typedef struct ns_own_current {
     const GENinstance *inst; /* a D, or an M with its body diode */
     double id;
-    int faint; /* what it carried in the pass was a leak, and is not id */
+    double most; /* A: the largest in the pass */
+    int faint;   /* what it carried in the pass was a leak, and is not id */
 } ns_own_current;
 
 /* An S or W of vh = 0 whose control is at its threshold from the start on: ngspice has it closed, or not. */
@@ -62,7 +63,8 @@ typedef struct ns_own_taken {
         double seconds; /* 0: there was none */
         int whole;      /* it was all of .tran */
         int idle;       /* the D did not conduct in it */
-        int tangent;    /* vf and ron are those of its curve there, rs added */
+        int tangent;    /* vf and ron are those of its curve there, rs added; */
+        double to;      /* A: or of a flatter line up to that current; 0: not */
         int faint;      /* it carried no more than a leak */
     } pass;
     int anode;    /* equation */

@@ -123,7 +123,10 @@ static double round_current(double amperes) {
 static ns_own_current current_of(const own_pass *p, int k, int whole) {
     const double amperes = ns_bridge_log_mean_read(&p->mean[k]);
     const int faint = !whole && amperes < NS_LEAK;
-    return (ns_own_current){p->a->ex.own[k].inst, faint ? NS_OWN_CURRENT : round_current(amperes), faint};
+    return (ns_own_current){.inst = p->a->ex.own[k].inst,
+                            .id = faint ? NS_OWN_CURRENT : round_current(amperes),
+                            .most = round_current(p->mean[k].most),
+                            .faint = faint};
 }
 
 int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double stop, ns_own_found *currents) {

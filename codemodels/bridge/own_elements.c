@@ -58,7 +58,7 @@ static double current_of(const ns_extract_walk *w, const GENinstance *inst) {
     return found ? found->id : w->found ? w->found->otherwise : NS_OWN_CURRENT;
 }
 
-static void note_pass(const ns_extract_walk *w, ns_own_taken *taken) {
+static void note_pass(const ns_extract_walk *w, const ns_own_diode *d, ns_own_taken *taken) {
     const ns_own_current *found = found_current(w, taken->inst);
     if (!w->found || !isnan(w->ex->options.id))
         return;
@@ -67,6 +67,9 @@ static void note_pass(const ns_extract_walk *w, ns_own_taken *taken) {
     taken->pass.idle = !found;
     taken->pass.tangent = found && !found->faint;
     taken->pass.faint = found && found->faint;
+    if (taken->pass.tangent && ns_bridge_diode_law_line(&d->law, found->id, found->most) <
+                                   (1.0 - 1e-6) * ns_bridge_diode_law_slope(&d->law, found->id))
+        taken->pass.to = found->most;
 }
 
 static int add_diode(ns_extract_walk *w, GENinstance *inst, const ns_own_diode *d, const ns_diode *ideal) {
@@ -86,19 +89,20 @@ static int add_diode(ns_extract_walk *w, GENinstance *inst, const ns_own_diode *
                           .anode = d->anode,
                           .inside = hidden ? d->inside : 0,
                           .rs = d->rs};
-    note_pass(w, &taken);
+    note_pass(w, d, &taken);
     return ns_bridge_own_keep(w, &taken);
 }
 
 /* A line for its curve, vf its voltage at a current.  Where that is the current that it carries the line is
- * the tangent there; where it is a guess, vf is the same for all currents: a tangent would be far off at
- * larger ones.  The series resistance is added; none, if it has none: one of microohms would be worse. */
+ * the tangent there, or a flatter one where it carries much more at times; where it is a guess, vf is the
+ * same for all currents: a tangent would be far off at larger ones.  The series resistance is added; none, if
+ * it has none: one of microohms would be worse. */
 static ns_diode ideal_of(const ns_extract_walk *w, const GENinstance *inst, const ns_own_diode *d,
                          double vf) {
     const double gmin = w->ckt->CKTgmin, rs = w->ex->options.zero_diodes ? 0.0 : d->rs;
     const ns_own_current *found = isnan(w->ex->options.id) ? found_current(w, inst) : NULL;
     const int is_known = found && !found->faint && !w->ex->options.zero_diodes;
-    const double slope = is_known ? ns_bridge_diode_law_slope(&d->law, found->id) : 0.0;
+    const double slope = is_known ? ns_bridge_diode_law_line(&d->law, found->id, found->most) : 0.0;
     return (ns_diode){.vf = is_known ? vf - slope * found->id : vf,
                       .ron = rs + slope,
                       .roff = gmin > 0.0 ? 1.0 / gmin : INFINITY,

@@ -116,8 +116,10 @@ static void write_at(const ns_own_taken *o, char *line, size_t size) {
     const char *how = o->pass.idle    ? ": it did not conduct in"
                       : o->pass.faint ? ": it carried less than 1 nA in"
                                       : ", its current in";
-    const char *what = o->pass.tangent ? "the tangent" : "that";
-    const size_t used = (size_t)snprintf(line, size, " (%s of its model at %.4g A", what, o->at);
+    const char *what = o->pass.to > 0.0 ? "a line" : o->pass.tangent ? "the tangent" : "that";
+    size_t used = (size_t)snprintf(line, size, " (%s of its model at %.4g A", what, o->at);
+    if (o->pass.to > 0.0)
+        used += (size_t)snprintf(line + used, size - used, " to %.4g A", o->pass.to);
     if (o->pass.seconds > 0.0 && (o->pass.idle || !o->pass.whole))
         snprintf(line + used, size - used, "%s the first %.4g s)", how, o->pass.seconds);
     else

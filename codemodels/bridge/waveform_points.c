@@ -28,7 +28,7 @@ int ns_bridge_waveform_begin(ns_session *s, double t, const ns_waveform *from) {
 /* Where ngspice interpolates, every second point at most is at or after a multiple of tstep: it writes one
  * value for a point, however many multiples lie before it, and takes a line from the last one that it did not
  * write for.  To know whether it does, two points have to be given that way. */
-static double find_latest(const ns_session *s) {
+static double latest_read(const ns_session *s) {
     const double start = s->ckt->CKTinitTime, stop = s->ckt->CKTfinalTime, half = 0.5 * s->ckt->CKTstep;
     const double sliver = 1e-3; /* of a half: what rounding leaves is no step */
     const double t = start + half * (floor((s->ckt->CKTtime - start) / half + sliver) + 1.0);
@@ -36,6 +36,13 @@ static double find_latest(const ns_session *s) {
     const double tmax = ns_bridge_timepoints_tmax(s->loop.points.step, s->ckt->CKTstep, start, stop);
     const int is_fine = (tmax > 0.0 && tmax <= half) || half < 4.0 * ns_bridge_timepoints_closest(stop);
     return any || is_fine || t > stop - sliver * half ? stop : t;
+}
+
+/* Points beside times that from= and to= of .meas are likely to name, as well: .meas leaves out the line to a
+ * point that is later than to= by its last digit. */
+static double find_latest(const ns_session *s) {
+    const double t = latest_read(s), now = s->ckt->CKTtime;
+    return fmin(t, ns_bridge_timepoints_beside_mark(s->analysis.system, now, s->ckt->CKTfinalTime));
 }
 
 /* A point was accepted; ngspice writes it next.  Those near the start do not count: 0+ may stand for 0 there.

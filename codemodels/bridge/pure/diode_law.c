@@ -40,11 +40,22 @@ double ns_bridge_diode_law_slope(const ns_diode_law *law, double amperes) {
            (2.0 * part * amperes);
 }
 
+double ns_bridge_diode_law_line(const ns_diode_law *law, double amperes, double most) {
+    static const double above = 0.05;
+    const double slope = ns_bridge_diode_law_slope(law, amperes),
+                 end = ns_bridge_diode_law_voltage(law, most);
+    if (!(most > amperes) || isnan(end))
+        return slope;
+    const double rise = (1.0 + above) * end - ns_bridge_diode_law_voltage(law, amperes);
+    return fmin(slope, rise / (most - amperes));
+}
+
 void ns_bridge_log_mean_add(ns_log_mean *mean, double amperes, double seconds, double least) {
     if (!(amperes > least) || !(seconds > 0.0) || !isfinite(amperes))
         return;
     mean->coulombs += amperes * seconds;
     mean->sum += log(amperes) * amperes * seconds;
+    mean->most = fmax(mean->most, amperes);
 }
 
 double ns_bridge_log_mean_read(const ns_log_mean *mean) {

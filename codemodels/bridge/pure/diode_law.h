@@ -23,10 +23,15 @@ double ns_bridge_diode_law_voltage(const ns_diode_law *law, double amperes);
 /* The slope of the voltage there, ohm; NAN: likewise. */
 double ns_bridge_diode_law_slope(const ns_diode_law *law, double amperes);
 
+/* V/A: the slope of a line for its curve through its point at a current: of the tangent there, or of a
+ * flatter one that is at `most` (A, the largest current) no more than a twentieth above the curve. */
+double ns_bridge_diode_law_line(const ns_diode_law *law, double amperes, double most);
+
 /* The mean of the logarithm of a forward current, over the charge: where the voltage goes with the logarithm,
  * the mean current's voltage times the charge is the energy lost. */
 typedef struct ns_log_mean {
     double coulombs, sum;
+    double most; /* A: the largest */
 } ns_log_mean;
 
 /* A: what a D that is off may leak, at most. */

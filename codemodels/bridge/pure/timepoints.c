@@ -109,6 +109,42 @@ double ns_bridge_timepoints_round(double stop) {
     return 5.0 * power <= stop / 50.0 ? 5.0 * power : 2.0 * power <= stop / 50.0 ? 2.0 * power : power;
 }
 
+/* What a line may lack at its end, of a period or of the run: far more than rounding, for which ngspice's own
+ * currents of capacitors are difference quotients. */
+static const double aside_part = 7e-7, behind_part = 1.5; /* .meas takes equal intervals by Simpson's rule */
+
+/* The first time after t that is `aside` before the mark, the mark itself, or, if `behind`, as much behind
+ * it. */
+static double beside(double mark, double t, double aside, int behind) {
+    const double least = t + 0.25 * aside;
+    if (mark - aside > least)
+        return mark - aside;
+    return mark > least                                   ? mark
+           : behind && mark + behind_part * aside > least ? mark + behind_part * aside
+                                                          : INFINITY;
+}
+
+/* Where periods of a pulse begin.  After that an edge of a hundredth of it is soon over. */
+static double beside_period(const ns_signal *z, double t, double stop) {
+    const double td = z->u.pulse.td, per = fmin(period_of(z), stop), aside = aside_part * per;
+    const int behind = z->u.pulse.tr > 0.01 * per;
+    const double mark = td + fmax(floor((t + 2.0 * aside - td) / per), 0.0) * per;
+    const double first = beside(mark, t, aside, behind);
+    if (aside < ns_bridge_timepoints_closest(stop))
+        return INFINITY;
+    return first < INFINITY ? first : beside(mark + per, t, aside, behind);
+}
+
+double ns_bridge_timepoints_beside_mark(const ns_system *s, double t, double stop) {
+    double first = beside(stop, t, aside_part * stop, 0);
+    for (int i = 0; i < s->nz; i++) {
+        const ns_signal *z = &s->z[i];
+        if (z->kind == NS_PULSE)
+            first = fmin(first, beside_period(z, t, stop));
+    }
+    return first;
+}
+
 double ns_bridge_timepoints_closest(double stop) {
     return 16.0 * 2.3e-16 * stop; /* times that differ by 4 ulps are the same */
 }

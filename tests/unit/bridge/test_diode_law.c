@@ -43,6 +43,17 @@ static void of_sums(void **unused) {
                      2 * vt * log1p(1 / (1e-9 * pow(1.005, 0.25)))) < 1e-9);
 }
 
+/* At 1 A of one exponential the tangent has n vt/(i + is).  Up to 2 A it stays within a twentieth of the
+ * curve; to 1000 A it does not, and the line ends there at 1.05 v(1000 A). */
+static void line_of_what_it_carries(void **unused) {
+    (void)unused;
+    const ns_diode_law law = {.bottom = {1e-12, vt}};
+    const double v1 = vt * log1p(1e12), v1000 = vt * log1p(1e15);
+    assert_true(fabs(ns_bridge_diode_law_line(&law, 1, 2) / vt - 1) < 1e-5);
+    assert_true(fabs(ns_bridge_diode_law_line(&law, 1, 1) / vt - 1) < 1e-5);
+    assert_true(fabs(ns_bridge_diode_law_line(&law, 1, 1000) - (1.05 * v1000 - v1) / 999) < 1e-12);
+}
+
 static void none(void **unused) {
     (void)unused;
     const ns_diode_law nothing = {.bottom = {0, vt}}, slow = {.bottom = {1e-14, 100}};
@@ -55,7 +66,7 @@ static void none(void **unused) {
  * 4^(1/6) A; what is below 1 nA, and no time, do not count. */
 static void mean_of_logarithms(void **unused) {
     (void)unused;
-    ns_log_mean mean = {0, 0};
+    ns_log_mean mean = {0, 0, 0};
     assert_true(ns_bridge_log_mean_read(&mean) == 0);
     ns_bridge_log_mean_add(&mean, 1, 4, 1e-9);
     ns_bridge_log_mean_add(&mean, 4, 1, 1e-9);
@@ -63,13 +74,17 @@ static void mean_of_logarithms(void **unused) {
     ns_bridge_log_mean_add(&mean, 1, 0, 1e-9);
     ns_bridge_log_mean_add(&mean, INFINITY, 1, 1e-9);
     assert_true(fabs(ns_bridge_log_mean_read(&mean) - 2) < 1e-15);
+    assert_true(mean.most == 4);
     ns_bridge_log_mean_add(&mean, 1, 16, 1e-9);
     assert_true(fabs(ns_bridge_log_mean_read(&mean) - pow(4, 1.0 / 6)) < 1e-15);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(of_one_exponential),
-                                       cmocka_unit_test(of_high_injection), cmocka_unit_test(of_sums),
-                                       cmocka_unit_test(none), cmocka_unit_test(mean_of_logarithms)};
+                                       cmocka_unit_test(of_high_injection),
+                                       cmocka_unit_test(of_sums),
+                                       cmocka_unit_test(line_of_what_it_carries),
+                                       cmocka_unit_test(none),
+                                       cmocka_unit_test(mean_of_logarithms)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

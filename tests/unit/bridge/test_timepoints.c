@@ -353,6 +353,29 @@ static void a_step_of_rounding_sets_no_breakpoint(void **state) {
     tear_down(&r);
 }
 
+/* Of a PULSE with periods of 10 s from 5 s on and edges of 10 ms, in a run of 100 s: 7e-7 of a period before
+ * each and where it begins, as much of the run before the end and there.  With edges of 1 s 1.5 times as far
+ * behind the begin, too. */
+static void points_beside_times_that_are_measured(void **state) {
+    const double a = 7e-6, end = 7e-5;
+    const double quick[][2] = {{0, 5 - a},     {5 - a, 5},      {5, 15 - a},
+                               {14.9, 15 - a}, {95, 100 - end}, {100 - end, 100}};
+    const double slow[][2] = {{5 - a, 5}, {5, 5 + 1.5 * a}, {5 + 1.5 * a, 15 - a}};
+    ns_signal pulse = {.kind = NS_PULSE,
+                       .u.pulse = {.v2 = 1, .td = 5, .tr = 0.01, .tf = 0.01, .pw = 3, .per = 10}};
+    ns_system *s;
+    (void)state;
+    assert_int_equal(ns_system_create(1, 0, 1, 0, &s), NS_OK);
+    assert_int_equal(ns_system_set_input(s, 0, &pulse), NS_OK);
+    for (int k = 0; k < 6; k++)
+        assert_near(ns_bridge_timepoints_beside_mark(s, quick[k][0], 100), quick[k][1]);
+    pulse.u.pulse.tr = 1;
+    assert_int_equal(ns_system_set_input(s, 0, &pulse), NS_OK);
+    for (int k = 0; k < 3; k++)
+        assert_near(ns_bridge_timepoints_beside_mark(s, slow[k][0], 100), slow[k][1]);
+    ns_system_free(s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_grid_and_corners_but_no_breakpoints),
@@ -371,6 +394,7 @@ int main(void) {
         cmocka_unit_test(the_closest_points_are_two),
         cmocka_unit_test(a_point_that_the_waveform_does_not_choose),
         cmocka_unit_test(every_step_ends_where_the_waveform_wants_it),
+        cmocka_unit_test(points_beside_times_that_are_measured),
         cmocka_unit_test(a_step_of_rounding_sets_no_breakpoint),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
