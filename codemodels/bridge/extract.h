@@ -82,6 +82,7 @@ typedef struct ns_own_taken {
     ns_own_mosfet mosfet;
     int follows;  /* its channel is a diode behind a source follower, not a switch */
     int body;     /* the element of its body diode */
+    int back;     /* the element that carries what a follower lets pass backwards; -1: it is none */
     double drive; /* V, that ron belongs to */
     double ron;   /* ohm */
 } ns_own_taken;

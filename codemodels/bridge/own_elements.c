@@ -276,26 +276,36 @@ static int add_body_diode(ns_extract_walk *w, const GENinstance *inst, ns_own_ta
     return ns_circuit_diode(w->ex->circuit, name, d->anode, d->cathode, &taken->diode, &taken->body);
 }
 
-/* An n channel as a source follower, where a switch would open and close infinitely fast: behind ron its
- * source is no higher than the gate less vto, and it carries no current backwards. */
-static int add_follower(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken, double leak) {
-    const ns_own_mosfet *m = &taken->mosfet;
+/* One way through a channel: behind ron its end is no higher than the gate less vto, and it carries no
+ * current the other way.  name: of its diode. */
+static int add_way(ns_extract_walk *w, const ns_own_taken *taken, const char *name, int from, int to,
+                   double leak, int *id) {
     ns_circuit *c = w->ex->circuit;
-    char name[EXTRACT_NAME];
+    char part[EXTRACT_NAME];
     const int behind = ns_bridge_extract_new_node(w), follows = ns_bridge_extract_new_node(w);
-    const ns_term above[2] = {{0, behind, 1.0}, {0, m->gate, -1.0}};
-    const ns_affine u = {m->vth, 2, above};
+    const ns_term above[2] = {{0, behind, 1.0}, {0, taken->mosfet.gate, -1.0}};
+    const ns_affine u = {taken->mosfet.vth, 2, above};
     const ns_diode forwards = {.roff = leak, .vz = INFINITY};
     int kink;
-    snprintf(name, sizeof name, "%.140s#ron", inst->GENname);
-    int status = ns_circuit_resistor(c, name, m->drain, behind, taken->ron, NULL);
-    snprintf(name, sizeof name, "%.140s#follower", inst->GENname);
-    status = status ? status : ns_circuit_kink(c, name, &u, &kink);
+    snprintf(part, sizeof part, "%.140s#ron", name);
+    int status = ns_circuit_resistor(c, part, from, behind, taken->ron, NULL);
+    snprintf(part, sizeof part, "%.140s#follower", name);
+    status = status ? status : ns_circuit_kink(c, part, &u, &kink);
     if (status)
         return status;
-    snprintf(name, sizeof name, "%.140s#gate", inst->GENname);
-    status = ns_circuit_linear(c, name, NS_VOLTAGE, behind, follows, 0.0, 1, &(ns_term){2, kink, 1.0}, NULL);
-    return status ? status : ns_circuit_diode(c, inst->GENname, follows, m->source, &forwards, &taken->id);
+    snprintf(part, sizeof part, "%.140s#gate", name);
+    status = ns_circuit_linear(c, part, NS_VOLTAGE, behind, follows, 0.0, 1, &(ns_term){2, kink, 1.0}, NULL);
+    return status ? status : ns_circuit_diode(c, name, follows, to, &forwards, id);
+}
+
+/* An n channel as a source follower, where a switch would open and close infinitely fast.  Backwards its
+ * drain is the lower end, and follows. */
+static int add_follower(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken, double leak) {
+    const ns_own_mosfet *m = &taken->mosfet;
+    char name[EXTRACT_NAME];
+    snprintf(name, sizeof name, "%.140s#back", inst->GENname);
+    const int status = add_way(w, taken, inst->GENname, m->drain, m->source, leak, &taken->id);
+    return status ? status : add_way(w, taken, name, m->source, m->drain, INFINITY, &taken->back);
 }
 
 static int add_channel(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken) {
@@ -311,7 +321,7 @@ static int add_channel(ns_extract_walk *w, const GENinstance *inst, ns_own_taken
 }
 
 int ns_bridge_own_mosfet(ns_extract_walk *w, GENinstance *inst) {
-    ns_own_taken taken = {.inst = inst, .kind = OWN_MOSFET, .id = -1, .body = -1};
+    ns_own_taken taken = {.inst = inst, .kind = OWN_MOSFET, .id = -1, .body = -1, .back = -1};
     const ns_own_mosfet *m = &taken.mosfet;
     if (!w->ex->options.mosfets)
         return ns_bridge_extract_refuse(w, inst,

@@ -31,11 +31,14 @@ void ns_bridge_own_show_values(const ns_analysis *a, double *value) {
     }
 }
 
-/* The current into the drain: of the channel, less that of an n channel's body diode. */
+/* The current into the drain: of the channel, less that of an n channel's body diode, and what a follower
+ * carries backwards. */
 static void show_mosfet(const ns_analysis *a, const ns_own_taken *o, CKTcircuit *ckt, double i) {
-    double body = 0.0;
+    double body = 0.0, back = 0.0;
     ns_circuit_device(a->ex.circuit, o->body, a->x, a->lambda, a->mode, &body, NULL, NULL);
-    ns_bridge_own_write_mosfet(o->inst, ckt, i - o->mosfet.sign * body, ckt->CKTrhsOld);
+    if (o->back >= 0)
+        ns_circuit_device(a->ex.circuit, o->back, a->x, a->lambda, a->mode, &back, NULL, NULL);
+    ns_bridge_own_write_mosfet(o->inst, ckt, i - back - o->mosfet.sign * body, ckt->CKTrhsOld);
 }
 
 void ns_bridge_own_show_states(const ns_analysis *a, CKTcircuit *ckt) {
