@@ -366,9 +366,8 @@ static void visit_ends(way *w, int here, ns_own_range *r) {
     }
 }
 
-/* An M that closes while its gate is driven against ground has its source where its drain is.  0: where is
- * that?
- */
+/* The source of a closed M has the potential of its drain: the drive of one whose gate is driven against
+ * ground. 0: that potential is not known. */
 static int lower_when_closed(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
     way to_supply = {.ckt = ckt}, along_r = {.ckt = ckt, .along_r = 1};
     ns_own_range drain = {0};

@@ -67,8 +67,8 @@ static void note_pass(const ns_extract_walk *w, const ns_own_diode *d, ns_own_ta
     taken->pass.idle = !found;
     taken->pass.tangent = found && !found->faint;
     taken->pass.faint = found && found->faint;
-    if (taken->pass.tangent && ns_bridge_diode_law_line(&d->law, found->id, found->most) <
-                                   (1.0 - 1e-6) * ns_bridge_diode_law_slope(&d->law, found->id))
+    if (taken->pass.tangent &&
+        taken->diode.ron - d->rs < (1.0 - 1e-6) * ns_bridge_diode_law_slope(&d->law, found->id))
         taken->pass.to = found->most;
 }
 

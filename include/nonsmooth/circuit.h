@@ -91,7 +91,8 @@ int ns_circuit_switch_at_rest(ns_circuit *c, int id, int closed);
  * above vt, else open; where it never leaves vt, closed (1) or open (0); with any other control, as by
  * at_rest(id, other). Errors: NULL, SIZE (id is no switch). */
 int ns_circuit_switch_as_it_came(ns_circuit *c, int id, int closed, int other);
-/* Such a control rests at vt also where that is not 0 (elsewhere it is at vt by rounding, if at all). */
+/* The control of this switch may rest at vt though vt is not 0.  Without this call a control that is no sum
+ * of sources counts as resting only where vt is 0.  Errors: NULL, SIZE (id is no switch). */
 int ns_circuit_switch_rests(ns_circuit *c, int id);
 /* By how much (V or A) the threshold vt is shifted for either. */
 double ns_circuit_switch_shift(double vt);
@@ -112,9 +113,9 @@ int ns_circuit_kink(ns_circuit *c, const char *name, const ns_affine *u, int *id
  * y = lambda - u: closed y = 0, open lambda = 0.  Terms of the control are voltages and currents. */
 int ns_circuit_choice(ns_circuit *c, const char *name, const ns_affine *control, double threshold,
                       const ns_affine *u, int *id);
-/* A choice whose control comes to `threshold` and rests there: u (1) or 0 (0); without this call, and where
- * only a choice of another group has the opposite control and that is no sum of sources, it stays as it is.
- * Errors: NULL, SIZE (id is no choice). */
+/* The value of a choice while its control rests at `threshold`: u (holds: 1) or 0 (0).  Without this call it
+ * stays as it was.  So it does where a choice of another group has the opposite control, unless the control
+ * is a sum of sources: both then change in one instant.  Errors: NULL, SIZE (id is no choice). */
 int ns_circuit_choice_at_rest(ns_circuit *c, int id, int holds, int group);
 /* box: high where y < 0, low where y > 0, between them where y = 0: -y in N_[low,high](lambda).  RANGE: low
  * is not below high. */

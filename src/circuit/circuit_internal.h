@@ -96,6 +96,9 @@ int ns_circuit_complain(ns_circuit *c, int status, const char *format, ...);
 /* Adds a copy of *e, which must be right; its pointers stay the caller's.  Errors: MEMORY. */
 int ns_circuit_add_element(ns_circuit *c, const element *e, needs wants, int *id);
 
+/* Errors: NULL, SIZE (element id is none of that kind, which a user calls `what`). */
+int ns_circuit_check_is(ns_circuit *c, int id, element_kind kind, const char *what);
+
 /* elements.c: a blank element of this kind, its name and its nodes (p n cp cn) checked; a parameter of the
  * element `name` is a finite number; a term of it refers to what there is.  Statuses, with a message. */
 int ns_circuit_start_element(ns_circuit *c, element *e, element_kind kind, const char *name, int nnodes,
@@ -153,13 +156,11 @@ typedef struct ns_input_gain {
 } ns_input_gain;
 
 /* resting_control.c: by how much the thresholds of a switch are shifted for its at_rest: where its control is
- * constant + sum of count terms, and where it is anything else.  Errors: MEMORY. */
+ * constant + sum of count terms, and where it is anything else.  *both_ways: it is to be open where it comes
+ * to its threshold from above, closed where from below, and does both.  Errors: MEMORY. */
 int ns_circuit_shift_known(const element *e, double constant, const ns_input_gain *term, int count,
-                           double *shift);
+                           double *shift, int *both_ways);
 double ns_circuit_shift_unknown(const ns_circuit *c, const element *e);
-/* 1 if it is to be open where it comes to its threshold from above, closed where from below, and does both.
- */
-int ns_circuit_rests_both_ways(const element *e, double constant, const ns_input_gain *term, int count);
 /* Of a choice whose control is as large as this, and no sum of sources. */
 double ns_circuit_choice_shift_unknown(const ns_circuit *c, const element *e, double size);
 /* The largest voltage of a V; how large constant + sum of count terms is, at most.  Errors: MEMORY. */

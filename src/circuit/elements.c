@@ -357,46 +357,20 @@ int ns_circuit_switch_by_current(ns_circuit *c, const char *name, int p, int n, 
     return add_switch(c, &e, s, id);
 }
 
-static int check_is_switch(ns_circuit *c, int id) {
+int ns_circuit_check_is(ns_circuit *c, int id, element_kind kind, const char *what) {
     if (!c) {
         return NS_E_NULL;
     }
-    if (id < 0 || id >= c->nelements || c->element[id].kind != SWITCH) {
-        return ns_circuit_complain(c, NS_E_SIZE, "there is no switch %d", id);
+    if (id < 0 || id >= c->nelements || c->element[id].kind != kind) {
+        return ns_circuit_complain(c, NS_E_SIZE, "there is no %s %d", what, id);
     }
     return NS_OK;
 }
 
 int ns_circuit_switch_initially(ns_circuit *c, int id, int closed) {
-    const int status = check_is_switch(c, id);
+    const int status = ns_circuit_check_is(c, id, SWITCH, "switch");
     if (status == NS_OK) {
         c->element[id].closed = closed != 0;
-    }
-    return status;
-}
-
-int ns_circuit_switch_at_rest(ns_circuit *c, int id, int closed) {
-    const int status = check_is_switch(c, id);
-    if (status == NS_OK && c->element[id].sw.vh == 0) {
-        c->element[id].at_rest = (closed == 0) - (closed > 0);
-    }
-    return status;
-}
-
-int ns_circuit_switch_rests(ns_circuit *c, int id) {
-    const int status = check_is_switch(c, id);
-    if (status == NS_OK) {
-        c->element[id].rests = 1;
-    }
-    return status;
-}
-
-int ns_circuit_switch_as_it_came(ns_circuit *c, int id, int closed, int other) {
-    const int status = check_is_switch(c, id);
-    if (status == NS_OK && c->element[id].sw.vh == 0) {
-        c->element[id].at_rest = NS_RESTS_AS_IT_CAME;
-        c->element[id].at_constant = closed ? -1 : 1;
-        c->element[id].at_any = other ? -1 : 1;
     }
     return status;
 }

@@ -17,6 +17,41 @@ double ns_circuit_switch_shift(double vt) {
     return 1e-9 * fmax(fabs(vt), 1e-3);
 }
 
+/* --- what is asked for --- */
+
+int ns_circuit_switch_at_rest(ns_circuit *c, int id, int closed) {
+    const int status = ns_circuit_check_is(c, id, SWITCH, "switch");
+    if (status == NS_OK && c->element[id].sw.vh == 0)
+        c->element[id].at_rest = (closed == 0) - (closed > 0);
+    return status;
+}
+
+int ns_circuit_switch_rests(ns_circuit *c, int id) {
+    const int status = ns_circuit_check_is(c, id, SWITCH, "switch");
+    if (status == NS_OK)
+        c->element[id].rests = 1;
+    return status;
+}
+
+int ns_circuit_switch_as_it_came(ns_circuit *c, int id, int closed, int other) {
+    const int status = ns_circuit_check_is(c, id, SWITCH, "switch");
+    if (status == NS_OK && c->element[id].sw.vh == 0) {
+        c->element[id].at_rest = NS_RESTS_AS_IT_CAME;
+        c->element[id].at_constant = closed ? -1 : 1;
+        c->element[id].at_any = other ? -1 : 1;
+    }
+    return status;
+}
+
+int ns_circuit_choice_at_rest(ns_circuit *c, int id, int holds, int group) {
+    const int status = ns_circuit_check_is(c, id, CHOICE, "choice");
+    if (status == NS_OK) {
+        c->element[id].at_rest = holds ? -1 : 1;
+        c->element[id].group = group;
+    }
+    return status;
+}
+
 /* --- a control that is a sum of inputs --- */
 
 /* The inputs of a control and where their levels are. */
@@ -194,12 +229,8 @@ static int ways_of_switch(const element *e, double constant, const ns_input_gain
     return asked ? ways_to_rest(&s, constant) & (FROM_ABOVE | FROM_BELOW) : 0;
 }
 
-int ns_circuit_rests_both_ways(const element *e, double constant, const ns_input_gain *term, int count) {
-    return ways_of_switch(e, constant, term, count) == (FROM_ABOVE | FROM_BELOW);
-}
-
 int ns_circuit_shift_known(const element *e, double constant, const ns_input_gain *term, int count,
-                           double *shift) {
+                           double *shift, int *both_ways) {
     double size = ns_circuit_switch_shift(e->sw.vt);
     const int status = e->kind == CHOICE ? shift_of_known_choice(constant, term, count, &size) : NS_OK;
     level_sums s = {
@@ -212,8 +243,10 @@ int ns_circuit_shift_known(const element *e, double constant, const ns_input_gai
     for (int k = 0; known && rests && k < count && s.status == NS_OK; k++)
         add_bounds(&s, &term[k]);
     int way = rests ? known ? way_of_shift(e, &s) : way_of_any(e) : 0;
-    const int ways = rests && known && e->kind != CHOICE ? ways_of_switch(e, constant, term, count) : 0;
-    if (ways == FROM_ABOVE || ways == FROM_BELOW)
+    /* a sum of several may rest where none of them does */
+    const int ways = rests || count > 1 ? ways_of_switch(e, constant, term, count) : 0;
+    *both_ways = ways == (FROM_ABOVE | FROM_BELOW);
+    if (rests && (ways == FROM_ABOVE || ways == FROM_BELOW))
         way = ways == FROM_ABOVE ? 1 : -1;
     *shift = way * size;
     return s.status;

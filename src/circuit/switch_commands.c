@@ -30,7 +30,8 @@ typedef struct potentials {
     char *has;                /* nz+1: these, marked */
     const ns_signal **signal; /* nz+1: of each input */
     int in_gap_count;
-    int failed; /* memory ran out */
+    double largest; /* V: of all sources; 0: not known yet */
+    int failed;     /* memory ran out */
 } potentials;
 
 static int node_place(const potentials *p, int number) {
@@ -194,6 +195,7 @@ static int find_potentials(potentials *p, const ns_circuit *c) {
     p->gap = calloc(width, sizeof *p->gap);
     p->in_gap = calloc(width, sizeof *p->in_gap);
     p->has = calloc(width, 1);
+    /* NOLINTNEXTLINE(bugprone-sizeof-expression): an array of pointers */
     p->signal = calloc(width, sizeof *p->signal);
     if (!p->group || !p->volts || !p->gap || !p->in_gap || !p->has || !p->signal) {
         return 0;
@@ -275,10 +277,11 @@ static ns_input_gain *terms_of_gap(const potentials *p, int *count) {
 /* Its threshold, of a known difference, is where at_rest wants it. */
 static int shift_threshold(const stamp *to, const potentials *p, const element *e) {
     double shift = 0;
-    int count;
+    int count, both_ways = 0;
     ns_input_gain *term = terms_of_gap(p, &count);
-    int status = term ? ns_circuit_shift_known(e, p->gap[p->nz], term, count, &shift) : NS_E_MEMORY;
-    if (status == NS_OK && ns_circuit_rests_both_ways(e, p->gap[p->nz], term, count)) {
+    int status =
+        term ? ns_circuit_shift_known(e, p->gap[p->nz], term, count, &shift, &both_ways) : NS_E_MEMORY;
+    if (status == NS_OK && both_ways) {
         status = ns_circuit_complain(to->c, NS_E_RANGE,
                                      "%.80s: its control rests at its threshold, %g V, coming from above and "
                                      "from below: one that opens there and closes there is not supported; "
@@ -316,12 +319,11 @@ static int stamp_state_control(const stamp *to, const element *e) {
 /* How large the control of a choice can be: terms that are not known are as large as the largest source, or
  * 1 A. */
 static int size_of_control(potentials *p, const element *e, double *size) {
-    double volts;
-    int status = ns_circuit_largest_source(p->c, &volts);
+    int status = p->largest > 0 ? NS_OK : ns_circuit_largest_source(p->c, &p->largest);
     *size = fabs(e->control);
     for (int i = 0; i < e->ncontrol && status == NS_OK; i++) {
         const ns_term *t = &e->terms[i];
-        double own = t->is_current ? 1 : volts;
+        double own = t->is_current ? 1 : p->largest;
         clear_gap(p);
         if (!t->is_current && add_difference(p, 1, node_place(p, t->of), node_place(p, 0)))
             status = largest_gap(p, &own);

@@ -89,15 +89,3 @@ int ns_circuit_choice(ns_circuit *c, const char *name, const ns_affine *control,
     free(e.terms);
     return status;
 }
-
-int ns_circuit_choice_at_rest(ns_circuit *c, int id, int holds, int group) {
-    if (!c) {
-        return NS_E_NULL;
-    }
-    if (id < 0 || id >= c->nelements || c->element[id].kind != CHOICE) {
-        return ns_circuit_complain(c, NS_E_SIZE, "there is no choice %d", id);
-    }
-    c->element[id].at_rest = holds ? -1 : 1;
-    c->element[id].group = group;
-    return NS_OK;
-}

@@ -31,8 +31,8 @@ typedef struct ns_engine_table {
     void (*drop)(ns_engine *e); /* forgets the trial */
     int (*accept)(ns_engine *e);
     int (*read)(ns_engine *e, double *t, double *x, double *lambda, double *y);
-    /* w (n) holds M x of read(); becomes the charges and fluxes of the point where these are others.  NULL:
-     * they never are. */
+    /* w (n): M x of what read() gives, on entry; the charges and fluxes of the point, if they differ from
+     * that, on return.  NULL: they never differ. */
     int (*charges)(ns_engine *e, double *w);
     int (*impulse)(ns_engine *e, double *x, double *lambda); /* arrays as of ns_march_impulse(), or NULL */
     const ns_mode *(*mode)(ns_engine *e);

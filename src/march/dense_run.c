@@ -189,7 +189,8 @@ static int read_point(ns_engine *e, double *t, double *x, double *lambda, double
     return status == NS_OK ? NS_OK : ns_march_dense_fail(r, status);
 }
 
-/* Without y, which takes as long as all the rest; of the scheme's steps it is not known before it is read. */
+/* Without y, which would double the time.  STATE while the scheme is at work: only read() computes its point.
+ */
 static int peek(ns_engine *e, double *x, double *lambda) {
     ns_dense_run *r = run_of(e);
     return r->started && exact_is_ready(r) ? ns_theta_read(r->step, x, lambda, NULL) : NS_E_STATE;

@@ -107,7 +107,7 @@ int ns_march_run_hand_over(ns_run *r, ns_until until, double *reached, int *stat
     }
     if (r->kind != NS_RUN_DENSE)
         return 0;
-    if (!ns_march_dense_hands_over(r->at_work)) /* once: sparse was not left a short while ago */
+    if (!ns_march_dense_hands_over(r->at_work)) /* not if sparse failed a short while ago */
         return r->back_at == INFINITY && ns_march_leaves_dense(&r->options, *status) &&
                fail_and_change(r, until, reached);
     if (!fail_and_change(r, until, reached))

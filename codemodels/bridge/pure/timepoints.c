@@ -109,8 +109,8 @@ double ns_bridge_timepoints_round(double stop) {
     return 5.0 * power <= stop / 50.0 ? 5.0 * power : 2.0 * power <= stop / 50.0 ? 2.0 * power : power;
 }
 
-/* What a line may lack at its end, of a period or of the run: far more than rounding, for which ngspice's own
- * currents of capacitors are difference quotients. */
+/* How far before a mark, and behind it, the points are, as a part of the period or of the run.  Far more than
+ * rounding: ngspice divides differences of voltages by this time, for the currents of its capacitors. */
 static const double aside_part = 7e-7, behind_part = 1.5; /* .meas takes equal intervals by Simpson's rule */
 
 /* The first time after t that is `aside` before the mark, the mark itself, or, if `behind`, as much behind
