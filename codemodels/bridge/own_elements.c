@@ -276,8 +276,8 @@ static int add_body_diode(ns_extract_walk *w, const GENinstance *inst, ns_own_ta
     return ns_circuit_diode(w->ex->circuit, name, d->anode, d->cathode, &taken->diode, &taken->body);
 }
 
-/* One way through a channel: behind ron its end is no higher than the gate less vto, and it carries no
- * current the other way.  name: of its diode. */
+/* One direction of a channel: ron, a follower that is no higher than the gate less vto, and a diode, called
+ * `name`, against current in the other direction. */
 static int add_way(ns_extract_walk *w, const ns_own_taken *taken, const char *name, int from, int to,
                    double leak, int *id) {
     ns_circuit *c = w->ex->circuit;

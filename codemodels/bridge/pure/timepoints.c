@@ -113,8 +113,8 @@ double ns_bridge_timepoints_round(double stop) {
  * rounding: ngspice divides differences of voltages by this time, for the currents of its capacitors. */
 static const double aside_part = 7e-7, behind_part = 1.5; /* .meas takes equal intervals by Simpson's rule */
 
-/* The first time after t that is `aside` before the mark, the mark itself, or, if `behind`, as much behind
- * it. */
+/* The first time after t of these: `aside` before the mark, the mark itself, and, if `behind`, behind_part
+ * times aside after it.  INFINITY: none. */
 static double beside(double mark, double t, double aside, int behind) {
     const double least = t + 0.25 * aside;
     if (mark - aside > least)
