@@ -95,6 +95,12 @@ static ns_piecewise_value *read_sine(expression_reader *r, const INPparseNode *n
     return read_source(r, status, at);
 }
 
+/* 1 if a step at t = 0 is one just after it: floor and ceil are there what u is, nint what is even. */
+static int steps_after_start(const INPparseNode *node, double slope, double offset) {
+    const int is_odd = fmod(offset, 2.0) != 0.0;
+    return offset == floor(offset) && (node->funcnum == PTF_NINT ? (slope > 0.0) == is_odd : slope < 0.0);
+}
+
 /* floor(u) = u - frac(u), ceil(u) = u + frac(-u), nint(u) = floor(u + 1/2), u = slope time + offset: frac is
  * a sawtooth. */
 static ns_piecewise_value *read_floor(expression_reader *r, const INPparseNode *node,
@@ -105,7 +111,8 @@ static ns_piecewise_value *read_floor(expression_reader *r, const INPparseNode *
         return refuse(r, "steps of a signal", "those of k*time+c are known, with numbers k and c");
     const double up = node->funcnum == PTF_CEIL ? -1.0 : 1.0;
     offset += node->funcnum == PTF_NINT ? 0.5 : 0.0;
-    const int status = ns_bridge_expression_sawtooth(r->w, up * slope, up * offset, &at);
+    const int status = ns_bridge_expression_sawtooth(r->w, up * slope, up * offset,
+                                                     steps_after_start(node, up * slope, up * offset), &at);
     const ns_piecewise_value *u =
         node->funcnum == PTF_NINT ? ns_bridge_piecewise_sum(&r->p, 1.0, a, 0.5, constant(r, 1.0)) : a;
     return ns_bridge_piecewise_sum(&r->p, 1.0, u, -up, read_source(r, status, at));

@@ -20,7 +20,8 @@ void ns_bridge_expression_text(const IFparseTree *tree, const struct INPparseNod
  * sine, or slope t + offset less the integer below it (slope: not 0, 1/s).  Statuses. */
 int ns_bridge_expression_time(ns_extract_walk *w, int *node);
 int ns_bridge_expression_sine(ns_extract_walk *w, const ns_signal *sine, int *node);
-int ns_bridge_expression_sawtooth(ns_extract_walk *w, double slope, double offset, int *node);
+/* late: a step at t = 0 is one just after it. */
+int ns_bridge_expression_sawtooth(ns_extract_walk *w, double slope, double offset, int late, int *node);
 /* The broken line through n points (x, y in turns, x ascending), x = slope t + offset. */
 int ns_bridge_expression_line(ns_extract_walk *w, double slope, double offset, int n, const double *xy,
                               int *node);

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "pure/timepoints.h"
+
 /* Of the run, s. */
 static double stop_of(const ns_extract_walk *w) {
     return w->ckt->CKTfinalTime > 0.0 ? w->ckt->CKTfinalTime : 1.0;
@@ -33,14 +35,16 @@ int ns_bridge_expression_sine(ns_extract_walk *w, const ns_signal *sine, int *no
     return add_hidden(w, "sine", sine, node);
 }
 
-int ns_bridge_expression_sawtooth(ns_extract_walk *w, double slope, double offset, int *node) {
-    const double period = 1.0 / fabs(slope);
+int ns_bridge_expression_sawtooth(ns_extract_walk *w, double slope, double offset, int late, int *node) {
+    const double period = 1.0 / fabs(slope), lag = ns_bridge_timepoints_closest(stop_of(w));
     ns_signal z = {.kind = NS_PULSE};
     z.u.pulse.v2 = 1.0;
     z.u.pulse.td = ((slope > 0.0 ? floor(offset) : ceil(offset)) - offset) / slope;
     z.u.pulse.tr = slope > 0.0 ? period : 0.0;
     z.u.pulse.tf = period - z.u.pulse.tr;
     z.u.pulse.per = period;
+    if (late) /* a pulse of td = 0 is already high at t = 0 */
+        z.u.pulse.td = slope > 0.0 ? lag - period : lag;
     return add_hidden(w, "sawtooth", &z, node);
 }
 
