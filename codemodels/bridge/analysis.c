@@ -14,10 +14,11 @@
 enum { SPARSE_STEP = 64 };
 
 static double longest_step(const ns_analysis *a, const CKTcircuit *ckt) {
-    if (a->ex.options.h > 0.0)
-        return a->ex.options.h;
+    const double given = a->ex.options.h;
     if (!(ckt->CKTfinalTime > 0.0)) /* .op: any will do */
-        return 1e-6;
+        return given > 0.0 ? given : 1e-6;
+    if (given > 0.0) /* no step is longer than the run */
+        return fmin(given, ckt->CKTfinalTime);
     const double h = ns_bridge_timepoints_longest_step(a->system, ckt->CKTfinalTime);
     return a->ex.options.method == NS_SPARSE ? SPARSE_STEP * h : h;
 }

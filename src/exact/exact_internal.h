@@ -82,6 +82,7 @@ struct ns_exact_mode {
     int status;                          /* SINGULAR: the mode contradicts itself */
     int scales;                          /* how many time scales; the first resolves what is fastest */
     int has_instant;                     /* 1: a constraint or a rate beyond resolution: entering may jump */
+    int hides, resolves;                 /* 1: such a rate is finite; it is resolved if time can tell it */
     ns_time_scale scale[NS_TIME_SCALES]; /* fastest first */
     ns_successor successor[NS_SUCCESSORS]; /* most recent first; NULL: no more */
     ns_exact_mode *next_in_bucket;
@@ -264,6 +265,9 @@ static inline void ns_exact_note_size(ns_exact *f) {
  * MEMORY, NUMBER. */
 int ns_exact_mode_find(ns_exact *f, const ns_mode *mode, ns_exact_mode **out);
 void ns_exact_mode_forget_all(ns_exact *f);
+/* 1: finite rates of mode k that were taken as instantaneous are resolved from now on: its kernels are new.
+ */
+int ns_exact_mode_resolve(ns_exact *f, ns_exact_mode *k);
 /* Drops the modes not used for longest until all fit into three quarters of the limit; never `keep`. */
 void ns_exact_mode_trim(ns_exact *f, ns_exact_mode *keep);
 /* The time scale to step on; *until: for how long after the discontinuity. */

@@ -51,7 +51,7 @@ ns_guard_sign ns_exact_guard_sign(ns_exact *f, ns_exact_mode *mode, int g, const
     return NS_UNDECIDED;
 }
 
-ns_mode_verdict ns_exact_mode_holds(ns_exact *f, ns_exact_mode *k, ns_evidence evidence, uint64_t undecided) {
+static ns_mode_verdict judge_mode(ns_exact *f, ns_exact_mode *k, ns_evidence evidence, uint64_t undecided) {
     const ns_mode_kernel *kernel = k->scale[0].kernel;
     double *value = f->work.values, *tol = value + 2 * kernel->rows;
     f->undecided = 0;
@@ -74,6 +74,16 @@ ns_mode_verdict ns_exact_mode_holds(ns_exact *f, ns_exact_mode *k, ns_evidence e
                        : NS_VERDICT_NO;
     }
     return NS_VERDICT_HOLDS;
+}
+
+/* Where a guard breaks on the way of a jump that has a finite rate, it is resolved, and another mode follows
+ * there. */
+ns_mode_verdict ns_exact_mode_holds(ns_exact *f, ns_exact_mode *k, ns_evidence evidence, uint64_t undecided) {
+    const ns_mode_verdict verdict = judge_mode(f, k, evidence, undecided);
+    if (verdict == NS_VERDICT_HOLDS || !f->entered || !ns_exact_enter_fits(f, f->entered) ||
+        !ns_exact_mode_resolve(f, k))
+        return verdict;
+    return judge_mode(f, k, evidence, undecided);
 }
 
 int ns_exact_mode_holds_clearly(ns_exact *f, ns_exact_mode *k) {

@@ -2,7 +2,7 @@
  * rates need.
  *
  * After a discontinuity what is fast is resolved until it has died out; from then on steps are longer.  What
- * dies out within a millionth of the ladder's h is taken as instantaneous.
+ * dies out within a millionth of the ladder's h is taken as instantaneous, unless a guard breaks on its way.
  */
 #include "exact_internal.h"
 
@@ -33,9 +33,13 @@ static void free_time_scale(ns_time_scale *scale) {
         ns_exact_step_free(scale->cached[k].map);
 }
 
-static void free_mode(ns_exact_mode *k) {
+static void free_time_scales(ns_exact_mode *k) {
     for (int i = 0; i < NS_TIME_SCALES; i++)
         free_time_scale(&k->scale[i]);
+}
+
+static void free_mode(ns_exact_mode *k) {
+    free_time_scales(k);
     free(k->mode);
     free(k);
 }
@@ -110,19 +114,31 @@ static int by_size(const void *a, const void *b) {
     return (x < y) - (x > y);
 }
 
-/* The rates that are resolved, largest first; how many.  *has_instant: 1 if there are others. */
-static int list_rates(const ns_exact *f, const ns_mode_kernel *kernel, ns_mode_rate *rate, double *room,
-                      int *has_instant, int *status) {
+/* s: what dies out within this is taken as instantaneous in mode k.  What is not may not be shorter than the
+ * rounding of the time, of which it must last several times as long. */
+static double instant_of(const ns_exact *f, const ns_exact_mode *k) {
+    enum { FINEST_EXPONENT = 40 };
+    static const double roundings = 64;
+    return k->resolves ? fmax(ldexp(f->h, -FINEST_EXPONENT), roundings * DBL_EPSILON * fabs(f->state.now.t))
+                       : ldexp(f->h, -NS_EVENT_EXPONENT);
+}
+
+/* The rates that are resolved, largest first; how many.  k->has_instant: 1 if there are others; k->hides: if
+ * some of these are finite. */
+static int list_rates(const ns_exact *f, ns_exact_mode *k, const ns_mode_kernel *kernel, ns_mode_rate *rate,
+                      double *room, int *status) {
     double *re = room, *im = room + kernel->r;
-    const double instant = ldexp(f->h, -NS_EVENT_EXPONENT);
+    const double instant = instant_of(f, k);
     int count = 0;
+    k->hides = 0;
     *status = ns_exact_kernel_rates(kernel, re, im);
     for (int i = 0; i < kernel->r && *status == NS_OK; i++) {
         const double dies = re[i] < 0 ? DIES_OUT / -re[i] : INFINITY;
         if (dies > instant && isfinite(re[i]))
             rate[count++] = (ns_mode_rate){hypot(re[i], im[i]), dies};
+        k->hides |= dies <= instant && isfinite(re[i]);
     }
-    *has_instant = count < kernel->r;
+    k->has_instant = count < kernel->r;
     for (int i = 0; i < f->inputs->nv; i++) {
         const ns_input_state *is = &f->inputs->state[i];
         const double dies = is->wave.theta > 0 ? DIES_OUT / is->wave.theta : INFINITY;
@@ -190,7 +206,7 @@ static int build_mode(ns_exact *f, ns_exact_mode *k) {
     const double guess = f->cache.first_h < f->h / 64 || f->cache.first_h > f->h ? f->h : f->cache.first_h;
     int status =
         room && rate ? ns_exact_kernel_build(f->s, f->inputs, guess / NS_POLE, k->mode, &probe) : NS_E_MEMORY;
-    const int count = status == NS_OK ? list_rates(f, probe, rate, room, &k->has_instant, &status) : 0;
+    const int count = status == NS_OK ? list_rates(f, k, probe, rate, room, &status) : 0;
     if (status == NS_OK)
         list_time_scales(f, k, rate, count);
     if (status == NS_OK && k->scale[0].h == guess) {
@@ -208,6 +224,30 @@ static int build_mode(ns_exact *f, ns_exact_mode *k) {
     free(room);
     free(rate);
     return status;
+}
+
+int ns_exact_mode_resolve(ns_exact *f, ns_exact_mode *k) {
+    ns_exact_mode coarse = *k;
+    if (!k->hides || k->resolves)
+        return 0;
+    memset(k->scale, 0, sizeof k->scale);
+    k->scales = 0;
+    k->resolves = 1;
+    ns_theta_set_mode(f->s, k->mode);
+    const int status = build_mode(f, k);
+    if (status != NS_OK) {
+        free_time_scales(k);
+        *k = coarse;
+        k->resolves = 1;
+        f->failed = status == NS_E_MEMORY ? status : f->failed;
+        return 0;
+    }
+    f->cache.bytes += sizeof *k + (size_t)f->system->m;
+    f->cache.bytes -= bytes_of(f, &coarse);
+    f->cache.steps_dropped++;
+    f->entered = NULL;
+    free_time_scales(&coarse);
+    return 1;
 }
 
 int ns_exact_mode_find(ns_exact *f, const ns_mode *mode, ns_exact_mode **out) {

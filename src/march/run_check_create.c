@@ -43,13 +43,21 @@ static double instant_of(const ns_run *r) {
     return locates ? ldexp(r->options.h, INSTANT_EXPONENT) : r->options.h;
 }
 
+/* What decays as fast as this is part of a jump, s: it has died out within the instant to which events are
+ * located.  Steps that pass an event add up what flows in them, too. */
+static double transient_of(const ns_run *r) {
+    enum { INSTANT_EXPONENT = -20, DIES_OUT = 40 };
+    return r->kind == NS_RUN_SCHEME ? instant_of(r) : ldexp(r->options.h, INSTANT_EXPONENT) / DIES_OUT;
+}
+
 /* --- made --- */
 
 int ns_march_check_create(ns_run *r) {
     ns_run_check *k = &r->check;
     const size_t n = (size_t)r->s->n, m = (size_t)r->s->m, all = n + m;
     const ns_verify_options o = {.reltol = r->options.method == NS_EXACT ? 0 : r->options.reltol,
-                                 .instant = instant_of(r)};
+                                 .instant = instant_of(r),
+                                 .transient = transient_of(r)};
     k->numbers = calloc((3 + NS_VERIFY_NODES) * all + m + 1, sizeof *k->numbers);
     if (!k->numbers)
         return NS_E_MEMORY;
@@ -94,12 +102,13 @@ static double allowance_of(const ns_run *r) {
 }
 
 void ns_march_check_scale(ns_run *r) {
-    ns_verify_scale(r->check.verify, allowance_of(r), instant_of(r));
+    ns_verify_scale(r->check.verify, allowance_of(r), instant_of(r), transient_of(r));
 }
 
 void ns_march_check_scale_start(ns_run *r) {
     const int is_captured = r->kind == NS_RUN_SCHEME && !r->is_dense;
-    ns_verify_scale(r->check.verify, is_captured ? of_rough_scheme : of_start, instant_of(r));
+    ns_verify_scale(r->check.verify, is_captured ? of_rough_scheme : of_start, instant_of(r),
+                    transient_of(r));
 }
 
 void ns_march_check_reset(ns_run *r) {

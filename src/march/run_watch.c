@@ -153,13 +153,20 @@ static int change_is_right(ns_run *r, double t) {
                       : ns_verify_event(k->verify, k->impulse, k->impulse + r->s->n, &f);
 }
 
+static int goes_forwards(const ns_run *r) {
+    const ns_run_check *k = &r->check;
+    const size_t n = (size_t)r->s->n;
+    return !k->jumped ||
+           ns_verify_quick_directions(k->verify, k->impulse + n, k->jumped_before ? k->before + n : NULL);
+}
+
 static int is_quickly_right(ns_run *r, double t) {
     ns_run_check *k = &r->check;
     const ns_verify_state at = ns_march_check_state(r, t, NS_RIGHT, NULL);
     k->checks++;
     k->credit -= k->quick_cost;
     return ns_verify_quick_point(k->verify, &at) &&
-           (k->left == NS_WATCH_NOTHING || ns_verify_quick_stays(k->verify));
+           (k->left == NS_WATCH_NOTHING || (ns_verify_quick_stays(k->verify) && goes_forwards(r)));
 }
 
 static int sees_right(ns_run *r, double t) {

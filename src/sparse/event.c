@@ -224,6 +224,20 @@ static void begin_with_longer_step(ns_sparse *m, double t, double g, double *by)
         ns_sparse_guard_set_mode(m, m->work.mode);
 }
 
+/* A jump that m->mode has in steps of length g, and that its pairs cannot carry: that mode follows later, and
+ * other ones come before it within that time.  Where digits suffice for shorter steps nothing jumped. */
+static int refuse_jump(ns_sparse *m, double g, ns_jump_kind *jump) {
+    int pair, upper;
+    const int status = ns_sparse_instant_misfit(m, g, &pair, &upper);
+    if (status != NS_OK || pair < 0)
+        return status;
+    if (g <= ns_sparse_finest(m))
+        return NS_E_LIMIT;
+    memcpy(m->w, m->work.before_w, sizeof *m->w * (size_t)m->f->n);
+    *jump = NS_LASTS;
+    return NS_OK;
+}
+
 /* m->mode and m->w made consistent with one another by steps of length g; commands stay. */
 static int find_consistent(ns_sparse *m, double t, double g, ns_jump_kind *jump) {
     double *by = m->work.move;
@@ -233,6 +247,8 @@ static int find_consistent(ns_sparse *m, double t, double g, ns_jump_kind *jump)
         status = ns_sparse_event_consistent(m, t, g, m->w, m->v, by);
         if (status == NS_OK)
             status = ns_sparse_project_consistent(m, t, g, by, jump);
+        if (status == NS_OK && *jump == NS_JUMPS)
+            status = refuse_jump(m, g, jump);
         if (status == NS_OK && *jump == NS_JUMPS) {
             m->counts.jumps++;
             status = ns_sparse_instant_add(m, g, &m->instant);

@@ -178,11 +178,12 @@ void ns_verify_reset(ns_verify *v) {
     ns_verify_renew(v);
 }
 
-void ns_verify_scale(ns_verify *v, double times, double instant) {
+void ns_verify_scale(ns_verify *v, double times, double instant, double transient) {
     if (v->times != times)
         v->quick.is_ready = 0;
     v->times = times;
     v->o.instant = instant;
+    v->o.transient = transient;
 }
 
 void ns_verify_allow(ns_verify *v, const ns_verify_finding *f) {

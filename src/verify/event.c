@@ -29,22 +29,33 @@ static double moved(const ns_verify *v, int i) {
     return ns_verify_row(&v->charge, i, v->u).sum - charge_left(v, i).sum;
 }
 
-/* Also what flows in the time that an event may take. */
-static double moved_off(const ns_verify *v, int i) {
-    return ns_verify_sizes_charge_off(v, i) + v->o.instant * ns_verify_row(&v->law, i, v->u).size;
+/* Also what flows in the time that it may take. */
+static double moved_in(const ns_verify *v, int i, double seconds) {
+    return ns_verify_sizes_charge_off(v, i) + seconds * ns_verify_row(&v->law, i, v->u).size;
 }
 
-/* 1 if a charge or a flux differs by more than rounding, between u_left and u. */
-static int any_jumps(ns_verify *v) {
-    int any = 0;
+static double moved_off(const ns_verify *v, int i) {
+    return moved_in(v, i, v->o.instant);
+}
+
+/* How a charge or a flux differs between u_left and u: by rounding, as it may in the time that an event
+ * takes, or by more. */
+typedef enum moves { NONE, LITTLE, JUMPS } moves;
+
+static moves most_of_moves(ns_verify *v) {
+    moves most = NONE;
     for (int k = 0; k < v->storeds; k++) {
         const int i = v->stored[k];
         const ns_verify_sum from = charge_left(v, i), to = ns_verify_row(&v->charge, i, v->u);
         const double move = fabs(to.sum - from.sum);
         ns_verify_sizes_charge(v, i, ns_verify_larger(from.size, to.size));
-        any |= !(move <= rounding * to.size) && !(move <= moved_off(v, i));
+        if (move <= rounding * to.size || move <= moved_in(v, i, v->o.transient))
+            continue;
+        if (!(move <= moved_off(v, i)))
+            most = JUMPS;
+        most = most == NONE ? LITTLE : most;
     }
-    return any;
+    return most;
 }
 
 /* v->v: X, Lambda, and the integrals of inputs and of 1 over the time that it took. */
@@ -106,6 +117,19 @@ static double impulse_error(const ns_verify *v, int i, const jump *j) {
 static void judge_pairs(const ns_verify *v, const jump *j, ns_verify_finding *worst) {
     for (int i = 0; i < v->s->m; i++)
         ns_verify_note(worst, NS_VERIFY_IMPULSE, i, -1, impulse_error(v, i, j));
+}
+
+/* The current of a diode is not negative at any instant, so its charge is not, either, however short the time
+ * in which it passes. */
+static double backward_error(const ns_verify *v, int i, const jump *j, double lambda) {
+    if (v->command[i] >= 0 || !(v->s->l[i] == 0 && isinf(v->s->u[i])))
+        return 0;
+    return -lambda / (v->times * v->times_pair[i] * j->lambda_off + 2 * v->o.transient * v->most_lambda[i]);
+}
+
+static void judge_directions(const ns_verify *v, const jump *j, ns_verify_finding *worst) {
+    for (int i = 0; i < v->s->m; i++)
+        ns_verify_note(worst, NS_VERIFY_IMPULSE, i, -1, backward_error(v, i, j, v->v[v->s->n + i]));
 }
 
 /* --- energy --- */
@@ -220,13 +244,29 @@ int ns_verify_event(ns_verify *v, const double *X, const double *Lambda, ns_veri
     *worst = ns_verify_nothing(v->t);
     judge_largest(v, worst);
     ns_verify_memory_event(v, worst);
-    if (!any_jumps(v))
+    const moves most = most_of_moves(v);
+    if (most == NONE)
         return ns_verify_sizes_end(v, worst);
     fill_impulse(v, j.seconds, X, Lambda);
     j.dust = of_all * largest(n + m, v->v);
     j.lambda_off = of_impulse * largest(m, v->v + n) + j.dust + DBL_MIN;
+    judge_directions(v, &j, worst);
+    if (most == LITTLE)
+        return ns_verify_sizes_end(v, worst);
     judge_balance(v, &j, worst);
     judge_pairs(v, &j, worst);
     judge_energy(v, worst);
     return ns_verify_sizes_end(v, worst);
+}
+
+int ns_verify_quick_directions(const ns_verify *v, const double *Lambda, const double *before) {
+    const size_t m = (size_t)v->s->m;
+    double most = 0;
+    for (size_t i = 0; i < m; i++)
+        most = ns_verify_larger(fabs(Lambda[i]) + (before ? fabs(before[i]) : 0), most);
+    const jump j = {.lambda_off = of_impulse * most + DBL_MIN};
+    for (size_t i = 0; i < m; i++)
+        if (backward_error(v, (int)i, &j, Lambda[i] - (before ? before[i] : 0)) > 1)
+            return 0;
+    return 1;
 }

@@ -43,8 +43,9 @@ typedef struct ns_verify_finding {
 
 /* What engines may be off by. */
 typedef struct ns_verify_options {
-    double reltol;  /* errors of a step, of charges and fluxes */
-    double instant; /* s: the time that an event may take */
+    double reltol;    /* errors of a step, of charges and fluxes */
+    double instant;   /* s: the time that an event may take */
+    double transient; /* s: what decays as fast as this is part of a jump */
 } ns_verify_options;
 
 /* A point: x (n), lambda (m), y (m; NULL: not shown).  is_some: 1: of x only the unknowns that charges and
@@ -65,8 +66,9 @@ void ns_verify_reset(ns_verify *v);
 /* An input of the system was replaced. */
 void ns_verify_renew(ns_verify *v);
 
-/* All may be off by so many times as much, 1 at first; an event may take so long (s). */
-void ns_verify_scale(ns_verify *v, double times, double instant);
+/* All may be off by so many times as much, 1 at first; an event may take so long, a jump holds what decays so
+ * fast (s). */
+void ns_verify_scale(ns_verify *v, double times, double instant, double transient);
 /* From now on what was found may be off by ns_verify_wrong times as much. */
 void ns_verify_allow(ns_verify *v, const ns_verify_finding *f);
 
@@ -99,6 +101,8 @@ int ns_verify_quick_point(ns_verify *v, const ns_verify_state *at);
 void ns_verify_quick_left(ns_verify *v, const ns_verify_state *at);
 /* and from there to the last point nothing jumps. */
 int ns_verify_quick_stays(ns_verify *v);
+/* 1 if what jumped by Lambda (m) less `before` (m, or NULL) goes through no diode backwards. */
+int ns_verify_quick_directions(const ns_verify *v, const double *Lambda, const double *before);
 /* That left side in full, as the left side of an event. */
 int ns_verify_left_in_full(ns_verify *v, ns_verify_finding *worst);
 

@@ -71,7 +71,7 @@ static void rows(void **state) {
     assert_close(ns_verify_sizes_leak(b.v, &b.v->law, 0), 1e-10 * 1e9 * size);
     assert_close(ns_verify_sizes_held_off(b.v, -20), 20e-5 + 1e-12 * 1e9);
     b.v->times_row[0] = 2;
-    ns_verify_scale(b.v, 10, 1e-11);
+    ns_verify_scale(b.v, 10, 1e-11, 0);
     assert_close(ns_verify_sizes_law_off(b.v, 0), 20 * (8e-5 + 1e-12 * 1e9 * size));
     close_bench(&b);
 }
@@ -93,7 +93,7 @@ static void charges(void **state) {
     const double all = own + 1e-9 * 1e6 * sqrt(5) + 1e-10 * 1e9 * 5;
     assert_close(ns_verify_sizes_charge_off(b.v, 1), all);
     b.v->times_row[1] = 3;
-    ns_verify_scale(b.v, 10, 1e-11);
+    ns_verify_scale(b.v, 10, 1e-11, 0);
     assert_close(ns_verify_sizes_charge_off(b.v, 1), 30 * all);
     close_bench(&b);
 }
@@ -116,7 +116,7 @@ static void pairs(void **state) {
     const double y = 3e-4 + 500e-5 + 1e-10 * 1e9 * (6 + 1) + 1e-12;
     assert_close(ns_verify_off_y(b.v, 0), y);
     b.v->times_pair[0] = 4;
-    ns_verify_scale(b.v, 10, 1e-11);
+    ns_verify_scale(b.v, 10, 1e-11, 0);
     assert_close(ns_verify_off_y(b.v, 0), 40 * y);
     assert_close(ns_verify_off_lambda(b.v, 0), 40 * (2e-4 + 700e-5 + 1e-15));
     close_bench(&b);
