@@ -307,5 +307,8 @@ static int is_opposed(const ns_circuit *c, const element *e) {
 }
 
 double ns_circuit_choice_shift_unknown(const ns_circuit *c, const element *e, double size) {
-    return is_opposed(c, e) ? 0 : e->at_rest * choice_shift(size);
+    if (!is_opposed(c, e))
+        return e->at_rest * choice_shift(size);
+    /* thresholds beside zero by rounding would leave both out, or hold both, for some 1e-18 s */
+    return fabs(e->sw.vt) <= choice_shift(size) ? -e->sw.vt : 0;
 }

@@ -105,13 +105,17 @@ static void by_what_is_not_known(void **state) {
     end_with((double[]){0, 5, 0, 1, 0, 0, 1}, (double[]){1e-12, 0, 1e-12, 0, 0, 0, 1e-9});
 }
 
-/* Of v(p) - v(n), 1 where it is above 0; at 0: `holds`. */
-static void add_choice(const char *name, int p, int n, int holds, int group) {
+/* Of v(p) - v(n), 1 where it is above the threshold; there: `holds`. */
+static void add_choice_above(const char *name, int p, int n, int holds, int group, double threshold) {
     const ns_affine control = {0, 2, (ns_term[]){{0, p, 1}, {0, n, -1}}}, one = {1, 0, NULL};
     int id;
-    assert_int_equal(ns_circuit_choice(made, name, &control, 0, &one, &id), NS_OK);
+    assert_int_equal(ns_circuit_choice(made, name, &control, threshold, &one, &id), NS_OK);
     assert_int_equal(ns_circuit_choice_at_rest(made, id, holds, group), NS_OK);
     switches++;
+}
+
+static void add_choice(const char *name, int p, int n, int holds, int group) {
+    add_choice_above(name, p, n, holds, group, 0);
 }
 
 /* By 4e-12 of what the terms are at most, 3 V and 1 V: at equality from 4 us on each period; those in
@@ -149,6 +153,23 @@ static void choice_by_state(void **state) {
     end_with((double[]){0, 0, 0, 0, 0}, (double[]){24e-12, 0, 0, -24e-12, -24e-12});
 }
 
+/* Thresholds beside zero by rounding, less than 24e-12 V: opposite choices change in one instant all the
+ * same; those of 1 V do not. */
+static void opposite_choices_beside_zero(void **state) {
+    int id;
+    (void)state;
+    begin();
+    source("v1", 1, 0, pulse(0, 3));
+    assert_int_equal(ns_circuit_resistor(made, "r1", 1, 2, 1, &id), NS_OK);
+    assert_int_equal(ns_circuit_resistor(made, "r2", 2, 3, 1, &id), NS_OK);
+    assert_int_equal(ns_circuit_resistor(made, "r3", 3, 4, 1, &id), NS_OK);
+    add_choice_above("c1", 2, 3, 0, 1, 2e-13);
+    add_choice_above("c2", 3, 2, 0, 2, 2e-13);
+    add_choice_above("c3", 3, 4, 0, 3, 1);
+    add_choice_above("c4", 4, 3, 0, 4, 1);
+    end_with((double[]){0, 0, 1, 1}, (double[]){0, 0, 0, 0});
+}
+
 static void refused(void **state) {
     const ns_switch sw = {.vt = 1, .vh = 0.5, .ron = 1, .roff = INFINITY};
     int id;
@@ -175,9 +196,13 @@ static void refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(by_a_pulse),           cmocka_unit_test(by_a_sum),
-        cmocka_unit_test(by_what_is_not_known), cmocka_unit_test(choice_by_time),
-        cmocka_unit_test(choice_by_state),      cmocka_unit_test(refused),
+        cmocka_unit_test(by_a_pulse),
+        cmocka_unit_test(by_a_sum),
+        cmocka_unit_test(by_what_is_not_known),
+        cmocka_unit_test(choice_by_time),
+        cmocka_unit_test(choice_by_state),
+        cmocka_unit_test(opposite_choices_beside_zero),
+        cmocka_unit_test(refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
