@@ -299,12 +299,9 @@ static void packed_laws_are_the_laws(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(parallel_switches_share),
-        cmocka_unit_test(floating_parts_are_between),
-        cmocka_unit_test(contradictions_are_errors),
-        cmocka_unit_test(no_current_closes_a_loop_of_voltages),
-        cmocka_unit_test(chains_of_islands_float),
-        cmocka_unit_test(a_diode_carries_what_its_switch_did),
+        cmocka_unit_test(parallel_switches_share),   cmocka_unit_test(floating_parts_are_between),
+        cmocka_unit_test(contradictions_are_errors), cmocka_unit_test(no_current_closes_a_loop_of_voltages),
+        cmocka_unit_test(chains_of_islands_float),   cmocka_unit_test(a_diode_carries_what_its_switch_did),
         cmocka_unit_test(packed_laws_are_the_laws),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
