@@ -34,11 +34,16 @@ int ns_march_dense_begin_line(ns_dense_run *r, int from_event) {
 
 /* 1 if t is on the way of a trial with NS_TO_STEP, else *status. */
 static int is_on_way(const ns_dense_run *r, double t, int *status) {
-    const double from = r->accepted.now.t, to = r->trial.now.t;
-    *status = !r->has_trial || r->until != NS_TO_STEP || !(to > from) ? NS_E_STATE
-              : !(t >= r->way_from && t <= to)                        ? NS_E_RANGE
-                                                                      : NS_OK;
+    const double to = r->trial.now.t;
+    *status = !r->has_trial || r->until != NS_TO_STEP || !(to > r->way_from) ? NS_E_STATE
+              : !(t >= r->way_from && t <= to)                               ? NS_E_RANGE
+                                                                             : NS_OK;
     return *status == NS_OK;
+}
+
+/* 1: modes changed where a start ended, in no time; the way is that of the start alone. */
+static int is_start_alone(const ns_dense_run *r) {
+    return !(r->trial.now.t > r->accepted.now.t);
 }
 
 /* r->way.at: between the two ends. */
@@ -70,6 +75,13 @@ static int give(ns_dense_run *r, double t, const double *x_lambda, double *x, do
     return NS_E_OVERFLOW;
 }
 
+/* As at its end all along: the steps of a start are not kept. */
+static int sample_start(ns_dense_run *r, const double **x_lambda) {
+    *x_lambda = r->sampled[1].at;
+    r->sampled[1].known = 0;
+    return read_at(r, r->sampled[1].at);
+}
+
 /* As the exact engine has it; at both ends from its second answer on as it was told. */
 static int sample_exact(ns_dense_run *r, double t, const double **x_lambda) {
     const int end = t == r->trial.now.t, is_end = end || t == r->accepted.now.t;
@@ -93,7 +105,9 @@ int ns_march_dense_sample(ns_engine *e, double t, double *x, double *lambda) {
         return ns_march_dense_fail(r, status);
     t = fmax(t, r->accepted.now.t);
     x_lambda = r->way.at;
-    status = r->way.is_line ? sample_line(r, t) : sample_exact(r, t, &x_lambda);
+    status = is_start_alone(r) ? sample_start(r, &x_lambda)
+             : r->way.is_line  ? sample_line(r, t)
+                               : sample_exact(r, t, &x_lambda);
     return status == NS_OK ? give(r, t, x_lambda, x, lambda) : ns_march_dense_fail(r, status);
 }
 
@@ -104,5 +118,5 @@ double ns_march_dense_shortest(ns_engine *e, double t, double *until) {
     if (!is_on_way(r, t, &status))
         return NAN;
     t = fmax(t, r->accepted.now.t);
-    return r->way.is_line ? INFINITY : ns_exact_shortest(r->exact, t, until);
+    return r->way.is_line || is_start_alone(r) ? INFINITY : ns_exact_shortest(r->exact, t, until);
 }
