@@ -127,7 +127,9 @@ static int find_currents(ns_session *s, int uic) {
     ns_march *march = NULL;
     int status = ns_bridge_own_pass_march(a, s->ckt->CKTfinalTime, &march);
     status = status ? status : start_march(a, march, 1, uic);
-    status = status ? status : ns_bridge_own_find_currents(a, march, s->ckt->CKTfinalTime, &s->found);
+    status =
+        status ? status
+               : ns_bridge_own_find_currents(a, march, s->ckt->CKTinitTime, s->ckt->CKTfinalTime, &s->found);
     ns_march_free(march);
     return status;
 }

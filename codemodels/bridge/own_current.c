@@ -39,10 +39,19 @@ int ns_bridge_own_pass_march(const ns_analysis *a, double stop, ns_march **march
     return ns_march_create(a->system, &o, march, NULL);
 }
 
+/* Where .tran has a tstart, what flows before it is not shown, an inrush above all.  A pass that does not
+ * come to it reads the time since a mark before the last one, each mark twice as late as the one before: the
+ * last half, at least. */
+typedef struct own_mean {
+    ns_log_mean all, late, before; /* since: the start, tstart or the last mark; of the mark before that */
+} own_mean;
+
 typedef struct own_pass {
     ns_analysis *a; /* its point is that of the pass */
     ns_march *march;
-    ns_log_mean *mean; /* of the taken, in their order */
+    own_mean *mean; /* of the taken, in their order */
+    double start;   /* s: tstart */
+    double mark;    /* s: the next one; INFINITY: tstart was the last one */
 } own_pass;
 
 /* The march was sampled in the middle of some seconds. */
@@ -55,9 +64,23 @@ static void add_part(const own_pass *p, double seconds) {
         int on;
         if (element >= 0 &&
             ns_circuit_device(a->ex.circuit, element, a->x, a->lambda, mode, &i, NULL, &on) == NS_OK &&
-            on > 0)
-            ns_bridge_log_mean_add(&p->mean[k], i, seconds, 0.0);
+            on > 0) {
+            ns_bridge_log_mean_add(&p->mean[k].all, i, seconds, 0.0);
+            ns_bridge_log_mean_add(&p->mean[k].late, i, seconds, 0.0);
+        }
     }
+}
+
+/* It has come to the time t. */
+static void pass_marks(own_pass *p, double t) {
+    const int is_start = t >= p->start;
+    if (t < p->mark && !(is_start && p->mark < INFINITY))
+        return;
+    for (int k = 0; k < p->a->ex.nowns; k++) {
+        p->mean[k].before = is_start ? (ns_log_mean){0} : p->mean[k].late;
+        p->mean[k].late = (ns_log_mean){0};
+    }
+    p->mark = is_start ? INFINITY : 2.0 * t;
 }
 
 /* The last trial, from one time to another, s. */
@@ -94,7 +117,7 @@ static int is_long_enough(const own_pass *p, int steps, double t, double stop) {
 }
 
 /* *t: how far it came, s. */
-static void pass(const own_pass *p, double stop, double *t) {
+static void pass(own_pass *p, double stop, double *t) {
     double end;
     int status = ns_march_read(p->march, t, NULL, NULL, NULL);
     for (int k = 0; status == NS_OK && !is_long_enough(p, k, *t, stop); k++) {
@@ -105,10 +128,11 @@ static void pass(const own_pass *p, double stop, double *t) {
             status = ns_march_accept(p->march);
         if (status == NS_OK)
             *t = end;
+        pass_marks(p, *t);
     }
 }
 
-/* 1, 1.5, 2, 3, 5 or 7 times a power of ten: D that carry nearly the same are taken alike. */
+/* 1, 1.5, 2, 3, 5 or 7 times a power of ten. */
 static double round_current(double amperes) {
     static const double digit[] = {1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0};
     const double power = pow(10.0, floor(log10(amperes)));
@@ -119,30 +143,80 @@ static double round_current(double amperes) {
     return best;
 }
 
-/* One that carried no more than a leak, as far as the pass came, may do so because it did not begin yet. */
-static ns_own_current current_of(const own_pass *p, int k, int whole) {
-    const double amperes = ns_bridge_log_mean_read(&p->mean[k]);
-    const int faint = !whole && amperes < NS_LEAK;
-    return (ns_own_current){.inst = p->a->ex.own[k].inst,
-                            .id = faint ? NS_OWN_CURRENT : round_current(amperes),
-                            .most = round_current(p->mean[k].most),
-                            .faint = faint};
+/* What counts of the k-th. */
+static ns_log_mean mean_of(const own_pass *p, int k) {
+    const own_mean *m = &p->mean[k];
+    const ns_log_mean late = {m->late.coulombs + m->before.coulombs, m->late.sum + m->before.sum,
+                              fmax(m->late.most, m->before.most)};
+    return late.coulombs > 0.0 ? late : m->all;
 }
 
-int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double stop, ns_own_found *currents) {
-    const own_pass p = {a, march, calloc((size_t)a->ex.nowns + 1, sizeof *p.mean)};
-    currents->of = calloc((size_t)a->ex.nowns + 1, sizeof *currents->of);
-    if (!p.mean || !currents->of) {
-        free(p.mean);
-        return NS_E_MEMORY;
+/* One that carried no more than a leak, as far as the pass came, may do so because it did not begin yet. */
+static void note_current(const own_pass *p, int k, ns_own_found *currents) {
+    const ns_log_mean mean = mean_of(p, k);
+    const double amperes = ns_bridge_log_mean_read(&mean);
+    const int faint = !currents->whole && amperes < NS_LEAK;
+    if (mean.coulombs > 0.0)
+        currents->of[currents->count++] = (ns_own_current){.inst = p->a->ex.own[k].inst,
+                                                           .id = faint ? NS_OWN_CURRENT : amperes,
+                                                           .most = mean.most,
+                                                           .faint = faint};
+}
+
+/* The smallest current of those that are in no group; NULL: there is none. */
+static const ns_own_current *find_smallest(const ns_own_found *currents, const unsigned char *grouped) {
+    const ns_own_current *smallest = NULL;
+    for (int k = 0; k < currents->count; k++)
+        if (!grouped[k] && (!smallest || currents->of[k].id < smallest->id))
+            smallest = &currents->of[k];
+    return smallest;
+}
+
+/* D of one model that carry nearly the same are taken alike, on whichever sides of a rounding their currents
+ * are: phases of one converter share its current equally.  grouped: zeros. */
+static void round_in_groups(ns_own_found *currents, unsigned char *grouped) {
+    static const double nearly = 1.25;
+    for (const ns_own_current *of; (of = find_smallest(currents, grouped)) != NULL;) {
+        const ns_own_current first = *of;
+        ns_log_mean mean = {0};
+        for (int k = 0; k < currents->count; k++) {
+            const ns_own_current *c = &currents->of[k];
+            if (grouped[k] || c->inst->GENmodPtr != first.inst->GENmodPtr || c->faint != first.faint ||
+                c->id > nearly * first.id)
+                continue;
+            grouped[k] = 2;
+            mean.coulombs += 1.0;
+            mean.sum += log(c->id);
+            mean.most = fmax(mean.most, c->most);
+        }
+        for (int k = 0; k < currents->count; k++) {
+            ns_own_current *c = &currents->of[k];
+            if (grouped[k] != 2)
+                continue;
+            grouped[k] = 1;
+            c->id = c->faint ? c->id : round_current(ns_bridge_log_mean_read(&mean));
+            c->most = round_current(mean.most);
+        }
     }
-    pass(&p, stop, &currents->seconds);
-    currents->whole = currents->seconds >= stop;
-    for (int k = 0; k < a->ex.nowns; k++)
-        if (p.mean[k].coulombs > 0.0)
-            currents->of[currents->count++] = current_of(&p, k, currents->whole);
+}
+
+int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double start, double stop,
+                                ns_own_found *currents) {
+    const size_t count = (size_t)a->ex.nowns + 1;
+    own_pass p = {a, march, calloc(count, sizeof *p.mean), start, start > 0.0 ? 0.0 : INFINITY};
+    unsigned char *grouped = calloc(count, 1);
+    currents->of = calloc(count, sizeof *currents->of);
+    const int status = p.mean && grouped && currents->of ? NS_OK : NS_E_MEMORY;
+    if (status == NS_OK) {
+        pass(&p, stop, &currents->seconds);
+        currents->whole = currents->seconds >= stop;
+        for (int k = 0; k < a->ex.nowns; k++)
+            note_current(&p, k, currents);
+        round_in_groups(currents, grouped);
+    }
     free(p.mean);
-    return NS_OK;
+    free(grouped);
+    return status;
 }
 
 void ns_bridge_own_forget_currents(ns_own_found *currents) {
