@@ -77,8 +77,12 @@ static int prepare_force(ns_session *s) {
 
 static void announce_circuit(ns_session *s) {
     const ns_analysis *a = &s->analysis;
-    if (!s->once.circuit_announced || (s->found.seconds > 0.0 && !s->once.currents_announced))
+    const int sweeps = (s->ckt->CKTmode & MODEDCTRANCURVE) != 0; /* models, too */
+    const unsigned long long models = sweeps ? s->once.models : ns_bridge_own_hash(a);
+    if (!s->once.circuit_announced || (s->found.seconds > 0.0 && !s->once.currents_announced) ||
+        models != s->once.models)
         ns_bridge_own_announce(a);
+    s->once.models = models;
     s->once.currents_announced |= s->found.seconds > 0.0;
     if (!s->once.circuit_announced) {
         const int devices = a->ex.ndevices + a->ex.nowns;

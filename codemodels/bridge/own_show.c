@@ -151,6 +151,30 @@ static void announce_mosfets(const ns_own_taken *o, int count) {
         o->diode.ron);
 }
 
+/* --- is it what was announced? --- */
+
+static void mix_numbers(unsigned long long *hash, const void *numbers, size_t size) {
+    const unsigned char *b = numbers;
+    for (size_t i = 0; i < size; i++) /* FNV-1a */
+        *hash = (*hash ^ b[i]) * 1099511628211ULL;
+}
+
+/* Of models, not of currents that D are read at: these are others in each step of a sweep. */
+unsigned long long ns_bridge_own_hash(const ns_analysis *a) {
+    unsigned long long hash = 14695981039346656037ULL;
+    for (int k = 0; k < a->ex.nowns; k++) {
+        const ns_own_taken *o = &a->ex.own[k];
+        ns_own_diode d = {0};
+        if (o->kind == OWN_DIODE)
+            ns_bridge_own_read_diode(o->inst, &d);
+        const double numbers[] = {
+            o->sw.vt,         o->sw.vh, o->sw.ron, o->sw.roff,           o->mosfet.vth,     o->mosfet.beta,
+            o->mosfet.series, d.rs,     d.bv,      d.law.bottom.amperes, d.law.bottom.volts};
+        mix_numbers(&hash, numbers, sizeof numbers);
+    }
+    return hash;
+}
+
 void ns_bridge_own_announce(const ns_analysis *a) {
     for (int k = 0; k < a->ex.nowns; k++) {
         const ns_own_taken *o = &a->ex.own[k];

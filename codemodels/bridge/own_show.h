@@ -21,5 +21,7 @@ int ns_bridge_own_note_curve(const ns_analysis *a);
 
 /* One line for each kind of device. */
 void ns_bridge_own_announce(const ns_analysis *a);
+/* A hash of the models of what was taken: another one after altermod. */
+unsigned long long ns_bridge_own_hash(const ns_analysis *a);
 
 #endif

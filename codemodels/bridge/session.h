@@ -37,11 +37,12 @@ typedef struct ns_session {
 
     /* --- once a circuit (analysis_start.c) --- */
     struct {
-        int version_checked;    /* ngspice is the one this was built for */
-        int circuit_announced;  /* its size was written */
-        int currents_announced; /* the vf of D at currents of their own were written */
-        int curve_noted;        /* that a D is far from its own curve was written */
-        int reltol_noted;       /* that reltol has no effect was written */
+        int version_checked;       /* ngspice is the one this was built for */
+        int circuit_announced;     /* its size was written */
+        int currents_announced;    /* the vf of D at currents of their own were written */
+        unsigned long long models; /* those of what was announced as taken */
+        int curve_noted;           /* that a D is far from its own curve was written */
+        int reltol_noted;          /* that reltol has no effect was written */
     } once;
 
     /* --- the analysis (analysis_start.c) --- */
