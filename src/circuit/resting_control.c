@@ -178,11 +178,14 @@ static double above(const level_sums *s, double constant, double t) {
     return sum;
 }
 
-/* 1 if the sum is at the threshold throughout this interval. */
+/* 1 if the sum is at the threshold throughout this interval: at parts of it, the roots of 2 to 7 less what is
+ * whole, whose distances have no common measure: zeros of a sine have one. */
 static int stays_within(const level_sums *s, double constant, double t, double end) {
+    static const double part[] = {0.41421356237309505, 0.73205080756887729, 0.2360679774997897,
+                                  0.44948974278317810, 0.6457513110645906};
     int stays = 1;
-    for (int i = 1; i < 4 && stays; i++)
-        stays = fabs(above(s, constant, t + i * 0.25 * (end - t))) <= s->tolerance;
+    for (size_t i = 0; i < sizeof part / sizeof *part && stays; i++)
+        stays = fabs(above(s, constant, t + part[i] * (end - t))) <= s->tolerance;
     return stays;
 }
 

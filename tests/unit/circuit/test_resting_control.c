@@ -134,6 +134,25 @@ static void choice_by_time(void **state) {
     end_with((double[]){0, 0, 0}, (double[]){16e-12, -16e-12, 0});
 }
 
+/* -1 V, and 0 V from 2 ms on, less a sine of 1 kHz that is 0 V until 1 ms: levels that add up to the
+ * threshold, but while one is there the other is not.  The sine is zero at quarters of the second after 2 ms.
+ */
+static void choice_of_a_sine(void **state) {
+    const double t[] = {0, 2e-3, 2e-3}, v[] = {-1, -1, 0};
+    ns_signal step = {.kind = NS_PWL};
+    step.u.pwl.n = 3;
+    step.u.pwl.t = t;
+    step.u.pwl.v = v;
+    step.u.pwl.repeat = NAN;
+    (void)state;
+    begin();
+    source("v1", 1, 0, step);
+    source("v2", 2, 0, sine(1e-3));
+    add_choice("c1", 1, 2, 0, 1);
+    add_choice("c2", 2, 1, 1, 2);
+    end_with((double[]){0, 0}, (double[]){0, 0});
+}
+
 /* By 4e-12 of twice the largest source, 3 V; opposite ones of two groups change in one instant, those of one
  * group (a sign) need not. */
 static void choice_by_state(void **state) {
@@ -200,6 +219,7 @@ int main(void) {
         cmocka_unit_test(by_a_sum),
         cmocka_unit_test(by_what_is_not_known),
         cmocka_unit_test(choice_by_time),
+        cmocka_unit_test(choice_of_a_sine),
         cmocka_unit_test(choice_by_state),
         cmocka_unit_test(opposite_choices_beside_zero),
         cmocka_unit_test(refused),
