@@ -32,8 +32,12 @@ static int begin_again(ns_run *r, again *a) {
     if (!a->point)
         return NS_E_MEMORY;
     const int read = ns_engine_read(r->at_work, NULL, a->point, a->point + r->s->n, NULL);
-    ns_system_charges(r->s, a->point, r->check.before);
-    a->own_w = memcmp(r->check.before, a->w, sizeof *a->w * (size_t)r->s->n) != 0;
+    double *charges = calloc((size_t)r->s->n + 1, sizeof *charges);
+    if (!charges)
+        return NS_E_MEMORY;
+    ns_system_charges(r->s, a->point, charges);
+    a->own_w = memcmp(charges, a->w, sizeof *charges * (size_t)r->s->n) != 0;
+    free(charges);
     return read;
 }
 

@@ -37,7 +37,8 @@ static int change(ns_run *r) {
     return status;
 }
 
-/* An engine that is asked ends with LIMIT if it needs too much. */
+/* An engine that is asked ends with LIMIT if it needs too much, any other does not.  (One that comes back to
+ * work within a trial: ns_march_run_put_to_work().) */
 static void bound_work(ns_run *r) {
     ns_engine *e = r->at_work;
     e->most_work =
@@ -54,7 +55,7 @@ static int is_to_look(ns_run *r, ns_until until) {
 void ns_march_run_choose(ns_run *r, ns_until until) {
     double now;
     if (!r->choice.asks)
-        r->at_work->most_work = 0; /* it was asked once, and is at work for another reason */
+        bound_work(r);
     if (!r->chooses || !is_to_look(r, until) || r->back_at < INFINITY || r->kind == NS_RUN_SCHEME ||
         !ns_march_run_rests(r, &now))
         return;

@@ -144,7 +144,6 @@ int ns_march_sliding_is_limit(ns_run *r, const ns_verify_state *at) {
         if (k->changes_too < 0)
             continue;
         k->finding = (ns_verify_finding){NS_VERIFY_CHATTER, j, -1, at->t, INFINITY};
-        k->found = 1;
         return 0;
     }
     return 1;

@@ -194,24 +194,19 @@ static int add_sample(ns_march *m, double t, samples *s) {
 /* Between the last samples: *to becomes the time of the first crossing, *found. */
 static int search_samples(ns_march *m, const samples *s, double *to, int *found) {
     const int last = s->known - 1;
-    double least, dip = last == 2 ? find_dip(m->watched, s->time) : NAN;
+    const double dip = last == 2 ? find_dip(m->watched, s->time) : NAN;
+    double least = s->least[last], in_dip = INFINITY, t = s->time[last];
     int from = last - 1;
-    if (!isnan(dip)) {
-        const int status = look_at(m, dip, m->watched->latest, &least);
-        if (status != NS_OK)
-            return status;
-        *found = least < 0;
+    const int status = isnan(dip) ? NS_OK : look_at(m, dip, m->watched->latest, &in_dip);
+    if (in_dip < 0) {
+        least = in_dip;
+        t = dip;
         from = dip > s->time[1];
     }
-    if (!*found && s->least[last] < 0) {
-        *found = 1;
-        dip = s->time[last];
-        least = s->least[last];
-        from = last - 1;
-    }
-    if (!*found)
-        return NS_OK;
-    *to = dip;
+    *found = least < 0;
+    if (status != NS_OK || !*found)
+        return status;
+    *to = t;
     return locate(m, s->time[from], s->least[from], to, least);
 }
 
