@@ -63,7 +63,7 @@ static void *reserve(void *items, int count, int more, size_t size, size_t *room
     if (want <= *room && items) {
         return items;
     }
-    while (enough < want || enough == 0) {
+    while (enough < want) {
         enough = 2 * enough + 8;
     }
     if (want > INT_MAX / 4 || enough > SIZE_MAX / size) {

@@ -144,8 +144,12 @@ int ns_exact_find_consistent(ns_exact *f) {
 
 /* --- events --- */
 
-/* The instant known ahead is passed: commands flip, inputs jump or turn. */
-static void pass_time_event(ns_exact *f) {
+/* No command has flipped; if the event is one known ahead, its instant is passed: commands flip, inputs jump
+ * or turn. */
+static void begin_event(ns_exact *f, int timed) {
+    memset(f->point->flip, 0, (size_t)f->system->nc);
+    if (!timed)
+        return;
     const ns_time_event *what = ns_inputs_events_pass(f->events);
     f->events_from = f->events_to = what->t;
     for (int i = 0; i < what->flips; i++)
@@ -232,9 +236,7 @@ static int resolve_first_event(ns_exact *f, int *failed) {
     const int status = show_first(f);
     if (status != NS_OK)
         return status;
-    memset(f->point->flip, 0, (size_t)f->system->nc);
-    if (timed)
-        pass_time_event(f);
+    begin_event(f, timed);
     return resolve_event(f, timed ? NS_GUARD_NONE : known ? f->broken.guard : NS_GUARD_UNKNOWN, failed);
 }
 
@@ -262,9 +264,7 @@ static int pass_event(ns_exact *f, int guard, ns_until until, int *failed) {
     const ns_exact_mode *was = f->state.mode;
     int status = show(f, NS_WATCH_LEFT);
     if (status == NS_OK) {
-        memset(f->point->flip, 0, (size_t)f->system->nc);
-        if (guard < 0)
-            pass_time_event(f);
+        begin_event(f, guard < 0);
         status = resolve_event(f, guard, failed);
     }
     if (status != NS_OK || *failed || until != NS_TO_TIME)

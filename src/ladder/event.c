@@ -78,13 +78,11 @@ static int try_implicit_step(ns_ladder *l, double h) {
  * problem is what ns_march_problem() gives. */
 int ns_ladder_short_try(ns_ladder *l, double h) {
     int status = try_implicit_step(l, h);
-    double longer = h, failing = h;
+    const double longest = fmin(l->h, l->limit - l->point->now.t);
+    double longer = 16 * h, failing = h;
     if (status == NS_OK || status == NS_E_MEMORY)
         return status;
-    for (int k = 0; k < 4; k++) {
-        longer *= 16;
-        if (l->point->now.t + longer >= l->limit || longer > l->h)
-            continue;
+    for (int k = 0; k < 4 && longer < longest; k++, longer *= 16) {
         const int longer_status = try_implicit_step(l, longer);
         if (longer_status == NS_OK)
             return NS_OK;

@@ -59,11 +59,11 @@ const ns_mode *ns_sparse_equivalent_mode(ns_equivalents *s, const ns_mode *mode)
     s->active_count = 0;
     for (int i = 0; i < s->count; i++) {
         const ns_equivalent *p = &s->all[i];
-        if (mode[p->pair] != NS_INSIDE || mode[p->of] == NS_INSIDE || ns_mode_slides(mode[p->of]))
+        if (mode[p->pair] != NS_INSIDE || ns_mode_slides(mode[p->of]))
             continue;
         if (s->active_count == 0)
             memcpy(s->mode, mode, (size_t)s->m);
-        if (s->mode[p->of] == NS_INSIDE) /* by another pair across it */
+        if (s->mode[p->of] == NS_INSIDE) /* it is closed, or by another pair across it */
             continue;
         s->mode[p->of] = NS_INSIDE;
         s->mode[p->pair] = p->idle;

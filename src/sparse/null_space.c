@@ -63,7 +63,7 @@ int ns_sparse_null_search_create(const ns_form *f, ns_null_search **out) {
     if (!s)
         return NS_E_MEMORY;
     s->f = f;
-    s->start = calloc(size + 2 * entries + 2, sizeof(int));
+    s->start = calloc(size + 2 * entries + 1, sizeof(int));
     s->value = calloc(2 * entries + 3 * (MOST + 1) * size + 1, sizeof(double));
     int status = s->start && s->value ? NS_OK : NS_E_MEMORY;
     if (status == NS_OK) {
