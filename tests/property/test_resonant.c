@@ -9,6 +9,7 @@
 #include <stdio.h>
 
 #include "dice.h"
+#include "retries.h"
 #include "rig.h"
 #include "runs.h"
 #include "signals.h"
@@ -119,5 +120,6 @@ static void converters(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(converters)};
+    allow_retries(8); /* measured: 3 */
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -7,6 +7,7 @@
  * 0.4918 V.
  */
 #include "hysteretic_pump.h"
+#include "retries.h"
 
 static const double lowest = 0.5;
 
@@ -47,6 +48,7 @@ static void exact(void **state) {
 
 static void sparse(void **state) {
     (void)state;
+    allow_retries(1); /* the check of a jump finds it */
     never_below(100e-6, 10, 0, 5e-6, NS_SPARSE);
     never_below(1e-6, 0.01, PUMP_SUPPLY, 5e-9, NS_SPARSE);
 }

@@ -3,6 +3,7 @@
  * An engine of a run is replaced by one that asks it and changes once what it answers.  What follows has to
  * be as if nothing had been changed; where all engines are wrong, the run is refused.
  */
+#include "retries.h"
 #include "rig.h"
 
 #include <stdio.h>
@@ -392,5 +393,6 @@ int main(void) {
         cmocka_unit_test(the_bound_of_a_question_ends_with_it),
         cmocka_unit_test(where_no_engine_is_right_the_run_is_refused),
     };
+    allow_retries(ANY_RETRIES);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
