@@ -160,6 +160,7 @@ static void diode_parameters(void **state) {
         {{0, 0, 1e-310, INFINITY, 0}, NS_E_RANGE, "d2: roff = 1e-310 is too small to invert"},
         {{0, 0, 1, NAN, 0}, NS_E_NUMBER, "d2: vz = nan must be a number"},
         {{0, 0, 1, -3, 0}, NS_E_RANGE, "d2: vz = -3 must be positive"},
+        {{0.7, 0, 1, 0, 0}, NS_E_RANGE, "d2: vz = 0 must be positive"},
         {{0, 0, 1, 3, 2}, NS_E_RANGE, "d2: roff = 1 must be larger than rz = 2"},
         {{0, 0, 1, 3, -2}, NS_E_RANGE, "d2: rz = -2 must be at least 0"},
         {{-2, 0.5, 1, 3, 0}, NS_E_RANGE, "d2: vz = 3 must keep breakdown below conduction at vf = -2"},

@@ -51,6 +51,26 @@ static void waves_are_the_signal(void **state) {
     }
 }
 
+/* 1 V and a sine of 2 V and 50 Hz: 3 V at most; D of a wave e^(st) by steps g is gs/(1-gs). */
+static void errors_of_a_sine(void **state) {
+    const double g = 1e-3, gs = 2 * acos(-1) * 50 * g;
+    ns_system *s = bare(2, 0);
+    ns_input_stages *in;
+    (void)state;
+    input(s, 0, sine(1, 2, 50, 0, 30));
+    input(s, 1, dc(-7));
+    s->E[0] = s->E[1] = 1;
+    assert_int_equal(ns_inputs_stages_create(s, &in), NS_OK);
+    ns_inputs_stages_at(in, 3e-3);
+    assert_near(in->max_abs[0], 3, tol);
+    assert_int_equal(in->ncurved, 1);
+    for (int order = 1; order < 9; order++)
+        assert_near(ns_inputs_stages_error(in, g, order), 2.0 / 3 * pow(gs / sqrt(1 + gs * gs), order + 1),
+                    1e-12);
+    ns_inputs_stages_free(in);
+    ns_system_free(s);
+}
+
 /* What does not move has no wave. */
 static void constants_have_no_waves(void **state) {
     const ns_signal still[] = {sine(3, 0, 50, 0, 90),
@@ -352,11 +372,17 @@ static void commands_of_large_systems(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(waves_are_the_signal),      cmocka_unit_test(constants_have_no_waves),
-        cmocka_unit_test(states_are_the_signals),    cmocka_unit_test(an_exponential_ends_before_it_begins),
-        cmocka_unit_test(only_ramps_have_slopes),    cmocka_unit_test(what_is_followed_is_mute),
-        cmocka_unit_test(states_are_shared),         cmocka_unit_test(expansions_are_the_signals),
-        cmocka_unit_test(commands_of_large_systems), cmocka_unit_test(only_lines_have_states_of_their_own),
+        cmocka_unit_test(errors_of_a_sine),
+        cmocka_unit_test(waves_are_the_signal),
+        cmocka_unit_test(constants_have_no_waves),
+        cmocka_unit_test(states_are_the_signals),
+        cmocka_unit_test(an_exponential_ends_before_it_begins),
+        cmocka_unit_test(only_ramps_have_slopes),
+        cmocka_unit_test(what_is_followed_is_mute),
+        cmocka_unit_test(states_are_shared),
+        cmocka_unit_test(expansions_are_the_signals),
+        cmocka_unit_test(commands_of_large_systems),
+        cmocka_unit_test(only_lines_have_states_of_their_own),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -89,7 +89,11 @@ static void it_comes_back(void **state) {
     assert_int_equal(ns_march_start(m, 0, w0), NS_OK);
     go(m, t1 + 0.3 * tau);
     const long events = ns_march_counts(m)->events;
+    const ns_work work = ns_engine_work(run_of(m)->at_work), *before = &run_of(m)->work_before;
     assert_int_equal(ns_march_run_leave_sparse(run_of(m)), NS_OK);
+    assert_true(work.all > work.once && work.once > 0 && work.events > 0); /* it stays known */
+    assert_true(before->all >= work.all && before->all < 1.01 * work.all); /* it is read once more */
+    assert_true(before->once == work.once && before->events == work.events);
     go(m, t1 + 0.3 * tau + 63e-7);
     assert_int_equal(ns_march_engine(m), NS_EXACT);
     go(m, t1 + 0.3 * tau + 65e-7);

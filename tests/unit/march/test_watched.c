@@ -135,6 +135,37 @@ static void of_what_comes_to_rest(void **state) {
     }
 }
 
+/* The current into 1 uF is C dv/dt: 0, and 1 A while its source rises by 1 V/us. */
+static void of_a_current_that_jumps(void **state) {
+    static const ns_method methods[] = {NS_EXACT, NS_SPARSE};
+    static const double t[3] = {1e-6, 2e-6, 3e-6}, v[3] = {0, 1, 1};
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        bench b = open_bench();
+        ns_signal s = {.kind = NS_PWL};
+        const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-7, .method = methods[k]};
+        int id;
+        s.u.pwl.n = 3;
+        s.u.pwl.t = t;
+        s.u.pwl.v = v;
+        s.u.pwl.repeat = NAN;
+        assert_int_equal(ns_circuit_source(b.c, "v", NS_VOLTAGE, 1, 0, &s, &id), NS_OK);
+        assert_int_equal(ns_circuit_capacitor(b.c, "c", 1, 0, 1e-6, NAN, NULL), NS_OK);
+        assert_int_equal(ns_circuit_system(b.c, &b.s), NS_OK);
+        assert_int_equal(ns_march_create(b.s, &o, &b.m, NULL), NS_OK);
+        start_at_rest(&b);
+        ns_threshold at = {ns_circuit_current_unknown(b.c, id), -1, -0.5, 1, 0};
+        for (int half = 0; half < 2; half++) {
+            double reached;
+            assert_int_equal(ns_march_watch(b.m, 1, &at), NS_OK);
+            assert_int_equal(go_until_crossed(b.m, 1.3e-6 + half * 1e-6, &reached), 1);
+            assert_true(fabs(reached - (half + 1) * 1e-6) < 1e-18);
+            at.above = 0;
+        }
+        close_bench(&b);
+    }
+}
+
 static void bad_calls(void **state) {
     (void)state;
     bench b = rc(NS_EXACT);
@@ -159,8 +190,11 @@ static void bad_calls(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(of_an_rc),  cmocka_unit_test(of_a_ring),
-        cmocka_unit_test(of_a_jump), cmocka_unit_test(of_what_comes_to_rest),
+        cmocka_unit_test(of_an_rc),
+        cmocka_unit_test(of_a_ring),
+        cmocka_unit_test(of_a_jump),
+        cmocka_unit_test(of_what_comes_to_rest),
+        cmocka_unit_test(of_a_current_that_jumps),
         cmocka_unit_test(bad_calls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
