@@ -1,6 +1,8 @@
 /* src/exact/guard_sign.c - whether a mode holds from here on: what its guards are about to do. */
 #include "mode_selection.h"
 
+#include "modes/multiple.h"
+
 #include <math.h>
 
 /* work.X_ahead: X after a step of h 2^k.  Errors: MEMORY, kept in f->failed. */
@@ -97,4 +99,30 @@ int ns_exact_mode_holds_clearly(ns_exact *f, ns_exact_mode *k) {
         if (!kernel->always_zero[g] && !(value[g] > tol[g]))
             return 0;
     return 1;
+}
+
+/* 1 if guard g is that of the event but for a factor and for what is rounding beside its terms: of two
+ * switches with mirrored controls. */
+static int is_guard_of_event(ns_exact *f, const ns_mode_kernel *k, int g) {
+    const size_t q = (size_t)k->q;
+    double *size = f->work.max_abs;
+    for (int j = 0; j < k->q; j++)
+        size[j] = j < k->r ? f->max_abs[j] : 1; /* X is among the largest */
+    return f->event_guard >= k->pair_rows &&
+           ns_modes_is_multiple(k->q, k->value + (size_t)g * q, k->value + (size_t)f->event_guard * q, size);
+}
+
+double ns_exact_guard_delay(ns_exact *f, const ns_mode_kernel *k, int g) {
+    enum { LONGEST_EXPONENT = 10 };
+    if (!is_guard_of_event(f, k, g))
+        return INFINITY;
+    const double value = ns_exact_guard_of(k, k->value, g, f->X),
+                 rate = ns_exact_guard_of(k, k->rate, g, f->X);
+    const double tol = ns_exact_guard_rounding_at(f, k, g, f->X, rate), t = f->state.now.t;
+    if (value <= tol + fabs(rate) * f->state.event_time_error)
+        return 0;
+    const double delay = -value / rate, end = t + ns_system_signal_slack(t, t) + delay;
+    return rate < 0 && delay <= ldexp(f->h, -LONGEST_EXPONENT) && ns_inputs_events_next(f->events, end) > end
+               ? delay
+               : INFINITY;
 }

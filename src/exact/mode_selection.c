@@ -8,7 +8,6 @@
 #include "sliding.h"
 
 #include "linalg/simd.h"
-#include "modes/multiple.h"
 
 #include <float.h>
 #include <math.h>
@@ -303,33 +302,26 @@ static int flip_command_of_guard(ns_exact *f) {
     return 1;
 }
 
-/* 1 if guard g is that of the event but for a factor, so that both break in one instant wherever they do: of
- * two switches with mirrored controls. */
-static int is_guard_of_event(ns_exact *f, const ns_mode_kernel *k, int g) {
-    const size_t q = (size_t)k->q;
-    double *size = f->work.max_abs;
-    for (int j = 0; j < k->q; j++)
-        size[j] = j < k->r ? f->max_abs[j] : 1; /* X is among the largest */
-    return f->event_guard >= k->pair_rows &&
-           ns_modes_is_multiple(k->q, k->value + (size_t)g * q, k->value + (size_t)f->event_guard * q, size);
-}
-
 /* Commands that change with the guard that breaks, in whatever order they stand: those with a hysteresis
  * whose threshold is met in the same instant, as after the first of them the control of the next may go back,
- * and those whose control is that of the event. */
+ * and those whose control is that of the event.  The event is known no better than these are apart. */
 static int flip_commands_met(ns_exact *f) {
     const ns_mode_kernel *k = f->state.mode->scale[0].kernel;
+    double last = 0;
     int count = 0;
     for (int g = k->pair_rows; g < k->rows && f->event_guard >= 0; g++) {
         const int c = k->row[g].command;
         const int lasts = f->system->command[c].on > f->system->command[c].off;
-        if (g == f->event_guard || ns_mode_slides(f->state.mode->mode[f->system->command[c].pair]) ||
-            !(lasts ? ns_exact_guard_sign(f, f->state.mode, g, f->X) == NS_SIGN_BREAKS
-                    : is_guard_of_event(f, k, g)))
+        if (g == f->event_guard || ns_mode_slides(f->state.mode->mode[f->system->command[c].pair]))
             continue;
+        const double delay = lasts ? 0 : ns_exact_guard_delay(f, k, g);
+        if (isinf(delay) || (lasts && ns_exact_guard_sign(f, f->state.mode, g, f->X) != NS_SIGN_BREAKS))
+            continue;
+        last = fmax(last, delay);
         flip_command(f, c);
         count++;
     }
+    f->state.event_time_error += last * (1 + 1e-6);
     return count;
 }
 

@@ -50,6 +50,7 @@ static int try_to(ns_engine *e, double t, ns_until until, double *reached) {
     r->trial_is_start = 0;
     ns_march_run_return(r);
     ns_march_run_choose(r, until);
+    r->by_steps = until == NS_TO_STEP;
     const int status = try_engines(r, t, until, reached);
     if (r->trial_is_start)
         return NS_OK;
@@ -59,11 +60,25 @@ static int try_to(ns_engine *e, double t, ns_until until, double *reached) {
     return status;
 }
 
+/* 1 if a switch without hysteresis depends on the state. */
+static int is_switched_by_state(const ns_system *s) {
+    int any = 0;
+    for (int c = 0; c < s->nc && !any; c++)
+        any = s->command[c].gx && s->command[c].on == s->command[c].off;
+    return any;
+}
+
 static int accept_trial(ns_engine *e) {
     ns_run *r = run_of(e);
     const int is_start = r->trial_is_start;
     r->check.is_old = r->trial_is_start = 0;
-    return is_start ? NS_OK : ns_engine_accept(r->at_work);
+    const int status = is_start ? NS_OK : ns_engine_accept(r->at_work);
+    double t;
+    if (status == NS_OK && ns_engine_read(r->at_work, &t, NULL, NULL, NULL) == NS_OK) {
+        r->is_right_side = r->by_steps && t == r->accepted_t && is_switched_by_state(r->s);
+        r->accepted_t = t;
+    }
+    return status;
 }
 
 static void drop(ns_engine *e) {

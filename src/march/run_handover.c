@@ -215,8 +215,9 @@ void ns_march_run_leave_for_the_start(ns_run *r, double t, ns_run_kind was) {
     r->back_at = t;
 }
 
+/* Right after an event a switch that changed with another one may be beside its own threshold still. */
 int ns_march_run_rests(ns_run *r, double *t) {
-    return !r->check.is_old && !r->trial_is_start && !ns_engine_at_event(r->at_work) &&
+    return !r->check.is_old && !r->trial_is_start && !r->is_right_side && !ns_engine_at_event(r->at_work) &&
            ns_engine_read(r->at_work, t, NULL, NULL, NULL) == NS_OK;
 }
 

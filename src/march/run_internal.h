@@ -33,6 +33,10 @@ typedef struct ns_run {
     ns_choice choice;
     int chooses;         /* 1: there are two to choose from */
     long trials;         /* so far */
+    double accepted_t;   /* s: of the last point that was accepted */
+    int is_right_side;   /* 1: of the time of the one before, by NS_TO_STEP: the right side of an event, where
+                          * a switch that the state controls may have changed */
+    int by_steps;        /* 1: the last trial was with NS_TO_STEP */
     ns_work work_before; /* of engines that are gone */
     /* what is told */
     ns_counts before, sum; /* of the engines that were at work before; of all */

@@ -43,6 +43,7 @@ static void place_numbers(ns_sparse *m, double *left) {
     m->work.finer_removed = next_array(&left, n);
     m->l = next_array(&left, pairs);
     m->u = next_array(&left, pairs);
+    m->apart = next_array(&left, pairs); /* a pair has one command at most */
     m->chatter.flip_t = next_array(&left, pairs);
     m->accepted_chatter.flip_t = next_array(&left, pairs);
     m->v = next_array(&left, size);
@@ -75,7 +76,7 @@ static void place_modes(ns_sparse *m) {
 static int allocate_state(ns_sparse *m) {
     const size_t n = (size_t)m->f->n, pairs = (size_t)m->f->m, size = (size_t)m->f->size,
                  nz = (size_t)m->f->nz;
-    double *numbers = calloc(14 * n + 4 * pairs + 8 * size + 3 * nz + 1, sizeof(double));
+    double *numbers = calloc(14 * n + 5 * pairs + 8 * size + 3 * nz + 1, sizeof(double));
     m->w = numbers;
     m->mode = calloc(9 * pairs + 2 * (size_t)m->s->nc + 1, 1);
     m->chatter.flips = calloc(2 * pairs + 1, sizeof(int));

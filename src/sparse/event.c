@@ -191,7 +191,8 @@ static void change_met_commands(ns_sparse *m, const ns_dense_step *step) {
         const ns_command *k = &m->s->command[c];
         if (c == step->command || k->pair == step->pair || !of_state(m, c) ||
             ns_mode_slides(m->mode[k->pair]) ||
-            !(k->on > k->off ? ns_sparse_location_meets(m, step, c) : ns_sparse_location_is_same(m, step, c)))
+            !(k->on > k->off ? ns_sparse_location_meets(m, step, c)
+                             : ns_sparse_location_is_same(m, step, c, &m->apart[c])))
             continue;
         ns_sparse_guard_leave(m, k->pair, 0);
         m->changed[c] = 1;
@@ -202,6 +203,7 @@ void ns_sparse_event_own_changes(ns_sparse *m, const ns_dense_step *step, double
     ns_inputs_stages_at(m->in, t);
     m->contradicting_pair = -1;
     memset(m->changed, 0, (size_t)m->s->nc);
+    memset(m->apart, 0, sizeof *m->apart * (size_t)m->s->nc);
     if (step && (step->pair >= 0 || step->command >= 0))
         change_met_commands(m, step);
     if (step && step->pair >= 0)

@@ -20,6 +20,8 @@ static const double below = 0.1;
 static const double shallow = 1e-7;
 /* A threshold is met where the control is so many of its roundings from it. */
 static const double met = 16;
+/* Another threshold is where this one is if it is so many of them from it. */
+static const double beside = 1e4;
 /* Of a transient far faster than the step, with coefficients 1, -1, 1, ..., of which nothing is left within
  * the step, (E1) makes down to -2.69: the least sum of eight or nine of Laguerre's polynomials. */
 static const double unresolved = 2.7;
@@ -192,25 +194,44 @@ static int search_guard(ns_sparse *m, ns_dense_step *step, found next, found *f)
     return NS_OK;
 }
 
+/* Guard coefficients G as a curve over the step, and its value at the end. */
+static double value_at_end(const ns_dense_step *step, const double *G, ns_curve *curve) {
+    double at_end = 0;
+    ns_modes_curve_of(step->stages, G, step->length / step->g, curve);
+    for (int k = curve->terms - 1; k >= 0; k--)
+        at_end += curve->p[k];
+    return at_end;
+}
+
 int ns_sparse_location_meets(const ns_sparse *m, const ns_dense_step *step, int c) {
     double G[NS_STAGES] = {0};
     ns_curve curve;
     find_coefficients(m, step, step->stages, -1, 0, c, G);
-    ns_modes_curve_of(step->stages, G, step->length / step->g, &curve);
-    double at_end = 0;
-    for (int k = curve.terms - 1; k >= 0; k--)
-        at_end += curve.p[k];
+    const double at_end = value_at_end(step, G, &curve);
     return ns_modes_curve_slope(&curve, 1) < 0 &&
            at_end <= met * ns_sparse_guard_control_rounding(m, c, step->images, step->z);
 }
 
-int ns_sparse_location_is_same(const ns_sparse *m, const ns_dense_step *step, int c) {
+int ns_sparse_location_is_same(const ns_sparse *m, const ns_dense_step *step, int c, double *apart) {
+    static const double soon = 0x1p-10; /* of h */
     double a[NS_STAGES] = {0}, b[NS_STAGES] = {0};
+    ns_curve curve;
+    *apart = 0;
     if (step->command < 0)
         return 0;
     find_coefficients(m, step, step->stages, -1, 0, c, a);
     find_coefficients(m, step, step->stages, -1, 0, step->command, b);
-    return ns_modes_is_multiple(step->stages, a, b, NULL);
+    const double at_end = value_at_end(step, a, &curve), t = step->end_t,
+                 rate = ns_modes_curve_slope(&curve, 1) / step->length, delay = -at_end / rate,
+                 end = t + ns_system_signal_slack(t, t) + delay;
+    const int follows = at_end > 0 && rate < 0 && delay <= soon * m->o.h &&
+                        fmin(m->in->corner, m->in->first) > end &&
+                        at_end <= beside * ns_sparse_guard_control_rounding(m, c, step->images, step->z);
+    a[0] -= follows ? at_end : 0;
+    if (!ns_modes_is_multiple(step->stages, a, b, NULL))
+        return 0;
+    *apart = follows ? at_end * (1 + 1e-6) : 0;
+    return 1;
 }
 
 int ns_sparse_location_first(ns_sparse *m, ns_dense_step *step) {

@@ -249,8 +249,8 @@ int ns_sparse_guard_commands(ns_sparse *m, const double *v, const ns_dense_step 
     int count = 0;
     for (int c = 0; c < m->s->nc; c++) {
         const int j = m->s->command[c].pair;
-        if (!of_state(m, c) ||
-            margin(m, c, v, m->z, 1) >= -(others + ns_sparse_guard_control_rounding(m, c, v, m->z)))
+        if (!of_state(m, c) || margin(m, c, v, m->z, 1) >=
+                                   -(others + m->apart[c] + ns_sparse_guard_control_rounding(m, c, v, m->z)))
             continue;
         const int slides = changed && changed[c] && let_slide(m, c, v, step);
         if (!slides)
