@@ -58,26 +58,32 @@ static int change_along_growth(ns_sparse *m, double g, const double *v) {
     return 1;
 }
 
-/* Changes the pairs whose guards are broken until none is.  Errors: SINGULAR, LIMIT (it does not end). */
-static int change_broken(ns_sparse *m, double t, double g, const double *w, int along_growth, double *v,
+/* What a search does where changing all broken pairs does not end. */
+typedef enum search { ENDS, ALONG_GROWTH, ONE_BY_ONE } search;
+
+/* Changes the pairs whose guards are broken until none is: all at once; ONE_BY_ONE: where their number does not
+ * fall the first one alone, which ends (Judice and Pires, Computers & Operations Research 21, 1994).  Errors:
+ * SINGULAR, LIMIT (it does not end). */
+static int change_broken(ns_sparse *m, double t, double g, const double *w, search how, double *v,
                          double *by) {
     int best = m->f->m + 1, extra = EXTRA_ROUNDS;
-    for (int round = 0; round < MOST_ROUNDS && extra > 0; round++) {
+    for (int round = 0; round < MOST_ROUNDS && (extra > 0 || how == ONE_BY_ONE); round++) {
         const int status = ns_sparse_step_euler(m, t, g, w, 1, v, by);
         if (status != NS_OK && status != NS_E_SINGULAR)
             return status;
-        if (along_growth && status == NS_E_SINGULAR && change_along_growth(m, g, v)) {
+        if (how == ALONG_GROWTH && status == NS_E_SINGULAR && change_along_growth(m, g, v)) {
             m->counts.pivots++;
             continue;
         }
-        const int flipped = ns_sparse_guard_flip(m, v, w, g, 1);
-        m->counts.pivots += flipped;
-        if (flipped == 0)
+        const int broken = ns_sparse_guard_broken(m, v, w, g, 1);
+        if (broken == 0)
             return status;
-        if (flipped >= best)
+        m->counts.pivots += ns_sparse_guard_flip(m, extra > 0 ? broken : 1);
+        if (broken >= best)
             extra--;
-        else
-            best = flipped;
+        else if (extra <= 0)
+            extra = 1;
+        best = broken < best ? broken : best;
     }
     return NS_E_LIMIT;
 }
@@ -95,18 +101,30 @@ static int floats_otherwise(ns_sparse *m, const double *v, const double *w, doub
     return any;
 }
 
-/* By guards, else by (P1). */
+/* The same from `from`, one by one where need be; if that does not end, the mode is that of (P1) again. */
+static int change_one_by_one(ns_sparse *m, double t, double g, const double *w, const ns_mode *from,
+                             double *v, double *by) {
+    memcpy(m->work.lcp_mode, m->mode, (size_t)m->f->m);
+    ns_sparse_guard_set_mode(m, from);
+    if (change_broken(m, t, g, w, ONE_BY_ONE, v, by) == NS_OK)
+        return NS_OK;
+    ns_sparse_guard_set_mode(m, m->work.lcp_mode);
+    return ns_sparse_step_euler(m, t, g, w, 1, v, by);
+}
+
+/* By guards, else by (P1), which may be formed where leaks of 1e9 V leave no digit of what decides. */
 static int find_mode(ns_sparse *m, double t, double g, const double *w, double *v, double *by) {
     int status;
     memset(m->touched, 0, (size_t)m->f->m);
-    for (int again = 0;; again++) {
-        status = change_broken(m, t, g, w, 0, v, by);
+    for (int again = 0; again <= LOCALS; again++) {
+        status = change_broken(m, t, g, w, ENDS, v, by);
         if (status != NS_E_SINGULAR && status != NS_E_LIMIT)
             return status;
         status = ns_sparse_local_lcp(m, t, g, w, v, by);
-        if (status != NS_OK || again >= LOCALS || !floats_otherwise(m, v, w, g))
+        if (status != NS_OK || !floats_otherwise(m, v, w, g))
             return status;
     }
+    return change_one_by_one(m, t, g, w, m->work.tried_mode, v, by);
 }
 
 int ns_sparse_event_consistent(ns_sparse *m, double t, double g, const double *w, double *v, double *by) {
@@ -115,7 +133,7 @@ int ns_sparse_event_consistent(ns_sparse *m, double t, double g, const double *w
     if (status != NS_E_INFEASIBLE && status != NS_E_SINGULAR && status != NS_E_LIMIT)
         return status;
     ns_sparse_guard_set_mode(m, m->work.tried_mode);
-    return change_broken(m, t, g, w, 1, v, by) == NS_OK ? NS_OK : status;
+    return change_broken(m, t, g, w, ALONG_GROWTH, v, by) == NS_OK ? NS_OK : status;
 }
 
 /* Commands of time change that do so now, or, at a start, have to; events that only rounding keeps apart are

@@ -171,12 +171,13 @@ int ns_sparse_guard_broken(ns_sparse *m, const double *v, const double *w, doubl
     return count;
 }
 
-int ns_sparse_guard_flip(ns_sparse *m, const double *v, const double *w, double g, int brief) {
-    const int count = ns_sparse_guard_broken(m, v, w, g, brief);
-    for (int j = 0; j < m->f->m && count > 0; j++)
+int ns_sparse_guard_flip(ns_sparse *m, int most) {
+    int count = 0;
+    for (int j = 0; j < m->f->m && count < most; j++)
         if (m->flip[j]) {
             ns_sparse_guard_leave(m, j, m->flip[j] == 2);
             m->touched[j] = 1;
+            count++;
         }
     return count;
 }

@@ -22,9 +22,11 @@ static inline void ns_sparse_guard_toggle(ns_sparse *m, int j) { /* a switch, op
 void ns_sparse_guard_leave(ns_sparse *m, int j, int upper);
 
 /* How many guards are broken at v by more than rounding, after an Euler step g from w (n): they are marked in
- * m->flip; or also left, and their pairs marked in m->touched. */
+ * m->flip. */
 int ns_sparse_guard_broken(ns_sparse *m, const double *v, const double *w, double g, int brief);
-int ns_sparse_guard_flip(ns_sparse *m, const double *v, const double *w, double g, int brief);
+/* The first ones that are marked there, at most so many, are left, and their pairs marked in m->touched; how
+ * many. */
+int ns_sparse_guard_flip(ns_sparse *m, int most);
 /* How many commands by the state v contradicts: they change, or, if they had at this event already (changed
  * (nc), or NULL), their switch slides from the mode of that step on. */
 int ns_sparse_guard_commands(ns_sparse *m, const double *v, const ns_dense_step *step,

@@ -147,7 +147,7 @@ static int search_by_euler(ns_sparse *m, double t, double g) {
     for (int round = 0; round < MOST_STEPS; round++) {
         if (ns_sparse_step_euler(m, t, g, m->w, 0, m->v, NULL) != NS_OK)
             return 0;
-        const int flipped = ns_sparse_guard_flip(m, m->v, m->w, g, 0);
+        const int flipped = ns_sparse_guard_flip(m, ns_sparse_guard_broken(m, m->v, m->w, g, 0));
         m->counts.pivots += flipped;
         if (flipped == 0)
             return 1;

@@ -211,6 +211,7 @@ typedef struct ns_sparse {
         double *no_inputs;          /* nz: zero */
         ns_mode *mode;              /* m */
         ns_mode *tried_mode;        /* m: where a search for a mode began */
+        ns_mode *lcp_mode;          /* m: what (P1) answered */
         ns_mode *lasting_mode;      /* m: of a step that is longer than a transient */
     } work;
 
