@@ -17,9 +17,10 @@ enum { CAPTURE_FIRST = 14, CAPTURE_LAST = 2, CAPTURE_BY = 4 };
 /* What a capture takes from the steps that are left. */
 enum { CAPTURE_COST = 3000 };
 
+/* Of length h, but not so short that charges in that time are rounding. */
 static int euler_step(ns_sparse *m, ns_dense_step *step, double t, double limit, double h) {
     const size_t n = (size_t)m->f->n;
-    const double room = limit - t - step->time_lost, g = fmin(h, room);
+    const double room = limit - t - step->time_lost, g = fmin(fmax(h, ns_sparse_finest(m)), room);
     step->t = t;
     step->g = step->length = g;
     step->end_t = g < room ? t + (step->time_lost + g) : limit;

@@ -18,10 +18,10 @@ static void leg(rig *k, int middle, int upper, int lower, const char *const *nam
     diode(k, name[3], 0, middle);
 }
 
-/* A full bridge whose upper switch opens while the lower one of the other leg is closed, a transformer without
- * leakage, a bridge rectifier and a choke: its 20 mA go on through the diodes.  Rounds that change all broken
- * pairs at once come round in a circle here, and (P1), from a mode that leaks hold at 1e9 V, has no digit left:
- * the choke's current was gone. */
+/* A full bridge whose upper switch opens while the lower one of the other leg is closed, a transformer
+ * without leakage, a bridge rectifier and a choke: its 20 mA go on through the diodes.  Rounds that change
+ * all broken pairs at once come round in a circle here, and (P1), from a mode that leaks hold at 1e9 V, has
+ * no digit left: the choke's current was gone. */
 static void choke_goes_on_behind_a_transformer(void **state) {
     static const char *const left[] = {"s1", "d1", "s2", "d2"}, *const right[] = {"s3", "d3", "s4", "d4"};
     const double millihenry = 1e-3;
@@ -52,7 +52,8 @@ static void choke_goes_on_behind_a_transformer(void **state) {
     const double before = k.x[i];
     go(&k, 1.001e-6);
     assert_true(before > 10e-3);
-    assert_true(fabs(k.x[i] - before) < 30 * 2e-9 / (4.3 * millihenry) + 1e-4 * before); /* v dt / L, and a little */
+    assert_true(fabs(k.x[i] - before) <
+                30 * 2e-9 / (4.3 * millihenry) + 1e-4 * before); /* v dt / L, and a little */
     assert_int_equal(ns_march_counts(k.m)->retries, 0);
     end(&k);
 }

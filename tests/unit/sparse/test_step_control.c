@@ -110,11 +110,29 @@ static void a_pair_that_cannot_carry_it_breaks(void **state) {
     close_bench(&b);
 }
 
+/* After so many steps that ended where they began an Euler step follows, as short as steps get: once it was
+ * h 2^-50 after the shortest steps, in which no digit of a rate is left: resistors of 300 ohm moved 2 nC in
+ * no time (rectifier-inverter 24003000005). */
+static void euler_steps_have_digits(void **state) {
+    (void)state;
+    bench b = open_bench(3);
+    ns_dense_step *before = &b.m->steps[0];
+    before->at_event = 1;
+    before->length = 0;
+    before->failures = 6;
+    before->next_exponent = NS_LEAST_EXPONENT;
+    assert_int_equal(ns_sparse_next_step(b.m, 0, before, b.step), NS_OK);
+    assert_int_equal(b.step->is_euler, 1);
+    assert_true(b.step->length >= ldexp(h, -NS_FINEST));
+    close_bench(&b);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(charges_jump_at_the_beginning),
         cmocka_unit_test(the_impulse_is_kept),
         cmocka_unit_test(a_pair_that_cannot_carry_it_breaks),
+        cmocka_unit_test(euler_steps_have_digits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
