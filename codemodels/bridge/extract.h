@@ -75,6 +75,9 @@ typedef struct ns_own_taken {
         ns_log_mean current;
         double t, i;   /* s, A: the point before */
         double most_v; /* V: the largest voltage across it, of either sign */
+        /* of M: what its own channel does not do, and of what that is a part: at the point before, and
+         * integrals */
+        double off, of, all_off, all_of;
     } seen;
     double vt;        /* of a switch with VON, VOFF */
     ns_own_switch sw; /* of S, W */

@@ -12,6 +12,38 @@ static int is_judged(const ns_analysis *a, const ns_own_taken *o) {
     return o->id >= 0 && (o->kind == OWN_MOSFET || (o->kind == OWN_DIODE && !a->ex.options.zero_diodes));
 }
 
+static double voltage_at(const ns_analysis *a, int eq) {
+    return eq > 0 && a->unknown[eq] >= 0 ? a->x[a->unknown[eq]] : 0.0;
+}
+
+/* A switch: the current (A) beyond that of saturation at its present v(gate,source), of its current.  A
+ * follower: the voltage (V) beyond vto that its own gate needs, of that of its source. */
+static void judge_channel(const ns_analysis *a, const ns_own_taken *o, double i, double *off, double *of) {
+    const ns_own_mosfet *m = &o->mosfet;
+    const double gate = voltage_at(a, m->gate), source = voltage_at(a, m->source);
+    const double above = m->sign * (gate - source) - m->vth;
+    if (!o->follows) {
+        *off = fmax(i - 0.5 * m->beta * above * fmax(above, 0.0), 0.0);
+        *of = i;
+    } else if (voltage_at(a, m->drain) > gate - m->vth) {
+        *off = sqrt(2.0 * i / m->beta);
+        *of = fabs(source);
+    } else {
+        *off = *of = 0.0;
+    }
+}
+
+static void count_channel(const ns_analysis *a, ns_own_taken *o, double i, double seconds) {
+    double off, of;
+    judge_channel(a, o, i, &off, &of);
+    if (seconds > 0.0) {
+        o->seen.all_off += 0.5 * seconds * (off + o->seen.off);
+        o->seen.all_of += 0.5 * seconds * (of + o->seen.of);
+    }
+    o->seen.off = off;
+    o->seen.of = of;
+}
+
 void ns_bridge_own_count_point(const ns_analysis *a, double since, double t) {
     for (int k = 0; k < a->ex.nowns; k++) {
         ns_own_taken *o = &a->ex.own[k];
@@ -23,6 +55,8 @@ void ns_bridge_own_count_point(const ns_analysis *a, double since, double t) {
         if (o->seen.t >= since)
             ns_bridge_log_mean_add(&o->seen.current, 0.5 * (fmax(i, 0.0) + o->seen.i), t - o->seen.t,
                                    NS_LEAK);
+        if (o->kind == OWN_MOSFET)
+            count_channel(a, o, fmax(i, 0.0), o->seen.t >= since ? t - o->seen.t : 0.0);
         o->seen.t = t;
         o->seen.i = fmax(i, 0.0);
         o->seen.most_v = fmax(o->seen.most_v, fabs(v));
@@ -63,6 +97,23 @@ static double difference(const ns_analysis *a, const ns_own_taken *o) {
     return fabs(taken_voltage(o) - own_voltage(o)) / o->seen.most_v;
 }
 
+static double part_off(const ns_own_taken *o) {
+    return o->seen.all_of > 0.0 ? o->seen.all_off / o->seen.all_of : 0.0;
+}
+
+static void note_channel(const ns_own_taken *o) {
+    if (o->follows)
+        ns_bridge_report_note(
+            "%s, a source follower, had its source too high by some %.2g of that voltage: what its own gate "
+            "needs beyond vto is left out; drive it against its source, or add that to vto",
+            o->inst->GENname, part_off(o));
+    else
+        ns_bridge_report_note(
+            "%s carried more than its own model carries at the v(gate,source) of that time, by "
+            "%.2g of its charge: it is no switch there, the result is wrong",
+            o->inst->GENname, part_off(o));
+}
+
 static void note(const ns_own_taken *o) {
     const double amperes = own_current(o), volts = own_voltage(o);
     if (isinf(volts))
@@ -93,5 +144,11 @@ int ns_bridge_own_note_curve(const ns_analysis *a) {
     }
     if (worst)
         note(worst);
+    for (int k = 0; k < a->ex.nowns && !worst; k++) {
+        if (!is_judged(a, &a->ex.own[k]) || !(part_off(&a->ex.own[k]) > much))
+            continue;
+        worst = &a->ex.own[k];
+        note_channel(worst);
+    }
     return worst != NULL;
 }
