@@ -207,8 +207,10 @@ static int start_analysis(ns_session *s) {
     if (error)
         return error;
     ns_bridge_loop_take(s->ckt, &s->loop, a->ex.options.corners, 0);
-    if (!uic) /* under .ic the march starts from other voltages */
+    if (!uic) { /* under .ic the march starts from other voltages */
         ns_bridge_show_values(a, s->force.value);
+        ns_bridge_start_check(s);
+    }
     error = ns_bridge_trial_begin(s);
     if (!error && a->waveform)
         error = ns_bridge_waveform_begin(s, 0.0, NULL);

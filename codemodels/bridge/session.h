@@ -152,6 +152,12 @@ double ns_bridge_trial_right_side(const ns_session *s, double t);
 /* Writes one line on why the marcher's last call failed; returns ngspice's code for status. */
 int ns_bridge_trial_fail(const ns_session *s, int status);
 
+/* --- start_check.c --- */
+
+/* The operating point at analysis.x is the one that the march started from: one line if that left it at once.
+ */
+void ns_bridge_start_check(const ns_session *s);
+
 /* --- single_load.c: one load a timepoint, where ngspice would solve twice --- */
 
 /* After a point is shown: the next is to be loaded once. */

@@ -1,0 +1,52 @@
+/* bridge/start_check.c - is the operating point one?  Where switches and comparators contradict each other in
+ * each state that they may have there is none, and the march leaves the last one that was tried in no time.
+ */
+#include "session.h"
+
+#include "report.h"
+
+#include <math.h>
+
+/* A difference that counts: of the largest voltage, and V. */
+static const double much = 1e-3, least = 1e-9;
+
+/* The node whose voltages in x and y differ most, by more than that: its unknown; -1: none does. */
+static int find_jump(const ns_analysis *a, const double *x, const double *y) {
+    double largest = 0.0, most = 0.0;
+    int found = -1;
+    for (int eq = 0; eq < a->ex.neq; eq++) {
+        const int at = a->unknown[eq];
+        if (at < 0 || a->ex.element[eq] >= 0)
+            continue;
+        largest = fmax(largest, fmax(fabs(x[at]), fabs(y[at])));
+        if (fabs(x[at] - y[at]) > most) {
+            most = fabs(x[at] - y[at]);
+            found = at;
+        }
+    }
+    return most > fmax(much * largest, least) ? found : -1;
+}
+
+/* 1 if the circuit has commands that follow from its state. */
+static int has_commands(const ns_system *s) {
+    for (int c = 0; c < s->nc; c++)
+        if (s->command[c].gx)
+            return 1;
+    return 0;
+}
+
+void ns_bridge_start_check(const ns_session *s) {
+    const ns_analysis *a = &s->analysis;
+    double *y = a->held.n > 0 || !has_commands(a->system) ? NULL : calloc(a->count + 1, sizeof *y);
+    char name[200];
+    if (!y)
+        return;
+    const int at = ns_march_read(a->march, NULL, y, NULL, NULL) == NS_OK ? find_jump(a, a->x, y) : -1;
+    if (at >= 0 && ns_circuit_name_unknown(a->ex.circuit, at, name, sizeof name) > 0)
+        ns_bridge_report_note(
+            "no operating point was found, switches or comparators contradict each other: in the "
+            "one shown the %s is %.4g V, and becomes %.4g V where .tran starts; to start "
+            "elsewhere give uic and .ic",
+            name, a->x[at], y[at]);
+    free(y);
+}
