@@ -59,12 +59,12 @@ static int change_along_growth(ns_sparse *m, double g, const double *v) {
 }
 
 /* What a search does where changing all broken pairs does not end. */
-typedef enum search { ENDS, ALONG_GROWTH, ONE_BY_ONE } search;
+typedef enum change_rule { ENDS, ALONG_GROWTH, ONE_BY_ONE } change_rule;
 
 /* Changes the pairs whose guards are broken until none is: all at once; ONE_BY_ONE: where their number does
  * not fall the first one alone, which ends (Judice and Pires, Computers & Operations Research 21, 1994).
  * Errors: SINGULAR, LIMIT (it does not end). */
-static int change_broken(ns_sparse *m, double t, double g, const double *w, search how, double *v,
+static int change_broken(ns_sparse *m, double t, double g, const double *w, change_rule how, double *v,
                          double *by) {
     int best = m->f->m + 1, extra = EXTRA_ROUNDS;
     for (int round = 0; round < MOST_ROUNDS && (extra > 0 || how == ONE_BY_ONE); round++) {
