@@ -23,10 +23,10 @@ static void judge_channel(const ns_analysis *a, const ns_own_taken *o, double i,
     const double gate = voltage_at(a, m->gate), source = voltage_at(a, m->source);
     const double above = m->sign * (gate - source) - m->vth;
     if (!o->follows) {
-        *off = fmax(i - 0.5 * m->beta * above * fmax(above, 0.0), 0.0);
-        *of = i;
+        *off = i > NS_LEAK ? fmax(i - 0.5 * m->beta * above * fmax(above, 0.0), 0.0) : 0.0;
+        *of = fabs(i);
     } else if (voltage_at(a, m->drain) > gate - m->vth) {
-        *off = sqrt(2.0 * i / m->beta);
+        *off = sqrt(2.0 * fmax(i, 0.0) / m->beta);
         *of = fabs(source);
     } else {
         *off = *of = 0.0;
@@ -56,7 +56,7 @@ void ns_bridge_own_count_point(const ns_analysis *a, double since, double t) {
             ns_bridge_log_mean_add(&o->seen.current, 0.5 * (fmax(i, 0.0) + o->seen.i), t - o->seen.t,
                                    NS_LEAK);
         if (o->kind == OWN_MOSFET)
-            count_channel(a, o, fmax(i, 0.0), o->seen.t >= since ? t - o->seen.t : 0.0);
+            count_channel(a, o, i, o->seen.t >= since ? t - o->seen.t : 0.0);
         o->seen.t = t;
         o->seen.i = fmax(i, 0.0);
         o->seen.most_v = fmax(o->seen.most_v, fabs(v));
@@ -98,7 +98,7 @@ static double difference(const ns_analysis *a, const ns_own_taken *o) {
 }
 
 static double part_off(const ns_own_taken *o) {
-    return o->seen.all_of > 0.0 ? o->seen.all_off / o->seen.all_of : 0.0;
+    return own_current(o) > 0.0 && o->seen.all_of > 0.0 ? o->seen.all_off / o->seen.all_of : 0.0;
 }
 
 static void note_channel(const ns_own_taken *o) {
