@@ -10,6 +10,7 @@
 #include <stdlib.h>
 
 #include "own_elements.h"
+#include "report.h"
 
 /* In steps times unknowns and devices: how far the pass goes. */
 static const double most_work = 30e6;
@@ -105,4 +106,46 @@ int ns_bridge_own_find_leaving(const ns_analysis *a, ns_march *march, double sto
     }
     free(x);
     return status == NS_E_MEMORY ? status : NS_OK;
+}
+
+/* --- every point --- */
+
+static int refuse_resting(const ns_own_taken *o, double t) {
+    ns_bridge_report_error(
+        "%s: at t = %.6g s: its control comes to rest at its threshold, %g, from %s: ngspice "
+        "%s it there, which is not supported of such a control; shift vt by a little",
+        o->inst->GENname, t, o->sw.vt, o->rest.side > 0 ? "above" : "below",
+        o->rest.side > 0 ? "opens" : "closes");
+    return E_UNSUPP;
+}
+
+/* Whether ngspice has the switch in the other state at a point, where its control is at the threshold: it
+ * opens what comes from above, and closes what comes from below. */
+static int differs(const ns_analysis *a, ns_own_taken *o, double above_by) {
+    static const double rounding = 0.25;
+    int on;
+    if (!(fabs(above_by) <= rounding * ns_circuit_switch_shift(o->sw.vt))) {
+        o->rest.side = above_by > 0.0 ? 1 : -1;
+        return 0;
+    }
+    ns_circuit_device(a->ex.circuit, o->id, a->x, a->lambda, a->mode, NULL, NULL, &on);
+    return o->rest.side != 0 && (on != o->inverted) != (o->rest.side < 0);
+}
+
+int ns_bridge_own_check_resting(ns_analysis *a, const double *value, double t, double least) {
+    for (int k = 0; k < a->ex.nowns; k++) {
+        ns_own_taken *o = &a->ex.own[k];
+        const ns_own_switch *s = &o->sw;
+        if ((o->kind != OWN_SWITCH && o->kind != OWN_CURRENT_SWITCH) || o->id < 0 || s->vh != 0.0)
+            continue;
+        const double control = s->branch > 0 ? value[s->branch] : value[s->cp] - value[s->cn];
+        const int first = !(o->rest.differs <= t); /* where it leaves, the switch may have changed already */
+        if (!differs(a, o, control - s->vt))
+            o->rest.differs = NAN;
+        else if (first)
+            o->rest.differs = t;
+        else if (t - o->rest.differs > least)
+            return refuse_resting(o, o->rest.differs);
+    }
+    return OK;
 }

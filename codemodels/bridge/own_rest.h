@@ -13,4 +13,8 @@ int ns_bridge_own_find_resting(const CKTcircuit *ckt, const ns_analysis *a, ns_o
  * threshold, and sets found->start.until; failures end that.  Errors: MEMORY. */
 int ns_bridge_own_find_leaving(const ns_analysis *a, ns_march *march, double stop, ns_own_found *found);
 
+/* A point of .tran at t, by equation: an error, with one line, if the control of an S or W rests at its
+ * threshold, for longer than `least` (s), and ngspice has the switch in the other state there. */
+int ns_bridge_own_check_resting(ns_analysis *a, const double *value, double t, double least);
+
 #endif

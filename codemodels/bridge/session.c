@@ -9,6 +9,7 @@
 
 #include "climits.h"
 #include "digital_run.h"
+#include "own_rest.h"
 #include "own_show.h"
 #include "report.h"
 #include "show.h"
@@ -141,6 +142,9 @@ int ns_bridge_session_accept(ns_session *s) {
         return s->failed;
     ns_bridge_show_later(&s->analysis);
     ns_bridge_own_show_states(&s->analysis, ckt);
+    s->failed = ns_bridge_own_check_resting(&s->analysis, s->force.value, ckt->CKTtime, 0.01 * ckt->CKTstep);
+    if (s->failed)
+        return s->failed;
     ns_bridge_own_count_point(&s->analysis, ckt->CKTinitTime, ckt->CKTtime);
     ns_bridge_taken_accept(&s->analysis, s->trial.t, is_shown(ckt));
     if (ckt->CKTfinalTime - ckt->CKTtime < ckt->CKTminBreak) {
