@@ -45,12 +45,8 @@ static int read_vcvs(const way *w, const VCVSinstance *e, ns_own_range *gap) {
     ns_own_range r = {0};
     if (w->is_control || !find_voltage(w->ckt, e->VCVScontPosNode, e->VCVScontNegNode, 1, &r, &share))
         return 0;
-    *gap = (ns_own_range){fmin(gain * r.low, gain * r.high),
-                          fmax(gain * r.low, gain * r.high),
-                          r.switches,
-                          1,
-                          0.0,
-                          r.amplifies};
+    const double low = gain * r.low, high = gain * r.high;
+    *gap = (ns_own_range){fmin(low, high), fmax(low, high), r.switches, 1, 0.0, r.amplifies, 0};
     return 1;
 }
 
@@ -87,8 +83,11 @@ static int read_wire(const way *w, const GENinstance *inst, int here, int *p, in
         const ASRCinstance *b = (const ASRCinstance *)inst;
         *p = b->ASRCposNode;
         *n = b->ASRCnegNode;
-        return (*p == here || *n == here) && !w->inside_b &&
-               ns_bridge_own_range_of_b(w->ckt, inst, range_at, gap);
+        if ((*p != here && *n != here) || w->inside_b ||
+            !ns_bridge_own_range_of_b(w->ckt, inst, range_at, *n == 0 ? w->goal : 0, gap))
+            return 0;
+        *n = gap->of_goal ? w->goal : *n;
+        return *p == here || *n == here;
     }
     case 'a':
         return ns_bridge_own_range_of_bridge(inst, here, p, n, gap);
@@ -267,7 +266,7 @@ static int solve(network *n, ns_own_range *r, double *share) {
         const double low = part * t->volts.low, high = part * t->volts.high;
         *r = add_gap(*r,
                      (ns_own_range){fmin(low, high), fmax(low, high), t->volts.switches, t->volts.sources,
-                                    0.0, t->volts.amplifies},
+                                    0.0, t->volts.amplifies, 0},
                      1);
         *share += t->of_goal ? part : 0.0;
     }
@@ -383,7 +382,7 @@ int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_o
     double share;
     if (!find_voltage(ckt, m->gate, m->source, 0, &r, &share)) {
         way ends = {.ckt = ckt, .goal = m->source, .along_r = 1};
-        r = (ns_own_range){INFINITY, -INFINITY, 0, 1, 0.0, 0};
+        r = (ns_own_range){INFINITY, -INFINITY, 0, 1, 0.0, 0, 0};
         share = 1.0;
         visit_ends(&ends, m->gate, &r);
         if (!r.switches || !(r.low < r.high))

@@ -12,6 +12,7 @@ typedef struct ns_own_range {
     int sources;      /* any source is in it */
     double slope;     /* of B: with signals that are not known, at most */
     int amplifies;    /* that is no comparator's */
+    int of_goal;      /* of B: all that is above the voltage of a node, so often */
 } ns_own_range;
 
 void ns_bridge_own_extend(ns_own_range *r, double value);
@@ -20,9 +21,9 @@ ns_own_range ns_bridge_own_range_of_v(const VSRCinstance *v);
 /* The range of the voltage at an equation, as V alone set it; 0: they do not. */
 typedef int ns_own_range_at(const CKTcircuit *ckt, int eq, ns_own_range *r);
 
-/* Of a B source of voltage; nodes in it have the range that `at` gives.  0: it has none, or it is infinite.
- */
-int ns_bridge_own_range_of_b(const CKTcircuit *ckt, const GENinstance *inst, ns_own_range_at *at,
+/* Of a B source of voltage; nodes in it have the range that `at` gives, but for the goal (an equation), above
+ * which its value may be (r->of_goal 1).  0: it has none, or it is infinite. */
+int ns_bridge_own_range_of_b(const CKTcircuit *ckt, const GENinstance *inst, ns_own_range_at *at, int goal,
                              ns_own_range *r);
 
 /* Of the output of a dac_bridge at this equation: its nodes, and the range between them.  0: it has none. */

@@ -16,6 +16,7 @@ typedef struct range_reader {
     const CKTcircuit *ckt;
     const ASRCinstance *b;
     ns_own_range_at *at;
+    int goal;
     int depth;
 } range_reader;
 
@@ -23,12 +24,18 @@ typedef struct range_reader {
  * it is an amplifier, whose gate may rest between them. */
 static const double steep = 1e3;
 
-static const ns_own_range any = {-INFINITY, INFINITY, 0, 0, 1.0, 0};
+static const ns_own_range any = {-INFINITY, INFINITY, 0, 0, 1.0, 0, 0};
 
 static ns_own_range range_of(range_reader *r, const INPparseNode *node);
 
+/* Where it is no sum: what is above the goal is as unknown as that. */
+static ns_own_range plain_range_of(range_reader *r, const INPparseNode *node) {
+    const ns_own_range a = range_of(r, node);
+    return a.of_goal ? any : a;
+}
+
 static ns_own_range steps(double low, double high) {
-    return (ns_own_range){low, high, 1, 1, 0.0, 0};
+    return (ns_own_range){low, high, 1, 1, 0.0, 0, 0};
 }
 
 static int is_finite(const ns_own_range *a) {
@@ -37,7 +44,7 @@ static int is_finite(const ns_own_range *a) {
 
 /* Of a and b, cut off or added. */
 static ns_own_range joined(double low, double high, const ns_own_range *a, const ns_own_range *b) {
-    return (ns_own_range){low, high, a->switches || b->switches, 1, fmax(a->slope, b->slope), 0};
+    return (ns_own_range){low, high, a->switches || b->switches, 1, fmax(a->slope, b->slope), 0, 0};
 }
 
 static double times(double a, double b) {
@@ -57,6 +64,7 @@ static ns_own_range product(const ns_own_range *a, const ns_own_range *b) {
                           a->switches || b->switches,
                           1,
                           a->slope * size_of(b) + b->slope * size_of(a),
+                          0,
                           0};
 }
 
@@ -100,8 +108,9 @@ static int share_a_signal(const INPparseNode *a, const INPparseNode *b, int comp
 }
 
 static ns_own_range operation(range_reader *r, const INPparseNode *node) {
-    const ns_own_range a = range_of(r, node->left), b = range_of(r, node->right);
     const int adds = node->type == PT_PLUS || node->type == PT_MINUS;
+    const ns_own_range a = adds ? range_of(r, node->left) : plain_range_of(r, node->left),
+                       b = adds ? range_of(r, node->right) : plain_range_of(r, node->right);
     ns_own_range found = any;
     switch (node->type) {
     case PT_PLUS:
@@ -115,12 +124,13 @@ static ns_own_range operation(range_reader *r, const INPparseNode *node) {
         break;
     case PT_DIVIDE:
         if (b.low == b.high && b.low != 0.0)
-            found = product(&a, &(ns_own_range){1.0 / b.low, 1.0 / b.low, 0, 1, 0.0, 0});
+            found = product(&a, &(ns_own_range){1.0 / b.low, 1.0 / b.low, 0, 1, 0.0, 0, 0});
         break;
     default:
         break;
     }
     found.slope = adds ? a.slope + b.slope : found.slope;
+    found.of_goal = node->type == PT_MINUS ? a.of_goal - b.of_goal : a.of_goal + b.of_goal;
     if (share_a_signal(node->left, node->right, adds)) {
         found.low = -INFINITY;
         found.high = INFINITY;
@@ -135,7 +145,7 @@ static ns_own_range line(const INPparseNode *node, const ns_own_range *a) {
         double *vals;
     } *points = node->data;
     const double *v = points->vals;
-    ns_own_range r = {INFINITY, -INFINITY, 0, 1, 0.0, 0};
+    ns_own_range r = {INFINITY, -INFINITY, 0, 1, 0.0, 0, 0};
     double most = 0.0;
     for (int k = 0; k + 3 < points->n; k += 2) {
         const double slope = (v[k + 3] - v[k + 1]) / (v[k + 2] - v[k]);
@@ -161,12 +171,12 @@ static ns_own_range larger(const ns_own_range *a, const ns_own_range *b) {
 }
 
 static ns_own_range negative(const ns_own_range *a) {
-    return (ns_own_range){-a->high, -a->low, a->switches, 1, a->slope, 0};
+    return (ns_own_range){-a->high, -a->low, a->switches, 1, a->slope, 0, 0};
 }
 
 static ns_own_range function(range_reader *r, const INPparseNode *node) {
     if (node->funcnum == PTF_MIN || node->funcnum == PTF_MAX) {
-        const ns_own_range a = range_of(r, node->left->left), b = range_of(r, node->left->right);
+        const ns_own_range a = plain_range_of(r, node->left->left), b = plain_range_of(r, node->left->right);
         if (share_a_signal(node->left->left, node->left->right, 0))
             return any;
         return node->funcnum == PTF_MIN ? smaller(&a, &b) : larger(&a, &b);
@@ -175,8 +185,9 @@ static ns_own_range function(range_reader *r, const INPparseNode *node) {
         return any;
     if (is_stepped(node))
         return node->funcnum == PTF_SGN ? steps(-1.0, 1.0) : steps(0.0, 1.0);
-    const ns_own_range a = range_of(r, node->left), minus = negative(&a), none = {0.0, 0.0, 0, 1, 0.0, 0},
-                       one = {1.0, 1.0, 0, 1, 0.0, 0}, above = larger(&a, &none);
+    const ns_own_range a = plain_range_of(r, node->left), minus = negative(&a),
+                       none = {0.0, 0.0, 0, 1, 0.0, 0, 0}, one = {1.0, 1.0, 0, 1, 0.0, 0, 0},
+                       above = larger(&a, &none);
     switch (node->funcnum) {
     case PTF_UMINUS:
         return minus;
@@ -190,7 +201,7 @@ static ns_own_range function(range_reader *r, const INPparseNode *node) {
         return smaller(&above, &one);
     case PTF_SIN:
     case PTF_COS:
-        return (ns_own_range){-1.0, 1.0, 0, 1, a.slope, 0};
+        return (ns_own_range){-1.0, 1.0, 0, 1, a.slope, 0, 0};
     default:
         return any;
     }
@@ -198,6 +209,8 @@ static ns_own_range function(range_reader *r, const INPparseNode *node) {
 
 static ns_own_range variable(const range_reader *r, int index) {
     ns_own_range a;
+    if (r->goal > 0 && r->b->ASRCtree->varTypes[index] == IF_NODE && r->b->ASRCvars[index] == r->goal)
+        return (ns_own_range){0.0, 0.0, 0, 1, 0.0, 0, 1};
     if (r->b->ASRCtree->varTypes[index] != IF_NODE || !r->at(r->ckt, r->b->ASRCvars[index], &a))
         return any;
     return a;
@@ -208,7 +221,8 @@ static ns_own_range choice(range_reader *r, const INPparseNode *node) {
     const ns_own_range a = range_of(r, node->right->left), b = range_of(r, node->right->right);
     ns_own_range found = joined(fmin(a.low, b.low), fmax(a.high, b.high), &a, &b);
     found.switches = 1;
-    return found;
+    found.of_goal = a.of_goal;
+    return a.of_goal == b.of_goal ? found : any;
 }
 
 static ns_own_range range_of(range_reader *r, const INPparseNode *node) {
@@ -217,7 +231,7 @@ static ns_own_range range_of(range_reader *r, const INPparseNode *node) {
         return any;
     r->depth++;
     if (node->type == PT_CONSTANT)
-        found = (ns_own_range){node->constant, node->constant, 0, 1, 0.0, 0};
+        found = (ns_own_range){node->constant, node->constant, 0, 1, 0.0, 0, 0};
     else if (node->type == PT_VAR)
         found = variable(r, node->valueIndex);
     else if (node->type == PT_FUNCTION)
@@ -225,23 +239,23 @@ static ns_own_range range_of(range_reader *r, const INPparseNode *node) {
     else if (node->type == PT_TERN)
         found = choice(r, node);
     else if (node->type == PT_TIME)
-        found = (ns_own_range){0.0, r->ckt->CKTfinalTime, 1, 1, 0.0, 0};
+        found = (ns_own_range){0.0, r->ckt->CKTfinalTime, 1, 1, 0.0, 0, 0};
     else if (node->type != PT_TEMPERATURE && node->type != PT_FREQUENCY)
         found = operation(r, node);
     r->depth--;
     return isnan(found.low) || isnan(found.high) ? any : found;
 }
 
-int ns_bridge_own_range_of_b(const CKTcircuit *ckt, const GENinstance *inst, ns_own_range_at *at,
+int ns_bridge_own_range_of_b(const CKTcircuit *ckt, const GENinstance *inst, ns_own_range_at *at, int goal,
                              ns_own_range *r) {
     const ASRCinstance *b = (const ASRCinstance *)inst;
-    range_reader reads = {.ckt = ckt, .b = b, .at = at};
+    range_reader reads = {.ckt = ckt, .b = b, .at = at, .goal = goal};
     if (b->ASRCtype != ASRC_VOLTAGE)
         return 0;
     *r = range_of(&reads, ((const INPparseTree *)b->ASRCtree)->tree);
     r->amplifies = r->slope > 0.0 && r->slope < steep;
     r->switches |= r->slope >= steep;
-    return is_finite(r);
+    return is_finite(r) && (r->of_goal == 0 || r->of_goal == 1);
 }
 
 int ns_bridge_own_range_of_bridge(const GENinstance *inst, int here, int *p, int *n, ns_own_range *r) {
@@ -268,17 +282,17 @@ void ns_bridge_own_extend(ns_own_range *r, double value) {
 
 ns_own_range ns_bridge_own_range_of_v(const VSRCinstance *v) {
     const double *c = v->VSRCcoeffs;
-    ns_own_range r = {v->VSRCdcValue, v->VSRCdcValue, 0, 1, 0.0, 0};
+    ns_own_range r = {v->VSRCdcValue, v->VSRCdcValue, 0, 1, 0.0, 0, 0};
     if (!v->VSRCcoeffsGiven || v->VSRCfunctionOrder < 2)
         return r;
     switch (v->VSRCfunctionType) {
     case PULSE:
     case EXP:
-        return (ns_own_range){fmin(c[0], c[1]), fmax(c[0], c[1]), v->VSRCfunctionType == PULSE, 1, 0.0, 0};
+        return (ns_own_range){fmin(c[0], c[1]), fmax(c[0], c[1]), v->VSRCfunctionType == PULSE, 1, 0.0, 0, 0};
     case SINE:
-        return (ns_own_range){c[0] - fabs(c[1]), c[0] + fabs(c[1]), 0, 1, 0.0, 0};
+        return (ns_own_range){c[0] - fabs(c[1]), c[0] + fabs(c[1]), 0, 1, 0.0, 0, 0};
     case PWL:
-        r = (ns_own_range){c[1], c[1], 1, 1, 0.0, 0};
+        r = (ns_own_range){c[1], c[1], 1, 1, 0.0, 0, 0};
         for (int k = 3; k < v->VSRCfunctionOrder; k += 2)
             ns_bridge_own_extend(&r, c[k]);
         return r;
