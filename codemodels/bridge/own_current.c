@@ -76,9 +76,10 @@ static void pass_marks(own_pass *p, double t) {
     const int is_start = t >= p->start;
     if (t < p->mark && !(is_start && p->mark < INFINITY))
         return;
+    const ns_log_mean none = {0};
     for (int k = 0; k < p->a->ex.nowns; k++) {
-        p->mean[k].before = is_start ? (ns_log_mean){0} : p->mean[k].late;
-        p->mean[k].late = (ns_log_mean){0};
+        p->mean[k].before = is_start ? none : p->mean[k].late;
+        p->mean[k].late = none;
     }
     p->mark = is_start ? INFINITY : 2.0 * t;
 }

@@ -145,10 +145,11 @@ int ns_bridge_own_note_curve(const ns_analysis *a) {
     if (worst)
         note(worst);
     for (int k = 0; k < a->ex.nowns && !worst; k++) {
-        if (!is_judged(a, &a->ex.own[k]) || !(part_off(&a->ex.own[k]) > much))
-            continue;
-        worst = &a->ex.own[k];
-        note_channel(worst);
+        const ns_own_taken *o = &a->ex.own[k];
+        if (is_judged(a, o) && part_off(o) > much) {
+            note_channel(o);
+            worst = o;
+        }
     }
     return worst != NULL;
 }

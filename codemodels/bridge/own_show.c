@@ -153,10 +153,10 @@ static void announce_mosfets(const ns_own_taken *o, int count) {
 
 /* --- is it what was announced? --- */
 
-static void mix_numbers(unsigned long long *hash, const void *numbers, size_t size) {
-    const unsigned char *b = numbers;
-    for (size_t i = 0; i < size; i++) /* FNV-1a */
-        *hash = (*hash ^ b[i]) * 1099511628211ULL;
+static void mix_number(unsigned long long *hash, double number) {
+    unsigned long long bits;
+    memcpy(&bits, &number, sizeof bits);
+    *hash = (*hash ^ bits) * 1099511628211ULL; /* FNV-1a, by words */
 }
 
 /* Of models, not of currents that D are read at: these are others in each step of a sweep. */
@@ -170,7 +170,8 @@ unsigned long long ns_bridge_own_hash(const ns_analysis *a) {
         const double numbers[] = {
             o->sw.vt,         o->sw.vh, o->sw.ron, o->sw.roff,           o->mosfet.vth,     o->mosfet.beta,
             o->mosfet.series, d.rs,     d.bv,      d.law.bottom.amperes, d.law.bottom.volts};
-        mix_numbers(&hash, numbers, sizeof numbers);
+        for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
+            mix_number(&hash, numbers[i]);
     }
     return hash;
 }
