@@ -73,6 +73,7 @@ static int look_at(struct dl_phdr_info *module, size_t size, void *argument) {
     wanted_segment *wanted = argument;
     int holds = 0;
     (void)size;
+    /* NOLINTBEGIN(performance-no-int-to-ptr): addresses are numbers there */
     for (int k = 0; k < module->dlpi_phnum; k++) {
         const ElfW(Phdr) *part = &module->dlpi_phdr[k];
         const char *from = (const char *)(uintptr_t)(module->dlpi_addr + part->p_vaddr);
@@ -84,6 +85,7 @@ static int look_at(struct dl_phdr_info *module, size_t size, void *argument) {
             wanted->found = (ns_module_memory){(const char *)(uintptr_t)(module->dlpi_addr + part->p_vaddr),
                                                part->p_filesz};
     }
+    /* NOLINTEND(performance-no-int-to-ptr) */
     return holds; /* ends the iteration */
 }
 

@@ -47,9 +47,9 @@ static void own_folder(char *path, size_t size) {
         if (*c == '\\')
             *c = '/';
 #else
-    Dl_info self;
+    Dl_info self; /* NOLINTNEXTLINE(performance-no-int-to-ptr): of a function */
     if (dladdr((void *)(uintptr_t)&CMdevNum, &self) && self.dli_fname && strlen(self.dli_fname) < size)
-        strcpy(path, self.dli_fname);
+        memcpy(path, self.dli_fname, strlen(self.dli_fname) + 1);
 #endif
     slash = strrchr(path, '/');
     *(slash ? slash + 1 : path) = '\0';
@@ -75,7 +75,7 @@ static getter *function(const char *name) {
 #ifdef _WIN32
     return (getter *)(uintptr_t)GetProcAddress((HMODULE)models, name);
 #else
-    return (getter *)(uintptr_t)dlsym(models, name);
+    return (getter *)(uintptr_t)dlsym(models, name); /* NOLINT(performance-no-int-to-ptr): a function */
 #endif
 }
 

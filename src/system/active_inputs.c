@@ -114,7 +114,8 @@ static void list_control(void *context, int input, int command, double value) {
 
 static void list_commands(islands *a, unsigned char *list) {
     const ns_system *s = a->s;
-    listing l = {a, list};
+    listing l = {.a = a};
+    l.list = list;
     for (int c = 0; c < s->nc && !s->large; c++)
         for (int k = 0; s->command[c].gz && k < s->nz; k++)
             if (s->command[c].gz[k] != 0)

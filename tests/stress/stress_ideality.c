@@ -330,7 +330,7 @@ static void draw_cells(const char *folder) {
 }
 
 int main(int argc, char **argv) {
-    const char *folder = getenv("STRESS_FOLDER") ? getenv("STRESS_FOLDER") : "build/stress";
+    const char *named = getenv("STRESS_FOLDER"), *folder = named ? named : "build/stress";
     const char *given = getenv("STRESS_SEED");
     const unsigned long long seed =
         given ? strtoull(given, NULL, 10) : (unsigned long long)time(NULL) % 1000000;

@@ -208,7 +208,8 @@ static void add(bench *b, int node, const wood *w, int *next_node) {
     char name[16];
     ns_affine u;
     snprintf(name, sizeof name, "b%d", node);
-    ns_piecewise p = {.circuit = b->c, .name = name, .next_node = next_node};
+    ns_piecewise p = {.circuit = b->c, .name = name};
+    p.next_node = next_node;
     assert_int_equal(ns_bridge_piecewise_affine(&p, make(&p, w, 0), &u), 1);
     assert_int_equal(ns_circuit_linear(b->c, name, NS_VOLTAGE, node, 0, u.constant, u.nterms, u.terms, NULL),
                      NS_OK);
