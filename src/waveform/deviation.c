@@ -135,6 +135,7 @@ static void integrate(ns_waveform *w, const ns_segment *g) {
     ns_trapezoids z;
     const double t0 = g->at[0].t, per_length = 1 / (g->at[g->last].t - t0);
     z.last = w->integrated = g->last;
+    z.v[0] = ns_waveform_seen(w, g->at[0].v);
     for (int j = 0; j <= g->last; j++) {
         const double before = j > 0 ? g->at[j - 1].t : t0, after = g->at[j < g->last ? j + 1 : j].t;
         z.v[j] = ns_waveform_seen(w, g->at[j].v);

@@ -69,7 +69,8 @@ static void of_a_ring(void **state) {
     const double level = 0.9999, from_peak = 1e-6 * acos(level) / (2 * pi);
     for (int k = 0; k < 40; k++) { /* down after the peak, up before the next */
         const ns_threshold at = {v1, -1, level, k % 2 == 0, 0};
-        const double expected = 1e-6 * ((k + 1) / 2) + (k % 2 ? -from_peak : from_peak);
+        const int periods = (k + 1) / 2;
+        const double expected = 1e-6 * periods + (k % 2 ? -from_peak : from_peak);
         double reached;
         assert_int_equal(ns_march_watch(b.m, 1, &at), NS_OK);
         assert_int_equal(go_until_crossed(b.m, 1e-3, &reached), 1);
