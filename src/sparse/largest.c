@@ -1,6 +1,7 @@
 /* src/sparse/largest.c - the largest charges, fluxes, lambda and y so far. */
+#include "largest.h"
+
 #include "linalg/simd.h"
-#include "sparse_internal.h"
 
 #include <string.h>
 

@@ -8,6 +8,7 @@
  * are.
  */
 #include "guards.h"
+#include "largest.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -348,15 +348,6 @@ int ns_sparse_instant_misfit(ns_sparse *m, double g, int *pair, int *upper);
 void ns_sparse_instant_save(ns_sparse *m);
 void ns_sparse_instant_restore(ns_sparse *m);
 
-/* largest.c: nothing known; w and D w of a step taken in, returns the largest of all in units; lambda and y
- * at v of a step of that exponent taken in, then kept for later ones; saved, or restored. */
-void ns_sparse_largest_reset(ns_sparse *m);
-double ns_sparse_largest_w(ns_sparse *m, const ns_dense_step *step);
-void ns_sparse_largest_guards(ns_sparse *m, const double *v, int exponent);
-void ns_sparse_largest_accept(ns_sparse *m, int exponent);
-void ns_sparse_largest_save(ns_sparse *m);
-void ns_sparse_largest_restore(ns_sparse *m);
-
 /* chatter.c: counts from zero; counts as accepted, or back to the accepted ones. */
 void ns_sparse_chatter_reset(ns_sparse *m);
 void ns_sparse_chatter_accept(ns_sparse *m);

@@ -1,5 +1,6 @@
 /* src/sparse/start.c - a consistent start: from charges and fluxes, or from the DC operating point. */
 #include "guards.h"
+#include "largest.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,7 @@
 /* src/sparse/step_control.c - how long a step is, and how many stages it takes: its error against what is
  * allowed. */
 #include "guards.h"
+#include "largest.h"
 #include "linalg/simd.h"
 
 #include <float.h>

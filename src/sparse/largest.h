@@ -1,0 +1,17 @@
+/* src/sparse/largest.h - the largest charges, fluxes, currents and voltages so far: errors and guards are
+ * judged beside them. */
+#ifndef NS_SPARSE_LARGEST_H
+#define NS_SPARSE_LARGEST_H
+
+#include "sparse_internal.h"
+
+/* Nothing known; w and D w of a step taken in, returns the largest of all in units; lambda and y
+ * at v of a step of that exponent taken in, then kept for later ones; saved, or restored. */
+void ns_sparse_largest_reset(ns_sparse *m);
+double ns_sparse_largest_w(ns_sparse *m, const ns_dense_step *step);
+void ns_sparse_largest_guards(ns_sparse *m, const double *v, int exponent);
+void ns_sparse_largest_accept(ns_sparse *m, int exponent);
+void ns_sparse_largest_save(ns_sparse *m);
+void ns_sparse_largest_restore(ns_sparse *m);
+
+#endif
