@@ -320,7 +320,7 @@ static int beyond_switch(const GENinstance *inst, int here) {
     if (kind == OWN_SWITCH)
         ns_bridge_own_read_switch(inst, NULL, &s);
     else if (kind == OWN_CURRENT_SWITCH)
-        ns_bridge_own_read_current_switch(inst, NULL, &s);
+        ns_bridge_own_read_current_switch(inst, NULL, 0, &s);
     else if (ns_bridge_models_kind(inst) == KIND_SWITCH)
         s = (ns_own_switch){.p = ns_bridge_models_node((const MIFinstance *)inst, SWITCH_P),
                             .n = ns_bridge_models_node((const MIFinstance *)inst, SWITCH_N)};

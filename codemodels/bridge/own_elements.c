@@ -225,7 +225,7 @@ int ns_bridge_own_current_switch(ns_extract_walk *w, GENinstance *inst) {
     ns_own_switch s;
     if (ns_bridge_own_kind(inst) != OWN_CURRENT_SWITCH)
         return ns_bridge_extract_refuse(w, inst, "only W elements of a model of type CSW are taken");
-    ns_bridge_own_read_current_switch(inst, w->dc ? w->ckt : NULL, &s);
+    ns_bridge_own_read_current_switch(inst, w->dc ? w->ckt : NULL, !w->dc && (w->ckt->CKTmode & MODEUIC), &s);
     return take_switch(w, inst, &s, 1);
 }
 

@@ -16,7 +16,7 @@ int ns_bridge_own_keep(ns_extract_walk *w, const ns_own_taken *taken);
 /* 1 if ngspice has an S or W of vh = 0 closed whose control is at its threshold from the start on. */
 int ns_bridge_own_is_closed_at_rest(const CKTcircuit *ckt, int uic, const ns_own_switch *s);
 /* 1 if ngspice has it closed whose control is inside the hysteresis from the start on: by ON or
- * OFF; with uic the control of an S comes from its .ic, or from 0. */
+ * OFF (a W: with uic only, else it is open); with uic the control of an S comes from its .ic, or from 0. */
 int ns_bridge_own_is_closed_inside(const ns_extract_walk *w, const ns_own_switch *s);
 
 /* *cp, the first node of the control of an S (the second one, if ron > roff), becomes a node that stands for

@@ -55,7 +55,11 @@ void ns_bridge_own_read_switch(const GENinstance *inst, const CKTcircuit *dc, ns
                          .closed = is_closed_inside(dc, sw->SWswitchstate, sw->SWzero_stateGiven)};
 }
 
-void ns_bridge_own_read_current_switch(const GENinstance *inst, const CKTcircuit *dc, ns_own_switch *s) {
+/* Where the current lies inside the hysteresis, the second iteration takes the state of the point before, not
+ * that of the first iteration (as an S does): before the first point that is open, so ON counts with uic
+ * only. */
+void ns_bridge_own_read_current_switch(const GENinstance *inst, const CKTcircuit *dc, int uic,
+                                       ns_own_switch *s) {
     const CSWinstance *w = (const CSWinstance *)inst;
     const CSWmodel *model = CSWmodPtr(w);
     *s = (ns_own_switch){.p = w->CSWposNode,
@@ -65,7 +69,7 @@ void ns_bridge_own_read_current_switch(const GENinstance *inst, const CKTcircuit
                          .vh = model->CSWiHysteresis,
                          .ron = ohms_of(model->CSWonConduct),
                          .roff = ohms_of(model->CSWoffConduct),
-                         .closed = is_closed_inside(dc, w->CSWswitchstate, w->CSWzero_stateGiven)};
+                         .closed = is_closed_inside(dc, w->CSWswitchstate, uic && w->CSWzero_stateGiven)};
 }
 
 /* As in ngspice's load: the sidewall has a law of its own only if its emission coefficient was given. */

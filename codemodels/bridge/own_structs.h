@@ -26,14 +26,15 @@ typedef struct ns_own_switch {
     int branch;       /* of the current that controls it, of W */
     double vt, vh;    /* V or A */
     double ron, roff; /* ohm */
-    int closed;       /* where the control does not say: ON was given */
+    int closed;       /* where the control does not say: ON was given, and counts */
     int held;         /* at its threshold, at the start (own_start.c) */
 } ns_own_switch;
 
 /* dc: in .op or .dc, where such a switch is closed from the second point on if it was in the point before;
- * else NULL. */
+ * else NULL.  uic: .tran begins with it. */
 void ns_bridge_own_read_switch(const GENinstance *inst, const CKTcircuit *dc, ns_own_switch *s);
-void ns_bridge_own_read_current_switch(const GENinstance *inst, const CKTcircuit *dc, ns_own_switch *s);
+void ns_bridge_own_read_current_switch(const GENinstance *inst, const CKTcircuit *dc, int uic,
+                                       ns_own_switch *s);
 
 typedef struct ns_own_diode {
     int anode, cathode;
