@@ -24,7 +24,7 @@ typedef struct ns_bridge {
     ns_session session;
     int last_type;           /* the last of our device types in this circuit; 0: none is there */
     const GENinstance *mark; /* one of our instances: when it is deleted, the circuit is */
-    int left_noted;          /* that nothing is ours was said */
+    int left_noted;          /* 1: the user was told that the circuit holds no ideal device */
 } ns_bridge;
 
 static ns_bridge *bridges;
@@ -190,7 +190,7 @@ static int delete_instance(GENinstance *inst) {
     return MIFdelete(inst);
 }
 
-/* Overrides the steps of the other devices: no point has an error, and jumps are none. */
+/* Lets any step pass: points of the library have no truncation error, and a jump must not count as one. */
 static int allow_any_step(GENmodel *model, CKTcircuit *ckt, double *step) {
     if (at_last(ckt, model))
         *step = 1e30;
@@ -198,7 +198,7 @@ static int allow_any_step(GENmodel *model, CKTcircuit *ckt, double *step) {
 }
 
 /* Our matrices are small: OpenBLAS's threads only wait for each other, spinning.  Another BLAS has no such
- * function; that it need not be there can be said to ELF alone. */
+ * function; only ELF allows a weak reference to one that may be missing. */
 #ifdef __ELF__
 extern void openblas_set_num_threads(int n) __attribute__((weak));
 #endif

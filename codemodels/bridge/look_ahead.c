@@ -32,9 +32,9 @@ static int accept_bend(ns_session *s, int *accepted) {
     return OK;
 }
 
-/* Where the slope of an input jumps, so do currents that are its rate (a capacitor straight across a source).
- * The exact engine has an event there, others do not: their right side is tried.  *jumps: something does, and
- * the trial stays. */
+/* Where the slope of an input jumps, a current that is proportional to it jumps (of a capacitor straight
+ * across a source).  Only the exact engine has an event there; with others the point right after the corner
+ * is tried.  *jumps: something does, and the trial stays. */
 static int try_corner(ns_session *s, double t, int *jumps) {
     static const double seen = 1e-4; /* far above the change of a steep waveform in that time */
     ns_analysis *a = &s->analysis;

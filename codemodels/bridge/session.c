@@ -21,7 +21,7 @@ static int is_dc(const CKTcircuit *ckt) {
     return (ckt->CKTmode & MODEDC) != 0;
 }
 
-/* An operating point that does not exist: no gmin, no source stepping would help. */
+/* There is no operating point: ngspice must not try gmin or source stepping. */
 static int end_dc(CKTcircuit *ckt, int error) {
     ckt->CKTnumGminSteps = 0;
     ckt->CKTnumSrcSteps = 0;

@@ -3,12 +3,12 @@
  * ngspice's Newton loop takes two rounds of load, factorisation and solve at least, and a test.  Where
  * the mode says MODETRANOP and MODEUIC (its way to skip the operating point) it loads once and returns, and
  * what CKTrhsOld holds then is the solution.  So between a point that is shown and the next load the mode
- * says that; the load, ours as the last, takes it back and leaves the solution there.  What the loads of C
+ * says that; our load, which runs last, restores the mode and writes the solution there.  What the loads of C
  * and L do for a solution in any other mode, the states behind @c1[i] and @l1[flux], is done here.
  *
  * Without CIDER ngspice does not say when a point was shown: then it is made ready at the accept before. What
  * is shown is read in between.  C and M have a current in any mode, if the analysis is not said to be .tran;
- * a MOS1 whose parameters are shown has none of its gate then, and is loaded twice.
+ * a MOS1 whose parameters are shown has no gate current in that mode, so such a circuit is loaded twice.
  *
  * The run may be stopped in between, and C shows no current in that mode.  A code model is not informed of a
  * stop; but every command that asks for a device by its name, or alters one, looks it up in ngspice's table
@@ -41,8 +41,8 @@ static int watch_names(const CKTcircuit *ckt) {
     return names->compare_func == compare_keys;
 }
 
-/* In that mode a code model finds in its new states not those of the point before, as it should at the first
- * load of a point, but those that stood there last.  ngspice rotates them before it loads. */
+/* At the first load of a point the new states of a code model should hold those of the point before.  In that
+ * mode they hold older ones, as ngspice rotates the states before it loads: they are copied here. */
 static void keep_states(const CKTcircuit *ckt) {
     memcpy(ckt->CKTstates[ckt->CKTmaxOrder + 1], ckt->CKTstate0,
            (size_t)ckt->CKTnumStates * sizeof *ckt->CKTstate0);

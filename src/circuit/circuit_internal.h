@@ -42,8 +42,8 @@ typedef struct element {
     ns_diode diode;   /* of DIODE */
     ns_switch sw;     /* of SWITCH, commanded by two nodes, or by the current of by[0] */
     int closed;       /* of SWITCH: 1: closed at a start where its control does not say */
-    int at_rest; /* of SWITCH of vh = 0, CHOICE, with its control at vt: 1: open, -1: closed, 0: as it was, or
-                  */
+    int at_rest; /* of SWITCH of vh = 0, CHOICE, with its control at vt: 1: open, -1: closed, 0: as it was;
+                    or NS_RESTS_AS_IT_CAME */
     int rests;   /* at vt, also where that is not 0 */
     int group;   /* of CHOICE: its expression */
     int at_constant, at_any; /* NS_RESTS_AS_IT_CAME, and these where it is constant, or no sum of sources */
@@ -128,9 +128,9 @@ int ns_circuit_find_name(const ns_circuit *c, const char *name);
 int ns_circuit_reserve_name(ns_circuit *c); /* Errors: MEMORY */
 void ns_circuit_enter_name(ns_circuit *c);
 
-/* Where elements leave their numbers: entries are added to the arrays of s, or, if it is large, to lists. */
 enum { NS_RESTS_AS_IT_CAME = 2 }; /* of element.at_rest */
 
+/* Where elements leave their numbers: entries are added to the arrays of s, or, if it is large, to lists. */
 typedef enum matrix { IN_M, IN_A, IN_B, IN_C, IN_D, IN_E, IN_GX, IN_GZ, MATRICES } matrix;
 typedef struct stamp {
     ns_circuit *c;

@@ -74,8 +74,8 @@ int ns_exact_event_samples_above(const ns_mode_kernel *k, const double *s, int s
     return 1;
 }
 
-/* What guard g may be off by; 64 times that where it broke in this mode and the same mode was selected again:
- * rounding decides then, and either mode is right. */
+/* What guard g may be off by; 64 times that if it broke in this mode and the same mode was selected again:
+ * only rounding decides between the two modes then, and either is right. */
 static double break_tolerance(const ns_exact *f, const ns_mode_kernel *k, int g) {
     enum { UNMENDED = 64 };
     const int unmended = f->unmended.mode == f->state.mode && f->unmended.guard == g;
@@ -193,9 +193,9 @@ static double find_root(const ns_guard_series *w, double a, double b, double at,
     return tau;
 }
 
-/* The lowest point between a and b, where the rate passes from `from` < 0 to `to` >= 0, and the guard there,
- * which half the digits of the point are enough for: by chords of the rate, of which the end that stays where
- * it is counts half (Illinois). */
+/* The lowest point between a and b, where the rate passes from `from` < 0 to `to` >= 0, and the guard there.
+ * Half the digits of the point are enough.  By regula falsi on the rate; the value at the end that did not
+ * move is halved (Illinois). */
 static double find_minimum(const ns_guard_series *w, double a, double b, double from, double to,
                            double *value) {
     double rate, best = b;
@@ -221,8 +221,8 @@ static double find_minimum(const ns_guard_series *w, double a, double b, double 
     return best;
 }
 
-/* The root where the guard falls from `at` at a to `below` at b.  One that starts at zero and rises, as right
- * after an event, comes back to zero later. */
+/* The root where the guard falls from `at` at a to `below` at b.  Of one that starts at zero and
+ * rises, as right after an event, the root wanted is the later one, through which it falls. */
 static double find_fall(const ns_guard_series *w, double a, double b, double at, double below, double tol) {
     double rate, top = b, from = a;
     if (at > tol)

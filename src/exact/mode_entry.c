@@ -10,11 +10,11 @@
 
 /* A charge or flux that moves by less, relative to the largest it ever was, does not jump. */
 static const double min_jump = 1e-12;
-/* D^8 relative to D of what is slow is far less than this. */
+/* Where w is slow, |D^8 w| is far below this part of |D w|. */
 static const double slow_ratio = 1e-6;
 /* Rounding of an impulse relative to the largest. */
 static const double impulse_tol = 1e-9;
-/* An impulse that adds less than this to its guard over the Euler step is none. */
+/* An impulse that adds less than this part to its guard over the Euler step counts as zero. */
 static const double min_impulse = 1e-6;
 
 /* D^8 X_next from work.jump_powers, as the last of eight implicit steps has it: by the impulses of that
@@ -35,7 +35,7 @@ static void apply_impulses(ns_exact *f, const ns_mode_kernel *k, double *by) {
 }
 
 /* The smallest jump: relative to the largest charges so far and to what a step adds (at a start from zero
- * there are none yet), of all rows, as a row of M may be a difference of charges that is only rounding. */
+ * there are none yet).  The largest of all rows, because the charge of one row may be only rounding. */
 static double smallest_jump(const ns_exact *f, const ns_mode_kernel *k) {
     double most = 0;
     for (int i = 0; i < k->r; i++) {

@@ -32,12 +32,12 @@ typedef enum ns_guard_sign {
 } ns_guard_sign;
 
 ns_guard_sign ns_exact_guard_sign(ns_exact *f, ns_exact_mode *mode, int g, const double *X);
-/* How long after the event guard g breaks, s: 0 if it is that of the event but for a factor; more where its
- * threshold is another one by rounding, as of a sign that passes zero, and the control goes on as it does.
+/* How long after the event guard g breaks, s: 0 if it is that of the event but for a factor; above 0 if its
+ * threshold differs from that one's only by rounding (a sign at zero), and the control goes on as it does.
  * INFINITY: it is another guard, or breaks more than h 2^-10 later. */
 double ns_exact_guard_delay(ns_exact *f, const ns_mode_kernel *k, int g);
 
-/* What a mode was found by: neither of these, (P1) over a short step, the impulse problem. */
+/* How a mode was proposed: among likely ones, by (P1) over a short step, by the impulse problem. */
 typedef enum ns_evidence { NS_EVIDENCE_NONE, NS_EVIDENCE_STEP, NS_EVIDENCE_IMPULSES } ns_evidence;
 
 typedef enum ns_mode_verdict {

@@ -106,7 +106,7 @@ static void count_event(ns_ladder *l) {
 
 /* The guard that broke was found by a step of the scheme.  An implicit one of the same length may not break
  * it, or (P1) may find that it held after all.  Longer ones are tried, up to a length at which nothing is
- * skipped, and while the exact engine is not to be asked again, as nothing bounds their error; if none
+ * skipped, and only until the exact engine is to be asked again, as nothing bounds their error; if none
  * changes the mode, steps go on as before, and where such events are many, they are captured. */
 static int step_until_changed(ns_ladder *l, double *h) {
     const long before = ns_theta_counts(l->step)->events;

@@ -13,8 +13,8 @@
 
 /* In the error of an instant, w moves by no more than this fraction of the error allowed. */
 static const double instant_fraction = 0.1;
-/* Guards may be below zero by this fraction of the error allowed: more would have to change with the next
- * event. */
+/* Guards may be below zero by this fraction of the error allowed.  If it were larger, pairs below zero would
+ * gather and change together at the next event. */
 static const double below = 0.1;
 /* A guard below zero by less than this fraction of the largest unknown: perhaps by rounding. */
 static const double shallow = 1e-7;
@@ -22,8 +22,8 @@ static const double shallow = 1e-7;
 static const double met = 16;
 /* Another threshold is where this one is if it is so many of them from it. */
 static const double beside = 1e4;
-/* Of a transient far faster than the step, with coefficients 1, -1, 1, ..., of which nothing is left within
- * the step, (E1) makes down to -2.69: the least sum of eight or nine of Laguerre's polynomials. */
+/* A transient that dies far within the step has coefficients 1, -1, 1, ...; (E1) turns it into values down
+ * to -2.69, the least sum of eight or nine of Laguerre's polynomials. */
 static const double unresolved = 2.7;
 /* At the start of a step the error of a guard may be this multiple of the estimate. */
 static const double rise_cut = 4;

@@ -124,8 +124,8 @@ static int correct(ns_sparse *m, double g, const ns_cached_factors *k, double si
     return moved <= lost * size || ns_sparse_project_is_rounding(m, g, v, size) ? NS_OK : NS_E_RESIDUAL;
 }
 
-/* What is left after another step: nothing; only what has no finite rate, of which later steps change the
- * sign alone (ALL); else SOME. */
+/* What is left after another step: nothing; ALL: only what has no finite rate, each later step reverses its
+ * sign and no more; else SOME. */
 typedef enum left { SOME, NOTHING, ALL } left;
 
 static left compare(const ns_sparse *m, double size, const double *before, const double *by) {

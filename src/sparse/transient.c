@@ -1,9 +1,9 @@
 /* src/sparse/transient.c - a transient in which events crowd: pairs change one after another within a time
  * far shorter than steps are, as where charges spread along a pump through the resistance of its diodes.
  *
- * No event in it is located.  Implicit Euler steps with (P1) go through it, each G as one of G, two of G/2
- * and four of G/4, and are extrapolated (Deuflhard and Bornemann, Scientific Computing with Ordinary
- * Differential Equations, 4.3):
+ * No event in it is located.  Implicit Euler steps with (P1) go through it: each stretch of length G three
+ * times, by one step of G, two of G/2 and four of G/4, which are extrapolated (Deuflhard and Bornemann,
+ * Scientific Computing with Ordinary Differential Equations, 4.3):
  *
  *     T22 = 2 T21 - T11,   T32 = 2 T31 - T21,   T33 = T32 + (T32 - T22)/3.
  *
@@ -11,7 +11,7 @@
  * is within the error allowed.  What has died within G is damped, so that a transient that moves charges by
  * less than that error takes one G however many events are in it, and the mode that follows is that of (P1).
  * Charges and fluxes are conserved by each Euler step.  The stretch is one step of the engine; x and lambda
- * are shown as straight lines, from where its end came from once the transient had died.
+ * are shown as straight lines, from the values right after the transient had died.
  */
 #include "guards.h"
 #include "linalg/simd.h"
@@ -32,7 +32,8 @@ enum { MOST = 48, MOST_FAILED = 8, QUIET = 4 };
 enum { MOST_DOUBLINGS = 2 };
 /* Straight lines go on for so many halves of the last G. */
 static const double most_on = 4;
-/* Signs of what is shown may be wrong by this part of the largest; at the end of a step by that part. */
+/* A value that is shown may have the wrong sign by up to `little` times the largest one; at the end of a step
+ * by up to `wrong` times that. */
 static const double little = 1e-6, wrong = 1e-5;
 static const double promised = 0.3;
 
