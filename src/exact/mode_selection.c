@@ -302,6 +302,13 @@ static int flip_command_of_guard(ns_exact *f) {
     return 1;
 }
 
+/* 1 if the threshold of guard g is met here, too; beside a fast time scale its rate may be told from rounding
+ * only by a longer step. */
+static int is_met(ns_exact *f, int g) {
+    const ns_guard_sign sign = ns_exact_guard_sign(f, f->state.mode, g, f->X);
+    return sign == NS_SIGN_BREAKS || sign == NS_SIGN_SEEMS_TO_BREAK;
+}
+
 /* Commands that change with the guard that breaks, in whatever order they stand: those with a hysteresis
  * whose threshold is met in the same instant, as after the first of them the control of the next may go back,
  * and those whose control is that of the event.  The event is known no better than these are apart. */
@@ -314,8 +321,8 @@ static int flip_commands_met(ns_exact *f) {
         const int lasts = f->system->command[c].on > f->system->command[c].off;
         if (g == f->event_guard || ns_mode_slides(f->state.mode->mode[f->system->command[c].pair]))
             continue;
-        const double delay = lasts ? 0 : ns_exact_guard_delay(f, k, g);
-        if (isinf(delay) || (lasts && ns_exact_guard_sign(f, f->state.mode, g, f->X) != NS_SIGN_BREAKS))
+        const double delay = lasts ? is_met(f, g) ? 0 : INFINITY : ns_exact_guard_delay(f, k, g);
+        if (isinf(delay))
             continue;
         last = fmax(last, delay);
         flip_command(f, c);
