@@ -34,8 +34,15 @@ static ns_own_range plain_range_of(range_reader *r, const INPparseNode *node) {
     return a.of_goal ? any : a;
 }
 
+/* Of what does not switch. */
+static ns_own_range between(double low, double high) {
+    return (ns_own_range){low, high, 0, 1, 0.0, 0, 0};
+}
+
 static ns_own_range steps(double low, double high) {
-    return (ns_own_range){low, high, 1, 1, 0.0, 0, 0};
+    ns_own_range r = between(low, high);
+    r.switches = 1;
+    return r;
 }
 
 static int is_finite(const ns_own_range *a) {
@@ -111,6 +118,7 @@ static ns_own_range operation(range_reader *r, const INPparseNode *node) {
     const int adds = node->type == PT_PLUS || node->type == PT_MINUS;
     const ns_own_range a = adds ? range_of(r, node->left) : plain_range_of(r, node->left),
                        b = adds ? range_of(r, node->right) : plain_range_of(r, node->right);
+    const ns_own_range inverse = between(1.0 / b.low, 1.0 / b.low);
     ns_own_range found = any;
     switch (node->type) {
     case PT_PLUS:
@@ -124,7 +132,7 @@ static ns_own_range operation(range_reader *r, const INPparseNode *node) {
         break;
     case PT_DIVIDE:
         if (b.low == b.high && b.low != 0.0)
-            found = product(&a, &(ns_own_range){1.0 / b.low, 1.0 / b.low, 0, 1, 0.0, 0, 0});
+            found = product(&a, &inverse);
         break;
     default:
         break;
@@ -145,7 +153,7 @@ static ns_own_range line(const INPparseNode *node, const ns_own_range *a) {
         double *vals;
     } *points = node->data;
     const double *v = points->vals;
-    ns_own_range r = {INFINITY, -INFINITY, 0, 1, 0.0, 0, 0};
+    ns_own_range r = between(INFINITY, -INFINITY);
     double most = 0.0;
     for (int k = 0; k + 3 < points->n; k += 2) {
         const double slope = (v[k + 3] - v[k + 1]) / (v[k + 2] - v[k]);
@@ -185,9 +193,8 @@ static ns_own_range function(range_reader *r, const INPparseNode *node) {
         return any;
     if (is_stepped(node))
         return node->funcnum == PTF_SGN ? steps(-1.0, 1.0) : steps(0.0, 1.0);
-    const ns_own_range a = plain_range_of(r, node->left), minus = negative(&a),
-                       none = {0.0, 0.0, 0, 1, 0.0, 0, 0}, one = {1.0, 1.0, 0, 1, 0.0, 0, 0},
-                       above = larger(&a, &none);
+    const ns_own_range a = plain_range_of(r, node->left), minus = negative(&a), none = between(0.0, 0.0),
+                       one = between(1.0, 1.0), above = larger(&a, &none);
     switch (node->funcnum) {
     case PTF_UMINUS:
         return minus;
@@ -231,7 +238,7 @@ static ns_own_range range_of(range_reader *r, const INPparseNode *node) {
         return any;
     r->depth++;
     if (node->type == PT_CONSTANT)
-        found = (ns_own_range){node->constant, node->constant, 0, 1, 0.0, 0, 0};
+        found = between(node->constant, node->constant);
     else if (node->type == PT_VAR)
         found = variable(r, node->valueIndex);
     else if (node->type == PT_FUNCTION)
@@ -239,7 +246,7 @@ static ns_own_range range_of(range_reader *r, const INPparseNode *node) {
     else if (node->type == PT_TERN)
         found = choice(r, node);
     else if (node->type == PT_TIME)
-        found = (ns_own_range){0.0, r->ckt->CKTfinalTime, 1, 1, 0.0, 0, 0};
+        found = steps(0.0, r->ckt->CKTfinalTime);
     else if (node->type != PT_TEMPERATURE && node->type != PT_FREQUENCY)
         found = operation(r, node);
     r->depth--;
@@ -282,7 +289,7 @@ void ns_bridge_own_extend(ns_own_range *r, double value) {
 
 ns_own_range ns_bridge_own_range_of_v(const VSRCinstance *v) {
     const double *c = v->VSRCcoeffs;
-    ns_own_range r = {v->VSRCdcValue, v->VSRCdcValue, 0, 1, 0.0, 0, 0};
+    ns_own_range r = between(v->VSRCdcValue, v->VSRCdcValue);
     if (!v->VSRCcoeffsGiven || v->VSRCfunctionOrder < 2)
         return r;
     switch (v->VSRCfunctionType) {
@@ -290,9 +297,9 @@ ns_own_range ns_bridge_own_range_of_v(const VSRCinstance *v) {
     case EXP:
         return (ns_own_range){fmin(c[0], c[1]), fmax(c[0], c[1]), v->VSRCfunctionType == PULSE, 1, 0.0, 0, 0};
     case SINE:
-        return (ns_own_range){c[0] - fabs(c[1]), c[0] + fabs(c[1]), 0, 1, 0.0, 0, 0};
+        return between(c[0] - fabs(c[1]), c[0] + fabs(c[1]));
     case PWL:
-        r = (ns_own_range){c[1], c[1], 1, 1, 0.0, 0, 0};
+        r = steps(c[1], c[1]);
         for (int k = 3; k < v->VSRCfunctionOrder; k += 2)
             ns_bridge_own_extend(&r, c[k]);
         return r;

@@ -34,11 +34,10 @@ static double latest_read(const ns_session *s) {
     const double t = start + half * (floor((s->ckt->CKTtime - start) / half + sliver) + 1.0);
     const int any = !s->next.interpolated && s->next.shown >= NS_SHOWN_ENOUGH;
     const double tmax = ns_bridge_timepoints_tmax(s->loop.points.step, s->ckt->CKTstep, start, stop);
-    const int is_fine = (tmax > 0.0 && tmax <= half) || half < 4.0 * ns_bridge_timepoints_closest(stop);
-    if (start - s->ckt->CKTtime >
-        ns_bridge_timepoints_closest(
-            stop)) /* it writes none (beside digital parts it is shown points there, too) */
-        return start;
+    const double closest = ns_bridge_timepoints_closest(stop);
+    const int is_fine = (tmax > 0.0 && tmax <= half) || half < 4.0 * closest;
+    if (start - s->ckt->CKTtime > closest)
+        return start; /* it writes none before (beside digital parts it is shown points there, too) */
     return any || is_fine || t > stop - sliver * half ? stop : t;
 }
 
