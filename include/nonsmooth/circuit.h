@@ -87,9 +87,10 @@ int ns_circuit_switch_initially(ns_circuit *c, int id, int closed);
 /* A switch of vh = 0 whose control comes back to vt and rests there stays as it is (closed < 0, the default),
  * or is closed (1) or open (0).  Errors: NULL, SIZE (id is no switch). */
 int ns_circuit_switch_at_rest(ns_circuit *c, int id, int closed);
-/* A switch of vh = 0 whose control, a sum of sources, comes to vt and rests there: closed, if it is never
- * above vt, else open; where it never leaves vt, closed (1) or open (0); with any other control, as by
- * at_rest(id, other). Errors: NULL, SIZE (id is no switch). */
+/* A switch of vh = 0 whose control, a sum of sources, comes to vt and rests there: closed, if it comes
+ * from below, open, if from above (where it does both ns_circuit_system() fails: RANGE); where it never
+ * leaves vt, closed (1) or open (0); with any other control, as by at_rest(id, other).  Errors: NULL, SIZE
+ * (id is no switch). */
 int ns_circuit_switch_as_it_came(ns_circuit *c, int id, int closed, int other);
 /* The control of this switch may rest at vt though vt is not 0.  Without this call a control that is no sum
  * of sources counts as resting only where vt is 0.  Errors: NULL, SIZE (id is no switch). */

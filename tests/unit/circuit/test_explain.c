@@ -173,6 +173,11 @@ static void causes_have_names(void **state) {
                 "i1, s1, node 2: no solution exists (current of i1, ideal switch s1, voltage of node 2: "
                 "conflict with sources or an .ic; look for a loop without resistance or a current without a "
                 "closed path)");
+    f.status = NS_E_SINGULAR; /* a current without a path is one that has no solution */
+    assert_line(c, &f,
+                "node 2: the equations do not determine the answer (voltage of node 2: not determined; look "
+                "for a node without a path to ground or a loop without resistance)");
+    f.status = NS_E_INFEASIBLE;
     f.unknown[0] = 0;
     assert_line(c, &f,
                 "node 1: no solution exists (voltage of node 1: conflict with sources or an .ic; look for a "

@@ -84,6 +84,45 @@ static void by_a_sum(void **state) {
     end_with((double[]){1, 0.5, 0, 1}, (double[]){1e-9, 0, 0, 1e-9});
 }
 
+/* A line at 1 V from 1 s to 2 s, and from 4 s to 5 s. */
+static ns_signal line_at_one(const double *v) {
+    static const double t[] = {0, 1, 2, 3, 4, 5};
+    return (ns_signal){.kind = NS_PWL, .u.pwl = {6, t, v, NAN, 0}};
+}
+
+static void add_as_it_came(const char *name, int cp, int closed) {
+    add_switch(name, cp, 0, 1, -1);
+    assert_int_equal(ns_circuit_switch_as_it_came(made, ns_circuit_count(made) - 1, closed, 0), NS_OK);
+}
+
+/* It comes to 1 V from below: closed there; from above: open; it is there always: as it was asked for. */
+static void as_it_came(void **state) {
+    (void)state;
+    begin();
+    source("v1", 1, 0, line_at_one((double[]){0, 1, 1, 0, 1, 1}));
+    source("v2", 2, 0, line_at_one((double[]){2, 1, 1, 2, 1, 1}));
+    source("v3", 3, 0, line_at_one((double[]){0, 1, 1, 2, 2, 2}));
+    source("v4", 4, 0, line_at_one((double[]){1, 1, 1, 1, 1, 1}));
+    add_as_it_came("s1", 1, 0);
+    add_as_it_came("s2", 2, 0);
+    add_as_it_came("s3", 3, 0);
+    add_as_it_came("s4", 4, 0);
+    add_as_it_came("s5", 4, 1);
+    end_with((double[]){1, 1, 1, 1, 1}, (double[]){-1e-9, 1e-9, -1e-9, 1e-9, -1e-9});
+}
+
+/* From both sides no shift does that. */
+static void as_it_came_both_ways(void **state) {
+    ns_system *s;
+    (void)state;
+    begin();
+    source("v1", 1, 0, line_at_one((double[]){0, 1, 1, 2, 1, 1}));
+    add_as_it_came("s1", 1, 0);
+    assert_int_equal(ns_circuit_resistor(made, "r9", 9, 0, 1, NULL), NS_OK);
+    assert_int_equal(ns_circuit_system(made, &s), NS_E_RANGE);
+    ns_circuit_free(made);
+}
+
 /* A line that is over before the run begins may be set later; what is no function of time may rest at 0 V;
  * complements change in the same instant. */
 static void by_what_is_not_known(void **state) {
@@ -217,6 +256,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(by_a_pulse),
         cmocka_unit_test(by_a_sum),
+        cmocka_unit_test(as_it_came),
+        cmocka_unit_test(as_it_came_both_ways),
         cmocka_unit_test(by_what_is_not_known),
         cmocka_unit_test(choice_by_time),
         cmocka_unit_test(choice_of_a_sine),
