@@ -266,8 +266,6 @@ int ns_march_partition_accept(ns_engine *e) {
         if (status != NS_OK)
             return status;
         s->lags = goes_on && s->accepted < f->trial;
-        if (s->at_event || s->accepted > s->seen)
-            s->event = 0;
         f->at_event |= s->at_event;
     }
     f->accepted = f->trial;
@@ -293,7 +291,6 @@ int ns_march_partition_set_input(ns_engine *e, int input, const ns_signal *signa
     for (int k = 0; k < f->islands.count && status == NS_OK; k++) {
         const ns_island *i = f->part[k].island;
         f->part[k].seen = f->part[k].accepted;
-        f->part[k].event = 0;
         for (int own = 0; own < i->s->nz && status == NS_OK; own++)
             if (i->input[own] == input)
                 status = set_input_of(f, k, own, signal);

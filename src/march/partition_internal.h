@@ -18,7 +18,7 @@ typedef struct ns_part_run {
     int is_step;            /* made with NS_TO_STEP, */
     int passes;             /* or from the left side of an event to its right side */
     int lags;               /* the accepted point of the whole is on the way of that trial */
-    double seen;            /* s: events are known up to here: */
+    double seen;            /* s: if it is beyond accepted, events are known up to here: */
     int event;              /* there is one right there, or none so far */
 } ns_part_run;
 

@@ -60,7 +60,7 @@ static int begin_together(ns_partition_run *f) {
         if (status != NS_OK)
             return ns_march_partition_fail(f, k, status);
         s->trial = s->seen = s->accepted;
-        s->at_event = s->tried = s->lags = s->event = 0;
+        s->at_event = s->tried = s->lags = 0;
         f->accepted = fmax(f->accepted, s->accepted);
     }
     f->trial = f->accepted;

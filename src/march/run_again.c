@@ -136,8 +136,7 @@ static int is_believed(ns_run *r, const again *a) {
     if (x && read_charges(r, r->at_work, x, w) == NS_OK && read_finer(r, a, x, finer) == NS_OK) {
         most = 0;
         for (int i = 0; i < n; i++)
-            if (fabs(w[i] - finer[i]) > most * ns_verify_most_charge(r->check.verify, i))
-                most = fabs(w[i] - finer[i]) / ns_verify_most_charge(r->check.verify, i);
+            most = fmax(most, fabs(w[i] - finer[i]) / ns_verify_most_charge(r->check.verify, i));
     }
     free(x);
     return most <= same;
