@@ -122,17 +122,14 @@ static inline double value_of(const ns_verify_difference *d, const ns_verify_row
 /* --- judged --- */
 
 static double dot(size_t count, const double *a, const double *b) {
-    ns_simd sum = {0}, other = {0};
+    ns_simd sum = {0};
     double rest = 0;
     size_t i = 0;
-    for (; i + 2 * NS_LANES <= count; i += 2 * NS_LANES) {
+    for (; i + NS_LANES <= count; i += NS_LANES)
         sum += *(const ns_simd *)(a + i) * *(const ns_simd *)(b + i);
-        other += *(const ns_simd *)(a + i + NS_LANES) * *(const ns_simd *)(b + i + NS_LANES);
-    }
     for (; i < count; i++)
         rest += a[i] * b[i];
     double both[NS_LANES];
-    sum += other;
     memcpy(both, &sum, sizeof both);
     for (int k = 0; k < NS_LANES; k++)
         rest += both[k];

@@ -1,11 +1,10 @@
 /* tests/unit/verify/test_verify.c - right answers of every engine pass; each kind of wrong one is found. */
 #include "rig.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #include "signals.h"
-#include "verify/verify.h"
+#include "verify/verify_internal.h"
 
 enum { MOST = 32 };
 static const double volts = 12, period = 10e-6;
@@ -311,6 +310,9 @@ static void what_a_source_puts_in(void **state) {
     assert_true(judged(&b, &e.left) && judged(&b, &e.right) && event_judged(&b, &e));
     e.right.x[ns_circuit_node_unknown(b.k.c, 3)] = 10.5;
     assert_false(event_judged(&b, &e));
+    b.f = ns_verify_nothing(0);
+    ns_verify_energy_over(b.v, 0, &b.f); /* in no time it puts in nothing */
+    assert_true(b.f.cause == NS_VERIFY_ENERGY && b.f.pair == -1);
     close_bench(&b);
 }
 
