@@ -118,10 +118,10 @@ double ns_exact_guard_delay(ns_exact *f, const ns_mode_kernel *k, int g) {
         return INFINITY;
     const double value = ns_exact_guard_of(k, k->value, g, f->X),
                  rate = ns_exact_guard_of(k, k->rate, g, f->X);
-    const double tol = ns_exact_guard_rounding_at(f, k, g, f->X, rate), t = f->state.now.t;
+    const double tol = ns_exact_guard_rounding_at(f, k, g, f->X, rate);
     if (value <= tol + fabs(rate) * f->state.event_time_error)
         return 0;
-    const double delay = -value / rate, end = t + ns_system_signal_slack(t, t) + delay;
+    const double delay = -value / rate, end = f->state.now.t + delay;
     return rate < 0 && delay <= ldexp(f->h, -LONGEST_EXPONENT) && ns_inputs_events_next(f->events, end) > end
                ? delay
                : INFINITY;

@@ -221,11 +221,10 @@ int ns_sparse_location_is_same(const ns_sparse *m, const ns_dense_step *step, in
         return 0;
     find_coefficients(m, step, step->stages, -1, 0, c, a);
     find_coefficients(m, step, step->stages, -1, 0, step->command, b);
-    const double at_end = value_at_end(step, a, &curve), t = step->end_t,
-                 rate = ns_modes_curve_slope(&curve, 1) / step->length, delay = -at_end / rate,
-                 end = t + ns_system_signal_slack(t, t) + delay;
+    const double at_end = value_at_end(step, a, &curve),
+                 rate = ns_modes_curve_slope(&curve, 1) / step->length, delay = -at_end / rate;
     const int follows = at_end > 0 && rate < 0 && delay <= soon * m->o.h &&
-                        fmin(m->in->corner, m->in->first) > end &&
+                        fmin(m->in->corner, m->in->first) > step->end_t + delay &&
                         at_end <= beside * ns_sparse_guard_control_rounding(m, c, step->images, step->z);
     a[0] -= follows ? at_end : 0;
     if (!ns_modes_is_multiple(step->stages, a, b, NULL))

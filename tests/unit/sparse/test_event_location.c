@@ -25,28 +25,29 @@ typedef struct bench {
     size_t place; /* of the guard in the images */
 } bench;
 
-/* A diode from ground to 1 ohm: while it blocks its guard is the voltage of its cathode, while it conducts
- * its current.  The step from 0 to h holds zeros. */
-static bench open_bench(ns_mode mode) {
-    const ns_diode ideal = {0, 0, INFINITY, INFINITY, 0};
+/* 1 V, and node 2, 1 ohm from ground. */
+static bench begin_bench(void) {
     const ns_signal volt = {.kind = NS_DC, .u.dc = 1};
-    const ns_sparse_options o = {.h = h, .reltol = reltol};
-    double w[32] = {0};
     bench b = {0};
-    ns_engine *e;
     assert_int_equal(ns_circuit_create(&b.c), NS_OK);
     assert_int_equal(ns_circuit_source(b.c, "v", NS_VOLTAGE, 1, 0, &volt, NULL), NS_OK);
-    assert_int_equal(ns_circuit_diode(b.c, "d", 0, 2, &ideal, NULL), NS_OK);
     assert_int_equal(ns_circuit_resistor(b.c, "r", 2, 0, 1, NULL), NS_OK);
-    assert_int_equal(ns_circuit_system(b.c, &b.s), NS_OK);
-    assert_int_equal(ns_sparse_create(b.s, &o, &e, NULL), NS_OK);
-    b.m = ns_sparse_of(e);
+    return b;
+}
+
+/* The step from 0 to h holds zeros. */
+static void start_bench(bench *k) {
+    const ns_sparse_options o = {.h = h, .reltol = reltol};
+    double w[32] = {0};
+    ns_engine *e;
+    assert_int_equal(ns_circuit_system(k->c, &k->s), NS_OK);
+    assert_int_equal(ns_sparse_create(k->s, &o, &e, NULL), NS_OK);
+    k->m = ns_sparse_of(e);
     assert_int_equal(ns_sparse_start(e, 0, w, NULL), NS_OK);
-    ns_dense_step *step = b.step = &b.m->steps[1];
+    k->place = (size_t)k->m->output_only->place[ns_circuit_node_unknown(k->c, 2)];
+    ns_dense_step *step = k->step = &k->m->steps[1];
+    const bench b = *k;
     const size_t n = (size_t)b.m->f->n, size = (size_t)b.m->f->size;
-    ns_sparse_guard_set_mode(b.m, &mode);
-    step->mode[0] = mode;
-    b.place = mode == NS_INSIDE ? n : (size_t)b.m->output_only->place[ns_circuit_node_unknown(b.c, 2)];
     memset(step->images, 0, sizeof(double) * NS_STAGES * size);
     memset(step->powers, 0, sizeof(double) * (NS_STAGES + 1) * n);
     memset(step->z, 0, sizeof(double) * NS_STAGES * (size_t)b.m->f->nz);
@@ -57,6 +58,19 @@ static bench open_bench(ns_mode mode) {
     step->at_event = step->after_event = step->is_euler = 0;
     step->pair = step->command = -1;
     b.m->largest.y = b.m->largest.lambda = 1;
+}
+
+/* A diode from ground to node 2: while it blocks its guard is the voltage of its cathode, while it conducts
+ * its current. */
+static bench open_bench(ns_mode mode) {
+    const ns_diode ideal = {0, 0, INFINITY, INFINITY, 0};
+    bench b = begin_bench();
+    assert_int_equal(ns_circuit_diode(b.c, "d", 0, 2, &ideal, NULL), NS_OK);
+    start_bench(&b);
+    ns_sparse_guard_set_mode(b.m, &mode);
+    b.step->mode[0] = mode;
+    if (mode == NS_INSIDE)
+        b.place = (size_t)b.m->f->n;
     return b;
 }
 
@@ -201,6 +215,44 @@ static void what_rises_after_an_event_holds(void **state) {
     assert_false(breaks_at_once(0.03 * reltol, 0));
 }
 
+/* v(2) rises by `rise` in a step, at the end of which S1 meets its threshold of 1 V, which is that of S2 but
+ * for `off`; sources turn so long after it.  1 if S2 changes with S1. */
+static int changes_too(double rise, double off, double corner, double *apart) {
+    const ns_switch s1 = {.vt = 1, .roff = INFINITY}, s2 = {.vt = 1 + off, .roff = INFINITY};
+    bench b = begin_bench();
+    assert_int_equal(ns_circuit_switch(b.c, "s1", 1, 3, 2, 0, &s1, NULL), NS_OK);
+    assert_int_equal(ns_circuit_switch(b.c, "s2", 1, 3, 2, 0, &s2, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(b.c, "r3", 3, 0, 1, NULL), NS_OK);
+    start_bench(&b);
+    set(&b, 0, 1 - rise + rise / NS_POLE); /* of 1 - rise + rise x / NS_POLE */
+    set(&b, 1, rise / NS_POLE);
+    b.step->command = 0;
+    b.m->in->first = INFINITY;
+    b.m->in->corner = h + corner;
+    const int same = ns_sparse_location_is_same(b.m, b.step, 1, apart);
+    close_bench(&b);
+    return same;
+}
+
+/* It does if its threshold is the same, or is met within h/1024 and before sources turn and is no more than
+ * 1e4 roundings of 1e-12 of its term, v(2) in the first stage, away: that far it is apart then. */
+static void thresholds_beside_that_of_an_event(void **state) {
+    const double beside = 1e4 * 1e-12 * (1 - 0.5 + 0.5 / NS_POLE), off = 0.9 * beside,
+                 least = 1024 * off; /* delay: h off/rise */
+    double apart = NAN;
+    (void)state;
+    assert_true(changes_too(0.5, 0, h, &apart) && apart == 0);
+    assert_true(changes_too(0.5, off, h, &apart) && apart > off && apart < off * (1 + 2e-6));
+    assert_false(changes_too(0.5, 1.1 * beside, h, &apart));
+    assert_true(apart == 0);
+    assert_false(changes_too(0.5, -off, h, &apart)); /* it was met before */
+    assert_false(changes_too(-0.5, off, h, &apart)); /* it is left */
+    assert_true(changes_too(1.1 * least, off, h, &apart));
+    assert_false(changes_too(0.9 * least, off, h, &apart));
+    assert_true(changes_too(0.5, off, 1.1 * h * off / 0.5, &apart));
+    assert_false(changes_too(0.5, off, 0.9 * h * off / 0.5, &apart));
+}
+
 /* With v(2) = 3 V, a current of -5 A and 2 V elsewhere: blocking, y = v(2) is one term of 3.  Conducting, the
  * current's row, the only one, has 3 A through 1 ohm and its own 5 A.  64 eps of that and eps of the largest
  * so far are rounding. */
@@ -233,6 +285,7 @@ int main(void) {
         cmocka_unit_test(cubics),
         cmocka_unit_test(all_coefficients),
         cmocka_unit_test(rounding_of_a_guard),
+        cmocka_unit_test(thresholds_beside_that_of_an_event),
         cmocka_unit_test(what_rises_after_an_event_holds),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
