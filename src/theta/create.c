@@ -2,6 +2,7 @@
 #include "theta_internal.h"
 
 #include "linalg/cut_sets.h"
+#include "linalg/leakage.h"
 #include "linalg/row_split.h"
 
 #include <math.h>
@@ -96,6 +97,8 @@ static int split_system(ns_theta *s) {
         return status;
     ns_linalg_row_split_apply(n, n, s->T, s->s->M, s->M);
     status = ns_linalg_cut_sets(n, s->s->M, s->r, s->T, s->M);
+    if (status == NS_OK)
+        status = ns_linalg_leakage(n, s->s->M, s->r, s->T, s->M);
     if (status != NS_OK)
         return status;
     ns_linalg_row_split_apply(n, n, s->T, s->s->A, s->A);
