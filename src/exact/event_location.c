@@ -98,6 +98,11 @@ static void note_quiet(ns_exact *f, const ns_mode_kernel *k, int g) {
     q->guards |= ns_exact_bit_of(g);
 }
 
+void ns_exact_event_quiet(ns_exact *f) {
+    const double t = f->state.now.t, h = f->state.mode->scale[0].kernel->h;
+    f->past.quiet = (ns_exact_quiet){f->state.mode, t, t, t + ldexp(h, NS_SOON_EXPONENT), f->overruled};
+}
+
 /* The first interval in which the guard of these samples may break, and the part of it in which it does not.
  */
 static int may_break_in(const ns_exact *f, const ns_mode_kernel *k, int g, const double *s, int samples,

@@ -203,12 +203,13 @@ struct ns_exact {
         int guard;                 /* guard that broke, and the same mode was selected again */
         const ns_exact_mode *mode; /* that mode: there the guard's rounding counts 64 times; NULL: none */
     } unmended;
-    int event_guard;               /* guard whose break is this event; NS_GUARD_NONE */
-    uint64_t undecided;            /* guards of the mode asked last whose sign is not known */
-    ns_mode *wanted;               /* m: the mode to be tried */
-    ns_mode *command_target;       /* nc: mode a flipped command goes to */
-    unsigned char *flips;          /* nc: how often each command by the state flipped in this event */
-    ns_impulse impulse;            /* of the impulse problem */
+    int event_guard;         /* guard whose break is this event; NS_GUARD_NONE */
+    uint64_t undecided;      /* guards of the mode asked last whose sign is not known, */
+    uint64_t overruled;      /* and those that seem to break soon, though other evidence holds it right */
+    ns_mode *wanted;         /* m: the mode to be tried */
+    ns_mode *command_target; /* nc: mode a flipped command goes to */
+    unsigned char *flips;    /* nc: how often each command by the state flipped in this event */
+    ns_impulse impulse;      /* of the impulse problem */
     const ns_mode_kernel *entered; /* of the mode entered last, if work.gone jumps; NULL: nothing does */
 
     /* a period of the sources */
@@ -306,6 +307,10 @@ int ns_exact_event_within(ns_exact *f, const ns_time_scale *scale, double tau, d
 int ns_exact_event_samples_hold(const double *s, int rows, int samples);
 /* 1 if all guards but those that are always zero stay above a bound (rows) of each. */
 int ns_exact_event_samples_above(const ns_mode_kernel *k, const double *s, int samples, const double *bound);
+/* Right after an event: guards of the new mode that (P1) holds right, though they seem to break soon, have
+ * errors larger than they are.  They break where they are below zero by their rounding and not where they
+ * pass zero: there the two modes on either side would take turns. */
+void ns_exact_event_quiet(ns_exact *f);
 /* c: the coefficients of (E1) at i/NS_INTERVALS of s Euler steps. */
 void ns_exact_event_intervals(double s, double (*c)[NS_ORDER]);
 

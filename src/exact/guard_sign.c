@@ -56,7 +56,7 @@ ns_guard_sign ns_exact_guard_sign(ns_exact *f, ns_exact_mode *mode, int g, const
 static ns_mode_verdict judge_mode(ns_exact *f, ns_exact_mode *k, ns_evidence evidence, uint64_t undecided) {
     const ns_mode_kernel *kernel = k->scale[0].kernel;
     double *value = f->work.values, *tol = value + 2 * kernel->rows;
-    f->undecided = 0;
+    f->undecided = f->overruled = 0;
     const int jumps = ns_exact_enter(f, k);
     if (jumps && evidence != NS_EVIDENCE_IMPULSES && !ns_exact_enter_fits(f, kernel))
         return NS_VERDICT_NO;
@@ -69,6 +69,7 @@ static ns_mode_verdict judge_mode(ns_exact *f, ns_exact_mode *k, ns_evidence evi
             evidence == NS_EVIDENCE_NONE || (k == f->state.mode && g == f->event_guard); /* it did break */
         const int assumed = evidence != NS_EVIDENCE_NONE || (undecided & ns_exact_bit_of(g));
         f->undecided |= sign == NS_UNDECIDED ? ns_exact_bit_of(g) : 0;
+        f->overruled |= sign == NS_SIGN_SEEMS_TO_BREAK ? ns_exact_bit_of(g) : 0;
         if (sign == NS_SIGN_BREAKS || (sign == NS_SIGN_SEEMS_TO_BREAK && sure) ||
             (sign == NS_UNDECIDED && !assumed))
             return jumps && evidence == NS_EVIDENCE_STEP && ns_exact_enter_carries(f, kernel, g)
@@ -93,7 +94,7 @@ int ns_exact_mode_holds_clearly(ns_exact *f, ns_exact_mode *k) {
     double *value = f->work.values, *tol = value + 2 * kernel->rows;
     if (ns_exact_enter(f, k))
         return 0;
-    f->undecided = 0;
+    f->undecided = f->overruled = 0;
     ns_exact_guard_values(f, kernel, f->X_next, value, tol);
     for (int g = 0; g < kernel->pair_rows; g++)
         if (!kernel->always_zero[g] && !(value[g] > tol[g]))

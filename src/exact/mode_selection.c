@@ -386,6 +386,8 @@ int ns_exact_select_mode(ns_exact *f, int guard) {
         memcpy(f->X, f->X_before, bytes);
         f->state.mode = before;
         forget_jumps(f);
+    } else if (f->overruled) {
+        ns_exact_event_quiet(f);
     }
     return status;
 }
