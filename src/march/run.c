@@ -60,11 +60,19 @@ static int try_to(ns_engine *e, double t, ns_until until, double *reached) {
     return status;
 }
 
-/* 1 if a switch without hysteresis depends on the state. */
-static int is_switched_by_state(const ns_system *s) {
+/* 1 if a switch without hysteresis that the state commands is not in the mode that it was in at the last
+ * call.
+ */
+static int is_switched_by_state(ns_run *r) {
+    const ns_mode *mode = ns_engine_mode(r->at_work);
     int any = 0;
-    for (int c = 0; c < s->nc && !any; c++)
-        any = s->command[c].gx && s->command[c].on == s->command[c].off;
+    for (int c = 0; c < r->s->nc; c++) {
+        const ns_command *k = &r->s->command[c];
+        if (!k->gx || k->on != k->off || r->switched[c] == mode[k->pair])
+            continue;
+        r->switched[c] = mode[k->pair];
+        any = 1;
+    }
     return any;
 }
 
@@ -75,7 +83,8 @@ static int accept_trial(ns_engine *e) {
     const int status = is_start ? NS_OK : ns_engine_accept(r->at_work);
     double t;
     if (status == NS_OK && ns_engine_read(r->at_work, &t, NULL, NULL, NULL) == NS_OK) {
-        r->is_right_side = r->by_steps && t == r->accepted_t && is_switched_by_state(r->s);
+        const int switched = is_switched_by_state(r);
+        r->is_right_side = r->by_steps && t == r->accepted_t && (switched || r->is_right_side);
         r->accepted_t = t;
     }
     return status;
@@ -132,6 +141,7 @@ static void free_run(ns_engine *e) {
         r->aside->table->free(r->aside);
     ns_march_check_free(r);
     ns_system_free(r->dense_copy);
+    free(r->switched);
     free(r);
 }
 
@@ -159,7 +169,8 @@ int ns_march_run_create(const ns_system *s, const ns_march_options *o, ns_engine
     r->options = *o;
     r->back_at = INFINITY;
     r->chooses = ns_march_chooses(s, o);
-    int status = ns_march_run_make_engine(r, fault);
+    r->switched = calloc((size_t)s->nc + 1, sizeof *r->switched);
+    int status = r->switched ? ns_march_run_make_engine(r, fault) : NS_E_MEMORY;
     if (status == NS_OK)
         status = ns_march_check_create(r);
     if (status != NS_OK) {

@@ -35,7 +35,8 @@ typedef struct ns_run {
     long trials;         /* so far */
     double accepted_t;   /* s: of the last point that was accepted */
     int is_right_side;   /* 1: of the time of the one before, by NS_TO_STEP: the right side of an event, where
-                          * a switch that the state controls may have changed */
+                          * a switch that the state controls changed */
+    ns_mode *switched;   /* nc: modes of such switches at that point */
     int by_steps;        /* 1: the last trial was with NS_TO_STEP */
     ns_work work_before; /* of engines that are gone */
     /* what is told */
