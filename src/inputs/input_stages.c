@@ -125,6 +125,7 @@ static double size_of_exponentials(const ns_exp_sum *w) {
 
 void ns_inputs_stages_at(ns_input_stages *in, double t) {
     in->corner = INFINITY;
+    in->late = 0;
     in->ncurved = 0;
     for (int k = 0; k < in->s->nz; k++) {
         ns_exp_sum *w = &in->sum[k];
@@ -169,8 +170,20 @@ double ns_inputs_stages_error(const ns_input_stages *in, double g, int order) {
     return worst;
 }
 
-static double stage_of_input(const ns_exp_sum *w, double t, double g, int i) {
-    double z = i == 0 ? w->value + w->slope * (t - w->from + g) : i == 1 ? w->slope * g : 0;
+double ns_inputs_stages_steepest(const ns_input_stages *in, double g) {
+    double most = 0;
+    for (int k = 0; k < in->ncurved; k++) {
+        const ns_exp_sum *w = &in->sum[in->curved[k]];
+        const double end = w->value + w->slope * (w->until - w->from);
+        if (w->slope != 0)
+            most = fmax(most, fabs(w->slope) * g / fmax(fabs(w->value), fabs(end)));
+    }
+    return most;
+}
+
+/* after: t and what is late, since w begins */
+static double stage_of_input(const ns_exp_sum *w, double after, double g, int i) {
+    double z = i == 0 ? w->value + w->slope * (after + g) : i == 1 ? w->slope * g : 0;
     for (int e = 0; e < w->count; e++)
         z += stage_of_exponential(w, e, g, i);
     return z;
@@ -181,13 +194,13 @@ int ns_inputs_stages_stage(const ns_input_stages *in, double t, double g, int i,
     if (i > 0) {
         memset(z, 0, sizeof(double) * (size_t)in->s->nz);
         for (int k = 0; k < in->ncurved; k++) {
-            z[in->curved[k]] = stage_of_input(&in->sum[in->curved[k]], t, g, i);
+            z[in->curved[k]] = stage_of_input(&in->sum[in->curved[k]], 0, g, i);
             any |= z[in->curved[k]] != 0;
         }
         return any;
     }
     for (int k = 0; k < in->s->nz; k++) {
-        z[k] = stage_of_input(&in->sum[k], t, g, 0);
+        z[k] = stage_of_input(&in->sum[k], t - in->sum[k].from + in->late, g, 0);
         any |= z[k] != 0;
     }
     return any;

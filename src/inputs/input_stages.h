@@ -22,6 +22,7 @@ typedef struct ns_input_stages {
     double *max_abs;                /* nz: how large it ever was */
     /* where they were last expanded */
     ns_exp_sum *sum; /* nz */
+    double late;     /* the steps begin so much later, s: what rounding took from that time */
     double corner;   /* the first after it, of those that enter */
     int *curved;     /* those that enter and have exponentials or slopes */
     int ncurved;
@@ -40,12 +41,18 @@ void ns_inputs_stages_reset(ns_input_stages *in);
 /* An input of the system was replaced by another broken line.  Errors: MEMORY. */
 int ns_inputs_stages_renew(ns_input_stages *in, int input);
 
-/* Expands the inputs at t, from its right side. */
+/* Expands the inputs at t, from its right side; steps begin at t, or so much later. */
 void ns_inputs_stages_at(ns_input_stages *in, double t);
+static inline void ns_inputs_stages_late(ns_input_stages *in, double late) {
+    in->late = late;
+}
 
 /* z (nz) of stage i of steps g that begin at t, the time of the last ns_inputs_stages_at(): D^i v put through
  * the Euler step.  Returns 0 if all are zero. */
 int ns_inputs_stages_stage(const ns_input_stages *in, double t, double g, int i, double *z);
+
+/* How many times its largest real value the steepest straight piece reaches in the time g. */
+double ns_inputs_stages_steepest(const ns_input_stages *in, double g);
 
 /* D^(order+1) of inputs in Euler steps g, relative to the largest each ever was: what is left out is of that
  * size. */

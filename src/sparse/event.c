@@ -219,6 +219,7 @@ static void change_met_commands(ns_sparse *m, const ns_dense_step *step) {
 
 void ns_sparse_event_own_changes(ns_sparse *m, const ns_dense_step *step, double t) {
     ns_inputs_stages_at(m->in, t);
+    ns_inputs_stages_late(m->in, step ? ns_sparse_step_time_lost(step) : 0);
     m->contradicting_pair = -1;
     memset(m->changed, 0, (size_t)m->s->nc);
     memset(m->apart, 0, sizeof *m->apart * (size_t)m->s->nc);
@@ -340,10 +341,19 @@ static void resolve_transient(ns_sparse *m, const ns_dense_step *step, double t,
     ns_sparse_guard_set_mode(m, m->work.lasting_mode);
 }
 
+/* The length of the Euler steps that resolve an event: negligible beside steps, and beside how long sources
+ * go on as they do. */
+static double negligible(const ns_sparse *m, const ns_dense_step *step, double t) {
+    const double least = ldexp(m->o.h, -NS_EVENT_LEAST_EXPONENT - m->o.finer), room = m->in->corner - t;
+    double g = ldexp(m->o.h, -NS_SHORT_EXPONENT - (step ? step->next_exponent + step->failures : 0));
+    while (g > least && g * NS_SHORT_OF_ROOM > room)
+        g *= 0.5;
+    return fmax(g, least);
+}
+
 int ns_sparse_event_resolve(ns_sparse *m, const ns_dense_step *step, double t) {
     const int failures = step ? step->failures : 0;
-    const double least = ldexp(m->o.h, -NS_EVENT_LEAST_EXPONENT - m->o.finer);
-    double g = fmax(ldexp(m->o.h, -NS_SHORT_EXPONENT - (step ? step->next_exponent : 0) - failures), least);
+    double g = negligible(m, step, t);
     ns_jump_kind jump;
     m->counts.problems++;
     if (failures == 1 || failures == 2)

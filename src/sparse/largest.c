@@ -30,15 +30,39 @@ static double largest_up_to(const double *of, int exponent) {
     return largest;
 }
 
-void ns_sparse_largest_guards(ns_sparse *m, const double *v, int exponent) {
+/* Of x, lambda = v - of next. */
+static void take_guards(ns_sparse *m, const double *v, const double *next, double of, int exponent) {
     double lambda = largest_up_to(m->largest.lambda_of, exponent),
            y = largest_up_to(m->largest.y_of, exponent);
     for (int j = 0; j < m->f->m; j++) {
-        lambda = ns_higher(fabs(v[m->f->n + j]), lambda);
-        y = ns_higher(fabs(ns_linalg_csc_dot(&m->f->Ct, j, v)), y);
+        double lambda_j = v[m->f->n + j], y_j = ns_linalg_csc_dot(&m->f->Ct, j, v);
+        if (of != 0) {
+            lambda_j -= of * next[m->f->n + j];
+            y_j -= of * ns_linalg_csc_dot(&m->f->Ct, j, next);
+        }
+        lambda = ns_higher(fabs(lambda_j), lambda);
+        y = ns_higher(fabs(y_j), y);
     }
     m->largest.lambda = lambda;
     m->largest.y = y;
+}
+
+void ns_sparse_largest_guards(ns_sparse *m, const double *v, int exponent) {
+    take_guards(m, v, NULL, 0, exponent);
+}
+
+double ns_sparse_largest_part(ns_sparse *m, const ns_dense_step *step, double tau) {
+    const int n = m->f->n;
+    const double s = tau / step->g, *by = step->powers + n, *next = by + n;
+    double *w = m->largest.w, largest = 0;
+    for (int i = 0; i < n; i++)
+        if (!m->f->algebraic[i]) { /* (E2) */
+            const double end = step->powers[i] + s * by[i] + s * (0.5 * s - 1) * next[i];
+            w[i] = ns_higher(fabs(end), ns_higher(fabs(step->powers[i]), w[i]));
+            largest = ns_higher(w[i] / m->unit[i], largest);
+        }
+    take_guards(m, step->images, step->images + m->f->size, 1 - s, step->length_exponent); /* (E1) */
+    return largest;
 }
 
 void ns_sparse_largest_accept(ns_sparse *m, int exponent) {

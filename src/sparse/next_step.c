@@ -81,6 +81,7 @@ int ns_sparse_next_step(ns_sparse *m, double t, const ns_dense_step *before, ns_
     shorten_to_usual(m, before, step);
     const double limit = ns_sparse_next_limit(m, t), h = ldexp(m->o.h, -step->length_exponent);
     int status;
+    ns_inputs_stages_late(m->in, step->time_lost);
     if (m->o.theta > 0)
         return ns_sparse_theta_go(m, t, t, step);
     if (step->failures > MOST_FAILURES)

@@ -23,7 +23,8 @@
 enum { NS_STAGES = NS_ORDER + 1 }; /* the last one only where an event is located in the step */
 /* Exponents k of lengths h 2^-k; those marked + count from h 2^-o.finer. */
 enum {
-    NS_SHORT_EXPONENT = 16,       /* of the length of a step, shorter by this: negligible, for events */
+    NS_SHORT_EXPONENT = 16,       /* of the length of a step, shorter by this: negligible, for events, */
+    NS_SHORT_OF_ROOM = 16,        /* unless there are fewer of them up to the next corner of a source */
     NS_LEAST_EXPONENT = 28,       /* + the shortest step */
     NS_EVENT_LEAST_EXPONENT = 26, /* + the shortest step that resolves an event */
     NS_FINER = 12,     /* of the step that makes w consistent: what lasts that short is a transient, */

@@ -31,6 +31,9 @@ enum { MOST_DOUBLINGS = 4, FEWEST_STAGES = 2 };
 /* A step so short that its matrix holds no digit of what it couples is made so many times as long, so often:
  * 2^-8 of the step that follows still takes no time in it. */
 static const double much_longer = 16;
+/* An edge of a source goes on beyond its end in the stages of a longer step, at most to this multiple of
+ * itself. */
+static const double too_steep = 256;
 enum { LONGER = 2 };
 
 /* The scale of w_i, where the largest of all is `largest` units; 0: row i is algebraic. */
@@ -74,12 +77,14 @@ static int solve_stages(ns_sparse *m, ns_dense_step *step, double room) {
     step->converged = 0;
     while (i < NS_ORDER && status == NS_OK && !step->converged) {
         status = ns_sparse_step_stage(m, step, k, i);
-        if (i++ == 0 && status == NS_OK) {
+        if (i++ == 0 && status == NS_OK && !(room < step->g)) {
             set_inverse_scales(m, ns_sparse_largest_w(m, step));
             ns_sparse_largest_guards(m, step->images, step->length_exponent);
         }
         if (i < FEWEST_STAGES || status != NS_OK)
             continue;
+        if (i == FEWEST_STAGES && room < step->g)
+            set_inverse_scales(m, ns_sparse_largest_part(m, step, room));
         const double size = size_of_power(m, step, i);
         step->converged =
             are_enough(m, step, i, i < NS_ORDER ? fraction : all_stages_fraction * fraction, size);
@@ -180,9 +185,11 @@ static int are_rounding(ns_sparse *m, const ns_dense_step *step) {
 
 /* w at the beginning of the step made consistent with its mode, if pairs of the mode can carry the impulses;
  * else the worst of them is marked to break there. */
-static int remove_jump(ns_sparse *m, ns_dense_step *step) {
+static int remove_jump(ns_sparse *m, ns_dense_step *step, double room) {
     const size_t bytes = sizeof(double) * (size_t)m->f->n;
     double g = length_of(m, step->length_exponent + NS_SHORT_EXPONENT);
+    while (g > ns_sparse_finest(m) && g * NS_SHORT_OF_ROOM > room)
+        g *= 0.5;
     ns_jump_kind jumped = NS_NO_JUMP;
     int status = ns_sparse_project_consistent(m, step->t, g, NULL, &jumped);
     for (int longer = 0; longer < LONGER && status == NS_E_SINGULAR; longer++) {
@@ -206,6 +213,9 @@ static int remove_jump(ns_sparse *m, ns_dense_step *step) {
  * pair >= 0 the mode does not hold where it begins. */
 static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
     int consistent = 0, most = MOST_DOUBLINGS;
+    while (step->length_exponent < ns_sparse_least_exponent(m) &&
+           ns_inputs_stages_steepest(m->in, length_of(m, step->length_exponent) / NS_POLE) > too_steep)
+        step->length_exponent++;
     while (step->length_exponent < ns_sparse_least_exponent(m) && inputs_error(m, step->length_exponent) > 1)
         step->length_exponent++;
     while (most > 0 && inputs_error(m, step->length_exponent - most) > 1)
@@ -233,7 +243,7 @@ static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
         step->next_exponent = step->length_exponent;
         if (step->stages == NS_ORDER && error <= 1 && jump > 1 && !consistent) {
             consistent = 1;
-            status = remove_jump(m, step);
+            status = remove_jump(m, step, room);
             if (status != NS_OK || step->pair >= 0)
                 return status;
             continue;

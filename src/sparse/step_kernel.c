@@ -167,6 +167,7 @@ int ns_sparse_step_more(ns_sparse *m, ns_dense_step *step) {
         return NS_OK;
     ns_sparse_guard_set_mode(m, step->mode);
     ns_inputs_stages_at(m->in, step->t);
+    ns_inputs_stages_late(m->in, step->time_lost);
     int status = ns_sparse_factors_factor(m->q, step->g, m->mode, 0, &k);
     if (status == NS_OK)
         status = ns_sparse_step_stage(m, step, k, step->stages);
