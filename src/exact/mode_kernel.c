@@ -291,6 +291,7 @@ static int fill_kernel(ns_theta *s, const ns_input_states *e, const ns_map *map,
         fill_images(k, &b, D, G, j);
     fill_guards_now(k);
     fill_rounding(k, noise, terms);
+    ns_exact_kernel_add_left_off(s, k, b.image);
     for (int g = 0; g < k->rows; g++)
         k->always_zero[g] = (unsigned char)is_always_zero(k, g);
     ns_exact_kernel_step(k, k->h, k->step);

@@ -71,6 +71,12 @@ void ns_exact_kernel_step(const ns_mode_kernel *k, double tau, double *P);
 void ns_exact_kernel_compose(const ns_mode_kernel *k, const double *P2, const double *P1,
                              const double *advance, double *P);
 
+/* input_series.c: 1 if e + D^8 e in place of input e makes good what (E1) leaves off of it; 0: it leaves
+ * nothing off, or what it charges is damped or constrained.  room: r. */
+int ns_exact_kernel_leaves_off(const ns_theta *s, const ns_mode_kernel *k, int j, double *room);
+/* Guards of inputs with what (E1) leaves off of them, where that is more than their rounding.  room: r. */
+void ns_exact_kernel_add_left_off(const ns_theta *s, ns_mode_kernel *k, double *room);
+
 /* flows.c.  The flows of a kernel, unless they are much larger than what they move.  Errors: MEMORY. */
 int ns_exact_kernel_flows(const ns_theta *s, const ns_input_states *e, ns_mode_kernel *k);
 /* As ns_exact_kernel_step() and _compose(), by flows: P (r*q) is X -> what is added to w, and behind it

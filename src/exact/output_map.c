@@ -107,6 +107,9 @@ int ns_exact_output_map(const ns_theta *s, const ns_input_states *e, ns_mode_ker
     }
     memcpy(now + q * all, k->step_x_lambda + q * all, sizeof *now * all * (size_t)e->mutes);
     k->x_lambda_now = now;
+    for (int j = k->r; j < k->q; j++)
+        if (ns_exact_kernel_leaves_off(s, k, j, sum))
+            ns_linalg_matvec_add((int)all, k->r, now, k->D8 + (size_t)j * r, now + (size_t)j * all);
     k->output_cancels = columns_cancel(s, k, sum);
     free(sum);
     k->bytes += sizeof *now * all * (q + (size_t)e->mutes);
