@@ -8,6 +8,9 @@
 /* A difference that counts, of the largest voltage across the device. */
 static const double much = 0.05;
 
+/* A gate so near the threshold is at it, of its drive beyond it. */
+static const double held_within = 1e-6;
+
 static int is_judged(const ns_analysis *a, const ns_own_taken *o) {
     return o->id >= 0 && (o->kind == OWN_MOSFET || (o->kind == OWN_DIODE && !a->ex.options.zero_diodes));
 }
@@ -16,14 +19,16 @@ static double voltage_at(const ns_analysis *a, int eq) {
     return eq > 0 && a->unknown[eq] >= 0 ? a->x[a->unknown[eq]] : 0.0;
 }
 
-/* A switch: the current (A) beyond that of saturation at its present v(gate,source), of its current.  A
- * follower: the voltage (V) beyond vto that its own gate needs, of that of its source. */
+/* A switch: the current (A) beyond that of saturation at its present v(gate,source), of its current; not
+ * while its drain holds its gate at the threshold.  A follower: the voltage (V) beyond vto that its own gate
+ * needs, of that of its source. */
 static void judge_channel(const ns_analysis *a, const ns_own_taken *o, double i, double *off, double *of) {
     const ns_own_mosfet *m = &o->mosfet;
     const double gate = voltage_at(a, m->gate), source = voltage_at(a, m->source);
     const double above = m->sign * (gate - source) - m->vth;
-    if (!o->follows) {
-        *off = i > NS_LEAK ? fmax(i - 0.5 * m->beta * above * fmax(above, 0.0), 0.0) : 0.0;
+    if (!o->follows || o->follows == FOLLOWS_DRAIN) {
+        const int held = o->follows && above < held_within * (o->drive - m->vth);
+        *off = i > NS_LEAK && !held ? fmax(i - 0.5 * m->beta * above * fmax(above, 0.0), 0.0) : 0.0;
         *of = fabs(i);
     } else if (voltage_at(a, m->drain) > gate - m->vth) {
         *off = sqrt(2.0 * fmax(i, 0.0) / m->beta);
@@ -51,7 +56,7 @@ void ns_bridge_own_count_point(const ns_analysis *a, double since, double t) {
         if (!is_judged(a, o) ||
             ns_circuit_device(a->ex.circuit, o->id, a->x, a->lambda, a->mode, &i, &v, NULL) != NS_OK)
             continue;
-        i = o->kind == OWN_MOSFET ? o->mosfet.sign * i : i;
+        i = o->kind == OWN_MOSFET && !o->follows ? o->mosfet.sign * i : i;
         if (o->seen.t >= since)
             ns_bridge_log_mean_add(&o->seen.current, 0.5 * (fmax(i, 0.0) + o->seen.i), t - o->seen.t,
                                    NS_LEAK);
@@ -102,7 +107,7 @@ static double part_off(const ns_own_taken *o) {
 }
 
 static void note_channel(const ns_own_taken *o) {
-    if (o->follows)
+    if (o->follows && o->follows != FOLLOWS_DRAIN)
         ns_bridge_report_note(
             "%s, a source follower, had its source too high by some %.2g of that voltage: what its own gate "
             "needs beyond vto is left out; drive it against its source, or add that to vto",

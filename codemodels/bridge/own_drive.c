@@ -6,143 +6,12 @@
 #include <stdlib.h>
 
 #include "models.h"
-#include "own_drive.h"
 #include "own_mosfet.h"
+#include "own_voltage.h"
 
-#include "spicelib/devices/asrc/asrcdefs.h"
-#include "spicelib/devices/ind/inddefs.h"
 #include "spicelib/devices/res/resdefs.h"
-#include "spicelib/devices/vcvs/vcvsdefs.h"
-#include "spicelib/devices/vsrc/vsrcdefs.h"
 
-enum { MOST_NODES = 60, MOST_TERMS = 240 }; /* that are tried */
-/* A search from a node to `goal` or ground. */
-typedef struct way {
-    const CKTcircuit *ckt;
-    int goal;       /* equation */
-    int along_r;    /* resistors and inductors count as wires */
-    int is_control; /* it is that of the control of an E: no further E is looked into */
-    int along_d;    /* so do D */
-    double shunt;   /* ohm: so do resistors below it */
-    int inside_b;   /* it is that of a node in a B source: no further B is looked into */
-    int met;        /* the equation that was met: goal, or 0 */
-    int node[MOST_NODES], count;
-} way;
-
-static int find_voltage(const CKTcircuit *ckt, int p, int m, int is_control, ns_own_range *r, double *share);
-static int go_on(way *w, int here, ns_own_range *r);
-
-static int range_at(const CKTcircuit *ckt, int eq, ns_own_range *r) {
-    way w = {.ckt = ckt, .is_control = 1, .inside_b = 1};
-    *r = (ns_own_range){0};
-    return go_on(&w, eq, r);
-}
-
-/* By how much an E raises its first node, as V and R drive its control; 0: they do not. */
-static int read_vcvs(const way *w, const VCVSinstance *e, ns_own_range *gap) {
-    const double gain = e->VCVScoeff;
-    double share;
-    ns_own_range r = {0};
-    if (w->is_control || !find_voltage(w->ckt, e->VCVScontPosNode, e->VCVScontNegNode, 1, &r, &share))
-        return 0;
-    const double low = gain * r.low, high = gain * r.high;
-    *gap = (ns_own_range){fmin(low, high), fmax(low, high), r.switches, 1, 0.0, r.amplifies, 0};
-    return 1;
-}
-
-/* The nodes of inst, one of them `here`, and by how much the first is above the second; 0: it is no wire. */
-static int read_wire(const way *w, const GENinstance *inst, int here, int *p, int *n, ns_own_range *gap) {
-    *gap = (ns_own_range){0};
-    switch (ns_bridge_models_letter(inst)) {
-    case 'v': {
-        const VSRCinstance *v = (const VSRCinstance *)inst;
-        *p = v->VSRCposNode;
-        *n = v->VSRCnegNode;
-        *gap = ns_bridge_own_range_of_v(v);
-        return 1;
-    }
-    case 'r': {
-        const RESinstance *r = (const RESinstance *)inst;
-        *p = r->RESposNode;
-        *n = r->RESnegNode;
-        return w->along_r || r->RESconduct * w->shunt > 1.0;
-    }
-    case 'l': {
-        const INDinstance *l = (const INDinstance *)inst;
-        *p = l->INDposNode;
-        *n = l->INDnegNode;
-        return w->along_r;
-    }
-    case 'e': {
-        const VCVSinstance *e = (const VCVSinstance *)inst;
-        *p = e->VCVSposNode;
-        *n = e->VCVSnegNode;
-        return (*p == here || *n == here) && read_vcvs(w, e, gap);
-    }
-    case 'b': {
-        const ASRCinstance *b = (const ASRCinstance *)inst;
-        *p = b->ASRCposNode;
-        *n = b->ASRCnegNode;
-        if ((*p != here && *n != here) || w->inside_b ||
-            !ns_bridge_own_range_of_b(w->ckt, inst, range_at, *n == 0 ? w->goal : 0, gap))
-            return 0;
-        *n = gap->of_goal ? w->goal : *n;
-        return *p == here || *n == here;
-    }
-    case 'a':
-        return ns_bridge_own_range_of_bridge(inst, here, p, n, gap);
-    case 'd': {
-        ns_own_diode d = {0};
-        if (w->along_d && ns_bridge_own_kind(inst) == OWN_DIODE)
-            ns_bridge_own_read_diode(inst, &d);
-        *p = d.cathode;
-        *n = d.anode;
-        return d.cathode > 0 && d.cathode == here;
-    }
-    default:
-        return 0;
-    }
-}
-
-static int was_tried(const way *w, int node) {
-    for (int k = 0; k < w->count; k++)
-        if (w->node[k] == node)
-            return 1;
-    return 0;
-}
-
-static ns_own_range add_gap(ns_own_range r, ns_own_range gap, int forwards) {
-    r.low += forwards ? gap.low : -gap.high;
-    r.high += forwards ? gap.high : -gap.low;
-    r.switches |= gap.switches;
-    r.sources |= gap.sources;
-    r.amplifies |= gap.amplifies;
-    return r;
-}
-
-/* 1 if ways from `here`, *r below the beginning, lead to the goal or ground; *r: by how much it is above
- * that. */
-static int go_on(way *w, int here, ns_own_range *r) {
-    if (here == w->goal || here == 0) {
-        w->met = here;
-        return 1;
-    }
-    if (was_tried(w, here) || w->count == MOST_NODES)
-        return 0;
-    w->node[w->count++] = here;
-    for (NGTABLEPTR box = w->ckt->DEVnameHash->thread; box; box = box->thread_next) {
-        ns_own_range gap;
-        int p, n;
-        if (!read_wire(w, box->data, here, &p, &n, &gap) || (p != here && n != here) || p == n)
-            continue;
-        ns_own_range further = add_gap(*r, gap, p == here);
-        if (go_on(w, p == here ? n : p, &further)) {
-            *r = further;
-            return 1;
-        }
-    }
-    return 0;
-}
+enum { MOST_TERMS = 240 }; /* that are tried */
 
 /* --- the network of V and R around a gate --- */
 
@@ -157,9 +26,9 @@ typedef struct term {
 /* Its unknowns: voltages of nodes that no V ties to the goal or to ground, then currents of the V between
  * them.  Its matrix is symmetric. */
 typedef struct network {
-    way wires; /* what it consists of */
-    int node[MOST_NODES], nodes, rows, terms;
-    double a[MOST_NODES * MOST_NODES];
+    ns_own_way wires; /* what it consists of */
+    int node[OWN_WAY_NODES], nodes, rows, terms;
+    double a[OWN_WAY_NODES * OWN_WAY_NODES];
     term term[MOST_TERMS];
     int is_full; /* there is more than it can hold */
 } network;
@@ -173,12 +42,10 @@ static int place_of(const network *n, int node) {
 
 /* 1 if V tie it to the goal or to ground; *volts: by how much it is above *met. */
 static int is_tied(const network *n, int node, ns_own_range *volts, int *met) {
-    way w = {.ckt = n->wires.ckt,
-             .goal = n->wires.goal,
-             .is_control = n->wires.is_control,
-             .inside_b = n->wires.inside_b};
+    ns_own_way w = {
+        .ckt = n->wires.ckt, .find = n->wires.find, .goal = n->wires.goal, .inside_b = n->wires.inside_b};
     *volts = (ns_own_range){0};
-    const int tied = go_on(&w, node, volts);
+    const int tied = ns_bridge_own_way(&w, node, volts);
     *met = w.met;
     return tied;
 }
@@ -188,7 +55,7 @@ static void add_node(network *n, int node) {
     int met;
     if (place_of(n, node) >= 0 || is_tied(n, node, &volts, &met))
         return;
-    if (n->nodes == MOST_NODES)
+    if (n->nodes == OWN_WAY_NODES)
         n->is_full = 1;
     else
         n->node[n->nodes++] = node;
@@ -202,7 +69,7 @@ static void add_term(network *n, int row, double weight, ns_own_range volts, int
 }
 
 static void add_at(network *n, int row, int column, double value) {
-    n->a[row * MOST_NODES + column] += value;
+    n->a[row * OWN_WAY_NODES + column] += value;
 }
 
 /* A resistor in the row of one of its ends. */
@@ -220,7 +87,7 @@ static void add_resistor(network *n, int row, int other, double siemens) {
 /* A V whose first end is the node of this row; the other one is among the nodes too. */
 static void add_source(network *n, int row, int other, ns_own_range gap) {
     const int current = n->rows, column = place_of(n, other);
-    if (current == MOST_NODES || column < 0) {
+    if (current == OWN_WAY_NODES || column < 0) {
         n->is_full = 1;
         return;
     }
@@ -240,8 +107,8 @@ static void visit(network *n, int k, int adds_nodes) {
         const char letter = ns_bridge_models_letter(inst);
         ns_own_range gap;
         int p, m;
-        if (letter == 'l' || !read_wire(&n->wires, inst, here, &p, &m, &gap) || (p != here && m != here) ||
-            p == m)
+        if (letter == 'l' || !ns_bridge_own_wire(&n->wires, inst, here, &p, &m, &gap) ||
+            (p != here && m != here) || p == m)
             continue;
         if (adds_nodes)
             add_node(n, p == here ? m : p);
@@ -254,20 +121,21 @@ static void visit(network *n, int k, int adds_nodes) {
 
 /* *share: of the voltage of the goal in that of the first node; *r: what sources add.  0: it is not known. */
 static int solve(network *n, ns_own_range *r, double *share) {
-    double y[MOST_NODES] = {1.0}; /* the first column of the inverse */
-    lapack_int pivot[MOST_NODES];
-    if (LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n->rows, n->rows, n->a, MOST_NODES, pivot) != 0 ||
-        LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, 'N', n->rows, 1, n->a, MOST_NODES, pivot, y, MOST_NODES) != 0)
+    double y[OWN_WAY_NODES] = {1.0}; /* the first column of the inverse */
+    lapack_int pivot[OWN_WAY_NODES];
+    if (LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n->rows, n->rows, n->a, OWN_WAY_NODES, pivot) != 0 ||
+        LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, 'N', n->rows, 1, n->a, OWN_WAY_NODES, pivot, y,
+                            OWN_WAY_NODES) != 0)
         return 0;
     *share = 0.0;
     for (int k = 0; k < n->terms; k++) {
         const term *t = &n->term[k];
         const double part = y[t->row] * t->weight;
         const double low = part * t->volts.low, high = part * t->volts.high;
-        *r = add_gap(*r,
-                     (ns_own_range){fmin(low, high), fmax(low, high), t->volts.switches, t->volts.sources,
-                                    0.0, t->volts.amplifies, 0},
-                     1);
+        *r = ns_bridge_own_add_gap(*r,
+                                   (ns_own_range){fmin(low, high), fmax(low, high), t->volts.switches,
+                                                  t->volts.sources, 0.0, t->volts.amplifies, 0},
+                                   1);
         *share += t->of_goal ? part : 0.0;
     }
     return isfinite(r->low) && isfinite(r->high);
@@ -291,20 +159,22 @@ static int find_potential(network *n, int node, ns_own_range *r, double *share) 
 }
 
 /* v(p,m), as sources drive it; 0: they do not say. */
-static int find_voltage(const CKTcircuit *ckt, int p, int m, int is_control, ns_own_range *r, double *share) {
+int ns_bridge_own_find_voltage(const CKTcircuit *ckt, int p, int m, int is_control, ns_own_range *r,
+                               double *share) {
     static const double nearly_all = 0.95; /* what pulls a gate that follows its source to ground is weak */
-    way of_goal = {.ckt = ckt, .along_r = 1};
+    ns_own_way of_goal = {.ckt = ckt, .find = ns_bridge_own_find_voltage, .along_r = 1};
     ns_own_range goal = {0};
     network *n = calloc(1, sizeof *n);
     *share = 0.0;
     if (!n)
         return 0;
-    n->wires = (way){.ckt = ckt, .goal = m, .along_r = 1, .is_control = is_control};
+    n->wires = (ns_own_way){
+        .ckt = ckt, .find = is_control ? NULL : ns_bridge_own_find_voltage, .goal = m, .along_r = 1};
     const int known = find_potential(n, p, r, share);
     free(n);
     if (!known || m == 0 || *share > 1.0 - 1e-12)
         return known;
-    if (is_control || !go_on(&of_goal, m, &goal))
+    if (is_control || !ns_bridge_own_way(&of_goal, m, &goal))
         return *share > nearly_all;
     r->low -= (1.0 - *share) * goal.high;
     r->high -= (1.0 - *share) * goal.low;
@@ -329,25 +199,26 @@ static int beyond_switch(const GENinstance *inst, int here) {
 
 /* The voltage of `node` above the source of m, along V, R, L and D, is added to *r. */
 static void add_end(const CKTcircuit *ckt, int source, int node, ns_own_range *r) {
-    way w = {.ckt = ckt, .goal = source, .along_r = 1, .along_d = 1};
-    way of_goal = {.ckt = ckt, .along_r = 1};
+    ns_own_way w = {
+        .ckt = ckt, .find = ns_bridge_own_find_voltage, .goal = source, .along_r = 1, .along_d = 1};
+    ns_own_way of_goal = {.ckt = ckt, .find = ns_bridge_own_find_voltage, .along_r = 1};
     ns_own_range end = {0}, goal = {0};
-    if (!go_on(&w, node, &end))
+    if (!ns_bridge_own_way(&w, node, &end))
         return;
-    if (w.met != source && go_on(&of_goal, source, &goal))
-        end = add_gap(end, goal, 0);
+    if (w.met != source && ns_bridge_own_way(&of_goal, source, &goal))
+        end = ns_bridge_own_add_gap(end, goal, 0);
     ns_bridge_own_extend(r, end.low);
     ns_bridge_own_extend(r, end.high);
 }
 
 /* From a gate along R; *r: of the ends beyond all switches, and of those without one. */
-static void visit_ends(way *w, int here, ns_own_range *r) {
+static void visit_ends(ns_own_way *w, int here, ns_own_range *r) {
     ns_own_range volts = {0};
-    way by_v = {.ckt = w->ckt, .goal = w->goal};
-    if (was_tried(w, here) || w->count == MOST_NODES)
+    ns_own_way by_v = {.ckt = w->ckt, .find = ns_bridge_own_find_voltage, .goal = w->goal};
+    if (ns_bridge_own_way_has(w, here) || w->count == OWN_WAY_NODES)
         return;
     w->node[w->count++] = here;
-    if (go_on(&by_v, here, &volts)) {
+    if (ns_bridge_own_way(&by_v, here, &volts)) {
         add_end(w->ckt, w->goal, here, r);
         return;
     }
@@ -358,8 +229,8 @@ static void visit_ends(way *w, int here, ns_own_range *r) {
         if (end >= 0) {
             add_end(w->ckt, w->goal, end, r);
             r->switches = 1;
-        } else if (ns_bridge_models_letter(inst) == 'r' && read_wire(w, inst, here, &p, &n, &volts) &&
-                   (p == here || n == here)) {
+        } else if (ns_bridge_models_letter(inst) == 'r' &&
+                   ns_bridge_own_wire(w, inst, here, &p, &n, &volts) && (p == here || n == here)) {
             visit_ends(w, p == here ? n : p, r);
         }
     }
@@ -368,11 +239,13 @@ static void visit_ends(way *w, int here, ns_own_range *r) {
 /* The source of a closed M has the potential of its drain: the drive of one whose gate is driven against
  * ground. 0: that potential is not known. */
 static int lower_when_closed(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
-    way to_supply = {.ckt = ckt}, along_r = {.ckt = ckt, .along_r = 1};
+    ns_own_way to_supply = {.ckt = ckt, .find = ns_bridge_own_find_voltage},
+               along_r = {.ckt = ckt, .find = ns_bridge_own_find_voltage, .along_r = 1};
     ns_own_range drain = {0};
-    const int known = go_on(&to_supply, m->drain, &drain) || go_on(&along_r, m->drain, &drain);
+    const int known =
+        ns_bridge_own_way(&to_supply, m->drain, &drain) || ns_bridge_own_way(&along_r, m->drain, &drain);
     const double left = known ? drive->high - drain.high : NAN;
-    drive->follows = left > m->vth ? FOLLOWS_AND_CLOSES : 1;
+    drive->follows = left > m->vth ? FOLLOWS_AND_CLOSES : FOLLOWS_GATE;
     drive->high = left <= m->vth ? drive->high : left;
     return known;
 }
@@ -380,18 +253,20 @@ static int lower_when_closed(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_o
 int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
     ns_own_range r = {0};
     double share;
-    if (!find_voltage(ckt, m->gate, m->source, 0, &r, &share)) {
-        way ends = {.ckt = ckt, .goal = m->source, .along_r = 1};
+    if (!ns_bridge_own_find_voltage(ckt, m->gate, m->source, 0, &r, &share)) {
+        ns_own_way ends = {.ckt = ckt, .find = ns_bridge_own_find_voltage, .goal = m->source, .along_r = 1};
         r = (ns_own_range){INFINITY, -INFINITY, 0, 1, 0.0, 0, 0};
         share = 1.0;
         visit_ends(&ends, m->gate, &r);
         if (!r.switches || !(r.low < r.high))
             return 0;
     }
-    way to_ground = {.ckt = ckt, .shunt = 1.0}; /* ohm: more than most shunts that sense a current */
+    ns_own_way to_ground = {.ckt = ckt,
+                            .find = ns_bridge_own_find_voltage,
+                            .shunt = 1.0}; /* ohm: more than most shunts that sense a current */
     ns_own_range source = {0};
     *drive = m->sign > 0 ? (ns_own_drive){r.low, r.high, r.switches && !r.amplifies, 0}
                          : (ns_own_drive){-r.high, -r.low, r.switches && !r.amplifies, 0};
-    return m->sign < 0 || share >= 0.5 || go_on(&to_ground, m->source, &source) ||
+    return m->sign < 0 || share >= 0.5 || ns_bridge_own_way(&to_ground, m->source, &source) ||
            lower_when_closed(ckt, m, drive);
 }

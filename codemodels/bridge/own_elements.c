@@ -4,6 +4,7 @@
 #include <ctype.h>
 #include <math.h>
 
+#include "own_feedback.h"
 #include "own_structs.h"
 
 /* Not taken: what to write so that it is. */
@@ -239,7 +240,9 @@ static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_
     const ns_bridge_options *o = &w->ex->options;
     ns_own_drive drive = {NAN, NAN, 0, 0};
     const int known = ns_bridge_own_find_drive(w->ckt, m, &drive);
-    *follows = isnan(o->vgs) ? drive.follows : drive.follows > 0;
+    if (!drive.follows && ns_bridge_own_has_feedback(w->ckt, m))
+        drive.follows = FOLLOWS_DRAIN;
+    *follows = isnan(o->vgs) || drive.follows != FOLLOWS_AND_CLOSES ? drive.follows : FOLLOWS_GATE;
     if (o->mosfets == NS_MOSFETS_DRIVEN && m->bulk != m->source)
         return ns_bridge_extract_refuse(
             w, inst,
@@ -276,14 +279,17 @@ static int add_body_diode(ns_extract_walk *w, const GENinstance *inst, ns_own_ta
     return ns_circuit_diode(w->ex->circuit, name, d->anode, d->cathode, &taken->diode, &taken->body);
 }
 
-/* One direction of a channel: ron, a follower that is no higher than the gate less vto, and a diode, called
- * `name`, against current in the other direction. */
+/* One direction of a channel, of an n channel from drain to source: ron, a follower that is no higher than
+ * the gate less vto, and a diode, called `name`, against current in the other direction.  A p channel is its
+ * mirror image: no lower than the gate and vto more. */
 static int add_way(ns_extract_walk *w, const ns_own_taken *taken, const char *name, int from, int to,
                    double leak, int *id) {
     ns_circuit *c = w->ex->circuit;
     char part[EXTRACT_NAME];
+    const int is_n = taken->mosfet.sign > 0;
+    const double sign = is_n ? 1.0 : -1.0;
     const int behind = ns_bridge_extract_new_node(w), follows = ns_bridge_extract_new_node(w);
-    const ns_term above[2] = {{0, behind, 1.0}, {0, taken->mosfet.gate, -1.0}};
+    const ns_term above[2] = {{0, behind, sign}, {0, taken->mosfet.gate, -sign}};
     const ns_affine u = {taken->mosfet.vth, 2, above};
     const ns_diode forwards = {.roff = leak, .vz = INFINITY};
     int kink;
@@ -294,12 +300,13 @@ static int add_way(ns_extract_walk *w, const ns_own_taken *taken, const char *na
     if (status)
         return status;
     snprintf(part, sizeof part, "%.140s#gate", name);
-    status = ns_circuit_linear(c, part, NS_VOLTAGE, behind, follows, 0.0, 1, &(ns_term){2, kink, 1.0}, NULL);
-    return status ? status : ns_circuit_diode(c, name, follows, to, &forwards, id);
+    status = ns_circuit_linear(c, part, NS_VOLTAGE, behind, follows, 0.0, 1, &(ns_term){2, kink, sign}, NULL);
+    return status ? status
+                  : ns_circuit_diode(c, name, is_n ? follows : to, is_n ? to : follows, &forwards, id);
 }
 
-/* An n channel as a source follower, where a switch would open and close infinitely fast.  Backwards its
- * drain is the lower end, and follows. */
+/* As a source follower, where a switch would open and close infinitely fast.  Backwards its drain is the
+ * lower end (the upper one of a p channel), and follows. */
 static int add_follower(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken, double leak) {
     const ns_own_mosfet *m = &taken->mosfet;
     char name[EXTRACT_NAME];

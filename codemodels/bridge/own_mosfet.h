@@ -30,9 +30,13 @@ void ns_bridge_own_write_mosfet(GENinstance *inst, CKTcircuit *ckt, double amper
 typedef struct ns_own_drive {
     double low, high; /* V */
     int switches;     /* PULSE, PWL, a choice of a B source or a digital part drives it */
-    int follows;      /* an n channel's gate is driven against ground, its source is not tied to that; */
+    int follows;      /* one of the following */
 } ns_own_drive;
-enum { FOLLOWS_AND_CLOSES = 2 }; /* of that: high is of v(gate,drain), from which on it is closed */
+enum {
+    FOLLOWS_GATE = 1,   /* an n channel's gate is driven against ground, its source is not tied to that */
+    FOLLOWS_AND_CLOSES, /* so, and high is of v(gate,drain), from which on it is closed */
+    FOLLOWS_DRAIN       /* its drain acts on its gate, and holds it at the threshold (own_feedback.h) */
+};
 
 /* What sources drive the gate with: the voltage that the network of V, R and an E of known control around it
  * gives it, against what V, R and L connect the source with.  0: that leads to neither ground nor each other.

@@ -38,7 +38,8 @@ static void show_mosfet(const ns_analysis *a, const ns_own_taken *o, CKTcircuit 
     ns_circuit_device(a->ex.circuit, o->body, a->x, a->lambda, a->mode, &body, NULL, NULL);
     if (o->back >= 0)
         ns_circuit_device(a->ex.circuit, o->back, a->x, a->lambda, a->mode, &back, NULL, NULL);
-    ns_bridge_own_write_mosfet(o->inst, ckt, i - back - o->mosfet.sign * body, ckt->CKTrhsOld);
+    const double channel = o->follows ? o->mosfet.sign * (i - back) : i;
+    ns_bridge_own_write_mosfet(o->inst, ckt, channel - o->mosfet.sign * body, ckt->CKTrhsOld);
 }
 
 void ns_bridge_own_show_states(const ns_analysis *a, CKTcircuit *ckt) {
@@ -147,8 +148,11 @@ static void announce_mosfets(const ns_own_taken *o, int count) {
         "%s of model %s%s: taken as a switch, closed above %.4g V with ron = %.4g ohm (of its "
         "model at %.4g V)%s, and a body diode, vf = %.4g V, ron = %.4g ohm",
         o->inst->GENname, o->inst->GENmodPtr->GENmodName, count > 1 ? " and others of it" : "", o->mosfet.vth,
-        o->ron, o->drive, o->follows ? ", as a source follower where its gate is lower" : "", o->diode.vf,
-        o->diode.ron);
+        o->ron, o->drive,
+        o->follows == FOLLOWS_DRAIN ? ", which holds its gate there while its drain swings"
+        : o->follows                ? ", as a source follower where its gate is lower"
+                                    : "",
+        o->diode.vf, o->diode.ron);
 }
 
 /* --- is it what was announced? --- */

@@ -1,0 +1,90 @@
+/* bridge/own_feedback.c - an M whose drain acts on its own gate.
+ *
+ * While the drain swings, the current of the capacitance between them holds the gate at its threshold.  A
+ * switch would open and close infinitely fast there. */
+#include "own_feedback.h"
+
+#include "models.h"
+#include "own_voltage.h"
+
+#include "spicelib/devices/cap/capdefs.h"
+#include "spicelib/devices/cccs/cccsdefs.h"
+#include "spicelib/devices/res/resdefs.h"
+#include "spicelib/devices/vccs/vccsdefs.h"
+
+/* Nodes that resistors join to a first one. */
+typedef struct joined {
+    int node[OWN_WAY_NODES], count;
+} joined;
+
+static int has(const joined *j, int node) {
+    for (int k = 0; k < j->count; k++)
+        if (j->node[k] == node)
+            return 1;
+    return 0;
+}
+
+/* V give it a voltage against the source or ground. */
+static int is_known(const CKTcircuit *ckt, int source, int node) {
+    ns_own_way w = {.ckt = ckt, .find = ns_bridge_own_find_voltage, .goal = source};
+    ns_own_range volts = {0};
+    return ns_bridge_own_way(&w, node, &volts);
+}
+
+/* Nodes whose voltage V give end the way. */
+static void add(joined *j, const CKTcircuit *ckt, int source, int node) {
+    if (j->count < OWN_WAY_NODES && !has(j, node) && !is_known(ckt, source, node))
+        j->node[j->count++] = node;
+}
+
+static joined join(const CKTcircuit *ckt, int source, int first) {
+    joined j = {.node = {first}, .count = 1};
+    for (int k = 0; k < j.count; k++)
+        for (NGTABLEPTR box = ckt->DEVnameHash->thread; box; box = box->thread_next) {
+            const RESinstance *r = box->data;
+            if (ns_bridge_models_letter(box->data) != 'r')
+                continue;
+            if (r->RESposNode == j.node[k])
+                add(&j, ckt, source, r->RESnegNode);
+            else if (r->RESnegNode == j.node[k])
+                add(&j, ckt, source, r->RESposNode);
+        }
+    return j;
+}
+
+/* The nodes of a C, F or G; 0: it is none. */
+static int read_ends(const GENinstance *inst, int *p, int *n) {
+    switch (ns_bridge_models_letter(inst)) {
+    case 'c':
+        *p = ((const CAPinstance *)inst)->CAPposNode;
+        *n = ((const CAPinstance *)inst)->CAPnegNode;
+        return 1;
+    case 'f':
+        *p = ((const CCCSinstance *)inst)->CCCSposNode;
+        *n = ((const CCCSinstance *)inst)->CCCSnegNode;
+        return 1;
+    case 'g':
+        *p = ((const VCCSinstance *)inst)->VCCSposNode;
+        *n = ((const VCCSinstance *)inst)->VCCSnegNode;
+        return 1;
+    default:
+        return 0;
+    }
+}
+
+int ns_bridge_own_has_feedback(const CKTcircuit *ckt, const ns_own_mosfet *m) {
+    if (is_known(ckt, m->source, m->gate))
+        return 0;
+    const joined gate = join(ckt, m->source, m->gate), source = join(ckt, m->source, m->source);
+    for (NGTABLEPTR box = ckt->DEVnameHash->thread; box; box = box->thread_next) {
+        const GENinstance *inst = box->data;
+        int p, n;
+        if (!read_ends(inst, &p, &n) || has(&gate, p) == has(&gate, n))
+            continue;
+        const int other = has(&gate, p) ? n : p;
+        if (ns_bridge_models_letter(inst) != 'c' ||
+            (!has(&source, other) && !is_known(ckt, m->source, other)))
+            return 1;
+    }
+    return 0;
+}

@@ -1,0 +1,12 @@
+/* bridge/own_feedback.h - an M whose drain acts on its own gate. */
+#ifndef BRIDGE_OWN_FEEDBACK_H
+#define BRIDGE_OWN_FEEDBACK_H
+
+#include "own_mosfet.h"
+
+/* 1 if a capacitor ends at the gate, or at what resistors join to it, that does not lead to the source or
+ * to a known voltage, or if an F or G feeds it: a Miller capacitance, or what stands for one in the
+ * subcircuits of vendors. */
+int ns_bridge_own_has_feedback(const CKTcircuit *ckt, const ns_own_mosfet *m);
+
+#endif

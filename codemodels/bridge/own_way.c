@@ -1,0 +1,127 @@
+/* bridge/own_way.c - ways along V, R, L, E, D and B from a node to another one or to ground, and what voltage
+ * is between their ends. */
+#include "own_way.h"
+
+#include <math.h>
+
+#include "models.h"
+#include "own_structs.h"
+
+#include "spicelib/devices/asrc/asrcdefs.h"
+#include "spicelib/devices/ind/inddefs.h"
+#include "spicelib/devices/res/resdefs.h"
+#include "spicelib/devices/vcvs/vcvsdefs.h"
+#include "spicelib/devices/vsrc/vsrcdefs.h"
+
+static int range_at(const CKTcircuit *ckt, int eq, ns_own_range *r) {
+    ns_own_way w = {.ckt = ckt, .inside_b = 1};
+    *r = (ns_own_range){0};
+    return ns_bridge_own_way(&w, eq, r);
+}
+
+/* By how much an E raises its first node, as V and R drive its control; 0: they do not. */
+static int read_vcvs(const ns_own_way *w, const VCVSinstance *e, ns_own_range *gap) {
+    const double gain = e->VCVScoeff;
+    double share;
+    ns_own_range r = {0};
+    if (!w->find || !w->find(w->ckt, e->VCVScontPosNode, e->VCVScontNegNode, 1, &r, &share))
+        return 0;
+    const double low = gain * r.low, high = gain * r.high;
+    *gap = (ns_own_range){fmin(low, high), fmax(low, high), r.switches, 1, 0.0, r.amplifies, 0};
+    return 1;
+}
+
+/* The nodes of inst, one of them `here`, and by how much the first is above the second; 0: it is no wire. */
+int ns_bridge_own_wire(const ns_own_way *w, const GENinstance *inst, int here, int *p, int *n,
+                       ns_own_range *gap) {
+    *gap = (ns_own_range){0};
+    switch (ns_bridge_models_letter(inst)) {
+    case 'v': {
+        const VSRCinstance *v = (const VSRCinstance *)inst;
+        *p = v->VSRCposNode;
+        *n = v->VSRCnegNode;
+        *gap = ns_bridge_own_range_of_v(v);
+        return 1;
+    }
+    case 'r': {
+        const RESinstance *r = (const RESinstance *)inst;
+        *p = r->RESposNode;
+        *n = r->RESnegNode;
+        return w->along_r || r->RESconduct * w->shunt > 1.0;
+    }
+    case 'l': {
+        const INDinstance *l = (const INDinstance *)inst;
+        *p = l->INDposNode;
+        *n = l->INDnegNode;
+        return w->along_r;
+    }
+    case 'e': {
+        const VCVSinstance *e = (const VCVSinstance *)inst;
+        *p = e->VCVSposNode;
+        *n = e->VCVSnegNode;
+        return (*p == here || *n == here) && read_vcvs(w, e, gap);
+    }
+    case 'b': {
+        const ASRCinstance *b = (const ASRCinstance *)inst;
+        *p = b->ASRCposNode;
+        *n = b->ASRCnegNode;
+        if ((*p != here && *n != here) || w->inside_b ||
+            !ns_bridge_own_range_of_b(w->ckt, inst, range_at, *n == 0 ? w->goal : 0, gap))
+            return 0;
+        *n = gap->of_goal ? w->goal : *n;
+        return *p == here || *n == here;
+    }
+    case 'a':
+        return ns_bridge_own_range_of_bridge(inst, here, p, n, gap);
+    case 'd': {
+        ns_own_diode d = {0};
+        if (w->along_d && ns_bridge_own_kind(inst) == OWN_DIODE)
+            ns_bridge_own_read_diode(inst, &d);
+        *p = d.cathode;
+        *n = d.anode;
+        return d.cathode > 0 && d.cathode == here;
+    }
+    default:
+        return 0;
+    }
+}
+
+int ns_bridge_own_way_has(const ns_own_way *w, int node) {
+    for (int k = 0; k < w->count; k++)
+        if (w->node[k] == node)
+            return 1;
+    return 0;
+}
+
+ns_own_range ns_bridge_own_add_gap(ns_own_range r, ns_own_range gap, int forwards) {
+    r.low += forwards ? gap.low : -gap.high;
+    r.high += forwards ? gap.high : -gap.low;
+    r.switches |= gap.switches;
+    r.sources |= gap.sources;
+    r.amplifies |= gap.amplifies;
+    return r;
+}
+
+/* 1 if ways from `here`, *r below the beginning, lead to the goal or ground; *r: by how much it is above
+ * that. */
+int ns_bridge_own_way(ns_own_way *w, int here, ns_own_range *r) {
+    if (here == w->goal || here == 0) {
+        w->met = here;
+        return 1;
+    }
+    if (ns_bridge_own_way_has(w, here) || w->count == OWN_WAY_NODES)
+        return 0;
+    w->node[w->count++] = here;
+    for (NGTABLEPTR box = w->ckt->DEVnameHash->thread; box; box = box->thread_next) {
+        ns_own_range gap;
+        int p, n;
+        if (!ns_bridge_own_wire(w, box->data, here, &p, &n, &gap) || (p != here && n != here) || p == n)
+            continue;
+        ns_own_range further = ns_bridge_own_add_gap(*r, gap, p == here);
+        if (ns_bridge_own_way(w, p == here ? n : p, &further)) {
+            *r = further;
+            return 1;
+        }
+    }
+    return 0;
+}
