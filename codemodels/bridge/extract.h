@@ -27,6 +27,7 @@ typedef struct ns_own_current {
     double id;
     double most; /* A: the largest in the pass */
     int faint;   /* what it carried in the pass was a leak, and is not id */
+    int breaks;  /* it is that in breakdown, backwards */
 } ns_own_current;
 
 /* An S or W of vh = 0 whose control is at its threshold from the start on: ngspice has it closed, or not. */
@@ -70,6 +71,7 @@ typedef struct ns_own_taken {
         int tangent;    /* vf and ron are those of its curve there, rs added; */
         double to;      /* A: or of a flatter line up to that current; 0: not */
         int faint;      /* it carried no more than a leak */
+        double broken;  /* A: the current in breakdown of which vz and rz are; 0: it had none */
     } pass;
     int anode;    /* equation */
     int inside;   /* equation of its node behind rs; 0: there is none */

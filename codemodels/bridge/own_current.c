@@ -1,8 +1,8 @@
 /* bridge/own_current.c - the first pass: the current that each D of ngspice carries.
  *
  * The voltage of its curve goes with the logarithm of the current, so that is the mean of the logarithm over
- * the charge: then vf times the charge is the integral of voltage times current, the energy lost.  The pass
- * takes every D for its curve at 1 mA, and its points are few.
+ * the charge: then vf times the charge is the integral of voltage times current, the energy lost.  In
+ * breakdown it is the same.  The pass takes every D for its curve at 1 mA, and its points are few.
  */
 #include "own_current.h"
 
@@ -49,7 +49,7 @@ typedef struct own_mean {
 typedef struct own_pass {
     ns_analysis *a; /* its point is that of the pass */
     ns_march *march;
-    own_mean *mean; /* of the taken, in their order */
+    own_mean *mean; /* of the taken, in their order: two each, forwards and in breakdown */
     double start;   /* s: tstart */
     double mark;    /* s: the next one; INFINITY: tstart was the last one */
 } own_pass;
@@ -63,10 +63,10 @@ static void add_part(const own_pass *p, double seconds) {
         double i;
         int on;
         if (element >= 0 &&
-            ns_circuit_device(a->ex.circuit, element, a->x, a->lambda, mode, &i, NULL, &on) == NS_OK &&
-            on > 0) {
-            ns_bridge_log_mean_add(&p->mean[k].all, i, seconds, 0.0);
-            ns_bridge_log_mean_add(&p->mean[k].late, i, seconds, 0.0);
+            ns_circuit_device(a->ex.circuit, element, a->x, a->lambda, mode, &i, NULL, &on) == NS_OK && on) {
+            own_mean *mean = &p->mean[2 * k + (on < 0)];
+            ns_bridge_log_mean_add(&mean->all, on < 0 ? -i : i, seconds, 0.0);
+            ns_bridge_log_mean_add(&mean->late, on < 0 ? -i : i, seconds, 0.0);
         }
     }
 }
@@ -77,7 +77,7 @@ static void pass_marks(own_pass *p, double t) {
     if (t < p->mark && !(is_start && p->mark < INFINITY))
         return;
     const ns_log_mean none = {0};
-    for (int k = 0; k < p->a->ex.nowns; k++) {
+    for (int k = 0; k < 2 * p->a->ex.nowns; k++) {
         p->mean[k].before = is_start ? none : p->mean[k].late;
         p->mean[k].late = none;
     }
@@ -152,16 +152,19 @@ static ns_log_mean mean_of(const own_pass *p, int k) {
     return late.coulombs > 0.0 ? late : m->all;
 }
 
-/* One that carried no more than a leak, as far as the pass came, may do so because it did not begin yet. */
+/* One that carried no more than a leak, as far as the pass came, may do so because it did not begin yet; in
+ * breakdown that says nothing. */
 static void note_current(const own_pass *p, int k, ns_own_found *currents) {
+    const int breaks = k % 2;
     const ns_log_mean mean = mean_of(p, k);
     const double amperes = ns_bridge_log_mean_read(&mean);
-    const int faint = !currents->whole && amperes < NS_LEAK;
-    if (mean.coulombs > 0.0)
-        currents->of[currents->count++] = (ns_own_current){.inst = p->a->ex.own[k].inst,
+    const int faint = !breaks && !currents->whole && amperes < NS_LEAK;
+    if (mean.coulombs > 0.0 && !(breaks && amperes < NS_LEAK))
+        currents->of[currents->count++] = (ns_own_current){.inst = p->a->ex.own[k / 2].inst,
                                                            .id = faint ? NS_OWN_CURRENT : amperes,
                                                            .most = mean.most,
-                                                           .faint = faint};
+                                                           .faint = faint,
+                                                           .breaks = breaks};
 }
 
 /* The smallest current of those that are in no group; NULL: there is none. */
@@ -183,7 +186,7 @@ static void round_in_groups(ns_own_found *currents, unsigned char *grouped) {
         for (int k = 0; k < currents->count; k++) {
             const ns_own_current *c = &currents->of[k];
             if (grouped[k] || c->inst->GENmodPtr != first.inst->GENmodPtr || c->faint != first.faint ||
-                c->id > nearly * first.id)
+                c->breaks != first.breaks || c->id > nearly * first.id)
                 continue;
             grouped[k] = 2;
             mean.coulombs += 1.0;
@@ -203,7 +206,7 @@ static void round_in_groups(ns_own_found *currents, unsigned char *grouped) {
 
 int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double start, double stop,
                                 ns_own_found *currents) {
-    const size_t count = (size_t)a->ex.nowns + 1;
+    const size_t count = 2 * (size_t)a->ex.nowns + 1;
     own_pass p = {a, march, calloc(count, sizeof *p.mean), start, start > 0.0 ? 0.0 : INFINITY};
     unsigned char *grouped = calloc(count, 1);
     currents->of = calloc(count, sizeof *currents->of);
@@ -211,7 +214,7 @@ int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double start, d
     if (status == NS_OK) {
         pass(&p, stop, &currents->seconds);
         currents->whole = currents->seconds >= stop;
-        for (int k = 0; k < a->ex.nowns; k++)
+        for (int k = 0; k < 2 * a->ex.nowns; k++)
             note_current(&p, k, currents);
         round_in_groups(currents, grouped);
     }

@@ -43,12 +43,20 @@ static int add_junction_capacitor(ns_extract_walk *w, const GENinstance *inst, c
 }
 
 /* NULL: it was not found. */
-static const ns_own_current *found_current(const ns_extract_walk *w, const GENinstance *inst) {
+static const ns_own_current *find_current(const ns_extract_walk *w, const GENinstance *inst, int breaks) {
     const ns_own_found *c = w->found;
     for (int k = 0; c && k < c->count; k++)
-        if (c->of[k].inst == inst)
+        if (c->of[k].inst == inst && c->of[k].breaks == breaks)
             return &c->of[k];
     return NULL;
+}
+
+static const ns_own_current *found_current(const ns_extract_walk *w, const GENinstance *inst) {
+    return find_current(w, inst, 0);
+}
+
+static const ns_own_current *found_breakdown(const ns_extract_walk *w, const GENinstance *inst) {
+    return isnan(w->ex->options.id) && !w->ex->options.zero_diodes ? find_current(w, inst, 1) : NULL;
 }
 
 /* The current at which its curve is read. */
@@ -68,6 +76,7 @@ static void note_pass(const ns_extract_walk *w, const ns_own_diode *d, ns_own_ta
     taken->pass.idle = !found;
     taken->pass.tangent = found && !found->faint;
     taken->pass.faint = found && found->faint;
+    taken->pass.broken = found_breakdown(w, taken->inst) ? found_breakdown(w, taken->inst)->id : 0.0;
     if (taken->pass.tangent &&
         taken->diode.ron - d->rs < (1.0 - 1e-6) * ns_bridge_diode_law_slope(&d->law, found->id))
         taken->pass.to = found->most;
@@ -94,6 +103,18 @@ static int add_diode(ns_extract_walk *w, GENinstance *inst, const ns_own_diode *
     return ns_bridge_own_keep(w, &taken);
 }
 
+/* Likewise in breakdown, where the pass found its current; else at bv. */
+static void set_breakdown(const ns_breakdown_law *law, const ns_own_current *found, ns_diode *ideal) {
+    if (!found || !(law->volts > 0.0) || !(law->amperes > 0.0))
+        return;
+    const double slope = ns_bridge_breakdown_law_line(law, found->id, found->most);
+    const double vz = ns_bridge_breakdown_law_voltage(law, found->id) - slope * found->id;
+    if (!(vz > 0.0))
+        return;
+    ideal->vz = vz;
+    ideal->rz += slope;
+}
+
 /* A line for its curve, vf its voltage at a current.  Where that is the current that it carries the line is
  * the tangent there, or a flatter one where it carries much more at times; where it is a guess, vf is the
  * same for all currents: a tangent would be far off at larger ones.  The series resistance is added; none, if
@@ -104,11 +125,13 @@ static ns_diode ideal_of(const ns_extract_walk *w, const GENinstance *inst, cons
     const ns_own_current *found = isnan(w->ex->options.id) ? found_current(w, inst) : NULL;
     const int is_known = found && !found->faint && !w->ex->options.zero_diodes;
     const double slope = is_known ? ns_bridge_diode_law_line(&d->law, found->id, found->most) : 0.0;
-    return (ns_diode){.vf = is_known ? vf - slope * found->id : vf,
+    ns_diode ideal = {.vf = is_known ? vf - slope * found->id : vf,
                       .ron = rs + slope,
                       .roff = gmin > 0.0 ? 1.0 / gmin : INFINITY,
                       .vz = d->bv,
                       .rz = rs};
+    set_breakdown(&d->breakdown, found_breakdown(w, inst), &ideal);
+    return ideal;
 }
 
 int ns_bridge_own_diode(ns_extract_walk *w, GENinstance *inst) {

@@ -41,6 +41,10 @@ static void read_vdmos(const VDMOSinstance *v, ns_own_mosfet *m) {
         .bv = model->VDIObvGiven ? model->VDIObv : INFINITY,
         .farads = v->VDIOtJctCap,
         .law = {.bottom = {v->VDIOtSatCur, model->VDIOn * CONSTboltz / CHARGE * v->VDMOStemp}}};
+    if (model->VDIObvGiven)
+        m->body.breakdown =
+            (ns_breakdown_law){v->VDIOtBrkdwnV, v->VDIOtSatCur,
+                               model->VDIObrkdEmissionCoeff * CONSTboltz / CHARGE * v->VDMOStemp};
     hide(m, 0, v->VDMOSdNodePrime, v->VDMOSdNode);
     hide(m, 1, v->VDMOSgNodePrime, v->VDMOSgNode);
     hide(m, 2, v->VDMOSsNodePrime, v->VDMOSsNode);

@@ -62,7 +62,7 @@ void ns_bridge_own_show_states(const ns_analysis *a, CKTcircuit *ckt) {
 /* --- what was taken, once --- */
 
 static int are_same_diode(const ns_diode *a, const ns_diode *b) {
-    return a->vf == b->vf && a->ron == b->ron && a->vz == b->vz;
+    return a->vf == b->vf && a->ron == b->ron && a->vz == b->vz && a->rz == b->rz;
 }
 
 /* Of one model, and taken for the same. */
@@ -132,9 +132,12 @@ static void write_at(const ns_own_taken *o, char *line, size_t size) {
 
 static void announce_diodes(const ns_analysis *a, const ns_own_taken *o, int count) {
     const ns_diode *d = &o->diode;
-    char breakdown[60] = "", at[120] = "", names[120];
+    char breakdown[120] = "", at[120] = "", names[120];
     name_diodes(&a->ex, o, count, names, sizeof names);
-    if (isfinite(d->vz))
+    if (isfinite(d->vz) && o->pass.broken > 0.0)
+        snprintf(breakdown, sizeof breakdown, ", breakdown at %.4g V with %.4g ohm (of its model at %.4g A)",
+                 d->vz, d->rz, o->pass.broken);
+    else if (isfinite(d->vz))
         snprintf(breakdown, sizeof breakdown, ", breakdown at %.4g V", d->vz);
     if (o->kind == OWN_DIODE && !a->ex.options.zero_diodes)
         write_at(o, at, sizeof at);

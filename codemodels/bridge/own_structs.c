@@ -114,6 +114,9 @@ void ns_bridge_own_read_diode(const GENinstance *inst, ns_own_diode *d) {
                         .farads = dio->DIOtJctCap + dio->DIOtJctSWCap,
                         .heats = dio->DIOtempNode > 0 && dio->DIOthermal && model->DIOrth0Given};
     read_law(dio, model, &d->law);
+    if (isfinite(d->bv))
+        d->breakdown = (ns_breakdown_law){dio->DIOtBrkdwnV, d->law.bottom.amperes + d->law.side.amperes,
+                                          model->DIObrkdEmissionCoeff * CONSTboltz / CHARGE * dio->DIOtemp};
 }
 
 static double conductance_at(double v, double i, double on, double off, int is_on) {

@@ -44,6 +44,7 @@ typedef struct ns_own_diode {
     double farads;    /* of the junction at 0 V */
     int heats;        /* its temperature follows its losses */
     ns_diode_law law; /* of the junction */
+    ns_breakdown_law breakdown;
 } ns_own_diode;
 
 void ns_bridge_own_read_diode(const GENinstance *inst, ns_own_diode *d);

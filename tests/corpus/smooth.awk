@@ -10,18 +10,18 @@ function seconds(word,    k) {
     return substr(word, 1, RLENGTH) * (k == "meg" ? 1e6 : k ~ /^g/ ? 1e9 : k ~ /^k/ ? 1e3 : k ~ /^m/ ? 1e-3 : k ~ /^u/ ? 1e-6 : k ~ /^n/ ? 1e-9 : k ~ /^p/ ? 1e-12 : 1)
 }
 
-# vf, ron, vz of the words from the i-th on; of the first line of a model, if there are several
+# vf, ron, vz, rz of the words from the i-th on; of the first line of a model, if there are several
 function remember(name, i) {
     for (; i < NF; i++) {
         if ($i == "vf" && !(name in vf)) vf[name] = $(i + 2)
         if ($i == "ron" && !(name in ron)) ron[name] = $(i + 2) < 1e-6 ? 1e-6 : $(i + 2)
-        if ($i == "breakdown" && !(name in vz)) vz[name] = $(i + 2)
+        if ($i == "breakdown" && !(name in vz)) { vz[name] = $(i + 2); rz[name] = $(i + 4) == "with" ? $(i + 5) : ron[name] }
     }
 }
 
 function write_model(word, name) {
     printf ".model %s sidiode(vfwd=%s ron=%s roff=1e12%s)\n", word, vf[name], ron[name],
-        name in vz ? " vrev=" vz[name] " rrev=" ron[name] : ""
+        name in vz ? " vrev=" vz[name] " rrev=" rz[name] : ""
 }
 
 FNR == NR {

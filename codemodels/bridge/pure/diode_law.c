@@ -1,4 +1,4 @@
-/* bridge/pure/diode_law.c - the forward current of ngspice's D, and the voltage at which it flows. */
+/* bridge/pure/diode_law.c - the current of ngspice's D, and the voltage at which it flows. */
 #include "diode_law.h"
 
 #include <math.h>
@@ -40,14 +40,26 @@ double ns_bridge_diode_law_slope(const ns_diode_law *law, double amperes) {
            (2.0 * part * amperes);
 }
 
-double ns_bridge_diode_law_line(const ns_diode_law *law, double amperes, double most) {
+/* Of a line from a voltage at a current to `end` at most. */
+static double flatter(double slope, double v, double end, double amperes, double most) {
     static const double above = 0.05;
-    const double slope = ns_bridge_diode_law_slope(law, amperes),
-                 end = ns_bridge_diode_law_voltage(law, most);
     if (!(most > amperes) || isnan(end))
         return slope;
-    const double rise = (1.0 + above) * end - ns_bridge_diode_law_voltage(law, amperes);
-    return fmin(slope, rise / (most - amperes));
+    return fmin(slope, ((1.0 + above) * end - v) / (most - amperes));
+}
+
+double ns_bridge_diode_law_line(const ns_diode_law *law, double amperes, double most) {
+    return flatter(ns_bridge_diode_law_slope(law, amperes), ns_bridge_diode_law_voltage(law, amperes),
+                   ns_bridge_diode_law_voltage(law, most), amperes, most);
+}
+
+double ns_bridge_breakdown_law_voltage(const ns_breakdown_law *law, double amperes) {
+    return law->at + law->volts * log(amperes / law->amperes);
+}
+
+double ns_bridge_breakdown_law_line(const ns_breakdown_law *law, double amperes, double most) {
+    return flatter(law->volts / amperes, ns_bridge_breakdown_law_voltage(law, amperes),
+                   ns_bridge_breakdown_law_voltage(law, most), amperes, most);
 }
 
 void ns_bridge_log_mean_add(ns_log_mean *mean, double amperes, double seconds, double least) {

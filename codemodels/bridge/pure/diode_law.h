@@ -1,4 +1,4 @@
-/* bridge/pure/diode_law.h - the forward current of ngspice's D, and the voltage at which it flows. */
+/* bridge/pure/diode_law.h - the current of ngspice's D, and the voltage at which it flows. */
 #ifndef BRIDGE_DIODE_LAW_H
 #define BRIDGE_DIODE_LAW_H
 
@@ -27,7 +27,18 @@ double ns_bridge_diode_law_slope(const ns_diode_law *law, double amperes);
  * flatter one that is at `most` (A, the largest current) no more than a twentieth above the curve. */
 double ns_bridge_diode_law_line(const ns_diode_law *law, double amperes, double most);
 
-/* The mean of the logarithm of a forward current, over the charge: where the voltage goes with the logarithm,
+/* In breakdown: amperes exp((v - at)/volts), v backwards.  volts 0: there is none. */
+typedef struct ns_breakdown_law {
+    double at, amperes, volts;
+} ns_breakdown_law;
+
+/* The voltage (V, backwards) at which a current flows, A. */
+double ns_bridge_breakdown_law_voltage(const ns_breakdown_law *law, double amperes);
+
+/* V/A: the slope of a line for its curve, likewise. */
+double ns_bridge_breakdown_law_line(const ns_breakdown_law *law, double amperes, double most);
+
+/* The mean of the logarithm of a current, over the charge: where the voltage goes with the logarithm,
  * the mean current's voltage times the charge is the energy lost. */
 typedef struct ns_log_mean {
     double coulombs, sum;

@@ -54,6 +54,18 @@ static void line_of_what_it_carries(void **unused) {
     assert_true(fabs(ns_bridge_diode_law_line(&law, 1, 1000) - (1.05 * v1000 - v1) / 999) < 1e-12);
 }
 
+/* In breakdown: 1 mA at 6 V, e times as much a thermal voltage higher; a line to 1000 times the current ends
+ * a twentieth above the curve. */
+static void breakdown(void **unused) {
+    (void)unused;
+    const ns_breakdown_law law = {6, 1e-3, vt};
+    const double v1 = 6 + vt * log(1e3), v1000 = 6 + vt * log(1e6);
+    assert_true(fabs(ns_bridge_breakdown_law_voltage(&law, 1e-3) - 6) < 1e-15);
+    assert_true(fabs(ns_bridge_breakdown_law_voltage(&law, 1) - v1) < 1e-14);
+    assert_true(fabs(ns_bridge_breakdown_law_line(&law, 1, 2) / vt - 1) < 1e-14);
+    assert_true(fabs(ns_bridge_breakdown_law_line(&law, 1, 1000) - (1.05 * v1000 - v1) / 999) < 1e-12);
+}
+
 static void none(void **unused) {
     (void)unused;
     const ns_diode_law nothing = {.bottom = {0, vt}}, slow = {.bottom = {1e-14, 100}};
@@ -84,6 +96,7 @@ int main(void) {
                                        cmocka_unit_test(of_high_injection),
                                        cmocka_unit_test(of_sums),
                                        cmocka_unit_test(line_of_what_it_carries),
+                                       cmocka_unit_test(breakdown),
                                        cmocka_unit_test(none),
                                        cmocka_unit_test(mean_of_logarithms)};
     return cmocka_run_group_tests(tests, NULL, NULL);
