@@ -17,7 +17,7 @@
 /* Of the terms of a row: what its data (16 roundings) may be off by; what contradicts the mode. */
 static const double data_eps = 16 * DBL_EPSILON, contradiction = 1e-10;
 /* What sums may cancel to. */
-static const double sum_eps = 64 * DBL_EPSILON, coefficient_eps = 4 * DBL_EPSILON;
+static const double coefficient_eps = 4 * DBL_EPSILON;
 
 /* G. */
 static int form_gap(ns_order_expansion *k) {
@@ -64,8 +64,7 @@ static int add_null(ns_order_expansion *k, const double *b, const double *terms,
     return fits;
 }
 
-/* rest = R - K1 Z, v: the sizes of its terms (from: of R's; NULL: R's).  What cancels in K1 Z is zero:
- * resistors carry no impulse, but the fluxes at their two ends leave rounding. */
+/* rest = R - K1 Z, v: the sizes of its terms (from: of R's; NULL: R's). */
 static void subtract_flow(ns_order_expansion *k, const double *R, const double *from, const double *Z) {
     for (int i = 0; i < k->size; i++) {
         double flow = 0, terms = 0;
@@ -74,7 +73,7 @@ static void subtract_flow(ns_order_expansion *k, const double *R, const double *
             flow += term;
             terms += fabs(term);
         }
-        k->rest[i] = R[i] - (fabs(flow) <= sum_eps * terms ? 0 : flow);
+        k->rest[i] = R[i] - flow;
         k->v[i] = (from ? from[i] : fabs(R[i])) + terms;
     }
 }

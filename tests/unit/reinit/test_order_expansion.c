@@ -235,6 +235,68 @@ static void bounds_enter_all_rows(void **state) {
     }
 }
 
+/* x1' = (x1 - 1.3)/3 + lambda0 + lambda1, x2' = x1/10 + (1/3 - 1/10) x2 - 1.3/3 + lambda0 + lambda1, from 3
+ * to y = (x1 - 1.3, x2 - 1.3) = 0: an impulse of -1.7 moves both, 0 keeps both there, and the two shares are
+ * of least norm.  That the rates of both agree shows only to the rounding of their terms. */
+static void rows_that_agree_but_for_rounding(void **state) {
+    (void)state;
+    const ns_theta_options o = {1, 1, 0};
+    const double w0[2] = {3, 3};
+    ns_order_expansion e;
+    ns_theta *t;
+    ns_system *s;
+    assert_int_equal(ns_system_create(2, 2, 0, 0, &s), NS_OK);
+    s->A[0] = 1.0 / 3, s->A[1] = 0.1, s->A[3] = 1.0 / 3 - 0.1;
+    s->M[0] = s->M[3] = s->C[0] = s->C[3] = 1;
+    s->B[0] = s->B[1] = s->B[2] = s->B[3] = 1;
+    s->e[0] = s->e[1] = -1.3;
+    s->b[0] = s->b[1] = -1.3 / 3;
+    for (int j = 0; j < 2; j++)
+        s->l[j] = -INFINITY, s->u[j] = INFINITY;
+    assert_int_equal(ns_theta_create(s, &o, &t, NULL), NS_OK);
+    assert_int_equal(ns_theta_start(t, w0, NULL), NS_OK);
+    assert_int_equal(ns_reinit_orders_create(t, t->past.w, &e), NS_OK);
+    e.mode[0] = e.mode[1] = NS_INSIDE;
+    assert_int_equal(ns_reinit_orders_expand(&e, NULL, NULL), NS_OK);
+    for (int i = 0; i < 2; i++) {
+        assert_true(fabs(e.Z0[i] - 1.3) < 1e-14 && fabs(e.Z1[i]) < 1e-14);
+        assert_true(fabs(e.Z1[2 + i] + 0.85) < 1e-14);
+        assert_true(fabs(e.Z0[2 + i]) < 1e-14);
+    }
+    ns_reinit_orders_free(&e);
+    ns_theta_free(t);
+    ns_system_free(s);
+}
+
+/* 2 x1' = -3 x1 + 1 at x1 = 5, 4 x2' = -5 x2 + 2 at x2 = 2: rates of -7 and -2.  Each row may be off by 16
+ * eps of its terms: 10 + 10 and 8 + 8 for x; 1 + 15 + 14 and 2 + 10 + 8 for the rates, and what x is off by
+ * there. */
+static void bounds_of_rounding(void **state) {
+    (void)state;
+    const ns_theta_options o = {1, 1, 0};
+    const double w0[2] = {10, 8}, eps = 16 * DBL_EPSILON;
+    const double of_x[] = {eps * 20 / 2, eps * 16 / 4},
+                 of_rate[] = {(3 * of_x[0] + eps * 30) / 2, (5 * of_x[1] + eps * 20) / 4};
+    ns_order_expansion e;
+    ns_theta *t;
+    ns_system *s;
+    assert_int_equal(ns_system_create(2, 0, 0, 0, &s), NS_OK);
+    s->M[0] = 2, s->A[0] = -3, s->b[0] = 1;
+    s->M[3] = 4, s->A[3] = -5, s->b[1] = 2;
+    assert_int_equal(ns_theta_create(s, &o, &t, NULL), NS_OK);
+    assert_int_equal(ns_theta_start(t, w0, NULL), NS_OK);
+    assert_int_equal(ns_reinit_orders_create(t, t->past.w, &e), NS_OK);
+    assert_int_equal(ns_reinit_orders_expand(&e, NULL, NULL), NS_OK);
+    for (int i = 0; i < 2; i++) {
+        assert_true(e.Z0[i] == (i ? 2 : 5) && e.Z2[i] == (i ? -2 : -7));
+        assert_true(fabs(e.E0[i] - of_x[i]) < 1e-12 * of_x[i]);
+        assert_true(fabs(e.E2[i] - of_rate[i]) < 1e-12 * of_rate[i]);
+    }
+    ns_reinit_orders_free(&e);
+    ns_theta_free(t);
+    ns_system_free(s);
+}
+
 /* 1 V and 2 V in parallel. */
 static void a_contradiction_is_singular(void **state) {
     (void)state;
@@ -251,9 +313,14 @@ static void a_contradiction_is_singular(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(steps_tend_to_it),      cmocka_unit_test(levels_obey_their_equations),
-        cmocka_unit_test(a_shorted_capacitor),   cmocka_unit_test(what_is_open_is_nearest),
-        cmocka_unit_test(bounds_enter_all_rows), cmocka_unit_test(a_contradiction_is_singular),
+        cmocka_unit_test(steps_tend_to_it),
+        cmocka_unit_test(levels_obey_their_equations),
+        cmocka_unit_test(a_shorted_capacitor),
+        cmocka_unit_test(what_is_open_is_nearest),
+        cmocka_unit_test(bounds_enter_all_rows),
+        cmocka_unit_test(a_contradiction_is_singular),
+        cmocka_unit_test(rows_that_agree_but_for_rounding),
+        cmocka_unit_test(bounds_of_rounding),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
