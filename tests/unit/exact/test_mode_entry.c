@@ -2,6 +2,12 @@
 #include "exact_bench.h"
 #include "retries.h"
 
+#include <float.h>
+
+#include "exact/exact_internal.h"
+#include "march/dense_internal.h"
+#include "march/run_internal.h"
+
 static void diode(bench *b, const char *name, int anode, int cathode) {
     const ns_diode d = {.vf = 0.699, .roff = 1.447e8, .vz = INFINITY};
     assert_int_equal(ns_circuit_diode(b->c, name, anode, cathode, &d, NULL), NS_OK);
@@ -46,7 +52,31 @@ static void a_jump_stops_where_another_diode_takes_over(void **state) {
     close_bench(&b);
 }
 
+/* Two capacitors of 1 F from 0 V on: 1 A gives one of them t volts, a current that rises by 0.02 A/s the
+ * other one t^2/100.  At 100 s both are at 100 V, and a diode begins to join them.  Its guard, a difference
+ * whose rate is 1 V/s then, is off by 64 eps of its terms, 200 V and some units of what inputs add, and by
+ * what it changes by in 4 eps of the time; the instant by as much, and by 4 eps of itself. */
+static void how_well_an_instant_is_known(void **state) {
+    static const double t[] = {0, 200}, amperes[] = {0, 4};
+    const ns_diode ideal = {.roff = INFINITY, .vz = INFINITY};
+    const ns_signal one = dc(1), rises = {.kind = NS_PWL, .u.pwl = {2, t, amperes, NAN, 0}};
+    bench b = open_bench();
+    (void)state;
+    assert_int_equal(ns_circuit_source(b.c, "i1", NS_CURRENT, 0, 1, &one, NULL), NS_OK);
+    assert_int_equal(ns_circuit_source(b.c, "i2", NS_CURRENT, 0, 2, &rises, NULL), NS_OK);
+    capacitor(&b, "c1", 1, 0, 1);
+    capacitor(&b, "c2", 2, 0, 1);
+    assert_int_equal(ns_circuit_diode(b.c, "d", 2, 1, &ideal, NULL), NS_OK);
+    start(&b, 1e-3);
+    (void)go(&b, 110, NS_TO_TIME);
+    const ns_dense_run *r = (const ns_dense_run *)(void *)((ns_run *)(void *)b.m->engine)->at_work;
+    near(r->exact->state.last_event_t, 100, 1e-11);
+    near(r->exact->state.event_time_error / DBL_EPSILON, 64 * 200 + 4 * 100 + 4 * 100, 64 * 20);
+    close_bench(&b);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_jump_stops_where_another_diode_takes_over)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(a_jump_stops_where_another_diode_takes_over),
+                                       cmocka_unit_test(how_well_an_instant_is_known)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -37,7 +37,25 @@ static void work_is_bound_in_questions_only(void **state) {
     end(&k);
 }
 
+/* Within a trial, too: the work is looked at after 1/1024 of the way, not at its end alone. */
+static void work_is_bound_within_a_trial(void **state) {
+    const ns_signal supply = dc(12);
+    rig k = begin();
+    double t;
+    (void)state;
+    assert_int_equal(ns_circuit_source(k.c, "v1", NS_VOLTAGE, 1, 0, &supply, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(k.c, "r1", 1, 2, 5, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(k.c, "c1", 2, 0, 22e-6, 5, NULL), NS_OK);
+    make_by(&k, &(ns_march_options){.theta = 1, .gamma = 1, .h = 1e-7, .method = NS_EXACT, .whole = 1});
+    start_at_rest(&k);
+    ns_engine *e = ((ns_run *)(void *)k.m->engine)->at_work;
+    e->most_work = ns_engine_work(e).all + 1; /* instructions: it needs more for its first step */
+    assert_int_equal(e->table->try_to(e, 1e-4, NS_TO_TIME, &t), NS_E_LIMIT);
+    end(&k);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(work_is_bound_in_questions_only)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(work_is_bound_in_questions_only),
+                                       cmocka_unit_test(work_is_bound_within_a_trial)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

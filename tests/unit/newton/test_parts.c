@@ -11,6 +11,8 @@
 
 #include "nonsmooth.h"
 
+#include "newton/newton_internal.h"
+
 static ns_newton *start(const ns_model *model, const double *x) {
     const ns_newton_options o = {.theta = 1, .gamma = 1};
     ns_newton *s;
@@ -35,6 +37,22 @@ static int cubic_A(const ns_point *at, void *data, double *out) {
 }
 
 static const double identity[4] = {1, 0, 0, 1};
+
+/* Of what is 0 there are defaults; the least bounds are as they were given. */
+static void options_have_defaults(void **state) {
+    const ns_newton_options given[] = {{.theta = 1, .gamma = 1},
+                                       {.theta = 1, .gamma = 1, .iterations = 1, .halvings = 1}};
+    const ns_model model = {.n = 2, .M = identity, .f = cubic_f, .A = cubic_A};
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        ns_newton *s;
+        assert_int_equal(ns_newton_create(&model, &given[k], &s, NULL), NS_OK);
+        assert_true(s->o.tolerance == 1e-12);
+        assert_int_equal(s->o.iterations, k == 0 ? 50 : 1);
+        assert_int_equal(s->o.halvings, k == 0 ? 10 : 1);
+        ns_newton_free(s);
+    }
+}
 
 /* From 10 units by h = 1: u + u^3 = 10, u = 2. */
 static void each_part_has_its_units(void **state) {
@@ -93,6 +111,7 @@ static void what_rounds_beside_the_system_is_solved(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(options_have_defaults),
         cmocka_unit_test(each_part_has_its_units),
         cmocka_unit_test(what_rounds_beside_the_system_is_solved),
     };

@@ -194,6 +194,34 @@ static void the_stepper_hands_it_out_too(void **state) {
     close_bench(&b);
 }
 
+/* 1 V and 2 V at one node, which no leaks of the diode behind a resistor help: the problem is without them,
+ * y = v(2) and lambda enters the rows of x alone. */
+static void leaks_are_not_handed_out(void **state) {
+    const ns_theta_options o = {1, 1, 0};
+    const ns_signal dc = {.kind = NS_DC, .u.dc = 1};
+    const double w0[4] = {0}, z[2] = {1, 2};
+    bench b = {0};
+    ns_theta *step = NULL;
+    ns_mlcp p;
+    (void)state;
+    assert_int_equal(ns_circuit_create(&b.c), NS_OK);
+    assert_int_equal(ns_circuit_source(b.c, "v1", NS_VOLTAGE, 1, 0, &dc, NULL), NS_OK);
+    assert_int_equal(ns_circuit_source(b.c, "v2", NS_VOLTAGE, 1, 0, &dc, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(b.c, "r1", 1, 2, 1, NULL), NS_OK);
+    assert_int_equal(ns_circuit_diode(b.c, "d1", 0, 2, &plain, NULL), NS_OK);
+    assert_int_equal(ns_circuit_system(b.c, &b.s), NS_OK);
+    assert_int_equal(ns_theta_create(b.s, &o, &step, NULL), NS_OK);
+    assert_int_equal(ns_theta_start(step, w0, NULL), NS_OK);
+    assert_int_equal(ns_theta_try(step, 0.5, z, 0, NS_RESOLVE), NS_E_SINGULAR); /* their currents */
+    assert_int_equal(ns_theta_problem(step, &p, NULL), NS_OK);
+    assert_int_equal(p.m, 5);
+    for (int j = 0; j < 5; j++)
+        assert_true(p.W[4 + 5 * j] == (j == ns_circuit_node_unknown(b.c, 2)));
+    assert_true(p.q[4] == 0);
+    ns_theta_free(step);
+    close_bench(&b);
+}
+
 static void assert_name(int (*name)(const ns_circuit *, int, char *, size_t), const ns_circuit *c, int index,
                         const char *want) {
     char line[64];
@@ -241,6 +269,7 @@ int main(void) {
         cmocka_unit_test(an_operating_point_is_handed_out),
         cmocka_unit_test(it_goes_through_a_text),
         cmocka_unit_test(the_stepper_hands_it_out_too),
+        cmocka_unit_test(leaks_are_not_handed_out),
         cmocka_unit_test(unknowns_and_pairs_have_names),
     };
     return cmocka_run_group_tests_name("failed step", tests, NULL, NULL);

@@ -301,6 +301,28 @@ static void every_allocation_may_fail(void **state) {
     ns_system_free(s);
 }
 
+/* x = 1e200 V is a number, y = 1e200 x is none: its pair is named, if y is asked for. */
+static void y_beyond_double_is_told(void **state) {
+    const double w0 = 1e200;
+    ns_system *s;
+    double x, lambda, y;
+    (void)state;
+    assert_int_equal(ns_system_create(1, 1, 0, 0, &s), NS_OK);
+    s->M[0] = 1;
+    s->C[0] = 1e200;
+    ns_theta *t = stepper(s, 1, 1);
+    assert_int_equal(ns_theta_start(t, &w0, NULL), NS_OK);
+    advance(t, 1, NULL, NS_HOLD);
+    assert_int_equal(ns_theta_read(t, &x, &lambda, NULL), NS_OK);
+    assert_true(x == 1e200 && lambda == 0);
+    assert_int_equal(ns_theta_read(t, &x, &lambda, &y), NS_E_OVERFLOW);
+    assert_int_equal(ns_theta_fault(t)->npairs, 1);
+    assert_int_equal(ns_theta_fault(t)->pair[0], 0);
+    assert_int_equal(ns_theta_fault(t)->nunknowns, 0);
+    ns_theta_free(t);
+    ns_system_free(s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(growth_factor_is_that_of_the_scheme),
@@ -313,6 +335,7 @@ int main(void) {
         cmocka_unit_test(bad_input_is_refused),
         cmocka_unit_test(a_singular_step_is_told),
         cmocka_unit_test(growth_beyond_double_is_told),
+        cmocka_unit_test(y_beyond_double_is_told),
         cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
