@@ -112,7 +112,7 @@ static double straighten(int size, int count, const double *Q, double *x) {
     leave(size, count, Q, x);
     leave(size, count, Q, x);
     const double length = sqrt(dot(size, x, x));
-    for (int i = 0; i < size && length > 0; i++)
+    for (int i = 0; i < size; i++)
         x[i] /= length;
     return length;
 }

@@ -44,16 +44,11 @@ static void find_parts(parts *p) {
             if (p->M->value[k] != 0)
                 p->parent[root(p->parent, p->M->row[k])] = root(p->parent, j);
     for (int i = 0; i < p->n; i++)
-        p->first[root(p->parent, i) + 1]++;
+        p->first[root(p->parent, i)]++;
     for (int i = 0; i < p->n; i++)
         p->first[i + 1] += p->first[i];
-    for (int i = 0; i < p->n; i++) {
-        const int of = root(p->parent, i);
-        p->list[p->first[of]++] = i;
-    }
-    for (int i = p->n; i > 0; i--)
-        p->first[i] = p->first[i - 1];
-    p->first[0] = 0;
+    for (int i = p->n - 1; i >= 0; i--)
+        p->list[--p->first[root(p->parent, i)]] = i;
 }
 
 static int split_small(parts *p, const int *rows, int count) {

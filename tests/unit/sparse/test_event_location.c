@@ -36,15 +36,13 @@ static bench begin_bench(void) {
 }
 
 /* The step from 0 to h holds zeros. */
-static void start_bench(bench *k) {
+static void start_system(bench *k) {
     const ns_sparse_options o = {.h = h, .reltol = reltol};
     double w[32] = {0};
     ns_engine *e;
-    assert_int_equal(ns_circuit_system(k->c, &k->s), NS_OK);
     assert_int_equal(ns_sparse_create(k->s, &o, &e, NULL), NS_OK);
     k->m = ns_sparse_of(e);
     assert_int_equal(ns_sparse_start(e, 0, w, NULL), NS_OK);
-    k->place = (size_t)k->m->output_only->place[ns_circuit_node_unknown(k->c, 2)];
     ns_dense_step *step = k->step = &k->m->steps[1];
     const bench b = *k;
     const size_t n = (size_t)b.m->f->n, size = (size_t)b.m->f->size;
@@ -58,6 +56,12 @@ static void start_bench(bench *k) {
     step->at_event = step->after_event = step->is_euler = 0;
     step->pair = step->command = -1;
     b.m->largest.y = b.m->largest.lambda = 1;
+}
+
+static void start_bench(bench *k) {
+    assert_int_equal(ns_circuit_system(k->c, &k->s), NS_OK);
+    start_system(k);
+    k->place = (size_t)k->m->output_only->place[ns_circuit_node_unknown(k->c, 2)];
 }
 
 /* A diode from ground to node 2: while it blocks its guard is the voltage of its cathode, while it conducts
@@ -278,6 +282,50 @@ static void rounding_of_a_guard(void **state) {
     }
 }
 
+/* 0 = -4 x_0 + 2 lambda + 8, 0 = 1.5 x_1 - 5 lambda, y = x_0 + x_1 + z. */
+static bench equations(ns_mode mode) {
+    bench b = {0};
+    const ns_signal none = {.kind = NS_DC};
+    assert_int_equal(ns_system_create(2, 1, 1, 0, &b.s), NS_OK);
+    b.s->A[0] = -4, b.s->B[0] = 2, b.s->b[0] = 8;
+    b.s->A[1 + 1 * 2] = 1.5, b.s->B[1] = -5;
+    b.s->C[0] = b.s->C[1] = b.s->F[0] = 1;
+    assert_int_equal(ns_system_set_input(b.s, 0, &none), NS_OK);
+    start_system(&b);
+    ns_sparse_guard_set_mode(b.m, &mode);
+    return b;
+}
+
+/* At x = (3, 7), lambda = -5: of the terms 12, 10 and 8 by 2, and 10.5 and 25 by 5; the least is 7.1. */
+static void lambda_enters_two_rows(void **state) {
+    bench b = equations(NS_INSIDE);
+    const double v[] = {3, 7, -5}, w[2] = {0};
+    (void)state;
+    assert_true(fabs(ns_sparse_guard_terms(b.m, 0, v, w, 1e-9) - 15) < 1e-12);
+    b.m->largest.lambda = 1100;
+    const double least = DBL_EPSILON * (64 * 7.1 + 1100);
+    assert_true(fabs(ns_sparse_guard_least_rounding(b.m, 0, v, w, 1e-9) - least) < 1e-12 * least);
+    close_bench(&b);
+}
+
+/* y of the last stage: 5 from x_0 and -5 from z leave `off`, of at most 0.3 reltol of the largest y while
+ * there are few stages, of 3 reltol when there are all. */
+static void the_last_stage_is_small(void **state) {
+    static const int stages[] = {2, NS_ORDER};
+    bench b = equations(NS_LOWER);
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const int last = stages[k] - 1;
+        b.step->images[last * b.m->f->size] = 5;
+        for (int sign = -1; sign <= 1; sign += 2)
+            for (int times = 9; times <= 11; times += 2) {
+                b.step->z[last] = -5 + sign * 0.1 * times * (k == 0 ? 0.3 : 3) * reltol;
+                assert_int_equal(ns_sparse_guard_enough(b.m, b.step, stages[k]), times < 10);
+            }
+    }
+    close_bench(&b);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(straight_lines),
@@ -285,6 +333,8 @@ int main(void) {
         cmocka_unit_test(cubics),
         cmocka_unit_test(all_coefficients),
         cmocka_unit_test(rounding_of_a_guard),
+        cmocka_unit_test(lambda_enters_two_rows),
+        cmocka_unit_test(the_last_stage_is_small),
         cmocka_unit_test(thresholds_beside_that_of_an_event),
         cmocka_unit_test(what_rises_after_an_event_holds),
     };

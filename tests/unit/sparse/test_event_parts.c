@@ -147,6 +147,35 @@ static void a_local_problem_finds_the_mode(void **state) {
     close_bench(&b);
 }
 
+/* Of the broken pairs so many are left as are asked for, by the bound that is marked, and are known as
+ * touched. */
+static void the_first_broken_pairs_change(void **state) {
+    bench b = open_bench();
+    const ns_diode diode = {0, 0, INFINITY, INFINITY, 0};
+    const ns_mode from[] = {NS_LOWER, NS_INSIDE, NS_INSIDE};
+    (void)state;
+    add_source(&b, 1, 5);
+    assert_int_equal(ns_circuit_resistor(b.c, "r", 1, 2, 10, NULL), NS_OK);
+    for (int k = 0; k < 3; k++)
+        assert_int_equal(ns_circuit_diode(b.c,
+                                          k == 0   ? "d1"
+                                          : k == 1 ? "d2"
+                                                   : "d3",
+                                          2 + k, 2 + (k + 1) % 3, &diode, NULL),
+                         NS_OK);
+    start_bench(&b);
+    for (int most = 1; most <= 3; most++) {
+        ns_sparse_guard_set_mode(b.m, from);
+        memset(b.m->touched, 0, 3);
+        memcpy(b.m->flip, (unsigned char[]){1, 0, 1}, 3);
+        assert_int_equal(ns_sparse_guard_flip(b.m, most), most < 2 ? 1 : 2);
+        assert_true(b.m->mode[0] == NS_INSIDE && b.m->mode[1] == NS_INSIDE);
+        assert_int_equal(b.m->mode[2], most < 2 ? NS_INSIDE : NS_LOWER);
+        assert_true(b.m->touched[0] == 1 && b.m->touched[1] == 0 && b.m->touched[2] == (most >= 2));
+    }
+    close_bench(&b);
+}
+
 /* A pair may change 1000 times within the length of a step, and 64 Euler steps may be taken; then it is
  * chatter.  What is dropped does not count, later the count begins anew. */
 static void chatter_is_counted(void **state) {
@@ -254,6 +283,7 @@ int main(void) {
         cmocka_unit_test(slow_charges_stay),
         cmocka_unit_test(what_is_no_jump_is_left),
         cmocka_unit_test(a_local_problem_finds_the_mode),
+        cmocka_unit_test(the_first_broken_pairs_change),
         cmocka_unit_test(chatter_is_counted),
         cmocka_unit_test(largest_values_by_length),
     };

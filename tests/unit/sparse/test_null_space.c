@@ -8,6 +8,7 @@
 #include "retries.h"
 #include "sparse/null_space.h"
 #include "sparse/regularise.h"
+#include "wrap_alloc.h"
 
 /* --- the null spaces themselves --- */
 
@@ -70,6 +71,28 @@ static void drop_bridge(bridge *b) {
 
 static double of_node(const bridge *b, const double *v, int node) {
     return v[ns_circuit_node_unknown(b->k.c, node)];
+}
+
+/* Each allocation fails once: none is missing in the end, and what there was is freed. */
+static void memory_for_it_may_be_short(void **state) {
+    bridge b = {0};
+    (void)state;
+    make_bridge(&b, 0);
+    for (long at = 1;; at++) {
+        ns_null_search *s;
+        fail_alloc_at(at);
+        const int status = ns_sparse_null_search_create(b.f, &s);
+        const long made = allocs_made();
+        fail_alloc_off();
+        ns_sparse_null_search_free(s);
+        if (made < at) {
+            assert_int_equal(status, NS_OK);
+            break;
+        }
+        assert_int_equal(status, NS_E_MEMORY);
+        assert_null(s);
+    }
+    drop_bridge(&b);
 }
 
 /* All diodes block: the loop may be at any voltage, and nothing else is open. */
@@ -235,6 +258,7 @@ static void a_stiff_string_of_inductors_starts(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(memory_for_it_may_be_short),
         cmocka_unit_test(the_voltage_of_a_loop_is_open),
         cmocka_unit_test(each_floating_part_is_open_by_itself),
         cmocka_unit_test(what_has_no_solution_is_taken_out),

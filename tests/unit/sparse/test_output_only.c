@@ -173,8 +173,32 @@ static void test_what_stays(void **state) {
     ns_system_free(s);
 }
 
+/* x_1 and x_2 only show something, but their equations x_1 + x_2 = z, 2 x_1 + 2 x_2 = 0 are singular: they
+ * stay, as others name them. */
+static void test_singular_outputs_stay(void **state) {
+    (void)state;
+    ns_system *s;
+    ns_output_only *a;
+    assert_int_equal(ns_system_create(3, 1, 1, 0, &s), NS_OK);
+    s->M[0] = 1, s->A[0] = -1, s->B[0] = 1, s->C[0] = 1;
+    s->A[1 + 1 * 3] = s->A[1 + 2 * 3] = -1, s->A[2 + 1 * 3] = s->A[2 + 2 * 3] = -2;
+    s->E[1] = 1;
+    assert_int_equal(ns_sparse_output_create(s, &a), NS_OK);
+    assert_int_equal(a->count, 0);
+    assert_int_equal(a->rest.n, 3);
+    for (int i = 0; i < 3; i++)
+        assert_true(a->place[i] == i && a->stays[i] == i);
+    const double rest[] = {21, 22, 23}, z[] = {2};
+    double x[3];
+    ns_sparse_output_join(a, rest, z, x);
+    assert_memory_equal(x, rest, sizeof x);
+    ns_sparse_output_free(a);
+    ns_system_free(s);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_what_stays), cmocka_unit_test(test_gates),
-                                       cmocka_unit_test(test_corners_end_nothing), cmocka_unit_test(test_dc)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_what_stays), cmocka_unit_test(test_singular_outputs_stay),
+        cmocka_unit_test(test_gates), cmocka_unit_test(test_corners_end_nothing), cmocka_unit_test(test_dc)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
