@@ -321,8 +321,8 @@ static int flip_commands_met(ns_exact *f) {
         const int lasts = f->system->command[c].on > f->system->command[c].off;
         if (g == f->event_guard || ns_mode_slides(f->state.mode->mode[f->system->command[c].pair]))
             continue;
-        const double delay = lasts ? is_met(f, g) ? 0 : INFINITY : ns_exact_guard_delay(f, k, g);
-        if (isinf(delay))
+        const double delay = lasts ? 0 : ns_exact_guard_delay(f, k, g);
+        if (isinf(delay) || (lasts && !is_met(f, g)))
             continue;
         last = fmax(last, delay);
         flip_command(f, c);

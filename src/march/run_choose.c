@@ -52,21 +52,22 @@ static int is_to_look(ns_run *r, ns_until until) {
     return until == NS_TO_TIME || r->choice.asks || ++r->trials % EVERY == 0;
 }
 
-void ns_march_run_choose(ns_run *r, ns_until until) {
-    double now;
-    if (!r->choice.asks)
-        bound_work(r);
-    if (!r->chooses || !is_to_look(r, until) || r->back_at < INFINITY || r->kind == NS_RUN_SCHEME ||
-        !ns_march_run_rests(r, &now))
-        return;
+static void look_at_choice(ns_run *r, double now) {
     const ns_choice_answer answer = ns_march_choice_look(
         &r->choice, now, work_of(r), ns_march_least_of_event(r->s, r->kind == NS_RUN_DENSE));
-    if (answer == NS_CHOICE_CHANGE) {
-        if (change(r) == NS_OK)
-            ns_march_choice_changed(&r->choice, now, work_of(r));
-        else
-            ns_march_choice_failed(&r->choice, now, work_of(r));
-    }
+    if (answer != NS_CHOICE_CHANGE)
+        return;
+    if (change(r) == NS_OK)
+        ns_march_choice_changed(&r->choice, now, work_of(r));
+    else
+        ns_march_choice_failed(&r->choice, now, work_of(r));
+}
+
+void ns_march_run_choose(ns_run *r, ns_until until) {
+    double now;
+    if (r->chooses && is_to_look(r, until) && !(r->back_at < INFINITY) && r->kind != NS_RUN_SCHEME &&
+        ns_march_run_rests(r, &now))
+        look_at_choice(r, now);
     bound_work(r);
 }
 
