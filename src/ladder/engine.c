@@ -7,12 +7,13 @@
 
 static int allocate_arrays(ns_ladder *l) {
     const size_t nz = (size_t)l->s->nz, nc = (size_t)l->s->nc;
-    l->z = calloc(2 * nz + (size_t)l->s->n + (size_t)l->s->m + 1, sizeof(double));
+    l->z = calloc(3 * nz + (size_t)l->s->n + (size_t)l->s->m + 1, sizeof(double));
     l->due = calloc(3 * nc + 1, 1);
     if (!l->z || !l->due)
         return NS_E_MEMORY;
     l->z_left = l->z + nz;
-    l->instant = l->z_left + nz;
+    l->fall = l->z_left + nz;
+    l->instant = l->fall + nz;
     l->crossed = l->due + nc;
     l->closed = l->crossed + nc;
     const int status = ns_inputs_events_create(l->s, NULL, &l->commands);

@@ -32,6 +32,15 @@ double ns_ladder_next_corner(ns_ladder *l) {
     return l->corner;
 }
 
+void ns_ladder_mean_inputs(ns_ladder *l, double h, double t) {
+    if (h > ldexp(l->h, -NS_EDGE_EXPONENT))
+        return;
+    ns_system_inputs(l->s, l->point->now.t, NS_RIGHT, l->fall);
+    for (int k = 0; k < l->s->nz; k++)
+        l->fall[k] -= ns_signal_value(&l->s->z[k], t, NS_LEFT);
+    l->step->fall = l->fall;
+}
+
 /* The integrals of x and lambda over a step of length h count, by their values at its end. */
 static void count_step(ns_ladder *l, double h) {
     ns_instant *to = l->point->instant;
@@ -62,6 +71,7 @@ int ns_ladder_short_commit(ns_ladder *l) {
 static int try_implicit_step(ns_ladder *l, double h) {
     const double t = l->point->now.t + (l->point->now.lost + h);
     ns_system_inputs(l->s, t, NS_RIGHT, l->z);
+    ns_ladder_mean_inputs(l, h, t);
     int status = ns_theta_try(l->step, h, l->z, 1, NS_RESOLVE);
     if (status == NS_OK)
         status = ns_theta_accept(l->step);

@@ -83,6 +83,7 @@ static int try_step(ns_ladder *l, location *w, int *done) {
     const double h = choose_step(l, w, rest);
     const double t = h >= rest * (1 - 1e-9) ? w->stop : l->point->now.t + (l->point->now.lost + h);
     ns_system_inputs(l->s, t, NS_LEFT, l->z);
+    ns_ladder_mean_inputs(l, h, t);
     if (crowding)
         return step_capturing(l, h, t, done);
     int broke = 0;

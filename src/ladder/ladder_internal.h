@@ -17,6 +17,8 @@
 enum { NS_TAIL_EXPONENT = 4, NS_LAST_EXPONENT = 40 };
 /* A guard that broke for the scheme and holds for (P1) is followed by steps of h 2^-this at most. */
 enum { NS_SPURIOUS_EXPONENT = 10 };
+/* Steps of h 2^-this and less: charges and fluxes get the exact integral of an edge of a source. */
+enum { NS_EDGE_EXPONENT = 4 };
 /* After an event rates are computed from implicit steps of h 2^-this and twice that. */
 enum { NS_RATE_EXPONENT = 10 };
 /* After more events than this within one h: event-capturing steps of h 2^-NS_CAPTURE_EXPONENT until h has
@@ -47,6 +49,7 @@ struct ns_ladder {
     /* inputs and commands */
     ns_time_events *commands; /* when those flip that depend on time only */
     double *z, *z_left;       /* nz */
+    double *fall;             /* nz: what inputs fall by in a short step */
     unsigned char *due;       /* nc: commands that change at the next stop */
     unsigned char *crossed; /* nc: commands that the last step crossed; at an event: how often each changed */
     unsigned char *closed;  /* nc: switches as commanded last */
@@ -71,6 +74,9 @@ void ns_ladder_switch_apply(ns_ladder *l, const unsigned char *flip);
  * point->at_event is set then.  If l->one_step is set: by one step at most, or by shorter ones to an event in
  * it. */
 int ns_ladder_walk(ns_ladder *l, double stop);
+
+/* event.c: the step of length h to t that is tried next, if it is short, charges with the mean of inputs. */
+void ns_ladder_mean_inputs(ns_ladder *l, double h, double t);
 
 /* event.c: the first corner of the inputs after the point, s. */
 double ns_ladder_next_corner(ns_ladder *l);

@@ -59,6 +59,10 @@ static void fill_inputs(ns_theta *s, double h, const double *z, int implicit) {
     ns_copy_few(r, s->past.w, in);
     for (int i = 0; !implicit && i < r; i++)
         in[i] += h * s->past.d[i]; /* eta */
+    for (int k = 0; s->fall && k < nz; k++)
+        for (int i = 0; s->fall[k] != 0 && i < r; i++)
+            in[i] += h * ((implicit ? 1 : s->theta) - 0.5) * s->E[i + k * s->s->n] * s->fall[k];
+    s->fall = NULL;
     ns_copy_few(nz, z, in + r);
     in[r + nz] = 1;
 }
@@ -70,8 +74,7 @@ static int finite_state(const ns_theta *s) {
 
 /* The outputs of the map become the trial if the guards hold.  OK or GUARD. */
 static int apply_map(ns_theta *s, ns_map *map, double tol) {
-    const double *from = map->implicit ? s->past.w : s->trial.in;
-    ns_linalg_matvec_two(map->p, s->r, from, s->q - s->r, s->trial.in + s->r, map->step, s->trial.out);
+    ns_linalg_matvec_two(map->p, s->r, s->trial.in, s->q - s->r, s->trial.in + s->r, map->step, s->trial.out);
     if (!ns_none_negative(map->guards, s->trial.out + map->guard) && !ns_theta_guards_hold(s, map, tol))
         return NS_GUARD;
     s->trial.map = map;

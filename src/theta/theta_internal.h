@@ -74,6 +74,10 @@ struct ns_theta {
     /* the steps */
     ns_past past;   /* the accepted point */
     ns_trial trial; /* the step tried last */
+    /* of the step that is tried next: nz: inputs at its begin less those at its end, between which they are
+     * straight, so that charges and fluxes get their exact integral; NULL: they get what the scheme makes of
+     * them.  Whoever sets it keeps it until that step. */
+    const double *fall;
     struct {
         int size; /* K, rhs, bl, bu hold the problem, of this size, of the call that failed last; 0: none */
         double h; /* length of its step, s; 0: an operating point */

@@ -12,8 +12,10 @@ static const lengths all[] = {{1e-5, 1e-9},  {1e-5, 1e-12}, {1e-3, 1e-6}, {1e-3,
                               {1e-3, 1e-12}, {0.1, 1e-9},   {0.1, 1e-10}, {1, 1e-9}};
 enum { ALL = sizeof all / sizeof *all, PULSES = 12 };
 
-static const ns_method methods[] = {NS_SPARSE};
-enum { METHODS = sizeof methods / sizeof *methods };
+/* For charges and fluxes; for what a resistor limits, which the scheme makes 1 % less of.  (Exact: what
+ * begins within h/2^20 of a blocking diode's zero is found wrong and computed again; beside a diode across
+ * the source a flux is 2 % less where edges last less than that.) */
+static const ns_method of_charge[] = {NS_SPARSE, NS_THETA}, of_voltage[] = {NS_SPARSE, NS_EXACT, NS_AUTO};
 
 static ns_signal pulses(const lengths *of, double height) {
     return pulse(0, height, 0.25 * of->period, 0.1 * of->top, 0.1 * of->top, of->top, of->period);
@@ -48,7 +50,7 @@ static void expect(double value, double right, const lengths *of, ns_method meth
 /* A current into capacitors, of which one is behind a diode: nothing takes charge away. */
 static void capacitors_get_all_charge(void **state) {
     (void)state;
-    for (int k = 0; k < ALL * METHODS; k++) {
+    for (int k = 0; k < ALL * (int)(sizeof of_charge / sizeof *of_charge); k++) {
         const lengths *of = &all[k % ALL];
         bench b = open_bench();
         add_source(&b, NS_CURRENT, 1, pulses(of, -1)); /* from ground to node 1 */
@@ -57,8 +59,8 @@ static void capacitors_get_all_charge(void **state) {
         assert_int_equal(ns_circuit_capacitor(b.c, "c2", 2, 0, 1e-6, NAN, NULL), NS_OK);
         assert_int_equal(ns_circuit_diode(b.c, "d", 1, 3, &ideal_diode, NULL), NS_OK);
         assert_int_equal(ns_circuit_capacitor(b.c, "c3", 3, 0, 1e-6, NAN, NULL), NS_OK);
-        run(&b, of, methods[k / ALL]);
-        expect(1e-6 * (v_of(&b, 1) + v_of(&b, 2) + v_of(&b, 3)), PULSES * area(of), of, methods[k / ALL],
+        run(&b, of, of_charge[k / ALL]);
+        expect(1e-6 * (v_of(&b, 1) + v_of(&b, 2) + v_of(&b, 3)), PULSES * area(of), of, of_charge[k / ALL],
                "charge");
         close_bench(&b);
     }
@@ -67,7 +69,7 @@ static void capacitors_get_all_charge(void **state) {
 /* A voltage across an inductor beside a resistor and a blocking diode: the flux is its integral. */
 static void inductor_gets_all_flux(void **state) {
     (void)state;
-    for (int k = 0; k < ALL * METHODS; k++) {
+    for (int k = 0; k < ALL * (int)(sizeof of_charge / sizeof *of_charge); k++) {
         const lengths *of = &all[k % ALL];
         int id;
         bench b = open_bench();
@@ -75,8 +77,8 @@ static void inductor_gets_all_flux(void **state) {
         assert_int_equal(ns_circuit_inductor(b.c, "l", 1, 0, 1e-3, NAN, &id), NS_OK);
         assert_int_equal(ns_circuit_resistor(b.c, "r", 1, 0, 50, NULL), NS_OK);
         assert_int_equal(ns_circuit_diode(b.c, "d", 0, 1, &ideal_diode, NULL), NS_OK);
-        run(&b, of, methods[k / ALL]);
-        expect(1e-3 * i_of(&b, id), PULSES * area(of), of, methods[k / ALL], "flux");
+        run(&b, of, of_charge[k / ALL]);
+        expect(1e-3 * i_of(&b, id), PULSES * area(of), of, of_charge[k / ALL], "flux");
         close_bench(&b);
     }
 }
@@ -92,7 +94,7 @@ static long double charged(long double v0, const lengths *of, long double T) {
 
 static void peak_detector_charges(void **state) {
     (void)state;
-    for (int k = 0; k < ALL * METHODS; k++) {
+    for (int k = 0; k < ALL * (int)(sizeof of_voltage / sizeof *of_voltage); k++) {
         const lengths *of = &all[k % ALL];
         const double T = 20 * of->top, r = 10;
         long double right = 0;
@@ -101,10 +103,10 @@ static void peak_detector_charges(void **state) {
         assert_int_equal(ns_circuit_resistor(b.c, "r", 1, 2, r, NULL), NS_OK);
         assert_int_equal(ns_circuit_diode(b.c, "d", 2, 3, &ideal_diode, NULL), NS_OK);
         assert_int_equal(ns_circuit_capacitor(b.c, "c", 3, 0, T / r, NAN, NULL), NS_OK);
-        run(&b, of, methods[k / ALL]);
+        run(&b, of, of_voltage[k / ALL]);
         for (int i = 0; i < PULSES; i++)
             right = charged(right, of, T);
-        expect(v_of(&b, 3), (double)right, of, methods[k / ALL], "voltage");
+        expect(v_of(&b, 3), (double)right, of, of_voltage[k / ALL], "voltage");
         close_bench(&b);
     }
 }
