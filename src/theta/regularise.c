@@ -82,18 +82,17 @@ static void find_leaks(const ns_theta *s, const ns_leaks *leaks, int attempt) {
             leaks->of[j] = ns_theta_leak_across(s, leaks->ht, j, fraction);
 }
 
-/* Leaks of one kind (inside or not) are alike, but none is more than `alike` times its own: how parallel
- * devices share a current, or devices in series a voltage, then is the same whatever the scaling of K, and so
- * in steps of all lengths. */
-static void make_alike(const ns_theta *s, const ns_leaks *leaks, int inside) {
-    static const double alike = 1e3;
+/* Leaks of one kind (inside or not) are alike, but none is more than `most_times` its own: how parallel
+ * devices share a current, or open devices in series a voltage, then is the same whatever the scaling of K,
+ * and so in steps of all lengths. */
+static void make_alike(const ns_theta *s, const ns_leaks *leaks, int inside, double most_times) {
     double most = 0;
     for (int j = 0; j < s->s->m; j++)
         if ((leaks->mode[j] == NS_INSIDE) == inside)
             most = fmax(most, leaks->of[j]);
     for (int j = 0; j < s->s->m; j++)
         if ((leaks->mode[j] == NS_INSIDE) == inside)
-            leaks->of[j] = fmin(most, alike * leaks->of[j]);
+            leaks->of[j] = fmin(most, most_times * leaks->of[j]);
 }
 
 /* s->K becomes K_g. */
@@ -203,9 +202,10 @@ static int solve_with(ns_theta *s, const ns_leaks *leaks, int size, int nrhs, in
     double rcond = 0;
     memcpy(s->X, rhs, sizeof(double) * count);
     find_leaks(s, leaks, attempt);
-    if (attempt == 0)
-        for (int inside = 1; inside < 2; inside++)
-            make_alike(s, leaks, inside);
+    if (attempt == 0) {
+        make_alike(s, leaks, 1, 1e3);
+        make_alike(s, leaks, 0, 1e6);
+    }
     add_leaks(s, leaks, size);
     s->counts.factors++;
     const int status = ns_linalg_lu_factor(s->lu, size, s->K, &rcond, NULL);

@@ -115,6 +115,29 @@ static void other_units_change_no_shares(void **state) {
     }
 }
 
+/* Two open switches in series between 1 V and a resistor of `ohm` to ground, in whose units the rows of nodes
+ * are: half of 1 V each. */
+static void other_units_change_no_voltages(void **state) {
+    (void)state;
+    static const double ohm[] = {1e-4, 3e4, 5e4, 1e5};
+    for (int r = 0; r < 4; r++) {
+        ns_leaks leaks;
+        net k = net_begin();
+        net_voltage(&k, "v", 1, 0, 1);
+        net_contact(&k, "a", 1, 2, 0);
+        net_contact(&k, "b", 2, 3, 0);
+        net_resistor(&k, "r", 3, 0, ohm[r]);
+        net_prepare(&k);
+        double x[MOST] = {0}, X[MOST];
+        const int v2 = ns_circuit_node_unknown(k.c, 2), nj = prepare(&k, &leaks);
+        assert_int_equal(nj, 0);
+        x[ns_circuit_node_unknown(k.c, 1)] = 1;
+        solve(&k, &leaks, nj, x, X);
+        assert_true(fabs(X[v2] - 0.5) < 1e-3);
+        net_end(&k);
+    }
+}
+
 /* The factors are those of K + G: (K + G)^-1 (K x + G x) = x.  In the directions that K leaves open that is
  * G's doing alone, to the digits that a leak of 1e-10 leaves. */
 static void the_product_is_that_of_the_factors(void **state) {
@@ -144,6 +167,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(equal_leaks_share_alike),
         cmocka_unit_test(other_units_change_no_shares),
+        cmocka_unit_test(other_units_change_no_voltages),
         cmocka_unit_test(the_product_is_that_of_the_factors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
