@@ -12,15 +12,35 @@ static const double remembers = 0.95, too_long = 16, long_enough = 4;
 enum { SHORTEST = 3 };
 /* After so many steps that ended where they began, Euler steps. */
 enum { MOST_FAILURES = 6 };
+/* One that ends with a wrong sign, by this part of the largest lambda, is made so many times as long, so
+ * often. */
+enum { LONGER = 3 };
+static const double longer = 16, wrong = 1e-5;
 /* The first Euler step of a capture is h 2^-this. */
 enum { CAPTURE_FIRST = 14, CAPTURE_LAST = 2, CAPTURE_BY = 4 };
 /* What a capture takes from the steps that are left. */
 enum { CAPTURE_COST = 3000 };
 
+/* 1 if a pair that conducts has the wrong sign, by more than a point that is shown may have: the rounding of
+ * charges, over so short a time. */
+static int has_wrong_sign(const ns_sparse *m, const double *v) {
+    const double allowed = wrong * m->largest.lambda, *lambda = v + m->f->n;
+    int any = 0;
+    for (int j = 0; j < m->f->m; j++)
+        any |= m->mode[j] == NS_INSIDE && (lambda[j] < m->l[j] - allowed || lambda[j] > m->u[j] + allowed);
+    return any;
+}
+
 /* Of length h, but not so short that charges in that time are rounding. */
 static int euler_step(ns_sparse *m, ns_dense_step *step, double t, double limit, double h) {
     const size_t n = (size_t)m->f->n;
-    const double room = limit - t - step->time_lost, g = fmin(fmax(h, ns_sparse_finest(m)), room);
+    const double room = limit - t - step->time_lost;
+    double g = fmin(fmax(h, ns_sparse_finest(m)), room);
+    int status = ns_sparse_event_consistent(m, t, g, m->w, step->images, NULL);
+    for (int i = 0; i < LONGER && status == NS_OK && g < room && has_wrong_sign(m, step->images); i++) {
+        g = fmin(longer * g, room);
+        status = ns_sparse_event_consistent(m, t, g, m->w, step->images, NULL);
+    }
     step->t = t;
     step->g = step->length = g;
     step->end_t = g < room ? t + (step->time_lost + g) : limit;
@@ -30,7 +50,6 @@ static int euler_step(ns_sparse *m, ns_dense_step *step, double t, double limit,
     step->stages = step->shown = 1;
     step->next_exponent = step->length_exponent;
     memcpy(step->powers, m->w, sizeof(double) * n);
-    const int status = ns_sparse_event_consistent(m, t, g, m->w, step->images, NULL);
     for (size_t i = 0; i < n; i++)
         step->powers[n + i] =
             m->f->algebraic[i] ? 0 : ns_linalg_csc_dot(&m->f->Mt, (int)i, step->images) - m->w[i];
