@@ -18,8 +18,7 @@ static void add_work(ns_work *sum, ns_engine *e) {
     sum->events += work.events;
 }
 
-/* Of all engines. */
-static ns_work work_of(ns_run *r) {
+ns_work ns_march_run_work(ns_run *r) {
     ns_work sum = r->work_before;
     add_work(&sum, r->at_work);
     add_work(&sum, r->aside);
@@ -27,7 +26,7 @@ static ns_work work_of(ns_run *r) {
 }
 
 void ns_march_run_begin_choice(ns_run *r, double t) {
-    ns_march_choice_begin(&r->choice, t, work_of(r), ns_march_first_question(r->s, r->is_dense));
+    ns_march_choice_begin(&r->choice, t, ns_march_run_work(r), ns_march_first_question(r->s, r->is_dense));
 }
 
 static int change(ns_run *r) {
@@ -41,8 +40,9 @@ static int change(ns_run *r) {
  * work within a trial: ns_march_run_put_to_work().) */
 static void bound_work(ns_run *r) {
     ns_engine *e = r->at_work;
-    e->most_work =
-        r->choice.asks ? ns_engine_work(e).all + ns_march_choice_limit(&r->choice) - work_of(r).all : 0;
+    e->most_work = r->choice.asks
+                       ? ns_engine_work(e).all + ns_march_choice_limit(&r->choice) - ns_march_run_work(r).all
+                       : 0;
 }
 
 /* Short trials are many.  An odd number: where every second one begins at an event, none of these would be
@@ -54,13 +54,13 @@ static int is_to_look(ns_run *r, ns_until until) {
 
 static void look_at_choice(ns_run *r, double now) {
     const ns_choice_answer answer = ns_march_choice_look(
-        &r->choice, now, work_of(r), ns_march_least_of_event(r->s, r->kind == NS_RUN_DENSE));
+        &r->choice, now, ns_march_run_work(r), ns_march_least_of_event(r->s, r->kind == NS_RUN_DENSE));
     if (answer != NS_CHOICE_CHANGE)
         return;
     if (change(r) == NS_OK)
-        ns_march_choice_changed(&r->choice, now, work_of(r));
+        ns_march_choice_changed(&r->choice, now, ns_march_run_work(r));
     else
-        ns_march_choice_failed(&r->choice, now, work_of(r));
+        ns_march_choice_failed(&r->choice, now, ns_march_run_work(r));
 }
 
 void ns_march_run_choose(ns_run *r, ns_until until) {
@@ -76,7 +76,7 @@ void ns_march_run_was_wrong(ns_run *r, double t, ns_run_kind was) {
         ns_march_run_leave_for_now(r, t, was);
         return;
     }
-    ns_march_choice_failed(&r->choice, t, work_of(r));
+    ns_march_choice_failed(&r->choice, t, ns_march_run_work(r));
     if (r->kind == NS_RUN_SCHEME)
         ns_march_run_leave_for_now(r, t, was == NS_RUN_DENSE ? NS_RUN_SPARSE : NS_RUN_DENSE);
 }
@@ -89,7 +89,7 @@ static int fail_and_change(ns_run *r, ns_until until, double *reached) {
     if (ns_engine_read(r->at_work, &now, NULL, NULL, NULL) != NS_OK || change(r) != NS_OK)
         return 0;
     if (r->chooses)
-        ns_march_choice_failed(&r->choice, now, work_of(r));
+        ns_march_choice_failed(&r->choice, now, ns_march_run_work(r));
     else
         ns_march_run_leave_for_now(r, now, NS_RUN_DENSE);
     r->trial_is_start = ends && ns_engine_read(r->at_work, &begun, NULL, NULL, NULL) == NS_OK && begun == now;

@@ -6,6 +6,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* The scheme in place of kernels may spend this part of the work done before. */
+static const double scheme_part = 0.25;
+
 /* Systems that are large are written out first. */
 static int make_dense(ns_run *r, const ns_march_options *o, ns_engine **out, ns_fault *fault) {
     int status = ns_march_too_large(r->s) ? NS_E_SIZE : NS_OK;
@@ -208,11 +211,19 @@ void ns_march_run_leave_for_now(ns_run *r, double t, ns_run_kind was) {
     r->back_interval = ns_march_retry_interval(&r->options, r->back_interval);
     r->back_to = away ? r->back_to : was;
     r->back_at = r->kind == r->back_to ? INFINITY : t + r->back_interval;
+    r->back_soonest = t + r->options.h;
+    r->back_work = (1 + scheme_part) * ns_march_run_work(r).all;
+}
+
+/* Where no kernel was right steps of the scheme go on, which may cost far more than all before. */
+static int is_due(ns_run *r, double t) {
+    return t >= r->back_at ||
+           (r->kind == NS_RUN_SCHEME && t >= r->back_soonest && ns_march_run_work(r).all >= r->back_work);
 }
 
 void ns_march_run_leave_for_the_start(ns_run *r, double t, ns_run_kind was) {
     r->back_to = was;
-    r->back_at = t;
+    r->back_at = r->back_soonest = t;
 }
 
 /* Right after an event a switch that changed with another one may be beside its own threshold still. */
@@ -227,7 +238,7 @@ static ns_dense_handover handover_of(const ns_run *r) {
 
 void ns_march_run_return(ns_run *r) {
     double t;
-    if (r->back_at == INFINITY || !ns_march_run_rests(r, &t) || t < r->back_at)
+    if (r->back_at == INFINITY || !ns_march_run_rests(r, &t) || !is_due(r, t))
         return;
     r->back_at = INFINITY;
     if (ns_march_run_leave_for(r, r->back_to, 0) == NS_OK) {

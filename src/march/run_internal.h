@@ -28,6 +28,8 @@ typedef struct ns_run {
     /* back to the engine that failed, or was found wrong */
     double back_at;       /* s; INFINITY: it is at work */
     double back_interval; /* s */
+    double back_soonest;  /* s: not before that, */
+    double back_work; /* instructions: but as soon as the scheme in its place comes to that, of all engines */
     ns_run_kind back_to;
     /* which engine costs less */
     ns_choice choice;
@@ -104,7 +106,9 @@ void ns_march_run_leave_for_the_start(ns_run *r, double t, ns_run_kind was);
 /* That is due: it goes on from the accepted point, if it starts there. */
 void ns_march_run_return(ns_run *r);
 
-/* run_choose.c: where one starts, at t. */
+/* run_choose.c: of all engines. */
+ns_work ns_march_run_work(ns_run *r);
+/* Where one starts, at t. */
 void ns_march_run_begin_choice(ns_run *r, double t);
 /* Before a trial: the other engine goes on if it is to be asked, or to stay. */
 void ns_march_run_choose(ns_run *r, ns_until until);
