@@ -224,7 +224,8 @@ static int find_crossing(ns_march *m, double from, double *to, int *found) {
     for (int i = 0; i < MOST && status == NS_OK && !*found && t < *to; i++) {
         const double end = *to, step = ns_engine_shortest(m->engine, t, &until);
         const double next = step < end - t ? t + step : end;
-        t = i == MOST - 1 ? end : fmin(next, fmax(until, nextafter(t, INFINITY)));
+        t = i == MOST - 1 ? end
+                          : fmax(fmin(next, until), nextafter(t, INFINITY)); /* however short the trial is */
         status = add_sample(m, t, &s);
         if (status == NS_OK)
             status = search_samples(m, &s, to, found);
