@@ -9,22 +9,6 @@ static ns_run_kind other_kind(const ns_run *r) {
     return r->kind == NS_RUN_DENSE ? NS_RUN_SPARSE : NS_RUN_DENSE;
 }
 
-static void add_work(ns_work *sum, ns_engine *e) {
-    if (!e)
-        return;
-    const ns_work work = ns_engine_work(e);
-    sum->all += work.all;
-    sum->once += work.once;
-    sum->events += work.events;
-}
-
-ns_work ns_march_run_work(ns_run *r) {
-    ns_work sum = r->work_before;
-    add_work(&sum, r->at_work);
-    add_work(&sum, r->aside);
-    return sum;
-}
-
 void ns_march_run_begin_choice(ns_run *r, double t) {
     ns_march_choice_begin(&r->choice, t, ns_march_run_work(r), ns_march_first_question(r->s, r->is_dense));
 }

@@ -106,9 +106,9 @@ void ns_march_run_leave_for_the_start(ns_run *r, double t, ns_run_kind was);
 /* That is due: it goes on from the accepted point, if it starts there. */
 void ns_march_run_return(ns_run *r);
 
-/* run_choose.c: of all engines. */
+/* counts.c: of all engines. */
 ns_work ns_march_run_work(ns_run *r);
-/* Where one starts, at t. */
+/* run_choose.c: where one starts, at t. */
 void ns_march_run_begin_choice(ns_run *r, double t);
 /* Before a trial: the other engine goes on if it is to be asked, or to stay. */
 void ns_march_run_choose(ns_run *r, ns_until until);
