@@ -90,6 +90,8 @@ static int choose_shown(const CKTcircuit *ckt, const ns_analysis *a, unsigned ch
         devices |= shown[ns_bridge_models_branch(a->ex.device[k].inst)];
     for (size_t k = (size_t)a->system->n; devices && k < a->count; k++)
         kind[k] = CURRENT;
+    for (int k = 0; k < a->ex.nowns; k++)
+        a->ex.own[k].gate_is_shown = !known || shown[a->ex.own[k].mosfet.gate];
     free(shown);
     return NS_OK;
 }

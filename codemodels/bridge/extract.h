@@ -81,19 +81,20 @@ typedef struct ns_own_taken {
         ns_log_mean current;
         double t, i;   /* s, A: the point before */
         double most_v; /* V: the largest voltage across it, of either sign */
-        /* of M: what its own channel does not do, and of what that is a part: at the point before, and
-         * integrals */
-        double off, of, all_off, all_of;
+        /* of M: v(gate,source) beyond vto; what its own channel does not do, and of what that is a part: at
+         * the point before, and integrals */
+        double above, off, of, all_off, all_of;
     } seen;
     double vt;        /* of a switch with VON, VOFF */
     ns_own_switch sw; /* of S, W */
     /* of M: */
     ns_own_mosfet mosfet;
-    int follows;  /* its channel is a diode behind a source follower, not a switch */
-    int body;     /* the element of its body diode */
-    int back;     /* the element that carries what a follower lets pass backwards; -1: it is none */
-    double drive; /* V, that ron belongs to */
-    double ron;   /* ohm */
+    int gate_is_shown; /* it is in the plot, and asks for points */
+    int follows;       /* its channel is a diode behind a source follower, not a switch */
+    int body;          /* the element of its body diode */
+    int back;          /* the element that carries what a follower lets pass backwards; -1: it is none */
+    double drive;      /* V, that ron belongs to */
+    double ron;        /* ohm */
 } ns_own_taken;
 
 typedef struct ns_extract {

@@ -19,32 +19,62 @@ static double voltage_at(const ns_analysis *a, int eq) {
     return eq > 0 && a->unknown[eq] >= 0 ? a->x[a->unknown[eq]] : 0.0;
 }
 
+static double above_threshold(const ns_analysis *a, const ns_own_mosfet *m) {
+    return m->sign * (voltage_at(a, m->gate) - voltage_at(a, m->source)) - m->vth;
+}
+
+/* A: of the current i that beyond saturation, at v(gate,source) of `above` V beyond vto. */
+static double beyond_saturation(const ns_own_mosfet *m, double i, double above) {
+    return i > NS_LEAK ? fmax(i - 0.5 * m->beta * above * fmax(above, 0.0), 0.0) : 0.0;
+}
+
+static int is_follower(const ns_own_taken *o) {
+    return o->follows && o->follows != FOLLOWS_DRAIN;
+}
+
 /* A switch: the current (A) beyond that of saturation at its present v(gate,source), of its current; not
  * while its drain holds its gate at the threshold.  A follower: the voltage (V) beyond vto that its own gate
  * needs, of that of its source. */
 static void judge_channel(const ns_analysis *a, const ns_own_taken *o, double i, double *off, double *of) {
     const ns_own_mosfet *m = &o->mosfet;
-    const double gate = voltage_at(a, m->gate), source = voltage_at(a, m->source);
-    const double above = m->sign * (gate - source) - m->vth;
-    if (!o->follows || o->follows == FOLLOWS_DRAIN) {
+    const double above = above_threshold(a, m);
+    if (!is_follower(o)) {
         const int held = o->follows && above < held_within * (o->drive - m->vth);
-        *off = i > NS_LEAK && !held ? fmax(i - 0.5 * m->beta * above * fmax(above, 0.0), 0.0) : 0.0;
+        *off = held ? 0.0 : beyond_saturation(m, i, above);
         *of = fabs(i);
-    } else if (voltage_at(a, m->drain) > gate - m->vth) {
+    } else if (voltage_at(a, m->drain) > voltage_at(a, m->gate) - m->vth) {
         *off = sqrt(2.0 * fmax(i, 0.0) / m->beta);
-        *of = fabs(source);
+        *of = fabs(voltage_at(a, m->source));
     } else {
         *off = *of = 0.0;
     }
 }
 
+/* What is off between the point before and this one, in the mean.  Where v(gate,source) is straight, that of
+ * a switch at midpoints.  Else as much as at the end where less is off: a gate that is not in the plot asks
+ * for no points, and may change in far less time than lies between two. */
+static double mean_off(const ns_own_taken *o, double i, double above, double off) {
+    enum { PARTS = 16 };
+    double sum = 0.0;
+    if (!o->gate_is_shown || o->follows)
+        return fmin(off, o->seen.off);
+    for (int k = 0; k < PARTS; k++) {
+        const double part = (k + 0.5) / PARTS;
+        sum += beyond_saturation(&o->mosfet, o->seen.i + part * (fmax(i, 0.0) - o->seen.i),
+                                 o->seen.above + part * (above - o->seen.above));
+    }
+    return sum / PARTS;
+}
+
 static void count_channel(const ns_analysis *a, ns_own_taken *o, double i, double seconds) {
+    const double above = above_threshold(a, &o->mosfet);
     double off, of;
     judge_channel(a, o, i, &off, &of);
     if (seconds > 0.0) {
-        o->seen.all_off += 0.5 * seconds * (off + o->seen.off);
+        o->seen.all_off += seconds * mean_off(o, i, above, off);
         o->seen.all_of += 0.5 * seconds * (of + o->seen.of);
     }
+    o->seen.above = above;
     o->seen.off = off;
     o->seen.of = of;
 }
@@ -107,7 +137,7 @@ static double part_off(const ns_own_taken *o) {
 }
 
 static void note_channel(const ns_own_taken *o) {
-    if (o->follows && o->follows != FOLLOWS_DRAIN)
+    if (is_follower(o))
         ns_bridge_report_note(
             "%s, a source follower, had its source too high by some %.2g of that voltage: what its own gate "
             "needs beyond vto is left out; drive it against its source, or add that to vto",

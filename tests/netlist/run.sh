@@ -9,7 +9,7 @@
 #   X fine       by the scheme with h ten times smaller: `.model nsopt nonsmooth`, with parameters or none, gets
 #                method="theta" h=(.tran's step)/160, `set tol = 0.02` becomes 0.1
 #   X reversed   its elements in reverse order
-#   cases/X      tests/netlist/cases/X.cir, which judges itself; of each line `* says: REGEX` one line of output matches; for the N-th line
+#   cases/X      tests/netlist/cases/X.cir, which judges itself; of each line `* says: REGEX` one line of output matches, after `* never: REGEX` none; for the N-th line
 #                `* again: SED` it runs once more, as XN, with what sed makes of it
 #   cases/own_X (of ngspice's own devices) and errors/X run once more as X@psa, X@ltpsa, X@hsa: with these values of ngbehavior, or those of BEHAVIORS
 #   cookbook/X   netlists/cookbook/X.cir, in the same way
@@ -136,6 +136,8 @@ judge() {
     if [ "$2" = 124 ]; then echo "took more than $TIME_LIMIT s"; return; fi
     if [ "$2" -gt 128 ]; then echo "crashed: signal $(($2 - 128))"; return; fi
     found=$(grep -m1 -E 'Sanitizer|runtime error:|^==[0-9]+== ' "$1") && { echo "$found"; return; }
+    never=$(sed -n 's/^\* never: //p' "$4")
+    found=$([ -n "$never" ] && grep -m1 -i -E -e "$never" "$1") && { echo "says: $found"; return; }
     if [ "$3" = error ]; then
         expect=$(sed -n '1s/^\* expect: //p' "$4")
         if [ -z "$expect" ]; then echo "no * expect: line"; return; fi
@@ -144,8 +146,6 @@ judge() {
             echo "$lines lines match /$expect/; says: $(grep -m1 -i 'nonsmooth' "$1")"; return
         fi
         found=$(grep -m1 -i -E 'matrix is singular|singular matrix' "$1") && { echo "blames the matrix: $found"; return; }
-        never=$(sed -n 's/^\* never: //p' "$4")
-        found=$([ -n "$never" ] && grep -m1 -i -E -e "$never" "$1") && { echo "says: $found"; return; }
         status=$(sed -n 's/^\* status: //p' "$4")
         if [ -n "$status" ]; then
             [ "$status" = "$2" ] || echo "ends with $2, not $status"
