@@ -29,4 +29,10 @@ int ns_bridge_own_range_of_b(const CKTcircuit *ckt, const GENinstance *inst, ns_
 /* Of the output of a dac_bridge at this equation: its nodes, and the range between them.  0: it has none. */
 int ns_bridge_own_range_of_bridge(const GENinstance *inst, int here, int *p, int *n, ns_own_range *r);
 
+/* Of the output of a pwl at this equation, as ngspice makes one of TABLE: its node, the equation of its
+ * input, and the range of its y, with the largest slope.  0: it has none, or goes on beyond its ends. */
+int ns_bridge_own_range_of_table(const GENinstance *inst, int here, int *p, int *in, ns_own_range *r);
+/* r, of a table, switches or amplifies as its input does. */
+void ns_bridge_own_follow(ns_own_range *r, const ns_own_range *in);
+
 #endif

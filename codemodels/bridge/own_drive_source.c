@@ -282,6 +282,34 @@ int ns_bridge_own_range_of_bridge(const GENinstance *inst, int here, int *p, int
     return 0;
 }
 
+int ns_bridge_own_range_of_table(const GENinstance *inst, int here, int *p, int *in, ns_own_range *r) {
+    enum { X, Y, DOMAIN, FRACTION, LIMIT };
+    const MIFinstance *mif = (const MIFinstance *)inst;
+    const char *model = ns_bridge_models_kind(inst) == KIND_FOREIGN ? ns_bridge_foreign_model(mif) : NULL;
+    if (!model || strcmp(model, "pwl") != 0 || mif->param[LIMIT]->element[0].bvalue != MIF_TRUE)
+        return 0;
+    const Mif_Port_Data_t *from = mif->conn[0]->port[0], *to = mif->conn[1]->port[0];
+    const Mif_Value_t *x = mif->param[X]->element, *y = mif->param[Y]->element;
+    if (from->type != MIF_VOLTAGE || to->type != MIF_VOLTAGE || to->smp_data.pos_node != here)
+        return 0;
+    *p = here;
+    *in = from->smp_data.pos_node;
+    *r = between(INFINITY, -INFINITY);
+    for (int k = 0; k < mif->param[Y]->size && k < mif->param[X]->size; k++) {
+        ns_bridge_own_extend(r, y[k].rvalue);
+        if (k > 0)
+            r->slope =
+                fmax(r->slope, fabs((y[k].rvalue - y[k - 1].rvalue) / (x[k].rvalue - x[k - 1].rvalue)));
+    }
+    return is_finite(r);
+}
+
+void ns_bridge_own_follow(ns_own_range *r, const ns_own_range *in) {
+    r->slope = times(r->slope, in->slope);
+    r->amplifies = r->slope > 0.0 && r->slope < steep;
+    r->switches = in->switches || r->slope >= steep;
+}
+
 void ns_bridge_own_extend(ns_own_range *r, double value) {
     r->low = fmin(r->low, value);
     r->high = fmax(r->high, value);

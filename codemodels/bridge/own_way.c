@@ -1,5 +1,5 @@
-/* bridge/own_way.c - ways along V, R, L, E, D and B from a node to another one or to ground, and what voltage
- * is between their ends. */
+/* bridge/own_way.c - ways along V, R, L, E, D, B and tables from a node to another one or to ground, and
+ * what voltage is between their ends. */
 #include "own_way.h"
 
 #include <math.h>
@@ -28,6 +28,19 @@ static int read_vcvs(const ns_own_way *w, const VCVSinstance *e, ns_own_range *g
         return 0;
     const double low = gain * r.low, high = gain * r.high;
     *gap = (ns_own_range){fmin(low, high), fmax(low, high), r.switches, 1, 0.0, r.amplifies, 0};
+    return 1;
+}
+
+/* A code model pwl, as ngspice makes of TABLE: a source to ground. */
+static int read_table(const ns_own_way *w, const GENinstance *inst, int here, int *p, ns_own_range *gap) {
+    ns_own_way way = {.ckt = w->ckt, .inside_table = 1};
+    ns_own_range input = {0};
+    int in;
+    if (w->inside_b || w->inside_table || !ns_bridge_own_range_of_table(inst, here, p, &in, gap) ||
+        !ns_bridge_own_way(&way, in, &input))
+        return 0;
+    ns_bridge_own_follow(gap, &input);
+    gap->sources = 1;
     return 1;
 }
 
@@ -72,7 +85,8 @@ int ns_bridge_own_wire(const ns_own_way *w, const GENinstance *inst, int here, i
         return *p == here || *n == here;
     }
     case 'a':
-        return ns_bridge_own_range_of_bridge(inst, here, p, n, gap);
+        *n = 0;
+        return ns_bridge_own_range_of_bridge(inst, here, p, n, gap) || read_table(w, inst, here, p, gap);
     case 'd': {
         ns_own_diode d = {0};
         if (w->along_d && ns_bridge_own_kind(inst) == OWN_DIODE)

@@ -1,5 +1,5 @@
-/* bridge/own_way.h - ways along V, R, L, E, D and B from a node to another one or to ground, and what voltage
- * is between their ends. */
+/* bridge/own_way.h - ways along V, R, L, E, D, B and tables from a node to another one or to ground, and what
+ * voltage is between their ends. */
 #ifndef BRIDGE_OWN_WAY_H
 #define BRIDGE_OWN_WAY_H
 
@@ -21,6 +21,7 @@ typedef struct ns_own_way {
     int along_d;               /* so do D */
     double shunt;              /* ohm: so do resistors below it */
     int inside_b;              /* it is that of a node in a B source: no further B is looked into */
+    int inside_table;          /* it is that of the input of a TABLE: no further one is looked into */
     int met;                   /* the equation that was met: goal, or 0 */
     int node[OWN_WAY_NODES], count;
 } ns_own_way;
