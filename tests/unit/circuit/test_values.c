@@ -196,6 +196,24 @@ static void bad_calls(void **state) {
     ns_circuit_free(b.c);
 }
 
+/* Sources that are not DC are inputs, in their order; the first element is number 0. */
+static void inputs_are_numbered(void **state) {
+    (void)state;
+    bench b = open_bench();
+    const ns_signal dc = {.kind = NS_DC, .u.dc = 1};
+    int fixed = -1;
+    sine(&b, 1, 0, 2, 1000);
+    assert_int_equal(ns_circuit_source(b.c, "vd", NS_VOLTAGE, 3, 0, &dc, &fixed), NS_OK);
+    sine(&b, 2, 1, 1, 370);
+    assert_int_equal(ns_circuit_input(b.c, 0), 0);
+    assert_int_equal(ns_circuit_input(b.c, fixed), -1);
+    assert_int_equal(ns_circuit_input(b.c, 2), 1);
+    assert_int_equal(ns_circuit_input(b.c, 3), -1);
+    assert_int_equal(ns_circuit_input(b.c, -1), -1);
+    assert_int_equal(ns_circuit_input(NULL, 0), -1);
+    ns_circuit_free(b.c);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(formulas_in_every_engine),
@@ -203,6 +221,7 @@ int main(void) {
         cmocka_unit_test(commands),
         cmocka_unit_test(box_limits_a_rate),
         cmocka_unit_test(bad_calls),
+        cmocka_unit_test(inputs_are_numbered),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
