@@ -25,8 +25,15 @@ static double fourth_difference(const ns_waveform *w, double *const *row, int i,
     return sorted[k];
 }
 
+/* Is it more than a small part of the distance that is allowed, or, of the signal that was furthest off, more
+ * than its integral was allowed to be off by over the length of a line? */
+static int matters_for(const ns_waveform *w, int i) {
+    static const double small = 0.1;
+    const double given = fmax(w->noise * w->kind_largest[w->kind[i]], w->floor[w->kind[i]]);
+    return w->rounding[i] * w->per_tolerance[i] > small || (i == w->worst && w->rounding[i] > given);
+}
+
 int ns_waveform_measure_rounding(ns_waveform *w, double t, double most, int *matters) {
-    static const double small = 0.1; /* of what is allowed */
     double *row[COUNT];
     const double wanted = fmin(most, 0.3 * ns_march_shortest(w->march, t, NULL));
     const double length = fmax(wanted, 4 * COUNT * DBL_EPSILON * fabs(t));
@@ -41,7 +48,7 @@ int ns_waveform_measure_rounding(ns_waveform *w, double t, double most, int *mat
     }
     for (int i = 0; i < w->looked && status == NS_OK; i++) {
         w->rounding[i] = fourth_difference(w, row, i, kth);
-        *matters |= w->rounding[i] * w->per_tolerance[i] > small;
+        *matters |= matters_for(w, i);
     }
     while (taken > 0)
         ns_waveform_return_row(w, row[--taken]);
