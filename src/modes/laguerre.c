@@ -22,10 +22,28 @@ void ns_modes_laguerre(double s, double *c) {
         c[i] = -c[i];
 }
 
+/* L_i - L_{i-1} = -(s/i) K_{i-1}, K being Laguerre polynomials with alpha = 1: of a step far shorter than g
+ * the difference of two numbers close to 1 would leave no digit. */
+static void short_steps(double s, double *b) {
+    double before = 0, K = 1;
+    for (int i = 1; i <= NS_ORDER; i++) {
+        b[i] = -sign(i) * s / i * K;
+        const double next = (2 * i - s) / i * K - before;
+        before = K;
+        K = next;
+    }
+}
+
+/* Differences where they have 12 digits: summed for what is infinitely fast, they leave L_8. */
 void ns_modes_laguerre_steps(double s, double *b) {
+    static const double is_short = 1.0 / 4096;
     double L[NS_ORDER + 1];
-    polynomials(s, NS_ORDER, L);
     b[0] = 1;
+    if (s < is_short) {
+        short_steps(s, b);
+        return;
+    }
+    polynomials(s, NS_ORDER, L);
     for (int i = 1; i <= NS_ORDER; i++)
         b[i] = sign(i) * (L[i] - L[i - 1]); /* (E2) */
 }

@@ -52,11 +52,25 @@ static void what_is_fast_is_gone(void **state) {
     assert_true(fabs(sum) < 1e-14);
 }
 
+/* Of a step far shorter than g: b_i = (-1)^(i+1) s (1 - (i-1) s/2 + ...), to a few roundings of that. */
+static void short_steps_keep_their_digits(void **state) {
+    (void)state;
+    double b[NS_ORDER + 1];
+    for (double s = 1e-9; s > 1e-16; s /= 7) {
+        ns_modes_laguerre_steps(s, b);
+        for (int i = 1; i <= NS_ORDER; i++) {
+            const double wanted = (i % 2 ? s : -s) * (1 - (i - 1) * s / 2);
+            assert_true(fabs(b[i] - wanted) < 4e-15 * s);
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bounds_are_bounds),
         cmocka_unit_test(they_are_exponentials),
         cmocka_unit_test(what_is_fast_is_gone),
+        cmocka_unit_test(short_steps_keep_their_digits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
