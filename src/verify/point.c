@@ -7,8 +7,8 @@
 
 /* What rounding leaves of the terms of y. */
 static const double digits = 1e-13;
-/* Inputs are known at a time that is rounded, in units of eps. */
-static const double roundings = 64;
+/* Inputs are known at a time that is rounded, in units of eps; an instant that is found, to so many. */
+static const double roundings = 64, instant_roundings = 4;
 
 /* --- the point --- */
 
@@ -38,6 +38,52 @@ static int find_spread(ns_verify *v, double t) {
 /* What that makes of a row. */
 static double spread_of(const ns_verify *v, const ns_verify_rows *r, int i) {
     return v->spreads ? 2 * ns_verify_row(r, i, v->spread).size : 0;
+}
+
+/* How far input k moves in the rounding of an instant, beside t: its jump at t is none of that.  Slopes are
+ * those over a time in which corners can be told apart. */
+static double steepness_of(const ns_verify *v, int k) {
+    const ns_signal *s = &v->s->z[k];
+    const double t = v->t, near = roundings * DBL_EPSILON * fabs(t);
+    const double after = ns_signal_value(s, t + near, NS_LEFT) - ns_signal_value(s, t, NS_RIGHT);
+    const double before = ns_signal_value(s, t, NS_LEFT) - ns_signal_value(s, t - near, NS_RIGHT);
+    return ns_verify_larger(fabs(after), fabs(before)) * (instant_roundings / roundings);
+}
+
+/* What steep inputs make of unknown or lambda `column` in row i, if the row is algebraic: others are taken to
+ * stay. */
+static double steep_in(const ns_verify *v, int i, int column) {
+    const ns_verify_rows *law = &v->law;
+    const int first = v->s->n + v->s->m;
+    double moves = 0, own = 0;
+    if (v->charge.start[i] < v->charge.start[i + 1])
+        return 0;
+    for (int k = law->start[i]; k < law->start[i + 1]; k++) {
+        const int input = law->column[k] - first;
+        if (law->column[k] == column)
+            own = fabs(law->value[k]);
+        else if (input >= 0 && input < v->s->nz)
+            moves += fabs(law->value[k]) * steepness_of(v, input);
+    }
+    return own > 0 ? moves / own : 0;
+}
+
+/* What they make of y of pair j by its unknowns, each by its own row: 1e-17 s of an edge of 1e11 A/s into
+ * 1 kohm are 1 mV. */
+static double steep_y(const ns_verify *v, int j) {
+    const ns_verify_rows *r = &v->output;
+    double sum = 0;
+    for (int k = r->start[j]; v->spreads && k < r->start[j + 1]; k++)
+        if (r->column[k] < v->s->n)
+            sum += fabs(r->value[k]) * steep_in(v, r->column[k], r->column[k]);
+    return 2 * sum;
+}
+
+static double steep_lambda(const ns_verify *v, int j) {
+    double most = 0;
+    for (int i = 0; v->spreads && i < v->s->n; i++)
+        most = ns_verify_larger(most, steep_in(v, i, v->s->n + j));
+    return 2 * most;
 }
 
 static int numbers_are_finite(const ns_verify *v, ns_verify_finding *worst) {
@@ -126,7 +172,7 @@ static void read_control(ns_verify *v, int c, pair_values *p) {
 static void find_offs(const ns_verify *v, int j, pair_values *p) {
     const int c = v->command[j];
     p->lambda_off = ns_verify_sizes_lambda_off(v, j);
-    p->y_off = ns_verify_sizes_y_off(v, j) + spread_of(v, &v->output, j);
+    p->y_off = ns_verify_sizes_y_off(v, j) + spread_of(v, &v->output, j) + steep_y(v, j);
     if (c < 0)
         return;
     p->g_off = ns_verify_sizes_control_off(v, c) + spread_of(v, &v->control, c);
@@ -163,7 +209,7 @@ static void judge_closely(const ns_verify *v, int j, pair_values *p, ns_verify_f
     double error = c < 0 ? law_error(v, j, p) : command_error(&v->s->command[c], p);
     if (error <= 1)
         return;
-    p->lambda_off += ns_verify_sizes_rounding_around(v, j);
+    p->lambda_off += ns_verify_sizes_rounding_around(v, j) + steep_lambda(v, j);
     if (c >= 0)
         p->g_off += edge_of(v, c);
     error = c < 0 ? law_error(v, j, p) : command_error(&v->s->command[c], p);
