@@ -253,6 +253,11 @@ static ns_own_range range_of(range_reader *r, const INPparseNode *node) {
     return isnan(found.low) || isnan(found.high) ? any : found;
 }
 
+static void judge_slope(ns_own_range *r) {
+    r->amplifies = r->slope > 0.0 && r->slope < steep;
+    r->switches |= r->slope >= steep;
+}
+
 int ns_bridge_own_range_of_b(const CKTcircuit *ckt, const GENinstance *inst, ns_own_range_at *at, int goal,
                              ns_own_range *r) {
     const ASRCinstance *b = (const ASRCinstance *)inst;
@@ -260,15 +265,21 @@ int ns_bridge_own_range_of_b(const CKTcircuit *ckt, const GENinstance *inst, ns_
     if (b->ASRCtype != ASRC_VOLTAGE)
         return 0;
     *r = range_of(&reads, ((const INPparseTree *)b->ASRCtree)->tree);
-    r->amplifies = r->slope > 0.0 && r->slope < steep;
-    r->switches |= r->slope >= steep;
+    judge_slope(r);
     return is_finite(r) && (r->of_goal == 0 || r->of_goal == 1);
+}
+
+/* 1 if it is an instance of that code model of another library. */
+static int is_of(const GENinstance *inst, const char *name) {
+    const char *model = ns_bridge_models_kind(inst) == KIND_FOREIGN
+                            ? ns_bridge_foreign_model((const MIFinstance *)inst)
+                            : NULL;
+    return model && strcmp(model, name) == 0;
 }
 
 int ns_bridge_own_range_of_bridge(const GENinstance *inst, int here, int *p, int *n, ns_own_range *r) {
     const MIFinstance *mif = (const MIFinstance *)inst;
-    const char *model = ns_bridge_models_kind(inst) == KIND_FOREIGN ? ns_bridge_foreign_model(mif) : NULL;
-    if (!model || strcmp(model, "dac_bridge") != 0)
+    if (!is_of(inst, "dac_bridge"))
         return 0;
     const double low = ns_bridge_models_real(mif, DAC_LOW), high = ns_bridge_models_real(mif, DAC_HIGH);
     *r = steps(fmin(low, high), fmax(low, high));
@@ -285,8 +296,7 @@ int ns_bridge_own_range_of_bridge(const GENinstance *inst, int here, int *p, int
 int ns_bridge_own_range_of_table(const GENinstance *inst, int here, int *p, int *in, ns_own_range *r) {
     enum { X, Y, DOMAIN, FRACTION, LIMIT };
     const MIFinstance *mif = (const MIFinstance *)inst;
-    const char *model = ns_bridge_models_kind(inst) == KIND_FOREIGN ? ns_bridge_foreign_model(mif) : NULL;
-    if (!model || strcmp(model, "pwl") != 0 || mif->param[LIMIT]->element[0].bvalue != MIF_TRUE)
+    if (!is_of(inst, "pwl") || mif->param[LIMIT]->element[0].bvalue != MIF_TRUE)
         return 0;
     const Mif_Port_Data_t *from = mif->conn[0]->port[0], *to = mif->conn[1]->port[0];
     const Mif_Value_t *x = mif->param[X]->element, *y = mif->param[Y]->element;
@@ -306,8 +316,8 @@ int ns_bridge_own_range_of_table(const GENinstance *inst, int here, int *p, int 
 
 void ns_bridge_own_follow(ns_own_range *r, const ns_own_range *in) {
     r->slope = times(r->slope, in->slope);
-    r->amplifies = r->slope > 0.0 && r->slope < steep;
-    r->switches = in->switches || r->slope >= steep;
+    r->switches = in->switches;
+    judge_slope(r);
 }
 
 void ns_bridge_own_extend(ns_own_range *r, double value) {

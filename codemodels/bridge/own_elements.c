@@ -68,7 +68,7 @@ static double current_of(const ns_extract_walk *w, const GENinstance *inst) {
 }
 
 static void note_pass(const ns_extract_walk *w, const ns_own_diode *d, ns_own_taken *taken) {
-    const ns_own_current *found = found_current(w, taken->inst);
+    const ns_own_current *found = found_current(w, taken->inst), *broken = found_breakdown(w, taken->inst);
     if (!w->found || !isnan(w->ex->options.id))
         return;
     taken->pass.seconds = w->found->seconds;
@@ -76,7 +76,7 @@ static void note_pass(const ns_extract_walk *w, const ns_own_diode *d, ns_own_ta
     taken->pass.idle = !found;
     taken->pass.tangent = found && !found->faint;
     taken->pass.faint = found && found->faint;
-    taken->pass.broken = found_breakdown(w, taken->inst) ? found_breakdown(w, taken->inst)->id : 0.0;
+    taken->pass.broken = broken ? broken->id : 0.0;
     if (taken->pass.tangent &&
         taken->diode.ron - d->rs < (1.0 - 1e-6) * ns_bridge_diode_law_slope(&d->law, found->id))
         taken->pass.to = found->most;

@@ -181,7 +181,7 @@ double ns_inputs_stages_steepest(const ns_input_stages *in, double g) {
     return most;
 }
 
-/* after: t and what is late, since w begins */
+/* after: the time since w begins, s */
 static double stage_of_input(const ns_exp_sum *w, double after, double g, int i) {
     double z = i == 0 ? w->value + w->slope * (after + g) : i == 1 ? w->slope * g : 0;
     for (int e = 0; e < w->count; e++)

@@ -41,8 +41,9 @@ void ns_inputs_stages_reset(ns_input_stages *in);
 /* An input of the system was replaced by another broken line.  Errors: MEMORY. */
 int ns_inputs_stages_renew(ns_input_stages *in, int input);
 
-/* Expands the inputs at t, from its right side; steps begin at t, or so much later. */
+/* Expands the inputs at t, from its right side. */
 void ns_inputs_stages_at(ns_input_stages *in, double t);
+/* Steps begin this much after t, s: what rounding took from the time. */
 static inline void ns_inputs_stages_late(ns_input_stages *in, double late) {
     in->late = late;
 }

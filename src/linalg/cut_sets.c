@@ -81,20 +81,27 @@ static int is_node(const cut_network *c, int i, double *ground) {
     return size > 0 && sum >= -eps_factor * size;
 }
 
+int ns_linalg_cut_sets_part(int n, const double *M, int first, int *row, int *reached) {
+    int count = 1;
+    row[0] = first;
+    reached[first] = 1;
+    for (int at = 0; at < count; at++)
+        for (int j = 0; j < n; j++) {
+            const size_t i = (size_t)row[at], k = (size_t)j;
+            if (!reached[j] && (M[i + k * (size_t)n] != 0 || M[k + i * (size_t)n] != 0)) {
+                reached[j] = 1;
+                row[count++] = j;
+            }
+        }
+    return count;
+}
+
 /* All nodes that capacitors join to `first`, in c->order; how many, 0: some are no nodes of capacitors. */
 static int list_part(cut_network *c, int first) {
-    int count = 1, all_nodes = 1;
-    c->order[0] = first;
-    c->reached[first] = 1;
-    for (int at = 0; at < count; at++) {
-        const int i = c->order[at];
-        all_nodes &= is_node(c, i, &c->ground[i]);
-        for (int j = 0; j < c->n; j++)
-            if (!c->reached[j] && (entry(c, i, j) != 0 || entry(c, j, i) != 0)) {
-                c->reached[j] = 1;
-                c->order[count++] = j;
-            }
-    }
+    const int count = ns_linalg_cut_sets_part(c->n, c->M, first, c->order, c->reached);
+    int all_nodes = 1;
+    for (int k = 0; k < count; k++)
+        all_nodes &= is_node(c, c->order[k], &c->ground[c->order[k]]);
     return all_nodes ? count : 0;
 }
 

@@ -8,4 +8,8 @@
  */
 int ns_linalg_cut_sets(int n, const double *M, int rank, double *T, double *TM);
 
+/* To row (n): `first`, and all rows that entries of M (n*n) join to it; returns how many.  reached (n): not 0
+ * where a row was found, by this or by former calls; these are passed over. */
+int ns_linalg_cut_sets_part(int n, const double *M, int first, int *row, int *reached);
+
 #endif

@@ -7,6 +7,8 @@
  */
 #include "leakage.h"
 
+#include "cut_sets.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -59,19 +61,6 @@ static void find_places(coils *c, int rank, const double *T) {
         if (terms == 1)
             c->place[last] = k;
     }
-}
-
-/* All rows that M joins to `first`, in c->row. */
-static void list_part(coils *c, int first) {
-    c->count = 1;
-    c->row[0] = first;
-    c->reached[first] = 1;
-    for (int at = 0; at < c->count; at++)
-        for (int j = 0; j < c->n; j++)
-            if (!c->reached[j] && (entry(c, c->row[at], j) != 0 || entry(c, j, c->row[at]) != 0)) {
-                c->reached[j] = 1;
-                c->row[c->count++] = j;
-            }
 }
 
 /* 1 if the part is no network of capacitors and all of its rows are rows of T, each with its own entry. */
@@ -160,7 +149,7 @@ int ns_linalg_leakage(int n, const double *M, int rank, double *T, double *TM) {
     for (int first = 0; first < n && status == NS_OK; first++) {
         if (c.reached[first])
             continue;
-        list_part(&c, first);
+        c.count = ns_linalg_cut_sets_part(n, M, first, c.row, c.reached);
         if (c.count > 1 && are_coils(&c))
             status = replace_rows(&c, T, TM);
     }

@@ -60,18 +60,18 @@ static int try_to(ns_engine *e, double t, ns_until until, double *reached) {
     return status;
 }
 
-/* 1 if a switch without hysteresis that the state commands is not in the mode that it was in at the last
- * call.
- */
-static int is_switched_by_state(ns_run *r) {
-    const ns_mode *mode = ns_engine_mode(r->at_work);
+/* Takes in the modes of switches without hysteresis that the state commands; 1 if one is not as at the last
+ * call. */
+static int note_switched(ns_run *r) {
+    const ns_mode *mode = NULL;
     int any = 0;
     for (int c = 0; c < r->s->nc; c++) {
         const ns_command *k = &r->s->command[c];
-        if (!k->gx || k->on != k->off || r->switched[c] == mode[k->pair])
+        if (!k->gx || k->on != k->off)
             continue;
+        mode = mode ? mode : ns_engine_mode(r->at_work);
+        any |= r->switched[c] != mode[k->pair];
         r->switched[c] = mode[k->pair];
-        any = 1;
     }
     return any;
 }
@@ -83,7 +83,7 @@ static int accept_trial(ns_engine *e) {
     const int status = is_start ? NS_OK : ns_engine_accept(r->at_work);
     double t;
     if (status == NS_OK && ns_engine_read(r->at_work, &t, NULL, NULL, NULL) == NS_OK) {
-        const int switched = is_switched_by_state(r);
+        const int switched = note_switched(r);
         r->is_right_side = r->by_steps && t == r->accepted_t && (switched || r->is_right_side);
         r->accepted_t = t;
     }

@@ -341,14 +341,12 @@ static void resolve_transient(ns_sparse *m, const ns_dense_step *step, double t,
     ns_sparse_guard_set_mode(m, m->work.lasting_mode);
 }
 
-/* The length of the Euler steps that resolve an event: negligible beside steps, and beside how long sources
- * go on as they do. */
+/* The length of the Euler steps that resolve an event: negligible beside steps, and beside the time to the
+ * next corner of a source. */
 static double negligible(const ns_sparse *m, const ns_dense_step *step, double t) {
-    const double least = ldexp(m->o.h, -NS_EVENT_LEAST_EXPONENT - m->o.finer), room = m->in->corner - t;
-    double g = ldexp(m->o.h, -NS_SHORT_EXPONENT - (step ? step->next_exponent + step->failures : 0));
-    while (g > least && g * NS_SHORT_OF_ROOM > room)
-        g *= 0.5;
-    return fmax(g, least);
+    const double least = ldexp(m->o.h, -NS_EVENT_LEAST_EXPONENT - m->o.finer);
+    const double g = ldexp(m->o.h, -NS_SHORT_EXPONENT - (step ? step->next_exponent + step->failures : 0));
+    return fmax(ns_sparse_step_negligible(g, least, m->in->corner - t), least);
 }
 
 int ns_sparse_event_resolve(ns_sparse *m, const ns_dense_step *step, double t) {

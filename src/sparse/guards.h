@@ -86,6 +86,12 @@ static inline double guard(const ns_sparse *m, int j, int k, const double *v, co
     return is_upper(m, j, k) ? (constants ? m->u[j] : 0) - lambda : lambda - (constants ? m->l[j] : 0);
 }
 
+/* 1 if lambda of pair j, which conducts, has the wrong sign by more than a point that is shown may have. */
+static inline int has_wrong_sign(const ns_sparse *m, int j, double lambda) {
+    const double allowed = 1e-5 * m->largest.lambda;
+    return lambda < m->l[j] - allowed || lambda > m->u[j] + allowed;
+}
+
 /* 1 if command c depends on the state, and may change by it. */
 static inline int of_state(const ns_sparse *m, int c) {
     return !ns_mode_slides(m->mode[m->s->command[c].pair]) && m->f->gx.start[c + 1] > m->f->gx.start[c];

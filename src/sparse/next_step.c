@@ -12,22 +12,19 @@ static const double remembers = 0.95, too_long = 16, long_enough = 4;
 enum { SHORTEST = 3 };
 /* After so many steps that ended where they began, Euler steps. */
 enum { MOST_FAILURES = 6 };
-/* One that ends with a wrong sign, by this part of the largest lambda, is made so many times as long, so
- * often. */
+/* One that ends with a wrong sign is made so many times as long, so often. */
 enum { LONGER = 3 };
-static const double longer = 16, wrong = 1e-5;
+static const double longer = 16;
 /* The first Euler step of a capture is h 2^-this. */
 enum { CAPTURE_FIRST = 14, CAPTURE_LAST = 2, CAPTURE_BY = 4 };
 /* What a capture takes from the steps that are left. */
 enum { CAPTURE_COST = 3000 };
 
-/* 1 if a pair that conducts has the wrong sign, by more than a point that is shown may have: the rounding of
- * charges, over so short a time. */
-static int has_wrong_sign(const ns_sparse *m, const double *v) {
-    const double allowed = wrong * m->largest.lambda, *lambda = v + m->f->n;
+/* 1 if a pair that conducts has the wrong sign at v: the rounding of charges, over so short a time. */
+static int is_wrong_at(const ns_sparse *m, const double *v) {
     int any = 0;
     for (int j = 0; j < m->f->m; j++)
-        any |= m->mode[j] == NS_INSIDE && (lambda[j] < m->l[j] - allowed || lambda[j] > m->u[j] + allowed);
+        any |= m->mode[j] == NS_INSIDE && has_wrong_sign(m, j, v[m->f->n + j]);
     return any;
 }
 
@@ -37,7 +34,7 @@ static int euler_step(ns_sparse *m, ns_dense_step *step, double t, double limit,
     const double room = limit - t - step->time_lost;
     double g = fmin(fmax(h, ns_sparse_finest(m)), room);
     int status = ns_sparse_event_consistent(m, t, g, m->w, step->images, NULL);
-    for (int i = 0; i < LONGER && status == NS_OK && g < room && has_wrong_sign(m, step->images); i++) {
+    for (int i = 0; i < LONGER && status == NS_OK && g < room && is_wrong_at(m, step->images); i++) {
         g = fmin(longer * g, room);
         status = ns_sparse_event_consistent(m, t, g, m->w, step->images, NULL);
     }

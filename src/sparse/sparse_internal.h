@@ -23,8 +23,7 @@
 enum { NS_STAGES = NS_ORDER + 1 }; /* the last one only where an event is located in the step */
 /* Exponents k of lengths h 2^-k; those marked + count from h 2^-o.finer. */
 enum {
-    NS_SHORT_EXPONENT = 16,       /* of the length of a step, shorter by this: negligible, for events, */
-    NS_SHORT_OF_ROOM = 16,        /* unless there are fewer of them up to the next corner of a source */
+    NS_SHORT_EXPONENT = 16,       /* of the length of a step, shorter by this: negligible, for events */
     NS_LEAST_EXPONENT = 28,       /* + the shortest step */
     NS_EVENT_LEAST_EXPONENT = 26, /* + the shortest step that resolves an event */
     NS_FINER = 12,     /* of the step that makes w consistent: what lasts that short is a transient, */
@@ -304,6 +303,8 @@ int ns_sparse_step_more(ns_sparse *m, ns_dense_step *step);
  * corrected once. */
 int ns_sparse_step_digits_lost(ns_sparse *m, const ns_dense_step *step);
 int ns_sparse_step_refine(ns_sparse *m, ns_dense_step *step);
+/* g halved until it is negligible beside room, s, too, or not above least. */
+double ns_sparse_step_negligible(double g, double least, double room);
 /* Dense output: w (n) by (E2), v = (x, lambda) by (E1), tau after its beginning. */
 void ns_sparse_step_state(const ns_sparse *m, const ns_dense_step *step, double tau, double *w);
 void ns_sparse_step_point(const ns_sparse *m, const ns_dense_step *step, double tau, double *v);

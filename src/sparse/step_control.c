@@ -187,9 +187,8 @@ static int are_rounding(ns_sparse *m, const ns_dense_step *step) {
  * else the worst of them is marked to break there. */
 static int remove_jump(ns_sparse *m, ns_dense_step *step, double room) {
     const size_t bytes = sizeof(double) * (size_t)m->f->n;
-    double g = length_of(m, step->length_exponent + NS_SHORT_EXPONENT);
-    while (g > ns_sparse_finest(m) && g * NS_SHORT_OF_ROOM > room)
-        g *= 0.5;
+    double g = ns_sparse_step_negligible(length_of(m, step->length_exponent + NS_SHORT_EXPONENT),
+                                         ns_sparse_finest(m), room);
     ns_jump_kind jumped = NS_NO_JUMP;
     int status = ns_sparse_project_consistent(m, step->t, g, NULL, &jumped);
     for (int longer = 0; longer < LONGER && status == NS_E_SINGULAR; longer++) {

@@ -246,6 +246,13 @@ static void combine(size_t count, int terms, const double *coefficient, const do
     combine_few(count, terms, coefficient, a, out, k);
 }
 
+double ns_sparse_step_negligible(double g, double least, double room) {
+    static const double of_room = 16;
+    while (g > least && g * of_room > room)
+        g *= 0.5;
+    return g;
+}
+
 void ns_sparse_step_state(const ns_sparse *m, const ns_dense_step *step, double tau, double *w) {
     const size_t n = (size_t)m->f->n;
     double b[NS_ORDER + 1];

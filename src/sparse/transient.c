@@ -32,9 +32,8 @@ enum { MOST = 48, MOST_FAILED = 8, QUIET = 4 };
 enum { MOST_DOUBLINGS = 2 };
 /* Straight lines go on for so many halves of the last G. */
 static const double most_on = 4;
-/* A value that is shown may have the wrong sign by up to `little` times the largest one; at the end of a step
- * by up to `wrong` times that. */
-static const double little = 1e-6, wrong = 1e-5;
+/* A value that is shown may have the wrong sign by up to `little` times the largest one. */
+static const double little = 1e-6;
 static const double promised = 0.3;
 
 typedef struct stretch {
@@ -93,7 +92,6 @@ int ns_sparse_transient_is_due(const ns_sparse *m, const ns_dense_step *step) {
  * have: what a series leaves there of a transient that it does not resolve.  It is passed by Euler steps. */
 int ns_sparse_transient_is_left(const ns_sparse *m, const ns_dense_step *step) {
     double c[NS_STAGES] = {0}, b[NS_ORDER + 1];
-    const double allowed = wrong * m->largest.lambda;
     const size_t size = (size_t)m->f->size;
     if (m->f->gx.start[m->f->nc] > 0 || step->is_euler || !(step->length > 0))
         return 0;
@@ -106,7 +104,7 @@ int ns_sparse_transient_is_left(const ns_sparse *m, const ns_dense_step *step) {
             continue;
         for (int i = step->stages - 1; i >= 0; i--)
             lambda += c[i] * step->images[(size_t)i * size + (size_t)(m->f->n + j)];
-        if (lambda < m->l[j] - allowed || lambda > m->u[j] + allowed)
+        if (has_wrong_sign(m, j, lambda))
             return 1;
     }
     return 0;

@@ -18,7 +18,7 @@ static int index_of_largest(int size, const double *weight) {
 void ns_theta_name_undetermined(ns_theta *s, double h, int implicit) {
     const int n = s->s->n, size = n + ns_theta_map_matrix(s, h, implicit, s->trial.mode);
     ns_fault *f = &s->fault;
-    double *weight = malloc(sizeof *weight * ((size_t)size + 1));
+    double *weight = calloc((size_t)size + 1, sizeof *weight);
     f->npairs = f->nunknowns = 0;
     (void)ns_linalg_lu_factor(s->lu, size, s->K, NULL, NULL); /* for its scaling */
     if (!weight || ns_linalg_null_weights(size, s->K, ns_linalg_lu_rows(s->lu), ns_linalg_lu_units(s->lu),
@@ -26,10 +26,10 @@ void ns_theta_name_undetermined(ns_theta *s, double h, int implicit) {
         free(weight);
         return;
     }
-    const double least = size > 0 ? named_from * weight[index_of_largest(size, weight)] : 0;
+    const double least = named_from * weight[index_of_largest(size, weight)];
     while (f->npairs + f->nunknowns < NS_FAULT_MAX) {
         const int i = index_of_largest(size, weight);
-        if (size == 0 || !(weight[i] > 0 && weight[i] >= least))
+        if (!(weight[i] > 0 && weight[i] >= least))
             break;
         weight[i] = 0;
         if (i < n)
