@@ -345,12 +345,13 @@ bench-siconos: deps ## the same beside Siconos, whose Debian packages it install
 # --- compare: before and after --------------------------------------------------------------------------------
 
 BASE ?= 1144699# the commit to compare with (rooms: too)
+CHECK ?= on# off: the present library without its check of every result (src/verify), which older commits did not have
 CIRCUITS ?=# names of those to run, from the first column; none: all
 
 .PHONY: compare
 compare: deps ## circuits by the library of commit BASE and by this one: instructions, and whether results are the same
 	@$(MAKE) $(PARALLEL) $(B)/libnonsmooth.a
-	@CC='$(CC)' CFLAGS='$(CFLAGS)' LIBS='$(LIBS)' tests/compare/run.sh '$(BASE)' $(CIRCUITS)
+	@CC='$(CC)' CFLAGS='$(CFLAGS)' LIBS='$(LIBS)' CHECK='$(CHECK)' tests/compare/run.sh '$(BASE)' $(CIRCUITS)
 
 .PHONY: check-cost
 check-cost: deps ## what judging the engines costs: instructions of each circuit of `make compare` with and without it

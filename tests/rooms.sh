@@ -5,7 +5,8 @@
 #
 # check: a line `ok RULE` or `FAIL RULE` for each rule, the offenders below it; reads the symbols of the objects in
 # build/obj, and the sources.  graph: each room and the rooms it uses, in the order of tests/rooms/layers.  figures:
-# lines, lengths of functions, tests and assertions; of COMMIT too, where it is there.
+# lines, lengths of functions, tests and assertions; of COMMIT too, where it is there, and how many lines its sources
+# have by now.
 #
 # shellcheck disable=SC2038,SC2317 # no spaces in names of files; functions that rule calls
 cd "$(dirname "$0")/.." || exit 1
@@ -110,6 +111,19 @@ figures_of() {
     )
 }
 
+# followed COMMIT: the present names of the sources that it has, through every rename since (30 % alike).
+followed() {
+    {
+        git ls-tree -r --name-only "$1" src codemodels | sed -n 's/.*\.\([ch]\|mod\|ifs\)$/is	&/p'
+        git log --reverse --no-color --format= --name-status -M30% -l9999 --diff-filter=RD "$1..HEAD" -- src codemodels
+        git diff --no-color --name-status -M30% --diff-filter=RD HEAD -- src codemodels
+    } | awk -F'\t' '
+        $1 == "is" {there[$2]; next}
+        $1 ~ /^R/ && $2 in there {there[$3]}
+        {delete there[$2]}
+        END {for (name in there) print name}'
+}
+
 figures() {
     : >"$tmp/renamed"
     figures_of . >"$tmp/after"
@@ -121,12 +135,16 @@ figures() {
         git archive "$1" src codemodels include tests netlists | tar -x -C "$tmp/tree" || exit 1
         git diff -M30% --name-status --diff-filter=R "$1" -- tests | awk '{print $2, $3}' >"$tmp/renamed"
         figures_of "$tmp/tree" >"$tmp/before"
-        printf '%-46s %8s %8s\n' '' before now
+        name='lines of the sources there were before, by their renames'
+        awk -F': ' -v name="$name" '/^lines of (src|codemodels):/ {n += $2} END {print name ": " n}' "$tmp/before" >"$tmp/sum"
+        cat "$tmp/sum" >>"$tmp/before"
+        followed "$1" | xargs cat | awk -v name="$name" 'END {print name ": " NR}' >>"$tmp/after"
+        printf '%-58s %8s %8s\n' '' before now
     fi
     awk -F': ' -v two=$two 'FILENAME ~ /before$/ {before[$1] = $2; next}
-        two {printf "%-46s %8s %8s\n", $1, $1 in before ? before[$1] : "-", $2; delete before[$1]; next}
-        {printf "%-46s %8s\n", $1, $2}
-        END {for (n in before) printf "%-46s %8s %8s\n", n, before[n], "-"}' "$tmp/before" "$tmp/after"
+        two {printf "%-58s %8s %8s\n", $1, $1 in before ? before[$1] : "-", $2; delete before[$1]; next}
+        {printf "%-58s %8s\n", $1, $2}
+        END {for (n in before) printf "%-58s %8s %8s\n", n, before[n], "-"}' "$tmp/before" "$tmp/after"
 }
 
 case ${1:-check} in

@@ -22,8 +22,7 @@ program() {
         ${LIBS:--llapacke -llapack -lblas -lklu -lm}
 }
 program checked
-program unchecked tests/compare/unchecked.c -Wl,--wrap=ns_march_check_create,--wrap=ns_march_check_attach \
-    -Wl,--wrap=ns_march_check_begin,--wrap=ns_march_check_end
+program unchecked @tests/compare/unchecked.options
 
 # count PROGRAM ARGUMENT...: how many instructions it takes.
 count() {

@@ -9,6 +9,7 @@
 # process less those of one that does nothing: of perf where it may count, else of callgrind.
 # A result that differs: the first value that does, and the largest difference, relative to the largest value
 # that the same unknown has in the run, or to 1e-9 of the largest of all unknowns.
+# Environment: CHECK=off: the present library judges none of its engines (unchecked.c), as commits before src/verify did.
 set -eu
 cd "$(dirname "$0")/../.."
 base=$(git rev-parse --short=12 "$1^{commit}")
@@ -30,20 +31,25 @@ make -s -C "$tree" "-j$(nproc)" CC="${CC:-gcc}" CFLAGS="${CFLAGS:--O2 -g}" build
 # What these name and older headers name otherwise: new=old.
 renamed='NS_EXACT=NS_FLIGHT jumps_by_steps=refused input_states=waves periods=laps predicted=settled checks=predicted retries=predicted'
 
-# program TREE NAME: the circuits by the library of TREE.
+# program TREE NAME OPTION...: the circuits by the library of TREE.
 program() {
-    names=
+    tree_of=$1 name=$2 names=
+    shift 2
     for pair in $renamed; do
-        sed 's|/\*.*||; /^ \*/d' "$1"/include/nonsmooth/*.h | grep -qw "${pair%=*}" || names="$names -D$pair"
+        sed 's|/\*.*||; /^ \*/d' "$tree_of"/include/nonsmooth/*.h | grep -qw "${pair%=*}" || names="$names -D$pair"
     done
     # shellcheck disable=SC2086 # options
-    ${CC:-gcc} -std=c11 ${CFLAGS:--O2 -g} -ffunction-sections $names "-I$1/include" -Itests/rig -Itests/bench \
+    ${CC:-gcc} -std=c11 ${CFLAGS:--O2 -g} -ffunction-sections $names "-I$tree_of/include" -Itests/rig -Itests/bench \
         tests/compare/main.c tests/compare/circuits.c tests/bench/cases*.c tests/bench/deck.c \
         tests/bench/oracle.c tests/rig/lit*.c \
-        -Wl,--gc-sections "$1/build/libnonsmooth.a" -o "$out/$2" ${LIBS:--llapacke -llapack -lblas -lklu -lm}
+        -Wl,--gc-sections "$@" "$tree_of/build/libnonsmooth.a" -o "$out/$name" ${LIBS:--llapacke -llapack -lblas -lklu -lm}
 }
 program "$tree" before &
-program . after
+case ${CHECK:-on} in
+on) program . after ;;
+off) program . after @tests/compare/unchecked.options ;;
+*) echo "compare: CHECK=$CHECK is neither on nor off" >&2 && exit 2 ;;
+esac
 wait $!
 
 if perf stat -x, -e instructions:u true 2>&1 | grep -q '^[0-9]'; then
