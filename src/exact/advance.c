@@ -91,7 +91,9 @@ static int take_step(ns_exact *f, double rest, double *done, ns_exact_step *step
     const double room = until - (f->state.now.t - f->state.last_event_t);
     double most = room > 0 && room < rest ? room : rest;
     step->scale = scale;
-    int status = scale->kernel->rows > 0 ? ns_exact_long_step(f, scale, &most, done) : NS_OK;
+    const int may_be_long =
+        scale->rings && scale->kernel->rows > 0 && most >= scale->kernel->h * (1 << NS_LONG_EXPONENT);
+    int status = may_be_long ? ns_exact_long_step(f, scale, &most, done) : NS_OK;
     if (status != NS_OK || *done > 0)
         return status;
     status = choose_step(f, scale, most, &map, &h);

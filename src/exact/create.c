@@ -147,7 +147,7 @@ int ns_exact_set_input(ns_exact *f, int input) {
     int status = ns_inputs_states_can_be(f->inputs, input) ? NS_OK : NS_E_RANGE;
     if (status == NS_OK)
         status = ns_inputs_events_renew(f->acting, input, &f->events);
-    f->events_from = f->events_to = -INFINITY; /* seek_events() has to seek */
+    f->events_to = -INFINITY; /* seek_events() has to seek */
     ns_exact_period_drop(f);
     return status;
 }

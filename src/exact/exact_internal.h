@@ -29,6 +29,7 @@
 enum {
     NS_SAMPLES = 8,              /* samples of the guards in a step, at most */
     NS_MAX_GUARDED_EXPONENT = 5, /* longest step with guards: h 2^5 */
+    NS_LONG_EXPONENT = 10,       /* a way of h 2^10 is worth longer ones, where what is fast rings */
     NS_MAX_EXPONENT = 40,        /* longest step without guards: h 2^40 */
     NS_PREFIXES = 12,            /* points that are kept on the way to an anchor */
     NS_CACHED_STEPS = 16,        /* steps of recurring lengths that a time scale keeps */
@@ -345,8 +346,8 @@ int ns_exact_output_at(ns_exact *f, double t, ns_side side, double *X, double *x
 /* fallback.c: the ladder has the next event, and what follows for some time. */
 void ns_exact_fallback_start(ns_exact *f);
 
-/* long_steps.c: a step of one time scale that is longer than its samples, of at most *rest: *done is how far
- * X moved; 0: no such step is worth it, or guards come near zero; then *rest is how long others may be.
+/* long_steps.c: a step of one time scale that rings, longer than its samples, of at most *rest: *done is how
+ * far X moved; 0: no such step is worth it, or guards come near zero; then *rest is how long others may be.
  * Errors: MEMORY. */
 int ns_exact_long_step(ns_exact *f, ns_time_scale *scale, double *rest, double *done);
 

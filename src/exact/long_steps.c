@@ -9,12 +9,8 @@
 
 #include <math.h>
 
-/* Steps of h 2^k: the shortest that is longer than those with samples; the shortest way that is worth it. */
-enum {
-    FIRST_EXPONENT = NS_MAX_GUARDED_EXPONENT + 1,
-    LEAST_EXPONENT = NS_MAX_GUARDED_EXPONENT + 5,
-    LONGEST_WAIT = 8
-};
+/* Steps of h 2^k: the shortest that is longer than those with samples. */
+enum { FIRST_EXPONENT = NS_MAX_GUARDED_EXPONENT + 1, LONGEST_WAIT = 8 };
 
 _Static_assert((int)NS_LONG_STEPS > (int)NS_MAX_EXPONENT, "a place for each length");
 
@@ -50,7 +46,7 @@ static double worth_of_eigenvectors(const ns_mode_kernel *k) {
 }
 
 static int exponent_for(const ns_mode_kernel *k, double slow_h, int most, double rest) {
-    const double longest = ns_lower(rest, ldexp(slow_h, NS_MAX_GUARDED_EXPONENT));
+    const double longest = ns_lower(rest, slow_h * (1 << NS_MAX_GUARDED_EXPONENT));
     int exponent = FIRST_EXPONENT;
     while (exponent < most && exponent < NS_MAX_EXPONENT && ldexp(k->h, exponent + 1) <= longest)
         exponent++;
@@ -73,11 +69,9 @@ int ns_exact_long_step(ns_exact *f, ns_time_scale *scale, double *rest, double *
     const ns_mode_kernel *k = scale->kernel;
     ns_exact_long *l = &f->past.longer;
     const ns_clock *now = &f->state.now;
-    const double begin = worth_of_eigenvectors(k) * ldexp(k->h, NS_MAX_GUARDED_EXPONENT),
-                 since = now->t - f->state.last_event_t + now->lost;
     *done = 0;
-    if (!scale->rings || *rest < ldexp(k->h, LEAST_EXPONENT))
-        return NS_OK;
+    const double begin = worth_of_eigenvectors(k) * k->h * (1 << NS_MAX_GUARDED_EXPONENT),
+                 since = now->t - f->state.last_event_t + now->lost;
     if (since < begin * (1 - 1e-9)) {
         *rest = ns_lower(*rest, begin - since);
         return NS_OK;

@@ -124,8 +124,6 @@ void ns_exact_enter_count(ns_exact *f) {
     ns_instant *to = f->point->instant;
     const int all = f->system->n + f->system->m;
     double *left = f->work.by, most = INFINITY, least = 0;
-    if (!k || !to)
-        return;
     memcpy(left, f->work.gone, sizeof *left * (size_t)k->r);
     for (int i = 0; i < k->r; i++)
         least = ns_higher(least, DBL_EPSILON * fabs(left[i]) / f->s->unit[i]);

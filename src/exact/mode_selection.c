@@ -28,7 +28,8 @@ static void remember_successor(ns_exact_mode *from, ns_exact_mode *to, uint64_t 
 static void commit_mode(ns_exact *f, ns_exact_mode *k) {
     if (f->state.mode && f->state.mode != k)
         remember_successor(f->state.mode, k, f->undecided);
-    ns_exact_enter_count(f);
+    if (f->entered && f->point->instant)
+        ns_exact_enter_count(f);
     ns_exact_take_next(f);
     f->state.mode = k;
     k->last_used = ++f->cache.clock;

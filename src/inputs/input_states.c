@@ -38,7 +38,8 @@ static void add_line(ns_input_states *e, int k, const ns_broken_line *p) {
 }
 
 static void add_term(ns_input_states *e, const ns_wave_term *x, const ns_wave *wave) {
-    ns_input_state state = {NS_STATE_DECAY, -1, *wave, two_pi * wave->freq, x->from};
+    ns_input_state state = {
+        .kind = NS_STATE_DECAY, .wave = *wave, .omega = two_pi * wave->freq, .from = x->from};
     if (wave->freq == 0) {
         add_state(e, x->input, state, x->cc);
         return;

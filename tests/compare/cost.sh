@@ -22,7 +22,8 @@ program() {
         ${LIBS:--llapacke -llapack -lblas -lklu -lm}
 }
 program checked
-program unchecked @tests/compare/unchecked.options
+program unchecked tests/compare/unchecked.c -Wl,--wrap=ns_march_check_create,--wrap=ns_march_check_attach \
+    -Wl,--wrap=ns_march_check_begin,--wrap=ns_march_check_end
 
 # count PROGRAM ARGUMENT...: how many instructions it takes.
 count() {

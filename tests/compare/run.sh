@@ -9,7 +9,7 @@
 # process less those of one that does nothing: of perf where it may count, else of callgrind.
 # A result that differs: the first value that does, and the largest difference, relative to the largest value
 # that the same unknown has in the run, or to 1e-9 of the largest of all unknowns.
-# Environment: CHECK=off: the present library judges none of its engines (unchecked.c), as commits before src/verify did.
+# Environment: CHECK=off: the present library makes no check of its results (without_check.c), as commits before src/verify did.
 set -eu
 cd "$(dirname "$0")/../.."
 base=$(git rev-parse --short=12 "$1^{commit}")
@@ -47,7 +47,7 @@ program() {
 program "$tree" before &
 case ${CHECK:-on} in
 on) program . after ;;
-off) program . after @tests/compare/unchecked.options ;;
+off) program . after @tests/compare/without_check.options ;;
 *) echo "compare: CHECK=$CHECK is neither on nor off" >&2 && exit 2 ;;
 esac
 wait $!

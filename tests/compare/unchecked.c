@@ -1,4 +1,4 @@
-/* tests/compare/unchecked.c - linked with --wrap of these four (unchecked.options), a library that judges nothing. */
+/* tests/compare/unchecked.c - linked with --wrap of these four, a library that judges nothing (cost.sh). */
 #include "march/run_internal.h"
 
 /* NOLINTBEGIN(bugprone-reserved-identifier): the linker's names */

@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -275,6 +276,48 @@ static void unresolved_transients_are_no_events(void **state) {
     assert_false(ends_at_event(-1e-3));
 }
 
+/* The integrals of jumps are again what they were when they were saved: 0, or what was added before. */
+static void integrals_of_jumps_are_restored(void **state) {
+    (void)state;
+    for (int before = 0; before < 2; before++) {
+        bench b = two_capacitors(0);
+        const double by = 3;
+        if (before)
+            ns_instant_add(&b.m->instant, 1, 1, 2, &by);
+        ns_sparse_instant_save(b.m);
+        ns_instant_add(&b.m->instant, 0, 1, 1, &by);
+        ns_instant_add(&b.m->instant, 1, 1, 1, &by);
+        ns_sparse_instant_restore(b.m);
+        assert_int_equal(b.m->instant.any != 0, before);
+        assert_true(b.m->instant.sum[0] == 0 && b.m->instant.sum[1] == (before ? 6 : 0));
+        close_bench(&b);
+    }
+}
+
+/* A control 2 x - 3 z + 5 with x = 7 and z = 11: 14 + 33 + 5; its rounding is 1e-12 of that. */
+static void terms_of_a_control(void **state) {
+    const ns_sparse_options o = {.h = h};
+    const double v[] = {7, 0}, z[] = {11};
+    ns_system *s;
+    ns_engine *e;
+    (void)state;
+    assert_int_equal(ns_system_create(1, 1, 1, 1, &s), NS_OK);
+    s->M[0] = s->B[0] = s->C[0] = 1;
+    s->l[0] = -INFINITY;
+    s->u[0] = INFINITY;
+    s->command[0] = (ns_command){.pair = 0, .g0 = 5};
+    s->command[0].gx = calloc(1, sizeof(double));
+    s->command[0].gz = calloc(1, sizeof(double));
+    assert_true(s->command[0].gx && s->command[0].gz);
+    s->command[0].gx[0] = 2;
+    s->command[0].gz[0] = -3;
+    assert_int_equal(ns_sparse_create(s, &o, &e, NULL), NS_OK);
+    assert_true(ns_sparse_guard_control_terms(ns_sparse_of(e), 0, v, z) == 52);
+    assert_true(ns_sparse_guard_control_rounding(ns_sparse_of(e), 0, v, z) == 52e-12);
+    ns_sparse_free(e);
+    ns_system_free(s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(unresolved_transients_are_no_events),
@@ -286,6 +329,8 @@ int main(void) {
         cmocka_unit_test(the_first_broken_pairs_change),
         cmocka_unit_test(chatter_is_counted),
         cmocka_unit_test(largest_values_by_length),
+        cmocka_unit_test(integrals_of_jumps_are_restored),
+        cmocka_unit_test(terms_of_a_control),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -105,6 +105,23 @@ static void a_part_without_ground_is_held(void **state) {
     net_end(&k);
 }
 
+/* The same where the part is the last node, whose row is the last: 10 V by 1 A in 10 ohm. */
+static void a_part_at_the_last_node_has_no_charge(void **state) {
+    (void)state;
+    const ns_signal ampere = {.kind = NS_DC, .u.dc = 1};
+    net k = net_begin();
+    assert_int_equal(ns_circuit_source(k.c, "i", NS_CURRENT, 0, 1, &ampere, NULL), NS_OK);
+    net_resistor(&k, "r", 1, 0, 10);
+    net_capacitor(&k, "c1", 1, 2, 3e-6, 0);
+    net_capacitor(&k, "c2", 2, 0, 1e-6, 0);
+    net_prepare(&k);
+    assert_int_equal(unknown_of(&k, 2), k.s->n - 1);
+    assert_int_equal(operating_point(&k, 0, NULL, NULL), NS_OK);
+    assert_true(fabs(net_voltage_of(&k, k.x, 1) - 10) < 1e-12);
+    assert_true(fabs(net_voltage_of(&k, k.x, 2) - 7.5) < 1e-12);
+    net_end(&k);
+}
+
 /* 1 A beside a closed switch and an inductor, in parallel: at rest any share of each obeys the laws, and that
  * of real switches is taken: all of it in the inductor. */
 static void an_inductor_carries_all_beside_a_switch(void **state) {
@@ -199,6 +216,7 @@ int main(void) {
         cmocka_unit_test(proposals_are_modes_of_steps),
         cmocka_unit_test(an_operating_point_by_hand),
         cmocka_unit_test(a_part_without_ground_is_held),
+        cmocka_unit_test(a_part_at_the_last_node_has_no_charge),
         cmocka_unit_test(an_inductor_carries_all_beside_a_switch),
         cmocka_unit_test(a_contradiction_is_kept),
         cmocka_unit_test(switches_in_parallel_are_named),

@@ -1,0 +1,60 @@
+/* tests/unit/verify/test_event.c - a jump that takes time: what flows in it belongs to the balance (J1). */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "nonsmooth.h"
+#include "signals.h"
+#include "verify/verify_internal.h"
+
+/* x_0' = z_0 + 2 z_1 + 4 with z = (1, 3): 11 per second. */
+static ns_system *integrator(void) {
+    const ns_signal z[] = {dc(1), dc(3)};
+    ns_system *s;
+    assert_int_equal(ns_system_create(1, 0, 2, 0, &s), NS_OK);
+    s->M[0] = 1;
+    s->E[0] = 1;
+    s->E[1] = 2;
+    s->b[0] = 4;
+    for (int k = 0; k < 2; k++)
+        assert_int_equal(ns_system_set_input(s, k, &z[k]), NS_OK);
+    return s;
+}
+
+/* 1 if x_0 may move from 5 by that much within 0.5 s, without an impulse. */
+static int passes(double by) {
+    const ns_verify_options o = {.reltol = 1e-9, .instant = 1e-11};
+    ns_system *s = integrator();
+    ns_verify *v;
+    ns_verify_finding f;
+    const double before = 5, after = before + by, X = 0.5 * (before + after) / 2;
+    const ns_verify_state left = {1, NS_LEFT, &before, NULL, NULL, 0},
+                          right = {1.5, NS_RIGHT, &after, NULL, NULL, 0};
+    assert_int_equal(ns_verify_create(s, &o, &v), NS_OK);
+    assert_true(ns_verify_point(v, &left, &f));
+    ns_verify_left(v);
+    assert_true(ns_verify_point(v, &right, &f));
+    const int is_right = ns_verify_event(v, &X, NULL, &f);
+    assert_true(is_right || f.cause == NS_VERIFY_JUMP);
+    ns_verify_free(v);
+    ns_system_free(s);
+    return is_right;
+}
+
+static void what_flows_in_the_time_of_a_jump(void **state) {
+    (void)state;
+    assert_true(passes(0.5 * 11));
+    assert_false(passes(0.5 * (1 + 4)));     /* without z_1 */
+    assert_false(passes(0.5 * (1 + 2 * 3))); /* without the constant */
+    assert_false(passes(0.5 * 11 * 1.001));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(what_flows_in_the_time_of_a_jump)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
