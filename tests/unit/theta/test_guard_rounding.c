@@ -246,11 +246,60 @@ static void leaks_in_series_are_fractions(void **state) {
     ns_system_free(s);
 }
 
+/* The mode that a pair has after guard g broke, all others hold; lambda >= 0, lambda <= 0, -1 <= lambda <= 1.
+ */
+static void expect_flip(ns_theta *t, const ns_map *map, const ns_mode *mode, int g, int pair, ns_mode to) {
+    ns_mode now[3];
+    memcpy(now, mode, sizeof now);
+    for (int k = 0; k < map->guards; k++)
+        t->trial.out[map->guard + k] = k == g ? -1 : 1;
+    assert_int_equal(ns_theta_guards_hold(t, map, 1), g < 0);
+    assert_int_equal(ns_theta_guards_flip(t, map, 1, now), g >= 0);
+    for (int j = 0; j < 3; j++)
+        assert_int_equal(now[j], j == pair ? to : mode[j]);
+}
+
+static void a_broken_guard_changes_its_pair(void **state) {
+    static const double l[] = {0, -INFINITY, -1}, u[] = {INFINITY, 0, 1};
+    static const ns_mode inside[] = {NS_INSIDE, NS_INSIDE, NS_INSIDE},
+                         bound[] = {NS_LOWER, NS_UPPER, NS_LOWER};
+    ns_system *s;
+    (void)state;
+    assert_int_equal(ns_system_create(1, 3, 0, 0, &s), NS_OK);
+    s->M[0] = 1;
+    for (int j = 0; j < 3; j++) {
+        s->D[4 * j] = 1;
+        s->l[j] = l[j];
+        s->u[j] = u[j];
+    }
+    const ns_theta_options o = {1, 1, 0};
+    const double w0 = 0;
+    ns_theta *t;
+    ns_map *map;
+    assert_int_equal(ns_theta_create(s, &o, &t, NULL), NS_OK);
+    assert_int_equal(ns_theta_start(t, &w0, NULL), NS_OK);
+    memset(t->trial.in, 0, sizeof *t->trial.in * (size_t)t->q);
+    assert_int_equal(ns_theta_map_build(t, 0.1, 1, inside, 0, &map), NS_OK);
+    assert_int_equal(map->guards, 4);
+    expect_flip(t, map, inside, -1, -1, 0);
+    expect_flip(t, map, inside, 0, 0, NS_LOWER);
+    expect_flip(t, map, inside, 1, 1, NS_UPPER);
+    expect_flip(t, map, inside, 2, 2, NS_LOWER);
+    expect_flip(t, map, inside, 3, 2, NS_UPPER);
+    ns_theta_map_free(map);
+    assert_int_equal(ns_theta_map_build(t, 0.1, 1, bound, 0, &map), NS_OK);
+    assert_int_equal(map->guards, 3);
+    for (int j = 0; j < 3; j++)
+        expect_flip(t, map, bound, j, j, NS_INSIDE);
+    ns_theta_map_free(map);
+    ns_theta_free(t);
+    ns_system_free(s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_lost_is_covered),
-        cmocka_unit_test(slopes_sum_up_their_inputs),
-        cmocka_unit_test(guards_are_distances),
+        cmocka_unit_test(a_broken_guard_changes_its_pair), cmocka_unit_test(what_is_lost_is_covered),
+        cmocka_unit_test(slopes_sum_up_their_inputs),      cmocka_unit_test(guards_are_distances),
         cmocka_unit_test(leaks_in_series_are_fractions),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,131 @@
+/* tests/unit/exact/test_mode_kernel.c - the matrices of one mode against closed forms: steps, values at an
+ * instant, guards and their rates. */
+#include <float.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "exact/mode_kernel.h"
+#include "inputs/time_events_internal.h"
+#include "net.h"
+
+typedef struct bench {
+    net k;
+    ns_time_events *events;
+    ns_input_states *inputs;
+    ns_mode_kernel *kernel;
+    double X[NET_MOST], at[NET_MOST], room[NET_MOST];
+} bench;
+
+/* The kernel of the mode in which all diodes are as said, of Euler steps g; X: the charges at rest, and
+ * inputs. */
+static void build(bench *b, double g, ns_mode of_diodes) {
+    unsigned char all[NET_MOST];
+    const double no_slopes[NET_MOST] = {0};
+    ns_mode mode[NET_MOST];
+    memset(all, 1, sizeof all);
+    net_prepare(&b->k);
+    for (int j = 0; j < b->k.s->m; j++)
+        mode[j] = of_diodes;
+    assert_int_equal(ns_inputs_events_create(b->k.s, all, &b->events), NS_OK);
+    assert_int_equal(ns_inputs_states_create(b->k.s, b->events, &b->inputs), NS_OK);
+    assert_int_equal(ns_exact_kernel_build(b->k.step, b->inputs, g, mode, &b->kernel), NS_OK);
+    assert_int_equal(ns_exact_output_map(b->k.step, b->inputs, b->kernel), NS_OK);
+    memcpy(b->X, b->k.step->past.w, sizeof(double) * (size_t)b->kernel->r);
+    ns_inputs_states_at(b->inputs, 0, b->k.z, no_slopes, b->X + b->kernel->r);
+}
+
+static void drop(bench *b) {
+    ns_exact_kernel_free(b->kernel);
+    ns_inputs_states_free(b->inputs);
+    ns_inputs_events_free(b->events);
+    net_end(&b->k);
+}
+
+static void look(bench *b) {
+    ns_exact_output_map_apply(b->k.step, b->inputs, b->kernel, b->X, b->at, b->room);
+}
+
+static void near(double got, double expected, double off) {
+    if (!(fabs(got - expected) <= off * fabs(expected)))
+        fail_msg("%.17g, expected %.17g: %g of it apart", got, expected, got / expected - 1);
+}
+
+/* 2 uF at 5 V, 1 kohm and a diode that blocks it: exp(-t/2 ms) and 5 V across the diode, whose rate is
+ * -5 V/2 ms, and that of this 5 V/(2 ms)^2. */
+static void a_capacitor_and_a_resistor(void **state) {
+    (void)state;
+    bench b = {.k = net_begin()};
+    net_capacitor(&b.k, "c", 1, 0, 2e-6, 5);
+    net_resistor(&b.k, "r", 1, 0, 1e3);
+    net_diode(&b.k, "d", 0, 1);
+    build(&b, 1e-5, NS_LOWER);
+    const ns_mode_kernel *k = b.kernel;
+    double P[2];
+    assert_int_equal(k->r, 1);
+    assert_int_equal(k->rows, 1);
+    for (int i = 1; i <= 4; i++) {
+        const double t = k->h * i / 4;
+        ns_exact_kernel_step(k, t, P);
+        near(P[0] * b.X[0], 1e-5 * exp(-t / 2e-3), 1e-14);
+    }
+    near(k->step[0], exp(-k->h / 2e-3), 1e-14);
+    look(&b);
+    near(net_voltage_of(&b.k, b.at, 1), 5, 1e-14);
+    near(k->value[0] * b.X[0], 5, 1e-14);
+    near(k->rate[0] * b.X[0], -5 / 2e-3, 1e-12);
+    near(k->second_rate[0] * b.X[0], 5 / 4e-6, 1e-10);
+    drop(&b);
+}
+
+/* 10/3 V and a chain of diodes that all conduct; each node between two has a capacitor to one of two nodes,
+ * which hang on 10/3 V and on 0 V by 3 mohm.  Charges of the chain that do not add up are so many volts that
+ * these cancel, but M x is w to their last bits. */
+static void voltages_that_cancel(double g) {
+    const double volts = 10. / 3;
+    bench b = {.k = net_begin()};
+    net_voltage(&b.k, "v", 1, 0, volts);
+    net_voltage(&b.k, "va", 2, 0, volts);
+    net_voltage(&b.k, "vb", 3, 0, 0);
+    net_resistor(&b.k, "ra", 2, 4, 3e-3);
+    net_resistor(&b.k, "rb", 3, 5, 3e-3);
+    for (int i = 0; i < 8; i++) {
+        const char d[] = {'d', (char)('0' + i), 0}, c[] = {'c', (char)('0' + i), 0};
+        net_diode(&b.k, d, i ? 5 + i : 1, 6 + i);
+        net_capacitor(&b.k, c, 6 + i, 4 + i % 2, (3 + sqrt(i)) * 1e-6, i % 2 ? volts : 0);
+    }
+    net_diode(&b.k, "d8", 13, 14);
+    net_capacitor(&b.k, "c8", 14, 0, 70e-6, volts);
+    net_resistor(&b.k, "r", 14, 0, 1e4);
+    build(&b, g, NS_INSIDE);
+    look(&b);
+    double off = 0, most = 0;
+    for (int i = 0; i < b.kernel->r; i++) {
+        double rest = b.X[i];
+        for (int j = 0; j < b.k.s->n; j++)
+            rest -= b.k.step->M[i + j * b.k.s->n] * b.at[j];
+        off = fmax(off, fabs(rest) / b.k.step->unit[i]);
+        most = fmax(most, fabs(b.X[i]) / b.k.step->unit[i]);
+    }
+    if (!(off <= 4 * DBL_EPSILON * most))
+        fail_msg("g %g: M x is %g of w away from it", g, off / most);
+    drop(&b);
+}
+
+static void charges_are_those_of_the_voltages(void **state) {
+    (void)state;
+    for (double g = 1e-8; g > 1e-17; g /= 10)
+        voltages_that_cancel(g);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(a_capacitor_and_a_resistor),
+                                       cmocka_unit_test(charges_are_those_of_the_voltages)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
