@@ -105,8 +105,8 @@ void ns_sparse_predict_learn(ns_sparse *m, const ns_dense_step *step) {
     }
 }
 
-/* 1 if all guards hold at the start of a step, but for rounding, what later stages would add, and this
- * fraction of the largest lambda and y. */
+/* 1 if all guards hold at the start of a step, but for what later stages would add and this fraction of the
+ * largest lambda and y. */
 static int guards_hold_at_start(ns_sparse *m, const ns_dense_step *step, double fraction) {
     const size_t size = (size_t)m->f->size, last = (size_t)step->stages - 1;
     const double *v_last = step->images + last * size, *z_last = step->z + last * (size_t)m->f->nz;
@@ -116,10 +116,9 @@ static int guards_hold_at_start(ns_sparse *m, const ns_dense_step *step, double 
         const int guards = guards_of(m, j);
         const double allowed = fraction * (m->mode[j] == NS_INSIDE ? m->largest.lambda : m->largest.y);
         for (int k = 0; k < guards; k++) {
-            const double value = guard(m, j, k, m->work.v, m->z, 1) + allowed;
-            if (!(value >= 0) && !(value + 4 * fabs(guard(m, j, k, v_last, z_last, 0)) +
-                                       ns_sparse_guard_rounding(m, j, m->work.v, step->powers, step->g) >=
-                                   0))
+            if (!(guard(m, j, k, m->work.v, m->z, 1) + allowed +
+                      4 * fabs(guard(m, j, k, v_last, z_last, 0)) >=
+                  0))
                 return 0;
         }
     }

@@ -74,8 +74,7 @@ static void set_inputs(ns_sparse *m, double t) {
 static double change_commands(ns_sparse *m, double t) {
     double sum = 0;
     const int count = ns_inputs_stages_flip_commands(m->in, t, m->mode, &sum);
-    if (count > 0)
-        ns_sparse_guard_bounds(m);
+    ns_sparse_guard_bounds(m);
     ns_inputs_stages_at(m->in, t);
     m->theta.corner = -INFINITY; /* inputs were expanded elsewhere */
     return count > 0 ? sum / count : t;

@@ -201,6 +201,25 @@ static void a_source_that_jumps(void **state) {
     }
 }
 
+/* Eight diodes in a row: each carries the charge of the one capacitor behind them. */
+static void a_row_of_diodes(void **state) {
+    (void)state;
+    for (int w = 0; w < WAYS; w++) {
+        bench b = open_bench(w);
+        const int v = source(&b, "v", 1, 0, 0, 8);
+        for (int i = 1; i <= 8; i++) {
+            const char name[] = {'d', (char)('0' + i), 0};
+            blocking(&b, name, i, i + 1);
+        }
+        capacitor(&b, "c", 9, 0, c1, 0);
+        jump(&b);
+        for (int j = 0; j < 8; j++)
+            near(&b, b.Lambda[j], 8e-6, 8e-6);
+        near(&b, i_of(&b, v), -8e-6, 8e-6);
+        close_bench(&b);
+    }
+}
+
 /* 1 mH with 2 A, short-circuited by a switch that opens; a diode leads into 3 mH without current: i+ = L1
  * i/(L1+L2) in both, and what opens has the flux L2 i+ across it.  No charge moves. */
 static void an_inductor_into_another(void **state) {
@@ -291,6 +310,7 @@ int main(void) {
         cmocka_unit_test(two_capacitors_and_a_switch),
         cmocka_unit_test(two_capacitors_and_a_diode_at_a_start),
         cmocka_unit_test(a_source_that_jumps),
+        cmocka_unit_test(a_row_of_diodes),
         cmocka_unit_test(an_inductor_into_another),
         cmocka_unit_test(a_transformer),
         cmocka_unit_test(a_freewheeling_diode),
