@@ -23,7 +23,7 @@ static size_t place_arrays(ns_exact *f, double *start) {
     const ns_system *y = f->system;
     const size_t n = (size_t)y->n, m = (size_t)y->m, nz = (size_t)y->nz, r = (size_t)f->s->r;
     const size_t rows = 2 * m + (size_t)y->nc;
-    const size_t q = r + (size_t)f->inputs->nv + (size_t)f->inputs->mutes;
+    const size_t q = r + (size_t)f->inputs->nv + (size_t)f->inputs->output_only_inputs;
     at.start = start;
     f->X = next_array(&at, q);
     f->X_next = next_array(&at, q);
@@ -83,10 +83,10 @@ static int all_timed(const ns_system *s) {
     return 1;
 }
 
-static double shortest_of_mutes(const ns_exact *f) {
+static double shortest_of_output_only(const ns_exact *f) {
     double most = 0;
-    for (int i = 0; i < f->inputs->mutes; i++)
-        most = fmax(most, ns_inputs_wave_rate(&f->system->z[f->inputs->mute[i]]));
+    for (int i = 0; i < f->inputs->output_only_inputs; i++)
+        most = fmax(most, ns_inputs_wave_rate(&f->system->z[f->inputs->output_only_input[i]]));
     return NS_REACH / most;
 }
 
@@ -114,7 +114,7 @@ int ns_exact_create(ns_theta *step, ns_dense_point *point, double h, ns_exact **
         ns_exact_free(f);
         return status;
     }
-    f->mutes_shortest = shortest_of_mutes(f);
+    f->output_only_shortest = shortest_of_output_only(f);
     f->counts.input_states = f->inputs->nv;
     ns_exact_reset_past(f);
     *out = f;

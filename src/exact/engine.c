@@ -110,8 +110,8 @@ int ns_exact_output_at(ns_exact *f, double t, ns_side side, double *X, double *x
     double until;
     ns_mode_kernel *k = ns_exact_mode_time_scale(f, &until)->kernel;
     ns_system_inputs(f->system, t, side, f->work.z);
-    for (int i = 0; i < f->inputs->mutes; i++)
-        X[k->q + i] = f->work.z[f->inputs->mute[i]];
+    for (int i = 0; i < f->inputs->output_only_inputs; i++)
+        X[k->q + i] = f->work.z[f->inputs->output_only_input[i]];
     return ns_exact_output_of(f, k, X, x_lambda);
 }
 
@@ -230,7 +230,7 @@ static int resolve_event(ns_exact *f, int guard, int *failed) {
 
 /* The event that the accepted point is the left side of. */
 static int resolve_first_event(ns_exact *f, int *failed) {
-    const double t = f->state.now.t, near = t + ns_system_signal_slack(t, t);
+    const double t = f->state.now.t, near = t + ns_system_signal_time_error(t, t);
     const int timed = ns_inputs_events_next(f->events, near) <= near;
     const int known = f->broken.t == t && f->broken.mode == f->state.mode;
     const int status = show_first(f);

@@ -173,7 +173,7 @@ struct ns_exact {
     ns_time_events *events;        /* instants known ahead */
     double events_from, events_to; /* s: no known instant in between */
     unsigned char *acting;         /* nz: inputs that anything depends on */
-    double mutes_shortest;         /* s: ns_exact_shortest() of inputs that only outputs follow */
+    double output_only_shortest;   /* s: ns_exact_shortest() of inputs that only outputs follow */
 
     /* modes met */
     struct {

@@ -157,11 +157,12 @@ static int make_parts(ns_exact_kernel *e, double h) {
     if (status != NS_OK)
         return status;
     const size_t n = (size_t)e->kernel.s->n, m = (size_t)e->kernel.s->m, r = (size_t)e->step->r;
-    const size_t q = r + (size_t)e->exact->inputs->nv, mutes = (size_t)e->exact->inputs->mutes;
-    e->X = calloc(q + mutes + r * q + 2 * n + m + 1, sizeof *e->X);
+    const size_t q = r + (size_t)e->exact->inputs->nv,
+                 output_only_inputs = (size_t)e->exact->inputs->output_only_inputs;
+    e->X = calloc(q + output_only_inputs + r * q + 2 * n + m + 1, sizeof *e->X);
     if (!e->X)
         return NS_E_MEMORY;
-    e->P = e->X + q + mutes;
+    e->P = e->X + q + output_only_inputs;
     e->before = e->P + r * q;
     e->x = e->before + n;
     return NS_OK;

@@ -52,7 +52,8 @@ static ns_mode_kernel *allocate_kernel(const ns_theta *s, const ns_input_states 
     k->rows = k->pair_rows + control_rows(s->s, mode);
     const size_t q = (size_t)k->q, r = (size_t)k->r, rows = (size_t)k->rows;
     const size_t all = (size_t)s->s->n + (size_t)s->s->m;
-    const size_t count = q * (all + (NS_ORDER + 2) * r + (NS_ORDER + 6) * rows) + all * (size_t)e->mutes;
+    const size_t count =
+        q * (all + (NS_ORDER + 2) * r + (NS_ORDER + 6) * rows) + all * (size_t)e->output_only_inputs;
     k->row = calloc(rows + 1, sizeof *k->row);
     k->always_zero = calloc(rows + 1, 1);
     k->step_x_lambda = malloc((count + 1) * sizeof *k->step_x_lambda); /* fill_kernel() writes all of it */
@@ -60,7 +61,7 @@ static ns_mode_kernel *allocate_kernel(const ns_theta *s, const ns_input_states 
         ns_exact_kernel_free(k);
         return NULL;
     }
-    k->laguerre_powers = k->step_x_lambda + all * (q + (size_t)e->mutes);
+    k->laguerre_powers = k->step_x_lambda + all * (q + (size_t)e->output_only_inputs);
     k->guard_powers = k->laguerre_powers + NS_ORDER * r * q;
     k->value = k->guard_powers + NS_ORDER * rows * q;
     k->rate = k->value + rows * q;
@@ -284,9 +285,9 @@ static int fill_kernel(ns_theta *s, const ns_input_states *e, const ns_map *map,
         to_column(k, &b, b.in, j, k->rows, b.rows, G + (size_t)j * (size_t)k->rows);
         to_column(k, &b, b.size, j, k->rows, b.noise, noise + (size_t)j * (size_t)k->rows);
     }
-    for (int i = 0; i < e->mutes; i++)
-        memcpy(k->step_x_lambda + (q + (size_t)i) * all, map->full + (size_t)(k->r + e->mute[i]) * all,
-               sizeof *k->step_x_lambda * all);
+    for (int i = 0; i < e->output_only_inputs; i++)
+        memcpy(k->step_x_lambda + (q + (size_t)i) * all,
+               map->full + (size_t)(k->r + e->output_only_input[i]) * all, sizeof *k->step_x_lambda * all);
     for (int j = 0; j < k->q; j++)
         fill_images(k, &b, D, G, j);
     fill_guards_now(k);

@@ -29,9 +29,10 @@ typedef struct ns_mode_kernel {
     size_t bytes;               /* of all of it */
 
     /* matrices that act on X, column by column */
-    double *step_x_lambda; /* (n+m)*(q+mutes): x, lambda of the Euler step; last by inputs of outputs only */
-    double *x_lambda_now;  /* (n+m)*(q+mutes): x, lambda at tau = 0; NULL until needed */
-    int output_cancels;    /* 1: its columns are so large that M x differs from w by their rounding */
+    double *step_x_lambda;   /* (n+m)*(q+output_only_inputs): x, lambda of the Euler step; last by inputs of
+                                outputs only */
+    double *x_lambda_now;    /* (n+m)*(q+output_only_inputs): x, lambda at tau = 0; NULL until needed */
+    int output_cancels;      /* 1: its columns are so large that M x differs from w by their rounding */
     double *laguerre_powers; /* (8 r)*q: D^1 ... D^8, the part that acts on w */
     double *D8;              /* r*q: D^8 again */
     double *step;            /* r*q: X -> w after h */

@@ -79,7 +79,7 @@ static int columns_cancel(const ns_theta *s, const ns_mode_kernel *k, double *re
 void ns_exact_output_map_apply(const ns_theta *s, const ns_input_states *e, const ns_mode_kernel *k,
                                const double *X, double *x_lambda, double *residual) {
     const int all = s->s->n + s->s->m;
-    ns_linalg_matvec(all, k->q + e->mutes, k->x_lambda_now, X, x_lambda);
+    ns_linalg_matvec(all, k->q + e->output_only_inputs, k->x_lambda_now, X, x_lambda);
     if (!k->output_cancels)
         return;
     memcpy(residual, X, sizeof *residual * (size_t)k->r);
@@ -91,7 +91,7 @@ void ns_exact_output_map_apply(const ns_theta *s, const ns_input_states *e, cons
  * refinement removes their rounding. */
 int ns_exact_output_map(const ns_theta *s, const ns_input_states *e, ns_mode_kernel *k) {
     const size_t all = (size_t)s->s->n + (size_t)s->s->m, q = (size_t)k->q, r = (size_t)k->r;
-    double *now = calloc(all * (q + (size_t)e->mutes) + 1, sizeof *now);
+    double *now = calloc(all * (q + (size_t)e->output_only_inputs) + 1, sizeof *now);
     double *sum = calloc(q + r + 2 * (size_t)k->nv + 1, sizeof *sum);
     if (!now || !sum) {
         free(now);
@@ -105,13 +105,13 @@ int ns_exact_output_map(const ns_theta *s, const ns_input_states *e, ns_mode_ker
         find_residual(s, e, k->g, sum, at, residual, residual + r);
         ns_linalg_matvec_add((int)all, k->r, k->step_x_lambda, residual, at);
     }
-    memcpy(now + q * all, k->step_x_lambda + q * all, sizeof *now * all * (size_t)e->mutes);
+    memcpy(now + q * all, k->step_x_lambda + q * all, sizeof *now * all * (size_t)e->output_only_inputs);
     k->x_lambda_now = now;
     for (int j = k->r; j < k->q; j++)
         if (ns_exact_kernel_leaves_off(s, k, j, sum))
             ns_linalg_matvec_add((int)all, k->r, now, k->D8 + (size_t)j * r, now + (size_t)j * all);
     k->output_cancels = columns_cancel(s, k, sum);
     free(sum);
-    k->bytes += sizeof *now * all * (q + (size_t)e->mutes);
+    k->bytes += sizeof *now * all * (q + (size_t)e->output_only_inputs);
     return NS_OK;
 }

@@ -11,7 +11,7 @@
 #include <string.h>
 
 int ns_exact_output_of(ns_exact *f, ns_mode_kernel *k, const double *X, double *x_lambda) {
-    const int all = f->system->n + f->system->m, columns = k->q + f->inputs->mutes;
+    const int all = f->system->n + f->system->m, columns = k->q + f->inputs->output_only_inputs;
     if (!k->x_lambda_now) {
         const int status = ns_exact_output_map(f->s, f->inputs, k);
         if (status != NS_OK)
@@ -96,7 +96,7 @@ static int find_scale(ns_exact *f, double t) {
 
 /* X after so many of the prefixes. */
 static double *prefix_row(const ns_exact *f, int prefixes) {
-    const size_t q = (size_t)f->s->r + (size_t)f->inputs->nv + (size_t)f->inputs->mutes;
+    const size_t q = (size_t)f->s->r + (size_t)f->inputs->nv + (size_t)f->inputs->output_only_inputs;
     return prefixes > 0 ? f->way.X_prefix + (size_t)(prefixes - 1) * q : f->way.X_base;
 }
 
@@ -162,10 +162,11 @@ static void sum_series(ns_exact *f, double tau) {
 }
 
 /* Inputs that only outputs follow. */
-static void put_mutes(const ns_exact *f, double t, double *X) {
+static void put_output_only(const ns_exact *f, double t, double *X) {
     const ns_side side = t > f->way.from.now.t ? NS_LEFT : NS_RIGHT;
-    for (int i = 0; i < f->inputs->mutes; i++)
-        X[f->s->r + f->inputs->nv + i] = ns_signal_value(&f->system->z[f->inputs->mute[i]], t, side);
+    for (int i = 0; i < f->inputs->output_only_inputs; i++)
+        X[f->s->r + f->inputs->nv + i] =
+            ns_signal_value(&f->system->z[f->inputs->output_only_input[i]], t, side);
 }
 
 int ns_exact_sample(ns_exact *f, double t, const double **x_lambda) {
@@ -179,7 +180,7 @@ int ns_exact_sample(ns_exact *f, double t, const double **x_lambda) {
     if (status != NS_OK)
         return status;
     sum_series(f, rest - count * h);
-    put_mutes(f, t, w->X);
+    put_output_only(f, t, w->X);
     return ns_exact_output_of(f, w->scale->kernel, w->X, f->work.x_lambda);
 }
 
@@ -208,5 +209,5 @@ double ns_exact_shortest(ns_exact *f, double t, double *until) {
         h = INFINITY;
     if (*until >= f->way.end_t)
         *until = INFINITY;
-    return ns_lower(h, f->mutes_shortest);
+    return ns_lower(h, f->output_only_shortest);
 }

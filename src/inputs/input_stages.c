@@ -111,7 +111,7 @@ static void expand_input(ns_input_stages *in, int k, double t) {
     if (ns_signal_is_linear(s) && isfinite(w->until))
         w->slope = (ns_signal_value(s, w->until, NS_LEFT) - w->value) / (w->until - t);
     for (int i = 0; i < in->terms[k]; i++)
-        if (t >= in->term[k][i].from - ns_system_signal_slack(t, in->term[k][i].from))
+        if (t >= in->term[k][i].from - ns_system_signal_time_error(t, in->term[k][i].from))
             add_exponential(&in->term[k][i], &in->term_wave[k][i], t, w);
 }
 

@@ -104,13 +104,13 @@ static int drives(const ns_system *s, int k) {
     return 0;
 }
 
-static void list_mutes(ns_input_states *e, const ns_time_events *events) {
+static void list_output_only(ns_input_states *e, const ns_time_events *events) {
     for (int k = 0; k < e->s->nz; k++) {
         int enters = 0;
         for (int i = 0; i < events->entering; i++)
             enters |= events->input[i] == k;
         if (!enters && drives(e->s, k))
-            e->mute[e->mutes++] = k;
+            e->output_only_input[e->output_only_inputs++] = k;
     }
 }
 
@@ -124,8 +124,8 @@ int ns_inputs_states_create(const ns_system *s, const ns_time_events *events, ns
     e->from = -INFINITY;
     e->state = calloc(most, sizeof *e->state);
     e->Z = calloc(nz * most + 1, sizeof *e->Z);
-    e->mute = calloc(nz + 1, sizeof *e->mute);
-    if (!e->state || !e->Z || !e->mute) {
+    e->output_only_input = calloc(nz + 1, sizeof *e->output_only_input);
+    if (!e->state || !e->Z || !e->output_only_input) {
         ns_inputs_states_free(e);
         return NS_E_MEMORY;
     }
@@ -134,7 +134,7 @@ int ns_inputs_states_create(const ns_system *s, const ns_time_events *events, ns
         add_line(e, events->input[i], events->cursor[i].line);
     for (int i = events->lines; i < events->entering; i++)
         add_curve(e, events, i);
-    list_mutes(e, events);
+    list_output_only(e, events);
     *out = e;
     return NS_OK;
 }
@@ -142,7 +142,7 @@ int ns_inputs_states_create(const ns_system *s, const ns_time_events *events, ns
 void ns_inputs_states_free(ns_input_states *e) {
     if (!e)
         return;
-    free(e->mute);
+    free(e->output_only_input);
     free(e->state);
     free(e->Z);
     free(e);
@@ -150,7 +150,7 @@ void ns_inputs_states_free(ns_input_states *e) {
 
 /* t is at or beyond `from`, but for what a corner loses in rounding. */
 static int has_begun(double t, double from) {
-    return t - from >= -ns_system_signal_slack(t, from);
+    return t - from >= -ns_system_signal_time_error(t, from);
 }
 
 void ns_inputs_states_at(const ns_input_states *e, double t, const double *z, const double *dz, double *v) {

@@ -29,11 +29,11 @@ typedef struct ns_input_state {
 typedef struct ns_input_states {
     const ns_system *s;
     int nv;
-    ns_input_state *state; /* nv */
-    double *Z;             /* nz*nv */
-    double from;           /* holds from this time on */
-    int mutes;             /* inputs that unknowns follow and nothing else, */
-    int *mute;             /* which */
+    ns_input_state *state;  /* nv */
+    double *Z;              /* nz*nv */
+    double from;            /* holds from this time on */
+    int output_only_inputs; /* inputs that unknowns follow and nothing else, */
+    int *output_only_input; /* which */
 } ns_input_states;
 
 /* Of the inputs whose events those are.  Errors: MEMORY. */

@@ -122,7 +122,7 @@ static void find_later_flip(ns_switch_times *c) {
 static void find_flip(ns_switch_times *c, double t) {
     const ns_line_cursor *r = &c->line->run;
     const ns_switch_flip *f = &c->flip[c->closed][r->i];
-    const double slack = ns_system_signal_slack(t, r->line->origin);
+    const double slack = ns_system_signal_time_error(t, r->line->origin);
     const int inside = f->window > 0 || f->t > r->line->piece[r->i].t; /* not where the piece begins */
     if (inside || (!isnan(f->t) && r->t >= t - slack)) {
         set_next(c, r->k, r->i);
@@ -161,13 +161,13 @@ void ns_inputs_switch_free(ns_switch_times *c) {
 
 void ns_inputs_switch_seek(ns_switch_times *c, double t, ns_side side, int closed) {
     const double sign = side == NS_LEFT ? -1 : 1;
-    c->t = t + sign * ns_system_signal_slack(t, t);
+    c->t = t + sign * ns_system_signal_time_error(t, t);
     for (int i = 0; i < c->lines; i++) {
         ns_line_cursor *r = &c->line[i].run;
-        ns_system_line_seek(r, t + sign * ns_system_signal_slack(t, r->line->origin));
+        ns_system_line_seek(r, t + sign * ns_system_signal_time_error(t, r->line->origin));
     }
     const ns_switch_control v = ns_inputs_switch_control(c, t, t);
-    const double rounding = NS_CONTROL_TOL * v.size + fabs(v.slope) * ns_system_signal_slack(t, t);
+    const double rounding = NS_CONTROL_TOL * v.size + fabs(v.slope) * ns_system_signal_time_error(t, t);
     if (closed < 0)
         closed = ns_inputs_switch_excess(c, v.g, 0) > rounding;
     c->closed = closed;

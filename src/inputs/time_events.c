@@ -51,9 +51,10 @@ static void build_heap(ns_time_events *s) {
 void ns_inputs_events_seek(ns_time_events *s, double t, ns_side side, const unsigned char *closed) {
     const double sign = side == NS_LEFT ? -1 : 1;
     for (int i = 0; i < s->lines; i++)
-        ns_system_line_seek(&s->cursor[i], t + sign * ns_system_signal_slack(t, s->cursor[i].line->origin));
+        ns_system_line_seek(&s->cursor[i],
+                            t + sign * ns_system_signal_time_error(t, s->cursor[i].line->origin));
     for (int k = 0; k < s->terms; k++)
-        s->begun[k] = s->term[k].from <= t + sign * ns_system_signal_slack(t, s->term[k].from);
+        s->begun[k] = s->term[k].from <= t + sign * ns_system_signal_time_error(t, s->term[k].from);
     for (int c = 0; c < s->commands; c++) {
         const int index = s->command_index[c];
         ns_inputs_switch_seek(&s->command[c], t, side, closed ? closed[index] != 0 : -1);
@@ -156,7 +157,7 @@ int ns_inputs_events_is_event(const ns_time_events *s) {
     if (s->count == 0 || isinf(s->heap[0].t))
         return 0;
     const double now = fmax(s->heap[0].t, s->now);
-    return any_event(s, 0, now + ns_system_signal_slack(now, now));
+    return any_event(s, 0, now + ns_system_signal_time_error(now, now));
 }
 
 static void pass_corner(ns_time_events *s, int id, double limit) {
@@ -186,7 +187,7 @@ static void flip_command(ns_time_events *s, int c, double limit, int *touched) {
         s->touched[(*touched)++] = c;
     ns_inputs_switch_pass(x);
     if (s->flips[c] > OFTEN && x->next <= limit) {
-        x->next = nextafter(limit + ns_system_signal_slack(limit, limit), INFINITY);
+        x->next = nextafter(limit + ns_system_signal_time_error(limit, limit), INFINITY);
         x->flips = 0;
     }
 }
@@ -217,7 +218,7 @@ const ns_time_event *ns_inputs_events_pass(ns_time_events *s) {
         return &s->instant;
     s->now = fmax(s->heap[0].t, s->now);
     s->instant = (ns_time_event){.t = s->now, .input = s->changed, .flip = s->flip};
-    const double limit = s->now + ns_system_signal_slack(s->now, s->now);
+    const double limit = s->now + ns_system_signal_time_error(s->now, s->now);
     while (is_simultaneous(s, limit))
         pass_entry(s, s->heap[0].id, limit, &touched);
     for (int k = 0; k < touched; k++) {

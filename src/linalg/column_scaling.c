@@ -176,7 +176,7 @@ static void highest(const graph *g, const double *gamma, const double *rho, doub
 }
 
 /* Takes what stands out more than PEAK down to it, half by the row and half by the column (Ruiz). */
-static void level(const graph *g, double *gamma, double *rho, double *top, double *high) {
+static void lower_peaks(const graph *g, double *gamma, double *rho, double *top, double *high) {
     double most = INFINITY;
     row_units(g, gamma, rho);
     for (int sweep = 0; sweep < SWEEPS && most > 1.0; sweep++) {
@@ -196,7 +196,7 @@ void ns_linalg_column_scaling(int m, const double *W, double *unit, double *work
     graph g = {m, W, work, work + n, work + 2 * n, NULL};
     count(&g, work + 7 * n);
     solve(&g, work + 3 * n, work + 4 * n, work + 5 * n, work + 6 * n);
-    level(&g, work + 3 * n, work + 4 * n, work + 5 * n, work + 6 * n);
+    lower_peaks(&g, work + 3 * n, work + 4 * n, work + 5 * n, work + 6 * n);
     for (int j = 0; j < m; j++)
         unit[j] = ldexp(1.0, (int)fmin(fmax(rint(work[3 * n + (size_t)j]), -1000.0), 1000.0));
 }

@@ -91,7 +91,7 @@ static void fill(const ns_triangles *t, ns_packed_triangular *s, const int *plac
     s->l[0] = s->u[0] = 0;
 }
 
-static int *take(int **from, int count) {
+static int *next_array(int **from, int count) {
     int *first = *from;
     *from += count;
     return first;
@@ -105,15 +105,15 @@ ns_packed_triangular *ns_linalg_packed_create(const ns_triangles *t) {
     double *doubles = malloc((4 * (size_t)n + 1 + all) * sizeof(double));
     int *place = calloc((size_t)n + 1, sizeof(int));
     if (s && ints && doubles && place) {
-        s->begin = take(&ints, t->blocks + 1);
-        s->row = take(&ints, n);
-        s->to = take(&ints, n);
-        s->out_row = take(&ints, n);
-        s->out_to = take(&ints, n);
-        s->l = take(&ints, n + 1);
-        s->u = take(&ints, n + 1);
-        s->li = take(&ints, lnz);
-        s->ui = take(&ints, unz);
+        s->begin = next_array(&ints, t->blocks + 1);
+        s->row = next_array(&ints, n);
+        s->to = next_array(&ints, n);
+        s->out_row = next_array(&ints, n);
+        s->out_to = next_array(&ints, n);
+        s->l = next_array(&ints, n + 1);
+        s->u = next_array(&ints, n + 1);
+        s->li = next_array(&ints, lnz);
+        s->ui = next_array(&ints, unz);
         s->scale = doubles;
         s->pivot = s->scale + n;
         s->below = s->pivot + n;

@@ -32,7 +32,7 @@ struct ns_partial_lu {
  * than 1. */
 static const double most_multiplier = 1e3, least_pivot = 1e-9;
 
-static int *take(int **from, int count) {
+static int *next_array(int **from, int count) {
     int *first = *from;
     *from += count;
     return first;
@@ -122,22 +122,22 @@ ns_partial_lu *ns_linalg_partial_create(const ns_triangles *t, const int *start,
         return NULL;
     }
     *s = (ns_partial_lu){.n = n, .blocks = t->blocks, .x = x, .due = due};
-    s->begin = take(&ints, t->blocks + 1);
-    s->row = take(&ints, n);
-    s->to = take(&ints, n);
-    s->l = take(&ints, n + 1);
-    s->u = take(&ints, n + 1);
-    s->a = take(&ints, n + 1);
-    s->f = take(&ints, n);
-    s->below = take(&ints, n);
-    s->above = take(&ints, n);
-    s->reach = take(&ints, n + 1);
-    s->place = take(&ints, n);
-    s->reached = take(&ints, l);
-    s->li = take(&ints, l);
-    s->ui = take(&ints, u);
-    s->from = take(&ints, all);
-    s->column = take(&ints, all);
+    s->begin = next_array(&ints, t->blocks + 1);
+    s->row = next_array(&ints, n);
+    s->to = next_array(&ints, n);
+    s->l = next_array(&ints, n + 1);
+    s->u = next_array(&ints, n + 1);
+    s->a = next_array(&ints, n + 1);
+    s->f = next_array(&ints, n);
+    s->below = next_array(&ints, n);
+    s->above = next_array(&ints, n);
+    s->reach = next_array(&ints, n + 1);
+    s->place = next_array(&ints, n);
+    s->reached = next_array(&ints, l);
+    s->li = next_array(&ints, l);
+    s->ui = next_array(&ints, u);
+    s->from = next_array(&ints, all);
+    s->column = next_array(&ints, all);
     memcpy(s->begin, t->R, sizeof(int) * ((size_t)t->blocks + 1));
     memcpy(s->row, t->P, sizeof(int) * (size_t)n);
     memcpy(s->to, t->Q, sizeof(int) * (size_t)n);

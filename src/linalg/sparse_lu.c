@@ -29,7 +29,7 @@ struct ns_klu {
     int fills; /* factors of the shared pattern do */
     long fresh, again, solves;
     ns_partial_lu *steady; /* pivots for all matrices, NULL: none */
-    long served, stuck;    /* so many, and for so many they were not good enough */
+    long served, failures; /* so many, and for so many they were not good enough */
 };
 
 struct ns_factors {
@@ -54,7 +54,7 @@ static const double fill_share = 1.2;
 
 /* Pivots for all matrices are given up where they are not good enough for a good part of them; they are worth
  * while where factors have no more than so many times the entries. */
-enum { STUCK_AT_FIRST = 8, STUCK_SHARE = 8, STEADY_FILL = 4 };
+enum { FAILURES_AT_FIRST = 8, FAILURES_PART = 8, STEADY_FILL = 4 };
 
 /* Old pivots are dropped where entries grow this much more than when they were chosen; below rcond_min the
  * matrix is as good as singular. */
@@ -231,7 +231,7 @@ static int factor_fresh(ns_klu *k, double *value, ns_factors *f) {
 }
 
 int ns_linalg_klu_is_partial(const ns_klu *k) {
-    return k->steady && k->stuck < STUCK_AT_FIRST + k->served / STUCK_SHARE;
+    return k->steady && k->failures < FAILURES_AT_FIRST + k->served / FAILURES_PART;
 }
 
 /* By the pivots for all matrices.  Errors: SINGULAR (they do not serve this one), MEMORY. */
@@ -243,7 +243,7 @@ static int factor_steadily(ns_klu *k, const double *value, ns_factors *f) {
     const int status =
         ns_linalg_klu_is_partial(k) ? ns_linalg_partial_factor(k->steady, value, &f->packed) : NS_E_SINGULAR;
     f->steady = status == NS_OK;
-    *(f->steady ? &k->served : &k->stuck) += status != NS_E_MEMORY;
+    *(f->steady ? &k->served : &k->failures) += status != NS_E_MEMORY;
     k->again += f->steady;
     return status;
 }
@@ -252,7 +252,7 @@ int ns_linalg_klu_change(ns_klu *k, ns_factors *f, const double *value, int rows
     if (!f->steady || !ns_linalg_klu_is_partial(k))
         return 0;
     f->steady = ns_linalg_partial_change(k->steady, value, rows, row, &f->packed);
-    *(f->steady ? &k->served : &k->stuck) += 1;
+    *(f->steady ? &k->served : &k->failures) += 1;
     return f->steady;
 }
 

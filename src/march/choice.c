@@ -14,7 +14,7 @@ static const double hopeless = 4, much = 0.5;
 /* After a question that was answered no, it is this many times as long until the next; after a failure. */
 static const double later = 2, much_later = 8;
 /* Matrices that are kept may come to this many times the first interval before they count. */
-static const double patience = 4;
+static const double counts_from = 4;
 /* An engine crawls that needs so many times the work that it needed when it was chosen: the other one is
  * asked at once, if this part of the usual interval has passed. */
 static const double crawls = 4, soon = 0.5;
@@ -27,7 +27,7 @@ static void wait(ns_choice *c, double t, ns_work work, double times) {
 
 void ns_march_choice_begin(ns_choice *c, double t, ns_work work, double first) {
     if (!(c->interval > 0))
-        *c = (ns_choice){.interval = first, .usual = NAN, .patience = patience * first};
+        *c = (ns_choice){.interval = first, .usual = NAN, .counts_from = counts_from * first};
     if (c->asks)
         c->from = (ns_choice_mark){t, work};
     else
@@ -39,7 +39,7 @@ static ns_choice_answer look_at_chosen(ns_choice *c, double t, ns_work work, dou
     const int is_slow = spent > soon * c->interval && spent > crawls * c->usual * gained;
     if ((spent < c->interval && !is_slow) || !(gained > 0))
         return NS_CHOICE_STAY;
-    const double once = work.once < c->patience ? work.once - c->from.work.once : 0;
+    const double once = work.once < c->counts_from ? work.once - c->from.work.once : 0;
     c->usual = spent / gained;
     c->rate = (spent - once) / gained;
     if (clearly * spent >= least * (work.events - c->from.work.events))

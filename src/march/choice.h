@@ -24,7 +24,7 @@ typedef struct ns_choice_mark {
 typedef struct ns_choice {
     int asks;            /* 1: the engine at work is the one that is asked */
     double rate;         /* work a second: of the one before, without what it did but once */
-    double patience;     /* until so much was; then with that */
+    double counts_from;  /* until so much was; then with that */
     double usual;        /* work a second of the one at work when it was chosen; NAN: not known */
     double interval;     /* work between two questions */
     ns_choice_mark from; /* where the engine at work began, or was chosen */

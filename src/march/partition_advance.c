@@ -128,7 +128,7 @@ static int accept_one(ns_partition_run *f, int k) {
 }
 
 /* Islands that lag behind come to the accepted point of the whole, in between two events. */
-static int settle(ns_partition_run *f) {
+static int catch_up(ns_partition_run *f) {
     int status = NS_OK;
     for (int k = 0; k < f->islands.count && status == NS_OK; k++) {
         ns_part_run *s = &f->part[k];
@@ -215,7 +215,7 @@ static int go_to_time(ns_partition_run *f, double t) {
 static int go_to(ns_partition_run *f, double t, ns_until until) {
     if (until == NS_TO_STEP)
         return go_to_step(f, t);
-    int status = settle(f);
+    int status = catch_up(f);
     for (int k = 0; k < f->islands.count; k++)
         f->part[k].tried = f->part[k].passes = 0;
     if (status == NS_OK)
@@ -286,7 +286,7 @@ static int set_input_of(ns_partition_run *f, int part, int own, const ns_signal 
 
 int ns_march_partition_set_input(ns_engine *e, int input, const ns_signal *signal) {
     ns_partition_run *f = (ns_partition_run *)(void *)e;
-    int status = settle(f);
+    int status = catch_up(f);
     ns_march_partition_drop(e);
     for (int k = 0; k < f->islands.count && status == NS_OK; k++) {
         const ns_island *i = f->part[k].island;

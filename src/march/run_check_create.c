@@ -14,7 +14,7 @@ static const double of_scheme = 10, of_rough_scheme = 1000;
  * steps are implicit, but for those that locate no event. */
 static const double of_start = 10;
 /* Checks may take this part of what is earned. */
-static const double share = 0.025;
+static const double fraction = 0.025;
 
 static void estimate_costs(ns_run *r) {
     ns_run_check *k = &r->check;
@@ -24,15 +24,15 @@ static void estimate_costs(ns_run *r) {
     k->way_cost = NS_VERIFY_NODES * (k->point_cost + 300) + 40 * effort;
     k->quick_cost = 1500 + 10 * effort + 12 * (double)r->s->nz + (r->is_dense ? 5 * size * size : 16 * size);
     if (r->is_dense) {
-        k->trial_gain = share * (400 + 4 * size * size);
-        k->event_gain = share * (1000 + 40 * size * size);
-        k->periods_rest = (int)fmin(1e6, k->quick_cost / (share * (250 + 5 * size * size)));
+        k->trial_gain = fraction * (400 + 4 * size * size);
+        k->event_gain = fraction * (1000 + 40 * size * size);
+        k->periods_rest = (int)fmin(1e6, k->quick_cost / (fraction * (250 + 5 * size * size)));
     } else {
-        k->trial_gain = share * 1000;
-        k->event_gain = share * (4000 + 120 * effort);
+        k->trial_gain = fraction * 1000;
+        k->event_gain = fraction * (4000 + 120 * effort);
     }
-    k->trial_cost = k->trial_gain / share;
-    k->mode_gain = r->is_dense ? share * 6 * size * size * size : 0;
+    k->trial_cost = k->trial_gain / fraction;
+    k->mode_gain = r->is_dense ? fraction * 6 * size * size * size : 0;
     k->periods = k->periods_rest;
 }
 

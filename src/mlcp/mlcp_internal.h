@@ -248,9 +248,9 @@ static inline double ns_mlcp_tableau_upper(const ns_mlcp_solver *s, int var) {
 }
 
 /* lemke.c: from s->mode to the mode of a solution.  all: the covering vector acts on every guard, not on
- * the broken ones only; which one.  patience: how many times the pivots that most problems need may be made.
- * OK; INFEASIBLE: a ray, in s->fault; LIMIT; SINGULAR: the tableau got lost. */
-int ns_mlcp_lemke(ns_mlcp_solver *s, int all, int patience);
+ * the broken ones only; which one.  limit_factor: how many times the pivots that most problems need may be
+ * made. OK; INFEASIBLE: a ray, in s->fault; LIMIT; SINGULAR: the tableau got lost. */
+int ns_mlcp_lemke(ns_mlcp_solver *s, int all, int limit_factor);
 
 /* farkas.c: 1 if the bounds of lambda and y alone, without complementarity, contradict: s->proof, s->fault.
  * CAREFUL: by more than rounding of the largest numbers of the problem may have left.  AGAINST: that the

@@ -141,9 +141,9 @@ static int solve_by_pivoting(ns_mlcp_solver *s, const ns_mode *mode, double *res
 /* Whether there is a proof against an answer of large lambda: its residual is small beside them, which may be
  * much against q, of all rows or (where units differ from row to row) of one. */
 static int is_disproved(ns_mlcp_solver *s, double residual) {
-    const int doubted = ns_mlcp_huge_multipliers(s, fmax(LARGE, HIDDEN / fmax(residual, DBL_EPSILON))) ||
+    const int is_huge = ns_mlcp_huge_multipliers(s, fmax(LARGE, HIDDEN / fmax(residual, DBL_EPSILON))) ||
                         (!s->alike && ns_mlcp_breaks_a_datum(s));
-    return doubted && ns_mlcp_prove(s, NS_AGAINST);
+    return is_huge && ns_mlcp_prove(s, NS_AGAINST);
 }
 
 /* Solves *p, whose arrays are sound. */

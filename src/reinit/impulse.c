@@ -1,6 +1,6 @@
 /* src/reinit/impulse.c - the impulse problem (J1)-(J4): which mode it is.
  *
- * (P1) at some small h proposes one; that both levels of it (order_expansion.c) satisfy (J4) proves it,
+ * (P1) at some small h proposes one; that both orders of it (order_expansion.c) satisfy (J4) proves it,
  * whatever that h was.
  */
 #include "impulse.h"
@@ -18,13 +18,13 @@ static const double fractions[] = {0, 1e-7};
 /* Rounding of a sum, of the sizes of its terms. */
 static const double sum_eps = 16 * DBL_EPSILON;
 
-/* y of pair j (S3) from one of the levels of (x, lambda); z: inputs of that level (NULL: none).  *tol: by how
+/* y of pair j (S3) from one of the orders of (x, lambda); z: inputs of that order (NULL: none).  *tol: by how
  * much it may be off. */
-static double y_of(const ns_order_expansion *k, int j, int level, const double *z, double *tol) {
+static double y_of(const ns_order_expansion *k, int j, int order, const double *z, double *tol) {
     const ns_system *s = k->s->s;
     const int n = s->n, m = s->m;
-    const double *v = k->at[level], *error = k->error[level];
-    double sum = level == NS_VALUE ? s->e[j] : 0, terms = fabs(sum), errors = 0;
+    const double *v = k->at[order], *error = k->error[order];
+    double sum = order == NS_VALUE ? s->e[j] : 0, terms = fabs(sum), errors = 0;
     for (int i = 0; i < n + m; i++) {
         const double c = i < n ? s->C[j + i * m] : s->D[j + (i - n) * m];
         sum += c * v[i];
@@ -40,18 +40,18 @@ static double y_of(const ns_order_expansion *k, int j, int level, const double *
 }
 
 /* lambda of pair j less a bound, likewise. */
-static double lambda_of(const ns_order_expansion *k, int j, int level, double bound, double *tol) {
+static double lambda_of(const ns_order_expansion *k, int j, int order, double bound, double *tol) {
     const int at = k->s->s->n + j;
-    const double from = level == NS_VALUE ? bound : 0;
-    *tol = k->error[level][at] + sum_eps * fabs(from);
-    return k->at[level][at] - from;
+    const double from = order == NS_VALUE ? bound : 0;
+    *tol = k->error[order][at] + sum_eps * fabs(from);
+    return k->at[order][at] - from;
 }
 
 /* An impulse, a value and a rate, read as one number: -1, 0, 1. */
 static int sign_of(const ns_order_expansion *k, const double *number, const double *tol) {
-    for (int level = 0; level < k->orders; level++)
-        if (!(fabs(number[level]) <= tol[level]))
-            return number[level] > 0 ? 1 : -1;
+    for (int order = 0; order < k->orders; order++)
+        if (!(fabs(number[order]) <= tol[order]))
+            return number[order] > 0 ? 1 : -1;
     return 0;
 }
 
@@ -60,8 +60,8 @@ static int lambda_satisfies(const ns_order_expansion *k, int j) {
     const double bound[2] = {k->s->l[j], k->s->u[j]};
     for (int side = 0; side < 2; side++) {
         double number[3] = {0}, tol[3] = {0};
-        for (int level = 0; level < 3; level++)
-            number[level] = lambda_of(k, j, level, bound[side], &tol[level]);
+        for (int order = 0; order < 3; order++)
+            number[order] = lambda_of(k, j, order, bound[side], &tol[order]);
         if (isfinite(bound[side]) && sign_of(k, number, tol) == (side ? 1 : -1))
             return 0;
     }
@@ -72,8 +72,8 @@ static int lambda_satisfies(const ns_order_expansion *k, int j) {
 static int y_satisfies(const ns_order_expansion *k, int j, const double *z, const double *slope) {
     const double *const inputs[] = {NULL, z, slope};
     double number[3] = {0}, tol[3] = {0};
-    for (int level = 0; level < 3; level++)
-        number[level] = y_of(k, j, level, inputs[level], &tol[level]);
+    for (int order = 0; order < 3; order++)
+        number[order] = y_of(k, j, order, inputs[order], &tol[order]);
     return sign_of(k, number, tol) != k->mode[j];
 }
 
@@ -165,21 +165,21 @@ static void copy_out(double *to, const double *from, int count) {
         memcpy(to, from, sizeof(double) * (size_t)count);
 }
 
-/* One level of x, lambda, y. */
-static void copy_level(const ns_order_expansion *k, int level, const double *z, double *x, double *lambda,
+/* One order of x, lambda, y. */
+static void copy_order(const ns_order_expansion *k, int order, const double *z, double *x, double *lambda,
                        double *y) {
     const int n = k->s->s->n, m = k->s->s->m;
     double tol;
-    copy_out(x, k->at[level], n);
-    copy_out(lambda, k->at[level] + n, m);
+    copy_out(x, k->at[order], n);
+    copy_out(lambda, k->at[order] + n, m);
     for (int j = 0; y && j < m; j++)
-        y[j] = y_of(k, j, level, z, &tol);
+        y[j] = y_of(k, j, order, z, &tol);
 }
 
 static void copy_answer(const ns_order_expansion *k, const double *z, const ns_impulse *out) {
     const int n = k->s->s->n;
-    copy_level(k, NS_VALUE, z, out->x, out->lambda, out->y);
-    copy_level(k, NS_IMPULSE, NULL, out->X, out->Lambda, out->Y);
+    copy_order(k, NS_VALUE, z, out->x, out->lambda, out->y);
+    copy_order(k, NS_IMPULSE, NULL, out->X, out->Lambda, out->Y);
     if (out->w)
         ns_linalg_matvec(n, n, k->s->s->M, k->at[NS_VALUE], out->w);
     if (out->mode)

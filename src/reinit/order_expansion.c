@@ -5,7 +5,7 @@
  *     K(h) = K0 + h K1,   R(h) = R0 + h R1,   Z(h) = Z1/h + Z0 + h Z2 + ...
  *     K0 = [ M; -A -B_J; C_J D_JJ ],   K1 = [ -A -B_J; 0; 0 ]   (differential rows; algebraic rows; pairs)
  *
- * whose orders 1/h, 1, h, h^2 are these levels, and the condition that there is one more:
+ * whose orders 1/h, 1, h, h^2 are these, and the condition that there is one more:
  *
  *     K0 Z1 = 0,   K0 Z0 + K1 Z1 = R0,   K0 Z2 + K1 Z0 = R1,   K0 . + K1 Z2 = 0
  */
@@ -135,7 +135,7 @@ static void form_powers(ns_order_expansion *k, const double *z, const double *sl
     }
 }
 
-/* All levels with all pairs. */
+/* All orders with all pairs. */
 static void spread_to_pairs(ns_order_expansion *k) {
     const ns_theta *s = k->s;
     const int n = s->s->n, m = s->s->m;

@@ -1,4 +1,4 @@
-/* src/reinit/order_solve.c - the levels of (P2) as h -> 0, with a bound on the rounding of each unknown.
+/* src/reinit/order_solve.c - the orders of (P2) as h -> 0, with a bound on the rounding of each unknown.
  *
  * With the right null vectors N and the left ones L of K0:  Z1 = N a,  Z0 = Zp + N c,  G = L'K1 N,
  *
@@ -79,7 +79,7 @@ static void subtract_flow(ns_order_expansion *k, const double *R, const double *
 }
 
 /* Z1 = Q R0, Z0 = H R0 + Q R1; f (NULL: none): of K0 Z1.  0 if that is no solution. */
-static int solve_levels(ns_order_expansion *k, const double *f, const double *R0, const double *from,
+static int solve_orders(ns_order_expansion *k, const double *f, const double *R0, const double *from,
                         const double *R1, double *Z1, double *Z0) {
     memset(Z1, 0, sizeof(double) * (size_t)k->size);
     if (f)
@@ -120,7 +120,7 @@ static double left_over(const ns_order_expansion *k, int i, long double given, c
 /* (Z1, Z0) of (R0, R1) by residuals, in long double: a resistor between two fluxes takes their difference.
  * From a guess, which moves by what it does not fulfil and by no rounding beyond that.  What was left over
  * before the last round stays in work. */
-static void refine_levels(ns_order_expansion *k, const long double *R0, const double *R1, long double *Z1,
+static void refine_orders(ns_order_expansion *k, const long double *R0, const double *R1, long double *Z1,
                           long double *Z0) {
     const int size = k->size;
     double *f = k->work, *r0 = f + size, *r1 = r0 + size, *d1 = r1 + size, *d0 = d1 + size;
@@ -130,7 +130,7 @@ static void refine_levels(ns_order_expansion *k, const long double *R0, const do
             r0[i] = left_over(k, i, R0[i], Z1, Z0);
             r1[i] = left_over(k, i, R1[i], Z0, NULL);
         }
-        (void)solve_levels(k, f, r0, NULL, r1, d1, d0);
+        (void)solve_orders(k, f, r0, NULL, r1, d1, d0);
         for (int i = 0; i < size; i++) {
             Z1[i] += d1[i];
             Z0[i] += d0[i];
@@ -147,7 +147,7 @@ static void impulses_and_values(ns_order_expansion *k) {
         Z0[i] = i < n ? k->guess[i] : 0;
         R0[i] = i < k->s->r ? k->w[i] : k->R0[i];
     }
-    refine_levels(k, R0, k->R1, Z1, Z0);
+    refine_orders(k, R0, k->R1, Z1, Z0);
     for (int i = 0; i < size; i++) {
         k->Z1[i] = (double)Z1[i];
         k->Z0[i] = (double)Z0[i];
@@ -180,14 +180,14 @@ static void spread_over(int n, const double *A, const double *t, double *e) {
 
 /* E1, E0: by how much Z1 and Z0 may be off.  Q goes into V, H into H.
  */
-static void bound_levels(ns_order_expansion *k) {
+static void bound_orders(ns_order_expansion *k) {
     const int size = k->size;
     double *t = k->work, *t0 = t + size, *t1 = t0 + size, *unit = t1 + size;
     double *none = unit + size;
     memset(unit, 0, sizeof(double) * 2 * (size_t)size);
     for (int j = 0; j < size; j++) {
         unit[j] = 1;
-        (void)solve_levels(k, NULL, unit, NULL, none, k->V + (size_t)j * (size_t)size,
+        (void)solve_orders(k, NULL, unit, NULL, none, k->V + (size_t)j * (size_t)size,
                            k->H + (size_t)j * (size_t)size);
         unit[j] = 0;
     }
@@ -230,7 +230,7 @@ static void find_rates(ns_order_expansion *k) {
         R0[i] = left_over(k, i, k->R1[i], Z0, NULL);
         none[i] = Z2[i] = 0;
     }
-    refine_levels(k, R0, zero, none, Z2);
+    refine_orders(k, R0, zero, none, Z2);
     for (int i = 0; i < size; i++) {
         k->Z2[i] = (double)Z2[i];
         k->work[i] = fabs(k->work[size + i]); /* left over of R0 */
@@ -301,10 +301,10 @@ int ns_reinit_orders_solve(ns_order_expansion *k) {
     const int status = take_apart(k);
     if (status != NS_OK)
         return status;
-    if (!solve_levels(k, NULL, k->R0, k->terms, k->R1, k->Z1, k->Z0))
+    if (!solve_orders(k, NULL, k->R0, k->terms, k->R1, k->Z1, k->Z0))
         return NS_E_SINGULAR;
     impulses_and_values(k);
-    bound_levels(k);
+    bound_orders(k);
     find_rates(k);
     if (!choose_undetermined(k))
         return NS_E_SINGULAR;

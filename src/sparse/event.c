@@ -141,7 +141,7 @@ int ns_sparse_event_consistent(ns_sparse *m, double t, double g, const double *w
 void ns_sparse_event_time_commands(ns_sparse *m, double t) {
     double sum = 0;
     ns_inputs_stages_find_command(m->in, t, m->o.h, m->mode);
-    (void)ns_inputs_stages_flip_commands(m->in, t + ns_system_signal_slack(t, t), m->mode, &sum);
+    (void)ns_inputs_stages_flip_commands(m->in, t + ns_system_signal_time_error(t, t), m->mode, &sum);
 }
 
 /* 1 if by (n) moves w no farther than events are located to. */

@@ -325,8 +325,8 @@ static const ns_null_space *null_of(const ns_sparse_leaks *k, ns_null_known *nul
 
 /* Krylov cycles make of rounding what they like where K leaves v open: that is as the leaks make it, unless
  * more is left then. */
-static void settle(const ns_sparse_leaks *k, ns_null_known *null, const double *r, double left, double *v,
-                   double *rest, double *kept) {
+static void set_undetermined(const ns_sparse_leaks *k, ns_null_known *null, const double *r, double left,
+                             double *v, double *rest, double *kept) {
     const size_t bytes = sizeof(double) * (size_t)k->f->size;
     const ns_null_space *z = null_of(k, null);
     if (!z)
@@ -371,7 +371,7 @@ static int solve_rounds(const ns_sparse_leaks *k, ns_null_known *null, int resid
     const double left = go_on(k, NULL, r, before, v, rest, Q);
     if (left <= may_hold && !contradicts(k, r, first, v, rest) && !grew_in_vain(k, null, r, first, v, rest)) {
         if (left != before)
-            settle(k, null, r, left, v, rest, first);
+            set_undetermined(k, null, r, left, v, rest, first);
         return NS_OK;
     }
     const ns_null_space *z = residual ? null_of(k, null) : NULL;

@@ -233,7 +233,7 @@ static double difference(const ns_sparse *m) {
 /* Last Euler steps, one or three, short beside G, if they are right: the charges that the next step begins
  * with are those of an x and a lambda that keep the laws, which extrapolated ones over a small resistance
  * need not. */
-static void settle(ns_sparse *m, stretch *s) {
+static void end_consistent(ns_sparse *m, stretch *s) {
     enum { SHORTER = 16, SHORT = 4 };
     ns_sparse_transient *k = &m->transient;
     const double t = s->t + s->length, g = fmax(s->last_g / SHORTER, s->shortest);
@@ -311,7 +311,7 @@ int ns_sparse_transient_pass(ns_sparse *m, double t, const ns_dense_step *before
         ns_sparse_event_restore(m);
         return 0;
     }
-    settle(m, &s);
+    end_consistent(m, &s);
     m->counts.events++;
     m->counts.steps += s.steps;
     fill_step(m, &s, before, m->before_event.w, step);

@@ -122,7 +122,7 @@ void ns_system_line_seek(ns_line_cursor *r, double t) {
     r->t = start_of_piece(p, r->k, low);
     find_next(r);
     if (r->next <= t) /* periods too short to tell apart */
-        r->next = t + 2 * ns_system_signal_slack(t, p->origin);
+        r->next = t + 2 * ns_system_signal_time_error(t, p->origin);
 }
 
 void ns_system_line_pass(ns_line_cursor *r, double t) {

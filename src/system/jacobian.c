@@ -6,7 +6,7 @@
  *     (16 D(d/4) - D(d)) / 15,     |D(d) - D(d/4)| + eps (|f+| + |f-|) / d
  *
  * The trust is best where rounding no longer shows and curvature does not yet.  Every entry keeps its own
- * best rung, and looks no further once its differences have begun to disagree again: far out a saturated
+ * best length, and looks no further once its differences have begun to disagree again: far out a saturated
  * function looks very flat, and very certain of it.
  */
 #include <float.h>
@@ -17,8 +17,8 @@
 #include "linalg/dense.h"
 #include "nonsmooth/model.h"
 
-enum { RUNG_LOW = -80, RUNG_HIGH = 44, RUNG = 2 };
-/* This much worse than the best rung so far: beyond the range in which the function is smooth. */
+enum { EXPONENT_LOW = -80, EXPONENT_HIGH = 44, EXPONENT_BY = 2 };
+/* This much worse than at the best length so far: beyond the range in which the function is smooth. */
 static const double gone_wrong = 1e4;
 /* A difference counts above this multiple of the estimated error, b->trust. */
 static const double margin = 10;
@@ -29,7 +29,7 @@ typedef struct bench {
     double *x, *lambda, *z;
     double *given;          /* the Jacobian */
     double *up, *down;      /* values at both ends of a step */
-    double *value, *before; /* differences of this rung and the one below */
+    double *value, *before; /* differences of this length and the one below */
     double *best, *trust;   /* for one column */
 } bench;
 
@@ -77,7 +77,7 @@ static int difference(bench *b, const kind *k, double *variable, double d) {
     return both && ns_linalg_finite((size_t)k->rows, b->value);
 }
 
-static void compare_rungs(bench *b, int rows, double d) {
+static void compare_lengths(bench *b, int rows, double d) {
     for (int i = 0; i < rows; i++) {
         const double trust =
             fabs(b->value[i] - b->before[i]) + DBL_EPSILON * (fabs(b->up[i]) + fabs(b->down[i])) / d;
@@ -96,13 +96,13 @@ static int differentiate(bench *b, const kind *k, double *variable) {
     for (int i = 0; i < k->rows; i++)
         b->trust[i] = INFINITY;
     (void)frexp(*variable, &exponent);
-    const int low = *variable != 0 && exponent - 48 > RUNG_LOW ? exponent - 48 : RUNG_LOW;
-    const int high = *variable != 0 && exponent + 2 > RUNG_HIGH ? exponent + 2 : RUNG_HIGH;
-    for (int rung = low; rung <= high; rung += RUNG) {
-        const double d = ldexp(1, rung);
+    const int low = *variable != 0 && exponent - 48 > EXPONENT_LOW ? exponent - 48 : EXPONENT_LOW;
+    const int high = *variable != 0 && exponent + 2 > EXPONENT_HIGH ? exponent + 2 : EXPONENT_HIGH;
+    for (int length = low; length <= high; length += EXPONENT_BY) {
+        const double d = ldexp(1, length);
         const int have = difference(b, k, variable, d);
         if (have && had) {
-            compare_rungs(b, k->rows, d);
+            compare_lengths(b, k->rows, d);
             any = 1;
         }
         had = have;

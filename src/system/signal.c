@@ -121,7 +121,7 @@ static int point_before(const ns_line *g, double k, turn r, double t) {
 }
 
 static double line_value(const ns_line *g, double t, ns_side side) {
-    double d = ns_system_signal_slack(t, g->origin), beside = side == NS_LEFT ? t - d : t + d;
+    double d = ns_system_signal_time_error(t, g->origin), beside = side == NS_LEFT ? t - d : t + d;
     double k = repetition(g, beside);
     turn r = turn_of(g, k);
     int i = point_before(g, k, r, beside);
@@ -135,7 +135,7 @@ static double line_value(const ns_line *g, double t, ns_side side) {
 }
 
 static double line_next(const ns_line *g, double t) {
-    double after = t + ns_system_signal_slack(t, g->origin), k = repetition(g, after);
+    double after = t + ns_system_signal_time_error(t, g->origin), k = repetition(g, after);
     int i = point_before(g, k, turn_of(g, k), after);
     for (int tries = 0; tries < 4; tries++) { /* more than two only where a period is within rounding of 0 */
         double corner;
@@ -151,13 +151,13 @@ static double line_next(const ns_line *g, double t) {
             return corner;
         }
     }
-    return t + 2 * ns_system_signal_slack(t, g->origin); /* periods too short to tell apart */
+    return t + 2 * ns_system_signal_time_error(t, g->origin); /* periods too short to tell apart */
 }
 
 /* 1 if t is beyond all points of a PWL that is not repeated: it stays at the last one. */
 static int is_over(const ns_signal *s, double t) {
     const double end = s->u.pwl.td + s->u.pwl.t[s->u.pwl.n - 1];
-    return isnan(s->u.pwl.repeat) && t - ns_system_signal_slack(t, s->u.pwl.td) >= end;
+    return isnan(s->u.pwl.repeat) && t - ns_system_signal_time_error(t, s->u.pwl.td) >= end;
 }
 
 static double sin_value(const ns_signal *s, double t) {
@@ -172,7 +172,7 @@ static double sin_value(const ns_signal *s, double t) {
 
 /* As SPICE: nothing before td1, even where td2 < td1 (then a jump at td1). */
 static double exp_value(const ns_signal *s, double t, ns_side side) {
-    double v1 = s->u.exp.v1, v2 = s->u.exp.v2, d = ns_system_signal_slack(t, s->u.exp.td1), value = v1;
+    double v1 = s->u.exp.v1, v2 = s->u.exp.v2, d = ns_system_signal_time_error(t, s->u.exp.td1), value = v1;
     if ((side == NS_LEFT ? t - d : t + d) < s->u.exp.td1) {
         return v1;
     }
@@ -186,11 +186,11 @@ static double exp_value(const ns_signal *s, double t, ns_side side) {
 /* The first of two corners that lies after t. */
 static double first_after(double t, double a, double b) {
     double c = fmin(a, b);
-    if (c > t + ns_system_signal_slack(t, c)) {
+    if (c > t + ns_system_signal_time_error(t, c)) {
         return c;
     }
     c = fmax(a, b);
-    return c > t + ns_system_signal_slack(t, c) ? c : INFINITY;
+    return c > t + ns_system_signal_time_error(t, c) ? c : INFINITY;
 }
 
 /* 1 if t is far from all corners of a pulse that repeats for ever: *value, as line_value() has it to the last

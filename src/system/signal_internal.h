@@ -28,7 +28,7 @@ typedef struct ns_pulse_points {
 int ns_system_signal_line(const ns_signal *s, ns_pulse_points *p, ns_line *g);
 
 /* Times nearer to each other than this, a few roundings, are the same. */
-static inline double ns_system_signal_slack(double t, double origin) {
+static inline double ns_system_signal_time_error(double t, double origin) {
     const double a = fabs(t), b = fabs(origin);
     return 8 * DBL_EPSILON * (a > b ? a : b);
 }

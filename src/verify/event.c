@@ -16,8 +16,8 @@ static const double clearly = 1e3;
 
 /* A jump, judged. */
 typedef struct jump {
-    double seconds;          /* that it took */
-    double lambda_off, dust; /* what impulses of lambda, of all, may be off by */
+    double seconds;             /* that it took */
+    double lambda_off, any_off; /* what impulses of lambda, of all, may be off by */
 } jump;
 
 static ns_verify_sum charge_left(const ns_verify *v, int i) {
@@ -75,7 +75,7 @@ static void judge_balance(const ns_verify *v, const jump *j, ns_verify_finding *
         const ns_verify_sum carried = ns_verify_row(&v->law, i, v->v);
         const double rest = fabs(moved(v, i) - carried.sum);
         const double off =
-            v->times * v->times_row[i] * (of_impulse * carried.size + j->dust * v->law.size[i]) +
+            v->times * v->times_row[i] * (of_impulse * carried.size + j->any_off * v->law.size[i]) +
             moved_off(v, i);
         if (!(rest <= off))
             ns_verify_note(worst, NS_VERIFY_JUMP, -1, i, rest / off);
@@ -104,7 +104,7 @@ static double impulse_error(const ns_verify *v, int i, const jump *j) {
     const ns_verify_sum y = ns_verify_row(&v->output, i, v->v);
     const double times = v->times * v->times_pair[i], seconds = j->seconds + v->o.instant,
                  lambda_off = times * j->lambda_off + 2 * seconds * v->most_lambda[i],
-                 y_off = times * (of_impulse * y.size + j->dust * v->output.size[i]) +
+                 y_off = times * (of_impulse * y.size + j->any_off * v->output.size[i]) +
                          2 * seconds * v->most_y[i] + DBL_MIN;
     const double lambda_share = fabs(lambda) / lambda_off, y_share = fabs(y.sum) / y_off;
     if (v->command[i] >= 0) /* open or closed, before or after */
@@ -248,8 +248,8 @@ int ns_verify_event(ns_verify *v, const double *X, const double *Lambda, ns_veri
     if (most == NONE)
         return ns_verify_sizes_end(v, worst);
     fill_impulse(v, j.seconds, X, Lambda);
-    j.dust = of_all * largest(n + m, v->v);
-    j.lambda_off = of_impulse * largest(m, v->v + n) + j.dust + DBL_MIN;
+    j.any_off = of_all * largest(n + m, v->v);
+    j.lambda_off = of_impulse * largest(m, v->v + n) + j.any_off + DBL_MIN;
     judge_directions(v, &j, worst);
     if (most == LITTLE)
         return ns_verify_sizes_end(v, worst);

@@ -111,7 +111,7 @@ static void begin_search(ns_waveform *w, double base, ns_search *s) {
 }
 
 /* The next length is looked at; *all: it is all the way. */
-static int look(ns_waveform *w, ns_segment *g, ns_search *s, int *all, double *off) {
+static int try_length(ns_waveform *w, ns_segment *g, ns_search *s, int *all, double *off) {
     const double most = s->last_t - s->base;
     *all = s->length >= most - fmax(s->least, 1e-3 * most);
     if (*all && g->last == 0 && first_part * most > s->least) {
@@ -209,7 +209,7 @@ static int grow(ns_waveform *w, ns_segment *g, ns_search *s) {
     for (int count = 0; count < LOOKS && !taken && status == NS_OK; count++) {
         double off;
         int all;
-        status = look(w, g, s, &all, &off);
+        status = try_length(w, g, s, &all, &off);
         if (status != NS_OK)
             break;
         if (s->is_shortest)

@@ -189,9 +189,9 @@ static int exchange_leaving(ns_mlcp_solver *s, int r, int col, double rate, doub
     return out;
 }
 
-int ns_mlcp_lemke(ns_mlcp_solver *s, int all, int patience) {
+int ns_mlcp_lemke(ns_mlcp_solver *s, int all, int limit_factor) {
     double t, dir, step;
-    const int n = s->np, limit = patience * (PIVOTS_FLAT + PIVOTS_PER_PAIR * n);
+    const int n = s->np, limit = limit_factor * (PIVOTS_FLAT + PIVOTS_PER_PAIR * n);
     const int fresh = n > NS_QUICK ? n : NS_QUICK; /* made anew it costs as much as some n exchanges */
     set_cover(s, all);
     int r = first_row(s, &t);

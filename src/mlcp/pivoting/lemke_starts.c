@@ -14,7 +14,7 @@ static int factor_or_reveal(ns_mlcp_solver *s) {
 }
 
 /* From s->mode, whose G is factored, to that of a solution. */
-static int find_mode(ns_mlcp_solver *s, int all, int patience) {
+static int find_mode(ns_mlcp_solver *s, int all, int limit_factor) {
     ns_mlcp_basis_values(s, 0);
     ns_mlcp_basis_sizes(s);
     const double v = ns_mlcp_basis_violation(s);
@@ -23,15 +23,15 @@ static int find_mode(ns_mlcp_solver *s, int all, int patience) {
     if (isinf(v))
         return NS_E_OVERFLOW;
     ns_mlcp_tableau_start(s);
-    const int status = ns_mlcp_lemke(s, all, patience);
+    const int status = ns_mlcp_lemke(s, all, limit_factor);
     return status == NS_OK && ns_mlcp_basis_factor(s, NULL) != NS_OK ? NS_E_SINGULAR : status;
 }
 
 /* From s->mode to an answer. */
-static int solve_from_mode(ns_mlcp_solver *s, int all, int patience, double *residual) {
+static int solve_from_mode(ns_mlcp_solver *s, int all, int limit_factor, double *residual) {
     int status = factor_or_reveal(s);
     for (int round = 0; round < ROUNDS && status == NS_OK; round++) {
-        status = find_mode(s, all, patience);
+        status = find_mode(s, all, limit_factor);
         if (status == NS_OK && ns_mlcp_mode_answer(s, residual) == NS_OK)
             return NS_OK;
     }
@@ -39,16 +39,16 @@ static int solve_from_mode(ns_mlcp_solver *s, int all, int patience, double *res
 }
 
 /* Different starts and covers, until one answers or ends in a ray of a problem without solution.  On problems
- * that are not monotone paths may be long, and of very different lengths: patience comes last. */
+ * that are not monotone paths may be long, and of very different lengths: limit_factor comes last. */
 int ns_mlcp_lemke_starts(ns_mlcp_solver *s, const ns_mode *mode, double *residual) {
     static const struct {
-        int lower, all, patience;
+        int lower, all, limit_factor;
     } start[] = {{0, 0, 1}, {0, 1, 1}, {1, 1, 1}, {1, 0, 1},  {1, 2, 4},  {0, 2, 4},
                  {1, 3, 4}, {0, 3, 4}, {1, 4, 4}, {1, 5, 16}, {1, 6, 16}, {1, 7, 16}};
     int first = NS_E_LIMIT;
     for (size_t k = 0; k < sizeof start / sizeof *start; k++) {
         ns_mlcp_start_from(s, start[k].lower ? NULL : mode);
-        int status = solve_from_mode(s, start[k].all, start[k].patience, residual);
+        int status = solve_from_mode(s, start[k].all, start[k].limit_factor, residual);
         if (status == NS_OK)
             return NS_OK;
         if (status == NS_E_INFEASIBLE && ns_mlcp_prove(s, NS_CAREFUL))

@@ -19,7 +19,7 @@
 #include "mlcp/verify/residual_bound.h"
 #include "transform.h"
 
-enum { PATIENCE = 8, ROUNDS = 20, ROUNDS_PER_PAIR = 10 };
+enum { WITHOUT_GAIN = 8, ROUNDS = 20, ROUNDS_PER_PAIR = 10 };
 static const double FINE = 1e-14;     /* equations hold: a hundredth of what guards are read to */
 static const double TRUST = 1e-8;     /* as transform.c */
 static const double ROUNDING = 1e-10; /* of the terms of an y: as solve.c accepts an answer */
@@ -209,7 +209,7 @@ static int read_guards(ns_mlcp_solver *s, int *list, int *worst) {
 /* From s->mode to one whose guards hold.  The values that came along with the flips will do to find more to
  * flip. */
 static int find_mode(ns_mlcp_solver *s) {
-    int *list = s->queue, best = s->np + 1, patience = PATIENCE, worst = 0;
+    int *list = s->queue, best = s->np + 1, rounds_left = WITHOUT_GAIN, worst = 0;
     s->transform.carried = 0;
     for (int round = 0; round < ROUNDS + ROUNDS_PER_PAIR * s->np; round++) {
         int n = s->transform.carried ? list_violated(s, s->np, s->pair, list, &worst) : 0;
@@ -219,8 +219,8 @@ static int find_mode(ns_mlcp_solver *s) {
             return NS_OK;
         if (n < best) {
             best = n;
-            patience = PATIENCE + s->np / 4;
-        } else if (--patience <= 0)
+            rounds_left = WITHOUT_GAIN + s->np / 4;
+        } else if (--rounds_left <= 0)
             return NS_E_LIMIT;
         if (!flip_in_turn(s, worst, n, list))
             return NS_E_LIMIT;

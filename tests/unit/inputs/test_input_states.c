@@ -223,7 +223,7 @@ static void an_exponential_ends_before_it_begins(void **state) {
 
 /* Mute is what an unknown or a pair follows and no event does: input 0 enters the events, 1 drives the last
  * row of x, 2 the last pair, 3 nothing. */
-static void what_is_followed_is_mute(void **state) {
+static void what_is_followed_is_output_only(void **state) {
     ns_system *system;
     ns_input_states *e;
     ns_time_events *s;
@@ -236,14 +236,15 @@ static void what_is_followed_is_mute(void **state) {
     const unsigned char active[] = {1, 0, 0, 0};
     assert_int_equal(ns_inputs_events_create(system, active, &s), NS_OK);
     assert_int_equal(ns_inputs_states_create(system, s, &e), NS_OK);
-    assert_int_equal(e->mutes, 2);
-    assert_int_equal(e->mute[0], 1);
-    assert_int_equal(e->mute[1], 2);
+    assert_int_equal(e->output_only_inputs, 2);
+    assert_int_equal(e->output_only_input[0], 1);
+    assert_int_equal(e->output_only_input[1], 2);
     ns_inputs_states_free(e);
     done(s, system);
 }
 
-/* Three phases are one pair; what only a command of time sees has no state; a mute one is listed. */
+/* Three phases are one pair; what only a command of time sees has no state; one for outputs only is listed.
+ */
 static void states_are_shared(void **state) {
     ns_system *system = bare(6, 1);
     ns_input_states *e;
@@ -261,8 +262,8 @@ static void states_are_shared(void **state) {
     assert_int_equal(ns_inputs_events_create(system, active, &s), NS_OK);
     assert_int_equal(ns_inputs_states_create(system, s, &e), NS_OK);
     assert_int_equal(e->nv, 1 + 1 + 2);
-    assert_int_equal(e->mutes, 1);
-    assert_int_equal(e->mute[0], 4);
+    assert_int_equal(e->output_only_inputs, 1);
+    assert_int_equal(e->output_only_input[0], 4);
     ns_inputs_states_free(e);
     for (long k = 1;; k++) {
         fail_alloc_at(k);
@@ -378,7 +379,7 @@ int main(void) {
         cmocka_unit_test(states_are_the_signals),
         cmocka_unit_test(an_exponential_ends_before_it_begins),
         cmocka_unit_test(only_ramps_have_slopes),
-        cmocka_unit_test(what_is_followed_is_mute),
+        cmocka_unit_test(what_is_followed_is_output_only),
         cmocka_unit_test(states_are_shared),
         cmocka_unit_test(expansions_are_the_signals),
         cmocka_unit_test(commands_of_large_systems),

@@ -149,7 +149,7 @@ static void is_the_equations_solved(void **state) {
 
 /* Murty's problem, M_ii = 1, M_ij = 2 for j < i, q_i = -(2^(n-i) + ... + 2^n): with the covering vector of
  * ones Lemke's method makes 2^n pivots, that of t included (K. G. Murty, Math. Programming Study 7, 1978). No
- * more than patience (50 + 20 n) are made. */
+ * more than times (50 + 20 n) are made. */
 static void a_path_through_all_modes(void **state) {
     (void)state;
     for (int n = 1; n <= 8; n++) {
@@ -162,7 +162,7 @@ static void a_path_through_all_modes(void **state) {
             }
         }
         ns_mlcp_solver *s = begin(&r);
-        for (int patience = 1; patience <= 2; patience++) {
+        for (int times = 1; times <= 2; times++) {
             ns_mlcp_start_from(s, NULL);
             assert_int_equal(ns_mlcp_basis_factor(s, NULL), NS_OK);
             ns_mlcp_basis_values(s, 0);
@@ -170,8 +170,8 @@ static void a_path_through_all_modes(void **state) {
                 s->ysize[i] = s->lsize[i] = 1;
             ns_mlcp_tableau_start(s);
             s->pivots = 0;
-            const int status = ns_mlcp_lemke(s, 0, patience);
-            const int most = patience * (50 + 20 * n), needed = (1 << n) - 1;
+            const int status = ns_mlcp_lemke(s, 0, times);
+            const int most = times * (50 + 20 * n), needed = (1 << n) - 1;
             assert_int_equal(status, needed <= most ? NS_OK : NS_E_LIMIT);
             assert_int_equal(s->pivots, needed <= most ? needed : most);
             for (int i = 0; i < n && status == NS_OK; i++) /* lambda_0 = 2^n: y_i = q_i + 2^(n+1) > 0 */
