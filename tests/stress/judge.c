@@ -12,6 +12,7 @@ static const double LEAST = 1e-9;     /* V, A */
  * take for rounding of a current adds up to 4e-9 in circuit random-wide 403000000, where `exact` is right by
  * a closed form (tests/unit/exact/test_small_beside_large.c). */
 static const double FLOOR = 1e-5;
+static const double LINES = 1e-4; /* the option `lines`, by default */
 
 static const run_setting settings[J_RUNS] = {
     [J_AUTO] = {.name = "auto", .method = NS_AUTO},
@@ -88,10 +89,13 @@ static double outside(int b, int k, int i, double v) {
 }
 
 /* ngspice's straight lines between points are within `lines` of the largest value that it shows, which may
- * lie between the instants that are compared. */
+ * lie between the instants that are compared; of a voltage between two nodes, both lines are off by so much.
+ */
 static double size_of(int a, int b, int i) {
     const run_shown *s = &result[J_SPICE]->shown[i];
-    return a == J_SPICE || b == J_SPICE ? fmax(scale[i], fmax(fabs(s->low), fabs(s->high))) : scale[i];
+    if (a != J_SPICE && b != J_SPICE)
+        return scale[i];
+    return fmax(fmax(scale[i], LINES / JUDGE_WRONG * s->nodes), fmax(fabs(s->low), fabs(s->high)));
 }
 
 static difference between(int a, int b) {

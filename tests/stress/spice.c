@@ -115,17 +115,27 @@ static double on_line(const double *last, const double *row, int column, double 
     return column < 0 ? 0 : last[column] + part * (row[column] - last[column]);
 }
 
+/* The largest size of both columns over the two rows, added. */
+static double size_of_nodes(const raw *w, int i, const double *last, const double *row) {
+    const int column[2] = {w->plus[i], w->minus[i]};
+    double sum = 0;
+    for (int k = 0; k < 2; k++)
+        sum += column[k] < 0 ? 0 : fmax(fabs(last[column[k]]), fabs(row[column[k]]));
+    return sum;
+}
+
 static void note_shown(const plan *p, const raw *w, const double *last, const double *row, run_result *r) {
     for (int i = 0; i < p->probes; i++) {
         run_shown *s = &r->shown[i];
         const double a = on_line(last, row, w->plus[i], last[0]) - on_line(last, row, w->minus[i], last[0]),
                      b = on_line(last, row, w->plus[i], row[0]) - on_line(last, row, w->minus[i], row[0]);
         if (r->counts.steps == 0)
-            *s = (run_shown){0, 0, a, a, a, a};
+            *s = (run_shown){0, 0, a, a, a, a, 0};
         s->integral += 0.5 * (a + b) * (row[0] - last[0]);
         s->of_abs += 0.5 * (fabs(a) + fabs(b)) * (row[0] - last[0]);
         s->low = fmin(s->low, b);
         s->high = fmax(s->high, b);
+        s->nodes = fmax(s->nodes, p->probe[i].part < 0 ? size_of_nodes(w, i, last, row) : 0);
         s->last = b;
     }
     r->counts.steps++;
