@@ -23,13 +23,14 @@
 enum { NS_STAGES = NS_ORDER + 1 }; /* the last one only where an event is located in the step */
 /* Exponents k of lengths h 2^-k; those marked + count from h 2^-o.finer. */
 enum {
-    NS_SHORT_EXPONENT = 16,       /* of the length of a step, shorter by this: negligible, for events */
-    NS_LEAST_EXPONENT = 28,       /* + the shortest step */
+    NS_SHORT_EXPONENT = 16, /* of the length of a step, shorter by this: negligible, for events */
+    NS_LEAST_EXPONENT = 28, /* + the shortest step, */
+    NS_STEEPEST = 16, /* + but for transients that are not over in it, and not so short that they jump */
     NS_EVENT_LEAST_EXPONENT = 26, /* + the shortest step that resolves an event */
     NS_FINER = 12,     /* of the step that makes w consistent: what lasts that short is a transient, */
     NS_FINEST = 26,    /* + unless it is shorter than this: then it jumps */
     NS_MOST_FINER = 6, /* the largest o.finer */
-    NS_EXPONENTS = NS_LEAST_EXPONENT + NS_MOST_FINER + 1
+    NS_EXPONENTS = NS_LEAST_EXPONENT + NS_STEEPEST + NS_MOST_FINER + 1
 };
 
 /* How far from where it breaks an event may be located, in errors of a step: of w, and of guards. */

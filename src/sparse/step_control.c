@@ -211,7 +211,7 @@ static int remove_jump(ns_sparse *m, ns_dense_step *step, double room) {
 /* A length for which the error until room is small enough, with its stages; the length of the next step.  If
  * pair >= 0 the mode does not hold where it begins. */
 static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
-    int consistent = 0, most = MOST_DOUBLINGS;
+    int consistent = 0, most = MOST_DOUBLINGS, shortest = ns_sparse_least_exponent(m) + NS_STEEPEST;
     while (step->length_exponent < ns_sparse_least_exponent(m) &&
            ns_inputs_stages_steepest(m->in, length_of(m, step->length_exponent) / NS_POLE) > too_steep)
         step->length_exponent++;
@@ -223,6 +223,10 @@ static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
         const double h = length_of(m, step->length_exponent);
         step->g = h / NS_POLE;
         int status = solve_stages(m, step, room);
+        if (status == NS_E_SINGULAR && step->length_exponent > ns_sparse_least_exponent(m)) {
+            step->length_exponent = shortest = ns_sparse_least_exponent(m);
+            continue;
+        }
         if (status != NS_OK)
             return status;
         double ratio = 1, jump = 0, time = 0, whole = error_of(m, step, &ratio, &jump, &time);
@@ -254,18 +258,18 @@ static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
             step->length_exponent += (int)fmin(least - step->length_exponent, fmax(1, -log2(time) - 2));
             continue;
         }
-        if (error <= 1 || step->length_exponent >= ns_sparse_least_exponent(m) ||
-            tries >= ns_sparse_least_exponent(m)) {
+        if (error <= 1 || step->length_exponent >= shortest || tries >= shortest) {
             step->next_exponent -=
                 count_doublings(whole, ratio, step->length_exponent < most ? step->length_exponent : most);
-            if (whole > 1 && step->next_exponent < ns_sparse_least_exponent(m))
+            if (whole > 1 && step->next_exponent < shortest)
                 step->next_exponent++;
             return whole < INFINITY ? NS_OK : NS_E_OVERFLOW;
         }
         m->counts.trials++;
         const int less =
             error < INFINITY ? (int)fmax(1, fmin(8, ceil(log2(error) / (NS_ORDER + 1) - 0.1))) : 8;
-        step->length_exponent = step->length_exponent + less < least ? step->length_exponent + less : least;
+        step->length_exponent =
+            step->length_exponent + less < shortest ? step->length_exponent + less : shortest;
     }
 }
 
