@@ -88,6 +88,13 @@ int ns_sparse_transient_is_due(const ns_sparse *m, const ns_dense_step *step) {
     return step == m->trial.step || step->failures > 1 || step->length < shortest_step(m, step->images);
 }
 
+/* 1 if the rounding of the currents around pair j makes its lambda at the end of a step. */
+static int is_rounding(const ns_sparse *m, const ns_dense_step *step, int j, double lambda) {
+    double *v = m->transient.v;
+    ns_sparse_step_point(m, step, step->length, v);
+    return fabs(lambda) <= ns_sparse_guard_least_rounding(m, j, v, step->powers, step->g);
+}
+
 /* 1 if a conducting pair has the wrong sign at the end of a step, by more than a point that is shown may
  * have: what a series leaves there of a transient that it does not resolve.  It is passed by Euler steps. */
 int ns_sparse_transient_is_left(const ns_sparse *m, const ns_dense_step *step) {
@@ -104,7 +111,7 @@ int ns_sparse_transient_is_left(const ns_sparse *m, const ns_dense_step *step) {
             continue;
         for (int i = step->stages - 1; i >= 0; i--)
             lambda += c[i] * step->images[(size_t)i * size + (size_t)(m->f->n + j)];
-        if (has_wrong_sign(m, j, lambda))
+        if (has_wrong_sign(m, j, lambda) && !is_rounding(m, step, j, lambda))
             return 1;
     }
     return 0;
@@ -209,14 +216,16 @@ static int all_hold(const ns_sparse *m, const double *v) {
     return all;
 }
 
-/* x and lambda to the right of the event, by an Euler step as short as rounding allows; 0: there are none. */
+/* x and lambda to the right of the event, by an Euler step as short as rounding allows; by the longest one if
+ * all break laws by more than a small part of the largest; 0: there are none. */
 static int find_begin(ns_sparse *m, const stretch *s, double *v) {
     enum { SHORTEST = 16, LONGEST = 6, LONGER = 5 };
-    int found = 0;
-    for (int e = SHORTEST; e >= LONGEST && !found; e -= LONGER) {
+    int found = 0, holds = 0;
+    for (int e = SHORTEST; e >= LONGEST && !holds; e -= LONGER) {
         const double g = fmin(fmax(ldexp(s->length, -e), s->shortest), s->length);
         ns_sparse_guard_set_mode(m, m->before_event.mode);
-        found = ns_sparse_event_consistent(m, s->t, g, m->before_event.w, v, NULL) == NS_OK && all_hold(m, v);
+        found = ns_sparse_event_consistent(m, s->t, g, m->before_event.w, v, NULL) == NS_OK;
+        holds = found && all_hold(m, v);
     }
     ns_sparse_guard_set_mode(m, m->transient.mode);
     return found;
