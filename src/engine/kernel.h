@@ -13,20 +13,10 @@
 #ifndef NS_ENGINE_KERNEL_H
 #define NS_ENGINE_KERNEL_H
 
+#include "events/guard.h"
 #include "nonsmooth/march.h"
 
 typedef struct ns_kernel ns_kernel;
-
-/* A guard: its mode is right while value >= 0.  Guard 2j is the lower one of pair j: y_j at the lower bound,
- * lambda_j - l_j inside; guard 2j+1 the upper one: -y_j at the upper bound, u_j - lambda_j inside; guard 2m+c
- * that of command c by the state: on - g while it is open, g - off while it is closed.  Those that the mode
- * has not are INFINITY. */
-typedef struct ns_guard {
-    double value;       /* V or A */
-    double rate;        /* 1/s of that */
-    double second_rate; /* 1/s^2 of that */
-    double rounding;    /* what value may be off by */
-} ns_guard;
 
 typedef struct ns_kernel_table {
     void (*free)(ns_kernel *k);
@@ -41,6 +31,9 @@ typedef struct ns_kernel_table {
      * OVERFLOW. */
     int (*prepare)(ns_kernel *k, double h, double *ahead);
     /* tau (s) after the point, 0 <= tau <= *ahead: w = M x (n); x (n) and lambda (m); all guards (2m + nc).
+     * Guard 2j is the lower one of pair j: y_j at the lower bound, lambda_j - l_j inside; guard 2j+1 the
+     * upper one: -y_j at the upper bound, u_j - lambda_j inside; guard 2m+c that of command c by the state:
+     * on - g while it is open, g - off while it is closed.  Those that the mode has not are INFINITY.
      * Errors: MEMORY. */
     int (*state)(ns_kernel *k, double tau, double *w);
     int (*outputs)(ns_kernel *k, double tau, double *x, double *lambda);

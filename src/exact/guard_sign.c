@@ -18,27 +18,15 @@ static int step_ahead(ns_exact *f, ns_time_scale *scale, int k, const double *X)
     return NS_OK;
 }
 
-ns_guard_sign ns_exact_guard_sign(ns_exact *f, ns_exact_mode *mode, int g, const double *X) {
-    const ns_mode_kernel *k = mode->scale[0].kernel;
-    if (k->always_zero[g])
-        return NS_SIGN_HOLDS;
-    const double value = ns_exact_guard_of(k, k->value, g, X), rate = ns_exact_guard_of(k, k->rate, g, X);
-    const double tol = ns_exact_guard_rounding_at(f, k, g, X, rate);
-    if (fabs(value) > tol + fabs(rate) * f->state.event_time_error)
-        return value < 0 ? NS_SIGN_BREAKS : NS_SIGN_HOLDS;
-    const double second_rate = ns_exact_guard_of(k, k->second_rate, g, X);
-    if (k->g * (fabs(rate) - 2 * fabs(second_rate) * f->state.event_time_error) >
-        8 * tol) /* the rate is known as well as the instant */
-        return rate < 0 ? NS_SIGN_BREAKS : NS_SIGN_HOLDS;
-    if (fabs(second_rate) * k->g * k->g > 64 * tol)
-        return second_rate < 0 ? NS_SIGN_BREAKS : NS_SIGN_HOLDS;
+/* By the value of guard g some steps ahead. */
+static ns_guard_sign look_ahead(ns_exact *f, ns_exact_mode *mode, int g, const double *X) {
     double start = 0;
     for (int i = 0; i < mode->scales; i++) {
         ns_time_scale *scale = ns_exact_mode_reach(f, mode, i);
         const double until = i + 1 < mode->scales ? mode->scale[i + 1].from : INFINITY;
         if (!scale)
             break;
-        k = scale->kernel;
+        const ns_mode_kernel *k = scale->kernel;
         const double noise = ns_exact_guard_rounding(f, k, g);
         double h = k->h;
         for (int exponent = 0; exponent <= NS_SOON_EXPONENT && h <= until; exponent++, h *= 2) {
@@ -51,6 +39,20 @@ ns_guard_sign ns_exact_guard_sign(ns_exact *f, ns_exact_mode *mode, int g, const
         start = until;
     }
     return NS_UNDECIDED;
+}
+
+ns_guard_sign ns_exact_guard_sign(ns_exact *f, ns_exact_mode *mode, int g, const double *X) {
+    const ns_mode_kernel *k = mode->scale[0].kernel;
+    if (k->always_zero[g])
+        return NS_SIGN_HOLDS;
+    ns_guard of = {ns_exact_guard_of(k, k->value, g, X), ns_exact_guard_of(k, k->rate, g, X), 0, 0};
+    of.rounding = ns_exact_guard_rounding_at(f, k, g, X, of.rate);
+    ns_guard_sign sign = ns_events_value_sign(&of, f->state.event_time_error);
+    if (sign == NS_UNDECIDED) {
+        of.second_rate = ns_exact_guard_of(k, k->second_rate, g, X);
+        sign = ns_events_guard_sign(&of, f->state.event_time_error, k->g);
+    }
+    return sign == NS_UNDECIDED ? look_ahead(f, mode, g, X) : sign;
 }
 
 static ns_mode_verdict judge_mode(ns_exact *f, ns_exact_mode *k, ns_evidence evidence, uint64_t undecided) {

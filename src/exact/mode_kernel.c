@@ -18,19 +18,14 @@ static int control_rows(const ns_system *s, const ns_mode *mode) {
     return count;
 }
 
-static int name_pair_rows(const ns_theta *s, const ns_mode *mode, ns_guard_row *row) {
-    int count = 0;
-    for (int j = 0; j < s->s->m; j++) {
-        if (mode[j] == NS_INSIDE) {
-            if (isfinite(s->l[j]))
-                row[count++] = (ns_guard_row){j, NS_LOWER, -1};
-            if (isfinite(s->u[j]))
-                row[count++] = (ns_guard_row){j, NS_UPPER, -1};
-        } else if (s->l[j] < s->u[j]) {
-            row[count++] = (ns_guard_row){j, NS_INSIDE, -1};
-        }
-    }
-    return count;
+/* The guards of pairs: of those that slide, or of the others; behind the last. */
+static ns_guard_row *name_pair_rows(const ns_theta *s, const ns_mode *mode, int sliding, ns_guard_row *row) {
+    ns_mode to[2];
+    for (int j = 0; j < s->s->m; j++)
+        for (int i = 0;
+             ns_mode_slides(mode[j]) == sliding && i < ns_mode_guards(mode[j], s->l[j], s->u[j], to); i++)
+            *row++ = (ns_guard_row){j, to[i], -1};
+    return row;
 }
 
 static void name_control_rows(const ns_theta *s, const ns_mode *mode, ns_guard_row *row) {
@@ -71,9 +66,7 @@ static ns_mode_kernel *allocate_kernel(const ns_theta *s, const ns_input_states 
     k->D8 = k->rounding + rows * q;
     k->step = k->D8 + r * q;
     k->bytes = sizeof *k + count * sizeof(double) + rows * sizeof *k->row;
-    const int pairs = name_pair_rows(s, mode, k->row);
-    (void)ns_exact_sliding_names(mode, s->s->m, k->row + pairs);
-    name_control_rows(s, mode, k->row + k->pair_rows);
+    name_control_rows(s, mode, name_pair_rows(s, mode, 1, name_pair_rows(s, mode, 0, k->row)));
     return k;
 }
 

@@ -6,6 +6,7 @@
 #ifndef NS_EXACT_MODE_SELECTION_H
 #define NS_EXACT_MODE_SELECTION_H
 
+#include "events/guard.h"
 #include "exact_internal.h"
 
 /* mode_entry.c: X_next = X, as the mode is entered with it; 1 if it jumps.  Then: 1 if the impulses of all
@@ -20,17 +21,9 @@ int ns_exact_enter_carries(const ns_exact *f, const ns_mode_kernel *k, int g);
 void ns_exact_enter_count(ns_exact *f);
 
 /* guard_sign.c */
-/* What guard g is about to do.  HOLDS, BREAKS: by its value, rate and second rate; SEEMS_TO: by its value
- * some steps ahead, which grown rounding, or another event in between, may have changed. */
+/* What guard g is about to do.  SEEMS_TO: by its value some steps ahead, which grown rounding, or another
+ * event in between, may have changed. */
 enum { NS_SOON_EXPONENT = 8 }; /* a guard is looked at up to h 2^8 ahead */
-typedef enum ns_guard_sign {
-    NS_SIGN_HOLDS,
-    NS_SIGN_SEEMS_TO_HOLD,
-    NS_UNDECIDED,
-    NS_SIGN_SEEMS_TO_BREAK,
-    NS_SIGN_BREAKS
-} ns_guard_sign;
-
 ns_guard_sign ns_exact_guard_sign(ns_exact *f, ns_exact_mode *mode, int g, const double *X);
 /* How long after the event guard g breaks, s: 0 if it is that of the event but for a factor; above 0 if its
  * threshold differs from that one's only by rounding (a sign at zero), and the control goes on as it does.

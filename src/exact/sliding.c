@@ -123,13 +123,3 @@ void ns_exact_sliding_fill(const ns_theta *s, const ns_map *map, const ns_mode *
         g += 2;
     }
 }
-
-int ns_exact_sliding_names(const ns_mode *mode, int m, ns_guard_row *row) {
-    int count = 0;
-    for (int j = 0; j < m; j++)
-        if (ns_mode_slides(mode[j])) {
-            row[count++] = (ns_guard_row){j, NS_LOWER, -1};
-            row[count++] = (ns_guard_row){j, NS_INSIDE, -1};
-        }
-    return count;
-}

@@ -9,6 +9,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "events/guard.h"
 #include "order_expansion.h"
 
 /* Steps that propose a mode: log2 of their lengths against the fastest time constant; the fractions of leaks
@@ -47,14 +48,6 @@ static double lambda_of(const ns_order_expansion *k, int j, int order, double bo
     return k->at[order][at] - from;
 }
 
-/* An impulse, a value and a rate, read as one number: -1, 0, 1. */
-static int sign_of(const ns_order_expansion *k, const double *number, const double *tol) {
-    for (int order = 0; order < k->orders; order++)
-        if (!(fabs(number[order]) <= tol[order]))
-            return number[order] > 0 ? 1 : -1;
-    return 0;
-}
-
 /* (J4) for pair j, inside. */
 static int lambda_satisfies(const ns_order_expansion *k, int j) {
     const double bound[2] = {k->s->l[j], k->s->u[j]};
@@ -62,7 +55,7 @@ static int lambda_satisfies(const ns_order_expansion *k, int j) {
         double number[3] = {0}, tol[3] = {0};
         for (int order = 0; order < 3; order++)
             number[order] = lambda_of(k, j, order, bound[side], &tol[order]);
-        if (isfinite(bound[side]) && sign_of(k, number, tol) == (side ? 1 : -1))
+        if (isfinite(bound[side]) && ns_events_sign(k->orders, number, tol) == (side ? 1 : -1))
             return 0;
     }
     return 1;
@@ -74,7 +67,7 @@ static int y_satisfies(const ns_order_expansion *k, int j, const double *z, cons
     double number[3] = {0}, tol[3] = {0};
     for (int order = 0; order < 3; order++)
         number[order] = y_of(k, j, order, inputs[order], &tol[order]);
-    return sign_of(k, number, tol) != k->mode[j];
+    return ns_events_sign(k->orders, number, tol) != k->mode[j];
 }
 
 /* (J4) */

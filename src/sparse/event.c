@@ -31,7 +31,7 @@ static const double least_scale = 1e-3;
 static int change_along_growth(ns_sparse *m, double g, const double *v) {
     const ns_cached_factors *k;
     double y, lambda, worst = -grows;
-    int pair = -1, upper = 0;
+    int pair = -1, broken = 0;
     if (ns_sparse_factors_factor(m->q, g, m->mode, 1, &k) != NS_OK)
         return 0;
     memcpy(m->work.v, v, sizeof(double) * (size_t)m->f->size);
@@ -49,11 +49,11 @@ static int change_along_growth(ns_sparse *m, double g, const double *v) {
                 continue;
             worst = of;
             pair = j;
-            upper = is_upper(m, j, i);
+            broken = i;
         }
     if (pair < 0)
         return 0;
-    ns_sparse_guard_leave(m, pair, upper);
+    ns_sparse_guard_leave(m, pair, broken);
     m->touched[pair] = 1;
     return 1;
 }
@@ -212,7 +212,7 @@ static void change_met_commands(ns_sparse *m, const ns_dense_step *step) {
             !(k->on > k->off ? ns_sparse_location_meets(m, step, c)
                              : ns_sparse_location_is_same(m, step, c, &m->apart[c])))
             continue;
-        ns_sparse_guard_leave(m, k->pair, 0);
+        ns_sparse_guard_toggle(m, k->pair);
         m->changed[c] = 1;
     }
 }
@@ -226,9 +226,9 @@ void ns_sparse_event_own_changes(ns_sparse *m, const ns_dense_step *step, double
     if (step && (step->pair >= 0 || step->command >= 0))
         change_met_commands(m, step);
     if (step && step->pair >= 0)
-        ns_sparse_guard_leave(m, step->pair, step->upper);
+        ns_sparse_guard_leave(m, step->pair, step->guard);
     if (step && step->command >= 0) {
-        ns_sparse_guard_leave(m, m->s->command[step->command].pair, 0);
+        ns_sparse_guard_toggle(m, m->s->command[step->command].pair);
         m->changed[step->command] = 1;
     }
     ns_sparse_event_time_commands(m, t);
@@ -248,8 +248,8 @@ static void begin_with_longer_step(ns_sparse *m, double t, double g, double *by)
 /* A jump that m->mode has in steps of length g, and that its pairs cannot carry: that mode follows later, and
  * other ones come before it within that time.  Where digits suffice for shorter steps nothing jumped. */
 static int refuse_jump(ns_sparse *m, double g, ns_jump_kind *jump) {
-    int pair, upper;
-    const int status = ns_sparse_instant_misfit(m, g, &pair, &upper);
+    int pair, broken;
+    const int status = ns_sparse_instant_misfit(m, g, &pair, &broken);
     if (status != NS_OK || pair < 0)
         return status;
     if (g <= ns_sparse_finest(m))

@@ -249,7 +249,7 @@ int ns_sparse_location_first(ns_sparse *m, ns_dense_step *step) {
     step->at_event = 1;
     step->pair = f.pair;
     step->command = f.command;
-    step->upper = f.pair >= 0 && is_upper(m, f.pair, f.k);
+    step->guard = f.k;
     if (f.at < 1) {
         step->length *= f.at;
         step->end_t = ns_lower(step->end_t, ns_higher(step->t, step->t + (step->time_lost + step->length)));

@@ -31,15 +31,6 @@ void ns_sparse_guard_bounds(ns_sparse *m) {
     ns_sparse_guard_set_mode(m, m->mode);
 }
 
-void ns_sparse_guard_leave(ns_sparse *m, int j, int upper) {
-    if (ns_mode_slides(m->mode[j]))
-        m->mode[j] = upper ? NS_INSIDE : NS_LOWER; /* y reached zero, or lambda did */
-    else if (m->mode[j] == NS_INSIDE)
-        m->mode[j] = upper ? NS_UPPER : NS_LOWER;
-    else
-        m->mode[j] = NS_INSIDE;
-}
-
 static double sizes_of_y(const ns_sparse *m, int j, const double *v) {
     return ns_linalg_csc_size(&m->f->Ct, j, v) + fabs(m->f->e[j]);
 }
@@ -138,7 +129,7 @@ static int is_broken(ns_sparse *m, int j, const double *v, const double *w, doub
         const double value = guard(m, j, k, v, m->z, 1);
         if (!(value < 0) || value >= -(ns_sparse_guard_least_rounding(m, j, v, w, g) + located(m, j, v)))
             continue;
-        m->flip[j] = (unsigned char)(1 + is_upper(m, j, k));
+        m->flip[j] = (unsigned char)(1 + k);
         return 1;
     }
     return 0;
@@ -160,8 +151,8 @@ int ns_sparse_guard_broken(ns_sparse *m, const double *v, const double *w, doubl
         return 0;
     memset(m->work.no_inputs, 0, sizeof(double) * (size_t)m->f->nz);
     for (int j = 0; j < m->f->m; j++) {
-        const int k = m->flip[j] == 2 && guards_of(m, j) == 2;
-        if (!m->flip[j])
+        const int k = m->flip[j] - 1;
+        if (k < 0)
             continue;
         const double by = fabs(guard(m, j, k, m->work.v, m->work.no_inputs, 0));
         if (guard(m, j, k, v, m->z, 1) >= -(ns_sparse_guard_least_rounding(m, j, v, w, g) + 16 * by))
@@ -175,7 +166,7 @@ int ns_sparse_guard_flip(ns_sparse *m, int most) {
     int count = 0;
     for (int j = 0; j < m->f->m && count < most; j++)
         if (m->flip[j]) {
-            ns_sparse_guard_leave(m, j, m->flip[j] == 2);
+            ns_sparse_guard_leave(m, j, m->flip[j] - 1);
             m->touched[j] = 1;
             count++;
         }

@@ -18,8 +18,6 @@ static inline void ns_sparse_guard_set_pair(ns_sparse *m, int j, ns_mode to) {
 static inline void ns_sparse_guard_toggle(ns_sparse *m, int j) { /* a switch, open or closed */
     ns_sparse_guard_set_pair(m, j, ns_mode_toggled(m->mode[j]));
 }
-/* Pair j leaves its mode by the guard that broke: upper: of the upper bound of lambda. */
-void ns_sparse_guard_leave(ns_sparse *m, int j, int upper);
 
 /* How many guards are broken at v by more than rounding, after an Euler step g from w (n): they are marked in
  * m->flip. */
@@ -65,9 +63,15 @@ int ns_sparse_guard_perturb(ns_sparse *m, const double *v, const double *w, doub
 /* How many guards pair j has, and number k of them at v; constants: 1, or 0 where constant terms are left
  * out. */
 static inline int guards_of(const ns_sparse *m, int j) {
-    if (ns_mode_slides(m->mode[j]))
-        return 2;
-    return m->mode[j] == NS_INSIDE ? isfinite(m->l[j]) + isfinite(m->u[j]) : m->l[j] < m->u[j];
+    ns_mode to[2];
+    return ns_mode_guards(m->mode[j], m->l[j], m->u[j], to);
+}
+
+/* Pair j leaves its mode by guard k of it, which broke. */
+static inline void ns_sparse_guard_leave(ns_sparse *m, int j, int k) {
+    ns_mode to[2];
+    (void)ns_mode_guards(m->mode[j], m->l[j], m->u[j], to);
+    m->mode[j] = to[k];
 }
 
 static inline int is_upper(const ns_sparse *m, int j, int k) {

@@ -40,7 +40,7 @@ int ns_sparse_instant_add(ns_sparse *m, double g, ns_instant *to) {
     return status == NS_E_SINGULAR ? NS_OK : status;
 }
 
-int ns_sparse_instant_misfit(ns_sparse *m, double g, int *pair, int *upper) {
+int ns_sparse_instant_misfit(ns_sparse *m, double g, int *pair, int *broken) {
     const ns_cached_factors *k;
     double *v = m->work.v, largest_y, largest_lambda, worst = 0;
     *pair = -1;
@@ -62,7 +62,7 @@ int ns_sparse_instant_misfit(ns_sparse *m, double g, int *pair, int *upper) {
             if (of < -(of_largest * most + of_usual * usual) && of / most < worst) {
                 worst = of / most;
                 *pair = j;
-                *upper = is_upper(m, j, i);
+                *broken = i;
             }
         }
     }

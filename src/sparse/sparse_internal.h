@@ -58,7 +58,7 @@ typedef struct ns_dense_step {
     /* what ends it */
     int at_event;      /* an event ends it: */
     int pair, command; /* of this guard; -1: not of a pair, not of a command by the state */
-    int upper;         /* the upper bound of that pair's lambda is reached */
+    int guard;         /* which one of the pair's, as ns_mode_guards() has them */
     int failures;      /* steps in a row that ended where they began */
     /* its polynomials */
     double *images; /* NS_STAGES (n+m): x, lambda of stage i */
@@ -174,7 +174,7 @@ typedef struct ns_sparse {
     /* an event */
     const ns_watch *watch;  /* who looks at it; NULL: nobody */
     unsigned char *touched; /* m: pairs that changed in the search for a mode */
-    unsigned char *flip;    /* m: broken guards: 1 the only one, 2 the upper bound of lambda */
+    unsigned char *flip;    /* m: 1 + which guard of a pair is broken; 0: none is */
     unsigned char *changed; /* nc: 1 commands that changed at this event, 2 that begin to slide */
     double *apart; /* nc: so far from its threshold one changed with the event that has its control */
     ns_mode *commanded_mode; /* m: after what the event itself changes, and nothing that follows from it */
@@ -344,9 +344,9 @@ static inline double ns_sparse_finest(const ns_sparse *m) {
 /* instant.c: adds to `to` (n+m) the integrals over the jump that ns_sparse_project_consistent() made with
  * steps of length g.  Overwrites work.w, work.v.  Errors: MEMORY. */
 int ns_sparse_instant_add(ns_sparse *m, double g, ns_instant *to);
-/* The pair that could carry the impulse of that jump least, and if at the upper bound of lambda; -1: all can
- * (J4).  Overwrites work.v.  Errors: MEMORY. */
-int ns_sparse_instant_misfit(ns_sparse *m, double g, int *pair, int *upper);
+/* The pair that could carry the impulse of that jump least, and by which of its guards; -1: all can (J4).
+ * Overwrites work.v.  Errors: MEMORY. */
+int ns_sparse_instant_misfit(ns_sparse *m, double g, int *pair, int *broken);
 /* m->instant is kept with the event; is as kept. */
 void ns_sparse_instant_save(ns_sparse *m);
 void ns_sparse_instant_restore(ns_sparse *m);

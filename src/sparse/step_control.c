@@ -197,7 +197,7 @@ static int remove_jump(ns_sparse *m, ns_dense_step *step, double room) {
         status = ns_sparse_project_consistent(m, step->t, g, NULL, &jumped);
     }
     if (status == NS_OK && jumped == NS_JUMPS)
-        status = ns_sparse_instant_misfit(m, g, &step->pair, &step->upper);
+        status = ns_sparse_instant_misfit(m, g, &step->pair, &step->guard);
     if (status == NS_OK && step->pair >= 0) {
         memcpy(m->w, step->powers, bytes);
         return status;

@@ -18,7 +18,8 @@ static void fill_y(const ns_theta *s, const ns_map *map, int k, double *y) {
 }
 
 int ns_theta_guards_of(const ns_theta *s, const ns_mode *mode, int j) {
-    return mode[j] == NS_INSIDE ? isfinite(s->l[j]) + isfinite(s->u[j]) : s->l[j] < s->u[j];
+    ns_mode to[2];
+    return ns_mode_slides(mode[j]) ? 0 : ns_mode_guards(mode[j], s->l[j], s->u[j], to);
 }
 
 int ns_theta_guard_count(const ns_theta *s, const ns_mode *mode) {
@@ -84,11 +85,12 @@ int ns_theta_guards_hold(const ns_theta *s, const ns_map *map, double tol) {
 int ns_theta_guards_flip(const ns_theta *s, const ns_map *map, double tol, ns_mode *mode) {
     int flipped = 0;
     for (int j = 0, g = 0; j < s->s->m; j++) {
-        const int inside = map->entry.mode[j] == NS_INSIDE, count = ns_theta_guards_of(s, map->entry.mode, j);
+        ns_mode to[2];
+        const int count = ns_mode_guards(map->entry.mode[j], s->l[j], s->u[j], to);
         for (int k = 0; k < count; k++, g++) {
             if (!guard_broke(s, map, g, tol))
                 continue;
-            mode[j] = !inside ? NS_INSIDE : k == 0 && isfinite(s->l[j]) ? NS_LOWER : NS_UPPER;
+            mode[j] = to[k];
             flipped = 1;
         }
     }

@@ -42,6 +42,17 @@ const char *judge_name(judge_verdict v) {
     return names[v];
 }
 
+unsigned judge_runs(const char *names) {
+    unsigned runs = 0;
+    for (int run = 0; names && run < J_CANDIDATES; run++) {
+        const char *at = strstr(names, settings[run].name);
+        const size_t length = strlen(settings[run].name);
+        if (at && (at[length] == ' ' || at[length] == 0))
+            runs |= 1U << run;
+    }
+    return runs;
+}
+
 static double *value_of(int run, int k, int band, int probe) {
     return &result[run]->value[(k * RUN_BAND + band) * p.probes + probe];
 }

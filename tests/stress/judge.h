@@ -73,4 +73,7 @@ int judge_engines(const netlist *n, double limit, judge_cost cost[JUDGE_ENGINES]
 
 const char *judge_name(judge_verdict v);
 
+/* The candidates in a list of names, as bits; NULL: all, 0. */
+unsigned judge_runs(const char *names);
+
 #endif

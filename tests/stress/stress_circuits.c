@@ -11,7 +11,8 @@
  * STRESS_SEED (else from the clock), STRESS_COUNT circuits of each class (20), STRESS_SECONDS for all (none),
  * STRESS_CLASS (a part of the names), STRESS_LIMIT s of CPU for a run (5), STRESS_SHRINK s for making a find
  * small (30), STRESS_JOBS processes (1), STRESS_THETA part of the circuits that the theta scheme judges too
- * (0.5), STRESS_FOLDER where finds go (build/stress).
+ * (0.5), STRESS_RUNS methods to be judged, as "exact sparse" (all), STRESS_FOLDER where finds go
+ * (build/stress).
  */
 #define _DEFAULT_SOURCE
 #include <stdlib.h>
@@ -239,8 +240,9 @@ static int collect_files(int count, char **path) {
 int main(int argc, char **argv) {
     int bad = 0;
     folder = getenv("STRESS_FOLDER") ? getenv("STRESS_FOLDER") : "build/stress";
-    options =
-        (judge_options){.limit = number_of("STRESS_LIMIT", 5), .spice = {getenv("STRESS_NGSPICE"), "/tmp"}};
+    options = (judge_options){.limit = number_of("STRESS_LIMIT", 5),
+                              .runs = judge_runs(getenv("STRESS_RUNS")),
+                              .spice = {getenv("STRESS_NGSPICE"), "/tmp"}};
     collect();
     if (argc == 4 && strcmp(argv[1], "print") == 0) {
         netlist n = {0};

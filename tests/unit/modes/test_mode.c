@@ -35,6 +35,24 @@ static void bounds_follow_from_the_mode(void **state) {
     assert_true(l[0] == 0 && u[0] == 0 && l[1] == 0 && u[1] == INFINITY);
 }
 
+/* What follows where lambda reaches a bound, where y does, and where either ends sliding. */
+static void guards_of_a_pair(void **state) {
+    ns_mode to[2];
+    (void)state;
+    assert_int_equal(ns_mode_guards(NS_INSIDE, -1, 2, to), 2);
+    assert_true(to[0] == NS_LOWER && to[1] == NS_UPPER);
+    assert_int_equal(ns_mode_guards(NS_INSIDE, 0, INFINITY, to), 1);
+    assert_int_equal(to[0], NS_LOWER);
+    assert_int_equal(ns_mode_guards(NS_INSIDE, -INFINITY, 0, to), 1);
+    assert_int_equal(to[0], NS_UPPER);
+    assert_int_equal(ns_mode_guards(NS_INSIDE, -INFINITY, INFINITY, to), 0); /* a closed switch */
+    assert_int_equal(ns_mode_guards(NS_UPPER, -1, 2, to), 1);
+    assert_int_equal(to[0], NS_INSIDE);
+    assert_int_equal(ns_mode_guards(NS_LOWER, 0, 0, to), 0); /* an open one */
+    assert_int_equal(ns_mode_guards(NS_SLIDES_DOWN, 0, 0, to), 2);
+    assert_true(to[0] == NS_LOWER && to[1] == NS_INSIDE);
+}
+
 static void values_of_modes(void **state) {
     (void)state;
     assert_true(ns_mode_slides(NS_SLIDES_UP) && ns_mode_slides(NS_SLIDES_DOWN));
@@ -120,8 +138,11 @@ static void lengths_are_spread(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bounds_follow_from_the_mode), cmocka_unit_test(values_of_modes),
-        cmocka_unit_test(the_oldest_are_dropped),      cmocka_unit_test(one_bucket_holds_several),
+        cmocka_unit_test(bounds_follow_from_the_mode),
+        cmocka_unit_test(guards_of_a_pair),
+        cmocka_unit_test(values_of_modes),
+        cmocka_unit_test(the_oldest_are_dropped),
+        cmocka_unit_test(one_bucket_holds_several),
         cmocka_unit_test(lengths_are_spread),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -103,7 +103,7 @@ static void a_pair_that_cannot_carry_it_breaks(void **state) {
     conduct(&b);
     assert_int_equal(b.step->at_event, 1);
     assert_int_equal(b.step->pair, 0);
-    assert_int_equal(b.step->upper, 0);
+    assert_int_equal(b.step->guard, 0);
     assert_true(b.step->length == 0 && b.step->end_t == 0);
     assert_true(fabs(charge_of(&b, b.m->w, 1) + 3e-9) < 1e-20 && charge_of(&b, b.m->w, 2) == 0);
     assert_true(fabs(charge_of(&b, b.step->powers, 1) + 3e-9) < 1e-20);
