@@ -78,7 +78,7 @@ typedef struct ns_own_taken {
     double rs;    /* ohm */
     int smoothed; /* it had an epsilon, which was left out */
     struct {      /* in the points of .tran so far: */
-        ns_log_mean current;
+        ns_pulse_mean current;
         double t, i;   /* s, A: the point before */
         double most_v; /* V: the largest voltage across it, of either sign */
         /* of M: v(gate,source) beyond vto; what its own channel does not do, and of what that is a part: at

@@ -1,8 +1,8 @@
 /* bridge/own_current.c - the first pass: the current that each D of ngspice carries.
  *
- * The voltage of its curve goes with the logarithm of the current, so that is the mean of the logarithm over
- * the charge: then vf times the charge is the integral of voltage times current, the energy lost.  In
- * breakdown it is the same.  The pass takes every D for its curve at 1 mA, and its points are few.
+ * The voltage of its curve goes with the logarithm of the current, so that is a mean of the logarithm
+ * (ns_pulse_mean).  In breakdown it is the same.  The pass takes every D for its curve at 1 mA, and its
+ * points are few.
  */
 #include "own_current.h"
 
@@ -43,7 +43,7 @@ int ns_bridge_own_pass_march(const ns_analysis *a, double stop, ns_march **march
  * come to it reads the time since a mark before the last one, each mark twice as late as the one before: the
  * last half, at least. */
 typedef struct own_mean {
-    ns_log_mean all, late, before; /* since: the start, tstart or the last mark; of the mark before that */
+    ns_pulse_mean all, late, before; /* since: the start, tstart or the last mark; of the mark before that */
 } own_mean;
 
 typedef struct own_pass {
@@ -54,19 +54,22 @@ typedef struct own_pass {
     double mark;    /* s: the next one; INFINITY: tstart was the last one */
 } own_pass;
 
-/* The march was sampled in the middle of some seconds. */
-static void add_part(const own_pass *p, double seconds) {
+/* The march was sampled between two times, s. */
+static void add_part(const own_pass *p, double from, double to) {
     const ns_analysis *a = p->a;
     const ns_mode *mode = ns_march_mode(p->march);
     for (int k = 0; k < a->ex.nowns; k++) {
         const int element = ns_bridge_own_diode_element(&a->ex.own[k]);
         double i;
         int on;
-        if (element >= 0 &&
-            ns_circuit_device(a->ex.circuit, element, a->x, a->lambda, mode, &i, NULL, &on) == NS_OK && on) {
-            own_mean *mean = &p->mean[2 * k + (on < 0)];
-            ns_bridge_log_mean_add(&mean->all, on < 0 ? -i : i, seconds, 0.0);
-            ns_bridge_log_mean_add(&mean->late, on < 0 ? -i : i, seconds, 0.0);
+        if (element < 0 ||
+            ns_circuit_device(a->ex.circuit, element, a->x, a->lambda, mode, &i, NULL, &on) != NS_OK)
+            continue;
+        for (int breaks = 0; breaks < 2; breaks++) {
+            own_mean *mean = &p->mean[2 * k + breaks];
+            const int is_on = breaks ? on < 0 : on > 0;
+            ns_bridge_pulse_mean_add(&mean->all, is_on, breaks ? -i : i, from, to);
+            ns_bridge_pulse_mean_add(&mean->late, is_on, breaks ? -i : i, from, to);
         }
     }
 }
@@ -76,8 +79,9 @@ static void pass_marks(own_pass *p, double t) {
     const int is_start = t >= p->start;
     if (t < p->mark && !(is_start && p->mark < INFINITY))
         return;
-    const ns_log_mean none = {0};
+    const ns_pulse_mean none = {0};
     for (int k = 0; k < 2 * p->a->ex.nowns; k++) {
+        ns_bridge_pulse_mean_end(&p->mean[k].late, t);
         p->mean[k].before = is_start ? none : p->mean[k].late;
         p->mean[k].late = none;
     }
@@ -88,7 +92,7 @@ static void pass_marks(own_pass *p, double t) {
 static int add_between(const own_pass *p, double from, double end) {
     const int status = ns_march_sample(p->march, 0.5 * (from + end), p->a->x, p->a->lambda);
     if (status == NS_OK)
-        add_part(p, end - from);
+        add_part(p, from, end);
     return status;
 }
 
@@ -145,21 +149,24 @@ static double round_current(double amperes) {
 }
 
 /* What counts of the k-th. */
-static ns_log_mean mean_of(const own_pass *p, int k) {
-    const own_mean *m = &p->mean[k];
-    const ns_log_mean late = {m->late.coulombs + m->before.coulombs, m->late.sum + m->before.sum,
-                              fmax(m->late.most, m->before.most)};
-    return late.coulombs > 0.0 ? late : m->all;
+static ns_pulse_mean mean_of(const own_pass *p, int k, double t) {
+    own_mean *m = &p->mean[k];
+    ns_bridge_pulse_mean_end(&m->all, t);
+    ns_bridge_pulse_mean_end(&m->late, t);
+    const ns_pulse_mean late = {.weight = m->late.weight + m->before.weight,
+                                .sum = m->late.sum + m->before.sum,
+                                .most = fmax(m->late.most, m->before.most)};
+    return late.weight > 0.0 ? late : m->all;
 }
 
 /* One that carried no more than a leak, as far as the pass came, may do so because it did not begin yet; in
  * breakdown that says nothing. */
 static void note_current(const own_pass *p, int k, ns_own_found *currents) {
     const int breaks = k % 2;
-    const ns_log_mean mean = mean_of(p, k);
-    const double amperes = ns_bridge_log_mean_read(&mean);
+    const ns_pulse_mean mean = mean_of(p, k, currents->seconds);
+    const double amperes = ns_bridge_pulse_mean_read(&mean);
     const int faint = !breaks && !currents->whole && amperes < NS_LEAK;
-    if (mean.coulombs > 0.0 && !(breaks && amperes < NS_LEAK))
+    if (amperes > 0.0 && !(breaks && amperes < NS_LEAK))
         currents->of[currents->count++] = (ns_own_current){.inst = p->a->ex.own[k / 2].inst,
                                                            .id = faint ? NS_OWN_CURRENT : amperes,
                                                            .most = mean.most,

@@ -87,9 +87,9 @@ void ns_bridge_own_count_point(const ns_analysis *a, double since, double t) {
             ns_circuit_device(a->ex.circuit, o->id, a->x, a->lambda, a->mode, &i, &v, NULL) != NS_OK)
             continue;
         i = o->kind == OWN_MOSFET && !o->follows ? o->mosfet.sign * i : i;
+        const double mean = 0.5 * (fmax(i, 0.0) + o->seen.i);
         if (o->seen.t >= since)
-            ns_bridge_log_mean_add(&o->seen.current, 0.5 * (fmax(i, 0.0) + o->seen.i), t - o->seen.t,
-                                   NS_LEAK);
+            ns_bridge_pulse_mean_add(&o->seen.current, mean > NS_LEAK, mean, o->seen.t, t);
         if (o->kind == OWN_MOSFET)
             count_channel(a, o, i, o->seen.t >= since ? t - o->seen.t : 0.0);
         o->seen.t = t;
@@ -99,7 +99,9 @@ void ns_bridge_own_count_point(const ns_analysis *a, double since, double t) {
 }
 
 static double own_current(const ns_own_taken *o) {
-    return ns_bridge_log_mean_read(&o->seen.current);
+    ns_pulse_mean mean = o->seen.current;
+    ns_bridge_pulse_mean_end(&mean, o->seen.t);
+    return ns_bridge_pulse_mean_read(&mean);
 }
 
 /* V: the voltage of its channel at a current, by the square law; INFINITY: it carries less. */

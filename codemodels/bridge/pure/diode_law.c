@@ -1,6 +1,7 @@
 /* bridge/pure/diode_law.c - the current of ngspice's D, and the voltage at which it flows. */
 #include "diode_law.h"
 
+#include <float.h>
 #include <math.h>
 
 static double exponential(const ns_diode_exponential *e, double v) {
@@ -72,4 +73,33 @@ void ns_bridge_log_mean_add(ns_log_mean *mean, double amperes, double seconds, d
 
 double ns_bridge_log_mean_read(const ns_log_mean *mean) {
     return mean->coulombs > 0.0 ? exp(mean->sum / mean->coulombs) : 0.0;
+}
+
+void ns_bridge_pulse_mean_end(ns_pulse_mean *mean, double t) {
+    const double amperes = mean->is_over && mean->on > 0.0 ? mean->pulse.coulombs / mean->on
+                                                           : ns_bridge_log_mean_read(&mean->pulse);
+    const double weight = sqrt((t - mean->began) * mean->on) * (amperes < NS_LEAK ? DBL_EPSILON : 1.0);
+    if (amperes > 0.0) {
+        mean->weight += weight;
+        mean->sum += weight * log(amperes);
+    }
+    mean->pulse = (ns_log_mean){0};
+    mean->began = t;
+    mean->on = 0.0;
+}
+
+void ns_bridge_pulse_mean_add(ns_pulse_mean *mean, int is_on, double amperes, double from, double to) {
+    const int flows = is_on && amperes > 0.0;
+    if (flows && (mean->is_over || !(mean->pulse.coulombs > 0.0)))
+        ns_bridge_pulse_mean_end(mean, from);
+    mean->is_over = !flows;
+    if (!flows)
+        return;
+    ns_bridge_log_mean_add(&mean->pulse, amperes, to - from, 0.0);
+    mean->on += to - from;
+    mean->most = fmax(mean->most, mean->pulse.most);
+}
+
+double ns_bridge_pulse_mean_read(const ns_pulse_mean *mean) {
+    return mean->weight > 0.0 ? exp(mean->sum / mean->weight) : 0.0;
 }

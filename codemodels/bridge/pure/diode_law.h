@@ -54,4 +54,26 @@ void ns_bridge_log_mean_add(ns_log_mean *mean, double amperes, double seconds, d
 /* A; 0: nothing flowed. */
 double ns_bridge_log_mean_read(const ns_log_mean *mean);
 
+/* The mean logarithm of a current that flows in pulses.  Over all charge an inrush would decide it.  What a
+ * pulse leaves, on a capacitor above all, stays until the next one begins; but a spike before a long pause is
+ * not worth all of that.  So a pulse counts by the root of that time and of the time for which it flows.  One
+ * that came to its end counts with its mean current: it leaves the voltage of its end, and a curve spreads
+ * the charge over all its time. */
+typedef struct ns_pulse_mean {
+    ns_log_mean pulse; /* the last one */
+    double began, on;  /* s; for how long it flowed */
+    int is_over;
+    double weight, sum; /* of those before it */
+    double most;        /* A: the largest current */
+} ns_pulse_mean;
+
+/* From one time to another, s, it was `amperes`; not on: 0, which ends a pulse. */
+void ns_bridge_pulse_mean_add(ns_pulse_mean *mean, int is_on, double amperes, double from, double to);
+
+/* The last pulse counts until t, s; the next one begins then at the earliest. */
+void ns_bridge_pulse_mean_end(ns_pulse_mean *mean, double t);
+
+/* A, of pulses that are ended; 0: nothing flowed.  Those of a leak count where there is nothing else. */
+double ns_bridge_pulse_mean_read(const ns_pulse_mean *mean);
+
 #endif

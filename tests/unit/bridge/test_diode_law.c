@@ -91,12 +91,43 @@ static void mean_of_logarithms(void **unused) {
     assert_true(fabs(ns_bridge_log_mean_read(&mean) - pow(4, 1.0 / 6)) < 1e-15);
 }
 
+/* 100 A for 1 s at 0 s, then from 9 s on, every 9 s, 1 A for 1 s and 3 A for 1 s: 2 A in the mean.  The first
+ * one counts by the root of 1 s * 9 s, ten others by that of 2 s * 9 s: (3 ln 100 + 10 4.2426 ln 2)/(3
+ * + 42.426).  Over the charge it would be 33 A.  What is not over yet counts with its logarithm over the
+ * charge; leaks beside it do not. */
+static void pulses(void **unused) {
+    (void)unused;
+    ns_pulse_mean mean = {.is_over = 0};
+    ns_bridge_pulse_mean_end(&mean, 0);
+    assert_true(ns_bridge_pulse_mean_read(&mean) == 0);
+    ns_bridge_pulse_mean_add(&mean, 1, 100, 0, 1);
+    ns_bridge_pulse_mean_add(&mean, 0, 100, 1, 9);
+    for (int k = 1; k <= 10; k++) {
+        ns_bridge_pulse_mean_add(&mean, 1, 1, 9 * k, 9 * k + 1);
+        ns_bridge_pulse_mean_add(&mean, 1, 3, 9 * k + 1, 9 * k + 2);
+        ns_bridge_pulse_mean_add(&mean, 1, 0, 9 * k + 2, 9 * k + 9);
+    }
+    ns_bridge_pulse_mean_end(&mean, 99);
+    const double each = sqrt(18), expected = (3 * log(100) + 10 * each * log(2)) / (3 + 10 * each);
+    assert_true(fabs(log(ns_bridge_pulse_mean_read(&mean)) - expected) < 1e-13);
+    assert_true(mean.most == 100);
+    ns_bridge_pulse_mean_add(&mean, 1, 1e-12, 99, 1e6);
+    ns_bridge_pulse_mean_end(&mean, 1e6);
+    assert_true(fabs(log(ns_bridge_pulse_mean_read(&mean)) - expected) < 1e-8);
+    ns_pulse_mean goes_on = {.is_over = 0};
+    ns_bridge_pulse_mean_add(&goes_on, 1, 1, 0, 4);
+    ns_bridge_pulse_mean_add(&goes_on, 1, 4, 4, 5);
+    ns_bridge_pulse_mean_end(&goes_on, 5);
+    assert_true(fabs(ns_bridge_pulse_mean_read(&goes_on) - 2) < 1e-15);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(of_one_exponential),
                                        cmocka_unit_test(of_high_injection),
                                        cmocka_unit_test(of_sums),
                                        cmocka_unit_test(line_of_what_it_carries),
                                        cmocka_unit_test(breakdown),
+                                       cmocka_unit_test(pulses),
                                        cmocka_unit_test(none),
                                        cmocka_unit_test(mean_of_logarithms)};
     return cmocka_run_group_tests(tests, NULL, NULL);
