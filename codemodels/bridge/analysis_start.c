@@ -100,11 +100,42 @@ static void announce_circuit(ns_session *s) {
     }
 }
 
+/* What the held voltages add to the control of a command; *any: there are some. */
+static double held_control(const ns_analysis *a, int c, int *any) {
+    const ns_system *s = a->system;
+    double g = 0.0;
+    for (int k = 0; k < a->held.n; k++) {
+        double weight = s->command[c].gx ? s->command[c].gx[a->held.unknown[k]] : 0.0;
+        for (int p = s->large ? s->large->gx.start[c] : 0; s->large && p < s->large->gx.start[c + 1]; p++)
+            weight += s->large->gx.row[p] == a->held.unknown[k] ? s->large->gx.value[p] : 0.0;
+        g += weight * a->held.value[k];
+        *any |= weight != 0.0;
+    }
+    return g;
+}
+
+/* Under uic the .ic of nodes decide which of several states a circuit is in that keeps them without charge,
+ * as a latch of sources does: a comparator of such nodes begins as it is at these voltages, where other nodes
+ * have none, as ngspice's do.  NULL: there is no such comparator. */
+static const ns_mode *find_first_mode(const ns_analysis *a) {
+    int any = 0;
+    memset(a->mode, 0, (size_t)a->system->m * sizeof *a->mode);
+    for (int c = 0; c < a->system->nc; c++) {
+        const ns_command *command = &a->system->command[c];
+        int is_held = 0;
+        const double g = held_control(a, c, &is_held) + command->g0;
+        const int closed = is_held && command->off >= command->on ? g > command->on : command->closed;
+        a->mode[command->pair] = closed ? NS_INSIDE : NS_LOWER;
+        any |= is_held;
+    }
+    return any ? a->mode : NULL;
+}
+
 /* Charges and fluxes of SPICE's uic. */
 static int start_from_rest(const ns_analysis *a, ns_march *march) {
     double *w0 = calloc((size_t)a->system->n + 1, sizeof *w0);
     int status = w0 ? ns_circuit_rest(a->ex.circuit, w0) : NS_E_MEMORY;
-    status = status ? status : ns_march_start(march, 0.0, w0);
+    status = status ? status : ns_march_start_as(march, 0.0, w0, find_first_mode(a));
     free(w0);
     return status;
 }
