@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "chattering.h"
 #include "many_points.h"
 #include "pure/timepoints.h"
 #include "report.h"
@@ -162,6 +163,7 @@ void ns_bridge_analysis_clear(ns_analysis *a) {
     ns_waveform_free(a->waveform);
     ns_bridge_taken_clear(a);
     ns_bridge_many_points_clear(a);
+    ns_bridge_chattering_clear(a);
     ns_march_free(a->march);
     ns_system_free(a->system);
     ns_bridge_extract_clear(&a->ex);

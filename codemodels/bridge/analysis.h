@@ -41,6 +41,13 @@ typedef struct ns_analysis {
         ns_ring *ring;             /* follows it; NULL: not wanted */
         int said;
     } many;
+    struct {           /* chattering.c: while the scheme is at work */
+        ns_mode *mode; /* at the last point; NULL: there was none */
+        int *changes;  /* of each pair, */
+        int all;       /* of all, */
+        double since;  /* since that time, s */
+        int said;
+    } chatter;
     int devices_stale; /* the devices' static variables are of an earlier point */
 } ns_analysis;
 

@@ -4,6 +4,7 @@
  * any time in between ngspice is given what lies on the straight line. */
 #include "session.h"
 
+#include "chattering.h"
 #include "digital_run.h"
 #include "many_points.h"
 #include "report.h"
@@ -103,6 +104,7 @@ static int choose_next(ns_session *s) {
     if (s->next.held) {
         end_at_stop(s, p);
         ns_bridge_many_points_count(&s->analysis, p, s->ckt->CKTfinalTime);
+        ns_bridge_chattering_count(&s->analysis, p, s->ckt->CKTfinalTime);
     }
     return fail(s, status);
 }
