@@ -34,8 +34,9 @@ static ns_piecewise_value *constant(expression_reader *r, double value) {
 static ns_piecewise_value *read_variable(expression_reader *r, int index) {
     const int eq = r->b->ASRCvars[index];
     const int is_current = r->b->ASRCtree->varTypes[index] == IF_INSTANCE;
-    if (!is_current && eq == 0)
-        return constant(r, 0.0);
+    double volts = 0.0;
+    if (!is_current && (eq == 0 || ns_bridge_expression_supply(r->w, eq, &volts)))
+        return constant(r, volts);
     return ns_bridge_piecewise_term(&r->p,
                                     (ns_term){is_current, is_current ? r->w->ex->element[eq] : eq, 1.0});
 }

@@ -16,6 +16,9 @@ struct INPparseNode;
 void ns_bridge_expression_text(const IFparseTree *tree, const struct INPparseNode *node, char *text,
                                size_t size);
 
+/* expression_sources.c: 1 if a V between this node and ground holds it at so many volts all the time. */
+int ns_bridge_expression_supply(const ns_extract_walk *w, int node, double *volts);
+
 /* expression_sources.c: a node whose voltage is the time, s (made when it is asked for first), that of a
  * sine, or slope t + offset less the integer below it (slope: not 0, 1/s).  Statuses. */
 int ns_bridge_expression_time(ns_extract_walk *w, int *node);

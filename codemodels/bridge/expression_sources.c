@@ -4,7 +4,10 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "models.h"
 #include "pure/timepoints.h"
+
+#include "spicelib/devices/vsrc/vsrcdefs.h"
 
 /* Of the run, s. */
 static double stop_of(const ns_extract_walk *w) {
@@ -29,6 +32,20 @@ int ns_bridge_expression_time(ns_extract_walk *w, int *node) {
     const int status = w->time_node > 0 ? NS_OK : add_hidden(w, "time", &z, &w->time_node);
     *node = w->time_node;
     return status;
+}
+
+int ns_bridge_expression_supply(const ns_extract_walk *w, int node, double *volts) {
+    for (NGTABLEPTR box = w->ckt->DEVnameHash->thread; box; box = box->thread_next) {
+        if (ns_bridge_models_letter(box->data) != 'v')
+            continue;
+        const VSRCinstance *v = box->data;
+        const int up = v->VSRCposNode == node && v->VSRCnegNode == 0;
+        if (v->VSRCfunctionType || !(up || (v->VSRCnegNode == node && v->VSRCposNode == 0)))
+            continue;
+        *volts = up ? v->VSRCdcValue : -v->VSRCdcValue;
+        return 1;
+    }
+    return 0;
 }
 
 int ns_bridge_expression_sine(ns_extract_walk *w, const ns_signal *sine, int *node) {
