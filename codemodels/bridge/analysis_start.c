@@ -66,13 +66,21 @@ int ns_bridge_analysis_check(ns_session *s) {
 /* --- starts --- */
 
 static int prepare_force(ns_session *s) {
-    const int error =
-        s->force.entry ? OK : ns_bridge_force_prepare(&s->force, s->ckt->CKTmatrix, s->ckt->CKTmaxEqNum);
+    char name[160];
+    int unserved = 0;
+    const int error = s->force.entry ? OK
+                                     : ns_bridge_force_prepare(&s->force, s->ckt->CKTmatrix,
+                                                               s->ckt->CKTmaxEqNum, &unserved);
     if (error == E_NOMEM)
         ns_bridge_report_error("out of memory");
-    else if (error)
-        ns_bridge_report_error("ngspice's matrix is structurally singular: is every node connected?");
-    return error;
+    if (error != E_SINGULAR)
+        return error;
+    ns_circuit_name_unknown(s->analysis.ex.circuit, s->analysis.unknown[unserved], name, sizeof name);
+    ns_bridge_report_error(
+        "ngspice's matrix is structurally singular: look at the %s: it needs a path to ground, "
+        "1e12 ohm will do",
+        name);
+    return ns_bridge_report_code(NS_E_SINGULAR);
 }
 
 static void announce_circuit(ns_session *s) {

@@ -14,6 +14,7 @@ typedef struct matching {
     const ns_matrix_columns *m;
     int *of_row;    /* the element chosen in a row, -1: none */
     int *column_of; /* the column of that element */
+    int unserved;   /* the column that found none */
     int *seen;      /* of a row: the last search that met it, from 1 on */
     int search;
 } matching;
@@ -53,8 +54,10 @@ static int match_columns(matching *g, unsigned char *served) {
         served[c] = (unsigned char)take_diagonal(g, c);
     for (int c = 0; c < g->m->n; c++) {
         g->search = c + 1;
-        if (!served[c] && !augment(g, c))
+        if (!served[c] && !augment(g, c)) {
+            g->unserved = c;
             return E_SINGULAR;
+        }
     }
     return OK;
 }
@@ -67,7 +70,8 @@ static int choose_entries(ns_force *f, matching *g, unsigned char *served) {
     return error;
 }
 
-static int match(ns_force *f) {
+/* *unserved: where it is E_SINGULAR, the equation number of an unknown without a row. */
+static int match(ns_force *f, int *unserved) {
     const size_t n = (size_t)f->columns.n;
     matching g = {.m = &f->columns};
     unsigned char *served = calloc(n + 1, 1);
@@ -78,6 +82,7 @@ static int match(ns_force *f) {
     g.seen = calloc(n + 1, sizeof *g.seen);
     if (f->entry && g.of_row && g.column_of && g.seen && served)
         error = choose_entries(f, &g, served);
+    *unserved = f->columns.column_number[g.unserved];
     free(g.of_row);
     free(g.column_of);
     free(g.seen);
@@ -85,13 +90,13 @@ static int match(ns_force *f) {
     return error;
 }
 
-int ns_bridge_force_prepare(ns_force *f, const SMPmatrix *matrix, int neq) {
+int ns_bridge_force_prepare(ns_force *f, const SMPmatrix *matrix, int neq, int *unserved) {
     int error;
     ns_bridge_force_clear(f);
     error = ns_bridge_matrix_columns_read(&f->columns, matrix);
     if (!error)
         f->value = calloc((size_t)neq, sizeof *f->value);
-    error = error ? error : f->value ? match(f) : E_NOMEM;
+    error = error ? error : f->value ? match(f, unserved) : E_NOMEM;
     if (error)
         ns_bridge_force_clear(f);
     return error;

@@ -17,8 +17,8 @@ typedef struct ns_force {
 } ns_force;
 
 /* Chooses the elements; neq: equations of ngspice, whose values are 0 at first.  Returns OK, E_NOMEM, or
- * E_SINGULAR (there is no such choice). */
-int ns_bridge_force_prepare(ns_force *f, const SMPmatrix *matrix, int neq);
+ * E_SINGULAR (there is no such choice: *unserved is the equation number of an unknown without a row). */
+int ns_bridge_force_prepare(ns_force *f, const SMPmatrix *matrix, int neq, int *unserved);
 void ns_bridge_force_clear(ns_force *f);
 
 /* Makes the matrix a permutation, and rhs such that the solution is f->value; all by equation number. */
