@@ -1,11 +1,13 @@
 /* bridge/start_check.c - is the operating point one?  Where switches and comparators contradict each other in
  * each state that they may have there is none, and the march leaves the last one that was tried in no time.
+ * And where a latch may be in either of its states, the equations have a solution between them as well.
  */
 #include "session.h"
 
 #include "report.h"
 
 #include <math.h>
+#include <string.h>
 
 /* A difference that counts: of the largest voltage, and V. */
 static const double much = 1e-3, least = 1e-9;
@@ -49,4 +51,32 @@ void ns_bridge_start_check(const ns_session *s) {
             "elsewhere give uic and .ic",
             name, a->x[at], y[at]);
     free(y);
+}
+
+/* 1 if a choice is between its two values: it has lambda = 0 in one of them, y = 0 in the other one. */
+static int is_between(double lambda, double y) {
+    static const double part = 1e-6;
+    return fmin(fabs(lambda), fabs(y)) > part * fmax(fabs(lambda), fabs(y));
+}
+
+void ns_bridge_start_check_latches(const ns_session *s) {
+    const ns_analysis *a = &s->analysis;
+    const int m = a->system->m;
+    double *lambda = a->system->nc > 0 ? calloc(2 * (size_t)m + 1, sizeof *lambda) : NULL;
+    char name[200];
+    int found = 0;
+    if (!lambda)
+        return;
+    const int read = ns_march_read(a->march, NULL, NULL, lambda, lambda + m) == NS_OK;
+    for (int c = 0; c < a->system->nc && read && !found; c++) {
+        const int pair = a->system->command[c].pair;
+        ns_circuit_name_pair(a->ex.circuit, pair, name, sizeof name);
+        found = strncmp(name, "choice", 6) == 0 && is_between(lambda[pair], lambda[m + pair]);
+    }
+    if (found)
+        ns_bridge_report_note(
+            "%s begins at its threshold, between its two values: a latch can hold either of them; "
+            "give .ic and uic",
+            name);
+    free(lambda);
 }
