@@ -10,7 +10,7 @@
 #include <string.h>
 
 /* A difference that counts: of the largest voltage, and V. */
-static const double much = 1e-3, least = 1e-9;
+static const double much = 1e-3, least = 1e-6;
 
 /* The node whose voltages in x and y differ most, by more than that: its unknown; -1: none does. */
 static int find_jump(const ns_analysis *a, const double *x, const double *y) {
