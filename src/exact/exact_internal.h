@@ -209,7 +209,7 @@ struct ns_exact {
     uint64_t overruled;      /* and those that seem to break soon, though other evidence holds it right */
     ns_mode *wanted;         /* m: the mode to be tried */
     ns_mode *command_target; /* nc: mode a flipped command goes to */
-    unsigned char *flips;    /* nc: how often each command by the state flipped in this event */
+    unsigned char *flips;    /* nc: 1: this command by the state flipped in this event */
     ns_impulse impulse;      /* of the impulse problem */
     const ns_mode_kernel *entered; /* of the mode entered last, if work.gone jumps; NULL: nothing does */
 

@@ -1,6 +1,7 @@
 /* src/exact/guard_sign.c - whether a mode holds from here on: what its guards are about to do. */
 #include "mode_selection.h"
 
+#include "events/ties.h"
 #include "modes/multiple.h"
 
 #include <math.h>
@@ -116,7 +117,6 @@ static int is_guard_of_event(ns_exact *f, const ns_mode_kernel *k, int g) {
 }
 
 double ns_exact_guard_delay(ns_exact *f, const ns_mode_kernel *k, int g) {
-    enum { LONGEST_EXPONENT = 10 };
     if (!is_guard_of_event(f, k, g))
         return INFINITY;
     const double value = ns_exact_guard_of(k, k->value, g, f->X),
@@ -124,8 +124,6 @@ double ns_exact_guard_delay(ns_exact *f, const ns_mode_kernel *k, int g) {
     const double tol = ns_exact_guard_rounding_at(f, k, g, f->X, rate);
     if (value <= tol + fabs(rate) * f->state.event_time_error)
         return 0;
-    const double delay = -value / rate, end = f->state.now.t + delay;
-    return rate < 0 && delay <= ldexp(f->h, -LONGEST_EXPONENT) && ns_inputs_events_next(f->events, end) > end
-               ? delay
-               : INFINITY;
+    const double delay = ns_events_delay(value, rate, f->h), end = f->state.now.t + delay;
+    return isfinite(delay) && ns_inputs_events_next(f->events, end) > end ? delay : INFINITY;
 }

@@ -5,6 +5,7 @@
  * broke flipped, then the answers of (P1) over short steps, then the mode of the impulse problem.
  */
 #include "mode_selection.h"
+#include "events/ties.h"
 #include "sliding.h"
 
 #include "linalg/simd.h"
@@ -250,7 +251,7 @@ static ns_mode sliding_mode_of(const ns_exact *f, int pair) {
     double sum = 0;
     for (int j = 0; j < k->q; j++)
         sum += k->step_x_lambda[(size_t)(n + pair) + (size_t)j * (size_t)all] * f->X[j];
-    return sum >= 0 ? NS_SLIDES_UP : NS_SLIDES_DOWN;
+    return ns_events_sliding_mode(sum);
 }
 
 /* Flips command c, which depends on the state; without hysteresis, and about to flip back at once, it slides.
@@ -258,10 +259,9 @@ static ns_mode sliding_mode_of(const ns_exact *f, int pair) {
 static void flip_command(ns_exact *f, int c) {
     const ns_command *of = &f->system->command[c];
     f->point->flip[c] = 1;
-    if (f->flips[c] < 2)
-        f->flips[c]++;
-    if (f->flips[c] == 2 && of->on == of->off && f->state.mode->mode[of->pair] == NS_INSIDE)
+    if (ns_events_slides(of, f->flips[c]) && f->state.mode->mode[of->pair] == NS_INSIDE)
         f->command_target[c] = sliding_mode_of(f, of->pair);
+    f->flips[c] = 1;
 }
 
 /* point->flip: commands that are beyond their thresholds, or about to be; how many. */
@@ -310,26 +310,26 @@ static int is_met(ns_exact *f, int g) {
     return sign == NS_SIGN_BREAKS || sign == NS_SIGN_SEEMS_TO_BREAK;
 }
 
-/* Commands that change with the guard that breaks, in whatever order they stand: those with a hysteresis
- * whose threshold is met in the same instant, as after the first of them the control of the next may go back,
- * and those whose control is that of the event.  The event is known no better than these are apart. */
+/* Commands that change with the guard that breaks (ties.h).  The event is known no better than these are
+ * apart. */
 static int flip_commands_met(ns_exact *f) {
     const ns_mode_kernel *k = f->state.mode->scale[0].kernel;
     double last = 0;
     int count = 0;
     for (int g = k->pair_rows; g < k->rows && f->event_guard >= 0; g++) {
         const int c = k->row[g].command;
-        const int lasts = f->system->command[c].on > f->system->command[c].off;
-        if (g == f->event_guard || ns_mode_slides(f->state.mode->mode[f->system->command[c].pair]))
+        const ns_command *of = &f->system->command[c];
+        const ns_tie tie = ns_events_tie(of, f->state.mode->mode[of->pair]);
+        if (g == f->event_guard || tie == NS_TIE_NONE)
             continue;
-        const double delay = lasts ? 0 : ns_exact_guard_delay(f, k, g);
-        if (isinf(delay) || (lasts && !is_met(f, g)))
+        const double delay = tie == NS_TIE_SAME ? ns_exact_guard_delay(f, k, g) : is_met(f, g) ? 0 : INFINITY;
+        if (isinf(delay))
             continue;
         last = fmax(last, delay);
         flip_command(f, c);
         count++;
     }
-    f->state.event_time_error += last * (1 + 1e-6);
+    f->state.event_time_error += last * ns_events_beyond_delay;
     return count;
 }
 

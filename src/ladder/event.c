@@ -107,11 +107,7 @@ int ns_ladder_short_try(ns_ladder *l, double h) {
 
 static void count_event(ns_ladder *l) {
     l->events++;
-    if (l->window.events == 0 || l->point->now.t - l->window.from > l->h) {
-        l->window.from = l->point->now.t;
-        l->window.events = 0;
-    }
-    l->window.events++;
+    (void)ns_events_count(&l->window, l->point->now.t, l->h);
 }
 
 /* The guard that broke was found by a step of the scheme.  An implicit one of the same length may not break

@@ -6,6 +6,7 @@
 #ifndef NS_LADDER_INTERNAL_H
 #define NS_LADDER_INTERNAL_H
 
+#include "events/crowd.h"
 #include "inputs/time_events.h"
 #include "ladder.h"
 #include "reinit/jump.h"
@@ -25,12 +26,6 @@ enum { NS_RATE_EXPONENT = 10 };
  * passed.
  */
 enum { NS_CROWDING = 16, NS_CAPTURE_EXPONENT = 2 };
-
-/* Events counted since a time: whether they crowd. */
-typedef struct ns_event_window {
-    double from; /* s */
-    int events;
-} ns_event_window;
 
 struct ns_ladder {
     /* what it integrates */

@@ -44,8 +44,6 @@ static void place_numbers(ns_sparse *m, double *left) {
     m->l = next_array(&left, pairs);
     m->u = next_array(&left, pairs);
     m->apart = next_array(&left, pairs); /* a pair has one command at most */
-    m->chatter.flip_t = next_array(&left, pairs);
-    m->accepted_chatter.flip_t = next_array(&left, pairs);
     m->v = next_array(&left, size);
     m->r = next_array(&left, size);
     m->work.v = next_array(&left, size);
@@ -77,10 +75,10 @@ static void place_modes(ns_sparse *m) {
 static int allocate_state(ns_sparse *m) {
     const size_t n = (size_t)m->f->n, pairs = (size_t)m->f->m, size = (size_t)m->f->size,
                  nz = (size_t)m->f->nz;
-    double *numbers = calloc(14 * n + 5 * pairs + 8 * size + 3 * nz + 1, sizeof(double));
+    double *numbers = calloc(14 * n + 3 * pairs + 8 * size + 3 * nz + 1, sizeof(double));
     m->w = numbers;
     m->mode = calloc(10 * pairs + 2 * (size_t)m->s->nc + 1, 1);
-    m->chatter.flips = calloc(2 * pairs + 1, sizeof(int));
+    m->chatter.flips = calloc(2 * pairs + 1, sizeof *m->chatter.flips);
     m->work.exact = calloc(size + 1, sizeof(long double));
     if (!numbers || !m->mode || !m->chatter.flips || !m->work.exact)
         return NS_E_MEMORY;

@@ -4,6 +4,7 @@
  * guards it breaks change, until it breaks none.  The end of that step is not used, unless charges or fluxes
  * jump (project.c).
  */
+#include "events/ties.h"
 #include "guards.h"
 
 #include <float.h>
@@ -201,16 +202,14 @@ int ns_sparse_event_at(const ns_sparse *m, double t) {
     return 0;
 }
 
-/* Commands that change with the guard that breaks, in whatever order they stand: those with a hysteresis
- * whose threshold is met in the same instant, as after the first of them the control of the next may go back,
- * and those whose control is that of the event but for a factor. */
+/* Commands that change with the guard that breaks (ties.h). */
 static void change_met_commands(ns_sparse *m, const ns_dense_step *step) {
     for (int c = 0; c < m->s->nc; c++) {
         const ns_command *k = &m->s->command[c];
-        if (c == step->command || k->pair == step->pair || !of_state(m, c) ||
-            ns_mode_slides(m->mode[k->pair]) ||
-            !(k->on > k->off ? ns_sparse_location_meets(m, step, c)
-                             : ns_sparse_location_is_same(m, step, c, &m->apart[c])))
+        const ns_tie tie = ns_events_tie(k, m->mode[k->pair]);
+        if (c == step->command || k->pair == step->pair || tie == NS_TIE_NONE ||
+            !(tie == NS_TIE_MET ? ns_sparse_location_meets(m, step, c)
+                                : ns_sparse_location_is_same(m, step, c, &m->apart[c])))
             continue;
         ns_sparse_guard_toggle(m, k->pair);
         m->changed[c] = 1;

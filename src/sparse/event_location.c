@@ -3,6 +3,7 @@
  * In a step a guard is a polynomial (E1).  For most of them a bound by its coefficients shows that it holds;
  * of the others the first root is searched for (bernstein_root.h).
  */
+#include "events/ties.h"
 #include "guards.h"
 #include "linalg/simd.h"
 #include "modes/bernstein_root.h"
@@ -213,7 +214,6 @@ int ns_sparse_location_meets(const ns_sparse *m, const ns_dense_step *step, int 
 }
 
 int ns_sparse_location_is_same(const ns_sparse *m, const ns_dense_step *step, int c, double *apart) {
-    static const double soon = 0x1p-10; /* of h */
     double a[NS_STAGES] = {0}, b[NS_STAGES] = {0};
     ns_curve curve;
     *apart = 0;
@@ -222,14 +222,14 @@ int ns_sparse_location_is_same(const ns_sparse *m, const ns_dense_step *step, in
     find_coefficients(m, step, step->stages, -1, 0, c, a);
     find_coefficients(m, step, step->stages, -1, 0, step->command, b);
     const double at_end = value_at_end(step, a, &curve),
-                 rate = ns_modes_curve_slope(&curve, 1) / step->length, delay = -at_end / rate;
-    const int follows = at_end > 0 && rate < 0 && delay <= soon * m->o.h &&
-                        fmin(m->in->corner, m->in->first) > step->end_t + delay &&
+                 rate = ns_modes_curve_slope(&curve, 1) / step->length,
+                 delay = ns_events_delay(at_end, rate, m->o.h);
+    const int follows = at_end > 0 && fmin(m->in->corner, m->in->first) > step->end_t + delay &&
                         at_end <= beside * ns_sparse_guard_control_rounding(m, c, step->images, step->z);
     a[0] -= follows ? at_end : 0;
     if (!ns_modes_is_multiple(step->stages, a, b, NULL))
         return 0;
-    *apart = follows ? at_end * (1 + 1e-6) : 0;
+    *apart = follows ? at_end * ns_events_beyond_delay : 0;
     return 1;
 }
 

@@ -1,5 +1,6 @@
 /* src/sparse/guards.c - guards of a mode after an Euler step, and which of them are broken. */
 #include "guards.h"
+#include "events/ties.h"
 #include "linalg/simd.h"
 
 #include <float.h>
@@ -215,7 +216,7 @@ double ns_sparse_guard_control_rounding(const ns_sparse *m, int c, const double 
  * have the mode of the step before, in which the switch was closed.  0: it cannot slide. */
 static int let_slide(ns_sparse *m, int c, const double *v, const ns_dense_step *step) {
     const int j = m->s->command[c].pair, closed = m->mode[j] == NS_INSIDE;
-    if (m->f->command[j] != c || (!closed && !(step && step->mode[j] == NS_INSIDE)))
+    if (!closed && !(step && step->mode[j] == NS_INSIDE))
         return 0;
     const double side = closed ? v[m->f->n + j] : -ns_sparse_form_y(m->f, j, v, m->z, 1);
     if (!(side < 0 || side > 0))
@@ -223,7 +224,7 @@ static int let_slide(ns_sparse *m, int c, const double *v, const ns_dense_step *
     for (int i = 0; i < m->f->m && !closed; i++)
         if (m->l[i] < m->u[i] && (isfinite(m->l[i]) || isfinite(m->u[i]))) /* not a switch */
             m->mode[i] = step->mode[i];
-    m->mode[j] = side > 0 ? NS_SLIDES_UP : NS_SLIDES_DOWN;
+    m->mode[j] = ns_events_sliding_mode(side);
     return 1;
 }
 
@@ -244,7 +245,8 @@ int ns_sparse_guard_commands(ns_sparse *m, const double *v, const ns_dense_step 
         if (!of_state(m, c) || margin(m, c, v, m->z, 1) >=
                                    -(others + m->apart[c] + ns_sparse_guard_control_rounding(m, c, v, m->z)))
             continue;
-        const int slides = changed && changed[c] && let_slide(m, c, v, step);
+        const int slides =
+            changed && ns_events_slides(&m->s->command[c], changed[c]) && let_slide(m, c, v, step);
         if (!slides)
             ns_sparse_guard_toggle(m, j);
         if (changed)

@@ -78,7 +78,8 @@ static void shorten_to_usual(const ns_sparse *m, const ns_dense_step *before, ns
  * be enough, are the shortest: an Euler step is of first order. */
 static int euler_exponent(const ns_sparse *m, double t, double h) {
     enum { LAST = 10, FIRST = 22, BY = 2 };
-    const int before = t - m->chatter.euler_t <= h ? m->chatter.eulers : 0;
+    const ns_event_window *w = &m->chatter.eulers;
+    const int before = t - w->from <= h ? w->events : 0;
     return before * BY < FIRST - LAST ? FIRST - before * BY : LAST;
 }
 

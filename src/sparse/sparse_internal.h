@@ -12,6 +12,7 @@
 
 #include "engine/engine.h"
 #include "engine/instant.h"
+#include "events/crowd.h"
 #include "factor_cache.h"
 #include "inputs/input_stages.h"
 #include "modes/laguerre.h"
@@ -86,10 +87,8 @@ typedef struct ns_sparse_largest {
 
 /* Changes counted to find chatter. */
 typedef struct ns_sparse_chatter {
-    double *flip_t; /* m: since when changes of a pair are counted, s */
-    int *flips;     /* m: how many there were */
-    double euler_t; /* since when Euler steps are counted, s */
-    int eulers;     /* how many there were */
+    ns_event_window *flips; /* m: changes of each pair */
+    ns_event_window eulers; /* Euler steps */
 } ns_sparse_chatter;
 
 /* Where the resolution of an event begins. */
