@@ -1,9 +1,9 @@
 /* nonsmooth/impulse.h - the impulse problem: the state after a jump.
  *
- *   (J1)  M (x+ - x-) = A X + B Lambda          differential rows; X, Lambda: the impulses of x and lambda
+ *   (J1)  M (x+ - x-) = A X + B Lambda,  M X = 0  differential rows; X, Lambda: the impulses of x and lambda
  *   (J2)  0 = A X + B Lambda,  Y = C X + D Lambda  algebraic rows; pairs
  *   (J3)  (S3) and the algebraic rows of (S1) hold at t+ for x+, lambda+, y+
- *   (J4)  (Lambda, lambda+, lambda'+) and (Y, y+, y'+), each read as one number, the impulse first, obey (S4)
+ *   (J4)  (Lambda, lambda+, lambda'+) and (Y, y+, y'+), each in lexicographic order, obey (S4)
  *
  * It is the limit h -> 0 of the step with theta = gamma = 1, where x = X/h + x+, lambda = Lambda/h + lambda+.
  * Resistors carry no impulse: they are part of (J2) and (J3) only.  Units: Lambda of a device is a charge (C)

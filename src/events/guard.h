@@ -1,7 +1,7 @@
 /* src/events/guard.h - a guard at an instant, and whether it is about to break.
  *
  * A guard must not be negative.  Where it is zero but for rounding its rate decides, and where that is zero
- * too its second rate; where something jumps its impulse comes first: (J4) reads them as one number.
+ * too its second rate; where something jumps its impulse comes first: lexicographic order (J4).
  */
 #ifndef NS_EVENTS_GUARD_H
 #define NS_EVENTS_GUARD_H
@@ -23,8 +23,8 @@ typedef enum ns_guard_sign {
     NS_SIGN_BREAKS
 } ns_guard_sign;
 
-/* The sign of numbers (count) that are read as one, the first first: each counts if it is beyond what it may
- * be off by.  -1, 0 (none is), 1. */
+/* The sign of numbers (count) in lexicographic order: that of the first one that is beyond what it may be off
+ * by.  -1, 0 (none is), 1. */
 int ns_events_sign(int count, const double *number, const double *off);
 
 /* By the value alone, which is known as well as the instant: that may be off by time_error (s). */

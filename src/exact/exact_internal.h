@@ -29,13 +29,13 @@
 enum {
     NS_SAMPLES = 8,              /* samples of the guards in a step, at most */
     NS_MAX_GUARDED_EXPONENT = 5, /* longest step with guards: h 2^5 */
-    NS_LONG_EXPONENT = 10,       /* a way of h 2^10 is worth longer ones, where what is fast rings */
-    NS_MAX_EXPONENT = 40,        /* longest step without guards: h 2^40 */
-    NS_PREFIXES = 12,            /* points that are kept on the way to an anchor */
-    NS_CACHED_STEPS = 16,        /* steps of recurring lengths that a time scale keeps */
-    NS_TIME_SCALES = 4,          /* of one mode, at most */
-    NS_SUCCESSORS = 8,           /* modes remembered as followers of one mode */
-    NS_INTERVALS = 4,            /* a guard over a short step is evaluated at the ends of so many intervals */
+    NS_LONG_EXPONENT = 10, /* where what is fast rings, steps above h are made for a span of h 2^10 or more */
+    NS_MAX_EXPONENT = 40,  /* longest step without guards: h 2^40 */
+    NS_PREFIXES = 12,      /* points that are kept on the way to an anchor */
+    NS_CACHED_STEPS = 16,  /* steps of recurring lengths that a time scale keeps */
+    NS_TIME_SCALES = 4,    /* of one mode, at most */
+    NS_SUCCESSORS = 8,     /* modes remembered as followers of one mode */
+    NS_INTERVALS = 4,      /* a guard over a short step is evaluated at the ends of so many intervals */
     NS_EXACT_BUCKETS = 256
 };
 
@@ -78,13 +78,13 @@ typedef struct ns_successor {
 
 /* What is kept of a mode. */
 struct ns_exact_mode {
-    ns_mode *mode;                       /* m */
-    long last_used;                      /* by cache.clock */
-    int status;                          /* SINGULAR: the mode contradicts itself */
-    int scales;                          /* how many time scales; the first resolves what is fastest */
-    int has_instant;                     /* 1: a constraint or a rate beyond resolution: entering may jump */
-    int hides, resolves;                 /* 1: such a rate is finite; it is resolved if time can tell it */
-    ns_time_scale scale[NS_TIME_SCALES]; /* fastest first */
+    ns_mode *mode;       /* m */
+    long last_used;      /* by cache.clock */
+    int status;          /* SINGULAR: the mode contradicts itself */
+    int scales;          /* how many time scales; the first resolves what is fastest */
+    int has_instant;     /* 1: a constraint or a rate beyond resolution: entering may jump */
+    int hides, resolves; /* 1: such a rate is finite; 1: its time constant is no rounding of t */
+    ns_time_scale scale[NS_TIME_SCALES];   /* fastest first */
     ns_successor successor[NS_SUCCESSORS]; /* most recent first; NULL: no more */
     ns_exact_mode *next_in_bucket;
 };

@@ -58,7 +58,7 @@ int ns_exact_kernel_build(ns_theta *s, const ns_input_states *e, double g, const
 /* charge_rates.c: D w of an Euler step by the inputs of its map: rates, and size: of the terms they are
  * summed from (r*q of the map, each). */
 void ns_exact_kernel_charge_rates(const ns_theta *s, const ns_map *map, double *rates, double *size);
-/* output_map.c: makes `now`.  Errors: MEMORY. */
+/* output_map.c: makes `x_lambda_now`.  Errors: MEMORY. */
 int ns_exact_output_map(const ns_theta *s, const ns_input_states *e, ns_mode_kernel *k);
 /* x_lambda (n+m): x, lambda at X, by it; residual: r, work. */
 void ns_exact_output_map_apply(const ns_theta *s, const ns_input_states *e, const ns_mode_kernel *k,

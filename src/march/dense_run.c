@@ -219,7 +219,7 @@ static const ns_counts *counts(ns_engine *e) {
 }
 
 /* Instructions to make them, for matrices, steps of exact, events, steps of the ladder: fitted to those of 50
- * circuits of tests/stress, 1.3 times too many or 1.7 times too few in nine of ten. */
+ * circuits of tests/stress.  In nine of ten it says at most 1.3 times too many, or 1.7 times too few. */
 static ns_work work(ns_engine *e) {
     const ns_counts *c = counts(e);
     const ns_dense_run *r = run_in(e);

@@ -82,7 +82,7 @@ static int sample_start(ns_dense_run *r, const double **x_lambda) {
     return read_at(r, r->sampled[1].at);
 }
 
-/* As the exact engine has it; at both ends from its second answer on as it was told. */
+/* As the exact engine has it; answers at both ends are kept. */
 static int sample_exact(ns_dense_run *r, double t, const double **x_lambda) {
     const int end = t == r->trial.now.t, is_end = end || t == r->accepted.now.t;
     if (is_end && r->sampled[end].known) {

@@ -11,7 +11,7 @@
  *     x_p     = x - W^-1 fraction R - V lambda
  *     y+      = y - fraction Ry + C (x_p - x) - D lambda + (D + C V) lambda+
  *
- * which is the form of the documents, for R - h gamma B lambda is the bracket of (T3) and y - Ry is h.  In
+ * which is the form of the documents, for R + h gamma B lambda is the bracket of (T3) and y - Ry is h.  In
  * circuits whose devices all block W is singular and the whole is not.  Fractions below 1 are points on the
  * way to the full step on which (S4) holds and the residuals are the rest, 1-fraction, to first order
  * (Ralph's path search): kinks on the way do not show.

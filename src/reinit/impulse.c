@@ -1,7 +1,7 @@
 /* src/reinit/impulse.c - the impulse problem (J1)-(J4): which mode it is.
  *
- * (P1) at some small h proposes one; that both orders of it (order_expansion.c) satisfy (J4) proves it,
- * whatever that h was.
+ * (P1) at some small h proposes one; that impulses, values and rates in it (order_expansion.c) satisfy (J4)
+ * proves it, whatever that h was.
  */
 #include "impulse.h"
 

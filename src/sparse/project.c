@@ -1,7 +1,7 @@
 /* src/sparse/project.c - charges and fluxes made consistent with a mode: those that the algebraic equations
  * contradict jump.
  *
- * With D of (E1), for a short step g, D^N w vanishes for all that lasts longer than some g, and is w for what
+ * With D of (E2), for a short step g, D^N w vanishes for all that lasts longer than some g, and is w for what
  * has no finite rate: a shorted capacitor, an interrupted inductor.  So
  *
  *     w+ = w - D^N w,   N = 8

@@ -18,7 +18,8 @@ static double threshold(const ns_sparse *m, int j) {
     return c->on - c->g0;
 }
 
-/* f = T (b + E z) */
+/* m->r: the right-hand side of an Euler step of length g from w; m->rate: T (b + E z), with b if constants,
+ * with E z if any. */
 void ns_sparse_step_rhs(ns_sparse *m, double g, const double *w, const double *z, int any, int constants) {
     const ns_form *f = m->f;
     const int n = f->n;

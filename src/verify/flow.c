@@ -1,7 +1,7 @@
 /* src/verify/flow.c - between events: charges and fluxes are the integral of what charges them.
  *
- * Lobatto's rule of five points, exact for polynomials of degree 7; its error is at most what Simpson's rule,
- * of three of them, differs from it.
+ * Lobatto's rule of five points, exact for polynomials of degree 7; its error is estimated by what
+ * Simpson's rule, of three of them, differs from it.
  */
 #include "verify_internal.h"
 
