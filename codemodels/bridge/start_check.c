@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-/* A difference that counts: of the largest voltage, and V. */
+/* A difference that counts: of the largest voltage, and V: more than leaks make where sources begin at 0. */
 static const double much = 1e-3, least = 1e-6;
 
 /* The node whose voltages in x and y differ most, by more than that: its unknown; -1: none does. */
