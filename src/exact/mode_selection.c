@@ -2,7 +2,7 @@
  *
  * A mode is right from here on if (J4) holds: no impulse that its pairs could not carry, and guards that are
  * positive, or zero and about to rise.  Tried are modes that followed before, then the present one with what
- * broke flipped, then the answers of (P1) over short steps, then the mode of the impulse problem.
+ * broke flipped, then the answer of (P1) over a short step, then the mode of the impulse problem.
  */
 #include "mode_selection.h"
 #include "events/ties.h"
@@ -138,24 +138,17 @@ static int try_with_violated_flipped(ns_exact *f, ns_evidence evidence, int *goe
     return status;
 }
 
-/* Tries the answers of (P1) over steps of three lengths. */
-static int solve_lcp_proposals(ns_exact *f, int *goes_on) {
-    static const int exponents[] = {-NS_EVENT_EXPONENT, -10, -30};
+/* Tries the answer of (P1) over a short step. */
+static int solve_lcp_proposal(ns_exact *f, int *goes_on) {
     if (f->state.mode)
         ns_theta_set_mode(f->s, f->wanted);
-    for (int i = 0; i < 3; i++) {
-        const double h = ldexp(f->h, exponents[i]);
-        memcpy(f->wanted, ns_theta_mode(f->s), (size_t)f->system->m);
-        /* inputs at the end of the step: a sine that is zero here is not there */
-        int status = ns_theta_lcp_propose(f->s, h, 0, f->X, f->work.z_after, f->work.slope_after, f->wanted);
-        if (status == NS_E_SINGULAR && !f->state.mode)
-            return status;
-        if (status == NS_OK)
-            status = try_with_violated_flipped(f, NS_EVIDENCE_STEP, goes_on);
-        if (status == NS_OK || status == NS_E_MEMORY)
-            return status;
-    }
-    return NS_GUARD;
+    memcpy(f->wanted, ns_theta_mode(f->s), (size_t)f->system->m);
+    /* inputs at the end of the step: a sine that is zero here is not there */
+    const int status = ns_theta_lcp_propose(f->s, ldexp(f->h, -NS_EVENT_EXPONENT), 0, f->X, f->work.z_after,
+                                            f->work.slope_after, f->wanted);
+    if (status == NS_OK)
+        return try_with_violated_flipped(f, NS_EVIDENCE_STEP, goes_on);
+    return status == NS_E_MEMORY || (status == NS_E_SINGULAR && !f->state.mode) ? status : NS_GUARD;
 }
 
 /* Tries the mode of the impulse problem, and takes its jump. */
@@ -201,7 +194,7 @@ static int try_candidates(ns_exact *f, int by_guard, int *goes_on) {
         return status;
     want_commands(f);
     read_inputs_after(f);
-    status = solve_lcp_proposals(f, goes_on);
+    status = solve_lcp_proposal(f, goes_on);
     return status == NS_GUARD ? solve_impulse(f) : status;
 }
 
@@ -212,7 +205,7 @@ int ns_exact_select_start(ns_exact *f) {
     f->event_guard = -1;
     read_inputs_after(f);
     for (int round = 0; round < 4; round++) {
-        status = solve_lcp_proposals(f, &goes_on);
+        status = solve_lcp_proposal(f, &goes_on);
         if (status != NS_OK || !goes_on)
             break;
     }

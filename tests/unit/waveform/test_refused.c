@@ -93,6 +93,32 @@ static void what_came_before_a_failure_is_shown(void **state) {
     }
 }
 
+/* RC passes a threshold that is watched, and is refused to go on there; then nothing is watched, and the
+ * points go on from there on the same curve. */
+static void points_go_on_behind_a_threshold(void **state) {
+    static const ns_method method[] = {NS_EXACT, NS_SPARSE};
+    const ns_waveform_options o = {.closest = 1e-12, .noise = 1e-9};
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        for (double volts = 0.05; volts < 0.9; volts += 0.05) {
+            rig r = rig_begin();
+            rig_make_rc(&r);
+            assert_int_equal(rig_prepare(&r, method[k], 1e-2, &o), NS_OK);
+            assert_int_equal(rig_run(&r, 0.01), NS_OK);
+            const ns_threshold threshold = {r.unknown, -1, volts, 0, 1};
+            assert_int_equal(ns_march_watch(r.m, 1, &threshold), NS_OK);
+            assert_int_equal(rig_run(&r, 3), NS_E_STATE);
+            assert_true(fabs(r.v[r.count - 1] - volts) < 1e-6);
+            assert_int_equal(ns_march_watch(r.m, 0, NULL), NS_OK);
+            assert_int_equal(ns_waveform_resume(r.w), NS_OK);
+            assert_int_equal(rig_run(&r, 3), NS_OK);
+            assert_true(r.t[r.count - 1] == 3);
+            assert_true(rig_off(&r, rig_rc) < 1.05e-4);
+            rig_end(&r);
+        }
+    }
+}
+
 /* One allocation fails, each in turn: the points before it are those of a run in which none does, but for the
  * last one, which ends a line before it is as long as it may be.  The scheme's steps are the same up to their
  * rounding: it does without a map that found no room. */
@@ -128,6 +154,11 @@ static void memory_fails(void **state) {
             fails += status != NS_OK;
             assert_true(status == NS_OK || status == NS_E_MEMORY);
             assert_int_equal(r.count > 0 && r.t[r.count - 1] == 3, status == NS_OK);
+            if (status != NS_OK && r.count > 0) {
+                assert_int_equal(ns_waveform_resume(r.w), NS_OK);
+                assert_int_equal(rig_run(&r, 3), NS_OK);
+                assert_true(fabs(r.v[r.count - 1] - whole.v[whole.count - 1]) <= 1.05e-4);
+            }
             rig_end(&r);
             if (ends)
                 break;
@@ -144,6 +175,7 @@ int main(void) {
         cmocka_unit_test(wrong_options),
         cmocka_unit_test(wrong_calls),
         cmocka_unit_test(what_came_before_a_failure_is_shown),
+        cmocka_unit_test(points_go_on_behind_a_threshold),
         cmocka_unit_test(memory_fails),
     };
     return cmocka_run_group_tests_name("refused", tests, NULL, NULL);
