@@ -270,15 +270,6 @@ static int flip_contradicted_commands(ns_exact *f) {
     return count;
 }
 
-/* The guard that breaks here, NS_GUARD_NONE: none does. */
-static int find_broken_guard(ns_exact *f) {
-    const ns_mode_kernel *k = f->state.mode->scale[0].kernel;
-    for (int g = 0; g < k->rows; g++)
-        if (ns_exact_guard_sign(f, f->state.mode, g, f->X) >= NS_SIGN_SEEMS_TO_BREAK)
-            return g;
-    return NS_GUARD_NONE;
-}
-
 /* 1 if what broke is the guard of a command, or of a sliding switch: its command flips. */
 static int flip_command_of_guard(ns_exact *f) {
     const ns_guard_row *row = &f->state.mode->scale[0].kernel->row[f->event_guard];
@@ -364,7 +355,7 @@ int ns_exact_select_mode(ns_exact *f, int guard) {
     memcpy(f->X_before, f->X, bytes);
     ns_exact_note_size(f);
     f->state.event_time_error = 4 * DBL_EPSILON * fabs(f->state.now.t);
-    f->event_guard = guard == NS_GUARD_UNKNOWN ? find_broken_guard(f) : guard;
+    f->event_guard = guard;
     f->state.event_time_error = event_time_error(f);
     for (int c = 0; c < f->system->nc; c++)
         f->command_target[c] = NS_TARGET_TOGGLE;

@@ -249,18 +249,3 @@ void ns_inputs_events_values(const ns_time_events *s, double t, double *z, doubl
     for (int k = 0; k < s->terms; k++)
         z[s->term[k].input] += s->begun[k] ? s->term[k].after : s->term[k].before;
 }
-
-int ns_inputs_events_waves(const ns_time_events *s, const ns_wave **wave) {
-    *wave = s->wave;
-    return s->waves;
-}
-
-int ns_inputs_events_terms(const ns_time_events *s, const ns_wave_term **term) {
-    *term = s->term;
-    return s->terms;
-}
-
-int ns_inputs_events_entering(const ns_time_events *s, const int **input) {
-    *input = s->input;
-    return s->entering;
-}

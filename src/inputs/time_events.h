@@ -67,12 +67,4 @@ const unsigned char *ns_inputs_events_closed(const ns_time_events *s);
  * or EXP all but the multiples of its waves.  z, dz: nz; of inputs that do not enter they are left alone. */
 void ns_inputs_events_values(const ns_time_events *s, double t, double *z, double *dz);
 
-/* The waves of the inputs that enter, each once, and the multiples of them, by input: a term counts from
- * `from` on, and ns_inputs_events_values() adds `before` or `after`, by the present time. */
-int ns_inputs_events_waves(const ns_time_events *s, const ns_wave **wave);
-int ns_inputs_events_terms(const ns_time_events *s, const ns_wave_term **term);
-
-/* The inputs that enter; their number. */
-int ns_inputs_events_entering(const ns_time_events *s, const int **input);
-
 #endif

@@ -91,12 +91,6 @@ static void fill(const ns_triangles *t, ns_packed_triangular *s, const int *plac
     s->l[0] = s->u[0] = 0;
 }
 
-static int *next_array(int **from, int count) {
-    int *first = *from;
-    *from += count;
-    return first;
-}
-
 ns_packed_triangular *ns_linalg_packed_create(const ns_triangles *t) {
     const int n = t->n, lnz = t->Lp[n] + t->Fp[n], unz = t->Up[n];
     const size_t all = (size_t)lnz + (size_t)unz;
@@ -105,15 +99,15 @@ ns_packed_triangular *ns_linalg_packed_create(const ns_triangles *t) {
     double *doubles = malloc((4 * (size_t)n + 1 + all) * sizeof(double));
     int *place = calloc((size_t)n + 1, sizeof(int));
     if (s && ints && doubles && place) {
-        s->begin = next_array(&ints, t->blocks + 1);
-        s->row = next_array(&ints, n);
-        s->to = next_array(&ints, n);
-        s->out_row = next_array(&ints, n);
-        s->out_to = next_array(&ints, n);
-        s->l = next_array(&ints, n + 1);
-        s->u = next_array(&ints, n + 1);
-        s->li = next_array(&ints, lnz);
-        s->ui = next_array(&ints, unz);
+        s->begin = ns_packed_next(&ints, t->blocks + 1);
+        s->row = ns_packed_next(&ints, n);
+        s->to = ns_packed_next(&ints, n);
+        s->out_row = ns_packed_next(&ints, n);
+        s->out_to = ns_packed_next(&ints, n);
+        s->l = ns_packed_next(&ints, n + 1);
+        s->u = ns_packed_next(&ints, n + 1);
+        s->li = ns_packed_next(&ints, lnz);
+        s->ui = ns_packed_next(&ints, unz);
         s->scale = doubles;
         s->pivot = s->scale + n;
         s->below = s->pivot + n;

@@ -18,4 +18,11 @@ struct ns_packed_triangular {
     double *of; /* of pivots chosen once (partial_refactor.h), which then own all places: the matrix */
 };
 
+/* The next of the arrays that share a block. */
+static inline int *ns_packed_next(int **from, int count) {
+    int *first = *from;
+    *from += count;
+    return first;
+}
+
 #endif

@@ -32,12 +32,6 @@ struct ns_partial_lu {
  * than 1. */
 static const double most_multiplier = 1e3, least_pivot = 1e-9;
 
-static int *next_array(int **from, int count) {
-    int *first = *from;
-    *from += count;
-    return first;
-}
-
 /* Numbers of entries, by row in start[row+1], become where each row goes; then, filled, where it begins. */
 static void sum_up(int n, int *start) {
     for (int k = 0; k < n; k++)
@@ -122,22 +116,22 @@ ns_partial_lu *ns_linalg_partial_create(const ns_triangles *t, const int *start,
         return NULL;
     }
     *s = (ns_partial_lu){.n = n, .blocks = t->blocks, .x = x, .due = due};
-    s->begin = next_array(&ints, t->blocks + 1);
-    s->row = next_array(&ints, n);
-    s->to = next_array(&ints, n);
-    s->l = next_array(&ints, n + 1);
-    s->u = next_array(&ints, n + 1);
-    s->a = next_array(&ints, n + 1);
-    s->f = next_array(&ints, n);
-    s->below = next_array(&ints, n);
-    s->above = next_array(&ints, n);
-    s->reach = next_array(&ints, n + 1);
-    s->place = next_array(&ints, n);
-    s->reached = next_array(&ints, l);
-    s->li = next_array(&ints, l);
-    s->ui = next_array(&ints, u);
-    s->from = next_array(&ints, all);
-    s->column = next_array(&ints, all);
+    s->begin = ns_packed_next(&ints, t->blocks + 1);
+    s->row = ns_packed_next(&ints, n);
+    s->to = ns_packed_next(&ints, n);
+    s->l = ns_packed_next(&ints, n + 1);
+    s->u = ns_packed_next(&ints, n + 1);
+    s->a = ns_packed_next(&ints, n + 1);
+    s->f = ns_packed_next(&ints, n);
+    s->below = ns_packed_next(&ints, n);
+    s->above = ns_packed_next(&ints, n);
+    s->reach = ns_packed_next(&ints, n + 1);
+    s->place = ns_packed_next(&ints, n);
+    s->reached = ns_packed_next(&ints, l);
+    s->li = ns_packed_next(&ints, l);
+    s->ui = ns_packed_next(&ints, u);
+    s->from = ns_packed_next(&ints, all);
+    s->column = ns_packed_next(&ints, all);
     memcpy(s->begin, t->R, sizeof(int) * ((size_t)t->blocks + 1));
     memcpy(s->row, t->P, sizeof(int) * (size_t)n);
     memcpy(s->to, t->Q, sizeof(int) * (size_t)n);

@@ -13,22 +13,15 @@ static const double nothing = 4;
 /* An impulse is none below these fractions of the largest one, and of the largest lambda or y so far. */
 static const double of_largest = 1e-6, of_usual = 1e-3;
 
-static double largest(const ns_sparse *m, const double *of) {
-    double max = 0;
-    for (int i = 0; i < m->f->n; i++)
-        if (!m->f->algebraic[i])
-            max = ns_higher(fabs(of[i]) / m->unit[i], max);
-    return max;
-}
-
 int ns_sparse_instant_add(ns_sparse *m, double g, ns_instant *to) {
     const ns_cached_factors *k;
     const int n = m->f->n;
     double *left = m->work.w, *v = m->work.v;
     memcpy(left, m->work.removed, sizeof *left * (size_t)n);
-    const double least = nothing * m->o.reltol * largest(m, left);
+    const double least = nothing * m->o.reltol * ns_sparse_project_largest(m, left);
     int status = ns_sparse_factors_factor(m->q, g, m->mode, 1, &k);
-    for (int step = 0; step < MOST_STEPS && status == NS_OK && largest(m, left) > least; step++) {
+    for (int step = 0; step < MOST_STEPS && status == NS_OK && ns_sparse_project_largest(m, left) > least;
+         step++) {
         ns_sparse_step_rhs(m, g, left, m->work.no_inputs, 0, 0);
         status = ns_sparse_factors_solve(m->q, k, m->r, v);
         if (status != NS_OK && status != NS_E_SINGULAR) /* only rounding contradicts: it did not before */

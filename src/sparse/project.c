@@ -47,7 +47,7 @@ int ns_sparse_project_is_rounding(const ns_sparse *m, double g, const double *v,
     return size <= rate_rounding * g * max;
 }
 
-static double largest(const ns_sparse *m, const double *of) {
+double ns_sparse_project_largest(const ns_sparse *m, const double *of) {
     double max = 0;
     for (int i = 0; i < m->f->n; i++)
         if (!m->f->algebraic[i])
@@ -130,7 +130,7 @@ typedef enum left { SOME, NOTHING, ALL } left;
 
 static left compare(const ns_sparse *m, double size, const double *before, const double *by) {
     double max = 0;
-    if (largest(m, by) <= zero * size)
+    if (ns_sparse_project_largest(m, by) <= zero * size)
         return NOTHING;
     for (int i = 0; i < m->f->n; i++)
         if (!m->f->algebraic[i])
@@ -165,11 +165,11 @@ static int find_powers(ns_sparse *m, double t, double g, int count, int fine, co
             memcpy(by, first, sizeof(double) * (size_t)n);
         else
             status = ns_sparse_step_solve(m, k, t, g, i, m->work.w, m->z, m->work.projected, by);
-        if (status == NS_E_SINGULAR && i > 0 && largest(m, m->work.w) <= a_jump * size) {
+        if (status == NS_E_SINGULAR && i > 0 && ns_sparse_project_largest(m, m->work.w) <= a_jump * size) {
             *what = NOTHING; /* what is left is rounding, and contradicts the equations */
             return NS_OK;
         }
-        size = i == 0 ? fmax(size, largest(m, by)) : size; /* at a start w may be zero */
+        size = i == 0 ? fmax(size, ns_sparse_project_largest(m, by)) : size; /* at a start w may be zero */
         if (status == NS_OK && fine)
             status = correct(m, g, k, size, m->work.projected, by, &fine);
         if (status == NS_E_RESIDUAL && are_rates_rounding(m, g, m->work.projected, size)) {
@@ -204,7 +204,7 @@ static int remove_powers(ns_sparse *m, double t, double g, const double *first, 
             removed[i] += m->work.w[i];
         }
         before = round == 0 ? INFINITY : max;
-        max = now == ALL ? 0 : largest(m, m->work.w);
+        max = now == ALL ? 0 : ns_sparse_project_largest(m, m->work.w);
     }
     return NS_OK;
 }
@@ -219,7 +219,7 @@ static int lasts(ns_sparse *m, double t, double g) {
         return 0;
     for (int i = 0; i < m->f->n; i++)
         m->work.finer_removed[i] -= m->work.removed[i];
-    return largest(m, m->work.finer_removed) > little;
+    return ns_sparse_project_largest(m, m->work.finer_removed) > little;
 }
 
 int ns_sparse_project_consistent(ns_sparse *m, double t, double g, const double *first, ns_jump_kind *jump) {
@@ -229,7 +229,8 @@ int ns_sparse_project_consistent(ns_sparse *m, double t, double g, const double 
     *jump = NS_NO_JUMP;
     memcpy(m->work.before_w, m->w, bytes);
     const int status = remove_powers(m, t, g, first, m->work.removed, &what);
-    if (status != NS_OK || what == NOTHING || !(largest(m, m->work.removed) > a_jump * size)) {
+    if (status != NS_OK || what == NOTHING ||
+        !(ns_sparse_project_largest(m, m->work.removed) > a_jump * size)) {
         if (what == SOME) /* rounding, of which a finite rate would make a transient */
             memcpy(m->w, m->work.before_w, bytes);
         return status;

@@ -68,12 +68,10 @@ static double next_corner(const ns_system *s, double t) {
 
 /* What the schedule says an input is. */
 static double scheduled(const ns_time_events *s, int input, double t, const double *z) {
-    const ns_wave *wave;
-    const ns_wave_term *term;
+    const ns_wave *wave = s->wave;
+    const ns_wave_term *term = s->term;
     double value = z[input], cosine, sine;
-    const int terms = ns_inputs_events_terms(s, &term);
-    ns_inputs_events_waves(s, &wave);
-    for (int k = 0; k < terms; k++)
+    for (int k = 0; k < s->terms; k++)
         if (term[k].input == input && s->begun[k]) {
             ns_inputs_wave_at(&wave[term[k].wave], t, &cosine, &sine);
             value += term[k].cc * cosine + term[k].cs * sine;

@@ -245,6 +245,38 @@ static void test_rest(void **state) {
     end(&k);
 }
 
+/* x' = -lambda, 0 = x + cos wt - lambda: (e^-t - cos wt - w sin wt)/(1 + w^2).  The input acts on lambda
+ * alone, so steps add what it moved since the right-hand side was made. */
+static void test_sine_of_a_law(void **state) {
+    const double theta = *(double *)*state, w = 6, h = 1e-3, off = theta < 1 ? 2e-4 : 1e-2;
+    const ns_march_options o = {.theta = theta, .gamma = theta, .h = h, .method = NS_THETA, .capture = 1};
+    const double w0 = 0;
+    double reached, x;
+    ns_system *s;
+    ns_march *m;
+    ns_signal sine = {.kind = NS_SIN};
+    sine.u.sin.va = 1;
+    sine.u.sin.freq = w / (2 * 3.14159265358979323846);
+    sine.u.sin.phase = 90;
+    assert_int_equal(ns_system_create(1, 1, 1, 0, &s), NS_OK);
+    s->M[0] = s->C[0] = s->F[0] = 1;
+    s->B[0] = s->D[0] = -1;
+    s->l[0] = -INFINITY;
+    s->u[0] = INFINITY;
+    assert_int_equal(ns_system_set_input(s, 0, &sine), NS_OK);
+    assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_OK);
+    assert_int_equal(ns_march_start(m, 0, &w0), NS_OK);
+    for (int i = 1; i <= 30; i++) {
+        const double t = 0.1 * i;
+        assert_int_equal(ns_march_try(m, t, NS_TO_TIME, &reached), NS_OK);
+        assert_int_equal(ns_march_accept(m), NS_OK);
+        assert_int_equal(ns_march_read(m, NULL, &x, NULL, NULL), NS_OK);
+        near(x, (exp(-t) - cos(w * t) - w * sin(w * t)) / (1 + w * w), off);
+    }
+    ns_march_free(m);
+    ns_system_free(s);
+}
+
 static void test_refused(void **state) {
     (void)state;
     rig k = begin();
@@ -295,6 +327,8 @@ int main(void) {
                                        cmocka_unit_test(test_tries),
                                        cmocka_unit_test_prestate(test_rest, &one),
                                        cmocka_unit_test_prestate(test_rest, &half),
+                                       cmocka_unit_test_prestate(test_sine_of_a_law, &one),
+                                       cmocka_unit_test_prestate(test_sine_of_a_law, &half),
                                        cmocka_unit_test(test_refused),
                                        cmocka_unit_test(test_without_answer)};
     return cmocka_run_group_tests_name("sparse_scheme", tests, NULL, NULL);
