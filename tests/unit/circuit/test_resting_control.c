@@ -228,6 +228,20 @@ static void opposite_choices_beside_zero(void **state) {
     end_with((double[]){0, 0, 1, 1}, (double[]){0, 0, 0, 0});
 }
 
+/* The same where the choices are the first elements of the circuit. */
+static void opposite_choices_come_first(void **state) {
+    int id;
+    (void)state;
+    begin();
+    add_choice("c1", 2, 3, 0, 1);
+    add_choice("c2", 3, 2, 0, 2);
+    source("v1", 1, 0, pulse(0, 3));
+    assert_int_equal(ns_circuit_resistor(made, "r1", 1, 2, 1, &id), NS_OK);
+    assert_int_equal(ns_circuit_resistor(made, "r2", 2, 3, 1, &id), NS_OK);
+    assert_int_equal(ns_circuit_resistor(made, "r3", 3, 0, 1, &id), NS_OK);
+    end_with((double[]){0, 0}, (double[]){0, 0});
+}
+
 static void refused(void **state) {
     const ns_switch sw = {.vt = 1, .vh = 0.5, .ron = 1, .roff = INFINITY};
     int id;
@@ -259,6 +273,7 @@ int main(void) {
         cmocka_unit_test(as_it_came),
         cmocka_unit_test(as_it_came_both_ways),
         cmocka_unit_test(by_what_is_not_known),
+        cmocka_unit_test(opposite_choices_come_first),
         cmocka_unit_test(choice_by_time),
         cmocka_unit_test(choice_of_a_sine),
         cmocka_unit_test(choice_by_state),

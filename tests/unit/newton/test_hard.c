@@ -332,8 +332,30 @@ static void bad_input_is_refused(void **state) {
     ns_newton_free(NULL);
 }
 
+/* The same with hardly any damping: the whole step diverges, and shorter ones one after another do not. */
+static void a_step_is_halved_until_it_converges(void **state) {
+    (void)state;
+    mischief p = {.drive = 1e3};
+    const ns_model model = {.n = 1, .M = all_0, .data = &p, .f = junction_f, .A = junction_A};
+    const ns_newton_options o = {.theta = 1, .gamma = 1, .halvings = 1};
+    ns_newton *s;
+    double v = 0, t, low = 0, high = 1;
+    assert_int_equal(ns_newton_create(&model, &o, &s, NULL), NS_OK);
+    assert_int_equal(ns_newton_start(s, 0, &v, NULL), NS_OK);
+    assert_int_equal(ns_newton_try(s, 1), NS_DIVERGED);
+    assert_int_equal(ns_newton_advance(s, 1, 1), NS_OK);
+    assert_int_equal(ns_newton_read(s, &t, &v, NULL, NULL, NULL), NS_OK);
+    for (int k = 0; k < 200; k++) {
+        const double mid = (low + high) / 2;
+        *((1e3 - mid) / R > Is * (exp(mid / Vt) - 1) ? &low : &high) = mid;
+    }
+    assert_true(t == 1 && fabs(v - low) < 1e-12);
+    ns_newton_free(s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_step_is_halved_until_it_converges),
         cmocka_unit_test(an_exponential_is_damped),
         cmocka_unit_test(a_refused_point_is_not_entered),
         cmocka_unit_test(a_failed_step_leaves_the_past),

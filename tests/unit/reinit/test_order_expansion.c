@@ -311,8 +311,46 @@ static void a_contradiction_is_singular(void **state) {
     net_end(&k);
 }
 
+/* x' = lambda >= 0, 0 <= y = x - z_0 + 2 z_1: with z = (5, 1) x jumps from 0 to 3 by an impulse of 3, with z
+ * = (5, 4) y is 3 and nothing jumps. */
+static void inputs_of_a_law(void **state) {
+    const ns_theta_options o = {1, 1, 0};
+    ns_system *s;
+    ns_theta *t;
+    const double w0 = 0;
+    (void)state;
+    assert_int_equal(ns_system_create(1, 1, 2, 0, &s), NS_OK);
+    s->M[0] = s->B[0] = s->C[0] = 1;
+    s->F[0] = -1;
+    s->F[1] = 2;
+    s->u[0] = INFINITY;
+    assert_int_equal(ns_theta_create(s, &o, &t, NULL), NS_OK);
+    for (int jumps = 0; jumps < 2; jumps++) {
+        const double z[] = {5, jumps ? 1 : 4};
+        double w, x, lambda, y, X, Lambda, Y, h;
+        ns_mode mode;
+        const ns_impulse out = {.w = &w,
+                                .x = &x,
+                                .lambda = &lambda,
+                                .y = &y,
+                                .X = &X,
+                                .Lambda = &Lambda,
+                                .Y = &Y,
+                                .mode = &mode,
+                                .h = &h};
+        assert_int_equal(ns_theta_start(t, &w0, NULL), NS_OK);
+        assert_int_equal(ns_theta_impulse(t, z, NULL, &out), NS_OK);
+        assert_true(fabs(x - (jumps ? 3 : 0)) < 1e-14 && fabs(Lambda - (jumps ? 3 : 0)) < 1e-14);
+        assert_true(fabs(y - (jumps ? 0 : 3)) < 1e-14);
+        assert_int_equal(mode, jumps ? NS_INSIDE : NS_LOWER);
+    }
+    ns_theta_free(t);
+    ns_system_free(s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(inputs_of_a_law),
         cmocka_unit_test(steps_tend_to_it),
         cmocka_unit_test(levels_obey_their_equations),
         cmocka_unit_test(a_shorted_capacitor),

@@ -46,6 +46,37 @@ static void end(rig *k) {
     ns_circuit_free(k->c);
 }
 
+/* 0 V, from 1 s on 5 V, at a node that nothing else depends on: on either side of the jump. */
+static void sides_of_a_jump(void **state) {
+    const ns_signal step = {.kind = NS_PULSE, .u.pulse = {0, 5, 1, 0, 0, 9, INFINITY, 0}};
+    const ns_march_options o = {.h = 10, .method = NS_SPARSE, .reltol = 1e-9, .whole = 1};
+    rig k;
+    double w[16], reached = 0;
+    (void)state;
+    assert_int_equal(ns_circuit_create(&k.c), NS_OK);
+    assert_int_equal(ns_circuit_source(k.c, "v", NS_VOLTAGE, 1, 0, &step, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(k.c, "r", 1, 0, 1, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(k.c, "rc", 2, 0, 1, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(k.c, "c", 2, 0, 1, 1, NULL), NS_OK);
+    assert_int_equal(ns_circuit_system(k.c, &k.s), NS_OK);
+    assert_int_equal(ns_march_create(k.s, &o, &k.m, NULL), NS_OK);
+    assert_int_equal(ns_circuit_rest(k.c, w), NS_OK);
+    assert_int_equal(ns_march_start(k.m, 0, w), NS_OK);
+    const int v = ns_circuit_node_unknown(k.c, 1);
+    while (reached < 1) {
+        assert_int_equal(ns_march_try(k.m, 3, NS_TO_STEP, &reached), NS_OK);
+        assert_int_equal(ns_march_sample(k.m, reached, k.x, NULL), NS_OK);
+        assert_true(k.x[v] == 0);
+        assert_int_equal(ns_march_accept(k.m), NS_OK);
+    }
+    assert_true(reached == 1);
+    assert_int_equal(ns_march_try(k.m, 3, NS_TO_STEP, &reached), NS_OK);
+    assert_true(reached > 1);
+    assert_int_equal(ns_march_sample(k.m, 1, k.x, NULL), NS_OK);
+    assert_true(k.x[v] == 5);
+    end(&k);
+}
+
 static double triangle(double t) {
     const double part = t - floor(t);
     return part < 0.5 ? 4 * part - 1 : 3 - 4 * part;
@@ -197,8 +228,11 @@ static void test_singular_outputs_stay(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_what_stays), cmocka_unit_test(test_singular_outputs_stay),
-        cmocka_unit_test(test_gates), cmocka_unit_test(test_corners_end_nothing), cmocka_unit_test(test_dc)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(sides_of_a_jump),
+                                       cmocka_unit_test(test_what_stays),
+                                       cmocka_unit_test(test_singular_outputs_stay),
+                                       cmocka_unit_test(test_gates),
+                                       cmocka_unit_test(test_corners_end_nothing),
+                                       cmocka_unit_test(test_dc)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

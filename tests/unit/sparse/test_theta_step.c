@@ -185,6 +185,28 @@ static void test_relay(void **state) {
     end(&k);
 }
 
+/* RC = 1 ms from 1 V passes 0.5 V, which closes a switch from 10 V to 1 kohm: in the same step. */
+static void test_command_of_a_step(void **state) {
+    const double theta = *(double *)*state;
+    rig k = begin();
+    int closed = 0;
+    constant(&k, "vin", 1, 1);
+    constant(&k, "v10", 2, 10);
+    resistor(&k, 1, 3, 1e3);
+    capacitor(&k, 3, 0, 1e-6, 0);
+    contact(&k, 2, 4, 3, 0.5, 0);
+    assert_int_equal(ns_circuit_resistor(k.c, "r2", 4, 0, 1e3, NULL), NS_OK);
+    ready(&k, theta, 1e-5);
+    for (int i = 1; i <= 200; i++) {
+        step_to(&k, 1e-5 * i);
+        closed += voltage(&k, 4) > 5;
+        if (fabs(voltage(&k, 3) - 0.5) > 1e-9)
+            near(voltage(&k, 4), voltage(&k, 3) > 0.5 ? 10 : 0, 1e-9);
+    }
+    assert_true(closed > 100 && closed < 140);
+    end(&k);
+}
+
 /* 10 V sine of 1 kHz across a diode and RC = 10 ms: at the crest of each period the capacitor is at 10 V. */
 static void test_peak(void **state) {
     const double theta = *(double *)*state;
@@ -322,6 +344,8 @@ int main(void) {
                                        cmocka_unit_test_prestate(test_discontinuous, &half),
                                        cmocka_unit_test_prestate(test_relay, &one),
                                        cmocka_unit_test_prestate(test_relay, &half),
+                                       cmocka_unit_test_prestate(test_command_of_a_step, &one),
+                                       cmocka_unit_test_prestate(test_command_of_a_step, &half),
                                        cmocka_unit_test_prestate(test_peak, &one),
                                        cmocka_unit_test_prestate(test_peak, &half),
                                        cmocka_unit_test(test_tries),

@@ -54,7 +54,34 @@ static void what_flows_in_the_time_of_a_jump(void **state) {
     assert_false(passes(0.5 * 11 * 1.001));
 }
 
+/* An input that jumps from 0 to 5 at 1 s and rises by 2 a second from there to 3 s, on either side, whatever
+ * was asked for before. */
+static void sides_of_an_input(void **state) {
+    static const double t[] = {0, 1, 1, 3}, volts[] = {0, 0, 5, 9};
+    const ns_signal line = {.kind = NS_PWL, .u.pwl = {.n = 4, .t = t, .v = volts, .repeat = NAN}};
+    const ns_verify_options o = {.reltol = 1e-9, .instant = 1e-11};
+    ns_system *s;
+    ns_verify *v;
+    double z;
+    (void)state;
+    assert_int_equal(ns_system_create(1, 0, 1, 0, &s), NS_OK);
+    s->M[0] = s->E[0] = 1;
+    assert_int_equal(ns_system_set_input(s, 0, &line), NS_OK);
+    assert_int_equal(ns_verify_create(s, &o, &v), NS_OK);
+    for (int again = 0; again < 2; again++) {
+        ns_verify_inputs_at(v, 1, NS_LEFT, &z);
+        assert_true(z == 0);
+        ns_verify_inputs_at(v, 1, NS_RIGHT, &z);
+        assert_true(z == 5);
+    }
+    ns_verify_inputs_at(v, 2, NS_LEFT, &z);
+    assert_true(fabs(z - 7) < 1e-14);
+    ns_verify_free(v);
+    ns_system_free(s);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(what_flows_in_the_time_of_a_jump)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(what_flows_in_the_time_of_a_jump),
+                                       cmocka_unit_test(sides_of_an_input)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
