@@ -14,68 +14,25 @@
 /* Rounds of changing all broken pairs at once: so many in which their number does not fall, so many at most.
  */
 enum { EXTRA_ROUNDS = 6, MOST_ROUNDS = 100 };
-/* Corrections until only what grows with smaller leaks is left. */
-enum { GROWTH_ROUNDS = 4 };
 /* Local problems for one step; jumps of one event; rounds of commands. */
 enum { LOCALS = 2, JUMPS = 8, COMMAND_ROUNDS = 64 };
 /* A step so many powers of two shorter does not move w but to where it has to be. */
 enum { SHORTER = 24 };
-/* A guard goes away with growing answers if it does by this fraction of the largest. */
-static const double grows = 1e-3;
 /* A bound broken by this fraction of its terms is far beyond rounding. */
 static const double far = 1e-6;
 /* The scale of a small w_i, in the largest. */
 static const double least_scale = 1e-3;
 
-/* The equations contradict each other: v is what small leaks make of them.  The smaller these are, the more
- * it grows along work.v.  The pair changes whose guard that takes away most; 0: there is none. */
-static int change_along_growth(ns_sparse *m, double g, const double *v) {
-    const ns_cached_factors *k;
-    double y, lambda, worst = -grows;
-    int pair = -1, broken = 0;
-    if (ns_sparse_factors_factor(m->q, g, m->mode, 1, &k) != NS_OK)
-        return 0;
-    memcpy(m->work.v, v, sizeof(double) * (size_t)m->f->size);
-    for (int round = 0; round < GROWTH_ROUNDS; round++) { /* what does not grow is solved for */
-        ns_sparse_form_subtract(m->f, g, m->mode, m->work.v, m->r);
-        (void)ns_sparse_factors_solve(m->q, k, m->r, m->work.v); /* it contradicts as well */
-    }
-    memset(m->work.no_inputs, 0, sizeof(double) * (size_t)m->f->nz);
-    ns_sparse_guard_largest(m, m->work.v, &y, &lambda);
-    for (int j = 0; j < m->f->m; j++)
-        for (int i = guards_of(m, j) - 1; i >= 0 && !ns_mode_slides(m->mode[j]); i--) {
-            const double of =
-                guard(m, j, i, m->work.v, m->work.no_inputs, 0) / (m->mode[j] == NS_INSIDE ? lambda : y);
-            if (!(of < worst))
-                continue;
-            worst = of;
-            pair = j;
-            broken = i;
-        }
-    if (pair < 0)
-        return 0;
-    ns_sparse_guard_leave(m, pair, broken);
-    m->touched[pair] = 1;
-    return 1;
-}
-
-/* What a search does where changing all broken pairs does not end. */
-typedef enum change_rule { ENDS, ALONG_GROWTH, ONE_BY_ONE } change_rule;
-
-/* Changes the pairs whose guards are broken until none is: all at once; ONE_BY_ONE: where their number does
+/* Changes the pairs whose guards are broken until none is: all at once; one_by_one: where their number does
  * not fall the first one alone, which ends (Judice and Pires, Computers & Operations Research 21, 1994).
  * Errors: SINGULAR, LIMIT (it does not end). */
-static int change_broken(ns_sparse *m, double t, double g, const double *w, change_rule how, double *v,
+static int change_broken(ns_sparse *m, double t, double g, const double *w, int one_by_one, double *v,
                          double *by) {
     int best = m->f->m + 1, extra = EXTRA_ROUNDS;
-    for (int round = 0; round < MOST_ROUNDS && (extra > 0 || how == ONE_BY_ONE); round++) {
+    for (int round = 0; round < MOST_ROUNDS && (extra > 0 || one_by_one); round++) {
         const int status = ns_sparse_step_euler(m, t, g, w, 1, v, by);
         if (status != NS_OK && status != NS_E_SINGULAR)
             return status;
-        if (how == ALONG_GROWTH && status == NS_E_SINGULAR && change_along_growth(m, g, v)) {
-            m->counts.pivots++;
-            continue;
-        }
         const int broken = ns_sparse_guard_broken(m, v, w, g, 1);
         if (broken == 0)
             return status;
@@ -107,7 +64,7 @@ static int change_one_by_one(ns_sparse *m, double t, double g, const double *w, 
                              double *v, double *by) {
     memcpy(m->work.lcp_mode, m->mode, (size_t)m->f->m);
     ns_sparse_guard_set_mode(m, from);
-    if (change_broken(m, t, g, w, ONE_BY_ONE, v, by) == NS_OK)
+    if (change_broken(m, t, g, w, 1, v, by) == NS_OK)
         return NS_OK;
     ns_sparse_guard_set_mode(m, m->work.lcp_mode);
     return ns_sparse_step_euler(m, t, g, w, 1, v, by);
@@ -118,7 +75,7 @@ static int find_mode(ns_sparse *m, double t, double g, const double *w, double *
     int status;
     memset(m->touched, 0, (size_t)m->f->m);
     for (int again = 0; again <= LOCALS; again++) {
-        status = change_broken(m, t, g, w, ENDS, v, by);
+        status = change_broken(m, t, g, w, 0, v, by);
         if (status != NS_E_SINGULAR && status != NS_E_LIMIT)
             return status;
         status = ns_sparse_local_lcp(m, t, g, w, v, by);
@@ -130,11 +87,7 @@ static int find_mode(ns_sparse *m, double t, double g, const double *w, double *
 
 int ns_sparse_event_consistent(ns_sparse *m, double t, double g, const double *w, double *v, double *by) {
     memcpy(m->work.tried_mode, m->mode, (size_t)m->f->m);
-    const int status = find_mode(m, t, g, w, v, by);
-    if (status != NS_E_INFEASIBLE && status != NS_E_SINGULAR && status != NS_E_LIMIT)
-        return status;
-    ns_sparse_guard_set_mode(m, m->work.tried_mode);
-    return change_broken(m, t, g, w, ALONG_GROWTH, v, by) == NS_OK ? NS_OK : status;
+    return find_mode(m, t, g, w, v, by);
 }
 
 /* Commands of time change that do so now, or, at a start, have to; events that only rounding keeps apart are
