@@ -25,7 +25,7 @@ static double above_threshold(const ns_analysis *a, const ns_own_mosfet *m) {
 
 /* A: of the current i that beyond saturation, at v(gate,source) of `above` V beyond vto. */
 static double beyond_saturation(const ns_own_mosfet *m, double i, double above) {
-    return i > NS_LEAK ? fmax(i - 0.5 * m->beta * above * fmax(above, 0.0), 0.0) : 0.0;
+    return i > NS_LEAK ? fmax(i - ns_bridge_own_saturation(m, above), 0.0) : 0.0;
 }
 
 static int is_follower(const ns_own_taken *o) {
@@ -43,7 +43,7 @@ static void judge_channel(const ns_analysis *a, const ns_own_taken *o, double i,
         *off = held ? 0.0 : beyond_saturation(m, i, above);
         *of = fabs(i);
     } else if (voltage_at(a, m->drain) > voltage_at(a, m->gate) - m->vth) {
-        *off = sqrt(2.0 * fmax(i, 0.0) / m->beta);
+        *off = sqrt(2.0 * fmax(i, 0.0) / ns_bridge_own_gain(m, above));
         *of = fabs(voltage_at(a, m->source));
     } else {
         *off = *of = 0.0;
@@ -104,14 +104,15 @@ static double own_current(const ns_own_taken *o) {
     return ns_bridge_pulse_mean_read(&mean);
 }
 
-/* V: the voltage of its channel at a current, by the square law; INFINITY: it carries less. */
+/* V: the voltage v of its channel at a current, by the square law: a v^2 + above v = c; INFINITY: it carries
+ * less.  A follower that closes has a fixed v(gate,drain), and v(gate,source) larger by v. */
 static double channel_voltage(const ns_own_taken *o, double amperes) {
-    const double above = o->drive - o->mosfet.vth;
-    if (o->follows ==
-        FOLLOWS_AND_CLOSES) /* v(gate,drain) is fixed, v(gate,source) larger by what it returns */
-        return sqrt(above * above + 2.0 * amperes / o->mosfet.beta) - above + o->mosfet.series * amperes;
-    const double rest = above * above - 2.0 * amperes / o->mosfet.beta;
-    return rest < 0.0 ? INFINITY : above - sqrt(rest) + o->mosfet.series * amperes;
+    const ns_own_mosfet *m = &o->mosfet;
+    const double beyond = o->drive - m->vth, above = ns_bridge_own_overdrive(m, beyond);
+    const double a = (o->follows == FOLLOWS_AND_CLOSES ? 1.0 : 0.0) - 0.5 * m->triode;
+    const double c = amperes / (ns_bridge_own_gain(m, beyond) * m->triode);
+    const double rest = above * above + 4.0 * a * c;
+    return rest < 0.0 ? INFINITY : 2.0 * c / (above + sqrt(rest)) + m->series * amperes;
 }
 
 /* V: the voltage of its own curve there, with rs; NAN: unknown. */

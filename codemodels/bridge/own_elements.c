@@ -255,7 +255,7 @@ int ns_bridge_own_current_switch(ns_extract_walk *w, GENinstance *inst) {
 
 /* --- M --- */
 
-/* What the netlist drives the gate with, or option vgs. */
+/* What the netlist drives the gate with; where it does not switch it plainly, option vgs. */
 static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_mosfet *m, double *volts,
                       int *follows) {
     static const char too_low[] =
@@ -265,20 +265,21 @@ static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_
     const int known = ns_bridge_own_find_drive(w->ckt, m, &drive);
     if (!drive.follows && ns_bridge_own_has_feedback(w->ckt, m))
         drive.follows = FOLLOWS_DRAIN;
-    *follows = isnan(o->vgs) || drive.follows != FOLLOWS_AND_CLOSES ? drive.follows : FOLLOWS_GATE;
+    const int is_plain = known && drive.switches && drive.low <= m->vth && drive.high > m->vth;
+    const double given = is_plain ? NAN : o->vgs;
+    *follows = isnan(given) || drive.follows != FOLLOWS_AND_CLOSES ? drive.follows : FOLLOWS_GATE;
     if (o->mosfets == NS_MOSFETS_DRIVEN && m->bulk != m->source)
         return ns_bridge_extract_refuse(
             w, inst,
             "this M is not plainly a switch: its bulk is not its source; .include nonsmooth_mosfet.inc "
             "(mosfet=\"switch\") takes every M as a switch");
-    if (o->mosfets == NS_MOSFETS_DRIVEN &&
-        !(known && drive.switches && drive.low <= m->vth && drive.high > m->vth))
+    if (o->mosfets == NS_MOSFETS_DRIVEN && !is_plain)
         return ns_bridge_extract_refuse(w, inst,
                                         "this M is not plainly a switch: no PULSE, PWL, B source, "
                                         "digital part or switch drives its gate, along V "
                                         "and R, from below to above its threshold; .include "
                                         "nonsmooth_mosfet.inc (mosfet=\"switch\") takes every M as a switch");
-    *volts = isnan(o->vgs) ? drive.high : o->vgs;
+    *volts = isnan(given) ? drive.high : given;
     if (isnan(*volts))
         return ns_bridge_extract_refuse(
             w, inst,
@@ -367,7 +368,7 @@ int ns_bridge_own_mosfet(ns_extract_walk *w, GENinstance *inst) {
     int status = find_drive(w, inst, m, &taken.drive, &taken.follows);
     if (status)
         return status;
-    taken.ron = m->series + 1.0 / (m->beta * (taken.drive - m->vth));
+    taken.ron = ns_bridge_own_resistance(m, taken.drive - m->vth);
     status = add_channel(w, inst, &taken);
     status = status ? status : add_body_diode(w, inst, &taken);
     return status ? status : ns_bridge_own_keep(w, &taken);

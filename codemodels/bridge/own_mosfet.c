@@ -32,6 +32,10 @@ static void read_vdmos(const VDMOSinstance *v, ns_own_mosfet *m) {
                          .bulk = v->VDMOSsNode,
                          .vth = model->VDMOStype * v->VDMOStVth,
                          .beta = v->VDMOStTransconductance,
+                         .theta = model->VDMOStheta,
+                         .triode = model->VDMOSmtr,
+                         .shift = model->VDMOSsubshift,
+                         .slope = v->VDMOStksubthres,
                          .series = v->VDMOSdrainResistance + ohms(v->VDMOSsourceConductance),
                          .leak = model->VDMOSrdsGiven ? ohms(v->VDMOSdsConductance) : INFINITY,
                          .heats = v->VDMOSthermal && model->VDMOSrthjcGiven};
@@ -63,6 +67,7 @@ static void read_mos1(const MOS1instance *v, ns_own_mosfet *m) {
                          .vth = model->MOS1type * v->MOS1tVto,
                          .beta = v->MOS1tTransconductance * v->MOS1m * v->MOS1w /
                                  (v->MOS1l - 2.0 * model->MOS1latDiff),
+                         .triode = 1.0,
                          .series = ohms(v->MOS1drainConductance) + ohms(v->MOS1sourceConductance),
                          .leak = INFINITY};
     m->body = (ns_own_diode){.bv = INFINITY,
@@ -79,6 +84,24 @@ void ns_bridge_own_read_mosfet(const GENinstance *inst, ns_own_mosfet *m) {
         read_mos1((const MOS1instance *)inst, m);
     m->body.anode = m->sign > 0 ? m->bulk : m->drain;
     m->body.cathode = m->sign > 0 ? m->drain : m->bulk;
+}
+
+double ns_bridge_own_gain(const ns_own_mosfet *m, double above) {
+    return m->beta / (1.0 + m->theta * (m->vth + above));
+}
+
+double ns_bridge_own_overdrive(const ns_own_mosfet *m, double above) {
+    const double v = above - m->shift;
+    return m->slope > 0.0 && v < 30.0 * m->slope ? m->slope * log1p(exp(v / m->slope)) : v;
+}
+
+double ns_bridge_own_saturation(const ns_own_mosfet *m, double above) {
+    const double over = fmax(ns_bridge_own_overdrive(m, above), 0.0);
+    return 0.5 * ns_bridge_own_gain(m, above) * over * over;
+}
+
+double ns_bridge_own_resistance(const ns_own_mosfet *m, double above) {
+    return m->series + 1.0 / (ns_bridge_own_gain(m, above) * m->triode * ns_bridge_own_overdrive(m, above));
 }
 
 static void write_vdmos(VDMOSinstance *v, CKTcircuit *ckt, double amperes, const double *value) {

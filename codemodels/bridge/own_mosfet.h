@@ -10,7 +10,10 @@ typedef struct ns_own_mosfet {
     int sign;                      /* 1: n channel, -1: p channel */
     int drain, gate, source, bulk; /* equations; bulk is the source where there is none */
     double vth;                    /* V, of v(gate,source) times sign */
-    double beta;                   /* A/V^2, multiplier and size included */
+    double beta;                   /* A/V^2, multiplier and size included, at v(gate,source) = 0 */
+    double theta;                  /* 1/V: beta/(1 + theta v(gate,source)) */
+    double triode;                 /* mtriode: by how much v(drain,source) counts below saturation */
+    double shift, slope;           /* V: of what is above vth, in weak inversion; slope 0: none */
     double series;                 /* ohm, of drain and source */
     double leak;                   /* ohm beside the channel; INFINITY: none */
     ns_own_diode body;             /* from source (or bulk) to drain, of an n channel */
@@ -21,6 +24,13 @@ typedef struct ns_own_mosfet {
 } ns_own_mosfet;
 
 void ns_bridge_own_read_mosfet(const GENinstance *inst, ns_own_mosfet *m);
+
+/* What its model says of its channel where v(gate,source) is `above` V beyond vth: A/V^2; V, what remains for
+ * the channel; A, of saturation; ohm, drain and source included, without current. */
+double ns_bridge_own_gain(const ns_own_mosfet *m, double above);
+double ns_bridge_own_overdrive(const ns_own_mosfet *m, double above);
+double ns_bridge_own_saturation(const ns_own_mosfet *m, double above);
+double ns_bridge_own_resistance(const ns_own_mosfet *m, double above);
 
 /* @m1[id] at a point, and so that ngspice's own convergence test finds nothing.  amperes: into the drain.
  * value: by equation. */

@@ -174,9 +174,21 @@ unsigned long long ns_bridge_own_hash(const ns_analysis *a) {
         ns_own_diode d = {0};
         if (o->kind == OWN_DIODE)
             ns_bridge_own_read_diode(o->inst, &d);
-        const double numbers[] = {
-            o->sw.vt,         o->sw.vh, o->sw.ron, o->sw.roff,           o->mosfet.vth,     o->mosfet.beta,
-            o->mosfet.series, d.rs,     d.bv,      d.law.bottom.amperes, d.law.bottom.volts};
+        const double numbers[] = {o->sw.vt,
+                                  o->sw.vh,
+                                  o->sw.ron,
+                                  o->sw.roff,
+                                  o->mosfet.vth,
+                                  o->mosfet.beta,
+                                  o->mosfet.theta,
+                                  o->mosfet.triode,
+                                  o->mosfet.shift,
+                                  o->mosfet.slope,
+                                  o->mosfet.series,
+                                  d.rs,
+                                  d.bv,
+                                  d.law.bottom.amperes,
+                                  d.law.bottom.volts};
         for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
             mix_number(&hash, numbers[i]);
     }
