@@ -204,6 +204,7 @@ static void test_command_of_a_step(void **state) {
             near(voltage(&k, 4), voltage(&k, 3) > 0.5 ? 10 : 0, 1e-9);
     }
     assert_true(closed > 100 && closed < 140);
+    assert_int_equal(ns_march_counts(k.m)->events, 1); /* in no other step a law breaks */
     end(&k);
 }
 
