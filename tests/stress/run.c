@@ -98,7 +98,12 @@ static void note_devices(way *w, double t) {
             note_device(w, at, t, i, v, on);
 }
 
+/* Currents of inductors and voltages of capacitors count however short they last: they cannot jump. */
 static void sum_up_signs(way *w) {
+    for (int i = 0; i < w->p->probes; i++) {
+        double *most = w->p->probe[i].part >= 0 ? &w->largest_i : &w->largest_v;
+        *most = fmax(*most, w->r->most[i]);
+    }
     const double largest_v = fmax(w->largest_v, LEAK * w->largest_i),
                  largest_i = fmax(w->largest_i, LEAK * w->largest_v);
     const double v = w->wrong_v / fmax(largest_v, LEAK), i = w->wrong_i / fmax(largest_i, LEAK);
