@@ -31,6 +31,20 @@ static int start_again(ns_run *r, const ns_run_start *s) {
     return ns_march_run_refuse(r, &first);
 }
 
+/* By dense matrices where sparse, asked for by name, is not determined: a part that capacitors alone tie to
+ * the rest has no charge.  Else status, as it was. */
+static int start_by_dense(ns_run *r, const ns_run_start *s, int status) {
+    const ns_run_change how = {begin, s, 0};
+    if (status != NS_E_SINGULAR || r->kind != NS_RUN_SPARSE || ns_march_too_large(r->s))
+        return status;
+    const int changed = ns_march_run_change(r, NS_RUN_DENSE, &how) == NS_OK;
+    r->check.found = 0;
+    if (!changed)
+        return status;
+    ns_march_run_leave_for_the_start(r, s->t, NS_RUN_SPARSE);
+    return NS_OK;
+}
+
 int ns_march_run_start(ns_run *r, const ns_run_start *asked) {
     ns_run_start s = *asked;
     s.x = s.x ? s.x : r->check.nodes;
@@ -40,6 +54,8 @@ int ns_march_run_start(ns_run *r, const ns_run_start *asked) {
     if (!r->check.found && ns_march_run_sparse_failed(r, status) &&
         (status = ns_march_run_use_dense(r, s.t)) == NS_OK)
         status = start_judged(r, &s);
+    if (!r->check.found)
+        status = start_by_dense(r, &s, status);
     if (r->check.found)
         status =
             ns_march_sliding_is_cause(r) ? ns_march_run_refuse(r, &r->check.finding) : start_again(r, &s);
