@@ -31,33 +31,43 @@ static void sum_images(const ns_mode_kernel *k, const ns_input_states *e, int j,
     }
 }
 
-/* The residual of the differential rows of the Euler step at (x, lambda) = at, for this sum. */
-static void find_residual(const ns_theta *s, const ns_input_states *e, double g, const double *sum,
-                          const double *at, double *residual, double *v) {
-    const int n = s->s->n, m = s->s->m, nz = s->s->nz;
-    memcpy(v, sum + s->r, sizeof(double) * (size_t)e->nv);
-    ns_inputs_states_stage(e, g, v);
-    for (int i = 0; i < s->r; i++) {
-        double rate = s->b[i] * v[0], w = sum[i];
-        for (int k = 0; k < nz; k++)
-            for (int a = 0; a < e->nv && s->E[i + k * n] != 0; a++)
-                rate += s->E[i + k * n] * e->Z[k + a * nz] * v[a];
-        for (int j = 0; j < n; j++) {
-            w -= s->M[i + j * n] * at[j];
-            rate += s->A[i + j * n] * at[j];
-        }
-        for (int j = 0; j < m; j++)
-            rate += s->B[i + j * n] * at[n + j];
-        residual[i] = w + g * rate;
-    }
+/* to (r) += the first r rows of a column, count times x */
+static void add_column(const ns_theta *s, const double *restrict column, double x, double *restrict to) {
+    const int r = x != 0 ? s->r : 0;
+    for (int i = 0; i < r; i++)
+        to[i] += column[i] * x;
 }
 
 /* rest (r) -= M x */
 static void take_charges(const ns_theta *s, const double *x, double *rest) {
-    const int n = s->s->n;
-    for (int j = 0; j < n; j++)
-        for (int i = 0; i < s->r && x[j] != 0; i++)
-            rest[i] -= s->M[i + j * n] * x[j];
+    for (int k = 0; k < s->storing; k++) {
+        const size_t j = (size_t)s->stores[k];
+        add_column(s, s->M + j * (size_t)s->s->n, -x[j], rest);
+    }
+}
+
+/* The residual of the differential rows of the Euler step at (x, lambda) = at, for this sum.  room: r + nv.
+ */
+static void find_residual(const ns_theta *s, const ns_input_states *e, double g, const double *sum,
+                          const double *at, double *residual, double *room) {
+    const size_t n = (size_t)s->s->n, m = (size_t)s->s->m;
+    double *rate = room, *v = room + s->r;
+    memcpy(v, sum + s->r, sizeof(double) * (size_t)e->nv);
+    ns_inputs_states_stage(e, g, v);
+    for (int i = 0; i < s->r; i++) {
+        rate[i] = s->b[i] * v[0];
+        for (int k = 0; k < s->s->nz; k++)
+            for (int a = 0; a < e->nv && s->E[(size_t)i + (size_t)k * n] != 0; a++)
+                rate[i] += s->E[(size_t)i + (size_t)k * n] * e->Z[k + a * s->s->nz] * v[a];
+    }
+    for (size_t j = 0; j < n; j++)
+        add_column(s, s->A + j * n, at[j], rate);
+    for (size_t j = 0; j < m; j++)
+        add_column(s, s->B + j * n, at[n + j], rate);
+    memcpy(residual, sum, sizeof *residual * (size_t)s->r);
+    take_charges(s, at, residual);
+    for (int i = 0; i < s->r; i++)
+        residual[i] += g * rate[i];
 }
 
 /* 1 if M times a column is not the unit vector that it belongs to, as where k is almost 1: currents of 1e6 A
@@ -92,7 +102,7 @@ void ns_exact_output_map_apply(const ns_theta *s, const ns_input_states *e, cons
 int ns_exact_output_map(const ns_theta *s, const ns_input_states *e, ns_mode_kernel *k) {
     const size_t all = (size_t)s->s->n + (size_t)s->s->m, q = (size_t)k->q, r = (size_t)k->r;
     double *now = calloc(all * (q + (size_t)e->output_only_inputs) + 1, sizeof *now);
-    double *sum = calloc(q + r + 2 * (size_t)k->nv + 1, sizeof *sum);
+    double *sum = calloc(q + 2 * r + 2 * (size_t)k->nv + 1, sizeof *sum);
     if (!now || !sum) {
         free(now);
         free(sum);

@@ -54,11 +54,12 @@ static int create_arrays(ns_theta *s) {
 
 static int create_lists(ns_theta *s) {
     const size_t m = (size_t)s->s->m, all = 2 * (size_t)s->s->n + m;
-    s->inside = calloc(m + all + 1, sizeof *s->inside);
+    s->inside = calloc(m + all + (size_t)s->s->n + 1, sizeof *s->inside);
     s->past.mode = calloc(2 * m + all + 1, sizeof *s->past.mode);
     if (!s->inside || !s->past.mode)
         return NS_E_MEMORY;
     s->list = s->inside + m;
+    s->stores = s->list + all;
     s->trial.mode = s->past.mode + m;
     s->lcp_mode = s->trial.mode + m;
     return NS_OK;
@@ -89,6 +90,17 @@ int ns_theta_reserve(ns_theta *s, int holds) {
     return NS_OK;
 }
 
+static void find_storing(ns_theta *s) {
+    const int n = s->s->n;
+    for (int j = 0; j < n; j++) {
+        int any = 0;
+        for (int i = 0; i < s->r; i++)
+            any |= s->M[i + j * n] != 0;
+        if (any)
+            s->stores[s->storing++] = j;
+    }
+}
+
 /* The system's rows, differential ones first. */
 static int split_system(ns_theta *s) {
     const int n = s->s->n;
@@ -113,6 +125,7 @@ static int split_system(ns_theta *s) {
             s->unit[i] = fmax(s->unit[i], fabs(s->M[i + j * n]));
         s->unit[i] = sqrt(s->unit[i]);
     }
+    find_storing(s);
     s->q = s->r + s->s->nz + 1;
     s->past.d = s->past.w + s->r;
     s->past.d_rounding = s->past.d + s->r;

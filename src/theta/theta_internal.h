@@ -67,6 +67,7 @@ struct ns_theta {
     double *M, *A, *B;      /* n*n, n*n, n*m: T times those of the system */
     double *b, *E;          /* n, n*nz: T times those of the system */
     double *unit;           /* r: of a charge or flux, the square root of an energy: sqrt(max_k |M_ik|) */
+    int *stores, storing;   /* n; how many: unknowns that charges and fluxes depend on */
     double *l, *u;          /* m: bounds of lambda, of commanded pairs those of their state */
     ns_shared_branch *twin; /* twins: pairs across commanded ones */
     int twins;              /* how many */
