@@ -29,7 +29,8 @@ typedef enum run_end { RUN_NOT, RUN_DONE, RUN_REFUSED, RUN_SLOW, RUN_CRASHED } r
 typedef struct run_shown {
     double integral, of_abs; /* of it, of its absolute value, from the first point to the last */
     double low, high, first, last;
-    double nodes; /* of a voltage: the largest ones of its two nodes against ground, added */
+    double nodes;  /* of a voltage: the largest ones of its two nodes against ground, added */
+    double jumped; /* by how much it changed between points that no time lies between */
 } run_shown;
 
 typedef struct run_result {

@@ -55,8 +55,11 @@ static const run_shown *node_of(const run_result *r, int node) {
     return node > 0 ? &r->shown[node - 1] : &ground;
 }
 
+/* The first one counts: of auto, if that is wrong. */
 static void say(judge_finding *f, int run, const char *what, int probe, double is, double should) {
     char name[80];
+    if (f->verdict != JUDGE_RIGHT)
+        return;
     plan_probe_name(&p, probe, name, sizeof name);
     f->verdict = run == S_AUTO ? JUDGE_WRONG_AUTO : JUDGE_WRONG_KERNEL;
     f->culprit = run;
@@ -65,13 +68,14 @@ static void say(judge_finding *f, int run, const char *what, int probe, double i
              should);
 }
 
+/* A coil whose current has no other path loses it where a switch opens: the spike is not shown. */
 static void judge_averages(judge_finding *f, int run) {
     const run_result *r = result[run];
     for (int i = p.nodes - 1; i < p.probes; i++) {
         const plan_part *l = &p.part[p.probe[i].part];
         const run_shown *a = node_of(r, l->node[0]), *b = node_of(r, l->node[1]);
         const double is = a->integral - b->integral,
-                     should = l->value * (r->shown[i].last - r->shown[i].first),
+                     should = l->value * (r->shown[i].last - r->shown[i].first - r->shown[i].jumped),
                      size = a->of_abs + b->of_abs +
                             l->value * fmax(fabs(r->shown[i].high), fabs(r->shown[i].low));
         if (!is_coupled(p.probe[i].part) && fabs(is - should) > JUDGE_WRONG * size)

@@ -130,9 +130,10 @@ static void note_shown(const plan *p, const raw *w, const double *last, const do
         const double a = on_line(last, row, w->plus[i], last[0]) - on_line(last, row, w->minus[i], last[0]),
                      b = on_line(last, row, w->plus[i], row[0]) - on_line(last, row, w->minus[i], row[0]);
         if (r->counts.steps == 0)
-            *s = (run_shown){0, 0, a, a, a, a, 0};
+            *s = (run_shown){0, 0, a, a, a, a, 0, 0};
         s->integral += 0.5 * (a + b) * (row[0] - last[0]);
         s->of_abs += 0.5 * (fabs(a) + fabs(b)) * (row[0] - last[0]);
+        s->jumped += row[0] - last[0] < 1e-12 * row[0] ? b - a : 0;
         s->low = fmin(s->low, b);
         s->high = fmax(s->high, b);
         s->nodes = fmax(s->nodes, p->probe[i].part < 0 ? size_of_nodes(w, i, last, row) : 0);
