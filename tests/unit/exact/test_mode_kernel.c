@@ -120,8 +120,8 @@ static void voltages_that_cancel(double g) {
 
 static void charges_are_those_of_the_voltages(void **state) {
     (void)state;
-    for (double g = 1e-8; g > 1e-17; g /= 10)
-        voltages_that_cancel(g);
+    for (int digits = 8; digits <= 16; digits++)
+        voltages_that_cancel(pow(10, -digits));
 }
 
 int main(void) {

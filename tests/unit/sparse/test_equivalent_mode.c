@@ -47,7 +47,7 @@ static int equivalents(double flow, double volts, double ohm, ns_equivalent *fir
 }
 
 static void what_is_equivalent(void **state) {
-    ns_equivalent e;
+    ns_equivalent e = {0};
     (void)state;
     assert_int_equal(equivalents(1, 1, 0, &e), 1);
     assert_true(e.pair == 1 && e.of == 0 && e.y == 1 && e.lambda == 1);

@@ -100,7 +100,8 @@ static void points_go_on_behind_a_threshold(void **state) {
     const ns_waveform_options o = {.closest = 1e-12, .noise = 1e-9};
     (void)state;
     for (int k = 0; k < 2; k++) {
-        for (double volts = 0.05; volts < 0.9; volts += 0.05) {
+        for (int i = 1; i < 18; i++) {
+            const double volts = 0.05 * i;
             rig r = rig_begin();
             rig_make_rc(&r);
             assert_int_equal(rig_prepare(&r, method[k], 1e-2, &o), NS_OK);
