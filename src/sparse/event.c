@@ -6,6 +6,7 @@
  */
 #include "events/ties.h"
 #include "guards.h"
+#include "largest.h"
 
 #include <float.h>
 #include <math.h>
@@ -100,7 +101,7 @@ void ns_sparse_event_time_commands(ns_sparse *m, double t) {
 
 /* 1 if by (n) moves w no farther than events are located to. */
 static int is_within_location(const ns_sparse *m, const double *by) {
-    const double size = ns_sparse_project_size(m);
+    const double size = ns_sparse_largest_size(m);
     for (int i = 0; i < m->f->n; i++)
         if (!m->f->algebraic[i] &&
             !(fabs(by[i]) <= NS_LOCATION_ERROR * m->o.reltol *

@@ -2,6 +2,7 @@
  * negligible length that take away what jumps.
  */
 #include "guards.h"
+#include "largest.h"
 #include "linalg/simd.h"
 
 #include <string.h>
@@ -18,9 +19,9 @@ int ns_sparse_instant_add(ns_sparse *m, double g, ns_instant *to) {
     const int n = m->f->n;
     double *left = m->work.w, *v = m->work.v;
     memcpy(left, m->work.removed, sizeof *left * (size_t)n);
-    const double least = nothing * m->o.reltol * ns_sparse_project_largest(m, left);
+    const double least = nothing * m->o.reltol * ns_sparse_largest_of(m, left);
     int status = ns_sparse_factors_factor(m->q, g, m->mode, 1, &k);
-    for (int step = 0; step < MOST_STEPS && status == NS_OK && ns_sparse_project_largest(m, left) > least;
+    for (int step = 0; step < MOST_STEPS && status == NS_OK && ns_sparse_largest_of(m, left) > least;
          step++) {
         ns_sparse_step_rhs(m, g, left, m->work.no_inputs, 0, 0);
         status = ns_sparse_factors_solve(m->q, k, m->r, v);

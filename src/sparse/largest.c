@@ -3,6 +3,7 @@
 
 #include "linalg/simd.h"
 
+#include <math.h>
 #include <string.h>
 
 void ns_sparse_largest_reset(ns_sparse *m) {
@@ -83,4 +84,20 @@ void ns_sparse_largest_save(ns_sparse *m) {
 
 void ns_sparse_largest_restore(ns_sparse *m) {
     copy_largest(m, &m->saved_largest, &m->largest);
+}
+
+double ns_sparse_largest_size(const ns_sparse *m) {
+    double max = 0;
+    for (int i = 0; i < m->f->n; i++)
+        if (!m->f->algebraic[i])
+            max = ns_higher(ns_higher(fabs(m->w[i]), m->largest.w[i]) / m->unit[i], max);
+    return max;
+}
+
+double ns_sparse_largest_of(const ns_sparse *m, const double *of) {
+    double max = 0;
+    for (int i = 0; i < m->f->n; i++)
+        if (!m->f->algebraic[i])
+            max = ns_higher(fabs(of[i]) / m->unit[i], max);
+    return max;
 }

@@ -17,4 +17,8 @@ void ns_sparse_largest_accept(ns_sparse *m, int exponent);
 void ns_sparse_largest_save(ns_sparse *m);
 void ns_sparse_largest_restore(ns_sparse *m);
 
+/* The largest charge or flux that there is or was, in units; of those in `of`. */
+double ns_sparse_largest_size(const ns_sparse *m);
+double ns_sparse_largest_of(const ns_sparse *m, const double *of);
+
 #endif

@@ -11,6 +11,7 @@
  * left.
  */
 #include "guards.h"
+#include "largest.h"
 #include "linalg/simd.h"
 #include "regularise.h"
 
@@ -31,28 +32,12 @@ static const double most_noise = 16;
 /* A transient below this fraction of the error allowed is not resolved. */
 static const double lasting = 1e-3;
 
-double ns_sparse_project_size(const ns_sparse *m) {
-    double max = 0;
-    for (int i = 0; i < m->f->n; i++)
-        if (!m->f->algebraic[i])
-            max = ns_higher(ns_higher(fabs(m->w[i]), m->largest.w[i]) / m->unit[i], max);
-    return max;
-}
-
 int ns_sparse_project_is_rounding(const ns_sparse *m, double g, const double *v, double size) {
     double max = 0;
     for (int i = 0; i < m->f->n; i++)
         if (!m->f->algebraic[i])
             max = fmax(max, ns_linalg_csc_size(&m->f->At, i, v) / m->unit[i]);
     return size <= rate_rounding * g * max;
-}
-
-double ns_sparse_project_largest(const ns_sparse *m, const double *of) {
-    double max = 0;
-    for (int i = 0; i < m->f->n; i++)
-        if (!m->f->algebraic[i])
-            max = ns_higher(fabs(of[i]) / m->unit[i], max);
-    return max;
 }
 
 static long double dot(const ns_csc *a, int j, const long double *x) {
@@ -130,7 +115,7 @@ typedef enum left { SOME, NOTHING, ALL } left;
 
 static left compare(const ns_sparse *m, double size, const double *before, const double *by) {
     double max = 0;
-    if (ns_sparse_project_largest(m, by) <= zero * size)
+    if (ns_sparse_largest_of(m, by) <= zero * size)
         return NOTHING;
     for (int i = 0; i < m->f->n; i++)
         if (!m->f->algebraic[i])
@@ -156,7 +141,7 @@ static int find_powers(ns_sparse *m, double t, double g, int count, int fine, co
                        left *what) {
     const ns_cached_factors *k;
     const int n = m->f->n;
-    double size = ns_sparse_project_size(m), *by = m->work.rates;
+    double size = ns_sparse_largest_size(m), *by = m->work.rates;
     memcpy(m->work.w, m->w, sizeof(double) * (size_t)n);
     int status = ns_sparse_factors_factor(m->q, g, m->mode, 1, &k);
     *what = SOME;
@@ -165,11 +150,11 @@ static int find_powers(ns_sparse *m, double t, double g, int count, int fine, co
             memcpy(by, first, sizeof(double) * (size_t)n);
         else
             status = ns_sparse_step_solve(m, k, t, g, i, m->work.w, m->z, m->work.projected, by);
-        if (status == NS_E_SINGULAR && i > 0 && ns_sparse_project_largest(m, m->work.w) <= a_jump * size) {
+        if (status == NS_E_SINGULAR && i > 0 && ns_sparse_largest_of(m, m->work.w) <= a_jump * size) {
             *what = NOTHING; /* what is left is rounding, and contradicts the equations */
             return NS_OK;
         }
-        size = i == 0 ? fmax(size, ns_sparse_project_largest(m, by)) : size; /* at a start w may be zero */
+        size = i == 0 ? fmax(size, ns_sparse_largest_of(m, by)) : size; /* at a start w may be zero */
         if (status == NS_OK && fine)
             status = correct(m, g, k, size, m->work.projected, by, &fine);
         if (status == NS_E_RESIDUAL && are_rates_rounding(m, g, m->work.projected, size)) {
@@ -188,7 +173,7 @@ static int find_powers(ns_sparse *m, double t, double g, int count, int fine, co
  * *what: of the first time. */
 static int remove_powers(ns_sparse *m, double t, double g, const double *first, double *removed, left *what) {
     const int n = m->f->n;
-    const double size = ns_sparse_project_size(m);
+    const double size = ns_sparse_largest_size(m);
     double before = INFINITY, max = INFINITY;
     memset(removed, 0, sizeof(double) * (size_t)n);
     for (int round = 0; round < REPETITIONS && max > a_jump * size && 2 * max <= before; round++) {
@@ -204,7 +189,7 @@ static int remove_powers(ns_sparse *m, double t, double g, const double *first, 
             removed[i] += m->work.w[i];
         }
         before = round == 0 ? INFINITY : max;
-        max = now == ALL ? 0 : ns_sparse_project_largest(m, m->work.w);
+        max = now == ALL ? 0 : ns_sparse_largest_of(m, m->work.w);
     }
     return NS_OK;
 }
@@ -212,25 +197,24 @@ static int remove_powers(ns_sparse *m, double t, double g, const double *first, 
 /* 1 if some of what steps of length g removed, m->work.removed, is not removed by far shorter steps: it has a
  * finite rate. */
 static int lasts(ns_sparse *m, double t, double g) {
-    const double little = (a_jump + lasting * m->o.reltol) * ns_sparse_project_size(m);
+    const double little = (a_jump + lasting * m->o.reltol) * ns_sparse_largest_size(m);
     const double finer = fmax(ldexp(g, -NS_FINER), ns_sparse_finest(m));
     left what;
     if (remove_powers(m, t, finer, NULL, m->work.finer_removed, &what) != NS_OK)
         return 0;
     for (int i = 0; i < m->f->n; i++)
         m->work.finer_removed[i] -= m->work.removed[i];
-    return ns_sparse_project_largest(m, m->work.finer_removed) > little;
+    return ns_sparse_largest_of(m, m->work.finer_removed) > little;
 }
 
 int ns_sparse_project_consistent(ns_sparse *m, double t, double g, const double *first, ns_jump_kind *jump) {
     const size_t bytes = sizeof(double) * (size_t)m->f->n;
-    const double size = ns_sparse_project_size(m);
+    const double size = ns_sparse_largest_size(m);
     left what = NOTHING;
     *jump = NS_NO_JUMP;
     memcpy(m->work.before_w, m->w, bytes);
     const int status = remove_powers(m, t, g, first, m->work.removed, &what);
-    if (status != NS_OK || what == NOTHING ||
-        !(ns_sparse_project_largest(m, m->work.removed) > a_jump * size)) {
+    if (status != NS_OK || what == NOTHING || !(ns_sparse_largest_of(m, m->work.removed) > a_jump * size)) {
         if (what == SOME) /* rounding, of which a finite rate would make a transient */
             memcpy(m->w, m->work.before_w, bytes);
         return status;

@@ -330,11 +330,8 @@ int ns_sparse_theta_point(ns_sparse *m, const ns_dense_step *step, double tau, d
  * that lasts would be lost. */
 typedef enum ns_jump_kind { NS_NO_JUMP, NS_JUMPS, NS_LASTS } ns_jump_kind;
 
-/* project.c: the largest charge or flux that there is or was, in units; of those in `of`. */
-double ns_sparse_project_size(const ns_sparse *m);
-double ns_sparse_project_largest(const ns_sparse *m, const double *of);
-/* m->w made consistent with m->mode by steps of length g; first (n): D w of the first one, if known, else
- * NULL. Errors: RESIDUAL (digits are lost). */
+/* project.c: m->w made consistent with m->mode by steps of length g; first (n): D w of the first one, if
+ * known, else NULL. Errors: RESIDUAL (digits are lost). */
 int ns_sparse_project_consistent(ns_sparse *m, double t, double g, const double *first, ns_jump_kind *jump);
 /* 1 if charges and fluxes of this size are what rounding makes of rates in the time g, with v: a bridge that
  * carries nothing. */

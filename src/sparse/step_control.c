@@ -112,7 +112,7 @@ static double error_of(const ns_sparse *m, const ns_dense_step *step, double *ra
                        double *time) {
     const size_t n = (size_t)m->f->n;
     const double *d8 = step->powers + (size_t)step->stages * n, *d7 = d8 - n,
-                 largest = ns_sparse_project_size(m);
+                 largest = ns_sparse_largest_size(m);
     const double little = m->o.reltol * ldexp(GROWTH / ERROR, -(NS_ORDER + 1));
     double before = 0, all = 0, held = 0;
     for (size_t i = 0; i < n; i++) {
