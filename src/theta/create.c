@@ -4,6 +4,7 @@
 #include "linalg/cut_sets.h"
 #include "linalg/leakage.h"
 #include "linalg/row_split.h"
+#include "linalg/summed_parts.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -111,6 +112,8 @@ static int split_system(ns_theta *s) {
     status = ns_linalg_cut_sets(n, s->s->M, s->r, s->T, s->M);
     if (status == NS_OK)
         status = ns_linalg_leakage(n, s->s->M, s->r, s->T, s->M);
+    if (status == NS_OK)
+        status = ns_linalg_summed_parts(n, s->s->A, s->s->M, s->r, s->T);
     if (status != NS_OK)
         return status;
     ns_linalg_row_split_apply(n, n, s->T, s->s->A, s->A);
