@@ -7,13 +7,15 @@
 
 static int allocate_arrays(ns_ladder *l) {
     const size_t nz = (size_t)l->s->nz, nc = (size_t)l->s->nc;
-    l->z = calloc(3 * nz + (size_t)l->s->n + (size_t)l->s->m + 1, sizeof(double));
+    l->z = calloc(3 * nz + 2 * nc + (size_t)l->s->n + (size_t)l->s->m + 1, sizeof(double));
     l->due = calloc(3 * nc + 1, 1);
     if (!l->z || !l->due)
         return NS_E_MEMORY;
     l->z_left = l->z + nz;
     l->fall = l->z_left + nz;
-    l->instant = l->fall + nz;
+    l->apart = l->fall + nz;
+    l->accepted_apart = l->apart + nc;
+    l->instant = l->accepted_apart + nc;
     l->crossed = l->due + nc;
     l->closed = l->crossed + nc;
     const int status = ns_inputs_events_create(l->s, NULL, &l->commands);
@@ -58,10 +60,13 @@ void ns_ladder_begin_trial(ns_ladder *l, double dt) {
 
 void ns_ladder_accept(ns_ladder *l) {
     l->accepted_window = l->window;
+    memcpy(l->accepted_apart, l->apart, sizeof *l->apart * (size_t)l->s->nc);
 }
 
 void ns_ladder_drop(ns_ladder *l) {
     l->window = l->accepted_window;
+    memcpy(l->apart, l->accepted_apart, sizeof *l->apart * (size_t)l->s->nc);
+    l->any_apart = 1; /* may be */
     l->corner = -INFINITY;
 }
 
@@ -147,6 +152,8 @@ int ns_ladder_start(ns_ladder *l, double t0, const double *w0, const unsigned ch
         l->closed[c] = (unsigned char)(l->closed[c] != l->point->flip[c]);
     memset(l->point->flip, 0, nc);
     memset(l->crossed, 0, nc);
+    memset(l->apart, 0, sizeof *l->apart * nc);
+    l->any_apart = 0;
     return NS_OK;
 }
 

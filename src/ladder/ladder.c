@@ -69,6 +69,8 @@ static int step_locating(ns_ladder *l, double h, double t, int *broke) {
         memcpy(l->point->flip, l->crossed, (size_t)l->s->nc);
         return NS_OK;
     }
+    if (l->any_apart)
+        ns_ladder_switch_passed(l);
     status = ns_theta_accept(l->step);
     ns_clock_advance(&l->point->now, t, h);
     return status;
@@ -93,7 +95,7 @@ static int try_step(ns_ladder *l, location *w, int *done) {
     w->locating |= broke;
     w->exponent += w->locating;
     *done = w->locating && (w->exponent > NS_EVENT_EXPONENT || h <= ns_ladder_short_step(l));
-    return NS_OK;
+    return *done ? ns_ladder_switch_mirrored(l) : NS_OK;
 }
 
 int ns_ladder_walk(ns_ladder *l, double stop) {

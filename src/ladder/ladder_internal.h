@@ -2,6 +2,7 @@
  *
  *   engine.c           made, started, asked        ladder.c   steps to a time or to the left side of an event
  *   state_switching.c  when commands cross         event.c    the right side of an event
+ *   mirrored.c         commands that change with another one
  */
 #ifndef NS_LADDER_INTERNAL_H
 #define NS_LADDER_INTERNAL_H
@@ -35,6 +36,8 @@ struct ns_ladder {
     ns_dense_point *point; /* of the run; at its time and its event */
     /* saved and restored together */
     ns_event_window window, accepted_window; /* of the trial; of the accepted point */
+    double *apart, *accepted_apart; /* nc: so far from its threshold one changed with one it mirrors */
+    int any_apart;                  /* 1: some of these may not be 0 */
     /* bounds of what is tried */
     double corner; /* s: the first corner of the inputs after point->now.t, if it is later than that */
     double limit;  /* s: the next event known ahead: no step of an event goes beyond */
@@ -64,6 +67,13 @@ int ns_ladder_switch_by_state(ns_ladder *l, const double *z, unsigned char *flip
 /* The same at a start, where a control that is zero may be off by the rounding of the largest of x (n). */
 int ns_ladder_switch_at_start(ns_ladder *l, const double *x, const double *z, unsigned char *flip);
 void ns_ladder_switch_apply(ns_ladder *l, const unsigned char *flip);
+/* By how much (> 0) command c, which depends on the state, contradicts its switch at l->z in the last trial.
+ */
+double ns_ladder_switch_excess(const ns_ladder *l, int c);
+/* mirrored.c: at the left side of an event, marks in point->flip what changes with what is marked there.
+ * After a step: those that have come to their own thresholds are as others are. */
+int ns_ladder_switch_mirrored(ns_ladder *l);
+void ns_ladder_switch_passed(ns_ladder *l);
 
 /* ladder.c: from the point to stop (no corner of an input in between), or to the left side of an event:
  * point->at_event is set then.  If l->one_step is set: by one step at most, or by shorter ones to an event in

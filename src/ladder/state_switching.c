@@ -42,10 +42,14 @@ int ns_ladder_switch_by_state(ns_ladder *l, const double *z, unsigned char *flip
     const double *from_state = ns_theta_controls(l->step);
     int count = 0;
     for (int c = 0; c < l->s->nc; c++) {
-        flip[c] = l->s->command[c].gx && excess(l, c, from_state[c], z, 0) > 0;
+        flip[c] = l->s->command[c].gx && excess(l, c, from_state[c], z, l->apart[c]) > 0;
         count += flip[c];
     }
     return count;
+}
+
+double ns_ladder_switch_excess(const ns_ladder *l, int c) {
+    return excess(l, c, ns_theta_controls(l->step)[c], l->z, 0);
 }
 
 int ns_ladder_switch_at_start(ns_ladder *l, const double *x, const double *z, unsigned char *flip) {
