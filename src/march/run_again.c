@@ -85,6 +85,8 @@ static int try_judged(ns_run *r, const again *a, double *reached) {
 }
 
 static int start_judged(ns_run *r, const again *a, double *reached) {
+    if (r->kind == NS_RUN_DENSE) /* it would hand over to the one that was wrong */
+        ns_march_dense_let_hand_over(r->at_work, NS_HANDS_OVER_NEVER);
     if (r->at_work->table->start(r->at_work, a->t, a->w, a->closed) != NS_OK || !start_is_right(r, a))
         return 0;
     r->trial_is_start = ends_at_start(r, a);
