@@ -192,9 +192,11 @@ static int identity(int n, ns_csc *out) {
     return status;
 }
 
-static int split_rows(ns_form *f, const ns_csc *M, int at_rest) {
-    if (!at_rest)
-        return ns_sparse_split(M, &f->Tt, f->algebraic);
+static int split_rows(ns_form *f, const ns_large *a, int at_rest) {
+    if (!at_rest) {
+        const int status = ns_sparse_split(&a->M, &f->Tt, f->algebraic);
+        return status == NS_OK ? ns_sparse_sum_parts(&a->M, &a->A, f->algebraic, &f->Tt) : status;
+    }
     memset(f->algebraic, 1, (size_t)f->n);
     return identity(f->n, &f->Tt);
 }
@@ -212,7 +214,7 @@ static void drop_algebraic(ns_form *f) {
 }
 
 static int fill(ns_form *f, const ns_system *s, const ns_large *a, int at_rest) {
-    int status = split_rows(f, &a->M, at_rest);
+    int status = split_rows(f, a, at_rest);
     if (status != NS_OK || (status = rows_of(&a->M, NULL, &f->Tt, &f->Mt)))
         return status;
     drop_algebraic(f);

@@ -101,9 +101,42 @@ static void one_row_of_a_chain_is_algebraic(void **state) {
     }
 }
 
+/* Three coils into a star of resistors: in the sum of the rows of its nodes nothing is left but the coils'
+ * currents; with 1 Gohm from the star point to ground no row is a sum. */
+static void a_star_is_summed(void **state) {
+    enum { STAR = 5 };
+    (void)state;
+    for (int grounded = 0; grounded < 2; grounded++) {
+        rig k = begin();
+        ns_form *f;
+        const int coil[] = {inductor(&k, "l1", 1, 2, 17e-3), inductor(&k, "l2", 0, 3, 54e-3),
+                            inductor(&k, "l3", 0, 4, 147e-3)};
+        source(&k, "v1", 1, &(ns_signal){.kind = NS_DC, .u.dc = 1});
+        resistor(&k, "r1", 2, STAR, 102.4);
+        resistor(&k, "r2", 3, STAR, 11.43);
+        resistor(&k, "r3", 4, STAR, 0.3);
+        if (grounded)
+            resistor(&k, "rg", STAR, 0, 1e9);
+        diode(&k, "d", 0, 1);
+        assert_int_equal(ns_circuit_system(k.c, &k.s), NS_OK);
+        assert_int_equal(ns_sparse_form_create(k.s, 0, &f), NS_OK);
+        int sums = 0;
+        for (int i = 0; i < f->n; i++) {
+            int currents = 0;
+            for (int e = f->At.start[i]; e < f->At.start[i + 1]; e++)
+                for (int c = 0; c < 3; c++)
+                    currents += f->At.row[e] == ns_circuit_current_unknown(k.c, coil[c]);
+            sums += f->algebraic[i] && currents == 3 && f->At.start[i + 1] - f->At.start[i] == 3;
+        }
+        assert_int_equal(sums, !grounded);
+        ns_sparse_form_free(f);
+        end(&k);
+    }
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(one_row_of_a_chain_is_algebraic),
-                                       cmocka_unit_test(a_long_chain_that_floats),
-                                       cmocka_unit_test(a_long_chain_with_ground)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(one_row_of_a_chain_is_algebraic), cmocka_unit_test(a_star_is_summed),
+        cmocka_unit_test(a_long_chain_that_floats), cmocka_unit_test(a_long_chain_with_ground)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,120 @@
+/* src/sparse/summed_parts.c - Kirchhoff's current law of a part that resistors join, in one exact row: what
+ * linalg/summed_parts.c does with arrays.
+ */
+#include "assemble.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* Two rows, g and -g, cancel whatever is done to them. */
+enum { LEAST_ROWS = 3 };
+static const double eps_factor = 8 * DBL_EPSILON;
+
+typedef struct sums {
+    const ns_csc *M, *A, *Tt;
+    const unsigned char *algebraic;
+    int n;
+    int *part; /* n: the part of a row, by its first one */
+    int *list; /* n: rows, part by part */
+    int *open; /* n: 1: something leads out of the part of that first row */
+} sums;
+
+static double entry(const ns_csc *a, int i, int j) {
+    for (int k = a->start[j]; k < a->start[j + 1]; k++)
+        if (a->row[k] == i)
+            return a->value[k];
+    return 0;
+}
+
+/* From place `at` in the list on: row `first`, and those that entries of one sign join to it, i and j: A_ij
+ * and A_ji.  Returns where the next part begins. */
+static int list_part(sums *s, int first, int at) {
+    int count = at + 1;
+    s->list[at] = first;
+    s->part[first] = first;
+    for (; at < count; at++) {
+        const int j = s->list[at];
+        const double own = entry(s->A, j, j);
+        for (int k = s->A->start[j]; own != 0 && k < s->A->start[j + 1]; k++) {
+            const int i = s->A->row[k];
+            if (s->part[i] >= 0 || !(s->A->value[k] * own < 0))
+                continue;
+            if (entry(s->A, j, i) * own < 0 && entry(s->A, i, i) * own > 0) {
+                s->part[i] = first;
+                s->list[count++] = i;
+            }
+        }
+    }
+    return count;
+}
+
+static void list_parts(sums *s) {
+    for (int i = 0; i < s->n; i++)
+        s->part[i] = -1;
+    for (int i = 0, at = 0; i < s->n; i++)
+        if (s->part[i] < 0)
+            at = list_part(s, i, at);
+}
+
+/* 1 if the rows of this part cancel in column j. */
+static int cancel(const sums *s, const ns_csc *a, int part, int j) {
+    double sum = 0, size = 0;
+    for (int k = a->start[j]; k < a->start[j + 1]; k++)
+        if (s->part[a->row[k]] == part) {
+            sum += a->value[k];
+            size += fabs(a->value[k]);
+        }
+    return fabs(sum) <= eps_factor * size;
+}
+
+static void find_open(sums *s) {
+    for (int j = 0; j < s->n; j++) {
+        s->open[s->part[j]] |= !cancel(s, s->A, s->part[j], j);
+        for (int k = s->M->start[j]; k < s->M->start[j + 1]; k++)
+            s->open[s->part[s->M->row[k]]] |= !cancel(s, s->M, s->part[s->M->row[k]], j);
+    }
+}
+
+static int is_unit(const sums *s, int i) {
+    return s->algebraic[i] && s->Tt->start[i + 1] - s->Tt->start[i] == 1 && s->Tt->row[s->Tt->start[i]] == i;
+}
+
+/* What T gets, to e: in place of a row of each part that is closed the sum of all. */
+static void put_sums(const sums *s, ns_entries *e) {
+    for (int at = 0, next = 0; at < s->n; at = next) {
+        int place = -1;
+        for (next = at; next < s->n && s->part[s->list[next]] == s->list[at]; next++)
+            if (place < 0 && is_unit(s, s->list[next]))
+                place = s->list[next];
+        for (int k = at; k < next && next - at >= LEAST_ROWS && place >= 0 && !s->open[s->list[at]]; k++)
+            if (s->list[k] != place)
+                ns_linalg_entries_add(e, s->list[k], place, 1);
+    }
+}
+
+/* NOLINTNEXTLINE(readability-non-const-parameter): written through s */
+int ns_sparse_sum_parts(const ns_csc *M, const ns_csc *A, const unsigned char *algebraic, ns_csc *Tt) {
+    sums s = {.M = M, .A = A, .Tt = Tt, .algebraic = algebraic, .n = A->columns};
+    ns_entries e = {0};
+    ns_csc T = {0};
+    s.part = calloc(3 * (size_t)s.n + 1, sizeof *s.part);
+    if (!s.part)
+        return NS_E_MEMORY;
+    s.list = s.part + s.n;
+    s.open = s.list + s.n;
+    list_parts(&s);
+    find_open(&s);
+    put_sums(&s, &e);
+    for (int i = 0; i < s.n; i++)
+        for (int k = Tt->start[i]; k < Tt->start[i + 1]; k++)
+            ns_linalg_entries_add(&e, Tt->row[k], i, Tt->value[k]);
+    const int status = ns_linalg_csc_of_entries(s.n, s.n, &e, &T);
+    if (status == NS_OK) {
+        ns_linalg_csc_free(Tt);
+        *Tt = T;
+    }
+    ns_linalg_entries_free(&e);
+    free(s.part);
+    return status;
+}
