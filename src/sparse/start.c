@@ -15,6 +15,7 @@ static void forget_past(ns_sparse *m, const unsigned char *closed) {
     ns_sparse_theta_stop(m);
     ns_inputs_stages_reset(m->in);
     m->fault.npairs = 0;
+    m->steep_steps = 0;
 }
 
 /* From w0 (n) and m->mode, made consistent.  *again: the step after it

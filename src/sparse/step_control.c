@@ -35,6 +35,8 @@ static const double much_longer = 16;
  * itself. */
 static const double too_steep = 256;
 enum { LONGER = 2 };
+/* So many steps resolve a transient that is over in the shortest usual one; more of them follow rounding. */
+enum { MOST_STEEP = 64 };
 
 /* The scale of w_i, where the largest of all is `largest` units; 0: row i is algebraic. */
 static double scale_of(const ns_sparse *m, size_t i, double largest) {
@@ -211,7 +213,9 @@ static int remove_jump(ns_sparse *m, ns_dense_step *step, double room) {
 /* A length for which the error until room is small enough, with its stages; the length of the next step.  If
  * pair >= 0 the mode does not hold where it begins. */
 static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
-    int consistent = 0, most = MOST_DOUBLINGS, shortest = ns_sparse_least_exponent(m) + NS_STEEPEST;
+    int consistent = 0, most = MOST_DOUBLINGS,
+        shortest = ns_sparse_least_exponent(m) + (m->steep_steps < MOST_STEEP ? NS_STEEPEST : 0);
+    step->length_exponent = step->length_exponent < shortest ? step->length_exponent : shortest;
     while (step->length_exponent < ns_sparse_least_exponent(m) &&
            ns_inputs_stages_steepest(m->in, length_of(m, step->length_exponent) / NS_POLE) > too_steep)
         step->length_exponent++;
@@ -290,6 +294,7 @@ int ns_sparse_control_step(ns_sparse *m, ns_dense_step *step, double t, double l
         step->end_t = t;
         return NS_OK;
     }
+    m->steep_steps = step->length_exponent > ns_sparse_least_exponent(m) ? m->steep_steps + 1 : 0;
     ns_sparse_largest_accept(m, step->length_exponent);
     const double h = length_of(m, step->length_exponent);
     step->length = fmin(h, room);
