@@ -87,7 +87,7 @@ int ns_theta_guards_flip(const ns_theta *s, const ns_map *map, double tol, ns_mo
     for (int j = 0, g = 0; j < s->s->m; j++) {
         ns_mode to[2];
         const int count = ns_mode_guards(map->entry.mode[j], s->l[j], s->u[j], to);
-        for (int k = 0; k < count; k++, g++) {
+        for (int k = 0; k < count && k < 2; k++, g++) {
             if (!guard_broke(s, map, g, tol))
                 continue;
             mode[j] = to[k];
