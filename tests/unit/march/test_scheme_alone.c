@@ -4,6 +4,7 @@
 #include "retries.h"
 #include "rig.h"
 
+#include "march/dense_internal.h"
 #include "march/run_internal.h"
 #include "signals.h"
 
@@ -39,7 +40,7 @@ static double go_again(double h, int *by_scheme) {
     start_at_rest(&k);
     go(&k, 1);
     ns_run *r = (ns_run *)(void *)k.m->engine;
-    r->aside = calloc(1, sizeof *r->aside);
+    r->aside = calloc(1, sizeof(ns_dense_run)); /* march sets fields of a dense run in it */
     assert_non_null(r->aside);
     r->aside->table = &idle;
     r->aside_kind = NS_RUN_DENSE;
