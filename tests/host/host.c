@@ -11,7 +11,7 @@
 
 #include "callbacks.h"
 
-enum { LINES_MAX = 1000, LINE_SIZE = 1000 };
+enum { LINES_MAX = 1000, LINE_SIZE = 10000 };
 
 static FILE *out;
 
