@@ -66,14 +66,6 @@ static inline double ns_sparse_form_y(const ns_form *f, int j, const double *v, 
     return y;
 }
 
-/* D_jj is not zero: pair j has a resistance. */
-static inline int ns_sparse_form_has_resistance(const ns_form *f, int j) {
-    for (int k = f->Ct.start[j]; k < f->Ct.start[j + 1]; k++)
-        if (f->Ct.row[k] == f->n + j && f->Ct.value[k] != 0)
-            return 1;
-    return 0;
-}
-
 /* split_rows.c: the columns of Tt are rows of T (ns_system_split(), but in place: row i of T M is that row
  * of M, or zero, then algebraic[i]), from M.  Errors: MEMORY. */
 int ns_sparse_split(const ns_csc *M, ns_csc *Tt, unsigned char *algebraic);

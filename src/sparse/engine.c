@@ -83,24 +83,14 @@ static int step_after_event(ns_sparse *m, double t, const ns_dense_step *from, n
     return status == NS_OK ? ns_sparse_next_step(m, t, from, to) : status;
 }
 
-/* 1 if the event at which `step` begins moved w by no more than events are located to. */
-static int jumped_little(const ns_sparse *m, const ns_dense_step *step) {
-    double by = 0;
-    for (int i = 0; i < m->f->n; i++)
-        by = fmax(by, fabs(step->powers[i] - m->before_event.w[i]) * m->inverse_scale[i]);
-    return by <= NS_LOCATION_ERROR * m->o.reltol;
-}
-
-/* The same; where events crowd, or wrong signs are left, the transient that makes them is passed. */
+/* The same; where events crowd, the transient that makes them is passed. */
 static int step_from_event(ns_sparse *m, double t, const ns_dense_step *from, ns_dense_step *to) {
     const long jumps = m->counts.jumps;
-    const int status = step_after_event(m, t, from, to), jumped = m->counts.jumps != jumps;
-    if (status != NS_OK || (jumped && !jumped_little(m, to)) ||
-        !((!jumped && ns_sparse_transient_is_due(m, to)) || ns_sparse_transient_is_left(m, to)))
+    const int status = step_after_event(m, t, from, to);
+    if (status != NS_OK || m->counts.jumps != jumps ||
+        !(ns_sparse_transient_is_due(m, to) || ns_sparse_transient_is_left(m, to)))
         return status;
     leave_step(m, from);
-    if (jumped)
-        ns_sparse_instant_restore(m);
     ns_sparse_guard_set_mode(m, m->commanded_mode);
     (void)ns_sparse_transient_pass(m, t, from, to);
     return NS_OK;

@@ -68,7 +68,6 @@ typedef struct found {
     double at; /* fraction of the step */
     int pair, k, command;
     double rounding;
-    double rate;   /* at which it falls, 1/s */
     int perturbed; /* m->work.v is what rounding may do to unknowns of the step; -1: it could not be found */
 } found;
 
@@ -78,43 +77,20 @@ static double cut_off(const double *G, int terms) {
     return unresolved * (last < before ? last * (last / before) : last);
 }
 
-/* The pair whose guard broke where the step begins was located early, by the time until its new guard, a
- * curve c over the step, rises to zero at the fraction `at`: 1 if the lambda that it should still have had,
- * or not yet have, which is a ramp from zero, moves charges and fluxes by less than the error allowed. */
-static int is_little(const ns_sparse *m, const ns_dense_step *step, const ns_curve *c, double at) {
-    const ns_form *f = m->f;
-    const int j = step->own_pair;
-    const double time = at * step->length, rate = step->mode[j] == NS_INSIDE
-                                                      ? ns_modes_curve_slope(c, 0) / step->length
-                                                      : step->own_rate;
-    int any = 0, little = 1;
-    for (int k = f->K.start[f->n + j]; k < f->K.start[f->n + j + 1]; k++) {
-        const int i = f->K.row[k];
-        if (i >= f->n || f->algebraic[i] || f->KA[k] == 0)
-            continue;
-        any = 1;
-        little &=
-            0.5 * rate * time * time * fabs(f->KA[k]) * m->inverse_scale[i] <= instant_fraction * m->o.reltol;
-    }
-    return any && little;
-}
-
 /* At the start of a step a guard that is below zero by no more than its error there holds if it rises; right
- * after an event, by no more than events are located to, or by what was located early: the fraction of a
- * curve at which it has risen to zero; NAN: it does not. */
+ * after an event, by no more than events are located to: the fraction of a curve at which it has risen to
+ * zero; NAN: it does not. */
 static double find_rise(const ns_sparse *m, const ns_dense_step *step, const found *f, const ns_curve *c,
                         double cut) {
     const double terms = f->pair >= 0 ? size_of(m, step, f->pair)
                                       : ns_sparse_guard_control_terms(m, f->command, step->images, step->z);
     ns_curve below_zero = {.terms = c->terms};
     const double located = step->after_event ? ns_sparse_guard_located(m, terms) : 0;
-    const int near = c->p[0] >= -(rise_cut * cut + located), own = f->pair >= 0 && f->pair == step->own_pair;
-    if (!(ns_modes_curve_slope(c, 0) > 0) || !(near || own))
+    if (!(ns_modes_curve_slope(c, 0) > 0) || !(c->p[0] >= -(rise_cut * cut + located)))
         return NAN;
     for (int k = 0; k < c->terms; k++)
         below_zero.p[k] = -c->p[k];
-    const double at = ns_modes_curve_below(&below_zero, 0);
-    return near || is_little(m, step, c, at) ? at : NAN;
+    return ns_modes_curve_below(&below_zero, 0);
 }
 
 /* The fraction of a curve at which a guard breaks by more than tol; NAN: it does not. */
@@ -214,7 +190,6 @@ static int search_guard(ns_sparse *m, ns_dense_step *step, found next, found *f)
     } while (step->stages < NS_STAGES &&
              !(instant_error(m, step, &next, &c) * moves(m, step) <= instant_fraction * m->o.reltol));
     next.perturbed = f->perturbed;
-    next.rate = -ns_modes_curve_slope(&c, next.at) / step->length;
     if (next.at < f->at)
         *f = next;
     return NS_OK;
@@ -259,23 +234,22 @@ int ns_sparse_location_is_same(const ns_sparse *m, const ns_dense_step *step, in
 }
 
 int ns_sparse_location_first(ns_sparse *m, ns_dense_step *step) {
-    found f = {INFINITY, -1, 0, -1, 0, 0, 0};
+    found f = {INFINITY, -1, 0, -1, 0, 0};
     int status = NS_OK;
     for (int j = 0; j < m->f->m; j++) {
         const int guards = guards_of(m, j);
         for (int k = 0; k < guards && status == NS_OK; k++)
-            status = search_guard(m, step, (found){NAN, j, k, -1, 0, 0, 0}, &f);
+            status = search_guard(m, step, (found){NAN, j, k, -1, 0, 0}, &f);
     }
     for (int c = 0; c < m->s->nc && status == NS_OK; c++)
         if (of_state(m, c))
-            status = search_guard(m, step, (found){NAN, -1, 0, c, 0, 0, 0}, &f);
+            status = search_guard(m, step, (found){NAN, -1, 0, c, 0, 0}, &f);
     if (status != NS_OK || !(f.at <= 1))
         return status;
     step->at_event = 1;
     step->pair = f.pair;
     step->command = f.command;
     step->guard = f.k;
-    step->rate = f.rate;
     if (f.at < 1) {
         step->length *= f.at;
         step->end_t = ns_lower(step->end_t, ns_higher(step->t, step->t + (step->time_lost + step->length)));

@@ -2,10 +2,10 @@
  *
  * The pairs that change with a guard or a command are most often those that changed with it before.  So a
  * step in that mode is tried first, without Euler steps of negligible length that search for the mode.  It is
- * believed if no charge or flux jumps, as the powers D^i w of the step vanish (or as nothing but the pair at
- * zero changes), and if all guards hold at its start.  For an event that was never seen it is tried that no
- * other pair changes, if that was so for most events; else Euler steps as long as those of the step before
- * search for the mode, by factors that there are.
+ * believed if no charge or flux jumps, as the powers D^i w of the step vanish, and if all guards hold at its
+ * start.  For an event that was never seen it is tried that no other pair changes, if that was so for most
+ * events; else Euler steps as long as those of the step before search for the mode, by factors that there
+ * are.
  */
 #include "guards.h"
 #include "largest.h"
@@ -106,14 +106,14 @@ void ns_sparse_predict_learn(ns_sparse *m, const ns_dense_step *step) {
 }
 
 /* 1 if all guards hold at the start of a step, but for what later stages would add and this fraction of the
- * largest lambda and y; but that of pair `own`, -1: none. */
-static int guards_hold_at_start(ns_sparse *m, const ns_dense_step *step, double fraction, int own) {
+ * largest lambda and y. */
+static int guards_hold_at_start(ns_sparse *m, const ns_dense_step *step, double fraction) {
     const size_t size = (size_t)m->f->size, last = (size_t)step->stages - 1;
     const double *v_last = step->images + last * size, *z_last = step->z + last * (size_t)m->f->nz;
     ns_sparse_step_point(m, step, 0, m->work.v);
     (void)ns_inputs_stages_stage(m->in, step->t, 0, 0, m->z);
     for (int j = 0; j < m->f->m; j++) {
-        const int guards = j == own ? 0 : guards_of(m, j);
+        const int guards = guards_of(m, j);
         const double allowed = fraction * (m->mode[j] == NS_INSIDE ? m->largest.lambda : m->largest.y);
         for (int k = 0; k < guards; k++) {
             if (!(guard(m, j, k, m->work.v, m->z, 1) + allowed +
@@ -125,17 +125,14 @@ static int guards_hold_at_start(ns_sparse *m, const ns_dense_step *step, double 
     return 1;
 }
 
-/* 1 if a step that was tried proves its mode.  Where nothing changes but the pair at zero, the equations of
- * the new mode hold at the event: w does not jump, and stages need not show it; that the guard of the pair
- * rises was seen with the events of the step. */
-static int proves_mode(ns_sparse *m, const ns_dense_step *step, ns_prediction_kind kind) {
-    const int goes_on = kind == NS_OWN_PREDICTION;
-    if (!step->converged && !goes_on)
+/* 1 if a step that was tried proves its mode. */
+static int proves_mode(ns_sparse *m, const ns_dense_step *step) {
+    if (!step->converged)
         return 0;
     if (step->at_event && (step->pair >= 0 || step->command >= 0) && step->length < at_once * step->g)
         return 0;
     const double fraction = fmax(start_least, fmin(start_most, roots * sqrt(m->o.reltol)));
-    return guards_hold_at_start(m, step, fraction * m->o.reltol, goes_on ? step->own_pair : -1);
+    return guards_hold_at_start(m, step, fraction * m->o.reltol);
 }
 
 /* Whether its prediction, or, if nothing is known yet, that no other pair changes, is worth a step. */
@@ -179,7 +176,7 @@ static int try_step(ns_sparse *m, double t, const ns_dense_step *before, ns_dens
     m->predict.trying = kind;
     const int status = ns_sparse_next_step(m, t, before, step);
     m->predict.trying = NS_NO_PREDICTION;
-    if (status == NS_OK && proves_mode(m, step, kind)) {
+    if (status == NS_OK && proves_mode(m, step)) {
         m->counts.events++;
         return 1;
     }
@@ -195,21 +192,8 @@ static int searched_step(ns_sparse *m, double t, const ns_dense_step *before, ns
     return found;
 }
 
-/* 1 if the event itself changed one pair, that whose guard broke, and w is not what the error of the instant
- * makes of charges that are joined by it. */
-static int changed_own(const ns_sparse *m, const ns_dense_step *before) {
-    const int own = before->pair;
-    int count = 0;
-    for (int j = 0; j < m->f->m; j++)
-        count += m->commanded_mode[j] != before->mode[j];
-    return own >= 0 && count == 1 &&
-           (m->commanded_mode[own] != NS_INSIDE || ns_sparse_form_has_resistance(m->f, own));
-}
-
 static int predicted_step(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step,
                           ns_mode_prediction *g, ns_prediction_kind kind) {
-    if (g->count == 0 && changed_own(m, before))
-        kind = NS_OWN_PREDICTION;
     for (int i = 0; i < g->count; i++)
         ns_sparse_guard_set_pair(m, g->pair[i], g->mode[i]);
     g->sure = try_step(m, t, before, step, kind);

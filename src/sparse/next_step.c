@@ -95,10 +95,6 @@ int ns_sparse_next_step(ns_sparse *m, double t, const ns_dense_step *before, ns_
     step->failures = before && before->at_event && !(before->length > tiny) ? before->failures + 1 : 0;
     step->time_lost = before ? ns_sparse_step_time_lost(before) : 0;
     step->after_event = before && before->at_event;
-    step->own_pair = step->after_event && before->pair >= 0 && !ns_mode_slides(before->mode[before->pair])
-                         ? before->pair
-                         : -1;
-    step->own_rate = before ? before->rate : 0;
     shorten_to_usual(m, before, step);
     const double limit = ns_sparse_next_limit(m, t), h = ldexp(m->o.h, -step->length_exponent);
     int status;

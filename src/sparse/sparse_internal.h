@@ -52,9 +52,7 @@ typedef struct ns_dense_step {
     int is_euler;    /* one implicit Euler step: only its end is known, by stage 0; of two stages: several of
                         them, stage 1 is where x, lambda come from on straight lines */
     int is_smooth;   /* of the theta scheme: the rates of the step before are known too */
-    int after_event; /* it begins at an event: */
-    int own_pair;    /* this pair's guard broke there, -1: none did */
-    double own_rate; /* at which rate that guard fell, 1/s */
+    int after_event; /* it begins at an event */
     int stages;      /* how many are known */
     int shown;       /* and how many for points on the way of a trial: one more, once there was one */
     int converged;   /* D^i w vanish: nothing jumps, nothing stiff is excited */
@@ -62,7 +60,6 @@ typedef struct ns_dense_step {
     int at_event;      /* an event ends it: */
     int pair, command; /* of this guard; -1: not of a pair, not of a command by the state */
     int guard;         /* which one of the pair's, as ns_mode_guards() has them */
-    double rate;       /* at which that guard falls, 1/s */
     int failures;      /* steps in a row that ended where they began */
     /* its polynomials */
     double *images; /* NS_STAGES (n+m): x, lambda of stage i */
@@ -118,7 +115,6 @@ typedef struct ns_mode_prediction {
 
 typedef enum ns_prediction_kind {
     NS_NO_PREDICTION,
-    NS_OWN_PREDICTION, /* the event changes nothing but the pair whose guard broke: x, lambda go on */
     NS_FIRST_PREDICTION,
     NS_LEARNT_PREDICTION
 } ns_prediction_kind;

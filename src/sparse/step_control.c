@@ -90,7 +90,7 @@ static int solve_stages(ns_sparse *m, ns_dense_step *step, double room) {
         const double size = size_of_power(m, step, i);
         step->converged =
             are_enough(m, step, i, i < NS_ORDER ? fraction : all_stages_fraction * fraction, size);
-        if (m->predict.trying > NS_OWN_PREDICTION && !step->converged && size > decays * before &&
+        if (m->predict.trying && !step->converged && size > decays * before &&
             (i == NS_ORDER || m->predict.trying == NS_FIRST_PREDICTION))
             status = NS_E_LIMIT;
         before = size;
@@ -250,8 +250,6 @@ static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
         step->next_exponent = step->length_exponent;
         if (step->stages == NS_ORDER && error <= 1 && jump > 1 && !consistent) {
             consistent = 1;
-            if (m->predict.trying)
-                return NS_E_LIMIT;
             status = remove_jump(m, step, room);
             if (status != NS_OK || step->pair >= 0)
                 return status;

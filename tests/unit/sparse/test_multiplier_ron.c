@@ -150,31 +150,10 @@ static void ends_of_steps_are_right(void **state) {
     }
 }
 
-/* Diodes change as often as by steps whose error is 1000 times smaller, and the step that follows shows each
- * new mode by itself.  After an event a search read lambda and y from the charges, which are less accurate
- * than the curve that its instant was taken from: the diode went back, and changed again 1e-12 s later, 1082
- * events for 741; or the step in the new mode was dropped, as it was too long for what the diodes damp: 731
- * searches. */
-static void diodes_change_once(void **state) {
-    (void)state;
-    rig k = multiplier(STAGES, 1, 0), fine = multiplier(STAGES, 1, 1e-12);
-    go(&k, 2 / hertz);
-    go(&fine, 2 / hertz);
-    const ns_counts *n = ns_march_counts(k.m);
-    assert_int_equal(ns_march_engine(k.m), NS_SPARSE);
-    assert_true((double)n->events < 1.05 * (double)ns_march_counts(fine.m)->events);
-    assert_true(n->problems < n->events / 10);
-    compare_volts(&k, &fine, STAGES, 1e-5); /* 4 kV */
-    end(&k);
-    end(&fine);
-}
-
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(diodes_change_once),
-                                       cmocka_unit_test(rounding_is_no_transient),
-                                       cmocka_unit_test(tiny_resistances_are_none),
-                                       cmocka_unit_test(exact_is_left_where_sparse_costs_less),
-                                       cmocka_unit_test(small_charges_do_not_hold_steps_back),
-                                       cmocka_unit_test(ends_of_steps_are_right)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rounding_is_no_transient), cmocka_unit_test(tiny_resistances_are_none),
+        cmocka_unit_test(exact_is_left_where_sparse_costs_less),
+        cmocka_unit_test(small_charges_do_not_hold_steps_back), cmocka_unit_test(ends_of_steps_are_right)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
