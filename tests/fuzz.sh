@@ -3,7 +3,8 @@
 #
 #     tests/fuzz.sh SECONDS [TIMEOUT]
 #
-# TIMEOUT: seconds that one input may take, 60; a loaded machine wants more.
+# TIMEOUT: seconds that one input may take, 60; a loaded machine wants more: the seed `chatters` takes 60 to 140 s of CPU
+# (make test: 300).
 # Prints for each what it ran.  The bytes of a find stay in build/fuzz/find/, for  build/fuzz/tests/fuzz/NAME FILE.
 # What was learnt stays in build/fuzz/corpus/; runs of less than a minute start from the seeds alone, and always
 # in the same way.

@@ -57,7 +57,7 @@ script() {
     label=$1
     shift
     file=$log/$label.log
-    KEEP=$log/$label.runs timeout 240 "$@" >"$file" 2>&1 </dev/null
+    KEEP=$log/$label.runs timeout 480 "$@" >"$file" 2>&1 </dev/null
     status=$?
     # The netlist runner prints its verdicts at its end; killed before, it leaves them there.
     [ $status != 124 ] || cat "$log/$label.runs/verdicts" >>"$file" 2>/dev/null
@@ -82,7 +82,7 @@ script install tests/install.sh
 script tags tests/tags.sh
 script readmes tests/readmes.sh
 script rooms tests/rooms.sh
-script fuzz tests/fuzz.sh 8
+script fuzz tests/fuzz.sh 8 300
 END
     programs unit build
 }

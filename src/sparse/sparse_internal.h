@@ -262,8 +262,7 @@ void ns_sparse_rewind(ns_sparse *m, double t0);         /* not started; all poin
  * closed for that; NULL: the mode is believed. */
 int ns_sparse_first_step(ns_sparse *m, int *switched);
 
-/* watch.c: the point of the trial while it is made, to m->watch if it wants it.  Errors: what that answers.
- */
+/* watch.c: the point of the trial while it is made, to m->watch if it wants it.  Errors: those of that. */
 int ns_sparse_watch_show(ns_sparse *m, ns_watch_side side);
 
 /* next_step.c: a step from m->w, m->mode at t, after the step `before` (NULL: the first). */
