@@ -212,7 +212,7 @@ int ns_sparse_first_step(ns_sparse *m, int *switched) {
         (void)ns_sparse_transient_pass(m, m->trial.t, NULL, m->trial.step);
     }
     m->started = status == NS_OK;
-    return status == NS_OK && switched ? prove_start(m, switched) : status;
+    return status == NS_OK ? prove_start(m, switched) : status;
 }
 
 /* The same by steps of the theta scheme. */

@@ -29,33 +29,16 @@ static int start_once(ns_sparse *m, double t0, const double *w0, int *again) {
     return status == NS_OK ? ns_sparse_first_step(m, again) : status;
 }
 
-/* From w0 (n) and mode0 (m).  Switches that the proof of its mode opens or closes are so from the begin: the
- * start is made again from the same w0.  Where no step proves a mode, or only Euler steps go on, which show
- * nothing of this instant, the first mode is believed. */
-static int start_proved(ns_sparse *m, double t0, const double *w0, const ns_mode *mode0) {
-    int status = NS_OK, again = 1;
+/* From m->w and m->mode, made consistent.  Switches that the proof of its mode opens or closes are so from
+ * the begin: the start is made again from the same w. */
+static int start_from_state(ns_sparse *m, double t0) {
+    double *w0 = malloc(sizeof *w0 * ((size_t)m->f->n + 1));
+    int status = w0 ? NS_OK : NS_E_MEMORY, again = 1;
+    if (w0)
+        memcpy(w0, m->w, sizeof *w0 * (size_t)m->f->n);
     for (int round = 0; status == NS_OK && again && round <= 2 * m->s->nc; round++)
         status = start_once(m, t0, w0, &again);
-    if (status == NS_OK && !m->trial.step->is_euler)
-        return status;
-    forget_past(m, NULL);
-    ns_sparse_guard_set_mode(m, mode0);
-    return start_once(m, t0, w0, NULL);
-}
-
-/* From m->w and m->mode, made consistent. */
-static int start_from_state(ns_sparse *m, double t0) {
-    const size_t n = (size_t)m->f->n, pairs = (size_t)m->f->m;
-    double *w0 = malloc(sizeof *w0 * (n + 1));
-    ns_mode *mode0 = malloc(pairs + 1);
-    int status = NS_E_MEMORY;
-    if (w0 && mode0) {
-        memcpy(w0, m->w, sizeof *w0 * n);
-        memcpy(mode0, m->mode, pairs);
-        status = start_proved(m, t0, w0, mode0);
-    }
     free(w0);
-    free(mode0);
     if (m->contradicting_pair >= 0) {
         m->fault.npairs = 1;
         m->fault.pair[0] = m->contradicting_pair;
