@@ -6,8 +6,6 @@
 
 /* So many steps a trial may take, and so many more for each longest step that fits into it. */
 enum { FEWEST_STEPS = 100000, STEPS_A_LENGTH = 20000 };
-/* So many events in the instant of a start. */
-enum { EVENTS_AT_START = 64 };
 
 int ns_sparse_fail(ns_sparse *m, double t, int status) {
     m->fault.status = (ns_status)status;
@@ -37,6 +35,17 @@ void ns_sparse_rewind(ns_sparse *m, double t0) {
     m->started = m->has_trial = 0;
     m->inputs_from = -INFINITY;
     ns_instant_clear(&m->instant);
+}
+
+int ns_sparse_first_step(ns_sparse *m) {
+    ns_sparse_event_save(m);
+    const int status = ns_sparse_next_step(m, m->trial.t, NULL, m->trial.step);
+    if (status == NS_OK && ns_sparse_transient_is_due(m, m->trial.step)) {
+        ns_sparse_event_restore(m);
+        (void)ns_sparse_transient_pass(m, m->trial.t, NULL, m->trial.step);
+    }
+    m->started = status == NS_OK;
+    return status;
 }
 
 static int is_at_event(const ns_sparse *m) {
@@ -171,48 +180,6 @@ static int step_of_high_order(ns_sparse *m) {
     const int is_event = from->at_event; /* the next step may take the place of this one */
     enter_step(m, to, t);
     return is_event && (takes_time(to) || !to->at_event) ? ns_sparse_watch_show(m, NS_WATCH_RIGHT) : NS_OK;
-}
-
-/* 1 if a switch that is open in one mode is closed in the other. */
-static int switches_differ(const ns_sparse *m, const ns_mode *a, const ns_mode *b) {
-    int any = 0;
-    for (int c = 0; c < m->s->nc; c++) {
-        const int j = m->s->command[c].pair;
-        any |= a[j] != b[j] && !ns_mode_slides(a[j]) && !ns_mode_slides(b[j]);
-    }
-    return any;
-}
-
-/* A mode that a start found is proved by the step that follows: where that ends at once, a guard breaks
- * there, and the start is what is after that event.  *switched: a switch opened or closed by it. */
-static int prove_start(ns_sparse *m, int *switched) {
-    const ns_mode *found = m->trial.step->mode;
-    const ns_watch *watch = m->watch;
-    int status = NS_OK;
-    m->watch = NULL; /* nothing is shown before there is a start */
-    m->steps_left = EVENTS_AT_START;
-    *switched = 0;
-    while (status == NS_OK && !*switched && m->trial.step->at_event && !takes_time(m->trial.step)) {
-        status = step_of_high_order(m);
-        *switched = switches_differ(m, found, m->trial.step->mode);
-    }
-    m->watch = watch;
-    m->accepted = m->trial;
-    ns_sparse_guard_set_mode(m, m->trial.step->mode);
-    m->started = status == NS_OK;
-    ns_sparse_chatter_accept(m);
-    return status;
-}
-
-int ns_sparse_first_step(ns_sparse *m, int *switched) {
-    ns_sparse_event_save(m);
-    const int status = ns_sparse_next_step(m, m->trial.t, NULL, m->trial.step);
-    if (status == NS_OK && ns_sparse_transient_is_due(m, m->trial.step)) {
-        ns_sparse_event_restore(m);
-        (void)ns_sparse_transient_pass(m, m->trial.t, NULL, m->trial.step);
-    }
-    m->started = status == NS_OK;
-    return status == NS_OK ? prove_start(m, switched) : status;
 }
 
 /* The same by steps of the theta scheme. */

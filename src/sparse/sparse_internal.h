@@ -258,9 +258,7 @@ static inline ns_sparse *ns_sparse_of(ns_engine *e) {
 /* engine.c */
 int ns_sparse_fail(ns_sparse *m, double t, int status); /* keeps both in the fault; returns the status */
 void ns_sparse_rewind(ns_sparse *m, double t0);         /* not started; all points at t0, */
-/* The step from there, by m->w and m->mode, which proves that mode: started.  *switched: switches opened or
- * closed for that. */
-int ns_sparse_first_step(ns_sparse *m, int *switched);
+int ns_sparse_first_step(ns_sparse *m); /* the step from there, by m->w and m->mode: started */
 
 /* watch.c: the point of the trial while it is made, to m->watch if it wants it.  Errors: those of that. */
 int ns_sparse_watch_show(ns_sparse *m, ns_watch_side side);

@@ -3,7 +3,6 @@
 #include "largest.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Nothing known; switches as in closed (nc; NULL: as their commands say), other pairs at a bound. */
@@ -18,27 +17,13 @@ static void forget_past(ns_sparse *m, const unsigned char *closed) {
     m->steep_steps = 0;
 }
 
-/* From w0 (n) and m->mode, made consistent.  *again: the step after it
- * opened or closed switches. */
-static int start_once(ns_sparse *m, double t0, const double *w0, int *again) {
-    memcpy(m->w, w0, sizeof *w0 * (size_t)m->f->n);
-    ns_sparse_rewind(m, t0);
-    ns_sparse_event_own_changes(m, NULL, t0);
-    const int status = ns_sparse_event_resolve(m, NULL, t0);
-    m->counts.events--; /* a start is none */
-    return status == NS_OK ? ns_sparse_first_step(m, again) : status;
-}
-
-/* From m->w and m->mode, made consistent.  Switches that the proof of its mode opens or closes are so from
- * the begin: the start is made again from the same w. */
+/* From m->w and m->mode, made consistent. */
 static int start_from_state(ns_sparse *m, double t0) {
-    double *w0 = malloc(sizeof *w0 * ((size_t)m->f->n + 1));
-    int status = w0 ? NS_OK : NS_E_MEMORY, again = 1;
-    if (w0)
-        memcpy(w0, m->w, sizeof *w0 * (size_t)m->f->n);
-    for (int round = 0; status == NS_OK && again && round <= 2 * m->s->nc; round++)
-        status = start_once(m, t0, w0, &again);
-    free(w0);
+    ns_sparse_event_own_changes(m, NULL, t0);
+    int status = ns_sparse_event_resolve(m, NULL, t0);
+    m->counts.events--; /* a start is none */
+    if (status == NS_OK)
+        status = ns_sparse_first_step(m);
     if (m->contradicting_pair >= 0) {
         m->fault.npairs = 1;
         m->fault.pair[0] = m->contradicting_pair;

@@ -315,6 +315,6 @@ int main(void) {
         {"as exact says, reltol 1e-6", as_exact_says, NULL, NULL, &usual},
         {"as exact says, reltol 1e-10", as_exact_says, NULL, NULL, &fine},
     };
-    allow_retries(20); /* measured: 10 */
+    allow_retries(30); /* measured: 14 */
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -58,43 +58,7 @@ static void choke_goes_on_behind_a_transformer(void **state) {
     end(&k);
 }
 
-/* A diode that equalizes two capacitors in no time, 2 V of 100 uF and 1 V of a smaller one, blocks from then
- * on, as a coil takes its current from the larger one.  All of it floats, but for leaks of 1 Mohm.  The step
- * of negligible length held it conducting, and the start was shown with a current of the wrong sign. */
-static void start_behind_a_diode(double small, double amperes) {
-    enum { FLOATING = 6, LARGE = 8, SMALL = 7, OTHER = 2 };
-    static const double large = 100e-6, megohm = 1e6;
-    const ns_diode leaky = {0, 0, megohm, INFINITY, 0};
-    rig k = {0};
-    int coil;
-    assert_int_equal(ns_circuit_create(&k.c), NS_OK);
-    capacitor(&k, "c1", OTHER, FLOATING, large, 8);
-    capacitor(&k, "c2", FLOATING, SMALL, small, -1);
-    assert_int_equal(ns_circuit_diode(k.c, "d1", FLOATING, SMALL, &leaky, NULL), NS_OK);
-    capacitor(&k, "c3", LARGE, FLOATING, large, 2);
-    assert_int_equal(ns_circuit_diode(k.c, "d2", LARGE, SMALL, &leaky, NULL), NS_OK);
-    assert_int_equal(ns_circuit_inductor(k.c, "l", LARGE, OTHER, large, amperes, &coil), NS_OK);
-    resistor(&k, "r", FLOATING, 0, megohm);
-    make_by(&k, &(ns_march_options){.h = 1e-6, .method = NS_SPARSE});
-    start_at_rest(&k);
-    assert_int_equal(ns_march_read(k.m, NULL, k.x, NULL, NULL), NS_OK);
-    assert_int_equal(ns_march_counts(k.m)->retries, 0);
-    assert_int_equal(ns_march_mode(k.m)[1], NS_LOWER);
-    near(voltage(&k, SMALL) - voltage(&k, FLOATING), (2 * large + 1 * small) / (large + small), 2);
-    near(k.x[ns_circuit_current_unknown(k.c, coil)], amperes, amperes);
-    end(&k);
-}
-
-static void a_start_is_proved_by_the_step_after_it(void **state) {
-    (void)state;
-    for (int e = -7; e <= -4; e++) {
-        start_behind_a_diode(pow(10, e), 0.8);
-        start_behind_a_diode(pow(10, e), 5);
-    }
-}
-
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(choke_goes_on_behind_a_transformer),
-                                       cmocka_unit_test(a_start_is_proved_by_the_step_after_it)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(choke_goes_on_behind_a_transformer)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
