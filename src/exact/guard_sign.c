@@ -51,7 +51,7 @@ ns_guard_sign ns_exact_guard_sign(ns_exact *f, ns_exact_mode *mode, int g, const
     ns_guard_sign sign = ns_events_value_sign(&of, f->state.event_time_error);
     if (sign == NS_UNDECIDED) {
         of.second_rate = ns_exact_guard_of(k, k->second_rate, g, X);
-        sign = ns_events_guard_sign(&of, f->state.event_time_error, k->g);
+        sign = ns_events_rate_sign(&of, f->state.event_time_error, k->g);
     }
     return sign == NS_UNDECIDED ? look_ahead(f, mode, g, X) : sign;
 }

@@ -39,9 +39,7 @@ static void update_first(ns_time_events *s) {
     sift_down(s, 0, (ns_entry){time_of(s, id), id});
 }
 
-static void build_heap(ns_time_events *s) {
-    for (int id = 0; id < s->count; id++)
-        s->heap[id] = (ns_entry){time_of(s, id), id};
+static void order_heap(ns_time_events *s) {
     for (int at = s->count / 2; at-- > 0;)
         sift_down(s, at, s->heap[at]);
 }
@@ -60,7 +58,9 @@ void ns_inputs_events_seek(ns_time_events *s, double t, ns_side side, const unsi
         ns_inputs_switch_seek(&s->command[c], t, side, closed ? closed[index] != 0 : -1);
         s->closed[index] = (unsigned char)s->command[c].closed;
     }
-    build_heap(s);
+    for (int id = 0; id < s->count; id++)
+        s->heap[id] = (ns_entry){time_of(s, id), id};
+    order_heap(s);
     s->now = t;
     s->instant = (ns_time_event){.t = t, .input = s->changed, .flip = s->flip};
 }
@@ -128,16 +128,20 @@ double ns_inputs_events_period(const ns_time_events *s) {
 
 void ns_inputs_events_skip(ns_time_events *s, double t, double period) {
     int ends;
-    for (int id = 0; id < s->count; id++) {
+    for (int at = 0; at < s->count; at++) {
+        const int id = s->heap[at].id;
         const ns_line_cursor *r = repeating_line(s, id, &ends);
-        const double times = r ? rint(period / r->line->period) : 0;
-        if (r && id < s->lines)
+        if (!r)
+            continue;
+        const double times = rint(period / r->line->period);
+        if (id < s->lines)
             ns_system_line_skip(&s->cursor[id], times);
-        else if (r)
+        else
             ns_inputs_switch_skip(command_of(s, id), times);
+        s->heap[at].t = time_of(s, id);
     }
     s->now = t;
-    build_heap(s);
+    order_heap(s); /* times moved on alike but for rounding */
 }
 
 /* Among the entries at and below one of the heap, those no later than limit. */

@@ -41,23 +41,23 @@ static void rates_follow(void **state) {
     ns_guard of = {0, -10e-3, 100e3, 1e-9};
     (void)state;
     assert_int_equal(ns_events_value_sign(&of, 0), NS_UNDECIDED);
-    assert_int_equal(ns_events_guard_sign(&of, 0, g), NS_SIGN_BREAKS);
+    assert_int_equal(ns_events_rate_sign(&of, 0, g), NS_SIGN_BREAKS);
     of.rate = 10e-3;
-    assert_int_equal(ns_events_guard_sign(&of, 0, g), NS_SIGN_HOLDS);
+    assert_int_equal(ns_events_rate_sign(&of, 0, g), NS_SIGN_HOLDS);
     of.rate = -5e-3;
-    assert_int_equal(ns_events_guard_sign(&of, 0, g), NS_SIGN_HOLDS);
+    assert_int_equal(ns_events_rate_sign(&of, 0, g), NS_SIGN_HOLDS);
     of.second_rate = 50e3;
-    assert_int_equal(ns_events_guard_sign(&of, 0, g), NS_UNDECIDED);
+    assert_int_equal(ns_events_rate_sign(&of, 0, g), NS_UNDECIDED);
     of.second_rate = -100e3;
-    assert_int_equal(ns_events_guard_sign(&of, 0, g), NS_SIGN_BREAKS);
+    assert_int_equal(ns_events_rate_sign(&of, 0, g), NS_SIGN_BREAKS);
 }
 
 /* The rate at an instant that may be 50 ns off: 100 kA/s^2 make 5 mA/s of it, twice that counts. */
 static void rates_at_an_instant_that_is_off(void **state) {
     ns_guard of = {0, 15e-3, -100e3, 1e-9};
     (void)state;
-    assert_int_equal(ns_events_guard_sign(&of, 0, 1e-6), NS_SIGN_HOLDS);
-    assert_int_equal(ns_events_guard_sign(&of, 50e-9, 1e-6), NS_SIGN_BREAKS);
+    assert_int_equal(ns_events_rate_sign(&of, 0, 1e-6), NS_SIGN_HOLDS);
+    assert_int_equal(ns_events_rate_sign(&of, 50e-9, 1e-6), NS_SIGN_BREAKS);
 }
 
 int main(void) {
