@@ -170,7 +170,7 @@ static double sum_of(const ns_guard_series *w, const double *c) {
 /* The guard and its rate at tau: L'_i = L'_(i-1) - L_(i-1). */
 static double guard_at(const ns_guard_series *w, double tau, double *rate) {
     double c[NS_ORDER], slope[NS_ORDER] = {0};
-    ns_modes_laguerre(tau / w->g, c);
+    ns_modes_laguerre(tau / w->g, NS_ORDER, c);
     for (int i = 1; i < NS_ORDER; i++)
         slope[i] = c[i - 1] - slope[i - 1];
     *rate = sum_of(w, slope) / w->g;
@@ -246,7 +246,7 @@ static double find_fall(const ns_guard_series *w, double a, double b, double at,
 
 void ns_exact_event_intervals(double s, double (*c)[NS_ORDER]) {
     for (int i = 0; i <= NS_INTERVALS; i++)
-        ns_modes_laguerre(s * i / NS_INTERVALS, c[i]);
+        ns_modes_laguerre(s * i / NS_INTERVALS, NS_ORDER, c[i]);
 }
 
 /* A guard below zero by less than its rounding breaks here, and not where it is below by more, if it keeps

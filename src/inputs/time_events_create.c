@@ -55,27 +55,26 @@ static int add_commands(ns_time_events *s) {
 }
 
 static int allocate_arrays(ns_time_events *s) {
-    const size_t nz = (size_t)s->s->nz + 1, nc = (size_t)s->s->nc + 1;
+    const size_t nz = (size_t)s->s->nz + 1, nc = (size_t)s->s->nc + 1, terms = NS_TERMS * nz;
     s->line = calloc(nz, sizeof *s->line);
     s->cursor = calloc(nz, sizeof *s->cursor);
-    s->input = calloc(nz, sizeof *s->input);
     s->base = calloc(nz, sizeof *s->base);
-    s->term = calloc(NS_TERMS * nz, sizeof *s->term);
-    s->begun = calloc(NS_TERMS * nz, 1);
-    s->wave = calloc(NS_TERMS * nz, sizeof *s->wave);
+    s->term = calloc(terms, sizeof *s->term);
+    s->wave = calloc(terms, sizeof *s->wave);
     s->command = calloc(nc, sizeof *s->command);
-    s->command_index = calloc(nc, sizeof *s->command_index);
-    s->flips = calloc(nc, sizeof *s->flips);
-    s->touched = calloc(nc, sizeof *s->touched);
-    s->heap = calloc((1 + NS_TERMS) * nz + nc, sizeof *s->heap);
-    s->closed = calloc(nc, 1);
-    s->changed = calloc((1 + NS_TERMS) * nz, sizeof *s->changed);
-    s->flip = calloc(nc, sizeof *s->flip);
-    const int made = s->line && s->cursor && s->input && s->base && s->term && s->begun && s->wave;
-    return made && s->command && s->command_index && s->flips && s->touched && s->heap && s->closed &&
-                   s->changed && s->flip
-               ? NS_OK
-               : NS_E_MEMORY;
+    s->heap = calloc(nz + terms + nc, sizeof *s->heap);
+    s->input = calloc(2 * nz + terms + 4 * nc, sizeof *s->input);
+    s->begun = calloc(terms + nc, 1);
+    if (!s->line || !s->cursor || !s->base || !s->term || !s->wave || !s->command || !s->heap || !s->input ||
+        !s->begun)
+        return NS_E_MEMORY;
+    s->changed = s->input + nz;
+    s->command_index = s->changed + nz + terms;
+    s->flips = s->command_index + nc;
+    s->touched = s->flips + nc;
+    s->flip = s->touched + nc;
+    s->closed = s->begun + terms;
+    return NS_OK;
 }
 
 int ns_inputs_events_create(const ns_system *system, const unsigned char *active, ns_time_events **out) {
@@ -189,12 +188,6 @@ void ns_inputs_events_free(ns_time_events *s) {
     free(s->begun);
     free(s->wave);
     free(s->command);
-    free(s->command_index);
-    free(s->flips);
-    free(s->touched);
     free(s->heap);
-    free(s->closed);
-    free(s->changed);
-    free(s->flip);
     free(s);
 }

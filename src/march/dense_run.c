@@ -185,6 +185,8 @@ static int read_point(ns_engine *e, double *t, double *x, double *lambda, double
         return NS_E_STATE;
     if (t)
         *t = r->trial.now.t;
+    if (!x && !lambda && !y)
+        return NS_OK;
     const int status = ns_theta_read(r->step, x, lambda, y);
     return status == NS_OK ? NS_OK : ns_march_dense_fail(r, status);
 }

@@ -36,14 +36,14 @@ typedef struct ns_run_check {
     /* how often, in instructions or so: spent on a point, on a way, earned by a trial, by an event, by a mode
      */
     double point_cost, event_cost, way_cost, quick_cost, trial_cost, trial_gain, event_gain, mode_gain;
-    int periods, periods_rest;        /* that are repeated before one is looked at: from now on, in turn */
-    long steps;                       /* of the scheme, that were paid for */
-    double credit;                    /* what may be spent */
-    int way_next;                     /* 1: the next thing looked at is a way */
-    unsigned long long dice;          /* where on it */
-    uint64_t left_key;                /* of the mode on the left of an event */
-    uint64_t seen[NS_RUN_SEEN];       /* hashes, */
-    unsigned char times[NS_RUN_SEEN]; /* and how often they came back since they were looked at */
+    int periods, periods_rest; /* that are repeated before one is looked at: from now on, in turn */
+    long steps;                /* of the scheme, that were paid for */
+    double credit;             /* what may be spent */
+    int way_next;              /* 1: the next thing looked at is a way */
+    unsigned long long dice;   /* where on it */
+    uint64_t left_key;         /* of the mode on the left of an event */
+    uint64_t *seen;            /* NS_RUN_SEEN: hashes, */
+    unsigned char *times;      /* and how often they came back since they were looked at */
     /* a trial that is gone again */
     long again_events;           /* so far, and one; 0: there is none */
     double again_from, again_to; /* s: from where, to what is asked for */

@@ -59,8 +59,10 @@ int ns_march_check_create(ns_run *r) {
                                  .instant = instant_of(r),
                                  .transient = transient_of(r)};
     k->numbers = calloc((3 + NS_VERIFY_NODES) * all + m + 1, sizeof *k->numbers);
-    if (!k->numbers)
+    k->seen = calloc(NS_RUN_SEEN, sizeof *k->seen + sizeof *k->times);
+    if (!k->numbers || !k->seen)
         return NS_E_MEMORY;
+    k->times = (unsigned char *)(k->seen + NS_RUN_SEEN);
     k->here = k->numbers;
     k->before = k->here + all;
     k->impulse = k->before + all;
@@ -84,6 +86,7 @@ int ns_march_check_create(ns_run *r) {
 
 void ns_march_check_free(ns_run *r) {
     free(r->check.numbers);
+    free(r->check.seen);
     ns_march_sliding_free(&r->check);
     ns_verify_free(r->check.verify);
 }
@@ -114,7 +117,7 @@ void ns_march_check_scale_start(ns_run *r) {
 void ns_march_check_reset(ns_run *r) {
     ns_run_check *k = &r->check;
     ns_verify_reset(k->verify);
-    memset(k->seen, 0, sizeof k->seen);
+    memset(k->seen, 0, sizeof *k->seen * NS_RUN_SEEN);
     k->is_old = k->found = 0;
     k->left = NS_WATCH_NOTHING;
     k->credit = 0;

@@ -16,8 +16,8 @@ static double sign(int i) {
     return i % 2 ? -1 : 1;
 }
 
-void ns_modes_laguerre(double s, double *c) {
-    polynomials(s, NS_ORDER - 1, c);
+void ns_modes_laguerre(double s, int count, double *c) {
+    polynomials(s, count - 1, c);
     for (int i = 1; i < NS_ORDER; i += 2)
         c[i] = -c[i];
 }

@@ -21,8 +21,8 @@ enum { NS_ORDER = 8 };
 /* What |L_i| is below from 0 to 1/gamma. */
 extern const double ns_modes_laguerre_max[NS_ORDER];
 
-/* c_i = (-1)^i L_i(s), i < NS_ORDER; s >= 0. */
-void ns_modes_laguerre(double s, double *c);
+/* c_i = (-1)^i L_i(s), i < count, which is NS_ORDER or one more; s >= 0. */
+void ns_modes_laguerre(double s, int count, double *c);
 
 /* b_i(s), i <= NS_ORDER. */
 void ns_modes_laguerre_steps(double s, double *b);

@@ -9,41 +9,26 @@
 /* What a pair's law has beside its branch: D_jj; entries of other pairs, inputs or constants; a command. */
 enum { RESISTANCE = 1, JOINED = 2, COMMANDED = 4 };
 
-typedef struct branches {
-    ns_entries flow, voltage; /* columns of B, rows of C: pair by pair */
-    unsigned char *has;       /* m */
-} branches;
-
-static void see_flow(void *context, int unknown, int pair, double value) {
-    ns_linalg_entries_add(&((branches *)context)->flow, unknown, pair, value);
-}
-
-static void see_voltage(void *context, int pair, int unknown, double value) {
-    ns_linalg_entries_add(&((branches *)context)->voltage, unknown, pair, value);
-}
-
 static void see_law(void *context, int pair, int other, double value) {
-    branches *k = context;
+    unsigned char *has = context;
     (void)value;
-    k->has[pair] |= pair == other ? RESISTANCE : JOINED;
-    k->has[other] |= pair == other ? RESISTANCE : JOINED;
+    has[pair] |= pair == other ? RESISTANCE : JOINED;
+    has[other] |= pair == other ? RESISTANCE : JOINED;
 }
 
 static void see_input(void *context, int pair, int input, double value) {
     (void)input;
     (void)value;
-    ((branches *)context)->has[pair] |= JOINED;
+    ((unsigned char *)context)[pair] |= JOINED;
 }
 
-static void see_all(branches *k, const ns_system *s) {
-    ns_system_each_entry(s->B, NS_CSC_OF(s, B), s->n, s->m, see_flow, k);
-    ns_system_each_entry(s->C, NS_CSC_OF(s, C), s->m, s->n, see_voltage, k);
-    ns_system_each_entry(s->D, NS_CSC_OF(s, D), s->m, s->m, see_law, k);
-    ns_system_each_entry(s->F, NS_CSC_OF(s, F), s->m, s->nz, see_input, k);
+static void see_laws(unsigned char *has, const ns_system *s) {
+    ns_system_each_entry(s->D, NS_CSC_OF(s, D), s->m, s->m, see_law, has);
+    ns_system_each_entry(s->F, NS_CSC_OF(s, F), s->m, s->nz, see_input, has);
     for (int j = 0; j < s->m; j++)
-        k->has[j] |= s->e[j] != 0 ? JOINED : 0;
+        has[j] |= s->e[j] != 0 ? JOINED : 0;
     for (int c = 0; c < s->nc; c++)
-        k->has[s->command[c].pair] |= COMMANDED;
+        has[s->command[c].pair] |= COMMANDED;
 }
 
 /* Whether column i of a is column j, or that with its sign turned, and not empty. */
@@ -58,15 +43,34 @@ static int parallel(const ns_csc *a, int i, int j) {
     return 1;
 }
 
-static int find(const ns_system *s, const unsigned char *has, const ns_csc *flow, const ns_csc *voltage,
-                ns_shared_branch *list) {
+/* The same of arrays of `count` numbers, `step` apart. */
+static int parallel_arrays(int count, int step, const double *a, const double *b) {
+    double sign = 0;
+    for (int k = 0; k < count; k++, a += step, b += step) {
+        if (sign == 0 && (*a != 0 || *b != 0))
+            sign = *a == *b ? 1 : -1;
+        if (*a != sign * *b)
+            return 0;
+    }
+    return sign != 0;
+}
+
+/* Pair i has the branch of pair j; voltage: C of a large system, row by row. */
+static int is_across(const ns_system *s, const ns_csc *voltage, int i, int j) {
+    const size_t n = (size_t)s->n;
+    return s->large ? parallel(voltage, i, j) && parallel(&s->large->B, i, j)
+                    : parallel_arrays(s->n, s->m, s->C + i, s->C + j) &&
+                          parallel_arrays(s->n, 1, s->B + (size_t)i * n, s->B + (size_t)j * n);
+}
+
+static int find(const ns_system *s, const unsigned char *has, const ns_csc *voltage, ns_shared_branch *list) {
     int count = 0;
     for (int j = 0; j < s->m; j++) {
         if (has[j] > RESISTANCE || (s->l[j] != 0 && s->u[j] != 0))
             continue;
         for (int c = 0; c < s->nc; c++) {
             const int of = s->command[c].pair;
-            if (has[of] != COMMANDED || !parallel(voltage, j, of) || !parallel(flow, j, of))
+            if (has[of] != COMMANDED || !is_across(s, voltage, j, of))
                 continue;
             list[count++] = (ns_shared_branch){j, of, s->l[j] == 0 ? NS_LOWER : NS_UPPER};
             break;
@@ -76,31 +80,24 @@ static int find(const ns_system *s, const unsigned char *has, const ns_csc *flow
 }
 
 int ns_modes_shared_find(const ns_system *s, ns_shared_branch **out, int *count) {
-    branches k = {0};
-    ns_csc flow = {0}, voltage = {0};
+    ns_csc voltage = {0};
     *count = 0;
     *out = NULL;
     if (s->m == 0 || s->nc == 0)
         return NS_OK;
     ns_shared_branch *list = calloc((size_t)s->m, sizeof *list);
-    k.has = calloc((size_t)s->m, 1);
-    int status = list && k.has ? NS_OK : NS_E_MEMORY;
+    unsigned char *has = calloc((size_t)s->m, 1);
+    int status = list && has ? NS_OK : NS_E_MEMORY;
+    if (status == NS_OK && s->large)
+        status = ns_linalg_csc_transpose(&s->large->C, &voltage);
     if (status == NS_OK) {
-        see_all(&k, s);
-        status = ns_linalg_csc_of_entries(s->n, s->m, &k.flow, &flow);
-    }
-    if (status == NS_OK)
-        status = ns_linalg_csc_of_entries(s->n, s->m, &k.voltage, &voltage);
-    if (status == NS_OK) {
-        *count = find(s, k.has, &flow, &voltage, list);
+        see_laws(has, s);
+        *count = find(s, has, &voltage, list);
         *out = list;
     } else {
         free(list);
     }
-    ns_linalg_csc_free(&flow);
     ns_linalg_csc_free(&voltage);
-    ns_linalg_entries_free(&k.flow);
-    ns_linalg_entries_free(&k.voltage);
-    free(k.has);
+    free(has);
     return status;
 }

@@ -107,7 +107,7 @@ static int outputs(ns_kernel *k, double tau, double *x, double *lambda) {
 
 /* Coefficients of (E1) at s, their derivatives and second ones by s: L_i' = -(L_0 + ... + L_i-1). */
 static void coefficients(double s, double c[3][NS_ORDER]) {
-    ns_modes_laguerre(s, c[0]);
+    ns_modes_laguerre(s, NS_ORDER, c[0]);
     for (int d = 1; d < 3; d++) {
         double sum = 0;
         for (int i = 0; i < NS_ORDER; i++) {

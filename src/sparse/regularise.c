@@ -32,7 +32,6 @@ static const double fell = 1e-3, least = 1e-9, far = 1e-3, little = 1e-7, grown 
  * of each is lowered. */
 static void find_units(const ns_csc *K, const int *exponent, double *row, double *column, double *count) {
     const int size = K->columns;
-    memset(row, 0, sizeof(double) * (size_t)size);
     memset(column, 0, sizeof(double) * (size_t)size);
     for (int sweep = 0; sweep < SWEEPS; sweep++) {
         memset(row, 0, sizeof(double) * (size_t)size);
@@ -44,7 +43,7 @@ static void find_units(const ns_csc *K, const int *exponent, double *row, double
                     count[K->row[k]]++;
                 }
         for (int i = 0; i < size; i++)
-            row[i] /= fmax(1, count[i]);
+            row[i] /= ns_higher(1, count[i]);
         for (int j = 0; j < size; j++) {
             double sum = 0, entries = 0;
             for (int k = K->start[j]; k < K->start[j + 1]; k++)
@@ -52,7 +51,7 @@ static void find_units(const ns_csc *K, const int *exponent, double *row, double
                     sum += exponent[k] + row[K->row[k]];
                     entries++;
                 }
-            column[j] = -sum / fmax(1, entries);
+            column[j] = -sum / ns_higher(1, entries);
         }
     }
     for (int sweep = 0; sweep < PEAKS; sweep++) {
@@ -63,8 +62,8 @@ static void find_units(const ns_csc *K, const int *exponent, double *row, double
             for (int k = K->start[j]; k < K->start[j + 1]; k++)
                 if (exponent[k] != INT_MIN) {
                     const double e = exponent[k] + row[K->row[k]] + column[j];
-                    count[K->row[k]] = fmax(count[K->row[k]], e);
-                    most = fmax(most, e);
+                    count[K->row[k]] = ns_higher(count[K->row[k]], e);
+                    most = ns_higher(most, e);
                 }
             column[j] -= most / 2;
         }
@@ -78,7 +77,7 @@ static double enters(const ns_form *f, const int *exponent, const double *row, i
     double most = -INFINITY;
     for (int k = f->K.start[f->n + j]; k < f->K.start[f->n + j + 1]; k++)
         if (f->K.row[k] < f->n && exponent[k] != INT_MIN)
-            most = fmax(most, exponent[k] + row[f->K.row[k]]);
+            most = ns_higher(most, exponent[k] + row[f->K.row[k]]);
     return most;
 }
 
@@ -86,7 +85,7 @@ static double leaves(const ns_form *f, const double *column, int j) {
     double most = -INFINITY;
     for (int k = f->Ct.start[j]; k < f->Ct.start[j + 1]; k++)
         if (f->Ct.value[k] != 0)
-            most = fmax(most, ilogb(f->Ct.value[k]) + column[f->Ct.row[k]]);
+            most = ns_higher(most, ilogb(f->Ct.value[k]) + column[f->Ct.row[k]]);
     return most;
 }
 

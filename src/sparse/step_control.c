@@ -163,6 +163,14 @@ static double inputs_error(const ns_sparse *m, int length_exponent) {
            (inputs_fraction * m->o.reltol);
 }
 
+/* How many times a step may be doubled by the errors of the state and of inputs. */
+static int allowed_doublings(const ns_sparse *m, int length_exponent, double error, double d) {
+    int k = count_doublings(error, d, length_exponent < MOST_DOUBLINGS ? length_exponent : MOST_DOUBLINGS);
+    while (k > 0 && inputs_error(m, length_exponent - k) > 1)
+        k--;
+    return k;
+}
+
 /* What looks like a fast transient may be lost digits: the stages of all orders with corrected solutions. */
 static int refine_stages(ns_sparse *m, ns_dense_step *step, double fraction) {
     const int status = ns_sparse_step_refine(m, step);
@@ -213,7 +221,7 @@ static int remove_jump(ns_sparse *m, ns_dense_step *step, double room) {
 /* A length for which the error until room is small enough, with its stages; the length of the next step.  If
  * pair >= 0 the mode does not hold where it begins. */
 static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
-    int consistent = 0, most = MOST_DOUBLINGS,
+    int consistent = 0,
         shortest = ns_sparse_least_exponent(m) + (m->steep_steps < MOST_STEEP ? NS_STEEPEST : 0);
     step->length_exponent = step->length_exponent < shortest ? step->length_exponent : shortest;
     while (step->length_exponent < ns_sparse_least_exponent(m) &&
@@ -221,8 +229,6 @@ static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
         step->length_exponent++;
     while (step->length_exponent < ns_sparse_least_exponent(m) && inputs_error(m, step->length_exponent) > 1)
         step->length_exponent++;
-    while (most > 0 && inputs_error(m, step->length_exponent - most) > 1)
-        most--;
     for (int tries = 0;; tries++) {
         const double h = length_of(m, step->length_exponent);
         step->g = h / NS_POLE;
@@ -263,8 +269,7 @@ static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
             continue;
         }
         if (error <= 1 || step->length_exponent >= shortest || tries >= shortest) {
-            step->next_exponent -=
-                count_doublings(whole, ratio, step->length_exponent < most ? step->length_exponent : most);
+            step->next_exponent -= allowed_doublings(m, step->length_exponent, whole, ratio);
             if (whole > 1 && step->next_exponent < shortest)
                 step->next_exponent++;
             return whole < INFINITY ? NS_OK : NS_E_OVERFLOW;

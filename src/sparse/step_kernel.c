@@ -283,7 +283,7 @@ void ns_sparse_step_point(const ns_sparse *m, const ns_dense_step *step, double 
             v[i] += (1 - tau / step->length) * (step->images[m->f->size + i] - v[i]);
         return;
     }
-    ns_modes_laguerre(s, c); /* (E1) */
+    ns_modes_laguerre(s, NS_ORDER, c); /* (E1) */
     if (step->stages > NS_ORDER) {
         ns_modes_laguerre_steps(s, b);
         c[NS_ORDER] = b[NS_ORDER] - c[NS_ORDER - 1]; /* L_8 = b_8 + L_7 */

@@ -98,13 +98,11 @@ static int is_rounding(const ns_sparse *m, const ns_dense_step *step, int j, dou
 /* 1 if a conducting pair has the wrong sign at the end of a step, by more than a point that is shown may
  * have: what a series leaves there of a transient that it does not resolve.  It is passed by Euler steps. */
 int ns_sparse_transient_is_left(const ns_sparse *m, const ns_dense_step *step) {
-    double c[NS_STAGES] = {0}, b[NS_ORDER + 1];
+    double c[NS_STAGES];
     const size_t size = (size_t)m->f->size;
     if (m->f->gx.start[m->f->nc] > 0 || step->is_euler || !(step->length > 0))
         return 0;
-    ns_modes_laguerre(step->length / step->g, c);
-    ns_modes_laguerre_steps(step->length / step->g, b);
-    c[NS_ORDER] = b[NS_ORDER] - c[NS_ORDER - 1]; /* L_8 = b_8 + L_7 */
+    ns_modes_laguerre(step->length / step->g, NS_STAGES, c);
     for (int j = 0; j < m->f->m; j++) {
         double lambda = 0;
         if (step->mode[j] != NS_INSIDE)

@@ -14,7 +14,7 @@ static void bounds_are_bounds(void **state) {
     (void)state;
     double most[NS_ORDER] = {0}, c[NS_ORDER];
     for (int k = 0; k <= 100000; k++) {
-        ns_modes_laguerre(NS_POLE * k / 100000, c);
+        ns_modes_laguerre(NS_POLE * k / 100000, NS_ORDER, c);
         for (int i = 0; i < NS_ORDER; i++)
             most[i] = fmax(most[i], fabs(c[i]));
     }
@@ -31,7 +31,7 @@ static void they_are_exponentials(void **state) {
         for (int part = 0; part <= 8; part++) {
             const double z = rates[k] / NS_POLE, D = z / (1 - z), s = NS_POLE * part / 8;
             double c[NS_ORDER], b[NS_ORDER + 1], one = 0, two = 0, power = 1;
-            ns_modes_laguerre(s, c);
+            ns_modes_laguerre(s, NS_ORDER, c);
             ns_modes_laguerre_steps(s, b);
             for (int i = 0; i <= NS_ORDER; i++, power *= D) {
                 one += i < NS_ORDER ? c[i] * power : 0;

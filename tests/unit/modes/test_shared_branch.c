@@ -137,6 +137,7 @@ static void what_makes_a_twin(void **state) {
         {&s->e[0], 1, 0},         {&s->e[1], 1, 0},     {&s->e[2], 1, 1},     {&s->B[0], 1, 0},
         {&s->B[0], -2, 0},        {&s->B[2], 1, 0},     {&s->B[2 + 3], 1, 0}, {&s->C[0], 2, 0},
         {&s->C[0 + 3], -4, 0},    {&s->C[0 + 6], 1, 0}, {&s->C[1 + 6], 1, 0}, {&s->C[2], 1, 1},
+        {&s->B[0], 0, 0},         {&s->C[0], 0, 0},
     };
     for (size_t k = 0; k < sizeof change / sizeof *change; k++) {
         const double was = *change[k].at;
