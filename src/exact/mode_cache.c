@@ -25,6 +25,8 @@ static unsigned hash_of(const ns_mode *mode, int m) {
 }
 
 static void free_time_scale(ns_time_scale *scale) {
+    if (!scale->kernel) /* what else it has was made with that */
+        return;
     ns_exact_kernel_free(scale->kernel);
     ns_exact_fast_free(scale->fast);
     for (int k = 0; k <= NS_MAX_EXPONENT; k++)

@@ -12,6 +12,7 @@
  * columns norms in matrices", 2001).
  */
 #include "column_scaling.h"
+#include "simd.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -183,10 +184,10 @@ static void lower_peaks(const graph *g, double *gamma, double *rho, double *top,
         highest(g, gamma, rho, top, high);
         most = 0.0;
         for (int i = 0; i < g->m; i++) {
-            const double over = fmax(top[i] - PEAK, 0.0);
+            const double over = ns_higher(top[i] - PEAK, 0.0);
             rho[i] -= 0.5 * over;
-            gamma[i] -= 0.5 * fmax(high[i] - PEAK, 0.0);
-            most = fmax(most, over);
+            gamma[i] -= 0.5 * ns_higher(high[i] - PEAK, 0.0);
+            most = ns_higher(most, over);
         }
     }
 }

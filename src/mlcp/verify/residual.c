@@ -23,6 +23,7 @@
 #include <string.h>
 
 #include "linalg/column_scaling.h"
+#include "linalg/simd.h"
 #include "nonsmooth/mlcp.h"
 
 /* 1e-6: noise of 1e-16 of the largest term counts as 1e-10; smaller true currents are still told apart
@@ -80,7 +81,7 @@ static void raise_to_floor(const ns_mlcp *p, const double *lambda, int together,
     for (int j = 0; j < p->m; j++) {
         const double *col = p->W + (size_t)j * (size_t)p->m;
         for (int i = 0; i < p->m; i++)
-            top[i] = fmax(top[i], fabs(col[i]) * unit[j]);
+            top[i] = ns_higher(fabs(col[i]) * unit[j], top[i]);
     }
     for (int i = 0; i < p->m; i++)
         work[i] = top[i] > 0.0 ? 1.0 / top[i] : 0.0;
@@ -89,12 +90,12 @@ static void raise_to_floor(const ns_mlcp *p, const double *lambda, int together,
         const double *col = p->W + (size_t)j * (size_t)p->m;
         const double v = lambda[j] != 0.0 ? fabs(lambda[j]) * weighted_max(p, j, work) : 0.0;
         for (int i = 0; i < p->m && v > 0.0; i++)
-            norm[i] = together || col[i] != 0.0 ? fmax(norm[i], v) : norm[i];
+            norm[i] = together || col[i] != 0.0 ? ns_higher(norm[i], v) : norm[i];
     }
     if (!together)
         ns_linalg_spread(p->m, p->W, norm, norm + p->m);
     for (int i = 0; i < p->m; i++)
-        size[i] = fmax(size[i], FLOOR * norm[i] * top[i]);
+        size[i] = ns_higher(FLOOR * norm[i] * top[i], size[i]);
 }
 
 /* Row i; size: its Y; inverse: 1/Y of all rows. */
