@@ -213,12 +213,15 @@ void ns_march_run_leave_for_now(ns_run *r, double t, ns_run_kind was) {
     r->back_at = r->kind == r->back_to ? INFINITY : t + r->back_interval;
     r->back_soonest = t + r->options.h;
     r->back_work = (1 + scheme_part) * ns_march_run_work(r).all;
+    if (r->kind != NS_RUN_SCHEME)
+        r->back_work += ns_march_first_question(r->s, r->is_dense);
 }
 
-/* Where no kernel was right steps of the scheme go on, which may cost far more than all before. */
+/* What goes on in its place may cost far more than all before: a kernel that follows a transient step by
+ * step, or, where none was right, the scheme. */
 static int is_due(ns_run *r, double t) {
     return t >= r->back_at ||
-           (r->kind == NS_RUN_SCHEME && t >= r->back_soonest && ns_march_run_work(r).all >= r->back_work);
+           ((r->kind != NS_RUN_SCHEME || t >= r->back_soonest) && ns_march_run_work(r).all >= r->back_work);
 }
 
 void ns_march_run_leave_for_the_start(ns_run *r, double t, ns_run_kind was) {

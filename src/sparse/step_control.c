@@ -163,10 +163,12 @@ static double inputs_error(const ns_sparse *m, int length_exponent) {
            (inputs_fraction * m->o.reltol);
 }
 
-/* How many times a step may be doubled by the errors of the state and of inputs. */
-static int allowed_doublings(const ns_sparse *m, int length_exponent, double error, double d) {
+/* How many times a step may be doubled by the errors of the state, and of inputs in steps that are so many
+ * times as long as the one that was tried first. */
+static int allowed_doublings(const ns_sparse *m, int length_exponent, int first_exponent, double error,
+                             double d) {
     int k = count_doublings(error, d, length_exponent < MOST_DOUBLINGS ? length_exponent : MOST_DOUBLINGS);
-    while (k > 0 && inputs_error(m, length_exponent - k) > 1)
+    while (k > 0 && inputs_error(m, first_exponent - k) > 1)
         k--;
     return k;
 }
@@ -229,6 +231,7 @@ static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
         step->length_exponent++;
     while (step->length_exponent < ns_sparse_least_exponent(m) && inputs_error(m, step->length_exponent) > 1)
         step->length_exponent++;
+    const int first_exponent = step->length_exponent;
     for (int tries = 0;; tries++) {
         const double h = length_of(m, step->length_exponent);
         step->g = h / NS_POLE;
@@ -269,7 +272,7 @@ static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
             continue;
         }
         if (error <= 1 || step->length_exponent >= shortest || tries >= shortest) {
-            step->next_exponent -= allowed_doublings(m, step->length_exponent, whole, ratio);
+            step->next_exponent -= allowed_doublings(m, step->length_exponent, first_exponent, whole, ratio);
             if (whole > 1 && step->next_exponent < shortest)
                 step->next_exponent++;
             return whole < INFINITY ? NS_OK : NS_E_OVERFLOW;

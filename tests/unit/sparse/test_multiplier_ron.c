@@ -4,6 +4,8 @@
  */
 #include "retries.h"
 #include "rig.h"
+
+#include "march/run_internal.h"
 #include "signals.h"
 
 #include <stdio.h>
@@ -130,21 +132,29 @@ static void small_charges_do_not_hold_steps_back(void **state) {
     }
 }
 
+static double work_of(const rig *k) {
+    return ns_march_run_work((ns_run *)(void *)k->m->engine).all;
+}
+
 /* A step over a transient of 0.1 ps left diodes that conduct backwards at its end, and was found wrong; the
  * dense engines went on, and gave up: of 16 stages at once, of 50 after 40 s.  Expected: the ideal
- * multiplier, but for what 1 A drops. */
+ * multiplier, but for what 1 A drops.  Whether a result is found wrong is a matter of rounding at resistances
+ * so small: it must not matter to the work, in instructions as engines estimate them, which is at most twice
+ * that of 1 uohm, where none is. */
 static void ends_of_steps_are_right(void **state) {
     static const struct {
         int stages;
         double ron;
-    } of[] = {{16, 1e-7}, {20, 1e-6}};
+    } of[] = {{16, 1e-7}, {18, 1.01e-7}, {20, 3e-7}};
     (void)state;
-    allow_retries(1);
+    allow_retries(3);
     for (int i = 0; i < 2; i++) {
         rig ideal = multiplier_shown(of[i].stages, 0, NS_AUTO),
             k = multiplier_shown(of[i].stages, of[i].ron, NS_AUTO);
-        assert_true(ns_march_counts(k.m)->steps < 20000);
+        rig near = multiplier_shown(of[i].stages, 1e-6, NS_AUTO);
+        assert_true(work_of(&k) < 2 * work_of(&near));
         compare_volts(&k, &ideal, of[i].stages, 1e-5);
+        end(&near);
         end(&k);
         end(&ideal);
     }
