@@ -138,7 +138,7 @@ static int extend_to_inputs(const ns_exact *f, const ns_mode_kernel *k, ns_fast_
                 b[nv + j] += pair ? p->left[at + 1 + i * p->count] * D[i] : 0;
             }
         }
-        status = ns_linalg_lu_factor(lu, (int)n, a, NULL, NULL);
+        status = ns_linalg_lu_factor(lu, (int)n, a, NULL);
     }
     if (status == NS_OK) {
         ns_linalg_lu_solve(lu, 1, b);

@@ -134,24 +134,19 @@ static void find_quickly(ns_lu *f, int n, const double *a, const int *c) {
     }
 }
 
-/* The column with the smallest pivot; *ratio gets that pivot over the largest. */
-static int smallest_pivot(const ns_lu *f, double *ratio) {
+/* The smallest pivot over the largest. */
+static double ratio_of_pivots(const ns_lu *f) {
     double lo = INFINITY, hi = 0.0;
-    int at = 0;
     for (int k = 0; k < f->n; k++) {
-        double u = fabs(f->a[(size_t)k * (size_t)(f->n + 1)]);
+        const double u = fabs(f->a[(size_t)k * (size_t)(f->n + 1)]);
         hi = fmax(hi, u);
-        if (u < lo) {
-            lo = u;
-            at = k;
-        }
+        lo = u < lo ? u : lo;
     }
-    *ratio = hi > 0.0 ? lo / hi : 0.0;
-    return at;
+    return hi > 0.0 ? lo / hi : 0.0;
 }
 
 /* c: NULL, or exponents of the units of the columns, then taken instead of the best permutation. */
-static int factor(ns_lu *f, int n, const double *a, const int *c, double *rcond, int *column) {
+static int factor(ns_lu *f, int n, const double *a, const int *c, double *rcond) {
     if (!f || (n > 0 && !a))
         return NS_E_NULL;
     if (n < 0 || n > f->cap)
@@ -172,17 +167,13 @@ static int factor(ns_lu *f, int n, const double *a, const int *c, double *rcond,
     const lapack_int info = n <= NS_SMALL ? ns_linalg_small_factor(n, f->a, f->piv)
                                           : LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, f->a, n, f->piv);
     f->match[2 * n] = 0;
-    int at = smallest_pivot(f, &f->ratio);
+    f->ratio = ratio_of_pivots(f);
     int bad = info != 0 || !(f->ratio > 1e-300);
     if (!bad && rcond) {
         *rcond = ns_linalg_lu_rcond(f);
         bad = !(*rcond > 1e-300);
     }
-    if (!bad)
-        return NS_OK;
-    if (column)
-        *column = info > 0 ? info - 1 : at;
-    return NS_E_SINGULAR;
+    return bad ? NS_E_SINGULAR : NS_OK;
 }
 
 double ns_linalg_lu_rcond(ns_lu *f) {
@@ -196,12 +187,12 @@ double ns_linalg_lu_pivots(const ns_lu *f) {
     return f->n > 0 ? f->ratio : 1.0;
 }
 
-int ns_linalg_lu_factor(ns_lu *f, int n, const double *a, double *rcond, int *column) {
-    return factor(f, n, a, NULL, rcond, column);
+int ns_linalg_lu_factor(ns_lu *f, int n, const double *a, double *rcond) {
+    return factor(f, n, a, NULL, rcond);
 }
 
 int ns_linalg_lu_factor_quickly(ns_lu *f, int n, const double *a, const int *c, double *rcond) {
-    return factor(f, n, a, c, rcond, NULL);
+    return factor(f, n, a, c, rcond);
 }
 
 /* b = S_to A_scaled^-1 S_from b, or with A_scaled transposed. */

@@ -14,8 +14,8 @@ void ns_linalg_lu_free(ns_lu *f); /* NULL is allowed */
 
 /* Factors a (n*n, n at most that of create; left alone).  *rcond (may be NULL) gets the reciprocal
  * condition estimate of the equilibrated matrix.  Errors: NUMBER (NaN or inf inside), SINGULAR: an exactly
- * zero pivot or rcond below 1e-300; *column (may be NULL) then gets the column that is not determined. */
-int ns_linalg_lu_factor(ns_lu *f, int n, const double *a, double *rcond, int *column);
+ * zero pivot or rcond below 1e-300. */
+int ns_linalg_lu_factor(ns_lu *f, int n, const double *a, double *rcond);
 
 /* Of the last matrix factored, with NS_OK: the estimate of its reciprocal condition (that costs as much as
  * small factors); the smallest pivot as a share of the largest. */

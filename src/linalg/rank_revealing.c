@@ -43,7 +43,7 @@ static int fill(ns_ranked *f, const double *size, double *work) {
     for (int j = 0; j < f->rank; j++)
         for (int i = 0; i < f->rank; i++)
             f->core[i + j * f->rank] = f->a[f->row[i] + f->column[j] * n];
-    return ns_linalg_lu_factor(f->lu, f->rank, f->core, NULL, NULL);
+    return ns_linalg_lu_factor(f->lu, f->rank, f->core, NULL);
 }
 
 int ns_linalg_ranked_create(int n, const double *a, const double *size, ns_ranked **out) {

@@ -71,6 +71,13 @@ static inline double ns_higher(double a, double b) {
     return a > b ? a : b;
 }
 
+static inline double ns_dot(int n, const double *a, const double *b) {
+    double sum = 0;
+    for (int i = 0; i < n; i++)
+        sum += a[i] * b[i];
+    return sum;
+}
+
 /* 1 if all of x (n) are 0 or more, 0 if one is not, or is no number. */
 static inline int ns_none_negative(int n, const double *x) {
     const ns_simd none = {0};

@@ -131,18 +131,11 @@ void ns_linalg_small_solve(int n, const double *a, const int *piv, const short *
     }
 }
 
-static double product(int n, const double *x, const double *y) {
-    double sum = 0;
-    for (int i = 0; i < n; i++)
-        sum += x[i] * y[i];
-    return sum;
-}
-
 void ns_linalg_small_solve_transposed(int n, const double *a, const int *piv, double *b) {
     for (int k = 0; k < n; k++)
-        b[k] = (b[k] - product(k, a + k * n, b)) / a[k + k * n];
+        b[k] = (b[k] - ns_dot(k, a + k * n, b)) / a[k + k * n];
     for (int k = n - 1; k >= 0; k--)
-        b[k] -= product(n - k - 1, a + k * n + k + 1, b + k + 1);
+        b[k] -= ns_dot(n - k - 1, a + k * n + k + 1, b + k + 1);
     for (int k = n - 1; k >= 0; k--)
         swap(&b[k], &b[piv[k] - 1]);
 }

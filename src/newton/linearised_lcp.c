@@ -121,7 +121,7 @@ int ns_newton_reduce(ns_newton *s) {
     const int n = s->n, m = s->m;
     double rcond = 0;
     s->counts.factors++;
-    const int status = ns_linalg_lu_factor(s->lu, n, s->W, &rcond, NULL);
+    const int status = ns_linalg_lu_factor(s->lu, n, s->W, &rcond);
     s->reduced = status == NS_OK && rcond >= rcond_min;
     if (status != NS_OK && status != NS_E_SINGULAR)
         return status;

@@ -8,6 +8,7 @@
  * residuals, summed in long double, give corrections, and the sizes t of what rows are summed from give
  * bounds: |Q| t and |H| t, times a few eps.  These follow any choice of units.
  */
+#include "linalg/simd.h"
 #include "order_expansion.h"
 
 #include <float.h>
@@ -238,18 +239,10 @@ static void find_rates(ns_order_expansion *k) {
     bound_rates(k, k->work, k->work + size);
 }
 
-static double dot_product(int n, const double *a, const double *b) {
-    double sum = 0;
-    for (int i = 0; i < n; i++)
-        sum += a[i] * b[i];
-    return sum;
-}
-
 /* Takes the component along v out of Z, or (keep) replaces it by that of keep; E: bounds on Z.  Both may be
  * NULL. */
 static void project_out(int n, const double *v, const double *keep, double *Z, double *E) {
-    const double whole = dot_product(n, v, v),
-                 along = (dot_product(n, v, Z) - (keep ? dot_product(n, v, keep) : 0)) / whole;
+    const double whole = ns_dot(n, v, v), along = (ns_dot(n, v, Z) - (keep ? ns_dot(n, v, keep) : 0)) / whole;
     double off = 0;
     for (int i = 0; i < n; i++) {
         Z[i] -= along * v[i];

@@ -9,6 +9,7 @@
  * nothing but rounding is the null space.
  */
 #include "null_space.h"
+#include "linalg/simd.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -89,18 +90,11 @@ static double *vector(double *of, int c, int size) {
     return of + (size_t)c * (size_t)size;
 }
 
-static double dot(int size, const double *a, const double *b) {
-    double sum = 0;
-    for (int i = 0; i < size; i++)
-        sum += a[i] * b[i];
-    return sum;
-}
-
 /* Takes out of x what lies along the first count of Q. */
 static void leave(int size, int count, const double *Q, double *x) {
     for (int c = 0; c < count; c++) {
         const double *q = Q + (size_t)c * (size_t)size;
-        const double along = dot(size, q, x);
+        const double along = ns_dot(size, q, x);
         for (int i = 0; i < size; i++)
             x[i] -= along * q[i];
     }
@@ -111,7 +105,7 @@ static void leave(int size, int count, const double *Q, double *x) {
 static double straighten(int size, int count, const double *Q, double *x) {
     leave(size, count, Q, x);
     leave(size, count, Q, x);
-    const double length = sqrt(dot(size, x, x));
+    const double length = sqrt(ns_dot(size, x, x));
     for (int i = 0; i < size; i++)
         x[i] /= length;
     return length;
@@ -213,7 +207,7 @@ static void purify(const ns_null_search *s, const ns_sparse_leaks *k, int count,
 /* One rotation of a, b and of what K makes of them, after which the latter are at right angles.  0: they
  * were. */
 static int rotate(int size, double *a, double *b, double *Ka, double *Kb) {
-    const double aa = dot(size, Ka, Ka), bb = dot(size, Kb, Kb), ab = dot(size, Ka, Kb);
+    const double aa = ns_dot(size, Ka, Ka), bb = ns_dot(size, Kb, Kb), ab = ns_dot(size, Ka, Kb);
     if (!(fabs(ab) > 1e-12 * sqrt(aa * bb)))
         return 0;
     const double zeta = (bb - aa) / (2 * ab), t = (zeta >= 0 ? 1 : -1) / (fabs(zeta) + sqrt(1 + zeta * zeta)),
@@ -251,7 +245,7 @@ static int null_first(const ns_null_search *s, int count, int transposed, double
     }
     for (int c = 0; c < count; c++) {
         const double *image = vector(s->image, c, size);
-        if (!(sqrt(dot(size, image, image)) <= rounding))
+        if (!(sqrt(ns_dot(size, image, image)) <= rounding))
             continue;
         exchange(size, vector(Q, kept, size), vector(Q, c, size));
         exchange(size, vector(s->image, kept++, size), vector(s->image, c, size));
@@ -281,8 +275,7 @@ static void leaks_along(const ns_sparse_leaks *k, const ns_null_space *z, const 
 static int factor_small(int count, const double *a, ns_lu **out) {
     double rcond = 0;
     const int status = ns_linalg_lu_create(count, out);
-    if (status == NS_OK &&
-        (ns_linalg_lu_factor(*out, count, a, &rcond, NULL) != NS_OK || !(rcond > rounding))) {
+    if (status == NS_OK && (ns_linalg_lu_factor(*out, count, a, &rcond) != NS_OK || !(rcond > rounding))) {
         ns_linalg_lu_free(*out);
         *out = NULL;
     }

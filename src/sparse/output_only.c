@@ -6,31 +6,25 @@
 #include <string.h>
 
 #include "assemble.h"
-
-static int root(int *parent, int i) {
-    while (parent[i] != i)
-        i = parent[i] = parent[parent[i]];
-    return i;
-}
+#include "system/union_find.h"
 
 /* Unknowns and rows of one index that an entry joins become one part. */
 static void join(const ns_csc *a, int *parent) {
     for (int j = 0; j < a->columns; j++)
         for (int k = a->start[j]; k < a->start[j + 1]; k++)
-            parent[root(parent, a->row[k])] = root(parent, j);
+            ns_system_union_join(parent, a->row[k], j);
 }
 
 /* Marks the parts in whose rows a has an entry. */
 static void mark_used(const ns_csc *a, int by_column, int *parent, unsigned char *used) {
     for (int j = 0; j < a->columns; j++)
         for (int k = a->start[j]; k < a->start[j + 1]; k++)
-            used[root(parent, by_column ? j : a->row[k])] = 1;
+            used[ns_system_union_top(parent, by_column ? j : a->row[k])] = 1;
 }
 
 /* used (n): of each root whether its part stays. */
 static void find_parts(const ns_large *a, int n, int *parent, unsigned char *used) {
-    for (int i = 0; i < n; i++)
-        parent[i] = i;
+    ns_system_union_begin(parent, n);
     join(&a->M, parent);
     join(&a->A, parent);
     mark_used(&a->M, 1, parent, used);
@@ -41,7 +35,7 @@ static void find_parts(const ns_large *a, int n, int *parent, unsigned char *use
 
 static void choose_unknowns(ns_output_only *a, int n, int *parent, const unsigned char *used) {
     for (int i = 0; i < n; i++)
-        if (used[root(parent, i)]) {
+        if (used[ns_system_union_top(parent, i)]) {
             a->place[i] = a->rest.n;
             a->stays[a->rest.n++] = i;
         } else {

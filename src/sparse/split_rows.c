@@ -7,6 +7,7 @@
 #include "assemble.h"
 
 #include "linalg/row_split.h"
+#include "system/union_find.h"
 
 #include <float.h>
 #include <math.h>
@@ -28,27 +29,18 @@ typedef struct parts {
     unsigned char *algebraic;
 } parts;
 
-static int root(int *parent, int i) {
-    while (parent[i] != i) {
-        parent[i] = parent[parent[i]];
-        i = parent[i];
-    }
-    return i;
-}
-
 static void find_parts(parts *p) {
-    for (int i = 0; i < p->n; i++)
-        p->parent[i] = i;
+    ns_system_union_begin(p->parent, p->n);
     for (int j = 0; j < p->n; j++)
         for (int k = p->M->start[j]; k < p->M->start[j + 1]; k++)
             if (p->M->value[k] != 0)
-                p->parent[root(p->parent, p->M->row[k])] = root(p->parent, j);
+                ns_system_union_join(p->parent, p->M->row[k], j);
     for (int i = 0; i < p->n; i++)
-        p->first[root(p->parent, i)]++;
+        p->first[ns_system_union_top(p->parent, i)]++;
     for (int i = 0; i < p->n; i++)
         p->first[i + 1] += p->first[i];
     for (int i = p->n - 1; i >= 0; i--)
-        p->list[--p->first[root(p->parent, i)]] = i;
+        p->list[--p->first[ns_system_union_top(p->parent, i)]] = i;
 }
 
 static int split_small(parts *p, const int *rows, int count) {

@@ -201,29 +201,9 @@ static void combine_few(size_t count, int terms, const double *coefficient, cons
     }
 }
 
-/* The same of whole blocks of registers; returns where they end. */
-static size_t combine_blocks(size_t count, int terms, const double *coefficient, const double *a,
-                             double *out) {
-    enum { BLOCK = 2 * NS_LANES };
-    size_t k = 0;
-    for (; k + BLOCK <= count; k += BLOCK) {
-        const double *of = a + k;
-        ns_simd low = coefficient[0] * *(const ns_simd *)of,
-                high = coefficient[0] * *(const ns_simd *)(of + NS_LANES);
-        for (int i = 1; i < terms; i++) {
-            of += count;
-            low += coefficient[i] * *(const ns_simd *)of;
-            high += coefficient[i] * *(const ns_simd *)(of + NS_LANES);
-        }
-        *(ns_simd *)(out + k) = low;
-        *(ns_simd *)(out + k + NS_LANES) = high;
-    }
-    return k;
-}
-
-NS_WIDE_TARGET
-static size_t combine_wide_blocks(size_t count, int terms, const double *coefficient, const double *a,
-                                  double *out) {
+/* The same of whole blocks of two registers; returns where they end. */
+ALWAYS_INLINE size_t combine_blocks(size_t count, int terms, const double *coefficient, const double *a,
+                                    double *out) {
     enum { BLOCK = 2 * NS_WIDE };
     size_t k = 0;
     for (; k + BLOCK <= count; k += BLOCK) {
@@ -241,8 +221,13 @@ static size_t combine_wide_blocks(size_t count, int terms, const double *coeffic
     return k;
 }
 
+NS_WIDE_TARGET static size_t combine_wide(size_t count, int terms, const double *coefficient, const double *a,
+                                          double *out) {
+    return combine_blocks(count, terms, coefficient, a, out);
+}
+
 static void combine(size_t count, int terms, const double *coefficient, const double *a, double *out) {
-    const size_t k = ns_simd_is_wide() ? combine_wide_blocks(count, terms, coefficient, a, out)
+    const size_t k = ns_simd_is_wide() ? combine_wide(count, terms, coefficient, a, out)
                                        : combine_blocks(count, terms, coefficient, a, out);
     combine_few(count, terms, coefficient, a, out, k);
 }

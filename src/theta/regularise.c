@@ -208,7 +208,7 @@ static int solve_with(ns_theta *s, const ns_leaks *leaks, int size, int nrhs, in
     }
     add_leaks(s, leaks, size);
     s->counts.factors++;
-    const int status = ns_linalg_lu_factor(s->lu, size, s->K, &rcond, NULL);
+    const int status = ns_linalg_lu_factor(s->lu, size, s->K, &rcond);
     if (status != NS_OK || rcond < rcond_min)
         return status == NS_OK ? NS_E_SINGULAR : status;
     return solve_columns(s, size, nrhs, K, rhs + count);
@@ -224,7 +224,7 @@ int ns_theta_leak_solve(ns_theta *s, const ns_leaks *leaks, int nj, int nrhs) {
     memcpy(K + square, s->X, sizeof(double) * count);
     int status = NS_E_SINGULAR;
     for (int k = 0; k <= EVERYWHERE && status == NS_E_SINGULAR; k++) {
-        (void)ns_linalg_lu_factor(s->lu, size, K, NULL, NULL); /* for the scaling of K itself */
+        (void)ns_linalg_lu_factor(s->lu, size, K, NULL); /* for the scaling of K itself */
         status = solve_with(s, leaks, size, nrhs, k, K, K + square);
         memcpy(s->K, K, sizeof(double) * square);
     }

@@ -71,8 +71,7 @@ static int solve_lcp(ns_theta *s, double h, int size, ns_mode *mode) {
  * s->resid and s->sol, or those without any voltage (y: vf) and current. */
 static void add_leaks(ns_theta *s, double ht, int size, double fraction, int around_last) {
     const int n = s->s->n, m = s->s->m;
-    (void)ns_linalg_lu_factor(s->lu, size, s->K, NULL,
-                              NULL); /* for its scaling: singular or not does not matter */
+    (void)ns_linalg_lu_factor(s->lu, size, s->K, NULL); /* for its scaling: singular or not does not matter */
     for (int j = 0; j < m; j++) {
         const double g = ns_theta_leak_across(s, ht, j, fraction);
         const double off = around_last ? s->rhs[n + j] - s->resid[n + j] : 0;
@@ -157,7 +156,7 @@ static int is_exact(ns_theta *s, int size) {
     const ns_mlcp p = {.m = size, .W = s->K, .q = s->rhs, .l = s->bl, .u = s->bu};
     if (ns_mlcp_residual(&p, s->sol, NULL) < good)
         return 1;
-    (void)ns_linalg_lu_factor(s->lu, size, s->K, NULL, NULL); /* for its scaling */
+    (void)ns_linalg_lu_factor(s->lu, size, s->K, NULL); /* for its scaling */
     const double largest = ns_linalg_lu_largest(s->lu, s->sol), *unit = ns_linalg_lu_units(s->lu);
     for (int i = 0; i < size; i++)
         if (fabs(s->sol[i]) <= rounding * largest * unit[i])
@@ -168,7 +167,7 @@ static int is_exact(ns_theta *s, int size) {
 static int leaves_open(ns_theta *s, int size) {
     static const double least = 1e-13;
     double rcond;
-    return ns_linalg_lu_factor(s->lu, size, s->K, &rcond, NULL) != NS_OK || rcond < least;
+    return ns_linalg_lu_factor(s->lu, size, s->K, &rcond) != NS_OK || rcond < least;
 }
 
 /* At the operating point an inductor is a short: how it shares a current with a closed switch is

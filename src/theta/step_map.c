@@ -186,7 +186,7 @@ static int solve_with_leaks(ns_theta *s, const ns_leaks *leaks, int nj, double *
 /* X by K as it is, whatever its condition, if that converges. */
 static int solve_as_it_is(ns_theta *s, int size, int *exactly) {
     s->counts.factors++;
-    const int status = ns_linalg_lu_factor(s->lu, size, s->K, NULL, NULL);
+    const int status = ns_linalg_lu_factor(s->lu, size, s->K, NULL);
     return status == NS_OK ? solve_factored(s, size, exactly) : status;
 }
 
@@ -224,7 +224,7 @@ static int solve_if_regular(ns_theta *s, int size, int *exactly) {
     memcpy(K, s->K, sizeof *K * square);
     round_entries(s->K, square);
     s->counts.factors++;
-    int status = ns_linalg_lu_factor(s->lu, size, s->K, NULL, NULL);
+    int status = ns_linalg_lu_factor(s->lu, size, s->K, NULL);
     memcpy(s->K, K, sizeof *K * square);
     if (status == NS_OK)
         status = solve_factored(s, size, exactly);
@@ -246,7 +246,7 @@ static int solve_columns(ns_theta *s, const ns_leaks *leaks, int nj, int *leaky,
     double moved = 0;
     *leaky = *exactly = 0;
     s->counts.factors++;
-    const int regular = ns_linalg_lu_factor(s->lu, size, s->K, NULL, NULL);
+    const int regular = ns_linalg_lu_factor(s->lu, size, s->K, NULL);
     if (regular != NS_OK && regular != NS_E_SINGULAR)
         return regular;
     if (regular == NS_OK &&

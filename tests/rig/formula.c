@@ -35,7 +35,7 @@ ns_system *formula_system(dice *d) {
 
 static void solve(const double *W, int columns, double *b) {
     ns_lu *f;
-    if (ns_linalg_lu_create(N, &f) != NS_OK || ns_linalg_lu_factor(f, N, W, NULL, NULL) != NS_OK)
+    if (ns_linalg_lu_create(N, &f) != NS_OK || ns_linalg_lu_factor(f, N, W, NULL) != NS_OK)
         abort();
     ns_linalg_lu_solve(f, columns, b);
     ns_linalg_lu_free(f);

@@ -41,7 +41,7 @@ void ns_mlcp_basis_gather(ns_mlcp_solver *s) {
 int ns_mlcp_basis_factor_of(ns_mlcp_solver *s, int n, const double *A, double *rcond) {
     s->factored.valid = 0;
     s->factors++;
-    return ns_linalg_lu_factor(s->lu, n, A, rcond, NULL);
+    return ns_linalg_lu_factor(s->lu, n, A, rcond);
 }
 
 int ns_mlcp_basis_factor(ns_mlcp_solver *s, double *rcond) {

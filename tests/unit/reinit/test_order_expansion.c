@@ -59,7 +59,7 @@ static int solve_at(const ns_order_expansion *e, double h, double *Z) {
     for (int i = 0; i < size; i++)
         Z[i] = e->R0[i] + h * e->R1[i];
     assert_int_equal(ns_linalg_lu_create(size, &lu), NS_OK);
-    const int status = ns_linalg_lu_factor(lu, size, K, &rcond, NULL);
+    const int status = ns_linalg_lu_factor(lu, size, K, &rcond);
     if (status == NS_OK)
         ns_linalg_lu_solve(lu, 1, Z);
     ns_linalg_lu_free(lu);
