@@ -9,6 +9,8 @@
  *   periodic_replay.c repeats that period              sliding.c         modes in which a switch slides
  *   sample.c          a point on the way of a trial    create.c          this struct
  *   charge_rates.c    what an Euler step adds to the charges
+ *   flows.c           charges summed from flows        input_series.c    what a step leaves off of inputs
+ *   kernel.c          answers engine/kernel.h
  *   fallback.c        for how long the ladder goes on instead
  *   fast_parts.c      what rings, as parts of X   long_steps.c      steps longer than a ring
  */

@@ -60,7 +60,7 @@ static void want_commands(ns_exact *f) {
 /* The mode in f->wanted, if it holds.  *goes_on: 1: for its jump only, another mode follows at once. */
 static int try_wanted(ns_exact *f, ns_evidence evidence, int *goes_on) {
     ns_exact_mode *k;
-    ns_modes_shared_rest(f->s->twin, f->s->twins, f->wanted);
+    ns_modes_shared_rest(f->s->shared, f->s->shared_count, f->wanted);
     const int status = ns_exact_mode_find(f, f->wanted, &k);
     if (status != NS_OK)
         return status == NS_E_MEMORY ? status : NS_GUARD;

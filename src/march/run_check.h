@@ -14,8 +14,8 @@ enum { NS_RUN_SEEN = 256 };
 
 typedef struct ns_run_check {
     ns_verify *verify;
-    ns_watch watch; /* of the engine at work */
-    double *numbers;
+    ns_watch watch;  /* of the engine at work */
+    double *numbers; /* the block of the following arrays */
     double *here;    /* n+m: a point */
     double *before;  /* n+m: what jumped before an event */
     double *impulse; /* n+m */
@@ -40,10 +40,10 @@ typedef struct ns_run_check {
     long steps;                /* of the scheme, that were paid for */
     double credit;             /* what may be spent */
     int way_next;              /* 1: the next thing looked at is a way */
-    unsigned long long dice;   /* where on it */
+    unsigned long long dice;   /* state of the random numbers: where on a way it is looked at */
     uint64_t left_key;         /* of the mode on the left of an event */
-    uint64_t *seen;            /* NS_RUN_SEEN: hashes, */
-    unsigned char *times;      /* and how often they came back since they were looked at */
+    uint64_t *seen;            /* NS_RUN_SEEN: hashes of modes */
+    unsigned char *times;      /* NS_RUN_SEEN: how often each came back since it was looked at */
     /* a trial that is gone again */
     long again_events;           /* so far, and one; 0: there is none */
     double again_from, again_to; /* s: from where, to what is asked for */

@@ -15,11 +15,11 @@ typedef struct ns_shared_branch {
 /* All of them, *count in *out (owned by the caller; NULL: none).  Errors: MEMORY. */
 int ns_modes_shared_find(const ns_system *s, ns_shared_branch **out, int *count);
 
-/* The same mode (m), with twins of closed switches idle. */
-static inline void ns_modes_shared_rest(const ns_shared_branch *twin, int count, ns_mode *mode) {
+/* The same mode (m), with the pairs across closed switches idle. */
+static inline void ns_modes_shared_rest(const ns_shared_branch *shared, int count, ns_mode *mode) {
     for (int i = 0; i < count; i++)
-        if (mode[twin[i].of] == NS_INSIDE && mode[twin[i].pair] == NS_INSIDE)
-            mode[twin[i].pair] = twin[i].idle;
+        if (mode[shared[i].of] == NS_INSIDE && mode[shared[i].pair] == NS_INSIDE)
+            mode[shared[i].pair] = shared[i].idle;
 }
 
 #endif

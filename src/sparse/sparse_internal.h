@@ -1,9 +1,9 @@
 /* src/sparse/sparse_internal.h - the engine for large circuits from inside.
  *
- * Between events it takes steps by (E1), (E2) (laguerre.h): a step is at most NS_ORDER solves with one sparse
- * factor of (P2), and gives every unknown and every guard at any time in it.  Steps have the lengths h 2^-k,
- * so that the same factors serve again, and end where a guard breaks, an input has a corner or a command
- * changes.
+ * Between events it takes steps by (E1), (E2) (laguerre.h): a step is at most NS_ORDER solves (one more where
+ * an event is located) with one sparse factor of (P2), and gives every unknown and every guard at any time in
+ * it.  Steps have the lengths h 2^-k, so that the same factors serve again, and end where a guard breaks, an
+ * input has a corner or a command changes.
  */
 #ifndef NS_SPARSE_INTERNAL_H
 #define NS_SPARSE_INTERNAL_H

@@ -177,7 +177,7 @@ int ns_theta_create(const ns_system *system, const ns_theta_options *o, ns_theta
     if (status == NS_OK)
         status = split_system(s);
     if (status == NS_OK)
-        status = ns_modes_shared_find(system, &s->twin, &s->twins);
+        status = ns_modes_shared_find(system, &s->shared, &s->shared_count);
     if (status != NS_OK) {
         ns_theta_free(s);
         return status;
@@ -193,7 +193,7 @@ void ns_theta_free(ns_theta *s) {
     free(s->K);
     free(s->past.mode);
     free(s->inside);
-    free(s->twin);
+    free(s->shared);
     ns_modes_table_clear(&s->maps);
     ns_linalg_lu_free(s->lu);
     ns_mlcp_free(s->mlcp);

@@ -142,7 +142,7 @@ void ns_theta_restore(ns_theta *s, const double *past) {
 }
 
 void ns_theta_set_mode(ns_theta *s, const ns_mode *mode) {
-    ns_modes_set(s->s, s->twin, s->twins, mode, s->past.mode, s->l, s->u);
+    ns_modes_set(s->s, s->shared, s->shared_count, mode, s->past.mode, s->l, s->u);
 }
 
 void ns_theta_set_charges(ns_theta *s, const double *w) {
