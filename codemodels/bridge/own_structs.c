@@ -125,7 +125,7 @@ static double conductance_at(double v, double i, double on, double off, int is_o
 }
 
 void ns_bridge_own_write_switch(GENinstance *inst, CKTcircuit *ckt, double v, double i, int on) {
-    if (ns_bridge_own_kind(inst) == OWN_SWITCH) {
+    if (inst->GENmodPtr->GENmodType == TYPE_SW) {
         SWinstance *s = (SWinstance *)inst;
         s->SWcond = conductance_at(v, i, SWmodPtr(s)->SWonConduct, SWmodPtr(s)->SWoffConduct, on);
         ckt->CKTstate0[s->SWswitchstate] = on;
