@@ -25,6 +25,7 @@ typedef struct ns_digital_input {
 /* An output of a dac_bridge. */
 typedef struct ns_digital_output {
     const Mif_Port_Data_t *port; /* the digital input that commands it */
+    int p, n;                    /* the nodes that it is between */
     int input;                   /* of the system */
     int state;                   /* that it goes to, or has */
     double level[3];             /* V or A: of 0, 1 and unknown */
@@ -63,6 +64,8 @@ int ns_bridge_digital_read(struct ns_extract_walk *w, MIFinstance *inst, const c
 int ns_bridge_digital_note_delay(ns_digital *d, MIFinstance *inst, const char *model);
 /* 0, 1 or 2 (unknown) at a digital input. */
 int ns_bridge_digital_state(const Mif_Port_Data_t *port);
+/* 1 if a dac_bridge whose bit is unknown drives this node. */
+int ns_bridge_digital_is_undefined(const ns_digital *d, int node);
 void ns_bridge_digital_clear(ns_digital *d);
 static inline int ns_bridge_digital_is(const ns_digital *d) {
     return d->ninputs > 0 || d->noutputs > 0;

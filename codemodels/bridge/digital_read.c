@@ -114,6 +114,8 @@ static int add_source(ns_extract_walk *w, MIFinstance *inst, const Mif_Port_Data
                           is_voltage ? out->smp_data.neg_node : out->smp_data.pos_node, &z, &id);
     if (is_voltage)
         ns_bridge_extract_current(w, out->smp_data.branch, id);
+    o->p = out->smp_data.pos_node;
+    o->n = out->smp_data.neg_node;
     o->input = status == NS_OK ? ns_circuit_input(w->ex->circuit, id) : -1;
     return status;
 }
@@ -176,6 +178,15 @@ int ns_bridge_digital_read(ns_extract_walk *w, MIFinstance *inst, const char *mo
 int ns_bridge_digital_state(const Mif_Port_Data_t *port) {
     const Digital_t *value = port->input.pvalue;
     return value && value->state >= ZERO && value->state <= UNKNOWN ? (int)value->state : (int)UNKNOWN;
+}
+
+int ns_bridge_digital_is_undefined(const ns_digital *d, int node) {
+    int any = 0;
+    for (int k = 0; k < d->noutputs; k++) {
+        const ns_digital_output *o = &d->output[k];
+        any |= o->state == UNKNOWN && node > 0 && (o->p == node || o->n == node);
+    }
+    return any;
 }
 
 int ns_bridge_digital_has_others(const ns_digital *d) {

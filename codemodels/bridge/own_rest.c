@@ -110,12 +110,16 @@ int ns_bridge_own_find_leaving(const ns_analysis *a, ns_march *march, double sto
 
 /* --- every point --- */
 
-static int refuse_resting(const ns_own_taken *o, double t) {
+static int refuse_resting(const ns_analysis *a, const ns_own_taken *o, double t) {
+    const ns_digital *d = &a->ex.digital;
+    const int undefined = o->sw.branch <= 0 && (ns_bridge_digital_is_undefined(d, o->sw.cp) ||
+                                                ns_bridge_digital_is_undefined(d, o->sw.cn));
     ns_bridge_report_error(
         "%s: at t = %.6g s: its control comes to rest at its threshold, %g, from %s: ngspice "
-        "%s it there, which is not supported of such a control; shift vt by a little",
+        "%s it there, which is not supported of such a control; %s",
         o->inst->GENname, t, o->sw.vt, o->rest.side > 0 ? "above" : "below",
-        o->rest.side > 0 ? "opens" : "closes");
+        o->rest.side > 0 ? "opens" : "closes",
+        undefined ? "that is the out_undef of a dac_bridge, give it another one" : "shift vt by a little");
     return E_UNSUPP;
 }
 
@@ -145,7 +149,7 @@ int ns_bridge_own_check_resting(ns_analysis *a, const double *value, double t, d
         else if (first)
             o->rest.differs = t;
         else if (t - o->rest.differs > least)
-            return refuse_resting(o, o->rest.differs);
+            return refuse_resting(a, o, o->rest.differs);
     }
     return OK;
 }
