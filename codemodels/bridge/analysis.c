@@ -77,6 +77,20 @@ static int make_march(const ns_analysis *a, ns_march **out, ns_fault *fault) {
 
 enum { NOT_SHOWN, VOLTAGE, CURRENT };
 
+/* own_curve.c judges M by the points, and would miss what two of them do for an instant.  Such a current
+ * flows through one with its source at ground, whose gate and channel ask for points too: a gate that moves
+ * with its source would ask for all that rings there. */
+static void choose_judged(const ns_analysis *a, unsigned char *shown, unsigned char *kind) {
+    for (int k = 0; k < a->ex.nowns; k++) {
+        const ns_own_taken *o = &a->ex.own[k];
+        const int pair = ns_circuit_pair(a->ex.circuit, o->id);
+        if (o->kind != OWN_MOSFET || o->mosfet.source != 0 || pair < 0)
+            continue;
+        shown[o->mosfet.gate] = 1;
+        kind[a->system->n + pair] = CURRENT;
+    }
+}
+
 /* Voltages and currents that are in the plot; of devices all currents, if one is. */
 static int choose_shown(const CKTcircuit *ckt, const ns_analysis *a, unsigned char *kind) {
     unsigned char *shown = calloc((size_t)a->ex.neq + 1, 1);
@@ -84,6 +98,7 @@ static int choose_shown(const CKTcircuit *ckt, const ns_analysis *a, unsigned ch
         return NS_E_MEMORY;
     const int known = ns_bridge_shown_read(ckt, a->ex.neq, shown);
     int devices = !known;
+    choose_judged(a, shown, kind);
     for (int eq = 0; eq < a->ex.neq; eq++)
         if (a->unknown[eq] >= 0 && (!known || shown[eq]))
             kind[a->unknown[eq]] = a->ex.element[eq] >= 0 ? CURRENT : VOLTAGE;

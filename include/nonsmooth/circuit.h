@@ -145,6 +145,9 @@ int ns_circuit_current_unknown(const ns_circuit *c, int id);
 /* The index in z of an element's input: of a source that is not DC; -1 if it has none. */
 int ns_circuit_input(const ns_circuit *c, int id);
 
+/* The index in lambda of a device's first pair; -1 if it has none. */
+int ns_circuit_pair(const ns_circuit *c, int id);
+
 /* Writes w0 = M x(0-) (n of the system) from initial conditions: of each capacitor its ic, else the
  * difference of its nodes' .ic, else 0; of each inductor its ic, else 0 (SPICE's uic).  Errors: NULL. */
 int ns_circuit_rest(const ns_circuit *c, double *w0);

@@ -250,6 +250,10 @@ int ns_circuit_input(const ns_circuit *c, int id) {
     return c && id >= 0 && id < c->nelements ? c->element[id].input : -1;
 }
 
+int ns_circuit_pair(const ns_circuit *c, int id) {
+    return c && id >= 0 && id < c->nelements ? c->element[id].pair : -1;
+}
+
 int ns_circuit_current_unknown(const ns_circuit *c, int id) {
     if (!c || id < 0 || id >= c->nelements || c->element[id].current < 0) {
         return -1;

@@ -196,6 +196,24 @@ static void bad_calls(void **state) {
     ns_circuit_free(b.c);
 }
 
+/* A diode that breaks down has two pairs, the first of which is named; an element that is no device has none.
+ */
+static void pairs_are_numbered(void **state) {
+    (void)state;
+    bench b = open_bench();
+    const ns_diode breaks = {.roff = INFINITY, .vz = 5};
+    const ns_switch s = {.vt = 0.5, .roff = INFINITY};
+    int r, d, closes;
+    assert_int_equal(ns_circuit_resistor(b.c, "r", 1, 0, 1, &r), NS_OK);
+    assert_int_equal(ns_circuit_diode(b.c, "d", 1, 2, &breaks, &d), NS_OK);
+    assert_int_equal(ns_circuit_switch(b.c, "s", 1, 2, 1, 0, &s, &closes), NS_OK);
+    assert_int_equal(ns_circuit_pair(b.c, r), -1);
+    assert_int_equal(ns_circuit_pair(b.c, d), 0);
+    assert_int_equal(ns_circuit_pair(b.c, closes), 2);
+    assert_int_equal(ns_circuit_pair(b.c, -1), -1);
+    ns_circuit_free(b.c);
+}
+
 /* Sources that are not DC are inputs, in their order; the first element is number 0. */
 static void inputs_are_numbered(void **state) {
     (void)state;
@@ -222,6 +240,7 @@ int main(void) {
         cmocka_unit_test(box_limits_a_rate),
         cmocka_unit_test(bad_calls),
         cmocka_unit_test(inputs_are_numbered),
+        cmocka_unit_test(pairs_are_numbered),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
