@@ -303,6 +303,19 @@ static int add_body_diode(ns_extract_walk *w, const GENinstance *inst, ns_own_ta
     return ns_circuit_diode(w->ex->circuit, name, d->anode, d->cathode, &taken->diode, &taken->body);
 }
 
+/* A bulk that is not the source has a junction to that as well, which keeps a coil from pulling the source
+ * below it, where the channel would follow. */
+static int add_bulk_diode(const ns_extract_walk *w, const GENinstance *inst, const ns_own_taken *taken) {
+    const ns_own_mosfet *m = &taken->mosfet;
+    const int is_n = m->sign > 0;
+    char name[EXTRACT_NAME];
+    if (m->bulk == m->source)
+        return NS_OK;
+    snprintf(name, sizeof name, "%.140s#bulk", inst->GENname);
+    return ns_circuit_diode(w->ex->circuit, name, is_n ? m->bulk : m->source, is_n ? m->source : m->bulk,
+                            &taken->diode, NULL);
+}
+
 /* One direction of a channel, of an n channel from drain to source: ron, a follower that is no higher than
  * the gate less vto, and a diode, called `name`, against current in the other direction.  A p channel is its
  * mirror image: no lower than the gate and vto more. */
@@ -371,5 +384,6 @@ int ns_bridge_own_mosfet(ns_extract_walk *w, GENinstance *inst) {
     taken.ron = ns_bridge_own_resistance(m, taken.drive - m->vth);
     status = add_channel(w, inst, &taken);
     status = status ? status : add_body_diode(w, inst, &taken);
+    status = status ? status : add_bulk_diode(w, inst, &taken);
     return status ? status : ns_bridge_own_keep(w, &taken);
 }
