@@ -246,11 +246,10 @@ static int start_analysis(ns_session *s) {
     if (error)
         return error;
     ns_bridge_loop_take(s->ckt, &s->loop, a->ex.options.corners, 0);
-    if (!(s->ckt->CKTmode & MODEDCTRANCURVE))
-        ns_bridge_start_check_latches(s);
+    const int may_rest_between = (s->ckt->CKTmode & MODEDCTRANCURVE) || ns_bridge_start_check_latches(s);
     if (!uic) { /* under .ic the march starts from other voltages */
         ns_bridge_show_values(a, s->force.value);
-        ns_bridge_start_check(s);
+        ns_bridge_start_check(s, may_rest_between);
     }
     error = ns_bridge_trial_begin(s);
     if (!error && a->waveform)

@@ -156,9 +156,9 @@ int ns_bridge_trial_fail(const ns_session *s, int status);
 
 /* The operating point at analysis.x is the one that the march started from: one line if that left it at once.
  */
-void ns_bridge_start_check(const ns_session *s);
-/* Says so where a comparator begins between its two values. */
-void ns_bridge_start_check_latches(const ns_session *s);
+void ns_bridge_start_check(const ns_session *s, int may_rest_between);
+/* Says so, and is 1, where a comparator begins between its two values. */
+int ns_bridge_start_check_latches(const ns_session *s);
 
 /* --- single_load.c: one load a timepoint, where ngspice would solve twice --- */
 
