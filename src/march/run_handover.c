@@ -6,8 +6,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The scheme in place of kernels may spend this part of the work done before. */
-static const double scheme_part = 0.25;
+/* A kernel in place of one that was wrong may spend this part of the work done before, and a question. */
+static const double kernel_part = 0.25;
 
 /* Systems that are large are written out first. */
 static int make_dense(ns_run *r, const ns_march_options *o, ns_engine **out, ns_fault *fault) {
@@ -206,27 +206,33 @@ int ns_march_run_leave_sparse(ns_run *r) {
 
 /* --- back to an engine that failed, or was found wrong --- */
 
+static void leave_scheme_after(ns_run *r, double t, double stay) {
+    r->scheme_stay = fmin(stay, r->options.h);
+    r->back_from_scheme = t + r->scheme_stay;
+}
+
 void ns_march_run_leave_for_now(ns_run *r, double t, ns_run_kind was) {
+    enum { SHORTEST_EXPONENT = -6 };
+    const int at_once = t < r->back_from_scheme + r->scheme_stay;
     const int away = r->back_at < INFINITY;
     r->back_interval = ns_march_retry_interval(&r->options, r->back_interval);
     r->back_to = away ? r->back_to : was;
     r->back_at = r->kind == r->back_to ? INFINITY : t + r->back_interval;
-    r->back_soonest = t + r->options.h;
-    r->back_work = (1 + scheme_part) * ns_march_run_work(r).all;
-    if (r->kind != NS_RUN_SCHEME)
-        r->back_work += ns_march_first_question(r->s, r->is_dense);
+    r->back_work = (1 + kernel_part) * ns_march_run_work(r).all + ns_march_first_question(r->s, r->is_dense);
+    leave_scheme_after(r, t, at_once ? 2 * r->scheme_stay : ldexp(r->options.h, SHORTEST_EXPONENT));
 }
 
-/* What goes on in its place may cost far more than all before: a kernel that follows a transient step by
- * step, or, where none was right, the scheme. */
+/* Where no kernel was right steps of the scheme go on, which are of first order: nobody judges how their
+ * errors add up, and they may cost far more than all before.  So it goes as short a way as may be, twice as
+ * far if no kernel goes farther than that after it.  The other kernel may follow a transient step by step. */
 static int is_due(ns_run *r, double t) {
     return t >= r->back_at ||
-           ((r->kind != NS_RUN_SCHEME || t >= r->back_soonest) && ns_march_run_work(r).all >= r->back_work);
+           (r->kind == NS_RUN_SCHEME ? t >= r->back_from_scheme : ns_march_run_work(r).all >= r->back_work);
 }
 
 void ns_march_run_leave_for_the_start(ns_run *r, double t, ns_run_kind was) {
     r->back_to = was;
-    r->back_at = r->back_soonest = t;
+    r->back_at = r->back_from_scheme = t;
 }
 
 /* Right after an event a switch that changed with another one may be beside its own threshold still. */
@@ -251,6 +257,7 @@ void ns_march_run_return(ns_run *r) {
     }
     r->back_interval = ns_march_retry_interval(&r->options, r->back_interval);
     r->back_at = t + r->back_interval;
+    leave_scheme_after(r, t, 2 * r->scheme_stay);
 }
 
 int ns_march_run_make_engine(ns_run *r, ns_fault *fault) {

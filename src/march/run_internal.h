@@ -26,10 +26,11 @@ typedef struct ns_run {
     ns_engine *aside;   /* NULL, or one that was at work and may be again */
     ns_run_kind aside_kind;
     /* back to the engine that failed, or was found wrong */
-    double back_at;       /* s; INFINITY: it is at work */
-    double back_interval; /* s */
-    double back_soonest;  /* s: not before that, */
-    double back_work; /* instructions: but as soon as the scheme in its place comes to that, of all engines */
+    double back_at;          /* s; INFINITY: it is at work */
+    double back_interval;    /* s */
+    double back_from_scheme; /* s: sooner, if the scheme is in its place; */
+    double scheme_stay;      /* s: after so long; */
+    double back_work;        /* instructions of all engines: sooner, if the other kernel comes to that */
     ns_run_kind back_to;
     /* which engine costs less */
     ns_choice choice;
