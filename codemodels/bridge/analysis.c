@@ -123,6 +123,7 @@ static int make_waveform(CKTcircuit *ckt, ns_analysis *a, const ns_waveform_inte
                                    .floor = {[VOLTAGE] = 1e-12, [CURRENT] = 1e-15},
                                    .kind = kind,
                                    .integrals = taken};
+    a->many.tmax = o.longest;
     int status = kind ? choose_shown(ckt, a, kind) : NS_E_MEMORY;
     status = status ? status : ns_waveform_create(a->system, a->march, &o, &a->waveform);
     free(kind);

@@ -37,6 +37,7 @@ typedef struct ns_analysis {
     struct {                       /* many_points.c: of the waveform */
         long points, looked;       /* so far; when they were looked at last */
         double looked_t, expected; /* s, then; points of the whole run */
+        double tmax;               /* s: of .tran; 0: none */
         int signal;                /* that asked for most: x or (from n on) lambda */
         ns_ring *ring;             /* follows it; NULL: not wanted */
         int said;

@@ -85,16 +85,33 @@ static void say(ns_analysis *a) {
     a->many.said = 1;
 }
 
+/* Most of them are those that .tran itself asks for. */
+static int are_of_tmax(const ns_analysis *a, double left) {
+    return a->many.tmax > 0.0 && left / a->many.tmax > 0.5 * (a->many.expected - (double)a->many.points);
+}
+
+static void say_tmax(ns_analysis *a) {
+    char expected[40];
+    count_expected(a, expected, sizeof expected);
+    ns_bridge_report_note(
+        "%s million timepoints are to be expected: .tran has tmax = %.4g s; without it they "
+        "stand where the waveform needs them",
+        expected, a->many.tmax);
+    a->many.said = 1;
+}
+
 /* How many there will be if they go on as since the last look. */
 static void look(ns_analysis *a, double t, double stop) {
     const double since = (double)(a->many.points - a->many.looked);
     const ns_waveform_counts c = ns_waveform_read_counts(a->waveform);
     a->many.expected = (double)a->many.points +
                        (t > a->many.looked_t ? since * (stop - t) / (t - a->many.looked_t) : INFINITY);
-    const int judges = a->many.looked > 0 && a->many.expected > too_many && c.busiest >= 0;
+    const int judges = a->many.looked > 0 && a->many.expected > too_many;
     a->many.looked = a->many.points;
     a->many.looked_t = t;
-    if (judges && !ns_bridge_ring_create(a->system->n, &a->many.ring))
+    if (judges && are_of_tmax(a, stop - t))
+        say_tmax(a);
+    else if (judges && c.busiest >= 0 && !ns_bridge_ring_create(a->system->n, &a->many.ring))
         a->many.signal = c.busiest;
 }
 
