@@ -39,13 +39,14 @@ FNR == NR {
     next
 }
 
-# 5000 steps at least, so that the reference is one
+# 5000 steps at least, so that the reference is one, none longer than tstep: as it is, it has no longer ones
 tolower($1) == ".tran" {
     line = $0
     sub(/;.*/, "", line)
     n = split(line, w, /[ \t]+/)
     if (w[n] ~ /^[uU][iI][cC]$/) { uic = " uic"; n-- }
     most = seconds(w[3]) / 5000
+    if (seconds(w[2]) > 0 && seconds(w[2]) < most) most = seconds(w[2])
     if (seconds(w[2]) && n >= 3 && w[3] ~ /^[.0-9]/) {
         if (n >= 5 && seconds(w[5]) < most) most = seconds(w[5])
         print ".tran", w[2], w[3], (n >= 4 ? w[4] : 0), most uic
