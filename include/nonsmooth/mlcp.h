@@ -50,6 +50,9 @@ typedef struct ns_mlcp_info {
     long factors;    /* m*m factorisations */
     int method;      /* ns_mlcp_method that gave the answer or the proof */
     int certified;   /* INFEASIBLE: ns_mlcp_certificate() holds a proof */
+    double searched; /* instructions of proofs and of branch and bound, about: counted, the same on every
+                        machine */
+    int cut_off;     /* that was ended by the bound of ns_mlcp_limit() */
     double residual; /* of the answer: ns_mlcp_residual(), or an upper bound of it that is below 1e-13 */
     ns_fault fault;  /* pair[]: see ns_mlcp_solve(); t is NAN, unknown[] empty */
 } ns_mlcp_info;
@@ -75,6 +78,10 @@ int ns_mlcp_same(ns_mlcp_solver *s, int same);
  * rounding beside another one is then decided in these units, otherwise in units found from W.
  * Errors: NULL. */
 int ns_mlcp_alike(ns_mlcp_solver *s, int alike);
+
+/* Bounds what branch and bound may take in each of the solves to come, in instructions as info->searched
+ * counts them; INFINITY, as until then: it has its own bound of nodes alone.  Errors: NULL, RANGE (NAN). */
+int ns_mlcp_limit(ns_mlcp_solver *s, double most);
 
 /* Solves p.  mode (m): the mode to start from (entries that do not fit their bounds are corrected); on
  * success the mode of the solution.  lambda (m), y (m): written on success.  info may be NULL.  Allocates no

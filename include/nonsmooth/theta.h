@@ -107,6 +107,12 @@ const double *ns_theta_controls(const ns_theta *s);
 const ns_mode *ns_theta_mode(const ns_theta *s);
 
 const ns_counts *ns_theta_counts(const ns_theta *s);
+/* Bounds branch and bound in the problems (P1) to come, all together, by so many instructions, as
+ * ns_mlcp_limit() counts them; INFINITY, as until then: no bound.  What is left of that: 0 as soon as a
+ * search was cut off; what it took so far. */
+void ns_theta_bound_search(ns_theta *s, double most);
+double ns_theta_search_left(const ns_theta *s);
+double ns_theta_searched(const ns_theta *s);
 const ns_fault *ns_theta_fault(const ns_theta *s); /* of the last call that failed */
 
 /* The problem at which the last ns_theta_try() failed, unreduced: n rows of equalities with the unknowns x

@@ -38,7 +38,8 @@ typedef struct ns_dense_run {
         double *at; /* n+m: x, lambda */
     } sampled[2];   /* at its begin and its end, which are asked for more than once */
     ns_dense_handover may_hand_over;
-    int hands_over; /* the last trial ended with LIMIT by that */
+    int was_cut_off; /* branch and bound was, in the last start or trial */
+    int hands_over;  /* the last trial ended with LIMIT by that */
     /* what is told */
     ns_counts counts;
     ns_fault fault;
@@ -50,6 +51,9 @@ int ns_march_dense_fail(ns_dense_run *r, int status);
 void ns_march_dense_drop(ns_dense_run *r);
 void ns_march_dense_clear_instant(ns_dense_run *r); /* nothing jumped */
 int ns_march_dense_accept(ns_dense_run *r);
+/* What branch and bound may take from now on: so many instructions, or what a question leaves.
+ */
+void ns_march_dense_bound_search(ns_dense_run *r, double most);
 
 /* dense_sample.c: the ladder goes on with a trial with NS_TO_STEP, from_event: an event is resolved first.
  * Errors: MEMORY.  sample and shortest of the table. */

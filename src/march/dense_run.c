@@ -3,6 +3,7 @@
 #include "dense_internal.h"
 #include "march_internal.h"
 #include "nonsmooth/theta.h"
+#include "select.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -107,6 +108,11 @@ static double next_stop(ns_dense_run *r, double t, ns_until until, double *part)
     return r->trial.now.t + *part < t ? r->trial.now.t + *part : t;
 }
 
+/* The sparse engine may have a mode at once where branch and bound would look for one for seconds. */
+static double search_of_trial(const ns_dense_run *r) {
+    return r->may_hand_over >= NS_HANDS_OVER_OFTEN ? ns_march_first_question(r->s, 1) : INFINITY;
+}
+
 static int go_to(ns_dense_run *r, double t, ns_until until) {
     double part = 0;
     const double accepted_t = r->accepted.now.t;
@@ -116,14 +122,15 @@ static int go_to(ns_dense_run *r, double t, ns_until until) {
     r->way.is_line = 0;
     r->sampled[0].known = r->sampled[1].known = 0;
     ns_ladder_begin_trial(r->ladder, t - r->trial.now.t);
+    ns_march_dense_bound_search(r, search_of_trial(r));
     while (status == NS_OK && !done && r->trial.now.t < t) {
         if (exact_is_ready(r) && r->way.is_line && r->trial.now.t > accepted_t)
             break; /* a trial is read as a line, or as the exact engine has it, not as both */
+        if (ns_engine_is_over(&r->engine)) {
+            status = NS_E_LIMIT;
+            break;
+        }
         if (exact_is_ready(r)) {
-            if (ns_engine_is_over(&r->engine)) {
-                status = NS_E_LIMIT;
-                break;
-            }
             status = ns_exact_go(r->exact, accepted_t, next_stop(r, t, until, &part), until);
             r->hands_over = status == NS_OK && fails(r);
             const int there = r->trial.at_event || r->trial.now.t == accepted_t;
@@ -140,6 +147,9 @@ static int go_to(ns_dense_run *r, double t, ns_until until) {
     }
     if (status == NS_OK && r->hands_over)
         return NS_E_LIMIT;
+    r->was_cut_off = !(ns_theta_search_left(r->step) > 0);
+    r->hands_over =
+        status != NS_OK && status != NS_E_MEMORY && r->may_hand_over >= NS_HANDS_OVER_OFTEN && r->was_cut_off;
     return status == NS_OK ? NS_OK : ns_march_dense_fail(r, status);
 }
 
@@ -230,7 +240,8 @@ static ns_work work(ns_engine *e) {
     const double once = 130 * size * square + (130 + 2.6 * size) * square * (double)c->factors +
                         32 * square * (double)c->maps;
     return (ns_work){once + (1000 + 0.8 * square) * (double)c->steps +
-                         (15e3 + 1.6 * square) * (events - by_replay) + 280 * square * (double)c->trials,
+                         (15e3 + 1.6 * square) * (events - by_replay) + 280 * square * (double)c->trials +
+                         ns_theta_searched(r->step),
                      once, events};
 }
 
@@ -245,6 +256,10 @@ static int problem(const ns_engine *e, ns_mlcp *p, double *h) {
 
 int ns_march_dense_hands_over(const ns_engine *e) {
     return run_in(e)->hands_over;
+}
+
+int ns_march_dense_was_cut_off(const ns_engine *e) {
+    return run_in(e)->was_cut_off;
 }
 
 void ns_march_dense_let_hand_over(ns_engine *e, ns_dense_handover may) {

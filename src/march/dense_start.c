@@ -43,9 +43,11 @@ static int start_switches(ns_dense_run *r, double t0, const double *w0, const un
 static int start(ns_dense_run *r, double t0, const double *w0, const unsigned char *closed, ns_mode *guess) {
     r->trial.now.t = t0;
     r->started = r->has_trial = r->carries = 0;
+    ns_march_dense_bound_search(r, INFINITY);
     if (!isfinite(t0) || !(t0 + r->options.h > t0))
         return ns_march_dense_fail(r, NS_E_NUMBER);
     const int status = start_switches(r, t0, w0, closed, guess);
+    r->was_cut_off = !(ns_theta_search_left(r->step) > 0);
     if (status != NS_OK)
         return ns_march_dense_fail(r, status);
     r->trial.last_event_t = r->trial.now.t; /* whatever was before, anything fast may happen now */

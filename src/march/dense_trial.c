@@ -1,6 +1,7 @@
 /* src/march/dense_trial.c - the trial of the dense engines: failed, dropped, accepted. */
 #include "dense_internal.h"
 
+#include <math.h>
 #include <string.h>
 
 int ns_march_dense_fail(ns_dense_run *r, int status) {
@@ -21,6 +22,11 @@ int ns_march_dense_fail(ns_dense_run *r, int status) {
 void ns_march_dense_clear_instant(ns_dense_run *r) {
     ns_instant_clear(&r->instant);
     r->carries = r->carries == 1;
+}
+
+void ns_march_dense_bound_search(ns_dense_run *r, double most) {
+    const double left = r->engine.most_work - ns_engine_work(&r->engine).all;
+    ns_theta_bound_search(r->step, r->engine.most_work > 0 ? fmax(0, fmin(most, left)) : most);
 }
 
 static void copy_point(ns_dense_point *to, const ns_dense_point *from, size_t nc) {

@@ -87,7 +87,10 @@ static int try_judged(ns_run *r, const again *a, double *reached) {
 static int start_judged(ns_run *r, const again *a, double *reached) {
     if (r->kind == NS_RUN_DENSE) /* it would hand over to the one that was wrong */
         ns_march_dense_let_hand_over(r->at_work, NS_HANDS_OVER_NEVER);
-    if (r->at_work->table->start(r->at_work, a->t, a->w, a->closed) != NS_OK || !start_is_right(r, a))
+    const int status = r->at_work->table->start(r->at_work, a->t, a->w, a->closed);
+    r->at_work->most_work = 0; /* that was for the start */
+    r->was_cut_off |= status != NS_OK && r->kind == NS_RUN_DENSE && ns_march_dense_was_cut_off(r->at_work);
+    if (status != NS_OK || !start_is_right(r, a))
         return 0;
     r->trial_is_start = ends_at_start(r, a);
     *reached = a->t;
@@ -156,17 +159,21 @@ static int begin_attempt(ns_run *r, const void *data) {
 
 /* --- all of them --- */
 
-/* NOLINTNEXTLINE(readability-non-const-parameter): written to through by */
-static int go_by_others(ns_run *r, const again *a, double *reached) {
+/* A start that would take more than the run took so far comes last, if none passes without.
+ * NOLINTNEXTLINE(readability-non-const-parameter): written to through by */
+static int go_by_others(ns_run *r, const again *a, double most, double *reached) {
     const ns_run_kind own = r->kind;
     const attempt by = {a, reached};
     const ns_run_change how = {begin_attempt, &by, 0};
-    for (size_t i = 0; i < sizeof others / sizeof *others && !ns_march_sliding_is_cause(r); i++)
-        if (others[i] != own && ns_march_run_change(r, others[i], &how) == NS_OK) {
-            ns_march_run_was_wrong(r, a->t, own);
-            return 1;
-        }
-    return 0;
+    int done = 0;
+    r->may_spend = most;
+    r->was_cut_off = 0;
+    for (size_t i = 0; i < sizeof others / sizeof *others && !done && !ns_march_sliding_is_cause(r); i++)
+        done = others[i] != own && ns_march_run_change(r, others[i], &how) == NS_OK;
+    r->may_spend = r->at_work->most_work = 0;
+    if (done)
+        ns_march_run_was_wrong(r, a->t, own);
+    return done || (most > 0 && r->was_cut_off && go_by_others(r, a, 0, reached));
 }
 
 int ns_march_run_again(ns_run *r, double t, ns_until until, double *reached) {
@@ -178,7 +185,7 @@ int ns_march_run_again(ns_run *r, double t, ns_until until, double *reached) {
     k->retries++;
     k->found = 0;
     if (status == NS_OK) {
-        right = go_by_others(r, &a, reached);
+        right = go_by_others(r, &a, ns_march_run_work(r).all, reached);
         last = k->finding;
         chatters = !right && ns_march_sliding_is_cause(r);
         right = right || (!chatters && ns_march_run_allows(r, &first) && try_judged(r, &a, reached));

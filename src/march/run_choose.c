@@ -13,8 +13,11 @@ void ns_march_run_begin_choice(ns_run *r, double t) {
     ns_march_choice_begin(&r->choice, t, ns_march_run_work(r), ns_march_first_question(r->s, r->is_dense));
 }
 
+/* A start that takes more than all that is done between two questions fails. */
 static int change(ns_run *r) {
+    r->may_spend = r->choice.interval;
     const int status = ns_march_run_leave_for(r, other_kind(r), 1);
+    r->may_spend = r->at_work->most_work = 0;
     if (status == NS_OK && r->kind == NS_RUN_DENSE)
         ns_march_dense_let_hand_over(r->at_work, NS_HANDS_OVER_OFTEN);
     return status;

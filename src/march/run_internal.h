@@ -34,6 +34,8 @@ typedef struct ns_run {
     ns_run_kind back_to;
     /* which engine costs less */
     ns_choice choice;
+    double may_spend;    /* instructions of an engine's start, for a question; 0: there is no bound */
+    int was_cut_off;     /* 1: by that, while a trial is gone again */
     int chooses;         /* 1: there are two to choose from */
     long trials;         /* so far */
     double accepted_t;   /* s: of the last point that was accepted */

@@ -37,6 +37,15 @@ int ns_mlcp_same(ns_mlcp_solver *s, int same) {
     return NS_OK;
 }
 
+int ns_mlcp_limit(ns_mlcp_solver *s, double most) {
+    if (!s)
+        return NS_E_NULL;
+    if (isnan(most))
+        return NS_E_RANGE;
+    s->most = most;
+    return NS_OK;
+}
+
 int ns_mlcp_alike(ns_mlcp_solver *s, int alike) {
     if (!s)
         return NS_E_NULL;

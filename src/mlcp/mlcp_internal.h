@@ -78,6 +78,7 @@ struct ns_mlcp_solver {
     ns_mlcp_method use; /* ns_mlcp_use() */
     int same;           /* ns_mlcp_same() */
     int alike;          /* ns_mlcp_alike() */
+    double most;        /* ns_mlcp_limit() */
 
     /* --- the problem (problem.c) --- */
     const ns_mlcp *p; /* &given */
@@ -155,6 +156,8 @@ struct ns_mlcp_solver {
     } proof;
     int nodes_alike; /* nodes of branch_and_bound.c since the last answer */
     long pivots, factors;
+    double searched; /* instructions of phase1.c, */
+    int cut_off;     /* which for branch_and_bound.c were to be more than `most` */
     ns_fault fault;
 
     /* --- work: of whoever runs, for as long as it runs --- */

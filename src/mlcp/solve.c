@@ -148,7 +148,8 @@ static int is_disproved(ns_mlcp_solver *s, double residual) {
 
 /* Solves *p, whose arrays are sound. */
 static int solve_problem(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mode, double *residual) {
-    s->pivots = s->factors = 0;
+    s->pivots = s->factors = s->cut_off = 0;
+    s->searched = 0;
     s->proof.effort = 0;
     s->noted.residual = INFINITY;
     memset(&s->fault, 0, sizeof s->fault);
@@ -190,6 +191,8 @@ int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *la
         if (tried) {
             info->pivots = s->pivots;
             info->factors = s->factors;
+            info->searched = s->searched;
+            info->cut_off = s->cut_off;
             info->method = s->method;
             info->certified = status == NS_E_INFEASIBLE && s->proof.found;
             info->fault = s->fault;

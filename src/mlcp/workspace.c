@@ -89,6 +89,7 @@ int ns_mlcp_create(int m, ns_mlcp_solver **out) {
         return NS_E_MEMORY;
     size_t k = (size_t)m;
     s->cap = m;
+    s->most = INFINITY;
     s->doubles = calloc(count_doubles(k), sizeof *s->doubles);
     s->ints = calloc(20 * (k + 1) + 2 * k + 1, sizeof *s->ints);
     s->bytes = calloc(k * k * sizeof(short) + 11 * (k + 1), 1);

@@ -162,6 +162,7 @@ int ns_theta_create(const ns_system *system, const ns_theta_options *o, ns_theta
     if (!s)
         return NS_E_MEMORY;
     s->s = system;
+    s->search_left = INFINITY;
     s->theta = o->theta;
     s->gamma = o->gamma;
     s->carry = o->theta < 1 || o->gamma < 1;

@@ -67,6 +67,18 @@ const ns_counts *ns_theta_counts(const ns_theta *s) {
     return &s->counts;
 }
 
+void ns_theta_bound_search(ns_theta *s, double most) {
+    s->search_left = most;
+}
+
+double ns_theta_search_left(const ns_theta *s) {
+    return s->search_left;
+}
+
+double ns_theta_searched(const ns_theta *s) {
+    return s->searched;
+}
+
 const ns_fault *ns_theta_fault(const ns_theta *s) {
     return &s->fault;
 }

@@ -53,10 +53,13 @@ static int solve_lcp(ns_theta *s, double h, int size, ns_mode *mode) {
     ns_mlcp_info info;
     memset(&info, 0, sizeof info);
     memcpy(s->lcp_mode + n, mode, (size_t)m);
+    (void)ns_mlcp_limit(s->mlcp, s->search_left);
     const int status = ns_mlcp_solve(s->mlcp, &p, s->lcp_mode, s->sol, s->resid, &info);
     s->counts.problems++;
     s->counts.pivots += info.pivots;
     s->counts.factors += info.factors;
+    s->searched += info.searched;
+    s->search_left = info.cut_off ? 0 : s->search_left - info.searched;
     if (status == NS_OK)
         memcpy(mode, s->lcp_mode + n, (size_t)m);
     else

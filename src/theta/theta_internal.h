@@ -92,23 +92,24 @@ struct ns_theta {
     ns_map *last;              /* map used last in the accepted mode; NULL: none */
 
     /* work: contents are nobody's between two calls */
-    double *block;        /* all arrays of numbers but K */
-    int capacity;         /* of K, lu and mlcp: n+m and the largest number of unknowns ever held */
-    double *K;            /* capacity^2: matrix of (P2) or of (P1) unreduced */
-    ns_lu *lu;            /* factors of K */
-    ns_mlcp_solver *mlcp; /* (P1) */
-    double *X, *R;        /* (n+m)*q, and twice that and q: solutions of (P2), residuals */
-    double *Z;            /* (n+m)*2m: guards as functions of (x, lambda) */
-    double *leak;         /* m: conductances and resistances of leaks */
-    double *sum;          /* n */
-    double *rate[2];      /* n: slopes of two probes */
-    double *rhs;          /* 2n+m: q of (P1) unreduced */
-    double *sol;          /* 2n+m: x, lambda */
-    double *resid;        /* 2n+m: y of (P1) */
-    double *bl, *bu;      /* 2n+m: bounds of (P1) unreduced */
-    ns_mode *lcp_mode;    /* 2n+m: mode of (P1) unreduced */
-    int *inside;          /* m: pairs inside in K */
-    int *list;            /* 2n+m: places of what is not zero */
+    double *block;                /* all arrays of numbers but K */
+    int capacity;                 /* of K, lu and mlcp: n+m and the largest number of unknowns ever held */
+    double *K;                    /* capacity^2: matrix of (P2) or of (P1) unreduced */
+    ns_lu *lu;                    /* factors of K */
+    ns_mlcp_solver *mlcp;         /* (P1) */
+    double searched, search_left; /* instructions of its branch and bound: so far, and allowed */
+    double *X, *R;                /* (n+m)*q, and twice that and q: solutions of (P2), residuals */
+    double *Z;                    /* (n+m)*2m: guards as functions of (x, lambda) */
+    double *leak;                 /* m: conductances and resistances of leaks */
+    double *sum;                  /* n */
+    double *rate[2];              /* n: slopes of two probes */
+    double *rhs;                  /* 2n+m: q of (P1) unreduced */
+    double *sol;                  /* 2n+m: x, lambda */
+    double *resid;                /* 2n+m: y of (P1) */
+    double *bl, *bu;              /* 2n+m: bounds of (P1) unreduced */
+    ns_mode *lcp_mode;            /* 2n+m: mode of (P1) unreduced */
+    int *inside;                  /* m: pairs inside in K */
+    int *list;                    /* 2n+m: places of what is not zero */
 };
 
 /* --- step_map.c --- */

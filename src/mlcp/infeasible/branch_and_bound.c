@@ -148,7 +148,7 @@ static int is_cut(search *b, int status) {
 
 /* What the modes decided on allow: OK, INFEASIBLE, or LIMIT: not known. */
 static int visit_node(search *b) {
-    if (b->nodes++ >= b->limit)
+    if (b->nodes++ >= b->limit || b->s->cut_off)
         return NS_E_LIMIT;
     const int status = ns_mlcp_phase1_run(&b->lp);
     if (is_cut(b, status))
@@ -169,6 +169,7 @@ int ns_mlcp_branch_and_bound(ns_mlcp_solver *s) {
         return NS_E_SIZE;
     memset(b.weight, 0, (size_t)s->m * sizeof *b.weight);
     ns_mlcp_phase1_start(&b.lp, s, 1, 0.0, NEAR);
+    b.lp.most = s->most;
     const int status = visit_node(&b);
     if (left > 0) /* or it counts for ever */
         s->nodes_alike += b.nodes;

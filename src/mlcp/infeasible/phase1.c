@@ -17,6 +17,7 @@
 
 static const double SOUND = 1e-10; /* a pivot, of the terms it came from */
 static const double DULL = 1e-12;  /* a reduced cost below this part of its terms is 0 */
+static const double AN_ENTRY = 12; /* instructions for it in an exchange, with what led to that */
 enum { NONE = -1, FLIP = -2 };
 enum { RENEW = 40 }; /* exchanges after which the tableau is made anew: entries lose a digit in some ten */
 
@@ -126,6 +127,7 @@ static void exchange(ns_phase1 *z, int p, int c) {
     s->tab.rowvar[p] = s->tab.colvar[c];
     s->tab.colvar[c] = var;
     z->pivots++;
+    s->searched += AN_ENTRY * z->rows * z->cols;
 }
 
 /* Row p goes to `to` and out, column c comes in. */
@@ -292,6 +294,7 @@ void ns_mlcp_phase1_start(ns_phase1 *z, ns_mlcp_solver *s, int boxes, double flo
     *z = (ns_phase1){.s = s,
                      .boxes = boxes,
                      .near = near,
+                     .most = INFINITY,
                      .mode = s->kept.mode,
                      .value = s->tab.beta,
                      .size = s->ysize,
@@ -320,6 +323,10 @@ void ns_mlcp_phase1_put(ns_phase1 *z, int i, ns_mode mode) {
 
 int ns_mlcp_phase1_run(ns_phase1 *z) {
     for (int it = 0; it < PIVOTS_FLAT + PIVOTS_PER_PAIR * z->s->m; it++) {
+        if (z->s->searched > z->most) {
+            z->s->cut_off = 1;
+            return NS_E_LIMIT;
+        }
         if (z->pivots >= RENEW)
             remake_tableau(z);
         if (measure_violations(z) == 0)

@@ -18,6 +18,7 @@ typedef struct ns_phase1 {
     double *cost;         /* cols: sum of side[r] A[r,c] */
     double least;         /* sizes count as at least this */
     double near;          /* of a size: inside the bounds */
+    double most;          /* s->searched may come to that, INFINITY: to anything */
     int pivots;           /* since the tableau was made from W and q */
 } ns_phase1;
 
@@ -31,7 +32,7 @@ void ns_mlcp_phase1_start(ns_phase1 *z, ns_mlcp_solver *s, int boxes, double flo
 void ns_mlcp_phase1_put(ns_phase1 *z, int i, ns_mode mode);
 
 /* OK: the constraints are met.  INFEASIBLE: they cannot be, z holds the point where the violation is least.
- * LIMIT: it was not found out. */
+ * LIMIT: it was not found out; s->cut_off: for it would take more than z->most. */
 int ns_mlcp_phase1_run(ns_phase1 *z);
 
 /* value (2m): of all variables; basic (2m): whether it is. */
