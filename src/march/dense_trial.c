@@ -25,8 +25,9 @@ void ns_march_dense_clear_instant(ns_dense_run *r) {
 }
 
 void ns_march_dense_bound_search(ns_dense_run *r, double most) {
-    const double left = r->engine.most_work - ns_engine_work(&r->engine).all;
-    ns_theta_bound_search(r->step, r->engine.most_work > 0 ? fmax(0, fmin(most, left)) : most);
+    if (r->engine.most_work > 0)
+        most = fmax(0, fmin(most, r->engine.most_work - ns_engine_work(&r->engine).all));
+    ns_theta_bound_search(r->step, most);
 }
 
 static void copy_point(ns_dense_point *to, const ns_dense_point *from, size_t nc) {
