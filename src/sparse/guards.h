@@ -92,7 +92,7 @@ static inline double guard(const ns_sparse *m, int j, int k, const double *v, co
 
 /* 1 if lambda of pair j, which conducts, has the wrong sign by more than a point that is shown may have. */
 static inline int has_wrong_sign(const ns_sparse *m, int j, double lambda) {
-    const double allowed = 1e-6 * m->largest.lambda;
+    const double allowed = 1e-5 * m->largest.lambda;
     return lambda < m->l[j] - allowed || lambda > m->u[j] + allowed;
 }
 
