@@ -205,36 +205,20 @@ static void stamp_value(const stamp *to, const element *e) {
 }
 
 void ns_circuit_stamp_element(const stamp *to, const element *e) {
-    switch (e->kind) {
-    case RESISTOR:
-        stamp_resistor(to, e);
-        break;
-    case CAPACITOR:
-        stamp_capacitor(to, e);
-        break;
-    case INDUCTOR:
-        stamp_inductor(to, e);
-        break;
-    case COUPLING: /* ns_circuit_each_inductance() */
-        break;
-    case SOURCE:
-        stamp_source(to, e);
-        break;
-    case VCONTROLLED:
-    case ICONTROLLED:
-    case LINEAR:
-        stamp_controlled(to, e);
-        break;
-    case DIODE:
-        stamp_diode(to, e);
-        break;
-    case SWITCH:
-        stamp_switch(to, e);
-        break;
-    case KINK:
-    case CHOICE:
-    case BOX:
-        stamp_value(to, e);
-        break;
-    }
+    static void (*const by_kind[])(const stamp *to,
+                                   const element *e) = {[RESISTOR] = stamp_resistor,
+                                                        [CAPACITOR] = stamp_capacitor,
+                                                        [INDUCTOR] = stamp_inductor,
+                                                        [COUPLING] = NULL, /* ns_circuit_each_inductance() */
+                                                        [SOURCE] = stamp_source,
+                                                        [VCONTROLLED] = stamp_controlled,
+                                                        [ICONTROLLED] = stamp_controlled,
+                                                        [LINEAR] = stamp_controlled,
+                                                        [DIODE] = stamp_diode,
+                                                        [SWITCH] = stamp_switch,
+                                                        [KINK] = stamp_value,
+                                                        [CHOICE] = stamp_value,
+                                                        [BOX] = stamp_value};
+    if (by_kind[e->kind])
+        by_kind[e->kind](to, e);
 }

@@ -4,6 +4,8 @@
 #ifndef NS_LINALG_SIMD_H
 #define NS_LINALG_SIMD_H
 
+#include <math.h>
+
 #if defined(__GNUC__)
 typedef double ns_simd __attribute__((vector_size(16), aligned(8), may_alias));
 typedef long long ns_simd_flags __attribute__((vector_size(16)));
@@ -76,6 +78,14 @@ static inline double ns_dot(int n, const double *a, const double *b) {
     for (int i = 0; i < n; i++)
         sum += a[i] * b[i];
     return sum;
+}
+
+/* max_i |a_i| weight_i, 0 or more */
+static inline double ns_weighted_max(int n, const double *a, const double *weight) {
+    double top = 0.0;
+    for (int i = 0; i < n; i++)
+        top = ns_higher(fabs(a[i]) * weight[i], top);
+    return top;
 }
 
 /* 1 if all of x (n) are 0 or more, 0 if one is not, or is no number. */

@@ -17,7 +17,6 @@
 /* Nodes looked at.  A problem of a step is asked again at other lengths: all of them together, since the last
  * answer, look at NODES_ALIKE, and each at NODES_EACH. */
 enum { NODES = 20000, NODES_ALIKE = 1000, NODES_EACH = 50, REFINEMENTS = 3 };
-static const double NEAR = 1e-12; /* of the terms of a value: inside its bounds */
 
 typedef struct search {
     ns_mlcp_solver *s;
@@ -168,7 +167,7 @@ int ns_mlcp_branch_and_bound(ns_mlcp_solver *s) {
     if (s->np > NS_BRANCH_MAX)
         return NS_E_SIZE;
     memset(b.weight, 0, (size_t)s->m * sizeof *b.weight);
-    ns_mlcp_phase1_start(&b.lp, s, 1, 0.0, NEAR);
+    ns_mlcp_phase1_start(&b.lp, s, 1, 0.0);
     b.lp.most = s->most;
     const int status = visit_node(&b);
     if (left > 0) /* or it counts for ever */

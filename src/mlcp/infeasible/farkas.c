@@ -18,7 +18,6 @@ static const double MARGIN = 1e-9;  /* of the terms, by which a proof must prove
 static const double CANCEL = 1e-14; /* sums that cancel this far are 0 (certificate.c) */
 static const double FLOOR =
     1e-6; /* a value's terms count as at least this part of the largest (residual.c) */
-static const double NEAR = 1e-12;     /* of a value's terms: inside its bounds */
 static const double ROUNDING = 1e-24; /* of the largest multiplier: what twice the digits of a double leave */
 
 /* s_j = sum_i (v_i + rest_i) W_ij less `to`, as if in twice the digits (Ogita, Rump and Oishi's Dot2). */
@@ -151,7 +150,7 @@ int ns_mlcp_farkas_proves(const ns_phase1 *z, double *v) {
 }
 
 static int phase1_ends_outside(ns_mlcp_solver *s, ns_phase1 *z) {
-    ns_mlcp_phase1_start(z, s, 0, FLOOR, NEAR);
+    ns_mlcp_phase1_start(z, s, 0, FLOOR);
     return ns_mlcp_phase1_run(z) == NS_E_INFEASIBLE;
 }
 

@@ -16,6 +16,7 @@
 #include <string.h>
 
 static const double SOUND = 1e-10; /* a pivot, of the terms it came from */
+static const double NEAR = 1e-12;  /* of the terms of a value: inside its bounds */
 static const double DULL = 1e-12;  /* a reduced cost below this part of its terms is 0 */
 static const double AN_ENTRY = 12; /* instructions for it in an exchange, with what led to that */
 enum { NONE = -1, FLIP = -2 };
@@ -188,7 +189,7 @@ static int measure_violations(ns_phase1 *z) {
         double above = z->value[r] - upper(z, z->s->tab.rowvar[r]);
         int var = z->s->tab.rowvar[r],
             empty = var % 2 == 1 && z->s->units.rowmax[var / 2] == 0.0; /* y = q: exact */
-        double near = z->near * (empty ? z->size[r] : fmax(z->size[r], z->least));
+        double near = NEAR * (empty ? z->size[r] : fmax(z->size[r], z->least));
         z->side[r] = below > near ? -1.0 : above > near ? 1.0 : 0.0;
         count += z->side[r] != 0.0;
     }
@@ -290,10 +291,9 @@ static int step_down(ns_phase1 *z) {
     return c >= 0 && move_column(z, c);
 }
 
-void ns_mlcp_phase1_start(ns_phase1 *z, ns_mlcp_solver *s, int boxes, double floor, double near) {
+void ns_mlcp_phase1_start(ns_phase1 *z, ns_mlcp_solver *s, int boxes, double floor) {
     *z = (ns_phase1){.s = s,
                      .boxes = boxes,
-                     .near = near,
                      .most = INFINITY,
                      .mode = s->kept.mode,
                      .value = s->tab.beta,

@@ -17,15 +17,14 @@ typedef struct ns_phase1 {
     double *side;         /* rows: -1 below the lower bound, 1 above the upper, 0 */
     double *cost;         /* cols: sum of side[r] A[r,c] */
     double least;         /* sizes count as at least this */
-    double near;          /* of a size: inside the bounds */
     double most;          /* s->searched may come to that, INFINITY: to anything */
     int pivots;           /* since the tableau was made from W and q */
 } ns_phase1;
 
 /* Of s->q and *s->p, all pairs open.  boxes: pairs of two bounds may be put into modes.  Amounts are judged
  * against the terms they come from, which count as at least `floor` times the largest of the start; what is
- * outside by less than `near` of them is inside. */
-void ns_mlcp_phase1_start(ns_phase1 *z, ns_mlcp_solver *s, int boxes, double floor, double near);
+ * outside by less than 1e-12 of them is inside. */
+void ns_mlcp_phase1_start(ns_phase1 *z, ns_mlcp_solver *s, int boxes, double floor);
 
 /* Puts pair i into a mode: lambda_i is at that bound and y_i has the sign of it, or y_i is 0.  NS_OPEN: into
  * none. */

@@ -6,6 +6,7 @@
  * some y_j by ysize_j.  They follow the units of rows and columns, so guards are read in them and
  * the tableau is written in them.
  */
+#include "linalg/simd.h"
 #include "mlcp/mlcp_internal.h"
 
 #include <math.h>
@@ -83,16 +84,6 @@ void ns_mlcp_basis_correct(ns_mlcp_solver *s) {
     correct_lambda(s);
 }
 
-static double column_max(const ns_mlcp_solver *s, int j, const double *weight) {
-    const double *col = s->W + (size_t)j * (size_t)s->m;
-    double top = 0.0;
-    for (int i = 0; i < s->m; i++) {
-        double a = fabs(col[i]) * weight[i];
-        top = a > top ? a : top;
-    }
-    return top;
-}
-
 /* The part of W that column j is in; its first row, where it is empty. */
 int ns_mlcp_part_of(const ns_mlcp_solver *s, int j) {
     const double *col = s->p->W + (size_t)j * (size_t)s->m;
@@ -120,7 +111,7 @@ void ns_mlcp_basis_floor_sizes(ns_mlcp_solver *s) {
 }
 
 double ns_mlcp_basis_lambda_size(const ns_mlcp_solver *s, int i) {
-    const double top = column_max(s, i, s->g);
+    const double top = ns_weighted_max(s->m, s->W + (size_t)i * (size_t)s->m, s->g);
     return top > 0.0 ? 1.0 / top : 1.0;
 }
 

@@ -61,17 +61,6 @@ static void sum_rows(const ns_mlcp *p, const double *lambda, double *y, double *
     }
 }
 
-/* max_i |W_ij| weight_i */
-static double weighted_max(const ns_mlcp *p, int j, const double *weight) {
-    const double *col = p->W + (size_t)j * (size_t)p->m;
-    double top = 0.0;
-    for (int i = 0; i < p->m; i++) {
-        double a = fabs(col[i]) * weight[i];
-        top = a > top ? a : top;
-    }
-    return top;
-}
-
 /* Raises sizes to their floor.  unit, top: m each; work: NS_UNITS_WORK*m. */
 static void raise_to_floor(const ns_mlcp *p, const double *lambda, int together, double *size, double *unit,
                            double *top, double *work) {
@@ -88,7 +77,7 @@ static void raise_to_floor(const ns_mlcp *p, const double *lambda, int together,
     memset(norm, 0, (size_t)p->m * sizeof *norm);
     for (int j = 0; j < p->m; j++) {
         const double *col = p->W + (size_t)j * (size_t)p->m;
-        const double v = lambda[j] != 0.0 ? fabs(lambda[j]) * weighted_max(p, j, work) : 0.0;
+        const double v = lambda[j] != 0.0 ? fabs(lambda[j]) * ns_weighted_max(p->m, col, work) : 0.0;
         for (int i = 0; i < p->m && v > 0.0; i++)
             norm[i] = together || col[i] != 0.0 ? ns_higher(norm[i], v) : norm[i];
     }
@@ -105,7 +94,7 @@ static double row_residual(const ns_mlcp *p, int i, double lambda, double y, dou
     const double ys = isinf(size) ? NAN : size > 0.0 ? y / size : y; /* 1/size may overflow, this does not */
     if ((isinf(l) && isinf(u)) || isnan(ys))                         /* fmin, fmax drop a NAN */
         return fabs(ys);
-    double unit = fmin(weighted_max(p, i, inverse), DBL_MAX); /* 1/L */
+    double unit = fmin(ns_weighted_max(p->m, p->W + (size_t)i * (size_t)p->m, inverse), DBL_MAX); /* 1/L */
     if (!(unit > 0.0)) /* no row notices lambda_i: its own size must do */
         unit = lambda != 0.0 ? fmin(1.0 / fabs(lambda), DBL_MAX) : 1.0;
     const double up = (lambda - l) * unit, down = (lambda - u) * unit;
