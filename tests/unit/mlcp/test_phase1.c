@@ -110,7 +110,7 @@ static void ends_within_bounds_or_with_a_proof(void **state) {
             r.q[i] -= number % 2 ? 6 * dice_uniform(&d) : 0;
         ns_mlcp_solver *s = begin(&r);
         ns_phase1 z;
-        ns_mlcp_phase1_start(&z, s, 1, 0, 1e-12);
+        ns_mlcp_phase1_start(&z, s, 1, 0);
         t.entries += assert_columns(&z);
         run(&z, &t);
         for (int k = 0; k < 6 && s->np > 0; k++) {
