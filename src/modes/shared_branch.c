@@ -83,7 +83,7 @@ int ns_modes_shared_find(const ns_system *s, ns_shared_branch **out, int *count)
     ns_csc voltage = {0};
     *count = 0;
     *out = NULL;
-    if (s->m == 0 || s->nc == 0)
+    if (s->n == 0 || s->m == 0 || s->nc == 0)
         return NS_OK;
     ns_shared_branch *list = calloc((size_t)s->m, sizeof *list);
     unsigned char *has = calloc((size_t)s->m, 1);

@@ -119,6 +119,18 @@ static int found(const ns_system *s) {
     return counts[0];
 }
 
+/* Pairs of no unknown have no branch (sanitizers: nor arrays of coefficients). */
+static void without_unknowns(void **state) {
+    ns_system *s;
+    ns_shared_branch *list;
+    int count;
+    (void)state;
+    assert_int_equal(ns_system_create(0, 2, 0, 1, &s), NS_OK);
+    assert_int_equal(ns_modes_shared_find(s, &list, &count), NS_OK);
+    assert_int_equal(count, 0);
+    ns_system_free(s);
+}
+
 /* One number of the system changed at a time: what makes the two no twins, and what does not. */
 static void what_makes_a_twin(void **state) {
     (void)state;
@@ -155,6 +167,6 @@ static void what_makes_a_twin(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(what_makes_a_twin),
-                                       cmocka_unit_test(by_every_engine)};
+                                       cmocka_unit_test(without_unknowns), cmocka_unit_test(by_every_engine)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
