@@ -9,6 +9,7 @@
 /* V at a node; 0 if no element names it. */
 static double volts_at(const ns_circuit *c, int node, const double *x) {
     const int unknown = node > 0 ? ns_circuit_node_unknown(c, node) : -1;
+    /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): x may be NULL where there are no unknowns */
     return unknown >= 0 ? x[unknown] : 0;
 }
 

@@ -89,7 +89,8 @@ static void the_scheme_goes_farther_if_kernels_fail_at_once(void **state) {
     double t = 1e-6;
     (void)state;
     ns_run *r = (ns_run *)(void *)k.m->engine;
-    for (double stay = h / 64; stay <= h; stay *= 2) {
+    for (int parts = 64; parts >= 1; parts /= 2) {
+        const double stay = h / parts;
         ns_march_run_leave_for_now(r, t, NS_RUN_DENSE);
         t += 1.5 * stay;
         assert_true(fabs(r->back_from_scheme - (t - stay / 2)) < 1e-6 * stay);
