@@ -116,7 +116,6 @@ int ns_exact_create(ns_theta *step, ns_dense_point *point, double h, ns_exact **
     }
     f->output_only_shortest = shortest_of_output_only(f);
     f->counts.input_states = f->inputs->nv;
-    ns_exact_reset_past(f);
     *out = f;
     return NS_OK;
 }

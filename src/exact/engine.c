@@ -25,7 +25,7 @@ void ns_exact_drop(ns_exact *f) {
     f->way.known = 0;
 }
 
-void ns_exact_reset_past(ns_exact *f) {
+static void reset_past(ns_exact *f) {
     f->accepted = (ns_exact_past){.fallback_until = -INFINITY,
                                   .previous_event_t = -INFINITY,
                                   .extra_steps = f->timed ? NS_EXTRA_STEPS : 0};
@@ -133,7 +133,7 @@ int ns_exact_find_consistent(ns_exact *f) {
     load_time(f);
     f->state.last_event_t = f->state.now.t;
     f->events_to = -INFINITY; /* seek_events() has to seek */
-    ns_exact_reset_past(f);
+    reset_past(f);
     ns_exact_period_drop(f);
     memset(f->max_abs, 0, sizeof(double) * (size_t)f->s->r);
     load_charges(f);

@@ -251,7 +251,6 @@ static inline double ns_exact_same_instant(const ns_exact *f) {
 }
 
 /* A new start: nothing failed yet (create.c, engine.c). */
-void ns_exact_reset_past(ns_exact *f);
 
 /* X becomes X_next; and counts among the largest. */
 static inline void ns_exact_take_next(ns_exact *f) {

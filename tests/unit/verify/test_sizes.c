@@ -76,6 +76,31 @@ static void rows(void **state) {
     close_bench(&b);
 }
 
+/* Before anything is seen the largest number is that of the sources, wherever it stands in them. */
+static void sources(void **state) {
+    const double t[] = {0, 1, 2}, first[] = {-8, 3, 2}, second[] = {1, 9, -2};
+    const struct {
+        ns_signal z;
+        double largest;
+    } of[] = {
+        {{.kind = NS_DC, .u.dc = -3}, 3},
+        {{.kind = NS_PULSE, .u.pulse = {.v1 = -4, .v2 = 2, .tr = 1, .tf = 1, .pw = 1, .per = 5}}, 4},
+        {{.kind = NS_SIN, .u.sin = {.vo = -1, .va = -2, .freq = 1}}, 3},
+        {{.kind = NS_EXP, .u.exp = {.v1 = 2, .v2 = -5, .tau1 = 1, .td2 = 1, .tau2 = 1}}, 5},
+        {{.kind = NS_PWL, .u.pwl = {.n = 3, .t = (double *)t, .v = (double *)first, .repeat = NAN}}, 8},
+        {{.kind = NS_PWL, .u.pwl = {.n = 3, .t = (double *)t, .v = (double *)second, .repeat = NAN}}, 9}};
+    (void)state;
+    for (size_t k = 0; k < sizeof of / sizeof *of; k++) {
+        const ns_verify_options o = {.reltol = reltol, .instant = 1e-11};
+        bench b = open_bench();
+        ns_verify_free(b.v);
+        assert_int_equal(ns_system_set_input(b.s, 0, &of[k].z), NS_OK);
+        assert_int_equal(ns_verify_create(b.s, &o, &b.v), NS_OK);
+        assert_close(b.v->most_any[NS_VERIFY_ANY_NUMBER], of[k].largest);
+        close_bench(&b);
+    }
+}
+
 /* 1e-5 of the largest terms and 100 reltol of them; 1e-9 of the largest energy's root, in units of the row
  * (the root of 5); 1e-10 of the largest number. */
 static void charges(void **state) {
@@ -288,11 +313,17 @@ static void integrals_of_a_way(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rows),           cmocka_unit_test(charges),
-        cmocka_unit_test(pairs),          cmocka_unit_test(rounding_around_a_pair),
-        cmocka_unit_test(controls),       cmocka_unit_test(the_largest_number),
-        cmocka_unit_test(what_was_found), cmocka_unit_test(what_may_be_rounding_is_loose),
-        cmocka_unit_test(nodes_of_a_way), cmocka_unit_test(integrals_of_a_way),
+        cmocka_unit_test(sources),
+        cmocka_unit_test(rows),
+        cmocka_unit_test(charges),
+        cmocka_unit_test(pairs),
+        cmocka_unit_test(rounding_around_a_pair),
+        cmocka_unit_test(controls),
+        cmocka_unit_test(the_largest_number),
+        cmocka_unit_test(what_was_found),
+        cmocka_unit_test(what_may_be_rounding_is_loose),
+        cmocka_unit_test(nodes_of_a_way),
+        cmocka_unit_test(integrals_of_a_way),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
