@@ -250,8 +250,6 @@ static inline double ns_exact_same_instant(const ns_exact *f) {
     return 8 * DBL_EPSILON * fabs(f->state.now.t);
 }
 
-/* A new start: nothing failed yet (create.c, engine.c). */
-
 /* X becomes X_next; and counts among the largest. */
 static inline void ns_exact_take_next(ns_exact *f) {
     double *X = f->X;
