@@ -80,8 +80,41 @@ static void sides_of_an_input(void **state) {
     ns_system_free(s);
 }
 
+/* x' = - sum of lambda_j, y_j = lambda_j, both 0 or more and one of them 0: no pair carries the impulse that
+ * takes x from 5 to 4, whichever it is. */
+static void no_pair_carries_an_impulse(void **state) {
+    enum { PAIRS = 3 };
+    const ns_verify_options o = {.reltol = 1e-9, .instant = 1e-11};
+    (void)state;
+    for (int pair = -1; pair < PAIRS; pair++) {
+        const double x = 5, after = pair < 0 ? 5 : 4, X = 0, none[PAIRS] = {0};
+        const ns_verify_state left = {1, NS_LEFT, &x, none, none, 0},
+                              right = {1, NS_RIGHT, &after, none, none, 0};
+        double Lambda[PAIRS] = {0};
+        ns_system *s;
+        ns_verify *v;
+        ns_verify_finding f;
+        assert_int_equal(ns_system_create(1, PAIRS, 0, 0, &s), NS_OK);
+        s->M[0] = 1;
+        for (int j = 0; j < PAIRS; j++)
+            s->B[j] = -1, s->D[j + PAIRS * j] = 1;
+        assert_int_equal(ns_verify_create(s, &o, &v), NS_OK);
+        if (pair >= 0)
+            Lambda[pair] = 1;
+        assert_true(ns_verify_point(v, &left, &f));
+        ns_verify_left(v);
+        assert_true(ns_verify_point(v, &right, &f));
+        assert_int_equal(ns_verify_event(v, &X, Lambda, &f), pair < 0);
+        assert_int_equal(f.cause, pair < 0 ? NS_VERIFY_RIGHT : NS_VERIFY_IMPULSE);
+        assert_int_equal(f.pair, pair);
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(what_flows_in_the_time_of_a_jump),
-                                       cmocka_unit_test(sides_of_an_input)};
+                                       cmocka_unit_test(sides_of_an_input),
+                                       cmocka_unit_test(no_pair_carries_an_impulse)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
