@@ -2,6 +2,7 @@
  * fails. */
 #include "points_rig.h"
 
+#include "march/march_internal.h"
 #include "wrap_alloc.h"
 
 static void wrong_options(void **state) {
@@ -64,6 +65,41 @@ static void wrong_calls(void **state) {
     assert_int_equal(rig_run(&r, 2), NS_OK); /* and goes on */
     assert_true(r.t[r.count - 1] == 2);
     assert_int_equal(ns_waveform_read_counts(r.w).points, r.count);
+    rig_end(&r);
+}
+
+/* An engine that does not get beyond t = 0: events there without an end. */
+static int go_nowhere(ns_engine *e, double t, ns_until until, double *reached) {
+    (void)e, (void)t, (void)until;
+    *reached = 0;
+    return NS_OK;
+}
+
+static int accept_it(ns_engine *e) {
+    (void)e;
+    return NS_OK;
+}
+
+static int read_start(ns_engine *e, double *t, double *x, double *lambda, double *y) {
+    (void)e, (void)x, (void)lambda, (void)y;
+    *t = 0;
+    return NS_OK;
+}
+
+static void events_without_an_end(void **state) {
+    static const ns_engine_table table = {.try_to = go_nowhere, .accept = accept_it, .read = read_start};
+    const ns_waveform_options none = {0};
+    ns_engine stuck = {.table = &table};
+    ns_waveform_point p;
+    rig r = rig_begin();
+    (void)state;
+    rig_make_rc(&r);
+    assert_int_equal(rig_prepare(&r, NS_EXACT, 1e-2, &none), NS_OK);
+    assert_int_equal(ns_waveform_start(r.w, &p), NS_OK);
+    ns_engine *const own = r.m->engine;
+    r.m->engine = &stuck;
+    assert_int_equal(ns_waveform_next(r.w, 1, &p), NS_E_LIMIT);
+    r.m->engine = own;
     rig_end(&r);
 }
 
@@ -175,6 +211,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(wrong_options),
         cmocka_unit_test(wrong_calls),
+        cmocka_unit_test(events_without_an_end),
         cmocka_unit_test(what_came_before_a_failure_is_shown),
         cmocka_unit_test(points_go_on_behind_a_threshold),
         cmocka_unit_test(memory_fails),
