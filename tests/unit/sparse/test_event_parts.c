@@ -294,28 +294,40 @@ static void integrals_of_jumps_are_restored(void **state) {
     }
 }
 
-/* A control 2 x - 3 z + 5 with x = 7 and z = 11: 14 + 33 + 5; its rounding is 1e-12 of that. */
+/* A control 2 x - 3 z + 5 with x = 7 and z = 11: 14 - 33 + 5, of terms that are 52 together; its rounding is
+ * 1e-12 of that.  The open switch closes where the control is beyond its threshold by more. */
 static void terms_of_a_control(void **state) {
-    const ns_sparse_options o = {.h = h};
-    const double v[] = {7, 0}, z[] = {11};
-    ns_system *s;
-    ns_engine *e;
+    static const struct {
+        double beyond;
+        int closes;
+    } of[] = {{-26e-12, 0}, {26e-12, 0}, {104e-12, 1}};
     (void)state;
-    assert_int_equal(ns_system_create(1, 1, 1, 1, &s), NS_OK);
-    s->M[0] = s->B[0] = s->C[0] = 1;
-    s->l[0] = -INFINITY;
-    s->u[0] = INFINITY;
-    s->command[0] = (ns_command){.pair = 0, .g0 = 5};
-    s->command[0].gx = calloc(1, sizeof(double));
-    s->command[0].gz = calloc(1, sizeof(double));
-    assert_true(s->command[0].gx && s->command[0].gz);
-    s->command[0].gx[0] = 2;
-    s->command[0].gz[0] = -3;
-    assert_int_equal(ns_sparse_create(s, &o, &e, NULL), NS_OK);
-    assert_true(ns_sparse_guard_control_terms(ns_sparse_of(e), 0, v, z) == 52);
-    assert_true(ns_sparse_guard_control_rounding(ns_sparse_of(e), 0, v, z) == 52e-12);
-    ns_sparse_free(e);
-    ns_system_free(s);
+    for (size_t k = 0; k < sizeof of / sizeof *of; k++) {
+        const ns_sparse_options o = {.h = h};
+        const double v[] = {7, 0}, z[] = {11};
+        ns_system *s;
+        ns_engine *e;
+        assert_int_equal(ns_system_create(1, 1, 1, 1, &s), NS_OK);
+        s->M[0] = s->B[0] = s->C[0] = 1;
+        s->l[0] = -INFINITY;
+        s->u[0] = INFINITY;
+        s->command[0] = (ns_command){.pair = 0, .g0 = 5, .on = -14 - of[k].beyond, .off = -14 - of[k].beyond};
+        s->command[0].gx = calloc(1, sizeof(double));
+        s->command[0].gz = calloc(1, sizeof(double));
+        assert_true(s->command[0].gx && s->command[0].gz);
+        s->command[0].gx[0] = 2;
+        s->command[0].gz[0] = -3;
+        assert_int_equal(ns_sparse_create(s, &o, &e, NULL), NS_OK);
+        ns_sparse *m = ns_sparse_of(e);
+        assert_true(ns_sparse_guard_control_terms(m, 0, v, z) == 52);
+        assert_true(ns_sparse_guard_control_rounding(m, 0, v, z) == 52e-12);
+        m->z[0] = z[0];
+        m->mode[0] = NS_LOWER;
+        assert_int_equal(ns_sparse_guard_commands(m, v, NULL, NULL), of[k].closes);
+        assert_int_equal(m->mode[0] == NS_INSIDE, of[k].closes);
+        ns_sparse_free(e);
+        ns_system_free(s);
+    }
 }
 
 int main(void) {
