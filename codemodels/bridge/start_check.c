@@ -12,9 +12,8 @@
 /* A difference that counts: of the largest voltage, and V: more than leaks make where sources begin at 0. */
 static const double much = 1e-3, least = 1e-6;
 
-enum {
-    MOST_FIXED = 200
-}; /* unknowns and pairs: in larger circuits one more operating point costs too much */
+/* Unknowns and pairs: in larger circuits one more operating point costs too much. */
+enum { MOST_FIXED = 200 };
 
 /* The node whose voltages in x and y differ most, by more than that: its unknown; -1: none does. */
 static int find_jump(const ns_analysis *a, const double *x, const double *y) {
