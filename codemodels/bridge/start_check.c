@@ -85,7 +85,10 @@ void ns_bridge_start_check(const ns_session *s, int may_rest_between) {
     char name[200];
     if (!y)
         return;
-    const int at = ns_march_read(a->march, NULL, y, NULL, NULL) == NS_OK ? find_jump(a, a->x, y) : -1;
+    /* A node between open devices may have another voltage where .tran starts: that contradicts nothing. */
+    const int reads = ns_march_read(a->march, NULL, y, NULL, NULL) == NS_OK &&
+                      find_contradicted(a->system, ns_march_mode(a->march), a->x) >= 0;
+    const int at = reads ? find_jump(a, a->x, y) : -1;
     const int pair = at < 0 && !may_rest_between ? find_hidden(a, y) : -1;
     if (at >= 0 && ns_circuit_name_unknown(a->ex.circuit, at, name, sizeof name) > 0)
         ns_bridge_report_note(
