@@ -146,12 +146,46 @@ static void counts_of_events_follow_the_trial(void **state) {
     unmake(&b);
 }
 
+/* Controls beyond 0.5 V by 1e-4 V, beside an unknown of 1e9: a rounding of it by 1e-12, 1e-3, would hide that
+ * only from a control that has a gain of 1, not from one of 1e-3. */
+static void rounding_of_a_control_at_a_start(void **state) {
+    (void)state;
+    for (int small = 0; small < 2; small++) {
+        const ns_theta_options o = {1, 1, 0};
+        const double gain = small ? 1e-3 : 1, w0[2] = {0.5001 / gain, 1e9};
+        unsigned char flip[1], at_event[1];
+        ns_dense_point point = {.flip = at_event};
+        ns_system *s;
+        ns_theta *step;
+        ns_ladder *l;
+        assert_int_equal(ns_system_create(2, 1, 0, 1, &s), NS_OK);
+        s->M[0] = s->M[3] = s->D[0] = 1;
+        s->l[0] = -INFINITY;
+        s->u[0] = INFINITY;
+        s->command[0] = (ns_command){.pair = 0, .on = 0.5, .off = 0.5, .gx = calloc(2, sizeof(double))};
+        assert_non_null(s->command[0].gx);
+        s->command[0].gx[0] = gain;
+        assert_int_equal(ns_theta_create(s, &o, &step, NULL), NS_OK);
+        assert_int_equal(ns_ladder_create(step, &point, h, &l), NS_OK);
+        assert_int_equal(ns_ladder_start(l, 0, w0, NULL), NS_OK);
+        assert_int_equal(ns_ladder_find_consistent(l), NS_OK);
+        const double x[2] = {w0[0], w0[1]};
+        flip[0] = 9;
+        assert_int_equal(ns_ladder_switch_at_start(l, x, NULL, flip), small);
+        assert_int_equal(flip[0], small);
+        ns_ladder_free(l);
+        ns_theta_free(step);
+        ns_system_free(s);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(steps_at_events_are_visible_in_t),
                                        cmocka_unit_test(an_event_is_located_from_the_left),
                                        cmocka_unit_test(a_stop_is_hit),
                                        cmocka_unit_test(steps_are_bounded),
                                        cmocka_unit_test(many_events_are_captured),
-                                       cmocka_unit_test(counts_of_events_follow_the_trial)};
+                                       cmocka_unit_test(counts_of_events_follow_the_trial),
+                                       cmocka_unit_test(rounding_of_a_control_at_a_start)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -125,6 +125,32 @@ static void neither_open_nor_closed(void **state) {
     refuse(method, 1e-10);
 }
 
+/* The same where a second switch joins the loop at 1 us: the first one is told. */
+static void neither_open_nor_closed_later(void **state) {
+    enum { N1 = 1, N2, N3, GATE };
+    const double at[] = {1e-6, 1e-6}, volts[] = {0, 1};
+    const ns_signal gate = {.kind = NS_PWL, .u.pwl = {2, at, volts, NAN, 0}};
+    const ns_switch of = {-4, 0.5, 0, INFINITY};
+    double reached;
+    rig k = begin();
+    assert_int_equal(ns_circuit_switch(k.c, "s1", N3, N1, N2, 0, &of, NULL), NS_OK);
+    contact(&k, "s2", 0, N3, GATE, 0.5);
+    assert_int_equal(ns_circuit_source(k.c, "vg", NS_VOLTAGE, GATE, 0, &gate, NULL), NS_OK);
+    capacitor(&k, "c", N1, N2, 1e-4, 6);
+    resistor(&k, "r", N2, 0, 10);
+    resistor(&k, "r3", N3, 0, 1e6);
+    start(&k, *(const ns_method *)*state);
+    int status = ns_march_try(k.m, 1e-5, NS_TO_TIME, &reached);
+    if (status == NS_OK)
+        status = ns_march_try(k.m, 2e-5, NS_TO_TIME, &reached);
+    assert_int_equal(status, NS_E_LIMIT);
+    const ns_fault *f = ns_march_fault(k.m);
+    near(f->t, 1e-6, 1e-9);
+    assert_int_equal(f->npairs, 1);
+    assert_int_equal(f->pair[0], 0);
+    end(&k);
+}
+
 int main(void) {
     static ns_method theta = NS_THETA, exact = NS_EXACT, sparse = NS_SPARSE;
     const struct CMUnitTest tests[] = {
@@ -133,6 +159,9 @@ int main(void) {
         {"neither open nor closed, theta", neither_open_nor_closed, NULL, NULL, &theta},
         {"neither open nor closed, exact", neither_open_nor_closed, NULL, NULL, &exact},
         {"neither open nor closed, sparse", neither_open_nor_closed, NULL, NULL, &sparse},
+        {"neither open nor closed later, theta", neither_open_nor_closed_later, NULL, NULL, &theta},
+        {"neither open nor closed later, exact", neither_open_nor_closed_later, NULL, NULL, &exact},
+        {"neither open nor closed later, sparse", neither_open_nor_closed_later, NULL, NULL, &sparse},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

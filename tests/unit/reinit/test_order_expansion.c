@@ -297,6 +297,37 @@ static void bounds_of_rounding(void **state) {
     ns_system_free(s);
 }
 
+/* 2 x1' + x2' = -3 x1 + 6 x2 + 3, 4 x2' = -5 x2 + 2 at x = (5, 2), w = (12, 8): rates of 1 and -2.  As above,
+ * with the terms of all columns: 12 + 12 and 8 + 8 for x; 3 + 27 + 4 and 2 + 10 + 8 for the rates.  M^-1 =
+ * (1/2, -1/8; 0, 1/4). */
+static void bounds_of_coupled_rows(void **state) {
+    (void)state;
+    const ns_theta_options o = {1, 1, 0};
+    const double w0[2] = {12, 8}, eps = 16 * DBL_EPSILON;
+    const double of_x[] = {eps * (24.0 / 2 + 16.0 / 8), eps * 16 / 4},
+                 row[] = {3 * of_x[0] + 6 * of_x[1] + eps * 34, 5 * of_x[1] + eps * 20},
+                 of_rate[] = {row[0] / 2 + row[1] / 8, row[1] / 4};
+    ns_order_expansion e;
+    ns_theta *t;
+    ns_system *s;
+    assert_int_equal(ns_system_create(2, 0, 0, 0, &s), NS_OK);
+    s->M[0] = 2, s->M[2] = 1, s->M[3] = 4;
+    s->A[0] = -3, s->A[2] = 6, s->A[3] = -5;
+    s->b[0] = 3, s->b[1] = 2;
+    assert_int_equal(ns_theta_create(s, &o, &t, NULL), NS_OK);
+    assert_int_equal(ns_theta_start(t, w0, NULL), NS_OK);
+    assert_int_equal(ns_reinit_orders_create(t, t->past.w, &e), NS_OK);
+    assert_int_equal(ns_reinit_orders_expand(&e, NULL, NULL), NS_OK);
+    for (int i = 0; i < 2; i++) {
+        assert_true(e.Z0[i] == (i ? 2 : 5) && e.Z2[i] == (i ? -2 : 1));
+        assert_true(fabs(e.E0[i] - of_x[i]) < 1e-12 * of_x[i]);
+        assert_true(fabs(e.E2[i] - of_rate[i]) < 1e-12 * of_rate[i]);
+    }
+    ns_reinit_orders_free(&e);
+    ns_theta_free(t);
+    ns_system_free(s);
+}
+
 /* 1 V and 2 V in parallel. */
 static void a_contradiction_is_singular(void **state) {
     (void)state;
@@ -359,6 +390,7 @@ int main(void) {
         cmocka_unit_test(a_contradiction_is_singular),
         cmocka_unit_test(rows_that_agree_but_for_rounding),
         cmocka_unit_test(bounds_of_rounding),
+        cmocka_unit_test(bounds_of_coupled_rows),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -11,6 +11,7 @@
 
 #include "nonsmooth.h"
 #include "sparse/equivalent_mode.h"
+#include "wrap_alloc.h"
 
 /* x' = -x + lambda_0 + flow lambda_1, y_0 = x, pair 0 a switch; y_1 = volts x + ohm lambda_1, lambda_1 >= 0:
  * how many are equivalent; the first one. */
@@ -56,7 +57,33 @@ static void what_is_equivalent(void **state) {
     assert_int_equal(equivalents(-1, -1, 0.1, &e), 0);
 }
 
+/* Whichever of its arrays there is no memory for. */
+static void no_memory(void **state) {
+    ns_system *s;
+    ns_form *f;
+    ns_equivalents e;
+    long k = 1;
+    (void)state;
+    assert_int_equal(ns_system_create(1, 1, 0, 0, &s), NS_OK);
+    assert_int_equal(ns_sparse_form_create(s, 0, &f), NS_OK);
+    for (;; k++) {
+        fail_alloc_at(k);
+        const int status = ns_sparse_equivalent_create(f, NULL, 0, &e);
+        const long tried = allocs_made();
+        fail_alloc_off();
+        ns_sparse_equivalent_free(&e);
+        if (tried < k) {
+            assert_int_equal(status, NS_OK);
+            break;
+        }
+        assert_int_equal(status, NS_E_MEMORY);
+    }
+    assert_int_equal(k, 5); /* four arrays */
+    ns_sparse_form_free(f);
+    ns_system_free(s);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(what_is_equivalent)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(what_is_equivalent), cmocka_unit_test(no_memory)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
