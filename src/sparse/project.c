@@ -10,7 +10,6 @@
  * So unknowns are kept, and residuals of (P2) are formed, in long double.  The last correction is the error
  * left.
  */
-#include "guards.h"
 #include "largest.h"
 #include "linalg/simd.h"
 #include "regularise.h"
@@ -27,8 +26,6 @@ static const double zero = 64 * DBL_EPSILON, a_jump = 1e-11, corrected = 1e-14, 
 /* A residual below this fraction of its terms is rounding; w below this fraction of its rates in a step, too.
  */
 static const double residual_rounding = 1e-11, rate_rounding = 1e-10;
-/* Rates up to this multiple of what rounding does to one solution are rounding. */
-static const double most_noise = 16;
 /* A transient below this fraction of the error allowed is not resolved. */
 static const double lasting = 1e-3;
 
@@ -123,18 +120,6 @@ static left compare(const ns_sparse *m, double size, const double *before, const
     return max <= zero * size ? ALL : SOME;
 }
 
-/* 1 if rates of this size, over g, are what rounding of all terms of (P2) makes at v: a bridge at rest at a
- * high voltage, whose nodes are at differences of zero.  Overwrites m->r, m->work.v. */
-static int are_rates_rounding(ns_sparse *m, double g, const double *v, double size) {
-    double most = 0;
-    if (ns_sparse_guard_perturb(m, v, m->work.w, g, 1) != NS_OK)
-        return 0;
-    for (int i = 0; i < m->f->n; i++)
-        if (!m->f->algebraic[i])
-            most = fmax(most, fabs(ns_linalg_csc_dot(&m->f->At, i, m->work.v)) / m->unit[i]);
-    return size <= most_noise * g * most;
-}
-
 /* D^N w to m->work.w, from the first powers that decide it, at max count.  fine: solutions are corrected,
  * until one needs none.  first: D w, NULL: not known yet. */
 static int find_powers(ns_sparse *m, double t, double g, int count, int fine, const double *first,
@@ -157,10 +142,6 @@ static int find_powers(ns_sparse *m, double t, double g, int count, int fine, co
         size = i == 0 ? fmax(size, ns_sparse_largest_of(m, by)) : size; /* at a start w may be zero */
         if (status == NS_OK && fine)
             status = correct(m, g, k, size, m->work.projected, by, &fine);
-        if (status == NS_E_RESIDUAL && are_rates_rounding(m, g, m->work.projected, size)) {
-            *what = NOTHING;
-            return NS_OK;
-        }
         if (status == NS_OK)
             *what = compare(m, size, m->work.w, by);
         for (int r = 0; r < n; r++)
