@@ -328,6 +328,38 @@ static void bounds_of_coupled_rows(void **state) {
     ns_system_free(s);
 }
 
+/* 2 x' = -3 x + 4 lambda and y = x - 2 = 0 from x = 5: an impulse of -1.5, then lambda = 1.5.  The row of x
+ * may be off by 16 eps of 10 + 6 + 4, its rate by 6 + 6, that of y by 2 + 2.  Solved by hand, 1 in the row of
+ * x makes an impulse of -1/4; 1 in that of y makes x = 1, an impulse of 1/2 and lambda = 3/4; 1 in the rate,
+ * -1/4 of lambda. */
+static void bounds_of_an_impulse(void **state) {
+    (void)state;
+    const ns_theta_options o = {1, 1, 0};
+    const double w0 = 10, eps = 16 * DBL_EPSILON;
+    const double of_impulse[] = {0, eps * (20.0 / 4 + 4.0 / 2)},
+                 of_value[] = {eps * 4, eps * (4 * 3.0 / 4 + 12.0 / 4)};
+    ns_order_expansion e;
+    ns_theta *t;
+    ns_system *s;
+    assert_int_equal(ns_system_create(1, 1, 0, 0, &s), NS_OK);
+    s->M[0] = 2, s->A[0] = -3, s->B[0] = 4;
+    s->C[0] = 1, s->e[0] = -2;
+    s->l[0] = -INFINITY, s->u[0] = INFINITY;
+    assert_int_equal(ns_theta_create(s, &o, &t, NULL), NS_OK);
+    assert_int_equal(ns_theta_start(t, &w0, NULL), NS_OK);
+    assert_int_equal(ns_reinit_orders_create(t, t->past.w, &e), NS_OK);
+    e.mode[0] = NS_INSIDE;
+    assert_int_equal(ns_reinit_orders_expand(&e, NULL, NULL), NS_OK);
+    assert_true(fabs(e.Z1[1] + 1.5) < 1e-15 && fabs(e.Z0[0] - 2) < 1e-15 && fabs(e.Z0[1] - 1.5) < 1e-15);
+    for (int i = 0; i < 2; i++) {
+        assert_true(fabs(e.E1[i] - of_impulse[i]) <= 1e-3 * of_impulse[i]);
+        assert_true(fabs(e.E0[i] - of_value[i]) <= 1e-3 * of_value[i]);
+    }
+    ns_reinit_orders_free(&e);
+    ns_theta_free(t);
+    ns_system_free(s);
+}
+
 /* 1 V and 2 V in parallel. */
 static void a_contradiction_is_singular(void **state) {
     (void)state;
@@ -379,9 +411,72 @@ static void inputs_of_a_law(void **state) {
     ns_system_free(s);
 }
 
+/* x1' = 2 z1 + 3 z2, x2' = 5 z1 + 7 z2; y1 = lambda1 + 11 z1 + 13 z2, y2 = lambda2 + 17 z1 + 19 z2, both 0:
+ * with z = (1, 10) rates of 32 and 75, lambda = -141 and -207, which go on with z' = (1, -1) by 2 and 2. */
+static void inputs_enter_all_rows(void **state) {
+    const ns_theta_options o = {1, 1, 0};
+    const double z[] = {1, 10}, slope[] = {1, -1}, w0[2] = {0, 0};
+    const double rates[] = {32, 75, 2, 2}, lambda[] = {-141, -207};
+    ns_order_expansion e;
+    ns_theta *t;
+    ns_system *s;
+    (void)state;
+    assert_int_equal(ns_system_create(2, 2, 2, 0, &s), NS_OK);
+    s->M[0] = s->M[3] = s->D[0] = s->D[3] = 1;
+    s->E[0] = 2, s->E[2] = 3, s->E[1] = 5, s->E[3] = 7;
+    s->F[0] = 11, s->F[2] = 13, s->F[1] = 17, s->F[3] = 19;
+    for (int j = 0; j < 2; j++)
+        s->l[j] = -INFINITY, s->u[j] = INFINITY;
+    assert_int_equal(ns_theta_create(s, &o, &t, NULL), NS_OK);
+    assert_int_equal(ns_theta_start(t, w0, NULL), NS_OK);
+    assert_int_equal(ns_reinit_orders_create(t, t->past.w, &e), NS_OK);
+    e.mode[0] = e.mode[1] = NS_INSIDE;
+    assert_int_equal(ns_reinit_orders_expand(&e, z, slope), NS_OK);
+    for (int i = 0; i < 4; i++) {
+        assert_true(e.Z1[i] == 0 && fabs(e.Z2[i] - rates[i]) < 1e-12);
+        assert_true(fabs(e.Z0[i] - (i < 2 ? 0 : lambda[i - 2])) < 1e-12);
+    }
+    ns_reinit_orders_free(&e);
+    ns_theta_free(t);
+    ns_system_free(s);
+}
+
+/* y1 = lambda1 - 2 and y2 = 3 + x + 5 lambda1 + lambda2 with x = 7: lambda = (2, 0), y = (0, 20).  An input,
+ * or its slope, that is no number is refused. */
+static void laws_of_other_pairs(void **state) {
+    const ns_theta_options o = {1, 1, 0};
+    const double w0 = 7, z = 0, none = NAN;
+    double w, x, lambda[2], y[2], X, Lambda[2], Y[2], h;
+    ns_mode mode[2];
+    const ns_impulse out = {&w, &x, lambda, y, &X, Lambda, Y, mode, &h};
+    ns_theta *t;
+    ns_system *s;
+    (void)state;
+    assert_int_equal(ns_system_create(1, 2, 1, 0, &s), NS_OK);
+    s->M[0] = 1;
+    s->D[0] = s->D[3] = 1, s->D[1] = 5;
+    s->C[1] = 1;
+    s->e[0] = -2, s->e[1] = 3;
+    s->u[0] = s->u[1] = INFINITY;
+    assert_int_equal(ns_theta_create(s, &o, &t, NULL), NS_OK);
+    assert_int_equal(ns_theta_start(t, &w0, NULL), NS_OK);
+    assert_int_equal(ns_theta_impulse(t, &z, NULL, &out), NS_OK);
+    assert_true(x == 7 && fabs(lambda[0] - 2) < 1e-14 && lambda[1] == 0);
+    assert_true(fabs(y[0]) < 1e-14 && fabs(y[1] - 20) < 1e-13);
+    assert_int_equal(mode[0], NS_INSIDE);
+    assert_int_equal(mode[1], NS_LOWER);
+    assert_int_equal(ns_theta_impulse(t, &none, NULL, &out), NS_E_NUMBER);
+    assert_int_equal(ns_theta_impulse(t, &none, &z, &out), NS_E_NUMBER);
+    assert_int_equal(ns_theta_impulse(t, &z, &none, &out), NS_E_NUMBER);
+    ns_theta_free(t);
+    ns_system_free(s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(inputs_of_a_law),
+        cmocka_unit_test(inputs_enter_all_rows),
+        cmocka_unit_test(laws_of_other_pairs),
         cmocka_unit_test(steps_tend_to_it),
         cmocka_unit_test(levels_obey_their_equations),
         cmocka_unit_test(a_shorted_capacitor),
@@ -391,6 +486,7 @@ int main(void) {
         cmocka_unit_test(rows_that_agree_but_for_rounding),
         cmocka_unit_test(bounds_of_rounding),
         cmocka_unit_test(bounds_of_coupled_rows),
+        cmocka_unit_test(bounds_of_an_impulse),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

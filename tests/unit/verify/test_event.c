@@ -112,9 +112,100 @@ static void no_pair_carries_an_impulse(void **state) {
     }
 }
 
+/* x' = 1 - lambda, 0 <= lambda, y = lambda: 0.5 A s backward through it within the 1 s that an event may
+ * take.  What flows in that time does not excuse the direction: the pair is told, and no unknown. */
+static void an_impulse_backward(void **state) {
+    const ns_verify_options o = {.reltol = 1e-9, .instant = 1};
+    (void)state;
+    for (int backward = 0; backward < 2; backward++) {
+        const double x = 5, after = backward ? 5.5 : 4.5, X = 0, none = 0, Lambda = backward ? -0.5 : 0.5;
+        const ns_verify_state left = {1, NS_LEFT, &x, &none, NULL, 0},
+                              right = {1, NS_RIGHT, &after, &none, NULL, 0};
+        ns_system *s;
+        ns_verify *v;
+        ns_verify_finding f;
+        assert_int_equal(ns_system_create(1, 1, 0, 0, &s), NS_OK);
+        s->M[0] = s->b[0] = s->D[0] = 1;
+        s->B[0] = -1;
+        s->u[0] = INFINITY;
+        assert_int_equal(ns_verify_create(s, &o, &v), NS_OK);
+        assert_true(ns_verify_point(v, &left, &f));
+        ns_verify_left(v);
+        assert_true(ns_verify_point(v, &right, &f));
+        assert_int_equal(ns_verify_event(v, &X, &Lambda, &f), !backward);
+        assert_int_equal(f.cause, backward ? NS_VERIFY_IMPULSE : NS_VERIFY_RIGHT);
+        assert_int_equal(f.pair, backward ? 0 : -1);
+        assert_int_equal(f.unknown, -1);
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
+/* 2 x1' = 0, 3 x2' = 0: x1 from 5 to 6 is 11 J more, to 5.001 it is 0.01 J, of nothing; to 4 it is 9 J less,
+ * which is right.  In units 1e-6 of that, too. */
+static void energy_of_nothing(void **state) {
+    const ns_verify_options o = {.reltol = 1e-9, .instant = 1e-11};
+    const double after[] = {6, 5.001, 4, 6e-6};
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        const double unit = k == 3 ? 1e-6 : 1, x[2] = {5 * unit, 3 * unit}, to[2] = {after[k], 3 * unit};
+        const int grows = k != 2;
+        const ns_verify_state left = {1, NS_LEFT, x, NULL, NULL, 0}, right = {2, NS_RIGHT, to, NULL, NULL, 0};
+        ns_system *s;
+        ns_verify *v;
+        ns_verify_finding f;
+        assert_int_equal(ns_system_create(2, 0, 0, 0, &s), NS_OK);
+        s->M[0] = 2, s->M[3] = 3;
+        assert_int_equal(ns_verify_create(s, &o, &v), NS_OK);
+        assert_true(v->is_passive);
+        assert_true(ns_verify_point(v, &left, &f));
+        ns_verify_left(v);
+        assert_true(ns_verify_point(v, &right, &f));
+        f = ns_verify_nothing(2);
+        ns_verify_energy_over(v, 1, &f);
+        assert_int_equal(f.cause, grows ? NS_VERIFY_ENERGY : NS_VERIFY_RIGHT);
+        assert_int_equal(f.pair, -1);
+        assert_int_equal(f.unknown, grows ? 0 : -1); /* the first that stores any */
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
+/* Six unknowns: x0 nothing depends on; x1 a pair's voltage does; x2 a charge does; x3 a control does; a
+ * pair's current is in the row of x4; x5 is in one row with x1. */
+static void what_is_aside(void **state) {
+    enum { N = 6 };
+    const int aside[N] = {1, 0, 0, 0, 0, 0};
+    const ns_verify_options o = {.reltol = 1e-9, .instant = 1e-11};
+    ns_system *s;
+    ns_verify *v;
+    (void)state;
+    assert_int_equal(ns_system_create(N, 2, 0, 1, &s), NS_OK);
+    for (int i = 0; i < N; i++)
+        s->A[i + N * i] = -1;
+    s->C[1 + 2 * 1] = 1;
+    s->D[1 + 2 * 1] = 1;
+    s->M[2 + N * 2] = 1;
+    s->B[4 + N * 1] = 1;
+    s->A[5 + N * 1] = 1;
+    for (int j = 0; j < 2; j++)
+        s->l[j] = -INFINITY, s->u[j] = INFINITY;
+    s->command[0] = (ns_command){.pair = 0, .on = 0.5, .off = 0.5, .gx = calloc(N, sizeof(double))};
+    assert_non_null(s->command[0].gx);
+    s->command[0].gx[3] = 1;
+    assert_int_equal(ns_verify_create(s, &o, &v), NS_OK);
+    for (int i = 0; i < N; i++)
+        assert_int_equal(v->is_aside[i], aside[i]);
+    ns_verify_free(v);
+    ns_system_free(s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(what_flows_in_the_time_of_a_jump),
                                        cmocka_unit_test(sides_of_an_input),
-                                       cmocka_unit_test(no_pair_carries_an_impulse)};
+                                       cmocka_unit_test(no_pair_carries_an_impulse),
+                                       cmocka_unit_test(an_impulse_backward),
+                                       cmocka_unit_test(energy_of_nothing),
+                                       cmocka_unit_test(what_is_aside)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -154,6 +154,40 @@ static void sources_with_many_corners(void **state) {
     end(&k);
 }
 
+/* A gate between the thresholds that jumps to 1 V at 1 s and falls back to 0.5 V by 2 s: only the right side
+ * of its corner says that the switch is closed.  What a point shows, 1 V at 0.75 s and 0.3 V at 4 s, is kept.
+ */
+static void sides_of_a_corner(void **state) {
+    static const double t[] = {0, 1, 1, 2}, volts[] = {0.5, 0.5, 1, 0.5};
+    const ns_signal gate = {.kind = NS_PWL, .u.pwl = {.n = 4, .t = t, .v = volts, .repeat = NAN}};
+    const ns_verify_options vo = {.reltol = 1e-9, .instant = 1e-11};
+    (void)state;
+    for (int shown = 0; shown < 2; shown++) {
+        ns_system *s;
+        ns_verify *v;
+        assert_int_equal(ns_system_create(0, 1, 1, 1, &s), NS_OK);
+        s->D[0] = 1;
+        s->l[0] = -INFINITY;
+        s->u[0] = INFINITY;
+        s->command[0] = (ns_command){.pair = 0, .on = 0.6, .off = 0.4, .gz = calloc(1, sizeof(double))};
+        assert_non_null(s->command[0].gz);
+        s->command[0].gz[0] = 1;
+        assert_int_equal(ns_system_set_input(s, 0, &gate), NS_OK);
+        assert_int_equal(ns_verify_create(s, &vo, &v), NS_OK);
+        ns_verify_start_switches(v, 0, NULL);
+        assert_int_equal(known_at(v, 0.5, 0.5), 0);
+        if (shown) {
+            assert_int_equal(known_at(v, 0.75, 1), 1);
+            assert_int_equal(known_at(v, 0.8, 0.5), 1); /* it stays known */
+        }
+        assert_int_equal(known_at(v, 3, 0.5), 1);
+        assert_int_equal(known_at(v, 4, 0.3), 0);
+        assert_int_equal(known_at(v, 5, 0.5), 0);
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
 /* Energy is judged where M is symmetric but for signs of rows and its own entries say the signs: of two
  * charges, each by the other's unknown alone, none does. */
 static void energy_needs_signs(void **state) {
@@ -213,11 +247,9 @@ static void an_unloaded_switch_may_be_the_cause(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sources_decide),
-        cmocka_unit_test(sources_with_many_corners),
-        cmocka_unit_test(energy_needs_signs),
-        cmocka_unit_test(a_change_has_a_cause),
-        cmocka_unit_test(an_unloaded_switch_may_be_the_cause),
+        cmocka_unit_test(sources_decide),       cmocka_unit_test(sources_with_many_corners),
+        cmocka_unit_test(sides_of_a_corner),    cmocka_unit_test(energy_needs_signs),
+        cmocka_unit_test(a_change_has_a_cause), cmocka_unit_test(an_unloaded_switch_may_be_the_cause),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
