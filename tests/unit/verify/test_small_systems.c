@@ -1,0 +1,297 @@
+/* tests/unit/verify/test_small_systems.c - systems of one or two rows, in which every number that decides is
+ * known. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "nonsmooth.h"
+#include "signals.h"
+#include "verify/verify_internal.h"
+
+static const ns_verify_options options = {.reltol = 1e-9, .instant = 1e-11};
+
+/* A command of pair 0 by x_0 (by_state) or z_0. */
+static void command(ns_system *s, int by_state, double on, double off) {
+    double *gain = calloc(by_state ? (size_t)s->n : (size_t)s->nz, sizeof *gain);
+    assert_non_null(gain);
+    gain[0] = 1;
+    s->l[0] = -INFINITY;
+    s->u[0] = INFINITY;
+    s->command[0] = (ns_command){.pair = 0, .on = on, .off = off};
+    *(by_state ? &s->command[0].gx : &s->command[0].gz) = gain;
+}
+
+/* x' = -x + z_0 + z_1 with z_0 = 2 V, and z_1 = 0 V, or 1 V from 1 us on; a switch by the state, or none: 1
+ * if x = `volts` at 0 is at rest. */
+static int rests(double volts, int moves, int by_state, ns_verify_finding *f) {
+    const ns_signal two = dc(2), step = pulse(0, moves ? 1 : 0, 0, 1e-6, 1e-6, 1, 3);
+    const double lambda = 0;
+    const ns_verify_state at = {0, NS_RIGHT, &volts, &lambda, NULL, 0};
+    ns_system *s;
+    ns_verify *v;
+    assert_int_equal(ns_system_create(1, 1, 2, 1, &s), NS_OK);
+    s->M[0] = s->E[0] = s->E[1] = s->D[0] = 1;
+    s->A[0] = -1;
+    command(s, by_state, 50, 50);
+    assert_int_equal(ns_system_set_input(s, 0, &two), NS_OK);
+    assert_int_equal(ns_system_set_input(s, 1, &step), NS_OK);
+    assert_int_equal(ns_verify_create(s, &options, &v), NS_OK);
+    assert_true(ns_verify_point(v, &at, f));
+    const int right = ns_verify_operating_point(v, &volts, 0, NULL, NULL, f);
+    ns_verify_free(v);
+    ns_system_free(s);
+    return right;
+}
+
+static void operating_points(void **state) {
+    ns_verify_finding f;
+    (void)state;
+    assert_true(rests(2, 0, 0, &f));
+    assert_false(rests(3, 0, 0, &f));
+    assert_int_equal(f.cause, NS_VERIFY_FLOW);
+    assert_int_equal(f.unknown, 0);
+    assert_int_equal(f.pair, -1);
+    assert_true(rests(3, 1, 0, &f)); /* a source moves: nothing is known */
+    assert_true(rests(3, 0, 1, &f)); /* what depends on the state may oscillate */
+}
+
+/* x_1 is to be held at 3 V, x_0 is not. */
+static void held_at_an_operating_point(void **state) {
+    const int hold = 1;
+    const double volts = 3;
+    (void)state;
+    for (int wrong = 0; wrong < 2; wrong++) {
+        const double x[2] = {5, wrong ? 3.1 : 3};
+        const ns_verify_state at = {0, NS_RIGHT, x, NULL, NULL, 0};
+        ns_system *s;
+        ns_verify *v;
+        ns_verify_finding f;
+        assert_int_equal(ns_system_create(2, 0, 0, 0, &s), NS_OK);
+        s->M[0] = s->M[3] = 1;
+        s->A[0] = s->A[3] = -1;
+        assert_int_equal(ns_verify_create(s, &options, &v), NS_OK);
+        assert_true(ns_verify_point(v, &at, &f));
+        assert_int_equal(ns_verify_operating_point(v, x, 1, &hold, &volts, &f), !wrong);
+        assert_int_equal(f.cause, wrong ? NS_VERIFY_ROW : NS_VERIFY_RIGHT);
+        assert_int_equal(f.unknown, wrong ? 1 : -1);
+        assert_int_equal(f.pair, -1);
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
+/* x' = 0, y = 1 - lambda; lambda 0.5: neither open nor closed.  1 if it counts as sliding. */
+static int slides(int by_state, double on, double lambda) {
+    const double x = 0.5;
+    const ns_verify_state at = {0, NS_RIGHT, &x, &lambda, NULL, 0};
+    const ns_signal half = dc(0.5);
+    ns_system *s;
+    ns_verify *v;
+    ns_verify_finding f;
+    assert_int_equal(ns_system_create(1, 1, 1, 1, &s), NS_OK);
+    s->M[0] = s->e[0] = 1;
+    s->D[0] = -1;
+    command(s, by_state, on, 0.5);
+    assert_int_equal(ns_system_set_input(s, 0, &half), NS_OK);
+    assert_int_equal(ns_verify_create(s, &options, &v), NS_OK);
+    (void)ns_verify_point(v, &at, &f);
+    const int it_slides = ns_verify_slides(v, 0);
+    assert_int_equal(ns_verify_slidings(v), it_slides);
+    ns_verify_free(v);
+    ns_system_free(s);
+    return it_slides;
+}
+
+static void which_switches_slide(void **state) {
+    (void)state;
+    assert_int_equal(slides(1, 0.5, 0.5), 1);
+    assert_int_equal(slides(0, 0.5, 0.5), 0);   /* by a source */
+    assert_int_equal(slides(1, 0.6, 0.5), 0);   /* with hysteresis */
+    assert_int_equal(slides(1, 0.5, 1e-15), 0); /* open: so little is nothing (1e-15 A) */
+}
+
+/* Of the second of three controls: x_0 alone is in the first one, z in the second, x_0 in the third. */
+static void each_control_has_its_own_row(void **state) {
+    const double x = 0.5, lambda[3] = {0.5, 0.5, 0.5};
+    const ns_verify_state at = {0, NS_RIGHT, &x, lambda, NULL, 0};
+    const ns_signal half = dc(0.5);
+    ns_system *s;
+    ns_verify *v;
+    ns_verify_finding f;
+    (void)state;
+    assert_int_equal(ns_system_create(1, 3, 1, 3, &s), NS_OK);
+    s->M[0] = 1;
+    for (int j = 0; j < 3; j++) {
+        double *gain = calloc(1, sizeof *gain);
+        assert_non_null(gain);
+        gain[0] = 1;
+        s->e[j] = 1;
+        s->D[j + 3 * j] = -1;
+        s->l[j] = -INFINITY;
+        s->u[j] = INFINITY;
+        s->command[j] = (ns_command){.pair = j, .on = 0.5, .off = 0.5};
+        *(j == 1 ? &s->command[j].gz : &s->command[j].gx) = gain;
+    }
+    assert_int_equal(ns_system_set_input(s, 0, &half), NS_OK);
+    assert_int_equal(ns_verify_create(s, &options, &v), NS_OK);
+    (void)ns_verify_point(v, &at, &f);
+    for (int j = 0; j < 3; j++)
+        assert_int_equal(ns_verify_slides(v, j), j != 1);
+    assert_int_equal(ns_verify_slidings(v), 2);
+    ns_verify_free(v);
+    ns_system_free(s);
+}
+
+/* In a hurry a diode is a pair of 0 <= lambda without an upper bound, y a difference; others: with a lower
+ * bound that is not 0, an upper one, a command, a y that is twice an unknown. */
+static void plain_pairs(void **state) {
+    enum { M = 5 };
+    ns_system *s;
+    ns_verify *v;
+    (void)state;
+    assert_int_equal(ns_system_create(2, M, 0, 1, &s), NS_OK);
+    s->M[0] = s->M[3] = 1;
+    command(s, 1, 0.5, 0.5); /* pair 0 */
+    for (int j = 0; j < M; j++) {
+        s->C[j] = j == 4 ? 2 : 1;
+        s->C[j + M] = -1;
+        s->u[j] = j == 2 ? 3 : INFINITY;
+    }
+    s->l[3] = -1;
+    assert_int_equal(ns_verify_create(s, &options, &v), NS_OK);
+    assert_int_equal(v->quick.plains, 1);
+    assert_int_equal(v->quick.plain[0], 1);
+    assert_int_equal(v->quick.others, M - 1);
+    ns_verify_free(v);
+    ns_system_free(s);
+}
+
+/* x' = 0 from 5: in a hurry a charge stays if it moves by what it may be off by over its weight, and not by
+ * 1.5 times as much. */
+static void a_charge_that_moves_in_a_hurry(void **state) {
+    const double x = 5;
+    const ns_verify_state at = {0, NS_RIGHT, &x, NULL, NULL, 0};
+    ns_system *s;
+    ns_verify *v;
+    ns_verify_finding f;
+    (void)state;
+    assert_int_equal(ns_system_create(1, 0, 0, 0, &s), NS_OK);
+    s->M[0] = 1;
+    assert_int_equal(ns_verify_create(s, &options, &v), NS_OK);
+    assert_true(ns_verify_point(v, &at, &f));
+    ns_verify_sizes_charge(v, 0, 5);
+    assert_true(ns_verify_quick_point(v, &at));
+    const double times = fabs(v->quick.charge[0]) * ns_verify_sizes_charge_off(v, 0);
+    assert_true(times >= 1 - 1e-12 && times <= 2);
+    for (int k = 0; k < 2; k++) {
+        const double after = 5 + (k ? 1.5 : 0.75) / fabs(v->quick.charge[0]);
+        const ns_verify_state right = {0, NS_RIGHT, &after, NULL, NULL, 0};
+        ns_verify_quick_left(v, &at);
+        assert_true(ns_verify_quick_point(v, &right));
+        v->quick.is_old = 0;
+        assert_int_equal(ns_verify_quick_stays(v), !k);
+    }
+    ns_verify_free(v);
+    ns_system_free(s);
+}
+
+/* 0 = z - x, where z jumps from 0 to 5 V at 1 s: at that instant x may be between, and beyond it may not. */
+static void between_the_sides_of_a_jump(void **state) {
+    static const double t[] = {1, 1}, volts[] = {0, 5};
+    const ns_signal step = {.kind = NS_PWL, .u.pwl = {.n = 2, .t = t, .v = volts, .repeat = NAN}};
+    const double x = 2;
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        const ns_verify_state at = {
+            k < 2 ? 1 : k == 2 ? 0.5 : 2, k == 1 ? NS_LEFT : NS_RIGHT, &x, NULL, NULL, 0};
+        ns_system *s;
+        ns_verify *v;
+        ns_verify_finding f;
+        assert_int_equal(ns_system_create(1, 0, 1, 0, &s), NS_OK);
+        s->A[0] = -1;
+        s->E[0] = 1;
+        assert_int_equal(ns_system_set_input(s, 0, &step), NS_OK);
+        assert_int_equal(ns_verify_create(s, &options, &v), NS_OK);
+        assert_int_equal(ns_verify_point(v, &at, &f), k < 2);
+        assert_int_equal(f.cause, k < 2 ? NS_VERIFY_RIGHT : NS_VERIFY_ROW);
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
+/* x' = 0 at 0.5 V, y = 1 + 0 z - lambda; the switch closes above 0.6 V and opens below 0.4 V.  It opens or
+ * closes at 1 s, where z jumps, or stays. */
+static int changes(int closes, int jumps, ns_verify_finding *f) {
+    static const double t[] = {1, 1};
+    const double volts[] = {0, jumps ? 1 : 0}, x = 0.5, open = 0, closed = 1, X = 0, Lambda = 0;
+    const ns_signal step = {.kind = NS_PWL, .u.pwl = {.n = 2, .t = t, .v = volts, .repeat = NAN}};
+    const ns_verify_state left = {1, NS_LEFT, &x, closes ? &open : &closed, NULL, 0},
+                          right = {1, NS_RIGHT, &x, closes ? &closed : &open, NULL, 0};
+    ns_system *s;
+    ns_verify *v;
+    assert_int_equal(ns_system_create(1, 1, 1, 1, &s), NS_OK);
+    s->M[0] = s->e[0] = 1;
+    s->D[0] = -1;
+    command(s, 1, 0.6, 0.4);
+    assert_int_equal(ns_system_set_input(s, 0, &step), NS_OK);
+    assert_int_equal(ns_verify_create(s, &options, &v), NS_OK);
+    assert_true(ns_verify_point(v, &left, f));
+    ns_verify_left(v);
+    assert_true(ns_verify_point(v, &right, f));
+    const int is_right = ns_verify_event(v, &X, &Lambda, f);
+    ns_verify_free(v);
+    ns_system_free(s);
+    return is_right;
+}
+
+static void a_change_without_a_cause(void **state) {
+    ns_verify_finding f;
+    (void)state;
+    for (int closes = 0; closes < 2; closes++) {
+        assert_false(changes(closes, 0, &f));
+        assert_int_equal(f.cause, NS_VERIFY_COMMAND);
+        assert_int_equal(f.pair, 0);
+        assert_int_equal(f.unknown, -1);
+        assert_true(changes(closes, 1, &f)); /* the source may be the cause */
+    }
+}
+
+/* A line that ends with 9 V at 3 s stays there, however often it is asked for. */
+static void an_input_after_its_last_corner(void **state) {
+    static const double t[] = {0, 3}, volts[] = {0, 9};
+    const ns_signal line = {.kind = NS_PWL, .u.pwl = {.n = 2, .t = t, .v = volts, .repeat = NAN}};
+    ns_system *s;
+    ns_verify *v;
+    double z;
+    (void)state;
+    assert_int_equal(ns_system_create(1, 0, 1, 0, &s), NS_OK);
+    s->M[0] = s->E[0] = 1;
+    assert_int_equal(ns_system_set_input(s, 0, &line), NS_OK);
+    assert_int_equal(ns_verify_create(s, &options, &v), NS_OK);
+    for (int k = 0; k < 5; k++) {
+        ns_verify_inputs_at(v, 4 + k, k % 2 ? NS_LEFT : NS_RIGHT, &z);
+        assert_true(z == 9);
+    }
+    ns_verify_free(v);
+    ns_system_free(s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(operating_points),
+        cmocka_unit_test(held_at_an_operating_point),
+        cmocka_unit_test(which_switches_slide),
+        cmocka_unit_test(each_control_has_its_own_row),
+        cmocka_unit_test(plain_pairs),
+        cmocka_unit_test(a_charge_that_moves_in_a_hurry),
+        cmocka_unit_test(between_the_sides_of_a_jump),
+        cmocka_unit_test(a_change_without_a_cause),
+        cmocka_unit_test(an_input_after_its_last_corner),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
