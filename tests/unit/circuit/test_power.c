@@ -100,6 +100,27 @@ static void each_kind(void **state) {
     ns_circuit_free(c);
 }
 
+/* 6 V and 2 V: 2 F to ground either way round, 3 F from node 1 to node 2 and 5 F from node 2 to ground: 36,
+ * 36, 24 and 10 J. */
+static void energy_of_capacitors(void **state) {
+    ns_circuit *c = begin();
+    ns_system *s;
+    const double x[] = {6, 2}, want[] = {36, 36, 24, 10};
+    double each[4] = {7, 7, 7, 7}, all;
+    (void)state;
+    assert_int_equal(ns_circuit_capacitor(c, "c1", 1, 0, 2, NAN, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(c, "c2", 0, 1, 2, NAN, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(c, "c3", 1, 2, 3, NAN, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(c, "c4", 2, 0, 5, NAN, NULL), NS_OK);
+    assert_int_equal(ns_circuit_system(c, &s), NS_OK);
+    assert_int_equal(ns_circuit_stored(c, x, each, &all), NS_OK);
+    for (int k = 0; k < 4; k++)
+        assert_true(each[k] == want[k]);
+    assert_true(all == 106);
+    ns_system_free(s);
+    ns_circuit_free(c);
+}
+
 static void refusals(void **state) {
     (void)state;
     ns_circuit *c = begin();
@@ -257,6 +278,7 @@ static void powers_add_up_to_zero(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_kind),
+        cmocka_unit_test(energy_of_capacitors),
         cmocka_unit_test(refusals),
         cmocka_unit_test(powers_add_up_to_zero),
     };

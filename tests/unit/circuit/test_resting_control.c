@@ -211,6 +211,38 @@ static void choice_by_state(void **state) {
     end_with((double[]){0, 0, 0, 0, 0}, (double[]){24e-12, 0, 0, -24e-12, -24e-12});
 }
 
+/* v(1) + 2 v(2) - v(3): sources of 3 V and 5 V, and what is not known counts as the largest, 5 V: 3 + 10 + 5
+ * in all. */
+static void choice_by_sources_and_the_state(void **state) {
+    const ns_affine control = {0, 3, (ns_term[]){{0, 1, 1}, {0, 2, 2}, {0, 3, -1}}}, one = {1, 0, NULL};
+    int id;
+    (void)state;
+    begin();
+    source("v1", 1, 0, pulse(0, 3));
+    source("v2", 2, 0, pulse(0, 5));
+    assert_int_equal(ns_circuit_resistor(made, "r1", 1, 3, 1, &id), NS_OK);
+    assert_int_equal(ns_circuit_resistor(made, "r2", 3, 0, 1, &id), NS_OK);
+    assert_int_equal(ns_circuit_choice(made, "c1", &control, 0, &one, &id), NS_OK);
+    assert_int_equal(ns_circuit_choice_at_rest(made, id, 0, 1), NS_OK);
+    switches++;
+    end_with((double[]){0}, (double[]){4e-12 * 18});
+}
+
+/* A sign (group 1: both ways) beside a comparison: the latter has an opposite in a group that also has its
+ * like, the former has its opposites in its own group; so neither is left at its threshold. */
+static void a_sign_beside_a_comparison(void **state) {
+    int id;
+    (void)state;
+    begin();
+    source("v1", 1, 0, pulse(0, 3));
+    assert_int_equal(ns_circuit_resistor(made, "r1", 1, 2, 1, &id), NS_OK);
+    assert_int_equal(ns_circuit_resistor(made, "r2", 2, 3, 1, &id), NS_OK);
+    add_choice("c1", 2, 3, 0, 1);
+    add_choice("c2", 3, 2, 0, 1);
+    add_choice("c3", 3, 2, 1, 2);
+    end_with((double[]){0, 0, 0}, (double[]){24e-12, 24e-12, -24e-12});
+}
+
 /* Thresholds beside zero by rounding, less than 24e-12 V: opposite choices change in one instant all the
  * same; those of 1 V do not. */
 static void opposite_choices_beside_zero(void **state) {
@@ -277,6 +309,8 @@ int main(void) {
         cmocka_unit_test(choice_by_time),
         cmocka_unit_test(choice_of_a_sine),
         cmocka_unit_test(choice_by_state),
+        cmocka_unit_test(a_sign_beside_a_comparison),
+        cmocka_unit_test(choice_by_sources_and_the_state),
         cmocka_unit_test(opposite_choices_beside_zero),
         cmocka_unit_test(refused),
     };

@@ -246,6 +246,40 @@ static void a_way_in_parts(void **state) {
     }
 }
 
+/* 1 uF from node 1, said to be at 10 V, to node 2, at 4 V, discharges through a diode: 6 uC, at 3 V in the
+ * mean.
+ */
+static void voltages_of_nodes_at_a_start(void **state) {
+    (void)state;
+    for (int k = 0; k < METHODS; k++) {
+        bench b = open_bench();
+        assert_int_equal(ns_circuit_capacitor(b.c, "c", 1, 2, 1e-6, NAN, NULL), NS_OK);
+        assert_int_equal(ns_circuit_diode(b.c, "d", 1, 2, &diode, NULL), NS_OK);
+        assert_int_equal(ns_circuit_resistor(b.c, "r", 2, 0, 1, NULL), NS_OK);
+        assert_int_equal(ns_circuit_node_ic(b.c, 1, 10), NS_OK);
+        assert_int_equal(ns_circuit_node_ic(b.c, 2, 4), NS_OK);
+        run(&b, method[k]);
+        expect(b.e, 0, -6e-6, -18e-6, 1e-11);
+        expect(b.e, 1, 6e-6, 18e-6, 1e-11);
+        close_bench(&b);
+    }
+}
+
+/* A source that jumps to 8 unit V right across 1 uF: half of the voltage times the charge, however small. */
+static void a_source_that_jumps_by_little(void **state) {
+    (void)state;
+    for (int k = 0; k < METHODS; k++) {
+        const double unit = 1e-10;
+        bench b = open_bench();
+        const int v = gate(&b, 0, 8 * unit);
+        assert_int_equal(ns_circuit_capacitor(b.c, "c1", 9, 0, 1e-6, 0, NULL), NS_OK);
+        run(&b, method[k]);
+        expect(b.e, v, -8e-6 * unit, -32e-6 * unit * unit, 1e-11);
+        expect(b.e, 1, 8e-6 * unit, 32e-6 * unit * unit, 1e-11);
+        close_bench(&b);
+    }
+}
+
 static void refusals(void **state) {
     (void)state;
     bench b = open_bench();
@@ -307,6 +341,8 @@ int main(void) {
         cmocka_unit_test(two_capacitors),
         cmocka_unit_test(a_source_that_jumps),
         cmocka_unit_test(a_cut_inductor),
+        cmocka_unit_test(voltages_of_nodes_at_a_start),
+        cmocka_unit_test(a_source_that_jumps_by_little),
         cmocka_unit_test(where_another_was),
         cmocka_unit_test(a_way_in_parts),
         cmocka_unit_test(refusals),

@@ -281,6 +281,114 @@ static void an_input_after_its_last_corner(void **state) {
     ns_system_free(s);
 }
 
+/* y_0 = x, y_1 = x + 2 z_0 + 3 z_1 with z = (5, 7), x = 1: 1 and 32. */
+static void outputs_of_inputs(void **state) {
+    const ns_signal z[] = {dc(5), dc(7)};
+    const double x = 1, lambda[2] = {0, 0}, shown[][2] = {{1, 32}, {1, 22}, {1, 11}, {2, 32}};
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        const ns_verify_state at = {0, NS_RIGHT, &x, lambda, shown[k], 0};
+        ns_system *s;
+        ns_verify *v;
+        ns_verify_finding f;
+        assert_int_equal(ns_system_create(1, 2, 2, 0, &s), NS_OK);
+        s->M[0] = s->C[0] = s->C[1] = 1;
+        s->F[1] = 2;
+        s->F[3] = 3;
+        for (int j = 0; j < 2; j++) {
+            s->u[j] = INFINITY;
+            assert_int_equal(ns_system_set_input(s, j, &z[j]), NS_OK);
+        }
+        assert_int_equal(ns_verify_create(s, &options, &v), NS_OK);
+        assert_int_equal(ns_verify_point(v, &at, &f), k == 0);
+        assert_int_equal(f.cause, k == 0 ? NS_VERIFY_RIGHT : NS_VERIFY_OUTPUT);
+        assert_int_equal(f.pair, k == 0 ? -1 : k < 3);
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
+/* Which of two unknowns and two currents is no number. */
+static void which_is_no_number(void **state) {
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        double u[4] = {1, 1, 1, 1};
+        const ns_verify_state at = {0, NS_RIGHT, u, u + 2, NULL, 0};
+        ns_system *s;
+        ns_verify *v;
+        ns_verify_finding f;
+        assert_int_equal(ns_system_create(2, 2, 0, 0, &s), NS_OK);
+        s->M[0] = s->M[3] = 1;
+        s->u[0] = s->u[1] = INFINITY;
+        assert_int_equal(ns_verify_create(s, &options, &v), NS_OK);
+        assert_true(ns_verify_point(v, &at, &f));
+        u[k] = NAN;
+        assert_false(ns_verify_point(v, &at, &f));
+        assert_int_equal(f.cause, NS_VERIFY_NUMBER);
+        assert_int_equal(f.unknown, k < 2 ? k : -1);
+        assert_int_equal(f.pair, k < 2 ? -1 : k - 2);
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
+/* x_0' = -x_1, y_0 = y_1 = x_1 = 0 on both sides.  x_0 falls from 6 to 5 by an impulse of 1 of x_1, so that y
+ * has one: after it lambda is 0, of both pairs.  `which` has 2. */
+static void what_follows_an_impulse(void **state) {
+    (void)state;
+    for (int which = -1; which < 2; which++) {
+        const double before[2] = {6, 0}, after[2] = {5, 0}, none[2] = {0, 0}, X[2] = {0, 1};
+        double lambda[2] = {0, 0};
+        if (which >= 0)
+            lambda[which] = 2;
+        const ns_verify_state left = {1, NS_LEFT, before, none, NULL, 0},
+                              right = {1, NS_RIGHT, after, lambda, NULL, 0};
+        ns_system *s;
+        ns_verify *v;
+        ns_verify_finding f;
+        assert_int_equal(ns_system_create(2, 2, 0, 0, &s), NS_OK);
+        s->M[0] = 1;
+        s->A[0 + 2 * 1] = -1;
+        s->C[0 + 2 * 1] = s->C[1 + 2 * 1] = 1;
+        s->u[0] = s->u[1] = INFINITY;
+        assert_int_equal(ns_verify_create(s, &options, &v), NS_OK);
+        assert_true(ns_verify_point(v, &left, &f));
+        ns_verify_left(v);
+        assert_true(ns_verify_point(v, &right, &f));
+        assert_int_equal(ns_verify_event(v, X, none, &f), which < 0);
+        assert_int_equal(f.cause, which < 0 ? NS_VERIFY_RIGHT : NS_VERIFY_IMPULSE);
+        assert_int_equal(f.pair, which);
+        assert_int_equal(f.unknown, -1);
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
+/* x' = z_0 - z_1, both 1 kV: a step of 1 s may be off by 1e-8 of these terms, 2e-5, as x stays. */
+static void rounding_in_a_step(void **state) {
+    const ns_signal z = dc(1000);
+    const double before = 0, after[] = {1e-5, -1e-5, 1e-3, -1e-3};
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        const ns_verify_state from = {0, NS_RIGHT, &before, NULL, NULL, 0},
+                              to = {1, NS_LEFT, &after[k], NULL, NULL, 0};
+        ns_system *s;
+        ns_verify *v;
+        ns_verify_finding f;
+        assert_int_equal(ns_system_create(1, 0, 2, 0, &s), NS_OK);
+        s->M[0] = s->E[0] = 1;
+        s->E[1] = -1;
+        assert_int_equal(ns_system_set_input(s, 0, &z), NS_OK);
+        assert_int_equal(ns_system_set_input(s, 1, &z), NS_OK);
+        assert_int_equal(ns_verify_create(s, &options, &v), NS_OK);
+        assert_int_equal(ns_verify_step(v, &from, &to, &f), k < 2);
+        assert_int_equal(f.cause, k < 2 ? NS_VERIFY_RIGHT : NS_VERIFY_FLOW);
+        assert_int_equal(f.unknown, k < 2 ? -1 : 0);
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(operating_points),
@@ -292,6 +400,10 @@ int main(void) {
         cmocka_unit_test(between_the_sides_of_a_jump),
         cmocka_unit_test(a_change_without_a_cause),
         cmocka_unit_test(an_input_after_its_last_corner),
+        cmocka_unit_test(outputs_of_inputs),
+        cmocka_unit_test(which_is_no_number),
+        cmocka_unit_test(what_follows_an_impulse),
+        cmocka_unit_test(rounding_in_a_step),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
