@@ -121,6 +121,23 @@ static void energy_of_capacitors(void **state) {
     ns_circuit_free(c);
 }
 
+/* A source that depends on nothing: 1.5 A. */
+static void a_linear_source_of_no_terms(void **state) {
+    ns_circuit *c = begin();
+    const double x = 4;
+    const ns_solution at = {0, NS_RIGHT, &x, NULL, NULL};
+    int id;
+    (void)state;
+    assert_int_equal(ns_circuit_resistor(c, "r", 1, 0, 2, NULL), NS_OK);
+    assert_int_equal(ns_circuit_linear(c, "b", NS_CURRENT, 1, 0, 1.5, 0, NULL, &id), NS_OK);
+    assert_int_equal(ns_circuit_linear(c, "b2", NS_CURRENT, 1, 0, 1.5, 1, NULL, NULL), NS_E_NULL);
+    ns_system *s;
+    assert_int_equal(ns_circuit_system(c, &s), NS_OK);
+    expect(c, id, &at, 4, 1.5);
+    ns_system_free(s);
+    ns_circuit_free(c);
+}
+
 static void refusals(void **state) {
     (void)state;
     ns_circuit *c = begin();
@@ -278,6 +295,7 @@ static void powers_add_up_to_zero(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_kind),
+        cmocka_unit_test(a_linear_source_of_no_terms),
         cmocka_unit_test(energy_of_capacitors),
         cmocka_unit_test(refusals),
         cmocka_unit_test(powers_add_up_to_zero),

@@ -280,6 +280,22 @@ static void a_source_that_jumps_by_little(void **state) {
     }
 }
 
+/* 1 uF at 10 V over 1 ohm: after 2 us 10 exp(-2) V, and so much power. */
+static void power_at_the_end(void **state) {
+    (void)state;
+    for (int k = 0; k < METHODS; k++) {
+        const double watts = 100 * exp(-4);
+        bench b = open_bench();
+        double p;
+        assert_int_equal(ns_circuit_capacitor(b.c, "c", 1, 0, 1e-6, 10, NULL), NS_OK);
+        assert_int_equal(ns_circuit_resistor(b.c, "r", 1, 0, 1, NULL), NS_OK);
+        run(&b, method[k]);
+        assert_int_equal(ns_energy_read(b.e, 1, &p, NULL, NULL), NS_OK);
+        assert_true(fabs(p - watts) < (method[k] == NS_THETA ? 0.3 : 1e-4) * watts); /* steps of 0.1 us */
+        close_bench(&b);
+    }
+}
+
 static void refusals(void **state) {
     (void)state;
     bench b = open_bench();
@@ -341,6 +357,7 @@ int main(void) {
         cmocka_unit_test(two_capacitors),
         cmocka_unit_test(a_source_that_jumps),
         cmocka_unit_test(a_cut_inductor),
+        cmocka_unit_test(power_at_the_end),
         cmocka_unit_test(voltages_of_nodes_at_a_start),
         cmocka_unit_test(a_source_that_jumps_by_little),
         cmocka_unit_test(where_another_was),

@@ -150,6 +150,107 @@ static void never_much_more_than_the_better_one(void **state) {
     }
 }
 
+static ns_work work_of(double all, double once, double events) {
+    return (ns_work){.all = all, .once = once, .events = events};
+}
+
+/* A choice that begins at 2 s with 300 of work done, and looks again after so much time and work. */
+static ns_choice_answer look_after(ns_choice *c, double time, double spent, double once, double events,
+                                   double least) {
+    return ns_march_choice_look(c, 2 + time, work_of(300 + spent, once, events), least);
+}
+
+static ns_choice begun(void) {
+    ns_choice c = {0};
+    ns_march_choice_begin(&c, 2, work_of(300, 0, 0), first);
+    assert_true(c.interval == 1000 && c.asks == 0 && ns_march_choice_limit(&c) == INFINITY);
+    return c;
+}
+
+/* The other one is asked after an interval's work, unless events there cost more than 0.7 of it: then after
+ * another one. */
+static void when_the_other_one_is_asked(void **state) {
+    ns_choice c = begun();
+    (void)state;
+    assert_int_equal(look_after(&c, 1, 999, 0, 0, 0), NS_CHOICE_STAY);
+    assert_int_equal(look_after(&c, 0, 1000, 0, 0, 0), NS_CHOICE_STAY); /* no time has passed */
+    assert_int_equal(look_after(&c, 2, 1000, 0, 0, 0), NS_CHOICE_CHANGE);
+    assert_true(c.usual == 500 && c.rate == 500);
+    c = begun();
+    assert_int_equal(look_after(&c, 2, 1000, 400, 0, 0), NS_CHOICE_CHANGE);
+    assert_true(c.usual == 500 && c.rate == 300); /* what is made once is not needed again, */
+    c = begun();
+    assert_int_equal(look_after(&c, 2, 8000, 4000, 0, 0), NS_CHOICE_CHANGE);
+    assert_true(c.rate == 4000); /* but from 4 of the first intervals on it counts */
+    c = begun();
+    assert_int_equal(look_after(&c, 2, 1000, 0, 99, 7), NS_CHOICE_CHANGE);
+    c = begun();
+    assert_int_equal(look_after(&c, 2, 1000, 0, 101, 7), NS_CHOICE_STAY);
+    assert_true(c.interval == 1000 && c.from.t == 4 && c.from.work.all == 1300);
+    assert_int_equal(look_after(&c, 4, 1999, 0, 101, 0), NS_CHOICE_STAY);
+    assert_int_equal(look_after(&c, 4, 2000, 0, 101, 0), NS_CHOICE_CHANGE);
+}
+
+/* It needed 500 per second: the other one is asked after half an interval where it needs 4 times that. */
+static void when_one_crawls(void **state) {
+    ns_choice c = begun();
+    (void)state;
+    assert_int_equal(look_after(&c, 2, 1000, 0, 1000, 7), NS_CHOICE_STAY);
+    assert_true(c.usual == 500);
+    ns_choice same = c;
+    assert_int_equal(look_after(&same, 2.25, 1499, 0, 1000, 0), NS_CHOICE_STAY);
+    assert_int_equal(look_after(&same, 2.26, 1510, 0, 1000, 0), NS_CHOICE_STAY);
+    assert_int_equal(look_after(&same, 2.25, 1501, 0, 1000, 0), NS_CHOICE_CHANGE);
+}
+
+/* 500 per second against the other one, which is asked at 4 s with 1300 done: it may take 125, over what
+ * costs that. */
+static ns_choice asked(void) {
+    ns_choice c = begun();
+    assert_int_equal(look_after(&c, 2, 1000, 0, 0, 0), NS_CHOICE_CHANGE);
+    ns_march_choice_changed(&c, 4, work_of(1300, 0, 0));
+    assert_true(c.asks == 1 && c.interval == 1000);
+    assert_true(ns_march_choice_limit(&c) == 2300);
+    return c;
+}
+
+static void when_the_one_asked_stays(void **state) {
+    ns_choice c = asked();
+    (void)state;
+    assert_int_equal(look_after(&c, 2.24, 1010, 0, 0, 0),
+                     NS_CHOICE_STAY); /* not long enough: 0.24 s for 120 */
+    assert_int_equal(c.asks, 1);
+    assert_int_equal(look_after(&c, 2.26, 1089, 0, 0, 0), NS_CHOICE_STAY); /* less than 0.7 of 130 */
+    assert_true(c.asks == 0 && c.interval == 1000 && c.from.t == 4.26 && c.from.work.all == 1389);
+    assert_true(fabs(c.usual - 350) < 1e-12);
+    c = asked();
+    assert_int_equal(look_after(&c, 2.26, 1093, 0, 0, 0), NS_CHOICE_STAY); /* more: it goes on, */
+    assert_int_equal(c.asks, 1);
+    assert_int_equal(look_after(&c, 2.26, 1124, 0, 0, 0), NS_CHOICE_STAY); /* up to 125 */
+    assert_int_equal(c.asks, 1);
+    assert_int_equal(look_after(&c, 2.26, 1126, 0, 0, 0), NS_CHOICE_CHANGE);
+}
+
+static void when_the_one_asked_is_left(void **state) {
+    ns_choice c = asked();
+    (void)state;
+    assert_int_equal(look_after(&c, 2.01, 1031, 0, 0, 0), NS_CHOICE_STAY);   /* less than a quarter of 125 */
+    assert_int_equal(look_after(&c, 2.01, 1032, 0, 0, 0), NS_CHOICE_CHANGE); /* 4 times 5 */
+    assert_int_equal(look_after(&c, 2.02, 1039, 0, 0, 0), NS_CHOICE_STAY);   /* not 4 times 10 */
+    assert_int_equal(look_after(&c, 2.02, 1041, 0, 0, 0), NS_CHOICE_CHANGE);
+    /* for matrices it may take half an interval, where the rest is less than 0.7 of 10 */
+    assert_int_equal(look_after(&c, 2.02, 1499, 493, 0, 0), NS_CHOICE_STAY);
+    assert_int_equal(look_after(&c, 2.02, 1499, 491, 0, 0), NS_CHOICE_CHANGE);
+    assert_int_equal(look_after(&c, 2.02, 1501, 500, 0, 0), NS_CHOICE_CHANGE);
+    assert_int_equal(c.asks, 1);
+    ns_march_choice_begin(&c, 5, work_of(2000, 0, 0), first); /* again, while it is asked */
+    assert_true(c.asks == 1 && c.interval == 1000 && c.from.t == 5 && ns_march_choice_limit(&c) == 3000);
+    ns_march_choice_changed(&c, 6, work_of(2100, 0, 0));
+    assert_true(c.asks == 0 && c.interval == 2000 && c.from.t == 6 && c.from.work.all == 2100);
+    ns_march_choice_failed(&c, 7, work_of(2200, 0, 0));
+    assert_true(c.asks == 0 && c.interval == 16000 && c.from.t == 7 && c.from.work.all == 2200);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(the_cheaper_one_stays),
                                        cmocka_unit_test(the_cheaper_one_is_found),
@@ -159,6 +260,10 @@ int main(void) {
                                        cmocka_unit_test(one_that_fails_is_asked_ever_less),
                                        cmocka_unit_test(one_that_begins_to_crawl_is_left),
                                        cmocka_unit_test(one_that_cannot_be_cheaper_is_not_asked),
-                                       cmocka_unit_test(never_much_more_than_the_better_one)};
+                                       cmocka_unit_test(never_much_more_than_the_better_one),
+                                       cmocka_unit_test(when_the_other_one_is_asked),
+                                       cmocka_unit_test(when_one_crawls),
+                                       cmocka_unit_test(when_the_one_asked_stays),
+                                       cmocka_unit_test(when_the_one_asked_is_left)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,120 @@
+/* tests/unit/verify/test_operating_point.c - what rests, and what was held, at an operating point; no memory.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "nonsmooth.h"
+#include "signals.h"
+#include "verify/verify_internal.h"
+#include "wrap_alloc.h"
+
+static const ns_verify_options options = {.reltol = 1e-9, .instant = 1e-11};
+
+/* A command of pair 0 by x_0 (by_state) or z_0. */
+static void command(ns_system *s, int by_state, double on, double off) {
+    double *gain = calloc(by_state ? (size_t)s->n : (size_t)s->nz, sizeof *gain);
+    assert_non_null(gain);
+    gain[0] = 1;
+    s->l[0] = -INFINITY;
+    s->u[0] = INFINITY;
+    s->command[0] = (ns_command){.pair = 0, .on = on, .off = off};
+    *(by_state ? &s->command[0].gx : &s->command[0].gz) = gain;
+}
+
+/* x' = -x + z_0 + z_1 with z_0 = 2 V, and z_1 = 0 V, or 1 V from 1 us on; a switch by the state, or none: 1
+ * if x = `volts` at 0 is at rest. */
+static int rests(double volts, int moves, int by_state, ns_verify_finding *f) {
+    const ns_signal two = dc(2), step = pulse(0, moves ? 1 : 0, 0, 1e-6, 1e-6, 1, 3);
+    const double lambda = 0;
+    const ns_verify_state at = {0, NS_RIGHT, &volts, &lambda, NULL, 0};
+    ns_system *s;
+    ns_verify *v;
+    assert_int_equal(ns_system_create(1, 1, 2, 1, &s), NS_OK);
+    s->M[0] = s->E[0] = s->E[1] = s->D[0] = 1;
+    s->A[0] = -1;
+    command(s, by_state, 50, 50);
+    assert_int_equal(ns_system_set_input(s, 0, &two), NS_OK);
+    assert_int_equal(ns_system_set_input(s, 1, &step), NS_OK);
+    assert_int_equal(ns_verify_create(s, &options, &v), NS_OK);
+    assert_true(ns_verify_point(v, &at, f));
+    const int right = ns_verify_operating_point(v, &volts, 0, NULL, NULL, f);
+    ns_verify_free(v);
+    ns_system_free(s);
+    return right;
+}
+
+static void operating_points(void **state) {
+    ns_verify_finding f;
+    (void)state;
+    assert_true(rests(2, 0, 0, &f));
+    assert_false(rests(3, 0, 0, &f));
+    assert_int_equal(f.cause, NS_VERIFY_FLOW);
+    assert_int_equal(f.unknown, 0);
+    assert_int_equal(f.pair, -1);
+    assert_true(rests(3, 1, 0, &f)); /* a source moves: nothing is known */
+    assert_true(rests(3, 0, 1, &f)); /* what depends on the state may oscillate */
+}
+
+/* x_1 is to be held at 3 V, x_0 is not. */
+static void held_at_an_operating_point(void **state) {
+    const int hold = 1;
+    const double volts = 3;
+    (void)state;
+    for (int wrong = 0; wrong < 2; wrong++) {
+        const double x[2] = {5, wrong ? 3.1 : 3};
+        const ns_verify_state at = {0, NS_RIGHT, x, NULL, NULL, 0};
+        ns_system *s;
+        ns_verify *v;
+        ns_verify_finding f;
+        assert_int_equal(ns_system_create(2, 0, 0, 0, &s), NS_OK);
+        s->M[0] = s->M[3] = 1;
+        s->A[0] = s->A[3] = -1;
+        assert_int_equal(ns_verify_create(s, &options, &v), NS_OK);
+        assert_true(ns_verify_point(v, &at, &f));
+        assert_int_equal(ns_verify_operating_point(v, x, 1, &hold, &volts, &f), !wrong);
+        assert_int_equal(f.cause, wrong ? NS_VERIFY_ROW : NS_VERIFY_RIGHT);
+        assert_int_equal(f.unknown, wrong ? 1 : -1);
+        assert_int_equal(f.pair, -1);
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
+/* Whichever array there is no memory for. */
+static void no_memory(void **state) {
+    ns_system *s;
+    long k = 1;
+    (void)state;
+    assert_int_equal(ns_system_create(2, 1, 1, 1, &s), NS_OK);
+    s->M[0] = s->D[0] = 1;
+    command(s, 1, 0.5, 0.5);
+    for (;; k++) {
+        ns_verify *v;
+        fail_alloc_at(k);
+        const int status = ns_verify_create(s, &options, &v);
+        const long tried = allocs_made();
+        fail_alloc_off();
+        if (tried < k) {
+            assert_int_equal(status, NS_OK);
+            ns_verify_free(v);
+            break;
+        }
+        assert_int_equal(status, NS_E_MEMORY);
+    }
+    assert_true(
+        k > 20); /* the object, six arrays, four for each of four matrices, two to look for what is aside */
+    ns_system_free(s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(operating_points),
+                                       cmocka_unit_test(held_at_an_operating_point),
+                                       cmocka_unit_test(no_memory)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
