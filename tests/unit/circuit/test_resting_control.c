@@ -84,6 +84,21 @@ static void by_a_sum(void **state) {
     end_with((double[]){1, 0.5, 0, 1}, (double[]){1e-9, 0, 0, 1e-9});
 }
 
+/* Twice a pulse of 1 V rests at 2 V, not at 1 V; one of 5 V less one of 1 V at 4 V. */
+static void by_a_multiple(void **state) {
+    int id;
+    (void)state;
+    begin();
+    source("v1", 1, 0, pulse(0, 1));
+    source("v3", 3, 0, pulse(0, 5));
+    assert_int_equal(ns_circuit_vcontrolled(made, "e1", NS_VOLTAGE, 2, 0, 1, 0, 2, &id), NS_OK);
+    assert_int_equal(ns_circuit_vcontrolled(made, "e2", NS_VOLTAGE, 4, 3, 1, 0, -1, &id), NS_OK);
+    add_switch("s1", 2, 0, 2, 0);
+    add_switch("s2", 2, 0, 1, 0);
+    add_switch("s3", 4, 0, 4, 0); /* 5 V less 1 V */
+    end_with((double[]){2, 1, 4}, (double[]){2e-9, 0, 4e-9});
+}
+
 /* A line at 1 V from 1 s to 2 s, and from 4 s to 5 s. */
 static ns_signal line_at_one(const double *v) {
     static const double t[] = {0, 1, 2, 3, 4, 5};
@@ -302,6 +317,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(by_a_pulse),
         cmocka_unit_test(by_a_sum),
+        cmocka_unit_test(by_a_multiple),
         cmocka_unit_test(as_it_came),
         cmocka_unit_test(as_it_came_both_ways),
         cmocka_unit_test(by_what_is_not_known),

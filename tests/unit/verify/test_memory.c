@@ -188,6 +188,37 @@ static void sides_of_a_corner(void **state) {
     }
 }
 
+/* Closed above 0.6 V, open below 0.4 V, each to 1e-3 of 0.6 V: what comes near the threshold at which the
+ * switch would change leaves open whether it did, the other one does not. */
+static void near_a_threshold(void **state) {
+    const struct {
+        double first, then;
+        int is;
+    } of[] = {{0.7, 0.5999, 1}, {0.7, 0.4001, -1}, {0.3, 0.5999, -1}, {0.3, 0.4001, 0},
+              {0.7, 0.402, 1},  {0.3, 0.598, 0},   {0.3, 0.602, 1},   {0.7, 0.398, 0}};
+    const ns_verify_options vo = {.reltol = 1e-9, .instant = 1e-11};
+    const ns_signal half = dc(0.5);
+    (void)state;
+    for (size_t k = 0; k < sizeof of / sizeof *of; k++) {
+        ns_system *s;
+        ns_verify *v;
+        assert_int_equal(ns_system_create(0, 1, 1, 1, &s), NS_OK);
+        s->D[0] = 1;
+        s->l[0] = -INFINITY;
+        s->u[0] = INFINITY;
+        s->command[0] = (ns_command){.pair = 0, .on = 0.6, .off = 0.4, .gz = calloc(1, sizeof(double))};
+        assert_non_null(s->command[0].gz);
+        s->command[0].gz[0] = 1;
+        assert_int_equal(ns_system_set_input(s, 0, &half), NS_OK);
+        assert_int_equal(ns_verify_create(s, &vo, &v), NS_OK);
+        ns_verify_start_switches(v, 0, NULL);
+        (void)known_at(v, 1, of[k].first);
+        assert_int_equal(known_at(v, 2, of[k].then), of[k].is);
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
 /* Energy is judged where M is symmetric but for signs of rows and its own entries say the signs: of two
  * charges, each by the other's unknown alone, none does. */
 static void energy_needs_signs(void **state) {
@@ -247,9 +278,13 @@ static void an_unloaded_switch_may_be_the_cause(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sources_decide),       cmocka_unit_test(sources_with_many_corners),
-        cmocka_unit_test(sides_of_a_corner),    cmocka_unit_test(energy_needs_signs),
-        cmocka_unit_test(a_change_has_a_cause), cmocka_unit_test(an_unloaded_switch_may_be_the_cause),
+        cmocka_unit_test(sources_decide),
+        cmocka_unit_test(sources_with_many_corners),
+        cmocka_unit_test(sides_of_a_corner),
+        cmocka_unit_test(near_a_threshold),
+        cmocka_unit_test(energy_needs_signs),
+        cmocka_unit_test(a_change_has_a_cause),
+        cmocka_unit_test(an_unloaded_switch_may_be_the_cause),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

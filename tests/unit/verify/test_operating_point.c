@@ -1,5 +1,5 @@
-/* tests/unit/verify/test_operating_point.c - what rests, and what was held, at an operating point; no memory.
- */
+/* tests/unit/verify/test_operating_point.c - what rests, and what was held, at an operating point;
+ * a pair between bounds, in a hurry; no memory. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -86,6 +86,35 @@ static void held_at_an_operating_point(void **state) {
     }
 }
 
+/* y = e, lambda from 1 to 3. */
+static void between_bounds_in_a_hurry(void **state) {
+    const struct {
+        double y, lambda;
+        int holds;
+    } of[] = {{-1, 3, 1}, {-1, 2, 0}, {-1, 1, 0},  {1, 1, 1},   {1, 2, 0},    {1, 3, 0},  {0, 2, 1},
+              {0, 1, 1},  {0, 3, 1},  {0, 3.1, 0}, {0, 0.9, 0}, {-1, 3.1, 0}, {1, 0.9, 0}};
+    (void)state;
+    for (size_t k = 0; k < sizeof of / sizeof *of; k++) {
+        const double x = 0, right = of[k].y > 0 ? 1 : 3;
+        ns_system *s;
+        ns_verify *v;
+        ns_verify_finding f;
+        assert_int_equal(ns_system_create(1, 1, 0, 0, &s), NS_OK);
+        s->M[0] = 1;
+        s->e[0] = of[k].y;
+        s->l[0] = 1;
+        s->u[0] = 3;
+        assert_int_equal(ns_verify_create(s, &options, &v), NS_OK);
+        const ns_verify_state first = {0, NS_RIGHT, &x, &right, NULL, 0},
+                              at = {0, NS_RIGHT, &x, &of[k].lambda, NULL, 0};
+        assert_true(ns_verify_point(v, &first, &f)); /* sizes are learnt */
+        assert_int_equal(ns_verify_quick_point(v, &at), of[k].holds);
+        assert_int_equal(ns_verify_point(v, &at, &f), of[k].holds);
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
 /* Whichever array there is no memory for. */
 static void no_memory(void **state) {
     ns_system *s;
@@ -113,8 +142,8 @@ static void no_memory(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(operating_points),
-                                       cmocka_unit_test(held_at_an_operating_point),
-                                       cmocka_unit_test(no_memory)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(operating_points), cmocka_unit_test(held_at_an_operating_point),
+        cmocka_unit_test(between_bounds_in_a_hurry), cmocka_unit_test(no_memory)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -325,6 +325,7 @@ static void rounding_in_a_step(void **state) {
         assert_int_equal(ns_verify_step(v, &from, &to, &f), k < 2);
         assert_int_equal(f.cause, k < 2 ? NS_VERIFY_RIGHT : NS_VERIFY_FLOW);
         assert_int_equal(f.unknown, k < 2 ? -1 : 0);
+        assert_int_equal(f.pair, -1);
         ns_verify_free(v);
         ns_system_free(s);
     }
