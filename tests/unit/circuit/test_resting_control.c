@@ -99,6 +99,19 @@ static void by_a_multiple(void **state) {
     end_with((double[]){2, 1, 4}, (double[]){2e-9, 0, 4e-9});
 }
 
+/* Behind an inductor a voltage is no function of time: its switch is not shifted, that of the source is. */
+static void behind_an_inductor(void **state) {
+    int id;
+    (void)state;
+    begin();
+    source("v1", 1, 0, pulse(0, 1));
+    assert_int_equal(ns_circuit_inductor(made, "l1", 1, 2, 1e-3, NAN, &id), NS_OK);
+    assert_int_equal(ns_circuit_resistor(made, "r1", 2, 0, 1, &id), NS_OK);
+    add_switch("s1", 2, 0, 1, 0);
+    add_switch("s2", 1, 0, 1, 0);
+    end_with((double[]){1, 1}, (double[]){0, 1e-9});
+}
+
 /* A line at 1 V from 1 s to 2 s, and from 4 s to 5 s. */
 static ns_signal line_at_one(const double *v) {
     static const double t[] = {0, 1, 2, 3, 4, 5};
@@ -318,6 +331,7 @@ int main(void) {
         cmocka_unit_test(by_a_pulse),
         cmocka_unit_test(by_a_sum),
         cmocka_unit_test(by_a_multiple),
+        cmocka_unit_test(behind_an_inductor),
         cmocka_unit_test(as_it_came),
         cmocka_unit_test(as_it_came_both_ways),
         cmocka_unit_test(by_what_is_not_known),

@@ -1,4 +1,5 @@
-/* tests/unit/reinit/test_impulse.c - the impulse problem of one unknown: modes, inputs, what is refused. */
+/* tests/unit/reinit/test_impulse.c - the impulse problem of a few unknowns: modes, inputs, what is refused.
+ */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -105,9 +106,79 @@ static void no_mode_after_a_jump(void **state) {
     ns_system_free(s);
 }
 
+/* x1' = -x1 - lambda, x2' = lambda, y = x2 - x1: two capacitors and a diode, the first one with a resistor.
+ * From (2, 0) an impulse of 1 takes both to 1, then the diode blocks, as x1 falls.  So it is beside another
+ * pair, whose y is 1. */
+static void blocks_after_its_impulse(int diode) {
+    const ns_theta_options o = {1, 1, 0};
+    const double w0[2] = {2, 0};
+    const int other = !diode;
+    double w[2], x[2], lambda[2], y[2], X[2], Lambda[2], Y[2], h;
+    ns_mode mode[2];
+    const ns_impulse out = {w, x, lambda, y, X, Lambda, Y, mode, &h};
+    ns_theta *t;
+    ns_system *s;
+    assert_int_equal(ns_system_create(2, 2, 0, 0, &s), NS_OK);
+    s->M[0] = s->M[3] = 1;
+    s->A[0] = -1;
+    s->B[2 * diode] = -1, s->B[2 * diode + 1] = 1;
+    s->C[diode] = -1, s->C[diode + 2] = 1;
+    s->D[3 * other] = s->e[other] = 1;
+    s->u[0] = s->u[1] = INFINITY;
+    assert_int_equal(ns_theta_create(s, &o, &t, NULL), NS_OK);
+    assert_int_equal(ns_theta_start(t, w0, NULL), NS_OK);
+    assert_int_equal(ns_theta_impulse(t, NULL, NULL, &out), NS_OK);
+    for (int i = 0; i < 2; i++)
+        assert_true(fabs(x[i] - 1) < 1e-14 && fabs(w[i] - 1) < 1e-14);
+    assert_true(fabs(Lambda[diode] - 1) < 1e-14 && Y[diode] == 0 && Lambda[other] == 0 && Y[other] == 0);
+    assert_true(lambda[diode] == 0 && fabs(y[diode]) < 1e-14);
+    assert_true(lambda[other] == 0 && fabs(y[other] - 1) < 1e-14);
+    assert_true(mode[diode] == NS_LOWER && mode[other] == NS_LOWER);
+    ns_theta_free(t);
+    ns_system_free(s);
+}
+
+static void a_diode_blocks_after_its_impulse(void **state) {
+    (void)state;
+    for (int diode = 0; diode < 2; diode++)
+        blocks_after_its_impulse(diode);
+}
+
+/* x1' = -x1 - v, x2' = v, 0 = x1 - x2 + lambda, y = v: two inductors in series, the first one with a
+ * resistor, and a diode that takes what the second one has more.  From (2, 0) an impulse of 1 of v, which it
+ * blocks, takes both to 1; then it conducts, as x1 falls. */
+static void a_diode_conducts_after_an_impulse_of_its_voltage(void **state) {
+    const ns_theta_options o = {1, 1, 0};
+    const double w0[3] = {2, 0, 0};
+    double w[3], x[3], lambda, y, X[3], Lambda, Y, h;
+    ns_mode mode;
+    const ns_impulse out = {w, x, &lambda, &y, X, &Lambda, &Y, &mode, &h};
+    ns_theta *t;
+    ns_system *s;
+    (void)state;
+    assert_int_equal(ns_system_create(3, 1, 0, 0, &s), NS_OK);
+    s->M[0] = s->M[1 + 3] = 1;
+    s->A[0] = -1, s->A[0 + 3 * 2] = -1;
+    s->A[1 + 3 * 2] = 1;
+    s->A[2] = 1, s->A[2 + 3] = -1;
+    s->B[2] = 1;
+    s->C[2] = 1;
+    s->u[0] = INFINITY;
+    assert_int_equal(ns_theta_create(s, &o, &t, NULL), NS_OK);
+    assert_int_equal(ns_theta_start(t, w0, NULL), NS_OK);
+    assert_int_equal(ns_theta_impulse(t, NULL, NULL, &out), NS_OK);
+    assert_true(fabs(x[0] - 1) < 1e-14 && fabs(x[1] - 1) < 1e-14 && fabs(x[2]) < 1e-14);
+    assert_true(fabs(X[2] - 1) < 1e-14 && fabs(Y - 1) < 1e-14 && Lambda == 0);
+    assert_true(fabs(lambda) < 1e-14);
+    assert_int_equal(mode, NS_INSIDE);
+    ns_theta_free(t);
+    ns_system_free(s);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(inputs_of_a_law),
-                                       cmocka_unit_test(laws_of_other_pairs),
-                                       cmocka_unit_test(no_mode_after_a_jump)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(inputs_of_a_law), cmocka_unit_test(laws_of_other_pairs),
+        cmocka_unit_test(no_mode_after_a_jump), cmocka_unit_test(a_diode_blocks_after_its_impulse),
+        cmocka_unit_test(a_diode_conducts_after_an_impulse_of_its_voltage)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

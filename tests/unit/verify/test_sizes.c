@@ -275,9 +275,9 @@ static void nodes_of_a_way(void **state) {
         assert_true(t[k] < t[k + 1]);
 }
 
-/* x_0' = x_1 = t^degree from 0 to 1, the integral is 1/(degree+1): 1 if x_0 at the end may be off by this
- * part of it. */
-static int flow_is_right(int degree, double off) {
+/* x_0' = x_1 = unit t^degree from 0 to 1, the integral is unit/(degree+1): 1 if x_0 at the end may be off by
+ * this part of it. */
+static int flow_is_right(double unit, int degree, double off) {
     const ns_verify_options o = {.reltol = reltol, .instant = 1e-11};
     ns_system *s;
     ns_verify *v;
@@ -289,8 +289,8 @@ static int flow_is_right(int degree, double off) {
     assert_int_equal(ns_verify_create(s, &o, &v), NS_OK);
     ns_verify_flow_times(0, 1, t);
     for (int k = 0; k < NS_VERIFY_NODES; k++) {
-        x[2 * k] = pow(t[k], degree + 1) / (degree + 1) * (1 + (k == NS_VERIFY_NODES - 1 ? off : 0));
-        x[2 * k + 1] = pow(t[k], degree);
+        x[2 * k] = unit * pow(t[k], degree + 1) / (degree + 1) * (1 + (k == NS_VERIFY_NODES - 1 ? off : 0));
+        x[2 * k + 1] = unit * pow(t[k], degree);
     }
     const int right = ns_verify_flow(v, t, x, &f);
     assert_true(right || f.cause == NS_VERIFY_FLOW);
@@ -303,12 +303,14 @@ static int flow_is_right(int degree, double off) {
 static void integrals_of_a_way(void **state) {
     (void)state;
     for (int degree = 0; degree <= 3; degree++) {
-        assert_true(flow_is_right(degree, 0));
-        assert_false(flow_is_right(degree, 1e-3));
-        assert_false(flow_is_right(degree, -1e-3));
+        assert_true(flow_is_right(1, degree, 0));
+        assert_false(flow_is_right(1, degree, 1e-3));
+        assert_false(flow_is_right(1, degree, -1e-3));
     }
+    assert_true(flow_is_right(1e-6, 1, 0));
+    assert_false(flow_is_right(1e-6, 1, 1e-3)); /* small numbers have errors that are small too */
     for (int degree = 4; degree <= 7; degree++)
-        assert_true(flow_is_right(degree, 0));
+        assert_true(flow_is_right(1, degree, 0));
 }
 
 int main(void) {
