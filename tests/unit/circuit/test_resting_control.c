@@ -112,6 +112,28 @@ static void behind_an_inductor(void **state) {
     end_with((double[]){1, 1}, (double[]){0, 1e-9});
 }
 
+/* Three times the current of the first element, a source: no voltage is in the control. */
+static void by_a_current(void **state) {
+    const ns_switch sw = {.vt = 1, .ron = 1, .roff = INFINITY};
+    ns_system *s;
+    int r, id;
+    (void)state;
+    begin();
+    assert_int_equal(ns_circuit_source(made, "v0", NS_VOLTAGE, 1, 0, &(ns_signal){.kind = NS_DC}, &r), NS_OK);
+    assert_int_equal(r, 0);
+    assert_int_equal(ns_circuit_resistor(made, "r1", 1, 0, 1, &id), NS_OK);
+    assert_int_equal(ns_circuit_switch_by_current(made, "w1", 2, 0, r, 3, &sw, &id), NS_OK);
+    assert_int_equal(ns_circuit_resistor(made, "r2", 2, 0, 1, &id), NS_OK);
+    assert_int_equal(ns_circuit_system(made, &s), NS_OK);
+    assert_int_equal(s->nc, 1);
+    assert_non_null(s->command[0].gx);
+    for (int i = 0; i < s->n; i++)
+        assert_true(s->command[0].gx[i] == (i == ns_circuit_current_unknown(made, r) ? 3 : 0));
+    assert_true(s->command[0].on == 1 && s->command[0].off == 1);
+    ns_system_free(s);
+    ns_circuit_free(made);
+}
+
 /* A line at 1 V from 1 s to 2 s, and from 4 s to 5 s. */
 static ns_signal line_at_one(const double *v) {
     static const double t[] = {0, 1, 2, 3, 4, 5};
@@ -331,6 +353,7 @@ int main(void) {
         cmocka_unit_test(by_a_pulse),
         cmocka_unit_test(by_a_sum),
         cmocka_unit_test(by_a_multiple),
+        cmocka_unit_test(by_a_current),
         cmocka_unit_test(behind_an_inductor),
         cmocka_unit_test(as_it_came),
         cmocka_unit_test(as_it_came_both_ways),

@@ -296,6 +296,24 @@ static void power_at_the_end(void **state) {
     }
 }
 
+/* The same to 10 ms, 1e4 time constants, in one way: all of 50 uJ and 10 uC, though it is at the begin. */
+static void a_transient_on_a_long_way(void **state) {
+    (void)state;
+    for (int k = 0; k < METHODS; k++) {
+        bench b = open_bench();
+        if (method[k] == NS_THETA) {
+            close_bench(&b);
+            continue; /* its steps are 0.1 us, with an error of the first order */
+        }
+        assert_int_equal(ns_circuit_capacitor(b.c, "c", 1, 0, 1e-6, 10, NULL), NS_OK);
+        assert_int_equal(ns_circuit_resistor(b.c, "r", 1, 0, 1, NULL), NS_OK);
+        run(&b, method[k]);
+        assert_int_equal(ns_energy_march(b.e, b.m, 10e-3), NS_OK);
+        expect(b.e, 1, 10e-6, 50e-6, 1e-6);
+        close_bench(&b);
+    }
+}
+
 static void refusals(void **state) {
     (void)state;
     bench b = open_bench();
@@ -358,6 +376,7 @@ int main(void) {
         cmocka_unit_test(a_source_that_jumps),
         cmocka_unit_test(a_cut_inductor),
         cmocka_unit_test(power_at_the_end),
+        cmocka_unit_test(a_transient_on_a_long_way),
         cmocka_unit_test(voltages_of_nodes_at_a_start),
         cmocka_unit_test(a_source_that_jumps_by_little),
         cmocka_unit_test(where_another_was),

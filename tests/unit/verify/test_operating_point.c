@@ -115,6 +115,38 @@ static void between_bounds_in_a_hurry(void **state) {
     }
 }
 
+/* A diode beside another one that is right, y = e: in a hurry neither both, nor either of them negative. */
+static void diodes_in_a_hurry(void **state) {
+    const struct {
+        double y, lambda;
+        int holds;
+    } of[] = {{1, 0, 1},  {0, 2, 1},  {0, 0, 1},  {-1, 0, 0}, {1, 2, 0},
+              {0, -2, 0}, {-1, 2, 0}, {1, -2, 0}, {-1, -2, 0}};
+    (void)state;
+    for (size_t k = 0; k < 2 * sizeof of / sizeof *of; k++) {
+        const int own = k % 2, other = !own;
+        const double x = 0, sizes[2] = {2, 2};
+        double lambda[2];
+        ns_system *s;
+        ns_verify *v;
+        ns_verify_finding f;
+        assert_int_equal(ns_system_create(1, 2, 0, 0, &s), NS_OK);
+        s->M[0] = 1;
+        s->u[0] = s->u[1] = INFINITY;
+        lambda[other] = 2;
+        lambda[own] = of[k / 2].lambda;
+        assert_int_equal(ns_verify_create(s, &options, &v), NS_OK);
+        const ns_verify_state first = {0, NS_RIGHT, &x, sizes, NULL, 0},
+                              at = {0, NS_RIGHT, &x, lambda, NULL, 0};
+        assert_true(ns_verify_point(v, &first, &f)); /* sizes of lambda are learnt, with y = 0 */
+        v->quick.pair[own].y.constant = of[k / 2].y;
+        assert_int_equal(v->quick.plains, 2);
+        assert_int_equal(ns_verify_quick_point(v, &at), of[k / 2].holds);
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
 /* Whichever array there is no memory for. */
 static void no_memory(void **state) {
     ns_system *s;
@@ -142,8 +174,9 @@ static void no_memory(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(operating_points), cmocka_unit_test(held_at_an_operating_point),
-        cmocka_unit_test(between_bounds_in_a_hurry), cmocka_unit_test(no_memory)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(operating_points),
+                                       cmocka_unit_test(held_at_an_operating_point),
+                                       cmocka_unit_test(between_bounds_in_a_hurry),
+                                       cmocka_unit_test(diodes_in_a_hurry), cmocka_unit_test(no_memory)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
