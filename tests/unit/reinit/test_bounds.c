@@ -96,6 +96,8 @@ static void bounds_of_an_impulse(void **state) {
     for (int i = 0; i < 2; i++) {
         assert_true(fabs(e.E1[i] - of_impulse[i]) <= 1e-3 * of_impulse[i]);
         assert_true(fabs(e.E0[i] - of_value[i]) <= 1e-3 * of_value[i]);
+        assert_true(e.at[0][i] == e.Z1[i] && e.at[1][i] == e.Z0[i] && e.at[2][i] == e.Z2[i]);
+        assert_true(e.error[0][i] == e.E1[i] && e.error[1][i] == e.E0[i] && e.error[2][i] == e.E2[i]);
     }
     ns_reinit_orders_free(&e);
     ns_theta_free(t);

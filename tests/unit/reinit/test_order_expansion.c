@@ -306,6 +306,9 @@ static void inputs_enter_all_rows(void **state) {
     for (int i = 0; i < 4; i++) {
         assert_true(e.Z1[i] == 0 && fabs(e.Z2[i] - rates[i]) < 1e-12);
         assert_true(fabs(e.Z0[i] - (i < 2 ? 0 : lambda[i - 2])) < 1e-12);
+        assert_true(e.at[0][i] == e.Z1[i] && e.at[1][i] == e.Z0[i] && e.at[2][i] == e.Z2[i]);
+        assert_true(e.error[0][i] == e.E1[i] && e.error[1][i] == e.E0[i] && e.error[2][i] == e.E2[i]);
+        assert_true(i < 2 || (e.E2[i] > 0 && e.E2[i] != e.E0[i]));
     }
     ns_reinit_orders_free(&e);
     ns_theta_free(t);

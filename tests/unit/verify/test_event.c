@@ -204,12 +204,95 @@ static void what_is_aside(void **state) {
     ns_system_free(s);
 }
 
+/* 0 = 1000 z - x, where z rises by 1 in 1e-13 s, and y = x - x_0, lambda = 1: x moves by 8.9 in 4 eps of 1 s,
+ * so y is zero to twice that: 5 is nothing, 300 is no zero. */
+static void a_steep_input(void **state) {
+    static const double t[] = {1, 1 + 1e-13}, volts[] = {0, 1};
+    const ns_signal edge = {.kind = NS_PWL, .u.pwl = {.n = 2, .t = t, .v = volts, .repeat = NAN}};
+    const ns_verify_options o = {.reltol = 1e-9, .instant = 1e-11};
+    const double at_t = 1 + 0.5e-13, x = 1000 * ns_signal_value(&edge, at_t, NS_LEFT), lambda = 1;
+    const double y[] = {0, 5, -5, 300, -300};
+    (void)state;
+    for (int k = 0; k < 5; k++) {
+        const ns_verify_state at = {at_t, NS_LEFT, &x, &lambda, NULL, 0};
+        ns_system *s;
+        ns_verify *v;
+        ns_verify_finding f;
+        assert_int_equal(ns_system_create(1, 1, 1, 0, &s), NS_OK);
+        s->A[0] = -1;
+        s->E[0] = 1000;
+        s->C[0] = 1;
+        s->e[0] = y[k] - x;
+        s->u[0] = INFINITY;
+        assert_int_equal(ns_system_set_input(s, 0, &edge), NS_OK);
+        assert_int_equal(ns_verify_create(s, &o, &v), NS_OK);
+        assert_int_equal(ns_verify_point(v, &at, &f), k < 3);
+        assert_int_equal(f.cause, k < 3 ? NS_VERIFY_RIGHT : NS_VERIFY_LAW);
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
+/* A diode carries no charge backwards, a switch may; only what goes beyond `before` counts. */
+static void directions_in_a_hurry(void **state) {
+    const ns_verify_options o = {.reltol = 1e-9, .instant = 1e-11};
+    const double back[] = {-0.5}, forth[] = {0.5}, more[] = {0.75};
+    (void)state;
+    for (int commands = 0; commands < 2; commands++) {
+        ns_system *s;
+        ns_verify *v;
+        assert_int_equal(ns_system_create(1, 1, 0, commands, &s), NS_OK);
+        s->M[0] = s->D[0] = 1;
+        s->u[0] = INFINITY;
+        if (commands) {
+            s->command[0] = (ns_command){.pair = 0, .on = 0.5, .off = 0.5, .gx = calloc(1, sizeof(double))};
+            assert_non_null(s->command[0].gx);
+            s->command[0].gx[0] = 1;
+        }
+        assert_int_equal(ns_verify_create(s, &o, &v), NS_OK);
+        assert_int_equal(ns_verify_quick_directions(v, forth, NULL), 1);
+        assert_int_equal(ns_verify_quick_directions(v, back, NULL), commands);
+        assert_int_equal(ns_verify_quick_directions(v, more, forth), 1);
+        assert_int_equal(ns_verify_quick_directions(v, forth, more), commands);
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
+/* x' = z, which is 0 before a step of 1 s and 2 after it: a step of a scheme charges by 0 to 2, and by half
+ * of that difference less or more where it is several. */
+static void charge_of_a_step(void **state) {
+    const double x = 0, after[] = {2.9, -0.9, 3.1, -1.1};
+    const ns_verify_options o = {.reltol = 1e-9, .instant = 1e-11};
+    static const double t[] = {0, 1}, volts[] = {0, 2};
+    const ns_signal ramp = {.kind = NS_PWL, .u.pwl = {.n = 2, .t = t, .v = volts, .repeat = NAN}};
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        const ns_verify_state from = {0, NS_RIGHT, &x, NULL, NULL, 0},
+                              to = {1, NS_LEFT, &after[k], NULL, NULL, 0};
+        ns_system *s;
+        ns_verify *v;
+        ns_verify_finding f;
+        assert_int_equal(ns_system_create(1, 0, 1, 0, &s), NS_OK);
+        s->M[0] = s->E[0] = 1;
+        assert_int_equal(ns_system_set_input(s, 0, &ramp), NS_OK);
+        assert_int_equal(ns_verify_create(s, &o, &v), NS_OK);
+        assert_int_equal(ns_verify_step(v, &from, &to, &f), k < 2);
+        assert_int_equal(f.cause, k < 2 ? NS_VERIFY_RIGHT : NS_VERIFY_FLOW);
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(what_flows_in_the_time_of_a_jump),
                                        cmocka_unit_test(sides_of_an_input),
                                        cmocka_unit_test(no_pair_carries_an_impulse),
                                        cmocka_unit_test(an_impulse_backward),
                                        cmocka_unit_test(energy_of_nothing),
-                                       cmocka_unit_test(what_is_aside)};
+                                       cmocka_unit_test(what_is_aside),
+                                       cmocka_unit_test(directions_in_a_hurry),
+                                       cmocka_unit_test(charge_of_a_step),
+                                       cmocka_unit_test(a_steep_input)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
