@@ -81,7 +81,9 @@ static void by_a_sum(void **state) {
     add_switch("s2", 1, 2, 0.5, 0);
     add_switch("s3", 1, 3, 0, 0);
     add_switch("s4", 1, 4, 1, 0);
-    end_with((double[]){1, 0.5, 0, 1}, (double[]){1e-9, 0, 0, 1e-9});
+    add_switch("s5", 4, 0, 0, 0);
+    add_switch("s6", 4, 0, 0.5, 0);
+    end_with((double[]){1, 0.5, 0, 1, 0, 0.5}, (double[]){1e-9, 0, 0, 1e-9, 1e-12, 0});
 }
 
 /* Twice a pulse of 1 V rests at 2 V, not at 1 V; one of 5 V less one of 1 V at 4 V. */

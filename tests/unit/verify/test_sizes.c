@@ -313,6 +313,31 @@ static void integrals_of_a_way(void **state) {
         assert_true(flow_is_right(1, degree, 0));
 }
 
+/* x' = z, which is 1 from 0 to 1 s and jumps at both: on the way from 0 to 1 s it is 1 at either end. */
+static void a_way_between_jumps(void **state) {
+    static const double at[] = {0, 0, 1, 1}, volts[] = {0, 1, 1, 3};
+    const ns_signal z = {.kind = NS_PWL, .u.pwl = {.n = 4, .t = at, .v = volts, .repeat = NAN}};
+    const ns_verify_options o = {.reltol = reltol, .instant = 1e-11};
+    const double rate[] = {1, 0.96, 1.04, 1.1, 0.9};
+    (void)state;
+    for (int n = 0; n < 5; n++) {
+        ns_system *s;
+        ns_verify *v;
+        ns_verify_finding f;
+        double t[NS_VERIFY_NODES], x[NS_VERIFY_NODES];
+        assert_int_equal(ns_system_create(1, 0, 1, 0, &s), NS_OK);
+        s->M[0] = s->E[0] = 1;
+        assert_int_equal(ns_system_set_input(s, 0, &z), NS_OK);
+        assert_int_equal(ns_verify_create(s, &o, &v), NS_OK);
+        ns_verify_flow_times(0, 1, t);
+        for (int k = 0; k < NS_VERIFY_NODES; k++)
+            x[k] = rate[n] * t[k];
+        assert_int_equal(ns_verify_flow(v, t, x, &f), n == 0);
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sources),
@@ -326,6 +351,7 @@ int main(void) {
         cmocka_unit_test(what_may_be_rounding_is_loose),
         cmocka_unit_test(nodes_of_a_way),
         cmocka_unit_test(integrals_of_a_way),
+        cmocka_unit_test(a_way_between_jumps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -43,6 +43,11 @@ static int slides(int by_state, double on, double lambda) {
     (void)ns_verify_point(v, &at, &f);
     const int it_slides = ns_verify_slides(v, 0);
     assert_int_equal(ns_verify_slidings(v), it_slides);
+    const double open = 0, low = 0.25;
+    const ns_verify_state later = {0, NS_RIGHT, by_state ? &low : &x, &open, NULL, 0};
+    assert_int_equal(ns_verify_point(v, &later, &f), 1); /* open below the threshold, or at it */
+    assert_int_equal(ns_verify_slides(v, 0), 0);
+    assert_int_equal(ns_verify_slidings(v), 0);
     ns_verify_free(v);
     ns_system_free(s);
     return it_slides;
@@ -202,6 +207,44 @@ static void a_change_without_a_cause(void **state) {
     }
 }
 
+/* The same, beside a second switch that is open on the left side and carries and blocks nothing on the right
+ * one, as unknown 2 falls from 1 V to 0.  That may have closed where its control is at 0.6 V, not at 0.4 V,
+ * where it would open. */
+static void a_change_beside_an_unloaded_switch(void **state) {
+    const double at[] = {0.6, 0.4};
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const double before[3] = {0.5, at[k], 1}, after[3] = {0.5, at[k], 0}, open[2] = {0, 0},
+                     closed[2] = {1, 0};
+        const double none[3] = {0, 0, 0};
+        const ns_verify_state left = {1, NS_LEFT, before, open, NULL, 0},
+                              right = {1, NS_RIGHT, after, closed, NULL, 0};
+        ns_system *s;
+        ns_verify *v;
+        ns_verify_finding f;
+        assert_int_equal(ns_system_create(3, 2, 0, 2, &s), NS_OK);
+        s->M[0] = s->M[4] = s->e[0] = 1;
+        s->D[0] = -1;
+        s->C[1 + 2 * 2] = 1;
+        for (int c = 0; c < 2; c++) {
+            s->l[c] = -INFINITY;
+            s->u[c] = INFINITY;
+            s->command[c] = (ns_command){.pair = c, .on = 0.6, .off = 0.4, .gx = calloc(3, sizeof(double))};
+            assert_non_null(s->command[c].gx);
+            s->command[c].gx[c] = 1;
+        }
+        assert_int_equal(ns_verify_create(s, &options, &v), NS_OK);
+        assert_true(ns_verify_point(v, &left, &f));
+        ns_verify_left(v);
+        assert_true(ns_verify_point(v, &right, &f));
+        assert_int_equal(ns_verify_event(v, none, none, &f), k == 0);
+        assert_int_equal(f.cause, k == 0 ? NS_VERIFY_RIGHT : NS_VERIFY_COMMAND);
+        assert_int_equal(f.pair, k == 0 ? -1 : 0);
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
 /* A line that ends with 9 V at 3 s stays there, however often it is asked for. */
 static void an_input_after_its_last_corner(void **state) {
     static const double t[] = {0, 3}, volts[] = {0, 9};
@@ -339,6 +382,7 @@ int main(void) {
         cmocka_unit_test(a_charge_that_moves_in_a_hurry),
         cmocka_unit_test(between_the_sides_of_a_jump),
         cmocka_unit_test(a_change_without_a_cause),
+        cmocka_unit_test(a_change_beside_an_unloaded_switch),
         cmocka_unit_test(an_input_after_its_last_corner),
         cmocka_unit_test(outputs_of_inputs),
         cmocka_unit_test(which_is_no_number),
