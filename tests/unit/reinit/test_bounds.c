@@ -59,7 +59,8 @@ static void bounds_of_coupled_rows(void **state) {
     assert_int_equal(ns_theta_create(s, &o, &t, NULL), NS_OK);
     assert_int_equal(ns_theta_start(t, w0, NULL), NS_OK);
     assert_int_equal(ns_reinit_orders_create(t, t->past.w, &e), NS_OK);
-    assert_int_equal(ns_reinit_orders_expand(&e, NULL, NULL), NS_OK);
+    for (int again = 0; again < 2; again++) /* nothing is left of what was there */
+        assert_int_equal(ns_reinit_orders_expand(&e, NULL, NULL), NS_OK);
     for (int i = 0; i < 2; i++) {
         assert_true(e.Z0[i] == (i ? 2 : 5) && e.Z2[i] == (i ? -2 : 1));
         assert_true(fabs(e.E0[i] - of_x[i]) < 1e-12 * of_x[i]);
@@ -91,7 +92,8 @@ static void bounds_of_an_impulse(void **state) {
     assert_int_equal(ns_theta_start(t, &w0, NULL), NS_OK);
     assert_int_equal(ns_reinit_orders_create(t, t->past.w, &e), NS_OK);
     e.mode[0] = NS_INSIDE;
-    assert_int_equal(ns_reinit_orders_expand(&e, NULL, NULL), NS_OK);
+    for (int again = 0; again < 2; again++)
+        assert_int_equal(ns_reinit_orders_expand(&e, NULL, NULL), NS_OK);
     assert_true(fabs(e.Z1[1] + 1.5) < 1e-15 && fabs(e.Z0[0] - 2) < 1e-15 && fabs(e.Z0[1] - 1.5) < 1e-15);
     for (int i = 0; i < 2; i++) {
         assert_true(fabs(e.E1[i] - of_impulse[i]) <= 1e-3 * of_impulse[i]);
