@@ -214,9 +214,31 @@ static int all_hold(const ns_sparse *m, const double *v) {
     return all;
 }
 
+/* x and lambda where the stretch begins, by (E1) of a step in m->mode as long as the stretch; 0: there are
+ * none that keep all laws.  `step` is overwritten. */
+static int find_begin_by_series(ns_sparse *m, const stretch *s, ns_dense_step *step, double *v) {
+    const ns_cached_factors *k;
+    step->t = s->t;
+    step->g = s->length / NS_POLE;
+    step->is_euler = 0;
+    step->stages = NS_ORDER;
+    memcpy(step->powers, m->before_event.w, sizeof(double) * (size_t)m->f->n);
+    ns_inputs_stages_at(m->in, s->t);
+    int status = ns_sparse_factors_factor(m->q, step->g, m->mode, 0, &k);
+    for (int i = 0; i < NS_ORDER && status == NS_OK; i++)
+        status = ns_sparse_step_stage(m, step, k, i);
+    if (status != NS_OK)
+        return 0;
+    ns_sparse_step_point(m, step, 0, v);
+    ns_system_inputs(m->s, s->t, NS_RIGHT, m->z);
+    return all_hold(m, v);
+}
+
 /* x and lambda to the right of the event, by an Euler step as short as rounding allows; by the longest one if
- * all break laws by more than a small part of the largest; 0: there are none. */
-static int find_begin(ns_sparse *m, const stretch *s, double *v) {
+ * all break laws by more than a small part of the largest; 0: there are none.  Where rounding allows none
+ * that is short beside the stretch, its end may be far from its begin: by the series then, if that keeps all
+ * laws.  `step` is overwritten. */
+static int find_begin(ns_sparse *m, const stretch *s, ns_dense_step *step, double *v) {
     enum { SHORTEST = 16, LONGEST = 6, LONGER = 5 };
     int found = 0, holds = 0;
     for (int e = SHORTEST; e >= LONGEST && !holds; e -= LONGER) {
@@ -225,6 +247,8 @@ static int find_begin(ns_sparse *m, const stretch *s, double *v) {
         found = ns_sparse_event_consistent(m, s->t, g, m->before_event.w, v, NULL) == NS_OK;
         holds = found && all_hold(m, v);
     }
+    if (found && s->shortest > ldexp(s->length, -LONGEST) && find_begin_by_series(m, s, step, m->work.v))
+        memcpy(v, m->work.v, sizeof *v * (size_t)m->f->size);
     ns_sparse_guard_set_mode(m, m->transient.mode);
     return found;
 }
@@ -264,11 +288,12 @@ static void fill_line(ns_sparse *m, const stretch *s, ns_dense_step *step) {
     const size_t size = (size_t)m->f->size;
     double *end = step->images, *begin = end + size;
     const double part = s->length / (0.5 * s->last_g);
-    memcpy(end, k->end, sizeof *end * size);
     for (size_t i = 0; i < size; i++)
-        begin[i] = end[i] - part * (end[i] - k->middle[i]);
-    if ((!s->mode_is_old || part > most_on || !all_hold(m, begin)) && !find_begin(m, s, begin))
-        memcpy(begin, end, sizeof *end * size);
+        k->v[i] = k->end[i] - part * (k->end[i] - k->middle[i]);
+    if ((!s->mode_is_old || part > most_on || !all_hold(m, k->v)) && !find_begin(m, s, step, k->v))
+        memcpy(k->v, k->end, sizeof *end * size);
+    memcpy(end, k->end, sizeof *end * size);
+    memcpy(begin, k->v, sizeof *begin * size);
 }
 
 static int next_exponent(const ns_sparse *m, double length) {
@@ -281,6 +306,7 @@ static int next_exponent(const ns_sparse *m, double length) {
 static void fill_step(ns_sparse *m, const stretch *s, const ns_dense_step *before, const double *w,
                       ns_dense_step *step) {
     const size_t n = (size_t)m->f->n;
+    fill_line(m, s, step);
     step->t = s->t;
     step->time_lost = before ? ns_sparse_step_time_lost(before) : 0;
     step->g = step->length = s->length;
@@ -295,8 +321,7 @@ static void fill_step(ns_sparse *m, const stretch *s, const ns_dense_step *befor
     for (size_t i = 0; i < n; i++)
         step->powers[n + i] = m->w[i] - w[i];
     memcpy(step->mode, m->mode, (size_t)m->f->m);
-    memcpy(step->z, m->z, sizeof(double) * (size_t)m->f->nz);
-    fill_line(m, s, step);
+    ns_system_inputs(m->s, step->end_t, NS_LEFT, step->z);
 }
 
 int ns_sparse_transient_pass(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step) {

@@ -64,11 +64,12 @@ static double farthest(const rig *k, const double *a, const double *b) {
  * have the same.
  *
  * From circuit full-bridge 24001000026 of the stress set: there the dense engine was put to work at the right
- * side of such an event, where a stretch of crowded events begins, and got M x of what is shown, a straight
- * line back from the stretch's end: 3.5 mA of 0.38 A too much, and a ring of another size for good. */
+ * side of such an event, where a stretch of crowded events begins, and got M x of what was shown, the end of
+ * an Euler step as long as the stretch: 3.5 mA of 0.38 A too much, and a ring of another size for good. */
 static void no_flux_jumps_where_another_engine_goes_on(void **state) {
     rig k = bridge();
-    double left[MOST], w[MOST], shown[MOST], t = 0, before = 0, most_shown = 0;
+    double left[MOST], w[MOST], shown[MOST], t = 0, before = 0;
+    int events = 0;
     (void)state;
     assert_int_equal(ns_march_run_leave_for((ns_run *)(void *)k.m->engine, NS_RUN_SPARSE, 0), NS_OK);
     read_charges(&k, left, shown);
@@ -78,12 +79,13 @@ static void no_flux_jumps_where_another_engine_goes_on(void **state) {
         read_charges(&k, w, shown);
         if (t == before) {
             assert_true(farthest(&k, w, left) < 1e-6);
-            most_shown = fmax(most_shown, farthest(&k, shown, left));
+            assert_true(farthest(&k, shown, left) < 1e-6);
+            events++;
         }
         before = t;
         memcpy(left, w, sizeof left);
     }
-    assert_true(most_shown > 1e-3); /* else there was no such point */
+    assert_true(events > 0);
     end(&k);
 }
 
