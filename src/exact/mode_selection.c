@@ -85,12 +85,14 @@ static int try_successors(ns_exact *f) {
     return NS_GUARD;
 }
 
-/* f->wanted: with the pairs flipped whose guards are about to break; 0: none is. */
-static int flip_broken(ns_exact *f) {
+/* f->wanted: with the pairs flipped whose guards are about to break, and that of guard `broken` (-1: none),
+ * which did so in the step before; 0: none is.  Where ideal devices in a loop share a current, its shares
+ * here may differ by 1e-10 from those of the step. */
+static int flip_broken(ns_exact *f, int broken) {
     const ns_mode_kernel *k = f->state.mode->scale[0].kernel;
     int any = 0;
     for (int g = 0; g < k->pair_rows; g++)
-        if (ns_exact_guard_sign(f, f->state.mode, g, f->X) >= NS_SIGN_SEEMS_TO_BREAK) {
+        if (g == broken || ns_exact_guard_sign(f, f->state.mode, g, f->X) >= NS_SIGN_SEEMS_TO_BREAK) {
             f->wanted[k->row[g].pair] = k->row[g].to;
             any = 1;
         }
@@ -179,15 +181,15 @@ static void forget_jumps(const ns_exact *f) {
         ns_instant_clear(f->point->instant);
 }
 
-/* by_guard: 1: a pair's guard broke, or the mode held for its jump only, so that another mode must follow; 0:
- * inputs or commands changed. */
-static int try_candidates(ns_exact *f, int by_guard, int *goes_on) {
+/* by_guard: 1: a pair's guard broke, number `broken` of the present mode if that is known, or the mode held
+ * for its jump only, so that another mode must follow; 0: inputs or commands changed. */
+static int try_candidates(ns_exact *f, int by_guard, int broken, int *goes_on) {
     *goes_on = 0;
     want_commands(f);
     int status = try_successors(f);
     if (status == NS_GUARD && !by_guard) /* inputs and commands changed, maybe nothing else */
         status = try_wanted(f, NS_EVIDENCE_NONE, goes_on);
-    if (status == NS_GUARD && (flip_broken(f) || !by_guard))
+    if (status == NS_GUARD && (flip_broken(f, broken) || !by_guard))
         status = try_with_violated_flipped(f, NS_EVIDENCE_NONE, goes_on);
     f->s->counts.predicted += status == NS_OK;
     if (status != NS_GUARD)
@@ -337,7 +339,8 @@ static int settle_modes(ns_exact *f, int by_guard) {
     enum { MAX_JUMPS = 4 };
     int goes_on = 0;
     for (int round = 0; round <= 2 * f->system->nc + MAX_JUMPS; round++) {
-        const int status = try_candidates(f, by_guard || goes_on, &goes_on);
+        const int broken = round == 0 && by_guard ? f->event_guard : -1;
+        const int status = try_candidates(f, by_guard || goes_on, broken, &goes_on);
         if (status != NS_OK)
             return status;
         if (goes_on)
