@@ -155,3 +155,26 @@ void ns_verify_memory_event(const ns_verify *v, ns_verify_finding *worst) {
     if (pair >= 0) /* one of them is the first: its control is there */
         ns_verify_note(worst, NS_VERIFY_COMMAND, pair, -1, least);
 }
+
+/* Less than memory_event() asks, of one switch: its control, of unknowns at the left side. */
+static int changes_short_of(const ns_verify *v, int c) {
+    const ns_command *k = &v->s->command[c];
+    const int j = k->pair, known = v->s->n + v->s->m;
+    const double off = ns_verify_sizes_lambda_off(v, j);
+    const int closes = fabs(v->u[v->s->n + j]) > off;
+    if (closes == (fabs(v->u_left[v->s->n + j]) > off))
+        return 0;
+    const ns_verify_rows *r = &v->control;
+    double g = 0;
+    for (int i = r->start[c]; i < r->start[c + 1]; i++)
+        g += r->value[i] * (r->column[i] < known ? v->u_left : v->u)[r->column[i]];
+    return (closes ? k->on - g : g - k->off) > ns_verify_sizes_control_off(v, c);
+}
+
+int ns_verify_memory_stays(const ns_verify *v) {
+    int stays = 1;
+    for (int c = 0; c < v->s->nc && stays; c++)
+        stays = v->memory[c].is_known_by_sources || !(v->s->command[c].on > v->s->command[c].off) ||
+                !changes_short_of(v, c);
+    return stays;
+}

@@ -221,6 +221,8 @@ static int charges_stay(const ns_verify *v) {
 }
 
 int ns_verify_quick_stays(ns_verify *v) {
+    if (!ns_verify_memory_stays(v))
+        return 0;
     if (charges_stay(v))
         return 1;
     if (!v->quick.is_old)

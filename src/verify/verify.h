@@ -99,7 +99,8 @@ double ns_verify_most_charge(const ns_verify *v, int i);
 int ns_verify_quick_point(ns_verify *v, const ns_verify_state *at);
 /* The left side of an event, which is not judged; */
 void ns_verify_quick_left(ns_verify *v, const ns_verify_state *at);
-/* and from there to the last point nothing jumps. */
+/* and from there to the last point nothing jumps, and no switch with hysteresis changes beside its threshold.
+ */
 int ns_verify_quick_stays(ns_verify *v);
 /* 1 if what jumped by Lambda (m) less `before` (m, or NULL) goes through no diode backwards. */
 int ns_verify_quick_directions(const ns_verify *v, const double *Lambda, const double *before);

@@ -197,6 +197,8 @@ void ns_verify_energy_over(ns_verify *v, double seconds, ns_verify_finding *wors
 void ns_verify_memory_reset(ns_verify *v);
 int ns_verify_memory_at(ns_verify *v, int c, double g);
 void ns_verify_memory_event(const ns_verify *v, ns_verify_finding *worst);
+/* In a hurry: 0: a switch with hysteresis that the state controls may have changed short of its threshold. */
+int ns_verify_memory_stays(const ns_verify *v);
 
 /* finding.c: an error becomes the finding, if it is larger than 1 and than that of the one there. */
 void ns_verify_note(ns_verify_finding *worst, ns_verify_cause cause, int pair, int unknown, double error);
