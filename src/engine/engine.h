@@ -11,6 +11,8 @@
 #include "nonsmooth/march.h"
 #include "watch.h"
 
+#include <math.h>
+
 typedef struct ns_engine ns_engine;
 
 /* What an engine did since it was made: about as many instructions, the same on every machine. */
@@ -43,6 +45,9 @@ typedef struct ns_engine_table {
     const ns_fault *(*fault)(const ns_engine *e);
     int (*sample)(ns_engine *e, double t, double *x, double *lambda);
     double (*shortest)(ns_engine *e, double t, double *until); /* until is not NULL */
+    /* Unknown i is at most so far from a straight line between the ends of the way of a trial, which were
+     * sampled; INFINITY: it is not known.  NULL: of none. */
+    double (*bend)(const ns_engine *e, int unknown);
     int (*problem)(const ns_engine *e, ns_mlcp *p, double *h); /* NULL: STATE, it is never written out */
     /* The point of the trial as it is at hand: x (n) of the unknowns that charges and devices depend on,
      * lambda (m). Nothing changes by it.  NULL, or STATE: read() is to be asked. */
@@ -108,6 +113,9 @@ static inline int ns_engine_sample(ns_engine *e, double t, double *x, double *la
 static inline double ns_engine_shortest(ns_engine *e, double t, double *until) {
     e = NS_ENGINE_FOR(e, shortest);
     return e->table->shortest(e, t, until);
+}
+static inline double ns_engine_bend(const ns_engine *e, int unknown) {
+    return e->table->bend ? e->table->bend(e, unknown) : INFINITY;
 }
 static inline int ns_engine_problem(ns_engine *e, ns_mlcp *p, double *h) {
     e = NS_ENGINE_FOR(e, problem);

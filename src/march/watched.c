@@ -210,6 +210,28 @@ static int search_samples(ns_march *m, const samples *s, double *to, int *found)
     return locate(m, s->time[from], s->least[from], to, least);
 }
 
+/* How far the control of threshold k may be from a straight line between the ends of the trial. */
+static double bend(ns_march *m, int k) {
+    const ns_engine *e = NS_ENGINE_FOR(m->engine, bend);
+    const ns_threshold *h = &m->watched->threshold[k];
+    return (h->p < 0 ? 0 : ns_engine_bend(e, h->p)) + (h->n < 0 ? 0 : ns_engine_bend(e, h->n));
+}
+
+/* Of the trial that begins with the only sample: 1 if no threshold can be crossed before its end. */
+static int is_ruled_out(ns_march *m, double end, samples *s, int *status) {
+    ns_watched_thresholds *w = m->watched;
+    int none = 1;
+    for (int k = 0; k < w->count && none; k++)
+        none = bend(m, k) < INFINITY;
+    if (!none)
+        return 0;
+    *status = add_sample(m, end, s);
+    for (int k = 0; k < w->count && none && *status == NS_OK; k++)
+        none = fmin(w->kept[0][k], w->kept[1][k]) >= bend(m, k);
+    s->known -= !none;
+    return none && *status == NS_OK;
+}
+
 /* The first crossing on the way of the trial from `from` to *to, which becomes its time; *found. */
 static int find_crossing(ns_march *m, double from, double *to, int *found) {
     enum { MOST = 1000000 };
@@ -221,6 +243,9 @@ static int find_crossing(ns_march *m, double from, double *to, int *found) {
         *to = fmin(*to, from + 4 * DBL_EPSILON * fabs(from) + DBL_MIN);
         return NS_OK;
     }
+    if (status == NS_OK && ns_engine_shortest(m->engine, t, &until) < *to - t &&
+        is_ruled_out(m, *to, &s, &status))
+        return NS_OK;
     for (int i = 0; i < MOST && status == NS_OK && !*found && t < *to; i++) {
         const double end = *to, step = ns_engine_shortest(m->engine, t, &until);
         const double next = step < end - t ? t + step : end;

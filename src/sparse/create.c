@@ -155,6 +155,7 @@ static const ns_engine_table table = {
     .fault = ns_sparse_fault,
     .sample = ns_sparse_sample,
     .shortest = ns_sparse_shortest,
+    .bend = ns_sparse_bend,
     .peek = ns_sparse_peek,
     .watch = ns_sparse_watch,
     .set_input = ns_sparse_set_input,

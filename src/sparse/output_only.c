@@ -82,17 +82,34 @@ static int pick_rest(ns_output_only *a, const ns_large *all) {
     return status;
 }
 
+/* Inputs that those left out follow, and parts that follow one that is no straight line between corners. */
+static void list_inputs(ns_output_only *a, const ns_csc *E, int *parent) {
+    unsigned char *bent = a->bent + a->count; /* of each root */
+    for (int k = 0; k < E->columns; k++) {
+        const ns_signal_kind kind = a->whole->z[k].kind;
+        const int straight = kind == NS_DC || kind == NS_PULSE || kind == NS_PWL;
+        for (int i = E->start[k]; i < E->start[k + 1] && !straight; i++)
+            bent[ns_system_union_top(parent, a->unknown[E->row[i]])] = 1;
+        if (E->start[k + 1] > E->start[k])
+            a->follows[a->nfollows++] = k;
+    }
+    for (int i = 0; i < a->count; i++)
+        a->bent[i] = bent[ns_system_union_top(parent, a->unknown[i])];
+}
+
 /* The equations of those left out, factored.  Errors: those of ns_linalg_klu_create(),
  * ns_linalg_klu_factor().
  */
-static int factor_output(ns_output_only *a, const ns_large *all) {
+static int factor_output(ns_output_only *a, const ns_large *all, int *parent) {
     ns_csc E = {0};
     int status = pick_entries(&all->A, a->place, a->place, a->count, a->count, 1, &a->A);
     if (status == NS_OK)
         status = pick_entries(&all->E, a->place, NULL, a->count, a->whole->nz, 1,
                               &E); /* its columns: as they are */
-    if (status == NS_OK)
+    if (status == NS_OK) {
+        list_inputs(a, &E, parent);
         status = ns_linalg_csc_transpose(&E, &a->Et);
+    }
     ns_linalg_csc_free(&E);
     if (status == NS_OK)
         status = ns_linalg_klu_create(a->count, a->A.start, a->A.row, &a->klu);
@@ -122,10 +139,10 @@ static int split_system(ns_output_only *a, const ns_large *all) {
         find_parts(all, n, parent, used);
         choose_unknowns(a, n, parent, used);
     }
+    if (status == NS_OK && a->count > 0)
+        status = factor_output(a, all, parent);
     free(parent);
     free(used);
-    if (status == NS_OK && a->count > 0)
-        status = factor_output(a, all);
     if (status == NS_E_MEMORY)
         return status;
     if (status != NS_OK || a->count == 0) { /* a singular part is named by others */
@@ -148,14 +165,17 @@ int ns_sparse_output_create(const ns_system *s, ns_output_only **out) {
         return NS_E_MEMORY;
     a->whole = s;
     a->place = calloc(3 * n + 1, sizeof *a->place);
-    a->b = calloc(2 * n + 1, sizeof *a->b);
-    int status = a->place && a->b ? NS_OK : NS_E_MEMORY;
+    a->b = calloc(2 * n + (size_t)s->nz + 1, sizeof *a->b);
+    a->follows = calloc((size_t)s->nz + 1, sizeof *a->follows);
+    a->bent = calloc(2 * n + 1, 1);
+    int status = a->place && a->b && a->follows && a->bent ? NS_OK : NS_E_MEMORY;
     if (status == NS_OK && !s->large)
         status = ns_sparse_form_commit_dense(s, &own);
     if (status == NS_OK) {
         a->stays = a->place + n;
         a->unknown = a->stays + n;
         a->r = a->b + n;
+        a->z = a->r + n;
         status = split_system(a, s->large ? s->large : &own);
     }
     ns_sparse_form_let_go(&own);
@@ -177,17 +197,35 @@ void ns_sparse_output_free(ns_output_only *a) {
     ns_linalg_csc_free(&a->Et);
     free(a->place);
     free(a->b);
+    free(a->follows);
+    free(a->bent);
     free(a);
 }
 
-void ns_sparse_output_join(const ns_output_only *a, const double *rest, const double *z, double *x) {
+/* 1 if those left out are known at these inputs. */
+static int is_known(const ns_output_only *a, const double *z) {
+    int same = a->solves > 0;
+    for (int i = 0; i < a->nfollows && same; i++)
+        same = a->z[a->follows[i]] == z[a->follows[i]];
+    return same;
+}
+
+static void solve_output(ns_output_only *a, const double *z) {
+    for (int i = 0; i < a->count; i++)
+        a->r[i] = -a->whole->b[a->unknown[i]] - ns_linalg_csc_dot(&a->Et, i, z);
+    ns_linalg_klu_solve(a->klu, a->factors, a->r);
+    for (int i = 0; i < a->nfollows; i++)
+        a->z[a->follows[i]] = z[a->follows[i]];
+    a->solves++;
+}
+
+void ns_sparse_output_join(ns_output_only *a, const double *rest, const double *z, double *x) {
     for (int i = 0; i < a->rest.n; i++)
         x[a->stays[i]] = rest[i];
     if (a->count == 0)
         return;
-    for (int i = 0; i < a->count; i++)
-        a->r[i] = -a->whole->b[a->unknown[i]] - ns_linalg_csc_dot(&a->Et, i, z);
-    ns_linalg_klu_solve(a->klu, a->factors, a->r);
+    if (!is_known(a, z))
+        solve_output(a, z);
     for (int i = 0; i < a->count; i++)
         x[a->unknown[i]] = a->r[i];
 }

@@ -16,8 +16,13 @@ typedef struct ns_output_only {
     int count;            /* unknowns that are left out */
     int *unknown, *stays; /* count; rest.n: which of the whole's these are */
     int *place;           /* n: of those that stay in rest, of the others in unknown, less one, negative */
-    double *b, *r;        /* rest.n; count */
-    ns_csc A, Et;         /* count*count, nz*count */
+    double *b, *r;        /* rest.n; count: those left out at the inputs z */
+    double *z;            /* nz */
+    int *follows;         /* nfollows: which these are */
+    int nfollows;
+    unsigned char *bent; /* count, and room: 1: it follows one that is no straight line between corners */
+    long solves;
+    ns_csc A, Et; /* count*count, nz*count */
     ns_klu *klu;
     ns_factors *factors;
 } ns_output_only;
@@ -26,7 +31,7 @@ typedef struct ns_output_only {
 int ns_sparse_output_create(const ns_system *s, ns_output_only **out);
 void ns_sparse_output_free(ns_output_only *a); /* NULL is allowed */
 
-/* x (n) of the whole from what stays, and from inputs z (nz). */
-void ns_sparse_output_join(const ns_output_only *a, const double *rest, const double *z, double *x);
+/* x (n) of the whole from what stays, and from inputs z (nz): solved where one that matters has changed. */
+void ns_sparse_output_join(ns_output_only *a, const double *rest, const double *z, double *x);
 
 #endif

@@ -86,8 +86,10 @@ int ns_sparse_sample(ns_engine *e, double t, double *x, double *lambda) {
         status = point_on_way(m, t);
     if (status != NS_OK)
         return ns_sparse_fail(m, t, status);
-    for (int k = 0; k < m->f->nz; k++)
+    for (int i = 0; x && i < m->output_only->nfollows; i++) {
+        const int k = m->output_only->follows[i];
         m->z[k] = ns_signal_value(&m->s->z[k], t, t > m->accepted.t ? NS_LEFT : NS_RIGHT);
+    }
     if (x)
         ns_sparse_output_join(m->output_only, m->v, m->z, x);
     if (lambda)
@@ -104,6 +106,26 @@ double ns_sparse_shortest(ns_engine *e, double t, double *until) {
         return NAN;
     return m->trial.step->is_euler ? INFINITY
                                    : fmin((m->trial.t - m->accepted.t) / OF_LENGTH, m->inputs_shortest);
+}
+
+/* As (E1): a line between two points of L_i is at most as far off as an eighth of the square of their
+ * distance times the largest second derivative between 0 and NS_POLE, which is that at 0. */
+static double bend_of_series(const ns_sparse *m, int place) {
+    const ns_dense_step *step = m->trial.step;
+    const int stages = step->shown > step->stages ? step->shown : step->stages;
+    const double length = (m->trial.t - m->accepted.t) / step->g;
+    double sum = 0;
+    for (int i = 2; i < stages; i++)
+        sum += 0.5 * i * (i - 1) * fabs(step->images[(size_t)i * (size_t)m->f->size + (size_t)place]);
+    return length <= NS_POLE * (1 + 1e-9) ? 0.125 * length * length * sum : INFINITY;
+}
+
+double ns_sparse_bend(const ns_engine *e, int unknown) {
+    const ns_sparse *m = (const ns_sparse *)(const void *)e;
+    const int place = m->output_only->place[unknown];
+    if (m->o.theta > 0 || m->trial.step->is_euler)
+        return INFINITY;
+    return place >= 0 ? bend_of_series(m, place) : m->output_only->bent[-1 - place] ? INFINITY : 0;
 }
 
 const ns_mode *ns_sparse_mode(ns_engine *e) {

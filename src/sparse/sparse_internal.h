@@ -243,6 +243,7 @@ int ns_sparse_read(ns_engine *e, double *t, double *x, double *lambda, double *y
 int ns_sparse_sample(ns_engine *e, double t, double *x, double *lambda);
 int ns_sparse_charges(ns_engine *e, double *w); /* charges.c */
 double ns_sparse_shortest(ns_engine *e, double t, double *until);
+double ns_sparse_bend(const ns_engine *e, int unknown);
 const ns_mode *ns_sparse_mode(ns_engine *e);
 const ns_counts *ns_sparse_counts(ns_engine *e);
 ns_work ns_sparse_work(ns_engine *e);

@@ -200,6 +200,17 @@ static void test_what_stays(void **state) {
     double x[4];
     ns_sparse_output_join(a, rest, z, x);
     assert_true(x[0] == 21 && x[1] == 2 && x[2] == -3 && x[3] == 22);
+    /* at the same inputs they are known; each that changes counts: x_1 = 3*4 - 4 = 8, x_2 = 8/2 - 7 + 1 = -2
+     */
+    const double moved[] = {23, 24}, other[2][2] = {{4, 5}, {4, 7}};
+    ns_sparse_output_join(a, moved, z, x);
+    assert_true(x[0] == 23 && x[1] == 2 && x[2] == -3 && x[3] == 24);
+    assert_int_equal(a->solves, 1);
+    ns_sparse_output_join(a, moved, other[0], x);
+    assert_true(x[1] == 8 && x[2] == 0);
+    ns_sparse_output_join(a, moved, other[1], x);
+    assert_true(x[1] == 8 && x[2] == -2);
+    assert_int_equal(a->solves, 3);
     ns_sparse_output_free(a);
     ns_system_free(s);
 }
