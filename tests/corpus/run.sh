@@ -80,6 +80,7 @@ SCRATCH=${KEEP:-$(mktemp -d)}
 mkdir -p "$SCRATCH" && SCRATCH=$(cd "$SCRATCH" && pwd) || exit 2
 [ -n "${KEEP:-}" ] || trap 'rm -rf "$SCRATCH"' EXIT
 export FOLDER SCRATCH NONSMOOTH_CM="$CM" NGSPICE TIME_LIMIT
-sed 's,[ \t]*$,,; /^#/d; /^$/d' "${2:-$here/list}" | xargs -P "${JOBS:-1}" -L1 "$here/run.sh" --one >"$SCRATCH/verdicts"
+# xargs takes quotes and backslashes as they are after a backslash alone
+sed -e 's,[ \t]*$,,; /^#/d; /^$/d' -e "s,[\\\\\"'],\\\\&,g" "${2:-$here/list}" | xargs -P "${JOBS:-1}" -L1 "$here/run.sh" --one >"$SCRATCH/verdicts"
 sort "$SCRATCH/verdicts"
 awk -f "$here/goals.awk" "$SCRATCH/verdicts"
