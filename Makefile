@@ -434,7 +434,7 @@ mutants-run:
 
 FUZZ_BIN := $(patsubst %.c,$(B)/%,$(wildcard tests/fuzz/*.c))
 FUZZ_SECONDS ?= 3600
-FUZZ_TIMEOUT ?= 60# s, for one input
+FUZZ_TIMEOUT ?= 300# s, for one input
 FUZZ := B=build/fuzz CC=clang WARN=-w \
     CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=fuzzer-no-link,address,undefined \
         -fno-sanitize-recover=undefined'

@@ -82,7 +82,7 @@ script install tests/install.sh
 script tags tests/tags.sh
 script readmes tests/readmes.sh
 script rooms tests/rooms.sh
-script fuzz tests/fuzz.sh 8 300
+script fuzz tests/fuzz.sh 8
 END
     programs unit build
 }
