@@ -163,6 +163,17 @@ static void as_it_came(void **state) {
     end_with((double[]){1, 1, 1, 1, 1}, (double[]){-1e-9, 1e-9, -1e-9, 1e-9, -1e-9});
 }
 
+/* What moves through 1 V, however slowly, does not rest there. */
+static void slowly_through_the_threshold(void **state) {
+    static const double t[] = {0, 1, 2, 3, 4, 5, 6},
+                        v[] = {0, 1 - 1e-10, 1 + 1e-10, 2, 1 + 1e-10, 1 - 1e-10, 0};
+    (void)state;
+    begin();
+    source("v1", 1, 0, (ns_signal){.kind = NS_PWL, .u.pwl = {7, t, v, NAN, 0}});
+    add_as_it_came("s1", 1, 0);
+    end_with((double[]){1}, (double[]){0});
+}
+
 /* From both sides no shift does that. */
 static void as_it_came_both_ways(void **state) {
     ns_system *s;
@@ -359,6 +370,7 @@ int main(void) {
         cmocka_unit_test(behind_an_inductor),
         cmocka_unit_test(as_it_came),
         cmocka_unit_test(as_it_came_both_ways),
+        cmocka_unit_test(slowly_through_the_threshold),
         cmocka_unit_test(by_what_is_not_known),
         cmocka_unit_test(opposite_choices_come_first),
         cmocka_unit_test(choice_by_time),
