@@ -38,8 +38,9 @@ typedef struct ns_dense_run {
         double *at; /* n+m: x, lambda */
     } sampled[2];   /* at its begin and its end, which are asked for more than once */
     ns_dense_handover may_hand_over;
-    int was_cut_off; /* branch and bound was, in the last start or trial */
-    int hands_over;  /* the last trial ended with LIMIT by that */
+    int was_cut_off;         /* branch and bound was, in the last start or trial */
+    int hands_over;          /* the last trial ended with LIMIT by that */
+    double without_matrices; /* s that the ladder went in it because the exact engine has none for a mode */
     /* what is told */
     ns_counts counts;
     ns_fault fault;

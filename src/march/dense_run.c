@@ -119,6 +119,7 @@ static int go_to(ns_dense_run *r, double t, ns_until until) {
     const int from_event = r->trial.at_event && until != NS_TO_TIME;
     int status = NS_OK, done = 0;
     r->moved = 1;
+    r->without_matrices = 0;
     r->way.is_line = 0;
     r->sampled[0].known = r->sampled[1].known = 0;
     ns_ladder_begin_trial(r->ladder, t - r->trial.now.t);
@@ -142,7 +143,10 @@ static int go_to(ns_dense_run *r, double t, ns_until until) {
             break;
         const double interrupt = r->exact ? ns_exact_fallback_until(r->exact) : INFINITY;
         const ns_ladder_stop stop = {t, until, from_event, accepted_t, interrupt};
+        const double from = r->trial.now.t;
         status = ns_ladder_go(r->ladder, &stop, &done);
+        if (r->exact && ns_exact_has_no_matrices(r->exact))
+            r->without_matrices += r->trial.now.t - from;
         r->trial.last_event_t = r->trial.now.t; /* modes may change on its way */
     }
     if (status == NS_OK && r->hands_over)
@@ -256,6 +260,10 @@ static int problem(const ns_engine *e, ns_mlcp *p, double *h) {
 
 int ns_march_dense_hands_over(const ns_engine *e) {
     return run_in(e)->hands_over;
+}
+
+double ns_march_dense_without_matrices(const ns_engine *e) {
+    return run_in(e)->without_matrices;
 }
 
 int ns_march_dense_was_cut_off(const ns_engine *e) {

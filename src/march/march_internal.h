@@ -54,6 +54,8 @@ typedef enum ns_dense_handover {
 /* dense_run.c: when trials may end with LIMIT; 1 if the last one did. */
 void ns_march_dense_let_hand_over(ns_engine *e, ns_dense_handover may);
 int ns_march_dense_hands_over(const ns_engine *e);
+/* For how long, s, the ladder went in it because the exact engine can build no matrices for a mode. */
+double ns_march_dense_without_matrices(const ns_engine *e);
 /* 1 if branch and bound was ended by a bound of work, in the last start or trial. */
 int ns_march_dense_was_cut_off(const ns_engine *e);
 /* The start made last was one amid a trial. */

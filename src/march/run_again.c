@@ -129,13 +129,23 @@ static int read_finer(ns_run *r, const again *a, double *x, double *w) {
     return status;
 }
 
+int ns_march_run_is_rough(ns_run *r, double t, ns_until until) {
+    enum { LONG = 16 };
+    if (until != NS_TO_TIME || r->kind != NS_RUN_DENSE ||
+        !(ns_march_dense_without_matrices(r->at_work) > LONG * r->options.h))
+        return 0;
+    r->check.finding =
+        (ns_verify_finding){.cause = NS_VERIFY_FLOW, .t = t, .pair = -1, .unknown = -1, .error = INFINITY};
+    return 1;
+}
+
 /* The scheme passed a trial through events, and nobody judges how the errors of its steps add up: it is
  * believed if shorter steps come to the same. */
 static int is_believed(ns_run *r, const again *a) {
     static const double same = 7e-4; /* of first order: its error is a third more */
     const int n = r->s->n;
     if (a->until != NS_TO_TIME || r->kind != NS_RUN_SCHEME)
-        return 1;
+        return !ns_march_run_is_rough(r, a->asked, a->until);
     double *x = calloc(3 * (size_t)n + 1, sizeof *x), *w = x ? x + n : NULL, *finer = x ? w + n : NULL,
            most = INFINITY;
     if (x && read_charges(r, r->at_work, x, w) == NS_OK && read_finer(r, a, x, finer) == NS_OK) {

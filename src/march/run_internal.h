@@ -162,6 +162,9 @@ int ns_march_watch_sees(void *data, ns_watch_side side, double t);
 
 /* run_again.c: a trial that was found wrong, by other engines.  Errors: RESIDUAL (all are wrong), MEMORY. */
 int ns_march_run_again(ns_run *r, double t, ns_until until, double *reached);
+/* 1 if a trial to t was gone by the ladder for long because the exact engine can build no matrices: its steps
+ * are of first order, and nobody judged how their errors add up.  That is what was found then. */
+int ns_march_run_is_rough(ns_run *r, double t, ns_until until);
 /* run_refuse.c: a small error that no engine is without: 1: such errors are allowed from now on.  What no
  * engine does right is refused: RESIDUAL. */
 int ns_march_run_allows(ns_run *r, const ns_verify_finding *f);
