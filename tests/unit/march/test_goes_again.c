@@ -56,8 +56,60 @@ static void who_goes_again_hands_nothing_over(void **state) {
     end(&k);
 }
 
+static ns_engine_table by_ladder;
+static double ladder_steps; /* h */
+
+/* As if the ladder had gone for so long, where no matrices could be built. */
+static int try_by_ladder(ns_engine *e, double t, ns_until until, double *reached) {
+    const int status = dense_table->try_to(e, t, until, reached);
+    ((ns_dense_run *)(void *)e)->without_matrices = ladder_steps * 1e-6;
+    return status;
+}
+
+static void plant_ladder(ns_engine *e) {
+    dense_table = e->table;
+    by_ladder = *dense_table;
+    by_ladder.try_to = try_by_ladder;
+    e->table = &by_ladder;
+}
+
+/* Nobody judges how errors of the ladder's steps add up: after more than 16 h another engine goes again. */
+static void long_ways_of_the_ladder_are_gone_again(void **state) {
+    (void)state;
+    for (int is_long = 0; is_long < 2; is_long++) {
+        rig k = rectifier();
+        ns_run *r = (ns_run *)(void *)k.m->engine;
+        double t;
+        assert_int_equal(ns_march_run_leave_for(r, NS_RUN_DENSE, 0), NS_OK);
+        plant_ladder(r->at_work);
+        ladder_steps = is_long ? 17 : 15;
+        assert_int_equal(ns_march_try(k.m, 0.1e-3, NS_TO_TIME, &t), NS_OK);
+        assert_int_equal(r->kind, is_long ? NS_RUN_SPARSE : NS_RUN_DENSE);
+        end(&k);
+    }
+}
+
+/* Nor does it count when it goes again for another one: the scheme does. */
+static void the_ladder_does_not_go_again(void **state) {
+    (void)state;
+    rig k = rectifier();
+    ns_run *r = (ns_run *)(void *)k.m->engine;
+    double t;
+    assert_int_equal(ns_march_try(k.m, 0.1e-3, NS_TO_TIME, &t), NS_OK);
+    assert_int_equal(ns_march_accept(k.m), NS_OK);
+    assert_int_equal(ns_march_run_make(r, NS_RUN_DENSE, &r->aside), NS_OK);
+    r->aside_kind = NS_RUN_DENSE;
+    plant_ladder(r->aside);
+    ladder_steps = 17;
+    assert_int_equal(ns_march_run_again(r, 0.2e-3, NS_TO_TIME, &t), NS_OK);
+    assert_int_equal(r->kind, NS_RUN_SCHEME);
+    end(&k);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(who_goes_again_hands_nothing_over)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(who_goes_again_hands_nothing_over),
+                                       cmocka_unit_test(long_ways_of_the_ladder_are_gone_again),
+                                       cmocka_unit_test(the_ladder_does_not_go_again)};
     allow_retries(ANY_RETRIES);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
