@@ -65,6 +65,8 @@ void ns_bridge_show_summary(const ns_analysis *a, double cpu) {
     add_count(line, sizeof line, c->checks, "check", "checks");
     if (c->retries > 0)
         add_count(line, sizeof line, c->retries, "retry", "retries");
+    if (c->looks > 0)
+        add_count(line, sizeof line, c->looks, "look at thresholds", "looks at thresholds");
     ns_bridge_report_note("%s:%s %.3g ms CPU time", ns_bridge_options_method(ns_march_engine(a->march)), line,
                           1e3 * cpu);
 }

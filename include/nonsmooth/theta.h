@@ -50,6 +50,7 @@ typedef struct ns_counts {
     long islands;        /* parts that share nothing but stiff sources and are stepped apart; 0: one whole */
     long checks;         /* points, events and ways between that were judged by the circuit's laws alone */
     long retries;        /* of them wrong, and gone again by another engine */
+    long looks;          /* points at which thresholds that are watched were looked at; 0: none ever was */
 
     /* a marcher's, with NS_EXACT or NS_SPARSE */
     long modes;        /* modes that matrices or factors were made for */

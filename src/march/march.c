@@ -151,7 +151,13 @@ ns_method ns_march_engine(const ns_march *m) {
 }
 
 const ns_counts *ns_march_counts(ns_march *m) {
-    return m->engine->table->counts(m->engine);
+    const ns_counts *counts = m->engine->table->counts(m->engine);
+    const long looks = m->counts.looks;
+    if (looks == 0)
+        return counts;
+    m->counts = *counts;
+    m->counts.looks = looks;
+    return &m->counts;
 }
 
 int ns_march_sample(ns_march *m, double t, double *x, double *lambda) {

@@ -25,6 +25,7 @@ struct ns_march {
     unsigned char *followed;        /* nz: 1: corners of this input end trials with NS_TO_STEP */
     unsigned char *closed;          /* nc: switches that are closed where it starts */
     ns_watched_thresholds *watched; /* thresholds; NULL: none was ever watched */
+    ns_counts counts;               /* the engine's, with looks */
 };
 
 /* unwatched.c: as ns_march_try(), whatever is watched. */

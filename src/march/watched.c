@@ -122,6 +122,7 @@ static int look_at(ns_march *m, double t, double *to, double *least) {
     ns_watched_thresholds *w = m->watched;
     const int status = ns_engine_sample(m->engine, t, w->x, NULL);
     measure(w, to);
+    m->counts.looks++;
     *least = INFINITY;
     for (int k = 0; k < w->count; k++)
         *least = fmin(*least, to[k]);

@@ -122,7 +122,48 @@ static void of_samples(void **state) {
     close_bench(&b);
 }
 
+/* Where nothing is watched nothing is looked at, and a circuit without kinks has the pairs of its devices
+ * alone: one of the diode, one of the switch. */
+static void of_nothing_watched(void **state) {
+    static const ns_method methods[] = {NS_EXACT, NS_SPARSE};
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-7, .method = methods[k], .whole = 1};
+        const ns_switch sw = {0.5, 0, 0, INFINITY};
+        const ns_threshold never = {0, -1, 99, 0, 0};
+        bench b = open_bench();
+        double t = 0;
+        add_dc(&b, "v", 1, 0, 12, NULL);
+        add_step(&b, "g", 2, 0, 0, 1, 1e-6);
+        assert_int_equal(ns_circuit_switch(b.c, "s", 1, 3, 2, 0, &sw, NULL), NS_OK);
+        assert_int_equal(ns_circuit_diode(b.c, "d", 0, 3, &ideal_diode, NULL), NS_OK);
+        assert_int_equal(ns_circuit_inductor(b.c, "l", 3, 4, 1e-5, 0, NULL), NS_OK);
+        assert_int_equal(ns_circuit_resistor(b.c, "r", 4, 0, 1, NULL), NS_OK);
+        assert_int_equal(ns_circuit_system(b.c, &b.s), NS_OK);
+        assert_int_equal(b.s->m, 2);
+        assert_int_equal(b.s->nc, 1);
+        assert_int_equal(b.s->nz, 1); /* a constant is none */
+        assert_int_equal(ns_march_create(b.s, &o, &b.m, NULL), NS_OK);
+        start_at_rest(&b);
+        count_samples(&b);
+        for (int i = 0; i < 1000 && t < 5e-6; i++) {
+            assert_int_equal(ns_march_try(b.m, 5e-6, NS_TO_STEP, &t), NS_OK);
+            assert_int_equal(ns_march_accept(b.m), NS_OK);
+        }
+        assert_true(t == 5e-6);
+        assert_int_equal(samples, 0);
+        assert_null(b.m->watched);
+        assert_int_equal(ns_march_counts(b.m)->looks, 0);
+        assert_int_equal(ns_march_watch(b.m, 1, &never), NS_OK);
+        assert_int_equal(ns_march_try(b.m, 6e-6, NS_TO_STEP, &t), NS_OK);
+        assert_int_equal(ns_march_accept(b.m), NS_OK);
+        assert_true(samples > 0 && ns_march_counts(b.m)->looks == samples);
+        close_bench(&b);
+    }
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(of_each_step), cmocka_unit_test(of_samples)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(of_each_step), cmocka_unit_test(of_samples),
+                                       cmocka_unit_test(of_nothing_watched)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
