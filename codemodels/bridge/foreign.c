@@ -98,19 +98,34 @@ static int fits(const SPICEdev *model, const MIFinstance *inst) {
     return 1;
 }
 
-const IFdevice *ns_bridge_foreign_type(const MIFinstance *inst) {
+static const SPICEdev *find_model(const MIFinstance *inst, int type) {
     libraries all = {0};
     int first[LIBRARIES];
-    const int type = inst->gen.GENmodPtr->GENmodType;
     list_libraries(&all);
     if (!number_types(&all, first))
         return NULL;
     for (int k = 0; k < all.count; k++) {
         const int place = type - first[k];
         if (place >= 0 && place < all.of[k].count && fits(all.of[k].model[place], inst))
-            return &all.of[k].model[place]->DEVpublic;
+            return all.of[k].model[place];
     }
     return NULL;
+}
+
+/* A type keeps its number, so what was found is kept: to list the libraries takes half a million
+ * instructions. */
+const IFdevice *ns_bridge_foreign_type(const MIFinstance *inst) {
+    enum { KEPT = 64 };
+    static struct {
+        int type;
+        const SPICEdev *model;
+    } kept[KEPT];
+    const int type = inst->gen.GENmodPtr->GENmodType, at = type % KEPT;
+    if (!kept[at].model || kept[at].type != type || !fits(kept[at].model, inst)) {
+        kept[at].type = type;
+        kept[at].model = find_model(inst, type);
+    }
+    return kept[at].model ? &kept[at].model->DEVpublic : NULL;
 }
 
 const char *ns_bridge_foreign_model(const MIFinstance *inst) {
