@@ -298,7 +298,10 @@ static int solve_with_leaks(ns_mode_factors *q, const ns_cached_factors *k, int 
     const double *scale = k->scale;
     const ns_sparse_leaks with = {
         q->f, k->of.h, k->of.mode, scale, scale + q->f->size, scale + 2 * q->f->size, q->klu, k->factors};
-    return ns_sparse_leaks_solve(&with, k->null, residual, r, v, q->work);
+    const long before = ns_linalg_klu_solves(q->klu);
+    const int status = ns_sparse_leaks_solve(&with, k->null, residual, r, v, q->work);
+    q->leaky_solves += ns_linalg_klu_solves(q->klu) - before;
+    return status;
 }
 
 static int solve_factored(ns_mode_factors *q, const ns_cached_factors *k, int residual, const double *r,

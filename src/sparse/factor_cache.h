@@ -48,6 +48,7 @@ typedef struct ns_mode_factors {
     int *row;               /* m */
     /* counts */
     long clock, made, evicted, updated;
+    long leaky_solves; /* solutions by factors with leaks, in rounds and Krylov cycles */
 } ns_mode_factors;
 
 int ns_sparse_factors_create(const ns_form *f, size_t limit,
