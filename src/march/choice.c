@@ -18,6 +18,9 @@ static const double counts_from = 4;
 /* An engine crawls that needs so many times the work that it needed when it was chosen: the other one is
  * asked at once, if this part of the usual interval has passed. */
 static const double crawls = 4, soon = 0.5;
+/* The first question comes after this part of the interval if the engine at work needs more for its events
+ * than the other one needs for any. */
+static const double early = 0.25;
 
 static void wait(ns_choice *c, double t, ns_work work, double times) {
     c->asks = 0;
@@ -34,15 +37,18 @@ void ns_march_choice_begin(ns_choice *c, double t, ns_work work, double first) {
         wait(c, t, work, 1);
 }
 
-static ns_choice_answer look_at_chosen(ns_choice *c, double t, ns_work work, double least) {
-    const double spent = work.all - c->from.work.all, gained = t - c->from.t;
-    const int is_slow = spent > soon * c->interval && spent > crawls * c->usual * gained;
-    if ((spent < c->interval && !is_slow) || !(gained > 0))
+static ns_choice_answer look_at_chosen(ns_choice *c, double t, ns_work work, ns_choice_bounds event) {
+    const double spent = work.all - c->from.work.all, gained = t - c->from.t,
+                 events = work.events - c->from.work.events;
+    const int is_slow = spent > soon * c->interval && spent > crawls * c->usual * gained,
+              is_dear = isnan(c->usual) && work.all > early * c->interval &&
+                        work.all > event.most * (work.events + 1);
+    if ((spent < c->interval && !is_slow && !is_dear) || !(gained > 0))
         return NS_CHOICE_STAY;
     const double once = work.once < c->counts_from ? work.once - c->from.work.once : 0;
     c->usual = spent / gained;
     c->rate = (spent - once) / gained;
-    if (clearly * spent >= least * (work.events - c->from.work.events))
+    if (clearly * spent >= event.least * events)
         return NS_CHOICE_CHANGE;
     wait(c, t, work, 1);
     return NS_CHOICE_STAY;
@@ -62,8 +68,8 @@ static ns_choice_answer look_at_asked(ns_choice *c, double t, ns_work work) {
     return is_over && !is_hopeful ? NS_CHOICE_CHANGE : NS_CHOICE_STAY;
 }
 
-ns_choice_answer ns_march_choice_look(ns_choice *c, double t, ns_work work, double least) {
-    return c->asks ? look_at_asked(c, t, work) : look_at_chosen(c, t, work, least);
+ns_choice_answer ns_march_choice_look(ns_choice *c, double t, ns_work work, ns_choice_bounds event) {
+    return c->asks ? look_at_asked(c, t, work) : look_at_chosen(c, t, work, event);
 }
 
 void ns_march_choice_changed(ns_choice *c, double t, ns_work work) {

@@ -30,13 +30,18 @@ typedef struct ns_choice {
     ns_choice_mark from; /* where the engine at work began, or was chosen */
 } ns_choice;
 
+/* What the other engine needs for an event, matrices of a new mode included: at least, at most. */
+typedef struct ns_choice_bounds {
+    double least, most; /* INFINITY: it is not known */
+} ns_choice_bounds;
+
 /* At a start; first: work after which the other engine is asked for the first time.  What was learnt of the
  * run before remains: c is zero at the first start. */
 void ns_march_choice_begin(ns_choice *c, double t, ns_work work, double first);
-/* At t; work: of all engines so far; least: what the other one needs for an event at least: it is not asked
- * if that is more than the one at work needs.  What is to be done; CHANGE: the caller calls
+/* At t; work: of all engines so far; event: the other one is not asked if the one at work needs less for an
+ * event, and asked early if it needs more.  What is to be done; CHANGE: the caller calls
  * ns_march_choice_changed() when that is done, or ns_march_choice_failed(). */
-ns_choice_answer ns_march_choice_look(ns_choice *c, double t, ns_work work, double least);
+ns_choice_answer ns_march_choice_look(ns_choice *c, double t, ns_work work, ns_choice_bounds event);
 void ns_march_choice_changed(ns_choice *c, double t, ns_work work);
 /* The engine that is asked failed, or could not begin: the other one is at work (again). */
 void ns_march_choice_failed(ns_choice *c, double t, ns_work work);

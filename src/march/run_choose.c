@@ -41,7 +41,7 @@ static int is_to_look(ns_run *r, ns_until until) {
 
 static void look_at_choice(ns_run *r, double now) {
     const ns_choice_answer answer = ns_march_choice_look(
-        &r->choice, now, ns_march_run_work(r), ns_march_least_of_event(r->s, r->kind == NS_RUN_DENSE));
+        &r->choice, now, ns_march_run_work(r), ns_march_bounds_of_event(r->s, r->kind == NS_RUN_DENSE));
     if (answer != NS_CHOICE_CHANGE)
         return;
     if (change(r) == NS_OK)

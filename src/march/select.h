@@ -2,6 +2,7 @@
 #ifndef NS_MARCH_SELECT_H
 #define NS_MARCH_SELECT_H
 
+#include "choice.h"
 #include "march_internal.h"
 #include "sparse/sparse.h"
 
@@ -23,8 +24,8 @@ int ns_march_chooses(const ns_system *s, const ns_march_options *o);
 /* After how much work (ns_work) the second one is asked; is_dense: the first one is dense. */
 double ns_march_first_question(const ns_system *s, int is_dense);
 
-/* Work that the sparse (by_sparse: 1) or the dense engines need for an event, at least. */
-double ns_march_least_of_event(const ns_system *s, int by_sparse);
+/* Work that the sparse (by_sparse: 1) or the dense engines need for an event. */
+ns_choice_bounds ns_march_bounds_of_event(const ns_system *s, int by_sparse);
 
 /* How long an engine is not tried again, after it failed or was wrong (before: 0 or what this returned last),
  * s.

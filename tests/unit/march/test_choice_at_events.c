@@ -67,7 +67,38 @@ static void engines_change_at_right_sides(void **state) {
     end(&k);
 }
 
+/* By sparse, after 0.6 of what comes before the first question, with so many events; 1: exact was asked. */
+static int is_asked_after(double events) {
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-3 / 65536, .method = NS_AUTO, .whole = 1};
+    rig k = begin();
+    double reached;
+    add_multiplier(k.c);
+    make_by(&k, &o);
+    start_at_rest(&k);
+    ns_run *r = (ns_run *)(void *)k.m->engine;
+    ok(ns_march_run_leave_for(r, NS_RUN_SPARSE, 0));
+    r->work_before = (ns_work){0, 0, 0};
+    r->choice = (ns_choice){0};
+    ns_march_run_begin_choice(r, 0);
+    r->work_before = (ns_work){0.6 * ns_march_first_question(r->s, 0), 0, events};
+    for (int i = 0; i < 2; i++) {
+        ok(ns_march_try(k.m, (i + 1) * 1e-7, NS_TO_TIME, &reached));
+        ok(ns_march_accept(k.m));
+    }
+    const int is_asked = r->kind == NS_RUN_DENSE;
+    end(&k);
+    return is_asked;
+}
+
+/* Where sparse took more for each event than exact does to make matrices of a new mode. */
+static void exact_is_asked_early_where_events_are_dear(void **state) {
+    (void)state;
+    assert_true(is_asked_after(2));
+    assert_false(is_asked_after(1000));
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(engines_change_at_right_sides)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(engines_change_at_right_sides),
+                                       cmocka_unit_test(exact_is_asked_early_where_events_are_dear)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
