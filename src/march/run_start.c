@@ -31,6 +31,22 @@ static int start_again(ns_run *r, const ns_run_start *s) {
     return ns_march_run_refuse(r, &first);
 }
 
+/* Branch and bound in a first start may take as much as comes before the first question; then sparse starts,
+ * which may have the mode at once.  Where it has none either there is no bound. */
+static int start_bounded(ns_run *r, const ns_run_start *s) {
+    const ns_run_change how = {begin, s, 0};
+    if (!r->chooses || r->kind != NS_RUN_DENSE)
+        return start_judged(r, s);
+    r->at_work->most_work = ns_engine_work(r->at_work).all + ns_march_first_question(r->s, 1);
+    const int status = start_judged(r, s);
+    r->at_work->most_work = 0;
+    if (status == NS_OK || r->check.found || !ns_march_dense_was_cut_off(r->at_work))
+        return status;
+    const int changed = ns_march_run_change(r, NS_RUN_SPARSE, &how) == NS_OK;
+    r->check.found = 0;
+    return changed ? NS_OK : start_judged(r, s);
+}
+
 /* By dense matrices where sparse, asked for by name, is not determined: a part that capacitors alone tie to
  * the rest has no charge.  Else status, as it was. */
 static int start_by_dense(ns_run *r, const ns_run_start *s, int status) {
@@ -50,7 +66,7 @@ int ns_march_run_start(ns_run *r, const ns_run_start *asked) {
     s.x = s.x ? s.x : r->check.nodes;
     r->refused = r->trial_is_start = 0;
     ns_march_check_reset(r);
-    int status = start_judged(r, &s);
+    int status = start_bounded(r, &s);
     if (!r->check.found && ns_march_run_sparse_failed(r, status) &&
         (status = ns_march_run_use_dense(r, s.t)) == NS_OK)
         status = start_judged(r, &s);
