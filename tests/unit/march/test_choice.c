@@ -195,7 +195,8 @@ static ns_work work_of(double all, double once, double events) {
 /* A choice that begins at 2 s with 300 of work done, and looks again after so much time and work. */
 static ns_choice_answer look_after(ns_choice *c, double time, double spent, double once, double events,
                                    double least) {
-    return ns_march_choice_look(c, 2 + time, work_of(300 + spent, once, events), least);
+    return ns_march_choice_look(c, 2 + time, work_of(300 + spent, once, events),
+                                (ns_choice_bounds){least, INFINITY});
 }
 
 static ns_choice begun(void) {
