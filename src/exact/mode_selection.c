@@ -2,7 +2,8 @@
  *
  * A mode is right from here on if (J4) holds: no impulse that its pairs could not carry, and guards that are
  * positive, or zero and about to rise.  Tried are modes that followed before, then the present one with what
- * broke flipped, then the answer of (P1) over a short step, then the mode of the impulse problem.
+ * broke flipped, then the answer of (P1) over a short step, then the mode of the impulse problem, then again
+ * the present one with what broke flipped, unless another guard is clearly below zero then.
  */
 #include "mode_selection.h"
 #include "events/ties.h"
@@ -175,6 +176,16 @@ static int solve_impulse(ns_exact *f) {
     return status;
 }
 
+/* Tries the mode that guard `broken` of the present one leads to, though another guard seems to break soon
+ * there, from a value that may be rounding: (P1) and the impulse problem, which tell no two guards apart that
+ * close, led nowhere.  That other guard is the next event. */
+static int trust_broken(ns_exact *f, int broken, int *goes_on) {
+    const ns_guard_row *row = &f->state.mode->scale[0].kernel->row[broken];
+    want_commands(f);
+    f->wanted[row->pair] = row->to;
+    return try_wanted(f, NS_EVIDENCE_STEP, goes_on);
+}
+
 /* No mode was found: what jumped on the way did not. */
 static void forget_jumps(const ns_exact *f) {
     if (f->point->instant)
@@ -197,7 +208,8 @@ static int try_candidates(ns_exact *f, int by_guard, int broken, int *goes_on) {
     want_commands(f);
     read_inputs_after(f);
     status = solve_lcp_proposal(f, goes_on);
-    return status == NS_GUARD ? solve_impulse(f) : status;
+    status = status == NS_GUARD ? solve_impulse(f) : status;
+    return status == NS_GUARD && broken >= 0 ? trust_broken(f, broken, goes_on) : status;
 }
 
 int ns_exact_select_start(ns_exact *f) {

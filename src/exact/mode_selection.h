@@ -30,7 +30,8 @@ ns_guard_sign ns_exact_guard_sign(ns_exact *f, ns_exact_mode *mode, int g, const
  * INFINITY: it is another guard, or breaks more than h 2^-10 later. */
 double ns_exact_guard_delay(ns_exact *f, const ns_mode_kernel *k, int g);
 
-/* How a mode was proposed: among likely ones, by (P1) over a short step, by the impulse problem. */
+/* How a mode was proposed: among likely ones, by (P1) over a short step or by the guard that broke in the
+ * step before, by the impulse problem. */
 typedef enum ns_evidence { NS_EVIDENCE_NONE, NS_EVIDENCE_STEP, NS_EVIDENCE_IMPULSES } ns_evidence;
 
 typedef enum ns_mode_verdict {
