@@ -33,9 +33,11 @@ static void add_diode(ns_circuit *c, int anode, int cathode, double ron, double 
     ok(ns_circuit_diode(c, name, anode, cathode, &diode, NULL));
 }
 
-/* Cockcroft and Walton, 100 V at 10 kHz; its last node. */
+static double multiplier_volts = 100;
+
+/* Cockcroft and Walton, at 10 kHz; its last node. */
 static int add_multiplier(ns_circuit *c, int stages, double ron, double roff) {
-    const ns_signal sine = {.kind = NS_SIN, .u.sin = {.va = 100, .freq = 1e4}};
+    const ns_signal sine = {.kind = NS_SIN, .u.sin = {.va = multiplier_volts, .freq = 1e4}};
     int below = 0, push = SUPPLY;
     ok(ns_circuit_source(c, "v", NS_VOLTAGE, SUPPLY, 0, &sine, NULL));
     for (int i = 0; i < stages; i++) {
@@ -117,12 +119,31 @@ static void multipliers(void **state) {
     compare(add_multiplier, 5, 1e-3 / 65536, 0.4e-3);
 }
 
+/* Where two diodes' guards are zero within their rounding at the same instant, only that rounding says which
+ * mode is found, and it is another one for each voltage and each processor.  With 1 uohm a short step of the
+ * scheme, which (P1) answers to 1e-11 of 78 V, leaves a diode with -0.4 mA: two of three of these runs had
+ * that, and it was found wrong (retries.c).  Without forward voltages all is proportional to the source. */
+static void near_ties(void **state) {
+    enum { RUNS = 8 };
+    double first = 0;
+    (void)state;
+    for (int i = 0; i < RUNS; i++) {
+        multiplier_volts = 100 * (1 + 1.37e-3 * i);
+        const outcome got = run(add_multiplier, 5, 1e-6, 1e15, 1e-3 / 65536, 0.4e-3);
+        const double part = got.volts / multiplier_volts;
+        first = i == 0 ? part : first;
+        assert_true(fabs(part - first) < 1e-9 * fabs(first));
+    }
+    multiplier_volts = 100;
+}
+
 static void dicksons(void **state) {
     (void)state;
     compare(add_dickson, 8, 20e-6 / 65536, 20e-6);
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(multipliers), cmocka_unit_test(dicksons)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(multipliers), cmocka_unit_test(near_ties),
+                                       cmocka_unit_test(dicksons)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
