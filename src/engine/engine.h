@@ -33,9 +33,6 @@ typedef struct ns_engine_table {
     void (*drop)(ns_engine *e); /* forgets the trial */
     int (*accept)(ns_engine *e);
     int (*read)(ns_engine *e, double *t, double *x, double *lambda, double *y);
-    /* w (n): M x of what read() gives, on entry; the charges and fluxes of the point, if they differ from
-     * that, on return.  NULL: they never differ. */
-    int (*charges)(ns_engine *e, double *w);
     int (*impulse)(ns_engine *e, double *x, double *lambda); /* arrays as of ns_march_impulse(), or NULL */
     const ns_mode *(*mode)(ns_engine *e);
     int (*at_event)(const ns_engine *e);
@@ -81,10 +78,6 @@ static inline int ns_engine_accept(ns_engine *e) {
 static inline int ns_engine_read(ns_engine *e, double *t, double *x, double *lambda, double *y) {
     e = NS_ENGINE_FOR(e, read);
     return e->table->read(e, t, x, lambda, y);
-}
-static inline int ns_engine_charges(ns_engine *e, double *w) {
-    e = NS_ENGINE_FOR(e, charges);
-    return e->table->charges ? e->table->charges(e, w) : NS_OK;
 }
 static inline int ns_engine_impulse(ns_engine *e, double *x, double *lambda) {
     e = NS_ENGINE_FOR(e, impulse);

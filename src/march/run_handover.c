@@ -129,7 +129,7 @@ int ns_march_run_read_accepted(ns_run *r, double *t, double **w, unsigned char *
         (*closed)[c] = ns_engine_mode(e)[r->s->command[c].pair] == NS_INSIDE;
     if (status == NS_OK)
         ns_system_charges(r->s, x + n, x);
-    return status == NS_OK ? ns_engine_charges(e, x) : status;
+    return status;
 }
 
 static int make_scheme(ns_run *r, ns_engine **out) {

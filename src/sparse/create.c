@@ -145,7 +145,6 @@ static const ns_engine_table table = {
     .drop = ns_sparse_drop,
     .accept = ns_sparse_accept,
     .read = ns_sparse_read,
-    .charges = ns_sparse_charges,
     .impulse = ns_sparse_impulse,
     .mode = ns_sparse_mode,
     .at_event = ns_sparse_at_event,

@@ -241,7 +241,6 @@ int ns_sparse_at_event(const ns_engine *e);
 int ns_sparse_set_input(ns_engine *e, int input, const ns_signal *signal);
 int ns_sparse_read(ns_engine *e, double *t, double *x, double *lambda, double *y);
 int ns_sparse_sample(ns_engine *e, double t, double *x, double *lambda);
-int ns_sparse_charges(ns_engine *e, double *w); /* charges.c */
 double ns_sparse_shortest(ns_engine *e, double t, double *until);
 double ns_sparse_bend(const ns_engine *e, int unknown);
 const ns_mode *ns_sparse_mode(ns_engine *e);

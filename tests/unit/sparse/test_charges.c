@@ -1,5 +1,5 @@
-/* tests/unit/sparse/test_charges.c - an engine that goes on from a point of the sparse one gets its charges,
- * also where what is shown there are straight lines.
+/* tests/unit/sparse/test_charges.c - an engine that goes on from a point of the sparse one gets its charges:
+ * M x of what is shown there.
  */
 #include "rig.h"
 
