@@ -1,9 +1,9 @@
 /* src/engine/engine.h - what an engine is: a table of functions.
  *
  * An engine integrates one system from a start on: it tries a step to some time, which may be repeated with
- * another time, and accepts it.  march/ asks engines through this table only; an engine knows no other one.
- * One that cannot go on returns an error, its accepted point stays, and march/run.c starts another one from
- * there.
+ * another time, and accepts it.  march/ asks engines through this table only; exact, sparse and ladder know
+ * no other engine.  One that cannot go on returns an error, its accepted point stays, and march/run_choose.c
+ * and run_handover.c start another one from there.
  */
 #ifndef NS_ENGINE_H
 #define NS_ENGINE_H
@@ -17,9 +17,9 @@ typedef struct ns_engine ns_engine;
 
 /* What an engine did since it was made: about as many instructions, the same on every machine. */
 typedef struct ns_work {
-    double all;  /* of that, */
-    double once; /* matrices and factors of modes, which are kept */
-    double events;
+    double all;
+    double once;   /* the part of all that made matrices and factors of modes, which are kept */
+    double events; /* how many events it passed: a number, no instructions */
 } ns_work;
 
 /* Each function does what the call of nonsmooth/march.h of the same name does, for this engine. */

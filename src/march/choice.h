@@ -11,8 +11,10 @@
 #include "engine/engine.h"
 
 typedef enum ns_choice_answer {
-    NS_CHOICE_STAY,   /* the engine at work goes on */
-    NS_CHOICE_CHANGE, /* the other one goes on from here: asked, or asked and found more expensive */
+    NS_CHOICE_STAY, /* the engine at work goes on */
+    /* The other engine goes on from here: a question begins, or one ends because the engine that was asked
+     * needs more. */
+    NS_CHOICE_CHANGE,
 } ns_choice_answer;
 
 /* An instant of the circuit's time, and the work until then. */
@@ -23,8 +25,8 @@ typedef struct ns_choice_mark {
 
 typedef struct ns_choice {
     int asks;            /* 1: the engine at work is the one that is asked */
-    double rate;         /* work a second: of the one before, without what it did but once */
-    double counts_from;  /* until so much was; then with that */
+    double rate;         /* work for a second of the engine before the question, without its `once` */
+    double counts_from;  /* if its `once` (engine.h) is more than this, it is part of rate */
     double usual;        /* work a second of the one at work when it was chosen; NAN: not known */
     double interval;     /* work between two questions */
     ns_choice_mark from; /* where the engine at work began, or was chosen */

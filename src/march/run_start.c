@@ -15,7 +15,9 @@ static int begin(ns_run *r, const void *data) {
     return start_judged(r, data);
 }
 
-/* A start that was found wrong; a small error that no engine is without is that of the problem. */
+/* After a start that was found wrong: the other engines start.  If none of them is right and the error was
+ * small, it is taken for rounding in the circuit's own numbers: the first engine starts again, and this kind
+ * of error may be larger from then on. */
 static int start_again(ns_run *r, const ns_run_start *s) {
     const ns_verify_finding first = r->check.finding;
     const ns_run_kind own = r->kind;
@@ -31,8 +33,9 @@ static int start_again(ns_run *r, const ns_run_start *s) {
     return ns_march_run_refuse(r, &first);
 }
 
-/* Branch and bound in a first start may take as much as comes before the first question; then sparse starts,
- * which may have the mode at once.  Where it has none either there is no bound. */
+/* Branch and bound in a start of auto may take as much work as the run does before its first question
+ * (choice.h).  If that is not enough, sparse starts, which may find the mode at once; if sparse fails too,
+ * the start is made again without a bound. */
 static int start_bounded(ns_run *r, const ns_run_start *s) {
     const ns_run_change how = {begin, s, 0};
     if (!r->chooses || r->kind != NS_RUN_DENSE)
@@ -47,8 +50,8 @@ static int start_bounded(ns_run *r, const ns_run_start *s) {
     return changed ? NS_OK : start_judged(r, s);
 }
 
-/* By dense matrices where sparse, asked for by name, is not determined: a part that capacitors alone tie to
- * the rest has no charge.  Else status, as it was. */
+/* If method "sparse" was asked for and its start is singular (capacitors alone connect a part to the rest, so
+ * that the part's voltage is not determined), the dense engines start.  Else, or if they fail: status. */
 static int start_by_dense(ns_run *r, const ns_run_start *s, int status) {
     const ns_run_change how = {begin, s, 0};
     if (status != NS_E_SINGULAR || r->kind != NS_RUN_SPARSE || ns_march_too_large(r->s))

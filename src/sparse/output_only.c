@@ -8,21 +8,22 @@
 #include "assemble.h"
 #include "system/union_find.h"
 
-/* Unknowns and rows of one index that an entry joins become one part. */
+/* Row i and unknown i are one node of a graph, in which each entry of a joins its row and its column; parent:
+ * its connected parts. */
 static void join(const ns_csc *a, int *parent) {
     for (int j = 0; j < a->columns; j++)
         for (int k = a->start[j]; k < a->start[j + 1]; k++)
             ns_system_union_join(parent, a->row[k], j);
 }
 
-/* Marks the parts in whose rows a has an entry. */
+/* Marks the parts in whose rows (by_column: columns) a has an entry. */
 static void mark_used(const ns_csc *a, int by_column, int *parent, unsigned char *used) {
     for (int j = 0; j < a->columns; j++)
         for (int k = a->start[j]; k < a->start[j + 1]; k++)
             used[ns_system_union_top(parent, by_column ? j : a->row[k])] = 1;
 }
 
-/* used (n): of each root whether its part stays. */
+/* used (n): at the top of each part, 1 if M, B, C or gx has an entry in it, so that it stays. */
 static void find_parts(const ns_large *a, int n, int *parent, unsigned char *used) {
     ns_system_union_begin(parent, n);
     join(&a->M, parent);
@@ -44,7 +45,8 @@ static void choose_unknowns(ns_output_only *a, int n, int *parent, const unsigne
         }
 }
 
-/* place: of line i among those that are wanted, or negative; NULL: all are. */
+/* The number of row or column i among those that stay (others: that are left out), negative if it is none of
+ * them.  place: as in ns_output_only; NULL: i, all stay. */
 static int placed(const int *place, int i, int others) {
     return !place ? i : others ? -1 - place[i] : place[i];
 }
@@ -82,7 +84,8 @@ static int pick_rest(ns_output_only *a, const ns_large *all) {
     return status;
 }
 
-/* Inputs that those left out follow, and parts that follow one that is no straight line between corners. */
+/* follows: inputs in the equations of those left out.  bent: unknowns of a part in whose equations there is
+ * an input that is no straight line between corners. */
 static void list_inputs(ns_output_only *a, const ns_csc *E, int *parent) {
     unsigned char *bent = a->bent + a->count; /* of each root */
     for (int k = 0; k < E->columns; k++) {
@@ -145,7 +148,7 @@ static int split_system(ns_output_only *a, const ns_large *all) {
     free(used);
     if (status == NS_E_MEMORY)
         return status;
-    if (status != NS_OK || a->count == 0) { /* a singular part is named by others */
+    if (status != NS_OK || a->count == 0) { /* a step of the whole system names what is singular */
         keep_all(a);
         return NS_OK;
     }

@@ -15,7 +15,7 @@ typedef struct ns_output_only {
     ns_large large;
     int count;            /* unknowns that are left out */
     int *unknown, *stays; /* count; rest.n: which of the whole's these are */
-    int *place;           /* n: of those that stay in rest, of the others in unknown, less one, negative */
+    int *place;           /* n: the index in rest; of one that is left out -1 - its index in unknown */
     double *b, *r;        /* rest.n; count: those left out at the inputs z */
     double *z;            /* nz */
     int *follows;         /* nfollows: which these are */
