@@ -13,8 +13,8 @@
 #include "pure/timepoints.h"
 
 /* Steps; and, in steps times unknowns and devices, how far it goes beyond the slowest period of a source, and
- * how far to come to its end. */
-enum { LEAST_STEPS = 200, CHEAP_WORK = 300000, MOST_WORK = 30000000 };
+ * how far to come to its end.  Matrices that are factored anew take as long as so many steps. */
+enum { LEAST_STEPS = 200, CHEAP_WORK = 300000, MOST_WORK = 30000000, STEPS_OF_FACTORS = 30 };
 
 enum { PARTS = 4 }; /* equal ones of a step, each read in its middle */
 
@@ -116,7 +116,8 @@ static int add_step(const own_pass *p, double from, double end) {
 
 /* How far it goes is the same for every run of this circuit. */
 static int is_long_enough(const own_pass *p, int steps, double t, double stop) {
-    const double work = (double)steps * (double)(p->a->count + 1);
+    const double factors = (double)ns_march_counts(p->march)->factors;
+    const double work = ((double)steps + STEPS_OF_FACTORS * factors) * (double)(p->a->count + 1);
     const double least = ns_bridge_timepoints_slowest(p->a->system, stop);
     return t >= stop || (steps >= LEAST_STEPS && work >= (t < least ? MOST_WORK : CHEAP_WORK));
 }

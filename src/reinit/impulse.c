@@ -52,7 +52,7 @@ static double lambda_of(const ns_order_expansion *k, int j, int order, double bo
 static int lambda_satisfies(const ns_order_expansion *k, int j) {
     const double bound[2] = {k->s->l[j], k->s->u[j]};
     for (int side = 0; side < 2; side++) {
-        double number[3], tol[3];
+        double number[3] = {0}, tol[3] = {0};
         for (int order = 0; order < 3; order++)
             number[order] = lambda_of(k, j, order, bound[side], &tol[order]);
         if (isfinite(bound[side]) && ns_events_sign(k->orders, number, tol) == (side ? 1 : -1))
@@ -64,7 +64,7 @@ static int lambda_satisfies(const ns_order_expansion *k, int j) {
 /* (J4) for pair j, at a bound. */
 static int y_satisfies(const ns_order_expansion *k, int j, const double *z, const double *slope) {
     const double *const inputs[] = {NULL, z, slope};
-    double number[3], tol[3];
+    double number[3] = {0}, tol[3] = {0};
     for (int order = 0; order < 3; order++)
         number[order] = y_of(k, j, order, inputs[order], &tol[order]);
     return ns_events_sign(k->orders, number, tol) != k->mode[j];

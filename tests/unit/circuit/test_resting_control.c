@@ -42,13 +42,14 @@ static void add_switch(const char *name, int cp, int cn, double vt, int closed) 
 }
 
 /* The thresholds of the switches, less vt; then the circuit is freed. */
-static void end_with(const double *vt, const double *shift) {
+static void end_with(int count, const double *vt, const double *shift) {
     ns_system *s;
     int id;
     assert_int_equal(ns_circuit_resistor(made, "r9", 9, 0, 1, &id), NS_OK);
     assert_int_equal(ns_circuit_system(made, &s), NS_OK);
     assert_int_equal(s->nc, switches);
-    for (int i = 0; i < switches; i++) {
+    assert_int_equal(count, switches);
+    for (int i = 0; i < count; i++) {
         assert_true(fabs(s->command[i].on - vt[i] - shift[i]) <= 1e-15);
         assert_true(s->command[i].off == s->command[i].on);
     }
@@ -66,7 +67,7 @@ static void by_a_pulse(void **state) {
     add_switch("s3", 1, 0, 1, 0);
     add_switch("s4", 0, 1, 0, 1);
     add_switch("s5", 1, 0, 0, -1);
-    end_with((double[]){0, 0.5, 1, 0, 0}, (double[]){1e-12, 0, 1e-9, -1e-12, 0});
+    end_with(5, (double[]){0, 0.5, 1, 0, 0}, (double[]){1e-12, 0, 1e-9, -1e-12, 0});
 }
 
 /* A sum rests where each of its inputs rests. */
@@ -83,7 +84,7 @@ static void by_a_sum(void **state) {
     add_switch("s4", 1, 4, 1, 0);
     add_switch("s5", 4, 0, 0, 0);
     add_switch("s6", 4, 0, 0.5, 0);
-    end_with((double[]){1, 0.5, 0, 1, 0, 0.5}, (double[]){1e-9, 0, 0, 1e-9, 1e-12, 0});
+    end_with(6, (double[]){1, 0.5, 0, 1, 0, 0.5}, (double[]){1e-9, 0, 0, 1e-9, 1e-12, 0});
 }
 
 /* Twice a pulse of 1 V rests at 2 V, not at 1 V; one of 5 V less one of 1 V at 4 V. */
@@ -98,7 +99,7 @@ static void by_a_multiple(void **state) {
     add_switch("s1", 2, 0, 2, 0);
     add_switch("s2", 2, 0, 1, 0);
     add_switch("s3", 4, 0, 4, 0); /* 5 V less 1 V */
-    end_with((double[]){2, 1, 4}, (double[]){2e-9, 0, 4e-9});
+    end_with(3, (double[]){2, 1, 4}, (double[]){2e-9, 0, 4e-9});
 }
 
 /* Behind an inductor a voltage is no function of time: its switch is not shifted, that of the source is. */
@@ -111,7 +112,7 @@ static void behind_an_inductor(void **state) {
     assert_int_equal(ns_circuit_resistor(made, "r1", 2, 0, 1, &id), NS_OK);
     add_switch("s1", 2, 0, 1, 0);
     add_switch("s2", 1, 0, 1, 0);
-    end_with((double[]){1, 1}, (double[]){0, 1e-9});
+    end_with(2, (double[]){1, 1}, (double[]){0, 1e-9});
 }
 
 /* Three times the current of the first element, a source: no voltage is in the control. */
@@ -160,7 +161,7 @@ static void as_it_came(void **state) {
     add_as_it_came("s3", 3, 0);
     add_as_it_came("s4", 4, 0);
     add_as_it_came("s5", 4, 1);
-    end_with((double[]){1, 1, 1, 1, 1}, (double[]){-1e-9, 1e-9, -1e-9, 1e-9, -1e-9});
+    end_with(5, (double[]){1, 1, 1, 1, 1}, (double[]){-1e-9, 1e-9, -1e-9, 1e-9, -1e-9});
 }
 
 /* What moves through 1 V, however slowly, does not rest there. */
@@ -171,7 +172,7 @@ static void slowly_through_the_threshold(void **state) {
     begin();
     source("v1", 1, 0, (ns_signal){.kind = NS_PWL, .u.pwl = {7, t, v, NAN, 0}});
     add_as_it_came("s1", 1, 0);
-    end_with((double[]){1}, (double[]){0});
+    end_with(1, (double[]){1}, (double[]){0});
 }
 
 /* From both sides no shift does that. */
@@ -204,7 +205,7 @@ static void by_what_is_not_known(void **state) {
     add_switch("s6", 1, 2, 0, 0);
     add_switch("s7", 2, 0, 1, 0); /* at 1 V, as the caller knows */
     assert_int_equal(ns_circuit_switch_rests(made, id + 7), NS_OK);
-    end_with((double[]){0, 5, 0, 1, 0, 0, 1}, (double[]){1e-12, 0, 1e-12, 0, 0, 0, 1e-9});
+    end_with(7, (double[]){0, 5, 0, 1, 0, 0, 1}, (double[]){1e-12, 0, 1e-12, 0, 0, 0, 1e-9});
 }
 
 /* Of v(p) - v(n), 1 where it is above the threshold; there: `holds`. */
@@ -233,7 +234,7 @@ static void choice_by_time(void **state) {
     add_choice("c1", 1, 2, 0, 1);
     add_choice("c2", 2, 1, 1, 2);
     add_choice("c3", 1, 3, 0, 3);
-    end_with((double[]){0, 0, 0}, (double[]){16e-12, -16e-12, 0});
+    end_with(3, (double[]){0, 0, 0}, (double[]){16e-12, -16e-12, 0});
 }
 
 /* -1 V, and 0 V from 2 ms on, less a sine of 1 kHz that is 0 V until 1 ms: levels that add up to the
@@ -252,7 +253,7 @@ static void choice_of_a_sine(void **state) {
     source("v2", 2, 0, sine(1e-3));
     add_choice("c1", 1, 2, 0, 1);
     add_choice("c2", 2, 1, 1, 2);
-    end_with((double[]){0, 0}, (double[]){0, 0});
+    end_with(2, (double[]){0, 0}, (double[]){0, 0});
 }
 
 /* By 4e-12 of twice the largest source, 3 V; opposite ones of two groups change in one instant, those of one
@@ -271,7 +272,7 @@ static void choice_by_state(void **state) {
     add_choice("c3", 4, 3, 0, 3);
     add_choice("c4", 4, 5, 1, 4);
     add_choice("c5", 5, 4, 1, 4);
-    end_with((double[]){0, 0, 0, 0, 0}, (double[]){24e-12, 0, 0, -24e-12, -24e-12});
+    end_with(5, (double[]){0, 0, 0, 0, 0}, (double[]){24e-12, 0, 0, -24e-12, -24e-12});
 }
 
 /* v(1) + 2 v(2) - v(3): sources of 3 V and 5 V, and what is not known counts as the largest, 5 V: 3 + 10 + 5
@@ -288,7 +289,7 @@ static void choice_by_sources_and_the_state(void **state) {
     assert_int_equal(ns_circuit_choice(made, "c1", &control, 0, &one, &id), NS_OK);
     assert_int_equal(ns_circuit_choice_at_rest(made, id, 0, 1), NS_OK);
     switches++;
-    end_with((double[]){0}, (double[]){4e-12 * 18});
+    end_with(1, (double[]){0}, (double[]){4e-12 * 18});
 }
 
 /* A sign (group 1: both ways) beside a comparison: the latter has an opposite in a group that also has its
@@ -303,7 +304,7 @@ static void a_sign_beside_a_comparison(void **state) {
     add_choice("c1", 2, 3, 0, 1);
     add_choice("c2", 3, 2, 0, 1);
     add_choice("c3", 3, 2, 1, 2);
-    end_with((double[]){0, 0, 0}, (double[]){24e-12, 24e-12, -24e-12});
+    end_with(3, (double[]){0, 0, 0}, (double[]){24e-12, 24e-12, -24e-12});
 }
 
 /* Thresholds beside zero by rounding, less than 24e-12 V: opposite choices change in one instant all the
@@ -320,7 +321,7 @@ static void opposite_choices_beside_zero(void **state) {
     add_choice_above("c2", 3, 2, 0, 2, 2e-13);
     add_choice_above("c3", 3, 4, 0, 3, 1);
     add_choice_above("c4", 4, 3, 0, 4, 1);
-    end_with((double[]){0, 0, 1, 1}, (double[]){0, 0, 0, 0});
+    end_with(4, (double[]){0, 0, 1, 1}, (double[]){0, 0, 0, 0});
 }
 
 /* The same where the choices are the first elements of the circuit. */
@@ -334,7 +335,7 @@ static void opposite_choices_come_first(void **state) {
     assert_int_equal(ns_circuit_resistor(made, "r1", 1, 2, 1, &id), NS_OK);
     assert_int_equal(ns_circuit_resistor(made, "r2", 2, 3, 1, &id), NS_OK);
     assert_int_equal(ns_circuit_resistor(made, "r3", 3, 0, 1, &id), NS_OK);
-    end_with((double[]){0, 0}, (double[]){0, 0});
+    end_with(2, (double[]){0, 0}, (double[]){0, 0});
 }
 
 static void refused(void **state) {
