@@ -17,7 +17,7 @@ typedef struct ns_dense_point {
     ns_clock now;
     double last_event_t; /* s: the last discontinuity that the exact engine passed */
     int at_event;        /* 1: this is the left side of an event that is not resolved yet, */
-    int input_jumps;     /* and at it an input jumps */
+    int input_jumps;     /* and at it an input jumps or turns */
     unsigned char *flip; /* nc: commands that change at this event */
     ns_instant *instant; /* what jumped in this trial; NULL: not wanted */
 } ns_dense_point;

@@ -70,27 +70,25 @@ void ns_ladder_drop(ns_ladder *l) {
     l->corner = -INFINITY;
 }
 
-/* At a corner a jump of an input is an event, and commands may jump with it.  Where an input only turns,
- * currents that are its rate jump, and the rates with them; a mode that ends there too is an event. */
-static void look_at_corner(ns_ladder *l) {
+/* A corner of an input is resolved as an event.  Where an input jumps (1), commands may jump with it; where
+ * it only turns (0), currents that are its rate jump, and the rates with them: NS_TO_EVENT goes on. */
+static int look_at_corner(ns_ladder *l) {
     int jump = 0;
     ns_system_inputs(l->s, l->point->now.t, NS_LEFT, l->z_left);
     ns_system_inputs(l->s, l->point->now.t, NS_RIGHT, l->z);
     for (int i = 0; i < l->s->nz; i++)
         jump |= l->z[i] != l->z_left[i];
-    if (!jump) {
-        l->point->at_event = !ns_ladder_short_rates(l);
-        return;
-    }
-    (void)ns_ladder_switch_by_time(l, l->point->now.t, l->point->flip);
+    if (jump)
+        (void)ns_ladder_switch_by_time(l, l->point->now.t, l->point->flip);
     l->point->at_event = l->point->input_jumps = 1;
+    return jump;
 }
 
 int ns_ladder_set_input(ns_ladder *l, int input) {
     l->corner = -INFINITY;
     const int status = ns_inputs_events_renew(NULL, input, &l->commands);
     if (status == NS_OK && !l->point->at_event)
-        look_at_corner(l);
+        (void)look_at_corner(l);
     return status;
 }
 
@@ -99,6 +97,7 @@ int ns_ladder_go(ns_ladder *l, const ns_ladder_stop *stop, int *done) {
     const double corner = ns_ladder_next_corner(l);
     l->limit = fmin(stop->t, corner);
     l->until = stop->interrupt > p->now.t ? fmin(l->limit, stop->interrupt) : l->limit;
+    int turns = 0;
     *done = 0;
     if (p->at_event) {
         const int status = ns_ladder_event_resolve(l);
@@ -109,8 +108,8 @@ int ns_ladder_go(ns_ladder *l, const ns_ladder_stop *stop, int *done) {
     l->one_step = stop->until == NS_TO_STEP;
     const int status = ns_ladder_walk(l, l->until);
     if (status == NS_OK && !p->at_event && p->now.t == corner)
-        look_at_corner(l);
-    *done = stop->until == NS_TO_STEP || (p->at_event && stop->until == NS_TO_EVENT);
+        turns = !look_at_corner(l);
+    *done = stop->until == NS_TO_STEP || (p->at_event && !turns && stop->until == NS_TO_EVENT);
     if (*done && p->at_event &&
         !(p->now.t > stop->accepted_t)) /* right where the trial began: on to its right side */
         return ns_ladder_event_resolve(l);
