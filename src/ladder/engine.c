@@ -1,5 +1,6 @@
 /* src/ladder/engine.c - the ladder engine: made, started, and asked for the next part of a trial. */
 #include "ladder_internal.h"
+#include "system/active_inputs.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -8,7 +9,7 @@
 static int allocate_arrays(ns_ladder *l) {
     const size_t nz = (size_t)l->s->nz, nc = (size_t)l->s->nc;
     l->z = calloc(3 * nz + 2 * nc + (size_t)l->s->n + (size_t)l->s->m + 1, sizeof(double));
-    l->due = calloc(3 * nc + 1, 1);
+    l->due = calloc(3 * nc + nz + 1, 1);
     if (!l->z || !l->due)
         return NS_E_MEMORY;
     l->z_left = l->z + nz;
@@ -18,7 +19,10 @@ static int allocate_arrays(ns_ladder *l) {
     l->instant = l->accepted_apart + nc;
     l->crossed = l->due + nc;
     l->closed = l->crossed + nc;
-    const int status = ns_inputs_events_create(l->s, NULL, &l->commands);
+    l->active = l->closed + nc;
+    int status = ns_system_active_inputs(l->s, l->active);
+    if (status == NS_OK)
+        status = ns_inputs_events_create(l->s, NULL, &l->commands);
     return status == NS_OK ? ns_reinit_jump_create(l->step, &l->jump) : status;
 }
 
@@ -70,14 +74,20 @@ void ns_ladder_drop(ns_ladder *l) {
     l->corner = -INFINITY;
 }
 
-/* A corner of an input is resolved as an event.  Where an input jumps (1), commands may jump with it; where
- * it only turns (0), currents that are its rate jump, and the rates with them: NS_TO_EVENT goes on. */
-static int look_at_corner(ns_ladder *l) {
+/* A corner of an input is resolved as an event.  Where an input jumps, commands may jump with it; where it
+ * only turns, currents that are its rate jump, and the rates with them: 0, NS_TO_EVENT goes on.  Where
+ * nothing but commands and what is only shown follows it (!is_active), only a mode that ends there too is an
+ * event. */
+static int look_at_corner(ns_ladder *l, int is_active) {
     int jump = 0;
     ns_system_inputs(l->s, l->point->now.t, NS_LEFT, l->z_left);
     ns_system_inputs(l->s, l->point->now.t, NS_RIGHT, l->z);
     for (int i = 0; i < l->s->nz; i++)
         jump |= l->z[i] != l->z_left[i];
+    if (!jump && !is_active) {
+        l->point->at_event = !ns_ladder_short_rates(l);
+        return 1;
+    }
     if (jump)
         (void)ns_ladder_switch_by_time(l, l->point->now.t, l->point->flip);
     l->point->at_event = l->point->input_jumps = 1;
@@ -88,7 +98,7 @@ int ns_ladder_set_input(ns_ladder *l, int input) {
     l->corner = -INFINITY;
     const int status = ns_inputs_events_renew(NULL, input, &l->commands);
     if (status == NS_OK && !l->point->at_event)
-        (void)look_at_corner(l);
+        (void)look_at_corner(l, l->active[input]);
     return status;
 }
 
@@ -97,6 +107,7 @@ int ns_ladder_go(ns_ladder *l, const ns_ladder_stop *stop, int *done) {
     const double corner = ns_ladder_next_corner(l);
     l->limit = fmin(stop->t, corner);
     l->until = stop->interrupt > p->now.t ? fmin(l->limit, stop->interrupt) : l->limit;
+    const int is_active = l->corner_is_active;
     int turns = 0;
     *done = 0;
     if (p->at_event) {
@@ -108,7 +119,7 @@ int ns_ladder_go(ns_ladder *l, const ns_ladder_stop *stop, int *done) {
     l->one_step = stop->until == NS_TO_STEP;
     const int status = ns_ladder_walk(l, l->until);
     if (status == NS_OK && !p->at_event && p->now.t == corner)
-        turns = !look_at_corner(l);
+        turns = !look_at_corner(l, is_active);
     *done = stop->until == NS_TO_STEP || (p->at_event && !turns && stop->until == NS_TO_EVENT);
     if (*done && p->at_event &&
         !(p->now.t > stop->accepted_t)) /* right where the trial began: on to its right side */

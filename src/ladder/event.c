@@ -26,8 +26,12 @@ double ns_ladder_next_corner(ns_ladder *l) {
     const double t = l->point->now.t;
     if (l->corner <= t) {
         l->corner = INFINITY;
-        for (int i = 0; i < l->s->nz; i++)
-            l->corner = fmin(l->corner, ns_signal_next_corner(&l->s->z[i], t));
+        for (int i = 0; i < l->s->nz; i++) {
+            const double next = ns_signal_next_corner(&l->s->z[i], t);
+            l->corner_is_active =
+                (next <= l->corner && l->active[i]) || (next >= l->corner && l->corner_is_active);
+            l->corner = fmin(l->corner, next);
+        }
     }
     return l->corner;
 }

@@ -39,11 +39,12 @@ struct ns_ladder {
     double *apart, *accepted_apart; /* nc: so far from its threshold one changed with one it mirrors */
     int any_apart;                  /* 1: some of these may not be 0 */
     /* bounds of what is tried */
-    double corner; /* s: the first corner of the inputs after point->now.t, if it is later than that */
-    double limit;  /* s: the next event known ahead: no step of an event goes beyond */
-    double until;  /* s: limit, or the time before it at which the exact engine is asked again */
-    long budget;   /* steps that the trial may still take */
-    int one_step;  /* the trial ends after one step */
+    double corner;        /* s: the first corner of the inputs after point->now.t, if it is later than that */
+    int corner_is_active; /* 1: it is one of an input of `active` */
+    double limit;         /* s: the next event known ahead: no step of an event goes beyond */
+    double until;         /* s: limit, or the time before it at which the exact engine is asked again */
+    long budget;          /* steps that the trial may still take */
+    int one_step;         /* the trial ends after one step */
     /* inputs and commands */
     ns_time_events *commands; /* when those flip that depend on time only */
     double *z, *z_left;       /* nz */
@@ -51,6 +52,7 @@ struct ns_ladder {
     unsigned char *due;       /* nc: commands that change at the next stop */
     unsigned char *crossed; /* nc: commands that the last step crossed; at an event: how often each changed */
     unsigned char *closed;  /* nc: switches as commanded last */
+    unsigned char *active;  /* nz: 1: a state, a pair or a command by the state may depend on it */
     /* events */
     ns_jump jump;
     double *instant;   /* n+m: integrals of the trial before the short steps */
