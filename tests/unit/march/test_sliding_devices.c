@@ -123,6 +123,7 @@ static void is_refused(build *circuit, ns_method method) {
         fail_msg("method %d: %s", (int)method, ns_status_text(status));
     const double t = ns_march_fault(k.m)->t;
     assert_true(t > 12.4e-6 && t < 20e-6);
+    assert_int_equal(ns_march_fault(k.m)->npairs, 2);
     says(&k, "s1, d1: at t = 1");
     says(&k, "(ideal diode d1 changes with each switching of ideal switch s1; give its model a vh above 0; "
              "the gate of an M: "
