@@ -57,7 +57,7 @@ script() {
     label=$1
     shift
     file=$log/$label.log
-    KEEP=$log/$label.runs timeout 480 "$@" >"$file" 2>&1 </dev/null
+    KEEP=$log/$label.runs timeout 720 "$@" >"$file" 2>&1 </dev/null
     status=$?
     # The netlist runner prints its verdicts at its end; killed before, it leaves them there.
     [ $status != 124 ] || cat "$log/$label.runs/verdicts" >>"$file" 2>/dev/null
