@@ -71,9 +71,10 @@ static int unit_row(int n, int rank, const double *T, const int *row, int count)
 }
 
 int ns_linalg_summed_parts(int n, const double *A, const double *M, int rank, double *T) {
-    int *row = calloc(2 * (size_t)n + 1, sizeof *row), *reached = row + n;
+    int *row = calloc(2 * (size_t)n + 1, sizeof *row);
     if (!row)
         return NS_E_MEMORY;
+    int *reached = row + n;
     for (int first = 0; first < n; first++) {
         const int count = reached[first] ? 0 : list_part(n, A, first, row, reached);
         const int place =

@@ -200,7 +200,7 @@ static int pass_events(ns_sparse *m) {
     const double t = m->trial.t;
     int status = NS_OK;
     do
-        status = step_of_high_order(m);
+        status = ns_engine_is_over(&m->engine) ? NS_E_LIMIT : step_of_high_order(m);
     while (status == NS_OK && m->trial.t == t && is_at_event(m));
     return status;
 }

@@ -141,11 +141,32 @@ static void work_is_bound_within_a_trial(void **state) {
     end(&k);
 }
 
+/* And between events of one instant. */
+static void work_is_bound_at_events(void **state) {
+    const ns_signal step = pulse(0, 1, 1e-6, 0, 0, INFINITY, INFINITY);
+    rig k = begin();
+    double t;
+    (void)state;
+    assert_int_equal(ns_circuit_source(k.c, "v1", NS_VOLTAGE, 1, 0, &step, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(k.c, "r1", 1, 2, 5, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(k.c, "c1", 2, 0, 22e-6, 5, NULL), NS_OK);
+    make_by(&k, &(ns_march_options){.theta = 1, .gamma = 1, .h = 1e-7, .method = NS_SPARSE, .whole = 1});
+    start_at_rest(&k);
+    ns_engine *e = ((ns_run *)(void *)k.m->engine)->at_work;
+    assert_int_equal(e->table->try_to(e, 1e-4, NS_TO_EVENT, &t), NS_OK);
+    assert_true(fabs(t - 1e-6) < 1e-15); /* td */
+    assert_int_equal(e->table->accept(e), NS_OK);
+    e->most_work = ns_engine_work(e).all / 2; /* spent long before */
+    assert_int_equal(e->table->try_to(e, 1e-4, NS_TO_EVENT, &t), NS_E_LIMIT);
+    end(&k);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(work_is_bound_in_questions_only),
                                        cmocka_unit_test(the_scheme_is_left_soon),
                                        cmocka_unit_test(a_kernel_is_bound_by_work),
                                        cmocka_unit_test(the_scheme_goes_farther_if_kernels_fail_at_once),
-                                       cmocka_unit_test(work_is_bound_within_a_trial)};
+                                       cmocka_unit_test(work_is_bound_within_a_trial),
+                                       cmocka_unit_test(work_is_bound_at_events)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

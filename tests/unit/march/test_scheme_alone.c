@@ -40,8 +40,9 @@ static double go_again(double h, int *by_scheme) {
     start_at_rest(&k);
     go(&k, 1);
     ns_run *r = (ns_run *)(void *)k.m->engine;
-    r->aside = calloc(1, sizeof(ns_dense_run)); /* march sets fields of a dense run in it */
-    assert_non_null(r->aside);
+    ns_dense_run *beside = calloc(1, sizeof *beside); /* march sets fields of a dense run in it */
+    assert_non_null(beside);
+    r->aside = &beside->engine;
     r->aside->table = &idle;
     r->aside_kind = NS_RUN_DENSE;
     assert_int_equal(ns_march_run_again(r, 2, NS_TO_TIME, &reached), NS_OK);
