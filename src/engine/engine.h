@@ -63,6 +63,8 @@ struct ns_engine {
     const ns_engine_table *table;
     double
         most_work; /* a trial that would make work() more than this fails with LIMIT; 0: there is no bound */
+    double way_from; /* s: the way of a trial begins there: at the accepted point, or, if that is a start, at
+                        the time it was asked for, some steps of h/2^20 before */
 };
 
 /* The engine that answers a call: this one, if its table has it, else the one at work. */

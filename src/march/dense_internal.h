@@ -16,8 +16,6 @@ typedef struct ns_dense_run {
     ns_exact *exact; /* NULL: all steps are the scheme's */
     /* the trial, and the accepted point; saved and restored together with the stepper's past */
     ns_dense_point trial, accepted;
-    double way_from; /* s: the way of a trial begins there: at the accepted point, or, if that is a start, at
-                        the time it was asked for, some steps of h/2^20 before */
     double *past;    /* the stepper's, at the accepted point */
     ns_instant instant; /* what jumped in the trial, or in the start */
     double *carried;    /* n+m: what jumped in a start amid a trial, which counts with that; */

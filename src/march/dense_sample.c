@@ -35,9 +35,9 @@ int ns_march_dense_begin_line(ns_dense_run *r, int from_event) {
 /* 1 if t is on the way of a trial with NS_TO_STEP, else *status. */
 static int is_on_way(const ns_dense_run *r, double t, int *status) {
     const double to = r->trial.now.t;
-    *status = !r->has_trial || r->until != NS_TO_STEP || !(to > r->way_from) ? NS_E_STATE
-              : !(t >= r->way_from && t <= to)                               ? NS_E_RANGE
-                                                                             : NS_OK;
+    *status = !r->has_trial || r->until != NS_TO_STEP || !(to > r->engine.way_from) ? NS_E_STATE
+              : !(t >= r->engine.way_from && t <= to)                               ? NS_E_RANGE
+                                                                                    : NS_OK;
     return *status == NS_OK;
 }
 

@@ -53,7 +53,7 @@ static int start(ns_dense_run *r, double t0, const double *w0, const unsigned ch
     r->trial.last_event_t = r->trial.now.t; /* whatever was before, anything fast may happen now */
     r->started = r->has_trial = 1;
     const int accepted = ns_march_dense_accept(r);
-    r->way_from = t0;
+    r->engine.way_from = t0;
     return accepted;
 }
 

@@ -51,7 +51,7 @@ void ns_march_dense_drop(ns_dense_run *r) {
 int ns_march_dense_accept(ns_dense_run *r) {
     if (!r->has_trial)
         return NS_E_STATE;
-    r->way_from = r->trial.now.t;
+    r->engine.way_from = r->trial.now.t;
     ns_theta_save(r->step, r->past);
     copy_point(&r->accepted, &r->trial, (size_t)r->s->nc);
     ns_ladder_accept(r->ladder);

@@ -99,11 +99,14 @@ int ns_march_run_change(ns_run *r, ns_run_kind kind, const ns_run_change *how) {
     if (status != NS_OK) {
         ns_march_run_put_to_work(r, was, was_kind);
         (is_new ? ns_march_run_forget : ns_march_run_dismiss)(r, other);
-    } else if (how->keeps)
+        return status;
+    }
+    other->way_from = fmin(other->way_from, was->way_from);
+    if (how->keeps)
         put_aside(r, was, was_kind);
     else
         ns_march_run_dismiss(r, was);
-    return status;
+    return NS_OK;
 }
 
 int ns_march_run_use_dense(ns_run *r, double t) {
@@ -191,6 +194,7 @@ int ns_march_run_leave_for(ns_run *r, ns_run_kind kind, int keeps) {
 int ns_march_run_leave_sparse(ns_run *r) {
     accepted a;
     const ns_run_change by_scheme = {start_at_accepted, &a, 0};
+    const double from = r->at_work->way_from;
     int status = ns_march_run_read_accepted(r, &a.t, &a.w, &a.closed);
     if (status == NS_OK)
         status = ns_march_run_use_dense(r, a.t);
@@ -198,6 +202,8 @@ int ns_march_run_leave_sparse(ns_run *r) {
         status = start_at_accepted(r, &a);
     if (r->refused && status == NS_E_RESIDUAL)
         status = ns_march_run_change(r, NS_RUN_SCHEME, &by_scheme);
+    if (status == NS_OK)
+        r->at_work->way_from = from;
     if (status == NS_OK && r->is_dense)
         ns_march_dense_carry_start(r->at_work);
     free(a.closed);

@@ -68,6 +68,7 @@ int ns_march_run_start(ns_run *r, const ns_run_start *asked) {
     ns_run_start s = *asked;
     s.x = s.x ? s.x : r->check.nodes;
     r->refused = r->trial_is_start = 0;
+    r->at_work->way_from = s.t;
     ns_march_check_reset(r);
     int status = start_bounded(r, &s);
     if (!r->check.found && ns_march_run_sparse_failed(r, status) &&

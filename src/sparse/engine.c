@@ -32,6 +32,7 @@ static void enter_step(ns_sparse *m, ns_dense_step *step, double t) {
 void ns_sparse_rewind(ns_sparse *m, double t0) {
     enter_step(m, m->steps, t0);
     m->accepted = m->trial;
+    m->engine.way_from = t0;
     m->started = m->has_trial = 0;
     m->inputs_from = -INFINITY;
     ns_instant_clear(&m->instant);
@@ -293,6 +294,7 @@ int ns_sparse_accept(ns_engine *e) {
     if (!m->has_trial)
         return NS_E_STATE;
     m->accepted = m->trial;
+    m->engine.way_from = m->trial.t;
     m->has_trial = 0;
     ns_sparse_chatter_accept(m);
     return NS_OK;

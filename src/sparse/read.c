@@ -53,7 +53,7 @@ int ns_sparse_read(ns_engine *e, double *t, double *x, double *lambda, double *y
 static int is_on_way(const ns_sparse *m, double t, int *status) {
     const double from = m->accepted.t, to = m->trial.t;
     *status = !m->started || !m->has_trial || m->until != NS_TO_STEP || !(to > from) ? NS_E_STATE
-              : !(t >= from && t <= to)                                              ? NS_E_RANGE
+              : !(t >= m->engine.way_from && t <= to)                                ? NS_E_RANGE
                                                                                      : NS_OK;
     return *status == NS_OK;
 }
@@ -82,8 +82,10 @@ static int point_on_way(ns_sparse *m, double t) {
 int ns_sparse_sample(ns_engine *e, double t, double *x, double *lambda) {
     ns_sparse *m = ns_sparse_of(e);
     int status;
-    if (is_on_way(m, t, &status))
+    if (is_on_way(m, t, &status)) {
+        t = fmax(t, m->accepted.t);
         status = point_on_way(m, t);
+    }
     if (status != NS_OK)
         return ns_sparse_fail(m, t, status);
     for (int i = 0; x && i < m->output_only->nfollows; i++) {

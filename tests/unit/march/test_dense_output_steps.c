@@ -2,6 +2,8 @@
  * shortest time in which something changes. */
 #include "dense_output.h"
 
+#include "march/run_internal.h"
+
 /* --- steps of the scheme --- */
 
 /* A trial is one step of h at most, and a straight line: the chord of its ends. */
@@ -114,6 +116,29 @@ static void the_way_begins_at_the_start(void **state) {
     end(&z);
 }
 
+/* Nor does it begin later if another engine takes over from the end of the start (eighteen-pulse 52001000000
+ * of the stress set by "exact": a start by steps, after it sparse, and "a parameter is outside its range").
+ */
+static void the_way_begins_at_the_start_of_another_engine(void **state) {
+    (void)state;
+    static const ns_run_kind others[] = {NS_RUN_SPARSE, NS_RUN_DENSE};
+    for (int k = 0; k < 2; k++) {
+        scene z = one_buck();
+        double reached, t, x[16], first[16];
+        begin(&z, NS_THETA, 1);
+        ok(ns_march_read(z.m, &t, NULL, NULL, NULL));
+        assert_true(t > 0 && z.s->n <= 16);
+        ok(ns_march_run_leave_for((ns_run *)(void *)z.m->engine, others[k], 1));
+        ok(ns_march_try(z.m, 1e-5, NS_TO_STEP, &reached));
+        assert_true(reached > t);
+        ok(ns_march_sample(z.m, 0, x, NULL));
+        ok(ns_march_sample(z.m, t, first, NULL));
+        for (int i = 0; i < z.s->n; i++)
+            assert_true(x[i] == first[i]);
+        end(&z);
+    }
+}
+
 /* Every corner of every input ends one, of those that drive only a switch too: of a pulse of 10 us with edges
  * four a period. */
 static void corners_end_trials(void **state) {
@@ -155,9 +180,12 @@ static void shortest_follows_what_dies_out(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_step_of_the_ladder_is_a_chord), cmocka_unit_test(a_step_of_the_captured_scheme),
-        cmocka_unit_test(other_trials_have_no_way),        cmocka_unit_test(corners_end_trials),
-        cmocka_unit_test(the_way_begins_at_the_start),     cmocka_unit_test(shortest_follows_what_dies_out)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(a_step_of_the_ladder_is_a_chord),
+                                       cmocka_unit_test(a_step_of_the_captured_scheme),
+                                       cmocka_unit_test(other_trials_have_no_way),
+                                       cmocka_unit_test(corners_end_trials),
+                                       cmocka_unit_test(the_way_begins_at_the_start),
+                                       cmocka_unit_test(shortest_follows_what_dies_out),
+                                       cmocka_unit_test(the_way_begins_at_the_start_of_another_engine)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
