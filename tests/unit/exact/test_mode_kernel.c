@@ -126,7 +126,8 @@ static void charges_are_those_of_the_voltages(void **state) {
 
 /* Two of 1 uF joined by a resistor, in an Euler step of 10 us: of a charge of one, half goes to the other.
  * Through 1 kohm that is a flow of about 1e-2 of it; of 1 mohm each voltage alone makes a flow of 5e3 times
- * the charge, whose rounding would be as much larger: charges are not summed from these. */
+ * the charge, whose rounding would be as much larger: charges are not summed from these, though other two are
+ * joined by 1 kohm. */
 static void flows_that_cancel_are_not_summed(void **state) {
     static const double ohms[] = {1e3, 1e-3};
     (void)state;
@@ -134,10 +135,13 @@ static void flows_that_cancel_are_not_summed(void **state) {
         bench b = {.k = net_begin()};
         net_capacitor(&b.k, "c1", 1, 0, 1e-6, 5);
         net_capacitor(&b.k, "c2", 2, 0, 1e-6, 0);
-        net_resistor(&b.k, "r", 1, 2, ohms[i]);
+        net_capacitor(&b.k, "c3", 3, 0, 1e-6, 5);
+        net_capacitor(&b.k, "c4", 4, 0, 1e-6, 0);
+        net_resistor(&b.k, "r12", 1, 2, 1e3);
+        net_resistor(&b.k, "r34", 3, 4, ohms[i]);
         build(&b, 1e-5, NS_LOWER);
         assert_int_equal(ns_exact_kernel_flows(b.k.step, b.inputs, b.kernel), NS_OK);
-        assert_int_equal(b.kernel->flows, 2); /* those of the two voltages */
+        assert_int_equal(b.kernel->flows, 4); /* those of the voltages */
         assert_int_equal(b.kernel->flow_powers != NULL, i == 0);
         drop(&b);
     }
