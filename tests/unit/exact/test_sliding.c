@@ -8,6 +8,9 @@
 
 #include <cmocka.h>
 
+#include "exact/sliding.h"
+#include "theta/theta_internal.h"
+
 #include "nonsmooth.h"
 
 typedef struct bench {
@@ -185,12 +188,30 @@ static void relays_come_to_rest(void **state) {
     close_bench(&b);
 }
 
+/* One unknown, one charge, no input; y1 = 5 x + 2 lambda0 - 3 lambda1 + 7, where pair 1 slides.  By the
+ * charge x, lambda = 1/2, -4, 6, and by 1 they are 1/4, 3, -2: its guards, and the sizes of what they are
+ * sums of. */
+static void guards_of_what_slides(void **state) {
+    double C[] = {9, 5}, D[] = {9, 2, 9, -3}, e[] = {9, 7}, full[] = {0.5, -4, 6, 0.25, 3, -2};
+    const ns_system system = {.n = 1, .m = 2, .C = C, .D = D, .e = e};
+    const ns_theta s = {.s = &system, .r = 1, .q = 2};
+    const ns_map map = {.full = full};
+    const ns_mode mode[] = {NS_INSIDE, NS_SLIDES_UP};
+    double row[4], noise[4];
+    (void)state;
+    ns_exact_sliding_fill(&s, &map, mode, 2, row, noise);
+    const double y[] = {2.5 - 8 - 18, 1.25 + 6 + 6 + 7}, terms[] = {2.5 + 8 + 18, 1.25 + 6 + 6 + 7};
+    for (int k = 0; k < 2; k++) {
+        assert_true(row[2 * k] == full[3 * k + 2] && row[2 * k + 1] == -y[k]);
+        assert_true(noise[2 * k] == fabs(full[3 * k + 2]) && noise[2 * k + 1] == terms[k]);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_chopper_follows_a_sine),
-        cmocka_unit_test(it_lets_go_and_comes_back),
-        cmocka_unit_test(a_clamp_takes_what_comes),
-        cmocka_unit_test(relays_come_to_rest),
+        cmocka_unit_test(a_chopper_follows_a_sine), cmocka_unit_test(it_lets_go_and_comes_back),
+        cmocka_unit_test(a_clamp_takes_what_comes), cmocka_unit_test(relays_come_to_rest),
+        cmocka_unit_test(guards_of_what_slides),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
