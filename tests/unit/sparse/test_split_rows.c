@@ -101,6 +101,22 @@ static void one_row_of_a_chain_is_algebraic(void **state) {
     }
 }
 
+/* Two coils of 1 H, fully coupled: the difference of their fluxes is zero. */
+static void coupled_coils_of_one_henry(void **state) {
+    ns_entries e = {0};
+    ns_csc M, Tt;
+    unsigned char algebraic[2] = {0};
+    (void)state;
+    for (int k = 0; k < 4; k++)
+        ns_linalg_entries_add(&e, k % 2, k / 2, 1);
+    assert_int_equal(ns_linalg_csc_of_entries(2, 2, &e, &M), NS_OK);
+    assert_int_equal(ns_sparse_split(&M, &Tt, algebraic), NS_OK);
+    assert_int_equal(algebraic[0] + algebraic[1], 1);
+    ns_linalg_entries_free(&e);
+    ns_linalg_csc_free(&M);
+    ns_linalg_csc_free(&Tt);
+}
+
 /* Three coils into a star of resistors: in the sum of the rows of its nodes nothing is left but the coils'
  * currents; with 1 Gohm from the star point to ground no row is a sum. */
 static void a_star_is_summed(void **state) {
@@ -136,7 +152,8 @@ static void a_star_is_summed(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(one_row_of_a_chain_is_algebraic), cmocka_unit_test(a_star_is_summed),
-        cmocka_unit_test(a_long_chain_that_floats), cmocka_unit_test(a_long_chain_with_ground)};
+        cmocka_unit_test(one_row_of_a_chain_is_algebraic), cmocka_unit_test(coupled_coils_of_one_henry),
+        cmocka_unit_test(a_star_is_summed), cmocka_unit_test(a_long_chain_that_floats),
+        cmocka_unit_test(a_long_chain_with_ground)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
