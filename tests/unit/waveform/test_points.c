@@ -31,6 +31,23 @@ static void multiples_are_points(void **state) {
     }
 }
 
+/* Tenths are what decimals are read as: 0.3, not 3 times 0.1, which is a bit more. */
+static void tenths_are_exact(void **state) {
+    static const double tenths[] = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9};
+    const ns_waveform_options o = {.every = 0.1, .closest = 1e-12};
+    rig r = rig_begin();
+    int exact = 0;
+    (void)state;
+    rig_make_rc(&r);
+    assert_int_equal(rig_prepare(&r, NS_EXACT, 1e-2, &o), NS_OK);
+    assert_int_equal(rig_run(&r, 1), NS_OK);
+    for (int i = 0; i < r.count; i++)
+        for (int k = 0; k < 9; k++)
+            exact += r.t[i] == tenths[k];
+    assert_int_equal(exact, 9);
+    rig_end(&r);
+}
+
 static void no_two_points_are_further_apart_than_longest(void **state) {
     (void)state;
     for (int k = 0; k < 3; k++) {
@@ -145,6 +162,7 @@ static void parts_share_their_points(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(multiples_are_points),
+        cmocka_unit_test(tenths_are_exact),
         cmocka_unit_test(no_two_points_are_further_apart_than_longest),
         cmocka_unit_test(peaks_and_valleys_are_points),
         cmocka_unit_test(skipped_time_has_no_points),
