@@ -118,7 +118,7 @@ static void plain_pairs(void **state) {
 }
 
 /* x' = 0 from 5: in a hurry a charge stays if it moves by what it may be off by over its weight, and not by
- * 1.5 times as much. */
+ * 1.5 times as much; after twice the charge was seen, by that too. */
 static void a_charge_that_moves_in_a_hurry(void **state) {
     const double x = 5;
     const ns_verify_state at = {0, NS_RIGHT, &x, NULL, NULL, 0};
@@ -142,6 +142,9 @@ static void a_charge_that_moves_in_a_hurry(void **state) {
         v->quick.is_old = 0;
         assert_int_equal(ns_verify_quick_stays(v), !k);
     }
+    ns_verify_sizes_charge(v, 0, 10);
+    v->quick.is_old = 1;
+    assert_true(ns_verify_quick_stays(v));
     ns_verify_free(v);
     ns_system_free(s);
 }
