@@ -213,10 +213,39 @@ static void ramps_without_a_slope(void **state) {
     close_bench(&b);
 }
 
+/* An input that jumps where it is set makes that an event, which is resolved before time goes on: the source
+ * at 1 V, the capacitor still at 0. */
+static void a_jump_is_an_event(void **state) {
+    static const ns_method methods[] = {NS_EXACT, NS_SPARSE, NS_THETA};
+    const double us = 1e-6, t[2] = {us, us}, v[2] = {0, 1};
+    const ns_signal s = {.kind = NS_PWL, .u.pwl = {2, t, v, NAN, 0}};
+    (void)state;
+    for (int k = 0; k < 3; k++) {
+        double reached;
+        bench b = open_bench();
+        add_step(&b, "v", 1, 0, 0, 0, -1);
+        assert_int_equal(ns_circuit_resistor(b.c, "r", 1, 2, 1e3, NULL), NS_OK);
+        assert_int_equal(ns_circuit_capacitor(b.c, "c", 2, 0, 1e-9, NAN, NULL), NS_OK);
+        assert_int_equal(ns_circuit_system(b.c, &b.s), NS_OK);
+        start_with(&b, methods[k], 0);
+        go(b.m, us);
+        assert_false(ns_march_at_event(b.m));
+        assert_int_equal(ns_march_set_input(b.m, 0, &s), NS_OK);
+        assert_true(ns_march_at_event(b.m));
+        assert_int_equal(ns_march_try(b.m, 2 * us, NS_TO_EVENT, &reached), NS_OK);
+        assert_true(reached - us < 2e-14); /* theta: h/2^19, in which C takes 2e-8 V */
+        assert_int_equal(ns_march_accept(b.m), NS_OK);
+        assert_true(v_of(&b, 1) == 1 && fabs(v_of(&b, 2)) <= 2e-8);
+        close_bench(&b);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(by_exact), cmocka_unit_test(by_sparse), cmocka_unit_test(by_theta),
-        cmocka_unit_test(by_auto),  cmocka_unit_test(bad_calls), cmocka_unit_test(ramps_without_a_slope),
+        cmocka_unit_test(by_exact),           cmocka_unit_test(by_sparse),
+        cmocka_unit_test(by_theta),           cmocka_unit_test(by_auto),
+        cmocka_unit_test(bad_calls),          cmocka_unit_test(ramps_without_a_slope),
+        cmocka_unit_test(a_jump_is_an_event),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
