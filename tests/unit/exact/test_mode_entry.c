@@ -75,8 +75,33 @@ static void how_well_an_instant_is_known(void **state) {
     close_bench(&b);
 }
 
+/* Three switches that close one after the other, each for half a second: what followed the mode in which all
+ * are open, the most recent one first. */
+static void modes_that_followed(void **state) {
+    static const char *const names[][2] = {{"v0", "s0"}, {"v1", "s1"}, {"v2", "s2"}};
+    const ns_switch half = {0.5, 0, 0, INFINITY};
+    bench b = open_bench();
+    (void)state;
+    source(&b, "v", 1, 0, dc(1));
+    resistor(&b, "r", 2, 0, 1);
+    for (int k = 0; k < 3; k++) {
+        source(&b, names[k][0], 3 + k, 0, pulse(0, 1, k + 1, 0, 0, 0.5, 10));
+        assert_int_equal(ns_circuit_switch(b.c, names[k][1], 1, 2, 3 + k, 0, &half, NULL), NS_OK);
+    }
+    start(&b, 0.1);
+    (void)go(&b, 4, NS_TO_TIME);
+    const ns_dense_run *r = (const ns_dense_run *)(void *)((ns_run *)(void *)b.m->engine)->at_work;
+    const ns_successor *s = r->exact->state.mode->successor;
+    for (int k = 0; k < 3; k++)
+        for (int j = 0; j < 3; j++)
+            assert_int_equal(s[k].mode->mode[j], j == 2 - k ? NS_INSIDE : NS_LOWER);
+    assert_null(s[3].mode);
+    close_bench(&b);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(a_jump_stops_where_another_diode_takes_over),
-                                       cmocka_unit_test(how_well_an_instant_is_known)};
+                                       cmocka_unit_test(how_well_an_instant_is_known),
+                                       cmocka_unit_test(modes_that_followed)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
