@@ -330,6 +330,29 @@ static void terms_of_a_control(void **state) {
     }
 }
 
+/* 1 V behind 1 ohm charges 1 uF; a switch without hysteresis closes at 0.5 V.  There no step is left (a
+ * negative h makes their number negative): the fault names the switch, which is the first command. */
+static void the_first_command_is_named(void **state) {
+    const ns_switch half = {0.5, 0, 0, INFINITY};
+    bench b = open_bench();
+    double reached;
+    (void)state;
+    add_source(&b, 1, 1);
+    assert_int_equal(ns_circuit_resistor(b.c, "r1", 1, 2, 1, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(b.c, "c", 2, 0, 1e-6, 0, NULL), NS_OK);
+    assert_int_equal(ns_circuit_switch(b.c, "s", 1, 3, 2, 0, &half, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(b.c, "r2", 3, 0, 1, NULL), NS_OK);
+    start_bench(&b);
+    assert_int_equal(ns_sparse_try(&b.m->engine, 1, NS_TO_EVENT, &reached), NS_OK);
+    assert_int_equal(ns_sparse_accept(&b.m->engine), NS_OK);
+    assert_int_equal(b.m->accepted.step->command, 0);
+    b.m->o.h = -h;
+    assert_int_equal(ns_sparse_try(&b.m->engine, 1, NS_TO_EVENT, &reached), NS_E_LIMIT);
+    assert_int_equal(b.m->fault.npairs, 1);
+    assert_int_equal(b.m->fault.pair[0], 0);
+    close_bench(&b);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(unresolved_transients_are_no_events),
@@ -343,6 +366,7 @@ int main(void) {
         cmocka_unit_test(largest_values_by_length),
         cmocka_unit_test(integrals_of_jumps_are_restored),
         cmocka_unit_test(terms_of_a_control),
+        cmocka_unit_test(the_first_command_is_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
