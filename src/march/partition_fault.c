@@ -2,7 +2,7 @@
 #include "partition_internal.h"
 
 /* A fault of an island, in indices of the whole. */
-void ns_march_partition_translate(const ns_island *i, ns_fault *fault) {
+static void translate(const ns_island *i, ns_fault *fault) {
     for (int k = 0; k < fault->npairs; k++)
         fault->pair[k] = i->pair[fault->pair[k]];
     for (int k = 0; k < fault->nunknowns; k++)
@@ -11,7 +11,7 @@ void ns_march_partition_translate(const ns_island *i, ns_fault *fault) {
 
 void ns_march_partition_keep_fault(ns_partition_run *f, int part) {
     f->fault = *ns_engine_fault(f->part[part].run);
-    ns_march_partition_translate(f->part[part].island, &f->fault);
+    translate(f->part[part].island, &f->fault);
     f->failed = part;
 }
 

@@ -47,9 +47,8 @@ typedef struct ns_partition_run {
     ns_fault fault;
 } ns_partition_run;
 
-/* partition_fault.c: a fault of an island gets indices of the whole; the fault of a part is kept so; and the
- * trial is gone, for a failure of a part, or of none; returns the status. */
-void ns_march_partition_translate(const ns_island *i, ns_fault *fault);
+/* partition_fault.c: the fault of a part is kept, in indices of the whole; and the trial is gone, for a
+ * failure of a part, or of none; returns the status. */
 void ns_march_partition_keep_fault(ns_partition_run *f, int part);
 int ns_march_partition_fail(ns_partition_run *f, int part, int status);
 int ns_march_partition_fail_here(ns_partition_run *f, int status);

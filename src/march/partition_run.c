@@ -34,7 +34,7 @@ static int allocate(ns_partition_run *f) {
     return NS_OK;
 }
 
-static int make_runs(ns_partition_run *f, const ns_march_options *o, ns_fault *fault) {
+static int make_runs(ns_partition_run *f, const ns_march_options *o) {
     ns_march_options each = *o;
     int status = allocate(f);
     each.whole = 1;
@@ -42,9 +42,7 @@ static int make_runs(ns_partition_run *f, const ns_march_options *o, ns_fault *f
     for (int k = 0; k < f->islands.count && status == NS_OK; k++) {
         ns_part_run *s = &f->part[k];
         s->island = &f->islands.island[k];
-        status = ns_march_run_create(s->island->s, &each, &s->run, fault);
-        if (status != NS_OK && fault)
-            ns_march_partition_translate(s->island, fault);
+        status = ns_march_run_create(s->island->s, &each, &s->run, NULL); /* the whole was checked */
     }
     return status;
 }
@@ -213,7 +211,7 @@ int ns_march_partition_create(const ns_system *s, const ns_march_options *o, ns_
     f->s = s;
     f->islands = islands;
     f->failed = -1;
-    status = make_runs(f, o, fault);
+    status = make_runs(f, o);
     if (status != NS_OK) {
         free_run(&f->engine);
         return status;

@@ -70,8 +70,10 @@ static void bad_calls(void **state) {
     assert_int_equal(ns_march_try(z.m, INFINITY, NS_TO_TIME, &reached), NS_E_RANGE);
     assert_int_equal(ns_march_problem(z.m, &p, &reached), NS_E_STATE);
     assert_int_equal(ns_march_accept(z.m), NS_E_STATE);
-    assert_int_equal(ns_march_create(z.s, &o, &m, NULL), NS_E_RANGE);
+    ns_fault before = {.npairs = 1, .pair = {MOST}};
+    assert_int_equal(ns_march_create(z.s, &o, &m, &before), NS_E_RANGE);
     assert_null(m);
+    assert_int_equal(before.pair[0], MOST); /* says nothing of pairs: left as it was */
     end(&z);
 }
 
