@@ -62,7 +62,7 @@ static int search_span(ns_exact *f, ns_time_scale *scale, double span, double *d
 /* A kept step, or (a guard may break in it) up to the end of the interval of samples in which it may. */
 static int take_kept_step(ns_exact *f, ns_time_scale *scale, ns_step_map *map, double *done,
                           ns_exact_step *step) {
-    double clear = 0, more = 0;
+    double clear = 0;
     int status = ns_exact_step_sample(f, scale, map);
     if (status != NS_OK)
         return status;
@@ -78,8 +78,8 @@ static int take_kept_step(ns_exact *f, ns_time_scale *scale, ns_step_map *map, d
     const double before = part * interval + skip;
     status = before > 0 ? ns_exact_step_advance(f, scale, before) : NS_OK;
     if (status == NS_OK)
-        status = search_span(f, scale, part - skip, &more, &step->guard);
-    *done = before + more;
+        status = search_span(f, scale, part - skip, done, &step->guard);
+    *done += before;
     return status;
 }
 
