@@ -144,6 +144,38 @@ static void a_diode_blocks_after_its_impulse(void **state) {
         blocks_after_its_impulse(diode);
 }
 
+/* The same diode beside a pair y = x3 - lambda + lambda_0, where x3 = -1 rises at 1e15 a second.  The impulse
+ * of 1 is in y too, and decides for the jump.  After it that pair has no mode, but has one for steps in which
+ * x3 becomes positive, and in these the diode blocks: mode and values of the jump stay, with the diode's -1/2
+ * that keeps both capacitors at one voltage. */
+static void no_mode_but_that_of_a_step(void **state) {
+    const ns_theta_options o = {1, 1, 0};
+    const double w0[3] = {2, 0, -1};
+    double w[3], x[3], lambda[2], y[2], X[3], Lambda[2], Y[2], h;
+    ns_mode mode[2];
+    const ns_impulse out = {w, x, lambda, y, X, Lambda, Y, mode, &h};
+    ns_theta *t;
+    ns_system *s;
+    (void)state;
+    assert_int_equal(ns_system_create(3, 2, 0, 0, &s), NS_OK);
+    s->M[0] = s->M[4] = s->M[8] = 1;
+    s->A[0] = -1;
+    s->B[0] = -1, s->B[1] = 1;
+    s->b[2] = 1e15;
+    s->C[0] = -1, s->C[0 + 2] = 1, s->C[1 + 4] = 1;
+    s->D[1] = 1, s->D[1 + 2] = -1;
+    s->u[0] = s->u[1] = INFINITY;
+    assert_int_equal(ns_theta_create(s, &o, &t, NULL), NS_OK);
+    assert_int_equal(ns_theta_start(t, w0, NULL), NS_OK);
+    assert_int_equal(ns_theta_impulse(t, NULL, NULL, &out), NS_OK);
+    assert_true(fabs(x[0] - 1) < 1e-14 && fabs(x[1] - 1) < 1e-14 && x[2] == -1);
+    assert_true(fabs(Lambda[0] - 1) < 1e-14 && fabs(Y[1] - 1) < 1e-14);
+    assert_true(fabs(lambda[0] + 0.5) < 1e-14 && lambda[1] == 0 && fabs(y[1] + 1.5) < 1e-14);
+    assert_true(mode[0] == NS_INSIDE && mode[1] == NS_LOWER);
+    ns_theta_free(t);
+    ns_system_free(s);
+}
+
 /* x1' = -x1 - v, x2' = v, 0 = x1 - x2 + lambda, y = v: two inductors in series, the first one with a
  * resistor, and a diode that takes what the second one has more.  From (2, 0) an impulse of 1 of v, which it
  * blocks, takes both to 1; then it conducts, as x1 falls. */
@@ -176,9 +208,11 @@ static void a_diode_conducts_after_an_impulse_of_its_voltage(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(inputs_of_a_law), cmocka_unit_test(laws_of_other_pairs),
-        cmocka_unit_test(no_mode_after_a_jump), cmocka_unit_test(a_diode_blocks_after_its_impulse),
-        cmocka_unit_test(a_diode_conducts_after_an_impulse_of_its_voltage)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(inputs_of_a_law),
+                                       cmocka_unit_test(laws_of_other_pairs),
+                                       cmocka_unit_test(no_mode_after_a_jump),
+                                       cmocka_unit_test(a_diode_blocks_after_its_impulse),
+                                       cmocka_unit_test(no_mode_but_that_of_a_step),
+                                       cmocka_unit_test(a_diode_conducts_after_an_impulse_of_its_voltage)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
