@@ -135,7 +135,7 @@ static double error_of(const ns_sparse *m, const ns_dense_step *step, double *ra
     if (step->stages < NS_ORDER) /* had there been all */
         last *= pow(*ratio, NS_ORDER - step->stages);
     *jump = ERROR * (all - last) / m->o.reltol;
-    *time = all > 0 ? held / all : 0;
+    *time = held / all; /* read where there is a jump: all > 0 */
     const double error = ERROR * last * sqrt(*ratio) / m->o.reltol;
     if (error <= 1 || !ns_sparse_project_is_rounding(m, step->g, step->images, largest))
         return error;
