@@ -98,6 +98,34 @@ static void beside_devices(void **state) {
     }
 }
 
+/* Two nodes between which something gives the voltage, whatever the current, count as one. */
+static void behind_what_has_no_resistance(void **state) {
+    enum { IDEAL_DIODE, IDEAL_SWITCH, SOURCE, ZERO_OHM, SOME_DIODE, SOME_SWITCH, COIL, KINDS };
+    static const int own[KINDS] = {0, 0, 1, 1, 0, 0, 1}; /* currents among the unknowns */
+    const ns_signal one = {.kind = NS_DC, .u.dc = 1};
+    (void)state;
+    for (int k = 0; k < 2 * KINDS; k++) {
+        const int kind = k / 2, p = k % 2 ? 3 : 2, n = k % 2 ? 2 : 3;
+        const ns_diode d = {.ron = kind == SOME_DIODE ? 1 : 0, .roff = INFINITY, .vz = INFINITY};
+        const ns_switch s = {.ron = kind == SOME_SWITCH ? 1 : 0, .roff = INFINITY, .vt = 1};
+        begin();
+        (void)resistor("r1", 1, 2, 1);
+        if (kind == IDEAL_DIODE || kind == SOME_DIODE)
+            assert_int_equal(ns_circuit_diode(made, "d1", p, n, &d, NULL), NS_OK);
+        else if (kind == IDEAL_SWITCH || kind == SOME_SWITCH)
+            assert_int_equal(ns_circuit_switch(made, "s1", p, n, 1, 0, &s, NULL), NS_OK);
+        else if (kind == SOURCE)
+            assert_int_equal(ns_circuit_source(made, "v1", NS_VOLTAGE, p, n, &one, NULL), NS_OK);
+        else if (kind == ZERO_OHM)
+            (void)resistor("r3", p, n, 0);
+        else
+            assert_int_equal(ns_circuit_inductor(made, "l1", p, n, 1, 0, NULL), NS_OK);
+        (void)resistor("r2", 3, 0, 1.1e6);
+        expect(3, own[kind] + (kind <= ZERO_OHM));
+        end();
+    }
+}
+
 /* Tiny is not zero: the gate behind 1 ohm follows its driver by 1 us (R C), and a pull-down of 1 ohm at the
  * driver does not hold it at 0 V. */
 static void is_no_short_to_a_control(void **state) {
@@ -150,9 +178,13 @@ static void no_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(beside_another_resistor),  cmocka_unit_test(at_one_end),
-        cmocka_unit_test(others_of_that_size),      cmocka_unit_test(beside_devices),
-        cmocka_unit_test(is_no_short_to_a_control), cmocka_unit_test(no_memory),
+        cmocka_unit_test(beside_another_resistor),
+        cmocka_unit_test(at_one_end),
+        cmocka_unit_test(others_of_that_size),
+        cmocka_unit_test(beside_devices),
+        cmocka_unit_test(behind_what_has_no_resistance),
+        cmocka_unit_test(is_no_short_to_a_control),
+        cmocka_unit_test(no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
