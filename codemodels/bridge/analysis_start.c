@@ -6,6 +6,7 @@
 
 #include "abi.h"
 #include "digital_run.h"
+#include "interrupt.h"
 #include "loaded.h"
 #include "many_points.h"
 #include "ngspice/enh.h"
@@ -177,6 +178,25 @@ static int find_currents(ns_session *s, int uic) {
     return status;
 }
 
+/* After one line: ngspice would run .meas if it were only told to pause, and some crash where there is no
+ * point. */
+static int report_interrupt(const ns_session *s) {
+    ns_bridge_report_error(
+        "interrupted at t = %.4g s of the first pass, which finds the current of each D (an id "
+        "in the model nonsmooth spares it): no point was computed",
+        s->found.seconds);
+    return E_NOTFOUND;
+}
+
+static int run_first_pass(ns_session *s, int uic) {
+    ns_bridge_interrupt_watch();
+    const int status = find_currents(s, uic), came = ns_bridge_interrupt_came();
+    ns_bridge_interrupt_leave();
+    if (status == NS_E_MEMORY)
+        ns_bridge_report_error("out of memory");
+    return status == NS_E_MEMORY ? E_NOMEM : came ? report_interrupt(s) : OK;
+}
+
 /* Makes the analysis; a first pass finds at which current the curve of each D is to be read. */
 static int make_analysis(ns_session *s, int tran, int uic) {
     static const double first_id = 1e-3; /* A: so that D of small currents conduct too */
@@ -188,10 +208,9 @@ static int make_analysis(ns_session *s, int tran, int uic) {
     s->found.otherwise = NS_OWN_CURRENT;
     if (error || known)
         return error;
-    if (ns_bridge_own_wants_currents(a) && find_currents(s, uic) == NS_E_MEMORY) {
-        ns_bridge_report_error("out of memory");
-        return E_NOMEM;
-    }
+    error = ns_bridge_own_wants_currents(a) ? run_first_pass(s, uic) : OK;
+    if (error)
+        return error;
     ns_bridge_analysis_clear(a);
     return ns_bridge_analysis_make(s->ckt, SOURCES_TRAN, &s->found, a);
 }

@@ -10,6 +10,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "interrupt.h"
 #include "pure/timepoints.h"
 
 /* Steps; and, in steps times unknowns and devices, how far it goes beyond the slowest period of a source, and
@@ -126,7 +127,7 @@ static int is_long_enough(const own_pass *p, int steps, double t, double stop) {
 static void pass(own_pass *p, double stop, double *t) {
     double end;
     int status = ns_march_read(p->march, t, NULL, NULL, NULL);
-    for (int k = 0; status == NS_OK && !is_long_enough(p, k, *t, stop); k++) {
+    for (int k = 0; status == NS_OK && !is_long_enough(p, k, *t, stop) && !ns_bridge_interrupt_came(); k++) {
         status = ns_march_try(p->march, stop, NS_TO_STEP, &end);
         if (status == NS_OK && end > *t)
             status = add_step(p, *t, end);

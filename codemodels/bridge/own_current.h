@@ -15,7 +15,7 @@ int ns_bridge_own_wants_currents(const ns_analysis *a);
 int ns_bridge_own_pass_march(const ns_analysis *a, double stop, ns_march **march);
 
 /* Integrates that march, which was started, to the time stop, s, or as far as is worth it; what flows from
- * start (s) on counts, where it comes to that. Failures end the pass; errors: MEMORY. */
+ * start (s) on counts, where it comes to that. Failures and an interrupt end the pass; errors: MEMORY. */
 int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double start, double stop,
                                 ns_own_found *currents);
 void ns_bridge_own_forget_currents(ns_own_found *currents);

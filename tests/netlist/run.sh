@@ -9,7 +9,7 @@
 #   X fine       by the scheme with h ten times smaller: `.model nsopt nonsmooth`, with parameters or none, gets
 #                method="theta" h=(.tran's step)/160, `set tol = 0.02` becomes 0.1
 #   X reversed   its elements in reverse order
-#   cases/X      tests/netlist/cases/X.cir, which judges itself; of each line `* says: REGEX` one line of output matches, after `* never: REGEX` none; for the N-th line
+#   cases/X      tests/netlist/cases/X.cir, which judges itself; of each line `* says: REGEX` one line of output matches, after `* never: REGEX` none; after `* interrupt: SECONDS` ngspice -i gets Ctrl-C then; for the N-th line
 #                `* again: SED` it runs once more, as XN, with what sed makes of it
 #   cases/own_X (of ngspice's own devices) and errors/X run once more as X@psa, X@ltpsa, X@hsa: with these values of ngbehavior, or those of BEHAVIORS
 #   cookbook/X   netlists/cookbook/X.cir, in the same way
@@ -96,8 +96,10 @@ one() {
     *) cat "$file" ;;
     esac | sed -e 's/^run$/run\nrusage rejected/' ${LINE:+-e "1a $LINE"} >"$dir/$base.cir"
     wanted=$(sed -n 's/^\* alone: //p' "$file")
+    interrupted=$(sed -n 's/^\* interrupt: //p' "$file") way=-b
+    [ -z "$interrupted" ] || way=-i # -b leaves it to the system
     [ -z "$wanted" ] || alone "$dir" "$wanted"
-    (cd "$dir" && HOME=$dir exec env ${wanted:+"SPICE_SCRIPTS=$dir/scripts"} timeout -k 5 "$TIME_LIMIT" "$NGSPICE" -b "$base.cir" >out 2>&1 </dev/null)
+    (cd "$dir" && HOME=$dir exec env ${wanted:+"SPICE_SCRIPTS=$dir/scripts"} timeout -k 5 "$TIME_LIMIT" ${interrupted:+timeout --preserve-status -s INT "$interrupted"} "$NGSPICE" "$way" "$base.cir" >out 2>&1 </dev/null)
     rc=$?
     reason=$(judge "$dir/out" $rc $kind "$file")
     if [ -z "$reason" ]; then echo "ok netlist/$name$(worst "$dir/out")"; else echo "FAIL netlist/$name $reason"; fi
