@@ -166,14 +166,14 @@ static int start_marches(ns_session *s, int tran, int uic) {
     return status || !taken ? status : ns_bridge_taken_begin(a);
 }
 
-static int find_currents(ns_session *s, int uic) {
+static int find_currents(ns_session *s, int uic, double stop) {
     ns_analysis *a = &s->analysis;
     ns_march *march = NULL;
     int status = ns_bridge_own_pass_march(a, s->ckt->CKTfinalTime, &march);
     status = status ? status : start_march(a, march, 1, uic);
-    status =
-        status ? status
-               : ns_bridge_own_find_currents(a, march, s->ckt->CKTinitTime, s->ckt->CKTfinalTime, &s->found);
+    status = status ? status
+                    : ns_bridge_own_find_currents(a, march, s->ckt->CKTinitTime, stop,
+                                                  stop < s->ckt->CKTfinalTime, &s->found);
     ns_march_free(march);
     return status;
 }
@@ -188,16 +188,28 @@ static int report_interrupt(const ns_session *s) {
     return E_NOTFOUND;
 }
 
-static int run_first_pass(ns_session *s, int uic) {
+static int run_pass(ns_session *s, int uic, double stop) {
     ns_bridge_interrupt_watch();
-    const int status = find_currents(s, uic), came = ns_bridge_interrupt_came();
+    const int status = find_currents(s, uic, stop), came = ns_bridge_interrupt_came();
     ns_bridge_interrupt_leave();
     if (status == NS_E_MEMORY)
         ns_bridge_report_error("out of memory");
     return status == NS_E_MEMORY ? E_NOMEM : came ? report_interrupt(s) : OK;
 }
 
-/* Makes the analysis; a first pass finds at which current the curve of each D is to be read. */
+/* What a D carries depends on the line it is taken for: a brief pass finds that of the long one. */
+static int run_passes(ns_session *s, int uic) {
+    ns_analysis *a = &s->analysis;
+    const double stop = s->ckt->CKTfinalTime, brief = ns_bridge_own_brief_stop(a, stop);
+    int error = brief < stop ? run_pass(s, uic, brief) : OK;
+    if (!error && brief < stop) {
+        ns_bridge_analysis_clear(a);
+        error = ns_bridge_analysis_make(s->ckt, SOURCES_TRAN, &s->found, a);
+    }
+    return error ? error : run_pass(s, uic, stop);
+}
+
+/* Makes the analysis; first passes find at which current the curve of each D is to be read. */
 static int make_analysis(ns_session *s, int tran, int uic) {
     static const double first_id = 1e-3; /* A: so that D of small currents conduct too */
     ns_analysis *a = &s->analysis;
@@ -205,11 +217,10 @@ static int make_analysis(ns_session *s, int tran, int uic) {
     s->found.otherwise = tran ? first_id : NS_OWN_CURRENT;
     int error = ns_bridge_analysis_make(s->ckt, tran ? SOURCES_TRAN : SOURCES_DC, &s->found, a);
     const int known = !tran || !isnan(a->ex.options.id) || a->ex.nowns == 0;
+    if (!error && !known && ns_bridge_own_wants_currents(a))
+        error = run_passes(s, uic);
     s->found.otherwise = NS_OWN_CURRENT;
     if (error || known)
-        return error;
-    error = ns_bridge_own_wants_currents(a) ? run_first_pass(s, uic) : OK;
-    if (error)
         return error;
     ns_bridge_analysis_clear(a);
     return ns_bridge_analysis_make(s->ckt, SOURCES_TRAN, &s->found, a);

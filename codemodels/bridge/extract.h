@@ -25,9 +25,11 @@ typedef struct ns_extract_climit {
 typedef struct ns_own_current {
     const GENinstance *inst; /* a D, or an M with its body diode */
     double id;
-    double most; /* A: the largest in the pass */
-    int faint;   /* what it carried in the pass was a leak, and is not id */
-    int breaks;  /* it is that in breakdown, backwards */
+    double most;   /* A: the largest in the part of the pass that counts, */
+    double rush;   /* in all of it; */
+    double blocks; /* V: across it while it is off */
+    int faint;     /* what it carried in the pass was a leak, and is not id */
+    int breaks;    /* it is that in breakdown, backwards */
 } ns_own_current;
 
 /* An S or W of vh = 0 whose control is at its threshold from the start on: ngspice has it closed, or not. */

@@ -17,6 +17,12 @@
  * how far to come to its end.  Matrices that are factored anew take as long as so many steps. */
 enum { LEAST_STEPS = 200, CHEAP_WORK = 300000, MOST_WORK = 30000000, STEPS_OF_FACTORS = 30 };
 
+/* In circuits of more unknowns and devices each pass counts. */
+enum { BRIEF_SIZE = 64 };
+#define BRIEF_SHARE 0.125 /* of the run, and of the work */
+
+enum { FIRST_MARK = 30 }; /* so often a half of the run */
+
 enum { PARTS = 4 }; /* equal ones of a step, each read in its middle */
 
 int ns_bridge_own_diode_element(const ns_own_taken *o) {
@@ -32,6 +38,11 @@ int ns_bridge_own_wants_currents(const ns_analysis *a) {
     return 0;
 }
 
+double ns_bridge_own_brief_stop(const ns_analysis *a, double stop) {
+    const double brief = fmax(BRIEF_SHARE * stop, 2.0 * ns_bridge_timepoints_slowest(a->system, stop));
+    return a->count > BRIEF_SIZE ? stop : fmin(brief, stop);
+}
+
 int ns_bridge_own_pass_march(const ns_analysis *a, double stop, ns_march **march) {
     const ns_march_options o = {.theta = 1.0,
                                 .gamma = 1.0,
@@ -40,19 +51,23 @@ int ns_bridge_own_pass_march(const ns_analysis *a, double stop, ns_march **march
     return ns_march_create(a->system, &o, march, NULL);
 }
 
-/* Where .tran has a tstart, what flows before it is not shown, an inrush above all.  A pass that does not
- * come to it reads the time since a mark before the last one, each mark twice as late as the one before: the
- * last half, at least. */
+/* What a D carries in the long run counts: not an inrush, which would set the D of one bridge apart, nor what
+ * flows before tstart, which is not shown.  So pulses are read anew at marks, each twice as late as the one
+ * before, and those since the mark before the last one count: since the middle of the run, or of what the
+ * pass came to, at least.  A pulse that began earlier counts with all its charge: it may be the only one. */
 typedef struct own_mean {
-    ns_pulse_mean all, late, before; /* since: the start, tstart or the last mark; of the mark before that */
+    ns_pulse_mean all, late; /* since the start or tstart; since the last mark */
+    ns_pulse_mean before;    /* between that and the mark before it */
+    double blocks;           /* V: the largest across it while it is off */
 } own_mean;
 
 typedef struct own_pass {
     ns_analysis *a; /* its point is that of the pass */
     ns_march *march;
     own_mean *mean; /* of the taken, in their order: two each, forwards and in breakdown */
-    double start;   /* s: tstart */
-    double mark;    /* s: the next one; INFINITY: tstart was the last one */
+    double start;   /* s: tstart, until it was passed */
+    double mark;    /* s: the next one */
+    int brief;
 } own_pass;
 
 /* The march was sampled between two times, s. */
@@ -61,45 +76,59 @@ static void add_part(const own_pass *p, double from, double to) {
     const ns_mode *mode = ns_march_mode(p->march);
     for (int k = 0; k < a->ex.nowns; k++) {
         const int element = ns_bridge_own_diode_element(&a->ex.own[k]);
-        double i;
+        double i, v;
         int on;
         if (element < 0 ||
-            ns_circuit_device(a->ex.circuit, element, a->x, a->lambda, mode, &i, NULL, &on) != NS_OK)
+            ns_circuit_device(a->ex.circuit, element, a->x, a->lambda, mode, &i, &v, &on) != NS_OK)
             continue;
         for (int breaks = 0; breaks < 2; breaks++) {
             own_mean *mean = &p->mean[2 * k + breaks];
             const int is_on = breaks ? on < 0 : on > 0;
             ns_bridge_pulse_mean_add(&mean->all, is_on, breaks ? -i : i, from, to);
             ns_bridge_pulse_mean_add(&mean->late, is_on, breaks ? -i : i, from, to);
+            mean->blocks = fmax(mean->blocks, on ? 0.0 : fabs(v));
         }
     }
 }
 
+/* Pulses that end from now on count; at tstart also of the present one only what follows. */
+static void begin_anew(ns_pulse_mean *mean, double t, int at_start) {
+    if (at_start)
+        ns_bridge_pulse_mean_end(mean, t);
+    mean->weight = mean->sum = 0.0;
+    mean->most = mean->pulse.most;
+}
+
 /* It has come to the time t. */
 static void pass_marks(own_pass *p, double t) {
-    const int is_start = t >= p->start;
-    if (t < p->mark && !(is_start && p->mark < INFINITY))
+    const int at_start = p->start > 0.0 && t >= p->start;
+    if (t < p->mark && !at_start)
         return;
-    const ns_pulse_mean none = {0};
     for (int k = 0; k < 2 * p->a->ex.nowns; k++) {
-        ns_bridge_pulse_mean_end(&p->mean[k].late, t);
-        p->mean[k].before = is_start ? none : p->mean[k].late;
-        p->mean[k].late = none;
+        own_mean *m = &p->mean[k];
+        m->before = at_start ? (ns_pulse_mean){0} : m->late;
+        begin_anew(&m->late, t, at_start);
+        if (at_start)
+            begin_anew(&m->all, t, 1);
     }
-    p->mark = is_start ? INFINITY : 2.0 * t;
+    p->start = at_start ? 0.0 : p->start;
+    while (p->mark <= t)
+        p->mark *= 2.0;
 }
 
 /* The last trial, from one time to another, s. */
-static int add_between(const own_pass *p, double from, double end) {
+static int add_between(own_pass *p, double from, double end) {
     const int status = ns_march_sample(p->march, 0.5 * (from + end), p->a->x, p->a->lambda);
-    if (status == NS_OK)
-        add_part(p, from, end);
-    return status;
+    if (status != NS_OK)
+        return status;
+    add_part(p, from, end);
+    pass_marks(p, end);
+    return NS_OK;
 }
 
 /* The trial from the accepted time `from` to its end: what is fast is fast at its begin, and is read in parts
  * that double. */
-static int add_step(const own_pass *p, double from, double end) {
+static int add_step(own_pass *p, double from, double end) {
     const double part = (end - from) / PARTS, shortest = ns_march_shortest(p->march, from, NULL);
     double since = from;
     int status = NS_OK;
@@ -118,9 +147,10 @@ static int add_step(const own_pass *p, double from, double end) {
 /* How far it goes is the same for every run of this circuit. */
 static int is_long_enough(const own_pass *p, int steps, double t, double stop) {
     const double factors = (double)ns_march_counts(p->march)->factors;
+    const double share = p->brief ? BRIEF_SHARE : 1.0;
     const double work = ((double)steps + STEPS_OF_FACTORS * factors) * (double)(p->a->count + 1);
     const double least = ns_bridge_timepoints_slowest(p->a->system, stop);
-    return t >= stop || (steps >= LEAST_STEPS && work >= (t < least ? MOST_WORK : CHEAP_WORK));
+    return t >= stop || (steps >= LEAST_STEPS && work >= share * (t < least ? MOST_WORK : CHEAP_WORK));
 }
 
 /* *t: how far it came, s. */
@@ -135,7 +165,6 @@ static void pass(own_pass *p, double stop, double *t) {
             status = ns_march_accept(p->march);
         if (status == NS_OK)
             *t = end;
-        pass_marks(p, *t);
     }
 }
 
@@ -150,7 +179,7 @@ static double round_current(double amperes) {
     return best;
 }
 
-/* What counts of the k-th. */
+/* What counts of the k-th; where it carried no more than a leak since then, all. */
 static ns_pulse_mean mean_of(const own_pass *p, int k, double t) {
     own_mean *m = &p->mean[k];
     ns_bridge_pulse_mean_end(&m->all, t);
@@ -158,20 +187,22 @@ static ns_pulse_mean mean_of(const own_pass *p, int k, double t) {
     const ns_pulse_mean late = {.weight = m->late.weight + m->before.weight,
                                 .sum = m->late.sum + m->before.sum,
                                 .most = fmax(m->late.most, m->before.most)};
-    return late.weight > 0.0 ? late : m->all;
+    return ns_bridge_pulse_mean_read(&late) < NS_LEAK ? m->all : late;
 }
 
-/* One that carried no more than a leak, as far as the pass came, may do so because it did not begin yet; in
- * breakdown that says nothing. */
+/* One that carried no more than a leak may do so because it did not begin yet, or because another one leaks;
+ * in breakdown that says nothing. */
 static void note_current(const own_pass *p, int k, ns_own_found *currents) {
     const int breaks = k % 2;
     const ns_pulse_mean mean = mean_of(p, k, currents->seconds);
     const double amperes = ns_bridge_pulse_mean_read(&mean);
-    const int faint = !breaks && !currents->whole && amperes < NS_LEAK;
-    if (amperes > 0.0 && !(breaks && amperes < NS_LEAK))
+    const int faint = !breaks && amperes < (1.0 - 1e-6) * NS_LEAK;
+    if (amperes > 0.0 && !(breaks && amperes < NS_LEAK) && !(p->brief && faint))
         currents->of[currents->count++] = (ns_own_current){.inst = p->a->ex.own[k / 2].inst,
                                                            .id = faint ? NS_OWN_CURRENT : amperes,
                                                            .most = mean.most,
+                                                           .rush = p->mean[k].all.most,
+                                                           .blocks = p->mean[k].blocks,
                                                            .faint = faint,
                                                            .breaks = breaks};
 }
@@ -192,6 +223,7 @@ static void round_in_groups(ns_own_found *currents, unsigned char *grouped) {
     for (const ns_own_current *of; (of = find_smallest(currents, grouped)) != NULL;) {
         const ns_own_current first = *of;
         ns_log_mean mean = {0};
+        double rush = 0.0, blocks = 0.0;
         for (int k = 0; k < currents->count; k++) {
             const ns_own_current *c = &currents->of[k];
             if (grouped[k] || c->inst->GENmodPtr != first.inst->GENmodPtr || c->faint != first.faint ||
@@ -201,6 +233,8 @@ static void round_in_groups(ns_own_found *currents, unsigned char *grouped) {
             mean.coulombs += 1.0;
             mean.sum += log(c->id);
             mean.most = fmax(mean.most, c->most);
+            rush = fmax(rush, c->rush);
+            blocks = fmax(blocks, c->blocks);
         }
         for (int k = 0; k < currents->count; k++) {
             ns_own_current *c = &currents->of[k];
@@ -209,15 +243,19 @@ static void round_in_groups(ns_own_found *currents, unsigned char *grouped) {
             grouped[k] = 1;
             c->id = c->faint ? c->id : round_current(ns_bridge_log_mean_read(&mean));
             c->most = round_current(mean.most);
+            c->rush = round_current(rush);
+            c->blocks = blocks;
         }
     }
 }
 
-int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double start, double stop,
+int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double start, double stop, int brief,
                                 ns_own_found *currents) {
     const size_t count = 2 * (size_t)a->ex.nowns + 1;
-    own_pass p = {a, march, calloc(count, sizeof *p.mean), start, start > 0.0 ? 0.0 : INFINITY};
+    own_pass p = {a, march, calloc(count, sizeof *p.mean), start, ldexp(stop, -FIRST_MARK), brief};
     unsigned char *grouped = calloc(count, 1);
+    free(currents->of);
+    currents->count = 0;
     currents->of = calloc(count, sizeof *currents->of);
     const int status = p.mean && grouped && currents->of ? NS_OK : NS_E_MEMORY;
     if (status == NS_OK) {

@@ -14,9 +14,13 @@ int ns_bridge_own_wants_currents(const ns_analysis *a);
 /* The march of the pass, of a run up to stop, s: by the default engine, whichever the options ask for. */
 int ns_bridge_own_pass_march(const ns_analysis *a, double stop, ns_march **march);
 
-/* Integrates that march, which was started, to the time stop, s, or as far as is worth it; what flows from
- * start (s) on counts, where it comes to that. Failures and an interrupt end the pass; errors: MEMORY. */
-int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double start, double stop,
+/* s: how far a brief pass is to go before one to stop; stop: none is worth it. */
+double ns_bridge_own_brief_stop(const ns_analysis *a, double stop);
+
+/* Integrates that march, which was started, to the time stop, s, or as far as is worth it (brief: less is);
+ * what flows from start (s) on counts, where it comes to that, in place of what an earlier pass found.
+ * Failures and an interrupt end the pass; errors: MEMORY. */
+int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double start, double stop, int brief,
                                 ns_own_found *currents);
 void ns_bridge_own_forget_currents(ns_own_found *currents);
 

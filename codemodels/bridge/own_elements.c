@@ -79,7 +79,7 @@ static void note_pass(const ns_extract_walk *w, const ns_own_diode *d, ns_own_ta
     taken->pass.broken = broken ? broken->id : 0.0;
     if (taken->pass.tangent &&
         taken->diode.ron - d->rs < (1.0 - 1e-6) * ns_bridge_diode_law_slope(&d->law, found->id))
-        taken->pass.to = found->most;
+        taken->pass.to = found->rush;
 }
 
 static int add_diode(ns_extract_walk *w, GENinstance *inst, const ns_own_diode *d, const ns_diode *ideal) {
@@ -107,7 +107,8 @@ static int add_diode(ns_extract_walk *w, GENinstance *inst, const ns_own_diode *
 static void set_breakdown(const ns_breakdown_law *law, const ns_own_current *found, ns_diode *ideal) {
     if (!found || !(law->volts > 0.0) || !(law->amperes > 0.0))
         return;
-    const double slope = ns_bridge_breakdown_law_line(law, found->id, found->most);
+    const ns_line_ends ends = {found->most, found->rush, found->blocks};
+    const double slope = ns_bridge_breakdown_law_line(law, found->id, &ends);
     const double vz = ns_bridge_breakdown_law_voltage(law, found->id) - slope * found->id;
     if (!(vz > 0.0))
         return;
@@ -124,7 +125,9 @@ static ns_diode ideal_of(const ns_extract_walk *w, const GENinstance *inst, cons
     const double gmin = w->ckt->CKTgmin, rs = w->ex->options.zero_diodes ? 0.0 : d->rs;
     const ns_own_current *found = isnan(w->ex->options.id) ? found_current(w, inst) : NULL;
     const int is_known = found && !found->faint && !w->ex->options.zero_diodes;
-    const double slope = is_known ? ns_bridge_diode_law_line(&d->law, found->id, found->most) : 0.0;
+    const ns_line_ends ends =
+        is_known ? (ns_line_ends){found->most, found->rush, found->blocks} : (ns_line_ends){0};
+    const double slope = is_known ? ns_bridge_diode_law_line(&d->law, found->id, &ends) : 0.0;
     ns_diode ideal = {.vf = is_known ? vf - slope * found->id : vf,
                       .ron = rs + slope,
                       .roff = gmin > 0.0 ? 1.0 / gmin : INFINITY,

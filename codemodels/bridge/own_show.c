@@ -124,7 +124,7 @@ static void write_at(const ns_own_taken *o, char *line, size_t size) {
     size_t used = (size_t)snprintf(line, size, " (%s of its model at %.4g A", what, o->at);
     if (o->pass.to > 0.0)
         used += (size_t)snprintf(line + used, size - used, " to %.4g A", o->pass.to);
-    if (o->pass.seconds > 0.0 && (o->pass.idle || !o->pass.whole))
+    if (o->pass.seconds > 0.0 && (o->pass.idle || o->pass.faint || !o->pass.whole))
         snprintf(line + used, size - used, "%s the first %.4g s)", how, o->pass.seconds);
     else
         snprintf(line + used, size - used, ")");

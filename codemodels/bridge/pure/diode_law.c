@@ -41,26 +41,35 @@ double ns_bridge_diode_law_slope(const ns_diode_law *law, double amperes) {
            (2.0 * part * amperes);
 }
 
-/* Of a line from a voltage at a current to `end` at most. */
-static double flatter(double slope, double v, double end, double amperes, double most) {
-    static const double above = 0.05;
+/* Of a line from a voltage at a current to `end`, where it is `above` that, at most. */
+static double flatter(double slope, double v, double end, double above, double amperes, double most) {
     if (!(most > amperes) || isnan(end))
         return slope;
-    return fmin(slope, ((1.0 + above) * end - v) / (most - amperes));
+    return fmin(slope, (end + above - v) / (most - amperes));
 }
 
-double ns_bridge_diode_law_line(const ns_diode_law *law, double amperes, double most) {
-    return flatter(ns_bridge_diode_law_slope(law, amperes), ns_bridge_diode_law_voltage(law, amperes),
-                   ns_bridge_diode_law_voltage(law, most), amperes, most);
+/* at, most, rush: the voltages of the curve there. */
+static double line(double slope, double at, double most, double rush, double amperes,
+                   const ns_line_ends *ends) {
+    static const double part = 0.05, part_of_blocked = 0.02;
+    slope = flatter(slope, at, most, part * most, amperes, ends->most);
+    return flatter(slope, at, rush, fmax(part * rush, part_of_blocked * ends->blocks), amperes, ends->rush);
+}
+
+double ns_bridge_diode_law_line(const ns_diode_law *law, double amperes, const ns_line_ends *ends) {
+    return line(ns_bridge_diode_law_slope(law, amperes), ns_bridge_diode_law_voltage(law, amperes),
+                ns_bridge_diode_law_voltage(law, ends->most), ns_bridge_diode_law_voltage(law, ends->rush),
+                amperes, ends);
 }
 
 double ns_bridge_breakdown_law_voltage(const ns_breakdown_law *law, double amperes) {
     return law->at + law->volts * log(amperes / law->amperes);
 }
 
-double ns_bridge_breakdown_law_line(const ns_breakdown_law *law, double amperes, double most) {
-    return flatter(law->volts / amperes, ns_bridge_breakdown_law_voltage(law, amperes),
-                   ns_bridge_breakdown_law_voltage(law, most), amperes, most);
+double ns_bridge_breakdown_law_line(const ns_breakdown_law *law, double amperes, const ns_line_ends *ends) {
+    return line(law->volts / amperes, ns_bridge_breakdown_law_voltage(law, amperes),
+                ns_bridge_breakdown_law_voltage(law, ends->most),
+                ns_bridge_breakdown_law_voltage(law, ends->rush), amperes, ends);
 }
 
 void ns_bridge_log_mean_add(ns_log_mean *mean, double amperes, double seconds, double least) {

@@ -23,9 +23,17 @@ double ns_bridge_diode_law_voltage(const ns_diode_law *law, double amperes);
 /* The slope of the voltage there, ohm; NAN: likewise. */
 double ns_bridge_diode_law_slope(const ns_diode_law *law, double amperes);
 
+/* Currents, A, up to which a line stands for a curve: the largest of those that count; the largest of all,
+ * an inrush for example.  The voltage, V, that it blocks at other times: of that is known how much matters.
+ */
+typedef struct ns_line_ends {
+    double most, rush, blocks;
+} ns_line_ends;
+
 /* V/A: the slope of a line for its curve through its point at a current: of the tangent there, or of a
- * flatter one that is at `most` (A, the largest current) no more than a twentieth above the curve. */
-double ns_bridge_diode_law_line(const ns_diode_law *law, double amperes, double most);
+ * flatter one that is at `most` no more than a twentieth above the curve, and at `rush` than that or a
+ * fiftieth of `blocks`. */
+double ns_bridge_diode_law_line(const ns_diode_law *law, double amperes, const ns_line_ends *ends);
 
 /* In breakdown: amperes exp((v - at)/volts), v backwards.  volts 0: there is none. */
 typedef struct ns_breakdown_law {
@@ -36,7 +44,7 @@ typedef struct ns_breakdown_law {
 double ns_bridge_breakdown_law_voltage(const ns_breakdown_law *law, double amperes);
 
 /* V/A: the slope of a line for its curve, likewise. */
-double ns_bridge_breakdown_law_line(const ns_breakdown_law *law, double amperes, double most);
+double ns_bridge_breakdown_law_line(const ns_breakdown_law *law, double amperes, const ns_line_ends *ends);
 
 /* The mean of the logarithm of a current, over the charge: where the voltage goes with the logarithm,
  * the mean current's voltage times the charge is the energy lost. */

@@ -49,9 +49,10 @@ static void line_of_what_it_carries(void **unused) {
     (void)unused;
     const ns_diode_law law = {.bottom = {1e-12, vt}};
     const double v1 = vt * log1p(1e12), v1000 = vt * log1p(1e15);
-    assert_true(fabs(ns_bridge_diode_law_line(&law, 1, 2) / vt - 1) < 1e-5);
-    assert_true(fabs(ns_bridge_diode_law_line(&law, 1, 1) / vt - 1) < 1e-5);
-    assert_true(fabs(ns_bridge_diode_law_line(&law, 1, 1000) - (1.05 * v1000 - v1) / 999) < 1e-12);
+    assert_true(fabs(ns_bridge_diode_law_line(&law, 1, &(ns_line_ends){2, 2, 0}) / vt - 1) < 1e-5);
+    assert_true(fabs(ns_bridge_diode_law_line(&law, 1, &(ns_line_ends){1, 1, 0}) / vt - 1) < 1e-5);
+    assert_true(fabs(ns_bridge_diode_law_line(&law, 1, &(ns_line_ends){1000, 1000, 0}) -
+                     (1.05 * v1000 - v1) / 999) < 1e-12);
 }
 
 /* In breakdown: 1 mA at 6 V, e times as much a thermal voltage higher; a line to 1000 times the current ends
@@ -62,8 +63,21 @@ static void breakdown(void **unused) {
     const double v1 = 6 + vt * log(1e3), v1000 = 6 + vt * log(1e6);
     assert_true(fabs(ns_bridge_breakdown_law_voltage(&law, 1e-3) - 6) < 1e-15);
     assert_true(fabs(ns_bridge_breakdown_law_voltage(&law, 1) - v1) < 1e-14);
-    assert_true(fabs(ns_bridge_breakdown_law_line(&law, 1, 2) / vt - 1) < 1e-14);
-    assert_true(fabs(ns_bridge_breakdown_law_line(&law, 1, 1000) - (1.05 * v1000 - v1) / 999) < 1e-12);
+    assert_true(fabs(ns_bridge_breakdown_law_line(&law, 1, &(ns_line_ends){2, 2, 0}) / vt - 1) < 1e-14);
+    assert_true(fabs(ns_bridge_breakdown_law_line(&law, 1, &(ns_line_ends){1000, 1000, 0}) -
+                     (1.05 * v1000 - v1) / 999) < 1e-12);
+}
+
+/* An inrush of 1000 A where the current is 2 A at most: where 5 V are blocked, the line ends a fiftieth of
+ * that above the curve, where 1 V is blocked, a twentieth of the curve, which is more. */
+static void line_of_a_rush(void **unused) {
+    (void)unused;
+    const ns_diode_law law = {.bottom = {1e-12, vt}};
+    const double v1 = vt * log1p(1e12), v1000 = vt * log1p(1e15);
+    const ns_line_ends five = {2, 1000, 5}, one = {2, 1000, 1}, thousands = {2, 1000, 2000};
+    assert_true(fabs(ns_bridge_diode_law_line(&law, 1, &five) - (0.1 + v1000 - v1) / 999) < 1e-12);
+    assert_true(fabs(ns_bridge_diode_law_line(&law, 1, &one) - (1.05 * v1000 - v1) / 999) < 1e-12);
+    assert_true(fabs(ns_bridge_diode_law_line(&law, 1, &thousands) / vt - 1) < 1e-5);
 }
 
 static void none(void **unused) {
@@ -126,6 +140,7 @@ int main(void) {
                                        cmocka_unit_test(of_high_injection),
                                        cmocka_unit_test(of_sums),
                                        cmocka_unit_test(line_of_what_it_carries),
+                                       cmocka_unit_test(line_of_a_rush),
                                        cmocka_unit_test(breakdown),
                                        cmocka_unit_test(pulses),
                                        cmocka_unit_test(none),
