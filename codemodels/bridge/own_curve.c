@@ -148,16 +148,19 @@ static void note_channel(const ns_own_taken *o) {
     else
         ns_bridge_report_note(
             "%s carried more than its own model carries at the v(gate,source) of that time, by "
-            "%.2g of its charge: it is no switch there, the result is wrong",
+            "%.2g of its charge: it is no switch there, the result is wrong: drive its gate higher or by "
+            "steeper edges, or leave .include nonsmooth.inc out",
             o->inst->GENname, part_off(o));
 }
 
 static void note(const ns_own_taken *o) {
     const double amperes = own_current(o), volts = own_voltage(o);
     if (isinf(volts))
-        ns_bridge_report_note("%s carried %.2g A, more than its own model carries at %.4g V: it is no switch "
-                              "there, the result is wrong",
-                              o->inst->GENname, amperes, o->drive);
+        ns_bridge_report_note(
+            "%s carried %.2g A, more than its own model carries at %.4g V: it is no switch "
+            "there, the result is wrong: drive its gate higher, give its model a larger kp, or "
+            "leave .include nonsmooth.inc out",
+            o->inst->GENname, amperes, o->drive);
     else if (o->kind == OWN_MOSFET)
         ns_bridge_report_note("%s carried %.2g A, where the channel of its own model has %.3g V, not %.3g V: "
                               "as a switch it has too %s a ron there",
