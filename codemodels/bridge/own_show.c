@@ -130,7 +130,22 @@ static void write_at(const ns_own_taken *o, char *line, size_t size) {
         snprintf(line + used, size - used, ")");
 }
 
-static void announce_diodes(const ns_analysis *a, const ns_own_taken *o, int count) {
+/* ngspice left such parameters of LTspice's out, with a line of its own for each. */
+static void announce_default(const ns_analysis *a, int k) {
+    const ns_own_taken *o = &a->ex.own[k];
+    ns_own_diode d;
+    for (int before = 0; before < k; before++)
+        if (are_of_one_model(&a->ex.own[before], o))
+            return;
+    ns_bridge_own_read_diode(o->inst, &d);
+    if (d.is_default)
+        ns_bridge_report_note("D of model %s: none of is, n, rs is given, so it is ngspice's default diode; "
+                              "Ron, Roff, Vfwd, Vrev count with a line `set ngbehavior=ltpsa` in .spiceinit",
+                              model_name(o));
+}
+
+static void announce_diodes(const ns_analysis *a, int k, int count) {
+    const ns_own_taken *o = &a->ex.own[k];
     const ns_diode *d = &o->diode;
     char breakdown[120] = "", at[120] = "", names[120];
     name_diodes(&a->ex, o, count, names, sizeof names);
@@ -144,6 +159,8 @@ static void announce_diodes(const ns_analysis *a, const ns_own_taken *o, int cou
     ns_bridge_report_note("D of model %s: %s taken as ideal, vf = %.4g V%s, ron = %.4g ohm%s%s%s",
                           model_name(o), names, d->vf, o->pass.tangent ? "" : at, d->ron,
                           o->pass.tangent ? at : "", breakdown, o->smoothed ? ", its epsilon left out" : "");
+    if (o->kind == OWN_DIODE)
+        announce_default(a, k);
 }
 
 static void announce_mosfets(const ns_own_taken *o, int count) {
@@ -202,7 +219,7 @@ void ns_bridge_own_announce(const ns_analysis *a) {
         if (count > 0 && o->kind == OWN_MOSFET)
             announce_mosfets(o, count);
         else if (count > 0 && (o->kind == OWN_DIODE || o->kind == OWN_SIDIODE))
-            announce_diodes(a, o, count);
+            announce_diodes(a, k, count);
         else if (count > 0 && o->kind == OWN_PSWITCH)
             ns_bridge_report_note(
                 "switch of model %s: %d taken as ideal, changing at %.4g, the middle of on and off",

@@ -112,6 +112,8 @@ void ns_bridge_own_read_diode(const GENinstance *inst, ns_own_diode *d) {
                         .rs = series_of(dio, model),
                         .bv = breakdown_of(dio, model),
                         .farads = dio->DIOtJctCap + dio->DIOtJctSWCap,
+                        .is_default =
+                            !model->DIOsatCurGiven && !model->DIOemissionCoeffGiven && !model->DIOresistGiven,
                         .heats = dio->DIOtempNode > 0 && dio->DIOthermal && model->DIOrth0Given};
     read_law(dio, model, &d->law);
     if (isfinite(d->bv))

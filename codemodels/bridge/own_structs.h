@@ -43,6 +43,7 @@ typedef struct ns_own_diode {
     double bv;        /* V, INFINITY: none */
     double farads;    /* of the junction at 0 V */
     int heats;        /* its temperature follows its losses */
+    int is_default;   /* its model gives no law: none of is, n, rs */
     ns_diode_law law; /* of the junction */
     ns_breakdown_law breakdown;
 } ns_own_diode;
