@@ -42,9 +42,9 @@ static void judge_channel(const ns_analysis *a, const ns_own_taken *o, double i,
         const int held = o->follows && above < held_within * (o->drive - m->vth);
         *off = held ? 0.0 : beyond_saturation(m, i, above);
         *of = fabs(i);
-    } else if (voltage_at(a, m->drain) > voltage_at(a, m->gate) - m->vth) {
+    } else if (m->sign * (voltage_at(a, m->drain) - voltage_at(a, m->gate)) > -m->vth) {
         *off = sqrt(2.0 * fmax(i, 0.0) / ns_bridge_own_gain(m, above));
-        *of = fabs(voltage_at(a, m->source));
+        *of = i > NS_LEAK ? fabs(voltage_at(a, m->source)) : 0.0; /* that of a p channel rests at a supply */
     } else {
         *off = *of = 0.0;
     }
@@ -142,9 +142,9 @@ static double part_off(const ns_own_taken *o) {
 static void note_channel(const ns_own_taken *o) {
     if (is_follower(o))
         ns_bridge_report_note(
-            "%s, a source follower, had its source too high by some %.2g of that voltage: what its own gate "
+            "%s, a source follower, had its source too %s by some %.2g of that voltage: what its own gate "
             "needs beyond vto is left out; drive it against its source, or add that to vto",
-            o->inst->GENname, part_off(o));
+            o->inst->GENname, o->mosfet.sign > 0 ? "high" : "low", part_off(o));
     else
         ns_bridge_report_note(
             "%s carried more than its own model carries at the v(gate,source) of that time, by "

@@ -250,6 +250,20 @@ static int lower_when_closed(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_o
     return known;
 }
 
+/* Likewise of a p channel whose drain is at a supply and whose load is at its source: where that is pulled
+ * to is as much above its gate as its drive says. */
+static void lower_when_p_closed(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
+    ns_own_way to_supply = {.ckt = ckt, .find = ns_bridge_own_find_voltage},
+               of_source = {.ckt = ckt, .find = ns_bridge_own_find_voltage, .along_r = 1};
+    ns_own_range drain = {0}, source = {0};
+    if (!ns_bridge_own_way(&to_supply, m->drain, &drain) ||
+        !ns_bridge_own_way(&of_source, m->source, &source))
+        return;
+    const double left = drive->high - source.high + drain.low;
+    drive->follows = left > m->vth ? FOLLOWS_AND_CLOSES : FOLLOWS_GATE;
+    drive->high = left <= m->vth ? drive->high : left;
+}
+
 int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
     ns_own_range r = {0};
     double share;
@@ -267,6 +281,10 @@ int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_o
     ns_own_range source = {0};
     *drive = m->sign > 0 ? (ns_own_drive){r.low, r.high, r.switches && !r.amplifies, 0}
                          : (ns_own_drive){-r.high, -r.low, r.switches && !r.amplifies, 0};
-    return m->sign < 0 || share >= 0.5 || ns_bridge_own_way(&to_ground, m->source, &source) ||
-           lower_when_closed(ckt, m, drive);
+    if (share >= 0.5 || ns_bridge_own_way(&to_ground, m->source, &source))
+        return 1;
+    if (m->sign > 0)
+        return lower_when_closed(ckt, m, drive);
+    lower_when_p_closed(ckt, m, drive);
+    return 1;
 }
