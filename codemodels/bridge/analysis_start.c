@@ -292,7 +292,9 @@ static int start_analysis(ns_session *s) {
         ns_bridge_show_currents(a, s->force.value);
     ns_bridge_show_later(a);
     status = ns_bridge_digital_begin(s);
-    return status ? ns_bridge_trial_fail(s, status) : OK;
+    if (status)
+        return ns_bridge_trial_fail(s, status);
+    return tran ? OK : ns_bridge_own_dc_point(s);
 }
 
 int ns_bridge_analysis_start(ns_session *s) {

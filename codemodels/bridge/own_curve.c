@@ -116,23 +116,23 @@ static double channel_voltage(const ns_own_taken *o, double amperes) {
 }
 
 /* V: the voltage of its own curve there, with rs; NAN: unknown. */
-static double own_voltage(const ns_own_taken *o) {
+static double own_voltage(const ns_own_taken *o, double amperes) {
     ns_own_diode d;
     if (o->kind == OWN_MOSFET)
-        return channel_voltage(o, own_current(o));
+        return channel_voltage(o, amperes);
     ns_bridge_own_read_diode(o->inst, &d);
-    return ns_bridge_diode_law_voltage(&d.law, own_current(o)) + o->rs * own_current(o);
+    return ns_bridge_diode_law_voltage(&d.law, amperes) + o->rs * amperes;
 }
 
-static double taken_voltage(const ns_own_taken *o) {
-    return o->kind == OWN_MOSFET ? o->ron * own_current(o) : o->diode.vf + o->diode.ron * own_current(o);
+static double taken_voltage(const ns_own_taken *o, double amperes) {
+    return o->kind == OWN_MOSFET ? o->ron * amperes : o->diode.vf + o->diode.ron * amperes;
 }
 
 /* How far that is from what it was taken for, of the largest voltage across it. */
 static double difference(const ns_analysis *a, const ns_own_taken *o) {
     if (!is_judged(a, o) || !(own_current(o) > 0.0))
         return 0.0;
-    return fabs(taken_voltage(o) - own_voltage(o)) / o->seen.most_v;
+    return fabs(taken_voltage(o, own_current(o)) - own_voltage(o, own_current(o))) / o->seen.most_v;
 }
 
 static double part_off(const ns_own_taken *o) {
@@ -153,8 +153,8 @@ static void note_channel(const ns_own_taken *o) {
             o->inst->GENname, part_off(o));
 }
 
-static void note(const ns_own_taken *o) {
-    const double amperes = own_current(o), volts = own_voltage(o);
+static void note(const ns_own_taken *o, double amperes) {
+    const double volts = own_voltage(o, amperes);
     if (isinf(volts))
         ns_bridge_report_note(
             "%s carried %.2g A, more than its own model carries at %.4g V: it is no switch "
@@ -164,13 +164,49 @@ static void note(const ns_own_taken *o) {
     else if (o->kind == OWN_MOSFET)
         ns_bridge_report_note("%s carried %.2g A, where the channel of its own model has %.3g V, not %.3g V: "
                               "as a switch it has too %s a ron there",
-                              o->inst->GENname, amperes, volts, taken_voltage(o),
-                              volts > taken_voltage(o) ? "small" : "large");
+                              o->inst->GENname, amperes, volts, taken_voltage(o, amperes),
+                              volts > taken_voltage(o, amperes) ? "small" : "large");
     else
         ns_bridge_report_note(
             "%s carried %.2g A, where its own voltage is %.3g V, not %.3g V: with id=%.2g in the "
             "model nonsmooth, vf is that of this current",
-            o->inst->GENname, amperes, volts, taken_voltage(o), amperes);
+            o->inst->GENname, amperes, volts, taken_voltage(o, amperes), amperes);
+}
+
+/* The D farthest from what it carried, if that is more than ten times, or less than a tenth, of a current
+ * that was not found but guessed.  most: the currents, A; NULL: those of .tran. */
+static const ns_own_taken *find_far_guess(const ns_analysis *a, const double *most, double *amperes) {
+    static const double far = 10.0;
+    const ns_own_taken *worst = NULL;
+    double by = log(far);
+    for (int k = 0; k < a->ex.nowns; k++) {
+        const ns_own_taken *o = &a->ex.own[k];
+        const int is_guess = o->kind == OWN_DIODE && !o->pass.tangent && isnan(a->ex.options.id);
+        const double i = most ? most[k] : own_current(o);
+        if (!is_judged(a, o) || !is_guess || !(i > NS_LEAK) || !(fabs(log(i / o->at)) > by))
+            continue;
+        by = fabs(log(i / o->at));
+        *amperes = i;
+        worst = o;
+    }
+    return worst;
+}
+
+int ns_bridge_own_note_guess(const ns_analysis *a, const double *most) {
+    double amperes = 0.0;
+    const ns_own_taken *worst = find_far_guess(a, most, &amperes);
+    if (worst)
+        note(worst, amperes);
+    return worst != NULL;
+}
+
+void ns_bridge_own_count_dc(const ns_analysis *a, double *most) {
+    for (int k = 0; k < a->ex.nowns; k++) {
+        double i;
+        if (is_judged(a, &a->ex.own[k]) && ns_circuit_device(a->ex.circuit, a->ex.own[k].id, a->x, a->lambda,
+                                                             a->mode, &i, NULL, NULL) == NS_OK)
+            most[k] = fmax(most[k], i);
+    }
 }
 
 int ns_bridge_own_note_curve(const ns_analysis *a) {
@@ -184,7 +220,7 @@ int ns_bridge_own_note_curve(const ns_analysis *a) {
         worst = &a->ex.own[k];
     }
     if (worst)
-        note(worst);
+        note(worst, own_current(worst));
     for (int k = 0; k < a->ex.nowns && !worst; k++) {
         const ns_own_taken *o = &a->ex.own[k];
         if (is_judged(a, o) && part_off(o) > much) {
@@ -192,5 +228,5 @@ int ns_bridge_own_note_curve(const ns_analysis *a) {
             worst = o;
         }
     }
-    return worst != NULL;
+    return worst || ns_bridge_own_note_guess(a, NULL);
 }

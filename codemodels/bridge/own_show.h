@@ -16,8 +16,14 @@ void ns_bridge_own_show_states(const ns_analysis *a, CKTcircuit *ckt);
 void ns_bridge_own_count_point(const ns_analysis *a, double since, double t);
 
 /* At the end of .tran, one line about the D, if any, whose own voltage at the current that it carried is far
- * from the one it was taken for, beside the voltages it blocks.  1 if it was written. */
+ * from the one it was taken for, beside the voltages it blocks, or whose current is far from one that was
+ * guessed.  1 if it was written. */
 int ns_bridge_own_note_curve(const ns_analysis *a);
+
+/* In .op and .dc: the currents of the point read last into `most` (one of each own device), where they are
+ * larger; one line about the D, if any, whose own is far from the one that was guessed.  1: likewise. */
+void ns_bridge_own_count_dc(const ns_analysis *a, double *most);
+int ns_bridge_own_note_guess(const ns_analysis *a, const double *most);
 
 /* One line for each kind of device. */
 void ns_bridge_own_announce(const ns_analysis *a);

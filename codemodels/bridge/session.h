@@ -42,13 +42,18 @@ typedef struct ns_session {
         int currents_announced;    /* the vf of D at currents of their own were written */
         unsigned long long models; /* those of what was announced as taken */
         int curve_noted;           /* that a D is far from its own curve was written */
+        int dc_noted;              /* likewise, in .op or .dc */
         int reltol_noted;          /* that reltol has no effect was written */
     } once;
 
     /* --- the analysis (analysis_start.c) --- */
     ns_analysis analysis; /* empty between analyses */
     ns_own_found found;   /* by earlier passes of .tran */
-    ns_force force;       /* of the present matrix */
+    struct {              /* of .op and .dc; own_dc.c alone */
+        size_t count;
+        double *most; /* A, of each own device: its largest current so far */
+    } dc;
+    ns_force force; /* of the present matrix */
     ns_loop loop;
     clock_t start_cpu; /* of the start */
     ns_source_check source_check;
@@ -97,6 +102,13 @@ int ns_bridge_analysis_start(ns_session *s);
 int ns_bridge_analysis_resume(ns_session *s);
 
 void ns_bridge_analysis_end(ns_session *s);
+
+/* --- own_dc.c --- */
+
+/* A point of .op or .dc was computed: one line, once a circuit, if a D carries far more or less than was
+ * guessed. */
+int ns_bridge_own_dc_point(ns_session *s);
+void ns_bridge_own_dc_clear(ns_session *s);
 
 /* --- look_ahead.c --- */
 
