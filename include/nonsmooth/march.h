@@ -40,9 +40,10 @@ typedef struct ns_march_options {
     int whole;
 } ns_march_options;
 
-/* Makes a marcher for s, which must outlive it and must not change.  On failure *out is NULL and fault (may
- * be NULL) says where.  Errors: those of ns_theta_create(), RANGE (h, reltol), SIZE (more than 1500 unknowns
- * and pairs with NS_EXACT, or with NS_THETA where theta = 0 or theta differs from gamma). */
+/* Makes a marcher for s, which must outlive it and must not change.  On failure *out is NULL and *fault (may
+ * be NULL; written on failure alone) has the status and, where one is known, the place.  Errors: those of
+ * ns_theta_create(), RANGE (h, reltol), SIZE (more than 1500 unknowns and pairs with NS_EXACT, or with
+ * NS_THETA where theta = 0 or theta differs from gamma). */
 int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **out, ns_fault *fault);
 void ns_march_free(ns_march *m); /* NULL is allowed */
 

@@ -6,18 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **out, ns_fault *fault) {
-    if (!out)
-        return NS_E_NULL;
-    *out = NULL;
-    if (!s || !o)
-        return NS_E_NULL;
-    if (!(o->h > 0) || !isfinite(o->h))
-        return NS_E_RANGE;
-    ns_march *m = calloc(1, sizeof *m);
-    if (!m)
-        return NS_E_MEMORY;
-    m->s = s;
+static int make_engine(ns_march *m, const ns_march_options *o, ns_fault *fault) {
+    const ns_system *s = m->s;
     m->corner = calloc((size_t)s->nz + 1, sizeof *m->corner);
     m->closed = calloc((size_t)s->nc + 1, sizeof *m->closed);
     m->followed = calloc((size_t)s->nz + 1, 1);
@@ -28,12 +18,35 @@ int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **ou
         status = ns_march_partition_create(s, o, &m->engine, fault);
     if (status == NS_OK && !m->engine)
         status = ns_march_run_create(s, o, &m->engine, fault);
-    if (status != NS_OK) {
+    return status;
+}
+
+static int create(const ns_system *s, const ns_march_options *o, ns_march **out, ns_fault *fault) {
+    if (!s || !o || !out)
+        return NS_E_NULL;
+    if (!(o->h > 0) || !isfinite(o->h))
+        return NS_E_RANGE;
+    ns_march *m = calloc(1, sizeof *m);
+    if (!m)
+        return NS_E_MEMORY;
+    m->s = s;
+    const int status = make_engine(m, o, fault);
+    if (status == NS_OK)
+        *out = m;
+    else
         ns_march_free(m);
-        return status;
-    }
-    *out = m;
-    return NS_OK;
+    return status;
+}
+
+int ns_march_create(const ns_system *s, const ns_march_options *o, ns_march **out, ns_fault *fault) {
+    ns_fault found = {.t = NAN};
+    if (out)
+        *out = NULL;
+    const int status = create(s, o, out, &found);
+    found.status = status;
+    if (status != NS_OK && fault)
+        *fault = found;
+    return status;
 }
 
 void ns_march_free(ns_march *m) {

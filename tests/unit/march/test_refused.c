@@ -28,9 +28,12 @@ static void marchers_are_not_made(void **state) {
     assert_int_equal(ns_march_create(s, NULL, &m, NULL), NS_E_NULL);
     const double bad[] = {0, -1, INFINITY, NAN};
     for (int k = 0; k < 4; k++) {
+        ns_fault fault = {.npairs = 2, .nunknowns = 2, .why = "what a call before left"};
         o.h = bad[k];
-        assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_E_RANGE);
+        assert_int_equal(ns_march_create(s, &o, &m, &fault), NS_E_RANGE);
         assert_null(m);
+        assert_true(fault.status == NS_E_RANGE && isnan(fault.t) && !fault.why);
+        assert_true(fault.npairs == 0 && fault.nunknowns == 0);
     }
     ns_march_free(NULL);
     ns_system_free(s);
