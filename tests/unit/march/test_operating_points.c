@@ -1,6 +1,8 @@
 /* tests/unit/march/test_operating_points.c - operating points, and what ideal laws leave open or forbid. */
 #include "march_bench.h"
 
+#include "march/run_internal.h"
+
 /* 12 V through 1 k onto a diode with vf = 0.7, ron = 10 and a capacitor: i = 11.3/1010. */
 static void operating_point_is_found_and_kept(void **state) {
     (void)state;
@@ -46,6 +48,25 @@ static void a_short_through_a_diode_is_told(void **state) {
     print_message("%s\n", line);
     assert_non_null(strstr(line, "d1"));
     close_bench(&b);
+}
+
+/* The caller's x is written where there is an operating point, and need not be there. */
+static void x_is_written_on_success_alone(void **state) {
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        bench b = open_bench();
+        double x[8] = {-3, -3, -3, -3, -3, -3, -3, -3};
+        add_dc(&b, "v1", 1, 0, 1, NULL);
+        assert_int_equal(ns_circuit_resistor(b.c, "r1", 1, 2, k, NULL), NS_OK);
+        assert_int_equal(ns_circuit_diode(b.c, "d1", 2, 0, &ideal_diode, NULL), NS_OK);
+        build(&b, 1e-5);
+        ns_engine *e = ((ns_run *)(void *)b.m->engine)->at_work;
+        const int status = k ? NS_OK : NS_E_INFEASIBLE;
+        assert_int_equal(e->table->start_dc(e, 0, 0, NULL, NULL, NULL), status);
+        assert_int_equal(e->table->start_dc(e, 0, 0, NULL, NULL, x), status);
+        assert_true(x[0] == (k ? 1 : -3));
+        close_bench(&b);
+    }
 }
 
 /* A closed switch between two sources: no current does it, however small the difference; where there is none,
@@ -167,6 +188,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(operating_point_is_found_and_kept),
         cmocka_unit_test(a_short_through_a_diode_is_told),
+        cmocka_unit_test(x_is_written_on_success_alone),
         cmocka_unit_test(sources_in_a_loop_must_agree),
         cmocka_unit_test(parallel_switches_share),
         cmocka_unit_test(what_floats_has_no_charge),

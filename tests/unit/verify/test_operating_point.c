@@ -1,31 +1,7 @@
 /* tests/unit/verify/test_operating_point.c - what rests, and what was held, at an operating point;
  * a pair between bounds, in a hurry; no memory. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
-#include "nonsmooth.h"
-#include "signals.h"
-#include "verify/verify_internal.h"
+#include "small_system.h"
 #include "wrap_alloc.h"
-
-static const ns_verify_options options = {.reltol = 1e-9, .instant = 1e-11};
-
-/* A command of pair 0 by x_0 (by_state) or z_0. */
-static void command(ns_system *s, int by_state, double on, double off) {
-    double *gain = calloc(by_state ? (size_t)s->n : (size_t)s->nz, sizeof *gain);
-    assert_non_null(gain);
-    gain[0] = 1;
-    s->l[0] = -INFINITY;
-    s->u[0] = INFINITY;
-    s->command[0] = (ns_command){.pair = 0, .on = on, .off = off};
-    *(by_state ? &s->command[0].gx : &s->command[0].gz) = gain;
-}
 
 /* x' = -x + z_0 + z_1 with z_0 = 2 V, and z_1 = 0 V, or 1 V from 1 us on; a switch by the state, or none: 1
  * if x = `volts` at 0 is at rest. */
@@ -148,6 +124,35 @@ static void diodes_in_a_hurry(void **state) {
 }
 
 /* Whichever array there is no memory for. */
+/* A switch that any one of three unknowns closes, y = 1 - lambda: in a hurry it is right if it is shut. */
+static void a_control_of_any_unknown_in_a_hurry(void **state) {
+    enum { N = 3 };
+    (void)state;
+    for (int k = 0; k < N; k++) {
+        double x[N] = {0};
+        ns_system *s;
+        ns_verify *v;
+        ns_verify_finding f;
+        assert_int_equal(ns_system_create(N, 1, 0, 1, &s), NS_OK);
+        for (int i = 0; i < N; i++)
+            s->M[i + N * i] = 1;
+        s->e[0] = x[k] = 1;
+        s->D[0] = -1;
+        command(s, 1, 0.5, 0.5);
+        s->command[0].gx[0] = 0;
+        s->command[0].gx[k] = 1;
+        assert_int_equal(ns_verify_create(s, &options, &v), NS_OK);
+        for (int shut = 1; shut >= 0; shut--) {
+            const double lambda = shut;
+            const ns_verify_state at = {0, NS_RIGHT, x, &lambda, NULL, 0};
+            assert_int_equal(ns_verify_point(v, &at, &f), shut);
+            assert_int_equal(ns_verify_quick_point(v, &at), shut);
+        }
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
 static void no_memory(void **state) {
     ns_system *s;
     long k = 1;
@@ -177,6 +182,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(operating_points),
                                        cmocka_unit_test(held_at_an_operating_point),
                                        cmocka_unit_test(between_bounds_in_a_hurry),
-                                       cmocka_unit_test(diodes_in_a_hurry), cmocka_unit_test(no_memory)};
+                                       cmocka_unit_test(diodes_in_a_hurry),
+                                       cmocka_unit_test(a_control_of_any_unknown_in_a_hurry),
+                                       cmocka_unit_test(no_memory)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
