@@ -6,6 +6,7 @@
 # of B sources, for one).  Leaks are not looked for: it has many.  PLAIN_NGSPICE names the program (default: ngspice).
 reports=$(mktemp -d) || exit 2
 trap 'rm -rf "$reports"' EXIT
+trap : INT # it is for ngspice
 
 LD_PRELOAD="$(gcc -print-file-name=libasan.so) $(gcc -print-file-name=libubsan.so)" \
     ASAN_OPTIONS="detect_leaks=0:halt_on_error=0:log_path=$reports/asan:stack_trace_format='    #%n %f %L (%m)'" \
