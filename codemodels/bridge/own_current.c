@@ -102,11 +102,12 @@ static void begin_anew(ns_pulse_mean *mean, double t, int at_start) {
 /* It has come to the time t. */
 static void pass_marks(own_pass *p, double t) {
     const int at_start = p->start > 0.0 && t >= p->start;
+    const ns_pulse_mean none = {0};
     if (t < p->mark && !at_start)
         return;
     for (int k = 0; k < 2 * p->a->ex.nowns; k++) {
         own_mean *m = &p->mean[k];
-        m->before = at_start ? (ns_pulse_mean){0} : m->late;
+        m->before = at_start ? none : m->late;
         begin_anew(&m->late, t, at_start);
         if (at_start)
             begin_anew(&m->all, t, 1);
