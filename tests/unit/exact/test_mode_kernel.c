@@ -14,6 +14,7 @@
 #include "exact/mode_kernel.h"
 #include "inputs/time_events_internal.h"
 #include "net.h"
+#include "wrap_alloc.h"
 
 typedef struct bench {
     net k;
@@ -147,9 +148,51 @@ static void flows_that_cancel_are_not_summed(void **state) {
     }
 }
 
+/* Of two such circuits the rounding of the guards is the same, whichever comes first. */
+static void rounding_of_each_charge(void **state) {
+    (void)state;
+    bench b = {.k = net_begin()};
+    for (int i = 0; i < 2; i++) {
+        net_capacitor(&b.k, i ? "c2" : "c1", 1 + i, 0, 2e-6, 5);
+        net_resistor(&b.k, i ? "r2" : "r1", 1 + i, 0, 1e3);
+        net_diode(&b.k, i ? "d2" : "d1", 0, 1 + i);
+    }
+    build(&b, 1e-5, NS_LOWER);
+    const ns_mode_kernel *k = b.kernel;
+    assert_true(k->r == 2 && k->rows == 2 && k->rounding[0] > 0);
+    assert_true(k->rounding[0] == k->rounding[1 + k->rows]);
+    assert_true(k->rounding[1] == k->rounding[k->rows]);
+    drop(&b);
+}
+
+static void no_memory_for_flows(void **state) {
+    long tried = 0;
+    (void)state;
+    bench b = {.k = net_begin()};
+    net_capacitor(&b.k, "c", 1, 0, 2e-6, 5);
+    net_resistor(&b.k, "r", 1, 0, 1e3);
+    net_diode(&b.k, "d", 0, 1);
+    build(&b, 1e-5, NS_LOWER);
+    for (long k = 1;; k++) {
+        fail_alloc_at(k);
+        const int status = ns_exact_kernel_flows(b.k.step, b.inputs, b.kernel);
+        tried = allocs_made();
+        fail_alloc_off();
+        if (tried < k) {
+            assert_int_equal(status, NS_OK);
+            break;
+        }
+        assert_int_equal(status, NS_E_MEMORY);
+        assert_null(b.kernel->flow_powers);
+    }
+    assert_true(tried > 0 && b.kernel->flow_powers);
+    drop(&b);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_capacitor_and_a_resistor),
-                                       cmocka_unit_test(charges_are_those_of_the_voltages),
-                                       cmocka_unit_test(flows_that_cancel_are_not_summed)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_capacitor_and_a_resistor), cmocka_unit_test(charges_are_those_of_the_voltages),
+        cmocka_unit_test(flows_that_cancel_are_not_summed), cmocka_unit_test(rounding_of_each_charge),
+        cmocka_unit_test(no_memory_for_flows)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
