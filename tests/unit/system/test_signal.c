@@ -283,6 +283,9 @@ static void bad_parameters_are_refused(void **state) {
     assert_int_equal(ns_signal_check(&s), NS_E_RANGE);
     assert_true(isnan(ns_signal_value(&s, 0, NS_LEFT)));
     assert_true(isnan(ns_signal_value(NULL, 0, NS_LEFT)));
+    assert_true(isinf(ns_signal_next_corner(NULL, 0)));
+    s = pulse(0, 1, 1, 1, 1, 1, 5);
+    assert_true(isinf(ns_signal_next_corner(&s, NAN)));
     s = pulse(0, 1, NAN, 1, 1, 1, 5);
     assert_int_equal(ns_signal_check(&s), NS_E_NUMBER);
     s = pulse(0, 1, 0, -1, 1, 1, 5);
