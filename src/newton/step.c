@@ -28,7 +28,7 @@ int ns_newton_try(ns_newton *s, double h) {
     if (!s->started)
         return ns_newton_fail(s, NS_E_STATE);
     const double t1 = s->t + h;
-    if (!(h > 0) || !isfinite(t1) || !(t1 > s->t))
+    if (!isfinite(t1) || !(t1 > s->t))
         return ns_newton_fail(s, NS_E_RANGE);
     return try_to(s, t1);
 }

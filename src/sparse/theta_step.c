@@ -298,7 +298,6 @@ int ns_sparse_theta_go(ns_sparse *m, double t, double until, ns_dense_step *step
         k->running = 1;
         k->moves = 0;
         k->smooth = 0;
-        ns_inputs_stages_reset(m->in);
         pass_corner(m, t);
     }
     do

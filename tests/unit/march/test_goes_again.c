@@ -106,10 +106,25 @@ static void the_ladder_does_not_go_again(void **state) {
     end(&k);
 }
 
+/* What is refused is named, the first pair and the first unknown too. */
+static void what_is_refused_is_named(void **state) {
+    (void)state;
+    for (int k = -1; k < 2; k++) {
+        ns_run r = {0};
+        const ns_verify_finding f = {NS_VERIFY_FLOW, k, k, 3, 1};
+        assert_int_equal(ns_march_run_refuse(&r, &f), NS_E_RESIDUAL);
+        assert_true(r.refused && r.fault.t == 3 && r.fault.why);
+        assert_int_equal(r.fault.npairs, k >= 0);
+        assert_int_equal(r.fault.nunknowns, k >= 0);
+        assert_true(k < 0 || (r.fault.pair[0] == k && r.fault.unknown[0] == k));
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(who_goes_again_hands_nothing_over),
                                        cmocka_unit_test(long_ways_of_the_ladder_are_gone_again),
-                                       cmocka_unit_test(the_ladder_does_not_go_again)};
+                                       cmocka_unit_test(the_ladder_does_not_go_again),
+                                       cmocka_unit_test(what_is_refused_is_named)};
     allow_retries(ANY_RETRIES);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

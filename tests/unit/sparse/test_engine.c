@@ -22,6 +22,25 @@ static void test_decay(void **state) {
     end(&k);
 }
 
+/* After a run of 1e9 V one of 1 V is as exact as if it were the first: sizes of the run before are forgotten.
+ */
+static void a_start_forgets_the_run_before(void **state) {
+    (void)state;
+    rig k = {.s = system_decay()};
+    const ns_march_options o = {.h = 0.5, .method = NS_SPARSE, .reltol = 1e-11};
+    const double large = 1e9, one = 1;
+    double x, reached;
+    assert_int_equal(ns_march_create(k.s, &o, &k.m, NULL), NS_OK);
+    for (int run = 0; run < 2; run++) {
+        assert_int_equal(ns_march_start(k.m, 0, run ? &one : &large), NS_OK);
+        assert_int_equal(ns_march_try(k.m, 3, NS_TO_TIME, &reached), NS_OK);
+        assert_int_equal(ns_march_accept(k.m), NS_OK);
+    }
+    assert_int_equal(ns_march_read(k.m, NULL, &x, NULL, NULL), NS_OK);
+    near(x, exp(-3), 1);
+    end(&k);
+}
+
 /* RC = 1 ms behind a source.  Ramp of slope a from 0:  v = a (t - tau + tau e^(-t/tau)).  Sine sin(wt):
  *     v = (sin wt - w tau cos wt + w tau e^(-t/tau)) / (1 + (w tau)^2).
  * 1 - e^(-t/T):  v = 1 - (T e^(-t/T) - tau e^(-t/tau)) / (T - tau). */
@@ -174,9 +193,10 @@ static void test_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_decay),   cmocka_unit_test(test_inputs), cmocka_unit_test(test_stiff),
-        cmocka_unit_test(test_bridge),  cmocka_unit_test(test_dc),     cmocka_unit_test(test_odd_times),
-        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_decay),     cmocka_unit_test(a_start_forgets_the_run_before),
+        cmocka_unit_test(test_inputs),    cmocka_unit_test(test_stiff),
+        cmocka_unit_test(test_bridge),    cmocka_unit_test(test_dc),
+        cmocka_unit_test(test_odd_times), cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
