@@ -117,7 +117,25 @@ static double find_smallest(const ns_circuit *c, const double *least) {
     return smallest;
 }
 
+/* 1 if some resistor would stand apart if all nodes were one. */
+static int any_may_stand_apart(const ns_circuit *c) {
+    double of_resistors = 0, of_all = INFINITY;
+    for (int k = 0; k < c->nelements; k++) {
+        const double siemens = siemens_of(&c->element[k]);
+        if (siemens > 0) {
+            of_all = fmin(of_all, siemens);
+        }
+        if (c->element[k].kind == RESISTOR) {
+            of_resistors = fmax(of_resistors, siemens);
+        }
+    }
+    return of_resistors / apart > of_all;
+}
+
 int ns_circuit_tiny_resistors(ns_circuit *c) {
+    if (!any_may_stand_apart(c)) {
+        return NS_OK;
+    }
     double *least = malloc(((size_t)c->nused + 1) * sizeof *least);
     if (!least) {
         return NS_E_MEMORY;

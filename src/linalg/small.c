@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
 static void swap(double *a, double *b) {
     const double was = *a;
@@ -102,8 +103,9 @@ static void substitute_narrow(int n, const double *a, const short *row, const in
 /* So many of them (count), the others zero. */
 static void solve_beside(int n, const double *a, const int *piv, const short *row, const int *nonzeros,
                          int count, double *b) {
-    double beside[NS_SMALL * NS_WIDE] = {0};
+    double beside[NS_SMALL * NS_WIDE];
     int from[NS_SMALL];
+    memset(beside, 0, sizeof *beside * NS_WIDE * (size_t)n);
     for (int i = 0; i < n; i++)
         from[i] = i;
     for (int k = 0; k < n; k++) {
