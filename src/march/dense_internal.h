@@ -16,7 +16,7 @@ typedef struct ns_dense_run {
     ns_exact *exact; /* NULL: all steps are the scheme's */
     /* the trial, and the accepted point; saved and restored together with the stepper's past */
     ns_dense_point trial, accepted;
-    double *past;    /* the stepper's, at the accepted point */
+    double *past;       /* the stepper's, at the accepted point */
     ns_instant instant; /* what jumped in the trial, or in the start */
     double *carried;    /* n+m: what jumped in a start amid a trial, which counts with that; */
     int carries;        /* 1: so it does; 2: until the next trial */
