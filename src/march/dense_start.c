@@ -90,7 +90,7 @@ int ns_march_dense_start_dc(ns_engine *e, double t0, int nhold, const int *hold,
     ns_mode *mode = calloc((size_t)r->s->m + 1, sizeof *mode);
     const int status = x && mode ? start_dc(r, t0, nhold, hold, hold_x, x, x + n, mode)
                                  : ns_march_dense_fail(r, NS_E_MEMORY);
-    if (status == NS_OK && x_out)
+    if (status == NS_OK && x && x_out)
         memcpy(x_out, x, sizeof(double) * n);
     free(x);
     free(mode);
