@@ -196,44 +196,66 @@ static double integral_distance(ns_waveform *w, const ns_segment *g) {
     return most;
 }
 
-/* Of NS_WIDE signals from i on, over a segment from a to b: by how much the trapezoid of the square is larger
- * than the integral of the square of the line; and what it may add to that by the squares in the rest of its
- * stretch, which along a ramp from zero add up to twice its own, or by the run's of late, whichever is
- * larger. */
-static void square_errors(const ns_waveform *w, const ns_segment *g, int i, double *error, double *allowed) {
-    const double *a = ns_waveform_seen(w, g->at[0].v), *b = ns_waveform_seen(w, g->at[g->last].v);
-    const double length = g->at[g->last].t - g->at[0].t;
-    const double per_time = w->square_time > 0 ? 1 / w->square_time : 0;
-    const ns_simd_wide from = CONST_WIDE(a, i), rise = CONST_WIDE(b, i) - from, size = NS_WIDE_SIZE(from);
-    const ns_simd_wide end = CONST_WIDE(w->end_values, i), mean = CONST_WIDE(w->square, i) * per_time;
-    const ns_simd_wide between = (size * size + size * end + end * end) / 3;
-    WIDE(error, 0) = rise * rise * (length / 6);
-    WIDE(allowed, 0) = NS_WIDE_HIGHER(between, mean) * (0.25 * w->squares * length);
+/* A line from a to b of some length (s), and squares of late: 1 / time. */
+typedef struct squared_line {
+    const double *a, *b;
+    double length, per_time;
+} ns_squared_line;
+
+static ns_squared_line squared_line(const ns_waveform *w, const ns_segment *g) {
+    return (ns_squared_line){ns_waveform_seen(w, g->at[0].v), ns_waveform_seen(w, g->at[g->last].v),
+                             g->at[g->last].t - g->at[0].t, w->square_time > 0 ? 1 / w->square_time : 0};
 }
 
-/* The distance of the integrals of squares, as a part of what is allowed; a ramp that takes no time borrows
- * from the run.
- */
-static double square_distance(ns_waveform *w, const ns_segment *g) {
+/* Of NS_WIDE signals from i on: by how much the trapezoid of the square is larger than the integral of the
+ * square of the line; and what it may add to that by the squares in the rest of its stretch, which along a
+ * ramp from zero add up to twice its own, or by the run's of late, whichever is larger. */
+ALWAYS_INLINE void square_errors(const ns_waveform *w, const ns_squared_line *g, int i, double *error,
+                                 double *allowed) {
+    const ns_simd_wide from = CONST_WIDE(g->a, i), rise = CONST_WIDE(g->b, i) - from;
+    const ns_simd_wide size = NS_WIDE_SIZE(from), end = CONST_WIDE(w->end_values, i);
+    const ns_simd_wide mean = CONST_WIDE(w->square, i) * g->per_time;
+    const ns_simd_wide between = (size * size + size * end + end * end) / 3;
+    WIDE(error, 0) = rise * rise * (g->length / 6);
+    WIDE(allowed, 0) = NS_WIDE_HIGHER(between, mean) * (0.25 * w->squares * g->length);
+}
+
+/* The distance of signal i's; a ramp that takes no time borrows from the run. */
+static void take_square(ns_waveform *w, int i, double length, double error, double allowed, double *most) {
     static const double of_rest = 0.1;
-    const double length = g->at[g->last].t - g->at[0].t;
+    const double noise = noise_of(w, i);
+    const double rest = fmax(0.5 * w->squares * w->square[i] - w->square_error[i], 0);
+    const double all = allowed + of_rest * rest + noise * noise * length;
+    if (!(error > *most * all))
+        return;
+    *most = all > 0 ? error / all : INFINITY;
+    w->worst = i;
+}
+
+/* The distance of the integrals of squares, as a part of what is allowed. */
+ALWAYS_INLINE double find_square_distance(ns_waveform *w, const ns_squared_line *g) {
     double most = 0;
     for (int i = 0; i < w->looked; i += NS_WIDE) {
         double error[NS_WIDE], allowed[NS_WIDE];
         square_errors(w, g, i, error, allowed);
-        for (int k = 0; k < NS_WIDE && i + k < w->looked; k++) {
-            if (error[k] <= most * allowed[k])
-                continue;
-            const double noise = noise_of(w, i + k);
-            const double rest = fmax(0.5 * w->squares * w->square[i + k] - w->square_error[i + k], 0);
-            const double all = allowed[k] + of_rest * rest + noise * noise * length;
-            if (error[k] > most * all) {
-                most = all > 0 ? error[k] / all : INFINITY;
-                w->worst = i + k;
-            }
-        }
+        for (int k = 0; k < NS_WIDE && i + k < w->looked; k++)
+            if (!(error[k] <= most * allowed[k]))
+                take_square(w, i + k, g->length, error[k], allowed[k], &most);
     }
     return most;
+}
+
+static double square_distance_narrow(ns_waveform *w, const ns_squared_line *g) {
+    return find_square_distance(w, g);
+}
+
+NS_WIDE_TARGET static double square_distance_wide(ns_waveform *w, const ns_squared_line *g) {
+    return find_square_distance(w, g);
+}
+
+static double square_distance(ns_waveform *w, const ns_segment *g) {
+    const ns_squared_line line = squared_line(w, g);
+    return (ns_simd_is_wide() ? square_distance_wide : square_distance_narrow)(w, &line);
 }
 
 double ns_waveform_distance(ns_waveform *w, const ns_segment *g) {
@@ -308,23 +330,35 @@ void ns_waveform_add_integrals(ns_waveform *w, const ns_segment *g, double sign)
     }
 }
 
-/* What was before fades, so that a large start does not hide what is small later: by 1/e in the time since
- * the start over `fades`. */
-static void note_squares(ns_waveform *w, const ns_segment *g) {
-    static const double fades = 16;
-    const double *a = ns_waveform_seen(w, g->at[0].v), *b = ns_waveform_seen(w, g->at[g->last].v);
-    const double length = g->at[g->last].t - g->at[0].t, before = g->at[0].t - w->start_t;
-    const double left_over = before > 0 ? before / (before + fades * length) : 0;
-    w->square_time = left_over * w->square_time + length;
+ALWAYS_INLINE void add_squares(ns_waveform *w, const ns_squared_line *g, double left_over) {
     for (int i = 0; i < w->looked; i += NS_WIDE) {
         double error[NS_WIDE], allowed[NS_WIDE];
-        const ns_simd_wide left = CONST_WIDE(a, i), right = CONST_WIDE(b, i), none = {0};
+        const ns_simd_wide left = CONST_WIDE(g->a, i), right = CONST_WIDE(g->b, i), none = {0};
         square_errors(w, g, i, error, allowed);
         const ns_simd_wide beyond = WIDE(error, 0) - WIDE(allowed, 0);
         WIDE(w->square_error, i) = left_over * WIDE(w->square_error, i) + NS_WIDE_HIGHER(beyond, none);
         WIDE(w->square, i) =
-            left_over * WIDE(w->square, i) + (left * left + left * right + right * right) * (length / 3);
+            left_over * WIDE(w->square, i) + (left * left + left * right + right * right) * (g->length / 3);
     }
+}
+
+static void add_squares_narrow(ns_waveform *w, const ns_squared_line *g, double left_over) {
+    add_squares(w, g, left_over);
+}
+
+NS_WIDE_TARGET static void add_squares_wide(ns_waveform *w, const ns_squared_line *g, double left_over) {
+    add_squares(w, g, left_over);
+}
+
+/* What was before fades, so that a large start does not hide what is small later: by 1/e in the time since
+ * the start over `fades`. */
+static void note_squares(ns_waveform *w, const ns_segment *g) {
+    static const double fades = 16;
+    const double length = g->at[g->last].t - g->at[0].t, before = g->at[0].t - w->start_t;
+    const double left_over = before > 0 ? before / (before + fades * length) : 0;
+    w->square_time = left_over * w->square_time + length;
+    const ns_squared_line line = squared_line(w, g);
+    (ns_simd_is_wide() ? add_squares_wide : add_squares_narrow)(w, &line, left_over);
 }
 
 void ns_waveform_note_given(ns_waveform *w, const ns_segment *g) {
