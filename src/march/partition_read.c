@@ -23,11 +23,20 @@ static double time_of(const ns_partition_run *f) {
 
 /* --- an island in the whole --- */
 
+/* Once for each sample and island: `seen`, of characters, may alias whatever is read, so that it is written
+ * of shared unknowns alone, which are the ones that are asked for. */
 void ns_march_partition_put(ns_partition_run *f, int island, double *x) {
     const ns_island *i = &f->islands.island[island];
-    for (int k = 0; k < i->s->n; k++) {
-        const int whole = i->unknown[k];
-        x[whole] = f->x[k] + (f->islands.shared[whole] && f->seen[whole] ? x[whole] : 0);
+    const int n = i->s->n, *unknown = i->unknown;
+    const double *of_island = f->x;
+    for (int k = 0; k < n; k++) {
+        const int whole = unknown[k];
+        const double value = of_island[k];
+        if (!f->islands.shared[whole]) {
+            x[whole] = value;
+            continue;
+        }
+        x[whole] = value + (f->seen[whole] ? x[whole] : 0);
         f->seen[whole] = 1;
     }
 }
