@@ -94,6 +94,7 @@ typedef struct ns_own_taken {
     int gate_is_shown; /* it is in the plot, and asks for points */
     int follows;       /* its channel is a diode behind a source follower, not a switch */
     int body;          /* the element of its body diode */
+    int bulk;          /* of its diode between bulk and source; -1: there is none */
     int back;          /* the element that carries what a follower lets pass backwards; -1: it is none */
     double drive;      /* V, that ron belongs to */
     double ron;        /* ohm */

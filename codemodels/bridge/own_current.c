@@ -11,6 +11,7 @@
 #include <stdlib.h>
 
 #include "interrupt.h"
+#include "own_structs.h"
 #include "pure/timepoints.h"
 
 /* Steps; and, in steps times unknowns and devices, how far it goes beyond the slowest period of a source, and
@@ -70,16 +71,33 @@ typedef struct own_pass {
     int brief;
 } own_pass;
 
+/* What a D carries; of an M, what both its junctions do: *on: 1 if one conducts, -1 if one breaks down. */
+static int read_diode(const own_pass *p, const ns_own_taken *o, const ns_mode *mode, double *i, double *v,
+                      int *on) {
+    const ns_analysis *a = p->a;
+    const int element = ns_bridge_own_diode_element(o);
+    double bulk_i, bulk_v;
+    int bulk_on;
+    if (element < 0 || ns_circuit_device(a->ex.circuit, element, a->x, a->lambda, mode, i, v, on) != NS_OK)
+        return 0;
+    if (o->kind != OWN_MOSFET || o->bulk < 0 ||
+        ns_circuit_device(a->ex.circuit, o->bulk, a->x, a->lambda, mode, &bulk_i, &bulk_v, &bulk_on) !=
+            NS_OK ||
+        bulk_on == 0)
+        return 1;
+    *i = bulk_on == *on ? *i + bulk_i : bulk_i;
+    *on = bulk_on;
+    return 1;
+}
+
 /* The march was sampled between two times, s. */
 static void add_part(const own_pass *p, double from, double to) {
     const ns_analysis *a = p->a;
     const ns_mode *mode = ns_march_mode(p->march);
     for (int k = 0; k < a->ex.nowns; k++) {
-        const int element = ns_bridge_own_diode_element(&a->ex.own[k]);
         double i, v;
         int on;
-        if (element < 0 ||
-            ns_circuit_device(a->ex.circuit, element, a->x, a->lambda, mode, &i, &v, &on) != NS_OK)
+        if (!read_diode(p, &a->ex.own[k], mode, &i, &v, &on))
             continue;
         for (int breaks = 0; breaks < 2; breaks++) {
             own_mean *mean = &p->mean[2 * k + breaks];
@@ -269,6 +287,46 @@ int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double start, d
     free(p.mean);
     free(grouped);
     return status;
+}
+
+enum { JUNCTIONS = 2 };
+
+/* The nodes between which an instance has junctions; how many. */
+static int find_junctions(const GENinstance *inst, int anode[JUNCTIONS], int cathode[JUNCTIONS]) {
+    if (ns_bridge_own_kind(inst) != OWN_MOSFET) {
+        ns_own_diode d;
+        ns_bridge_own_read_diode(inst, &d);
+        anode[0] = d.anode;
+        cathode[0] = d.cathode;
+        return 1;
+    }
+    ns_own_mosfet m;
+    ns_bridge_own_read_mosfet(inst, &m);
+    anode[0] = m.body.anode;
+    cathode[0] = m.body.cathode;
+    anode[1] = m.sign > 0 ? m.bulk : m.source;
+    cathode[1] = m.sign > 0 ? m.source : m.bulk;
+    return m.bulk != m.source ? JUNCTIONS : 1;
+}
+
+static int are_parallel(const GENinstance *inst, const GENinstance *other) {
+    int anode[2][JUNCTIONS], cathode[2][JUNCTIONS], parallel = 0;
+    const int count = find_junctions(inst, anode[0], cathode[0]),
+              others = find_junctions(other, anode[1], cathode[1]);
+    for (int i = 0; i < count; i++)
+        for (int k = 0; k < others; k++)
+            parallel |= anode[0][i] == anode[1][k] && cathode[0][i] == cathode[1][k];
+    return parallel;
+}
+
+double ns_bridge_own_parallel_current(const ns_own_found *currents, const GENinstance *inst) {
+    double most = 0.0;
+    for (int k = 0; currents && k < currents->count; k++) {
+        const ns_own_current *c = &currents->of[k];
+        if (c->inst != inst && !c->breaks && !c->faint && c->id > most && are_parallel(inst, c->inst))
+            most = c->id;
+    }
+    return most;
 }
 
 void ns_bridge_own_forget_currents(ns_own_found *currents) {

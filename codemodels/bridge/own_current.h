@@ -22,6 +22,10 @@ double ns_bridge_own_brief_stop(const ns_analysis *a, double stop);
  * Failures and an interrupt end the pass; errors: MEMORY. */
 int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double start, double stop, int brief,
                                 ns_own_found *currents);
+/* A: the largest that was found of a D (or junction of an M) between the same nodes; 0: none was.  A D that
+ * carried nothing beside it would carry all, if its line were that of a smaller current.
+ */
+double ns_bridge_own_parallel_current(const ns_own_found *currents, const GENinstance *inst);
 void ns_bridge_own_forget_currents(ns_own_found *currents);
 
 #endif

@@ -34,7 +34,7 @@ static int is_follower(const ns_own_taken *o) {
 
 /* A switch: the current (A) beyond that of saturation at its present v(gate,source), of its current; not
  * while its drain holds its gate at the threshold.  A follower: the voltage (V) beyond vto that its own gate
- * needs, of that of its source. */
+ * needs while it is not closed, of that of its source while it carries a current. */
 static void judge_channel(const ns_analysis *a, const ns_own_taken *o, double i, double *off, double *of) {
     const ns_own_mosfet *m = &o->mosfet;
     const double above = above_threshold(a, m);
@@ -42,11 +42,10 @@ static void judge_channel(const ns_analysis *a, const ns_own_taken *o, double i,
         const int held = o->follows && above < held_within * (o->drive - m->vth);
         *off = held ? 0.0 : beyond_saturation(m, i, above);
         *of = fabs(i);
-    } else if (m->sign * (voltage_at(a, m->drain) - voltage_at(a, m->gate)) > -m->vth) {
-        *off = sqrt(2.0 * fmax(i, 0.0) / ns_bridge_own_gain(m, above));
-        *of = i > NS_LEAK ? fabs(voltage_at(a, m->source)) : 0.0; /* that of a p channel rests at a supply */
     } else {
-        *off = *of = 0.0;
+        const int holds = m->sign * (voltage_at(a, m->drain) - voltage_at(a, m->gate)) > -m->vth;
+        *off = holds ? sqrt(2.0 * fmax(i, 0.0) / ns_bridge_own_gain(m, above)) : 0.0;
+        *of = i > NS_LEAK ? fabs(voltage_at(a, m->source)) : 0.0; /* that of a p channel rests at a supply */
     }
 }
 

@@ -4,6 +4,7 @@
 #include <ctype.h>
 #include <math.h>
 
+#include "own_current.h"
 #include "own_feedback.h"
 #include "own_structs.h"
 
@@ -64,7 +65,8 @@ static double current_of(const ns_extract_walk *w, const GENinstance *inst) {
     const ns_own_current *found = found_current(w, inst);
     if (!isnan(w->ex->options.id))
         return w->ex->options.id;
-    return found ? found->id : w->found ? w->found->otherwise : NS_OWN_CURRENT;
+    const double otherwise = w->found ? w->found->otherwise : NS_OWN_CURRENT;
+    return found ? found->id : fmax(otherwise, ns_bridge_own_parallel_current(w->found, inst));
 }
 
 static void note_pass(const ns_extract_walk *w, const ns_own_diode *d, ns_own_taken *taken) {
@@ -271,11 +273,13 @@ static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_
     const int is_plain = known && drive.switches && drive.low <= m->vth && drive.high > m->vth;
     const double given = is_plain ? NAN : o->vgs;
     *follows = isnan(given) || drive.follows != FOLLOWS_AND_CLOSES ? drive.follows : FOLLOWS_GATE;
-    if (o->mosfets == NS_MOSFETS_DRIVEN && m->bulk != m->source)
+    if (m->bulk != m->source && !*follows)
+        *follows = FOLLOWS_GATE; /* no body diode keeps its source from pulling its drain along */
+    if (o->mosfets == NS_MOSFETS_DRIVEN && m->bulk != m->source && m->gamma != 0.0)
         return ns_bridge_extract_refuse(
             w, inst,
-            "this M is not plainly a switch: its bulk is not its source; .include nonsmooth_mosfet.inc "
-            "(mosfet=\"switch\") takes every M as a switch");
+            "this M is not plainly a switch: its bulk is not its source, and raises its threshold (gamma); "
+            ".include nonsmooth_mosfet.inc (mosfet=\"switch\") takes every M as a switch");
     if (o->mosfets == NS_MOSFETS_DRIVEN && !is_plain)
         return ns_bridge_extract_refuse(w, inst,
                                         "this M is not plainly a switch: no PULSE, PWL, B source, "
@@ -308,7 +312,7 @@ static int add_body_diode(ns_extract_walk *w, const GENinstance *inst, ns_own_ta
 
 /* A bulk that is not the source has a junction to that as well, which keeps a coil from pulling the source
  * below it, where the channel would follow. */
-static int add_bulk_diode(const ns_extract_walk *w, const GENinstance *inst, const ns_own_taken *taken) {
+static int add_bulk_diode(const ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken) {
     const ns_own_mosfet *m = &taken->mosfet;
     const int is_n = m->sign > 0;
     char name[EXTRACT_NAME];
@@ -316,7 +320,7 @@ static int add_bulk_diode(const ns_extract_walk *w, const GENinstance *inst, con
         return NS_OK;
     snprintf(name, sizeof name, "%.140s#bulk", inst->GENname);
     return ns_circuit_diode(w->ex->circuit, name, is_n ? m->bulk : m->source, is_n ? m->source : m->bulk,
-                            &taken->diode, NULL);
+                            &taken->diode, &taken->bulk);
 }
 
 /* One direction of a channel, of an n channel from drain to source: ron, a follower that is no higher than
@@ -368,7 +372,7 @@ static int add_channel(ns_extract_walk *w, const GENinstance *inst, ns_own_taken
 }
 
 int ns_bridge_own_mosfet(ns_extract_walk *w, GENinstance *inst) {
-    ns_own_taken taken = {.inst = inst, .kind = OWN_MOSFET, .id = -1, .body = -1, .back = -1};
+    ns_own_taken taken = {.inst = inst, .kind = OWN_MOSFET, .id = -1, .body = -1, .bulk = -1, .back = -1};
     const ns_own_mosfet *m = &taken.mosfet;
     if (!w->ex->options.mosfets)
         return ns_bridge_extract_refuse(w, inst,

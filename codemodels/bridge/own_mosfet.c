@@ -69,7 +69,8 @@ static void read_mos1(const MOS1instance *v, ns_own_mosfet *m) {
                                  (v->MOS1l - 2.0 * model->MOS1latDiff),
                          .triode = 1.0,
                          .series = ohms(v->MOS1drainConductance) + ohms(v->MOS1sourceConductance),
-                         .leak = INFINITY};
+                         .leak = INFINITY,
+                         .gamma = model->MOS1gamma};
     m->body = (ns_own_diode){.bv = INFINITY,
                              .farads = v->MOS1tCbd,
                              .law = {.bottom = {v->MOS1m * amperes, CONSTboltz / CHARGE * v->MOS1temp}}};

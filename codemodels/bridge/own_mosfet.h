@@ -16,6 +16,7 @@ typedef struct ns_own_mosfet {
     double shift, slope;           /* V: of what is above vth, in weak inversion; slope 0: none */
     double series;                 /* ohm, of drain and source */
     double leak;                   /* ohm beside the channel; INFINITY: none */
+    double gamma;                  /* V^0.5: by how much the bulk raises vth */
     ns_own_diode body;             /* from source (or bulk) to drain, of an n channel */
     struct {
         int inside, outside; /* equations; 0: none */
