@@ -252,7 +252,9 @@ static ns_piecewise_value *read_function(expression_reader *r, const INPparseNod
         return refuse(r, "a function of time that is not piecewise linear",
                       "use a V element with PULSE, PWL, SIN or EXP");
     return refuse(r, "a function of a signal that is not piecewise linear",
-                  "use pwl(x, x1, y1, x2, y2, ...)");
+                  node->funcnum == PTF_TANH
+                      ? "for a comparator use sgn(x), else max(-1, min(1, x)) or pwl(x, x1, y1, x2, y2, ...)"
+                      : "use pwl(x, x1, y1, x2, y2, ...)");
 }
 
 /* --- operations --- */
