@@ -1,5 +1,6 @@
 /* bridge/digital.c - XSPICE's digital parts while an analysis runs. */
 #include "digital_run.h"
+#include "report.h"
 
 #include <math.h>
 #include <string.h>
@@ -179,6 +180,15 @@ int ns_bridge_digital_accept(ns_session *s) {
     d->crossed = 0;
     d->reach = short_step;
     return status;
+}
+
+int ns_bridge_digital_fail_late(const ns_session *s) {
+    ns_bridge_report_error(
+        "at t = %g s: an event of a d_osc or d_pwm came earlier than ngspice had it in its queue: its "
+        "control changes its frequency or duty cycle by percents within a period, which is not "
+        "supported: let that change more slowly",
+        s->ckt->CKTtime);
+    return ns_bridge_report_code(NS_E_STATE);
 }
 
 /* The marcher may be later than ngspice by more than a short step, after a jump: a longer one is asked for.

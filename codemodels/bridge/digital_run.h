@@ -17,8 +17,12 @@ int ns_bridge_digital_is_stale(const ns_session *s);
 /* At the end of a load: hybrid instances get the values of force.value. */
 void ns_bridge_digital_load(ns_session *s);
 
-/* ngspice accepted its point, where the waveform ends: outputs are set, thresholds are watched anew. */
+/* ngspice accepted its point, where the waveform ends: outputs are set, thresholds are watched anew.  STATE:
+ * an output changes before the march's time. */
 int ns_bridge_digital_accept(ns_session *s);
+
+/* Says that this was refused (NS_E_STATE) since an event came too early; a code of ngspice. */
+int ns_bridge_digital_fail_late(const ns_session *s);
 
 /* The waveform was refused its next point, with this status: 1 if that was for a threshold crossed right
  * after the last one, or since it is beyond that time, and it may be asked again. */

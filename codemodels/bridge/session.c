@@ -152,7 +152,9 @@ int ns_bridge_session_accept(ns_session *s) {
     } else {
         /* an error waits for the next accept: the present point is good */
         const int status = ns_bridge_digital_accept(s);
-        if (status)
+        if (status == NS_E_STATE)
+            s->failed = ns_bridge_digital_fail_late(s);
+        else if (status)
             s->failed = ns_bridge_trial_fail(s, status);
         else
             s->failed = s->analysis.waveform ? ns_bridge_waveform_look_ahead(s, first)
