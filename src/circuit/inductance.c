@@ -7,6 +7,7 @@
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "circuit_internal.h"
 
@@ -101,8 +102,44 @@ static int indefinite_row(int n, double *a) {
     return -1;
 }
 
+/* Two rows without a coupling that are both coupled with a third one: *i < *k; 0: there are none. */
+static int find_missing(int n, const double *a, int *i, int *k) {
+    for (*k = 1; *k < n; ++*k) {
+        for (*i = 0; *i < *k; ++*i) {
+            for (int j = 0; j < n && a[ij(n, *i, *k)] == 0; j++) {
+                if (j != *i && j != *k && a[ij(n, *i, j)] != 0 && a[ij(n, *k, j)] != 0) {
+                    return 1;
+                }
+            }
+        }
+    }
+    return 0;
+}
+
+static const char *name_of(const ns_circuit *c, const int *place, int row) {
+    int e = 0;
+    while (place[e] != row) {
+        e++;
+    }
+    return c->element[e].name;
+}
+
+/* a: the factors. */
+static int refuse_couplings(ns_circuit *c, const int *place, int n, const double *a, int bad) {
+    static const char why[] =
+        "its coupling factors and those of the inductors it is coupled with contradict each "
+        "other (the stored energy could be negative)";
+    const char *name = name_of(c, place, bad);
+    int i, k;
+    if (find_missing(n, a, &i, &k)) {
+        return ns_circuit_complain(c, NS_E_RANGE, "%.80s: %s: there is no K between %.40s and %.40s", name,
+                                   why, name_of(c, place, i), name_of(c, place, k));
+    }
+    return ns_circuit_complain(c, NS_E_RANGE, "%.80s: %s", name, why);
+}
+
 static int check_couplings(ns_circuit *c, int *place) {
-    int n = number_coupled(c, place), bad;
+    int n = number_coupled(c, place), bad, status = NS_OK;
     double *a = n > 0 ? calloc((size_t)n * (size_t)n, sizeof *a) : NULL;
     if (n == 0) {
         return NS_OK;
@@ -112,17 +149,13 @@ static int check_couplings(ns_circuit *c, int *place) {
     }
     fill_coupling_matrix(c, place, n, a);
     bad = indefinite_row(n, a);
-    free(a);
-    for (int i = 0; bad >= 0 && i < c->nelements; i++) {
-        if (place[i] == bad) {
-            return ns_circuit_complain(
-                c, NS_E_RANGE,
-                "%.80s: its coupling factors and those of the inductors it is coupled with "
-                "contradict each other (the stored energy could be negative)",
-                c->element[i].name);
-        }
+    if (bad >= 0) {
+        memset(a, 0, (size_t)n * (size_t)n * sizeof *a);
+        fill_coupling_matrix(c, place, n, a);
+        status = refuse_couplings(c, place, n, a, bad);
     }
-    return NS_OK;
+    free(a);
+    return status;
 }
 
 int ns_circuit_check_inductances(ns_circuit *c) {
