@@ -184,9 +184,9 @@ int ns_bridge_digital_accept(ns_session *s) {
 
 int ns_bridge_digital_fail_late(const ns_session *s) {
     ns_bridge_report_error(
-        "at t = %g s: an event of a d_osc or d_pwm came earlier than ngspice had it in its queue: its "
-        "control changes its frequency or duty cycle by percents within a period, which is not "
-        "supported: let that change more slowly",
+        "at t = %g s: a d_osc or d_pwm changed its output at a time that was already simulated: its control "
+        "changes its frequency or duty cycle by several percent within one period, which is not "
+        "supported: let the control change more slowly",
         s->ckt->CKTtime);
     return ns_bridge_report_code(NS_E_STATE);
 }

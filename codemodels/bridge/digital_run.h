@@ -18,10 +18,10 @@ int ns_bridge_digital_is_stale(const ns_session *s);
 void ns_bridge_digital_load(ns_session *s);
 
 /* ngspice accepted its point, where the waveform ends: outputs are set, thresholds are watched anew.  STATE:
- * an output changes before the march's time. */
+ * an output changes at a time that the march has passed. */
 int ns_bridge_digital_accept(ns_session *s);
 
-/* Says that this was refused (NS_E_STATE) since an event came too early; a code of ngspice. */
+/* Reports that refusal (STATE) of ns_bridge_digital_accept().  Returns a code of ngspice. */
 int ns_bridge_digital_fail_late(const ns_session *s);
 
 /* The waveform was refused its next point, with this status: 1 if that was for a threshold crossed right

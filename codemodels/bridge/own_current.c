@@ -304,9 +304,9 @@ static int find_junctions(const GENinstance *inst, int anode[JUNCTIONS], int cat
     ns_bridge_own_read_mosfet(inst, &m);
     anode[0] = m.body.anode;
     cathode[0] = m.body.cathode;
-    anode[1] = m.sign > 0 ? m.bulk : m.source;
-    cathode[1] = m.sign > 0 ? m.source : m.bulk;
-    return m.bulk != m.source ? JUNCTIONS : 1;
+    anode[1] = m.at_source.anode;
+    cathode[1] = m.at_source.cathode;
+    return anode[1] != cathode[1] ? JUNCTIONS : 1;
 }
 
 static int are_parallel(const GENinstance *inst, const GENinstance *other) {

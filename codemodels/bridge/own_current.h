@@ -22,9 +22,9 @@ double ns_bridge_own_brief_stop(const ns_analysis *a, double stop);
  * Failures and an interrupt end the pass; errors: MEMORY. */
 int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double start, double stop, int brief,
                                 ns_own_found *currents);
-/* A: the largest that was found of a D (or junction of an M) between the same nodes; 0: none was.  A D that
- * carried nothing beside it would carry all, if its line were that of a smaller current.
- */
+/* The largest current (A) that was found of another D, or junction of an M, between the same two nodes; 0:
+ * there is none.  It is the guess for a D that was found without a current: with a smaller guess its vf would
+ * be lower than that of the others, and it would take their whole current. */
 double ns_bridge_own_parallel_current(const ns_own_found *currents, const GENinstance *inst);
 void ns_bridge_own_forget_currents(ns_own_found *currents);
 

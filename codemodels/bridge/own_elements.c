@@ -314,13 +314,12 @@ static int add_body_diode(ns_extract_walk *w, const GENinstance *inst, ns_own_ta
  * below it, where the channel would follow. */
 static int add_bulk_diode(const ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken) {
     const ns_own_mosfet *m = &taken->mosfet;
-    const int is_n = m->sign > 0;
     char name[EXTRACT_NAME];
     if (m->bulk == m->source)
         return NS_OK;
     snprintf(name, sizeof name, "%.140s#bulk", inst->GENname);
-    return ns_circuit_diode(w->ex->circuit, name, is_n ? m->bulk : m->source, is_n ? m->source : m->bulk,
-                            &taken->diode, &taken->bulk);
+    return ns_circuit_diode(w->ex->circuit, name, m->at_source.anode, m->at_source.cathode, &taken->diode,
+                            &taken->bulk);
 }
 
 /* One direction of a channel, of an n channel from drain to source: ron, a follower that is no higher than

@@ -85,6 +85,8 @@ void ns_bridge_own_read_mosfet(const GENinstance *inst, ns_own_mosfet *m) {
         read_mos1((const MOS1instance *)inst, m);
     m->body.anode = m->sign > 0 ? m->bulk : m->drain;
     m->body.cathode = m->sign > 0 ? m->drain : m->bulk;
+    m->at_source.anode = m->sign > 0 ? m->bulk : m->source;
+    m->at_source.cathode = m->sign > 0 ? m->source : m->bulk;
 }
 
 double ns_bridge_own_gain(const ns_own_mosfet *m, double above) {

@@ -19,6 +19,9 @@ typedef struct ns_own_mosfet {
     double gamma;                  /* V^0.5: by how much the bulk raises vth */
     ns_own_diode body;             /* from source (or bulk) to drain, of an n channel */
     struct {
+        int anode, cathode; /* equations; the same one: bulk is the source, and there is none */
+    } at_source;            /* the other junction, between bulk and source */
+    struct {
         int inside, outside; /* equations; 0: none */
     } hidden[OWN_HIDDEN];
     int heats;

@@ -118,13 +118,13 @@ static int find_missing(int n, const double *a, int *i, int *k) {
 
 static const char *name_of(const ns_circuit *c, const int *place, int row) {
     int e = 0;
-    while (place[e] != row) {
+    while (e + 1 < c->nelements && place[e] != row) {
         e++;
     }
     return c->element[e].name;
 }
 
-/* a: the factors. */
+/* a: the coupling factors; bad: the row that shows that they contradict each other. */
 static int refuse_couplings(ns_circuit *c, const int *place, int n, const double *a, int bad) {
     static const char why[] =
         "its coupling factors and those of the inductors it is coupled with contradict each "
@@ -150,7 +150,7 @@ static int check_couplings(ns_circuit *c, int *place) {
     fill_coupling_matrix(c, place, n, a);
     bad = indefinite_row(n, a);
     if (bad >= 0) {
-        memset(a, 0, (size_t)n * (size_t)n * sizeof *a);
+        memset(a, 0, (size_t)n * (size_t)n * sizeof *a); /* indefinite_row() overwrote it */
         fill_coupling_matrix(c, place, n, a);
         status = refuse_couplings(c, place, n, a, bad);
     }

@@ -23,12 +23,12 @@ static double time_of(const ns_partition_run *f) {
 
 /* --- an island in the whole --- */
 
-/* Once for each sample and island: `seen`, of characters, may alias whatever is read, so that it is written
- * of shared unknowns alone, which are the ones that are asked for. */
+/* Only shared unknowns are read and written in `seen`: every sample of every island passes here, and writing
+ * characters makes the compiler read all pointers again. */
 void ns_march_partition_put(ns_partition_run *f, int island, double *x) {
     const ns_island *i = &f->islands.island[island];
     const int n = i->s->n, *unknown = i->unknown;
-    const double *of_island = f->x;
+    const double *of_island = f->x; /* read once, likewise */
     for (int k = 0; k < n; k++) {
         const int whole = unknown[k];
         const double value = of_island[k];
