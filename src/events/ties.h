@@ -9,7 +9,9 @@
 #include "modes/mode.h"
 
 /* MET: with a hysteresis, if its threshold is met in the same instant, as after the first of them the control
- * of the next may go back.  SAME: without, if its control is that of the event but for a factor. */
+ * of the next may go back.  SAME: without, if its control is that of the event but for a factor; or if its
+ * threshold is met in the same instant, as between the two a leg would be a short circuit: it then may go
+ * back, and does not slide. */
 typedef enum ns_tie { NS_TIE_NONE, NS_TIE_MET, NS_TIE_SAME } ns_tie;
 
 /* What makes a command, whose switch is in this mode, change with another one; NONE: nothing does. */

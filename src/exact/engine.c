@@ -276,12 +276,25 @@ static int pass_event(ns_exact *f, int guard, ns_until until, int *failed) {
     return status;
 }
 
+/* Where a switch of the state changes no longer before a known event than that is known, the two are one: the
+ * event is there. */
+static void join_known_event(ns_exact *f, int *guard) {
+    const double t = f->state.now.t;
+    if (*guard < 0 || f->state.mode->scale[0].kernel->row[*guard].command < 0 ||
+        f->events_to > t + ns_system_signal_time_error(t, t))
+        return;
+    ns_clock_advance(&f->state.now, f->events_to, 0);
+    *guard = NS_GUARD_NONE;
+}
+
 /* To the next event and through it, or to t; *stop: no further.  A trial that is to end at events stops at
  * their left side, but passes one right where the accepted point is. */
 static int go_to_event(ns_exact *f, double accepted_t, double t, ns_until until, int *failed, int *stop) {
     int guard;
     f->events_to = ns_inputs_events_next(f->events, t);
     const int status = advance_to(f, fmin(t, f->events_to), &guard);
+    if (status == NS_OK)
+        join_known_event(f, &guard);
     const int timed = guard < 0 && f->state.now.t >= f->events_to;
     *stop = status != NS_OK || !(guard >= 0 || timed);
     if (*stop)

@@ -10,6 +10,7 @@
  *   sample.c          a point on the way of a trial    create.c          this struct
  *   charge_rates.c    what an Euler step adds to the charges
  *   flows.c           charges summed from flows        input_series.c    what a step leaves off of inputs
+ *   command_flips.c   which switches of the state change at an event
  *   kernel.c          answers engine/kernel.h
  *   fallback.c        for how long the ladder goes on instead
  *   fast_parts.c      what rings, as parts of X   long_steps.c      steps longer than a ring

@@ -6,7 +6,6 @@
  * the present one with what broke flipped, unless another guard is clearly below zero then.
  */
 #include "mode_selection.h"
-#include "events/ties.h"
 #include "sliding.h"
 
 #include "linalg/simd.h"
@@ -244,93 +243,6 @@ static double event_time_error(ns_exact *f) {
     return least + fmin(k->g, fmin(by_rate, by_second_rate));
 }
 
-static void clear_flips(ns_exact *f) {
-    for (int c = 0; c < f->system->nc; c++) {
-        f->point->flip[c] = 0;
-        f->command_target[c] = NS_TARGET_TOGGLE;
-    }
-}
-
-/* The sliding mode of a closed switch, by the direction of its current. */
-static ns_mode sliding_mode_of(const ns_exact *f, int pair) {
-    const ns_mode_kernel *k = f->state.mode->scale[0].kernel;
-    const int n = f->system->n, all = n + f->system->m;
-    double sum = 0;
-    for (int j = 0; j < k->q; j++)
-        sum += k->step_x_lambda[(size_t)(n + pair) + (size_t)j * (size_t)all] * f->X[j];
-    return ns_events_sliding_mode(sum);
-}
-
-/* Flips command c, which depends on the state; without hysteresis, and about to flip back at once, it slides.
- */
-static void flip_command(ns_exact *f, int c) {
-    const ns_command *of = &f->system->command[c];
-    f->point->flip[c] = 1;
-    if (ns_events_slides(of, f->flips[c]) && f->state.mode->mode[of->pair] == NS_INSIDE)
-        f->command_target[c] = sliding_mode_of(f, of->pair);
-    f->flips[c] = 1;
-}
-
-/* point->flip: commands that are beyond their thresholds, or about to be; how many. */
-static int flip_contradicted_commands(ns_exact *f) {
-    const ns_mode_kernel *k = f->state.mode->scale[0].kernel;
-    int count = 0;
-    clear_flips(f);
-    for (int g = k->pair_rows; g < k->rows; g++)
-        if (ns_exact_guard_sign(f, f->state.mode, g, f->X) == NS_SIGN_BREAKS) {
-            flip_command(f, k->row[g].command);
-            count++;
-        }
-    return count;
-}
-
-/* 1 if what broke is the guard of a command, or of a sliding switch: its command flips. */
-static int flip_command_of_guard(ns_exact *f) {
-    const ns_guard_row *row = &f->state.mode->scale[0].kernel->row[f->event_guard];
-    int c = row->command;
-    if (c >= 0) {
-        flip_command(f, c);
-        return 1;
-    }
-    if (!ns_mode_slides(f->state.mode->mode[row->pair]))
-        return 0;
-    for (c = 0; f->system->command[c].pair != row->pair;)
-        c++;
-    f->point->flip[c] = 1;
-    f->command_target[c] = row->to;
-    return 1;
-}
-
-/* 1 if the threshold of guard g is met here, too; beside a fast time scale its rate may be told from rounding
- * only by a longer step. */
-static int is_met(ns_exact *f, int g) {
-    const ns_guard_sign sign = ns_exact_guard_sign(f, f->state.mode, g, f->X);
-    return sign == NS_SIGN_BREAKS || sign == NS_SIGN_SEEMS_TO_BREAK;
-}
-
-/* Commands that change with the guard that breaks (ties.h).  The event is known no better than these are
- * apart. */
-static int flip_commands_met(ns_exact *f) {
-    const ns_mode_kernel *k = f->state.mode->scale[0].kernel;
-    double last = 0;
-    int count = 0;
-    for (int g = k->pair_rows; g < k->rows && f->event_guard >= 0; g++) {
-        const int c = k->row[g].command;
-        const ns_command *of = &f->system->command[c];
-        const ns_tie tie = ns_events_tie(of, f->state.mode->mode[of->pair]);
-        if (g == f->event_guard || tie == NS_TIE_NONE)
-            continue;
-        const double delay = tie == NS_TIE_SAME ? ns_exact_guard_delay(f, k, g) : is_met(f, g) ? 0 : INFINITY;
-        if (isinf(delay))
-            continue;
-        last = fmax(last, delay);
-        flip_command(f, c);
-        count++;
-    }
-    f->state.event_time_error += last * ns_events_beyond_delay;
-    return count;
-}
-
 int ns_exact_select_known(ns_exact *f, ns_exact_mode *to, int guard) {
     double until;
     f->event_guard = guard;
@@ -356,8 +268,8 @@ static int settle_modes(ns_exact *f, int by_guard) {
         if (status != NS_OK)
             return status;
         if (goes_on)
-            clear_flips(f);
-        else if (!flip_contradicted_commands(f))
+            ns_exact_flips_clear(f);
+        else if (!ns_exact_flip_contradicted(f))
             return NS_OK;
         by_guard = 0;
     }
@@ -375,11 +287,11 @@ int ns_exact_select_mode(ns_exact *f, int guard) {
     for (int c = 0; c < f->system->nc; c++)
         f->command_target[c] = NS_TARGET_TOGGLE;
     memset(f->flips, 0, (size_t)f->system->nc);
-    int by_command = f->event_guard >= 0 && flip_command_of_guard(f);
-    if (guard != NS_GUARD_NONE)
-        by_command |= flip_commands_met(f) > 0;
+    int by_command = f->event_guard >= 0 && ns_exact_flip_of_guard(f);
+    if (guard != NS_GUARD_UNKNOWN)
+        by_command |= ns_exact_flip_met(f) > 0;
     int status = settle_modes(f, guard != NS_GUARD_NONE && !by_command);
-    clear_flips(f);
+    ns_exact_flips_clear(f);
     if (f->failed != NS_OK)
         status = f->failed;
     if (status != NS_OK) {

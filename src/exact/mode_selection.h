@@ -1,7 +1,7 @@
 /* src/exact/mode_selection.h - from one mode to the next.
  *
  *   mode_entry.c  what jumps where a mode is entered       guard_sign.c  whether a mode holds from here on
- *   mode_selection.c   which modes are tried
+ *   command_flips.c  which switches of the state change   mode_selection.c   which modes are tried
  */
 #ifndef NS_EXACT_MODE_SELECTION_H
 #define NS_EXACT_MODE_SELECTION_H
@@ -29,6 +29,15 @@ ns_guard_sign ns_exact_guard_sign(ns_exact *f, ns_exact_mode *mode, int g, const
  * threshold differs from that one's only by rounding (a sign at zero), and the control goes on as it does.
  * INFINITY: it is another guard, or breaks more than h 2^-10 later. */
 double ns_exact_guard_delay(ns_exact *f, const ns_mode_kernel *k, int g);
+
+/* command_flips.c: point->flip.  No command; those that are beyond their thresholds, or about to be; that of
+ * guard event_guard, if it is one of a command, or of a switch that slides; those that change with the guard
+ * that breaks, or with what is known ahead (ties.h): the event is known no better than these are apart.
+ * How many. */
+void ns_exact_flips_clear(ns_exact *f);
+int ns_exact_flip_contradicted(ns_exact *f);
+int ns_exact_flip_of_guard(ns_exact *f);
+int ns_exact_flip_met(ns_exact *f);
 
 /* How a mode was proposed: among likely ones, by (P1) over a short step or by the guard that broke in the
  * step before, by the impulse problem. */

@@ -156,17 +156,19 @@ int ns_sparse_event_at(const ns_sparse *m, double t) {
     return 0;
 }
 
-/* Commands that change with the guard that breaks (ties.h). */
+/* Commands that change with the event at the end of the step (ties.h).  One without hysteresis whose control
+ * is another than that of the event may go back, and does not slide then. */
 static void change_met_commands(ns_sparse *m, const ns_dense_step *step) {
     for (int c = 0; c < m->s->nc; c++) {
         const ns_command *k = &m->s->command[c];
         const ns_tie tie = ns_events_tie(k, m->mode[k->pair]);
-        if (c == step->command || k->pair == step->pair || tie == NS_TIE_NONE ||
-            !(tie == NS_TIE_MET ? ns_sparse_location_meets(m, step, c)
-                                : ns_sparse_location_is_same(m, step, c, &m->apart[c])))
+        if (c == step->command || k->pair == step->pair || tie == NS_TIE_NONE)
+            continue;
+        const int same = tie == NS_TIE_SAME && ns_sparse_location_is_same(m, step, c, &m->apart[c]);
+        if (!same && !ns_sparse_location_meets(m, step, c, &m->apart[c]))
             continue;
         ns_sparse_guard_toggle(m, k->pair);
-        m->changed[c] = 1;
+        m->changed[c] = same || tie == NS_TIE_MET;
     }
 }
 
@@ -176,7 +178,7 @@ void ns_sparse_event_own_changes(ns_sparse *m, const ns_dense_step *step, double
     m->contradicting_pair = -1;
     memset(m->changed, 0, (size_t)m->s->nc);
     memset(m->apart, 0, sizeof *m->apart * (size_t)m->s->nc);
-    if (step && (step->pair >= 0 || step->command >= 0))
+    if (step)
         change_met_commands(m, step);
     if (step && step->pair >= 0)
         ns_sparse_guard_leave(m, step->pair, step->guard);

@@ -78,14 +78,15 @@ static double cut_off(const double *G, int terms) {
 }
 
 /* At the start of a step a guard that is below zero by no more than its error there holds if it rises; right
- * after an event, by no more than events are located to: the fraction of a curve at which it has risen to
- * zero; NAN: it does not. */
+ * after an event, by no more than events are located to, or are apart that are one: the fraction of a curve
+ * at which it has risen to zero; NAN: it does not. */
 static double find_rise(const ns_sparse *m, const ns_dense_step *step, const found *f, const ns_curve *c,
                         double cut) {
     const double terms = f->pair >= 0 ? size_of(m, step, f->pair)
                                       : ns_sparse_guard_control_terms(m, f->command, step->images, step->z);
     ns_curve below_zero = {.terms = c->terms};
-    const double located = step->after_event ? ns_sparse_guard_located(m, terms) : 0;
+    const double apart = f->pair >= 0 ? 0 : m->apart[f->command];
+    const double located = step->after_event ? fmax(ns_sparse_guard_located(m, terms), apart) : 0;
     if (!(ns_modes_curve_slope(c, 0) > 0) || !(c->p[0] >= -(rise_cut * cut + located)))
         return NAN;
     for (int k = 0; k < c->terms; k++)
@@ -204,13 +205,18 @@ static double value_at_end(const ns_dense_step *step, const double *G, ns_curve 
     return at_end;
 }
 
-int ns_sparse_location_meets(const ns_sparse *m, const ns_dense_step *step, int c) {
+int ns_sparse_location_meets(const ns_sparse *m, const ns_dense_step *step, int c, double *apart) {
     double G[NS_STAGES] = {0};
     ns_curve curve;
+    *apart = 0;
     find_coefficients(m, step, step->stages, -1, 0, c, G);
-    const double at_end = value_at_end(step, G, &curve);
-    return ns_modes_curve_slope(&curve, 1) < 0 &&
-           at_end <= met * ns_sparse_guard_control_rounding(m, c, step->images, step->z);
+    const double at_end = value_at_end(step, G, &curve), slope = ns_modes_curve_slope(&curve, 1),
+                 late = ns_system_signal_time_error(step->end_t, step->end_t) / step->length;
+    if (!(slope < 0) ||
+        at_end > met * ns_sparse_guard_control_rounding(m, c, step->images, step->z) - slope * late)
+        return 0;
+    *apart = fmax(at_end, 0) - slope * late; /* inputs are known as well as the instant */
+    return 1;
 }
 
 int ns_sparse_location_is_same(const ns_sparse *m, const ns_dense_step *step, int c, double *apart) {

@@ -171,11 +171,11 @@ typedef struct ns_sparse {
     double *l, *u; /* m: bounds, of commanded pairs as commanded */
 
     /* an event */
-    const ns_watch *watch;  /* who looks at it; NULL: nobody */
-    unsigned char *touched; /* m: pairs that changed in the search for a mode */
-    unsigned char *flip;    /* m: 1 + which guard of a pair is broken; 0: none is */
-    unsigned char *changed; /* nc: 1 commands that changed at this event, 2 that begin to slide */
-    double *apart; /* nc: so far from its threshold one changed with the event that has its control */
+    const ns_watch *watch;   /* who looks at it; NULL: nobody */
+    unsigned char *touched;  /* m: pairs that changed in the search for a mode */
+    unsigned char *flip;     /* m: 1 + which guard of a pair is broken; 0: none is */
+    unsigned char *changed;  /* nc: 1 commands that changed at this event, 2 that begin to slide */
+    double *apart;           /* nc: so far from its threshold one changed with the event */
     ns_mode *commanded_mode; /* m: after what the event itself changes, and nothing that follows from it */
     int is_near;             /* guards that are broken by what events are located to hold */
     double inputs_from;      /* s: an input was replaced then; -INFINITY: none was */
@@ -358,8 +358,9 @@ int ns_sparse_chatter_euler(ns_sparse *m, const ns_dense_step *step, double t);
 
 /* event_location.c: the first guard that breaks in a step ends it. */
 int ns_sparse_location_first(ns_sparse *m, ns_dense_step *step);
-/* 1 if, at the end of a step, command c has fallen to its threshold as well. */
-int ns_sparse_location_meets(const ns_sparse *m, const ns_dense_step *step, int c);
+/* 1 if, at the end of a step, command c has fallen to its threshold as well, but for what the instant may be
+ * off by; *apart: how far it is from it. */
+int ns_sparse_location_meets(const ns_sparse *m, const ns_dense_step *step, int c, double *apart);
 /* 1 if the control of c is that of the command whose guard ended the step, all along it, but for a factor.
  * *apart: how far it is from its threshold there, where that is another one by rounding, as of a sign that
  * passes zero; 0 if the control may not go on to it within what counts as one instant. */

@@ -151,11 +151,88 @@ static void neither_open_nor_closed_later(void **state) {
     end(&k);
 }
 
+/* 1 V behind R and a C of 100 ns / R from an edge on, or until then. */
+static void gate(rig *k, const char *name, const char *r, const char *c, int node, double ohm, int falls) {
+    static const double at[] = {1e-6, 1e-6, 1e-5, 1e-5}, rising[] = {0, 1, 1, 0}, falling[] = {1, 0, 0, 1};
+    const ns_signal v = {.kind = NS_PWL, .u.pwl = {4, at, falls ? falling : rising, NAN, 0}};
+    assert_int_equal(ns_circuit_source(k->c, name, NS_VOLTAGE, node + 1, 0, &v, NULL), NS_OK);
+    resistor(k, r, node + 1, node, ohm);
+    capacitor(k, c, node, 0, 1e-7 / ohm, falls);
+}
+
+/* Both gates pass 0.5 V in one instant, 100 ns ln 2 behind each edge, though they are no multiples of one
+ * another: the leg does not short its capacitor, whichever of the two is a rounding earlier.  1 uF and 10 ohm
+ * are one while s1 is closed.  (exact opened and closed one after the other, and lost all 100 V.) */
+static void share_an_instant(ns_method method, double ohm, double other) {
+    enum { IN = 1, A, G1, H1, G2, H2 };
+    const double closes = 1e-6 + 1e-7 * log(2), opens = 1e-5 + 1e-7 * log(2);
+    const double off = method == NS_THETA ? 2 : 1e-4; /* its steps are a tenth of 10 us */
+    rig k = begin();
+    contact(&k, "s1", IN, A, G1, 0.5);
+    contact(&k, "s2", A, 0, G2, 0.5);
+    capacitor(&k, "c", IN, 0, 1e-6, 100);
+    resistor(&k, "r", A, 0, 10);
+    gate(&k, "v1", "r1", "c1", G1, ohm, 0);
+    gate(&k, "v2", "r2", "c2", G2, other, 1);
+    start(&k, method);
+    go(&k, 5e-6);
+    near(voltage(&k, IN), 100 * exp((closes - 5e-6) / 1e-5), off);
+    near(voltage(&k, A), voltage(&k, IN), 1e-9);
+    go(&k, 2e-5);
+    near(voltage(&k, IN), 100 * exp((closes - opens) / 1e-5), off);
+    near(voltage(&k, A), 0, 1e-9);
+    end(&k);
+}
+
+static void gates_in_one_instant(void **state) {
+    static const double ohms[] = {1, 3, 70, 1100, 13000};
+    for (int i = 0; i < 25; i++)
+        share_an_instant(*(const ns_method *)*state, ohms[i / 5], ohms[i % 5]);
+}
+
+/* Rises at `rises`, after `high` it falls, each edge in 1 ns, every 10 us. */
+static void pulses(rig *k, const char *name, int node, double rises, double high) {
+    const ns_signal v = {.kind = NS_PULSE, .u.pulse = {0, 1, rises, 1e-9, 1e-9, high, 1e-5, 0}};
+    assert_int_equal(ns_circuit_source(k->c, name, NS_VOLTAGE, node, 0, &v, NULL), NS_OK);
+}
+
+/* One gate is a source's, of the other one a switch leads to its source: one instant is known ahead, the
+ * other is found, at the same time but for rounding.  While s1 is closed 1 uF discharges by 100 ohm; 100
+ * times `high` in all. */
+static void share_a_known_instant(ns_method method, double high, int which) {
+    enum { IN = 1, A, G, H, K, E };
+    rig k = begin();
+    contact(&k, "s1", IN, A, which == 1 ? G : H, 0.5);
+    contact(&k, "s2", A, 0, which == 2 ? G : K, 0.5);
+    contact(&k, "s3", which == 1 ? H : K, G, E, 0.5);
+    resistor(&k, "r3", G, 0, 1e3);
+    capacitor(&k, "c", IN, 0, 1e-6, 100);
+    resistor(&k, "r", A, 0, 100);
+    pulses(&k, "v1", H, 0, high - 1e-9);
+    pulses(&k, "v2", K, high, 1e-5 - high - 1e-9);
+    pulses(&k, "v3", E, -1, 100);
+    start(&k, method);
+    go(&k, 1e-3);
+    near(voltage(&k, IN), 100 * exp(-100 * high / 1e-4), method == NS_THETA ? 2 : 1e-4);
+    end(&k);
+}
+
+static void known_and_found_in_one_instant(void **state) {
+    static const double high[] = {5e-6, 3.337e-6, 7.77e-6, 2.5e-6, 1.1e-6};
+    for (int i = 0; i < 10; i++)
+        share_a_known_instant(*(const ns_method *)*state, high[i / 2], 1 + i % 2);
+}
+
 int main(void) {
     static ns_method theta = NS_THETA, exact = NS_EXACT, sparse = NS_SPARSE;
     const struct CMUnitTest tests[] = {
         {"none slides from afar, exact", none_slides_from_afar, NULL, NULL, &exact},
         {"none slides from afar, sparse", none_slides_from_afar, NULL, NULL, &sparse},
+        {"gates in one instant, theta", gates_in_one_instant, NULL, NULL, &theta},
+        {"gates in one instant, exact", gates_in_one_instant, NULL, NULL, &exact},
+        {"gates in one instant, sparse", gates_in_one_instant, NULL, NULL, &sparse},
+        {"known and found in one instant, exact", known_and_found_in_one_instant, NULL, NULL, &exact},
+        {"known and found in one instant, sparse", known_and_found_in_one_instant, NULL, NULL, &sparse},
         {"neither open nor closed, theta", neither_open_nor_closed, NULL, NULL, &theta},
         {"neither open nor closed, exact", neither_open_nor_closed, NULL, NULL, &exact},
         {"neither open nor closed, sparse", neither_open_nor_closed, NULL, NULL, &sparse},
