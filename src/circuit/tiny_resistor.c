@@ -5,8 +5,10 @@
  * is a current for which other resistors need a volt.  A tiny resistor gets a row of its own, 0 = R i - (v_p
  * - v_n), and its current is an unknown: then no row sums both.
  *
- * The rows of two nodes whose difference is given (by a voltage source, 0 ohm, a closed ideal device) are
- * summed when the current between them is eliminated: they count as one node.
+ * Where a voltage is eliminated, its row is added to those of its neighbours, the more of it the larger the
+ * conductance between them; so too where the difference of two voltages is given (by a voltage source, 0 ohm,
+ * a closed ideal device).  What rounding makes of a large conductance thus gets as far as larger conductances
+ * than the small one lead: beside 1 nohm it is 0.1 uS (10 Mohm), be there 1 mohm or a closed switch between.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -55,63 +57,76 @@ static void find_least(const ns_circuit *c, double *least) {
     }
 }
 
-/* 1 if the element gives the difference of its two voltages, whatever its current is. */
-static int gives_voltage(const element *e) {
+/* What joins two nodes: siemens, INFINITY where the difference of their voltages is given. */
+typedef struct conductor {
+    double siemens;
+    int p, n; /* rows, -1: ground */
+    int is_resistor;
+} conductor;
+
+/* 0: it joins no nodes. */
+static double joining_siemens(const element *e) {
     switch (e->kind) {
     case DIODE:
-        return e->diode.ron == 0;
+        return 1 / e->diode.ron;
     case SWITCH:
-        return e->sw.ron == 0;
+        return 1 / e->sw.ron;
     case INDUCTOR:
         return 0;
     default:
-        return e->current >= 0;
+        return e->current >= 0 ? INFINITY : siemens_of(e);
     }
 }
 
-/* least[row]: the smallest of all nodes that count as one. */
-static int share_least(const ns_circuit *c, double *least) {
-    int *set = malloc(((size_t)c->nused + 1) * sizeof *set);
-    if (!set) {
-        return NS_E_MEMORY;
-    }
-    ns_system_union_begin(set, c->nused);
+static int by_siemens(const void *a, const void *b) {
+    const conductor *one = a, *other = b;
+    return (one->siemens < other->siemens) - (one->siemens > other->siemens);
+}
+
+/* The largest first; how many. */
+static int list_conductors(const ns_circuit *c, conductor *list) {
+    int count = 0;
     for (int k = 0; k < c->nelements; k++) {
         const element *e = &c->element[k];
-        const int gives = gives_voltage(e), p = gives ? ns_circuit_node_unknown(c, e->node[0]) : -1,
-                  n = gives ? ns_circuit_node_unknown(c, e->node[1]) : -1;
-        if (p >= 0 && n >= 0) {
-            ns_system_union_join(set, p, n);
+        const double siemens = joining_siemens(e);
+        if (siemens > 0) {
+            list[count++] =
+                (conductor){siemens, ns_circuit_node_unknown(c, e->node[0]),
+                            ns_circuit_node_unknown(c, e->node[1]), e->kind == RESISTOR && e->current < 0};
         }
     }
-    for (int i = c->nused - 1; i >= 0; i--) { /* a set is represented by its least member */
-        const int top = ns_system_union_top(set, i);
-        least[top] = fmin(least[top], least[i]);
-    }
-    for (int i = 0; i < c->nused; i++) {
-        least[i] = least[ns_system_union_top(set, i)];
-    }
-    free(set);
-    return NS_OK;
+    qsort(list, (size_t)count, sizeof *list, by_siemens);
+    return count;
 }
 
-static int stands_apart(const ns_circuit *c, const element *e, const double *least) {
-    for (int end = 0; end < 2; end++) {
-        const int row = ns_circuit_node_unknown(c, e->node[end]);
-        if (row >= 0 && siemens_of(e) / apart > least[row]) {
-            return 1;
-        }
+/* least[], of the set's least member: of all its nodes. */
+static void join(const conductor *by, int *set, double *least) {
+    if (by->p < 0 || by->n < 0) {
+        return;
     }
-    return 0;
+    const int p = ns_system_union_top(set, by->p), n = ns_system_union_top(set, by->n);
+    ns_system_union_join(set, p, n);
+    least[p < n ? p : n] = fmin(least[p], least[n]);
 }
 
-/* The smallest conductance of a resistor that stands apart; INFINITY: none does. */
-static double find_smallest(const ns_circuit *c, const double *least) {
+static double least_at(int row, int *set, const double *least) {
+    return row < 0 ? INFINITY : least[ns_system_union_top(set, row)];
+}
+
+/* The smallest conductance of a resistor that stands apart; INFINITY: none does.  Nodes that are joined by at
+ * least its own / `apart` count as one. */
+static double find_smallest(const conductor *list, int count, int *set, double *least) {
     double smallest = INFINITY;
-    for (int k = 0; k < c->nelements; k++) {
-        const element *e = &c->element[k];
-        if (e->kind == RESISTOR && stands_apart(c, e, least)) {
-            smallest = fmin(smallest, siemens_of(e));
+    for (int k = 0, joined = 0; k < count; k++) {
+        const double too_small = list[k].siemens / apart;
+        if (!list[k].is_resistor) {
+            continue;
+        }
+        for (; joined < count && list[joined].siemens >= too_small; joined++) {
+            join(&list[joined], set, least);
+        }
+        if (least_at(list[k].p, set, least) < too_small || least_at(list[k].n, set, least) < too_small) {
+            smallest = list[k].siemens;
         }
     }
     return smallest;
@@ -132,27 +147,34 @@ static int any_may_stand_apart(const ns_circuit *c) {
     return of_resistors / apart > of_all;
 }
 
+/* *smallest: as find_smallest().  Errors: MEMORY. */
+static int look_for_smallest(const ns_circuit *c, double *smallest) {
+    double *least = malloc(((size_t)c->nused + 1) * sizeof *least);
+    int *set = malloc(((size_t)c->nused + 1) * sizeof *set);
+    conductor *list = malloc(((size_t)c->nelements + 1) * sizeof *list);
+    const int status = least && set && list ? NS_OK : NS_E_MEMORY;
+    if (status == NS_OK) {
+        find_least(c, least);
+        ns_system_union_begin(set, c->nused);
+        *smallest = find_smallest(list, list_conductors(c, list), set, least);
+    }
+    free(list);
+    free(set);
+    free(least);
+    return status;
+}
+
 int ns_circuit_tiny_resistors(ns_circuit *c) {
+    double smallest;
     if (!any_may_stand_apart(c)) {
         return NS_OK;
     }
-    double *least = malloc(((size_t)c->nused + 1) * sizeof *least);
-    if (!least) {
-        return NS_E_MEMORY;
-    }
-    find_least(c, least);
-    const int status = share_least(c, least);
-    if (status != NS_OK) {
-        free(least);
-        return status;
-    }
-    const double smallest = find_smallest(c, least);
-    for (int k = 0; k < c->nelements; k++) {
+    const int status = look_for_smallest(c, &smallest);
+    for (int k = 0; k < c->nelements && status == NS_OK; k++) {
         element *e = &c->element[k];
         if (e->kind == RESISTOR && e->current < 0 && siemens_of(e) >= smallest / alike) {
             e->current = c->ncurrents++;
         }
     }
-    free(least);
-    return NS_OK;
+    return status;
 }

@@ -98,7 +98,8 @@ static void beside_devices(void **state) {
     }
 }
 
-/* Two nodes between which something gives the voltage, whatever the current, count as one. */
+/* Two nodes between which something gives the voltage, whatever the current, count as one; so do those
+ * between which a device conducts well when it conducts. */
 static void behind_what_has_no_resistance(void **state) {
     enum { IDEAL_DIODE, IDEAL_SWITCH, SOURCE, ZERO_OHM, SOME_DIODE, SOME_SWITCH, COIL, KINDS };
     static const int own[KINDS] = {0, 0, 1, 1, 0, 0, 1}; /* currents among the unknowns */
@@ -121,7 +122,26 @@ static void behind_what_has_no_resistance(void **state) {
         else
             assert_int_equal(ns_circuit_inductor(made, "l1", p, n, 1, 0, NULL), NS_OK);
         (void)resistor("r2", 3, 0, 1.1e6);
-        expect(3, own[kind] + (kind <= ZERO_OHM));
+        expect(3, own[kind] + (kind != COIL)); /* 1 S is large beside 1 / 1.1e6 S */
+        end();
+    }
+}
+
+/* Of three in a row none is a million times its neighbour; the first is that of the third, and of both others
+ * where these are as small. */
+static void behind_one_of_a_size_between(void **state) {
+    static const struct {
+        double between, last;
+        int currents;
+    } of[] = {
+        {1.01e3, 0.9e6, 0}, {1.01e3, 1.1e6, 1}, {0.99e3, 1.1e6, 2}, {0.9e6, 1.1e6, 1}, {0.9e6, 0.9e12, 1}};
+    (void)state;
+    for (int k = 0; k < 5; k++) {
+        begin();
+        (void)resistor("r3", 3, 0, of[k].last);
+        (void)resistor("r1", 1, 2, 1);
+        (void)resistor("r2", 2, 3, of[k].between);
+        expect(3, of[k].currents);
         end();
     }
 }
@@ -178,13 +198,10 @@ static void no_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(beside_another_resistor),
-        cmocka_unit_test(at_one_end),
-        cmocka_unit_test(others_of_that_size),
-        cmocka_unit_test(beside_devices),
-        cmocka_unit_test(behind_what_has_no_resistance),
-        cmocka_unit_test(is_no_short_to_a_control),
-        cmocka_unit_test(no_memory),
+        cmocka_unit_test(beside_another_resistor),       cmocka_unit_test(at_one_end),
+        cmocka_unit_test(others_of_that_size),           cmocka_unit_test(beside_devices),
+        cmocka_unit_test(behind_what_has_no_resistance), cmocka_unit_test(behind_one_of_a_size_between),
+        cmocka_unit_test(is_no_short_to_a_control),      cmocka_unit_test(no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
