@@ -39,6 +39,42 @@ static void complementary(maker *m) {
     load(m, "out", "0", D * V / I);
 }
 
+/* A gate: the source's own node, or one that a closed switch leads to it, with a bleeder: then its threshold
+ * is met by the state. */
+static const char *behind_a_switch(maker *m, const char *from, const char *name, int is_behind) {
+    if (!is_behind)
+        return from;
+    contact(m, from, name, "en", "0");
+    resistor(m, name, "0", draw(m, 100, 1e5));
+    return name;
+}
+
+/* The same legs at a capacitor that nothing recharges at once: were both switches of a leg closed for a
+ * rounding of time, it would be empty. */
+static void joined_gates(maker *m) {
+    const int legs = 1 + draw_one(m, 3);
+    maker_times(m, draw(m, 1e4, 1e6), draw_even(m, 10, 60));
+    const double V = draw(m, 5, 400), I = draw(m, 0.3, 10), edge = chance(m, 0.5) ? 1e-9 : m->T * 0.01;
+    m->gate_rc = 0;
+    netlist_put(m->n, "V%d en 0 PULSE(0 1 %.4g 1n 1n 1 10)", ++m->ids, -1e-6);
+    resistor(m, "src", "in", V / I * draw(m, 0.1, 1));
+    netlist_put(m->n, "V%d src 0 %.4g", ++m->ids, V);
+    plain_c(m, "in", "0", m->T * I / V * draw(m, 1, 30), V);
+    for (int i = 0; i < legs; i++) {
+        const char *h = indexed("h", i), *k = indexed("k", i), *x = indexed("x", i), *y = indexed("y", i);
+        const double D = draw_even(m, 0.2, 0.8), t = i ? draw_even(m, 0, 1) * m->T : 0;
+        const int which = 1 + draw_one(m, 3);
+        netlist_put(m->n, "V%d %s 0 PULSE(0 1 %.17g %.17g %.17g %.17g %.17g)", ++m->ids, h, t, edge, edge,
+                    D * m->T - edge, m->T);
+        netlist_put(m->n, "V%d %s 0 PULSE(0 1 %.17g %.17g %.17g %.17g %.17g)", ++m->ids, k, t + D * m->T,
+                    edge, edge, (1 - D) * m->T - edge, m->T);
+        mosfet(m, "in", x, behind_a_switch(m, h, indexed("g", i), which & 1));
+        mosfet(m, x, "0", behind_a_switch(m, k, indexed("f", i), which & 2));
+        inductor(m, x, y, fit_l(m, V, I), 0);
+        resistor(m, y, "0", V / I);
+    }
+}
+
 /* A resonant half wave ends exactly when the gate falls: pi sqrt(LC) is the pulse's width. */
 static void edge_at_commutation(maker *m) {
     maker_times(m, draw(m, 1e4, 1e6), draw_even(m, 10, 40));
@@ -142,6 +178,7 @@ static void beats(maker *m) {
 
 const family families_ties[] = {{"alike", alike},
                                 {"complementary", complementary},
+                                {"joined-gates", joined_gates},
                                 {"edge-at-commutation", edge_at_commutation},
                                 {"corners", corners},
                                 {"short-pulses", short_pulses},
