@@ -231,6 +231,7 @@ int main(void) {
         {"gates in one instant, theta", gates_in_one_instant, NULL, NULL, &theta},
         {"gates in one instant, exact", gates_in_one_instant, NULL, NULL, &exact},
         {"gates in one instant, sparse", gates_in_one_instant, NULL, NULL, &sparse},
+        {"known and found in one instant, theta", known_and_found_in_one_instant, NULL, NULL, &theta},
         {"known and found in one instant, exact", known_and_found_in_one_instant, NULL, NULL, &exact},
         {"known and found in one instant, sparse", known_and_found_in_one_instant, NULL, NULL, &sparse},
         {"neither open nor closed, theta", neither_open_nor_closed, NULL, NULL, &theta},
