@@ -33,6 +33,7 @@ static void free_time_scale(ns_time_scale *scale) {
         ns_exact_step_free(scale->doubled[k]);
     for (int k = 0; k < NS_CACHED_STEPS; k++)
         ns_exact_step_free(scale->cached[k].map);
+    *scale = (ns_time_scale){0};
 }
 
 static void free_time_scales(ns_exact_mode *k) {
@@ -211,17 +212,23 @@ static int build_mode(ns_exact *f, ns_exact_mode *k) {
     const int count = status == NS_OK ? list_rates(f, k, probe, rate, room, &status) : 0;
     if (status == NS_OK)
         list_time_scales(f, k, rate, count);
-    if (status == NS_OK && k->scale[0].h == guess) {
-        k->scale[0].kernel = probe;
-        probe = NULL;
-    } else if (status == NS_OK) {
+    for (int i = 0; i < k->scales && probe && status == NS_OK; i++)
+        if (k->scale[i].h == guess) {
+            k->scale[i].kernel = probe;
+            probe = NULL;
+        }
+    if (status == NS_OK && !k->scale[0].kernel) {
         status =
             ns_exact_kernel_build(f->s, f->inputs, k->scale[0].h / NS_POLE, k->mode, &k->scale[0].kernel);
         f->cache.first_h = k->scale[0].h;
     }
-    if (status == NS_OK)
-        status = fill_flows(f, k, 0);
-    f->cache.bytes += status == NS_OK ? k->scale[0].kernel->bytes : 0;
+    for (int i = 0; i < k->scales && status == NS_OK; i++)
+        if (k->scale[i].kernel)
+            status = fill_flows(f, k, i);
+    for (int i = 0; i < k->scales && status == NS_OK; i++)
+        f->cache.bytes += k->scale[i].kernel ? k->scale[i].kernel->bytes : 0;
+    if (status != NS_OK)
+        free_time_scales(k);
     ns_exact_kernel_free(probe);
     free(room);
     free(rate);

@@ -40,10 +40,8 @@ static void add_column(const ns_theta *s, const double *restrict column, double 
 
 /* rest (r) -= M x */
 static void take_charges(const ns_theta *s, const double *x, double *rest) {
-    for (int k = 0; k < s->storing; k++) {
-        const size_t j = (size_t)s->stores[k];
-        add_column(s, s->M + j * (size_t)s->s->n, -x[j], rest);
-    }
+    for (int k = 0; k < s->stores; k++)
+        rest[s->stored[k].charge] -= s->stored[k].value * x[s->stored[k].unknown];
 }
 
 /* The residual of the differential rows of the Euler step at (x, lambda) = at, for this sum.  room: r + nv.

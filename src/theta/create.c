@@ -55,12 +55,11 @@ static int create_arrays(ns_theta *s) {
 
 static int create_lists(ns_theta *s) {
     const size_t m = (size_t)s->s->m, all = 2 * (size_t)s->s->n + m;
-    s->inside = calloc(m + all + (size_t)s->s->n + 1, sizeof *s->inside);
+    s->inside = calloc(m + all + 1, sizeof *s->inside);
     s->past.mode = calloc(2 * m + all + 1, sizeof *s->past.mode);
     if (!s->inside || !s->past.mode)
         return NS_E_MEMORY;
     s->list = s->inside + m;
-    s->stores = s->list + all;
     s->trial.mode = s->past.mode + m;
     s->lcp_mode = s->trial.mode + m;
     return NS_OK;
@@ -91,15 +90,20 @@ int ns_theta_reserve(ns_theta *s, int holds) {
     return NS_OK;
 }
 
-static void find_storing(ns_theta *s) {
+static int list_stored(ns_theta *s) {
     const int n = s->s->n;
-    for (int j = 0; j < n; j++) {
-        int any = 0;
+    int count = 0;
+    for (int j = 0; j < n; j++)
         for (int i = 0; i < s->r; i++)
-            any |= s->M[i + j * n] != 0;
-        if (any)
-            s->stores[s->storing++] = j;
-    }
+            count += s->M[i + j * n] != 0;
+    s->stored = malloc(sizeof *s->stored * ((size_t)count + 1));
+    if (!s->stored)
+        return NS_E_MEMORY;
+    for (int j = 0; j < n; j++)
+        for (int i = 0; i < s->r; i++)
+            if (s->M[i + j * n] != 0)
+                s->stored[s->stores++] = (ns_stored){i, j, s->M[i + j * n]};
+    return NS_OK;
 }
 
 /* The system's rows, differential ones first. */
@@ -128,12 +132,11 @@ static int split_system(ns_theta *s) {
             s->unit[i] = fmax(s->unit[i], fabs(s->M[i + j * n]));
         s->unit[i] = sqrt(s->unit[i]);
     }
-    find_storing(s);
     s->q = s->r + s->s->nz + 1;
     s->past.d = s->past.w + s->r;
     s->past.d_rounding = s->past.d + s->r;
     s->past.x_lambda = s->past.d_rounding + s->r;
-    return NS_OK;
+    return list_stored(s);
 }
 
 static int in_range(const ns_theta_options *o) {
@@ -194,6 +197,7 @@ void ns_theta_free(ns_theta *s) {
     free(s->K);
     free(s->past.mode);
     free(s->inside);
+    free(s->stored);
     free(s->shared);
     ns_modes_table_clear(&s->maps);
     ns_linalg_lu_free(s->lu);

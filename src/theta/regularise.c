@@ -139,68 +139,96 @@ void ns_theta_leak_times(const ns_theta *s, const ns_leaks *leaks, const double 
     }
 }
 
+/* A right-hand side whose rounds are not over. */
+typedef struct ns_leak_column {
+    int index;    /* which */
+    int equal;    /* for how many rounds moved was about the same */
+    double worst; /* the residual after the last round, against the terms of its row */
+    double moved; /* what that round moved */
+} ns_leak_column;
+
+/* What the rounds work on, in one block. */
+typedef struct ns_leak_work {
+    double *K;      /* size*size: (P2) without leaks, */
+    double *rhs;    /* size*nrhs: its right-hand sides; */
+    double *of_row; /* size: sums of the absolute entries of K, in units of the factors */
+    double *step;   /* size*nrhs: residuals, and what they move, of columns whose rounds are not over */
+    ns_leak_column *column;
+} ns_leak_work;
+
+static void sum_rows(const ns_theta *s, int size, const double *K, double *of_row) {
+    const double *unit = ns_linalg_lu_units(s->lu);
+    memset(of_row, 0, sizeof *of_row * (size_t)size);
+    for (int j = 0; j < size; j++)
+        for (int i = 0; i < size; i++)
+            of_row[i] += fabs(K[i + j * size]) * unit[j];
+}
+
 /* residual = rhs - K X, one column.  Returns its largest entry against the terms of its row, in *left against
  * the largest of the right-hand side. */
-static double residual_of(const ns_theta *s, int size, const double *K, const double *rhs, const double *X,
-                          double *residual, double *left) {
-    const double *rows = ns_linalg_lu_rows(s->lu), *unit = ns_linalg_lu_units(s->lu);
-    const double largest = ns_linalg_lu_largest(s->lu, X);
+static double residual_of(const ns_theta *s, int size, const ns_leak_work *w, const double *rhs,
+                          const double *X, double *residual, double *left) {
+    const double *rows = ns_linalg_lu_rows(s->lu), largest = ns_linalg_lu_largest(s->lu, X);
     double worst = 0, given = 0, over = 0;
-    for (int j = 0; j < size; j++)
-        given = fmax(given, fabs(rhs[j]) * rows[j]);
+    ns_linalg_matvec(size, size, w->K, X, residual);
     for (int i = 0; i < size; i++) {
-        double sum = rhs[i], terms = fabs(rhs[i]);
-        for (int j = 0; j < size; j++) {
-            sum -= K[i + j * size] * X[j];
-            terms += fabs(K[i + j * size]) * unit[j] * largest;
-        }
-        residual[i] = sum;
-        over = fmax(over, fabs(sum) * rows[i]);
+        const double terms = fabs(rhs[i]) + w->of_row[i] * largest;
+        residual[i] = rhs[i] - residual[i];
+        given = fmax(given, fabs(rhs[i]) * rows[i]);
+        over = fmax(over, fabs(residual[i]) * rows[i]);
         if (terms > 0)
-            worst = fmax(worst, fabs(sum) / terms);
+            worst = fmax(worst, fabs(residual[i]) / terms);
     }
     *left = given > 0 ? over / given : 0;
     return worst;
 }
 
-/* Rounds on column rhs, and one more when they have converged: X and the work vector step have size entries.
- */
-static int iterate_leaks(ns_theta *s, int size, const double *K, const double *rhs, double *X, double *step) {
-    double worst = INFINITY, left = 1, moved = 0;
-    int equal = 0;
-    memset(X, 0, sizeof(double) * (size_t)size);
-    memcpy(step, rhs, sizeof(double) * (size_t)size);
-    for (int round = 0, last = 0; round < ROUNDS && !last; round++) {
-        const double before = moved;
-        last = worst <= rounding || equal == EQUAL_MOVES;
-        ns_linalg_lu_solve(s->lu, 1, step);
-        for (int i = 0; i < size; i++)
-            X[i] += step[i];
-        moved = ns_linalg_lu_largest(s->lu, step);
-        equal = moved > 0.99 * before ? equal + 1 : 0;
-        worst = residual_of(s, size, K, rhs, X, step, &left);
-    }
-    const int converged = worst <= 10 * rounding || left <= left_over;
-    return converged && moved <= last_move * ns_linalg_lu_largest(s->lu, X) ? NS_OK : NS_E_SINGULAR;
+/* One round of a column, whose step was solved for: X moves by it, and it becomes the residual.  1: it was
+ * the last one; *converged. */
+static int finish_round(const ns_theta *s, int size, const ns_leak_work *w, ns_leak_column *c, double *step,
+                        int *converged) {
+    const size_t at = (size_t)c->index * (size_t)size;
+    const int last = c->worst <= rounding || c->equal == EQUAL_MOVES;
+    const double before = c->moved;
+    double *X = s->X + at, left;
+    for (int i = 0; i < size; i++)
+        X[i] += step[i];
+    c->moved = ns_linalg_lu_largest(s->lu, step);
+    c->equal = c->moved > 0.99 * before ? c->equal + 1 : 0;
+    c->worst = residual_of(s, size, w, w->rhs + at, X, step, &left);
+    *converged = (c->worst <= 10 * rounding || left <= left_over) &&
+                 c->moved <= last_move * ns_linalg_lu_largest(s->lu, X);
+    return last;
 }
 
-static int solve_columns(ns_theta *s, int size, int nrhs, const double *K, double *rhs) {
-    double *step = rhs + size;
-    int status = NS_OK;
-    for (int k = 0; k < nrhs && status == NS_OK; k++) {
-        double *X = s->X + (size_t)k * (size_t)size;
-        memcpy(rhs, X, sizeof(double) * (size_t)size);
-        status = iterate_leaks(s, size, K, rhs, X, step);
+/* Rounds on all columns side by side, of each one more when it has converged. */
+static int solve_columns(ns_theta *s, int size, int nrhs, const ns_leak_work *w) {
+    const size_t bytes = sizeof(double) * (size_t)size;
+    int left = nrhs;
+    memset(s->X, 0, bytes * (size_t)nrhs);
+    memcpy(w->step, w->rhs, bytes * (size_t)nrhs);
+    for (int k = 0; k < nrhs; k++)
+        w->column[k] = (ns_leak_column){.index = k, .worst = INFINITY};
+    for (int round = 1; left > 0; round++) {
+        const int columns = left;
+        ns_linalg_lu_solve(s->lu, columns, w->step);
+        left = 0;
+        for (int k = 0; k < columns; k++) {
+            double *step = w->step + (size_t)k * (size_t)size;
+            int converged;
+            if (!finish_round(s, size, w, &w->column[k], step, &converged) && round < ROUNDS) {
+                w->column[left] = w->column[k];
+                memmove(w->step + (size_t)left++ * (size_t)size, step, bytes);
+            } else if (!converged)
+                return NS_E_SINGULAR;
+        }
     }
-    return status;
+    return NS_OK;
 }
 
-/* K: (P2) without leaks, rhs: its right-hand sides, followed by room for two columns. */
-static int solve_with(ns_theta *s, const ns_leaks *leaks, int size, int nrhs, int attempt, const double *K,
-                      double *rhs) {
-    const size_t count = (size_t)size * (size_t)nrhs;
+static int solve_with(ns_theta *s, const ns_leaks *leaks, int size, int nrhs, int attempt,
+                      const ns_leak_work *w) {
     double rcond = 0;
-    memcpy(s->X, rhs, sizeof(double) * count);
     find_leaks(s, leaks, attempt);
     if (attempt == 0) {
         make_alike(s, leaks, 1, 1e3);
@@ -211,23 +239,40 @@ static int solve_with(ns_theta *s, const ns_leaks *leaks, int size, int nrhs, in
     const int status = ns_linalg_lu_factor(s->lu, size, s->K, &rcond);
     if (status != NS_OK || rcond < rcond_min)
         return status == NS_OK ? NS_E_SINGULAR : status;
-    return solve_columns(s, size, nrhs, K, rhs + count);
+    sum_rows(s, size, w->K, w->of_row);
+    return solve_columns(s, size, nrhs, w);
+}
+
+static int allocate_work(size_t size, size_t nrhs, ns_leak_work *w) {
+    const size_t square = size * size, count = size * nrhs;
+    w->K = malloc(sizeof *w->K * (square + 2 * count + size + 1));
+    w->column = malloc(sizeof *w->column * (nrhs + 1));
+    if (!w->K || !w->column) {
+        free(w->K);
+        free(w->column);
+        return NS_E_MEMORY;
+    }
+    w->rhs = w->K + square;
+    w->step = w->rhs + count;
+    w->of_row = w->step + count;
+    return NS_OK;
 }
 
 int ns_theta_leak_solve(ns_theta *s, const ns_leaks *leaks, int nj, int nrhs) {
     const int size = s->s->n + nj;
     const size_t square = (size_t)size * (size_t)size, count = (size_t)size * (size_t)nrhs;
-    double *K = malloc(sizeof(double) * (square + count + 2 * (size_t)size + 1));
-    if (!K)
+    ns_leak_work w;
+    if (allocate_work((size_t)size, (size_t)nrhs, &w) != NS_OK)
         return NS_E_MEMORY;
-    memcpy(K, s->K, sizeof(double) * square);
-    memcpy(K + square, s->X, sizeof(double) * count);
+    memcpy(w.K, s->K, sizeof(double) * square);
+    memcpy(w.rhs, s->X, sizeof(double) * count);
     int status = NS_E_SINGULAR;
     for (int k = 0; k <= EVERYWHERE && status == NS_E_SINGULAR; k++) {
-        (void)ns_linalg_lu_factor(s->lu, size, K, NULL); /* for the scaling of K itself */
-        status = solve_with(s, leaks, size, nrhs, k, K, K + square);
-        memcpy(s->K, K, sizeof(double) * square);
+        (void)ns_linalg_lu_factor(s->lu, size, w.K, NULL); /* for the scaling of K itself */
+        status = solve_with(s, leaks, size, nrhs, k, &w);
+        memcpy(s->K, w.K, sizeof(double) * square);
     }
-    free(K);
+    free(w.K);
+    free(w.column);
     return status;
 }

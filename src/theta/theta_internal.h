@@ -56,6 +56,12 @@ typedef struct ns_trial {
     ns_map *map;   /* its map */
 } ns_trial;
 
+/* An entry of M: what a charge or flux takes from an unknown. */
+typedef struct ns_stored {
+    int charge, unknown;
+    double value;
+} ns_stored;
+
 struct ns_theta {
     /* the system, rows combined: 0..r-1 differential, r..n-1 algebraic */
     const ns_system *s;       /* as it was given */
@@ -67,7 +73,8 @@ struct ns_theta {
     double *M, *A, *B;        /* n*n, n*n, n*m: T times those of the system */
     double *b, *E;            /* n, n*nz: T times those of the system */
     double *unit;             /* r: of a charge or flux, the square root of an energy: sqrt(max_k |M_ik|) */
-    int *stores, storing;     /* n; how many: unknowns that charges and fluxes depend on */
+    ns_stored *stored;        /* stores: entries of M that are not zero, column by column */
+    int stores;
     double *l, *u;            /* m: bounds of lambda, of commanded pairs those of their state */
     ns_shared_branch *shared; /* shared_count: pairs across commanded ones */
     int shared_count;
