@@ -20,6 +20,7 @@ typedef struct ns_work {
     double all;
     double once;   /* the part of all that made matrices and factors of modes, which are kept */
     double events; /* how many events it passed: a number, no instructions */
+    double modes;  /* how many of them ended a mode that was not seen before; who asks fills it in */
 } ns_work;
 
 /* Each function does what the call of nonsmooth/march.h of the same name does, for this engine. */
@@ -125,7 +126,7 @@ static inline void ns_engine_watch(ns_engine *e, const ns_watch *w) {
 }
 
 static inline ns_work ns_engine_work(ns_engine *e) {
-    return e->table->work ? e->table->work(e) : (ns_work){0, 0, 0};
+    return e->table->work ? e->table->work(e) : (ns_work){0};
 }
 /* 1 if an engine that is at work itself has passed its bound. */
 static inline int ns_engine_is_over(ns_engine *e) {

@@ -13,8 +13,6 @@ static const double clearly = 0.7;
 static const double hopeless = 4, much = 0.5;
 /* After a question that was answered no, it is this many times as long until the next; after a failure. */
 static const double later = 2, much_later = 8;
-/* Matrices that are kept may come to this many times the first interval before they count. */
-static const double counts_from = 4;
 /* An engine crawls that needs so many times the work that it needed when it was chosen: the other one is
  * asked at once, if this part of the usual interval has passed. */
 static const double crawls = 4, soon = 0.5;
@@ -30,25 +28,32 @@ static void wait(ns_choice *c, double t, ns_work work, double times) {
 
 void ns_march_choice_begin(ns_choice *c, double t, ns_work work, double first) {
     if (!(c->interval > 0))
-        *c = (ns_choice){.interval = first, .usual = NAN, .counts_from = counts_from * first};
+        *c = (ns_choice){.interval = first, .usual = NAN};
     if (c->asks)
         c->from = (ns_choice_mark){t, work};
     else
         wait(c, t, work, 1);
 }
 
+/* What was done since a mark, less what made matrices of modes that recur: it is not needed again. */
+static double lasting(ns_work work, const ns_work *from) {
+    const double events = work.events - from->events, modes = work.modes - from->modes,
+                 recurring = events > 0 ? fmax(0, 1 - modes / events) : 0;
+    return work.all - from->all - recurring * (work.once - from->once);
+}
+
 static ns_choice_answer look_at_chosen(ns_choice *c, double t, ns_work work, ns_choice_bounds event) {
-    const double spent = work.all - c->from.work.all, gained = t - c->from.t,
-                 events = work.events - c->from.work.events;
-    const int is_slow = spent > soon * c->interval && spent > crawls * c->usual * gained,
+    const ns_work *from = &c->from.work;
+    const double spent = work.all - from->all, gained = t - c->from.t, events = work.events - from->events,
+                 needs = lasting(work, from);
+    const int is_slow = needs > soon * c->interval && needs > crawls * c->usual * gained,
               is_dear = isnan(c->usual) && work.all > early * c->interval &&
                         work.all > event.most * (work.events + 1);
     if ((spent < c->interval && !is_slow && !is_dear) || !(gained > 0))
         return NS_CHOICE_STAY;
-    const double once = work.once < c->counts_from ? work.once - c->from.work.once : 0;
-    c->usual = spent / gained;
-    c->rate = (spent - once) / gained;
-    if (clearly * spent >= event.least * events)
+    c->usual = needs / gained;
+    c->per_event = needs / (events + 1);
+    if (clearly * needs >= event.least * events + event.mode * (work.modes - from->modes))
         return NS_CHOICE_CHANGE;
     wait(c, t, work, 1);
     return NS_CHOICE_STAY;
@@ -56,10 +61,12 @@ static ns_choice_answer look_at_chosen(ns_choice *c, double t, ns_work work, ns_
 
 static ns_choice_answer look_at_asked(ns_choice *c, double t, ns_work work) {
     const double spent = work.all - c->from.work.all, once = work.once - c->from.work.once,
-                 other = c->rate * (t - c->from.t), /* what the one before would have spent */
-        whole = part * c->interval;
+                 events = work.events - c->from.work.events,
+                 other = fmax(c->usual * (t - c->from.t), /* what the one before would have spent */
+                              c->per_event * events),
+                 whole = part * c->interval;
     if (other >= whole && spent < clearly * other) {
-        c->usual = clearly * c->rate;
+        c->usual = clearly * c->usual;
         wait(c, t, work, 1);
         return NS_CHOICE_STAY;
     }

@@ -25,16 +25,18 @@ typedef struct ns_choice_mark {
 
 typedef struct ns_choice {
     int asks;            /* 1: the engine at work is the one that is asked */
-    double rate;         /* work for a second of the engine before the question, without its `once` */
-    double counts_from;  /* if its `once` (engine.h) is more than this, it is part of rate */
-    double usual;        /* work a second of the one at work when it was chosen; NAN: not known */
+    double usual;        /* work for a second, when it was chosen, of the one at work; while the other one is
+                          * asked, of the one before; NAN: not known */
+    double per_event;    /* the same for an event */
     double interval;     /* work between two questions */
     ns_choice_mark from; /* where the engine at work began, or was chosen */
 } ns_choice;
 
-/* What the other engine needs for an event, matrices of a new mode included: at least, at most. */
+/* What the other engine needs for an event, matrices of a new mode included: at least, at most; for these
+ * matrices alone. */
 typedef struct ns_choice_bounds {
     double least, most; /* INFINITY: it is not known */
+    double mode;
 } ns_choice_bounds;
 
 /* At a start; first: work after which the other engine is asked for the first time.  What was learnt of the

@@ -22,5 +22,6 @@ ns_work ns_march_run_work(ns_run *r) {
     ns_work sum = r->work_before;
     add_work(&sum, r->at_work);
     add_work(&sum, r->aside);
+    sum.modes = (double)r->check.modes;
     return sum;
 }

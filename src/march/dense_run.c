@@ -234,19 +234,18 @@ static const ns_counts *counts(ns_engine *e) {
     return &r->counts;
 }
 
-/* Instructions to make them, for matrices, steps of exact, events, steps of the ladder: fitted to those of 50
- * circuits of tests/stress.  In nine of ten it says at most 1.3 times too many, or 1.7 times too few. */
+/* Instructions, by counts: fitted to those of 27 circuits of tests/stress, of which it says 0.7 to 1.3 times
+ * as many. */
 static ns_work work(ns_engine *e) {
     const ns_counts *c = counts(e);
     const ns_dense_run *r = run_in(e);
     const double size = (double)r->s->n + (double)r->s->m, square = size * size;
     const double by_replay = r->exact ? (double)ns_exact_replayed(r->exact) : 0, events = (double)c->events;
-    const double once = 130 * size * square + (130 + 2.6 * size) * square * (double)c->factors +
-                        32 * square * (double)c->maps;
-    return (ns_work){once + (1000 + 0.8 * square) * (double)c->steps +
-                         (15e3 + 1.6 * square) * (events - by_replay) + 280 * square * (double)c->trials +
-                         ns_theta_searched(r->step),
-                     once, events};
+    const double once = ns_theta_matrix_work(r->step, c);
+    return (ns_work){.all = once + (1300 + 0.4 * square) * (double)c->steps + 7400 * (events - by_replay) +
+                            280 * square * (double)c->trials + ns_theta_searched(r->step),
+                     .once = once,
+                     .events = events};
 }
 
 static const ns_fault *fault(const ns_engine *e) {

@@ -10,7 +10,7 @@
 #include "verify/verify.h"
 
 /* Modes that were seen on the left of an event, and pairs of modes beside one, by their hash. */
-enum { NS_RUN_SEEN = 256 };
+enum { NS_RUN_SEEN = 256, NS_RUN_MODES = 1024 };
 
 typedef struct ns_run_check {
     ns_verify *verify;
@@ -43,6 +43,8 @@ typedef struct ns_run_check {
     unsigned long long dice;   /* state of the random numbers: where on a way it is looked at */
     uint64_t left_key;         /* of the mode on the left of an event */
     uint64_t *seen;            /* NS_RUN_SEEN: hashes of modes */
+    uint64_t *modes_seen;      /* NS_RUN_MODES: hashes of those on the left of events; 0: none */
+    long modes;                /* how often such a mode was new */
     unsigned char *times;      /* NS_RUN_SEEN: how often each came back since it was looked at */
     /* a trial that is gone again */
     long again_events;           /* so far, and one; 0: there is none */

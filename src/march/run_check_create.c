@@ -59,10 +59,11 @@ int ns_march_check_create(ns_run *r) {
                                  .instant = instant_of(r),
                                  .transient = transient_of(r)};
     k->numbers = calloc((3 + NS_VERIFY_NODES) * all + m + 1, sizeof *k->numbers);
-    k->seen = calloc(NS_RUN_SEEN, sizeof *k->seen + sizeof *k->times);
+    k->seen = calloc((NS_RUN_SEEN + NS_RUN_MODES) * sizeof *k->seen + NS_RUN_SEEN, 1);
     if (!k->numbers || !k->seen)
         return NS_E_MEMORY;
-    k->times = (unsigned char *)(k->seen + NS_RUN_SEEN);
+    k->modes_seen = k->seen + NS_RUN_SEEN;
+    k->times = (unsigned char *)(k->modes_seen + NS_RUN_MODES);
     k->here = k->numbers;
     k->before = k->here + all;
     k->impulse = k->before + all;
@@ -117,7 +118,7 @@ void ns_march_check_scale_start(ns_run *r) {
 void ns_march_check_reset(ns_run *r) {
     ns_run_check *k = &r->check;
     ns_verify_reset(k->verify);
-    memset(k->seen, 0, sizeof *k->seen * NS_RUN_SEEN);
+    memset(k->seen, 0, sizeof *k->seen * (NS_RUN_SEEN + NS_RUN_MODES));
     k->is_old = k->found = 0;
     k->left = NS_WATCH_NOTHING;
     k->credit = 0;

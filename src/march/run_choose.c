@@ -71,11 +71,14 @@ void ns_march_run_was_wrong(ns_run *r, double t, ns_run_kind was) {
 /* The other one goes on from the accepted point, and this one is not asked soon.  At the left side of an
  * event its start may be all that the trial asks for: *reached. */
 static int fail_and_change(ns_run *r, ns_until until, double *reached) {
-    const int ends = ns_engine_at_event(r->at_work) && until != NS_TO_TIME;
+    const int ends = ns_engine_at_event(r->at_work) && until != NS_TO_TIME,
+              is_over = ns_engine_is_over(r->at_work);
     double now, begun;
     if (ns_engine_read(r->at_work, &now, NULL, NULL, NULL) != NS_OK || change(r) != NS_OK)
         return 0;
-    if (r->chooses)
+    if (r->chooses && is_over && r->choice.asks)
+        ns_march_choice_changed(&r->choice, now, ns_march_run_work(r));
+    else if (r->chooses)
         ns_march_choice_failed(&r->choice, now, ns_march_run_work(r));
     else
         ns_march_run_leave_for_now(r, now, NS_RUN_DENSE);

@@ -25,6 +25,20 @@ static int is_new(ns_run_check *k, uint64_t key) {
     return differs;
 }
 
+/* The same of modes alone.  Every one is kept: where a few take each other's places, modes that recur look
+ * like new ones. */
+static void count_mode(ns_run_check *k, uint64_t key) {
+    enum { TRIES = 8 };
+    uint64_t *const first = &k->modes_seen[(key >> 7) % NS_RUN_MODES], *place = first;
+    for (int i = 0; i < TRIES && *place != 0; i++) {
+        if (*place == key)
+            return;
+        place = &k->modes_seen[((key >> 7) + (uint64_t)i + 1) % NS_RUN_MODES];
+    }
+    *(*place == 0 ? place : first) = key;
+    k->modes++;
+}
+
 /* 1 if what comes back was not looked at for so many times. */
 static int is_due(ns_run_check *k, uint64_t key) {
     enum { EVERY = 16 };
@@ -56,6 +70,7 @@ static ns_watch_part wants_left(ns_run *r, const ns_mode *mode) {
     ns_run_check *k = &r->check;
     ns_march_check_earn(k, k->event_gain);
     k->left_key = hash(1, (size_t)r->s->m, mode);
+    count_mode(k, k->left_key);
     return k->left = afford(r, is_new(k, k->left_key) || is_due(k, k->left_key));
 }
 

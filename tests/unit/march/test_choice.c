@@ -56,7 +56,7 @@ static void look(simulation *s, double t, ns_choice_bounds event) {
 static double simulate(simulation *s, double least) {
     ns_march_choice_begin(&s->choice, 0, s->work, first);
     for (int i = 0; i < STEPS; i++) {
-        look(s, (double)i / STEPS, (ns_choice_bounds){least, INFINITY});
+        look(s, (double)i / STEPS, (ns_choice_bounds){least, INFINITY, 0});
         step(s, (double)i / STEPS, 1.0 / STEPS);
     }
     return s->work.all;
@@ -130,7 +130,7 @@ static void one_that_cannot_be_cheaper_is_not_asked(void **state) {
     (void)state;
     ns_march_choice_begin(&s.choice, 0, s.work, first);
     for (int i = 0; i < STEPS; i++) {
-        look(&s, (double)i / STEPS, (ns_choice_bounds){20, INFINITY});
+        look(&s, (double)i / STEPS, (ns_choice_bounds){20, INFINITY, 0});
         step(&s, (double)i / STEPS, 1.0 / STEPS);
         s.work.events += 1;
     }
@@ -143,7 +143,7 @@ static double work_before_question(double start, double most) {
     s.work.all = start;
     ns_march_choice_begin(&s.choice, 0, s.work, first);
     for (int i = 0; i < STEPS && s.questions == 0; i++) {
-        look(&s, (double)i / STEPS, (ns_choice_bounds){0, most});
+        look(&s, (double)i / STEPS, (ns_choice_bounds){0, most, 0});
         step(&s, (double)i / STEPS, 1.0 / STEPS);
         s.work.events += 0.2;
     }
@@ -168,7 +168,7 @@ static void the_second_question_is_not_early(void **state) {
     (void)state;
     ns_march_choice_begin(&s.choice, 0, s.work, first);
     for (int i = 0; i < STEPS; i++) {
-        look(&s, (double)i / STEPS, (ns_choice_bounds){0, 1});
+        look(&s, (double)i / STEPS, (ns_choice_bounds){0, 1, 0});
         step(&s, (double)i / STEPS, 1.0 / STEPS);
     }
     assert_int_equal(s.at_work, 0);
@@ -196,7 +196,7 @@ static ns_work work_of(double all, double once, double events) {
 static ns_choice_answer look_after(ns_choice *c, double time, double spent, double once, double events,
                                    double least) {
     return ns_march_choice_look(c, 2 + time, work_of(300 + spent, once, events),
-                                (ns_choice_bounds){least, INFINITY});
+                                (ns_choice_bounds){least, INFINITY, 0});
 }
 
 static ns_choice begun(void) {
@@ -214,13 +214,16 @@ static void when_the_other_one_is_asked(void **state) {
     assert_int_equal(look_after(&c, 1, 999, 0, 0, 0), NS_CHOICE_STAY);
     assert_int_equal(look_after(&c, 0, 1000, 0, 0, 0), NS_CHOICE_STAY); /* no time has passed */
     assert_int_equal(look_after(&c, 2, 1000, 0, 0, 0), NS_CHOICE_CHANGE);
-    assert_true(c.usual == 500 && c.rate == 500);
+    assert_true(c.usual == 500);
     c = begun();
-    assert_int_equal(look_after(&c, 2, 1000, 400, 0, 0), NS_CHOICE_CHANGE);
-    assert_true(c.usual == 500 && c.rate == 300); /* what is made once is not needed again, */
-    c = begun();
-    assert_int_equal(look_after(&c, 2, 8000, 4000, 0, 0), NS_CHOICE_CHANGE);
-    assert_true(c.rate == 4000); /* but from 4 of the first intervals on it counts */
+    for (int modes = 0; modes <= 4; modes++) { /* 400 for matrices: not needed again by what recurs of 4 */
+        ns_work work = work_of(1300, 400, 4);
+        c = begun();
+        work.modes = modes;
+        assert_int_equal(ns_march_choice_look(&c, 4, work, (ns_choice_bounds){0, INFINITY, 0}),
+                         NS_CHOICE_CHANGE);
+        assert_true(c.usual == 300 + 50 * modes && c.per_event == 120 + 20 * modes);
+    }
     c = begun();
     assert_int_equal(look_after(&c, 2, 1000, 0, 99, 7), NS_CHOICE_CHANGE);
     c = begun();
@@ -270,6 +273,34 @@ static void when_the_one_asked_stays(void **state) {
     assert_int_equal(look_after(&c, 2.26, 1126, 0, 0, 0), NS_CHOICE_CHANGE);
 }
 
+/* Matrices of modes that were not seen before count as what the other one needs: 0.7 of 1000 is enough for 2
+ * of 3 that cost 300 each, and events that cost 7. */
+static void when_modes_do_not_recur(void **state) {
+    static const ns_choice_bounds event = {7, INFINITY, 300};
+    ns_work work = work_of(1300, 0, 10);
+    ns_choice c = begun();
+    (void)state;
+    work.modes = 3;
+    assert_int_equal(ns_march_choice_look(&c, 4, work, event), NS_CHOICE_STAY);
+    assert_true(c.from.work.modes == 3);
+    c = begun();
+    work.modes = 2;
+    assert_int_equal(ns_march_choice_look(&c, 4, work, event), NS_CHOICE_CHANGE);
+}
+
+/* Amid many events the one that is asked is compared by these: 40 of 10 each cost 400 in what took 5. */
+static void when_it_is_asked_amid_events(void **state) {
+    ns_choice c = begun();
+    (void)state;
+    assert_int_equal(look_after(&c, 2, 1000, 0, 99, 0), NS_CHOICE_CHANGE);
+    ns_march_choice_changed(&c, 4, work_of(1300, 0, 99));
+    assert_true(c.per_event == 10);
+    ns_choice other = c;
+    assert_int_equal(look_after(&c, 2.01, 1100, 0, 99 + 40, 0), NS_CHOICE_STAY);
+    assert_int_equal(c.asks, 0);
+    assert_int_equal(look_after(&other, 2.01, 1100, 0, 99 + 2, 0), NS_CHOICE_CHANGE);
+}
+
 static void when_the_one_asked_is_left(void **state) {
     ns_choice c = asked();
     (void)state;
@@ -305,6 +336,8 @@ int main(void) {
                                        cmocka_unit_test(when_the_other_one_is_asked),
                                        cmocka_unit_test(when_one_crawls),
                                        cmocka_unit_test(when_the_one_asked_stays),
+                                       cmocka_unit_test(when_modes_do_not_recur),
+                                       cmocka_unit_test(when_it_is_asked_amid_events),
                                        cmocka_unit_test(when_the_one_asked_is_left)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

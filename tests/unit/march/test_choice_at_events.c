@@ -77,10 +77,10 @@ static int is_asked_after(double events) {
     start_at_rest(&k);
     ns_run *r = (ns_run *)(void *)k.m->engine;
     ok(ns_march_run_leave_for(r, NS_RUN_SPARSE, 0));
-    r->work_before = (ns_work){0, 0, 0};
+    r->work_before = (ns_work){0};
     r->choice = (ns_choice){0};
     ns_march_run_begin_choice(r, 0);
-    r->work_before = (ns_work){0.6 * ns_march_first_question(r->s, 0), 0, events};
+    r->work_before = (ns_work){.all = 0.6 * ns_march_first_question(r->s, 0), .events = events};
     for (int i = 0; i < 2; i++) {
         ok(ns_march_try(k.m, (i + 1) * 1e-7, NS_TO_TIME, &reached));
         ok(ns_march_accept(k.m));
