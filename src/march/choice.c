@@ -17,8 +17,10 @@ static const double later = 2, much_later = 8;
  * asked at once, if this part of the usual interval has passed. */
 static const double crawls = 4, soon = 0.5;
 /* The first question comes after this part of the interval if the engine at work needs more for its events
- * than the other one needs for any. */
+ * than the other one needs for any; the next one too, if the answer came before a few events had passed: a
+ * transient that was gone through says nothing of them. */
 static const double early = 0.25;
+enum { FEW = 4 };
 
 static void wait(ns_choice *c, double t, ns_work work, double times) {
     c->asks = 0;
@@ -28,7 +30,7 @@ static void wait(ns_choice *c, double t, ns_work work, double times) {
 
 void ns_march_choice_begin(ns_choice *c, double t, ns_work work, double first) {
     if (!(c->interval > 0))
-        *c = (ns_choice){.interval = first, .usual = NAN};
+        *c = (ns_choice){.interval = first, .usual = NAN, .is_first = 1};
     if (c->asks)
         c->from = (ns_choice_mark){t, work};
     else
@@ -42,13 +44,18 @@ static double lasting(ns_work work, const ns_work *from) {
     return work.all - from->all - recurring * (work.once - from->once);
 }
 
+static int is_dear_at(const ns_choice *c, double work, double events, double most) {
+    return work > early * c->interval && work > most * (events + 1);
+}
+
 static ns_choice_answer look_at_chosen(ns_choice *c, double t, ns_work work, ns_choice_bounds event) {
     const ns_work *from = &c->from.work;
     const double spent = work.all - from->all, gained = t - c->from.t, events = work.events - from->events,
                  needs = lasting(work, from);
     const int is_slow = needs > soon * c->interval && needs > crawls * c->usual * gained,
-              is_dear = isnan(c->usual) && work.all > early * c->interval &&
-                        work.all > event.most * (work.events + 1);
+              is_dear = isnan(c->usual) &&
+                        (is_dear_at(c, spent, events, event.most) ||
+                         (event.starts && c->is_first && is_dear_at(c, work.all, work.events, event.most)));
     if ((spent < c->interval && !is_slow && !is_dear) || !(gained > 0))
         return NS_CHOICE_STAY;
     c->usual = needs / gained;
@@ -66,7 +73,7 @@ static ns_choice_answer look_at_asked(ns_choice *c, double t, ns_work work) {
                               c->per_event * events),
                  whole = part * c->interval;
     if (other >= whole && spent < clearly * other) {
-        c->usual = clearly * c->usual;
+        c->usual = events < FEW ? NAN : clearly * c->usual;
         wait(c, t, work, 1);
         return NS_CHOICE_STAY;
     }
@@ -86,6 +93,7 @@ void ns_march_choice_changed(ns_choice *c, double t, ns_work work) {
     }
     c->from = (ns_choice_mark){t, work};
     c->asks = 1;
+    c->is_first = 0;
 }
 
 void ns_march_choice_failed(ns_choice *c, double t, ns_work work) {

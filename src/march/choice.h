@@ -25,6 +25,7 @@ typedef struct ns_choice_mark {
 
 typedef struct ns_choice {
     int asks;            /* 1: the engine at work is the one that is asked */
+    int is_first;        /* 1: it was not asked so far */
     double usual;        /* work for a second, when it was chosen, of the one at work; while the other one is
                           * asked, of the one before; NAN: not known */
     double per_event;    /* the same for an event */
@@ -37,6 +38,7 @@ typedef struct ns_choice {
 typedef struct ns_choice_bounds {
     double least, most; /* INFINITY: it is not known */
     double mode;
+    int starts; /* 1: to begin with, what the start took counts too */
 } ns_choice_bounds;
 
 /* At a start; first: work after which the other engine is asked for the first time.  What was learnt of the

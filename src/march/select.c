@@ -66,8 +66,8 @@ double ns_march_first_question(const ns_system *s, int is_dense) {
  * Where each event brought exact a new mode it took up to 22 cubes of the size. */
 ns_choice_bounds ns_march_bounds_of_event(const ns_system *s, int by_sparse) {
     const double size = (double)s->n + (double)s->m, cube = size * size * size;
-    return by_sparse ? (ns_choice_bounds){20 * (400 + 106 * size), 75e3 * size, 0}
-                     : (ns_choice_bounds){16e3 + 2.4 * size * size, 22 * cube, 15 * cube};
+    return by_sparse ? (ns_choice_bounds){20 * (400 + 106 * size), 75e3 * size, 0, 0}
+                     : (ns_choice_bounds){16e3 + 2.4 * size * size, 22 * cube, 15 * cube, 1};
 }
 
 double ns_march_retry_interval(const ns_march_options *o, double before) {
