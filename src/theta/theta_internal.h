@@ -64,16 +64,16 @@ typedef struct ns_stored {
 
 struct ns_theta {
     /* the system, rows combined: 0..r-1 differential, r..n-1 algebraic */
-    const ns_system *s;       /* as it was given */
-    double theta, gamma;      /* of the scheme */
-    int carry;                /* 1: theta or gamma is below 1, and d is part of the past */
-    int r;                    /* differential rows */
-    int q;                    /* inputs of a map: r + nz + 1 */
-    double *T;                /* n*n: combines rows, ns_system_split() */
-    double *M, *A, *B;        /* n*n, n*n, n*m: T times those of the system */
-    double *b, *E;            /* n, n*nz: T times those of the system */
-    double *unit;             /* r: of a charge or flux, the square root of an energy: sqrt(max_k |M_ik|) */
-    ns_stored *stored;        /* stores: entries of M that are not zero, column by column */
+    const ns_system *s;  /* as it was given */
+    double theta, gamma; /* of the scheme */
+    int carry;           /* 1: theta or gamma is below 1, and d is part of the past */
+    int r;               /* differential rows */
+    int q;               /* inputs of a map: r + nz + 1 */
+    double *T;           /* n*n: combines rows, ns_system_split() */
+    double *M, *A, *B;   /* n*n, n*n, n*m: T times those of the system */
+    double *b, *E;       /* n, n*nz: T times those of the system */
+    double *unit;        /* r: of a charge or flux, the square root of an energy: sqrt(max_k |M_ik|) */
+    ns_stored *stored;   /* stores: entries of M that are not zero, column by column */
     int stores;
     double *l, *u;            /* m: bounds of lambda, of commanded pairs those of their state */
     ns_shared_branch *shared; /* shared_count: pairs across commanded ones */
