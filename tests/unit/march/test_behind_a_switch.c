@@ -43,9 +43,10 @@ static void share(ns_method method, double ohm, double ron) {
 static void charge_is_shared(void **state) {
     static const ns_method methods[] = {NS_AUTO, NS_EXACT, NS_SPARSE};
     (void)state;
+    static const double ron[] = {0, 1e-3, 1e-6, 1e-9};
     for (int i = 0; i < 12; i++)
         for (int decade = 9; decade <= 13; decade++)
-            share(methods[i % 3], pow(10, -decade), i < 3 ? 0 : pow(10, -6 * (i / 3) / 2));
+            share(methods[i % 3], pow(10, -decade), ron[i / 3]);
 }
 
 /* Four capacitors of 1 uF, three of them at 3 V: each of the resistors is less than a million times the one
