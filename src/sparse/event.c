@@ -24,9 +24,17 @@ static const double far = 1e-6;
 /* The scale of a small w_i, in the largest. */
 static const double least_scale = 1e-3;
 
+/* 1 if (P2) is singular only because steps are so short: beside the terms of capacitors no digit is left of
+ * those of an inductor.  Leaks then decide what the inductor has to. */
+static int are_digits_lost(ns_sparse *m, double g) {
+    const ns_cached_factors *k;
+    return m->longest_g > g && ns_sparse_factors_factor(m->q, g, m->mode, 1, &k) == NS_OK && k->has_leaks &&
+           ns_sparse_factors_factor(m->q, m->longest_g, m->mode, 1, &k) == NS_OK && !k->has_leaks;
+}
+
 /* Changes the pairs whose guards are broken until none is: all at once; one_by_one: where their number does
  * not fall the first one alone, which ends (Judice and Pires, Computers & Operations Research 21, 1994).
- * Errors: SINGULAR, LIMIT (it does not end). */
+ * Errors: SINGULAR, LIMIT (it does not end), RESIDUAL (digits are lost). */
 static int change_broken(ns_sparse *m, double t, double g, const double *w, int one_by_one, double *v,
                          double *by) {
     int best = m->f->m + 1, extra = EXTRA_ROUNDS;
@@ -34,6 +42,8 @@ static int change_broken(ns_sparse *m, double t, double g, const double *w, int 
         const int status = ns_sparse_step_euler(m, t, g, w, 1, v, by);
         if (status != NS_OK && status != NS_E_SINGULAR)
             return status;
+        if (are_digits_lost(m, g))
+            return NS_E_RESIDUAL;
         const int broken = ns_sparse_guard_broken(m, v, w, g, 1);
         if (broken == 0)
             return status;
@@ -285,11 +295,13 @@ static void resolve_transient(ns_sparse *m, const ns_dense_step *step, double t,
     ns_jump_kind jump = NS_LASTS;
     int status = NS_OK;
     memcpy(m->work.lasting_mode, m->mode, (size_t)m->f->m);
+    m->longest_g = g;
     while (status == NS_OK && jump == NS_LASTS) {
         g = fmax(ldexp(g, -NS_FINER), ns_sparse_finest(m));
         ns_sparse_event_restore(m);
         status = resolve_with(m, step, t, g, &jump);
     }
+    m->longest_g = 0;
     if (status == NS_OK)
         return;
     ns_sparse_event_restore(m);
