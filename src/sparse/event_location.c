@@ -48,11 +48,8 @@ static int surely_holds(const ns_sparse *m, const ns_dense_step *step, int j, in
     return least > 0;
 }
 
-/* The size of the terms of a guard of pair j, at most the largest lambda or y so far: errors of the state
- * count relative to it. */
 static double size_of(const ns_sparse *m, const ns_dense_step *step, int j) {
-    return ns_lower(ns_sparse_guard_terms(m, j, step->images, step->powers, step->g),
-                    m->mode[j] == NS_INSIDE ? m->largest.lambda : m->largest.y);
+    return ns_sparse_guard_size(m, j, step->images, step->powers, step->g);
 }
 
 static void find_coefficients(const ns_sparse *m, const ns_dense_step *step, int terms, int pair, int k,

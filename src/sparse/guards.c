@@ -116,11 +116,14 @@ int ns_sparse_guard_holds(const ns_sparse *m, int j, const double *v) {
     return holds(m, j, v, m->f->Ft.start[m->f->m] > 0);
 }
 
+double ns_sparse_guard_size(const ns_sparse *m, int j, const double *v, const double *w, double g) {
+    return ns_lower(ns_sparse_guard_terms(m, j, v, w, g),
+                    m->mode[j] == NS_INSIDE ? m->largest.lambda : m->largest.y);
+}
+
 /* What a guard of pair j may be off by where an event was located, if that counts. */
-static double located(const ns_sparse *m, int j, const double *v) {
-    if (!m->is_near)
-        return 0;
-    return ns_sparse_guard_located(m, m->mode[j] == NS_INSIDE ? fabs(v[m->f->n + j]) : sizes_of_y(m, j, v));
+static double located(const ns_sparse *m, int j, const double *v, const double *w, double g) {
+    return m->is_near ? ns_sparse_guard_located(m, ns_sparse_guard_size(m, j, v, w, g)) : 0;
 }
 
 /* 1 if a guard of pair j is negative by more than the rounding of its terms: marks it in m->flip. */
@@ -128,7 +131,8 @@ static int is_broken(ns_sparse *m, int j, const double *v, const double *w, doub
     const int guards = guards_of(m, j);
     for (int k = 0; k < guards; k++) {
         const double value = guard(m, j, k, v, m->z, 1);
-        if (!(value < 0) || value >= -(ns_sparse_guard_least_rounding(m, j, v, w, g) + located(m, j, v)))
+        if (!(value < 0) ||
+            value >= -(ns_sparse_guard_least_rounding(m, j, v, w, g) + located(m, j, v, w, g)))
             continue;
         m->flip[j] = (unsigned char)(1 + k);
         return 1;

@@ -40,6 +40,8 @@ int ns_sparse_guard_enough(const ns_sparse *m, const ns_dense_step *step, int p)
 /* The sizes of the terms that guards of pair j are summed from at v = (x, lambda), solved for with w and g.
  */
 double ns_sparse_guard_terms(const ns_sparse *m, int j, const double *v, const double *w, double g);
+/* The same, at most the largest lambda or y so far: errors of the state count relative to it. */
+double ns_sparse_guard_size(const ns_sparse *m, int j, const double *v, const double *w, double g);
 
 /* The rounding of guards of pair j at v = (x, lambda), solved for with w and g: of the sum y, or of lambda as
  * the difference that is left in the rows it enters, and of the largest lambda and y so far.  Of the control
