@@ -86,6 +86,7 @@ struct ns_mlcp_solver {
     struct {
         double *W;            /* m*m: columns not asked for yet are zero (on demand) */
         double *l, *u;        /* m */
+        double *q;            /* m: that of a problem with subnormal numbers, without these */
         ns_nonzeros nonzeros; /* of W; none on demand */
         int known;            /* these are the last problem's */
         int on_demand;        /* its W was NULL */

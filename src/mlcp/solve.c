@@ -172,6 +172,21 @@ static int solve_problem(ns_mlcp_solver *s, const ns_mlcp *p, const ns_mode *mod
     return status;
 }
 
+/* Zero in place of what has lost its digits, as subnormal numbers have: the voltage of a capacitor that went
+ * on decaying.  No residual is small beside them.  0: q has none. */
+static int take_zeros(ns_mlcp_solver *s) {
+    int any = 0;
+    for (int i = 0; i < s->m; i++) {
+        const double q = s->given.q[i];
+        const int is_none = fpclassify(q) == FP_SUBNORMAL;
+        s->own.q[i] = is_none ? 0.0 : q;
+        any |= is_none;
+    }
+    if (any)
+        s->given.q = s->own.q;
+    return any;
+}
+
 static int refuse(ns_mlcp_solver *s, const ns_mlcp *p, const void *mode, const void *lambda, const void *y) {
     if (!s || !p || (p->m > 0 && (!mode || !lambda || !y)))
         return NS_E_NULL;
@@ -185,6 +200,8 @@ int ns_mlcp_solve(ns_mlcp_solver *s, const ns_mlcp *p, ns_mode *mode, double *la
         s->proof.found = 0;
     int status = refuse(s, p, mode, lambda, y), tried = status == NS_OK;
     if (tried)
+        status = solve_problem(s, &s->given, mode, &residual);
+    if (tried && status != NS_OK && status != NS_E_NUMBER && take_zeros(s))
         status = solve_problem(s, &s->given, mode, &residual);
     if (info) {
         memset(info, 0, sizeof *info);

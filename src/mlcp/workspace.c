@@ -29,6 +29,7 @@ static void carve_doubles(ns_mlcp_solver *s, size_t m) {
                          &s->proof.v,
                          &s->own.l,
                          &s->own.u,
+                         &s->own.q,
                          &s->transform.yterms,
                          &s->transform.lterms,
                          &s->transform.largest,
@@ -47,7 +48,7 @@ static void carve_doubles(ns_mlcp_solver *s, size_t m) {
 }
 
 static size_t count_doubles(size_t m) {
-    return 4 * m * m + 25 * m + (m + 1) * (m + 1) + 2 * (m + 1) * (m + 2) + NS_MEASURE_WORK * m +
+    return 4 * m * m + 26 * m + (m + 1) * (m + 1) + 2 * (m + 1) * (m + 2) + NS_MEASURE_WORK * m +
            m * (m + 1) + 2 * m + 1 + m * (m + 3);
 }
 
