@@ -99,11 +99,19 @@ static int form_problem(ns_sparse *m, double t, double g, const double *w, doubl
     return status;
 }
 
+/* What branch and bound, and a proof that there is no mode, may take of what the engine may. */
+static double search_left(ns_sparse *m) {
+    const double most = m->engine.most_work;
+    return most > 0 ? fmax(0, most - ns_engine_work(&m->engine).all) : INFINITY;
+}
+
 static int solve_problem(ns_sparse *m, local *p) {
     const ns_mlcp of = {.m = p->count, .W = p->W, .q = p->q, .l = p->l, .u = p->u};
     ns_mlcp_info info = {0};
+    (void)ns_mlcp_limit(p->solver, search_left(m));
     const int status = ns_mlcp_solve(p->solver, &of, p->mode, p->lambda, p->y, &info);
     m->counts.pivots += info.pivots;
+    m->searched += info.searched;
     for (int i = 0; i < p->count && status == NS_OK; i++)
         ns_sparse_guard_set_pair(m, p->pair[i], p->mode[i]);
     if (status == NS_OK)

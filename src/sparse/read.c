@@ -158,7 +158,7 @@ ns_work ns_sparse_work(ns_engine *e) {
     const double once = factors * size * (double)c->factors;
     const double solved = (a_solution + by_size * size) * (double)ns_linalg_klu_solves(m->q->klu);
     const double leaks = with_leaks * size * (double)m->q->leaky_solves;
-    return (ns_work){.all = once + solved + leaks + a_problem * size * (double)c->problems,
+    return (ns_work){.all = once + solved + leaks + a_problem * size * (double)c->problems + m->searched,
                      .once = once,
                      .events = (double)c->events};
 }

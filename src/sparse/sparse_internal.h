@@ -222,6 +222,8 @@ typedef struct ns_sparse {
         double *v, *z; /* n+m; nz */
     } inside;
 
+    double searched; /* instructions that (P1) took beside its pivots, as ns_mlcp_limit() counts them */
+
     /* what the caller sees */
     ns_mode *shown_mode; /* m: of the trial, switches that slide count as closed */
     ns_counts counts;

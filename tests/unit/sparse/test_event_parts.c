@@ -406,11 +406,43 @@ static void currents_near_an_event_hold(void **state) {
     assert_int_equal(broken_by(-1e-4, 1), 1);
 }
 
+/* (P1) with y1 = -lambda1 + lambda2 - 1, y2 = 1: no mode holds, as only branch and bound can tell.  What that
+ * takes counts as work, and is bounded by what the engine may take. */
+static void searches_are_bounded(void **state) {
+    const ns_diode ideal = {0, 0, INFINITY, INFINITY, 0};
+    const ns_signal volt = {.kind = NS_DC, .u.dc = 1};
+    const ns_sparse_options o = {.h = h};
+    int v1, v2;
+    double w[32];
+    ns_engine *e;
+    bench b = open_bench();
+    (void)state;
+    assert_int_equal(ns_circuit_source(b.c, "v1", NS_VOLTAGE, 1, 0, &volt, &v1), NS_OK);
+    assert_int_equal(ns_circuit_source(b.c, "v2", NS_VOLTAGE, 4, 0, &volt, &v2), NS_OK);
+    assert_int_equal(ns_circuit_diode(b.c, "d1", 1, 2, &ideal, NULL), NS_OK);
+    assert_int_equal(ns_circuit_diode(b.c, "d2", 0, 4, &ideal, NULL), NS_OK);
+    assert_int_equal(ns_circuit_icontrolled(b.c, "h1", NS_VOLTAGE, 2, 3, v1, 1, NULL), NS_OK);
+    assert_int_equal(ns_circuit_icontrolled(b.c, "h2", NS_VOLTAGE, 3, 0, v2, 1, NULL), NS_OK);
+    assert_int_equal(ns_circuit_system(b.c, &b.s), NS_OK);
+    assert_int_equal(ns_sparse_create(b.s, &o, &e, NULL), NS_OK);
+    b.m = ns_sparse_of(e);
+    assert_int_equal(ns_circuit_rest(b.c, w), NS_OK);
+    assert_int_equal(ns_sparse_start(e, 0, w, NULL), NS_E_INFEASIBLE);
+    const double searched = b.m->searched, work = ns_engine_work(e).all;
+    assert_true(searched > 0 && work > searched);
+    b.m->searched = 2 * work; /* as if it had taken more than it may */
+    e->most_work = work;
+    assert_int_equal(ns_sparse_start(e, 0, w, NULL), NS_E_LIMIT);
+    assert_true(b.m->searched < 2 * work + searched);
+    close_bench(&b);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(unresolved_transients_are_no_events),
         cmocka_unit_test(charges_are_shared_at_once),
         cmocka_unit_test(currents_near_an_event_hold),
+        cmocka_unit_test(searches_are_bounded),
         cmocka_unit_test(charges_jump_beside_a_transient),
         cmocka_unit_test(short_transients_last),
         cmocka_unit_test(slow_charges_stay),
