@@ -132,7 +132,8 @@ static int changes_with(ns_run *r, double t, const double *w, int j) {
 
 int ns_march_sliding_is_limit(ns_run *r, const ns_verify_state *at) {
     ns_run_check *k = &r->check;
-    if (ns_verify_slidings(k->verify) == 0 || allocate(r) != NS_OK)
+    const int has_others = r->s->m > 1; /* devices that may change with it */
+    if (ns_verify_slidings(k->verify) == 0 || !has_others || allocate(r) != NS_OK)
         return 1;
     double *w = k->end_w;
     ns_system_charges(r->s, at->x, w);
