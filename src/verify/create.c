@@ -33,7 +33,7 @@ static int allocate(ns_verify *v) {
     const size_t n = (size_t)s->n, m = (size_t)s->m, all = ns_verify_columns(s);
     v->numbers =
         calloc(4 * n + m + 2 * ns_verify_sizes(s) + (5 + NS_VERIFY_NODES) * (all + 1), sizeof(double));
-    v->command = calloc(4 * n + 4 * m + (size_t)s->nz + 1, sizeof *v->command);
+    v->command = calloc(4 * n + 4 * m + (size_t)s->nz + (size_t)s->nc + 1, sizeof *v->command);
     v->quick.pair = calloc(m + 1, sizeof *v->quick.pair);
     v->inputs.piece = calloc((size_t)s->nz + 1, sizeof *v->inputs.piece);
     v->slides = calloc(m + 1, 1);
@@ -48,6 +48,7 @@ static int allocate(ns_verify *v) {
     v->is_loose_row = v->quick.other + m;
     v->is_loose_pair = v->is_loose_row + n;
     v->inputs.moving = v->is_loose_pair + m;
+    v->by_state = v->inputs.moving + s->nz;
     v->unit = v->numbers;
     v->sign = v->unit + n;
     v->w_left = v->sign + n;

@@ -21,7 +21,7 @@ static int is_on(const ns_verify_piece *p, double t, ns_side side) {
     return (t > p->from || (t == p->from && side == NS_RIGHT)) && t < p->to;
 }
 
-static double value_of(const ns_signal *s, double t, ns_side side, ns_verify_piece *p) {
+static double value_anew(const ns_signal *s, double t, ns_side side, ns_verify_piece *p) {
     if (!is_on(p, t, side)) {
         if (side == NS_RIGHT && ns_signal_is_linear(s))
             return begin_piece(s, t, p);
@@ -29,9 +29,13 @@ static double value_of(const ns_signal *s, double t, ns_side side, ns_verify_pie
     }
     if (t == p->from)
         return p->value;
-    if (isnan(p->slope))
-        p->slope = slope_of(s, p);
+    p->slope = slope_of(s, p);
     return p->value + p->slope * (t - p->from);
+}
+
+static inline double value_of(const ns_signal *s, double t, ns_side side, ns_verify_piece *p) {
+    const double value = p->value + p->slope * (t - p->from); /* NaN: its slope is not known yet */
+    return is_on(p, t, side) && value == value ? value : value_anew(s, t, side, p);
 }
 
 /* All of them, and where those that are constant are. */

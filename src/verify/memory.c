@@ -61,9 +61,12 @@ static void learn(const ns_verify *v, int c, double g, ns_verify_memory *m) {
 }
 
 void ns_verify_memory_reset(ns_verify *v) {
+    v->by_states = 0;
     for (int c = 0; c < v->s->nc; c++) {
-        const ns_command *k = &v->s->command[c];
-        v->memory[c] = (ns_verify_memory){k->on > k->off && is_by_sources(v, c), -1, -INFINITY, -INFINITY};
+        const int remembers = v->s->command[c].on > v->s->command[c].off, known = is_by_sources(v, c);
+        v->memory[c] = (ns_verify_memory){remembers && known, -1, -INFINITY, -INFINITY};
+        if (remembers && !known)
+            v->by_state[v->by_states++] = c;
     }
 }
 
@@ -173,8 +176,7 @@ static int changes_short_of(const ns_verify *v, int c) {
 
 int ns_verify_memory_stays(const ns_verify *v) {
     int stays = 1;
-    for (int c = 0; c < v->s->nc && stays; c++)
-        stays = v->memory[c].is_known_by_sources || !(v->s->command[c].on > v->s->command[c].off) ||
-                !changes_short_of(v, c);
+    for (int k = 0; k < v->by_states && stays; k++)
+        stays = !changes_short_of(v, v->by_state[k]);
     return stays;
 }

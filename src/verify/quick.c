@@ -136,26 +136,28 @@ static double dot(size_t count, const double *a, const double *b) {
     return rest;
 }
 
-/* Open or closed, as its control says. */
-static int switch_holds(ns_verify *v, int j, double lambda, double y) {
+/* Open or closed, as its control says.  lambda of it. */
+static int switch_holds(ns_verify *v, int j, double lambda) {
     const ns_verify_quick_pair *p = &v->quick.pair[j];
-    const int c = v->command[j], shut = fabs(y) <= p->y_off, open = fabs(lambda) <= p->lambda_off;
+    const int c = v->command[j], open = fabs(lambda) <= p->lambda_off;
     const double g = value_of(&p->control, &v->control, c, 0, v->u);
-    if (g > p->on)
-        return shut;
     if (g < p->off)
         return open;
+    const int shut = fabs(value_of(&p->y, &v->output, j, lambda, v->u)) <= p->y_off;
+    if (g > p->on)
+        return shut;
     const int closed = ns_verify_memory_at(v, c, g);
     return closed < 0 ? shut || open : closed ? shut : open; /* one that slides is looked at in full */
 }
 
 static int pair_holds(ns_verify *v, int j, const double *shown) {
     const ns_verify_quick_pair *p = &v->quick.pair[j];
-    const double lambda = v->u[v->s->n + j], y = value_of(&p->y, &v->output, j, lambda, v->u);
-    if (shown && !(fabs(shown[j] - y) <= p->y_off))
+    const double lambda = v->u[v->s->n + j];
+    if (shown && !(fabs(shown[j] - value_of(&p->y, &v->output, j, lambda, v->u)) <= p->y_off))
         return 0;
     if (v->command[j] >= 0)
-        return switch_holds(v, j, lambda, y);
+        return switch_holds(v, j, lambda);
+    const double y = value_of(&p->y, &v->output, j, lambda, v->u);
     const double above = lambda - v->s->l[j], below = v->s->u[j] - lambda;
     return above >= -p->lambda_off && below >= -p->lambda_off &&
            (fabs(y) <= p->y_off || (y > 0 ? above : below) <= p->lambda_off);

@@ -104,6 +104,7 @@ struct ns_verify {
     ns_verify_quick quick;
     ns_verify_inputs inputs;
     ns_verify_memory *memory; /* nc */
+    int *by_state, by_states; /* commands of switches with hysteresis that sources alone do not control */
     double t, t_left;         /* s: of u, u_left */
     double most_left;         /* the largest number up to u_left */
     /* work, n+m+nz+1 each */
