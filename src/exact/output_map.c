@@ -1,4 +1,5 @@
 /* src/exact/output_map.c - x and lambda of a state, (E1) at tau = 0, as one matrix. */
+#include "linalg/simd.h"
 #include "mode_kernel.h"
 
 #include <math.h>
@@ -34,7 +35,10 @@ static void sum_images(const ns_mode_kernel *k, const ns_input_states *e, int j,
 /* to (r) += the first r rows of a column, count times x */
 static void add_column(const ns_theta *s, const double *restrict column, double x, double *restrict to) {
     const int r = x != 0 ? s->r : 0;
-    for (int i = 0; i < r; i++)
+    int i = 0;
+    for (; i + NS_LANES <= r; i += NS_LANES)
+        *(ns_simd *)(to + i) += *(const ns_simd *)(column + i) * x;
+    for (; i < r; i++)
         to[i] += column[i] * x;
 }
 
@@ -44,11 +48,31 @@ static void take_charges(const ns_theta *s, const double *x, double *rest) {
         rest[s->stored[k].charge] -= s->stored[k].value * x[s->stored[k].unknown];
 }
 
-/* The residual of the differential rows of the Euler step at (x, lambda) = at, for this sum.  room: r + nv.
- */
+/* Column j of A and B side by side. */
+static const double *column_of(const ns_theta *s, size_t j) {
+    const size_t n = (size_t)s->s->n;
+    return j < n ? s->A + j * n : s->B + (j - n) * n;
+}
+
+/* Which x and lambda enter differential rows: how many. */
+static int find_entering(const ns_theta *s, int *enters) {
+    int count = 0;
+    for (int j = 0; j < s->s->n + s->s->m; j++) {
+        const double *column = column_of(s, (size_t)j);
+        int i = 0;
+        while (i < s->r && column[i] == 0)
+            i++;
+        if (i < s->r)
+            enters[count++] = j;
+    }
+    return count;
+}
+
+/* The residual of the differential rows of the Euler step at (x, lambda) = at, for this sum.  enters: so many
+ * of find_entering().  room: r + nv. */
 static void find_residual(const ns_theta *s, const ns_input_states *e, double g, const double *sum,
-                          const double *at, double *residual, double *room) {
-    const size_t n = (size_t)s->s->n, m = (size_t)s->s->m;
+                          const double *at, const int *enters, int count, double *residual, double *room) {
+    const size_t n = (size_t)s->s->n;
     double *rate = room, *v = room + s->r;
     memcpy(v, sum + s->r, sizeof(double) * (size_t)e->nv);
     ns_inputs_states_stage(e, g, v);
@@ -58,10 +82,8 @@ static void find_residual(const ns_theta *s, const ns_input_states *e, double g,
             for (int a = 0; a < e->nv && s->E[(size_t)i + (size_t)k * n] != 0; a++)
                 rate[i] += s->E[(size_t)i + (size_t)k * n] * e->Z[k + a * s->s->nz] * v[a];
     }
-    for (size_t j = 0; j < n; j++)
-        add_column(s, s->A + j * n, at[j], rate);
-    for (size_t j = 0; j < m; j++)
-        add_column(s, s->B + j * n, at[n + j], rate);
+    for (int k = 0; k < count; k++)
+        add_column(s, column_of(s, (size_t)enters[k]), at[enters[k]], rate);
     memcpy(residual, sum, sizeof *residual * (size_t)s->r);
     take_charges(s, at, residual);
     for (int i = 0; i < s->r; i++)
@@ -101,16 +123,19 @@ int ns_exact_output_map(const ns_theta *s, const ns_input_states *e, ns_mode_ker
     const size_t all = (size_t)s->s->n + (size_t)s->s->m, q = (size_t)k->q, r = (size_t)k->r;
     double *now = calloc(all * (q + (size_t)e->output_only_inputs) + 1, sizeof *now);
     double *sum = calloc(q + 2 * r + 2 * (size_t)k->nv + 1, sizeof *sum);
-    if (!now || !sum) {
+    int *enters = calloc(all + 1, sizeof *enters);
+    if (!now || !sum || !enters) {
         free(now);
         free(sum);
+        free(enters);
         return NS_E_MEMORY;
     }
+    const int count = find_entering(s, enters);
     for (size_t j = 0; j < q; j++) {
         double *at = now + j * all, *residual = sum + q;
         sum_images(k, e, (int)j, sum, residual + r);
         ns_linalg_matvec((int)all, k->q, k->step_x_lambda, sum, at);
-        find_residual(s, e, k->g, sum, at, residual, residual + r);
+        find_residual(s, e, k->g, sum, at, enters, count, residual, residual + r);
         ns_linalg_matvec_add((int)all, k->r, k->step_x_lambda, residual, at);
     }
     memcpy(now + q * all, k->step_x_lambda + q * all, sizeof *now * all * (size_t)e->output_only_inputs);
@@ -120,6 +145,7 @@ int ns_exact_output_map(const ns_theta *s, const ns_input_states *e, ns_mode_ker
             ns_linalg_matvec_add((int)all, k->r, now, k->D8 + (size_t)j * r, now + (size_t)j * all);
     k->output_cancels = columns_cancel(s, k, sum);
     free(sum);
+    free(enters);
     k->bytes += sizeof *now * all * (q + (size_t)e->output_only_inputs);
     return NS_OK;
 }

@@ -5,6 +5,7 @@
  * of periods that are repeated.  In full: what is not clearly right then, every change of modes of the exact
  * engine not seen before, and now and then others; parts of ways.
  */
+#include "linalg/simd.h"
 #include "run_internal.h"
 
 #include <math.h>
@@ -14,7 +15,7 @@
 void ns_march_check_earn(ns_run_check *k, double gain) {
     const double most = 2 * k->way_cost;
     if (k->credit < most)
-        k->credit = fmin(k->credit + gain, most);
+        k->credit = ns_lower(k->credit + gain, most);
 }
 
 /* --- judged --- */

@@ -5,15 +5,25 @@
 #include <math.h>
 #include <string.h>
 
+/* Fewer than eight modes, in one number. */
+static uint64_t last_word(size_t count, const ns_mode *mode) {
+    uint32_t first = 0, last = 0;
+    if (count >= sizeof first) { /* some of them twice */
+        memcpy(&first, mode, sizeof first);
+        memcpy(&last, mode + count - sizeof last, sizeof last);
+    }
+    for (size_t i = 0; i < count && count < sizeof first; i++)
+        first = first << 8 | (unsigned char)mode[i];
+    return (uint64_t)last << 32 | first;
+}
+
 static uint64_t hash(uint64_t key, size_t count, const ns_mode *mode) {
     uint64_t word;
     for (; count >= sizeof word; count -= sizeof word, mode += sizeof word) {
         memcpy(&word, mode, sizeof word);
         key = (key ^ word) * 0x9e3779b97f4a7c15u;
     }
-    word = 0;
-    memcpy(&word, mode, count);
-    key = (key ^ word) * 0x9e3779b97f4a7c15u;
+    key = (key ^ last_word(count, mode)) * 0x9e3779b97f4a7c15u;
     return key ^ (key >> 32);
 }
 
