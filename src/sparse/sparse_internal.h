@@ -178,10 +178,10 @@ typedef struct ns_sparse {
     double *apart;           /* nc: so far from its threshold one changed with the event */
     ns_mode *commanded_mode; /* m: after what the event itself changes, and nothing that follows from it */
     int is_near;             /* guards that are broken by what events are located to hold */
-    double longest_g; /* s: the first, longest, steps that were to resolve it; 0: no shorter ones are tried */
-    double inputs_from;            /* s: an input was replaced then; -INFINITY: none was */
-    int steep_steps;               /* so many in a row were shorter than h 2^-NS_LEAST_EXPONENT */
-    int contradicting_pair;        /* the pair of a switch that can be neither open nor closed; -1: none */
+    double longest_g;        /* s: the first steps that were to resolve it; 0: no shorter ones are tried */
+    double inputs_from;      /* s: an input was replaced then; -INFINITY: none was */
+    int steep_steps;         /* so many in a row were shorter than h 2^-NS_LEAST_EXPONENT */
+    int contradicting_pair;  /* the pair of a switch that can be neither open nor closed; -1: none */
     ns_before_event before_event;  /* where its resolution began */
     ns_instant instant;            /* what jumped in the trial, or in the start */
     ns_mode_predictions predict;   /* of its mode */
@@ -222,9 +222,8 @@ typedef struct ns_sparse {
         double *v, *z; /* n+m; nz */
     } inside;
 
-    double searched; /* instructions that (P1) took beside its pivots, as ns_mlcp_limit() counts them */
-
     /* what the caller sees */
+    double searched;     /* instructions that (P1) took beside its pivots, as ns_mlcp_limit() counts them */
     ns_mode *shown_mode; /* m: of the trial, switches that slide count as closed */
     ns_counts counts;
     ns_fault fault;
