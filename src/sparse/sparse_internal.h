@@ -394,8 +394,7 @@ int ns_sparse_event_consistent_all(ns_sparse *m, double t, double g, const ns_de
 /* After ns_sparse_event_own_changes(), from m->w: m->mode and m->w to the right of the event. */
 int ns_sparse_event_resolve(ns_sparse *m, const ns_dense_step *step, double t);
 
-/* local_lcp.c: as ns_sparse_event_consistent(), by (P1) of the pairs touched so far and of those it breaks.
- */
+/* local_lcp.c: as ns_sparse_event_consistent(), by (P1) of the pairs touched so far and those it breaks. */
 int ns_sparse_local_lcp(ns_sparse *m, double t, double g, const double *w, double *v, double *by);
 
 #endif
