@@ -133,7 +133,7 @@ static int run(const pump *k, ns_method method, double h, double dropped, double
 static void pumps(void **state) {
     int judged = 0;
     double worst[2] = {0, 0};
-    long problems[2] = {0, 0}, more = 0;
+    long problems[2] = {0, 0}, by_sparse = 0, more = 0;
     (void)state;
     for (unsigned long long seed = 1; seed <= RUNS; seed++) {
         static const ns_method methods[] = {NS_EXACT, NS_AUTO};
@@ -143,6 +143,7 @@ static void pumps(void **state) {
             assert_int_equal(run(&k, NS_EXACT, k.h / 100, 0, judge, &more), NS_OK);
         else
             judged++;
+        (void)run(&k, NS_SPARSE, k.h, 0, got, &by_sparse); /* it may refuse one */
         for (int i = 0; i < 2; i++) {
             assert_int_equal(run(&k, methods[i], k.h, 0, got, &problems[i]), NS_OK);
             const double off = apart(2 * INSTANTS, got, judge);
@@ -156,12 +157,13 @@ static void pumps(void **state) {
         }
     }
     assert_true(judged > RUNS * 9 / 10);
-    /* a exact that is stuck is handed on, and (P1) is asked: 11000 times by exact with the noise of steps
-     * in its stages, as often by auto as by exact if it never hands over */
-    assert_true(problems[0] < 8000 && problems[1] < 3000);
+    /* An exact that is stuck is handed on, and (P1) is asked: 11000 times by exact with the noise of steps
+     * in its stages, as often by auto as by exact if it never hands over.  Each event of sparse asks (P1)
+     * too: 14000 times by sparse alone; auto has sparse at work for a part of the time. */
+    assert_true(problems[0] < 8000 && problems[1] < problems[0] + by_sparse / 4);
     printf("%d pumps, %d of them judged by sparse: exact at most %.1e off with %ld problems, auto %.1e with "
-           "%ld\n",
-           RUNS, judged, worst[0], problems[0], worst[1], problems[1]);
+           "%ld, sparse alone takes %ld\n",
+           RUNS, judged, worst[0], problems[0], worst[1], problems[1], by_sparse);
 }
 
 /* A pump that sparse hands to the dense engines, these to sparse, and so on, in one trial, by a quarter of
