@@ -107,9 +107,41 @@ static void a_mode_without_matrices_is_left_to_the_sparse_engine(void **state) {
     end(&k);
 }
 
+/* Pulses of 5 ps, 82 ms apart, into a boost stage whose ring of 0.4 ns dies within 0.1 us.  What was left of
+ * a time scale, by the rounding of t (1e-16 s), was taken for a step of length zero that had been kept: exact
+ * took it 12 million times.  Steps beside the 29 events: some 800 as of now. */
+static void no_step_has_no_length(void **state) {
+    const ns_signal supply = dc(5.961),
+                    gate = pulse(0, 1, 0.0646103, 4.696e-14, 4.696e-14, 4.696e-12, 0.0820345);
+    const ns_switch contact = {.vt = 0.5, .vh = 0, .ron = 0, .roff = INFINITY};
+    const ns_diode diode = {.vf = 0.9633, .ron = 0.0005688, .roff = 1.101e8, .vz = INFINITY};
+    enum { IN = 1, FED, X, OUT, GATE };
+    const double stop = 0.583511;
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = stop / 65536, .method = NS_EXACT, .whole = 1};
+    rig k = begin();
+    (void)state;
+    ok(ns_circuit_source(k.c, "v1", NS_VOLTAGE, IN, 0, &supply, NULL));
+    ok(ns_circuit_source(k.c, "v2", NS_VOLTAGE, GATE, 0, &gate, NULL));
+    ok(ns_circuit_resistor(k.c, "r4", IN, FED, 3.595e-12, NULL));
+    ok(ns_circuit_inductor(k.c, "l5", FED, X, 7.543e-12, 0, NULL));
+    ok(ns_circuit_switch(k.c, "s6", X, 0, GATE, 0, &contact, NULL));
+    ok(ns_circuit_diode(k.c, "d7", X, OUT, &diode, NULL));
+    ok(ns_circuit_capacitor(k.c, "c8", OUT, 0, 2.406e-08, 5.961, NULL));
+    ok(ns_circuit_resistor(k.c, "r9", OUT, 0, 4.301e+05, NULL));
+    make_by(&k, &o);
+    start_at_rest(&k);
+    for (int i = 1; i <= 160; i++)
+        ok(go_on(&k, stop * i / 160));
+
+    if (ns_march_counts(k.m)->steps >= 5000)
+        fail_msg("%ld steps", ns_march_counts(k.m)->steps);
+    end(&k);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(charges), cmocka_unit_test(a_mode_of_a_bad_condition_is_exact),
-        cmocka_unit_test(a_mode_without_matrices_is_left_to_the_sparse_engine)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(charges),
+                                       cmocka_unit_test(a_mode_of_a_bad_condition_is_exact),
+                                       cmocka_unit_test(a_mode_without_matrices_is_left_to_the_sparse_engine),
+                                       cmocka_unit_test(no_step_has_no_length)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
