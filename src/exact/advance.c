@@ -7,6 +7,9 @@
 
 #include <math.h>
 
+/* Steps until the bound of work is looked at. */
+enum { LOOKS_EVERY = 16 };
+
 /* Short steps searched one by one that cost as much as to make long steps with samples: modes that are soon
  * left for good need none. */
 static double worth_of_samples(const ns_mode_kernel *k) {
@@ -114,12 +117,20 @@ static void move_clock(ns_exact *f, double t, double rest, double done) {
     ns_clock_advance(now, all ? t : ns_lower(t, now->t + (now->lost + done)), done);
 }
 
+void ns_exact_bound_by(ns_exact *f, ns_engine *e) {
+    f->bound = e;
+}
+
+int ns_exact_is_over(const ns_exact *f) {
+    return f->bound && ns_engine_is_over(f->bound);
+}
+
 int ns_exact_advance(ns_exact *f, double t, ns_exact_step *step) {
     const double rest = t - f->state.now.t - f->state.now.lost;
     double done = 0;
     int status = NS_OK;
     *step = (ns_exact_step){.guard = NS_GUARD_NONE};
-    if (f->state.steps_left-- <= 0)
+    if (f->state.steps_left-- <= 0 || (++f->looks % LOOKS_EVERY == 0 && ns_exact_is_over(f)))
         return NS_E_LIMIT;
     if (rest > 0)
         status = take_step(f, rest, &done, step);

@@ -365,7 +365,7 @@ static int go_on(ns_exact *f, double accepted_t, double t, ns_until until, int *
     if (f->failed != NS_OK)
         status = f->failed;
     f->failed = NS_OK;
-    if (status != NS_E_LIMIT)
+    if (status != NS_E_LIMIT || ns_exact_is_over(f))
         return status;
     f->past.extra_steps /= 2;
     *failed = 1;

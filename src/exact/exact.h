@@ -7,6 +7,7 @@
 #define NS_EXACT_H
 
 #include "engine/dense_point.h"
+#include "engine/engine.h"
 #include "engine/kernel.h"
 #include "engine/watch.h"
 
@@ -19,7 +20,8 @@ void ns_exact_free(ns_exact *f);
 
 /* From the point, accepted at accepted_t, to t, or with NS_TO_EVENT to the left side of the first event, with
  * NS_TO_STEP to that of the first instant known ahead too, as far as it can: it stops before what it cannot
- * resolve, and another engine has to go on until ns_exact_fallback_until().  Errors: MEMORY. */
+ * resolve, and another engine has to go on until ns_exact_fallback_until().  Errors: MEMORY, LIMIT (of work,
+ * ns_exact_bound_by()). */
 int ns_exact_go(ns_exact *f, double accepted_t, double t, ns_until until);
 /* An input of the system was replaced at the accepted point, where that begins to count.  Errors: RANGE (it
  * has ramps, the one before had none), MEMORY. */
@@ -31,6 +33,8 @@ int ns_exact_input_matters(const ns_exact *f, int input);
 int ns_exact_find_consistent(ns_exact *f);
 /* Events and periods are shown to w; NULL: to nobody. */
 void ns_exact_watch(ns_exact *f, const ns_watch *w);
+/* ns_exact_go() fails with LIMIT where e, which outlives f, has passed its bound. */
+void ns_exact_bound_by(ns_exact *f, ns_engine *e);
 /* After ns_exact_go() with NS_TO_STEP that came later than where it began: x, lambda (n+m) at t, from there
  * to where it came; valid until the next call.  Errors: STATE (any other trial), MEMORY. */
 int ns_exact_sample(ns_exact *f, double t, const double **x_lambda);

@@ -195,6 +195,8 @@ struct ns_exact {
     ns_counts counts;             /* what it cost so far */
     long replayed;                /* events in periods that were repeated */
     int failed;                   /* MEMORY, met where no status is returned */
+    ns_engine *bound;             /* its bound of work holds; NULL: there is none */
+    unsigned looks;               /* at that, every so many steps */
 
     /* the event */
     const ns_watch *watch; /* who looks at it; NULL: nobody */
@@ -351,7 +353,9 @@ void ns_exact_fallback_start(ns_exact *f);
  * Errors: MEMORY. */
 int ns_exact_long_step(ns_exact *f, ns_time_scale *scale, double *rest, double *done);
 
-/* advance.c: one step, to t at the latest.  Errors: MEMORY; LIMIT: no steps are left. */
+/* advance.c: one step, to t at the latest.  Errors: MEMORY; LIMIT: no steps are left, or it is over: 1 if the
+ * bound of work is passed. */
+int ns_exact_is_over(const ns_exact *f);
 int ns_exact_advance(ns_exact *f, double t, ns_exact_step *step);
 
 /* mode_selection.c: the mode from here on, where this guard broke (it may be unknown), or (NS_GUARD_NONE)

@@ -16,6 +16,9 @@ static const double later = 2, much_later = 8;
 /* An engine crawls that needs so many times the work that it needed when it was chosen: the other one is
  * asked at once, if this part of the usual interval has passed. */
 static const double crawls = 4, soon = 0.5;
+/* A trial through all events may take this many times the work between two questions before the other engine
+ * is asked for the same one: what was done for it is lost then. */
+static const double long_trial = 4;
 /* The first question comes after this part of the interval if the engine at work needs more for its events
  * than the other one needs for any; the next one too, if the answer came before a few events had passed: a
  * transient that was gone through says nothing of them. */
@@ -94,6 +97,17 @@ void ns_march_choice_changed(ns_choice *c, double t, ns_work work) {
     c->from = (ns_choice_mark){t, work};
     c->asks = 1;
     c->is_first = 0;
+}
+
+double ns_march_choice_trial(const ns_choice *c) {
+    return long_trial * c->interval;
+}
+
+/* The other one may take as much, and is the better one if that brings it to the end. */
+void ns_march_choice_cut_off(ns_choice *c, double from, double t) {
+    c->interval *= long_trial;
+    c->usual = c->interval / (clearly * (t - from));
+    c->per_event = 0;
 }
 
 void ns_march_choice_failed(ns_choice *c, double t, ns_work work) {

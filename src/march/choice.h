@@ -49,6 +49,10 @@ void ns_march_choice_begin(ns_choice *c, double t, ns_work work, double first);
  * ns_march_choice_changed() when that is done, or ns_march_choice_failed(). */
 ns_choice_answer ns_march_choice_look(ns_choice *c, double t, ns_work work, ns_choice_bounds event);
 void ns_march_choice_changed(ns_choice *c, double t, ns_work work);
+/* How much a trial through all events may take the engine at work. */
+double ns_march_choice_trial(const ns_choice *c);
+/* Before ns_march_choice_changed(), if a trial from `from` to t took it more. */
+void ns_march_choice_cut_off(ns_choice *c, double from, double t);
 /* The engine that is asked failed, or could not begin: the other one is at work (again). */
 void ns_march_choice_failed(ns_choice *c, double t, ns_work work);
 /* How much all engines may have done at most before the one that is asked has to have answered. */

@@ -58,6 +58,8 @@ static int make_engines(ns_dense_run *r, ns_fault *fault) {
         status = ns_ladder_create(r->step, &r->trial, o->h, &r->ladder);
     if (status == NS_OK && o->method != NS_THETA)
         status = ns_exact_create(r->step, &r->trial, o->h, &r->exact);
+    if (r->exact)
+        ns_exact_bound_by(r->exact, &r->engine);
     return status;
 }
 
@@ -98,23 +100,12 @@ static int fails(const ns_dense_run *r) {
             (r->may_hand_over >= NS_HANDS_OVER_MODES && ns_exact_has_no_matrices(r->exact)));
 }
 
-/* Where the exact engine is to stop: at t, or where work is bounded at parts of the way, each twice as long.
- */
-static double next_stop(ns_dense_run *r, double t, ns_until until, double *part) {
-    static const double first = 1.0 / 1024;
-    if (!(r->engine.most_work > 0) || until != NS_TO_TIME)
-        return t;
-    *part = *part > 0 ? 2 * *part : first * (t - r->trial.now.t);
-    return r->trial.now.t + *part < t ? r->trial.now.t + *part : t;
-}
-
 /* The sparse engine may have a mode at once where branch and bound would look for one for seconds. */
 static double search_of_trial(const ns_dense_run *r) {
     return r->may_hand_over >= NS_HANDS_OVER_OFTEN ? ns_march_first_question(r->s, 1) : INFINITY;
 }
 
 static int go_to(ns_dense_run *r, double t, ns_until until) {
-    double part = 0;
     const double accepted_t = r->accepted.now.t;
     const int from_event = r->trial.at_event && until != NS_TO_TIME;
     int status = NS_OK, done = 0;
@@ -132,7 +123,7 @@ static int go_to(ns_dense_run *r, double t, ns_until until) {
             break;
         }
         if (exact_is_ready(r)) {
-            status = ns_exact_go(r->exact, accepted_t, next_stop(r, t, until, &part), until);
+            status = ns_exact_go(r->exact, accepted_t, t, until);
             r->hands_over = status == NS_OK && fails(r);
             const int there = r->trial.at_event || r->trial.now.t == accepted_t;
             done = r->hands_over || (until != NS_TO_TIME && exact_is_ready(r) && (from_event || there)) ||

@@ -26,19 +26,21 @@ static int start_dc(ns_engine *e, double t0, int nhold, const int *hold, const d
 /* By the engine at work, or by another one if it refuses.  What is found wrong in the trial ends it.  Where
  * engines hand it to one another, the last one goes on as well as it can. */
 static int try_engines(ns_run *r, double t, ns_until until, double *reached) {
-    enum { ROUNDS = 3 };
-    for (int round = 0; round < ROUNDS; round++) {
-        const double to = round == 0 ? ns_march_check_begin(r, t, until) : t;
+    enum { ROUNDS = 3, QUESTIONS = 40 };
+    for (int rounds = 0, questions = 0; rounds < ROUNDS && questions < QUESTIONS;) {
+        const double to = rounds + questions == 0 ? ns_march_check_begin(r, t, until) : t;
         if (r->check.found)
             return NS_E_RESIDUAL;
         int status = r->at_work->table->try_to(r->at_work, to, until, reached);
-        if (r->check.found || status == NS_OK || !ns_march_run_hand_over(r, until, reached, &status))
+        *(ns_engine_is_over(r->at_work) ? &questions : &rounds) += 1;
+        if (r->check.found || status == NS_OK || !ns_march_run_hand_over(r, t, until, reached, &status))
             return status;
         if (r->trial_is_start)
             return NS_OK;
     }
     if (r->kind == NS_RUN_DENSE)
         ns_march_dense_let_hand_over(r->at_work, NS_HANDS_OVER_NEVER);
+    r->at_work->most_work = 0;
     return r->at_work->table->try_to(r->at_work, t, until, reached);
 }
 

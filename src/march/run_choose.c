@@ -23,13 +23,21 @@ static int change(ns_run *r) {
     return status;
 }
 
-/* An engine that is asked ends with LIMIT if it needs too much, any other does not.  (One that comes back to
- * work within a trial: ns_march_run_put_to_work().) */
-static void bound_work(ns_run *r) {
+static int may_choose(ns_run *r, double *now) {
+    return r->chooses && !(r->back_at < INFINITY) && r->kind != NS_RUN_SCHEME && ns_march_run_rests(r, now);
+}
+
+/* An engine that is asked ends with LIMIT if it needs too much; the one at work, if a trial through all
+ * events needs far more than all between two: the other one is asked for the same trial.  (One that
+ * comes back to work within a trial: ns_march_run_put_to_work().) */
+static void bound_work(ns_run *r, ns_until until) {
     ns_engine *e = r->at_work;
-    e->most_work = r->choice.asks
-                       ? ns_engine_work(e).all + ns_march_choice_limit(&r->choice) - ns_march_run_work(r).all
-                       : 0;
+    double now, most = 0;
+    if (r->choice.asks)
+        most = ns_engine_work(e).all + ns_march_choice_limit(&r->choice) - ns_march_run_work(r).all;
+    else if (until == NS_TO_TIME && may_choose(r, &now))
+        most = ns_engine_work(e).all + ns_march_choice_trial(&r->choice);
+    e->most_work = most;
 }
 
 /* Short trials are many.  An odd number: where every second one begins at an event, none of these would be
@@ -52,10 +60,9 @@ static void look_at_choice(ns_run *r, double now) {
 
 void ns_march_run_choose(ns_run *r, ns_until until) {
     double now;
-    if (r->chooses && is_to_look(r, until) && !(r->back_at < INFINITY) && r->kind != NS_RUN_SCHEME &&
-        ns_march_run_rests(r, &now))
+    if (r->chooses && is_to_look(r, until) && may_choose(r, &now))
         look_at_choice(r, now);
-    bound_work(r);
+    bound_work(r, until);
 }
 
 void ns_march_run_was_wrong(ns_run *r, double t, ns_run_kind was) {
@@ -82,6 +89,7 @@ static int fail_and_change(ns_run *r, ns_until until, double *reached) {
         ns_march_choice_failed(&r->choice, now, ns_march_run_work(r));
     else
         ns_march_run_leave_for_now(r, now, NS_RUN_DENSE);
+    bound_work(r, until);
     r->trial_is_start = ends && ns_engine_read(r->at_work, &begun, NULL, NULL, NULL) == NS_OK && begun == now;
     if (r->trial_is_start)
         *reached = now;
@@ -90,7 +98,26 @@ static int fail_and_change(ns_run *r, ns_until until, double *reached) {
     return 1;
 }
 
-int ns_march_run_hand_over(ns_run *r, ns_until until, double *reached, int *status) {
+/* The trial to t took too much: by the other one, with the same bound, or on without one. */
+static void ask_in_trial(ns_run *r, double t) {
+    double now;
+    if (!may_choose(r, &now)) {
+        r->at_work->most_work = 0;
+        return;
+    }
+    ns_march_choice_cut_off(&r->choice, now, t);
+    if (change(r) == NS_OK)
+        ns_march_choice_changed(&r->choice, now, ns_march_run_work(r));
+    else
+        ns_march_choice_failed(&r->choice, now, ns_march_run_work(r));
+    bound_work(r, NS_TO_TIME);
+}
+
+int ns_march_run_hand_over(ns_run *r, double t, ns_until until, double *reached, int *status) {
+    if (*status == NS_E_LIMIT && !r->choice.asks && ns_engine_is_over(r->at_work)) {
+        ask_in_trial(r, t);
+        return 1;
+    }
     if (r->chooses && r->choice.asks && *status != NS_E_MEMORY && fail_and_change(r, until, reached))
         return 1;
     if (ns_march_run_sparse_failed(r, *status)) {

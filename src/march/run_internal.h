@@ -115,9 +115,9 @@ ns_work ns_march_run_work(ns_run *r);
 void ns_march_run_begin_choice(ns_run *r, double t);
 /* Before a trial: the other engine goes on if it is to be asked, or to stay. */
 void ns_march_run_choose(ns_run *r, ns_until until);
-/* A trial failed.  1: another engine is at work, at the accepted point, or (r->trial_is_start) at *reached,
- * where the trial ends; else *status may be another one. */
-int ns_march_run_hand_over(ns_run *r, ns_until until, double *reached, int *status);
+/* A trial to t failed.  1: another engine is at work, at the accepted point, or (r->trial_is_start) at
+ * *reached, where the trial ends, or the same one, with more work to do; else *status may be another one. */
+int ns_march_run_hand_over(ns_run *r, double t, ns_until until, double *reached, int *status);
 /* The engine that was at work until t was found wrong; another one is at work. */
 void ns_march_run_was_wrong(ns_run *r, double t, ns_run_kind was);
 
