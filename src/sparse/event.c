@@ -212,9 +212,9 @@ static void begin_with_longer_step(ns_sparse *m, double t, double g, double *by)
 
 /* A jump that m->mode has in steps of length g, and that its pairs cannot carry: that mode follows later, and
  * other ones come before it within that time.  Where digits suffice for shorter steps nothing jumped. */
-static int refuse_jump(ns_sparse *m, double g, ns_jump_kind *jump) {
+static int refuse_jump(ns_sparse *m, double t, double g, ns_jump_kind *jump) {
     int pair, broken;
-    const int status = ns_sparse_instant_misfit(m, g, &pair, &broken);
+    const int status = ns_sparse_instant_misfit(m, t, g, &pair, &broken);
     if (status != NS_OK || pair < 0)
         return status;
     if (g <= ns_sparse_finest(m))
@@ -234,7 +234,7 @@ static int find_consistent(ns_sparse *m, double t, double g, ns_jump_kind *jump)
         if (status == NS_OK)
             status = ns_sparse_project_consistent(m, t, g, by, jump);
         if (status == NS_OK && *jump == NS_JUMPS)
-            status = refuse_jump(m, g, jump);
+            status = refuse_jump(m, t, g, jump);
         if (status == NS_OK && *jump == NS_JUMPS) {
             m->counts.jumps++;
             status = ns_sparse_instant_add(m, g, &m->instant);

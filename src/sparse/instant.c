@@ -34,27 +34,54 @@ int ns_sparse_instant_add(ns_sparse *m, double g, ns_instant *to) {
     return status == NS_E_SINGULAR ? NS_OK : status;
 }
 
-int ns_sparse_instant_misfit(ns_sparse *m, double g, int *pair, int *broken) {
+/* What jumps, taken away by an Euler step of length g. */
+typedef struct impulses {
+    const double *v; /* n+m: x, lambda at its end */
+    double g, largest_y, largest_lambda;
+} impulses;
+
+/* Guard i of pair j there, relative to the largest of its kind, if no impulse can have its sign and it is
+ * more than rounding; else 0. */
+static double misfit_of(const ns_sparse *m, const impulses *of, int j, int i) {
+    const int inside = m->mode[j] == NS_INSIDE;
+    const double most = inside ? of->largest_lambda : of->largest_y,
+                 usual = inside ? m->largest.lambda : m->largest.y,
+                 value = guard(m, j, i, of->v, m->work.no_inputs, 0) +
+                         ns_sparse_guard_rounding(m, j, of->v, m->work.removed, of->g);
+    return value < -(of_largest * most + of_usual * usual) ? value / most : 0;
+}
+
+/* 1 if guard i of pair j, which blocks, holds in the whole step, with what does not jump: what jumps then is
+ * no impulse of y, which would be more than anything else, but the drop over a small resistance that the jump
+ * flows through.  *known: work.projected is that step. */
+static int blocks(ns_sparse *m, double t, double g, int j, int i, int *known) {
+    if (!*known && ns_sparse_step_euler(m, t, g, m->work.before_w, 1, m->work.projected, NULL) != NS_OK)
+        return 0;
+    *known = 1;
+    return guard(m, j, i, m->work.projected, m->z, 1) >= 0;
+}
+
+int ns_sparse_instant_misfit(ns_sparse *m, double t, double g, int *pair, int *broken) {
     const ns_cached_factors *k;
-    double *v = m->work.v, largest_y, largest_lambda, worst = 0;
+    impulses of = {.v = m->work.v, .g = g};
+    double worst = 0;
+    const int is_finest = g <= ns_sparse_finest(m);
+    int known = 0;
     *pair = -1;
     int status = ns_sparse_factors_factor(m->q, g, m->mode, 1, &k);
     if (status != NS_OK)
         return status;
     ns_sparse_step_rhs(m, g, m->work.removed, m->work.no_inputs, 0, 0);
-    status = ns_sparse_factors_solve(m->q, k, m->r, v);
+    status = ns_sparse_factors_solve(m->q, k, m->r, m->work.v);
     if (status != NS_OK)
         return status == NS_E_SINGULAR ? NS_OK : status;
-    ns_sparse_guard_largest(m, v, &largest_y, &largest_lambda);
+    ns_sparse_guard_largest(m, of.v, &of.largest_y, &of.largest_lambda);
     for (int j = 0; j < m->f->m; j++) {
-        const int inside = m->mode[j] == NS_INSIDE, guards = guards_of(m, j);
-        const double most = inside ? largest_lambda : largest_y,
-                     usual = inside ? m->largest.lambda : m->largest.y,
-                     rounding = ns_sparse_guard_rounding(m, j, v, m->work.removed, g);
+        const int guards = guards_of(m, j);
         for (int i = 0; i < guards && !ns_mode_slides(m->mode[j]); i++) {
-            const double of = guard(m, j, i, v, m->work.no_inputs, 0) + rounding;
-            if (of < -(of_largest * most + of_usual * usual) && of / most < worst) {
-                worst = of / most;
+            const double by = misfit_of(m, &of, j, i);
+            if (by < worst && (m->mode[j] == NS_INSIDE || !is_finest || !blocks(m, t, g, j, i, &known))) {
+                worst = by;
                 *pair = j;
                 *broken = i;
             }

@@ -344,8 +344,8 @@ static inline double ns_sparse_finest(const ns_sparse *m) {
  * steps of length g.  Overwrites work.w, work.v.  Errors: MEMORY. */
 int ns_sparse_instant_add(ns_sparse *m, double g, ns_instant *to);
 /* The pair that could carry the impulse of that jump least, and by which of its guards; -1: all can (J4).
- * Overwrites work.v.  Errors: MEMORY. */
-int ns_sparse_instant_misfit(ns_sparse *m, double g, int *pair, int *broken);
+ * Overwrites work.v, work.projected, m->z.  Errors: MEMORY. */
+int ns_sparse_instant_misfit(ns_sparse *m, double t, double g, int *pair, int *broken);
 /* m->instant is kept with the event; is as kept. */
 void ns_sparse_instant_save(ns_sparse *m);
 void ns_sparse_instant_restore(ns_sparse *m);

@@ -195,12 +195,16 @@ static int are_rounding(ns_sparse *m, const ns_dense_step *step) {
     return size_of_power(m, step, step->stages) <= most_noise * noise;
 }
 
-/* w at the beginning of the step made consistent with its mode, if pairs of the mode can carry the impulses;
- * else the worst of them is marked to break there. */
-static int remove_jump(ns_sparse *m, ns_dense_step *step, double room) {
+/* A time that is none for the step. */
+static double negligible(const ns_sparse *m, const ns_dense_step *step, double room) {
+    return ns_sparse_step_negligible(length_of(m, step->length_exponent + NS_SHORT_EXPONENT),
+                                     ns_sparse_finest(m), room);
+}
+
+/* w at the beginning of the step made consistent with its mode by steps of length g, if pairs of the mode can
+ * carry the impulses; else the worst of them is marked to break there. */
+static int remove_jump(ns_sparse *m, ns_dense_step *step, double g) {
     const size_t bytes = sizeof(double) * (size_t)m->f->n;
-    double g = ns_sparse_step_negligible(length_of(m, step->length_exponent + NS_SHORT_EXPONENT),
-                                         ns_sparse_finest(m), room);
     ns_jump_kind jumped = NS_NO_JUMP;
     int status = ns_sparse_project_consistent(m, step->t, g, NULL, &jumped);
     for (int longer = 0; longer < LONGER && status == NS_E_SINGULAR; longer++) {
@@ -209,7 +213,7 @@ static int remove_jump(ns_sparse *m, ns_dense_step *step, double room) {
         status = ns_sparse_project_consistent(m, step->t, g, NULL, &jumped);
     }
     if (status == NS_OK && jumped == NS_JUMPS)
-        status = ns_sparse_instant_misfit(m, g, &step->pair, &step->guard);
+        status = ns_sparse_instant_misfit(m, step->t, g, &step->pair, &step->guard);
     if (status == NS_OK && step->pair >= 0) {
         memcpy(m->w, step->powers, bytes);
         return status;
@@ -259,7 +263,7 @@ static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
         step->next_exponent = step->length_exponent;
         if (step->stages == NS_ORDER && error <= 1 && jump > 1 && !consistent) {
             consistent = 1;
-            status = remove_jump(m, step, room);
+            status = remove_jump(m, step, negligible(m, step, room));
             if (status != NS_OK || step->pair >= 0)
                 return status;
             continue;
@@ -269,6 +273,13 @@ static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
             time > ldexp(1, step->length_exponent - least)) {
             m->counts.trials++; /* a transient: it is resolved */
             step->length_exponent += (int)fmin(least - step->length_exponent, fmax(1, -log2(time) - 2));
+            continue;
+        }
+        if (step->stages == NS_ORDER && error <= 1 && jump > 1 && consistent == 1) {
+            consistent = 2; /* a transient that no step resolves: for the shortest ones it jumps */
+            status = remove_jump(m, step, ns_sparse_finest(m));
+            if (status != NS_OK || step->pair >= 0)
+                return status;
             continue;
         }
         if (error <= 1 || step->length_exponent >= shortest || tries >= shortest) {
