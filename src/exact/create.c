@@ -28,6 +28,8 @@ static size_t place_arrays(ns_exact *f, double *start) {
     f->X = next_array(&at, q);
     f->X_next = next_array(&at, q);
     f->X_before = next_array(&at, q);
+    f->order.X = next_array(&at, q);
+    f->order.instant = next_array(&at, n + m);
     f->way.X_from = next_array(&at, q);
     f->way.X_base = next_array(&at, q);
     f->way.X_prefix = next_array(&at, NS_PREFIXES * q);
@@ -64,8 +66,8 @@ static int allocate_arrays(ns_exact *f) {
     const size_t count = place_arrays(f, NULL);
     f->work.block = calloc(count + 1, sizeof(double));
     f->wanted = calloc(3 * m + 1, sizeof *f->wanted);
-    f->work.closed = calloc(3 * nc + 1, 1);
-    f->command_target = calloc(nc + 1, sizeof *f->command_target);
+    f->work.closed = calloc(7 * nc + 1, 1);
+    f->command_target = calloc(3 * nc + 1, sizeof *f->command_target);
     if (!f->work.block || !f->wanted || !f->work.closed || !f->command_target)
         return NS_E_MEMORY;
     (void)place_arrays(f, f->work.block);
@@ -73,6 +75,12 @@ static int allocate_arrays(ns_exact *f) {
     f->work.mode = f->impulse.mode + m;
     f->work.flip = f->work.closed + nc;
     f->flips = f->work.flip + nc;
+    f->order.first = f->flips + nc;
+    f->order.first_flips = f->order.first + nc;
+    f->order.due = f->order.first_flips + nc;
+    f->order.changed = f->order.due + nc;
+    f->order.first_target = f->command_target + nc;
+    f->order.target = f->order.first_target + nc;
     return NS_OK;
 }
 

@@ -11,6 +11,7 @@
  *   charge_rates.c    what an Euler step adds to the charges
  *   flows.c           charges summed from flows        input_series.c    what a step leaves off of inputs
  *   command_flips.c   which switches of the state change at an event
+ *   command_order.c   in which order, where one follows from another
  *   kernel.c          answers engine/kernel.h
  *   fallback.c        for how long the ladder goes on instead
  *   fast_parts.c      what rings, as parts of X   long_steps.c      steps longer than a ring
@@ -215,7 +216,17 @@ struct ns_exact {
     ns_mode *wanted;         /* m: the mode to be tried */
     ns_mode *command_target; /* nc: mode a flipped command goes to */
     unsigned char *flips;    /* nc: 1: this command by the state flipped in this event */
-    ns_impulse impulse;      /* of the impulse problem */
+    int jumped;              /* 1: something did in this event */
+    struct {
+        unsigned char *first, *first_flips; /* nc: point->flip and flips as the event began, */
+        ns_mode *first_target;              /* nc: and command_target */
+        unsigned char *due, *changed;       /* nc: commands that are to change, and that did */
+        ns_mode *target;                    /* nc: to what */
+        double *X;                          /* q: before the last one did */
+        double *instant;                    /* n+m: integrals of the trial as the event began, */
+        int any;                            /* if there were any */
+    } order;                                /* command_order.c */
+    ns_impulse impulse;                     /* of the impulse problem */
     const ns_mode_kernel *entered; /* of the mode entered last, if work.gone jumps; NULL: nothing does */
 
     /* a period of the sources */
@@ -358,12 +369,12 @@ int ns_exact_long_step(ns_exact *f, ns_time_scale *scale, double *rest, double *
 int ns_exact_is_over(const ns_exact *f);
 int ns_exact_advance(ns_exact *f, double t, ns_exact_step *step);
 
-/* mode_selection.c: the mode from here on, where this guard broke (it may be unknown), or (NS_GUARD_NONE)
+/* command_order.c: the mode from here on, where this guard broke (it may be unknown), or (NS_GUARD_NONE)
  * commands in point->flip (nc) changed and inputs jumped or turned; X moves if the state jumps.  point->flip
  * is cleared.  OK, GUARD: found none, nothing is changed; MEMORY. */
 int ns_exact_select_mode(ns_exact *f, int guard);
-/* The first mode, from X at t with commands as in the stepper; X moves if the state jumps.  Errors: those of
- * the impulse problem. */
+/* mode_selection.c: the first mode, from X at t with commands as in the stepper; X moves if the state jumps.
+ * Errors: those of the impulse problem. */
 int ns_exact_select_start(ns_exact *f);
 /* mode_entry.c: X freed of what the constraints of its mode do not allow: rounding. */
 void ns_exact_enter_consistent(ns_exact *f);

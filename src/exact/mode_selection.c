@@ -29,6 +29,7 @@ static void remember_successor(ns_exact_mode *from, ns_exact_mode *to, uint64_t 
 static void commit_mode(ns_exact *f, ns_exact_mode *k) {
     if (f->state.mode && f->state.mode != k)
         remember_successor(f->state.mode, k, f->undecided);
+    f->jumped |= f->entered != NULL;
     if (f->entered && f->point->instant)
         ns_exact_enter_count(f);
     ns_exact_take_next(f);
@@ -166,6 +167,7 @@ static int solve_impulse(ns_exact *f) {
         f->X[i] = ns_theta_jump_w(s, i, f->impulse.x, f->impulse.X, f->impulse.Lambda);
     memcpy(f->wanted, f->impulse.mode, (size_t)f->system->m);
     status = try_wanted(f, NS_EVIDENCE_IMPULSES, &goes_on);
+    f->jumped |= status == NS_OK && jumps;
     if (status != NS_OK)
         memcpy(f->X, s->past.w, bytes);
     else if (jumps && f->point->instant) {
@@ -191,9 +193,7 @@ static void forget_jumps(const ns_exact *f) {
         ns_instant_clear(f->point->instant);
 }
 
-/* by_guard: 1: a pair's guard broke, number `broken` of the present mode if that is known, or the mode held
- * for its jump only, so that another mode must follow; 0: inputs or commands changed. */
-static int try_candidates(ns_exact *f, int by_guard, int broken, int *goes_on) {
+int ns_exact_mode_after(ns_exact *f, int by_guard, int broken, int *goes_on) {
     *goes_on = 0;
     want_commands(f);
     int status = try_successors(f);
@@ -229,8 +229,7 @@ int ns_exact_select_start(ns_exact *f) {
     return status;
 }
 
-/* How well the instant is known at which a guard broke: its rounding divided by its rate. */
-static double event_time_error(ns_exact *f) {
+double ns_exact_event_time_error(ns_exact *f) {
     const double least = 4 * DBL_EPSILON * fabs(f->state.now.t);
     if (f->event_guard < 0)
         return least;
@@ -250,56 +249,10 @@ int ns_exact_select_known(ns_exact *f, ns_exact_mode *to, int guard) {
     if (guard >= 0)
         f->state.event_time_error += ns_exact_mode_time_scale(f, &until)->kernel->g; /* it is less */
     if (!ns_exact_mode_holds_clearly(f, to)) {
-        f->state.event_time_error = event_time_error(f);
+        f->state.event_time_error = ns_exact_event_time_error(f);
         if (ns_exact_mode_holds(f, to, NS_EVIDENCE_NONE, 0) != NS_VERDICT_HOLDS)
             return 0;
     }
     commit_mode(f, to);
     return 1;
-}
-
-/* Modes one after another, until no jump and no command leads on. */
-static int settle_modes(ns_exact *f, int by_guard) {
-    enum { MAX_JUMPS = 4 };
-    int goes_on = 0;
-    for (int round = 0; round <= 2 * f->system->nc + MAX_JUMPS; round++) {
-        const int broken = round == 0 && by_guard ? f->event_guard : -1;
-        const int status = try_candidates(f, by_guard || goes_on, broken, &goes_on);
-        if (status != NS_OK)
-            return status;
-        if (goes_on)
-            ns_exact_flips_clear(f);
-        else if (!ns_exact_flip_contradicted(f))
-            return NS_OK;
-        by_guard = 0;
-    }
-    return NS_GUARD; /* the ladder has those that never settle */
-}
-
-int ns_exact_select_mode(ns_exact *f, int guard) {
-    ns_exact_mode *const before = f->state.mode;
-    const size_t bytes = sizeof(double) * ((size_t)f->s->r + (size_t)f->inputs->nv);
-    memcpy(f->X_before, f->X, bytes);
-    ns_exact_note_size(f);
-    f->state.event_time_error = 4 * DBL_EPSILON * fabs(f->state.now.t);
-    f->event_guard = guard;
-    f->state.event_time_error = event_time_error(f);
-    for (int c = 0; c < f->system->nc; c++)
-        f->command_target[c] = NS_TARGET_TOGGLE;
-    memset(f->flips, 0, (size_t)f->system->nc);
-    int by_command = f->event_guard >= 0 && ns_exact_flip_of_guard(f);
-    if (guard != NS_GUARD_UNKNOWN)
-        by_command |= ns_exact_flip_met(f) > 0;
-    int status = settle_modes(f, guard != NS_GUARD_NONE && !by_command);
-    ns_exact_flips_clear(f);
-    if (f->failed != NS_OK)
-        status = f->failed;
-    if (status != NS_OK) {
-        memcpy(f->X, f->X_before, bytes);
-        f->state.mode = before;
-        forget_jumps(f);
-    } else if (f->overruled) {
-        ns_exact_event_quiet(f);
-    }
-    return status;
 }

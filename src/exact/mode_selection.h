@@ -39,6 +39,14 @@ int ns_exact_flip_contradicted(ns_exact *f);
 int ns_exact_flip_of_guard(ns_exact *f);
 int ns_exact_flip_met(ns_exact *f);
 
+/* mode_selection.c: to the mode that follows with the commands in point->flip changed.  by_guard: 1: a pair's
+ * guard broke, number `broken` of the present mode if that is known, or the mode held for its jump only, so
+ * that another mode must follow; 0: inputs or commands changed. */
+int ns_exact_mode_after(ns_exact *f, int by_guard, int broken, int *goes_on);
+
+/* How well the instant is known at which guard event_guard broke, s: its rounding divided by its rate. */
+double ns_exact_event_time_error(ns_exact *f);
+
 /* How a mode was proposed: among likely ones, by (P1) over a short step or by the guard that broke in the
  * step before, by the impulse problem. */
 typedef enum ns_evidence { NS_EVIDENCE_NONE, NS_EVIDENCE_STEP, NS_EVIDENCE_IMPULSES } ns_evidence;

@@ -7,9 +7,10 @@
 #include <string.h>
 
 static int allocate_arrays(ns_ladder *l) {
-    const size_t nz = (size_t)l->s->nz, nc = (size_t)l->s->nc;
-    l->z = calloc(3 * nz + 2 * nc + (size_t)l->s->n + (size_t)l->s->m + 1, sizeof(double));
-    l->due = calloc(3 * nc + nz + 1, 1);
+    const size_t nz = (size_t)l->s->nz, nc = (size_t)l->s->nc, all = (size_t)l->s->n + (size_t)l->s->m,
+                 past = ns_theta_past_size(l->step);
+    l->z = calloc(3 * nz + 2 * nc + 2 * all + 2 * past + 1, sizeof(double));
+    l->due = calloc(5 * nc + nz + 1, 1);
     if (!l->z || !l->due)
         return NS_E_MEMORY;
     l->z_left = l->z + nz;
@@ -17,9 +18,14 @@ static int allocate_arrays(ns_ladder *l) {
     l->apart = l->fall + nz;
     l->accepted_apart = l->apart + nc;
     l->instant = l->accepted_apart + nc;
+    l->order.instant = l->instant + all;
+    l->order.past = l->order.instant + all;
+    l->order.lone = l->order.past + past;
     l->crossed = l->due + nc;
     l->closed = l->crossed + nc;
-    l->active = l->closed + nc;
+    l->order.first = l->closed + nc;
+    l->order.due = l->order.first + nc;
+    l->active = l->order.due + nc;
     int status = ns_system_active_inputs(l->s, l->active);
     if (status == NS_OK)
         status = ns_inputs_events_create(l->s, NULL, &l->commands);

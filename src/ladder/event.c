@@ -109,11 +109,6 @@ int ns_ladder_short_try(ns_ladder *l, double h) {
     return status;
 }
 
-static void count_event(ns_ladder *l) {
-    l->events++;
-    (void)ns_events_count(&l->window, l->point->now.t, l->h);
-}
-
 /* The guard that broke was found by a step of the scheme.  An implicit one of the same length may not break
  * it, or (P1) may find that it held after all.  Longer ones are tried, up to a length at which nothing is
  * skipped, and only until the exact engine is to be asked again, as nothing bounds their error; if none
@@ -177,13 +172,6 @@ static double event_step(const ns_ladder *l) {
     return room > 64 * DBL_EPSILON * fabs(l->point->now.t) ? fmin(h, room) : h;
 }
 
-static int any(const unsigned char *flip, int count) {
-    for (int c = 0; c < count; c++)
-        if (flip[c])
-            return 1;
-    return 0;
-}
-
 /* A switch with hysteresis that changed twice at this instant (l->crossed) and has to again has no consistent
  * state, and the result would depend on h.  Without hysteresis it may hold its control at the threshold,
  * which steps average. */
@@ -199,33 +187,14 @@ int ns_ladder_event_contradicts(ns_ladder *l) {
     return 0;
 }
 
-int ns_ladder_event_resolve(ns_ladder *l) {
-    double h = event_step(l);
-    int status = NS_OK, changed = l->point->input_jumps || any(l->point->flip, l->s->nc);
-    count_event(l);
-    l->point->at_event = l->point->input_jumps = 0;
+int ns_ladder_short_change(ns_ladder *l, double *h, int changed) {
+    *h = *h > 0 ? *h : event_step(l);
+    ns_ladder_switch_apply(l, l->point->flip);
     for (int c = 0; c < l->s->nc; c++)
-        l->crossed[c] = 0;
-    /* one switch may make another one switch: at most so many rounds as there are changes of switches, and
-     * one */
-    for (int round = 0; round <= 2 * l->s->nc + 1; round++) {
-        ns_ladder_switch_apply(l, l->point->flip);
-        for (int c = 0; c < l->s->nc; c++)
-            l->crossed[c] = (unsigned char)(l->crossed[c] + (l->point->flip[c] && l->crossed[c] < 2));
-        ns_ladder_short_begin(l);
-        status = changed ? ns_ladder_short_try(l, h) : step_until_changed(l, &h);
-        if (status == NS_OK)
-            status = ns_ladder_short_settle(l, h);
-        if (status == NS_OK)
-            status = ns_ladder_short_commit(l);
-        if (status != NS_OK || !(changed = ns_ladder_switch_by_state(l, l->z, l->point->flip)))
-            break;
-    }
-    if (status == NS_OK && changed && ns_ladder_event_contradicts(l))
-        status = NS_E_LIMIT;
-    for (int c = 0; c < l->s->nc; c++)
-        l->point->flip[c] = 0;
+        l->crossed[c] = (unsigned char)(l->crossed[c] + (l->point->flip[c] && l->crossed[c] < 2));
+    ns_ladder_short_begin(l);
+    int status = changed ? ns_ladder_short_try(l, *h) : step_until_changed(l, h);
     if (status == NS_OK)
-        (void)ns_ladder_short_rates(l);
-    return status;
+        status = ns_ladder_short_settle(l, *h);
+    return status == NS_OK ? ns_ladder_short_commit(l) : status;
 }

@@ -3,6 +3,7 @@
  *   engine.c           made, started, asked        ladder.c   steps to a time or to the left side of an event
  *   state_switching.c  when commands cross         event.c    the right side of an event
  *   mirrored.c         commands that change with another one
+ *   command_order.c    commands that follow from another one
  */
 #ifndef NS_LADDER_INTERNAL_H
 #define NS_LADDER_INTERNAL_H
@@ -54,6 +55,14 @@ struct ns_ladder {
     unsigned char *closed;  /* nc: switches as commanded last */
     unsigned char *active;  /* nz: 1: a state, a pair or a command by the state may depend on it */
     /* events */
+    struct {
+        double *past, *lone;        /* the stepper's as the event began; before one command changed alone */
+        double *instant;            /* n+m: integrals of the trial as the event began, */
+        int any;                    /* if there were any */
+        ns_clock now;               /* when it began, */
+        long jumps, refused;        /* after so many, */
+        unsigned char *first, *due; /* nc: with which commands; those that are to change, or did */
+    } order;                        /* command_order.c */
     ns_jump jump;
     double *instant;   /* n+m: integrals of the trial before the short steps */
     int contradiction; /* the pair of a switch that contradicts itself, -1: none */
@@ -99,6 +108,9 @@ int ns_ladder_short_commit(ns_ladder *l);
 int ns_ladder_short_try(ns_ladder *l, double h);
 int ns_ladder_short_settle(ns_ladder *l, double h);
 int ns_ladder_short_rates(ns_ladder *l);
+/* Short steps with the commands in point->flip changed, and the jump that they show.  *h: their length, which
+ * may become longer; 0: it is chosen; changed: 0: no command and no input is, a guard broke. */
+int ns_ladder_short_change(ns_ladder *l, double *h, int changed);
 int ns_ladder_event_resolve(ns_ladder *l);
 /* 1 if a switch with hysteresis that changed twice at an instant (crossed) and has to again (point->flip)
  * contradicts itself: l->contradiction is its pair. */

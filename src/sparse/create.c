@@ -66,10 +66,13 @@ static void place_modes(ns_sparse *m) {
     m->work.tried_mode = m->before_event.mode + pairs;
     m->work.lcp_mode = m->work.tried_mode + pairs;
     m->work.lasting_mode = m->work.lcp_mode + pairs;
-    m->flip = (unsigned char *)(m->work.lasting_mode + pairs);
+    m->work.lone_mode = m->work.lasting_mode + pairs;
+    m->work.wanted = m->work.lone_mode + pairs;
+    m->flip = (unsigned char *)(m->work.wanted + pairs);
     m->touched = m->flip + pairs;
     m->changed = m->touched + pairs;
     m->before_event.changed = m->changed + nc;
+    m->due = m->before_event.changed + nc;
 }
 
 static int allocate_state(ns_sparse *m) {
@@ -77,7 +80,7 @@ static int allocate_state(ns_sparse *m) {
                  nz = (size_t)m->f->nz;
     double *numbers = calloc(14 * n + 3 * pairs + 8 * size + 3 * nz + 1, sizeof(double));
     m->w = numbers;
-    m->mode = calloc(10 * pairs + 2 * (size_t)m->s->nc + 1, 1);
+    m->mode = calloc(12 * pairs + 3 * (size_t)m->s->nc + 1, 1);
     m->chatter.flips = calloc(2 * pairs + 1, sizeof *m->chatter.flips);
     m->work.exact = calloc(size + 1, sizeof(long double));
     if (!numbers || !m->mode || !m->chatter.flips || !m->work.exact)

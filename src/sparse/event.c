@@ -4,6 +4,7 @@
  * guards it breaks change, until it breaks none.  The end of that step is not used, unless charges or fluxes
  * jump (project.c).
  */
+#include "event.h"
 #include "events/ties.h"
 #include "guards.h"
 #include "largest.h"
@@ -120,9 +121,7 @@ static int is_within_location(const ns_sparse *m, const double *by) {
     return 1;
 }
 
-/* A switch begins to slide on its threshold: w, which is off it by the error of a step, is moved there.  If
- * it is farther away the switch does not slide but changes as its control asks. */
-static int move_to_thresholds(ns_sparse *m, double t, double g, double *by) {
+int ns_sparse_event_to_thresholds(ns_sparse *m, double t, double g, double *by) {
     int any = 0, status = NS_OK;
     for (int c = 0; c < m->s->nc; c++) {
         any |= m->changed[c] == 2;
@@ -140,8 +139,7 @@ static int move_to_thresholds(ns_sparse *m, double t, double g, double *by) {
     return status;
 }
 
-/* Switches whose control m->v contradicts change, or slide; how many. */
-static int change_commands(ns_sparse *m, const ns_dense_step *step) {
+int ns_sparse_event_change_commands(ns_sparse *m, const ns_dense_step *step) {
     memcpy(m->work.mode, m->mode, (size_t)m->f->m);
     return ns_sparse_guard_commands(m, m->v, step, m->changed);
 }
@@ -149,9 +147,9 @@ static int change_commands(ns_sparse *m, const ns_dense_step *step) {
 int ns_sparse_event_consistent_all(ns_sparse *m, double t, double g, const ns_dense_step *step, double *by) {
     for (int round = 0;; round++) {
         int status = ns_sparse_event_consistent(m, t, g, m->w, m->v, by);
-        if (status != NS_OK || round >= COMMAND_ROUNDS || !change_commands(m, step))
+        if (status != NS_OK || round >= COMMAND_ROUNDS || !ns_sparse_event_change_commands(m, step))
             return status;
-        status = move_to_thresholds(m, t, g, by);
+        status = ns_sparse_event_to_thresholds(m, t, g, by);
         if (status != NS_OK)
             return status;
     }
@@ -201,15 +199,6 @@ void ns_sparse_event_own_changes(ns_sparse *m, const ns_dense_step *step, double
     memcpy(m->commanded_mode, m->mode, (size_t)m->f->m);
 }
 
-/* Where the step after the last event ended at once, what broke it was hidden by rounding, or by what is left
- * of a transient that no step resolves: the search begins with the mode that a longer step finds, and guards
- * that this mode breaks by no more than events are located to hold. */
-static void begin_with_longer_step(ns_sparse *m, double t, double g, double *by) {
-    memcpy(m->work.mode, m->mode, (size_t)m->f->m);
-    if (ns_sparse_event_consistent(m, t, g, m->w, m->v, by) != NS_OK)
-        ns_sparse_guard_set_mode(m, m->work.mode);
-}
-
 /* A jump that m->mode has in steps of length g, and that its pairs cannot carry: that mode follows later, and
  * other ones come before it within that time.  Where digits suffice for shorter steps nothing jumped. */
 static int refuse_jump(ns_sparse *m, double t, double g, ns_jump_kind *jump) {
@@ -224,8 +213,7 @@ static int refuse_jump(ns_sparse *m, double t, double g, ns_jump_kind *jump) {
     return NS_OK;
 }
 
-/* m->mode and m->w made consistent with one another by steps of length g; commands stay. */
-static int find_consistent(ns_sparse *m, double t, double g, ns_jump_kind *jump) {
+int ns_sparse_event_find(ns_sparse *m, double t, double g, ns_jump_kind *jump) {
     double *by = m->work.move;
     int status = NS_OK;
     *jump = NS_JUMPS;
@@ -243,37 +231,6 @@ static int find_consistent(ns_sparse *m, double t, double g, ns_jump_kind *jump)
     return status;
 }
 
-/* 1 if a switch with a hysteresis changed in the last of so many rounds: it can be neither open nor closed
- * here, and it cannot slide. */
-static int find_contradicting(ns_sparse *m) {
-    for (int c = 0; c < m->s->nc; c++) {
-        const ns_command *k = &m->s->command[c];
-        if (m->mode[k->pair] != m->work.mode[k->pair] && k->on > k->off)
-            m->contradicting_pair = k->pair;
-    }
-    return m->contradicting_pair >= 0;
-}
-
-/* m->mode and m->w to the right of an event by steps of length g.  Commands see the state after all jumps,
- * not the impulses; at a start every command that changes begins anew with the w that was given. */
-static int resolve_with(ns_sparse *m, const ns_dense_step *step, double t, double g, ns_jump_kind *jump) {
-    for (int round = 0;; round++) {
-        int status = find_consistent(m, t, g, jump);
-        (void)ns_inputs_stages_stage(m->in, t, g, 0, m->z); /* as m->v has them */
-        if (status != NS_OK || *jump == NS_LASTS || !change_commands(m, step))
-            return status;
-        if (round >= COMMAND_ROUNDS)
-            return find_contradicting(m) ? NS_E_LIMIT : status;
-        if (!step) {
-            memcpy(m->w, m->before_event.w, sizeof(double) * (size_t)m->f->n);
-            ns_sparse_instant_restore(m);
-        }
-        status = move_to_thresholds(m, t, g, m->work.move);
-        if (status != NS_OK)
-            return status;
-    }
-}
-
 void ns_sparse_event_save(ns_sparse *m) {
     memcpy(m->before_event.w, m->w, sizeof(double) * (size_t)m->f->n);
     memcpy(m->before_event.mode, m->mode, (size_t)m->f->m);
@@ -286,49 +243,4 @@ void ns_sparse_event_restore(ns_sparse *m) {
     memcpy(m->changed, m->before_event.changed, (size_t)m->s->nc);
     ns_sparse_instant_restore(m);
     ns_sparse_guard_set_mode(m, m->before_event.mode);
-}
-
-/* Steps of length g would lose a transient: shorter ones, until nothing lasts.  Where digits do not suffice
- * for these, the mode is that of the longest, nothing jumps, and the steps that follow resolve the transient.
- */
-static void resolve_transient(ns_sparse *m, const ns_dense_step *step, double t, double g) {
-    ns_jump_kind jump = NS_LASTS;
-    int status = NS_OK;
-    memcpy(m->work.lasting_mode, m->mode, (size_t)m->f->m);
-    m->longest_g = g;
-    while (status == NS_OK && jump == NS_LASTS) {
-        g = fmax(ldexp(g, -NS_FINER), ns_sparse_finest(m));
-        ns_sparse_event_restore(m);
-        status = resolve_with(m, step, t, g, &jump);
-    }
-    m->longest_g = 0;
-    if (status == NS_OK)
-        return;
-    ns_sparse_event_restore(m);
-    ns_sparse_guard_set_mode(m, m->work.lasting_mode);
-}
-
-/* The length of the Euler steps that resolve an event: negligible beside steps, and beside the time to the
- * next corner of a source. */
-static double negligible(const ns_sparse *m, const ns_dense_step *step, double t) {
-    const double least = ldexp(m->o.h, -NS_EVENT_LEAST_EXPONENT - m->o.finer);
-    const double g = ldexp(m->o.h, -NS_SHORT_EXPONENT - (step ? step->next_exponent + step->failures : 0));
-    return fmax(ns_sparse_step_negligible(g, least, m->in->corner - t), least);
-}
-
-int ns_sparse_event_resolve(ns_sparse *m, const ns_dense_step *step, double t) {
-    const int failures = step ? step->failures : 0;
-    double g = negligible(m, step, t);
-    ns_jump_kind jump;
-    m->counts.problems++;
-    if (failures == 1 || failures == 2)
-        begin_with_longer_step(m, t, ldexp(g, 5 * failures), m->work.move);
-    ns_sparse_event_save(m);
-    m->is_near = failures == 1 || failures == 2;
-    int status = resolve_with(m, step, t, g, &jump);
-    if (status == NS_OK && jump == NS_LASTS)
-        resolve_transient(m, step, t, g);
-    m->is_near = 0;
-    m->counts.events++;
-    return status;
 }

@@ -240,14 +240,23 @@ static double rounding_at_start(const ns_sparse *m, const double *v) {
     return control_rounding * most;
 }
 
+/* The same; others: what the control may be off by beside its own rounding. */
+static int contradicts(const ns_sparse *m, int c, const double *v, double others) {
+    return of_state(m, c) && margin(m, c, v, m->z, 1) <
+                                 -(others + m->apart[c] + ns_sparse_guard_control_rounding(m, c, v, m->z));
+}
+
+int ns_sparse_guard_contradicts(const ns_sparse *m, int c, const double *v) {
+    return contradicts(m, c, v, 0);
+}
+
 int ns_sparse_guard_commands(ns_sparse *m, const double *v, const ns_dense_step *step,
                              unsigned char *changed) {
     const double others = changed && !step ? rounding_at_start(m, v) : 0;
     int count = 0;
     for (int c = 0; c < m->s->nc; c++) {
         const int j = m->s->command[c].pair;
-        if (!of_state(m, c) || margin(m, c, v, m->z, 1) >=
-                                   -(others + m->apart[c] + ns_sparse_guard_control_rounding(m, c, v, m->z)))
+        if (!contradicts(m, c, v, others))
             continue;
         const int slides =
             changed && ns_events_slides(&m->s->command[c], changed[c]) && let_slide(m, c, v, step);

@@ -29,6 +29,8 @@ int ns_sparse_guard_flip(ns_sparse *m, int most);
  * (nc), or NULL), their switch slides from the mode of that step on. */
 int ns_sparse_guard_commands(ns_sparse *m, const double *v, const ns_dense_step *step,
                              unsigned char *changed);
+/* 1 if v contradicts command c by the state. */
+int ns_sparse_guard_contradicts(const ns_sparse *m, int c, const double *v);
 /* The largest y of pairs at a bound, and lambda of pairs inside, of a change v of (x, lambda). work.no_inputs
  * is zero. */
 void ns_sparse_guard_largest(const ns_sparse *m, const double *v, double *y, double *lambda);

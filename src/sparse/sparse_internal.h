@@ -182,6 +182,7 @@ typedef struct ns_sparse {
     double inputs_from;      /* s: an input was replaced then; -INFINITY: none was */
     int steep_steps;         /* so many in a row were shorter than h 2^-NS_LEAST_EXPONENT */
     int contradicting_pair;  /* the pair of a switch that can be neither open nor closed; -1: none */
+    unsigned char *due;      /* nc: command_order.c */
     ns_before_event before_event;  /* where its resolution began */
     ns_instant instant;            /* what jumped in the trial, or in the start */
     ns_mode_predictions predict;   /* of its mode */
@@ -201,20 +202,19 @@ typedef struct ns_sparse {
 
     /* scratch: nothing is kept there between calls of different files */
     struct {
-        double *w;                  /* n */
-        double *move;               /* n: by how much a step moves w */
-        double *rates;              /* n */
-        double *before_w, *right_w; /* n each: w before a jump, and after it */
-        double *removed;            /* n: what a jump takes from w, */
-        double *finer_removed;      /* n: and by a shorter step */
-        double *v, *residual;       /* n+m each */
-        double *projected;          /* n+m: a solution that is refined, */
-        long double *exact;         /* n+m: in more digits */
-        double *no_inputs;          /* nz: zero */
-        ns_mode *mode;              /* m */
-        ns_mode *tried_mode;        /* m: where a search for a mode began */
-        ns_mode *lcp_mode;          /* m: what (P1) answered */
-        ns_mode *lasting_mode;      /* m: of a step that is longer than a transient */
+        double *w, *rates;               /* n each */
+        double *move;                    /* n: by how much a step moves w */
+        double *before_w, *right_w;      /* n each: w before a jump, and after it */
+        double *removed, *finer_removed; /* n each: what a jump takes from w; and by a shorter step */
+        double *v, *residual;            /* n+m each */
+        double *projected;               /* n+m: a solution that is refined, */
+        long double *exact;              /* n+m: in more digits */
+        double *no_inputs;               /* nz: zero */
+        ns_mode *mode;                   /* m */
+        ns_mode *lone_mode, *wanted;     /* m each: command_order.c */
+        ns_mode *tried_mode;             /* m: where a search for a mode began */
+        ns_mode *lcp_mode;               /* m: what (P1) answered */
+        ns_mode *lasting_mode;           /* m: of a step that is longer than a transient */
     } work;
 
     /* watch.c: a point that is read while a trial is made, when the above is not to be touched */
@@ -391,7 +391,7 @@ void ns_sparse_event_own_changes(ns_sparse *m, const ns_dense_step *step, double
 int ns_sparse_event_consistent(ns_sparse *m, double t, double g, const double *w, double *v, double *by);
 /* The same, and commands of the state with it. */
 int ns_sparse_event_consistent_all(ns_sparse *m, double t, double g, const ns_dense_step *step, double *by);
-/* After ns_sparse_event_own_changes(), from m->w: m->mode and m->w to the right of the event. */
+/* command_order.c: after ns_sparse_event_own_changes(), from m->w: m->mode and m->w right of the event. */
 int ns_sparse_event_resolve(ns_sparse *m, const ns_dense_step *step, double t);
 
 /* local_lcp.c: as ns_sparse_event_consistent(), by (P1) of the pairs touched so far and those it breaks. */
