@@ -75,6 +75,41 @@ static void joined_gates(maker *m) {
     }
 }
 
+/* A gate that is the inverse of `from`: a closed switch pulls it down.  Three times, or once. */
+static const char *inverse_of(maker *m, const char *from, const char *name) {
+    const int stages = chance(m, 0.5) ? 1 : 3;
+    for (int i = 0; i < stages; i++) {
+        const char *gate = indexed(name, i);
+        contact(m, gate, "0", from, "0");
+        resistor(m, "one", gate, draw(m, 10, 1e5));
+        from = gate;
+    }
+    return from;
+}
+
+/* Legs as these, whose second gate follows from the first one without delay. */
+static void inverted_gates(maker *m) {
+    const int legs = 1 + draw_one(m, 3);
+    maker_times(m, draw(m, 1e4, 1e6), draw_even(m, 10, 60));
+    const double V = draw(m, 5, 400), I = draw(m, 0.3, 10), edge = chance(m, 0.5) ? 1e-9 : m->T * 0.01;
+    m->gate_rc = 0;
+    netlist_put(m->n, "V%d one 0 1", ++m->ids);
+    resistor(m, "src", "in", V / I * draw(m, 0.1, 1));
+    netlist_put(m->n, "V%d src 0 %.4g", ++m->ids, V);
+    plain_c(m, "in", "0", m->T * I / V * draw(m, 1, 30), V);
+    for (int i = 0; i < legs; i++) {
+        const char *h = indexed("h", i), *x = indexed("x", i), *y = indexed("y", i);
+        netlist_put(m->n, "V%d %s 0 PULSE(0 1 %.17g %.17g %.17g %.17g %.17g)", ++m->ids, h,
+                    draw_even(m, 0, 1) * m->T, edge, edge, draw_even(m, 0.2, 0.8) * m->T - edge, m->T);
+        const char *k = inverse_of(m, h, indexed("k", i));
+        const int swapped = chance(m, 0.5);
+        mosfet(m, "in", x, swapped ? k : h);
+        mosfet(m, x, "0", swapped ? h : k);
+        inductor(m, x, y, fit_l(m, V, I), 0);
+        resistor(m, y, "0", V / I);
+    }
+}
+
 /* A resonant half wave ends exactly when the gate falls: pi sqrt(LC) is the pulse's width. */
 static void edge_at_commutation(maker *m) {
     maker_times(m, draw(m, 1e4, 1e6), draw_even(m, 10, 40));
@@ -179,6 +214,7 @@ static void beats(maker *m) {
 const family families_ties[] = {{"alike", alike},
                                 {"complementary", complementary},
                                 {"joined-gates", joined_gates},
+                                {"inverted-gates", inverted_gates},
                                 {"edge-at-commutation", edge_at_commutation},
                                 {"corners", corners},
                                 {"short-pulses", short_pulses},
