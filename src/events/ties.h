@@ -39,6 +39,10 @@ static inline int ns_events_slides(const ns_command *of, int changed_before) {
     return changed_before && of->gx && of->on == of->off;
 }
 
+/* Where a charge or flux moves by no more than this, relative to the largest, commands do not wait for one
+ * another: w is consistent but for its rounding. */
+static const double ns_events_jump_waits = 1e-6;
+
 /* How it slides; side: its current, or what it blocks backwards: (y, lambda) are both positive, or negative.
  */
 static inline ns_mode ns_events_sliding_mode(double side) {

@@ -6,6 +6,7 @@
  * those that would make something jump wait, and change together.  So two switches of a leg are never both
  * closed between two states of their gates, and no capacitor is emptied through them.
  */
+#include "events/ties.h"
 #include "mode_selection.h"
 
 #include <string.h>
@@ -49,6 +50,16 @@ static void go_back(ns_exact *f, ns_exact_mode *before) {
     forget_jumps(f);
 }
 
+/* 1 if X is another one than before the last command. */
+static int has_jumped(const ns_exact *f) {
+    double most = 0, largest = 0;
+    for (int i = 0; i < f->s->r; i++) {
+        most = fmax(most, fabs(f->X[i] - f->order.X[i]) / f->s->unit[i]);
+        largest = fmax(largest, f->max_abs[i] / f->s->unit[i]);
+    }
+    return !(most <= ns_events_jump_waits * largest);
+}
+
 /* Command c changes alone: 1; 0: not without a jump. */
 static int change_alone(ns_exact *f, int c) {
     ns_exact_mode *const mode = f->state.mode;
@@ -57,7 +68,7 @@ static int change_alone(ns_exact *f, int c) {
     ns_exact_flips_clear(f);
     f->point->flip[c] = 1;
     f->command_target[c] = f->order.target[c];
-    if (ns_exact_mode_after(f, 0, -1, &goes_on) == NS_OK && !goes_on && !f->jumped) {
+    if (ns_exact_mode_after(f, 0, -1, &goes_on) == NS_OK && !goes_on && !has_jumped(f)) {
         f->order.due[c] = 0;
         return f->order.changed[c] = 1;
     }

@@ -5,8 +5,10 @@
  * the inverse of another one: those change first whose change makes nothing jump, and what follows from that;
  * those that would make something jump wait, and change together.
  */
+#include "events/ties.h"
 #include "ladder_internal.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { DUE = 1, CHANGED = 2 }; /* a command, in l->order.due */
@@ -38,13 +40,15 @@ static void go_back(ns_ladder *l) {
         ns_instant_add(at, 0, at->size, 1, l->order.instant);
 }
 
-/* Short steps with the commands in point->flip changed; *jumped: 1: something did. */
-static int change(ns_ladder *l, int *jumped) {
-    const long before = l->jump.jumps + l->jump.refused;
-    double h = 0;
-    const int status = ns_ladder_short_change(l, &h, 1);
-    *jumped = l->jump.jumps + l->jump.refused > before;
-    return status;
+/* 1 if w is another one than at a point that was kept, which begins with w. */
+static int has_jumped(const ns_ladder *l, const double *kept) {
+    const ns_theta *s = l->step;
+    double most = 0, largest = 0;
+    for (int i = 0; i < s->r; i++) {
+        most = fmax(most, fabs(s->past.w[i] - kept[i]) / s->unit[i]);
+        largest = fmax(largest, fabs(kept[i]) / s->unit[i]);
+    }
+    return !(most <= ns_events_jump_waits * largest);
 }
 
 /* Command c changes alone: 1; 0: not without a jump. */
@@ -52,11 +56,11 @@ static int change_alone(ns_ladder *l, int c) {
     const ns_instant *at = l->point->instant;
     const ns_clock now = l->point->now;
     const long jumps = l->jump.jumps, refused = l->jump.refused;
-    int jumped;
+    double h = 0;
     ns_theta_save(l->step, l->order.lone);
     memset(l->point->flip, 0, (size_t)l->s->nc);
     l->point->flip[c] = 1;
-    if (change(l, &jumped) == NS_OK && !jumped) {
+    if (ns_ladder_short_change(l, &h, 1) == NS_OK && !has_jumped(l, l->order.lone)) {
         l->order.due[c] = CHANGED;
         return 1;
     }
@@ -103,7 +107,8 @@ static int any_by_state(const ns_ladder *l) {
 
 /* From there.  Errors: LIMIT: there is no such order, or what follows in it contradicts itself. */
 static int settle_in_order(ns_ladder *l) {
-    int status = NS_OK, jumped, left = 0;
+    double h = 0;
+    int status = NS_OK, left = 0;
     if (!any_by_state(l))
         return NS_E_LIMIT;
     go_back(l);
@@ -112,7 +117,7 @@ static int settle_in_order(ns_ladder *l) {
         return NS_E_LIMIT;
     for (int c = 0; c < l->s->nc; c++)
         left += l->point->flip[c] = l->order.due[c] == DUE;
-    status = left ? change(l, &jumped) : NS_OK;
+    status = left ? ns_ladder_short_change(l, &h, 1) : NS_OK;
     return status == NS_OK && ns_ladder_switch_by_state(l, l->z, l->point->flip) ? NS_E_LIMIT : status;
 }
 
@@ -131,7 +136,6 @@ static int any(const unsigned char *flip, int count) {
 /* One switch may make another one switch: at most so many rounds as there are changes of switches, and one.
  * *hasty: 1: one changes after something jumped, which might not have jumped had that changed before. */
 static int change_at_once(ns_ladder *l, int changed, int *hasty) {
-    const long jumps = l->jump.jumps + l->jump.refused;
     double h = 0;
     int status = NS_OK;
     *hasty = 0;
@@ -140,7 +144,7 @@ static int change_at_once(ns_ladder *l, int changed, int *hasty) {
         status = ns_ladder_short_change(l, &h, changed);
         if (status != NS_OK || !(changed = ns_ladder_switch_by_state(l, l->z, l->point->flip)))
             break;
-        *hasty |= l->jump.jumps + l->jump.refused > jumps;
+        *hasty |= has_jumped(l, l->order.past);
     }
     return status == NS_OK && changed && ns_ladder_event_contradicts(l) ? NS_E_LIMIT : status;
 }

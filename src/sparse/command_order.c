@@ -5,7 +5,9 @@
  * another one: see exact/command_order.c.
  */
 #include "event.h"
+#include "events/ties.h"
 #include "guards.h"
+#include "largest.h"
 
 #include <string.h>
 
@@ -29,6 +31,13 @@ static int undo_commands(ns_sparse *m, const ns_dense_step *step) {
     return count;
 }
 
+/* 1 if w is another one than before the event. */
+static int has_jumped(ns_sparse *m) {
+    for (int i = 0; i < m->f->n; i++)
+        m->work.move[i] = m->w[i] - m->before_event.w[i];
+    return !(ns_sparse_largest_of(m, m->work.move) <= ns_events_jump_waits * ns_sparse_largest_size(m));
+}
+
 /* m->mode and m->w as they are with command c changed alone: 1; 0: not without a jump. */
 static int change_alone(ns_sparse *m, double t, double g, int c) {
     const int j = m->s->command[c].pair;
@@ -37,7 +46,7 @@ static int change_alone(ns_sparse *m, double t, double g, int c) {
     memcpy(m->work.lone_mode, m->mode, (size_t)m->f->m);
     m->mode[j] = m->work.wanted[j];
     ns_sparse_guard_bounds(m);
-    if (ns_sparse_event_find(m, t, g, &jump) == NS_OK && jump == NS_NO_JUMP && m->counts.jumps == jumps) {
+    if (ns_sparse_event_find(m, t, g, &jump) == NS_OK && jump == NS_NO_JUMP && !has_jumped(m)) {
         m->due[c] = CHANGED;
         return 1;
     }

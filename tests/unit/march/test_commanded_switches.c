@@ -227,14 +227,15 @@ static void known_and_found_in_one_instant(void **state) {
  * round; deep: behind two more such inverters.  Where one gate rises the other falls in the same instant, and
  * the leg is never a short circuit: C and what `snubber` (F) holds discharge by R while s1 is closed, and
  * that is charged from C when it closes, and emptied when s2 does.  (C lost all 100 V, by each engine.) */
-static void invert_a_gate(ns_method method, int which, int deep, double snubber) {
+static void invert_a_gate(ns_method method, int which, int deep, double snubber, double ron) {
     enum { IN = 1, A, H, ONE, G, G2, G3, PULL };
     const double C = 1e-6, R = 100, high = 3.337e-6, other = 1e-5 - high;
     const int last = deep ? G3 : G;
     const ns_signal one = {.kind = NS_DC, .u.dc = 1};
+    const ns_switch leg = {0.5, 0, ron, INFINITY};
     rig k = begin();
-    contact(&k, "s1", IN, A, which == 1 ? H : last, 0.5);
-    contact(&k, "s2", A, 0, which == 1 ? last : H, 0.5);
+    assert_int_equal(ns_circuit_switch(k.c, "s1", IN, A, which == 1 ? H : last, 0, &leg, NULL), NS_OK);
+    assert_int_equal(ns_circuit_switch(k.c, "s2", A, 0, which == 1 ? last : H, 0, &leg, NULL), NS_OK);
     contact(&k, "s3", G, 0, H, 0.5);
     assert_int_equal(ns_circuit_source(k.c, "one", NS_VOLTAGE, ONE, 0, &one, NULL), NS_OK);
     resistor(&k, "r3", ONE, G, 1e3);
@@ -258,8 +259,9 @@ static void invert_a_gate(ns_method method, int which, int deep, double snubber)
 }
 
 static void inverted_gate(void **state) {
-    for (int i = 0; i < 8; i++)
-        invert_a_gate(*(const ns_method *)*state, 1 + i % 2, i / 2 % 2, i < 4 ? 0 : 1e-9);
+    for (int i = 0; i < 16; i++)
+        invert_a_gate(*(const ns_method *)*state, 1 + i % 2, i / 2 % 2, i / 4 % 2 ? 1e-9 : 0,
+                      i < 8 ? 0 : 1e-9);
 }
 
 /* A leg at an ideal source, with a coil that no diode takes over: the same as with gates from two sources. */
