@@ -12,6 +12,8 @@
 static const double min_jump = 1e-12;
 /* Where w is slow, |D^8 w| is far below this part of |D w|. */
 static const double slow_ratio = 1e-6;
+/* A voltage so many times as large as what a resistance drops may be the sum of several of these. */
+static const double drops = 16;
 /* Rounding of an impulse relative to the largest. */
 static const double impulse_tol = 1e-9;
 /* An impulse that adds less than this part to its guard over the Euler step counts as zero. */
@@ -142,12 +144,33 @@ void ns_exact_enter_consistent(ns_exact *f) {
     ns_exact_take_next(f);
 }
 
-/* The impulse of guard g over the Euler step, from the charges that jump. */
-static double impulse_of(const ns_exact *f, const ns_mode_kernel *k, int g) {
+/* Guard g at the end of the Euler step from so many entries of X. */
+static double guard_after_step(const ns_mode_kernel *k, int g, int entries, const double *X) {
     double sum = 0;
-    for (int i = 0; i < k->r; i++)
-        sum += k->guard_powers[(size_t)g + (size_t)i * (size_t)(NS_ORDER * k->rows)] * f->work.gone[i];
+    for (int i = 0; i < entries; i++)
+        sum += k->guard_powers[(size_t)g + (size_t)i * (size_t)(NS_ORDER * k->rows)] * X[i];
     return sum;
+}
+
+/* What the resistances of pairs drop at most, as what jumps flows through them in the Euler step. */
+static double largest_drop(const ns_exact *f, const ns_mode_kernel *k) {
+    const size_t n = (size_t)f->system->n, m = (size_t)f->system->m;
+    double most = 0;
+    for (size_t j = 0; j < m; j++) {
+        const double ohm = f->system->D[j + j * m];
+        double lambda = 0;
+        for (size_t i = 0; i < (size_t)k->r && ohm != 0; i++)
+            lambda += k->step_x_lambda[n + j + i * (n + m)] * f->work.gone[i];
+        most = ns_higher(most, fabs(ohm * lambda));
+    }
+    return most;
+}
+
+/* 1 if guard g is that of a pair that blocks, and holds in the whole step, with what does not jump, and its
+ * impulse is no more than such a drop: so it is none of y, which would be more than anything else. */
+static int blocks(const ns_exact *f, const ns_mode_kernel *k, int g) {
+    return k->row[g].to == NS_INSIDE && f->work.impulse[g] >= -drops * largest_drop(f, k) &&
+           guard_after_step(k, g, k->q, f->X) >= 0;
 }
 
 /* What the impulse of guard g may be off by.  The rate is that after the jump: before it, in a kernel of
@@ -171,10 +194,11 @@ static double least_impulse(const ns_exact *f, const ns_mode_kernel *k, int g, d
 
 int ns_exact_enter_fits(ns_exact *f, const ns_mode_kernel *k) {
     for (int g = 0; g < k->pair_rows; g++)
-        f->work.impulse[g] = impulse_of(f, k, g);
+        f->work.impulse[g] = guard_after_step(k, g, k->r, f->work.gone);
     const double most = largest_impulse(f, k);
     for (int g = 0; g < k->pair_rows; g++)
-        if (f->work.impulse[g] < -impulse_tol * most && f->work.impulse[g] < -least_impulse(f, k, g, most))
+        if (f->work.impulse[g] < -impulse_tol * most && f->work.impulse[g] < -least_impulse(f, k, g, most) &&
+            !blocks(f, k, g))
             return 0;
     return 1;
 }

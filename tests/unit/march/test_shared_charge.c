@@ -72,7 +72,8 @@ static void share_in_no_time(void **state) {
 }
 
 int main(void) {
-    static ns_method sparse = NS_SPARSE;
-    const struct CMUnitTest tests[] = {{"share in no time, sparse", share_in_no_time, NULL, NULL, &sparse}};
+    static ns_method exact = NS_EXACT, sparse = NS_SPARSE;
+    const struct CMUnitTest tests[] = {{"share in no time, exact", share_in_no_time, NULL, NULL, &exact},
+                                       {"share in no time, sparse", share_in_no_time, NULL, NULL, &sparse}};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
