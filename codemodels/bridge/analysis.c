@@ -89,6 +89,11 @@ static void choose_judged(const ns_analysis *a, unsigned char *shown, unsigned c
         shown[o->mosfet.gate] = 1;
         kind[a->system->n + pair] = CURRENT;
     }
+    for (int k = 0; k < a->ex.digital.ninputs; k++) {
+        const ns_digital_input *in = &a->ex.digital.input[k];
+        if (in->control) /* its phase is that of the lines between points */
+            shown[in->p] = shown[in->n] = 1;
+    }
 }
 
 /* Voltages and currents that are in the plot; of devices all currents, if one is. */

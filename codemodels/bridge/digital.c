@@ -1,4 +1,5 @@
 /* bridge/digital.c - XSPICE's digital parts while an analysis runs. */
+#include "digital_control.h"
 #include "digital_run.h"
 #include "report.h"
 
@@ -72,6 +73,8 @@ int ns_bridge_digital_begin(ns_session *s) {
         const double v = ns_bridge_digital_plain(s, in);
         in->above_low = v > in->low + near * fabs(in->low);
         in->above_high = in->above_low && v >= in->high - near * fabs(in->high);
+        if (in->control)
+            ns_bridge_digital_control_begin(in->control, s->ckt, s->trial.t, v);
     }
     d->short_steps = FIRST_POINTS;
     d->reach = short_step;
@@ -171,6 +174,9 @@ int ns_bridge_digital_accept(ns_session *s) {
     int any, status;
     if (!ns_bridge_digital_is(d))
         return NS_OK;
+    for (int k = 0; k < d->ninputs; k++)
+        if (d->input[k].control)
+            ns_bridge_digital_control_accept(d->input[k].control, s->ckt->CKTtime);
     status = set_outputs(s, &any);
     if (status == NS_OK && (any || d->crossed)) {
         status = watch(s);
@@ -183,11 +189,24 @@ int ns_bridge_digital_accept(ns_session *s) {
 }
 
 int ns_bridge_digital_fail_late(const ns_session *s) {
+    const ns_digital *d = &s->analysis.ex.digital;
+    const char *name = "a digital part", *model = "of the last event";
+    double last = -INFINITY;
+    for (int k = 0; k < d->ninputs; k++) {
+        const char *of, *is;
+        const double t =
+            d->input[k].control ? ns_bridge_digital_control_last(d->input[k].control, &of, &is) : -INFINITY;
+        if (t > last) {
+            last = t;
+            name = of;
+            model = is;
+        }
+    }
     ns_bridge_report_error(
-        "at t = %g s: a d_osc or d_pwm changed its output at a time that was already simulated: its control "
-        "changes its frequency or duty cycle by several percent within one period, which is not "
-        "supported: let the control change more slowly",
-        s->ckt->CKTtime);
+        "at t = %g s: %s (%s) changed its output at a time that was already simulated: its "
+        "control changes its frequency or duty cycle too much between two timepoints, "
+        "which is not supported: let it change more slowly, or give .tran a tmax",
+        s->ckt->CKTtime, name, model);
     return ns_bridge_report_code(NS_E_STATE);
 }
 
@@ -219,6 +238,21 @@ int ns_bridge_digital_goes_on(ns_session *s, int status) {
 
 /* --- ngspice's queue of events --- */
 
+/* d_osc and d_pwm foresee their next edges by their controls, which may go elsewhere at a corner. */
+static double until_controls(const ns_session *s, double t, double closest) {
+    const ns_digital *d = &s->analysis.ex.digital;
+    const ns_system *system = s->analysis.system;
+    if (!ns_bridge_digital_has_controls(d))
+        return INFINITY;
+    const int at_corner = ns_bridge_timepoints_corner(system, t - closest) <= t;
+    const double tmax = s->analysis.many.tmax > 0.0 ? s->analysis.many.tmax : INFINITY;
+    double until = fmin(t + tmax, ns_bridge_timepoints_corner(system, t));
+    for (int k = 0; k < d->ninputs; k++)
+        if (d->input[k].control)
+            until = fmin(until, ns_bridge_digital_control_until(d->input[k].control, t, at_corner));
+    return fmax(until, t + closest);
+}
+
 double ns_bridge_digital_until(ns_session *s, double until, double closest) {
     ns_digital *d = digital_of(s);
     const double t = s->ckt->CKTtime;
@@ -228,5 +262,7 @@ double ns_bridge_digital_until(ns_session *s, double until, double closest) {
         until = fmin(until, t + d->reach * closest);
         d->short_steps--;
     }
+    if (d->reach <= short_step)
+        until = fmin(until, until_controls(s, t, closest));
     return fmin(until, fmax(ns_bridge_digital_next_event(d, s->ckt), t + closest));
 }

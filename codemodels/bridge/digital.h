@@ -12,14 +12,17 @@
 
 struct ns_extract_walk;
 
+typedef struct ns_digital_control ns_digital_control; /* digital_control.h */
+
 /* An analog input of an instance that puts out digital ones. */
 typedef struct ns_digital_input {
     MIFinstance *inst;
     Mif_Port_Data_t *port;
-    int p, n;                  /* equations whose difference it is; 0: none */
-    int is_bridge;             /* of an adc_bridge: */
-    double low, high;          /* V or A: 0 up to low, 1 from high on, between them unknown */
-    int above_low, above_high; /* the sides on which it is */
+    int p, n;                    /* equations whose difference it is; 0: none */
+    int is_bridge;               /* of an adc_bridge: */
+    double low, high;            /* V or A: 0 up to low, 1 from high on, between them unknown */
+    int above_low, above_high;   /* the sides on which it is */
+    ns_digital_control *control; /* of d_osc and d_pwm; else NULL */
 } ns_digital_input;
 
 /* An output of a dac_bridge. */
@@ -70,6 +73,8 @@ void ns_bridge_digital_clear(ns_digital *d);
 static inline int ns_bridge_digital_is(const ns_digital *d) {
     return d->ninputs > 0 || d->noutputs > 0;
 }
+/* 1 if there is a d_osc or d_pwm. */
+int ns_bridge_digital_has_controls(const ns_digital *d);
 /* 1 if something else than an adc_bridge has an analog input: d_osc, for example. */
 int ns_bridge_digital_has_others(const ns_digital *d);
 

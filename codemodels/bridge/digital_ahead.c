@@ -4,6 +4,7 @@
  * ngspice itself takes the events on its way to the next timepoint, each at its time.  So a timepoint is
  * needed only where the circuit may change: an event at a node from which no dac_bridge is reached but
  * through parts with delays needs none for as long as the shortest way takes. */
+#include "digital_control.h"
 #include "digital_run.h"
 #include "foreign.h"
 
@@ -135,10 +136,32 @@ static double matters_at(const ns_digital *d, int node, double t) {
     return t + (lag.by_several ? before : 1.0) * lag.seconds;
 }
 
+/* The control of an instance, if that is one of d_osc or d_pwm. */
+static const ns_digital_control *control_of(const ns_digital *d, const MIFinstance *inst) {
+    for (int k = 0; k < d->ninputs; k++)
+        if (d->input[k].inst == inst && d->input[k].control)
+            return d->input[k].control;
+    return NULL;
+}
+
+/* The next call of an instance that asked for one.  d_osc and d_pwm ask at each point; of these calls the one
+ * at their present edge matters. */
+static double next_call(const ns_digital *d, const CKTcircuit *ckt) {
+    const Evt_Inst_Queue_t *queue = &ckt->evt->queue.inst;
+    double t = INFINITY;
+    for (int k = 0; k < queue->num_pending; k++) {
+        const int index = queue->pending_index[k];
+        const Evt_Inst_Event_t *e = *queue->current[index];
+        const ns_digital_control *c = control_of(d, ckt->evt->info.inst_table[index]->inst_ptr);
+        const double queued = e ? e->event_time : INFINITY;
+        t = fmin(t, c ? ns_bridge_digital_control_edge(c, queued) : queued);
+    }
+    return t;
+}
+
 double ns_bridge_digital_next_event(const ns_digital *d, const CKTcircuit *ckt) {
-    const Evt_Inst_Queue_t *inst = &ckt->evt->queue.inst;
     const Evt_Output_Queue_t *out = &ckt->evt->queue.output;
-    double t = inst->num_pending > 0 ? inst->next_time : INFINITY;
+    double t = next_call(d, ckt);
     for (int k = 0; k < out->num_pending; k++) {
         const int index = out->pending_index[k];
         const Evt_Output_Event_t *e = *out->current[index];

@@ -1,5 +1,6 @@
 /* bridge/digital_read.c - XSPICE's digital parts read: bridges between them and the circuit. */
 #include "digital.h"
+#include "digital_control.h"
 #include "extract_walk.h"
 
 #include <math.h>
@@ -58,7 +59,8 @@ static int read_port(ns_extract_walk *w, MIFinstance *inst, ns_digital_input *to
     }
 }
 
-static int add_input(ns_extract_walk *w, MIFinstance *inst, Mif_Port_Data_t *port, int is_bridge) {
+static int add_input(ns_extract_walk *w, MIFinstance *inst, Mif_Port_Data_t *port, const char *model) {
+    const int is_bridge = strcmp(model, "adc_bridge") == 0;
     ns_digital *d = &w->ex->digital;
     ns_digital_input in = {.inst = inst, .port = port, .is_bridge = is_bridge};
     ns_digital_input *more = realloc(d->input, (size_t)(d->ninputs + 1) * sizeof *more);
@@ -70,7 +72,8 @@ static int add_input(ns_extract_walk *w, MIFinstance *inst, Mif_Port_Data_t *por
         in.high = fmax(in.low, ns_bridge_models_real(inst, ADC_HIGH));
         ns_bridge_extract_mix(w, &in.low, 2 * sizeof in.low);
     }
-    const int status = read_port(w, inst, &in);
+    int status = read_port(w, inst, &in);
+    status = status ? status : ns_bridge_digital_control_make(&in, model);
     if (status == NS_OK)
         d->input[d->ninputs++] = in;
     return status;
@@ -151,12 +154,12 @@ static int has_analog(const MIFinstance *inst, int of_output) {
 }
 
 /* What only puts out digital values runs in ngspice; it is given the values of its analog inputs. */
-static int read_inputs(ns_extract_walk *w, MIFinstance *inst, int is_bridge) {
+static int read_inputs(ns_extract_walk *w, MIFinstance *inst, const char *model) {
     int status = NS_OK;
     for (int i = 0; i < inst->num_conn && status == NS_OK; i++)
         for (int k = 0; !inst->conn[i]->is_null && k < inst->conn[i]->size && status == NS_OK; k++)
             if (!inst->conn[i]->port[k]->is_null && !is_digital(inst->conn[i]->port[k]))
-                status = add_input(w, inst, inst->conn[i]->port[k], is_bridge);
+                status = add_input(w, inst, inst->conn[i]->port[k], model);
     return status;
 }
 
@@ -172,7 +175,7 @@ int ns_bridge_digital_read(ns_extract_walk *w, MIFinstance *inst, const char *mo
     if (status == NS_OK && has_analog(inst, 1))
         return refuse(w, inst, model,
                       "of those that put out analog values of digital ones, dac_bridge alone is");
-    return status ? status : read_inputs(w, inst, strcmp(model, "adc_bridge") == 0);
+    return status ? status : read_inputs(w, inst, model);
 }
 
 int ns_bridge_digital_state(const Mif_Port_Data_t *port) {
@@ -189,6 +192,13 @@ int ns_bridge_digital_is_undefined(const ns_digital *d, int node) {
     return any;
 }
 
+int ns_bridge_digital_has_controls(const ns_digital *d) {
+    int any = 0;
+    for (int k = 0; k < d->ninputs; k++)
+        any = any || d->input[k].control;
+    return any;
+}
+
 int ns_bridge_digital_has_others(const ns_digital *d) {
     int others = 0;
     for (int k = 0; k < d->ninputs; k++)
@@ -197,6 +207,8 @@ int ns_bridge_digital_has_others(const ns_digital *d) {
 }
 
 void ns_bridge_digital_clear(ns_digital *d) {
+    for (int k = 0; k < d->ninputs; k++)
+        ns_bridge_digital_control_free(d->input[k].control);
     free(d->input);
     free(d->output);
     free(d->threshold);

@@ -98,7 +98,7 @@ static int fits(const SPICEdev *model, const MIFinstance *inst) {
     return 1;
 }
 
-static const SPICEdev *find_model(const MIFinstance *inst, int type) {
+static SPICEdev *find_model(const MIFinstance *inst, int type) {
     libraries all = {0};
     int first[LIBRARIES];
     list_libraries(&all);
@@ -114,11 +114,11 @@ static const SPICEdev *find_model(const MIFinstance *inst, int type) {
 
 /* A type keeps its number, so what was found is kept: to list the libraries takes half a million
  * instructions. */
-const IFdevice *ns_bridge_foreign_type(const MIFinstance *inst) {
+IFdevice *ns_bridge_foreign_type(const MIFinstance *inst) {
     enum { KEPT = 64 };
     static struct {
         int type;
-        const SPICEdev *model;
+        SPICEdev *model;
     } kept[KEPT];
     const int type = inst->gen.GENmodPtr->GENmodType, at = type % KEPT;
     if (!kept[at].model || kept[at].type != type || !fits(kept[at].model, inst)) {

@@ -9,6 +9,6 @@
 const char *ns_bridge_foreign_model(const MIFinstance *inst);
 
 /* What that library says of the model; NULL: it is not known. */
-const IFdevice *ns_bridge_foreign_type(const MIFinstance *inst);
+IFdevice *ns_bridge_foreign_type(const MIFinstance *inst);
 
 #endif

@@ -14,7 +14,7 @@ static void remove_all_breaks(ns_timepoints *p) {
 
 /* The inputs' own corners: ngspice sets the breakpoint of a source's next corner only if it cut its step to
  * arrive at the one before, for SIN and EXP never, and cuts its step to a tenth after each. */
-static double next_corner(const ns_system *s, double t) {
+double ns_bridge_timepoints_corner(const ns_system *s, double t) {
     double corner = INFINITY;
     for (int i = 0; i < s->nz; i++)
         corner = fmin(corner, ns_signal_next_corner(&s->z[i], t));
@@ -36,7 +36,7 @@ static double next_shown(ns_timepoints *p, const ns_system *s, double t_accepted
     const double now = fmax(p->t, t_accepted);
     double stop = p->stop;
     if (p->at_corners && !(p->next_corner > now))
-        p->next_corner = next_corner(s, now);
+        p->next_corner = ns_bridge_timepoints_corner(s, now);
     if (p->at_corners)
         stop = fmin(stop, p->next_corner);
     remove_all_breaks(p);

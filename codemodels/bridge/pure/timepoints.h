@@ -39,6 +39,9 @@ static inline int ns_bridge_timepoints_at_events(const ns_timepoints *p) {
     return p->at_corners && p->t >= p->start;
 }
 
+/* The first corner of an input of s after t, s; INFINITY: none. */
+double ns_bridge_timepoints_corner(const ns_system *s, double t);
+
 /* The next timepoint if no event comes before it: on the grid of p->step, or at a corner of the inputs of s;
  * always after t_accepted.  Removes ngspice's breakpoints; sets the longest step. */
 double ns_bridge_timepoints_next(ns_timepoints *p, const ns_system *s, double t_accepted);
