@@ -19,7 +19,7 @@
 #                ngspice ends with N in place of 0; with `* alone: FILE` ngspice begins without code models, and its FILE lies there, after `* never: REGEX` no line of output matches
 #   README       the netlist that README.md shows: its measurements are what the text below it says
 # errors/ also fail if ngspice blames its matrix, all others on a rejected time point and on "timestep too small" or "singular" in the output;
-# everything fails on a sanitizer's or valgrind's finding, a crash, and after TIME_LIMIT seconds.
+# A netlist with a line `* until: VERSION` is left out on later versions of ngspice; everything fails on a sanitizer's or valgrind's finding, a crash, and after TIME_LIMIT seconds.
 # Environment: NONSMOOTH_CM (build/nonsmooth.cm; nsc-mlcp is beside it), NGSPICE (ngspice), TIME_LIMIT (60), JOBS (number of
 # processors), LINE (a line that every netlist gets after its title: ".options klu"), KEEP (a folder for the runs, to look at afterwards; else a temporary one).
 set -u
@@ -174,14 +174,21 @@ judge() {
     fi
 }
 
+# too_late FILE: true if it has a line `* until: VERSION` and this ngspice is a later one.
+too_late() {
+    until=$(sed -n 's/^\* until: //p' "$1")
+    [ -n "$until" ] && [ "$(printf '%s\n' "$until" "$version" | sort -V | head -n 1)" != "$version" ]
+}
+
 # list: what there is to run.
 list() {
+    version=$("$NGSPICE" --version 2>/dev/null </dev/null | sed -n 's/^\*\* ngspice-\([^ ]*\).*/\1/p')
     for f in netlists/*.cir; do
         for v in default fine reversed; do echo "$f $v $(basename "$f" .cir) $v"; done
     done
     for k in cases errors cookbook; do
         for f in "tests/netlist/$k"/*.cir "netlists/$k"/*.cir; do
-            [ -f "$f" ] || continue
+            if [ ! -f "$f" ] || too_late "$f"; then continue; fi
             echo "$f - $k/$(basename "$f" .cir)"
             case $f in */own_* | */errors/*) for b in ${BEHAVIORS-psa ltpsa hsa}; do echo "$f @$b $k/$(basename "$f" .cir)@$b"; done ;; esac
             again=$(grep -c '^\* again: ' "$f")
