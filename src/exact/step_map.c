@@ -232,8 +232,7 @@ static ns_cached_step *find_place(ns_exact *f, ns_time_scale *scale, double h, i
 int ns_exact_step_recurring(ns_exact *f, ns_time_scale *scale, double h, ns_step_map **out) {
     int known, status = NS_OK;
     *out = NULL;
-    if (h <=
-        ns_exact_step_length_error(f, h)) /* no different from zero, the length of a place not used yet */
+    if (h <= ns_exact_step_length_error(f, h)) /* as good as zero, which is the length of an unused place */
         return NS_OK;
     ns_cached_step *at = find_place(f, scale, h, &known);
     at->last_used = ++f->cache.clock;
