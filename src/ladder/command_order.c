@@ -98,18 +98,11 @@ static int change_in_order(ns_ladder *l) {
     return count;
 }
 
-static int any_by_state(const ns_ladder *l) {
-    int any = 0;
-    for (int c = 0; c < l->s->nc; c++)
-        any |= l->s->command[c].gx != NULL;
-    return any;
-}
-
 /* From there.  Errors: LIMIT: there is no such order, or what follows in it contradicts itself. */
 static int settle_in_order(ns_ladder *l) {
     double h = 0;
     int status = NS_OK, left = 0;
-    if (!any_by_state(l))
+    if (!ns_ladder_any_by_state(l))
         return NS_E_LIMIT;
     go_back(l);
     memcpy(l->order.due, l->order.first, (size_t)l->s->nc);

@@ -107,7 +107,7 @@ static int input_jumps(const ns_ladder *l) {
     return jumps;
 }
 
-static int any_by_state(const ns_ladder *l) {
+int ns_ladder_any_by_state(const ns_ladder *l) {
     int any = 0;
     for (int c = 0; c < l->s->nc; c++)
         any |= l->s->command[c].gx != NULL;
@@ -117,7 +117,7 @@ static int any_by_state(const ns_ladder *l) {
 /* With commands known ahead change those of the state that would in the shortest step from here. */
 static void flip_commands_met(ns_ladder *l) {
     const double h = ns_ladder_short_step(l);
-    if (!any_by_state(l) || input_jumps(l))
+    if (!ns_ladder_any_by_state(l) || input_jumps(l))
         return;
     ns_system_inputs(l->s, l->point->now.t + h, NS_LEFT, l->z);
     if (ns_theta_probe(l->step, h, l->z, 0) != NS_OK || !ns_ladder_switch_by_state(l, l->z, l->crossed))

@@ -90,6 +90,8 @@ void ns_ladder_switch_passed(ns_ladder *l);
  * point->at_event is set then.  If l->one_step is set: by one step at most, or by shorter ones to an event in
  * it. */
 int ns_ladder_walk(ns_ladder *l, double stop);
+/* 1 if the state commands a switch. */
+int ns_ladder_any_by_state(const ns_ladder *l);
 
 /* event.c: the step of length h to t that is tried next, if it is short, charges with the mean of inputs. */
 void ns_ladder_mean_inputs(ns_ladder *l, double h, double t);
