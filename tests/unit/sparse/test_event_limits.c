@@ -1,47 +1,6 @@
 /* tests/unit/sparse/test_event_limits.c - below the engine: what a guard may be off by near an event, and
  * what work a search for a mode may take. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
-#include "nonsmooth.h"
-#include "sparse/guards.h"
-
-static const double h = 1e-6;
-
-typedef struct bench {
-    ns_circuit *c;
-    ns_system *s;
-    ns_sparse *m;
-} bench;
-
-static bench open_bench(void) {
-    bench b = {0};
-    assert_int_equal(ns_circuit_create(&b.c), NS_OK);
-    return b;
-}
-
-/* w (32): x at rest; the status of the start there. */
-static int start_bench(bench *b, double *w) {
-    const ns_sparse_options o = {.h = h};
-    ns_engine *e;
-    assert_int_equal(ns_circuit_system(b->c, &b->s), NS_OK);
-    assert_true(b->s->n <= 32);
-    assert_int_equal(ns_sparse_create(b->s, &o, &e, NULL), NS_OK);
-    b->m = ns_sparse_of(e);
-    assert_int_equal(ns_circuit_rest(b->c, w), NS_OK);
-    return ns_sparse_start(e, 0, w, NULL);
-}
-
-static void close_bench(bench *b) {
-    ns_sparse_free(&b->m->engine);
-    ns_system_free(b->s);
-    ns_circuit_free(b->c);
-}
+#include "sparse_bench.h"
 
 /* How many guards of a diode are broken that carries the current i of a coil of 1 H, from 1 uF at 5 V, in a
  * step of negligible length, beside currents of 1 A. */
@@ -49,12 +8,12 @@ static int broken_by(double i, int is_near) {
     const ns_diode ideal = {0, 0, INFINITY, INFINITY, 0};
     const ns_mode conducts[1] = {NS_INSIDE};
     const double g = ldexp(h, -26);
-    double w[32] = {0};
+    double w[BENCH_MOST] = {0};
     bench b = open_bench();
     assert_int_equal(ns_circuit_capacitor(b.c, "c", 1, 0, 1e-6, 5, NULL), NS_OK);
     assert_int_equal(ns_circuit_diode(b.c, "d", 1, 2, &ideal, NULL), NS_OK);
     assert_int_equal(ns_circuit_inductor(b.c, "l", 2, 0, 1, i, NULL), NS_OK);
-    assert_int_equal(start_bench(&b, w), NS_OK);
+    assert_int_equal(try_bench(&b, w), NS_OK);
     ns_system_charges(b.s, w, b.m->w);
     b.m->largest.lambda = 1;
     b.m->is_near = is_near;
@@ -81,7 +40,7 @@ static void searches_are_bounded(void **state) {
     const ns_diode ideal = {0, 0, INFINITY, INFINITY, 0};
     const ns_signal volt = {.kind = NS_DC, .u.dc = 1};
     int v1, v2;
-    double w[32];
+    double w[BENCH_MOST];
     bench b = open_bench();
     (void)state;
     assert_int_equal(ns_circuit_source(b.c, "v1", NS_VOLTAGE, 1, 0, &volt, &v1), NS_OK);
@@ -90,7 +49,7 @@ static void searches_are_bounded(void **state) {
     assert_int_equal(ns_circuit_diode(b.c, "d2", 0, 4, &ideal, NULL), NS_OK);
     assert_int_equal(ns_circuit_icontrolled(b.c, "h1", NS_VOLTAGE, 2, 3, v1, 1, NULL), NS_OK);
     assert_int_equal(ns_circuit_icontrolled(b.c, "h2", NS_VOLTAGE, 3, 0, v2, 1, NULL), NS_OK);
-    assert_int_equal(start_bench(&b, w), NS_E_INFEASIBLE);
+    assert_int_equal(try_bench(&b, w), NS_E_INFEASIBLE);
     ns_engine *e = &b.m->engine;
     const double searched = b.m->searched, work = ns_engine_work(e).all;
     assert_true(searched > 0 && work > searched);

@@ -1,50 +1,8 @@
 /* tests/unit/sparse/test_event_parts.c - what an event is made of, below the engine: charges that jump, (P1)
  * of a few pairs, counts of chatter, the largest values so far. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
+#include "sparse_bench.h"
 
-#include <cmocka.h>
-
-#include "nonsmooth.h"
-#include "sparse/guards.h"
 #include "sparse/largest.h"
-
-static const double h = 1e-6;
-
-typedef struct bench {
-    ns_circuit *c;
-    ns_system *s;
-    ns_sparse *m;
-} bench;
-
-static bench open_bench(void) {
-    bench b = {0};
-    assert_int_equal(ns_circuit_create(&b.c), NS_OK);
-    return b;
-}
-
-static void start_bench(bench *b) {
-    const ns_sparse_options o = {.h = h};
-    double w[32];
-    assert_int_equal(ns_circuit_system(b->c, &b->s), NS_OK);
-    assert_true(b->s->n <= 32);
-    ns_engine *e;
-    assert_int_equal(ns_sparse_create(b->s, &o, &e, NULL), NS_OK);
-    b->m = ns_sparse_of(e);
-    assert_int_equal(ns_circuit_rest(b->c, w), NS_OK);
-    assert_int_equal(ns_sparse_start(e, 0, w, NULL), NS_OK);
-}
-
-static void close_bench(bench *b) {
-    ns_sparse_free(&b->m->engine);
-    ns_system_free(b->s);
-    ns_circuit_free(b->c);
-}
 
 static void add_source(bench *b, int p, double volts) {
     const ns_signal dc = {.kind = NS_DC, .u.dc = volts};
