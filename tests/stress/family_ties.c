@@ -49,6 +49,13 @@ static const char *behind_a_switch(maker *m, const char *from, const char *name,
     return name;
 }
 
+/* V volts behind a resistor, at a capacitor that these do not recharge at once; for I amperes. */
+static void capacitor_bus(maker *m, double V, double I) {
+    resistor(m, "src", "in", V / I * draw(m, 0.1, 1));
+    netlist_put(m->n, "V%d src 0 %.4g", ++m->ids, V);
+    plain_c(m, "in", "0", m->T * I / V * draw(m, 1, 30), V);
+}
+
 /* The same legs at a capacitor that nothing recharges at once: were both switches of a leg closed for a
  * rounding of time, it would be empty. */
 static void joined_gates(maker *m) {
@@ -57,9 +64,7 @@ static void joined_gates(maker *m) {
     const double V = draw(m, 5, 400), I = draw(m, 0.3, 10), edge = chance(m, 0.5) ? 1e-9 : m->T * 0.01;
     m->gate_rc = 0;
     netlist_put(m->n, "V%d en 0 PULSE(0 1 %.4g 1n 1n 1 10)", ++m->ids, -1e-6);
-    resistor(m, "src", "in", V / I * draw(m, 0.1, 1));
-    netlist_put(m->n, "V%d src 0 %.4g", ++m->ids, V);
-    plain_c(m, "in", "0", m->T * I / V * draw(m, 1, 30), V);
+    capacitor_bus(m, V, I);
     for (int i = 0; i < legs; i++) {
         const char *h = indexed("h", i), *k = indexed("k", i), *x = indexed("x", i), *y = indexed("y", i);
         const double D = draw_even(m, 0.2, 0.8), t = i ? draw_even(m, 0, 1) * m->T : 0;
@@ -94,9 +99,7 @@ static void inverted_gates(maker *m) {
     const double V = draw(m, 5, 400), I = draw(m, 0.3, 10), edge = chance(m, 0.5) ? 1e-9 : m->T * 0.01;
     m->gate_rc = 0;
     netlist_put(m->n, "V%d one 0 1", ++m->ids);
-    resistor(m, "src", "in", V / I * draw(m, 0.1, 1));
-    netlist_put(m->n, "V%d src 0 %.4g", ++m->ids, V);
-    plain_c(m, "in", "0", m->T * I / V * draw(m, 1, 30), V);
+    capacitor_bus(m, V, I);
     for (int i = 0; i < legs; i++) {
         const char *h = indexed("h", i), *x = indexed("x", i), *y = indexed("y", i);
         netlist_put(m->n, "V%d %s 0 PULSE(0 1 %.17g %.17g %.17g %.17g %.17g)", ++m->ids, h,
