@@ -114,8 +114,8 @@ const ns_counts *ns_theta_counts(const ns_theta *s);
 void ns_theta_bound_search(ns_theta *s, double most);
 double ns_theta_search_left(const ns_theta *s);
 double ns_theta_searched(const ns_theta *s);
-/* About how many instructions it took to make s, and as many factors and maps, those of others from it too.
- */
+/* An estimate, in instructions: to make s, c->factors factors of its size and c->maps matrices of steps.  c
+ * may also count what others made of s, such as the exact engine. */
 double ns_theta_matrix_work(const ns_theta *s, const ns_counts *c);
 const ns_fault *ns_theta_fault(const ns_theta *s); /* of the last call that failed */
 

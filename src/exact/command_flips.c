@@ -67,8 +67,8 @@ static int is_far_beyond(const ns_exact *f, const ns_mode_kernel *k, int g) {
     return ns_exact_guard_of(k, k->value, g, f->X) < -(tol + fabs(rate) * f->state.event_time_error);
 }
 
-/* 1 if the threshold of guard g is met here, too; beside a fast time scale its rate may be told from rounding
- * only by a longer step, which is believed of a hysteresis alone. */
+/* 1 if the threshold of guard g is met here, too.  Beside a fast time scale it may take a longer step to tell
+ * the guard's rate from rounding: that counts only for a switch with hysteresis. */
 static int is_met(ns_exact *f, const ns_mode_kernel *k, int g, ns_tie tie) {
     const ns_guard_sign sign = ns_exact_guard_sign(f, f->state.mode, g, f->X);
     return (sign == NS_SIGN_BREAKS || (sign == NS_SIGN_SEEMS_TO_BREAK && tie == NS_TIE_MET)) &&
