@@ -98,32 +98,11 @@ static int try_step(ns_ladder *l, location *w, int *done) {
     return *done ? ns_ladder_switch_mirrored(l) : NS_OK;
 }
 
-static int input_jumps(const ns_ladder *l) {
-    int jumps = 0;
-    ns_system_inputs(l->s, l->point->now.t, NS_LEFT, l->z_left);
-    ns_system_inputs(l->s, l->point->now.t, NS_RIGHT, l->z);
-    for (int i = 0; i < l->s->nz; i++)
-        jumps |= l->z[i] != l->z_left[i];
-    return jumps;
-}
-
 int ns_ladder_any_by_state(const ns_ladder *l) {
     int any = 0;
     for (int c = 0; c < l->s->nc; c++)
         any |= l->s->command[c].gx != NULL;
     return any;
-}
-
-/* With commands known ahead change those of the state that would in the shortest step from here. */
-static void flip_commands_met(ns_ladder *l) {
-    const double h = ns_ladder_short_step(l);
-    if (!ns_ladder_any_by_state(l) || input_jumps(l))
-        return;
-    ns_system_inputs(l->s, l->point->now.t + h, NS_LEFT, l->z);
-    if (ns_theta_probe(l->step, h, l->z, 0) != NS_OK || !ns_ladder_switch_by_state(l, l->z, l->crossed))
-        return;
-    for (int c = 0; c < l->s->nc; c++)
-        l->point->flip[c] |= l->crossed[c];
 }
 
 /* With those of the state that change here change the ones known ahead that do within the shortest step. */
@@ -153,10 +132,9 @@ int ns_ladder_walk(ns_ladder *l, double stop) {
         return NS_OK;
     if (!done)
         ns_clock_advance(&l->point->now, fmax(l->point->now.t, w.stop), 0);
-    if (!done && w.commanded) {
+    if (!done && w.commanded)
         memcpy(l->point->flip, l->due, (size_t)l->s->nc);
-        flip_commands_met(l);
-    } else if (done)
+    else if (done)
         flip_known_commands(l, &w);
     l->point->at_event = done || w.commanded;
     return NS_OK;
