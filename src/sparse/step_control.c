@@ -50,6 +50,13 @@ static void set_inverse_scales(ns_sparse *m, double largest) {
     }
 }
 
+/* The part of the error over the full length of a step that counts in a step until room: that of w grows with
+ * time, but unknowns are off by D^8 from the begin on. */
+static double part_of(const ns_dense_step *step, double room) {
+    static const double least = 1e-2;
+    return fmin(1, fmax(least, room / step->g / ERROR));
+}
+
 /* The size of D^p w, in scales. */
 static double size_of_power(const ns_sparse *m, const ns_dense_step *step, int p) {
     const double *d = step->powers + (size_t)p * (size_t)m->f->n;
@@ -73,7 +80,7 @@ static int are_enough(const ns_sparse *m, const ns_dense_step *step, int p, doub
  * jumps). */
 static int solve_stages(ns_sparse *m, ns_dense_step *step, double room) {
     const ns_cached_factors *k;
-    const double fraction = fmin(1, room / step->g / ERROR);
+    const double fraction = part_of(step, room);
     double before = INFINITY;
     int status = ns_sparse_factors_factor(m->q, step->g, m->mode, 0, &k), i = 0;
     step->converged = 0;
@@ -247,7 +254,7 @@ static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
         if (status != NS_OK)
             return status;
         double ratio = 1, jump = 0, time = 0, whole = error_of(m, step, &ratio, &jump, &time);
-        const double fraction = fmin(1, room / step->g / ERROR);
+        const double fraction = part_of(step, room);
         if (step->stages == NS_ORDER && (jump > 1 || (whole * fraction > 1 && ratio > decays)) &&
             ns_sparse_step_digits_lost(m, step)) {
             status = refine_stages(m, step, fraction);
