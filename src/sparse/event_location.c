@@ -75,9 +75,8 @@ static double cut_off(const double *G, int terms) {
 }
 
 /* At the start of a step a guard that is below zero by no more than its error there holds if it rises; right
- * after an event, by no more than events are located to, or are apart that are one; and so does one that
- * broke here, if its mode is selected all the same: the fraction of a curve at which it has risen to zero,
- * INFINITY: the last kind is never lower than at first; NAN: it does not hold. */
+ * after an event, by no more than events are located to, or are apart that are one: the fraction of a curve
+ * at which it has risen to zero; NAN: it does not. */
 static double find_rise(const ns_sparse *m, const ns_dense_step *step, const found *f, const ns_curve *c,
                         double cut) {
     const double terms = f->pair >= 0 ? size_of(m, step, f->pair)
@@ -85,15 +84,11 @@ static double find_rise(const ns_sparse *m, const ns_dense_step *step, const fou
     ns_curve below_zero = {.terms = c->terms};
     const double apart = f->pair >= 0 ? 0 : m->apart[f->command];
     const double located = step->after_event ? fmax(ns_sparse_guard_located(m, terms), apart) : 0;
-    const int reselected = f->pair >= 0 && f->pair == step->reselected;
-    if (!(ns_modes_curve_slope(c, 0) > 0) || !(reselected || c->p[0] >= -(rise_cut * cut + located)))
+    if (!(ns_modes_curve_slope(c, 0) > 0) || !(c->p[0] >= -(rise_cut * cut + located)))
         return NAN;
     for (int k = 0; k < c->terms; k++)
         below_zero.p[k] = -c->p[k];
-    const double at = ns_modes_curve_below(&below_zero, 0);
-    ns_curve risen = *c;
-    risen.p[0] = 0;
-    return isnan(at) && reselected && isnan(ns_modes_curve_below(&risen, cut)) ? INFINITY : at;
+    return ns_modes_curve_below(&below_zero, 0);
 }
 
 /* The fraction of a curve at which a guard breaks by more than tol; NAN: it does not. */
@@ -101,8 +96,8 @@ static double find_fall(const ns_sparse *m, const ns_dense_step *step, const fou
                         double cut, double tol) {
     const double at = ns_modes_curve_below(c, tol), from = at == 0 ? find_rise(m, step, f, c, cut) : NAN;
     ns_curve rest;
-    if (isnan(from) || isinf(from))
-        return isnan(from) ? at : NAN;
+    if (isnan(from))
+        return at;
     ns_modes_curve_rest(c, from, &rest);
     return from + (1 - from) * ns_modes_curve_below(&rest, tol);
 }

@@ -12,8 +12,6 @@ static const double remembers = 0.95, too_long = 16, long_enough = 4;
 enum { SHORTEST = 3 };
 /* After so many steps that ended where they began, Euler steps. */
 enum { MOST_FAILURES = 6 };
-/* After so many, steps of several lengths have selected its mode. */
-enum { SELECTED = 2 };
 /* One that ends with a wrong sign is made so many times as long, so often. */
 enum { LONGER = 3 };
 static const double longer = 16;
@@ -85,14 +83,6 @@ static int euler_exponent(const ns_sparse *m, double t, double h) {
     return before * BY < FIRST - LAST ? FIRST - before * BY : LAST;
 }
 
-/* The pair whose guard broke where the step before began and ended, if steps of several lengths since then
- * select the mode in which it broke; -1: there is none. */
-static int reselected_pair(const ns_sparse *m, const ns_dense_step *before, int failures) {
-    return failures > SELECTED && memcmp(before->mode, m->mode, sizeof *m->mode * (size_t)m->f->m) == 0
-               ? before->pair
-               : -1;
-}
-
 double ns_sparse_next_limit(ns_sparse *m, double t) {
     ns_inputs_stages_at(m->in, t);
     ns_inputs_stages_find_command(m->in, t, m->o.h, m->mode);
@@ -103,7 +93,6 @@ int ns_sparse_next_step(ns_sparse *m, double t, const ns_dense_step *before, ns_
     const double tiny = before ? ldexp(m->o.h, -before->next_exponent - NS_SHORT_EXPONENT) : 0;
     step->length_exponent = before ? before->next_exponent : 0;
     step->failures = before && before->at_event && !(before->length > tiny) ? before->failures + 1 : 0;
-    step->reselected = reselected_pair(m, before, step->failures);
     step->time_lost = before ? ns_sparse_step_time_lost(before) : 0;
     step->after_event = before && before->at_event;
     shorten_to_usual(m, before, step);

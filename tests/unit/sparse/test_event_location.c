@@ -54,7 +54,7 @@ static void start_system(bench *k) {
     step->g = h / NS_POLE;
     step->stages = step->shown = NS_ORDER;
     step->at_event = step->after_event = step->is_euler = 0;
-    step->pair = step->command = step->reselected = -1;
+    step->pair = step->command = -1;
     b.m->largest.y = b.m->largest.lambda = 1;
 }
 
@@ -219,29 +219,6 @@ static void what_rises_after_an_event_holds(void **state) {
     assert_false(breaks_at_once(0.03 * reltol, 0));
 }
 
-/* first + rise x + bend x^2, where the mode in which this guard broke here is selected again.  1 if an event
- * ends the step at once. */
-static int breaks_though_reselected(double first, double rise, double bend) {
-    bench b = open_bench(NS_LOWER);
-    set(&b, 0, first + rise + 2 * bend); /* x = 1 - L_1, x^2 = 2 - 4 L_1 + 2 L_2 */
-    set(&b, 1, rise + 4 * bend);
-    set(&b, 2, 2 * bend);
-    b.step->reselected = 0;
-    locate(&b);
-    const int breaks = b.step->at_event && b.step->length == 0;
-    close_bench(&b);
-    return breaks;
-}
-
-/* It holds if it rises, though not to zero in this step, and is never lower than at first. */
-static void what_is_selected_again_holds_if_it_rises(void **state) {
-    (void)state;
-    assert_false(breaks_though_reselected(-1e-2, 1e-3, 0));
-    assert_false(breaks_though_reselected(-1e-2, 1e-1, 0));
-    assert_true(breaks_though_reselected(-1e-2, -1e-3, 0));
-    assert_true(breaks_though_reselected(-1e-2, 1e-3, -1e-3)); /* x is NS_POLE at the end */
-}
-
 /* v(2) rises by `rise` in a step, at the end of which S1 meets its threshold of 1 V, which is that of S2 but
  * for `off`; sources turn so long after it.  1 if S2 changes with S1. */
 static int changes_too(double rise, double off, double corner, double *apart) {
@@ -360,7 +337,6 @@ int main(void) {
         cmocka_unit_test(the_last_stage_is_small),
         cmocka_unit_test(thresholds_beside_that_of_an_event),
         cmocka_unit_test(what_rises_after_an_event_holds),
-        cmocka_unit_test(what_is_selected_again_holds_if_it_rises),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
