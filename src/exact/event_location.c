@@ -281,7 +281,7 @@ static double find_break(ns_exact *f, const ns_mode_kernel *k, int g, double tau
         double rate;
         (void)guard_at(&w, 0, &rate);
         if (!(rate > 0 && f->state.now.t == f->state.last_event_t &&
-              s[0] >= -8 * tol - rate * f->state.event_time_error))
+              s[0] >= -8 * tol - rate * ns_exact_time_error_of(f, k, g)))
             return 0;
     } else if (s[NS_INTERVALS] < 0 && s[NS_INTERVALS] >= -tol) {
         double rate;

@@ -108,7 +108,8 @@ typedef struct ns_exact_state {
     ns_exact_mode *mode;     /* NULL: no mode was found yet */
     ns_clock now;            /* X is of now.t + now.lost */
     double last_event_t;     /* s */
-    double event_time_error; /* s: how well the instant of that event is known */
+    double event_time_error; /* s: how well the instant of that event is known, */
+    double together;         /* and up to how much later switches that the state commands change with it */
     long steps_left;         /* before the ladder has the rest */
 } ns_exact_state;
 

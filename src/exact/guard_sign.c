@@ -48,10 +48,11 @@ ns_guard_sign ns_exact_guard_sign(ns_exact *f, ns_exact_mode *mode, int g, const
         return NS_SIGN_HOLDS;
     ns_guard of = {ns_exact_guard_of(k, k->value, g, X), ns_exact_guard_of(k, k->rate, g, X), 0, 0};
     of.rounding = ns_exact_guard_rounding_at(f, k, g, X, of.rate);
-    ns_guard_sign sign = ns_events_value_sign(&of, f->state.event_time_error);
+    const double error = ns_exact_time_error_of(f, k, g);
+    ns_guard_sign sign = ns_events_value_sign(&of, error);
     if (sign == NS_UNDECIDED) {
         of.second_rate = ns_exact_guard_of(k, k->second_rate, g, X);
-        sign = ns_events_rate_sign(&of, f->state.event_time_error, k->g);
+        sign = ns_events_rate_sign(&of, error, k->g);
     }
     return sign == NS_UNDECIDED ? look_ahead(f, mode, g, X) : sign;
 }
@@ -122,7 +123,7 @@ double ns_exact_guard_delay(ns_exact *f, const ns_mode_kernel *k, int g) {
     const double value = ns_exact_guard_of(k, k->value, g, f->X),
                  rate = ns_exact_guard_of(k, k->rate, g, f->X);
     const double tol = ns_exact_guard_rounding_at(f, k, g, f->X, rate);
-    if (value <= tol + fabs(rate) * f->state.event_time_error)
+    if (value <= tol + fabs(rate) * f->state.together)
         return 0;
     const double delay = ns_events_delay(value, rate, f->h), end = f->state.now.t + delay;
     return isfinite(delay) && ns_inputs_events_next(f->events, end) > end ? delay : INFINITY;

@@ -214,7 +214,7 @@ int ns_exact_mode_after(ns_exact *f, int by_guard, int broken, int *goes_on) {
 int ns_exact_select_start(ns_exact *f) {
     int goes_on = 0, status = NS_OK;
     f->state.mode = NULL;
-    f->state.event_time_error = 0;
+    ns_exact_event_known_to(f, 0);
     f->event_guard = -1;
     read_inputs_after(f);
     for (int round = 0; round < 4; round++) {
@@ -242,14 +242,20 @@ double ns_exact_event_time_error(ns_exact *f) {
     return least + fmin(k->g, fmin(by_rate, by_second_rate));
 }
 
+void ns_exact_event_known_to(ns_exact *f, double error) {
+    const double least = 4 * DBL_EPSILON * fabs(f->state.now.t);
+    f->state.event_time_error = error;
+    f->state.together = fmin(error, fmax(least, ldexp(f->h, -NS_EVENT_EXPONENT)));
+}
+
 int ns_exact_select_known(ns_exact *f, ns_exact_mode *to, int guard) {
-    double until;
+    double until, error = 4 * DBL_EPSILON * fabs(f->state.now.t);
     f->event_guard = guard;
-    f->state.event_time_error = 4 * DBL_EPSILON * fabs(f->state.now.t);
     if (guard >= 0)
-        f->state.event_time_error += ns_exact_mode_time_scale(f, &until)->kernel->g; /* it is less */
+        error += ns_exact_mode_time_scale(f, &until)->kernel->g; /* it is less */
+    ns_exact_event_known_to(f, error);
     if (!ns_exact_mode_holds_clearly(f, to)) {
-        f->state.event_time_error = ns_exact_event_time_error(f);
+        ns_exact_event_known_to(f, ns_exact_event_time_error(f));
         if (ns_exact_mode_holds(f, to, NS_EVIDENCE_NONE, 0) != NS_VERDICT_HOLDS)
             return 0;
     }
