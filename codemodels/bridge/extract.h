@@ -65,6 +65,8 @@ typedef struct ns_own_taken {
     } rest;
     /* of D, and the body diode of M: */
     ns_diode diode;     /* what it was taken for */
+    ns_diode beyond;    /* of a D: another one in parallel, which carries more of an inrush; */
+    int beyond_id;      /* its element; 0: there is none, as it is not the first one */
     double at;          /* A: vf is that of its curve there */
     struct {            /* the pass that found this current: */
         double seconds; /* 0: there was none */

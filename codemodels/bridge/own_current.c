@@ -30,6 +30,13 @@ int ns_bridge_own_diode_element(const ns_own_taken *o) {
     return o->kind == OWN_DIODE ? o->id : o->kind == OWN_MOSFET ? o->body : -1;
 }
 
+void ns_bridge_own_add_beyond(const ns_analysis *a, const ns_own_taken *o, const ns_mode *mode, double *i) {
+    double more;
+    if (o->beyond_id &&
+        ns_circuit_device(a->ex.circuit, o->beyond_id, a->x, a->lambda, mode, &more, NULL, NULL) == NS_OK)
+        *i += more;
+}
+
 int ns_bridge_own_wants_currents(const ns_analysis *a) {
     if (!isnan(a->ex.options.id) || a->ex.options.zero_diodes || ns_bridge_digital_is(&a->ex.digital))
         return 0; /* what digital parts do is known to ngspice's event queue alone */
@@ -80,6 +87,7 @@ static int read_diode(const own_pass *p, const ns_own_taken *o, const ns_mode *m
     int bulk_on;
     if (element < 0 || ns_circuit_device(a->ex.circuit, element, a->x, a->lambda, mode, i, v, on) != NS_OK)
         return 0;
+    ns_bridge_own_add_beyond(a, o, mode, i);
     if (o->kind != OWN_MOSFET || o->bulk < 0 ||
         ns_circuit_device(a->ex.circuit, o->bulk, a->x, a->lambda, mode, &bulk_i, &bulk_v, &bulk_on) !=
             NS_OK ||

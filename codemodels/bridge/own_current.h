@@ -8,6 +8,9 @@
 /* The D of an element that was taken: in the circuit, -1: it has none. */
 int ns_bridge_own_diode_element(const ns_own_taken *o);
 
+/* Where two lines stand for a D: adds to the current along the first one that along the second. */
+void ns_bridge_own_add_beyond(const ns_analysis *a, const ns_own_taken *o, const ns_mode *mode, double *i);
+
 /* 1 if the analysis, which is of .tran, has a D whose current is to be found. */
 int ns_bridge_own_wants_currents(const ns_analysis *a);
 

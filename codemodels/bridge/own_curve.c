@@ -1,6 +1,7 @@
 /* bridge/own_curve.c - D and M that were taken, after .tran: were they far from their own curves? */
 #include <math.h>
 
+#include "own_current.h"
 #include "own_show.h"
 #include "own_structs.h"
 #include "report.h"
@@ -85,6 +86,7 @@ void ns_bridge_own_count_point(const ns_analysis *a, double since, double t) {
         if (!is_judged(a, o) ||
             ns_circuit_device(a->ex.circuit, o->id, a->x, a->lambda, a->mode, &i, &v, NULL) != NS_OK)
             continue;
+        ns_bridge_own_add_beyond(a, o, a->mode, &i);
         i = o->kind == OWN_MOSFET && !o->follows ? o->mosfet.sign * i : i;
         const double mean = 0.5 * (fmax(i, 0.0) + o->seen.i);
         if (o->seen.t >= since)
@@ -124,6 +126,9 @@ static double own_voltage(const ns_own_taken *o, double amperes) {
 }
 
 static double taken_voltage(const ns_own_taken *o, double amperes) {
+    const double more = o->beyond_id ? o->diode.vf + o->diode.ron * amperes - o->beyond.vf : 0.0;
+    if (more > 0.0)
+        return o->beyond.vf + more * o->beyond.ron / (o->diode.ron + o->beyond.ron);
     return o->kind == OWN_MOSFET ? o->ron * amperes : o->diode.vf + o->diode.ron * amperes;
 }
 

@@ -1,161 +1,10 @@
-/* bridge/own_elements.c - ngspice's own D, S and W, taken as ideal diodes and switches. */
+/* bridge/own_elements.c - ngspice's own S, W and M, taken as ideal switches. */
 #include "own_elements.h"
 
-#include <ctype.h>
 #include <math.h>
 
-#include "own_current.h"
 #include "own_feedback.h"
 #include "own_structs.h"
-
-/* Not taken: what to write so that it is. */
-static int refuse_untaken(ns_extract_walk *w, const GENinstance *inst, const char *group) {
-    char what[200];
-    snprintf(what, sizeof what,
-             "%c elements are taken as ideal ones only with take=\"all\" or \"%s\" in a model nonsmooth, as "
-             ".include nonsmooth.inc sets it",
-             toupper((unsigned char)inst->GENname[0]), group);
-    return ns_bridge_extract_refuse(w, inst, what);
-}
-
-static int refuse_value(ns_extract_walk *w, const GENinstance *inst, const char *name, double value,
-                        const char *why) {
-    char what[200];
-    snprintf(what, sizeof what, "%s = %g %s", name, value, why);
-    return ns_bridge_extract_refuse(w, inst, what);
-}
-
-int ns_bridge_own_keep(ns_extract_walk *w, const ns_own_taken *taken) {
-    ns_own_taken *more = realloc(w->ex->own, (size_t)(w->ex->nowns + 1) * sizeof *more);
-    if (!more)
-        return NS_E_MEMORY;
-    w->ex->own = more;
-    w->ex->own[w->ex->nowns++] = *taken;
-    return NS_OK;
-}
-
-/* --- D --- */
-
-static int add_junction_capacitor(ns_extract_walk *w, const GENinstance *inst, const ns_own_diode *d) {
-    char name[EXTRACT_NAME];
-    snprintf(name, sizeof name, "%.140s#cjo", inst->GENname);
-    ns_bridge_extract_mix(w, &d->farads, sizeof d->farads);
-    return ns_circuit_capacitor(w->ex->circuit, name, d->anode, d->cathode, d->farads, NAN, NULL);
-}
-
-/* NULL: it was not found. */
-static const ns_own_current *find_current(const ns_extract_walk *w, const GENinstance *inst, int breaks) {
-    const ns_own_found *c = w->found;
-    for (int k = 0; c && k < c->count; k++)
-        if (c->of[k].inst == inst && c->of[k].breaks == breaks)
-            return &c->of[k];
-    return NULL;
-}
-
-static const ns_own_current *found_current(const ns_extract_walk *w, const GENinstance *inst) {
-    return find_current(w, inst, 0);
-}
-
-static const ns_own_current *found_breakdown(const ns_extract_walk *w, const GENinstance *inst) {
-    return isnan(w->ex->options.id) && !w->ex->options.zero_diodes ? find_current(w, inst, 1) : NULL;
-}
-
-/* The current at which its curve is read. */
-static double current_of(const ns_extract_walk *w, const GENinstance *inst) {
-    const ns_own_current *found = found_current(w, inst);
-    if (!isnan(w->ex->options.id))
-        return w->ex->options.id;
-    const double otherwise = w->found ? w->found->otherwise : NS_OWN_CURRENT;
-    return found ? found->id : fmax(otherwise, ns_bridge_own_parallel_current(w->found, inst));
-}
-
-static void note_pass(const ns_extract_walk *w, const ns_own_diode *d, ns_own_taken *taken) {
-    const ns_own_current *found = found_current(w, taken->inst), *broken = found_breakdown(w, taken->inst);
-    if (!w->found || !isnan(w->ex->options.id))
-        return;
-    taken->pass.seconds = w->found->seconds;
-    taken->pass.whole = w->found->whole;
-    taken->pass.idle = !found;
-    taken->pass.tangent = found && !found->faint;
-    taken->pass.faint = found && found->faint;
-    taken->pass.broken = broken ? broken->id : 0.0;
-    if (taken->pass.tangent &&
-        taken->diode.ron - d->rs < (1.0 - 1e-6) * ns_bridge_diode_law_slope(&d->law, found->id))
-        taken->pass.to = found->rush;
-}
-
-static int add_diode(ns_extract_walk *w, GENinstance *inst, const ns_own_diode *d, const ns_diode *ideal) {
-    int id = -1;
-    int status = ns_circuit_diode(w->ex->circuit, inst->GENname, d->anode, d->cathode, ideal, &id);
-    if (!status && w->ex->options.cjo && d->farads > 0.0)
-        status = add_junction_capacitor(w, inst, d);
-    ns_bridge_extract_mix(w, ideal, sizeof *ideal);
-    if (status)
-        return status;
-    const int hidden = d->inside != d->anode;
-    ns_own_taken taken = {.inst = inst,
-                          .kind = OWN_DIODE,
-                          .id = id,
-                          .diode = *ideal,
-                          .at = current_of(w, inst),
-                          .anode = d->anode,
-                          .inside = hidden ? d->inside : 0,
-                          .rs = d->rs};
-    note_pass(w, d, &taken);
-    return ns_bridge_own_keep(w, &taken);
-}
-
-/* Likewise in breakdown, where the pass found its current; else at bv. */
-static void set_breakdown(const ns_breakdown_law *law, const ns_own_current *found, ns_diode *ideal) {
-    if (!found || !(law->volts > 0.0) || !(law->amperes > 0.0))
-        return;
-    const ns_line_ends ends = {found->most, found->rush, found->blocks};
-    const double slope = ns_bridge_breakdown_law_line(law, found->id, &ends);
-    const double vz = ns_bridge_breakdown_law_voltage(law, found->id) - slope * found->id;
-    if (!(vz > 0.0))
-        return;
-    ideal->vz = vz;
-    ideal->rz += slope;
-}
-
-/* A line for its curve, vf its voltage at a current.  Where that is the current that it carries the line is
- * the tangent there, or a flatter one where it carries much more at times; where it is a guess, vf is the
- * same for all currents: a tangent would be far off at larger ones.  The series resistance is added; none, if
- * it has none: one of microohms would be worse. */
-static ns_diode ideal_of(const ns_extract_walk *w, const GENinstance *inst, const ns_own_diode *d,
-                         double vf) {
-    const double gmin = w->ckt->CKTgmin, rs = w->ex->options.zero_diodes ? 0.0 : d->rs;
-    const ns_own_current *found = isnan(w->ex->options.id) ? found_current(w, inst) : NULL;
-    const int is_known = found && !found->faint && !w->ex->options.zero_diodes;
-    const ns_line_ends ends =
-        is_known ? (ns_line_ends){found->most, found->rush, found->blocks} : (ns_line_ends){0};
-    const double slope = is_known ? ns_bridge_diode_law_line(&d->law, found->id, &ends) : 0.0;
-    ns_diode ideal = {.vf = is_known ? vf - slope * found->id : vf,
-                      .ron = rs + slope,
-                      .roff = gmin > 0.0 ? 1.0 / gmin : INFINITY,
-                      .vz = d->bv,
-                      .rz = rs};
-    set_breakdown(&d->breakdown, found_breakdown(w, inst), &ideal);
-    return ideal;
-}
-
-int ns_bridge_own_diode(ns_extract_walk *w, GENinstance *inst) {
-    const ns_bridge_options *o = &w->ex->options;
-    ns_own_diode d;
-    if (!o->take_diodes)
-        return refuse_untaken(w, inst, "diodes");
-    if (ns_bridge_own_kind(inst) != OWN_DIODE)
-        return ns_bridge_extract_refuse(w, inst, "only D elements of a model of type D are taken");
-    ns_bridge_own_read_diode(inst, &d);
-    if (d.heats)
-        return ns_bridge_extract_refuse(w, inst, "a D with self-heating (thermal) is not taken");
-    const double at = current_of(w, inst),
-                 vf = o->zero_diodes ? 0.0 : ns_bridge_diode_law_voltage(&d.law, at);
-    if (isnan(vf))
-        return refuse_value(w, inst, "id", at, "A does not flow through this D below 100 V: give id");
-    const ns_diode ideal = ideal_of(w, inst, &d, vf);
-    return add_diode(w, inst, &d, &ideal);
-}
 
 /* --- S and W --- */
 
@@ -222,9 +71,9 @@ static int take_switch(ns_extract_walk *w, GENinstance *inst, ns_own_switch *s, 
     int id = -1;
     int status;
     if (!w->ex->options.take_switches)
-        return refuse_untaken(w, inst, "switches");
+        return ns_bridge_own_refuse_untaken(w, inst, "switches");
     if (s->vh < 0.0)
-        return refuse_value(
+        return ns_bridge_own_refuse_value(
             w, inst, by_current ? "ih" : "vh", s->vh,
             "is not supported (ngspice then switches early, at vt-|vh| upwards): use 0 or more");
     if (s->ron == s->roff)
@@ -293,18 +142,19 @@ static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_
             "sources do not say how its gate is driven: give that voltage as vgs, in place of the .include "
             "by lines "
             "AOPT 0 opts and .model opts nonsmooth(take=\"all\" mosfet=\"switch\" vgs=10)");
-    return *volts > m->vth ? NS_OK : refuse_value(w, inst, "drive", *volts, too_low);
+    return *volts > m->vth ? NS_OK : ns_bridge_own_refuse_value(w, inst, "drive", *volts, too_low);
 }
 
 static int add_body_diode(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken) {
     const ns_own_diode *d = &taken->mosfet.body;
     char name[EXTRACT_NAME];
-    const double at = current_of(w, inst);
+    const double at = ns_bridge_own_current_of(w, inst);
     const double vf = w->ex->options.zero_diodes ? 0.0 : ns_bridge_diode_law_voltage(&d->law, at);
     if (isnan(vf))
-        return refuse_value(w, inst, "id", at, "A does not flow through its body diode below 100 V");
+        return ns_bridge_own_refuse_value(w, inst, "id", at,
+                                          "A does not flow through its body diode below 100 V");
     snprintf(name, sizeof name, "%.140s#body", inst->GENname);
-    taken->diode = ideal_of(w, inst, d, vf);
+    taken->diode = ns_bridge_own_ideal_of(w, inst, d, vf);
     taken->at = at;
     ns_bridge_extract_mix(w, &taken->diode, sizeof taken->diode);
     return ns_circuit_diode(w->ex->circuit, name, d->anode, d->cathode, &taken->diode, &taken->body);

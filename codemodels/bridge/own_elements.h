@@ -8,8 +8,23 @@
 ns_extract_reader ns_bridge_own_diode, ns_bridge_own_switch, ns_bridge_own_current_switch,
     ns_bridge_own_mosfet;
 
+/* own_kept.c. */
+
 /* Notes what was taken.  A status. */
 int ns_bridge_own_keep(ns_extract_walk *w, const ns_own_taken *taken);
+
+/* Not taken: what to write so that it is. */
+int ns_bridge_own_refuse_untaken(ns_extract_walk *w, const GENinstance *inst, const char *group);
+int ns_bridge_own_refuse_value(ns_extract_walk *w, const GENinstance *inst, const char *name, double value,
+                               const char *why);
+
+/* own_diode.c. */
+
+/* The current (A) at which the curve of a D, or of the body diode of an M, is read; the line for its curve,
+ * whose voltage there is vf. */
+double ns_bridge_own_current_of(const ns_extract_walk *w, const GENinstance *inst);
+ns_diode ns_bridge_own_ideal_of(const ns_extract_walk *w, const GENinstance *inst, const ns_own_diode *d,
+                                double vf);
 
 /* own_start.c. */
 

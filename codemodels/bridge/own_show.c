@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "own_current.h"
 #include "own_structs.h"
 #include "report.h"
 
@@ -14,6 +15,7 @@ static void read_device(const ns_analysis *a, const ns_own_taken *o, double *i, 
     *on = 0;
     if (o->id >= 0)
         ns_circuit_device(a->ex.circuit, o->id, a->x, a->lambda, a->mode, i, v, on);
+    ns_bridge_own_add_beyond(a, o, a->mode, i);
 }
 
 void ns_bridge_own_show_values(const ns_analysis *a, double *value) {
@@ -68,8 +70,8 @@ static int are_same_diode(const ns_diode *a, const ns_diode *b) {
 /* Of one model, and taken for the same. */
 static int are_alike(const ns_own_taken *a, const ns_own_taken *b) {
     return a->inst->GENmodPtr == b->inst->GENmodPtr && a->ron == b->ron && a->vt == b->vt &&
-           are_same_diode(&a->diode, &b->diode) && a->pass.idle == b->pass.idle &&
-           a->pass.faint == b->pass.faint;
+           are_same_diode(&a->diode, &b->diode) && are_same_diode(&a->beyond, &b->beyond) &&
+           a->pass.idle == b->pass.idle && a->pass.faint == b->pass.faint;
 }
 
 /* How many are like the k-th; 0: one before it is. */
@@ -120,7 +122,10 @@ static void write_at(const ns_own_taken *o, char *line, size_t size) {
     const char *how = o->pass.idle    ? ": it did not conduct in"
                       : o->pass.faint ? ": it carried less than 1 nA in"
                                       : ", its current in";
-    const char *what = o->pass.to > 0.0 ? "a line" : o->pass.tangent ? "the tangent" : "that";
+    const char *what = o->beyond_id       ? "two lines"
+                       : o->pass.to > 0.0 ? "a line"
+                       : o->pass.tangent  ? "the tangent"
+                                          : "that";
     size_t used = (size_t)snprintf(line, size, " (%s of its model at %.4g A", what, o->at);
     if (o->pass.to > 0.0)
         used += (size_t)snprintf(line + used, size - used, " to %.4g A", o->pass.to);
@@ -147,7 +152,7 @@ static void announce_default(const ns_analysis *a, int k) {
 static void announce_diodes(const ns_analysis *a, int k, int count) {
     const ns_own_taken *o = &a->ex.own[k];
     const ns_diode *d = &o->diode;
-    char breakdown[120] = "", at[120] = "", names[120];
+    char breakdown[120] = "", beyond[80] = "", at[120] = "", names[120];
     name_diodes(&a->ex, o, count, names, sizeof names);
     if (isfinite(d->vz) && o->pass.broken > 0.0)
         snprintf(breakdown, sizeof breakdown, ", breakdown at %.4g V with %.4g ohm (of its model at %.4g A)",
@@ -156,8 +161,11 @@ static void announce_diodes(const ns_analysis *a, int k, int count) {
         snprintf(breakdown, sizeof breakdown, ", breakdown at %.4g V", d->vz);
     if (o->kind == OWN_DIODE && !a->ex.options.zero_diodes)
         write_at(o, at, sizeof at);
-    ns_bridge_report_note("D of model %s: %s taken as ideal, vf = %.4g V%s, ron = %.4g ohm%s%s%s",
-                          model_name(o), names, d->vf, o->pass.tangent ? "" : at, d->ron,
+    if (o->beyond_id)
+        snprintf(beyond, sizeof beyond, ", above %.4g V %.4g ohm", o->beyond.vf,
+                 d->ron * o->beyond.ron / (d->ron + o->beyond.ron));
+    ns_bridge_report_note("D of model %s: %s taken as ideal, vf = %.4g V%s, ron = %.4g ohm%s%s%s%s",
+                          model_name(o), names, d->vf, o->pass.tangent ? "" : at, d->ron, beyond,
                           o->pass.tangent ? at : "", breakdown, o->smoothed ? ", its epsilon left out" : "");
     if (o->kind == OWN_DIODE)
         announce_default(a, k);

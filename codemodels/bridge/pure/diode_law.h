@@ -35,6 +35,16 @@ typedef struct ns_line_ends {
  * fiftieth of `blocks`. */
 double ns_bridge_diode_law_line(const ns_diode_law *law, double amperes, const ns_line_ends *ends);
 
+/* Two lines for its curve, where an inrush is so far from the current that the line for both would be much
+ * flatter than the tangent.  A D on such a line leaves a capacitor on a voltage that is not its own. */
+typedef struct ns_diode_lines {
+    double slope;  /* V/A: of the line through its point at the current */
+    double knee;   /* A: another line begins there, and ends on the curve at `rush`; 0: there is none */
+    double beyond; /* V/A: the slope of that */
+} ns_diode_lines;
+
+ns_diode_lines ns_bridge_diode_law_lines(const ns_diode_law *law, double amperes, const ns_line_ends *ends);
+
 /* In breakdown: amperes exp((v - at)/volts), v backwards.  volts 0: there is none. */
 typedef struct ns_breakdown_law {
     double at, amperes, volts;

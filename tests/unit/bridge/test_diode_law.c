@@ -80,6 +80,37 @@ static void line_of_a_rush(void **unused) {
     assert_true(fabs(ns_bridge_diode_law_line(&law, 1, &thousands) / vt - 1) < 1e-5);
 }
 
+/* At 1 A, an inrush of 40 A where the current is 1 A or 3 A at most: one line for both would be flatter than
+ * the tangent; so there is the tangent, up to 2.5 A or 3 A, and a second line from there to the curve at 40
+ * A. One line is left where there is no inrush, or where the tangent at 40 A is above the curve by less than
+ * a fiftieth of 100 V. */
+static void two_lines_of_a_rush(void **unused) {
+    (void)unused;
+    const ns_diode_law law = {.bottom = {1e-12, vt}};
+    const double v1 = vt * log1p(1e12), v40 = vt * log1p(4e13);
+    const ns_diode_lines one = ns_bridge_diode_law_lines(&law, 1, &(ns_line_ends){1, 40, 1}),
+                         three = ns_bridge_diode_law_lines(&law, 1, &(ns_line_ends){3, 40, 1});
+    assert_true(fabs(one.slope / vt - 1) < 1e-5 && one.knee == 2.5);
+    assert_true(fabs(one.beyond - (v40 - v1 - 1.5 * vt) / 37.5) < 1e-7);
+    assert_true(fabs(three.slope / vt - 1) < 1e-5 && three.knee == 3);
+    assert_true(fabs(three.beyond - (v40 - v1 - 2 * vt) / 37) < 1e-7);
+    assert_true(ns_bridge_diode_law_lines(&law, 1, &(ns_line_ends){1, 1, 1}).knee == 0);
+    assert_true(ns_bridge_diode_law_lines(&law, 1, &(ns_line_ends){1, 40, 100}).knee == 0);
+}
+
+/* No second line where the first one is above the curve at the inrush: it ends a twentieth (37 mV) above the
+ * curve at 4 A, which rises by 6 mV up to 5 A; and none where the inrush, of 2.4 A, comes before the knee. */
+static void one_line_of_a_near_rush(void **unused) {
+    (void)unused;
+    const ns_diode_law law = {.bottom = {1e-12, vt}}, low = {.bottom = {0.1, vt}};
+    const ns_line_ends five = {4, 5, 0}, near = {1, 2.4, 0};
+    const ns_diode_lines a = ns_bridge_diode_law_lines(&law, 1, &five),
+                         b = ns_bridge_diode_law_lines(&low, 1, &near);
+    assert_true(a.knee == 0 && a.slope == ns_bridge_diode_law_line(&law, 1, &five));
+    assert_true(b.knee == 0 && b.slope == ns_bridge_diode_law_line(&low, 1, &near));
+    assert_true(b.slope < 0.99 * ns_bridge_diode_law_slope(&low, 1));
+}
+
 static void none(void **unused) {
     (void)unused;
     const ns_diode_law nothing = {.bottom = {0, vt}}, slow = {.bottom = {1e-14, 100}};
@@ -141,6 +172,8 @@ int main(void) {
                                        cmocka_unit_test(of_sums),
                                        cmocka_unit_test(line_of_what_it_carries),
                                        cmocka_unit_test(line_of_a_rush),
+                                       cmocka_unit_test(two_lines_of_a_rush),
+                                       cmocka_unit_test(one_line_of_a_near_rush),
                                        cmocka_unit_test(breakdown),
                                        cmocka_unit_test(pulses),
                                        cmocka_unit_test(none),
