@@ -1,4 +1,5 @@
-# tests/corpus/smooth.awk - the netlist with each D as ngspice's smooth model of the vf, ron and breakdown that it was taken with.
+# tests/corpus/smooth.awk - the netlist with each D as ngspice's smooth model of the vf, ron and breakdown that it was taken with;
+# where two lines stand for its curve, as two in parallel.
 #
 #     awk -f smooth.awk OUTPUT NETLIST    OUTPUT: of the native run, which says them for each model
 
@@ -10,9 +11,11 @@ function seconds(word,    k) {
     return substr(word, 1, RLENGTH) * (k == "meg" ? 1e6 : k ~ /^g/ ? 1e9 : k ~ /^k/ ? 1e3 : k ~ /^m/ ? 1e-3 : k ~ /^u/ ? 1e-6 : k ~ /^n/ ? 1e-9 : k ~ /^p/ ? 1e-12 : 1)
 }
 
-# vf, ron, vz, rz of the words from the i-th on; of the first line of a model, if there are several
+# vf, ron, vz, rz, and the second line, of the words from the i-th on; of the first D of a model, if there are several
 function remember(name, i) {
+    if (name in vf) return
     for (; i < NF; i++) {
+        if ($i == "above") { rush_vf[name] = $(i + 1); rush_ron[name] = 1 / (1 / $(i + 3) - 1 / ron[name]) }
         if ($i == "vf" && !(name in vf)) vf[name] = $(i + 2)
         if ($i == "ron" && !(name in ron)) ron[name] = $(i + 2) < 1e-6 ? 1e-6 : $(i + 2)
         if ($i == "breakdown" && !(name in vz)) { vz[name] = $(i + 2); rz[name] = $(i + 4) == "with" ? $(i + 5) : ron[name] }
@@ -22,6 +25,12 @@ function remember(name, i) {
 function write_model(word, name) {
     printf ".model %s sidiode(vfwd=%s ron=%s roff=1e12%s)\n", word, vf[name], ron[name],
         name in vz ? " vrev=" vz[name] " rrev=" rz[name] : ""
+    if (name in rush_vf) printf ".model %s_rush sidiode(vfwd=%s ron=%.6g roff=1e12)\n", word, rush_vf[name], rush_ron[name]
+}
+
+function write_diode(model, name) {
+    print "a" $1, $2, $3, model
+    if (name in rush_vf) print "a" $1 "_rush", $2, $3, model "_rush"
 }
 
 FNR == NR {
@@ -63,11 +72,11 @@ tolower($1) == ".model" && name in vf {
 
 tolower($1) ~ /^d/ && tolower($1) in model_of && tolower($4) in vf {
     own = "own_" tolower($1)
-    print "a" $1, $2, $3, own
+    write_diode(own, model_of[tolower($1)])
     write_model(own, model_of[tolower($1)])
     next
 }
 
-tolower($1) ~ /^d/ && tolower($4) in vf { print "a" $1, $2, $3, $4; next }
+tolower($1) ~ /^d/ && tolower($4) in vf { write_diode($4, tolower($4)); next }
 
 { print }
