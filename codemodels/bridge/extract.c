@@ -94,7 +94,9 @@ static int read_foreign(ns_extract_walk *w, GENinstance *inst) {
     if (model && ns_bridge_own_models(w, mif, model, &status))
         return status;
     if (!model)
-        return ns_bridge_extract_refuse(w, inst, "is of a code model that is not known to this ngspice");
+        return ns_bridge_extract_refuse(w, inst,
+                                        "which code model it is of cannot be told: a library of code models "
+                                        "was loaded twice, leave its second line codemodel out");
     if (mif->analog && inst->GENmodPtr->GENmodType > ns_bridge_models_any(NULL))
         return ns_bridge_extract_refuse(
             w, inst,
@@ -195,7 +197,8 @@ static int read_all(ns_extract_walk *w) {
         error = read_pass(w, done, &read, &later, &waits);
         if (!error && later > 0 && read == 0) {
             ns_bridge_extract_refuse(w, waits,
-                                     "is controlled by, or coupled to, an element that does not exist");
+                                     "is controlled by its own current, or by one that this controls: use E, "
+                                     "by the voltage of a resistor that carries it");
             error = w->ex->error;
         }
     }

@@ -16,7 +16,7 @@
 #   errors/X     tests/netlist/errors/X.cir: exactly one line of output matches the regular expression of its
 #                first line `* expect: ...`, and it judges what was kept; after a line `* dump: FILE STATUS REGEX`
 #                it has left FILE, which nsc-mlcp answers with STATUS and of which one line matches; after `* status: N`
-#                ngspice ends with N in place of 0; with `* alone: FILE` ngspice begins without code models, and its FILE lies there, after `* never: REGEX` no line of output matches
+#                ngspice ends with N in place of 0; with `* alone: FILE` ngspice begins without code models, and its FILE lies there, with `* twice: FILE` it loads FILE twice, after `* never: REGEX` no line of output matches
 #   README       the netlist that README.md shows: its measurements are what the text below it says
 # errors/ also fail if ngspice blames its matrix, all others on a rejected time point and on "timestep too small" or "singular" in the output;
 # A netlist with a line `* until: VERSION` is left out on later versions of ngspice; everything fails on a sanitizer's or valgrind's finding, a crash, and after TIME_LIMIT seconds.
@@ -63,14 +63,18 @@ worst() {
          END { if (n) printf "  largest error %.4f %%%s", m, r }' "$1"
 }
 
-# alone FOLDER FILE: ngspice is to load no code models of its own; FILE, one of them, is put there.
+# spinit FOLDER: where ngspice's own spinit is, which loads its code models; FOLDER/scripts gets an empty one.
 # shellcheck disable=SC2016 # ngspice expands it
-alone() {
+spinit() {
     mkdir -p "$1/scripts"
-    printf '%s\n' '* where' .control 'echo path $sourcepath' 'quit 0' .endc .end >"$1/scripts/where.cir"
-    scripts=$("$NGSPICE" -n -b "$1/scripts/where.cir" 2>&1 </dev/null | sed -n 's/^path \. \([^ ]*\).*/\1/p')
-    ln -sfn "$(sed -n "s,^ *codemodel *\(.*/$2\) *\$,\1,p" "$scripts/spinit")" "$1/$2"
     : >"$1/scripts/spinit"
+    printf '%s\n' '* where' .control 'echo path $sourcepath' 'quit 0' .endc .end >"$1/scripts/where.cir"
+    echo "$("$NGSPICE" -n -b "$1/scripts/where.cir" 2>&1 </dev/null | sed -n 's/^path \. \([^ ]*\).*/\1/p')/spinit"
+}
+
+# alone FOLDER FILE: ngspice is to load no code models of its own; FILE, one of them, is put there.
+alone() {
+    ln -sfn "$(sed -n "s,^ *codemodel *\(.*/$2\) *\$,\1,p" "$(spinit "$1")")" "$1/$2"
 }
 
 # one FILE VARIANT: runs it in a folder of its own and prints the verdict.
@@ -99,6 +103,9 @@ one() {
     interrupted=$(sed -n 's/^\* interrupt: //p' "$file") way=-b
     [ -z "$interrupted" ] || way=-i # -b leaves it to the system
     [ -z "$wanted" ] || alone "$dir" "$wanted"
+    again=$(sed -n 's/^\* twice: //p' "$file")
+    [ -z "$again" ] || sed -n "/^ *codemodel .*\/$again *\$/p" "$(spinit "$dir")" | cat - "$dir/.spiceinit" >"$dir/twice"
+    [ -z "$again" ] || mv "$dir/twice" "$dir/.spiceinit"
     (cd "$dir" && HOME=$dir exec env ${wanted:+"SPICE_SCRIPTS=$dir/scripts"} timeout -k 5 "$TIME_LIMIT" ${interrupted:+timeout --preserve-status -s INT "$interrupted"} "$NGSPICE" "$way" "$base.cir" >out 2>&1 </dev/null)
     rc=$?
     reason=$(judge "$dir/out" $rc $kind "$file")
