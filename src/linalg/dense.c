@@ -77,10 +77,6 @@ static double power_of_two(int k) {
 /* Copies a, scaled by 2^r, 2^c, into the factors' place; returns its 1-norm. */
 static double load(ns_lu *f, int n, const double *a) {
     double norm = 0.0;
-    for (int i = 0; i < n; i++) {
-        f->rs[i] = power_of_two(f->r[i]);
-        f->cs[i] = power_of_two(f->c[i]);
-    }
     for (int j = 0; j < n; j++) {
         const double *src = a + (size_t)j * (size_t)n;
         double *dst = f->a + (size_t)j * (size_t)n, sum = 0.0;
@@ -146,23 +142,32 @@ static double ratio_of_pivots(const ns_lu *f) {
 }
 
 /* c: NULL, or exponents of the units of the columns, then taken instead of the best permutation. */
-static int factor(ns_lu *f, int n, const double *a, const int *c, double *rcond) {
+static int scale(ns_lu *f, int n, const double *a, const int *c) {
     if (!f || (n > 0 && !a))
         return NS_E_NULL;
     if (n < 0 || n > f->cap)
         return NS_E_SIZE;
-    if (rcond)
-        *rcond = n == 0 ? 1.0 : 0.0;
     f->n = 0;
     if (!ns_linalg_finite((size_t)n * (size_t)n, a))
         return NS_E_NUMBER;
     f->n = n;
-    if (n == 0)
-        return NS_OK;
-    if (c)
+    if (n > 0 && c)
         find_quickly(f, n, a, c);
-    else
+    else if (n > 0)
         find_scaling(f, n, a);
+    for (int i = 0; i < n; i++) {
+        f->rs[i] = power_of_two(f->r[i]);
+        f->cs[i] = power_of_two(f->c[i]);
+    }
+    return NS_OK;
+}
+
+static int factor(ns_lu *f, int n, const double *a, const int *c, double *rcond) {
+    const int status = scale(f, n, a, c);
+    if (rcond && status != NS_E_NULL && status != NS_E_SIZE)
+        *rcond = n == 0 ? 1.0 : 0.0;
+    if (status != NS_OK || n == 0)
+        return status;
     f->norm = load(f, n, a);
     const lapack_int info = n <= NS_SMALL ? ns_linalg_small_factor(n, f->a, f->piv)
                                           : LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, f->a, n, f->piv);
@@ -174,6 +179,10 @@ static int factor(ns_lu *f, int n, const double *a, const int *c, double *rcond)
         bad = !(*rcond > 1e-300);
     }
     return bad ? NS_E_SINGULAR : NS_OK;
+}
+
+int ns_linalg_lu_scale(ns_lu *f, int n, const double *a) {
+    return scale(f, n, a, NULL);
 }
 
 double ns_linalg_lu_rcond(ns_lu *f) {

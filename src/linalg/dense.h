@@ -33,7 +33,11 @@ void ns_linalg_lu_solve(const ns_lu *f, int nrhs, double *b);
 /* The same with the transposed matrix. */
 void ns_linalg_lu_solve_transposed(const ns_lu *f, int nrhs, double *b);
 
-/* The scaling of the last matrix given to ns_linalg_lu_factor(), known even if it was singular (n powers of
+/* The scaling of ns_linalg_lu_factor() alone: there are no factors then, of this matrix or one before.
+ * Errors: NUMBER. */
+int ns_linalg_lu_scale(ns_lu *f, int n, const double *a);
+
+/* The scaling of the last matrix given to one of these, known even if it was singular (n powers of
  * two each): its entry (i,j) times rows[i] units[j] is about 1 or less.  The units are those in which the
  * unknowns are alike. */
 const double *ns_linalg_lu_rows(const ns_lu *f);

@@ -29,7 +29,7 @@ static double fastest_rate(ns_newton *s) {
     const int n = s->n, all = s->n + s->m;
     double rate = 0;
     ns_newton_form(s);
-    (void)ns_linalg_lu_factor(s->lu, all, s->G, NULL); /* for its scaling */
+    (void)ns_linalg_lu_scale(s->lu, all, s->G);
     const double *units = ns_linalg_lu_units(s->lu);
     for (int i = 0; i < s->rank; i++) {
         double flow = 0, weight = 0;

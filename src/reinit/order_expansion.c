@@ -166,7 +166,7 @@ double ns_reinit_orders_rate(ns_order_expansion *k) {
     double rate = 0;
     memset(k->mode, NS_INSIDE, (size_t)s->s->m);
     form_powers(k, NULL, NULL);
-    (void)ns_linalg_lu_factor(s->lu, all, k->K0, NULL); /* for its scaling */
+    (void)ns_linalg_lu_scale(s->lu, all, k->K0);
     const double *rows = ns_linalg_lu_rows(s->lu), *units = ns_linalg_lu_units(s->lu);
     for (int j = 0; j < all; j++) {
         int given = 0;

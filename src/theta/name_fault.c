@@ -91,7 +91,7 @@ void ns_theta_name_fault(const ns_fault_context *b, const ns_mlcp *p, const ns_m
     }
     if (!v || rows == 0)
         return;
-    (void)ns_linalg_lu_factor(lu, p->m, p->W, NULL); /* for its scaling */
+    (void)ns_linalg_lu_scale(lu, p->m, p->W);
     name_rows(b, v, ns_linalg_lu_rows(lu), to);
 }
 

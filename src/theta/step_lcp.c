@@ -74,15 +74,15 @@ static int solve_lcp(ns_theta *s, double h, int size, ns_mode *mode) {
  * s->resid and s->sol, or those without any voltage (y: vf) and current. */
 static void add_leaks(ns_theta *s, double ht, int size, double fraction, int around_last) {
     const int n = s->s->n, m = s->s->m;
-    (void)ns_linalg_lu_factor(s->lu, size, s->K, NULL); /* for its scaling: singular or not does not matter */
+    (void)ns_linalg_lu_scale(s->lu, size, s->K);
     for (int j = 0; j < m; j++) {
         const double g = ns_theta_leak_across(s, ht, j, fraction);
         const double off = around_last ? s->rhs[n + j] - s->resid[n + j] : 0;
         for (int i = 0; i < n; i++) {
             const double leak = (i < s->r ? ht : 1) * g * s->B[i + j * n];
-            for (int k = 0; k < n; k++)
+            for (int k = 0; k < n && leak != 0; k++)
                 s->K[i + k * size] += leak * s->s->C[j + k * m];
-            for (int k = 0; k < m; k++)
+            for (int k = 0; k < m && leak != 0; k++)
                 s->K[i + (n + k) * size] += leak * s->s->D[j + k * m];
             s->rhs[i] += leak * off;
         }
@@ -159,7 +159,7 @@ static int is_exact(ns_theta *s, int size) {
     const ns_mlcp p = {.m = size, .W = s->K, .q = s->rhs, .l = s->bl, .u = s->bu};
     if (ns_mlcp_residual(&p, s->sol, NULL) < good)
         return 1;
-    (void)ns_linalg_lu_factor(s->lu, size, s->K, NULL); /* for its scaling */
+    (void)ns_linalg_lu_scale(s->lu, size, s->K);
     const double largest = ns_linalg_lu_largest(s->lu, s->sol), *unit = ns_linalg_lu_units(s->lu);
     for (int i = 0; i < size; i++)
         if (fabs(s->sol[i]) <= rounding * largest * unit[i])
@@ -183,11 +183,13 @@ static int find_dc_of_leaks(ns_theta *s, const double *z, int nhold, const int *
     enum { LEAST_ROUNDS = 3, MOST_ROUNDS = 6 };
     static const double fraction = 1e-8;
     const int size = s->s->n + s->s->m + nhold;
+    int open = 0; /* of the first round: the matrix is the same in all */
     for (int round = 1; round <= MOST_ROUNDS; round++) {
         int status = NS_OK;
         form_dc(s, z, nhold, hold, hold_x);
         add_leaks(s, 1, size, fraction, round > 1);
-        if (leaves_open(s, size))
+        open = round > 1 ? open : leaves_open(s, size);
+        if (open)
             status = ns_theta_floating_dc(s, nhold, hold);
         if (status == NS_OK)
             status = solve_lcp(s, 1, size, mode);

@@ -20,7 +20,7 @@ void ns_theta_name_undetermined(ns_theta *s, double h, int implicit) {
     ns_fault *f = &s->fault;
     double *weight = calloc((size_t)size + 1, sizeof *weight);
     f->npairs = f->nunknowns = 0;
-    (void)ns_linalg_lu_factor(s->lu, size, s->K, NULL); /* for its scaling */
+    (void)ns_linalg_lu_scale(s->lu, size, s->K);
     if (!weight || ns_linalg_null_weights(size, s->K, ns_linalg_lu_rows(s->lu), ns_linalg_lu_units(s->lu),
                                           weight) != NS_OK) {
         free(weight);

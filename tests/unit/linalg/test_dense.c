@@ -182,6 +182,30 @@ static void rcond_is_that_of_the_equilibrated_matrix(void **state) {
     ns_linalg_lu_free(f);
 }
 
+/* Whether there are factors or not: the entries of a permuted diagonal in units 2^-40 to 2^50 are 1/4 to 2 in
+ * it, and it is that of the factors, before and after. */
+static void scaling_alone_is_that_of_the_factors(void **state) {
+    (void)state;
+    enum { N = 3 };
+    const double a[N * N] = {0, ldexp(3, 50), 0, ldexp(-5, -40), 0, 0, 0, ldexp(1, 10), 7}, zero[N * N] = {0};
+    ns_lu *f = room(N);
+    assert_int_equal(ns_linalg_lu_scale(f, N, zero), NS_OK);
+    assert_int_equal(ns_linalg_lu_scale(f, N, a), NS_OK);
+    double rows[N], units[N];
+    memcpy(rows, ns_linalg_lu_rows(f), sizeof rows);
+    memcpy(units, ns_linalg_lu_units(f), sizeof units);
+    const int row[N] = {1, 0, 2};
+    for (int j = 0; j < N; j++) {
+        const double entry = fabs(a[row[j] + N * j]) * rows[row[j]] * units[j];
+        assert_true(entry >= 0.25 && entry <= 2);
+    }
+    assert_int_equal(ns_linalg_lu_factor(f, N, zero, NULL), NS_E_SINGULAR);
+    assert_int_equal(ns_linalg_lu_factor(f, N, a, NULL), NS_OK);
+    assert_memory_equal(rows, ns_linalg_lu_rows(f), sizeof rows);
+    assert_memory_equal(units, ns_linalg_lu_units(f), sizeof units);
+    ns_linalg_lu_free(f);
+}
+
 static void singular_matrices_are_refused(void **state) {
     (void)state;
     const double twice[9] = {1, 2, 3, 2, 4, 6, 1, 0, 1}, empty[4] = {0, 0, 1, 1}, zero[1] = {0};
@@ -198,6 +222,7 @@ static void bad_input_is_refused(void **state) {
     ns_lu *f = room(2);
     assert_int_equal(ns_linalg_lu_factor(f, 2, bad, NULL), NS_E_NUMBER);
     assert_int_equal(ns_linalg_lu_factor(f, 2, inf, NULL), NS_E_NUMBER);
+    assert_int_equal(ns_linalg_lu_scale(f, 2, inf), NS_E_NUMBER);
     assert_int_equal(ns_linalg_lu_factor(f, 3, bad, NULL), NS_E_SIZE);
     assert_int_equal(ns_linalg_lu_factor(f, -1, good, NULL), NS_E_SIZE);
     assert_int_equal(ns_linalg_lu_factor(f, 1, NULL, NULL), NS_E_NULL);
@@ -307,6 +332,7 @@ int main(void) {
         cmocka_unit_test(quick_scaling_finds_units),
         cmocka_unit_test(eigenvalues_of_two_are_right),
         cmocka_unit_test(rcond_is_that_of_the_equilibrated_matrix),
+        cmocka_unit_test(scaling_alone_is_that_of_the_factors),
         cmocka_unit_test(singular_matrices_are_refused),
         cmocka_unit_test(bad_input_is_refused),
         cmocka_unit_test(every_allocation_may_fail),
