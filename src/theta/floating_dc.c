@@ -104,18 +104,31 @@ static void take_places(const dc_rows *d, const double *T, int rank, double *wor
     }
 }
 
-int ns_theta_floating_dc(ns_theta *s, int nhold, const int *hold) {
-    const dc_rows d = {s, s->s->n, s->s->n + nhold, nhold, hold};
-    const size_t square = (size_t)d.count * (size_t)d.count;
-    double *a = calloc(3 * square + 2 * (size_t)d.count + 1, sizeof *a);
-    int rank;
-    if (!a)
-        return NS_E_MEMORY;
-    double *T = a + 2 * square;
-    join(&d, a, a + square);
-    const int status = ns_linalg_row_split_rows(d.count, a, a + square, T, &rank);
-    if (status == NS_OK)
-        take_places(&d, T, rank, T + square);
+static int find_parts(const dc_rows *d, ns_floating_parts *parts) {
+    const size_t square = (size_t)d->count * (size_t)d->count;
+    double *a = calloc(2 * square + 1, sizeof *a);
+    parts->null = calloc(square + 1, sizeof *parts->null);
+    int status = a && parts->null ? NS_OK : NS_E_MEMORY;
+    if (status == NS_OK) {
+        join(d, a, a + square);
+        status = ns_linalg_row_split_rows(d->count, a, a + square, parts->null, &parts->rank);
+    }
     free(a);
+    if (status != NS_OK) {
+        free(parts->null);
+        parts->null = NULL;
+    }
+    return status;
+}
+
+int ns_theta_floating_dc(ns_theta *s, int nhold, const int *hold, ns_floating_parts *parts) {
+    const dc_rows d = {s, s->s->n, s->s->n + nhold, nhold, hold};
+    double *work = calloc(2 * (size_t)d.count + 1, sizeof *work);
+    int status = work ? NS_OK : NS_E_MEMORY;
+    if (status == NS_OK && !parts->null)
+        status = find_parts(&d, parts);
+    if (status == NS_OK)
+        take_places(&d, parts->null, parts->rank, work);
+    free(work);
     return status;
 }

@@ -12,6 +12,7 @@
 #include "regularise.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static void form_lcp(ns_theta *s, const double *M, double ht, double hg, const double *z, int size) {
@@ -178,8 +179,8 @@ static int leaves_open(ns_theta *s, int size) {
  * solved again with leaks: around zero, which determines everything, then twice or more around the answer so
  * far, which leaves the square, the cube, and so on, of their fraction on the rest.  What leaks leave open
  * too floats.  If there is no such answer the exact one is kept. */
-static int find_dc_of_leaks(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
-                            ns_mode *mode) {
+static int go_rounds_of_leaks(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
+                              ns_floating_parts *parts, ns_mode *mode) {
     enum { LEAST_ROUNDS = 3, MOST_ROUNDS = 6 };
     static const double fraction = 1e-8;
     const int size = s->s->n + s->s->m + nhold;
@@ -190,7 +191,7 @@ static int find_dc_of_leaks(ns_theta *s, const double *z, int nhold, const int *
         add_leaks(s, 1, size, fraction, round > 1);
         open = round > 1 ? open : leaves_open(s, size);
         if (open)
-            status = ns_theta_floating_dc(s, nhold, hold);
+            status = ns_theta_floating_dc(s, nhold, hold, parts);
         if (status == NS_OK)
             status = solve_lcp(s, 1, size, mode);
         if (status != NS_OK)
@@ -200,6 +201,14 @@ static int find_dc_of_leaks(ns_theta *s, const double *z, int nhold, const int *
             return NS_OK;
     }
     return NS_E_RESIDUAL;
+}
+
+static int find_dc_of_leaks(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
+                            ns_mode *mode) {
+    ns_floating_parts parts = {0};
+    const int status = go_rounds_of_leaks(s, z, nhold, hold, hold_x, &parts, mode);
+    free(parts.null);
+    return status;
 }
 
 int ns_theta_lcp_dc(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
