@@ -9,6 +9,7 @@
  *   periodic_replay.c repeats that period              sliding.c         modes in which a switch slides
  *   sample.c          a point on the way of a trial    create.c          this struct
  *   charge_rates.c    what an Euler step adds to the charges
+ *   output_solve.c    x, lambda of a point by (P2), where the map of output_map.c cancels
  *   flows.c           charges summed from flows        input_series.c    what a step leaves off of inputs
  *   command_flips.c   which switches of the state change at an event
  *   command_order.c   in which order, where one follows from another

@@ -51,8 +51,9 @@ static ns_mode_kernel *allocate_kernel(const ns_theta *s, const ns_input_states 
         q * (all + (NS_ORDER + 2) * r + (NS_ORDER + 6) * rows) + all * (size_t)e->output_only_inputs;
     k->row = calloc(rows + 1, sizeof *k->row);
     k->always_zero = calloc(rows + 1, 1);
+    k->mode = malloc((size_t)s->s->m + 1);
     k->step_x_lambda = malloc((count + 1) * sizeof *k->step_x_lambda); /* fill_kernel() writes all of it */
-    if (!k->row || !k->always_zero || !k->step_x_lambda) {
+    if (!k->row || !k->always_zero || !k->mode || !k->step_x_lambda) {
         ns_exact_kernel_free(k);
         return NULL;
     }
@@ -66,6 +67,7 @@ static ns_mode_kernel *allocate_kernel(const ns_theta *s, const ns_input_states 
     k->D8 = k->rounding + rows * q;
     k->step = k->D8 + r * q;
     k->bytes = sizeof *k + count * sizeof(double) + rows * sizeof *k->row;
+    memcpy(k->mode, mode, (size_t)s->s->m);
     name_control_rows(s, mode, name_pair_rows(s, mode, 1, name_pair_rows(s, mode, 0, k->row)));
     return k;
 }
@@ -75,6 +77,8 @@ void ns_exact_kernel_free(ns_mode_kernel *kernel) {
         return;
     free(kernel->row);
     free(kernel->always_zero);
+    free(kernel->mode);
+    ns_exact_output_rows_free(kernel->output_rows);
     free(kernel->step_x_lambda);
     free(kernel->x_lambda_now);
     free(kernel->flow_powers);

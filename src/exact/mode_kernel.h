@@ -19,12 +19,16 @@ typedef struct ns_guard_row {
     int command; /* or this command flips; -1: none */
 } ns_guard_row;
 
+/* (P2) of a mode as x and lambda are read from it; output_solve.c's. */
+typedef struct ns_output_rows ns_output_rows;
+
 typedef struct ns_mode_kernel {
     /* sizes */
     double g, h;                /* s: length of the Euler step; longest step, g/gamma */
     int r, nv, q;               /* charges and fluxes; inputs as states; r + nv */
     int rows, pair_rows;        /* guards; those of pairs come first */
     ns_guard_row *row;          /* rows: what each guard stands for */
+    ns_mode *mode;              /* m: the mode */
     unsigned char *always_zero; /* rows: 1: zero for all X, as the guard of a diode across a closed switch */
     size_t bytes;               /* of all of it */
 
@@ -33,6 +37,7 @@ typedef struct ns_mode_kernel {
                                 outputs only */
     double *x_lambda_now;    /* (n+m)*(q+output_only_inputs): x, lambda at tau = 0; NULL until needed */
     int output_cancels;      /* 1: its columns are so large that M x differs from w by their rounding */
+    double *output_sizes;    /* q: the largest entry of each of its columns */
     double *laguerre_powers; /* (8 r)*q: D^1 ... D^8, the part that acts on w */
     double *D8;              /* r*q: D^8 again */
     double *step;            /* r*q: X -> w after h */
@@ -49,6 +54,10 @@ typedef struct ns_mode_kernel {
     int flows;           /* how many */
     double *flow_powers; /* (8 flows)*q: of the Euler steps from the images D^0 ... D^7 */
     double *flow_into;   /* r*flows: what each adds to the charges over the Euler step */
+
+    /* output_map.c: where the columns of x_lambda_now cancel */
+    int output_asked;            /* 1: these were asked for; */
+    ns_output_rows *output_rows; /* NULL: there are none */
 } ns_mode_kernel;
 
 /* Builds it for a mode (m) whose commanded pairs have their bounds in s.  Errors: SINGULAR, MEMORY, NUMBER.
@@ -60,9 +69,19 @@ int ns_exact_kernel_build(ns_theta *s, const ns_input_states *e, double g, const
 void ns_exact_kernel_charge_rates(const ns_theta *s, const ns_map *map, double *rates, double *size);
 /* output_map.c: makes `x_lambda_now`.  Errors: MEMORY. */
 int ns_exact_output_map(const ns_theta *s, const ns_input_states *e, ns_mode_kernel *k);
-/* x_lambda (n+m): x, lambda at X, by it; residual: r, work. */
-void ns_exact_output_map_apply(const ns_theta *s, const ns_input_states *e, const ns_mode_kernel *k,
-                               const double *X, double *x_lambda, double *residual);
+/* x_lambda (n+m): x, lambda at X, by it; residual: r, work.  Errors: MEMORY. */
+int ns_exact_output_map_apply(ns_theta *s, const ns_input_states *e, ns_mode_kernel *k, const double *X,
+                              double *x_lambda, double *residual);
+/* output_solve.c.  sum (q): of (-1)^i D^i, i < 8, of unit vector j: its part in w, and those of inputs. room:
+ * 2 nv. */
+void ns_exact_output_images(const ns_mode_kernel *k, const ns_input_states *e, int j, double *sum,
+                            double *room);
+/* Makes `output_rows`, if they can be.  Errors: MEMORY. */
+int ns_exact_output_rows(ns_theta *s, const ns_input_states *e, ns_mode_kernel *k);
+void ns_exact_output_rows_free(ns_output_rows *o); /* NULL is allowed */
+/* x_lambda (n+m): x, lambda at X, by them; lambda of pairs at bounds is known.  0: it is left as it was. */
+int ns_exact_output_solve(const ns_theta *s, const ns_input_states *e, const ns_mode_kernel *k,
+                          const double *X, double *x_lambda);
 void ns_exact_kernel_free(ns_mode_kernel *kernel); /* NULL is allowed */
 
 /* P (r*q): X -> w after tau <= h. */

@@ -6,32 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Sum of (-1)^i D^i, i < 8, of unit vector j: its part in w, and (in v) those of inputs.  room: 2 nv. */
-static void sum_images(const ns_mode_kernel *k, const ns_input_states *e, int j, double *sum, double *room) {
-    const int r = k->r, nv = k->nv;
-    double *image = room, *v = sum + r;
-    memset(sum, 0, sizeof(double) * (size_t)k->q);
-    memset(image, 0, sizeof(double) * (size_t)nv);
-    sum[j] = 1;
-    if (j >= r)
-        image[j - r] = 1;
-    double sign = -1;
-    for (int order = 1; order < NS_ORDER; order++, sign = -sign) {
-        const double *D = k->laguerre_powers + (order - 1) * r + (size_t)j * (size_t)(NS_ORDER * r);
-        double *next = image + nv;
-        for (int i = 0; i < r; i++)
-            sum[i] += sign * D[i];
-        if (j < r)
-            continue;
-        memcpy(next, image, sizeof(double) * (size_t)nv);
-        ns_inputs_states_stage(e, k->g, next);
-        for (int i = 0; i < nv; i++) {
-            image[i] = next[i] - image[i];
-            v[i] += sign * image[i];
-        }
-    }
-}
-
 /* to (r) += the first r rows of a column, count times x */
 static void add_column(const ns_theta *s, const double *restrict column, double x, double *restrict to) {
     const int r = x != 0 ? s->r : 0;
@@ -106,22 +80,51 @@ static int columns_cancel(const ns_theta *s, const ns_mode_kernel *k, double *re
     return 0;
 }
 
-void ns_exact_output_map_apply(const ns_theta *s, const ns_input_states *e, const ns_mode_kernel *k,
-                               const double *X, double *x_lambda, double *residual) {
+/* 1 if the terms of a sum may be so large that less than six of its digits are no rounding. */
+static int digits_cancel(const ns_mode_kernel *k, int all, const double *X, const double *x_lambda) {
+    static const double large = 1e6;
+    double terms = 0, most = 0;
+    for (int j = 0; j < k->q; j++)
+        terms += k->output_sizes[j] * fabs(X[j]);
+    for (int i = 0; i < all; i++)
+        most = ns_higher(most, fabs(x_lambda[i]));
+    return terms > large * most;
+}
+
+int ns_exact_output_map_apply(ns_theta *s, const ns_input_states *e, ns_mode_kernel *k, const double *X,
+                              double *x_lambda, double *residual) {
     const int all = s->s->n + s->s->m;
     ns_linalg_matvec(all, k->q + e->output_only_inputs, k->x_lambda_now, X, x_lambda);
+    if (digits_cancel(k, all, X, x_lambda)) {
+        const int status = k->output_asked ? NS_OK : ns_exact_output_rows(s, e, k);
+        if (status != NS_OK)
+            return status;
+        if (k->output_rows && ns_exact_output_solve(s, e, k, X, x_lambda))
+            return NS_OK;
+    }
     if (!k->output_cancels)
-        return;
+        return NS_OK;
     memcpy(residual, X, sizeof *residual * (size_t)k->r);
     take_charges(s, x_lambda, residual);
     ns_linalg_matvec_add(all, k->r, k->x_lambda_now, residual, x_lambda);
+    return NS_OK;
+}
+
+/* The largest entry of each column: k->output_sizes. */
+static void find_sizes(const ns_mode_kernel *k, size_t all) {
+    for (size_t j = 0; j < (size_t)k->q; j++) {
+        k->output_sizes[j] = 0;
+        for (size_t i = 0; i < all; i++)
+            k->output_sizes[j] = ns_higher(k->output_sizes[j], fabs(k->x_lambda_now[i + j * all]));
+    }
 }
 
 /* Where the mode constrains the charges, unit vectors have huge answers that cancel in the sum: one step of
  * refinement removes their rounding. */
 int ns_exact_output_map(const ns_theta *s, const ns_input_states *e, ns_mode_kernel *k) {
     const size_t all = (size_t)s->s->n + (size_t)s->s->m, q = (size_t)k->q, r = (size_t)k->r;
-    double *now = calloc(all * (q + (size_t)e->output_only_inputs) + 1, sizeof *now);
+    const size_t numbers = all * (q + (size_t)e->output_only_inputs) + q;
+    double *now = calloc(numbers + 1, sizeof *now);
     double *sum = calloc(q + 2 * r + 2 * (size_t)k->nv + 1, sizeof *sum);
     int *enters = calloc(all + 1, sizeof *enters);
     if (!now || !sum || !enters) {
@@ -133,7 +136,7 @@ int ns_exact_output_map(const ns_theta *s, const ns_input_states *e, ns_mode_ker
     const int count = find_entering(s, enters);
     for (size_t j = 0; j < q; j++) {
         double *at = now + j * all, *residual = sum + q;
-        sum_images(k, e, (int)j, sum, residual + r);
+        ns_exact_output_images(k, e, (int)j, sum, residual + r);
         ns_linalg_matvec((int)all, k->q, k->step_x_lambda, sum, at);
         find_residual(s, e, k->g, sum, at, enters, count, residual, residual + r);
         ns_linalg_matvec_add((int)all, k->r, k->step_x_lambda, residual, at);
@@ -143,9 +146,11 @@ int ns_exact_output_map(const ns_theta *s, const ns_input_states *e, ns_mode_ker
     for (int j = k->r; j < k->q; j++)
         if (ns_exact_kernel_leaves_off(s, k, j, sum))
             ns_linalg_matvec_add((int)all, k->r, now, k->D8 + (size_t)j * r, now + (size_t)j * all);
+    k->output_sizes = now + numbers - q;
+    find_sizes(k, all);
     k->output_cancels = columns_cancel(s, k, sum);
     free(sum);
     free(enters);
-    k->bytes += sizeof *now * all * (q + (size_t)e->output_only_inputs);
+    k->bytes += sizeof *now * numbers;
     return NS_OK;
 }

@@ -11,15 +11,12 @@
 #include <string.h>
 
 int ns_exact_output_of(ns_exact *f, ns_mode_kernel *k, const double *X, double *x_lambda) {
-    const int all = f->system->n + f->system->m, columns = k->q + f->inputs->output_only_inputs;
-    if (!k->x_lambda_now) {
-        const int status = ns_exact_output_map(f->s, f->inputs, k);
-        if (status != NS_OK)
-            return status;
-        f->cache.bytes += sizeof(double) * (size_t)all * (size_t)columns;
-    }
-    ns_exact_output_map_apply(f->s, f->inputs, k, X, x_lambda, f->work.sum);
-    return NS_OK;
+    const size_t bytes = k->bytes;
+    int status = k->x_lambda_now ? NS_OK : ns_exact_output_map(f->s, f->inputs, k);
+    if (status == NS_OK)
+        status = ns_exact_output_map_apply(f->s, f->inputs, k, X, x_lambda, f->work.sum);
+    f->cache.bytes += k->bytes - bytes;
+    return status;
 }
 
 static void copy_state(const ns_exact *f, const double *from, double *to) {
