@@ -1,5 +1,7 @@
 /* src/sparse/read.c - the point of the trial, points on the way to it, its mode, and the counts. */
 #include "sparse_internal.h"
+
+#include "linalg/simd.h"
 #include "theta/name_fault.h"
 
 #include <math.h>
@@ -18,6 +20,63 @@ static int check_read(ns_sparse *m, double at, const double *x, const double *la
     return NS_E_OVERFLOW;
 }
 
+/* --- what rounding of w makes of x --- */
+
+/* w obeys the constraints of a mode but for its rounding, and the rest is an impulse, spread over the step:
+ * L/g times it in the voltage of a star of coils, for a g of 1e-15 s.  D reverses the sign of that, while all
+ * that moves vanishes in the powers of D: the last image has it alone.  It does to this part, or but for this
+ * part of the largest unknown; and below that it is none. */
+static const double alone = 1e-2, almost_nothing = 1e-9, nothing = 1e-10;
+
+typedef enum last_image { MOVES, HAS_IMPULSE, IS_IMPULSE } last_image;
+
+static last_image look_at_last(const ns_sparse *m, const ns_dense_step *step, const double *v) {
+    const size_t size = (size_t)m->f->size;
+    const double *last = step->images + (size_t)(step->stages - 1) * size;
+    double most = 0, largest = 0, moves = 0;
+    if (step->stages == 1)
+        return MOVES;
+    for (size_t i = 0; i < size; i++) {
+        most = ns_higher(most, fabs(v[i]));
+        largest = ns_higher(largest, fabs(last[i]));
+        moves = ns_higher(moves, fabs(last[i] + last[i - size]));
+    }
+    if (largest <= nothing * most || moves > largest)
+        return MOVES;
+    return moves <= ns_higher(alone * largest, almost_nothing * most) ? IS_IMPULSE : HAS_IMPULSE;
+}
+
+/* v (n+m), x and lambda at tau, less that impulse, which is in all images with one sign or the other. */
+static void subtract(const ns_sparse *m, const ns_dense_step *step, double tau, double *v) {
+    const double *last = step->images + (size_t)(step->stages - 1) * (size_t)m->f->size;
+    double c[NS_STAGES], sum = 0;
+    ns_sparse_step_series(step, tau, c);
+    for (int i = 0; i < step->stages; i++)
+        sum += (step->stages - i) % 2 ? c[i] : -c[i];
+    for (int i = 0; i < m->f->size; i++)
+        v[i] -= sum * last[i];
+}
+
+static int take_off_impulse(ns_sparse *m, ns_dense_step *step, double tau, double *v) {
+    const int stages = step->stages;
+    int status = NS_OK;
+    if (step->is_euler || m->o.theta > 0)
+        return NS_OK;
+    step->stages = step->shown > stages ? step->shown : stages;
+    last_image last = look_at_last(m, step, v);
+    while (last == HAS_IMPULSE && status == NS_OK && step->stages < NS_STAGES) {
+        status = ns_sparse_step_more(m, step);
+        last = status == NS_OK ? look_at_last(m, step, v) : MOVES;
+    }
+    if (last == IS_IMPULSE) {
+        ns_sparse_step_point(m, step, tau, v);
+        subtract(m, step, tau, v);
+    }
+    step->shown = step->stages;
+    step->stages = stages;
+    return status == NS_E_MEMORY ? status : NS_OK; /* without that stage it stays as it is */
+}
+
 int ns_sparse_read(ns_engine *e, double *t, double *x, double *lambda, double *y) {
     ns_sparse *m = ns_sparse_of(e);
     if (!m->started)
@@ -32,6 +91,8 @@ int ns_sparse_read(ns_engine *e, double *t, double *x, double *lambda, double *y
         status = ns_sparse_theta_point(m, m->trial.step, m->trial.tau, m->v);
     else
         ns_sparse_step_point(m, m->trial.step, m->trial.tau, m->v);
+    if (status == NS_OK)
+        status = take_off_impulse(m, m->trial.step, m->trial.tau, m->v);
     if (status != NS_OK)
         return ns_sparse_fail(m, at, status);
     if (t)
@@ -73,7 +134,9 @@ static int point_on_way(ns_sparse *m, double t) {
     const double tau = t >= step->end_t ? step->length : fmin(t - step->t - step->time_lost, step->length);
     if (m->o.theta > 0)
         return ns_sparse_theta_point(m, step, tau, m->v);
-    const int status = ns_sparse_step_shown(m, step, tau, m->v);
+    int status = ns_sparse_step_shown(m, step, tau, m->v);
+    if (status == NS_OK)
+        status = take_off_impulse(m, step, tau, m->v);
     if (status == NS_OK && step->is_euler && step->stages == 1)
         join_on_line(m, t);
     return status;

@@ -259,20 +259,25 @@ void ns_sparse_step_state(const ns_sparse *m, const ns_dense_step *step, double 
     }
 }
 
-void ns_sparse_step_point(const ns_sparse *m, const ns_dense_step *step, double tau, double *v) {
-    double c[NS_STAGES], b[NS_ORDER + 1];
+void ns_sparse_step_series(const ns_dense_step *step, double tau, double *c) {
     const double s = tau / step->g;
+    double b[NS_ORDER + 1];
+    ns_modes_laguerre(s, NS_ORDER, c); /* (E1) */
+    if (step->stages > NS_ORDER) {
+        ns_modes_laguerre_steps(s, b);
+        c[NS_ORDER] = b[NS_ORDER] - c[NS_ORDER - 1]; /* L_8 = b_8 + L_7 */
+    }
+}
+
+void ns_sparse_step_point(const ns_sparse *m, const ns_dense_step *step, double tau, double *v) {
+    double c[NS_STAGES];
     if (step->is_euler) {
         memcpy(v, step->images, sizeof(double) * (size_t)m->f->size);
         for (int i = 0; step->stages == 2 && i < m->f->size; i++)
             v[i] += (1 - tau / step->length) * (step->images[m->f->size + i] - v[i]);
         return;
     }
-    ns_modes_laguerre(s, NS_ORDER, c); /* (E1) */
-    if (step->stages > NS_ORDER) {
-        ns_modes_laguerre_steps(s, b);
-        c[NS_ORDER] = b[NS_ORDER] - c[NS_ORDER - 1]; /* L_8 = b_8 + L_7 */
-    }
+    ns_sparse_step_series(step, tau, c);
     combine((size_t)m->f->size, step->stages, c, step->images, v);
 }
 
