@@ -80,11 +80,17 @@ static int contradicts(const ns_sparse *m, double g, const ns_cached_factors *k)
              residual_rounding);
 }
 
-/* As a charge or flux, what is rounding of the largest constant of a law: at rest there is nothing else. */
+/* As a charge or flux, what is rounding of the largest constant of a law, of a source, of an input: at rest
+ * there is nothing else. */
 static double least(const ns_sparse *m) {
+    const ns_input_stages *in = m->in;
     double volts = 0, unit = 0;
     for (int j = 0; j < m->f->m; j++)
         volts = fmax(volts, fabs(m->f->e[j]));
+    for (int i = 0; i < m->f->n; i++)
+        volts = m->f->algebraic[i] ? fmax(volts, fabs(m->f->b[i])) : volts;
+    for (int k = 0; k < m->f->nz; k++)
+        volts = in->enters[k] ? fmax(volts, fmax(in->max_abs[k], fabs(in->sum[k].value))) : volts;
     for (int i = 0; i < m->f->n; i++)
         unit = m->f->algebraic[i] ? unit : fmax(unit, m->unit[i]);
     return zero * volts * unit;
