@@ -271,8 +271,11 @@ int ns_march_run_make_engine(ns_run *r, ns_fault *fault) {
     const int is_scheme = r->options.method == NS_THETA;
     ns_sparse_options options;
     r->kind = is_scheme ? NS_RUN_SCHEME : NS_RUN_SPARSE;
-    if (ns_march_begins_sparse(r->s, &r->options, &options))
-        return ns_sparse_create(r->s, &options, &r->at_work, fault);
+    if (ns_march_begins_sparse(r->s, &r->options, &options)) {
+        const int made = ns_sparse_create(r->s, &options, &r->at_work, fault);
+        if (made != NS_E_SINGULAR || ns_march_too_large(r->s))
+            return made; /* else the dense engines name what is not determined, where they start */
+    }
     const int status = make_dense(r, &r->options, &r->at_work, fault);
     r->kind = is_scheme ? NS_RUN_SCHEME : NS_RUN_DENSE;
     r->is_dense = 1;
