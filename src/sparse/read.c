@@ -32,14 +32,14 @@ typedef enum last_image { MOVES, HAS_IMPULSE, IS_IMPULSE } last_image;
 
 static last_image look_at_last(const ns_sparse *m, const ns_dense_step *step, const double *v) {
     const size_t size = (size_t)m->f->size;
-    const double *last = step->images + (size_t)(step->stages - 1) * size;
-    double most = 0, largest = 0, moves = 0;
-    if (step->stages == 1)
+    if (step->stages < 2)
         return MOVES;
+    const double *before = step->images + (size_t)(step->stages - 2) * size, *last = before + size;
+    double most = 0, largest = 0, moves = 0;
     for (size_t i = 0; i < size; i++) {
         most = ns_higher(most, fabs(v[i]));
         largest = ns_higher(largest, fabs(last[i]));
-        moves = ns_higher(moves, fabs(last[i] + last[i - size]));
+        moves = ns_higher(moves, fabs(last[i] + before[i]));
     }
     if (largest <= nothing * most || moves > largest)
         return MOVES;
