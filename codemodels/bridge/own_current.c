@@ -37,6 +37,10 @@ void ns_bridge_own_add_beyond(const ns_analysis *a, const ns_own_taken *o, const
         *i += more;
 }
 
+double ns_bridge_own_slope_beyond(const ns_own_taken *o) {
+    return o->diode.ron * o->beyond.ron / (o->diode.ron + o->beyond.ron);
+}
+
 int ns_bridge_own_wants_currents(const ns_analysis *a) {
     if (!isnan(a->ex.options.id) || a->ex.options.zero_diodes || ns_bridge_digital_is(&a->ex.digital))
         return 0; /* what digital parts do is known to ngspice's event queue alone */

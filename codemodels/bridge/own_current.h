@@ -11,6 +11,9 @@ int ns_bridge_own_diode_element(const ns_own_taken *o);
 /* Where two lines stand for a D: adds to the current along the first one that along the second. */
 void ns_bridge_own_add_beyond(const ns_analysis *a, const ns_own_taken *o, const ns_mode *mode, double *i);
 
+/* And its slope above the voltage where the second one begins, ohm. */
+double ns_bridge_own_slope_beyond(const ns_own_taken *o);
+
 /* 1 if the analysis, which is of .tran, has a D whose current is to be found. */
 int ns_bridge_own_wants_currents(const ns_analysis *a);
 

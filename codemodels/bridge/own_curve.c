@@ -128,7 +128,7 @@ static double own_voltage(const ns_own_taken *o, double amperes) {
 static double taken_voltage(const ns_own_taken *o, double amperes) {
     const double more = o->beyond_id ? o->diode.vf + o->diode.ron * amperes - o->beyond.vf : 0.0;
     if (more > 0.0)
-        return o->beyond.vf + more * o->beyond.ron / (o->diode.ron + o->beyond.ron);
+        return o->beyond.vf + more / o->diode.ron * ns_bridge_own_slope_beyond(o);
     return o->kind == OWN_MOSFET ? o->ron * amperes : o->diode.vf + o->diode.ron * amperes;
 }
 

@@ -54,11 +54,15 @@ static void note_pass(const ns_extract_walk *w, const ns_own_diode *d, ns_own_ta
         taken->pass.to = found->rush;
 }
 
+static ns_line_ends ends_of(const ns_own_current *found) {
+    return (ns_line_ends){found->most, found->rush, found->blocks};
+}
+
 /* Likewise in breakdown, where the pass found its current; else at bv. */
 static void set_breakdown(const ns_breakdown_law *law, const ns_own_current *found, ns_diode *ideal) {
     if (!found || !(law->volts > 0.0) || !(law->amperes > 0.0))
         return;
-    const ns_line_ends ends = {found->most, found->rush, found->blocks};
+    const ns_line_ends ends = ends_of(found);
     const double slope = ns_bridge_breakdown_law_line(law, found->id, &ends);
     const double vz = ns_bridge_breakdown_law_voltage(law, found->id) - slope * found->id;
     if (!(vz > 0.0))
@@ -77,7 +81,7 @@ static ns_diode_lines lines_of(const ns_extract_walk *w, const GENinstance *inst
     const ns_own_current *found = known_current(w, inst);
     if (!found)
         return (ns_diode_lines){0};
-    const ns_line_ends ends = {found->most, found->rush, found->blocks};
+    const ns_line_ends ends = ends_of(found);
     return ns_bridge_diode_law_lines(&d->law, found->id, &ends);
 }
 
@@ -103,7 +107,7 @@ ns_diode ns_bridge_own_ideal_of(const ns_extract_walk *w, const GENinstance *ins
     const ns_own_current *found = known_current(w, inst);
     if (!found)
         return ideal_of(w, inst, d, vf, 0.0);
-    const ns_line_ends ends = {found->most, found->rush, found->blocks};
+    const ns_line_ends ends = ends_of(found);
     return ideal_of(w, inst, d, vf, ns_bridge_diode_law_line(&d->law, found->id, &ends));
 }
 

@@ -163,7 +163,7 @@ static void announce_diodes(const ns_analysis *a, int k, int count) {
         write_at(o, at, sizeof at);
     if (o->beyond_id)
         snprintf(beyond, sizeof beyond, ", above %.4g V %.4g ohm", o->beyond.vf,
-                 d->ron * o->beyond.ron / (d->ron + o->beyond.ron));
+                 ns_bridge_own_slope_beyond(o));
     ns_bridge_report_note("D of model %s: %s taken as ideal, vf = %.4g V%s, ron = %.4g ohm%s%s%s%s",
                           model_name(o), names, d->vf, o->pass.tangent ? "" : at, d->ron, beyond,
                           o->pass.tangent ? at : "", breakdown, o->smoothed ? ", its epsilon left out" : "");

@@ -64,7 +64,7 @@ int ns_exact_flip_of_guard(ns_exact *f) {
 static int is_far_beyond(const ns_exact *f, const ns_mode_kernel *k, int g) {
     const double rate = ns_exact_guard_of(k, k->rate, g, f->X),
                  tol = ns_exact_guard_rounding_at(f, k, g, f->X, rate);
-    return ns_exact_guard_of(k, k->value, g, f->X) < -(tol + fabs(rate) * f->state.together);
+    return ns_exact_guard_of(k, k->value, g, f->X) < -(tol + fabs(rate) * f->state.command_time_error);
 }
 
 /* 1 if the threshold of guard g is met here, too.  Beside a fast time scale it may take a longer step to tell
@@ -93,16 +93,16 @@ static int flip_if_met(ns_exact *f, const ns_mode_kernel *k, int g, double *dela
 
 int ns_exact_flip_met(ns_exact *f) {
     const ns_mode_kernel *k = f->state.mode->scale[0].kernel;
-    const double t = f->state.now.t, known_to = f->state.together;
+    const double t = f->state.now.t, known_to = f->state.command_time_error;
     double last = 0, delay;
     int count = 0;
     if (f->event_guard < 0)
-        f->state.together = fmax(known_to, ns_system_signal_time_error(t, t));
+        f->state.command_time_error = fmax(known_to, ns_system_signal_time_error(t, t));
     for (int g = k->pair_rows; g < k->rows; g++)
         if (g != f->event_guard && flip_if_met(f, k, g, &delay)) {
             last = fmax(last, delay);
             count++;
         }
-    f->state.together = known_to + last * ns_events_beyond_delay;
+    f->state.command_time_error = known_to + last * ns_events_beyond_delay;
     return count;
 }

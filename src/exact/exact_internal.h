@@ -106,12 +106,12 @@ enum { NS_GUARD_NONE = -1, NS_GUARD_UNKNOWN = -2 };
 
 /* The point between events: saved and restored together by periodic_replay.c. */
 typedef struct ns_exact_state {
-    ns_exact_mode *mode;     /* NULL: no mode was found yet */
-    ns_clock now;            /* X is of now.t + now.lost */
-    double last_event_t;     /* s */
-    double event_time_error; /* s: how well the instant of that event is known, */
-    double together;         /* and up to how much later switches that the state commands change with it */
-    long steps_left;         /* before the ladder has the rest */
+    ns_exact_mode *mode;       /* NULL: no mode was found yet */
+    ns_clock now;              /* X is of now.t + now.lost */
+    double last_event_t;       /* s */
+    double event_time_error;   /* s: what the instant of that event may be off by, for guards of pairs, */
+    double command_time_error; /* and for controls: a switch whose control is met so much later changes too */
+    long steps_left;           /* before the ladder has the rest */
 } ns_exact_state;
 
 /* Guards within their rounding of zero that were looked at h 2^8 ahead: until then they stay about as close.

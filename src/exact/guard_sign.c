@@ -123,7 +123,7 @@ double ns_exact_guard_delay(ns_exact *f, const ns_mode_kernel *k, int g) {
     const double value = ns_exact_guard_of(k, k->value, g, f->X),
                  rate = ns_exact_guard_of(k, k->rate, g, f->X);
     const double tol = ns_exact_guard_rounding_at(f, k, g, f->X, rate);
-    if (value <= tol + fabs(rate) * f->state.together)
+    if (value <= tol + fabs(rate) * f->state.command_time_error)
         return 0;
     const double delay = ns_events_delay(value, rate, f->h), end = f->state.now.t + delay;
     return isfinite(delay) && ns_inputs_events_next(f->events, end) > end ? delay : INFINITY;

@@ -46,12 +46,12 @@ int ns_exact_mode_after(ns_exact *f, int by_guard, int broken, int *goes_on);
 
 /* How well the instant is known at which guard event_guard broke, s: its rounding divided by its rate. */
 double ns_exact_event_time_error(ns_exact *f);
-/* Event_time_error, and what it is for switches that the state commands: a current at rest, 1e-22 A, may take
- * long to cross zero, but what a control crosses in that time it crosses later. */
+/* Sets event_time_error (error, s) and command_time_error, which is h 2^-NS_EVENT_EXPONENT at most: a current
+ * at rest, 1e-22 A, may take longer than that to cross zero, but no control counts as met for so long. */
 void ns_exact_event_known_to(ns_exact *f, double error);
-/* The one of them for guard g. */
+/* The one of the two that is for guard g, s. */
 static inline double ns_exact_time_error_of(const ns_exact *f, const ns_mode_kernel *k, int g) {
-    return g < k->pair_rows ? f->state.event_time_error : f->state.together;
+    return g < k->pair_rows ? f->state.event_time_error : f->state.command_time_error;
 }
 
 /* How a mode was proposed: among likely ones, by (P1) over a short step or by the guard that broke in the

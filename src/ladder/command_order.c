@@ -114,19 +114,10 @@ static int settle_in_order(ns_ladder *l) {
     return status == NS_OK && ns_ladder_switch_by_state(l, l->z, l->point->flip) ? NS_E_LIMIT : status;
 }
 
-static int input_jumps(const ns_ladder *l) {
-    int jumps = 0;
-    ns_system_inputs(l->s, l->point->now.t, NS_LEFT, l->z_left);
-    ns_system_inputs(l->s, l->point->now.t, NS_RIGHT, l->z);
-    for (int i = 0; i < l->s->nz; i++)
-        jumps |= l->z[i] != l->z_left[i];
-    return jumps;
-}
-
 /* With commands that change here change those of the state that would in the shortest step from here. */
 static void flip_commands_met(ns_ladder *l) {
     const double h = ns_ladder_short_step(l);
-    if (!ns_ladder_any_by_state(l) || input_jumps(l))
+    if (!ns_ladder_any_by_state(l) || ns_ladder_inputs_jump(l))
         return;
     ns_system_inputs(l->s, l->point->now.t + h, NS_LEFT, l->z);
     if (ns_theta_probe(l->step, h, l->z, 0) != NS_OK || !ns_ladder_switch_by_state(l, l->z, l->crossed))

@@ -85,11 +85,7 @@ void ns_ladder_drop(ns_ladder *l) {
  * nothing but commands and what is only shown follows it (!is_active), only a mode that ends there too is an
  * event. */
 static int look_at_corner(ns_ladder *l, int is_active) {
-    int jump = 0;
-    ns_system_inputs(l->s, l->point->now.t, NS_LEFT, l->z_left);
-    ns_system_inputs(l->s, l->point->now.t, NS_RIGHT, l->z);
-    for (int i = 0; i < l->s->nz; i++)
-        jump |= l->z[i] != l->z_left[i];
+    const int jump = ns_ladder_inputs_jump(l);
     if (!jump && !is_active) {
         l->point->at_event = !ns_ladder_short_rates(l);
         return 1;

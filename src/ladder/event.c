@@ -36,6 +36,15 @@ double ns_ladder_next_corner(ns_ladder *l) {
     return l->corner;
 }
 
+int ns_ladder_inputs_jump(ns_ladder *l) {
+    int jumps = 0;
+    ns_system_inputs(l->s, l->point->now.t, NS_LEFT, l->z_left);
+    ns_system_inputs(l->s, l->point->now.t, NS_RIGHT, l->z);
+    for (int i = 0; i < l->s->nz; i++)
+        jumps |= l->z[i] != l->z_left[i];
+    return jumps;
+}
+
 void ns_ladder_mean_inputs(ns_ladder *l, double h, double t) {
     if (h > ldexp(l->h, -NS_EDGE_EXPONENT))
         return;

@@ -93,7 +93,9 @@ int ns_ladder_walk(ns_ladder *l, double stop);
 /* 1 if the state commands a switch. */
 int ns_ladder_any_by_state(const ns_ladder *l);
 
-/* event.c: the step of length h to t that is tried next, if it is short, charges with the mean of inputs. */
+/* event.c: 1 if an input has two values at the point's time: l->z_left, l->z; the step of length h to t that
+ * is tried next, if it is short, charges with the mean of inputs. */
+int ns_ladder_inputs_jump(ns_ladder *l);
 void ns_ladder_mean_inputs(ns_ladder *l, double h, double t);
 
 /* event.c: the first corner of the inputs after the point, s. */

@@ -22,10 +22,11 @@ static int check_read(ns_sparse *m, double at, const double *x, const double *la
 
 /* --- what rounding of w makes of x --- */
 
-/* w obeys the constraints of a mode but for its rounding, and the rest is an impulse, spread over the step:
- * L/g times it in the voltage of a star of coils, for a g of 1e-15 s.  D reverses the sign of that, while all
- * that moves vanishes in the powers of D: the last image has it alone.  It does to this part, or but for this
- * part of the largest unknown; and below that it is none. */
+/* Rounding of w contradicts the constraints of a mode.  In an Euler step of g that is an impulse: a rounding
+ * of a flux, divided by g, is a voltage, 100 V for a g of 1e-15 s at the star point of coils.  D reverses its
+ * sign from image to image, while all else vanishes in the powers of D: in the last image the impulse is
+ * alone.  It counts as alone if the last two images add up to less than `alone` of it, or than
+ * `almost_nothing` of the largest unknown; an image below `nothing` of that holds no impulse. */
 static const double alone = 1e-2, almost_nothing = 1e-9, nothing = 1e-10;
 
 typedef enum last_image { MOVES, HAS_IMPULSE, IS_IMPULSE } last_image;

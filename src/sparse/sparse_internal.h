@@ -307,13 +307,13 @@ int ns_sparse_step_digits_lost(ns_sparse *m, const ns_dense_step *step);
 int ns_sparse_step_refine(ns_sparse *m, ns_dense_step *step);
 /* g halved until it is negligible beside room, s, too, or not above least. */
 double ns_sparse_step_negligible(double g, double least, double room);
-/* Dense output: w (n) by (E2), v = (x, lambda) by (E1), tau after its beginning; c: of its images in that. */
+/* Dense output at tau, s: w (n) by (E2); v = (x, lambda) by (E1), with factors c (NS_STAGES) of images. */
 void ns_sparse_step_state(const ns_sparse *m, const ns_dense_step *step, double tau, double *w);
 void ns_sparse_step_point(const ns_sparse *m, const ns_dense_step *step, double tau, double *v);
 void ns_sparse_step_series(const ns_dense_step *step, double tau, double *c);
 /* The same with one more stage, which the step goes on without.  Errors: those of a stage. */
 int ns_sparse_step_shown(ns_sparse *m, ns_dense_step *step, double tau, double *v);
-/* time_lost at the end of a step: steps of one length all round t in the same direction, which adds up. */
+/* time_lost at the end of a step.  Steps of one length round t alike each time, which would add up. */
 double ns_sparse_step_time_lost(const ns_dense_step *step);
 /* sum (n+m) += K^-1 of what the stages leave of (P2): what rounding may have done to them. */
 int ns_sparse_step_residue(ns_sparse *m, const ns_dense_step *step, double *sum);

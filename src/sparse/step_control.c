@@ -50,8 +50,8 @@ static void set_inverse_scales(ns_sparse *m, double largest) {
     }
 }
 
-/* The part of the error over the full length of a step that counts in a step until room: that of w grows with
- * time, but unknowns are off by D^8 from the begin on. */
+/* The part of the error over the full length of a step that counts if the step ends after `room` s: the error
+ * of w grows with time, but x and lambda are off by D^8 x, D^8 lambda as soon as the step begins. */
 static double part_of(const ns_dense_step *step, double room) {
     static const double least = 1e-2;
     return fmin(1, fmax(least, room / step->g / ERROR));
