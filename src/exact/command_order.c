@@ -33,8 +33,9 @@ static void begin(ns_exact *f) {
 static void forget_jumps(ns_exact *f) {
     ns_instant *jumped = f->point->instant;
     f->jumped = 0;
-    if (jumped)
-        ns_instant_clear(jumped);
+    if (!jumped)
+        return;
+    ns_instant_clear(jumped);
     if (f->order.any)
         ns_instant_add(jumped, 0, jumped->size, 1, f->order.instant);
 }

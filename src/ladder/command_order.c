@@ -34,8 +34,9 @@ static void go_back(ns_ladder *l) {
     l->jump.jumps = l->order.jumps;
     l->jump.refused = l->order.refused;
     memcpy(l->point->flip, l->order.first, (size_t)l->s->nc);
-    if (at)
-        ns_instant_clear(at);
+    if (!at)
+        return;
+    ns_instant_clear(at);
     if (l->order.any)
         ns_instant_add(at, 0, at->size, 1, l->order.instant);
 }
