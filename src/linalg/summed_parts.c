@@ -1,9 +1,11 @@
-/* src/linalg/summed_parts.c - Kirchhoff's current law of a part that resistors join, in one exact row.
+/* src/linalg/summed_parts.c - Kirchhoff's current law of a part that resistors and capacitors join, in one
+ * exact row.
  *
  * The conductances at a star point are summed and rounded: 1/R1 + 1/R2 + 1/R3 on the diagonal and the three
  * beside it need not cancel.  Where nothing but open devices ties such a part to the rest, what is left
  * over, 1e-17 S, is all that determines its voltage; leaks of a step of 1e-12 s are smaller than that.  In
  * the sum of the part's rows the resistors inside cancel exactly, and so it takes the place of one of them.
+ * So do capacitors inside, which in such a step conduct 1e10 S and more; they join parts as resistors do.
  */
 #include "summed_parts.h"
 
@@ -22,14 +24,14 @@ static int joined(int n, const double *A, int i, int j) {
     return i != j && there * back > 0 && there * A[i + i * n] < 0 && back * A[j + j * n] < 0;
 }
 
-/* To row (n): `first`, and all rows joined to it; returns how many. */
-static int list_part(int n, const double *A, int first, int *row, int *reached) {
+/* To row (n): `first`, and all rows that A or M joins to it; returns how many. */
+static int list_part(int n, const double *A, const double *M, int first, int *row, int *reached) {
     int count = 1;
     row[0] = first;
     reached[first] = 1;
     for (int at = 0; at < count; at++)
         for (int j = 0; j < n; j++)
-            if (!reached[j] && joined(n, A, row[at], j)) {
+            if (!reached[j] && (joined(n, A, row[at], j) || joined(n, M, row[at], j))) {
                 reached[j] = 1;
                 row[count++] = j;
             }
@@ -76,7 +78,7 @@ int ns_linalg_summed_parts(int n, const double *A, const double *M, int rank, do
         return NS_E_MEMORY;
     int *reached = row + n;
     for (int first = 0; first < n; first++) {
-        const int count = reached[first] ? 0 : list_part(n, A, first, row, reached);
+        const int count = reached[first] ? 0 : list_part(n, A, M, first, row, reached);
         const int place =
             count < LEAST_ROWS || !is_closed(n, A, M, row, count) ? -1 : unit_row(n, rank, T, row, count);
         for (int k = 0; k < count && place >= 0; k++)

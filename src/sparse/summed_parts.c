@@ -1,5 +1,5 @@
-/* src/sparse/summed_parts.c - Kirchhoff's current law of a part that resistors join, in one exact row: what
- * linalg/summed_parts.c does with arrays.
+/* src/sparse/summed_parts.c - Kirchhoff's current law of a part that resistors and capacitors join, in one
+ * exact row: what linalg/summed_parts.c does with arrays.
  */
 #include "assemble.h"
 
@@ -27,24 +27,34 @@ static double entry(const ns_csc *a, int i, int j) {
     return 0;
 }
 
-/* From place `at` in the list on: row `first`, and those that entries of one sign join to it, i and j: A_ij
- * and A_ji.  Returns where the next part begins. */
+/* 1 if entries of one sign join row i, which is in no part yet, to row j, whose own entry is `own`. */
+static int joined(const sums *s, const ns_csc *a, double own, int i, int j) {
+    return s->part[i] < 0 && entry(a, i, j) * own < 0 && entry(a, j, i) * own < 0 && entry(a, i, i) * own > 0;
+}
+
+/* Row j of part `first`: the rows joined to it become the next ones of the list.  Returns how many it has. */
+static int list_joined(sums *s, const ns_csc *a, int first, int j, int count) {
+    const double own = entry(a, j, j);
+    for (int k = a->start[j]; own != 0 && k < a->start[j + 1]; k++) {
+        const int i = a->row[k];
+        if (joined(s, a, own, i, j)) {
+            s->part[i] = first;
+            s->list[count++] = i;
+        }
+    }
+    return count;
+}
+
+/* From place `at` in the list on: row `first`, and those that resistors (A) and capacitors (M) join to it.
+ * Returns where the next part begins. */
 static int list_part(sums *s, int first, int at) {
     int count = at + 1;
     s->list[at] = first;
     s->part[first] = first;
     for (; at < count; at++) {
         const int j = s->list[at];
-        const double own = entry(s->A, j, j);
-        for (int k = s->A->start[j]; own != 0 && k < s->A->start[j + 1]; k++) {
-            const int i = s->A->row[k];
-            if (s->part[i] >= 0 || !(s->A->value[k] * own < 0))
-                continue;
-            if (entry(s->A, j, i) * own < 0 && entry(s->A, i, i) * own > 0) {
-                s->part[i] = first;
-                s->list[count++] = i;
-            }
-        }
+        count = list_joined(s, s->A, first, j, count);
+        count = list_joined(s, s->M, first, j, count);
     }
     return count;
 }

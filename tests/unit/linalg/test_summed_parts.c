@@ -97,6 +97,16 @@ static void a_capacitor_inside(void **state) {
     assert_int_equal(sums(&w, 4), 1);
 }
 
+/* A capacitor in place of a resistor: what it joins is summed as well. */
+static void a_capacitor_joins(void **state) {
+    network w;
+    (void)state;
+    make_star(&w);
+    branch(w.A, 0, 3, 1 / 10.0);
+    branch(w.M, 2, 3, 1e-6);
+    assert_int_equal(sums(&w, 4), 1);
+}
+
 /* One resistor: g and -g cancel as they are. */
 static void two_nodes_stay(void **state) {
     network w;
@@ -119,8 +129,8 @@ static void memory_may_run_out(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_star_is_summed),   cmocka_unit_test(ground_ends_a_part),
-        cmocka_unit_test(a_capacitor_inside), cmocka_unit_test(two_nodes_stay),
-        cmocka_unit_test(memory_may_run_out),
+        cmocka_unit_test(a_capacitor_inside), cmocka_unit_test(a_capacitor_joins),
+        cmocka_unit_test(two_nodes_stay),     cmocka_unit_test(memory_may_run_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
