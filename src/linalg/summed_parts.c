@@ -15,8 +15,6 @@
 
 #include "nonsmooth/status.h"
 
-/* Two rows, g and -g, cancel whatever is done to them. */
-enum { LEAST_ROWS = 3 };
 static const double eps_factor = 8 * DBL_EPSILON;
 
 static int joined(int n, const double *A, int i, int j) {
@@ -36,6 +34,21 @@ static int list_part(int n, const double *A, const double *M, int first, int *ro
                 row[count++] = j;
             }
     return count;
+}
+
+static int joins_several(int n, const double *a, int i) {
+    int count = 0;
+    for (int j = 0; j < n; j++)
+        count += joined(n, a, i, j);
+    return count > 1;
+}
+
+/* 1 if a diagonal entry is the sum of several: others, g and -g, cancel as they are. */
+static int may_be_rounded(int n, const double *A, const double *M, const int *row, int count) {
+    for (int k = 0; k < count; k++)
+        if (joins_several(n, A, row[k]) || joins_several(n, M, row[k]))
+            return 1;
+    return 0;
 }
 
 /* 1 if these rows of a cancel in column j. */
@@ -79,8 +92,8 @@ int ns_linalg_summed_parts(int n, const double *A, const double *M, int rank, do
     int *reached = row + n;
     for (int first = 0; first < n; first++) {
         const int count = reached[first] ? 0 : list_part(n, A, M, first, row, reached);
-        const int place =
-            count < LEAST_ROWS || !is_closed(n, A, M, row, count) ? -1 : unit_row(n, rank, T, row, count);
+        const int is_summed = may_be_rounded(n, A, M, row, count) && is_closed(n, A, M, row, count);
+        const int place = is_summed ? unit_row(n, rank, T, row, count) : -1;
         for (int k = 0; k < count && place >= 0; k++)
             T[place + row[k] * n] = 1;
     }

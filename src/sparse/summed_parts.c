@@ -7,17 +7,16 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Two rows, g and -g, cancel whatever is done to them. */
-enum { LEAST_ROWS = 3 };
 static const double eps_factor = 8 * DBL_EPSILON;
 
 typedef struct sums {
     const ns_csc *M, *A, *Tt;
     const unsigned char *algebraic;
     int n;
-    int *part; /* n: the part of a row, by its first one */
-    int *list; /* n: rows, part by part */
-    int *open; /* n: 1: something leads out of the part of that first row */
+    int *part;    /* n: the part of a row, by its first one */
+    int *list;    /* n: rows, part by part */
+    int *open;    /* n: 1: something leads out of the part of that first row */
+    int *rounded; /* n: 1: a diagonal entry of that part is the sum of several; else all cancel as they are */
 } sums;
 
 static double entry(const ns_csc *a, int i, int j) {
@@ -27,17 +26,22 @@ static double entry(const ns_csc *a, int i, int j) {
     return 0;
 }
 
-/* 1 if entries of one sign join row i, which is in no part yet, to row j, whose own entry is `own`. */
-static int joined(const sums *s, const ns_csc *a, double own, int i, int j) {
-    return s->part[i] < 0 && entry(a, i, j) * own < 0 && entry(a, j, i) * own < 0 && entry(a, i, i) * own > 0;
+/* 1 if entries of one sign join row i to row j, whose own entry is `own`. */
+static int joined(const ns_csc *a, double own, int i, int j) {
+    return entry(a, i, j) * own < 0 && entry(a, j, i) * own < 0 && entry(a, i, i) * own > 0;
 }
 
 /* Row j of part `first`: the rows joined to it become the next ones of the list.  Returns how many it has. */
 static int list_joined(sums *s, const ns_csc *a, int first, int j, int count) {
     const double own = entry(a, j, j);
+    int several = 0;
     for (int k = a->start[j]; own != 0 && k < a->start[j + 1]; k++) {
         const int i = a->row[k];
-        if (joined(s, a, own, i, j)) {
+        if (!joined(a, own, i, j))
+            continue;
+        s->rounded[first] |= several;
+        several = 1;
+        if (s->part[i] < 0) {
             s->part[i] = first;
             s->list[count++] = i;
         }
@@ -93,11 +97,12 @@ static int is_unit(const sums *s, int i) {
 /* What T gets, to e: in place of a row of each part that is closed the sum of all. */
 static void put_sums(const sums *s, ns_entries *e) {
     for (int at = 0, next = 0; at < s->n; at = next) {
+        const int first = s->list[at], is_summed = s->rounded[first] && !s->open[first];
         int place = -1;
-        for (next = at; next < s->n && s->part[s->list[next]] == s->list[at]; next++)
+        for (next = at; next < s->n && s->part[s->list[next]] == first; next++)
             if (place < 0 && is_unit(s, s->list[next]))
                 place = s->list[next];
-        for (int k = at; k < next && next - at >= LEAST_ROWS && place >= 0 && !s->open[s->list[at]]; k++)
+        for (int k = at; k < next && is_summed && place >= 0; k++)
             if (s->list[k] != place)
                 ns_linalg_entries_add(e, s->list[k], place, 1);
     }
@@ -108,11 +113,12 @@ int ns_sparse_sum_parts(const ns_csc *M, const ns_csc *A, const unsigned char *a
     sums s = {.M = M, .A = A, .Tt = Tt, .algebraic = algebraic, .n = A->columns};
     ns_entries e = {0};
     ns_csc T = {0};
-    s.part = calloc(3 * (size_t)s.n + 1, sizeof *s.part);
+    s.part = calloc(4 * (size_t)s.n + 1, sizeof *s.part);
     if (!s.part)
         return NS_E_MEMORY;
     s.list = s.part + s.n;
     s.open = s.list + s.n;
+    s.rounded = s.open + s.n;
     list_parts(&s);
     find_open(&s);
     put_sums(&s, &e);

@@ -107,6 +107,16 @@ static void a_capacitor_joins(void **state) {
     assert_int_equal(sums(&w, 4), 1);
 }
 
+/* A resistor and a capacitor in series: each has its own matrix, in which it cancels as it is. */
+static void a_chain_of_two_kinds_stays(void **state) {
+    network w;
+    (void)state;
+    memset(&w, 0, sizeof w);
+    branch(w.A, 0, 1, -1 / 3.0);
+    branch(w.M, 1, 2, 1e-6);
+    assert_int_equal(sums(&w, 3), 0);
+}
+
 /* One resistor: g and -g cancel as they are. */
 static void two_nodes_stay(void **state) {
     network w;
@@ -128,9 +138,10 @@ static void memory_may_run_out(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_star_is_summed),   cmocka_unit_test(ground_ends_a_part),
-        cmocka_unit_test(a_capacitor_inside), cmocka_unit_test(a_capacitor_joins),
-        cmocka_unit_test(two_nodes_stay),     cmocka_unit_test(memory_may_run_out),
+        cmocka_unit_test(a_star_is_summed),           cmocka_unit_test(ground_ends_a_part),
+        cmocka_unit_test(a_capacitor_inside),         cmocka_unit_test(a_capacitor_joins),
+        cmocka_unit_test(a_chain_of_two_kinds_stays), cmocka_unit_test(two_nodes_stay),
+        cmocka_unit_test(memory_may_run_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
