@@ -86,10 +86,13 @@ static int count_alike(const ns_extract *ex, int k) {
     return count;
 }
 
-/* As the user wrote it: ngspice puts an `a` before the names of models that it made code models of. */
+/* As the user wrote it: ngspice puts an `a` before the names of models that it made code models of, and
+ * before those of their instances. */
 static const char *model_name(const ns_own_taken *o) {
-    const char *name = o->inst->GENmodPtr->GENmodName;
-    const int made = o->kind == OWN_SIDIODE || o->kind == OWN_PSWITCH;
+    const char *name = o->inst->GENmodPtr->GENmodName, *dot = strrchr(o->inst->GENname, '.');
+    const char *own = dot ? dot + 1 : o->inst->GENname;
+    const int made = (o->kind == OWN_SIDIODE || o->kind == OWN_PSWITCH) && own[0] == 'a' && own[1] &&
+                     strchr("dsw", own[1]);
     return made && name[0] == 'a' && name[1] ? name + 1 : name;
 }
 
