@@ -12,6 +12,9 @@ static const double much = 0.05;
 /* A gate so near the threshold is at it, of its drive beyond it. */
 static const double held_within = 1e-6;
 
+/* Both sides of an event at the threshold are as near to it, of the same. */
+static const double at_threshold = 1e-3;
+
 static int is_judged(const ns_analysis *a, const ns_own_taken *o) {
     return o->id >= 0 && (o->kind == OWN_MOSFET || (o->kind == OWN_DIODE && !a->ex.options.zero_diodes));
 }
@@ -52,10 +55,14 @@ static void judge_channel(const ns_analysis *a, const ns_own_taken *o, double i,
 
 /* What is off between the point before and this one, in the mean.  Where v(gate,source) is straight, that of
  * a switch at midpoints.  Else as much as at the end where less is off: a gate that is not in the plot asks
- * for no points, and may change in far less time than lies between two. */
+ * for no points, and may change in far less time than lies between two.  Where it is at its threshold at both
+ * ends, it closed and opened the switch there, and was above it in between. */
 static double mean_off(const ns_own_taken *o, double i, double above, double off) {
     enum { PARTS = 16 };
     double sum = 0.0;
+    const double near = at_threshold * (o->drive - o->mosfet.vth);
+    if (!o->gate_is_shown && !o->follows && fabs(above) < near && fabs(o->seen.above) < near)
+        return 0.0;
     if (!o->gate_is_shown || o->follows)
         return fmin(off, o->seen.off);
     for (int k = 0; k < PARTS; k++) {
