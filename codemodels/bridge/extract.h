@@ -85,6 +85,10 @@ typedef struct ns_own_taken {
         ns_pulse_mean current;
         double t, i;   /* s, A: the point before */
         double most_v; /* V: the largest voltage across it, of either sign */
+        /* of D, until it conducts first: the voltage forwards (V) at the point before and the largest one;
+         * for how long (s), what its own model would have carried meanwhile, and the largest current beside
+         * it, C */
+        double forwards, most_forwards, seconds, missed, beside;
         /* of M: v(gate,source) beyond vto; what its own channel does not do, and of what that is a part: at
          * the point before, and integrals */
         double above, off, of, all_off, all_of;

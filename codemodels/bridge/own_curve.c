@@ -15,6 +15,10 @@ static const double held_within = 1e-6;
 /* Both sides of an event at the threshold are as near to it, of the same. */
 static const double at_threshold = 1e-3;
 
+/* What a D that is off would carry by its own model counts, of the largest current of a source or an
+ * inductor. */
+static const double much_missed = 0.01;
+
 static int is_judged(const ns_analysis *a, const ns_own_taken *o) {
     return o->id >= 0 && (o->kind == OWN_MOSFET || (o->kind == OWN_DIODE && !a->ex.options.zero_diodes));
 }
@@ -86,6 +90,29 @@ static void count_channel(const ns_analysis *a, ns_own_taken *o, double i, doubl
     o->seen.of = of;
 }
 
+/* A: the largest current of a source or an inductor at this point. */
+static double largest_current(const ns_analysis *a) {
+    double most = 0.0;
+    for (int eq = 0; eq < a->ex.neq; eq++)
+        if (a->ex.element[eq] >= 0 && a->unknown[eq] >= 0)
+            most = fmax(most, fabs(a->x[a->unknown[eq]]));
+    return most;
+}
+
+/* A D that has not conducted yet, at v, V: what its own model would have carried since the point before. */
+static void count_missed(const ns_analysis *a, ns_own_taken *o, double v, double seconds) {
+    const double forwards = fmax(v, 0.0), middle = 0.5 * (forwards + o->seen.forwards);
+    if (seconds > 0.0 && o->seen.i <= NS_LEAK) {
+        ns_own_diode d;
+        ns_bridge_own_read_diode(o->inst, &d);
+        o->seen.missed += middle > 0.0 ? seconds * ns_bridge_diode_law_current(&d.law, middle) : 0.0;
+        o->seen.beside += seconds * largest_current(a);
+        o->seen.seconds += seconds;
+        o->seen.most_forwards = fmax(o->seen.most_forwards, forwards);
+    }
+    o->seen.forwards = forwards;
+}
+
 void ns_bridge_own_count_point(const ns_analysis *a, double since, double t) {
     for (int k = 0; k < a->ex.nowns; k++) {
         ns_own_taken *o = &a->ex.own[k];
@@ -100,6 +127,8 @@ void ns_bridge_own_count_point(const ns_analysis *a, double since, double t) {
             ns_bridge_pulse_mean_add(&o->seen.current, mean > NS_LEAK, mean, o->seen.t, t);
         if (o->kind == OWN_MOSFET)
             count_channel(a, o, i, o->seen.t >= since ? t - o->seen.t : 0.0);
+        if (o->kind == OWN_DIODE && o->seen.current.weight == 0.0)
+            count_missed(a, o, v, o->seen.t >= since ? t - o->seen.t : 0.0);
         o->seen.t = t;
         o->seen.i = fmax(i, 0.0);
         o->seen.most_v = fmax(o->seen.most_v, fabs(v));
@@ -220,6 +249,29 @@ void ns_bridge_own_count_dc(const ns_analysis *a, double *most) {
     }
 }
 
+/* The D that never conducted, though by its own model it would have carried most, beside what flows. */
+static int note_missed(const ns_analysis *a) {
+    const ns_own_taken *worst = NULL;
+    double most = much_missed;
+    for (int k = 0; k < a->ex.nowns; k++) {
+        const ns_own_taken *o = &a->ex.own[k];
+        if (!is_judged(a, o) || o->kind != OWN_DIODE || own_current(o) > 0.0 ||
+            !(o->seen.missed > NS_LEAK * o->seen.seconds) || !(o->seen.missed > most * o->seen.beside))
+            continue;
+        most = o->seen.beside > 0.0 ? o->seen.missed / o->seen.beside : INFINITY;
+        worst = o;
+    }
+    if (worst)
+        ns_bridge_report_note("%s did not conduct at up to %.3g V, where its own model carries %.2g A in the "
+                              "mean: its vf is too "
+                              "high for that, the result is wrong: with id=%.2g in the model nonsmooth, vf "
+                              "is that of this current",
+                              worst->inst->GENname, worst->seen.most_forwards,
+                              worst->seen.missed / worst->seen.seconds,
+                              worst->seen.missed / worst->seen.seconds);
+    return worst != NULL;
+}
+
 int ns_bridge_own_note_curve(const ns_analysis *a) {
     const ns_own_taken *worst = NULL;
     double most = much;
@@ -239,5 +291,5 @@ int ns_bridge_own_note_curve(const ns_analysis *a) {
             worst = o;
         }
     }
-    return worst || ns_bridge_own_note_guess(a, NULL);
+    return worst || note_missed(a) || ns_bridge_own_note_guess(a, NULL);
 }
