@@ -121,8 +121,7 @@ static int make_waveform(CKTcircuit *ckt, ns_analysis *a, const ns_waveform_inte
     unsigned char *kind = calloc(a->count + 1, 1);
     const ns_waveform_options o = {.lines = a->ex.options.lines,
                                    .squares = a->ex.options.squares,
-                                   .longest = ns_bridge_timepoints_tmax(ckt->CKTmaxStep, ckt->CKTstep,
-                                                                        ckt->CKTinitTime, ckt->CKTfinalTime),
+                                   .longest = ns_bridge_shown_tmax(ckt),
                                    .every = ns_bridge_timepoints_round(ckt->CKTfinalTime),
                                    .closest = ns_bridge_timepoints_closest(ckt->CKTfinalTime),
                                    .floor = {[VOLTAGE] = 1e-12, [CURRENT] = 1e-15},

@@ -53,6 +53,11 @@ int ns_bridge_shown_no_parameters(const CKTcircuit *ckt) {
     return none;
 }
 
+double ns_bridge_shown_tmax(const CKTcircuit *ckt) {
+    const TRANan *job = (const TRANan *)ckt->CKTcurJob;
+    return job ? job->TRANmaxStep : 0.0;
+}
+
 int ns_bridge_shown_interpolated(const CKTcircuit *ckt, int given) {
     const runDesc *run = plot_of(ckt);
     return run && run->pointCount < given;

@@ -12,6 +12,9 @@ int ns_bridge_shown_read(const CKTcircuit *ckt, int neq, unsigned char *shown);
 /* 1 if no device's parameter (@r1[i]) is in the plot of this run; 0 also where there is none. */
 int ns_bridge_shown_no_parameters(const CKTcircuit *ckt);
 
+/* During a transient analysis: the tmax of .tran, s; 0: it has none. */
+double ns_bridge_shown_tmax(const CKTcircuit *ckt);
+
 /* 1 if ngspice was given so many points of this run and left some out: with `.options interp` it writes one
  * value for each multiple of tstep, and at most one for each point that it is given. */
 int ns_bridge_shown_interpolated(const CKTcircuit *ckt, int given);

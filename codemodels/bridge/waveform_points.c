@@ -34,7 +34,7 @@ static double latest_read(const ns_session *s) {
     const double sliver = 1e-3; /* of a half: what rounding leaves is no step */
     const double t = start + half * (floor((s->ckt->CKTtime - start) / half + sliver) + 1.0);
     const int any = !s->next.interpolated && s->next.shown >= NS_SHOWN_ENOUGH;
-    const double tmax = ns_bridge_timepoints_tmax(s->loop.points.step, s->ckt->CKTstep, start, stop);
+    const double tmax = ns_bridge_shown_tmax(s->ckt);
     const double closest = ns_bridge_timepoints_closest(stop);
     const int is_fine = (tmax > 0.0 && tmax <= half) || half < 4.0 * closest;
     if (start - s->ckt->CKTtime > closest)

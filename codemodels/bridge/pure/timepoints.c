@@ -97,13 +97,6 @@ double ns_bridge_timepoints_slowest(const ns_system *s, double stop) {
     return fmin(slowest, stop);
 }
 
-double ns_bridge_timepoints_tmax(double max_step, double tstep, double start, double stop) {
-    static const double ngspice_own = 1.0 / 50.0; /* of the time shown, where tmax is not given */
-    return max_step < tstep && max_step != (stop - start) * ngspice_own && max_step != (stop - start) / 50.0
-               ? max_step
-               : 0.0;
-}
-
 double ns_bridge_timepoints_round(double stop) {
     const double power = pow(10.0, floor(log10(stop / 50.0)));
     return 5.0 * power <= stop / 50.0 ? 5.0 * power : 2.0 * power <= stop / 50.0 ? 2.0 * power : power;

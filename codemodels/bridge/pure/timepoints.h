@@ -60,10 +60,6 @@ double ns_bridge_timepoints_longest_step(const ns_system *s, double stop);
 /* The time, s, in which every input of s that repeats itself has done so once; stop, if that is less. */
 double ns_bridge_timepoints_slowest(const ns_system *s, double stop);
 
-/* The tmax of .tran, s, from ngspice's longest step; 0: there is none, or it cannot be told from ngspice's
- * own. */
-double ns_bridge_timepoints_tmax(double max_step, double tstep, double start, double stop);
-
 /* Points at all multiples of this time, s, at least: 1, 2 or 5 times a power of ten, fifty of them or more in
  * a run up to stop.  .meas sees nothing between from= and to= but points. */
 double ns_bridge_timepoints_round(double stop);

@@ -244,18 +244,6 @@ static void the_slowest_source_has_come_once(void **state) {
     assert_near(slowest_of(z, 5, 8.0), 8.0);
 }
 
-/* As ngspice's traninit.c has it: without tmax the longest step is tstep, or a fiftieth of the time shown if
- * that is shorter; nobody can tell a tmax of that size from it. */
-static void tmax_is_what_ngspice_did_not_choose_itself(void **state) {
-    (void)state;
-    assert_true(ns_bridge_timepoints_tmax(1e-6, 1e-6, 0.0, 1e-3) == 0.0);
-    assert_true(ns_bridge_timepoints_tmax((1e-3 - 0.4e-3) / 50.0, 1e-4, 0.4e-3, 1e-3) == 0.0);
-    assert_true(ns_bridge_timepoints_tmax(2e-5, 1e-4, 0.0, 1e-3) == 0.0); /* = 1 ms / 50 */
-    assert_true(ns_bridge_timepoints_tmax(3e-7, 1e-6, 0.0, 1e-3) == 3e-7);
-    assert_true(ns_bridge_timepoints_tmax(1e-5, 1e-4, 0.0, 1e-3) == 1e-5);
-    assert_true(ns_bridge_timepoints_tmax(1e-3, 1e-6, 0.0, 1e-3) == 0.0); /* longer than tstep */
-}
-
 /* 1, 2 or 5 times a power of ten; the largest of which fifty fit into the run. */
 static void round_times_fit_fifty_times(void **state) {
     static const double stop_round[][2] = {{1.0, 0.02},    {2.4, 0.02},    {2.6, 0.05},    {5.1, 0.1},
@@ -389,7 +377,6 @@ int main(void) {
         cmocka_unit_test(closeness_and_equality),
         cmocka_unit_test(the_longest_step_is_a_part_of_period_and_run),
         cmocka_unit_test(the_slowest_source_has_come_once),
-        cmocka_unit_test(tmax_is_what_ngspice_did_not_choose_itself),
         cmocka_unit_test(round_times_fit_fifty_times),
         cmocka_unit_test(the_closest_points_are_two),
         cmocka_unit_test(a_point_that_the_waveform_does_not_choose),
