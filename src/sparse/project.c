@@ -26,6 +26,10 @@ static const double zero = 64 * DBL_EPSILON, a_jump = 1e-11, corrected = 1e-14, 
 /* A residual below this fraction of its terms is rounding; w below this fraction of its rates in a step, too.
  */
 static const double residual_rounding = 1e-11, rate_rounding = 1e-10;
+/* Steps so short that their matrix holds no digit of what it couples are made so many times as long, while
+ * they are shorter by 2^-SHORTER than the ones that they are compared with. */
+static const double much_longer = 16;
+enum { SHORTER = 3 };
 /* A transient below this fraction of the error allowed is not resolved. */
 static const double lasting = 1e-3;
 
@@ -197,9 +201,14 @@ static int remove_powers(ns_sparse *m, double t, double g, const double *first, 
  * finite rate. */
 static int lasts(ns_sparse *m, double t, double g) {
     const double little = (a_jump + lasting * m->o.reltol) * ns_sparse_largest_size(m);
-    const double finer = fmax(ldexp(g, -NS_FINER), ns_sparse_finest(m));
+    double finer = fmax(ldexp(g, -NS_FINER), ns_sparse_finest(m));
     left what;
-    if (remove_powers(m, t, finer, NULL, m->work.finer_removed, &what) != NS_OK)
+    int status;
+    do {
+        status = remove_powers(m, t, finer, NULL, m->work.finer_removed, &what);
+        finer *= much_longer;
+    } while (status == NS_E_SINGULAR && finer <= ldexp(g, -SHORTER));
+    if (status != NS_OK)
         return 0;
     for (int i = 0; i < m->f->n; i++)
         m->work.finer_removed[i] -= m->work.removed[i];
