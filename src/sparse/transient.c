@@ -119,14 +119,16 @@ static double length_of(const ns_sparse *m, int exponent) {
     return ldexp(m->o.h, -exponent) / NS_POLE;
 }
 
-/* So many Euler steps from w (n) and the mode at the begin of G; 0: one is refused. */
+/* So many Euler steps from w (n) and the mode at the begin of G; 0: one is refused, or the engine has done as
+ * much as it may. */
 static int euler_steps(ns_sparse *m, double t, double G, int count, double *w) {
     ns_sparse_transient *k = &m->transient;
     const double g = G / count;
     ns_sparse_guard_set_mode(m, k->mode);
     memcpy(w, m->w, sizeof *w * (size_t)m->f->n);
     for (int i = 0; i < count; i++) {
-        if (ns_sparse_event_consistent(m, t + i * g, g, w, k->v, NULL) != NS_OK)
+        if (ns_engine_is_over(&m->engine) ||
+            ns_sparse_event_consistent(m, t + i * g, g, w, k->v, NULL) != NS_OK)
             return 0;
         for (int r = 0; r < m->f->n; r++)
             w[r] = m->f->algebraic[r] ? 0 : ns_linalg_csc_dot(&m->f->Mt, r, k->v);
