@@ -114,9 +114,11 @@ const ns_counts *ns_theta_counts(const ns_theta *s);
 void ns_theta_bound_search(ns_theta *s, double most);
 double ns_theta_search_left(const ns_theta *s);
 double ns_theta_searched(const ns_theta *s);
-/* An estimate, in instructions: to make s, c->factors factors of its size and c->maps matrices of steps.  c
- * may also count what others made of s, such as the exact engine. */
+/* Estimates, in instructions: to make s, c->factors factors of its size, but those of (P1), and c->maps
+ * matrices of steps, all of which are kept (c may also count what others made of s, such as the exact
+ * engine); to solve the problems of events, of which nothing is kept. */
 double ns_theta_matrix_work(const ns_theta *s, const ns_counts *c);
+double ns_theta_problem_work(const ns_theta *s);
 const ns_fault *ns_theta_fault(const ns_theta *s); /* of the last call that failed */
 
 /* The problem at which the last ns_theta_try() failed, unreduced: n rows of equalities with the unknowns x

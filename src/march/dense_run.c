@@ -234,7 +234,7 @@ static ns_work work(ns_engine *e) {
     const double by_replay = r->exact ? (double)ns_exact_replayed(r->exact) : 0, events = (double)c->events;
     const double once = ns_theta_matrix_work(r->step, c);
     return (ns_work){.all = once + (1300 + 0.4 * square) * (double)c->steps + 7400 * (events - by_replay) +
-                            280 * square * (double)c->trials + ns_theta_searched(r->step),
+                            280 * square * (double)c->trials + ns_theta_problem_work(r->step),
                      .once = once,
                      .events = events};
 }

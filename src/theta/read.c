@@ -77,10 +77,19 @@ double ns_theta_search_left(const ns_theta *s) {
 
 /* Fitted, with what the exact engine makes of them, to what callgrind counted in 27 circuits of tests/stress.
  */
+static double work_of_factors(const ns_theta *s, long factors) {
+    const double size = (double)s->s->n + (double)s->s->m;
+    return (93 + 7.9 * s->q) * size * size * (double)factors;
+}
+
 double ns_theta_matrix_work(const ns_theta *s, const ns_counts *c) {
-    const double size = (double)s->s->n + (double)s->s->m, square = size * size, columns = s->q;
-    return 20 * size * square + (93 + 7.9 * columns) * square * (double)c->factors +
-           (27 * square + 59.0 * s->r * s->r * columns) * (double)c->maps;
+    const double size = (double)s->s->n + (double)s->s->m, square = size * size;
+    return 20 * size * square + work_of_factors(s, c->factors - s->passing_factors) +
+           (27 * square + 59.0 * s->r * s->r * s->q) * (double)c->maps;
+}
+
+double ns_theta_problem_work(const ns_theta *s) {
+    return work_of_factors(s, s->passing_factors) + s->expanded + s->searched;
 }
 
 double ns_theta_searched(const ns_theta *s) {

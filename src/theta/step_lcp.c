@@ -59,6 +59,7 @@ static int solve_lcp(ns_theta *s, double h, int size, ns_mode *mode) {
     s->counts.problems++;
     s->counts.pivots += info.pivots;
     s->counts.factors += info.factors;
+    s->passing_factors += info.factors;
     s->searched += info.searched;
     s->search_left = info.cut_off ? 0 : s->search_left - info.searched;
     if (status == NS_OK)

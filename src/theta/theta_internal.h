@@ -105,6 +105,8 @@ struct ns_theta {
     ns_lu *lu;                    /* factors of K */
     ns_mlcp_solver *mlcp;         /* (P1) */
     double searched, search_left; /* instructions of its branch and bound: so far, and allowed */
+    long passing_factors;         /* of counts.factors: those that (P1) made, which are not kept */
+    double expanded;              /* instructions of expansions in powers of h, about */
     double *X, *R;                /* (n+m)*q, and twice that and q: solutions of (P2), residuals */
     double *Z;                    /* (n+m)*2m: guards as functions of (x, lambda) */
     double *leak;                 /* m: conductances and resistances of leaks */

@@ -47,6 +47,37 @@ static void inputs_of_a_law(void **state) {
     ns_system_free(s);
 }
 
+/* A jump found from another mode takes (P1) and expansions: of their work nothing is kept, and the matrices
+ * that are kept are none of it. */
+static void work_is_counted(void **state) {
+    const ns_theta_options o = {1, 1, 0};
+    const double w0 = 0, z = -3;
+    double x;
+    ns_system *s;
+    ns_theta *t;
+    const ns_impulse out = {.x = &x};
+    (void)state;
+    assert_int_equal(ns_system_create(1, 1, 1, 0, &s), NS_OK);
+    s->M[0] = s->B[0] = s->C[0] = s->F[0] = 1;
+    s->u[0] = INFINITY;
+    assert_int_equal(ns_theta_create(s, &o, &t, NULL), NS_OK);
+    assert_int_equal(ns_theta_start(t, &w0, NULL), NS_OK);
+    const double kept = ns_theta_matrix_work(t, ns_theta_counts(t));
+    double before = ns_theta_problem_work(t);
+    assert_true(before == 0);
+    for (int again = 0; again < 3; again++) {
+        assert_int_equal(ns_theta_impulse(t, &z, NULL, &out), NS_OK);
+        assert_true(fabs(x - 3) < 1e-14);
+        const double passing = ns_theta_problem_work(t);
+        assert_true(passing >= before + 2 * (2800 + 32)); /* blocking; conducting: one unknown at least */
+        before = passing;
+    }
+    assert_true(ns_theta_counts(t)->factors > 0);
+    assert_true(ns_theta_matrix_work(t, ns_theta_counts(t)) == kept);
+    ns_theta_free(t);
+    ns_system_free(s);
+}
+
 /* y1 = lambda1 - 2 and y2 = 3 + x + 5 lambda1 + lambda2 with x = 7: lambda = (2, 0), y = (0, 20).  An input,
  * or its slope, that is no number is refused. */
 static void laws_of_other_pairs(void **state) {
@@ -209,6 +240,7 @@ static void a_diode_conducts_after_an_impulse_of_its_voltage(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(inputs_of_a_law),
+                                       cmocka_unit_test(work_is_counted),
                                        cmocka_unit_test(laws_of_other_pairs),
                                        cmocka_unit_test(no_mode_after_a_jump),
                                        cmocka_unit_test(a_diode_blocks_after_its_impulse),
