@@ -24,9 +24,13 @@ static const double long_trial = 4;
  * transient that was gone through says nothing of them. */
 static const double early = 0.25;
 enum { FEW = 4 };
+/* One that cannot be left, as the other one cannot begin there, goes on for this part of a question before
+ * that is tried again, or for so many times what the trial took. */
+static const double a_while = 0.25, times_a_trial = 8;
 
 static void wait(ns_choice *c, double t, ns_work work, double times) {
     c->asks = 0;
+    c->again = 0;
     c->interval *= times;
     c->from = (ns_choice_mark){t, work};
 }
@@ -80,6 +84,8 @@ static ns_choice_answer look_at_asked(ns_choice *c, double t, ns_work work) {
         wait(c, t, work, 1);
         return NS_CHOICE_STAY;
     }
+    if (c->again > 0)
+        return work.all >= c->again ? NS_CHOICE_CHANGE : NS_CHOICE_STAY;
     const int is_hopeful = spent - once < clearly * other && spent < much * c->interval;
     const int is_over = spent > whole || (spent > whole / 4 && spent > hopeless * other);
     return is_over && !is_hopeful ? NS_CHOICE_CHANGE : NS_CHOICE_STAY;
@@ -114,6 +120,10 @@ void ns_march_choice_failed(ns_choice *c, double t, ns_work work) {
     wait(c, t, work, much_later);
 }
 
+void ns_march_choice_stuck(ns_choice *c, ns_work work, double took) {
+    c->again = work.all + fmax(a_while * part * c->interval, times_a_trial * took);
+}
+
 double ns_march_choice_limit(const ns_choice *c) {
-    return c->asks ? c->from.work.all + 2 * much * c->interval : INFINITY;
+    return c->asks && c->again == 0 ? c->from.work.all + 2 * much * c->interval : INFINITY;
 }

@@ -24,12 +24,14 @@ typedef struct ns_choice_mark {
 } ns_choice_mark;
 
 typedef struct ns_choice {
-    int asks;            /* 1: the engine at work is the one that is asked */
-    int is_first;        /* 1: it was not asked so far */
-    double usual;        /* work for a second, when it was chosen, of the one at work; while the other one is
-                          * asked, of the one before; NAN: not known */
-    double per_event;    /* the same for an event */
-    double interval;     /* work between two questions */
+    int asks;         /* 1: the engine at work is the one that is asked */
+    int is_first;     /* 1: it was not asked so far */
+    double usual;     /* work for a second, when it was chosen, of the one at work; while the other one is
+                       * asked, of the one before; NAN: not known */
+    double per_event; /* the same for an event */
+    double interval;  /* work between two questions */
+    double again;     /* work of all until it is tried again to leave the one that is asked, as the other one
+                       * could not begin; 0: it was not tried */
     ns_choice_mark from; /* where the engine at work began, or was chosen */
 } ns_choice;
 
@@ -55,6 +57,9 @@ double ns_march_choice_trial(const ns_choice *c);
 void ns_march_choice_cut_off(ns_choice *c, double from, double t);
 /* The engine that is asked failed, or could not begin: the other one is at work (again). */
 void ns_march_choice_failed(ns_choice *c, double t, ns_work work);
+/* After a question that was answered no the other one could not begin here, which took so much of the work:
+ * the one that is asked goes on for a while. */
+void ns_march_choice_stuck(ns_choice *c, ns_work work, double took);
 /* How much all engines may have done at most before the one that is asked has to have answered. */
 double ns_march_choice_limit(const ns_choice *c);
 

@@ -23,6 +23,18 @@ static int change(ns_run *r) {
     return status;
 }
 
+static void change_at(ns_run *r, double now) {
+    const double before = ns_march_run_work(r).all;
+    const int status = change(r);
+    const ns_work work = ns_march_run_work(r);
+    if (status == NS_OK)
+        ns_march_choice_changed(&r->choice, now, work);
+    else if (r->choice.asks)
+        ns_march_choice_stuck(&r->choice, work, work.all - before);
+    else
+        ns_march_choice_failed(&r->choice, now, work);
+}
+
 static int may_choose(ns_run *r, double *now) {
     return r->chooses && !(r->back_at < INFINITY) && r->kind != NS_RUN_SCHEME && ns_march_run_rests(r, now);
 }
@@ -33,9 +45,9 @@ static int may_choose(ns_run *r, double *now) {
 static void bound_work(ns_run *r, ns_until until) {
     ns_engine *e = r->at_work;
     double now, most = 0;
-    if (r->choice.asks)
+    if (ns_march_choice_limit(&r->choice) < INFINITY)
         most = ns_engine_work(e).all + ns_march_choice_limit(&r->choice) - ns_march_run_work(r).all;
-    else if (until == NS_TO_TIME && may_choose(r, &now))
+    else if (!r->choice.asks && until == NS_TO_TIME && may_choose(r, &now))
         most = ns_engine_work(e).all + ns_march_choice_trial(&r->choice);
     e->most_work = most;
 }
@@ -50,12 +62,8 @@ static int is_to_look(ns_run *r, ns_until until) {
 static void look_at_choice(ns_run *r, double now) {
     const ns_choice_answer answer = ns_march_choice_look(
         &r->choice, now, ns_march_run_work(r), ns_march_bounds_of_event(r->s, r->kind == NS_RUN_DENSE));
-    if (answer != NS_CHOICE_CHANGE)
-        return;
-    if (change(r) == NS_OK)
-        ns_march_choice_changed(&r->choice, now, ns_march_run_work(r));
-    else
-        ns_march_choice_failed(&r->choice, now, ns_march_run_work(r));
+    if (answer == NS_CHOICE_CHANGE)
+        change_at(r, now);
 }
 
 void ns_march_run_choose(ns_run *r, ns_until until) {
@@ -106,11 +114,15 @@ static void ask_in_trial(ns_run *r, double t) {
         return;
     }
     ns_march_choice_cut_off(&r->choice, now, t);
-    if (change(r) == NS_OK)
-        ns_march_choice_changed(&r->choice, now, ns_march_run_work(r));
-    else
-        ns_march_choice_failed(&r->choice, now, ns_march_run_work(r));
+    change_at(r, now);
     bound_work(r, NS_TO_TIME);
+}
+
+/* The one that is asked took too much, and the other one cannot begin here. */
+static int goes_on_unbounded(ns_run *r) {
+    r->at_work->most_work = 0;
+    ns_march_choice_stuck(&r->choice, ns_march_run_work(r), 0);
+    return 1;
 }
 
 int ns_march_run_hand_over(ns_run *r, double t, ns_until until, double *reached, int *status) {
@@ -118,8 +130,11 @@ int ns_march_run_hand_over(ns_run *r, double t, ns_until until, double *reached,
         ask_in_trial(r, t);
         return 1;
     }
-    if (r->chooses && r->choice.asks && *status != NS_E_MEMORY && fail_and_change(r, until, reached))
-        return 1;
+    if (r->chooses && r->choice.asks && *status != NS_E_MEMORY) {
+        const int is_over = ns_engine_is_over(r->at_work);
+        if (fail_and_change(r, until, reached) || (is_over && goes_on_unbounded(r)))
+            return 1;
+    }
     if (ns_march_run_sparse_failed(r, *status)) {
         *status = ns_march_run_leave_sparse(r);
         return *status == NS_OK;

@@ -324,6 +324,53 @@ static void when_the_one_asked_is_left(void **state) {
     assert_true(c.asks == 0 && c.interval == 16000 && c.from.t == 7 && c.from.work.all == 2200);
 }
 
+/* It is asked at 1 ms and costs five times as much, but the other one cannot begin again before `until`, s:
+ * what was done until 5 ms. */
+static double work_where_it_cannot_be_left(double until) {
+    simulation s = two(1e6, 5e6);
+    ns_march_choice_begin(&s.choice, 0, s.work, first);
+    for (int i = 0; i < STEPS / 200; i++) {
+        const double t = (double)i / STEPS;
+        if (s.choice.asks && t < until &&
+            ns_march_choice_look(&s.choice, t, s.work, (ns_choice_bounds){0, INFINITY, 0, 0}) ==
+                NS_CHOICE_CHANGE)
+            ns_march_choice_stuck(&s.choice, s.work, 1);
+        else
+            look(&s, t, (ns_choice_bounds){0, INFINITY, 0, 0});
+        step(&s, t, 1.0 / STEPS);
+    }
+    assert_int_equal(s.at_work, 0);
+    return s.work.all;
+}
+
+/* Then that is tried again soon, not as if it were the better one.  A full bridge (full-bridge 81001000000 of
+ * the stress set) went on by exact for eight intervals. */
+static void one_that_cannot_be_left_is_left_soon(void **state) {
+    (void)state;
+    const double at_once = work_where_it_cannot_be_left(0), later = work_where_it_cannot_be_left(1.2e-3);
+    assert_true(at_once < 6e3); /* 5e3 by the other one, and two questions */
+    assert_true(later - at_once > 0 && later - at_once < 1.2e3);
+}
+
+static void work_is_not_bound_while_it_cannot_be_left(void **state) {
+    ns_choice c = asked();
+    (void)state;
+    assert_int_equal(look_after(&c, 2.02, 1041, 0, 0, 0), NS_CHOICE_CHANGE);
+    ns_march_choice_stuck(&c, work_of(1341, 0, 0), 2); /* a quarter of 125 more than 8 times that */
+    assert_true(c.asks == 1 && ns_march_choice_limit(&c) == INFINITY);
+    assert_int_equal(look_after(&c, 2.02, 1041 + 31, 0, 0, 0), NS_CHOICE_STAY);
+    assert_int_equal(look_after(&c, 2.02, 1041 + 32, 0, 0, 0), NS_CHOICE_CHANGE);
+    ns_march_choice_stuck(&c, work_of(1400, 0, 0), 20);
+    assert_int_equal(look_after(&c, 2.02, 1100 + 159, 0, 0, 0), NS_CHOICE_STAY);
+    assert_int_equal(look_after(&c, 2.02, 1100 + 160, 0, 0, 0), NS_CHOICE_CHANGE);
+    ns_choice better = c;
+    assert_int_equal(look_after(&better, 4, 1400, 0, 4, 0),
+                     NS_CHOICE_STAY); /* 400 where the other took 1000 */
+    assert_true(better.asks == 0 && better.again == 0);
+    ns_march_choice_changed(&c, 6, work_of(1600, 0, 0));
+    assert_true(c.asks == 0 && c.again == 0 && c.interval == 2000);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(the_cheaper_one_stays),
                                        cmocka_unit_test(the_cheaper_one_is_found),
@@ -341,6 +388,8 @@ int main(void) {
                                        cmocka_unit_test(when_the_one_asked_stays),
                                        cmocka_unit_test(when_modes_do_not_recur),
                                        cmocka_unit_test(when_it_is_asked_amid_events),
-                                       cmocka_unit_test(when_the_one_asked_is_left)};
+                                       cmocka_unit_test(when_the_one_asked_is_left),
+                                       cmocka_unit_test(one_that_cannot_be_left_is_left_soon),
+                                       cmocka_unit_test(work_is_not_bound_while_it_cannot_be_left)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
