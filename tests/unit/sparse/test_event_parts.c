@@ -331,6 +331,31 @@ static void the_first_command_is_named(void **state) {
     close_bench(&b);
 }
 
+/* 1 nF at 1 V discharges by a diode and 0.1 mohm into 1 nF at rest, in 0.1 ps: a stretch is passed, unless
+ * the engine has done as much as it may: then nothing is. */
+static void a_stretch_is_bound_by_work(void **state) {
+    const ns_diode ideal = {0, 0, INFINITY, INFINITY, 0};
+    bench b = open_bench();
+    (void)state;
+    assert_int_equal(ns_circuit_capacitor(b.c, "c1", 1, 0, 1e-9, 1, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(b.c, "r", 1, 2, 1e-4, NULL), NS_OK);
+    assert_int_equal(ns_circuit_diode(b.c, "d", 2, 3, &ideal, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(b.c, "c2", 3, 0, 1e-9, 0, NULL), NS_OK);
+    start_bench(&b);
+    ns_sparse *m = b.m;
+    for (int bound = 1; bound >= 0; bound--) {
+        ns_dense_step *step = m->trial.step;
+        const double before = ns_engine_work(&m->engine).all;
+        ns_sparse_event_restore(m);
+        m->engine.most_work = bound ? before / 2 : 0;
+        step->length = 1e-14;
+        step->usual_length = h;
+        assert_int_equal(ns_sparse_transient_pass(m, 0, NULL, step), !bound);
+        assert_true(bound == (ns_engine_work(&m->engine).all == before));
+    }
+    close_bench(&b);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(unresolved_transients_are_no_events),
@@ -346,6 +371,7 @@ int main(void) {
         cmocka_unit_test(integrals_of_jumps_are_restored),
         cmocka_unit_test(terms_of_a_control),
         cmocka_unit_test(the_first_command_is_named),
+        cmocka_unit_test(a_stretch_is_bound_by_work),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
