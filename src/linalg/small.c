@@ -27,7 +27,15 @@ static inline void take_off(int n, double by, const double *x, double *y) {
         y[i] -= by * x[i];
 }
 
-int ns_linalg_small_factor(int n, double *a, int *piv) {
+ALWAYS_INLINE void take_off_widely(int n, double by, const double *x, double *y) {
+    int i = 0;
+    for (; i + NS_WIDE <= n; i += NS_WIDE)
+        *(ns_simd_wide *)(y + i) -= by * *(const ns_simd_wide *)(x + i);
+    take_off(n - i, by, x + i, y + i);
+}
+
+/* Row after row: of few. */
+static int eliminate_few(int n, double *a, int *piv) {
     int first = 0;
     for (int k = 0; k < n; k++) {
         double *col = a + k * n;
@@ -46,6 +54,43 @@ int ns_linalg_small_factor(int n, double *a, int *piv) {
                 take_off(n - k - 1, a[k + j * n], col + k + 1, a + j * n + k + 1);
     }
     return first;
+}
+
+/* Column after column, each by those before it: the same sums, along columns alone. */
+ALWAYS_INLINE int eliminate_many(int n, double *a, int *piv) {
+    int first = 0;
+    for (int j = 0; j < n; j++) {
+        double *col = a + j * n;
+        for (int k = 0; k < j; k++)
+            swap(&col[k], &col[piv[k] - 1]);
+        for (int k = 0; k < j; k++)
+            if (col[k] != 0)
+                take_off_widely(n - k - 1, col[k], a + k * n + k + 1, col + k + 1);
+        const int at = j + largest(n - j, col + j);
+        piv[j] = at + 1;
+        if (col[at] == 0) {
+            first = first ? first : j + 1;
+            continue;
+        }
+        for (int k = 0; at != j && k <= j; k++)
+            swap(&a[j + k * n], &a[at + k * n]);
+        for (int i = j + 1; i < n; i++)
+            col[i] /= col[j];
+    }
+    return first;
+}
+
+NS_WIDE_TARGET static int many_wide(int n, double *a, int *piv) {
+    return eliminate_many(n, a, piv);
+}
+
+static int many_narrow(int n, double *a, int *piv) {
+    return eliminate_many(n, a, piv);
+}
+
+int ns_linalg_small_factor(int n, double *a, int *piv) {
+    enum { FEW = 32 };
+    return (n <= FEW ? eliminate_few : ns_simd_is_wide() ? many_wide : many_narrow)(n, a, piv);
 }
 
 static void solve_one(int n, const double *a, const int *piv, double *b) {

@@ -321,8 +321,57 @@ static void quick_scaling_finds_units(void **state) {
     ns_linalg_lu_free(f);
 }
 
+/* Four entries a column, one of them on the diagonal or, where that is left out, not: as circuits have them.
+ */
+static void fill_thinly(int n, int whole, double *a) {
+    memset(a, 0, sizeof *a * (size_t)n * (size_t)n);
+    for (int j = 0; j < n; j++) {
+        a[whole ? j + j * n : (j + 1) % n + j * n] = 2.0 + random_unit();
+        for (int k = 0; k < 3; k++)
+            a[(int)floor(0.5 * n * (1.0 + random_unit())) + j * n] += random_unit();
+    }
+}
+
+/* Solutions that are known, of few and of many rows, with zeros and without; x A = b too, and a matrix with
+ * one column twice is singular. */
+static void thin_matrices_of_all_sizes(void **state) {
+    enum { MOST = 300, SIDES = 5 };
+    static const int rows[] = {31, 32, 33, 64, 65, 127, 178, 255, 256, 257, MOST};
+    static double a[MOST * MOST], x[MOST * SIDES], b[MOST * SIDES];
+    (void)state;
+    ns_lu *f = room(MOST);
+    for (int s = 0; s < 3 * (int)(sizeof rows / sizeof *rows); s++) {
+        const int n = rows[s / 3];
+        fill_thinly(n, s % 3 > 0, a);
+        for (int k = 0; k < n * n && s % 3 == 2; k++)
+            a[k] += 0.1 * random_unit();
+        for (int k = 0; k < SIDES * n; k++)
+            x[k] = random_unit();
+        for (int k = 0; k < SIDES; k++)
+            ns_linalg_matvec(n, n, a, x + k * n, b + k * n);
+        assert_int_equal(ns_linalg_lu_factor(f, n, a, NULL), NS_OK);
+        ns_linalg_lu_solve(f, SIDES, b);
+        for (int k = 0; k < SIDES * n; k++)
+            assert_true(fabs(b[k] - x[k]) < 1e-8);
+        for (int j = 0; j < n; j++) {
+            b[j] = 0.0;
+            for (int i = 0; i < n; i++)
+                b[j] += x[i] * a[i + j * n];
+        }
+        ns_linalg_lu_solve_transposed(f, 1, b);
+        for (int k = 0; k < n; k++)
+            assert_true(fabs(b[k] - x[k]) < 1e-8);
+        double rcond;
+        memcpy(a + 5 * n, a + 7 * n, sizeof *a * (size_t)n);
+        const int status = ns_linalg_lu_factor(f, n, a, &rcond);
+        assert_true(status == NS_E_SINGULAR || rcond < 1e-15);
+    }
+    ns_linalg_lu_free(f);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(thin_matrices_of_all_sizes),
         cmocka_unit_test(products_are_the_sums_of_their_terms),
         cmocka_unit_test(sizes_are_the_sums_of_what_was_summed),
         cmocka_unit_test(what_is_no_number_is_seen),
