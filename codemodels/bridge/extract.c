@@ -138,8 +138,8 @@ static int read_instance(ns_extract_walk *w, GENinstance *inst) {
     for (size_t i = 0; i < sizeof readers / sizeof readers[0]; i++)
         if (readers[i].letter == letter)
             return readers[i].read(w, inst);
-    snprintf(what, sizeof what, "%c elements are not supported; %s and the ideal devices are",
-             toupper((unsigned char)letter), "R, C, L, K, V, I, E, F, G, H, linear B");
+    snprintf(what, sizeof what, "%c elements are not supported; %s and ideal devices are",
+             toupper((unsigned char)letter), "R, C, L, K, V, I, E, F, G, H, piecewise linear B, D, S, W, M");
     return ns_bridge_extract_refuse(w, inst, what);
 }
 
