@@ -43,7 +43,8 @@ static int joins_several(int n, const double *a, int i) {
     return count > 1;
 }
 
-/* 1 if a diagonal entry is the sum of several: others, g and -g, cancel as they are. */
+/* 1 if a diagonal entry of these rows is the rounded sum of several branches.  That of one branch, g, and its
+ * -g beside it cancel exactly. */
 static int may_be_rounded(int n, const double *A, const double *M, const int *row, int count) {
     for (int k = 0; k < count; k++)
         if (joins_several(n, A, row[k]) || joins_several(n, M, row[k]))

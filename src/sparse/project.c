@@ -26,8 +26,8 @@ static const double zero = 64 * DBL_EPSILON, a_jump = 1e-11, corrected = 1e-14, 
 /* A residual below this fraction of its terms is rounding; w below this fraction of its rates in a step, too.
  */
 static const double residual_rounding = 1e-11, rate_rounding = 1e-10;
-/* Steps so short that their matrix holds no digit of what it couples are made so many times as long, while
- * they are shorter by 2^-SHORTER than the ones that they are compared with. */
+/* Where the matrix of the finer steps is singular to rounding, steps much_longer times as long are tried in
+ * their place, and so on, up to 2^-SHORTER of the length that they are compared with. */
 static const double much_longer = 16;
 enum { SHORTER = 3 };
 /* A transient below this fraction of the error allowed is not resolved. */

@@ -16,7 +16,7 @@ typedef struct sums {
     int *part;    /* n: the part of a row, by its first one */
     int *list;    /* n: rows, part by part */
     int *open;    /* n: 1: something leads out of the part of that first row */
-    int *rounded; /* n: 1: a diagonal entry of that part is the sum of several; else all cancel as they are */
+    int *rounded; /* n: 1: a diagonal entry of that part is the rounded sum of several branches */
 } sums;
 
 static double entry(const ns_csc *a, int i, int j) {

@@ -321,8 +321,8 @@ static void quick_scaling_finds_units(void **state) {
     ns_linalg_lu_free(f);
 }
 
-/* Four entries a column, one of them on the diagonal or, where that is left out, not: as circuits have them.
- */
+/* At most four entries a column, as in matrices of circuits.  The largest is on the diagonal (whole: 1) or
+ * just below it (0). */
 static void fill_thinly(int n, int whole, double *a) {
     memset(a, 0, sizeof *a * (size_t)n * (size_t)n);
     for (int j = 0; j < n; j++) {

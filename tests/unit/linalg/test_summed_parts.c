@@ -107,7 +107,7 @@ static void a_capacitor_joins(void **state) {
     assert_int_equal(sums(&w, 4), 1);
 }
 
-/* A resistor and a capacitor in series: each has its own matrix, in which it cancels as it is. */
+/* A resistor and a capacitor in series: one branch in A, one in M, each of which cancels exactly. */
 static void a_chain_of_two_kinds_stays(void **state) {
     network w;
     (void)state;
