@@ -261,6 +261,8 @@ static int make_segment(ns_waveform *w, double until) {
         status = ns_waveform_choose(w);
     if (status == NS_OK && !w->made.jumps)
         status = take_to_end(w, &w->made.at[w->made.last]);
+    else if (status == NS_OK && is_at_end(w)) /* a jump that leaves nothing of a very short stretch */
+        status = ns_waveform_take_integrals(w, w->end);
     if (status == NS_OK && is_at_end(w))
         status = ns_waveform_leave_stretch(w);
     return status;

@@ -97,7 +97,57 @@ static void charges_and_energies(void **state) {
     }
 }
 
+/* 1 V on 1 ohm through a switch from 1 s on, and on another from 1.05 times `closest` later: from 1 s to 2 s
+ * the first takes 1 C and 1 J. The jump's own piece covers all between the two events. */
+static void a_jump_that_leaves_nothing_before_the_next_event(void **state) {
+    (void)state;
+    static const ns_method method[] = {NS_EXACT, NS_SPARSE};
+    static const double closest = 1e-3;
+    for (int k = 0; k < 2; k++) {
+        const ns_signal gate[2] = {pulse(0, 1, 1, 0, 0, 9, INFINITY),
+                                   pulse(0, 1, 1 + 1.05 * closest, 0, 0, 9, INFINITY)};
+        const ns_signal volt = dc(1);
+        const ns_switch contact = {0.5, 0, 0, INFINITY};
+        const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-2, .method = method[k]};
+        ns_circuit *c;
+        ns_system *s;
+        ns_march *m;
+        ns_energy *e;
+        ns_waveform *w;
+        int r;
+        double w0[2];
+        assert_int_equal(ns_circuit_create(&c), NS_OK);
+        assert_int_equal(ns_circuit_source(c, "v", NS_VOLTAGE, 1, 0, &volt, NULL), NS_OK);
+        assert_int_equal(ns_circuit_switch(c, "s1", 1, 2, 8, 0, &contact, NULL), NS_OK);
+        assert_int_equal(ns_circuit_resistor(c, "r1", 2, 0, 1, &r), NS_OK);
+        assert_int_equal(ns_circuit_switch(c, "s2", 1, 3, 9, 0, &contact, NULL), NS_OK);
+        assert_int_equal(ns_circuit_resistor(c, "r2", 3, 0, 1, NULL), NS_OK);
+        assert_int_equal(ns_circuit_source(c, "g1", NS_VOLTAGE, 8, 0, &gate[0], NULL), NS_OK);
+        assert_int_equal(ns_circuit_source(c, "g2", NS_VOLTAGE, 9, 0, &gate[1], NULL), NS_OK);
+        assert_int_equal(ns_circuit_system(c, &s), NS_OK);
+        assert_int_equal(ns_circuit_rest(c, w0), NS_OK);
+        assert_int_equal(ns_march_create(s, &o, &m, NULL), NS_OK);
+        assert_int_equal(ns_energy_create(c, 1, &r, &e), NS_OK);
+        const ns_waveform_integrals integrals = {2, e, begin, take, read_sums};
+        const ns_waveform_options look = {.closest = closest, .integrals = &integrals};
+        assert_int_equal(ns_waveform_create(s, m, &look, &w), NS_OK);
+        assert_int_equal(ns_march_start(m, 0, w0), NS_OK);
+        ns_waveform_point p;
+        assert_int_equal(ns_waveform_start(w, &p), NS_OK);
+        while (p.t < 2)
+            assert_int_equal(ns_waveform_next(w, 2, &p), NS_OK);
+        assert_true(fabs(p.sums[0] - 1) < 1e-12);
+        assert_true(fabs(p.sums[1] - 1) < 1e-12);
+        ns_waveform_free(w);
+        ns_energy_free(e);
+        ns_march_free(m);
+        ns_system_free(s);
+        ns_circuit_free(c);
+    }
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(charges_and_energies)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(charges_and_energies),
+                                       cmocka_unit_test(a_jump_that_leaves_nothing_before_the_next_event)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
