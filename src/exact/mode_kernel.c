@@ -81,6 +81,7 @@ void ns_exact_kernel_free(ns_mode_kernel *kernel) {
     ns_exact_output_rows_free(kernel->output_rows);
     free(kernel->step_x_lambda);
     free(kernel->x_lambda_now);
+    free(kernel->solved);
     free(kernel->flow_powers);
     free(kernel);
 }

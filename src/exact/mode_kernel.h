@@ -58,6 +58,9 @@ typedef struct ns_mode_kernel {
     /* output_map.c: where the columns of x_lambda_now cancel */
     int output_asked;            /* 1: these were asked for; */
     ns_output_rows *output_rows; /* NULL: there are none */
+    int solves;                  /* states solved by them one by one; -1: unit vectors cannot be */
+    double *solved; /* (n+m)*(q+output_only_inputs): of unit vectors, then the largest entry of each column;
+                       NULL: none */
 } ns_mode_kernel;
 
 /* Builds it for a mode (m) whose commanded pairs have their bounds in s.  Errors: SINGULAR, MEMORY, NUMBER.
@@ -79,9 +82,16 @@ void ns_exact_output_images(const ns_mode_kernel *k, const ns_input_states *e, i
 /* Makes `output_rows`, if they can be.  Errors: MEMORY. */
 int ns_exact_output_rows(ns_theta *s, const ns_input_states *e, ns_mode_kernel *k);
 void ns_exact_output_rows_free(ns_output_rows *o); /* NULL is allowed */
-/* x_lambda (n+m): x, lambda at X, by them; lambda of pairs at bounds is known.  0: it is left as it was. */
+/* x_lambda (n+m): x, lambda at X, by them; lambda of pairs at bounds is known.  0: it is left as it was.
+ * Constants count X[r] times, which is 1 but for unit vectors. */
 int ns_exact_output_solve(const ns_theta *s, const ns_input_states *e, const ns_mode_kernel *k,
                           const double *X, double *x_lambda);
+/* output_columns.c: makes `solved`, once it was called for as many states as it has columns. Errors: MEMORY.
+ */
+int ns_exact_output_columns(const ns_theta *s, const ns_input_states *e, ns_mode_kernel *k);
+/* x_lambda (n+m): x, lambda at X, by `solved`.  0: there is none, or its columns cancel there. */
+int ns_exact_output_columns_apply(const ns_theta *s, const ns_input_states *e, const ns_mode_kernel *k,
+                                  const double *X, double *x_lambda);
 void ns_exact_kernel_free(ns_mode_kernel *kernel); /* NULL is allowed */
 
 /* P (r*q): X -> w after tau <= h. */

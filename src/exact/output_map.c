@@ -94,9 +94,13 @@ static int digits_cancel(const ns_mode_kernel *k, int all, const double *X, cons
 int ns_exact_output_map_apply(ns_theta *s, const ns_input_states *e, ns_mode_kernel *k, const double *X,
                               double *x_lambda, double *residual) {
     const int all = s->s->n + s->s->m;
+    if (ns_exact_output_columns_apply(s, e, k, X, x_lambda))
+        return NS_OK;
     ns_linalg_matvec(all, k->q + e->output_only_inputs, k->x_lambda_now, X, x_lambda);
     if (digits_cancel(k, all, X, x_lambda)) {
-        const int status = k->output_asked ? NS_OK : ns_exact_output_rows(s, e, k);
+        int status = k->output_asked ? NS_OK : ns_exact_output_rows(s, e, k);
+        if (status == NS_OK && k->output_rows)
+            status = ns_exact_output_columns(s, e, k);
         if (status != NS_OK)
             return status;
         if (k->output_rows && ns_exact_output_solve(s, e, k, X, x_lambda))

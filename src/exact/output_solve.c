@@ -276,9 +276,9 @@ static double given(const ns_theta *s, const ns_output_rows *o, int i, const dou
     return sum;
 }
 
-static void fill_rhs(const ns_theta *s, const ns_output_rows *o, double g, const double *lambda) {
+static void fill_rhs(const ns_theta *s, const ns_output_rows *o, double g, double one, const double *lambda) {
     for (int i = 0; i < o->size; i++) {
-        const double of = given(s, o, i, o->z, 1, lambda);
+        const double of = given(s, o, i, o->z, one, lambda);
         o->rhs[i] = i < s->r ? o->sum[i] + g * of : of;
     }
     for (int c = 0; c < o->constraints; c++) {
@@ -286,8 +286,8 @@ static void fill_rhs(const ns_theta *s, const ns_output_rows *o, double g, const
         double sum = 0;
         for (int i = 0; i < o->size; i++)
             if (N[i] != 0)
-                sum +=
-                    N[i] * (i < s->r ? given(s, o, i, o->z, 1, lambda) : given(s, o, i, o->slope, 0, lambda));
+                sum += N[i] *
+                       (i < s->r ? given(s, o, i, o->z, one, lambda) : given(s, o, i, o->slope, 0, lambda));
         o->rhs[o->row[c]] = sum;
     }
 }
@@ -339,7 +339,7 @@ int ns_exact_output_solve(const ns_theta *s, const ns_input_states *e, const ns_
     find_inputs(e, o, o->sum + k->r);
     for (int i = 0; i < e->output_only_inputs; i++)
         o->z[e->output_only_input[i]] = X[k->q + i];
-    fill_rhs(s, o, k->g, x_lambda + n);
+    fill_rhs(s, o, k->g, X[k->r], x_lambda + n);
     if (!solve(o))
         return 0;
     keep_charges(s, o, X);

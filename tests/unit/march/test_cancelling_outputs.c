@@ -167,6 +167,29 @@ static void star_at_steps_by_sparse(void **state) {
     at_steps(NS_SPARSE, 5e-9, 2e-3);
 }
 
+/* The same between events: of many samples in one mode all but the first ones are one product. */
+static void star_between_events(void **state) {
+    (void)state;
+    bench b = begin();
+    star s = {.at = {LEG, P, N}};
+    double from = 0, to;
+    int samples = 0;
+    add_leg(&b, small);
+    add_star(&b, &s, OWN);
+    start(&b, NS_EXACT);
+    for (int trial = 0; trial < 2000 && from < 4e-3; trial++, from = to) {
+        assert_int_equal(ns_march_try(b.m, 4e-3, NS_TO_STEP, &to), NS_OK);
+        for (int k = 0; k < 256 && to > from; k++, samples++) {
+            b.t = from + (to - from) * exp2(-0.2 * k); /* from all of the trial down to 4e-16 of it */
+            assert_int_equal(ns_march_sample(b.m, b.t, b.x, b.lambda), NS_OK);
+            check_star(&b, &s, rounding);
+        }
+        assert_int_equal(ns_march_accept(b.m), NS_OK);
+    }
+    assert_true(from >= 4e-3 && samples > 500);
+    end(&b);
+}
+
 /* At a bridge of diodes, each with a capacitor, between P and 0: three sources end in the star point, which
  * floats. */
 static void star_at_a_bridge(void **state) {
@@ -243,8 +266,8 @@ static void sources_share(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(star_at_steps), cmocka_unit_test(star_at_steps_by_sparse),
-        cmocka_unit_test(star_at_a_bridge), cmocka_unit_test(capacitor_at_a_source),
-        cmocka_unit_test(sources_share)};
+        cmocka_unit_test(star_at_steps),           cmocka_unit_test(star_between_events),
+        cmocka_unit_test(star_at_steps_by_sparse), cmocka_unit_test(star_at_a_bridge),
+        cmocka_unit_test(capacitor_at_a_source),   cmocka_unit_test(sources_share)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
