@@ -322,18 +322,25 @@ static const ns_null_space *null_of(const ns_sparse_leaks *k, ns_null_known *nul
     return null->space && null->space->count > 0 ? null->space : NULL;
 }
 
-/* Krylov cycles make of rounding what they like where K leaves v open: that is as the leaks make it, unless
- * more is left then. */
+/* Krylov cycles make of rounding what they like where K leaves v open: that is as the leaks make it.  Beside
+ * what is open a residual may look small that is not, so cycles follow, unless none is left that gains. */
 static void set_undetermined(const ns_sparse_leaks *k, ns_null_known *null, const double *r, double left,
-                             double *v, double *rest, double *kept) {
+                             double *v, double *rest, double *Q) {
     const size_t bytes = sizeof(double) * (size_t)k->f->size;
     const ns_null_space *z = null_of(k, null);
+    double *kept = Q + (KRYLOV + 1) * (size_t)k->f->size, now = INFINITY;
     if (!z)
         return;
+    const double enough = fmax(largest(k, rest), DBL_MIN);
     memcpy(kept, v, bytes);
-    ns_sparse_null_settle(k, z, v);
-    if (!(ns_sparse_leaks_left(k->f, k->g, k->mode, k->scale, r, v, NULL, rest) <= fmax(holds, left)))
-        memcpy(v, kept, bytes);
+    for (int round = 0; round < ROUNDS; round++) {
+        ns_sparse_null_settle(k, z, v);
+        now = ns_sparse_leaks_left(k->f, k->g, k->mode, k->scale, r, v, NULL, rest);
+        if (now <= fmax(holds, left) || (now <= may_hold && largest(k, rest) <= enough))
+            return;
+        (void)go_on(k, z, r, now, v, rest, Q);
+    }
+    memcpy(v, kept, bytes);
 }
 
 /* 1 if unknowns grew, and of what no v gives v has given nothing: beside what grew it is too small to show in
@@ -370,7 +377,7 @@ static int solve_rounds(const ns_sparse_leaks *k, ns_null_known *null, int resid
     const double left = go_on(k, NULL, r, before, v, rest, Q);
     if (left <= may_hold && !contradicts(k, r, first, v, rest) && !grew_in_vain(k, null, r, first, v, rest)) {
         if (left != before)
-            set_undetermined(k, null, r, left, v, rest, first);
+            set_undetermined(k, null, r, left, v, rest, Q);
         return NS_OK;
     }
     const ns_null_space *z = residual ? null_of(k, null) : NULL;
