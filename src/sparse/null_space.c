@@ -253,6 +253,27 @@ static int null_first(const ns_null_search *s, int count, int transposed, double
     return kept;
 }
 
+/* 1 if K takes what is not small in q, of length 1, to nothing as well: that, without the rest, is q then. */
+static int leave_small(const ns_null_search *s, int transposed, double small, double *q) {
+    const int size = s->f->size;
+    double *rest = vector(s->image, 0, size), *image = vector(s->image, 1, size);
+    for (int i = 0; i < size; i++)
+        rest[i] = fabs(q[i]) > small ? q[i] : 0;
+    times(s, transposed, rest, image);
+    if (!(sqrt(ns_dot(size, image, image)) <= rounding))
+        return 0;
+    memcpy(q, rest, sizeof *q * (size_t)size);
+    return 1;
+}
+
+/* Takes out of each direction what is small: leaks of pairs differ by decades, and would see it. */
+static void clean(const ns_null_search *s, int count, int transposed, double *Q) {
+    for (int c = 0; c < count; c++)
+        for (double small = 1e-4; small > rounding; small *= 1e-2)
+            if (leave_small(s, transposed, small, vector(Q, c, s->f->size)))
+                break;
+}
+
 /* What leaks make of v in the row of pair j. */
 static double leak_of(const ns_sparse_leaks *k, int j, const double *v) {
     if (ns_mode_slides(k->mode[j]))
@@ -313,18 +334,18 @@ static int keep_space(const ns_null_search *s, const ns_sparse_leaks *k, int cou
 int ns_sparse_null_find(ns_null_search *s, const ns_sparse_leaks *k, ns_null_space **out) {
     int status = factor_turned(s, k), count = 0;
     *out = NULL;
-    if (status != NS_OK)
-        return status;
-    while (count <= MOST && find_direction(s, k, count))
+    while (status == NS_OK && count <= MOST && find_direction(s, k, count))
         count++;
-    if (count > MOST)
-        return NS_E_NUMBER;
+    if (status != NS_OK || count > MOST)
+        return status != NS_OK ? status : NS_E_NUMBER;
     values_in_units(s, k);
     purify(s, k, count, 0, s->right, s->left);
     purify(s, k, count, 1, s->left, s->right);
     const int left = null_first(s, count, 1, s->left), right = null_first(s, count, 0, s->right);
     if (right != left)
         return NS_E_NUMBER;
+    clean(s, left, 1, s->left);
+    clean(s, right, 0, s->right);
     ns_null_space *z = calloc(1, sizeof *z);
     status = z ? keep_space(s, k, right, z) : NS_E_MEMORY;
     if (status == NS_OK)
