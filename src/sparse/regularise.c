@@ -328,16 +328,19 @@ static void set_undetermined(const ns_sparse_leaks *k, ns_null_known *null, cons
                              double *v, double *rest, double *Q) {
     const size_t bytes = sizeof(double) * (size_t)k->f->size;
     const ns_null_space *z = null_of(k, null);
-    double *kept = Q + (KRYLOV + 1) * (size_t)k->f->size, now = INFINITY;
+    double *kept = Q + (KRYLOV + 1) * (size_t)k->f->size, before = INFINITY;
     if (!z)
         return;
     const double enough = fmax(largest(k, rest), DBL_MIN);
     memcpy(kept, v, bytes);
     for (int round = 0; round < ROUNDS; round++) {
         ns_sparse_null_settle(k, z, v);
-        now = ns_sparse_leaks_left(k->f, k->g, k->mode, k->scale, r, v, NULL, rest);
+        const double now = ns_sparse_leaks_left(k->f, k->g, k->mode, k->scale, r, v, NULL, rest);
         if (now <= fmax(holds, left) || (now <= may_hold && largest(k, rest) <= enough))
             return;
+        if (now > before / 2)
+            break;
+        before = now;
         (void)go_on(k, z, r, now, v, rest, Q);
     }
     memcpy(v, kept, bytes);
