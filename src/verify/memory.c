@@ -126,7 +126,8 @@ static int sources_stay(const ns_verify *v) {
 static double short_of(const ns_verify *v, int c, int closes) {
     const ns_command *k = &v->s->command[c];
     const double g = ns_verify_row(&v->control, c, v->u_left).sum;
-    return (closes ? k->on - g : g - k->off) / ns_verify_sizes_control_off(v, c);
+    const double spread = v->spreads ? 2 * ns_verify_row(&v->control, c, v->spread).size : 0;
+    return (closes ? k->on - g : g - k->off) / (ns_verify_sizes_control_off(v, c) + spread);
 }
 
 /* The same for a switch that carries and blocks nothing on one side: it may have changed.  Where that is the
@@ -138,11 +139,10 @@ static double may_be_short_of(const ns_verify *v, int c, int before) {
     return on < off ? on : off;
 }
 
-void ns_verify_memory_event(const ns_verify *v, ns_verify_finding *worst) {
+/* Of all switches that changed, how far the nearest one is from its threshold; *pair: -1: none changed. */
+static double least_short(const ns_verify *v, int *pair) {
     double least = INFINITY, least_known = INFINITY;
-    int pair = -1;
-    if (v->has_w_left || v->t != v->t_left || !sources_stay(v))
-        return;
+    *pair = -1;
     for (int c = 0; c < v->s->nc; c++) {
         const int j = v->s->command[c].pair, before = state_in(v, j, v->u_left), after = state_in(v, j, v->u);
         if (before == after && before >= 0)
@@ -150,10 +150,23 @@ void ns_verify_memory_event(const ns_verify *v, ns_verify_finding *worst) {
         const int is_known = before >= 0 && after >= 0;
         const double lacks = is_known ? short_of(v, c, after) : may_be_short_of(v, c, before);
         if (is_known && lacks < least_known) {
-            pair = j;
+            *pair = j;
             least_known = lacks;
         }
         least = fmin(least, lacks);
+    }
+    return least;
+}
+
+void ns_verify_memory_event(ns_verify *v, ns_verify_finding *worst) {
+    int pair;
+    if (v->has_w_left || v->t != v->t_left || !sources_stay(v))
+        return;
+    double least = least_short(v, &pair);
+    if (pair >= 0 && least > 1) { /* rare: a source on an edge of some roundings of t */
+        v->spreads = ns_verify_find_spread(v, v->t);
+        least = v->spreads ? least_short(v, &pair) : least;
+        v->spreads = 0;
     }
     if (pair >= 0) /* one of them is the first: its control is there */
         ns_verify_note(worst, NS_VERIFY_COMMAND, pair, -1, least);

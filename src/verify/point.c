@@ -22,8 +22,7 @@ void ns_verify_fill(ns_verify *v, const ns_verify_state *at) {
     v->u[n + m + (size_t)v->s->nz] = 1;
 }
 
-/* By how much inputs differ around t; 0: not at all. */
-static int find_spread(ns_verify *v, double t) {
+int ns_verify_find_spread(ns_verify *v, double t) {
     const double near = roundings * DBL_EPSILON * fabs(t);
     double *spread = v->spread + v->s->n + v->s->m;
     int any = 0;
@@ -255,7 +254,7 @@ int ns_verify_point(ns_verify *v, const ns_verify_state *at, ns_verify_finding *
     ns_verify_sizes_numbers(v, v->u);
     if (judge(v, at, worst))
         return ns_verify_sizes_end(v, worst);
-    v->spreads = find_spread(v, at->t); /* rare: an input jumps, or is steep */
+    v->spreads = ns_verify_find_spread(v, at->t); /* rare: an input jumps, or is steep */
     if (v->spreads)
         (void)judge(v, at, worst);
     v->spreads = 0;

@@ -197,7 +197,7 @@ void ns_verify_energy_over(ns_verify *v, double seconds, ns_verify_finding *wors
  * changed in an event had to. */
 void ns_verify_memory_reset(ns_verify *v);
 int ns_verify_memory_at(ns_verify *v, int c, double g);
-void ns_verify_memory_event(const ns_verify *v, ns_verify_finding *worst);
+void ns_verify_memory_event(ns_verify *v, ns_verify_finding *worst);
 /* In a hurry: 0: a switch with hysteresis that the state controls may have changed short of its threshold. */
 int ns_verify_memory_stays(const ns_verify *v);
 
@@ -206,6 +206,8 @@ void ns_verify_note(ns_verify_finding *worst, ns_verify_cause cause, int pair, i
 
 /* point.c: v->u is this point. */
 void ns_verify_fill(ns_verify *v, const ns_verify_state *at);
+/* v->spread: by how much inputs differ around t; 0: not at all. */
+int ns_verify_find_spread(ns_verify *v, double t);
 /* How far (S4) with these bounds is from lambda, y, of what either may be off by. */
 double ns_verify_law_error(double l, double u, double lambda, double y, double lambda_off, double y_off);
 
