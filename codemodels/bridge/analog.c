@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "analog_ports.h"
+#include "analog_waves.h"
 #include "climits.h"
 
 typedef ns_piecewise_value value;
@@ -326,7 +327,10 @@ static const struct model {
               {"d_dt", read_d_dt, "limit_range"},
               {"slew", read_slew, NULL},
               {"s_xfer", read_s_xfer, NULL},
-              {"hyst", read_hyst, "input_domain"}};
+              {"hyst", read_hyst, "input_domain"},
+              {"sine", ns_bridge_analog_sine, NULL},
+              {"triangle", ns_bridge_analog_triangle, NULL},
+              {"square", ns_bridge_analog_square, NULL}};
 
 static int read_as(ns_extract_walk *w, MIFinstance *inst, const struct model *m) {
     ns_analog a = {.w = w, .inst = inst, .model = m->name};
@@ -346,13 +350,14 @@ static int read_as(ns_extract_walk *w, MIFinstance *inst, const struct model *m)
 }
 
 int ns_bridge_analog_read(ns_extract_walk *w, MIFinstance *inst, const char *model) {
-    char what[200];
+    char what[240];
     if (!ns_bridge_analog_is_ready(w, inst))
         return EXTRACT_LATER;
     for (size_t k = 0; k < sizeof models / sizeof models[0]; k++)
         if (strcmp(models[k].name, model) == 0)
             return read_as(w, inst, &models[k]);
     snprintf(what, sizeof what, "code model %.40s is not supported: of the analog ones, %s are", model,
-             "gain, summer, limit, climit, pwl, int, d_dt, slew, s_xfer, hyst and POLY of degree one");
+             "gain, summer, limit, climit, pwl, int, d_dt, slew, s_xfer, hyst, sine, triangle, square and "
+             "POLY of degree one");
     return ns_bridge_extract_refuse(w, &inst->gen, what);
 }

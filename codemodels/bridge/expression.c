@@ -92,7 +92,7 @@ static ns_piecewise_value *read_sine(expression_reader *r, const INPparseNode *n
     s.u.sin.freq = fabs(slope) / two_pi;
     s.u.sin.phase =
         360.0 * (slope < 0.0 ? -offset : offset) / two_pi + (node->funcnum == PTF_COS ? 90.0 : 0.0);
-    const int status = ns_bridge_expression_sine(r->w, &s, &at);
+    const int status = ns_bridge_expression_wave(r->w, "sine", &s, &at);
     return read_source(r, status, at);
 }
 

@@ -19,10 +19,10 @@ void ns_bridge_expression_text(const IFparseTree *tree, const struct INPparseNod
 /* expression_sources.c: 1 if a V between this node and ground holds it at so many volts all the time. */
 int ns_bridge_expression_supply(const ns_extract_walk *w, int node, double *volts);
 
-/* expression_sources.c: a node whose voltage is the time, s (made when it is asked for first), that of a
- * sine, or slope t + offset less the integer below it (slope: not 0, 1/s).  Statuses. */
+/* expression_sources.c: a node whose voltage is the time, s (made when it is asked for first), that of z
+ * (kind: what to call it), or slope t + offset less the integer below it (slope: not 0, 1/s).  Statuses. */
 int ns_bridge_expression_time(ns_extract_walk *w, int *node);
-int ns_bridge_expression_sine(ns_extract_walk *w, const ns_signal *sine, int *node);
+int ns_bridge_expression_wave(ns_extract_walk *w, const char *kind, const ns_signal *z, int *node);
 /* late: a step at t = 0 is one just after it. */
 int ns_bridge_expression_sawtooth(ns_extract_walk *w, double slope, double offset, int late, int *node);
 /* The broken line through n points (x, y in turns, x ascending), x = slope t + offset. */

@@ -14,7 +14,7 @@ static double stop_of(const ns_extract_walk *w) {
     return w->ckt->CKTfinalTime > 0.0 ? w->ckt->CKTfinalTime : 1.0;
 }
 
-static int add_hidden(ns_extract_walk *w, const char *kind, const ns_signal *z, int *node) {
+int ns_bridge_expression_wave(ns_extract_walk *w, const char *kind, const ns_signal *z, int *node) {
     char name[EXTRACT_NAME];
     const ns_signal dc = {.kind = NS_DC, .u.dc = ns_signal_value(z, 0.0, NS_RIGHT)};
     *node = ns_bridge_extract_new_node(w);
@@ -29,7 +29,7 @@ int ns_bridge_expression_time(ns_extract_walk *w, int *node) {
     z.u.pwl.n = 2;
     z.u.pwl.t = z.u.pwl.v = t;
     z.u.pwl.repeat = NAN;
-    const int status = w->time_node > 0 ? NS_OK : add_hidden(w, "time", &z, &w->time_node);
+    const int status = w->time_node > 0 ? NS_OK : ns_bridge_expression_wave(w, "time", &z, &w->time_node);
     *node = w->time_node;
     return status;
 }
@@ -48,10 +48,6 @@ int ns_bridge_expression_supply(const ns_extract_walk *w, int node, double *volt
     return 0;
 }
 
-int ns_bridge_expression_sine(ns_extract_walk *w, const ns_signal *sine, int *node) {
-    return add_hidden(w, "sine", sine, node);
-}
-
 int ns_bridge_expression_sawtooth(ns_extract_walk *w, double slope, double offset, int late, int *node) {
     const double period = 1.0 / fabs(slope), lag = ns_bridge_timepoints_closest(stop_of(w));
     ns_signal z = {.kind = NS_PULSE};
@@ -62,7 +58,7 @@ int ns_bridge_expression_sawtooth(ns_extract_walk *w, double slope, double offse
     z.u.pulse.per = period;
     if (late) /* a pulse of td = 0 is already high at t = 0 */
         z.u.pulse.td = slope > 0.0 ? lag - period : lag;
-    return add_hidden(w, "sawtooth", &z, node);
+    return ns_bridge_expression_wave(w, "sawtooth", &z, node);
 }
 
 /* y(x) on the line through points a and b (x, y each). */
@@ -107,7 +103,7 @@ int ns_bridge_expression_line(ns_extract_walk *w, double slope, double offset, i
     z.u.pwl.t = t;
     z.u.pwl.v = t + n + 2;
     z.u.pwl.repeat = NAN;
-    const int status = add_hidden(w, "line", &z, node);
+    const int status = ns_bridge_expression_wave(w, "line", &z, node);
     free(t);
     return status;
 }

@@ -10,7 +10,8 @@
 #include "spicelib/devices/asrc/asrcdefs.h"
 
 enum { DEPTH_MAX = 200 };
-enum { DAC_LOW, DAC_HIGH };
+enum { DAC_LOW, DAC_HIGH };           /* parameters */
+enum { WAVE_LOW = 2, WAVE_HIGH = 3 }; /* of square, triangle and sine */
 
 typedef struct range_reader {
     const CKTcircuit *ckt;
@@ -279,10 +280,13 @@ static int is_of(const GENinstance *inst, const char *name) {
 
 int ns_bridge_own_range_of_bridge(const GENinstance *inst, int here, int *p, int *n, ns_own_range *r) {
     const MIFinstance *mif = (const MIFinstance *)inst;
-    if (!is_of(inst, "dac_bridge"))
+    const int is_sine = is_of(inst, "sine"),
+              is_wave = is_sine || is_of(inst, "square") || is_of(inst, "triangle");
+    if (!is_wave && !is_of(inst, "dac_bridge"))
         return 0;
-    const double low = ns_bridge_models_real(mif, DAC_LOW), high = ns_bridge_models_real(mif, DAC_HIGH);
-    *r = steps(fmin(low, high), fmax(low, high));
+    const double low = ns_bridge_models_real(mif, is_wave ? WAVE_LOW : DAC_LOW),
+                 high = ns_bridge_models_real(mif, is_wave ? WAVE_HIGH : DAC_HIGH);
+    *r = is_sine ? between(fmin(low, high), fmax(low, high)) : steps(fmin(low, high), fmax(low, high));
     for (int k = 0; k < mif->conn[1]->size; k++) {
         const Mif_Port_Data_t *out = mif->conn[1]->port[k];
         *p = out->smp_data.pos_node;
