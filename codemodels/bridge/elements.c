@@ -28,17 +28,39 @@ int ns_bridge_elements_capacitor(ns_extract_walk *w, GENinstance *inst) {
                                 NULL);
 }
 
+/* Of what stores energy; a transformer's T model may have such a coil. */
+static int refuse_negative_coil(ns_extract_walk *w, const GENinstance *inst, double henries) {
+    char what[200];
+    snprintf(what, sizeof what,
+             "inductance = %g H is negative, which is not supported; write a transformer's T model as coils "
+             "with a coupling K",
+             henries);
+    return ns_bridge_extract_refuse(w, inst, what);
+}
+
 int ns_bridge_elements_inductor(ns_extract_walk *w, GENinstance *inst) {
     const INDinstance *l = (const INDinstance *)inst;
     const double henries = l->INDinduct / l->INDm;
     const double ic = l->INDicGiven ? l->INDinitCond : NAN;
     int id = -1;
+    if (henries < 0.0)
+        return refuse_negative_coil(w, inst, henries);
     int status =
         ns_circuit_inductor(w->ex->circuit, inst->GENname, l->INDposNode, l->INDnegNode, henries, ic, &id);
     w->ex->inductors = inst->GENmodPtr->GENmodType;
     ns_bridge_extract_mix(w, &henries, sizeof henries);
     ns_bridge_extract_current(w, l->INDbrEq, id);
     return status;
+}
+
+/* ngspice divides coils by m, but not what couples them. */
+static int refuse_coupling(ns_extract_walk *w, const MUTinstance *k, double coupling) {
+    char what[400];
+    snprintf(what, sizeof what,
+             "ngspice divides %.60s and %.60s by their m=, but not their mutual inductance: the coupling %g "
+             "counts as %g, and must lie between -1 and 1; write inductances divided by m in place of m=",
+             k->MUTind1->INDname, k->MUTind2->INDname, k->MUTcoupling, coupling);
+    return ns_bridge_extract_refuse(w, &k->gen, what);
 }
 
 int ns_bridge_elements_coupling(ns_extract_walk *w, GENinstance *inst) {
@@ -56,6 +78,8 @@ int ns_bridge_elements_coupling(ns_extract_walk *w, GENinstance *inst) {
                    ? k->MUTcoupling
                    : k->MUTfactor / sqrt(fabs(l1->INDinduct / l1->INDm * l2->INDinduct / l2->INDm));
     ns_bridge_extract_mix(w, &coupling, sizeof coupling);
+    if (fabs(coupling) > 1.0 && fabs(k->MUTcoupling) <= 1.0)
+        return refuse_coupling(w, k, coupling);
     return ns_circuit_coupling(w->ex->circuit, inst->GENname, id1, id2, coupling, NULL);
 }
 
