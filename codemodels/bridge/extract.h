@@ -127,7 +127,7 @@ typedef struct ns_extract {
     const MIFinstance *options_inst; /* the instance of model nonsmooth; NULL: there is none */
     unsigned long long hash; /* of all that was read: of two readings: equal if nothing was altered between */
     int error;               /* a code of ngspice; OK if all was taken */
-    char line[320];          /* why not, for a person */
+    char line[400];          /* why not, for a person */
 } ns_extract;
 
 /* What sources stand for. */

@@ -109,11 +109,30 @@ int ns_bridge_own_current_switch(ns_extract_walk *w, GENinstance *inst) {
 
 /* --- M --- */
 
+/* What takes every M as a switch. */
+#define TAKE_BY_VGS                                                                                          \
+    "lines AOPT 0 opts and .model opts nonsmooth(take=\"all\" mosfet=\"switch\" vgs=10) in place of the "    \
+    ".include"
+
+/* With option mosfet="driven"; knows: mosfet="switch" would know the drive. */
+static int refuse_undriven(ns_extract_walk *w, const GENinstance *inst, const ns_own_mosfet *m, int knows) {
+    char what[400];
+    const int has_gamma = m->bulk != m->source && m->gamma != 0.0;
+    snprintf(what, sizeof what, "this M is not plainly a switch: %s; %s",
+             has_gamma ? "its bulk is not its source, and raises its threshold (gamma)"
+                       : "no PULSE, PWL, B source, digital part or switch drives its gate, along V "
+                         "and R, from below to above its threshold",
+             knows ? ".include nonsmooth_mosfet.inc (mosfet=\"switch\") takes every M as a switch"
+                   : TAKE_BY_VGS " take every M as one (vgs: v(gate,source) when closed)");
+    return ns_bridge_extract_refuse(w, inst, what);
+}
+
 /* What the netlist drives the gate with; where it does not switch it plainly, option vgs. */
 static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_mosfet *m, double *volts,
                       int *follows) {
-    static const char too_low[] =
-        "V is the highest of v(gate,source), and not above the threshold: this M is no switch, or give vgs";
+    static const char too_low[] = "V is the highest of v(gate,source), and not above the threshold: this M "
+                                  "is no switch, or give another "
+                                  "vgs by " TAKE_BY_VGS;
     const ns_bridge_options *o = &w->ex->options;
     ns_own_drive drive = {NAN, NAN, 0, 0};
     const int known = ns_bridge_own_find_drive(w->ckt, m, &drive);
@@ -124,24 +143,12 @@ static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_
     *follows = isnan(given) || drive.follows != FOLLOWS_AND_CLOSES ? drive.follows : FOLLOWS_GATE;
     if (m->bulk != m->source && !*follows)
         *follows = FOLLOWS_GATE; /* no body diode keeps its source from pulling its drain along */
-    if (o->mosfets == NS_MOSFETS_DRIVEN && m->bulk != m->source && m->gamma != 0.0)
-        return ns_bridge_extract_refuse(
-            w, inst,
-            "this M is not plainly a switch: its bulk is not its source, and raises its threshold (gamma); "
-            ".include nonsmooth_mosfet.inc (mosfet=\"switch\") takes every M as a switch");
-    if (o->mosfets == NS_MOSFETS_DRIVEN && !is_plain)
-        return ns_bridge_extract_refuse(w, inst,
-                                        "this M is not plainly a switch: no PULSE, PWL, B source, "
-                                        "digital part or switch drives its gate, along V "
-                                        "and R, from below to above its threshold; .include "
-                                        "nonsmooth_mosfet.inc (mosfet=\"switch\") takes every M as a switch");
     *volts = isnan(given) ? drive.high : given;
+    if (o->mosfets == NS_MOSFETS_DRIVEN && (!is_plain || (m->bulk != m->source && m->gamma != 0.0)))
+        return refuse_undriven(w, inst, m, *volts > m->vth);
     if (isnan(*volts))
         return ns_bridge_extract_refuse(
-            w, inst,
-            "sources do not say how its gate is driven: give that voltage as vgs, in place of the .include "
-            "by lines "
-            "AOPT 0 opts and .model opts nonsmooth(take=\"all\" mosfet=\"switch\" vgs=10)");
+            w, inst, "sources do not say how its gate is driven: give that voltage as vgs, by " TAKE_BY_VGS);
     return *volts > m->vth ? NS_OK : ns_bridge_own_refuse_value(w, inst, "drive", *volts, too_low);
 }
 

@@ -14,7 +14,7 @@ int ns_bridge_own_refuse_untaken(ns_extract_walk *w, const GENinstance *inst, co
 
 int ns_bridge_own_refuse_value(ns_extract_walk *w, const GENinstance *inst, const char *name, double value,
                                const char *why) {
-    char what[200];
+    char what[400];
     snprintf(what, sizeof what, "%s = %g %s", name, value, why);
     return ns_bridge_extract_refuse(w, inst, what);
 }
