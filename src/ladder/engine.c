@@ -180,11 +180,12 @@ int ns_ladder_find_consistent(ns_ladder *l) {
     return status;
 }
 
-/* Commands that contradict their controls in x. */
-static int toggle(ns_ladder *l, const double *x) {
-    const unsigned char *flip = l->point->flip;
+/* Commands that contradict their controls in x; at most so many of them. */
+static int toggle(ns_ladder *l, const double *x, int most) {
+    unsigned char *flip = l->point->flip;
     const int flips = ns_ladder_switch_at_start(l, x, l->z, l->point->flip);
     for (int c = 0; c < l->s->nc; c++) {
+        flip[c] = (unsigned char)(flip[c] && most-- > 0);
         l->closed[c] = (unsigned char)(l->closed[c] != flip[c]);
         l->crossed[c] = (unsigned char)(l->crossed[c] + (flip[c] && l->crossed[c] < 2));
     }
@@ -193,7 +194,7 @@ static int toggle(ns_ladder *l, const double *x) {
 
 int ns_ladder_toggle(ns_ladder *l) {
     double *x = l->jump.x;
-    return ns_theta_read(l->step, x, x + l->s->n, NULL) == NS_OK && toggle(l, x);
+    return ns_theta_read(l->step, x, x + l->s->n, NULL) == NS_OK && toggle(l, x, l->s->nc);
 }
 
 int ns_ladder_end_start(ns_ladder *l) {
@@ -206,8 +207,9 @@ int ns_ladder_end_start(ns_ladder *l) {
 
 int ns_ladder_operating_point(ns_ladder *l, double t0, int nhold, const int *hold, const double *hold_x,
                               double *x, ns_mode *mode) {
+    const int together = 2 * l->s->nc; /* rounds; then one by one, as of two that open each other */
     int status = NS_OK;
-    for (int round = 0; round <= 2 * l->s->nc; round++) {
+    for (int round = 0; round <= 2 * together; round++) {
         status = ns_theta_command(l->step, l->closed);
         memcpy(mode, ns_theta_mode(l->step), (size_t)l->s->m);
         ns_system_inputs(l->s, t0, NS_RIGHT, l->z);
@@ -216,7 +218,7 @@ int ns_ladder_operating_point(ns_ladder *l, double t0, int nhold, const int *hol
         if (status != NS_OK)
             return status;
         ns_theta_set_controls(l->step, x);
-        if (!toggle(l, x))
+        if (!toggle(l, x, round < together ? l->s->nc : 1))
             break;
     }
     return status;

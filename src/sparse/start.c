@@ -53,6 +53,22 @@ int ns_sparse_start(ns_engine *e, double t0, const double *w0, const unsigned ch
     return start_from_state(m, t0);
 }
 
+/* The first command that contradicts its control in m->v changes; 0: there is none. */
+static int change_first_command(ns_sparse *m) {
+    ns_mode *was = m->work.mode;
+    int first = -1;
+    memcpy(was, m->mode, (size_t)m->f->m);
+    memset(m->changed, 0, (size_t)m->s->nc); /* none slides */
+    if (!ns_sparse_guard_commands(m, m->v, NULL, m->changed))
+        return 0;
+    for (int c = 0; c < m->s->nc && first < 0; c++)
+        first = m->changed[c] ? m->s->command[c].pair : -1;
+    was[first] = m->mode[first];
+    ns_sparse_guard_set_mode(m, was);
+    ns_sparse_guard_bounds(m);
+    return 1;
+}
+
 /* With the matrices at rest in place of the engine's own: x and lambda to m->v. */
 static int find_mode_at_rest(ns_sparse *m, double t0, ns_form *f, ns_mode_factors *q) {
     ns_form *const own = m->f;
@@ -64,7 +80,10 @@ static int find_mode_at_rest(ns_sparse *m, double t0, ns_form *f, ns_mode_factor
     ns_inputs_stages_at(m->in, t0);
     ns_sparse_event_time_commands(m, t0);
     ns_sparse_guard_bounds(m);
-    const int status = ns_sparse_event_consistent_all(m, t0, 0, NULL, m->work.w);
+    int status = ns_sparse_event_consistent_all(m, t0, 0, NULL, m->work.w);
+    /* of two that open each other one opens */
+    for (int k = 0; k <= 2 * m->s->nc && status == NS_OK && change_first_command(m); k++)
+        status = ns_sparse_event_consistent(m, t0, 0, m->w, m->v, m->work.w);
     m->f = own;
     m->q = factors;
     return status;
