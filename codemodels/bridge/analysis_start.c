@@ -252,6 +252,8 @@ static int start_all(ns_session *s, int tran, int uic) {
     int any = 0, status = start_marches(s, tran, uic);
     if (!status && tran)
         status = ns_bridge_own_find_resting(s->ckt, &s->analysis, &s->found, &any);
+    if (status && !uic && ns_bridge_start_check_uic(&s->analysis))
+        return ns_bridge_trial_fail_with(s, status, "; .tran with uic starts: it needs no operating point");
     if (status)
         return ns_bridge_trial_fail(s, status);
     return any ? hold_resting(s, uic) : OK;

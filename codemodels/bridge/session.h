@@ -163,6 +163,8 @@ double ns_bridge_trial_right_side(const ns_session *s, double t);
 
 /* Writes one line on why the marcher's last call failed; returns ngspice's code for status. */
 int ns_bridge_trial_fail(const ns_session *s, int status);
+/* The same; the hint is written behind it. */
+int ns_bridge_trial_fail_with(const ns_session *s, int status, const char *hint);
 
 /* --- start_check.c --- */
 
@@ -171,6 +173,8 @@ int ns_bridge_trial_fail(const ns_session *s, int status);
 void ns_bridge_start_check(const ns_session *s, int may_rest_between);
 /* Says so, and is 1, where a comparator begins between its two values. */
 int ns_bridge_start_check_latches(const ns_session *s);
+/* Where there is no operating point: 1 if the circuit starts with uic. */
+int ns_bridge_start_check_uic(const ns_analysis *a);
 
 /* --- single_load.c: one load a timepoint, where ngspice would solve twice --- */
 

@@ -4,6 +4,7 @@
  */
 #include "session.h"
 
+#include "own_current.h"
 #include "report.h"
 
 #include <math.h>
@@ -131,4 +132,16 @@ int ns_bridge_start_check_latches(const ns_session *s) {
             name);
     free(lambda);
     return found;
+}
+
+int ns_bridge_start_check_uic(const ns_analysis *a) {
+    const double run = 1.0; /* s: nothing is marched */
+    ns_march *march = NULL;
+    double *w0 = calloc((size_t)a->system->n + 1, sizeof *w0);
+    const int starts = w0 && ns_circuit_rest(a->ex.circuit, w0) == NS_OK &&
+                       ns_bridge_own_pass_march(a, run, &march) == NS_OK &&
+                       ns_march_start(march, 0.0, w0) == NS_OK;
+    ns_march_free(march);
+    free(w0);
+    return starts;
 }

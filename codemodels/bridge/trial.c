@@ -8,13 +8,17 @@
 #include "report.h"
 #include "show.h"
 
-int ns_bridge_trial_fail(const ns_session *s, int status) {
+int ns_bridge_trial_fail_with(const ns_session *s, int status, const char *hint) {
     char line[320];
     char more[320];
     ns_bridge_analysis_explain(&s->analysis, ns_march_fault(s->analysis.march), status, line, sizeof line);
     ns_bridge_dump_failed_step(&s->analysis, more, sizeof more);
-    ns_bridge_report_error("%s%s", line, more);
+    ns_bridge_report_error("%s%s%s", line, hint, more);
     return ns_bridge_report_code(status);
+}
+
+int ns_bridge_trial_fail(const ns_session *s, int status) {
+    return ns_bridge_trial_fail_with(s, status, "");
 }
 
 void ns_bridge_trial_clear(ns_session *s) {
