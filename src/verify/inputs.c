@@ -3,6 +3,7 @@
  */
 #include "verify_internal.h"
 
+#include <float.h>
 #include <math.h>
 
 /* The straight piece that begins at t; its slope is found when it is asked for again. */
@@ -66,4 +67,16 @@ void ns_verify_inputs_at(ns_verify *v, double t, ns_side side, double *z) {
         const int k = in->moving[i];
         z[k] = value_of(&v->s->z[k], t, side, &v->inputs.piece[k]);
     }
+}
+
+int ns_verify_inputs_spread(ns_verify *v, double t) {
+    const double near = ns_verify_roundings * DBL_EPSILON * fabs(t);
+    double *spread = v->spread + v->s->n + v->s->m;
+    int any = 0;
+    for (int k = 0; k < v->s->nz; k++) {
+        const ns_signal *s = &v->s->z[k];
+        spread[k] = fabs(ns_signal_value(s, t + near, NS_RIGHT) - ns_signal_value(s, t - near, NS_LEFT));
+        any |= spread[k] > 0;
+    }
+    return any;
 }

@@ -164,7 +164,7 @@ void ns_verify_memory_event(ns_verify *v, ns_verify_finding *worst) {
         return;
     double least = least_short(v, &pair);
     if (pair >= 0 && least > 1) { /* rare: a source on an edge of some roundings of t */
-        v->spreads = ns_verify_find_spread(v, v->t);
+        v->spreads = ns_verify_inputs_spread(v, v->t);
         least = v->spreads ? least_short(v, &pair) : least;
         v->spreads = 0;
     }

@@ -7,8 +7,8 @@
 
 /* What rounding leaves of the terms of y. */
 static const double digits = 1e-13;
-/* Inputs are known at a time that is rounded, in units of eps; an instant that is found, to so many. */
-static const double roundings = 64, instant_roundings = 4;
+/* An instant that is found is known to so many units of eps. */
+static const double instant_roundings = 4;
 
 /* --- the point --- */
 
@@ -22,18 +22,6 @@ void ns_verify_fill(ns_verify *v, const ns_verify_state *at) {
     v->u[n + m + (size_t)v->s->nz] = 1;
 }
 
-int ns_verify_find_spread(ns_verify *v, double t) {
-    const double near = roundings * DBL_EPSILON * fabs(t);
-    double *spread = v->spread + v->s->n + v->s->m;
-    int any = 0;
-    for (int k = 0; k < v->s->nz; k++) {
-        const ns_signal *s = &v->s->z[k];
-        spread[k] = fabs(ns_signal_value(s, t + near, NS_RIGHT) - ns_signal_value(s, t - near, NS_LEFT));
-        any |= spread[k] > 0;
-    }
-    return any;
-}
-
 /* What that makes of a row. */
 static double spread_of(const ns_verify *v, const ns_verify_rows *r, int i) {
     return v->spreads ? 2 * ns_verify_row(r, i, v->spread).size : 0;
@@ -43,10 +31,10 @@ static double spread_of(const ns_verify *v, const ns_verify_rows *r, int i) {
  * those over a time in which corners can be told apart. */
 static double steepness_of(const ns_verify *v, int k) {
     const ns_signal *s = &v->s->z[k];
-    const double t = v->t, near = roundings * DBL_EPSILON * fabs(t);
+    const double t = v->t, near = ns_verify_roundings * DBL_EPSILON * fabs(t);
     const double after = ns_signal_value(s, t + near, NS_LEFT) - ns_signal_value(s, t, NS_RIGHT);
     const double before = ns_signal_value(s, t, NS_LEFT) - ns_signal_value(s, t - near, NS_RIGHT);
-    return ns_verify_larger(fabs(after), fabs(before)) * (instant_roundings / roundings);
+    return ns_verify_larger(fabs(after), fabs(before)) * (instant_roundings / ns_verify_roundings);
 }
 
 /* What steep inputs make of unknown or lambda `column` in row i, if the row is algebraic: others are taken to
@@ -254,7 +242,7 @@ int ns_verify_point(ns_verify *v, const ns_verify_state *at, ns_verify_finding *
     ns_verify_sizes_numbers(v, v->u);
     if (judge(v, at, worst))
         return ns_verify_sizes_end(v, worst);
-    v->spreads = ns_verify_find_spread(v, at->t); /* rare: an input jumps, or is steep */
+    v->spreads = ns_verify_inputs_spread(v, at->t); /* rare: an input jumps, or is steep */
     if (v->spreads)
         (void)judge(v, at, worst);
     v->spreads = 0;

@@ -184,6 +184,10 @@ double ns_verify_sizes_leak(const ns_verify *v, const ns_verify_rows *r, int i);
 
 /* inputs.c: z (nz), which keeps what it was at the last call. */
 void ns_verify_inputs_at(ns_verify *v, double t, ns_side side, double *z);
+/* v->spread: by how much they differ around t, which is rounded; 0: not at all. */
+int ns_verify_inputs_spread(ns_verify *v, double t);
+/* Inputs are known at a time that is rounded, in units of eps. */
+static const double ns_verify_roundings = 64;
 
 /* quick.c: the shape of pairs. */
 void ns_verify_quick_find(ns_verify *v);
@@ -206,8 +210,6 @@ void ns_verify_note(ns_verify_finding *worst, ns_verify_cause cause, int pair, i
 
 /* point.c: v->u is this point. */
 void ns_verify_fill(ns_verify *v, const ns_verify_state *at);
-/* v->spread: by how much inputs differ around t; 0: not at all. */
-int ns_verify_find_spread(ns_verify *v, double t);
 /* How far (S4) with these bounds is from lambda, y, of what either may be off by. */
 double ns_verify_law_error(double l, double u, double lambda, double y, double lambda_off, double y_off);
 
