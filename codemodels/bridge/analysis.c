@@ -224,6 +224,7 @@ int ns_bridge_analysis_take(ns_analysis *a, const ns_waveform_point *p, double p
         to[k] = part < 1.0 ? a->x[k] + part * (next - a->x[k]) : next;
         if (!isfinite(to[k]))
             return NS_E_OVERFLOW;
+        a->max_abs[k] = fabs(to[k]) > a->max_abs[k] ? fabs(to[k]) : a->max_abs[k];
     }
     memcpy(a->mode, p->mode, (size_t)a->system->m * sizeof *a->mode);
     ns_bridge_taken_at(a, p->sums, part);

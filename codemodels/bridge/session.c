@@ -9,6 +9,7 @@
 
 #include "climits.h"
 #include "digital_run.h"
+#include "overvoltage.h"
 #include "own_rest.h"
 #include "own_show.h"
 #include "report.h"
@@ -120,6 +121,7 @@ static int show_start(ns_session *s) {
 
 static void end_analysis(ns_session *s) {
     s->once.curve_noted = s->once.curve_noted || ns_bridge_own_note_curve(&s->analysis);
+    s->once.overvoltage_noted = s->once.overvoltage_noted || ns_bridge_overvoltage_note(s->ckt, &s->analysis);
     if (s->analysis.ex.options.verbose)
         ns_bridge_show_summary(&s->analysis, (double)(s->start_cpu + s->trial.cpu) / CLOCKS_PER_SEC);
     ns_bridge_loop_release(s->ckt, &s->loop);

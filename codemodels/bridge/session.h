@@ -42,6 +42,7 @@ typedef struct ns_session {
         int currents_announced;    /* the vf of D at currents of their own were written */
         unsigned long long models; /* those of what was announced as taken */
         int curve_noted;           /* that a D is far from its own curve was written */
+        int overvoltage_noted;     /* that a switch came to a voltage of no circuit was written */
         int dc_noted;              /* likewise, in .op or .dc */
         int reltol_noted;          /* that reltol has no effect was written */
     } once;
