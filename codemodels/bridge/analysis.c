@@ -97,7 +97,7 @@ static void choose_judged(const ns_analysis *a, unsigned char *shown, unsigned c
 }
 
 /* Voltages and currents that are in the plot; of devices all currents, if one is. */
-static int choose_shown(const CKTcircuit *ckt, const ns_analysis *a, unsigned char *kind) {
+static int choose_shown(const CKTcircuit *ckt, ns_analysis *a, unsigned char *kind) {
     unsigned char *shown = calloc((size_t)a->ex.neq + 1, 1);
     if (!shown)
         return NS_E_MEMORY;
@@ -113,6 +113,7 @@ static int choose_shown(const CKTcircuit *ckt, const ns_analysis *a, unsigned ch
         kind[k] = CURRENT;
     for (int k = 0; k < a->ex.nowns; k++)
         a->ex.own[k].gate_is_shown = !known || shown[a->ex.own[k].mosfet.gate];
+    a->edges_are_shown = !known || ns_bridge_shown_edges(ckt, shown);
     free(shown);
     return NS_OK;
 }

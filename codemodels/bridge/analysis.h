@@ -16,6 +16,7 @@ typedef struct ns_analysis {
     ns_system *system;
     ns_march *march;       /* NULL: nothing is made */
     ns_waveform *waveform; /* chooses the timepoints; NULL: they are those of a grid, or there are none */
+    int edges_are_shown;   /* the plot has a point where each edge of a PULSE ends */
     double h;              /* the longest step of the scheme, s */
     int *unknown;          /* ex.neq: the unknown that an equation stands for, -1: none */
     struct {

@@ -26,7 +26,8 @@ typedef int ns_own_range_at(const CKTcircuit *ckt, int eq, ns_own_range *r);
 int ns_bridge_own_range_of_b(const CKTcircuit *ckt, const GENinstance *inst, ns_own_range_at *at, int goal,
                              ns_own_range *r);
 
-/* Of the output of a dac_bridge, square, triangle or sine at this equation: its nodes, and the range between them.  0: it has none. */
+/* Of the output of a dac_bridge, square, triangle or sine at this equation: its nodes, and the range between
+ * them.  0: it has none. */
 int ns_bridge_own_range_of_bridge(const GENinstance *inst, int here, int *p, int *n, ns_own_range *r);
 
 /* Of the output of a pwl at this equation, as ngspice makes one of TABLE: its node, the equation of its

@@ -8,6 +8,9 @@
 #include "ngspice/trandefs.h"
 
 #include "frontend/outitf.h"
+#include "models.h"
+
+#include "spicelib/devices/vsrc/vsrcdefs.h"
 
 /* NULL unless what is there is the plot of this run. */
 static const runDesc *plot_of(const CKTcircuit *ckt) {
@@ -51,6 +54,15 @@ int ns_bridge_shown_no_parameters(const CKTcircuit *ckt) {
     for (int i = 0; none && i < run->numData; i++)
         none = run->data[i].regular;
     return none;
+}
+
+int ns_bridge_shown_edges(const CKTcircuit *ckt, const unsigned char *shown) {
+    for (NGTABLEPTR box = ckt->DEVnameHash->thread; box; box = box->thread_next) {
+        const VSRCinstance *v = ns_bridge_models_letter(box->data) == 'v' ? box->data : NULL;
+        if (v && v->VSRCfunctionType == PULSE && !shown[v->VSRCposNode] && !shown[v->VSRCnegNode])
+            return 0;
+    }
+    return 1;
 }
 
 double ns_bridge_shown_tmax(const CKTcircuit *ckt) {

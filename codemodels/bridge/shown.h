@@ -12,6 +12,9 @@ int ns_bridge_shown_read(const CKTcircuit *ckt, int neq, unsigned char *shown);
 /* 1 if no device's parameter (@r1[i]) is in the plot of this run; 0 also where there is none. */
 int ns_bridge_shown_no_parameters(const CKTcircuit *ckt);
 
+/* 1 if the plot has a node of each V of PULSE: a point where each of its edges ends.  shown: as read. */
+int ns_bridge_shown_edges(const CKTcircuit *ckt, const unsigned char *shown);
+
 /* During a transient analysis: the tmax of .tran, s; 0: it has none. */
 double ns_bridge_shown_tmax(const CKTcircuit *ckt);
 

@@ -46,7 +46,8 @@ static double latest_read(const ns_session *s) {
  * point that is later than to= by its last digit. */
 static double find_latest(const ns_session *s) {
     const double t = latest_read(s), now = s->ckt->CKTtime;
-    return fmin(t, ns_bridge_timepoints_beside_mark(s->analysis.system, now, s->ckt->CKTfinalTime));
+    return fmin(t, ns_bridge_timepoints_beside_mark(s->analysis.system, now, s->ckt->CKTfinalTime,
+                                                    s->analysis.edges_are_shown));
 }
 
 /* A point was accepted; ngspice writes it next.  Those near the start do not count: 0+ may stand for 0 there.

@@ -117,10 +117,14 @@ static double beside(double mark, double t, double aside, int behind) {
                                                           : INFINITY;
 }
 
-/* Where periods of a pulse begin.  After that an edge of a hundredth of it is soon over. */
-static double beside_period(const ns_signal *z, double t, double stop) {
+/* Where periods of a pulse begin.  Behind that there is a point soon, where an edge of a hundredth of it is
+ * over, if the plot shows edges. */
+static int has_edge_behind(const ns_signal *z, double stop, int edges_are_shown) {
+    return edges_are_shown && z->u.pulse.tr <= 0.01 * fmin(period_of(z), stop);
+}
+
+static double beside_period(const ns_signal *z, double t, double stop, int behind) {
     const double td = z->u.pulse.td, per = fmin(period_of(z), stop), aside = aside_part * per;
-    const int behind = z->u.pulse.tr > 0.01 * per;
     const double mark = td + fmax(floor((t + 2.0 * aside - td) / per), 0.0) * per;
     const double first = beside(mark, t, aside, behind);
     if (aside < ns_bridge_timepoints_closest(stop))
@@ -128,12 +132,12 @@ static double beside_period(const ns_signal *z, double t, double stop) {
     return first < INFINITY ? first : beside(mark + per, t, aside, behind);
 }
 
-double ns_bridge_timepoints_beside_mark(const ns_system *s, double t, double stop) {
+double ns_bridge_timepoints_beside_mark(const ns_system *s, double t, double stop, int edges_are_shown) {
     double first = beside(stop, t, aside_part * stop, 0);
     for (int i = 0; i < s->nz; i++) {
         const ns_signal *z = &s->z[i];
         if (z->kind == NS_PULSE)
-            first = fmin(first, beside_period(z, t, stop));
+            first = fmin(first, beside_period(z, t, stop, !has_edge_behind(z, stop, edges_are_shown)));
     }
     return first;
 }

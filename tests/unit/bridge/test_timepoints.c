@@ -342,8 +342,8 @@ static void a_step_of_rounding_sets_no_breakpoint(void **state) {
 }
 
 /* Of a PULSE with periods of 10 s from 5 s on and edges of 10 ms, in a run of 100 s: 7e-7 of a period before
- * each and where it begins, as much of the run before the end and there.  With edges of 1 s 1.5 times as far
- * behind the begin, too. */
+ * each and where it begins, as much of the run before the end and there.  With edges of 1 s, or not in
+ * the plot, 1.5 times as far behind the begin, too. */
 static void points_beside_times_that_are_measured(void **state) {
     const double a = 7e-6, end = 7e-5;
     const double quick[][2] = {{0, 5 - a},     {5 - a, 5},      {5, 15 - a},
@@ -356,11 +356,13 @@ static void points_beside_times_that_are_measured(void **state) {
     assert_int_equal(ns_system_create(1, 0, 1, 0, &s), NS_OK);
     assert_int_equal(ns_system_set_input(s, 0, &pulse), NS_OK);
     for (int k = 0; k < 6; k++)
-        assert_near(ns_bridge_timepoints_beside_mark(s, quick[k][0], 100), quick[k][1]);
+        assert_near(ns_bridge_timepoints_beside_mark(s, quick[k][0], 100, 1), quick[k][1]);
+    for (int k = 0; k < 3; k++) /* edges that are not shown */
+        assert_near(ns_bridge_timepoints_beside_mark(s, slow[k][0], 100, 0), slow[k][1]);
     pulse.u.pulse.tr = 1;
     assert_int_equal(ns_system_set_input(s, 0, &pulse), NS_OK);
     for (int k = 0; k < 3; k++)
-        assert_near(ns_bridge_timepoints_beside_mark(s, slow[k][0], 100), slow[k][1]);
+        assert_near(ns_bridge_timepoints_beside_mark(s, slow[k][0], 100, 1), slow[k][1]);
     ns_system_free(s);
 }
 
