@@ -96,6 +96,15 @@ static void choose_judged(const ns_analysis *a, unsigned char *shown, unsigned c
     }
 }
 
+/* 1 if both ends of a D are in the plot, or at ground. */
+static int is_shown(const ns_own_taken *o, const unsigned char *shown) {
+    ns_own_diode d;
+    if (o->kind != OWN_DIODE)
+        return 1;
+    ns_bridge_own_read_diode(o->inst, &d);
+    return (d.anode == 0 || shown[d.anode]) && (d.cathode == 0 || shown[d.cathode]);
+}
+
 /* Voltages and currents that are in the plot; of devices all currents, if one is. */
 static int choose_shown(const CKTcircuit *ckt, ns_analysis *a, unsigned char *kind) {
     unsigned char *shown = calloc((size_t)a->ex.neq + 1, 1);
@@ -111,8 +120,10 @@ static int choose_shown(const CKTcircuit *ckt, ns_analysis *a, unsigned char *ki
         devices |= shown[ns_bridge_models_branch(a->ex.device[k].inst)];
     for (size_t k = (size_t)a->system->n; devices && k < a->count; k++)
         kind[k] = CURRENT;
-    for (int k = 0; k < a->ex.nowns; k++)
+    for (int k = 0; k < a->ex.nowns; k++) {
         a->ex.own[k].gate_is_shown = !known || shown[a->ex.own[k].mosfet.gate];
+        a->ex.own[k].is_hidden = known && !is_shown(&a->ex.own[k], shown);
+    }
     a->edges_are_shown = !known || ns_bridge_shown_edges(ckt, shown);
     free(shown);
     return NS_OK;

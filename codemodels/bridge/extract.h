@@ -98,6 +98,7 @@ typedef struct ns_own_taken {
     /* of M: */
     ns_own_mosfet mosfet;
     int gate_is_shown; /* it is in the plot, and asks for points */
+    int is_hidden;     /* an end of a D is not: its pulses may be missed between points */
     int follows;       /* its channel is a diode behind a source follower, not a switch */
     int body;          /* the element of its body diode */
     int bulk;          /* of its diode between bulk and source; -1: there is none */
