@@ -106,38 +106,42 @@ double ns_bridge_timepoints_round(double stop) {
  * rounding: ngspice divides differences of voltages by this time, for the currents of its capacitors. */
 static const double aside_part = 7e-7, behind_part = 1.5; /* .meas takes equal intervals by Simpson's rule */
 
-/* The first time after t of these: `aside` before the mark, the mark itself, and, if `behind`, behind_part
- * times aside after it.  INFINITY: none. */
-static double beside(double mark, double t, double aside, int behind) {
-    const double least = t + 0.25 * aside;
+/* Which of these: `aside` before the mark, the mark itself, and behind_part times aside after it. */
+typedef enum ns_beside { UP_TO_IT, ALL_OF_THEM, NOT_THE_MARK } ns_beside;
+
+/* The first of them after t; INFINITY: none. */
+static double beside(double mark, double t, double aside, ns_beside which) {
+    const double least = t + 0.25 * aside, behind = mark + behind_part * aside;
     if (mark - aside > least)
         return mark - aside;
-    return mark > least                                   ? mark
-           : behind && mark + behind_part * aside > least ? mark + behind_part * aside
-                                                          : INFINITY;
+    if (mark > least && which != NOT_THE_MARK)
+        return mark;
+    return behind > least && which != UP_TO_IT ? behind : INFINITY;
 }
 
-/* Where periods of a pulse begin.  Behind that there is a point soon, where an edge of a hundredth of it is
- * over, if the plot shows edges. */
-static int has_edge_behind(const ns_signal *z, double stop, int edges_are_shown) {
-    return edges_are_shown && z->u.pulse.tr <= 0.01 * fmin(period_of(z), stop);
+/* Behind the begin of a period there is a point soon, where an edge of a hundredth of it is over.  Where the
+ * plot does not show that, one beside the begin does for from= and to= each. */
+static ns_beside beside_begin(const ns_signal *z, double stop, int edges_are_shown) {
+    if (z->u.pulse.tr > 0.01 * fmin(period_of(z), stop))
+        return ALL_OF_THEM;
+    return edges_are_shown ? UP_TO_IT : NOT_THE_MARK;
 }
 
-static double beside_period(const ns_signal *z, double t, double stop, int behind) {
+static double beside_period(const ns_signal *z, double t, double stop, ns_beside which) {
     const double td = z->u.pulse.td, per = fmin(period_of(z), stop), aside = aside_part * per;
     const double mark = td + fmax(floor((t + 2.0 * aside - td) / per), 0.0) * per;
-    const double first = beside(mark, t, aside, behind);
+    const double first = beside(mark, t, aside, which);
     if (aside < ns_bridge_timepoints_closest(stop))
         return INFINITY;
-    return first < INFINITY ? first : beside(mark + per, t, aside, behind);
+    return first < INFINITY ? first : beside(mark + per, t, aside, which);
 }
 
 double ns_bridge_timepoints_beside_mark(const ns_system *s, double t, double stop, int edges_are_shown) {
-    double first = beside(stop, t, aside_part * stop, 0);
+    double first = beside(stop, t, aside_part * stop, UP_TO_IT);
     for (int i = 0; i < s->nz; i++) {
         const ns_signal *z = &s->z[i];
         if (z->kind == NS_PULSE)
-            first = fmin(first, beside_period(z, t, stop, !has_edge_behind(z, stop, edges_are_shown)));
+            first = fmin(first, beside_period(z, t, stop, beside_begin(z, stop, edges_are_shown)));
     }
     return first;
 }

@@ -64,10 +64,10 @@ double ns_bridge_timepoints_slowest(const ns_system *s, double stop);
  * a run up to stop.  .meas sees nothing between from= and to= but points. */
 double ns_bridge_timepoints_round(double stop);
 
-/* The first time after t that is, or is just before, the beginning of a period of a PULSE (with a slow ramp,
- * or edges that the plot does not show: just behind it too) or the end of the run, s; INFINITY: none.  from=
- * and to= of .meas often name such times, with another last digit; .meas takes no interval that is not
- * between both. */
+/* The first time after t that is, or is just before, the beginning of a period of a PULSE (with a slow ramp
+ * just behind it too; if the plot does not show its edges just before and behind it alone) or the end of the
+ * run, s; INFINITY: none.  from= and to= of .meas often name such times, with another last digit; .meas takes
+ * no interval that is not between both, and its rms and integ leave out the first point after from=. */
 double ns_bridge_timepoints_beside_mark(const ns_system *s, double t, double stop, int edges_are_shown);
 
 /* Two points of a run up to stop are further apart than this, s. */
