@@ -70,9 +70,9 @@ int ns_bridge_digital_begin(ns_session *s) {
         return NS_E_MEMORY;
     for (int k = 0; k < d->ninputs; k++) {
         ns_digital_input *in = &d->input[k];
-        const double v = ns_bridge_digital_plain(s, in);
-        in->above_low = v > in->low + near * fabs(in->low);
-        in->above_high = in->above_low && v >= in->high - near * fabs(in->high);
+        const double v = ns_bridge_digital_plain(s, in), at = near * fmax(fabs(in->low), fabs(in->high));
+        in->above_low = v > in->low + at;
+        in->above_high = in->above_low && v >= in->high - at;
         if (in->control)
             ns_bridge_digital_control_begin(in->control, s->ckt, s->trial.t, v);
     }

@@ -10,13 +10,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A control nearer to its threshold than this, relative to its terms, is at it. */
+/* A control nearer to its threshold than this, relative to its size, is at it. */
 static const double rounding = 4e-14;
 
 struct ns_watched_thresholds {
     int count;
     ns_threshold *threshold;  /* count */
     double *x;                /* n: a sample */
+    double *size;             /* count: of each control, with its thresholds: the largest so far */
     double *kept[3], *latest; /* count each: distances at samples */
     unsigned char *crossed;   /* count: at the point of the last trial, */
     int any;                  /* which some are; */
@@ -34,12 +35,24 @@ void ns_march_watched_free(ns_march *m) {
     m->watched = NULL;
 }
 
+/* At a point that was accepted (w->x): what swings to 5 V and back to 0 V comes there with the rounding of 5
+ * V. */
+static void size_up(ns_watched_thresholds *w) {
+    for (int k = 0; k < w->count; k++) {
+        const ns_threshold *h = &w->threshold[k];
+        const double p = h->p < 0 ? 0 : w->x[h->p], n = h->n < 0 ? 0 : w->x[h->n];
+        w->size[k] = fmax(w->size[k], fabs(p) + fabs(n) + fabs(h->value));
+        if (k > 0 && h->p == h[-1].p && h->n == h[-1].n) /* another threshold of the same control */
+            w->size[k] = w->size[k - 1] = fmax(w->size[k], w->size[k - 1]);
+    }
+}
+
 /* How far each control is on its own side (below zero: beyond the threshold), to `to`. */
 static void measure(const ns_watched_thresholds *w, double *to) {
     for (int k = 0; k < w->count; k++) {
         const ns_threshold *h = &w->threshold[k];
         const double p = h->p < 0 ? 0 : w->x[h->p], n = h->n < 0 ? 0 : w->x[h->n];
-        const double at = rounding * (fabs(p) + fabs(n) + fabs(h->value));
+        const double at = rounding * fmax(w->size[k], fabs(p) + fabs(n) + fabs(h->value));
         const double border =
             h->includes ? -at : at; /* half of that for what comes to the value to stay there */
         const double above = p - n - h->value - (h->above == h->includes ? border : 0.5 * border);
@@ -60,11 +73,12 @@ static int mark(ns_watched_thresholds *w, const double *value) {
 static int allocate(ns_march *m, int count, ns_watched_thresholds *w) {
     const size_t n = (size_t)m->s->n, size = (size_t)count;
     w->threshold = calloc(size + 1, sizeof *w->threshold);
-    w->x = calloc(n + 4 * size + 1, sizeof *w->x);
+    w->x = calloc(n + 5 * size + 1, sizeof *w->x);
     w->crossed = calloc(size + 1, 1);
     for (int i = 0; w->x && i < 3; i++)
         w->kept[i] = w->x + n + (size_t)i * size;
     w->latest = w->x ? w->x + n + 3 * size : NULL;
+    w->size = w->x ? w->x + n + 4 * size : NULL;
     return w->threshold && w->x && w->crossed ? NS_OK : NS_E_MEMORY;
 }
 
@@ -106,6 +120,7 @@ int ns_march_watch(ns_march *m, int count, const ns_threshold *threshold) {
     status = ns_engine_read(m->engine, &m->accepted, w->x, NULL, NULL);
     if (status != NS_OK)
         return status;
+    size_up(w);
     measure(w, w->latest);
     w->stopped = mark(w, w->latest);
     return NS_OK;
@@ -121,6 +136,8 @@ const unsigned char *ns_march_crossed(const ns_march *m) {
 static int look_at(ns_march *m, double t, double *to, double *least) {
     ns_watched_thresholds *w = m->watched;
     const int status = ns_engine_sample(m->engine, t, w->x, NULL);
+    if (t == m->accepted)
+        size_up(w);
     measure(w, to);
     m->counts.looks++;
     *least = INFINITY;

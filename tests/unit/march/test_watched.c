@@ -138,6 +138,44 @@ static void of_what_comes_to_rest(void **state) {
     }
 }
 
+/* The pulse from 0 to 1 V in series with 0.1, 0.2 and -0.3 V: it rests at 6e-17 V, which is 0 V but for
+ * rounding: where 1 V is another threshold of it, and after it was at 1 V. */
+static void of_what_rests_but_for_rounding(void **state) {
+    static const double us = 1e-6, t[4] = {1e-6, 2e-6, 3e-6, 4e-6}, v[4] = {0, 1, 1, 0};
+    (void)state;
+    for (int pair = 0; pair < 2; pair++) {
+        bench b = open_bench();
+        ns_signal s = {.kind = NS_PWL};
+        const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-7, .method = NS_EXACT};
+        s.u.pwl.n = 4;
+        s.u.pwl.t = t;
+        s.u.pwl.v = v;
+        s.u.pwl.repeat = NAN;
+        add_dc(&b, "a", 1, 0, 0.1, NULL);
+        add_dc(&b, "b", 2, 1, 0.2, NULL);
+        add_dc(&b, "c", 3, 2, -0.3, NULL);
+        assert_int_equal(ns_circuit_source(b.c, "v", NS_VOLTAGE, 4, 3, &s, NULL), NS_OK);
+        assert_int_equal(ns_circuit_resistor(b.c, "r", 4, 5, 1, NULL), NS_OK);
+        assert_int_equal(ns_circuit_capacitor(b.c, "k", 5, 0, 1e-7, NAN, NULL), NS_OK);
+        assert_int_equal(ns_circuit_system(b.c, &b.s), NS_OK);
+        assert_int_equal(ns_march_create(b.s, &o, &b.m, NULL), NS_OK);
+        start_at_rest(&b);
+        const int v4 = ns_circuit_node_unknown(b.c, 4);
+        ns_threshold at[2] = {{v4, -1, 0, 0, 0}, {v4, -1, 1, 0, 1}};
+        assert_true(unknown(b.m, v4) > 0); /* though at rest */
+        const double up = pair ? us : us * (1 + 1e-9);
+        double reached;
+        assert_int_equal(ns_march_watch(b.m, 1 + pair, at), NS_OK);
+        assert_int_equal(go_until_crossed(b.m, 10 * us, &reached), 1);
+        assert_true(pair ? fabs(reached - up) < 1e-18 : reached < up);
+        at[0].above = 1;
+        assert_int_equal(ns_march_watch(b.m, 1, at), NS_OK);
+        assert_int_equal(go_until_crossed(b.m, 10 * us, &reached), 1);
+        assert_true(fabs(reached - 4 * us) < 1e-18);
+        close_bench(&b);
+    }
+}
+
 /* The current into 1 uF is C dv/dt: 0, and 1 A while its source rises by 1 V/us. */
 static void of_a_current_that_jumps(void **state) {
     static const ns_method methods[] = {NS_EXACT, NS_SPARSE};
@@ -218,6 +256,7 @@ int main(void) {
         cmocka_unit_test(of_a_ring),
         cmocka_unit_test(of_a_jump),
         cmocka_unit_test(of_what_comes_to_rest),
+        cmocka_unit_test(of_what_rests_but_for_rounding),
         cmocka_unit_test(of_a_current_that_jumps),
         cmocka_unit_test(of_the_shortest_trial),
         cmocka_unit_test(bad_calls),
