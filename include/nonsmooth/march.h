@@ -122,11 +122,12 @@ typedef struct ns_threshold {
 } ns_threshold;
 
 /* Watches so many thresholds (0: none), in place of those before.  A trial then ends at the first instant at
- * which a control comes to the other side of its threshold; it is located by
- * samples of the trial, so all trials are as with NS_TO_STEP and may end earlier.  Nothing changes there in
- * the system; what may follow is the caller's: once that point is accepted, ns_march_try() is refused (STATE)
- * until this is called again.  A start ends the watch.  A control that is beyond already crosses at the
- * accepted point.  Errors: NULL, SIZE, NUMBER, STATE (not started), MEMORY, those of ns_march_read(). */
+ * which a control comes to the other side of its threshold, and others that do so within the rounding of that
+ * time are crossed with it; it is located by samples of the trial, so all trials are as with NS_TO_STEP and
+ * may end earlier.  Nothing changes there in the system; what may follow is the caller's: once that point is
+ * accepted, ns_march_try() is refused (STATE) until this is called again.  A start ends the watch.  A control
+ * that is beyond already crosses at the accepted point.  Errors: NULL, SIZE, NUMBER, STATE (not started),
+ * MEMORY, those of ns_march_read(). */
 int ns_march_watch(ns_march *m, int count, const ns_threshold *threshold);
 
 /* Which of them (count) are crossed at the point of the last trial, or at the accepted one: 1 each; NULL:

@@ -28,6 +28,9 @@ struct ns_march {
     ns_counts counts;               /* the engine's, with looks */
 };
 
+/* Times nearer to each other than this part of them are one, for thresholds. */
+#define NS_MARCH_TOGETHER (8 * DBL_EPSILON)
+
 /* unwatched.c: as ns_march_try(), whatever is watched. */
 int ns_march_try_unwatched(ns_march *m, double t, ns_until until, double *reached);
 

@@ -1,11 +1,22 @@
 /* src/march/unwatched.c - a trial, whatever thresholds are watched: steps end at corners of inputs. */
 #include "march_internal.h"
 
+#include <float.h>
 #include <math.h>
 
 /* Of the inputs that what is looked at follows; a threshold may look at any. */
 static double corner_of(const ns_march *m, int k) {
     return m->followed[k] || m->watched ? ns_signal_next_corner(&m->s->z[k], m->accepted) : INFINITY;
+}
+
+/* Where thresholds are watched, those that rounding alone tells apart from the first are passed with it: the
+ * last of them. */
+static double last_at(const ns_march *m, double first) {
+    const double end = first + NS_MARCH_TOGETHER * fabs(first);
+    double last = first;
+    for (int k = 0; m->watched && k < m->s->nz; k++)
+        last = m->corner[k] <= end ? fmax(last, m->corner[k]) : last;
+    return last;
 }
 
 /* The first of these after the accepted point. */
@@ -19,6 +30,7 @@ static double find_corner(ns_march *m) {
             m->corner[k] = corner_of(m, k);
         m->first_corner = fmin(m->first_corner, m->corner[k]);
     }
+    m->first_corner = last_at(m, m->first_corner);
     m->corners_from = m->accepted;
     return m->first_corner;
 }

@@ -285,6 +285,24 @@ static int mark_end(ns_march *m) {
     return status;
 }
 
+/* At the crossing *to, and what is crossed so shortly after it, before `end`, that rounding alone tells the
+ * two apart: edges of clocks whose periods have a common multiple; *to becomes the later time. */
+static int mark_crossing(ns_march *m, double end, double *to) {
+    ns_watched_thresholds *w = m->watched;
+    double least;
+    const int status = look_at(m, *to, w->latest, &least);
+    const double later = fmin(end, *to + NS_MARCH_TOGETHER * fabs(*to));
+    (void)mark(w, w->latest);
+    w->any = 1;
+    if (status != NS_OK || !(later > *to) || w->count == 1)
+        return status;
+    *to = later;
+    const int after = look_at(m, later, w->latest, &least);
+    for (int k = 0; k < w->count; k++)
+        w->crossed[k] |= w->latest[k] < 0;
+    return after;
+}
+
 int ns_march_watched_try(ns_march *m, double t, ns_until until, double *reached) {
     ns_watched_thresholds *w = m->watched;
     int found = 0;
@@ -302,10 +320,7 @@ int ns_march_watched_try(ns_march *m, double t, ns_until until, double *reached)
     status = find_crossing(m, m->accepted, &to, &found);
     if (status != NS_OK || !found)
         return status;
-    double least;
-    status = look_at(m, to, w->latest, &least);
-    (void)mark(w, w->latest);
-    w->any = 1;
+    status = mark_crossing(m, *reached, &to);
     return status != NS_OK || to >= *reached ? status : ns_march_try_unwatched(m, to, NS_TO_STEP, reached);
 }
 

@@ -176,6 +176,43 @@ static void of_what_rests_but_for_rounding(void **state) {
     }
 }
 
+/* Two ramps to 1 V whose times are numbers next to each other: what they cross is crossed together, on the
+ * way and at their ends. */
+static void of_what_rounding_tells_apart(void **state) {
+    const double us = 1e-6, from = 0.3e-6, to = 1.3e-6, v[2] = {0, 1},
+                 t[2][2] = {{from, to}, {nextafter(from, 1), nextafter(to, 1)}};
+    (void)state;
+    for (int order = 0; order < 2; order++) {
+        bench b = open_bench();
+        const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-7, .method = NS_EXACT};
+        ns_threshold at[2];
+        for (int k = 0; k < 2; k++) {
+            ns_signal s = {.kind = NS_PWL};
+            s.u.pwl.n = 2;
+            s.u.pwl.t = t[k ^ order];
+            s.u.pwl.v = v;
+            s.u.pwl.repeat = NAN;
+            assert_int_equal(ns_circuit_source(b.c, k ? "b" : "a", NS_VOLTAGE, k + 1, 0, &s, NULL), NS_OK);
+        }
+        assert_int_equal(ns_circuit_resistor(b.c, "r", 1, 3, 1, NULL), NS_OK);
+        assert_int_equal(ns_circuit_capacitor(b.c, "c", 3, 0, 1e-7, NAN, NULL), NS_OK);
+        assert_int_equal(ns_circuit_system(b.c, &b.s), NS_OK);
+        assert_int_equal(ns_march_create(b.s, &o, &b.m, NULL), NS_OK);
+        start_at_rest(&b);
+        for (int end = 0; end < 2; end++) {
+            double reached;
+            for (int k = 0; k < 2; k++)
+                at[k] = (ns_threshold){ns_circuit_node_unknown(b.c, k + 1), -1, end ? 1 : 0.5, 0, end};
+            assert_int_equal(ns_march_watch(b.m, 2, at), NS_OK);
+            assert_int_equal(go_until_crossed(b.m, 10 * us, &reached), 1);
+            assert_int_equal(ns_march_crossed(b.m)[0], 1);
+            assert_int_equal(ns_march_crossed(b.m)[1], 1);
+            assert_true(fabs(reached - (end ? to : 0.8 * us)) < 1e-18);
+        }
+        close_bench(&b);
+    }
+}
+
 /* The current into 1 uF is C dv/dt: 0, and 1 A while its source rises by 1 V/us. */
 static void of_a_current_that_jumps(void **state) {
     static const ns_method methods[] = {NS_EXACT, NS_SPARSE};
@@ -257,6 +294,7 @@ int main(void) {
         cmocka_unit_test(of_a_jump),
         cmocka_unit_test(of_what_comes_to_rest),
         cmocka_unit_test(of_what_rests_but_for_rounding),
+        cmocka_unit_test(of_what_rounding_tells_apart),
         cmocka_unit_test(of_a_current_that_jumps),
         cmocka_unit_test(of_the_shortest_trial),
         cmocka_unit_test(bad_calls),
