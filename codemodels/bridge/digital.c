@@ -193,7 +193,7 @@ int ns_bridge_digital_fail_late(const ns_session *s) {
     const char *name = "a digital part", *model = "of the last event";
     double last = -INFINITY;
     for (int k = 0; k < d->ninputs; k++) {
-        const char *of, *is;
+        const char *of = name, *is = model;
         const double t =
             d->input[k].control ? ns_bridge_digital_control_last(d->input[k].control, &of, &is) : -INFINITY;
         if (t > last) {

@@ -268,10 +268,10 @@ static int leave_small(const ns_null_search *s, int transposed, double small, do
 
 /* Takes out of each direction what is small: leaks of pairs differ by decades, and would see it. */
 static void clean(const ns_null_search *s, int count, int transposed, double *Q) {
+    static const double small[] = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
     for (int c = 0; c < count; c++)
-        for (double small = 1e-4; small > rounding; small *= 1e-2)
-            if (leave_small(s, transposed, small, vector(Q, c, s->f->size)))
-                break;
+        for (int k = 0; k < 5 && !leave_small(s, transposed, small[k], vector(Q, c, s->f->size)); k++)
+            ;
 }
 
 /* What leaks make of v in the row of pair j. */
