@@ -14,6 +14,17 @@ static const double least_pivot = 1e-6;
 /* The terms of an unknown may be so many times as large as it was of late; how much of that is kept a step.
  */
 static const double most_terms = 1e3, forget = 0.9;
+/* A law below this fraction of the largest unknown may be the rounding of what it is summed from, all of it
+ * zero; it is not, where a correction of these unknowns changes it by no more than this part of it. */
+static const double may_be_rounding = 1e-9, most_change = 1e-3;
+
+/* What a small matrix is made of. */
+typedef struct changed_rows {
+    ns_klu *klu;
+    ns_factors *factors;
+    double g;
+    const ns_mode *base, *mode; /* of the factors; of the update */
+} changed_rows;
 
 int ns_sparse_update_create(const ns_form *f, ns_low_rank *u) {
     *u = (ns_low_rank){.f = f};
@@ -127,7 +138,7 @@ static void solve_column(const ns_low_rank *u, ns_klu *klu, ns_factors *factors,
 static int solve_columns(ns_low_rank *u, ns_klu *klu, ns_factors *factors, double g, const ns_mode *base) {
     const size_t size = (size_t)u->f->size;
     if (!u->v)
-        u->v = calloc(MOST * size + 1, sizeof(double));
+        u->v = calloc((MOST + 1) * size + 1, sizeof(double));
     if (!u->v)
         return 0;
     for (int i = 0; i < u->count; i++) {
@@ -169,25 +180,45 @@ static int eliminate(ns_low_rank *u, const double *terms) {
     return 1;
 }
 
+/* 1 if the law of pair j applied to its own column v is but rounding: what is closed already holds its nodes
+ * where it would. */
+static int is_rounding(ns_low_rank *u, const changed_rows *k, int j, const double *v) {
+    const ns_form *f = u->f;
+    double *rest = u->v + MOST * (size_t)f->size, largest = 0;
+    const double is = fabs(law(f, k->mode[j], j, v));
+    for (int i = 0; i < f->size; i++)
+        largest = ns_higher(largest, fabs(v[i]));
+    if (is > may_be_rounding * largest)
+        return 0;
+    memset(rest, 0, sizeof(double) * (size_t)f->size);
+    rest[f->n + j] = 1;
+    ns_sparse_form_subtract(f, k->g, k->base, v, rest);
+    ns_linalg_klu_solve(k->klu, k->factors, rest);
+    return !(fabs(law(f, k->mode[j], j, rest)) <= most_change * is);
+}
+
 /* The law of pair j, of column r, applied to column c. */
-static void apply_law(ns_low_rank *u, double g, ns_mode mode, int j, int r, int c) {
+static void apply_law(ns_low_rank *u, const changed_rows *k, int j, int r, int c) {
+    const ns_mode mode = k->mode[j];
     const unsigned char kind = ns_mode_slides(mode) ? 3 : mode == NS_INSIDE ? 2 : 1;
     const double *v = u->v + (size_t)c * (size_t)u->f->size;
     if (u->kind[r][c] == kind)
         return;
     u->kind[r][c] = kind;
     u->law[r][c] = law(u->f, mode, j, v);
-    u->terms[r][c] = law_size(u->f, g, mode, j, v);
+    u->terms[r][c] = law_size(u->f, k->g, mode, j, v);
+    if (r == c && kind != 1 && is_rounding(u, k, j, v))
+        u->terms[r][c] = INFINITY;
 }
 
 /* The small matrix, in triangles. */
-static int form_small(ns_low_rank *u, double g, const ns_mode *mode) {
+static int form_small(ns_low_rank *u, const changed_rows *rows) {
     double terms[MOST] = {0};
     for (int i = 0; i < u->count; i++) {
         const int r = u->of[i];
         for (int k = 0; k < u->count; k++) {
             const int c = u->of[k];
-            apply_law(u, g, mode[u->pair[i]], u->pair[i], r, c);
+            apply_law(u, rows, u->pair[i], r, c);
             u->c[i * MOST + k] = u->law[r][c];
             terms[i] = ns_higher(terms[i], u->terms[r][c]);
         }
@@ -198,8 +229,9 @@ static int form_small(ns_low_rank *u, double g, const ns_mode *mode) {
 
 int ns_sparse_update_to(ns_low_rank *u, ns_klu *klu, ns_factors *factors, double g, const ns_mode *base,
                         const ns_mode *mode) {
+    const changed_rows rows = {klu, factors, g, base, mode};
     const int done =
-        differences(u, base, mode) && solve_columns(u, klu, factors, g, base) && form_small(u, g, mode);
+        differences(u, base, mode) && solve_columns(u, klu, factors, g, base) && form_small(u, &rows);
     u->count = done ? u->count : 0;
     u->checked = u->count == 0;
     u->served = 0;

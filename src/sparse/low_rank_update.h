@@ -24,7 +24,7 @@ typedef struct ns_low_rank {
      */
     double law[NS_UPDATE_MOST][NS_UPDATE_MOST], terms[NS_UPDATE_MOST][NS_UPDATE_MOST];
     unsigned char kind[NS_UPDATE_MOST][NS_UPDATE_MOST];
-    double *v;     /* NS_UPDATE_MOST size; NULL: not needed yet */
+    double *v;     /* NS_UPDATE_MOST + 1 times size; NULL: not needed yet */
     ns_mode *mode; /* m: that it serves */
     int checked;   /* a solution left no more than rounding */
     int served;    /* how often it was asked for in this mode */
