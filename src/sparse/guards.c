@@ -78,13 +78,11 @@ double ns_sparse_guard_rounding(const ns_sparse *m, int j, const double *v, cons
                ((inside ? 0 : m->largest.y) + (inside || ns_mode_slides(m->mode[j]) ? m->largest.lambda : 0));
 }
 
-int ns_sparse_guard_perturb(ns_sparse *m, const double *v, const double *w, double g, int brief) {
+/* To m->r: rounding of the rows of x at v, with random signs.  Returns the largest unknown. */
+static double fill_rounding(ns_sparse *m, const double *v, const double *w) {
     const ns_form *f = m->f;
-    const ns_cached_factors *k;
     unsigned long long random = 88172645463325252U;
-    const int status = ns_sparse_factors_factor(m->q, g, m->mode, brief, &k);
-    if (status != NS_OK)
-        return status;
+    double largest = 0;
     memset(m->r, 0, sizeof(double) * (size_t)f->size);
     for (int i = 0; i < f->n; i++) {
         random ^= random << 13;
@@ -93,9 +91,29 @@ int ns_sparse_guard_perturb(ns_sparse *m, const double *v, const double *w, doub
         const double of = f->algebraic[i] ? ns_linalg_csc_size(&f->At, i, v)
                                           : fabs(w[i]) + ns_linalg_csc_size(&f->Mt, i, v);
         m->r[i] = (random & 1024 ? 4 : -4) * DBL_EPSILON * of;
+        largest = ns_higher(largest, fabs(v[i]));
+    }
+    return largest;
+}
+
+/* laws: with what leaks leave closed pairs of their laws, which nothing else shows where they rest at 0 V. */
+static int perturb(ns_sparse *m, const double *v, const double *w, double g, int brief, int laws) {
+    const ns_form *f = m->f;
+    const ns_cached_factors *k;
+    const int status = ns_sparse_factors_factor(m->q, g, m->mode, brief, &k);
+    if (status != NS_OK)
+        return status;
+    const double largest = fill_rounding(m, v, w);
+    for (int j = 0; j < f->m && laws && k->has_leaks; j++) {
+        const double y = m->mode[j] == NS_INSIDE ? ns_sparse_form_y(f, j, v, m->z, 1) : 0;
+        m->r[f->n + j] = copysign(fmin(fabs(y), DBL_EPSILON * largest), y);
     }
     (void)ns_sparse_factors_correct(m->q, k, m->r, m->work.v);
     return NS_OK;
+}
+
+int ns_sparse_guard_perturb(ns_sparse *m, const double *v, const double *w, double g, int brief) {
+    return perturb(m, v, w, g, brief, 0);
 }
 
 /* 1 if pair j keeps its law at v, to the last bit; any_F: inputs enter laws. */
@@ -152,7 +170,7 @@ static int find_broken(ns_sparse *m, const double *v, const double *w, double g)
 
 int ns_sparse_guard_broken(ns_sparse *m, const double *v, const double *w, double g, int brief) {
     int count = 0;
-    if (find_broken(m, v, w, g) == 0 || ns_sparse_guard_perturb(m, v, w, g, brief) != NS_OK)
+    if (find_broken(m, v, w, g) == 0 || perturb(m, v, w, g, brief, 1) != NS_OK)
         return 0;
     memset(m->work.no_inputs, 0, sizeof(double) * (size_t)m->f->nz);
     for (int j = 0; j < m->f->m; j++) {

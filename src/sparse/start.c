@@ -83,8 +83,8 @@ static int open_sliding(ns_sparse *m) {
     return any;
 }
 
-/* Of two switches that open each other one opens; where both changed together they slide.  What slides does so
- * only where switches that change one by one contradict themselves as well. */
+/* Of two switches that open each other one opens; where both changed together they slide.  What slides does
+ * so only where switches that change one by one contradict themselves as well. */
 static int change_one_by_one(ns_sparse *m, double t0) {
     const int slid = open_sliding(m);
     int status = slid ? ns_sparse_event_consistent(m, t0, 0, m->w, m->v, m->work.w) : NS_OK;
