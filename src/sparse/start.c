@@ -69,35 +69,6 @@ static int change_first_command(ns_sparse *m) {
     return 1;
 }
 
-/* Opens what slides; its mode before to work.lasting_mode.  0: nothing does. */
-static int open_sliding(ns_sparse *m) {
-    int any = 0;
-    memcpy(m->work.lasting_mode, m->mode, (size_t)m->f->m);
-    for (int j = 0; j < m->f->m; j++)
-        if (ns_mode_slides(m->mode[j])) {
-            ns_sparse_guard_set_pair(m, j, NS_LOWER);
-            any = 1;
-        }
-    if (any)
-        ns_sparse_guard_bounds(m);
-    return any;
-}
-
-/* Of two switches that open each other one opens; where both changed together they slide.  What slides does
- * so only where switches that change one by one contradict themselves as well. */
-static int change_one_by_one(ns_sparse *m, double t0) {
-    const int slid = open_sliding(m);
-    int status = slid ? ns_sparse_event_consistent(m, t0, 0, m->w, m->v, m->work.w) : NS_OK;
-    int changed = 0;
-    for (int k = 0; k <= 2 * m->s->nc && status == NS_OK && (changed = change_first_command(m)); k++)
-        status = ns_sparse_event_consistent(m, t0, 0, m->w, m->v, m->work.w);
-    if (!slid || (status == NS_OK && !changed))
-        return status;
-    ns_sparse_guard_set_mode(m, m->work.lasting_mode);
-    ns_sparse_guard_bounds(m);
-    return ns_sparse_event_consistent(m, t0, 0, m->w, m->v, m->work.w);
-}
-
 /* With the matrices at rest in place of the engine's own: x and lambda to m->v. */
 static int find_mode_at_rest(ns_sparse *m, double t0, ns_form *f, ns_mode_factors *q) {
     ns_form *const own = m->f;
@@ -110,8 +81,9 @@ static int find_mode_at_rest(ns_sparse *m, double t0, ns_form *f, ns_mode_factor
     ns_sparse_event_time_commands(m, t0);
     ns_sparse_guard_bounds(m);
     int status = ns_sparse_event_consistent_all(m, t0, 0, NULL, m->work.w);
-    if (status == NS_OK)
-        status = change_one_by_one(m, t0);
+    /* of two that open each other one opens */
+    for (int k = 0; k <= 2 * m->s->nc && status == NS_OK && change_first_command(m); k++)
+        status = ns_sparse_event_consistent(m, t0, 0, m->w, m->v, m->work.w);
     m->f = own;
     m->q = factors;
     return status;
