@@ -3,7 +3,7 @@
 #
 #     tests/fuzz.sh SECONDS [TIMEOUT]
 #
-# TIMEOUT: seconds that one input may take, 300: the seed `chatters` takes 60 to 140 s, most of it in what counts coverage.
+# TIMEOUT: seconds that one input may take, 300. One that takes longer is in tests/known/ (fuzz_systems.chatters).
 # Prints for each what it ran.  The bytes of a find stay in build/fuzz/find/, for  build/fuzz/tests/fuzz/NAME FILE.
 # What was learnt stays in build/fuzz/corpus/; runs of less than a minute start from the seeds alone, and always
 # in the same way.
