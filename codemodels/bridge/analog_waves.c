@@ -82,17 +82,26 @@ int ns_bridge_analog_sine(ns_analog *a) {
     return put_out(a, "sine", &z);
 }
 
+/* Between its two levels, with its period; without edges. */
+static int begin_pulse(ns_analog *a, ns_signal *z) {
+    double hertz;
+    const int status = find_frequency(a, &hertz);
+    *z = (ns_signal){.kind = NS_PULSE};
+    if (status)
+        return status;
+    z->u.pulse.v1 = ns_bridge_analog_number(a, LOW);
+    z->u.pulse.v2 = ns_bridge_analog_number(a, HIGH);
+    z->u.pulse.per = 1.0 / hertz;
+    return NS_OK;
+}
+
 /* Up for the part `duty` of a period, down for the rest. */
 int ns_bridge_analog_triangle(ns_analog *a) {
     const double duty = ns_bridge_analog_number(a, DUTY);
-    ns_signal z = {.kind = NS_PULSE};
-    double hertz;
-    const int status = find_frequency(a, &hertz);
+    ns_signal z;
+    const int status = begin_pulse(a, &z);
     if (status)
         return status;
-    z.u.pulse.v1 = ns_bridge_analog_number(a, LOW);
-    z.u.pulse.v2 = ns_bridge_analog_number(a, HIGH);
-    z.u.pulse.per = 1.0 / hertz;
     z.u.pulse.tr = duty * z.u.pulse.per;
     z.u.pulse.tf = z.u.pulse.per - z.u.pulse.tr;
     return put_out(a, "triangle", &z);
@@ -101,14 +110,10 @@ int ns_bridge_analog_triangle(ns_analog *a) {
 /* A period begins low; its last part `duty`, the rise included, is high, and the fall is in the next one. */
 int ns_bridge_analog_square(ns_analog *a) {
     const double duty = ns_bridge_analog_number(a, DUTY);
-    ns_signal z = {.kind = NS_PULSE};
-    double hertz;
-    const int status = find_frequency(a, &hertz);
+    ns_signal z;
+    const int status = begin_pulse(a, &z);
     if (status)
         return status;
-    z.u.pulse.v1 = ns_bridge_analog_number(a, LOW);
-    z.u.pulse.v2 = ns_bridge_analog_number(a, HIGH);
-    z.u.pulse.per = 1.0 / hertz;
     z.u.pulse.td = (1.0 - duty) * z.u.pulse.per;
     z.u.pulse.tr = ns_bridge_analog_number(a, RISE);
     z.u.pulse.tf = ns_bridge_analog_number(a, FALL);
