@@ -6,31 +6,12 @@
 #include <stdlib.h>
 
 #include "models.h"
+#include "pure/source_compare.h"
 #include "report.h"
 #include "sources.h"
 
 /* V; and times all that sources give: beyond both nothing is meant. */
 static const double too_much = 1e5, times_sources = 1e4;
-
-/* The largest size of a source's value, V or A. */
-static double size_of(const ns_signal *z) {
-    double size = 0.0;
-    switch (z->kind) {
-    case NS_DC:
-        return fabs(z->u.dc);
-    case NS_PULSE:
-        return fmax(fabs(z->u.pulse.v1), fabs(z->u.pulse.v2));
-    case NS_SIN:
-        return fabs(z->u.sin.vo) + fabs(z->u.sin.va);
-    case NS_EXP:
-        return fabs(z->u.exp.v1) + fabs(z->u.exp.v2);
-    case NS_PWL:
-        for (int i = 0; i < z->u.pwl.n; i++)
-            size = fmax(size, fabs(z->u.pwl.v[i]));
-        return size;
-    }
-    return INFINITY;
-}
 
 static double sum_of_sources(const CKTcircuit *ckt) {
     double sum = 0.0;
@@ -40,7 +21,7 @@ static double sum_of_sources(const CKTcircuit *ckt) {
         double *points;
         if ((letter != 'v' && letter != 'i') || ns_bridge_sources_signal(ckt, box->data, 0, &z, &points))
             continue;
-        sum += size_of(&z);
+        sum += ns_bridge_source_size(&z);
         free(points);
     }
     return sum;

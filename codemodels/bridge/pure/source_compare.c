@@ -35,8 +35,7 @@ int ns_bridge_source_instants(const ns_signal *z, int n, double tstop, double *t
     return count;
 }
 
-/* The largest size of the values that z is made of. */
-static double size_of(const ns_signal *z) {
+double ns_bridge_source_size(const ns_signal *z) {
     double size = 0.0;
     switch (z->kind) {
     case NS_DC:
@@ -64,7 +63,7 @@ int ns_bridge_source_agrees(const ns_signal *z, double t, double tstop, double g
         low = fmin(low, fmin(left, right));
         high = fmax(high, fmax(left, right));
     }
-    const double tolerance = rounding * fmax(size_of(z), fmax(fabs(low), fabs(high)));
+    const double tolerance = rounding * fmax(ns_bridge_source_size(z), fmax(fabs(low), fabs(high)));
     *wanted = ns_signal_value(z, t, NS_LEFT);
     return got >= low - tolerance && got <= high + tolerance; /* not for NAN */
 }

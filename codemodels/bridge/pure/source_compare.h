@@ -14,4 +14,7 @@ int ns_bridge_source_instants(const ns_signal *z, int n, double tstop, double *t
  * difference.  *wanted: z's value. */
 int ns_bridge_source_agrees(const ns_signal *z, double t, double tstop, double got, double *wanted);
 
+/* The largest size of the values that z is made of, V or A. */
+double ns_bridge_source_size(const ns_signal *z);
+
 #endif
