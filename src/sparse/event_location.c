@@ -14,9 +14,9 @@
 
 /* In the error of an instant, w moves by no more than this fraction of the error allowed. */
 static const double instant_fraction = 0.1;
-/* Guards may be below zero by this fraction of the error allowed.  If it were larger, pairs below zero would
- * gather and change together at the next event. */
-static const double below = 0.1;
+/* Guards may be below zero by this fraction of the error allowed, and of that of the row that tells most of
+ * lambda.  If the first were larger, pairs below zero would gather and change together at the next event. */
+static const double below = 0.1, below_in_row = 1;
 /* A guard below zero by less than this fraction of the largest unknown: perhaps by rounding. */
 static const double shallow = 1e-7;
 /* A threshold is met where the control is so many of its roundings from it. */
@@ -102,6 +102,15 @@ static double find_fall(const ns_sparse *m, const ns_dense_step *step, const fou
     return from + (1 - from) * ns_modes_curve_below(&rest, tol);
 }
 
+/* By how much pair j may be. */
+static double may_be_below(const ns_sparse *m, const ns_dense_step *step, int j) {
+    const double all = below * size_of(m, step, j);
+    return m->o.reltol *
+           (m->mode[j] == NS_INSIDE
+                ? ns_lower(all, below_in_row * ns_sparse_guard_least_terms(m, j, step->images, step->g))
+                : all);
+}
+
 /* The fraction of the step, up to the fraction `before`, at which a guard breaks by the coefficients known;
  * NAN: it does not. */
 static double find_break(const ns_sparse *m, const ns_dense_step *step, int terms, const found *f,
@@ -116,7 +125,7 @@ static double find_break(const ns_sparse *m, const ns_dense_step *step, int term
     double tol = cut;
     if (ns_modes_curve_holds(&part, tol))
         return NAN;
-    tol += f->pair >= 0 ? below * m->o.reltol * size_of(m, step, f->pair) : 0;
+    tol += f->pair >= 0 ? may_be_below(m, step, f->pair) : 0;
     if (ns_modes_curve_holds(&part, tol))
         return NAN;
     return before *

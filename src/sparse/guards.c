@@ -134,6 +134,21 @@ int ns_sparse_guard_holds(const ns_sparse *m, int j, const double *v) {
     return holds(m, j, v, m->f->Ft.start[m->f->m] > 0);
 }
 
+double ns_sparse_guard_least_terms(const ns_sparse *m, int j, const double *v, double g) {
+    const ns_form *f = m->f;
+    double least = INFINITY;
+    for (int k = f->K.start[f->n + j]; k < f->K.start[f->n + j + 1]; k++) {
+        const int i = f->K.row[k];
+        if (i >= f->n || f->KA[k] == 0)
+            continue;
+        double terms = ns_linalg_csc_size(&f->At, i, v) + fabs(f->b[i]);
+        if (m->inverse_scale[i] > 0)
+            terms += 1 / m->inverse_scale[i] / g;
+        least = ns_lower(least, terms / fabs(f->KA[k]));
+    }
+    return least;
+}
+
 double ns_sparse_guard_size(const ns_sparse *m, int j, const double *v, const double *w, double g) {
     return ns_lower(ns_sparse_guard_terms(m, j, v, w, g),
                     m->mode[j] == NS_INSIDE ? m->largest.lambda : m->largest.y);

@@ -44,6 +44,10 @@ int ns_sparse_guard_enough(const ns_sparse *m, const ns_dense_step *step, int p)
 double ns_sparse_guard_terms(const ns_sparse *m, int j, const double *v, const double *w, double g);
 /* The same, at most the largest lambda or y so far: errors of the state count relative to it. */
 double ns_sparse_guard_size(const ns_sparse *m, int j, const double *v, const double *w, double g);
+/* Of the rows that lambda_j enters: the least sum of the sizes of their terms over its coefficient, charges
+ * and fluxes as large as errors of them count by.  Between a node of many amperes and one of few, errors of
+ * lambda_j are as small as these. */
+double ns_sparse_guard_least_terms(const ns_sparse *m, int j, const double *v, double g);
 
 /* The rounding of guards of pair j at v = (x, lambda), solved for with w and g: of the sum y, or of lambda as
  * the difference that is left in the rows it enters, and of the largest lambda and y so far.  Of the control
