@@ -76,10 +76,34 @@ int ns_exact_event_samples_above(const ns_mode_kernel *k, const double *s, int s
 
 /* What guard g may be off by; 64 times that if it broke in this mode and the same mode was selected again:
  * only rounding decides between the two modes then, and either is right. */
-static double break_tolerance(const ns_exact *f, const ns_mode_kernel *k, int g) {
+static double roundings(const ns_exact *f, int g) {
     enum { UNMENDED = 64 };
-    const int unmended = f->unmended.mode == f->state.mode && f->unmended.guard == g;
-    return (unmended ? UNMENDED : 1) * ns_exact_guard_rounding(f, k, g);
+    return f->unmended.mode == f->state.mode && f->unmended.guard == g ? UNMENDED : 1;
+}
+
+static double break_tolerance(const ns_exact *f, const ns_mode_kernel *k, int g) {
+    return roundings(f, g) * ns_exact_guard_rounding(f, k, g);
+}
+
+/* 1 if guard g is below zero, though not by more than tol, what it may be off by on the scale at work: a
+ * longer scale knows it better, and both values agree, so that what is faster has died out or is smaller.  Of
+ * what is faster the longer scale sees the part that it carries in charge. */
+static int is_past(ns_exact *f, const ns_time_scale *at, int g, double tol) {
+    ns_exact_mode *mode = f->state.mode;
+    const ns_mode_kernel *k = at->kernel;
+    const double value = ns_exact_guard_of(k, k->value, g, f->X),
+                 rate = ns_exact_guard_of(k, k->rate, g, f->X);
+    if (!(value >= -tol && value < 0) || !(rate * k->g <= 8 * tol))
+        return 0;
+    for (int i = (int)(at - mode->scale) + 1; i < mode->scales && ns_exact_mode_reach(f, mode, i); i++) {
+        const ns_mode_kernel *longer = mode->scale[i].kernel;
+        const double known = ns_exact_guard_of(longer, longer->value, g, f->X);
+        if (!(fabs(known - value) <= fabs(known) / 2))
+            return 0;
+        if (fabs(known) > break_tolerance(f, longer, g) + tol * k->h / longer->h)
+            return known < 0;
+    }
+    return 0;
 }
 
 /* 1 if guard g was looked at ahead of here already, and stays near zero. */
@@ -105,9 +129,9 @@ void ns_exact_event_quiet(ns_exact *f) {
 
 /* The first interval in which the guard of these samples may break, and the part of it in which it does not.
  */
-static int may_break_in(const ns_exact *f, const ns_mode_kernel *k, int g, const double *s, int samples,
+static int may_break_in(ns_exact *f, const ns_time_scale *at, int g, const double *s, int samples,
                         double *clear) {
-    const int ld = k->rows;
+    const int ld = at->kernel->rows;
     double curvature, tol = -1;
     if (is_clear(s, ld, samples, &curvature))
         return -1;
@@ -116,7 +140,11 @@ static int may_break_in(const ns_exact *f, const ns_mode_kernel *k, int g, const
         if (low > curvature / 4)
             continue;
         if (tol < 0)
-            tol = break_tolerance(f, k, g);
+            tol = break_tolerance(f, at->kernel, g);
+        if (i == 0 && a < 0 && is_past(f, at, g, tol)) {
+            *clear = 0;
+            return 0;
+        }
         const int straight = fabs(b - a) > curvature || curvature / 4 <= tol;
         const int sinks = b < 0 && (b - a) * (1 << NS_SOON_EXPONENT) < -4 * tol && !is_quiet(f, g);
         if (!(straight && low >= -tol) || sinks) {
@@ -139,7 +167,7 @@ int ns_exact_event_in_step(ns_exact *f, const ns_time_scale *scale, const ns_ste
             g += NS_WIDE - 1;
             continue;
         }
-        const int at = may_break_in(f, k, g, f->work.guards + g, map->samples, &part);
+        const int at = may_break_in(f, scale, g, f->work.guards + g, map->samples, &part);
         if (at < 0 || (first >= 0 && at > first))
             continue;
         *clear = at == first ? ns_lower(*clear, part) : part;
@@ -265,7 +293,8 @@ static int keeps_falling(ns_exact *f, const ns_mode_kernel *k, int g, double rat
 }
 
 /* When guard g breaks, INFINITY: it does not. */
-static double find_break(ns_exact *f, const ns_mode_kernel *k, int g, double tau, double (*c)[NS_ORDER]) {
+static double find_break(ns_exact *f, const ns_time_scale *at, int g, double tau, double (*c)[NS_ORDER]) {
+    const ns_mode_kernel *k = at->kernel;
     const ns_guard_series w = series_of(f, k, g);
     double s[NS_INTERVALS + 1], curvature = 0, least = INFINITY;
     for (int i = 0; i <= NS_INTERVALS; i++) {
@@ -283,6 +312,8 @@ static double find_break(ns_exact *f, const ns_mode_kernel *k, int g, double tau
         if (!(rate > 0 && f->state.now.t == f->state.last_event_t &&
               s[0] >= -8 * tol - rate * ns_exact_time_error_of(f, k, g)))
             return 0;
+    } else if (s[0] < 0 && is_past(f, at, g, tol)) {
+        return 0;
     } else if (s[NS_INTERVALS] < 0 && s[NS_INTERVALS] >= -tol) {
         double rate;
         (void)guard_at(&w, tau, &rate);
@@ -332,7 +363,7 @@ int ns_exact_event_within(ns_exact *f, const ns_time_scale *scale, double tau, d
     if (tau != k->h) /* shorter than the whole step */
         ns_exact_event_intervals(tau / k->g, at = c);
     for (int g = 0; g < k->rows; g++) {
-        const double t = above[g] > 0 ? INFINITY : find_break(f, k, g, tau, at);
+        const double t = above[g] > 0 ? INFINITY : find_break(f, scale, g, tau, at);
         if (t < *when)
             first = g;
         *when = ns_lower(*when, t);
