@@ -35,6 +35,8 @@ static size_t place_arrays(ns_exact *f, double *start) {
     f->way.X_prefix = next_array(&at, NS_PREFIXES * q);
     f->way.X = next_array(&at, q);
     f->way.powers = next_array(&at, NS_ORDER * r);
+    for (int k = 0; k < 2; k++)
+        f->way.x_lambda[k] = next_array(&at, n + m);
     f->max_abs = next_array(&at, r);
     f->work.x_lambda = next_array(&at, n + m);
     f->work.z = next_array(&at, nz);

@@ -150,6 +150,9 @@ typedef struct ns_exact_prefix {
     double last;  /* how many of these were the last step: no more may follow */
 } ns_exact_prefix;
 
+/* Of a way: whether all of x and lambda are straight lines. */
+typedef enum ns_way_line { NS_LINE_UNASKED, NS_LINE_NONE, NS_LINE_KNOWN } ns_way_line;
+
 /* From the accepted point to the end of a trial in one mode, between corners of all inputs.  Points on it are
  * series (E2) from an anchor: whole steps of the kernel after where its time scale comes into force. */
 typedef struct ns_exact_way {
@@ -166,6 +169,8 @@ typedef struct ns_exact_way {
     double *X_prefix;        /* NS_PREFIXES rows of q */
     double *powers;          /* 8 r: D^i w at the anchor */
     double *X;               /* q, and inputs that only outputs follow: what was looked at last */
+    ns_way_line line;
+    double *x_lambda[2]; /* n+m: x, lambda at both ends, if they are */
 } ns_exact_way;
 
 struct ns_exact {

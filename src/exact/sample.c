@@ -33,6 +33,7 @@ void ns_exact_way_begin(ns_exact *f) {
 void ns_exact_way_end(ns_exact *f) {
     f->way.known = f->state.now.t > f->way.from.now.t;
     f->way.end_t = f->state.now.t;
+    f->way.line = NS_LINE_UNASKED;
 }
 
 /* *X moves on by tau; no step of the run is counted. */
@@ -166,10 +167,10 @@ static void put_output_only(const ns_exact *f, double t, double *X) {
             ns_signal_value(&f->system->z[f->inputs->output_only_input[i]], t, side);
 }
 
-int ns_exact_sample(ns_exact *f, double t, const double **x_lambda) {
+/* f->work.x_lambda at t, by the series. */
+static int sample_series(ns_exact *f, double t) {
     ns_exact_way *w = &f->way;
-    int status = w->known ? find_scale(f, t) : NS_E_STATE;
-    *x_lambda = f->work.x_lambda;
+    int status = find_scale(f, t);
     if (status != NS_OK)
         return status;
     const double h = w->scale->kernel->h, rest = after_base(w, t), count = floor(rest / h);
@@ -187,6 +188,56 @@ static int is_straight(const ns_exact *f) {
     for (int i = 0; i < f->inputs->nv; i++)
         straight &= f->inputs->state[i].kind < NS_STATE_DECAY;
     return straight;
+}
+
+/* So are inputs that only outputs follow: the way ends at their corners. */
+static int are_outputs_straight(const ns_exact *f) {
+    int straight = is_straight(f);
+    for (int i = 0; i < f->inputs->output_only_inputs; i++) {
+        const ns_signal_kind kind = f->system->z[f->inputs->output_only_input[i]].kind;
+        straight &= kind == NS_DC || kind == NS_PULSE || kind == NS_PWL;
+    }
+    return straight;
+}
+
+/* x, lambda at both ends of the way, if it is a straight line in all of them. */
+static int find_line(ns_exact *f) {
+    ns_exact_way *w = &f->way;
+    const size_t bytes = sizeof(double) * ((size_t)f->s->s->n + (size_t)f->s->s->m);
+    const double end[] = {w->from.now.t, w->end_t};
+    w->line = are_outputs_straight(f) ? NS_LINE_KNOWN : NS_LINE_NONE;
+    for (int k = 0; k < 2 && w->line == NS_LINE_KNOWN; k++) {
+        const int status = sample_series(f, end[k]);
+        if (status != NS_OK)
+            return status;
+        memcpy(w->x_lambda[k], f->work.x_lambda, bytes);
+    }
+    return NS_OK;
+}
+
+/* f->work.x_lambda at t, on the line. */
+static void sample_line(ns_exact *f, double t) {
+    const ns_exact_way *w = &f->way;
+    const double *a = w->x_lambda[0], *b = w->x_lambda[1], from = w->from.now.t;
+    const double part = (t - from) / (w->end_t - from);
+    if (t >= w->end_t)
+        a = b;
+    for (int i = 0; i < f->s->s->n + f->s->s->m; i++)
+        f->work.x_lambda[i] = a[i] + part * (b[i] - a[i]);
+}
+
+int ns_exact_sample(ns_exact *f, double t, const double **x_lambda) {
+    ns_exact_way *w = &f->way;
+    int status = w->known ? NS_OK : NS_E_STATE;
+    *x_lambda = f->work.x_lambda;
+    if (status == NS_OK && w->line == NS_LINE_UNASKED)
+        status = find_line(f);
+    if (status != NS_OK)
+        return status;
+    if (w->line != NS_LINE_KNOWN)
+        return sample_series(f, t);
+    sample_line(f, t);
+    return NS_OK;
 }
 
 double ns_exact_shortest(ns_exact *f, double t, double *until) {

@@ -56,6 +56,36 @@ static double fast_of_two(double t) {
     return since_step(t, 1e-9);
 }
 
+/* Half of a source that rises from 10 to 15 us to 4 V, falls from 1 ms to 1.1 ms and rises again at 2.01 ms.
+ */
+static double half_of_edges(double t) {
+    const double after = fmod(t, 2e-3) - 10e-6;
+    return after < 0 ? 0 : 2 * fmin(after / 5e-6, fmax(0, fmin(1, (1.09e-3 - after) / 0.1e-3)));
+}
+
+static scene divided_edges(void) {
+    scene z = {0};
+    ok(ns_circuit_create(&z.c));
+    put(&z, "v", 2, 0, pulse(0, 4, 10e-6, 5e-6, 0.1e-3, 0.985e-3, 2e-3));
+    ok(ns_circuit_resistor(z.c, "r1", 2, 1, 1e3, NULL));
+    ok(ns_circuit_resistor(z.c, "r2", 1, 0, 1e3, NULL));
+    return z;
+}
+
+/* Half of a sine: what follows it holds no charge, and is no straight line. */
+static double half_of_sine(double t) {
+    return 5 * sin(2 * pi * 500 * t);
+}
+
+static scene divided_sine(void) {
+    scene z = {0};
+    ok(ns_circuit_create(&z.c));
+    put(&z, "v", 2, 0, sine(10, 500));
+    ok(ns_circuit_resistor(z.c, "r1", 2, 1, 1e3, NULL));
+    ok(ns_circuit_resistor(z.c, "r2", 1, 0, 1e3, NULL));
+    return z;
+}
+
 typedef struct form {
     const char *name;
     scene (*build)(void);
@@ -70,6 +100,12 @@ static const form forms[] = {
     {"sine-driven rc", sine_rc, driven, 1, 5e-3},
     {"slow of two rates", two_rates, slow_of_two, 1, 2e-3},
     {"fast of two rates", two_rates, fast_of_two, 2, 2e-3},
+};
+
+/* Without charges. */
+static const form resting[] = {
+    {"divided edges", divided_edges, half_of_edges, 1, 3e-3},
+    {"divided sine", divided_sine, half_of_sine, 1, 5e-3},
 };
 
 static void equals_closed_form(const form *f, ns_method method, double tolerance, double as_trial) {
@@ -89,6 +125,8 @@ static void closed_forms_exact(void **state) {
     (void)state;
     for (size_t k = 0; k < sizeof forms / sizeof *forms; k++)
         equals_closed_form(&forms[k], NS_EXACT, 1e-10, 1e-12);
+    for (size_t k = 0; k < sizeof resting / sizeof *resting; k++)
+        equals_closed_form(&resting[k], NS_EXACT, 1e-12, 1e-12);
 }
 
 static void closed_forms_sparse(void **state) {
