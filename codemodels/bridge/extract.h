@@ -21,6 +21,14 @@ typedef struct ns_extract_climit {
     const MIFinstance *inst;
 } ns_extract_climit;
 
+/* What of a device a current is. */
+typedef enum ns_own_path {
+    OWN_FORWARDS,  /* through a D, or the body diode of an M */
+    OWN_BACKWARDS, /* that in breakdown */
+    OWN_CHANNEL,   /* of an M that follows its gate, while it does */
+    OWN_PATHS
+} ns_own_path;
+
 /* The current, A, at which the curve of each D is read where option id is not given. */
 typedef struct ns_own_current {
     const GENinstance *inst; /* a D, or an M with its body diode */
@@ -29,7 +37,7 @@ typedef struct ns_own_current {
     double rush;   /* in all of it; */
     double blocks; /* V: across it while it is off */
     int faint;     /* what it carried in the pass was a leak, and is not id */
-    int breaks;    /* it is that in breakdown, backwards */
+    ns_own_path path;
 } ns_own_current;
 
 /* An S or W of vh = 0 whose control is at its threshold from the start on: ngspice has it closed, or not. */
@@ -103,8 +111,12 @@ typedef struct ns_own_taken {
     int body;          /* the element of its body diode */
     int bulk;          /* of its diode between bulk and source; -1: there is none */
     int back;          /* the element that carries what a follower lets pass backwards; -1: it is none */
-    double drive;      /* V, that ron belongs to */
-    double ron;        /* ohm */
+    struct {           /* what the gate of a follower needs beyond vth, by the tangent of its square law: */
+        double at;     /* A: at this current; 0: that is not known, and left out */
+        double volts, ohm;
+    } overdrive;
+    double drive; /* V, that ron belongs to */
+    double ron;   /* ohm */
 } ns_own_taken;
 
 typedef struct ns_extract {

@@ -76,7 +76,7 @@ typedef struct own_mean {
 typedef struct own_pass {
     ns_analysis *a; /* its point is that of the pass */
     ns_march *march;
-    own_mean *mean; /* of the taken, in their order: two each, forwards and in breakdown */
+    own_mean *mean; /* of the taken, in their order: OWN_PATHS each */
     double start;   /* s: tstart, until it was passed */
     double mark;    /* s: the next one */
     int brief;
@@ -102,22 +102,48 @@ static int read_diode(const own_pass *p, const ns_own_taken *o, const ns_mode *m
     return 1;
 }
 
+static double voltage_at(const ns_analysis *a, int eq) {
+    return eq > 0 && a->unknown[eq] >= 0 ? a->x[a->unknown[eq]] : 0.0;
+}
+
+static int is_follower(const ns_own_taken *o) {
+    return o->kind == OWN_MOSFET && o->follows && o->follows != FOLLOWS_DRAIN;
+}
+
+int ns_bridge_own_is_following(const ns_analysis *a, const ns_own_taken *o) {
+    const ns_own_mosfet *m = &o->mosfet;
+    return is_follower(o) && m->sign * (voltage_at(a, m->drain) - voltage_at(a, m->gate)) > -m->vth;
+}
+
+static void add_current(own_mean *mean, int is_on, double i, double from, double to) {
+    ns_bridge_pulse_mean_add(&mean->all, is_on, i, from, to);
+    ns_bridge_pulse_mean_add(&mean->late, is_on, i, from, to);
+}
+
+static void add_channel(const own_pass *p, const ns_own_taken *o, const ns_mode *mode, own_mean *mean,
+                        double from, double to) {
+    const ns_analysis *a = p->a;
+    double i;
+    if (is_follower(o) &&
+        ns_circuit_device(a->ex.circuit, o->id, a->x, a->lambda, mode, &i, NULL, NULL) == NS_OK)
+        add_current(mean, i > NS_LEAK && ns_bridge_own_is_following(a, o), i, from, to);
+}
+
 /* The march was sampled between two times, s. */
 static void add_part(const own_pass *p, double from, double to) {
     const ns_analysis *a = p->a;
     const ns_mode *mode = ns_march_mode(p->march);
     for (int k = 0; k < a->ex.nowns; k++) {
+        own_mean *mean = &p->mean[OWN_PATHS * k];
         double i, v;
         int on;
+        add_channel(p, &a->ex.own[k], mode, &mean[OWN_CHANNEL], from, to);
         if (!read_diode(p, &a->ex.own[k], mode, &i, &v, &on))
             continue;
-        for (int breaks = 0; breaks < 2; breaks++) {
-            own_mean *mean = &p->mean[2 * k + breaks];
-            const int is_on = breaks ? on < 0 : on > 0;
-            ns_bridge_pulse_mean_add(&mean->all, is_on, breaks ? -i : i, from, to);
-            ns_bridge_pulse_mean_add(&mean->late, is_on, breaks ? -i : i, from, to);
-            mean->blocks = fmax(mean->blocks, on ? 0.0 : fabs(v));
-        }
+        add_current(&mean[OWN_FORWARDS], on > 0, i, from, to);
+        add_current(&mean[OWN_BACKWARDS], on < 0, -i, from, to);
+        for (int path = OWN_FORWARDS; path <= OWN_BACKWARDS; path++)
+            mean[path].blocks = fmax(mean[path].blocks, on ? 0.0 : fabs(v));
     }
 }
 
@@ -135,7 +161,7 @@ static void pass_marks(own_pass *p, double t) {
     const ns_pulse_mean none = {0};
     if (t < p->mark && !at_start)
         return;
-    for (int k = 0; k < 2 * p->a->ex.nowns; k++) {
+    for (int k = 0; k < OWN_PATHS * p->a->ex.nowns; k++) {
         own_mean *m = &p->mean[k];
         m->before = at_start ? none : m->late;
         begin_anew(&m->late, t, at_start);
@@ -224,18 +250,18 @@ static ns_pulse_mean mean_of(const own_pass *p, int k, double t) {
 /* One that carried no more than a leak may do so because it did not begin yet, or because another one leaks;
  * in breakdown that says nothing. */
 static void note_current(const own_pass *p, int k, ns_own_found *currents) {
-    const int breaks = k % 2;
+    const ns_own_path path = (ns_own_path)(k % OWN_PATHS);
     const ns_pulse_mean mean = mean_of(p, k, currents->seconds);
     const double amperes = ns_bridge_pulse_mean_read(&mean);
-    const int faint = !breaks && amperes < (1.0 - 1e-6) * NS_LEAK;
-    if (amperes > 0.0 && !(breaks && amperes < NS_LEAK) && !(p->brief && faint))
-        currents->of[currents->count++] = (ns_own_current){.inst = p->a->ex.own[k / 2].inst,
+    const int faint = path == OWN_FORWARDS && amperes < (1.0 - 1e-6) * NS_LEAK;
+    if (amperes > 0.0 && !(path != OWN_FORWARDS && amperes < NS_LEAK) && !(p->brief && faint))
+        currents->of[currents->count++] = (ns_own_current){.inst = p->a->ex.own[k / OWN_PATHS].inst,
                                                            .id = faint ? NS_OWN_CURRENT : amperes,
                                                            .most = mean.most,
                                                            .rush = p->mean[k].all.most,
                                                            .blocks = p->mean[k].blocks,
                                                            .faint = faint,
-                                                           .breaks = breaks};
+                                                           .path = path};
 }
 
 /* The smallest current of those that are in no group; NULL: there is none. */
@@ -258,7 +284,7 @@ static void round_in_groups(ns_own_found *currents, unsigned char *grouped) {
         for (int k = 0; k < currents->count; k++) {
             const ns_own_current *c = &currents->of[k];
             if (grouped[k] || c->inst->GENmodPtr != first.inst->GENmodPtr || c->faint != first.faint ||
-                c->breaks != first.breaks || c->id > nearly * first.id)
+                c->path != first.path || c->id > nearly * first.id)
                 continue;
             grouped[k] = 2;
             mean.coulombs += 1.0;
@@ -282,7 +308,7 @@ static void round_in_groups(ns_own_found *currents, unsigned char *grouped) {
 
 int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double start, double stop, int brief,
                                 ns_own_found *currents) {
-    const size_t count = 2 * (size_t)a->ex.nowns + 1;
+    const size_t count = OWN_PATHS * (size_t)a->ex.nowns + 1;
     own_pass p = {a, march, calloc(count, sizeof *p.mean), start, ldexp(stop, -FIRST_MARK), brief};
     unsigned char *grouped = calloc(count, 1);
     free(currents->of);
@@ -292,7 +318,7 @@ int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double start, d
     if (status == NS_OK) {
         pass(&p, stop, &currents->seconds);
         currents->whole = currents->seconds >= stop;
-        for (int k = 0; k < 2 * a->ex.nowns; k++)
+        for (int k = 0; k < OWN_PATHS * a->ex.nowns; k++)
             note_current(&p, k, currents);
         round_in_groups(currents, grouped);
     }
@@ -335,7 +361,8 @@ double ns_bridge_own_parallel_current(const ns_own_found *currents, const GENins
     double most = 0.0;
     for (int k = 0; currents && k < currents->count; k++) {
         const ns_own_current *c = &currents->of[k];
-        if (c->inst != inst && !c->breaks && !c->faint && c->id > most && are_parallel(inst, c->inst))
+        if (c->inst != inst && c->path == OWN_FORWARDS && !c->faint && c->id > most &&
+            are_parallel(inst, c->inst))
             most = c->id;
     }
     return most;

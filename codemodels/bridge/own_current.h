@@ -14,6 +14,9 @@ void ns_bridge_own_add_beyond(const ns_analysis *a, const ns_own_taken *o, const
 /* And its slope above the voltage where the second one begins, ohm. */
 double ns_bridge_own_slope_beyond(const ns_own_taken *o);
 
+/* 1 if it is a follower, and its source is where its gate has it, not at its drain. */
+int ns_bridge_own_is_following(const ns_analysis *a, const ns_own_taken *o);
+
 /* 1 if the analysis, which is of .tran, has a D whose current is to be found. */
 int ns_bridge_own_wants_currents(const ns_analysis *a);
 

@@ -41,8 +41,9 @@ static int is_follower(const ns_own_taken *o) {
 }
 
 /* A switch: the current (A) beyond that of saturation at its present v(gate,source), of its current; not
- * while its drain holds its gate at the threshold.  A follower: the voltage (V) beyond vto that its own gate
- * needs while it is not closed, of that of its source while it carries a current. */
+ * while its drain holds its gate at the threshold.  A follower: by how much the voltage (V) beyond vto that
+ * its own gate needs while it is not closed is another one than was taken, of that of its source while it
+ * carries a current. */
 static void judge_channel(const ns_analysis *a, const ns_own_taken *o, double i, double *off, double *of) {
     const ns_own_mosfet *m = &o->mosfet;
     const double above = above_threshold(a, m);
@@ -51,8 +52,9 @@ static void judge_channel(const ns_analysis *a, const ns_own_taken *o, double i,
         *off = held ? 0.0 : beyond_saturation(m, i, above);
         *of = fabs(i);
     } else {
-        const int holds = m->sign * (voltage_at(a, m->drain) - voltage_at(a, m->gate)) > -m->vth;
-        *off = holds ? sqrt(2.0 * fmax(i, 0.0) / ns_bridge_own_gain(m, above)) : 0.0;
+        const double amperes = fmax(i, 0.0), needs = sqrt(2.0 * amperes / ns_bridge_own_gain(m, above));
+        const double taken = o->overdrive.volts + o->overdrive.ohm * amperes;
+        *off = i > NS_LEAK && ns_bridge_own_is_following(a, o) ? fabs(needs - taken) : 0.0;
         *of = i > NS_LEAK ? fabs(voltage_at(a, m->source)) : 0.0; /* that of a p channel rests at a supply */
     }
 }
@@ -186,7 +188,12 @@ static double part_off(const ns_own_taken *o) {
 }
 
 static void note_channel(const ns_own_taken *o) {
-    if (is_follower(o))
+    if (is_follower(o) && o->overdrive.at > 0.0)
+        ns_bridge_report_note(
+            "%s, a source follower, had the voltage of its source wrong by some %.2g of it: "
+            "what its own gate needs beyond vto is that at %.2g A",
+            o->inst->GENname, part_off(o), o->overdrive.at);
+    else if (is_follower(o))
         ns_bridge_report_note(
             "%s, a source follower, had its source too %s by some %.2g of that voltage: what its own gate "
             "needs beyond vto is left out; drive it against its source, or add that to vto",

@@ -12,21 +12,23 @@ static int add_junction_capacitor(ns_extract_walk *w, const GENinstance *inst, c
     return ns_circuit_capacitor(w->ex->circuit, name, d->anode, d->cathode, d->farads, NAN, NULL);
 }
 
-/* NULL: it was not found. */
-static const ns_own_current *find_current(const ns_extract_walk *w, const GENinstance *inst, int breaks) {
+const ns_own_current *ns_bridge_own_found(const ns_extract_walk *w, const GENinstance *inst,
+                                          ns_own_path path) {
     const ns_own_found *c = w->found;
     for (int k = 0; c && k < c->count; k++)
-        if (c->of[k].inst == inst && c->of[k].breaks == breaks)
+        if (c->of[k].inst == inst && c->of[k].path == path)
             return &c->of[k];
     return NULL;
 }
 
 static const ns_own_current *found_current(const ns_extract_walk *w, const GENinstance *inst) {
-    return find_current(w, inst, 0);
+    return ns_bridge_own_found(w, inst, OWN_FORWARDS);
 }
 
 static const ns_own_current *found_breakdown(const ns_extract_walk *w, const GENinstance *inst) {
-    return isnan(w->ex->options.id) && !w->ex->options.zero_diodes ? find_current(w, inst, 1) : NULL;
+    return isnan(w->ex->options.id) && !w->ex->options.zero_diodes
+               ? ns_bridge_own_found(w, inst, OWN_BACKWARDS)
+               : NULL;
 }
 
 /* The current at which its curve is read. */

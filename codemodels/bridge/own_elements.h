@@ -23,6 +23,10 @@ int ns_bridge_own_refuse_value(ns_extract_walk *w, const GENinstance *inst, cons
 /* The current (A) at which the curve of a D, or of the body diode of an M, is read; the line for its curve,
  * whose voltage there is vf. */
 double ns_bridge_own_current_of(const ns_extract_walk *w, const GENinstance *inst);
+
+/* What an earlier pass found of it; NULL: nothing. */
+const ns_own_current *ns_bridge_own_found(const ns_extract_walk *w, const GENinstance *inst,
+                                          ns_own_path path);
 ns_diode ns_bridge_own_ideal_of(const ns_extract_walk *w, const GENinstance *inst, const ns_own_diode *d,
                                 double vf);
 
