@@ -1,4 +1,5 @@
-/* bridge/own_current.c - the first pass: the current that each D of ngspice carries.
+/* bridge/own_current.c - the first pass: the current that each D of ngspice carries, and each M that follows
+ * its gate.
  *
  * The voltage of its curve goes with the logarithm of the current, so that is a mean of the logarithm
  * (ns_pulse_mean).  In breakdown it is the same.  The pass takes every D for its curve at 1 mA, and its
