@@ -347,6 +347,11 @@ static inline double ns_exact_guard_of(const ns_mode_kernel *k, const double *ro
 double ns_exact_guard_rounding(const ns_exact *f, const ns_mode_kernel *k, int g);
 double ns_exact_guard_rounding_at(const ns_exact *f, const ns_mode_kernel *k, int g, const double *X,
                                   double rate);
+/* The rounding of the time, s: a guard may be off by what it changes by in that, where its rate lasts as
+ * long. */
+double ns_exact_rounding_of_time(const ns_exact *f);
+double ns_exact_guard_time_rounding(const ns_exact *f, const ns_mode_kernel *k, int g, const double *X,
+                                    double rate);
 /* All guards at X: value (2 rows), behind them their rates; tol (rows): what they may be off by, with the
  * error of the event's time. */
 void ns_exact_guard_values(ns_exact *f, const ns_mode_kernel *k, const double *X, double *value, double *tol);

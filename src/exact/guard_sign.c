@@ -47,8 +47,9 @@ ns_guard_sign ns_exact_guard_sign(ns_exact *f, ns_exact_mode *mode, int g, const
     if (k->always_zero[g])
         return NS_SIGN_HOLDS;
     ns_guard of = {ns_exact_guard_of(k, k->value, g, X), ns_exact_guard_of(k, k->rate, g, X), 0, 0};
-    of.rounding = ns_exact_guard_rounding_at(f, k, g, X, of.rate);
-    const double error = ns_exact_time_error_of(f, k, g);
+    const double of_time = ns_exact_guard_time_rounding(f, k, g, X, of.rate),
+                 error = fmax(ns_exact_time_error_of(f, k, g) - ns_exact_rounding_of_time(f), 0) + of_time;
+    of.rounding = ns_exact_guard_rounding_at(f, k, g, X, 0) + of_time * fabs(of.rate);
     ns_guard_sign sign = ns_events_value_sign(&of, error);
     if (sign == NS_UNDECIDED) {
         of.second_rate = ns_exact_guard_of(k, k->second_rate, g, X);

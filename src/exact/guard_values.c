@@ -9,8 +9,10 @@
 /* Rounding of a guard, in units of the size of its terms. */
 static const double eps_of_terms = 64 * DBL_EPSILON;
 
-/* And of t: what a guard changes by in that time cannot be told from rounding. */
-static const double eps_of_time = 4 * DBL_EPSILON;
+/* What a guard changes by in that time cannot be told from rounding. */
+double ns_exact_rounding_of_time(const ns_exact *f) {
+    return 4 * DBL_EPSILON * fabs(f->state.now.t);
+}
 
 double ns_exact_guard_rounding_at(const ns_exact *f, const ns_mode_kernel *k, int g, const double *X,
                                   double rate) {
@@ -20,7 +22,15 @@ double ns_exact_guard_rounding_at(const ns_exact *f, const ns_mode_kernel *k, in
         size += noise[j * k->rows] * f->max_abs[j];
     for (int j = k->r; j < k->q; j++)
         size += noise[j * k->rows] * fabs(X[j]);
-    return eps_of_terms * size + eps_of_time * fabs(f->state.now.t * rate);
+    return eps_of_terms * size + ns_exact_rounding_of_time(f) * fabs(rate);
+}
+
+double ns_exact_guard_time_rounding(const ns_exact *f, const ns_mode_kernel *k, int g, const double *X,
+                                    double rate) {
+    static const double noise = 64, part = 1.0 / 16;
+    const double of_time = ns_exact_rounding_of_time(f), second = ns_exact_guard_of(k, k->second_rate, g, X);
+    const int is_known = k->g * k->g * fabs(second) > noise * ns_exact_guard_rounding_at(f, k, g, X, 0);
+    return is_known ? ns_lower(of_time, part * fabs(rate / second)) : of_time;
 }
 
 /* So few terms are summed faster here than by a call. */
@@ -43,7 +53,7 @@ void ns_exact_guard_values(ns_exact *f, const ns_mode_kernel *k, const double *X
     ns_linalg_matvec(2 * k->rows, k->q, k->guard_values, X, value);
     ns_linalg_matvec(k->rows, k->q, k->rounding, size, tol);
     for (int g = 0; g < k->rows; g++)
-        tol[g] = eps_of_terms * tol[g] + eps_of_time * fabs(f->state.now.t * rate[g]) +
+        tol[g] = eps_of_terms * tol[g] + ns_exact_rounding_of_time(f) * fabs(rate[g]) +
                  fabs(rate[g]) * f->state.event_time_error;
 }
 

@@ -176,7 +176,9 @@ static int blocks(const ns_exact *f, const ns_mode_kernel *k, int g) {
 /* What the impulse of guard g may be off by.  The rate is that after the jump: before it, in a kernel of
  * 1e-17 s, the rounding of the time alone would allow any impulse. */
 static double impulse_rounding(const ns_exact *f, const ns_mode_kernel *k, int g) {
-    return ns_exact_guard_rounding_at(f, k, g, f->X_next, ns_exact_guard_of(k, k->rate, g, f->X_next));
+    const double rate = ns_exact_guard_of(k, k->rate, g, f->X_next);
+    return ns_exact_guard_rounding_at(f, k, g, f->X_next, 0) +
+           ns_exact_guard_time_rounding(f, k, g, f->X_next, rate) * fabs(rate);
 }
 
 static double largest_impulse(const ns_exact *f, const ns_mode_kernel *k) {

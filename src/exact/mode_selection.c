@@ -229,13 +229,8 @@ int ns_exact_select_start(ns_exact *f) {
     return status;
 }
 
-/* The rounding of t, s. */
-static double rounding_of_time(const ns_exact *f) {
-    return 4 * DBL_EPSILON * fabs(f->state.now.t);
-}
-
 double ns_exact_event_time_error(ns_exact *f) {
-    const double least = rounding_of_time(f);
+    const double least = ns_exact_rounding_of_time(f);
     if (f->event_guard < 0)
         return least;
     double until;
@@ -249,11 +244,12 @@ double ns_exact_event_time_error(ns_exact *f) {
 
 void ns_exact_event_known_to(ns_exact *f, double error) {
     f->state.event_time_error = error;
-    f->state.command_time_error = fmin(error, fmax(rounding_of_time(f), ldexp(f->h, -NS_EVENT_EXPONENT)));
+    f->state.command_time_error =
+        fmin(error, fmax(ns_exact_rounding_of_time(f), ldexp(f->h, -NS_EVENT_EXPONENT)));
 }
 
 int ns_exact_select_known(ns_exact *f, ns_exact_mode *to, int guard) {
-    double until, error = rounding_of_time(f);
+    double until, error = ns_exact_rounding_of_time(f);
     f->event_guard = guard;
     if (guard >= 0)
         error += ns_exact_mode_time_scale(f, &until)->kernel->g; /* it is less */
