@@ -218,6 +218,7 @@ struct ns_exact {
         const ns_exact_mode *mode; /* that mode: there the guard's rounding counts 64 times; NULL: none */
     } unmended;
     int event_guard;         /* guard whose break is this event; NS_GUARD_NONE */
+    int event_pair;          /* its pair, until another mode is taken; -1: none */
     uint64_t undecided;      /* guards of the mode asked last whose sign is not known, */
     uint64_t overruled;      /* and those that seem to break soon, though other evidence holds it right */
     ns_mode *wanted;         /* m: the mode to be tried */

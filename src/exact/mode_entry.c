@@ -166,11 +166,24 @@ static double largest_drop(const ns_exact *f, const ns_mode_kernel *k) {
     return most;
 }
 
-/* 1 if guard g is that of a pair that blocks, and holds in the whole step, with what does not jump, and its
- * impulse is no more than such a drop: so it is none of y, which would be more than anything else. */
+/* 1 if guard g is that of a pair that blocks, and its impulse is no more than such a drop: so it is none of
+ * y, which would be more than anything else. */
 static int blocks(const ns_exact *f, const ns_mode_kernel *k, int g) {
-    return k->row[g].to == NS_INSIDE && f->work.impulse[g] >= -drops * largest_drop(f, k) &&
-           guard_after_step(k, g, k->q, f->X) >= 0;
+    return k->row[g].to == NS_INSIDE && f->work.impulse[g] >= -drops * largest_drop(f, k);
+}
+
+/* 1 if guard g is that of the pair whose guard broke just now, and its impulse is no more than the guard adds
+ * in the time that counts as an instant: the pair was at its corner, from where a leak takes up its current,
+ * or a resistance its drop. */
+static int leaves_corner(const ns_exact *f, const ns_mode_kernel *k, int g) {
+    const double instant = ldexp(f->h, -NS_EVENT_EXPONENT);
+    return f->event_pair == k->row[g].pair &&
+           -f->work.impulse[g] * k->g <= ns_exact_guard_of(k, k->value, g, f->X_next) * instant;
+}
+
+/* 1 if guard g holds in the whole step, with what does not jump, and so its impulse is none. */
+static int outweighs(const ns_exact *f, const ns_mode_kernel *k, int g) {
+    return guard_after_step(k, g, k->q, f->X) >= 0 && (leaves_corner(f, k, g) || blocks(f, k, g));
 }
 
 /* What the impulse of guard g may be off by.  The rate is that after the jump: before it, in a kernel of
@@ -200,7 +213,7 @@ int ns_exact_enter_fits(ns_exact *f, const ns_mode_kernel *k) {
     const double most = largest_impulse(f, k);
     for (int g = 0; g < k->pair_rows; g++)
         if (f->work.impulse[g] < -impulse_tol * most && f->work.impulse[g] < -least_impulse(f, k, g, most) &&
-            !blocks(f, k, g))
+            !outweighs(f, k, g))
             return 0;
     return 1;
 }

@@ -2,7 +2,7 @@
  *
  * A mode is right from here on if (J4) holds: no impulse that its pairs could not carry, and guards that are
  * positive, or zero and about to rise.  Tried are modes that followed before, then the present one with what
- * broke flipped, then the answer of (P1) over a short step, then the mode of the impulse problem, then again
+ * broke flipped, the same with all that breaks in one instant, then the answer of (P1) over a short step, then the mode of the impulse problem, then again
  * the present one with what broke flipped, unless another guard is clearly below zero then.
  */
 #include "mode_selection.h"
@@ -34,6 +34,7 @@ static void commit_mode(ns_exact *f, ns_exact_mode *k) {
         ns_exact_enter_count(f);
     ns_exact_take_next(f);
     f->state.mode = k;
+    f->event_pair = -1;
     k->last_used = ++f->cache.clock;
     ns_exact_note_size(f);
 }
@@ -193,6 +194,20 @@ static void forget_jumps(const ns_exact *f) {
         ns_instant_clear(f->point->instant);
 }
 
+/* The same where the instant is known to no more than what counts as one: guards that cross zero within it do
+ * so together, as those of two devices do that one current takes along, in whichever order. */
+static int try_broken_together(ns_exact *f, int broken, int *goes_on) {
+    const double known_to = f->state.event_time_error;
+    f->state.event_time_error = fmax(known_to, ldexp(f->h, -NS_EVENT_EXPONENT));
+    want_commands(f);
+    int status = NS_GUARD;
+    if (flip_broken(f, broken))
+        status = try_with_violated_flipped(f, NS_EVIDENCE_NONE, goes_on);
+    if (status != NS_OK)
+        f->state.event_time_error = known_to;
+    return status;
+}
+
 int ns_exact_mode_after(ns_exact *f, int by_guard, int broken, int *goes_on) {
     *goes_on = 0;
     want_commands(f);
@@ -201,6 +216,8 @@ int ns_exact_mode_after(ns_exact *f, int by_guard, int broken, int *goes_on) {
         status = try_wanted(f, NS_EVIDENCE_NONE, goes_on);
     if (status == NS_GUARD && (flip_broken(f, broken) || !by_guard))
         status = try_with_violated_flipped(f, NS_EVIDENCE_NONE, goes_on);
+    if (status == NS_GUARD && broken >= 0)
+        status = try_broken_together(f, broken, goes_on);
     f->s->counts.predicted += status == NS_OK;
     if (status != NS_GUARD)
         return status;
@@ -215,7 +232,7 @@ int ns_exact_select_start(ns_exact *f) {
     int goes_on = 0, status = NS_OK;
     f->state.mode = NULL;
     ns_exact_event_known_to(f, 0);
-    f->event_guard = -1;
+    ns_exact_event_is_of(f, -1);
     read_inputs_after(f);
     for (int round = 0; round < 4; round++) {
         status = solve_lcp_proposal(f, &goes_on);
@@ -242,6 +259,12 @@ double ns_exact_event_time_error(ns_exact *f) {
     return least + fmin(k->g, fmin(by_rate, by_second_rate));
 }
 
+void ns_exact_event_is_of(ns_exact *f, int guard) {
+    const ns_mode_kernel *k = f->state.mode ? f->state.mode->scale[0].kernel : NULL;
+    f->event_guard = guard;
+    f->event_pair = k && guard >= 0 && guard < k->pair_rows ? k->row[guard].pair : -1;
+}
+
 void ns_exact_event_known_to(ns_exact *f, double error) {
     f->state.event_time_error = error;
     f->state.command_time_error =
@@ -250,7 +273,7 @@ void ns_exact_event_known_to(ns_exact *f, double error) {
 
 int ns_exact_select_known(ns_exact *f, ns_exact_mode *to, int guard) {
     double until, error = ns_exact_rounding_of_time(f);
-    f->event_guard = guard;
+    ns_exact_event_is_of(f, guard);
     if (guard >= 0)
         error += ns_exact_mode_time_scale(f, &until)->kernel->g; /* it is less */
     ns_exact_event_known_to(f, error);

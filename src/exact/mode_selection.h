@@ -44,6 +44,8 @@ int ns_exact_flip_met(ns_exact *f);
  * that another mode must follow; 0: inputs or commands changed. */
 int ns_exact_mode_after(ns_exact *f, int by_guard, int broken, int *goes_on);
 
+/* Sets event_guard, of the present mode, and event_pair. */
+void ns_exact_event_is_of(ns_exact *f, int guard);
 /* How well the instant is known at which guard event_guard broke, s: its rounding divided by its rate. */
 double ns_exact_event_time_error(ns_exact *f);
 /* Sets event_time_error (error, s) and command_time_error, which is h 2^-NS_EVENT_EXPONENT at most: a current
