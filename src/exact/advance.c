@@ -72,6 +72,7 @@ static int take_kept_step(ns_exact *f, ns_time_scale *scale, ns_step_map *map, d
     const int interval = map->samples > 0 ? ns_exact_event_in_step(f, scale, map, &clear) : -1;
     if (interval < 0) {
         step->map = map;
+        ns_exact_long_note_kept(f, scale);
         ns_exact_step_commit(f, scale, map);
         *done = map->h;
         return NS_OK;
@@ -94,8 +95,8 @@ static int take_step(ns_exact *f, double rest, double *done, ns_exact_step *step
     const double room = until - (f->state.now.t - f->state.last_event_t);
     double most = room > 0 && room < rest ? room : rest;
     step->scale = scale;
-    const int may_be_long =
-        scale->rings && scale->kernel->rows > 0 && most >= scale->kernel->h * (1 << NS_LONG_EXPONENT);
+    const int least = scale->rings ? NS_LONG_EXPONENT : NS_DYING_EXPONENT;
+    const int may_be_long = scale->kernel->rows > 0 && most >= scale->kernel->h * (1 << least);
     int status = may_be_long ? ns_exact_long_step(f, scale, &most, done) : NS_OK;
     if (status != NS_OK || *done > 0)
         return status;

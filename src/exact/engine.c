@@ -15,6 +15,8 @@ enum { NS_MAX_EVENT_COUNT = 40 };
 enum { NS_EXTRA_STEPS = 100000, NS_DIODE_STEPS = 5000000 };
 
 void ns_exact_accept(ns_exact *f) {
+    f->past.trials++;
+    f->past.period = f->record.duration;
     f->accepted = f->past;
     f->way.known = 0;
 }
@@ -27,6 +29,7 @@ void ns_exact_drop(ns_exact *f) {
 
 static void reset_past(ns_exact *f) {
     f->accepted = (ns_exact_past){.fallback_until = -INFINITY,
+                                  .guard_t = -INFINITY,
                                   .previous_event_t = -INFINITY,
                                   .extra_steps = f->timed ? NS_EXTRA_STEPS : 0};
     ns_exact_drop(f);
@@ -256,6 +259,8 @@ static int advance_to(ns_exact *f, double t, int *guard) {
     f->broken.guard = *guard;
     f->broken.t = f->state.now.t;
     f->broken.mode = *guard >= 0 ? f->state.mode : NULL;
+    if (*guard >= 0)
+        f->past.guard_t = f->state.now.t;
     return status;
 }
 

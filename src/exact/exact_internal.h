@@ -35,6 +35,7 @@ enum {
     NS_SAMPLES = 8,              /* samples of the guards in a step, at most */
     NS_MAX_GUARDED_EXPONENT = 5, /* longest step with guards: h 2^5 */
     NS_LONG_EXPONENT = 10, /* where what is fast rings, steps above h are made for a span of h 2^10 or more */
+    NS_DYING_EXPONENT = 6, /* and where it dies, of h 2^7 or more */
     NS_MAX_EXPONENT = 40,  /* longest step without guards: h 2^40 */
     NS_PREFIXES = 12,      /* points that are kept on the way to an anchor */
     NS_CACHED_STEPS = 16,  /* steps of recurring lengths that a time scale keeps */
@@ -65,10 +66,12 @@ typedef struct ns_cached_step {
 
 /* Steps short enough for what has not died out `from` seconds after a discontinuity. */
 struct ns_time_scale {
-    double h, from;                            /* s */
-    int rings;                                 /* 1: what is fast rings; 0: it dies, and is soon over */
-    ns_mode_kernel *kernel;                    /* NULL: not needed yet */
-    double searched_steps;                     /* short steps searched for events one by one */
+    double h, from;         /* s */
+    int rings;              /* 1: what is fast rings; 0: it dies */
+    ns_mode_kernel *kernel; /* NULL: not needed yet */
+    double searched_steps;  /* short steps searched for events one by one */
+    double kept_steps;      /* steps by matrices with samples */
+    long pays_after;        /* trials: then these cost more than eigenvectors; 0: not yet */
     ns_step_map *doubled[NS_MAX_EXPONENT + 1]; /* steps of h 2^k */
     ns_cached_step cached[NS_CACHED_STEPS];    /* steps of other lengths */
     int recent;                                /* the place in `cached` asked for last */
@@ -135,6 +138,9 @@ typedef struct ns_exact_long {
 typedef struct ns_exact_past {
     ns_exact_quiet quiet;    /* nobody looks ahead again where this holds */
     ns_exact_long longer;    /* steps longer than their samples */
+    double guard_t;          /* s: when a guard broke last; -INFINITY: none did */
+    long trials;             /* that were accepted */
+    double period;           /* s: of the sources, as it is known then; 0: not known */
     double fallback_until;   /* s: the ladder steps up to there */
     double fallback_length;  /* s: of that stretch */
     int has_no_matrices;     /* 1: the mode of the point cannot be built */
@@ -372,10 +378,11 @@ int ns_exact_output_at(ns_exact *f, double t, ns_side side, double *X, double *x
 /* fallback.c: the ladder has the next event, and what follows for some time. */
 void ns_exact_fallback_start(ns_exact *f);
 
-/* long_steps.c: a step of one time scale that rings, longer than its samples, of at most *rest: *done is how
- * far X moved; 0: no such step is worth it, or guards come near zero; then *rest is how long others may be.
- * Errors: MEMORY. */
+/* long_steps.c: a step of one time scale that rings or dies, longer than its samples, of at most *rest: *done
+ * is how far X moved; 0: no such step is worth it, or guards come near zero; then *rest is how long others
+ * may be.  Errors: MEMORY.  And: a step with samples was taken in place of it. */
 int ns_exact_long_step(ns_exact *f, ns_time_scale *scale, double *rest, double *done);
+void ns_exact_long_note_kept(const ns_exact *f, ns_time_scale *scale);
 
 /* advance.c: one step, to t at the latest.  Errors: MEMORY; LIMIT: no steps are left, or it is over: 1 if the
  * bound of work is passed. */

@@ -1,8 +1,8 @@
-/* src/exact/long_steps.c - steps longer than a ring of their mode: the ring's amplitude instead of its
- * samples.
+/* src/exact/long_steps.c - steps longer than a ring of their mode, or than what dies in it: the amplitude of
+ * that instead of its samples.
  *
- * Where every guard, freed of the ring, is farther above zero than the ring reaches, samples as close as the
- * rest needs are enough.  X itself moves by the same exact steps.
+ * Where every guard, freed of it, is farther above zero than it reaches, samples as close as the rest needs
+ * are enough.  X itself moves by the same exact steps.
  */
 #include "exact_internal.h"
 #include "linalg/simd.h"
@@ -45,6 +45,30 @@ static double worth_of_eigenvectors(const ns_mode_kernel *k) {
     return 32 + 25 * r * r * r / ((r + 9 * rows) * k->q);
 }
 
+/* 1 if a period of the sources may become one product, which is made of steps with samples alone: no guard
+ * broke in the last two. */
+static int may_be_product(const ns_exact *f) {
+    const double period = f->past.period;
+    return period > 0 && !f->state.mode->has_instant && f->state.now.t - f->past.guard_t > 2 * period;
+}
+
+void ns_exact_long_note_kept(const ns_exact *f, ns_time_scale *scale) {
+    enum { PAYS = 2 };
+    if (++scale->kept_steps > PAYS * worth_of_eigenvectors(scale->kernel) && scale->pays_after == 0)
+        scale->pays_after = f->past.trials + 1;
+}
+
+/* How long after an event long steps begin, s; INFINITY: there are none.  Eigenvectors that cost less than
+ * the steps so far are used at once: of what dies out, too.  So far: up to the accepted point, so that a
+ * trial that is made again is the same. */
+static double begin_of_long_steps(const ns_exact *f, const ns_time_scale *scale) {
+    if (scale->pays_after > 0 && f->past.trials >= scale->pays_after && !may_be_product(f))
+        return 0;
+    return scale->rings
+               ? worth_of_eigenvectors(scale->kernel) * scale->kernel->h * (1 << NS_MAX_GUARDED_EXPONENT)
+               : INFINITY;
+}
+
 static int exponent_for(const ns_mode_kernel *k, double slow_h, int most, double rest) {
     const double longest = ns_lower(rest, slow_h * (1 << NS_MAX_GUARDED_EXPONENT));
     int exponent = FIRST_EXPONENT;
@@ -70,8 +94,7 @@ int ns_exact_long_step(ns_exact *f, ns_time_scale *scale, double *rest, double *
     ns_exact_long *l = &f->past.longer;
     const ns_clock *now = &f->state.now;
     *done = 0;
-    const double begin = worth_of_eigenvectors(k) * k->h * (1 << NS_MAX_GUARDED_EXPONENT),
-                 since = now->t - f->state.last_event_t + now->lost;
+    const double begin = begin_of_long_steps(f, scale), since = now->t - f->state.last_event_t + now->lost;
     if (since < begin * (1 - 1e-9)) {
         *rest = ns_lower(*rest, begin - since);
         return NS_OK;

@@ -2,8 +2,9 @@
  *
  * A mode is right from here on if (J4) holds: no impulse that its pairs could not carry, and guards that are
  * positive, or zero and about to rise.  Tried are modes that followed before, then the present one with what
- * broke flipped, the same with all that breaks in one instant, then the answer of (P1) over a short step, then the mode of the impulse problem, then again
- * the present one with what broke flipped, unless another guard is clearly below zero then.
+ * broke flipped, also with all that breaks in that instant, then the answer of (P1) over a short step, then
+ * the mode of the impulse problem, then again the present one with what broke flipped, unless another guard
+ * is clearly below zero then.
  */
 #include "mode_selection.h"
 #include "sliding.h"
