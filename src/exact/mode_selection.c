@@ -209,6 +209,31 @@ static int try_broken_together(ns_exact *f, int broken, int *goes_on) {
     return status;
 }
 
+/* 1 if each guard that is undecided after the jump is that of a pair which carried an impulse: so it was
+ * closed in that instant, and what is left of it is zero. */
+static int impulses_decide(const ns_exact *f) {
+    int all = f->entered != NULL && f->overruled == 0 && f->entered->pair_rows <= 64;
+    for (int g = 0; all && g < f->entered->pair_rows; g++)
+        all = !(f->undecided & ns_exact_bit_of(g)) || ns_exact_enter_carries(f, f->entered, g);
+    return all;
+}
+
+/* The present mode with the commands changed, where its pairs carry the impulses of a jump; for that only
+ * where a guard breaks afterwards which one of them lifted. */
+static int try_with_impulses(ns_exact *f, int *goes_on) {
+    ns_exact_mode *k;
+    want_commands(f);
+    const int status = ns_exact_mode_find(f, f->wanted, &k);
+    if (status != NS_OK)
+        return status == NS_E_MEMORY ? status : NS_GUARD;
+    const ns_mode_verdict verdict = ns_exact_mode_holds(f, k, NS_EVIDENCE_STEP, 0);
+    if (verdict == NS_VERDICT_NO || (verdict == NS_VERDICT_HOLDS && !impulses_decide(f)))
+        return NS_GUARD;
+    commit_mode(f, k);
+    *goes_on = verdict == NS_VERDICT_JUMPS;
+    return NS_OK;
+}
+
 int ns_exact_mode_after(ns_exact *f, int by_guard, int broken, int *goes_on) {
     *goes_on = 0;
     want_commands(f);
@@ -219,6 +244,8 @@ int ns_exact_mode_after(ns_exact *f, int by_guard, int broken, int *goes_on) {
         status = try_with_violated_flipped(f, NS_EVIDENCE_NONE, goes_on);
     if (status == NS_GUARD && broken >= 0)
         status = try_broken_together(f, broken, goes_on);
+    if (status == NS_GUARD && !by_guard)
+        status = try_with_impulses(f, goes_on);
     f->s->counts.predicted += status == NS_OK;
     if (status != NS_GUARD)
         return status;

@@ -3,7 +3,7 @@
 #include "exact_bench.h"
 
 static const double period = 1e-4, volts = 10;
-enum { PERIODS = 20, MOST_PROBLEMS = 4 };
+enum { PERIODS = 20 };
 
 static ns_signal sine(void) {
     return (ns_signal){.kind = NS_SIN, .u.sin = {0, volts, 1 / period, 0, 0, 0}};
@@ -19,11 +19,11 @@ static void capacitor_between(bench *b, const char *name, int p, int n, double f
 }
 
 /* All events but few were proved right without a problem. */
-static void proved(const bench *b, long least_events) {
+static void proved(const bench *b, long least_events, long most_problems) {
     const ns_counts *n = ns_march_counts(b->m);
-    if (n->problems > MOST_PROBLEMS)
+    if (n->problems > most_problems)
         print_message("%ld problems for %ld events\n", n->problems, n->events);
-    assert_true(n->events >= least_events && n->problems <= MOST_PROBLEMS);
+    assert_true(n->events >= least_events && n->problems <= most_problems);
 }
 
 /* 40 pF that are charged through 1e-3 ohm in 4e-14 s: steps right after an event are as short. */
@@ -53,7 +53,7 @@ static void a_leak_takes_up_its_current(void **state) {
     start(&b, period / 1024);
     (void)go(&b, PERIODS * period + t, NS_TO_TIME);
     near(i_of(&b, id), volts / z * (sin(w * t - phi) + sin(phi) * exp(-10 * t / 1e-4)), 1e-9);
-    proved(&b, 2 * PERIODS);
+    proved(&b, 2 * PERIODS, 2);
     close_bench(&b);
 }
 
@@ -70,7 +70,7 @@ static void a_resistance_takes_its_drop(void **state) {
     fast_part(&b);
     start(&b, period / 1024);
     (void)go(&b, PERIODS * period, NS_TO_TIME);
-    proved(&b, 2 * PERIODS - 2);
+    proved(&b, 2 * PERIODS - 2, 2);
     close_bench(&b);
 }
 
@@ -109,13 +109,39 @@ static void two_diodes_take_one_current(void **state) {
     capacitor_between(&b, "c1", 7, 5, 1.3e-9);
     start(&b, period / 65536);
     (void)go(&b, PERIODS * period, NS_TO_TIME);
-    proved(&b, 4 * PERIODS);
+    proved(&b, 4 * PERIODS, 2);
+    close_bench(&b);
+}
+
+/* A pump of four stages, whose clocks move by 5 V in 10 ns.  Where a clock stops, what the diodes carried,
+ * 0.5 A, has to leave 1e-9 ohm: by an impulse, in 1e-18 s; they open after it, or are left with no current
+ * and no rate. All that is known without a problem: of a pair that carried an impulse nothing else need be
+ * asked. */
+static void a_clock_stops(void **state) {
+    static const char *const c[] = {"c1", "c2", "c3", "c4"}, *const d[] = {"d1", "d2", "d3", "d4"};
+    const ns_signal a = pulse(0, 5, 0, 1e-8, 1e-8, 4.9e-7, 1e-6),
+                    b_ = pulse(5, 0, 0, 1e-8, 1e-8, 4.9e-7, 1e-6);
+    bench b = open_bench();
+    (void)state;
+    source(&b, "v", 1, 0, dc(5));
+    source(&b, "a", 2, 0, a);
+    source(&b, "b", 3, 0, b_);
+    for (int k = 0; k < 4; k++) {
+        diode(&b, d[k], k == 0 ? 1 : 3 + k, 4 + k, 1e-9, INFINITY);
+        capacitor_between(&b, c[k], k % 2 ? 3 : 2, 4 + k, 1e-9);
+    }
+    diode(&b, "d5", 7, 8, 1e-9, INFINITY);
+    capacitor_between(&b, "co", 8, 0, 1e-8);
+    assert_int_equal(ns_circuit_resistor(b.c, "ro", 8, 0, 1e5, NULL), NS_OK);
+    start(&b, 1e-6 / 1024);
+    (void)go(&b, PERIODS * 1e-6, NS_TO_TIME);
+    proved(&b, 4 * PERIODS, 12); /* most from rest */
     close_bench(&b);
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_leak_takes_up_its_current),
-                                       cmocka_unit_test(a_resistance_takes_its_drop),
-                                       cmocka_unit_test(two_diodes_take_one_current)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_leak_takes_up_its_current), cmocka_unit_test(a_resistance_takes_its_drop),
+        cmocka_unit_test(two_diodes_take_one_current), cmocka_unit_test(a_clock_stops)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
