@@ -174,6 +174,7 @@ static int settle(ns_exact *f, int by_guard, ns_exact_mode *before) {
 int ns_exact_select_mode(ns_exact *f, int guard) {
     ns_exact_mode *const before = f->state.mode;
     ns_exact_note_size(f);
+    ns_exact_enter_remove_drift(f);
     ns_exact_event_is_of(f, guard);
     ns_exact_event_known_to(f, ns_exact_event_time_error(f));
     for (int c = 0; c < f->system->nc; c++)

@@ -396,7 +396,9 @@ int ns_exact_select_mode(ns_exact *f, int guard);
 /* mode_selection.c: the first mode, from X at t with commands as in the stepper; X moves if the state jumps.
  * Errors: those of the impulse problem. */
 int ns_exact_select_start(ns_exact *f);
-/* mode_entry.c: X freed of what the constraints of its mode do not allow: rounding. */
+/* mode_entry.c: X freed of what the constraints of its mode do not allow: all of it; rounding alone, nothing
+ * if there is more. */
 void ns_exact_enter_consistent(ns_exact *f);
+void ns_exact_enter_remove_drift(ns_exact *f);
 
 #endif

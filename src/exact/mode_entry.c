@@ -144,6 +144,12 @@ void ns_exact_enter_consistent(ns_exact *f) {
     ns_exact_take_next(f);
 }
 
+void ns_exact_enter_remove_drift(ns_exact *f) {
+    double until;
+    if (f->state.mode->has_instant && !take_jump(f, ns_exact_mode_time_scale(f, &until)->kernel))
+        ns_exact_take_next(f);
+}
+
 /* Guard g at the end of the Euler step from so many entries of X. */
 static double guard_after_step(const ns_mode_kernel *k, int g, int entries, const double *X) {
     double sum = 0;
