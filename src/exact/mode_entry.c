@@ -225,7 +225,7 @@ int ns_exact_enter_fits(ns_exact *f, const ns_mode_kernel *k) {
 }
 
 int ns_exact_enter_carries(const ns_exact *f, const ns_mode_kernel *k, int g) {
-    return f->work.impulse[g] > least_impulse(f, k, g, largest_impulse(f, k));
+    return f->work.impulse[g] > impulse_tol * largest_impulse(f, k) + impulse_rounding(f, k, g);
 }
 
 int ns_exact_enter_worst(const ns_exact *f, const ns_mode_kernel *k) {

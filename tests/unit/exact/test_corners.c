@@ -142,6 +142,16 @@ static void a_clock_stops(void **state) {
     close_bench(&b);
 }
 
+/* The same with a leak of 1e6 ohm: an impulse of 1e-19 C is far less than what the leak carries in any step.
+ */
+static void a_clock_stops_beside_a_leak(void **state) {
+    bench b = open_bench();
+    (void)state;
+    pump(&b, 4, 1e-9, 1e6);
+    proved(&b, 4 * PERIODS, 12);
+    close_bench(&b);
+}
+
 /* With no resistance capacitors are joined through diodes for half a period, and rounding parts their
  * voltages by some 1e-12 V.  Where the diode between them opens, that was a voltage of the wrong sign.  With
  * a leak of 1e6 ohm no mode passed: the ladder went on after each clock. */
@@ -157,6 +167,6 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_leak_takes_up_its_current), cmocka_unit_test(a_resistance_takes_its_drop),
         cmocka_unit_test(two_diodes_take_one_current), cmocka_unit_test(a_clock_stops),
-        cmocka_unit_test(capacitors_that_were_joined)};
+        cmocka_unit_test(a_clock_stops_beside_a_leak), cmocka_unit_test(capacitors_that_were_joined)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
