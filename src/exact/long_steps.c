@@ -59,11 +59,11 @@ void ns_exact_long_note_kept(const ns_exact *f, ns_time_scale *scale) {
 }
 
 /* How long after an event long steps begin, s; INFINITY: there are none.  Eigenvectors that cost less than
- * the steps so far are used at once: of what dies out, too.  So far: up to the accepted point, so that a
- * trial that is made again is the same. */
+ * the steps so far are used at once, of what dies out, too, but for the first step, in which what broke is
+ * near zero.  So far: up to the accepted point, so that a trial that is made again is the same. */
 static double begin_of_long_steps(const ns_exact *f, const ns_time_scale *scale) {
     if (scale->pays_after > 0 && f->past.trials >= scale->pays_after && !may_be_product(f))
-        return 0;
+        return ldexp(scale->kernel->h, NS_MAX_GUARDED_EXPONENT);
     return scale->rings
                ? worth_of_eigenvectors(scale->kernel) * scale->kernel->h * (1 << NS_MAX_GUARDED_EXPONENT)
                : INFINITY;
