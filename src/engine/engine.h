@@ -54,6 +54,9 @@ typedef struct ns_engine_table {
     /* As ns_march_set_input(), whose checks were made; the engine's system has the signal already, copies of
      * that system have not. */
     int (*set_input)(ns_engine *e, int input, const ns_signal *signal);
+    /* Errors of its steps are allowed less from now on; 0: no less than before.  NULL: they are not chosen.
+     */
+    int (*be_finer)(ns_engine *e);
     /* The engine that answers drop, accept, read, impulse, mode, at_event, method, fault, sample, shortest
      * and problem, those of them that the table has not; NULL: this one. */
     ns_engine *(*at_work)(const ns_engine *e);
@@ -125,6 +128,9 @@ static inline void ns_engine_watch(ns_engine *e, const ns_watch *w) {
         e->table->watch(e, w);
 }
 
+static inline int ns_engine_be_finer(ns_engine *e) {
+    return e->table->be_finer && e->table->be_finer(e);
+}
 static inline ns_work ns_engine_work(ns_engine *e) {
     return e->table->work ? e->table->work(e) : (ns_work){0};
 }

@@ -1,5 +1,5 @@
-/* src/march/run_again.c - a trial that was found wrong is gone again from the accepted point: by the other
- * kernel, then by the theta scheme with smaller steps.
+/* src/march/run_again.c - a trial that was found wrong is gone again from the accepted point: by the same
+ * engine with smaller errors, if it can, by the other kernel, then by the theta scheme with smaller steps.
  */
 #include "run_internal.h"
 
@@ -169,6 +169,16 @@ static int begin_attempt(ns_run *r, const void *data) {
 
 /* --- all of them --- */
 
+/* By the same engine, which was asked for less than it can do: it keeps to smaller errors. */
+static int go_finer(ns_run *r, const again *a, double *reached) {
+    while (ns_engine_be_finer(r->at_work)) {
+        if (try_judged(r, a, reached))
+            return 1;
+        ns_engine_drop(r->at_work);
+    }
+    return 0;
+}
+
 /* A start that would take more than the run took so far comes last, if none passes without.
  * NOLINTNEXTLINE(readability-non-const-parameter): written to through by */
 static int go_by_others(ns_run *r, const again *a, double most, double *reached) {
@@ -195,7 +205,7 @@ int ns_march_run_again(ns_run *r, double t, ns_until until, double *reached) {
     k->retries++;
     k->found = 0;
     if (status == NS_OK) {
-        right = go_by_others(r, &a, ns_march_run_work(r).all, reached);
+        right = go_finer(r, &a, reached) || go_by_others(r, &a, ns_march_run_work(r).all, reached);
         last = k->finding;
         chatters = !right && ns_march_sliding_is_cause(r);
         right = right || (!chatters && ns_march_run_allows(r, &first) && try_judged(r, &a, reached));

@@ -140,6 +140,15 @@ static ns_method method(const ns_engine *e) {
     return ((const ns_sparse *)(const void *)e)->o.theta > 0 ? NS_THETA : NS_SPARSE;
 }
 
+static int be_finer(ns_engine *e) {
+    static const double less = 1.0 / 64;
+    ns_sparse *m = ns_sparse_of(e);
+    if (m->o.reltol <= default_reltol)
+        return 0;
+    m->o.reltol = fmax(less * m->o.reltol, default_reltol);
+    return 1;
+}
+
 static const ns_engine_table table = {
     .free = ns_sparse_free,
     .start = ns_sparse_start,
@@ -161,6 +170,7 @@ static const ns_engine_table table = {
     .peek = ns_sparse_peek,
     .watch = ns_sparse_watch,
     .set_input = ns_sparse_set_input,
+    .be_finer = be_finer,
 };
 
 int ns_sparse_create(const ns_system *s, const ns_sparse_options *o, ns_engine **out, ns_fault *fault) {
