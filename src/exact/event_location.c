@@ -74,15 +74,13 @@ int ns_exact_event_samples_above(const ns_mode_kernel *k, const double *s, int s
     return 1;
 }
 
-/* What guard g may be off by; 64 times that if it broke in this mode and the same mode was selected again:
+/* What guard g may be off by; MANY times that if it broke in this mode and the same mode was selected again:
  * only rounding decides between the two modes then, and either is right. */
-static double roundings(const ns_exact *f, int g) {
-    enum { UNMENDED = 64 };
-    return f->unmended.mode == f->state.mode && f->unmended.guard == g ? UNMENDED : 1;
-}
+enum { MANY = 64 };
 
 static double break_tolerance(const ns_exact *f, const ns_mode_kernel *k, int g) {
-    return roundings(f, g) * ns_exact_guard_rounding(f, k, g);
+    const int unmended = f->unmended.mode == f->state.mode && f->unmended.guard == g;
+    return (unmended ? MANY : 1) * ns_exact_guard_rounding(f, k, g);
 }
 
 /* 1 if guard g is below zero, though not by more than tol, what it may be off by on the scale at work: a
@@ -100,7 +98,7 @@ static int is_past(ns_exact *f, const ns_time_scale *at, int g, double tol) {
         const double known = ns_exact_guard_of(longer, longer->value, g, f->X);
         if (!(fabs(known - value) <= fabs(known) / 2))
             return 0;
-        if (fabs(known) > break_tolerance(f, longer, g) + tol * k->h / longer->h)
+        if (fabs(known) > MANY * ns_exact_guard_rounding(f, longer, g) + tol * k->h / longer->h)
             return known < 0;
     }
     return 0;
