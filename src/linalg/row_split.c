@@ -8,6 +8,13 @@
  * For capacitors alone the t_j are integers (KCL summed over what floats); the nearest integers are taken
  * where they annul M as well.  T M is therefore zero in rows r..n-1 up to rounding of the sums, and whoever
  * forms it puts exact zeros there: nothing but rounding is dropped.
+ *
+ * Which of the rows of a floating part becomes their sum is free.  The charge of the row that does is what
+ * the others leave, with the rounding of all that flows in these: 1e-10 of 1600 A through the diodes at one
+ * end of a snubber is more than the snubber carries.  So, where it is known how much flows in the rows, those
+ * in which little flows are pivots.  A row of several branches does not take the place of one of a single
+ * branch for that: what is left of its rounded sum at a megavolt is charge from nowhere
+ * (tests/property/test_jumps.c).
  */
 #include <float.h>
 #include <math.h>
@@ -19,15 +26,18 @@
 
 typedef struct elimination {
     int n, rank;
-    double *a;     /* n*n, what is left of M */
-    double *err;   /* n*n, bound of its rounding over eps */
-    double *t;     /* n*n, row combinations so far: a = t R M C */
-    double *r, *c; /* n, scales of rows and columns, powers of two */
-    int *row;      /* n, 1: gave a pivot */
-    int *column;   /* n, 1: pivoted */
+    double *a;          /* n*n, what is left of M */
+    double *err;        /* n*n, bound of its rounding over eps */
+    double *t;          /* n*n, row combinations so far: a = t R M C */
+    double *r, *c;      /* n, scales of rows and columns, powers of two */
+    int *row;           /* n, 1: gave a pivot */
+    int *column;        /* n, 1: pivoted */
+    const double *flow; /* n, how much flows in a row; NULL: not known */
 } elimination;
 
 static const double eps_factor = 64 * DBL_EPSILON;
+/* A pivot of this part of the largest one is as good; so much less flows in a row that is taken for that. */
+static const double as_large = 1.0 / 16, much_less = 1.0 / 16;
 
 static size_t ij(int n, int i, int j) {
     return (size_t)i + (size_t)j * (size_t)n;
@@ -96,18 +106,65 @@ static void equilibrate(elimination *g, const double *M, const double *size) {
     }
 }
 
+/* The size of an entry that may be a pivot; 0: it is rounding, or its row or column had one. */
+static double pivot_size(const elimination *g, int i, int j) {
+    const double size = fabs(g->a[ij(g->n, i, j)]);
+    return g->row[i] || g->column[j] || !(size > eps_factor * g->err[ij(g->n, i, j)]) ? 0 : size;
+}
+
+/* The largest entry of a row, and its column; 0 if all of it is rounding. */
+static double largest_of_row(const elimination *g, int i, int *pj) {
+    double most = 0;
+    for (int j = 0; j < g->n; j++) {
+        const double size = pivot_size(g, i, j);
+        if (size > most) {
+            most = size;
+            *pj = j;
+        }
+    }
+    return most;
+}
+
+/* 1 if a row is that of one branch: its entries cancel exactly, at any voltage that the part is at; those of
+ * a rounded sum of branches do not. */
+static int is_one_branch(const elimination *g, const double *M, int i) {
+    int count = 0;
+    for (int j = 0; j < g->n; j++)
+        count += M[ij(g->n, i, j)] != 0;
+    return count <= 2;
+}
+
+/* A row in which much less flows than in row *pi, and whose pivot is as good as `most`, in its place; but not
+ * that of several branches in place of that of one. */
+static void find_quiet_pivot(const elimination *g, const double *M, double most, int *pi, int *pj) {
+    const int several = !is_one_branch(g, M, *pi);
+    double least = much_less * g->flow[*pi];
+    for (int i = 0; i < g->n; i++) {
+        int j = 0;
+        if (g->flow[i] < least && (several || is_one_branch(g, M, i)) &&
+            largest_of_row(g, i, &j) > as_large * most) {
+            least = g->flow[i];
+            *pi = i;
+            *pj = j;
+        }
+    }
+}
+
 /* The largest entry that is not rounding; 0 if there is none. */
-static int find_pivot(const elimination *g, int *pi, int *pj) {
+static int find_pivot(const elimination *g, const double *M, int *pi, int *pj) {
     double most = 0;
     for (int j = 0; j < g->n; j++) {
         for (int i = 0; i < g->n && !g->column[j]; i++) {
-            double size = fabs(g->a[ij(g->n, i, j)]);
-            if (!g->row[i] && size > most && size > eps_factor * g->err[ij(g->n, i, j)]) {
+            const double size = pivot_size(g, i, j);
+            if (size > most) {
                 most = size;
                 *pi = i;
                 *pj = j;
             }
         }
+    }
+    if (most > 0 && g->flow) {
+        find_quiet_pivot(g, M, most, pi, pj);
     }
     return most > 0;
 }
@@ -186,7 +243,7 @@ static void fill(const elimination *g, const double *M, const double *size, doub
     }
 }
 
-int ns_linalg_row_split_rows(int n, const double *M, const double *size, double *T, int *rank) {
+static int split(int n, const double *M, const double *size, const double *flow, double *T, int *rank) {
     elimination g;
     double *work;
     int p = 0, q = 0;
@@ -202,8 +259,9 @@ int ns_linalg_row_split_rows(int n, const double *M, const double *size, double 
         free(work);
         return NS_E_MEMORY;
     }
+    g.flow = flow;
     equilibrate(&g, M, size);
-    while (g.rank < n && find_pivot(&g, &p, &q)) {
+    while (g.rank < n && find_pivot(&g, M, &p, &q)) {
         eliminate(&g, p, q);
         g.rank++;
     }
@@ -214,11 +272,19 @@ int ns_linalg_row_split_rows(int n, const double *M, const double *size, double 
     return NS_OK;
 }
 
+int ns_linalg_row_split_rows(int n, const double *M, const double *size, double *T, int *rank) {
+    return split(n, M, size, NULL, T, rank);
+}
+
 int ns_linalg_row_split(int n, const double *M, double *T, int *rank) {
+    return ns_linalg_row_split_quiet(n, M, NULL, T, rank);
+}
+
+int ns_linalg_row_split_quiet(int n, const double *M, const double *flow, double *T, int *rank) {
     if (!rank || (n > 0 && (!T || !M))) {
         return NS_E_NULL;
     }
-    return ns_linalg_row_split_rows(n, M, M, T, rank);
+    return split(n, M, M, flow, T, rank);
 }
 
 /* One entry of T from.  What cancels is zero: a resistor inside a part that T sums up must leave no trace of

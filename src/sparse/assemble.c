@@ -192,10 +192,24 @@ static int identity(int n, ns_csc *out) {
     return status;
 }
 
+/* flow[i] += what is in row i of a. */
+static void add_flows(const ns_csc *a, double *flow) {
+    for (int k = 0; k < a->start[a->columns]; k++)
+        flow[a->row[k]] += fabs(a->value[k]);
+}
+
 static int split_rows(ns_form *f, const ns_large *a, int at_rest) {
     if (!at_rest) {
-        const int status = ns_sparse_split(&a->M, &f->Tt, f->algebraic);
-        return status == NS_OK ? ns_sparse_sum_parts(&a->M, &a->A, f->algebraic, &f->Tt) : status;
+        double *flow = calloc((size_t)f->n + 1, sizeof *flow);
+        if (!flow)
+            return NS_E_MEMORY;
+        add_flows(&a->A, flow);
+        add_flows(&a->B, flow);
+        int status = ns_sparse_split(&a->M, flow, &f->Tt, f->algebraic);
+        free(flow);
+        if (status == NS_OK)
+            status = ns_sparse_sum_parts(&a->M, &a->A, f->algebraic, &f->Tt);
+        return status;
     }
     memset(f->algebraic, 1, (size_t)f->n);
     return identity(f->n, &f->Tt);

@@ -67,8 +67,9 @@ static inline double ns_sparse_form_y(const ns_form *f, int j, const double *v, 
 }
 
 /* split_rows.c: the columns of Tt are rows of T (ns_system_split(), but in place: row i of T M is that row
- * of M, or zero, then algebraic[i]), from M.  Errors: MEMORY. */
-int ns_sparse_split(const ns_csc *M, ns_csc *Tt, unsigned char *algebraic);
+ * of M, or zero, then algebraic[i]), from M; flow (n): the sizes of all other terms of a row.  Errors:
+ * MEMORY. */
+int ns_sparse_split(const ns_csc *M, const double *flow, ns_csc *Tt, unsigned char *algebraic);
 /* summed_parts.c: some of the algebraic rows of T, those of single rows, become sums (linalg/summed_parts.h).
  * Errors: MEMORY. */
 int ns_sparse_sum_parts(const ns_csc *M, const ns_csc *A, const unsigned char *algebraic, ns_csc *Tt);

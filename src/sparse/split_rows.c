@@ -25,6 +25,7 @@ typedef struct parts {
     int *list;   /* n */
     int *place;  /* n: of a row inside its part */
     double *dense;
+    const double *flow; /* n: how much flows in a row */
     ns_entries T;
     unsigned char *algebraic;
 } parts;
@@ -44,16 +45,18 @@ static void find_parts(parts *p) {
 }
 
 static int split_small(parts *p, const int *rows, int count) {
-    double *M = p->dense, *T = M + SMALL * SMALL;
+    double *M = p->dense, *T = M + SMALL * SMALL, flow[SMALL];
     int rank;
     memset(M, 0, sizeof(double) * (size_t)count * (size_t)count);
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < count; i++) {
         p->place[rows[i]] = i;
+        flow[i] = p->flow[rows[i]];
+    }
     for (int j = 0; j < count; j++)
         for (int k = p->M->start[rows[j]]; k < p->M->start[rows[j] + 1]; k++)
             if (p->M->value[k] != 0)
                 M[p->place[p->M->row[k]] + j * count] = p->M->value[k];
-    const int status = ns_linalg_row_split(count, M, T, &rank);
+    const int status = ns_linalg_row_split_quiet(count, M, flow, T, &rank);
     for (int i = 0; i < count && status == NS_OK; i++) {
         p->algebraic[rows[i]] = i >= rank;
         for (int j = 0; j < count; j++)
@@ -77,17 +80,24 @@ static int floats(const parts *p, const int *rows, int count) {
     return 1;
 }
 
+/* The row in whose place the sum of all stands. */
+static int busiest(const parts *p, const int *rows, int count) {
+    int at = rows[0];
+    for (int i = 1; i < count; i++)
+        if (p->flow[rows[i]] > p->flow[at])
+            at = rows[i];
+    return at;
+}
+
 static void split_large(parts *p, const int *rows, int count) {
-    const int sums = floats(p, rows, count);
-    p->algebraic[rows[0]] = (unsigned char)sums;
+    const int sum = floats(p, rows, count) ? busiest(p, rows, count) : -1;
     for (int i = 0; i < count; i++) {
-        if (i > 0 || !sums)
-            ns_linalg_entries_add(&p->T, rows[i], rows[i], 1);
-        if (i > 0 && sums)
-            ns_linalg_entries_add(&p->T, rows[i], rows[0], 1);
+        ns_linalg_entries_add(&p->T, rows[i], rows[i], 1);
+        if (sum >= 0 && rows[i] != sum)
+            ns_linalg_entries_add(&p->T, rows[i], sum, 1);
     }
-    if (sums)
-        ns_linalg_entries_add(&p->T, rows[0], rows[0], 1);
+    if (sum >= 0)
+        p->algebraic[sum] = 1;
 }
 
 static int split(parts *p) {
@@ -105,9 +115,9 @@ static int split(parts *p) {
 }
 
 /* NOLINTNEXTLINE(readability-non-const-parameter): written through p */
-int ns_sparse_split(const ns_csc *M, ns_csc *Tt, unsigned char *algebraic) {
+int ns_sparse_split(const ns_csc *M, const double *flow, ns_csc *Tt, unsigned char *algebraic) {
     const size_t n = (size_t)M->columns;
-    parts p = {.M = M, .n = M->columns, .algebraic = algebraic};
+    parts p = {.M = M, .n = M->columns, .flow = flow, .algebraic = algebraic};
     p.parent = calloc(4 * n + 1, sizeof(int));
     p.dense = calloc((size_t)2 * SMALL * SMALL, sizeof(double));
     int status = p.parent && p.dense ? NS_OK : NS_E_MEMORY;

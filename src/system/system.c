@@ -154,6 +154,22 @@ void ns_system_charges(const ns_system *s, const double *x, double *w) {
     ns_linalg_csc_times_add(&s->large->M, x, w);
 }
 
+/* flow[i] += what is in row i of a (n*columns). */
+static void add_flows(int n, int columns, const double *a, double *flow) {
+    for (int j = 0; j < columns; j++)
+        for (int i = 0; i < n; i++)
+            flow[i] += fabs(a[(size_t)i + (size_t)j * (size_t)n]);
+}
+
 int ns_system_split(const ns_system *s, double *T, int *rank) {
-    return s ? ns_linalg_row_split(s->n, s->M, T, rank) : NS_E_NULL;
+    if (!s)
+        return NS_E_NULL;
+    double *flow = calloc((size_t)s->n + 1, sizeof *flow);
+    if (!flow)
+        return NS_E_MEMORY;
+    add_flows(s->n, s->n, s->A, flow);
+    add_flows(s->n, s->m, s->B, flow);
+    const int status = ns_linalg_row_split_quiet(s->n, s->M, flow, T, rank);
+    free(flow);
+    return status;
 }

@@ -44,9 +44,55 @@ static void rank_counts_what_entries_were_summed_from(void **state) {
     }
 }
 
+/* Of three capacitors to node `middle`, much less flows in the rows of their other ends: these stay, whatever
+ * the order of rows, and the middle's becomes the sum of all.  Where as much flows in all, any may; but a
+ * pivot 100 times smaller is not taken because less flows there. */
+static void little_flows_in_rows_that_stay(void **state) {
+    static const double farads[4] = {1, 3, 0.5, 2};
+    (void)state;
+    for (int middle = 0; middle < 4; middle++) {
+        double M[16] = {0}, T[16], flow[4] = {1e-5, 1e-5, 1e-5, 1e-5};
+        int rank;
+        flow[middle] = 1;
+        for (int i = 0; i < 4; i++)
+            if (i != middle) {
+                M[i + 4 * i] = farads[i];
+                M[middle + 4 * middle] += farads[i];
+                M[i + 4 * middle] = M[middle + 4 * i] = -farads[i];
+            }
+        assert_int_equal(ns_linalg_row_split_quiet(4, M, flow, T, &rank), NS_OK);
+        assert_int_equal(rank, 3);
+        for (int i = 0; i < 4; i++)
+            assert_true(T[3 + 4 * i] == 1);
+        for (int k = 0; k < 3; k++)
+            assert_true(T[k + 4 * middle] == 0);
+    }
+}
+
+/* Less flows in a row, but its pivot is 100 times smaller, or it is that of several branches, in place of
+ * one: as if nothing were known. */
+static void pivots_and_single_branches_come_first(void **state) {
+    const double small[9] = {100.01, -100, -0.01, -100, 100, 0, -0.01, 0, 0.01},
+                 at_small[3] = {1e-5, 1e-5, 1},
+                 chain[9] = {1e-7, 0, -1e-7, 0, 1e-4, -1e-4, -1e-7, -1e-4, 1.001e-4}, at_ends[3] = {2, 1, 0};
+    double T[9], as_before[9];
+    int rank;
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(ns_linalg_row_split(3, k ? chain : small, as_before, &rank), NS_OK);
+        assert_int_equal(ns_linalg_row_split_quiet(3, k ? chain : small, k ? at_ends : at_small, T, &rank),
+                         NS_OK);
+        assert_int_equal(rank, 2);
+        for (int i = 0; i < 9; i++)
+            assert_true(T[i] == as_before[i]);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_cancels_is_zero),
+        cmocka_unit_test(little_flows_in_rows_that_stay),
+        cmocka_unit_test(pivots_and_single_branches_come_first),
         cmocka_unit_test(rank_counts_what_entries_were_summed_from),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -62,13 +62,14 @@ static void rows_of_a_chain(int nodes, double ground) {
     ns_entries e = {0};
     ns_csc M, Tt;
     unsigned char algebraic[NODES] = {0};
+    const double flow[NODES] = {0};
     double sum[NODES] = {0};
     for (int i = 0; i + 1 < nodes; i++)
         for (int k = 0; k < 4; k++)
             ns_linalg_entries_add(&e, i + k % 2, i + k / 2, k == 0 || k == 3 ? 1e-6 : -1e-6);
     ns_linalg_entries_add(&e, nodes / 2, nodes / 2, ground);
     assert_int_equal(ns_linalg_csc_of_entries(nodes, nodes, &e, &M), NS_OK);
-    assert_int_equal(ns_sparse_split(&M, &Tt, algebraic), NS_OK);
+    assert_int_equal(ns_sparse_split(&M, flow, &Tt, algebraic), NS_OK);
     int count = 0;
     for (int i = 0; i < nodes; i++) { /* row i of T M */
         double most = 0;
@@ -101,16 +102,49 @@ static void one_row_of_a_chain_is_algebraic(void **state) {
     }
 }
 
+/* Of a chain the row in which much flows is the one that becomes the sum. */
+static void much_flows_in_the_sum(int nodes, int busy) {
+    ns_entries e = {0};
+    ns_csc M, Tt;
+    unsigned char algebraic[NODES] = {0};
+    double flow[NODES];
+    for (int i = 0; i < nodes; i++)
+        flow[i] = i == busy ? 1 : 1e-5;
+    for (int i = 0; i + 1 < nodes; i++)
+        for (int k = 0; k < 4; k++)
+            ns_linalg_entries_add(&e, i + k % 2, i + k / 2, k == 0 || k == 3 ? 1e-6 : -1e-6);
+    assert_int_equal(ns_linalg_csc_of_entries(nodes, nodes, &e, &M), NS_OK);
+    assert_int_equal(ns_sparse_split(&M, flow, &Tt, algebraic), NS_OK);
+    for (int i = 0; i < nodes; i++) {
+        assert_int_equal(Tt.start[i + 1] - Tt.start[i], algebraic[i] ? nodes : 1);
+        assert_true(algebraic[i] || Tt.row[Tt.start[i]] != busy);
+    }
+    ns_linalg_entries_free(&e);
+    ns_linalg_csc_free(&M);
+    ns_linalg_csc_free(&Tt);
+}
+
+static void the_busiest_row_of_a_chain_is_the_sum(void **state) {
+    (void)state;
+    much_flows_in_the_sum(2, 0);
+    much_flows_in_the_sum(2, 1);
+    much_flows_in_the_sum(3, 1);
+    much_flows_in_the_sum(NODES, 0);
+    much_flows_in_the_sum(NODES, NODES / 2);
+    much_flows_in_the_sum(NODES, NODES - 1);
+}
+
 /* Two coils of 1 H, fully coupled: the difference of their fluxes is zero. */
 static void coupled_coils_of_one_henry(void **state) {
     ns_entries e = {0};
     ns_csc M, Tt;
     unsigned char algebraic[2] = {0};
+    const double flow[2] = {0};
     (void)state;
     for (int k = 0; k < 4; k++)
         ns_linalg_entries_add(&e, k % 2, k / 2, 1);
     assert_int_equal(ns_linalg_csc_of_entries(2, 2, &e, &M), NS_OK);
-    assert_int_equal(ns_sparse_split(&M, &Tt, algebraic), NS_OK);
+    assert_int_equal(ns_sparse_split(&M, flow, &Tt, algebraic), NS_OK);
     assert_int_equal(algebraic[0] + algebraic[1], 1);
     ns_linalg_entries_free(&e);
     ns_linalg_csc_free(&M);
@@ -151,9 +185,11 @@ static void a_star_is_summed(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(one_row_of_a_chain_is_algebraic), cmocka_unit_test(coupled_coils_of_one_henry),
-        cmocka_unit_test(a_star_is_summed), cmocka_unit_test(a_long_chain_that_floats),
-        cmocka_unit_test(a_long_chain_with_ground)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(one_row_of_a_chain_is_algebraic),
+                                       cmocka_unit_test(the_busiest_row_of_a_chain_is_the_sum),
+                                       cmocka_unit_test(coupled_coils_of_one_henry),
+                                       cmocka_unit_test(a_star_is_summed),
+                                       cmocka_unit_test(a_long_chain_that_floats),
+                                       cmocka_unit_test(a_long_chain_with_ground)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
