@@ -162,7 +162,7 @@ static void add_flows(int n, int columns, const double *a, double *flow) {
 }
 
 int ns_system_split(const ns_system *s, double *T, int *rank) {
-    if (!s)
+    if (!s || s->large)
         return NS_E_NULL;
     double *flow = calloc((size_t)s->n + 1, sizeof *flow);
     if (!flow)
