@@ -37,7 +37,7 @@ typedef struct elimination {
 
 static const double eps_factor = 64 * DBL_EPSILON;
 /* A pivot of this part of the largest one is as good; so much less flows in a row that is taken for that. */
-static const double as_large = 1.0 / 16, much_less = 1.0 / 16;
+static const double as_large = 1.0 / 16, much_less = 1.0 / 256;
 
 static size_t ij(int n, int i, int j) {
     return (size_t)i + (size_t)j * (size_t)n;
