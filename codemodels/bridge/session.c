@@ -39,6 +39,7 @@ static void load_tran(ns_session *s) {
         s->source_check.pending = 1;
         s->failed = ns_bridge_analysis_resume(s);
     }
+    ns_bridge_loop_at_no_break(s->ckt);
     if (!s->failed)
         s->failed = s->analysis.waveform ? ns_bridge_waveform_load(s) : ns_bridge_trial_load(s, resumed);
 }

@@ -140,7 +140,6 @@ static int come_to(ns_session *s, double t) {
 int ns_bridge_waveform_load(ns_session *s) {
     const ns_waveform_point *p = &s->next.point;
     const double t = s->ckt->CKTtime;
-    ns_bridge_loop_at_no_break(s->ckt);
     if (t <= s->trial.t || (s->trial.loaded && s->trial.t_end == t))
         return OK; /* ngspice solves twice at each point */
     const int error = come_to(s, t);
