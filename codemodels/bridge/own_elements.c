@@ -76,6 +76,9 @@ static int take_switch(ns_extract_walk *w, GENinstance *inst, ns_own_switch *s, 
         return ns_bridge_own_refuse_value(
             w, inst, by_current ? "ih" : "vh", s->vh,
             "is not supported (ngspice then switches early, at vt-|vh| upwards): use 0 or more");
+    if (s->ron < 0.0 || s->roff < 0.0)
+        return ns_bridge_own_refuse_value(w, inst, s->ron < 0.0 ? "ron" : "roff",
+                                          s->ron < 0.0 ? s->ron : s->roff, "must be at least 0");
     if (s->ron == s->roff)
         status = add_resistor(w, inst, s, &id);
     else

@@ -29,8 +29,9 @@ ns_own_kind ns_bridge_own_kind(const GENinstance *inst) {
     return OWN_NONE;
 }
 
+/* A negative one stays negative, and is refused. */
 static double ohms_of(double siemens) {
-    return isinf(siemens) ? 0.0 : siemens > 0.0 ? 1.0 / siemens : INFINITY;
+    return isinf(siemens) ? 0.0 : siemens != 0.0 ? 1.0 / siemens : INFINITY;
 }
 
 /* As ngspice's load has it where the control lies inside the hysteresis; its state is 1 or 3 if closed. */
