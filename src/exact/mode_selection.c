@@ -195,11 +195,13 @@ static void forget_jumps(const ns_exact *f) {
         ns_instant_clear(f->point->instant);
 }
 
-/* The same where the instant is known to no more than what counts as one: guards that cross zero within it do
- * so together, as those of two devices do that one current takes along, in whichever order. */
+/* The same where the instant is known to no more than what counts as one, but no longer than is short beside
+ * all that the mode resolves: guards that cross zero within it do so together, as those of two devices do
+ * that one current takes along, in whichever order. */
 static int try_broken_together(ns_exact *f, int broken, int *goes_on) {
     const double known_to = f->state.event_time_error;
-    f->state.event_time_error = fmax(known_to, ldexp(f->h, -NS_EVENT_EXPONENT));
+    const double brief = f->state.mode->scale[0].kernel->g / 1024;
+    f->state.event_time_error = fmax(known_to, fmin(ldexp(f->h, -NS_EVENT_EXPONENT), brief));
     want_commands(f);
     int status = NS_GUARD;
     if (flip_broken(f, broken))
