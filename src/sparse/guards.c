@@ -37,7 +37,7 @@ static double sizes_of_y(const ns_sparse *m, int j, const double *v) {
 }
 
 /* Of the rows that lambda_j enters: the largest sum of the sizes of their other terms, over its coefficient;
- * *least: the smallest one. */
+ * *least: the smallest one.  w NULL: charges and fluxes are as large as errors of them count by. */
 static double sizes_of_lambda(const ns_sparse *m, int j, const double *v, const double *w, double g,
                               double *least) {
     const ns_form *f = m->f;
@@ -48,8 +48,10 @@ static double sizes_of_lambda(const ns_sparse *m, int j, const double *v, const 
         if (i >= f->n || f->KA[k] == 0)
             continue;
         double terms = ns_linalg_csc_size(&f->At, i, v) + fabs(f->b[i]);
-        if (!f->algebraic[i])
+        if (w && !f->algebraic[i])
             terms += (ns_linalg_csc_size(&f->Mt, i, v) + fabs(w[i])) / g;
+        else if (!w && m->inverse_scale[i] > 0)
+            terms += 1 / m->inverse_scale[i] / g;
         largest = fmax(largest, terms / fabs(f->KA[k]));
         *least = fmin(*least, terms / fabs(f->KA[k]));
     }
@@ -135,17 +137,8 @@ int ns_sparse_guard_holds(const ns_sparse *m, int j, const double *v) {
 }
 
 double ns_sparse_guard_least_terms(const ns_sparse *m, int j, const double *v, double g) {
-    const ns_form *f = m->f;
-    double least = INFINITY;
-    for (int k = f->K.start[f->n + j]; k < f->K.start[f->n + j + 1]; k++) {
-        const int i = f->K.row[k];
-        if (i >= f->n || f->KA[k] == 0)
-            continue;
-        double terms = ns_linalg_csc_size(&f->At, i, v) + fabs(f->b[i]);
-        if (m->inverse_scale[i] > 0)
-            terms += 1 / m->inverse_scale[i] / g;
-        least = ns_lower(least, terms / fabs(f->KA[k]));
-    }
+    double least;
+    (void)sizes_of_lambda(m, j, v, NULL, g, &least);
     return least;
 }
 
