@@ -23,7 +23,7 @@ void ns_exact_accept(ns_exact *f) {
 
 void ns_exact_drop(ns_exact *f) {
     f->past = f->accepted;
-    f->unmended.mode = NULL;
+    f->unmended.mode = f->left.mode = NULL;
     f->way.known = 0;
 }
 
@@ -223,8 +223,7 @@ static int resolve_event(ns_exact *f, int guard, int *failed) {
         memcpy(f->point->flip, f->work.flip, nc);
     else
         f->state.last_event_t = f->state.now.t;
-    f->unmended.mode = guard >= 0 && f->state.mode == was ? was : NULL;
-    f->unmended.guard = guard;
+    ns_exact_event_note_mended(f, was, guard);
     f->point->at_event = *failed;
     if (*failed || status != NS_OK)
         return *failed ? NS_OK : status;
@@ -246,8 +245,10 @@ static int resolve_first_event(ns_exact *f, int *failed) {
 /* To t, or to where a guard breaks: *guard, else NS_GUARD_NONE. */
 static int advance_to(ns_exact *f, double t, int *guard) {
     ns_exact_step step = {.guard = NS_GUARD_NONE};
+    ns_clock from = f->state.now;
     int status = NS_OK;
     while (status == NS_OK && step.guard < 0 && f->state.now.t < t) {
+        from = f->state.now;
         const int recorded = f->record.open;
         if (recorded)
             ns_exact_period_note_inputs(f);
@@ -257,6 +258,7 @@ static int advance_to(ns_exact *f, double t, int *guard) {
     }
     *guard = step.guard;
     f->broken.guard = *guard;
+    f->broken.at_once = from.t == f->state.now.t && from.lost == f->state.now.lost;
     f->broken.t = f->state.now.t;
     f->broken.mode = *guard >= 0 ? f->state.mode : NULL;
     if (*guard >= 0)
@@ -322,7 +324,7 @@ static int repeat_period(ns_exact *f, double t) {
     if (!ns_exact_period_replay(f, t))
         return 0;
     f->state.last_event_t = f->past.previous_event_t = f->events_from = f->events_to = f->state.now.t;
-    f->unmended.mode = NULL;
+    f->unmended.mode = f->left.mode = NULL;
     return 1;
 }
 

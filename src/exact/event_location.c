@@ -75,12 +75,35 @@ int ns_exact_event_samples_above(const ns_mode_kernel *k, const double *s, int s
 }
 
 /* What guard g may be off by; MANY times that if it broke in this mode and the same mode was selected again:
- * only rounding decides between the two modes then, and either is right. */
-enum { MANY = 64 };
+ * only rounding decides between the two modes then, and either is right.  So it does if the pair breaks back,
+ * and both times was below zero from the first look at it on.  MANY times MANY if it breaks again, up to
+ * MOST.
+ */
+enum { MANY = 64, MOST = MANY * MANY * MANY };
+
+static int pair_of(const ns_exact_mode *mode, int guard) {
+    return mode->scale[0].kernel->row[guard].pair;
+}
+
+static int is_unmended(const ns_exact *f, int g) {
+    return f->unmended.mode == f->state.mode && f->unmended.guard == g;
+}
+
+void ns_exact_event_note_mended(ns_exact *f, const ns_exact_mode *was, int guard) {
+    const int at_once = guard >= 0 && f->broken.at_once && f->broken.guard == guard,
+              same = guard >= 0 && f->state.mode == was,
+              broke_back = at_once && !same && f->left.mode == f->state.mode &&
+                           pair_of(f->left.mode, f->left.guard) == pair_of(was, guard);
+    const double times = same && is_unmended(f, guard) ? fmin(MOST, MANY * f->unmended.times) : MANY;
+    f->unmended.mode = broke_back || same ? f->state.mode : NULL;
+    f->unmended.guard = broke_back ? f->left.guard : guard;
+    f->unmended.times = times;
+    f->left.mode = at_once ? was : NULL;
+    f->left.guard = guard;
+}
 
 static double break_tolerance(const ns_exact *f, const ns_mode_kernel *k, int g) {
-    const int unmended = f->unmended.mode == f->state.mode && f->unmended.guard == g;
-    return (unmended ? MANY : 1) * ns_exact_guard_rounding(f, k, g);
+    return (is_unmended(f, g) ? f->unmended.times : 1) * ns_exact_guard_rounding(f, k, g);
 }
 
 /* 1 if guard g is below zero, though not by more than tol, what it may be off by on the scale at work: a
@@ -91,7 +114,7 @@ static int is_past(ns_exact *f, const ns_time_scale *at, int g, double tol) {
     const ns_mode_kernel *k = at->kernel;
     const double value = ns_exact_guard_of(k, k->value, g, f->X),
                  rate = ns_exact_guard_of(k, k->rate, g, f->X);
-    if (!(value >= -tol && value < 0) || !(rate * k->g <= 8 * tol))
+    if (!(value >= -tol && value < 0) || !(rate * k->g <= 8 * tol) || is_unmended(f, g))
         return 0;
     for (int i = (int)(at - mode->scale) + 1; i < mode->scales && ns_exact_mode_reach(f, mode, i); i++) {
         const ns_mode_kernel *longer = mode->scale[i].kernel;

@@ -84,6 +84,9 @@ typedef struct ns_successor {
     uint64_t undecided;
 } ns_successor;
 
+/* MAY: rates that are finite, or a rounding of what has none. */
+enum { NS_HIDES_RATES = 1, NS_MAY_HIDE_RATES = 2 };
+
 /* What is kept of a mode. */
 struct ns_exact_mode {
     ns_mode *mode;       /* m */
@@ -91,7 +94,7 @@ struct ns_exact_mode {
     int status;          /* SINGULAR: the mode contradicts itself */
     int scales;          /* how many time scales; the first resolves what is fastest */
     int has_instant;     /* 1: a constraint or a rate beyond resolution: entering may jump */
-    int hides, resolves; /* 1: such a rate is finite; 1: its time constant is no rounding of t */
+    int hides, resolves; /* NS_HIDES_RATES: such a rate is finite; 1: its time constant is no rounding of t */
     ns_time_scale scale[NS_TIME_SCALES];   /* fastest first */
     ns_successor successor[NS_SUCCESSORS]; /* most recent first; NULL: no more */
     ns_exact_mode *next_in_bucket;
@@ -218,14 +221,16 @@ struct ns_exact {
         int guard;                 /* guard that broke last */
         double t;                  /* s: when */
         const ns_exact_mode *mode; /* in which mode; NULL: none did */
+        int at_once;               /* 1: it was below zero where it was looked at first */
     } broken;
     struct {
         int guard;                 /* guard that broke, and the same mode was selected again */
-        const ns_exact_mode *mode; /* that mode: there the guard's rounding counts 64 times; NULL: none */
-    } unmended;
-    int event_guard;         /* guard whose break is this event; NS_GUARD_NONE */
-    int event_pair;          /* its pair, until another mode is taken; -1: none */
-    uint64_t undecided;      /* guards of the mode asked last whose sign is not known, */
+        const ns_exact_mode *mode; /* that mode; NULL: none */
+        double times;              /* so often the guard's rounding counts there */
+    } unmended, left;              /* left: guard that broke at once, in the mode left by the last event */
+    int event_guard;               /* guard whose break is this event; NS_GUARD_NONE */
+    int event_pair;                /* its pair, until another mode is taken; -1: none */
+    uint64_t undecided;            /* guards of the mode asked last whose sign is not known, */
     uint64_t overruled;      /* and those that seem to break soon, though other evidence holds it right */
     ns_mode *wanted;         /* m: the mode to be tried */
     ns_mode *command_target; /* nc: mode a flipped command goes to */
@@ -339,6 +344,9 @@ int ns_exact_event_samples_above(const ns_mode_kernel *k, const double *s, int s
  * errors larger than they are.  They break where they are below zero by their rounding and not where they
  * pass zero: there the two modes on either side would take turns. */
 void ns_exact_event_quiet(ns_exact *f);
+/* The event of guard (NS_GUARD_NONE: of none) in mode `was` is resolved: notes whether only rounding decided.
+ */
+void ns_exact_event_note_mended(ns_exact *f, const ns_exact_mode *was, int guard);
 /* c: the coefficients of (E1) at i/NS_INTERVALS of s Euler steps. */
 void ns_exact_event_intervals(double s, double (*c)[NS_ORDER]);
 

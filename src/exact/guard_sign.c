@@ -63,7 +63,7 @@ static ns_mode_verdict judge_mode(ns_exact *f, ns_exact_mode *k, ns_evidence evi
     double *value = f->work.values, *tol = value + 2 * kernel->rows;
     f->undecided = f->overruled = 0;
     const int jumps = ns_exact_enter(f, k);
-    if (jumps && evidence != NS_EVIDENCE_IMPULSES && !ns_exact_enter_fits(f, kernel))
+    if (jumps && evidence != NS_EVIDENCE_IMPULSES && ns_exact_enter_fits(f, kernel) != NS_ENTRY_FITS)
         return NS_VERDICT_NO;
     ns_exact_guard_values(f, kernel, f->X_next, value, tol);
     for (int g = 0; g < kernel->pair_rows; g++) {
@@ -84,17 +84,29 @@ static ns_mode_verdict judge_mode(ns_exact *f, ns_exact_mode *k, ns_evidence evi
     return NS_VERDICT_HOLDS;
 }
 
+/* What dies out in mode k as if in an instant is resolved, if the sources turn or jump before it may have. */
+static void resolve_before_next(ns_exact *f, ns_exact_mode *k) {
+    const double end = f->state.now.t + ldexp(f->h, -NS_EVENT_EXPONENT);
+    if (k->hides && !k->resolves && ns_inputs_events_next(f->events, end) < end)
+        (void)ns_exact_mode_resolve(f, k);
+}
+
 /* Where a guard breaks on the way of a jump that has a finite rate, it is resolved, and another mode follows
- * there. */
+ * there.  It is, too, where the impulse of a pair is no more than what flows through it meanwhile. */
 ns_mode_verdict ns_exact_mode_holds(ns_exact *f, ns_exact_mode *k, ns_evidence evidence, uint64_t undecided) {
+    resolve_before_next(f, k);
     const ns_mode_verdict verdict = judge_mode(f, k, evidence, undecided);
-    if (verdict == NS_VERDICT_HOLDS || !f->entered || !ns_exact_enter_fits(f, f->entered) ||
-        !ns_exact_mode_resolve(f, k))
+    if (verdict == NS_VERDICT_HOLDS || !f->entered)
+        return verdict;
+    const ns_entry_fit fit = ns_exact_enter_fits(f, f->entered);
+    const int may = fit == NS_ENTRY_MAYBE || (fit == NS_ENTRY_FITS && (k->hides & NS_HIDES_RATES));
+    if (!may || !ns_exact_mode_resolve(f, k))
         return verdict;
     return judge_mode(f, k, evidence, undecided);
 }
 
 int ns_exact_mode_holds_clearly(ns_exact *f, ns_exact_mode *k) {
+    resolve_before_next(f, k);
     const ns_mode_kernel *kernel = k->scale[0].kernel;
     double *value = f->work.values, *tol = value + 2 * kernel->rows;
     if (ns_exact_enter(f, k))

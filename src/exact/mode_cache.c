@@ -139,7 +139,8 @@ static int list_rates(const ns_exact *f, ns_exact_mode *k, const ns_mode_kernel 
         const double dies = re[i] < 0 ? DIES_OUT / -re[i] : INFINITY;
         if (dies > instant && isfinite(re[i]))
             rate[count++] = (ns_mode_rate){hypot(re[i], im[i]), dies};
-        k->hides |= dies <= instant && isfinite(re[i]);
+        if (dies <= instant && (isfinite(re[i]) || im[i] != 0))
+            k->hides |= isfinite(re[i]) ? NS_HIDES_RATES : NS_MAY_HIDE_RATES;
     }
     k->has_instant = count < kernel->r;
     for (int i = 0; i < f->inputs->nv; i++) {
@@ -200,13 +201,19 @@ static void list_time_scales(const ns_exact *f, ns_exact_mode *k, const ns_mode_
     }
 }
 
+/* Of the kernel whose rates are read: those far from 1/h are lost in its rounding. */
+static double probe_length(const ns_exact *f, const ns_exact_mode *k) {
+    if (k->resolves)
+        return ldexp(f->h, -NS_EVENT_EXPONENT);
+    return f->cache.first_h < f->h / 64 || f->cache.first_h > f->h ? f->h : f->cache.first_h;
+}
+
 static int build_mode(ns_exact *f, ns_exact_mode *k) {
     const int r = f->s->r, all = r + f->inputs->nv;
     double *room = malloc(sizeof *room * (2 * (size_t)r + 1));
     ns_mode_rate *rate = malloc(sizeof *rate * ((size_t)all + 1));
     ns_mode_kernel *probe = NULL;
-    /* rates far from 1/h of the kernel they are read from are lost in its rounding */
-    const double guess = f->cache.first_h < f->h / 64 || f->cache.first_h > f->h ? f->h : f->cache.first_h;
+    const double guess = probe_length(f, k);
     int status =
         room && rate ? ns_exact_kernel_build(f->s, f->inputs, guess / NS_POLE, k->mode, &probe) : NS_E_MEMORY;
     const int count = status == NS_OK ? list_rates(f, k, probe, rate, room, &status) : 0;
@@ -244,14 +251,16 @@ int ns_exact_mode_resolve(ns_exact *f, ns_exact_mode *k) {
     k->resolves = 1;
     ns_theta_set_mode(f->s, k->mode);
     const int status = build_mode(f, k);
-    if (status != NS_OK) {
+    if (status == NS_OK)
+        f->cache.bytes += sizeof *k + (size_t)f->system->m;
+    if (status != NS_OK || !(k->scale[0].h < coarse.scale[0].h)) { /* no rate was found finite */
+        f->cache.bytes -= status == NS_OK ? bytes_of(f, k) : 0;
         free_time_scales(k);
         *k = coarse;
         k->resolves = 1;
         f->failed = status == NS_E_MEMORY ? status : f->failed;
         return 0;
     }
-    f->cache.bytes += sizeof *k + (size_t)f->system->m;
     f->cache.bytes -= bytes_of(f, &coarse);
     f->cache.steps_dropped++;
     f->entered = NULL;

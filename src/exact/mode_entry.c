@@ -187,11 +187,6 @@ static int leaves_corner(const ns_exact *f, const ns_mode_kernel *k, int g) {
            -f->work.impulse[g] * k->g <= ns_exact_guard_of(k, k->value, g, f->X_next) * instant;
 }
 
-/* 1 if guard g holds in the whole step, with what does not jump, and so its impulse is none. */
-static int outweighs(const ns_exact *f, const ns_mode_kernel *k, int g) {
-    return guard_after_step(k, g, k->q, f->X) >= 0 && (leaves_corner(f, k, g) || blocks(f, k, g));
-}
-
 /* What the impulse of guard g may be off by.  The rate is that after the jump: before it, in a kernel of
  * 1e-17 s, the rounding of the time alone would allow any impulse. */
 static double impulse_rounding(const ns_exact *f, const ns_mode_kernel *k, int g) {
@@ -213,15 +208,20 @@ static double least_impulse(const ns_exact *f, const ns_mode_kernel *k, int g, d
            impulse_rounding(f, k, g);
 }
 
-int ns_exact_enter_fits(ns_exact *f, const ns_mode_kernel *k) {
+ns_entry_fit ns_exact_enter_fits(ns_exact *f, const ns_mode_kernel *k) {
+    ns_entry_fit fits = NS_ENTRY_FITS;
     for (int g = 0; g < k->pair_rows; g++)
         f->work.impulse[g] = guard_after_step(k, g, k->r, f->work.gone);
     const double most = largest_impulse(f, k);
-    for (int g = 0; g < k->pair_rows; g++)
-        if (f->work.impulse[g] < -impulse_tol * most && f->work.impulse[g] < -least_impulse(f, k, g, most) &&
-            !outweighs(f, k, g))
-            return 0;
-    return 1;
+    for (int g = 0; g < k->pair_rows && fits != NS_ENTRY_NO; g++) {
+        if (!(f->work.impulse[g] < -impulse_tol * most && f->work.impulse[g] < -least_impulse(f, k, g, most)))
+            continue;
+        if (!(guard_after_step(k, g, k->q, f->X) >= 0))
+            fits = NS_ENTRY_NO;
+        else if (!leaves_corner(f, k, g) && !blocks(f, k, g))
+            fits = NS_ENTRY_MAYBE;
+    }
+    return fits;
 }
 
 int ns_exact_enter_carries(const ns_exact *f, const ns_mode_kernel *k, int g) {

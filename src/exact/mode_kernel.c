@@ -359,7 +359,7 @@ int ns_exact_kernel_rates(const ns_mode_kernel *k, double *re, double *im) {
         const double a = 1 + re[i], b = im[i], size = a * a + b * b;
         if (size < 1e-15) { /* instantaneous: its rounding would give it any rate, of any sign */
             re[i] = -INFINITY;
-            im[i] = 0;
+            im[i] = size > 1e-26; /* more than rounding */
             continue;
         }
         const double x = re[i];

@@ -121,7 +121,8 @@ void ns_exact_input_matrix(const ns_input_states *e, double h, double *out);
 /* Longest step of a kernel for rates (1/s) up to this: h, the ladder's, times a power of two. */
 double ns_exact_kernel_length(double h, double rate);
 
-/* The rates of the mode, 1/s: re, im (r each); infinite ones are -INFINITY, 0.  Errors: MEMORY, NUMBER. */
+/* The rates of the mode, 1/s: re, im (r each); infinite ones are -INFINITY, 0; those larger than this kernel
+ * tells -INFINITY, 1.  Errors: MEMORY, NUMBER. */
 int ns_exact_kernel_rates(const ns_mode_kernel *k, double *re, double *im);
 
 #endif
