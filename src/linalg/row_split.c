@@ -32,6 +32,9 @@ typedef struct elimination {
     double *r, *c;      /* n, scales of rows and columns, powers of two */
     int *row;           /* n, 1: gave a pivot */
     int *column;        /* n, 1: pivoted */
+    double *most;       /* n, the largest entry of a column that may be a pivot; 0: there is none */
+    int *most_row;      /* n, the first row that it is in */
+    double *by, *slop;  /* n, what is subtracted from a row, of the pivot's; the rounding of that */
     const double *flow; /* n, how much flows in a row; NULL: not known */
 } elimination;
 
@@ -48,15 +51,19 @@ static int begin(elimination *g, int n) {
     memset(g, 0, sizeof *g);
     g->n = n;
     g->a = calloc(3 * nn, sizeof(double));
-    g->r = calloc(2 * (size_t)n, sizeof(double));
-    g->row = calloc(2 * (size_t)n, sizeof(int));
+    g->r = calloc(5 * (size_t)n, sizeof(double));
+    g->row = calloc(3 * (size_t)n, sizeof(int));
     if (!g->a || !g->r || !g->row) {
         return 0;
     }
     g->err = g->a + nn;
     g->t = g->err + nn;
     g->c = g->r + n;
+    g->most = g->c + n;
+    g->by = g->most + n;
+    g->slop = g->by + n;
     g->column = g->row + n;
+    g->most_row = g->column + n;
     return 1;
 }
 
@@ -150,17 +157,26 @@ static void find_quiet_pivot(const elimination *g, const double *M, double most,
     }
 }
 
+static void look_at_column(elimination *g, int j) {
+    g->most[j] = 0;
+    g->most_row[j] = -1;
+    for (int i = 0; i < g->n && !g->column[j]; i++) {
+        const double size = pivot_size(g, i, j);
+        if (size > g->most[j]) {
+            g->most[j] = size;
+            g->most_row[j] = i;
+        }
+    }
+}
+
 /* The largest entry that is not rounding; 0 if there is none. */
 static int find_pivot(const elimination *g, const double *M, int *pi, int *pj) {
     double most = 0;
     for (int j = 0; j < g->n; j++) {
-        for (int i = 0; i < g->n && !g->column[j]; i++) {
-            const double size = pivot_size(g, i, j);
-            if (size > most) {
-                most = size;
-                *pi = i;
-                *pj = j;
-            }
+        if (g->most[j] > most) {
+            most = g->most[j];
+            *pi = g->most_row[j];
+            *pj = j;
         }
     }
     if (most > 0 && g->flow) {
@@ -169,25 +185,36 @@ static int find_pivot(const elimination *g, const double *M, int *pi, int *pj) {
     return most > 0;
 }
 
+/* Column j of the row combinations, and of what is left of M, once by and slop are known. */
+static void eliminate_in_column(elimination *g, int p, int j) {
+    const int n = g->n;
+    double *t = g->t + ij(n, 0, j), *a = g->a + ij(n, 0, j), *err = g->err + ij(n, 0, j);
+    for (int i = 0; i < n && t[p] != 0; i++)
+        t[i] -= g->by[i] * t[p];
+    const int changes = !g->column[j] && (a[p] != 0 || err[p] != 0);
+    for (int i = 0; i < n && changes; i++) {
+        err[i] += fabs(g->by[i]) * err[p] + g->slop[i] * fabs(a[p]);
+        a[i] -= g->by[i] * a[p];
+    }
+    if (changes || g->most_row[j] == p)
+        look_at_column(g, j);
+}
+
 /* Subtracts multiples of row p from all rows without pivot so that column q vanishes there. */
 static void eliminate(elimination *g, int p, int q) {
-    int n = g->n;
-    double pivot = g->a[ij(n, p, q)], slop = g->err[ij(n, p, q)] / fabs(pivot);
+    const int n = g->n;
+    double *column = g->a + ij(n, 0, q);
+    const double pivot = column[p], slop = g->err[ij(n, p, q)] / fabs(pivot);
     g->row[p] = g->column[q] = 1;
+    g->most[q] = 0;
     for (int i = 0; i < n; i++) {
-        double f = g->a[ij(n, i, q)] / pivot, f_err = g->err[ij(n, i, q)] / fabs(pivot) + fabs(f) * slop;
-        if (g->row[i] || g->a[ij(n, i, q)] == 0) {
-            continue;
-        }
-        for (int j = 0; j < n; j++) {
-            g->t[ij(n, i, j)] -= f * g->t[ij(n, p, j)];
-            if (!g->column[j]) {
-                g->err[ij(n, i, j)] += fabs(f) * g->err[ij(n, p, j)] + f_err * fabs(g->a[ij(n, p, j)]);
-                g->a[ij(n, i, j)] -= f * g->a[ij(n, p, j)];
-            }
-        }
-        g->a[ij(n, i, q)] = 0;
+        const int goes = !g->row[i] && column[i] != 0;
+        g->by[i] = goes ? column[i] / pivot : 0;
+        g->slop[i] = goes ? g->err[ij(n, i, q)] / fabs(pivot) + fabs(g->by[i]) * slop : 0;
+        column[i] = goes ? 0 : column[i];
     }
+    for (int j = 0; j < n; j++)
+        eliminate_in_column(g, p, j);
 }
 
 /* 1 if v M = 0 within the rounding of its terms. */
@@ -261,6 +288,8 @@ static int split(int n, const double *M, const double *size, const double *flow,
     }
     g.flow = flow;
     equilibrate(&g, M, size);
+    for (int j = 0; j < n; j++)
+        look_at_column(&g, j);
     while (g.rank < n && find_pivot(&g, M, &p, &q)) {
         eliminate(&g, p, q);
         g.rank++;
