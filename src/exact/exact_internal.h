@@ -140,7 +140,7 @@ typedef struct ns_exact_long {
 /* What a trial changes, restored when it is dropped. */
 typedef struct ns_exact_past {
     ns_exact_quiet quiet;    /* nobody looks ahead again where this holds */
-    ns_exact_long longer;    /* steps longer than their samples */
+    ns_exact_long longer[2]; /* steps longer than their samples; beside wider parts */
     double guard_t;          /* s: when a guard broke last; -INFINITY: none did */
     long trials;             /* that were accepted */
     double period;           /* s: of the sources, as it is known then; 0: not known */

@@ -16,6 +16,7 @@ enum { FAST_RATIO = 16, LEAST_GAIN = 8 };
 void ns_exact_fast_free(ns_fast_parts *p) {
     if (!p)
         return;
+    ns_exact_fast_free(p->wider);
     for (int k = 0; k < NS_LONG_STEPS; k++)
         ns_exact_step_free(p->step[k]);
     free(p->left);
@@ -24,7 +25,7 @@ void ns_exact_fast_free(ns_fast_parts *p) {
 }
 
 size_t ns_exact_fast_bytes(const ns_fast_parts *p) {
-    size_t sum = p ? p->bytes : 0;
+    size_t sum = p ? p->bytes + ns_exact_fast_bytes(p->wider) : 0;
     for (int k = 0; p && k < NS_LONG_STEPS; k++)
         sum += p->step[k] ? p->step[k]->bytes : 0;
     return sum;
@@ -82,14 +83,33 @@ static double rate_of(double g, double re, double im, double *growth) {
     return hypot(re, im) / sqrt(size) / g;
 }
 
+/* Rates that this time scale resolves, above `least`, are fast. */
+static int is_fast(const ns_mode_kernel *k, double size, double least) {
+    return size > least && size < 1.5 * NS_REACH / k->h;
+}
+
+/* With each rate that is fast those within the ratio of it are so too: what all of them are above. */
+static double widen(const ns_mode_kernel *k, const ns_eigen *e, double least) {
+    double growth, slowest = least * FAST_RATIO, before = INFINITY;
+    while (slowest < before) {
+        before = slowest;
+        for (int i = 0; i < k->r; i++) {
+            const double size = rate_of(k->g, e->re[i], e->im[i], &growth);
+            slowest = is_fast(k, size, before / FAST_RATIO) ? ns_lower(slowest, size) : slowest;
+        }
+    }
+    return slowest / FAST_RATIO;
+}
+
 /* The parts of the time scale that are fast, and the kernel's step for the rest; 0: the rest is as fast. */
-static int count_fast(const ns_exact *f, const ns_mode_kernel *k, const ns_eigen *e, double *slow_h) {
+static int count_fast(const ns_exact *f, const ns_mode_kernel *k, const ns_eigen *e, double least,
+                      double *slow_h) {
     const double fastest = NS_REACH / k->h;
     double rest = 0, growth, most_growth = 0;
     int count = 0;
     for (int i = 0; i < k->r; i++) {
         const double size = rate_of(k->g, e->re[i], e->im[i], &growth);
-        const int fast = size * FAST_RATIO > fastest && size < 1.5 * fastest;
+        const int fast = is_fast(k, size, least);
         count += fast;
         most_growth = fast ? ns_higher(most_growth, growth) : most_growth;
         rest = !fast && size < fastest ? ns_higher(rest, size) : rest;
@@ -189,14 +209,13 @@ static void fill_guards(const ns_mode_kernel *k, ns_fast_parts *p) {
         p->left_size[i] = fabs(p->left[i]);
 }
 
-static int fill(const ns_exact *f, const ns_mode_kernel *k, const ns_eigen *e, ns_fast_parts *p) {
-    const double fastest = NS_REACH / k->h;
+static int fill(const ns_exact *f, const ns_mode_kernel *k, const ns_eigen *e, double least,
+                ns_fast_parts *p) {
     int status = NS_OK;
     for (int i = 0, at = 0; i < k->r && at < p->count && status == NS_OK; i++) {
         double growth;
-        const double size = rate_of(k->g, e->re[i], e->im[i], &growth);
         const int pair = e->im[i] != 0;
-        if (size * FAST_RATIO > fastest && size < 1.5 * fastest) {
+        if (is_fast(k, rate_of(k->g, e->re[i], e->im[i], &growth), least)) {
             p->is_first[at] = (unsigned char)pair;
             fill_part(k, e, p, at, i);
             status = extend_to_inputs(f, k, p, at, e->re[i], e->im[i]);
@@ -209,26 +228,58 @@ static int fill(const ns_exact *f, const ns_mode_kernel *k, const ns_eigen *e, n
     return status == NS_OK && !ns_linalg_finite(numbers, p->left_size) ? NS_E_NUMBER : status;
 }
 
+/* The parts above `least`; none if the rest is as fast or the parts cannot be told apart.  NULL: no memory.
+ */
+static ns_fast_parts *make(const ns_exact *f, const ns_mode_kernel *k, const ns_eigen *e, double least) {
+    double slow_h;
+    const int count = count_fast(f, k, e, least, &slow_h);
+    ns_fast_parts *p = allocate(k, count);
+    const int status = p && count > 0 ? fill(f, k, e, least, p) : NS_OK;
+    if (status == NS_E_MEMORY) {
+        ns_exact_fast_free(p);
+        return NULL;
+    }
+    if (p && status != NS_OK)
+        p->count = 0;
+    if (p)
+        p->slow_h = slow_h;
+    return p;
+}
+
+/* Those of the time scale, or the wider ones if these alone leave a rest that is slower. */
+static int make_both(const ns_exact *f, const ns_mode_kernel *k, const ns_eigen *e, ns_fast_parts **out) {
+    const double least = NS_REACH / k->h / FAST_RATIO, wider = widen(k, e, least);
+    ns_fast_parts *p = make(f, k, e, least), *w = p && wider < least ? make(f, k, e, wider) : NULL;
+    *out = p;
+    if (!p || (wider < least && !w)) {
+        ns_exact_fast_free(p);
+        *out = NULL;
+        return NS_E_MEMORY;
+    }
+    if (w && w->count > 0 && p->count == 0) {
+        ns_exact_fast_free(p);
+        *out = w;
+    } else if (w && w->count > p->count) {
+        p->wider = w;
+    } else {
+        ns_exact_fast_free(w);
+    }
+    return NS_OK;
+}
+
 int ns_exact_fast_build(ns_exact *f, ns_time_scale *scale) {
     const ns_mode_kernel *k = scale->kernel;
     ns_eigen e;
-    double slow_h = 0;
     int status = find_eigenvectors(k, &e);
-    const int count = status == NS_OK ? count_fast(f, k, &e, &slow_h) : 0;
-    ns_fast_parts *p = status == NS_E_MEMORY ? NULL : allocate(k, count);
-    if (p && count > 0)
-        status = fill(f, k, &e, p);
-    if (p && status != NS_OK)
-        p->count = 0;
-    free(e.re);
-    if (!p || status == NS_E_MEMORY) {
-        ns_exact_fast_free(p);
-        return NS_E_MEMORY;
+    if (status == NS_OK) {
+        status = make_both(f, k, &e, &scale->fast);
+    } else if (status != NS_E_MEMORY) {
+        scale->fast = allocate(k, 0);
+        status = scale->fast ? NS_OK : NS_E_MEMORY;
     }
-    p->slow_h = slow_h;
-    scale->fast = p;
-    f->cache.bytes += p->bytes;
-    return NS_OK;
+    free(e.re);
+    f->cache.bytes += ns_exact_fast_bytes(scale->fast);
+    return status;
 }
 
 void ns_exact_fast_split(const ns_exact *f, const ns_mode_kernel *k, ns_fast_parts *p) {

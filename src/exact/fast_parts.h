@@ -2,7 +2,8 @@
  *
  * With the eigenvectors v (right) and u (left, u v = 1) of the rates above a sixteenth of the time scale's
  * own, X = sum v (u X) + the rest, and these parts add |c v| |u X| to guard c at most from now on, as no rate
- * grows.
+ * grows.  Where slower ones ring too, each within a sixteenth of the next faster one, there are wider parts,
+ * with these: their rest is slower still, and they reach farther.
  */
 #ifndef NS_EXACT_FAST_PARTS_H
 #define NS_EXACT_FAST_PARTS_H
@@ -27,6 +28,7 @@ typedef struct ns_fast_parts {
     double *amplitude, *noise, *rest, *bound; /* count, count, q, rows: work */
     ns_step_map *step[NS_LONG_STEPS];         /* of h 2^k, with samples for the rest */
     size_t bytes;                             /* without its steps */
+    struct ns_fast_parts *wider;              /* NULL: there are none */
 } ns_fast_parts;
 
 /* scale->fast; its count is 0 where no step would be longer, or the parts cannot be told apart.  Errors:
@@ -36,7 +38,7 @@ int ns_exact_fast_build(ns_exact *f, ns_time_scale *scale);
 /* p->rest: X without the fast parts; p->bound: what these add to each guard at most, rounding included. */
 void ns_exact_fast_split(const ns_exact *f, const ns_mode_kernel *k, ns_fast_parts *p);
 
-size_t ns_exact_fast_bytes(const ns_fast_parts *p); /* of all of it; NULL is allowed */
+size_t ns_exact_fast_bytes(const ns_fast_parts *p); /* of all of it, wider ones too; NULL is allowed */
 void ns_exact_fast_free(ns_fast_parts *p);          /* NULL is allowed */
 
 #endif

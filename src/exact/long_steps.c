@@ -23,9 +23,8 @@ static int is_clear_now(const ns_mode_kernel *k, const ns_fast_parts *p) {
 }
 
 /* *done: the length of the step of h 2^exponent, if all guards hold all through it. */
-static int try_step(ns_exact *f, ns_time_scale *scale, int exponent, double *done) {
+static int try_step(ns_exact *f, ns_time_scale *scale, ns_fast_parts *p, int exponent, double *done) {
     const ns_mode_kernel *k = scale->kernel;
-    ns_fast_parts *p = scale->fast;
     ns_step_map **map = &p->step[exponent];
     int status = *map ? NS_OK : ns_exact_step_spaced(f, scale, exponent, p->slow_h, map);
     status = status == NS_OK ? ns_exact_step_sample(f, scale, *map) : status;
@@ -89,9 +88,23 @@ static void note_outcome(ns_exact_long *l, int taken) {
     }
 }
 
-int ns_exact_long_step(ns_exact *f, ns_time_scale *scale, double *rest, double *done) {
+/* With these parts. */
+static int step_beside(ns_exact *f, ns_time_scale *scale, ns_fast_parts *p, double rest, double *done) {
     const ns_mode_kernel *k = scale->kernel;
-    ns_exact_long *l = &f->past.longer;
+    ns_exact_long *l = &f->past.longer[p != scale->fast];
+    int status = NS_OK;
+    if (l->scale != scale || l->event_t != f->state.last_event_t)
+        *l = (ns_exact_long){.scale = scale, .event_t = f->state.last_event_t, .exponent = FIRST_EXPONENT};
+    if (l->wait > 0 && l->wait-- > 0)
+        return NS_OK;
+    ns_exact_fast_split(f, k, p);
+    if (is_clear_now(k, p))
+        status = try_step(f, scale, p, exponent_for(k, p->slow_h, l->exponent, rest), done);
+    note_outcome(l, *done > 0);
+    return status;
+}
+
+int ns_exact_long_step(ns_exact *f, ns_time_scale *scale, double *rest, double *done) {
     const ns_clock *now = &f->state.now;
     *done = 0;
     const double begin = begin_of_long_steps(f, scale), since = now->t - f->state.last_event_t + now->lost;
@@ -99,17 +112,10 @@ int ns_exact_long_step(ns_exact *f, ns_time_scale *scale, double *rest, double *
         *rest = ns_lower(*rest, begin - since);
         return NS_OK;
     }
-    if (l->scale != scale || l->event_t != f->state.last_event_t)
-        *l = (ns_exact_long){.scale = scale, .event_t = f->state.last_event_t, .exponent = FIRST_EXPONENT};
-    if (l->wait > 0 && l->wait-- > 0)
-        return NS_OK;
     int status = scale->fast ? NS_OK : ns_exact_fast_build(f, scale);
-    ns_fast_parts *p = scale->fast;
-    if (status != NS_OK || p->count == 0)
-        return status;
-    ns_exact_fast_split(f, k, p);
-    if (is_clear_now(k, p))
-        status = try_step(f, scale, exponent_for(k, p->slow_h, l->exponent, *rest), done);
-    note_outcome(l, *done > 0);
+    if (status == NS_OK && scale->fast->wider)
+        status = step_beside(f, scale, scale->fast->wider, *rest, done);
+    if (status == NS_OK && *done == 0 && scale->fast->count > 0)
+        status = step_beside(f, scale, scale->fast, *rest, done);
     return status;
 }

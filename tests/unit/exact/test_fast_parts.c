@@ -73,6 +73,40 @@ static void down_to_zero(void **state) {
     close_bench(&r.b);
 }
 
+/* Three such rings behind one diode, which lose nothing to speak of, each with eight times the L and the C of
+ * the one before: the last one's periods are no reason for 80 steps with the steps of the first. */
+static void slower_ones_beside_it(void **state) {
+    enum { RINGS = 3 };
+    const double t = 2.5e-3, r = 1e-6;
+    const ns_diode d = {0, 0, INFINITY, INFINITY, 0};
+    bench b = open_bench();
+    int l[RINGS];
+    (void)state;
+    source(&b, "v", 1, 0, dc(11));
+    assert_int_equal(ns_circuit_diode(b.c, "d", 1, 2, &d, NULL), NS_OK);
+    for (int k = 0; k < RINGS; k++) {
+        const char *const name[][4] = {
+            {"r0", "l0", "c0", "i0"}, {"r1", "l1", "c1", "i1"}, {"r2", "l2", "c2", "i2"}};
+        const int a = 3 + 2 * k;
+        assert_int_equal(ns_circuit_resistor(b.c, name[k][0], 2, a, r, NULL), NS_OK);
+        assert_int_equal(ns_circuit_inductor(b.c, name[k][1], a, a + 1, ldexp(henries, 3 * k), 10, &l[k]),
+                         NS_OK);
+        assert_int_equal(
+            ns_circuit_capacitor(b.c, name[k][2], a + 1, 0, ldexp(farads, 3 * k), 10 - 10 * r, NULL), NS_OK);
+        const ns_signal load = dc(10);
+        assert_int_equal(ns_circuit_source(b.c, name[k][3], NS_CURRENT, a + 1, 0, &load, NULL), NS_OK);
+    }
+    start(&b, 1e-5);
+    go(&b, t, NS_TO_TIME);
+    for (int k = 0; k < RINGS; k++) {
+        const double L = ldexp(henries, 3 * k), a = r / (2 * L),
+                     w = sqrt(1 / (L * ldexp(farads, 3 * k)) - a * a);
+        near(i_of(&b, l[k]), 10 + exp(-a * t) / (L * w) * sin(w * t), 1e-6);
+    }
+    assert_true(ns_march_counts(b.m)->steps < 1000);
+    close_bench(&b);
+}
+
 /* 10 V of 10 kHz drive 0.1 mH, a diode with a leak of 1e9 ohm, and 10 ohm.  From where the sine rises,
  *     i = V/Z (sin(w t - phi) + sin(phi) exp(-R t/L)),  phi = atan(w L/R),  Z^2 = R^2 + (w L)^2,
  * but for the leak, 1e-8 A.  After the diode has opened that takes 0.1 mH/1e9 ohm = 1e-13 s to flow; until it
@@ -100,6 +134,7 @@ static void what_dies_out(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(far_from_zero), cmocka_unit_test(down_to_zero),
+                                       cmocka_unit_test(slower_ones_beside_it),
                                        cmocka_unit_test(what_dies_out)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
