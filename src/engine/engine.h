@@ -54,6 +54,8 @@ typedef struct ns_engine_table {
     /* As ns_march_set_input(), whose checks were made; the engine's system has the signal already, copies of
      * that system have not. */
     int (*set_input)(ns_engine *e, int input, const ns_signal *signal);
+    /* The next start with start() is in this mode (m; copied), where it holds.  NULL: it finds one itself. */
+    void (*guess)(ns_engine *e, const ns_mode *mode);
     /* Errors of its steps are allowed less from now on; 0: no less than before.  NULL: they are not chosen.
      */
     int (*be_finer)(ns_engine *e);
@@ -126,6 +128,11 @@ static inline int ns_engine_peek(ns_engine *e, double *x, double *lambda) {
 static inline void ns_engine_watch(ns_engine *e, const ns_watch *w) {
     if (e->table->watch)
         e->table->watch(e, w);
+}
+
+static inline void ns_engine_guess(ns_engine *e, const ns_mode *mode) {
+    if (e->table->guess)
+        e->table->guess(e, mode);
 }
 
 static inline int ns_engine_be_finer(ns_engine *e) {

@@ -132,7 +132,7 @@ static int store_point(ns_exact *f) {
     return NS_OK;
 }
 
-int ns_exact_find_consistent(ns_exact *f) {
+int ns_exact_find_consistent(ns_exact *f, int guess) {
     load_time(f);
     f->state.last_event_t = f->state.now.t;
     f->events_to = -INFINITY; /* seek_events() has to seek */
@@ -141,7 +141,7 @@ int ns_exact_find_consistent(ns_exact *f) {
     memset(f->max_abs, 0, sizeof(double) * (size_t)f->s->r);
     load_charges(f);
     ns_theta_set_bounds(f->s);
-    const int status = ns_exact_select_start(f);
+    const int status = ns_exact_select_start(f, guess);
     return status == NS_OK ? store_point(f) : status;
 }
 

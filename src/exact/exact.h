@@ -28,9 +28,9 @@ int ns_exact_go(ns_exact *f, double accepted_t, double t, ns_until until);
 int ns_exact_set_input(ns_exact *f, int input);
 /* 1 if the way goes another way with it: it is more than shown, and more than a command of time. */
 int ns_exact_input_matters(const ns_exact *f, int input);
-/* The stepper has just been started: its point becomes consistent, by jumps where needed.  Errors: those of
- * the impulse problem. */
-int ns_exact_find_consistent(ns_exact *f);
+/* The stepper has just been started: its point becomes consistent, by jumps where needed; guess: 1: in the
+ * stepper's mode, if that holds.  Errors: those of the impulse problem. */
+int ns_exact_find_consistent(ns_exact *f, int guess);
 /* Events and periods are shown to w; NULL: to nobody. */
 void ns_exact_watch(ns_exact *f, const ns_watch *w);
 /* ns_exact_go() fails with LIMIT where e, which outlives f, has passed its bound. */

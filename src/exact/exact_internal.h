@@ -401,9 +401,9 @@ int ns_exact_advance(ns_exact *f, double t, ns_exact_step *step);
  * commands in point->flip (nc) changed and inputs jumped or turned; X moves if the state jumps.  point->flip
  * is cleared.  OK, GUARD: found none, nothing is changed; MEMORY. */
 int ns_exact_select_mode(ns_exact *f, int guard);
-/* mode_selection.c: the first mode, from X at t with commands as in the stepper; X moves if the state jumps.
- * Errors: those of the impulse problem. */
-int ns_exact_select_start(ns_exact *f);
+/* mode_selection.c: the first mode, from X at t with commands as in the stepper; guess: 1: the stepper's, if
+ * that holds; X moves if the state jumps.  Errors: those of the impulse problem. */
+int ns_exact_select_start(ns_exact *f, int guess);
 /* mode_entry.c: X freed of what the constraints of its mode do not allow: all of it; rounding alone, nothing
  * if there is more. */
 void ns_exact_enter_consistent(ns_exact *f);

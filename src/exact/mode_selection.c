@@ -258,12 +258,18 @@ int ns_exact_mode_after(ns_exact *f, int by_guard, int broken, int *goes_on) {
     return status == NS_GUARD && broken >= 0 ? trust_broken(f, broken, goes_on) : status;
 }
 
-int ns_exact_select_start(ns_exact *f) {
-    int goes_on = 0, status = NS_OK;
+int ns_exact_select_start(ns_exact *f, int guess) {
+    int goes_on = 0, status = NS_GUARD;
     f->state.mode = NULL;
     ns_exact_event_known_to(f, 0);
     ns_exact_event_is_of(f, -1);
     read_inputs_after(f);
+    if (guess) {
+        memcpy(f->wanted, ns_theta_mode(f->s), (size_t)f->system->m);
+        status = try_wanted(f, NS_EVIDENCE_NONE, &goes_on);
+    }
+    if (status != NS_GUARD && !goes_on)
+        return status;
     for (int round = 0; round < 4; round++) {
         status = solve_lcp_proposal(f, &goes_on);
         if (status != NS_OK || !goes_on)

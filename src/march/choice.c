@@ -11,11 +11,17 @@ static const double clearly = 0.7;
 /* It is left before that time is over if it has spent a quarter of that part and needs so many times as much;
  * but not, up to half of all work between two questions, if that is for matrices which are kept. */
 static const double hopeless = 4, much = 0.5;
+/* Where of so many events one at most ended a new mode, these matrices may take in all as much as the other
+ * one took in all: they are made once, and it goes on. */
+static const double recurring = 6;
 /* After a question that was answered no, it is this many times as long until the next; after a failure. */
 static const double later = 2, much_later = 8;
 /* An engine crawls that needs so many times the work that it needed when it was chosen: the other one is
  * asked at once, if this part of the usual interval has passed. */
 static const double crawls = 4, soon = 0.5;
+/* To ask costs that the engine at work begins again: at least so many times that lie between two questions.
+ */
+static const double starts = 4;
 /* A trial through all events may take this many times the work between two questions before the other engine
  * is asked for the same one: what was done for it is lost then. */
 static const double long_trial = 4;
@@ -28,20 +34,30 @@ enum { FEW = 4 };
  * that is tried again, or for so many times what the trial took. */
 static const double a_while = 0.25, times_a_trial = 8;
 
+/* From here on is counted what the engine at work does; what it did so far counts for or against matrices of
+ * the one that is asked. */
+static void mark(ns_choice *c, double t, ns_work work) {
+    const double spent = work.all - c->from.work.all;
+    c->owed += c->asks ? -spent : spent;
+    c->from = (ns_choice_mark){t, work};
+}
+
 static void wait(ns_choice *c, double t, ns_work work, double times) {
+    mark(c, t, work);
     c->asks = 0;
     c->again = 0;
     c->interval *= times;
-    c->from = (ns_choice_mark){t, work};
 }
 
 void ns_march_choice_begin(ns_choice *c, double t, ns_work work, double first) {
     if (!(c->interval > 0))
-        *c = (ns_choice){.interval = first, .usual = NAN, .is_first = 1};
-    if (c->asks)
+        *c = (ns_choice){.interval = first, .usual = NAN, .is_first = 1, .from = {t, work}};
+    if (c->asks) {
+        c->until += work.all - c->from.work.all;
         c->from = (ns_choice_mark){t, work};
-    else
+    } else {
         wait(c, t, work, 1);
+    }
 }
 
 /* What was done since a mark, less what made matrices of modes that recur: it is not needed again. */
@@ -51,8 +67,12 @@ static double lasting(ns_work work, const ns_work *from) {
     return work.all - from->all - recurring * (work.once - from->once);
 }
 
+static double between(const ns_choice *c) {
+    return fmax(c->interval, starts * c->start);
+}
+
 static int is_dear_at(const ns_choice *c, double work, double events, double most) {
-    return work > early * c->interval && work > most * (events + 1);
+    return work > early * between(c) && work > most * (events + 1);
 }
 
 static ns_choice_answer look_at_chosen(ns_choice *c, double t, ns_work work, ns_choice_bounds event) {
@@ -63,14 +83,23 @@ static ns_choice_answer look_at_chosen(ns_choice *c, double t, ns_work work, ns_
               is_dear = isnan(c->usual) &&
                         (is_dear_at(c, spent, events, event.most) ||
                          (event.starts && c->is_first && is_dear_at(c, work.all, work.events, event.most)));
-    if ((spent < c->interval && !is_slow && !is_dear) || !(gained > 0))
+    if ((spent < between(c) && !is_slow && !is_dear) || !(gained > 0))
         return NS_CHOICE_STAY;
     c->usual = needs / gained;
     c->per_event = needs / (events + 1);
+    c->recurs = events > recurring * (work.modes - from->modes);
     if (clearly * needs >= event.least * events + event.mode * (work.modes - from->modes))
         return NS_CHOICE_CHANGE;
     wait(c, t, work, 1);
     return NS_CHOICE_STAY;
+}
+
+/* It stays; what the other one took does not count for its matrices.  Two that come back to one another cost
+ * about the same: they ask ever less. */
+static void keep_asked(ns_choice *c, double t, ns_work work, double events) {
+    c->usual = events < FEW ? NAN : clearly * c->usual;
+    wait(c, t, work, c->kept++ > 0 ? later : 1);
+    c->owed = 0;
 }
 
 static ns_choice_answer look_at_asked(ns_choice *c, double t, ns_work work) {
@@ -78,21 +107,30 @@ static ns_choice_answer look_at_asked(ns_choice *c, double t, ns_work work) {
                  events = work.events - c->from.work.events,
                  other = fmax(c->usual * (t - c->from.t), /* what the one before would have spent */
                               c->per_event * events),
-                 whole = part * c->interval;
+                 whole = c->whole;
     if (other >= whole && spent < clearly * other) {
-        c->usual = events < FEW ? NAN : clearly * c->usual;
-        wait(c, t, work, 1);
+        keep_asked(c, t, work, events);
         return NS_CHOICE_STAY;
     }
     if (c->again > 0)
         return work.all >= c->again ? NS_CHOICE_CHANGE : NS_CHOICE_STAY;
-    const int is_hopeful = spent - once < clearly * other && spent < much * c->interval;
+    const int is_hopeful = spent - once < clearly * other && work.all < c->until;
     const int is_over = spent > whole || (spent > whole / 4 && spent > hopeless * other);
-    return is_over && !is_hopeful ? NS_CHOICE_CHANGE : NS_CHOICE_STAY;
+    if (is_over && !is_hopeful)
+        return NS_CHOICE_CHANGE;
+    if (is_over && other >= whole) { /* what was made so far may be all: the next part is longer */
+        mark(c, t, work);
+        c->whole *= 2;
+    }
+    return NS_CHOICE_STAY;
 }
 
 ns_choice_answer ns_march_choice_look(ns_choice *c, double t, ns_work work, ns_choice_bounds event) {
     return c->asks ? look_at_asked(c, t, work) : look_at_chosen(c, t, work, event);
+}
+
+void ns_march_choice_began(ns_choice *c, double took) {
+    c->start = took;
 }
 
 void ns_march_choice_changed(ns_choice *c, double t, ns_work work) {
@@ -100,9 +138,11 @@ void ns_march_choice_changed(ns_choice *c, double t, ns_work work) {
         wait(c, t, work, later);
         return;
     }
-    c->from = (ns_choice_mark){t, work};
+    mark(c, t, work);
     c->asks = 1;
     c->is_first = 0;
+    c->whole = part * c->interval;
+    c->until = work.all + fmax(much * c->interval, c->recurs ? c->owed : 0);
 }
 
 double ns_march_choice_trial(const ns_choice *c) {
@@ -125,5 +165,5 @@ void ns_march_choice_stuck(ns_choice *c, ns_work work, double took) {
 }
 
 double ns_march_choice_limit(const ns_choice *c) {
-    return c->asks && c->again == 0 ? c->from.work.all + 2 * much * c->interval : INFINITY;
+    return c->asks && c->again == 0 ? c->until + much * c->interval : INFINITY;
 }

@@ -26,12 +26,18 @@ typedef struct ns_choice_mark {
 typedef struct ns_choice {
     int asks;         /* 1: the engine at work is the one that is asked */
     int is_first;     /* 1: it was not asked so far */
+    int kept;         /* how often one that was asked stayed */
     double usual;     /* work for a second, when it was chosen, of the one at work; while the other one is
                        * asked, of the one before; NAN: not known */
     double per_event; /* the same for an event */
     double interval;  /* work between two questions */
+    double start;     /* work of the last start of the engine at work */
     double again;     /* work of all until it is tried again to leave the one that is asked, as the other one
                        * could not begin; 0: it was not tried */
+    int recurs;       /* 1: modes did, when the other one was asked */
+    double owed;  /* work of the engine at work, less that of the one that was asked, since one was chosen */
+    double whole; /* work of the one before over which the one that is asked is compared */
+    double until; /* work of all until which the one that is asked may make matrices */
     ns_choice_mark from; /* where the engine at work began, or was chosen */
 } ns_choice;
 
@@ -50,6 +56,8 @@ void ns_march_choice_begin(ns_choice *c, double t, ns_work work, double first);
  * event, and asked early if it needs more.  What is to be done; CHANGE: the caller calls
  * ns_march_choice_changed() when that is done, or ns_march_choice_failed(). */
 ns_choice_answer ns_march_choice_look(ns_choice *c, double t, ns_work work, ns_choice_bounds event);
+/* Before it: the start of the one that is at work now took so much of the work. */
+void ns_march_choice_began(ns_choice *c, double took);
 void ns_march_choice_changed(ns_choice *c, double t, ns_work work);
 /* How much a trial through all events may take the engine at work. */
 double ns_march_choice_trial(const ns_choice *c);

@@ -20,6 +20,8 @@ typedef struct ns_dense_run {
     ns_instant instant; /* what jumped in the trial, or in the start */
     double *carried;    /* n+m: what jumped in a start amid a trial, which counts with that; */
     int carries;        /* 1: so it does; 2: until the next trial */
+    ns_mode *guess;     /* m: of the next start, */
+    int has_guess;      /* 1: if it has one */
     /* the last trial */
     int started, has_trial;
     int moved;    /* the stepper and `trial` are not as they were accepted */
@@ -60,7 +62,8 @@ int ns_march_dense_begin_line(ns_dense_run *r, int from_event);
 int ns_march_dense_sample(ns_engine *e, double t, double *x, double *lambda);
 double ns_march_dense_shortest(ns_engine *e, double t, double *until);
 
-/* dense_start.c: start and start_dc of the table. */
+/* dense_start.c: start, start_dc and guess of the table. */
+void ns_march_dense_guess(ns_engine *e, const ns_mode *mode);
 int ns_march_dense_start(ns_engine *e, double t0, const double *w0, const unsigned char *closed);
 int ns_march_dense_start_dc(ns_engine *e, double t0, int nhold, const int *hold, const double *hold_x,
                             double *x);

@@ -15,7 +15,7 @@ static int find_consistent(ns_dense_run *r, double t0, const double *w0, ns_mode
     int status = ns_ladder_restart(r->ladder, t0, w0, guess);
     if (status != NS_OK)
         return status;
-    status = r->exact ? ns_exact_find_consistent(r->exact) : NS_E_STATE;
+    status = r->exact ? ns_exact_find_consistent(r->exact, guess == r->guess) : NS_E_STATE;
     if (status == NS_OK || status == NS_E_MEMORY)
         return status;
     return ns_ladder_find_consistent(r->ladder);
@@ -57,8 +57,17 @@ static int start(ns_dense_run *r, double t0, const double *w0, const unsigned ch
     return accepted;
 }
 
+void ns_march_dense_guess(ns_engine *e, const ns_mode *mode) {
+    ns_dense_run *r = run_of(e);
+    memcpy(r->guess, mode, (size_t)r->s->m * sizeof *mode);
+    r->has_guess = 1;
+}
+
 int ns_march_dense_start(ns_engine *e, double t0, const double *w0, const unsigned char *closed) {
-    return start(run_of(e), t0, w0, closed, NULL);
+    ns_dense_run *r = run_of(e);
+    ns_mode *guess = r->has_guess ? r->guess : NULL;
+    r->has_guess = 0;
+    return start(r, t0, w0, closed, guess);
 }
 
 static int start_dc(ns_dense_run *r, double t0, int nhold, const int *hold, const double *hold_x, double *x,

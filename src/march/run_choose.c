@@ -27,9 +27,10 @@ static void change_at(ns_run *r, double now) {
     const double before = ns_march_run_work(r).all;
     const int status = change(r);
     const ns_work work = ns_march_run_work(r);
-    if (status == NS_OK)
+    if (status == NS_OK) {
+        ns_march_choice_began(&r->choice, work.all - before);
         ns_march_choice_changed(&r->choice, now, work);
-    else if (r->choice.asks)
+    } else if (r->choice.asks)
         ns_march_choice_stuck(&r->choice, work, work.all - before);
     else
         ns_march_choice_failed(&r->choice, now, work);

@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* A kernel in place of one that was wrong may spend this part of the work done before, and a question. */
 static const double kernel_part = 0.25;
@@ -162,12 +163,29 @@ int ns_march_run_make(ns_run *r, ns_run_kind kind, ns_engine **out) {
 typedef struct accepted {
     double t, *w;
     unsigned char *closed;
+    ns_mode *mode; /* m */
 } accepted;
+
+static int read_accepted(ns_run *r, accepted *a) {
+    const size_t m = (size_t)r->s->m;
+    a->mode = malloc((m + 1) * sizeof *a->mode);
+    const int status = ns_march_run_read_accepted(r, &a->t, &a->w, &a->closed);
+    if (a->mode)
+        memcpy(a->mode, ns_engine_mode(r->at_work), m * sizeof *a->mode);
+    return a->mode ? status : NS_E_MEMORY;
+}
+
+static void free_accepted(accepted *a) {
+    free(a->closed);
+    free(a->w);
+    free(a->mode);
+}
 
 /* By the engine at work; it is judged.  Errors: those of a start, RESIDUAL (it is wrong: r->refused). */
 static int start_at_accepted(ns_run *r, const void *data) {
     const accepted *a = data;
     const ns_run_start s = {.t = a->t, .w = a->w, .closed = a->closed};
+    ns_engine_guess(r->at_work, a->mode);
     const int status = r->at_work->table->start(r->at_work, a->t, a->w, a->closed);
     if (status == NS_OK && !ns_march_check_start(r, &s)) {
         r->check.found = 0;
@@ -182,12 +200,11 @@ static int start_at_accepted(ns_run *r, const void *data) {
 int ns_march_run_leave_for(ns_run *r, ns_run_kind kind, int keeps) {
     accepted a;
     const ns_run_change how = {start_at_accepted, &a, keeps};
-    int status = ns_march_run_read_accepted(r, &a.t, &a.w, &a.closed);
+    int status = read_accepted(r, &a);
     if (status == NS_OK)
         status = ns_march_run_change(r, kind, &how);
     r->refused = 0; /* the one at work goes on */
-    free(a.closed);
-    free(a.w);
+    free_accepted(&a);
     return status;
 }
 
@@ -195,7 +212,7 @@ int ns_march_run_leave_sparse(ns_run *r) {
     accepted a;
     const ns_run_change by_scheme = {start_at_accepted, &a, 0};
     const double from = r->at_work->way_from;
-    int status = ns_march_run_read_accepted(r, &a.t, &a.w, &a.closed);
+    int status = read_accepted(r, &a);
     if (status == NS_OK)
         status = ns_march_run_use_dense(r, a.t);
     if (status == NS_OK)
@@ -206,8 +223,7 @@ int ns_march_run_leave_sparse(ns_run *r) {
         r->at_work->way_from = from;
     if (status == NS_OK && r->is_dense)
         ns_march_dense_carry_start(r->at_work);
-    free(a.closed);
-    free(a.w);
+    free_accepted(&a);
     return status;
 }
 

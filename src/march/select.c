@@ -54,12 +54,12 @@ int ns_march_chooses(const ns_system *s, const ns_march_options *o) {
     return o->method == NS_AUTO && !ns_march_too_large(s);
 }
 
-/* The dense engines take 130 cubes of the size to be made, and as much for some modes: a question is to cost
+/* The dense engines take 50 cubes of the size to be made, and as much for some modes: a question is to cost
  * a small part of what was done.  The first modes of a run do not tell much. */
 double ns_march_first_question(const ns_system *s, int is_dense) {
     static const double least = 2e7;
     const double size = (double)s->n + (double)s->m;
-    return least + (is_dense ? 60 : 800) * size * size * size;
+    return least + (is_dense ? 60 : 300) * size * size * size;
 }
 
 /* Of 91 circuits of tests/stress none needed less: a prediction and a step of exact, 20 solutions by factors.
@@ -67,7 +67,7 @@ double ns_march_first_question(const ns_system *s, int is_dense) {
 ns_choice_bounds ns_march_bounds_of_event(const ns_system *s, int by_sparse) {
     const double size = (double)s->n + (double)s->m, cube = size * size * size;
     return by_sparse ? (ns_choice_bounds){20 * (400 + 106 * size), 75e3 * size, 0, 0}
-                     : (ns_choice_bounds){16e3 + 2.4 * size * size, 22 * cube, 15 * cube, 1};
+                     : (ns_choice_bounds){16e3 + 2.4 * size * size, 22 * cube, 8 * cube, 1};
 }
 
 double ns_march_retry_interval(const ns_march_options *o, double before) {

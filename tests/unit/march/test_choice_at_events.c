@@ -67,7 +67,7 @@ static void engines_change_at_right_sides(void **state) {
     end(&k);
 }
 
-/* By sparse, after 0.6 of what comes before the first question, with so many events; 1: exact was asked. */
+/* By sparse, after 0.8 of what comes before the first question, with so many events; 1: exact was asked. */
 static int is_asked_after(double events) {
     const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-3 / 65536, .method = NS_AUTO, .whole = 1};
     rig k = begin();
@@ -80,7 +80,7 @@ static int is_asked_after(double events) {
     r->work_before = (ns_work){0};
     r->choice = (ns_choice){0};
     ns_march_run_begin_choice(r, 0);
-    r->work_before = (ns_work){.all = 0.6 * ns_march_first_question(r->s, 0), .events = events};
+    r->work_before = (ns_work){.all = 0.8 * ns_march_first_question(r->s, 0), .events = events};
     for (int i = 0; i < 2; i++) {
         ok(ns_march_try(k.m, (i + 1) * 1e-7, NS_TO_TIME, &reached));
         ok(ns_march_accept(k.m));
@@ -97,8 +97,27 @@ static void exact_is_asked_early_where_events_are_dear(void **state) {
     assert_false(is_asked_after(1000));
 }
 
+/* What is right by sparse is right by exact: no (P1) is solved where it goes on. */
+static void exact_begins_in_the_mode_of_sparse(void **state) {
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-3 / 65536, .method = NS_AUTO, .whole = 1};
+    rig k = begin();
+    (void)state;
+    add_multiplier(k.c);
+    make_by(&k, &o);
+    start_at_rest(&k);
+    ns_run *r = (ns_run *)(void *)k.m->engine;
+    ok(ns_march_run_leave_for(r, NS_RUN_SPARSE, 0));
+    r->chooses = 0;
+    go(&k, 1.7e-4);
+    assert_int_equal(r->kind, NS_RUN_SPARSE);
+    ok(ns_march_run_leave_for(r, NS_RUN_DENSE, 0));
+    assert_int_equal(r->at_work->table->counts(r->at_work)->problems, 0);
+    end(&k);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(engines_change_at_right_sides),
-                                       cmocka_unit_test(exact_is_asked_early_where_events_are_dear)};
+                                       cmocka_unit_test(exact_is_asked_early_where_events_are_dear),
+                                       cmocka_unit_test(exact_begins_in_the_mode_of_sparse)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
