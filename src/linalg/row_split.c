@@ -34,7 +34,7 @@ typedef struct elimination {
     int *column;        /* n, 1: pivoted */
     double *most;       /* n, the largest entry of a column that may be a pivot; 0: there is none */
     int *most_row;      /* n, the first row that it is in */
-    double *by, *slop;  /* n, what is subtracted from a row, of the pivot's; the rounding of that */
+    double *by, *slop;  /* n, work: what is subtracted from a row, of the pivot's; the rounding of that */
     const double *flow; /* n, how much flows in a row; NULL: not known */
 } elimination;
 
@@ -83,6 +83,18 @@ static double half_scale(double x) {
     return ldexp(1, -(int)lround(0.5 * (e - 1)));
 }
 
+/* The largest entry of each row (side 0) or column to most (n). */
+static void find_largest(const elimination *g, const double *M, int side, double *most) {
+    memset(most, 0, (size_t)g->n * sizeof *most);
+    for (int j = 0; j < g->n; j++)
+        for (int i = 0; i < g->n; i++) {
+            const double m = fabs(M[ij(g->n, i, j)]);
+            double *to = &most[side ? j : i];
+            if (m > 0 && m * (side ? g->c[j] : g->r[i]) * (side ? g->r[i] : g->c[j]) > *to)
+                *to = m * (side ? g->c[j] : g->r[i]) * (side ? g->r[i] : g->c[j]);
+        }
+}
+
 /* Makes the largest entry of each row and column about 1 (Ruiz).  size: what entries were summed from. */
 static void equilibrate(elimination *g, const double *M, const double *size) {
     int n = g->n;
@@ -92,13 +104,10 @@ static void equilibrate(elimination *g, const double *M, const double *size) {
     for (int pass = 0, changes = 1; pass < 12 && changes; pass++) {
         changes = 0;
         for (int side = 0; side < 2; side++) {
-            double *own = side ? g->c : g->r, *other = side ? g->r : g->c;
+            double *own = side ? g->c : g->r;
+            find_largest(g, M, side, g->by);
             for (int i = 0; i < n; i++) {
-                double most = 0;
-                for (int j = 0; j < n; j++) {
-                    most = fmax(most, fabs(M[side ? ij(n, j, i) : ij(n, i, j)]) * own[i] * other[j]);
-                }
-                const double by = half_scale(most);
+                const double by = half_scale(g->by[i]);
                 changes |= by != 1;
                 own[i] *= by;
             }
