@@ -31,6 +31,7 @@ typedef struct sweep {
     char name[64];
     double seconds[CELLS], error[CELLS]; /* NAN: refused, or ended */
     run_end end[CELLS];
+    char said[RUN_LINE + 40]; /* of the first cell that failed: which, and why */
     int fastest; /* the cell that others are compared with: the ideal circuit, if it has a solution */
 } sweep;
 
@@ -158,6 +159,8 @@ static void print_sweep(const sweep *s) {
     printf("%-34s %9.2f ms %s worst %6.2f at ron=%-6g roff=%-6g above %2d failed %2d  off %.1e %.1e\n",
            s->name, 1e3 * s->seconds[s->fastest], s->fastest == 0 ? "     " : "(not)", ratio(s, worst),
            rons[worst % RONS], roffs[worst / RONS], above, failed, s->error[1], s->error[RONS]);
+    if (failed > 0)
+        printf("    %s\n", s->said);
     fflush(stdout);
 }
 
@@ -179,6 +182,9 @@ static void sweep_plan(const char *name, const plan *p) {
         s->seconds[c] = to->seconds;
         s->end[c] = to->end;
         s->error[c] = to->end == RUN_DONE && ideal->end == RUN_DONE ? difference(p, to, ideal) : NAN;
+        if (to->end != RUN_DONE && to->end != RUN_SLOW && !s->said[0])
+            snprintf(s->said, sizeof s->said, "ron=%g roff=%g: %s", rons[c % RONS], roffs[c / RONS],
+                     to->line);
         if (s->end[0] != RUN_DONE && to->end == RUN_DONE &&
             (s->end[s->fastest] != RUN_DONE || to->seconds < s->seconds[s->fastest]))
             s->fastest = c;
