@@ -88,7 +88,8 @@ static ns_choice_answer look_at_chosen(ns_choice *c, double t, ns_work work, ns_
     c->usual = needs / gained;
     c->per_event = needs / (events + 1);
     c->recurs = events > recurring * (work.modes - from->modes);
-    if (clearly * needs >= event.least * events + event.mode * (work.modes - from->modes))
+    /* one that crawls may do so through events that the other one has not */
+    if (is_slow || clearly * needs >= event.least * events + event.mode * (work.modes - from->modes))
         return NS_CHOICE_CHANGE;
     wait(c, t, work, 1);
     return NS_CHOICE_STAY;

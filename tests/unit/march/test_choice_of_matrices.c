@@ -102,6 +102,23 @@ static void where_a_start_is_dear(void **state) {
     assert_int_equal(ns_march_choice_look(&c, 4, work, nothing), NS_CHOICE_CHANGE);
 }
 
+/* 20 for each of 100 events in a second, which the other one cannot pass for less than 25; then as many in a
+ * hundredth of that time, which it may not have: an exact engine that chattered (short-pulses 98502000000 of
+ * the stress set) was never left. */
+static void where_it_crawls_by_cheap_events(void **state) {
+    static const ns_choice_bounds event = {25, INFINITY, 0, 0};
+    ns_choice c = {0};
+    ns_work work = {.all = 300};
+    (void)state;
+    ns_march_choice_begin(&c, 2, work, 1000);
+    work = (ns_work){.all = 2300, .events = 100};
+    assert_int_equal(ns_march_choice_look(&c, 3, work, event), NS_CHOICE_STAY);
+    work = (ns_work){.all = 4300, .events = 200};
+    assert_int_equal(ns_march_choice_look(&c, 4, work, event), NS_CHOICE_STAY);
+    work = (ns_work){.all = 6300, .events = 300};
+    assert_int_equal(ns_march_choice_look(&c, 4.01, work, event), NS_CHOICE_CHANGE);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(as_much_as_the_other_one_took),
@@ -109,6 +126,7 @@ int main(void) {
         cmocka_unit_test(what_was_made_does_not_count_later),
         cmocka_unit_test(those_that_alternate_are_asked_less),
         cmocka_unit_test(where_a_start_is_dear),
+        cmocka_unit_test(where_it_crawls_by_cheap_events),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
