@@ -62,6 +62,12 @@ typedef struct ns_own_found {
 #define NS_OWN_CURRENT 0.1 /* where nothing is known */
 
 /* One of ngspice's own devices, taken as ideal. */
+/* A line for the square law of a follower (own_follower.c): the tangent at a current, or a flatter one. */
+typedef struct ns_own_line {
+    double at; /* A */
+    double volts, ohm;
+} ns_own_line;
+
 typedef struct ns_own_taken {
     GENinstance *inst;
     ns_own_kind kind;
@@ -105,18 +111,16 @@ typedef struct ns_own_taken {
     ns_own_switch sw; /* of S, W */
     /* of M: */
     ns_own_mosfet mosfet;
-    int gate_is_shown; /* it is in the plot, and asks for points */
-    int is_hidden;     /* an end of a D is not: its pulses may be missed between points */
-    int follows;       /* its channel is a diode behind a source follower, not a switch */
-    int body;          /* the element of its body diode */
-    int bulk;          /* of its diode between bulk and source; -1: there is none */
-    int back;          /* the element that carries what a follower lets pass backwards; -1: it is none */
-    struct {           /* what the gate of a follower needs beyond vth, by the tangent of its square law: */
-        double at;     /* A: at this current; 0: that is not known, and left out */
-        double volts, ohm;
-    } overdrive;
-    double drive; /* V, that ron belongs to */
-    double ron;   /* ohm */
+    int gate_is_shown;     /* it is in the plot, and asks for points */
+    int is_hidden;         /* an end of a D is not: its pulses may be missed between points */
+    int follows;           /* its channel is a diode behind a source follower, not a switch */
+    int body;              /* the element of its body diode */
+    int bulk;              /* of its diode between bulk and source; -1: there is none */
+    int back;              /* the element that carries what a follower lets pass backwards; -1: it is none */
+    ns_own_line overdrive; /* what the gate of a follower needs beyond vth; at 0: it is not known, left out */
+    ns_own_line closed;    /* its channel while it is closed; at 0: ron is at a guess, or at no current */
+    double drive;          /* V, that ron belongs to */
+    double ron;            /* ohm, with that of `closed` */
 } ns_own_taken;
 
 typedef struct ns_extract {

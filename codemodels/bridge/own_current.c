@@ -121,13 +121,16 @@ static void add_current(own_mean *mean, int is_on, double i, double from, double
     ns_bridge_pulse_mean_add(&mean->late, is_on, i, from, to);
 }
 
+/* Of one that closes, what it carries then counts too. */
 static void add_channel(const own_pass *p, const ns_own_taken *o, const ns_mode *mode, own_mean *mean,
                         double from, double to) {
     const ns_analysis *a = p->a;
     double i;
     if (is_follower(o) &&
         ns_circuit_device(a->ex.circuit, o->id, a->x, a->lambda, mode, &i, NULL, NULL) == NS_OK)
-        add_current(mean, i > NS_LEAK && ns_bridge_own_is_following(a, o), i, from, to);
+        add_current(mean,
+                    i > NS_LEAK && (o->follows == FOLLOWS_AND_CLOSES || ns_bridge_own_is_following(a, o)), i,
+                    from, to);
 }
 
 /* The march was sampled between two times, s. */

@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "own_current.h"
+#include "own_follower.h"
 #include "own_show.h"
 #include "own_structs.h"
 #include "report.h"
@@ -52,7 +53,7 @@ static void judge_channel(const ns_analysis *a, const ns_own_taken *o, double i,
         *off = held ? 0.0 : beyond_saturation(m, i, above);
         *of = fabs(i);
     } else {
-        const double amperes = fmax(i, 0.0), needs = sqrt(2.0 * amperes / ns_bridge_own_gain(m, above));
+        const double amperes = fmax(i, 0.0), needs = ns_bridge_own_needs(m, amperes);
         const double taken = o->overdrive.volts + o->overdrive.ohm * amperes;
         *off = i > NS_LEAK && ns_bridge_own_is_following(a, o) ? fabs(needs - taken) : 0.0;
         *of = i > NS_LEAK ? fabs(voltage_at(a, m->source)) : 0.0; /* that of a p channel rests at a supply */
@@ -143,14 +144,15 @@ static double own_current(const ns_own_taken *o) {
     return ns_bridge_pulse_mean_read(&mean);
 }
 
-/* V: the voltage v of its channel at a current, by the square law: a v^2 + above v = c; INFINITY: it carries
- * less.  A follower that closes has a fixed v(gate,drain), and v(gate,source) larger by v. */
+/* V: the voltage v of its channel at a current, by the square law: above v - triode v^2/2 = c; INFINITY: it
+ * carries less. */
 static double channel_voltage(const ns_own_taken *o, double amperes) {
     const ns_own_mosfet *m = &o->mosfet;
     const double beyond = o->drive - m->vth, above = ns_bridge_own_overdrive(m, beyond);
-    const double a = (o->follows == FOLLOWS_AND_CLOSES ? 1.0 : 0.0) - 0.5 * m->triode;
     const double c = amperes / (ns_bridge_own_gain(m, beyond) * m->triode);
-    const double rest = above * above + 4.0 * a * c;
+    const double rest = above * above - 2.0 * m->triode * c;
+    if (o->follows == FOLLOWS_AND_CLOSES)
+        return ns_bridge_own_closed_voltage(o, amperes) + m->series * amperes;
     return rest < 0.0 ? INFINITY : 2.0 * c / (above + sqrt(rest)) + m->series * amperes;
 }
 
@@ -167,7 +169,7 @@ static double taken_voltage(const ns_own_taken *o, double amperes) {
     const double more = o->beyond_id ? o->diode.vf + o->diode.ron * amperes - o->beyond.vf : 0.0;
     if (more > 0.0)
         return o->beyond.vf + more / o->diode.ron * ns_bridge_own_slope_beyond(o);
-    return o->kind == OWN_MOSFET ? o->ron * amperes : o->diode.vf + o->diode.ron * amperes;
+    return o->kind == OWN_MOSFET ? o->closed.volts + o->ron * amperes : o->diode.vf + o->diode.ron * amperes;
 }
 
 /* 1 if the points may have missed pulses of a D that is not in the plot: a pass along all of the run knows

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "own_feedback.h"
+#include "own_follower.h"
 #include "own_structs.h"
 
 /* --- S and W --- */
@@ -184,7 +185,8 @@ static int add_bulk_diode(const ns_extract_walk *w, const GENinstance *inst, ns_
 
 /* One direction of a channel, of an n channel from drain to source: ron, a follower that is no higher than
  * the gate less vto and what its current needs beyond that, and a diode, called `name`, against current in
- * the other direction.  A p channel is its mirror image: no lower than the gate and vto more. */
+ * the other direction, whose vf is what its line has at no current.  A p channel is its mirror image: no
+ * lower than the gate and vto more. */
 static int add_way(ns_extract_walk *w, const ns_own_taken *taken, const char *name, int from, int to,
                    double leak, int *id) {
     ns_circuit *c = w->ex->circuit;
@@ -192,16 +194,19 @@ static int add_way(ns_extract_walk *w, const ns_own_taken *taken, const char *na
     const int is_n = taken->mosfet.sign > 0;
     const double sign = is_n ? 1.0 : -1.0;
     const int behind = ns_bridge_extract_new_node(w), follows = ns_bridge_extract_new_node(w);
-    const int needs_more = taken->overdrive.at > 0.0 && to == taken->mosfet.source;
-    const double by_ron = needs_more ? taken->overdrive.ohm / taken->ron : 0.0;
+    const int is_forwards = to == taken->mosfet.source, needs_more = is_forwards && taken->overdrive.at > 0.0;
+    const double ron =
+        is_forwards ? taken->ron : ns_bridge_own_resistance(&taken->mosfet, taken->drive - taken->mosfet.vth);
+    const double by_ron = needs_more ? taken->overdrive.ohm / ron : 0.0;
     const ns_term above[3] = {
         {0, behind, sign * (1.0 - by_ron)}, {0, taken->mosfet.gate, -sign}, {0, from, sign * by_ron}};
-    const ns_affine u = {taken->mosfet.vth + (needs_more ? taken->overdrive.volts : 0.0), needs_more ? 3 : 2,
-                         above};
-    const ns_diode forwards = {.roff = leak, .vz = INFINITY};
+    const double vf = is_forwards ? taken->closed.volts : 0.0;
+    const ns_affine u = {taken->mosfet.vth + (needs_more ? taken->overdrive.volts : 0.0) - vf,
+                         needs_more ? 3 : 2, above};
+    const ns_diode forwards = {.vf = vf, .roff = leak, .vz = INFINITY};
     int kink;
     snprintf(part, sizeof part, "%.140s#ron", name);
-    int status = ns_circuit_resistor(c, part, from, behind, taken->ron, NULL);
+    int status = ns_circuit_resistor(c, part, from, behind, ron, NULL);
     snprintf(part, sizeof part, "%.140s#follower", name);
     status = status ? status : ns_circuit_kink(c, part, &u, &kink);
     if (status)
@@ -212,28 +217,12 @@ static int add_way(ns_extract_walk *w, const ns_own_taken *taken, const char *na
                   : ns_circuit_diode(c, name, is_n ? follows : to, is_n ? to : follows, &forwards, id);
 }
 
-/* The tangent of v = sqrt(2 i / gain), at the current that it carries. */
-static void find_overdrive(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken) {
-    const ns_bridge_options *o = &w->ex->options;
-    const int known = !o->zero_diodes && isnan(o->id) && taken->ron > 0.0;
-    const ns_own_current *found = known ? ns_bridge_own_found(w, inst, OWN_CHANNEL) : NULL;
-    if (!found)
-        return;
-    const double first = sqrt(2.0 * found->id / ns_bridge_own_gain(&taken->mosfet, 0.0));
-    const double volts = sqrt(2.0 * found->id / ns_bridge_own_gain(&taken->mosfet, first));
-    taken->overdrive.at = found->id;
-    taken->overdrive.volts = 0.5 * volts;
-    taken->overdrive.ohm = 0.5 * volts / found->id;
-    ns_bridge_extract_mix(w, &taken->overdrive, sizeof taken->overdrive);
-}
-
 /* As a source follower, where a switch would open and close infinitely fast.  Backwards its drain is the
  * lower end (the upper one of a p channel), and follows. */
 static int add_follower(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken, double leak) {
     const ns_own_mosfet *m = &taken->mosfet;
     char name[EXTRACT_NAME];
     snprintf(name, sizeof name, "%.140s#back", inst->GENname);
-    find_overdrive(w, inst, taken);
     const int status = add_way(w, taken, inst->GENname, m->drain, m->source, leak, &taken->id);
     return status ? status : add_way(w, taken, name, m->source, m->drain, INFINITY, &taken->back);
 }
@@ -267,7 +256,7 @@ int ns_bridge_own_mosfet(ns_extract_walk *w, GENinstance *inst) {
     int status = find_drive(w, inst, m, &taken.drive, &taken.follows);
     if (status)
         return status;
-    taken.ron = ns_bridge_own_resistance(m, taken.drive - m->vth);
+    ns_bridge_own_find_lines(w, inst, &taken);
     status = add_channel(w, inst, &taken);
     status = status ? status : add_body_diode(w, inst, &taken);
     status = status ? status : add_bulk_diode(w, inst, &taken);

@@ -103,6 +103,25 @@ double ns_bridge_own_saturation(const ns_own_mosfet *m, double above) {
     return 0.5 * ns_bridge_own_gain(m, above) * over * over;
 }
 
+/* What ns_bridge_own_overdrive() makes `over` of. */
+static double above_of(const ns_own_mosfet *m, double over) {
+    const int is_weak = m->slope > 0.0 && over < 30.0 * m->slope;
+    return m->shift + (is_weak ? m->slope * log(expm1(over / m->slope)) : over);
+}
+
+double ns_bridge_own_needs(const ns_own_mosfet *m, double amperes) {
+    enum { ROUNDS = 4 }; /* the gain hardly depends on what is sought */
+    double above = 0.0;
+    for (int k = 0; k < ROUNDS; k++)
+        above = above_of(m, sqrt(2.0 * amperes / ns_bridge_own_gain(m, fmax(above, 0.0))));
+    return above;
+}
+
+double ns_bridge_own_channel(const ns_own_mosfet *m, double above, double volts) {
+    const double over = fmax(ns_bridge_own_overdrive(m, above), 0.0), v = fmin(m->triode * volts, over);
+    return ns_bridge_own_gain(m, above) * v * (over - 0.5 * v);
+}
+
 double ns_bridge_own_resistance(const ns_own_mosfet *m, double above) {
     return m->series + 1.0 / (ns_bridge_own_gain(m, above) * m->triode * ns_bridge_own_overdrive(m, above));
 }

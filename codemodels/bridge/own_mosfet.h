@@ -34,6 +34,9 @@ void ns_bridge_own_read_mosfet(const GENinstance *inst, ns_own_mosfet *m);
 double ns_bridge_own_gain(const ns_own_mosfet *m, double above);
 double ns_bridge_own_overdrive(const ns_own_mosfet *m, double above);
 double ns_bridge_own_saturation(const ns_own_mosfet *m, double above);
+/* V beyond vth at which it saturates at a current (A); A, at a voltage `volts` between drain and source. */
+double ns_bridge_own_needs(const ns_own_mosfet *m, double amperes);
+double ns_bridge_own_channel(const ns_own_mosfet *m, double above, double volts);
 double ns_bridge_own_resistance(const ns_own_mosfet *m, double above);
 
 /* @m1[id] at a point, and so that ngspice's own convergence test finds nothing.  amperes: into the drain.

@@ -176,19 +176,22 @@ static void announce_diodes(const ns_analysis *a, int k, int count) {
 }
 
 static void announce_mosfets(const ns_own_taken *o, int count) {
-    char overdrive[100] = "";
+    char overdrive[100] = "", closed[100];
+    snprintf(closed, sizeof closed, "ron = %.4g ohm (of its model at %.4g V", o->ron, o->drive);
+    if (o->closed.volts > 1e-3 * o->ron * o->closed.at)
+        snprintf(closed, sizeof closed, "%.4g V and ron = %.4g ohm (of its model at %.4g V, %.4g A",
+                 o->closed.volts, o->ron, o->drive, o->closed.at);
     if (o->overdrive.at > 0.0)
         snprintf(overdrive, sizeof overdrive, " (by %.4g V and %.4g ohm beyond that, as its model at %.4g A)",
                  o->overdrive.volts, o->overdrive.ohm, o->overdrive.at);
-    ns_bridge_report_note(
-        "%s of model %s%s: taken as a switch, closed above %.4g V with ron = %.4g ohm (of its "
-        "model at %.4g V)%s%s, and a body diode, vf = %.4g V, ron = %.4g ohm",
-        o->inst->GENname, o->inst->GENmodPtr->GENmodName, count > 1 ? " and others of it" : "", o->mosfet.vth,
-        o->ron, o->drive,
-        o->follows == FOLLOWS_DRAIN ? ", which holds its gate there while its drain swings"
-        : o->follows                ? ", as a source follower where its gate is lower"
-                                    : "",
-        overdrive, o->diode.vf, o->diode.ron);
+    ns_bridge_report_note("%s of model %s%s: taken as a switch, closed above %.4g V with %s)%s%s, and a body "
+                          "diode, vf = %.4g V, ron = %.4g ohm",
+                          o->inst->GENname, o->inst->GENmodPtr->GENmodName,
+                          count > 1 ? " and others of it" : "", o->mosfet.vth, closed,
+                          o->follows == FOLLOWS_DRAIN ? ", which holds its gate there while its drain swings"
+                          : o->follows                ? ", as a source follower where its gate is lower"
+                                                      : "",
+                          overdrive, o->diode.vf, o->diode.ron);
 }
 
 /* --- is it what was announced? --- */

@@ -48,18 +48,19 @@ static double flatter(double slope, double v, double end, double above, double a
     return fmin(slope, (end + above - v) / (most - amperes));
 }
 
-/* at, most, rush: the voltages of the curve there. */
-static double line(double slope, double at, double most, double rush, double amperes,
-                   const ns_line_ends *ends) {
+double ns_bridge_line_slope(double slope, double at, double most, double rush, double amperes,
+                            const ns_line_ends *ends) {
     static const double part = 0.05, part_of_blocked = 0.02;
-    slope = flatter(slope, at, most, part * most, amperes, ends->most);
-    return flatter(slope, at, rush, fmax(part * rush, part_of_blocked * ends->blocks), amperes, ends->rush);
+    slope = flatter(slope, at, most, part * fabs(most), amperes, ends->most);
+    return flatter(slope, at, rush, fmax(part * fabs(rush), part_of_blocked * ends->blocks), amperes,
+                   ends->rush);
 }
 
 double ns_bridge_diode_law_line(const ns_diode_law *law, double amperes, const ns_line_ends *ends) {
-    return line(ns_bridge_diode_law_slope(law, amperes), ns_bridge_diode_law_voltage(law, amperes),
-                ns_bridge_diode_law_voltage(law, ends->most), ns_bridge_diode_law_voltage(law, ends->rush),
-                amperes, ends);
+    return ns_bridge_line_slope(ns_bridge_diode_law_slope(law, amperes),
+                                ns_bridge_diode_law_voltage(law, amperes),
+                                ns_bridge_diode_law_voltage(law, ends->most),
+                                ns_bridge_diode_law_voltage(law, ends->rush), amperes, ends);
 }
 
 /* At 2.5 times the current the tangent is above the curve of one exponential by 0.58 of n vt; a second line
@@ -83,9 +84,9 @@ double ns_bridge_breakdown_law_voltage(const ns_breakdown_law *law, double amper
 }
 
 double ns_bridge_breakdown_law_line(const ns_breakdown_law *law, double amperes, const ns_line_ends *ends) {
-    return line(law->volts / amperes, ns_bridge_breakdown_law_voltage(law, amperes),
-                ns_bridge_breakdown_law_voltage(law, ends->most),
-                ns_bridge_breakdown_law_voltage(law, ends->rush), amperes, ends);
+    return ns_bridge_line_slope(law->volts / amperes, ns_bridge_breakdown_law_voltage(law, amperes),
+                                ns_bridge_breakdown_law_voltage(law, ends->most),
+                                ns_bridge_breakdown_law_voltage(law, ends->rush), amperes, ends);
 }
 
 void ns_bridge_log_mean_add(ns_log_mean *mean, double amperes, double seconds, double least) {

@@ -35,6 +35,10 @@ typedef struct ns_line_ends {
  * fiftieth of `blocks`. */
 double ns_bridge_diode_law_line(const ns_diode_law *law, double amperes, const ns_line_ends *ends);
 
+/* Likewise, of any curve of that kind: its slope and its voltages at the current, at `most` and at `rush`. */
+double ns_bridge_line_slope(double slope, double at, double most, double rush, double amperes,
+                            const ns_line_ends *ends);
+
 /* Two lines for its curve, where an inrush is so far from the current that the line for both would be much
  * flatter than the tangent.  A D on such a line leaves a capacitor on a voltage that is not its own. */
 typedef struct ns_diode_lines {

@@ -1,0 +1,14 @@
+/* bridge/own_follower.h - the lines that stand for the square law of an M that is a source follower. */
+#ifndef BRIDGE_OWN_FOLLOWER_H
+#define BRIDGE_OWN_FOLLOWER_H
+
+#include "own_elements.h"
+
+/* V: across the channel of a follower that closes, without series resistance, at a current (A); its
+ * v(gate,drain) is that of its drive. */
+double ns_bridge_own_closed_voltage(const ns_own_taken *o, double amperes);
+
+/* ron and the lines of one whose mosfet, drive and follows are known. */
+void ns_bridge_own_find_lines(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken);
+
+#endif
