@@ -181,12 +181,18 @@ int ns_bridge_own_find_voltage(const CKTcircuit *ckt, int p, int m, int is_contr
     return 1;
 }
 
-/* --- a gate that switches connect with its source and with a supply --- */
+/* --- a gate that switches, or other M, connect with its source and with a supply --- */
 
-/* The other end of a switch of which one is at this node; -1: it is none. */
+/* The other end of a switch, or of the channel of an M, of which one is at this node; -1: it is none. */
 static int beyond_switch(const GENinstance *inst, int here) {
     const ns_own_kind kind = ns_bridge_own_kind(inst);
     ns_own_switch s = {.p = -1, .n = -1};
+    ns_own_mosfet m;
+    if (kind == OWN_MOSFET) {
+        ns_bridge_own_read_mosfet(inst, &m);
+        if (m.gate != here)
+            s = (ns_own_switch){.p = m.drain, .n = m.source};
+    }
     if (kind == OWN_SWITCH)
         ns_bridge_own_read_switch(inst, NULL, &s);
     else if (kind == OWN_CURRENT_SWITCH)
@@ -236,6 +242,14 @@ static void visit_ends(ns_own_way *w, int here, ns_own_range *r) {
     }
 }
 
+/* 1 if switches connect its gate with more than one voltage; *r: those. */
+static int find_ends(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_range *r) {
+    ns_own_way ends = {.ckt = ckt, .find = ns_bridge_own_find_voltage, .goal = m->source, .along_r = 1};
+    *r = (ns_own_range){INFINITY, -INFINITY, 0, 1, 0.0, 0, 0};
+    visit_ends(&ends, m->gate, r);
+    return r->switches && r->low < r->high;
+}
+
 /* The source of a closed M has the potential of its drain: the drive of one whose gate is driven against
  * ground. 0: that potential is not known. */
 static int lower_when_closed(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
@@ -265,15 +279,14 @@ static void lower_when_p_closed(const CKTcircuit *ckt, const ns_own_mosfet *m, n
 }
 
 int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
-    ns_own_range r = {0};
+    ns_own_range r = {0}, ends;
     double share;
-    if (!ns_bridge_own_find_voltage(ckt, m->gate, m->source, 0, &r, &share)) {
-        ns_own_way ends = {.ckt = ckt, .find = ns_bridge_own_find_voltage, .goal = m->source, .along_r = 1};
-        r = (ns_own_range){INFINITY, -INFINITY, 0, 1, 0.0, 0, 0};
+    const int known = ns_bridge_own_find_voltage(ckt, m->gate, m->source, 0, &r, &share);
+    if ((!known || (r.low == r.high && !r.amplifies)) && find_ends(ckt, m, &ends)) {
+        r = ends;
         share = 1.0;
-        visit_ends(&ends, m->gate, &r);
-        if (!r.switches || !(r.low < r.high))
-            return 0;
+    } else if (!known) {
+        return 0;
     }
     ns_own_way to_ground = {.ckt = ckt,
                             .find = ns_bridge_own_find_voltage,
