@@ -278,6 +278,21 @@ static void lower_when_p_closed(const CKTcircuit *ckt, const ns_own_mosfet *m, n
     drive->high = left <= m->vth ? drive->high : left;
 }
 
+/* Where its source leads nowhere, as behind a switch that protects against reversed polarity: v(gate,drain),
+ * which is that of its drive while it is closed.  0: that is not known, or not above the threshold. */
+static int find_drive_of_drain(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
+    ns_own_way to_supply = {.ckt = ckt, .find = ns_bridge_own_find_voltage};
+    ns_own_range r = {0}, drain = {0};
+    double share;
+    if (!ns_bridge_own_way(&to_supply, m->drain, &drain) ||
+        (m->gate != 0 && !ns_bridge_own_find_voltage(ckt, m->gate, 0, 0, &r, &share)) || r.amplifies)
+        return 0;
+    r = ns_bridge_own_add_gap(r, drain, 0);
+    *drive = m->sign > 0 ? (ns_own_drive){r.low, r.high, r.switches, FOLLOWS_AND_CLOSES}
+                         : (ns_own_drive){-r.high, -r.low, r.switches, FOLLOWS_AND_CLOSES};
+    return drive->high > m->vth;
+}
+
 int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
     ns_own_range r = {0}, ends;
     double share;
@@ -286,7 +301,7 @@ int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_o
         r = ends;
         share = 1.0;
     } else if (!known) {
-        return 0;
+        return find_drive_of_drain(ckt, m, drive);
     }
     ns_own_way to_ground = {.ckt = ckt,
                             .find = ns_bridge_own_find_voltage,

@@ -131,6 +131,14 @@ static int refuse_undriven(ns_extract_walk *w, const GENinstance *inst, const ns
     return ns_bridge_extract_refuse(w, inst, what);
 }
 
+/* 1 if the gate rests plainly: below the threshold, or so far above it, and without a signal, that it is no
+ * bias at which an M amplifies or limits a current. */
+static int rests_plainly(const ns_extract_walk *w, const ns_own_mosfet *m, const ns_own_drive *drive) {
+    static const double plainly = 2.0; /* V */
+    return drive->low == drive->high && !ns_bridge_own_is_coupled(w->ckt, m) &&
+           (drive->high <= m->vth || (m->vth > 0.0 && drive->high - m->vth >= plainly));
+}
+
 /* What the netlist drives the gate with; where it does not switch it plainly, option vgs. */
 static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_mosfet *m, double *volts,
                       int *follows) {
@@ -142,7 +150,8 @@ static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_
     const int known = ns_bridge_own_find_drive(w->ckt, m, &drive);
     if (!drive.follows && ns_bridge_own_has_feedback(w->ckt, m))
         drive.follows = FOLLOWS_DRAIN;
-    const int is_plain = known && drive.switches && drive.low <= m->vth && drive.high > m->vth;
+    const int rests = known && rests_plainly(w, m, &drive);
+    const int is_plain = rests || (known && drive.switches && drive.low <= m->vth && drive.high > m->vth);
     const double given = is_plain ? NAN : o->vgs;
     *follows = isnan(given) || drive.follows != FOLLOWS_AND_CLOSES ? drive.follows : FOLLOWS_GATE;
     if (m->bulk != m->source && !*follows)
@@ -153,7 +162,7 @@ static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_
     if (isnan(*volts))
         return ns_bridge_extract_refuse(
             w, inst, "sources do not say how its gate is driven: give that voltage as vgs, by " TAKE_BY_VGS);
-    return *volts > m->vth ? NS_OK : ns_bridge_own_refuse_value(w, inst, "drive", *volts, too_low);
+    return rests || *volts > m->vth ? NS_OK : ns_bridge_own_refuse_value(w, inst, "drive", *volts, too_low);
 }
 
 static int add_body_diode(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken) {
@@ -195,8 +204,7 @@ static int add_way(ns_extract_walk *w, const ns_own_taken *taken, const char *na
     const double sign = is_n ? 1.0 : -1.0;
     const int behind = ns_bridge_extract_new_node(w), follows = ns_bridge_extract_new_node(w);
     const int is_forwards = to == taken->mosfet.source, needs_more = is_forwards && taken->overdrive.at > 0.0;
-    const double ron =
-        is_forwards ? taken->ron : ns_bridge_own_resistance(&taken->mosfet, taken->drive - taken->mosfet.vth);
+    const double ron = is_forwards ? taken->ron : ns_bridge_own_ohmic(taken);
     const double by_ron = needs_more ? taken->overdrive.ohm / ron : 0.0;
     const ns_term above[3] = {
         {0, behind, sign * (1.0 - by_ron)}, {0, taken->mosfet.gate, -sign}, {0, from, sign * by_ron}};

@@ -72,7 +72,9 @@ static int read_ends(const GENinstance *inst, int *p, int *n) {
     }
 }
 
-int ns_bridge_own_has_feedback(const CKTcircuit *ckt, const ns_own_mosfet *m) {
+/* 1 if a C that does not lead to the source or to ground, or if allows_known to a node whose voltage V give,
+ * ends at the gate, or at what resistors join to it, or if an F or G feeds it. */
+static int has_other(const CKTcircuit *ckt, const ns_own_mosfet *m, int allows_known) {
     if (is_known(ckt, m->source, m->gate))
         return 0;
     const joined gate = join(ckt, m->source, m->gate), source = join(ckt, m->source, m->source);
@@ -83,8 +85,16 @@ int ns_bridge_own_has_feedback(const CKTcircuit *ckt, const ns_own_mosfet *m) {
             continue;
         const int other = has(&gate, p) ? n : p;
         if (ns_bridge_models_letter(inst) != 'c' ||
-            (!has(&source, other) && !is_known(ckt, m->source, other)))
+            (other != 0 && !has(&source, other) && !(allows_known && is_known(ckt, m->source, other))))
             return 1;
     }
     return 0;
+}
+
+int ns_bridge_own_has_feedback(const CKTcircuit *ckt, const ns_own_mosfet *m) {
+    return has_other(ckt, m, 1);
+}
+
+int ns_bridge_own_is_coupled(const CKTcircuit *ckt, const ns_own_mosfet *m) {
+    return has_other(ckt, m, 0);
 }

@@ -9,4 +9,7 @@
  * subcircuits of vendors. */
 int ns_bridge_own_has_feedback(const CKTcircuit *ckt, const ns_own_mosfet *m);
 
+/* 1 if a capacitor leads to anything but the source or ground: a signal may come through it. */
+int ns_bridge_own_is_coupled(const CKTcircuit *ckt, const ns_own_mosfet *m);
+
 #endif

@@ -47,12 +47,18 @@ static ns_own_line guess_of(const ns_own_taken *o, double amperes) {
     return (ns_own_line){0.0, 0.0, ns_bridge_own_closed_voltage(o, amperes) / amperes};
 }
 
+double ns_bridge_own_ohmic(const ns_own_taken *o) {
+    static const double open_above = 1.0; /* V: of one whose gate rests below vth, and which never closes */
+    const double above = o->drive - o->mosfet.vth;
+    return ns_bridge_own_resistance(&o->mosfet, above > 0.0 ? above : open_above);
+}
+
 void ns_bridge_own_find_lines(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken) {
     const ns_bridge_options *o = &w->ex->options;
     const ns_own_mosfet *m = &taken->mosfet;
     const int known = !o->zero_diodes && isnan(o->id);
     const ns_own_current *found = known ? ns_bridge_own_found(w, inst, OWN_CHANNEL) : NULL;
-    taken->ron = ns_bridge_own_resistance(m, taken->drive - m->vth);
+    taken->ron = ns_bridge_own_ohmic(taken);
     if (o->zero_diodes || !taken->follows || taken->follows == FOLLOWS_DRAIN)
         return;
     if (taken->follows == FOLLOWS_AND_CLOSES) {

@@ -8,6 +8,9 @@
  * v(gate,drain) is that of its drive. */
 double ns_bridge_own_closed_voltage(const ns_own_taken *o, double amperes);
 
+/* ohm: of drain and source at its drive, without current. */
+double ns_bridge_own_ohmic(const ns_own_taken *o);
+
 /* ron and the lines of one whose mosfet, drive and follows are known. */
 void ns_bridge_own_find_lines(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken);
 

@@ -177,6 +177,14 @@ static void announce_diodes(const ns_analysis *a, int k, int count) {
 
 static void announce_mosfets(const ns_own_taken *o, int count) {
     char overdrive[100] = "", closed[100];
+    if (!o->follows && !(o->drive > o->mosfet.vth)) {
+        ns_bridge_report_note(
+            "%s of model %s%s: taken as open, as its gate rests at %.4g V, not above %.4g V, with a body "
+            "diode, vf = %.4g V, ron = %.4g ohm",
+            o->inst->GENname, o->inst->GENmodPtr->GENmodName, count > 1 ? " and others of it" : "", o->drive,
+            o->mosfet.vth, o->diode.vf, o->diode.ron);
+        return;
+    }
     snprintf(closed, sizeof closed, "ron = %.4g ohm (of its model at %.4g V", o->ron, o->drive);
     if (o->closed.volts > 1e-3 * o->ron * o->closed.at)
         snprintf(closed, sizeof closed, "%.4g V and ron = %.4g ohm (of its model at %.4g V, %.4g A",
