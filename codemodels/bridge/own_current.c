@@ -71,6 +71,7 @@ int ns_bridge_own_pass_march(const ns_analysis *a, double stop, ns_march **march
 typedef struct own_mean {
     ns_pulse_mean all, late; /* since the start or tstart; since the last mark */
     ns_pulse_mean before;    /* between that and the mark before it */
+    ns_pulse_mean hidden;    /* before tstart */
     double blocks;           /* V: the largest across it while it is off */
 } own_mean;
 
@@ -169,8 +170,11 @@ static void pass_marks(own_pass *p, double t) {
         own_mean *m = &p->mean[k];
         m->before = at_start ? none : m->late;
         begin_anew(&m->late, t, at_start);
-        if (at_start)
-            begin_anew(&m->all, t, 1);
+        if (!at_start)
+            continue;
+        ns_bridge_pulse_mean_end(&m->all, t);
+        m->hidden = m->all;
+        begin_anew(&m->all, t, 1);
     }
     p->start = at_start ? 0.0 : p->start;
     while (p->mark <= t)
@@ -240,7 +244,7 @@ static double round_current(double amperes) {
     return best;
 }
 
-/* What counts of the k-th; where it carried no more than a leak since then, all. */
+/* What counts of the k-th; where it carried no more than a leak since then, all, and before tstart. */
 static ns_pulse_mean mean_of(const own_pass *p, int k, double t) {
     own_mean *m = &p->mean[k];
     ns_bridge_pulse_mean_end(&m->all, t);
@@ -248,7 +252,9 @@ static ns_pulse_mean mean_of(const own_pass *p, int k, double t) {
     const ns_pulse_mean late = {.weight = m->late.weight + m->before.weight,
                                 .sum = m->late.sum + m->before.sum,
                                 .most = fmax(m->late.most, m->before.most)};
-    return ns_bridge_pulse_mean_read(&late) < NS_LEAK ? m->all : late;
+    if (!(ns_bridge_pulse_mean_read(&late) < NS_LEAK))
+        return late;
+    return ns_bridge_pulse_mean_read(&m->all) > 0.0 ? m->all : m->hidden;
 }
 
 /* One that carried no more than a leak may do so because it did not begin yet, or because another one leaks;

@@ -5,6 +5,12 @@
 #include "own_elements.h"
 #include "own_structs.h"
 
+int ns_bridge_own_check_law(ns_extract_walk *w, const GENinstance *inst, const ns_own_diode *d) {
+    if (!(d->law.bottom.volts > 0.0))
+        return ns_bridge_extract_refuse(w, inst, "n of its model must be above 0");
+    return d->rs < 0.0 ? ns_bridge_own_refuse_value(w, inst, "rs", d->rs, "must be at least 0") : NS_OK;
+}
+
 static int add_junction_capacitor(ns_extract_walk *w, const GENinstance *inst, const ns_own_diode *d) {
     char name[EXTRACT_NAME];
     snprintf(name, sizeof name, "%.140s#cjo", inst->GENname);
@@ -161,6 +167,9 @@ int ns_bridge_own_diode(ns_extract_walk *w, GENinstance *inst) {
     ns_bridge_own_read_diode(inst, &d);
     if (d.heats)
         return ns_bridge_extract_refuse(w, inst, "a D with self-heating (thermal) is not taken");
+    const int status = ns_bridge_own_check_law(w, inst, &d);
+    if (status)
+        return status;
     const double at = ns_bridge_own_current_of(w, inst),
                  vf = o->zero_diodes ? 0.0 : ns_bridge_diode_law_voltage(&d.law, at);
     if (isnan(vf))

@@ -247,6 +247,17 @@ static int add_channel(ns_extract_walk *w, const GENinstance *inst, ns_own_taken
     return ns_circuit_switch(w->ex->circuit, inst->GENname, m->drain, m->source, cp, cn, &ideal, &taken->id);
 }
 
+/* Refuses a model of values that no M has. */
+static int check_model(ns_extract_walk *w, const GENinstance *inst, const ns_own_mosfet *m) {
+    if (m->heats)
+        return ns_bridge_extract_refuse(w, inst, "an M with self-heating (thermal) is not taken");
+    if (!(m->beta > 0.0))
+        return ns_bridge_own_refuse_value(w, inst, "kp", m->beta, "(of level 1: times w/l) must be above 0");
+    if (m->series < 0.0)
+        return ns_bridge_own_refuse_value(w, inst, "rd + rs", m->series, "must be at least 0");
+    return ns_bridge_own_check_law(w, inst, &m->body);
+}
+
 int ns_bridge_own_mosfet(ns_extract_walk *w, GENinstance *inst) {
     ns_own_taken taken = {.inst = inst, .kind = OWN_MOSFET, .id = -1, .body = -1, .bulk = -1, .back = -1};
     const ns_own_mosfet *m = &taken.mosfet;
@@ -259,9 +270,8 @@ int ns_bridge_own_mosfet(ns_extract_walk *w, GENinstance *inst) {
         return ns_bridge_extract_refuse(
             w, inst, "only M elements of a model VDMOS or of level 1 are taken as switches");
     ns_bridge_own_read_mosfet(inst, &taken.mosfet);
-    if (m->heats)
-        return ns_bridge_extract_refuse(w, inst, "an M with self-heating (thermal) is not taken");
-    int status = find_drive(w, inst, m, &taken.drive, &taken.follows);
+    int status = check_model(w, inst, m);
+    status = status ? status : find_drive(w, inst, m, &taken.drive, &taken.follows);
     if (status)
         return status;
     ns_bridge_own_find_lines(w, inst, &taken);

@@ -24,6 +24,9 @@ int ns_bridge_own_refuse_value(ns_extract_walk *w, const GENinstance *inst, cons
  * whose voltage there is vf. */
 double ns_bridge_own_current_of(const ns_extract_walk *w, const GENinstance *inst);
 
+/* Refuses a model whose n or rs no diode has. */
+int ns_bridge_own_check_law(ns_extract_walk *w, const GENinstance *inst, const ns_own_diode *d);
+
 /* What an earlier pass found of it; NULL: nothing. */
 const ns_own_current *ns_bridge_own_found(const ns_extract_walk *w, const GENinstance *inst,
                                           ns_own_path path);

@@ -100,8 +100,8 @@ static double breakdown_of(const DIOinstance *d, const DIOmodel *model) {
 
 /* At its temperature.  Where none is given, some versions take one that only helps them converge. */
 static double series_of(const DIOinstance *d, const DIOmodel *model) {
-    const int given = model->DIOresistGiven && model->DIOresist > 0.0;
-    return given && d->DIOtConductance > 0.0 ? 1.0 / d->DIOtConductance : 0.0;
+    const int given = model->DIOresistGiven && model->DIOresist != 0.0;
+    return given && d->DIOtConductance != 0.0 ? 1.0 / d->DIOtConductance : 0.0;
 }
 
 void ns_bridge_own_read_diode(const GENinstance *inst, ns_own_diode *d) {
