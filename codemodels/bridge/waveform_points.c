@@ -63,6 +63,11 @@ static void count_shown(ns_session *s, int first) {
     }
 }
 
+/* 1 where ngspice writes nothing yet, and no digital part but a bridge reads the circuit. */
+static int is_unseen(const ns_session *s) {
+    return s->loop.points.t < s->loop.points.start && !ns_bridge_digital_has_others(&s->analysis.ex.digital);
+}
+
 /* The next point, where an event of ngspice's queue is one. */
 static int next_of_digital(ns_session *s, ns_waveform_point *p) {
     enum { MOST = 64 }; /* thresholds crossed right after one another */
@@ -70,7 +75,8 @@ static int next_of_digital(ns_session *s, ns_waveform_point *p) {
     int status = NS_E_LIMIT;
     for (int k = 0; k < MOST; k++) {
         const double until = ns_bridge_digital_until(s, find_latest(s), closest);
-        status = ns_waveform_next(s->analysis.waveform, until, p);
+        status = is_unseen(s) ? ns_waveform_skip(s->analysis.waveform, until, p)
+                              : ns_waveform_next(s->analysis.waveform, until, p);
         if (status == NS_OK || !ns_bridge_digital_goes_on(s, status))
             return status;
     }
