@@ -94,6 +94,7 @@ typedef struct ns_own_taken {
     int anode;    /* equation */
     int inside;   /* equation of its node behind rs; 0: there is none */
     double rs;    /* ohm */
+    double tt;    /* s: transit time, which is left out */
     int smoothed; /* it had an epsilon, which was left out */
     struct {      /* in the points of .tran so far: */
         ns_pulse_mean current;
@@ -103,6 +104,7 @@ typedef struct ns_own_taken {
          * for how long (s), what its own model would have carried meanwhile, and the largest current beside
          * it, C */
         double forwards, most_forwards, seconds, missed, beside;
+        double carried, stored; /* of D: what it carried forwards, and tt of it at each end, C */
         /* of M: v(gate,source) beyond vto; what its own channel does not do, and of what that is a part: at
          * the point before, and integrals */
         double above, off, of, all_off, all_of;

@@ -116,6 +116,15 @@ static void count_missed(const ns_analysis *a, ns_own_taken *o, double v, double
     o->seen.forwards = forwards;
 }
 
+/* Where its current ends suddenly, the charge of its transit time would flow back. */
+static void count_stored(ns_own_taken *o, double i, double seconds) {
+    const double mean = 0.5 * (fmax(i, 0.0) + o->seen.i);
+    if (!(o->tt > 0.0) || seconds < 0.0)
+        return;
+    o->seen.carried += seconds * mean;
+    o->seen.stored += i <= NS_LEAK && o->seen.i > NS_LEAK ? o->tt * o->seen.i : 0.0;
+}
+
 void ns_bridge_own_count_point(const ns_analysis *a, double since, double t) {
     for (int k = 0; k < a->ex.nowns; k++) {
         ns_own_taken *o = &a->ex.own[k];
@@ -132,6 +141,7 @@ void ns_bridge_own_count_point(const ns_analysis *a, double since, double t) {
             count_channel(a, o, i, o->seen.t >= since ? t - o->seen.t : 0.0);
         if (o->kind == OWN_DIODE && o->seen.current.weight == 0.0)
             count_missed(a, o, v, o->seen.t >= since ? t - o->seen.t : 0.0);
+        count_stored(o, i, o->seen.t >= since ? t - o->seen.t : -1.0);
         o->seen.t = t;
         o->seen.i = fmax(i, 0.0);
         o->seen.most_v = fmax(o->seen.most_v, fabs(v));
@@ -289,6 +299,26 @@ static int note_missed(const ns_analysis *a) {
     return worst != NULL;
 }
 
+/* The D of which most would flow back at the ends of its current, if that is much. */
+static int note_stored(const ns_analysis *a) {
+    const ns_own_taken *worst = NULL;
+    double most = much;
+    for (int k = 0; k < a->ex.nowns; k++) {
+        const ns_own_taken *o = &a->ex.own[k];
+        const double part = o->seen.carried > 0.0 && !o->is_hidden ? o->seen.stored / o->seen.carried : 0.0;
+        if (is_judged(a, o) && part > most) {
+            most = part;
+            worst = o;
+        }
+    }
+    if (worst)
+        ns_bridge_report_note(
+            "%s: its tt = %.3g s is left out: by that, some %.2g of the charge that it carries "
+            "would flow back when it turns off, and the result may be another one",
+            worst->inst->GENname, worst->tt, most);
+    return worst != NULL;
+}
+
 int ns_bridge_own_note_curve(const ns_analysis *a) {
     const ns_own_taken *worst = NULL;
     double most = much;
@@ -308,5 +338,5 @@ int ns_bridge_own_note_curve(const ns_analysis *a) {
             worst = o;
         }
     }
-    return worst || note_missed(a) || ns_bridge_own_note_guess(a, NULL);
+    return worst || note_missed(a) || ns_bridge_own_note_guess(a, NULL) || note_stored(a);
 }

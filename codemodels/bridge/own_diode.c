@@ -147,7 +147,8 @@ static int add_diode(ns_extract_walk *w, GENinstance *inst, const ns_own_diode *
                           .at = ns_bridge_own_current_of(w, inst),
                           .anode = d->anode,
                           .inside = d->inside != d->anode ? d->inside : 0,
-                          .rs = d->rs};
+                          .rs = d->rs,
+                          .tt = d->tt};
     int status = add_lines(w, d, &lines, &taken);
     if (!status && w->ex->options.cjo && d->farads > 0.0)
         status = add_junction_capacitor(w, inst, d);

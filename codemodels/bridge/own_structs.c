@@ -113,6 +113,7 @@ void ns_bridge_own_read_diode(const GENinstance *inst, ns_own_diode *d) {
                         .rs = series_of(dio, model),
                         .bv = breakdown_of(dio, model),
                         .farads = dio->DIOtJctCap + dio->DIOtJctSWCap,
+                        .tt = model->DIOtransitTime,
                         .is_default =
                             !model->DIOsatCurGiven && !model->DIOemissionCoeffGiven && !model->DIOresistGiven,
                         .heats = dio->DIOtempNode > 0 && dio->DIOthermal && model->DIOrth0Given};

@@ -42,6 +42,7 @@ typedef struct ns_own_diode {
     double rs;        /* ohm */
     double bv;        /* V, INFINITY: none */
     double farads;    /* of the junction at 0 V */
+    double tt;        /* s: transit time, which is left out */
     int heats;        /* its temperature follows its losses */
     int is_default;   /* its model gives no law: none of is, n, rs */
     ns_diode_law law; /* of the junction */
