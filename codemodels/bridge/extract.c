@@ -279,6 +279,7 @@ void ns_bridge_extract_clear(ns_extract *ex) {
     free(ex->device);
     free(ex->own);
     free(ex->climit);
+    free(ex->wave);
     ns_bridge_digital_clear(&ex->digital);
     memset(ex, 0, sizeof *ex);
 }

@@ -21,6 +21,12 @@ typedef struct ns_extract_climit {
     const MIFinstance *inst;
 } ns_extract_climit;
 
+/* An I of ngspice that is not DC. */
+typedef struct ns_extract_wave {
+    GENinstance *inst;
+    int input; /* of the system */
+} ns_extract_wave;
+
 /* What of a device a current is. */
 typedef enum ns_own_path {
     OWN_FORWARDS,  /* through a D, or the body diode of an M */
@@ -130,11 +136,12 @@ typedef struct ns_extract {
     int neq;      /* equations of ngspice, with ground */
     int *element; /* neq: the element whose current the equation stands for, -1: none, a node */
     int capacitors, inductors, couplings; /* their types in ngspice, -1: there are none */
-    int restless;                         /* there is a current source that is not DC */
     int ndevices;
     ns_extract_device *device; /* ndevices: our diodes and switches */
     int nowns;
     ns_own_taken *own; /* nowns: D, S, W of ngspice that were taken */
+    int nwaves;
+    ns_extract_wave *wave; /* nwaves: I of ngspice that are not DC (single_load.c) */
     int nclimits;
     ns_extract_climit *climit; /* nclimits: code models whose limits are to be watched (climits.c) */
     ns_digital digital;   /* XSPICE's digital parts (digital_read.c; digital.c while the analysis runs) */

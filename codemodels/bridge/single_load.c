@@ -21,6 +21,7 @@
 
 #include "spicelib/devices/cap/capdefs.h"
 #include "spicelib/devices/ind/inddefs.h"
+#include "spicelib/devices/isrc/isrcdefs.h"
 
 static const long skip = MODETRANOP | MODEUIC | MODEINITFLOAT; /* without MODETRAN C and L do not integrate */
 
@@ -51,7 +52,7 @@ static void keep_states(const CKTcircuit *ckt) {
 void ns_bridge_single_load_arm(ns_session *s) {
     CKTcircuit *ckt = s->ckt;
     /* at t = 0 the first load makes the matrix ready, and the states */
-    if (!s->analysis.march || !s->trial.made || s->failed || s->analysis.ex.restless ||
+    if (!s->analysis.march || !s->trial.made || s->failed ||
         ns_bridge_digital_has_others(&s->analysis.ex.digital) || s->source_check.pending ||
         !(ckt->CKTtime > 0.0) || !watch_names(ckt))
         return;
@@ -101,6 +102,14 @@ static void set_fluxes(CKTcircuit *ckt, GENmodel *models, GENmodel *couplings, c
             set_state(ckt, l->INDflux, state[l->INDflux]);
 }
 
+/* @i1[current]: in that mode ngspice's load takes I for what they are at t = 0. */
+static void set_waves(const ns_session *s) {
+    const ns_extract *ex = &s->analysis.ex;
+    for (int k = 0; k < ex->nwaves; k++)
+        ((ISRCinstance *)ex->wave[k].inst)->ISRCcurrent =
+            ns_signal_value(&s->analysis.system->z[ex->wave[k].input], s->ckt->CKTtime, NS_LEFT);
+}
+
 static GENmodel *models_of(const CKTcircuit *ckt, int type) {
     return type < 0 ? NULL : ckt->CKThead[type];
 }
@@ -113,6 +122,7 @@ void ns_bridge_single_load_end(ns_session *s) {
     memcpy(ckt->CKTrhs, s->force.value, size);
     set_charges(ckt, models_of(ckt, ex->capacitors), s->force.value);
     set_fluxes(ckt, models_of(ckt, ex->inductors), models_of(ckt, ex->couplings), s->force.value);
+    set_waves(s);
 }
 
 void ns_bridge_single_load_forget(ns_session *s) {

@@ -82,18 +82,18 @@ const char *ns_bridge_sources_signal(const CKTcircuit *ckt, const GENinstance *i
     return ns_bridge_source_signal(&s, z, points);
 }
 
-/* Adds the source from node p to n; branch is the equation of its current, 0 if it has none. */
-static int add_source(ns_extract_walk *w, GENinstance *inst, ns_output kind, int p, int n, int branch) {
+/* Adds the source from node p to n as *id; branch is the equation of its current, 0 if it has none. */
+static int add_source(ns_extract_walk *w, GENinstance *inst, ns_output kind, int p, int n, int branch,
+                      int *id) {
     ns_signal z;
     double *points;
-    int id = -1;
     int status;
     const char *why = ns_bridge_sources_signal(w->ckt, inst, w->dc, &z, &points);
     if (why)
         return ns_bridge_extract_refuse(w, inst, why);
     mix_signal(w, &z);
-    status = add_named(w, inst, kind, p, n, &z, &id);
-    ns_bridge_extract_current(w, branch, id);
+    status = add_named(w, inst, kind, p, n, &z, id);
+    ns_bridge_extract_current(w, branch, *id);
     free(points);
     return status;
 }
@@ -102,12 +102,27 @@ int ns_bridge_sources_vsource(ns_extract_walk *w, GENinstance *inst) {
     const VSRCinstance *v = (const VSRCinstance *)inst;
     if (ns_bridge_versions_is_port(v))
         return ns_bridge_extract_refuse(w, inst, "an RF port is not supported");
-    return add_source(w, inst, NS_VOLTAGE, v->VSRCposNode, v->VSRCnegNode, v->VSRCbranch);
+    int id = -1;
+    return add_source(w, inst, NS_VOLTAGE, v->VSRCposNode, v->VSRCnegNode, v->VSRCbranch, &id);
+}
+
+/* Its wave is kept. */
+static int keep_wave(ns_extract *ex, GENinstance *inst, int id) {
+    const int input = ns_circuit_input(ex->circuit, id);
+    if (input < 0)
+        return NS_OK;
+    ns_extract_wave *more = realloc(ex->wave, (size_t)(ex->nwaves + 1) * sizeof *more);
+    if (!more)
+        return NS_E_MEMORY;
+    ex->wave = more;
+    ex->wave[ex->nwaves++] = (ns_extract_wave){inst, input};
+    return NS_OK;
 }
 
 int ns_bridge_sources_isource(ns_extract_walk *w, GENinstance *inst) {
     const ISRCinstance *i = (const ISRCinstance *)inst;
-    w->ex->restless = w->ex->restless || i->ISRCfunctionType != 0;
+    int id = -1;
     /* ngspice calls the second node of the line positive: it is where the current comes out */
-    return add_source(w, inst, NS_CURRENT, i->ISRCnegNode, i->ISRCposNode, 0);
+    const int status = add_source(w, inst, NS_CURRENT, i->ISRCnegNode, i->ISRCposNode, 0, &id);
+    return status ? status : keep_wave(w->ex, inst, id);
 }
