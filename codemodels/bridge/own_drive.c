@@ -288,9 +288,12 @@ static int find_drive_of_drain(const CKTcircuit *ckt, const ns_own_mosfet *m, ns
         (m->gate != 0 && !ns_bridge_own_find_voltage(ckt, m->gate, 0, 0, &r, &share)) || r.amplifies)
         return 0;
     r = ns_bridge_own_add_gap(r, drain, 0);
-    *drive = m->sign > 0 ? (ns_own_drive){r.low, r.high, r.switches, FOLLOWS_AND_CLOSES}
-                         : (ns_own_drive){-r.high, -r.low, r.switches, FOLLOWS_AND_CLOSES};
-    return drive->high > m->vth;
+    const ns_own_drive found = m->sign > 0 ? (ns_own_drive){r.low, r.high, r.switches, FOLLOWS_AND_CLOSES}
+                                           : (ns_own_drive){-r.high, -r.low, r.switches, FOLLOWS_AND_CLOSES};
+    if (!(found.high > m->vth))
+        return 0;
+    *drive = found;
+    return 1;
 }
 
 int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {

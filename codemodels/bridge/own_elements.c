@@ -119,13 +119,19 @@ int ns_bridge_own_current_switch(ns_extract_walk *w, GENinstance *inst) {
     ".include"
 
 /* With option mosfet="driven"; knows: mosfet="switch" would know the drive. */
-static int refuse_undriven(ns_extract_walk *w, const GENinstance *inst, const ns_own_mosfet *m, int knows) {
-    char what[400];
+static int refuse_undriven(ns_extract_walk *w, const GENinstance *inst, const ns_own_mosfet *m,
+                           const ns_own_drive *drive, int knows) {
+    char what[400], rests[120];
     const int has_gamma = m->bulk != m->source && m->gamma != 0.0;
+    snprintf(rests, sizeof rests,
+             "its gate rests at %.4g V, where an M may amplify or limit a current (vto = %.4g V)",
+             drive->high, m->vth);
     snprintf(what, sizeof what, "this M is not plainly a switch: %s; %s",
              has_gamma ? "its bulk is not its source, and raises its threshold (gamma)"
-                       : "no PULSE, PWL, B source, digital part or switch drives its gate, along V "
-                         "and R, from below to above its threshold",
+             : drive->low == drive->high
+                 ? rests
+                 : "no PULSE, PWL, B source, digital part, switch or other M drives its gate, along V "
+                   "and R, from below to above its threshold",
              knows ? ".include nonsmooth_mosfet.inc (mosfet=\"switch\") takes every M as a switch"
                    : TAKE_BY_VGS " take every M as one (vgs: v(gate,source) when closed)");
     return ns_bridge_extract_refuse(w, inst, what);
@@ -158,7 +164,7 @@ static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_
         *follows = FOLLOWS_GATE; /* no body diode keeps its source from pulling its drain along */
     *volts = isnan(given) ? drive.high : given;
     if (o->mosfets == NS_MOSFETS_DRIVEN && (!is_plain || (m->bulk != m->source && m->gamma != 0.0)))
-        return refuse_undriven(w, inst, m, *volts > m->vth);
+        return refuse_undriven(w, inst, m, &drive, *volts > m->vth);
     if (isnan(*volts))
         return ns_bridge_extract_refuse(
             w, inst, "sources do not say how its gate is driven: give that voltage as vgs, by " TAKE_BY_VGS);
