@@ -1,5 +1,8 @@
 /* src/sparse/create.c - the engine for large circuits: made, freed. */
 #include "sparse_internal.h"
+
+#include "system/broken_line.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -114,6 +117,18 @@ static double shortest_of_inputs(const ns_sparse *m) {
     return NS_REACH / most;
 }
 
+/* o.finer, so that a step which resolves an event is short beside the shortest ramp of an input. */
+static int finer_of(const ns_sparse *m) {
+    static const double part = 1.0 / 128;
+    const double least = ldexp(m->o.h, -NS_EVENT_LEAST_EXPONENT - m->o.finer);
+    double shortest = INFINITY;
+    for (int k = 0; k < m->s->nz; k++)
+        shortest = fmin(shortest, ns_system_line_shortest(&m->s->z[k]));
+    if (!(part * shortest < least))
+        return m->o.finer;
+    return (int)fmin(NS_MOST_FINER, m->o.finer + ceil(log2(least / (part * shortest))));
+}
+
 static int create_parts(ns_sparse *m, const ns_system *s) {
     int status = ns_sparse_output_create(s, &m->output_only);
     m->s = status == NS_OK ? &m->output_only->rest : s;
@@ -133,6 +148,7 @@ static int create_parts(ns_sparse *m, const ns_system *s) {
         return status;
     set_units(m);
     m->inputs_shortest = shortest_of_inputs(m);
+    m->o.finer = finer_of(m);
     return ns_sparse_theta_create(m);
 }
 

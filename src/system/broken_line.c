@@ -53,6 +53,20 @@ int ns_system_line_create(const ns_signal *s, ns_broken_line *p) {
     return NS_OK;
 }
 
+double ns_system_line_shortest(const ns_signal *s) {
+    ns_pulse_points points;
+    ns_line g;
+    double least = INFINITY;
+    if (!ns_system_signal_line(s, &points, &g))
+        return least;
+    for (int i = 1; i < g.n; i++) {
+        const double length = g.t[i] - g.t[i - 1];
+        if (length > 2 * ns_system_signal_time_error(g.t[i], g.origin))
+            least = fmin(least, length);
+    }
+    return least;
+}
+
 void ns_system_line_free(ns_broken_line *p) {
     free(p->piece);
     p->piece = NULL;
