@@ -93,6 +93,7 @@ struct ns_exact_mode {
     long last_used;      /* by cache.clock */
     int status;          /* SINGULAR: the mode contradicts itself */
     int scales;          /* how many time scales; the first resolves what is fastest */
+    int rates;           /* how many are resolved */
     int has_instant;     /* 1: a constraint or a rate beyond resolution: entering may jump */
     int hides, resolves; /* NS_HIDES_RATES: such a rate is finite; 1: its time constant is no rounding of t */
     ns_time_scale scale[NS_TIME_SCALES];   /* fastest first */

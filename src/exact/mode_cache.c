@@ -216,7 +216,11 @@ static int build_mode(ns_exact *f, ns_exact_mode *k) {
     const double guess = probe_length(f, k);
     int status =
         room && rate ? ns_exact_kernel_build(f->s, f->inputs, guess / NS_POLE, k->mode, &probe) : NS_E_MEMORY;
+    const int known = k->resolves ? k->rates : -1;
     const int count = status == NS_OK ? list_rates(f, k, probe, rate, room, &status) : 0;
+    k->rates = count;
+    if (status == NS_OK && count == known)
+        status = NS_GUARD; /* no more than before */
     if (status == NS_OK)
         list_time_scales(f, k, rate, count);
     for (int i = 0; i < k->scales && probe && status == NS_OK; i++)
@@ -251,16 +255,14 @@ int ns_exact_mode_resolve(ns_exact *f, ns_exact_mode *k) {
     k->resolves = 1;
     ns_theta_set_mode(f->s, k->mode);
     const int status = build_mode(f, k);
-    if (status == NS_OK)
-        f->cache.bytes += sizeof *k + (size_t)f->system->m;
-    if (status != NS_OK || !(k->scale[0].h < coarse.scale[0].h)) { /* no rate was found finite */
-        f->cache.bytes -= status == NS_OK ? bytes_of(f, k) : 0;
+    if (status != NS_OK) {
         free_time_scales(k);
         *k = coarse;
         k->resolves = 1;
         f->failed = status == NS_E_MEMORY ? status : f->failed;
         return 0;
     }
+    f->cache.bytes += sizeof *k + (size_t)f->system->m;
     f->cache.bytes -= bytes_of(f, &coarse);
     f->cache.steps_dropped++;
     f->entered = NULL;
