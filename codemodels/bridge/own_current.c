@@ -109,7 +109,7 @@ static double voltage_at(const ns_analysis *a, int eq) {
 }
 
 static int is_follower(const ns_own_taken *o) {
-    return o->kind == OWN_MOSFET && o->follows && o->follows != FOLLOWS_DRAIN;
+    return o->kind == OWN_MOSFET && (o->follows == FOLLOWS_GATE || o->follows == FOLLOWS_AND_CLOSES);
 }
 
 int ns_bridge_own_is_following(const ns_analysis *a, const ns_own_taken *o) {

@@ -38,7 +38,7 @@ static double beyond_saturation(const ns_own_mosfet *m, double i, double above) 
 }
 
 static int is_follower(const ns_own_taken *o) {
-    return o->follows && o->follows != FOLLOWS_DRAIN;
+    return o->follows == FOLLOWS_GATE || o->follows == FOLLOWS_AND_CLOSES;
 }
 
 /* A switch: the current (A) beyond that of saturation at its present v(gate,source), of its current; not

@@ -296,6 +296,14 @@ static int find_drive_of_drain(const CKTcircuit *ckt, const ns_own_mosfet *m, ns
     return 1;
 }
 
+/* 1 if a shunt lies between the source and ground: its drop takes v(gate,source) back to the threshold as the
+ * current rises, where a switch would open and close infinitely fast. */
+static int is_raised(const CKTcircuit *ckt, int source) {
+    ns_own_way w = {.ckt = ckt, .find = ns_bridge_own_find_voltage};
+    ns_own_range volts = {0};
+    return !ns_bridge_own_way(&w, source, &volts);
+}
+
 int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
     ns_own_range r = {0}, ends;
     double share;
@@ -312,8 +320,12 @@ int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_o
     ns_own_range source = {0};
     *drive = m->sign > 0 ? (ns_own_drive){r.low, r.high, r.switches && !r.amplifies, 0}
                          : (ns_own_drive){-r.high, -r.low, r.switches && !r.amplifies, 0};
-    if (share >= 0.5 || ns_bridge_own_way(&to_ground, m->source, &source))
+    if (share >= 0.5)
         return 1;
+    if (ns_bridge_own_way(&to_ground, m->source, &source)) {
+        drive->follows = is_raised(ckt, m->source) ? FOLLOWS_SHUNT : 0;
+        return 1;
+    }
     if (m->sign > 0)
         return lower_when_closed(ckt, m, drive);
     lower_when_p_closed(ckt, m, drive);

@@ -197,8 +197,10 @@ static void announce_mosfets(const ns_own_taken *o, int count) {
                           o->inst->GENname, o->inst->GENmodPtr->GENmodName,
                           count > 1 ? " and others of it" : "", o->mosfet.vth, closed,
                           o->follows == FOLLOWS_DRAIN ? ", which holds its gate there while its drain swings"
-                          : o->follows                ? ", as a source follower where its gate is lower"
-                                                      : "",
+                          : o->follows == FOLLOWS_SHUNT
+                              ? ", no more than the drop of its shunt leaves of its gate"
+                          : o->follows ? ", as a source follower where its gate is lower"
+                                       : "",
                           overdrive, o->diode.vf, o->diode.ron);
 }
 
