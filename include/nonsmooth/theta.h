@@ -29,7 +29,7 @@ typedef struct ns_theta ns_theta;
 typedef struct ns_theta_options {
     double theta, gamma; /* theta in [0,1], gamma in (0,1]: below 1/2 an error of lambda grows by
                             (1-gamma)/gamma a step */
-    size_t map_bytes;    /* bound on the memory of kept maps; 0: 32 MiB */
+    size_t map_bytes;    /* bound on the memory of kept maps; 0: 128 MiB */
 } ns_theta_options;
 
 /* What the work of an object cost so far. */

@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* For what islands keep of their modes, all together: twice what one marcher has. */
-static const size_t shared_bytes = (size_t)64 << 20;
+static const size_t shared_bytes = (size_t)256 << 20;
 
 static ns_partition_run *run_of(ns_engine *e) {
     return (ns_partition_run *)(void *)e;

@@ -170,7 +170,7 @@ int ns_theta_create(const ns_system *system, const ns_theta_options *o, ns_theta
     s->gamma = o->gamma;
     s->carry = o->theta < 1 || o->gamma < 1;
     s->maps.m = system->m;
-    s->maps.limit = o->map_bytes ? o->map_bytes : (size_t)32 << 20;
+    s->maps.limit = o->map_bytes ? o->map_bytes : (size_t)128 << 20;
     s->maps.free_entry = free_map;
     s->fault.t = NAN;
     status = create_arrays(s);
