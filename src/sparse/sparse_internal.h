@@ -28,8 +28,8 @@ enum {
     NS_LEAST_EXPONENT = 28, /* + the shortest step, */
     NS_STEEPEST = 16, /* + but for transients that are not over in it, and not so short that they jump */
     NS_EVENT_LEAST_EXPONENT = 26, /* + the shortest step that resolves an event */
-    NS_FINER = 12,     /* of the step that makes w consistent: what lasts that short is a transient, */
-    NS_FINEST = 26,    /* + unless it is shorter than this: then it jumps */
+    NS_FINER = 12,      /* of the step that makes w consistent: what lasts that short is a transient, */
+    NS_FINEST = 26,     /* + unless it is shorter than this: then it jumps */
     NS_MOST_FINER = 16, /* the largest o.finer */
     NS_EXPONENTS = NS_LEAST_EXPONENT + NS_STEEPEST + NS_MOST_FINER + 1
 };
