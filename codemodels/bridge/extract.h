@@ -67,13 +67,13 @@ typedef struct ns_own_found {
 
 #define NS_OWN_CURRENT 0.1 /* where nothing is known */
 
-/* One of ngspice's own devices, taken as ideal. */
 /* A line for the square law of a follower (own_follower.c): the tangent at a current, or a flatter one. */
 typedef struct ns_own_line {
     double at; /* A */
     double volts, ohm;
 } ns_own_line;
 
+/* One of ngspice's own devices, taken as ideal. */
 typedef struct ns_own_taken {
     GENinstance *inst;
     ns_own_kind kind;

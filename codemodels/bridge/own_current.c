@@ -12,6 +12,7 @@
 #include <stdlib.h>
 
 #include "interrupt.h"
+#include "own_follower.h"
 #include "own_structs.h"
 #include "pure/timepoints.h"
 
@@ -108,13 +109,10 @@ static double voltage_at(const ns_analysis *a, int eq) {
     return eq > 0 && a->unknown[eq] >= 0 ? a->x[a->unknown[eq]] : 0.0;
 }
 
-static int is_follower(const ns_own_taken *o) {
-    return o->kind == OWN_MOSFET && (o->follows == FOLLOWS_GATE || o->follows == FOLLOWS_AND_CLOSES);
-}
-
 int ns_bridge_own_is_following(const ns_analysis *a, const ns_own_taken *o) {
     const ns_own_mosfet *m = &o->mosfet;
-    return is_follower(o) && m->sign * (voltage_at(a, m->drain) - voltage_at(a, m->gate)) > -m->vth;
+    return ns_bridge_own_is_follower(o) &&
+           m->sign * (voltage_at(a, m->drain) - voltage_at(a, m->gate)) > -m->vth;
 }
 
 static void add_current(own_mean *mean, int is_on, double i, double from, double to) {
@@ -127,7 +125,7 @@ static void add_channel(const own_pass *p, const ns_own_taken *o, const ns_mode 
                         double from, double to) {
     const ns_analysis *a = p->a;
     double i;
-    if (is_follower(o) &&
+    if (ns_bridge_own_is_follower(o) &&
         ns_circuit_device(a->ex.circuit, o->id, a->x, a->lambda, mode, &i, NULL, NULL) == NS_OK)
         add_current(mean,
                     i > NS_LEAK && (o->follows == FOLLOWS_AND_CLOSES || ns_bridge_own_is_following(a, o)), i,

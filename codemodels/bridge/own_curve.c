@@ -37,10 +37,6 @@ static double beyond_saturation(const ns_own_mosfet *m, double i, double above) 
     return i > NS_LEAK ? fmax(i - ns_bridge_own_saturation(m, above), 0.0) : 0.0;
 }
 
-static int is_follower(const ns_own_taken *o) {
-    return o->follows == FOLLOWS_GATE || o->follows == FOLLOWS_AND_CLOSES;
-}
-
 /* A switch: the current (A) beyond that of saturation at its present v(gate,source), of its current; not
  * while its drain holds its gate at the threshold.  A follower: by how much the voltage (V) beyond vto that
  * its own gate needs while it is not closed is another one than was taken, of that of its source while it
@@ -48,7 +44,7 @@ static int is_follower(const ns_own_taken *o) {
 static void judge_channel(const ns_analysis *a, const ns_own_taken *o, double i, double *off, double *of) {
     const ns_own_mosfet *m = &o->mosfet;
     const double above = above_threshold(a, m);
-    if (!is_follower(o)) {
+    if (!ns_bridge_own_is_follower(o)) {
         const int held = o->follows && above < held_within * (o->drive - m->vth);
         *off = held ? 0.0 : beyond_saturation(m, i, above);
         *of = fabs(i);
@@ -200,12 +196,12 @@ static double part_off(const ns_own_taken *o) {
 }
 
 static void note_channel(const ns_own_taken *o) {
-    if (is_follower(o) && o->overdrive.at > 0.0)
+    if (ns_bridge_own_is_follower(o) && o->overdrive.at > 0.0)
         ns_bridge_report_note(
             "%s, a source follower, had the voltage of its source wrong by some %.2g of it: "
             "what its own gate needs beyond vto is that at %.2g A",
             o->inst->GENname, part_off(o), o->overdrive.at);
-    else if (is_follower(o))
+    else if (ns_bridge_own_is_follower(o))
         ns_bridge_report_note(
             "%s, a source follower, had its source too %s by some %.2g of that voltage: what its own gate "
             "needs beyond vto is left out; drive it against its source, or add that to vto",

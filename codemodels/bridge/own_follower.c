@@ -59,8 +59,7 @@ void ns_bridge_own_find_lines(ns_extract_walk *w, const GENinstance *inst, ns_ow
     const int known = !o->zero_diodes && isnan(o->id);
     const ns_own_current *found = known ? ns_bridge_own_found(w, inst, OWN_CHANNEL) : NULL;
     taken->ron = ns_bridge_own_ohmic(taken);
-    if (o->zero_diodes || !taken->follows || taken->follows == FOLLOWS_DRAIN ||
-        taken->follows == FOLLOWS_SHUNT)
+    if (o->zero_diodes || !ns_bridge_own_is_follower(taken))
         return;
     if (taken->follows == FOLLOWS_AND_CLOSES) {
         taken->closed = found ? line_of(taken, ns_bridge_own_closed_voltage, found)

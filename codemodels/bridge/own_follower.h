@@ -4,6 +4,11 @@
 
 #include "own_elements.h"
 
+/* 1 if its source follows its gate; 0: a switch, also one that a drain or a shunt holds at its threshold. */
+static inline int ns_bridge_own_is_follower(const ns_own_taken *o) {
+    return o->follows == FOLLOWS_GATE || o->follows == FOLLOWS_AND_CLOSES;
+}
+
 /* V: across the channel of a follower that closes, without series resistance, at a current (A); its
  * v(gate,drain) is that of its drive. */
 double ns_bridge_own_closed_voltage(const ns_own_taken *o, double amperes);

@@ -192,16 +192,17 @@ static void announce_mosfets(const ns_own_taken *o, int count) {
     if (o->overdrive.at > 0.0)
         snprintf(overdrive, sizeof overdrive, " (by %.4g V and %.4g ohm beyond that, as its model at %.4g A)",
                  o->overdrive.volts, o->overdrive.ohm, o->overdrive.at);
-    ns_bridge_report_note("%s of model %s%s: taken as a switch, closed above %.4g V with %s)%s%s, and a body "
-                          "diode, vf = %.4g V, ron = %.4g ohm",
-                          o->inst->GENname, o->inst->GENmodPtr->GENmodName,
-                          count > 1 ? " and others of it" : "", o->mosfet.vth, closed,
-                          o->follows == FOLLOWS_DRAIN ? ", which holds its gate there while its drain swings"
-                          : o->follows == FOLLOWS_SHUNT
-                              ? ", no more than the drop of its shunt leaves of its gate"
-                          : o->follows ? ", as a source follower where its gate is lower"
-                                       : "",
-                          overdrive, o->diode.vf, o->diode.ron);
+    ns_bridge_report_note(
+        "%s of model %s%s: taken as a switch, closed above %.4g V with %s)%s%s, and a body "
+        "diode, vf = %.4g V, ron = %.4g ohm",
+        o->inst->GENname, o->inst->GENmodPtr->GENmodName, count > 1 ? " and others of it" : "", o->mosfet.vth,
+        closed,
+        o->follows == FOLLOWS_DRAIN ? ", which holds its gate there while its drain swings"
+        : o->follows == FOLLOWS_SHUNT
+            ? ", its current limited where the voltage of its shunt takes v(gate,source) back to that"
+        : o->follows ? ", as a source follower where its gate is lower"
+                     : "",
+        overdrive, o->diode.vf, o->diode.ron);
 }
 
 /* --- is it what was announced? --- */

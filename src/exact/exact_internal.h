@@ -84,7 +84,8 @@ typedef struct ns_successor {
     uint64_t undecided;
 } ns_successor;
 
-/* MAY: rates that are finite, or a rounding of what has none. */
+/* A rate that dies out within an instant is finite; or is so large that it may be rounding of an infinite
+ * one. */
 enum { NS_HIDES_RATES = 1, NS_MAY_HIDE_RATES = 2 };
 
 /* What is kept of a mode. */
@@ -95,7 +96,7 @@ struct ns_exact_mode {
     int scales;          /* how many time scales; the first resolves what is fastest */
     int rates;           /* how many are resolved */
     int has_instant;     /* 1: a constraint or a rate beyond resolution: entering may jump */
-    int hides, resolves; /* NS_HIDES_RATES: such a rate is finite; 1: its time constant is no rounding of t */
+    int hides, resolves; /* these bits; 1: finite rates are resolved, as far as t tells them apart */
     ns_time_scale scale[NS_TIME_SCALES];   /* fastest first */
     ns_successor successor[NS_SUCCESSORS]; /* most recent first; NULL: no more */
     ns_exact_mode *next_in_bucket;
