@@ -33,6 +33,7 @@ typedef struct ns_run_check {
     long looks;                /* at events so far */
     int has_all;               /* 1: all of the point is known now, as it is shown */
     int jumped, jumped_before; /* 1: something did, by now; left of it */
+    double shortest;           /* s: the shortest ramp of an input */
     /* how often, in instructions or so: spent on a point, on a way, earned by a trial, by an event, by a mode
      */
     double point_cost, event_cost, way_cost, quick_cost, trial_cost, trial_gain, event_gain, mode_gain;

@@ -1,5 +1,6 @@
 /* src/march/run_check_create.c - the check of a run: made, attached to an engine, and what it costs. */
 #include "run_internal.h"
+#include "system/broken_line.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -36,18 +37,30 @@ static void estimate_costs(ns_run *r) {
     k->periods = k->periods_rest;
 }
 
-/* What an event may take, s: with the sparse engine, src/README.md; of steps that locate none a step. */
+/* The shortest ramp of an input, s. */
+static double shortest_ramp(const ns_system *s) {
+    double shortest = INFINITY;
+    for (int k = 0; k < s->nz; k++)
+        shortest = fmin(shortest, ns_system_line_shortest(&s->z[k]));
+    return shortest;
+}
+
+/* What an event may take, s: with the sparse engine, src/README.md; short beside ramps of inputs, which are
+ * resolved; of steps that locate none a step. */
 static double instant_of(const ns_run *r) {
-    enum { INSTANT_EXPONENT = -11 };
-    const int locates = r->kind != NS_RUN_SCHEME || r->is_dense;
-    return locates ? ldexp(r->options.h, INSTANT_EXPONENT) : r->options.h;
+    enum { INSTANT_EXPONENT = -11, LEAST_EXPONENT = -36 };
+    if (r->kind == NS_RUN_SCHEME)
+        return r->is_dense ? ldexp(r->options.h, INSTANT_EXPONENT) : r->options.h;
+    return fmin(ldexp(r->options.h, INSTANT_EXPONENT),
+                fmax(ldexp(r->options.h, LEAST_EXPONENT), r->check.shortest / 4));
 }
 
 /* What decays as fast as this is part of a jump, s: it has died out within the instant to which events are
  * located.  Steps that pass an event add up what flows in them, too. */
 static double transient_of(const ns_run *r) {
-    enum { INSTANT_EXPONENT = -20, DIES_OUT = 40 };
-    return r->kind == NS_RUN_SCHEME ? instant_of(r) : ldexp(r->options.h, INSTANT_EXPONENT) / DIES_OUT;
+    enum { SHORTER_EXPONENT = -9 };
+    return r->kind == NS_RUN_SCHEME ? instant_of(r)
+                                    : ldexp(instant_of(r), SHORTER_EXPONENT) / ns_verify_dies_out;
 }
 
 /* --- made --- */
@@ -55,6 +68,7 @@ static double transient_of(const ns_run *r) {
 int ns_march_check_create(ns_run *r) {
     ns_run_check *k = &r->check;
     const size_t n = (size_t)r->s->n, m = (size_t)r->s->m, all = n + m;
+    k->shortest = shortest_ramp(r->s);
     const ns_verify_options o = {.reltol = r->options.method == NS_EXACT ? 0 : r->options.reltol,
                                  .instant = instant_of(r),
                                  .transient = transient_of(r)};

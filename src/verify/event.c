@@ -34,8 +34,10 @@ static double moved_in(const ns_verify *v, int i, double seconds) {
     return ns_verify_sizes_charge_off(v, i) + seconds * ns_verify_row(&v->law, i, v->u).size;
 }
 
+/* Of an event whose two sides have one time: transients that die out in it. */
 static double moved_off(const ns_verify *v, int i) {
-    return moved_in(v, i, v->o.instant);
+    const double dies_out = ns_verify_dies_out * v->o.transient;
+    return moved_in(v, i, v->t > v->t_left || v->o.instant < dies_out ? v->o.instant : dies_out);
 }
 
 /* How a charge or a flux differs between u_left and u: by rounding, as it may in the time that an event

@@ -41,10 +41,13 @@ typedef struct ns_verify_finding {
     double error;      /* of what is allowed */
 } ns_verify_finding;
 
+/* What decays has died out after so many times as long. */
+static const double ns_verify_dies_out = 40;
+
 /* What engines may be off by. */
 typedef struct ns_verify_options {
     double reltol;    /* errors of a step, of charges and fluxes */
-    double instant;   /* s: the time that an event may take */
+    double instant;   /* s: the time that an event may take whose two sides have different times */
     double transient; /* s: what decays as fast as this is part of a jump */
 } ns_verify_options;
 

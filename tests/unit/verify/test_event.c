@@ -54,6 +54,30 @@ static void what_flows_in_the_time_of_a_jump(void **state) {
     assert_false(passes(0.5 * 11 * 1.001));
 }
 
+/* In no time nothing flows but in transients, here of 1e-9 s, that die out: not what flows in the 0.5 s that
+ * an event may take from one time to another. */
+static void nothing_flows_in_no_time(void **state) {
+    static const double by[] = {11 * 1e-9, 11 * 1e-3};
+    const ns_verify_options o = {.reltol = 1e-14, .instant = 0.5, .transient = 1e-9};
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const double before = 5, after = before + by[k], X = 0;
+        const ns_verify_state left = {1, NS_LEFT, &before, NULL, NULL, 0},
+                              right = {1, NS_RIGHT, &after, NULL, NULL, 0};
+        ns_system *s = integrator();
+        ns_verify *v;
+        ns_verify_finding f;
+        assert_int_equal(ns_verify_create(s, &o, &v), NS_OK);
+        assert_true(ns_verify_point(v, &left, &f));
+        ns_verify_left(v);
+        assert_true(ns_verify_point(v, &right, &f));
+        assert_int_equal(ns_verify_event(v, &X, NULL, &f), k == 0);
+        assert_int_equal(f.cause, k == 0 ? NS_VERIFY_RIGHT : NS_VERIFY_JUMP);
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
 /* An input that jumps from 0 to 5 at 1 s and rises by 2 a second from there to 3 s, on either side, whatever
  * was asked for before. */
 static void sides_of_an_input(void **state) {
@@ -115,7 +139,7 @@ static void no_pair_carries_an_impulse(void **state) {
 /* x' = 1 - lambda, 0 <= lambda, y = lambda: 0.5 A s backward through it within the 1 s that an event may
  * take.  What flows in that time does not excuse the direction: the pair is told, and no unknown. */
 static void an_impulse_backward(void **state) {
-    const ns_verify_options o = {.reltol = 1e-9, .instant = 1};
+    const ns_verify_options o = {.reltol = 1e-9, .instant = 1, .transient = 1 / ns_verify_dies_out};
     (void)state;
     for (int backward = 0; backward < 2; backward++) {
         const double x = 5, after = backward ? 5.5 : 4.5, X = 0, none = 0, Lambda = backward ? -0.5 : 0.5;
@@ -286,6 +310,7 @@ static void charge_of_a_step(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(what_flows_in_the_time_of_a_jump),
+                                       cmocka_unit_test(nothing_flows_in_no_time),
                                        cmocka_unit_test(sides_of_an_input),
                                        cmocka_unit_test(no_pair_carries_an_impulse),
                                        cmocka_unit_test(an_impulse_backward),
