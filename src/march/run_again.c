@@ -18,7 +18,7 @@ typedef struct again {
     ns_until until;
 } again;
 
-static const ns_run_kind others[] = {NS_RUN_DENSE, NS_RUN_SPARSE, NS_RUN_SCHEME};
+static const ns_run_kind kernels[] = {NS_RUN_DENSE, NS_RUN_SPARSE};
 
 /* --- the accepted point --- */
 
@@ -101,34 +101,6 @@ static int start_judged(ns_run *r, const again *a, double *reached) {
     return try_judged(r, a, reached);
 }
 
-/* --- the scheme, alone for a whole trial --- */
-
-/* Charges and fluxes at the end of a trial: w (n); x: n. */
-static int read_charges(const ns_run *r, ns_engine *e, double *x, double *w) {
-    const int status = ns_engine_read(e, NULL, x, NULL, NULL);
-    ns_system_charges(r->s, x, w);
-    return status;
-}
-
-/* The same by steps of a quarter of the length. */
-static int read_finer(ns_run *r, const again *a, double *x, double *w) {
-    enum { QUARTER = 2 };
-    ns_engine *e = NULL;
-    double reached;
-    r->finer_scheme = QUARTER;
-    int status = ns_march_run_make(r, NS_RUN_SCHEME, &e);
-    r->finer_scheme = 0;
-    if (status != NS_OK)
-        return status;
-    status = e->table->start(e, a->t, a->w, a->closed);
-    if (status == NS_OK)
-        status = e->table->try_to(e, a->asked, a->until, &reached);
-    if (status == NS_OK)
-        status = read_charges(r, e, x, w);
-    e->table->free(e);
-    return status;
-}
-
 int ns_march_run_is_rough(ns_run *r, double t, ns_until until) {
     enum { LONG = 16 };
     if (until != NS_TO_TIME || r->kind != NS_RUN_DENSE ||
@@ -139,32 +111,24 @@ int ns_march_run_is_rough(ns_run *r, double t, ns_until until) {
     return 1;
 }
 
-/* The scheme passed a trial through events, and nobody judges how the errors of its steps add up: it is
- * believed if shorter steps come to the same. */
-static int is_believed(ns_run *r, const again *a) {
-    static const double same = 7e-4; /* of first order: its error is a third more */
-    const int n = r->s->n;
-    if (a->until != NS_TO_TIME || r->kind != NS_RUN_SCHEME)
-        return !ns_march_run_is_rough(r, a->asked, a->until);
-    double *x = calloc(3 * (size_t)n + 1, sizeof *x), *w = x ? x + n : NULL, *finer = x ? w + n : NULL,
-           most = INFINITY;
-    if (x && read_charges(r, r->at_work, x, w) == NS_OK && read_finer(r, a, x, finer) == NS_OK) {
-        most = 0;
-        for (int i = 0; i < n; i++)
-            most = fmax(most, fabs(w[i] - finer[i]) / ns_verify_most_charge(r->check.verify, i));
-    }
-    free(x);
-    return most <= same;
-}
-
 typedef struct attempt {
     const again *from;
     double *reached;
+    int *is_rough; /* 1: the scheme would have to take shorter steps */
 } attempt;
 
 static int begin_attempt(ns_run *r, const void *data) {
-    const attempt *a = data;
-    return start_judged(r, a->from, a->reached) && is_believed(r, a->from) ? NS_OK : NS_E_RESIDUAL;
+    const attempt *by = data;
+    const again *a = by->from;
+    *by->is_rough = 0;
+    if (!start_judged(r, a, by->reached))
+        return NS_E_RESIDUAL;
+    if (r->kind == NS_RUN_SCHEME && a->until != NS_TO_EVENT) {
+        const ns_run_start from = {.t = a->t, .w = a->w, .closed = a->closed};
+        *by->is_rough = !ns_march_run_is_believed(r, &from, *by->reached);
+    } else if (ns_march_run_is_rough(r, a->asked, a->until))
+        return NS_E_RESIDUAL;
+    return *by->is_rough ? NS_E_RESIDUAL : NS_OK;
 }
 
 /* --- all of them --- */
@@ -179,20 +143,38 @@ static int go_finer(ns_run *r, const again *a, double *reached) {
     return 0;
 }
 
+/* By the scheme with shorter steps, until shorter ones come to the same. */
+static int go_by_scheme(ns_run *r, const again *a, double *reached) {
+    enum { TRIES = 4 };
+    int is_rough = 1;
+    const attempt by = {a, reached, &is_rough};
+    const ns_run_change how = {begin_attempt, &by, 0};
+    r->scheme_step = 0;
+    for (int i = 0; i < TRIES && is_rough; i++) {
+        if (ns_march_run_change(r, NS_RUN_SCHEME, &how) == NS_OK)
+            return 1;
+        r->scheme_step = ns_march_run_finer_step(r, *reached - a->t);
+    }
+    r->scheme_step = 0;
+    return 0;
+}
+
 /* A start that would take more than the run took so far comes last, if none passes without.
  * NOLINTNEXTLINE(readability-non-const-parameter): written to through by */
 static int go_by_others(ns_run *r, const again *a, double most, double *reached) {
     const ns_run_kind own = r->kind;
-    const attempt by = {a, reached};
+    int done = 0, is_rough;
+    const attempt by = {a, reached, &is_rough};
     const ns_run_change how = {begin_attempt, &by, 0};
-    int done = 0;
     r->may_spend = most;
     r->was_cut_off = 0;
-    for (size_t i = 0; i < sizeof others / sizeof *others && !done && !ns_march_sliding_is_cause(r); i++)
-        done = others[i] != own && ns_march_run_change(r, others[i], &how) == NS_OK;
+    for (size_t i = 0; i < sizeof kernels / sizeof *kernels && !done && !ns_march_sliding_is_cause(r); i++)
+        done = kernels[i] != own && ns_march_run_change(r, kernels[i], &how) == NS_OK;
+    if (!done && own != NS_RUN_SCHEME && !ns_march_sliding_is_cause(r))
+        done = go_by_scheme(r, a, reached);
     r->may_spend = r->at_work->most_work = 0;
     if (done)
-        ns_march_run_was_wrong(r, a->t, own);
+        ns_march_run_was_wrong(r, a->t, own, *reached - a->t);
     return done || (most > 0 && r->was_cut_off && go_by_others(r, a, 0, reached));
 }
 

@@ -74,14 +74,14 @@ void ns_march_run_choose(ns_run *r, ns_until until) {
     bound_work(r, until);
 }
 
-void ns_march_run_was_wrong(ns_run *r, double t, ns_run_kind was) {
+void ns_march_run_was_wrong(ns_run *r, double t, ns_run_kind was, double stay) {
     if (!r->choice.asks) {
-        ns_march_run_leave_for_now(r, t, was);
+        ns_march_run_leave_for_now(r, t, was, stay);
         return;
     }
     ns_march_choice_failed(&r->choice, t, ns_march_run_work(r));
     if (r->kind == NS_RUN_SCHEME)
-        ns_march_run_leave_for_now(r, t, was == NS_RUN_DENSE ? NS_RUN_SPARSE : NS_RUN_DENSE);
+        ns_march_run_leave_for_now(r, t, was == NS_RUN_DENSE ? NS_RUN_SPARSE : NS_RUN_DENSE, stay);
 }
 
 /* The other one goes on from the accepted point, and this one is not asked soon.  At the left side of an
@@ -97,7 +97,7 @@ static int fail_and_change(ns_run *r, ns_until until, double *reached) {
     else if (r->chooses)
         ns_march_choice_failed(&r->choice, now, ns_march_run_work(r));
     else
-        ns_march_run_leave_for_now(r, now, NS_RUN_DENSE);
+        ns_march_run_leave_for_now(r, now, NS_RUN_DENSE, INFINITY);
     bound_work(r, until);
     r->trial_is_start = ends && ns_engine_read(r->at_work, &begun, NULL, NULL, NULL) == NS_OK && begun == now;
     if (r->trial_is_start)

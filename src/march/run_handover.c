@@ -36,8 +36,14 @@ static ns_march_options scheme_options(const ns_run *r) {
     o.method = NS_THETA;
     o.theta = o.gamma = 1; /* they may not be given for other methods */
     o.capture = 0;
-    o.h = ldexp(o.h, SMALLER_EXPONENT - r->finer_scheme);
+    o.h = ldexp(o.h, SMALLER_EXPONENT);
+    if (r->scheme_step > 0)
+        o.h = fmin(o.h, r->scheme_step);
     return o;
+}
+
+double ns_march_run_scheme_step(const ns_run *r) {
+    return scheme_options(r).h;
 }
 
 /* By dense matrices, or if that is asked for or there are too many unknowns by sparse factors. */
@@ -102,6 +108,8 @@ int ns_march_run_change(ns_run *r, ns_run_kind kind, const ns_run_change *how) {
         (is_new ? ns_march_run_forget : ns_march_run_dismiss)(r, other);
         return status;
     }
+    if (kind != NS_RUN_SCHEME)
+        r->scheme_step = 0;
     other->way_from = fmin(other->way_from, was->way_from);
     if (how->keeps)
         put_aside(r, was, was_kind);
@@ -118,7 +126,7 @@ int ns_march_run_use_dense(ns_run *r, double t) {
     ns_engine *const was = r->at_work;
     ns_march_run_put_to_work(r, dense, NS_RUN_DENSE);
     ns_march_run_dismiss(r, was);
-    ns_march_run_leave_for_now(r, t, NS_RUN_SPARSE);
+    ns_march_run_leave_for_now(r, t, NS_RUN_SPARSE, INFINITY);
     return NS_OK;
 }
 
@@ -230,11 +238,12 @@ int ns_march_run_leave_sparse(ns_run *r) {
 /* --- back to an engine that failed, or was found wrong --- */
 
 static void leave_scheme_after(ns_run *r, double t, double stay) {
-    r->scheme_stay = fmin(stay, r->options.h);
+    enum { LEAST_EXPONENT = -30 }; /* so that twice as long is longer */
+    r->scheme_stay = fmin(fmax(stay, ldexp(r->options.h, LEAST_EXPONENT)), r->options.h);
     r->back_from_scheme = t + r->scheme_stay;
 }
 
-void ns_march_run_leave_for_now(ns_run *r, double t, ns_run_kind was) {
+void ns_march_run_leave_for_now(ns_run *r, double t, ns_run_kind was, double stay) {
     enum { SHORTEST_EXPONENT = -6 };
     const int at_once = t < r->back_from_scheme + r->scheme_stay;
     const int away = r->back_at < INFINITY;
@@ -242,7 +251,8 @@ void ns_march_run_leave_for_now(ns_run *r, double t, ns_run_kind was) {
     r->back_to = away ? r->back_to : was;
     r->back_at = r->kind == r->back_to ? INFINITY : t + r->back_interval;
     r->back_work = (1 + kernel_part) * ns_march_run_work(r).all + ns_march_first_question(r->s, r->is_dense);
-    leave_scheme_after(r, t, at_once ? 2 * r->scheme_stay : ldexp(r->options.h, SHORTEST_EXPONENT));
+    leave_scheme_after(r, t,
+                       at_once ? 2 * r->scheme_stay : fmin(stay, ldexp(r->options.h, SHORTEST_EXPONENT)));
 }
 
 /* Where no kernel was right steps of the scheme go on, which are of first order: nobody judges how their
@@ -281,6 +291,10 @@ void ns_march_run_return(ns_run *r) {
     r->back_interval = ns_march_retry_interval(&r->options, r->back_interval);
     r->back_at = t + r->back_interval;
     leave_scheme_after(r, t, 2 * r->scheme_stay);
+    if (r->kind == NS_RUN_SCHEME && r->scheme_step > 0) { /* such steps were for a trial */
+        r->scheme_step = 0;
+        (void)ns_march_run_leave_for(r, NS_RUN_SCHEME, 0);
+    }
 }
 
 int ns_march_run_make_engine(ns_run *r, ns_fault *fault) {

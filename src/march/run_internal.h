@@ -21,7 +21,7 @@ typedef struct ns_run {
     ns_engine *at_work;
     ns_run_kind kind;
     int is_dense;       /* it is a dense run */
-    int finer_scheme;   /* the scheme in place of another engine is made with steps shorter by 2^-this */
+    double scheme_step; /* s: of the scheme in place of a kernel, if it is shorter than else; 0: it is not */
     int trial_is_start; /* the trial is the start of the engine at work */
     ns_engine *aside;   /* NULL, or one that was at work and may be again */
     ns_run_kind aside_kind;
@@ -101,8 +101,16 @@ void ns_march_run_put_to_work(ns_run *r, ns_engine *e, ns_run_kind kind);
 /* An engine that was at work is freed; what it did counts. */
 void ns_march_run_dismiss(ns_run *r, ns_engine *was);
 void ns_march_run_forget(ns_run *r, ns_engine *e); /* the same, but for what is told; NULL is allowed */
-/* The engine that was at work until t, of this kind, failed or was found wrong: it is asked again later. */
-void ns_march_run_leave_for_now(ns_run *r, double t, ns_run_kind was);
+/* The engine that was at work until t, of this kind, failed or was found wrong: it is asked again later; if
+ * the scheme is in its place, after `stay` s at the soonest (INFINITY: as long as that is else). */
+void ns_march_run_leave_for_now(ns_run *r, double t, ns_run_kind was, double stay);
+/* The longest step of the scheme in place of a kernel, s. */
+double ns_march_run_scheme_step(const ns_run *r);
+/* A quarter of that, or of a trial of so many s. */
+double ns_march_run_finer_step(const ns_run *r, double length);
+/* 1: the trial by the scheme from there to `end` comes to the charges and fluxes that steps of a quarter come
+ * to, or goes to an event. */
+int ns_march_run_is_believed(ns_run *r, const ns_run_start *from, double end);
 /* The same of a start at t: it is asked again when a trial goes on from there, where nothing jumps any more.
  */
 void ns_march_run_leave_for_the_start(ns_run *r, double t, ns_run_kind was);
@@ -119,7 +127,7 @@ void ns_march_run_choose(ns_run *r, ns_until until);
  * *reached, where the trial ends, or the same one, with more work to do; else *status may be another one. */
 int ns_march_run_hand_over(ns_run *r, double t, ns_until until, double *reached, int *status);
 /* The engine that was at work until t was found wrong; another one is at work. */
-void ns_march_run_was_wrong(ns_run *r, double t, ns_run_kind was);
+void ns_march_run_was_wrong(ns_run *r, double t, ns_run_kind was, double stay);
 
 /* run_check_create.c: Errors: MEMORY. */
 int ns_march_check_create(ns_run *r);

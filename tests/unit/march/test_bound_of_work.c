@@ -39,7 +39,8 @@ static void work_is_bound_in_questions_only(void **state) {
     r->at_work->most_work = 1; /* instructions: it needs more, as it did to start */
     assert_int_equal(ns_march_run_leave_for(r, NS_RUN_SPARSE, 1), NS_OK);
     assert_int_equal(ns_march_run_leave_for(r, NS_RUN_DENSE, 0), NS_OK);
-    ns_march_run_leave_for_now(r, 0, NS_RUN_SPARSE); /* which was found wrong: no questions for 64 h */
+    ns_march_run_leave_for_now(r, 0, NS_RUN_SPARSE,
+                               INFINITY); /* which was found wrong: no questions for 64 h */
     assert_int_equal(ns_march_try(k.m, 5e-6, NS_TO_TIME, &t), NS_OK);
     assert_int_equal(ns_march_accept(k.m), NS_OK);
     assert_int_equal(ns_march_read(k.m, NULL, k.x, NULL, NULL), NS_OK);
@@ -68,7 +69,7 @@ static void the_scheme_is_left_soon(void **state) {
     r->back_interval = 1e6;
     r->work_before.all = 1e12; /* it was long at work before: what the scheme costs is nothing beside that */
     assert_int_equal(ns_march_run_leave_for(r, NS_RUN_SCHEME, 0), NS_OK);
-    ns_march_run_leave_for_now(r, 0, NS_RUN_DENSE);
+    ns_march_run_leave_for_now(r, 0, NS_RUN_DENSE, INFINITY);
     assert_true(r->back_at > stop);
     for (int i = 0; i < 20000 && t < stop; i++) {
         assert_int_equal(ns_march_try(k.m, stop, NS_TO_STEP, &t), NS_OK);
@@ -92,13 +93,13 @@ static void the_scheme_goes_farther_if_kernels_fail_at_once(void **state) {
     ns_run *r = (ns_run *)(void *)k.m->engine;
     for (int parts = 64; parts >= 1; parts /= 2) {
         const double stay = h / parts;
-        ns_march_run_leave_for_now(r, t, NS_RUN_DENSE);
+        ns_march_run_leave_for_now(r, t, NS_RUN_DENSE, INFINITY);
         t += 1.5 * stay;
         assert_true(fabs(r->back_from_scheme - (t - stay / 2)) < 1e-6 * stay);
     }
-    ns_march_run_leave_for_now(r, t, NS_RUN_DENSE);
+    ns_march_run_leave_for_now(r, t, NS_RUN_DENSE, INFINITY);
     assert_true(fabs(r->back_from_scheme - t - h) < 1e-6 * h);
-    ns_march_run_leave_for_now(r, t + 2.5 * h, NS_RUN_DENSE);
+    ns_march_run_leave_for_now(r, t + 2.5 * h, NS_RUN_DENSE, INFINITY);
     assert_true(fabs(r->back_from_scheme - t - 2.5 * h - h / 64) < 1e-6 * h);
     end(&k);
 }
@@ -113,7 +114,7 @@ static void a_kernel_is_bound_by_work(void **state) {
     ns_run *r = (ns_run *)(void *)k.m->engine;
     r->back_interval = 1;
     assert_int_equal(ns_march_run_leave_for(r, NS_RUN_SPARSE, 0), NS_OK);
-    ns_march_run_leave_for_now(r, 0, NS_RUN_DENSE);
+    ns_march_run_leave_for_now(r, 0, NS_RUN_DENSE, INFINITY);
     const double question = ns_march_first_question(r->s, 0), work = ns_march_run_work(r).all;
     assert_true(fabs(r->back_work / (1.25 * work + question) - 1) < 1e-12);
     assert_int_equal(ns_march_try(k.m, 1e-7, NS_TO_TIME, &t), NS_OK);
