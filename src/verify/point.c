@@ -37,9 +37,18 @@ static double steepness_of(const ns_verify *v, int k) {
     return ns_verify_larger(fabs(after), fabs(before)) * (instant_roundings / ns_verify_roundings);
 }
 
-/* What steep inputs make of unknown or lambda `column` in row i, if the row is algebraic: others are taken to
- * stay. */
-static double steep_in(const ns_verify *v, int i, int column) {
+/* Of all inputs, for what they make of any voltage: networks of resistors, capacitors and ideal devices do
+ * not amplify. */
+static double steepest(const ns_verify *v) {
+    double sum = 0;
+    for (int k = 0; k < v->s->nz; k++)
+        sum += steepness_of(v, k);
+    return sum;
+}
+
+/* What steep inputs make of unknown or lambda `column` in row i, if the row is algebraic: other unknowns move
+ * by `all`, other lambdas are taken to stay. */
+static double steep_in(const ns_verify *v, int i, int column, double all) {
     const ns_verify_rows *law = &v->law;
     const int first = v->s->n + v->s->m;
     double moves = 0, own = 0;
@@ -49,6 +58,8 @@ static double steep_in(const ns_verify *v, int i, int column) {
         const int input = law->column[k] - first;
         if (law->column[k] == column)
             own = fabs(law->value[k]);
+        else if (law->column[k] < v->s->n)
+            moves += fabs(law->value[k]) * all;
         else if (input >= 0 && input < v->s->nz)
             moves += fabs(law->value[k]) * steepness_of(v, input);
     }
@@ -59,17 +70,19 @@ static double steep_in(const ns_verify *v, int i, int column) {
  * 1 kohm are 1 mV. */
 static double steep_y(const ns_verify *v, int j) {
     const ns_verify_rows *r = &v->output;
+    const double all = v->spreads ? steepest(v) : 0;
     double sum = 0;
     for (int k = r->start[j]; v->spreads && k < r->start[j + 1]; k++)
         if (r->column[k] < v->s->n)
-            sum += fabs(r->value[k]) * steep_in(v, r->column[k], r->column[k]);
+            sum += fabs(r->value[k]) * (all + steep_in(v, r->column[k], r->column[k], 0));
     return 2 * sum;
 }
 
 static double steep_lambda(const ns_verify *v, int j) {
+    const double all = v->spreads ? steepest(v) : 0;
     double most = 0;
     for (int i = 0; v->spreads && i < v->s->n; i++)
-        most = ns_verify_larger(most, steep_in(v, i, v->s->n + j));
+        most = ns_verify_larger(most, steep_in(v, i, v->s->n + j, all));
     return 2 * most;
 }
 
