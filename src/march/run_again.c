@@ -123,7 +123,8 @@ static int begin_attempt(ns_run *r, const void *data) {
     *by->is_rough = 0;
     if (!start_judged(r, a, by->reached))
         return NS_E_RESIDUAL;
-    if (r->kind == NS_RUN_SCHEME && a->until != NS_TO_EVENT) {
+    /* where it found an event shorter steps may be beyond that */
+    if (r->kind == NS_RUN_SCHEME && (*by->reached == a->asked || !ns_engine_at_event(r->at_work))) {
         const ns_run_start from = {.t = a->t, .w = a->w, .closed = a->closed};
         *by->is_rough = !ns_march_run_is_believed(r, &from, *by->reached);
     } else if (ns_march_run_is_rough(r, a->asked, a->until))
@@ -159,6 +160,20 @@ static int go_by_scheme(ns_run *r, const again *a, double *reached) {
     return 0;
 }
 
+/* What lasts no longer than the rounding of the time is excused, of some pairs. */
+static int go_excused(ns_run *r, const again *a, double *reached) {
+    enum { PAIRS = 8 };
+    for (int i = 0; i < PAIRS; i++) {
+        const ns_verify_finding f = r->check.finding;
+        if (!ns_march_run_is_rounding(r, &f))
+            return 0;
+        if (try_judged(r, a, reached))
+            return 1;
+        ns_engine_drop(r->at_work);
+    }
+    return 0;
+}
+
 /* A start that would take more than the run took so far comes last, if none passes without.
  * NOLINTNEXTLINE(readability-non-const-parameter): written to through by */
 static int go_by_others(ns_run *r, const again *a, double most, double *reached) {
@@ -187,7 +202,8 @@ int ns_march_run_again(ns_run *r, double t, ns_until until, double *reached) {
     k->retries++;
     k->found = 0;
     if (status == NS_OK) {
-        right = go_finer(r, &a, reached) || go_by_others(r, &a, ns_march_run_work(r).all, reached);
+        right = go_excused(r, &a, reached) || go_finer(r, &a, reached) ||
+                go_by_others(r, &a, ns_march_run_work(r).all, reached);
         last = k->finding;
         chatters = !right && ns_march_sliding_is_cause(r);
         right = right || (!chatters && ns_march_run_allows(r, &first) && try_judged(r, &a, reached));

@@ -109,7 +109,7 @@ double ns_march_run_scheme_step(const ns_run *r);
 /* A quarter of that, or of a trial of so many s. */
 double ns_march_run_finer_step(const ns_run *r, double length);
 /* 1: the trial by the scheme from there to `end` comes to the charges and fluxes that steps of a quarter come
- * to, or goes to an event. */
+ * to. */
 int ns_march_run_is_believed(ns_run *r, const ns_run_start *from, double end);
 /* The same of a start at t: it is asked again when a trial goes on from there, where nothing jumps any more.
  */
@@ -173,8 +173,10 @@ int ns_march_run_again(ns_run *r, double t, ns_until until, double *reached);
 /* 1 if a trial to t was gone by the ladder for long because the exact engine can build no matrices: its steps
  * are of first order, and nobody judged how their errors add up.  That is what was found then. */
 int ns_march_run_is_rough(ns_run *r, double t, ns_until until);
-/* run_refuse.c: a small error that no engine is without: 1: such errors are allowed from now on.  What no
- * engine does right is refused: RESIDUAL. */
+/* run_refuse.c: 1: the sign of a pair that was found, of the point in r->check.here, is right 64 roundings of
+ * the time later, by the engine at work, and it moves there in a straight line: it is excused.  A small error that no engine is without: 1: such errors are allowed from now on.  What no engine
+ * does right is refused: RESIDUAL. */
+int ns_march_run_is_rounding(ns_run *r, const ns_verify_finding *f);
 int ns_march_run_allows(ns_run *r, const ns_verify_finding *f);
 int ns_march_run_refuse(ns_run *r, const ns_verify_finding *f);
 

@@ -1,6 +1,42 @@
 /* src/march/run_refuse.c - what was found wrong, and is so by every engine: allowed or refused. */
 #include "run_internal.h"
 
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* The engine's point at t, gone to without a look at what is before it, to xl (n+m), is right. */
+static int is_right_at(ns_run *r, double t, double *xl) {
+    ns_run_check *k = &r->check;
+    const size_t n = (size_t)r->s->n, all = n + (size_t)r->s->m;
+    double reached;
+    ns_engine_watch(r->at_work, NULL);
+    int right = r->at_work->table->try_to(r->at_work, t, NS_TO_TIME, &reached) == NS_OK &&
+                ns_engine_read(r->at_work, NULL, k->here, k->here + n, NULL) == NS_OK;
+    memcpy(xl, k->here, sizeof *xl * all);
+    right = right && ns_march_check_point(r, reached, NS_RIGHT);
+    ns_engine_drop(r->at_work);
+    ns_engine_watch(r->at_work, &k->watch);
+    return right;
+}
+
+int ns_march_run_is_rounding(ns_run *r, const ns_verify_finding *f) {
+    const size_t n = (size_t)r->s->n, all = n + (size_t)r->s->m;
+    const double rounding = ns_verify_roundings * DBL_EPSILON * fabs(f->t);
+    double *at = r->check.nodes, *later = at + all, *latest = later + all;
+    const ns_verify_state line[] = {{f->t, NS_RIGHT, at, at + n, NULL, 0},
+                                    {f->t + rounding, NS_RIGHT, later, later + n, NULL, 0},
+                                    {f->t + 2 * rounding, NS_RIGHT, latest, latest + n, NULL, 0}};
+    if (f->cause != NS_VERIFY_LAW || !(rounding > 0))
+        return 0;
+    memcpy(at, r->check.here, sizeof *at * all);
+    if (!is_right_at(r, line[1].t, later) || !is_right_at(r, line[2].t, latest) ||
+        !ns_verify_is_straight(r->check.verify, f->pair, line))
+        return 0;
+    ns_verify_excuse(r->check.verify, f->t, f->pair);
+    return 1;
+}
+
 int ns_march_run_allows(ns_run *r, const ns_verify_finding *f) {
     if (f->error > ns_verify_wrong * ns_verify_wrong)
         return 0;

@@ -39,7 +39,7 @@ static int read_finer(ns_run *r, const ns_run_start *from, double end, double *x
 int ns_march_run_is_believed(ns_run *r, const ns_run_start *from, double end) {
     static const double same = 7e-4; /* of first order: its error is a third more */
     const int n = r->s->n;
-    if (!(end > from->t) || ns_engine_at_event(r->at_work)) /* shorter steps may be beyond that event */
+    if (!(end > from->t))
         return 1;
     double *x = calloc(3 * (size_t)n + 1, sizeof *x), *w = x ? x + n : NULL, *finer = x ? w + n : NULL,
            most = INFINITY;

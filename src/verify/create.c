@@ -33,7 +33,7 @@ static int allocate(ns_verify *v) {
     const size_t n = (size_t)s->n, m = (size_t)s->m, all = ns_verify_columns(s);
     v->numbers =
         calloc(4 * n + m + 2 * ns_verify_sizes(s) + (5 + NS_VERIFY_NODES) * (all + 1), sizeof(double));
-    v->command = calloc(4 * n + 4 * m + (size_t)s->nz + (size_t)s->nc + 1, sizeof *v->command);
+    v->command = calloc(4 * n + 5 * m + (size_t)s->nz + (size_t)s->nc + 1, sizeof *v->command);
     v->quick.pair = calloc(m + 1, sizeof *v->quick.pair);
     v->inputs.piece = calloc((size_t)s->nz + 1, sizeof *v->inputs.piece);
     v->slides = calloc(m + 1, 1);
@@ -49,6 +49,7 @@ static int allocate(ns_verify *v) {
     v->is_loose_pair = v->is_loose_row + n;
     v->inputs.moving = v->is_loose_pair + m;
     v->by_state = v->inputs.moving + s->nz;
+    v->is_excused = v->by_state + s->nc;
     v->unit = v->numbers;
     v->sign = v->unit + n;
     v->w_left = v->sign + n;
@@ -176,6 +177,7 @@ void ns_verify_reset(ns_verify *v) {
     memset(v->is_loose_pair, 0, sizeof *v->is_loose_pair * (size_t)s->m);
     v->most_any[NS_VERIFY_ANY_NUMBER] = least_number;
     v->quick.is_ready = 0;
+    v->excused_t = NAN;
     ns_verify_renew(v);
 }
 
@@ -185,6 +187,13 @@ void ns_verify_scale(ns_verify *v, double times, double instant, double transien
     v->times = times;
     v->o.instant = instant;
     v->o.transient = transient;
+}
+
+void ns_verify_excuse(ns_verify *v, double t, int pair) {
+    if (v->excused_t != t)
+        memset(v->is_excused, 0, sizeof *v->is_excused * (size_t)v->s->m);
+    v->excused_t = t;
+    v->is_excused[pair] = 1;
 }
 
 void ns_verify_allow(ns_verify *v, const ns_verify_finding *f) {

@@ -214,6 +214,8 @@ static void judge_closely(const ns_verify *v, int j, pair_values *p, ns_verify_f
         p->g_off += edge_of(v, c);
     error = c < 0 ? law_error(v, j, p) : command_error(&v->s->command[c], p);
     const int is_command = c >= 0 && switch_error(p) <= 1;
+    if (!is_command && v->t == v->excused_t && v->is_excused[j])
+        return;
     ns_verify_note(worst, is_command ? NS_VERIFY_COMMAND : NS_VERIFY_LAW, j, -1, error);
 }
 
@@ -245,6 +247,23 @@ static int judge(ns_verify *v, const ns_verify_state *at, ns_verify_finding *wor
     for (int j = 0; j < v->s->m; j++)
         judge_pair(v, j, at->y, worst);
     return worst->cause == NS_VERIFY_RIGHT;
+}
+
+/* The middle is as far from the straight line as a quarter of the way, or rounding. */
+static int is_straight(const double *a, double off) {
+    const double bent = fabs(a[0] - 2 * a[1] + a[2]) / 2;
+    return bent <= ns_verify_larger(fabs(a[2] - a[0]) / 4, off);
+}
+
+int ns_verify_is_straight(ns_verify *v, int pair, const ns_verify_state at[3]) {
+    double lambda[3], y[3];
+    for (int k = 0; k < 3; k++) {
+        ns_verify_fill(v, &at[k]);
+        lambda[k] = v->u[v->s->n + pair];
+        y[k] = ns_verify_row(&v->output, pair, v->u).sum;
+    }
+    return is_straight(lambda, ns_verify_sizes_lambda_off(v, pair)) &&
+           is_straight(y, ns_verify_sizes_y_off(v, pair));
 }
 
 int ns_verify_point(ns_verify *v, const ns_verify_state *at, ns_verify_finding *worst) {

@@ -33,6 +33,9 @@ typedef enum ns_verify_cause {
  */
 static const double ns_verify_wrong = 10;
 
+/* Instants so many units of eps apart can be told apart. */
+static const double ns_verify_roundings = 64;
+
 /* The worst that was found. */
 typedef struct ns_verify_finding {
     ns_verify_cause cause;
@@ -72,6 +75,10 @@ void ns_verify_renew(ns_verify *v);
 /* All may be off by so many times as much, 1 at first; an event may take so long, a jump holds what decays so
  * fast (s). */
 void ns_verify_scale(ns_verify *v, double times, double instant, double transient);
+/* At t this pair is not judged by (S4): how far it is off lasts no longer than the rounding of the time. */
+void ns_verify_excuse(ns_verify *v, double t, int pair);
+/* 1: lambda and y of a pair move in a straight line over three points, equally far apart. */
+int ns_verify_is_straight(ns_verify *v, int pair, const ns_verify_state at[3]);
 /* From now on what was found may be off by ns_verify_wrong times as much. */
 void ns_verify_allow(ns_verify *v, const ns_verify_finding *f);
 

@@ -99,6 +99,8 @@ struct ns_verify {
     int *is_loose_row, *is_loose_pair; /* n, m: had errors that may be rounding */
     unsigned char *slides;             /* m: of the point judged last: the switch slides; */
     int slidings;                      /* how many do */
+    double excused_t;                  /* s, ns_verify_excuse(); NaN: never */
+    int *is_excused;                   /* m: at that time */
     double times;                      /* all may be off by so many times as much, */
     double *times_row, *times_pair;    /* n, m: rows of (S1), pairs may be off by so many times as much */
     ns_verify_quick quick;
@@ -187,7 +189,6 @@ void ns_verify_inputs_at(ns_verify *v, double t, ns_side side, double *z);
 /* v->spread: by how much they differ around t, which is rounded; 0: not at all. */
 int ns_verify_inputs_spread(ns_verify *v, double t);
 /* Inputs are known at a time that is rounded, in units of eps. */
-static const double ns_verify_roundings = 64;
 
 /* quick.c: the shape of pairs. */
 void ns_verify_quick_find(ns_verify *v);

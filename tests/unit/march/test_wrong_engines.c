@@ -200,12 +200,14 @@ static int sees(void *data, ns_watch_side side, double t) {
 
 static void watch(ns_engine *e, const ns_watch *w) {
     liar *l = liar_of(e);
-    l->real = w;
-    l->watch = *w;
-    l->watch.data = l;
-    l->watch.wants = wants;
-    l->watch.sees = sees;
-    ns_engine_watch(l->inner, &l->watch);
+    if (w) {
+        l->real = w;
+        l->watch = *w;
+        l->watch.data = l;
+        l->watch.wants = wants;
+        l->watch.sees = sees;
+    }
+    ns_engine_watch(l->inner, w ? &l->watch : NULL);
 }
 
 static const ns_engine_table table = {.free = free_liar,
