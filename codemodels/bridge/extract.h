@@ -110,7 +110,8 @@ typedef struct ns_own_taken {
          * for how long (s), what its own model would have carried meanwhile, and the largest current beside
          * it, C */
         double forwards, most_forwards, seconds, missed, beside;
-        double carried, stored; /* of D: what it carried forwards, and tt of it at each end, C */
+        double carried, stored; /* of D: what it carried forwards, and what tt held at each end, C */
+        double held;            /* likewise: what tt holds */
         /* of M: v(gate,source) beyond vto; what its own channel does not do, and of what that is a part: at
          * the point before, and integrals */
         double above, off, of, all_off, all_of;

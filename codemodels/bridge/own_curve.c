@@ -112,13 +112,18 @@ static void count_missed(const ns_analysis *a, ns_own_taken *o, double v, double
     o->seen.forwards = forwards;
 }
 
-/* Where its current ends suddenly, the charge of its transit time would flow back. */
+/* The charge q that its transit time holds, by dq/dt = i - q/tt, of i in the mean since the point before; what
+ * is there where its current ends would flow back. */
 static void count_stored(ns_own_taken *o, double i, double seconds) {
-    const double mean = 0.5 * (fmax(i, 0.0) + o->seen.i);
+    const double mean = 0.5 * (fmax(i, 0.0) + o->seen.i), rests = o->tt * mean;
     if (!(o->tt > 0.0) || seconds < 0.0)
         return;
     o->seen.carried += seconds * mean;
-    o->seen.stored += i <= NS_LEAK && o->seen.i > NS_LEAK ? o->tt * o->seen.i : 0.0;
+    o->seen.held = rests + (o->seen.held - rests) * exp(-seconds / o->tt);
+    if (i > NS_LEAK)
+        return;
+    o->seen.stored += o->seen.i > NS_LEAK ? o->seen.held : 0.0;
+    o->seen.held = 0.0;
 }
 
 void ns_bridge_own_count_point(const ns_analysis *a, double since, double t) {
