@@ -68,21 +68,30 @@ int ns_bridge_own_pass_march(const ns_analysis *a, double stop, ns_march **march
 /* What a D carries in the long run counts: not an inrush, which would set the D of one bridge apart, nor what
  * flows before tstart, which is not shown.  So pulses are read anew at marks, each twice as late as the one
  * before, and those since the mark before the last one count: since the middle of the run, or of what the
- * pass came to, at least.  A pulse that began earlier counts with all its charge: it may be the only one. */
-typedef struct own_mean {
-    ns_pulse_mean all, late; /* since the start or tstart; since the last mark */
+ * pass came to, at least.  A pulse that began earlier counts with all its charge: it may be the only one.
+ * Where the pass is to end after one and a half of the slowest period of a source, the marks are a half of
+ * that and all of it: what counts is a period, as parts of one have the D of a bridge unequal. */
+typedef struct own_window {
+    ns_pulse_mean all, late; /* since its begin; since the last mark */
     ns_pulse_mean before;    /* between that and the mark before it */
-    ns_pulse_mean hidden;    /* before tstart */
-    double blocks;           /* V: the largest across it while it is off */
+} own_window;
+
+typedef struct own_mean {
+    own_window run, shown; /* since the start; since tstart, where that is later */
+    double blocks;         /* V: the largest across it while it is off */
 } own_mean;
 
 typedef struct own_pass {
     ns_analysis *a; /* its point is that of the pass */
     ns_march *march;
     own_mean *mean; /* of the taken, in their order: OWN_PATHS each */
-    double start;   /* s: tstart, until it was passed */
+    double start;   /* s: tstart */
+    double slowest; /* s: period of a source, or stop */
+    double stop;    /* s */
     double mark;    /* s: the next one */
+    double t;       /* s: how far it came */
     int brief;
+    int is_dear; /* it is to end after little more than the slowest period */
 } own_pass;
 
 /* What a D carries; of an M, what both its junctions do: *on: 1 if one conducts, -1 if one breaks down. */
@@ -115,9 +124,14 @@ int ns_bridge_own_is_following(const ns_analysis *a, const ns_own_taken *o) {
            m->sign * (voltage_at(a, m->drain) - voltage_at(a, m->gate)) > -m->vth;
 }
 
+static void add_to_window(own_window *w, int is_on, double i, double from, double to) {
+    ns_bridge_pulse_mean_add(&w->all, is_on, i, from, to);
+    ns_bridge_pulse_mean_add(&w->late, is_on, i, from, to);
+}
+
 static void add_current(own_mean *mean, int is_on, double i, double from, double to) {
-    ns_bridge_pulse_mean_add(&mean->all, is_on, i, from, to);
-    ns_bridge_pulse_mean_add(&mean->late, is_on, i, from, to);
+    add_to_window(&mean->run, is_on, i, from, to);
+    add_to_window(&mean->shown, is_on, i, from, to);
 }
 
 /* Of one that closes, what it carries then counts too. */
@@ -150,33 +164,41 @@ static void add_part(const own_pass *p, double from, double to) {
     }
 }
 
-/* Pulses that end from now on count; at tstart also of the present one only what follows. */
-static void begin_anew(ns_pulse_mean *mean, double t, int at_start) {
-    if (at_start)
-        ns_bridge_pulse_mean_end(mean, t);
+/* Pulses that end from now on count. */
+static void begin_anew(ns_pulse_mean *mean) {
     mean->weight = mean->sum = 0.0;
     mean->most = mean->pulse.most;
 }
 
-/* It has come to the time t. */
-static void pass_marks(own_pass *p, double t) {
-    const int at_start = p->start > 0.0 && t >= p->start;
-    const ns_pulse_mean none = {0};
-    if (t < p->mark && !at_start)
-        return;
-    for (int k = 0; k < OWN_PATHS * p->a->ex.nowns; k++) {
+static void pass_mark(own_window *w) {
+    w->before = w->late;
+    begin_anew(&w->late);
+}
+
+/* Also of the present pulse only what follows counts. */
+static void begin_window(own_window *w, double t) {
+    w->before = (ns_pulse_mean){0};
+    ns_bridge_pulse_mean_end(&w->all, t);
+    ns_bridge_pulse_mean_end(&w->late, t);
+    begin_anew(&w->all);
+    begin_anew(&w->late);
+}
+
+/* It came from one time to another, s. */
+static void pass_marks(own_pass *p, double from, double t) {
+    const int at_start = from < p->start && t >= p->start;
+    for (int k = 0; k < OWN_PATHS * p->a->ex.nowns && (t >= p->mark || at_start); k++) {
         own_mean *m = &p->mean[k];
-        m->before = at_start ? none : m->late;
-        begin_anew(&m->late, t, at_start);
-        if (!at_start)
-            continue;
-        ns_bridge_pulse_mean_end(&m->all, t);
-        m->hidden = m->all;
-        begin_anew(&m->all, t, 1);
+        if (t >= p->mark) {
+            pass_mark(&m->run);
+            pass_mark(&m->shown);
+        }
+        if (at_start)
+            begin_window(&m->shown, t);
     }
-    p->start = at_start ? 0.0 : p->start;
     while (p->mark <= t)
         p->mark *= 2.0;
+    p->t = t;
 }
 
 /* The last trial, from one time to another, s. */
@@ -185,7 +207,7 @@ static int add_between(own_pass *p, double from, double end) {
     if (status != NS_OK)
         return status;
     add_part(p, from, end);
-    pass_marks(p, end);
+    pass_marks(p, from, end);
     return NS_OK;
 }
 
@@ -207,21 +229,31 @@ static int add_step(own_pass *p, double from, double end) {
     return status;
 }
 
+/* s: the time that it goes to where much work is allowed. */
+static double least_of(const own_pass *p) {
+    return fmin(1.5 * p->slowest, p->stop);
+}
+
 /* How far it goes is the same for every run of this circuit. */
-static int is_long_enough(const own_pass *p, int steps, double t, double stop) {
+static int is_long_enough(own_pass *p, int steps, double t) {
     const double factors = (double)ns_march_counts(p->march)->factors;
     const double share = p->brief ? BRIEF_SHARE : 1.0;
     const double work = ((double)steps + STEPS_OF_FACTORS * factors) * (double)(p->a->count + 1);
-    const double least = ns_bridge_timepoints_slowest(p->a->system, stop);
-    return t >= stop || (steps >= LEAST_STEPS && work >= share * (t < least ? MOST_WORK : CHEAP_WORK));
+    const double half = 0.5 * p->slowest;
+    if (work >= share * CHEAP_WORK && t < 2.0 * half && !p->is_dear) {
+        p->is_dear = 1;
+        p->mark = t < half ? half : 2.0 * half;
+    }
+    return t >= p->stop ||
+           (steps >= LEAST_STEPS && work >= share * (t < least_of(p) ? MOST_WORK : CHEAP_WORK));
 }
 
 /* *t: how far it came, s. */
-static void pass(own_pass *p, double stop, double *t) {
+static void pass(own_pass *p, double *t) {
     double end;
     int status = ns_march_read(p->march, t, NULL, NULL, NULL);
-    for (int k = 0; status == NS_OK && !is_long_enough(p, k, *t, stop) && !ns_bridge_interrupt_came(); k++) {
-        status = ns_march_try(p->march, stop, NS_TO_STEP, &end);
+    for (int k = 0; status == NS_OK && !is_long_enough(p, k, *t) && !ns_bridge_interrupt_came(); k++) {
+        status = ns_march_try(p->march, p->stop, NS_TO_STEP, &end);
         if (status == NS_OK && end > *t)
             status = add_step(p, *t, end);
         if (status == NS_OK)
@@ -231,149 +263,72 @@ static void pass(own_pass *p, double stop, double *t) {
     }
 }
 
-/* 1, 1.5, 2, 3, 5 or 7 times a power of ten. */
-static double round_current(double amperes) {
-    static const double digit[] = {1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0};
-    const double power = pow(10.0, floor(log10(amperes)));
-    double best = power;
-    for (size_t k = 0; k < sizeof digit / sizeof digit[0]; k++)
-        if (fabs(log(digit[k] * power / amperes)) < fabs(log(best / amperes)))
-            best = digit[k] * power;
-    return best;
+/* 1 if what it saw of what is shown is as long as it is to be: a part of a period has its D unequal. */
+static int is_shown(const own_pass *p) {
+    return p->t - p->start >= p->slowest || p->t >= p->stop;
 }
 
-/* What counts of the k-th; where it carried no more than a leak since then, all, and before tstart. */
-static ns_pulse_mean mean_of(const own_pass *p, int k, double t) {
+/* What counts of a window; where it carried no more than a leak since the mark before the last one, all. */
+static ns_pulse_mean mean_of_window(own_window *w, double t) {
+    ns_bridge_pulse_mean_end(&w->all, t);
+    ns_bridge_pulse_mean_end(&w->late, t);
+    const ns_pulse_mean late = {.weight = w->late.weight + w->before.weight,
+                                .sum = w->late.sum + w->before.sum,
+                                .most = fmax(w->late.most, w->before.most)};
+    return ns_bridge_pulse_mean_read(&late) < NS_LEAK ? w->all : late;
+}
+
+/* What counts of the k-th. */
+static ns_pulse_mean mean_of(const own_pass *p, int k) {
     own_mean *m = &p->mean[k];
-    ns_bridge_pulse_mean_end(&m->all, t);
-    ns_bridge_pulse_mean_end(&m->late, t);
-    const ns_pulse_mean late = {.weight = m->late.weight + m->before.weight,
-                                .sum = m->late.sum + m->before.sum,
-                                .most = fmax(m->late.most, m->before.most)};
-    if (!(ns_bridge_pulse_mean_read(&late) < NS_LEAK))
-        return late;
-    return ns_bridge_pulse_mean_read(&m->all) > 0.0 ? m->all : m->hidden;
+    const ns_pulse_mean run = mean_of_window(&m->run, p->t), shown = mean_of_window(&m->shown, p->t);
+    return is_shown(p) && ns_bridge_pulse_mean_read(&shown) > 0.0 ? shown : run;
 }
 
 /* One that carried no more than a leak may do so because it did not begin yet, or because another one leaks;
  * in breakdown that says nothing. */
 static void note_current(const own_pass *p, int k, ns_own_found *currents) {
     const ns_own_path path = (ns_own_path)(k % OWN_PATHS);
-    const ns_pulse_mean mean = mean_of(p, k, currents->seconds);
+    const ns_pulse_mean mean = mean_of(p, k);
     const double amperes = ns_bridge_pulse_mean_read(&mean);
     const int faint = path == OWN_FORWARDS && amperes < (1.0 - 1e-6) * NS_LEAK;
     if (amperes > 0.0 && !(path != OWN_FORWARDS && amperes < NS_LEAK) && !(p->brief && faint))
-        currents->of[currents->count++] = (ns_own_current){.inst = p->a->ex.own[k / OWN_PATHS].inst,
-                                                           .id = faint ? NS_OWN_CURRENT : amperes,
-                                                           .most = mean.most,
-                                                           .rush = p->mean[k].all.most,
-                                                           .blocks = p->mean[k].blocks,
-                                                           .faint = faint,
-                                                           .path = path};
-}
-
-/* The smallest current of those that are in no group; NULL: there is none. */
-static const ns_own_current *find_smallest(const ns_own_found *currents, const unsigned char *grouped) {
-    const ns_own_current *smallest = NULL;
-    for (int k = 0; k < currents->count; k++)
-        if (!grouped[k] && (!smallest || currents->of[k].id < smallest->id))
-            smallest = &currents->of[k];
-    return smallest;
-}
-
-/* D of one model that carry nearly the same are taken alike, on whichever sides of a rounding their currents
- * are: phases of one converter share its current equally.  grouped: zeros. */
-static void round_in_groups(ns_own_found *currents, unsigned char *grouped) {
-    static const double nearly = 1.25;
-    for (const ns_own_current *of; (of = find_smallest(currents, grouped)) != NULL;) {
-        const ns_own_current first = *of;
-        ns_log_mean mean = {0};
-        double rush = 0.0, blocks = 0.0;
-        for (int k = 0; k < currents->count; k++) {
-            const ns_own_current *c = &currents->of[k];
-            if (grouped[k] || c->inst->GENmodPtr != first.inst->GENmodPtr || c->faint != first.faint ||
-                c->path != first.path || c->id > nearly * first.id)
-                continue;
-            grouped[k] = 2;
-            mean.coulombs += 1.0;
-            mean.sum += log(c->id);
-            mean.most = fmax(mean.most, c->most);
-            rush = fmax(rush, c->rush);
-            blocks = fmax(blocks, c->blocks);
-        }
-        for (int k = 0; k < currents->count; k++) {
-            ns_own_current *c = &currents->of[k];
-            if (grouped[k] != 2)
-                continue;
-            grouped[k] = 1;
-            c->id = c->faint ? c->id : round_current(ns_bridge_log_mean_read(&mean));
-            c->most = round_current(mean.most);
-            c->rush = round_current(rush);
-            c->blocks = blocks;
-        }
-    }
+        currents->of[currents->count++] =
+            (ns_own_current){.inst = p->a->ex.own[k / OWN_PATHS].inst,
+                             .id = faint ? NS_OWN_CURRENT : amperes,
+                             .most = mean.most,
+                             .rush = is_shown(p) ? p->mean[k].shown.all.most : p->mean[k].run.all.most,
+                             .blocks = p->mean[k].blocks,
+                             .faint = faint,
+                             .path = path};
 }
 
 int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double start, double stop, int brief,
                                 ns_own_found *currents) {
     const size_t count = OWN_PATHS * (size_t)a->ex.nowns + 1;
-    own_pass p = {a, march, calloc(count, sizeof *p.mean), start, ldexp(stop, -FIRST_MARK), brief};
+    own_pass p = {.a = a,
+                  .march = march,
+                  .mean = calloc(count, sizeof *p.mean),
+                  .start = start,
+                  .slowest = ns_bridge_timepoints_slowest(a->system, stop),
+                  .stop = stop,
+                  .mark = ldexp(stop, -FIRST_MARK),
+                  .brief = brief};
     unsigned char *grouped = calloc(count, 1);
     free(currents->of);
     currents->count = 0;
     currents->of = calloc(count, sizeof *currents->of);
     const int status = p.mean && grouped && currents->of ? NS_OK : NS_E_MEMORY;
     if (status == NS_OK) {
-        pass(&p, stop, &currents->seconds);
+        pass(&p, &currents->seconds);
         currents->whole = currents->seconds >= stop;
         for (int k = 0; k < OWN_PATHS * a->ex.nowns; k++)
             note_current(&p, k, currents);
-        round_in_groups(currents, grouped);
+        ns_bridge_own_round_in_groups(currents, grouped);
     }
     free(p.mean);
     free(grouped);
     return status;
-}
-
-enum { JUNCTIONS = 2 };
-
-/* The nodes between which an instance has junctions; how many. */
-static int find_junctions(const GENinstance *inst, int anode[JUNCTIONS], int cathode[JUNCTIONS]) {
-    if (ns_bridge_own_kind(inst) != OWN_MOSFET) {
-        ns_own_diode d;
-        ns_bridge_own_read_diode(inst, &d);
-        anode[0] = d.anode;
-        cathode[0] = d.cathode;
-        return 1;
-    }
-    ns_own_mosfet m;
-    ns_bridge_own_read_mosfet(inst, &m);
-    anode[0] = m.body.anode;
-    cathode[0] = m.body.cathode;
-    anode[1] = m.at_source.anode;
-    cathode[1] = m.at_source.cathode;
-    return anode[1] != cathode[1] ? JUNCTIONS : 1;
-}
-
-static int are_parallel(const GENinstance *inst, const GENinstance *other) {
-    int anode[2][JUNCTIONS], cathode[2][JUNCTIONS], parallel = 0;
-    const int count = find_junctions(inst, anode[0], cathode[0]),
-              others = find_junctions(other, anode[1], cathode[1]);
-    for (int i = 0; i < count; i++)
-        for (int k = 0; k < others; k++)
-            parallel |= anode[0][i] == anode[1][k] && cathode[0][i] == cathode[1][k];
-    return parallel;
-}
-
-double ns_bridge_own_parallel_current(const ns_own_found *currents, const GENinstance *inst) {
-    double most = 0.0;
-    for (int k = 0; currents && k < currents->count; k++) {
-        const ns_own_current *c = &currents->of[k];
-        if (c->inst != inst && c->path == OWN_FORWARDS && !c->faint && c->id > most &&
-            are_parallel(inst, c->inst))
-            most = c->id;
-    }
-    return most;
 }
 
 void ns_bridge_own_forget_currents(ns_own_found *currents) {

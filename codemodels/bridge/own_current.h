@@ -31,10 +31,16 @@ double ns_bridge_own_brief_stop(const ns_analysis *a, double stop);
  * Failures and an interrupt end the pass; errors: MEMORY. */
 int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double start, double stop, int brief,
                                 ns_own_found *currents);
+void ns_bridge_own_forget_currents(ns_own_found *currents);
+
+/* own_current_alike.c. */
+
+/* D of one model that carry nearly the same are taken alike, on whichever sides of a rounding their currents
+ * are: phases of one converter share its current equally.  grouped: zeros, one of each current. */
+void ns_bridge_own_round_in_groups(ns_own_found *currents, unsigned char *grouped);
 /* The largest current (A) that was found of another D, or junction of an M, between the same two nodes; 0:
  * there is none.  It is the guess for a D that was found without a current: with a smaller guess its vf would
  * be lower than that of the others, and it would take their whole current. */
 double ns_bridge_own_parallel_current(const ns_own_found *currents, const GENinstance *inst);
-void ns_bridge_own_forget_currents(ns_own_found *currents);
 
 #endif
