@@ -112,8 +112,8 @@ static void count_missed(const ns_analysis *a, ns_own_taken *o, double v, double
     o->seen.forwards = forwards;
 }
 
-/* The charge q that its transit time holds, by dq/dt = i - q/tt, of i in the mean since the point before; what
- * is there where its current ends would flow back. */
+/* The charge q that its transit time holds, by dq/dt = i - q/tt, of i in the mean since the point before;
+ * what is there where its current ends would flow back. */
 static void count_stored(ns_own_taken *o, double i, double seconds) {
     const double mean = 0.5 * (fmax(i, 0.0) + o->seen.i), rests = o->tt * mean;
     if (!(o->tt > 0.0) || seconds < 0.0)
@@ -282,7 +282,7 @@ static int note_missed(const ns_analysis *a) {
     double most = much_missed;
     for (int k = 0; k < a->ex.nowns; k++) {
         const ns_own_taken *o = &a->ex.own[k];
-        if (!is_judged(a, o) || o->kind != OWN_DIODE || own_current(o) > 0.0 ||
+        if (!is_judged(a, o) || o->kind != OWN_DIODE || own_current(o) > 0.0 || o->is_opposed ||
             (o->is_hidden && !o->pass.idle) || !(o->seen.missed > NS_LEAK * o->seen.seconds) ||
             !(o->seen.missed > most * o->seen.beside))
             continue;

@@ -6,7 +6,9 @@
 #include <stdlib.h>
 
 #include "models.h"
+#include "own_feedback.h"
 #include "own_mosfet.h"
+#include "own_touch.h"
 #include "own_voltage.h"
 
 #include "spicelib/devices/res/resdefs.h"
@@ -141,12 +143,36 @@ static int solve(network *n, ns_own_range *r, double *share) {
     return isfinite(r->low) && isfinite(r->high);
 }
 
-/* The voltage of a node, as sources drive it: *r + *share times that of the goal. */
+/* A D from there to the goal, which limits the voltage between them and drives nothing, or one that nothing
+ * flows through but in breakdown. */
+static int limits(const network *n, const GENinstance *inst) {
+    ns_own_diode d;
+    if (ns_bridge_own_kind(inst) != OWN_DIODE)
+        return 0;
+    ns_bridge_own_read_diode(inst, &d);
+    return d.anode == n->wires.goal || d.cathode == n->wires.goal ||
+           ns_bridge_own_is_opposed(n->wires.ckt, inst);
+}
+
+/* 1 if nothing but V and R, and C, carry a current into the nodes: what they have, sources or not, is all. */
+static int is_alone(const network *n) {
+    for (int k = 0; k < n->nodes; k++)
+        for (NGTABLEPTR box = n->wires.ckt->DEVnameHash->thread; box; box = box->thread_next) {
+            const char letter = ns_bridge_models_letter(box->data);
+            if (letter != 'v' && letter != 'r' && letter != 'c' &&
+                ns_bridge_own_touches(box->data, n->node[k]) && !limits(n, box->data))
+                return 0;
+        }
+    return 1;
+}
+
+/* The voltage of a node, as sources drive it: *r + *share times that of the goal.  Of a control it is not
+ * known without a source. */
 static int find_potential(network *n, int node, ns_own_range *r, double *share) {
     int met;
     if (is_tied(n, node, r, &met)) {
         *share = met == n->wires.goal;
-        return r->sources;
+        return r->sources || n->wires.find;
     }
     add_node(n, node);
     for (int k = 0; k < n->nodes; k++)
@@ -155,7 +181,7 @@ static int find_potential(network *n, int node, ns_own_range *r, double *share) 
     for (int k = 0; k < n->nodes; k++)
         visit(n, k, 0);
     *r = (ns_own_range){0};
-    return !n->is_full && solve(n, r, share) && r->sources;
+    return !n->is_full && solve(n, r, share) && (r->sources || (n->wires.find && is_alone(n)));
 }
 
 /* v(p,m), as sources drive it; 0: they do not say. */
@@ -176,6 +202,7 @@ int ns_bridge_own_find_voltage(const CKTcircuit *ckt, int p, int m, int is_contr
         return known;
     if (is_control || !ns_bridge_own_way(&of_goal, m, &goal))
         return *share > nearly_all;
+    r->switches |= r->low == r->high && goal.switches; /* the supply does */
     r->low -= (1.0 - *share) * goal.high;
     r->high -= (1.0 - *share) * goal.low;
     return 1;
@@ -217,7 +244,15 @@ static void add_end(const CKTcircuit *ckt, int source, int node, ns_own_range *r
     ns_bridge_own_extend(r, end.high);
 }
 
-/* From a gate along R; *r: of the ends beyond all switches, and of those without one. */
+static int is_cathode(const GENinstance *inst, int here) {
+    ns_own_diode d = {0};
+    if (ns_bridge_own_kind(inst) == OWN_DIODE)
+        ns_bridge_own_read_diode(inst, &d);
+    return d.cathode > 0 && d.cathode == here;
+}
+
+/* From a gate along R; *r: of the ends beyond all switches, and of those without one, as behind the D of a
+ * bootstrap supply. */
 static void visit_ends(ns_own_way *w, int here, ns_own_range *r) {
     ns_own_range volts = {0};
     ns_own_way by_v = {.ckt = w->ckt, .find = ns_bridge_own_find_voltage, .goal = w->goal};
@@ -232,7 +267,9 @@ static void visit_ends(ns_own_way *w, int here, ns_own_range *r) {
         const GENinstance *inst = box->data;
         const int end = beyond_switch(inst, here);
         int p, n;
-        if (end >= 0) {
+        if (is_cathode(inst, here)) {
+            add_end(w->ckt, w->goal, here, r);
+        } else if (end >= 0) {
             add_end(w->ckt, w->goal, end, r);
             r->switches = 1;
         } else if (ns_bridge_models_letter(inst) == 'r' &&
@@ -250,6 +287,15 @@ static int find_ends(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_range
     return r->switches && r->low < r->high;
 }
 
+/* left: what is left of its drive once its source is at its drain; of a gate that rests that is all. */
+static void close_at(const ns_own_mosfet *m, double left, ns_own_drive *drive) {
+    drive->follows = left > m->vth ? FOLLOWS_AND_CLOSES : FOLLOWS_GATE;
+    if (!(left > m->vth))
+        return;
+    drive->low = drive->low == drive->high ? left : drive->low;
+    drive->high = left;
+}
+
 /* The source of a closed M has the potential of its drain: the drive of one whose gate is driven against
  * ground. 0: that potential is not known. */
 static int lower_when_closed(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
@@ -259,8 +305,7 @@ static int lower_when_closed(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_o
     const int known =
         ns_bridge_own_way(&to_supply, m->drain, &drain) || ns_bridge_own_way(&along_r, m->drain, &drain);
     const double left = known ? drive->high - drain.high : NAN;
-    drive->follows = left > m->vth ? FOLLOWS_AND_CLOSES : FOLLOWS_GATE;
-    drive->high = left <= m->vth ? drive->high : left;
+    close_at(m, left, drive);
     return known;
 }
 
@@ -274,8 +319,7 @@ static void lower_when_p_closed(const CKTcircuit *ckt, const ns_own_mosfet *m, n
         !ns_bridge_own_way(&of_source, m->source, &source))
         return;
     const double left = drive->high - source.high + drain.low;
-    drive->follows = left > m->vth ? FOLLOWS_AND_CLOSES : FOLLOWS_GATE;
-    drive->high = left <= m->vth ? drive->high : left;
+    close_at(m, left, drive);
 }
 
 /* Where its source leads nowhere, as behind a switch that protects against reversed polarity: v(gate,drain),
@@ -304,10 +348,11 @@ static int is_raised(const CKTcircuit *ckt, int source) {
     return !ns_bridge_own_way(&w, source, &volts);
 }
 
-int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
+static int find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
     ns_own_range r = {0}, ends;
     double share;
-    const int known = ns_bridge_own_find_voltage(ckt, m->gate, m->source, 0, &r, &share);
+    const int known = ns_bridge_own_find_voltage(ckt, m->gate, m->source, 0, &r, &share) &&
+                      (r.sources || !ns_bridge_own_is_coupled(ckt, m));
     if ((!known || (r.low == r.high && !r.amplifies)) && find_ends(ckt, m, &ends)) {
         r = ends;
         share = 1.0;
@@ -330,4 +375,26 @@ int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_o
         return lower_when_closed(ckt, m, drive);
     lower_when_p_closed(ckt, m, drive);
     return 1;
+}
+
+/* What D between gate and source leave of it, where they break down. */
+static void limit(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
+    const int up = m->sign > 0 ? m->gate : m->source, down = m->sign > 0 ? m->source : m->gate;
+    for (NGTABLEPTR box = ckt->DEVnameHash->thread; box; box = box->thread_next) {
+        ns_own_diode d;
+        if (ns_bridge_own_kind(box->data) != OWN_DIODE)
+            continue;
+        ns_bridge_own_read_diode(box->data, &d);
+        if (d.cathode == up && d.anode == down) {
+            drive->low = fmin(drive->low, d.bv);
+            drive->high = fmin(drive->high, d.bv);
+        }
+    }
+}
+
+int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
+    const int known = find_drive(ckt, m, drive);
+    if (known)
+        limit(ckt, m, drive);
+    return known;
 }
