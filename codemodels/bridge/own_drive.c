@@ -6,7 +6,6 @@
 #include <stdlib.h>
 
 #include "models.h"
-#include "own_feedback.h"
 #include "own_mosfet.h"
 #include "own_touch.h"
 #include "own_voltage.h"
@@ -332,8 +331,9 @@ static int find_drive_of_drain(const CKTcircuit *ckt, const ns_own_mosfet *m, ns
         (m->gate != 0 && !ns_bridge_own_find_voltage(ckt, m->gate, 0, 0, &r, &share)) || r.amplifies)
         return 0;
     r = ns_bridge_own_add_gap(r, drain, 0);
-    const ns_own_drive found = m->sign > 0 ? (ns_own_drive){r.low, r.high, r.switches, FOLLOWS_AND_CLOSES}
-                                           : (ns_own_drive){-r.high, -r.low, r.switches, FOLLOWS_AND_CLOSES};
+    const ns_own_drive found =
+        m->sign > 0 ? (ns_own_drive){r.low, r.high, r.switches, FOLLOWS_AND_CLOSES, !r.sources}
+                    : (ns_own_drive){-r.high, -r.low, r.switches, FOLLOWS_AND_CLOSES, !r.sources};
     if (!(found.high > m->vth))
         return 0;
     *drive = found;
@@ -351,8 +351,7 @@ static int is_raised(const CKTcircuit *ckt, int source) {
 static int find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
     ns_own_range r = {0}, ends;
     double share;
-    const int known = ns_bridge_own_find_voltage(ckt, m->gate, m->source, 0, &r, &share) &&
-                      (r.sources || !ns_bridge_own_is_coupled(ckt, m));
+    const int known = ns_bridge_own_find_voltage(ckt, m->gate, m->source, 0, &r, &share);
     if ((!known || (r.low == r.high && !r.amplifies)) && find_ends(ckt, m, &ends)) {
         r = ends;
         share = 1.0;
@@ -363,8 +362,8 @@ static int find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_driv
                             .find = ns_bridge_own_find_voltage,
                             .shunt = 1.0}; /* ohm: more than most shunts that sense a current */
     ns_own_range source = {0};
-    *drive = m->sign > 0 ? (ns_own_drive){r.low, r.high, r.switches && !r.amplifies, 0}
-                         : (ns_own_drive){-r.high, -r.low, r.switches && !r.amplifies, 0};
+    *drive = m->sign > 0 ? (ns_own_drive){r.low, r.high, r.switches && !r.amplifies, 0, !r.sources}
+                         : (ns_own_drive){-r.high, -r.low, r.switches && !r.amplifies, 0, !r.sources};
     if (share >= 0.5)
         return 1;
     if (ns_bridge_own_way(&to_ground, m->source, &source)) {

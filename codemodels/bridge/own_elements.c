@@ -152,8 +152,12 @@ static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_
                                   "is no switch, or give another "
                                   "vgs by " TAKE_BY_VGS;
     const ns_bridge_options *o = &w->ex->options;
-    ns_own_drive drive = {NAN, NAN, 0, 0};
-    const int known = ns_bridge_own_find_drive(w->ckt, m, &drive);
+    ns_own_drive drive = {NAN, NAN, 0, 0, 0};
+    int known = ns_bridge_own_find_drive(w->ckt, m, &drive);
+    if (known && drive.by_r && ns_bridge_own_is_coupled(w->ckt, m)) {
+        known = 0; /* it is driven through what is coupled to it */
+        drive = (ns_own_drive){NAN, NAN, 0, 0, 0};
+    }
     if (!drive.follows && ns_bridge_own_has_feedback(w->ckt, m))
         drive.follows = FOLLOWS_DRAIN;
     const int rests = known && rests_plainly(w, m, &drive);

@@ -48,6 +48,7 @@ typedef struct ns_own_drive {
     double low, high; /* V */
     int switches;     /* PULSE, PWL, a choice of a B source or a digital part drives it */
     int follows;      /* one of the following */
+    int by_r;         /* R alone, and no source, hold the gate */
 } ns_own_drive;
 enum {
     FOLLOWS_GATE = 1,   /* an n channel's gate is driven against ground, its source is not tied to that */
