@@ -28,6 +28,11 @@ static double voltage_at(const ns_analysis *a, int eq) {
     return eq > 0 && a->unknown[eq] >= 0 ? a->x[a->unknown[eq]] : 0.0;
 }
 
+/* V: a follower is more than the element of its current. */
+static double across_channel(const ns_analysis *a, const ns_own_taken *o) {
+    return voltage_at(a, o->mosfet.drain) - voltage_at(a, o->mosfet.source);
+}
+
 static double above_threshold(const ns_analysis *a, const ns_own_mosfet *m) {
     return m->sign * (voltage_at(a, m->gate) - voltage_at(a, m->source)) - m->vth;
 }
@@ -145,7 +150,7 @@ void ns_bridge_own_count_point(const ns_analysis *a, double since, double t) {
         count_stored(o, i, o->seen.t >= since ? t - o->seen.t : -1.0);
         o->seen.t = t;
         o->seen.i = fmax(i, 0.0);
-        o->seen.most_v = fmax(o->seen.most_v, fabs(v));
+        o->seen.most_v = fmax(o->seen.most_v, fabs(o->kind == OWN_MOSFET ? across_channel(a, o) : v));
     }
 }
 
@@ -242,7 +247,7 @@ static void note(const ns_own_taken *o, double amperes) {
 /* The D farthest from what it carried, if that is more than ten times, or less than a tenth, of a current
  * that was not found but guessed.  most: the currents, A; NULL: those of .tran. */
 static const ns_own_taken *find_far_guess(const ns_analysis *a, const double *most, double *amperes) {
-    static const double far = 10.0;
+    static const double far = 10.0, differs = 0.01; /* where rs has most of the voltage, it hardly does */
     const ns_own_taken *worst = NULL;
     double by = log(far);
     for (int k = 0; k < a->ex.nowns; k++) {
@@ -250,7 +255,8 @@ static const ns_own_taken *find_far_guess(const ns_analysis *a, const double *mo
         const int is_guess = o->kind == OWN_DIODE && !o->pass.tangent && isnan(a->ex.options.id);
         const double i = most ? most[k] : own_current(o);
         if (!is_judged(a, o) || !is_guess || !(i > NS_LEAK) || !(fabs(log(i / o->at)) > by) ||
-            (!most && may_be_missed(o)))
+            (!most && may_be_missed(o)) ||
+            fabs(taken_voltage(o, i) - own_voltage(o, i)) < differs * own_voltage(o, i))
             continue;
         by = fabs(log(i / o->at));
         *amperes = i;
