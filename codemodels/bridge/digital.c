@@ -245,7 +245,8 @@ static double until_controls(const ns_session *s, double t, double closest) {
     if (!ns_bridge_digital_has_controls(d))
         return INFINITY;
     const int at_corner = ns_bridge_timepoints_corner(system, t - closest) <= t;
-    const double tmax = s->analysis.many.tmax > 0.0 ? s->analysis.many.tmax : INFINITY;
+    const int is_near = s->analysis.many.tmax > 0.0 && !ns_bridge_digital_is_at_rest(d);
+    const double tmax = is_near ? s->analysis.many.tmax : INFINITY;
     double until = fmin(t + tmax, ns_bridge_timepoints_corner(system, t));
     for (int k = 0; k < d->ninputs; k++)
         if (d->input[k].control)

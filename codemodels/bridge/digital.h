@@ -77,5 +77,7 @@ static inline int ns_bridge_digital_is(const ns_digital *d) {
 int ns_bridge_digital_has_controls(const ns_digital *d);
 /* 1 if something else than an adc_bridge has an analog input: d_osc, for example. */
 int ns_bridge_digital_has_others(const ns_digital *d);
+/* 1 if no such part reads anything but a control that has not moved yet. */
+int ns_bridge_digital_is_at_rest(const ns_digital *d);
 
 #endif

@@ -327,3 +327,7 @@ double ns_bridge_digital_control_until(const ns_digital_control *c, double t, in
     const int asks = c->doubtful || (is_early ? c->moves : at_corner);
     return asks && isfinite(way) && way > late * length ? t + 0.5 * way : INFINITY;
 }
+
+int ns_bridge_digital_control_rests(const ns_digital_control *c) {
+    return c->ckt && !c->moves;
+}

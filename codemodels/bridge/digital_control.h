@@ -30,4 +30,7 @@ double ns_bridge_digital_control_until(const ns_digital_control *c, double t, in
 /* The last edge, s; the names of the instance and of its model. */
 double ns_bridge_digital_control_last(const ns_digital_control *c, const char **name, const char **model);
 
+/* 1 while its control is what it was at the start. */
+int ns_bridge_digital_control_rests(const ns_digital_control *c);
+
 #endif

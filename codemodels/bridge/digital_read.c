@@ -206,6 +206,14 @@ int ns_bridge_digital_has_others(const ns_digital *d) {
     return others;
 }
 
+int ns_bridge_digital_is_at_rest(const ns_digital *d) {
+    int rests = 1;
+    for (int k = 0; k < d->ninputs; k++)
+        rests = rests && (d->input[k].is_bridge ||
+                          (d->input[k].control && ns_bridge_digital_control_rests(d->input[k].control)));
+    return rests;
+}
+
 void ns_bridge_digital_clear(ns_digital *d) {
     for (int k = 0; k < d->ninputs; k++)
         ns_bridge_digital_control_free(d->input[k].control);

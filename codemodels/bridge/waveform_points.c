@@ -63,9 +63,9 @@ static void count_shown(ns_session *s, int first) {
     }
 }
 
-/* 1 where ngspice writes nothing yet, and no digital part but a bridge reads the circuit. */
+/* 1 where ngspice writes nothing yet, and no digital part but a bridge reads what moves in the circuit. */
 static int is_unseen(const ns_session *s) {
-    return s->loop.points.t < s->loop.points.start && !ns_bridge_digital_has_others(&s->analysis.ex.digital);
+    return s->loop.points.t < s->loop.points.start && ns_bridge_digital_is_at_rest(&s->analysis.ex.digital);
 }
 
 /* The next point, where an event of ngspice's queue is one. */
