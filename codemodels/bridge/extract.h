@@ -116,11 +116,13 @@ typedef struct ns_own_taken {
         /* of M: v(gate,source) beyond vto; what its own channel does not do, and of what that is a part: at
          * the point before, and integrals */
         double above, off, of, all_off, all_of;
+        double closed, openings; /* of M: how long, s, and how often it opened */
     } seen;
     double vt;        /* of a switch with VON, VOFF */
     ns_own_switch sw; /* of S, W */
     /* of M: */
     ns_own_mosfet mosfet;
+    ns_own_drive driven;   /* as the netlist says */
     int gate_is_shown;     /* it is in the plot, and asks for points */
     int is_hidden;         /* an end of a D is not: its pulses may be missed between points */
     int follows;           /* its channel is a diode behind a source follower, not a switch */

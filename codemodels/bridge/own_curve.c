@@ -89,6 +89,8 @@ static void count_channel(const ns_analysis *a, ns_own_taken *o, double i, doubl
         o->seen.all_off += seconds * mean_off(o, i, above, off);
         o->seen.all_of += 0.5 * seconds * (of + o->seen.of);
     }
+    o->seen.closed += above > 0.0 && o->seen.above > 0.0 ? fmax(seconds, 0.0) : 0.0;
+    o->seen.openings += above <= 0.0 && o->seen.above > 0.0 && seconds >= 0.0 ? 1.0 : 0.0;
     o->seen.above = above;
     o->seen.off = off;
     o->seen.of = of;
@@ -326,6 +328,32 @@ static int note_stored(const ns_analysis *a) {
     return worst != NULL;
 }
 
+/* The M whose gate's charge counts most beside the time that it is closed. */
+static int note_charge(const ns_analysis *a) {
+    static const double counts = 0.02;
+    const ns_own_taken *worst = NULL;
+    double most = counts, late = 0.0;
+    for (int k = 0; k < a->ex.nowns; k++) {
+        const ns_own_taken *o = &a->ex.own[k];
+        if (!is_judged(a, o) || o->kind != OWN_MOSFET || o->follows || !(o->seen.closed > 0.0))
+            continue;
+        const double by = ns_bridge_own_late(&o->mosfet, &o->driven, o->seen.most_v),
+                     part = fabs(by) * o->seen.openings / o->seen.closed;
+        if (!(part > most))
+            continue;
+        most = part;
+        late = by;
+        worst = o;
+    }
+    if (worst)
+        ns_bridge_report_note(
+            "%s: the charge of its gate is left out: through %.3g ohm that would have it closed "
+            "%.2g s %s each time, %.2g of that, and the result may be another one",
+            worst->inst->GENname, worst->driven.ohm + worst->mosfet.charge.ohm, fabs(late),
+            late > 0.0 ? "longer" : "shorter", most);
+    return worst != NULL;
+}
+
 int ns_bridge_own_note_curve(const ns_analysis *a) {
     const ns_own_taken *worst = NULL;
     double most = much;
@@ -345,5 +373,5 @@ int ns_bridge_own_note_curve(const ns_analysis *a) {
             worst = o;
         }
     }
-    return worst || note_missed(a) || ns_bridge_own_note_guess(a, NULL) || note_stored(a);
+    return worst || note_missed(a) || ns_bridge_own_note_guess(a, NULL) || note_stored(a) || note_charge(a);
 }

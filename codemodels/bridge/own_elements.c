@@ -146,20 +146,21 @@ static int rests_plainly(const ns_extract_walk *w, const ns_own_mosfet *m, const
 }
 
 /* What the netlist drives the gate with; where it does not switch it plainly, option vgs. */
-static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_mosfet *m, double *volts,
-                      int *follows) {
+static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_mosfet *m,
+                      ns_own_drive *found, double *volts, int *follows) {
     static const char too_low[] = "V is the highest of v(gate,source), and not above the threshold: this M "
                                   "is no switch, or give another "
                                   "vgs by " TAKE_BY_VGS;
     const ns_bridge_options *o = &w->ex->options;
-    ns_own_drive drive = {NAN, NAN, 0, 0, 0};
+    ns_own_drive drive = {.low = NAN, .high = NAN};
     int known = ns_bridge_own_find_drive(w->ckt, m, &drive);
     if (known && drive.by_r && ns_bridge_own_is_coupled(w->ckt, m)) {
         known = 0; /* it is driven through what is coupled to it */
-        drive = (ns_own_drive){NAN, NAN, 0, 0, 0};
+        drive = (ns_own_drive){.low = NAN, .high = NAN};
     }
     if (!drive.follows && ns_bridge_own_has_feedback(w->ckt, m))
         drive.follows = FOLLOWS_DRAIN;
+    *found = drive;
     const int rests = known && rests_plainly(w, m, &drive);
     const int is_plain = rests || (known && drive.switches && drive.low <= m->vth && drive.high > m->vth);
     const double given = is_plain ? NAN : o->vgs;
@@ -281,7 +282,7 @@ int ns_bridge_own_mosfet(ns_extract_walk *w, GENinstance *inst) {
             w, inst, "only M elements of a model VDMOS or of level 1 are taken as switches");
     ns_bridge_own_read_mosfet(inst, &taken.mosfet);
     int status = check_model(w, inst, m);
-    status = status ? status : find_drive(w, inst, m, &taken.drive, &taken.follows);
+    status = status ? status : find_drive(w, inst, m, &taken.driven, &taken.drive, &taken.follows);
     if (status)
         return status;
     ns_bridge_own_find_lines(w, inst, &taken);

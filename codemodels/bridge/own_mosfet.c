@@ -40,6 +40,11 @@ static void read_vdmos(const VDMOSinstance *v, ns_own_mosfet *m) {
                          .leak = model->VDMOSrdsGiven ? ohms(v->VDMOSdsConductance) : INFINITY,
                          .heats = v->VDMOSthermal && model->VDMOSrthjcGiven};
     m->leak = m->leak > 0.0 ? m->leak : INFINITY;
+    m->charge.ohm = ohms(v->VDMOSgateConductance);
+    m->charge.source = model->VDMOScgs;
+    m->charge.drain = model->VDMOScgdmin;
+    m->charge.more = (model->VDMOScgdmax - model->VDMOScgdmin) / (1.0 + CONSTpi / 2.0); /* devsup.c */
+    m->charge.bend = model->VDMOSa;
     m->body = (ns_own_diode){
         .rs = ohms(v->VDIOtConductance),
         .bv = model->VDIObvGiven ? model->VDIObv : INFINITY,
@@ -124,6 +129,19 @@ double ns_bridge_own_channel(const ns_own_mosfet *m, double above, double volts)
 
 double ns_bridge_own_resistance(const ns_own_mosfet *m, double above) {
     return m->series + 1.0 / (ns_bridge_own_gain(m, above) * m->triode * ns_bridge_own_overdrive(m, above));
+}
+
+double ns_bridge_own_late(const ns_own_mosfet *m, const ns_own_drive *drive, double volts) {
+    const double ohm = drive->ohm + m->charge.ohm, bend = m->charge.bend;
+    const double low = m->vth - drive->low, high = drive->high - m->vth;
+    if (!(low > 0.0 && high > 0.0))
+        return 0.0;
+    const double all = m->charge.source + m->charge.drain + m->charge.more;
+    const double swings =
+        m->charge.drain * volts + (bend > 0.0 ? m->charge.more * (1.0 + log1p(bend * volts)) / bend : 0.0);
+    const double opens = ohm * (all * log((low + high) / low) + swings / low);
+    const double closes = ohm * (m->charge.source * log((low + high) / high) + swings / high);
+    return (drive->edges & OPENS_BY_R ? opens : 0.0) - (drive->edges & CLOSES_BY_R ? closes : 0.0);
 }
 
 static void write_vdmos(VDMOSinstance *v, CKTcircuit *ckt, double amperes, const double *value) {

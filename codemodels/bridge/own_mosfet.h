@@ -17,7 +17,11 @@ typedef struct ns_own_mosfet {
     double series;                 /* ohm, of drain and source */
     double leak;                   /* ohm beside the channel; INFINITY: none */
     double gamma;                  /* V^0.5: by how much the bulk raises vth */
-    ns_own_diode body;             /* from source (or bulk) to drain, of an n channel */
+    struct {
+        double ohm, source;       /* rg; F to the source, */
+        double drain, more, bend; /* to the drain, where that is high; how much more where it is low; 1/V */
+    } charge;                     /* of the gate, which is left out */
+    ns_own_diode body;            /* from source (or bulk) to drain, of an n channel */
     struct {
         int anode, cathode; /* equations; the same one: bulk is the source, and there is none */
     } at_source;            /* the other junction, between bulk and source */
@@ -49,13 +53,20 @@ typedef struct ns_own_drive {
     int switches;     /* PULSE, PWL, a choice of a B source or a digital part drives it */
     int follows;      /* one of the following */
     int by_r;         /* R alone, and no source, hold the gate */
+    double ohm;       /* through which they drive it */
+    int edges;        /* which of its changes are through that: OPENS_BY_R, CLOSES_BY_R */
 } ns_own_drive;
+enum { OPENS_BY_R = 1, CLOSES_BY_R = 2 };
 enum {
     FOLLOWS_GATE = 1,   /* an n channel's gate is driven against ground, its source is not tied to that */
     FOLLOWS_AND_CLOSES, /* so, and high is of v(gate,drain), from which on it is closed */
     FOLLOWS_DRAIN,      /* its drain acts on its gate, and holds it at the threshold (own_feedback.h) */
     FOLLOWS_SHUNT       /* the drop of a shunt at its source holds it there while its current rises */
 };
+
+/* s: by how much the charge of its gate would have it closed longer (-: shorter), of a drain that swings by
+ * so many volts.  Left out. */
+double ns_bridge_own_late(const ns_own_mosfet *m, const ns_own_drive *drive, double volts);
 
 /* What sources drive the gate with: the voltage that the network of V, R and an E of known control around it
  * gives it, against what V, R and L connect the source with.  0: that leads to neither ground nor each other.

@@ -6,4 +6,8 @@
 
 ns_own_find_voltage ns_bridge_own_find_voltage;
 
+/* v(gate,source) likewise; *ohm: that V hold the gate through, 0 if directly. */
+int ns_bridge_own_find_gate(const CKTcircuit *ckt, int gate, int source, ns_own_range *r, double *share,
+                            double *ohm);
+
 #endif

@@ -1,0 +1,218 @@
+/* bridge/own_network.c - the voltage between two nodes, as the network of V and R around them gives it. */
+#include <lapacke.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "models.h"
+#include "own_structs.h"
+#include "own_touch.h"
+#include "own_voltage.h"
+
+#include "spicelib/devices/res/resdefs.h"
+
+enum { MOST_TERMS = 240 }; /* that are tried */
+
+/* A known part of an equation of the network. */
+typedef struct term {
+    int row;
+    double weight;
+    ns_own_range volts;
+    int of_goal; /* beside that the voltage of the goal */
+} term;
+
+/* Its unknowns: voltages of nodes that no V ties to the goal or to ground, then currents of the V between
+ * them.  Its matrix is symmetric. */
+typedef struct network {
+    ns_own_way wires; /* what it consists of */
+    int node[OWN_WAY_NODES], nodes, rows, terms;
+    double a[OWN_WAY_NODES * OWN_WAY_NODES];
+    term term[MOST_TERMS];
+    double ohm;  /* that the first node has against what V hold */
+    int is_full; /* there is more than it can hold */
+} network;
+
+static int place_of(const network *n, int node) {
+    for (int k = 0; k < n->nodes; k++)
+        if (n->node[k] == node)
+            return k;
+    return -1;
+}
+
+/* 1 if V tie it to the goal or to ground; *volts: by how much it is above *met. */
+static int is_tied(const network *n, int node, ns_own_range *volts, int *met) {
+    ns_own_way w = {
+        .ckt = n->wires.ckt, .find = n->wires.find, .goal = n->wires.goal, .inside_b = n->wires.inside_b};
+    *volts = (ns_own_range){0};
+    const int tied = ns_bridge_own_way(&w, node, volts);
+    *met = w.met;
+    return tied;
+}
+
+static void add_node(network *n, int node) {
+    ns_own_range volts;
+    int met;
+    if (place_of(n, node) >= 0 || is_tied(n, node, &volts, &met))
+        return;
+    if (n->nodes == OWN_WAY_NODES)
+        n->is_full = 1;
+    else
+        n->node[n->nodes++] = node;
+}
+
+static void add_term(network *n, int row, double weight, ns_own_range volts, int of_goal) {
+    if (n->terms == MOST_TERMS)
+        n->is_full = 1;
+    else
+        n->term[n->terms++] = (term){row, weight, volts, of_goal};
+}
+
+static void add_at(network *n, int row, int column, double value) {
+    n->a[row * OWN_WAY_NODES + column] += value;
+}
+
+/* A resistor in the row of one of its ends. */
+static void add_resistor(network *n, int row, int other, double siemens) {
+    const int column = place_of(n, other);
+    ns_own_range volts;
+    int met;
+    add_at(n, row, row, siemens);
+    if (column >= 0)
+        add_at(n, row, column, -siemens);
+    else if (is_tied(n, other, &volts, &met))
+        add_term(n, row, siemens, volts, met == n->wires.goal);
+}
+
+/* A V whose first end is the node of this row; the other one is among the nodes too. */
+static void add_source(network *n, int row, int other, ns_own_range gap) {
+    const int current = n->rows, column = place_of(n, other);
+    if (current == OWN_WAY_NODES || column < 0) {
+        n->is_full = 1;
+        return;
+    }
+    n->rows++;
+    add_at(n, row, current, 1.0);
+    add_at(n, current, row, 1.0);
+    add_at(n, column, current, -1.0);
+    add_at(n, current, column, -1.0);
+    add_term(n, current, 1.0, gap, 0);
+}
+
+/* Each element at the k-th node: its other node, or what it says. */
+static void visit(network *n, int k, int adds_nodes) {
+    const int here = n->node[k];
+    for (NGTABLEPTR box = n->wires.ckt->DEVnameHash->thread; box; box = box->thread_next) {
+        const GENinstance *inst = box->data;
+        const char letter = ns_bridge_models_letter(inst);
+        ns_own_range gap;
+        int p, m;
+        if (letter == 'l' || !ns_bridge_own_wire(&n->wires, inst, here, &p, &m, &gap) ||
+            (p != here && m != here) || p == m)
+            continue;
+        if (adds_nodes)
+            add_node(n, p == here ? m : p);
+        else if (letter == 'r')
+            add_resistor(n, k, p == here ? m : p, ((const RESinstance *)inst)->RESconduct);
+        else if (p == here)
+            add_source(n, k, m, gap);
+    }
+}
+
+/* *share: of the voltage of the goal in that of the first node; *r: what sources add.  0: it is not known. */
+static int solve(network *n, ns_own_range *r, double *share) {
+    double y[OWN_WAY_NODES] = {1.0}; /* the first column of the inverse */
+    lapack_int pivot[OWN_WAY_NODES];
+    if (LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n->rows, n->rows, n->a, OWN_WAY_NODES, pivot) != 0 ||
+        LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, 'N', n->rows, 1, n->a, OWN_WAY_NODES, pivot, y,
+                            OWN_WAY_NODES) != 0)
+        return 0;
+    *share = 0.0;
+    n->ohm = y[0];
+    for (int k = 0; k < n->terms; k++) {
+        const term *t = &n->term[k];
+        const double part = y[t->row] * t->weight;
+        const double low = part * t->volts.low, high = part * t->volts.high;
+        *r = ns_bridge_own_add_gap(*r,
+                                   (ns_own_range){fmin(low, high), fmax(low, high), t->volts.switches,
+                                                  t->volts.sources, 0.0, t->volts.amplifies, 0},
+                                   1);
+        *share += t->of_goal ? part : 0.0;
+    }
+    return isfinite(r->low) && isfinite(r->high);
+}
+
+/* A D from there to the goal, which limits the voltage between them and drives nothing, or one that nothing
+ * flows through but in breakdown. */
+static int limits(const network *n, const GENinstance *inst) {
+    ns_own_diode d;
+    if (ns_bridge_own_kind(inst) != OWN_DIODE)
+        return 0;
+    ns_bridge_own_read_diode(inst, &d);
+    return d.anode == n->wires.goal || d.cathode == n->wires.goal ||
+           ns_bridge_own_is_opposed(n->wires.ckt, inst);
+}
+
+/* 1 if nothing but V and R, and C, carry a current into the nodes: what they have, sources or not, is all. */
+static int is_alone(const network *n) {
+    for (int k = 0; k < n->nodes; k++)
+        for (NGTABLEPTR box = n->wires.ckt->DEVnameHash->thread; box; box = box->thread_next) {
+            const char letter = ns_bridge_models_letter(box->data);
+            if (letter != 'v' && letter != 'r' && letter != 'c' &&
+                ns_bridge_own_touches(box->data, n->node[k]) && !limits(n, box->data))
+                return 0;
+        }
+    return 1;
+}
+
+/* The voltage of a node, as sources drive it: *r + *share times that of the goal.  Of a control it is not
+ * known without a source. */
+static int find_potential(network *n, int node, ns_own_range *r, double *share) {
+    int met;
+    if (is_tied(n, node, r, &met)) {
+        *share = met == n->wires.goal;
+        return r->sources || n->wires.find;
+    }
+    add_node(n, node);
+    for (int k = 0; k < n->nodes; k++)
+        visit(n, k, 1);
+    n->rows = n->nodes;
+    for (int k = 0; k < n->nodes; k++)
+        visit(n, k, 0);
+    *r = (ns_own_range){0};
+    return !n->is_full && solve(n, r, share) && (r->sources || (n->wires.find && is_alone(n)));
+}
+
+/* v(p,m), as sources drive it, and through which resistance; 0: they do not say. */
+static int find_voltage(const CKTcircuit *ckt, int p, int m, int is_control, ns_own_range *r, double *share,
+                        double *ohm) {
+    static const double nearly_all = 0.95; /* what pulls a gate that follows its source to ground is weak */
+    ns_own_way of_goal = {.ckt = ckt, .find = ns_bridge_own_find_voltage, .along_r = 1};
+    ns_own_range goal = {0};
+    network *n = calloc(1, sizeof *n);
+    *share = *ohm = 0.0;
+    if (!n)
+        return 0;
+    n->wires = (ns_own_way){
+        .ckt = ckt, .find = is_control ? NULL : ns_bridge_own_find_voltage, .goal = m, .along_r = 1};
+    const int known = find_potential(n, p, r, share);
+    *ohm = n->ohm;
+    free(n);
+    if (!known || m == 0 || *share > 1.0 - 1e-12)
+        return known;
+    if (is_control || !ns_bridge_own_way(&of_goal, m, &goal))
+        return *share > nearly_all;
+    r->switches |= r->low == r->high && goal.switches; /* the supply does */
+    r->low -= (1.0 - *share) * goal.high;
+    r->high -= (1.0 - *share) * goal.low;
+    return 1;
+}
+
+int ns_bridge_own_find_voltage(const CKTcircuit *ckt, int p, int m, int is_control, ns_own_range *r,
+                               double *share) {
+    double ohm;
+    return find_voltage(ckt, p, m, is_control, r, share, &ohm);
+}
+
+int ns_bridge_own_find_gate(const CKTcircuit *ckt, int gate, int source, ns_own_range *r, double *share,
+                            double *ohm) {
+    return find_voltage(ckt, gate, source, 0, r, share, ohm);
+}
