@@ -84,12 +84,13 @@ static int prepare_force(ns_session *s) {
     return ns_bridge_report_code(NS_E_SINGULAR);
 }
 
-static void announce_circuit(ns_session *s) {
+static int announce_circuit(ns_session *s) {
     const ns_analysis *a = &s->analysis;
     const int sweeps = (s->ckt->CKTmode & MODEDCTRANCURVE) != 0; /* models, too */
     const unsigned long long models = sweeps ? s->once.models : ns_bridge_own_hash(a);
-    if (!s->once.circuit_announced || (s->found.seconds > 0.0 && !s->once.currents_announced) ||
-        models != s->once.models)
+    const int anew = !s->once.circuit_announced || (s->found.seconds > 0.0 && !s->once.currents_announced) ||
+                     models != s->once.models;
+    if (anew)
         ns_bridge_own_announce(a);
     s->once.models = models;
     s->once.currents_announced |= s->found.seconds > 0.0;
@@ -107,6 +108,7 @@ static void announce_circuit(ns_session *s) {
                               a->ex.options.reltol);
         s->once.reltol_noted = 1;
     }
+    return ns_bridge_own_again(s, anew);
 }
 
 /* What the held voltages add to the control of a command; *any: there are some. */
@@ -272,8 +274,8 @@ static int start_analysis(ns_session *s) {
     error = make_analysis(s, tran, uic);
     if (error)
         return error;
-    announce_circuit(s);
-    error = start_all(s, tran, uic);
+    error = announce_circuit(s);
+    error = error ? error : start_all(s, tran, uic);
     error = error ? error : prepare_force(s);
     if (error)
         return error;

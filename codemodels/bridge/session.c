@@ -180,6 +180,7 @@ void ns_bridge_session_reset(ns_session *s) {
 
 void ns_bridge_session_clear(ns_session *s) {
     ns_bridge_dc_rows_clear(&s->dc_rows);
+    ns_bridge_own_again_clear(s);
     ns_bridge_own_dc_clear(s);
     ns_bridge_session_reset(s);
     memset(s, 0, sizeof *s);

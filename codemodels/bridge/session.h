@@ -54,6 +54,10 @@ typedef struct ns_session {
         size_t count;
         double *most; /* A, of each own device: its largest current so far */
     } dc;
+    struct { /* own_again.c alone */
+        size_t count;
+        double *at; /* A, of each own device: at which its curve was read when that was written last */
+    } again;
     ns_force force; /* of the present matrix */
     ns_loop loop;
     clock_t start_cpu; /* of the start */
@@ -103,6 +107,13 @@ int ns_bridge_analysis_start(ns_session *s);
 int ns_bridge_analysis_resume(ns_session *s);
 
 void ns_bridge_analysis_end(ns_session *s);
+
+/* --- own_again.c --- */
+
+/* A line about the D whose curve is read at another current than was written, if that is far from it.
+ * announced: all are written now. */
+int ns_bridge_own_again(ns_session *s, int announced);
+void ns_bridge_own_again_clear(ns_session *s);
 
 /* --- own_dc.c --- */
 
