@@ -97,13 +97,12 @@ typedef struct ns_own_taken {
         int faint;      /* it carried no more than a leak */
         double broken;  /* A: the current in breakdown of which vz and rz are; 0: it had none */
     } pass;
-    int anode;      /* equation */
-    int inside;     /* equation of its node behind rs; 0: there is none */
-    double rs;      /* ohm */
-    double tt;      /* s: transit time, which is left out */
-    int is_opposed; /* what is in series with it carries nothing forwards */
-    int smoothed;   /* it had an epsilon, which was left out */
-    struct {        /* in the points of .tran so far: */
+    int anode;    /* equation */
+    int inside;   /* equation of its node behind rs; 0: there is none */
+    double rs;    /* ohm */
+    double tt;    /* s: transit time, which is left out */
+    int smoothed; /* it had an epsilon, which was left out */
+    struct {      /* in the points of .tran so far: */
         ns_pulse_mean current;
         double t, i;   /* s, A: the point before */
         double most_v; /* V: the largest voltage across it, of either sign */

@@ -5,6 +5,7 @@
 #include "own_follower.h"
 #include "own_show.h"
 #include "own_structs.h"
+#include "own_touch.h"
 #include "report.h"
 
 /* A difference that counts, of the largest voltage across the device. */
@@ -285,14 +286,14 @@ void ns_bridge_own_count_dc(const ns_analysis *a, double *most) {
 }
 
 /* The D that never conducted, though by its own model it would have carried most, beside what flows. */
-static int note_missed(const ns_analysis *a) {
+static int note_missed(const CKTcircuit *ckt, const ns_analysis *a) {
     const ns_own_taken *worst = NULL;
     double most = much_missed;
     for (int k = 0; k < a->ex.nowns; k++) {
         const ns_own_taken *o = &a->ex.own[k];
-        if (!is_judged(a, o) || o->kind != OWN_DIODE || own_current(o) > 0.0 || o->is_opposed ||
+        if (!is_judged(a, o) || o->kind != OWN_DIODE || own_current(o) > 0.0 ||
             (o->is_hidden && !o->pass.idle) || !(o->seen.missed > NS_LEAK * o->seen.seconds) ||
-            !(o->seen.missed > most * o->seen.beside))
+            !(o->seen.missed > most * o->seen.beside) || ns_bridge_own_is_opposed(ckt, o->inst))
             continue;
         most = o->seen.beside > 0.0 ? o->seen.missed / o->seen.beside : INFINITY;
         worst = o;
@@ -354,7 +355,7 @@ static int note_charge(const ns_analysis *a) {
     return worst != NULL;
 }
 
-int ns_bridge_own_note_curve(const ns_analysis *a) {
+int ns_bridge_own_note_curve(const CKTcircuit *ckt, const ns_analysis *a) {
     const ns_own_taken *worst = NULL;
     double most = much;
     for (int k = 0; k < a->ex.nowns; k++) {
@@ -373,5 +374,6 @@ int ns_bridge_own_note_curve(const ns_analysis *a) {
             worst = o;
         }
     }
-    return worst || note_missed(a) || ns_bridge_own_note_guess(a, NULL) || note_stored(a) || note_charge(a);
+    return worst || note_missed(ckt, a) || ns_bridge_own_note_guess(a, NULL) || note_stored(a) ||
+           note_charge(a);
 }

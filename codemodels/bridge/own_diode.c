@@ -4,7 +4,6 @@
 #include "own_current.h"
 #include "own_elements.h"
 #include "own_structs.h"
-#include "own_touch.h"
 
 int ns_bridge_own_check_law(ns_extract_walk *w, const GENinstance *inst, const ns_own_diode *d) {
     if (!(d->law.bottom.volts > 0.0))
@@ -149,8 +148,7 @@ static int add_diode(ns_extract_walk *w, GENinstance *inst, const ns_own_diode *
                           .anode = d->anode,
                           .inside = d->inside != d->anode ? d->inside : 0,
                           .rs = d->rs,
-                          .tt = d->tt,
-                          .is_opposed = ns_bridge_own_is_opposed(w->ckt, inst)};
+                          .tt = d->tt};
     int status = add_lines(w, d, &lines, &taken);
     if (!status && w->ex->options.cjo && d->farads > 0.0)
         status = add_junction_capacitor(w, inst, d);

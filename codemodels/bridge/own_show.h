@@ -18,7 +18,7 @@ void ns_bridge_own_count_point(const ns_analysis *a, double since, double t);
 /* At the end of .tran, one line about the D, if any, whose own voltage at the current that it carried is far
  * from the one it was taken for, beside the voltages it blocks, or whose current is far from one that was
  * guessed.  1 if it was written. */
-int ns_bridge_own_note_curve(const ns_analysis *a);
+int ns_bridge_own_note_curve(const CKTcircuit *ckt, const ns_analysis *a);
 
 /* In .op and .dc: the currents of the point read last into `most` (one of each own device), where they are
  * larger; one line about the D, if any, whose own is far from the one that was guessed.  1: likewise. */

@@ -121,7 +121,7 @@ static int show_start(ns_session *s) {
 }
 
 static void end_analysis(ns_session *s) {
-    s->once.curve_noted = s->once.curve_noted || ns_bridge_own_note_curve(&s->analysis);
+    s->once.curve_noted = s->once.curve_noted || ns_bridge_own_note_curve(s->ckt, &s->analysis);
     s->once.overvoltage_noted = s->once.overvoltage_noted || ns_bridge_overvoltage_note(s->ckt, &s->analysis);
     if (s->analysis.ex.options.verbose)
         ns_bridge_show_summary(&s->analysis, (double)(s->start_cpu + s->trial.cpu) / CLOCKS_PER_SEC);
