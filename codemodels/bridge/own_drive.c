@@ -195,9 +195,25 @@ static void limit(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *d
     }
 }
 
+/* A gate that rests below the threshold as long as nothing flows, and that V and R hold against the drain:
+ * the source has the potential of that once the body diode conducts, as in a return that is protected against
+ * reversed polarity, and v(gate,drain) closes it then. */
+static void raise_by_drain(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
+    ns_own_range r = {0};
+    double share, ohm;
+    if (drive->low != drive->high || drive->high > m->vth ||
+        !ns_bridge_own_find_gate(ckt, m->gate, m->drain, &r, &share, &ohm) || r.low != r.high ||
+        share < 1.0 - 1e-12 || !(m->sign * r.low > m->vth))
+        return;
+    drive->low = drive->high = m->sign * r.low;
+    drive->follows = drive->follows == FOLLOWS_GATE ? FOLLOWS_AND_CLOSES : drive->follows;
+}
+
 int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
     const int known = find_drive(ckt, m, drive);
-    if (known)
-        limit(ckt, m, drive);
-    return known;
+    if (!known)
+        return 0;
+    raise_by_drain(ckt, m, drive);
+    limit(ckt, m, drive);
+    return 1;
 }
