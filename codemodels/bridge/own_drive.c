@@ -29,47 +29,62 @@ static int beyond_switch(const GENinstance *inst, int here) {
     return s.p == here ? s.n : s.n == here ? s.p : -1;
 }
 
-/* The voltage of `node` above the source of m, along V, R, L and D, is added to *r. */
-static void add_end(const CKTcircuit *ckt, int source, int node, ns_own_range *r) {
-    ns_own_way w = {
-        .ckt = ckt, .find = ns_bridge_own_find_voltage, .goal = source, .along_r = 1, .along_d = 1};
+/* The voltage of `node` above the source of m, along V, R, L and D, and what a D in between takes of it, is
+ * added to *r.  1 if it goes from one to another in steps. */
+static int add_end(const CKTcircuit *ckt, int source, int node, ns_own_range drop, ns_own_range *r) {
+    ns_own_way w = {.ckt = ckt, .find = ns_bridge_own_find_voltage, .goal = source}, by_all = w;
     ns_own_way of_goal = {.ckt = ckt, .find = ns_bridge_own_find_voltage, .along_r = 1};
     ns_own_range end = {0}, goal = {0};
-    if (!ns_bridge_own_way(&w, node, &end))
-        return;
+    by_all.along_r = by_all.along_d = 1;
+    if (!ns_bridge_own_way(&w, node, &end)) { /* V say it best */
+        w = by_all;
+        end = (ns_own_range){0};
+        if (!ns_bridge_own_way(&w, node, &end))
+            return 0;
+    }
     if (w.met != source && ns_bridge_own_way(&of_goal, source, &goal))
         end = ns_bridge_own_add_gap(end, goal, 0);
-    ns_bridge_own_extend(r, end.low);
-    ns_bridge_own_extend(r, end.high);
+    ns_bridge_own_extend(r, end.low + drop.low);
+    ns_bridge_own_extend(r, end.high - drop.high);
+    return end.switches && !end.amplifies;
 }
 
-static int is_cathode(const GENinstance *inst, int here) {
+/* The other node of a D of which one is at this node, and what it takes of the voltage there: of the highest
+ * one where it pulls it up, of the lowest one where it pulls it down.  -1: it is none. */
+static int beyond_diode(const GENinstance *inst, int here, ns_own_range *drop) {
+    static const double amperes = 1e-3;
     ns_own_diode d = {0};
-    if (ns_bridge_own_kind(inst) == OWN_DIODE)
-        ns_bridge_own_read_diode(inst, &d);
-    return d.cathode > 0 && d.cathode == here;
+    if (ns_bridge_own_kind(inst) != OWN_DIODE)
+        return -1;
+    ns_bridge_own_read_diode(inst, &d);
+    const double volts = ns_bridge_diode_law_voltage(&d.law, amperes);
+    if (isnan(volts) || (d.cathode != here && d.anode != here))
+        return -1;
+    *(d.cathode == here ? &drop->high : &drop->low) = volts;
+    return d.cathode == here ? d.anode : d.cathode;
 }
 
-/* From a gate along R; *r: of the ends beyond all switches, and of those without one, as behind the D of a
- * bootstrap supply. */
+/* From a gate along R; *r: of the ends beyond all switches and D, and of those without one. */
 static void visit_ends(ns_own_way *w, int here, ns_own_range *r) {
+    const ns_own_range none = {0};
     ns_own_range volts = {0};
     ns_own_way by_v = {.ckt = w->ckt, .find = ns_bridge_own_find_voltage, .goal = w->goal};
     if (ns_bridge_own_way_has(w, here) || w->count == OWN_WAY_NODES)
         return;
     w->node[w->count++] = here;
     if (ns_bridge_own_way(&by_v, here, &volts)) {
-        add_end(w->ckt, w->goal, here, r);
+        add_end(w->ckt, w->goal, here, none, r);
         return;
     }
     for (NGTABLEPTR box = w->ckt->DEVnameHash->thread; box; box = box->thread_next) {
         const GENinstance *inst = box->data;
-        const int end = beyond_switch(inst, here);
+        ns_own_range drop = {0};
+        const int end = beyond_switch(inst, here), beyond = beyond_diode(inst, here, &drop);
         int p, n;
-        if (is_cathode(inst, here)) {
-            add_end(w->ckt, w->goal, here, r);
+        if (beyond >= 0 && beyond != w->goal) { /* one to the source drives nothing */
+            r->switches |= add_end(w->ckt, w->goal, beyond, drop, r);
         } else if (end >= 0) {
-            add_end(w->ckt, w->goal, end, r);
+            add_end(w->ckt, w->goal, end, none, r);
             r->switches = 1;
         } else if (ns_bridge_models_letter(inst) == 'r' &&
                    ns_bridge_own_wire(w, inst, here, &p, &n, &volts) && (p == here || n == here)) {
@@ -78,7 +93,7 @@ static void visit_ends(ns_own_way *w, int here, ns_own_range *r) {
     }
 }
 
-/* 1 if switches connect its gate with more than one voltage; *r: those. */
+/* 1 if switches, or D that are driven so, connect its gate with more than one voltage; *r: those. */
 static int find_ends(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_range *r) {
     ns_own_way ends = {.ckt = ckt, .find = ns_bridge_own_find_voltage, .goal = m->source, .along_r = 1};
     *r = (ns_own_range){INFINITY, -INFINITY, 0, 1, 0.0, 0, 0};
