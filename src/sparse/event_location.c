@@ -102,9 +102,21 @@ static double find_fall(const ns_sparse *m, const ns_dense_step *step, const fou
     return from + (1 - from) * ns_modes_curve_below(&rest, tol);
 }
 
-/* By how much pair j may be. */
+/* The resistance of pair j where it conducts. */
+static double resistance_of(const ns_sparse *m, int j) {
+    const ns_csc *C = &m->f->Ct;
+    for (int k = C->start[j]; k < C->start[j + 1]; k++)
+        if (C->row[k] == m->f->n + j)
+            return fabs(C->value[k]);
+    return 0;
+}
+
+/* By how much pair j may be.  A voltage drives a current through the resistance of a pair that closes, which
+ * may be off by no more than others: in a chain of pairs about to close those below zero by more would
+ * gather, and open each other without end. */
 static double may_be_below(const ns_sparse *m, const ns_dense_step *step, int j) {
-    const double all = below * size_of(m, step, j);
+    const double ron = m->mode[j] == NS_INSIDE ? 0 : resistance_of(m, j), size = size_of(m, step, j),
+                 all = below * (ron > 0 ? ns_lower(size, ron * m->largest.lambda) : size);
     return m->o.reltol *
            (m->mode[j] == NS_INSIDE
                 ? ns_lower(all, below_in_row * ns_sparse_guard_least_terms(m, j, step->images, step->g))
@@ -175,6 +187,12 @@ static double moves(const ns_sparse *m, const ns_dense_step *step) {
     return farthest * step->length / step->g;
 }
 
+/* 1 if Euler steps have proved that the guard holds where the step begins, so that it may be below zero there
+ * by its error alone: it breaks where it is below that. */
+static int is_proved(const ns_dense_step *step, const found *f) {
+    return step->unchanged > 0 && f->pair >= 0;
+}
+
 /* Searches for the root of one guard before the first one found so far: by the stages known, then by so many
  * more that the instant is as accurate as the step. */
 static int search_guard(ns_sparse *m, ns_dense_step *step, found next, found *f) {
@@ -192,7 +210,7 @@ static int search_guard(ns_sparse *m, ns_dense_step *step, found next, found *f)
         if (status != NS_OK)
             return status;
         next.at = find_break(m, step, step->stages, &next, 1, &c);
-        if (next.at > 0)
+        if (next.at > 0 && !(is_proved(step, &next) && c.p[0] < 0))
             next.at = ns_modes_curve_root(&c, next.at);
     } while (step->stages < NS_STAGES &&
              !(instant_error(m, step, &next, &c) * moves(m, step) <= instant_fraction * m->o.reltol));

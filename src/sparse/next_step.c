@@ -15,6 +15,8 @@ enum { MOST_FAILURES = 6 };
 /* One that ends with a wrong sign is made so many times as long, so often. */
 enum { LONGER = 3 };
 static const double longer = 16;
+/* Where a step does not resolve a transient that breaks a guard, the next one is shorter by 2^-this. */
+enum { SHORTER = 2 };
 /* The first Euler step of a capture is h 2^-this. */
 enum { CAPTURE_FIRST = 14, CAPTURE_LAST = 2, CAPTURE_BY = 4 };
 /* What a capture takes from the steps that are left. */
@@ -74,6 +76,23 @@ static void shorten_to_usual(const ns_sparse *m, const ns_dense_step *before, ns
         step->length_exponent++;
 }
 
+/* Events in a row, the one at the end of a step the last, after which the mode was the same: Euler steps
+ * proved that the guard holds there. */
+static int count_unchanged(const ns_sparse *m, const ns_dense_step *before) {
+    return before && before->at_event && !before->is_euler &&
+                   memcmp(before->mode, m->mode, (size_t)m->f->m) == 0
+               ? before->unchanged + 1
+               : 0;
+}
+
+/* A guard that breaks where it was proved to hold does so in a transient that the step does not resolve: a
+ * shorter one shows when.  (The first time it may be below zero there by no more than the error allowed.) */
+static void shorten_where_unchanged(const ns_dense_step *before, ns_dense_step *step) {
+    if (step->unchanged > 1 && step->failures > 0 &&
+        step->length_exponent < before->length_exponent + SHORTER)
+        step->length_exponent = before->length_exponent + SHORTER;
+}
+
 /* Where steps end where they begin, an Euler step of h 2^-this passes the event.  The first ones, which may
  * be enough, are the shortest: an Euler step is of first order. */
 static int euler_exponent(const ns_sparse *m, double t, double h) {
@@ -95,7 +114,9 @@ int ns_sparse_next_step(ns_sparse *m, double t, const ns_dense_step *before, ns_
     step->failures = before && before->at_event && !(before->length > tiny) ? before->failures + 1 : 0;
     step->time_lost = before ? ns_sparse_step_time_lost(before) : 0;
     step->after_event = before && before->at_event;
+    step->unchanged = count_unchanged(m, before);
     shorten_to_usual(m, before, step);
+    shorten_where_unchanged(before, step);
     const double limit = ns_sparse_next_limit(m, t), h = ldexp(m->o.h, -step->length_exponent);
     int status;
     ns_inputs_stages_late(m->in, step->time_lost);
@@ -117,7 +138,7 @@ int ns_sparse_next_captured(ns_sparse *m, double t, const ns_dense_step *before,
     for (int less = CAPTURE_FIRST; less >= CAPTURE_LAST && status != NS_OK; less -= CAPTURE_BY) {
         ns_sparse_event_restore(m);
         step->length_exponent = before->next_exponent;
-        step->failures = step->after_event = 0;
+        step->failures = step->after_event = step->unchanged = 0;
         step->usual_length = before->usual_length;
         step->time_lost = ns_sparse_step_time_lost(before);
         status = counted_euler_step(m, step, t, limit, ldexp(m->o.h, -step->length_exponent - less));

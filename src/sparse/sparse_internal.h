@@ -61,6 +61,7 @@ typedef struct ns_dense_step {
     int pair, command; /* of this guard; -1: not of a pair, not of a command by the state */
     int guard;         /* which one of the pair's, as ns_mode_guards() has them */
     int failures;      /* steps in a row that ended where they began */
+    int unchanged;     /* events in a row at the end of which no pair changed, up to where it begins */
     /* its polynomials */
     double *images; /* NS_STAGES (n+m): x, lambda of stage i */
     double *powers; /* (NS_STAGES+1) n: D^i w */

@@ -308,7 +308,7 @@ int ns_sparse_theta_go(ns_sparse *m, double t, double until, ns_dense_step *step
         return status;
     }
     step->time_lost = 0;
-    step->length_exponent = step->next_exponent = step->failures = 0;
+    step->length_exponent = step->next_exponent = step->failures = step->unchanged = 0;
     step->at_event = 0;
     step->pair = step->command = -1;
     step->is_euler = 1;

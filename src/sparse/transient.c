@@ -313,7 +313,7 @@ static void fill_step(ns_sparse *m, const stretch *s, const ns_dense_step *befor
     step->time_lost = before ? ns_sparse_step_time_lost(before) : 0;
     step->g = step->length = s->length;
     step->end_t = s->t + (step->time_lost + s->length);
-    step->at_event = step->failures = step->after_event = 0;
+    step->at_event = step->failures = step->after_event = step->unchanged = 0;
     step->pair = step->command = -1;
     step->is_euler = 1;
     step->stages = step->shown = 2;

@@ -132,6 +132,20 @@ static void small_charges_do_not_hold_steps_back(void **state) {
     }
 }
 
+/* Open pairs could be below zero by 1e-8 of the largest voltage, which drives more through 1 mohm than all
+ * that flows: they gathered, closed together and opened each other, 1.4 million events in three periods, four
+ * in five of which changed no pair; now 1080. */
+static void pairs_that_are_about_to_close_do_not_gather(void **state) {
+    (void)state;
+    const double until = 3 / hertz;
+    const ns_march_options o = {
+        .theta = 1, .gamma = 1, .h = ldexp(until, -16), .method = NS_SPARSE, .reltol = 1e-7};
+    rig k = multiplier_by(STAGES, 1e-3, &o);
+    go(&k, until);
+    assert_true(ns_march_counts(k.m)->events < 2000);
+    end(&k);
+}
+
 /* A reltol of 1e-4 or 1e-3 lets pairs be as wrong as is found wrong; sparse then keeps to smaller errors.
  * Exact took its place, for 64 h and longer each time: 126 and 347 modes, two and three times the work. */
 static void a_loose_reltol_is_tightened(void **state) {
@@ -183,6 +197,7 @@ int main(void) {
                                        cmocka_unit_test(tiny_resistances_are_none),
                                        cmocka_unit_test(exact_is_left_where_sparse_costs_less),
                                        cmocka_unit_test(small_charges_do_not_hold_steps_back),
+                                       cmocka_unit_test(pairs_that_are_about_to_close_do_not_gather),
                                        cmocka_unit_test(a_loose_reltol_is_tightened),
                                        cmocka_unit_test(ends_of_steps_are_right)};
     return cmocka_run_group_tests(tests, NULL, NULL);
