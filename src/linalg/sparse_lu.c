@@ -19,6 +19,7 @@
 #include "nonsmooth/status.h"
 #include "packed_triangular.h"
 #include "partial_refactor.h"
+#include "sparse_pattern.h"
 #include "sparse_pivots.h"
 
 struct ns_klu {
@@ -27,16 +28,15 @@ struct ns_klu {
     klu_common common;
     klu_symbolic *symbolic;
     int fills; /* factors of the shared pattern do */
+    ns_patterns patterns;
     long fresh, again, solves;
     ns_partial_lu *steady; /* pivots for all matrices, NULL: none */
     long served, failures; /* so many, and for so many they were not good enough */
 };
 
 struct ns_factors {
-    klu_symbolic *own; /* of its own pattern, NULL: the shared one's */
-    int *start, *row;  /* of that: n+1, start[n]; */
-    int *from;         /* start[n]: the places in the shared one, */
-    double *value;     /* start[n]: and what is there */
+    ns_pattern *own; /* its own pattern, taken from the shared one; NULL: that */
+    double *value;   /* what is at the places of its own */
     klu_numeric *numeric;
     double growth;                /* reciprocal, with these pivots when they were chosen */
     int steady;                   /* packed is by the pivots for all, and there may be no numeric */
@@ -98,6 +98,7 @@ void ns_linalg_klu_free(ns_klu *k) {
     if (k && k->symbolic)
         (void)klu_free_symbolic(&k->symbolic, &k->common);
     if (k) {
+        ns_linalg_patterns_free(&k->patterns, &k->common);
         ns_linalg_partial_free(k->steady);
         free(k->x);
     }
@@ -105,11 +106,9 @@ void ns_linalg_klu_free(ns_klu *k) {
 }
 
 static void free_pattern(ns_klu *k, ns_factors *f) {
-    if (f->own)
-        (void)klu_free_symbolic(&f->own, &k->common);
-    free(f->start);
+    ns_linalg_pattern_free(f->own, &k->common);
     free(f->value);
-    f->start = NULL;
+    f->own = NULL;
     f->value = NULL;
 }
 
@@ -130,7 +129,7 @@ static int give_up(ns_klu *k, ns_factors **f, int status) {
 }
 
 static klu_symbolic *symbolic_of(const ns_klu *k, const ns_factors *f) {
-    return f->own ? f->own : k->symbolic;
+    return f->own ? f->own->symbolic : k->symbolic;
 }
 
 /* What KLU is to look at. */
@@ -141,7 +140,7 @@ typedef struct klu_matrix {
 } klu_matrix;
 
 static klu_matrix matrix_of(const ns_klu *k, const ns_factors *f, double *value) {
-    return f->own ? (klu_matrix){f->start, f->row, f->value, f->own}
+    return f->own ? (klu_matrix){f->own->start, f->own->row, f->value, f->own->symbolic}
                   : (klu_matrix){k->start, k->row, value, k->symbolic};
 }
 
@@ -150,17 +149,33 @@ static int take_values(const ns_klu *k, ns_factors *f, const double *value) {
     int at = 0;
     if (!f->own)
         return 1;
+    const int count = f->own->start[k->n], *from = f->own->from;
     for (int p = 0; p < k->start[k->n]; p++)
         if (value[p] != 0) {
-            while (at < f->start[k->n] && f->from[at] < p)
+            while (at < count && from[at] < p)
                 f->value[at++] = 0;
-            if (at == f->start[k->n] || f->from[at] != p)
+            if (at == count || from[at] != p)
                 return 0;
             f->value[at++] = value[p];
         }
-    for (; at < f->start[k->n]; at++)
+    for (; at < count; at++)
         f->value[at] = 0;
     return 1;
+}
+
+/* Its own pattern, taken apart.  Errors: MEMORY, SINGULAR. */
+static int take_apart(ns_klu *k, ns_factors *f, const double *value) {
+    free_pattern(k, f);
+    f->own = ns_linalg_pattern_of(&k->patterns, k->n, k->start, k->row, value, &k->common);
+    if (!f->own) {
+        const int status = status_of(&k->common);
+        return status == NS_OK ? NS_E_SINGULAR : status;
+    }
+    f->value = malloc(((size_t)f->own->start[k->n] + 1) * sizeof(double));
+    if (!f->value)
+        return NS_E_MEMORY;
+    (void)take_values(k, f, value);
+    return NS_OK;
 }
 
 static int count_nonzero(const ns_klu *k, const double *value) {
@@ -168,33 +183,6 @@ static int count_nonzero(const ns_klu *k, const double *value) {
     for (int p = 0; p < k->start[k->n]; p++)
         count += value[p] != 0;
     return count;
-}
-
-/* Its own pattern, taken apart.  Errors: MEMORY, SINGULAR. */
-static int take_apart(ns_klu *k, ns_factors *f, const double *value) {
-    const size_t n = (size_t)k->n, count = (size_t)count_nonzero(k, value);
-    int at = 0;
-    free_pattern(k, f);
-    f->start = malloc((n + 1 + 2 * count) * sizeof(int));
-    f->value = malloc((count + 1) * sizeof(double));
-    if (!f->start || !f->value)
-        return NS_E_MEMORY;
-    f->start[0] = 0;
-    f->row = f->start + n + 1;
-    f->from = f->row + count;
-    for (int j = 0; j < k->n; j++) {
-        for (int p = k->start[j]; p < k->start[j + 1]; p++)
-            if (value[p] != 0) {
-                f->row[at] = k->row[p];
-                f->from[at] = p;
-                f->value[at++] = value[p];
-            }
-        f->start[j + 1] = at;
-    }
-    f->own = klu_analyze(k->n, f->start, f->row, &k->common);
-    if (f->own && f->own->structural_rank == k->n)
-        return NS_OK;
-    return f->own ? NS_E_SINGULAR : status_of(&k->common);
 }
 
 /* 1 if the pivots of f serve this matrix too. */
@@ -256,6 +244,11 @@ int ns_linalg_klu_change(ns_klu *k, ns_factors *f, const double *value, int rows
     return f->steady;
 }
 
+static int pivots_vanish(ns_klu *k, const ns_factors *f, double *value) {
+    const klu_matrix a = matrix_of(k, f, value);
+    return ns_linalg_pivots_vanish(k->n, a.start, a.row, a.value, a.symbolic, f->numeric, &k->common);
+}
+
 int ns_linalg_klu_factor(ns_klu *k, double *value, ns_factors **f) {
     if (!*f)
         *f = calloc(1, sizeof **f);
@@ -279,9 +272,7 @@ int ns_linalg_klu_factor(ns_klu *k, double *value, ns_factors **f) {
             return give_up(k, f, status);
     }
     if (!klu_rcond(symbolic_of(k, *f), (*f)->numeric, &k->common) || !(k->common.rcond > rcond_min) ||
-        ns_linalg_pivots_vanish(k->n, (*f)->own ? (*f)->start : k->start, (*f)->own ? (*f)->row : k->row,
-                                (*f)->own ? (*f)->value : value, symbolic_of(k, *f), (*f)->numeric,
-                                &k->common))
+        pivots_vanish(k, *f, value))
         return give_up(k, f, NS_E_SINGULAR);
     return NS_OK;
 }
@@ -294,9 +285,10 @@ size_t ns_linalg_factors_bytes(const ns_klu *k, const ns_factors *f) {
                  (size_t)n->nzoff * (sizeof(int) + sizeof(double));
         bytes += 2 * ((size_t)n->lnz + (size_t)n->unz) * (sizeof(int) + sizeof(double)); /* packed too */
     }
-    if (f->own) /* its places, and what KLU says of them */
-        bytes += sizeof *f->own + (size_t)f->own->nz * (2 * sizeof(int) + sizeof(double)) +
-                 (size_t)f->own->n * (4 * sizeof(int) + sizeof(double));
+    if (f->own) /* its places, and what KLU says of them, as if no others had the same */
+        bytes += sizeof *f->own + sizeof *f->own->symbolic +
+                 (size_t)f->own->start[k->n] * (2 * sizeof(int) + sizeof(double)) +
+                 (size_t)k->n * (4 * sizeof(int) + sizeof(double));
     return bytes;
 }
 
