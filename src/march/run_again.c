@@ -160,12 +160,12 @@ static int go_by_scheme(ns_run *r, const again *a, double *reached) {
     return 0;
 }
 
-/* What lasts no longer than the rounding of the time is excused, of some pairs. */
+/* Signs that are wrong for a moment are excused, of some pairs. */
 static int go_excused(ns_run *r, const again *a, double *reached) {
     enum { PAIRS = 8 };
     for (int i = 0; i < PAIRS; i++) {
         const ns_verify_finding f = r->check.finding;
-        if (!ns_march_run_is_rounding(r, &f))
+        if (!ns_march_run_is_excused(r, &f))
             return 0;
         if (try_judged(r, a, reached))
             return 1;

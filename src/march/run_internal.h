@@ -174,9 +174,10 @@ int ns_march_run_again(ns_run *r, double t, ns_until until, double *reached);
  * are of first order, and nobody judged how their errors add up.  That is what was found then. */
 int ns_march_run_is_rough(ns_run *r, double t, ns_until until);
 /* run_refuse.c: 1: the sign of a pair that was found, of the point in r->check.here, is right 64 roundings of
- * the time later, by the engine at work, and it moves there in a straight line: it is excused.  A small error that no engine is without: 1: such errors are allowed from now on.  What no engine
+ * the time later, or before the charge that it carries counts, by the engine at work, and it moves there in a
+ * straight line: it is excused.  A small error that no engine is without: 1: such errors are allowed from now on.  What no engine
  * does right is refused: RESIDUAL. */
-int ns_march_run_is_rounding(ns_run *r, const ns_verify_finding *f);
+int ns_march_run_is_excused(ns_run *r, const ns_verify_finding *f);
 int ns_march_run_allows(ns_run *r, const ns_verify_finding *f);
 int ns_march_run_refuse(ns_run *r, const ns_verify_finding *f);
 

@@ -20,21 +20,35 @@ static int is_right_at(ns_run *r, double t, double *xl) {
     return right;
 }
 
-int ns_march_run_is_rounding(ns_run *r, const ns_verify_finding *f) {
+/* The pair of f is wrong at its time, `at`, but right after d and 2 d s, to which it moves in a straight
+ * line. */
+static int is_right_after(ns_run *r, const ns_verify_finding *f, const double *at, double d) {
+    const size_t n = (size_t)r->s->n, all = n + (size_t)r->s->m;
+    double *later = r->check.nodes + all, *latest = later + all;
+    const ns_verify_state line[] = {{f->t, NS_RIGHT, at, at + n, NULL, 0},
+                                    {f->t + d, NS_RIGHT, later, later + n, NULL, 0},
+                                    {f->t + 2 * d, NS_RIGHT, latest, latest + n, NULL, 0}};
+    return is_right_at(r, line[1].t, later) && is_right_at(r, line[2].t, latest) &&
+           ns_verify_is_straight(r->check.verify, f->pair, line);
+}
+
+int ns_march_run_is_excused(ns_run *r, const ns_verify_finding *f) {
+    enum { SHORTEST_EXPONENT = -20, LONGER_EXPONENT = 2 };
     const size_t n = (size_t)r->s->n, all = n + (size_t)r->s->m;
     const double rounding = ns_verify_roundings * DBL_EPSILON * fabs(f->t);
-    double *at = r->check.nodes, *later = at + all, *latest = later + all;
-    const ns_verify_state line[] = {{f->t, NS_RIGHT, at, at + n, NULL, 0},
-                                    {f->t + rounding, NS_RIGHT, later, later + n, NULL, 0},
-                                    {f->t + 2 * rounding, NS_RIGHT, latest, latest + n, NULL, 0}};
-    if (f->cause != NS_VERIFY_LAW || !(rounding > 0))
+    double *at = r->check.nodes;
+    const ns_verify_state here = {f->t, NS_RIGHT, at, at + n, NULL, 0};
+    if (f->cause != NS_VERIFY_LAW)
         return 0;
     memcpy(at, r->check.here, sizeof *at * all);
-    if (!is_right_at(r, line[1].t, later) || !is_right_at(r, line[2].t, latest) ||
-        !ns_verify_is_straight(r->check.verify, f->pair, line))
-        return 0;
-    ns_verify_excuse(r->check.verify, f->t, f->pair);
-    return 1;
+    int right = rounding > 0 && is_right_after(r, f, at, rounding);
+    const double longest = ns_verify_excusable(r->check.verify, f->pair, &here);
+    for (double d = fmax(rounding, ldexp(longest, SHORTEST_EXPONENT)); !right && d < longest;
+         d = ldexp(d, LONGER_EXPONENT))
+        right = d > rounding && is_right_after(r, f, at, d);
+    if (right)
+        ns_verify_excuse(r->check.verify, f->t, f->pair);
+    return right;
 }
 
 int ns_march_run_allows(ns_run *r, const ns_verify_finding *f) {

@@ -15,22 +15,46 @@ static int begin(ns_run *r, const void *data) {
     return start_judged(r, data);
 }
 
-/* After a start that was found wrong: the other engines start.  If none of them is right and the error was
- * small, it is taken for rounding in the circuit's own numbers: the first engine starts again, and this kind
- * of error may be larger from then on. */
+/* Signs that are wrong for a moment are excused, of some pairs. */
+static int start_excused(ns_run *r, const ns_run_start *s) {
+    enum { PAIRS = 8 };
+    for (int i = 0; i < PAIRS; i++) {
+        if (start_judged(r, s) == NS_OK)
+            return 1;
+        const ns_verify_finding f = r->check.finding;
+        if (!r->check.found || !ns_march_run_is_excused(r, &f))
+            return 0;
+    }
+    return 0;
+}
+
+static int begin_excused(ns_run *r, const void *data) {
+    return start_excused(r, data) ? NS_OK : NS_E_RESIDUAL;
+}
+
+/* By an engine other than `own`. */
+static int start_by_others(ns_run *r, ns_run_kind own, const ns_run_change *how) {
+    for (int kind = NS_RUN_DENSE; kind <= NS_RUN_SCHEME; kind++)
+        if (kind != (int)own && ns_march_run_change(r, (ns_run_kind)kind, how) == NS_OK)
+            return 1;
+    return 0;
+}
+
+/* After a start that was found wrong: the other engines start.  If none of them is right, signs that are
+ * wrong for a moment are excused.  If the error was small, it is taken for rounding in the circuit's own
+ * numbers: the first engine starts again, and this kind of error may be larger from then on. */
 static int start_again(ns_run *r, const ns_run_start *s) {
     const ns_verify_finding first = r->check.finding;
     const ns_run_kind own = r->kind;
-    const ns_run_change how = {begin, s, 0};
+    const ns_run_change how = {begin, s, 0}, excused = {begin_excused, s, 0};
     r->check.retries++;
-    for (int kind = NS_RUN_DENSE; kind <= NS_RUN_SCHEME; kind++)
-        if (kind != (int)own && ns_march_run_change(r, (ns_run_kind)kind, &how) == NS_OK) {
-            ns_march_run_leave_for_the_start(r, s->t, own);
-            return NS_OK;
-        }
-    if (ns_march_run_allows(r, &first) && start_judged(r, s) == NS_OK)
-        return NS_OK;
-    return ns_march_run_refuse(r, &first);
+    int by_another = start_by_others(r, own, &how), right = by_another || start_excused(r, s);
+    if (!right)
+        right = by_another = start_by_others(r, own, &excused);
+    if (by_another)
+        ns_march_run_leave_for_the_start(r, s->t, own);
+    right = right || (ns_march_run_allows(r, &first) && start_judged(r, s) == NS_OK);
+    return right ? NS_OK : ns_march_run_refuse(r, &first);
 }
 
 /* Branch and bound in a start of auto may take as much work as the run does before its first question

@@ -249,6 +249,32 @@ static int judge(ns_verify *v, const ns_verify_state *at, ns_verify_finding *wor
     return worst->cause == NS_VERIFY_RIGHT;
 }
 
+/* The entry of row i in a column. */
+static double entry(const ns_verify_rows *r, int i, int column) {
+    double sum = 0;
+    for (int k = r->start[i]; k < r->start[i + 1]; k++)
+        sum += r->column[k] == column ? r->value[k] : 0;
+    return sum;
+}
+
+double ns_verify_excusable(ns_verify *v, int pair, const ns_verify_state *at) {
+    static const double of_charge = 1e-5, instants = 64;
+    double longest = instants * v->o.instant;
+    int any = 0;
+    ns_verify_fill(v, at);
+    for (int k = 0; k < v->storeds; k++) {
+        const int i = v->stored[k];
+        const double flows = fabs(entry(&v->law, i, v->s->n + pair) * at->lambda[pair]);
+        if (!(flows > 0))
+            continue;
+        any = 1;
+        longest = fmin(
+            longest,
+            (ns_verify_sizes_charge_off(v, i) + of_charge * ns_verify_row(&v->charge, i, v->u).size) / flows);
+    }
+    return any ? longest : 0;
+}
+
 /* The middle is as far from the straight line as a quarter of the way, or rounding. */
 static int is_straight(const double *a, double off) {
     const double bent = fabs(a[0] - 2 * a[1] + a[2]) / 2;

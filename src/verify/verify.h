@@ -75,7 +75,11 @@ void ns_verify_renew(ns_verify *v);
 /* All may be off by so many times as much, 1 at first; an event may take so long, a jump holds what decays so
  * fast (s). */
 void ns_verify_scale(ns_verify *v, double times, double instant, double transient);
-/* At t this pair is not judged by (S4): how far it is off lasts no longer than the rounding of the time. */
+/* For how long, s, lambda of a pair carries less than what the charges and fluxes that it flows into may be off
+ * by, and no longer than 64 times what an event may take; 0: it flows into none. */
+double ns_verify_excusable(ns_verify *v, int pair, const ns_verify_state *at);
+/* At t this pair is not judged by (S4): how far it is off lasts no longer than that, or than the rounding of
+ * the time. */
 void ns_verify_excuse(ns_verify *v, double t, int pair);
 /* 1: lambda and y of a pair move in a straight line over three points, equally far apart. */
 int ns_verify_is_straight(ns_verify *v, int pair, const ns_verify_state at[3]);
