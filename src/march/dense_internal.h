@@ -40,6 +40,7 @@ typedef struct ns_dense_run {
     ns_dense_handover may_hand_over;
     int was_cut_off;         /* branch and bound was, in the last start or trial */
     int hands_over;          /* the last trial ended with LIMIT by that */
+    int by_ladder;           /* 1: the ladder went the trial in place of the exact engine */
     double without_matrices; /* s that the ladder went in it because the exact engine has none for a mode */
     /* what is told */
     ns_counts counts;

@@ -113,6 +113,7 @@ static int go_to(ns_dense_run *r, double t, ns_until until) {
     int status = NS_OK, done = 0;
     r->moved = 1;
     r->without_matrices = 0;
+    r->by_ladder = 0;
     r->way.is_line = 0;
     r->sampled[0].known = r->sampled[1].known = 0;
     ns_ladder_begin_trial(r->ladder, t - r->trial.now.t);
@@ -126,6 +127,7 @@ static int go_to(ns_dense_run *r, double t, ns_until until) {
         }
         if (exact_is_ready(r)) {
             status = ns_exact_go(r->exact, accepted_t, t, until);
+            r->by_ladder = 0;
             r->hands_over = status == NS_OK && fails(r);
             const int there = r->trial.at_event || r->trial.now.t == accepted_t;
             done = r->hands_over || (until != NS_TO_TIME && exact_is_ready(r) && (from_event || there)) ||
@@ -138,6 +140,7 @@ static int go_to(ns_dense_run *r, double t, ns_until until) {
         const ns_ladder_stop stop = {t, until, from_event, accepted_t, interrupt};
         const double from = r->trial.now.t;
         status = ns_ladder_go(r->ladder, &stop, &done);
+        r->by_ladder = r->exact && r->trial.now.t > from && from == accepted_t;
         if (r->exact && ns_exact_has_no_matrices(r->exact))
             r->without_matrices += r->trial.now.t - from;
         r->trial.last_event_t = r->trial.now.t; /* modes may change on its way */
@@ -252,6 +255,14 @@ static int problem(const ns_engine *e, ns_mlcp *p, double *h) {
 
 int ns_march_dense_hands_over(const ns_engine *e) {
     return run_in(e)->hands_over;
+}
+
+int ns_march_dense_by_ladder(const ns_engine *e) {
+    return run_in(e)->by_ladder;
+}
+
+void ns_march_dense_believe(ns_engine *e) {
+    run_of(e)->by_ladder = 0;
 }
 
 double ns_march_dense_without_matrices(const ns_engine *e) {

@@ -57,7 +57,7 @@ static int try_to(ns_engine *e, double t, ns_until until, double *reached) {
     if (r->trial_is_start)
         return NS_OK;
     if (r->check.found || (status == NS_OK && (!ns_march_check_end(r, t, until, *reached) ||
-                                               ns_march_run_is_rough(r, t, until))))
+                                               ns_march_run_is_rough(r, t, until, *reached))))
         return ns_march_sliding_is_cause(r) ? ns_march_run_refuse(r, &r->check.finding)
                                             : ns_march_run_again(r, t, until, reached);
     return status;

@@ -101,10 +101,14 @@ static int start_judged(ns_run *r, const again *a, double *reached) {
     return try_judged(r, a, reached);
 }
 
-int ns_march_run_is_rough(ns_run *r, double t, ns_until until) {
+int ns_march_run_is_rough(ns_run *r, double t, ns_until until, double reached) {
     enum { LONG = 16 };
-    if (until != NS_TO_TIME || r->kind != NS_RUN_DENSE ||
-        !(ns_march_dense_without_matrices(r->at_work) > LONG * r->options.h))
+    if (r->kind != NS_RUN_DENSE)
+        return 0;
+    const int is_long =
+        until == NS_TO_TIME && ns_march_dense_without_matrices(r->at_work) > LONG * r->options.h;
+    if (!is_long &&
+        (!ns_march_dense_by_ladder(r->at_work) || ns_march_run_ladder_is_believed(r, t, until, reached)))
         return 0;
     r->check.finding =
         (ns_verify_finding){.cause = NS_VERIFY_FLOW, .t = t, .pair = -1, .unknown = -1, .error = INFINITY};
@@ -127,7 +131,7 @@ static int begin_attempt(ns_run *r, const void *data) {
     if (r->kind == NS_RUN_SCHEME && (*by->reached == a->asked || !ns_engine_at_event(r->at_work))) {
         const ns_run_start from = {.t = a->t, .w = a->w, .closed = a->closed};
         *by->is_rough = !ns_march_run_is_believed(r, &from, *by->reached);
-    } else if (ns_march_run_is_rough(r, a->asked, a->until))
+    } else if (ns_march_run_is_rough(r, a->asked, a->until, *by->reached))
         return NS_E_RESIDUAL;
     return *by->is_rough ? NS_E_RESIDUAL : NS_OK;
 }

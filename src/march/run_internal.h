@@ -23,7 +23,8 @@ typedef struct ns_run {
     int is_dense;       /* it is a dense run */
     double scheme_step; /* s: of the scheme in place of a kernel, if it is shorter than else; 0: it is not */
     int trial_is_start; /* the trial is the start of the engine at work */
-    ns_engine *aside;   /* NULL, or one that was at work and may be again */
+    int ladder_rests, ladder_rest; /* trials by the ladder until one is judged: from now on, in turn */
+    ns_engine *aside;              /* NULL, or one that was at work and may be again */
     ns_run_kind aside_kind;
     /* back to the engine that failed, or was found wrong */
     double back_at;          /* s; INFINITY: it is at work */
@@ -111,6 +112,8 @@ double ns_march_run_finer_step(const ns_run *r, double length);
 /* 1: the trial by the scheme from there to `end` comes to the charges and fluxes that steps of a quarter come
  * to. */
 int ns_march_run_is_believed(ns_run *r, const ns_run_start *from, double end);
+/* The same of a trial of the dense engines to t, from the accepted point; it is made again. */
+int ns_march_run_ladder_is_believed(ns_run *r, double t, ns_until until, double end);
 /* The same of a start at t: it is asked again when a trial goes on from there, where nothing jumps any more.
  */
 void ns_march_run_leave_for_the_start(ns_run *r, double t, ns_run_kind was);
@@ -170,13 +173,14 @@ int ns_march_watch_sees(void *data, ns_watch_side side, double t);
 
 /* run_again.c: a trial that was found wrong, by other engines.  Errors: RESIDUAL (all are wrong), MEMORY. */
 int ns_march_run_again(ns_run *r, double t, ns_until until, double *reached);
-/* 1 if a trial to t was gone by the ladder for long because the exact engine can build no matrices: its steps
- * are of first order, and nobody judged how their errors add up.  That is what was found then. */
-int ns_march_run_is_rough(ns_run *r, double t, ns_until until);
+/* 1 if a part of a trial to t was gone by the ladder, for long because the exact engine can build no
+ * matrices, or to other charges and fluxes than shorter steps come to: its steps are of first order, and
+ * nobody judged how their errors add up.  That is what was found then. */
+int ns_march_run_is_rough(ns_run *r, double t, ns_until until, double reached);
 /* run_refuse.c: 1: the sign of a pair that was found, of the point in r->check.here, is right 64 roundings of
  * the time later, or before the charge that it carries counts, by the engine at work, and it moves there in a
- * straight line: it is excused.  A small error that no engine is without: 1: such errors are allowed from now on.  What no engine
- * does right is refused: RESIDUAL. */
+ * straight line: it is excused.  A small error that no engine is without: 1: such errors are allowed from now
+ * on.  What no engine does right is refused: RESIDUAL. */
 int ns_march_run_is_excused(ns_run *r, const ns_verify_finding *f);
 int ns_march_run_allows(ns_run *r, const ns_verify_finding *f);
 int ns_march_run_refuse(ns_run *r, const ns_verify_finding *f);

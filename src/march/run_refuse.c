@@ -32,6 +32,13 @@ static int is_right_after(ns_run *r, const ns_verify_finding *f, const double *a
            ns_verify_is_straight(r->check.verify, f->pair, line);
 }
 
+/* 1: the accepted point is at t. */
+static int begins_at(ns_run *r, double t) {
+    double now;
+    ns_engine_drop(r->at_work);
+    return ns_engine_read(r->at_work, &now, NULL, NULL, NULL) == NS_OK && now == t;
+}
+
 int ns_march_run_is_excused(ns_run *r, const ns_verify_finding *f) {
     enum { SHORTEST_EXPONENT = -20, LONGER_EXPONENT = 2 };
     const size_t n = (size_t)r->s->n, all = n + (size_t)r->s->m;
@@ -42,7 +49,8 @@ int ns_march_run_is_excused(ns_run *r, const ns_verify_finding *f) {
         return 0;
     memcpy(at, r->check.here, sizeof *at * all);
     int right = rounding > 0 && is_right_after(r, f, at, rounding);
-    const double longest = ns_verify_excusable(r->check.verify, f->pair, &here);
+    /* each of these goes all the way to there again */
+    const double longest = !begins_at(r, f->t) ? 0 : ns_verify_excusable(r->check.verify, f->pair, &here);
     for (double d = fmax(rounding, ldexp(longest, SHORTEST_EXPONENT)); !right && d < longest;
          d = ldexp(d, LONGER_EXPONENT))
         right = d > rounding && is_right_after(r, f, at, d);

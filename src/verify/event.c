@@ -84,6 +84,19 @@ static void judge_balance(const ns_verify *v, const jump *j, ns_verify_finding *
     }
 }
 
+/* The second half of (J1): charges and fluxes are finite, so that their integral over an instant is nothing.
+ * An Euler step that is taken for an instant obeys the first half. */
+static void judge_integrals(const ns_verify *v, const jump *j, ns_verify_finding *worst) {
+    for (int k = 0; k < v->storeds; k++) {
+        const int i = v->stored[k];
+        const double integral = fabs(ns_verify_row(&v->charge, i, v->v).sum);
+        const double off = v->times * v->times_row[i] *
+                           ((j->seconds + v->o.instant) * v->most_w[i] + j->any_off * v->charge.size[i]);
+        if (!(integral <= off))
+            ns_verify_note(worst, NS_VERIFY_JUMP, -1, i, integral / off);
+    }
+}
+
 /* --- (J4) --- */
 
 /* A bound that an impulse obeys: none, or zero. */
@@ -256,6 +269,7 @@ int ns_verify_event(ns_verify *v, const double *X, const double *Lambda, ns_veri
     if (most == LITTLE)
         return ns_verify_sizes_end(v, worst);
     judge_balance(v, &j, worst);
+    judge_integrals(v, &j, worst);
     judge_pairs(v, &j, worst);
     judge_energy(v, worst);
     return ns_verify_sizes_end(v, worst);

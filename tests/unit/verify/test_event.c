@@ -136,6 +136,35 @@ static void no_pair_carries_an_impulse(void **state) {
     }
 }
 
+/* x0' = -lambda, y = x0, both 0 or more and one of them 0; x1 is stored, too.  An impulse of 5 A s takes x0
+ * from 5 to 0.  The integral of x1 over that instant is nothing, or 1e-3, as over an Euler step of some time.
+ */
+static void nothing_stored_has_an_integral(void **state) {
+    const ns_verify_options o = {.reltol = 1e-9, .instant = 1e-11};
+    (void)state;
+    for (int lasts = 0; lasts < 2; lasts++) {
+        const double x[] = {5, 2}, after[] = {0, 2}, X[] = {0, lasts ? 1e-3 : 0}, none = 0, Lambda = 5;
+        const ns_verify_state left = {1, NS_LEFT, x, &none, NULL, 0},
+                              right = {1, NS_RIGHT, after, &none, NULL, 0};
+        ns_system *s;
+        ns_verify *v;
+        ns_verify_finding f;
+        assert_int_equal(ns_system_create(2, 1, 0, 0, &s), NS_OK);
+        s->M[0] = s->M[3] = s->C[0] = 1;
+        s->B[0] = -1;
+        s->u[0] = INFINITY;
+        assert_int_equal(ns_verify_create(s, &o, &v), NS_OK);
+        assert_true(ns_verify_point(v, &left, &f));
+        ns_verify_left(v);
+        assert_true(ns_verify_point(v, &right, &f));
+        assert_int_equal(ns_verify_event(v, X, &Lambda, &f), !lasts);
+        assert_int_equal(f.cause, lasts ? NS_VERIFY_JUMP : NS_VERIFY_RIGHT);
+        assert_int_equal(f.unknown, lasts ? 1 : -1);
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
 /* x' = 1 - lambda, 0 <= lambda, y = lambda: 0.5 A s backward through it within the 1 s that an event may
  * take.  What flows in that time does not excuse the direction: the pair is told, and no unknown. */
 static void an_impulse_backward(void **state) {
@@ -311,6 +340,7 @@ static void charge_of_a_step(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(what_flows_in_the_time_of_a_jump),
                                        cmocka_unit_test(nothing_flows_in_no_time),
+                                       cmocka_unit_test(nothing_stored_has_an_integral),
                                        cmocka_unit_test(sides_of_an_input),
                                        cmocka_unit_test(no_pair_carries_an_impulse),
                                        cmocka_unit_test(an_impulse_backward),
