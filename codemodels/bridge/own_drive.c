@@ -11,22 +11,16 @@
 
 /* The other end of a switch, or of the channel of an M, of which one is at this node; -1: it is none. */
 static int beyond_switch(const GENinstance *inst, int here) {
-    const ns_own_kind kind = ns_bridge_own_kind(inst);
-    ns_own_switch s = {.p = -1, .n = -1};
     ns_own_mosfet m;
-    if (kind == OWN_MOSFET) {
+    int p, n;
+    if (ns_bridge_own_kind(inst) == OWN_MOSFET) {
         ns_bridge_own_read_mosfet(inst, &m);
-        if (m.gate != here)
-            s = (ns_own_switch){.p = m.drain, .n = m.source};
+        if (m.gate == here)
+            return -1;
     }
-    if (kind == OWN_SWITCH)
-        ns_bridge_own_read_switch(inst, NULL, &s);
-    else if (kind == OWN_CURRENT_SWITCH)
-        ns_bridge_own_read_current_switch(inst, NULL, 0, &s);
-    else if (ns_bridge_models_kind(inst) == KIND_SWITCH)
-        s = (ns_own_switch){.p = ns_bridge_models_node((const MIFinstance *)inst, SWITCH_P),
-                            .n = ns_bridge_models_node((const MIFinstance *)inst, SWITCH_N)};
-    return s.p == here ? s.n : s.n == here ? s.p : -1;
+    if (!ns_bridge_own_contacts(inst, &p, &n))
+        return -1;
+    return p == here ? n : n == here ? p : -1;
 }
 
 /* The voltage of `node` above the source of m, along V, R, L and D, and what a D in between takes of it, is
@@ -64,8 +58,23 @@ static int beyond_diode(const GENinstance *inst, int here, ns_own_range *drop) {
     return d.cathode == here ? d.anode : d.cathode;
 }
 
-/* From a gate along R; *r: of the ends beyond all switches and D, and of those without one. */
-static void visit_ends(ns_own_way *w, int here, ns_own_range *r) {
+/* The voltage that a switch gives a gate while it is closed, with what R leave of it; `end`: its other end.
+ */
+static void add_closed(const ns_own_way *w, const GENinstance *by, int end, ns_own_range *r) {
+    const ns_own_range none = {0};
+    ns_own_range volts;
+    r->switches = 1;
+    if (!ns_bridge_own_find_gate_by(w->ckt, w->node[0], w->goal, by, &volts)) {
+        add_end(w->ckt, w->goal, end, none, r);
+        return;
+    }
+    ns_bridge_own_extend(r, volts.low);
+    ns_bridge_own_extend(r, volts.high);
+}
+
+/* From a gate along R; *r: of the ends beyond all switches and D, and, where the voltage while all are open
+ * is not known, of those without one. */
+static void visit_ends(ns_own_way *w, int here, int known, ns_own_range *r) {
     const ns_own_range none = {0};
     ns_own_range volts = {0};
     ns_own_way by_v = {.ckt = w->ckt, .find = ns_bridge_own_find_voltage, .goal = w->goal};
@@ -73,7 +82,8 @@ static void visit_ends(ns_own_way *w, int here, ns_own_range *r) {
         return;
     w->node[w->count++] = here;
     if (ns_bridge_own_way(&by_v, here, &volts)) {
-        add_end(w->ckt, w->goal, here, none, r);
+        if (!known)
+            add_end(w->ckt, w->goal, here, none, r);
         return;
     }
     for (NGTABLEPTR box = w->ckt->DEVnameHash->thread; box; box = box->thread_next) {
@@ -84,21 +94,27 @@ static void visit_ends(ns_own_way *w, int here, ns_own_range *r) {
         if (beyond >= 0 && beyond != w->goal) { /* one to the source drives nothing */
             r->switches |= add_end(w->ckt, w->goal, beyond, drop, r);
         } else if (end >= 0) {
-            add_end(w->ckt, w->goal, end, none, r);
-            r->switches = 1;
+            add_closed(w, inst, end, r);
         } else if (ns_bridge_models_letter(inst) == 'r' &&
                    ns_bridge_own_wire(w, inst, here, &p, &n, &volts) && (p == here || n == here)) {
-            visit_ends(w, p == here ? n : p, r);
+            visit_ends(w, p == here ? n : p, known, r);
         }
     }
 }
 
-/* 1 if switches, or D that are driven so, connect its gate with more than one voltage; *r: those. */
-static int find_ends(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_range *r) {
+/* 1 if switches, or D that are driven so, connect its gate with more than one voltage; *r: those.  rest:
+ * while all are open, from which they take it across the threshold; NULL: not known. */
+static int find_ends(const CKTcircuit *ckt, const ns_own_mosfet *m, const ns_own_range *rest,
+                     ns_own_range *r) {
     ns_own_way ends = {.ckt = ckt, .find = ns_bridge_own_find_voltage, .goal = m->source, .along_r = 1};
     *r = (ns_own_range){INFINITY, -INFINITY, 0, 1, 0.0, 0, 0};
-    visit_ends(&ends, m->gate, r);
-    return r->switches && r->low < r->high;
+    if (rest) {
+        ns_bridge_own_extend(r, rest->low);
+        ns_bridge_own_extend(r, rest->high);
+    }
+    visit_ends(&ends, m->gate, rest != NULL, r);
+    const double low = m->sign > 0 ? r->low : -r->high, high = m->sign > 0 ? r->high : -r->low;
+    return r->switches && low < high && (!rest || (low <= m->vth && high > m->vth));
 }
 
 /* left: what is left of its drive once its source is at its drain; of a gate that rests that is all. */
@@ -110,6 +126,16 @@ static void close_at(const ns_own_mosfet *m, double left, ns_own_drive *drive) {
     drive->high = left;
 }
 
+/* What is left of its drive once its source is at its drain, with what R leave of it then; otherwise: where
+ * that is not known. */
+static double left_when_closed(const CKTcircuit *ckt, const ns_own_mosfet *m, double otherwise) {
+    ns_own_range r = {0};
+    double share;
+    if (!ns_bridge_own_find_gate_closed(ckt, m->gate, m->source, m->drain, &r, &share))
+        return otherwise;
+    return m->sign > 0 ? r.high : -r.low;
+}
+
 /* The source of a closed M has the potential of its drain: the drive of one whose gate is driven against
  * ground. 0: that potential is not known. */
 static int lower_when_closed(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
@@ -118,7 +144,7 @@ static int lower_when_closed(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_o
     ns_own_range drain = {0};
     const int known =
         ns_bridge_own_way(&to_supply, m->drain, &drain) || ns_bridge_own_way(&along_r, m->drain, &drain);
-    const double left = known ? drive->high - drain.high : NAN;
+    const double left = known ? left_when_closed(ckt, m, drive->high - drain.high) : NAN;
     close_at(m, left, drive);
     return known;
 }
@@ -132,7 +158,7 @@ static void lower_when_p_closed(const CKTcircuit *ckt, const ns_own_mosfet *m, n
     if (!ns_bridge_own_way(&to_supply, m->drain, &drain) ||
         !ns_bridge_own_way(&of_source, m->source, &source))
         return;
-    const double left = drive->high - source.high + drain.low;
+    const double left = left_when_closed(ckt, m, drive->high - source.high + drain.low);
     close_at(m, left, drive);
 }
 
@@ -168,7 +194,7 @@ static int find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_driv
     double share, ohm;
     int edges = OPENS_BY_R | CLOSES_BY_R;
     const int known = ns_bridge_own_find_gate(ckt, m->gate, m->source, &r, &share, &ohm);
-    if ((!known || (r.low == r.high && !r.amplifies)) && find_ends(ckt, m, &ends)) {
+    if ((!known || (r.low == r.high && !r.amplifies)) && find_ends(ckt, m, known ? &r : NULL, &ends)) {
         /* what is there while they are open */
         edges = !known && !(share > 1.0 - 1e-12) ? 0 : m->sign * r.low > m->vth ? CLOSES_BY_R : OPENS_BY_R;
         r = ends;
@@ -215,9 +241,9 @@ static void limit(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *d
  * reversed polarity, and v(gate,drain) closes it then. */
 static void raise_by_drain(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
     ns_own_range r = {0};
-    double share, ohm;
+    double share;
     if (drive->low != drive->high || drive->high > m->vth ||
-        !ns_bridge_own_find_gate(ckt, m->gate, m->drain, &r, &share, &ohm) || r.low != r.high ||
+        !ns_bridge_own_find_gate_closed(ckt, m->gate, m->source, m->drain, &r, &share) || r.low != r.high ||
         share < 1.0 - 1e-12 || !(m->sign * r.low > m->vth))
         return;
     drive->low = drive->high = m->sign * r.low;

@@ -40,8 +40,12 @@ static int place_of(const network *n, int node) {
 
 /* 1 if V tie it to the goal or to ground; *volts: by how much it is above *met. */
 static int is_tied(const network *n, int node, ns_own_range *volts, int *met) {
-    ns_own_way w = {
-        .ckt = n->wires.ckt, .find = n->wires.find, .goal = n->wires.goal, .inside_b = n->wires.inside_b};
+    ns_own_way w = {.ckt = n->wires.ckt,
+                    .find = n->wires.find,
+                    .goal = n->wires.goal,
+                    .at_goal = n->wires.at_goal,
+                    .closed = n->wires.closed,
+                    .inside_b = n->wires.inside_b};
     *volts = (ns_own_range){0};
     const int tied = ns_bridge_own_way(&w, node, volts);
     *met = w.met;
@@ -181,24 +185,31 @@ static int find_potential(network *n, int node, ns_own_range *r, double *share) 
     return !n->is_full && solve(n, r, share) && (r->sources || (n->wires.find && is_alone(n)));
 }
 
-/* v(p,m), as sources drive it, and through which resistance; 0: they do not say. */
-static int find_voltage(const CKTcircuit *ckt, int p, int m, int is_control, ns_own_range *r, double *share,
-                        double *ohm) {
+/* The potential of a node, as V say it, or else the first way along R and L. */
+static int find_level(const CKTcircuit *ckt, int node, ns_own_range *r) {
+    ns_own_way by_v = {.ckt = ckt, .find = ns_bridge_own_find_voltage}, along_r = by_v;
+    along_r.along_r = 1;
+    *r = (ns_own_range){0};
+    return ns_bridge_own_way(&by_v, node, r) || ns_bridge_own_way(&along_r, node, r);
+}
+
+/* The voltage of p above the goal of these wires, as sources drive it, and through which resistance; 0: they
+ * do not say. */
+static int find_voltage(ns_own_way wires, int p, ns_own_range *r, double *share, double *ohm) {
     static const double nearly_all = 0.95; /* what pulls a gate that follows its source to ground is weak */
-    ns_own_way of_goal = {.ckt = ckt, .find = ns_bridge_own_find_voltage, .along_r = 1};
-    ns_own_range goal = {0};
+    ns_own_range goal;
     network *n = calloc(1, sizeof *n);
     *share = *ohm = 0.0;
     if (!n)
         return 0;
-    n->wires = (ns_own_way){
-        .ckt = ckt, .find = is_control ? NULL : ns_bridge_own_find_voltage, .goal = m, .along_r = 1};
+    n->wires = wires;
+    n->wires.along_r = 1;
     const int known = find_potential(n, p, r, share);
     *ohm = n->ohm;
     free(n);
-    if (!known || m == 0 || *share > 1.0 - 1e-12)
+    if (!known || wires.goal == 0 || *share > 1.0 - 1e-12)
         return known;
-    if (is_control || !ns_bridge_own_way(&of_goal, m, &goal))
+    if (!wires.find || !find_level(wires.ckt, wires.goal, &goal))
         return *share > nearly_all;
     r->switches |= r->low == r->high && goal.switches; /* the supply does */
     r->low -= (1.0 - *share) * goal.high;
@@ -209,10 +220,29 @@ static int find_voltage(const CKTcircuit *ckt, int p, int m, int is_control, ns_
 int ns_bridge_own_find_voltage(const CKTcircuit *ckt, int p, int m, int is_control, ns_own_range *r,
                                double *share) {
     double ohm;
-    return find_voltage(ckt, p, m, is_control, r, share, &ohm);
+    return find_voltage(
+        (ns_own_way){.ckt = ckt, .find = is_control ? NULL : ns_bridge_own_find_voltage, .goal = m}, p, r,
+        share, &ohm);
 }
 
 int ns_bridge_own_find_gate(const CKTcircuit *ckt, int gate, int source, ns_own_range *r, double *share,
                             double *ohm) {
-    return find_voltage(ckt, gate, source, 0, r, share, ohm);
+    return find_voltage((ns_own_way){.ckt = ckt, .find = ns_bridge_own_find_voltage, .goal = source}, gate, r,
+                        share, ohm);
+}
+
+int ns_bridge_own_find_gate_by(const CKTcircuit *ckt, int gate, int source, const GENinstance *by,
+                               ns_own_range *r) {
+    double share, ohm;
+    return find_voltage(
+        (ns_own_way){.ckt = ckt, .find = ns_bridge_own_find_voltage, .goal = source, .closed = by}, gate, r,
+        &share, &ohm);
+}
+
+int ns_bridge_own_find_gate_closed(const CKTcircuit *ckt, int gate, int source, int drain, ns_own_range *r,
+                                   double *share) {
+    double ohm;
+    return find_voltage(
+        (ns_own_way){.ckt = ckt, .find = ns_bridge_own_find_voltage, .goal = drain, .at_goal = source}, gate,
+        r, share, &ohm);
 }

@@ -9,5 +9,11 @@ ns_own_find_voltage ns_bridge_own_find_voltage;
 /* v(gate,source) likewise; *ohm: that V hold the gate through, 0 if directly. */
 int ns_bridge_own_find_gate(const CKTcircuit *ckt, int gate, int source, ns_own_range *r, double *share,
                             double *ohm);
+/* Likewise while a switch, or an M, is closed. */
+int ns_bridge_own_find_gate_by(const CKTcircuit *ckt, int gate, int source, const GENinstance *by,
+                               ns_own_range *r);
+/* v(gate,drain) likewise, of an M that is closed: its source has the potential of its drain. */
+int ns_bridge_own_find_gate_closed(const CKTcircuit *ckt, int gate, int source, int drain, ns_own_range *r,
+                                   double *share);
 
 #endif

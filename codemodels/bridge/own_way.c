@@ -5,7 +5,7 @@
 #include <math.h>
 
 #include "models.h"
-#include "own_structs.h"
+#include "own_mosfet.h"
 
 #include "spicelib/devices/asrc/asrcdefs.h"
 #include "spicelib/devices/ind/inddefs.h"
@@ -44,10 +44,32 @@ static int read_table(const ns_own_way *w, const GENinstance *inst, int here, in
     return 1;
 }
 
+int ns_bridge_own_contacts(const GENinstance *inst, int *p, int *n) {
+    const ns_own_kind kind = ns_bridge_own_kind(inst);
+    ns_own_switch s = {.p = -1, .n = -1};
+    ns_own_mosfet m;
+    if (kind == OWN_MOSFET) {
+        ns_bridge_own_read_mosfet(inst, &m);
+        s = (ns_own_switch){.p = m.drain, .n = m.source};
+    }
+    if (kind == OWN_SWITCH)
+        ns_bridge_own_read_switch(inst, NULL, &s);
+    else if (kind == OWN_CURRENT_SWITCH)
+        ns_bridge_own_read_current_switch(inst, NULL, 0, &s);
+    else if (ns_bridge_models_kind(inst) == KIND_SWITCH)
+        s = (ns_own_switch){.p = ns_bridge_models_node((const MIFinstance *)inst, SWITCH_P),
+                            .n = ns_bridge_models_node((const MIFinstance *)inst, SWITCH_N)};
+    *p = s.p;
+    *n = s.n;
+    return s.p >= 0;
+}
+
 /* The nodes of inst, one of them `here`, and by how much the first is above the second; 0: it is no wire. */
 int ns_bridge_own_wire(const ns_own_way *w, const GENinstance *inst, int here, int *p, int *n,
                        ns_own_range *gap) {
     *gap = (ns_own_range){0};
+    if (inst == w->closed)
+        return ns_bridge_own_contacts(inst, p, n);
     switch (ns_bridge_models_letter(inst)) {
     case 'v': {
         const VSRCinstance *v = (const VSRCinstance *)inst;
@@ -119,8 +141,8 @@ ns_own_range ns_bridge_own_add_gap(ns_own_range r, ns_own_range gap, int forward
 /* 1 if ways from `here`, *r below the beginning, lead to the goal or ground; *r: by how much it is above
  * that. */
 int ns_bridge_own_way(ns_own_way *w, int here, ns_own_range *r) {
-    if (here == w->goal || here == 0) {
-        w->met = here;
+    if (here == w->goal || here == 0 || here == w->at_goal) {
+        w->met = here == 0 ? 0 : w->goal;
         return 1;
     }
     if (ns_bridge_own_way_has(w, here) || w->count == OWN_WAY_NODES)

@@ -17,6 +17,8 @@ typedef struct ns_own_way {
     const CKTcircuit *ckt;
     ns_own_find_voltage *find; /* of the control of an E; NULL: E are no wires */
     int goal;                  /* equation */
+    int at_goal;               /* another one, which is at the potential of the goal; 0: none */
+    const GENinstance *closed; /* a switch, or an M, that counts as a wire; NULL: none */
     int along_r;               /* resistors and inductors count as wires */
     int along_d;               /* so do D */
     double shunt;              /* ohm: so do resistors below it */
@@ -29,6 +31,9 @@ typedef struct ns_own_way {
 /* 1 if ways from `here`, *r below the beginning, lead to the goal or ground; *r: by how much it is above
  * that. */
 int ns_bridge_own_way(ns_own_way *w, int here, ns_own_range *r);
+
+/* The ends of a switch, or of the channel of an M; 0: it is none. */
+int ns_bridge_own_contacts(const GENinstance *inst, int *p, int *n);
 
 int ns_bridge_own_way_has(const ns_own_way *w, int node);
 
