@@ -333,25 +333,26 @@ static int note_stored(const ns_analysis *a) {
 static int note_charge(const ns_analysis *a) {
     static const double counts = 0.02;
     const ns_own_taken *worst = NULL;
-    double most = counts, late = 0.0;
+    double most = counts, late = 0.0, through = 0.0;
     for (int k = 0; k < a->ex.nowns; k++) {
         const ns_own_taken *o = &a->ex.own[k];
         if (!is_judged(a, o) || o->kind != OWN_MOSFET || o->follows || !(o->seen.closed > 0.0))
             continue;
-        const double by = ns_bridge_own_late(&o->mosfet, &o->driven, o->seen.most_v),
+        double ohm;
+        const double by = ns_bridge_own_late(&o->mosfet, &o->driven, o->seen.most_v, &ohm),
                      part = fabs(by) * o->seen.openings / o->seen.closed;
         if (!(part > most))
             continue;
         most = part;
         late = by;
+        through = ohm;
         worst = o;
     }
     if (worst)
         ns_bridge_report_note(
             "%s: the charge of its gate is left out: through %.3g ohm that would have it closed "
             "%.2g s %s each time, %.2g of that, and the result may be another one",
-            worst->inst->GENname, worst->driven.ohm + worst->mosfet.charge.ohm, fabs(late),
-            late > 0.0 ? "longer" : "shorter", most);
+            worst->inst->GENname, through, fabs(late), late > 0.0 ? "longer" : "shorter", most);
     return worst != NULL;
 }
 

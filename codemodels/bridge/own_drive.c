@@ -58,32 +58,54 @@ static int beyond_diode(const GENinstance *inst, int here, ns_own_range *drop) {
     return d.cathode == here ? d.anode : d.cathode;
 }
 
-/* The voltage that a switch gives a gate while it is closed, with what R leave of it; `end`: its other end.
- */
-static void add_closed(const ns_own_way *w, const GENinstance *by, int end, ns_own_range *r) {
-    const ns_own_range none = {0};
-    ns_own_range volts;
-    r->switches = 1;
-    if (!ns_bridge_own_find_gate_by(w->ckt, w->node[0], w->goal, by, &volts)) {
-        add_end(w->ckt, w->goal, end, none, r);
-        return;
-    }
-    ns_bridge_own_extend(r, volts.low);
-    ns_bridge_own_extend(r, volts.high);
+/* What a gate is connected with. */
+typedef struct gate_ends {
+    ns_own_way way;
+    const ns_own_mosfet *m;
+    ns_own_range r;
+    double opens, closes; /* ohm, as those of ns_own_drive */
+    int known;            /* the voltage while all switches are open */
+} gate_ends;
+
+/* ohm through which it is held; by: a switch that is closed, or NULL. */
+static double ohm_by(const gate_ends *e, const GENinstance *by) {
+    const ns_own_mosfet *m = e->m;
+    const double farads = m->charge.source + m->charge.drain + m->charge.more;
+    return ns_bridge_own_gate_ohm(e->way.ckt, m->gate, m->source, by, farads > 0.0 ? farads : 1e-12);
 }
 
-/* From a gate along R; *r: of the ends beyond all switches and D, and, where the voltage while all are open
- * is not known, of those without one. */
-static void visit_ends(ns_own_way *w, int here, int known, ns_own_range *r) {
+/* The voltage that a switch gives the gate while it is closed, with what R leave of it; `end`: its other
+ * end. */
+static void add_closed(gate_ends *e, const GENinstance *by, int end) {
+    const ns_own_range none = {0};
+    ns_own_range level = {INFINITY, -INFINITY, 0, 1, 0.0, 0, 0}, volts;
+    e->r.switches = 1;
+    if (ns_bridge_own_find_gate_by(e->way.ckt, e->m->gate, e->m->source, by, &volts)) {
+        ns_bridge_own_extend(&level, volts.low);
+        ns_bridge_own_extend(&level, volts.high);
+    } else {
+        add_end(e->way.ckt, e->m->source, end, none, &level);
+    }
+    if (!(level.low <= level.high))
+        return;
+    double *ohm = (e->m->sign > 0 ? level.low : -level.high) > e->m->vth ? &e->closes : &e->opens;
+    *ohm = fmin(*ohm, ohm_by(e, by));
+    ns_bridge_own_extend(&e->r, level.low);
+    ns_bridge_own_extend(&e->r, level.high);
+}
+
+/* From a gate along R: the ends beyond all switches and D, and, where the voltage while all are open is not
+ * known, those without one. */
+static void visit_ends(gate_ends *e, int here) {
     const ns_own_range none = {0};
     ns_own_range volts = {0};
-    ns_own_way by_v = {.ckt = w->ckt, .find = ns_bridge_own_find_voltage, .goal = w->goal};
+    ns_own_way *w = &e->way, by_v = {.ckt = w->ckt, .find = ns_bridge_own_find_voltage, .goal = w->goal};
     if (ns_bridge_own_way_has(w, here) || w->count == OWN_WAY_NODES)
         return;
     w->node[w->count++] = here;
     if (ns_bridge_own_way(&by_v, here, &volts)) {
-        if (!known)
-            add_end(w->ckt, w->goal, here, none, r);
+        if (!e->known)
+            add_end(w->ckt, w->goal, here, none, &e->r);
         return;
     }
     for (NGTABLEPTR box = w->ckt->DEVnameHash->thread; box; box = box->thread_next) {
@@ -92,29 +114,47 @@ static void visit_ends(ns_own_way *w, int here, int known, ns_own_range *r) {
         const int end = beyond_switch(inst, here), beyond = beyond_diode(inst, here, &drop);
         int p, n;
         if (beyond >= 0 && beyond != w->goal) { /* one to the source drives nothing */
-            r->switches |= add_end(w->ckt, w->goal, beyond, drop, r);
+            e->r.switches |= add_end(w->ckt, w->goal, beyond, drop, &e->r);
         } else if (end >= 0) {
-            add_closed(w, inst, end, r);
+            add_closed(e, inst, end);
         } else if (ns_bridge_models_letter(inst) == 'r' &&
                    ns_bridge_own_wire(w, inst, here, &p, &n, &volts) && (p == here || n == here)) {
-            visit_ends(w, p == here ? n : p, known, r);
+            visit_ends(e, p == here ? n : p);
         }
     }
 }
 
-/* 1 if switches, or D that are driven so, connect its gate with more than one voltage; *r: those.  rest:
- * while all are open, from which they take it across the threshold; NULL: not known. */
-static int find_ends(const CKTcircuit *ckt, const ns_own_mosfet *m, const ns_own_range *rest,
-                     ns_own_range *r) {
-    ns_own_way ends = {.ckt = ckt, .find = ns_bridge_own_find_voltage, .goal = m->source, .along_r = 1};
-    *r = (ns_own_range){INFINITY, -INFINITY, 0, 1, 0.0, 0, 0};
-    if (rest) {
-        ns_bridge_own_extend(r, rest->low);
-        ns_bridge_own_extend(r, rest->high);
+/* What holds the gate while all switches are open is what they do not do: it opens, or closes, it. */
+static void add_rest(gate_ends *e, double share, double volts) {
+    const int rests = e->known || share > 1.0 - 1e-12;
+    const int closes = rests ? e->m->sign * volts > e->m->vth : isnan(e->closes);
+    double *ohm = closes ? &e->closes : &e->opens;
+    if (rests || isnan(e->closes) != isnan(e->opens))
+        *ohm = fmin(*ohm, ohm_by(e, NULL));
+}
+
+/* 1 if switches, or D that are driven so, connect its gate with more than one voltage: those are in *r, and
+ * the resistances that drive it in *e.  *r: while all are open, from which they take it across the
+ * threshold; if known. */
+static int find_ends(const CKTcircuit *ckt, const ns_own_mosfet *m, int known, double share, ns_own_range *r,
+                     gate_ends *e) {
+    *e = (gate_ends){.way = {.ckt = ckt, .find = ns_bridge_own_find_voltage, .goal = m->source, .along_r = 1},
+                     .m = m,
+                     .r = {INFINITY, -INFINITY, 0, 1, 0.0, 0, 0},
+                     .opens = NAN,
+                     .closes = NAN,
+                     .known = known};
+    if (known) {
+        ns_bridge_own_extend(&e->r, r->low);
+        ns_bridge_own_extend(&e->r, r->high);
     }
-    visit_ends(&ends, m->gate, rest != NULL, r);
-    const double low = m->sign > 0 ? r->low : -r->high, high = m->sign > 0 ? r->high : -r->low;
-    return r->switches && low < high && (!rest || (low <= m->vth && high > m->vth));
+    visit_ends(e, m->gate);
+    const double low = m->sign > 0 ? e->r.low : -e->r.high, high = m->sign > 0 ? e->r.high : -e->r.low;
+    if (!e->r.switches || !(low < high) || (known && !(low <= m->vth && high > m->vth)))
+        return 0;
+    add_rest(e, share, r->low);
+    *r = e->r;
+    return 1;
 }
 
 /* left: what is left of its drive once its source is at its drain; of a gate that rests that is all. */
@@ -173,8 +213,8 @@ static int find_drive_of_drain(const CKTcircuit *ckt, const ns_own_mosfet *m, ns
         return 0;
     r = ns_bridge_own_add_gap(r, drain, 0);
     const ns_own_drive found =
-        m->sign > 0 ? (ns_own_drive){r.low, r.high, r.switches, FOLLOWS_AND_CLOSES, !r.sources, 0.0, 0}
-                    : (ns_own_drive){-r.high, -r.low, r.switches, FOLLOWS_AND_CLOSES, !r.sources, 0.0, 0};
+        m->sign > 0 ? (ns_own_drive){r.low, r.high, r.switches, FOLLOWS_AND_CLOSES, !r.sources, NAN, NAN}
+                    : (ns_own_drive){-r.high, -r.low, r.switches, FOLLOWS_AND_CLOSES, !r.sources, NAN, NAN};
     if (!(found.high > m->vth))
         return 0;
     *drive = found;
@@ -190,16 +230,17 @@ static int is_raised(const CKTcircuit *ckt, int source) {
 }
 
 static int find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
-    ns_own_range r = {0}, ends;
+    ns_own_range r = {0};
+    gate_ends ends;
     double share, ohm;
-    int edges = OPENS_BY_R | CLOSES_BY_R;
     const int known = ns_bridge_own_find_gate(ckt, m->gate, m->source, &r, &share, &ohm);
-    if ((!known || (r.low == r.high && !r.amplifies)) && find_ends(ckt, m, known ? &r : NULL, &ends)) {
-        /* what is there while they are open */
-        edges = !known && !(share > 1.0 - 1e-12) ? 0 : m->sign * r.low > m->vth ? CLOSES_BY_R : OPENS_BY_R;
-        r = ends;
+    double opens = ohm, closes = ohm;
+    if ((!known || (r.low == r.high && !r.amplifies)) && find_ends(ckt, m, known, share, &r, &ends)) {
+        opens = ends.opens;
+        closes = ends.closes;
         share = 1.0;
     } else if (!known) {
+        drive->opens = share > 1.0 - 1e-12 ? ohm : NAN; /* what charges it is not known */
         return find_drive_of_drain(ckt, m, drive);
     }
     ns_own_way to_ground = {.ckt = ckt,
@@ -207,8 +248,8 @@ static int find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_driv
                             .shunt = 1.0}; /* ohm: more than most shunts that sense a current */
     ns_own_range source = {0};
     *drive = m->sign > 0
-                 ? (ns_own_drive){r.low, r.high, r.switches && !r.amplifies, 0, !r.sources, ohm, edges}
-                 : (ns_own_drive){-r.high, -r.low, r.switches && !r.amplifies, 0, !r.sources, ohm, edges};
+                 ? (ns_own_drive){r.low, r.high, r.switches && !r.amplifies, 0, !r.sources, opens, closes}
+                 : (ns_own_drive){-r.high, -r.low, r.switches && !r.amplifies, 0, !r.sources, opens, closes};
     if (share >= 0.5)
         return 1;
     if (ns_bridge_own_way(&to_ground, m->source, &source)) {

@@ -145,6 +145,13 @@ static int rests_plainly(const ns_extract_walk *w, const ns_own_mosfet *m, const
            (drive->high <= m->vth || (m->vth > 0.0 && drive->high - m->vth >= plainly));
 }
 
+/* What vgs says of a gate: it is charged to that by what is not known, where it rests otherwise. */
+static void raise_to(const ns_own_mosfet *m, double vgs, ns_own_drive *drive) {
+    drive->closes = drive->low == drive->high ? NAN : drive->closes;
+    drive->low = drive->low <= m->vth ? drive->low : 0.0;
+    drive->high = vgs;
+}
+
 /* What the netlist drives the gate with; where it does not switch it plainly, option vgs. */
 static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_mosfet *m,
                       ns_own_drive *found, double *volts, int *follows) {
@@ -152,11 +159,12 @@ static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_
                                   "is no switch, or give another "
                                   "vgs by " TAKE_BY_VGS;
     const ns_bridge_options *o = &w->ex->options;
-    ns_own_drive drive = {.low = NAN, .high = NAN};
+    static const ns_own_drive none = {.low = NAN, .high = NAN, .opens = NAN, .closes = NAN};
+    ns_own_drive drive = none;
     int known = ns_bridge_own_find_drive(w->ckt, m, &drive);
     if (known && drive.by_r && ns_bridge_own_is_coupled(w->ckt, m)) {
         known = 0; /* it is driven through what is coupled to it */
-        drive = (ns_own_drive){.low = NAN, .high = NAN};
+        drive = none;
     }
     if (!drive.follows && ns_bridge_own_has_feedback(w->ckt, m))
         drive.follows = FOLLOWS_DRAIN;
@@ -168,6 +176,8 @@ static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_
     if (m->bulk != m->source && !*follows)
         *follows = FOLLOWS_GATE; /* no body diode keeps its source from pulling its drain along */
     *volts = isnan(given) ? drive.high : given;
+    if (!isnan(given))
+        raise_to(m, given, found);
     if (o->mosfets == NS_MOSFETS_DRIVEN && (!is_plain || (m->bulk != m->source && m->gamma != 0.0)))
         return refuse_undriven(w, inst, m, &drive, *volts > m->vth);
     if (isnan(*volts))

@@ -131,17 +131,20 @@ double ns_bridge_own_resistance(const ns_own_mosfet *m, double above) {
     return m->series + 1.0 / (ns_bridge_own_gain(m, above) * m->triode * ns_bridge_own_overdrive(m, above));
 }
 
-double ns_bridge_own_late(const ns_own_mosfet *m, const ns_own_drive *drive, double volts) {
-    const double ohm = drive->ohm + m->charge.ohm, bend = m->charge.bend;
-    const double low = m->vth - drive->low, high = drive->high - m->vth;
+double ns_bridge_own_late(const ns_own_mosfet *m, const ns_own_drive *drive, double volts, double *ohm) {
+    const double opens_by = drive->opens + m->charge.ohm, closes_by = drive->closes + m->charge.ohm;
+    const double low = m->vth - drive->low, high = drive->high - m->vth, bend = m->charge.bend;
+    *ohm = 0.0;
     if (!(low > 0.0 && high > 0.0))
         return 0.0;
     const double all = m->charge.source + m->charge.drain + m->charge.more;
     const double swings =
         m->charge.drain * volts + (bend > 0.0 ? m->charge.more * (1.0 + log1p(bend * volts)) / bend : 0.0);
-    const double opens = ohm * (all * log((low + high) / low) + swings / low);
-    const double closes = ohm * (m->charge.source * log((low + high) / high) + swings / high);
-    return (drive->edges & OPENS_BY_R ? opens : 0.0) - (drive->edges & CLOSES_BY_R ? closes : 0.0);
+    const double opens = isnan(opens_by) ? 0.0 : opens_by * (all * log((low + high) / low) + swings / low);
+    const double closes =
+        isnan(closes_by) ? 0.0 : closes_by * (m->charge.source * log((low + high) / high) + swings / high);
+    *ohm = opens > closes ? opens_by : closes_by;
+    return opens - closes;
 }
 
 static void write_vdmos(VDMOSinstance *v, CKTcircuit *ckt, double amperes, const double *value) {

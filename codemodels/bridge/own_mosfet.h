@@ -49,14 +49,12 @@ void ns_bridge_own_write_mosfet(GENinstance *inst, CKTcircuit *ckt, double amper
 
 /* Of v(gate,source) times sign. */
 typedef struct ns_own_drive {
-    double low, high; /* V */
-    int switches;     /* PULSE, PWL, a choice of a B source or a digital part drives it */
-    int follows;      /* one of the following */
-    int by_r;         /* R alone, and no source, hold the gate */
-    double ohm;       /* through which they drive it */
-    int edges;        /* which of its changes are through that: OPENS_BY_R, CLOSES_BY_R */
+    double low, high;     /* V */
+    int switches;         /* PULSE, PWL, a choice of a B source or a digital part drives it */
+    int follows;          /* one of the following */
+    int by_r;             /* R alone, and no source, hold the gate */
+    double opens, closes; /* ohm through which they discharge and charge it; NAN: that is not known */
 } ns_own_drive;
-enum { OPENS_BY_R = 1, CLOSES_BY_R = 2 };
 enum {
     FOLLOWS_GATE = 1,   /* an n channel's gate is driven against ground, its source is not tied to that */
     FOLLOWS_AND_CLOSES, /* so, and high is of v(gate,drain), from which on it is closed */
@@ -65,8 +63,8 @@ enum {
 };
 
 /* s: by how much the charge of its gate would have it closed longer (-: shorter), of a drain that swings by
- * so many volts.  Left out. */
-double ns_bridge_own_late(const ns_own_mosfet *m, const ns_own_drive *drive, double volts);
+ * so many volts.  Left out.  *ohm: through which most of that. */
+double ns_bridge_own_late(const ns_own_mosfet *m, const ns_own_drive *drive, double volts, double *ohm);
 
 /* What sources drive the gate with: the voltage that the network of V, R and an E of known control around it
  * gives it, against what V, R and L connect the source with.  0: that leads to neither ground nor each other.

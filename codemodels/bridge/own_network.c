@@ -45,6 +45,8 @@ static int is_tied(const network *n, int node, ns_own_range *volts, int *met) {
                     .goal = n->wires.goal,
                     .at_goal = n->wires.at_goal,
                     .closed = n->wires.closed,
+                    .farads = n->wires.farads,
+                    .gate = n->wires.gate,
                     .inside_b = n->wires.inside_b};
     *volts = (ns_own_range){0};
     const int tied = ns_bridge_own_way(&w, node, volts);
@@ -173,6 +175,7 @@ static int find_potential(network *n, int node, ns_own_range *r, double *share) 
     int met;
     if (is_tied(n, node, r, &met)) {
         *share = met == n->wires.goal;
+        n->ohm = 0.0;
         return r->sources || n->wires.find;
     }
     add_node(n, node);
@@ -202,6 +205,7 @@ static int find_voltage(ns_own_way wires, int p, ns_own_range *r, double *share,
     *share = *ohm = 0.0;
     if (!n)
         return 0;
+    n->ohm = NAN;
     n->wires = wires;
     n->wires.along_r = 1;
     const int known = find_potential(n, p, r, share);
@@ -237,6 +241,21 @@ int ns_bridge_own_find_gate_by(const CKTcircuit *ckt, int gate, int source, cons
     return find_voltage(
         (ns_own_way){.ckt = ckt, .find = ns_bridge_own_find_voltage, .goal = source, .closed = by}, gate, r,
         &share, &ohm);
+}
+
+double ns_bridge_own_gate_ohm(const CKTcircuit *ckt, int gate, int source, const GENinstance *by,
+                              double farads) {
+    static const double most = 1e9; /* what holds it through more, from rounding too, holds nothing */
+    double share, ohm;
+    ns_own_range r;
+    find_voltage((ns_own_way){.ckt = ckt,
+                              .find = ns_bridge_own_find_voltage,
+                              .goal = source,
+                              .closed = by,
+                              .farads = farads,
+                              .gate = gate},
+                 gate, &r, &share, &ohm);
+    return ohm >= 0.0 && ohm < most ? ohm : NAN;
 }
 
 int ns_bridge_own_find_gate_closed(const CKTcircuit *ckt, int gate, int source, int drain, ns_own_range *r,

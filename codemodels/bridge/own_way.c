@@ -8,6 +8,7 @@
 #include "own_mosfet.h"
 
 #include "spicelib/devices/asrc/asrcdefs.h"
+#include "spicelib/devices/cap/capdefs.h"
 #include "spicelib/devices/ind/inddefs.h"
 #include "spicelib/devices/res/resdefs.h"
 #include "spicelib/devices/vcvs/vcvsdefs.h"
@@ -83,6 +84,12 @@ int ns_bridge_own_wire(const ns_own_way *w, const GENinstance *inst, int here, i
         *p = r->RESposNode;
         *n = r->RESnegNode;
         return w->along_r || r->RESconduct * w->shunt > 1.0;
+    }
+    case 'c': {
+        const CAPinstance *c = (const CAPinstance *)inst;
+        *p = c->CAPposNode;
+        *n = c->CAPnegNode;
+        return w->farads > 0.0 && c->CAPcapac * c->CAPm >= w->farads && *p != w->gate && *n != w->gate;
     }
     case 'l': {
         const INDinstance *l = (const INDinstance *)inst;

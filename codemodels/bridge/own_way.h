@@ -22,6 +22,8 @@ typedef struct ns_own_way {
     int along_r;               /* resistors and inductors count as wires */
     int along_d;               /* so do D */
     double shunt;              /* ohm: so do resistors below it */
+    int gate;                  /* its C count as none */
+    double farads;             /* so do C from there on: what they hold stays; 0: none */
     int inside_b;              /* it is that of a node in a B source: no further B is looked into */
     int inside_table;          /* it is that of the input of a TABLE: no further one is looked into */
     int met;                   /* the equation that was met: goal, or 0 */
