@@ -4,6 +4,7 @@
 #include "own_current.h"
 #include "own_follower.h"
 #include "own_show.h"
+#include "own_stored.h"
 #include "own_structs.h"
 #include "own_touch.h"
 #include "report.h"
@@ -120,21 +121,8 @@ static void count_missed(const ns_analysis *a, ns_own_taken *o, double v, double
     o->seen.forwards = forwards;
 }
 
-/* The charge q that its transit time holds, by dq/dt = i - q/tt, of i in the mean since the point before;
- * what is there where its current ends would flow back. */
-static void count_stored(ns_own_taken *o, double i, double seconds) {
-    const double mean = 0.5 * (fmax(i, 0.0) + o->seen.i), rests = o->tt * mean;
-    if (!(o->tt > 0.0) || seconds < 0.0)
-        return;
-    o->seen.carried += seconds * mean;
-    o->seen.held = rests + (o->seen.held - rests) * exp(-seconds / o->tt);
-    if (i > NS_LEAK)
-        return;
-    o->seen.stored += o->seen.i > NS_LEAK ? o->seen.held : 0.0;
-    o->seen.held = 0.0;
-}
-
-void ns_bridge_own_count_point(const ns_analysis *a, double since, double t) {
+void ns_bridge_own_count_point(const CKTcircuit *ckt, const ns_analysis *a, double since, double t) {
+    const ns_own_flow flow = ns_bridge_own_flow(ckt, a);
     for (int k = 0; k < a->ex.nowns; k++) {
         ns_own_taken *o = &a->ex.own[k];
         double i, v;
@@ -150,7 +138,7 @@ void ns_bridge_own_count_point(const ns_analysis *a, double since, double t) {
             count_channel(a, o, i, o->seen.t >= since ? t - o->seen.t : 0.0);
         if (o->kind == OWN_DIODE && o->seen.current.weight == 0.0)
             count_missed(a, o, v, o->seen.t >= since ? t - o->seen.t : 0.0);
-        count_stored(o, i, o->seen.t >= since ? t - o->seen.t : -1.0);
+        ns_bridge_own_count_stored(o, &flow, i, v, o->seen.t >= since ? t - o->seen.t : -1.0);
         o->seen.t = t;
         o->seen.i = fmax(i, 0.0);
         o->seen.most_v = fmax(o->seen.most_v, fabs(o->kind == OWN_MOSFET ? across_channel(a, o) : v));
@@ -309,26 +297,6 @@ static int note_missed(const CKTcircuit *ckt, const ns_analysis *a) {
     return worst != NULL;
 }
 
-/* The D of which most would flow back at the ends of its current, if that is much. */
-static int note_stored(const ns_analysis *a) {
-    const ns_own_taken *worst = NULL;
-    double most = much;
-    for (int k = 0; k < a->ex.nowns; k++) {
-        const ns_own_taken *o = &a->ex.own[k];
-        const double part = o->seen.carried > 0.0 && !o->is_hidden ? o->seen.stored / o->seen.carried : 0.0;
-        if (is_judged(a, o) && part > most) {
-            most = part;
-            worst = o;
-        }
-    }
-    if (worst)
-        ns_bridge_report_note(
-            "%s: its tt = %.3g s is left out: by that, some %.2g of the charge that it carries "
-            "would flow back when it turns off, and the result may be another one",
-            worst->inst->GENname, worst->tt, most);
-    return worst != NULL;
-}
-
 /* The M whose gate's charge counts most beside the time that it is closed. */
 static int note_charge(const ns_analysis *a) {
     static const double counts = 0.02;
@@ -375,6 +343,6 @@ int ns_bridge_own_note_curve(const CKTcircuit *ckt, const ns_analysis *a) {
             worst = o;
         }
     }
-    return worst || note_missed(ckt, a) || ns_bridge_own_note_guess(a, NULL) || note_stored(a) ||
-           note_charge(a);
+    return worst || note_missed(ckt, a) || ns_bridge_own_note_guess(a, NULL) ||
+           ns_bridge_own_note_stored(a) || note_charge(a);
 }

@@ -148,7 +148,7 @@ int ns_bridge_session_accept(ns_session *s) {
     s->failed = ns_bridge_own_check_resting(&s->analysis, s->force.value, ckt->CKTtime, 0.01 * ckt->CKTstep);
     if (s->failed)
         return s->failed;
-    ns_bridge_own_count_point(&s->analysis, ckt->CKTinitTime, ckt->CKTtime);
+    ns_bridge_own_count_point(ckt, &s->analysis, ckt->CKTinitTime, ckt->CKTtime);
     ns_bridge_taken_accept(&s->analysis, s->trial.t, is_shown(ckt));
     if (ckt->CKTfinalTime - ckt->CKTtime < ckt->CKTminBreak) {
         end_analysis(s);

@@ -1,0 +1,95 @@
+/* bridge/own_stored.c - the charge that the transit time of a D would hold, which is left out.
+ *
+ * Where the current of the D ends it would flow back.  That is much where it is a good part of what the D
+ * carries, and no trifle beside all that flows; or where the voltage that turns the D off moves it, as the
+ * source of a hard-switched converter does, which has to supply it. */
+#include "own_stored.h"
+
+#include <math.h>
+
+#include "models.h"
+#include "report.h"
+
+#include "spicelib/devices/vsrc/vsrcdefs.h"
+
+/* Of the charge that the D carries, and of the energy that V supply. */
+static const double much = 0.05;
+/* Of the charge of the largest current: less than that is a trifle. */
+static const double trifle = 1e-5;
+
+static double value_at(const ns_analysis *a, int eq) {
+    return eq > 0 && a->unknown[eq] >= 0 ? a->x[a->unknown[eq]] : 0.0;
+}
+
+ns_own_flow ns_bridge_own_flow(const CKTcircuit *ckt, const ns_analysis *a) {
+    ns_own_flow flow = {0.0, 0.0};
+    int counts = 0;
+    for (int k = 0; k < a->ex.nowns; k++)
+        counts |= a->ex.own[k].tt > 0.0;
+    for (int eq = 0; counts && eq < a->ex.neq; eq++)
+        if (a->ex.element[eq] >= 0)
+            flow.amperes = fmax(flow.amperes, fabs(value_at(a, eq)));
+    for (NGTABLEPTR box = ckt->DEVnameHash->thread; counts && box; box = box->thread_next) {
+        const VSRCinstance *v = box->data;
+        if (ns_bridge_models_letter(box->data) == 'v')
+            flow.watts +=
+                fmax((value_at(a, v->VSRCnegNode) - value_at(a, v->VSRCposNode)) * value_at(a, v->VSRCbranch),
+                     0.0);
+    }
+    return flow;
+}
+
+/* The charge q that its transit time holds, by dq/dt = i - q/tt, of i in the mean since the point before;
+ * what is there where its current ends flows back, against -v. */
+void ns_bridge_own_count_stored(ns_own_taken *o, const ns_own_flow *flow, double i, double v,
+                                double seconds) {
+    const double mean = 0.5 * (fmax(i, 0.0) + o->seen.i), rests = o->tt * mean;
+    if (!(o->tt > 0.0) || seconds < 0.0)
+        return;
+    o->seen.carried += seconds * mean;
+    o->seen.supplied += seconds * flow->watts;
+    o->seen.flows += seconds * flow->amperes;
+    o->seen.held = rests + (o->seen.held - rests) * exp(-seconds / o->tt);
+    if (i > NS_LEAK)
+        return;
+    o->seen.stored += o->seen.i > NS_LEAK ? o->seen.held : 0.0;
+    o->seen.spent += o->seen.i > NS_LEAK ? o->seen.held * fmax(-v, 0.0) : 0.0;
+    o->seen.held = 0.0;
+}
+
+/* 0.0: it is a trifle. */
+static double part_of_carried(const ns_own_taken *o) {
+    return o->seen.stored > trifle * o->seen.flows ? o->seen.stored / o->seen.carried : 0.0;
+}
+
+static double part_of_supplied(const ns_own_taken *o) {
+    return o->seen.supplied > 0.0 ? o->seen.spent / o->seen.supplied : 0.0;
+}
+
+int ns_bridge_own_note_stored(const ns_analysis *a) {
+    const ns_own_taken *worst = NULL;
+    double most = much;
+    for (int k = 0; k < a->ex.nowns; k++) {
+        const ns_own_taken *o = &a->ex.own[k];
+        if (o->kind != OWN_DIODE || o->id < 0 || o->is_hidden || a->ex.options.zero_diodes ||
+            !(o->seen.carried > 0.0))
+            continue;
+        const double part = fmax(part_of_carried(o), part_of_supplied(o));
+        if (!(part > most))
+            continue;
+        most = part;
+        worst = o;
+    }
+    if (worst && part_of_carried(worst) < most)
+        ns_bridge_report_note(
+            "%s: its tt = %.3g s is left out: by that, the charge that would flow back when "
+            "it turns off takes some %.2g of the energy that sources supply, and the result "
+            "may be another one",
+            worst->inst->GENname, worst->tt, most);
+    else if (worst)
+        ns_bridge_report_note(
+            "%s: its tt = %.3g s is left out: by that, some %.2g of the charge that it carries "
+            "would flow back when it turns off, and the result may be another one",
+            worst->inst->GENname, worst->tt, most);
+    return worst != NULL;
+}
