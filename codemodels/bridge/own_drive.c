@@ -209,9 +209,10 @@ static int find_drive_of_drain(const CKTcircuit *ckt, const ns_own_mosfet *m, ns
     ns_own_range r = {0}, drain = {0};
     double share;
     if (!ns_bridge_own_way(&to_supply, m->drain, &drain) ||
-        (m->gate != 0 && !ns_bridge_own_find_voltage(ckt, m->gate, 0, 0, &r, &share)) || r.amplifies)
+        !ns_bridge_own_find_gate_closed(ckt, m->gate, m->source, m->drain, &r, &share) || r.amplifies ||
+        drain.amplifies)
         return 0;
-    r = ns_bridge_own_add_gap(r, drain, 0);
+    r.sources |= drain.sources;
     const ns_own_drive found =
         m->sign > 0 ? (ns_own_drive){r.low, r.high, r.switches, FOLLOWS_AND_CLOSES, !r.sources, NAN, NAN}
                     : (ns_own_drive){-r.high, -r.low, r.switches, FOLLOWS_AND_CLOSES, !r.sources, NAN, NAN};

@@ -153,7 +153,8 @@ static int limits(const network *n, const GENinstance *inst) {
     if (ns_bridge_own_kind(inst) != OWN_DIODE)
         return 0;
     ns_bridge_own_read_diode(inst, &d);
-    return d.anode == n->wires.goal || d.cathode == n->wires.goal ||
+    const int goal = n->wires.goal, other = n->wires.at_goal > 0 ? n->wires.at_goal : goal;
+    return d.anode == goal || d.cathode == goal || d.anode == other || d.cathode == other ||
            ns_bridge_own_is_opposed(n->wires.ckt, inst);
 }
 
