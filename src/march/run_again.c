@@ -148,7 +148,8 @@ static int go_finer(ns_run *r, const again *a, double *reached) {
     return 0;
 }
 
-/* By the scheme with shorter steps, until shorter ones come to the same. */
+/* By the scheme with shorter steps, until shorter ones come to the same.
+ * NOLINTNEXTLINE(readability-non-const-parameter): written to through by */
 static int go_by_scheme(ns_run *r, const again *a, double *reached) {
     enum { TRIES = 4 };
     int is_rough = 1;
