@@ -165,18 +165,19 @@ static int go_by_scheme(ns_run *r, const again *a, double *reached) {
     return 0;
 }
 
-/* Signs that are wrong for a moment are excused, of some pairs. */
-static int go_excused(ns_run *r, const again *a, double *reached) {
-    enum { PAIRS = 8 };
-    for (int i = 0; i < PAIRS; i++) {
-        const ns_verify_finding f = r->check.finding;
-        if (!ns_march_run_is_excused(r, &f))
-            return 0;
-        if (try_judged(r, a, reached))
-            return 1;
+static int is_judged_right(ns_run *r, const void *data) {
+    const attempt *by = data;
+    const int right = try_judged(r, by->from, by->reached);
+    if (!right)
         ns_engine_drop(r->at_work);
-    }
-    return 0;
+    return right;
+}
+
+/* Signs that are wrong for a moment are excused.
+ * NOLINTNEXTLINE(readability-non-const-parameter): written to through by */
+static int go_excused(ns_run *r, const again *a, double *reached) {
+    const attempt by = {a, reached, NULL};
+    return ns_march_run_goes_excused(r, is_judged_right, &by);
 }
 
 /* A start that would take more than the run took so far comes last, if none passes without.

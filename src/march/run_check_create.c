@@ -37,14 +37,6 @@ static void estimate_costs(ns_run *r) {
     k->periods = k->periods_rest;
 }
 
-/* The shortest ramp of an input, s. */
-static double shortest_ramp(const ns_system *s) {
-    double shortest = INFINITY;
-    for (int k = 0; k < s->nz; k++)
-        shortest = fmin(shortest, ns_system_line_shortest(&s->z[k]));
-    return shortest;
-}
-
 /* What an event may take, s: with the sparse engine, src/README.md; short beside ramps of inputs, which are
  * resolved; of steps that locate none a step. */
 static double instant_of(const ns_run *r) {
@@ -68,7 +60,7 @@ static double transient_of(const ns_run *r) {
 int ns_march_check_create(ns_run *r) {
     ns_run_check *k = &r->check;
     const size_t n = (size_t)r->s->n, m = (size_t)r->s->m, all = n + m;
-    k->shortest = shortest_ramp(r->s);
+    k->shortest = ns_system_lines_shortest(r->s->nz, r->s->z);
     const ns_verify_options o = {.reltol = r->options.method == NS_EXACT ? 0 : r->options.reltol,
                                  .instant = instant_of(r),
                                  .transient = transient_of(r)};

@@ -99,21 +99,14 @@ int ns_march_run_make(ns_run *r, ns_run_kind kind, ns_engine **out);
 /* 1 if the engine at work is the sparse one, and the dense ones may do what it returned this status of. */
 int ns_march_run_sparse_failed(const ns_run *r, int status);
 void ns_march_run_put_to_work(ns_run *r, ns_engine *e, ns_run_kind kind);
+/* The longest step of the scheme in place of a kernel, s. */
+double ns_march_run_scheme_step(const ns_run *r);
 /* An engine that was at work is freed; what it did counts. */
 void ns_march_run_dismiss(ns_run *r, ns_engine *was);
 void ns_march_run_forget(ns_run *r, ns_engine *e); /* the same, but for what is told; NULL is allowed */
 /* The engine that was at work until t, of this kind, failed or was found wrong: it is asked again later; if
  * the scheme is in its place, after `stay` s at the soonest (INFINITY: as long as that is else). */
 void ns_march_run_leave_for_now(ns_run *r, double t, ns_run_kind was, double stay);
-/* The longest step of the scheme in place of a kernel, s. */
-double ns_march_run_scheme_step(const ns_run *r);
-/* A quarter of that, or of a trial of so many s. */
-double ns_march_run_finer_step(const ns_run *r, double length);
-/* 1: the trial by the scheme from there to `end` comes to the charges and fluxes that steps of a quarter come
- * to. */
-int ns_march_run_is_believed(ns_run *r, const ns_run_start *from, double end);
-/* The same of a trial of the dense engines to t, from the accepted point; it is made again. */
-int ns_march_run_ladder_is_believed(ns_run *r, double t, ns_until until, double end);
 /* The same of a start at t: it is asked again when a trial goes on from there, where nothing jumps any more.
  */
 void ns_march_run_leave_for_the_start(ns_run *r, double t, ns_run_kind was);
@@ -129,7 +122,8 @@ void ns_march_run_choose(ns_run *r, ns_until until);
 /* A trial to t failed.  1: another engine is at work, at the accepted point, or (r->trial_is_start) at
  * *reached, where the trial ends, or the same one, with more work to do; else *status may be another one. */
 int ns_march_run_hand_over(ns_run *r, double t, ns_until until, double *reached, int *status);
-/* The engine that was at work until t was found wrong; another one is at work. */
+/* The engine that was at work until t was found wrong; another one is at work, if it is the scheme for `stay`
+ * s at least. */
 void ns_march_run_was_wrong(ns_run *r, double t, ns_run_kind was, double stay);
 
 /* run_check_create.c: Errors: MEMORY. */
@@ -171,17 +165,28 @@ int ns_march_check_quickly(ns_run *r, double t, ns_side side, const double *y);
 ns_watch_part ns_march_watch_wants(void *data, ns_watch_side side, const ns_mode *mode);
 int ns_march_watch_sees(void *data, ns_watch_side side, double t);
 
+/* run_scheme.c: a quarter of the longest step of the scheme in place of a kernel, or of a trial, of so many
+ * s. */
+double ns_march_run_finer_step(const ns_run *r, double length);
+/* 1: the trial by the scheme from there to `end` comes to the charges and fluxes that steps of a quarter come
+ * to. */
+int ns_march_run_is_believed(ns_run *r, const ns_run_start *from, double end);
+/* The same of a trial of the dense engines to t, from the accepted point; it is made again. */
+int ns_march_run_ladder_is_believed(ns_run *r, double t, ns_until until, double end);
+
 /* run_again.c: a trial that was found wrong, by other engines.  Errors: RESIDUAL (all are wrong), MEMORY. */
 int ns_march_run_again(ns_run *r, double t, ns_until until, double *reached);
 /* 1 if a part of a trial to t was gone by the ladder, for long because the exact engine can build no
  * matrices, or to other charges and fluxes than shorter steps come to: its steps are of first order, and
  * nobody judged how their errors add up.  That is what was found then. */
 int ns_march_run_is_rough(ns_run *r, double t, ns_until until, double reached);
-/* run_refuse.c: 1: the sign of a pair that was found, of the point in r->check.here, is right 64 roundings of
- * the time later, or before the charge that it carries counts, by the engine at work, and it moves there in a
- * straight line: it is excused.  A small error that no engine is without: 1: such errors are allowed from now
- * on.  What no engine does right is refused: RESIDUAL. */
-int ns_march_run_is_excused(ns_run *r, const ns_verify_finding *f);
+/* run_refuse.c: what was found in the point r->check.here is excused, if it is the sign of a pair that is
+ * right 64 roundings of the time later, or before the charge that it carries counts, by the engine at work,
+ * and the pair moves there in a straight line; then again(r, data) judges anew, and so on, of some pairs.  1:
+ * it was right. */
+int ns_march_run_goes_excused(ns_run *r, int (*again)(ns_run *r, const void *data), const void *data);
+/* A small error that no engine is without: 1: such errors are allowed from now on.  What no engine does right
+ * is refused: RESIDUAL. */
 int ns_march_run_allows(ns_run *r, const ns_verify_finding *f);
 int ns_march_run_refuse(ns_run *r, const ns_verify_finding *f);
 

@@ -1,4 +1,5 @@
-/* src/march/run_refuse.c - what was found wrong, and is so by every engine: allowed or refused. */
+/* src/march/run_refuse.c - what was found wrong: excused, where it lasts for a moment; where it is so by
+ * every engine allowed or refused. */
 #include "run_internal.h"
 
 #include <float.h>
@@ -39,7 +40,7 @@ static int begins_at(ns_run *r, double t) {
     return ns_engine_read(r->at_work, &now, NULL, NULL, NULL) == NS_OK && now == t;
 }
 
-int ns_march_run_is_excused(ns_run *r, const ns_verify_finding *f) {
+static int is_excused(ns_run *r, const ns_verify_finding *f) {
     enum { SHORTEST_EXPONENT = -20, LONGER_EXPONENT = 2 };
     const size_t n = (size_t)r->s->n, all = n + (size_t)r->s->m;
     const double rounding = ns_verify_roundings * DBL_EPSILON * fabs(f->t);
@@ -50,13 +51,28 @@ int ns_march_run_is_excused(ns_run *r, const ns_verify_finding *f) {
     memcpy(at, r->check.here, sizeof *at * all);
     int right = rounding > 0 && is_right_after(r, f, at, rounding);
     /* each of these goes all the way to there again */
-    const double longest = !begins_at(r, f->t) ? 0 : ns_verify_excusable(r->check.verify, f->pair, &here);
+    const int looks_on = !right && begins_at(r, f->t);
+    const double longest = looks_on ? ns_verify_excusable(r->check.verify, f->pair, &here) : 0;
     for (double d = fmax(rounding, ldexp(longest, SHORTEST_EXPONENT)); !right && d < longest;
          d = ldexp(d, LONGER_EXPONENT))
         right = d > rounding && is_right_after(r, f, at, d);
     if (right)
         ns_verify_excuse(r->check.verify, f->t, f->pair);
     return right;
+}
+
+int ns_march_run_goes_excused(ns_run *r, int (*again)(ns_run *r, const void *data), const void *data) {
+    enum { PAIRS = 8 };
+    for (int i = 0; i < PAIRS; i++) {
+        const ns_verify_finding f = r->check.finding;
+        if (!is_excused(r, &f))
+            return 0;
+        if (again(r, data))
+            return 1;
+        if (!r->check.found) /* the engine failed for another reason */
+            return 0;
+    }
+    return 0;
 }
 
 int ns_march_run_allows(ns_run *r, const ns_verify_finding *f) {

@@ -15,17 +15,13 @@ static int begin(ns_run *r, const void *data) {
     return start_judged(r, data);
 }
 
-/* Signs that are wrong for a moment are excused, of some pairs. */
+static int is_judged_right(ns_run *r, const void *data) {
+    return start_judged(r, data) == NS_OK;
+}
+
+/* Signs that are wrong for a moment are excused. */
 static int start_excused(ns_run *r, const ns_run_start *s) {
-    enum { PAIRS = 8 };
-    for (int i = 0; i < PAIRS; i++) {
-        if (start_judged(r, s) == NS_OK)
-            return 1;
-        const ns_verify_finding f = r->check.finding;
-        if (!r->check.found || !ns_march_run_is_excused(r, &f))
-            return 0;
-    }
-    return 0;
+    return is_judged_right(r, s) || (r->check.found && ns_march_run_goes_excused(r, is_judged_right, s));
 }
 
 static int begin_excused(ns_run *r, const void *data) {

@@ -121,9 +121,7 @@ static double shortest_of_inputs(const ns_sparse *m) {
 static int finer_of(const ns_sparse *m) {
     static const double part = 1.0 / 128;
     const double least = ldexp(m->o.h, -NS_EVENT_LEAST_EXPONENT - m->o.finer);
-    double shortest = INFINITY;
-    for (int k = 0; k < m->s->nz; k++)
-        shortest = fmin(shortest, ns_system_line_shortest(&m->s->z[k]));
+    const double shortest = ns_system_lines_shortest(m->s->nz, m->s->z);
     if (!(part * shortest < least))
         return m->o.finer;
     return (int)fmin(NS_MOST_FINER, m->o.finer + ceil(log2(least / (part * shortest))));

@@ -53,7 +53,7 @@ int ns_system_line_create(const ns_signal *s, ns_broken_line *p) {
     return NS_OK;
 }
 
-double ns_system_line_shortest(const ns_signal *s) {
+static double shortest_piece(const ns_signal *s) {
     ns_pulse_points points;
     ns_line g;
     double least = INFINITY;
@@ -64,6 +64,13 @@ double ns_system_line_shortest(const ns_signal *s) {
         if (length > 2 * ns_system_signal_time_error(g.t[i], g.origin))
             least = fmin(least, length);
     }
+    return least;
+}
+
+double ns_system_lines_shortest(int count, const ns_signal *s) {
+    double least = INFINITY;
+    for (int k = 0; k < count; k++)
+        least = fmin(least, shortest_piece(&s[k]));
     return least;
 }
 

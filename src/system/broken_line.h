@@ -26,8 +26,8 @@ typedef struct ns_broken_line {
 /* The pieces of a signal; constant where it is no broken line.  Errors: MEMORY (nothing to free then). */
 int ns_system_line_create(const ns_signal *s, ns_broken_line *p);
 void ns_system_line_free(ns_broken_line *p); /* zeroed is allowed */
-/* The shortest piece of a signal that is one, s, but jumps; INFINITY: none. */
-double ns_system_line_shortest(const ns_signal *s);
+/* The shortest piece of those signals that are such lines, s, but jumps; INFINITY: none. */
+double ns_system_lines_shortest(int count, const ns_signal *s);
 
 /* A place on the line. */
 typedef struct ns_line_cursor {

@@ -37,11 +37,11 @@ static double steepness_of(const ns_verify *v, int k) {
     return ns_verify_larger(fabs(after), fabs(before)) * (instant_roundings / ns_verify_roundings);
 }
 
-/* Of all inputs, for what they make of any voltage: networks of resistors, capacitors and ideal devices do
- * not amplify. */
+/* Of all inputs, where any is steep, for what they make of any voltage: networks of resistors, capacitors and
+ * ideal devices do not amplify. */
 static double steepest(const ns_verify *v) {
     double sum = 0;
-    for (int k = 0; k < v->s->nz; k++)
+    for (int k = 0; v->spreads && k < v->s->nz; k++)
         sum += steepness_of(v, k);
     return sum;
 }
@@ -70,7 +70,7 @@ static double steep_in(const ns_verify *v, int i, int column, double all) {
  * 1 kohm are 1 mV. */
 static double steep_y(const ns_verify *v, int j) {
     const ns_verify_rows *r = &v->output;
-    const double all = v->spreads ? steepest(v) : 0;
+    const double all = steepest(v);
     double sum = 0;
     for (int k = r->start[j]; v->spreads && k < r->start[j + 1]; k++)
         if (r->column[k] < v->s->n)
@@ -79,7 +79,7 @@ static double steep_y(const ns_verify *v, int j) {
 }
 
 static double steep_lambda(const ns_verify *v, int j) {
-    const double all = v->spreads ? steepest(v) : 0;
+    const double all = steepest(v);
     double most = 0;
     for (int i = 0; v->spreads && i < v->s->n; i++)
         most = ns_verify_larger(most, steep_in(v, i, v->s->n + j, all));
@@ -258,7 +258,7 @@ static double entry(const ns_verify_rows *r, int i, int column) {
 }
 
 double ns_verify_excusable(ns_verify *v, int pair, const ns_verify_state *at) {
-    static const double of_charge = 1e-5, instants = 64;
+    static const double instants = 64;
     double longest = instants * v->o.instant;
     int any = 0;
     ns_verify_fill(v, at);
@@ -268,9 +268,8 @@ double ns_verify_excusable(ns_verify *v, int pair, const ns_verify_state *at) {
         if (!(flows > 0))
             continue;
         any = 1;
-        longest = fmin(
-            longest,
-            (ns_verify_sizes_charge_off(v, i) + of_charge * ns_verify_row(&v->charge, i, v->u).size) / flows);
+        const double most = ns_verify_larger(v->most_w[i], ns_verify_row(&v->charge, i, v->u).size);
+        longest = fmin(longest, ns_verify_sizes_charge_off_of(v, i, most) / flows);
     }
     return any ? longest : 0;
 }

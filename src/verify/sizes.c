@@ -60,8 +60,12 @@ int ns_verify_sizes_end(ns_verify *v, ns_verify_finding *worst) {
 }
 
 double ns_verify_sizes_charge_off(const ns_verify *v, int i) {
+    return ns_verify_sizes_charge_off_of(v, i, v->most_w[i]);
+}
+
+double ns_verify_sizes_charge_off_of(const ns_verify *v, int i, double most) {
     return v->times * v->times_row[i] *
-               ((of_charge + steps * v->o.reltol) * v->most_w[i] +
+               ((of_charge + steps * v->o.reltol) * most +
                 of_energy * v->most_any[NS_VERIFY_ANY_ENERGY] * v->unit[i] +
                 ns_verify_sizes_leak(v, &v->charge, i)) +
            DBL_MIN;

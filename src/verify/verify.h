@@ -75,8 +75,8 @@ void ns_verify_renew(ns_verify *v);
 /* All may be off by so many times as much, 1 at first; an event may take so long, a jump holds what decays so
  * fast (s). */
 void ns_verify_scale(ns_verify *v, double times, double instant, double transient);
-/* For how long, s, lambda of a pair carries less than what the charges and fluxes that it flows into may be off
- * by, and no longer than 64 times what an event may take; 0: it flows into none. */
+/* For how long, s, lambda of a pair carries less than what the charges and fluxes that it flows into may be
+ * off by, and no longer than 64 times what an event may take; 0: it flows into none. */
 double ns_verify_excusable(ns_verify *v, int pair, const ns_verify_state *at);
 /* At t this pair is not judged by (S4): how far it is off lasts no longer than that, or than the rounding of
  * the time. */

@@ -175,6 +175,8 @@ int ns_verify_sizes_end(ns_verify *v, ns_verify_finding *worst);
 /* What may be off by how much: the charge of row i; row i of (S1); y of pair j, lambda of it, the latter also
  * by what the rows around it may be off by. */
 double ns_verify_sizes_charge_off(const ns_verify *v, int i);
+/* The same, where `most` is the largest. */
+double ns_verify_sizes_charge_off_of(const ns_verify *v, int i, double most);
 double ns_verify_sizes_law_off(const ns_verify *v, int i);
 double ns_verify_sizes_held_off(const ns_verify *v, double value); /* an unknown that is held */
 double ns_verify_sizes_y_off(const ns_verify *v, int j);
@@ -188,7 +190,6 @@ double ns_verify_sizes_leak(const ns_verify *v, const ns_verify_rows *r, int i);
 void ns_verify_inputs_at(ns_verify *v, double t, ns_side side, double *z);
 /* v->spread: by how much they differ around t, which is rounded; 0: not at all. */
 int ns_verify_inputs_spread(ns_verify *v, double t);
-/* Inputs are known at a time that is rounded, in units of eps. */
 
 /* quick.c: the shape of pairs. */
 void ns_verify_quick_find(ns_verify *v);
