@@ -26,6 +26,18 @@ static ns_system *integrator(void) {
     return s;
 }
 
+/* A check of s that saw both sides of an event, which are right as points. */
+static ns_verify *from_left_to_right(const ns_system *s, const ns_verify_options *o,
+                                     const ns_verify_state *left, const ns_verify_state *right) {
+    ns_verify *v;
+    ns_verify_finding f;
+    assert_int_equal(ns_verify_create(s, o, &v), NS_OK);
+    assert_true(ns_verify_point(v, left, &f));
+    ns_verify_left(v);
+    assert_true(ns_verify_point(v, right, &f));
+    return v;
+}
+
 /* 1 if x_0 may move from 5 by that much within 0.5 s, without an impulse. */
 static int passes(double by) {
     const ns_verify_options o = {.reltol = 1e-9, .instant = 1e-11};
@@ -35,10 +47,7 @@ static int passes(double by) {
     const double before = 5, after = before + by, X = 0.5 * (before + after) / 2;
     const ns_verify_state left = {1, NS_LEFT, &before, NULL, NULL, 0},
                           right = {1.5, NS_RIGHT, &after, NULL, NULL, 0};
-    assert_int_equal(ns_verify_create(s, &o, &v), NS_OK);
-    assert_true(ns_verify_point(v, &left, &f));
-    ns_verify_left(v);
-    assert_true(ns_verify_point(v, &right, &f));
+    v = from_left_to_right(s, &o, &left, &right);
     const int is_right = ns_verify_event(v, &X, NULL, &f);
     assert_true(is_right || f.cause == NS_VERIFY_JUMP);
     ns_verify_free(v);
@@ -67,10 +76,7 @@ static void nothing_flows_in_no_time(void **state) {
         ns_system *s = integrator();
         ns_verify *v;
         ns_verify_finding f;
-        assert_int_equal(ns_verify_create(s, &o, &v), NS_OK);
-        assert_true(ns_verify_point(v, &left, &f));
-        ns_verify_left(v);
-        assert_true(ns_verify_point(v, &right, &f));
+        v = from_left_to_right(s, &o, &left, &right);
         assert_int_equal(ns_verify_event(v, &X, NULL, &f), k == 0);
         assert_int_equal(f.cause, k == 0 ? NS_VERIFY_RIGHT : NS_VERIFY_JUMP);
         ns_verify_free(v);
@@ -122,12 +128,9 @@ static void no_pair_carries_an_impulse(void **state) {
         s->M[0] = 1;
         for (int j = 0; j < PAIRS; j++)
             s->B[j] = -1, s->D[j + PAIRS * j] = 1;
-        assert_int_equal(ns_verify_create(s, &o, &v), NS_OK);
+        v = from_left_to_right(s, &o, &left, &right);
         if (pair >= 0)
             Lambda[pair] = 1;
-        assert_true(ns_verify_point(v, &left, &f));
-        ns_verify_left(v);
-        assert_true(ns_verify_point(v, &right, &f));
         assert_int_equal(ns_verify_event(v, &X, Lambda, &f), pair < 0);
         assert_int_equal(f.cause, pair < 0 ? NS_VERIFY_RIGHT : NS_VERIFY_IMPULSE);
         assert_int_equal(f.pair, pair);
@@ -153,10 +156,7 @@ static void nothing_stored_has_an_integral(void **state) {
         s->M[0] = s->M[3] = s->C[0] = 1;
         s->B[0] = -1;
         s->u[0] = INFINITY;
-        assert_int_equal(ns_verify_create(s, &o, &v), NS_OK);
-        assert_true(ns_verify_point(v, &left, &f));
-        ns_verify_left(v);
-        assert_true(ns_verify_point(v, &right, &f));
+        v = from_left_to_right(s, &o, &left, &right);
         assert_int_equal(ns_verify_event(v, X, &Lambda, &f), !lasts);
         assert_int_equal(f.cause, lasts ? NS_VERIFY_JUMP : NS_VERIFY_RIGHT);
         assert_int_equal(f.unknown, lasts ? 1 : -1);
@@ -181,10 +181,7 @@ static void an_impulse_backward(void **state) {
         s->M[0] = s->b[0] = s->D[0] = 1;
         s->B[0] = -1;
         s->u[0] = INFINITY;
-        assert_int_equal(ns_verify_create(s, &o, &v), NS_OK);
-        assert_true(ns_verify_point(v, &left, &f));
-        ns_verify_left(v);
-        assert_true(ns_verify_point(v, &right, &f));
+        v = from_left_to_right(s, &o, &left, &right);
         assert_int_equal(ns_verify_event(v, &X, &Lambda, &f), !backward);
         assert_int_equal(f.cause, backward ? NS_VERIFY_IMPULSE : NS_VERIFY_RIGHT);
         assert_int_equal(f.pair, backward ? 0 : -1);
@@ -213,11 +210,8 @@ static void energy_of_nothing(void **state) {
         s->A[0] = -1;
         for (int i = 1; i < N; i++)
             s->M[i + N * i] = i + 1;
-        assert_int_equal(ns_verify_create(s, &o, &v), NS_OK);
+        v = from_left_to_right(s, &o, &left, &right);
         assert_true(v->is_passive);
-        assert_true(ns_verify_point(v, &left, &f));
-        ns_verify_left(v);
-        assert_true(ns_verify_point(v, &right, &f));
         f = ns_verify_nothing(2);
         ns_verify_energy_over(v, 1, &f);
         assert_int_equal(f.cause, grows ? NS_VERIFY_ENERGY : NS_VERIFY_RIGHT);
