@@ -99,8 +99,7 @@ ns_mode_verdict ns_exact_mode_holds(ns_exact *f, ns_exact_mode *k, ns_evidence e
     if (verdict == NS_VERDICT_HOLDS || !f->entered)
         return verdict;
     const ns_entry_fit fit = ns_exact_enter_fits(f, f->entered);
-    const int may = fit == NS_ENTRY_MAYBE || (fit == NS_ENTRY_FITS && (k->hides & NS_HIDES_RATES));
-    if (!may || !ns_exact_mode_resolve(f, k))
+    if (fit == NS_ENTRY_NO || !ns_exact_mode_resolve(f, k))
         return verdict;
     return judge_mode(f, k, evidence, undecided);
 }
