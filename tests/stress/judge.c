@@ -324,6 +324,11 @@ static int second_order_agrees(int run_of, int i, const judge_options *o) {
     return done(J_VARIED) && 3 * from_theta < from_run;
 }
 
+/* The scheme has not four steps for an event: it damps the ring that these belong to. */
+static int is_too_coarse(int run_of) {
+    return 4 * result[run_of]->counts.events > result[J_THETA2]->counts.steps;
+}
+
 /* All agree: the scheme is asked, and where it doubts, asked again with shorter steps. */
 static void judge_by_theta(judge_finding *f, const judge_options *o) {
     difference d;
@@ -343,7 +348,7 @@ static void judge_by_theta(judge_finding *f, const judge_options *o) {
         return;
     plan_probe_name(&p, d.probe, name, sizeof name);
     snprintf(f->line, sizeof f->line, "all engines agree, theta is off by %.2g in %s", d.most, name);
-    if (!second_order_agrees(one, d.probe, o))
+    if (is_too_coarse(one) || !second_order_agrees(one, d.probe, o))
         say(f, JUDGE_UNDECIDED, one, "theta differs");
     else if (is_sensitive(one, o))
         say(f, JUDGE_UNDECIDED, one, "theta differs, sensitive");
