@@ -30,6 +30,27 @@ static int is_wrong_at(const ns_sparse *m, const double *v) {
     return any;
 }
 
+/* v (n+m): the unknowns where the Euler step begins, which differ from those at its end by what the inputs
+ * move (m->z: at its end): a ramp of 1e14 V/s, 0.2 V in 2e-15 s.  1: there are other ones, and no sign is
+ * wrong. */
+static int begin_of_euler(ns_sparse *m, ns_dense_step *step, double *v) {
+    const ns_cached_factors *k;
+    double *by = step->z + m->f->nz;
+    int any = 0;
+    for (int i = 0; i < m->f->nz; i++) {
+        by[i] = ns_signal_value(&m->s->z[i], step->t, NS_RIGHT) - m->z[i];
+        any |= by[i] != 0;
+    }
+    if (!any || m->f->held || ns_sparse_factors_factor(m->q, step->g, m->mode, 1, &k) != NS_OK)
+        return 0;
+    ns_sparse_step_rhs(m, step->g, NULL, by, 1, 0);
+    if (ns_sparse_factors_solve(m->q, k, m->r, v) != NS_OK)
+        return 0;
+    for (int i = 0; i < m->f->size; i++)
+        v[i] += step->images[i];
+    return !is_wrong_at(m, v);
+}
+
 /* Of length h, but not so short that charges in that time are rounding. */
 static int euler_step(ns_sparse *m, ns_dense_step *step, double t, double limit, double h) {
     const size_t n = (size_t)m->f->n;
@@ -46,7 +67,8 @@ static int euler_step(ns_sparse *m, ns_dense_step *step, double t, double limit,
     step->at_event = 0;
     step->pair = step->command = -1;
     step->is_euler = 1;
-    step->stages = step->shown = 1;
+    step->stages = step->shown =
+        status == NS_OK && begin_of_euler(m, step, step->images + m->f->size) ? 2 : 1;
     step->next_exponent = step->length_exponent;
     memcpy(step->powers, m->w, sizeof(double) * n);
     for (size_t i = 0; i < n; i++)
