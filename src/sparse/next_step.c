@@ -19,6 +19,9 @@ static const double longer = 16;
 enum { SHORTER = 2 };
 /* The first Euler step of a capture is h 2^-this. */
 enum { CAPTURE_FIRST = 14, CAPTURE_LAST = 2, CAPTURE_BY = 4 };
+/* Where a capture leads to a mode that no step can be made in, the next one is so many times as long: what
+ * two sources in a loop of closed diodes differ by may be rounding beside them in a short step. */
+static const double longer_capture = 4;
 /* What a capture takes from the steps that are left. */
 enum { CAPTURE_COST = 3000 };
 
@@ -155,6 +158,8 @@ int ns_sparse_next_step(ns_sparse *m, double t, const ns_dense_step *before, ns_
 
 int ns_sparse_next_captured(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step) {
     const double limit = ns_sparse_next_limit(m, t);
+    const int again = before->is_euler && memcmp(before->mode, m->mode, (size_t)m->f->m) == 0;
+    const double least = again ? fmin(longer_capture * before->length, ldexp(m->o.h, -CAPTURE_LAST)) : 0;
     int status = NS_E_LIMIT;
     ns_sparse_event_save(m);
     for (int less = CAPTURE_FIRST; less >= CAPTURE_LAST && status != NS_OK; less -= CAPTURE_BY) {
@@ -163,7 +168,8 @@ int ns_sparse_next_captured(ns_sparse *m, double t, const ns_dense_step *before,
         step->failures = step->after_event = step->unchanged = 0;
         step->usual_length = before->usual_length;
         step->time_lost = ns_sparse_step_time_lost(before);
-        status = counted_euler_step(m, step, t, limit, ldexp(m->o.h, -step->length_exponent - less));
+        const double length = ldexp(m->o.h, -step->length_exponent - less);
+        status = counted_euler_step(m, step, t, limit, fmax(length, least));
     }
     if (status == NS_OK && step->end_t == limit && ns_sparse_event_at(m, limit))
         step->at_event = 1;
