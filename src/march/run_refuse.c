@@ -6,31 +6,35 @@
 #include <math.h>
 #include <string.h>
 
-/* The engine's point at t, gone to without a look at what is before it, to xl (n+m), is right. */
-static int is_right_at(ns_run *r, double t, double *xl) {
+/* The engine's point at t, gone to without a look at what is before it, to xl (n+m); *right: it is.  0: the
+ * engine does not go there. */
+static int look_at(ns_run *r, double t, double *xl, int *right) {
     ns_run_check *k = &r->check;
     const size_t n = (size_t)r->s->n, all = n + (size_t)r->s->m;
     double reached;
     ns_engine_watch(r->at_work, NULL);
-    int right = r->at_work->table->try_to(r->at_work, t, NS_TO_TIME, &reached) == NS_OK &&
-                ns_engine_read(r->at_work, NULL, k->here, k->here + n, NULL) == NS_OK;
+    const int goes = r->at_work->table->try_to(r->at_work, t, NS_TO_TIME, &reached) == NS_OK &&
+                     ns_engine_read(r->at_work, NULL, k->here, k->here + n, NULL) == NS_OK;
     memcpy(xl, k->here, sizeof *xl * all);
-    right = right && ns_march_check_point(r, reached, NS_RIGHT);
+    *right = goes && ns_march_check_point(r, reached, NS_RIGHT);
     ns_engine_drop(r->at_work);
     ns_engine_watch(r->at_work, &k->watch);
-    return right;
+    return goes;
 }
 
-/* The pair of f is wrong at its time, `at`, but right after d and 2 d s, to which it moves in a straight
- * line. */
+/* The pair of f is wrong at its time, `at`, but right after d and 2 d s; it does not jump to there: after
+ * d/16 it has gone half the way at most. */
 static int is_right_after(ns_run *r, const ns_verify_finding *f, const double *at, double d) {
+    enum { SOON_EXPONENT = -4 };
     const size_t n = (size_t)r->s->n, all = n + (size_t)r->s->m;
-    double *later = r->check.nodes + all, *latest = later + all;
-    const ns_verify_state line[] = {{f->t, NS_RIGHT, at, at + n, NULL, 0},
-                                    {f->t + d, NS_RIGHT, later, later + n, NULL, 0},
-                                    {f->t + 2 * d, NS_RIGHT, latest, latest + n, NULL, 0}};
-    return is_right_at(r, line[1].t, later) && is_right_at(r, line[2].t, latest) &&
-           ns_verify_is_straight(r->check.verify, f->pair, line);
+    const double soon = ldexp(d, SOON_EXPONENT);
+    double *between = r->check.nodes + all, *later = between + all;
+    const ns_verify_state way[] = {{f->t, NS_RIGHT, at, at + n, NULL, 0},
+                                   {f->t + soon, NS_RIGHT, between, between + n, NULL, 0},
+                                   {f->t + d, NS_RIGHT, later, later + n, NULL, 0}};
+    int right;
+    return look_at(r, f->t + 2 * d, later, &right) && right && look_at(r, way[2].t, later, &right) && right &&
+           look_at(r, way[1].t, between, &right) && ns_verify_is_gradual(r->check.verify, f->pair, way);
 }
 
 /* 1: the accepted point is at t. */
@@ -51,9 +55,10 @@ static int is_excused(ns_run *r, const ns_verify_finding *f) {
     memcpy(at, r->check.here, sizeof *at * all);
     int right = rounding > 0 && is_right_after(r, f, at, rounding);
     /* each of these goes all the way to there again */
-    const int looks_on = !right && begins_at(r, f->t);
-    const double longest = looks_on ? ns_verify_excusable(r->check.verify, f->pair, &here) : 0;
-    for (double d = fmax(rounding, ldexp(longest, SHORTEST_EXPONENT)); !right && d < longest;
+    const double longest =
+        !right && begins_at(r, f->t) ? ns_verify_excusable(r->check.verify, f->pair, &here) : 0;
+    const int looks_on = longest > 0;
+    for (double d = fmax(rounding, ldexp(longest, SHORTEST_EXPONENT)); looks_on && !right && d <= longest;
          d = ldexp(d, LONGER_EXPONENT))
         right = d > rounding && is_right_after(r, f, at, d);
     if (right)

@@ -274,21 +274,21 @@ double ns_verify_excusable(ns_verify *v, int pair, const ns_verify_state *at) {
     return any ? longest : 0;
 }
 
-/* The middle is as far from the straight line as a quarter of the way, or rounding. */
-static int is_straight(const double *a, double off) {
-    const double bent = fabs(a[0] - 2 * a[1] + a[2]) / 2;
-    return bent <= ns_verify_larger(fabs(a[2] - a[0]) / 4, off);
+/* The middle lies in the first half of the way, but for rounding. */
+static int is_gradual(const double *a, double off) {
+    const double half = (a[0] + a[2]) / 2, low = a[0] < half ? a[0] : half;
+    return a[1] >= low - off && a[1] <= ns_verify_larger(a[0], half) + off;
 }
 
-int ns_verify_is_straight(ns_verify *v, int pair, const ns_verify_state at[3]) {
+int ns_verify_is_gradual(ns_verify *v, int pair, const ns_verify_state at[3]) {
     double lambda[3], y[3];
     for (int k = 0; k < 3; k++) {
         ns_verify_fill(v, &at[k]);
         lambda[k] = v->u[v->s->n + pair];
         y[k] = ns_verify_row(&v->output, pair, v->u).sum;
     }
-    return is_straight(lambda, ns_verify_sizes_lambda_off(v, pair)) &&
-           is_straight(y, ns_verify_sizes_y_off(v, pair));
+    return is_gradual(lambda, ns_verify_sizes_lambda_off(v, pair)) &&
+           is_gradual(y, ns_verify_sizes_y_off(v, pair));
 }
 
 int ns_verify_point(ns_verify *v, const ns_verify_state *at, ns_verify_finding *worst) {

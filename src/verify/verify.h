@@ -81,8 +81,9 @@ double ns_verify_excusable(ns_verify *v, int pair, const ns_verify_state *at);
 /* At t this pair is not judged by (S4): how far it is off lasts no longer than that, or than the rounding of
  * the time. */
 void ns_verify_excuse(ns_verify *v, double t, int pair);
-/* 1: lambda and y of a pair move in a straight line over three points, equally far apart. */
-int ns_verify_is_straight(ns_verify *v, int pair, const ns_verify_state at[3]);
+/* 1: lambda and y of a pair have gone, at the second of three points, up to half their way from the first to
+ * the third. */
+int ns_verify_is_gradual(ns_verify *v, int pair, const ns_verify_state at[3]);
 /* From now on what was found may be off by ns_verify_wrong times as much. */
 void ns_verify_allow(ns_verify *v, const ns_verify_finding *f);
 
