@@ -96,7 +96,7 @@ static void resolve_before_next(ns_exact *f, ns_exact_mode *k) {
 ns_mode_verdict ns_exact_mode_holds(ns_exact *f, ns_exact_mode *k, ns_evidence evidence, uint64_t undecided) {
     resolve_before_next(f, k);
     const ns_mode_verdict verdict = judge_mode(f, k, evidence, undecided);
-    if (verdict == NS_VERDICT_HOLDS || !f->entered)
+    if (!f->entered)
         return verdict;
     const ns_entry_fit fit = ns_exact_enter_fits(f, f->entered);
     if (fit == NS_ENTRY_NO || !ns_exact_mode_resolve(f, k))
