@@ -8,6 +8,7 @@
 #include "own_touch.h"
 #include "own_voltage.h"
 
+#include "spicelib/devices/ind/inddefs.h"
 #include "spicelib/devices/res/resdefs.h"
 
 enum { MOST_TERMS = 240 }; /* that are tried */
@@ -29,6 +30,7 @@ typedef struct network {
     term term[MOST_TERMS];
     double ohm;  /* that the first node has against what V hold */
     int is_full; /* there is more than it can hold */
+    int coils;   /* L that K does not couple count as V of 0 V: that is their mean */
 } network;
 
 static int place_of(const network *n, int node) {
@@ -88,19 +90,36 @@ static void add_resistor(network *n, int row, int other, double siemens) {
         add_term(n, row, siemens, volts, met == n->wires.goal);
 }
 
-/* A V whose first end is the node of this row; the other one is among the nodes too. */
+/* A V whose first end is the node of this row; the other one is among the nodes too, or tied (L). */
 static void add_source(network *n, int row, int other, ns_own_range gap) {
     const int current = n->rows, column = place_of(n, other);
-    if (current == OWN_WAY_NODES || column < 0) {
+    int met = -1;
+    if (current == OWN_WAY_NODES || (column < 0 && !is_tied(n, other, &gap, &met))) {
         n->is_full = 1;
         return;
     }
     n->rows++;
     add_at(n, row, current, 1.0);
     add_at(n, current, row, 1.0);
-    add_at(n, column, current, -1.0);
-    add_at(n, current, column, -1.0);
-    add_term(n, current, 1.0, gap, 0);
+    if (column >= 0) {
+        add_at(n, column, current, -1.0);
+        add_at(n, current, column, -1.0);
+    }
+    add_term(n, current, 1.0, gap, met == n->wires.goal);
+}
+
+static int is_coupled(const CKTcircuit *ckt, const GENinstance *coil) {
+    for (NGTABLEPTR box = ckt->DEVnameHash->thread; box; box = box->thread_next) {
+        const MUTinstance *k = box->data;
+        if (ns_bridge_models_letter(box->data) == 'k' &&
+            ((const GENinstance *)k->MUTind1 == coil || (const GENinstance *)k->MUTind2 == coil))
+            return 1;
+    }
+    return 0;
+}
+
+static int is_left_out(const network *n, const GENinstance *inst) {
+    return ns_bridge_models_letter(inst) == 'l' && (!n->coils || is_coupled(n->wires.ckt, inst));
 }
 
 /* Each element at the k-th node: its other node, or what it says. */
@@ -111,15 +130,16 @@ static void visit(network *n, int k, int adds_nodes) {
         const char letter = ns_bridge_models_letter(inst);
         ns_own_range gap;
         int p, m;
-        if (letter == 'l' || !ns_bridge_own_wire(&n->wires, inst, here, &p, &m, &gap) ||
+        if (is_left_out(n, inst) || !ns_bridge_own_wire(&n->wires, inst, here, &p, &m, &gap) ||
             (p != here && m != here) || p == m)
             continue;
+        const int other = p == here ? m : p;
         if (adds_nodes)
-            add_node(n, p == here ? m : p);
+            add_node(n, other);
         else if (letter == 'r')
-            add_resistor(n, k, p == here ? m : p, ((const RESinstance *)inst)->RESconduct);
-        else if (p == here)
-            add_source(n, k, m, gap);
+            add_resistor(n, k, other, ((const RESinstance *)inst)->RESconduct);
+        else if (p == here || place_of(n, other) < 0)
+            add_source(n, k, other, gap);
     }
 }
 
@@ -158,12 +178,14 @@ static int limits(const network *n, const GENinstance *inst) {
            ns_bridge_own_is_opposed(n->wires.ckt, inst);
 }
 
-/* 1 if nothing but V and R, and C, carry a current into the nodes: what they have, sources or not, is all. */
+/* 1 if nothing but V and R, L that count, and C, carry a current into the nodes: what they have, sources or
+ * not, is all. */
 static int is_alone(const network *n) {
     for (int k = 0; k < n->nodes; k++)
         for (NGTABLEPTR box = n->wires.ckt->DEVnameHash->thread; box; box = box->thread_next) {
             const char letter = ns_bridge_models_letter(box->data);
             if (letter != 'v' && letter != 'r' && letter != 'c' &&
+                (letter != 'l' || is_left_out(n, box->data)) &&
                 ns_bridge_own_touches(box->data, n->node[k]) && !limits(n, box->data))
                 return 0;
         }
@@ -197,21 +219,31 @@ static int find_level(const CKTcircuit *ckt, int node, ns_own_range *r) {
     return ns_bridge_own_way(&by_v, node, r) || ns_bridge_own_way(&along_r, node, r);
 }
 
+/* That of the network with L, or, where that says nothing, without them. */
+static int find_with_coils(const ns_own_way *wires, int p, ns_own_range *r, double *share, double *ohm) {
+    int known = 0;
+    for (int coils = 1; coils >= 0 && !known; coils--) {
+        network *n = calloc(1, sizeof *n);
+        *share = *ohm = 0.0;
+        if (!n)
+            return 0;
+        n->ohm = NAN;
+        n->wires = *wires;
+        n->wires.along_r = 1;
+        n->coils = coils;
+        known = find_potential(n, p, r, share);
+        *ohm = n->ohm;
+        free(n);
+    }
+    return known;
+}
+
 /* The voltage of p above the goal of these wires, as sources drive it, and through which resistance; 0: they
  * do not say. */
 static int find_voltage(ns_own_way wires, int p, ns_own_range *r, double *share, double *ohm) {
     static const double nearly_all = 0.95; /* what pulls a gate that follows its source to ground is weak */
     ns_own_range goal;
-    network *n = calloc(1, sizeof *n);
-    *share = *ohm = 0.0;
-    if (!n)
-        return 0;
-    n->ohm = NAN;
-    n->wires = wires;
-    n->wires.along_r = 1;
-    const int known = find_potential(n, p, r, share);
-    *ohm = n->ohm;
-    free(n);
+    const int known = find_with_coils(&wires, p, r, share, ohm);
     if (!known || wires.goal == 0 || *share > 1.0 - 1e-12)
         return known;
     if (!wires.find || !find_level(wires.ckt, wires.goal, &goal))
