@@ -273,7 +273,7 @@ static int check_model(ns_extract_walk *w, const GENinstance *inst, const ns_own
     if (m->heats)
         return ns_bridge_extract_refuse(w, inst, "an M with self-heating (thermal) is not taken");
     if (!(m->beta > 0.0))
-        return ns_bridge_own_refuse_value(w, inst, "kp", m->beta, "(of level 1: times w/l) must be above 0");
+        return ns_bridge_own_refuse_value(w, inst, "kp", m->beta, "(of levels 1 and 3: times w/l) must be above 0");
     if (m->series < 0.0)
         return ns_bridge_own_refuse_value(w, inst, "rd + rs", m->series, "must be at least 0");
     return ns_bridge_own_check_law(w, inst, &m->body);
@@ -289,7 +289,7 @@ int ns_bridge_own_mosfet(ns_extract_walk *w, GENinstance *inst) {
                                         ".include nonsmooth.inc sets it");
     if (ns_bridge_own_kind(inst) != OWN_MOSFET)
         return ns_bridge_extract_refuse(
-            w, inst, "only M elements of a model VDMOS or of level 1 are taken as switches");
+            w, inst, "only M elements of a model VDMOS or of level 1 or 3 are taken as switches");
     ns_bridge_own_read_mosfet(inst, &taken.mosfet);
     int status = check_model(w, inst, m);
     status = status ? status : find_drive(w, inst, m, &taken.driven, &taken.drive, &taken.follows);

@@ -1,5 +1,5 @@
-/* bridge/own_mosfet.c - ngspice's own M, of a model VDMOS or of level 1, as plain numbers: the only file that
- * sees their structs. */
+/* bridge/own_mosfet.c - ngspice's own M, of a model VDMOS or of level 1 or 3, as plain numbers: the only file
+ * that sees their structs. */
 #include "own_mosfet.h"
 
 #include <math.h>
@@ -8,10 +8,11 @@
 #include "versions.h"
 
 #include "spicelib/devices/mos1/mos1defs.h"
+#include "spicelib/devices/mos3/mos3defs.h"
 #include "spicelib/devices/vdmos/vdmosdefs.h"
 
-static int is_vdmos(const GENinstance *inst) {
-    return inst->GENmodPtr->GENmodType == TYPE_VDMOS;
+static int type_of(const GENinstance *inst) {
+    return inst->GENmodPtr->GENmodType;
 }
 
 static void hide(ns_own_mosfet *m, int k, int inside, int outside) {
@@ -33,6 +34,8 @@ static void read_vdmos(const VDMOSinstance *v, ns_own_mosfet *m) {
                          .vth = model->VDMOStype * v->VDMOStVth,
                          .beta = v->VDMOStTransconductance,
                          .theta = model->VDMOStheta,
+                         .bends_from = -model->VDMOStype * v->VDMOStVth,
+                         .critical = INFINITY,
                          .triode = model->VDMOSmtr,
                          .shift = model->VDMOSsubshift,
                          .slope = v->VDMOStksubthres,
@@ -60,6 +63,9 @@ static void read_vdmos(const VDMOSinstance *v, ns_own_mosfet *m) {
     hide(m, 3, v->VDIOposPrimeNode, v->VDMOSsNode);
 }
 
+/* Of the oxide's capacitance, what lies between gate and source beyond the threshold. */
+static const double of_oxide = 2.0 / 3.0;
+
 static void read_mos1(const MOS1instance *v, ns_own_mosfet *m) {
     const MOS1model *model = MOS1modPtr(v);
     const int by_area = v->MOS1tSatCurDens != 0.0 && v->MOS1drainArea != 0.0;
@@ -73,6 +79,7 @@ static void read_mos1(const MOS1instance *v, ns_own_mosfet *m) {
                          .beta = v->MOS1tTransconductance * v->MOS1m * v->MOS1w /
                                  (v->MOS1l - 2.0 * model->MOS1latDiff),
                          .triode = 1.0,
+                         .critical = INFINITY,
                          .series = ohms(v->MOS1drainConductance) + ohms(v->MOS1sourceConductance),
                          .leak = INFINITY,
                          .gamma = model->MOS1gamma};
@@ -81,70 +88,68 @@ static void read_mos1(const MOS1instance *v, ns_own_mosfet *m) {
                              .law = {.bottom = {v->MOS1m * amperes, CONSTboltz / CHARGE * v->MOS1temp}}};
     hide(m, 0, v->MOS1dNodePrime, v->MOS1dNode);
     hide(m, 1, v->MOS1sNodePrime, v->MOS1sNode);
+    const double width = v->MOS1m * v->MOS1w;
+    m->charge.source = width * (model->MOS1gateSourceOverlapCapFactor +
+                                of_oxide * model->MOS1oxideCapFactor * (v->MOS1l - 2.0 * model->MOS1latDiff));
+    m->charge.drain = width * model->MOS1gateDrainOverlapCapFactor;
+}
+
+/* By how much a short channel leaves less to the bulk. */
+static double share_of_bulk(const MOS3model *model, double root, double length) {
+    const double xj = model->MOS3junctionDepth, depth = model->MOS3coeffDepLayWidth * root;
+    if (xj == 0.0 || depth == 0.0)
+        return 1.0;
+    const double w = depth / xj, ld = model->MOS3latDiff / xj, part = w / (1.0 + w);
+    const double wc = 0.0631353 + 0.8013292 * w - 0.01110777 * w * w;
+    return 1.0 - xj / length * ((wc + ld) * sqrt(1.0 - part * part) - ld);
+}
+
+/* As mos3load.c has it at v(bulk,source) = 0. */
+static void read_mos3(const MOS3instance *v, ns_own_mosfet *m) {
+    const MOS3model *model = MOS3modPtr(v);
+    const double length = v->MOS3l - 2.0 * model->MOS3latDiff + model->MOS3lengthAdjust;
+    const double width = v->MOS3w - 2.0 * model->MOS3widthNarrow + model->MOS3widthAdjust;
+    const double root = sqrt(v->MOS3tPhi), narrow = model->MOS3narrowFactor / width;
+    const double gamma = model->MOS3gamma * share_of_bulk(model, root, length);
+    const double by_bulk = 1.0 + 0.25 * gamma / root + narrow;
+    const int by_area = v->MOS3tSatCurDens != 0.0 && v->MOS3drainArea != 0.0 && v->MOS3sourceArea != 0.0;
+    const double amperes = by_area ? v->MOS3tSatCurDens * v->MOS3drainArea : v->MOS3tSatCur;
+    const double drift = model->MOS3maxDriftVel, mobility = 1e-4 * v->MOS3tSurfMob;
+    *m = (ns_own_mosfet){.sign = model->MOS3type,
+                         .drain = v->MOS3dNode,
+                         .gate = v->MOS3gNode,
+                         .source = v->MOS3sNode,
+                         .bulk = v->MOS3bNode,
+                         .vth = model->MOS3type * v->MOS3tVbi + gamma * root + narrow * v->MOS3tPhi,
+                         .beta = v->MOS3tTransconductance * v->MOS3m * width / length / by_bulk,
+                         .theta = model->MOS3theta,
+                         .triode = by_bulk,
+                         .critical = drift > 0.0 ? by_bulk * length * drift / mobility : INFINITY,
+                         .series = ohms(v->MOS3drainConductance) + ohms(v->MOS3sourceConductance),
+                         .leak = INFINITY,
+                         .gamma = model->MOS3gamma};
+    m->body = (ns_own_diode){.bv = INFINITY,
+                             .farads = v->MOS3tCbd,
+                             .law = {.bottom = {v->MOS3m * amperes, CONSTboltz / CHARGE * v->MOS3temp}}};
+    hide(m, 0, v->MOS3dNodePrime, v->MOS3dNode);
+    hide(m, 1, v->MOS3sNodePrime, v->MOS3sNode);
+    m->charge.source =
+        v->MOS3m * width *
+        (model->MOS3gateSourceOverlapCapFactor + of_oxide * model->MOS3oxideCapFactor * length);
+    m->charge.drain = v->MOS3m * width * model->MOS3gateDrainOverlapCapFactor;
 }
 
 void ns_bridge_own_read_mosfet(const GENinstance *inst, ns_own_mosfet *m) {
-    if (is_vdmos(inst))
+    if (type_of(inst) == TYPE_VDMOS)
         read_vdmos((const VDMOSinstance *)inst, m);
+    else if (type_of(inst) == TYPE_MOS3)
+        read_mos3((const MOS3instance *)inst, m);
     else
         read_mos1((const MOS1instance *)inst, m);
     m->body.anode = m->sign > 0 ? m->bulk : m->drain;
     m->body.cathode = m->sign > 0 ? m->drain : m->bulk;
     m->at_source.anode = m->sign > 0 ? m->bulk : m->source;
     m->at_source.cathode = m->sign > 0 ? m->source : m->bulk;
-}
-
-double ns_bridge_own_gain(const ns_own_mosfet *m, double above) {
-    return m->beta / (1.0 + m->theta * (m->vth + above));
-}
-
-double ns_bridge_own_overdrive(const ns_own_mosfet *m, double above) {
-    const double v = above - m->shift;
-    return m->slope > 0.0 && v < 30.0 * m->slope ? m->slope * log1p(exp(v / m->slope)) : v;
-}
-
-double ns_bridge_own_saturation(const ns_own_mosfet *m, double above) {
-    const double over = fmax(ns_bridge_own_overdrive(m, above), 0.0);
-    return 0.5 * ns_bridge_own_gain(m, above) * over * over;
-}
-
-/* What ns_bridge_own_overdrive() makes `over` of. */
-static double above_of(const ns_own_mosfet *m, double over) {
-    const int is_weak = m->slope > 0.0 && over < 30.0 * m->slope;
-    return m->shift + (is_weak ? m->slope * log(expm1(over / m->slope)) : over);
-}
-
-double ns_bridge_own_needs(const ns_own_mosfet *m, double amperes) {
-    enum { ROUNDS = 4 }; /* the gain hardly depends on what is sought */
-    double above = 0.0;
-    for (int k = 0; k < ROUNDS; k++)
-        above = above_of(m, sqrt(2.0 * amperes / ns_bridge_own_gain(m, fmax(above, 0.0))));
-    return above;
-}
-
-double ns_bridge_own_channel(const ns_own_mosfet *m, double above, double volts) {
-    const double over = fmax(ns_bridge_own_overdrive(m, above), 0.0), v = fmin(m->triode * volts, over);
-    return ns_bridge_own_gain(m, above) * v * (over - 0.5 * v);
-}
-
-double ns_bridge_own_resistance(const ns_own_mosfet *m, double above) {
-    return m->series + 1.0 / (ns_bridge_own_gain(m, above) * m->triode * ns_bridge_own_overdrive(m, above));
-}
-
-double ns_bridge_own_late(const ns_own_mosfet *m, const ns_own_drive *drive, double volts, double *ohm) {
-    const double opens_by = drive->opens + m->charge.ohm, closes_by = drive->closes + m->charge.ohm;
-    const double low = m->vth - drive->low, high = drive->high - m->vth, bend = m->charge.bend;
-    *ohm = 0.0;
-    if (!(low > 0.0 && high > 0.0))
-        return 0.0;
-    const double all = m->charge.source + m->charge.drain + m->charge.more;
-    const double swings =
-        m->charge.drain * volts + (bend > 0.0 ? m->charge.more * (1.0 + log1p(bend * volts)) / bend : 0.0);
-    const double opens = isnan(opens_by) ? 0.0 : opens_by * (all * log((low + high) / low) + swings / low);
-    const double closes =
-        isnan(closes_by) ? 0.0 : closes_by * (m->charge.source * log((low + high) / high) + swings / high);
-    *ohm = opens > closes ? opens_by : closes_by;
-    return opens - closes;
 }
 
 static void write_vdmos(VDMOSinstance *v, CKTcircuit *ckt, double amperes, const double *value) {
@@ -166,9 +171,21 @@ static void write_mos1(MOS1instance *v, CKTcircuit *ckt, double amperes, const d
     v->MOS1cd = sign * amperes;
 }
 
+static void write_mos3(MOS3instance *v, CKTcircuit *ckt, double amperes, const double *value) {
+    const int sign = MOS3modPtr(v)->MOS3type;
+    double *state = ckt->CKTstate0;
+    state[v->MOS3vgs] = sign * (value[v->MOS3gNode] - value[v->MOS3sNode]);
+    state[v->MOS3vds] = sign * (value[v->MOS3dNode] - value[v->MOS3sNode]);
+    state[v->MOS3vbs] = sign * (value[v->MOS3bNode] - value[v->MOS3sNode]);
+    state[v->MOS3vbd] = state[v->MOS3vbs] - state[v->MOS3vds];
+    v->MOS3cd = sign * amperes;
+}
+
 void ns_bridge_own_write_mosfet(GENinstance *inst, CKTcircuit *ckt, double amperes, const double *value) {
-    if (is_vdmos(inst))
+    if (type_of(inst) == TYPE_VDMOS)
         write_vdmos((VDMOSinstance *)inst, ckt, amperes, value);
+    else if (type_of(inst) == TYPE_MOS3)
+        write_mos3((MOS3instance *)inst, ckt, amperes, value);
     else
         write_mos1((MOS1instance *)inst, ckt, amperes, value);
 }

@@ -1,4 +1,4 @@
-/* bridge/own_mosfet.h - ngspice's own M, of a model VDMOS or of level 1, as plain numbers. */
+/* bridge/own_mosfet.h - ngspice's own M, of a model VDMOS or of level 1 or 3, as plain numbers. */
 #ifndef BRIDGE_OWN_MOSFET_H
 #define BRIDGE_OWN_MOSFET_H
 
@@ -11,12 +11,13 @@ typedef struct ns_own_mosfet {
     int drain, gate, source, bulk; /* equations; bulk is the source where there is none */
     double vth;                    /* V, of v(gate,source) times sign */
     double beta;                   /* A/V^2, multiplier and size included, at v(gate,source) = 0 */
-    double theta;                  /* 1/V: beta/(1 + theta v(gate,source)) */
-    double triode;                 /* mtriode: by how much v(drain,source) counts below saturation */
-    double shift, slope;           /* V: of what is above vth, in weak inversion; slope 0: none */
-    double series;                 /* ohm, of drain and source */
-    double leak;                   /* ohm beside the channel; INFINITY: none */
-    double gamma;                  /* V^0.5: by how much the bulk raises vth */
+    double theta, bends_from;      /* 1/V, V beyond vth: beta/(1 + theta (above - bends_from)) */
+    double critical;               /* V: of vmax, at no voltage beyond vth; INFINITY: none */
+    double triode; /* mtriode, or the bulk's part: by how much v(drain,source) counts below saturation */
+    double shift, slope; /* V: of what is above vth, in weak inversion; slope 0: none */
+    double series;       /* ohm, of drain and source */
+    double leak;         /* ohm beside the channel; INFINITY: none */
+    double gamma;        /* V^0.5: by how much the bulk raises vth */
     struct {
         double ohm, source;       /* rg; F to the source, */
         double drain, more, bend; /* to the drain, where that is high; how much more where it is low; 1/V */

@@ -16,11 +16,9 @@ ns_own_kind ns_bridge_own_kind(const GENinstance *inst) {
         char letter;
         int first, last;
         ns_own_kind kind;
-    } types[] = {{'d', TYPE_DIO, TYPE_DIO, OWN_DIODE},
-                 {'s', TYPE_SW, TYPE_SW, OWN_SWITCH},
-                 {'w', TYPE_CSW, TYPE_CSW, OWN_CURRENT_SWITCH},
-                 {'m', TYPE_MOS1, TYPE_MOS1, OWN_MOSFET},
-                 {'m', TYPE_VDMOS, TYPE_VDMOS, OWN_MOSFET}};
+    } types[] = {{'d', TYPE_DIO, TYPE_DIO, OWN_DIODE},          {'s', TYPE_SW, TYPE_SW, OWN_SWITCH},
+                 {'w', TYPE_CSW, TYPE_CSW, OWN_CURRENT_SWITCH}, {'m', TYPE_MOS1, TYPE_MOS1, OWN_MOSFET},
+                 {'m', TYPE_MOS3, TYPE_MOS3, OWN_MOSFET},       {'m', TYPE_VDMOS, TYPE_VDMOS, OWN_MOSFET}};
     const char letter = ns_bridge_models_letter(inst);
     const int type = inst->GENmodPtr->GENmodType;
     for (size_t k = 0; k < sizeof types / sizeof types[0]; k++)

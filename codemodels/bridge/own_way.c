@@ -20,13 +20,19 @@ static int range_at(const CKTcircuit *ckt, int eq, ns_own_range *r) {
     return ns_bridge_own_way(&w, eq, r);
 }
 
-/* By how much an E raises its first node, as V and R drive its control; 0: they do not. */
+/* By how much an E raises its first node, as V and R drive its control, from the one end of that or from the
+ * other; 0: they do not. */
 static int read_vcvs(const ns_own_way *w, const VCVSinstance *e, ns_own_range *gap) {
-    const double gain = e->VCVScoeff;
-    double share;
+    double gain = e->VCVScoeff, share;
     ns_own_range r = {0};
-    if (!w->find || !w->find(w->ckt, e->VCVScontPosNode, e->VCVScontNegNode, 1, &r, &share))
+    if (!w->find)
         return 0;
+    if (!w->find(w->ckt, e->VCVScontPosNode, e->VCVScontNegNode, 1, &r, &share)) {
+        gain = -gain;
+        r = (ns_own_range){0};
+        if (!w->find(w->ckt, e->VCVScontNegNode, e->VCVScontPosNode, 1, &r, &share))
+            return 0;
+    }
     const double low = gain * r.low, high = gain * r.high;
     *gap = (ns_own_range){fmin(low, high), fmax(low, high), r.switches, 1, 0.0, r.amplifies, 0};
     return 1;

@@ -163,7 +163,7 @@ int ns_bridge_session_accept(ns_session *s) {
             s->failed = s->analysis.waveform ? ns_bridge_waveform_look_ahead(s, first)
                                              : ns_bridge_look_ahead(s, first);
         if (!ns_bridge_versions_hooks_shown() &&
-            (!ckt->CKThead[TYPE_MOS1] || ns_bridge_shown_no_parameters(ckt)))
+            ((!ckt->CKThead[TYPE_MOS1] && !ckt->CKThead[TYPE_MOS3]) || ns_bridge_shown_no_parameters(ckt)))
             ns_bridge_single_load_arm(s);
     }
     return OK;
