@@ -58,7 +58,7 @@ static int resistors_fit(const CKTcircuit *ckt) {
         const RESmodel *model = (const RESmodel *)inst->GENmodPtr;
         if (ns_bridge_models_letter(inst) == 'r' && !r->REStc1Given && !r->REStc2Given && !r->REStceGiven &&
             model->REStempCoeff1 == 0.0 && model->REStempCoeff2 == 0.0 && !model->REStceGiven &&
-            r->RESresist != 0.0 &&
+            r->RESresist != 0.0 && isfinite(r->RESresist) &&
             !(fabs(r->RESconduct * r->RESresist * r->RESscale / r->RESm - 1.0) < 1e-9 /* rounding */))
             return 0;
     }
