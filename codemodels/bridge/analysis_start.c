@@ -102,6 +102,11 @@ static int announce_circuit(ns_session *s) {
     if (!s->once.circuit_announced && *a->ex.sharp.name)
         ns_bridge_report_note("%s: corners are sharp, %s is left out; so it is in the other code models",
                               a->ex.sharp.name, a->ex.sharp.what);
+    if (!s->once.circuit_announced && *a->ex.curved)
+        ns_bridge_report_note(
+            "%s: straight lines stand for tanh, atan and 1/(1+exp(u)) of signals, within 0.25 %% "
+            "of the way between their ends; so in other B",
+            a->ex.curved);
     s->once.circuit_announced = 1;
     if (a->ex.options.reltol > 0.0 && a->ex.options.method == NS_THETA && !s->once.reltol_noted) {
         ns_bridge_report_note("reltol = %g has no effect: method \"theta\" uses steps of the fixed length h",

@@ -251,16 +251,33 @@ static ns_piecewise_value *read_function(expression_reader *r, const INPparseNod
     if (is_of_time(r, a, &slope, &offset))
         return refuse(r, "a function of time that is not piecewise linear",
                       "use a V element with PULSE, PWL, SIN or EXP");
+    if (node->funcnum == PTF_TANH || node->funcnum == PTF_ATAN)
+        return ns_bridge_expression_curve(r->w, &r->p, node->funcnum == PTF_TANH ? tanh : atan, a);
     return refuse(r, "a function of a signal that is not piecewise linear",
-                  node->funcnum == PTF_TANH
-                      ? "for a comparator use sgn(x), else max(-1, min(1, x)) or pwl(x, x1, y1, x2, y2, ...)"
-                      : "use pwl(x, x1, y1, x2, y2, ...)");
+                  "use pwl(x, x1, y1, x2, y2, ...)");
 }
 
 /* --- operations --- */
 
+/* c/(one + more exp(u)) = c/one (1 - tanh((u + log(more/one))/2))/2. */
+static ns_piecewise_value *read_sigmoid(expression_reader *r, const ns_piecewise_value *c,
+                                        const ns_expression_sigmoid *of) {
+    const ns_piecewise_value *u = c ? read_node(r, of->exponent) : NULL;
+    const ns_piecewise_value *half =
+        ns_bridge_piecewise_sum(&r->p, 0.5, u, 0.5 * log(of->more / of->one), u ? constant(r, 1.0) : NULL);
+    const ns_piecewise_value *curve = half && ns_bridge_piecewise_is_discrete(half)
+                                          ? ns_bridge_piecewise_map(&r->p, tanh, half)
+                                          : ns_bridge_expression_curve(r->w, &r->p, tanh, half);
+    return ns_bridge_piecewise_product(
+        &r->p, c, ns_bridge_piecewise_sum(&r->p, -0.5 / of->one, curve, 0.5 / of->one, constant(r, 1.0)));
+}
+
 static ns_piecewise_value *read_operation(expression_reader *r, const INPparseNode *node) {
-    const ns_piecewise_value *a = read_node(r, node->left), *b = a ? read_node(r, node->right) : NULL;
+    ns_expression_sigmoid sigmoid;
+    const ns_piecewise_value *a = read_node(r, node->left);
+    if (node->type == PT_DIVIDE && ns_bridge_expression_is_sigmoid(node->right, &sigmoid))
+        return read_sigmoid(r, a, &sigmoid);
+    const ns_piecewise_value *b = a ? read_node(r, node->right) : NULL;
     switch (node->type) {
     case PT_PLUS:
         return ns_bridge_piecewise_sum(&r->p, 1.0, a, 1.0, b);
@@ -345,19 +362,6 @@ static int add_source(expression_reader *r, GENinstance *inst, const ns_affine *
     return status;
 }
 
-/* Numbers of the expression as they are now. */
-static void mix_node(ns_extract_walk *w, const INPparseNode *node, int depth) {
-    if (!node || depth > DEPTH_MAX)
-        return;
-    ns_bridge_extract_mix(w, &node->type, sizeof node->type);
-    if (node->type == PT_CONSTANT)
-        ns_bridge_extract_mix(w, &node->constant, sizeof node->constant);
-    if (node->type == PT_CONSTANT || node->type == PT_VAR)
-        return;
-    mix_node(w, node->left, depth + 1);
-    mix_node(w, node->right, depth + 1);
-}
-
 /* 1 if all currents in it are known. */
 static int is_ready(const ns_extract_walk *w, const ASRCinstance *b) {
     for (int i = 0; i < b->ASRCtree->numVars; i++)
@@ -387,7 +391,7 @@ int ns_bridge_expression_add(ns_extract_walk *w, GENinstance *inst, double facto
     const ns_piecewise_value *v = read_node(&r, root);
     int status = v && ns_bridge_piecewise_affine(&r.p, v, &u) ? add_source(&r, inst, &u, factor)
                                                               : refuse_node(&r, inst);
-    mix_node(w, root, 0);
+    ns_bridge_expression_mix(w, root, 0);
     ns_bridge_extract_mix(w, &factor, sizeof factor);
     ns_bridge_piecewise_free(&r.p);
     return status;

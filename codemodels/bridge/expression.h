@@ -16,6 +16,19 @@ struct INPparseNode;
 void ns_bridge_expression_text(const IFparseTree *tree, const struct INPparseNode *node, char *text,
                                size_t size);
 
+/* expression_numbers.c: its numbers as they are now. */
+void ns_bridge_expression_mix(ns_extract_walk *w, const struct INPparseNode *node, int depth);
+
+/* expression_curve.c: f, tanh or atan, of a signal as straight lines; the first one is kept in w->ex. */
+ns_piecewise_value *ns_bridge_expression_curve(ns_extract_walk *w, ns_piecewise *p, double (*f)(double),
+                                               const ns_piecewise_value *a);
+/* one + more exp(exponent), both above 0. */
+typedef struct ns_expression_sigmoid {
+    double one, more;
+    const struct INPparseNode *exponent;
+} ns_expression_sigmoid;
+int ns_bridge_expression_is_sigmoid(const struct INPparseNode *node, ns_expression_sigmoid *of);
+
 /* expression_sources.c: 1 if a V between this node and ground holds it at so many volts all the time. */
 int ns_bridge_expression_supply(const ns_extract_walk *w, int node, double *volts);
 

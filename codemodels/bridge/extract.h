@@ -154,6 +154,7 @@ typedef struct ns_extract {
         char name[80];    /* empty: there is none */
         const char *what; /* the parameter that smooths them */
     } sharp;
+    char curved[80]; /* the first B whose tanh, atan or 1/(1+exp(u)) became straight lines; "": none */
     ns_bridge_options options;
     const MIFinstance *options_inst; /* the instance of model nonsmooth; NULL: there is none */
     unsigned long long hash; /* of all that was read: of two readings: equal if nothing was altered between */

@@ -60,6 +60,13 @@ ns_piecewise_value *ns_bridge_piecewise_map2(ns_piecewise *p, double (*f)(double
  * on for ever, or (ends_level) are level. */
 ns_piecewise_value *ns_bridge_piecewise_line(ns_piecewise *p, const ns_piecewise_value *a, int n,
                                              const double *v, int ends_level);
+/* piecewise_curve.c: an odd f that bends one way from 0 to `far` and is nearly level beyond, as chords that
+ * are within so much of it; level from there on. */
+ns_piecewise_value *ns_bridge_piecewise_curve(ns_piecewise *p, double (*f)(double), double far, double within,
+                                              const ns_piecewise_value *a);
+/* Their points: x, y in turns, ascending.  xy: room for PIECEWISE_CURVE; returns how many points. */
+enum { PIECEWISE_CURVE = 160 };
+int ns_bridge_piecewise_chords(double (*f)(double), double far, double within, double *xy);
 
 int ns_bridge_piecewise_is_discrete(const ns_piecewise_value *v);
 /* 1 if it is one number, *value. */

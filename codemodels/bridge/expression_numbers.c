@@ -1,0 +1,18 @@
+/* bridge/expression_numbers.c - the numbers of an expression as they are now: what alter changed. */
+#include "expression.h"
+
+#include "ngspice/inpptree.h"
+
+enum { DEPTH_MAX = 1000 };
+
+void ns_bridge_expression_mix(ns_extract_walk *w, const INPparseNode *node, int depth) {
+    if (!node || depth > DEPTH_MAX)
+        return;
+    ns_bridge_extract_mix(w, &node->type, sizeof node->type);
+    if (node->type == PT_CONSTANT)
+        ns_bridge_extract_mix(w, &node->constant, sizeof node->constant);
+    if (node->type == PT_CONSTANT || node->type == PT_VAR)
+        return;
+    ns_bridge_expression_mix(w, node->left, depth + 1);
+    ns_bridge_expression_mix(w, node->right, depth + 1);
+}
