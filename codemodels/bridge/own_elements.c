@@ -218,7 +218,7 @@ static int add_bulk_diode(const ns_extract_walk *w, const GENinstance *inst, ns_
  * the other direction, whose vf is what its line has at no current.  A p channel is its mirror image: no
  * lower than the gate and vto more. */
 static int add_way(ns_extract_walk *w, const ns_own_taken *taken, const char *name, int from, int to,
-                   double leak, int *id) {
+                   int *id) {
     ns_circuit *c = w->ex->circuit;
     char part[EXTRACT_NAME];
     const int is_n = taken->mosfet.sign > 0;
@@ -232,7 +232,7 @@ static int add_way(ns_extract_walk *w, const ns_own_taken *taken, const char *na
     const double vf = is_forwards ? taken->closed.volts : 0.0;
     const ns_affine u = {taken->mosfet.vth + (needs_more ? taken->overdrive.volts : 0.0) - vf,
                          needs_more ? 3 : 2, above};
-    const ns_diode forwards = {.vf = vf, .roff = leak, .vz = INFINITY};
+    const ns_diode forwards = {.vf = vf, .roff = INFINITY, .vz = INFINITY};
     int kink;
     snprintf(part, sizeof part, "%.140s#ron", name);
     int status = ns_circuit_resistor(c, part, from, behind, ron, NULL);
@@ -246,14 +246,29 @@ static int add_way(ns_extract_walk *w, const ns_own_taken *taken, const char *na
                   : ns_circuit_diode(c, name, is_n ? follows : to, is_n ? to : follows, &forwards, id);
 }
 
+/* What flows while it is open: along its channel, or, where bulk is not the source, along both junctions. */
+static int add_leak(ns_extract_walk *w, const ns_own_taken *taken, double ohms) {
+    const ns_own_mosfet *m = &taken->mosfet;
+    char part[EXTRACT_NAME];
+    if (isinf(ohms))
+        return NS_OK;
+    snprintf(part, sizeof part, "%.140s#leak", taken->inst->GENname);
+    if (m->bulk == m->source)
+        return ns_circuit_resistor(w->ex->circuit, part, m->drain, m->source, ohms, NULL);
+    const int status = ns_circuit_resistor(w->ex->circuit, part, m->drain, m->bulk, ohms, NULL);
+    snprintf(part, sizeof part, "%.140s#leaks", taken->inst->GENname);
+    return status ? status : ns_circuit_resistor(w->ex->circuit, part, m->bulk, m->source, ohms, NULL);
+}
+
 /* As a source follower, where a switch would open and close infinitely fast.  Backwards its drain is the
  * lower end (the upper one of a p channel), and follows. */
 static int add_follower(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken, double leak) {
     const ns_own_mosfet *m = &taken->mosfet;
     char name[EXTRACT_NAME];
     snprintf(name, sizeof name, "%.140s#back", inst->GENname);
-    const int status = add_way(w, taken, inst->GENname, m->drain, m->source, leak, &taken->id);
-    return status ? status : add_way(w, taken, name, m->source, m->drain, INFINITY, &taken->back);
+    int status = add_way(w, taken, inst->GENname, m->drain, m->source, &taken->id);
+    status = status ? status : add_way(w, taken, name, m->source, m->drain, &taken->back);
+    return status ? status : add_leak(w, taken, leak);
 }
 
 static int add_channel(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken) {
@@ -273,7 +288,8 @@ static int check_model(ns_extract_walk *w, const GENinstance *inst, const ns_own
     if (m->heats)
         return ns_bridge_extract_refuse(w, inst, "an M with self-heating (thermal) is not taken");
     if (!(m->beta > 0.0))
-        return ns_bridge_own_refuse_value(w, inst, "kp", m->beta, "(of levels 1 and 3: times w/l) must be above 0");
+        return ns_bridge_own_refuse_value(w, inst, "kp", m->beta,
+                                          "(of levels 1 and 3: times w/l) must be above 0");
     if (m->series < 0.0)
         return ns_bridge_own_refuse_value(w, inst, "rd + rs", m->series, "must be at least 0");
     return ns_bridge_own_check_law(w, inst, &m->body);
