@@ -73,10 +73,6 @@ static int take_switch(ns_extract_walk *w, GENinstance *inst, ns_own_switch *s, 
     int status;
     if (!w->ex->options.take_switches)
         return ns_bridge_own_refuse_untaken(w, inst, "switches");
-    if (s->vh < 0.0)
-        return ns_bridge_own_refuse_value(
-            w, inst, by_current ? "ih" : "vh", s->vh,
-            "is not supported (ngspice then switches early, at vt-|vh| upwards): use 0 or more");
     if (s->ron < 0.0 || s->roff < 0.0)
         return ns_bridge_own_refuse_value(w, inst, s->ron < 0.0 ? "ron" : "roff",
                                           s->ron < 0.0 ? s->ron : s->roff, "must be at least 0");
@@ -84,7 +80,7 @@ static int take_switch(ns_extract_walk *w, GENinstance *inst, ns_own_switch *s, 
         status = add_resistor(w, inst, s, &id);
     else
         status = by_current ? add_current_switch(w, inst, s, &id) : add_voltage_switch(w, inst, s, &id);
-    const double numbers[] = {s->vt, s->vh, s->ron, s->roff, s->closed};
+    const double numbers[] = {s->vt, s->vh, s->early, s->ron, s->roff, s->closed};
     if (status)
         return status;
     ns_bridge_extract_mix(w, numbers, sizeof numbers);

@@ -48,7 +48,8 @@ void ns_bridge_own_read_switch(const GENinstance *inst, const CKTcircuit *dc, ns
                          .cp = sw->SWposCntrlNode,
                          .cn = sw->SWnegCntrlNode,
                          .vt = model->SWvThreshold,
-                         .vh = model->SWvHysteresis,
+                         .vh = fmax(model->SWvHysteresis, 0.0),
+                         .early = fmax(-model->SWvHysteresis, 0.0),
                          .ron = ohms_of(model->SWonConduct),
                          .roff = ohms_of(model->SWoffConduct),
                          .closed = is_closed_inside(dc, sw->SWswitchstate, sw->SWzero_stateGiven)};
@@ -65,7 +66,8 @@ void ns_bridge_own_read_current_switch(const GENinstance *inst, const CKTcircuit
                          .n = w->CSWnegNode,
                          .branch = w->CSWcontBranch,
                          .vt = model->CSWiThreshold,
-                         .vh = model->CSWiHysteresis,
+                         .vh = fmax(model->CSWiHysteresis, 0.0),
+                         .early = fmax(-model->CSWiHysteresis, 0.0),
                          .ron = ohms_of(model->CSWonConduct),
                          .roff = ohms_of(model->CSWoffConduct),
                          .closed = is_closed_inside(dc, w->CSWswitchstate, uic && w->CSWzero_stateGiven)};
