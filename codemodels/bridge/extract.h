@@ -79,6 +79,9 @@ typedef struct ns_own_taken {
     ns_own_kind kind;
     int id;       /* the element in the circuit; -1: a mere resistor */
     int inverted; /* the element is closed where the device is off */
+    struct {
+        int low, from_below; /* the other elements of an S or W of a negative vh */
+    } early;
     struct {      /* of S and W of vh = 0, the control: */
         int side; /* 1 above its threshold when it last was not there, -1 below, 0 it was nowhere else */
         double differs; /* s: at its threshold, and ngspice has the other state, since then; NAN: not so */

@@ -69,7 +69,8 @@ static int add_current_switch(ns_extract_walk *w, const GENinstance *inst, const
 }
 
 static int take_switch(ns_extract_walk *w, GENinstance *inst, ns_own_switch *s, int by_current) {
-    int id = -1;
+    ns_own_taken taken = {
+        .inst = inst, .kind = by_current ? OWN_CURRENT_SWITCH : OWN_SWITCH, .inverted = s->ron > s->roff};
     int status;
     if (!w->ex->options.take_switches)
         return ns_bridge_own_refuse_untaken(w, inst, "switches");
@@ -77,18 +78,19 @@ static int take_switch(ns_extract_walk *w, GENinstance *inst, ns_own_switch *s, 
         return ns_bridge_own_refuse_value(w, inst, s->ron < 0.0 ? "ron" : "roff",
                                           s->ron < 0.0 ? s->ron : s->roff, "must be at least 0");
     if (s->ron == s->roff)
-        status = add_resistor(w, inst, s, &id);
+        status = add_resistor(w, inst, s, &taken.id);
+    else if (s->early > 0.0)
+        status = ns_bridge_own_add_early(w, inst, s, &taken);
     else
-        status = by_current ? add_current_switch(w, inst, s, &id) : add_voltage_switch(w, inst, s, &id);
+        status = by_current ? add_current_switch(w, inst, s, &taken.id)
+                            : add_voltage_switch(w, inst, s, &taken.id);
     const double numbers[] = {s->vt, s->vh, s->early, s->ron, s->roff, s->closed};
     if (status)
         return status;
     ns_bridge_extract_mix(w, numbers, sizeof numbers);
-    return ns_bridge_own_keep(w, &(ns_own_taken){.inst = inst,
-                                                 .kind = by_current ? OWN_CURRENT_SWITCH : OWN_SWITCH,
-                                                 .id = s->ron == s->roff ? -1 : id,
-                                                 .sw = *s,
-                                                 .inverted = s->ron > s->roff});
+    taken.id = s->ron == s->roff ? -1 : taken.id;
+    taken.sw = *s;
+    return ns_bridge_own_keep(w, &taken);
 }
 
 int ns_bridge_own_switch(ns_extract_walk *w, GENinstance *inst) {

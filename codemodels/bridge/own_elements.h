@@ -33,6 +33,10 @@ const ns_own_current *ns_bridge_own_found(const ns_extract_walk *w, const GENins
 ns_diode ns_bridge_own_ideal_of(const ns_extract_walk *w, const GENinstance *inst, const ns_own_diode *d,
                                 double vf);
 
+/* own_early.c: an S or W of a negative vh.  Statuses of a reader. */
+int ns_bridge_own_add_early(ns_extract_walk *w, const GENinstance *inst, const ns_own_switch *s,
+                            ns_own_taken *taken);
+
 /* own_start.c. */
 
 /* 1 if ngspice has an S or W of vh = 0 closed whose control is at its threshold from the start on. */

@@ -32,7 +32,7 @@ static int is_at_threshold(const ns_analysis *a, const double *x, const ns_own_s
 /* Its state at its threshold is not known yet. */
 static int is_open_question(const ns_own_taken *o) {
     return (o->kind == OWN_SWITCH || o->kind == OWN_CURRENT_SWITCH) && o->id >= 0 && o->sw.vh == 0.0 &&
-           !o->sw.held;
+           o->sw.early == 0.0 && !o->sw.held;
 }
 
 static int find(const CKTcircuit *ckt, const ns_analysis *a, const double *x, ns_own_found *found) {
@@ -140,7 +140,8 @@ int ns_bridge_own_check_resting(ns_analysis *a, const double *value, double t, d
     for (int k = 0; k < a->ex.nowns; k++) {
         ns_own_taken *o = &a->ex.own[k];
         const ns_own_switch *s = &o->sw;
-        if ((o->kind != OWN_SWITCH && o->kind != OWN_CURRENT_SWITCH) || o->id < 0 || s->vh != 0.0)
+        if ((o->kind != OWN_SWITCH && o->kind != OWN_CURRENT_SWITCH) || o->id < 0 || s->vh != 0.0 ||
+            s->early != 0.0)
             continue;
         const double control = s->branch > 0 ? value[s->branch] : value[s->cp] - value[s->cn];
         const int first = !(o->rest.differs <= t); /* where it leaves, the switch may have changed already */

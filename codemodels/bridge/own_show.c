@@ -16,6 +16,7 @@ static void read_device(const ns_analysis *a, const ns_own_taken *o, double *i, 
     if (o->id >= 0)
         ns_circuit_device(a->ex.circuit, o->id, a->x, a->lambda, a->mode, i, v, on);
     ns_bridge_own_add_beyond(a, o, a->mode, i);
+    ns_bridge_own_add_beside_early(a, o, i, on);
 }
 
 void ns_bridge_own_show_values(const ns_analysis *a, double *value) {
@@ -254,11 +255,6 @@ void ns_bridge_own_announce(const ns_analysis *a) {
             ns_bridge_report_note(
                 "switch of model %s: %d taken as ideal, changing at %.4g, the middle of on and off",
                 model_name(o), count, o->vt);
-        else if (count > 0 && o->sw.early > 0.0)
-            ns_bridge_report_note(
-                "%c of model %s: %d taken as changing at %.4g: by its hysteresis of %.4g ngspice changes it "
-                "that much earlier, in both directions",
-                toupper((unsigned char)o->inst->GENname[0]), model_name(o), count, o->sw.vt, -o->sw.early);
         else if (count > 0)
             ns_bridge_report_note("%c of model %s: %d taken as %s",
                                   toupper((unsigned char)o->inst->GENname[0]), o->inst->GENmodPtr->GENmodName,

@@ -30,4 +30,8 @@ void ns_bridge_own_announce(const ns_analysis *a);
 /* A hash of the models of what was taken: another one after altermod. */
 unsigned long long ns_bridge_own_hash(const ns_analysis *a);
 
+/* own_early.c: what the other elements of an S or W of a negative vh carry at the point, and whether they are
+ * closed, is added. */
+void ns_bridge_own_add_beside_early(const ns_analysis *a, const ns_own_taken *o, double *i, int *on);
+
 #endif

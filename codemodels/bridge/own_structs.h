@@ -21,11 +21,12 @@ typedef enum ns_own_kind {
 ns_own_kind ns_bridge_own_kind(const GENinstance *inst);
 
 typedef struct ns_own_switch {
-    int p, n;         /* equations of its nodes */
-    int cp, cn;       /* of its control, of S */
-    int branch;       /* of the current that controls it, of W */
-    double vt, vh;    /* V or A; vh is at least 0 */
-    double early;     /* V or A: of a negative vh, by how much ngspice changes it before vt, both ways */
+    int p, n;      /* equations of its nodes */
+    int cp, cn;    /* of its control, of S */
+    int branch;    /* of the current that controls it, of W */
+    double vt, vh; /* V or A; vh is at least 0 */
+    double early;  /* V or A: of a negative vh, by how much ngspice changes it before vt, in both directions
+                      (own_early.c) */
     double ron, roff; /* ohm */
     int closed;       /* where the control does not say: ON was given, and counts */
     int held;         /* at its threshold, at the start (own_start.c) */
