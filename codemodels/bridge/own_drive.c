@@ -171,7 +171,7 @@ static void close_at(const ns_own_mosfet *m, double left, ns_own_drive *drive) {
 static double left_when_closed(const CKTcircuit *ckt, const ns_own_mosfet *m, double otherwise) {
     ns_own_range r = {0};
     double share;
-    if (!ns_bridge_own_find_gate_closed(ckt, m->gate, m->source, m->drain, &r, &share))
+    if (!ns_bridge_own_find_gate_closed(ckt, m->gate, m->source, m->drain, NULL, &r, &share))
         return otherwise;
     return m->sign > 0 ? r.high : -r.low;
 }
@@ -209,7 +209,7 @@ static int find_drive_of_drain(const CKTcircuit *ckt, const ns_own_mosfet *m, ns
     ns_own_range r = {0}, drain = {0};
     double share;
     if (!ns_bridge_own_way(&to_supply, m->drain, &drain) ||
-        !ns_bridge_own_find_gate_closed(ckt, m->gate, m->source, m->drain, &r, &share) || r.amplifies ||
+        !ns_bridge_own_find_gate_closed(ckt, m->gate, m->source, m->drain, NULL, &r, &share) || r.amplifies ||
         drain.amplifies)
         return 0;
     r.sources |= drain.sources;
@@ -285,18 +285,64 @@ static void raise_by_drain(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own
     ns_own_range r = {0};
     double share;
     if (drive->low != drive->high || drive->high > m->vth ||
-        !ns_bridge_own_find_gate_closed(ckt, m->gate, m->source, m->drain, &r, &share) || r.low != r.high ||
-        share < 1.0 - 1e-12 || !(m->sign * r.low > m->vth))
+        !ns_bridge_own_find_gate_closed(ckt, m->gate, m->source, m->drain, NULL, &r, &share) ||
+        r.low != r.high || share < 1.0 - 1e-12 || !(m->sign * r.low > m->vth))
         return;
     drive->low = drive->high = m->sign * r.low;
     drive->follows = drive->follows == FOLLOWS_GATE ? FOLLOWS_AND_CLOSES : drive->follows;
 }
 
-int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
-    const int known = find_drive(ckt, m, drive);
-    if (!known)
+/* 1 if V, and `by` while that is closed, hold the node. */
+static int is_held(const CKTcircuit *ckt, const GENinstance *by, int node) {
+    ns_own_way w = {.ckt = ckt, .find = ns_bridge_own_find_voltage, .closed = by};
+    ns_own_range r = {0};
+    return ns_bridge_own_way(&w, node, &r);
+}
+
+/* The voltage of its gate above one end of its channel while it is closed, and `by` too (or NULL), as V hold
+ * it against that. 1 if it goes beyond the threshold. */
+static int close_with(const CKTcircuit *ckt, const ns_own_mosfet *m, int end, const GENinstance *by,
+                      ns_own_drive *drive) {
+    const int other = end == m->drain ? m->source : m->drain;
+    ns_own_range r = {0};
+    double share;
+    if (!ns_bridge_own_find_gate_closed(ckt, m->gate, other, end, by, &r, &share) || r.amplifies ||
+        (share < 1.0 - 1e-12 && !is_held(ckt, by, end)))
         return 0;
-    raise_by_drain(ckt, m, drive);
-    limit(ckt, m, drive);
+    const double low = m->sign > 0 ? r.low : -r.high, high = m->sign > 0 ? r.high : -r.low;
+    if (!(high > m->vth))
+        return 0;
+    *drive = (ns_own_drive){low, high, r.switches, FOLLOWS_AND_CLOSES, !r.sources, NAN, NAN};
     return 1;
+}
+
+/* Of two M in series, as those that protect a battery, one alone may lead nowhere, or to the load, which says
+ * nothing of its gate: v(gate,drain) while both are closed. */
+static int find_drive_of_series(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
+    if (close_with(ckt, m, m->drain, NULL, drive))
+        return 1;
+    for (NGTABLEPTR box = ckt->DEVnameHash->thread; box; box = box->thread_next) {
+        ns_own_mosfet other;
+        if (ns_bridge_own_kind(box->data) != OWN_MOSFET)
+            continue;
+        ns_bridge_own_read_mosfet(box->data, &other);
+        if (other.gate == m->gate && other.source == m->source && other.drain == m->drain)
+            continue; /* itself, or in parallel */
+        if ((other.drain == m->drain || other.source == m->source) && other.sign == m->sign &&
+            (close_with(ckt, m, m->drain, box->data, drive) ||
+             close_with(ckt, m, m->source, box->data, drive)))
+            return 1;
+    }
+    return 0;
+}
+
+int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
+    int known = find_drive(ckt, m, drive);
+    if (known)
+        raise_by_drain(ckt, m, drive);
+    if (!known || !(drive->high > m->vth))
+        known |= find_drive_of_series(ckt, m, drive);
+    if (known)
+        limit(ckt, m, drive);
+    return known;
 }

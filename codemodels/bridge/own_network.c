@@ -211,9 +211,11 @@ static int find_potential(network *n, int node, ns_own_range *r, double *share) 
     return !n->is_full && solve(n, r, share) && (r->sources || (n->wires.find && is_alone(n)));
 }
 
-/* The potential of a node, as V say it, or else the first way along R and L. */
-static int find_level(const CKTcircuit *ckt, int node, ns_own_range *r) {
-    ns_own_way by_v = {.ckt = ckt, .find = ns_bridge_own_find_voltage}, along_r = by_v;
+/* The potential of the goal, as V and what is closed say it, or else the first way along R and L. */
+static int find_level(const ns_own_way *wires, ns_own_range *r) {
+    const int node = wires->goal;
+    ns_own_way by_v = {.ckt = wires->ckt, .find = ns_bridge_own_find_voltage, .closed = wires->closed},
+               along_r = by_v;
     along_r.along_r = 1;
     *r = (ns_own_range){0};
     return ns_bridge_own_way(&by_v, node, r) || ns_bridge_own_way(&along_r, node, r);
@@ -246,7 +248,7 @@ static int find_voltage(ns_own_way wires, int p, ns_own_range *r, double *share,
     const int known = find_with_coils(&wires, p, r, share, ohm);
     if (!known || wires.goal == 0 || *share > 1.0 - 1e-12)
         return known;
-    if (!wires.find || !find_level(wires.ckt, wires.goal, &goal))
+    if (!wires.find || !find_level(&wires, &goal))
         return *share > nearly_all;
     r->switches |= r->low == r->high && goal.switches; /* the supply does */
     r->low -= (1.0 - *share) * goal.high;
@@ -291,10 +293,11 @@ double ns_bridge_own_gate_ohm(const CKTcircuit *ckt, int gate, int source, const
     return ohm >= 0.0 && ohm < most ? ohm : NAN;
 }
 
-int ns_bridge_own_find_gate_closed(const CKTcircuit *ckt, int gate, int source, int drain, ns_own_range *r,
-                                   double *share) {
+int ns_bridge_own_find_gate_closed(const CKTcircuit *ckt, int gate, int source, int drain,
+                                   const GENinstance *by, ns_own_range *r, double *share) {
     double ohm;
     return find_voltage(
-        (ns_own_way){.ckt = ckt, .find = ns_bridge_own_find_voltage, .goal = drain, .at_goal = source}, gate,
-        r, share, &ohm);
+        (ns_own_way){
+            .ckt = ckt, .find = ns_bridge_own_find_voltage, .goal = drain, .at_goal = source, .closed = by},
+        gate, r, share, &ohm);
 }

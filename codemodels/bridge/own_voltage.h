@@ -16,8 +16,9 @@ int ns_bridge_own_find_gate_by(const CKTcircuit *ckt, int gate, int source, cons
  * its source or ground; NAN: it is not. */
 double ns_bridge_own_gate_ohm(const CKTcircuit *ckt, int gate, int source, const GENinstance *by,
                               double farads);
-/* v(gate,drain) likewise, of an M that is closed: its source has the potential of its drain. */
-int ns_bridge_own_find_gate_closed(const CKTcircuit *ckt, int gate, int source, int drain, ns_own_range *r,
-                                   double *share);
+/* v(gate,drain) likewise, of an M that is closed: its source has the potential of its drain.  by: another
+ * switch, or M, that is closed as well, or NULL. */
+int ns_bridge_own_find_gate_closed(const CKTcircuit *ckt, int gate, int source, int drain,
+                                   const GENinstance *by, ns_own_range *r, double *share);
 
 #endif
