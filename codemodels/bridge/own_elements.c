@@ -184,6 +184,12 @@ static int find_drive(ns_extract_walk *w, const GENinstance *inst, const ns_own_
     return rests || *volts > m->vth ? NS_OK : ns_bridge_own_refuse_value(w, inst, "drive", *volts, too_low);
 }
 
+/* ohm: beside its channel or, where bulk is not the source, beside each junction. */
+static double leak_of(const ns_extract_walk *w, const ns_own_mosfet *m) {
+    const double gmin = w->ckt->CKTgmin;
+    return fmin(m->leak, gmin > 0.0 ? 1.0 / gmin : INFINITY);
+}
+
 static int add_body_diode(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken) {
     const ns_own_diode *d = &taken->mosfet.body;
     char name[EXTRACT_NAME];
@@ -194,6 +200,8 @@ static int add_body_diode(ns_extract_walk *w, const GENinstance *inst, ns_own_ta
                                           "A does not flow through its body diode below 100 V");
     snprintf(name, sizeof name, "%.140s#body", inst->GENname);
     taken->diode = ns_bridge_own_ideal_of(w, inst, d, vf);
+    if (taken->follows) /* its leak, which a switch has in its channel */
+        taken->diode.roff = leak_of(w, &taken->mosfet);
     taken->at = at;
     ns_bridge_extract_mix(w, &taken->diode, sizeof taken->diode);
     return ns_circuit_diode(w->ex->circuit, name, d->anode, d->cathode, &taken->diode, &taken->body);
@@ -244,40 +252,23 @@ static int add_way(ns_extract_walk *w, const ns_own_taken *taken, const char *na
                   : ns_circuit_diode(c, name, is_n ? follows : to, is_n ? to : follows, &forwards, id);
 }
 
-/* What flows while it is open: along its channel, or, where bulk is not the source, along both junctions. */
-static int add_leak(ns_extract_walk *w, const ns_own_taken *taken, double ohms) {
-    const ns_own_mosfet *m = &taken->mosfet;
-    char part[EXTRACT_NAME];
-    if (isinf(ohms))
-        return NS_OK;
-    snprintf(part, sizeof part, "%.140s#leak", taken->inst->GENname);
-    if (m->bulk == m->source)
-        return ns_circuit_resistor(w->ex->circuit, part, m->drain, m->source, ohms, NULL);
-    const int status = ns_circuit_resistor(w->ex->circuit, part, m->drain, m->bulk, ohms, NULL);
-    snprintf(part, sizeof part, "%.140s#leaks", taken->inst->GENname);
-    return status ? status : ns_circuit_resistor(w->ex->circuit, part, m->bulk, m->source, ohms, NULL);
-}
-
 /* As a source follower, where a switch would open and close infinitely fast.  Backwards its drain is the
  * lower end (the upper one of a p channel), and follows. */
-static int add_follower(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken, double leak) {
+static int add_follower(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken) {
     const ns_own_mosfet *m = &taken->mosfet;
     char name[EXTRACT_NAME];
     snprintf(name, sizeof name, "%.140s#back", inst->GENname);
-    int status = add_way(w, taken, inst->GENname, m->drain, m->source, &taken->id);
-    status = status ? status : add_way(w, taken, name, m->source, m->drain, &taken->back);
-    return status ? status : add_leak(w, taken, leak);
+    const int status = add_way(w, taken, inst->GENname, m->drain, m->source, &taken->id);
+    return status ? status : add_way(w, taken, name, m->source, m->drain, &taken->back);
 }
 
 static int add_channel(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken) {
     const ns_own_mosfet *m = &taken->mosfet;
-    const double gmin = w->ckt->CKTgmin;
-    const double leak = fmin(m->leak, gmin > 0.0 ? 1.0 / gmin : INFINITY);
-    const ns_switch ideal = {.vt = m->vth, .ron = taken->ron, .roff = leak};
+    const ns_switch ideal = {.vt = m->vth, .ron = taken->ron, .roff = leak_of(w, m)};
     const int cp = m->sign > 0 ? m->gate : m->source, cn = m->sign > 0 ? m->source : m->gate;
     ns_bridge_extract_mix(w, &ideal, sizeof ideal);
     if (taken->follows)
-        return add_follower(w, inst, taken, leak);
+        return add_follower(w, inst, taken);
     return ns_circuit_switch(w->ex->circuit, inst->GENname, m->drain, m->source, cp, cn, &ideal, &taken->id);
 }
 
