@@ -116,7 +116,7 @@ NG_MAJOR = $(eval NG_MAJOR := $$(shell awk -F'"' '/define PACKAGE_VERSION/ { pri
 # The numbers of ngspice's own device types are their places in a table: -DTYPE_DIO=22 and so on.
 NG_TYPES = $(eval NG_TYPES := $$(shell awk '/static_devices\[\]/ { on = 1 } on && /^#|};/ { exit } \
     on && match($$$$0, /get_[a-z0-9]+_info/) { t = substr($$$$0, RSTART + 4, RLENGTH - 9); \
-    if (t ~ /^(csw|dio|mos1|mos3|sw|vdmos)$$$$/) print "-DTYPE_" toupper(t) "=" n + 0; n++ }' \
+    if (t ~ /^(csw|dio|mos1|mos3|sw|vdmos|vsrc)$$$$/) print "-DTYPE_" toupper(t) "=" n + 0; n++ }' \
     $(NG)/tree/src/spicelib/devices/dev.c))$(NG_TYPES)
 NG_INCLUDE = $(NG_BEFORE) -isystem $(NG)/tree/src/include -isystem $(NG)/tree/src -DNGSPICE_MAJOR=$(NG_MAJOR) $(NG_TYPES) \
     $(if $(PULSE_OF),-DPULSE_OF=$(PULSE_OF))

@@ -7,8 +7,8 @@
 
 #include <math.h>
 
-#include "models.h"
 #include "report.h"
+#include "versions.h"
 
 #include "spicelib/devices/vsrc/vsrcdefs.h"
 
@@ -29,13 +29,13 @@ ns_own_flow ns_bridge_own_flow(const CKTcircuit *ckt, const ns_analysis *a) {
     for (int eq = 0; counts && eq < a->ex.neq; eq++)
         if (a->ex.element[eq] >= 0)
             flow.amperes = fmax(flow.amperes, fabs(value_at(a, eq)));
-    for (NGTABLEPTR box = ckt->DEVnameHash->thread; counts && box; box = box->thread_next) {
-        const VSRCinstance *v = box->data;
-        if (ns_bridge_models_letter(box->data) == 'v')
+    for (const GENmodel *model = counts ? ckt->CKThead[TYPE_VSRC] : NULL; model; model = model->GENnextModel)
+        for (const GENinstance *inst = model->GENinstances; inst; inst = inst->GENnextInstance) {
+            const VSRCinstance *v = (const VSRCinstance *)inst;
             flow.watts +=
                 fmax((value_at(a, v->VSRCnegNode) - value_at(a, v->VSRCposNode)) * value_at(a, v->VSRCbranch),
                      0.0);
-    }
+        }
     return flow;
 }
 

@@ -18,8 +18,8 @@
 #ifndef NGSPICE_MAJOR
 #error "NGSPICE_MAJOR is not defined: the Makefile reads it from ngspice's config.h"
 #endif
-#if !defined TYPE_CSW || !defined TYPE_DIO || !defined TYPE_MOS1 || !defined TYPE_MOS3 ||    \
-    !defined TYPE_SW || !defined TYPE_VDMOS
+#if !defined TYPE_CSW || !defined TYPE_DIO || !defined TYPE_MOS1 || !defined TYPE_MOS3 ||                    \
+    !defined TYPE_SW || !defined TYPE_VDMOS || !defined TYPE_VSRC
 #error "TYPE_DIO and others are not defined: the Makefile reads them from ngspice's dev.c"
 #endif
 
