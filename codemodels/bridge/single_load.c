@@ -8,7 +8,8 @@
  *
  * Without CIDER ngspice does not say when a point was shown: then it is made ready at the accept before. What
  * is shown is read in between.  C and M have a current in any mode, if the analysis is not said to be .tran;
- * a MOS1 or MOS3 whose parameters are shown has no gate current in that mode, so such a circuit is loaded twice.
+ * a MOS1 or MOS3 whose parameters are shown has no gate current in that mode, so such a circuit is loaded
+ * twice.
  *
  * The run may be stopped in between, and C shows no current in that mode.  A code model is not informed of a
  * stop; but every command that asks for a device by its name, or alters one, looks it up in ngspice's table
