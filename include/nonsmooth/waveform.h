@@ -32,7 +32,7 @@ typedef struct ns_waveform_integrals {
 typedef struct ns_waveform_options {
     double lines;   /* distance from the lines, relative to the largest value so far, in (0,1); 0: 1e-4 */
     double squares; /* the same for the integrals of squares, which trapezoids below straight lines get wrong;
-                       other integrals may be off by half of that, too; 0: no matter */
+                       0: no matter */
     double longest; /* s between two points, at most; 0: no limit */
     double every;   /* s: points at all multiples of it; 0: none */
     double closest; /* s between two points, at least; the right side of a jump is shown so long after the

@@ -148,15 +148,15 @@ static void integrate(ns_waveform *w, const ns_segment *g) {
 }
 
 /* Of the half that is shared out since the last event, what a line of signal i of this length may take: an
- * even part of the 3 / sqrt(integrals) lines that a decay takes at best; or what the line would have of its
- * own if the signal were there what it is at the next event: what does not decay to zero needs no even parts.
+ * even part of the 3 / sqrt(lines) lines that a decay takes at best; or what the line would have of its own
+ * if the signal were there what it is at the next event: what does not decay to zero needs no even parts.
  * since: the integral since the event; rest: of that half. */
 static double shared_out(const ns_waveform *w, int i, double length, double since, double rest) {
     static const double of_rest = 0.2, kept = 0.1;
-    const double most = w->integrals * since, even = ns_lower(sqrt(w->integrals) / 3 * most, of_rest * rest);
+    const double most = w->lines * since, even = ns_lower(sqrt(w->lines) / 3 * most, of_rest * rest);
     if (!w->is_first)
         return even;
-    const double as_at_end = w->integrals * fabs(w->at_end[w->signal[i]]) * length;
+    const double as_at_end = w->lines * fabs(w->at_end[w->signal[i]]) * length;
     return ns_higher(even, ns_lower(as_at_end, of_rest * (rest - kept * most)));
 }
 
@@ -171,9 +171,9 @@ static int are_exact(const ns_waveform *w, int i, double part) {
  * out. time: what the time between two events is of the run. */
 static void take_integral(ns_waveform *w, int i, double length, double time, double *most) {
     const double since = ns_higher(w->since_event[i] + w->own[i], (w->total[i] + w->own[i]) * time);
-    const double rest = ns_higher(0.5 * w->integrals * since - fabs(w->error[i]), 0);
+    const double rest = ns_higher(0.5 * w->lines * since - fabs(w->error[i]), 0);
     const double allowed =
-        0.5 * w->integrals * w->own[i] + shared_out(w, i, length, since, rest) + noise_of(w, i) * length;
+        0.5 * w->lines * w->own[i] + shared_out(w, i, length, since, rest) + noise_of(w, i) * length;
     const double error = fabs(w->own_error[i]);
     if (!(error > *most * allowed))
         return;
@@ -188,7 +188,7 @@ static double integral_distance(ns_waveform *w, const ns_segment *g) {
     double most = least;
     integrate(w, g);
     for (int i = 0; i < w->looked; i += NS_WIDE) {
-        if (are_exact(w, i, least * 0.5 * w->integrals))
+        if (are_exact(w, i, least * 0.5 * w->lines))
             continue;
         for (int k = i; k < i + NS_WIDE && k < w->looked; k++)
             take_integral(w, k, length, time, &most);
@@ -323,7 +323,7 @@ void ns_waveform_add_integrals(ns_waveform *w, const ns_segment *g, double sign)
     integrate(w, g);
     for (int i = 0; i < w->looked; i += NS_WIDE) {
         const ns_simd_wide own = CONST_WIDE(w->own, i), error = CONST_WIDE(w->own_error, i);
-        const ns_simd_wide allowed = 0.5 * w->integrals * own, below = NS_WIDE_LOWER(error, allowed);
+        const ns_simd_wide allowed = 0.5 * w->lines * own, below = NS_WIDE_LOWER(error, allowed);
         const ns_simd_wide within = NS_WIDE_HIGHER(below, -allowed);
         WIDE(w->since_event, i) += sign * own;
         WIDE(w->error, i) += sign * (error - within);

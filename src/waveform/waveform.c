@@ -85,7 +85,6 @@ int ns_waveform_create(const ns_system *s, ns_march *m, const ns_waveform_option
     w->every = positive_or(o->every, INFINITY);
     w->closest = o->closest;
     w->squares = o->squares;
-    w->integrals = fmax(w->lines, 0.5 * w->squares);
     for (int k = 0; k < NS_WAVEFORM_KINDS; k++)
         w->floor[k] = fmax(o->floor[k], 0);
     w->noise = positive_or(o->noise, 1e-12);

@@ -38,8 +38,6 @@ struct ns_waveform {
     const ns_system *s;
     ns_march *march;
     double lines, squares, longest, every, closest, noise; /* options, defaults filled in */
-    double integrals; /* what integrals may be off by: `lines`, or what squares let an rms be off by, if that
-                         is more */
 
     /* rows */
     size_t count;    /* n + m */
