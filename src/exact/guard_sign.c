@@ -63,7 +63,7 @@ static ns_mode_verdict judge_mode(ns_exact *f, ns_exact_mode *k, ns_evidence evi
     double *value = f->work.values, *tol = value + 2 * kernel->rows;
     f->undecided = f->overruled = 0;
     const int jumps = ns_exact_enter(f, k);
-    if (jumps && evidence != NS_EVIDENCE_IMPULSES && ns_exact_enter_fits(f, kernel) != NS_ENTRY_FITS)
+    if (jumps && evidence != NS_EVIDENCE_IMPULSES && ns_exact_enter_fits(f, kernel) < NS_ENTRY_CORNER)
         return NS_VERDICT_NO;
     ns_exact_guard_values(f, kernel, f->X_next, value, tol);
     for (int g = 0; g < kernel->pair_rows; g++) {
@@ -91,15 +91,31 @@ static void resolve_before_next(ns_exact *f, ns_exact_mode *k) {
         (void)ns_exact_mode_resolve(f, k);
 }
 
+/* 1 if two pairs with a resistance may take part in the jump: closed, and either it flows through them or
+ * they were not before.  In what is taken as an instant the current of one may come to its end and turn. */
+static int may_turn(const ns_exact *f, const ns_exact_mode *k) {
+    const int m = f->system->m;
+    int takes_part = 0;
+    for (int g = 0; g < f->entered->pair_rows; g++) {
+        const int j = f->entered->row[g].pair;
+        if (k->mode[j] == NS_INSIDE && f->system->D[j + j * m] > 0)
+            takes_part += ns_exact_enter_carries(f, f->entered, g) || !f->state.mode ||
+                          f->state.mode->mode[j] != NS_INSIDE;
+    }
+    return takes_part > 1;
+}
+
 /* Where a guard breaks on the way of a jump that has a finite rate, it is resolved, and another mode follows
  * there.  It is, too, where the impulse of a pair is no more than what flows through it meanwhile. */
 ns_mode_verdict ns_exact_mode_holds(ns_exact *f, ns_exact_mode *k, ns_evidence evidence, uint64_t undecided) {
     resolve_before_next(f, k);
     const ns_mode_verdict verdict = judge_mode(f, k, evidence, undecided);
-    if (!f->entered)
+    if (!f->entered || (verdict == NS_VERDICT_HOLDS && !may_turn(f, k)))
         return verdict;
     const ns_entry_fit fit = ns_exact_enter_fits(f, f->entered);
-    if (fit == NS_ENTRY_NO || !ns_exact_mode_resolve(f, k))
+    const int may = fit == NS_ENTRY_MAYBE || fit == NS_ENTRY_CORNER ||
+                    (fit == NS_ENTRY_FITS && (k->hides & NS_HIDES_RATES));
+    if (!may || !ns_exact_mode_resolve(f, k))
         return verdict;
     return judge_mode(f, k, evidence, undecided);
 }

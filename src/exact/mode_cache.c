@@ -127,7 +127,7 @@ static double instant_of(const ns_exact *f, const ns_exact_mode *k) {
 }
 
 /* The rates that are resolved, largest first; how many.  k->has_instant: 1 if there are others; k->hides: if
- * some of these are finite, or so large that they may be rounding of infinite ones. */
+ * some of these are finite. */
 static int list_rates(const ns_exact *f, ns_exact_mode *k, const ns_mode_kernel *kernel, ns_mode_rate *rate,
                       double *room, int *status) {
     double *re = room, *im = room + kernel->r;
@@ -140,7 +140,7 @@ static int list_rates(const ns_exact *f, ns_exact_mode *k, const ns_mode_kernel 
         if (dies > instant && isfinite(re[i]))
             rate[count++] = (ns_mode_rate){hypot(re[i], im[i]), dies};
         if (dies <= instant && (isfinite(re[i]) || im[i] != 0))
-            k->hides = 1;
+            k->hides |= isfinite(re[i]) ? NS_HIDES_RATES : NS_MAY_HIDE_RATES;
     }
     k->has_instant = count < kernel->r;
     for (int i = 0; i < f->inputs->nv; i++) {

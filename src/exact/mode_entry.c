@@ -218,7 +218,9 @@ ns_entry_fit ns_exact_enter_fits(ns_exact *f, const ns_mode_kernel *k) {
             continue;
         if (!(guard_after_step(k, g, k->q, f->X) >= 0))
             fits = NS_ENTRY_NO;
-        else if (!leaves_corner(f, k, g) && !blocks(f, k, g))
+        else if (leaves_corner(f, k, g))
+            fits = fits < NS_ENTRY_CORNER ? fits : NS_ENTRY_CORNER;
+        else if (!blocks(f, k, g))
             fits = NS_ENTRY_MAYBE;
     }
     return fits;

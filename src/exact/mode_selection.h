@@ -10,8 +10,9 @@
 #include "exact_internal.h"
 
 /* FITS: the impulses of all pairs have the signs they may have.  MAYBE: those that do not are outweighed by
- * what flows besides in the same Euler step: if what seems to jump has a finite rate, its course may fit. */
-typedef enum ns_entry_fit { NS_ENTRY_NO, NS_ENTRY_MAYBE, NS_ENTRY_FITS } ns_entry_fit;
+ * what flows besides in the same Euler step: if what seems to jump has a finite rate, its course may fit.
+ * CORNER: so does that of the pair whose guard broke just now, which was at its corner: it fits. */
+typedef enum ns_entry_fit { NS_ENTRY_NO, NS_ENTRY_MAYBE, NS_ENTRY_CORNER, NS_ENTRY_FITS } ns_entry_fit;
 
 /* mode_entry.c: X_next = X, as the mode is entered with it; 1 if it jumps.  Then: whether its pairs can carry
  * that; the guard whose impulse violates that most. */
