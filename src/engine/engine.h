@@ -69,6 +69,8 @@ struct ns_engine {
     const ns_engine_table *table;
     double
         most_work; /* a trial that would make work() more than this fails with LIMIT; 0: there is no bound */
+    double pause_work; /* a trial with NS_TO_STEP of an engine that counts its work ends where it is as soon
+                          as that makes work() more than this; 0: it does not */
     double way_from; /* s: the way of a trial begins there: at the accepted point, or, if that is a start, at
                         the time it was asked for, some steps of h/2^20 before */
 };

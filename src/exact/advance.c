@@ -126,6 +126,11 @@ int ns_exact_is_over(const ns_exact *f) {
     return f->bound && ns_engine_is_over(f->bound);
 }
 
+int ns_exact_is_to_pause(const ns_exact *f) {
+    return f->looks % LOOKS_EVERY == 0 && f->bound && f->bound->pause_work > 0 &&
+           ns_engine_work(f->bound).all > f->bound->pause_work;
+}
+
 int ns_exact_advance(ns_exact *f, double t, ns_exact_step *step) {
     const double rest = t - f->state.now.t - f->state.now.lost;
     double done = 0;

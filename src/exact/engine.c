@@ -242,12 +242,15 @@ static int resolve_first_event(ns_exact *f, int *failed) {
     return resolve_event(f, timed ? NS_GUARD_NONE : known ? f->broken.guard : NS_GUARD_UNKNOWN, failed);
 }
 
-/* To t, or to where a guard breaks: *guard, else NS_GUARD_NONE. */
-static int advance_to(ns_exact *f, double t, int *guard) {
+/* To t, or to where a guard breaks: *guard, else NS_GUARD_NONE; or, if it may, to where a trial has taken
+ * enough work: the engine that takes less is chosen between trials. */
+static int advance_to(ns_exact *f, double t, int may_pause, int *guard) {
     ns_exact_step step = {.guard = NS_GUARD_NONE};
     ns_clock from = f->state.now;
     int status = NS_OK;
-    while (status == NS_OK && step.guard < 0 && f->state.now.t < t) {
+    const double begin = f->state.now.t;
+    while (status == NS_OK && step.guard < 0 && f->state.now.t < t &&
+           !(may_pause && f->state.now.t > begin && ns_exact_is_to_pause(f))) {
         from = f->state.now;
         const int recorded = f->record.open;
         if (recorded)
@@ -299,7 +302,7 @@ static void join_known_event(ns_exact *f, int *guard) {
 static int go_to_event(ns_exact *f, double accepted_t, double t, ns_until until, int *failed, int *stop) {
     int guard;
     f->events_to = ns_inputs_events_next(f->events, t);
-    const int status = advance_to(f, fmin(t, f->events_to), &guard);
+    const int status = advance_to(f, fmin(t, f->events_to), until == NS_TO_STEP, &guard);
     if (status == NS_OK)
         join_known_event(f, &guard);
     const int timed = guard < 0 && f->state.now.t >= f->events_to;

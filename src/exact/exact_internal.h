@@ -397,6 +397,8 @@ void ns_exact_long_note_kept(const ns_exact *f, ns_time_scale *scale);
 /* advance.c: one step, to t at the latest.  Errors: MEMORY; LIMIT: no steps are left, or it is over: 1 if the
  * bound of work is passed. */
 int ns_exact_is_over(const ns_exact *f);
+/* 1 from time to time, if a trial with NS_TO_STEP has taken enough work to end where it is. */
+int ns_exact_is_to_pause(const ns_exact *f);
 int ns_exact_advance(ns_exact *f, double t, ns_exact_step *step);
 
 /* command_order.c: the mode from here on, where this guard broke (it may be unknown), or (NS_GUARD_NONE)

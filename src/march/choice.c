@@ -17,8 +17,11 @@ static const double recurring = 6;
 /* After a question that was answered no, it is this many times as long until the next; after a failure. */
 static const double later = 2, much_later = 8;
 /* An engine crawls that needs so many times the work that it needed when it was chosen: the other one is
- * asked at once, if this part of the usual interval has passed. */
+ * asked at once, if this part of the first interval has passed; twice that where the answer was no. */
 static const double crawls = 4, soon = 0.5;
+/* What an engine needed in a question counts as this part of the question at least: it may have been short.
+ */
+static const double least_part = 0.125;
 /* To ask costs that the engine at work begins again: at least so many times that lie between two questions.
  */
 static const double starts = 4;
@@ -39,7 +42,7 @@ static const double a_while = 0.25, times_a_trial = 8;
 static void mark(ns_choice *c, double t, ns_work work) {
     const double spent = work.all - c->from.work.all;
     c->owed += c->asks ? -spent : spent;
-    c->from = (ns_choice_mark){t, work};
+    c->from = c->recent[0] = c->recent[1] = (ns_choice_mark){t, work};
 }
 
 static void wait(ns_choice *c, double t, ns_work work, double times) {
@@ -51,7 +54,14 @@ static void wait(ns_choice *c, double t, ns_work work, double times) {
 
 void ns_march_choice_begin(ns_choice *c, double t, ns_work work, double first) {
     if (!(c->interval > 0))
-        *c = (ns_choice){.interval = first, .usual = NAN, .is_first = 1, .from = {t, work}};
+        *c = (ns_choice){.interval = first,
+                         .first = first,
+                         .patience = soon * first,
+                         .usual = NAN,
+                         .is_first = 1,
+                         .is_early = 1,
+                         .begin = {t, work},
+                         .from = {t, work}};
     if (c->asks) {
         c->until += work.all - c->from.work.all;
         c->from = (ns_choice_mark){t, work};
@@ -75,21 +85,45 @@ static int is_dear_at(const ns_choice *c, double work, double events, double mos
     return work > early * between(c) && work > most * (events + 1);
 }
 
+/* 1 if the one at work has begun to crawl: over the last stretch, which is counted from there on. */
+static int has_slowed_down(ns_choice *c, double t, ns_work work) {
+    const ns_choice_mark *from = &c->recent[0];
+    const double needs = lasting(work, &from->work);
+    if (needs > c->patience && t > from->t && needs > crawls * c->usual * (t - from->t)) {
+        c->owed += from->work.all - c->from.work.all;
+        c->from = *from;
+        return 1;
+    }
+    if (work.all - c->recent[1].work.all > c->patience) {
+        c->recent[0] = c->recent[1];
+        c->recent[1] = (ns_choice_mark){t, work};
+    }
+    return 0;
+}
+
+/* One that crawls may do so through events that the other one has not, which steps over a ring of them. */
+static int is_slow_beside_all(const ns_choice *c, double t, ns_work work, double rate) {
+    return rate * (t - c->begin.t) > crawls * (work.all - c->begin.work.all);
+}
+
 static ns_choice_answer look_at_chosen(ns_choice *c, double t, ns_work work, ns_choice_bounds event) {
+    const int is_slow = has_slowed_down(c, t, work);
     const ns_work *from = &c->from.work;
     const double spent = work.all - from->all, gained = t - c->from.t, events = work.events - from->events,
                  needs = lasting(work, from);
-    const int is_slow = needs > soon * c->interval && needs > crawls * c->usual * gained,
-              is_dear = isnan(c->usual) &&
-                        (is_dear_at(c, spent, events, event.most) ||
-                         (event.starts && c->is_first && is_dear_at(c, work.all, work.events, event.most)));
+    const int is_dear =
+        c->is_early && (is_dear_at(c, spent, events, event.most) ||
+                        (event.starts && c->is_first && is_dear_at(c, work.all, work.events, event.most)));
     if ((spent < between(c) && !is_slow && !is_dear) || !(gained > 0))
         return NS_CHOICE_STAY;
+    c->crawl = is_slow ? needs : 0;
+    c->is_early = 0;
+    c->calm = is_slow ? c->usual : needs / gained;
     c->usual = needs / gained;
-    c->per_event = needs / (events + 1);
+    c->per_event = events < FEW ? 0 : needs / (events + 1); /* a few say nothing of others */
     c->recurs = events > recurring * (work.modes - from->modes);
-    /* one that crawls may do so through events that the other one has not */
-    if (is_slow || clearly * needs >= event.least * events + event.mode * (work.modes - from->modes))
+    if (is_slow || is_slow_beside_all(c, t, work, needs / gained) ||
+        clearly * needs >= event.least * events + event.mode * (work.modes - from->modes))
         return NS_CHOICE_CHANGE;
     wait(c, t, work, 1);
     return NS_CHOICE_STAY;
@@ -98,8 +132,12 @@ static ns_choice_answer look_at_chosen(ns_choice *c, double t, ns_work work, ns_
 /* It stays; what the other one took does not count for its matrices.  Two that come back to one another cost
  * about the same: they ask ever less. */
 static void keep_asked(ns_choice *c, double t, ns_work work, double events) {
-    c->usual = events < FEW ? NAN : clearly * c->usual;
-    wait(c, t, work, c->kept++ > 0 ? later : 1);
+    const double spent = fmax(work.all - c->from.work.all, least_part * c->whole);
+    c->usual = fmin(clearly * c->usual, spent / (t - c->from.t));
+    c->is_early = events < FEW;
+    c->patience = soon * c->first;
+    wait(c, t, work, c->kept > 0 && !(c->crawl > 0) ? later : 1);
+    c->kept += !(c->crawl > 0);
     c->owed = 0;
 }
 
@@ -115,7 +153,9 @@ static ns_choice_answer look_at_asked(ns_choice *c, double t, ns_work work) {
     }
     if (c->again > 0)
         return work.all >= c->again ? NS_CHOICE_CHANGE : NS_CHOICE_STAY;
-    const int is_hopeful = spent - once < clearly * other && work.all < c->until;
+    /* it may have made all its matrices; or be amid a transient that it is through before the other one is */
+    const int is_hopeful = (spent - once < clearly * other && work.all < c->until) ||
+                           (spent < other && other >= whole && whole < c->interval);
     const int is_over = spent > whole || (spent > whole / 4 && spent > hopeless * other);
     if (is_over && !is_hopeful)
         return NS_CHOICE_CHANGE;
@@ -136,13 +176,18 @@ void ns_march_choice_began(ns_choice *c, double took) {
 
 void ns_march_choice_changed(ns_choice *c, double t, ns_work work) {
     if (c->asks) {
-        wait(c, t, work, later);
+        const int crawled = c->crawl > 0;
+        c->patience *= crawled ? later : 1;
+        c->usual = c->calm;
+        wait(c, t, work, crawled ? 1 : later);
         return;
     }
     mark(c, t, work);
     c->asks = 1;
     c->is_first = 0;
     c->whole = part * c->interval;
+    if (c->crawl > 0) /* not more than was found to be too much */
+        c->whole = fmin(c->whole, fmax(part * c->first, c->crawl));
     c->until = work.all + fmax(much * c->interval, c->recurs ? c->owed : 0);
 }
 
@@ -163,6 +208,10 @@ void ns_march_choice_failed(ns_choice *c, double t, ns_work work) {
 
 void ns_march_choice_stuck(ns_choice *c, ns_work work, double took) {
     c->again = work.all + fmax(a_while * part * c->interval, times_a_trial * took);
+}
+
+double ns_march_choice_pause(const ns_choice *c) {
+    return c->asks ? c->whole / 4 : c->patience / 2;
 }
 
 double ns_march_choice_limit(const ns_choice *c) {

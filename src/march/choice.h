@@ -26,11 +26,16 @@ typedef struct ns_choice_mark {
 typedef struct ns_choice {
     int asks;         /* 1: the engine at work is the one that is asked */
     int is_first;     /* 1: it was not asked so far */
+    int is_early;     /* 1: nothing is known of events by the one at work but what they cost so far */
     int kept;         /* how often one that was asked stayed */
     double usual;     /* work for a second, when it was chosen, of the one at work; while the other one is
-                       * asked, of the one before; NAN: not known */
-    double per_event; /* the same for an event */
-    double interval;  /* work between two questions */
+                       * asked, of the one before; NAN: not known yet */
+    double calm;      /* the same of the one before, without the stretch in which it crawled */
+    double per_event; /* usual work for an event; 0: not known */
+    double interval;  /* work between two questions, */
+    double first;     /* and before the first one; */
+    double patience;  /* work after which the other one may be asked because this one crawls, */
+    double crawl;     /* and that of the stretch in which it did so; 0: it is asked as usual */
     double start;     /* work of the last start of the engine at work */
     double again;     /* work of all until it is tried again to leave the one that is asked, as the other one
                        * could not begin; 0: it was not tried */
@@ -38,7 +43,9 @@ typedef struct ns_choice {
     double owed;  /* work of the engine at work, less that of the one that was asked, since one was chosen */
     double whole; /* work of the one before over which the one that is asked is compared */
     double until; /* work of all until which the one that is asked may make matrices */
-    ns_choice_mark from; /* where the engine at work began, or was chosen */
+    ns_choice_mark begin;     /* of the run */
+    ns_choice_mark from;      /* where the engine at work began, or was chosen; */
+    ns_choice_mark recent[2]; /* later than that, where it may have begun to crawl */
 } ns_choice;
 
 /* What the other engine needs for an event, matrices of a new mode included: at least, at most; for these
@@ -70,5 +77,7 @@ void ns_march_choice_failed(ns_choice *c, double t, ns_work work);
 void ns_march_choice_stuck(ns_choice *c, ns_work work, double took);
 /* How much all engines may have done at most before the one that is asked has to have answered. */
 double ns_march_choice_limit(const ns_choice *c);
+/* How much a trial that may end anywhere may take before it does: then the choice is looked at. */
+double ns_march_choice_pause(const ns_choice *c);
 
 #endif

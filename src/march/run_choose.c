@@ -51,6 +51,9 @@ static void bound_work(ns_run *r, ns_until until) {
     else if (!r->choice.asks && until == NS_TO_TIME && may_choose(r, &now))
         most = ns_engine_work(e).all + ns_march_choice_trial(&r->choice);
     e->most_work = most;
+    e->pause_work = r->chooses && until == NS_TO_STEP && ns_march_choice_pause(&r->choice) > 0
+                        ? ns_engine_work(e).all + ns_march_choice_pause(&r->choice)
+                        : 0;
 }
 
 /* Short trials are many.  An odd number: where every second one begins at an event, none of these would be

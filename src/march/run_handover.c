@@ -58,6 +58,7 @@ void ns_march_run_put_to_work(ns_run *r, ns_engine *e, ns_run_kind kind) {
     r->kind = kind;
     /* one that was put aside may have been bounded */
     e->most_work = r->may_spend > 0 ? ns_engine_work(e).all + r->may_spend : 0;
+    e->pause_work = 0;
     r->is_dense = kind == NS_RUN_DENSE || (kind == NS_RUN_SCHEME && scheme_is_dense(r));
     ns_march_check_attach(r);
 }
