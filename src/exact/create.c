@@ -160,3 +160,15 @@ int ns_exact_set_input(ns_exact *f, int input) {
     ns_exact_period_drop(f);
     return status;
 }
+
+int ns_exact_timed(const ns_exact *f) {
+    return f->timed;
+}
+
+long ns_exact_replayed(const ns_exact *f) {
+    return f->replayed;
+}
+
+const ns_counts *ns_exact_counts(const ns_exact *f) {
+    return &f->counts;
+}

@@ -35,18 +35,6 @@ static void reset_past(ns_exact *f) {
     ns_exact_drop(f);
 }
 
-int ns_exact_timed(const ns_exact *f) {
-    return f->timed;
-}
-
-long ns_exact_replayed(const ns_exact *f) {
-    return f->replayed;
-}
-
-const ns_counts *ns_exact_counts(const ns_exact *f) {
-    return &f->counts;
-}
-
 /* --- the point, from the run and back --- */
 
 /* Inputs at t, on the side where the list of instants stands. */
