@@ -113,11 +113,16 @@ int ns_sparse_read(ns_engine *e, double *t, double *x, double *lambda, double *y
 
 /* 1 if t is on the way of a trial with NS_TO_STEP, else *status. */
 static int is_on_way(const ns_sparse *m, double t, int *status) {
-    const double from = m->accepted.t, to = m->trial.t;
+    const double from = m->engine.way_from, to = m->trial.t;
     *status = !m->started || !m->has_trial || m->until != NS_TO_STEP || !(to > from) ? NS_E_STATE
-              : !(t >= m->engine.way_from && t <= to)                                ? NS_E_RANGE
+              : !(t >= from && t <= to)                                              ? NS_E_RANGE
                                                                                      : NS_OK;
     return *status == NS_OK;
+}
+
+/* 1: modes changed where a start ended, in no time; the way is that of the start alone. */
+static int is_start_alone(const ns_sparse *m) {
+    return !(m->trial.t > m->accepted.t);
 }
 
 /* From m->v at the end of an Euler step to its value at t, on a straight line from the accepted point. */
@@ -138,7 +143,7 @@ static int point_on_way(ns_sparse *m, double t) {
     int status = ns_sparse_step_shown(m, step, tau, m->v);
     if (status == NS_OK)
         status = take_off_impulse(m, step, tau, m->v);
-    if (status == NS_OK && step->is_euler && step->stages == 1)
+    if (status == NS_OK && step->is_euler && step->stages == 1 && !is_start_alone(m))
         join_on_line(m, t);
     return status;
 }
@@ -170,8 +175,9 @@ double ns_sparse_shortest(ns_engine *e, double t, double *until) {
     *until = INFINITY;
     if (!is_on_way(m, t, &status))
         return NAN;
-    return m->trial.step->is_euler ? INFINITY
-                                   : fmin((m->trial.t - m->accepted.t) / OF_LENGTH, m->inputs_shortest);
+    return m->trial.step->is_euler || is_start_alone(m)
+               ? INFINITY
+               : fmin((m->trial.t - m->accepted.t) / OF_LENGTH, m->inputs_shortest);
 }
 
 /* As (E1): a line between two points of L_i is at most as far off as an eighth of the square of their
