@@ -113,7 +113,7 @@ ns_mode_verdict ns_exact_mode_holds(ns_exact *f, ns_exact_mode *k, ns_evidence e
     if (!f->entered || (verdict == NS_VERDICT_HOLDS && !may_turn(f, k)))
         return verdict;
     const ns_entry_fit fit = ns_exact_enter_fits(f, f->entered);
-    const int may = fit == NS_ENTRY_MAYBE || fit == NS_ENTRY_CORNER ||
+    const int may = verdict == NS_VERDICT_HOLDS || fit == NS_ENTRY_MAYBE || fit == NS_ENTRY_CORNER ||
                     (fit == NS_ENTRY_FITS && (k->hides & NS_HIDES_RATES));
     if (!may || !ns_exact_mode_resolve(f, k))
         return verdict;
