@@ -17,6 +17,7 @@ typedef struct range_reader {
     const CKTcircuit *ckt;
     const ASRCinstance *b;
     ns_own_range_at *at;
+    int inside;
     int goal;
     int depth;
 } range_reader;
@@ -119,7 +120,13 @@ static ns_own_range operation(range_reader *r, const INPparseNode *node) {
     const int adds = node->type == PT_PLUS || node->type == PT_MINUS;
     const ns_own_range a = adds ? range_of(r, node->left) : plain_range_of(r, node->left),
                        b = adds ? range_of(r, node->right) : plain_range_of(r, node->right);
-    const ns_own_range inverse = between(1.0 / b.low, 1.0 / b.low);
+    const ns_own_range inverse = {fmin(1.0 / b.low, 1.0 / b.high),
+                                  fmax(1.0 / b.low, 1.0 / b.high),
+                                  b.switches,
+                                  1,
+                                  b.slope / (b.low * b.low),
+                                  0,
+                                  0};
     ns_own_range found = any;
     switch (node->type) {
     case PT_PLUS:
@@ -132,7 +139,7 @@ static ns_own_range operation(range_reader *r, const INPparseNode *node) {
         found = product(&a, &b);
         break;
     case PT_DIVIDE:
-        if (b.low == b.high && b.low != 0.0)
+        if (b.low > 0.0 || (b.low == b.high && b.low != 0.0))
             found = product(&a, &inverse);
         break;
     default:
@@ -183,6 +190,11 @@ static ns_own_range negative(const ns_own_range *a) {
     return (ns_own_range){-a->high, -a->low, a->switches, 1, a->slope, 0, 0};
 }
 
+/* Of a curve that rises, and is no steeper than its argument. */
+static ns_own_range bent(double (*f)(double), const ns_own_range *a) {
+    return (ns_own_range){f(a->low), f(a->high), a->switches, 1, a->slope, 0, 0};
+}
+
 static ns_own_range function(range_reader *r, const INPparseNode *node) {
     if (node->funcnum == PTF_MIN || node->funcnum == PTF_MAX) {
         const ns_own_range a = plain_range_of(r, node->left->left), b = plain_range_of(r, node->left->right);
@@ -207,6 +219,12 @@ static ns_own_range function(range_reader *r, const INPparseNode *node) {
         return line(node, &a);
     case PTF_USTEP2:
         return smaller(&above, &one);
+    case PTF_TANH:
+        return bent(tanh, &a);
+    case PTF_ATAN:
+        return bent(atan, &a);
+    case PTF_EXP: /* in 1/(1 + exp(u)), which is no steeper than its u */
+        return bent(exp, &a);
     case PTF_SIN:
     case PTF_COS:
         return (ns_own_range){-1.0, 1.0, 0, 1, a.slope, 0, 0};
@@ -219,7 +237,8 @@ static ns_own_range variable(const range_reader *r, int index) {
     ns_own_range a;
     if (r->goal > 0 && r->b->ASRCtree->varTypes[index] == IF_NODE && r->b->ASRCvars[index] == r->goal)
         return (ns_own_range){0.0, 0.0, 0, 1, 0.0, 0, 1};
-    if (r->b->ASRCtree->varTypes[index] != IF_NODE || !r->at(r->ckt, r->b->ASRCvars[index], &a))
+    if (r->b->ASRCtree->varTypes[index] != IF_NODE ||
+        !r->at(r->ckt, r->inside + 1, r->b->ASRCvars[index], &a))
         return any;
     return a;
 }
@@ -259,10 +278,10 @@ static void judge_slope(ns_own_range *r) {
     r->switches |= r->slope >= steep;
 }
 
-int ns_bridge_own_range_of_b(const CKTcircuit *ckt, const GENinstance *inst, ns_own_range_at *at, int goal,
-                             ns_own_range *r) {
+int ns_bridge_own_range_of_b(const CKTcircuit *ckt, const GENinstance *inst, ns_own_range_at *at, int inside,
+                             int goal, ns_own_range *r) {
     const ASRCinstance *b = (const ASRCinstance *)inst;
-    range_reader reads = {.ckt = ckt, .b = b, .at = at, .goal = goal};
+    range_reader reads = {.ckt = ckt, .b = b, .at = at, .inside = inside, .goal = goal};
     if (b->ASRCtype != ASRC_VOLTAGE)
         return 0;
     *r = range_of(&reads, ((const INPparseTree *)b->ASRCtree)->tree);

@@ -14,8 +14,11 @@
 #include "spicelib/devices/vcvs/vcvsdefs.h"
 #include "spicelib/devices/vsrc/vsrcdefs.h"
 
-static int range_at(const CKTcircuit *ckt, int eq, ns_own_range *r) {
-    ns_own_way w = {.ckt = ckt, .inside_b = 1};
+/* A node in a B source may be that of another B, so often. */
+enum { INSIDE_MAX = 4 };
+
+static int range_at(const CKTcircuit *ckt, int inside, int eq, ns_own_range *r) {
+    ns_own_way w = {.ckt = ckt, .inside_b = inside};
     *r = (ns_own_range){0};
     return ns_bridge_own_way(&w, eq, r);
 }
@@ -113,8 +116,8 @@ int ns_bridge_own_wire(const ns_own_way *w, const GENinstance *inst, int here, i
         const ASRCinstance *b = (const ASRCinstance *)inst;
         *p = b->ASRCposNode;
         *n = b->ASRCnegNode;
-        if ((*p != here && *n != here) || w->inside_b ||
-            !ns_bridge_own_range_of_b(w->ckt, inst, range_at, *n == 0 ? w->goal : 0, gap))
+        if ((*p != here && *n != here) || w->inside_b >= INSIDE_MAX ||
+            !ns_bridge_own_range_of_b(w->ckt, inst, range_at, w->inside_b, *n == 0 ? w->goal : 0, gap))
             return 0;
         *n = gap->of_goal ? w->goal : *n;
         return *p == here || *n == here;

@@ -24,7 +24,7 @@ typedef struct ns_own_way {
     double shunt;              /* ohm: so do resistors below it */
     int gate;                  /* its C count as none */
     double farads;             /* so do C from there on: what they hold stays; 0: none */
-    int inside_b;              /* it is that of a node in a B source: no further B is looked into */
+    int inside_b;              /* it is that of a node in so many B sources, one in the other */
     int inside_table;          /* it is that of the input of a TABLE: no further one is looked into */
     int met;                   /* the equation that was met: goal, or 0 */
     int node[OWN_WAY_NODES], count;
