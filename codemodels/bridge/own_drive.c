@@ -230,6 +230,23 @@ static int is_raised(const CKTcircuit *ckt, int source) {
     return !ns_bridge_own_way(&w, source, &volts);
 }
 
+/* 1 if all that its source is at, beside M, D and C, is one R below 1 ohm, as that of a package: what drives
+ * the gate is held beyond it, and its drop does the same. */
+static int is_behind_ohm(const CKTcircuit *ckt, const ns_own_mosfet *m) {
+    int ohms = 0;
+    for (NGTABLEPTR box = ckt->DEVnameHash->thread; box; box = box->thread_next) {
+        ns_own_way w = {.ckt = ckt, .shunt = 1.0};
+        ns_own_range gap;
+        int p, n;
+        if (!ns_bridge_own_wire(&w, box->data, m->source, &p, &n, &gap) || (p != m->source && n != m->source))
+            continue;
+        if (ns_bridge_models_letter(box->data) != 'r' || p == m->gate || n == m->gate)
+            return 0;
+        ohms++;
+    }
+    return ohms == 1;
+}
+
 static int find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
     ns_own_range r = {0};
     gate_ends ends;
@@ -251,8 +268,10 @@ static int find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_driv
     *drive = m->sign > 0
                  ? (ns_own_drive){r.low, r.high, r.switches && !r.amplifies, 0, !r.sources, opens, closes}
                  : (ns_own_drive){-r.high, -r.low, r.switches && !r.amplifies, 0, !r.sources, opens, closes};
-    if (share >= 0.5)
+    if (share >= 0.5) {
+        drive->follows = is_behind_ohm(ckt, m) ? FOLLOWS_SHUNT : 0;
         return 1;
+    }
     if (ns_bridge_own_way(&to_ground, m->source, &source)) {
         drive->follows = is_raised(ckt, m->source) ? FOLLOWS_SHUNT : 0;
         return 1;
