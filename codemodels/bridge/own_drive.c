@@ -202,6 +202,13 @@ static void lower_when_p_closed(const CKTcircuit *ckt, const ns_own_mosfet *m, n
     close_at(m, left, drive);
 }
 
+/* The drive of a gate that has these voltages; opens, closes: ohm. */
+static ns_own_drive drive_of(const ns_own_mosfet *m, const ns_own_range *r, int follows, double opens,
+                             double closes) {
+    const double low = m->sign > 0 ? r->low : -r->high, high = m->sign > 0 ? r->high : -r->low;
+    return (ns_own_drive){low, high, r->switches && !r->amplifies, follows, !r->sources, opens, closes};
+}
+
 /* Where its source leads nowhere, as behind a switch that protects against reversed polarity: v(gate,drain),
  * which is that of its drive while it is closed.  0: that is not known, or not above the threshold. */
 static int find_drive_of_drain(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
@@ -213,9 +220,7 @@ static int find_drive_of_drain(const CKTcircuit *ckt, const ns_own_mosfet *m, ns
         drain.amplifies)
         return 0;
     r.sources |= drain.sources;
-    const ns_own_drive found =
-        m->sign > 0 ? (ns_own_drive){r.low, r.high, r.switches, FOLLOWS_AND_CLOSES, !r.sources, NAN, NAN}
-                    : (ns_own_drive){-r.high, -r.low, r.switches, FOLLOWS_AND_CLOSES, !r.sources, NAN, NAN};
+    const ns_own_drive found = drive_of(m, &r, FOLLOWS_AND_CLOSES, NAN, NAN);
     if (!(found.high > m->vth))
         return 0;
     *drive = found;
@@ -230,8 +235,8 @@ static int is_raised(const CKTcircuit *ckt, int source) {
     return !ns_bridge_own_way(&w, source, &volts);
 }
 
-/* 1 if all that its source is at, beside M, D and C, is one R below 1 ohm, as that of a package: what drives
- * the gate is held beyond it, and its drop does the same. */
+/* 1 if its source is connected to M, D, C and one R below 1 ohm alone, as that of a package: the driver of
+ * the gate refers to the other end of that R, whose drop lowers v(gate,source) as that of a shunt does. */
 static int is_behind_ohm(const CKTcircuit *ckt, const ns_own_mosfet *m) {
     int ohms = 0;
     for (NGTABLEPTR box = ckt->DEVnameHash->thread; box; box = box->thread_next) {
@@ -265,9 +270,7 @@ static int find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_driv
                             .find = ns_bridge_own_find_voltage,
                             .shunt = 1.0}; /* ohm: more than most shunts that sense a current */
     ns_own_range source = {0};
-    *drive = m->sign > 0
-                 ? (ns_own_drive){r.low, r.high, r.switches && !r.amplifies, 0, !r.sources, opens, closes}
-                 : (ns_own_drive){-r.high, -r.low, r.switches && !r.amplifies, 0, !r.sources, opens, closes};
+    *drive = drive_of(m, &r, 0, opens, closes);
     if (share >= 0.5) {
         drive->follows = is_behind_ohm(ckt, m) ? FOLLOWS_SHUNT : 0;
         return 1;
@@ -328,10 +331,10 @@ static int close_with(const CKTcircuit *ckt, const ns_own_mosfet *m, int end, co
     if (!ns_bridge_own_find_gate_closed(ckt, m->gate, other, end, by, &r, &share) || r.amplifies ||
         (share < 1.0 - 1e-12 && !is_held(ckt, by, end)))
         return 0;
-    const double low = m->sign > 0 ? r.low : -r.high, high = m->sign > 0 ? r.high : -r.low;
-    if (!(high > m->vth))
+    const ns_own_drive found = drive_of(m, &r, FOLLOWS_AND_CLOSES, NAN, NAN);
+    if (!(found.high > m->vth))
         return 0;
-    *drive = (ns_own_drive){low, high, r.switches, FOLLOWS_AND_CLOSES, !r.sources, NAN, NAN};
+    *drive = found;
     return 1;
 }
 

@@ -66,6 +66,12 @@ static void read_vdmos(const VDMOSinstance *v, ns_own_mosfet *m) {
 /* Of the oxide's capacitance, what lies between gate and source beyond the threshold. */
 static const double of_oxide = 2.0 / 3.0;
 
+/* Its body diode: the current of saturation, A; K; F. */
+static void set_body(ns_own_mosfet *m, double amperes, double kelvin, double farads) {
+    m->body = (ns_own_diode){
+        .bv = INFINITY, .farads = farads, .law = {.bottom = {amperes, CONSTboltz / CHARGE * kelvin}}};
+}
+
 static void read_mos1(const MOS1instance *v, ns_own_mosfet *m) {
     const MOS1model *model = MOS1modPtr(v);
     const int by_area = v->MOS1tSatCurDens != 0.0 && v->MOS1drainArea != 0.0;
@@ -83,9 +89,7 @@ static void read_mos1(const MOS1instance *v, ns_own_mosfet *m) {
                          .series = ohms(v->MOS1drainConductance) + ohms(v->MOS1sourceConductance),
                          .leak = INFINITY,
                          .gamma = model->MOS1gamma};
-    m->body = (ns_own_diode){.bv = INFINITY,
-                             .farads = v->MOS1tCbd,
-                             .law = {.bottom = {v->MOS1m * amperes, CONSTboltz / CHARGE * v->MOS1temp}}};
+    set_body(m, v->MOS1m * amperes, v->MOS1temp, v->MOS1tCbd);
     hide(m, 0, v->MOS1dNodePrime, v->MOS1dNode);
     hide(m, 1, v->MOS1sNodePrime, v->MOS1sNode);
     const double width = v->MOS1m * v->MOS1w;
@@ -128,9 +132,7 @@ static void read_mos3(const MOS3instance *v, ns_own_mosfet *m) {
                          .series = ohms(v->MOS3drainConductance) + ohms(v->MOS3sourceConductance),
                          .leak = INFINITY,
                          .gamma = model->MOS3gamma};
-    m->body = (ns_own_diode){.bv = INFINITY,
-                             .farads = v->MOS3tCbd,
-                             .law = {.bottom = {v->MOS3m * amperes, CONSTboltz / CHARGE * v->MOS3temp}}};
+    set_body(m, v->MOS3m * amperes, v->MOS3temp, v->MOS3tCbd);
     hide(m, 0, v->MOS3dNodePrime, v->MOS3dNode);
     hide(m, 1, v->MOS3sNodePrime, v->MOS3sNode);
     m->charge.source =

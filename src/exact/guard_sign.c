@@ -91,8 +91,8 @@ static void resolve_before_next(ns_exact *f, ns_exact_mode *k) {
         (void)ns_exact_mode_resolve(f, k);
 }
 
-/* 1 if two pairs with a resistance may take part in the jump: closed, and either it flows through them or
- * they were not before.  In what is taken as an instant the current of one may come to its end and turn. */
+/* 1 if two closed pairs with a resistance may take part in the jump: it flows through them, or they were open
+ * before.  The current of one may fall to zero and reverse before the jump is over. */
 static int may_turn(const ns_exact *f, const ns_exact_mode *k) {
     const int m = f->system->m;
     int takes_part = 0;

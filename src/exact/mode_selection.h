@@ -11,7 +11,8 @@
 
 /* FITS: the impulses of all pairs have the signs they may have.  MAYBE: those that do not are outweighed by
  * what flows besides in the same Euler step: if what seems to jump has a finite rate, its course may fit.
- * CORNER: so does that of the pair whose guard broke just now, which was at its corner: it fits. */
+ * CORNER: the one that does not is that of the pair whose guard broke just now.  It was at its corner: this
+ * fits. */
 typedef enum ns_entry_fit { NS_ENTRY_NO, NS_ENTRY_MAYBE, NS_ENTRY_CORNER, NS_ENTRY_FITS } ns_entry_fit;
 
 /* mode_entry.c: X_next = X, as the mode is entered with it; 1 if it jumps.  Then: whether its pairs can carry

@@ -6,8 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-/* The engine's point at t, gone to without a look at what is before it, to xl (n+m); *right: it is.  0: the
- * engine does not go there. */
+/* Goes to t without a check of what lies before; the engine's point there to xl (n+m); *right: that point is
+ * right.  0: the engine fails on the way. */
 static int look_at(ns_run *r, double t, double *xl, int *right) {
     ns_run_check *k = &r->check;
     const size_t n = (size_t)r->s->n, all = n + (size_t)r->s->m;

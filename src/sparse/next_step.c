@@ -19,8 +19,8 @@ static const double longer = 16;
 enum { SHORTER = 2 };
 /* The first Euler step of a capture is h 2^-this. */
 enum { CAPTURE_FIRST = 14, CAPTURE_LAST = 2, CAPTURE_BY = 4 };
-/* Where a capture leads to a mode that no step can be made in, the next one is so many times as long: what
- * two sources in a loop of closed diodes differ by may be rounding beside them in a short step. */
+/* If no step can be made in the mode after a capture, the next capture is so many times as long: two sources
+ * that closed diodes join may differ by less than their rounding after a short one. */
 static const double longer_capture = 4;
 /* What a capture takes from the steps that are left. */
 enum { CAPTURE_COST = 3000 };

@@ -324,7 +324,8 @@ static int second_order_agrees(int run_of, int i, const judge_options *o) {
     return done(J_VARIED) && 3 * from_theta < from_run;
 }
 
-/* The scheme has not four steps for an event: it damps the ring that these belong to. */
+/* 1 if the scheme took fewer than four steps for each event of the run: it damps a ring that makes such
+ * events, and is no witness. */
 static int is_too_coarse(int run_of) {
     return 4 * result[run_of]->counts.events > result[J_THETA2]->counts.steps;
 }
