@@ -91,31 +91,26 @@ static void resolve_before_next(ns_exact *f, ns_exact_mode *k) {
         (void)ns_exact_mode_resolve(f, k);
 }
 
-/* 1 if two closed pairs with a resistance may take part in the jump: it flows through them, or they were open
- * before.  The current of one may fall to zero and reverse before the jump is over. */
-static int may_turn(const ns_exact *f, const ns_exact_mode *k) {
+/* 1 if a closed pair with a resistance takes part in the jump: it flows through it, or it was open before.
+ * Before the jump is over the current of one may fall to zero and reverse, and another pair may conduct for a
+ * while. */
+static int takes_time(const ns_exact *f, const ns_exact_mode *k) {
     const int m = f->system->m;
-    int takes_part = 0;
+    int any = 0;
     for (int g = 0; g < f->entered->pair_rows; g++) {
         const int j = f->entered->row[g].pair;
         if (k->mode[j] == NS_INSIDE && f->system->D[j + j * m] > 0)
-            takes_part += ns_exact_enter_carries(f, f->entered, g) || !f->state.mode ||
-                          f->state.mode->mode[j] != NS_INSIDE;
+            any |= ns_exact_enter_carries(f, f->entered, g) || f->state.mode->mode[j] != NS_INSIDE;
     }
-    return takes_part > 1;
+    return any;
 }
 
-/* Where a guard breaks on the way of a jump that has a finite rate, it is resolved, and another mode follows
- * there.  It is, too, where the impulse of a pair is no more than what flows through it meanwhile. */
+/* A jump that has a finite rate is resolved where pairs may open and close on its way: another mode follows
+ * there, or other charges are left.  At a start any pair may. */
 ns_mode_verdict ns_exact_mode_holds(ns_exact *f, ns_exact_mode *k, ns_evidence evidence, uint64_t undecided) {
     resolve_before_next(f, k);
     const ns_mode_verdict verdict = judge_mode(f, k, evidence, undecided);
-    if (!f->entered || (verdict == NS_VERDICT_HOLDS && !may_turn(f, k)))
-        return verdict;
-    const ns_entry_fit fit = ns_exact_enter_fits(f, f->entered);
-    const int may = verdict == NS_VERDICT_HOLDS || fit == NS_ENTRY_MAYBE || fit == NS_ENTRY_CORNER ||
-                    (fit == NS_ENTRY_FITS && (k->hides & NS_HIDES_RATES));
-    if (!may || !ns_exact_mode_resolve(f, k))
+    if (!f->entered || (f->state.mode && !takes_time(f, k)) || !ns_exact_mode_resolve(f, k))
         return verdict;
     return judge_mode(f, k, evidence, undecided);
 }

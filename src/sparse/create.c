@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const double default_reltol = 1e-9;
 static const size_t default_bytes = (size_t)64 << 20;
@@ -117,14 +118,46 @@ static double shortest_of_inputs(const ns_sparse *m) {
     return NS_REACH / most;
 }
 
-/* o.finer, so that a step which resolves an event is short beside the shortest ramp of an input. */
+/* by (n) += what each pair with a resistance conducts from an unknown with a charge, in its row. */
+static void add_pairs(const ns_form *f, const double *held, double *by) {
+    for (int j = 0; j < f->m; j++) {
+        double ohm = 0;
+        for (int k = f->Ct.start[j]; k < f->Ct.start[j + 1]; k++)
+            ohm += f->Ct.row[k] == f->n + j ? f->Ct.value[k] : 0;
+        for (int k = f->Ct.start[j]; ohm > 0 && k < f->Ct.start[j + 1]; k++)
+            if (f->Ct.row[k] < f->n && held[f->Ct.row[k]] > 0)
+                by[f->Ct.row[k]] += f->Ct.value[k] * f->Ct.value[k] / ohm;
+    }
+}
+
+/* The shortest time, in s, in which a capacitance that a pair with a resistance can discharge is discharged:
+ * where others are at that time, what charges are left depends on which pair stops first.  held, by: n. */
+static double shortest_race(const ns_form *f, double *held, double *by) {
+    double rate = 0;
+    memset(held, 0, sizeof *held * (size_t)f->n);
+    memset(by, 0, sizeof *by * (size_t)f->n);
+    for (int i = 0; i < f->n; i++)
+        for (int k = f->Mt.start[i]; k < f->Mt.start[i + 1]; k++)
+            held[f->Mt.row[k]] = fmax(held[f->Mt.row[k]], fabs(f->Mt.value[k]));
+    add_pairs(f, held, by);
+    for (int i = 0; i < f->n; i++) {
+        if (!(by[i] > 0))
+            continue;
+        for (int k = f->At.start[i]; k < f->At.start[i + 1]; k++)
+            by[i] += f->At.row[k] == i ? fabs(f->At.value[k]) : 0;
+        rate = fmax(rate, by[i] / held[i]);
+    }
+    return 1 / rate;
+}
+
+/* o.finer, so that a step which resolves an event is short beside the shortest ramp of an input, and beside
+ * discharges that race. */
 static int finer_of(const ns_sparse *m) {
-    static const double part = 1.0 / 128;
+    static const double of_ramp = 1.0 / 128, of_race = 1.0 / 1024;
     const double least = ldexp(m->o.h, -NS_EVENT_LEAST_EXPONENT - m->o.finer);
-    const double shortest = ns_system_lines_shortest(m->s->nz, m->s->z);
-    if (!(part * shortest < least))
-        return m->o.finer;
-    return (int)fmin(NS_MOST_FINER, m->o.finer + ceil(log2(least / (part * shortest))));
+    const double need = fmin(of_ramp * ns_system_lines_shortest(m->s->nz, m->s->z),
+                             of_race * shortest_race(m->f, m->work.w, m->work.move));
+    return need < least ? (int)fmin(NS_MOST_FINER, m->o.finer + ceil(log2(least / need))) : m->o.finer;
 }
 
 static int create_parts(ns_sparse *m, const ns_system *s) {

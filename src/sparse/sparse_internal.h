@@ -30,7 +30,7 @@ enum {
     NS_EVENT_LEAST_EXPONENT = 26, /* + the shortest step that resolves an event */
     NS_FINER = 12,      /* of the step that makes w consistent: what lasts that short is a transient, */
     NS_FINEST = 26,     /* + unless it is shorter than this: then it jumps */
-    NS_MOST_FINER = 16, /* the largest o.finer */
+    NS_MOST_FINER = 24, /* the largest o.finer */
     NS_EXPONENTS = NS_LEAST_EXPONENT + NS_STEEPEST + NS_MOST_FINER + 1
 };
 
