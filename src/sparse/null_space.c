@@ -9,13 +9,14 @@
  * nothing but rounding is the null space.
  */
 #include "null_space.h"
+#include "linalg/directions.h"
 #include "linalg/simd.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST = 64, ROUNDS = 2, PURIFY = 4, SWEEPS = 16 };
+enum { MOST = 64, ROUNDS = 2, PURIFY = 4 };
 /* K_g^-1 makes a direction near the null space so many times as long, or more; of length 1 it is in the null
  * space if K leaves no more than `rounding` of it.  All in units. */
 static const double near = 1e4, rounding = 1e-14;
@@ -28,6 +29,7 @@ struct ns_null_search {
     double *value;                /* K's: of K with leaks; then of K, in units */
     double *turned;               /* the same, transposed */
     double *right, *left, *image; /* MOST+1 vectors (size) each */
+    double *along, *room;         /* MOST+1; for ns_linalg_turn() */
 };
 
 void ns_sparse_null_search_free(ns_null_search *s) {
@@ -65,7 +67,8 @@ int ns_sparse_null_search_create(const ns_form *f, ns_null_search **out) {
         return NS_E_MEMORY;
     s->f = f;
     s->start = calloc(size + 2 * entries + 1, sizeof(int));
-    s->value = calloc(2 * entries + 3 * (MOST + 1) * size + 1, sizeof(double));
+    s->value = calloc(2 * entries + (3 * size + 1) * (MOST + 1) + ns_linalg_turn_room(f->size, MOST),
+                      sizeof(double));
     int status = s->start && s->value ? NS_OK : NS_E_MEMORY;
     if (status == NS_OK) {
         s->row = s->start + size + 1;
@@ -74,6 +77,8 @@ int ns_sparse_null_search_create(const ns_form *f, ns_null_search **out) {
         s->right = s->turned + entries;
         s->left = s->right + (MOST + 1) * size;
         s->image = s->left + (MOST + 1) * size;
+        s->along = s->image + (MOST + 1) * size;
+        s->room = s->along + MOST + 1;
         turn_pattern(&f->K, s->start, s->row, s->place);
         status = ns_linalg_klu_create(f->size, s->start, s->row, &s->klu);
     }
@@ -88,27 +93,6 @@ int ns_sparse_null_search_create(const ns_form *f, ns_null_search **out) {
 
 static double *vector(double *of, int c, int size) {
     return of + (size_t)c * (size_t)size;
-}
-
-/* Takes out of x what lies along the first count of Q. */
-static void leave(int size, int count, const double *Q, double *x) {
-    for (int c = 0; c < count; c++) {
-        const double *q = Q + (size_t)c * (size_t)size;
-        const double along = ns_dot(size, q, x);
-        for (int i = 0; i < size; i++)
-            x[i] -= along * q[i];
-    }
-}
-
-/* Takes out of x what lies along the first count of Q, twice, and makes its length 1.  Returns its length
- * before that. */
-static double straighten(int size, int count, const double *Q, double *x) {
-    leave(size, count, Q, x);
-    leave(size, count, Q, x);
-    const double length = sqrt(ns_dot(size, x, x));
-    for (int i = 0; i < size; i++)
-        x[i] /= length;
-    return length;
 }
 
 static void solve_right(const ns_sparse_leaks *k, double *x) {
@@ -167,14 +151,14 @@ static int find_direction(const ns_null_search *s, const ns_sparse_leaks *k, int
         random ^= random << 17;
         x[i] = (double)(random >> 11) * 0x1p-53 - 0.5;
     }
-    (void)straighten((int)size, count, s->right, x);
+    (void)ns_linalg_straighten((int)size, count, s->right, x, s->along);
     for (int round = 0; round < ROUNDS; round++) {
         memcpy(y, x, sizeof(double) * size);
         solve_left(s, k, y);
-        double longer = straighten((int)size, count, s->left, y);
+        double longer = ns_linalg_straighten((int)size, count, s->left, y, s->along);
         memcpy(x, y, sizeof(double) * size);
         solve_right(k, x);
-        longer = fmax(longer, straighten((int)size, count, s->right, x));
+        longer = fmax(longer, ns_linalg_straighten((int)size, count, s->right, x, s->along));
         if (!(longer > near) || !isfinite(longer))
             return 0;
     }
@@ -191,35 +175,17 @@ static void purify(const ns_null_search *s, const ns_sparse_leaks *k, int count,
         double *q = Q + (size_t)c * (size_t)size;
         for (int round = 0; round < PURIFY; round++) {
             times(s, transposed, q, by);
-            leave(size, count, other, by);
+            ns_linalg_leave(size, count, other, by, s->along);
             if (transposed)
                 solve_left(s, k, by);
             else
                 solve_right(k, by);
-            leave(size, count, Q, by);
+            ns_linalg_leave(size, count, Q, by, s->along);
             for (int i = 0; i < size; i++)
                 q[i] -= by[i];
         }
-        (void)straighten(size, c, Q, q);
+        (void)ns_linalg_straighten(size, c, Q, q, s->along);
     }
-}
-
-/* One rotation of a, b and of what K makes of them, after which the latter are at right angles.  0: they
- * were. */
-static int rotate(int size, double *a, double *b, double *Ka, double *Kb) {
-    const double aa = ns_dot(size, Ka, Ka), bb = ns_dot(size, Kb, Kb), ab = ns_dot(size, Ka, Kb);
-    if (!(fabs(ab) > 1e-12 * sqrt(aa * bb)))
-        return 0;
-    const double zeta = (bb - aa) / (2 * ab), t = (zeta >= 0 ? 1 : -1) / (fabs(zeta) + sqrt(1 + zeta * zeta)),
-                 c = 1 / sqrt(1 + t * t), n = c * t;
-    for (int i = 0; i < size; i++) {
-        const double x = a[i], Kx = Ka[i];
-        a[i] = c * x - n * b[i];
-        b[i] = n * x + c * b[i];
-        Ka[i] = c * Kx - n * Kb[i];
-        Kb[i] = n * Kx + c * Kb[i];
-    }
-    return 1;
 }
 
 static void exchange(int size, double *a, double *b) {
@@ -233,23 +199,13 @@ static void exchange(int size, double *a, double *b) {
 /* Of the space of count directions those that K takes to nothing to the front; how many. */
 static int null_first(const ns_null_search *s, int count, int transposed, double *Q) {
     const int size = s->f->size;
-    int kept = 0, any = 1;
+    int kept = 0;
     for (int c = 0; c < count; c++)
         times(s, transposed, vector(Q, c, size), vector(s->image, c, size));
-    for (int sweep = 0; sweep < SWEEPS && any; sweep++) {
-        any = 0;
-        for (int a = 0; a < count; a++)
-            for (int b = a + 1; b < count; b++)
-                any |= rotate(size, vector(Q, a, size), vector(Q, b, size), vector(s->image, a, size),
-                              vector(s->image, b, size));
-    }
-    for (int c = 0; c < count; c++) {
-        const double *image = vector(s->image, c, size);
-        if (!(sqrt(ns_dot(size, image, image)) <= rounding))
-            continue;
-        exchange(size, vector(Q, kept, size), vector(Q, c, size));
-        exchange(size, vector(s->image, kept++, size), vector(s->image, c, size));
-    }
+    ns_linalg_turn(size, count, Q, s->image, s->along, s->room);
+    for (int c = 0; c < count; c++)
+        if (s->along[c] <= rounding)
+            exchange(size, vector(Q, kept++, size), vector(Q, c, size));
     return kept;
 }
 
