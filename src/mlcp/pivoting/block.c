@@ -140,10 +140,28 @@ static int flip_violated(state *b) {
     return n;
 }
 
+/* One number for a mode: that of another one is another, but for one in 1e19. */
+static unsigned long long number_of_mode(const ns_mlcp_solver *s) {
+    unsigned long long number = 14695981039346656037U;
+    for (int i = 0; i < s->m; i++)
+        number = (number ^ (unsigned long long)s->mode[i]) * 1099511628211U;
+    return number;
+}
+
+/* 1 if the mode is one of those met before, count of them: from there on they come in turn. */
+static int was_met(const ns_mlcp_solver *s, unsigned long long *met, int count) {
+    met[count] = number_of_mode(s);
+    for (int k = 0; k < count; k++)
+        if (met[k] == met[count])
+            return 1;
+    return 0;
+}
+
 /* From s->mode to one whose guards hold.  LIMIT: to one whose guards nearly do, or not. */
 static int find_mode(state *b) {
+    unsigned long long met[ROUNDS];
     int best = b->s->np + 1, idle = 0;
-    for (int round = 0; round < ROUNDS && idle < IDLE; round++) {
+    for (int round = 0; round < ROUNDS && idle < IDLE && !was_met(b->s, met, round); round++) {
         if (factor_mode(b) != NS_OK || solve_mode(b) != NS_OK)
             return NS_E_SINGULAR;
         const int n = flip_violated(b);
@@ -206,8 +224,9 @@ static double solve_without_ridge(state *b, int *status) {
 /* --- proximal points --- */
 
 /* One point: *r gets its residual.  1: nothing better is to be expected. */
-static int solve_point(state *b, double *r) {
-    if (find_mode(b) == NS_E_SINGULAR) {
+static int solve_point(state *b, int patient, double *r) {
+    const int status = find_mode(b);
+    if (status == NS_E_SINGULAR || (status == NS_E_LIMIT && !patient)) {
         *r = INFINITY;
         return 1;
     }
@@ -215,14 +234,15 @@ static int solve_point(state *b, double *r) {
     return *r <= NS_MLCP_GOOD;
 }
 
-/* Ever smaller ridges, from the answer of the one before. */
-static double solve_proximal_points(state *b) {
+/* Ever smaller ridges, from the answer of the one before.  Not patient: it is given up where no mode is found
+ * for one of them. */
+static double solve_proximal_points(state *b, int patient) {
     ns_mlcp_solver *s = b->s;
     double r = INFINITY;
     memset(s->factored.centre, 0, (size_t)s->m * sizeof *s->factored.centre);
     for (int eps = FIRST; eps >= LAST; eps += STEP) {
         b->eps = eps;
-        const int done = solve_point(b, &r);
+        const int done = solve_point(b, patient, &r);
         if (done)
             return r;
         memcpy(s->factored.centre, s->lambda, (size_t)s->m * sizeof *s->lambda);
@@ -230,14 +250,14 @@ static double solve_proximal_points(state *b) {
     return r;
 }
 
-int ns_mlcp_block(ns_mlcp_solver *s, double *residual) {
+int ns_mlcp_block(ns_mlcp_solver *s, int patient, double *residual) {
     state b = {.s = s};
     int status = NS_OK;
     *residual = answer_of_kept_factors(&b);
     if (!(*residual <= NS_MLCP_ACCEPT))
         *residual = solve_without_ridge(&b, &status);
     if (!(*residual <= NS_MLCP_ACCEPT) && status == NS_E_SINGULAR)
-        *residual = solve_proximal_points(&b);
+        *residual = solve_proximal_points(&b, patient);
     if (!(*residual <= NS_MLCP_ACCEPT))
         return status == NS_E_LIMIT ? status : NS_E_RESIDUAL;
     memcpy(s->ray, s->y, (size_t)s->m * sizeof *s->y);

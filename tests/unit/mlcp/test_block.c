@@ -9,10 +9,11 @@
 
 #include <cmocka.h>
 
+#include "generators.h"
 #include "grids.h"
 #include "nonsmooth/mlcp.h"
 
-enum { MAX = 160 };
+enum { MAX = 200 };
 
 static sample s;
 static ns_mlcp_solver *solver;
@@ -92,6 +93,24 @@ static void the_last_mode_costs_no_factor(void **state) {
             assert_int_equal(info.pivots, 0);
             answer_fits();
         }
+    }
+}
+
+/* Where rounds of pivoting go in a circle Lemke's method answers before all ridges, and proofs, were tried.
+ */
+static void what_leads_nowhere_is_left(void **state) {
+    (void)state;
+    static const struct {
+        int class;
+        unsigned number;
+    } at[] = {{CLASS_BOXES, 81}, {CLASS_BOXES, 75}, {CLASS_DEGENERATE, 119}, {CLASS_COPOSITIVE, 130}};
+    for (size_t k = 0; k < sizeof at / sizeof *at; k++) {
+        generate(&s, at[k].class, at[k].number, MAX);
+        assert_true(s.m > 64);
+        assert_int_equal(solve(NS_MLCP_AUTO, 0), NS_OK);
+        assert_true(info.residual < 1e-10);
+        assert_int_equal(info.method, NS_MLCP_LEMKE);
+        assert_true(info.factors < 60);
     }
 }
 
@@ -210,6 +229,7 @@ int main(void) {
         cmocka_unit_test(networks_need_no_other_method),
         cmocka_unit_test(units_do_not_matter),
         cmocka_unit_test(the_last_mode_costs_no_factor),
+        cmocka_unit_test(what_leads_nowhere_is_left),
         cmocka_unit_test(parallel_diodes_share_alike),
         cmocka_unit_test(contradictions_are_not_solved),
         cmocka_unit_test(large_amounts_do_not_hide_contradictions),
