@@ -44,8 +44,27 @@ static int begins_at(ns_run *r, double t) {
     return ns_engine_read(r->at_work, &now, NULL, NULL, NULL) == NS_OK && now == t;
 }
 
-static int is_excused(ns_run *r, const ns_verify_finding *f) {
+/* Looks may take this part of what the run took so far, or of what comes before a first question. */
+static const double look_part = 0.25;
+
+/* Looks at longer and longer d, up to `longest`, until the pair of f is right after one.  Each goes all the
+ * way from the accepted point again: what they take is bounded, as the engine may crawl there. */
+static int is_right_later(ns_run *r, const ns_verify_finding *f, const double *at, double shortest,
+                          double longest) {
     enum { SHORTEST_EXPONENT = -20, LONGER_EXPONENT = 2 };
+    ns_engine *e = r->at_work;
+    const double kept = e->most_work, most = look_part * fmax(ns_march_run_work(r).all,
+                                                              ns_march_first_question(r->s, r->is_dense));
+    int right = 0;
+    e->most_work = ns_engine_work(e).all + most;
+    for (double d = fmax(shortest, ldexp(longest, SHORTEST_EXPONENT));
+         !right && d <= longest && !ns_engine_is_over(e); d = ldexp(d, LONGER_EXPONENT))
+        right = d > shortest && is_right_after(r, f, at, d);
+    e->most_work = kept;
+    return right;
+}
+
+static int is_excused(ns_run *r, const ns_verify_finding *f) {
     const size_t n = (size_t)r->s->n, all = n + (size_t)r->s->m;
     const double rounding = ns_verify_roundings * DBL_EPSILON * fabs(f->t);
     double *at = r->check.nodes;
@@ -54,13 +73,10 @@ static int is_excused(ns_run *r, const ns_verify_finding *f) {
         return 0;
     memcpy(at, r->check.here, sizeof *at * all);
     int right = rounding > 0 && is_right_after(r, f, at, rounding);
-    /* each of these goes all the way to there again */
     const double longest =
         !right && begins_at(r, f->t) ? ns_verify_excusable(r->check.verify, f->pair, &here) : 0;
-    const int looks_on = longest > 0;
-    for (double d = fmax(rounding, ldexp(longest, SHORTEST_EXPONENT)); looks_on && !right && d <= longest;
-         d = ldexp(d, LONGER_EXPONENT))
-        right = d > rounding && is_right_after(r, f, at, d);
+    if (longest > 0)
+        right = is_right_later(r, f, at, rounding, longest);
     if (right)
         ns_verify_excuse(r->check.verify, f->t, f->pair);
     return right;
