@@ -120,7 +120,7 @@ static double voltage_at(const ns_analysis *a, int eq) {
 
 int ns_bridge_own_is_following(const ns_analysis *a, const ns_own_taken *o) {
     const ns_own_mosfet *m = &o->mosfet;
-    return ns_bridge_own_is_follower(o) &&
+    return ns_bridge_own_saturates(o) &&
            m->sign * (voltage_at(a, m->drain) - voltage_at(a, m->gate)) > -m->vth;
 }
 
@@ -139,7 +139,7 @@ static void add_channel(const own_pass *p, const ns_own_taken *o, const ns_mode 
                         double from, double to) {
     const ns_analysis *a = p->a;
     double i;
-    if (ns_bridge_own_is_follower(o) &&
+    if (ns_bridge_own_saturates(o) &&
         ns_circuit_device(a->ex.circuit, o->id, a->x, a->lambda, mode, &i, NULL, NULL) == NS_OK)
         add_current(mean,
                     i > NS_LEAK && (o->follows == FOLLOWS_AND_CLOSES || ns_bridge_own_is_following(a, o)), i,

@@ -45,14 +45,15 @@ static double beyond_saturation(const ns_own_mosfet *m, double i, double above) 
 }
 
 /* A switch: the current (A) beyond that of saturation at its present v(gate,source), of its current; not
- * while its drain holds its gate at the threshold.  A follower: by how much the voltage (V) beyond vto that
+ * while its drain holds its gate at what that needs.  A follower: by how much the voltage (V) beyond vto that
  * its own gate needs while it is not closed is another one than was taken, of that of its source while it
  * carries a current. */
 static void judge_channel(const ns_analysis *a, const ns_own_taken *o, double i, double *off, double *of) {
     const ns_own_mosfet *m = &o->mosfet;
     const double above = above_threshold(a, m);
     if (!ns_bridge_own_is_follower(o)) {
-        const int held = o->follows && above < held_within * (o->drive - m->vth);
+        const double needs = o->overdrive.volts + o->overdrive.ohm * fmax(i, 0.0);
+        const int held = o->follows && above < needs + held_within * (o->drive - m->vth);
         *off = held ? 0.0 : beyond_saturation(m, i, above);
         *of = fabs(i);
     } else {

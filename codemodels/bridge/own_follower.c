@@ -1,4 +1,5 @@
-/* bridge/own_follower.c - the lines that stand for the square law of an M that is a source follower.
+/* bridge/own_follower.c - the lines that stand for the square law of an M that is a source follower, or whose
+ * drain holds its gate while it swings.
  *
  * Its gate is driven against ground, so v(gate,source) is what its current needs.  With v(gate,drain) = vth +
  * e and v(drain,source) = v its current is beta ((e + v) v - v^2/2) = beta (e v + v^2/2): at e = 0, where an
@@ -59,7 +60,7 @@ void ns_bridge_own_find_lines(ns_extract_walk *w, const GENinstance *inst, ns_ow
     const int known = !o->zero_diodes && isnan(o->id);
     const ns_own_current *found = known ? ns_bridge_own_found(w, inst, OWN_CHANNEL) : NULL;
     taken->ron = ns_bridge_own_ohmic(taken);
-    if (o->zero_diodes || !ns_bridge_own_is_follower(taken))
+    if (o->zero_diodes || !ns_bridge_own_saturates(taken))
         return;
     if (taken->follows == FOLLOWS_AND_CLOSES) {
         taken->closed = found ? line_of(taken, ns_bridge_own_closed_voltage, found)

@@ -9,6 +9,12 @@ static inline int ns_bridge_own_is_follower(const ns_own_taken *o) {
     return o->follows == FOLLOWS_GATE || o->follows == FOLLOWS_AND_CLOSES;
 }
 
+/* 1 if its gate rests at what its current needs for a time that counts: of a follower, or while its drain
+ * swings and holds it there. */
+static inline int ns_bridge_own_saturates(const ns_own_taken *o) {
+    return ns_bridge_own_is_follower(o) || o->follows == FOLLOWS_DRAIN;
+}
+
 /* V: across the channel of a follower that closes, without series resistance, at a current (A); its
  * v(gate,drain) is that of its drive. */
 double ns_bridge_own_closed_voltage(const ns_own_taken *o, double amperes);

@@ -59,7 +59,7 @@ typedef struct ns_own_drive {
 enum {
     FOLLOWS_GATE = 1,   /* an n channel's gate is driven against ground, its source is not tied to that */
     FOLLOWS_AND_CLOSES, /* so, and high is of v(gate,drain), from which on it is closed */
-    FOLLOWS_DRAIN,      /* its drain acts on its gate, and holds it at the threshold (own_feedback.h) */
+    FOLLOWS_DRAIN,      /* its drain acts on its gate, and holds it there while it swings (own_feedback.h) */
     FOLLOWS_SHUNT       /* the drop of a shunt at its source holds it there while its current rises */
 };
 
