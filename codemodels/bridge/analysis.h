@@ -50,6 +50,12 @@ typedef struct ns_analysis {
         double since;  /* since that time, s */
         int said;
     } chatter;
+    struct {                  /* own_ring.c: the D whose current came to zero last */
+        int own;              /* 1 + its index; 0: none, or that is long ago */
+        double until, slope;  /* s; A/s, how fast its current fell */
+        double volts, farads; /* by which the voltage across it jumped; what rings by that, as it sees it */
+        double amperes;       /* of that ring */
+    } ring;
     int devices_stale; /* the devices' static variables are of an earlier point */
 } ns_analysis;
 

@@ -121,7 +121,16 @@ typedef struct ns_own_taken {
          * the point before, and integrals */
         double above, off, of, all_off, all_of;
         double closed, openings; /* of M: how long, s, and how often it opened */
+        double v;                /* V: across it, of M its channel */
     } seen;
+    struct {                      /* own_ring.c, of D: the present pulse of its current, or the last one */
+        int is_on;                /* it did not end yet */
+        double began, half, most; /* s; s: when it last was above its half; A */
+        double at_half;           /* A, then */
+        double v, mark;           /* V: across it (of M, S too) at the point before; before the last end */
+        double rings, peaks;      /* A: sums of what would ring, and of all pulses */
+        double farads;            /* that rings, as seen by this D, at most */
+    } ring;
     double vt;        /* of a switch with VON, VOFF */
     ns_own_switch sw; /* of S, W */
     /* of M: */

@@ -3,6 +3,7 @@
 
 #include "own_current.h"
 #include "own_follower.h"
+#include "own_ring.h"
 #include "own_show.h"
 #include "own_stored.h"
 #include "own_structs.h"
@@ -122,7 +123,7 @@ static void count_missed(const ns_analysis *a, ns_own_taken *o, double v, double
     o->seen.forwards = forwards;
 }
 
-void ns_bridge_own_count_point(const CKTcircuit *ckt, const ns_analysis *a, double since, double t) {
+void ns_bridge_own_count_point(const CKTcircuit *ckt, ns_analysis *a, double since, double t) {
     const ns_own_flow flow = ns_bridge_own_flow(ckt, a);
     for (int k = 0; k < a->ex.nowns; k++) {
         ns_own_taken *o = &a->ex.own[k];
@@ -142,8 +143,10 @@ void ns_bridge_own_count_point(const CKTcircuit *ckt, const ns_analysis *a, doub
         ns_bridge_own_count_stored(o, &flow, i, v, o->seen.t >= since ? t - o->seen.t : -1.0);
         o->seen.t = t;
         o->seen.i = fmax(i, 0.0);
-        o->seen.most_v = fmax(o->seen.most_v, fabs(o->kind == OWN_MOSFET ? across_channel(a, o) : v));
+        o->seen.v = o->kind == OWN_MOSFET ? across_channel(a, o) : v;
+        o->seen.most_v = fmax(o->seen.most_v, fabs(o->seen.v));
     }
+    ns_bridge_own_count_ring(a, t, t > since);
 }
 
 static double own_current(const ns_own_taken *o) {
@@ -345,5 +348,5 @@ int ns_bridge_own_note_curve(const CKTcircuit *ckt, const ns_analysis *a) {
         }
     }
     return worst || note_missed(ckt, a) || ns_bridge_own_note_guess(a, NULL) ||
-           ns_bridge_own_note_stored(a) || note_charge(a);
+           ns_bridge_own_note_stored(a) || note_charge(a) || ns_bridge_own_note_ring(a);
 }

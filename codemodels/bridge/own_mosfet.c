@@ -52,6 +52,8 @@ static void read_vdmos(const VDMOSinstance *v, ns_own_mosfet *m) {
         .rs = ohms(v->VDIOtConductance),
         .bv = model->VDIObvGiven ? model->VDIObv : INFINITY,
         .farads = v->VDIOtJctCap,
+        .built_in = v->VDIOtJctPot,
+        .grading = v->VDIOtGradingCoeff,
         .law = {.bottom = {v->VDIOtSatCur, model->VDIOn * CONSTboltz / CHARGE * v->VDMOStemp}}};
     if (model->VDIObvGiven)
         m->body.breakdown =
@@ -66,10 +68,14 @@ static void read_vdmos(const VDMOSinstance *v, ns_own_mosfet *m) {
 /* Of the oxide's capacitance, what lies between gate and source beyond the threshold. */
 static const double of_oxide = 2.0 / 3.0;
 
-/* Its body diode: the current of saturation, A; K; F. */
-static void set_body(ns_own_mosfet *m, double amperes, double kelvin, double farads) {
-    m->body = (ns_own_diode){
-        .bv = INFINITY, .farads = farads, .law = {.bottom = {amperes, CONSTboltz / CHARGE * kelvin}}};
+/* Its body diode: the current of saturation, A; K; of its junction F, V and exponent. */
+static void set_body(ns_own_mosfet *m, double amperes, double kelvin, double farads, double built_in,
+                     double grading) {
+    m->body = (ns_own_diode){.bv = INFINITY,
+                             .farads = farads,
+                             .built_in = built_in,
+                             .grading = grading,
+                             .law = {.bottom = {amperes, CONSTboltz / CHARGE * kelvin}}};
 }
 
 static void read_mos1(const MOS1instance *v, ns_own_mosfet *m) {
@@ -89,7 +95,8 @@ static void read_mos1(const MOS1instance *v, ns_own_mosfet *m) {
                          .series = ohms(v->MOS1drainConductance) + ohms(v->MOS1sourceConductance),
                          .leak = INFINITY,
                          .gamma = model->MOS1gamma};
-    set_body(m, v->MOS1m * amperes, v->MOS1temp, v->MOS1tCbd);
+    set_body(m, v->MOS1m * amperes, v->MOS1temp, v->MOS1tCbd, v->MOS1tBulkPot,
+             model->MOS1bulkJctBotGradingCoeff);
     hide(m, 0, v->MOS1dNodePrime, v->MOS1dNode);
     hide(m, 1, v->MOS1sNodePrime, v->MOS1sNode);
     const double width = v->MOS1m * v->MOS1w;
@@ -132,7 +139,8 @@ static void read_mos3(const MOS3instance *v, ns_own_mosfet *m) {
                          .series = ohms(v->MOS3drainConductance) + ohms(v->MOS3sourceConductance),
                          .leak = INFINITY,
                          .gamma = model->MOS3gamma};
-    set_body(m, v->MOS3m * amperes, v->MOS3temp, v->MOS3tCbd);
+    set_body(m, v->MOS3m * amperes, v->MOS3temp, v->MOS3tCbd, v->MOS3tBulkPot,
+             model->MOS3bulkJctBotGradingCoeff);
     hide(m, 0, v->MOS3dNodePrime, v->MOS3dNode);
     hide(m, 1, v->MOS3sNodePrime, v->MOS3sNode);
     m->charge.source =

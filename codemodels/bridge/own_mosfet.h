@@ -44,6 +44,9 @@ double ns_bridge_own_needs(const ns_own_mosfet *m, double amperes);
 double ns_bridge_own_channel(const ns_own_mosfet *m, double above, double volts);
 double ns_bridge_own_resistance(const ns_own_mosfet *m, double above);
 
+/* F between gate and drain, where that is v (V) above it. */
+double ns_bridge_own_gate_to_drain(const ns_own_mosfet *m, double v);
+
 /* @m1[id] at a point, and so that ngspice's own convergence test finds nothing.  amperes: into the drain.
  * value: by equation. */
 void ns_bridge_own_write_mosfet(GENinstance *inst, CKTcircuit *ckt, double amperes, const double *value);

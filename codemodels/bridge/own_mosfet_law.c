@@ -51,6 +51,10 @@ double ns_bridge_own_resistance(const ns_own_mosfet *m, double above) {
     return m->series + 1.0 / (ns_bridge_own_gain(m, above) * m->triode * ns_bridge_own_overdrive(m, above));
 }
 
+double ns_bridge_own_gate_to_drain(const ns_own_mosfet *m, double v) {
+    return m->charge.drain + m->charge.more / (1.0 + m->charge.bend * v);
+}
+
 double ns_bridge_own_late(const ns_own_mosfet *m, const ns_own_drive *drive, double volts, double *ohm) {
     const double opens_by = drive->opens + m->charge.ohm, closes_by = drive->closes + m->charge.ohm;
     const double low = m->vth - drive->low, high = drive->high - m->vth, bend = m->charge.bend;

@@ -13,7 +13,7 @@ void ns_bridge_own_show_states(const ns_analysis *a, CKTcircuit *ckt);
 
 /* The accepted point of .tran, at t, s, counts for ns_bridge_own_note_curve(); what is between points counts
  * from `since` on, s: before, they are far apart. */
-void ns_bridge_own_count_point(const CKTcircuit *ckt, const ns_analysis *a, double since, double t);
+void ns_bridge_own_count_point(const CKTcircuit *ckt, ns_analysis *a, double since, double t);
 
 /* At the end of .tran, one line about the D, if any, whose own voltage at the current that it carried is far
  * from the one it was taken for, beside the voltages it blocks, or whose current is far from one that was

@@ -113,6 +113,8 @@ void ns_bridge_own_read_diode(const GENinstance *inst, ns_own_diode *d) {
                         .rs = series_of(dio, model),
                         .bv = breakdown_of(dio, model),
                         .farads = dio->DIOtJctCap + dio->DIOtJctSWCap,
+                        .built_in = dio->DIOtJctPot,
+                        .grading = dio->DIOtGradingCoeff,
                         .tt = model->DIOtransitTime,
                         .is_default =
                             !model->DIOsatCurGiven && !model->DIOemissionCoeffGiven && !model->DIOresistGiven,
@@ -121,6 +123,10 @@ void ns_bridge_own_read_diode(const GENinstance *inst, ns_own_diode *d) {
     if (isfinite(d->bv))
         d->breakdown = (ns_breakdown_law){dio->DIOtBrkdwnV, d->law.bottom.amperes + d->law.side.amperes,
                                           model->DIObrkdEmissionCoeff * CONSTboltz / CHARGE * dio->DIOtemp};
+}
+
+double ns_bridge_own_junction(const ns_own_diode *d, double v) {
+    return d->built_in > 0.0 ? d->farads * pow(1.0 + v / d->built_in, -d->grading) : d->farads;
 }
 
 static double conductance_at(double v, double i, double on, double off, int is_on) {

@@ -40,18 +40,22 @@ void ns_bridge_own_read_current_switch(const GENinstance *inst, const CKTcircuit
 
 typedef struct ns_own_diode {
     int anode, cathode;
-    int inside;       /* behind the series resistance; the anode, if there is none */
-    double rs;        /* ohm */
-    double bv;        /* V, INFINITY: none */
-    double farads;    /* of the junction at 0 V */
-    double tt;        /* s: transit time, which is left out */
-    int heats;        /* its temperature follows its losses */
-    int is_default;   /* its model gives no law: none of is, n, rs */
-    ns_diode_law law; /* of the junction */
+    int inside;               /* behind the series resistance; the anode, if there is none */
+    double rs;                /* ohm */
+    double bv;                /* V, INFINITY: none */
+    double farads;            /* of the junction at 0 V; */
+    double built_in, grading; /* V; exponent: at v backwards it is so many farads/(1 + v/built_in)^grading */
+    double tt;                /* s: transit time, which is left out */
+    int heats;                /* its temperature follows its losses */
+    int is_default;           /* its model gives no law: none of is, n, rs */
+    ns_diode_law law;         /* of the junction */
     ns_breakdown_law breakdown;
 } ns_own_diode;
 
 void ns_bridge_own_read_diode(const GENinstance *inst, ns_own_diode *d);
+
+/* F: of the junction at v, V, backwards. */
+double ns_bridge_own_junction(const ns_own_diode *d, double v);
 
 /* Writes v and i where ngspice shows them (@s1[i], @d1[id]) and where its own load starts from, so that it
  * limits nothing.  v: of the switch, of the diode's junction, V; i: A. */
