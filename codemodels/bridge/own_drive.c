@@ -5,6 +5,7 @@
 
 #include "models.h"
 #include "own_mosfet.h"
+#include "own_touch.h"
 #include "own_voltage.h"
 
 /* --- a gate that switches, or other M, connect with its source and with a supply --- */
@@ -240,14 +241,16 @@ static int is_raised(const CKTcircuit *ckt, int source) {
 static int is_behind_ohm(const CKTcircuit *ckt, const ns_own_mosfet *m) {
     int ohms = 0;
     for (NGTABLEPTR box = ckt->DEVnameHash->thread; box; box = box->thread_next) {
-        ns_own_way w = {.ckt = ckt, .shunt = 1.0};
+        const ns_own_way w = {.ckt = ckt, .shunt = 1.0};
+        const char letter = ns_bridge_models_letter(box->data);
         ns_own_range gap;
         int p, n;
-        if (!ns_bridge_own_wire(&w, box->data, m->source, &p, &n, &gap) || (p != m->source && n != m->source))
+        if (letter == 'm' || letter == 'd' || letter == 'c' || !ns_bridge_own_touches(box->data, m->source))
             continue;
-        if (ns_bridge_models_letter(box->data) != 'r' || p == m->gate || n == m->gate)
+        if (letter != 'r' ||
+            (ns_bridge_own_wire(&w, box->data, m->source, &p, &n, &gap) && (p == m->gate || n == m->gate)))
             return 0;
-        ohms++;
+        ohms += ns_bridge_own_wire(&w, box->data, m->source, &p, &n, &gap);
     }
     return ohms == 1;
 }

@@ -256,12 +256,53 @@ static int find_voltage(ns_own_way wires, int p, ns_own_range *r, double *share,
     return 1;
 }
 
+/* The voltage of p above the goal of these wires, through V and R, without L.  0: they do not say, and
+ * nothing holds it either. */
+static int find_level_at(const ns_own_way *wires, int p, ns_own_range *r) {
+    network *n = calloc(1, sizeof *n);
+    double share = 0.0;
+    if (!n)
+        return 0;
+    n->ohm = NAN;
+    n->wires = *wires;
+    n->wires.along_r = 1;
+    const int known = find_potential(n, p, r, &share) || isfinite(n->ohm);
+    free(n);
+    return known && isfinite(r->low) && isfinite(r->high) && (share > 1.0 - 1e-12 || wires->goal == 0);
+}
+
+/* Likewise as S, W and ideal switches, each alone or none, give it.  0: they give it no two voltages. */
+static int find_switched(ns_own_way wires, int p, ns_own_range *r) {
+    ns_own_range all = {INFINITY, -INFINITY, 1, 1, 0.0, 0, 0}, level;
+    wires.closed = NULL;
+    if (find_level_at(&wires, p, &level)) {
+        ns_bridge_own_extend(&all, level.low);
+        ns_bridge_own_extend(&all, level.high);
+    }
+    for (NGTABLEPTR box = wires.ckt->DEVnameHash->thread; box; box = box->thread_next) {
+        int from, to;
+        if (ns_bridge_own_kind(box->data) == OWN_MOSFET || !ns_bridge_own_contacts(box->data, &from, &to))
+            continue;
+        wires.closed = box->data;
+        if (!find_level_at(&wires, p, &level))
+            continue;
+        ns_bridge_own_extend(&all, level.low);
+        ns_bridge_own_extend(&all, level.high);
+    }
+    if (!(all.low < all.high))
+        return 0;
+    *r = all;
+    return 1;
+}
+
 int ns_bridge_own_find_voltage(const CKTcircuit *ckt, int p, int m, int is_control, ns_own_range *r,
                                double *share) {
+    const ns_own_way wires = {.ckt = ckt, .find = is_control ? NULL : ns_bridge_own_find_voltage, .goal = m};
     double ohm;
-    return find_voltage(
-        (ns_own_way){.ckt = ckt, .find = is_control ? NULL : ns_bridge_own_find_voltage, .goal = m}, p, r,
-        share, &ohm);
+    const int known = find_voltage(wires, p, r, share, &ohm);
+    if (!is_control || (known && r->low < r->high))
+        return known;
+    return find_switched(wires, p, r) || known;
 }
 
 int ns_bridge_own_find_gate(const CKTcircuit *ckt, int gate, int source, ns_own_range *r, double *share,
