@@ -57,12 +57,32 @@ static int prepare_points(ns_analysis *a) {
     return NS_OK;
 }
 
+void ns_bridge_analysis_take_mode(ns_analysis *a, const ns_mode *mode) {
+    for (int k = 0; k < a->system->m; k++) {
+        a->changed = a->mode[k] == mode[k] ? a->changed : k + 1;
+        a->mode[k] = mode[k];
+    }
+}
+
+/* Of a failure that names nothing: the device that changed last before it. */
+static void add_changed(const ns_analysis *a, char *line, size_t size) {
+    const size_t length = strlen(line);
+    char name[200];
+    if (a->changed && ns_circuit_name_pair(a->ex.circuit, a->changed - 1, name, sizeof name) > 0)
+        snprintf(line + length, size - length,
+                 "; before that %s changed: if it is controlled by what it switches, delay its control by "
+                 "R and C, or give it hysteresis",
+                 name);
+}
+
 void ns_bridge_analysis_explain(const ns_analysis *a, const ns_fault *fault, int status, char *line,
                                 size_t size) {
     const char *message = a->system ? "" : ns_circuit_message(a->ex.circuit);
     if (fault && fault->status)
         ns_circuit_explain(a->ex.circuit, fault, line, size);
-    else
+    if (fault && fault->status == NS_E_RESIDUAL && fault->npairs + fault->nunknowns == 0)
+        add_changed(a, line, size);
+    else if (!fault || !fault->status)
         snprintf(line, size, "%s", *message ? message : ns_status_text(status));
 }
 
@@ -238,7 +258,7 @@ int ns_bridge_analysis_take(ns_analysis *a, const ns_waveform_point *p, double p
             return NS_E_OVERFLOW;
         a->max_abs[k] = fabs(to[k]) > a->max_abs[k] ? fabs(to[k]) : a->max_abs[k];
     }
-    memcpy(a->mode, p->mode, (size_t)a->system->m * sizeof *a->mode);
+    ns_bridge_analysis_take_mode(a, p->mode);
     ns_bridge_taken_at(a, p->sums, part);
     ns_bridge_analysis_unread(a);
     return NS_OK;

@@ -34,6 +34,7 @@ typedef struct ns_analysis {
 
     /* --- what the devices show of it (show.c) --- */
     ns_mode *mode;                 /* of the accepted point */
+    int changed;                   /* 1 + the pair whose mode changed last; 0: none did */
     ns_taken *taken;               /* charge and energy (taken.c); NULL: nobody asks */
     struct {                       /* many_points.c: of the waveform */
         long points, looked;       /* so far; when they were looked at last */
@@ -58,6 +59,9 @@ typedef struct ns_analysis {
     } ring;
     int devices_stale; /* the devices' static variables are of an earlier point */
 } ns_analysis;
+
+/* The mode of the point that is accepted. */
+void ns_bridge_analysis_take_mode(ns_analysis *a, const ns_mode *mode);
 
 /* OK, or a code after one line. */
 int ns_bridge_analysis_make(CKTcircuit *ckt, ns_extract_sources sources, const ns_own_found *found,

@@ -61,6 +61,7 @@ typedef struct ns_own_found {
     double otherwise;   /* of all others */
     double seconds;     /* of the pass that found them, from 0 on; 0: there was none */
     int whole;          /* that was all of .tran */
+    int fails;          /* it could not go on */
     int nstarts;
     ns_own_start *start; /* nstarts (own_rest.c) */
 } ns_own_found;
@@ -121,6 +122,7 @@ typedef struct ns_own_taken {
          * the point before, and integrals */
         double above, off, of, all_off, all_of;
         double closed, openings; /* of M: how long, s, and how often it opened */
+        int overlaps;            /* of M: 1 + the index of another one that was closed too; 0: none was */
         double v;                /* V: across it, of M its channel */
     } seen;
     struct {                      /* own_ring.c, of D: the present pulse of its current, or the last one */

@@ -249,7 +249,7 @@ static int is_long_enough(own_pass *p, int steps, double t) {
 }
 
 /* *t: how far it came, s. */
-static void pass(own_pass *p, double *t) {
+static int pass(own_pass *p, double *t) {
     double end;
     int status = ns_march_read(p->march, t, NULL, NULL, NULL);
     for (int k = 0; status == NS_OK && !is_long_enough(p, k, *t) && !ns_bridge_interrupt_came(); k++) {
@@ -261,6 +261,7 @@ static void pass(own_pass *p, double *t) {
         if (status == NS_OK)
             *t = end;
     }
+    return status;
 }
 
 /* 1 if what it saw of what is shown is as long as it is to be: a part of a period has its D unequal. */
@@ -320,7 +321,7 @@ int ns_bridge_own_find_currents(ns_analysis *a, ns_march *march, double start, d
     currents->of = calloc(count, sizeof *currents->of);
     const int status = p.mean && grouped && currents->of ? NS_OK : NS_E_MEMORY;
     if (status == NS_OK) {
-        pass(&p, &currents->seconds);
+        currents->fails = pass(&p, &currents->seconds) != NS_OK;
         currents->whole = currents->seconds >= stop;
         for (int k = 0; k < OWN_PATHS * a->ex.nowns; k++)
             note_current(&p, k, currents);

@@ -85,10 +85,32 @@ static double mean_off(const ns_own_taken *o, double i, double above, double off
     return sum / PARTS;
 }
 
+/* 1 + the index of another M, one end of whose channel is one of o's, and that carries much of its current
+ * too, while both gates are above the threshold: they short-circuit what is across both.  0: there is none.
+ */
+static int find_overlap(const ns_analysis *a, const ns_own_taken *o, double i) {
+    for (int k = 0; k < a->ex.nowns; k++) {
+        const ns_own_taken *other = &a->ex.own[k];
+        const ns_own_mosfet *m = &o->mosfet, *n = &other->mosfet;
+        double amperes;
+        if (other == o || other->kind != OWN_MOSFET || other->id < 0 || other->follows ||
+            !(above_threshold(a, n) > 0.0) ||
+            (n->drain != m->source && n->source != m->drain && (n->drain != m->drain || n->sign == m->sign)))
+            continue;
+        if (ns_circuit_device(a->ex.circuit, other->id, a->x, a->lambda, a->mode, &amperes, NULL, NULL) ==
+                NS_OK &&
+            fabs(amperes) > 0.5 * i)
+            return k + 1;
+    }
+    return 0;
+}
+
 static void count_channel(const ns_analysis *a, ns_own_taken *o, double i, double seconds) {
     const double above = above_threshold(a, &o->mosfet);
     double off, of;
     judge_channel(a, o, i, &off, &of);
+    if (off > 0.5 * of && !o->seen.overlaps && !ns_bridge_own_is_follower(o))
+        o->seen.overlaps = find_overlap(a, o, i);
     if (seconds > 0.0) {
         o->seen.all_off += seconds * mean_off(o, i, above, off);
         o->seen.all_of += 0.5 * seconds * (of + o->seen.of);
@@ -200,7 +222,7 @@ static double part_off(const ns_own_taken *o) {
     return own_current(o) > 0.0 && o->seen.all_of > 0.0 ? o->seen.all_off / o->seen.all_of : 0.0;
 }
 
-static void note_channel(const ns_own_taken *o) {
+static void note_channel(const ns_analysis *a, const ns_own_taken *o) {
     if (ns_bridge_own_is_follower(o) && o->overdrive.at > 0.0)
         ns_bridge_report_note(
             "%s, a source follower, had the voltage of its source wrong by some %.2g of it: "
@@ -211,6 +233,13 @@ static void note_channel(const ns_own_taken *o) {
             "%s, a source follower, had its source too %s by some %.2g of that voltage: what its own gate "
             "needs beyond vto is left out; drive it against its source, or add that to vto",
             o->inst->GENname, o->mosfet.sign > 0 ? "high" : "low", part_off(o));
+    else if (o->seen.overlaps)
+        ns_bridge_report_note(
+            "%s and %s were closed at the same time, and %s carried more than its own model carries at the "
+            "v(gate,source) of that time, by %.2g of its charge: the result is wrong: open one before the "
+            "other one closes (a dead time), drive their gates by steeper edges, or leave .include "
+            "nonsmooth.inc out",
+            o->inst->GENname, a->ex.own[o->seen.overlaps - 1].inst->GENname, o->inst->GENname, part_off(o));
     else
         ns_bridge_report_note(
             "%s carried more than its own model carries at the v(gate,source) of that time, by "
@@ -343,7 +372,7 @@ int ns_bridge_own_note_curve(const CKTcircuit *ckt, const ns_analysis *a) {
     for (int k = 0; k < a->ex.nowns && !worst; k++) {
         const ns_own_taken *o = &a->ex.own[k];
         if (is_judged(a, o) && part_off(o) > much) {
-            note_channel(o);
+            note_channel(a, o);
             worst = o;
         }
     }

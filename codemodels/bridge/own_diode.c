@@ -50,7 +50,7 @@ static void note_pass(const ns_extract_walk *w, const ns_own_diode *d, ns_own_ta
     const ns_own_current *found = found_current(w, taken->inst), *broken = found_breakdown(w, taken->inst);
     if (!w->found || !isnan(w->ex->options.id))
         return;
-    taken->pass.seconds = w->found->seconds;
+    taken->pass.seconds = found || !w->found->fails ? w->found->seconds : 0.0;
     taken->pass.whole = w->found->whole;
     taken->pass.idle = !found;
     taken->pass.tangent = found && !found->faint;

@@ -25,7 +25,7 @@ void ns_bridge_show_values(const ns_analysis *a, double *value) {
 
 void ns_bridge_show_later(ns_analysis *a) {
     if (!a->waveform) /* else it came with the point */
-        memcpy(a->mode, ns_march_mode(a->march), (size_t)a->system->m * sizeof *a->mode);
+        ns_bridge_analysis_take_mode(a, ns_march_mode(a->march));
     a->devices_stale = 1;
 }
 

@@ -92,15 +92,16 @@ void ns_bridge_start_check(const ns_session *s, int may_rest_between) {
     const int at = reads ? find_jump(a, a->x, y) : -1;
     const int pair = at < 0 && !may_rest_between ? find_hidden(a, y) : -1;
     if (at >= 0 && ns_circuit_name_unknown(a->ex.circuit, at, name, sizeof name) > 0)
-        ns_bridge_report_note(
-            "no operating point was found, switches or comparators contradict each other: in the "
-            "one shown the %s is %.4g V, and becomes %.4g V where .tran starts; to start "
-            "elsewhere give uic and .ic",
-            name, a->x[at], y[at]);
+        ns_bridge_report_note("no operating point was found, switches or comparators contradict each other: "
+                              "the %s is %.4g V in "
+                              "the point that is shown, and becomes %.4g V where .tran starts; to start from "
+                              "another point, give "
+                              "uic and .ic",
+                              name, a->x[at], y[at]);
     if (pair >= 0 && ns_circuit_name_pair(a->ex.circuit, pair, name, sizeof name) > 0)
         ns_bridge_report_note(
-            "no operating point was found: open or closed, %s makes its own control say the "
-            "opposite; to start elsewhere than in the one shown give uic and .ic",
+            "no operating point was found: open or closed, %s makes its own control say the opposite; .tran "
+            "starts from the point that is shown; to start from another point, give uic and .ic",
             name);
     free(y);
 }
