@@ -11,7 +11,7 @@
 static const double within = 5e-3;
 
 /* From where on the rest of the way to the end is less than that. */
-static const double far_of_tanh = 3.5, far_of_atan = 150.0;
+static const double far_of_tanh = 3.0, far_of_atan = 128.0;
 
 ns_piecewise_value *ns_bridge_expression_curve(ns_extract_walk *w, ns_piecewise *p, double (*f)(double),
                                                const ns_piecewise_value *a) {

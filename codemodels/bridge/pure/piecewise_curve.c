@@ -5,12 +5,19 @@
 
 enum { SAMPLES = 32, ROUNDS = 40, POINTS = PIECEWISE_CURVE / 4 };
 
+/* The chords begin and end above the curve by what they may be off: so they are longer than those between
+ * points of it.  Beyond the last one they are level where the curve ends. */
+static double end_of_chord(double (*f)(double), double x, double within) {
+    return x == 0.0 ? 0.0 : fmin(f(x) + within, f(INFINITY));
+}
+
 /* By how much the curve is off the chord from x to end, at most. */
-static double off_chord(double (*f)(double), double x, double end) {
+static double off_chord(double (*f)(double), double x, double end, double within) {
+    const double from = end_of_chord(f, x, within), to = end_of_chord(f, end, within);
     double off = 0.0;
     for (int k = 1; k < SAMPLES; k++) {
         const double part = (double)k / SAMPLES;
-        off = fmax(off, fabs(f(x + part * (end - x)) - (1.0 - part) * f(x) - part * f(end)));
+        off = fmax(off, fabs(f(x + part * (end - x)) - (1.0 - part) * from - part * to));
     }
     return off;
 }
@@ -18,11 +25,11 @@ static double off_chord(double (*f)(double), double x, double end) {
 /* The end of the longest chord from x, at most `far`, that is within so much of the curve. */
 static double longest_chord(double (*f)(double), double x, double far, double within) {
     double near = x, end = far;
-    if (off_chord(f, x, end) <= within)
+    if (off_chord(f, x, end, within) <= within)
         return end;
     for (int k = 0; k < ROUNDS; k++) {
         const double middle = 0.5 * (near + end);
-        *(off_chord(f, x, middle) <= within ? &near : &end) = middle;
+        *(off_chord(f, x, middle, within) <= within ? &near : &end) = middle;
     }
     return near;
 }
@@ -35,8 +42,9 @@ int ns_bridge_piecewise_chords(double (*f)(double), double far, double within, d
         side[n++] = x;
     }
     for (int k = 0; k < 2 * n; k++) { /* the two chords at 0 are one */
-        xy[2 * k] = k < n ? -side[n - 1 - k] : side[k - n];
-        xy[2 * k + 1] = f(xy[2 * k]);
+        const double at = k < n ? side[n - 1 - k] : side[k - n];
+        xy[2 * k] = k < n ? -at : at;
+        xy[2 * k + 1] = (k < n ? -1.0 : 1.0) * (at == far ? f(INFINITY) : end_of_chord(f, at, within));
     }
     return 2 * n;
 }

@@ -370,11 +370,30 @@ static void refused(void **state) {
     close_bench(&b);
 }
 
+/* The lines of tanh: as few as lie within so much of it on both sides, level at its own ends. */
+static void curves_are_few_lines(void **state) {
+    (void)state;
+    const double within = 5e-3;
+    double xy[PIECEWISE_CURVE], off = 0.0;
+    const int points = ns_bridge_piecewise_chords(tanh, 3.0, within, xy);
+    assert_int_equal(points, 12);
+    assert_true(xy[1] == -1.0 && xy[2 * points - 1] == 1.0);
+    for (int k = 0; k + 1 < points; k++)
+        for (int i = 0; i <= 100; i++) {
+            const double part = i / 100.0, x = xy[2 * k] + part * (xy[2 * k + 2] - xy[2 * k]);
+            const double y = xy[2 * k + 1] + part * (xy[2 * k + 3] - xy[2 * k + 1]);
+            off = fmax(off, fabs(y - tanh(x)));
+        }
+    assert_true(off <= 1.01 * within && off > 0.9 * within);
+    assert_true(1.0 - tanh(3.0) <= within);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(as_evaluated),
         cmocka_unit_test(far_apart),
         cmocka_unit_test(refused),
+        cmocka_unit_test(curves_are_few_lines),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
