@@ -12,6 +12,9 @@
 /* Of the peak of a pulse. */
 static const double much = 0.03;
 
+/* Of the run: a D that conducts for less ends what leaks and clamps carry, which hardly matters. */
+static const double brief = 0.05;
+
 /* Of the duration of a pulse: a current that takes longer for its second half ends by itself, not because
  * a switch takes it over; and so long after its end the voltages of the ideal circuit have changed. */
 static const double by_itself = 0.1, at_once = 1e-3;
@@ -65,6 +68,7 @@ static void end_pulse(ns_analysis *a, int k, double t) {
     const double second_half = t - o->ring.half, all = t - o->ring.began;
     o->ring.is_on = 0;
     o->ring.peaks += o->ring.most;
+    o->ring.seconds += all;
     if (!(second_half > by_itself * all))
         return;
     add_ring(a);
@@ -114,7 +118,7 @@ int ns_bridge_own_note_ring(const ns_analysis *a) {
     for (int k = 0; k < a->ex.nowns; k++) {
         const ns_own_taken *o = &a->ex.own[k];
         const double part = o->ring.peaks > 0.0 ? 2.0 * o->ring.rings / o->ring.peaks : 0.0;
-        if (!(part > most))
+        if (!(part > most) || o->ring.seconds < brief * o->seen.t)
             continue;
         most = part;
         worst = o;
