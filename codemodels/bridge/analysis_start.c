@@ -13,6 +13,7 @@
 #include "own_current.h"
 #include "own_rest.h"
 #include "own_show.h"
+#include "own_supply.h"
 #include "refused.h"
 #include "report.h"
 #include "show.h"
@@ -279,6 +280,8 @@ static int start_analysis(ns_session *s) {
     error = make_analysis(s, tran, uic);
     if (error)
         return error;
+    if (tran)
+        ns_bridge_own_find_supplies(s->ckt, &s->analysis.ex);
     error = announce_circuit(s);
     error = error ? error : start_all(s, tran, uic);
     error = error ? error : prepare_force(s);

@@ -134,6 +134,12 @@ typedef struct ns_own_taken {
         double seconds;           /* sum of their durations */
         double farads;            /* that rings, as seen by this D, at most */
     } ring;
+    struct {                     /* own_supply.c, of M: */
+        const GENinstance *inst; /* the V that feeds its gate; NULL: none */
+        int branch;              /* its equation */
+        double amperes;          /* that it carries at the point before, of either sign */
+        double shown, seconds;   /* C, in so many s */
+    } supply;
     double vt;        /* of a switch with VON, VOFF */
     ns_own_switch sw; /* of S, W */
     /* of M: */

@@ -7,6 +7,7 @@
 #include "own_show.h"
 #include "own_stored.h"
 #include "own_structs.h"
+#include "own_supply.h"
 #include "own_touch.h"
 #include "report.h"
 
@@ -158,8 +159,10 @@ void ns_bridge_own_count_point(const CKTcircuit *ckt, ns_analysis *a, double sin
         const double mean = 0.5 * (fmax(i, 0.0) + o->seen.i);
         if (o->seen.t >= since)
             ns_bridge_pulse_mean_add(&o->seen.current, mean > NS_LEAK, mean, o->seen.t, t);
-        if (o->kind == OWN_MOSFET)
+        if (o->kind == OWN_MOSFET) {
             count_channel(a, o, i, o->seen.t >= since ? t - o->seen.t : 0.0);
+            ns_bridge_own_count_supply(a, o, o->seen.t >= since ? t - o->seen.t : -1.0);
+        }
         if (o->kind == OWN_DIODE && o->seen.current.weight == 0.0)
             count_missed(a, o, v, o->seen.t >= since ? t - o->seen.t : 0.0);
         ns_bridge_own_count_stored(o, &flow, i, v, o->seen.t >= since ? t - o->seen.t : -1.0);
@@ -377,5 +380,6 @@ int ns_bridge_own_note_curve(const CKTcircuit *ckt, const ns_analysis *a) {
         }
     }
     return worst || note_missed(ckt, a) || ns_bridge_own_note_guess(a, NULL) ||
-           ns_bridge_own_note_stored(a) || note_charge(a) || ns_bridge_own_note_ring(a);
+           ns_bridge_own_note_stored(a) || note_charge(a) || ns_bridge_own_note_ring(a) ||
+           ns_bridge_own_note_supply(a);
 }
