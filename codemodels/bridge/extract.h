@@ -131,7 +131,7 @@ typedef struct ns_own_taken {
         double at_half;           /* A, then */
         double v, mark;           /* V: across it (of M, S too) at the point before; before the last end */
         double rings, peaks;      /* A: sums of what would ring, and of all pulses */
-        double seconds;           /* sum of their durations */
+        double charge, t;         /* C, of all; s, the point before */
         double farads;            /* that rings, as seen by this D, at most */
     } ring;
     struct {                     /* own_supply.c, of M: */

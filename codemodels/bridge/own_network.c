@@ -250,6 +250,7 @@ static int find_voltage(ns_own_way wires, int p, ns_own_range *r, double *share,
         return known;
     if (!wires.find || !find_level(&wires, &goal))
         return *share > nearly_all;
+    r->sources |= goal.switches;
     r->switches |= r->low == r->high && goal.switches; /* the supply does */
     r->low -= (1.0 - *share) * goal.high;
     r->high -= (1.0 - *share) * goal.low;

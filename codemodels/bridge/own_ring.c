@@ -12,8 +12,8 @@
 /* Of the peak of a pulse. */
 static const double much = 0.03;
 
-/* Of the run: a D that conducts for less ends what leaks and clamps carry, which hardly matters. */
-static const double brief = 0.05;
+/* Of the charge that the busiest D carries: what one of less ends, as a clamp, hardly matters. */
+static const double trifle = 0.1;
 
 /* Of the duration of a pulse: a current that takes longer for its second half ends by itself, not because
  * a switch takes it over; and so long after its end the voltages of the ideal circuit have changed. */
@@ -68,7 +68,6 @@ static void end_pulse(ns_analysis *a, int k, double t) {
     const double second_half = t - o->ring.half, all = t - o->ring.began;
     o->ring.is_on = 0;
     o->ring.peaks += o->ring.most;
-    o->ring.seconds += all;
     if (!(second_half > by_itself * all))
         return;
     add_ring(a);
@@ -83,6 +82,8 @@ static void end_pulse(ns_analysis *a, int k, double t) {
 static void follow_pulse(ns_analysis *a, int k, double t) {
     ns_own_taken *o = &a->ex.own[k];
     const double i = o->seen.i;
+    o->ring.charge += o->ring.is_on ? (t - o->ring.t) * i : 0.0;
+    o->ring.t = t;
     if (i > NS_LEAK && !o->ring.is_on) {
         o->ring.began = t;
         o->ring.most = 0.0;
@@ -114,11 +115,13 @@ void ns_bridge_own_count_ring(ns_analysis *a, double t, int follows) {
 
 int ns_bridge_own_note_ring(const ns_analysis *a) {
     const ns_own_taken *worst = NULL;
-    double most = much;
+    double most = much, busiest = 0.0;
+    for (int k = 0; k < a->ex.nowns; k++)
+        busiest = fmax(busiest, a->ex.own[k].ring.charge);
     for (int k = 0; k < a->ex.nowns; k++) {
         const ns_own_taken *o = &a->ex.own[k];
         const double part = o->ring.peaks > 0.0 ? 2.0 * o->ring.rings / o->ring.peaks : 0.0;
-        if (!(part > most) || o->ring.seconds < brief * o->seen.t)
+        if (!(part > most) || o->ring.charge < trifle * busiest)
             continue;
         most = part;
         worst = o;
