@@ -171,7 +171,7 @@ void ns_bridge_own_count_point(const CKTcircuit *ckt, ns_analysis *a, double sin
         o->seen.v = o->kind == OWN_MOSFET ? across_channel(a, o) : v;
         o->seen.most_v = fmax(o->seen.most_v, fabs(o->seen.v));
     }
-    ns_bridge_own_count_ring(a, t, t > since);
+    ns_bridge_own_count_ring(ckt, a, t, t > since);
 }
 
 static double own_current(const ns_own_taken *o) {

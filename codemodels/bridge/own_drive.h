@@ -18,9 +18,9 @@ typedef struct ns_own_range {
 void ns_bridge_own_extend(ns_own_range *r, double value);
 ns_own_range ns_bridge_own_range_of_v(const VSRCinstance *v);
 
-/* The range of the voltage at an equation, as V alone set it, and B, of which this is so many inside; 0: they
- * do not. */
-typedef int ns_own_range_at(const CKTcircuit *ckt, int inside, int eq, ns_own_range *r);
+/* The range of the voltage at an equation above that of another one (0: ground), as V alone set it, and B, of
+ * which this is so many inside, or of a C that a D charges from such a voltage.  0: they do not. */
+typedef int ns_own_range_at(const CKTcircuit *ckt, int inside, int eq, int above, ns_own_range *r);
 
 /* Of a B source of voltage, of a node in so many others; nodes in it have the range that `at` gives, but for
  * the goal (an equation), above which its value may be (r->of_goal 1).  0: it has none, or it is infinite. */

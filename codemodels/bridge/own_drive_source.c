@@ -116,6 +116,19 @@ static int share_a_signal(const INPparseNode *a, const INPparseNode *b, int comp
     return (signals_of(a, compared, 0) & signals_of(b, compared, 0)) != 0;
 }
 
+/* v(a,b), of two nodes that are not known one by one: 0: it is not that, or not known either. */
+static int read_difference(const range_reader *r, const INPparseNode *node, ns_own_range *found) {
+    const INPparseNode *ends[2] = {node->left, node->right};
+    int eq[2];
+    for (int k = 0; k < 2; k++) {
+        if (node->type != PT_MINUS || ends[k]->type != PT_VAR ||
+            r->b->ASRCtree->varTypes[ends[k]->valueIndex] != IF_NODE)
+            return 0;
+        eq[k] = r->b->ASRCvars[ends[k]->valueIndex];
+    }
+    return eq[1] != 0 && r->at(r->ckt, r->inside + 1, eq[0], eq[1], found);
+}
+
 static ns_own_range operation(range_reader *r, const INPparseNode *node) {
     const int adds = node->type == PT_PLUS || node->type == PT_MINUS;
     const ns_own_range a = adds ? range_of(r, node->left) : plain_range_of(r, node->left),
@@ -128,6 +141,8 @@ static ns_own_range operation(range_reader *r, const INPparseNode *node) {
                                   0,
                                   0};
     ns_own_range found = any;
+    if ((!is_finite(&a) || !is_finite(&b)) && read_difference(r, node, &found))
+        return found;
     switch (node->type) {
     case PT_PLUS:
         found = joined(a.low + b.low, a.high + b.high, &a, &b);
@@ -238,7 +253,7 @@ static ns_own_range variable(const range_reader *r, int index) {
     if (r->goal > 0 && r->b->ASRCtree->varTypes[index] == IF_NODE && r->b->ASRCvars[index] == r->goal)
         return (ns_own_range){0.0, 0.0, 0, 1, 0.0, 0, 1};
     if (r->b->ASRCtree->varTypes[index] != IF_NODE ||
-        !r->at(r->ckt, r->inside + 1, r->b->ASRCvars[index], &a))
+        !r->at(r->ckt, r->inside + 1, r->b->ASRCvars[index], 0, &a))
         return any;
     return a;
 }

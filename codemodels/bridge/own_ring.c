@@ -9,11 +9,16 @@
 
 #include "report.h"
 
+#include "spicelib/devices/ind/inddefs.h"
+
 /* Of the peak of a pulse. */
 static const double much = 0.03;
 
 /* Of the charge that the busiest D carries: what one of less ends, as a clamp, hardly matters. */
 static const double trifle = 0.1;
+
+/* Of the peak of a pulse: a coil of less current carries none. */
+static const double at_rest = 1e-3;
 
 /* Of the duration of a pulse: a current that takes longer for its second half ends by itself, not because
  * a switch takes it over; and so long after its end the voltages of the ideal circuit have changed. */
@@ -37,8 +42,20 @@ static void mark_all(ns_analysis *a, const ns_own_taken *ended) {
         a->ex.own[k].ring.mark = is_before ? a->ex.own[k].seen.v : a->ex.own[k].ring.v;
 }
 
+/* 1 if a coil carries no current any more: with that it rings. */
+static int has_coil_at_rest(const CKTcircuit *ckt, const ns_analysis *a, double most) {
+    const GENmodel *model = a->ex.inductors >= 0 ? ckt->CKThead[a->ex.inductors] : NULL;
+    for (; model; model = model->GENnextModel)
+        for (const GENinstance *inst = model->GENinstances; inst; inst = inst->GENnextInstance) {
+            const int at = a->unknown[((const INDinstance *)inst)->INDbrEq];
+            if (at >= 0 && fabs(a->x[at]) < at_rest * most)
+                return 1;
+        }
+    return 0;
+}
+
 /* What rings, with the voltages of this point. */
-static void read_jump(ns_analysis *a) {
+static void read_jump(const CKTcircuit *ckt, ns_analysis *a) {
     const ns_own_taken *ended = &a->ex.own[a->ring.own - 1];
     const double volts = fabs(ended->seen.v - ended->ring.mark);
     double sum = 0.0;
@@ -47,7 +64,7 @@ static void read_jump(ns_analysis *a) {
         const double jump = o->seen.v - o->ring.mark;
         sum += o->seen.i > NS_LEAK ? 0.0 : farads_of(o) * jump * jump;
     }
-    if (!(volts > a->ring.volts))
+    if (!(volts > a->ring.volts) || !has_coil_at_rest(ckt, a, ended->ring.most))
         return;
     a->ring.volts = volts;
     a->ring.farads = sum / (volts * volts);
@@ -98,7 +115,7 @@ static void follow_pulse(ns_analysis *a, int k, double t) {
         end_pulse(a, k, t);
 }
 
-void ns_bridge_own_count_ring(ns_analysis *a, double t, int follows) {
+void ns_bridge_own_count_ring(const CKTcircuit *ckt, ns_analysis *a, double t, int follows) {
     for (int k = 0; k < a->ex.nowns; k++) {
         ns_own_taken *o = &a->ex.own[k];
         o->ring.is_on &= follows;
@@ -106,7 +123,7 @@ void ns_bridge_own_count_ring(ns_analysis *a, double t, int follows) {
             follow_pulse(a, k, t);
     }
     if (a->ring.own && t <= a->ring.until && follows)
-        read_jump(a);
+        read_jump(ckt, a);
     else if (a->ring.own)
         add_ring(a);
     for (int k = 0; k < a->ex.nowns; k++)

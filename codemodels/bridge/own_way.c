@@ -17,10 +17,22 @@
 /* A node in a B source may be that of another B, so often. */
 enum { INSIDE_MAX = 4 };
 
-static int range_at(const CKTcircuit *ckt, int inside, int eq, ns_own_range *r) {
-    ns_own_way w = {.ckt = ckt, .inside_b = inside};
+static int has_capacitor(const CKTcircuit *ckt, int p, int n) {
+    for (NGTABLEPTR box = ckt->DEVnameHash->thread; box; box = box->thread_next) {
+        const CAPinstance *c = box->data;
+        if (ns_bridge_models_letter(box->data) == 'c' &&
+            ((c->CAPposNode == p && c->CAPnegNode == n) || (c->CAPposNode == n && c->CAPnegNode == p)))
+            return 1;
+    }
+    return 0;
+}
+
+/* Of a bootstrap: a D charges its C from a supply while the other end is at ground. */
+static int range_at(const CKTcircuit *ckt, int inside, int eq, int above, ns_own_range *r) {
+    ns_own_way w = {.ckt = ckt, .inside_b = inside, .along_d = above > 0};
     *r = (ns_own_range){0};
-    return ns_bridge_own_way(&w, eq, r);
+    return (above == 0 || has_capacitor(ckt, eq, above)) && ns_bridge_own_way(&w, eq, r) &&
+           (above == 0 || r->low == r->high);
 }
 
 /* By how much an E raises its first node, as V and R drive its control, from the one end of that or from the
