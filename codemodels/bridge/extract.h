@@ -134,6 +134,12 @@ typedef struct ns_own_taken {
         double charge, t;         /* C, of all; s, the point before */
         double farads;            /* that rings, as seen by this D, at most */
     } ring;
+    struct {                   /* own_overlap.c, of M: */
+        double opened, closed; /* s, last */
+        double seconds, count; /* for how long both would be closed, and how often */
+        double charge;         /* C, that would flow through both */
+        int with;              /* 1 + the index of the other one */
+    } overlap;
     struct {                     /* own_supply.c, of M: */
         const GENinstance *inst; /* the V that feeds its gate; NULL: none */
         int branch;              /* its equation */

@@ -3,6 +3,7 @@
 
 #include "own_current.h"
 #include "own_follower.h"
+#include "own_overlap.h"
 #include "own_ring.h"
 #include "own_show.h"
 #include "own_stored.h"
@@ -92,11 +93,10 @@ static double mean_off(const ns_own_taken *o, double i, double above, double off
 static int find_overlap(const ns_analysis *a, const ns_own_taken *o, double i) {
     for (int k = 0; k < a->ex.nowns; k++) {
         const ns_own_taken *other = &a->ex.own[k];
-        const ns_own_mosfet *m = &o->mosfet, *n = &other->mosfet;
         double amperes;
         if (other == o || other->kind != OWN_MOSFET || other->id < 0 || other->follows ||
-            !(above_threshold(a, n) > 0.0) ||
-            (n->drain != m->source && n->source != m->drain && (n->drain != m->drain || n->sign == m->sign)))
+            !(above_threshold(a, &other->mosfet) > 0.0) ||
+            !ns_bridge_own_in_series(&o->mosfet, &other->mosfet))
             continue;
         if (ns_circuit_device(a->ex.circuit, other->id, a->x, a->lambda, a->mode, &amperes, NULL, NULL) ==
                 NS_OK &&
@@ -106,7 +106,7 @@ static int find_overlap(const ns_analysis *a, const ns_own_taken *o, double i) {
     return 0;
 }
 
-static void count_channel(const ns_analysis *a, ns_own_taken *o, double i, double seconds) {
+static void count_channel(ns_analysis *a, ns_own_taken *o, double i, double seconds, double t) {
     const double above = above_threshold(a, &o->mosfet);
     double off, of;
     judge_channel(a, o, i, &off, &of);
@@ -116,6 +116,8 @@ static void count_channel(const ns_analysis *a, ns_own_taken *o, double i, doubl
         o->seen.all_off += seconds * mean_off(o, i, above, off);
         o->seen.all_of += 0.5 * seconds * (of + o->seen.of);
     }
+    if (seconds >= 0.0)
+        ns_bridge_own_count_overlap(a, o, above, t);
     o->seen.closed += above > 0.0 && o->seen.above > 0.0 ? fmax(seconds, 0.0) : 0.0;
     o->seen.openings += above <= 0.0 && o->seen.above > 0.0 && seconds >= 0.0 ? 1.0 : 0.0;
     o->seen.above = above;
@@ -160,7 +162,7 @@ void ns_bridge_own_count_point(const CKTcircuit *ckt, ns_analysis *a, double sin
         if (o->seen.t >= since)
             ns_bridge_pulse_mean_add(&o->seen.current, mean > NS_LEAK, mean, o->seen.t, t);
         if (o->kind == OWN_MOSFET) {
-            count_channel(a, o, i, o->seen.t >= since ? t - o->seen.t : 0.0);
+            count_channel(a, o, i, o->seen.t >= since ? t - o->seen.t : 0.0, t);
             ns_bridge_own_count_supply(a, o, o->seen.t >= since ? t - o->seen.t : -1.0);
         }
         if (o->kind == OWN_DIODE && o->seen.current.weight == 0.0)
@@ -380,6 +382,6 @@ int ns_bridge_own_note_curve(const CKTcircuit *ckt, const ns_analysis *a) {
         }
     }
     return worst || note_missed(ckt, a) || ns_bridge_own_note_guess(a, NULL) ||
-           ns_bridge_own_note_stored(a) || note_charge(a) || ns_bridge_own_note_ring(a) ||
-           ns_bridge_own_note_supply(a);
+           ns_bridge_own_note_stored(a) || ns_bridge_own_note_overlap(a) || note_charge(a) ||
+           ns_bridge_own_note_ring(a) || ns_bridge_own_note_supply(a);
 }
