@@ -6,6 +6,7 @@
 
 #include "foreign.h"
 #include "ngspice/inpptree.h"
+#include "own_touch.h"
 
 #include "spicelib/devices/asrc/asrcdefs.h"
 
@@ -258,9 +259,23 @@ static ns_own_range variable(const range_reader *r, int index) {
     return a;
 }
 
+/* 1 if it is the voltage of the source itself, or what one R gives of that: a latch that keeps its value. */
+static int is_itself(const range_reader *r, const INPparseNode *node) {
+    if (node->type != PT_VAR || r->b->ASRCtree->varTypes[node->valueIndex] != IF_NODE)
+        return 0;
+    const int eq = r->b->ASRCvars[node->valueIndex], own = r->b->ASRCposNode;
+    for (NGTABLEPTR box = r->ckt->DEVnameHash->thread; box && eq != own; box = box->thread_next)
+        if (ns_bridge_models_letter(box->data) == 'r' && ns_bridge_own_touches(box->data, eq) &&
+            ns_bridge_own_touches(box->data, own))
+            return 1;
+    return eq == own;
+}
+
 /* One of two. */
 static ns_own_range choice(range_reader *r, const INPparseNode *node) {
-    const ns_own_range a = range_of(r, node->right->left), b = range_of(r, node->right->right);
+    const INPparseNode *first = node->right->left, *second = node->right->right;
+    const ns_own_range a = range_of(r, is_itself(r, first) ? second : first),
+                       b = range_of(r, is_itself(r, second) ? first : second);
     ns_own_range found = joined(fmin(a.low, b.low), fmax(a.high, b.high), &a, &b);
     found.switches = 1;
     found.of_goal = a.of_goal;
