@@ -38,6 +38,7 @@ static size_t place_arrays(ns_exact *f, double *start) {
     for (int k = 0; k < 2; k++)
         f->way.x_lambda[k] = next_array(&at, n + m);
     f->max_abs = next_array(&at, r);
+    f->ohm = next_array(&at, m);
     f->work.x_lambda = next_array(&at, n + m);
     f->work.z = next_array(&at, nz);
     f->work.slope = next_array(&at, nz);
@@ -63,6 +64,21 @@ static size_t place_arrays(ns_exact *f, double *start) {
     return at.used;
 }
 
+/* 1 if lambda of pair j is a current between the nodes whose voltage its law reads. */
+static int is_branch(const ns_system *s, size_t j) {
+    const size_t n = (size_t)s->n, m = (size_t)s->m;
+    int same = 1;
+    for (size_t i = 0; i < n && same; i++)
+        same = (s->B[i + j * n] != 0) == (s->C[j + i * m] != 0);
+    return same;
+}
+
+static void find_resistances(ns_exact *f) {
+    const size_t m = (size_t)f->system->m;
+    for (size_t j = 0; j < m; j++)
+        f->ohm[j] = is_branch(f->system, j) ? f->system->D[j + j * m] : 0;
+}
+
 static int allocate_arrays(ns_exact *f) {
     const size_t m = (size_t)f->system->m, nc = (size_t)f->system->nc;
     const size_t count = place_arrays(f, NULL);
@@ -73,6 +89,7 @@ static int allocate_arrays(ns_exact *f) {
     if (!f->work.block || !f->wanted || !f->work.closed || !f->command_target)
         return NS_E_MEMORY;
     (void)place_arrays(f, f->work.block);
+    find_resistances(f);
     f->impulse.mode = f->wanted + m;
     f->work.mode = f->impulse.mode + m;
     f->work.flip = f->work.closed + nc;

@@ -95,11 +95,10 @@ static void resolve_before_next(ns_exact *f, ns_exact_mode *k) {
  * Before the jump is over the current of one may fall to zero and reverse, and another pair may conduct for a
  * while. */
 static int takes_time(const ns_exact *f, const ns_exact_mode *k) {
-    const int m = f->system->m;
     int any = 0;
     for (int g = 0; g < f->entered->pair_rows; g++) {
         const int j = f->entered->row[g].pair;
-        if (k->mode[j] == NS_INSIDE && f->system->D[j + j * m] > 0)
+        if (k->mode[j] == NS_INSIDE && f->ohm[j] > 0)
             any |= ns_exact_enter_carries(f, f->entered, g) || f->state.mode->mode[j] != NS_INSIDE;
     }
     return any;

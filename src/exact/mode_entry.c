@@ -163,7 +163,7 @@ static double largest_drop(const ns_exact *f, const ns_mode_kernel *k) {
     const size_t n = (size_t)f->system->n, m = (size_t)f->system->m;
     double most = 0;
     for (size_t j = 0; j < m; j++) {
-        const double ohm = f->system->D[j + j * m];
+        const double ohm = f->ohm[j];
         double lambda = 0;
         for (size_t i = 0; i < (size_t)k->r && ohm != 0; i++)
             lambda += k->step_x_lambda[n + j + i * (n + m)] * f->work.gone[i];
