@@ -10,9 +10,9 @@ static inline int ns_bridge_own_is_follower(const ns_own_taken *o) {
 }
 
 /* 1 if its gate rests at what its current needs for a time that counts: of a follower, or while its drain
- * swings and holds it there. */
+ * swings, or a shunt carries its current, and holds it there. */
 static inline int ns_bridge_own_saturates(const ns_own_taken *o) {
-    return ns_bridge_own_is_follower(o) || o->follows == FOLLOWS_DRAIN;
+    return o->follows != 0;
 }
 
 /* V: across the channel of a follower that closes, without series resistance, at a current (A); its
