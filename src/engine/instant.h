@@ -8,7 +8,7 @@
 
 typedef struct ns_instant {
     int size;    /* of sum: unknowns and pairs */
-    int any;     /* 0: sum is zero */
+    long any;    /* 0: sum is zero; else it grows with each jump */
     double *sum; /* x, then lambda: V s, A s */
 } ns_instant;
 
@@ -22,7 +22,7 @@ static inline void ns_instant_clear(ns_instant *i) {
 static inline void ns_instant_add(ns_instant *i, int first, int count, double scale, const double *v) {
     for (int k = 0; k < count; k++)
         i->sum[first + k] += scale * v[k];
-    i->any = 1;
+    i->any++;
 }
 
 #endif

@@ -19,12 +19,12 @@ typedef enum ns_watch_part { NS_WATCH_NOTHING, NS_WATCH_SOME, NS_WATCH_ALL } ns_
 
 typedef struct ns_watch {
     void *data;
-    /* What is looked at of a point in this mode (m). */
+    /* What is looked at of a point in this mode (m); *jumped grew with each jump in the trial so far. */
     ns_watch_part (*wants)(void *data, ns_watch_side side, const ns_mode *mode);
-    /* Then the engine writes that: x (n), lambda (m), and if anything jumped in the trial so far (*jumped:
-     * 1), X (n), Lambda (m), as ns_march_impulse(); */
+    /* Then the engine writes that: x (n), lambda (m), and if anything jumped in the trial so far, X (n),
+     * Lambda (m), as ns_march_impulse(); */
     double *x, *lambda, *X, *Lambda;
-    int *jumped;
+    long *jumped;
     int *periods; /* how many ends of periods are passed over before one is shown; the engine counts down */
     /* and asks what is to be done.  NS_GUARD: after NS_WATCH_SOME, all is to be shown.  Any other but NS_OK:
      * the trial ends with that. */

@@ -163,20 +163,25 @@ void ns_exact_watch(ns_exact *f, const ns_watch *w) {
 static int tell(const ns_exact *f, ns_watch_side side) {
     const ns_watch *w = f->watch;
     const size_t n = (size_t)f->system->n, m = (size_t)f->system->m;
-    const ns_instant *jumped = f->point->instant;
-    *w->jumped = jumped && jumped->any;
     if (*w->jumped) {
-        memcpy(w->X, jumped->sum, sizeof *w->X * n);
-        memcpy(w->Lambda, jumped->sum + n, sizeof *w->Lambda * m);
+        memcpy(w->X, f->point->instant->sum, sizeof *w->X * n);
+        memcpy(w->Lambda, f->point->instant->sum + n, sizeof *w->Lambda * m);
     }
     return w->sees(w->data, side, f->state.now.t);
+}
+
+/* 1 if the point is to be shown. */
+static int is_wanted(const ns_exact *f, ns_watch_side side) {
+    if (f->watch)
+        *f->watch->jumped = f->point->instant ? f->point->instant->any : 0;
+    return ns_watch_wants(f->watch, side, f->state.mode->mode) != NS_WATCH_NOTHING;
 }
 
 /* The point is shown to who wants to see it. */
 static int show(ns_exact *f, ns_watch_side side) {
     const ns_watch *w = f->watch;
     const size_t n = (size_t)f->system->n, m = (size_t)f->system->m;
-    if (!ns_watch_wants(w, side, f->state.mode->mode))
+    if (!is_wanted(f, side))
         return NS_OK;
     const int status = ns_exact_output_at(f, f->state.now.t, side == NS_WATCH_LEFT ? NS_LEFT : NS_RIGHT, f->X,
                                           f->work.x_lambda);
@@ -191,7 +196,7 @@ static int show(ns_exact *f, ns_watch_side side) {
  */
 static int show_first(ns_exact *f) {
     const ns_watch *w = f->watch;
-    if (!ns_watch_wants(w, NS_WATCH_LEFT, f->state.mode->mode))
+    if (!is_wanted(f, NS_WATCH_LEFT))
         return NS_OK;
     const int status = ns_theta_read(f->s, w->x, w->lambda, NULL);
     return status == NS_OK ? tell(f, NS_WATCH_LEFT) : status;

@@ -70,7 +70,7 @@ static int make_engines(ns_dense_run *r, ns_fault *fault) {
 void ns_march_dense_carry_start(ns_engine *e) {
     ns_dense_run *r = run_of(e);
     memcpy(r->carried, r->instant.sum, sizeof *r->carried * (size_t)r->instant.size);
-    r->carries = r->instant.any;
+    r->carries = r->instant.any != 0;
 }
 
 static int impulse(ns_engine *e, double *x, double *lambda) {

@@ -3,7 +3,8 @@
  * In a hurry (ns_verify_quick_point()): the end of every trial; both sides of every event of the sparse
  * engine, and of the exact one as often as it costs a few hundredths of what the engine itself does, as ends
  * of periods that are repeated.  In full: what is not clearly right then, every change of modes of the exact
- * engine not seen before, and now and then others; parts of ways.
+ * engine not seen before, and now and then others; parts of ways.  A change of modes in which something jumps
+ * counts as another than the same one without a jump.
  */
 #include "linalg/simd.h"
 #include "run_internal.h"

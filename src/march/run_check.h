@@ -24,16 +24,16 @@ typedef struct ns_run_check {
     double from;     /* s: of the accepted point, where the way of a trial begins */
     int knows_left;  /* 1: the trial goes from the left side of an event of the ladder, which is known */
     /* the trial */
-    int is_old;                /* 1: it was judged */
-    double asked;              /* s: what it was asked for, */
-    int until;                 /* and how */
-    int found;                 /* 1: something is wrong, */
-    ns_verify_finding finding; /* namely */
-    ns_watch_part left, right; /* how much is looked at of the sides of the event that is resolved now */
-    long looks;                /* at events so far */
-    int has_all;               /* 1: all of the point is known now, as it is shown */
-    int jumped, jumped_before; /* 1: something did, by now; left of it */
-    double shortest;           /* s: the shortest ramp of an input */
+    int is_old;                 /* 1: it was judged */
+    double asked;               /* s: what it was asked for, */
+    int until;                  /* and how */
+    int found;                  /* 1: something is wrong, */
+    ns_verify_finding finding;  /* namely */
+    ns_watch_part left, right;  /* how much is looked at of the sides of the event that is resolved now */
+    long looks;                 /* at events so far */
+    int has_all;                /* 1: all of the point is known now, as it is shown */
+    long jumped, jumped_before; /* 0: nothing did, by now; left of it.  It grows with each jump */
+    double shortest;            /* s: the shortest ramp of an input */
     /* how often, in instructions or so: spent on a point, on a way, earned by a trial, by an event, by a mode
      */
     double point_cost, event_cost, way_cost, quick_cost, trial_cost, trial_gain, event_gain, mode_gain;

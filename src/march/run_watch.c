@@ -79,6 +79,7 @@ static ns_watch_part afford(ns_run *r, int is_unseen) {
 static ns_watch_part wants_left(ns_run *r, const ns_mode *mode) {
     ns_run_check *k = &r->check;
     ns_march_check_earn(k, k->event_gain);
+    k->jumped_before = k->jumped;
     k->left_key = hash(1, (size_t)r->s->m, mode);
     count_mode(k, k->left_key);
     return k->left = afford(r, is_new(k, k->left_key) || is_due(k, k->left_key));
@@ -86,7 +87,8 @@ static ns_watch_part wants_left(ns_run *r, const ns_mode *mode) {
 
 static ns_watch_part wants_right(ns_run *r, const ns_mode *mode) {
     ns_run_check *k = &r->check;
-    const int is_unseen = is_new(k, hash(k->left_key, (size_t)r->s->m, mode));
+    const uint64_t jumps = k->jumped != k->jumped_before;
+    const int is_unseen = is_new(k, hash(k->left_key ^ jumps, (size_t)r->s->m, mode));
     k->right = k->left;
     if (is_unseen)
         ns_march_check_earn(k, k->mode_gain);
@@ -163,6 +165,11 @@ static int sees_left(ns_run *r, double t) {
     return NS_OK;
 }
 
+static int impulses_are_right(const ns_run *r) {
+    const ns_run_check *k = &r->check;
+    return !k->jumped || ns_verify_quick_impulses(k->verify, k->impulse, k->impulse + r->s->n);
+}
+
 /* The right side, and how the left side led to it. */
 static int change_is_right(ns_run *r, double t) {
     ns_run_check *k = &r->check;
@@ -172,7 +179,7 @@ static int change_is_right(ns_run *r, double t) {
     if (!(k->has_all ? ns_march_check_point(r, t, NS_RIGHT) : some_is_right(r, t, NS_RIGHT)))
         return 0;
     if (k->left == NS_WATCH_NOTHING)
-        return 1;
+        return impulses_are_right(r);
     take_impulse(r);
     return k->has_all ? ns_march_check_event(r)
                       : ns_verify_event(k->verify, k->impulse, k->impulse + r->s->n, &f);
@@ -185,13 +192,18 @@ static int goes_forwards(const ns_run *r) {
            ns_verify_quick_directions(k->verify, k->impulse + n, k->jumped_before ? k->before + n : NULL);
 }
 
+/* From a left side that was seen in a hurry; where none was seen, by what jumped in the trial so far. */
+static int quickly_leads_here(const ns_run *r) {
+    return r->check.left == NS_WATCH_NOTHING ? impulses_are_right(r)
+                                             : ns_verify_quick_stays(r->check.verify) && goes_forwards(r);
+}
+
 static int is_quickly_right(ns_run *r, double t) {
     ns_run_check *k = &r->check;
     const ns_verify_state at = ns_march_check_state(r, t, NS_RIGHT, NULL);
     k->checks++;
     k->credit -= k->quick_cost;
-    return ns_verify_quick_point(k->verify, &at) &&
-           (k->left == NS_WATCH_NOTHING || (ns_verify_quick_stays(k->verify) && goes_forwards(r)));
+    return ns_verify_quick_point(k->verify, &at) && quickly_leads_here(r);
 }
 
 static int sees_right(ns_run *r, double t) {

@@ -179,7 +179,7 @@ static int create_parts(ns_sparse *m, const ns_system *s) {
         return status;
     set_units(m);
     m->inputs_shortest = shortest_of_inputs(m);
-    m->o.finer = finer_of(m);
+    m->o.finer = m->usual_finer = finer_of(m);
     return ns_sparse_theta_create(m);
 }
 

@@ -153,8 +153,10 @@ typedef struct ns_sparse {
     ns_input_stages *in;         /* its inputs and commands of time */
     ns_shared_branch *shared;    /* pairs across switches */
     int shared_count;            /* entries of shared */
-    double inputs_shortest;      /* s: ns_sparse_shortest() of inputs that no step looks at */
-    double *unit;                /* n: the square root of the largest entry of row i of M */
+    int usual_finer; /* o.finer, but right after a start: of the finest then, until start_over, s */
+    double start_over;
+    double inputs_shortest; /* s: ns_sparse_shortest() of inputs that no step looks at */
+    double *unit;           /* n: the square root of the largest entry of row i of M */
 
     /* steps and points in them */
     ns_dense_step steps[3];   /* of the accepted point, of the trial, and one that is being made */

@@ -42,7 +42,6 @@ void ns_sparse_watch(ns_engine *e, const ns_watch *w) {
 /* What jumped so far. */
 static int tell(ns_sparse *m, ns_watch_side side) {
     const ns_watch *w = m->watch;
-    *w->jumped = m->instant.any;
     if (*w->jumped)
         (void)ns_sparse_impulse(&m->engine, w->X, w->Lambda);
     return w->sees(w->data, side, m->trial.t);
@@ -50,6 +49,8 @@ static int tell(ns_sparse *m, ns_watch_side side) {
 
 int ns_sparse_watch_show(ns_sparse *m, ns_watch_side side) {
     const ns_watch *w = m->watch;
+    if (w)
+        *w->jumped = m->instant.any;
     const ns_watch_part part = ns_watch_wants(w, side, m->trial.step->mode);
     if (part == NS_WATCH_NOTHING)
         return NS_OK;

@@ -114,13 +114,17 @@ static double after_error(const ns_verify *v, int i, double lambda_share, double
     return y_share > clearly ? (to_l < to_u ? to_l : to_u) / off : 0;
 }
 
+static double impulse_y_off(const ns_verify *v, int i, const jump *j, double size) {
+    return v->times * v->times_pair[i] * (of_impulse * size + j->any_off * v->output.size[i]) +
+           2 * (j->seconds + v->o.instant) * v->most_y[i] + DBL_MIN;
+}
+
 static double impulse_error(const ns_verify *v, int i, const jump *j) {
     const double lambda = v->v[v->s->n + i];
     const ns_verify_sum y = ns_verify_row(&v->output, i, v->v);
-    const double times = v->times * v->times_pair[i], seconds = j->seconds + v->o.instant,
-                 lambda_off = times * j->lambda_off + 2 * seconds * v->most_lambda[i],
-                 y_off = times * (of_impulse * y.size + j->any_off * v->output.size[i]) +
-                         2 * seconds * v->most_y[i] + DBL_MIN;
+    const double lambda_off = v->times * v->times_pair[i] * j->lambda_off +
+                              2 * (j->seconds + v->o.instant) * v->most_lambda[i],
+                 y_off = impulse_y_off(v, i, j, y.size);
     const double lambda_share = fabs(lambda) / lambda_off, y_share = fabs(y.sum) / y_off;
     if (v->command[i] >= 0) /* open or closed, before or after */
         return lambda_share < y_share ? lambda_share : y_share;
@@ -134,10 +138,14 @@ static void judge_pairs(const ns_verify *v, const jump *j, ns_verify_finding *wo
         ns_verify_note(worst, NS_VERIFY_IMPULSE, i, -1, impulse_error(v, i, j));
 }
 
+static int is_diode(const ns_verify *v, int i) {
+    return v->command[i] < 0 && v->s->l[i] == 0 && isinf(v->s->u[i]);
+}
+
 /* The current of a diode is not negative at any instant, so its charge is not, either, however short the time
  * in which it passes. */
 static double backward_error(const ns_verify *v, int i, const jump *j, double lambda) {
-    if (v->command[i] >= 0 || !(v->s->l[i] == 0 && isinf(v->s->u[i])))
+    if (!is_diode(v, i))
         return 0;
     return -lambda / (v->times * v->times_pair[i] * j->lambda_off + 2 * v->o.transient * v->most_lambda[i]);
 }
@@ -285,4 +293,26 @@ int ns_verify_quick_directions(const ns_verify *v, const double *Lambda, const d
         if (backward_error(v, (int)i, &j, Lambda[i] - (before ? before[i] : 0)) > 1)
             return 0;
     return 1;
+}
+
+/* 1 if the impulses of diode i, of an energy above `little` (J), are of the wrong sign. */
+static int is_impulse_wrong(const ns_verify *v, int i, const jump *j, double little) {
+    const ns_verify_sum y = ns_verify_row(&v->output, i, v->v);
+    const double lambda = v->v[v->s->n + i];
+    return (backward_error(v, i, j, lambda) > 1 && -lambda * v->most_y[i] > little) ||
+           (-y.sum > impulse_y_off(v, i, j, y.size) && -y.sum * v->most_lambda[i] > little);
+}
+
+int ns_verify_quick_impulses(ns_verify *v, const double *X, const double *Lambda) {
+    static const double little = 1e-6;
+    const size_t n = (size_t)v->s->n, m = (size_t)v->s->m;
+    double size = 0;
+    int any = 0;
+    (void)energy(v, v->u, &size);
+    fill_impulse(v, 0, X, Lambda);
+    jump j = {.any_off = of_all * largest(n + m, v->v)};
+    j.lambda_off = of_impulse * largest(m, v->v + n) + j.any_off + DBL_MIN;
+    for (int i = 0; i < v->s->m && !any; i++)
+        any = is_diode(v, i) && is_impulse_wrong(v, i, &j, little * size);
+    return !any;
 }

@@ -269,13 +269,14 @@ typedef struct once {
 
 static void those_that_were_wrong(void **state) {
     static const once all[] = {
-        {19, 1e-6, 30, RIGHT},    /* a transient of 1e-11 s, after which a diode conducts */
-        {75, 1e-6, 30, RIGHT},    /* another */
-        {119, 1e-6, 30, RIGHT},   /* 4e8 V for 1e-14 s; then a diode that conducts at some volts */
-        {123, 1e-6, 30, RIGHT},   /* another */
-        {30, 1e-6, 60, RIGHT},    /* a diode that leads nowhere, which was off by volts */
-        {6, 1e-6, 30, RIGHT},     /* an inductor interrupted closes a switch, for no time */
-        {147, 1e-6, 30, RIGHT},   /* another */
+        {19, 1e-6, 30, RIGHT},  /* a transient of 1e-11 s, after which a diode conducts */
+        {75, 1e-6, 30, RIGHT},  /* another */
+        {119, 1e-6, 30, RIGHT}, /* 4e8 V for 1e-14 s; then a diode that conducts at some volts */
+        {123, 1e-6, 30, RIGHT}, /* another */
+        {30, 1e-6, 60, RIGHT},  /* a diode that leads nowhere, which was off by volts */
+        {6, 1e-6, 30, RIGHT},   /* an inductor interrupted closes a switch, for no time */
+        {147, 1e-6, 30,
+         OFF}, /* another: sparse is right; exact loses 0.9 A, which the theta scheme keeps as h falls */
         {2059, 1e-6, 60, RIGHT},  /* a jump in some rounds */
         {5657, 1e-6, 30, RIGHT},  /* 1 mohm beside roff 1e12: volts of a transient blunted guards elsewhere */
         {143, 1e-6, 30, REFUSED}, /* chatters */

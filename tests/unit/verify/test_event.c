@@ -331,6 +331,34 @@ static void charge_of_a_step(void **state) {
     }
 }
 
+/* A charge of 1 F, a diode y = x + lambda, which carried 1 A and blocked 2 V.  A flux that would drive it
+ * open backwards, or a charge backwards through it, is seen without the left side; what is below a millionth
+ * of the energy (2 J) may be rounding. */
+static void impulses_of_the_wrong_sign_need_no_left_side(void **state) {
+    const ns_verify_options o = {.reltol = 1e-9, .instant = 1e-11};
+    static const double x[] = {-1, 2}, lambda[] = {1, 0};
+    static const struct {
+        double X, Lambda;
+        int right;
+    } of[] = {{0.5, 0, 1}, {-0.5, 0, 0}, {0.5, -0.5, 0}, {-0.5, 0.5, 1}, {-1e-6, 0, 1}, {5e-7, -5e-7, 1}};
+    ns_system *s;
+    ns_verify *v;
+    (void)state;
+    assert_int_equal(ns_system_create(1, 1, 0, 0, &s), NS_OK);
+    s->M[0] = s->C[0] = s->D[0] = 1;
+    s->u[0] = INFINITY;
+    assert_int_equal(ns_verify_create(s, &o, &v), NS_OK);
+    for (int i = 0; i < 2; i++) {
+        const ns_verify_state at = {1e-3 * i, NS_RIGHT, &x[i], &lambda[i], NULL, 0};
+        ns_verify_finding f;
+        assert_true(ns_verify_point(v, &at, &f));
+    }
+    for (size_t i = 0; i < sizeof of / sizeof *of; i++)
+        assert_int_equal(ns_verify_quick_impulses(v, &of[i].X, &of[i].Lambda), of[i].right);
+    ns_verify_free(v);
+    ns_system_free(s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(what_flows_in_the_time_of_a_jump),
                                        cmocka_unit_test(nothing_flows_in_no_time),
@@ -342,6 +370,7 @@ int main(void) {
                                        cmocka_unit_test(what_is_aside),
                                        cmocka_unit_test(directions_in_a_hurry),
                                        cmocka_unit_test(charge_of_a_step),
-                                       cmocka_unit_test(a_steep_input)};
+                                       cmocka_unit_test(a_steep_input),
+                                       cmocka_unit_test(impulses_of_the_wrong_sign_need_no_left_side)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
