@@ -17,6 +17,9 @@ static const double much = 0.03;
 /* Of the charge that the busiest D carries: what one of less ends, as a clamp, hardly matters. */
 static const double trifle = 0.1;
 
+/* Of the largest jump of a D: one that jumps by less does not ring, another one took its current over. */
+static const double of_others = 0.1;
+
 /* Of the peak of a pulse: a coil of less current carries none. */
 static const double at_rest = 1e-3;
 
@@ -58,13 +61,14 @@ static int has_coil_at_rest(const CKTcircuit *ckt, const ns_analysis *a, double 
 static void read_jump(const CKTcircuit *ckt, ns_analysis *a) {
     const ns_own_taken *ended = &a->ex.own[a->ring.own - 1];
     const double volts = fabs(ended->seen.v - ended->ring.mark);
-    double sum = 0.0;
+    double sum = 0.0, most = 0.0;
     for (int k = 0; k < a->ex.nowns; k++) {
         const ns_own_taken *o = &a->ex.own[k];
         const double jump = o->seen.v - o->ring.mark;
+        most = fmax(most, o->kind == OWN_DIODE ? fabs(jump) : 0.0);
         sum += o->seen.i > NS_LEAK ? 0.0 : farads_of(o) * jump * jump;
     }
-    if (!(volts > a->ring.volts) || !has_coil_at_rest(ckt, a, ended->ring.most))
+    if (!(volts > a->ring.volts && volts > of_others * most) || !has_coil_at_rest(ckt, a, ended->ring.most))
         return;
     a->ring.volts = volts;
     a->ring.farads = sum / (volts * volts);
