@@ -13,6 +13,16 @@ int ns_bridge_own_in_series(const ns_own_mosfet *m, const ns_own_mosfet *n) {
     return n->drain == m->source || n->source == m->drain || (n->drain == m->drain && n->sign != m->sign);
 }
 
+/* 1 if a D takes the charge of its gate away, past the resistance that it is given by. */
+static int has_diode_off(const ns_analysis *a, const ns_own_mosfet *m) {
+    int any = 0;
+    for (int k = 0; k < a->ex.nowns && !any; k++) {
+        const int *at = (const int *)(const void *)(a->ex.own[k].inst + 1); /* as GENnode() has it */
+        any = a->ex.own[k].kind == OWN_DIODE && at[m->sign > 0 ? 0 : 1] == m->gate;
+    }
+    return any;
+}
+
 /* s: by which the charge of its gate has it open later; close later. */
 static double opens_late(const ns_own_taken *o) {
     ns_own_drive drive = o->driven;
@@ -32,7 +42,7 @@ static double closes_late(const ns_own_taken *o) {
 static void add(const ns_analysis *a, ns_own_taken *m, const ns_own_taken *n, double gap) {
     const double late = opens_late(m) - closes_late(n), both = late - gap;
     const double beyond = 0.5 * (m->drive - m->mosfet.vth); /* V: in the middle of its way */
-    if (!(late > 0.0) || !(both > 0.0) || fabs(gap) > late)
+    if (!(late > 0.0) || !(both > 0.0) || fabs(gap) > late || has_diode_off(a, &m->mosfet))
         return;
     m->overlap.seconds += both;
     m->overlap.count += 1.0;
