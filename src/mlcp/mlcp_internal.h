@@ -311,8 +311,8 @@ int ns_mlcp_pivot(ns_mlcp_solver *s); /* pivot.c */
 /* The same in one, from mode, without units, sorting and scaling: what most problems need.  OK: s->lambda,
  * s->y, s->mode are an answer; else LIMIT, SINGULAR, RESIDUAL. */
 int ns_mlcp_pivot_from(ns_mlcp_solver *s, const ns_mode *mode, double *residual);
-/* block.c: for more; s->y as well; patient: though proximal points lead nowhere at first.  OK, LIMIT, SINGULAR,
- * RESIDUAL. */
+/* block.c: for more; s->y as well; patient: though proximal points lead nowhere at first.  OK, LIMIT,
+ * SINGULAR, RESIDUAL. */
 int ns_mlcp_block(ns_mlcp_solver *s, int patient, double *residual);
 /* mode_answer.c: the answer in s->mode, whose G is factored: clamped, refined, measured.  RESIDUAL: not
  * accepted. */
