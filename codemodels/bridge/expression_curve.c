@@ -21,7 +21,7 @@ ns_piecewise_value *ns_bridge_expression_curve(ns_extract_walk *w, ns_piecewise 
     if (!*w->ex->curved)
         snprintf(w->ex->curved, sizeof w->ex->curved, "%.79s", p->name);
     return ns_bridge_piecewise_curve(p, f, is_tanh ? far_of_tanh : far_of_atan,
-                                     is_tanh ? within : within * atan(INFINITY), a);
+                                     is_tanh ? within : within * atan((double)INFINITY), a);
 }
 
 static int is_exp(const INPparseNode *node) {

@@ -122,7 +122,7 @@ static int read_difference(const range_reader *r, const INPparseNode *node, ns_o
     const INPparseNode *ends[2] = {node->left, node->right};
     int eq[2];
     for (int k = 0; k < 2; k++) {
-        if (node->type != PT_MINUS || ends[k]->type != PT_VAR ||
+        if (node->type != PT_MINUS || !ends[k] || ends[k]->type != PT_VAR ||
             r->b->ASRCtree->varTypes[ends[k]->valueIndex] != IF_NODE)
             return 0;
         eq[k] = r->b->ASRCvars[ends[k]->valueIndex];

@@ -178,7 +178,8 @@ static void the_other_engine_is_asked_within_a_trial(void **state) {
     (void)state;
     const double v = rectify(NS_EXACT, 0, &exact, &interval);
     assert_true(fabs(v - rectify(NS_SPARSE, 0, &sparse, &interval)) < 1e-7);
-    for (double first = exact / 5; first > exact / 5000; first /= 2) {
+    for (int halvings = 0; halvings < 10; halvings++) { /* a fifth to a 2560th of what exact needs */
+        const double first = ldexp(exact / 5, -halvings);
         assert_true(fabs(rectify(NS_AUTO, first, &got, &interval) - v) < 1e-7);
         assert_true(interval >= 4 * first);
         if (!(got < 4 * exact))
