@@ -84,19 +84,17 @@ typedef struct ns_successor {
     uint64_t undecided;
 } ns_successor;
 
-/* A rate that dies out within an instant is finite; or is so large that it may be rounding of an infinite
- * one. */
-enum { NS_HIDES_RATES = 1, NS_MAY_HIDE_RATES = 2 };
-
 /* What is kept of a mode. */
 struct ns_exact_mode {
-    ns_mode *mode;       /* m */
-    long last_used;      /* by cache.clock */
-    int status;          /* SINGULAR: the mode contradicts itself */
-    int scales;          /* how many time scales; the first resolves what is fastest */
-    int rates;           /* how many are resolved */
-    int has_instant;     /* 1: a constraint or a rate beyond resolution: entering may jump */
-    int hides, resolves; /* these bits; 1: finite rates are resolved, as far as t tells them apart */
+    ns_mode *mode;   /* m */
+    long last_used;  /* by cache.clock */
+    int status;      /* SINGULAR: the mode contradicts itself */
+    int scales;      /* how many time scales; the first resolves what is fastest */
+    int rates;       /* how many are resolved */
+    int has_instant; /* 1: a constraint or a rate beyond resolution: entering may jump */
+    int hides;       /* 1: a rate dies out within an instant, or is so large that it may be rounding of an
+                        infinite one */
+    int resolves;    /* 1: these are resolved, as far as t tells them apart */
     ns_time_scale scale[NS_TIME_SCALES];   /* fastest first */
     ns_successor successor[NS_SUCCESSORS]; /* most recent first; NULL: no more */
     ns_exact_mode *next_in_bucket;

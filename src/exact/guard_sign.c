@@ -63,7 +63,7 @@ static ns_mode_verdict judge_mode(ns_exact *f, ns_exact_mode *k, ns_evidence evi
     double *value = f->work.values, *tol = value + 2 * kernel->rows;
     f->undecided = f->overruled = 0;
     const int jumps = ns_exact_enter(f, k);
-    if (jumps && evidence != NS_EVIDENCE_IMPULSES && ns_exact_enter_fits(f, kernel) < NS_ENTRY_CORNER)
+    if (jumps && evidence != NS_EVIDENCE_IMPULSES && !ns_exact_enter_fits(f, kernel))
         return NS_VERDICT_NO;
     ns_exact_guard_values(f, kernel, f->X_next, value, tol);
     for (int g = 0; g < kernel->pair_rows; g++) {

@@ -140,7 +140,7 @@ static int list_rates(const ns_exact *f, ns_exact_mode *k, const ns_mode_kernel 
         if (dies > instant && isfinite(re[i]))
             rate[count++] = (ns_mode_rate){hypot(re[i], im[i]), dies};
         if (dies <= instant && (isfinite(re[i]) || im[i] != 0))
-            k->hides |= isfinite(re[i]) ? NS_HIDES_RATES : NS_MAY_HIDE_RATES;
+            k->hides = 1;
     }
     k->has_instant = count < kernel->r;
     for (int i = 0; i < f->inputs->nv; i++) {

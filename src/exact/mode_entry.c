@@ -208,21 +208,20 @@ static double least_impulse(const ns_exact *f, const ns_mode_kernel *k, int g, d
            impulse_rounding(f, k, g);
 }
 
-ns_entry_fit ns_exact_enter_fits(ns_exact *f, const ns_mode_kernel *k) {
-    ns_entry_fit fits = NS_ENTRY_FITS;
+/* 1 if the impulse of guard g, of the wrong sign, is none: it is outweighed by what flows besides in the same
+ * Euler step, and its pair was at its corner, or blocks beside resistances that drop as much. */
+static int is_no_impulse(const ns_exact *f, const ns_mode_kernel *k, int g) {
+    return guard_after_step(k, g, k->q, f->X) >= 0 && (leaves_corner(f, k, g) || blocks(f, k, g));
+}
+
+int ns_exact_enter_fits(ns_exact *f, const ns_mode_kernel *k) {
+    int fits = 1;
     for (int g = 0; g < k->pair_rows; g++)
         f->work.impulse[g] = guard_after_step(k, g, k->r, f->work.gone);
     const double most = largest_impulse(f, k);
-    for (int g = 0; g < k->pair_rows && fits != NS_ENTRY_NO; g++) {
-        if (!(f->work.impulse[g] < -impulse_tol * most && f->work.impulse[g] < -least_impulse(f, k, g, most)))
-            continue;
-        if (!(guard_after_step(k, g, k->q, f->X) >= 0))
-            fits = NS_ENTRY_NO;
-        else if (leaves_corner(f, k, g))
-            fits = fits < NS_ENTRY_CORNER ? fits : NS_ENTRY_CORNER;
-        else if (!blocks(f, k, g))
-            fits = NS_ENTRY_MAYBE;
-    }
+    for (int g = 0; g < k->pair_rows && fits; g++)
+        if (f->work.impulse[g] < -impulse_tol * most && f->work.impulse[g] < -least_impulse(f, k, g, most))
+            fits = is_no_impulse(f, k, g);
     return fits;
 }
 

@@ -121,7 +121,7 @@ static int flip_violated(ns_exact *f) {
     if (ns_exact_mode_find(f, f->wanted, &k) != NS_OK)
         return 0;
     const ns_mode_kernel *kernel = k->scale[0].kernel;
-    if (ns_exact_enter(f, k) && ns_exact_enter_fits(f, kernel) < NS_ENTRY_CORNER) {
+    if (ns_exact_enter(f, k) && !ns_exact_enter_fits(f, kernel)) {
         const ns_guard_row *row = &kernel->row[ns_exact_enter_worst(f, kernel)];
         f->wanted[row->pair] = row->to;
         return 1;

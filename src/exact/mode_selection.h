@@ -9,16 +9,10 @@
 #include "events/guard.h"
 #include "exact_internal.h"
 
-/* FITS: the impulses of all pairs have the signs they may have.  MAYBE: those that do not are outweighed by
- * what flows besides in the same Euler step: if what seems to jump has a finite rate, its course may fit.
- * CORNER: the one that does not is that of the pair whose guard broke just now.  It was at its corner: this
- * fits. */
-typedef enum ns_entry_fit { NS_ENTRY_NO, NS_ENTRY_MAYBE, NS_ENTRY_CORNER, NS_ENTRY_FITS } ns_entry_fit;
-
-/* mode_entry.c: X_next = X, as the mode is entered with it; 1 if it jumps.  Then: whether its pairs can carry
+/* mode_entry.c: X_next = X, as the mode is entered with it; 1 if it jumps.  Then: 1 if its pairs can carry
  * that; the guard whose impulse violates that most. */
 int ns_exact_enter(ns_exact *f, const ns_exact_mode *k);
-ns_entry_fit ns_exact_enter_fits(ns_exact *f, const ns_mode_kernel *k);
+int ns_exact_enter_fits(ns_exact *f, const ns_mode_kernel *k);
 int ns_exact_enter_worst(const ns_exact *f, const ns_mode_kernel *k);
 /* Then: 1 if guard g has an impulse above zero, so that after it the guard may be below zero: a diode that
  * carries charge and then blocks.  A guard without one breaks on the way: the jump does not end there. */

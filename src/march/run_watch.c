@@ -152,7 +152,6 @@ static int sees_left(ns_run *r, double t) {
     if (crawls(k, t))
         return NS_E_LIMIT;
     const ns_verify_state at = ns_march_check_state(r, t, NS_LEFT, NULL);
-    k->jumped_before = k->jumped;
     if (k->jumped)
         memcpy(k->before, k->impulse, sizeof *k->before * ((size_t)r->s->n + (size_t)r->s->m));
     if (k->left == NS_WATCH_SOME) {

@@ -222,6 +222,14 @@ static double largest(size_t count, const double *a) {
     return most;
 }
 
+/* v->v, and what impulses may be off by, of a jump that takes j->seconds. */
+static void fill_jump(ns_verify *v, const double *X, const double *Lambda, jump *j) {
+    const size_t n = (size_t)v->s->n, m = (size_t)v->s->m;
+    fill_impulse(v, j->seconds, X, Lambda);
+    j->any_off = of_all * largest(n + m, v->v);
+    j->lambda_off = of_impulse * largest(m, v->v + n) + j->any_off + DBL_MIN;
+}
+
 /* A number of which not even `hopeless` is as small as all numbers before the event leaves no digit of what
  * was there: each law holds to the rounding of its terms then, whatever they are. */
 static void judge_largest(const ns_verify *v, ns_verify_finding *worst) {
@@ -262,7 +270,6 @@ int ns_verify_left_in_full(ns_verify *v, ns_verify_finding *worst) {
 }
 
 int ns_verify_event(ns_verify *v, const double *X, const double *Lambda, ns_verify_finding *worst) {
-    const size_t n = (size_t)v->s->n, m = (size_t)v->s->m;
     jump j = {.seconds = v->t - v->t_left};
     *worst = ns_verify_nothing(v->t);
     judge_largest(v, worst);
@@ -270,9 +277,7 @@ int ns_verify_event(ns_verify *v, const double *X, const double *Lambda, ns_veri
     const moves most = most_of_moves(v);
     if (most == NONE)
         return ns_verify_sizes_end(v, worst);
-    fill_impulse(v, j.seconds, X, Lambda);
-    j.any_off = of_all * largest(n + m, v->v);
-    j.lambda_off = of_impulse * largest(m, v->v + n) + j.any_off + DBL_MIN;
+    fill_jump(v, X, Lambda, &j);
     judge_directions(v, &j, worst);
     if (most == LITTLE)
         return ns_verify_sizes_end(v, worst);
@@ -305,13 +310,11 @@ static int is_impulse_wrong(const ns_verify *v, int i, const jump *j, double lit
 
 int ns_verify_quick_impulses(ns_verify *v, const double *X, const double *Lambda) {
     static const double little = 1e-6;
-    const size_t n = (size_t)v->s->n, m = (size_t)v->s->m;
+    jump j = {0};
     double size = 0;
     int any = 0;
     (void)energy(v, v->u, &size);
-    fill_impulse(v, 0, X, Lambda);
-    jump j = {.any_off = of_all * largest(n + m, v->v)};
-    j.lambda_off = of_impulse * largest(m, v->v + n) + j.any_off + DBL_MIN;
+    fill_jump(v, X, Lambda, &j);
     for (int i = 0; i < v->s->m && !any; i++)
         any = is_diode(v, i) && is_impulse_wrong(v, i, &j, little * size);
     return !any;

@@ -119,8 +119,9 @@ void ns_verify_quick_left(ns_verify *v, const ns_verify_state *at);
 int ns_verify_quick_stays(ns_verify *v);
 /* 1 if what jumped by Lambda (m) less `before` (m, or NULL) goes through no diode backwards. */
 int ns_verify_quick_directions(const ns_verify *v, const double *Lambda, const double *before);
-/* 1 if impulses X (n), Lambda (m) are of no diode's wrong sign: charge flows forwards, flux blocks.  Their
- * sums over several jumps are neither, so that the left side need not be known. */
+/* 1 if no diode has an impulse of the wrong sign in X (n), Lambda (m), by more than 1e-6 of the energy at the
+ * last point: the charge through it and the flux across it are at least zero.  That holds for sums over
+ * several jumps, too: no left side is needed. */
 int ns_verify_quick_impulses(ns_verify *v, const double *X, const double *Lambda);
 /* That left side in full, as the left side of an event. */
 int ns_verify_left_in_full(ns_verify *v, ns_verify_finding *worst);
