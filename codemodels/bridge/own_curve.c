@@ -106,7 +106,8 @@ static int find_overlap(const ns_analysis *a, const ns_own_taken *o, double i) {
     return 0;
 }
 
-static void count_channel(ns_analysis *a, ns_own_taken *o, double i, double seconds, double t) {
+static void count_channel(const CKTcircuit *ckt, ns_analysis *a, ns_own_taken *o, double i, double seconds,
+                          double t) {
     const double above = above_threshold(a, &o->mosfet);
     double off, of;
     judge_channel(a, o, i, &off, &of);
@@ -117,7 +118,7 @@ static void count_channel(ns_analysis *a, ns_own_taken *o, double i, double seco
         o->seen.all_of += 0.5 * seconds * (of + o->seen.of);
     }
     if (seconds >= 0.0)
-        ns_bridge_own_count_overlap(a, o, above, t);
+        ns_bridge_own_count_overlap(ckt, a, o, above, t);
     o->seen.closed += above > 0.0 && o->seen.above > 0.0 ? fmax(seconds, 0.0) : 0.0;
     o->seen.openings += above <= 0.0 && o->seen.above > 0.0 && seconds >= 0.0 ? 1.0 : 0.0;
     o->seen.above = above;
@@ -162,7 +163,7 @@ void ns_bridge_own_count_point(const CKTcircuit *ckt, ns_analysis *a, double sin
         if (o->seen.t >= since)
             ns_bridge_pulse_mean_add(&o->seen.current, mean > NS_LEAK, mean, o->seen.t, t);
         if (o->kind == OWN_MOSFET) {
-            count_channel(a, o, i, o->seen.t >= since ? t - o->seen.t : 0.0, t);
+            count_channel(ckt, a, o, i, o->seen.t >= since ? t - o->seen.t : 0.0, t);
             ns_bridge_own_count_supply(a, o, o->seen.t >= since ? t - o->seen.t : -1.0);
         }
         if (o->kind == OWN_DIODE && o->seen.current.weight == 0.0)

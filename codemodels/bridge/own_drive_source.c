@@ -264,11 +264,7 @@ static int is_itself(const range_reader *r, const INPparseNode *node) {
     if (node->type != PT_VAR || r->b->ASRCtree->varTypes[node->valueIndex] != IF_NODE)
         return 0;
     const int eq = r->b->ASRCvars[node->valueIndex], own = r->b->ASRCposNode;
-    for (NGTABLEPTR box = r->ckt->DEVnameHash->thread; box && eq != own; box = box->thread_next)
-        if (ns_bridge_models_letter(box->data) == 'r' && ns_bridge_own_touches(box->data, eq) &&
-            ns_bridge_own_touches(box->data, own))
-            return 1;
-    return eq == own;
+    return eq == own || ns_bridge_own_joined_by_r(r->ckt, eq, own);
 }
 
 /* One of two. */

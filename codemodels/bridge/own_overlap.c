@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+#include "own_touch.h"
 #include "report.h"
 
 /* Of the charge that an M carries: what flows through both counts. */
@@ -13,14 +14,19 @@ int ns_bridge_own_in_series(const ns_own_mosfet *m, const ns_own_mosfet *n) {
     return n->drain == m->source || n->source == m->drain || (n->drain == m->drain && n->sign != m->sign);
 }
 
-/* 1 if a D takes the charge of its gate away, past the resistance that it is given by. */
-static int has_diode_off(const ns_analysis *a, const ns_own_mosfet *m) {
-    int any = 0;
-    for (int k = 0; k < a->ex.nowns && !any; k++) {
-        const int *at = (const int *)(const void *)(a->ex.own[k].inst + 1); /* as GENnode() has it */
-        any = a->ex.own[k].kind == OWN_DIODE && at[m->sign > 0 ? 0 : 1] == m->gate;
+/* 1 if a D, or a D and an R in series, takes the charge of its gate away, past the resistance that it is
+ * given by. */
+static int has_diode_off(const CKTcircuit *ckt, const ns_analysis *a, const ns_own_mosfet *m) {
+    for (int k = 0; k < a->ex.nowns; k++) {
+        ns_own_diode d;
+        if (a->ex.own[k].kind != OWN_DIODE)
+            continue;
+        ns_bridge_own_read_diode(a->ex.own[k].inst, &d);
+        const int near = m->sign > 0 ? d.anode : d.cathode, far = m->sign > 0 ? d.cathode : d.anode;
+        if (near == m->gate || (far != m->gate && ns_bridge_own_joined_by_r(ckt, near, m->gate)))
+            return 1;
     }
-    return any;
+    return 0;
 }
 
 /* s: by which the charge of its gate has it open later; close later. */
@@ -39,10 +45,11 @@ static double closes_late(const ns_own_taken *o) {
 }
 
 /* m opens so long (s; below 0: after that) before n closes. */
-static void add(const ns_analysis *a, ns_own_taken *m, const ns_own_taken *n, double gap) {
+static void add(const CKTcircuit *ckt, const ns_analysis *a, ns_own_taken *m, const ns_own_taken *n,
+                double gap) {
     const double late = opens_late(m) - closes_late(n), both = late - gap;
     const double beyond = 0.5 * (m->drive - m->mosfet.vth); /* V: in the middle of its way */
-    if (!(late > 0.0) || !(both > 0.0) || fabs(gap) > late || has_diode_off(a, &m->mosfet))
+    if (!(late > 0.0) || !(both > 0.0) || fabs(gap) > late || has_diode_off(ckt, a, &m->mosfet))
         return;
     m->overlap.seconds += both;
     m->overlap.count += 1.0;
@@ -50,7 +57,8 @@ static void add(const ns_analysis *a, ns_own_taken *m, const ns_own_taken *n, do
     m->overlap.with = 1 + (int)(n - a->ex.own);
 }
 
-void ns_bridge_own_count_overlap(ns_analysis *a, ns_own_taken *o, double above, double t) {
+void ns_bridge_own_count_overlap(const CKTcircuit *ckt, ns_analysis *a, ns_own_taken *o, double above,
+                                 double t) {
     const int opens = above <= 0.0 && o->seen.above > 0.0, closes = above > 0.0 && o->seen.above <= 0.0;
     if (!opens && !closes)
         return;
@@ -61,9 +69,9 @@ void ns_bridge_own_count_overlap(ns_analysis *a, ns_own_taken *o, double above, 
             !ns_bridge_own_in_series(&o->mosfet, &other->mosfet))
             continue;
         if (closes && other->seen.above <= 0.0 && other->seen.openings > 0.0)
-            add(a, other, o, t - other->overlap.opened);
+            add(ckt, a, other, o, t - other->overlap.opened);
         else if (opens && other->seen.above > 0.0 && other->overlap.closed > 0.0)
-            add(a, o, other, other->overlap.closed - t);
+            add(ckt, a, o, other, other->overlap.closed - t);
     }
 }
 

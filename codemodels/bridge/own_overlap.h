@@ -9,7 +9,8 @@
 int ns_bridge_own_in_series(const ns_own_mosfet *m, const ns_own_mosfet *n);
 
 /* Before the point is counted: the M that changes between the point before and this one, at t (s). */
-void ns_bridge_own_count_overlap(ns_analysis *a, ns_own_taken *o, double above, double t);
+void ns_bridge_own_count_overlap(const CKTcircuit *ckt, ns_analysis *a, ns_own_taken *o, double above,
+                                 double t);
 
 /* One line about two M that the charge of their gates would have closed at once.  1 if it was written. */
 int ns_bridge_own_note_overlap(const ns_analysis *a);

@@ -58,6 +58,14 @@ int ns_bridge_own_touches(const GENinstance *inst, int node) {
     return 0;
 }
 
+int ns_bridge_own_joined_by_r(const CKTcircuit *ckt, int a, int b) {
+    for (NGTABLEPTR box = ckt->DEVnameHash->thread; box; box = box->thread_next)
+        if (ns_bridge_models_letter(box->data) == 'r' && ns_bridge_own_touches(box->data, a) &&
+            ns_bridge_own_touches(box->data, b))
+            return 1;
+    return 0;
+}
+
 /* 1 if all that touches a node are D with this side there, and more than one. */
 static int are_alone(const CKTcircuit *ckt, int node, int by_anode) {
     int count = 0;
