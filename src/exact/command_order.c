@@ -173,6 +173,7 @@ static int settle(ns_exact *f, int by_guard, ns_exact_mode *before) {
 
 int ns_exact_select_mode(ns_exact *f, int guard) {
     ns_exact_mode *const before = f->state.mode;
+    f->resolves = 0;
     ns_exact_note_size(f);
     ns_exact_enter_remove_drift(f);
     ns_exact_event_is_of(f, guard);

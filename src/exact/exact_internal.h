@@ -95,6 +95,7 @@ struct ns_exact_mode {
     int hides;       /* 1: a rate dies out within an instant, or is so large that it may be rounding of an
                         infinite one */
     int resolves;    /* 1: these are resolved, as far as t tells them apart */
+    ns_exact_mode *fine; /* the same mode with these resolved, to judge this one by; NULL: not needed yet */
     ns_time_scale scale[NS_TIME_SCALES];   /* fastest first */
     ns_successor successor[NS_SUCCESSORS]; /* most recent first; NULL: no more */
     ns_exact_mode *next_in_bucket;
@@ -237,6 +238,7 @@ struct ns_exact {
     ns_mode *command_target; /* nc: mode a flipped command goes to */
     unsigned char *flips;    /* nc: 1: this command by the state flipped in this event */
     int jumped;              /* 1: something did in this event */
+    int resolves;            /* 1: in this event each mode that is tried is resolved */
     struct {
         unsigned char *first, *first_flips; /* nc: point->flip and flips as the event began, */
         ns_mode *first_target;              /* nc: and command_target */
@@ -300,8 +302,9 @@ static inline void ns_exact_note_size(ns_exact *f) {
  * MEMORY, NUMBER. */
 int ns_exact_mode_find(ns_exact *f, const ns_mode *mode, ns_exact_mode **out);
 void ns_exact_mode_forget_all(ns_exact *f);
-/* 1: finite rates of mode k that were taken as instantaneous are resolved from now on: its kernels are new.
- */
+/* Mode k with those finite rates resolved that it takes as instantaneous: k owns it; NULL: there are none that
+ * the time tells apart.  And: 1: they are resolved from now on: its kernels are new. */
+ns_exact_mode *ns_exact_mode_fine(ns_exact *f, ns_exact_mode *k);
 int ns_exact_mode_resolve(ns_exact *f, ns_exact_mode *k);
 /* Drops the modes not used for longest until all fit into three quarters of the limit; never `keep`. */
 void ns_exact_mode_trim(ns_exact *f, ns_exact_mode *keep);

@@ -104,14 +104,32 @@ static int takes_time(const ns_exact *f, const ns_exact_mode *k) {
     return any;
 }
 
+/* 1 if mode k does not hold where what jumps in no time has jumped, and what dies out as if in an instant has
+ * not: a switch without resistance makes a node jump that an R brings back, and diodes follow the jump. */
+static int breaks_on_the_way(ns_exact *f, ns_exact_mode *k, ns_evidence evidence, uint64_t undecided) {
+    ns_exact_mode *fine = ns_exact_mode_fine(f, k);
+    return fine && judge_mode(f, fine, evidence, undecided) == NS_VERDICT_NO;
+}
+
 /* A jump that has a finite rate is resolved where pairs may open and close on its way: another mode follows
  * there, or other charges are left.  At a start any pair may. */
 ns_mode_verdict ns_exact_mode_holds(ns_exact *f, ns_exact_mode *k, ns_evidence evidence, uint64_t undecided) {
     resolve_before_next(f, k);
-    const ns_mode_verdict verdict = judge_mode(f, k, evidence, undecided);
-    if (!f->entered || (f->state.mode && !takes_time(f, k)) || !ns_exact_mode_resolve(f, k))
+    if (f->resolves)
+        (void)ns_exact_mode_resolve(f, k);
+    ns_mode_verdict verdict = judge_mode(f, k, evidence, undecided);
+    if (!f->entered || !k->hides || k->resolves)
         return verdict;
-    return judge_mode(f, k, evidence, undecided);
+    if (f->state.mode && !takes_time(f, k)) {
+        if (verdict == NS_VERDICT_NO)
+            return verdict;
+        if (!breaks_on_the_way(f, k, evidence, undecided))
+            return judge_mode(f, k, evidence, undecided);
+        f->resolves = 1;
+    }
+    if (ns_exact_mode_resolve(f, k))
+        verdict = judge_mode(f, k, evidence, undecided);
+    return verdict;
 }
 
 int ns_exact_mode_holds_clearly(ns_exact *f, ns_exact_mode *k) {

@@ -42,6 +42,9 @@ static void free_time_scales(ns_exact_mode *k) {
 }
 
 static void free_mode(ns_exact_mode *k) {
+    if (!k)
+        return;
+    free_mode(k->fine);
     free_time_scales(k);
     free(k->mode);
     free(k);
@@ -68,7 +71,7 @@ static size_t bytes_of(const ns_exact *f, const ns_exact_mode *k) {
         for (int j = 0; j < NS_CACHED_STEPS; j++)
             sum += scale->cached[j].map ? scale->cached[j].map->bytes : 0;
     }
-    return sum;
+    return sum + (k->fine ? bytes_of(f, k->fine) : 0);
 }
 
 /* `gone` is no successor of a mode any more. */
@@ -246,27 +249,53 @@ static int build_mode(ns_exact *f, ns_exact_mode *k) {
     return status;
 }
 
-int ns_exact_mode_resolve(ns_exact *f, ns_exact_mode *k) {
-    ns_exact_mode coarse = *k;
-    if (!k->hides || k->resolves)
-        return 0;
-    memset(k->scale, 0, sizeof k->scale);
-    k->scales = 0;
-    k->resolves = 1;
-    ns_theta_set_mode(f->s, k->mode);
-    const int status = build_mode(f, k);
-    if (status != NS_OK) {
-        free_time_scales(k);
-        *k = coarse;
-        k->resolves = 1;
-        f->failed = status == NS_E_MEMORY ? status : f->failed;
-        return 0;
+static ns_exact_mode *new_mode(const ns_mode *mode, int m) {
+    ns_exact_mode *k = calloc(1, sizeof *k);
+    if (!k || !(k->mode = malloc((size_t)m + 1))) {
+        free(k);
+        return NULL;
     }
-    f->cache.bytes += sizeof *k + (size_t)f->system->m;
-    f->cache.bytes -= bytes_of(f, &coarse);
+    memcpy(k->mode, mode, (size_t)m);
+    return k;
+}
+
+ns_exact_mode *ns_exact_mode_fine(ns_exact *f, ns_exact_mode *k) {
+    if (!k->hides || k->resolves || k->fine)
+        return k->fine;
+    ns_exact_mode *fine = new_mode(k->mode, f->system->m);
+    int status = fine ? NS_OK : NS_E_MEMORY;
+    if (status == NS_OK) {
+        fine->resolves = 1;
+        fine->rates = k->rates;
+        ns_theta_set_mode(f->s, k->mode);
+        status = build_mode(f, fine);
+    }
+    f->failed = status == NS_E_MEMORY ? status : f->failed;
+    k->resolves = status != NS_OK && status != NS_E_MEMORY;
+    if (status != NS_OK) {
+        free_mode(fine);
+        return NULL;
+    }
+    f->cache.bytes += sizeof *fine + (size_t)f->system->m;
+    return k->fine = fine;
+}
+
+int ns_exact_mode_resolve(ns_exact *f, ns_exact_mode *k) {
+    ns_exact_mode *fine = ns_exact_mode_fine(f, k), coarse = *k;
+    if (!fine)
+        return 0;
+    memcpy(k->scale, fine->scale, sizeof k->scale);
+    memcpy(fine->scale, coarse.scale, sizeof fine->scale);
+    k->scales = fine->scales;
+    k->rates = fine->rates;
+    k->has_instant = fine->has_instant;
+    k->hides = fine->hides;
+    k->resolves = 1;
+    k->fine = NULL;
+    f->cache.bytes -= bytes_of(f, fine);
+    free_mode(fine);
     f->cache.steps_dropped++;
     f->entered = NULL;
-    free_time_scales(&coarse);
     return 1;
 }
 
@@ -278,12 +307,9 @@ int ns_exact_mode_find(ns_exact *f, const ns_mode *mode, ns_exact_mode **out) {
     *out = k && k->status == NS_OK ? k : NULL;
     if (k)
         return k->status;
-    k = calloc(1, sizeof *k);
-    if (!k || !(k->mode = malloc(m + 1))) {
-        free(k);
+    k = new_mode(mode, f->system->m);
+    if (!k)
         return NS_E_MEMORY;
-    }
-    memcpy(k->mode, mode, m);
     ns_theta_set_mode(f->s, mode);
     k->status = build_mode(f, k);
     if (k->status != NS_OK && k->status != NS_E_SINGULAR) {

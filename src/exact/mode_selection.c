@@ -261,6 +261,7 @@ int ns_exact_mode_after(ns_exact *f, int by_guard, int broken, int *goes_on) {
 int ns_exact_select_start(ns_exact *f, int guess) {
     int goes_on = 0, status = NS_GUARD;
     f->state.mode = NULL;
+    f->resolves = 0;
     ns_exact_event_known_to(f, 0);
     ns_exact_event_is_of(f, -1);
     read_inputs_after(f);

@@ -10,6 +10,7 @@
  * So unknowns are kept, and residuals of (P2) are formed, in long double.  The last correction is the error
  * left.
  */
+#include "guards.h"
 #include "largest.h"
 #include "linalg/simd.h"
 #include "regularise.h"
@@ -215,6 +216,22 @@ static int lasts(ns_sparse *m, double t, double g) {
     return ns_sparse_largest_of(m, m->work.finer_removed) > little;
 }
 
+/* 1 if the mode does not hold where what jumps in no time has jumped, and what steps of the length g take to
+ * its end has not: a switch without resistance makes a node jump that an R brings back, and diodes follow the
+ * jump.  From there the shortest steps are as short as they get. */
+static int breaks_on_the_way(ns_sparse *m, double t, double g) {
+    const double finest = ldexp(m->o.h, -NS_FINEST - NS_MOST_FINER);
+    left what;
+    if (!(finest < g) || remove_powers(m, t, finest, NULL, m->work.finer_removed, &what) != NS_OK)
+        return 0;
+    if (ns_sparse_step_euler(m, t, finest, m->w, 1, m->work.projected, m->work.rates) != NS_OK ||
+        ns_sparse_guard_broken(m, m->work.projected, m->w, finest, 1) == 0)
+        return 0;
+    m->o.finer = NS_MOST_FINER;
+    m->start_over = t + ldexp(m->o.h, -NS_EVENT_LEAST_EXPONENT - m->usual_finer);
+    return 1;
+}
+
 int ns_sparse_project_consistent(ns_sparse *m, double t, double g, const double *first, ns_jump_kind *jump) {
     const size_t bytes = sizeof(double) * (size_t)m->f->n;
     const double size = ns_sparse_largest_size(m);
@@ -228,11 +245,14 @@ int ns_sparse_project_consistent(ns_sparse *m, double t, double g, const double 
         return status;
     }
     *jump = NS_JUMPS;
-    if (what != SOME || g <= ns_sparse_finest(m))
+    if (what != SOME)
         return NS_OK;
     memcpy(m->work.right_w, m->w, bytes);
     memcpy(m->w, m->work.before_w, bytes);
-    if (lasts(m, t, g))
+    if (g > ns_sparse_finest(m) && lasts(m, t, g))
+        *jump = NS_LASTS;
+    memcpy(m->w, m->work.before_w, bytes);
+    if (*jump == NS_JUMPS && breaks_on_the_way(m, t, g))
         *jump = NS_LASTS;
     memcpy(m->w, *jump == NS_LASTS ? m->work.before_w : m->work.right_w, bytes);
     return NS_OK;
