@@ -61,6 +61,7 @@ ns_guard_sign ns_exact_guard_sign(ns_exact *f, ns_exact_mode *mode, int g, const
 static ns_mode_verdict judge_mode(ns_exact *f, ns_exact_mode *k, ns_evidence evidence, uint64_t undecided) {
     const ns_mode_kernel *kernel = k->scale[0].kernel;
     double *value = f->work.values, *tol = value + 2 * kernel->rows;
+    ns_mode_verdict verdict = NS_VERDICT_HOLDS;
     f->undecided = f->overruled = 0;
     const int jumps = ns_exact_enter(f, k);
     if (jumps && evidence != NS_EVIDENCE_IMPULSES && !ns_exact_enter_fits(f, kernel))
@@ -76,12 +77,13 @@ static ns_mode_verdict judge_mode(ns_exact *f, ns_exact_mode *k, ns_evidence evi
         f->undecided |= sign == NS_UNDECIDED ? ns_exact_bit_of(g) : 0;
         f->overruled |= sign == NS_SIGN_SEEMS_TO_BREAK ? ns_exact_bit_of(g) : 0;
         if (sign == NS_SIGN_BREAKS || (sign == NS_SIGN_SEEMS_TO_BREAK && sure) ||
-            (sign == NS_UNDECIDED && !assumed))
-            return jumps && evidence == NS_EVIDENCE_STEP && ns_exact_enter_carries(f, kernel, g)
-                       ? NS_VERDICT_JUMPS
-                       : NS_VERDICT_NO;
+            (sign == NS_UNDECIDED && !assumed)) {
+            if (!jumps || evidence != NS_EVIDENCE_STEP || !ns_exact_enter_carries(f, kernel, g))
+                return NS_VERDICT_NO;
+            verdict = NS_VERDICT_JUMPS;
+        }
     }
-    return NS_VERDICT_HOLDS;
+    return verdict;
 }
 
 /* What dies out in mode k as if in an instant is resolved, if the sources turn or jump before it may have. */
