@@ -106,11 +106,22 @@ static int takes_time(const ns_exact *f, const ns_exact_mode *k) {
     return any;
 }
 
+/* 1 if a command by the state is contradicted as mode k was entered: its guard breaks at X_next. */
+static int contradicts_command(ns_exact *f, ns_exact_mode *k) {
+    const ns_mode_kernel *kernel = k->scale[0].kernel;
+    int any = 0;
+    for (int g = kernel->pair_rows; g < kernel->rows && !any; g++)
+        any = ns_exact_guard_sign(f, k, g, f->X_next) == NS_SIGN_BREAKS;
+    return any;
+}
+
 /* 1 if mode k does not hold where what jumps in no time has jumped, and what dies out as if in an instant has
- * not: a switch without resistance makes a node jump that an R brings back, and diodes follow the jump. */
+ * not: a switch without resistance makes a node jump that an R brings back, and diodes and switches follow
+ * the jump. */
 static int breaks_on_the_way(ns_exact *f, ns_exact_mode *k, ns_evidence evidence, uint64_t undecided) {
     ns_exact_mode *fine = ns_exact_mode_fine(f, k);
-    return fine && judge_mode(f, fine, evidence, undecided) == NS_VERDICT_NO;
+    return fine &&
+           (judge_mode(f, fine, evidence, undecided) == NS_VERDICT_NO || contradicts_command(f, fine));
 }
 
 /* A jump that has a finite rate is resolved where pairs may open and close on its way: another mode follows
