@@ -208,6 +208,14 @@ static double negligible(const ns_sparse *m, const ns_dense_step *step, double r
                                      ns_sparse_finest(m), room);
 }
 
+/* 1 if the mode of the step does not hold at the end of an Euler step of length g, which takes away what
+ * jumps: it was found by shorter ones, so this is a transient amid which other pairs change. */
+static int changes_mode(ns_sparse *m, const ns_dense_step *step, double g) {
+    return g > ns_sparse_finest(m) &&
+           ns_sparse_step_euler(m, step->t, g, step->powers, 1, m->work.projected, NULL) == NS_OK &&
+           ns_sparse_guard_broken(m, m->work.projected, step->powers, g, 1) > 0;
+}
+
 /* w at the beginning of the step made consistent with its mode by steps of length g, if pairs of the mode can
  * carry the impulses; else the worst of them is marked to break there. */
 static int remove_jump(ns_sparse *m, ns_dense_step *step, double g) {
@@ -218,6 +226,10 @@ static int remove_jump(ns_sparse *m, ns_dense_step *step, double g) {
         memcpy(m->w, step->powers, bytes);
         g *= much_longer;
         status = ns_sparse_project_consistent(m, step->t, g, NULL, &jumped);
+    }
+    if (status == NS_OK && jumped == NS_JUMPS && changes_mode(m, step, g)) {
+        memcpy(m->w, step->powers, bytes);
+        return status;
     }
     if (status == NS_OK && jumped == NS_JUMPS)
         status = ns_sparse_instant_misfit(m, step->t, g, &step->pair, &step->guard);
