@@ -3,6 +3,7 @@
 
 #include "linalg/simd.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -100,4 +101,19 @@ double ns_sparse_largest_of(const ns_sparse *m, const double *of) {
         if (!m->f->algebraic[i])
             max = ns_higher(fabs(of[i]) / m->unit[i], max);
     return max;
+}
+
+double ns_sparse_largest_rounding(const ns_sparse *m) {
+    static const double rounding = 64 * DBL_EPSILON;
+    const ns_input_stages *in = m->in;
+    double volts = 0, unit = 0;
+    for (int j = 0; j < m->f->m; j++)
+        volts = fmax(volts, fabs(m->f->e[j]));
+    for (int i = 0; i < m->f->n; i++)
+        volts = m->f->algebraic[i] ? fmax(volts, fabs(m->f->b[i])) : volts;
+    for (int k = 0; k < m->f->nz; k++)
+        volts = in->enters[k] ? fmax(volts, fmax(in->max_abs[k], fabs(in->sum[k].value))) : volts;
+    for (int i = 0; i < m->f->n; i++)
+        unit = m->f->algebraic[i] ? unit : fmax(unit, m->unit[i]);
+    return rounding * volts * unit;
 }

@@ -20,5 +20,8 @@ void ns_sparse_largest_restore(ns_sparse *m);
 /* The largest charge or flux that there is or was, in units; of those in `of`. */
 double ns_sparse_largest_size(const ns_sparse *m);
 double ns_sparse_largest_of(const ns_sparse *m, const double *of);
+/* In units, what is rounding of the largest constant of a law, of a source, of an input: where no charge or
+ * flux was ever larger there are none. */
+double ns_sparse_largest_rounding(const ns_sparse *m);
 
 #endif

@@ -85,22 +85,6 @@ static int contradicts(const ns_sparse *m, double g, const ns_cached_factors *k)
              residual_rounding);
 }
 
-/* As a charge or flux, what is rounding of the largest constant of a law, of a source, of an input: at rest
- * there is nothing else. */
-static double least(const ns_sparse *m) {
-    const ns_input_stages *in = m->in;
-    double volts = 0, unit = 0;
-    for (int j = 0; j < m->f->m; j++)
-        volts = fmax(volts, fabs(m->f->e[j]));
-    for (int i = 0; i < m->f->n; i++)
-        volts = m->f->algebraic[i] ? fmax(volts, fabs(m->f->b[i])) : volts;
-    for (int k = 0; k < m->f->nz; k++)
-        volts = in->enters[k] ? fmax(volts, fmax(in->max_abs[k], fabs(in->sum[k].value))) : volts;
-    for (int i = 0; i < m->f->n; i++)
-        unit = m->f->algebraic[i] ? unit : fmax(unit, m->unit[i]);
-    return zero * volts * unit;
-}
-
 /* by: D w of the last ns_sparse_step_solve(), corrected to the last digit of what is of this size.  *needed:
  * 0 if no correction changed it. */
 static int correct(ns_sparse *m, double g, const ns_cached_factors *k, double size, const double *v,
@@ -124,7 +108,7 @@ static int correct(ns_sparse *m, double g, const ns_cached_factors *k, double si
         moved = update_rates(m, g, m->work.exact, by);
         *needed = *needed && (round > 0 || moved > corrected * size);
     }
-    return moved <= fmax(lost * size, least(m)) || ns_sparse_project_is_rounding(m, g, v, size)
+    return moved <= fmax(lost * size, ns_sparse_largest_rounding(m)) || ns_sparse_project_is_rounding(m, g, v, size)
                ? NS_OK
                : NS_E_RESIDUAL;
 }

@@ -144,7 +144,10 @@ static double error_of(const ns_sparse *m, const ns_dense_step *step, double *ra
     *jump = ERROR * (all - last) / m->o.reltol;
     *time = held / all; /* read where there is a jump: all > 0 */
     const double error = ERROR * last * sqrt(*ratio) / m->o.reltol;
-    if (error <= 1 || !ns_sparse_project_is_rounding(m, step->g, step->images, largest))
+    if (error <= 1 && *jump <= 1)
+        return error;
+    if (largest > ns_sparse_largest_rounding(m) &&
+        (error <= 1 || !ns_sparse_project_is_rounding(m, step->g, step->images, largest)))
         return error;
     *jump = 0;
     return 0; /* all of w is rounding */

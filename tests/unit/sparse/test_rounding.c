@@ -178,6 +178,30 @@ static void test_beside_large_capacitor(void **state) {
     end(&k);
 }
 
+/* 10 V through 0.07 ohm and a diode into ground, from where R alone leads to the other end of the only
+ * capacitor: all charge that there ever is is rounding, of two switches side by side that carry nothing, and
+ * none of it is to be resolved.  From a random circuit, whose steps were 2^17 times shorter than h from when
+ * these closed. */
+static void test_nothing_but_rounding(void **state) {
+    enum { FAR = 1, NEAR, FLOATS, S };
+    const ns_signal dc = {.kind = NS_DC, .u.dc = 10};
+    rig k = begin();
+    (void)state;
+    assert_int_equal(ns_circuit_source(k.c, name('v'), NS_VOLTAGE, S, 0, &dc, NULL), NS_OK);
+    resistor(&k, S, NEAR, 0.071445757280364675);
+    resistor(&k, FAR, 0, 0.33853884862180361);
+    capacitor(&k, NEAR, FAR, 4.9264440860030621e-11, 0);
+    contact(&k, NEAR, FLOATS, 1e-4, 1);
+    contact(&k, NEAR, FLOATS, 1e-4, 1);
+    contact(&k, FAR, NEAR, 0, 1e-4);
+    diode(&k, NEAR, 0, INFINITY);
+    start(&k, 1e-6, 0);
+    go(&k, 2e-4);
+    near(voltage(&k, NEAR, FAR), 0, 1e-9);
+    assert_true(ns_march_counts(k.m)->steps < 250);
+    end(&k);
+}
+
 int main(void) {
     static double short_step = 5e-8, shorter_step = 1e-9;
     static transient brief = {1e12, -8}, longer = {1e6, -0.04};
@@ -186,6 +210,7 @@ int main(void) {
         {"an interrupted coil, floating parts", test_interrupted, NULL, NULL, &none},
         {"an interrupted coil, leaks", test_interrupted, NULL, NULL, &leaky},
         cmocka_unit_test(test_side_by_side),
+        cmocka_unit_test(test_nothing_but_rounding),
         {"beside a large capacitor", test_beside_large_capacitor, NULL, NULL, &short_step},
         {"beside a large capacitor, 1 ns", test_beside_large_capacitor, NULL, NULL, &shorter_step},
         {"beside a transient, short", test_beside_a_transient, NULL, NULL, &brief},
