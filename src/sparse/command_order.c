@@ -174,15 +174,15 @@ static int resolve_with(ns_sparse *m, const ns_dense_step *step, double t, doubl
     return resolve_at_once(m, step, t, g, jump, &hasty);
 }
 
-/* Steps of length g would lose a transient: shorter ones, until nothing lasts.  Where digits do not suffice
- * for these, the mode is that of the longest, nothing jumps, and the steps that follow resolve the transient.
- */
+/* Steps of length g would lose a transient: shorter ones, until nothing lasts, or the finest.  Where digits do
+ * not suffice for these, the mode is that of the longest, nothing jumps, and the steps that follow resolve the
+ * transient. */
 static void resolve_transient(ns_sparse *m, const ns_dense_step *step, double t, double g) {
     ns_jump_kind jump = NS_LASTS;
     int status = NS_OK;
     memcpy(m->work.lasting_mode, m->mode, (size_t)m->f->m);
     m->longest_g = g;
-    while (status == NS_OK && jump == NS_LASTS) {
+    while (status == NS_OK && jump == NS_LASTS && g > ns_sparse_finest(m)) {
         g = fmax(ldexp(g, -NS_FINER), ns_sparse_finest(m));
         ns_sparse_event_restore(m);
         status = resolve_with(m, step, t, g, &jump);
