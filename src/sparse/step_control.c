@@ -219,13 +219,18 @@ static int changes_mode(ns_sparse *m, const ns_dense_step *step, double g) {
            ns_sparse_guard_broken(m, m->work.projected, step->powers, g, 1) > 0;
 }
 
+/* 1 if steps so short have a matrix of which no digit is left, or none of their solutions. */
+static int is_too_short(int status) {
+    return status == NS_E_SINGULAR || status == NS_E_RESIDUAL;
+}
+
 /* w at the beginning of the step made consistent with its mode by steps of length g, if pairs of the mode can
  * carry the impulses; else the worst of them is marked to break there. */
 static int remove_jump(ns_sparse *m, ns_dense_step *step, double g) {
     const size_t bytes = sizeof(double) * (size_t)m->f->n;
     ns_jump_kind jumped = NS_NO_JUMP;
     int status = ns_sparse_project_consistent(m, step->t, g, NULL, &jumped);
-    for (int longer = 0; longer < LONGER && status == NS_E_SINGULAR; longer++) {
+    for (int longer = 0; longer < LONGER && is_too_short(status); longer++) {
         memcpy(m->w, step->powers, bytes);
         g *= much_longer;
         status = ns_sparse_project_consistent(m, step->t, g, NULL, &jumped);
