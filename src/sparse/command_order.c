@@ -174,9 +174,9 @@ static int resolve_with(ns_sparse *m, const ns_dense_step *step, double t, doubl
     return resolve_at_once(m, step, t, g, jump, &hasty);
 }
 
-/* Steps of length g would lose a transient: shorter ones, until nothing lasts, or the finest.  Where digits do
- * not suffice for these, the mode is that of the longest, nothing jumps, and the steps that follow resolve the
- * transient. */
+/* Steps of length g would lose a transient: shorter ones, until nothing lasts, or the finest.  Where digits
+ * do not suffice for these, the mode is that of the longest, nothing jumps, and the steps that follow resolve
+ * the transient. */
 static void resolve_transient(ns_sparse *m, const ns_dense_step *step, double t, double g) {
     ns_jump_kind jump = NS_LASTS;
     int status = NS_OK;

@@ -110,7 +110,8 @@ static int correct(ns_sparse *m, double g, const ns_cached_factors *k, double si
         moved = update_rates(m, g, m->work.exact, by);
         *needed = *needed && (round > 0 || moved > corrected * size);
     }
-    return moved <= fmax(lost * size, ns_sparse_largest_rounding(m)) || ns_sparse_project_is_rounding(m, g, v, size)
+    return moved <= fmax(lost * size, ns_sparse_largest_rounding(m)) ||
+                   ns_sparse_project_is_rounding(m, g, v, size)
                ? NS_OK
                : NS_E_RESIDUAL;
 }

@@ -12,8 +12,8 @@ static double v_of(const bench *b, int node) {
 }
 
 /* The switch of 11 uohm between N1, 3.9 pF to ground, and N0, from which 0.132 uF at 9.8 V lead to N2, 376 pF
- * to ground, is closed.  N1 rises by 0.7 V within 4e-18 s, where the diode and 8.5 uohm to N2 begin to conduct
- * what discharges the 0.132 uF to 0.5 V.  The charge of N0, N1 and N2 together stays:
+ * to ground, is closed.  N1 rises by 0.7 V within 4e-18 s, where the diode and 8.5 uohm to N2 begin to
+ * conduct what discharges the 0.132 uF to 0.5 V.  The charge of N0, N1 and N2 together stays:
  *
  *     (C0 + C1) v(N2) + 0.5 V C0 = C1 0.2229 V.
  *
