@@ -223,11 +223,13 @@ static int make_analysis(ns_session *s, int tran, int uic) {
     ns_analysis *a = &s->analysis;
     ns_bridge_own_forget_currents(&s->found);
     s->found.otherwise = tran ? first_id : NS_OWN_CURRENT;
+    s->found.is_first = tran;
     int error = ns_bridge_analysis_make(s->ckt, tran ? SOURCES_TRAN : SOURCES_DC, &s->found, a);
     const int known = !tran || !isnan(a->ex.options.id) || a->ex.nowns == 0;
     if (!error && !known && ns_bridge_own_wants_currents(a))
         error = run_passes(s, uic);
     s->found.otherwise = NS_OWN_CURRENT;
+    s->found.is_first = 0;
     if (error || known)
         return error;
     ns_bridge_analysis_clear(a);

@@ -59,6 +59,7 @@ typedef struct ns_own_found {
     int count;
     ns_own_current *of; /* count */
     double otherwise;   /* of all others */
+    int is_first;       /* the analysis that is made is of a first pass */
     double seconds;     /* of the pass that found them, from 0 on; 0: there was none */
     int whole;          /* that was all of .tran */
     int fails;          /* it could not go on */

@@ -48,6 +48,23 @@ static ns_own_line guess_of(const ns_own_taken *o, double amperes) {
     return (ns_own_line){0.0, 0.0, ns_bridge_own_closed_voltage(o, amperes) / amperes};
 }
 
+/* In a first pass: from 0 V to a part of its drive, and the current there.  A gate that needs nothing beyond
+ * vth would have two M of a bridge carry what their supply gives while one of them opens, and a loop over it
+ * be endlessly steep. */
+static ns_own_line needs_of_guess(const ns_own_taken *o) {
+    static const double part = 0.3, least = 0.1; /* V, the least one */
+    const double above = o->mosfet.shift + fmax(part * (o->drive - o->mosfet.vth), least);
+    const double amperes = ns_bridge_own_saturation(&o->mosfet, above);
+    return amperes > 0.0 ? (ns_own_line){amperes, 0.0, fabs(above) / amperes} : (ns_own_line){0};
+}
+
+/* What its gate needs beyond vth. */
+static ns_own_line needs_of(const ns_extract_walk *w, const ns_own_taken *o, const ns_own_current *found) {
+    if (found)
+        return line_of(o, needed_voltage, found);
+    return w->found && w->found->is_first ? needs_of_guess(o) : (ns_own_line){0};
+}
+
 double ns_bridge_own_ohmic(const ns_own_taken *o) {
     static const double open_above = 1.0; /* V: of one whose gate rests below vth, and which never closes */
     const double above = o->drive - o->mosfet.vth;
@@ -67,8 +84,8 @@ void ns_bridge_own_find_lines(ns_extract_walk *w, const GENinstance *inst, ns_ow
                               : guess_of(taken, isnan(o->id) ? NS_OWN_CURRENT : o->id);
         taken->ron = m->series + taken->closed.ohm;
     }
-    if (found && taken->ron > 0.0)
-        taken->overdrive = line_of(taken, needed_voltage, found);
+    if (known && taken->ron > 0.0)
+        taken->overdrive = needs_of(w, taken, found);
     ns_bridge_extract_mix(w, &taken->closed, sizeof taken->closed);
     ns_bridge_extract_mix(w, &taken->overdrive, sizeof taken->overdrive);
 }
