@@ -8,16 +8,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* 1 if the terms of the sum may be so much larger than what is left of them that digits are lost. */
+/* 1 if the terms of the sum may be so much larger than what is left of them that digits are lost.  Those of
+ * charges may: charges are rounded themselves, and no solution for them is nearer than that. */
 static int digits_cancel(const ns_mode_kernel *k, int all, int columns, const double *X, const double *sum) {
     static const double large = 1e3;
     const double *size = k->solved + (size_t)all * (size_t)columns;
-    double terms = 0, most = 0;
-    for (int j = 0; j < columns; j++)
+    double terms = 0, of_charges = 0, most = 0;
+    for (int j = 0; j < columns; j++) {
         terms += size[j] * fabs(X[j]);
+        if (j < k->r)
+            of_charges += size[j] * fabs(X[j]);
+    }
     for (int i = 0; i < all; i++)
         most = ns_higher(most, fabs(sum[i]));
-    return !(terms <= large * most);
+    return !(terms <= large * ns_higher(most, of_charges));
 }
 
 /* Columns one after another, each with its size; 0: one of them has no solution. X: the unit vectors. */

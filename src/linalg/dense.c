@@ -21,7 +21,8 @@ struct ns_lu {
     double *rs;   /* n, row factors (powers of two) */
     double *cs;   /* n, column factors */
     int *r, *c;   /* n, their exponents */
-    int *match;   /* 6 (n+1), for the matching, then for small.c's pattern of e: 2 n and 1 if it is known */
+    int *match;   /* 6 (n+1), for the matching, then for small.c's pattern of e: 2 n, and LONE_SOLVES if it is
+                   * known, before that how many right-hand sides came */
     lapack_int *piv, *iwork;
     short *e;
 };
@@ -204,6 +205,18 @@ int ns_linalg_lu_factor_quickly(ns_lu *f, int n, const double *a, const int *c, 
     return factor(f, n, a, c, rcond);
 }
 
+/* So many right-hand sides that come alone are solved for without the pattern, which takes as long as one. */
+enum { LONE_SOLVES = 2 };
+
+static void solve_small(const ns_lu *f, int nrhs, double *b) {
+    int *come = &f->match[2 * f->n];
+    if (*come < LONE_SOLVES && (nrhs > 1 || ++*come == LONE_SOLVES)) {
+        ns_linalg_small_pattern(f->n, f->a, f->e, f->match);
+        *come = LONE_SOLVES;
+    }
+    ns_linalg_small_solve(f->n, f->a, f->piv, *come == LONE_SOLVES ? f->e : NULL, f->match, nrhs, b);
+}
+
 /* b = S_to A_scaled^-1 S_from b, or with A_scaled transposed. */
 static void solve(const ns_lu *f, char transposed, const double *from, const double *to, int nrhs,
                   double *b) {
@@ -215,12 +228,9 @@ static void solve(const ns_lu *f, char transposed, const double *from, const dou
             b[(size_t)i + (size_t)k * (size_t)n] *= from[i];
     if (n > NS_SMALL)
         LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, transposed, n, nrhs, f->a, n, f->piv, b, n);
-    else if (transposed == 'N') {
-        if (nrhs > 1 && !f->match[2 * n])
-            ns_linalg_small_pattern(n, f->a, f->e, f->match);
-        f->match[2 * n] |= nrhs > 1;
-        ns_linalg_small_solve(n, f->a, f->piv, f->e, f->match, nrhs, b);
-    } else
+    else if (transposed == 'N')
+        solve_small(f, nrhs, b);
+    else
         for (int k = 0; k < nrhs; k++)
             ns_linalg_small_solve_transposed(n, f->a, f->piv, b + k * n);
     for (int k = 0; k < nrhs; k++)

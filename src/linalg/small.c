@@ -106,6 +106,21 @@ static void solve_one(int n, const double *a, const int *piv, double *b) {
     }
 }
 
+/* The same, past what is zero. */
+static void solve_one_by(int n, const double *a, const int *piv, const short *row, const int *count,
+                         double *b) {
+    for (int k = 0; k < n; k++)
+        swap(&b[k], &b[piv[k] - 1]);
+    for (int k = 0; k < n; k++)
+        for (int t = 0; t < count[2 * k] && b[k] != 0; t++)
+            b[row[t + k * n]] -= b[k] * a[row[t + k * n] + k * n];
+    for (int k = n - 1; k >= 0; k--) {
+        b[k] /= a[k + k * n];
+        for (int t = count[2 * k]; t < count[2 * k + 1] && b[k] != 0; t++)
+            b[row[t + k * n]] -= b[k] * a[row[t + k * n] + k * n];
+    }
+}
+
 void ns_linalg_small_pattern(int n, const double *a, short *row, int *count) {
     for (int k = 0; k < n; k++) {
         const double *col = a + k * n;
@@ -171,8 +186,10 @@ void ns_linalg_small_solve(int n, const double *a, const int *piv, const short *
                            int nrhs, double *b) {
     for (int k = 0; k < nrhs; k += NS_WIDE) {
         const int count = nrhs - k < NS_WIDE ? nrhs - k : NS_WIDE;
-        if (count == 1)
+        if (count == 1 && !row)
             solve_one(n, a, piv, b + (size_t)k * (size_t)n);
+        else if (count == 1)
+            solve_one_by(n, a, piv, row, nonzeros, b + (size_t)k * (size_t)n);
         else
             solve_beside(n, a, piv, row, nonzeros, count, b + (size_t)k * (size_t)n);
     }

@@ -15,8 +15,8 @@ int ns_linalg_small_factor(int n, double *a, int *piv);
  * count[0] of the column, then those above it, up to count[1]. */
 void ns_linalg_small_pattern(int n, const double *a, short *row, int *count);
 
-/* Solves with these factors, in place of b (n*nrhs; row, nonzeros: that pattern, of which one right-hand side
- * needs none); with the transposed matrix, in place of b (n). */
+/* Solves with these factors, in place of b (n*nrhs; row, nonzeros: that pattern, which one right-hand side
+ * may be without: NULL); with the transposed matrix, in place of b (n). */
 void ns_linalg_small_solve(int n, const double *a, const int *piv, const short *row, const int *nonzeros,
                            int nrhs, double *b);
 void ns_linalg_small_solve_transposed(int n, const double *a, const int *piv, double *b);
