@@ -95,6 +95,7 @@ struct ns_exact_mode {
     int hides;       /* 1: a rate dies out within an instant, or is so large that it may be rounding of an
                         infinite one */
     int resolves;    /* 1: these are resolved, as far as t tells them apart */
+    double shortest; /* s: the first of what is resolved has died out after this */
     ns_exact_mode *fine; /* the same mode with these resolved, to judge this one by; NULL: not needed yet */
     ns_time_scale scale[NS_TIME_SCALES];   /* fastest first */
     ns_successor successor[NS_SUCCESSORS]; /* most recent first; NULL: no more */
@@ -305,6 +306,9 @@ void ns_exact_mode_forget_all(ns_exact *f);
 /* Mode k with those finite rates resolved that it takes as instantaneous: k owns it; NULL: there are none that
  * the time tells apart.  And: 1: they are resolved from now on: its kernels are new. */
 ns_exact_mode *ns_exact_mode_fine(ns_exact *f, ns_exact_mode *k);
+/* Mode k was resolved early in the run, and dies out within the rounding of the present time: as if in an
+ * instant again. */
+void ns_exact_mode_coarsen(ns_exact *f, ns_exact_mode *k);
 int ns_exact_mode_resolve(ns_exact *f, ns_exact_mode *k);
 /* Drops the modes not used for longest until all fit into three quarters of the limit; never `keep`. */
 void ns_exact_mode_trim(ns_exact *f, ns_exact_mode *keep);

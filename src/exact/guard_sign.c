@@ -127,6 +127,7 @@ static int breaks_on_the_way(ns_exact *f, ns_exact_mode *k, ns_evidence evidence
 /* A jump that has a finite rate is resolved where pairs may open and close on its way: another mode follows
  * there, or other charges are left.  At a start any pair may. */
 ns_mode_verdict ns_exact_mode_holds(ns_exact *f, ns_exact_mode *k, ns_evidence evidence, uint64_t undecided) {
+    ns_exact_mode_coarsen(f, k);
     resolve_before_next(f, k);
     if (f->resolves)
         (void)ns_exact_mode_resolve(f, k);

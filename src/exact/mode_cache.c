@@ -120,13 +120,17 @@ static int by_size(const void *a, const void *b) {
     return (x < y) - (x > y);
 }
 
-/* s: what dies out within this is taken as instantaneous in mode k.  What is not may not be shorter than the
- * rounding of the time, of which it must last several times as long. */
+/* s: what is resolved may not be shorter than the rounding of the time, of which it must last several times
+ * as long. */
+static double told_apart(const ns_exact *f) {
+    static const double roundings = 64;
+    return roundings * DBL_EPSILON * fabs(f->state.now.t);
+}
+
+/* s: what dies out within this is taken as instantaneous in mode k. */
 static double instant_of(const ns_exact *f, const ns_exact_mode *k) {
     enum { FINEST_EXPONENT = 40 };
-    static const double roundings = 64;
-    return k->resolves ? fmax(ldexp(f->h, -FINEST_EXPONENT), roundings * DBL_EPSILON * fabs(f->state.now.t))
-                       : ldexp(f->h, -NS_EVENT_EXPONENT);
+    return k->resolves ? fmax(ldexp(f->h, -FINEST_EXPONENT), told_apart(f)) : ldexp(f->h, -NS_EVENT_EXPONENT);
 }
 
 /* The rates that are resolved, largest first; how many.  k->has_instant: 1 if there are others; k->hides: if
@@ -137,11 +141,14 @@ static int list_rates(const ns_exact *f, ns_exact_mode *k, const ns_mode_kernel 
     const double instant = instant_of(f, k);
     int count = 0;
     k->hides = 0;
+    k->shortest = INFINITY;
     *status = ns_exact_kernel_rates(kernel, re, im);
     for (int i = 0; i < kernel->r && *status == NS_OK; i++) {
         const double dies = re[i] < 0 ? DIES_OUT / -re[i] : INFINITY;
-        if (dies > instant && isfinite(re[i]))
+        if (dies > instant && isfinite(re[i])) {
             rate[count++] = (ns_mode_rate){hypot(re[i], im[i]), dies};
+            k->shortest = fmin(k->shortest, dies);
+        }
         if (dies <= instant && (isfinite(re[i]) || im[i] != 0))
             k->hides = 1;
     }
@@ -280,23 +287,46 @@ ns_exact_mode *ns_exact_mode_fine(ns_exact *f, ns_exact_mode *k) {
     return k->fine = fine;
 }
 
-int ns_exact_mode_resolve(ns_exact *f, ns_exact_mode *k) {
-    ns_exact_mode *fine = ns_exact_mode_fine(f, k), coarse = *k;
-    if (!fine)
-        return 0;
-    memcpy(k->scale, fine->scale, sizeof k->scale);
-    memcpy(fine->scale, coarse.scale, sizeof fine->scale);
-    k->scales = fine->scales;
-    k->rates = fine->rates;
-    k->has_instant = fine->has_instant;
-    k->hides = fine->hides;
-    k->resolves = 1;
+/* The kernels of mode k are those of `from`, which is freed. */
+static void take_kernels(ns_exact *f, ns_exact_mode *k, ns_exact_mode *from) {
+    const size_t before = bytes_of(f, k) + (k->fine == from ? 0 : bytes_of(f, from));
+    free_time_scales(k);
+    memcpy(k->scale, from->scale, sizeof k->scale);
+    memset(from->scale, 0, sizeof from->scale);
+    k->scales = from->scales;
+    k->rates = from->rates;
+    k->has_instant = from->has_instant;
+    k->hides = from->hides;
+    k->resolves = from->resolves;
+    k->shortest = from->shortest;
     k->fine = NULL;
-    f->cache.bytes -= bytes_of(f, fine);
-    free_mode(fine);
+    free_mode(from);
+    f->cache.bytes += bytes_of(f, k);
+    f->cache.bytes -= before;
     f->cache.steps_dropped++;
     f->entered = NULL;
-    return 1;
+}
+
+int ns_exact_mode_resolve(ns_exact *f, ns_exact_mode *k) {
+    ns_exact_mode *fine = ns_exact_mode_fine(f, k);
+    if (fine)
+        take_kernels(f, k, fine);
+    return fine != NULL;
+}
+
+void ns_exact_mode_coarsen(ns_exact *f, ns_exact_mode *k) {
+    if (!k->resolves || k->shortest >= told_apart(f))
+        return;
+    ns_exact_mode *coarse = new_mode(k->mode, f->system->m);
+    if (!coarse)
+        return;
+    ns_theta_set_mode(f->s, k->mode);
+    if (build_mode(f, coarse) != NS_OK) {
+        free_mode(coarse);
+        return;
+    }
+    f->cache.bytes += sizeof *coarse + (size_t)f->system->m;
+    take_kernels(f, k, coarse);
 }
 
 int ns_exact_mode_find(ns_exact *f, const ns_mode *mode, ns_exact_mode **out) {
