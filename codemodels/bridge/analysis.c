@@ -97,16 +97,18 @@ static int make_march(const ns_analysis *a, ns_march **out, ns_fault *fault) {
 
 enum { NOT_SHOWN, VOLTAGE, CURRENT };
 
-/* own_curve.c judges M by the points, and would miss what two of them do for an instant.  Such a current
- * flows through one with its source at ground, whose gate and channel ask for points too: a gate that moves
- * with its source would ask for all that rings there. */
+/* own_curve.c judges D and M by the points: the pulses of a D ask for points, so that none is missed, and so
+ * does what two M do for an instant.  Such a current flows through one with its source at ground, whose gate
+ * and channel ask for points too: a gate that moves with its source would ask for all that rings there. */
 static void choose_judged(const ns_analysis *a, unsigned char *shown, unsigned char *kind) {
     for (int k = 0; k < a->ex.nowns; k++) {
         const ns_own_taken *o = &a->ex.own[k];
         const int pair = ns_circuit_pair(a->ex.circuit, o->id);
-        if (o->kind != OWN_MOSFET || o->mosfet.source != 0 || pair < 0)
+        const int is_at_ground = o->kind == OWN_MOSFET && o->mosfet.source == 0;
+        if (pair < 0 || !(o->kind == OWN_DIODE || is_at_ground))
             continue;
-        shown[o->mosfet.gate] = 1;
+        if (is_at_ground)
+            shown[o->mosfet.gate] = 1;
         kind[a->system->n + pair] = CURRENT;
     }
     for (int k = 0; k < a->ex.digital.ninputs; k++) {
@@ -114,15 +116,6 @@ static void choose_judged(const ns_analysis *a, unsigned char *shown, unsigned c
         if (in->control) /* its phase is that of the lines between points */
             shown[in->p] = shown[in->n] = 1;
     }
-}
-
-/* 1 if both ends of a D are in the plot, or at ground. */
-static int is_shown(const ns_own_taken *o, const unsigned char *shown) {
-    ns_own_diode d;
-    if (o->kind != OWN_DIODE)
-        return 1;
-    ns_bridge_own_read_diode(o->inst, &d);
-    return (d.anode == 0 || shown[d.anode]) && (d.cathode == 0 || shown[d.cathode]);
 }
 
 /* Voltages and currents that are in the plot; of devices all currents, if one is. */
@@ -140,10 +133,8 @@ static int choose_shown(const CKTcircuit *ckt, ns_analysis *a, unsigned char *ki
         devices |= shown[ns_bridge_models_branch(a->ex.device[k].inst)];
     for (size_t k = (size_t)a->system->n; devices && k < a->count; k++)
         kind[k] = CURRENT;
-    for (int k = 0; k < a->ex.nowns; k++) {
+    for (int k = 0; k < a->ex.nowns; k++)
         a->ex.own[k].gate_is_shown = !known || shown[a->ex.own[k].mosfet.gate];
-        a->ex.own[k].is_hidden = known && !is_shown(&a->ex.own[k], shown);
-    }
     a->edges_are_shown = !known || ns_bridge_shown_edges(ckt, shown);
     free(shown);
     return NS_OK;

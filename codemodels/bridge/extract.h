@@ -153,7 +153,6 @@ typedef struct ns_own_taken {
     ns_own_mosfet mosfet;
     ns_own_drive driven;   /* as the netlist says */
     int gate_is_shown;     /* it is in the plot, and asks for points */
-    int is_hidden;         /* an end of a D is not: its pulses may be missed between points */
     int follows;           /* its channel is a diode behind a source follower, not a switch */
     int body;              /* the element of its body diode */
     int bulk;              /* of its diode between bulk and source; -1: there is none */

@@ -211,15 +211,9 @@ static double taken_voltage(const ns_own_taken *o, double amperes) {
     return o->kind == OWN_MOSFET ? o->closed.volts + o->ron * amperes : o->diode.vf + o->diode.ron * amperes;
 }
 
-/* 1 if the points may have missed pulses of a D that is not in the plot: a pass along all of the run knows
- * its current better, and of a smaller one than that of the pass nothing is said. */
-static int may_be_missed(const ns_own_taken *o) {
-    return o->is_hidden && (o->pass.whole || own_current(o) < o->at);
-}
-
 /* How far that is from what it was taken for, of the largest voltage across it. */
 static double difference(const ns_analysis *a, const ns_own_taken *o) {
-    if (!is_judged(a, o) || !(own_current(o) > 0.0) || may_be_missed(o))
+    if (!is_judged(a, o) || !(own_current(o) > 0.0))
         return 0.0;
     return fabs(taken_voltage(o, own_current(o)) - own_voltage(o, own_current(o))) / o->seen.most_v;
 }
@@ -285,7 +279,6 @@ static const ns_own_taken *find_far_guess(const ns_analysis *a, const double *mo
         const int is_guess = o->kind == OWN_DIODE && !o->pass.tangent && isnan(a->ex.options.id);
         const double i = most ? most[k] : own_current(o);
         if (!is_judged(a, o) || !is_guess || !(i > NS_LEAK) || !(fabs(log(i / o->at)) > by) ||
-            (!most && may_be_missed(o)) ||
             fabs(taken_voltage(o, i) - own_voltage(o, i)) < differs * own_voltage(o, i))
             continue;
         by = fabs(log(i / o->at));
@@ -319,8 +312,8 @@ static int note_missed(const CKTcircuit *ckt, const ns_analysis *a) {
     for (int k = 0; k < a->ex.nowns; k++) {
         const ns_own_taken *o = &a->ex.own[k];
         if (!is_judged(a, o) || o->kind != OWN_DIODE || own_current(o) > 0.0 ||
-            (o->is_hidden && !o->pass.idle) || !(o->seen.missed > NS_LEAK * o->seen.seconds) ||
-            !(o->seen.missed > most * o->seen.beside) || ns_bridge_own_is_opposed(ckt, o->inst))
+            !(o->seen.missed > NS_LEAK * o->seen.seconds) || !(o->seen.missed > most * o->seen.beside) ||
+            ns_bridge_own_is_opposed(ckt, o->inst))
             continue;
         most = o->seen.beside > 0.0 ? o->seen.missed / o->seen.beside : INFINITY;
         worst = o;

@@ -123,7 +123,7 @@ void ns_bridge_own_count_ring(const CKTcircuit *ckt, ns_analysis *a, double t, i
     for (int k = 0; k < a->ex.nowns; k++) {
         ns_own_taken *o = &a->ex.own[k];
         o->ring.is_on &= follows;
-        if (o->kind == OWN_DIODE && o->id >= 0 && !o->is_hidden)
+        if (o->kind == OWN_DIODE && o->id >= 0)
             follow_pulse(a, k, t);
     }
     if (a->ring.own && t <= a->ring.until && follows)

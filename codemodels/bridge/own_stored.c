@@ -71,8 +71,7 @@ int ns_bridge_own_note_stored(const ns_analysis *a) {
     double most = much;
     for (int k = 0; k < a->ex.nowns; k++) {
         const ns_own_taken *o = &a->ex.own[k];
-        if (o->kind != OWN_DIODE || o->id < 0 || o->is_hidden || a->ex.options.zero_diodes ||
-            !(o->seen.carried > 0.0))
+        if (o->kind != OWN_DIODE || o->id < 0 || a->ex.options.zero_diodes || !(o->seen.carried > 0.0))
             continue;
         const double part = fmax(part_of_carried(o), part_of_supplied(o));
         if (!(part > most))
