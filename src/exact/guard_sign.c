@@ -137,7 +137,8 @@ ns_mode_verdict ns_exact_mode_holds(ns_exact *f, ns_exact_mode *k, ns_evidence e
     if (f->state.mode && !takes_time(f, k)) {
         if (verdict == NS_VERDICT_NO)
             return verdict;
-        if (!breaks_on_the_way(f, k, evidence, undecided))
+        const int carried = ns_exact_enter_fits(f, k->scale[0].kernel); /* not if IMPULSES are the evidence */
+        if (carried && !breaks_on_the_way(f, k, evidence, undecided))
             return judge_mode(f, k, evidence, undecided);
         f->resolves = 1;
     }
