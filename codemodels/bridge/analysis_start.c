@@ -101,7 +101,8 @@ static int announce_circuit(ns_session *s) {
                               a->system->n == 1 ? "" : "s", devices, devices == 1 ? "" : "s");
     }
     if (!s->once.circuit_announced && *a->ex.sharp.name)
-        ns_bridge_report_note("%s: corners are sharp, %s is left out; so it is in the other code models",
+        ns_bridge_report_note("%s: its corners are sharp: %s, by which ngspice rounds them, is left out, "
+                              "as in the other code models",
                               a->ex.sharp.name, a->ex.sharp.what);
     if (!s->once.circuit_announced && *a->ex.curved)
         ns_bridge_report_note(
@@ -190,8 +191,8 @@ static int find_currents(ns_session *s, int uic, double stop) {
  * point. */
 static int report_interrupt(const ns_session *s) {
     ns_bridge_report_error(
-        "interrupted at t = %.4g s of the first pass, which finds the current of each D (an id "
-        "in the model nonsmooth spares it): no point was computed",
+        "interrupted at t = %.4g s of the first pass, which finds the current of each D (the "
+        "option id spares it): no point was computed",
         s->found.seconds);
     return E_NOTFOUND;
 }

@@ -263,8 +263,8 @@ static void note(const ns_own_taken *o, double amperes) {
                               volts > taken_voltage(o, amperes) ? "small" : "large");
     else
         ns_bridge_report_note(
-            "%s carried %.2g A, where its own voltage is %.3g V, not %.3g V: with id=%.2g in the "
-            "model nonsmooth, vf is that of this current",
+            "%s carried %.2g A, where its own voltage is %.3g V, not %.3g V: with the option id=%.2g, "
+            "vf is that of this current",
             o->inst->GENname, amperes, volts, taken_voltage(o, amperes), amperes);
 }
 
@@ -320,9 +320,8 @@ static int note_missed(const CKTcircuit *ckt, const ns_analysis *a) {
     }
     if (worst)
         ns_bridge_report_note("%s did not conduct at up to %.3g V, where its own model carries %.2g A in the "
-                              "mean: its vf is too "
-                              "high for that, the result is wrong: with id=%.2g in the model nonsmooth, vf "
-                              "is that of this current",
+                              "mean: its vf is too high for that, the result is wrong: with the option "
+                              "id=%.2g, vf is that of this current",
                               worst->inst->GENname, worst->seen.most_forwards,
                               worst->seen.missed / worst->seen.seconds,
                               worst->seen.missed / worst->seen.seconds);
