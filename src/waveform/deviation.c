@@ -23,27 +23,26 @@ static void note_largest(ns_waveform *w, int i, double size) {
     if (size <= w->largest[i])
         return;
     w->largest[i] = size;
-    w->kind_largest[w->kind[i]] = fmax(w->kind_largest[w->kind[i]], size);
     w->stale = 1;
 }
 
-/* What coils have for an instant as a large resistance cuts them off, 1e13 V, is far above all that is there
- * before and after: rounding is not a part of that for long. */
-static void forget_kicks(ns_waveform *w, const double *seen) {
+/* kind_largest: what coils have for an instant as a large resistance cuts them off, 1e13 V, is far above all
+ * that is there before and after: rounding is not a part of that for long. */
+static void note_kinds(ns_waveform *w, const double *seen) {
     static const double far_below = 1e-3, fades = 1.0 / 16;
     double now[NS_WAVEFORM_KINDS] = {0};
     for (int i = 0; i < w->looked; i++)
         now[w->kind[i]] = ns_higher(now[w->kind[i]], fabs(seen[i]));
-    for (int k = 0; k < NS_WAVEFORM_KINDS; k++)
-        if (now[k] < far_below * w->kind_largest[k]) {
-            w->kind_largest[k] *= fades;
-            w->stale = 1;
-        }
+    for (int k = 0; k < NS_WAVEFORM_KINDS; k++) {
+        const double before = w->kind_largest[k];
+        w->kind_largest[k] = now[k] < far_below * before ? fades * before : ns_higher(before, now[k]);
+        w->stale |= w->kind_largest[k] != before;
+    }
 }
 
 void ns_waveform_note_size(ns_waveform *w, const double *row) {
     const double *seen = ns_waveform_seen(w, row);
-    forget_kicks(w, seen);
+    note_kinds(w, seen);
     for (int i = 0; i < w->looked; i += NS_WIDE) {
         const ns_simd_wide size = NS_WIDE_SIZE(CONST_WIDE(seen, i));
         if (NS_WIDE_BELOW_OR_AT(size, CONST_WIDE(w->largest, i)))
