@@ -105,7 +105,7 @@ static void choose_judged(const ns_analysis *a, unsigned char *shown, unsigned c
         const ns_own_taken *o = &a->ex.own[k];
         const int pair = ns_circuit_pair(a->ex.circuit, o->id);
         const int is_at_ground = o->kind == OWN_MOSFET && o->mosfet.source == 0;
-        if (pair < 0 || !(o->kind == OWN_DIODE || is_at_ground))
+        if (pair < 0 || !(is_at_ground || (o->kind == OWN_DIODE && !a->ex.options.zero_diodes)))
             continue;
         if (is_at_ground)
             shown[o->mosfet.gate] = 1;

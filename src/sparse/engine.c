@@ -296,7 +296,7 @@ int ns_sparse_accept(ns_engine *e) {
     m->accepted = m->trial;
     m->engine.way_from = m->trial.t;
     m->has_trial = 0;
-    if (m->trial.t > m->start_over)
+    if (m->trial.t > m->finest_until)
         m->o.finer = m->usual_finer;
     ns_sparse_chatter_accept(m);
     return NS_OK;

@@ -203,6 +203,11 @@ static int lasts(ns_sparse *m, double t, double g) {
     return ns_sparse_largest_of(m, m->work.finer_removed) > little;
 }
 
+int ns_sparse_project_breaks(ns_sparse *m, double t, double g, const double *w) {
+    return ns_sparse_step_euler(m, t, g, w, 1, m->work.projected, NULL) == NS_OK &&
+           ns_sparse_guard_broken(m, m->work.projected, w, g, 1) > 0;
+}
+
 /* 1 if the mode does not hold where what jumps in no time has jumped, and what steps of the length g take to
  * its end has not: a switch without resistance makes a node jump that an R brings back, and diodes follow the
  * jump.  From there the shortest steps are as short as they get. */
@@ -211,11 +216,9 @@ static int breaks_on_the_way(ns_sparse *m, double t, double g) {
     left what;
     if (!(finest < g) || remove_powers(m, t, finest, NULL, m->work.finer_removed, &what) != NS_OK)
         return 0;
-    if (ns_sparse_step_euler(m, t, finest, m->w, 1, m->work.projected, m->work.rates) != NS_OK ||
-        ns_sparse_guard_broken(m, m->work.projected, m->w, finest, 1) == 0)
+    if (!ns_sparse_project_breaks(m, t, finest, m->w))
         return 0;
-    m->o.finer = NS_MOST_FINER;
-    m->start_over = t + ldexp(m->o.h, -NS_EVENT_LEAST_EXPONENT - m->usual_finer);
+    ns_sparse_be_finest(m, t);
     return 1;
 }
 

@@ -153,8 +153,8 @@ typedef struct ns_sparse {
     ns_input_stages *in;         /* its inputs and commands of time */
     ns_shared_branch *shared;    /* pairs across switches */
     int shared_count;            /* entries of shared */
-    int usual_finer; /* o.finer, but right after a start: of the finest then, until start_over, s */
-    double start_over;
+    int usual_finer;        /* o.finer, but right after a start, and after some jumps: of the finest then, */
+    double finest_until;    /* until this, s */
     double inputs_shortest; /* s: ns_sparse_shortest() of inputs that no step looks at */
     double *unit;           /* n: the square root of the largest entry of row i of M */
 
@@ -341,6 +341,13 @@ int ns_sparse_project_consistent(ns_sparse *m, double t, double g, const double 
 int ns_sparse_project_is_rounding(const ns_sparse *m, double g, const double *v, double size);
 static inline double ns_sparse_finest(const ns_sparse *m) {
     return ldexp(m->o.h, -NS_FINEST - m->o.finer);
+}
+/* 1 if the mode does not hold at the end of an Euler step of length g from w (n) at t. */
+int ns_sparse_project_breaks(ns_sparse *m, double t, double g, const double *w);
+/* The shortest steps are as short as they get, at t and for the usual shortest one after it. */
+static inline void ns_sparse_be_finest(ns_sparse *m, double t) {
+    m->o.finer = NS_MOST_FINER;
+    m->finest_until = t + ldexp(m->o.h, -NS_EVENT_LEAST_EXPONENT - m->usual_finer);
 }
 
 /* instant.c: adds to `to` (n+m) the integrals over the jump that ns_sparse_project_consistent() made with

@@ -20,8 +20,7 @@ static void forget_past(ns_sparse *m, const unsigned char *closed) {
 /* From m->w and m->mode, made consistent.  Any charges and fluxes may be far from where they lead: what
  * spreads in the shortest time is resolved. */
 static int start_from_state(ns_sparse *m, double t0) {
-    m->o.finer = NS_MOST_FINER;
-    m->start_over = t0 + ldexp(m->o.h, -NS_EVENT_LEAST_EXPONENT - m->usual_finer);
+    ns_sparse_be_finest(m, t0);
     ns_sparse_event_own_changes(m, NULL, t0);
     int status = ns_sparse_event_resolve(m, NULL, t0);
     m->counts.events--; /* a start is none */

@@ -214,9 +214,7 @@ static double negligible(const ns_sparse *m, const ns_dense_step *step, double r
 /* 1 if the mode of the step does not hold at the end of an Euler step of length g, which takes away what
  * jumps: it was found by shorter ones, so this is a transient amid which other pairs change. */
 static int changes_mode(ns_sparse *m, const ns_dense_step *step, double g) {
-    return g > ns_sparse_finest(m) &&
-           ns_sparse_step_euler(m, step->t, g, step->powers, 1, m->work.projected, NULL) == NS_OK &&
-           ns_sparse_guard_broken(m, m->work.projected, step->powers, g, 1) > 0;
+    return g > ns_sparse_finest(m) && ns_sparse_project_breaks(m, step->t, g, step->powers);
 }
 
 /* 1 if steps so short have a matrix of which no digit is left, or none of their solutions. */
