@@ -86,16 +86,16 @@ typedef struct ns_successor {
 
 /* What is kept of a mode. */
 struct ns_exact_mode {
-    ns_mode *mode;   /* m */
-    long last_used;  /* by cache.clock */
-    int status;      /* SINGULAR: the mode contradicts itself */
-    int scales;      /* how many time scales; the first resolves what is fastest */
-    int rates;       /* how many are resolved */
-    int has_instant; /* 1: a constraint or a rate beyond resolution: entering may jump */
-    int hides;       /* 1: a rate dies out within an instant, or is so large that it may be rounding of an
-                        infinite one */
-    int resolves;    /* 1: these are resolved, as far as t tells them apart */
-    double shortest; /* s: the first of what is resolved has died out after this */
+    ns_mode *mode;       /* m */
+    long last_used;      /* by cache.clock */
+    int status;          /* SINGULAR: the mode contradicts itself */
+    int scales;          /* how many time scales; the first resolves what is fastest */
+    int rates;           /* how many are resolved */
+    int has_instant;     /* 1: a constraint or a rate beyond resolution: entering may jump */
+    int hides;           /* 1: a rate dies out within an instant, or is so large that it may be rounding of an
+                            infinite one */
+    int resolves;        /* 1: these are resolved, as far as t tells them apart */
+    double shortest;     /* s: the first of what is resolved has died out after this */
     ns_exact_mode *fine; /* the same mode with these resolved, to judge this one by; NULL: not needed yet */
     ns_time_scale scale[NS_TIME_SCALES];   /* fastest first */
     ns_successor successor[NS_SUCCESSORS]; /* most recent first; NULL: no more */
@@ -303,8 +303,8 @@ static inline void ns_exact_note_size(ns_exact *f) {
  * MEMORY, NUMBER. */
 int ns_exact_mode_find(ns_exact *f, const ns_mode *mode, ns_exact_mode **out);
 void ns_exact_mode_forget_all(ns_exact *f);
-/* Mode k with those finite rates resolved that it takes as instantaneous: k owns it; NULL: there are none that
- * the time tells apart.  And: 1: they are resolved from now on: its kernels are new. */
+/* Mode k with those finite rates resolved that it takes as instantaneous: k owns it; NULL: there are none
+ * that the time tells apart.  And: 1: they are resolved from now on: its kernels are new. */
 ns_exact_mode *ns_exact_mode_fine(ns_exact *f, ns_exact_mode *k);
 /* Mode k was resolved early in the run, and dies out within the rounding of the present time: as if in an
  * instant again. */
@@ -371,8 +371,9 @@ double ns_exact_guard_rounding(const ns_exact *f, const ns_mode_kernel *k, int g
 double ns_exact_guard_rounding_at(const ns_exact *f, const ns_mode_kernel *k, int g, const double *X,
                                   double rate);
 /* The rounding of the time, s: a guard may be off by what it changes by in that, where its rate lasts as
- * long. */
+ * long: it lasts while the second rate changes a sixteenth of it, for ever where that is rounding. */
 double ns_exact_rounding_of_time(const ns_exact *f);
+double ns_exact_guard_lasts(const ns_exact *f, const ns_mode_kernel *k, int g, const double *X, double rate);
 double ns_exact_guard_time_rounding(const ns_exact *f, const ns_mode_kernel *k, int g, const double *X,
                                     double rate);
 /* All guards at X: value (2 rows), behind them their rates; tol (rows): what they may be off by, with the

@@ -42,13 +42,38 @@ static ns_guard_sign look_ahead(ns_exact *f, ns_exact_mode *mode, int g, const d
     return NS_UNDECIDED;
 }
 
+/* What guard g of mode k changes by in time (s) where the mode before goes on so much longer. */
+static double change_before(ns_exact *f, const ns_exact_mode *mode, int g, double time) {
+    const ns_mode_kernel *k = mode->scale[0].kernel;
+    ns_time_scale *before = f->state.mode->scale;
+    double *by = f->work.X_ahead;
+    if (step_ahead(f, before, 0, f->X) != NS_OK)
+        return INFINITY;
+    for (int j = 0; j < k->q; j++)
+        by[j] -= f->X[j];
+    if (mode->has_instant)
+        ns_exact_enter_less(f, k, by);
+    return time / before->kernel->h * fabs(ns_exact_guard_of(k, k->value, g, by));
+}
+
+/* The time (s) by which the instant of the event may be off for guard g.  A rate that the mode before did not
+ * have, and that is gone within that time, begins with the event, whenever that is. */
+static double time_error(ns_exact *f, const ns_exact_mode *mode, int g, const double *X, double rate) {
+    const ns_mode_kernel *k = mode->scale[0].kernel;
+    const double lasts = ns_exact_guard_lasts(f, k, g, X, rate), of_time = ns_exact_rounding_of_time(f);
+    const double error = fmax(ns_exact_time_error_of(f, k, g) - of_time, 0) + fmin(of_time, lasts);
+    if (error <= lasts || !f->state.mode)
+        return error;
+    return fmin(error, fmax(lasts, change_before(f, mode, g, error) / fabs(rate)));
+}
+
 ns_guard_sign ns_exact_guard_sign(ns_exact *f, ns_exact_mode *mode, int g, const double *X) {
     const ns_mode_kernel *k = mode->scale[0].kernel;
     if (k->always_zero[g])
         return NS_SIGN_HOLDS;
     ns_guard of = {ns_exact_guard_of(k, k->value, g, X), ns_exact_guard_of(k, k->rate, g, X), 0, 0};
     const double of_time = ns_exact_guard_time_rounding(f, k, g, X, of.rate),
-                 error = fmax(ns_exact_time_error_of(f, k, g) - ns_exact_rounding_of_time(f), 0) + of_time;
+                 error = time_error(f, mode, g, X, of.rate);
     of.rounding = ns_exact_guard_rounding_at(f, k, g, X, 0) + of_time * fabs(of.rate);
     ns_guard_sign sign = ns_events_value_sign(&of, error);
     if (sign == NS_UNDECIDED) {

@@ -25,12 +25,16 @@ double ns_exact_guard_rounding_at(const ns_exact *f, const ns_mode_kernel *k, in
     return eps_of_terms * size + ns_exact_rounding_of_time(f) * fabs(rate);
 }
 
+double ns_exact_guard_lasts(const ns_exact *f, const ns_mode_kernel *k, int g, const double *X, double rate) {
+    static const double noise = 64, part = 1.0 / 16;
+    const double second = ns_exact_guard_of(k, k->second_rate, g, X);
+    const int is_known = k->g * k->g * fabs(second) > noise * ns_exact_guard_rounding_at(f, k, g, X, 0);
+    return is_known ? part * fabs(rate / second) : INFINITY;
+}
+
 double ns_exact_guard_time_rounding(const ns_exact *f, const ns_mode_kernel *k, int g, const double *X,
                                     double rate) {
-    static const double noise = 64, part = 1.0 / 16;
-    const double of_time = ns_exact_rounding_of_time(f), second = ns_exact_guard_of(k, k->second_rate, g, X);
-    const int is_known = k->g * k->g * fabs(second) > noise * ns_exact_guard_rounding_at(f, k, g, X, 0);
-    return is_known ? ns_lower(of_time, part * fabs(rate / second)) : of_time;
+    return ns_lower(ns_exact_rounding_of_time(f), ns_exact_guard_lasts(f, k, g, X, rate));
 }
 
 /* So few terms are summed faster here than by a call. */

@@ -99,6 +99,13 @@ static int take_jump(ns_exact *f, const ns_mode_kernel *k) {
     return moves;
 }
 
+void ns_exact_enter_less(ns_exact *f, const ns_mode_kernel *k, double *change) {
+    const double *by = f->work.jump_powers + (NS_ORDER - 1) * k->r; /* D^8 */
+    ns_linalg_matvec(NS_ORDER * k->r, k->q, k->laguerre_powers, change, f->work.jump_powers);
+    for (int i = 0; i < k->r; i++)
+        change[i] -= by[i];
+}
+
 int ns_exact_enter(ns_exact *f, const ns_exact_mode *k) {
     const ns_mode_kernel *kernel = k->scale[0].kernel;
     f->entered = k->has_instant && take_jump(f, kernel) ? kernel : NULL;

@@ -12,6 +12,8 @@
 /* mode_entry.c: X_next = X, as the mode is entered with it; 1 if it jumps.  Then: 1 if its pairs can carry
  * that; the guard whose impulse violates that most. */
 int ns_exact_enter(ns_exact *f, const ns_exact_mode *k);
+/* change (q), of an X before the jump, becomes that of X after it. */
+void ns_exact_enter_less(ns_exact *f, const ns_mode_kernel *k, double *change);
 int ns_exact_enter_fits(ns_exact *f, const ns_mode_kernel *k);
 int ns_exact_enter_worst(const ns_exact *f, const ns_mode_kernel *k);
 /* Then: 1 if guard g has an impulse above zero, so that after it the guard may be below zero: a diode that
