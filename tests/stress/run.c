@@ -265,7 +265,14 @@ static void be_child(const plan *p, const run_setting *s, run_result *r) {
     setrlimit(RLIMIT_AS, &memory);
     setrlimit(RLIMIT_CORE, &core);
     setitimer(ITIMER_PROF, &limit, NULL);
-    run_here(p, s, r);
+    const double began = now();
+    int runs = 0;
+    do {
+        run_here(p, s, r);
+        runs++;
+    } while (r->end == RUN_DONE && now() - began < s->at_least);
+    if (runs > 1)
+        r->seconds = (now() - began) / runs;
     _exit(0);
 }
 

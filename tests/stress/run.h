@@ -19,8 +19,9 @@ typedef struct run_setting {
     unsigned long long shuffle; /* as plan_build() */
     double vary;
     ns_method method;
-    int on_grid;  /* goes from time to time, without points between */
-    double limit; /* s of CPU */
+    int on_grid;     /* goes from time to time, without points between */
+    double limit;    /* s of CPU */
+    double at_least; /* s of CPU: a shorter run is repeated until all have taken so much; its mean counts */
 } run_setting;
 
 typedef enum run_end { RUN_NOT, RUN_DONE, RUN_REFUSED, RUN_SLOW, RUN_CRASHED } run_end;
