@@ -157,8 +157,14 @@ ns_mode_verdict ns_exact_mode_holds(ns_exact *f, ns_exact_mode *k, ns_evidence e
     if (f->resolves)
         (void)ns_exact_mode_resolve(f, k);
     ns_mode_verdict verdict = judge_mode(f, k, evidence, undecided);
-    if (!f->entered || !k->hides || k->resolves)
+    if (!k->hides || k->resolves)
         return verdict;
+    if (!f->entered) {
+        const int goes_on = f->state.mode && f->state.mode->resolves; /* what the mode before follows */
+        return verdict == NS_VERDICT_NO && goes_on && ns_exact_mode_resolve(f, k)
+                   ? judge_mode(f, k, evidence, undecided)
+                   : verdict;
+    }
     if (f->state.mode && !takes_time(f, k)) {
         if (verdict == NS_VERDICT_NO)
             return verdict;
