@@ -279,7 +279,7 @@ double ns_waveform_distance(ns_waveform *w, const ns_segment *g) {
 
 double ns_waveform_deviation(ns_waveform *w, const ns_segment *g) {
     double off = ns_waveform_distance(w, g);
-    if (g->last >= 2 && off <= 1)
+    if (g->last >= 2) /* where the line is too far off, too: how far both are leads to the right length */
         off = fmax(off, integral_distance(w, g));
     w->squares_decide = 0;
     if (!(w->squares > 0 && off <= 1))

@@ -90,6 +90,8 @@ static double last_time(const ns_waveform *w, double base) {
     return round < t + w->closest && fabs(round - w->until) > w->closest ? round : t;
 }
 
+enum { SHORTER = 8 }; /* lengths that are too long in one search, at most, and one more */
+
 /* The search for the length of one segment. */
 typedef struct ns_search {
     double base, last_t;         /* s: where it begins, where it ends at the latest */
@@ -101,6 +103,7 @@ typedef struct ns_search {
     double aimed;        /* s: the length that too_long says is right, where no probe is left; 0: none */
     double first_length; /* s: the first one that was; 0: none */
     int shorter;         /* lengths that were too long */
+    int stays_far;       /* 1: one of them was shorter than the one before, but hardly nearer */
     int is_shortest;     /* 1: the next line is taken as it is */
 } ns_search;
 
@@ -161,9 +164,9 @@ static int lengthen(const ns_waveform *w, const ns_segment *g, ns_search *s, dou
 /* The line is too far off: 1 if the one before is taken, 0: a shorter one is looked at.  A probe that no line
  * was seen to be near to goes too, unless it lies on the way of the next one. */
 static int shorten(ns_waveform *w, ns_segment *g, ns_search *s, double off) {
-    enum { SHORTER = 8 };
     const double next = reach(s->length, off);
     s->first_length = s->first_length > 0 ? s->first_length : s->length;
+    s->stays_far |= s->too_long < INFINITY && !(off * s->too_long < s->too_far * s->length);
     s->too_long = s->length;
     s->too_far = off;
     s->shorter++;
@@ -183,9 +186,9 @@ static int shorten(ns_waveform *w, ns_segment *g, ns_search *s, double off) {
     return 0;
 }
 
-/* A smooth curve is at most four times as far off where a line is twice as long. */
+/* A smooth curve is at most four times as far off where a line is twice as long, and at least twice. */
 static int is_suspect(const ns_waveform *w, const ns_search *s, double off) {
-    return s->shorter > 2 || (s->shorter > 0 && !w->fresh && off > 16);
+    return (s->shorter > 2 && s->stays_far) || s->shorter > SHORTER || (s->shorter > 0 && !w->fresh && off > 16);
 }
 
 /* Is it rounding that no line comes near to?  If it is, the search begins anew: *again. */
@@ -197,7 +200,7 @@ static int look_for_rounding(ns_waveform *w, ns_segment *g, ns_search *s, int *a
     s->length = s->first_length;
     s->too_long = INFINITY;
     s->aimed = 0;
-    s->shorter = s->is_shortest = 0;
+    s->shorter = s->is_shortest = s->stays_far = 0;
     return status;
 }
 
@@ -235,6 +238,14 @@ static int end_at_turn(ns_waveform *w, ns_segment *g) {
     return add_end(w, g, t);
 }
 
+/* The segment after one of this length, that is so far off, grows by as much as that did from the one before:
+ * along a decay lines become longer and longer. */
+static void propose(ns_waveform *w, double chosen, double off) {
+    const double trend = w->fresh ? 1 : fmin(fmax(chosen / w->chosen, 1 / growth), growth);
+    w->proposal = fmin(fmax(trend * reach(chosen, off), 0.5 * chosen), growth * chosen);
+    w->chosen = chosen;
+}
+
 int ns_waveform_choose(ns_waveform *w) {
     ns_segment *g = &w->made;
     ns_search s;
@@ -248,7 +259,7 @@ int ns_waveform_choose(ns_waveform *w) {
         status = end_at_turn(w, g);
     if (status != NS_OK)
         return status;
-    w->proposal = fmin(fmax(reach(chosen, s.off), 0.5 * chosen), growth * chosen);
+    propose(w, chosen, s.off);
     w->fresh = 0;
     ns_waveform_add_integrals(w, g, 1);
     return NS_OK;

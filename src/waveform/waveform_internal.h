@@ -87,6 +87,7 @@ struct ns_waveform {
     double end;        /* s: where it ends */
     double before;     /* s: length of the one before; 0: there was none */
     double accepted_t; /* s: the marcher's accepted point */
+    double chosen;     /* s: length of the segment that was chosen last */
     double proposal;   /* s: for the next segment */
     int failed;        /* the marcher's error, told after what was computed before */
 
