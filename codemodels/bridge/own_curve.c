@@ -126,25 +126,21 @@ static void count_channel(const CKTcircuit *ckt, ns_analysis *a, ns_own_taken *o
     o->seen.of = of;
 }
 
-/* A: the largest current of a source or an inductor at this point. */
-static double largest_current(const ns_analysis *a) {
-    double most = 0.0;
-    for (int eq = 0; eq < a->ex.neq; eq++)
-        if (a->ex.element[eq] >= 0 && a->unknown[eq] >= 0)
-            most = fmax(most, fabs(a->x[a->unknown[eq]]));
-    return most;
+/* A: what its own model carries at v, V. */
+static double model_current(const ns_own_taken *o, double v) {
+    ns_own_diode d;
+    ns_bridge_own_read_diode(o->inst, &d);
+    return ns_bridge_diode_law_current(&d.law, v);
 }
 
 /* A D that has not conducted yet, at v, V: what its own model would have carried since the point before. */
-static void count_missed(const ns_analysis *a, ns_own_taken *o, double v, double seconds) {
-    const double forwards = fmax(v, 0.0), middle = 0.5 * (forwards + o->seen.forwards);
+static void count_missed(ns_own_taken *o, const ns_own_flow *flow, double v, double seconds) {
+    const double forwards = v > 0.0 ? v : 0.0, middle = 0.5 * (forwards + o->seen.forwards);
     if (seconds > 0.0 && o->seen.i <= NS_LEAK) {
-        ns_own_diode d;
-        ns_bridge_own_read_diode(o->inst, &d);
-        o->seen.missed += middle > 0.0 ? seconds * ns_bridge_diode_law_current(&d.law, middle) : 0.0;
-        o->seen.beside += seconds * largest_current(a);
+        o->seen.missed += middle > 0.0 ? seconds * model_current(o, middle) : 0.0;
+        o->seen.beside += seconds * flow->amperes;
         o->seen.seconds += seconds;
-        o->seen.most_forwards = fmax(o->seen.most_forwards, forwards);
+        o->seen.most_forwards = forwards > o->seen.most_forwards ? forwards : o->seen.most_forwards;
     }
     o->seen.forwards = forwards;
 }
@@ -159,7 +155,7 @@ void ns_bridge_own_count_point(const CKTcircuit *ckt, ns_analysis *a, double sin
             continue;
         ns_bridge_own_add_beyond(a, o, a->mode, &i);
         i = o->kind == OWN_MOSFET && !o->follows ? o->mosfet.sign * i : i;
-        const double mean = 0.5 * (fmax(i, 0.0) + o->seen.i);
+        const double forwards = i > 0.0 ? i : 0.0, mean = 0.5 * (forwards + o->seen.i);
         if (o->seen.t >= since)
             ns_bridge_pulse_mean_add(&o->seen.current, mean > NS_LEAK, mean, o->seen.t, t);
         if (o->kind == OWN_MOSFET) {
@@ -167,12 +163,12 @@ void ns_bridge_own_count_point(const CKTcircuit *ckt, ns_analysis *a, double sin
             ns_bridge_own_count_supply(a, o, o->seen.t >= since ? t - o->seen.t : -1.0);
         }
         if (o->kind == OWN_DIODE && o->seen.current.weight == 0.0)
-            count_missed(a, o, v, o->seen.t >= since ? t - o->seen.t : 0.0);
+            count_missed(o, &flow, v, o->seen.t >= since ? t - o->seen.t : 0.0);
         ns_bridge_own_count_stored(o, &flow, i, v, o->seen.t >= since ? t - o->seen.t : -1.0);
         o->seen.t = t;
-        o->seen.i = fmax(i, 0.0);
+        o->seen.i = forwards;
         o->seen.v = o->kind == OWN_MOSFET ? across_channel(a, o) : v;
-        o->seen.most_v = fmax(o->seen.most_v, fabs(o->seen.v));
+        o->seen.most_v = fabs(o->seen.v) > o->seen.most_v ? fabs(o->seen.v) : o->seen.most_v;
     }
     ns_bridge_own_count_ring(ckt, a, t, t > since);
 }

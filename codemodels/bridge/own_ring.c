@@ -110,7 +110,7 @@ static void follow_pulse(ns_analysis *a, int k, double t) {
         o->ring.most = 0.0;
         o->ring.is_on = 1;
     }
-    o->ring.most = fmax(o->ring.most, i);
+    o->ring.most = i > o->ring.most ? i : o->ring.most;
     if (i > NS_LEAK && i >= 0.5 * o->ring.most) {
         o->ring.half = t;
         o->ring.at_half = i;

@@ -23,13 +23,16 @@ static double value_at(const ns_analysis *a, int eq) {
 
 ns_own_flow ns_bridge_own_flow(const CKTcircuit *ckt, const ns_analysis *a) {
     ns_own_flow flow = {0.0, 0.0};
-    int counts = 0;
-    for (int k = 0; k < a->ex.nowns; k++)
-        counts |= a->ex.own[k].tt > 0.0;
-    for (int eq = 0; counts && eq < a->ex.neq; eq++)
-        if (a->ex.element[eq] >= 0)
-            flow.amperes = fmax(flow.amperes, fabs(value_at(a, eq)));
-    for (const GENmodel *model = counts ? ckt->CKThead[TYPE_VSRC] : NULL; model; model = model->GENnextModel)
+    int stores = 0, idle = 0;
+    for (int k = 0; k < a->ex.nowns; k++) {
+        stores |= a->ex.own[k].tt > 0.0;
+        idle |= a->ex.own[k].kind == OWN_DIODE && a->ex.own[k].seen.current.weight == 0.0;
+    }
+    for (int eq = 0; (stores || idle) && eq < a->ex.neq; eq++) {
+        const double amperes = a->ex.element[eq] >= 0 ? fabs(value_at(a, eq)) : 0.0;
+        flow.amperes = amperes > flow.amperes ? amperes : flow.amperes;
+    }
+    for (const GENmodel *model = stores ? ckt->CKThead[TYPE_VSRC] : NULL; model; model = model->GENnextModel)
         for (const GENinstance *inst = model->GENinstances; inst; inst = inst->GENnextInstance) {
             const VSRCinstance *v = (const VSRCinstance *)inst;
             flow.watts +=
@@ -43,13 +46,14 @@ ns_own_flow ns_bridge_own_flow(const CKTcircuit *ckt, const ns_analysis *a) {
  * what is there where its current ends flows back, against -v. */
 void ns_bridge_own_count_stored(ns_own_taken *o, const ns_own_flow *flow, double i, double v,
                                 double seconds) {
-    const double mean = 0.5 * (fmax(i, 0.0) + o->seen.i), rests = o->tt * mean;
     if (!(o->tt > 0.0) || seconds < 0.0)
         return;
+    const double mean = 0.5 * (fmax(i, 0.0) + o->seen.i), rests = o->tt * mean;
     o->seen.carried += seconds * mean;
     o->seen.supplied += seconds * flow->watts;
     o->seen.flows += seconds * flow->amperes;
-    o->seen.held = rests + (o->seen.held - rests) * exp(-seconds / o->tt);
+    if (mean != 0.0 || o->seen.held != 0.0)
+        o->seen.held = rests + (o->seen.held - rests) * exp(-seconds / o->tt);
     if (i > NS_LEAK)
         return;
     o->seen.stored += o->seen.i > NS_LEAK ? o->seen.held : 0.0;

@@ -7,7 +7,7 @@
 /* What flows at a point of .tran, and what the D are judged by. */
 typedef struct ns_own_flow {
     double watts;   /* what V supply, those left out that take power */
-    double amperes; /* the largest current of a source or an inductor */
+    double amperes; /* the largest current of a source or an inductor; both 0 where no D asks */
 } ns_own_flow;
 
 ns_own_flow ns_bridge_own_flow(const CKTcircuit *ckt, const ns_analysis *a);

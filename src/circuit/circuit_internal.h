@@ -28,6 +28,7 @@ typedef struct element {
     char *name; /* owned */
     /* what it is connected to */
     int nnodes, node[4]; /* p n cp cn */
+    int place[2];        /* where p and n were among the circuit's nodes when its system was made last */
     int by[2];           /* elements referred to: coupled inductors, controlling current */
     /* its parameters */
     ns_output output; /* of sources: voltage or current */

@@ -6,9 +6,21 @@
 
 #include "circuit_internal.h"
 
+/* The unknown that is the voltage of e->node[end]; -1: ground. */
+static int unknown_at(const ns_circuit *c, const element *e, int end) {
+    const int number = e->node[end], place = e->place[end];
+    if (number <= 0) {
+        return -1;
+    }
+    if (place < c->nnodes && c->node[place].number == number) { /* else nodes were added since */
+        return c->node[place].used ? c->node[place].unknown : -1;
+    }
+    return ns_circuit_node_unknown(c, number);
+}
+
 /* V at a node; 0 if no element names it. */
-static double volts_at(const ns_circuit *c, int node, const double *x) {
-    const int unknown = node > 0 ? ns_circuit_node_unknown(c, node) : -1;
+static double volts_at(const ns_circuit *c, const element *e, int end, const double *x) {
+    const int unknown = unknown_at(c, e, end);
     /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): x may be NULL where there are no unknowns */
     return unknown >= 0 ? x[unknown] : 0;
 }
@@ -20,7 +32,7 @@ static void read_current(const ns_circuit *c, const element *e, const double *x,
     if (!v && isinf(roff)) {
         return;
     }
-    const double across = volts_at(c, e->node[0], x) - volts_at(c, e->node[1], x);
+    const double across = volts_at(c, e, 0, x) - volts_at(c, e, 1, x);
     *i += across / roff;
     if (v) {
         *v = across;

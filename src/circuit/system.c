@@ -64,6 +64,17 @@ static int create(ns_circuit *c, ns_system **s) {
     return status ? status : stamp_all(&(stamp){c, *s, NULL});
 }
 
+/* Where the nodes of each element are, so that devices are read without a search (device.c). */
+static void note_places(ns_circuit *c) {
+    for (int i = 0; i < c->nelements; i++) {
+        element *e = &c->element[i];
+        for (int end = 0; end < 2 && end < e->nnodes; end++) {
+            int found;
+            e->place[end] = ns_circuit_find_node(c, e->node[end], &found);
+        }
+    }
+}
+
 int ns_circuit_system(ns_circuit *c, ns_system **out) {
     ns_system *s = NULL;
     int status;
@@ -81,6 +92,7 @@ int ns_circuit_system(ns_circuit *c, ns_system **out) {
     if ((status = ns_circuit_tiny_resistors(c))) {
         return ns_circuit_complain(c, status, "%s", ns_status_text(status));
     }
+    note_places(c);
     *c->message = '\0';
     if ((status = create(c, &s)) || (status = ns_system_check(s, &fault))) {
         char where[160] = "";

@@ -23,6 +23,7 @@ static inline int ns_simd_all(ns_simd_flags f) {
 #define NS_WIDE_HIGHER(a, b) NS_WIDE_IF((a) > (b), a, b)
 #define NS_WIDE_SIZE(a)                                                                                      \
     ((ns_simd_wide)((ns_simd_wide_flags)(a) & ~(ns_simd_wide_flags)(ns_simd_wide){-0.0, -0.0, -0.0, -0.0}))
+#define NS_WIDE_OF(number) ((number) + (ns_simd_wide){0})
 #define NS_WIDE_ABOVE(a, b) ns_simd_wide_all((ns_simd_wide_flags[1]){(a) > (b)})
 #define NS_WIDE_BELOW_OR_AT(a, b) ns_simd_wide_all((ns_simd_wide_flags[1]){(a) <= (b)})
 static inline int ns_simd_wide_all(const ns_simd_wide_flags *f) {
@@ -32,6 +33,7 @@ static inline int ns_simd_wide_all(const ns_simd_wide_flags *f) {
 #define NS_WIDE_LOWER(a, b) ((a) < (b) ? (a) : (b))
 #define NS_WIDE_HIGHER(a, b) ((a) > (b) ? (a) : (b))
 #define NS_WIDE_SIZE(a) ((a) < 0 ? -(a) : (a))
+#define NS_WIDE_OF(number) (number)
 #define NS_WIDE_ABOVE(a, b) ((a) > (b))
 #define NS_WIDE_BELOW_OR_AT(a, b) ((a) <= (b))
 typedef double ns_simd, ns_simd_wide;

@@ -75,7 +75,9 @@ int ns_waveform_differ(ns_waveform *w, const double *a, const double *b) {
 }
 
 /* The signal of which off (NS_WIDE, from signal i on) is the largest of all, if that is above *most. */
-static void take_most(ns_waveform *w, int i, const double *off, double *most) {
+ALWAYS_INLINE void take_most(ns_waveform *w, int i, const double *off, double *most) {
+    if (NS_WIDE_BELOW_OR_AT(CONST_WIDE(off, 0), NS_WIDE_OF(*most)))
+        return;
     for (int k = 0; k < NS_WIDE; k++)
         if (off[k] > *most) {
             *most = off[k];
@@ -85,7 +87,7 @@ static void take_most(ns_waveform *w, int i, const double *off, double *most) {
 
 /* The largest distance at the probes, as a part of what is allowed; of a parabola, whose middle may lie
  * between them, the largest of all. */
-static double distance(ns_waveform *w, const ns_segment *g) {
+ALWAYS_INLINE double find_distance(ns_waveform *w, const ns_segment *g) {
     const double *a = ns_waveform_seen(w, g->at[0].v), *b = ns_waveform_seen(w, g->at[g->last].v);
     const double t0 = g->at[0].t, length = g->at[g->last].t - t0;
     double most = 0, parabola = 0.25;
@@ -102,6 +104,14 @@ static double distance(ns_waveform *w, const ns_segment *g) {
         }
     }
     return most / parabola;
+}
+
+static double distance_narrow(ns_waveform *w, const ns_segment *g) {
+    return find_distance(w, g);
+}
+
+NS_WIDE_TARGET static double distance_wide(ns_waveform *w, const ns_segment *g) {
+    return find_distance(w, g);
 }
 
 /* 1 if w->own and w->own_error are those of g. */
@@ -195,14 +205,15 @@ static void take_integral(ns_waveform *w, int i, double length, double time, dou
     w->worst = i;
 }
 
-static double integral_distance(ns_waveform *w, const ns_segment *g) {
+/* The largest of these, or `off` if that is larger. */
+static double integral_distance(ns_waveform *w, const ns_segment *g, double off) {
     static const double least = 1e-6; /* less is not told apart */
     const double end = g->at[g->last].t, length = end - g->at[0].t;
     const double time = fmin(1, (w->end - w->event_t) / fmax(end - w->start_t, length));
-    double most = least;
+    double most = fmax(off, least);
     integrate(w, g);
     for (int i = 0; i < w->looked; i += NS_WIDE) {
-        if (are_exact(w, i, least * 0.5 * w->lines))
+        if (are_exact(w, i, most * 0.5 * w->lines)) /* at least that much is allowed */
             continue;
         for (int k = i; k < i + NS_WIDE && k < w->looked; k++)
             take_integral(w, k, length, time, &most);
@@ -246,12 +257,14 @@ static void take_square(ns_waveform *w, int i, double length, double error, doub
     w->worst = i;
 }
 
-/* The distance of the integrals of squares, as a part of what is allowed. */
-ALWAYS_INLINE double find_square_distance(ns_waveform *w, const ns_squared_line *g) {
-    double most = 0;
+/* The distance of the integrals of squares, as a part of what is allowed, or `off` if that is larger. */
+ALWAYS_INLINE double find_square_distance(ns_waveform *w, const ns_squared_line *g, double off) {
+    double most = off;
     for (int i = 0; i < w->looked; i += NS_WIDE) {
         double error[NS_WIDE], allowed[NS_WIDE];
         square_errors(w, g, i, error, allowed);
+        if (NS_WIDE_BELOW_OR_AT(CONST_WIDE(error, 0), most * CONST_WIDE(allowed, 0)))
+            continue;
         for (int k = 0; k < NS_WIDE && i + k < w->looked; k++)
             if (!(error[k] <= most * allowed[k]))
                 take_square(w, i + k, g->length, error[k], allowed[k], &most);
@@ -259,34 +272,34 @@ ALWAYS_INLINE double find_square_distance(ns_waveform *w, const ns_squared_line 
     return most;
 }
 
-static double square_distance_narrow(ns_waveform *w, const ns_squared_line *g) {
-    return find_square_distance(w, g);
+static double square_distance_narrow(ns_waveform *w, const ns_squared_line *g, double off) {
+    return find_square_distance(w, g, off);
 }
 
-NS_WIDE_TARGET static double square_distance_wide(ns_waveform *w, const ns_squared_line *g) {
-    return find_square_distance(w, g);
+NS_WIDE_TARGET static double square_distance_wide(ns_waveform *w, const ns_squared_line *g, double off) {
+    return find_square_distance(w, g, off);
 }
 
-static double square_distance(ns_waveform *w, const ns_segment *g) {
+static double square_distance(ns_waveform *w, const ns_segment *g, double off) {
     const ns_squared_line line = squared_line(w, g);
-    return (ns_simd_is_wide() ? square_distance_wide : square_distance_narrow)(w, &line);
+    return (ns_simd_is_wide() ? square_distance_wide : square_distance_narrow)(w, &line, off);
 }
 
 double ns_waveform_distance(ns_waveform *w, const ns_segment *g) {
     update_tolerances(w);
-    return g->last >= 2 ? distance(w, g) : 0;
+    return g->last < 2 ? 0 : (ns_simd_is_wide() ? distance_wide : distance_narrow)(w, g);
 }
 
 double ns_waveform_deviation(ns_waveform *w, const ns_segment *g) {
     double off = ns_waveform_distance(w, g);
     if (g->last >= 2) /* where the line is too far off, too: how far both are leads to the right length */
-        off = fmax(off, integral_distance(w, g));
+        off = integral_distance(w, g, off);
     w->squares_decide = 0;
     if (!(w->squares > 0 && off <= 1))
         return off;
-    const double squares = square_distance(w, g);
+    const double squares = square_distance(w, g, off);
     w->squares_decide = squares > off;
-    return fmax(off, squares);
+    return squares;
 }
 
 /* 1 if the parabola through a, v (at part of the way) and b turns on the way. */

@@ -188,7 +188,8 @@ static int shorten(ns_waveform *w, ns_segment *g, ns_search *s, double off) {
 
 /* A smooth curve is at most four times as far off where a line is twice as long, and at least twice. */
 static int is_suspect(const ns_waveform *w, const ns_search *s, double off) {
-    return (s->shorter > 2 && s->stays_far) || s->shorter > SHORTER || (s->shorter > 0 && !w->fresh && off > 16);
+    return (s->shorter > 2 && s->stays_far) || s->shorter > SHORTER ||
+           (s->shorter > 0 && !w->fresh && off > 16);
 }
 
 /* Is it rounding that no line comes near to?  If it is, the search begins anew: *again. */
