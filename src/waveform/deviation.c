@@ -26,22 +26,35 @@ static void note_largest(ns_waveform *w, int i, double size) {
     w->stale = 1;
 }
 
+/* The largest |v| of those from first to last - 1. */
+ALWAYS_INLINE double largest_of(const double *v, int first, int last) {
+    ns_simd_wide wide = {0};
+    int i = first;
+    for (; i + NS_WIDE <= last; i += NS_WIDE) {
+        const ns_simd_wide size = NS_WIDE_SIZE(CONST_WIDE(v, i));
+        wide = NS_WIDE_HIGHER(size, wide);
+    }
+    double part[NS_WIDE], most = 0;
+    WIDE(part, 0) = wide;
+    for (int k = 0; k < NS_WIDE; k++)
+        most = ns_higher(part[k], most);
+    for (; i < last; i++)
+        most = ns_higher(fabs(v[i]), most);
+    return most;
+}
+
 /* kind_largest: what coils have for an instant as a large resistance cuts them off, 1e13 V, is far above all
  * that is there before and after: rounding is not a part of that for long. */
-static void note_kinds(ns_waveform *w, const double *seen) {
+ALWAYS_INLINE void note_kinds(ns_waveform *w, const double *seen) {
     static const double far_below = 1e-3, fades = 1.0 / 16;
-    double now[NS_WAVEFORM_KINDS] = {0};
-    for (int i = 0; i < w->looked; i++)
-        now[w->kind[i]] = ns_higher(now[w->kind[i]], fabs(seen[i]));
-    for (int k = 0; k < NS_WAVEFORM_KINDS; k++) {
-        const double before = w->kind_largest[k];
-        w->kind_largest[k] = now[k] < far_below * before ? fades * before : ns_higher(before, now[k]);
+    for (int k = 0, first = 0; k < NS_WAVEFORM_KINDS; first = w->kind_end[k++]) {
+        const double before = w->kind_largest[k], now = largest_of(seen, first, w->kind_end[k]);
+        w->kind_largest[k] = now < far_below * before ? fades * before : ns_higher(before, now);
         w->stale |= w->kind_largest[k] != before;
     }
 }
 
-void ns_waveform_note_size(ns_waveform *w, const double *row) {
-    const double *seen = ns_waveform_seen(w, row);
+ALWAYS_INLINE void note_sizes(ns_waveform *w, const double *seen) {
     note_kinds(w, seen);
     for (int i = 0; i < w->looked; i += NS_WIDE) {
         const ns_simd_wide size = NS_WIDE_SIZE(CONST_WIDE(seen, i));
@@ -52,6 +65,18 @@ void ns_waveform_note_size(ns_waveform *w, const double *row) {
     }
 }
 
+static void note_sizes_narrow(ns_waveform *w, const double *seen) {
+    note_sizes(w, seen);
+}
+
+NS_WIDE_TARGET static void note_sizes_wide(ns_waveform *w, const double *seen) {
+    note_sizes(w, seen);
+}
+
+void ns_waveform_note_size(ns_waveform *w, const double *row) {
+    (ns_simd_is_wide() ? note_sizes_wide : note_sizes_narrow)(w, ns_waveform_seen(w, row));
+}
+
 /* What values of signal i may be off by: rounding. */
 static double noise_of(const ns_waveform *w, int i) {
     return ns_higher(ns_higher(w->noise * w->kind_largest[w->kind[i]], w->floor[w->kind[i]]), w->rounding[i]);
@@ -59,7 +84,7 @@ static double noise_of(const ns_waveform *w, int i) {
 
 static void update_tolerances(ns_waveform *w) {
     for (int i = 0; i < w->looked && w->stale; i++) {
-        const double allowed = fmax(w->lines * w->largest[i], noise_of(w, i));
+        const double allowed = ns_higher(w->lines * w->largest[i], noise_of(w, i));
         w->per_tolerance[i] = allowed > 0 ? 1 / allowed : 0;
     }
     w->stale = 0;

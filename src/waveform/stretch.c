@@ -1,4 +1,5 @@
 /* src/waveform/stretch.c - the marcher's trials: smooth pieces of waveform, and jumps between them. */
+#include "linalg/simd.h"
 #include "waveform_internal.h"
 
 #include <float.h>
@@ -63,7 +64,7 @@ static int look_at_middle(ns_waveform *w) {
     if (status != NS_OK)
         return status;
     for (int i = 0; i < w->looked; i++)
-        w->end_values[i] = fmax(fabs(w->end_values[i]), fabs(ns_waveform_seen(w, middle)[i]));
+        w->end_values[i] = ns_higher(fabs(w->end_values[i]), fabs(ns_waveform_seen(w, middle)[i]));
     ns_waveform_return_row(w, middle);
     return NS_OK;
 }

@@ -50,12 +50,16 @@ static int allocate(ns_waveform *w) {
     return NS_OK;
 }
 
+/* Those of one kind lie side by side. */
 static void choose_signals(ns_waveform *w, const unsigned char *kind) {
-    for (int k = 0; k < (int)w->count; k++)
-        if (!kind || kind[k]) {
-            w->signal[w->looked] = k;
-            w->kind[w->looked++] = kind ? kind[k] : 1;
-        }
+    for (int of = 1; of < NS_WAVEFORM_KINDS; of++) {
+        for (int k = 0; k < (int)w->count; k++)
+            if ((kind ? kind[k] : 1) == of) {
+                w->signal[w->looked] = k;
+                w->kind[w->looked++] = (unsigned char)of;
+            }
+        w->kind_end[of] = w->looked;
+    }
 }
 
 /* Which corners matter; integrals of others may be of anything.  Errors: MEMORY: all matter. */

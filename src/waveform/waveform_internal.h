@@ -51,7 +51,8 @@ struct ns_waveform {
     /* what is looked at */
     int looked;                             /* signals */
     int *signal;                            /* looked: which x or lambda */
-    unsigned char *kind;                    /* looked */
+    unsigned char *kind;                    /* looked: ascending */
+    int kind_end[NS_WAVEFORM_KINDS];        /* signals of this kind and those before: how many */
     double *largest;                        /* looked: absolute value so far */
     double floor[NS_WAVEFORM_KINDS];        /* less does not matter */
     double kind_largest[NS_WAVEFORM_KINDS]; /* of all of a kind */
