@@ -242,12 +242,15 @@ int ns_bridge_analysis_read(ns_analysis *a, double *t) {
 int ns_bridge_analysis_take(ns_analysis *a, const ns_waveform_point *p, double part) {
     const size_t n = (size_t)a->system->n;
     double *to = a->before;
+    memcpy(to, p->x, n * sizeof *to);
+    memcpy(to + n, p->lambda, (a->count - n) * sizeof *to);
+    for (size_t k = 0; part < 1.0 && k < a->count; k++)
+        to[k] = a->x[k] + part * (to[k] - a->x[k]);
     for (size_t k = 0; k < a->count; k++) {
-        const double next = k < n ? p->x[k] : p->lambda[k - n];
-        to[k] = part < 1.0 ? a->x[k] + part * (next - a->x[k]) : next;
-        if (!isfinite(to[k]))
+        const double size = fabs(to[k]);
+        if (!isfinite(size))
             return NS_E_OVERFLOW;
-        a->max_abs[k] = fabs(to[k]) > a->max_abs[k] ? fabs(to[k]) : a->max_abs[k];
+        a->max_abs[k] = size > a->max_abs[k] ? size : a->max_abs[k];
     }
     ns_bridge_analysis_take_mode(a, p->mode);
     ns_bridge_taken_at(a, p->sums, part);

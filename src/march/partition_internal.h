@@ -12,6 +12,7 @@
 typedef struct ns_part_run {
     ns_engine *run;
     const ns_island *island;
+    int shares;             /* 1: one of its unknowns is the sum of what several islands have of it */
     double accepted, trial; /* s: times of the accepted point; of the last trial */
     int at_event;           /* the accepted point is the left side of an event */
     int tried;              /* there is a trial, */

@@ -29,6 +29,11 @@ void ns_march_partition_put(ns_partition_run *f, int island, double *x) {
     const ns_island *i = &f->islands.island[island];
     const int n = i->s->n, *unknown = i->unknown;
     const double *of_island = f->x; /* read once, likewise */
+    if (!f->part[island].shares) {
+        for (int k = 0; k < n; k++)
+            x[unknown[k]] = of_island[k];
+        return;
+    }
     for (int k = 0; k < n; k++) {
         const int whole = unknown[k];
         const double value = of_island[k];

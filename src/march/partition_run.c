@@ -42,6 +42,8 @@ static int make_runs(ns_partition_run *f, const ns_march_options *o) {
     for (int k = 0; k < f->islands.count && status == NS_OK; k++) {
         ns_part_run *s = &f->part[k];
         s->island = &f->islands.island[k];
+        for (int i = 0; i < s->island->s->n; i++)
+            s->shares |= f->islands.shared[s->island->unknown[i]];
         status = ns_march_run_create(s->island->s, &each, &s->run, NULL); /* the whole was checked */
     }
     return status;

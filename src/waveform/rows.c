@@ -43,7 +43,7 @@ int ns_waveform_sample(ns_waveform *w, double t, double **row) {
     }
     w->samples++;
     ns_waveform_note_row(w, v);
-    memcpy(ns_waveform_mode_of(w, v), ns_march_mode(w->march), sizeof(ns_mode) * (size_t)w->s->m);
+    memcpy(ns_waveform_mode_of(w, v), w->mode, sizeof(ns_mode) * (size_t)w->s->m);
     ns_waveform_note_size(w, v);
     return NS_OK;
 }
@@ -52,7 +52,7 @@ int ns_waveform_sample_end(ns_waveform *w, double **row) {
     double *v = *row = ns_waveform_take_row(w);
     memcpy(v, w->at_end, sizeof *v * w->count);
     ns_waveform_note_row(w, v);
-    memcpy(ns_waveform_mode_of(w, v), ns_march_mode(w->march), sizeof(ns_mode) * (size_t)w->s->m);
+    memcpy(ns_waveform_mode_of(w, v), w->mode, sizeof(ns_mode) * (size_t)w->s->m);
     return NS_OK;
 }
 

@@ -89,8 +89,10 @@ static int sample_ends(ns_waveform *w, double **row) {
 int ns_waveform_enter_stretch(ns_waveform *w, double until) {
     double *row;
     int passed, status = try_stretch(w, until, &passed);
-    if (status == NS_OK)
+    if (status == NS_OK) {
+        w->mode = ns_march_mode(w->march);
         status = sample_ends(w, &row);
+    }
     if (status != NS_OK)
         return status;
     w->in_stretch = w->fresh = 1;

@@ -78,6 +78,7 @@ struct ns_waveform {
     double square_time;            /* s: the integral of 1, likewise */
 
     /* the stretch */
+    const ns_mode *mode; /* m: that of all of it */
     double *at_end;     /* count: values at its end */
     double *end_values; /* looked: the same; with squares: the size there or in its middle */
     int started, in_stretch;
