@@ -90,8 +90,6 @@ static double last_time(const ns_waveform *w, double base) {
     return round < t + w->closest && fabs(round - w->until) > w->closest ? round : t;
 }
 
-enum { SHORTER = 8 }; /* lengths that are too long in one search, at most, and one more */
-
 /* The search for the length of one segment. */
 typedef struct ns_search {
     double base, last_t;         /* s: where it begins, where it ends at the latest */
@@ -103,7 +101,6 @@ typedef struct ns_search {
     double aimed;        /* s: the length that too_long says is right, where no probe is left; 0: none */
     double first_length; /* s: the first one that was; 0: none */
     int shorter;         /* lengths that were too long */
-    int stays_far;       /* 1: one of them was shorter than the one before, but hardly nearer */
     int is_shortest;     /* 1: the next line is taken as it is */
 } ns_search;
 
@@ -164,9 +161,9 @@ static int lengthen(const ns_waveform *w, const ns_segment *g, ns_search *s, dou
 /* The line is too far off: 1 if the one before is taken, 0: a shorter one is looked at.  A probe that no line
  * was seen to be near to goes too, unless it lies on the way of the next one. */
 static int shorten(ns_waveform *w, ns_segment *g, ns_search *s, double off) {
+    enum { SHORTER = 8 };
     const double next = reach(s->length, off);
     s->first_length = s->first_length > 0 ? s->first_length : s->length;
-    s->stays_far |= s->too_long < INFINITY && !(off * s->too_long < s->too_far * s->length);
     s->too_long = s->length;
     s->too_far = off;
     s->shorter++;
@@ -186,10 +183,9 @@ static int shorten(ns_waveform *w, ns_segment *g, ns_search *s, double off) {
     return 0;
 }
 
-/* A smooth curve is at most four times as far off where a line is twice as long, and at least twice. */
+/* A smooth curve is at most four times as far off where a line is twice as long. */
 static int is_suspect(const ns_waveform *w, const ns_search *s, double off) {
-    return (s->shorter > 2 && s->stays_far) || s->shorter > SHORTER ||
-           (s->shorter > 0 && !w->fresh && off > 16);
+    return s->shorter > 2 || (s->shorter > 0 && !w->fresh && off > 16);
 }
 
 /* Is it rounding that no line comes near to?  If it is, the search begins anew: *again. */
@@ -201,7 +197,7 @@ static int look_for_rounding(ns_waveform *w, ns_segment *g, ns_search *s, int *a
     s->length = s->first_length;
     s->too_long = INFINITY;
     s->aimed = 0;
-    s->shorter = s->is_shortest = s->stays_far = 0;
+    s->shorter = s->is_shortest = 0;
     return status;
 }
 

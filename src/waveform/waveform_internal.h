@@ -79,8 +79,8 @@ struct ns_waveform {
 
     /* the stretch */
     const ns_mode *mode; /* m: that of all of it */
-    double *at_end;     /* count: values at its end */
-    double *end_values; /* looked: the same; with squares: the size there or in its middle */
+    double *at_end;      /* count: values at its end */
+    double *end_values;  /* looked: the same; with squares: the size there or in its middle */
     int started, in_stretch;
     int fresh;         /* 1: no segment in it was chosen */
     int is_first;      /* 1: it begins at the last event */

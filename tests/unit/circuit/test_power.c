@@ -292,8 +292,43 @@ static void powers_add_up_to_zero(void **state) {
     assert_true(worst < 1e-12);
 }
 
+/* --- where nodes are found --- */
+
+static double across(const ns_circuit *c, int id, const double *x) {
+    static const double lambda[] = {0};
+    static const ns_mode mode[] = {NS_LOWER};
+    double v;
+    assert_int_equal(ns_circuit_device(c, id, x, lambda, mode, NULL, &v, NULL), NS_OK);
+    return v;
+}
+
+/* A node that is added before those of a device moves their places; one that nobody named has none. */
+static void devices_are_found_after_others_came(void **state) {
+    (void)state;
+    ns_circuit *c = begin();
+    ns_system *s;
+    const ns_diode d = {.roff = INFINITY, .vz = INFINITY};
+    int id;
+    assert_int_equal(ns_circuit_diode(c, "d", 5, 7, &d, &id), NS_OK);
+    assert_true(across(c, id, (const double[]){6, 2}) == 4); /* no system was made yet */
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(ns_circuit_system(c, &s), NS_OK);
+        ns_system_free(s);
+        if (k == 0)
+            assert_true(across(c, id, (const double[]){6, 2}) == 4);
+        else
+            assert_true(across(c, id, (const double[]){10, 20, 6, 2}) == 4);
+        assert_int_equal(ns_circuit_resistor(c, k ? "r2" : "r1", 3 + k, 0, 1, NULL), NS_OK);
+        if (k == 0)
+            assert_int_equal(ns_circuit_resistor(c, "r0", 1, 0, 1, NULL), NS_OK);
+    }
+    assert_true(across(c, id, (const double[]){10, 20, 30, 6, 2}) == 4);
+    ns_circuit_free(c);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(devices_are_found_after_others_came),
         cmocka_unit_test(each_kind),
         cmocka_unit_test(a_linear_source_of_no_terms),
         cmocka_unit_test(energy_of_capacitors),
