@@ -19,6 +19,7 @@ ns_mode *ns_waveform_mode_of(const ns_waveform *w, const double *row) {
 
 void ns_waveform_return_all_rows(ns_waveform *w) {
     w->unused_count = 0;
+    w->amid.v = NULL;
     for (size_t i = NS_ROWS; i > 0; i--)
         ns_waveform_return_row(w, w->rows + (i - 1) * w->row_size);
 }
@@ -46,6 +47,12 @@ int ns_waveform_sample(ns_waveform *w, double t, double **row) {
     memcpy(ns_waveform_mode_of(w, v), w->mode, sizeof(ns_mode) * (size_t)w->s->m);
     ns_waveform_note_size(w, v);
     return NS_OK;
+}
+
+void ns_waveform_drop_amid(ns_waveform *w) {
+    if (w->amid.v)
+        ns_waveform_return_row(w, w->amid.v);
+    w->amid.v = NULL;
 }
 
 int ns_waveform_sample_end(ns_waveform *w, double **row) {

@@ -12,8 +12,6 @@ static const double aim = 0.97;
 static const double alike = 1.08;
 /* A line that is as far off as this is long enough; looked for is one that is as far off as that. */
 static const double enough = 0.8, wanted = 0.9;
-/* A look on the way to a proposed length; not its middle, where an S would not be seen. */
-static const double first_part = 0.45;
 
 void ns_waveform_drop_segment(ns_waveform *w, ns_segment *g) {
     for (int i = 0; i < g->last; i++)
@@ -44,8 +42,21 @@ static void thin(ns_waveform *w, ns_segment *g) {
     g->last = kept + 1;
 }
 
+/* What was sampled on the way of the stretch becomes a probe, if it is as far from where the segment begins:
+ * where one line is all of the stretch. */
+static int take_amid(ns_waveform *w, ns_segment *g, double t) {
+    static const double as_far = 0.02;
+    const int takes = w->amid.v && g->last == 0 && fabs(t - w->amid.t) <= as_far * (w->amid.t - g->at[0].t);
+    if (takes)
+        g->at[++g->last] = w->amid;
+    w->amid.v = takes ? NULL : w->amid.v;
+    return takes;
+}
+
 static int add_end(ns_waveform *w, ns_segment *g, double t) {
     double *row;
+    if (take_amid(w, g, t))
+        return NS_OK;
     if (g->last == NS_PROBES - 1)
         thin(w, g);
     const int status =
@@ -66,7 +77,7 @@ static double first_length(ns_waveform *w, double t) {
      * it, and by two fifths where part is 8 */
     const double part = fmin(8, 40 * sqrt(w->lines));
     const double least = fmax(part * ns_march_shortest(w->march, t, NULL), w->closest);
-    return w->fresh ? least : fmax(first_part * w->proposal, w->closest);
+    return w->fresh ? least : fmax(ns_waveform_first_part * w->proposal, w->closest);
 }
 
 /* The multiple of w->every that is nearest to t, as the number that a decimal in a netlist is read as. */
@@ -114,9 +125,9 @@ static void begin_search(ns_waveform *w, double base, ns_search *s) {
 static int try_length(ns_waveform *w, ns_segment *g, ns_search *s, int *all, double *off) {
     const double most = s->last_t - s->base;
     *all = s->length >= most - fmax(s->least, 1e-3 * most);
-    if (*all && g->last == 0 && first_part * most > s->least) {
+    if (*all && g->last == 0 && ns_waveform_first_part * most > s->least) {
         *all = 0; /* no line is taken unseen */
-        s->length = first_part * most;
+        s->length = ns_waveform_first_part * most;
     }
     s->length = *all ? most : s->length;
     const int status = add_end(w, g, *all ? s->last_t : s->base + s->length);
@@ -178,7 +189,7 @@ static int shorten(ns_waveform *w, ns_segment *g, ns_search *s, double off) {
     }
     drop_probes(w, g);
     s->aimed = next;
-    s->length = fmax(first_part * next, s->least);
+    s->length = fmax(ns_waveform_first_part * next, s->least);
     s->is_shortest = s->length <= s->least || s->shorter > SHORTER;
     return 0;
 }

@@ -58,14 +58,15 @@ static int make_jump(ns_waveform *w, double *row) {
 }
 
 /* What comes and goes in the stretch counts too among the values at its end. */
-static int look_at_middle(ns_waveform *w) {
-    double *middle;
-    const int status = ns_waveform_sample(w, 0.5 * (w->accepted_t + w->end), &middle);
+static int look_amid(ns_waveform *w) {
+    double *row;
+    const double t = w->accepted_t + ns_waveform_first_part * (w->end - w->accepted_t);
+    const int status = ns_waveform_sample(w, t, &row);
     if (status != NS_OK)
         return status;
     for (int i = 0; i < w->looked; i++)
-        w->end_values[i] = ns_higher(fabs(w->end_values[i]), fabs(ns_waveform_seen(w, middle)[i]));
-    ns_waveform_return_row(w, middle);
+        w->end_values[i] = ns_higher(fabs(w->end_values[i]), fabs(ns_waveform_seen(w, row)[i]));
+    w->amid = (ns_probe){t, row};
     return NS_OK;
 }
 
@@ -80,7 +81,7 @@ static int sample_ends(ns_waveform *w, double **row) {
     memcpy(w->end_values, ns_waveform_seen(w, end), sizeof *end * (size_t)w->looked);
     ns_waveform_return_row(w, end);
     if (w->squares > 0)
-        status = look_at_middle(w);
+        status = look_amid(w);
     if (status != NS_OK)
         return status;
     return ns_waveform_sample(w, w->accepted_t, row);
@@ -89,6 +90,7 @@ static int sample_ends(ns_waveform *w, double **row) {
 int ns_waveform_enter_stretch(ns_waveform *w, double until) {
     double *row;
     int passed, status = try_stretch(w, until, &passed);
+    ns_waveform_drop_amid(w);
     if (status == NS_OK) {
         w->mode = ns_march_mode(w->march);
         status = sample_ends(w, &row);

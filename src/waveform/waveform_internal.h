@@ -16,7 +16,7 @@
 
 enum {
     NS_PROBES = 42,              /* of a segment, at most, with its two ends */
-    NS_ROWS = 3 * NS_PROBES + 4, /* values at one instant, of all segments together */
+    NS_ROWS = 3 * NS_PROBES + 5, /* values at one instant, of all segments together */
     NS_CLOSE_EVENTS = 1000000    /* events closer together than points may be, in a row */
 };
 
@@ -80,7 +80,8 @@ struct ns_waveform {
     /* the stretch */
     const ns_mode *mode; /* m: that of all of it */
     double *at_end;      /* count: values at its end */
-    double *end_values;  /* looked: the same; with squares: the size there or in its middle */
+    double *end_values;  /* looked: the same; with squares: the size there or on its way: */
+    ns_probe amid;       /* on its way, until it is a probe of a segment; v NULL: none */
     int started, in_stretch;
     int fresh;         /* 1: no segment in it was chosen */
     int is_first;      /* 1: it begins at the last event */
@@ -105,6 +106,9 @@ struct ns_waveform {
     int squares_decide; /* in that look squares were furthest off */
 };
 
+/* A look on the way to a proposed length; not its middle, where an S would not be seen. */
+static const double ns_waveform_first_part = 0.45;
+
 /* rows.c: a row that nobody has; given back; all of them. */
 double *ns_waveform_take_row(ns_waveform *w);
 void ns_waveform_return_row(ns_waveform *w, double *row);
@@ -114,6 +118,9 @@ ns_mode *ns_waveform_mode_of(const ns_waveform *w, const double *row);
 
 /* x, lambda and mode at t into a new row.  Errors: those of ns_march_sample(). */
 int ns_waveform_sample(ns_waveform *w, double t, double **row);
+
+/* w->amid is of no segment: it is given back. */
+void ns_waveform_drop_amid(ns_waveform *w);
 
 /* The same at the end of the stretch, which is known. */
 int ns_waveform_sample_end(ns_waveform *w, double **row);

@@ -21,9 +21,29 @@ static void decays_take_few_looks(void **state) {
     rig_end(&r);
 }
 
+/* Between two corners a line is all there is: it is sampled at both ends and once on its way, which is where
+ * squares are looked at, too. */
+static void lines_between_corners_take_three(void **state) {
+    const ns_waveform_options o = {.closest = 1e-13, .lines = 2e-3, .squares = 1e-2};
+    const ns_signal wave = pulse(1, 1.1, 0, 0.5, 0.5, 0, 1);
+    rig r = rig_begin();
+    (void)state;
+    assert_int_equal(ns_circuit_source(r.c, "v", NS_VOLTAGE, 1, 0, &wave, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(r.c, "r", 1, 0, 1, NULL), NS_OK);
+    r.unknown = ns_circuit_node_unknown(r.c, 1);
+    assert_int_equal(rig_prepare(&r, NS_EXACT, 1e-4, &o), NS_OK);
+    assert_int_equal(rig_run(&r, 20), NS_OK);
+    const long samples = ns_waveform_read_counts(r.w).samples;
+    print_message("%d points, %ld samples\n", r.count, samples);
+    assert_int_equal(r.count, 41);
+    assert_true(samples <= 3 * 40);
+    rig_end(&r);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(decays_take_few_looks),
+        cmocka_unit_test(lines_between_corners_take_three),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
