@@ -3,6 +3,7 @@
  *   waveform.c   made, started; the next point          stretch.c   the marcher's trials: what is smooth
  *   segment.c    how far one straight line reaches      rows.c      values at one instant
  *   deviation.c  how far the waveform is from it        rounding.c  what rounding makes of a signal
+ *   sizes.c      the largest values so far
  *
  * A stretch is one trial of the marcher with NS_TO_STEP: a smooth piece of waveform that may be sampled
  * anywhere.  A segment is a straight line between two points with the samples that were looked at on its way
@@ -12,7 +13,12 @@
 #ifndef NS_WAVEFORM_INTERNAL_H
 #define NS_WAVEFORM_INTERNAL_H
 
+#include "linalg/simd.h"
 #include "nonsmooth/waveform.h"
+
+/* NS_WIDE numbers of an array, from the i-th on. */
+#define WIDE(p, i) (*(ns_simd_wide *)((p) + (i)))
+#define CONST_WIDE(p, i) (*(const ns_simd_wide *)((p) + (i)))
 
 enum {
     NS_PROBES = 42,              /* of a segment, at most, with its two ends */
@@ -134,10 +140,10 @@ static inline const double *ns_waveform_seen(const ns_waveform *w, const double 
     return row + w->seen_at;
 }
 
-/* deviation.c: what is seen of a row that was filled is put together; takes in the size of a row. */
+/* sizes.c: what is seen of a row that was filled is put together; takes in the size of a row. */
 void ns_waveform_note_row(ns_waveform *w, double *row);
 void ns_waveform_note_size(ns_waveform *w, const double *row);
-/* How far the waveform is from the line of g: 1: as far as allowed. */
+/* deviation.c: how far the waveform is from the line of g: 1: as far as allowed. */
 double ns_waveform_distance(ns_waveform *w, const ns_segment *g);
 /* The same, and its integral from the trapezoid: 1: as far as allowed. */
 double ns_waveform_deviation(ns_waveform *w, const ns_segment *g);
