@@ -116,7 +116,7 @@ typedef struct ns_own_taken {
          * it, C */
         double forwards, most_forwards, seconds, missed, beside;
         double carried, stored; /* of D: what it carried forwards, and what tt held at each end, C */
-        double held;            /* likewise: what tt holds */
+        double held, through;   /* likewise: what tt holds; the current forwards at the point before, A */
         double spent, supplied; /* J: what flows back by the voltage that it meets; what V supply meanwhile */
         double flows;           /* C: by the largest current of a source or inductor */
         /* of M: v(gate,source) beyond vto; what its own channel does not do, and of what that is a part: at

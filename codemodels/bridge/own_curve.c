@@ -164,7 +164,7 @@ void ns_bridge_own_count_point(const CKTcircuit *ckt, ns_analysis *a, double sin
         }
         if (o->kind == OWN_DIODE && o->seen.current.weight == 0.0)
             count_missed(o, &flow, v, o->seen.t >= since ? t - o->seen.t : 0.0);
-        ns_bridge_own_count_stored(o, &flow, i, v, o->seen.t >= since ? t - o->seen.t : -1.0);
+        ns_bridge_own_count_stored(a, o, &flow, i, v, o->seen.t >= since ? t - o->seen.t : -1.0);
         o->seen.t = t;
         o->seen.i = forwards;
         o->seen.v = o->kind == OWN_MOSFET ? across_channel(a, o) : v;

@@ -203,6 +203,7 @@ static int add_body_diode(ns_extract_walk *w, const GENinstance *inst, ns_own_ta
     if (taken->follows) /* its leak, which a switch has in its channel */
         taken->diode.roff = leak_of(w, &taken->mosfet);
     taken->at = at;
+    taken->tt = d->tt;
     ns_bridge_extract_mix(w, &taken->diode, sizeof taken->diode);
     return ns_circuit_diode(w->ex->circuit, name, d->anode, d->cathode, &taken->diode, &taken->body);
 }

@@ -54,6 +54,7 @@ static void read_vdmos(const VDMOSinstance *v, ns_own_mosfet *m) {
         .farads = v->VDIOtJctCap,
         .built_in = v->VDIOtJctPot,
         .grading = v->VDIOtGradingCoeff,
+        .tt = model->VDIOtransitTime,
         .law = {.bottom = {v->VDIOtSatCur, model->VDIOn * CONSTboltz / CHARGE * v->VDMOStemp}}};
     if (model->VDIObvGiven)
         m->body.breakdown =

@@ -12,8 +12,10 @@ typedef struct ns_own_flow {
 
 ns_own_flow ns_bridge_own_flow(const CKTcircuit *ckt, const ns_analysis *a);
 
-/* A D carries i (A) at v (V), `seconds` after the point before; below 0: that is far away. */
-void ns_bridge_own_count_stored(ns_own_taken *o, const ns_own_flow *flow, double i, double v, double seconds);
+/* A D carries i (A) at v (V), `seconds` after the point before; below 0: that is far away.  Of an M its body
+ * diode counts. */
+void ns_bridge_own_count_stored(const ns_analysis *a, ns_own_taken *o, const ns_own_flow *flow, double i,
+                                double v, double seconds);
 
 /* One line about the D of which most would flow back, if that is much.  1 if it was written. */
 int ns_bridge_own_note_stored(const ns_analysis *a);
