@@ -13,6 +13,8 @@
 
 /* Rounds of commands. */
 enum { COMMAND_ROUNDS = 64 };
+/* So many times as long are steps where shorter ones lose digits. */
+static const double much_longer = 16;
 enum { DUE = 1, CHANGED = 2 }; /* a command, in m->due */
 
 /* The mode where the event began, but with the switches of commands that the event changed as in `step`:
@@ -174,10 +176,30 @@ static int resolve_with(ns_sparse *m, const ns_dense_step *step, double t, doubl
     return resolve_at_once(m, step, t, g, jump, &hasty);
 }
 
+/* 1 if a control by the state meets its threshold before the end of steps of length g: in the mode that the
+ * event begins with, which need not be the one that they found.  From there the shortest steps are as short
+ * as they get. */
+static int hides(ns_sparse *m, double t, double g) {
+    const double finest = ns_sparse_finest_of_all(m);
+    double *const v = m->work.projected;
+    if (m->is_coarse || m->f->gx.start[m->f->nc] == 0 || !(finest < g) ||
+        !ns_sparse_project_breaks(m, t, finest, m->w))
+        return 0;
+    int meets = ns_sparse_guard_any_contradicts(m, v);
+    memcpy(m->work.mode, m->mode, (size_t)m->f->m);
+    if (!meets && ns_sparse_event_consistent(m, t, finest, m->w, v, NULL) == NS_OK)
+        meets = ns_sparse_guard_any_contradicts(m, v);
+    ns_sparse_guard_set_mode(m, m->work.mode);
+    m->hidden |= meets;
+    if (meets)
+        ns_sparse_be_finest(m, t);
+    return meets;
+}
+
 /* Steps of length g would lose a transient: shorter ones, until nothing lasts, or the finest.  Where digits
  * do not suffice for these, the mode is that of the longest, nothing jumps, and the steps that follow resolve
- * the transient. */
-static void resolve_transient(ns_sparse *m, const ns_dense_step *step, double t, double g) {
+ * the transient: 0. */
+static int resolve_transient(ns_sparse *m, const ns_dense_step *step, double t, double g) {
     ns_jump_kind jump = NS_LASTS;
     int status = NS_OK;
     memcpy(m->work.lasting_mode, m->mode, (size_t)m->f->m);
@@ -186,12 +208,47 @@ static void resolve_transient(ns_sparse *m, const ns_dense_step *step, double t,
         g = fmax(ldexp(g, -NS_FINER), ns_sparse_finest(m));
         ns_sparse_event_restore(m);
         status = resolve_with(m, step, t, g, &jump);
+        if (status == NS_OK && jump == NS_NO_JUMP && hides(m, t, g))
+            jump = NS_LASTS;
     }
     m->longest_g = 0;
     if (status == NS_OK)
-        return;
+        return 1;
     ns_sparse_event_restore(m);
     ns_sparse_guard_set_mode(m, m->work.lasting_mode);
+    return 0;
+}
+
+/* From where the event began to its right side, by steps of length g or as short as a transient needs.
+ * *found: 0: digits do not suffice for these. */
+static int resolve_with_transient(ns_sparse *m, const ns_dense_step *step, double t, double g, int *found) {
+    ns_jump_kind jump;
+    *found = 1;
+    const int status = resolve_with(m, step, t, g, &jump);
+    if (status == NS_OK && jump == NS_NO_JUMP && hides(m, t, g))
+        jump = NS_LASTS;
+    if (status == NS_OK && jump == NS_LASTS)
+        *found = resolve_transient(m, step, t, g);
+    return status;
+}
+
+/* The same by longer steps, where solutions by shorter ones have lost the digits of the laws of closed pairs:
+ * much longer ones in turn, as long as they are negligible beside the longest steps; else by these, as they
+ * are. */
+static int resolve_with_digits(ns_sparse *m, const ns_dense_step *step, double t, double g, int *found) {
+    const double most = ldexp(m->o.h, -NS_SHORT_EXPONENT);
+    int status = NS_E_RESIDUAL;
+    m->is_strict = 1;
+    for (double longer = g; longer <= most && status == NS_E_RESIDUAL; longer *= much_longer) {
+        if (longer > g)
+            ns_sparse_event_restore(m);
+        status = resolve_with_transient(m, step, t, longer, found);
+    }
+    m->is_strict = 0;
+    if (status != NS_E_RESIDUAL)
+        return status;
+    ns_sparse_event_restore(m);
+    return resolve_with_transient(m, step, t, g, found);
 }
 
 /* The length of the Euler steps that resolve an event: negligible beside steps, and beside the time to the
@@ -205,15 +262,23 @@ static double negligible(const ns_sparse *m, const ns_dense_step *step, double t
 int ns_sparse_event_resolve(ns_sparse *m, const ns_dense_step *step, double t) {
     const int failures = step ? step->failures : 0;
     double g = negligible(m, step, t);
-    ns_jump_kind jump;
+    const int finer = m->o.finer;
+    int found;
     m->counts.problems++;
     if (failures == 1 || failures == 2)
         begin_with_longer_step(m, t, ldexp(g, 5 * failures), m->work.move);
     ns_sparse_event_save(m);
     m->is_near = failures == 1 || failures == 2;
-    int status = resolve_with(m, step, t, g, &jump);
-    if (status == NS_OK && jump == NS_LASTS)
-        resolve_transient(m, step, t, g);
+    m->hidden = 0;
+    int status = resolve_with_digits(m, step, t, g, &found);
+    if (m->hidden && !found) { /* what a control may do in so short a time contradicts itself */
+        ns_sparse_event_restore(m);
+        m->o.finer = finer;
+        m->contradicting_pair = -1;
+        m->is_coarse = 1;
+        status = resolve_with_transient(m, step, t, g, &found);
+        m->is_coarse = 0;
+    }
     m->is_near = 0;
     m->counts.events++;
     return status;

@@ -22,6 +22,8 @@ enum { LOCALS = 2, JUMPS = 8, COMMAND_ROUNDS = 64 };
 enum { SHORTER = 24 };
 /* A bound broken by this fraction of its terms is far beyond rounding. */
 static const double far = 1e-6;
+/* Laws that a solution violates by more than this fraction of the largest of their terms. */
+static const double lost = 1e-9;
 /* The scale of a small w_i, in the largest. */
 static const double least_scale = 1e-3;
 
@@ -31,6 +33,21 @@ static int are_digits_lost(ns_sparse *m, double g) {
     const ns_cached_factors *k;
     return m->longest_g > g && ns_sparse_factors_factor(m->q, g, m->mode, 1, &k) == NS_OK && k->has_leaks &&
            ns_sparse_factors_factor(m->q, m->longest_g, m->mode, 1, &k) == NS_OK && !k->has_leaks;
+}
+
+/* 1 if v, solved with leaks, violates laws of closed pairs by far more than rounding of the largest of their
+ * terms: leaks decide what beside the terms of capacitors is too small to show in what is left of (P2). */
+static int laws_are_lost(ns_sparse *m, double g, const double *v) {
+    const ns_cached_factors *k;
+    double most = 0, off = 0;
+    if (ns_sparse_factors_factor(m->q, g, m->mode, 1, &k) != NS_OK || !k->has_leaks)
+        return 0;
+    for (int j = 0; j < m->f->m; j++)
+        if (m->mode[j] == NS_INSIDE) {
+            most = fmax(most, ns_linalg_csc_size(&m->f->Ct, j, v) + fabs(m->f->e[j]));
+            off = fmax(off, fabs(ns_sparse_form_y(m->f, j, v, m->z, 1)));
+        }
+    return off > lost * most;
 }
 
 /* Changes the pairs whose guards are broken until none is: all at once; one_by_one: where their number does
@@ -43,7 +60,7 @@ static int change_broken(ns_sparse *m, double t, double g, const double *w, int 
         const int status = ns_sparse_step_euler(m, t, g, w, 1, v, by);
         if (status != NS_OK && status != NS_E_SINGULAR)
             return status;
-        if (are_digits_lost(m, g))
+        if (are_digits_lost(m, g) || (m->is_strict && status == NS_OK && laws_are_lost(m, g, v)))
             return NS_E_RESIDUAL;
         const int broken = ns_sparse_guard_broken(m, v, w, g, 1);
         if (broken == 0)
@@ -206,8 +223,10 @@ static int refuse_jump(ns_sparse *m, double t, double g, ns_jump_kind *jump) {
     const int status = ns_sparse_instant_misfit(m, t, g, &pair, &broken);
     if (status != NS_OK || pair < 0)
         return status;
-    if (g <= ns_sparse_finest(m))
+    if (g <= ns_sparse_finest(m) && (m->f->gx.start[m->f->nc] == 0 || m->o.finer >= NS_MOST_FINER))
         return NS_E_LIMIT;
+    if (g <= ns_sparse_finest(m))
+        ns_sparse_be_finest(m, t);
     memcpy(m->w, m->work.before_w, sizeof *m->w * (size_t)m->f->n);
     *jump = NS_LASTS;
     return NS_OK;

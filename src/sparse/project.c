@@ -204,15 +204,19 @@ static int lasts(ns_sparse *m, double t, double g) {
 }
 
 int ns_sparse_project_breaks(ns_sparse *m, double t, double g, const double *w) {
-    return ns_sparse_step_euler(m, t, g, w, 1, m->work.projected, NULL) == NS_OK &&
-           ns_sparse_guard_broken(m, m->work.projected, w, g, 1) > 0;
+    double *const v = m->work.projected;
+    if (ns_sparse_step_euler(m, t, g, w, 1, v, NULL) != NS_OK)
+        return 0;
+    const int by_command = !m->is_coarse && ns_sparse_guard_any_contradicts(m, v);
+    m->hidden |= by_command;
+    return by_command || ns_sparse_guard_broken(m, v, w, g, 1) > 0;
 }
 
 /* 1 if the mode does not hold where what jumps in no time has jumped, and what steps of the length g take to
  * its end has not: a switch without resistance makes a node jump that an R brings back, and diodes follow the
  * jump.  From there the shortest steps are as short as they get. */
 static int breaks_on_the_way(ns_sparse *m, double t, double g) {
-    const double finest = ldexp(m->o.h, -NS_FINEST - NS_MOST_FINER);
+    const double finest = ns_sparse_finest_of_all(m);
     left what;
     if (!(finest < g) || remove_powers(m, t, finest, NULL, m->work.finer_removed, &what) != NS_OK)
         return 0;
