@@ -137,8 +137,9 @@ static int resolve_at_once(ns_sparse *m, const ns_dense_step *step, double t, do
     *hasty = 0;
     for (int round = 0;; round++) {
         int status = ns_sparse_event_find(m, t, g, jump);
-        (void)ns_inputs_stages_stage(m->in, t, g, 0, m->z); /* as m->v has them */
-        if (status != NS_OK || *jump == NS_LASTS || !ns_sparse_event_change_commands(m, step))
+        (void)ns_inputs_stages_stage(m->in, t, g, 0, m->z);                 /* as m->v has them */
+        const int is_passed = *jump == NS_LASTS && g > ns_sparse_finest(m); /* shorter ones resolve that */
+        if (status != NS_OK || is_passed || !ns_sparse_event_change_commands(m, step))
             return status;
         *hasty |= m->counts.jumps > jumps;
         if (round >= COMMAND_ROUNDS)
@@ -182,13 +183,11 @@ static int resolve_with(ns_sparse *m, const ns_dense_step *step, double t, doubl
 static int hides(ns_sparse *m, double t, double g) {
     const double finest = ns_sparse_finest_of_all(m);
     double *const v = m->work.projected;
-    if (m->is_coarse || m->f->gx.start[m->f->nc] == 0 || !(finest < g) ||
-        !ns_sparse_project_breaks(m, t, finest, m->w))
+    if (!m->seeks_hidden || !(finest < g))
         return 0;
-    int meets = ns_sparse_guard_any_contradicts(m, v);
     memcpy(m->work.mode, m->mode, (size_t)m->f->m);
-    if (!meets && ns_sparse_event_consistent(m, t, finest, m->w, v, NULL) == NS_OK)
-        meets = ns_sparse_guard_any_contradicts(m, v);
+    const int meets = ns_sparse_event_consistent(m, t, finest, m->w, v, NULL) == NS_OK &&
+                      ns_sparse_guard_any_contradicts(m, v);
     ns_sparse_guard_set_mode(m, m->work.mode);
     m->hidden |= meets;
     if (meets)
@@ -262,22 +261,23 @@ static double negligible(const ns_sparse *m, const ns_dense_step *step, double t
 int ns_sparse_event_resolve(ns_sparse *m, const ns_dense_step *step, double t) {
     const int failures = step ? step->failures : 0;
     double g = negligible(m, step, t);
-    const int finer = m->o.finer;
-    int found;
+    int found = 1;
     m->counts.problems++;
     if (failures == 1 || failures == 2)
         begin_with_longer_step(m, t, ldexp(g, 5 * failures), m->work.move);
     ns_sparse_event_save(m);
     m->is_near = failures == 1 || failures == 2;
     m->hidden = 0;
+    m->seeks_hidden = m->f->gx.start[m->f->nc] > 0;
     int status = resolve_with_digits(m, step, t, g, &found);
-    if (m->hidden && !found) { /* what a control may do in so short a time contradicts itself */
+    m->seeks_hidden = 0;
+    const int contradicts = status == NS_E_LIMIT && m->contradicting_pair >= 0;
+    if ((m->hidden && !found) || (step && contradicts && m->o.finer > m->usual_finer)) {
+        /* what a control does in so short a time contradicts itself: it jumps */
         ns_sparse_event_restore(m);
-        m->o.finer = finer;
+        m->o.finer = step ? m->usual_finer : m->o.finer;
         m->contradicting_pair = -1;
-        m->is_coarse = 1;
-        status = resolve_with_transient(m, step, t, g, &found);
-        m->is_coarse = 0;
+        status = resolve_with_transient(m, step, t, negligible(m, step, t), &found);
     }
     m->is_near = 0;
     m->counts.events++;

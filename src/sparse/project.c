@@ -204,12 +204,17 @@ static int lasts(ns_sparse *m, double t, double g) {
 }
 
 int ns_sparse_project_breaks(ns_sparse *m, double t, double g, const double *w) {
-    double *const v = m->work.projected;
-    if (ns_sparse_step_euler(m, t, g, w, 1, v, NULL) != NS_OK)
-        return 0;
-    const int by_command = !m->is_coarse && ns_sparse_guard_any_contradicts(m, v);
-    m->hidden |= by_command;
-    return by_command || ns_sparse_guard_broken(m, v, w, g, 1) > 0;
+    return ns_sparse_step_euler(m, t, g, w, 1, m->work.projected, NULL) == NS_OK &&
+           ns_sparse_guard_broken(m, m->work.projected, w, g, 1) > 0;
+}
+
+/* 1 if a command by the state does not hold there. */
+static int meets_threshold(ns_sparse *m, double t, double g) {
+    const int meets = m->seeks_hidden &&
+                      ns_sparse_step_euler(m, t, g, m->w, 1, m->work.projected, NULL) == NS_OK &&
+                      ns_sparse_guard_any_contradicts(m, m->work.projected);
+    m->hidden |= meets;
+    return meets;
 }
 
 /* 1 if the mode does not hold where what jumps in no time has jumped, and what steps of the length g take to
@@ -220,7 +225,7 @@ static int breaks_on_the_way(ns_sparse *m, double t, double g) {
     left what;
     if (!(finest < g) || remove_powers(m, t, finest, NULL, m->work.finer_removed, &what) != NS_OK)
         return 0;
-    if (!ns_sparse_project_breaks(m, t, finest, m->w))
+    if (!meets_threshold(m, t, finest) && !ns_sparse_project_breaks(m, t, finest, m->w))
         return 0;
     ns_sparse_be_finest(m, t);
     return 1;

@@ -182,7 +182,7 @@ typedef struct ns_sparse {
     ns_mode *commanded_mode; /* m: after what the event itself changes, and nothing that follows from it */
     int is_near;             /* guards that are broken by what events are located to hold */
     int hidden;              /* 1: a jump, or a mode found, hides what a control by the state may meet */
-    int is_coarse;           /* 1: such is not looked for */
+    int seeks_hidden;        /* 1: such is looked for */
     int is_strict;           /* 1: a mode is not found by solutions that leaks decide */
     double longest_g;        /* s: the first steps that were to resolve it; 0: no shorter ones are tried */
     double inputs_from;      /* s: an input was replaced then; -INFINITY: none was */
@@ -348,8 +348,7 @@ static inline double ns_sparse_finest(const ns_sparse *m) {
 static inline double ns_sparse_finest_of_all(const ns_sparse *m) {
     return ldexp(m->o.h, -NS_FINEST - NS_MOST_FINER);
 }
-/* 1 if the mode, or a command by the state, does not hold at the end of an Euler step of length g from w (n)
- * at t; m->hidden, if a command does not. */
+/* 1 if the mode does not hold at the end of an Euler step of length g from w (n) at t. */
 int ns_sparse_project_breaks(ns_sparse *m, double t, double g, const double *w);
 /* The shortest steps are as short as they get, at t and for the usual shortest one after it. */
 static inline void ns_sparse_be_finest(ns_sparse *m, double t) {
