@@ -244,11 +244,12 @@ static int read_shunts(ns_extract_walk *w) {
     return status ? refuse_status(w, "rshunt", status) : OK;
 }
 
-/* reltol of .options, where the model has none.  1e-3 is ngspice's default: it cannot be seen whether it was
- * given. */
+/* reltol of .options, where the model has none and it asks for less than the default: netlists that say 1e-4 to
+ * make ngspice more accurate, or 3e-3 to make it faster, do not mean what steps of 1e-9 are to become. */
 static void choose_reltol(ns_extract_walk *w) {
+    static const double by_default = 1e-9;
     const double global = w->ckt->CKTreltol;
-    if (w->ex->options.reltol == 0.0 && global != 1e-3 && global > 0.0 && global < 1.0)
+    if (w->ex->options.reltol == 0.0 && global > 0.0 && global < by_default)
         w->ex->options.reltol = global;
     ns_bridge_extract_mix(w, &w->ex->options.reltol, sizeof w->ex->options.reltol);
 }

@@ -13,8 +13,6 @@
 
 /* Rounds of commands. */
 enum { COMMAND_ROUNDS = 64 };
-/* So many times as long are steps where shorter ones lose digits. */
-static const double much_longer = 16;
 enum { DUE = 1, CHANGED = 2 }; /* a command, in m->due */
 
 /* The mode where the event began, but with the switches of commands that the event changed as in `step`:
@@ -231,25 +229,6 @@ static int resolve_with_transient(ns_sparse *m, const ns_dense_step *step, doubl
     return status;
 }
 
-/* The same by longer steps, where solutions by shorter ones have lost the digits of the laws of closed pairs:
- * much longer ones in turn, as long as they are negligible beside the longest steps; else by these, as they
- * are. */
-static int resolve_with_digits(ns_sparse *m, const ns_dense_step *step, double t, double g, int *found) {
-    const double most = ldexp(m->o.h, -NS_SHORT_EXPONENT);
-    int status = NS_E_RESIDUAL;
-    m->is_strict = 1;
-    for (double longer = g; longer <= most && status == NS_E_RESIDUAL; longer *= much_longer) {
-        if (longer > g)
-            ns_sparse_event_restore(m);
-        status = resolve_with_transient(m, step, t, longer, found);
-    }
-    m->is_strict = 0;
-    if (status != NS_E_RESIDUAL)
-        return status;
-    ns_sparse_event_restore(m);
-    return resolve_with_transient(m, step, t, g, found);
-}
-
 /* The length of the Euler steps that resolve an event: negligible beside steps, and beside the time to the
  * next corner of a source. */
 static double negligible(const ns_sparse *m, const ns_dense_step *step, double t) {
@@ -269,7 +248,7 @@ int ns_sparse_event_resolve(ns_sparse *m, const ns_dense_step *step, double t) {
     m->is_near = failures == 1 || failures == 2;
     m->hidden = 0;
     m->seeks_hidden = m->f->gx.start[m->f->nc] > 0;
-    int status = resolve_with_digits(m, step, t, g, &found);
+    int status = resolve_with_transient(m, step, t, g, &found);
     m->seeks_hidden = 0;
     const int contradicts = status == NS_E_LIMIT && m->contradicting_pair >= 0;
     if ((m->hidden && !found) || (step && contradicts && m->o.finer > m->usual_finer)) {

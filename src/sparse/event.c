@@ -22,8 +22,6 @@ enum { LOCALS = 2, JUMPS = 8, COMMAND_ROUNDS = 64 };
 enum { SHORTER = 24 };
 /* A bound broken by this fraction of its terms is far beyond rounding. */
 static const double far = 1e-6;
-/* Laws that a solution violates by more than this fraction of the largest of their terms. */
-static const double lost = 1e-9;
 /* The scale of a small w_i, in the largest. */
 static const double least_scale = 1e-3;
 
@@ -33,21 +31,6 @@ static int are_digits_lost(ns_sparse *m, double g) {
     const ns_cached_factors *k;
     return m->longest_g > g && ns_sparse_factors_factor(m->q, g, m->mode, 1, &k) == NS_OK && k->has_leaks &&
            ns_sparse_factors_factor(m->q, m->longest_g, m->mode, 1, &k) == NS_OK && !k->has_leaks;
-}
-
-/* 1 if v, solved with leaks, violates laws of closed pairs by far more than rounding of the largest of their
- * terms: leaks decide what beside the terms of capacitors is too small to show in what is left of (P2). */
-static int laws_are_lost(ns_sparse *m, double g, const double *v) {
-    const ns_cached_factors *k;
-    double most = 0, off = 0;
-    if (ns_sparse_factors_factor(m->q, g, m->mode, 1, &k) != NS_OK || !k->has_leaks)
-        return 0;
-    for (int j = 0; j < m->f->m; j++)
-        if (m->mode[j] == NS_INSIDE) {
-            most = fmax(most, ns_linalg_csc_size(&m->f->Ct, j, v) + fabs(m->f->e[j]));
-            off = fmax(off, fabs(ns_sparse_form_y(m->f, j, v, m->z, 1)));
-        }
-    return off > lost * most;
 }
 
 /* Changes the pairs whose guards are broken until none is: all at once; one_by_one: where their number does
@@ -60,7 +43,7 @@ static int change_broken(ns_sparse *m, double t, double g, const double *w, int 
         const int status = ns_sparse_step_euler(m, t, g, w, 1, v, by);
         if (status != NS_OK && status != NS_E_SINGULAR)
             return status;
-        if (are_digits_lost(m, g) || (m->is_strict && status == NS_OK && laws_are_lost(m, g, v)))
+        if (are_digits_lost(m, g))
             return NS_E_RESIDUAL;
         const int broken = ns_sparse_guard_broken(m, v, w, g, 1);
         if (broken == 0)

@@ -183,7 +183,6 @@ typedef struct ns_sparse {
     int is_near;             /* guards that are broken by what events are located to hold */
     int hidden;              /* 1: a jump, or a mode found, hides what a control by the state may meet */
     int seeks_hidden;        /* 1: such is looked for */
-    int is_strict;           /* 1: a mode is not found by solutions that leaks decide */
     double longest_g;        /* s: the first steps that were to resolve it; 0: no shorter ones are tried */
     double inputs_from;      /* s: an input was replaced then; -INFINITY: none was */
     int steep_steps;         /* so many in a row were shorter than h 2^-NS_LEAST_EXPONENT */
