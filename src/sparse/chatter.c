@@ -3,9 +3,8 @@
 
 #include <string.h>
 
-/* So many within the length of a step are chatter; changes of a pair within the time of a transient that only
- * the finest steps resolve. */
-enum { MOST_FLIPS = 1000, MOST_EULERS = 64, MOST_IN_TRANSIENT = 64 };
+/* So many within the length of a step are chatter. */
+enum { MOST_FLIPS = 1000, MOST_EULERS = 64 };
 
 static void copy_counts(const ns_sparse *m, const ns_sparse_chatter *from, ns_sparse_chatter *to) {
     memcpy(to->flips, from->flips, sizeof *to->flips * (size_t)m->f->m);
@@ -32,15 +31,13 @@ void ns_sparse_chatter_drop(ns_sparse *m) {
 }
 
 int ns_sparse_chatter_event(ns_sparse *m, const ns_dense_step *step, double t) {
-    const double h = ldexp(m->o.h, -step->next_exponent),
-                 shortest = ldexp(m->o.h, -NS_EVENT_LEAST_EXPONENT - m->usual_finer);
-    const int most = h < shortest ? MOST_IN_TRANSIENT : MOST_FLIPS;
+    const double h = ldexp(m->o.h, -step->next_exponent);
     int status = NS_OK;
     for (int j = 0; j < m->f->m; j++) {
         if (m->mode[j] == step->mode[j])
             continue;
         m->chatter_changed = 1;
-        if (ns_events_count(&m->chatter.flips[j], t, fmax(h, shortest)) > most)
+        if (ns_events_count(&m->chatter.flips[j], t, h) > MOST_FLIPS)
             status = NS_E_LIMIT;
     }
     return status;

@@ -135,9 +135,8 @@ static int resolve_at_once(ns_sparse *m, const ns_dense_step *step, double t, do
     *hasty = 0;
     for (int round = 0;; round++) {
         int status = ns_sparse_event_find(m, t, g, jump);
-        (void)ns_inputs_stages_stage(m->in, t, g, 0, m->z);                 /* as m->v has them */
-        const int is_passed = *jump == NS_LASTS && g > ns_sparse_finest(m); /* shorter ones resolve that */
-        if (status != NS_OK || is_passed || !ns_sparse_event_change_commands(m, step))
+        (void)ns_inputs_stages_stage(m->in, t, g, 0, m->z); /* as m->v has them */
+        if (status != NS_OK || *jump == NS_LASTS || !ns_sparse_event_change_commands(m, step))
             return status;
         *hasty |= m->counts.jumps > jumps;
         if (round >= COMMAND_ROUNDS)
@@ -175,28 +174,10 @@ static int resolve_with(ns_sparse *m, const ns_dense_step *step, double t, doubl
     return resolve_at_once(m, step, t, g, jump, &hasty);
 }
 
-/* 1 if a control by the state meets its threshold before the end of steps of length g: in the mode that the
- * event begins with, which need not be the one that they found.  From there the shortest steps are as short
- * as they get. */
-static int hides(ns_sparse *m, double t, double g) {
-    const double finest = ns_sparse_finest_of_all(m);
-    double *const v = m->work.projected;
-    if (!m->seeks_hidden || !(finest < g))
-        return 0;
-    memcpy(m->work.mode, m->mode, (size_t)m->f->m);
-    const int meets = ns_sparse_event_consistent(m, t, finest, m->w, v, NULL) == NS_OK &&
-                      ns_sparse_guard_any_contradicts(m, v);
-    ns_sparse_guard_set_mode(m, m->work.mode);
-    m->hidden |= meets;
-    if (meets)
-        ns_sparse_be_finest(m, t);
-    return meets;
-}
-
 /* Steps of length g would lose a transient: shorter ones, until nothing lasts, or the finest.  Where digits
  * do not suffice for these, the mode is that of the longest, nothing jumps, and the steps that follow resolve
- * the transient: 0. */
-static int resolve_transient(ns_sparse *m, const ns_dense_step *step, double t, double g) {
+ * the transient. */
+static void resolve_transient(ns_sparse *m, const ns_dense_step *step, double t, double g) {
     ns_jump_kind jump = NS_LASTS;
     int status = NS_OK;
     memcpy(m->work.lasting_mode, m->mode, (size_t)m->f->m);
@@ -205,28 +186,12 @@ static int resolve_transient(ns_sparse *m, const ns_dense_step *step, double t, 
         g = fmax(ldexp(g, -NS_FINER), ns_sparse_finest(m));
         ns_sparse_event_restore(m);
         status = resolve_with(m, step, t, g, &jump);
-        if (status == NS_OK && jump == NS_NO_JUMP && hides(m, t, g))
-            jump = NS_LASTS;
     }
     m->longest_g = 0;
     if (status == NS_OK)
-        return 1;
+        return;
     ns_sparse_event_restore(m);
     ns_sparse_guard_set_mode(m, m->work.lasting_mode);
-    return 0;
-}
-
-/* From where the event began to its right side, by steps of length g or as short as a transient needs.
- * *found: 0: digits do not suffice for these. */
-static int resolve_with_transient(ns_sparse *m, const ns_dense_step *step, double t, double g, int *found) {
-    ns_jump_kind jump;
-    *found = 1;
-    const int status = resolve_with(m, step, t, g, &jump);
-    if (status == NS_OK && jump == NS_NO_JUMP && hides(m, t, g))
-        jump = NS_LASTS;
-    if (status == NS_OK && jump == NS_LASTS)
-        *found = resolve_transient(m, step, t, g);
-    return status;
 }
 
 /* The length of the Euler steps that resolve an event: negligible beside steps, and beside the time to the
@@ -240,24 +205,15 @@ static double negligible(const ns_sparse *m, const ns_dense_step *step, double t
 int ns_sparse_event_resolve(ns_sparse *m, const ns_dense_step *step, double t) {
     const int failures = step ? step->failures : 0;
     double g = negligible(m, step, t);
-    int found = 1;
+    ns_jump_kind jump;
     m->counts.problems++;
     if (failures == 1 || failures == 2)
         begin_with_longer_step(m, t, ldexp(g, 5 * failures), m->work.move);
     ns_sparse_event_save(m);
     m->is_near = failures == 1 || failures == 2;
-    m->hidden = 0;
-    m->seeks_hidden = m->f->gx.start[m->f->nc] > 0;
-    int status = resolve_with_transient(m, step, t, g, &found);
-    m->seeks_hidden = 0;
-    const int contradicts = status == NS_E_LIMIT && m->contradicting_pair >= 0;
-    if ((m->hidden && !found) || (step && contradicts && m->o.finer > m->usual_finer)) {
-        /* what a control does in so short a time contradicts itself: it jumps */
-        ns_sparse_event_restore(m);
-        m->o.finer = step ? m->usual_finer : m->o.finer;
-        m->contradicting_pair = -1;
-        status = resolve_with_transient(m, step, t, negligible(m, step, t), &found);
-    }
+    int status = resolve_with(m, step, t, g, &jump);
+    if (status == NS_OK && jump == NS_LASTS)
+        resolve_transient(m, step, t, g);
     m->is_near = 0;
     m->counts.events++;
     return status;

@@ -206,10 +206,8 @@ static int refuse_jump(ns_sparse *m, double t, double g, ns_jump_kind *jump) {
     const int status = ns_sparse_instant_misfit(m, t, g, &pair, &broken);
     if (status != NS_OK || pair < 0)
         return status;
-    if (g <= ns_sparse_finest(m) && (m->f->gx.start[m->f->nc] == 0 || m->o.finer >= NS_MOST_FINER))
-        return NS_E_LIMIT;
     if (g <= ns_sparse_finest(m))
-        ns_sparse_be_finest(m, t);
+        return NS_E_LIMIT;
     memcpy(m->w, m->work.before_w, sizeof *m->w * (size_t)m->f->n);
     *jump = NS_LASTS;
     return NS_OK;

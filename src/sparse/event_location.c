@@ -26,8 +26,6 @@ static const double beside = 1e4;
 /* A transient that dies far within the step has coefficients 1, -1, 1, ...; (E1) turns it into values down
  * to -2.69, the least sum of eight or nine of Laguerre's polynomials. */
 static const double unresolved = 2.7;
-/* A control that misses more than this fraction of its terms is not known well enough near its threshold. */
-static const double doubtful = 1e-3;
 /* At the start of a step the error of a guard may be this multiple of the estimate. */
 static const double rise_cut = 4;
 
@@ -263,26 +261,6 @@ int ns_sparse_location_is_same(const ns_sparse *m, const ns_dense_step *step, in
         return 0;
     *apart = follows ? at_end * ns_events_beyond_delay : 0;
     return 1;
-}
-
-/* 1 if what stages are missing to control c may take it to its threshold in the whole step, or back from it.
- */
-static int is_in_doubt(const ns_sparse *m, const ns_dense_step *step, int c) {
-    double G[NS_STAGES] = {0};
-    ns_curve curve;
-    find_coefficients(m, step, NS_ORDER, -1, 0, c, G);
-    const double cut = cut_off(G, NS_ORDER);
-    if (!(cut > doubtful * ns_sparse_guard_control_terms(m, c, step->images, step->z)))
-        return 0;
-    ns_modes_curve_of(NS_ORDER, G, NS_POLE, &curve);
-    return !ns_modes_curve_holds(&curve, -cut);
-}
-
-int ns_sparse_location_is_in_doubt(const ns_sparse *m, const ns_dense_step *step) {
-    int any = 0;
-    for (int c = 0; c < m->s->nc && step->stages == NS_ORDER && !any; c++)
-        any = of_state(m, c) && is_in_doubt(m, step, c);
-    return any;
 }
 
 int ns_sparse_location_first(ns_sparse *m, ns_dense_step *step) {

@@ -276,13 +276,6 @@ int ns_sparse_guard_contradicts(const ns_sparse *m, int c, const double *v) {
     return contradicts(m, c, v, 0);
 }
 
-int ns_sparse_guard_any_contradicts(const ns_sparse *m, const double *v) {
-    int any = 0;
-    for (int c = 0; c < m->s->nc && !any; c++)
-        any = contradicts(m, c, v, 0);
-    return any;
-}
-
 int ns_sparse_guard_commands(ns_sparse *m, const double *v, const ns_dense_step *step,
                              unsigned char *changed) {
     const double others = changed && !step ? rounding_at_start(m, v) : 0;

@@ -31,7 +31,6 @@ int ns_sparse_guard_commands(ns_sparse *m, const double *v, const ns_dense_step 
                              unsigned char *changed);
 /* 1 if v contradicts command c by the state. */
 int ns_sparse_guard_contradicts(const ns_sparse *m, int c, const double *v);
-int ns_sparse_guard_any_contradicts(const ns_sparse *m, const double *v); /* any of them */
 /* The largest y of pairs at a bound, and lambda of pairs inside, of a change v of (x, lambda). work.no_inputs
  * is zero. */
 void ns_sparse_guard_largest(const ns_sparse *m, const double *v, double *y, double *lambda);

@@ -208,24 +208,15 @@ int ns_sparse_project_breaks(ns_sparse *m, double t, double g, const double *w) 
            ns_sparse_guard_broken(m, m->work.projected, w, g, 1) > 0;
 }
 
-/* 1 if a command by the state does not hold there. */
-static int meets_threshold(ns_sparse *m, double t, double g) {
-    const int meets = m->seeks_hidden &&
-                      ns_sparse_step_euler(m, t, g, m->w, 1, m->work.projected, NULL) == NS_OK &&
-                      ns_sparse_guard_any_contradicts(m, m->work.projected);
-    m->hidden |= meets;
-    return meets;
-}
-
 /* 1 if the mode does not hold where what jumps in no time has jumped, and what steps of the length g take to
  * its end has not: a switch without resistance makes a node jump that an R brings back, and diodes follow the
  * jump.  From there the shortest steps are as short as they get. */
 static int breaks_on_the_way(ns_sparse *m, double t, double g) {
-    const double finest = ns_sparse_finest_of_all(m);
+    const double finest = ldexp(m->o.h, -NS_FINEST - NS_MOST_FINER);
     left what;
     if (!(finest < g) || remove_powers(m, t, finest, NULL, m->work.finer_removed, &what) != NS_OK)
         return 0;
-    if (!meets_threshold(m, t, finest) && !ns_sparse_project_breaks(m, t, finest, m->w))
+    if (!ns_sparse_project_breaks(m, t, finest, m->w))
         return 0;
     ns_sparse_be_finest(m, t);
     return 1;

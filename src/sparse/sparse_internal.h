@@ -181,8 +181,6 @@ typedef struct ns_sparse {
     double *apart;           /* nc: so far from its threshold one changed with the event */
     ns_mode *commanded_mode; /* m: after what the event itself changes, and nothing that follows from it */
     int is_near;             /* guards that are broken by what events are located to hold */
-    int hidden;              /* 1: a jump, or a mode found, hides what a control by the state may meet */
-    int seeks_hidden;        /* 1: such is looked for */
     double longest_g;        /* s: the first steps that were to resolve it; 0: no shorter ones are tried */
     double inputs_from;      /* s: an input was replaced then; -INFINITY: none was */
     int steep_steps;         /* so many in a row were shorter than h 2^-NS_LEAST_EXPONENT */
@@ -344,9 +342,6 @@ int ns_sparse_project_is_rounding(const ns_sparse *m, double g, const double *v,
 static inline double ns_sparse_finest(const ns_sparse *m) {
     return ldexp(m->o.h, -NS_FINEST - m->o.finer);
 }
-static inline double ns_sparse_finest_of_all(const ns_sparse *m) {
-    return ldexp(m->o.h, -NS_FINEST - NS_MOST_FINER);
-}
 /* 1 if the mode does not hold at the end of an Euler step of length g from w (n) at t. */
 int ns_sparse_project_breaks(ns_sparse *m, double t, double g, const double *w);
 /* The shortest steps are as short as they get, at t and for the usual shortest one after it. */
@@ -375,8 +370,6 @@ int ns_sparse_chatter_euler(ns_sparse *m, const ns_dense_step *step, double t);
 
 /* event_location.c: the first guard that breaks in a step ends it. */
 int ns_sparse_location_first(ns_sparse *m, ns_dense_step *step);
-/* 1 if the step is too long to tell whether a control by the state meets its threshold in it. */
-int ns_sparse_location_is_in_doubt(const ns_sparse *m, const ns_dense_step *step);
 /* 1 if, at the end of a step, command c has fallen to its threshold as well, but for what the instant may be
  * off by; *apart: how far it is from it. */
 int ns_sparse_location_meets(const ns_sparse *m, const ns_dense_step *step, int c, double *apart);

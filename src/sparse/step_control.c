@@ -273,10 +273,7 @@ static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
             return status;
         double ratio = 1, jump = 0, time = 0, whole = error_of(m, step, &ratio, &jump, &time);
         const double fraction = part_of(step, room);
-        if (step->stages == NS_ORDER &&
-            (jump > 1 || (whole * fraction > 1 && ratio > decays) ||
-             (step->length_exponent > NS_LEAST_EXPONENT &&
-              count_doublings(whole * fraction, ratio, 1) == 0)) &&
+        if (step->stages == NS_ORDER && (jump > 1 || (whole * fraction > 1 && ratio > decays)) &&
             ns_sparse_step_digits_lost(m, step)) {
             status = refine_stages(m, step, fraction);
             if (status != NS_OK)
@@ -308,12 +305,6 @@ static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
             status = remove_jump(m, step, ns_sparse_finest(m));
             if (status != NS_OK || step->pair >= 0)
                 return status;
-            continue;
-        }
-        if (error <= 1 && step->length_exponent < shortest && tries < shortest &&
-            ns_sparse_location_is_in_doubt(m, step)) {
-            m->counts.trials++;
-            step->length_exponent++;
             continue;
         }
         if (error <= 1 || step->length_exponent >= shortest || tries >= shortest) {
