@@ -68,6 +68,12 @@ static int ends_at_start(ns_run *r, const again *a) {
            ns_engine_read(r->at_work, &t, NULL, NULL, NULL) == NS_OK && t == a->t;
 }
 
+static void note_failure(ns_run *r, int status) {
+    const ns_fault *f = ns_engine_fault(r->at_work);
+    if (status != NS_OK && r->failed.status == NS_OK && f->npairs > 0)
+        r->failed = *f;
+}
+
 /* The trial by the engine at work, judged whole. */
 static int try_judged(ns_run *r, const again *a, double *reached) {
     ns_run_check *k = &r->check;
@@ -79,6 +85,7 @@ static int try_judged(ns_run *r, const again *a, double *reached) {
     k->again_to = a->asked;
     const int status = r->at_work->table->try_to(r->at_work, a->asked, a->until, reached);
     const int right = status == NS_OK && ns_march_check_end(r, a->asked, a->until, *reached);
+    note_failure(r, status);
     k->credit = 0;
     k->again_events = 0;
     return right;
@@ -89,6 +96,7 @@ static int start_judged(ns_run *r, const again *a, double *reached) {
         ns_march_dense_let_hand_over(r->at_work, NS_HANDS_OVER_NEVER);
     const int status = r->at_work->table->start(r->at_work, a->t, a->w, a->closed);
     r->at_work->most_work = 0; /* that was for the start */
+    note_failure(r, status);
     r->was_cut_off |= status != NS_OK && r->kind == NS_RUN_DENSE && ns_march_dense_was_cut_off(r->at_work);
     if (status != NS_OK || !start_is_right(r, a))
         return 0;
@@ -99,6 +107,11 @@ static int start_judged(ns_run *r, const again *a, double *reached) {
     if (r->is_dense)
         ns_march_dense_carry_start(r->at_work);
     return try_judged(r, a, reached);
+}
+
+/* What is found where steps of the scheme are not believed tells neither when nor why no engine gets on. */
+static int is_rough(const ns_verify_finding *f) {
+    return isinf(f->error);
 }
 
 int ns_march_run_is_rough(ns_run *r, double t, ns_until until, double reached) {
@@ -207,6 +220,7 @@ int ns_march_run_again(ns_run *r, double t, ns_until until, double *reached) {
     int status = begin_again(r, &a), right = 0, chatters = 0;
     k->retries++;
     k->found = 0;
+    r->failed.status = NS_OK;
     if (status == NS_OK) {
         right = go_excused(r, &a, reached) || go_finer(r, &a, reached) ||
                 go_by_others(r, &a, ns_march_run_work(r).all, reached);
@@ -225,5 +239,6 @@ int ns_march_run_again(ns_run *r, double t, ns_until until, double *reached) {
     k->found = 0;
     if (right || status != NS_OK)
         return right ? NS_OK : status;
-    return ns_march_run_refuse(r, chatters ? &last : &first);
+    return is_rough(&first) && r->failed.status != NS_OK ? ns_march_run_refuse_failed(r)
+                                                         : ns_march_run_refuse(r, chatters ? &last : &first);
 }

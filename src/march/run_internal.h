@@ -49,6 +49,7 @@ typedef struct ns_run {
     ns_counts before, sum; /* of the engines that were at work before; of all */
     ns_fault fault;        /* of dense engines that could not be made; of what no engine does right: */
     int refused;           /* 1: the last call failed with that */
+    ns_fault failed; /* of the first engine that failed in a retry, and named pairs; status NS_OK: none did */
     ns_run_check check;
 } ns_run;
 
@@ -189,5 +190,6 @@ int ns_march_run_goes_excused(ns_run *r, int (*again)(ns_run *r, const void *dat
  * is refused: RESIDUAL. */
 int ns_march_run_allows(ns_run *r, const ns_verify_finding *f);
 int ns_march_run_refuse(ns_run *r, const ns_verify_finding *f);
+int ns_march_run_refuse_failed(ns_run *r); /* by r->failed; its status */
 
 #endif

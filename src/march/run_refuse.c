@@ -114,3 +114,9 @@ int ns_march_run_refuse(ns_run *r, const ns_verify_finding *f) {
     r->refused = 1;
     return NS_E_RESIDUAL;
 }
+
+int ns_march_run_refuse_failed(ns_run *r) {
+    r->fault = r->failed;
+    r->refused = 1;
+    return (int)r->fault.status;
+}
