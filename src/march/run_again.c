@@ -69,8 +69,10 @@ static int ends_at_start(ns_run *r, const again *a) {
 }
 
 static void note_failure(ns_run *r, int status) {
+    if (status == NS_OK || r->failed.status != NS_OK)
+        return;
     const ns_fault *f = ns_engine_fault(r->at_work);
-    if (status != NS_OK && r->failed.status == NS_OK && f->npairs > 0)
+    if (f->npairs > 0)
         r->failed = *f;
 }
 
