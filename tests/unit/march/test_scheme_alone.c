@@ -25,7 +25,14 @@ static const ns_counts *count_nothing(ns_engine *e) {
     return &none;
 }
 
-static const ns_engine_table idle = {.free = free_idle, .start = start_nothing, .counts = count_nothing};
+static const ns_fault *fault_of_nothing(const ns_engine *e) {
+    static const ns_fault none;
+    (void)e;
+    return &none;
+}
+
+static const ns_engine_table idle = {
+    .free = free_idle, .start = start_nothing, .counts = count_nothing, .fault = fault_of_nothing};
 
 /* 1 V through 1 ohm into 1 F, at rest, from 1 s to 2 s: the sparse engine was wrong, the dense ones do not
  * start.  Returns the voltage then. */
