@@ -2,6 +2,7 @@
 #include "mode_selection.h"
 
 #include "events/ties.h"
+#include "linalg/simd.h"
 #include "modes/multiple.h"
 
 #include <math.h>
@@ -56,12 +57,11 @@ static double change_before(ns_exact *f, const ns_exact_mode *mode, int g, doubl
     return time / before->kernel->h * fabs(ns_exact_guard_of(k, k->value, g, by));
 }
 
-/* The time (s) by which the instant of the event may be off for guard g.  A rate that the mode before did not
- * have, and that is gone within that time, begins with the event, whenever that is. */
-static double time_error(ns_exact *f, const ns_exact_mode *mode, int g, const double *X, double rate) {
-    const ns_mode_kernel *k = mode->scale[0].kernel;
-    const double lasts = ns_exact_guard_lasts(f, k, g, X, rate), of_time = ns_exact_rounding_of_time(f);
-    const double error = fmax(ns_exact_time_error_of(f, k, g) - of_time, 0) + fmin(of_time, lasts);
+/* The time (s), of `error` at most, by which the instant of the event may be off for a guard that has this
+ * rate. One that the mode before did not have, and that is gone within that time, begins with the event,
+ * whenever that is. */
+static double known_to(ns_exact *f, const ns_exact_mode *mode, int g, double rate, double lasts,
+                       double error) {
     if (error <= lasts || !f->state.mode)
         return error;
     return fmin(error, fmax(lasts, change_before(f, mode, g, error) / fabs(rate)));
@@ -72,10 +72,15 @@ ns_guard_sign ns_exact_guard_sign(ns_exact *f, ns_exact_mode *mode, int g, const
     if (k->always_zero[g])
         return NS_SIGN_HOLDS;
     ns_guard of = {ns_exact_guard_of(k, k->value, g, X), ns_exact_guard_of(k, k->rate, g, X), 0, 0};
-    const double of_time = ns_exact_guard_time_rounding(f, k, g, X, of.rate),
-                 error = time_error(f, mode, g, X, of.rate);
+    const double rounding = ns_exact_rounding_of_time(f), lasts = ns_exact_guard_lasts(f, k, g, X, of.rate);
+    const double of_time = ns_lower(rounding, lasts);
+    double error = fmax(ns_exact_time_error_of(f, k, g) - rounding, 0) + of_time;
     of.rounding = ns_exact_guard_rounding_at(f, k, g, X, 0) + of_time * fabs(of.rate);
     ns_guard_sign sign = ns_events_value_sign(&of, error);
+    if (sign == NS_UNDECIDED) {
+        error = known_to(f, mode, g, of.rate, lasts, error);
+        sign = ns_events_value_sign(&of, error);
+    }
     if (sign == NS_UNDECIDED) {
         of.second_rate = ns_exact_guard_of(k, k->second_rate, g, X);
         sign = ns_events_rate_sign(&of, error, k->g);
