@@ -244,8 +244,8 @@ static int read_shunts(ns_extract_walk *w) {
     return status ? refuse_status(w, "rshunt", status) : OK;
 }
 
-/* reltol of .options, where the model has none and it asks for less than the default: netlists that say 1e-4 to
- * make ngspice more accurate, or 3e-3 to make it faster, do not mean what steps of 1e-9 are to become. */
+/* reltol of .options, where the model has none and it asks for less than the default: netlists say
+ * 1e-4 to make ngspice more accurate, or 3e-3 to make it faster; neither is meant to loosen 1e-9. */
 static void choose_reltol(ns_extract_walk *w) {
     static const double by_default = 1e-9;
     const double global = w->ckt->CKTreltol;

@@ -370,7 +370,6 @@ int ns_bridge_own_note_curve(const CKTcircuit *ckt, const ns_analysis *a) {
             worst = o;
         }
     }
-    /* its line; charge that flows back; charge of gates; rings; supplies: one of each */
     const int by_law = worst || note_missed(ckt, a) || ns_bridge_own_note_guess(a, NULL);
     const int by_stored = ns_bridge_own_note_stored(a);
     const int by_gate = ns_bridge_own_note_overlap(a) || note_charge(a);

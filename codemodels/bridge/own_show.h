@@ -15,9 +15,10 @@ void ns_bridge_own_show_states(const ns_analysis *a, CKTcircuit *ckt);
  * from `since` on, s: before, they are far apart. */
 void ns_bridge_own_count_point(const CKTcircuit *ckt, ns_analysis *a, double since, double t);
 
-/* At the end of .tran, one line about the D, if any, whose own voltage at the current that it carried is far
- * from the one it was taken for, beside the voltages it blocks, or whose current is far from one that was
- * guessed.  1 if it was written. */
+/* At the end of .tran, at most one line of each kind, about the device for which it matters most: of a D or M
+ * whose own voltage at the current that it carried is far from the one it was taken for, beside the voltages
+ * it blocks, or whose current is far from one that was guessed; of charge that flows back; of the charge of
+ * gates; of rings; of supplies.  1 if any was written. */
 int ns_bridge_own_note_curve(const CKTcircuit *ckt, const ns_analysis *a);
 
 /* In .op and .dc: the currents of the point read last into `most` (one of each own device), where they are

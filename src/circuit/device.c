@@ -9,12 +9,10 @@
 /* The unknown that is the voltage of e->node[end]; -1: ground. */
 static int unknown_at(const ns_circuit *c, const element *e, int end) {
     const int number = e->node[end], place = e->place[end];
-    if (number <= 0) {
+    if (number <= 0)
         return -1;
-    }
-    if (place < c->nnodes && c->node[place].number == number) { /* else nodes were added since */
+    if (place < c->nnodes && c->node[place].number == number) /* else nodes were added since */
         return c->node[place].used ? c->node[place].unknown : -1;
-    }
     return ns_circuit_node_unknown(c, number);
 }
 

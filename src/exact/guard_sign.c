@@ -57,9 +57,9 @@ static double change_before(ns_exact *f, const ns_exact_mode *mode, int g, doubl
     return time / before->kernel->h * fabs(ns_exact_guard_of(k, k->value, g, by));
 }
 
-/* The time (s), of `error` at most, by which the instant of the event may be off for a guard that has this
- * rate. One that the mode before did not have, and that is gone within that time, begins with the event,
- * whenever that is. */
+/* The time (s), of `error` at most, by which the instant of the event may be off for a guard of this rate.  A
+ * rate that the mode before did not have, and that is gone within that time, begins with the event, whenever
+ * that is: the guard is off by what the mode before changes it by. */
 static double known_to(ns_exact *f, const ns_exact_mode *mode, int g, double rate, double lasts,
                        double error) {
     if (error <= lasts || !f->state.mode)

@@ -111,8 +111,8 @@ static int start_judged(ns_run *r, const again *a, double *reached) {
     return try_judged(r, a, reached);
 }
 
-/* What is found where steps of the scheme are not believed tells neither when nor why no engine gets on. */
-static int is_rough(const ns_verify_finding *f) {
+/* 1: found by ns_march_run_is_rough(): its time is the end of the trial, its cause is not known. */
+static int is_of_rough_steps(const ns_verify_finding *f) {
     return isinf(f->error);
 }
 
@@ -241,6 +241,7 @@ int ns_march_run_again(ns_run *r, double t, ns_until until, double *reached) {
     k->found = 0;
     if (right || status != NS_OK)
         return right ? NS_OK : status;
-    return is_rough(&first) && r->failed.status != NS_OK ? ns_march_run_refuse_failed(r)
-                                                         : ns_march_run_refuse(r, chatters ? &last : &first);
+    return is_of_rough_steps(&first) && r->failed.status != NS_OK
+               ? ns_march_run_refuse_failed(r)
+               : ns_march_run_refuse(r, chatters ? &last : &first);
 }

@@ -46,11 +46,11 @@ static void thin(ns_waveform *w, ns_segment *g) {
  * where one line is all of the stretch. */
 static int take_amid(ns_waveform *w, ns_segment *g, double t) {
     static const double as_far = 0.02;
-    const int takes = w->amid.v && g->last == 0 && fabs(t - w->amid.t) <= as_far * (w->amid.t - g->at[0].t);
-    if (takes)
-        g->at[++g->last] = w->amid;
-    w->amid.v = takes ? NULL : w->amid.v;
-    return takes;
+    if (!w->amid.v || g->last > 0 || !(fabs(t - w->amid.t) <= as_far * (w->amid.t - g->at[0].t)))
+        return 0;
+    g->at[++g->last] = w->amid;
+    w->amid.v = NULL;
+    return 1;
 }
 
 static int add_end(ns_waveform *w, ns_segment *g, double t) {
