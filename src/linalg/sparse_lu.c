@@ -1,7 +1,7 @@
 /* src/linalg/sparse_lu.c - factors of sparse matrices by KLU.
  *
  * Factors with the pivots of another matrix are several times faster to get.  They are as good as fresh ones
- * unless entries grow: then, or where a pivot vanishes, pivots are chosen anew.
+ * unless entries grow or solutions are off: then, or where a pivot vanishes, pivots are chosen anew.
  *
  * Where a matrix is given that pivots may be chosen by for all of them (partial_refactor.h), these are tried
  * first.
@@ -24,7 +24,7 @@
 
 struct ns_klu {
     int n, *start, *row, often_zero;
-    double *x; /* n: work */
+    double *x; /* 3n: work */
     klu_common common;
     klu_symbolic *symbolic;
     int fills; /* factors of the shared pattern do */
@@ -38,7 +38,8 @@ struct ns_factors {
     ns_pattern *own; /* its own pattern, taken from the shared one; NULL: that */
     double *value;   /* what is at the places of its own */
     klu_numeric *numeric;
-    double growth;                /* reciprocal, with these pivots when they were chosen */
+    double growth;                /* reciprocal, with these pivots when they were chosen; */
+    double error;                 /* of a solution then */
     int steady;                   /* packed is by the pivots for all, and there may be no numeric */
     int solved;                   /* how often */
     int all;                      /* no unknown is left out, */
@@ -56,9 +57,10 @@ static const double fill_share = 1.2;
  * while where factors have no more than so many times the entries. */
 enum { FAILURES_AT_FIRST = 8, FAILURES_PART = 8, STEADY_FILL = 4 };
 
-/* Old pivots are dropped where entries grow this much more than when they were chosen; below rcond_min the
- * matrix is as good as singular. */
-static const double growth_share = 1e-3, rcond_min = 1e-300;
+/* Old pivots are dropped where entries grow this much more than when they were chosen, or where a row of a
+ * solution is off by so much of its terms, and by so many times as much as then; below rcond_min the matrix
+ * is as good as singular. */
+static const double growth_share = 1e-3, least_error = 1e-8, error_growth = 16, rcond_min = 1e-300;
 
 static int status_of(const klu_common *c) {
     if (c->status == KLU_OK)
@@ -75,7 +77,7 @@ int ns_linalg_klu_create(int n, int *start, int *row, ns_klu **out) {
     k->start = start;
     k->row = row;
     k->often_zero = n;
-    k->x = calloc((size_t)n + 1, sizeof(double));
+    k->x = calloc(3 * (size_t)n + 1, sizeof(double));
     if (!k->x) {
         ns_linalg_klu_free(k);
         return NS_E_MEMORY;
@@ -185,6 +187,11 @@ static int count_nonzero(const ns_klu *k, const double *value) {
     return count;
 }
 
+static double pivots_error(ns_klu *k, const klu_matrix *a, const ns_factors *f) {
+    return ns_linalg_pivots_error(k->n, a->start, a->row, a->value, a->symbolic, f->numeric, &k->common,
+                                  k->x);
+}
+
 /* 1 if the pivots of f serve this matrix too. */
 static int factor_again(ns_klu *k, double *value, ns_factors *f) {
     klu_common *c = &k->common;
@@ -196,7 +203,8 @@ static int factor_again(ns_klu *k, double *value, ns_factors *f) {
     if (!klu_rgrowth(a.start, a.row, a.value, a.symbolic, f->numeric, c))
         return 0;
     k->again++;
-    return c->rgrowth >= growth_share * f->growth;
+    return c->rgrowth >= growth_share * f->growth &&
+           pivots_error(k, &a, f) <= fmax(least_error, error_growth * f->error);
 }
 
 static int factor_fresh(ns_klu *k, double *value, ns_factors *f) {
@@ -213,6 +221,7 @@ static int factor_fresh(ns_klu *k, double *value, ns_factors *f) {
         return c->status == KLU_OK ? NS_E_SINGULAR : status_of(c);
     (void)klu_rgrowth(a.start, a.row, a.value, a.symbolic, f->numeric, c);
     f->growth = c->rgrowth;
+    f->error = pivots_error(k, &a, f);
     k->fills = k->fills || f->numeric->lnz + f->numeric->unz + f->numeric->nzoff - 2 * k->n >
                                fill_share * count_nonzero(k, value);
     return NS_OK;

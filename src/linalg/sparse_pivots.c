@@ -1,4 +1,5 @@
-/* src/linalg/sparse_pivots.c - whether pivots of KLU's factors are but rounding.
+/* src/linalg/sparse_pivots.c - whether pivots of KLU's factors are but rounding, or too small beside their
+ * column.
  *
  * Pivot j is a_jj less the sum over k < j of l_jk u_kj.  It says nothing where it is some eps of the sum of
  * the sizes of these terms, which scales with it as rows and columns are scaled.  Only where a pivot is far
@@ -8,10 +9,38 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* What of its column makes a pivot suspect; what of its terms is rounding; what of its column is the product
  * of two such, which their own size does not tell. */
 static const double suspect = 1e-10, rounding = 1e-13, nothing = 1e-28;
+
+double ns_linalg_pivots_error(int n, const int *start, const int *row, const double *value,
+                              klu_symbolic *symbolic, klu_numeric *numeric, klu_common *common,
+                              double *work) {
+    double *x = work, *rest = x + n, *terms = rest + n, worst = 0;
+    unsigned long long random = 88172645463325252U;
+    memset(terms, 0, sizeof *terms * (size_t)n);
+    for (int k = 0; k < start[n]; k++)
+        terms[row[k]] += fabs(value[k]);
+    for (int i = 0; i < n; i++) {
+        random ^= random << 13;
+        random ^= random >> 7;
+        random ^= random << 17;
+        x[i] = rest[i] = random & 1024 ? terms[i] : -terms[i];
+    }
+    int known = klu_solve(symbolic, numeric, n, 1, x, common);
+    for (int j = 0; j < n; j++)
+        for (int k = start[j]; k < start[j + 1]; k++) {
+            rest[row[k]] -= value[k] * x[j];
+            terms[row[k]] += fabs(value[k] * x[j]);
+        }
+    for (int i = 0; i < n; i++) {
+        worst = fmax(worst, terms[i] > 0 ? fabs(rest[i]) / terms[i] : 0);
+        known &= isfinite(x[i]) != 0;
+    }
+    return known ? worst : INFINITY;
+}
 
 /* The smallest pivot, of the entries of its column. */
 static double smallest(int n, const int *start, const int *row, const double *value, const klu_symbolic *s,

@@ -144,6 +144,54 @@ static double rest_of_full(int n, const double *a, const double *b, const double
     return worst;
 }
 
+/* The largest error of a row in the solution, relative to the terms that the row is summed from. */
+static double off_by(int n, const double *a, const double *b, const double *x) {
+    double worst = 0;
+    for (int i = 0; i < n; i++) {
+        double sum = -b[i], terms = fabs(b[i]);
+        for (int j = 0; j < n; j++) {
+            sum += a[i + j * n] * x[j];
+            terms += fabs(a[i + j * n] * x[j]);
+        }
+        worst = fmax(worst, fabs(sum) / terms);
+    }
+    return worst;
+}
+
+/* d on the diagonal, 1 below it and in the last column: with the diagonal as pivots the last column grows 1/d
+ * times a row. */
+static void growing(int n, double d, double *a) {
+    for (int j = 0; j < n; j++)
+        for (int i = 0; i < n; i++)
+            a[i + j * n] = j == n - 1 || i > j ? 1 : i == j ? d : 0;
+}
+
+/* With d = 1.5e-3 the diagonal has what KLU takes for pivots, a thousandth of their columns.  With d = 2.7e-4
+ * entries grow a thousand times more, which was allowed, and a row of the solution was off by 2e-3 of its
+ * terms (measured): pivots are chosen anew. */
+static void test_pivots_of_others(void **state) {
+    enum { N = 5 };
+    int start[N + 1], row[N * N];
+    double a[N * N], b[N] = {1, -1, 1, -1, 1}, x[N] = {1, -1, 1, -1, 1};
+    ns_klu *k;
+    ns_factors *f = NULL;
+    (void)state;
+    for (int j = 0; j <= N; j++)
+        start[j] = j * N;
+    for (int p = 0; p < N * N; p++)
+        row[p] = p % N;
+    assert_int_equal(ns_linalg_klu_create(N, start, row, &k), NS_OK);
+    growing(N, 1.5e-3, a);
+    assert_int_equal(ns_linalg_klu_factor(k, a, &f), NS_OK);
+    growing(N, 2.7e-4, a);
+    assert_int_equal(ns_linalg_klu_factor(k, a, &f), NS_OK);
+    ns_linalg_klu_solve(k, f, x);
+    assert_int_equal(ns_linalg_klu_fresh(k), 2);
+    assert_true(off_by(N, a, b, x) < 1e-12);
+    ns_linalg_factors_free(k, f);
+    ns_linalg_klu_free(k);
+}
+
 /* All places, few of them used: factors of the shared pattern fill up, which the first one shows.  After it
  * each matrix has its own pattern: the second is fresh, one of the same places or fewer is not, one of others
  * is, and one without a column is told to be singular. */
@@ -292,10 +340,15 @@ static void test_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_entries),      cmocka_unit_test(test_dense),
-        cmocka_unit_test(test_factors),      cmocka_unit_test(test_pivots_anew),
-        cmocka_unit_test(test_own_patterns), cmocka_unit_test(test_often),
-        cmocka_unit_test(test_structure),    cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_entries),
+        cmocka_unit_test(test_dense),
+        cmocka_unit_test(test_factors),
+        cmocka_unit_test(test_pivots_anew),
+        cmocka_unit_test(test_pivots_of_others),
+        cmocka_unit_test(test_own_patterns),
+        cmocka_unit_test(test_often),
+        cmocka_unit_test(test_structure),
+        cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
