@@ -6,7 +6,8 @@
 #include "linalg/sparse.h"
 #include "system/each_entry.h"
 
-/* What a pair's law has beside its branch: D_jj; entries of other pairs, inputs or constants; a command. */
+/* What a pair's law has beside its branch: D_jj; entries of other pairs, inputs or constants that force it; a
+ * command. */
 enum { RESISTANCE = 1, JOINED = 2, COMMANDED = 4 };
 
 static void see_law(void *context, int pair, int other, double value) {
@@ -22,13 +23,25 @@ static void see_input(void *context, int pair, int input, double value) {
     ((unsigned char *)context)[pair] |= JOINED;
 }
 
+/* Which bound of pair j is zero: there lambda is, while y = 0 by the switch. */
+static ns_mode idle_of(const ns_system *s, int j) {
+    return s->l[j] == 0 ? NS_LOWER : NS_UPPER;
+}
+
+/* 1 if a constant keeps the law of pair j from holding idle at a branch of 0 V: a forward drop does not. */
+static int is_forced(const ns_system *s, int j) {
+    return idle_of(s, j) == NS_LOWER ? s->e[j] < 0 : s->e[j] > 0;
+}
+
 static void see_laws(unsigned char *has, const ns_system *s) {
     ns_system_each_entry(s->D, NS_CSC_OF(s, D), s->m, s->m, see_law, has);
     ns_system_each_entry(s->F, NS_CSC_OF(s, F), s->m, s->nz, see_input, has);
     for (int j = 0; j < s->m; j++)
-        has[j] |= s->e[j] != 0 ? JOINED : 0;
-    for (int c = 0; c < s->nc; c++)
-        has[s->command[c].pair] |= COMMANDED;
+        has[j] |= is_forced(s, j) ? JOINED : 0;
+    for (int c = 0; c < s->nc; c++) {
+        const int j = s->command[c].pair;
+        has[j] |= s->e[j] != 0 ? COMMANDED | JOINED : COMMANDED;
+    }
 }
 
 /* Whether column i of a is column j, or that with its sign turned, and not empty. */
@@ -72,7 +85,7 @@ static int find(const ns_system *s, const unsigned char *has, const ns_csc *volt
             const int of = s->command[c].pair;
             if (has[of] != COMMANDED || !is_across(s, voltage, j, of))
                 continue;
-            list[count++] = (ns_shared_branch){j, of, s->l[j] == 0 ? NS_LOWER : NS_UPPER};
+            list[count++] = (ns_shared_branch){j, of, idle_of(s, j)};
             break;
         }
     }

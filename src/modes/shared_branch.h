@@ -5,8 +5,9 @@
 
 #include "nonsmooth/system.h"
 
-/* A pair whose y is that of a commanded pair but for its sign, and whose lambda acts where that one's does:
- * with y = 0 by the switch it has y = 0 too, and lambda = 0 is as right as any share of the current. */
+/* A pair whose y is that of a commanded pair but for its sign and a forward drop, and whose lambda acts where
+ * that one's does: with y = 0 by the switch it has y = 0 too, and lambda = 0 is as right as any share of the
+ * current; with a drop it has y > 0, and lambda = 0 is the only one. */
 typedef struct ns_shared_branch {
     int pair, of; /* of: the commanded pair */
     ns_mode idle; /* the bound that is zero */

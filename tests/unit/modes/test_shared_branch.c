@@ -18,11 +18,11 @@
 /* 10 V, 1 kohm, 100 uH, and from there to ground a switch without resistance, with a diode across it each
  * way of drawing it: pair 0 the switch, pair 1 the diode.  The gate closes the switch from 2 us to 6 us of 10
  * us. */
-static ns_circuit *half_bridge(int diode_up, double roff) {
+static ns_circuit *half_bridge(int diode_up, double vf, double roff) {
     ns_circuit *c;
     ns_signal ten = {.kind = NS_DC}, gate = {.kind = NS_PULSE};
     const ns_switch contact = {0.5, 0, 0, roff};
-    const ns_diode ideal = {0, 0, roff, INFINITY, 0};
+    const ns_diode ideal = {vf, 0, roff, INFINITY, 0};
     ten.u.dc = 10;
     gate.u.pulse.v2 = 1;
     gate.u.pulse.td = 2e-6;
@@ -42,9 +42,10 @@ static ns_circuit *half_bridge(int diode_up, double roff) {
 
 /* After the switch is closed i = 10 mA - 5 mA exp(-(t - 2 us)/0.1 us); at 5 us that is 10 mA to 1e-12 mA: the
  * switch has all of it (up to what roff leaks), the diode none, to the bit.  The diode that would conduct
- * from node 3 down to ground has no say before either: it shorts the load, with 10 mA. */
-static void the_switch_has_it_all(ns_method method, int diode_up, double roff) {
-    ns_circuit *c = half_bridge(diode_up, roff);
+ * from node 3 down to ground has no say before either: it shorts the load, with 10 mA (less 10 pA where it
+ * drops 10 nV). */
+static void the_switch_has_it_all(ns_method method, int diode_up, double vf, double roff) {
+    ns_circuit *c = half_bridge(diode_up, vf, roff);
     const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-8, .method = method};
     ns_system *s;
     ns_march *m;
@@ -74,8 +75,9 @@ static void by_every_engine(void **state) {
     static const ns_method methods[] = {NS_THETA, NS_EXACT, NS_SPARSE};
     for (int k = 0; k < 3; k++)
         for (int up = 0; up < 2; up++) {
-            the_switch_has_it_all(methods[k], up, INFINITY);
-            the_switch_has_it_all(methods[k], up, 1e12);
+            the_switch_has_it_all(methods[k], up, 0, INFINITY);
+            the_switch_has_it_all(methods[k], up, 0, 1e12);
+            the_switch_has_it_all(methods[k], up, 1e-8, INFINITY);
         }
 }
 
@@ -146,7 +148,9 @@ static void what_makes_a_twin(void **state) {
         {&s->D[0 + 3], 1, 0},     /* nor one that both see */
         {&s->D[1], 1, 0},         {&s->D[0 + 6], 1, 0}, {&s->D[2], 1, 0},     {&s->D[1 + 6], 1, 0},
         {&s->D[2 + 3], 1, 0},     {&s->F[0], 1, 0},     {&s->F[1], 1, 0},     {&s->F[2], 1, 1},
-        {&s->e[0], 1, 0},         {&s->e[1], 1, 0},     {&s->e[2], 1, 1},     {&s->B[0], 1, 0},
+        {&s->e[0], -1, 0},        {&s->e[0], 1, 1}, /* a drop keeps it idle, a voltage that drives it does not
+                                                     */
+        {&s->e[1], 1, 0},         {&s->e[1], -1, 0},    {&s->e[2], 1, 1},     {&s->B[0], 1, 0},
         {&s->B[0], -2, 0},        {&s->B[2], 1, 0},     {&s->B[2 + 3], 1, 0}, {&s->C[0], 2, 0},
         {&s->C[0 + 3], -4, 0},    {&s->C[0 + 6], 1, 0}, {&s->C[1 + 6], 1, 0}, {&s->C[2], 1, 1},
         {&s->B[0], 0, 0},         {&s->C[0], 0, 0},
@@ -159,6 +163,10 @@ static void what_makes_a_twin(void **state) {
         *change[k].at = was;
     }
     s->l[0] = -INFINITY, s->u[0] = 0; /* the other way round */
+    assert_int_equal(found(s), 1);
+    s->e[0] = 1;
+    assert_int_equal(found(s), 0);
+    s->e[0] = -1;
     assert_int_equal(found(s), 1);
     s->command[0].pair = 2; /* of a pair elsewhere */
     assert_int_equal(found(s), 0);
