@@ -7,6 +7,10 @@
 #include <math.h>
 #include <string.h>
 
+/* A step may have a mode that its first guard ends at once, and currents there that no device carries: 1e18 A
+ * around a closed switch and a diode that drops 10 nV.  They count up to so many times the largest. */
+static const double most_growth = 1e3;
+
 void ns_sparse_largest_reset(ns_sparse *m) {
     double *const w = m->largest.w;
     memset(w, 0, sizeof(double) * (size_t)m->f->n);
@@ -67,9 +71,16 @@ double ns_sparse_largest_part(ns_sparse *m, const ns_dense_step *step, double ta
     return largest;
 }
 
-void ns_sparse_largest_accept(ns_sparse *m, int exponent) {
-    m->largest.lambda_of[exponent] = m->largest.lambda;
-    m->largest.y_of[exponent] = m->largest.y;
+/* What the largest may become by a step that lasts no time; if there was none, anything. */
+static double bounded(double now, const double *of, int exponent) {
+    const double before = largest_up_to(of, exponent);
+    return before > 0 ? ns_lower(now, most_growth * before) : now;
+}
+
+void ns_sparse_largest_accept(ns_sparse *m, int exponent, int lasts) {
+    ns_sparse_largest *l = &m->largest;
+    l->lambda_of[exponent] = lasts ? l->lambda : bounded(l->lambda, l->lambda_of, exponent);
+    l->y_of[exponent] = lasts ? l->y : bounded(l->y, l->y_of, exponent);
 }
 
 static void copy_largest(const ns_sparse *m, const ns_sparse_largest *from, ns_sparse_largest *to) {

@@ -13,7 +13,8 @@ void ns_sparse_largest_guards(ns_sparse *m, const double *v, int exponent);
 /* The same where a step ends after a part of its first Euler step, tau: what it is there by two stages.  A
  * steep edge of a source goes far beyond its end in that Euler step. */
 double ns_sparse_largest_part(ns_sparse *m, const ns_dense_step *step, double tau);
-void ns_sparse_largest_accept(ns_sparse *m, int exponent);
+/* lasts: the step takes time. */
+void ns_sparse_largest_accept(ns_sparse *m, int exponent, int lasts);
 void ns_sparse_largest_save(ns_sparse *m);
 void ns_sparse_largest_restore(ns_sparse *m);
 

@@ -339,12 +339,13 @@ int ns_sparse_control_step(ns_sparse *m, ns_dense_step *step, double t, double l
         return NS_OK;
     }
     m->steep_steps = step->length_exponent > ns_sparse_least_exponent(m) ? m->steep_steps + 1 : 0;
-    ns_sparse_largest_accept(m, step->length_exponent);
     const double h = length_of(m, step->length_exponent);
     step->length = fmin(h, room);
     step->end_t = h < room * (1 - 1e-9) ? t + (step->time_lost + h) : limit;
     if (step->end_t == limit)
         step->length = room;
     m->counts.steps++;
-    return ns_sparse_location_first(m, step);
+    status = ns_sparse_location_first(m, step);
+    ns_sparse_largest_accept(m, step->length_exponent, step->end_t > t);
+    return status;
 }

@@ -200,17 +200,24 @@ static void largest_values_by_length(void **state) {
     v[m->f->n] = -7;
     ns_sparse_largest_guards(m, v, 5);
     assert_true(m->largest.lambda == 7);
-    ns_sparse_largest_accept(m, 5);
+    ns_sparse_largest_accept(m, 5, 1);
     v[m->f->n] = 2;
     ns_sparse_largest_save(m);
     ns_sparse_largest_guards(m, v, 4); /* a longer step */
     assert_true(m->largest.lambda == 2);
-    ns_sparse_largest_accept(m, 4);
+    ns_sparse_largest_accept(m, 4, 1);
     ns_sparse_largest_guards(m, v, 5);
     assert_true(m->largest.lambda == 7);
     m->largest.w[0] = 3;
     ns_sparse_largest_restore(m);
     assert_true(m->largest.lambda == 7 && m->largest.lambda_of[4] == 0 && m->largest.w[0] == 0);
+    v[m->f->n] = 1e18;
+    ns_sparse_largest_guards(m, v, 5);
+    ns_sparse_largest_accept(m, 5, 0); /* in no time: a thousand times at most */
+    assert_true(m->largest.lambda_of[5] == 7e3);
+    ns_sparse_largest_guards(m, v, 5);
+    ns_sparse_largest_accept(m, 5, 1);
+    assert_true(m->largest.lambda_of[5] == 1e18);
     close_bench(&b);
 }
 
