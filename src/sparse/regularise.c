@@ -331,12 +331,13 @@ static void set_undetermined(const ns_sparse_leaks *k, ns_null_known *null, cons
     double *kept = Q + (KRYLOV + 1) * (size_t)k->f->size, before = INFINITY;
     if (!z)
         return;
-    const double enough = fmax(largest(k, rest), DBL_MIN);
+    const double enough = fmax(largest(k, rest), DBL_MIN), most = fmax(enough, least * largest(k, r));
     memcpy(kept, v, bytes);
     for (int round = 0; round < ROUNDS; round++) {
         ns_sparse_null_settle(k, z, v);
         const double now = ns_sparse_leaks_left(k->f, k->g, k->mode, k->scale, r, v, NULL, rest);
-        if (now <= fmax(holds, left) || (now <= may_hold && largest(k, rest) <= enough))
+        const double all = largest(k, rest);
+        if ((now <= fmax(holds, left) && all <= most) || (now <= may_hold && all <= enough))
             return;
         if (now > before / 2)
             break;
