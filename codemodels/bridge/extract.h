@@ -147,7 +147,13 @@ typedef struct ns_own_taken {
         double amperes;          /* that it carries at the point before, of either sign */
         double shown, seconds;   /* C, in so many s */
     } supply;
-    double vt;        /* of a switch with VON, VOFF */
+    double vt;               /* of a switch with VON, VOFF; */
+    struct {                 /* own_between.c, of it: */
+        int pos, neg;        /* equations: its control is the difference */
+        double low, high;    /* V or A: its own model is neither open nor closed between these */
+        double control;      /* at the point before */
+        double seconds, all; /* for how long it was there, and in all */
+    } between;
     ns_own_switch sw; /* of S, W */
     /* of M: */
     ns_own_mosfet mosfet;

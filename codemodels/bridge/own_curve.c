@@ -1,6 +1,7 @@
 /* bridge/own_curve.c - D and M that were taken, after .tran: were they far from their own curves? */
 #include <math.h>
 
+#include "own_between.h"
 #include "own_current.h"
 #include "own_follower.h"
 #include "own_overlap.h"
@@ -150,6 +151,10 @@ void ns_bridge_own_count_point(const CKTcircuit *ckt, ns_analysis *a, double sin
     for (int k = 0; k < a->ex.nowns; k++) {
         ns_own_taken *o = &a->ex.own[k];
         double i, v;
+        if (o->kind == OWN_PSWITCH) {
+            ns_bridge_own_count_between(a, o, o->seen.t >= since ? t - o->seen.t : -1.0);
+            o->seen.t = t;
+        }
         if (!is_judged(a, o) ||
             ns_circuit_device(a->ex.circuit, o->id, a->x, a->lambda, a->mode, &i, &v, NULL) != NS_OK)
             continue;
@@ -374,5 +379,6 @@ int ns_bridge_own_note_curve(const CKTcircuit *ckt, const ns_analysis *a) {
     const int by_stored = ns_bridge_own_note_stored(a);
     const int by_gate = ns_bridge_own_note_overlap(a) || note_charge(a);
     const int by_ring = ns_bridge_own_note_ring(a), by_supply = ns_bridge_own_note_supply(a);
-    return by_law || by_stored || by_gate || by_ring || by_supply;
+    const int by_control = ns_bridge_own_note_between(a);
+    return by_law || by_stored || by_gate || by_ring || by_supply || by_control;
 }

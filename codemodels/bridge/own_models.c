@@ -17,15 +17,20 @@ enum { CONTROL, OUTPUT };
 
 static const double infinite = 1e29; /* as of its own limits */
 
-/* Refuses it by the name that the user wrote: as1 was s1, a.x1.as1 was s.x1.s1. */
-static int refuse(ns_extract_walk *w, const MIFinstance *inst, const char *what) {
+void ns_bridge_own_models_name(const MIFinstance *inst, char *name, size_t size) {
     const char *made = inst->MIFname, *dot = strrchr(made, '.');
     const char *own = dot ? dot + 1 : made;
+    if (own[0] == 'a' && own[1] && strchr("dsw", own[1]))
+        snprintf(name, size, "%.*s%.*s%s", dot != NULL, own + 1, dot ? (int)(own - made) - 1 : 0, made + 1,
+                 own + 1);
+    else
+        snprintf(name, size, "%s", made);
+}
+
+/* Refuses it by the name that the user wrote. */
+static int refuse(ns_extract_walk *w, const MIFinstance *inst, const char *what) {
     char name[EXTRACT_NAME];
-    if (own[0] != 'a' || !own[1] || !strchr("dsw", own[1]))
-        return ns_bridge_extract_refuse(w, &inst->gen, what);
-    snprintf(name, sizeof name, "%.*s%.*s%s", dot != NULL, own + 1, dot ? (int)(own - made) - 1 : 0, made + 1,
-             own + 1);
+    ns_bridge_own_models_name(inst, name, sizeof name);
     ns_bridge_extract_line(w->ex, E_UNSUPP, name, what);
     return EXTRACT_REFUSED;
 }
@@ -102,13 +107,25 @@ static int add_by_current(ns_extract_walk *w, const MIFinstance *inst, ns_switch
                                         opens ? -1.0 : 1.0, s, id);
 }
 
+/* What is known of it at once: its control, and where that has its own model between on and off. */
+static ns_own_taken begin_switch(MIFinstance *inst, int by_current) {
+    const double on_at = ns_bridge_models_real(inst, SWITCH_ON_AT);
+    const double off_at = ns_bridge_models_real(inst, SWITCH_OFF_AT);
+    const Mif_Smp_Ptr_t *control = port_of(inst, CONTROL);
+    ns_own_taken taken = {.inst = &inst->gen, .kind = OWN_PSWITCH, .id = -1, .vt = 0.5 * (on_at + off_at)};
+    taken.between.pos = by_current ? control->ibranch : control->pos_node;
+    taken.between.neg = by_current ? 0 : control->neg_node;
+    taken.between.low = fmin(on_at, off_at);
+    taken.between.high = fmax(on_at, off_at);
+    return taken;
+}
+
 static int read_switch(ns_extract_walk *w, MIFinstance *inst) {
     const Mif_Port_Type_t control = inst->conn[CONTROL]->port[0]->type;
     const int by_current = control == MIF_VSOURCE_CURRENT;
     int opens;
     ns_switch s = read_values(inst, &opens);
-    const double middle = s.vt;
-    int id = -1;
+    ns_own_taken taken = begin_switch(inst, by_current);
     if (!w->ex->options.take_switches)
         return refuse(
             w, inst,
@@ -120,11 +137,9 @@ static int read_switch(ns_extract_walk *w, MIFinstance *inst) {
     if (s.ron == s.roff)
         return ns_circuit_resistor(w->ex->circuit, inst->MIFname, port_of(inst, OUTPUT)->pos_node,
                                    port_of(inst, OUTPUT)->neg_node, s.ron, NULL);
-    const int status =
-        by_current ? add_by_current(w, inst, &s, opens, &id) : add_by_voltage(w, inst, &s, opens, &id);
-    return status ? status
-                  : ns_bridge_own_keep(
-                        w, &(ns_own_taken){.inst = &inst->gen, .kind = OWN_PSWITCH, .id = id, .vt = middle});
+    const int status = by_current ? add_by_current(w, inst, &s, opens, &taken.id)
+                                  : add_by_voltage(w, inst, &s, opens, &taken.id);
+    return status ? status : ns_bridge_own_keep(w, &taken);
 }
 
 int ns_bridge_own_models(ns_extract_walk *w, MIFinstance *inst, const char *model, int *status) {
