@@ -1,29 +1,16 @@
 /* bridge/expression.c - the parse tree of a B source read as a piecewise linear expression. */
-#include "expression.h"
+#include "expression_reader.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "ngspice/inpptree.h"
 
-enum { DEPTH_MAX = 1000, TEXT = 100 };
+enum { DEPTH_MAX = 1000 };
 
 static const double two_pi = 6.283185307179586476925286766559;
 
-typedef struct expression_reader {
-    ns_extract_walk *w;
-    const ASRCinstance *b;
-    ns_piecewise p;
-    const INPparseNode *at; /* the innermost node that failed; NULL: none did */
-    int depth;
-} expression_reader;
-
 static ns_piecewise_value *read_node(expression_reader *r, const INPparseNode *node);
-
-/* Of the run, s. */
-static double stop_of(const ns_extract_walk *w) {
-    return w->ckt->CKTfinalTime > 0.0 ? w->ckt->CKTfinalTime : 1.0;
-}
 
 /* --- leaves --- */
 
@@ -224,6 +211,22 @@ static ns_piecewise_value *read_binary(expression_reader *r, const INPparseNode 
                                     : difference(r, a, more);
 }
 
+/* 1 if a is so far below 0 in all branches that it is in that exp(a) is nothing. */
+static int vanishes(expression_reader *r, const ns_piecewise_value *a) {
+    ns_affine u, with;
+    int below = 0;
+    if (!ns_bridge_piecewise_affine(&r->p, a, &u))
+        return 0;
+    for (const expression_branch *at = r->branch; at && !below; at = at->outer) {
+        const ns_piecewise_value *compared = read_node(r, at->compared);
+        if (!compared || ns_bridge_piecewise_is_discrete(compared) ||
+            !ns_bridge_piecewise_affine(&r->p, compared, &with))
+            return 0;
+        below = ns_bridge_expression_most(&u, &with, at->side) < ns_bridge_expression_no_exp;
+    }
+    return below;
+}
+
 static int is_stepped(const INPparseNode *node) {
     return node->funcnum == PTF_FLOOR || node->funcnum == PTF_CEIL || node->funcnum == PTF_NINT;
 }
@@ -251,6 +254,8 @@ static ns_piecewise_value *read_function(expression_reader *r, const INPparseNod
     if (is_of_time(r, a, &slope, &offset))
         return refuse(r, "a function of time that is not piecewise linear",
                       "use a V element with PULSE, PWL, SIN or EXP");
+    if (node->funcnum == PTF_EXP && vanishes(r, a))
+        return constant(r, 0.0);
     if (node->funcnum == PTF_TANH || node->funcnum == PTF_ATAN)
         return ns_bridge_expression_curve(r->w, &r->p, node->funcnum == PTF_TANH ? tanh : atan, a);
     return refuse(r, "a function of a signal that is not piecewise linear",
@@ -292,6 +297,25 @@ static ns_piecewise_value *read_operation(expression_reader *r, const INPparseNo
     }
 }
 
+/* A branch: what its condition compares with 0 is on that side wherever it counts. */
+static ns_piecewise_value *read_branch(expression_reader *r, const INPparseNode *node,
+                                       const INPparseNode *compared, int side) {
+    const expression_branch here = {compared, side, r->branch};
+    r->branch = side != 0 ? &here : here.outer;
+    ns_piecewise_value *v = read_node(r, node);
+    r->branch = here.outer;
+    return v;
+}
+
+static ns_piecewise_value *read_choice(expression_reader *r, const INPparseNode *node) {
+    const INPparseNode *compared = node->left->left;
+    const int side = ns_bridge_expression_side(node->left);
+    const ns_piecewise_value *condition = read_node(r, node->left);
+    const ns_piecewise_value *a = condition ? read_branch(r, node->right->left, compared, side) : NULL;
+    const ns_piecewise_value *b = a ? read_branch(r, node->right->right, compared, -side) : NULL;
+    return ns_bridge_piecewise_choose(&r->p, condition, a, b);
+}
+
 static ns_piecewise_value *read_kind(expression_reader *r, const INPparseNode *node) {
     switch (node->type) {
     case PT_CONSTANT:
@@ -304,11 +328,8 @@ static ns_piecewise_value *read_kind(expression_reader *r, const INPparseNode *n
         return constant(r, r->w->ckt->CKTtemp - 273.15);
     case PT_FUNCTION:
         return read_function(r, node);
-    case PT_TERN: {
-        const ns_piecewise_value *condition = read_node(r, node->left);
-        const ns_piecewise_value *a = condition ? read_node(r, node->right->left) : NULL;
-        return ns_bridge_piecewise_choose(&r->p, condition, a, a ? read_node(r, node->right->right) : NULL);
-    }
+    case PT_TERN:
+        return read_choice(r, node);
     case PT_PLUS:
     case PT_MINUS:
     case PT_TIMES:
@@ -332,67 +353,6 @@ static ns_piecewise_value *read_node(expression_reader *r, const INPparseNode *n
     return v;
 }
 
-/* --- the source --- */
-
-static int refuse_node(expression_reader *r, GENinstance *inst) {
-    char text[TEXT], what[256];
-    if (!r->p.why)
-        return r->p.status;
-    ns_bridge_expression_text(r->b->ASRCtree, r->at, text, sizeof text);
-    snprintf(what, sizeof what, "%s is not supported: %s: %s", text, r->p.why,
-             r->p.instead
-                 ? r->p.instead
-                 : "one factor has to be a number, a {parameter} or a comparison; pwl(x, x1, y1, ...) "
-                   "approximates a curve");
-    return ns_bridge_extract_refuse(r->w, inst, what);
-}
-
-static int add_source(expression_reader *r, GENinstance *inst, const ns_affine *u, double factor) {
-    const ASRCinstance *b = r->b;
-    const ns_output kind = b->ASRCtype == ASRC_VOLTAGE ? NS_VOLTAGE : NS_CURRENT;
-    ns_term *terms = calloc((size_t)u->nterms + 1, sizeof *terms);
-    int id = -1, status = terms ? NS_OK : NS_E_MEMORY;
-    for (int i = 0; terms && i < u->nterms; i++)
-        terms[i] = (ns_term){u->terms[i].is_current, u->terms[i].of, factor * u->terms[i].gain};
-    status = status ? status
-                    : ns_circuit_linear(r->w->ex->circuit, inst->GENname, kind, b->ASRCposNode,
-                                        b->ASRCnegNode, factor * u->constant, u->nterms, terms, &id);
-    ns_bridge_extract_current(r->w, kind == NS_VOLTAGE ? b->ASRCbranch : 0, id);
-    free(terms);
-    return status;
-}
-
-/* 1 if all currents in it are known. */
-static int is_ready(const ns_extract_walk *w, const ASRCinstance *b) {
-    for (int i = 0; i < b->ASRCtree->numVars; i++)
-        if (b->ASRCtree->varTypes[i] == IF_INSTANCE &&
-            !(b->ASRCvars[i] > 0 && b->ASRCvars[i] < w->ex->neq && w->ex->element[b->ASRCvars[i]] >= 0))
-            return 0;
-    return 1;
-}
-
-int ns_bridge_expression_add(ns_extract_walk *w, GENinstance *inst, double factor) {
-    char name[EXTRACT_NAME];
-    const ASRCinstance *b = (const ASRCinstance *)inst;
-    const INPparseNode *root = ((const INPparseTree *)b->ASRCtree)->tree;
-    ns_affine u;
-    if (!is_ready(w, b))
-        return EXTRACT_LATER;
-    if (w->next_node <= w->ex->neq)
-        w->next_node = w->ex->neq + 1;
-    ns_bridge_extract_users_name(w, inst, name, sizeof name);
-    expression_reader r = {.w = w,
-                           .b = b,
-                           .p = {.circuit = w->ex->circuit,
-                                 .name = name,
-                                 .next_node = &w->next_node,
-                                 .time_node = w->time_node,
-                                 .time_scale = stop_of(w)}};
-    const ns_piecewise_value *v = read_node(&r, root);
-    int status = v && ns_bridge_piecewise_affine(&r.p, v, &u) ? add_source(&r, inst, &u, factor)
-                                                              : refuse_node(&r, inst);
-    ns_bridge_expression_mix(w, root, 0);
-    ns_bridge_extract_mix(w, &factor, sizeof factor);
-    ns_bridge_piecewise_free(&r.p);
-    return status;
+ns_piecewise_value *ns_bridge_expression_read(expression_reader *r, const INPparseNode *root) {
+    return read_node(r, root);
 }

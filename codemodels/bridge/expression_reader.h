@@ -1,0 +1,36 @@
+/* bridge/expression_reader.h - reading the parse tree of a B source. */
+#ifndef BRIDGE_EXPRESSION_READER_H
+#define BRIDGE_EXPRESSION_READER_H
+
+#include "expression.h"
+
+#include "ngspice/inpptree.h"
+
+/* A branch of a choice, where a comparison with 0 has one answer. */
+typedef struct expression_branch {
+    const INPparseNode *compared;
+    int side; /* 1: it is not below 0, -1: it is not above 0 */
+    const struct expression_branch *outer;
+} expression_branch;
+
+typedef struct expression_reader {
+    ns_extract_walk *w;
+    const ASRCinstance *b;
+    ns_piecewise p;
+    const INPparseNode *at; /* the innermost node that failed; NULL: none did */
+    int depth;
+    const expression_branch *branch; /* the innermost one that is being read; NULL: none */
+} expression_reader;
+
+/* The value of a node; NULL: p says why. */
+ns_piecewise_value *ns_bridge_expression_read(expression_reader *r, const INPparseNode *root);
+
+/* expression_branch.c: 1 where the condition says that what it compares with 0 is not below that, -1: not
+ * above, 0: it says neither. */
+int ns_bridge_expression_side(const INPparseNode *condition);
+/* The largest value of u where `with` is on that side of 0; INFINITY: any. */
+double ns_bridge_expression_most(const ns_affine *u, const ns_affine *with, int side);
+/* exp of less is nothing: 1e-20 is lost beside any number that is added to it. */
+static const double ns_bridge_expression_no_exp = -46.0;
+
+#endif
