@@ -147,12 +147,16 @@ typedef struct ns_own_taken {
         double amperes;          /* that it carries at the point before, of either sign */
         double shown, seconds;   /* C, in so many s */
     } supply;
-    double vt;               /* of a switch with VON, VOFF; */
-    struct {                 /* own_between.c, of it: */
-        int pos, neg;        /* equations: its control is the difference */
-        double low, high;    /* V or A: its own model is neither open nor closed between these */
-        double control;      /* at the point before */
-        double seconds, all; /* for how long it was there, and in all */
+    double vt;                 /* of a switch with VON, VOFF; */
+    struct {                   /* own_between.c, of it: */
+        int pos, neg;          /* equations: its control is the difference */
+        double off_at, on_at;  /* V or A: its own model is neither open nor closed between these, */
+        double off, on;        /* ohm: but a resistor between these; */
+        int by_logarithm;      /* the logarithm of that goes with the control, not the resistance */
+        double control;        /* at the point before */
+        int counts;            /* likewise: that resistor does something else than the switch */
+        double most_i, most_v; /* A, V: the largest through it, across it */
+        double seconds, all;   /* for how long it was there and that counts, and in all */
     } between;
     ns_own_switch sw; /* of S, W */
     /* of M: */

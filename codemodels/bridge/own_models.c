@@ -115,8 +115,11 @@ static ns_own_taken begin_switch(MIFinstance *inst, int by_current) {
     ns_own_taken taken = {.inst = &inst->gen, .kind = OWN_PSWITCH, .id = -1, .vt = 0.5 * (on_at + off_at)};
     taken.between.pos = by_current ? control->ibranch : control->pos_node;
     taken.between.neg = by_current ? 0 : control->neg_node;
-    taken.between.low = fmin(on_at, off_at);
-    taken.between.high = fmax(on_at, off_at);
+    taken.between.off_at = off_at;
+    taken.between.on_at = on_at;
+    taken.between.off = ns_bridge_models_real(inst, SWITCH_R_OFF);
+    taken.between.on = ns_bridge_models_real(inst, SWITCH_R_ON);
+    taken.between.by_logarithm = inst->param[SWITCH_LOG]->element[0].bvalue == MIF_TRUE;
     return taken;
 }
 
