@@ -213,6 +213,7 @@ static ns_piecewise_value *read_binary(expression_reader *r, const INPparseNode 
 
 /* 1 if a is so far below 0 in all branches that it is in that exp(a) is nothing. */
 static int vanishes(expression_reader *r, const ns_piecewise_value *a) {
+    const double most = ns_bridge_expression_no_exp - ns_bridge_expression_log_gain(r->root, 0);
     ns_affine u, with;
     int below = 0;
     if (!ns_bridge_piecewise_affine(&r->p, a, &u))
@@ -222,7 +223,7 @@ static int vanishes(expression_reader *r, const ns_piecewise_value *a) {
         if (!compared || ns_bridge_piecewise_is_discrete(compared) ||
             !ns_bridge_piecewise_affine(&r->p, compared, &with))
             return 0;
-        below = ns_bridge_expression_most(&u, &with, at->side) < ns_bridge_expression_no_exp;
+        below = ns_bridge_expression_most(&u, &with, at->side) < most;
     }
     return below;
 }

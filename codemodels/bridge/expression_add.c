@@ -60,6 +60,7 @@ int ns_bridge_expression_add(ns_extract_walk *w, GENinstance *inst, double facto
     ns_bridge_extract_users_name(w, inst, name, sizeof name);
     expression_reader r = {.w = w,
                            .b = b,
+                           .root = root,
                            .p = {.circuit = w->ex->circuit,
                                  .name = name,
                                  .next_node = &w->next_node,

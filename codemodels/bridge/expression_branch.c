@@ -40,3 +40,28 @@ double ns_bridge_expression_most(const ns_affine *u, const ns_affine *with, int 
     const double ratio = ratio_of(u, with);
     return ratio * side < 0.0 ? u->constant - ratio * with->constant : INFINITY;
 }
+
+/* Log of what a number below this node may multiply by: at least 0. */
+static double log_of(double number) {
+    return number > 1.0 ? log(number) : 0.0;
+}
+
+double ns_bridge_expression_log_gain(const INPparseNode *node, int divides) {
+    if (!node || (node->type == PT_FUNCTION && node->funcnum == PTF_EXP))
+        return 0.0;
+    switch (node->type) {
+    case PT_CONSTANT:
+        return node->constant == 0.0 ? 0.0
+                                     : log_of(divides ? 1.0 / fabs(node->constant) : fabs(node->constant));
+    case PT_FUNCTION:
+        return ns_bridge_expression_log_gain(node->left, divides);
+    case PT_VAR:
+    case PT_TIME:
+    case PT_TEMPERATURE:
+    case PT_FREQUENCY:
+        return 0.0;
+    default:
+        return ns_bridge_expression_log_gain(node->left, divides) +
+               ns_bridge_expression_log_gain(node->right, node->type == PT_DIVIDE ? !divides : divides);
+    }
+}

@@ -17,6 +17,7 @@ typedef struct expression_reader {
     ns_extract_walk *w;
     const ASRCinstance *b;
     ns_piecewise p;
+    const INPparseNode *root;
     const INPparseNode *at; /* the innermost node that failed; NULL: none did */
     int depth;
     const expression_branch *branch; /* the innermost one that is being read; NULL: none */
@@ -30,7 +31,10 @@ ns_piecewise_value *ns_bridge_expression_read(expression_reader *r, const INPpar
 int ns_bridge_expression_side(const INPparseNode *condition);
 /* The largest value of u where `with` is on that side of 0; INFINITY: any. */
 double ns_bridge_expression_most(const ns_affine *u, const ns_affine *with, int side);
-/* exp of less is nothing: 1e-20 is lost beside any number that is added to it. */
+/* exp of less is nothing, less the log of what the numbers of the expression may multiply it by: 1e-20. */
 static const double ns_bridge_expression_no_exp = -46.0;
+/* That log: of the product of all numbers outside of exp that would make it larger; divides: below a
+ * division. */
+double ns_bridge_expression_log_gain(const INPparseNode *node, int divides);
 
 #endif
