@@ -328,13 +328,6 @@ static double along_left(const ns_sparse_leaks *k, const ns_null_space *z, int c
     return off;
 }
 
-double ns_sparse_null_lacks(const ns_sparse_leaks *k, const ns_null_space *z, const double *r) {
-    double most = 0;
-    for (int c = 0; c < z->count; c++)
-        most = fmax(most, fabs(along_left(k, z, c, r)));
-    return most;
-}
-
 void ns_sparse_null_make_solvable(const ns_sparse_leaks *k, const ns_null_space *z, double *r) {
     const int size = k->f->size;
     for (int c = 0; c < z->count; c++) {

@@ -37,9 +37,7 @@ typedef struct ns_sparse_leaks {
 int ns_sparse_null_find(ns_null_search *s, const ns_sparse_leaks *k, ns_null_space **out);
 void ns_sparse_null_free(ns_null_space *z); /* NULL is allowed */
 
-/* How much of r (size) no v gives, in units; */
-double ns_sparse_null_lacks(const ns_sparse_leaks *k, const ns_null_space *z, const double *r);
-/* takes it out of r: then K v = r has a solution. */
+/* Takes out of r (size) what no v gives: then K v = r has a solution. */
 void ns_sparse_null_make_solvable(const ns_sparse_leaks *k, const ns_null_space *z, double *r);
 
 /* Of v (size), a solution, what K leaves open becomes what the leaks make of it. */
