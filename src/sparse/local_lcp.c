@@ -14,6 +14,9 @@
 enum { FEW = 64, MOST = 400, ROUNDS = 8 };
 /* Pairs of a loop carry more than this fraction of its largest current. */
 static const double loop_fraction = 1e-3;
+/* An entry of W below this fraction of the largest unknown may be its rounding; it is not, where a correction
+ * of these unknowns changes it by no more than this part of it. */
+static const double may_be_rounding = 1e-9, most_change = 1e-3;
 
 typedef struct local {
     int count;
@@ -72,6 +75,22 @@ static int create_problem(const ns_sparse *m, int count, local *p) {
     return NS_OK;
 }
 
+/* 1 if what lambda_j = 1 does to y_j, in its column v, is but the rounding of v: closed pairs hold its
+ * branch.  Taken for a resistance it would let currents of 1e13 A close a loop that has a forward drop. */
+static int is_rounding(ns_sparse *m, const ns_cached_factors *k, double g, int j, const double *v) {
+    const double entry = fabs(ns_linalg_csc_dot(&m->f->Ct, j, v));
+    double largest = 0;
+    for (int i = 0; i < m->f->size; i++)
+        largest = fmax(largest, fabs(v[i]));
+    if (entry == 0 || entry > may_be_rounding * largest)
+        return 0;
+    memset(m->r, 0, sizeof(double) * (size_t)m->f->size);
+    m->r[m->f->n + j] = 1;
+    ns_sparse_form_subtract(m->f, g, m->mode, v, m->r);
+    return ns_sparse_factors_correct(m->q, k, m->r, m->work.v) != NS_OK ||
+           fabs(ns_linalg_csc_dot(&m->f->Ct, j, m->work.v)) > most_change * entry;
+}
+
 /* W and q, from the mode with all of them at a bound. */
 static int form_problem(ns_sparse *m, double t, double g, const double *w, double *v, double *by, local *p) {
     const ns_form *f = m->f;
@@ -90,8 +109,9 @@ static int form_problem(ns_sparse *m, double t, double g, const double *w, doubl
         status = ns_sparse_factors_solve(m->q, k, m->r, v);
         status = status == NS_E_SINGULAR ? NS_OK : status; /* v is then what small leaks make of it */
         const double bound = isfinite(p->l[c]) ? p->l[c] : p->u[c];
+        const int no_own = is_rounding(m, k, g, p->pair[c], v);
         for (int i = 0; i < p->count; i++) {
-            const double entry = ns_linalg_csc_dot(&f->Ct, p->pair[i], v);
+            const double entry = i == c && no_own ? 0 : ns_linalg_csc_dot(&f->Ct, p->pair[i], v);
             p->W[i + c * p->count] = entry;
             p->q[i] -= entry * bound;
         }
