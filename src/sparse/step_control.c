@@ -252,7 +252,7 @@ static int remove_jump(ns_sparse *m, ns_dense_step *step, double g) {
 /* A length for which the error until room is small enough, with its stages; the length of the next step.  If
  * pair >= 0 the mode does not hold where it begins. */
 static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
-    int consistent = 0,
+    int consistent = 0, regular = -1, /* the shortest length with which (P2) was */
         shortest = ns_sparse_least_exponent(m) + (m->steep_steps < MOST_STEEP ? NS_STEEPEST : 0);
     step->length_exponent = step->length_exponent < shortest ? step->length_exponent : shortest;
     while (step->length_exponent < ns_sparse_least_exponent(m) &&
@@ -269,8 +269,13 @@ static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
             step->length_exponent = shortest = ns_sparse_least_exponent(m);
             continue;
         }
+        if (status == NS_E_SINGULAR && regular >= 0 && regular < step->length_exponent) {
+            step->length_exponent = shortest = regular; /* digits do not suffice for shorter ones */
+            continue;
+        }
         if (status != NS_OK)
             return status;
+        regular = step->length_exponent;
         double ratio = 1, jump = 0, time = 0, whole = error_of(m, step, &ratio, &jump, &time);
         const double fraction = part_of(step, room);
         if (step->stages == NS_ORDER && (jump > 1 || (whole * fraction > 1 && ratio > decays)) &&
@@ -294,7 +299,7 @@ static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
             continue;
         }
         const int least = ns_sparse_least_exponent(m);
-        if (step->stages == NS_ORDER && error <= 1 && jump > 1 &&
+        if (step->stages == NS_ORDER && error <= 1 && jump > 1 && step->length_exponent < shortest &&
             time > ldexp(1, step->length_exponent - least)) {
             m->counts.trials++; /* a transient: it is resolved */
             step->length_exponent += (int)fmin(least - step->length_exponent, fmax(1, -log2(time) - 2));
