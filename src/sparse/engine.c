@@ -1,5 +1,6 @@
 /* src/sparse/engine.c - trials of the engine for large circuits, accepted or dropped. */
 #include "guards.h"
+#include "step.h"
 
 #include <math.h>
 #include <string.h>

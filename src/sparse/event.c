@@ -8,6 +8,7 @@
 #include "events/ties.h"
 #include "guards.h"
 #include "largest.h"
+#include "step.h"
 
 #include <float.h>
 #include <math.h>

@@ -8,6 +8,7 @@
 #include "linalg/simd.h"
 #include "modes/bernstein_root.h"
 #include "modes/multiple.h"
+#include "step.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,6 +4,7 @@
 #include "guards.h"
 #include "largest.h"
 #include "linalg/simd.h"
+#include "step.h"
 
 #include <string.h>
 

@@ -1,5 +1,6 @@
 /* src/sparse/kernel.c - the sparse engine's steps as a kernel (engine/kernel.h). */
 #include "guards.h"
+#include "step.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -5,6 +5,7 @@
  * its answer breaks join them.
  */
 #include "guards.h"
+#include "step.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -9,6 +9,7 @@
  */
 #include "guards.h"
 #include "largest.h"
+#include "step.h"
 
 #include <math.h>
 #include <stdlib.h>

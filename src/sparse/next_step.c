@@ -1,6 +1,7 @@
 /* src/sparse/next_step.c - the step after another one: of high order, of the theta scheme, or, after several
  * steps that ended where they began, an implicit Euler step. */
 #include "guards.h"
+#include "step.h"
 
 #include <math.h>
 #include <string.h>

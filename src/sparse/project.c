@@ -14,6 +14,7 @@
 #include "largest.h"
 #include "linalg/simd.h"
 #include "regularise.h"
+#include "step.h"
 
 #include <float.h>
 #include <math.h>

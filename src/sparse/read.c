@@ -2,6 +2,7 @@
 #include "sparse_internal.h"
 
 #include "linalg/simd.h"
+#include "step.h"
 #include "theta/name_fault.h"
 
 #include <math.h>

@@ -3,6 +3,7 @@
 #include "guards.h"
 #include "linalg/simd.h"
 #include "regularise.h"
+#include "step.h"
 
 #include <math.h>
 #include <string.h>

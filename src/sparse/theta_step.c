@@ -11,6 +11,7 @@
  */
 #include "guards.h"
 #include "linalg/simd.h"
+#include "step.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -15,6 +15,7 @@
  */
 #include "guards.h"
 #include "linalg/simd.h"
+#include "step.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,5 +1,6 @@
 /* src/sparse/watch.c - the point of a trial that is being made, shown to who judges it (engine/watch.h). */
 #include "sparse_internal.h"
+#include "step.h"
 
 #include <string.h>
 

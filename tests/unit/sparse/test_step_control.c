@@ -11,6 +11,7 @@
 
 #include "nonsmooth.h"
 #include "sparse/guards.h"
+#include "sparse/step.h"
 
 static const double h = 1e-6;
 enum { MOST = 32 };
