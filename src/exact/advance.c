@@ -3,6 +3,7 @@
  */
 #include "exact_internal.h"
 
+#include "guards.h"
 #include "linalg/simd.h"
 
 #include <math.h>

@@ -1,5 +1,6 @@
 /* src/exact/command_flips.c - switches that the state commands: which of them change at an event. */
 #include "events/ties.h"
+#include "guards.h"
 #include "mode_selection.h"
 
 #include <math.h>

@@ -7,6 +7,7 @@
  * closed between two states of their gates, and no capacitor is emptied through them.
  */
 #include "events/ties.h"
+#include "guards.h"
 #include "mode_selection.h"
 
 #include <string.h>

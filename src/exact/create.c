@@ -1,6 +1,7 @@
 /* src/exact/create.c - the exact engine's state, made and freed. */
 #include "exact_internal.h"
 
+#include "guards.h"
 #include "system/active_inputs.h"
 
 #include <stdlib.h>

@@ -2,6 +2,7 @@
 #include "exact_internal.h"
 #include "sliding.h"
 
+#include "guards.h"
 #include "linalg/simd.h"
 
 #include <math.h>

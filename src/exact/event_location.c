@@ -6,6 +6,7 @@
  */
 #include "mode_selection.h"
 
+#include "guards.h"
 #include "linalg/simd.h"
 
 #include <float.h>

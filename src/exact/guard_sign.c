@@ -2,6 +2,7 @@
 #include "mode_selection.h"
 
 #include "events/ties.h"
+#include "guards.h"
 #include "linalg/simd.h"
 #include "modes/multiple.h"
 

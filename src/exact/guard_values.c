@@ -1,6 +1,7 @@
 /* src/exact/guard_values.c - guards at a point, and what their rounding may be. */
 #include "exact_internal.h"
 
+#include "guards.h"
 #include "linalg/simd.h"
 
 #include <float.h>

@@ -1,5 +1,6 @@
 /* src/exact/kernel.c - the exact engine's matrices as a kernel (engine/kernel.h). */
 #include "exact_internal.h"
+#include "guards.h"
 #include "mode_selection.h"
 
 #include <math.h>

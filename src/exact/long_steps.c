@@ -5,6 +5,7 @@
  * are enough.  X itself moves by the same exact steps.
  */
 #include "exact_internal.h"
+#include "guards.h"
 #include "linalg/simd.h"
 
 #include <math.h>

@@ -3,6 +3,7 @@
  */
 #include "mode_selection.h"
 
+#include "guards.h"
 #include "linalg/simd.h"
 
 #include <math.h>

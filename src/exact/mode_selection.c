@@ -9,6 +9,7 @@
 #include "mode_selection.h"
 #include "sliding.h"
 
+#include "guards.h"
 #include "linalg/simd.h"
 
 #include <float.h>

@@ -7,6 +7,7 @@
  */
 #include "mode_selection.h"
 
+#include "guards.h"
 #include "linalg/simd.h"
 
 #include <math.h>

@@ -4,6 +4,7 @@
  */
 #include "exact/exact_internal.h"
 
+#include "exact/guards.h"
 #include "rig.h"
 
 enum { SAMPLES = 4, ROWS = 7 };
