@@ -100,7 +100,9 @@ static int load_point(ns_exact *f) {
 
 int ns_exact_output_at(ns_exact *f, double t, ns_side side, double *X, double *x_lambda) {
     double until;
-    ns_mode_kernel *k = ns_exact_mode_time_scale(f, &until)->kernel;
+    const ns_time_scale *scale =
+        side == NS_LEFT ? ns_exact_mode_scale_before(f) : ns_exact_mode_time_scale(f, &until);
+    ns_mode_kernel *k = scale->kernel;
     ns_system_inputs(f->system, t, side, f->work.z);
     for (int i = 0; i < f->inputs->output_only_inputs; i++)
         X[k->q + i] = f->work.z[f->inputs->output_only_input[i]];

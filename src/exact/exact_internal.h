@@ -314,6 +314,8 @@ int ns_exact_mode_resolve(ns_exact *f, ns_exact_mode *k);
 void ns_exact_mode_trim(ns_exact *f, ns_exact_mode *keep);
 /* The time scale to step on; *until: for how long after the discontinuity. */
 ns_time_scale *ns_exact_mode_time_scale(ns_exact *f, double *until);
+/* The one that led to here: what floats depends on it. */
+ns_time_scale *ns_exact_mode_scale_before(ns_exact *f);
 /* Time scale i of a mode with its kernel; NULL: it cannot be built, the one before will do. */
 ns_time_scale *ns_exact_mode_reach(ns_exact *f, ns_exact_mode *k, int i);
 

@@ -355,14 +355,13 @@ int ns_exact_mode_find(ns_exact *f, const ns_mode *mode, ns_exact_mode **out) {
     return k->status;
 }
 
-ns_time_scale *ns_exact_mode_time_scale(ns_exact *f, double *until) {
+/* The last one that has begun, so long after the discontinuity (s); *until: when the next one begins. */
+static ns_time_scale *scale_at(ns_exact *f, double since, double *until) {
     ns_exact_mode *k = f->state.mode;
     int i = 0;
     *until = INFINITY;
     if (k->scales == 1)
         return &k->scale[0]; /* its kernel is built with the mode */
-    const double since = f->state.now.t - f->state.last_event_t +
-                         8 * DBL_EPSILON * fabs(f->state.now.t); /* t moves by its rounding at least */
     while (i + 1 < k->scales && since >= k->scale[i + 1].from * (1 - 1e-9))
         i++;
     ns_time_scale *scale = k->scale[i].kernel ? &k->scale[i] : ns_exact_mode_reach(f, k, i);
@@ -371,4 +370,19 @@ ns_time_scale *ns_exact_mode_time_scale(ns_exact *f, double *until) {
     if (i + 1 < k->scales)
         *until = k->scale[i + 1].from;
     return scale;
+}
+
+/* s: t moves by its rounding at least. */
+static double time_rounding(const ns_exact *f) {
+    return 8 * DBL_EPSILON * fabs(f->state.now.t);
+}
+
+ns_time_scale *ns_exact_mode_time_scale(ns_exact *f, double *until) {
+    return scale_at(f, f->state.now.t - f->state.last_event_t + time_rounding(f), until);
+}
+
+ns_time_scale *ns_exact_mode_scale_before(ns_exact *f) {
+    const double since = f->state.now.t - f->state.last_event_t - time_rounding(f);
+    double until;
+    return scale_at(f, since * (1 - 2e-9), &until);
 }

@@ -2,8 +2,6 @@
  * smallest sample against a quarter of the largest second difference, of few guards and of more than a
  * register holds.
  */
-#include "exact/exact_internal.h"
-
 #include "exact/guards.h"
 #include "rig.h"
 
