@@ -392,6 +392,11 @@ sweep: deps ## devices from ideal to poor (ron, roff): what each circuit costs b
 	@OPENBLAS_NUM_THREADS=1 build/bench/tests/stress/stress_ideality netlists/*.cir; \
 	    status=$$?; gnuplot build/stress/ideality.gp && echo "Picture   build/stress/ideality.png"; exit $$status
 
+.PHONY: compare-ngspice
+compare-ngspice: deps $(B)/nonsmooth.cm ## random circuits beside ngspice's own models at 36 settings: which are right within 1 % in less CPU time (STRESS_COUNT=200; STRESS_SEED)
+	@$(MAKE) $(PARALLEL) B=build/bench CFLAGS='-O3 -DNDEBUG' build/bench/tests/stress/stress_stock
+	@OPENBLAS_NUM_THREADS=1 STRESS_NGSPICE=$(abspath $(B)/nonsmooth.cm) build/bench/tests/stress/stress_stock
+
 STRESS_KINDS ?= 200# circuits of each kind; STRESS_SEED, STRESS_SECONDS
 .PHONY: stress-kinds
 stress-kinds: deps $(B)/nonsmooth.cm ## circuits that came out wrong once, each varied STRESS_KINDS=200 times in values, size, order, names and steps

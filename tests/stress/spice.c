@@ -9,6 +9,7 @@
 #include <strings.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -34,7 +35,7 @@ static void write_saves(const plan *p, FILE *file) {
     fprintf(file, "\n");
 }
 
-static int write_inputs(const netlist *n, const plan *p, const spice_home *home) {
+static int write_inputs(const netlist *n, const plan *p, const spice_home *home, int runs) {
     char path[512];
     (void)mkdir(home->folder, 0777); /* or it is there */
     FILE *file = open_in(home, "case.cir", "w"), *init = open_in(home, ".spiceinit", "w");
@@ -45,8 +46,13 @@ static int write_inputs(const netlist *n, const plan *p, const spice_home *home)
             if (strncasecmp(n->line[i], ".save", 5) != 0 && strcasecmp(n->line[i], ".end") != 0)
                 fprintf(file, "%s\n", n->line[i]);
         write_saves(p, file);
-        fprintf(file, ".control\nrun\nset filetype=binary\nwrite out.raw\nquit 0\n.endc\n.end\n");
-        fprintf(init, "codemodel '%s'\n", home->models);
+        fprintf(file, ".control\n%squit 0\n.endc\n.end\n",
+                runs ? "run\nset filetype=binary\nwrite out.raw\n" : "");
+        if (home->models)
+            fprintf(init, "codemodel '%s'\n", home->models);
+        else
+            fprintf(init, "set xtrtol=7\n"); /* else ngspice takes 1 because of sidiode */
+        fprintf(init, "set norefvalue\n");   /* else ngspice asks for its CPU time at each point */
     }
     const int bad = !file || !init;
     if (file)
@@ -58,8 +64,12 @@ static int write_inputs(const netlist *n, const plan *p, const spice_home *home)
 
 static void become_ngspice(const spice_home *home, double limit) {
     const struct rlimit cpu = {(rlim_t)ceil(limit), (rlim_t)ceil(limit) + 1};
+    const double whole = floor(limit);
+    const struct itimerval timer = {
+        .it_value = {(time_t)whole, 1 + (suseconds_t)(1e6 * (limit - whole))}}; /* SIGPROF; exec keeps it */
     const char *program = getenv("NGSPICE");
     setrlimit(RLIMIT_CPU, &cpu);
+    setitimer(ITIMER_PROF, &timer, NULL);
     if (chdir(home->folder) != 0)
         _exit(127);
     const int null = open("/dev/null", O_RDONLY), out = open("out", O_WRONLY | O_CREAT | O_TRUNC, 0644);
@@ -185,21 +195,40 @@ static void read_said(const spice_home *home, run_result *r) {
         fclose(file);
 }
 
-void spice_run(const netlist *n, const plan *p, const spice_home *home, double limit, run_result *r) {
-    struct rusage used;
+/* A process to its end; its CPU time is used. */
+static int go(const spice_home *home, double limit, struct rusage *used) {
     int status = 0;
-    memset(r, 0, sizeof *r);
-    r->end = RUN_CRASHED;
-    if (write_inputs(n, p, home))
-        return;
     fflush(NULL);
     const pid_t child = fork();
     if (child == 0)
         become_ngspice(home, limit);
-    if (child < 0 || wait4(child, &status, 0, &used) < 0)
+    if (child < 0 || wait4(child, &status, 0, used) < 0)
         abort();
-    r->seconds = (double)used.ru_utime.tv_sec + 1e-6 * (double)used.ru_utime.tv_usec;
-    const int killed = WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL);
+    return status;
+}
+
+static double seconds_of(const struct rusage *used) {
+    return (double)used->ru_utime.tv_sec + 1e-6 * (double)used->ru_utime.tv_usec;
+}
+
+double spice_start(const netlist *n, const plan *p, const spice_home *home, double limit) {
+    struct rusage used;
+    if (write_inputs(n, p, home, 0))
+        return 0;
+    (void)go(home, limit, &used);
+    return seconds_of(&used);
+}
+
+void spice_run(const netlist *n, const plan *p, const spice_home *home, double limit, run_result *r) {
+    struct rusage used;
+    memset(r, 0, sizeof *r);
+    r->end = RUN_CRASHED;
+    if (write_inputs(n, p, home, 1))
+        return;
+    const int status = go(home, limit, &used);
+    r->seconds = seconds_of(&used);
+    const int killed = WIFSIGNALED(status) && (WTERMSIG(status) == SIGPROF || WTERMSIG(status) == SIGXCPU ||
+                                               WTERMSIG(status) == SIGKILL);
     if (killed)
         snprintf(r->line, RUN_LINE, "still running after %g s", limit);
     else if (WIFSIGNALED(status))
