@@ -263,9 +263,18 @@ static int add_follower(ns_extract_walk *w, const GENinstance *inst, ns_own_take
     return status ? status : add_way(w, taken, name, m->source, m->drain, &taken->back);
 }
 
+/* V: where the switch changes.  At vth the channel carries nothing, and a gate may rest there, as at 0 V of a
+ * model without vto, or come to rest there by an R and a C: that is open. */
+static double threshold_of(const ns_own_taken *taken) {
+    static const double at_threshold = 1e-3; /* of what the drive is beyond it: 1e-6 of its current */
+    const double vth = taken->mosfet.vth, beyond = taken->drive - vth;
+    const double near = at_threshold * (beyond > 0.0 ? beyond : 1.0);
+    return fabs(taken->driven.low - vth) < near ? vth + near : vth;
+}
+
 static int add_channel(ns_extract_walk *w, const GENinstance *inst, ns_own_taken *taken) {
     const ns_own_mosfet *m = &taken->mosfet;
-    const ns_switch ideal = {.vt = m->vth, .ron = taken->ron, .roff = leak_of(w, m)};
+    const ns_switch ideal = {.vt = threshold_of(taken), .ron = taken->ron, .roff = leak_of(w, m)};
     const int cp = m->sign > 0 ? m->gate : m->source, cn = m->sign > 0 ? m->source : m->gate;
     ns_bridge_extract_mix(w, &ideal, sizeof ideal);
     if (taken->follows)

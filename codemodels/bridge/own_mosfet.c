@@ -157,6 +157,7 @@ void ns_bridge_own_read_mosfet(const GENinstance *inst, ns_own_mosfet *m) {
         read_mos3((const MOS3instance *)inst, m);
     else
         read_mos1((const MOS1instance *)inst, m);
+    m->vth += 0.0; /* -0 of a p channel without vto is 0 in a line */
     m->body.anode = m->sign > 0 ? m->bulk : m->drain;
     m->body.cathode = m->sign > 0 ? m->drain : m->bulk;
     m->at_source.anode = m->sign > 0 ? m->bulk : m->source;
