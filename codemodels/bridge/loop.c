@@ -67,9 +67,19 @@ double ns_bridge_loop_unchosen(CKTcircuit *ckt, ns_loop *loop) {
     return t;
 }
 
+/* s: a shorter one ngspice refuses. */
+static double least_step(const CKTcircuit *ckt) {
+    return 2.0 * ckt->CKTdelmin;
+}
+
+double ns_bridge_loop_after(const CKTcircuit *ckt, double t) {
+    static const double ulps = 1.8e-15; /* twice what _same() does not tell apart */
+    return fmax(t, ckt->CKTtime + fmax(least_step(ckt), ulps * ckt->CKTtime));
+}
+
 void ns_bridge_loop_step_to(CKTcircuit *ckt, ns_loop *loop, double t) {
     const double step = ns_bridge_timepoints_step_to(&loop->points, t);
-    ckt->CKTdelta = fmax(step, 2.0 * ckt->CKTdelmin);
+    ckt->CKTdelta = fmax(step, least_step(ckt));
     ckt->CKTmaxStep = loop->points.max_step;
 }
 

@@ -29,6 +29,8 @@ double ns_bridge_loop_next(CKTcircuit *ckt, ns_loop *loop, const ns_system *s, d
 double ns_bridge_loop_unchosen(CKTcircuit *ckt, ns_loop *loop);
 /* After that: ngspice's next step ends at t, s. */
 void ns_bridge_loop_step_to(CKTcircuit *ckt, ns_loop *loop, double t);
+/* t, s, or the first time that ngspice can step to, where t is before that or is the present time. */
+double ns_bridge_loop_after(const CKTcircuit *ckt, double t);
 /* The present timepoint is a breakpoint of ours: sources set none of theirs when it is accepted, which
  * ngspice would refuse, as in the past, where two corners are closer than 1e-7 pulse widths. */
 void ns_bridge_loop_at_no_break(CKTcircuit *ckt);

@@ -123,8 +123,10 @@ int ns_bridge_waveform_look_ahead(ns_session *s, int first) {
     const clock_t since = s->analysis.ex.options.verbose ? clock() : 0;
     const int error = choose_next(s);
     s->trial.cpu += s->analysis.ex.options.verbose ? clock() - since : 0;
-    if (!error)
+    if (!error) { /* an event at the present time, or right after it: ngspice would step beyond the point */
+        s->next.point.t = ns_bridge_loop_after(ckt, s->next.point.t);
         ns_bridge_loop_step_to(ckt, &s->loop, s->next.point.t);
+    }
     ckt->CKTorder = 1; /* so that ngspice's own currents of capacitors do not ring after a jump */
     s->trial.made = !error;
     return error;
