@@ -54,7 +54,7 @@ static int prepare_points(ns_analysis *a) {
     for (int eq = 0; eq < a->ex.neq; eq++)
         a->unknown[eq] = unknown_of(&a->ex, eq);
     a->held.n = ns_circuit_hold(a->ex.circuit, a->held.unknown, a->held.value);
-    return NS_OK;
+    return a->held.n < 0 ? NS_E_MEMORY : NS_OK;
 }
 
 void ns_bridge_analysis_take_mode(ns_analysis *a, const ns_mode *mode) {

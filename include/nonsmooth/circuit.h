@@ -153,7 +153,8 @@ int ns_circuit_pair(const ns_circuit *c, int id);
 int ns_circuit_rest(const ns_circuit *c, double *w0);
 
 /* The .ic of nodes in the form of ns_march_start_dc(): fills hold (indices in x) and hold_x (V), each with
- * room for ns_circuit_node_ic_count() entries, and returns how many were written. */
+ * room for ns_circuit_node_ic_count() entries, and returns how many were written; -1: no memory.  Left out: a
+ * node that voltage sources hold against ground, or against one that is there. */
 int ns_circuit_node_ic_count(const ns_circuit *c);
 int ns_circuit_hold(const ns_circuit *c, int *hold, double *hold_x);
 

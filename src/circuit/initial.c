@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "circuit_internal.h"
+#include "potentials.h"
 
 typedef struct fluxes {
     const ns_circuit *c;
@@ -50,27 +50,57 @@ int ns_circuit_rest(const ns_circuit *c, double *w0) {
     return NS_OK;
 }
 
-/* Fills hold and hold_x where they are given. */
-static int list_held_nodes(const ns_circuit *c, int *hold, double *hold_x) {
+int ns_circuit_node_ic_count(const ns_circuit *c) {
     int count = 0;
-    for (int i = 0; i < c->nnodes; i++) {
-        if (c->node[i].used && !isnan(c->node[i].ic)) {
-            if (hold) {
-                hold[count] = c->node[i].unknown;
-            }
-            if (hold_x) {
-                hold_x[count] = c->node[i].ic;
-            }
-            count++;
-        }
+    for (int i = 0; c && i < c->nnodes; i++) {
+        count += c->node[i].used && !isnan(c->node[i].ic);
     }
     return count;
 }
 
-int ns_circuit_node_ic_count(const ns_circuit *c) {
-    return c ? list_held_nodes(c, NULL, NULL) : 0;
+/* 1 if voltage sources hold the node against ground, or against one of the count that are held already, whose
+ * places are known. */
+static int is_held_by_sources(const ns_potentials *p, int place, const int *held, int count) {
+    int is = p->group[place] == p->group[ns_circuit_potentials_place(p, 0)];
+    for (int k = 0; k < count && !is; k++) {
+        is = p->group[held[k]] == p->group[place];
+    }
+    return is;
+}
+
+static int list_held_nodes(const ns_circuit *c, const ns_potentials *p, int *held, int *hold,
+                           double *hold_x) {
+    int count = 0;
+    for (int i = 0; i < c->nnodes; i++) {
+        const node_info *node = &c->node[i];
+        if (!node->used || isnan(node->ic)) {
+            continue;
+        }
+        const int place = ns_circuit_potentials_place(p, node->number);
+        if (is_held_by_sources(p, place, held, count)) {
+            continue; /* SPICE's .ic is a conductance, which yields to a source */
+        }
+        held[count] = place;
+        hold[count] = node->unknown;
+        hold_x[count] = node->ic;
+        count++;
+    }
+    return count;
 }
 
 int ns_circuit_hold(const ns_circuit *c, int *hold, double *hold_x) {
-    return c ? list_held_nodes(c, hold, hold_x) : 0;
+    const int most = ns_circuit_node_ic_count(c);
+    int count = 0, *held = most > 0 ? malloc((size_t)most * sizeof *held) : NULL;
+    ns_potentials p;
+    if (!held) {
+        return most > 0 ? -1 : 0;
+    }
+    if (ns_circuit_potentials_find(&p, c)) {
+        count = list_held_nodes(c, &p, held, hold, hold_x);
+    } else {
+        count = -1;
+    }
+    ns_circuit_potentials_free(&p);
+    free(held);
+    return count;
 }

@@ -364,6 +364,26 @@ static void initial_charges(void **state) {
     ns_circuit_free(c);
 }
 
+/* 1: of a source; 2: of two in series; 3: its own; 4: 2 V above 3, by a source. */
+static void ic_yields_to_sources(void **state) {
+    const ns_signal volts = {.kind = NS_DC, .u.dc = 2};
+    ns_circuit *c = make();
+    double hold_x[4] = {0};
+    int hold[4];
+    (void)state;
+    assert_int_equal(ns_circuit_source(c, "v1", NS_VOLTAGE, 1, 0, &volts, NULL), NS_OK);
+    assert_int_equal(ns_circuit_source(c, "v2", NS_VOLTAGE, 2, 1, &volts, NULL), NS_OK);
+    assert_int_equal(ns_circuit_source(c, "v3", NS_VOLTAGE, 4, 3, &volts, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(c, "c1", 3, 0, 1, NAN, NULL), NS_OK);
+    assert_int_equal(ns_circuit_hold(c, hold, hold_x), 0);
+    for (int node = 1; node <= 4; node++)
+        assert_int_equal(ns_circuit_node_ic(c, node, 10 + node), NS_OK);
+    assert_int_equal(ns_circuit_node_ic_count(c), 4);
+    assert_int_equal(ns_circuit_hold(c, hold, hold_x), 1);
+    assert_true(hold[0] == ns_circuit_node_unknown(c, 3) && hold_x[0] == 13);
+    ns_circuit_free(c);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_elements),
@@ -382,6 +402,7 @@ int main(void) {
         cmocka_unit_test(controls_set_by_sources),
         cmocka_unit_test(both_ends_on_one_node),
         cmocka_unit_test(initial_charges),
+        cmocka_unit_test(ic_yields_to_sources),
     };
     return cmocka_run_group_tests_name("circuit", tests, NULL, NULL);
 }
