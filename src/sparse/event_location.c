@@ -24,6 +24,8 @@ static const double shallow = 1e-7;
 static const double met = 16;
 /* Another threshold is where this one is if it is so many of them from it. */
 static const double beside = 1e4;
+/* The end of a step is no farther from its event than this fraction of the step. */
+static const double furthest_off = 1e-6;
 /* A transient that dies far within the step has coefficients 1, -1, 1, ...; (E1) turns it into values down
  * to -2.69, the least sum of eight or nine of Laguerre's polynomials. */
 static const double unresolved = 2.7;
@@ -230,13 +232,26 @@ static double value_at_end(const ns_dense_step *step, const double *G, ns_curve 
     return at_end;
 }
 
+/* How far the end of the step may be from the instant of its event, in lengths of the step: the event was
+ * located before stages were added for other guards, with which its own is no longer zero there. */
+static double instant_is_off(const ns_sparse *m, const ns_dense_step *step) {
+    double G[NS_STAGES] = {0};
+    ns_curve curve;
+    if (step->pair < 0 && step->command < 0)
+        return 0;
+    find_coefficients(m, step, step->stages, step->pair, step->guard, step->command, G);
+    const double at_end = value_at_end(step, G, &curve), slope = ns_modes_curve_slope(&curve, 1);
+    return slope < 0 ? fmin(fabs(at_end / slope), furthest_off) : 0;
+}
+
 int ns_sparse_location_meets(const ns_sparse *m, const ns_dense_step *step, int c, double *apart) {
     double G[NS_STAGES] = {0};
     ns_curve curve;
     *apart = 0;
     find_coefficients(m, step, step->stages, -1, 0, c, G);
     const double at_end = value_at_end(step, G, &curve), slope = ns_modes_curve_slope(&curve, 1),
-                 late = ns_system_signal_time_error(step->end_t, step->end_t) / step->length;
+                 late = ns_system_signal_time_error(step->end_t, step->end_t) / step->length +
+                        instant_is_off(m, step);
     if (!(slope < 0) ||
         at_end > met * ns_sparse_guard_control_rounding(m, c, step->images, step->z) - slope * late)
         return 0;
