@@ -14,6 +14,7 @@
  * are shown as straight lines, from the values right after the transient had died.
  */
 #include "guards.h"
+#include "largest.h"
 #include "linalg/simd.h"
 #include "step.h"
 
@@ -96,6 +97,11 @@ static int is_rounding(const ns_sparse *m, const ns_dense_step *step, int j, dou
     return fabs(lambda) <= ns_sparse_guard_least_rounding(m, j, v, step->powers, step->g);
 }
 
+/* 1 if all charges and fluxes so far are rounding: signs of the currents say nothing. */
+static int nothing_flows(const ns_sparse *m) {
+    return ns_sparse_largest_size(m) <= ns_sparse_largest_rounding(m);
+}
+
 /* 1 if a conducting pair has the wrong sign at the end of a step, by more than a point that is shown may
  * have: what a series leaves there of a transient that it does not resolve.  It is passed by Euler steps. */
 int ns_sparse_transient_is_left(const ns_sparse *m, const ns_dense_step *step) {
@@ -111,7 +117,7 @@ int ns_sparse_transient_is_left(const ns_sparse *m, const ns_dense_step *step) {
         for (int i = step->stages - 1; i >= 0; i--)
             lambda += c[i] * step->images[(size_t)i * size + (size_t)(m->f->n + j)];
         if (has_wrong_sign(m, j, lambda) && !is_rounding(m, step, j, lambda))
-            return 1;
+            return !nothing_flows(m);
     }
     return 0;
 }
