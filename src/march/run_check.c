@@ -213,6 +213,17 @@ double ns_march_check_begin(ns_run *r, double t, ns_until until) {
     return until == NS_TO_STEP || !(t > k->from) ? t : probe(r, t, until);
 }
 
+/* The point judged last, where steps that take no time follow an event. */
+static int keeps_digits(ns_run *r) {
+    ns_run_check *k = &r->check;
+    ns_verify_finding f;
+    if (ns_verify_keeps_digits(k->verify, &f))
+        return 1;
+    k->found = 1;
+    k->finding = f;
+    return 0;
+}
+
 /* The end of a trial, as a point that is shown. */
 static int judge_end(ns_run *r, double reached) {
     ns_run_check *k = &r->check;
@@ -227,12 +238,12 @@ static int judge_end(ns_run *r, double reached) {
         k->checks++;
         k->way_next = 1;
         if (ns_verify_quick_point(k->verify, &at))
-            return 1;
+            return keeps_digits(r);
     }
     if (ns_engine_read(r->at_work, NULL, k->here, k->here + r->s->n, k->y) != NS_OK)
         return 1;
     k->way_next = 1;
-    return ns_march_check_quickly(r, reached, side, k->y);
+    return ns_march_check_quickly(r, reached, side, k->y) && keeps_digits(r);
 }
 
 int ns_march_check_end(ns_run *r, double t, ns_until until, double reached) {

@@ -230,21 +230,38 @@ static void fill_jump(ns_verify *v, const double *X, const double *Lambda, jump 
     j->lambda_off = of_impulse * largest(m, v->v + n) + j->any_off + DBL_MIN;
 }
 
-/* A number of which not even `hopeless` is as small as all numbers before the event leaves no digit of what
- * was there: each law holds to the rounding of its terms then, whatever they are. */
-static void judge_largest(const ns_verify *v, ns_verify_finding *worst) {
-    static const double hopeless = 1e-18;
-    const int n = v->s->n;
-    int at = -1;
+/* A number of which not even `hopeless` is as small as all numbers before leaves no digit of what was there:
+ * each law holds to the rounding of its terms then, whatever they are. */
+static const double hopeless = 1e-18;
+
+/* The largest of u, and which it is; -1: all are zero. */
+static double largest_of(const ns_verify *v, const double *u, int *at) {
     double most = 0;
-    for (int i = 0; i < n + v->s->m; i++)
-        if (fabs(v->u[i]) > most) {
-            most = fabs(v->u[i]);
-            at = i;
+    *at = -1;
+    for (int i = 0; i < v->s->n + v->s->m; i++)
+        if (fabs(u[i]) > most) {
+            most = fabs(u[i]);
+            *at = i;
         }
-    if (!v->has_w_left && v->most_left > 0 && at >= 0)
+    return most;
+}
+
+static void judge_against(const ns_verify *v, double before, ns_verify_finding *worst) {
+    const int n = v->s->n;
+    int at;
+    const double most = largest_of(v, v->u, &at);
+    if (!v->has_w_left && before > 0 && at >= 0)
         ns_verify_note(worst, NS_VERIFY_NUMBER, at < n ? -1 : at - n, at < n ? at : -1,
-                       hopeless * most / v->most_left);
+                       hopeless * most / before);
+}
+
+int ns_verify_keeps_digits(ns_verify *v, ns_verify_finding *worst) {
+    static const double no_time = 1024 * DBL_EPSILON;
+    int at;
+    *worst = ns_verify_nothing(v->t);
+    if (fabs(v->t - v->t_left) <= no_time * fabs(v->t))
+        judge_against(v, largest_of(v, v->u_left, &at), worst);
+    return !(worst->error > ns_verify_wrong);
 }
 
 void ns_verify_left(ns_verify *v) {
@@ -272,7 +289,7 @@ int ns_verify_left_in_full(ns_verify *v, ns_verify_finding *worst) {
 int ns_verify_event(ns_verify *v, const double *X, const double *Lambda, ns_verify_finding *worst) {
     jump j = {.seconds = v->t - v->t_left};
     *worst = ns_verify_nothing(v->t);
-    judge_largest(v, worst);
+    judge_against(v, v->most_left, worst);
     ns_verify_memory_event(v, worst);
     const moves most = most_of_moves(v);
     if (most == NONE)

@@ -136,6 +136,10 @@ void ns_verify_start_switches(ns_verify *v, double t, const unsigned char *close
  * ns_march_impulse(). */
 int ns_verify_event(ns_verify *v, const double *X, const double *Lambda, ns_verify_finding *worst);
 
+/* The point judged last, in a step that takes no time after that left side (at most 1024 roundings of it;
+ * else 1).  0: its numbers are so much larger that no digit is left of what was there. */
+int ns_verify_keeps_digits(ns_verify *v, ns_verify_finding *worst);
+
 /* A step of the theta scheme, from one point to the other, neither of which is judged. */
 int ns_verify_step(ns_verify *v, const ns_verify_state *from, const ns_verify_state *to,
                    ns_verify_finding *worst);

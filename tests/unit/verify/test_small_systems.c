@@ -295,6 +295,31 @@ static void which_is_no_number(void **state) {
     }
 }
 
+/* A step of 2e-16 s after an event, or of 0.1 s: 1 at its left side is 1e18 or 1e20 after it.  Beside 1e20 a
+ * double keeps no digit of 1, nor does twice as many. */
+static void digits_are_kept(void **state) {
+    const double left[2] = {1, 1}, after[] = {1e18, 1e20, 1e20}, time[] = {1 + 2e-16, 1 + 2e-16, 1.1};
+    (void)state;
+    for (int k = 0; k < 3; k++) {
+        const double u[2] = {1, -after[k]};
+        const ns_verify_state before = {1, NS_LEFT, left, NULL, NULL, 0},
+                              at = {time[k], NS_RIGHT, u, NULL, NULL, 0};
+        ns_system *s;
+        ns_verify *v;
+        ns_verify_finding f;
+        assert_int_equal(ns_system_create(2, 0, 0, 0, &s), NS_OK);
+        s->M[0] = s->M[3] = 1;
+        assert_int_equal(ns_verify_create(s, &options, &v), NS_OK);
+        assert_true(ns_verify_point(v, &before, &f));
+        ns_verify_left(v);
+        assert_true(ns_verify_point(v, &at, &f));
+        assert_int_equal(ns_verify_keeps_digits(v, &f), k != 1);
+        assert_int_equal(f.cause == NS_VERIFY_NUMBER && f.unknown == 1, k == 1);
+        ns_verify_free(v);
+        ns_system_free(s);
+    }
+}
+
 /* x_0' = -x_1, y_0 = y_1 = x_1 = 0 on both sides.  x_0 falls from 6 to 5 by an impulse of 1 of x_1, so that y
  * has one: after it lambda is 0, of both pairs.  `which` has 2. */
 static void what_follows_an_impulse(void **state) {
@@ -365,6 +390,7 @@ int main(void) {
         cmocka_unit_test(an_input_after_its_last_corner),
         cmocka_unit_test(outputs_of_inputs),
         cmocka_unit_test(which_is_no_number),
+        cmocka_unit_test(digits_are_kept),
         cmocka_unit_test(what_follows_an_impulse),
         cmocka_unit_test(rounding_in_a_step),
     };
