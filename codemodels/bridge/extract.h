@@ -147,6 +147,10 @@ typedef struct ns_own_taken {
         double amperes;          /* that it carries at the point before, of either sign */
         double shown, seconds;   /* C, in so many s */
     } supply;
+    struct {                             /* own_closed.c, of a follower, forwards and backwards: */
+        int held;                        /* V hold the end that its current flows to */
+        double off, of, all_off, all_of; /* as those of seen, in A or V */
+    } closed_way[2];
     double vt;                 /* of a switch with VON, VOFF; */
     struct {                   /* own_between.c, of it: */
         int pos, neg;          /* equations: its control is the difference */

@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "own_between.h"
+#include "own_closed.h"
 #include "own_current.h"
 #include "own_follower.h"
 #include "own_overlap.h"
@@ -165,6 +166,7 @@ void ns_bridge_own_count_point(const CKTcircuit *ckt, ns_analysis *a, double sin
             ns_bridge_pulse_mean_add(&o->seen.current, mean > NS_LEAK, mean, o->seen.t, t);
         if (o->kind == OWN_MOSFET) {
             count_channel(ckt, a, o, i, o->seen.t >= since ? t - o->seen.t : 0.0, t);
+            ns_bridge_own_count_closed(a, o, i, o->seen.t >= since ? t - o->seen.t : 0.0);
             ns_bridge_own_count_supply(a, o, o->seen.t >= since ? t - o->seen.t : -1.0);
         }
         if (o->kind == OWN_DIODE && o->seen.current.weight == 0.0)
@@ -192,7 +194,7 @@ static double channel_voltage(const ns_own_taken *o, double amperes) {
     const double c = amperes / (ns_bridge_own_gain(m, beyond) * m->triode);
     const double rest = above * above - 2.0 * m->triode * c;
     if (o->follows == FOLLOWS_AND_CLOSES)
-        return ns_bridge_own_closed_voltage(o, amperes) + m->series * amperes;
+        return ns_bridge_own_closed_voltage(m, beyond, amperes) + m->series * amperes;
     return rest < 0.0 ? INFINITY : 2.0 * c / (above + sqrt(rest)) + m->series * amperes;
 }
 
@@ -373,6 +375,12 @@ int ns_bridge_own_note_curve(const CKTcircuit *ckt, const ns_analysis *a) {
         if (is_judged(a, o) && part_off(o) > much) {
             note_channel(a, o);
             worst = o;
+        }
+    }
+    for (int k = 0; k < a->ex.nowns && !worst; k++) {
+        if (ns_bridge_own_closed_off(&a->ex.own[k]) > much) {
+            ns_bridge_own_note_one_closed(&a->ex.own[k]);
+            worst = &a->ex.own[k];
         }
     }
     const int by_law = worst || note_missed(ckt, a) || ns_bridge_own_note_guess(a, NULL);

@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#include "own_closed.h"
 #include "own_feedback.h"
 #include "own_follower.h"
 #include "own_structs.h"
@@ -311,6 +312,7 @@ int ns_bridge_own_mosfet(ns_extract_walk *w, GENinstance *inst) {
     if (status)
         return status;
     ns_bridge_own_find_lines(w, inst, &taken);
+    ns_bridge_own_find_held(w->ckt, &taken);
     status = add_channel(w, inst, &taken);
     status = status ? status : add_body_diode(w, inst, &taken);
     status = status ? status : add_bulk_diode(w, inst, &taken);

@@ -16,10 +16,8 @@ static double needed_voltage(const ns_own_taken *o, double amperes) {
     return ns_bridge_own_needs(&o->mosfet, amperes);
 }
 
-double ns_bridge_own_closed_voltage(const ns_own_taken *o, double amperes) {
+double ns_bridge_own_closed_voltage(const ns_own_mosfet *m, double beyond, double amperes) {
     enum { HALVINGS = 60, DOUBLINGS = 60 };
-    const ns_own_mosfet *m = &o->mosfet;
-    const double beyond = o->drive - m->vth;
     double low = 0.0, high = 1e-6;
     for (int k = 0; k < DOUBLINGS && ns_bridge_own_channel(m, beyond + high, high) < amperes; k++)
         high *= 2.0;
@@ -31,6 +29,11 @@ double ns_bridge_own_closed_voltage(const ns_own_taken *o, double amperes) {
             high = middle;
     }
     return 0.5 * (low + high);
+}
+
+/* At v(gate,drain) of its drive. */
+static double closed_voltage(const ns_own_taken *o, double amperes) {
+    return ns_bridge_own_closed_voltage(&o->mosfet, o->drive - o->mosfet.vth, amperes);
 }
 
 /* The tangent of a law at the current that was found, or a flatter line, as that of a D. */
@@ -45,7 +48,7 @@ static ns_own_line line_of(const ns_own_taken *o, law *of, const ns_own_current 
 
 /* From 0 V to its voltage at a current that is a guess. */
 static ns_own_line guess_of(const ns_own_taken *o, double amperes) {
-    return (ns_own_line){0.0, 0.0, ns_bridge_own_closed_voltage(o, amperes) / amperes};
+    return (ns_own_line){0.0, 0.0, closed_voltage(o, amperes) / amperes};
 }
 
 /* In a first pass: from 0 V to a part of its drive, and the current there.  A gate that needs nothing beyond
@@ -80,7 +83,7 @@ void ns_bridge_own_find_lines(ns_extract_walk *w, const GENinstance *inst, ns_ow
     if (o->zero_diodes || !ns_bridge_own_saturates(taken))
         return;
     if (taken->follows == FOLLOWS_AND_CLOSES) {
-        taken->closed = found ? line_of(taken, ns_bridge_own_closed_voltage, found)
+        taken->closed = found ? line_of(taken, closed_voltage, found)
                               : guess_of(taken, isnan(o->id) ? NS_OWN_CURRENT : o->id);
         taken->ron = m->series + taken->closed.ohm;
     }

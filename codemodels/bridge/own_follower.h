@@ -15,9 +15,9 @@ static inline int ns_bridge_own_saturates(const ns_own_taken *o) {
     return o->follows != 0;
 }
 
-/* V: across the channel of a follower that closes, without series resistance, at a current (A); its
- * v(gate,drain) is that of its drive. */
-double ns_bridge_own_closed_voltage(const ns_own_taken *o, double amperes);
+/* V: across the channel, without series resistance, at a current (A), where v(gate,drain) is `beyond` V
+ * beyond vto. */
+double ns_bridge_own_closed_voltage(const ns_own_mosfet *m, double beyond, double amperes);
 
 /* ohm: of drain and source at its drive, without current. */
 double ns_bridge_own_ohmic(const ns_own_taken *o);
