@@ -1,6 +1,7 @@
 /* bridge/digital.c - XSPICE's digital parts while an analysis runs. */
 #include "digital_control.h"
 #include "digital_run.h"
+#include "pure/late_text.h"
 #include "report.h"
 
 #include <math.h>
@@ -189,24 +190,26 @@ int ns_bridge_digital_accept(ns_session *s) {
 }
 
 int ns_bridge_digital_fail_late(const ns_session *s) {
+    enum { TEXT = 400 };
     const ns_digital *d = &s->analysis.ex.digital;
-    const char *name = "a digital part", *model = "of the last event";
+    const char *output = "a", *name = NULL, *model = NULL, *of, *is;
+    char text[TEXT];
     double last = -INFINITY;
+    for (int k = 0; k < d->noutputs; k++)
+        if (ns_bridge_digital_state(d->output[k].port) != d->output[k].state)
+            output = d->output[k].name;
     for (int k = 0; k < d->ninputs; k++) {
-        const char *of = name, *is = model;
-        const double t =
-            d->input[k].control ? ns_bridge_digital_control_last(d->input[k].control, &of, &is) : -INFINITY;
-        if (t > last) {
-            last = t;
-            name = of;
-            model = is;
-        }
+        if (!d->input[k].control || ns_bridge_digital_control_rests(d->input[k].control))
+            continue;
+        const double t = ns_bridge_digital_control_last(d->input[k].control, &of, &is);
+        if (name && t <= last)
+            continue;
+        last = t;
+        name = of;
+        model = is;
     }
-    ns_bridge_report_error(
-        "at t = %g s: %s (%s) changed its output at a time that was already simulated: its "
-        "control changes its frequency or duty cycle too much between two timepoints, "
-        "which is not supported: let it change more slowly, or give .tran a tmax",
-        s->ckt->CKTtime, name, model);
+    ns_bridge_late_text(text, sizeof text, s->ckt->CKTtime, output, name, model);
+    ns_bridge_report_error("%s", text);
     return ns_bridge_report_code(NS_E_STATE);
 }
 

@@ -27,6 +27,7 @@ typedef struct ns_digital_input {
 
 /* An output of a dac_bridge. */
 typedef struct ns_digital_output {
+    const char *name;            /* of the instance */
     const Mif_Port_Data_t *port; /* the digital input that commands it */
     int p, n;                    /* the nodes that it is between */
     int input;                   /* of the system */

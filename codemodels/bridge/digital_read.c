@@ -82,7 +82,7 @@ static int add_input(ns_extract_walk *w, MIFinstance *inst, Mif_Port_Data_t *por
 /* --- outputs of a dac_bridge --- */
 
 static ns_digital_output levels_of(const MIFinstance *inst, const Mif_Port_Data_t *port) {
-    ns_digital_output o = {.port = port, .input = -1};
+    ns_digital_output o = {.name = inst->gen.GENname, .port = port, .input = -1};
     const int middle = !inst->param[DAC_LOW]->is_null && !inst->param[DAC_HIGH]->is_null &&
                        inst->param[DAC_UNDEFINED]->is_null;
     o.level[ZERO] = ns_bridge_models_real(inst, DAC_LOW);
