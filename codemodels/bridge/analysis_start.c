@@ -109,6 +109,12 @@ static int announce_circuit(ns_session *s) {
             "%s: straight lines stand for tanh, atan and 1/(1+exp(u)) of signals, within 0.25 %% "
             "of the way between their ends; so in other B",
             a->ex.curved);
+    if (!s->once.steps_noted && *a->ex.stepped)
+        ns_bridge_report_note(
+            "%s: in its products a V that goes from one of two values to the other one jumps, "
+            "halfway there; so in other B",
+            a->ex.stepped);
+    s->once.steps_noted |= *a->ex.stepped != 0;
     s->once.circuit_announced = 1;
     if (a->ex.options.reltol > 0.0 && a->ex.options.method == NS_THETA && !s->once.reltol_noted) {
         ns_bridge_report_note("reltol = %g has no effect: method \"theta\" uses steps of the fixed length h",

@@ -278,6 +278,15 @@ static ns_piecewise_value *read_sigmoid(expression_reader *r, const ns_piecewise
         &r->p, c, ns_bridge_piecewise_sum(&r->p, -0.5 / of->one, curve, 0.5 / of->one, constant(r, 1.0)));
 }
 
+/* Of two signals, one has to be made of steps. */
+static ns_piecewise_value *product(expression_reader *r, const ns_piecewise_value *a,
+                                   const ns_piecewise_value *b) {
+    const int both = a && b && !ns_bridge_piecewise_is_discrete(a) && !ns_bridge_piecewise_is_discrete(b);
+    const ns_piecewise_value *steps = both ? ns_bridge_expression_steps(r, a) : a;
+    return ns_bridge_piecewise_product(&r->p, steps,
+                                       both && steps == a ? ns_bridge_expression_steps(r, b) : b);
+}
+
 static ns_piecewise_value *read_operation(expression_reader *r, const INPparseNode *node) {
     ns_expression_sigmoid sigmoid;
     const ns_piecewise_value *a = read_node(r, node->left);
@@ -290,9 +299,9 @@ static ns_piecewise_value *read_operation(expression_reader *r, const INPparseNo
     case PT_MINUS:
         return difference(r, a, b);
     case PT_TIMES:
-        return ns_bridge_piecewise_product(&r->p, a, b);
+        return product(r, a, b);
     case PT_DIVIDE:
-        return ns_bridge_piecewise_quotient(&r->p, a, b);
+        return ns_bridge_piecewise_quotient(&r->p, a, ns_bridge_expression_steps(r, b));
     default:
         return read_binary(r, node, a, b);
     }

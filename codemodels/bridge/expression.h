@@ -29,7 +29,8 @@ typedef struct ns_expression_sigmoid {
 } ns_expression_sigmoid;
 int ns_bridge_expression_is_sigmoid(const struct INPparseNode *node, ns_expression_sigmoid *of);
 
-/* expression_sources.c: 1 if a V between this node and ground holds it at so many volts all the time. */
+/* expression_sources.c: 1 if a V between this node and ground holds it at so many volts all the time, of .op
+ * and .dc in a point. */
 int ns_bridge_expression_supply(const ns_extract_walk *w, int node, double *volts);
 
 /* expression_sources.c: a node whose voltage is the time, s (made when it is asked for first), that of z

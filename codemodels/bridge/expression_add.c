@@ -12,15 +12,15 @@ static double stop_of(const ns_extract_walk *w) {
 }
 
 static int refuse_node(expression_reader *r, GENinstance *inst) {
-    char text[TEXT], what[256];
+    char text[TEXT], what[320];
     if (!r->p.why)
         return r->p.status;
     ns_bridge_expression_text(r->b->ASRCtree, r->at, text, sizeof text);
     snprintf(what, sizeof what, "%s is not supported: %s: %s", text, r->p.why,
-             r->p.instead
-                 ? r->p.instead
-                 : "one factor has to be a number, a {parameter} or a comparison; pwl(x, x1, y1, ...) "
-                   "approximates a curve");
+             r->p.instead ? r->p.instead
+                          : "one factor has to be a number, a {parameter}, a comparison or the voltage of a "
+                            "V that jumps between "
+                            "two values; pwl(x, x1, y1, ...) approximates a curve");
     return ns_bridge_extract_refuse(r->w, inst, what);
 }
 

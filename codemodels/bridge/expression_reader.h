@@ -26,6 +26,9 @@ typedef struct expression_reader {
 /* The value of a node; NULL: p says why. */
 ns_piecewise_value *ns_bridge_expression_read(expression_reader *r, const INPparseNode *root);
 
+/* expression_steps.c: a, or, where V that jump between two values alone make it, comparisons in its place. */
+const ns_piecewise_value *ns_bridge_expression_steps(expression_reader *r, const ns_piecewise_value *a);
+
 /* expression_branch.c: 1 where the condition says that what it compares with 0 is not below that, -1: not
  * above, 0: it says neither. */
 int ns_bridge_expression_side(const INPparseNode *condition);

@@ -6,6 +6,7 @@
 
 #include "models.h"
 #include "pure/timepoints.h"
+#include "sources.h"
 
 #include "spicelib/devices/vsrc/vsrcdefs.h"
 
@@ -40,9 +41,14 @@ int ns_bridge_expression_supply(const ns_extract_walk *w, int node, double *volt
             continue;
         const VSRCinstance *v = box->data;
         const int up = v->VSRCposNode == node && v->VSRCnegNode == 0;
-        if (v->VSRCfunctionType || !(up || (v->VSRCnegNode == node && v->VSRCposNode == 0)))
+        ns_signal z = {.kind = NS_DC, .u.dc = v->VSRCdcValue};
+        double *points = NULL;
+        if (!(up || (v->VSRCnegNode == node && v->VSRCposNode == 0)) || (v->VSRCfunctionType && !w->dc))
             continue;
-        *volts = up ? v->VSRCdcValue : -v->VSRCdcValue;
+        if (v->VSRCfunctionType && ns_bridge_sources_signal(w->ckt, box->data, 1, &z, &points))
+            continue;
+        free(points);
+        *volts = up ? z.u.dc : -z.u.dc;
         return 1;
     }
     return 0;

@@ -195,7 +195,8 @@ typedef struct ns_extract {
         char name[80];    /* empty: there is none */
         const char *what; /* the parameter that smooths them */
     } sharp;
-    char curved[80]; /* the first B whose tanh, atan or 1/(1+exp(u)) became straight lines; "": none */
+    char curved[80];  /* the first B whose tanh, atan or 1/(1+exp(u)) became straight lines; "": none */
+    char stepped[80]; /* likewise one in whose products the voltage of a V became a comparison */
     ns_bridge_options options;
     const MIFinstance *options_inst; /* the instance of model nonsmooth; NULL: there is none */
     unsigned long long hash; /* of all that was read: of two readings: equal if nothing was altered between */

@@ -39,6 +39,7 @@ typedef struct ns_session {
     struct {
         int version_checked;       /* ngspice is the one this was built for */
         int circuit_announced;     /* its size was written */
+        int steps_noted;           /* that a V jumps in products was */
         int currents_announced;    /* the vf of D at currents of their own were written */
         unsigned long long models; /* those of what was announced as taken */
         int curve_noted;           /* that a D is far from its own curve was written */
