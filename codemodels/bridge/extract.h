@@ -50,6 +50,7 @@ typedef struct ns_own_current {
 typedef struct ns_own_start {
     const GENinstance *inst;
     int closed;
+    double size;     /* V or A: of what its control is the difference of */
     int falls;       /* it leaves downwards: it comes back from below, then */
     double until[2]; /* s: it stays so up to the first; control alone decides from the second on */
 } ns_own_start;

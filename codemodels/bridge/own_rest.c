@@ -24,9 +24,14 @@ static double above(const ns_analysis *a, const double *x, const ns_own_switch *
     return (s->branch > 0 ? at(a, x, s->branch) : at(a, x, s->cp) - at(a, x, s->cn)) - s->vt;
 }
 
+/* V or A: how large what it is the difference of is. */
+static double size_of(const ns_analysis *a, const double *x, const ns_own_switch *s) {
+    return s->branch > 0 ? fabs(at(a, x, s->branch)) : fabs(at(a, x, s->cp)) + fabs(at(a, x, s->cn));
+}
+
 static int is_at_threshold(const ns_analysis *a, const double *x, const ns_own_switch *s) {
     static const double rounding = 0.25; /* less than what own_start.c holds it by */
-    return fabs(above(a, x, s)) <= rounding * ns_circuit_switch_shift(s->vt);
+    return fabs(above(a, x, s)) <= rounding * ns_circuit_switch_shift(s->vt, 0.0);
 }
 
 /* Its state at its threshold is not known yet. */
@@ -45,6 +50,7 @@ static int find(const CKTcircuit *ckt, const ns_analysis *a, const double *x, ns
         if (is_open_question(o) && is_at_threshold(a, x, &o->sw))
             found->start[found->nstarts++] =
                 (ns_own_start){.inst = o->inst,
+                               .size = size_of(a, x, &o->sw),
                                .closed = ns_bridge_own_is_closed_at_rest(ckt, uic, &o->sw),
                                .until = {INFINITY, INFINITY}};
     }
@@ -128,7 +134,7 @@ static int refuse_resting(const ns_analysis *a, const ns_own_taken *o, double t)
 static int differs(const ns_analysis *a, ns_own_taken *o, double above_by) {
     static const double rounding = 0.25;
     int on;
-    if (!(fabs(above_by) <= rounding * ns_circuit_switch_shift(o->sw.vt))) {
+    if (!(fabs(above_by) <= rounding * ns_circuit_switch_shift(o->sw.vt, 0.0))) {
         o->rest.side = above_by > 0.0 ? 1 : -1;
         return 0;
     }

@@ -102,9 +102,9 @@ static int add_series(ns_extract_walk *w, const double *until, double volts, int
     return add_held(w, &z, cp);
 }
 
-/* V: what holds it in that state. */
-static double hold_of(const ns_own_switch *s, int closed) {
-    return (closed != (s->ron > s->roff) ? hold : -hold) * ns_circuit_switch_shift(s->vt);
+/* V: what holds it in that state; size: of what its control is the difference of, there. */
+static double hold_of(const ns_own_switch *s, int closed, double size) {
+    return (closed != (s->ron > s->roff) ? hold : -hold) * ns_circuit_switch_shift(s->vt, size);
 }
 
 /* 1 if a line of points is at value, and above, and below it. */
@@ -125,11 +125,11 @@ static int hold_between(ns_extract_walk *w, const ns_own_switch *s, const ns_sig
     ns_signal held = *z;
     if (!level)
         return NS_E_MEMORY;
-    level[0] = hold_of(s, closed);
+    level[0] = hold_of(s, closed, 0.0);
     for (int k = 1; k < n; k++) {
         const double before = z->u.pwl.v[k - 1] - sign * s->vt;
         const int arrives = z->u.pwl.v[k] == sign * s->vt && before != 0.0;
-        level[k] = arrives ? hold_of(s, sign * before < 0.0) : level[k - 1];
+        level[k] = arrives ? hold_of(s, sign * before < 0.0, 0.0) : level[k - 1];
     }
     held.u.pwl.v = level;
     const int status = add_held(w, &held, cp);
@@ -148,13 +148,13 @@ int ns_bridge_own_hold_start(ns_extract_walk *w, const ns_own_switch *s, int *cp
     if (rests_between(&z, sign * s->vt))
         status = hold_between(w, s, &z, sign, closed, cp);
     else if (begins_at(&z, sign * s->vt, leaves))
-        status = add_series(w, leaves, hold_of(s, closed), cp);
+        status = add_series(w, leaves, hold_of(s, closed, 0.0), cp);
     free(points);
     return status;
 }
 
 int ns_bridge_own_hold_found(ns_extract_walk *w, const ns_own_switch *s, const ns_own_start *start, int *cp) {
-    return add_series(w, start->until, hold_of(s, start->closed), cp);
+    return add_series(w, start->until, hold_of(s, start->closed, start->size), cp);
 }
 
 const ns_own_start *ns_bridge_own_found_start(const ns_extract_walk *w, const GENinstance *inst) {

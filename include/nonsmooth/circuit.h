@@ -95,8 +95,8 @@ int ns_circuit_switch_as_it_came(ns_circuit *c, int id, int closed, int other);
 /* The control of this switch may rest at vt though vt is not 0.  Without this call a control that is no sum
  * of sources counts as resting only where vt is 0.  Errors: NULL, SIZE (id is no switch). */
 int ns_circuit_switch_rests(ns_circuit *c, int id);
-/* By how much (V or A) the threshold vt is shifted for either. */
-double ns_circuit_switch_shift(double vt);
+/* By how much (V or A) the threshold vt is shifted for either; size: of the terms whose sum is at vt. */
+double ns_circuit_switch_shift(double vt, double size);
 
 /* An affine expression: constant + sum gain * what each term stands for, V or A. */
 typedef struct ns_affine {

@@ -13,8 +13,13 @@
 
 enum { MOST_SUMS = 4096, MOST_CORNERS = 4096 }; /* of levels, of inputs; more are not tried */
 
-double ns_circuit_switch_shift(double vt) {
-    return 1e-9 * fmax(fabs(vt), 1e-3);
+/* More than what counts as rounding of a control (1e-12 of its size). */
+static double choice_shift(double size) {
+    return 4e-12 * size;
+}
+
+double ns_circuit_switch_shift(double vt, double size) {
+    return fmax(1e-9 * fmax(fabs(vt), 1e-3), choice_shift(size));
 }
 
 /* --- what is asked for --- */
@@ -60,39 +65,45 @@ typedef struct level_sums {
     int count;
     double threshold, tolerance;
     double highest, lowest; /* bounds of the sum */
+    double size;            /* of the terms where they add up to the threshold */
     int tried;
     int status;
 } level_sums;
 
-static int any_level(level_sums *s, int k, double sum);
+static int any_level(level_sums *s, int k, double sum, double size);
 
 /* A level of a signal that is no broken line: what holds before it begins. */
-static int level_of_curve(level_sums *s, int k, double sum) {
+static int level_of_curve(level_sums *s, int k, double sum, double size) {
     const ns_signal *z = s->term[k].z;
     const double td = z->kind == NS_SIN ? z->u.sin.td : z->u.exp.td1;
     const int is_level = td > 0 || (z->kind == NS_SIN && z->u.sin.va == 0);
-    return is_level && any_level(s, k + 1, sum + s->term[k].gain * ns_signal_value(z, 0, NS_LEFT));
+    const double own = s->term[k].gain * ns_signal_value(z, 0, NS_LEFT);
+    return is_level && any_level(s, k + 1, sum + own, size + fabs(own));
 }
 
-static int level_of_line(level_sums *s, int k, double sum) {
+static int level_of_line(level_sums *s, int k, double sum, double size) {
     ns_broken_line line;
     int found = 0;
     s->status = ns_system_line_create(s->term[k].z, &line);
-    for (int i = 0; s->status == NS_OK && i <= line.n + 1 && !found; i++)
+    for (int i = 0; s->status == NS_OK && i <= line.n + 1 && !found; i++) {
+        const double own = s->term[k].gain * line.piece[i].v;
         if (line.piece[i].slope == 0)
-            found = any_level(s, k + 1, sum + s->term[k].gain * line.piece[i].v);
+            found = any_level(s, k + 1, sum + own, size + fabs(own));
+    }
     ns_system_line_free(&line);
     return found;
 }
 
 /* 1 if the sum, with any levels of the terms from k on, is at the threshold; also where too many were tried.
  */
-static int any_level(level_sums *s, int k, double sum) {
+static int any_level(level_sums *s, int k, double sum, double size) {
     if (s->status != NS_OK || s->tried++ > MOST_SUMS)
         return 1;
+    s->size = size;
     if (k == s->count)
         return fabs(sum - s->threshold) <= s->tolerance;
-    return ns_signal_is_linear(s->term[k].z) ? level_of_line(s, k, sum) : level_of_curve(s, k, sum);
+    return ns_signal_is_linear(s->term[k].z) ? level_of_line(s, k, sum, size)
+                                             : level_of_curve(s, k, sum, size);
 }
 
 /* 0 if one of them is a line that is over before the run begins: it stands for what is set later
@@ -156,11 +167,6 @@ int ns_circuit_largest_source(const ns_circuit *c, double *volts) {
         *volts = fmax(*volts, own);
     }
     return status;
-}
-
-/* More than what counts as rounding of a control (1e-12 of its size). */
-static double choice_shift(double size) {
-    return 4e-12 * size;
 }
 
 static int shift_of_known_choice(double constant, const ns_input_gain *term, int count, double *shift) {
@@ -227,27 +233,29 @@ static int ways_of_switch(const element *e, double constant, const ns_input_gain
     const level_sums s = {.term = term,
                           .count = count,
                           .threshold = e->sw.vt,
-                          .tolerance = exact * ns_circuit_switch_shift(e->sw.vt)};
+                          .tolerance = exact * ns_circuit_switch_shift(e->sw.vt, 0)};
     const int asked = e->at_rest == NS_RESTS_AS_IT_CAME && count > 0 && all_have_their_levels(&s);
     return asked ? ways_to_rest(&s, constant) & (FROM_ABOVE | FROM_BELOW) : 0;
 }
 
 int ns_circuit_shift_known(const element *e, double constant, const ns_input_gain *term, int count,
                            double *shift, int *both_ways) {
-    double size = ns_circuit_switch_shift(e->sw.vt);
+    double size = ns_circuit_switch_shift(e->sw.vt, 0);
     const int status = e->kind == CHOICE ? shift_of_known_choice(constant, term, count, &size) : NS_OK;
     level_sums s = {
         .term = term, .count = count, .threshold = e->sw.vt, .tolerance = 2 * size, .highest = constant};
     s.lowest = constant;
     s.status = status;
     const int known = all_have_their_levels(&s);
-    int rests = known ? any_level(&s, 0, constant) : e->kind == CHOICE || e->sw.vt == 0;
+    int rests = known ? any_level(&s, 0, constant, fabs(constant)) : e->kind == CHOICE || e->sw.vt == 0;
     rests = rests && (e->kind != CHOICE || !known || ways_to_rest(&s, constant) != 0);
     for (int k = 0; known && rests && k < count && s.status == NS_OK; k++)
         add_bounds(&s, &term[k]);
     int way = rests ? known ? way_of_shift(e, &s) : way_of_any(e) : 0;
     /* a sum of several may rest where none of them does */
     const int ways = rests || count > 1 ? ways_of_switch(e, constant, term, count) : 0;
+    if (e->kind == SWITCH && known && rests)
+        size = ns_circuit_switch_shift(e->sw.vt, s.size);
     *both_ways = ways == (FROM_ABOVE | FROM_BELOW);
     if (rests && (ways == FROM_ABOVE || ways == FROM_BELOW))
         way = ways == FROM_ABOVE ? 1 : -1;
@@ -272,7 +280,7 @@ double ns_circuit_shift_unknown(const ns_circuit *c, const element *e) {
     for (int i = 0; i < c->nelements; i++)
         if (are_complements(e, &c->element[i]))
             return 0;
-    return way_of_any(e) * ns_circuit_switch_shift(e->sw.vt);
+    return way_of_any(e) * ns_circuit_switch_shift(e->sw.vt, 0);
 }
 
 static int has_term(const element *b, double sign, const ns_term *t) {
