@@ -32,23 +32,23 @@ static double voltage_at(const ns_analysis *a, int eq) {
     return eq > 0 && a->unknown[eq] >= 0 ? a->x[a->unknown[eq]] : 0.0;
 }
 
-/* What is off, and of what that is a part, at i A from the end `from`, its drain then, to `to`: of its
- * current where V hold `to`, else of the largest voltage, V. */
+/* What is off, and of what that is a part, at i A from the end `from`, its drain then, to `to`: of all that
+ * it carries, both ways (A), where V hold `to`, else of the largest voltage, V. */
 static void judge(const ns_analysis *a, const ns_own_taken *o, int held, int from, int to, double i,
-                  double *off, double *of) {
+                  double both_ways, double *off, double *of) {
     const ns_own_mosfet *m = &o->mosfet;
     const double gate = voltage_at(a, m->gate), v_from = voltage_at(a, from), v_to = voltage_at(a, to);
+    const double beyond = m->sign * (gate - v_from) - m->vth;
     *off = *of = 0.0;
+    if (!(both_ways > NS_LEAK))
+        return;
+    *of = held ? both_ways : fmax(fmax(fabs(v_from), fabs(v_to)), o->seen.most_v);
     if (!(i > NS_LEAK))
         return;
-    if (held) {
-        *of = i;
+    if (held)
         *off = fmax(i - ns_bridge_own_saturation(m, m->sign * (gate - v_to) - m->vth), 0.0);
-        return;
-    }
-    const double beyond = m->sign * (gate - v_from) - m->vth;
-    *of = fmax(fmax(fabs(v_from), fabs(v_to)), o->seen.most_v);
-    *off = fabs(ns_bridge_own_closed_voltage(m, beyond, i) + m->series * i - m->sign * (v_from - v_to));
+    else
+        *off = fabs(ns_bridge_own_closed_voltage(m, beyond, i) + m->series * i - m->sign * (v_from - v_to));
 }
 
 /* Where it changes in between, no more is off than at the end where less is: the gate may have changed in far
@@ -67,12 +67,13 @@ void ns_bridge_own_count_closed(const ns_analysis *a, ns_own_taken *o, double i,
     double off, of, back = 0.0;
     if (!ns_bridge_own_is_follower(o))
         return;
-    judge(a, o, o->closed_way[FORWARDS].held, m->drain, m->source, ns_bridge_own_is_following(a, o) ? 0.0 : i,
-          &off, &of);
-    add(o, FORWARDS, off, of, seconds);
     if (o->back >= 0)
         ns_circuit_device(a->ex.circuit, o->back, a->x, a->lambda, a->mode, &back, NULL, NULL);
-    judge(a, o, o->closed_way[BACKWARDS].held, m->source, m->drain, back, &off, &of);
+    const double both_ways = fmax(i, 0.0) + fmax(back, 0.0);
+    judge(a, o, o->closed_way[FORWARDS].held, m->drain, m->source, ns_bridge_own_is_following(a, o) ? 0.0 : i,
+          both_ways, &off, &of);
+    add(o, FORWARDS, off, of, seconds);
+    judge(a, o, o->closed_way[BACKWARDS].held, m->source, m->drain, back, both_ways, &off, &of);
     add(o, BACKWARDS, off, of, seconds);
 }
 
