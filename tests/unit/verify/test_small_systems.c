@@ -296,7 +296,7 @@ static void which_is_no_number(void **state) {
 }
 
 /* A step of 2e-16 s after an event, or of 0.1 s: 1 at its left side is 1e18 or 1e20 after it.  Beside 1e20 a
- * double keeps no digit of 1, nor does twice as many. */
+ * double keeps no digit of 1. */
 static void digits_are_kept(void **state) {
     const double left[2] = {1, 1}, after[] = {1e18, 1e20, 1e20}, time[] = {1 + 2e-16, 1 + 2e-16, 1.1};
     (void)state;
