@@ -1,7 +1,7 @@
 /* tests/unit/sparse/test_event_limits.c - below the engine: what a guard may be off by near an event, and
  * what work a search for a mode may take. */
-#include "sparse_bench.h"
 #include "sparse/step.h"
+#include "sparse_bench.h"
 
 /* How many guards of a diode are broken that carries the current i of a coil of 1 H, from 1 uF at 5 V, in a
  * step of negligible length, beside currents of 1 A. */

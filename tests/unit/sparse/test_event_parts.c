@@ -1,7 +1,7 @@
 /* tests/unit/sparse/test_event_parts.c - what an event is made of, below the engine: charges that jump, (P1)
  * of a few pairs, counts of chatter, the largest values so far. */
-#include "sparse_bench.h"
 #include "sparse/step.h"
+#include "sparse_bench.h"
 
 #include "sparse/largest.h"
 
