@@ -19,8 +19,8 @@
 enum { NAME = 64 };
 /* Right is what differs by no more than this, of a signal's largest value. */
 static const double right_within = 1e-2;
-/* CPU times that differ by less are the same, s. */
-static const double least = 5e-3;
+/* CPU times that differ by less are the same, and none is shorter than that, s. */
+static const double least = 5e-3, shortest = 1e-4;
 
 static spice_home ours, own;
 static double limit;
@@ -51,7 +51,7 @@ static double time_of(const netlist *n, int setting, double most) {
         judge_between(J_VARIED, J_AUTO).most > right_within ||
         judge_between(J_AUTO, J_VARIED).most > right_within)
         return INFINITY;
-    return r->seconds - start;
+    return fmax(r->seconds - start, shortest);
 }
 
 /* The fastest setting that is right, and its time; no more than `most`. */
