@@ -24,7 +24,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "maker.h"
+#include "programs.h"
 #include "shown.h"
 #include "shrink.h"
 #include "vary.h"
@@ -46,11 +46,6 @@ static unsigned long long seed;
 static const char *folder;
 static judge_options options;
 
-static double number_of(const char *name, double without) {
-    const char *s = getenv(name);
-    return s && *s ? strtod(s, NULL) : without;
-}
-
 static double now(void) {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
@@ -58,24 +53,11 @@ static double now(void) {
 }
 
 static void collect(void) {
-    const family *const lists[] = {families_dcdc,      families_isolated, families_rectifiers,
-                                   families_inverters, families_pumps,    families_control,
-                                   families_random,    families_ties,     NULL};
     const char *part = getenv("STRESS_CLASS");
-    for (int i = 0; lists[i]; i++)
-        for (const family *f = lists[i]; f->name; f++)
+    for (int i = 0; families_all[i]; i++)
+        for (const family *f = families_all[i]; f->name; f++)
             if (!part || strstr(f->name, part))
                 families[nfamilies++] = *f;
-}
-
-/* One in five converters is as ideal as dice will have it. */
-static void make(const family *f, unsigned long long number, netlist *n) {
-    maker m;
-    maker_begin(&m, n, f->name, number);
-    if (number % 5 == 4)
-        maker_ideality(&m);
-    f->make(&m);
-    maker_end(&m);
 }
 
 /* --- finds --- */
@@ -132,7 +114,7 @@ static void one(int at, unsigned long long k) {
     if (kinds[at].count > 0)
         vary(&kinds[at], number, &n);
     else
-        make(&families[at], number, &n);
+        family_circuit(&families[at], number, &n);
     judge_options o = options;
     o.theta = (double)((number * 2654435761u) % 1000) < 1000 * number_of("STRESS_THETA", 0.5);
     judge_finding f = judge(&n, &o);
@@ -248,7 +230,7 @@ int main(int argc, char **argv) {
         netlist n = {0};
         for (int i = 0; i < nfamilies; i++)
             if (strcmp(families[i].name, argv[2]) == 0) {
-                make(&families[i], strtoull(argv[3], NULL, 10), &n);
+                family_circuit(&families[i], strtoull(argv[3], NULL, 10), &n);
                 netlist_write(&n, stdout);
             }
         return n.count == 0;

@@ -15,7 +15,7 @@
 
 #include "cases.h"
 #include "judge.h"
-#include "maker.h"
+#include "programs.h"
 
 enum { MOST = 10000, SHOWN = 10, NAME = 64 };
 /* Runs of less are over before anybody chooses: instructions, s. */
@@ -32,11 +32,6 @@ static row rows[MOST];
 static int count, unread, without;
 static double limit;
 static time_t until; /* no circuit is begun after it */
-
-static double number_of(const char *name, double without_it) {
-    const char *s = getenv(name);
-    return s && *s ? strtod(s, NULL) : without_it;
-}
 
 /* CPU times beside other work differ by half; below this ratio that does not matter. */
 static const double dear = 1.2;
@@ -132,29 +127,21 @@ static void measure_benchmark(void) {
 }
 
 static void measure_random(const family *f, unsigned long long number) {
-    maker m;
     netlist n = {0};
     char name[NAME];
     snprintf(name, sizeof name, "%.40s-%llu", f->name, number);
-    maker_begin(&m, &n, f->name, number);
-    if (number % 5 == 4)
-        maker_ideality(&m);
-    f->make(&m);
-    maker_end(&m);
+    family_circuit(f, number, &n);
     measure(name, &n);
     netlist_free(&n);
 }
 
 static void measure_stress(void) {
-    const family *const lists[] = {families_dcdc,      families_isolated, families_rectifiers,
-                                   families_inverters, families_pumps,    families_control,
-                                   families_random,    families_ties,     NULL};
     const unsigned long long seed = (unsigned long long)number_of("STRESS_SEED", 1);
     const int each = (int)number_of("STRESS_COUNT", 1);
     const char *part = getenv("STRESS_CLASS");
     for (int k = 0; k < each; k++)
-        for (int i = 0; lists[i]; i++)
-            for (const family *f = lists[i]; f->name; f++)
+        for (int i = 0; families_all[i]; i++)
+            for (const family *f = families_all[i]; f->name; f++)
                 if (!part || strstr(f->name, part))
                     measure_random(f, seed * 1000000 + (unsigned long long)k);
 }

@@ -13,7 +13,7 @@
 #include <time.h>
 
 #include "judge_internal.h"
-#include "maker.h"
+#include "programs.h"
 #include "stock.h"
 
 enum { NAME = 64 };
@@ -25,11 +25,6 @@ static const double least = 5e-3, shortest = 1e-4;
 static spice_home ours, own;
 static double limit;
 static int circuits, without, slower, unlike;
-
-static double number_of(const char *name, double without_it) {
-    const char *s = getenv(name);
-    return s && *s ? strtod(s, NULL) : without_it;
-}
 
 /* CPU time of a start, s: the least of three. */
 static double start_of(const netlist *n, const spice_home *home) {
@@ -94,29 +89,21 @@ static void measure(const char *name, const netlist *n) {
 }
 
 static const family *any_family(dice *d) {
-    static const family *const lists[] = {families_dcdc,      families_isolated, families_rectifiers,
-                                          families_inverters, families_pumps,    families_control,
-                                          families_random,    families_ties,     NULL};
     const char *part = getenv("STRESS_CLASS");
     const family *found = NULL;
     int count = 0;
-    for (int i = 0; lists[i]; i++)
-        for (const family *f = lists[i]; f->name; f++)
+    for (int i = 0; families_all[i]; i++)
+        for (const family *f = families_all[i]; f->name; f++)
             if ((!part || strstr(f->name, part)) && dice_below(d, ++count) == 0)
                 found = f;
     return found;
 }
 
 static void measure_random(const family *f, unsigned long long number) {
-    maker m;
     netlist n = {0};
     char name[NAME];
     snprintf(name, sizeof name, "%.40s-%llu", f->name, number);
-    maker_begin(&m, &n, f->name, number);
-    if (number % 5 == 4)
-        maker_ideality(&m);
-    f->make(&m);
-    maker_end(&m);
+    family_circuit(f, number, &n);
     measure(name, &n);
     netlist_free(&n);
 }
