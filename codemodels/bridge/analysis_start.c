@@ -111,8 +111,8 @@ static int announce_circuit(ns_session *s) {
             a->ex.curved);
     if (!s->once.steps_noted && *a->ex.stepped)
         ns_bridge_report_note(
-            "%s: in its products a V that goes from one of two values to the other one jumps, "
-            "halfway there; so in other B",
+            "%s: where it multiplies or divides by a V that ramps between two values, the ramp is a jump at "
+            "its middle; so in other B",
             a->ex.stepped);
     s->once.steps_noted |= *a->ex.stepped != 0;
     s->once.circuit_announced = 1;

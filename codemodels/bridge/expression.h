@@ -29,6 +29,10 @@ typedef struct ns_expression_sigmoid {
 } ns_expression_sigmoid;
 int ns_bridge_expression_is_sigmoid(const struct INPparseNode *node, ns_expression_sigmoid *of);
 
+/* expression_sources.c: the V between this node and ground, if constant of DC alone; *sign: 1: its positive
+ * end is the node, else -1.  NULL: there is none. */
+const GENinstance *ns_bridge_expression_holder(const ns_extract_walk *w, int node, int constant, int *sign);
+
 /* expression_sources.c: 1 if a V between this node and ground holds it at so many volts all the time, of .op
  * and .dc in a point. */
 int ns_bridge_expression_supply(const ns_extract_walk *w, int node, double *volts);

@@ -35,23 +35,30 @@ int ns_bridge_expression_time(ns_extract_walk *w, int *node) {
     return status;
 }
 
-int ns_bridge_expression_supply(const ns_extract_walk *w, int node, double *volts) {
+const GENinstance *ns_bridge_expression_holder(const ns_extract_walk *w, int node, int constant, int *sign) {
     for (NGTABLEPTR box = w->ckt->DEVnameHash->thread; box; box = box->thread_next) {
         if (ns_bridge_models_letter(box->data) != 'v')
             continue;
         const VSRCinstance *v = box->data;
-        const int up = v->VSRCposNode == node && v->VSRCnegNode == 0;
-        ns_signal z = {.kind = NS_DC, .u.dc = v->VSRCdcValue};
-        double *points = NULL;
-        if (!(up || (v->VSRCnegNode == node && v->VSRCposNode == 0)) || (v->VSRCfunctionType && !w->dc))
-            continue;
-        if (v->VSRCfunctionType && ns_bridge_sources_signal(w->ckt, box->data, 1, &z, &points))
-            continue;
-        free(points);
-        *volts = up ? z.u.dc : -z.u.dc;
-        return 1;
+        *sign = v->VSRCposNode == node && v->VSRCnegNode == 0 ? 1 : -1;
+        if ((*sign > 0 || (v->VSRCnegNode == node && v->VSRCposNode == 0)) &&
+            !(constant && v->VSRCfunctionType))
+            return box->data;
     }
-    return 0;
+    return NULL;
+}
+
+int ns_bridge_expression_supply(const ns_extract_walk *w, int node, double *volts) {
+    int sign;
+    const GENinstance *inst = ns_bridge_expression_holder(w, node, !w->dc, &sign);
+    const VSRCinstance *v = (const VSRCinstance *)inst;
+    ns_signal z = {.kind = NS_DC, .u.dc = v ? v->VSRCdcValue : 0.0};
+    double *points = NULL;
+    if (!v || (v->VSRCfunctionType && ns_bridge_sources_signal(w->ckt, inst, 1, &z, &points)))
+        return 0;
+    free(points);
+    *volts = sign * z.u.dc;
+    return 1;
 }
 
 int ns_bridge_expression_sawtooth(ns_extract_walk *w, double slope, double offset, int late, int *node) {

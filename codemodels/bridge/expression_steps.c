@@ -7,12 +7,10 @@
 
 #include "sources.h"
 
-#include "spicelib/devices/vsrc/vsrcdefs.h"
-
 /* Of its period, or of the run: what it may take on its way between them. */
 static const double short_way = 2e-3;
 
-/* Two values, and where it is halfway. */
+/* The two values; both NAN: none was seen, the same: one. */
 typedef struct two_levels {
     double low, high; /* V */
 } two_levels;
@@ -48,19 +46,6 @@ static int levels_of_pwl(const ns_signal *z, double stop, two_levels *l) {
     return way <= short_way * all;
 }
 
-/* The V that holds a node against ground; *sign: 1 by its positive end. */
-static const GENinstance *find_source(const CKTcircuit *ckt, int node, int *sign) {
-    for (NGTABLEPTR box = ckt->DEVnameHash->thread; box; box = box->thread_next) {
-        if (ns_bridge_models_letter(box->data) != 'v')
-            continue;
-        const VSRCinstance *v = box->data;
-        *sign = v->VSRCposNode == node && v->VSRCnegNode == 0 ? 1 : -1;
-        if (*sign > 0 || (v->VSRCnegNode == node && v->VSRCposNode == 0))
-            return box->data;
-    }
-    return NULL;
-}
-
 /* 1 if a V holds the node at one of two values. */
 static int find_levels(const ns_extract_walk *w, int node, two_levels *l) {
     const double stop =
@@ -68,7 +53,7 @@ static int find_levels(const ns_extract_walk *w, int node, two_levels *l) {
     ns_signal z;
     double *points = NULL;
     int sign, found = 0;
-    const GENinstance *inst = w->dc ? NULL : find_source(w->ckt, node, &sign);
+    const GENinstance *inst = w->dc ? NULL : ns_bridge_expression_holder(w, node, 0, &sign);
     *l = (two_levels){NAN, NAN};
     if (inst && !ns_bridge_sources_signal(w->ckt, inst, 0, &z, &points))
         found = (z.kind == NS_PULSE && levels_of_pulse(&z, stop, l)) ||
@@ -88,26 +73,24 @@ static ns_piecewise_value *step_of(expression_reader *r, int node, const two_lev
     return ns_bridge_piecewise_sum(p, l->low, one, l->high - l->low, ns_bridge_piecewise_above(p, beyond));
 }
 
-static int is_of_steps(const expression_reader *r, const ns_affine *u) {
-    two_levels l;
+/* Of each term of u; 0: a term is something else. */
+static int find_all_levels(const expression_reader *r, const ns_affine *u, two_levels *l) {
     int all = u->nterms > 0 && u->nterms <= PIECEWISE_CONDITIONS;
     for (int k = 0; k < u->nterms && all; k++)
-        all = u->terms[k].is_current == 0 && find_levels(r->w, u->terms[k].of, &l);
+        all = u->terms[k].is_current == 0 && find_levels(r->w, u->terms[k].of, &l[k]);
     return all;
 }
 
 const ns_piecewise_value *ns_bridge_expression_steps(expression_reader *r, const ns_piecewise_value *a) {
     ns_affine u;
+    two_levels l[PIECEWISE_CONDITIONS];
     if (!a || ns_bridge_piecewise_is_discrete(a) || !ns_bridge_piecewise_affine(&r->p, a, &u) ||
-        !is_of_steps(r, &u))
+        !find_all_levels(r, &u, l))
         return a;
     const ns_piecewise_value *one = ns_bridge_piecewise_constant(&r->p, 1.0);
     const ns_piecewise_value *sum = ns_bridge_piecewise_sum(&r->p, u.constant, one, 0.0, one);
-    for (int k = 0; k < u.nterms; k++) {
-        two_levels l;
-        find_levels(r->w, u.terms[k].of, &l);
-        sum = ns_bridge_piecewise_sum(&r->p, 1.0, sum, u.terms[k].gain, step_of(r, u.terms[k].of, &l));
-    }
+    for (int k = 0; k < u.nterms; k++)
+        sum = ns_bridge_piecewise_sum(&r->p, 1.0, sum, u.terms[k].gain, step_of(r, u.terms[k].of, &l[k]));
     if (!*r->w->ex->stepped)
         snprintf(r->w->ex->stepped, sizeof r->w->ex->stepped, "%.79s", r->p.name);
     return sum;

@@ -51,8 +51,8 @@ static void judge(const ns_analysis *a, const ns_own_taken *o, int held, int fro
         *off = fabs(ns_bridge_own_closed_voltage(m, beyond, i) + m->series * i - m->sign * (v_from - v_to));
 }
 
-/* Where it changes in between, no more is off than at the end where less is: the gate may have changed in far
- * less time than lies between both points. */
+/* Between two points counts the smaller one of both: the gate may have changed in far less time than lies
+ * between them. */
 static void add(ns_own_taken *o, int k, double off, double of, double seconds) {
     if (seconds > 0.0) {
         o->closed_way[k].all_off += seconds * fmin(off, o->closed_way[k].off);
@@ -97,8 +97,7 @@ void ns_bridge_own_note_one_closed(const ns_own_taken *o) {
     else
         ns_bridge_report_note(
             "%s had the voltage across its channel wrong while it conducted%s, by %.2g of the largest "
-            "voltage "
-            "there: its gate was not at the voltage of which its ron is: the result is wrong: drive its gate "
-            "so, give that voltage as vgs, or leave .include nonsmooth.inc out",
+            "voltage there: its ron was that of another gate voltage: the result is wrong: give the voltage "
+            "of its gate as vgs, drive it to that of its ron, or leave .include nonsmooth.inc out",
             o->inst->GENname, way, part_off(o, k));
 }

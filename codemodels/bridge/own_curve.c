@@ -159,18 +159,19 @@ void ns_bridge_own_count_point(const CKTcircuit *ckt, ns_analysis *a, double sin
         if (!is_judged(a, o) ||
             ns_circuit_device(a->ex.circuit, o->id, a->x, a->lambda, a->mode, &i, &v, NULL) != NS_OK)
             continue;
+        const double seconds = o->seen.t >= since ? t - o->seen.t : 0.0;
         ns_bridge_own_add_beyond(a, o, a->mode, &i);
         i = o->kind == OWN_MOSFET && !o->follows ? o->mosfet.sign * i : i;
         const double forwards = i > 0.0 ? i : 0.0, mean = 0.5 * (forwards + o->seen.i);
         if (o->seen.t >= since)
             ns_bridge_pulse_mean_add(&o->seen.current, mean > NS_LEAK, mean, o->seen.t, t);
         if (o->kind == OWN_MOSFET) {
-            count_channel(ckt, a, o, i, o->seen.t >= since ? t - o->seen.t : 0.0, t);
-            ns_bridge_own_count_closed(a, o, i, o->seen.t >= since ? t - o->seen.t : 0.0);
+            count_channel(ckt, a, o, i, seconds, t);
+            ns_bridge_own_count_closed(a, o, i, seconds);
             ns_bridge_own_count_supply(a, o, o->seen.t >= since ? t - o->seen.t : -1.0);
         }
         if (o->kind == OWN_DIODE && o->seen.current.weight == 0.0)
-            count_missed(o, &flow, v, o->seen.t >= since ? t - o->seen.t : 0.0);
+            count_missed(o, &flow, v, seconds);
         ns_bridge_own_count_stored(a, o, &flow, i, v, o->seen.t >= since ? t - o->seen.t : -1.0);
         o->seen.t = t;
         o->seen.i = forwards;
