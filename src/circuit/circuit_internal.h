@@ -123,6 +123,18 @@ void ns_circuit_each_inductance(const ns_circuit *c,
 /* Refuses couplings that no windings can have.  Errors: RANGE, MEMORY, with a message. */
 int ns_circuit_check_inductances(ns_circuit *c);
 
+/* Currents of inductors that are sums of others': of inductor k, i_k = sum of sign i(of), entries first[k]
+ * on; count[k] = 0: of none.  sign is 1 or -1. */
+typedef struct ns_inductor_cuts {
+    int *first, *count; /* nelements */
+    int *of;
+    signed char *sign;
+} ns_inductor_cuts;
+
+/* inductor_cuts.c.  To be freed in any case.  Errors: MEMORY. */
+int ns_circuit_find_cuts(const ns_circuit *c, ns_inductor_cuts *cuts);
+void ns_circuit_free_cuts(ns_inductor_cuts *cuts);
+
 /* The element of this name, or -1 (names.c). */
 int ns_circuit_find_name(const ns_circuit *c, const char *name);
 /* Makes the last element be found by its name.  Room must have been reserved, for one more than there are. */

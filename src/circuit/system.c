@@ -4,10 +4,30 @@
 /* Unknowns and pairs from which on a system is made large: dense arrays would be slow and big. */
 enum { LARGE = 400 };
 
+typedef struct inductance_stamp {
+    const stamp *to;
+    ns_inductor_cuts cuts;
+} inductance_stamp;
+
 static void stamp_inductance(void *data, int row, int column, double henries) {
-    const stamp *to = data;
-    ns_circuit_stamp_add(to, IN_M, ns_circuit_current_unknown(to->c, row),
-                         ns_circuit_current_unknown(to->c, column), henries);
+    const inductance_stamp *to = data;
+    const ns_circuit *c = to->to->c;
+    const ns_inductor_cuts *cuts = &to->cuts;
+    const int at = ns_circuit_current_unknown(c, row), first = cuts->first[column];
+    if (cuts->count[column] == 0)
+        ns_circuit_stamp_add(to->to, IN_M, at, ns_circuit_current_unknown(c, column), henries);
+    for (int k = first; k < first + cuts->count[column]; k++)
+        ns_circuit_stamp_add(to->to, IN_M, at, ns_circuit_current_unknown(c, cuts->of[k]),
+                             cuts->sign[k] * henries);
+}
+
+static int stamp_inductances(const stamp *to) {
+    inductance_stamp with = {.to = to};
+    const int status = ns_circuit_find_cuts(to->c, &with.cuts);
+    if (status == NS_OK)
+        ns_circuit_each_inductance(to->c, stamp_inductance, &with);
+    ns_circuit_free_cuts(&with.cuts);
+    return status;
 }
 
 static int stamp_all(const stamp *to) {
@@ -20,8 +40,8 @@ static int stamp_all(const stamp *to) {
             return status;
         }
     }
-    ns_circuit_each_inductance(c, stamp_inductance, (void *)to);
-    int status = ns_circuit_ground_reference(to);
+    int status = stamp_inductances(to);
+    status = status != NS_OK ? status : ns_circuit_ground_reference(to);
     return status != NS_OK ? status : ns_circuit_stamp_commands(to);
 }
 
