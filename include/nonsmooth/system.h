@@ -56,6 +56,8 @@ typedef struct ns_system {
     ns_signal *z;        /* nz; PWL arrays owned */
     ns_command *command; /* nc */
     ns_large *large;     /* NULL, or owned */
+    unsigned char
+        *balance; /* n; 1: row i is Kirchhoff's current law of a node, x_i its voltage; 0: not known */
 } ns_system;
 
 /* A system of these sizes, all zero, l = 0, u = inf, commands with gx and gz NULL.

@@ -198,7 +198,7 @@ static void add_flows(const ns_csc *a, double *flow) {
         flow[a->row[k]] += fabs(a->value[k]);
 }
 
-static int split_rows(ns_form *f, const ns_large *a, int at_rest) {
+static int split_rows(ns_form *f, const ns_large *a, const unsigned char *balance, int at_rest) {
     if (!at_rest) {
         double *flow = calloc((size_t)f->n + 1, sizeof *flow);
         if (!flow)
@@ -209,6 +209,8 @@ static int split_rows(ns_form *f, const ns_large *a, int at_rest) {
         free(flow);
         if (status == NS_OK)
             status = ns_sparse_sum_parts(&a->M, &a->A, f->algebraic, &f->Tt);
+        if (status == NS_OK)
+            status = ns_sparse_sum_leaky_parts(a, balance, f->algebraic, &f->Tt);
         return status;
     }
     memset(f->algebraic, 1, (size_t)f->n);
@@ -228,7 +230,7 @@ static void drop_algebraic(ns_form *f) {
 }
 
 static int fill(ns_form *f, const ns_system *s, const ns_large *a, int at_rest) {
-    int status = split_rows(f, a, at_rest);
+    int status = split_rows(f, a, s->balance, at_rest);
     if (status != NS_OK || (status = rows_of(&a->M, NULL, &f->Tt, &f->Mt)))
         return status;
     drop_algebraic(f);

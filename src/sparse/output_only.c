@@ -79,8 +79,10 @@ static int pick_rest(ns_output_only *a, const ns_large *all) {
            (status = pick_entries(&all->F, NULL, NULL, s->m, s->nz, 0, &a->large.F)) ||
            (status = pick_entries(&all->gx, p, NULL, n, s->nc, 0, &a->large.gx)) ||
            (status = pick_entries(&all->gz, NULL, NULL, s->nz, s->nc, 0, &a->large.gz)));
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < n; i++) {
         a->b[i] = s->b[a->stays[i]];
+        a->balance[i] = s->balance[a->stays[i]];
+    }
     return status;
 }
 
@@ -155,6 +157,7 @@ static int split_system(ns_output_only *a, const ns_large *all) {
     a->rest.large = &a->large; /* in place of arrays */
     a->rest.M = a->rest.A = a->rest.B = a->rest.C = a->rest.D = a->rest.E = a->rest.F = NULL;
     a->rest.b = a->b;
+    a->rest.balance = a->balance;
     return pick_rest(a, all);
 }
 
@@ -170,7 +173,7 @@ int ns_sparse_output_create(const ns_system *s, ns_output_only **out) {
     a->place = calloc(3 * n + 1, sizeof *a->place);
     a->b = calloc(2 * n + (size_t)s->nz + 1, sizeof *a->b);
     a->follows = calloc((size_t)s->nz + 1, sizeof *a->follows);
-    a->bent = calloc(2 * n + 1, 1);
+    a->bent = calloc(3 * n + 1, 1);
     int status = a->place && a->b && a->follows && a->bent ? NS_OK : NS_E_MEMORY;
     if (status == NS_OK && !s->large)
         status = ns_sparse_form_commit_dense(s, &own);
@@ -179,6 +182,7 @@ int ns_sparse_output_create(const ns_system *s, ns_output_only **out) {
         a->unknown = a->stays + n;
         a->r = a->b + n;
         a->z = a->r + n;
+        a->balance = a->bent + 2 * n;
         status = split_system(a, s->large ? s->large : &own);
     }
     ns_sparse_form_let_go(&own);

@@ -13,12 +13,13 @@ typedef struct ns_output_only {
     const ns_system *whole;
     ns_system rest; /* what stays; all but its matrices and b are those of the whole */
     ns_large large;
-    int count;            /* unknowns that are left out */
-    int *unknown, *stays; /* count; rest.n: which of the whole's these are */
-    int *place;           /* n: the index in rest; of one that is left out -1 - its index in unknown */
-    double *b, *r;        /* rest.n; count: those left out at the inputs z */
-    double *z;            /* nz */
-    int *follows;         /* nfollows: which these are */
+    int count;              /* unknowns that are left out */
+    int *unknown, *stays;   /* count; rest.n: which of the whole's these are */
+    int *place;             /* n: the index in rest; of one that is left out -1 - its index in unknown */
+    unsigned char *balance; /* rest.n */
+    double *b, *r;          /* rest.n; count: those left out at the inputs z */
+    double *z;              /* nz */
+    int *follows;           /* nfollows: which these are */
     int nfollows;
     unsigned char *bent; /* count, and room: 1: it follows one that is no straight line between corners */
     long solves;

@@ -180,9 +180,12 @@ static int copy_matrices(builder *k) {
 
 static void copy_vectors(const builder *k) {
     const ns_system *s = k->s;
-    for (int i = 0; i < s->n; i++)
+    for (int i = 0; i < s->n; i++) {
+        if (k->row[i] >= 0)
+            k->to->balance[k->row[i]] = s->balance[i];
         if (k->row[i] >= 0 && acts_on(k, i))
             k->to->b[k->row[i]] = s->b[i];
+    }
     for (int i = 0; i < s->m; i++)
         if (k->pair[i] >= 0) {
             k->to->e[k->pair[i]] = s->e[i];

@@ -38,6 +38,7 @@ static int allocate_arrays(ns_system *s, int n, int m, int nz, int nc, int large
     } else {
         allocate_matrices(s, n, m, nz, &ok);
     }
+    s->balance = allocate_array(n, 1, 1, &ok);
     s->b = allocate_array(n, 1, sizeof(double), &ok);
     s->e = allocate_array(m, 1, sizeof(double), &ok);
     s->l = allocate_array(m, 1, sizeof(double), &ok);
@@ -116,6 +117,7 @@ void ns_system_free(ns_system *s) {
     free(s->u);
     free(s->z);
     free(s->command);
+    free(s->balance);
     free(s);
 }
 

@@ -1,0 +1,146 @@
+/* src/sparse/leaky_parts.c - Kirchhoff's current law of a part that only large resistors join to the rest.
+ *
+ * 1 Gohm from the far side of a transformer to ground: the voltage of that side as a whole is what its rows
+ * leave when they are added up.  Each holds currents of C/h beside the leak, and in a step of 1e-15 s their
+ * rounding is a volt across the 1 Gohm.  So an algebraic row of such a part becomes the sum of all of its
+ * rows, in which nothing but the leaks is left.
+ *
+ * Rows are joined where anything but a large resistor leads from one node to the other: entries of A and M of
+ * one sign in both directions, the current of a branch or of a pair that leaves one and enters the other.
+ */
+#include "assemble.h"
+
+#include "system/union_find.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* S: smaller conductances are leaks. */
+static const double leak = 1e-3, rounding = 8 * DBL_EPSILON;
+
+typedef struct leaky {
+    const ns_large *a;
+    const unsigned char *balance, *algebraic;
+    const ns_csc *Tt;
+    int n;
+    int *part; /* n+1: of each row; n: ground */
+    int *size; /* n+1: balances in a part, by its top */
+    int *sum;  /* n+1: the row of T in which its sum stands, by its top; -1: none */
+} leaky;
+
+static int top(const leaky *l, int i) {
+    return ns_system_union_top(l->part, i);
+}
+
+/* All balances in column j: what leaves one of them enters the others, or ground if it is alone. */
+static void join_column(const leaky *l, const ns_csc *a, int j) {
+    int last = -1, count = 0;
+    for (int k = a->start[j]; k < a->start[j + 1]; k++) {
+        if (!l->balance[a->row[k]] || a->value[k] == 0)
+            continue;
+        if (last >= 0)
+            ns_system_union_join(l->part, last, a->row[k]);
+        last = a->row[k];
+        count++;
+    }
+    if (count == 1)
+        ns_system_union_join(l->part, last, l->n);
+}
+
+/* Column j, the voltage of a node: those that entries above `least` join to it; ground, if they do not add up
+ * to zero. */
+static void join_node(const leaky *l, const ns_csc *a, int j, double least) {
+    double sum = 0, size = 0;
+    for (int k = a->start[j]; k < a->start[j + 1]; k++) {
+        const int i = a->row[k];
+        if (!l->balance[i])
+            continue;
+        sum += a->value[k];
+        size += fabs(a->value[k]);
+        if (i != j && fabs(a->value[k]) > least)
+            ns_system_union_join(l->part, i, j);
+    }
+    if (fabs(sum) > fmax(least, rounding * size))
+        ns_system_union_join(l->part, j, l->n);
+}
+
+static void find_parts(const leaky *l) {
+    const ns_large *a = l->a;
+    ns_system_union_begin(l->part, l->n + 1);
+    for (int j = 0; j < l->n; j++) {
+        if (l->balance[j]) {
+            join_node(l, &a->A, j, leak);
+            join_node(l, &a->M, j, 0);
+        } else {
+            join_column(l, &a->A, j);
+            join_column(l, &a->M, j);
+        }
+    }
+    for (int j = 0; j < a->B.columns; j++)
+        join_column(l, &a->B, j);
+    for (int j = 0; j < a->E.columns; j++)
+        join_column(l, &a->E, j);
+    for (int i = 0; i < l->n; i++)
+        l->size[top(l, i)] += l->balance[i];
+}
+
+/* 1 if row i of T adds up rows of part p, each with one and the same factor, and no others. */
+static int adds_up(const leaky *l, int i, int p) {
+    for (int k = l->Tt->start[i]; k < l->Tt->start[i + 1]; k++)
+        if (top(l, l->Tt->row[k]) != p || l->Tt->value[k] != l->Tt->value[l->Tt->start[i]])
+            return 0;
+    return 1;
+}
+
+/* Of each part that is not joined to ground an algebraic row, of a single row of the system if there is one.
+ */
+static int find_rows(const leaky *l) {
+    int count = 0;
+    for (int i = 0; i <= l->n; i++)
+        l->sum[i] = -1;
+    for (int i = 0; i < l->n; i++) {
+        const int p = top(l, i);
+        if (!l->balance[i] || !l->algebraic[i] || p == top(l, l->n) || l->size[p] < 2 || !adds_up(l, i, p))
+            continue;
+        count += l->sum[p] < 0;
+        if (l->sum[p] < 0 || l->Tt->start[i + 1] - l->Tt->start[i] == 1)
+            l->sum[p] = i;
+    }
+    return count;
+}
+
+static int put_rows(const leaky *l, ns_csc *T) {
+    ns_entries e = {0};
+    for (int i = 0; i < l->n; i++) {
+        const int p = top(l, i);
+        if (l->balance[i] && l->sum[p] >= 0)
+            ns_linalg_entries_add(&e, i, l->sum[p], 1);
+        for (int k = l->Tt->start[i]; k < l->Tt->start[i + 1] && l->sum[p] != i; k++)
+            ns_linalg_entries_add(&e, l->Tt->row[k], i, l->Tt->value[k]);
+    }
+    const int status = ns_linalg_csc_of_entries(l->n, l->n, &e, T);
+    ns_linalg_entries_free(&e);
+    return status;
+}
+
+/* NOLINTNEXTLINE(readability-non-const-parameter): written through l */
+int ns_sparse_sum_leaky_parts(const ns_large *a, const unsigned char *balance, const unsigned char *algebraic,
+                              ns_csc *Tt) {
+    leaky l = {.a = a, .balance = balance, .algebraic = algebraic, .Tt = Tt, .n = Tt->columns};
+    const size_t rows = (size_t)l.n + 1;
+    ns_csc T = {0};
+    int status = NS_OK;
+    l.part = calloc(3 * rows, sizeof *l.part);
+    if (!l.part)
+        return NS_E_MEMORY;
+    l.size = l.part + rows;
+    l.sum = l.size + rows;
+    find_parts(&l);
+    if (find_rows(&l) > 0 && (status = put_rows(&l, &T)) == NS_OK) {
+        ns_linalg_csc_free(Tt);
+        *Tt = T;
+    }
+    free(l.part);
+    return status;
+}

@@ -1,0 +1,103 @@
+/* tests/unit/sparse/test_leaky_parts.c - the far side of a transformer that only large resistors join to the
+ * rest: its voltage as a whole is what they make it, whatever flows in it, in steps of any length. */
+#include <math.h>
+
+#include "rig.h"
+
+enum { IN = 1, A, B, PLUS, MINUS, GATE, SUPPLY, LEG, OUT };
+static const double last = 2e-4, supply = 10;
+
+static void ok(int status) {
+    assert_int_equal(status, NS_OK);
+}
+
+static void add_diode(ns_circuit *c, const char *name, int anode, int cathode) {
+    const ns_diode d = {.vf = 0.7, .ron = 5e-3, .roff = 1e8, .vz = INFINITY};
+    ok(ns_circuit_diode(c, name, anode, cathode, &d, NULL));
+}
+
+/* 48 V, chopped, a transformer with a ring of its leakage and 200 pF, a bridge of diodes, 60 A. */
+static void add_converter(ns_circuit *c) {
+    const ns_signal volts = {.kind = NS_DC, .u.dc = 48},
+                    gate = {.kind = NS_PULSE,
+                            .u.pulse = {.v2 = 5, .tr = 1e-8, .tf = 1e-8, .pw = 4.5e-6, .per = 1e-5}};
+    const ns_switch s = {.vt = 2.5, .ron = 5e-3, .roff = 1e8};
+    int l[2];
+    ok(ns_circuit_source(c, "v", NS_VOLTAGE, SUPPLY, 0, &volts, NULL));
+    ok(ns_circuit_source(c, "g", NS_VOLTAGE, GATE, 0, &gate, NULL));
+    ok(ns_circuit_switch(c, "s", SUPPLY, LEG, GATE, 0, &s, NULL));
+    add_diode(c, "df", 0, LEG);
+    ok(ns_circuit_capacitor(c, "c0", LEG, 0, 200e-12, NAN, NULL));
+    ok(ns_circuit_inductor(c, "lk", LEG, IN, 1e-7, 0, NULL));
+    ok(ns_circuit_inductor(c, "lp", IN, 0, 5e-4, 0, &l[0]));
+    ok(ns_circuit_inductor(c, "ls", A, B, 2e-5, 0, &l[1]));
+    ok(ns_circuit_coupling(c, "k", l[0], l[1], 0.999, NULL));
+    add_diode(c, "d0", A, PLUS);
+    add_diode(c, "d1", B, PLUS);
+    add_diode(c, "d2", MINUS, A);
+    add_diode(c, "d3", MINUS, B);
+    ok(ns_circuit_capacitor(c, "ca", A, MINUS, 1e-9, 0, NULL));
+    ok(ns_circuit_capacitor(c, "cb", B, MINUS, 1e-9, 0, NULL));
+    ok(ns_circuit_inductor(c, "lo", PLUS, OUT, 5e-6, 0, NULL));
+    ok(ns_circuit_capacitor(c, "co", OUT, MINUS, 1e-4, 0, NULL));
+    ok(ns_circuit_resistor(c, "ro", OUT, MINUS, 0.1, NULL));
+}
+
+/* The largest distance of the far side's reference from `expected`, at all points. */
+static double farthest(ns_circuit *c, double expected) {
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-7, .method = NS_SPARSE, .whole = 1};
+    rig k = {.c = c};
+    double t = 0, most = 0;
+    make_by(&k, &o);
+    start_at_rest(&k);
+    while (t < last) {
+        ok(ns_march_try(k.m, last, NS_TO_STEP, &t));
+        ok(ns_march_accept(k.m));
+        ok(ns_march_read(k.m, NULL, k.x, NULL, NULL));
+        most = fmax(most, fabs(k.x[ns_circuit_node_unknown(k.c, MINUS)] - expected));
+    }
+    assert_true(ns_march_counts(k.m)->events > 40);
+    assert_int_equal(ns_march_engine(k.m), NS_SPARSE);
+    end(&k);
+    return most;
+}
+
+/* No current leads to the far side: it is at 0 V.  It was at up to 0.7 V with 1 Gohm, at 8 kV with 1 Tohm. */
+static void one_leak(void **state) {
+    (void)state;
+    for (double ohms = 1e4; ohms < 1e14; ohms *= 100) {
+        ns_circuit *c = begin().c;
+        add_converter(c);
+        ok(ns_circuit_resistor(c, "riso", MINUS, 0, ohms, NULL));
+        assert_true(farthest(c, 0) < 1e-9);
+    }
+}
+
+/* Two leaks from one node divide the voltage of a source: 10 V * 2/3. */
+static void a_divider_of_leaks(void **state) {
+    const ns_signal volts = {.kind = NS_DC, .u.dc = supply};
+    (void)state;
+    ns_circuit *c = begin().c;
+    add_converter(c);
+    ok(ns_circuit_source(c, "v2", NS_VOLTAGE, 100, 0, &volts, NULL));
+    ok(ns_circuit_resistor(c, "r1", MINUS, 100, 1e9, NULL));
+    ok(ns_circuit_resistor(c, "r2", MINUS, 0, 2e9, NULL));
+    assert_true(farthest(c, supply * 2 / 3) < 1e-6);
+}
+
+/* The part hangs on another one, of a capacitor alone, by a leak. */
+static void parts_in_a_row(void **state) {
+    (void)state;
+    ns_circuit *c = begin().c;
+    add_converter(c);
+    ok(ns_circuit_resistor(c, "r1", MINUS, 100, 1e9, NULL));
+    ok(ns_circuit_capacitor(c, "c9", 100, 101, 1e-6, 0, NULL));
+    ok(ns_circuit_resistor(c, "r2", 101, 0, 1e10, NULL));
+    assert_true(farthest(c, 0) < 1e-9);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(one_leak), cmocka_unit_test(a_divider_of_leaks),
+                                       cmocka_unit_test(parts_in_a_row)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
