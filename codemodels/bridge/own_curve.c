@@ -359,32 +359,33 @@ static int note_charge(const ns_analysis *a) {
     return worst != NULL;
 }
 
-int ns_bridge_own_note_curve(const CKTcircuit *ckt, const ns_analysis *a) {
-    const ns_own_taken *worst = NULL;
-    double most = much;
+/* The one that is off most, if that is much: from its curve, else in what its channel carried, else where its
+ * gate closes it too little. */
+static int note_worst(const ns_analysis *a) {
+    enum { CURVE, CHANNEL, CLOSED, WAYS };
+    const ns_own_taken *worst[WAYS] = {NULL};
+    double most[WAYS] = {much, much, much};
     for (int k = 0; k < a->ex.nowns; k++) {
-        const double differs = difference(a, &a->ex.own[k]);
-        if (!(differs > most))
-            continue;
-        most = differs;
-        worst = &a->ex.own[k];
-    }
-    if (worst)
-        note(worst, own_current(worst));
-    for (int k = 0; k < a->ex.nowns && !worst; k++) {
         const ns_own_taken *o = &a->ex.own[k];
-        if (is_judged(a, o) && part_off(o) > much) {
-            note_channel(a, o);
-            worst = o;
-        }
+        const double off[WAYS] = {difference(a, o), is_judged(a, o) ? part_off(o) : 0.0,
+                                  ns_bridge_own_closed_off(o)};
+        for (int way = 0; way < WAYS; way++)
+            if (off[way] > most[way]) {
+                most[way] = off[way];
+                worst[way] = o;
+            }
     }
-    for (int k = 0; k < a->ex.nowns && !worst; k++) {
-        if (ns_bridge_own_closed_off(&a->ex.own[k]) > much) {
-            ns_bridge_own_note_one_closed(&a->ex.own[k]);
-            worst = &a->ex.own[k];
-        }
-    }
-    const int by_law = worst || note_missed(ckt, a) || ns_bridge_own_note_guess(a, NULL);
+    if (worst[CURVE])
+        note(worst[CURVE], own_current(worst[CURVE]));
+    else if (worst[CHANNEL])
+        note_channel(a, worst[CHANNEL]);
+    else if (worst[CLOSED])
+        ns_bridge_own_note_one_closed(worst[CLOSED]);
+    return worst[CURVE] || worst[CHANNEL] || worst[CLOSED];
+}
+
+int ns_bridge_own_note_curve(const CKTcircuit *ckt, const ns_analysis *a) {
+    const int by_law = note_worst(a) || note_missed(ckt, a) || ns_bridge_own_note_guess(a, NULL);
     const int by_stored = ns_bridge_own_note_stored(a);
     const int by_gate = ns_bridge_own_note_overlap(a) || note_charge(a);
     const int by_ring = ns_bridge_own_note_ring(a), by_supply = ns_bridge_own_note_supply(a);
