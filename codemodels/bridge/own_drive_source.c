@@ -69,13 +69,9 @@ static double size_of(const ns_own_range *a) {
 static ns_own_range product(const ns_own_range *a, const ns_own_range *b) {
     const double p = times(a->low, b->low), q = times(a->low, b->high), s = times(a->high, b->low),
                  t = times(a->high, b->high);
-    return (ns_own_range){fmin(fmin(p, q), fmin(s, t)),
-                          fmax(fmax(p, q), fmax(s, t)),
-                          a->switches || b->switches,
-                          1,
-                          a->slope * size_of(b) + b->slope * size_of(a),
-                          0,
-                          0};
+    ns_own_range r = joined(fmin(fmin(p, q), fmin(s, t)), fmax(fmax(p, q), fmax(s, t)), a, b);
+    r.slope = a->slope * size_of(b) + b->slope * size_of(a);
+    return r;
 }
 
 /* --- one signal in both operands: its range is not that of two signals --- */
@@ -163,7 +159,7 @@ static ns_own_range operation(range_reader *r, const INPparseNode *node) {
     }
     found.slope = adds ? a.slope + b.slope : found.slope;
     found.of_goal = node->type == PT_MINUS ? a.of_goal - b.of_goal : a.of_goal + b.of_goal;
-    if (share_a_signal(node->left, node->right, adds)) {
+    if (a.low != a.high && b.low != b.high && share_a_signal(node->left, node->right, adds)) {
         found.low = -INFINITY;
         found.high = INFINITY;
     }
@@ -249,13 +245,19 @@ static ns_own_range function(range_reader *r, const INPparseNode *node) {
     }
 }
 
+/* The voltage of a node: above the goal, if it is that or stands on it, else above ground. */
 static ns_own_range variable(const range_reader *r, int index) {
+    const int eq = r->b->ASRCvars[index];
     ns_own_range a;
-    if (r->goal > 0 && r->b->ASRCtree->varTypes[index] == IF_NODE && r->b->ASRCvars[index] == r->goal)
-        return (ns_own_range){0.0, 0.0, 0, 1, 0.0, 0, 1};
-    if (r->b->ASRCtree->varTypes[index] != IF_NODE ||
-        !r->at(r->ckt, r->inside + 1, r->b->ASRCvars[index], 0, &a))
+    if (r->b->ASRCtree->varTypes[index] != IF_NODE)
         return any;
+    if (r->goal > 0 && eq == r->goal)
+        return (ns_own_range){0.0, 0.0, 0, 1, 0.0, 0, 1};
+    if (r->at(r->ckt, r->inside + 1, eq, 0, &a))
+        return a;
+    if (!(r->goal > 0 && r->at(r->ckt, r->inside + 1, eq, r->goal, &a)))
+        return any;
+    a.of_goal = 1;
     return a;
 }
 

@@ -27,9 +27,14 @@ static int has_capacitor(const CKTcircuit *ckt, int p, int n) {
     return 0;
 }
 
-/* Of a bootstrap: a D charges its C from a supply while the other end is at ground. */
+/* Of a supply that V make between the two nodes, or of a bootstrap: a D charges its C from a supply while the
+ * other end is at ground. */
 static int range_at(const CKTcircuit *ckt, int inside, int eq, int above, ns_own_range *r) {
     ns_own_way w = {.ckt = ckt, .inside_b = inside, .along_d = above > 0};
+    ns_own_way between = {.ckt = ckt, .inside_b = inside, .goal = above};
+    *r = (ns_own_range){0};
+    if (above > 0 && ns_bridge_own_way(&between, eq, r) && between.met == above)
+        return 1;
     *r = (ns_own_range){0};
     return (above == 0 || has_capacitor(ckt, eq, above)) && ns_bridge_own_way(&w, eq, r) &&
            (above == 0 || r->low == r->high);
