@@ -206,7 +206,7 @@ static void lower_when_p_closed(const CKTcircuit *ckt, const ns_own_mosfet *m, n
 /* The drive of a gate that has these voltages; opens, closes: ohm. */
 static ns_own_drive drive_of(const ns_own_mosfet *m, const ns_own_range *r, int follows, double opens,
                              double closes) {
-    const double low = m->sign > 0 ? r->low : -r->high, high = m->sign > 0 ? r->high : -r->low;
+    const double low = m->sign > 0 ? r->low : 0.0 - r->high, high = m->sign > 0 ? r->high : 0.0 - r->low;
     return (ns_own_drive){low, high, r->switches && !r->amplifies, follows, !r->sources, opens, closes};
 }
 
