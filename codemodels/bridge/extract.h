@@ -127,6 +127,11 @@ typedef struct ns_own_taken {
         int overlaps;            /* of M: 1 + the index of another one that was closed too; 0: none was */
         double v;                /* V: across it, of M its channel */
     } seen;
+    struct {              /* own_moved.c, of D: */
+        double v, turned; /* V: at the point before; C: of its junction where that turned last */
+        int way;          /* 1: v rises; -1: it falls; 0: it did not change yet */
+        double charge, carried, beside; /* C: of the junction, to and fro; forwards; by the largest current */
+    } moved;
     struct {                      /* own_ring.c, of D: the present pulse of its current, or the last one */
         int is_on;                /* it did not end yet */
         double began, half, most; /* s; s: when it last was above its half; A */

@@ -5,6 +5,7 @@
 #include "own_closed.h"
 #include "own_current.h"
 #include "own_follower.h"
+#include "own_moved.h"
 #include "own_overlap.h"
 #include "own_ring.h"
 #include "own_show.h"
@@ -173,6 +174,7 @@ void ns_bridge_own_count_point(const CKTcircuit *ckt, ns_analysis *a, double sin
         if (o->kind == OWN_DIODE && o->seen.current.weight == 0.0)
             count_missed(o, &flow, v, seconds);
         ns_bridge_own_count_stored(a, o, &flow, i, v, o->seen.t >= since ? t - o->seen.t : -1.0);
+        ns_bridge_own_count_moved(a, o, &flow, mean, v, o->seen.t >= since ? t - o->seen.t : -1.0);
         o->seen.t = t;
         o->seen.i = forwards;
         o->seen.v = o->kind == OWN_MOSFET ? across_channel(a, o) : v;
@@ -386,9 +388,9 @@ static int note_worst(const ns_analysis *a) {
 
 int ns_bridge_own_note_curve(const CKTcircuit *ckt, const ns_analysis *a) {
     const int by_law = note_worst(a) || note_missed(ckt, a) || ns_bridge_own_note_guess(a, NULL);
-    const int by_stored = ns_bridge_own_note_stored(a);
+    const int by_stored = ns_bridge_own_note_stored(a), by_moved = ns_bridge_own_note_moved(a);
     const int by_gate = ns_bridge_own_note_overlap(a) || note_charge(a);
     const int by_ring = ns_bridge_own_note_ring(a), by_supply = ns_bridge_own_note_supply(a);
     const int by_control = ns_bridge_own_note_between(a);
-    return by_law || by_stored || by_gate || by_ring || by_supply || by_control;
+    return by_law || by_stored || by_moved || by_gate || by_ring || by_supply || by_control;
 }

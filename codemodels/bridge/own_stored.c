@@ -29,7 +29,7 @@ ns_own_flow ns_bridge_own_flow(const CKTcircuit *ckt, const ns_analysis *a) {
         stores |= a->ex.own[k].tt > 0.0;
         idle |= a->ex.own[k].kind == OWN_DIODE && a->ex.own[k].seen.current.weight == 0.0;
     }
-    for (int eq = 0; (stores || idle) && eq < a->ex.neq; eq++) {
+    for (int eq = 0; (stores || idle || !a->ex.options.cjo) && eq < a->ex.neq; eq++) {
         const double amperes = a->ex.element[eq] >= 0 ? fabs(value_at(a, eq)) : 0.0;
         flow.amperes = amperes > flow.amperes ? amperes : flow.amperes;
     }
