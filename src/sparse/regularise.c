@@ -21,6 +21,8 @@ enum { ROUNDS = 3, CYCLES = 3, KRYLOV = 12 };
 /* The residual of (P2), relative to the largest terms: rounds end below `holds`; (P2) is solved below
  * `may_hold`. */
 static const double holds = 64 * DBL_EPSILON, may_hold = 1e-11;
+/* What decayed to smaller numbers has lost its digits. */
+static const double nothing = DBL_MIN / DBL_EPSILON;
 /* The equations contradict each other where the residual stays above `fell` of the right-hand side; or above
  * `least` of it, if a current larger than `far` of the largest changed its sign and grew: to `grown` times
  * the largest of the first rounds, or to `grown_far` times, if the residual is below `little`. */
@@ -58,7 +60,7 @@ double ns_sparse_leaks_left(const ns_form *f, double g, const ns_mode *mode, con
     ns_sparse_form_subtract(f, g, mode, v, rest);
     for (int i = 0; i < f->size; i++) {
         const int j = i - f->n;
-        if (rest[i] == 0)
+        if (fabs(rest[i]) < nothing)
             continue;
         double terms = fabs(r[i]) + terms_of(f, g, mode, i, v) + (scale ? far * most / scale[i] : 0);
         if (j >= 0 && mode[j] != NS_INSIDE && !ns_mode_slides(mode[j]))
