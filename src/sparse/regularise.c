@@ -307,7 +307,11 @@ static int solve_rounds(const ns_sparse_leaks *k, ns_null_known *null, int resid
                         double *v, double *rest, double *Q) {
     double *first = Q + (KRYLOV + 1) * (size_t)k->f->size, before = go_rounds(k, NULL, r, v, rest);
     memcpy(first, v, sizeof(double) * (size_t)k->f->size);
-    const double left = go_on(k, NULL, r, before, v, rest, Q);
+    double left = go_on(k, NULL, r, before, v, rest, Q);
+    if (!(left <= before)) { /* cycles took it farther off */
+        memcpy(v, first, sizeof(double) * (size_t)k->f->size);
+        left = ns_sparse_leaks_left(k->f, k->g, k->mode, k->scale, r, v, NULL, rest);
+    }
     if (left <= may_hold && !contradicts(k, r, first, v, rest) && !grew_in_vain(k, null, r, first, v, rest)) {
         if (left != before)
             set_undetermined(k, null, r, left, v, rest, Q);
