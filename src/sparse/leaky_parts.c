@@ -24,9 +24,11 @@ typedef struct leaky {
     const unsigned char *balance, *algebraic;
     const ns_csc *Tt;
     int n;
-    int *part; /* n+1: of each row; n: ground */
-    int *size; /* n+1: balances in a part, by its top */
-    int *sum;  /* n+1: the row of T in which its sum stands, by its top; -1: none */
+    int *part;  /* n+1: of each row; n: ground */
+    int *size;  /* n+1: balances in a part, by its top */
+    int *leads; /* n+1: by its top, 1: leaks of a part are left where its rows are added up */
+    int *uses;  /* n */
+    int *sum;   /* n+1: the row of T in which its sum stands, by its top; -1: none */
 } leaky;
 
 static int top(const leaky *l, int i) {
@@ -85,12 +87,36 @@ static void find_parts(const leaky *l) {
         l->size[top(l, i)] += l->balance[i];
 }
 
-/* 1 if row i of T adds up rows of part p, each with one and the same factor, and no others. */
-static int adds_up(const leaky *l, int i, int p) {
+/* 1 if the rows of part p do not cancel in column j. */
+static int leads_out(const leaky *l, int p, int j) {
+    double sum = 0, size = 0;
+    for (int k = l->a->A.start[j]; k < l->a->A.start[j + 1]; k++)
+        if (l->balance[l->a->A.row[k]] && top(l, l->a->A.row[k]) == p) {
+            sum += l->a->A.value[k];
+            size += fabs(l->a->A.value[k]);
+        }
+    return fabs(sum) > rounding * size;
+}
+
+static void find_leaks(const leaky *l) {
+    for (int j = 0; j < l->n; j++)
+        if (l->balance[j])
+            l->leads[top(l, j)] |= leads_out(l, top(l, j), j);
+}
+
+/* uses[i]: rows of T in which row i of the system is. */
+static void count_uses(const leaky *l) {
+    for (int k = 0; k < l->Tt->start[l->n]; k++)
+        l->uses[l->Tt->row[k]] += l->Tt->value[k] != 0;
+}
+
+/* 1 if row i of the system is in row i of T and in no other: then T stays regular if another sum that has it
+ * takes the place of that row. */
+static int is_alone(const leaky *l, int i) {
+    int found = 0;
     for (int k = l->Tt->start[i]; k < l->Tt->start[i + 1]; k++)
-        if (top(l, l->Tt->row[k]) != p || l->Tt->value[k] != l->Tt->value[l->Tt->start[i]])
-            return 0;
-    return 1;
+        found |= l->Tt->row[k] == i && l->Tt->value[k] != 0;
+    return found && l->uses[i] == 1;
 }
 
 /* Of each part that is not joined to ground an algebraic row, of a single row of the system if there is one.
@@ -101,7 +127,8 @@ static int find_rows(const leaky *l) {
         l->sum[i] = -1;
     for (int i = 0; i < l->n; i++) {
         const int p = top(l, i);
-        if (!l->balance[i] || !l->algebraic[i] || p == top(l, l->n) || l->size[p] < 2 || !adds_up(l, i, p))
+        if (!l->balance[i] || !l->algebraic[i] || !l->leads[p] || p == top(l, l->n) || l->size[p] < 2 ||
+            !is_alone(l, i))
             continue;
         count += l->sum[p] < 0;
         if (l->sum[p] < 0 || l->Tt->start[i + 1] - l->Tt->start[i] == 1)
@@ -131,12 +158,16 @@ int ns_sparse_sum_leaky_parts(const ns_large *a, const unsigned char *balance, c
     const size_t rows = (size_t)l.n + 1;
     ns_csc T = {0};
     int status = NS_OK;
-    l.part = calloc(3 * rows, sizeof *l.part);
+    l.part = calloc(5 * rows, sizeof *l.part);
     if (!l.part)
         return NS_E_MEMORY;
     l.size = l.part + rows;
     l.sum = l.size + rows;
+    l.leads = l.sum + rows;
+    l.uses = l.leads + rows;
+    count_uses(&l);
     find_parts(&l);
+    find_leaks(&l);
     if (find_rows(&l) > 0 && (status = put_rows(&l, &T)) == NS_OK) {
         ns_linalg_csc_free(Tt);
         *Tt = T;

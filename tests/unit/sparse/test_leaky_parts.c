@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "rig.h"
+#include "sparse/factor_cache.h"
 
 enum { IN = 1, A, B, PLUS, MINUS, GATE, SUPPLY, LEG, OUT };
 static const double last = 2e-4, supply = 10;
@@ -96,8 +97,33 @@ static void parts_in_a_row(void **state) {
     assert_true(farthest(c, 0) < 1e-9);
 }
 
+/* The part of nodes 1 to 3 hangs by 2.2 kohm on one of capacitors, which a coil joins to ground: that nothing
+ * but the coil leads out of both stands in a row of its own too (summed_parts.c).  Both in one place each,
+ * the rows are regular. */
+static void beside_a_sum_of_more(void **state) {
+    static const double ohms[] = {1, 1e4, 2.2e3, 4.6e3};
+    static const int from[] = {1, 2, 1, 4}, to[] = {2, 3, 4, 5};
+    ns_form *f;
+    ns_mode_factors *q;
+    rig k = begin();
+    (void)state;
+    for (int i = 0; i < 4; i++)
+        ok(ns_circuit_resistor(k.c, (const char *[]){"r0", "r1", "r2", "r3"}[i], from[i], to[i], ohms[i],
+                               NULL));
+    ok(ns_circuit_resistor(k.c, "r4", 3, 1, 1, NULL));
+    ok(ns_circuit_capacitor(k.c, "c", 4, 5, 4e-3, 0, NULL));
+    ok(ns_circuit_inductor(k.c, "l", 5, 0, 1e-7, 0, NULL));
+    ok(ns_circuit_system(k.c, &k.s));
+    ok(ns_sparse_form_create(k.s, 0, &f));
+    ok(ns_sparse_factors_create(f, 1 << 20, &q));
+    ns_sparse_factors_free(q);
+    ns_sparse_form_free(f);
+    end(&k);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(one_leak), cmocka_unit_test(a_divider_of_leaks),
-                                       cmocka_unit_test(parts_in_a_row)};
+                                       cmocka_unit_test(parts_in_a_row),
+                                       cmocka_unit_test(beside_a_sum_of_more)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
