@@ -39,6 +39,9 @@ typedef struct elimination {
 } elimination;
 
 static const double eps_factor = 64 * DBL_EPSILON;
+/* Multipliers so near to integers may be these: of a pivot of 64 roundings a 64th is rounding, and
+ * multipliers are products of several. */
+static const double near = 0.25;
 /* A pivot of this part of the largest one is as good; so much less flows in a row that is taken for that. */
 static const double as_large = 1.0 / 16, much_less = 1.0 / 256;
 
@@ -245,7 +248,7 @@ static int annuls(int n, const double *M, const double *size, const double *v) {
 static void round_vector(int n, const double *M, const double *size, double *v, double *work) {
     for (int i = 0; i < n; i++) {
         work[i] = nearbyint(v[i]) + 0.0;
-        if (fabs(v[i] - work[i]) > 1e-2) {
+        if (fabs(v[i] - work[i]) > near) {
             return;
         }
     }
