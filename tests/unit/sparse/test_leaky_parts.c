@@ -66,10 +66,10 @@ static double farthest(ns_circuit *c, double expected) {
 /* No current leads to the far side: it is at 0 V.  It was at up to 0.7 V with 1 Gohm, at 8 kV with 1 Tohm. */
 static void one_leak(void **state) {
     (void)state;
-    for (double ohms = 1e4; ohms < 1e14; ohms *= 100) {
+    for (int decade = 4; decade < 14; decade += 2) {
         ns_circuit *c = begin().c;
         add_converter(c);
-        ok(ns_circuit_resistor(c, "riso", MINUS, 0, ohms, NULL));
+        ok(ns_circuit_resistor(c, "riso", MINUS, 0, pow(10, decade), NULL));
         assert_true(farthest(c, 0) < 1e-9);
     }
 }

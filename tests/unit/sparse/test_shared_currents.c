@@ -105,8 +105,8 @@ static int is_shared(const network *k) {
     return fabs(a - b) <= 1e-3 * most;
 }
 
-/* Two steps; 1 if they have a solution. (Of 40,000 networks two have no factors with leaks: the pivots are but
- * rounding.) */
+/* Two steps; 1 if they have a solution. (Of 40,000 networks two have no factors with leaks: the pivots are
+ * but rounding.) */
 static int solve(network *k, dice *d, double g) {
     const ns_cached_factors *factors;
     fill_right(k, d);
