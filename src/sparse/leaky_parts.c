@@ -119,8 +119,27 @@ static int is_alone(const leaky *l, int i) {
     return found && l->uses[i] == 1;
 }
 
-/* Of each part that is not joined to ground an algebraic row, of a single row of the system if there is one.
- */
+/* Siemens that lead from node i out of part p. */
+static double leaves(const leaky *l, int i, int p) {
+    const ns_csc *A = &l->a->A;
+    double sum = 0;
+    for (int k = A->start[i]; k < A->start[i + 1]; k++)
+        if (l->balance[A->row[k]] && top(l, A->row[k]) == p)
+            sum += A->value[k];
+    return fabs(sum);
+}
+
+/* How well the sum of part p stands in the place of row i: the one whose own voltages the largest leak holds,
+ * so that the diagonal keeps its pivots; of equals a single row of the system. */
+static double fitness(const leaky *l, int i, int p) {
+    const int *row = l->Tt->row + l->Tt->start[i], count = l->Tt->start[i + 1] - l->Tt->start[i];
+    double most = count == 1 ? leak * DBL_EPSILON : 0;
+    for (int k = 0; k < count; k++)
+        most = fmax(most, leaves(l, row[k], p));
+    return most;
+}
+
+/* Of each part that is not joined to ground the algebraic row that fits best. */
 static int find_rows(const leaky *l) {
     int count = 0;
     for (int i = 0; i <= l->n; i++)
@@ -131,7 +150,7 @@ static int find_rows(const leaky *l) {
             !is_alone(l, i))
             continue;
         count += l->sum[p] < 0;
-        if (l->sum[p] < 0 || l->Tt->start[i + 1] - l->Tt->start[i] == 1)
+        if (l->sum[p] < 0 || fitness(l, i, p) > fitness(l, l->sum[p], p))
             l->sum[p] = i;
     }
     return count;

@@ -121,9 +121,54 @@ static void beside_a_sum_of_more(void **state) {
     end(&k);
 }
 
+/* Two legs and a source drive three coupled coils; 1 Gohm from the lower rail to ground. */
+static void add_inverter(ns_circuit *c) {
+    const ns_signal volts[] = {{.kind = NS_SIN, .u.sin = {.va = 75, .freq = 500, .phase = -120}},
+                               {.kind = NS_SIN, .u.sin = {.va = 75, .freq = 500, .phase = -240}}};
+    const ns_diode d = {.ron = 1e-6, .roff = 1e9, .vz = INFINITY};
+    static const char *const name[] = {"l0", "l1", "l2", "k0", "k1", "k2"};
+    enum { TOP = 20, LEG0, LEG1, BEHIND, SOURCE, EMF, STAR };
+    static const int end[] = {LEG0, SOURCE, EMF};
+    int l[3];
+    ok(ns_circuit_resistor(c, "r", MINUS, 0, 1e9, NULL));
+    ok(ns_circuit_diode(c, "d0", LEG0, TOP, &d, NULL));
+    ok(ns_circuit_diode(c, "d1", MINUS, LEG0, &d, NULL));
+    ok(ns_circuit_diode(c, "d2", LEG1, TOP, &d, NULL));
+    ok(ns_circuit_resistor(c, "r0", TOP, LEG0, 1e9, NULL));
+    ok(ns_circuit_resistor(c, "r1", LEG0, MINUS, 1e9, NULL));
+    ok(ns_circuit_resistor(c, "r2", LEG1, BEHIND, 2.3, NULL));
+    ok(ns_circuit_source(c, "v0", NS_VOLTAGE, MINUS, SOURCE, &volts[0], NULL));
+    ok(ns_circuit_source(c, "v1", NS_VOLTAGE, BEHIND, EMF, &volts[1], NULL));
+    for (int i = 0; i < 3; i++)
+        ok(ns_circuit_inductor(c, name[i], end[i], STAR, 3.6e-3, NAN, &l[i]));
+    for (int i = 0; i < 3; i++)
+        ok(ns_circuit_coupling(c, name[3 + i], l[i], l[(i + 1) % 3], 0.9, NULL));
+}
+
+/* Their currents are 1e-7 A and pass in 1e-12 s.  With the sum in the place of the row of another node than
+ * the one that the leak holds digits were lost, and steps did not get longer than that. */
+static void coils_behind_open_devices(void **state) {
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-6, .method = NS_SPARSE, .whole = 1};
+    rig k = begin();
+    double t = 0;
+    (void)state;
+    add_inverter(k.c);
+    make_by(&k, &o);
+    start_at_rest(&k);
+    while (t < 1e-3) {
+        ok(ns_march_try(k.m, 1e-3, NS_TO_STEP, &t));
+        ok(ns_march_accept(k.m));
+        ok(ns_march_read(k.m, NULL, k.x, NULL, NULL));
+        assert_true(fabs(k.x[ns_circuit_node_unknown(k.c, MINUS)]) < 1e-9);
+    }
+    assert_int_equal(ns_march_engine(k.m), NS_SPARSE);
+    assert_true(ns_march_counts(k.m)->steps < 5000);
+    end(&k);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(one_leak), cmocka_unit_test(a_divider_of_leaks),
-                                       cmocka_unit_test(parts_in_a_row),
-                                       cmocka_unit_test(beside_a_sum_of_more)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(one_leak), cmocka_unit_test(a_divider_of_leaks), cmocka_unit_test(parts_in_a_row),
+        cmocka_unit_test(beside_a_sum_of_more), cmocka_unit_test(coils_behind_open_devices)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
