@@ -184,6 +184,7 @@ typedef struct ns_sparse {
     double longest_g;        /* s: the first steps that were to resolve it; 0: no shorter ones are tried */
     double inputs_from;      /* s: an input was replaced then; -INFINITY: none was */
     int steep_steps;         /* so many in a row were shorter than h 2^-NS_LEAST_EXPONENT */
+    int digits_lost;         /* 1: by the last step: solutions of the next one are corrected */
     int contradicting_pair;  /* the pair of a switch that can be neither open nor closed; -1: none */
     unsigned char *due;      /* nc: command_order.c */
     ns_before_event before_event;  /* where its resolution began */

@@ -14,7 +14,7 @@ static void forget_past(ns_sparse *m, const unsigned char *closed) {
     ns_sparse_theta_stop(m);
     ns_inputs_stages_reset(m->in);
     m->fault.npairs = 0;
-    m->steep_steps = 0;
+    m->steep_steps = m->digits_lost = 0;
 }
 
 /* From m->w and m->mode, made consistent.  Any charges and fluxes may be far from where they lead: what

@@ -156,10 +156,12 @@ double ns_sparse_step_inputs_error(const ns_sparse *m, int length_exponent) {
            (inputs_fraction * m->o.reltol);
 }
 
-/* What looks like a fast transient may be lost digits: the stages of all orders with corrected solutions. */
+/* What looks like a fast transient may be lost digits: the stages of all orders with corrected solutions.  So
+ * they are in the steps that follow until none are lost: what a step loses is a transient for the next one.
+ */
 static int refine_stages(ns_sparse *m, ns_dense_step *step, double fraction) {
     const int status = ns_sparse_step_refine(m, step);
-    if (status == NS_OK)
+    if (status == NS_OK && step->stages == NS_ORDER)
         step->converged =
             are_enough(m, step, NS_ORDER, all_stages_fraction * fraction, size_of_power(m, step, NS_ORDER));
     return status;
@@ -183,8 +185,9 @@ int ns_sparse_step_measure(ns_sparse *m, ns_dense_step *step, double room, ns_st
     const int all_stages = step->stages == NS_ORDER;
     *e = (ns_step_error){.ratio = 1};
     e->whole = error_of(m, step, &e->ratio, &e->jump, &e->time);
-    if (all_stages && (e->jump > 1 || (e->whole * part > 1 && e->ratio > decays)) &&
-        ns_sparse_step_digits_lost(m, step)) {
+    if (m->digits_lost || (all_stages && (e->jump > 1 || (e->whole * part > 1 && e->ratio > decays))))
+        m->digits_lost = ns_sparse_step_digits_lost(m, step);
+    if (m->digits_lost) {
         const int status = refine_stages(m, step, part);
         if (status != NS_OK)
             return status;
