@@ -59,11 +59,12 @@ static void compose(const ns_mode_kernel *k, const double *P2, const double *P1,
         ns_exact_kernel_compose(k, P2, P1, advance, P);
 }
 
-/* P of less than a step of the kernel: (E2) multiplies what is infinitely fast by L_8(tau/g), 0.65 at most
- * below `stable`, but up to 1.28 beyond: a longer one is made of two halves, or where the length recurs
- * rounding would grow without end. */
-static void fill_rest(ns_exact *f, const ns_mode_kernel *k, double tau, double *P, double *advance,
-                      double *room) {
+/* P of less than a step of the kernel, and nothing else: (E2) multiplies what is infinitely fast by
+ * L_8(tau/g), 0.65 at most below `stable`, but up to 1.28 beyond: a longer one is made of two halves, or
+ * where the length recurs rounding would grow without end.  (A whole step of the kernel leaves nothing of
+ * it.) */
+static void fill_alone(ns_exact *f, const ns_mode_kernel *k, double tau, double *P, double *advance,
+                       double *room) {
     static const double stable = 2.7;
     if (!(tau > stable * k->g)) {
         fill_short(k, tau, P);
@@ -82,8 +83,10 @@ static int fill_matrix(ns_exact *f, ns_time_scale *scale, double h, double *P, d
     double count = floor(h / k->h), done = h - count * k->h;
     if (done >= k->h || done < 0)
         done = 0;
-    if (done > 0 || count < 1)
-        fill_rest(f, k, done, P, advance, room);
+    if (count < 1)
+        fill_alone(f, k, done, P, advance, room);
+    else if (done > 0)
+        fill_short(k, done, P);
     for (int i = 0; count > 0 && i <= NS_MAX_EXPONENT; i++, count = floor(count / 2)) {
         ns_step_map *doubled;
         if (!is_odd(count))
