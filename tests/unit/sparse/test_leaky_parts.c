@@ -198,7 +198,8 @@ static void add_rectifier(ns_circuit *c, double ohms) {
  * next one: 1e5 steps a microsecond, until the run was refused. */
 static void lost_digits_are_no_transient(void **state) {
     (void)state;
-    for (double ohms = 900; ohms < 1e10; ohms *= 1000) {
+    for (int step = 0; step < 3; step++) {
+        const double ohms = 900 * pow(1000, step);
         const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-6, .method = NS_SPARSE, .whole = 1};
         rig k = begin();
         add_rectifier(k.c, ohms);
