@@ -187,6 +187,9 @@ int ns_circuit_stamp_commands(const stamp *to);
  * Errors: MEMORY. */
 int ns_circuit_tiny_resistors(ns_circuit *c);
 
+/* ground_reference.c: the row of a node; ground has the row after those of the nodes. */
+int ns_circuit_row_or_ground(const ns_circuit *c, int node);
+
 /* Parts without any connection to ground get one (ground_reference.c).  Errors: MEMORY. */
 int ns_circuit_ground_reference(const stamp *to);
 

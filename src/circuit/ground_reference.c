@@ -13,8 +13,7 @@
 #include "circuit_internal.h"
 #include "system/union_find.h"
 
-/* Ground has the row after those of the nodes. */
-static int row_or_ground(const ns_circuit *c, int node) {
+int ns_circuit_row_or_ground(const ns_circuit *c, int node) {
     const int row = ns_circuit_node_unknown(c, node);
     return row < 0 ? c->nused : row;
 }
@@ -26,7 +25,8 @@ static void find_parts(const ns_circuit *c, int *part, unsigned char *floating) 
     for (int k = 0; k < c->nelements; k++) {
         const element *e = &c->element[k];
         if (e->nnodes > 0) {
-            const int p = row_or_ground(c, e->node[0]), n = row_or_ground(c, e->node[1]);
+            const int p = ns_circuit_row_or_ground(c, e->node[0]),
+                      n = ns_circuit_row_or_ground(c, e->node[1]);
             floating[p] = floating[n] = 1;
             ns_system_union_join(part, p, n);
         }

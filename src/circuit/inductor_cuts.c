@@ -34,8 +34,7 @@ typedef struct forest {
 } forest;
 
 static int part_of(const forest *f, int k, int end) {
-    const int row = ns_circuit_node_unknown(f->c, f->c->element[k].node[end]);
-    return ns_system_union_top(f->part, row < 0 ? f->c->nused : row);
+    return ns_system_union_top(f->part, ns_circuit_row_or_ground(f->c, f->c->element[k].node[end]));
 }
 
 static int is_inductor(const forest *f, int k) {

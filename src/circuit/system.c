@@ -1,56 +1,47 @@
 /* src/circuit/system.c - ns_circuit_system(): the system (S1)-(S4) of a circuit, dense or large. */
 #include "circuit_internal.h"
 
-#include <float.h>
-#include <math.h>
-
 /* Unknowns and pairs from which on a system is made large: dense arrays would be slow and big. */
 enum { LARGE = 400 };
 
 typedef struct inductances {
     ns_inductor_cuts cuts;
-    ns_entries henries, terms; /* by elements; terms: the sizes of what is added up */
+    ns_entries henries; /* by elements */
 } inductances;
 
 static void add_inductance(void *data, int row, int column, double henries) {
     inductances *to = data;
     const ns_inductor_cuts *cuts = &to->cuts;
     const int first = cuts->first[column], count = cuts->count[column];
-    for (int k = first; k < first + (count > 0 ? count : 1); k++) {
-        const int of = count > 0 ? cuts->of[k] : column;
-        ns_linalg_entries_add(&to->henries, row, of, count > 0 ? cuts->sign[k] * henries : henries);
-        ns_linalg_entries_add(&to->terms, row, of, fabs(henries));
-    }
+    if (count == 0)
+        ns_linalg_entries_add(&to->henries, row, column, henries);
+    for (int k = first; k < first + count; k++)
+        ns_linalg_entries_add(&to->henries, row, cuts->of[k], cuts->sign[k] * henries);
+}
+
+static void stamp_inductances(const stamp *to, const ns_csc *henries) {
+    const ns_circuit *c = to->c;
+    for (int j = 0; j < henries->columns; j++)
+        for (int k = henries->start[j]; k < henries->start[j + 1]; k++)
+            ns_circuit_stamp_add(to, IN_M, ns_circuit_current_unknown(c, henries->row[k]),
+                                 ns_circuit_current_unknown(c, j), henries->value[k]);
 }
 
 /* What cancels to rounding is left out: two windings that k = 1 couples, and that carry one current forth and
  * back, have no inductance, not 1e-21 H. */
-static void stamp_inductances(const stamp *to, const ns_csc *henries, const ns_csc *terms) {
-    const ns_circuit *c = to->c;
-    for (int j = 0; j < henries->columns; j++)
-        for (int k = henries->start[j]; k < henries->start[j + 1]; k++)
-            if (fabs(henries->value[k]) > 8 * DBL_EPSILON * terms->value[k])
-                ns_circuit_stamp_add(to, IN_M, ns_circuit_current_unknown(c, henries->row[k]),
-                                     ns_circuit_current_unknown(c, j), henries->value[k]);
-}
-
 static int add_inductances(const stamp *to) {
     const int elements = to->c->nelements;
     inductances of = {0};
-    ns_csc henries = {0}, terms = {0};
+    ns_csc henries = {0};
     int status = ns_circuit_find_cuts(to->c, &of.cuts);
     if (status == NS_OK)
         ns_circuit_each_inductance(to->c, add_inductance, &of);
     if (status == NS_OK)
-        status = ns_linalg_csc_of_entries(elements, elements, &of.henries, &henries);
+        status = ns_linalg_csc_of_terms(elements, elements, &of.henries, &henries);
     if (status == NS_OK)
-        status = ns_linalg_csc_of_entries(elements, elements, &of.terms, &terms);
-    if (status == NS_OK)
-        stamp_inductances(to, &henries, &terms);
+        stamp_inductances(to, &henries);
     ns_linalg_csc_free(&henries);
-    ns_linalg_csc_free(&terms);
     ns_linalg_entries_free(&of.henries);
-    ns_linalg_entries_free(&of.terms);
     ns_circuit_free_cuts(&of.cuts);
     return status;
 }

@@ -1,6 +1,7 @@
 /* src/linalg/sparse.c - sparse matrices, column by column. */
 #include "sparse.h"
 
+#include <float.h>
 #include <limits.h>
 #include <math.h>
 #include <stdint.h>
@@ -114,6 +115,32 @@ int ns_linalg_csc_of_entries(int rows, int columns, const ns_entries *e, ns_csc 
     ns_linalg_csc_free(&by_row);
     if (status == NS_OK)
         add_doubles(out);
+    return status;
+}
+
+/* Of `sums` what is not rounding of terms of these sizes, at the same places. */
+static void drop_rounding(ns_csc *sums, const ns_csc *sizes) {
+    static const double rounding = 8 * DBL_EPSILON;
+    for (int j = 0, to = 0, from = 0; j < sums->columns; j++) {
+        for (const int end = sums->start[j + 1]; from < end; from++)
+            if (fabs(sums->value[from]) > rounding * sizes->value[from]) {
+                sums->row[to] = sums->row[from];
+                sums->value[to++] = sums->value[from];
+            }
+        sums->start[j + 1] = to;
+    }
+}
+
+int ns_linalg_csc_of_terms(int rows, int columns, ns_entries *e, ns_csc *out) {
+    ns_csc sizes = {0};
+    int status = ns_linalg_csc_of_entries(rows, columns, e, out);
+    for (size_t k = 0; k < e->count && status == NS_OK; k++)
+        e->value[k] = fabs(e->value[k]);
+    if (status == NS_OK)
+        status = ns_linalg_csc_of_entries(rows, columns, e, &sizes);
+    if (status == NS_OK)
+        drop_rounding(out, &sizes);
+    ns_linalg_csc_free(&sizes);
     return status;
 }
 

@@ -22,6 +22,10 @@ void ns_linalg_entries_free(ns_entries *e);
  * ascend.  Errors: MEMORY. */
 int ns_linalg_csc_of_entries(int rows, int columns, const ns_entries *e, ns_csc *out);
 
+/* The same, but sums that cancel to rounding are left out: those within 8 eps of the sizes of their terms.
+ * Changes the values of e.  Errors: MEMORY. */
+int ns_linalg_csc_of_terms(int rows, int columns, ns_entries *e, ns_csc *out);
+
 /* The entries of a dense array (rows*columns, NULL where it is empty) that are not zero.  Errors: MEMORY. */
 int ns_linalg_csc_of_dense(int rows, int columns, const double *a, ns_csc *out);
 

@@ -41,31 +41,15 @@ void ns_sparse_form_let_go(ns_large *a) {
 /* out = T a, by rows of a (at), rows of T (Tt), as rows of out (its columns).  What cancels to rounding is
  * left out (row_split.c). */
 static int combine(const ns_csc *Tt, const ns_csc *at, ns_csc *out) {
-    ns_entries value = {0}, size = {0};
-    ns_csc terms = {0};
+    ns_entries terms = {0};
     for (int i = 0; i < Tt->columns; i++)
         for (int k = Tt->start[i]; k < Tt->start[i + 1]; k++) {
             const int row = Tt->row[k];
-            for (int l = at->start[row]; l < at->start[row + 1]; l++) {
-                const double term = Tt->value[k] * at->value[l];
-                ns_linalg_entries_add(&value, at->row[l], i, term);
-                ns_linalg_entries_add(&size, at->row[l], i, fabs(term));
-            }
+            for (int l = at->start[row]; l < at->start[row + 1]; l++)
+                ns_linalg_entries_add(&terms, at->row[l], i, Tt->value[k] * at->value[l]);
         }
-    int status = ns_linalg_csc_of_entries(at->rows, Tt->columns, &value, out);
-    if (status == NS_OK)
-        status = ns_linalg_csc_of_entries(at->rows, Tt->columns, &size, &terms);
-    ns_linalg_entries_free(&value);
-    ns_linalg_entries_free(&size);
-    for (int j = 0, to = 0, from = 0; status == NS_OK && j < out->columns; j++) {
-        for (const int end = out->start[j + 1]; from < end; from++)
-            if (fabs(out->value[from]) > 8 * DBL_EPSILON * terms.value[from]) {
-                out->row[to] = out->row[from];
-                out->value[to++] = out->value[from];
-            }
-        out->start[j + 1] = to;
-    }
-    ns_linalg_csc_free(&terms);
+    const int status = ns_linalg_csc_of_terms(at->rows, Tt->columns, &terms, out);
+    ns_linalg_entries_free(&terms);
     return status;
 }
 

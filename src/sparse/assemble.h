@@ -73,6 +73,8 @@ int ns_sparse_split(const ns_csc *M, const double *flow, ns_csc *Tt, unsigned ch
 /* summed_parts.c: some of the algebraic rows of T, those of single rows, become sums (linalg/summed_parts.h).
  * Errors: MEMORY. */
 int ns_sparse_sum_parts(const ns_csc *M, const ns_csc *A, const unsigned char *algebraic, ns_csc *Tt);
+/* The same file: 1 if the rows of part p, part[row] == p, cancel in column j of a, but for rounding. */
+int ns_sparse_part_cancels(const ns_csc *a, const int *part, int p, int j);
 /* leaky_parts.c: some of the algebraic rows of T become sums of all balances (n; as in ns_system) of a part.
  * Errors: MEMORY. */
 int ns_sparse_sum_leaky_parts(const ns_large *a, const unsigned char *balance, const unsigned char *algebraic,

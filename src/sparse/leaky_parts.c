@@ -24,16 +24,12 @@ typedef struct leaky {
     const unsigned char *balance, *algebraic;
     const ns_csc *Tt;
     int n;
-    int *part;  /* n+1: of each row; n: ground */
+    int *part;  /* n+1: of each row, by its top; n: ground's; a row that is no balance is alone */
     int *size;  /* n+1: balances in a part, by its top */
     int *leads; /* n+1: by its top, 1: leaks of a part are left where its rows are added up */
     int *uses;  /* n */
     int *sum;   /* n+1: the row of T in which its sum stands, by its top; -1: none */
 } leaky;
-
-static int top(const leaky *l, int i) {
-    return ns_system_union_top(l->part, i);
-}
 
 /* All balances in column j: what leaves one of them enters the others, or ground if it is alone. */
 static void join_column(const leaky *l, const ns_csc *a, int j) {
@@ -83,25 +79,16 @@ static void find_parts(const leaky *l) {
         join_column(l, &a->B, j);
     for (int j = 0; j < a->E.columns; j++)
         join_column(l, &a->E, j);
+    for (int i = 0; i <= l->n; i++)
+        l->part[i] = ns_system_union_top(l->part, i);
     for (int i = 0; i < l->n; i++)
-        l->size[top(l, i)] += l->balance[i];
-}
-
-/* 1 if the rows of part p do not cancel in column j. */
-static int leads_out(const leaky *l, int p, int j) {
-    double sum = 0, size = 0;
-    for (int k = l->a->A.start[j]; k < l->a->A.start[j + 1]; k++)
-        if (l->balance[l->a->A.row[k]] && top(l, l->a->A.row[k]) == p) {
-            sum += l->a->A.value[k];
-            size += fabs(l->a->A.value[k]);
-        }
-    return fabs(sum) > rounding * size;
+        l->size[l->part[i]] += l->balance[i];
 }
 
 static void find_leaks(const leaky *l) {
     for (int j = 0; j < l->n; j++)
         if (l->balance[j])
-            l->leads[top(l, j)] |= leads_out(l, top(l, j), j);
+            l->leads[l->part[j]] |= !ns_sparse_part_cancels(&l->a->A, l->part, l->part[j], j);
 }
 
 /* uses[i]: rows of T in which row i of the system is. */
@@ -124,7 +111,7 @@ static double leaves(const leaky *l, int i, int p) {
     const ns_csc *A = &l->a->A;
     double sum = 0;
     for (int k = A->start[i]; k < A->start[i + 1]; k++)
-        if (l->balance[A->row[k]] && top(l, A->row[k]) == p)
+        if (l->part[A->row[k]] == p)
             sum += A->value[k];
     return fabs(sum);
 }
@@ -145,8 +132,8 @@ static int find_rows(const leaky *l) {
     for (int i = 0; i <= l->n; i++)
         l->sum[i] = -1;
     for (int i = 0; i < l->n; i++) {
-        const int p = top(l, i);
-        if (!l->balance[i] || !l->algebraic[i] || !l->leads[p] || p == top(l, l->n) || l->size[p] < 2 ||
+        const int p = l->part[i];
+        if (!l->balance[i] || !l->algebraic[i] || !l->leads[p] || p == l->part[l->n] || l->size[p] < 2 ||
             !is_alone(l, i))
             continue;
         count += l->sum[p] < 0;
@@ -159,7 +146,7 @@ static int find_rows(const leaky *l) {
 static int put_rows(const leaky *l, ns_csc *T) {
     ns_entries e = {0};
     for (int i = 0; i < l->n; i++) {
-        const int p = top(l, i);
+        const int p = l->part[i];
         if (l->balance[i] && l->sum[p] >= 0)
             ns_linalg_entries_add(&e, i, l->sum[p], 1);
         for (int k = l->Tt->start[i]; k < l->Tt->start[i + 1] && l->sum[p] != i; k++)

@@ -71,11 +71,10 @@ static void list_parts(sums *s) {
             at = list_part(s, i, at);
 }
 
-/* 1 if the rows of this part cancel in column j. */
-static int cancel(const sums *s, const ns_csc *a, int part, int j) {
+int ns_sparse_part_cancels(const ns_csc *a, const int *part, int p, int j) {
     double sum = 0, size = 0;
     for (int k = a->start[j]; k < a->start[j + 1]; k++)
-        if (s->part[a->row[k]] == part) {
+        if (part[a->row[k]] == p) {
             sum += a->value[k];
             size += fabs(a->value[k]);
         }
@@ -84,9 +83,10 @@ static int cancel(const sums *s, const ns_csc *a, int part, int j) {
 
 static void find_open(sums *s) {
     for (int j = 0; j < s->n; j++) {
-        s->open[s->part[j]] |= !cancel(s, s->A, s->part[j], j);
+        s->open[s->part[j]] |= !ns_sparse_part_cancels(s->A, s->part, s->part[j], j);
         for (int k = s->M->start[j]; k < s->M->start[j + 1]; k++)
-            s->open[s->part[s->M->row[k]]] |= !cancel(s, s->M, s->part[s->M->row[k]], j);
+            s->open[s->part[s->M->row[k]]] |=
+                !ns_sparse_part_cancels(s->M, s->part, s->part[s->M->row[k]], j);
     }
 }
 

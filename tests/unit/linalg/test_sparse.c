@@ -47,6 +47,26 @@ static void test_entries(void **state) {
     ns_linalg_entries_free(&e);
 }
 
+/* 0.1 - 0.3 + 0.2 is 2^-54, and rounding of its terms; 1e-14 beside 1 is not. */
+static void test_terms(void **state) {
+    ns_entries e = {0};
+    ns_csc a;
+    (void)state;
+    ns_linalg_entries_add(&e, 1, 0, 0.1);
+    ns_linalg_entries_add(&e, 0, 0, 1);
+    ns_linalg_entries_add(&e, 1, 0, -0.3);
+    ns_linalg_entries_add(&e, 0, 1, 1 + 1e-14);
+    ns_linalg_entries_add(&e, 1, 0, 0.2);
+    ns_linalg_entries_add(&e, 0, 1, -1);
+    assert_int_equal(ns_linalg_csc_of_terms(2, 2, &e, &a), NS_OK);
+    assert_int_equal(a.start[1], 1);
+    assert_int_equal(a.start[2], 2);
+    assert_true(a.row[0] == 0 && a.value[0] == 1);
+    assert_true(a.row[1] == 0 && fabs(a.value[1] - 1e-14) < 1e-16);
+    ns_linalg_csc_free(&a);
+    ns_linalg_entries_free(&e);
+}
+
 static void test_dense(void **state) {
     (void)state;
     static const double a[] = {0, 1, 2, 0, 0, 3}; /* 2*3 */
@@ -340,15 +360,11 @@ static void test_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_entries),
-        cmocka_unit_test(test_dense),
-        cmocka_unit_test(test_factors),
-        cmocka_unit_test(test_pivots_anew),
-        cmocka_unit_test(test_pivots_of_others),
-        cmocka_unit_test(test_own_patterns),
-        cmocka_unit_test(test_often),
-        cmocka_unit_test(test_structure),
-        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_entries),      cmocka_unit_test(test_terms),
+        cmocka_unit_test(test_dense),        cmocka_unit_test(test_factors),
+        cmocka_unit_test(test_pivots_anew),  cmocka_unit_test(test_pivots_of_others),
+        cmocka_unit_test(test_own_patterns), cmocka_unit_test(test_often),
+        cmocka_unit_test(test_structure),    cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
