@@ -39,8 +39,8 @@ typedef struct elimination {
 } elimination;
 
 static const double eps_factor = 64 * DBL_EPSILON;
-/* Multipliers so near to integers may be these: of a pivot of 64 roundings a 64th is rounding, and
- * multipliers are products of several. */
+/* Multipliers this near to integers are tried as integers: a pivot may be as small as 64 roundings, so that a
+ * multiplier is wrong by a 64th, and one that passed several such pivots by more. */
 static const double near = 0.25;
 /* A pivot of this part of the largest one is as good; so much less flows in a row that is taken for that. */
 static const double as_large = 1.0 / 16, much_less = 1.0 / 256;
