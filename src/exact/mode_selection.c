@@ -196,17 +196,30 @@ static void forget_jumps(const ns_exact *f) {
         ns_instant_clear(f->point->instant);
 }
 
-/* The same where the instant is known to no more than what counts as one, but no longer than is short beside
- * all that the mode resolves: guards that cross zero within it do so together, as those of two devices do
- * that one current takes along, in whichever order. */
-static int try_broken_together(ns_exact *f, int broken, int *goes_on) {
-    const double known_to = f->state.event_time_error;
-    const double brief = f->state.mode->scale[0].kernel->g / 1024;
+/* The instant is known to no more than what counts as one, but no longer than is short beside all that the
+ * mode in f->wanted resolves. */
+static void know_to_an_instant(ns_exact *f, double known_to) {
+    ns_exact_mode *k;
+    ns_modes_shared_rest(f->s->shared, f->s->shared_count, f->wanted);
+    const double brief =
+        ns_exact_mode_find(f, f->wanted, &k) == NS_OK ? k->scale[0].kernel->g / 1024 : known_to;
     f->state.event_time_error = fmax(known_to, fmin(ldexp(f->h, -NS_EVENT_EXPONENT), brief));
-    want_commands(f);
+}
+
+/* Guards that cross zero within an instant do so together, as those of two devices do that one current takes
+ * along, in whichever order; or as that of a pair does whose leak ends with a command. */
+static int try_together(ns_exact *f, int broken, int *goes_on) {
+    enum { MAX_ROUNDS = 4 };
+    const double known_to = f->state.event_time_error;
     int status = NS_GUARD;
-    if (flip_broken(f, broken))
-        status = try_with_violated_flipped(f, NS_EVIDENCE_NONE, goes_on);
+    want_commands(f);
+    know_to_an_instant(f, known_to);
+    int more = flip_broken(f, broken) || broken < 0;
+    for (int round = 0; round <= MAX_ROUNDS && status == NS_GUARD && more; round++) {
+        know_to_an_instant(f, known_to);
+        status = try_wanted(f, NS_EVIDENCE_NONE, goes_on);
+        more = status == NS_GUARD && flip_violated(f);
+    }
     if (status != NS_OK)
         f->state.event_time_error = known_to;
     return status;
@@ -246,9 +259,11 @@ int ns_exact_mode_after(ns_exact *f, int by_guard, int broken, int *goes_on) {
     if (status == NS_GUARD && (flip_broken(f, broken) || !by_guard))
         status = try_with_violated_flipped(f, NS_EVIDENCE_NONE, goes_on);
     if (status == NS_GUARD && broken >= 0)
-        status = try_broken_together(f, broken, goes_on);
+        status = try_together(f, broken, goes_on);
     if (status == NS_GUARD && !by_guard)
         status = try_with_impulses(f, goes_on);
+    if (status == NS_GUARD && broken < 0)
+        status = try_together(f, broken, goes_on);
     f->s->counts.predicted += status == NS_OK;
     if (status != NS_GUARD)
         return status;
