@@ -244,6 +244,15 @@ static double instant_is_off(const ns_sparse *m, const ns_dense_step *step) {
     return slope < 0 ? fmin(fabs(at_end / slope), furthest_off) : 0;
 }
 
+int ns_sparse_location_is_rough(const ns_sparse *m, const ns_dense_step *step) {
+    double G[NS_STAGES] = {0};
+    ns_curve curve;
+    if (!step->at_event || step->pair < 0)
+        return 0;
+    find_coefficients(m, step, step->stages, step->pair, step->guard, step->command, G);
+    return value_at_end(step, G, &curve) < -ns_sparse_guard_all_stages(m, step->pair);
+}
+
 int ns_sparse_location_meets(const ns_sparse *m, const ns_dense_step *step, int c, double *apart) {
     double G[NS_STAGES] = {0};
     ns_curve curve;

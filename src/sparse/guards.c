@@ -213,6 +213,10 @@ void ns_sparse_guard_largest(const ns_sparse *m, const double *v, double *y, dou
             *y = ns_higher(*y, fabs(ns_sparse_form_y(m->f, j, v, m->work.no_inputs, 0)));
 }
 
+double ns_sparse_guard_all_stages(const ns_sparse *m, int j) {
+    return all_stages * m->o.reltol * (m->mode[j] == NS_INSIDE ? m->largest.lambda : m->largest.y);
+}
+
 int ns_sparse_guard_enough(const ns_sparse *m, const ns_dense_step *step, int p) {
     const size_t last = (size_t)p - 1;
     const double *v = step->images + last * (size_t)m->f->size, *z = step->z + last * (size_t)m->f->nz,

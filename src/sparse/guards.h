@@ -38,6 +38,8 @@ void ns_sparse_guard_largest(const ns_sparse *m, const double *v, double *y, dou
 int ns_sparse_guard_holds(const ns_sparse *m, int j, const double *v);
 /* 1 if lambda, y and controls of the last of p stages are so small that no further stages are needed. */
 int ns_sparse_guard_enough(const ns_sparse *m, const ns_dense_step *step, int p);
+/* What the last of all stages may leave of lambda or y of pair j, whichever its guard is. */
+double ns_sparse_guard_all_stages(const ns_sparse *m, int j);
 
 /* The sizes of the terms that guards of pair j are summed from at v = (x, lambda), solved for with w and g.
  */

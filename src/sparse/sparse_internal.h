@@ -340,6 +340,9 @@ int ns_sparse_chatter_euler(ns_sparse *m, const ns_dense_step *step, double t);
 
 /* event_location.c: the first guard that breaks in a step ends it. */
 int ns_sparse_location_first(ns_sparse *m, ns_dense_step *step);
+/* 1 if the step does not resolve the guard of the pair that ends it: that is below zero there, by more than
+ * all stages may leave. */
+int ns_sparse_location_is_rough(const ns_sparse *m, const ns_dense_step *step);
 /* 1 if, at the end of a step, command c has fallen to its threshold as well, but for what the instant may be
  * off by; *apart: how far it is from it. */
 int ns_sparse_location_meets(const ns_sparse *m, const ns_dense_step *step, int c, double *apart);

@@ -15,6 +15,8 @@ enum { LONGER = 2 };
 /* An edge of a source goes on beyond its end in the stages of a longer step, at most to this multiple of
  * itself. */
 static const double too_steep = 256;
+/* A step that does not resolve the guard that ends it is made shorter by 2^-SHORTER, so often. */
+enum { SHORTER = 2, MOST_SHORTER = 3 };
 /* So many steps resolve a transient that is over in the shortest usual one; more of them follow rounding. */
 enum { MOST_STEEP = 64 };
 
@@ -184,7 +186,9 @@ static int choose_length(ns_sparse *m, ns_dense_step *step, double room) {
     return status;
 }
 
-int ns_sparse_control_step(ns_sparse *m, ns_dense_step *step, double t, double limit) {
+/* The step up to its first event, of the length that its error allows, or shorter; *begins: a pair breaks
+ * where it begins. */
+static int go_to_event(ns_sparse *m, ns_dense_step *step, double t, double limit, int *begins) {
     const double room = limit - t - step->time_lost;
     step->t = t;
     step->at_event = 0;
@@ -192,23 +196,37 @@ int ns_sparse_control_step(ns_sparse *m, ns_dense_step *step, double t, double l
     step->is_euler = 0;
     memcpy(step->mode, m->mode, (size_t)m->f->m);
     memcpy(step->powers, m->w, sizeof(double) * (size_t)m->f->n);
-    int status = choose_length(m, step, room);
-    if (status != NS_OK)
-        return status;
-    if (step->pair >= 0) {
+    const int status = choose_length(m, step, room);
+    *begins = status == NS_OK && step->pair >= 0;
+    if (*begins) {
         step->at_event = 1;
         step->length = 0;
         step->end_t = t;
-        return NS_OK;
     }
-    m->steep_steps = step->length_exponent > ns_sparse_least_exponent(m) ? m->steep_steps + 1 : 0;
+    if (status != NS_OK || *begins)
+        return status;
     const double h = ns_sparse_step_length(m, step->length_exponent);
     step->length = fmin(h, room);
     step->end_t = h < room * (1 - 1e-9) ? t + (step->time_lost + h) : limit;
     if (step->end_t == limit)
         step->length = room;
+    return ns_sparse_location_first(m, step);
+}
+
+int ns_sparse_control_step(ns_sparse *m, ns_dense_step *step, double t, double limit) {
+    const int least = ns_sparse_least_exponent(m);
+    int begins, status = go_to_event(m, step, t, limit, &begins);
+    for (int i = 0; i < MOST_SHORTER && status == NS_OK && !begins && step->length > 0 &&
+                    step->length_exponent < least && ns_sparse_location_is_rough(m, step);
+         i++) {
+        m->counts.trials++;
+        step->length_exponent += SHORTER;
+        status = go_to_event(m, step, t, limit, &begins);
+    }
+    if (status != NS_OK || begins)
+        return status;
+    m->steep_steps = step->length_exponent > least ? m->steep_steps + 1 : 0;
     m->counts.steps++;
-    status = ns_sparse_location_first(m, step);
     ns_sparse_largest_accept(m, step->length_exponent, step->end_t > t);
-    return status;
+    return NS_OK;
 }
