@@ -247,7 +247,7 @@ static double instant_is_off(const ns_sparse *m, const ns_dense_step *step) {
 int ns_sparse_location_is_rough(const ns_sparse *m, const ns_dense_step *step) {
     double G[NS_STAGES] = {0};
     ns_curve curve;
-    if (!step->at_event || step->pair < 0)
+    if (!step->at_event || step->pair < 0 || step->converged)
         return 0;
     find_coefficients(m, step, step->stages, step->pair, step->guard, step->command, G);
     return value_at_end(step, G, &curve) < -ns_sparse_guard_all_stages(m, step->pair);
