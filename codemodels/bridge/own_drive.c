@@ -362,6 +362,8 @@ static int find_drive_of_series(const CKTcircuit *ckt, const ns_own_mosfet *m, n
 }
 
 int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
+    if (ns_bridge_own_is_fed(ckt, m))
+        return 0;
     int known = find_drive(ckt, m, drive);
     if (known)
         raise_by_drain(ckt, m, drive);

@@ -16,13 +16,15 @@ typedef struct ns_own_range {
 } ns_own_range;
 
 void ns_bridge_own_extend(ns_own_range *r, double value);
-ns_own_range ns_bridge_own_range_of_v(const VSRCinstance *v);
+/* Of V and I, in V or A, by their DC value and, if they have a function (c: its numbers, else NULL), by that.
+ */
+ns_own_range ns_bridge_own_range_of_wave(double dc, int function, int order, const double *c);
 
 /* The range of the voltage at an equation above that of another one (0: ground), as V alone set it, and B, of
  * which this is so many inside, or of a C that a D charges from such a voltage.  0: they do not. */
 typedef int ns_own_range_at(const CKTcircuit *ckt, int inside, int eq, int above, ns_own_range *r);
 
-/* Of a B source of voltage, of a node in so many others; nodes in it have the range that `at` gives, but for
+/* Of a B source, in V or A, of a node in so many others; nodes in it have the range that `at` gives, but for
  * the goal (an equation), above which its value may be (r->of_goal 1).  0: it has none, or it is infinite. */
 int ns_bridge_own_range_of_b(const CKTcircuit *ckt, const GENinstance *inst, ns_own_range_at *at, int inside,
                              int goal, ns_own_range *r);

@@ -310,8 +310,6 @@ int ns_bridge_own_range_of_b(const CKTcircuit *ckt, const GENinstance *inst, ns_
                              int goal, ns_own_range *r) {
     const ASRCinstance *b = (const ASRCinstance *)inst;
     range_reader reads = {.ckt = ckt, .b = b, .at = at, .inside = inside, .goal = goal};
-    if (b->ASRCtype != ASRC_VOLTAGE)
-        return 0;
     *r = range_of(&reads, ((const INPparseTree *)b->ASRCtree)->tree);
     judge_slope(r);
     return is_finite(r) && (r->of_goal == 0 || r->of_goal == 1);
@@ -376,20 +374,19 @@ void ns_bridge_own_extend(ns_own_range *r, double value) {
     r->high = fmax(r->high, value);
 }
 
-ns_own_range ns_bridge_own_range_of_v(const VSRCinstance *v) {
-    const double *c = v->VSRCcoeffs;
-    ns_own_range r = between(v->VSRCdcValue, v->VSRCdcValue);
-    if (!v->VSRCcoeffsGiven || v->VSRCfunctionOrder < 2)
+ns_own_range ns_bridge_own_range_of_wave(double dc, int function, int order, const double *c) {
+    ns_own_range r = between(dc, dc);
+    if (!c || order < 2)
         return r;
-    switch (v->VSRCfunctionType) {
+    switch (function) {
     case PULSE:
     case EXP:
-        return (ns_own_range){fmin(c[0], c[1]), fmax(c[0], c[1]), v->VSRCfunctionType == PULSE, 1, 0.0, 0, 0};
+        return (ns_own_range){fmin(c[0], c[1]), fmax(c[0], c[1]), function == PULSE, 1, 0.0, 0, 0};
     case SINE:
         return between(c[0] - fabs(c[1]), c[0] + fabs(c[1]));
     case PWL:
         r = steps(c[1], c[1]);
-        for (int k = 3; k < v->VSRCfunctionOrder; k += 2)
+        for (int k = 3; k < order; k += 2)
             ns_bridge_own_extend(&r, c[k]);
         return r;
     default:

@@ -5,6 +5,7 @@
 #include "own_feedback.h"
 
 #include "models.h"
+#include "own_fed.h"
 #include "own_voltage.h"
 
 #include "spicelib/devices/cap/capdefs.h"
@@ -72,8 +73,17 @@ static int read_ends(const GENinstance *inst, int *p, int *n) {
     }
 }
 
+/* An F or G whose current V give. */
+static int is_known_current(const CKTcircuit *ckt, const GENinstance *inst) {
+    const ns_own_way w = {.ckt = ckt, .find = ns_bridge_own_find_voltage};
+    ns_own_range amperes;
+    int p, n;
+    return ns_bridge_own_read_fed(&w, inst, &p, &n, &amperes) == FED_KNOWN;
+}
+
 /* 1 if a C that does not lead to the source or to ground, or if allows_known to a node whose voltage V give,
- * ends at the gate, or at what resistors join to it, or if an F or G feeds it. */
+ * ends at the gate, or at what resistors join to it, or if an F or G of a current that V do not give feeds
+ * it. */
 static int has_other(const CKTcircuit *ckt, const ns_own_mosfet *m, int allows_known) {
     if (is_known(ckt, m->source, m->gate))
         return 0;
@@ -81,7 +91,7 @@ static int has_other(const CKTcircuit *ckt, const ns_own_mosfet *m, int allows_k
     for (NGTABLEPTR box = ckt->DEVnameHash->thread; box; box = box->thread_next) {
         const GENinstance *inst = box->data;
         int p, n;
-        if (!read_ends(inst, &p, &n) || has(&gate, p) == has(&gate, n))
+        if (!read_ends(inst, &p, &n) || has(&gate, p) == has(&gate, n) || is_known_current(ckt, inst))
             continue;
         const int other = has(&gate, p) ? n : p;
         if (ns_bridge_models_letter(inst) != 'c' ||

@@ -5,8 +5,8 @@
 #include "own_mosfet.h"
 
 /* 1 if a capacitor ends at the gate, or at what resistors join to it, that does not lead to the source or
- * to a known voltage, or if an F or G feeds it: a Miller capacitance, or what stands for one in the
- * subcircuits of vendors. */
+ * to a known voltage, or if an F or G of a current that V do not give feeds it: a Miller capacitance, or what
+ * stands for one in the subcircuits of vendors. */
 int ns_bridge_own_has_feedback(const CKTcircuit *ckt, const ns_own_mosfet *m);
 
 /* 1 if a capacitor leads to anything but the source or ground: a signal may come through it. */

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "models.h"
+#include "own_fed.h"
 #include "own_structs.h"
 #include "own_touch.h"
 #include "own_voltage.h"
@@ -30,6 +31,7 @@ typedef struct network {
     term term[MOST_TERMS];
     double ohm;  /* that the first node has against what V hold */
     int is_full; /* there is more than it can hold */
+    int is_fed;  /* by a current that is not known */
     int coils;   /* L that K does not couple count as V of 0 V: that is their mean */
 } network;
 
@@ -122,6 +124,19 @@ static int is_left_out(const network *n, const GENinstance *inst) {
     return ns_bridge_models_letter(inst) == 'l' && (!n->coils || is_coupled(n->wires.ckt, inst));
 }
 
+/* A source of current at the k-th node. */
+static void add_fed(network *n, int k, const GENinstance *inst) {
+    ns_own_range amperes;
+    int p, m;
+    const int fed = ns_bridge_own_read_fed(&n->wires, inst, &p, &m, &amperes);
+    if (fed == FED_BY_NONE || p == m || (p != n->node[k] && m != n->node[k]))
+        return;
+    if (fed == FED_KNOWN)
+        add_term(n, k, m == n->node[k] ? 1.0 : -1.0, amperes, 0);
+    else
+        n->is_fed = 1;
+}
+
 /* Each element at the k-th node: its other node, or what it says. */
 static void visit(network *n, int k, int adds_nodes) {
     const int here = n->node[k];
@@ -130,6 +145,8 @@ static void visit(network *n, int k, int adds_nodes) {
         const char letter = ns_bridge_models_letter(inst);
         ns_own_range gap;
         int p, m;
+        if (!adds_nodes)
+            add_fed(n, k, inst);
         if (is_left_out(n, inst) || !ns_bridge_own_wire(&n->wires, inst, here, &p, &m, &gap) ||
             (p != here && m != here) || p == m)
             continue;
@@ -192,6 +209,12 @@ static int is_alone(const network *n) {
     return 1;
 }
 
+static void add_all_nodes(network *n, int first) {
+    add_node(n, first);
+    for (int k = 0; k < n->nodes; k++)
+        visit(n, k, 1);
+}
+
 /* The voltage of a node, as sources drive it: *r + *share times that of the goal.  Of a control it is not
  * known without a source. */
 static int find_potential(network *n, int node, ns_own_range *r, double *share) {
@@ -201,13 +224,13 @@ static int find_potential(network *n, int node, ns_own_range *r, double *share) 
         n->ohm = 0.0;
         return r->sources || n->wires.find;
     }
-    add_node(n, node);
-    for (int k = 0; k < n->nodes; k++)
-        visit(n, k, 1);
+    add_all_nodes(n, node);
     n->rows = n->nodes;
     for (int k = 0; k < n->nodes; k++)
         visit(n, k, 0);
     *r = (ns_own_range){0};
+    if (n->is_fed && !n->wires.find) /* of a gate ns_bridge_own_is_fed() says it */
+        return 0;
     return !n->is_full && solve(n, r, share) && (r->sources || (n->wires.find && is_alone(n)));
 }
 
@@ -342,4 +365,36 @@ int ns_bridge_own_find_gate_closed(const CKTcircuit *ckt, int gate, int source, 
         (ns_own_way){
             .ckt = ckt, .find = ns_bridge_own_find_voltage, .goal = drain, .at_goal = source, .closed = by},
         gate, r, share, &ohm);
+}
+
+/* The nodes from `first` on. */
+static network *new_nodes(const CKTcircuit *ckt, int first, int goal, int coils) {
+    network *n = calloc(1, sizeof *n);
+    if (!n)
+        return NULL;
+    n->wires = (ns_own_way){.ckt = ckt, .find = ns_bridge_own_find_voltage, .goal = goal, .along_r = 1};
+    n->coils = coils;
+    add_all_nodes(n, first);
+    return n;
+}
+
+/* 1 if it feeds a current that is not known into these nodes, and the other end of it is no node of `except`,
+ * nor the node of that name. */
+static int feeds(const network *n, const GENinstance *inst, const network *except, int exception) {
+    ns_own_range amperes;
+    int p, m;
+    if (ns_bridge_own_read_fed(&n->wires, inst, &p, &m, &amperes) != FED_UNKNOWN || p == m)
+        return 0;
+    const int from = place_of(n, p) >= 0, to = place_of(n, m) >= 0, other = from ? m : p;
+    return (from && to) || ((from || to) && other != exception && place_of(except, other) < 0);
+}
+
+int ns_bridge_own_is_fed(const CKTcircuit *ckt, const ns_own_mosfet *m) {
+    network *gate = new_nodes(ckt, m->gate, m->source, 1), *drain = new_nodes(ckt, m->drain, m->source, 0);
+    int fed = 0;
+    for (NGTABLEPTR box = ckt->DEVnameHash->thread; gate && drain && !fed && box; box = box->thread_next)
+        fed = feeds(gate, box->data, drain, m->drain);
+    free(gate);
+    free(drain);
+    return fed;
 }

@@ -2,6 +2,7 @@
 #ifndef BRIDGE_OWN_VOLTAGE_H
 #define BRIDGE_OWN_VOLTAGE_H
 
+#include "own_mosfet.h"
 #include "own_way.h"
 
 ns_own_find_voltage ns_bridge_own_find_voltage;
@@ -20,5 +21,9 @@ double ns_bridge_own_gate_ohm(const CKTcircuit *ckt, int gate, int source, const
  * switch, or M, that is closed as well, or NULL. */
 int ns_bridge_own_find_gate_closed(const CKTcircuit *ckt, int gate, int source, int drain,
                                    const GENinstance *by, ns_own_range *r, double *share);
+
+/* 1 if a source feeds a current into the network of its gate that is not known here, and that does not come
+ * from its drain: what drives the gate is not known then. */
+int ns_bridge_own_is_fed(const CKTcircuit *ckt, const ns_own_mosfet *m);
 
 #endif

@@ -29,7 +29,7 @@ static int has_capacitor(const CKTcircuit *ckt, int p, int n) {
 
 /* Of a supply that V make between the two nodes, or of a bootstrap: a D charges its C from a supply while the
  * other end is at ground. */
-static int range_at(const CKTcircuit *ckt, int inside, int eq, int above, ns_own_range *r) {
+int ns_bridge_own_range_at(const CKTcircuit *ckt, int inside, int eq, int above, ns_own_range *r) {
     ns_own_way w = {.ckt = ckt, .inside_b = inside, .along_d = above > 0};
     ns_own_way between = {.ckt = ckt, .inside_b = inside, .goal = above};
     *r = (ns_own_range){0};
@@ -102,7 +102,8 @@ int ns_bridge_own_wire(const ns_own_way *w, const GENinstance *inst, int here, i
         const VSRCinstance *v = (const VSRCinstance *)inst;
         *p = v->VSRCposNode;
         *n = v->VSRCnegNode;
-        *gap = ns_bridge_own_range_of_v(v);
+        *gap = ns_bridge_own_range_of_wave(v->VSRCdcValue, v->VSRCfunctionType, v->VSRCfunctionOrder,
+                                           v->VSRCcoeffsGiven ? v->VSRCcoeffs : NULL);
         return 1;
     }
     case 'r': {
@@ -133,8 +134,9 @@ int ns_bridge_own_wire(const ns_own_way *w, const GENinstance *inst, int here, i
         const ASRCinstance *b = (const ASRCinstance *)inst;
         *p = b->ASRCposNode;
         *n = b->ASRCnegNode;
-        if ((*p != here && *n != here) || w->inside_b >= INSIDE_MAX ||
-            !ns_bridge_own_range_of_b(w->ckt, inst, range_at, w->inside_b, *n == 0 ? w->goal : 0, gap))
+        if ((*p != here && *n != here) || b->ASRCtype != ASRC_VOLTAGE || w->inside_b >= INSIDE_MAX ||
+            !ns_bridge_own_range_of_b(w->ckt, inst, ns_bridge_own_range_at, w->inside_b,
+                                      *n == 0 ? w->goal : 0, gap))
             return 0;
         *n = gap->of_goal ? w->goal : *n;
         return *p == here || *n == here;

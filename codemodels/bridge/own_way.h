@@ -34,6 +34,9 @@ typedef struct ns_own_way {
  * that. */
 int ns_bridge_own_way(ns_own_way *w, int here, ns_own_range *r);
 
+/* As the header says of this type: what a B source reads. */
+ns_own_range_at ns_bridge_own_range_at;
+
 /* The ends of a switch, or of the channel of an M; 0: it is none. */
 int ns_bridge_own_contacts(const GENinstance *inst, int *p, int *n);
 
