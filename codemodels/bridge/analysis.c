@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "chattering.h"
+#include "display.h"
 #include "many_points.h"
 #include "pure/timepoints.h"
 #include "report.h"
@@ -125,6 +126,7 @@ static int choose_shown(const CKTcircuit *ckt, ns_analysis *a, unsigned char *ki
         return NS_E_MEMORY;
     const int known = ns_bridge_shown_read(ckt, a->ex.neq, shown);
     int devices = !known;
+    ns_bridge_display_mark(&a->ex, shown);
     choose_judged(a, shown, kind);
     for (int eq = 0; eq < a->ex.neq; eq++)
         if (a->unknown[eq] >= 0 && (!known || shown[eq]))

@@ -57,7 +57,10 @@ typedef struct ns_analysis {
         double volts, farads; /* by which the voltage across it jumped; what rings by that, as it sees it */
         double amperes;       /* of that ring */
     } ring;
-    int devices_stale; /* the devices' static variables are of an earlier point */
+    struct {
+        double until, length; /* s: the next point of the waveform; how far the one before it is from that */
+    } display;                /* display.c */
+    int devices_stale;        /* the devices' static variables are of an earlier point */
 } ns_analysis;
 
 /* The mode of the point that is accepted. */

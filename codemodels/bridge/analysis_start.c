@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "abi.h"
+#include "announce.h"
 #include "digital_run.h"
 #include "interrupt.h"
 #include "loaded.h"
@@ -83,45 +84,6 @@ static int prepare_force(ns_session *s) {
         "1e12 ohm will do",
         name);
     return ns_bridge_report_code(NS_E_SINGULAR);
-}
-
-static int announce_circuit(ns_session *s) {
-    const ns_analysis *a = &s->analysis;
-    const int sweeps = (s->ckt->CKTmode & MODEDCTRANCURVE) != 0; /* models, too */
-    const unsigned long long models = sweeps ? s->once.models : ns_bridge_own_hash(a);
-    const int anew = !s->once.circuit_announced || (s->found.seconds > 0.0 && !s->once.currents_announced) ||
-                     models != s->once.models;
-    if (anew)
-        ns_bridge_own_announce(a);
-    s->once.models = models;
-    s->once.currents_announced |= s->found.seconds > 0.0;
-    if (!s->once.circuit_announced) {
-        const int devices = a->ex.ndevices + a->ex.nowns;
-        ns_bridge_report_note("simulates this circuit: %d unknown%s, %d ideal device%s", a->system->n,
-                              a->system->n == 1 ? "" : "s", devices, devices == 1 ? "" : "s");
-    }
-    if (!s->once.circuit_announced && *a->ex.sharp.name)
-        ns_bridge_report_note("%s: its corners are sharp: %s, by which ngspice rounds them, is left out, "
-                              "as in the other code models",
-                              a->ex.sharp.name, a->ex.sharp.what);
-    if (!s->once.circuit_announced && *a->ex.curved)
-        ns_bridge_report_note(
-            "%s: straight lines stand for tanh, atan and 1/(1+exp(u)) of signals, within 0.25 %% "
-            "of the way between their ends; so in other B",
-            a->ex.curved);
-    if (!s->once.steps_noted && *a->ex.stepped)
-        ns_bridge_report_note(
-            "%s: where it multiplies or divides by a V that ramps between two values, the ramp is a jump at "
-            "its middle; so in other B",
-            a->ex.stepped);
-    s->once.steps_noted |= *a->ex.stepped != 0;
-    s->once.circuit_announced = 1;
-    if (a->ex.options.reltol > 0.0 && a->ex.options.method == NS_THETA && !s->once.reltol_noted) {
-        ns_bridge_report_note("reltol = %g has no effect: method \"theta\" uses steps of the fixed length h",
-                              a->ex.options.reltol);
-        s->once.reltol_noted = 1;
-    }
-    return ns_bridge_own_again(s, anew);
 }
 
 /* What the held voltages add to the control of a command; *any: there are some. */
@@ -291,7 +253,7 @@ static int start_analysis(ns_session *s) {
         return error;
     if (tran)
         ns_bridge_own_find_supplies(s->ckt, &s->analysis.ex);
-    error = announce_circuit(s);
+    error = ns_bridge_announce(s);
     error = error ? error : start_all(s, tran, uic);
     error = error ? error : prepare_force(s);
     if (error)

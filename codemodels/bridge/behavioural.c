@@ -3,6 +3,7 @@
  * The parse tree decides: sums, multiples and quotients by constants of variables are linear; time,
  * temperature and functions of a variable are not.  Numbers come from evaluating the expression at zero and
  * are checked at two other points. */
+#include "display.h"
 #include "elements.h"
 #include "expression.h"
 
@@ -56,14 +57,6 @@ static ns_degree degree_of(const INPparseNode *node, int depth) {
     }
 }
 
-/* The factor of ngspice on the expression: temperature and multiplicity. */
-static double factor_of(const ASRCinstance *b) {
-    const double difference = b->ASRCtemp + b->ASRCdtemp - 300.15;
-    double factor = 1.0 + b->ASRCtc1 * difference + b->ASRCtc2 * difference * difference;
-    factor = b->ASRCreciproctc == 1 ? 1.0 / factor : factor;
-    return b->ASRCreciprocm == 1 ? factor / b->ASRCm : factor * b->ASRCm;
-}
-
 /* What ngspice evaluates. */
 typedef struct parsed {
     IFparseTree *tree;
@@ -103,19 +96,15 @@ static int make_terms(const ns_extract_walk *w, const ASRCinstance *b, const dou
 /* ngspice makes B sources of its own, where a user wrote none; NULL: it is none of these. */
 static const char *why_not(const char *name) {
     if (strncmp(name, "bpa_", 4) == 0) {
-        return "made by par() of .meas, .print or .plot, it is not linear in voltages and currents and not "
+        return "made by par() of .meas, .print or .plot, it depends on what was before and is not "
                "supported: use let and meas after the run instead";
-    }
-    if (strncmp(name, "bprobe_int_", 11) == 0) {
-        return "made by .probe p(), it is not linear in voltages and currents and not supported: use let "
-               "after the run instead";
     }
     return NULL;
 }
 
 static int add_linear(ns_extract_walk *w, GENinstance *inst, double *slopes, double *work, ns_term *terms) {
     const ASRCinstance *b = (const ASRCinstance *)inst;
-    const double factor = factor_of(b);
+    const double factor = ns_bridge_expression_factor(inst);
     const ns_output kind = b->ASRCtype == ASRC_VOLTAGE ? NS_VOLTAGE : NS_CURRENT;
     double constant;
     int id = -1;
@@ -144,5 +133,6 @@ int ns_bridge_behavioural(ns_extract_walk *w, GENinstance *inst) {
     int status = numbers && terms ? add_linear(w, inst, numbers, numbers + n, terms) : NS_E_MEMORY;
     free(numbers);
     free(terms);
+    w->again = status == EXTRACT_REFUSED && ns_bridge_display_may(w->ckt, inst, w->displays);
     return status;
 }

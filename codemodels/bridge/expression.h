@@ -16,6 +16,8 @@ struct INPparseNode;
 void ns_bridge_expression_text(const IFparseTree *tree, const struct INPparseNode *node, char *text,
                                size_t size);
 
+/* expression_numbers.c: of ngspice on the expression of a B: temperature and multiplicity. */
+double ns_bridge_expression_factor(const GENinstance *inst);
 /* expression_numbers.c: its numbers as they are now. */
 void ns_bridge_expression_mix(ns_extract_walk *w, const struct INPparseNode *node, int depth);
 

@@ -8,6 +8,7 @@
 #include "ngspice/enh.h"
 
 #include "analog.h"
+#include "display.h"
 #include "elements.h"
 #include "foreign.h"
 #include "own_elements.h"
@@ -135,6 +136,9 @@ static const struct element_reader {
 static int read_instance(ns_extract_walk *w, GENinstance *inst) {
     const char letter = ns_bridge_models_letter(inst);
     char what[160];
+    int status;
+    if (ns_bridge_display_takes(w, inst, &status))
+        return status;
     for (size_t i = 0; i < sizeof readers / sizeof readers[0]; i++)
         if (readers[i].letter == letter)
             return readers[i].read(w, inst);
@@ -254,9 +258,11 @@ static void choose_reltol(ns_extract_walk *w) {
     ns_bridge_extract_mix(w, &w->ex->options.reltol, sizeof w->ex->options.reltol);
 }
 
-int ns_bridge_extract_read(CKTcircuit *ckt, ns_extract_sources sources, const ns_own_found *found,
-                           ns_extract *ex) {
-    ns_extract_walk w = {.ckt = ckt, .ex = ex, .found = found, .dc = sources == SOURCES_DC};
+/* *again: sources that act on nothing were added to *displays, and it is to be read anew. */
+static int read_circuit(CKTcircuit *ckt, ns_extract_sources sources, const ns_own_found *found,
+                        ns_display_list *displays, ns_extract *ex, int *again) {
+    ns_extract_walk w = {
+        .ckt = ckt, .ex = ex, .found = found, .dc = sources == SOURCES_DC, .displays = displays};
     int status;
     memset(ex, 0, sizeof *ex);
     ex->options = ns_bridge_options_default;
@@ -271,7 +277,21 @@ int ns_bridge_extract_read(CKTcircuit *ckt, ns_extract_sources sources, const ns
         ex->element[eq] = -1;
     if (!read_all_options(&w) && !read_all(&w) && !read_nodes(&w) && !read_shunts(&w))
         choose_reltol(&w);
+    *again = w.again;
     return ex->error;
+}
+
+int ns_bridge_extract_read(CKTcircuit *ckt, ns_extract_sources sources, const ns_own_found *found,
+                           ns_extract *ex) {
+    ns_display_list displays = {0, NULL};
+    int again = 0;
+    int error = read_circuit(ckt, sources, found, &displays, ex, &again);
+    while (again) { /* ends: each reading finds one more at least */
+        ns_bridge_extract_clear(ex);
+        error = read_circuit(ckt, sources, found, &displays, ex, &again);
+    }
+    free(displays.inst);
+    return error;
 }
 
 void ns_bridge_extract_clear(ns_extract *ex) {
@@ -280,6 +300,7 @@ void ns_bridge_extract_clear(ns_extract *ex) {
     free(ex->device);
     free(ex->own);
     free(ex->climit);
+    free(ex->display);
     free(ex->wave);
     ns_bridge_digital_clear(&ex->digital);
     memset(ex, 0, sizeof *ex);

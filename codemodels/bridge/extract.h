@@ -21,6 +21,17 @@ typedef struct ns_extract_climit {
     const MIFinstance *inst;
 } ns_extract_climit;
 
+/* A B, E or G that acts on nothing (display.h). */
+typedef struct ns_extract_display {
+    const GENinstance *inst;
+    int node, branch; /* equations: what it drives; its current, 0: it has none */
+    double gain;      /* of its value: the voltage of the node */
+    double siemens;   /* of the voltage of the node: its current */
+    double gmin;      /* S, of ngspice */
+    double most;      /* V: the largest shown so far */
+    char name[80];
+} ns_extract_display;
+
 /* An I of ngspice that is not DC. */
 typedef struct ns_extract_wave {
     GENinstance *inst;
@@ -194,6 +205,8 @@ typedef struct ns_extract {
     ns_own_taken *own; /* nowns: D, S, W of ngspice that were taken */
     int nwaves;
     ns_extract_wave *wave; /* nwaves: I of ngspice that are not DC (single_load.c) */
+    int ndisplays;
+    ns_extract_display *display; /* ndisplays: each after those that it reads */
     int nclimits;
     ns_extract_climit *climit; /* nclimits: code models whose limits are to be watched (climits.c) */
     ns_digital digital;   /* XSPICE's digital parts (digital_read.c; digital.c while the analysis runs) */

@@ -6,13 +6,21 @@
 
 enum { EXTRACT_LATER = 1000, EXTRACT_REFUSED = 1001 }; /* besides the statuses of the library */
 
+/* Sources that act on nothing, and whose expression was refused. */
+typedef struct ns_display_list {
+    int count;
+    const GENinstance **inst; /* count */
+} ns_display_list;
+
 typedef struct ns_extract_walk {
     CKTcircuit *ckt;
     ns_extract *ex;
     const ns_own_found *found; /* NULL: nothing is known */
     int dc;                    /* sources stand for their DC values */
     int next_node; /* from neq + 1 on: the first number for a node that ngspice has not; 0: neq + 1 */
-    int time_node; /* whose voltage is the time (expression.c); 0: there is none */
+    ns_display_list *displays; /* as earlier readings found them */
+    int again;                 /* there is one more of them: the circuit is to be read anew */
+    int time_node;             /* whose voltage is the time (expression.c); 0: there is none */
 } ns_extract_walk;
 
 /* Reads one instance: NS_OK, EXTRACT_LATER (an element it refers to was not read yet), EXTRACT_REFUSED

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "display.h"
 #include "own_show.h"
 #include "report.h"
 #include "taken.h"
@@ -15,6 +16,7 @@ void ns_bridge_show_currents(const ns_analysis *a, double *value) {
                           &value[ns_bridge_models_branch(d->inst)], NULL, NULL);
     }
     ns_bridge_own_show_values(a, value);
+    ns_bridge_display_values(&a->ex, value);
 }
 
 void ns_bridge_show_values(const ns_analysis *a, double *value) {

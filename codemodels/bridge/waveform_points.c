@@ -6,6 +6,7 @@
 
 #include "chattering.h"
 #include "digital_run.h"
+#include "display.h"
 #include "many_points.h"
 #include "report.h"
 #include "show.h"
@@ -125,7 +126,8 @@ int ns_bridge_waveform_look_ahead(ns_session *s, int first) {
     s->trial.cpu += s->analysis.ex.options.verbose ? clock() - since : 0;
     if (!error) { /* an event at the present time, or right after it: ngspice would step beyond the point */
         s->next.point.t = ns_bridge_loop_after(ckt, s->next.point.t);
-        ns_bridge_loop_step_to(ckt, &s->loop, s->next.point.t);
+        const double t = ns_bridge_display_until(&s->analysis, ckt, s->trial.t, &s->next.point);
+        ns_bridge_loop_step_to(ckt, &s->loop, ns_bridge_loop_after(ckt, t));
     }
     ckt->CKTorder = 1; /* so that ngspice's own currents of capacitors do not ring after a jump */
     s->trial.made = !error;
