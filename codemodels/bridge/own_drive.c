@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "models.h"
+#include "own_feedback.h"
 #include "own_mosfet.h"
 #include "own_touch.h"
 #include "own_voltage.h"

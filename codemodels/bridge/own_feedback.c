@@ -108,3 +108,36 @@ int ns_bridge_own_has_feedback(const CKTcircuit *ckt, const ns_own_mosfet *m) {
 int ns_bridge_own_is_coupled(const CKTcircuit *ckt, const ns_own_mosfet *m) {
     return has_other(ckt, m, 0);
 }
+
+/* 1 if these are gate and drain of one M: what is between them stands for a capacitance. */
+static int is_inside_mosfet(const CKTcircuit *ckt, int p, int n) {
+    for (NGTABLEPTR box = ckt->DEVnameHash->thread; box; box = box->thread_next) {
+        ns_own_mosfet m;
+        if (ns_bridge_own_kind(box->data) != OWN_MOSFET)
+            continue;
+        ns_bridge_own_read_mosfet(box->data, &m);
+        if (m.drain > 0 && ((m.gate == p && m.drain == n) || (m.gate == n && m.drain == p)))
+            return 1;
+    }
+    return 0;
+}
+
+int ns_bridge_own_is_fed(const CKTcircuit *ckt, const ns_own_mosfet *m) {
+    static const double most_ohm = 1e6; /* through more a current charges the gate all along the run */
+    const ns_own_way w = {.ckt = ckt, .find = ns_bridge_own_find_voltage, .goal = m->source};
+    const int charges = !(ns_bridge_own_gate_ohm(ckt, m->gate, m->source, NULL, 0.0) < most_ohm);
+    joined gate, drain;
+    gate.count = ns_bridge_own_find_nodes(ckt, m->gate, m->source, 1, gate.node);
+    drain.count = ns_bridge_own_find_nodes(ckt, m->drain, m->source, 0, drain.node);
+    for (NGTABLEPTR box = ckt->DEVnameHash->thread; box; box = box->thread_next) {
+        ns_own_range amperes;
+        int p, n;
+        const int fed = ns_bridge_own_read_fed(&w, box->data, &p, &n, &amperes);
+        if (fed == FED_BY_NONE || (fed == FED_KNOWN && !charges) || p == n || is_inside_mosfet(ckt, p, n))
+            continue;
+        const int from = has(&gate, p), to = has(&gate, n), other = from ? n : p;
+        if ((from && to) || ((from || to) && other != m->drain && !has(&drain, other)))
+            return 1;
+    }
+    return 0;
+}

@@ -12,4 +12,9 @@ int ns_bridge_own_has_feedback(const CKTcircuit *ckt, const ns_own_mosfet *m);
 /* 1 if a capacitor leads to anything but the source or ground: a signal may come through it. */
 int ns_bridge_own_is_coupled(const CKTcircuit *ckt, const ns_own_mosfet *m);
 
+/* 1 if a source feeds a current into the network of its gate that is not known here, or that charges it
+ * rather than gives it a level, and that is no stand-in for a Miller capacitance: what drives the gate is not
+ * known. */
+int ns_bridge_own_is_fed(const CKTcircuit *ckt, const ns_own_mosfet *m);
+
 #endif

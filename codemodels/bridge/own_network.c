@@ -229,7 +229,7 @@ static int find_potential(network *n, int node, ns_own_range *r, double *share) 
     for (int k = 0; k < n->nodes; k++)
         visit(n, k, 0);
     *r = (ns_own_range){0};
-    if (n->is_fed && !n->wires.find) /* of a gate ns_bridge_own_is_fed() says it */
+    if (n->is_fed && !n->wires.find) /* of a gate own_feedback.c says it */
         return 0;
     return !n->is_full && solve(n, r, share) && (r->sources || (n->wires.find && is_alone(n)));
 }
@@ -367,34 +367,16 @@ int ns_bridge_own_find_gate_closed(const CKTcircuit *ckt, int gate, int source, 
         gate, r, share, &ohm);
 }
 
-/* The nodes from `first` on. */
-static network *new_nodes(const CKTcircuit *ckt, int first, int goal, int coils) {
+int ns_bridge_own_find_nodes(const CKTcircuit *ckt, int first, int goal, int coils, int *node) {
     network *n = calloc(1, sizeof *n);
     if (!n)
-        return NULL;
+        return 0;
     n->wires = (ns_own_way){.ckt = ckt, .find = ns_bridge_own_find_voltage, .goal = goal, .along_r = 1};
     n->coils = coils;
     add_all_nodes(n, first);
-    return n;
-}
-
-/* 1 if it feeds a current that is not known into these nodes, and the other end of it is no node of `except`,
- * nor the node of that name. */
-static int feeds(const network *n, const GENinstance *inst, const network *except, int exception) {
-    ns_own_range amperes;
-    int p, m;
-    if (ns_bridge_own_read_fed(&n->wires, inst, &p, &m, &amperes) != FED_UNKNOWN || p == m)
-        return 0;
-    const int from = place_of(n, p) >= 0, to = place_of(n, m) >= 0, other = from ? m : p;
-    return (from && to) || ((from || to) && other != exception && place_of(except, other) < 0);
-}
-
-int ns_bridge_own_is_fed(const CKTcircuit *ckt, const ns_own_mosfet *m) {
-    network *gate = new_nodes(ckt, m->gate, m->source, 1), *drain = new_nodes(ckt, m->drain, m->source, 0);
-    int fed = 0;
-    for (NGTABLEPTR box = ckt->DEVnameHash->thread; gate && drain && !fed && box; box = box->thread_next)
-        fed = feeds(gate, box->data, drain, m->drain);
-    free(gate);
-    free(drain);
-    return fed;
+    const int count = n->nodes;
+    for (int k = 0; k < count; k++)
+        node[k] = n->node[k];
+    free(n);
+    return count;
 }

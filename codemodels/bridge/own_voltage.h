@@ -2,7 +2,6 @@
 #ifndef BRIDGE_OWN_VOLTAGE_H
 #define BRIDGE_OWN_VOLTAGE_H
 
-#include "own_mosfet.h"
 #include "own_way.h"
 
 ns_own_find_voltage ns_bridge_own_find_voltage;
@@ -22,8 +21,8 @@ double ns_bridge_own_gate_ohm(const CKTcircuit *ckt, int gate, int source, const
 int ns_bridge_own_find_gate_closed(const CKTcircuit *ckt, int gate, int source, int drain,
                                    const GENinstance *by, ns_own_range *r, double *share);
 
-/* 1 if a source feeds a current into the network of its gate that is not known here, and that does not come
- * from its drain: what drives the gate is not known then. */
-int ns_bridge_own_is_fed(const CKTcircuit *ckt, const ns_own_mosfet *m);
+/* The nodes that V and R, with `coils` L too, connect with the first one and that V do not tie to the goal or
+ * to ground; node: room for OWN_WAY_NODES.  Their number. */
+int ns_bridge_own_find_nodes(const CKTcircuit *ckt, int first, int goal, int coils, int *node);
 
 #endif
