@@ -6,6 +6,7 @@
 #include "models.h"
 #include "own_feedback.h"
 #include "own_mosfet.h"
+#include "own_pump.h"
 #include "own_touch.h"
 #include "own_voltage.h"
 
@@ -365,6 +366,8 @@ static int find_drive_of_series(const CKTcircuit *ckt, const ns_own_mosfet *m, n
 int ns_bridge_own_find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
     if (ns_bridge_own_is_fed(ckt, m))
         return 0;
+    if (ns_bridge_own_find_pumped(ckt, m, drive))
+        return 1;
     int known = find_drive(ckt, m, drive);
     if (known)
         raise_by_drain(ckt, m, drive);
