@@ -66,8 +66,9 @@ typedef struct gate_ends {
     ns_own_way way;
     const ns_own_mosfet *m;
     ns_own_range r;
-    double opens, closes; /* ohm, as those of ns_own_drive */
-    int known;            /* the voltage while all switches are open */
+    double opens, closes;             /* ohm, as those of ns_own_drive */
+    double opens_share, closes_share; /* of v(source) in v(gate) then; NAN: not known */
+    int known;                        /* the voltage while all switches are open */
 } gate_ends;
 
 /* ohm through which it is held; by: a switch that is closed, or NULL. */
@@ -77,22 +78,31 @@ static double ohm_by(const gate_ends *e, const GENinstance *by) {
     return ns_bridge_own_gate_ohm(e->way.ckt, m->gate, m->source, by, farads > 0.0 ? farads : 1e-12);
 }
 
+/* One of the states of what drives it. */
+static void add_state(gate_ends *e, int closes, double ohm, double share) {
+    double *of_ohm = closes ? &e->closes : &e->opens, *of_share = closes ? &e->closes_share : &e->opens_share;
+    *of_ohm = fmin(*of_ohm, ohm);
+    *of_share = fmin(*of_share, share);
+}
+
 /* The voltage that a switch gives the gate while it is closed, with what R leave of it; `end`: its other
  * end. */
 static void add_closed(gate_ends *e, const GENinstance *by, int end) {
     const ns_own_range none = {0};
     ns_own_range level = {INFINITY, -INFINITY, 0, 1, 0.0, 0, 0}, volts;
     e->r.switches = 1;
-    if (ns_bridge_own_find_gate_by(e->way.ckt, e->m->gate, e->m->source, by, &volts)) {
+    double share;
+    if (ns_bridge_own_find_gate_by(e->way.ckt, e->m->gate, e->m->source, by, &volts, &share)) {
         ns_bridge_own_extend(&level, volts.low);
         ns_bridge_own_extend(&level, volts.high);
     } else {
+        share = NAN;
         add_end(e->way.ckt, e->m->source, end, none, &level);
     }
     if (!(level.low <= level.high))
         return;
-    double *ohm = (e->m->sign > 0 ? level.low : -level.high) > e->m->vth ? &e->closes : &e->opens;
-    *ohm = fmin(*ohm, ohm_by(e, by));
+    const int closes = (e->m->sign > 0 ? level.low : -level.high) > e->m->vth;
+    add_state(e, closes, ohm_by(e, by), share);
     ns_bridge_own_extend(&e->r, level.low);
     ns_bridge_own_extend(&e->r, level.high);
 }
@@ -131,9 +141,8 @@ static void visit_ends(gate_ends *e, int here) {
 static void add_rest(gate_ends *e, double share, double volts) {
     const int rests = e->known || share > 1.0 - 1e-12;
     const int closes = rests ? e->m->sign * volts > e->m->vth : isnan(e->closes);
-    double *ohm = closes ? &e->closes : &e->opens;
     if (rests || isnan(e->closes) != isnan(e->opens))
-        *ohm = fmin(*ohm, ohm_by(e, NULL));
+        add_state(e, closes, ohm_by(e, NULL), rests ? share : NAN);
 }
 
 /* 1 if switches, or D that are driven so, connect its gate with more than one voltage: those are in *r, and
@@ -146,6 +155,8 @@ static int find_ends(const CKTcircuit *ckt, const ns_own_mosfet *m, int known, d
                      .r = {INFINITY, -INFINITY, 0, 1, 0.0, 0, 0},
                      .opens = NAN,
                      .closes = NAN,
+                     .opens_share = NAN,
+                     .closes_share = NAN,
                      .known = known};
     if (known) {
         ns_bridge_own_extend(&e->r, r->low);
@@ -260,13 +271,16 @@ static int is_behind_ohm(const CKTcircuit *ckt, const ns_own_mosfet *m) {
 static int find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_drive *drive) {
     ns_own_range r = {0};
     gate_ends ends;
+    static const double half = 0.5;
     double share, ohm;
+    int is_pulled = 0; /* to ground, by what opens it */
     const int known = ns_bridge_own_find_gate(ckt, m->gate, m->source, &r, &share, &ohm);
     double opens = ohm, closes = ohm;
     if ((!known || (r.low == r.high && !r.amplifies)) && find_ends(ckt, m, known, share, &r, &ends)) {
         opens = ends.opens;
         closes = ends.closes;
-        share = 1.0;
+        share = ends.closes_share < half ? 0.0 : 1.0;
+        is_pulled = ends.opens_share < half;
     } else if (!known) {
         drive->opens = share > 1.0 - 1e-12 ? ohm : NAN; /* what charges it is not known */
         return find_drive_of_drain(ckt, m, drive);
@@ -276,11 +290,14 @@ static int find_drive(const CKTcircuit *ckt, const ns_own_mosfet *m, ns_own_driv
                             .shunt = 1.0}; /* ohm: more than most shunts that sense a current */
     ns_own_range source = {0};
     *drive = drive_of(m, &r, 0, opens, closes);
-    if (share >= 0.5) {
-        drive->follows = is_behind_ohm(ckt, m) ? FOLLOWS_SHUNT : 0;
+    const int is_tied = ns_bridge_own_way(&to_ground, m->source, &source);
+    if (share >= half) {
+        drive->follows = is_behind_ohm(ckt, m)   ? FOLLOWS_SHUNT
+                         : is_pulled && !is_tied ? FOLLOWS_AND_CLOSES
+                                                 : 0;
         return 1;
     }
-    if (ns_bridge_own_way(&to_ground, m->source, &source)) {
+    if (is_tied) {
         drive->follows = is_raised(ckt, m->source) ? FOLLOWS_SHUNT : 0;
         return 1;
     }

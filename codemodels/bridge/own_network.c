@@ -336,11 +336,11 @@ int ns_bridge_own_find_gate(const CKTcircuit *ckt, int gate, int source, ns_own_
 }
 
 int ns_bridge_own_find_gate_by(const CKTcircuit *ckt, int gate, int source, const GENinstance *by,
-                               ns_own_range *r) {
-    double share, ohm;
+                               ns_own_range *r, double *share) {
+    double ohm;
     return find_voltage(
         (ns_own_way){.ckt = ckt, .find = ns_bridge_own_find_voltage, .goal = source, .closed = by}, gate, r,
-        &share, &ohm);
+        share, &ohm);
 }
 
 double ns_bridge_own_gate_ohm(const CKTcircuit *ckt, int gate, int source, const GENinstance *by,

@@ -11,7 +11,7 @@ int ns_bridge_own_find_gate(const CKTcircuit *ckt, int gate, int source, ns_own_
                             double *ohm);
 /* Likewise while a switch, or an M, is closed. */
 int ns_bridge_own_find_gate_by(const CKTcircuit *ckt, int gate, int source, const GENinstance *by,
-                               ns_own_range *r);
+                               ns_own_range *r, double *share);
 /* ohm through which it is held then (by NULL: while all switches are open), by V or a C of so many F, against
  * its source or ground; NAN: it is not. */
 double ns_bridge_own_gate_ohm(const CKTcircuit *ckt, int gate, int source, const GENinstance *by,
