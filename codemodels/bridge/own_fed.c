@@ -123,50 +123,54 @@ static int find_control(const ns_own_way *w, const VCCSinstance *g, ns_own_range
     return 1;
 }
 
-static int known_if(int known) {
-    return known ? FED_KNOWN : FED_UNKNOWN;
+int ns_bridge_own_read_fed_ends(const GENinstance *inst, int *p, int *n) {
+    switch (ns_bridge_models_letter(inst)) {
+    case 'i': /* ngspice calls the second node of the line positive */
+        *p = ((const ISRCinstance *)inst)->ISRCnegNode;
+        *n = ((const ISRCinstance *)inst)->ISRCposNode;
+        return 1;
+    case 'f':
+        *p = ((const CCCSinstance *)inst)->CCCSposNode;
+        *n = ((const CCCSinstance *)inst)->CCCSnegNode;
+        return 1;
+    case 'g':
+        *p = ((const VCCSinstance *)inst)->VCCSposNode;
+        *n = ((const VCCSinstance *)inst)->VCCSnegNode;
+        return 1;
+    case 'b':
+        *p = ((const ASRCinstance *)inst)->ASRCposNode;
+        *n = ((const ASRCinstance *)inst)->ASRCnegNode;
+        return ((const ASRCinstance *)inst)->ASRCtype != ASRC_VOLTAGE;
+    default:
+        return 0;
+    }
 }
 
-int ns_bridge_own_read_fed(const ns_own_way *w, const GENinstance *inst, int *p, int *n, ns_own_range *r) {
-    int known;
+int ns_bridge_own_find_fed(const ns_own_way *w, const GENinstance *inst, ns_own_range *r) {
+    double gain = 1.0;
+    int known = 1;
     *r = (ns_own_range){0};
     switch (ns_bridge_models_letter(inst)) {
     case 'i': {
         const ISRCinstance *i = (const ISRCinstance *)inst;
-        *p = i->ISRCnegNode; /* ngspice calls the second node of the line positive */
-        *n = i->ISRCposNode;
         *r = ns_bridge_own_range_of_wave(i->ISRCdcValue, i->ISRCfunctionType, i->ISRCfunctionOrder,
                                          i->ISRCcoeffsGiven ? i->ISRCcoeffs : NULL);
-        scale_by(r, i->ISRCmGiven ? i->ISRCmValue : 1.0);
-        return FED_KNOWN;
+        gain = i->ISRCmGiven ? i->ISRCmValue : 1.0;
+        break;
     }
-    case 'f': {
-        const CCCSinstance *f = (const CCCSinstance *)inst;
-        *p = f->CCCSposNode;
-        *n = f->CCCSnegNode;
-        known = find_current(w, f->CCCScontBranch, r);
-        scale_by(r, f->CCCScoeff);
-        return known_if(known);
-    }
-    case 'g': {
-        const VCCSinstance *g = (const VCCSinstance *)inst;
-        *p = g->VCCSposNode;
-        *n = g->VCCSnegNode;
-        known = find_control(w, g, r);
-        scale_by(r, g->VCCScoeff);
-        return known_if(known);
-    }
-    case 'b': {
-        const ASRCinstance *b = (const ASRCinstance *)inst;
-        if (b->ASRCtype == ASRC_VOLTAGE)
-            return FED_BY_NONE;
-        *p = b->ASRCposNode;
-        *n = b->ASRCnegNode;
-        known = ns_bridge_own_range_of_b(w->ckt, inst, ns_bridge_own_range_at, w->inside_b, 0, r);
-        scale_by(r, b->ASRCm);
-        return known_if(known);
-    }
+    case 'f':
+        known = find_current(w, ((const CCCSinstance *)inst)->CCCScontBranch, r);
+        gain = ((const CCCSinstance *)inst)->CCCScoeff;
+        break;
+    case 'g':
+        known = find_control(w, (const VCCSinstance *)inst, r);
+        gain = ((const VCCSinstance *)inst)->VCCScoeff;
+        break;
     default:
-        return FED_BY_NONE;
+        known = ns_bridge_own_range_of_b(w->ckt, inst, ns_bridge_own_range_at, w->inside_b, 0, r);
+        gain = ((const ASRCinstance *)inst)->ASRCm;
+        break;
     }
+    scale_by(r, gain);
+    return known;
 }

@@ -4,10 +4,11 @@
 
 #include "own_way.h"
 
-enum { FED_BY_NONE, FED_KNOWN, FED_UNKNOWN };
+/* The nodes of an I, F, G or a B of current, which flows from the first through it to the second; 0: it is
+ * none. */
+int ns_bridge_own_read_fed_ends(const GENinstance *inst, int *p, int *n);
 
-/* FED_BY_NONE: it is no source of current.  *p, *n: its nodes; *r, if known: A from the first through it to
- * the second, as V hold its control. */
-int ns_bridge_own_read_fed(const ns_own_way *w, const GENinstance *inst, int *p, int *n, ns_own_range *r);
+/* Its current, A, as V hold its control; 0: they do not say. */
+int ns_bridge_own_find_fed(const ns_own_way *w, const GENinstance *inst, ns_own_range *r);
 
 #endif

@@ -78,7 +78,7 @@ static int is_known_current(const CKTcircuit *ckt, const GENinstance *inst) {
     const ns_own_way w = {.ckt = ckt, .find = ns_bridge_own_find_voltage};
     ns_own_range amperes;
     int p, n;
-    return ns_bridge_own_read_fed(&w, inst, &p, &n, &amperes) == FED_KNOWN;
+    return ns_bridge_own_read_fed_ends(inst, &p, &n) && ns_bridge_own_find_fed(&w, inst, &amperes);
 }
 
 /* 1 if a C that does not lead to the source or to ground, or if allows_known to a node whose voltage V give,
@@ -122,6 +122,13 @@ static int is_inside_mosfet(const CKTcircuit *ckt, int p, int n) {
     return 0;
 }
 
+/* 1 if a current from p to n, of which the gate's nodes and the drain's are these, flows into the gate from
+ * elsewhere than its drain. */
+static int enters(const joined *gate, const joined *drain, const ns_own_mosfet *m, int p, int n) {
+    const int from = has(gate, p), to = has(gate, n), other = from ? n : p;
+    return p != n && (from || to) && ((from && to) || (other != m->drain && !has(drain, other)));
+}
+
 int ns_bridge_own_is_fed(const CKTcircuit *ckt, const ns_own_mosfet *m) {
     static const double most_ohm = 1e6; /* through more a current charges the gate all along the run */
     const ns_own_way w = {.ckt = ckt, .find = ns_bridge_own_find_voltage, .goal = m->source};
@@ -132,11 +139,8 @@ int ns_bridge_own_is_fed(const CKTcircuit *ckt, const ns_own_mosfet *m) {
     for (NGTABLEPTR box = ckt->DEVnameHash->thread; box; box = box->thread_next) {
         ns_own_range amperes;
         int p, n;
-        const int fed = ns_bridge_own_read_fed(&w, box->data, &p, &n, &amperes);
-        if (fed == FED_BY_NONE || (fed == FED_KNOWN && !charges) || p == n || is_inside_mosfet(ckt, p, n))
-            continue;
-        const int from = has(&gate, p), to = has(&gate, n), other = from ? n : p;
-        if ((from && to) || ((from || to) && other != m->drain && !has(&drain, other)))
+        if (ns_bridge_own_read_fed_ends(box->data, &p, &n) && enters(&gate, &drain, m, p, n) &&
+            !is_inside_mosfet(ckt, p, n) && (charges || !ns_bridge_own_find_fed(&w, box->data, &amperes)))
             return 1;
     }
     return 0;

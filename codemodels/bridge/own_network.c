@@ -128,10 +128,9 @@ static int is_left_out(const network *n, const GENinstance *inst) {
 static void add_fed(network *n, int k, const GENinstance *inst) {
     ns_own_range amperes;
     int p, m;
-    const int fed = ns_bridge_own_read_fed(&n->wires, inst, &p, &m, &amperes);
-    if (fed == FED_BY_NONE || p == m || (p != n->node[k] && m != n->node[k]))
+    if (!ns_bridge_own_read_fed_ends(inst, &p, &m) || p == m || (p != n->node[k] && m != n->node[k]))
         return;
-    if (fed == FED_KNOWN)
+    if (ns_bridge_own_find_fed(&n->wires, inst, &amperes))
         add_term(n, k, m == n->node[k] ? 1.0 : -1.0, amperes, 0);
     else
         n->is_fed = 1;
