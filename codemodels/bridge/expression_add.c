@@ -12,15 +12,16 @@ static double stop_of(const ns_extract_walk *w) {
 }
 
 static int refuse_node(expression_reader *r, GENinstance *inst) {
-    char text[TEXT], what[320];
+    char text[TEXT], what[360];
     if (!r->p.why)
         return r->p.status;
     ns_bridge_expression_text(r->b->ASRCtree, r->at, text, sizeof text);
     snprintf(what, sizeof what, "%s is not supported: %s: %s", text, r->p.why,
-             r->p.instead ? r->p.instead
-                          : "one factor has to be a number, a {parameter}, a comparison or the voltage of a "
-                            "V that jumps between "
-                            "two values; pwl(x, x1, y1, ...) approximates a curve");
+             r->p.instead
+                 ? r->p.instead
+                 : "one factor has to be a number, a {parameter}, a comparison (also in a B of its own) "
+                   "or the voltage of a V that jumps between two values; pwl(x, x1, y1, ...) approximates a "
+                   "curve");
     return ns_bridge_extract_refuse(r->w, inst, what);
 }
 
@@ -53,12 +54,13 @@ int ns_bridge_expression_add(ns_extract_walk *w, GENinstance *inst, double facto
     const ASRCinstance *b = (const ASRCinstance *)inst;
     const INPparseNode *root = ((const INPparseTree *)b->ASRCtree)->tree;
     ns_affine u;
-    if (!is_ready(w, b))
+    if (!is_ready(w, b) || ns_bridge_expression_steps_wait(w, b))
         return EXTRACT_LATER;
     if (w->next_node <= w->ex->neq)
         w->next_node = w->ex->neq + 1;
     ns_bridge_extract_users_name(w, inst, name, sizeof name);
-    expression_reader r = {.w = w,
+    expression_reader r = {.read = ns_bridge_expression_read,
+                           .w = w,
                            .b = b,
                            .root = root,
                            .p = {.circuit = w->ex->circuit,
