@@ -57,7 +57,8 @@ typedef struct ns_system {
     ns_command *command; /* nc */
     ns_large *large;     /* NULL, or owned */
     unsigned char
-        *balance; /* n; 1: row i is Kirchhoff's current law of a node, x_i its voltage; 0: not known */
+        *balance;   /* n; 1: row i is Kirchhoff's current law of a node, x_i its voltage; 0: not known */
+    double *ground; /* n: the row of ground in A: with all balances column j adds up to 0; NAN: not known */
 } ns_system;
 
 /* A system of these sizes, all zero, l = 0, u = inf, commands with gx and gz NULL.

@@ -42,6 +42,7 @@ static void ground_parts(const stamp *to, int *part, unsigned char *floating, in
         const int top = node->used ? ns_system_union_top(part, node->unknown) : 0;
         if (node->used && floating[top] && !(held && isnan(node->ic))) {
             ns_circuit_stamp_add(to, IN_A, node->unknown, node->unknown, -1);
+            ns_circuit_stamp_add(to, IN_A, -1, node->unknown, 1);
             floating[top] = 0;
         }
     }

@@ -38,6 +38,9 @@ static double *entry_of(const ns_system *s, matrix which, int i, int j) {
 }
 
 void ns_circuit_stamp_add(const stamp *to, matrix which, int i, int j, double value) {
+    if (i < 0 && j >= 0 && which == IN_A) {
+        to->s->ground[j] += value;
+    }
     if (i < 0 || j < 0) {
         return;
     }

@@ -50,6 +50,8 @@ static int stamp_all(const stamp *to) {
     const ns_circuit *c = to->c;
     for (int i = 0; i < c->nused; i++)
         to->s->balance[i] = 1;
+    for (int j = 0; j < to->s->n; j++)
+        to->s->ground[j] = 0;
     for (int i = 0; i < c->nelements; i++) {
         const element *e = &c->element[i];
         int status = NS_OK;

@@ -82,6 +82,7 @@ static int pick_rest(ns_output_only *a, const ns_large *all) {
     for (int i = 0; i < n; i++) {
         a->b[i] = s->b[a->stays[i]];
         a->balance[i] = s->balance[a->stays[i]];
+        a->ground[i] = s->ground[a->stays[i]];
     }
     return status;
 }
@@ -158,6 +159,7 @@ static int split_system(ns_output_only *a, const ns_large *all) {
     a->rest.M = a->rest.A = a->rest.B = a->rest.C = a->rest.D = a->rest.E = a->rest.F = NULL;
     a->rest.b = a->b;
     a->rest.balance = a->balance;
+    a->rest.ground = a->ground;
     return pick_rest(a, all);
 }
 
@@ -171,7 +173,7 @@ int ns_sparse_output_create(const ns_system *s, ns_output_only **out) {
         return NS_E_MEMORY;
     a->whole = s;
     a->place = calloc(3 * n + 1, sizeof *a->place);
-    a->b = calloc(2 * n + (size_t)s->nz + 1, sizeof *a->b);
+    a->b = calloc(3 * n + (size_t)s->nz + 1, sizeof *a->b);
     a->follows = calloc((size_t)s->nz + 1, sizeof *a->follows);
     a->bent = calloc(3 * n + 1, 1);
     int status = a->place && a->b && a->follows && a->bent ? NS_OK : NS_E_MEMORY;
@@ -181,7 +183,8 @@ int ns_sparse_output_create(const ns_system *s, ns_output_only **out) {
         a->stays = a->place + n;
         a->unknown = a->stays + n;
         a->r = a->b + n;
-        a->z = a->r + n;
+        a->ground = a->r + n;
+        a->z = a->ground + n;
         a->balance = a->bent + 2 * n;
         status = split_system(a, s->large ? s->large : &own);
     }

@@ -17,6 +17,7 @@ typedef struct ns_output_only {
     int *unknown, *stays;   /* count; rest.n: which of the whole's these are */
     int *place;             /* n: the index in rest; of one that is left out -1 - its index in unknown */
     unsigned char *balance; /* rest.n */
+    double *ground;         /* rest.n */
     double *b, *r;          /* rest.n; count: those left out at the inputs z */
     double *z;              /* nz */
     int *follows;           /* nfollows: which these are */

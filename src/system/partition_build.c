@@ -183,6 +183,8 @@ static void copy_vectors(const builder *k) {
     for (int i = 0; i < s->n; i++) {
         if (k->row[i] >= 0)
             k->to->balance[k->row[i]] = s->balance[i];
+        if (k->row[i] >= 0 && is_own(k, i)) /* all balances that it enters are here */
+            k->to->ground[k->row[i]] = s->ground[i];
         if (k->row[i] >= 0 && acts_on(k, i))
             k->to->b[k->row[i]] = s->b[i];
     }

@@ -39,6 +39,7 @@ static int allocate_arrays(ns_system *s, int n, int m, int nz, int nc, int large
         allocate_matrices(s, n, m, nz, &ok);
     }
     s->balance = allocate_array(n, 1, 1, &ok);
+    s->ground = allocate_array(n, 1, sizeof(double), &ok);
     s->b = allocate_array(n, 1, sizeof(double), &ok);
     s->e = allocate_array(m, 1, sizeof(double), &ok);
     s->l = allocate_array(m, 1, sizeof(double), &ok);
@@ -66,6 +67,9 @@ static int create_system(int n, int m, int nz, int nc, int large, ns_system **ou
     s->m = m;
     s->nz = nz;
     s->nc = nc;
+    for (int i = 0; i < n; i++) {
+        s->ground[i] = NAN;
+    }
     for (int i = 0; i < m; i++) {
         s->u[i] = INFINITY;
     }
@@ -118,6 +122,7 @@ void ns_system_free(ns_system *s) {
     free(s->z);
     free(s->command);
     free(s->balance);
+    free(s->ground);
     free(s);
 }
 

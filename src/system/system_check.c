@@ -130,7 +130,7 @@ int ns_system_check(const ns_system *s, ns_fault *fault) {
     if (s->n < 0 || s->m < 0 || s->nz < 0 || s->nc < 0) {
         return ns_system_blame(fault, NS_E_SIZE, NS_NOTHING, 0);
     }
-    if ((s->n > 0 && !s->balance) || (s->m > 0 && (!s->l || !s->u)) || (s->nz > 0 && !s->z) ||
+    if ((s->n > 0 && (!s->balance || !s->ground)) || (s->m > 0 && (!s->l || !s->u)) || (s->nz > 0 && !s->z) ||
         (s->nc > 0 && !s->command)) {
         return ns_system_blame(fault, NS_E_NULL, NS_NOTHING, 0);
     }

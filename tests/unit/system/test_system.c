@@ -111,8 +111,12 @@ static void check_names_the_place(void **state) {
     expect(s, &s->u[0], -1, NS_E_BOUNDS, 0, -1);
     expect(s, &s->z[0].u.dc, NAN, NS_E_NUMBER, -1, -1);
     assert_int_equal(ns_system_check(NULL, NULL), NS_E_NULL);
+    double *ground = s->ground;
+    s->ground = NULL; /* as in a system that ns_system_create() did not make */
+    assert_int_equal(ns_system_check(s, NULL), NS_E_NULL);
+    s->ground = ground;
     free(s->balance);
-    s->balance = NULL; /* as in a system that ns_system_create() did not make */
+    s->balance = NULL; /* the same */
     assert_int_equal(ns_system_check(s, NULL), NS_E_NULL);
     ns_system_free(s);
 }
